@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Digests of grids (docs/arithmetic.md, AR-DIG).
+ *
+ * Equality is claimed by memcmp; digests are for records.  A grid's digest is
+ * SHA-256 over a canonical form that knows nothing of chunk size or backend:
+ *
+ *   leaf    SHA-256(0x00 || 32^3 voxels, x fastest, little-endian, zero beyond the grid)
+ *   node    SHA-256(0x01 || left || right)      a tree over the leaves in x-fastest
+ *                                               order, split as in RFC 6962 section 2.1
+ *   digest  SHA-256(0x02 || header of 128 bytes || tree)
+ *
+ * Position is in the tree's order; kind, dims, spacing, origin and threshold
+ * are in the header, so grids of unequal geometry have unequal digests.
+ */
+#ifndef OSTEON_DIGEST_H
+#define OSTEON_DIGEST_H
+
+#include <osteon/grid.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { OST_DIGEST_BYTES = 32, OST_DIGEST_HEX = 65, OST_LEAF = 32 };
+
+typedef struct ost_digest {
+    uint8_t bytes[OST_DIGEST_BYTES];
+} ost_digest;
+
+/* Stage kinds, written into the header as a uint32. */
+typedef enum ost_grid_kind {
+    OST_GRID_RECT = 1,
+    OST_GRID_CUBIC = 2,
+    OST_GRID_BONE = 3,
+    OST_GRID_TOOL = 4
+} ost_grid_kind;
+
+/* Number of 32^3 leaves along each axis. */
+OST_API ost_dims ost_leaf_dims(ost_dims dims);
+
+/* Leaf of 32^3 int16 (or uint8) voxels given in canonical order. */
+OST_API ost_status ost_digest_leaf16(const int16_t voxels[OST_LEAF * OST_LEAF * OST_LEAF], ost_digest *out, ost_error *err);
+OST_API ost_status ost_digest_leaf8(const uint8_t voxels[OST_LEAF * OST_LEAF * OST_LEAF], ost_digest *out, ost_error *err);
+
+/* Tree and header over count leaves in x-fastest order; threshold is 0 unless the kind is a bone. */
+OST_API ost_status ost_digest_root(ost_grid_kind kind, const ost_geometry *geometry, int32_t threshold,
+                                   const ost_digest *leaves, size_t count, ost_digest *out, ost_error *err);
+
+/* A dense grid of the kind rect or cubic. */
+OST_API ost_status ost_digest_volume(ost_grid_kind kind, const ost_volume *volume, ost_digest *out, ost_error *err);
+
+/* SHA-256 of bytes, as sha256sum prints it. */
+OST_API ost_status ost_digest_bytes(const void *bytes, size_t size, ost_digest *out, ost_error *err);
+
+/* 64 lower-case digits and a NUL. Returns hex. */
+OST_API char *ost_digest_hex(const ost_digest *digest, char hex[OST_DIGEST_HEX]);
+OST_API bool ost_digest_equal(const ost_digest *a, const ost_digest *b);
+
+/* Running SHA-256, for streams (the samples of a text, a file). Opaque, one owner. */
+typedef struct ost_hasher ost_hasher;
+OST_API ost_status ost_hasher_open(ost_hasher **out, ost_error *err);
+OST_API ost_status ost_hasher_add(ost_hasher *hasher, const void *bytes, size_t size, ost_error *err);
+/* Ends and frees the hasher; out may be NULL. */
+OST_API ost_status ost_hasher_close(ost_hasher *hasher, ost_digest *out, ost_error *err);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A removal event: the poses a tool swept through since the last event, each
+ * as an integer map from bone voxels to tool voxels (docs/arithmetic.md,
+ * AR-SWEEP, AR-MAP, AR-REM).
+ *
+ *   previous pose, pose --ost_sweep_plan--> n poses --ost_map_make--> n maps
+ *                                                                      |
+ *   report per chunk and density class <------ backend.remove <--------'
+ *
+ * All of this is integer host code shared by every backend; tests/oracle
+ * holds it against an independent implementation in fractions.
+ */
+#ifndef OSTEON_EVENT_H
+#define OSTEON_EVENT_H
+
+#include <osteon/pose.h>
+#include <osteon/tool.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined __SIZEOF_INT128__
+__extension__ typedef __int128 ost_int128;
+#else
+#error "osteon needs 128-bit integers"
+#endif
+
+/* ------------------------------------------------------------------ sweep */
+
+enum { OST_SWEEP_MAX = 4096 };
+
+/*
+ * n of AR-SWEEP: the least n >= 1 with 4 * max|d|^2 <= n^2 * s^2, d the
+ * displacement of the tool box's corners (each rounded RHE to picometres)
+ * from pose a to pose b, s the bone's voxel.  OST_ERR_RANGE when n would
+ * exceed OST_SWEEP_MAX or the turn exceeds 90 degrees.
+ */
+OST_API ost_status ost_sweep_count(const ost_pose *a, const ost_pose *b, const ost_tool_geometry *tool, ost_pm bone_voxel,
+                                   int *count, ost_error *err);
+
+/* Pose k of n between a and b, 1 <= k <= n: ((n-k) a + k b) / n, RHE a component, q of b negated if q_a . q_b < 0. */
+OST_API ost_pose ost_sweep_pose(const ost_pose *a, const ost_pose *b, int k, int n);
+
+/* ------------------------------------------------------------------- map */
+
+/* Coordinates are fixed point: one tool voxel is 2^20. Blocks of 16^3 bone voxels are aligned to voxel (0, 0, 0). */
+enum { OST_MAP_FRACTION = 20, OST_MAP_BLOCK = 16, OST_MAP_RATIO_MAX = 16 };
+
+/*
+ * Tool coordinate of the centre of bone voxel (i, j, k) along axis a, times 2^20:
+ *
+ *   exactly  (origin[a] + i column[0][a] + j column[1][a] + k column[2][a]) / divisor
+ *   used     base[a] + di step[0][a] + dj step[1][a] + dk step[2][a]
+ *
+ * with base = RHE(exact) at the first voxel of its block, 0 <= di, dj, dk < 16,
+ * step = RHE(column / divisor).  The used one is off by at most 23 / 2^20.
+ * Ranges: |origin| < 2^126, divisor < 2^98, |step| <= 2^24 + 1 (bone voxel at
+ * most OST_MAP_RATIO_MAX tool voxels).
+ */
+typedef struct ost_map {
+    ost_int128 origin[3];
+    ost_int128 column[3][3];
+    ost_int128 divisor;
+    int32_t step[3][3]; /* [bone axis][tool axis] */
+} ost_map;
+
+/* bone must have equal spacing on its axes. OST_ERR_RANGE when the ratio or the tool's width is beyond what is proved. */
+OST_API ost_status ost_map_make(const ost_pose *pose, const ost_geometry *bone, const ost_tool_geometry *tool, ost_map *out,
+                                ost_error *err);
+
+/*
+ * Base of the block whose first voxel is (16 block.x, 16 block.y, 16 block.z).
+ * False when some axis lies outside [-2^29, 2^30 + 2^29): then no voxel of
+ * the block can be inside the tool's grid (proof at AR-MAP-5), and every
+ * coordinate of a block for which it is true fits int32.
+ */
+OST_API bool ost_map_block_base(const ost_map *map, ost_dims block, int32_t base[3]);
+
+/* ------------------------------------------------------------------ event */
+
+/* Bone voxels lo <= (i, j, k) < hi; empty when some lo >= hi. */
+typedef struct ost_voxel_box {
+    int32_t lo[3], hi[3];
+} ost_voxel_box;
+
+/* Half-open density classes: class c is [border[c], border[c + 1]), the last one open above. */
+enum { OST_CLASS_MAX = 8, OST_CLASS_NAME = 24 };
+typedef struct ost_density_classes {
+    int count;                    /* 1..OST_CLASS_MAX */
+    int16_t border[OST_CLASS_MAX]; /* strictly increasing; voxels below border[0] belong to class 0 */
+    char name[OST_CLASS_MAX][OST_CLASS_NAME];
+} ost_density_classes;
+
+/* cartilage [threshold, 150), cancellous [150, 650), cortical [650, ...): facts and sources in docs/arithmetic.md, AR-CLS. */
+OST_API ost_density_classes ost_density_classes_default(void);
+/* "name:border,name:border,..." as the command line has it. */
+OST_API ost_status ost_density_classes_parse(const char *text, ost_density_classes *out, ost_error *err);
+
+/*
+ * boxes[k] bounds the voxels that pose k may hit: whoever makes it proves
+ * that nothing outside is inside the tool.  The whole grid is always right.
+ */
+typedef struct ost_event {
+    int pose_count; /* 1..OST_SWEEP_MAX */
+    const ost_map *maps;
+    const ost_voxel_box *boxes;
+    const ost_density_classes *classes;
+} ost_event;
+
+typedef struct ost_chunk_report {
+    int32_t chunk; /* cx + chunk_dims.x * (cy + chunk_dims.y * cz) */
+    uint32_t voxels[OST_CLASS_MAX];
+    int64_t density[OST_CLASS_MAX]; /* sum over those voxels, before removal */
+} ost_chunk_report;
+
+/* Chunks with at least one hit voxel, ascending. Zero-initialise once, reuse for every event, free at the end. */
+typedef struct ost_report {
+    size_t count, capacity;
+    ost_chunk_report *chunks; /* owned */
+    uint64_t voxels[OST_CLASS_MAX];
+    int64_t density[OST_CLASS_MAX];
+    uint64_t total_voxels;
+    uint64_t touched_voxels; /* active bone voxels inside non-cutting tool voxels and no cutting one: never removed */
+} ost_report;
+
+/* Forgets the content, keeps the memory. */
+OST_API void ost_report_clear(ost_report *report);
+OST_API ost_status ost_report_add(ost_report *report, const ost_chunk_report *chunk, ost_error *err);
+OST_API void ost_report_free(ost_report *report);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

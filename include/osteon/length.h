@@ -1,0 +1,86 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Lengths, exactly: int64 picometres (docs/arithmetic.md, AR-LEN).
+ *
+ *   1 mm = 1,000,000,000 pm, so 0.48828125 mm and every decimal with up to
+ *   nine places is exact.  |length| <= OST_LENGTH_MAX (8 m).
+ *
+ * Decimals are read from text exactly; a float from a file stands for the
+ * shortest decimal that reads back as that float.  No function here uses
+ * floating point to decide a value; none depends on the locale.
+ */
+#ifndef OSTEON_LENGTH_H
+#define OSTEON_LENGTH_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <osteon/status.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define OST_PM_PER_MM INT64_C(1000000000)
+#define OST_LENGTH_MAX (INT64_C(8000) * OST_PM_PER_MM)
+
+typedef int64_t ost_pm;
+
+typedef struct ost_pm3 {
+    ost_pm x, y, z;
+} ost_pm3;
+
+/*
+ * A decimal as it was written: value = mantissa * 10^exponent, exactly, when
+ * inexact is false; otherwise digits beyond the 18th were not all zero, and
+ * the true magnitude lies strictly between |mantissa| and |mantissa|+1 units
+ * of 10^exponent.  places is the number of digits written after the point
+ * less the written exponent: 1.250e1 has places 2, a unit of 10^-places.
+ * places may be negative (12e3 has -3).
+ */
+typedef struct ost_decimal {
+    int64_t mantissa;
+    int32_t exponent;
+    int32_t places;
+    bool inexact;
+    bool negative; /* the sign as written, so that -0 is known */
+} ost_decimal;
+
+/*
+ * Reads the longest decimal ([+-]digits[.digits][(e|E)[+-]digits]) at the start
+ * of [text, end). Returns the first byte after it, or NULL when there is none
+ * ("nan", "inf", hexadecimal and an empty text are none) or when the written
+ * exponent's magnitude exceeds 9,999.
+ */
+OST_API const char *ost_decimal_read(const char *text, const char *end, ost_decimal *out);
+
+/*
+ * RHE(value * factor), factor >= 1; false when the result is beyond int64.
+ * If residue_exact is not NULL it receives whether no rounding happened.
+ */
+OST_API bool ost_decimal_scale(const ost_decimal *value, uint64_t factor, int64_t *out, bool *exact);
+
+/* The decimal in millimetres as picometres, RHE; false outside +-OST_LENGTH_MAX. */
+OST_API bool ost_decimal_to_pm(const ost_decimal *value, ost_pm *out, bool *exact);
+
+/* A whole text "0.47" as picometres. Fails on anything but one decimal in range. */
+OST_API ost_status ost_pm_parse(const char *text, ost_pm *out, ost_error *err);
+
+/* The shortest decimal that reads back as this float32 (or float64), as picometres, RHE. False on NaN, infinity, range. */
+OST_API bool ost_pm_from_float(float mm, ost_pm *out);
+OST_API bool ost_pm_from_double(double mm, ost_pm *out);
+
+/* The binary value itself, times 10^9, RHE: for mesh vertices (AR-MESH-2). False on NaN, infinity, range. */
+OST_API bool ost_pm_from_binary(double mm, ost_pm *out);
+
+enum { OST_PM_TEXT = 32 };
+/* Millimetres in the shortest exact decimal form, "0.47", "-57.34", "1": at most nine places. Returns text. */
+OST_API char *ost_pm_format(ost_pm value, char text[OST_PM_TEXT]);
+/* Nearest double, for people and pictures only. */
+OST_API double ost_pm_to_mm(ost_pm value);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * osteon: a surgical simulation platform for glenoid reaming, and any joint.
+ * This header brings all of the library; each concept has its own.
+ *
+ *   status.h   what can go wrong               backend.h  who keeps the voxels
+ *   length.h   picometres                      io.h       files in and out
+ *   pose.h     where a tool is                 phantom.h  generated bones and tools
+ *   grid.h     dense grids                     sim.h      the world and its step
+ *   mesh.h     triangles                       picture.h  pictures without a display
+ *   tool.h     tool grids                      path.h     a tool over time
+ *   digest.h   SHA-256 of grids                event.h    sweep, map, report
+ */
+#ifndef OSTEON_H
+#define OSTEON_H
+
+#include <osteon/backend.h>
+#include <osteon/digest.h>
+#include <osteon/event.h>
+#include <osteon/grid.h>
+#include <osteon/io.h>
+#include <osteon/length.h>
+#include <osteon/mesh.h>
+#include <osteon/path.h>
+#include <osteon/phantom.h>
+#include <osteon/picture.h>
+#include <osteon/pose.h>
+#include <osteon/sim.h>
+#include <osteon/status.h>
+#include <osteon/tool.h>
+
+#endif

@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Generated bones and parametric tools, so that everything runs with no data.
+ *
+ * A phantom is a CT: densities in HU on a rect grid at the sizes and spacings
+ * of the thesis' Table 3.1, with noise and partial volume, from a seed.  The
+ * same seed gives the same grid on every machine: integer noise, no libm
+ * beyond sqrt.  meta carries where the glenoid is (OST_META_GLENOID_AT,
+ * OST_META_GLENOID_AXIS, OST_META_SIDE).
+ */
+#ifndef OSTEON_PHANTOM_H
+#define OSTEON_PHANTOM_H
+
+#include <osteon/tool.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum ost_phantom_kind {
+    OST_PHANTOM_SCAPULA,     /* 256 x 234 x 201 at 0.47 x 0.47 x 1 mm */
+    OST_PHANTOM_GLENOID,     /* 49 x 81 x 41 at 0.47 x 0.47 x 1 mm: the scapula's glenoid */
+    OST_PHANTOM_TRABECULAR,  /* core 1: 156 x 156 x 313 at 32 um */
+    OST_PHANTOM_TRABECULAR2, /* core 2: 314 x 316 x 360 at 32 um */
+    OST_PHANTOM_FOAM,        /* 314 x 320 x 604 at 32 um */
+    OST_PHANTOM_COUNT
+} ost_phantom_kind;
+
+typedef struct ost_phantom_options {
+    uint64_t seed;     /* 0 = 1 */
+    ost_pm3 spacing;   /* 0 = the thesis'; the physical size stays, dims = ceil(size / spacing) */
+    double scale;      /* 0 = 1; of the anatomy and its box */
+    bool left;         /* default: right */
+} ost_phantom_options;
+
+OST_API const char *ost_phantom_name(ost_phantom_kind kind);
+/* options may be NULL. */
+OST_API ost_status ost_phantom_make(ost_phantom_kind kind, const ost_phantom_options *options, ost_volume *out, ost_error *err);
+
+/*
+ * Closed triangle meshes, working face toward -z (the tool cuts along -z of
+ * its own frame), shaft along +z, lengths in picometres; 0 = default.
+ *   reamer  hemispherical head with teeth: bounds (-18, -18, 0)..(17.4, 18, 20.3) mm by default
+ *   peg     cylinder
+ *   burr    sphere on a shaft
+ */
+typedef enum ost_tool_kind { OST_TOOL_REAMER, OST_TOOL_PEG, OST_TOOL_BURR, OST_TOOL_KIND_COUNT } ost_tool_kind;
+
+typedef struct ost_tool_options {
+    ost_pm diameter; /* reamer 36 mm, peg 6 mm, burr 6 mm */
+    ost_pm length;   /* reamer head 20.3 mm, peg 30 mm, burr shaft 20 mm */
+    int segments;    /* around the axis; 0 = 96 */
+} ost_tool_options;
+
+OST_API const char *ost_tool_kind_name(ost_tool_kind kind);
+OST_API ost_status ost_tool_make(ost_tool_kind kind, const ost_tool_options *options, ost_mesh *out, ost_error *err);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The world and its step (thesis 2.1, 2.5, Algs. 2.7-2.10), without a window.
+ *
+ *   tick -> tool's pose -> oriented boxes, separating axes -> sweep
+ *        -> per pose: intersection box, voxel box -> backend.remove -> result
+ *
+ * ost_world_step is the one function that advances the world by a tick; live,
+ * scripted and replayed sessions all go through it.
+ */
+#ifndef OSTEON_SIM_H
+#define OSTEON_SIM_H
+
+#include <osteon/backend.h>
+#include <osteon/path.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct ost_world ost_world;
+
+typedef struct ost_world_options {
+    bool sweep_off;                /* the thesis: one pose an event */
+    bool broad_phase_off;          /* plain definition: every voxel of the bone is tested (for tests) */
+    int64_t removal_period_ns;     /* 0: every tick removes; else the first tick of every period */
+    ost_density_classes classes;   /* count 0: the default ones */
+} ost_world_options;
+
+enum { OST_WORLD_TOOLS_MAX = 16 };
+
+/* The world borrows bone and tools: they outlive it. options may be NULL. */
+OST_API ost_status ost_world_create(ost_bone *bone, const ost_world_options *options, ost_world **out, ost_error *err);
+OST_API void ost_world_free(ost_world *world); /* NULL is allowed */
+OST_API ost_status ost_world_add_tool(ost_world *world, const char *name, const ost_tool *tool, int *index, ost_error *err);
+
+typedef struct ost_step_result {
+    bool removal;               /* this tick ran a removal event */
+    bool boxes_meet;            /* the oriented boxes met at one of its poses */
+    int pose_count;             /* of the sweep, 0 when no event ran */
+    int32_t chunk_lo[3];        /* range of chunks that the event may touch, half-open; empty when boxes do not meet */
+    int32_t chunk_hi[3];
+    const ost_report *report;   /* of this event; valid until the next step; NULL when no event ran */
+} ost_step_result;
+
+/* On an error (a jump too far, a turn too sharp) the world is as before the tick. */
+OST_API ost_status ost_world_step(ost_world *world, const ost_tick *tick, ost_step_result *result, ost_error *err);
+
+/* Totals since the world was made. */
+typedef struct ost_world_totals {
+    uint64_t ticks, removals, poses;
+    uint64_t removed_voxels;
+    uint64_t removed_by_class[OST_CLASS_MAX];
+    int64_t density_by_class[OST_CLASS_MAX];
+} ost_world_totals;
+OST_API void ost_world_totals_get(const ost_world *world, ost_world_totals *out);
+OST_API const ost_density_classes *ost_world_classes(const ost_world *world);
+
+/* ---------------------------------------------------------- built-in paths */
+
+/* A glenoid: the centre of its face and the inward direction, in the bone's frame. */
+typedef struct ost_glenoid {
+    ost_pm3 at;
+    double axis[3]; /* need not be unit; not zero */
+    bool left;
+} ost_glenoid;
+
+/* From OST_META_*; OST_ERR_USAGE naming the missing key. */
+OST_API ost_status ost_glenoid_from_meta(const ost_meta *meta, ost_glenoid *out, ost_error *err);
+
+typedef enum ost_builtin { OST_BUILTIN_PEG_HOLE, OST_BUILTIN_GLENOID_REAM, OST_BUILTIN_COUNT } ost_builtin;
+OST_API const char *ost_builtin_name(ost_builtin which); /* "peg-hole", "glenoid-ream" */
+
+/*
+ * 1 kHz ticks: approach, advance along the axis with the tool turning, dwell,
+ * retreat.  tool is the index the ticks carry; geometry is the tool's grid,
+ * whose working face is toward -z.
+ */
+OST_API ost_status ost_builtin_path(ost_builtin which, const ost_glenoid *glenoid, const ost_tool_geometry *geometry, int32_t tool,
+                                    ost_path *out, ost_error *err);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A tool grid on the host: one uint8 a voxel, x fastest.
+ *
+ *   0 void   1 cutting   2 not cutting (touches, but removes nothing)
+ *
+ * Voxel (i, j, k) has its centre at corner + (i + 1/2, j + 1/2, k + 1/2) * voxel
+ * in the tool's frame, which is the mesh file's own.
+ */
+#ifndef OSTEON_TOOL_H
+#define OSTEON_TOOL_H
+
+#include <osteon/mesh.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { OST_TOOL_VOID = 0, OST_TOOL_CUTTING = 1, OST_TOOL_NONCUTTING = 2 };
+
+typedef struct ost_tool_volume {
+    ost_tool_geometry geometry;
+    ost_meta meta;
+    uint8_t *voxels; /* owned; ost_dims_count(geometry.dims) elements */
+} ost_tool_volume;
+
+/* Zero-filled (void). */
+OST_API ost_status ost_tool_volume_init(ost_tool_volume *tool, const ost_tool_geometry *geometry, ost_error *err);
+OST_API void ost_tool_volume_free(ost_tool_volume *tool);
+/* Voxels of one class. */
+OST_API int64_t ost_tool_volume_count(const ost_tool_volume *tool, uint8_t tool_class);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

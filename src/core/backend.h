@@ -1,0 +1,94 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The one function table.  A backend is a const instance of ost_backend_ops,
+ * listed in src/core/backend.c; everything above the core reaches voxels
+ * through include/osteon/backend.h, whose functions check their arguments and
+ * then call through here.
+ *
+ * Rules for implementers
+ *   - No slot is NULL; what a backend cannot do returns OST_ERR_UNAVAILABLE.
+ *   - Objects embed the structs below as their first member; the caller of
+ *     the table has filled nothing in them: the backend does.
+ *   - Arguments were checked: assert, do not check again.
+ *   - One thread at a time per backend.
+ *   - Results are bit-exact as docs/arithmetic.md says, per slot below.
+ */
+#ifndef OST_CORE_BACKEND_H
+#define OST_CORE_BACKEND_H
+
+#include <osteon/backend.h>
+
+typedef struct ost_backend_ops ost_backend_ops;
+
+struct ost_backend {
+    const ost_backend_ops *ops;
+};
+
+struct ost_grid {
+    ost_backend *backend;
+    ost_geometry geometry;
+};
+
+struct ost_bone {
+    ost_backend *backend;
+    ost_geometry geometry;
+    int chunk_size;
+    int32_t threshold;
+};
+
+struct ost_tool {
+    ost_backend *backend;
+    ost_tool_geometry geometry;
+};
+
+struct ost_backend_ops {
+    const char *name;
+    const char *description;
+
+    /* Whether open can work here, cheaply; fills reason (never NULL, size bytes) when not. */
+    bool (*available)(char *reason, size_t size);
+    /* options is the text after "name:", or "". Sets *out; out->ops need not be set. */
+    ost_status (*open)(const char *options, ost_backend **out, ost_error *err);
+    void (*close)(ost_backend *backend);
+    ost_status (*finish)(ost_backend *backend, ost_error *err);
+
+    /* Zero-filled grid; slices up and down. No arithmetic. */
+    ost_status (*grid_create)(ost_backend *backend, const ost_geometry *geometry, ost_grid **out, ost_error *err);
+    void (*grid_free)(ost_grid *grid);
+    ost_status (*grid_upload)(ost_grid *grid, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
+    ost_status (*grid_download)(const ost_grid *grid, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
+
+    /* AR-CT-4..6, bit-exact including the report. */
+    ost_status (*ct_to_rect)(ost_grid *rect, const ost_sample *samples, size_t count, int64_t first_line,
+                             ost_duplicates duplicates, ost_scatter_report *report, ost_error *err);
+    /* AR-CUB, bit-exact. geometry is the cubic grid's, already computed. */
+    ost_status (*rect_to_cubic)(const ost_grid *rect, const ost_geometry *geometry, ost_resample rule, ost_grid **out, ost_error *err);
+    /* AR-CHK, bit-exact. */
+    ost_status (*cubic_to_chunks)(const ost_grid *cubic, int chunk_size, int32_t threshold, ost_bone **out, ost_error *err);
+
+    ost_status (*bone_create)(ost_backend *backend, const ost_geometry *geometry, int chunk_size, int32_t threshold, ost_bone **out,
+                              ost_error *err);
+    void (*bone_free)(ost_bone *bone);
+    /* Fills active_chunks, active_voxels, chunk_bytes; the rest is filled by the caller. */
+    ost_status (*bone_stats)(const ost_bone *bone, ost_bone_info *info, ost_error *err);
+    ost_status (*bone_upload)(ost_bone *bone, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
+    ost_status (*bone_download)(const ost_bone *bone, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
+    /* AR-DIG-2 leaves of 32^3, whatever the chunk size; leaves has room for all. */
+    ost_status (*bone_leaves)(const ost_bone *bone, ost_digest *leaves, ost_error *err);
+
+    /* AR-VOX, bit-exact including the report. noncutting may be NULL; same grid as cutting. */
+    ost_status (*voxelize)(ost_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
+                           ost_fill_rule rule, ost_voxelize_report *report, ost_tool **out, ost_error *err);
+    ost_status (*tool_upload)(ost_backend *backend, const ost_tool_volume *volume, ost_tool **out, ost_error *err);
+    /* volume is initialised; fills its voxels. */
+    ost_status (*tool_download)(const ost_tool *tool, ost_tool_volume *volume, ost_error *err);
+    void (*tool_free)(ost_tool *tool);
+
+    /* AR-REM, bit-exact including the report (cleared by the caller). */
+    ost_status (*remove)(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err);
+    ost_status (*collide)(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err);
+};
+
+extern const ost_backend_ops ost_backend_ref;
+
+#endif
