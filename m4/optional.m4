@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: Apache-2.0
+#
+# OST_OPTIONAL_PKG(VAR, option, pkg-config spec, Debian package, what absence costs)
+#   --with-option=auto (default): used when found.  yes: an error when absent.
+#   no: not used.  Defines HAVE_VAR, sets VAR_CFLAGS, VAR_LIBS, ost_summary_VAR.
+AC_DEFUN([OST_OPTIONAL_PKG], [
+  AC_ARG_WITH([$2], [AS_HELP_STRING([--with-$2], [use $2: yes, no or auto (default)])],
+    [], [with_$2=auto])
+  AS_CASE([$with_$2], [yes|no|auto], [],
+    [AC_MSG_ERROR([--with-$2 takes yes, no or auto, not '$with_$2'])])
+  have_$1=no
+  ost_summary_$1="no (--without-$2): $5"
+  AS_IF([test "x$with_$2" != xno], [
+    PKG_CHECK_MODULES([$1], [$3], [have_$1=yes], [have_$1=no])
+    AS_IF([test "x$have_$1" = xyes],
+      [AC_DEFINE([HAVE_$1], [1], [Define if $2 is used.])
+       ost_summary_$1="$2"],
+      [ost_summary_$1="no: $5; Debian: $4"
+       AS_IF([test "x$with_$2" = xyes],
+         [AC_MSG_ERROR([--with-$2 was asked for, but $3 was not found; Debian: $4])])])])
+  AM_CONDITIONAL([HAVE_$1], [test "x$have_$1" = xyes])
+])
+
+# OST_OPTIONAL_NIFTI: libnifti has no pkg-config file; its headers include each
+# other without their folder, so the folder must be on the path.
+AC_DEFUN([OST_OPTIONAL_NIFTI], [
+  AC_ARG_WITH([nifti], [AS_HELP_STRING([--with-nifti], [use libnifti: yes, no or auto (default)])],
+    [], [with_nifti=auto])
+  AS_CASE([$with_nifti], [yes|no|auto], [],
+    [AC_MSG_ERROR([--with-nifti takes yes, no or auto, not '$with_nifti'])])
+  AC_ARG_VAR([NIFTI_CFLAGS], [compiler flags for libnifti (default: -isystem /usr/include/nifti)])
+  AC_ARG_VAR([NIFTI_LIBS], [linker flags for libnifti (default: -lnifti2 -lznz -lz)])
+  have_NIFTI=no
+  ost_summary_NIFTI="no (--without-nifti): NIfTI files cannot be read or written"
+  AS_IF([test "x$with_nifti" != xno], [
+    AS_IF([test "x$NIFTI_CFLAGS" = x], [
+      for ost_dir in /usr/include/nifti /usr/local/include/nifti; do
+        AS_IF([test -r $ost_dir/nifti2_io.h && test "x$NIFTI_CFLAGS" = x], [NIFTI_CFLAGS="-isystem $ost_dir"])
+      done])
+    AS_IF([test "x$NIFTI_LIBS" = x], [NIFTI_LIBS="-lnifti2 -lznz -lz -lm"])
+    AC_MSG_CHECKING([for libnifti2])
+    ost_save_LIBS=$LIBS
+    ost_save_CPPFLAGS=$CPPFLAGS
+    LIBS="$NIFTI_LIBS $LIBS"
+    CPPFLAGS="$CPPFLAGS $NIFTI_CFLAGS"
+    AC_LINK_IFELSE([AC_LANG_PROGRAM([[#include <nifti2_io.h>]],
+                                    [[nifti_image *n = nifti_image_read("x", 0); return n != 0;]])],
+      [have_NIFTI=yes])
+    AC_MSG_RESULT([$have_NIFTI])
+    LIBS=$ost_save_LIBS
+    CPPFLAGS=$ost_save_CPPFLAGS
+    AS_IF([test "x$have_NIFTI" = xyes],
+      [AC_DEFINE([HAVE_NIFTI], [1], [Define if libnifti is used.])
+       ost_summary_NIFTI="libnifti (NIfTI-1 and -2)"],
+      [NIFTI_CFLAGS=; NIFTI_LIBS=
+       ost_summary_NIFTI="no: NIfTI files cannot be read or written; Debian: libnifti-dev"
+       AS_IF([test "x$with_nifti" = xyes],
+         [AC_MSG_ERROR([--with-nifti was asked for, but libnifti2 was not found; Debian: libnifti-dev])])])])
+  AM_CONDITIONAL([HAVE_NIFTI], [test "x$have_NIFTI" = xyes])
+])
