@@ -33,9 +33,9 @@ typedef struct ost_pm3 {
 
 /*
  * A decimal as it was written: value = mantissa * 10^exponent, exactly, when
- * inexact is false; otherwise digits beyond the 18th were not all zero, and
- * the true magnitude lies strictly between |mantissa| and |mantissa|+1 units
- * of 10^exponent.  places is the number of digits written after the point
+ * inexact is false; otherwise digits beyond the 18th significant one were not
+ * all zero, and the value stands for |mantissa| and a positive infinitesimal
+ * (AR-LEN-2: those digits can break a tie of a later rounding, nothing else).  places is the number of digits written after the point
  * less the written exponent: 1.250e1 has places 2, a unit of 10^-places.
  * places may be negative (12e3 has -3).
  */
@@ -57,7 +57,7 @@ OST_API const char *ost_decimal_read(const char *text, const char *end, ost_deci
 
 /*
  * RHE(value * factor), factor >= 1; false when the result is beyond int64.
- * If residue_exact is not NULL it receives whether no rounding happened.
+ * If exact is not NULL it receives whether no rounding happened.
  */
 OST_API bool ost_decimal_scale(const ost_decimal *value, uint64_t factor, int64_t *out, bool *exact);
 

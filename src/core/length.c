@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Picometres from decimals and from floats, and back to text (AR-LEN). */
+#include "core/conditions.h"
+
+#include <osteon/length.h>
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/integer.h"
+
+bool ost_decimal_to_pm(const ost_decimal *value, ost_pm *out, bool *exact)
+{
+    return ost_decimal_scale(value, (uint64_t)OST_PM_PER_MM, out, exact) && *out >= -OST_LENGTH_MAX && *out <= OST_LENGTH_MAX;
+}
+
+ost_status ost_pm_parse(const char *text, ost_pm *out, ost_error *err)
+{
+    const char *end = text + strlen(text);
+    ost_decimal decimal;
+    if (end == text || ost_decimal_read(text, end, &decimal) != end)
+        return ost_fail(err, OST_ERR_INPUT, "'%.80s' is not a length; expected a decimal number of millimetres, for example 0.47", text);
+    if (!ost_decimal_to_pm(&decimal, out, NULL))
+        return ost_fail(err, OST_ERR_RANGE, "%.80s mm is beyond the supported range of 8000 mm", text);
+    return OST_OK;
+}
+
+/*
+ * The shortest decimal that reads back: C's own printing and reading of
+ * correctly rounded decimals, tried with more and more digits.  The decimal
+ * point of the program's locale is put back to '.' before it is read exactly.
+ */
+static bool from_shortest(double value, bool single, ost_pm *out)
+{
+    char text[64];
+    int most = single ? 9 : 17;
+    for (int digits = 1;; digits++) {
+        snprintf(text, sizeof text, "%.*e", digits - 1, value);
+        if (digits == most || (single ? strtof(text, NULL) == (float)value : strtod(text, NULL) == value))
+            break;
+    }
+    char *point = strpbrk(text, ",");
+    if (point)
+        *point = '.';
+    ost_decimal decimal;
+    const char *end = text + strlen(text);
+    return ost_decimal_read(text, end, &decimal) == end && ost_decimal_to_pm(&decimal, out, NULL);
+}
+
+bool ost_pm_from_float(float mm, ost_pm *out)
+{
+    return isfinite(mm) && from_shortest((double)mm, true, out);
+}
+
+bool ost_pm_from_double(double mm, ost_pm *out)
+{
+    return isfinite(mm) && from_shortest(mm, false, out);
+}
+
+/*
+ * value = m * 2^e with |m| < 2^53.  m * 10^9 < 2^83; shifted right by -e it is
+ * rounded half to even, shifted left it fits while the result is in range:
+ * |value| <= 8192 mm < 2^13 gives e <= 13 - 52 < 0 for normal doubles.
+ */
+bool ost_pm_from_binary(double mm, ost_pm *out)
+{
+    if (!isfinite(mm) || mm > 8000.0 || mm < -8000.0)
+        return false;
+    int exponent;
+    double fraction = frexp(mm, &exponent); /* exact, 0.5 <= |fraction| < 1 */
+    ost_i128 scaled = (ost_i128)(int64_t)ldexp(fraction, 53) * OST_PM_PER_MM;
+    int shift = 53 - exponent; /* >= 40 as exponent <= 13 */
+    *out = shift > 120 ? 0 : (ost_pm)ost_rhe_div128(scaled, (ost_i128)1 << shift);
+    return true;
+}
+
+char *ost_pm_format(ost_pm value, char text[OST_PM_TEXT])
+{
+    uint64_t magnitude = value < 0 ? -(uint64_t)value : (uint64_t)value;
+    uint64_t whole = magnitude / (uint64_t)OST_PM_PER_MM;
+    uint64_t rest = magnitude % (uint64_t)OST_PM_PER_MM;
+    int length = snprintf(text, OST_PM_TEXT, "%s%" PRIu64 ".%09" PRIu64, value < 0 ? "-" : "", whole, rest);
+    while (text[length - 1] == '0')
+        text[--length] = 0;
+    if (text[length - 1] == '.')
+        text[--length] = 0;
+    return text;
+}
+
+double ost_pm_to_mm(ost_pm value)
+{
+    return (double)value / (double)OST_PM_PER_MM;
+}

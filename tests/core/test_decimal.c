@@ -1,0 +1,177 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Decimals and picometres are exact.
+ * Covers: AR-INT-1, AR-INT-2, AR-LEN-1, AR-LEN-2, AR-LEN-3, AR-LEN-4, AR-LEN-5
+ */
+#include "harness.h"
+
+#include <osteon/length.h>
+
+#include "core/integer.h"
+
+static ost_decimal decimal(const char *text)
+{
+    ost_decimal d = {0};
+    const char *end = text + strlen(text);
+    if (ost_decimal_read(text, end, &d) != end)
+        fail_msg("'%s' was not read to its end", text);
+    return d;
+}
+
+static int64_t pm(const char *text)
+{
+    ost_pm value = 0;
+    ost_error err = {0};
+    assert_ok(ost_pm_parse(text, &value, &err));
+    return value;
+}
+
+static void halves_go_to_even(void **state)
+{
+    (void)state;
+    static const struct {
+        int64_t n, d, floor, rhe;
+    } row[] = {
+        {7, 2, 3, 4}, {5, 2, 2, 2}, {-5, 2, -3, -2}, {-7, 2, -4, -4}, {1, 3, 0, 0}, {-1, 3, -1, 0}, {2, 3, 0, 1}, {-2, 3, -1, -1},
+        {INT64_MAX, 1, INT64_MAX, INT64_MAX}, {INT64_MIN, 1, INT64_MIN, INT64_MIN},
+        {INT64_MAX, INT64_MAX, 1, 1}, {INT64_MAX - 1, INT64_MAX, 0, 1},
+    };
+    for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
+        assert_int_equal(ost_floor_div(row[i].n, row[i].d), row[i].floor);
+        assert_int_equal(ost_rhe_div(row[i].n, row[i].d), row[i].rhe);
+        assert_int_equal((int64_t)ost_rhe_div128(row[i].n, row[i].d), row[i].rhe);
+    }
+    assert_int_equal(ost_ceil_div(7, 2), 4);
+    assert_int_equal(ost_ceil_div(-7, 2), -3);
+}
+
+static void decimals_are_read_as_written(void **state)
+{
+    (void)state;
+    ost_decimal d = decimal("-57.3400e1");
+    assert_int_equal(d.mantissa, -573400);
+    assert_int_equal(d.exponent, -3);
+    assert_int_equal(d.places, 3);
+    assert_true(d.negative);
+    d = decimal("12e3");
+    assert_int_equal(d.places, -3);
+    d = decimal("-0");
+    assert_true(d.negative && d.mantissa == 0);
+    d = decimal(".5");
+    assert_int_equal(d.mantissa, 5);
+    d = decimal("5.");
+    assert_int_equal(d.places, 0);
+    d = decimal("0.0000000000000000000000001");
+    assert_int_equal(d.mantissa, 1);
+    assert_int_equal(d.exponent, -25);
+    d = decimal("1234567890123456789000");
+    assert_int_equal(d.mantissa, INT64_C(123456789012345678));
+    assert_int_equal(d.exponent, 4);
+    assert_true(d.inexact);
+}
+
+static void what_is_no_decimal_is_none(void **state)
+{
+    (void)state;
+    static const char *const none[] = {"", "-", "+", ".", "e5", "nan", "inf", "-inf", "x1", " 1", "--1", "1e99999"};
+    ost_decimal d;
+    for (size_t i = 0; i < sizeof none / sizeof none[0]; i++)
+        assert_null(ost_decimal_read(none[i], none[i] + strlen(none[i]), &d));
+    const char *text = "1.5e+x";
+    assert_ptr_equal(ost_decimal_read(text, text + strlen(text), &d), text + 3);
+    text = "0x10";
+    assert_ptr_equal(ost_decimal_read(text, text + strlen(text), &d), text + 1);
+}
+
+static void picometres_round_half_to_even(void **state)
+{
+    (void)state;
+    assert_int_equal(pm("0.48828125"), INT64_C(488281250));
+    assert_int_equal(pm("0.47"), INT64_C(470000000));
+    assert_int_equal(pm("-57.34"), INT64_C(-57340000000));
+    assert_int_equal(pm("0.0000000005"), 0);
+    assert_int_equal(pm("0.0000000015"), 2);
+    assert_int_equal(pm("0.0000000025"), 2);
+    assert_int_equal(pm("-0.0000000015"), -2);
+    assert_int_equal(pm("0.00000000050000000000000000000000001"), 1);
+    assert_int_equal(pm("1e-50"), 0);
+    assert_int_equal(pm("8000"), OST_LENGTH_MAX);
+    ost_pm value;
+    assert_int_equal(ost_pm_parse("8000.000000001", &value, NULL), OST_ERR_RANGE);
+    assert_int_equal(ost_pm_parse("1e300", &value, NULL), OST_ERR_RANGE);
+    assert_int_equal(ost_pm_parse("1 mm", &value, NULL), OST_ERR_INPUT);
+    assert_int_equal(ost_pm_parse("", &value, NULL), OST_ERR_INPUT);
+}
+
+static void floats_stand_for_their_shortest_decimal(void **state)
+{
+    (void)state;
+    ost_pm value;
+    assert_true(ost_pm_from_float(0.47f, &value));
+    assert_int_equal(value, 470000000);
+    assert_true(ost_pm_from_float(0.488281f, &value));
+    assert_int_equal(value, 488281000);
+    assert_true(ost_pm_from_float(-57.34f, &value));
+    assert_int_equal(value, INT64_C(-57340000000));
+    assert_true(ost_pm_from_double(0.1, &value));
+    assert_int_equal(value, 100000000);
+    /* The binary value of 0.47f is 0.4699999988079071... mm. */
+    assert_true(ost_pm_from_binary((double)0.47f, &value));
+    assert_int_equal(value, 469999999);
+    assert_true(ost_pm_from_binary(0.0, &value));
+    assert_int_equal(value, 0);
+    assert_true(ost_pm_from_binary(5e-324, &value));
+    assert_int_equal(value, 0);
+    assert_false(ost_pm_from_float(strtof("nan", NULL), &value));
+    assert_false(ost_pm_from_double(strtod("inf", NULL), &value));
+    assert_false(ost_pm_from_binary(8000.1, &value));
+}
+
+/* Printing is exact and shortest, so reading it back gives the same integer. */
+static void format_and_parse_agree(void **state)
+{
+    (void)state;
+    char text[OST_PM_TEXT];
+    assert_string_equal(ost_pm_format(470000000, text), "0.47");
+    assert_string_equal(ost_pm_format(INT64_C(-57340000000), text), "-57.34");
+    assert_string_equal(ost_pm_format(0, text), "0");
+    assert_string_equal(ost_pm_format(-1, text), "-0.000000001");
+    test_rng rng = rng_seeded("format_and_parse_agree");
+    for (int i = 0; i < 20000; i++) {
+        ost_pm value = rng_range(&rng, -OST_LENGTH_MAX, OST_LENGTH_MAX);
+        assert_int_equal(pm(ost_pm_format(value, text)), value);
+    }
+}
+
+/* Scaling by 2^30 against long division with a remainder, digit by digit. */
+static void q30_agrees_with_long_division(void **state)
+{
+    (void)state;
+    test_rng rng = rng_seeded("q30_agrees_with_long_division");
+    for (int i = 0; i < 20000; i++) {
+        int64_t m = rng_range(&rng, 0, INT64_C(1000000000000));
+        char text[64];
+        snprintf(text, sizeof text, "0.%012lld", (long long)m);
+        ost_decimal d = decimal(text);
+        int64_t scaled;
+        assert_true(ost_decimal_scale(&d, UINT64_C(1) << 30, &scaled, NULL));
+        /* |scaled * 10^12 - m * 2^30| <= 10^12 / 2, even at equality */
+        __int128 off = (__int128)scaled * INT64_C(1000000000000) - ((__int128)m << 30);
+        off = off < 0 ? -off : off;
+        assert_true(off < INT64_C(500000000000) || (off == INT64_C(500000000000) && scaled % 2 == 0));
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(halves_go_to_even),
+        cmocka_unit_test(decimals_are_read_as_written),
+        cmocka_unit_test(what_is_no_decimal_is_none),
+        cmocka_unit_test(picometres_round_half_to_even),
+        cmocka_unit_test(floats_stand_for_their_shortest_decimal),
+        cmocka_unit_test(format_and_parse_agree),
+        cmocka_unit_test(q30_agrees_with_long_division),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
