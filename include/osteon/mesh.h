@@ -40,6 +40,7 @@ OST_API ost_status ost_mesh_open_edges(const ost_mesh *mesh, size_t *open_edges,
 /* Limits of a tool grid (AR-TOOL-1). */
 enum { OST_TOOL_DIM_MAX = 4096, OST_TOOL_DIM_REMOVE_MAX = 1024 };
 #define OST_TOOL_VOXEL_MIN (OST_PM_PER_MM / 1000)
+#define OST_TOOL_VOXELS_MAX (INT64_C(1) << 33)
 
 /* The grid of a tool: MinVoxelCoords (a corner, not a centre), voxel, dims (thesis, Alg. 2.1). */
 typedef struct ost_tool_geometry {
@@ -47,6 +48,9 @@ typedef struct ost_tool_geometry {
     ost_pm voxel;
     ost_pm3 corner;
 } ost_tool_geometry;
+
+/* OST_ERR_RANGE, saying which, when a limit above does not hold. */
+OST_API ost_status ost_tool_geometry_check(const ost_tool_geometry *geometry, ost_error *err);
 
 /* Alg. 2.1 with RHE over the bounds [min, max]. OST_ERR_RANGE beyond OST_TOOL_DIM_MAX or 2^33 voxels. */
 OST_API ost_status ost_tool_geometry_from_bounds(ost_pm3 min, ost_pm3 max, ost_pm voxel, ost_tool_geometry *out, ost_error *err);

@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Bounds, signed volume and open edges of meshes whose values are known by hand. */
+#include "harness.h"
+
+#include <osteon/mesh.h>
+
+/* A box of a x b x c mm, outward; each vertex once. */
+static void make_box(ost_mesh *mesh, int64_t a, int64_t b, int64_t c)
+{
+    static const uint32_t faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                                          {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+    ost_error err = {0};
+    assert_ok(ost_mesh_init(mesh, 8, 12, &err));
+    for (int i = 0; i < 8; i++)
+        mesh->vertices[i] = (ost_pm3){i & 1 ? a * OST_PM_PER_MM : 0, i & 2 ? b * OST_PM_PER_MM : 0, i & 4 ? c * OST_PM_PER_MM : 0};
+    memcpy(mesh->triangles, faces, sizeof faces);
+}
+
+static void a_box_has_its_volume_and_no_open_edge(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_mesh mesh;
+    make_box(&mesh, 2, 3, 5);
+    assert_true(ost_mesh_volume_mm3(&mesh) > 29.999999 && ost_mesh_volume_mm3(&mesh) < 30.000001);
+    size_t open = 99;
+    assert_ok(ost_mesh_open_edges(&mesh, &open, &err));
+    assert_int_equal(open, 0);
+    ost_pm3 min, max;
+    assert_ok(ost_mesh_bounds(&mesh, &min, &max, &err));
+    assert_int_equal(min.x, 0);
+    assert_int_equal(max.z, 5 * OST_PM_PER_MM);
+    mesh.triangle_count = 11;
+    assert_ok(ost_mesh_open_edges(&mesh, &open, &err));
+    assert_int_equal(open, 3);
+    mesh.triangle_count = 0;
+    assert_int_equal(ost_mesh_bounds(&mesh, &min, &max, NULL), OST_ERR_INPUT);
+    ost_mesh_free(&mesh);
+}
+
+static void a_turned_face_opens_its_edges(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_mesh mesh;
+    make_box(&mesh, 1, 1, 1);
+    uint32_t swap = mesh.triangles[4][0];
+    mesh.triangles[4][0] = mesh.triangles[4][1];
+    mesh.triangles[4][1] = swap;
+    size_t open = 0;
+    assert_ok(ost_mesh_open_edges(&mesh, &open, &err));
+    assert_int_equal(open, 3);
+    ost_mesh_free(&mesh);
+}
+
+static void too_large_is_refused(void **state)
+{
+    (void)state;
+    ost_mesh mesh;
+    assert_int_equal(ost_mesh_init(&mesh, 3, (size_t)OST_MESH_TRIANGLES_MAX + 1, NULL), OST_ERR_RANGE);
+    ost_mesh_free(&mesh);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_box_has_its_volume_and_no_open_edge),
+        cmocka_unit_test(a_turned_face_opens_its_edges),
+        cmocka_unit_test(too_large_is_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
