@@ -50,6 +50,10 @@ OST_API ost_status ost_digest_root(ost_grid_kind kind, const ost_geometry *geome
 /* A dense grid of the kind rect or cubic. */
 OST_API ost_status ost_digest_volume(ost_grid_kind kind, const ost_volume *volume, ost_digest *out, ost_error *err);
 
+/* The same for any dense voxels of 1 or 2 bytes (a tool: spacing = voxel, origin = corner, kind tool). */
+OST_API ost_status ost_digest_dense(ost_grid_kind kind, const ost_geometry *geometry, const void *voxels, size_t voxel_size,
+                                    ost_digest *out, ost_error *err);
+
 /* SHA-256 of bytes, as sha256sum prints it. */
 OST_API ost_status ost_digest_bytes(const void *bytes, size_t size, ost_digest *out, ost_error *err);
 
