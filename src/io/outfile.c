@@ -1,0 +1,381 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "io/outfile.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { BUFFER_BYTES = 1 << 16, NAME_BYTES = 64, SLOTS = 64, NAME_TRIES = 1000 };
+
+/*
+ * Hidden names that exist, or are about to, where a signal handler can find
+ * them.  The handler reads a slot only while it is LISTED, and the name is
+ * complete before that; a name that does not exist yet is harmless to unlink.
+ */
+enum { SLOT_FREE, SLOT_TAKEN, SLOT_LISTED };
+static struct {
+    atomic_int state;
+    int folder;
+    char name[NAME_BYTES];
+} slots[SLOTS];
+static atomic_uint name_counter;
+
+bool ost_outfile_named_only;
+
+struct ost_outfile {
+    char *path;       /* as given */
+    char *target;     /* with symbolic links followed; NULL when written in place */
+    const char *base; /* last part of target */
+    int folder;       /* -1 when written in place */
+    int fd;
+    int slot;         /* of the hidden name, -1 without one */
+    ost_status failed;
+    int failed_errno;
+    uint64_t size;    /* given to write */
+    uint64_t flushed; /* taken by the system */
+    size_t used;
+    unsigned char buffer[BUFFER_BYTES];
+};
+
+/* ------------------------------------------------------------ hidden names */
+
+/* Lists a fresh name in a slot; -1 when all are in use. */
+static int slot_take(int folder)
+{
+    for (int i = 0; i < SLOTS; i++) {
+        int expected = SLOT_FREE;
+        if (!atomic_compare_exchange_strong(&slots[i].state, &expected, SLOT_TAKEN))
+            continue;
+        slots[i].folder = folder;
+        snprintf(slots[i].name, sizeof slots[i].name, ".osteon-%ld-%u.part", (long)getpid(), atomic_fetch_add(&name_counter, 1));
+        atomic_store(&slots[i].state, SLOT_LISTED);
+        return i;
+    }
+    errno = EMFILE;
+    return -1;
+}
+
+static void slot_drop(int slot)
+{
+    if (slot >= 0)
+        atomic_store(&slots[slot].state, SLOT_FREE);
+}
+
+void ost_outfile_unlink_pending(void)
+{
+    int saved = errno;
+    for (int i = 0; i < SLOTS; i++)
+        if (atomic_load(&slots[i].state) == SLOT_LISTED)
+            unlinkat(slots[i].folder, slots[i].name, 0);
+    errno = saved;
+}
+
+/* Makes the file under a hidden name. */
+static int open_hidden(ost_outfile *file)
+{
+    for (int i = 0; i < NAME_TRIES; i++) {
+        file->slot = slot_take(file->folder);
+        if (file->slot < 0)
+            return -1;
+        int fd = openat(file->folder, slots[file->slot].name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (fd >= 0)
+            return fd;
+        slot_drop(file->slot);
+        file->slot = -1;
+        if (errno != EEXIST)
+            return -1;
+    }
+    return -1;
+}
+
+static void proc_path(int fd, char text[NAME_BYTES])
+{
+    snprintf(text, NAME_BYTES, "/proc/self/fd/%d", fd);
+}
+
+/* An unnamed file, or -1. It needs /proc to be given a name later, so that is tried now. */
+static int open_unnamed(const ost_outfile *file)
+{
+#ifdef O_TMPFILE
+    if (ost_outfile_named_only)
+        return -1;
+    int fd = openat(file->folder, ".", O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
+    if (fd < 0)
+        return -1;
+    char proc[NAME_BYTES];
+    struct stat by_fd, by_name;
+    proc_path(fd, proc);
+    if (fstat(fd, &by_fd) == 0 && stat(proc, &by_name) == 0 && by_fd.st_dev == by_name.st_dev && by_fd.st_ino == by_name.st_ino)
+        return fd;
+    close(fd);
+#else
+    (void)file;
+#endif
+    return -1;
+}
+
+/* ------------------------------------------------------------------- open */
+
+static ost_status cannot_write(const ost_outfile *file, int number, ost_error *err)
+{
+    return ost_fail(err, OST_ERR_IO, "%s: cannot be written: %s", file->path, strerror(number));
+}
+
+/* /dev/stdout may be a regular file that a shell appends to, so it is shared and not replaced. */
+static int standard_stream(const char *path)
+{
+    if (strcmp(path, "/dev/stdout") == 0)
+        return dup(STDOUT_FILENO);
+    if (strcmp(path, "/dev/stderr") == 0)
+        return dup(STDERR_FILENO);
+    return -1;
+}
+
+static ost_status open_in_place(ost_outfile *file, ost_error *err)
+{
+    file->fd = open(file->path, O_WRONLY | O_CLOEXEC | O_NOCTTY);
+    return file->fd < 0 ? cannot_write(file, errno, err) : OST_OK;
+}
+
+static ost_status open_beside(ost_outfile *file, ost_error *err)
+{
+    struct stat st;
+    if (lstat(file->path, &st) == 0 && S_ISLNK(st.st_mode)) {
+        file->target = realpath(file->path, NULL);
+        if (!file->target)
+            return ost_fail(err, OST_ERR_IO, "%s: is a symbolic link that leads nowhere (%s)", file->path, strerror(errno));
+    } else {
+        file->target = strdup(file->path);
+        if (!file->target)
+            return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a file name", file->path);
+    }
+    char *slash = strrchr(file->target, '/');
+    file->base = slash ? slash + 1 : file->target;
+    if (!*file->base)
+        return ost_fail(err, OST_ERR_IO, "%s: names a folder; a file name is needed", file->path);
+
+    if (!slash) {
+        file->folder = open(".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    } else {
+        char kept = slash[1];
+        slash[1] = 0;
+        file->folder = open(file->target, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+        if (file->folder < 0 && errno == EACCES)
+            file->folder = open(file->target, O_PATH | O_DIRECTORY | O_CLOEXEC);
+        slash[1] = kept;
+    }
+    if (file->folder < 0)
+        return ost_fail(err, OST_ERR_IO, "%s: its folder cannot be opened: %s", file->path, strerror(errno));
+    file->fd = open_unnamed(file);
+    if (file->fd < 0)
+        file->fd = open_hidden(file);
+    return file->fd < 0 ? cannot_write(file, errno, err) : OST_OK;
+}
+
+ost_status ost_outfile_open(const char *path, ost_outfile **out, ost_error *err)
+{
+    *out = NULL;
+    if (!*path)
+        return ost_fail(err, OST_ERR_USAGE, "an output file's name is empty");
+    ost_outfile *file = malloc(sizeof *file);
+    if (!file)
+        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for an output buffer of %d bytes", path, BUFFER_BYTES);
+    file->target = NULL;
+    file->base = NULL;
+    file->folder = file->fd = file->slot = -1;
+    file->failed = OST_OK;
+    file->failed_errno = 0;
+    file->size = file->flushed = 0;
+    file->used = 0;
+    file->path = strdup(path);
+
+    ost_status status = OST_OK;
+    struct stat st;
+    if (!file->path) {
+        status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a file name", path);
+    } else if ((file->fd = standard_stream(path)) >= 0) {
+        ;
+    } else if (stat(path, &st) != 0) {
+        status = open_beside(file, err);
+    } else if (S_ISDIR(st.st_mode)) {
+        status = ost_fail(err, OST_ERR_IO, "%s: is a folder; a file name is needed", path);
+    } else if (!S_ISREG(st.st_mode)) {
+        status = open_in_place(file, err);
+    } else if (access(path, W_OK) != 0) {
+        status = ost_fail(err, OST_ERR_IO, "%s: exists and may not be overwritten: %s", path, strerror(errno));
+    } else {
+        status = open_beside(file, err);
+    }
+    if (status != OST_OK) {
+        ost_outfile_discard(file);
+        return status;
+    }
+    *out = file;
+    return OST_OK;
+}
+
+/* ------------------------------------------------------------------ write */
+
+static ost_status write_failed(const ost_outfile *file, ost_error *err)
+{
+    const char *reason = strerror(file->failed_errno);
+    if (file->failed_errno == ENOSPC)
+        reason = "the disk is full";
+    else if (file->failed_errno == EDQUOT)
+        reason = "the disk quota is used up";
+    else if (file->failed_errno == EFBIG)
+        reason = "the limit of a file's size is reached";
+    else if (file->failed_errno == EPIPE)
+        reason = "the reader has closed the pipe";
+    return ost_fail(err, OST_ERR_IO, "%s: writing failed after %llu bytes: %s", file->path, (unsigned long long)file->flushed,
+                    reason);
+}
+
+static ost_status write_all(ost_outfile *file, const unsigned char *bytes, size_t size, ost_error *err)
+{
+    while (size > 0) {
+        /* Linux writes at most 0x7ffff000 bytes at once. */
+        ssize_t n = write(file->fd, bytes, size < (1u << 30) ? size : (1u << 30));
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n <= 0) {
+            file->failed = OST_ERR_IO;
+            file->failed_errno = n < 0 ? errno : ENOSPC;
+            return write_failed(file, err);
+        }
+        bytes += n;
+        size -= (size_t)n;
+        file->flushed += (uint64_t)n;
+    }
+    return OST_OK;
+}
+
+static ost_status flush_buffer(ost_outfile *file, ost_error *err)
+{
+    if (file->failed != OST_OK)
+        return write_failed(file, err);
+    size_t used = file->used;
+    file->used = 0;
+    return write_all(file, file->buffer, used, err);
+}
+
+ost_status ost_outfile_write(ost_outfile *file, const void *bytes, size_t size, ost_error *err)
+{
+    if (file->failed != OST_OK)
+        return write_failed(file, err);
+    file->size += size;
+    if (size <= BUFFER_BYTES - file->used) {
+        memcpy(file->buffer + file->used, bytes, size);
+        file->used += size;
+        return OST_OK;
+    }
+    ost_status status = flush_buffer(file, err);
+    if (status != OST_OK)
+        return status;
+    if (size >= BUFFER_BYTES)
+        return write_all(file, bytes, size, err);
+    memcpy(file->buffer, bytes, size);
+    file->used = size;
+    return OST_OK;
+}
+
+ost_status ost_outfile_printf(ost_outfile *file, ost_error *err, const char *format, ...)
+{
+    char text[2048];
+    va_list args;
+    va_start(args, format);
+    int n = vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    if (n < 0 || (size_t)n >= sizeof text)
+        return ost_fail(err, OST_ERR_INTERNAL, "%s: a formatted piece of output is too long", file->path);
+    return ost_outfile_write(file, text, (size_t)n, err);
+}
+
+uint64_t ost_outfile_size(const ost_outfile *file)
+{
+    return file->size;
+}
+
+const char *ost_outfile_path(const ost_outfile *file)
+{
+    return file->path;
+}
+
+/* -------------------------------------------------------------------- end */
+
+/* Gives the unnamed file its name: at once when it is free, else through a hidden name. */
+static int name_unnamed(ost_outfile *file)
+{
+    char proc[NAME_BYTES];
+    proc_path(file->fd, proc);
+    if (linkat(AT_FDCWD, proc, file->folder, file->base, AT_SYMLINK_FOLLOW) == 0)
+        return 0;
+    if (errno != EEXIST)
+        return -1;
+    for (int i = 0; i < NAME_TRIES; i++) {
+        int slot = slot_take(file->folder);
+        if (slot < 0)
+            return -1;
+        file->slot = slot;
+        if (linkat(AT_FDCWD, proc, file->folder, slots[slot].name, AT_SYMLINK_FOLLOW) == 0)
+            return renameat(file->folder, slots[slot].name, file->folder, file->base);
+        slot_drop(slot);
+        file->slot = -1;
+        if (errno != EEXIST)
+            return -1;
+    }
+    return -1;
+}
+
+ost_status ost_outfile_commit(ost_outfile *file, ost_error *err)
+{
+    ost_status status = flush_buffer(file, err);
+    if (status == OST_OK && file->target) {
+        if (fsync(file->fd) != 0) {
+            file->failed_errno = errno;
+            status = write_failed(file, err);
+        } else {
+            int named = file->slot < 0 ? name_unnamed(file)
+                                       : renameat(file->folder, slots[file->slot].name, file->folder, file->base);
+            if (named != 0) {
+                status = ost_fail(err, OST_ERR_IO, "%s: written, but cannot be given its name: %s", file->path, strerror(errno));
+            } else {
+                slot_drop(file->slot);
+                file->slot = -1;
+                /* The name itself lasts once the folder is synced; a folder that cannot be synced loses nothing now. */
+                (void)fsync(file->folder);
+            }
+        }
+    }
+    if (file->fd >= 0 && close(file->fd) != 0 && status == OST_OK && !file->target) {
+        file->failed_errno = errno;
+        status = write_failed(file, err);
+    }
+    file->fd = -1;
+    ost_outfile_discard(file);
+    return status;
+}
+
+void ost_outfile_discard(ost_outfile *file)
+{
+    if (!file)
+        return;
+    if (file->slot >= 0) {
+        unlinkat(file->folder, slots[file->slot].name, 0);
+        slot_drop(file->slot);
+    }
+    if (file->fd >= 0)
+        close(file->fd);
+    if (file->folder >= 0)
+        close(file->folder);
+    free(file->target);
+    free(file->path);
+    free(file);
+}
