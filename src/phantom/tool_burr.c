@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A spherical burr: a sphere that stands on z = 0, and a shaft of a third of
+ * its diameter that rises `length` above the sphere's top.
+ *
+ *         | |
+ *        ,| |.   the shaft leaves the sphere where it has the shaft's radius
+ *       (     )
+ *        `---'  z = 0
+ *
+ * Latitudes are half as many as the segments, equally spaced; those above the
+ * shaft's root are left out.
+ */
+#include "phantom/tool_shape.h"
+
+/* Radius and height of latitude k of n from the south pole. */
+static void latitude(int k, int n, ost_pm sphere, ost_pm *radius, ost_pm *z)
+{
+    ost_q60 c, s;
+    ost_circle(k, 2 * (int64_t)n, &c, &s);
+    *radius = ost_q60_times(sphere, s);
+    *z = sphere - ost_q60_times(sphere, c);
+}
+
+ost_status ost_tool_make_burr(const ost_tool_options *options, ost_mesh *out, ost_error *err)
+{
+    const ost_pm sphere = options->diameter / 2, shaft = options->diameter / 6;
+    const ost_pm top = options->diameter + options->length;
+    const int n = options->segments / 2;
+    ost_pm radius, z;
+    int latitudes = 0;
+    for (int k = 1; k < n; k++) {
+        latitude(k, n, sphere, &radius, &z);
+        if (z <= sphere || radius > shaft)
+            latitudes++;
+    }
+
+    ost_skin skin;
+    ost_status status = ost_skin_init(&skin, out, options->segments, latitudes + 2, 0, top, err);
+    if (status != OST_OK)
+        return status;
+    for (int k = 1; k <= latitudes; k++) {
+        latitude(k, n, sphere, &radius, &z);
+        ost_skin_circle(&skin, radius, z);
+    }
+    const ost_pm root = sphere + ost_isqrt((unsigned __int128)((__int128)sphere * sphere - (__int128)shaft * shaft));
+    ost_skin_circle(&skin, shaft, root);
+    ost_skin_circle(&skin, shaft, top);
+    return OST_OK;
+}

@@ -1,0 +1,150 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A glenoid reamer's head: a domed cutting face toward -z with twelve radial
+ * teeth, a rim with three flats that let it pass the retractors, and a hub
+ * with a socket for the drive shaft toward +z.
+ *
+ *               ___   ___        z = length
+ *              |   |_|   |       hub and its socket
+ *          .---'         '---.
+ *      .---'                 '---.
+ *     |                           |   rim
+ *      '-_/\_/\_       _/\_/\_-'      teeth: grooves run outward from a
+ *            '--._____.--'            smooth nose
+ *                              z = 0
+ *
+ * The dome is a sphere whose radius is 3/4 of the diameter (27 mm for 36 mm,
+ * about a glenoid's curvature).  Every tooth's crest lies on it and only the
+ * grooves lie deeper, so a turning reamer sweeps the smooth dome.
+ *
+ * The rim's flats look to 0, 120 and 240 degrees at 29/30 of the radius, and
+ * crests stand at every multiple of 30 degrees; so the bounds of the default
+ * head are (-18, -18, 0) to (17.4, 18, 20.3) mm exactly, those from which the
+ * thesis' three grids follow (docs/arithmetic.md, AR-TOOL).
+ *
+ * In polar coordinates the face and the back are heights over the radius, and
+ * the back is higher everywhere: the skin never meets itself.
+ */
+#include "phantom/tool_shape.h"
+
+#include "core/conditions.h"
+
+enum {
+    TEETH = 12,
+    FACE_RINGS = 28, /* on the face, from the nose to the rim */
+    NOSE_RINGS = 6,  /* of these: without grooves */
+    RAMP_RINGS = 6,  /* grooves grow to their full depth */
+    BACK_RINGS = 11
+};
+
+typedef struct reamer {
+    ost_pm radius;
+    ost_pm sphere; /* of the dome */
+    ost_pm groove; /* greatest depth */
+    int segments;
+} reamer;
+
+/* How deep the groove is at segment k, 0 on a crest's land to 1: a land, a relief slope, and a steep cutting face. */
+static ost_q60 groove_share(const reamer *r, int k)
+{
+    const int pitch = r->segments / TEETH;
+    const int at = k % pitch;
+    if (4 * at <= pitch)
+        return 0;
+    if (4 * at >= 3 * pitch)
+        return OST_Q60_ONE;
+    return ost_q60_ratio(4 * at - pitch, 2 * pitch);
+}
+
+/* The outline's radius over the full radius at segment k: 1, less on the flats. */
+static ost_q60 flat_share(const reamer *r, int k)
+{
+    const int third = r->segments / 3;
+    const int at = k % third;
+    ost_q60 c, s;
+    ost_circle(at < third - at ? at : third - at, r->segments, &c, &s); /* within 60 degrees of a flat: c >= 1/2 */
+    const ost_q60 share = ost_q60_ratio(OST_Q60_ONE - OST_Q60_ONE / 30, c);
+    return share < OST_Q60_ONE ? share : OST_Q60_ONE;
+}
+
+/* Height of the dome at a distance from the axis; floor, so never below z = 0. */
+static ost_pm dome(const reamer *r, ost_pm distance)
+{
+    return r->sphere - ost_isqrt((unsigned __int128)((__int128)r->sphere * r->sphere - (__int128)distance * distance));
+}
+
+/* Grooves cut a 24th into the rim's radius, so that the teeth show at the side. */
+static ost_q60 rim_share(const reamer *r, int k)
+{
+    return ost_q60_times(flat_share(r, k), OST_Q60_ONE - groove_share(r, k) / 24);
+}
+
+static void face_ring(const reamer *r, ost_skin *skin, int ring)
+{
+    ost_pm3 *points = ost_skin_ring(skin);
+    ost_pm deepest = 0;
+    if (ring > NOSE_RINGS)
+        deepest = ring < NOSE_RINGS + RAMP_RINGS ? r->groove * (ring - NOSE_RINGS) / RAMP_RINGS : r->groove;
+    for (int k = 0; k < r->segments; k++) {
+        ost_q60 c, s;
+        ost_circle(k, r->segments, &c, &s);
+        ost_pm distance = ost_q60_times(r->radius, rim_share(r, k)) * ring / FACE_RINGS;
+        points[k].x = ost_q60_times(distance, c);
+        points[k].y = ost_q60_times(distance, s);
+        points[k].z = dome(r, distance) + ost_q60_times(deepest, groove_share(r, k));
+    }
+}
+
+/* The back keeps the rim's outline, which fades into a circle toward the hub. */
+static void back_ring(const reamer *r, ost_skin *skin, ost_pm radius, ost_pm z, bool outline)
+{
+    if (!outline) {
+        ost_skin_circle(skin, radius, z);
+        return;
+    }
+    ost_pm3 *points = ost_skin_ring(skin);
+    for (int k = 0; k < r->segments; k++) {
+        ost_q60 c, s;
+        ost_circle(k, r->segments, &c, &s);
+        ost_pm distance = ost_q60_times(radius, rim_share(r, k));
+        points[k] = (ost_pm3){ost_q60_times(distance, c), ost_q60_times(distance, s), z};
+    }
+}
+
+ost_status ost_tool_make_reamer(const ost_tool_options *options, ost_mesh *out, ost_error *err)
+{
+    const ost_pm d = options->diameter, top = options->length;
+    char a[OST_PM_TEXT], b[OST_PM_TEXT];
+    if (options->segments % (2 * TEETH))
+        return ost_fail(err, OST_ERR_USAGE, "a reamer has %d teeth and takes a multiple of %d segments, not %d", TEETH, 2 * TEETH,
+                        options->segments);
+    if (20 * (int64_t)top < 9 * d)
+        return ost_fail(err, OST_ERR_USAGE, "a reamer of diameter %s mm must be at least %s mm long, for its hub", ost_pm_format(d, a),
+                        ost_pm_format(9 * d / 20, b));
+    const reamer r = {.radius = d / 2, .sphere = 3 * d / 4, .groove = d / 24, .segments = options->segments};
+    const ost_pm rim = dome(&r, r.radius);
+
+    ost_skin skin;
+    ost_status status = ost_skin_init(&skin, out, r.segments, FACE_RINGS + BACK_RINGS, 0, top - d / 6, err);
+    if (status != OST_OK)
+        return status;
+    for (int ring = 1; ring <= FACE_RINGS; ring++)
+        face_ring(&r, &skin, ring);
+
+    /* Radii and heights in 360ths of the diameter; 36 mm make that tenths of a millimetre. */
+    const struct {
+        int radius;
+        int above_rim; /* height over the rim, or */
+        int below_top; /* under the top */
+        bool outline;
+    } back[BACK_RINGS] = {
+        {180, 32, -1, true},  {174, 38, -1, true},  {120, 46, -1, false}, {74, 54, -1, false},
+        {66, 58, -1, false},  {62, 64, -1, false},  {62, -1, 8, false},   {54, -1, 0, false},
+        {34, -1, 0, false},   {30, -1, 4, false},   {30, -1, 60, false},
+    };
+    for (int i = 0; i < BACK_RINGS; i++) {
+        ost_pm z = back[i].above_rim >= 0 ? rim + d * back[i].above_rim / 360 : top - d * back[i].below_top / 360;
+        back_ring(&r, &skin, d * back[i].radius / 360, z, back[i].outline);
+    }
+    return OST_OK;
+}

@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What the parametric tools are made of: points on a circle, square roots,
+ * and a skin of rings from a lower pole to an upper one.
+ *
+ *        .  upper pole
+ *       / \
+ *      o---o  ring m-1        every ring has `segments` points, counter-
+ *      |   |                  clockwise seen from +z; neighbouring rings are
+ *      o---o  ring 0          joined by two triangles a segment, so the skin
+ *       \ /                   is closed and faces outward by construction
+ *        .  lower pole
+ *
+ * Integers only: the same tool on every machine, to the picometre.
+ */
+#ifndef OST_PHANTOM_TOOL_SHAPE_H
+#define OST_PHANTOM_TOOL_SHAPE_H
+
+#include <osteon/phantom.h>
+
+/* A number in [-4, 4] times 2^60. */
+typedef int64_t ost_q60;
+#define OST_Q60_ONE (INT64_C(1) << 60)
+
+/* numerator/denominator, 0 <= numerator <= 4 denominator, denominator >= 1; rounded RHE. */
+ost_q60 ost_q60_ratio(int64_t numerator, int64_t denominator);
+/* RHE(a * b / 2^60). */
+int64_t ost_q60_times(int64_t a, ost_q60 b);
+
+/* cos and sin of k/n of a turn, each within 2^-56; exactly symmetric under the eight mirrors, exact at quarter turns. n >= 1. */
+void ost_circle(int64_t k, int64_t n, ost_q60 *cosine, ost_q60 *sine);
+
+/* floor(sqrt(n)) of 0 <= n < 2^126. */
+int64_t ost_isqrt(unsigned __int128 n);
+
+typedef struct ost_skin {
+    int segments;
+    int rings;
+    int filled;     /* rings so far */
+    ost_mesh *mesh; /* vertices: lower pole, rings, upper pole */
+} ost_skin;
+
+/* Makes the mesh with its triangles; poles on the axis. rings >= 1. */
+ost_status ost_skin_init(ost_skin *skin, ost_mesh *mesh, int segments, int rings, ost_pm bottom, ost_pm top, ost_error *err);
+/* The next ring's points, to be written by the caller. */
+ost_pm3 *ost_skin_ring(ost_skin *skin);
+/* The next ring, a circle. */
+void ost_skin_circle(ost_skin *skin, ost_pm radius, ost_pm z);
+
+/* The kinds; lengths are filled in and within 0.1 mm to 1 m, segments within OST_TOOL_SEGMENTS_*. */
+enum { OST_TOOL_SEGMENTS_MIN = 12, OST_TOOL_SEGMENTS_MAX = 3072 };
+ost_status ost_tool_make_reamer(const ost_tool_options *options, ost_mesh *out, ost_error *err);
+ost_status ost_tool_make_peg(const ost_tool_options *options, ost_mesh *out, ost_error *err);
+ost_status ost_tool_make_burr(const ost_tool_options *options, ost_mesh *out, ost_error *err);
+
+#endif
