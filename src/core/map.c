@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The map of one pose (AR-MAP): from bone voxels to tool voxels, once per pose
+ * in 128 bits, and once per block of 16^3 voxels.
+ *
+ *   p_bone = R p_tool + t,  R = M / N      =>  p_tool = M' (p_bone - t) / N     (M' = M transposed)
+ *   p_bone = o + s (i, j, k)                   centre of a bone voxel
+ *   u      = 2^20 (p_tool - corner) / v        tool coordinate, v the tool's voxel
+ *
+ * so that with everything over the one divisor N v
+ *
+ *   origin[a]    = 2^20 ((M' (o - t))[a] - N corner[a])
+ *   column[b][a] = 2^20 M[b][a] s
+ *
+ * Ranges (checked in ost_map_make; lengths in pm, 8 m < 2^42.87):
+ *   2^59 <= N <= 2^60 + 2^52     1.001^2 = 1.002001 when read, at least cos^2(22.5 degrees) when interpolated
+ *   |M[b][a]| <= N               M / N is a rotation
+ *   |o - t| <= sqrt(3) * 16 m    so |M' (o - t)| <= N * 2^44.66 on any axis; the same for every voxel centre of
+ *                                the grid in place of o, as AR-GRID keeps them within 8 m
+ *   |corner| <= 8 m              so the bracket is below N * 2^45.03 < 2^105.04
+ *   |origin| < 2^125.04          and so is every partial sum origin + i column[0] + ... at a voxel of the grid
+ *   s, v <= 100 mm < 2^36.55     |column| < 2^116.56, divisor < 2^96.56
+ *   s <= 16 v                    |step| <= 2^24: |column / divisor| <= 2^20 * 16, and RHE of that is no more
+ */
+#include <osteon/event.h>
+
+#include "core/conditions.h"
+#include "core/integer.h"
+#include "core/rotation.h"
+
+static ost_status check(const ost_geometry *bone, const ost_tool_geometry *tool, ost_error *err)
+{
+    char s[OST_PM_TEXT], v[OST_PM_TEXT];
+    ost_status status = ost_geometry_check(bone, "bone", err);
+    if (status == OST_OK)
+        status = ost_tool_geometry_check(tool, err);
+    if (status != OST_OK)
+        return status;
+    if (bone->spacing.x != bone->spacing.y || bone->spacing.x != bone->spacing.z)
+        return ost_fail(err, OST_ERR_USAGE, "a bone needs equal spacing on its axes; resample it to cubic voxels first");
+    if (bone->spacing.x > OST_MAP_RATIO_MAX * tool->voxel)
+        return ost_fail(err, OST_ERR_RANGE, "a bone voxel of %s mm is more than %d tool voxels of %s mm; voxelize the tool coarser",
+                        ost_pm_format(bone->spacing.x, s), OST_MAP_RATIO_MAX, ost_pm_format(tool->voxel, v));
+    if (tool->dims.x > OST_TOOL_DIM_REMOVE_MAX || tool->dims.y > OST_TOOL_DIM_REMOVE_MAX || tool->dims.z > OST_TOOL_DIM_REMOVE_MAX)
+        return ost_fail(err, OST_ERR_RANGE, "a tool of %d x %d x %d voxels; removal takes up to %d an axis", tool->dims.x,
+                        tool->dims.y, tool->dims.z, OST_TOOL_DIM_REMOVE_MAX);
+    return OST_OK;
+}
+
+ost_status ost_map_make(const ost_pose *pose, const ost_geometry *bone, const ost_tool_geometry *tool, ost_map *out, ost_error *err)
+{
+    ost_status status = check(bone, tool, err);
+    if (status != OST_OK)
+        return status;
+    if (!ost_rotation_fits(pose))
+        return ost_fail(err, OST_ERR_RANGE, "a pose beyond 8 m or with a quaternion far from unit length");
+    ost_rotation r = ost_rotation_of(pose);
+    if (r.n < OST_ROTATION_N_MIN || r.n > OST_ROTATION_N_MAX)
+        return ost_fail(err, OST_ERR_RANGE, "a pose whose quaternion (%d, %d, %d, %d) / 2^30 is not near unit length", pose->qw,
+                        pose->qx, pose->qy, pose->qz);
+
+    const ost_i128 one = (ost_i128)1 << OST_MAP_FRACTION;
+    const ost_pm from[3] = {bone->origin.x - pose->t.x, bone->origin.y - pose->t.y, bone->origin.z - pose->t.z};
+    const ost_pm corner[3] = {tool->corner.x, tool->corner.y, tool->corner.z};
+
+    out->divisor = (ost_i128)r.n * tool->voxel;
+    for (int a = 0; a < 3; a++) {
+        ost_i128 turned = (ost_i128)r.m[0][a] * from[0] + (ost_i128)r.m[1][a] * from[1] + (ost_i128)r.m[2][a] * from[2];
+        out->origin[a] = one * (turned - (ost_i128)r.n * corner[a]);
+        for (int b = 0; b < 3; b++) {
+            out->column[b][a] = one * r.m[b][a] * bone->spacing.x;
+            out->step[b][a] = (int32_t)ost_rhe_div128(out->column[b][a], out->divisor);
+        }
+    }
+    return OST_OK;
+}
+
+/*
+ * AR-MAP-5.  A coordinate of the block is base + d, |d| <= D, where
+ * D = 15 * (sum of |step| over the bone's axes) <= 15 * (sqrt(3) * 2^24 + 3/2)
+ * = 435,889,178 < 2^29: a column of a rotation has |x| + |y| + |z| <= sqrt(3),
+ * and each RHE adds at most 1/2.
+ *   base <  -2^29         every coordinate is < 0
+ *   base >= 2^30 + 2^29   every coordinate is > 2^30, so beyond 1024 tool voxels
+ *   otherwise             -2^30 < coordinate < 2^31: it fits int32, and so does every partial sum
+ */
+bool ost_map_block_base(const ost_map *map, ost_dims block, int32_t base[3])
+{
+    const ost_i128 low = -((ost_i128)1 << 29);
+    const ost_i128 high = ((ost_i128)1 << 30) + ((ost_i128)1 << 29);
+    for (int a = 0; a < 3; a++) {
+        ost_i128 exact = map->origin[a] + OST_MAP_BLOCK * ((ost_i128)block.x * map->column[0][a] + (ost_i128)block.y * map->column[1][a] +
+                                                           (ost_i128)block.z * map->column[2][a]);
+        ost_i128 rounded = ost_rhe_div128(exact, map->divisor);
+        if (rounded < low || rounded >= high)
+            return false;
+        base[a] = (int32_t)rounded;
+    }
+    return true;
+}

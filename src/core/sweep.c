@@ -1,0 +1,95 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The poses between two ticks (AR-SWEEP): so many that no corner of the
+ * tool's box moves more than half a bone voxel from one to the next, on the
+ * average of the chord.
+ *
+ *     a o- - -o- - -o- - -o b      n = 3: poses k = 1, 2, 3; a ran in the event before
+ *
+ * All in integers, so that every backend and every replay sweeps alike.
+ */
+#include <osteon/event.h>
+
+#include "core/conditions.h"
+#include "core/integer.h"
+#include "core/rotation.h"
+
+/* |q| <= 1.001 * 2^30 each: |dot| <= 2^60.01. */
+static int64_t dot(const ost_pose *a, const ost_pose *b)
+{
+    return (int64_t)a->qw * b->qw + (int64_t)a->qx * b->qx + (int64_t)a->qy * b->qy + (int64_t)a->qz * b->qz;
+}
+
+/*
+ * RHE(M c / N) along one axis. The tool's box lies within 8 m of its origin,
+ * so |c| < sqrt(3) * 2^42.87 and |M c| <= N |c| < 2^60.01 * 2^43.66.
+ */
+static int64_t turned(const ost_rotation *r, int row, const ost_pm c[3])
+{
+    ost_i128 sum = (ost_i128)r->m[row][0] * c[0] + (ost_i128)r->m[row][1] * c[1] + (ost_i128)r->m[row][2] * c[2];
+    return (int64_t)ost_rhe_div128(sum, r->n);
+}
+
+/* max |d|^2 over the box's corners: each component is below 2 * 2^43.66 + 2^43.87 < 2^45.4, the sum of squares below 2^92.4. */
+static ost_i128 greatest_displacement_squared(const ost_pose *a, const ost_pose *b, const ost_tool_geometry *tool)
+{
+    ost_rotation ra = ost_rotation_of(a), rb = ost_rotation_of(b);
+    const int64_t dt[3] = {b->t.x - a->t.x, b->t.y - a->t.y, b->t.z - a->t.z};
+    const ost_pm lo[3] = {tool->corner.x, tool->corner.y, tool->corner.z};
+    const ost_pm hi[3] = {lo[0] + tool->dims.x * tool->voxel, lo[1] + tool->dims.y * tool->voxel, lo[2] + tool->dims.z * tool->voxel};
+    ost_i128 greatest = 0;
+    for (int corner = 0; corner < 8; corner++) {
+        const ost_pm c[3] = {corner & 1 ? hi[0] : lo[0], corner & 2 ? hi[1] : lo[1], corner & 4 ? hi[2] : lo[2]};
+        ost_i128 squared = 0;
+        for (int axis = 0; axis < 3; axis++) {
+            ost_i128 d = turned(&rb, axis, c) - turned(&ra, axis, c) + dt[axis];
+            squared += d * d;
+        }
+        greatest = squared > greatest ? squared : greatest;
+    }
+    return greatest;
+}
+
+ost_status ost_sweep_count(const ost_pose *a, const ost_pose *b, const ost_tool_geometry *tool, ost_pm bone_voxel, int *count,
+                           ost_error *err)
+{
+    ost_status status = ost_tool_geometry_check(tool, err);
+    if (status != OST_OK)
+        return status;
+    if (bone_voxel < OST_SPACING_MIN || bone_voxel > OST_SPACING_MAX)
+        return ost_fail(err, OST_ERR_RANGE, "bone voxel of %lld pm; 0.001 to 100 mm are supported", (long long)bone_voxel);
+    if (!ost_rotation_fits(a) || !ost_rotation_fits(b))
+        return ost_fail(err, OST_ERR_RANGE, "a pose beyond 8 m or with a quaternion far from unit length");
+    /* cos^2 of the angle between the quaternions is below 1/2: over 45 degrees there, over 90 in space. Below 2^121.03. */
+    ost_i128 d = dot(a, b);
+    if (2 * d * d < (ost_i128)dot(a, a) * dot(b, b))
+        return ost_fail(err, OST_ERR_RANGE, "the tool turns by more than 90 degrees in one tick");
+
+    ost_i128 needed = 4 * greatest_displacement_squared(a, b, tool); /* < 2^94.4 */
+    ost_i128 voxel_squared = (ost_i128)bone_voxel * bone_voxel;      /* <= 10^22 < 2^73.1, times 4096^2 < 2^97.1 */
+    ost_i128 n = 1;
+    while (n <= OST_SWEEP_MAX && n * n * voxel_squared < needed)
+        n++;
+    if (n > OST_SWEEP_MAX)
+        return ost_fail(err, OST_ERR_RANGE, "the tool moves by more than %d half voxels of the bone in one tick", OST_SWEEP_MAX);
+    *count = (int)n;
+    return OST_OK;
+}
+
+/* (n - k) a + k b over n, RHE. |a|, |b| < 2^43 and n <= 2^12. */
+static int64_t between(int64_t a, int64_t b, int64_t k, int64_t n)
+{
+    return ost_rhe_div((n - k) * a + k * b, n);
+}
+
+ost_pose ost_sweep_pose(const ost_pose *a, const ost_pose *b, int k, int n)
+{
+    int64_t sign = dot(a, b) < 0 ? -1 : 1;
+    return (ost_pose){
+        .t = {between(a->t.x, b->t.x, k, n), between(a->t.y, b->t.y, k, n), between(a->t.z, b->t.z, k, n)},
+        .qw = (int32_t)between(a->qw, sign * b->qw, k, n),
+        .qx = (int32_t)between(a->qx, sign * b->qx, k, n),
+        .qy = (int32_t)between(a->qy, sign * b->qy, k, n),
+        .qz = (int32_t)between(a->qz, sign * b->qz, k, n),
+    };
+}
