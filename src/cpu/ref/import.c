@@ -1,0 +1,230 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * From the samples of a CT text to the cubic grid (thesis, Algs. 2.2-2.5).
+ *
+ *   sample at p --RHE((p - origin) / spacing)--> voxel of the rect grid      AR-CT-4
+ *
+ *   offset      0        1/8        3/8   1/2 of a voxel
+ *               |---------|----------|-----|
+ *               quiet     counted    rejected                                AR-CT-5
+ *
+ *   cubic voxel i takes rect voxel floor(i cubic / rect), axis by axis       AR-CUB
+ */
+#include "cpu/ref/ref.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/conditions.h"
+#include "core/integer.h"
+
+ost_status ost_ref_grid_create(ost_backend *backend, const ost_geometry *geometry, ost_grid **out, ost_error *err)
+{
+    int64_t count = ost_dims_count(geometry->dims);
+    ref_grid *grid = malloc(sizeof *grid);
+    int16_t *voxels = calloc((size_t)count, sizeof *voxels);
+    if (!grid || !voxels) {
+        free(voxels);
+        free(grid);
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a grid of %d x %d x %d voxels (%lld bytes)", geometry->dims.x,
+                        geometry->dims.y, geometry->dims.z, (long long)count * 2);
+    }
+    *grid = (ref_grid){.base = {.backend = backend, .geometry = *geometry}, .voxels = voxels};
+    *out = &grid->base;
+    return OST_OK;
+}
+
+void ost_ref_grid_free(ost_grid *base)
+{
+    ref_grid *grid = (ref_grid *)base;
+    free(grid->voxels);
+    free(grid->seen);
+    free(grid);
+}
+
+static size_t slice_voxels(const ost_geometry *geometry)
+{
+    return (size_t)geometry->dims.x * (size_t)geometry->dims.y;
+}
+
+ost_status ost_ref_grid_upload(ost_grid *base, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err)
+{
+    (void)err;
+    ref_grid *grid = (ref_grid *)base;
+    size_t slice = slice_voxels(&base->geometry);
+    memcpy(grid->voxels + slice * (size_t)z0, voxels, slice * (size_t)count * sizeof *voxels);
+    return OST_OK;
+}
+
+ost_status ost_ref_grid_download(const ost_grid *base, int32_t z0, int32_t count, int16_t *voxels, ost_error *err)
+{
+    (void)err;
+    const ref_grid *grid = (const ref_grid *)base;
+    size_t slice = slice_voxels(&base->geometry);
+    memcpy(voxels, grid->voxels + slice * (size_t)z0, slice * (size_t)count * sizeof *voxels);
+    return OST_OK;
+}
+
+/* ------------------------------------------------- samples to rect grid */
+
+/*
+ * One axis of a sample. |p|, |origin| <= 8 m = 2^53 pm, so p - origin and
+ * index * spacing stay within 2^55. |off| <= spacing / 2 <= 5 * 10^10 pm, so
+ * off * 10^6 stays within 2^56.
+ */
+typedef struct lattice {
+    int64_t index;
+    int64_t off;     /* |p - lattice point| */
+    int64_t spacing; /* off is off / spacing of a voxel */
+} lattice;
+
+static lattice on_lattice(ost_pm p, ost_pm origin, ost_pm spacing)
+{
+    int64_t index = ost_rhe_div(p - origin, spacing);
+    int64_t off = p - origin - index * spacing;
+    return (lattice){index, off < 0 ? -off : off, spacing};
+}
+
+static bool beyond(const lattice at[3], int eighths)
+{
+    return 8 * at[0].off > eighths * at[0].spacing || 8 * at[1].off > eighths * at[1].spacing ||
+           8 * at[2].off > eighths * at[2].spacing;
+}
+
+static uint64_t offset_ppm(const lattice at[3])
+{
+    uint64_t worst = 0;
+    for (int a = 0; a < 3; a++) {
+        uint64_t ppm = (uint64_t)(at[a].off * 1000000 / at[a].spacing);
+        worst = ppm > worst ? ppm : worst;
+    }
+    return worst;
+}
+
+static bool inside(const lattice at[3], ost_dims dims)
+{
+    return at[0].index >= 0 && at[0].index < dims.x && at[1].index >= 0 && at[1].index < dims.y && at[2].index >= 0 &&
+           at[2].index < dims.z;
+}
+
+static bool readable(const ost_sample *s)
+{
+    return s->x >= -OST_LENGTH_MAX && s->x <= OST_LENGTH_MAX && s->y >= -OST_LENGTH_MAX && s->y <= OST_LENGTH_MAX &&
+           s->z >= -OST_LENGTH_MAX && s->z <= OST_LENGTH_MAX;
+}
+
+static bool before(int64_t line, int64_t recorded)
+{
+    return recorded == 0 || line < recorded;
+}
+
+/* AR-CT-6: a voxel met again. Equal densities are no conflict under any policy. */
+static void meet_again(int16_t *voxel, int16_t density, int64_t line, ost_duplicates duplicates, ost_scatter_report *report)
+{
+    report->duplicates++;
+    switch (duplicates) {
+    case OST_DUPLICATES_ERROR:
+        if (density != *voxel && before(line, report->conflict_line)) {
+            report->conflict_line = line;
+            report->conflict_had = *voxel;
+            report->conflict_has = density;
+        }
+        break;
+    case OST_DUPLICATES_FIRST:
+        break;
+    case OST_DUPLICATES_LAST:
+        *voxel = density;
+        break;
+    case OST_DUPLICATES_MAX:
+        if (density > *voxel)
+            *voxel = density;
+        break;
+    }
+}
+
+static void scatter(ref_grid *grid, const ost_sample *sample, int64_t line, ost_duplicates duplicates, ost_scatter_report *report)
+{
+    const ost_geometry *g = &grid->base.geometry;
+    report->samples++;
+    if (!readable(sample)) {
+        if (before(line, report->rejected_line))
+            report->rejected_line = line;
+        return;
+    }
+    lattice at[3] = {
+        on_lattice(sample->x, g->origin.x, g->spacing.x),
+        on_lattice(sample->y, g->origin.y, g->spacing.y),
+        on_lattice(sample->z, g->origin.z, g->spacing.z),
+    };
+    if (beyond(at, 1))
+        report->off_lattice++;
+    uint64_t ppm = offset_ppm(at);
+    if (ppm > report->worst_offset_ppm || (ppm > 0 && ppm == report->worst_offset_ppm && before(line, report->worst_line))) {
+        report->worst_offset_ppm = ppm;
+        report->worst_line = line;
+    }
+    if (beyond(at, 3) || !inside(at, g->dims)) {
+        if (before(line, report->rejected_line))
+            report->rejected_line = line;
+        return;
+    }
+    size_t v = (size_t)(at[0].index + g->dims.x * (at[1].index + g->dims.y * at[2].index));
+    uint8_t bit = (uint8_t)(1u << (v % 8));
+    if (grid->seen[v / 8] & bit) {
+        meet_again(&grid->voxels[v], (int16_t)sample->density, line, duplicates, report);
+    } else {
+        grid->seen[v / 8] |= bit;
+        grid->voxels[v] = (int16_t)sample->density;
+    }
+}
+
+ost_status ost_ref_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t count, int64_t first_line,
+                              ost_duplicates duplicates, ost_scatter_report *report, ost_error *err)
+{
+    ref_grid *grid = (ref_grid *)rect;
+    if (!grid->seen) {
+        size_t bytes = (size_t)((ost_dims_count(rect->geometry.dims) + 7) / 8);
+        grid->seen = calloc(bytes, 1);
+        if (!grid->seen)
+            return ost_fail(err, OST_ERR_MEMORY, "no memory to remember which voxels are set (%zu bytes)", bytes);
+    }
+    for (size_t i = 0; i < count; i++) {
+        assert(samples[i].density >= INT16_MIN && samples[i].density <= INT16_MAX);
+        scatter(grid, &samples[i], first_line + samples[i].line, duplicates, report);
+    }
+    return OST_OK;
+}
+
+/* --------------------------------------------------- rect grid to cubic */
+
+/* i * spacing < 2^14 * 10^11 < 2^51. The floor is below n, as i < ceil(n rect / cubic). */
+static int64_t source_index(int64_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_resample rule)
+{
+    if (rule == OST_RESAMPLE_FLOOR)
+        return ost_floor_div(i * cubic, rect);
+    int64_t nearest = ost_floor_div((2 * i + 1) * cubic, 2 * rect);
+    return nearest < n - 1 ? nearest : n - 1;
+}
+
+ost_status ost_ref_rect_to_cubic(const ost_grid *rect_base, const ost_geometry *geometry, ost_resample rule, ost_grid **out,
+                                 ost_error *err)
+{
+    const ref_grid *rect = (const ref_grid *)rect_base;
+    const ost_geometry *r = &rect_base->geometry;
+    ost_status status = ost_ref_grid_create(rect_base->backend, geometry, out, err);
+    if (status != OST_OK)
+        return status;
+    int16_t *to = ((ref_grid *)*out)->voxels;
+    for (int32_t k = 0; k < geometry->dims.z; k++) {
+        int64_t z = source_index(k, geometry->spacing.z, r->spacing.z, r->dims.z, rule);
+        for (int32_t j = 0; j < geometry->dims.y; j++) {
+            int64_t y = source_index(j, geometry->spacing.y, r->spacing.y, r->dims.y, rule);
+            for (int32_t i = 0; i < geometry->dims.x; i++) {
+                int64_t x = source_index(i, geometry->spacing.x, r->spacing.x, r->dims.x, rule);
+                *to++ = rect->voxels[x + r->dims.x * (y + r->dims.y * z)];
+            }
+        }
+    }
+    return OST_OK;
+}

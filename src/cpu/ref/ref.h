@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The scalar reference: plain, serial, the executable form of
+ * docs/arithmetic.md.  Read it beside that text; every file names the rules
+ * it carries out.  Nothing here is fast on purpose, and nothing is clever.
+ *
+ *   import.c    samples -> rect grid -> cubic grid      AR-CT-4..6, AR-CUB
+ *   bone.c      cubic grid -> chunks, slices, leaves    AR-CHK, AR-DIG-2
+ *   tool.c      tool grids
+ *   voxelize.c  snapped mesh -> tool grid               AR-VOX
+ *   remove.c    removal and collision                   AR-MAP, AR-REM
+ *   ref.c       the table
+ */
+#ifndef OST_CPU_REF_H
+#define OST_CPU_REF_H
+
+#include "core/backend.h"
+#include "core/chunk_grid.h"
+
+typedef struct ref_backend {
+    ost_backend base;
+    ost_digest empty_leaf; /* of 32^3 zeros, made once at open */
+} ref_backend;
+
+typedef struct ref_grid {
+    ost_grid base;
+    int16_t *voxels; /* owned */
+    uint8_t *seen;   /* owned; a bit a voxel, NULL before the first scatter */
+} ref_grid;
+
+typedef struct ref_bone {
+    ost_bone base;
+    ost_chunk_grid chunks;
+} ref_bone;
+
+typedef struct ref_tool {
+    ost_tool base;
+    uint8_t *voxels; /* owned */
+} ref_tool;
+
+ost_status ost_ref_grid_create(ost_backend *backend, const ost_geometry *geometry, ost_grid **out, ost_error *err);
+void ost_ref_grid_free(ost_grid *grid);
+ost_status ost_ref_grid_upload(ost_grid *grid, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
+ost_status ost_ref_grid_download(const ost_grid *grid, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
+ost_status ost_ref_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t count, int64_t first_line,
+                              ost_duplicates duplicates, ost_scatter_report *report, ost_error *err);
+ost_status ost_ref_rect_to_cubic(const ost_grid *rect, const ost_geometry *geometry, ost_resample rule, ost_grid **out,
+                                 ost_error *err);
+
+ost_status ost_ref_cubic_to_chunks(const ost_grid *cubic, int chunk_size, int32_t threshold, ost_bone **out, ost_error *err);
+ost_status ost_ref_bone_create(ost_backend *backend, const ost_geometry *geometry, int chunk_size, int32_t threshold,
+                               ost_bone **out, ost_error *err);
+void ost_ref_bone_free(ost_bone *bone);
+ost_status ost_ref_bone_stats(const ost_bone *bone, ost_bone_info *info, ost_error *err);
+ost_status ost_ref_bone_upload(ost_bone *bone, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
+ost_status ost_ref_bone_download(const ost_bone *bone, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
+ost_status ost_ref_bone_leaves(const ost_bone *bone, ost_digest *leaves, ost_error *err);
+
+/* Void tool of this geometry: what upload and voxelize fill. */
+ost_status ost_ref_tool_create(ost_backend *backend, const ost_tool_geometry *geometry, ref_tool **out, ost_error *err);
+ost_status ost_ref_tool_upload(ost_backend *backend, const ost_tool_volume *volume, ost_tool **out, ost_error *err);
+ost_status ost_ref_tool_download(const ost_tool *tool, ost_tool_volume *volume, ost_error *err);
+void ost_ref_tool_free(ost_tool *tool);
+
+ost_status ost_ref_voxelize_tool(ost_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
+                                 ost_fill_rule rule, ost_voxelize_report *report, ost_tool **out, ost_error *err);
+
+ost_status ost_ref_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err);
+ost_status ost_ref_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err);
+
+#endif

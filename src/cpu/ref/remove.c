@@ -1,0 +1,216 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Removal and collision (thesis, Alg. 2.10 and section 3.2.1; AR-MAP, AR-REM).
+ *
+ *   for each chunk with memory, ascending
+ *     for each aligned block of 16^3 voxels in it
+ *       for each pose whose box meets the block        a pose marks what it covers
+ *         base of the block
+ *         for each active voxel: u = base + i step[0] + j step[1] + k step[2]
+ *                                inside iff 0 <= u >> 20 < dims on every axis
+ *       for each marked voxel: count it, and when removing, take it away
+ *
+ * A voxel goes once however many poses cover it, and only where one of them
+ * does so with a cutting tool voxel.  Whether the marks are applied is the
+ * one difference between removal and collision.
+ */
+#include "cpu/ref/ref.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/conditions.h"
+
+enum { BLOCK = OST_MAP_BLOCK };
+
+/* OST_TOOL_* of the tool voxel that covers a bone voxel; cutting wins over poses. */
+typedef struct block_marks {
+    uint8_t mark[BLOCK][BLOCK][BLOCK]; /* [z][y][x] */
+    bool any;
+} block_marks;
+
+static uint8_t tool_at(const ref_tool *tool, int32_t ux, int32_t uy, int32_t uz)
+{
+    const ost_dims dims = tool->base.geometry.dims;
+    int32_t x = ux >> OST_MAP_FRACTION, y = uy >> OST_MAP_FRACTION, z = uz >> OST_MAP_FRACTION;
+    if (x < 0 || x >= dims.x || y < 0 || y >= dims.y || z < 0 || z >= dims.z)
+        return OST_TOOL_VOID;
+    return tool->voxels[x + (int64_t)dims.x * (y + (int64_t)dims.y * z)];
+}
+
+static int32_t min32(int32_t a, int32_t b)
+{
+    return a < b ? a : b;
+}
+
+static int32_t max32(int32_t a, int32_t b)
+{
+    return a > b ? a : b;
+}
+
+/* The box's part of the grid: no block whose first voxel lies outside is ever evaluated. */
+static ost_voxel_box clipped(const ost_voxel_box *box, ost_dims dims)
+{
+    return (ost_voxel_box){
+        .lo = {max32(box->lo[0], 0), max32(box->lo[1], 0), max32(box->lo[2], 0)},
+        .hi = {min32(box->hi[0], dims.x), min32(box->hi[1], dims.y), min32(box->hi[2], dims.z)},
+    };
+}
+
+/* One pose on one block (first: its first voxel). All sums fit int32: AR-MAP-5. */
+static void mark_pose(const ost_chunk_grid *grid, const ost_chunk *chunk, const int32_t first[3], const ref_tool *tool,
+                      const ost_map *map, const ost_voxel_box *whole, block_marks *marks)
+{
+    const ost_voxel_box box = clipped(whole, grid->dims);
+    int32_t lo[3], hi[3], base[3];
+    for (int a = 0; a < 3; a++) {
+        lo[a] = max32(box.lo[a] - first[a], 0);
+        hi[a] = min32(box.hi[a] - first[a], BLOCK);
+        if (lo[a] >= hi[a])
+            return;
+    }
+    if (!ost_map_block_base(map, (ost_dims){first[0] / BLOCK, first[1] / BLOCK, first[2] / BLOCK}, base))
+        return;
+    int32_t n = grid->size;
+    for (int32_t k = lo[2]; k < hi[2]; k++)
+        for (int32_t j = lo[1]; j < hi[1]; j++)
+            for (int32_t i = lo[0]; i < hi[0]; i++) {
+                int32_t v = (first[0] % n + i) + n * ((first[1] % n + j) + n * (first[2] % n + k));
+                if (!(chunk->occupancy[v / 32] >> (v % 32) & 1))
+                    continue;
+                uint8_t found = tool_at(tool, base[0] + i * map->step[0][0] + j * map->step[1][0] + k * map->step[2][0],
+                                        base[1] + i * map->step[0][1] + j * map->step[1][1] + k * map->step[2][1],
+                                        base[2] + i * map->step[0][2] + j * map->step[1][2] + k * map->step[2][2]);
+                if (found == OST_TOOL_VOID)
+                    continue;
+                uint8_t *mark = &marks->mark[k][j][i];
+                if (*mark != OST_TOOL_CUTTING)
+                    *mark = found;
+                marks->any = true;
+            }
+}
+
+/* AR-CLS: the last class whose border is not above the density, class 0 below all. */
+static int class_of(const ost_density_classes *classes, int16_t density)
+{
+    int c = classes->count - 1;
+    while (c > 0 && density < classes->border[c])
+        c--;
+    return c;
+}
+
+static void take_marks(const ost_chunk_grid *grid, ost_chunk *chunk, const int32_t first[3], const block_marks *marks,
+                       const ost_density_classes *classes, bool apply, ost_chunk_report *report, uint64_t *touched)
+{
+    int32_t n = grid->size;
+    for (int32_t k = 0; k < BLOCK; k++)
+        for (int32_t j = 0; j < BLOCK; j++)
+            for (int32_t i = 0; i < BLOCK; i++) {
+                uint8_t mark = marks->mark[k][j][i];
+                if (mark == OST_TOOL_VOID)
+                    continue;
+                if (mark != OST_TOOL_CUTTING) {
+                    ++*touched;
+                    continue;
+                }
+                int32_t v = (first[0] % n + i) + n * ((first[1] % n + j) + n * (first[2] % n + k));
+                int c = class_of(classes, chunk->density[v]);
+                report->voxels[c]++;
+                report->density[c] += chunk->density[v];
+                if (apply) {
+                    chunk->density[v] = 0;
+                    chunk->occupancy[v / 32] &= ~(UINT32_C(1) << (v % 32));
+                    chunk->active--;
+                }
+            }
+}
+
+/* The event on one chunk; report has its index and is otherwise zero. */
+static void run_chunk(const ost_chunk_grid *grid, ost_chunk *chunk, const int32_t corner[3], const ref_tool *tool,
+                      const ost_event *event, bool apply, ost_chunk_report *report, uint64_t *touched)
+{
+    for (int32_t z = 0; z < grid->size; z += BLOCK)
+        for (int32_t y = 0; y < grid->size; y += BLOCK)
+            for (int32_t x = 0; x < grid->size; x += BLOCK) {
+                const int32_t first[3] = {corner[0] + x, corner[1] + y, corner[2] + z};
+                block_marks marks;
+                memset(&marks, 0, sizeof marks);
+                for (int p = 0; p < event->pose_count; p++)
+                    mark_pose(grid, chunk, first, tool, &event->maps[p], &event->boxes[p], &marks);
+                if (marks.any)
+                    take_marks(grid, chunk, first, &marks, event->classes, apply, report, touched);
+            }
+}
+
+/* Chunks that some pose's box meets, half-open; lo > hi when there is none. */
+static void chunk_range(const ost_chunk_grid *grid, const ost_event *event, int32_t lo[3], int32_t hi[3])
+{
+    for (int a = 0; a < 3; a++) {
+        lo[a] = INT32_MAX;
+        hi[a] = 0;
+    }
+    for (int p = 0; p < event->pose_count; p++) {
+        const ost_voxel_box box = clipped(&event->boxes[p], grid->dims);
+        if (box.lo[0] >= box.hi[0] || box.lo[1] >= box.hi[1] || box.lo[2] >= box.hi[2])
+            continue;
+        for (int a = 0; a < 3; a++) {
+            lo[a] = min32(lo[a], box.lo[a] / grid->size);
+            hi[a] = max32(hi[a], (box.hi[a] - 1) / grid->size + 1);
+        }
+    }
+}
+
+/* Room for every chunk of the range, so that nothing can fail once the first voxel is gone. */
+static ost_status reserve(ost_report *report, const ost_chunk_grid *grid, const int32_t lo[3], const int32_t hi[3], ost_error *err)
+{
+    size_t needed = report->count;
+    for (int32_t z = lo[2]; z < hi[2]; z++)
+        for (int32_t y = lo[1]; y < hi[1]; y++)
+            for (int32_t x = lo[0]; x < hi[0]; x++)
+                needed += grid->chunks[x + grid->chunk_dims.x * (y + (int64_t)grid->chunk_dims.y * z)].active > 0;
+    if (needed <= report->capacity)
+        return OST_OK;
+    ost_chunk_report *grown = realloc(report->chunks, needed * sizeof *grown);
+    if (!grown)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a report of %zu chunks", needed);
+    report->chunks = grown;
+    report->capacity = needed;
+    return OST_OK;
+}
+
+static ost_status run_event(const ost_chunk_grid *grid, const ref_tool *tool, const ost_event *event, bool apply, ost_report *report,
+                            ost_error *err)
+{
+    int32_t lo[3], hi[3];
+    chunk_range(grid, event, lo, hi);
+    ost_status status = reserve(report, grid, lo, hi, err);
+    for (int32_t z = lo[2]; z < hi[2] && status == OST_OK; z++)
+        for (int32_t y = lo[1]; y < hi[1] && status == OST_OK; y++)
+            for (int32_t x = lo[0]; x < hi[0] && status == OST_OK; x++) {
+                int32_t index = x + grid->chunk_dims.x * (y + grid->chunk_dims.y * z);
+                ost_chunk *chunk = &grid->chunks[index];
+                if (chunk->active == 0)
+                    continue;
+                const int32_t corner[3] = {x * grid->size, y * grid->size, z * grid->size};
+                ost_chunk_report part = {.chunk = index};
+                run_chunk(grid, chunk, corner, tool, event, apply, &part, &report->touched_voxels);
+                bool hit = false;
+                for (int c = 0; c < OST_CLASS_MAX; c++)
+                    hit = hit || part.voxels[c] > 0;
+                if (hit)
+                    status = ost_report_add(report, &part, err);
+                if (chunk->active == 0)
+                    ost_chunk_release(chunk);
+            }
+    return status;
+}
+
+ost_status ost_ref_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err)
+{
+    return run_event(&((ref_bone *)bone)->chunks, (const ref_tool *)tool, event, true, report, err);
+}
+
+ost_status ost_ref_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err)
+{
+    return run_event(&((const ref_bone *)bone)->chunks, (const ref_tool *)tool, event, false, report, err);
+}
