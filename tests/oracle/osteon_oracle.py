@@ -1,0 +1,491 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The arithmetic of osteon a second time: numbers, texts, grids, chunks, digests.
+
+Written from docs/arithmetic.md alone, in Python's integers and fractions, with
+no eye on speed: every rule is spelled the way the text spells it, and named by
+its identifier.  What this and the C library have in common is the text, so
+where they differ one of the two (or the text) is wrong.
+
+    osteon_oracle         numbers, text -> rect -> cubic -> bone, digests
+    osteon_oracle_tool    mesh -> snapped mesh -> tool grid
+    osteon_oracle_events  poses -> sweep -> map -> removal
+    osteon_oracle_files   NRRD and STL files
+
+Run as a program it checks itself against the worked numbers of the text.
+"""
+
+import hashlib
+import re
+import struct
+from fractions import Fraction
+
+ARITHMETIC_VERSION = 1
+PM_PER_MM = 10**9
+LENGTH_MAX = 8 * 10**12
+
+
+class Refused(Exception):
+    """An input that the text calls an error."""
+
+
+# ------------------------------------------------------------------ numbers
+
+
+def floor(r):
+    """AR-INT-1"""
+    r = Fraction(r)
+    return r.numerator // r.denominator
+
+
+def ceil(r):
+    """AR-INT-1"""
+    return -floor(-Fraction(r))
+
+
+def rhe(r):
+    """AR-INT-2: the nearest integer, of two the even one."""
+    r = Fraction(r)
+    low = floor(r)
+    below, above = r - low, low + 1 - r
+    if below != above:
+        return low if below < above else low + 1
+    return low if low % 2 == 0 else low + 1
+
+
+DECIMAL = re.compile(r"[+-]?(?:\d+(?:\.(\d*))?|\.(\d+))(?:[eE]([+-]?\d+))?", re.ASCII)
+
+
+def decimal(text):
+    """AR-LEN-2: (exact value, places) of a whole text, or None."""
+    match = DECIMAL.fullmatch(text)
+    if not match:
+        return None
+    exponent = int(match.group(3) or 0)
+    if abs(exponent) > 9999:
+        raise Refused(f"exponent of '{text}'")
+    places = len(match.group(1) or match.group(2) or "") - exponent
+    return Fraction(text), places
+
+
+def length(value_mm):
+    """AR-LEN-3, AR-LEN-1"""
+    pm = rhe(value_mm * PM_PER_MM)
+    if abs(pm) > LENGTH_MAX:
+        raise Refused(f"{float(value_mm)} mm is beyond 8 m")
+    return pm
+
+
+def shortest_decimal(value, bits):
+    """AR-LEN-4: the decimal that a finite float32 or float64 stands for."""
+    exact = Fraction(value)
+    if exact == 0:
+        return exact
+
+    def reads_back(candidate):
+        return nearest_float(candidate, bits) == exact
+
+    magnitude = abs(exact)
+    exponent = 0
+    while Fraction(10) ** exponent > magnitude:
+        exponent -= 1
+    while Fraction(10) ** (exponent + 1) <= magnitude:
+        exponent += 1
+    for digits in range(1, 19):
+        unit = Fraction(10) ** (exponent - digits + 1)
+        low = floor(exact / unit)
+        found = [m for m in (low, low + 1) if reads_back(m * unit)]
+        if found:
+            return min(found, key=lambda m: (abs(m * unit - exact), m % 2)) * unit
+    raise AssertionError("every float64 has a decimal of 17 digits")
+
+
+def nearest_float(value, bits):
+    """The float32 or float64 nearest to a rational, ties to even, as a Fraction (no overflow wanted here)."""
+    if value == 0:
+        return Fraction(0)
+    mantissa, least = (24, -149) if bits == 32 else (53, -1074)
+    magnitude = abs(value)
+    exponent = 0
+    while Fraction(2) ** exponent > magnitude:
+        exponent -= 1
+    while Fraction(2) ** (exponent + 1) <= magnitude:
+        exponent += 1
+    unit = Fraction(2) ** max(exponent - mantissa + 1, least)
+    return rhe(value / unit) * unit
+
+
+# -------------------------------------------------------------------- grids
+
+
+class Grid:
+    """AR-GRID-1, AR-GRID-2: dims, spacing, origin and a list of values, x fastest."""
+
+    def __init__(self, dims, spacing, origin, voxels=None):
+        self.dims, self.spacing, self.origin = tuple(dims), tuple(spacing), tuple(origin)
+        nx, ny, nz = self.dims
+        self.voxels = [0] * (nx * ny * nz) if voxels is None else voxels
+        assert len(self.voxels) == nx * ny * nz
+
+    def index(self, i, j, k):
+        return i + self.dims[0] * (j + self.dims[1] * k)
+
+    def check(self):
+        """AR-GRID-3"""
+        nx, ny, nz = self.dims
+        if not all(1 <= n <= 16384 for n in self.dims) or nx * ny * nz > 2**36:
+            raise Refused(f"dims {self.dims}")
+        if not all(10**6 <= s <= 10**11 for s in self.spacing):
+            raise Refused(f"spacing {self.spacing}")
+        for n, s, o in zip(self.dims, self.spacing, self.origin):
+            if max(abs(o), abs(o + (n - 1) * s)) > LENGTH_MAX:
+                raise Refused("a voxel beyond 8 m")
+        return self
+
+
+# ------------------------------------------------------------- text to rect
+
+
+class Text:
+    """The samples of a CT text, with the least number of places per axis and the facts in its comments."""
+
+    def __init__(self, content):
+        self.samples, self.places, self.meta = [], [None] * 3, {}
+        may_be_header = True
+        lines = content.split("\n")
+        for number, line in enumerate(lines, 1):
+            line = line[:-1] if line.endswith("\r") else line
+            line, hash_sign, comment = line.partition("#")
+            if hash_sign:
+                self._fact(comment)
+            fields = self._fields(line)
+            if not fields:
+                continue
+            if may_be_header and not DECIMAL.match(fields[0]):
+                may_be_header = False
+                continue
+            may_be_header = False
+            self._sample(fields, number)
+
+    @staticmethod
+    def _fields(line):
+        """AR-CT-1: blanks, or one comma or semicolon among them, between fields."""
+        line = line.strip(" \t")
+        return re.split(r"[ \t]*[,;][ \t]*|[ \t]+", line) if line else []
+
+    def _fact(self, comment):
+        """AR-CT-8"""
+        match = re.fullmatch(r"[ \t]*osteon[ \t]+([a-z0-9_]{1,40})[ \t]*:(.*)", comment)
+        if match:
+            self.meta[match.group(1)] = match.group(2).strip()
+
+    def _sample(self, fields, number):
+        """AR-CT-2"""
+        if len(fields) != 4:
+            raise Refused(f"line {number}: {len(fields)} fields")
+        numbers = [decimal(field) for field in fields]
+        if None in numbers:
+            raise Refused(f"line {number}: not a decimal")
+        density = numbers[3][0]
+        if density.denominator != 1 or not -32768 <= density <= 32767:
+            raise Refused(f"line {number}: density {fields[3]}")
+        self.samples.append(tuple(length(value) for value, _ in numbers[:3]) + (int(density),))
+        for axis, (_, places) in enumerate(numbers[:3]):
+            least = self.places[axis]
+            self.places[axis] = places if least is None else min(least, places)
+
+
+class Axis:
+    """AR-CT-3 up to step 4: the lattice steps of one axis, and which spacings they allow."""
+
+    def __init__(self, coordinates, places):
+        self.c = sorted(set(coordinates))
+        self.unit = min(max(10 ** max(9 - places, 0), 1), 10**12)
+        self.steps = [0]
+        if len(self.c) == 1:
+            return
+        gap = min(b - a for a, b in zip(self.c, self.c[1:]))
+        if gap <= self.unit:
+            raise Refused("the step is ambiguous: give a spacing")
+        low, high = Fraction(gap - self.unit), Fraction(gap + self.unit)
+        for c in self.c[1:]:
+            span = c - self.c[0]
+            # [(span - u)/k, (span + u)/k] meets [low, high]
+            fits = range(max(1, ceil((span - self.unit) / high)), floor((span + self.unit) / low) + 1)
+            if len(fits) != 1:
+                raise Refused(f"coordinate {c} pm fits {len(fits)} steps: give a spacing")
+            k = fits[0]
+            low = max(low, Fraction(span - self.unit, k))
+            high = min(high, Fraction(span + self.unit, k))
+            self.steps.append(k)
+
+    @property
+    def ratio(self):
+        return Fraction(self.c[-1] - self.c[0], self.steps[-1])
+
+    def feasible(self):
+        """AR-CT-3 step 4: the least and the greatest feasible spacing, from all pairs of coordinates."""
+        low, high = Fraction(10**6), Fraction(10**11)
+        for i, (c, k) in enumerate(zip(self.c, self.steps)):
+            for c2, k2 in zip(self.c[i + 1:], self.steps[i + 1:]):
+                low = max(low, Fraction(c2 - c - self.unit, k2 - k))
+                high = min(high, Fraction(c2 - c + self.unit, k2 - k))
+        return ceil(low), floor(high)
+
+
+def common_spacing(axes):
+    """AR-CT-3 step 5 for one axis, AR-CT-7 for several: a spacing or None."""
+    ratio = max(axes, key=lambda axis: axis.steps[-1]).ratio  # the first of equals
+    ends = [axis.feasible() for axis in axes]
+    low, high = max(a for a, _ in ends), min(b for _, b in ends)
+    for digits in range(10):
+        unit = 10 ** (9 - digits)
+        least, greatest = ceil(Fraction(low, unit)), floor(Fraction(high, unit))
+        if least <= greatest:  # the feasible multiple nearest to the ratio is one of its neighbours, or an end
+            near = {min(max(m, least), greatest) for m in (floor(ratio / unit), ceil(ratio / unit))}
+            return min((m * unit for m in near), key=lambda s: (abs(s - ratio), s))
+    return None
+
+
+def infer_spacing(text):
+    """AR-CT-3 and AR-CT-7: the spacing of all three axes."""
+    axes = [Axis([s[a] for s in text.samples], text.places[a]) for a in range(3)]
+    if any(len(axis.c) == 1 for axis in axes):
+        raise Refused("a single layer needs a given spacing")
+    spacing = [common_spacing([axis]) for axis in axes]
+    if None in spacing:
+        raise Refused("no spacing fits: give one")
+    for group in ((0, 1, 2), (0, 1), (0, 2), (1, 2)):
+        common = common_spacing([axes[a] for a in group])
+        if common is not None:
+            for a in group:
+                spacing[a] = common
+            break
+    return tuple(spacing)
+
+
+def text_to_rect(text, spacing=None, duplicates="error"):
+    """AR-CT-4..6. Returns the rect grid and a report."""
+    if not text.samples:
+        raise Refused("no sample")
+    if spacing is None and "spacing_mm" in text.meta:
+        spacing = tuple(length(decimal(word)[0]) for word in text.meta["spacing_mm"].split())
+    if spacing is None:
+        spacing = infer_spacing(text)
+    low = [min(s[a] for s in text.samples) for a in range(3)]
+    high = [max(s[a] for s in text.samples) for a in range(3)]
+    dims = [rhe(Fraction(h - l, s)) + 1 for l, h, s in zip(low, high, spacing)]
+    rect = Grid(dims, spacing, low).check()
+    seen, report = set(), {"samples": 0, "duplicates": 0, "off_lattice": 0, "worst_offset_ppm": 0}
+    for *position, density in text.samples:
+        report["samples"] += 1
+        index, off = [], False
+        for p, l, s, n in zip(position, low, spacing, dims):
+            i = rhe(Fraction(p - l, s))
+            offset = abs(p - l - i * s)
+            report["worst_offset_ppm"] = max(report["worst_offset_ppm"], floor(Fraction(10**6 * offset, s)))
+            off = off or 8 * offset > s
+            if 8 * offset > 3 * s or not 0 <= i < n:
+                raise Refused(f"{p} pm is {offset} pm off the lattice")
+            index.append(i)
+        report["off_lattice"] += off
+        at = rect.index(*index)
+        if at in seen:
+            report["duplicates"] += 1
+            had = rect.voxels[at]
+            if duplicates == "error" and had != density:
+                raise Refused(f"voxel {index} has {had} and {density}")
+            density = {"error": had, "first": had, "last": density, "max": max(had, density)}[duplicates]
+        seen.add(at)
+        rect.voxels[at] = density
+    return rect, report
+
+
+def samples_digest(text):
+    """AR-DIG-6"""
+    records = b"".join(struct.pack("<3qiI", *sample, 0) for sample in text.samples)
+    return hashlib.sha256(records).hexdigest()
+
+
+# ------------------------------------------------- rect to cubic, and a bone
+
+
+def rect_to_cubic(rect, cubic=None, rule="floor"):
+    """AR-CUB"""
+    c = rect.spacing[0] if cubic is None else cubic
+    dims = [ceil(Fraction(n * s, c)) for n, s in zip(rect.dims, rect.spacing)]
+    out = Grid(dims, (c, c, c), rect.origin).check()
+
+    def source(axis):
+        n, s = rect.dims[axis], rect.spacing[axis]
+        if rule == "floor":
+            return [floor(Fraction(i * c, s)) for i in range(dims[axis])]
+        return [min(n - 1, floor(Fraction((2 * i + 1) * c, 2 * s))) for i in range(dims[axis])]
+
+    xs, ys, zs = source(0), source(1), source(2)
+    out.voxels = [rect.voxels[rect.index(i, j, k)] for k in zs for j in ys for i in xs]
+    return out
+
+
+class Bone(Grid):
+    """AR-CHK-1: active densities, 0 elsewhere."""
+
+    def __init__(self, cubic, threshold=120):
+        kept = [v if v >= threshold else 0 for v in cubic.voxels]
+        super().__init__(cubic.dims, cubic.spacing, cubic.origin, kept)
+        self.threshold = threshold
+
+    def chunk_dims(self, n):
+        """AR-CHK-2"""
+        return tuple(ceil(Fraction(d, n)) for d in self.dims)
+
+    def active(self):
+        """(i, j, k) of every active voxel, x fastest."""
+        nx, ny, nz = self.dims
+        at = 0
+        for k in range(nz):
+            for j in range(ny):
+                for i in range(nx):
+                    if self.voxels[at]:
+                        yield i, j, k
+                    at += 1
+
+    def chunk_number(self, i, j, k, n):
+        cx, cy, _ = self.chunk_dims(n)
+        return i // n + cx * (j // n + cy * (k // n))
+
+    def info(self, n):
+        """AR-CHK-2, AR-CHK-4"""
+        voxels = 0
+        active = set()
+        for at in self.active():
+            voxels += 1
+            active.add(self.chunk_number(*at, n))
+        a, b, c = self.chunk_dims(n)
+        return {"chunk_dims": [a, b, c], "chunks": a * b * c, "active_chunks": len(active), "active_voxels": voxels,
+                "chunk_bytes": len(active) * (2 * n**3 + n**3 // 8)}
+
+
+# ------------------------------------------------------------------ digests
+
+KIND_RECT, KIND_CUBIC, KIND_BONE, KIND_TOOL = 1, 2, 3, 4
+
+
+def sha256(data):
+    return hashlib.sha256(data).digest()
+
+
+def leaves(grid, kind):
+    """AR-DIG-2"""
+    pack = struct.Struct("<32B" if kind == KIND_TOOL else "<32h").pack
+    nx, ny, nz = grid.dims
+    out = []
+    for c in range(0, nz, 32):
+        for b in range(0, ny, 32):
+            for a in range(0, nx, 32):
+                rows = []
+                for k in range(c, c + 32):
+                    for j in range(b, b + 32):
+                        row = [0] * 32
+                        if j < ny and k < nz:
+                            have = min(32, nx - a)
+                            at = grid.index(a, j, k)
+                            row[:have] = grid.voxels[at:at + have]
+                        rows.append(pack(*row))
+                out.append(sha256(b"\x00" + b"".join(rows)))
+    return out
+
+
+def tree(digests):
+    """AR-DIG-3"""
+    if len(digests) == 1:
+        return digests[0]
+    k = 1
+    while 2 * k < len(digests):
+        k *= 2
+    return sha256(b"\x01" + tree(digests[:k]) + tree(digests[k:]))
+
+
+def grid_digest(grid, kind):
+    """AR-DIG-4"""
+    found = leaves(grid, kind)
+    threshold = grid.threshold if kind == KIND_BONE else 0
+    header = b"OSTEONG1" + struct.pack("<II", ARITHMETIC_VERSION, kind) + struct.pack("<3iI", *grid.dims, 0)
+    header += struct.pack("<3q3q", *grid.spacing, *grid.origin) + struct.pack("<iIQ", threshold, 32, len(found)) + bytes(32)
+    assert len(header) == 128
+    return sha256(b"\x02" + header + tree(found)).hex()
+
+
+# --------------------------------------------------------------- self-check
+
+
+def self_check():
+    """The worked numbers of docs/arithmetic.md, sections 1 to 8 and 15."""
+    assert [rhe(Fraction(n, 2)) for n in (5, 7, -5, -7)] == [2, 4, -2, -4]
+    assert (floor(Fraction(-7, 2)), ceil(Fraction(-7, 2)), rhe(Fraction(-1, 3)), rhe(Fraction(-2, 3))) == (-4, -3, 0, -1)
+
+    def mm(text):
+        return length(decimal(text)[0])
+
+    assert [mm(t) for t in ("0.48828125", "-57.34", "1.0000000005", "1.0000000015", "5.", ".5", "1.25e1")] == [
+        488281250, -57340000000, 1000000000, 1000000002, 5000000000, 500000000, 12500000000]
+    assert all(decimal(t) is None for t in ("", ".", "nan", "inf", "0x1", "1e", "- 1", "1_0"))
+    assert decimal("1.250e1")[1] == 2 and decimal("12e3")[1] == -3
+    binary = struct.unpack("<f", bytes.fromhex("d7a3f03e"))[0]
+    assert Fraction(binary) == Fraction(15770583, 2**25)
+    assert shortest_decimal(binary, 32) == Fraction(47, 100) and rhe(Fraction(binary) * PM_PER_MM) == 469999999
+    for value in (0.1, 1 / 3, 5e-324, 1.7976931348623157e308, 2.0**60, -57.34):  # repr is the same decimal
+        assert shortest_decimal(value, 64) == Fraction(repr(value))
+    assert [floor(Fraction(i * 469999999, 10**9)) for i in (100, 200, 300, 400)] == [46, 93, 140, 187]
+
+    # AR-CT-3: every awkward lattice of the issue, at 4 and 6 decimals, comes back whole.
+    for spacing in ("0.3", "0.032", "0.488281", "0.47", "0.48828125"):
+        for start in ("0", "-57.34", "12.3456"):
+            for decimals in (4, 6):
+                count = 60
+                exact = [Fraction(start) + k * Fraction(spacing) for k in range(count)]
+                written = [rhe(c * 10**decimals) * 10 ** (9 - decimals) for c in exact]
+                axis = Axis(written, decimals)
+                assert axis.steps == list(range(count)), (spacing, start, decimals)
+                s = common_spacing([axis])
+                assert s == rhe(Fraction(spacing) * PM_PER_MM)
+                assert [rhe(Fraction(c - written[0], s)) for c in written] == axis.steps
+    axis = Axis([-57340000000 + 470000000 * k for k in range(256)], 2)
+    assert axis.feasible() == (469960785, 470039215) and common_spacing([axis]) == 470000000
+    axis = Axis([rhe(k * Fraction("0.48828125") * 10**4) * 10**5 for k in range(60)], 4)
+    assert floor(axis.ratio) == 488281355 and axis.feasible() == (488281250, 488281250) and common_spacing([axis]) == 488281250
+    axis = Axis([rhe(k * Fraction("0.488281") * 10**4) * 10**5 for k in range(60)], 4)
+    assert axis.feasible() == (488280852, 488281081) and common_spacing([axis]) == 488281000
+
+    text = Text("x y z HU\n# osteon spacing_mm: 0.47 0.47 1\n-57.34 0 1 120.0\r\n-56.40,0;1 1.2e2 # two on\n")
+    rect, report = text_to_rect(text)
+    assert rect.dims == (3, 1, 1) and rect.voxels == [120, 0, 120] and report["samples"] == 2
+    for wrong in ("0 0 0", "0 0 0 1.5", "0 0 0 32768", "0 0 0 nan", "0 0 0 1 2", "0 0 1e10 1"):
+        try:
+            Text("0 0 0 1\n" + wrong)
+        except Refused:
+            continue
+        raise AssertionError(wrong)
+
+    for dims, spacing, cubic, chunks in (
+            ((256, 234, 201), (470000000, 470000000, 10**9), (256, 234, 428), (8, 8, 14)),
+            ((49, 81, 41), (470000000, 470000000, 10**9), (49, 81, 88), (2, 3, 3)),
+            ((314, 320, 604), (32000000,) * 3, (314, 320, 604), (10, 10, 19)),
+            ((314, 316, 360), (32000000,) * 3, (314, 316, 360), (10, 10, 12)),
+            ((156, 156, 313), (32000000,) * 3, (156, 156, 313), (5, 5, 10))):
+        got = tuple(ceil(Fraction(n * s, spacing[0])) for n, s in zip(dims, spacing))
+        assert got == cubic and tuple(ceil(Fraction(n, 32)) for n in got) == chunks
+    layers = rect_to_cubic(Grid((1, 1, 201), (470000000, 470000000, 10**9), (0, 0, 0), list(range(201)))).voxels
+    assert layers[:6] == [0, 0, 0, 1, 1, 2] and layers[427] == 200 and len(layers) == 428
+
+    empty16 = sha256(b"\x00" + bytes(65536))
+    assert empty16.hex() == "3266304f31be278d06c3bd3eb9aa3e00c59bedec0a890de466568b0b90b0e01f"
+    assert tree([empty16] * 2).hex() == "1f3e47490a7d805550cb89ec2820578d5694205fa095cfc6a81150fb21926017"
+    assert tree([empty16] * 3).hex() == "20071a418c7b12674fb1c63cb0b733852fed944660b72b3d739dc1f312b5e853"
+    row = Grid((33, 1, 1), (470000000,) * 3, (-57340000000, 0, 0), [120] + [0] * 31 + [1000])
+    assert grid_digest(Bone(row), KIND_BONE) == "7b40c798083717603ff59e4bfbb45dd0f6fd64fb27f8b1b8f468db3a6f29e808"
+    assert samples_digest(Text("-57.34 0 1 120")) == "b4b80266d2bbd065000989d6c08fe41144dbc08469191ee5be880275a23b2959"
+
+
+if __name__ == "__main__":
+    self_check()
+    print("osteon_oracle: the worked numbers of docs/arithmetic.md hold")
