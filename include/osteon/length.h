@@ -32,18 +32,26 @@ typedef struct ost_pm3 {
 } ost_pm3;
 
 /*
- * A decimal as it was written: value = mantissa * 10^exponent, exactly, when
- * inexact is false; otherwise digits beyond the 18th significant one were not
- * all zero, and the value stands for |mantissa| and a positive infinitesimal
- * (AR-LEN-2: those digits can break a tie of a later rounding, nothing else).  places is the number of digits written after the point
- * less the written exponent: 1.250e1 has places 2, a unit of 10^-places.
- * places may be negative (12e3 has -3).
+ * A decimal as it was written:
+ *
+ *   value = +-(|mantissa| + tail / 10^18) * 10^exponent
+ *
+ * mantissa holds the sign and the first 18 significant digits, tail the next
+ * 18; inexact is true when tail or a digit after it was not 0, more when a
+ * digit after the tail was not 0.  36 digits decide every rounding
+ * here: a tie of RHE(value * 10^9) or RHE(value * 2^30) has at most 31 digits
+ * after the point, so what follows can only lie above it (AR-LEN-2).
+ * places is the number of digits written after the point less the written
+ * exponent: 1.250e1 has places 2, a unit of 10^-places.  It may be negative
+ * (12e3 has -3).
  */
 typedef struct ost_decimal {
-    int64_t mantissa;
+    int64_t mantissa; /* |mantissa| < 10^18 */
+    int64_t tail;     /* 0 <= tail < 10^18 */
     int32_t exponent;
     int32_t places;
     bool inexact;
+    bool more;
     bool negative; /* the sign as written, so that -0 is known */
 } ost_decimal;
 
@@ -56,7 +64,9 @@ typedef struct ost_decimal {
 OST_API const char *ost_decimal_read(const char *text, const char *end, ost_decimal *out);
 
 /*
- * RHE(value * factor), factor >= 1; false when the result is beyond int64.
+ * RHE(value * factor), factor >= 1, exactly for decimals of up to 36
+ * significant digits and for any number of them where the factor is a product
+ * of powers of 2 and 10 whose ties have no more; false when the result is beyond int64.
  * If exact is not NULL it receives whether no rounding happened.
  */
 OST_API bool ost_decimal_scale(const ost_decimal *value, uint64_t factor, int64_t *out, bool *exact);

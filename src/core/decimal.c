@@ -2,17 +2,20 @@
 /*
  * Decimals as they are written (docs/arithmetic.md, AR-LEN-2).
  *
- *   "-57.3400e1"  ->  mantissa -573400, exponent -3, places 3
+ *   "-57.3400e1"  ->  mantissa -573400, tail 0, exponent -3, places 3
  *
- * Up to 18 significant digits are kept in the mantissa (10^18 < 2^63); what
- * follows only shifts the exponent, and marks the value inexact when it is
- * not all zeros: then the value stands for the mantissa and a positive
- * infinitesimal more in magnitude, which can break a tie and nothing else.
- * Leading zeros cost no digit, trailing ones after the point keep `places`
- * as written.
+ * The first 18 significant digits make the mantissa, the next 18 the tail (as
+ * its decimals, so "…5" alone in it is 5 * 10^17), and whatever is not 0 after
+ * that sets `more`.  Leading zeros cost no digit; trailing ones after the
+ * point keep `places` as written.
  *
- * Scaling divides once, exactly, in 128 bits:
- *   |mantissa| < 10^18 < 2^60, factor < 2^64: the product is below 2^124.
+ * Scaling divides once, exactly, in 128 bits.  With e = -exponent >= 0:
+ *
+ *   tail * factor = a * 10^18 + b                     a < 2^64, b < 10^18
+ *   value * factor * 10^e = (|mantissa| * factor + a) + (b + more) / 10^18
+ *   |mantissa| * factor + a = q * 10^e + r              < 2^60 * 2^64 + 2^64 < 2^125
+ *
+ * q is the floor; r against 10^e / 2, then b and `more`, say which way.
  */
 #include "core/conditions.h"
 
@@ -20,7 +23,8 @@
 
 #include "core/integer.h"
 
-enum { MANTISSA_DIGITS = 18, EXPONENT_MAX = 9999 };
+enum { PART_DIGITS = 18, EXPONENT_MAX = 9999 };
+#define TEN_TO_18 INT64_C(1000000000000000000)
 
 static bool is_digit(const char *p, const char *end)
 {
@@ -49,6 +53,12 @@ static const char *read_exponent(const char *p, const char *end, int32_t *expone
     return q;
 }
 
+/* Readers bound their lines, so counts stay far below this; a caller who does not gets a value that is out of range. */
+static int32_t saturated(int64_t count)
+{
+    return (int32_t)(count > INT32_MAX / 2 ? INT32_MAX / 2 : count < INT32_MIN / 2 ? INT32_MIN / 2 : count);
+}
+
 const char *ost_decimal_read(const char *text, const char *end, ost_decimal *out)
 {
     const char *p = text;
@@ -56,11 +66,11 @@ const char *ost_decimal_read(const char *text, const char *end, ost_decimal *out
     if (p < end && (*p == '-' || *p == '+'))
         p++;
 
-    int64_t mantissa = 0;
-    int digits = 0;       /* significant digits in mantissa */
-    int64_t exponent = 0; /* of the mantissa's last digit, before the written exponent */
+    ost_decimal d = {.negative = negative};
+    int mantissa_digits = 0;
+    int64_t tail_unit = TEN_TO_18; /* of the tail's last digit so far */
+    int64_t exponent = 0;
     int64_t places = 0;
-    bool inexact = false;
     bool any = false;
     bool after_point = false;
     for (;; p++) {
@@ -73,81 +83,77 @@ const char *ost_decimal_read(const char *text, const char *end, ost_decimal *out
         int digit = *p - '0';
         any = true;
         places += after_point;
-        if (digits < MANTISSA_DIGITS) {
-            mantissa = mantissa * 10 + digit;
-            digits += mantissa != 0;
+        if (mantissa_digits < PART_DIGITS) {
+            d.mantissa = d.mantissa * 10 + digit;
+            mantissa_digits += d.mantissa != 0;
             exponent -= after_point;
-        } else {
-            inexact |= digit != 0;
-            exponent += !after_point;
+            continue;
         }
+        exponent += !after_point;
+        tail_unit /= 10; /* 0 after 18 digits */
+        d.tail += tail_unit * digit;
+        d.more |= tail_unit == 0 && digit != 0;
     }
-    if (!any)
+    int32_t written = 0;
+    if (!any || !(p = read_exponent(p, end, &written)))
         return NULL;
-    int32_t written;
-    p = read_exponent(p, end, &written);
-    if (!p)
-        return NULL;
-    /* A text of 2^31 digits cannot come: readers bound their lines. Saturate all the same. */
-    if (exponent > INT32_MAX / 2)
-        exponent = INT32_MAX / 2;
-    if (exponent < INT32_MIN / 2)
-        exponent = INT32_MIN / 2;
-    if (places > INT32_MAX / 2)
-        places = INT32_MAX / 2;
-    *out = (ost_decimal){
-        .mantissa = negative ? -mantissa : mantissa,
-        .exponent = (int32_t)exponent + written,
-        .places = (int32_t)places - written,
-        .inexact = inexact,
-        .negative = negative,
-    };
+    d.inexact = d.tail != 0 || d.more;
+    d.mantissa = negative ? -d.mantissa : d.mantissa;
+    d.exponent = saturated(exponent) + written;
+    d.places = saturated(places) - written;
+    *out = d;
     return p;
 }
 
-/* RHE of (product + e) / 10^power, e a positive infinitesimal when sticky (AR-LEN-2), else 0. */
-static ost_i128 divide_by_ten_to(ost_i128 product, int power, bool sticky, bool *exact)
+/* What is left of a quotient: rest / ten_to_e, then beyond (in units of 10^-18 of one), then `more`. */
+static bool rounds_up(ost_i128 quotient, ost_i128 rest, ost_i128 ten_to_e, int64_t beyond, bool more)
 {
-    ost_i128 divisor = 1;
-    for (int i = 0; i < power; i++)
-        divisor *= 10;
-    ost_i128 quotient = product / divisor;
-    ost_i128 rest = product % divisor;
-    *exact = rest == 0 && !sticky;
-    ost_i128 other = divisor - rest;
-    bool up = rest > other || (rest == other && (sticky || (quotient & 1)));
-    return quotient + up;
+    bool something = beyond > 0 || more;
+    if (ten_to_e == 1) {
+        if (beyond != TEN_TO_18 / 2)
+            return beyond > TEN_TO_18 / 2;
+        something = more;
+    } else if (rest != ten_to_e / 2) {
+        return rest > ten_to_e / 2;
+    }
+    return something || (quotient & 1);
 }
 
 bool ost_decimal_scale(const ost_decimal *value, uint64_t factor, int64_t *out, bool *exact)
 {
-    bool rounded_none;
+    ost_i128 tail = (ost_i128)value->tail * factor;
     bool negative = value->mantissa < 0;
-    ost_i128 product = negative ? -(ost_i128)value->mantissa : value->mantissa;
-    product *= factor;
-    ost_i128 result;
-    if (product == 0 && !value->inexact) {
-        result = 0;
-        rounded_none = true;
-    } else if (value->exponent >= 0) {
-        result = product;
-        for (int32_t i = 0; i < value->exponent; i++) {
-            if (result > INT64_MAX)
-                return false;
-            result *= 10;
-        }
-        rounded_none = !value->inexact;
-    } else if (value->exponent < -37) {
-        /* product < 2^124 < 10^37.4, and 10^38 / 2 is greater: it rounds to 0. */
-        result = 0;
-        rounded_none = false;
-    } else {
-        result = divide_by_ten_to(product, -value->exponent, value->inexact, &rounded_none);
+    ost_i128 whole = (negative ? -(ost_i128)value->mantissa : value->mantissa) * factor + tail / TEN_TO_18;
+    int64_t beyond = (int64_t)(tail % TEN_TO_18);
+    bool none_rounded = beyond == 0 && !value->more;
+
+    /* A positive exponent takes digits of the tail in; with 36 digits it is beyond int64 before they run out. */
+    for (int32_t e = value->exponent; e > 0 && (whole || beyond); e--) {
+        if (whole > INT64_MAX)
+            return false;
+        ost_i128 shifted = (ost_i128)beyond * 10;
+        whole = whole * 10 + shifted / TEN_TO_18;
+        beyond = (int64_t)(shifted % TEN_TO_18);
+        none_rounded = beyond == 0 && !value->more;
     }
-    if (result > INT64_MAX)
+
+    ost_i128 ten_to_e = 1;
+    int32_t e = value->exponent < 0 ? -value->exponent : 0;
+    if (e > 37) { /* whole < 2^125 < 10^38 / 2: it rounds to 0 */
+        none_rounded = none_rounded && whole == 0;
+        whole = 0;
+    } else {
+        for (int32_t i = 0; i < e; i++)
+            ten_to_e *= 10;
+        ost_i128 quotient = whole / ten_to_e;
+        ost_i128 rest = whole % ten_to_e;
+        none_rounded = none_rounded && rest == 0;
+        whole = quotient + rounds_up(quotient, rest, ten_to_e, beyond, value->more);
+    }
+    if (whole > INT64_MAX)
         return false;
-    *out = negative ? -(int64_t)result : (int64_t)result;
+    *out = negative ? -(int64_t)whole : (int64_t)whole;
     if (exact)
-        *exact = rounded_none;
+        *exact = none_rounded;
     return true;
 }

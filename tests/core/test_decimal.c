@@ -67,7 +67,11 @@ static void decimals_are_read_as_written(void **state)
     d = decimal("1234567890123456789000");
     assert_int_equal(d.mantissa, INT64_C(123456789012345678));
     assert_int_equal(d.exponent, 4);
-    assert_true(d.inexact);
+    assert_int_equal(d.tail, INT64_C(900000000000000000));
+    assert_true(d.inexact && !d.more);
+    d = decimal("0.1234567890123456789012345678901234560001");
+    assert_int_equal(d.tail, INT64_C(901234567890123456));
+    assert_true(d.more);
 }
 
 static void what_is_no_decimal_is_none(void **state)
@@ -162,6 +166,45 @@ static void q30_agrees_with_long_division(void **state)
     }
 }
 
+/* A tie that needs 31 places: (k + 1/2) / 2^30 written out in full, alone and with a last digit more. */
+static void long_ties_are_decided_exactly(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        int64_t q30;
+    } row[] = {
+        {"0.5000000004656612873077392578125", (INT64_C(1) << 29)},          /* 2^29 + 1/2, to even */
+        {"0.5000000013969838619232177734375", (INT64_C(1) << 29) + 2},      /* 2^29 + 3/2, to even */
+        {"0.50000000046566128730773925781250000001", (INT64_C(1) << 29) + 1},
+        {"0.500000000465661287307739257812500000000000000000000001", (INT64_C(1) << 29) + 1},
+        {"0.5000000004656612873077392578124999999999", INT64_C(1) << 29},
+        {"-0.5000000013969838619232177734375", -(INT64_C(1) << 29) - 2},
+    };
+    for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
+        ost_decimal d = decimal(row[i].text);
+        int64_t q30 = 0;
+        assert_true(ost_decimal_scale(&d, UINT64_C(1) << 30, &q30, NULL));
+        if (q30 != row[i].q30)
+            fail_msg("%s gives %lld, expected %lld", row[i].text, (long long)q30, (long long)row[i].q30);
+    }
+    bool exact = true;
+    int64_t value = 0;
+    ost_decimal d = decimal("123456789012345678.5");
+    assert_true(ost_decimal_scale(&d, 1, &value, &exact));
+    assert_int_equal(value, INT64_C(123456789012345678));
+    assert_false(exact);
+    d = decimal("1234567890123456789");
+    assert_true(ost_decimal_scale(&d, 1, &value, &exact));
+    assert_int_equal(value, INT64_C(1234567890123456789));
+    assert_true(exact);
+    d = decimal("1234567890123456789e-1");
+    assert_true(ost_decimal_scale(&d, 1, &value, &exact));
+    assert_int_equal(value, INT64_C(123456789012345679));
+    d = decimal("9223372036854775808");
+    assert_false(ost_decimal_scale(&d, 1, &value, &exact));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -171,6 +214,7 @@ int main(void)
         cmocka_unit_test(picometres_round_half_to_even),
         cmocka_unit_test(floats_stand_for_their_shortest_decimal),
         cmocka_unit_test(format_and_parse_agree),
+        cmocka_unit_test(long_ties_are_decided_exactly),
         cmocka_unit_test(q30_agrees_with_long_division),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
