@@ -1,0 +1,183 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Why nothing is missed.  A voxel is hit when the coordinates used for its
+ * centre p fall inside the tool's grid; they are off by at most 23 / 2^20 of a
+ * tool voxel (AR-MAP), so p itself lies in the grid's box inflated by one tool
+ * voxel on every side.  p also lies in the box of all voxel centres.  Hence
+ * the two boxes have p in common: no axis separates them, and p lies within
+ * the bone-aligned bounds of the inflated box.  What is left is to compute
+ * both with every rounding on the safe side.
+ *
+ * All lengths are doubled, so that centres and half extents are integers:
+ *
+ *   d   from the bone's box centre to the tool's, times 2, in the bone's frame
+ *   b   the bone's box, its whole extents (twice the half extents)
+ *   e   the tool's box, likewise
+ *   r   RHE(2^30 M / N): the rotation, each entry off by at most 1/2
+ *
+ * Ranges: lengths within 8 m, so |d|, b, e < 2^46; |r| <= 2^30; a product is
+ * below 2^76 and a sum of six below 2^79: far inside 128 bits.
+ */
+#include "sim/box.h"
+
+#include "core/conditions.h"
+#include "core/integer.h"
+#include "core/rotation.h"
+
+typedef struct pair {
+    int64_t d[3], b[3], e[3];
+    int64_t r[3][3];
+    ost_i128 slack;
+} pair;
+
+ost_box ost_box_of_bone(const ost_geometry *g)
+{
+    return (ost_box){
+        .lo = g->origin,
+        .hi = {g->origin.x + (g->dims.x - 1) * g->spacing.x, g->origin.y + (g->dims.y - 1) * g->spacing.y,
+               g->origin.z + (g->dims.z - 1) * g->spacing.z},
+    };
+}
+
+ost_box ost_box_of_tool(const ost_tool_geometry *g)
+{
+    const ost_pm v = g->voxel;
+    return (ost_box){
+        .lo = {g->corner.x - v, g->corner.y - v, g->corner.z - v},
+        .hi = {g->corner.x + (g->dims.x + 1) * v, g->corner.y + (g->dims.y + 1) * v, g->corner.z + (g->dims.z + 1) * v},
+    };
+}
+
+static int64_t magnitude(int64_t x)
+{
+    return x < 0 ? -x : x;
+}
+
+static ost_i128 magnitude128(ost_i128 x)
+{
+    return x < 0 ? -x : x;
+}
+
+/* Twice the centre of the tool's box in the bone's frame; each axis RHE, so off by at most 1/2. */
+static void centre_twice(const ost_box *tool, const ost_rotation *m, const ost_pose *pose, int64_t out[3])
+{
+    const int64_t c[3] = {tool->lo.x + tool->hi.x, tool->lo.y + tool->hi.y, tool->lo.z + tool->hi.z};
+    const int64_t t[3] = {pose->t.x, pose->t.y, pose->t.z};
+    for (int i = 0; i < 3; i++) {
+        ost_i128 turned = (ost_i128)m->m[i][0] * c[0] + (ost_i128)m->m[i][1] * c[1] + (ost_i128)m->m[i][2] * c[2];
+        out[i] = (int64_t)ost_rhe_div128(turned, m->n) + 2 * t[i];
+    }
+}
+
+static pair pair_of(const ost_box *bone, const ost_box *tool, const ost_pose *pose)
+{
+    ost_rotation m = ost_rotation_of(pose);
+    pair p = {
+        .b = {bone->hi.x - bone->lo.x, bone->hi.y - bone->lo.y, bone->hi.z - bone->lo.z},
+        .e = {tool->hi.x - tool->lo.x, tool->hi.y - tool->lo.y, tool->hi.z - tool->lo.z},
+    };
+    centre_twice(tool, &m, pose, p.d);
+    p.d[0] -= bone->lo.x + bone->hi.x;
+    p.d[1] -= bone->lo.y + bone->hi.y;
+    p.d[2] -= bone->lo.z + bone->hi.z;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            p.r[i][j] = (int64_t)ost_rhe_div128((ost_i128)m.m[i][j] * (1 << 30), m.n);
+
+    /*
+     * Each side of a test below is a sum of products length * entry, an entry
+     * of r used at most once a length: the error of r makes at most half the
+     * sum of all lengths.  The error of d, 1/2 on each axis, meets the entries
+     * of one unit axis: at most sqrt(3) / 2 * 2^30 and a few units.
+     */
+    for (int i = 0; i < 3; i++)
+        p.slack += magnitude(p.d[i]) + p.b[i] + p.e[i];
+    p.slack += (ost_i128)1 << 30;
+    return p;
+}
+
+/* Along axis i of the bone. */
+static bool bone_axis_separates(const pair *p, int i)
+{
+    const ost_i128 one = (ost_i128)1 << 30;
+    ost_i128 reach = one * p->b[i];
+    for (int j = 0; j < 3; j++)
+        reach += (ost_i128)magnitude(p->r[i][j]) * p->e[j];
+    return one * magnitude(p->d[i]) > reach + p->slack;
+}
+
+/* Along axis j of the tool. */
+static bool tool_axis_separates(const pair *p, int j)
+{
+    ost_i128 apart = 0, reach = ((ost_i128)1 << 30) * p->e[j];
+    for (int i = 0; i < 3; i++) {
+        apart += (ost_i128)p->d[i] * p->r[i][j];
+        reach += (ost_i128)magnitude(p->r[i][j]) * p->b[i];
+    }
+    return magnitude128(apart) > reach + p->slack;
+}
+
+/* Along the cross product of axis i of the bone with axis j of the tool. A null product separates nothing: 0 > slack fails. */
+static bool cross_axis_separates(const pair *p, int i, int j)
+{
+    const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+    ost_i128 apart = (ost_i128)p->d[i2] * p->r[i1][j] - (ost_i128)p->d[i1] * p->r[i2][j];
+    ost_i128 reach = (ost_i128)p->b[i1] * magnitude(p->r[i2][j]) + (ost_i128)p->b[i2] * magnitude(p->r[i1][j]) +
+                     (ost_i128)p->e[j1] * magnitude(p->r[i][j2]) + (ost_i128)p->e[j2] * magnitude(p->r[i][j1]);
+    return magnitude128(apart) > reach + p->slack;
+}
+
+bool ost_boxes_meet(const ost_box *bone, const ost_box *tool, const ost_pose *pose)
+{
+    pair p = pair_of(bone, tool, pose);
+    for (int i = 0; i < 3; i++)
+        if (bone_axis_separates(&p, i) || tool_axis_separates(&p, i))
+            return false;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            if (cross_axis_separates(&p, i, j))
+                return false;
+    return true;
+}
+
+bool ost_voxel_box_holds(const ost_voxel_box *box)
+{
+    return box->lo[0] < box->hi[0] && box->lo[1] < box->hi[1] && box->lo[2] < box->hi[2];
+}
+
+static int32_t clamp(int64_t value, int32_t hi)
+{
+    return (int32_t)(value < 0 ? 0 : value > hi ? hi : value);
+}
+
+/*
+ * Alg. 2.8 clamps the tool's corners to the bone's box and bounds them; in
+ * the bone's own frame clamping goes axis by axis and keeps order, so that is
+ * the tool's bone-aligned bounds, clamped.  Those are computed here directly,
+ * from the centre and the half extents turned: twice the half extent along
+ * bone axis i is sum_j |M[i][j]| e[j] / N, rounded up.
+ *
+ * Alg. 2.9 then turns the bounds into voxels; its frame has the box's centre
+ * at the origin, ours takes the bone's origin as it is.  A centre o + k s
+ * with  c - h <= 2 (o + k s) <= c + h,  c off by 1/2 at most, has
+ * ceil((c - h - 1 - 2o) / 2s) <= k <= floor((c + h + 1 - 2o) / 2s).
+ */
+ost_voxel_box ost_box_voxels(const ost_geometry *bone, const ost_box *tool, const ost_pose *pose)
+{
+    ost_rotation m = ost_rotation_of(pose);
+    const int64_t e[3] = {tool->hi.x - tool->lo.x, tool->hi.y - tool->lo.y, tool->hi.z - tool->lo.z};
+    const int64_t o[3] = {bone->origin.x, bone->origin.y, bone->origin.z};
+    const int64_t s[3] = {bone->spacing.x, bone->spacing.y, bone->spacing.z};
+    const int32_t dims[3] = {bone->dims.x, bone->dims.y, bone->dims.z};
+    int64_t c[3];
+    centre_twice(tool, &m, pose, c);
+    ost_voxel_box box;
+    for (int i = 0; i < 3; i++) {
+        ost_i128 spread = (ost_i128)magnitude(m.m[i][0]) * e[0] + (ost_i128)magnitude(m.m[i][1]) * e[1] +
+                          (ost_i128)magnitude(m.m[i][2]) * e[2];
+        int64_t h = -(int64_t)ost_floor_div128(-spread, m.n);
+        box.lo[i] = clamp(ost_ceil_div(c[i] - h - 1 - 2 * o[i], 2 * s[i]), dims[i]);
+        box.hi[i] = clamp(ost_floor_div(c[i] + h + 1 - 2 * o[i], 2 * s[i]) + 1, dims[i]);
+    }
+    return box;
+}

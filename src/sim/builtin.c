@@ -1,0 +1,203 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The two built-in paths: the peg hole, then reaming (thesis 2.5).
+ *
+ *        approach            advance        dwell     retreat
+ *   -8 mm -------> 0 (face) --------> depth ----> depth -------> -8 mm
+ *         20 um a tick       feed
+ *
+ * The tool's working face, its lowest point along -z, runs along the
+ * glenoid's inward axis while the tool turns about its own z axis.  A tick is
+ * a millisecond.
+ *
+ *   peg-hole      22 mm deep at 10 mm/s: within the vault, which is 25 to 30 mm
+ *   glenoid-ream  3 mm deep at 1.5 mm/s: the cartilage, 2 mm, and into the
+ *                 subchondral plate behind it, 1.2 to 2.9 mm, whose rest is left
+ *                 to carry the implant (facts and sources: docs/arithmetic.md, AR-CLS)
+ *
+ * Depths are integers.  The turning is a recurrence of unit quaternions:
+ *
+ *   q(k+1) = q(k) * (p + k_hat) / |...|,   one step turns by 2 atan(1/p)
+ *
+ * with p the least integer for which no corner of the tool's box moves more
+ * than 0.15 mm a tick, so that with the feed a tick stays below half of the
+ * thesis' voxel of 0.47 mm.  Only + - * /, ceil and sqrt of doubles are used, which
+ * every machine rounds alike, and no libm; so a path is the same everywhere.
+ */
+#include "core/conditions.h"
+
+#include <osteon/sim.h>
+
+#include <math.h>
+#include <string.h>
+
+enum { TICK_NS = 1000000 };
+
+#define UM (OST_PM_PER_MM / 1000)
+#define TURN_PER_TICK (150 * UM)
+
+/* Distances from the glenoid's face along the inward axis; speeds a tick. */
+typedef struct plan {
+    const char *name;
+    ost_pm outside, approach;
+    ost_pm depth, feed;
+    int dwell; /* ticks */
+    ost_pm retreat;
+} plan;
+
+static const plan plans[OST_BUILTIN_COUNT] = {
+    [OST_BUILTIN_PEG_HOLE] = {"peg-hole", -8000 * UM, 20 * UM, 22000 * UM, 10 * UM, 200, 20 * UM},
+    [OST_BUILTIN_GLENOID_REAM] = {"glenoid-ream", -8000 * UM, 20 * UM, 3000 * UM, 3 * UM / 2, 400, 20 * UM},
+};
+
+const char *ost_builtin_name(ost_builtin which)
+{
+    return (unsigned)which < OST_BUILTIN_COUNT ? plans[which].name : "unknown";
+}
+
+typedef struct quat {
+    double w, x, y, z;
+} quat;
+
+typedef struct vec {
+    double x, y, z;
+} vec;
+
+static quat normalised(quat q)
+{
+    double length = sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+    return (quat){q.w / length, q.x / length, q.y / length, q.z / length};
+}
+
+static quat product(quat a, quat b)
+{
+    return (quat){
+        a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
+        a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
+        a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
+        a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w,
+    };
+}
+
+static vec turned(quat q, vec v)
+{
+    quat r = product(product(q, (quat){0, v.x, v.y, v.z}), (quat){q.w, -q.x, -q.y, -q.z});
+    return (vec){r.x, r.y, r.z};
+}
+
+/* The shortest rotation that takes the working direction, -z, to the unit vector a. */
+static quat facing(vec a)
+{
+    if (a.z <= 0)
+        return normalised((quat){1 - a.z, a.y, -a.x, 0});
+    /* Half a turn about x takes -z to +z, and the shortest rest never nears half a turn. */
+    return product(normalised((quat){1 + a.z, -a.y, a.x, 0}), (quat){0, 1, 0, 0});
+}
+
+static double mm(ost_pm value)
+{
+    return (double)value / (double)OST_PM_PER_MM;
+}
+
+/* The frame's own z axis where it passes through the grid, else the grid's middle. */
+static double axis_of(ost_pm lo, ost_pm hi)
+{
+    return lo <= 0 && hi >= 0 ? 0 : mm(lo) / 2 + mm(hi) / 2;
+}
+
+/*
+ * The point that runs along the axis. Alg. 2.1 puts the grid's lower corner
+ * one to two voxels below the mesh's lowest vertex; 3/2 is the middle.
+ */
+static vec working_point(const ost_tool_geometry *g)
+{
+    return (vec){
+        axis_of(g->corner.x, g->corner.x + g->dims.x * g->voxel),
+        axis_of(g->corner.y, g->corner.y + g->dims.y * g->voxel),
+        mm(g->corner.z + 3 * g->voxel / 2),
+    };
+}
+
+/* One tick's turn about z. A corner at radius r moves by less than 2 r / p. */
+static quat turn_step(const ost_tool_geometry *g, vec axis)
+{
+    double lo_x = mm(g->corner.x) - axis.x, hi_x = lo_x + mm(g->dims.x * g->voxel);
+    double lo_y = mm(g->corner.y) - axis.y, hi_y = lo_y + mm(g->dims.y * g->voxel);
+    double x = -lo_x > hi_x ? -lo_x : hi_x, y = -lo_y > hi_y ? -lo_y : hi_y;
+    double p = ceil(2 * sqrt(x * x + y * y) / mm(TURN_PER_TICK));
+    return normalised((quat){p > 16 ? p : 16, 0, 0, 1});
+}
+
+static int64_t ticks_for(ost_pm distance, ost_pm speed)
+{
+    return (distance + speed - 1) / speed;
+}
+
+/* Depth of tick k, one linear piece after the other. */
+static ost_pm depth_at(const plan *p, int64_t k)
+{
+    int64_t approach = ticks_for(-p->outside, p->approach), advance = ticks_for(p->depth, p->feed);
+    if (k < approach)
+        return p->outside + k * p->approach;
+    k -= approach;
+    if (k < advance)
+        return k * p->feed;
+    k -= advance;
+    if (k < p->dwell)
+        return p->depth;
+    ost_pm depth = p->depth - (k - p->dwell) * p->retreat;
+    return depth > p->outside ? depth : p->outside;
+}
+
+static int64_t tick_count(const plan *p)
+{
+    return ticks_for(-p->outside, p->approach) + ticks_for(p->depth, p->feed) + p->dwell +
+           ticks_for(p->depth - p->outside, p->retreat) + 1;
+}
+
+static ost_status unit_axis(const ost_glenoid *glenoid, vec *out, ost_error *err)
+{
+    const double *a = glenoid->axis;
+    double largest = fmax(fabs(a[0]), fmax(fabs(a[1]), fabs(a[2])));
+    if (!isfinite(a[0]) || !isfinite(a[1]) || !isfinite(a[2]) || !(largest > 0))
+        return ost_fail(err, OST_ERR_USAGE, "the glenoid's axis (%g, %g, %g) is not a direction", a[0], a[1], a[2]);
+    vec scaled = {a[0] / largest, a[1] / largest, a[2] / largest};
+    double length = sqrt(scaled.x * scaled.x + scaled.y * scaled.y + scaled.z * scaled.z);
+    *out = (vec){scaled.x / length, scaled.y / length, scaled.z / length};
+    return OST_OK;
+}
+
+ost_status ost_builtin_path(ost_builtin which, const ost_glenoid *glenoid, const ost_tool_geometry *geometry, int32_t tool,
+                            ost_path *out, ost_error *err)
+{
+    *out = (ost_path){0};
+    if ((unsigned)which >= OST_BUILTIN_COUNT)
+        return ost_fail(err, OST_ERR_USAGE, "no built-in path %d; there are %d", (int)which, OST_BUILTIN_COUNT);
+    const plan *p = &plans[which];
+    vec axis = {0, 0, -1};
+    ost_status status = unit_axis(glenoid, &axis, err);
+    if (status == OST_OK)
+        status = ost_tool_geometry_check(geometry, err);
+    if (status == OST_OK)
+        status = ost_path_init(out, (size_t)tick_count(p), err);
+    if (status != OST_OK)
+        return status;
+
+    const vec at = {mm(glenoid->at.x), mm(glenoid->at.y), mm(glenoid->at.z)};
+    const vec tip = working_point(geometry);
+    const quat face = facing(axis), step = turn_step(geometry, tip);
+    quat turn = {1, 0, 0, 0};
+    for (size_t k = 0; k < out->count && status == OST_OK; k++) {
+        quat q = normalised(product(face, turn));
+        vec r = turned(q, tip);
+        double depth = mm(depth_at(p, (int64_t)k));
+        const double t_mm[3] = {at.x + depth * axis.x - r.x, at.y + depth * axis.y - r.y, at.z + depth * axis.z - r.z};
+        const double wxyz[4] = {q.w, q.x, q.y, q.z};
+        out->ticks[k] = (ost_tick){.t_ns = (int64_t)k * TICK_NS, .tool = tool};
+        status = ost_pose_from_doubles(t_mm, wxyz, &out->ticks[k].pose, err);
+        turn = normalised(product(turn, step));
+    }
+    if (status != OST_OK)
+        ost_path_free(out);
+    return status;
+}

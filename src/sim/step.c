@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * One tick (thesis, Algs. 2.7-2.10).
+ *
+ *   tick: which tool, which pose
+ *     is a removal due?          no: the tool has moved, that is all
+ *     n poses from the last event's pose to this one         AR-SWEEP
+ *     for each: do the boxes meet? which voxels can it hit?  Algs. 2.7-2.9
+ *     backend.remove with those that can hit any             Alg. 2.10
+ *
+ * Everything that can fail comes before the first change: maps are made into
+ * scratch, the backend changes nothing when it fails, and the world's own
+ * state is written last.
+ */
+#include "sim/world.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/conditions.h"
+#include "core/integer.h"
+#include "sim/box.h"
+
+static ost_status check_tick(const ost_world *world, const ost_tick *tick, ost_error *err)
+{
+    if (tick->tool < 0 || tick->tool >= world->tool_count)
+        return ost_fail(err, OST_ERR_USAGE, "a tick at %lld ns uses tool %d; the world has %d", (long long)tick->t_ns, tick->tool,
+                        world->tool_count);
+    if (world->totals.ticks > 0 && tick->t_ns <= world->t_ns)
+        return ost_fail(err, OST_ERR_USAGE, "a tick at %lld ns after one at %lld ns; time must increase", (long long)tick->t_ns,
+                        (long long)world->t_ns);
+    return ost_pose_check(&tick->pose, err);
+}
+
+/* The world's first for this tool selection, and then the first tick of every period. */
+static bool removal_is_due(const ost_world *world, const ost_tick *tick, bool taken_up)
+{
+    const int64_t period = world->options.removal_period_ns;
+    return taken_up || period == 0 || ost_floor_div(tick->t_ns, period) != ost_floor_div(world->removal_t, period);
+}
+
+static ost_status count_poses(const ost_world *world, const ost_entity *tool, const ost_tick *tick, bool taken_up, int *count,
+                              ost_error *err)
+{
+    *count = 1;
+    if (taken_up || world->options.sweep_off)
+        return OST_OK;
+    return ost_sweep_count(&tool->input.event, &tick->pose, ost_tool_geometry_get(tool->voxels.tool), world->geometry.spacing.x,
+                           count, err);
+}
+
+static ost_status make_room(ost_world *world, int count, ost_error *err)
+{
+    if (count <= world->capacity)
+        return OST_OK;
+    ost_map *maps = realloc(world->maps, (size_t)count * sizeof *maps);
+    if (maps)
+        world->maps = maps;
+    ost_voxel_box *boxes = realloc(world->boxes, (size_t)count * sizeof *boxes);
+    if (boxes)
+        world->boxes = boxes;
+    if (!maps || !boxes)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a sweep of %d poses", count);
+    world->capacity = count;
+    return OST_OK;
+}
+
+/* The voxels that the tool can hit at this pose; empty when its box does not meet the bone's. */
+static ost_voxel_box reach(const ost_world *world, const ost_entity *tool, const ost_pose *pose)
+{
+    const ost_dims d = world->geometry.dims;
+    if (world->options.broad_phase_off)
+        return (ost_voxel_box){.hi = {d.x, d.y, d.z}};
+    if (!ost_boxes_meet(&world->bone.box, &tool->box, pose))
+        return (ost_voxel_box){0};
+    return ost_box_voxels(&world->geometry, &tool->box, pose);
+}
+
+/* Maps and boxes of the poses that can hit anything, in the sweep's order. */
+static ost_status prepare(ost_world *world, const ost_entity *tool, const ost_tick *tick, int count, ost_event *event, ost_error *err)
+{
+    ost_status status = make_room(world, count, err);
+    int used = 0;
+    for (int k = 1; k <= count && status == OST_OK; k++) {
+        ost_pose pose = count == 1 ? tick->pose : ost_sweep_pose(&tool->input.event, &tick->pose, k, count);
+        status = ost_map_make(&pose, &world->geometry, ost_tool_geometry_get(tool->voxels.tool), &world->maps[used], err);
+        if (status != OST_OK)
+            break;
+        world->boxes[used] = reach(world, tool, &pose);
+        used += ost_voxel_box_holds(&world->boxes[used]);
+    }
+    *event = (ost_event){.pose_count = used, .maps = world->maps, .boxes = world->boxes, .classes = &world->options.classes};
+    return status;
+}
+
+static void bound_chunks(const ost_world *world, const ost_event *event, ost_step_result *result)
+{
+    for (int p = 0; p < event->pose_count; p++)
+        for (int a = 0; a < 3; a++) {
+            int32_t lo = event->boxes[p].lo[a] / world->chunk_size;
+            int32_t hi = (event->boxes[p].hi[a] - 1) / world->chunk_size + 1;
+            result->chunk_lo[a] = p == 0 || lo < result->chunk_lo[a] ? lo : result->chunk_lo[a];
+            result->chunk_hi[a] = p == 0 || hi > result->chunk_hi[a] ? hi : result->chunk_hi[a];
+        }
+}
+
+static void add_totals(ost_world_totals *totals, const ost_report *report, int poses)
+{
+    totals->removals++;
+    totals->poses += (uint64_t)poses;
+    totals->removed_voxels += report->total_voxels;
+    for (int c = 0; c < OST_CLASS_MAX; c++) {
+        totals->removed_by_class[c] += report->voxels[c];
+        totals->density_by_class[c] += report->density[c];
+    }
+}
+
+static ost_status run_event(ost_world *world, ost_entity *tool, const ost_tick *tick, bool taken_up, ost_step_result *result,
+                            ost_error *err)
+{
+    int count;
+    ost_event event;
+    ost_status status = count_poses(world, tool, tick, taken_up, &count, err);
+    if (status == OST_OK)
+        status = prepare(world, tool, tick, count, &event, err);
+    if (status == OST_OK && event.pose_count > 0)
+        status = ost_bone_remove(world->bone.voxels.bone, tool->voxels.tool, &event, &world->report, err);
+    if (status != OST_OK)
+        return status;
+    if (event.pose_count == 0)
+        ost_report_clear(&world->report);
+    result->removal = true;
+    result->boxes_meet = event.pose_count > 0;
+    result->pose_count = count;
+    result->report = &world->report;
+    bound_chunks(world, &event, result);
+    add_totals(&world->totals, &world->report, count);
+    tool->input.event = tick->pose;
+    world->removal_t = tick->t_ns;
+    return OST_OK;
+}
+
+ost_status ost_world_step(ost_world *world, const ost_tick *tick, ost_step_result *result, ost_error *err)
+{
+    ost_step_result ignored;
+    if (!result)
+        result = &ignored;
+    *result = (ost_step_result){0};
+    ost_status status = check_tick(world, tick, err);
+    if (status != OST_OK)
+        return status;
+
+    ost_entity *tool = &world->tools[tick->tool];
+    const bool taken_up = tick->tool != world->tool;
+    if (removal_is_due(world, tick, taken_up)) {
+        status = run_event(world, tool, tick, taken_up, result, err);
+        if (status != OST_OK) {
+            *result = (ost_step_result){0};
+            return status;
+        }
+    }
+    tool->input.pose = tick->pose;
+    world->tool = tick->tool;
+    world->t_ns = tick->t_ns;
+    world->totals.ticks++;
+    return OST_OK;
+}

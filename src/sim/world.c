@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Making a world: a bone and the tools that will work on it. */
+#include "sim/world.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/backend.h"
+#include "sim/box.h"
+
+static ost_status check_classes(const ost_density_classes *classes, ost_error *err)
+{
+    if (classes->count < 1 || classes->count > OST_CLASS_MAX)
+        return ost_fail(err, OST_ERR_USAGE, "%d density classes; 1 to %d are supported", classes->count, OST_CLASS_MAX);
+    for (int c = 1; c < classes->count; c++)
+        if (classes->border[c] <= classes->border[c - 1])
+            return ost_fail(err, OST_ERR_USAGE, "density class %d begins at %d, which is not above %d", c, classes->border[c],
+                            classes->border[c - 1]);
+    return OST_OK;
+}
+
+ost_status ost_world_create(ost_bone *bone, const ost_world_options *options, ost_world **out, ost_error *err)
+{
+    *out = NULL;
+    if (!bone)
+        return ost_fail(err, OST_ERR_USAGE, "a world needs a bone");
+    ost_world_options chosen = options ? *options : (ost_world_options){0};
+    if (chosen.removal_period_ns < 0)
+        return ost_fail(err, OST_ERR_USAGE, "a removal period of %lld ns; 0 or more is needed", (long long)chosen.removal_period_ns);
+    if (chosen.classes.count == 0)
+        chosen.classes = ost_density_classes_default();
+    ost_status status = check_classes(&chosen.classes, err);
+    if (status != OST_OK)
+        return status;
+
+    ost_world *world = calloc(1, sizeof *world);
+    if (!world)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a world");
+    world->options = chosen;
+    world->geometry = bone->geometry;
+    world->chunk_size = bone->chunk_size;
+    world->bone = (ost_entity){
+        .name = "bone",
+        .box = ost_box_of_bone(&bone->geometry),
+        .input = {.pose = ost_pose_identity(), .event = ost_pose_identity()},
+        .voxels = {.bone = bone},
+    };
+    world->tool = -1;
+    *out = world;
+    return OST_OK;
+}
+
+void ost_world_free(ost_world *world)
+{
+    if (!world)
+        return;
+    ost_report_free(&world->report);
+    free(world->maps);
+    free(world->boxes);
+    free(world);
+}
+
+ost_status ost_world_add_tool(ost_world *world, const char *name, const ost_tool *tool, int *index, ost_error *err)
+{
+    if (!tool)
+        return ost_fail(err, OST_ERR_USAGE, "no tool given");
+    if (world->tool_count == OST_WORLD_TOOLS_MAX)
+        return ost_fail(err, OST_ERR_USAGE, "a world holds up to %d tools", OST_WORLD_TOOLS_MAX);
+    if (tool->backend != world->bone.voxels.bone->backend)
+        return ost_fail(err, OST_ERR_USAGE, "tool '%s' lives on another backend than the bone", name ? name : "");
+    /* What no pose can make good, width and ratio, is better said here than at the first tick. */
+    ost_pose identity = ost_pose_identity();
+    ost_map map;
+    ost_status status = ost_map_make(&identity, &world->geometry, &tool->geometry, &map, err);
+    if (status != OST_OK)
+        return status;
+
+    ost_entity *entity = &world->tools[world->tool_count];
+    *entity = (ost_entity){
+        .box = ost_box_of_tool(&tool->geometry),
+        .input = {.pose = identity, .event = identity},
+        .voxels = {.tool = tool},
+    };
+    snprintf(entity->name, sizeof entity->name, "%s", name ? name : "");
+    if (index)
+        *index = world->tool_count;
+    world->tool_count++;
+    return OST_OK;
+}
+
+void ost_world_totals_get(const ost_world *world, ost_world_totals *out)
+{
+    *out = world->totals;
+}
+
+const ost_density_classes *ost_world_classes(const ost_world *world)
+{
+    return &world->options.classes;
+}
