@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cpu/ref/voxelize.h"
+
 ost_status ost_ref_tool_create(ost_backend *backend, const ost_tool_geometry *geometry, ref_tool **out, ost_error *err)
 {
     int64_t count = ost_dims_count(geometry->dims);
@@ -50,11 +52,15 @@ void ost_ref_tool_free(ost_tool *base)
 ost_status ost_ref_voxelize_tool(ost_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
                                  ost_fill_rule rule, ost_voxelize_report *report, ost_tool **out, ost_error *err)
 {
-    (void)backend;
-    (void)cutting;
-    (void)noncutting;
-    (void)rule;
-    (void)report;
-    *out = NULL;
-    return ost_fail(err, OST_ERR_UNAVAILABLE, "this build cannot voxelize meshes");
+    ref_tool *tool;
+    ost_status status = ost_ref_tool_create(backend, &cutting->grid, &tool, err);
+    if (status != OST_OK)
+        return status;
+    status = ost_ref_voxelize(cutting, noncutting, rule, report, tool->voxels, err);
+    if (status != OST_OK) {
+        ost_ref_tool_free(&tool->base);
+        return status;
+    }
+    *out = &tool->base;
+    return OST_OK;
 }
