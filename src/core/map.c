@@ -78,7 +78,7 @@ ost_status ost_map_make(const ost_pose *pose, const ost_geometry *bone, const os
 /*
  * AR-MAP-5.  A coordinate of the block is base + d, |d| <= D, where
  * D = 15 * (sum of |step| over the bone's axes) <= 15 * (sqrt(3) * 2^24 + 3/2)
- * = 435,889,178 < 2^29: a column of a rotation has |x| + |y| + |z| <= sqrt(3),
+ * < 435,884,881 < 2^29: a column of a rotation has |x| + |y| + |z| <= sqrt(3),
  * and each RHE adds at most 1/2.
  *   base <  -2^29         every coordinate is < 0
  *   base >= 2^30 + 2^29   every coordinate is > 2^30, so beyond 1024 tool voxels

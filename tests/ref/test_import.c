@@ -1,0 +1,294 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Samples to rect grid, rect to cubic, on the reference.
+ * Covers: AR-CT-4, AR-CT-5, AR-CT-6, AR-CT-9, AR-CUB-1, AR-CUB-2, AR-CUB-3
+ *
+ * Expected values are worked out by hand, in the comments beside them.
+ */
+#include "ref/scene.h"
+
+static const ost_pm S = 470000 * (OST_PM_PER_MM / 1000000); /* 0.47 mm */
+
+static ost_grid *rect_grid(ost_backend *backend, int32_t x, int32_t y, int32_t z, ost_pm3 origin)
+{
+    ost_error err = {0};
+    ost_geometry g = {.dims = {x, y, z}, .spacing = {S, S, OST_PM_PER_MM}, .origin = origin};
+    ost_grid *grid;
+    assert_ok(ost_grid_create(backend, &g, &grid, &err));
+    return grid;
+}
+
+static int16_t voxel_at(const ost_grid *grid, int32_t x, int32_t y, int32_t z)
+{
+    ost_error err = {0};
+    const ost_geometry *g = ost_grid_geometry(grid);
+    int16_t *slice = malloc((size_t)g->dims.x * (size_t)g->dims.y * sizeof *slice);
+    assert_non_null(slice);
+    assert_ok(ost_grid_download(grid, z, 1, slice, &err));
+    int16_t value = slice[x + g->dims.x * y];
+    free(slice);
+    return value;
+}
+
+static void the_documents_example(void **state)
+{
+    /* docs/arithmetic.md, AR-CT: spacing 0.47, min -57.34; 4.0499 is 0.38319 of a voxel off, 4.1799 only 0.10659. */
+    ost_error err = {0};
+    ost_grid *grid = rect_grid(*state, 200, 1, 1, (ost_pm3){-57340000000, 0, 0});
+    ost_scatter_report report = {0};
+    ost_sample far = {.x = 4049900000, .density = 300, .line = 1};
+    assert_ok(ost_ct_to_rect(grid, &far, 1, 10, OST_DUPLICATES_ERROR, &report, &err));
+    assert_int_equal(report.rejected_line, 11);
+    assert_int_equal(report.off_lattice, 1);
+    assert_int_equal(report.worst_offset_ppm, 383191); /* 180,100,000 / 470,000,000 = 0.3831914... */
+    assert_int_equal(report.worst_line, 11);
+    assert_int_equal(voxel_at(grid, 131, 0, 0), 0);
+    ost_sample near = {.x = 4179900000, .density = 301, .line = 2};
+    assert_ok(ost_ct_to_rect(grid, &near, 1, 10, OST_DUPLICATES_ERROR, &report, &err));
+    assert_int_equal(report.off_lattice, 1);
+    assert_int_equal(report.rejected_line, 11);
+    assert_int_equal(voxel_at(grid, 131, 0, 0), 301);
+    ost_grid_free(grid);
+}
+
+static void borders_of_the_offsets(void **state)
+{
+    /* With s = 8 units: off by exactly 1 unit is quiet, by exactly 3 counted and kept, by 4 (a half) to even and rejected. */
+    ost_error err = {0};
+    ost_geometry g = {.dims = {8, 1, 1}, .spacing = {8000000, 8000000, 8000000}};
+    const struct {
+        int64_t x;
+        uint64_t counted;
+        int64_t rejected;
+        int index;
+    } cases[] = {
+        {1000000, 0, 0, 0},   {1000001, 1, 0, 0},   {3000000, 1, 0, 0},  {3000001, 1, 7, -1}, {4000000, 1, 7, -1},
+        {15000000, 0, 0, 2},  {14999999, 1, 0, 2},  {13000000, 1, 0, 2}, {12999999, 1, 7, -1}, {-3000000, 1, 0, 0},
+        {-4000001, 1, 7, -1}, {59000000, 1, 0, 7},  {60000000, 1, 7, -1}, /* 7.5 -> 8, outside */
+        {61000000, 1, 7, -1}, {64000000, 0, 7, -1}, {-8000000, 0, 7, -1}, {OST_LENGTH_MAX, 0, 7, -1},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        ost_grid *grid;
+        assert_ok(ost_grid_create(*state, &g, &grid, &err));
+        ost_scatter_report report = {0};
+        ost_sample sample = {.x = cases[i].x, .density = 500};
+        assert_ok(ost_ct_to_rect(grid, &sample, 1, 7, OST_DUPLICATES_ERROR, &report, &err));
+        int16_t row[8];
+        assert_ok(ost_grid_download(grid, 0, 1, row, &err));
+        if (report.off_lattice != cases[i].counted || report.rejected_line != cases[i].rejected)
+            fail_msg("x = %lld: counted %llu, rejected line %lld", (long long)cases[i].x, (unsigned long long)report.off_lattice,
+                     (long long)report.rejected_line);
+        for (int v = 0; v < 8; v++)
+            assert_int_equal(row[v], v == cases[i].index ? 500 : 0);
+        ost_grid_free(grid);
+    }
+}
+
+static void a_voxel_met_again(void **state)
+{
+    const struct {
+        ost_duplicates rule;
+        int16_t kept;
+        int64_t conflict;
+    } cases[] = {{OST_DUPLICATES_ERROR, 200, 3}, {OST_DUPLICATES_FIRST, 200, 0}, {OST_DUPLICATES_LAST, 150, 0}, {OST_DUPLICATES_MAX, 900, 0}};
+    const ost_sample samples[] = {{.density = 200, .line = 0}, {.density = 200, .line = 1}, {.density = 900, .line = 2},
+                                  {.density = 150, .line = 3}};
+    ost_error err = {0};
+    for (size_t i = 0; i < 4; i++)
+        for (size_t cut = 0; cut <= 4; cut++) { /* in two batches, cut everywhere */
+            ost_grid *grid = rect_grid(*state, 2, 2, 2, (ost_pm3){0, 0, 0});
+            ost_scatter_report report = {0};
+            assert_ok(ost_ct_to_rect(grid, samples, cut, 1, cases[i].rule, &report, &err));
+            assert_ok(ost_ct_to_rect(grid, samples + cut, 4 - cut, 1, cases[i].rule, &report, &err));
+            assert_int_equal(report.samples, 4);
+            assert_int_equal(report.duplicates, 3);
+            assert_int_equal(report.conflict_line, cases[i].conflict);
+            if (cases[i].conflict) {
+                assert_int_equal(report.conflict_had, 200);
+                assert_int_equal(report.conflict_has, 900);
+            }
+            assert_int_equal(voxel_at(grid, 0, 0, 0), cases[i].kept);
+            ost_grid_free(grid);
+        }
+}
+
+static void a_zero_density_counts_as_seen(void **state)
+{
+    ost_error err = {0};
+    ost_grid *grid = rect_grid(*state, 1, 1, 1, (ost_pm3){0, 0, 0});
+    ost_scatter_report report = {0};
+    const ost_sample samples[] = {{.density = 0, .line = 0}, {.density = 5, .line = 1}};
+    assert_ok(ost_ct_to_rect(grid, samples, 2, 1, OST_DUPLICATES_ERROR, &report, &err));
+    assert_int_equal(report.duplicates, 1);
+    assert_int_equal(report.conflict_line, 2);
+    assert_int_equal(report.conflict_had, 0);
+    ost_grid_free(grid);
+}
+
+static void every_voxel_finds_its_place(void **state)
+{
+    /* Positions k * 0.47 - 57.34 written with two decimals are exact: every voxel once, none off its lattice. */
+    ost_error err = {0};
+    enum { NX = 7, NY = 5, NZ = 4 };
+    ost_pm3 origin = {-57340000000, -3 * OST_PM_PER_MM, OST_PM_PER_MM / 3};
+    ost_grid *grid = rect_grid(*state, NX, NY, NZ, origin);
+    ost_sample samples[NX * NY * NZ];
+    for (int i = 0; i < NX * NY * NZ; i++) {
+        int v = (i * 61) % (NX * NY * NZ); /* any order: 61 and 140 have no common divisor */
+        int x = v % NX, y = v / NX % NY, z = v / NX / NY;
+        samples[i] = (ost_sample){origin.x + x * S, origin.y + y * S, origin.z + z * OST_PM_PER_MM, v - 70, (uint32_t)i};
+    }
+    ost_scatter_report report = {0};
+    assert_ok(ost_ct_to_rect(grid, samples, NX * NY * NZ, 1, OST_DUPLICATES_ERROR, &report, &err));
+    assert_int_equal(report.samples, NX * NY * NZ);
+    assert_int_equal(report.duplicates + report.off_lattice + report.worst_offset_ppm, 0);
+    assert_int_equal(report.worst_line + report.rejected_line + report.conflict_line, 0);
+    int16_t voxels[NX * NY * NZ];
+    assert_ok(ost_grid_download(grid, 0, NZ, voxels, &err));
+    for (int v = 0; v < NX * NY * NZ; v++)
+        assert_int_equal(voxels[v], v - 70);
+    ost_grid_free(grid);
+}
+
+/* ------------------------------------------------------------- to cubic */
+
+static ost_grid *line_grid(ost_backend *backend, int axis, int32_t n, ost_pm spacing)
+{
+    ost_error err = {0};
+    ost_geometry g = {.dims = {1, 1, 1}, .spacing = {OST_PM_PER_MM, OST_PM_PER_MM, OST_PM_PER_MM}};
+    (axis == 0 ? &g.dims.x : axis == 1 ? &g.dims.y : &g.dims.z)[0] = n;
+    (axis == 0 ? &g.spacing.x : axis == 1 ? &g.spacing.y : &g.spacing.z)[0] = spacing;
+    ost_grid *grid;
+    int16_t values[64];
+    assert_true(n <= 64);
+    for (int i = 0; i < n; i++)
+        values[i] = (int16_t)(100 + i);
+    assert_ok(ost_grid_create(backend, &g, &grid, &err));
+    assert_ok(ost_grid_upload(grid, 0, g.dims.z, values, &err));
+    return grid;
+}
+
+static void filler_voxels(void **state)
+{
+    /*
+     * Three layers of 1 mm at 0.47 mm: ceil(3 / 0.47) = 7 layers, whose lower
+     * edges 0, 0.47, 0.94, 1.41, 1.88, 2.35, 2.82 lie in layers 0 0 0 1 1 2 2
+     * and whose centres 0.235, 0.705, 1.175, 1.645, 2.115, 2.585, 3.055 in
+     * layers 0 0 1 1 2 2 and, held back, 2.
+     */
+    static const int floors[] = {0, 0, 0, 1, 1, 2, 2}, nearest[] = {0, 0, 1, 1, 2, 2, 2};
+    ost_error err = {0};
+    for (int axis = 0; axis < 3; axis++)
+        for (int rule = 0; rule < 2; rule++) {
+            ost_grid *rect = line_grid(*state, axis, 3, OST_PM_PER_MM), *cubic;
+            assert_ok(ost_rect_to_cubic(rect, S, rule ? OST_RESAMPLE_NEAREST : OST_RESAMPLE_FLOOR, &cubic, &err));
+            const ost_geometry *g = ost_grid_geometry(cubic);
+            const int32_t dims[3] = {g->dims.x, g->dims.y, g->dims.z};
+            /* The other axes have one voxel of 1 mm: ceil(1 / 0.47) = 3 of 0.47 mm. */
+            assert_int_equal(dims[axis], 7);
+            assert_int_equal(dims[(axis + 1) % 3], 3);
+            int16_t voxels[7 * 3 * 3];
+            assert_ok(ost_grid_download(cubic, 0, g->dims.z, voxels, &err));
+            for (int v = 0; v < 63; v++) {
+                const int at[3] = {v % dims[0], v / dims[0] % dims[1], v / dims[0] / dims[1]};
+                assert_int_equal(voxels[v], 100 + (rule ? nearest : floors)[at[axis]]);
+            }
+            ost_grid_free(cubic);
+            ost_grid_free(rect);
+        }
+}
+
+static void coarser_than_the_scan(void **state)
+{
+    /* Seven layers of 0.3 mm at 0.47 mm: ceil(2.1 / 0.47) = 5; 0, 0.47, 0.94, 1.41, 1.88 lie in layers 0 1 3 4 6. */
+    static const int floors[] = {0, 1, 3, 4, 6};
+    ost_error err = {0};
+    ost_grid *rect = line_grid(*state, 2, 7, 300 * UM), *cubic;
+    assert_ok(ost_rect_to_cubic(rect, S, OST_RESAMPLE_FLOOR, &cubic, &err));
+    const ost_geometry *g = ost_grid_geometry(cubic);
+    assert_int_equal(g->dims.z, 5);
+    for (int z = 0; z < 5; z++)
+        assert_int_equal(voxel_at(cubic, 0, 0, z), 100 + floors[z]);
+    ost_grid_free(cubic);
+    ost_grid_free(rect);
+}
+
+static void equal_spacing_changes_nothing(void **state)
+{
+    ost_error err = {0};
+    test_rng rng = rng_seeded("equal spacing");
+    ost_geometry g = cubic_geometry(9, 8, 7, 32 * UM, (ost_pm3){5, -6, 7});
+    int16_t *voxels = random_densities(&rng, &g, 4), *back = malloc(voxel_count(&g) * sizeof *back);
+    ost_grid *rect, *cubic;
+    assert_ok(ost_grid_create(*state, &g, &rect, &err));
+    assert_ok(ost_grid_upload(rect, 0, 7, voxels, &err));
+    for (int rule = 0; rule < 2; rule++) {
+        assert_ok(ost_rect_to_cubic(rect, 32 * UM, rule ? OST_RESAMPLE_NEAREST : OST_RESAMPLE_FLOOR, &cubic, &err));
+        assert_true(ost_geometry_equal(&g, ost_grid_geometry(cubic)));
+        assert_ok(ost_grid_download(cubic, 0, 7, back, &err));
+        assert_same_voxels(back, voxels, &g);
+        ost_grid_free(cubic);
+    }
+    ost_grid_free(rect);
+    free(back);
+    free(voxels);
+}
+
+static void the_thesis_tables(void **state)
+{
+    /* Tables 3.1 and 3.2; the scapula by its own dims, 201 layers of 1 mm at 0.47 mm being 428 (docs/thesis-notes.md). */
+    const struct {
+        ost_dims rect;
+        ost_pm in_plane, between;
+        ost_dims cubic, chunks;
+    } models[] = {
+        {{314, 320, 604}, 32 * UM, 32 * UM, {314, 320, 604}, {10, 10, 19}},
+        {{314, 316, 360}, 32 * UM, 32 * UM, {314, 316, 360}, {10, 10, 12}},
+        {{156, 156, 313}, 32 * UM, 32 * UM, {156, 156, 313}, {5, 5, 10}},
+        {{256, 234, 201}, 470 * UM, 1000 * UM, {256, 234, 428}, {8, 8, 14}},
+        {{49, 81, 41}, 470 * UM, 1000 * UM, {49, 81, 88}, {2, 3, 3}},
+    };
+    ost_error err = {0};
+    for (size_t i = 2; i < sizeof models / sizeof models[0]; i++) { /* the two largest only by their dims, below */
+        ost_geometry g = {.dims = models[i].rect, .spacing = {models[i].in_plane, models[i].in_plane, models[i].between}};
+        ost_grid *rect, *cubic;
+        assert_ok(ost_grid_create(*state, &g, &rect, &err));
+        assert_ok(ost_rect_to_cubic(rect, models[i].in_plane, OST_RESAMPLE_FLOOR, &cubic, &err));
+        ost_geometry c = *ost_grid_geometry(cubic);
+        assert_memory_equal(&c.dims, &models[i].cubic, sizeof c.dims);
+        ost_grid_free(cubic);
+        ost_grid_free(rect);
+    }
+    for (size_t i = 0; i < sizeof models / sizeof models[0]; i++) {
+        ost_geometry g = cubic_geometry(models[i].cubic.x, models[i].cubic.y, models[i].cubic.z, models[i].in_plane, (ost_pm3){0, 0, 0});
+        ost_bone *bone;
+        ost_bone_info info;
+        assert_ok(ost_bone_create(*state, &g, 32, 120, &bone, &err));
+        assert_ok(ost_bone_info_get(bone, &info, &err));
+        assert_memory_equal(&info.chunk_dims, &models[i].chunks, sizeof info.chunk_dims);
+        ost_bone_free(bone);
+    }
+}
+
+static void it_takes_no_options(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_backend *backend;
+    assert_int_equal(ost_backend_open("ref:threads=2", &backend, &err), OST_ERR_USAGE);
+    assert_non_null(strstr(err.text, "threads"));
+    assert_ok(ost_backend_open("ref:", &backend, &err));
+    ost_backend_close(backend);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_documents_example),      cmocka_unit_test(borders_of_the_offsets),
+        cmocka_unit_test(a_voxel_met_again),          cmocka_unit_test(a_zero_density_counts_as_seen),
+        cmocka_unit_test(every_voxel_finds_its_place), cmocka_unit_test(filler_voxels),
+        cmocka_unit_test(coarser_than_the_scan),      cmocka_unit_test(equal_spacing_changes_nothing),
+        cmocka_unit_test(the_thesis_tables),          cmocka_unit_test(it_takes_no_options),
+    };
+    return cmocka_run_group_tests(tests, open_ref, close_ref);
+}

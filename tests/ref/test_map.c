@@ -1,0 +1,202 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Sweep and map against values worked out by hand or elsewhere; tests/oracle
+ * holds thousands of random ones against another implementation.
+ * Covers: AR-SWEEP-1..6, AR-MAP-1..5, AR-POSE-4
+ */
+#include "ref/scene.h"
+
+static const ost_tool_geometry small_tool = {{10, 20, 30}, OST_PM_PER_MM / 2, {-2500000000, -5000000000, 0}};
+
+static ost_pose at_um(int64_t x, int64_t y, int64_t z)
+{
+    ost_pose pose = ost_pose_identity();
+    pose.t = (ost_pm3){x * UM, y * UM, z * UM};
+    return pose;
+}
+
+static int count_of(const ost_pose *a, const ost_pose *b, const ost_tool_geometry *tool, ost_pm voxel)
+{
+    ost_error err = {0};
+    int count = -1;
+    assert_ok(ost_sweep_count(a, b, tool, voxel, &count, &err));
+    return count;
+}
+
+static void the_documents_sweep(void **state)
+{
+    (void)state;
+    ost_pose a = at_um(0, 0, 0), b = at_um(300, 400, 0);
+    assert_int_equal(count_of(&a, &b, &small_tool, 470 * UM), 3);
+    ost_pose p = ost_sweep_pose(&a, &b, 1, 3);
+    assert_int_equal(p.t.x, 100000000);
+    assert_int_equal(p.t.y, 133333333);
+    p = ost_sweep_pose(&a, &b, 2, 3);
+    assert_int_equal(p.t.y, 266666667);
+    p = ost_sweep_pose(&a, &b, 3, 3);
+    assert_memory_equal(&p, &b, sizeof p);
+}
+
+static void the_count_is_the_least(void **state)
+{
+    (void)state;
+    /* 2 |d| = n s exactly is n; one picometre more is n + 1. */
+    ost_pose a = at_um(10, 20, 30);
+    assert_int_equal(count_of(&a, &a, &small_tool, 470 * UM), 1);
+    for (int n = 1; n <= OST_SWEEP_MAX; n = n < 8 ? n + 1 : 2 * n) {
+        ost_pose b = a;
+        b.t.y -= n * 235 * UM;
+        assert_int_equal(count_of(&a, &b, &small_tool, 470 * UM), n);
+        b.t.y--;
+        int count;
+        ost_status status = ost_sweep_count(&a, &b, &small_tool, 470 * UM, &count, NULL);
+        if (n == OST_SWEEP_MAX)
+            assert_int_equal(status, OST_ERR_RANGE);
+        else
+            assert_int_equal(count, n + 1);
+    }
+}
+
+static void a_turn_moves_the_corners(void **state)
+{
+    /*
+     * A quarter turn about z exactly, q = (c, 0, 0, c): 90 degrees, allowed.
+     * The farthest corner in the plane is (+-2.5, +-5): it moves by the chord
+     * sqrt(2) * |(2.5, 5)| = sqrt(2 * 31.25) = 7.90569 mm, so with 0.47 mm
+     * n = ceil(2 * 7.90569 / 0.47) = ceil(33.64) = 34.
+     */
+    (void)state;
+    ost_pose a = at_um(0, 0, 0), b = a;
+    b.qw = b.qz = 759250125; /* 2^30 / sqrt(2) */
+    ost_pose c = {.qw = 759250124, .qz = 759250126}; /* a little more than a quarter turn */
+    assert_int_equal(count_of(&a, &b, &small_tool, 470 * UM), 34);
+    int count;
+    assert_int_equal(ost_sweep_count(&a, &c, &small_tool, 470 * UM, &count, NULL), OST_ERR_RANGE);
+    /* The same rotation by -q is no turn at all. */
+    ost_pose minus = {.t = a.t, .qw = -a.qw};
+    assert_int_equal(count_of(&a, &minus, &small_tool, 470 * UM), 1);
+    /* And is swept the short way: (759,250,125 + 2^30) / 2 = 916,495,974.5 and 759,250,125 / 2 = 379,625,062.5, to even. */
+    ost_pose half = ost_sweep_pose(&b, &minus, 1, 2);
+    assert_int_equal(half.qw, 916495974);
+    assert_int_equal(half.qz, 379625062);
+}
+
+static void the_documents_map(void **state)
+{
+    /* The worked example of docs/arithmetic.md section 12. */
+    (void)state;
+    ost_error err = {0};
+    ost_geometry bone = cubic_geometry(256, 234, 428, 470 * UM, (ost_pm3){-57340 * UM, -54755 * UM, 0});
+    ost_tool_geometry tool = {{73, 74, 43}, 500 * UM, {-18500 * UM, -18500 * UM, -500 * UM}};
+    ost_pose pose = {.t = {12000 * UM, -7500 * UM, 30250 * UM}, .qw = 858993459, .qy = 644245094};
+    static const int32_t steps[3][3] = {{275985, 0, 946235}, {0, 985661, 0}, {-946235, 0, 275985}};
+    static const int32_t base[3] = {38164811, 34319892, -2393270};
+    ost_map map;
+    assert_ok(ost_map_make(&pose, &bone, &tool, &map, &err));
+    assert_memory_equal(map.step, steps, sizeof steps);
+    int32_t found[3];
+    assert_true(ost_map_block_base(&map, (ost_dims){9, 6, 4}, found));
+    assert_memory_equal(found, base, sizeof base);
+}
+
+static void quarter_turns_are_exact(void **state)
+{
+    /* Bone voxel 1 mm, tool voxel 1/2 mm: two tool voxels a step, along the turned axis, whatever the quaternion's length. */
+    (void)state;
+    ost_error err = {0};
+    ost_geometry bone = cubic_geometry(64, 64, 64, OST_PM_PER_MM, (ost_pm3){0, 0, 0});
+    static const int32_t lengths[] = {759250125, 759250000, 758600000, 759900000};
+    for (size_t i = 0; i < 4; i++) {
+        ost_pose pose = {.t = {OST_PM_PER_MM, 0, 0}, .qw = lengths[i], .qz = lengths[i]};
+        ost_map map;
+        assert_ok(ost_map_make(&pose, &bone, &small_tool, &map, &err));
+        /* The tool's x is the bone's y, its y the bone's -x: R' = R transposed. */
+        static const int32_t two = 2 << 20;
+        const int32_t steps[3][3] = {{0, -two, 0}, {two, 0, 0}, {0, 0, two}};
+        assert_memory_equal(map.step, steps, sizeof steps);
+        int32_t base[3];
+        assert_true(ost_map_block_base(&map, (ost_dims){1, 2, 3}, base));
+        /* p - t = (15, 32, 48) mm; tool (32, -15, 48); less the corner (34.5, -10, 48); in half millimetres (69, -20, 96). */
+        assert_int_equal(base[0], 69 << 20);
+        assert_int_equal(base[1], -(20 << 20));
+        assert_int_equal(base[2], 96 << 20);
+    }
+}
+
+static void far_blocks_are_said_so(void **state)
+{
+    /* Borders of AR-MAP-5 along x, one unit of 2^-20 apart; bone and tool voxel 2^30 pm. */
+    (void)state;
+    ost_error err = {0};
+    const ost_pm v = INT64_C(1) << 30; /* so that 2^-20 of a voxel is 1,024 pm */
+    ost_geometry bone = cubic_geometry(16, 16, 16, v, (ost_pm3){0, 0, 0});
+    ost_tool_geometry tool = {{4, 4, 4}, v, {0, 0, 0}};
+    const struct {
+        int64_t base;
+        bool near;
+    } cases[] = {{-(INT64_C(1) << 29), true}, {-(INT64_C(1) << 29) - 1, false}, {(INT64_C(3) << 29) - 1, true}, {INT64_C(3) << 29, false}};
+    for (size_t i = 0; i < 4; i++) {
+        ost_pose pose = ost_pose_identity();
+        pose.t.x = -cases[i].base * 1024;
+        ost_map map;
+        assert_ok(ost_map_make(&pose, &bone, &tool, &map, &err));
+        int32_t base[3];
+        assert_int_equal(ost_map_block_base(&map, (ost_dims){0, 0, 0}, base), cases[i].near);
+        if (cases[i].near)
+            assert_int_equal(base[0], cases[i].base);
+    }
+}
+
+static void ties_of_the_base_go_to_even(void **state)
+{
+    /* Half a unit of 2^-20 is 512 pm here: bases +-0.5, +-1.5, +-2.5 units. */
+    (void)state;
+    ost_error err = {0};
+    const ost_pm v = INT64_C(1) << 30;
+    ost_geometry bone = cubic_geometry(16, 16, 16, v, (ost_pm3){0, 0, 0});
+    ost_tool_geometry tool = {{4, 4, 4}, v, {0, 0, 0}};
+    static const int expected[] = {-2, -2, 0, 0, 2, 2};
+    for (int i = 0; i < 6; i++) {
+        ost_pose pose = ost_pose_identity();
+        pose.t.x = -(2 * i - 5) * 512;
+        ost_map map;
+        int32_t base[3];
+        assert_ok(ost_map_make(&pose, &bone, &tool, &map, &err));
+        assert_true(ost_map_block_base(&map, (ost_dims){0, 0, 0}, base));
+        assert_int_equal(base[0], expected[i]);
+    }
+}
+
+static void beyond_what_is_proved(void **state)
+{
+    (void)state;
+    ost_map map;
+    int count;
+    ost_pose pose = ost_pose_identity(), broken = {.qw = INT32_MIN, .qx = INT32_MIN, .qy = INT32_MAX, .qz = INT32_MIN};
+    ost_pose far = pose;
+    far.t.z = OST_LENGTH_MAX + 1;
+    ost_geometry bone = cubic_geometry(8, 8, 8, 16 * UM, (ost_pm3){0, 0, 0});
+    ost_tool_geometry tool = {{1024, 1, 1}, UM, {0, 0, 0}}, wide = {{1025, 1, 1}, UM, {0, 0, 0}};
+    assert_int_equal(ost_map_make(&pose, &bone, &tool, &map, NULL), OST_OK);
+    assert_int_equal(map.step[0][0], 16 << 20);
+    assert_int_equal(ost_map_make(&pose, &bone, &wide, &map, NULL), OST_ERR_RANGE);
+    assert_int_equal(ost_map_make(&broken, &bone, &tool, &map, NULL), OST_ERR_RANGE);
+    assert_int_equal(ost_map_make(&far, &bone, &tool, &map, NULL), OST_ERR_RANGE);
+    assert_int_equal(ost_sweep_count(&pose, &broken, &tool, 16 * UM, &count, NULL), OST_ERR_RANGE);
+    assert_int_equal(ost_sweep_count(&far, &pose, &tool, 16 * UM, &count, NULL), OST_ERR_RANGE);
+    bone = cubic_geometry(8, 8, 8, 16 * UM + 1, (ost_pm3){0, 0, 0});
+    assert_int_equal(ost_map_make(&pose, &bone, &tool, &map, NULL), OST_ERR_RANGE);
+    bone.spacing.z = 16 * UM;
+    assert_int_equal(ost_map_make(&pose, &bone, &tool, &map, NULL), OST_ERR_USAGE);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_documents_sweep),     cmocka_unit_test(the_count_is_the_least),
+        cmocka_unit_test(a_turn_moves_the_corners), cmocka_unit_test(the_documents_map),
+        cmocka_unit_test(quarter_turns_are_exact), cmocka_unit_test(far_blocks_are_said_so),
+        cmocka_unit_test(ties_of_the_base_go_to_even), cmocka_unit_test(beyond_what_is_proved),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
