@@ -10,8 +10,7 @@
  * check, so every vertex is in the file's own frame (assimp would turn a 3DS
  * by a quarter at its root).
  *
- * A vertex is the float32 that assimp has, converted to double, times the
- * unit (one IEEE multiplication, exact but for inches and micrometres), then
+ * A vertex is the float32 that assimp has, at its exact value, times the unit,
  * RHE to picometres (AR-MESH-2).
  */
 #include "io/mesh_input.h"
@@ -22,18 +21,22 @@
 
 #include "config.h"
 #include "core/conditions.h"
+#include "core/integer.h"
 
 #ifdef HAVE_ASSIMP
 #include <assimp/cfileio.h>
 #include <assimp/cimport.h>
 #include <assimp/scene.h>
 
+_Static_assert(sizeof(ai_real) == sizeof(float), "an assimp of single precision");
+
 static const struct {
     const char *name;
-    double mm;
+    int64_t pm;
 } units[] = {
-    [OST_UNIT_AUTO] = {"mm", 1.0}, [OST_UNIT_MM] = {"mm", 1.0},      [OST_UNIT_CM] = {"cm", 10.0},
-    [OST_UNIT_M] = {"m", 1000.0},  [OST_UNIT_INCH] = {"inch", 25.4}, [OST_UNIT_UM] = {"um", 0.001},
+    [OST_UNIT_AUTO] = {"mm", OST_PM_PER_MM},     [OST_UNIT_MM] = {"mm", OST_PM_PER_MM},
+    [OST_UNIT_CM] = {"cm", 10 * OST_PM_PER_MM},  [OST_UNIT_M] = {"m", 1000 * OST_PM_PER_MM},
+    [OST_UNIT_INCH] = {"inch", 25400000000},     [OST_UNIT_UM] = {"um", OST_PM_PER_MM / 1000},
 };
 
 static const struct {
@@ -145,15 +148,36 @@ static ost_status count_parts(const mesh_input *in, const struct aiScene *scene,
     return OST_OK;
 }
 
-static ost_status copy_vertices(const mesh_input *in, const struct aiMesh *part, double unit, size_t first, ost_mesh *out, ost_error *err)
+/*
+ * RHE(value * unit); false for NaN, infinity and what is beyond +-OST_LENGTH_MAX.
+ * value = m 2^e with |m| < 2^24, and unit < 2^40, so |m unit| < 2^64.  At 2^31
+ * units and more (2147 m of micrometres) a value is out of range; below, e < 8.  At e < -100
+ * less than 2^-36 pm is left, which rounds to 0.
+ */
+static bool to_pm(float value, int64_t unit, ost_pm *out)
+{
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    const int exponent = (int)(bits >> 23 & 0xff);
+    if (exponent >= 127 + 31)
+        return false;
+    ost_i128 product = (ost_i128)((bits & 0x7fffff) | (exponent ? 0x800000 : 0)) * unit;
+    const int e = (exponent ? exponent : 1) - 150;
+    if (bits >> 31)
+        product = -product;
+    ost_i128 pm = e >= 0 ? product * (1 << e) : e < -100 ? 0 : ost_rhe_div128(product, (ost_i128)1 << -e);
+    *out = (ost_pm)pm;
+    return pm >= -OST_LENGTH_MAX && pm <= OST_LENGTH_MAX;
+}
+
+static ost_status copy_vertices(const mesh_input *in, const struct aiMesh *part, int64_t unit, size_t first, ost_mesh *out, ost_error *err)
 {
     for (unsigned i = 0; i < part->mNumVertices; i++) {
         const struct aiVector3D *v = &part->mVertices[i];
         ost_pm3 *p = &out->vertices[first + i];
-        if (!ost_pm_from_binary((double)v->x * unit, &p->x) || !ost_pm_from_binary((double)v->y * unit, &p->y) ||
-            !ost_pm_from_binary((double)v->z * unit, &p->z))
+        if (!to_pm(v->x, unit, &p->x) || !to_pm(v->y, unit, &p->y) || !to_pm(v->z, unit, &p->z))
             return ost_fail(err, OST_ERR_INPUT, "%s: a vertex at (%.6g %.6g %.6g) mm; expected finite numbers within 8000 mm", in->path,
-                            (double)v->x * unit, (double)v->y * unit, (double)v->z * unit);
+                            (double)v->x * ost_pm_to_mm(unit), (double)v->y * ost_pm_to_mm(unit), (double)v->z * ost_pm_to_mm(unit));
     }
     return OST_OK;
 }
@@ -175,7 +199,7 @@ static ost_status copy_triangles(const mesh_input *in, const struct aiMesh *part
     return OST_OK;
 }
 
-static ost_status convert(const mesh_input *in, const struct aiScene *scene, double unit, ost_mesh *out, ost_error *err)
+static ost_status convert(const mesh_input *in, const struct aiScene *scene, int64_t unit, ost_mesh *out, ost_error *err)
 {
     size_t vertices, first = 0, filled = 0;
     ost_status status = count_parts(in, scene, &vertices, err);
@@ -191,7 +215,7 @@ static ost_status convert(const mesh_input *in, const struct aiScene *scene, dou
     return status;
 }
 
-static ost_status import(mesh_input *in, double unit, ost_mesh *out, ost_error *err)
+static ost_status import(mesh_input *in, int64_t unit, ost_mesh *out, ost_error *err)
 {
     struct aiFileIO io = {memory_open, memory_close, (char *)(void *)in};
     const struct aiScene *scene = aiImportFileEx(kinds[in->kind].name, 0, &io);
@@ -210,7 +234,7 @@ static ost_status check_extent(const char *path, double mm, ost_unit unit, ost_e
         return OST_OK;
     char fits[160] = "";
     for (int u = OST_UNIT_CM; u <= OST_UNIT_UM; u++) {
-        double there = mm * units[u].mm;
+        double there = mm * ost_pm_to_mm(units[u].pm);
         size_t used = strlen(fits);
         if (there >= 1.0 && there <= 1000.0)
             snprintf(fits + used, sizeof fits - used, "%s--unit %s makes it %.3g mm", used ? ", " : "", units[u].name, there);
@@ -256,7 +280,7 @@ ost_status ost_mesh_read(const char *path, ost_unit unit, ost_mesh *out, ost_mes
         return status;
     status = kinds[in.kind].check(&in, err);
     if (status == OST_OK)
-        status = import(&in, units[unit].mm, out, err);
+        status = import(&in, units[unit].pm, out, err);
     if (status == OST_OK)
         status = finish(path, unit, out, report, err);
     snprintf(report->format, sizeof report->format, "%s", kinds[in.kind].label);
