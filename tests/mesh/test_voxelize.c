@@ -1,0 +1,459 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The reference voxelizer against an oracle that says AR-VOX in other words,
+ * and against the laws that any voxelizer must obey.
+ *
+ * The oracle decides one voxel at a time.  It has no tie rules: coordinates
+ * are scaled by 2^50 and the row is moved by (2^22, 1) in (y, z), a real
+ * displacement small enough to change no other sign, in 128 bits.  On which
+ * side of the triangle's plane the centre lies is a 3 x 3 determinant.
+ *
+ * Covers: AR-VOX-1, AR-VOX-2, AR-VOX-3, AR-VOX-4, AR-VOX-5, AR-VOX-6, AR-VOX-7
+ */
+#include "mesh_make.h"
+
+__extension__ typedef __int128 wide;
+
+/* ----------------------------------------------------------------- oracle */
+
+static int sign(wide v)
+{
+    return (v > 0) - (v < 0);
+}
+
+/* Which side of a -> b the displaced point of the row lies on, in the (y, z) plane; scaled values are below 2^71, products 2^92. */
+static int side(const int32_t *a, const int32_t *b, int64_t y, int64_t z)
+{
+    const wide scale = (wide)1 << 50;
+    wide py = y * scale + (1 << 22), pz = z * scale + 1;
+    return sign((wide)(b[1] - a[1]) * (pz - a[2] * scale) - (wide)(b[2] - a[2]) * (py - a[1] * scale));
+}
+
+/* det(b - a, c - a, p - a): positive where the outward normal points to. */
+static wide plane(const int32_t *a, const int32_t *b, const int32_t *c, const int64_t p[3])
+{
+    wide m[3][3];
+    for (int i = 0; i < 3; i++) {
+        m[0][i] = (wide)b[i] - a[i];
+        m[1][i] = (wide)c[i] - a[i];
+        m[2][i] = (wide)p[i] - a[i];
+    }
+    return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+           m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+}
+
+/* What crosses the row of p before or at p (all: anywhere): signed, and how many. */
+static void crossings(const ost_snapped_mesh *mesh, const int64_t p[3], bool all, int *winding, int *count)
+{
+    *winding = *count = 0;
+    for (size_t t = 0; t < mesh->triangle_count; t++) {
+        const int32_t *a = mesh->vertices[mesh->triangles[t][0]];
+        const int32_t *b = mesh->vertices[mesh->triangles[t][1]];
+        const int32_t *c = mesh->vertices[mesh->triangles[t][2]];
+        int s = side(a, b, p[1], p[2]);
+        if (s == 0 || s != side(b, c, p[1], p[2]) || s != side(c, a, p[1], p[2]))
+            continue;
+        /* Counter-clockwise in (y, z) means an outward normal toward +x: the row leaves there, and is past the
+         * plane where the determinant is not negative; clockwise the other way round. */
+        if (!all && s * sign(plane(a, b, c, p)) < 0)
+            continue;
+        *winding -= s;
+        ++*count;
+    }
+}
+
+/* The oracle's grid and its leaking rows. */
+static uint64_t oracle_grid(const ost_snapped_mesh *mesh, ost_fill_rule rule, uint8_t *voxels)
+{
+    const ost_dims d = mesh->grid.dims;
+    uint64_t leaks = 0;
+    for (int32_t k = 0; k < d.z; k++)
+        for (int32_t j = 0; j < d.y; j++) {
+            int64_t p[3] = {0, j * MAKE_ONE + MAKE_HALF, k * MAKE_ONE + MAKE_HALF};
+            int winding, count;
+            crossings(mesh, p, true, &winding, &count);
+            const bool leak = rule == OST_FILL_WINDING ? winding != 0 : count % 2 != 0;
+            leaks += leak;
+            for (int32_t i = 0; i < d.x; i++) {
+                p[0] = i * MAKE_ONE + MAKE_HALF;
+                crossings(mesh, p, false, &winding, &count);
+                const bool solid = !leak && (rule == OST_FILL_WINDING ? winding != 0 : count % 2 != 0);
+                voxels[i + (size_t)d.x * ((size_t)j + (size_t)d.y * (size_t)k)] = solid ? OST_TOOL_CUTTING : OST_TOOL_VOID;
+            }
+        }
+    return leaks;
+}
+
+static void compare_with_oracle(const ost_snapped_mesh *mesh, ost_fill_rule rule, const char *what, int round)
+{
+    const size_t count = (size_t)ost_dims_count(mesh->grid.dims);
+    uint8_t *expected = malloc(count);
+    assert_non_null(expected);
+    const uint64_t leaks = oracle_grid(mesh, rule, expected);
+    ost_voxelize_report report;
+    uint8_t *got = make_grid(mesh, rule, &report);
+    uint64_t solid = 0;
+    for (size_t i = 0; i < count; i++) {
+        if (got[i] != expected[i])
+            fail_msg("%s %d: voxel %zu is %d, the oracle says %d", what, round, i, got[i], expected[i]);
+        solid += got[i] != 0;
+    }
+    assert_int_equal(report.leaking_rows, leaks);
+    assert_int_equal(report.solid_voxels, solid);
+    assert_int_equal(report.cutting_voxels, solid);
+    free(expected);
+    free(got);
+}
+
+static void soups_equal_the_oracle(void **state)
+{
+    (void)state;
+    test_rng rng = rng_seeded("soups");
+    for (int round = 0; round < 300; round++) {
+        ost_dims dims = {(int32_t)rng_range(&rng, 1, 9), (int32_t)rng_range(&rng, 1, 8), (int32_t)rng_range(&rng, 1, 7)};
+        const size_t triangles = (size_t)rng_range(&rng, 1, 16);
+        ost_snapped_mesh mesh = make_snapped(dims, 8, triangles);
+        for (int i = 0; i < 8; i++)
+            make_random_vertex(&mesh, &rng);
+        while (mesh.triangle_count < triangles)
+            make_triangle(&mesh, (uint32_t)rng_range(&rng, 0, 7), (uint32_t)rng_range(&rng, 0, 7), (uint32_t)rng_range(&rng, 0, 7));
+        compare_with_oracle(&mesh, round & 1 ? OST_FILL_PARITY : OST_FILL_WINDING, "soup", round);
+        ost_snapped_mesh_free(&mesh);
+    }
+}
+
+static void closed_meshes_equal_the_oracle_and_never_leak(void **state)
+{
+    (void)state;
+    test_rng rng = rng_seeded("closed");
+    for (int round = 0; round < 120; round++) {
+        ost_snapped_mesh mesh = make_closed(&rng, (ost_dims){7, 6, 8}, (uint32_t)rng_range(&rng, 3, 5), (uint32_t)rng_range(&rng, 3, 5));
+        ost_voxelize_report report;
+        free(make_grid(&mesh, OST_FILL_WINDING, &report));
+        assert_int_equal(report.leaking_rows, 0);
+        free(make_grid(&mesh, OST_FILL_PARITY, &report));
+        assert_int_equal(report.leaking_rows, 0);
+        compare_with_oracle(&mesh, OST_FILL_WINDING, "closed", round);
+        ost_snapped_mesh_free(&mesh);
+    }
+}
+
+/* Every vertex is a voxel centre: edges and corners run through rows as often as they can. */
+static void no_mesh_on_centres_leaks(void **state)
+{
+    (void)state;
+    test_rng rng = rng_seeded("centres");
+    for (int round = 0; round < 400; round++) {
+        ost_snapped_mesh mesh = make_closed(&rng, (ost_dims){9, 9, 9}, 3, 6);
+        for (size_t i = 0; i < mesh.vertex_count; i++)
+            for (int a = 0; a < 3; a++)
+                mesh.vertices[i][a] = (int32_t)(rng_range(&rng, 0, 8) * MAKE_ONE + MAKE_HALF);
+        ost_voxelize_report report;
+        free(make_grid(&mesh, OST_FILL_WINDING, &report));
+        assert_int_equal(report.leaking_rows, 0);
+        if (round % 8 == 0)
+            compare_with_oracle(&mesh, OST_FILL_WINDING, "centres", round);
+        ost_snapped_mesh_free(&mesh);
+    }
+}
+
+/* The widest lattice: x up to 2^20 at f = 8. */
+static void the_widest_lattice_is_exact(void **state)
+{
+    (void)state;
+    test_rng rng = rng_seeded("widest");
+    for (int round = 0; round < 12; round++) {
+        ost_snapped_mesh mesh = make_snapped((ost_dims){4096, 3, 2}, 9, 18);
+        mesh.fraction_bits = 8;
+        const int64_t top[3] = {4096 << 8, 3 << 8, 2 << 8};
+        for (int i = 0; i < 9; i++)
+            make_vertex(&mesh, rng_range(&rng, 0, 1) ? top[0] - rng_range(&rng, 0, 3) : rng_range(&rng, 0, 3), rng_range(&rng, 0, top[1]),
+                        rng_range(&rng, 0, top[2]));
+        for (uint32_t i = 0; i < 3; i++)
+            for (uint32_t k = 0; k < 3; k++) {
+                make_triangle(&mesh, 3 * i + k, (i + 1) % 3 * 3 + k, (i + 1) % 3 * 3 + (k + 1) % 3);
+                make_triangle(&mesh, 3 * i + k, (i + 1) % 3 * 3 + (k + 1) % 3, 3 * i + (k + 1) % 3);
+            }
+        ost_voxelize_report report;
+        uint8_t *grid = make_grid(&mesh, OST_FILL_WINDING, &report);
+        assert_int_equal(report.leaking_rows, 0);
+        for (int check = 0; check < 3000; check++) {
+            const int64_t i = rng_range(&rng, 0, 4095), j = rng_range(&rng, 0, 2), k = rng_range(&rng, 0, 1);
+            const int64_t p[3] = {(2 * i + 1) << 7, (2 * j + 1) << 7, (2 * k + 1) << 7};
+            int winding, count;
+            crossings(&mesh, p, false, &winding, &count);
+            assert_int_equal(grid[i + 4096 * (j + 3 * k)], winding != 0);
+        }
+        free(grid);
+        ost_snapped_mesh_free(&mesh);
+    }
+}
+
+/* ------------------------------------------------------------------- laws */
+
+/* Whether p lies on a triangle, its border included. */
+static bool on_surface(const ost_snapped_mesh *mesh, const int64_t p[3])
+{
+    for (size_t t = 0; t < mesh->triangle_count; t++) {
+        const int32_t *v[3] = {mesh->vertices[mesh->triangles[t][0]], mesh->vertices[mesh->triangles[t][1]],
+                               mesh->vertices[mesh->triangles[t][2]]};
+        if (plane(v[0], v[1], v[2], p) != 0)
+            continue;
+        bool positive = false, negative = false;
+        for (int axis = 0; axis < 3; axis++) /* p is inside iff it is in all three projections */
+            for (int e = 0; e < 3; e++) {
+                const int32_t *a = v[e], *b = v[(e + 1) % 3];
+                const int u = (axis + 1) % 3, w = (axis + 2) % 3;
+                wide area = (wide)(v[1][u] - v[0][u]) * (v[2][w] - v[0][w]) - (wide)(v[2][u] - v[0][u]) * (v[1][w] - v[0][w]);
+                wide s = (wide)(b[u] - a[u]) * (p[w] - a[w]) - (wide)(b[w] - a[w]) * (p[u] - a[u]);
+                positive |= sign(s) * sign(area) > 0;
+                negative |= sign(s) * sign(area) < 0;
+            }
+        if (positive && !negative)
+            return true;
+    }
+    return false;
+}
+
+/* A map of the grid onto another: axis a of the new one is axis from[a] of the old, run backward where flip[a]. */
+typedef struct placing {
+    int from[3];
+    bool flip[3];
+    bool odd; /* turns triangles inside out */
+} placing;
+
+static int32_t dim(ost_dims d, int a)
+{
+    return a == 0 ? d.x : a == 1 ? d.y : d.z;
+}
+
+static ost_snapped_mesh placed(const ost_snapped_mesh *mesh, const placing *q)
+{
+    const ost_dims d = mesh->grid.dims;
+    const ost_dims dims = {dim(d, q->from[0]), dim(d, q->from[1]), dim(d, q->from[2])};
+    ost_snapped_mesh out = make_snapped(dims, mesh->vertex_count, mesh->triangle_count);
+    for (size_t i = 0; i < mesh->vertex_count; i++) {
+        int64_t v[3];
+        for (int a = 0; a < 3; a++) {
+            v[a] = mesh->vertices[i][q->from[a]];
+            if (q->flip[a])
+                v[a] = (int64_t)dim(dims, a) * MAKE_ONE - v[a];
+        }
+        make_vertex(&out, v[0], v[1], v[2]);
+    }
+    memcpy(out.triangles, mesh->triangles, mesh->triangle_count * sizeof *out.triangles);
+    out.triangle_count = mesh->triangle_count;
+    if (q->odd)
+        make_inside_out(&out, 0);
+    return out;
+}
+
+/* Mirrors, quarter turns and permutations move the grid with the mesh wherever no centre lies on the surface. */
+static void the_grid_moves_with_the_mesh(void **state)
+{
+    (void)state;
+    static const placing placings[] = {
+        {{0, 1, 2}, {true, false, false}, true},   {{0, 1, 2}, {false, true, false}, true}, {{0, 1, 2}, {false, false, true}, true},
+        {{1, 0, 2}, {true, false, false}, false},  {{2, 1, 0}, {false, false, true}, false}, {{0, 2, 1}, {false, true, false}, false},
+        {{1, 2, 0}, {false, false, false}, false}, {{2, 0, 1}, {false, false, false}, false}, {{1, 0, 2}, {false, false, false}, true},
+        {{0, 1, 2}, {true, true, false}, false},
+    };
+    test_rng rng = rng_seeded("placings");
+    size_t compared = 0, on = 0;
+    for (int round = 0; round < 60; round++) {
+        ost_snapped_mesh mesh = make_closed(&rng, (ost_dims){8, 7, 6}, 3, 4);
+        uint8_t *grid = make_grid(&mesh, OST_FILL_WINDING, NULL);
+        for (size_t n = 0; n < sizeof placings / sizeof placings[0]; n++) {
+            const placing *q = &placings[n];
+            ost_snapped_mesh other = placed(&mesh, q);
+            uint8_t *moved = make_grid(&other, OST_FILL_WINDING, NULL);
+            const ost_dims d = mesh.grid.dims, e = other.grid.dims;
+            for (int32_t k = 0; k < e.z; k++)
+                for (int32_t j = 0; j < e.y; j++)
+                    for (int32_t i = 0; i < e.x; i++) {
+                        const int32_t at[3] = {i, j, k};
+                        int64_t from[3], p[3];
+                        for (int a = 0; a < 3; a++)
+                            from[q->from[a]] = q->flip[a] ? dim(e, a) - 1 - at[a] : at[a];
+                        for (int a = 0; a < 3; a++)
+                            p[a] = from[a] * MAKE_ONE + MAKE_HALF;
+                        const uint8_t here = moved[i + e.x * (j + e.y * k)], there = grid[from[0] + d.x * (from[1] + d.y * from[2])];
+                        compared++;
+                        if (here != there) {
+                            on++;
+                            if (!on_surface(&mesh, p))
+                                fail_msg("round %d, placing %zu: voxel %d %d %d differs off the surface", round, n, i, j, k);
+                        }
+                    }
+            free(moved);
+            ost_snapped_mesh_free(&other);
+        }
+        free(grid);
+        ost_snapped_mesh_free(&mesh);
+    }
+    assert_true(on < compared / 20); /* the exception is one */
+}
+
+/* Two tetrahedra on both sides of a shared face make a bipyramid; the union of their grids is its grid, cut or not. */
+static void two_closed_halves_make_the_whole(void **state)
+{
+    (void)state;
+    test_rng rng = rng_seeded("halves");
+    for (int round = 0; round < 200; round++) {
+        ost_snapped_mesh whole = make_snapped((ost_dims){8, 8, 8}, 5, 6);
+        for (int i = 0; i < 5; i++)
+            make_random_vertex(&whole, &rng);
+        int64_t top[3], bottom[3];
+        for (int a = 0; a < 3; a++) {
+            top[a] = whole.vertices[3][a];
+            bottom[a] = whole.vertices[4][a];
+        }
+        if (plane(whole.vertices[0], whole.vertices[1], whole.vertices[2], top) <= 0 ||
+            plane(whole.vertices[0], whole.vertices[1], whole.vertices[2], bottom) >= 0) {
+            ost_snapped_mesh_free(&whole);
+            continue;
+        }
+        ost_snapped_mesh upper = make_snapped(whole.grid.dims, 5, 4), lower = make_snapped(whole.grid.dims, 5, 4);
+        for (int i = 0; i < 5; i++) {
+            make_vertex(&upper, whole.vertices[i][0], whole.vertices[i][1], whole.vertices[i][2]);
+            make_vertex(&lower, whole.vertices[i][0], whole.vertices[i][1], whole.vertices[i][2]);
+        }
+        make_triangle(&upper, 0, 2, 1);
+        make_triangle(&lower, 0, 1, 2);
+        for (uint32_t i = 0; i < 3; i++) {
+            make_triangle(&upper, i, (i + 1) % 3, 3);
+            make_triangle(&lower, (i + 1) % 3, i, 4);
+            make_triangle(&whole, i, (i + 1) % 3, 3);
+            make_triangle(&whole, (i + 1) % 3, i, 4);
+        }
+        uint8_t *w = make_grid(&whole, OST_FILL_WINDING, NULL), *u = make_grid(&upper, OST_FILL_WINDING, NULL),
+                *l = make_grid(&lower, OST_FILL_WINDING, NULL);
+        for (int i = 0; i < 512; i++) {
+            assert_int_equal(w[i], u[i] | l[i]);
+            assert_int_equal(u[i] & l[i], 0); /* a centre on the cut belongs to one half */
+        }
+        free(w), free(u), free(l);
+        ost_snapped_mesh_free(&whole), ost_snapped_mesh_free(&upper), ost_snapped_mesh_free(&lower);
+    }
+}
+
+/* ------------------------------------------------------- boxes, by hand */
+
+static const int64_t lo3[3] = {MAKE_ONE, MAKE_ONE, MAKE_ONE}, hi3[3] = {7 * MAKE_ONE, 6 * MAKE_ONE, 5 * MAKE_ONE};
+
+static void a_box_inside_out_is_solid(void **state)
+{
+    (void)state;
+    ost_voxelize_report report;
+    ost_snapped_mesh mesh = make_snapped((ost_dims){8, 7, 6}, 8, 12);
+    make_box(&mesh, lo3, hi3);
+    free(make_grid(&mesh, OST_FILL_WINDING, &report));
+    assert_int_equal(report.solid_voxels, 6 * 5 * 4);
+    make_inside_out(&mesh, 0);
+    free(make_grid(&mesh, OST_FILL_WINDING, &report));
+    assert_int_equal(report.solid_voxels, 6 * 5 * 4);
+    assert_int_equal(report.leaking_rows, 0);
+    ost_snapped_mesh_free(&mesh);
+}
+
+/* A box from centre to centre: a centre on a low face is in, on a high face out, so its volume is right. */
+static void a_box_on_centres_is_half_open(void **state)
+{
+    (void)state;
+    const int64_t lo[3] = {MAKE_ONE + MAKE_HALF, MAKE_ONE + MAKE_HALF, MAKE_ONE + MAKE_HALF};
+    const int64_t hi[3] = {4 * MAKE_ONE + MAKE_HALF, 3 * MAKE_ONE + MAKE_HALF, 2 * MAKE_ONE + MAKE_HALF};
+    ost_voxelize_report report;
+    ost_snapped_mesh mesh = make_snapped((ost_dims){8, 7, 6}, 8, 12);
+    make_box(&mesh, lo, hi);
+    uint8_t *grid = make_grid(&mesh, OST_FILL_WINDING, &report);
+    assert_int_equal(report.solid_voxels, 3 * 2 * 1);
+    assert_int_equal(grid[1 + 8 * (1 + 7 * 1)], OST_TOOL_CUTTING);
+    assert_int_equal(grid[4 + 8 * (1 + 7 * 1)], OST_TOOL_VOID);
+    free(grid);
+    ost_snapped_mesh_free(&mesh);
+}
+
+static void shells_nest(void **state)
+{
+    (void)state;
+    const int64_t lo[3] = {2 * MAKE_ONE, 2 * MAKE_ONE, 2 * MAKE_ONE}, hi[3] = {5 * MAKE_ONE, 4 * MAKE_ONE, 3 * MAKE_ONE};
+    const uint64_t outer = 6 * 5 * 4, inner = 3 * 2 * 1;
+    ost_voxelize_report report;
+    ost_snapped_mesh mesh = make_snapped((ost_dims){8, 7, 6}, 16, 24);
+    make_box(&mesh, lo3, hi3);
+    make_box(&mesh, lo, hi);
+    free(make_grid(&mesh, OST_FILL_WINDING, &report)); /* both outward: winding 2 inside */
+    assert_int_equal(report.solid_voxels, outer);
+    free(make_grid(&mesh, OST_FILL_PARITY, &report));
+    assert_int_equal(report.solid_voxels, outer - inner);
+    make_inside_out(&mesh, 12); /* a cavity: winding 0 inside */
+    free(make_grid(&mesh, OST_FILL_WINDING, &report));
+    assert_int_equal(report.solid_voxels, outer - inner);
+    free(make_grid(&mesh, OST_FILL_PARITY, &report));
+    assert_int_equal(report.solid_voxels, outer - inner);
+    ost_snapped_mesh_free(&mesh);
+}
+
+/* Without one of its two faces at x = hi, the rows behind it leak and stay void; the others are filled. */
+static void a_hole_leaks_and_is_not_filled(void **state)
+{
+    (void)state;
+    ost_voxelize_report report;
+    ost_snapped_mesh mesh = make_snapped((ost_dims){8, 7, 6}, 8, 12);
+    make_box(&mesh, lo3, hi3);
+    mesh.triangle_count = 11;
+    uint8_t *grid = make_grid(&mesh, OST_FILL_WINDING, &report);
+    assert_true(report.leaking_rows > 0 && report.leaking_rows < 5 * 4);
+    assert_int_equal(report.solid_voxels, 6 * (5 * 4 - report.leaking_rows));
+    free(grid);
+    mesh.triangle_count = 10;
+    free(make_grid(&mesh, OST_FILL_WINDING, &report));
+    assert_int_equal(report.leaking_rows, 5 * 4);
+    assert_int_equal(report.solid_voxels, 0);
+    free(make_grid(&mesh, OST_FILL_PARITY, &report));
+    assert_int_equal(report.leaking_rows, 5 * 4);
+    ost_snapped_mesh_free(&mesh);
+}
+
+static void cutting_wins_over_not_cutting(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    const int64_t lo[3] = {4 * MAKE_ONE, MAKE_ONE, MAKE_ONE}, hi[3] = {8 * MAKE_ONE, 6 * MAKE_ONE, 5 * MAKE_ONE};
+    ost_snapped_mesh head = make_snapped((ost_dims){9, 7, 6}, 8, 12), shaft = make_snapped((ost_dims){9, 7, 6}, 8, 12);
+    make_box(&head, lo3, hi3);
+    make_box(&shaft, lo, hi);
+    uint8_t grid[9 * 7 * 6];
+    ost_voxelize_report report;
+    assert_ok(ost_ref_voxelize(&head, &shaft, OST_FILL_WINDING, &report, grid, &err));
+    assert_int_equal(report.cutting_voxels, 6 * 5 * 4);
+    assert_int_equal(report.solid_voxels, 7 * 5 * 4);
+    assert_int_equal(grid[1 + 9 * (1 + 7 * 1)], OST_TOOL_CUTTING);
+    assert_int_equal(grid[5 + 9 * (1 + 7 * 1)], OST_TOOL_CUTTING);
+    assert_int_equal(grid[7 + 9 * (1 + 7 * 1)], OST_TOOL_NONCUTTING);
+    assert_int_equal(grid[8 + 9 * (1 + 7 * 1)], OST_TOOL_VOID);
+    shaft.triangle_count = 10; /* the shaft leaks: it goes, the head stays */
+    assert_ok(ost_ref_voxelize(&head, &shaft, OST_FILL_WINDING, &report, grid, &err));
+    assert_int_equal(report.leaking_rows, 5 * 4);
+    assert_int_equal(report.solid_voxels, 6 * 5 * 4);
+    ost_snapped_mesh_free(&head);
+    ost_snapped_mesh_free(&shaft);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(soups_equal_the_oracle),
+        cmocka_unit_test(closed_meshes_equal_the_oracle_and_never_leak),
+        cmocka_unit_test(no_mesh_on_centres_leaks),
+        cmocka_unit_test(the_widest_lattice_is_exact),
+        cmocka_unit_test(the_grid_moves_with_the_mesh),
+        cmocka_unit_test(two_closed_halves_make_the_whole),
+        cmocka_unit_test(a_box_inside_out_is_solid),
+        cmocka_unit_test(a_box_on_centres_is_half_open),
+        cmocka_unit_test(shells_nest),
+        cmocka_unit_test(a_hole_leaks_and_is_not_filled),
+        cmocka_unit_test(cutting_wins_over_not_cutting),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
