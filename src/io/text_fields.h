@@ -1,0 +1,77 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The fields of a line, shared by all texts of numbers.
+ *
+ *   " 0.47,\t-57.34 ; 1  120 # comment"   ->   0.47 | -57.34 | 1 | 120
+ *
+ * Fields are separated by blanks and tabs, with at most one comma or
+ * semicolon among them; two in a row are an empty field, which is an error
+ * and never a number.  '#' ends the line.
+ */
+#ifndef OST_IO_TEXT_FIELDS_H
+#define OST_IO_TEXT_FIELDS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+enum { OST_TEXT_QUOTE = 48 };
+
+typedef enum ost_text_field_kind { OST_TEXT_FIELD, OST_TEXT_END, OST_TEXT_EMPTY } ost_text_field_kind;
+
+static inline bool ost_text_is_blank(char c)
+{
+    return c == ' ' || c == '\t';
+}
+
+static inline bool ost_text_ends_field(char c)
+{
+    return ost_text_is_blank(c) || c == ',' || c == ';' || c == '#';
+}
+
+static inline const char *ost_text_skip_blanks(const char *p, const char *end)
+{
+    while (p < end && ost_text_is_blank(*p))
+        p++;
+    return p;
+}
+
+/* Moves *p to the start of field number `index` (from 0) when there is one. */
+static inline ost_text_field_kind ost_text_field_start(const char **p, const char *end, int index)
+{
+    const char *q = ost_text_skip_blanks(*p, end);
+    bool separated = false;
+    if (index > 0 && q < end && (*q == ',' || *q == ';')) {
+        separated = true;
+        q = ost_text_skip_blanks(q + 1, end);
+    }
+    *p = q;
+    if (q == end || *q == '#')
+        return separated ? OST_TEXT_EMPTY : OST_TEXT_END;
+    return *q == ',' || *q == ';' ? OST_TEXT_EMPTY : OST_TEXT_FIELD;
+}
+
+static inline const char *ost_text_field_end(const char *p, const char *end)
+{
+    while (p < end && !ost_text_ends_field(*p))
+        p++;
+    return p;
+}
+
+/* The field for a message, cut when it is long. Returns quote. */
+const char *ost_text_quote(const char *field, const char *end, char quote[OST_TEXT_QUOTE]);
+/* Bytes that no text of numbers has. */
+bool ost_text_is_binary(const char *p, const char *end);
+/* Whether the line's fields are words: none is a decimal, an empty field, nan or inf, and one has a letter. */
+bool ost_text_is_header(const char *p, const char *end);
+
+/*
+ * A comment "# osteon KEY: VALUE": puts key and value, trimmed, and returns
+ * true.  Other comments are for people.
+ */
+typedef struct ost_text_fact {
+    char key[48];
+    char value[256];
+} ost_text_fact;
+bool ost_text_fact_read(const char *comment, const char *end, ost_text_fact *fact);
+
+#endif
