@@ -1,0 +1,422 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * From a file to a bone, stage by stage:
+ *
+ *   text          --scan--> samples --scatter--> rect
+ *   NRRD, NIfTI   --read----------------------> rect (cropped)
+ *                                               rect --> cubic --> chunks
+ *
+ * Each stage is timed and, when asked, digested; a grid is freed as soon as
+ * the next one stands.
+ */
+#include "core/conditions.h"
+
+#include <osteon/io.h>
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "io/text_rect.h"
+
+enum { THRESHOLD = 120, CHUNK = 32 };
+
+/*
+ * A text of n samples may span at most max(2^24, 256 n) voxels: a line takes
+ * at least 8 bytes and a voxel 2, so a grid never takes more than 32 MiB or
+ * 64 times the file, while a bone without its surroundings (5 to 30 % of its
+ * box) or the shell of one stays far below.
+ */
+static const uint64_t SPARSE_FLOOR = UINT64_C(1) << 24;
+static const uint64_t SPARSE_RATIO = 256;
+
+typedef struct job {
+    ost_backend *backend;
+    const char *path;
+    const ost_import_options *options;
+    ost_import_result *result;
+    ost_grid *rect;
+    ost_bone *bone;
+    int64_t stage_start; /* ns */
+} job;
+
+/* --------------------------------------------------------------------- stages */
+
+static int64_t now_ns(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return t.tv_sec * INT64_C(1000000000) + t.tv_nsec;
+}
+
+static ost_status progress(const job *j, const char *stage, double share, ost_error *err)
+{
+    if (j->options->progress && !j->options->progress(j->options->progress_user, stage, share))
+        return ost_fail(err, OST_ERR_CANCELLED, "%s: the import was cancelled", j->path);
+    return OST_OK;
+}
+
+static ost_status stage_begin(job *j, const char *name, ost_error *err)
+{
+    j->stage_start = now_ns();
+    return progress(j, name, 0, err);
+}
+
+/* Waits for the backend, so that the time is the stage's own. */
+static ost_status stage_end(job *j, const char *name, ost_stage **stage, ost_error *err)
+{
+    ost_status status = ost_backend_finish(j->backend, err);
+    *stage = &j->result->stages[j->result->stage_count++];
+    **stage = (ost_stage){.time_ms = (double)(now_ns() - j->stage_start) * 1e-6, .has_digest = j->options->digests};
+    snprintf((*stage)->name, sizeof (*stage)->name, "%s", name);
+    return status;
+}
+
+/* One leaf of a slab, zero beyond the grid. */
+static void copy_leaf(const int16_t *slab, ost_dims dims, int32_t depth, int32_t x0, int32_t y0, int16_t *leaf)
+{
+    int32_t width = dims.x - x0 < OST_LEAF ? dims.x - x0 : OST_LEAF;
+    int32_t height = dims.y - y0 < OST_LEAF ? dims.y - y0 : OST_LEAF;
+    memset(leaf, 0, sizeof *leaf * OST_LEAF * OST_LEAF * OST_LEAF);
+    for (int32_t z = 0; z < depth; z++)
+        for (int32_t y = 0; y < height; y++)
+            memcpy(leaf + (size_t)OST_LEAF * (size_t)(y + OST_LEAF * z),
+                   slab + (size_t)x0 + (size_t)dims.x * ((size_t)(y0 + y) + (size_t)dims.y * (size_t)z),
+                   (size_t)width * sizeof *leaf);
+}
+
+/* A grid's digest, a slab of leaves at a time. */
+static ost_status digest_grid(const job *j, ost_grid_kind kind, const ost_grid *grid, ost_digest *out, ost_error *err)
+{
+    const ost_geometry *g = ost_grid_geometry(grid);
+    ost_dims leaf_dims = ost_leaf_dims(g->dims);
+    size_t count = (size_t)ost_dims_count(leaf_dims), filled = 0;
+    size_t slab_voxels = (size_t)g->dims.x * (size_t)g->dims.y * (size_t)(g->dims.z < OST_LEAF ? g->dims.z : OST_LEAF);
+    ost_digest *leaves = malloc(count * sizeof *leaves);
+    int16_t *slab = malloc(slab_voxels * sizeof *slab);
+    int16_t *leaf = malloc(sizeof *leaf * OST_LEAF * OST_LEAF * OST_LEAF);
+    ost_status status = OST_OK;
+    if (!leaves || !slab || !leaf)
+        status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory to digest %zu leaves", j->path, count);
+    for (int32_t z0 = 0; z0 < g->dims.z && status == OST_OK; z0 += OST_LEAF) {
+        int32_t depth = g->dims.z - z0 < OST_LEAF ? g->dims.z - z0 : OST_LEAF;
+        status = ost_grid_download(grid, z0, depth, slab, err);
+        for (int32_t y0 = 0; y0 < g->dims.y; y0 += OST_LEAF)
+            for (int32_t x0 = 0; x0 < g->dims.x && status == OST_OK; x0 += OST_LEAF) {
+                copy_leaf(slab, g->dims, depth, x0, y0, leaf);
+                status = ost_digest_leaf16(leaf, &leaves[filled++], err);
+            }
+    }
+    if (status == OST_OK)
+        status = ost_digest_root(kind, g, 0, leaves, count, out, err);
+    free(leaves);
+    free(slab);
+    free(leaf);
+    return status;
+}
+
+static ost_status stage_end_grid(job *j, const char *name, ost_grid_kind kind, const ost_grid *grid, ost_error *err)
+{
+    ost_stage *stage;
+    ost_status status = stage_end(j, name, &stage, err);
+    if (status == OST_OK && j->options->digests)
+        status = digest_grid(j, kind, grid, &stage->digest, err);
+    return status;
+}
+
+/* --------------------------------------------------------------------- checks */
+
+static ost_status check_memory(const char *path, const char *what, ost_dims dims, ost_error *err)
+{
+    long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
+    double bytes = 2.0 * (double)ost_dims_count(dims), all = (double)pages * (double)page;
+    if (pages <= 0 || page <= 0 || bytes <= all)
+        return OST_OK;
+    return ost_fail(err, OST_ERR_MEMORY, "%s: the %s of %d x %d x %d voxels takes %.3g GB; this machine has %.3g GB", path, what,
+                    (int)dims.x, (int)dims.y, (int)dims.z, bytes * 1e-9, all * 1e-9);
+}
+
+/* Keeps lo <= index < hi of the grid. */
+static ost_status crop_geometry(const char *path, const ost_voxel_box *box, ost_geometry *g, ost_error *err)
+{
+    int32_t *const dims[3] = {&g->dims.x, &g->dims.y, &g->dims.z};
+    ost_pm *const origin[3] = {&g->origin.x, &g->origin.y, &g->origin.z};
+    const ost_pm spacing[3] = {g->spacing.x, g->spacing.y, g->spacing.z};
+    for (int a = 0; a < 3; a++) {
+        if (box->lo[a] < 0 || box->lo[a] >= box->hi[a] || box->hi[a] > *dims[a])
+            return ost_fail(err, OST_ERR_USAGE, "%s: a crop of voxels %" PRId32 " to %" PRId32 " along %c; expected 0 <= from < to <= %d",
+                            path, box->lo[a], box->hi[a], "xyz"[a], (int)*dims[a]);
+        *origin[a] += box->lo[a] * spacing[a];
+        *dims[a] = box->hi[a] - box->lo[a];
+    }
+    return OST_OK;
+}
+
+/* ----------------------------------------------------------------------- text */
+
+static ost_status scan_text(job *j, ost_text_source *source, ost_text_summary *summary, ost_error *err)
+{
+    ost_hasher *hasher = NULL;
+    ost_stage *stage;
+    ost_status status = stage_begin(j, "samples", err);
+    if (status == OST_OK && j->options->digests)
+        status = ost_hasher_open(&hasher, err);
+    if (status == OST_OK)
+        status = ost_text_scan(source, j->options->spacing, hasher, j->options->progress, j->options->progress_user, summary, err);
+    if (status == OST_OK)
+        status = stage_end(j, "samples", &stage, err);
+    if (hasher) {
+        ost_status closed = ost_hasher_close(hasher, status == OST_OK ? &stage->digest : NULL, status == OST_OK ? err : NULL);
+        status = status == OST_OK ? closed : status;
+    }
+    return status;
+}
+
+static ost_status check_sparse(const job *j, uint64_t samples, ost_dims dims, ost_error *err)
+{
+    uint64_t voxels = (uint64_t)ost_dims_count(dims), most = SPARSE_RATIO * samples;
+    most = most > SPARSE_FLOOR ? most : SPARSE_FLOOR;
+    if (voxels <= most)
+        return OST_OK;
+    return ost_fail(err, OST_ERR_INPUT,
+                    "%s: %" PRIu64 " samples span %d x %d x %d voxels, of which all but one in %" PRIu64
+                    " would be empty; is some position wrong, or the spacing?",
+                    j->path, samples, (int)dims.x, (int)dims.y, (int)dims.z, voxels / samples);
+}
+
+static ost_status rect_from_text(job *j, ost_error *err)
+{
+    ost_import_result *result = j->result;
+    ost_text_source source;
+    ost_text_summary summary = {0};
+    ost_geometry full;
+    ost_status status = ost_text_source_open(&source, j->path, err);
+    if (status != OST_OK)
+        return status;
+    status = scan_text(j, &source, &summary, err);
+    if (status == OST_OK)
+        status = ost_text_geometry(j->path, &summary, &full, result->spacing_inferred, err);
+    if (status == OST_OK) {
+        result->rect = full;
+        result->meta = summary.meta;
+        result->rounded_positions = summary.rounded_positions;
+        snprintf(result->volume.type, sizeof result->volume.type, "int16");
+        snprintf(result->volume.encoding, sizeof result->volume.encoding, "text");
+        status = j->options->crop ? crop_geometry(j->path, &j->options->crop_box, &result->rect, err) : OST_OK;
+    }
+    if (status == OST_OK)
+        status = check_sparse(j, summary.fingerprint.rows, result->rect.dims, err);
+    if (status == OST_OK)
+        status = check_memory(j->path, "rect grid", result->rect.dims, err);
+    if (status == OST_OK)
+        status = stage_begin(j, "rect", err);
+    if (status == OST_OK)
+        status = ost_grid_create(j->backend, &result->rect, &j->rect, err);
+    if (status == OST_OK) {
+        const ost_text_rect_options options = {
+            .duplicates = j->options->duplicates,
+            .full = &full,
+            .crop = j->options->crop ? &j->options->crop_box : NULL,
+            .expected = summary.fingerprint,
+            .progress = j->options->progress,
+            .user = j->options->progress_user,
+        };
+        status = ost_text_to_rect(&source, &options, j->rect, &result->scatter, err);
+    }
+    ost_text_summary_free(&summary);
+    ost_text_source_close(&source);
+    return status == OST_OK ? stage_end_grid(j, "rect", OST_GRID_RECT, j->rect, err) : status;
+}
+
+/* -------------------------------------------------------------- NRRD and NIfTI */
+
+/* The part of a volume that rect is, slice by slice. */
+static ost_status upload_crop(const job *j, const ost_volume *volume, ost_error *err)
+{
+    const ost_voxel_box *box = &j->options->crop_box;
+    const ost_dims to = j->result->rect.dims, from = volume->geometry.dims;
+    int16_t *slice = malloc((size_t)to.x * (size_t)to.y * sizeof *slice);
+    if (!slice)
+        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a slice of %d x %d voxels", j->path, (int)to.x, (int)to.y);
+    ost_status status = OST_OK;
+    for (int32_t z = 0; z < to.z && status == OST_OK; z++) {
+        for (int32_t y = 0; y < to.y; y++) {
+            size_t row = (size_t)from.x * ((size_t)(box->lo[1] + y) + (size_t)from.y * (size_t)(box->lo[2] + z));
+            memcpy(slice + (size_t)to.x * (size_t)y, volume->voxels + row + box->lo[0], (size_t)to.x * sizeof *slice);
+        }
+        status = ost_grid_upload(j->rect, z, 1, slice, err);
+    }
+    free(slice);
+    return status;
+}
+
+static ost_status rect_from_volume(job *j, ost_error *err)
+{
+    ost_import_result *result = j->result;
+    const ost_import_options *options = j->options;
+    ost_volume volume = {0};
+    ost_status status = stage_begin(j, "rect", err);
+    if (status == OST_OK)
+        status = ost_volume_read(j->path, &options->volume, &volume, &result->volume, err);
+    if (status != OST_OK)
+        return status;
+    ost_geometry *rect = &result->rect;
+    *rect = volume.geometry;
+    result->meta = volume.meta;
+    rect->spacing.x = options->spacing.x ? options->spacing.x : rect->spacing.x;
+    rect->spacing.y = options->spacing.y ? options->spacing.y : rect->spacing.y;
+    rect->spacing.z = options->spacing.z ? options->spacing.z : rect->spacing.z;
+    if (options->crop)
+        status = crop_geometry(j->path, &options->crop_box, rect, err);
+    if (status == OST_OK)
+        status = ost_geometry_check(rect, j->path, err);
+    if (status == OST_OK)
+        status = ost_grid_create(j->backend, rect, &j->rect, err);
+    if (status == OST_OK)
+        status = options->crop ? upload_crop(j, &volume, err) : ost_grid_upload(j->rect, 0, rect->dims.z, volume.voxels, err);
+    ost_volume_free(&volume);
+    return status == OST_OK ? stage_end_grid(j, "rect", OST_GRID_RECT, j->rect, err) : status;
+}
+
+/* ------------------------------------------------------------------ rect to bone */
+
+/* By option; else what the file says it was made with, if it is a bone; else the default. */
+static ost_status find_threshold(const job *j, int32_t *out, ost_error *err)
+{
+    *out = j->options->threshold ? j->options->threshold : THRESHOLD;
+    const char *kind = ost_meta_get(&j->result->meta, OST_META_KIND), *text = ost_meta_get(&j->result->meta, OST_META_THRESHOLD);
+    if (j->options->threshold || !kind || strcmp(kind, "bone") != 0 || !text)
+        return OST_OK;
+    const char *end = text + strlen(text);
+    ost_decimal value;
+    int64_t threshold;
+    bool exact;
+    if (ost_decimal_read(text, end, &value) != end || !ost_decimal_scale(&value, 1, &threshold, &exact) || !exact || threshold < 1 ||
+        threshold > INT16_MAX)
+        return ost_fail(err, OST_ERR_INPUT, "%s: its threshold is '%.40s'; expected a whole number from 1 to %d", j->path, text,
+                        INT16_MAX);
+    *out = (int32_t)threshold;
+    return OST_OK;
+}
+
+static ost_status set_meta(const job *j, int32_t threshold, ost_error *err)
+{
+    ost_meta *meta = &j->result->meta;
+    char text[16];
+    snprintf(text, sizeof text, "%" PRId32, threshold);
+    ost_status status = ost_meta_set(meta, OST_META_KIND, "bone", err);
+    if (status == OST_OK)
+        status = ost_meta_set(meta, OST_META_THRESHOLD, text, err);
+    if (status == OST_OK && j->options->resample == OST_RESAMPLE_NEAREST)
+        status = ost_meta_set(meta, "resample", "nearest", err);
+    if (status == OST_OK && j->result->kind == OST_FILE_CT_TEXT && j->options->duplicates != OST_DUPLICATES_ERROR) {
+        static const char *const names[] = {"error", "first", "last", "max"};
+        status = ost_meta_set(meta, "duplicates", names[j->options->duplicates], err);
+    }
+    if (status != OST_OK)
+        (void)ost_fail_context(err, "%s", j->path);
+    return status;
+}
+
+static ost_status bone_from_rect(job *j, ost_error *err)
+{
+    const ost_import_options *options = j->options;
+    ost_import_result *result = j->result;
+    ost_grid *cubic = NULL;
+    ost_stage *stage;
+    int32_t threshold;
+    ost_status status = find_threshold(j, &threshold, err);
+    if (status == OST_OK)
+        status = set_meta(j, threshold, err);
+    if (status == OST_OK)
+        status = stage_begin(j, "cubic", err);
+    if (status == OST_OK)
+        status = ost_rect_to_cubic(j->rect, options->cubic ? options->cubic : result->rect.spacing.x, options->resample, &cubic, err);
+    if (status == OST_OK)
+        status = stage_end_grid(j, "cubic", OST_GRID_CUBIC, cubic, err);
+    ost_grid_free(j->rect);
+    j->rect = NULL;
+    if (status == OST_OK) {
+        result->cubic = *ost_grid_geometry(cubic);
+        status = stage_begin(j, "chunks", err);
+    }
+    if (status == OST_OK)
+        status = ost_cubic_to_chunks(cubic, options->chunk_size ? options->chunk_size : CHUNK, threshold, &j->bone, err);
+    if (status == OST_OK)
+        status = stage_end(j, "chunks", &stage, err);
+    ost_grid_free(cubic);
+    if (status == OST_OK && options->digests)
+        status = ost_bone_digest(j->bone, NULL, &stage->digest, err);
+    return status == OST_OK ? progress(j, "chunks", 1, err) : status;
+}
+
+/* --------------------------------------------------------------------- the whole */
+
+static ost_status check_options(const ost_import_options *options, const char *path, ost_error *err)
+{
+    const ost_pm lengths[4] = {options->spacing.x, options->spacing.y, options->spacing.z, options->cubic};
+    for (int i = 0; i < 4; i++)
+        if (lengths[i] != 0 && (lengths[i] < OST_SPACING_MIN || lengths[i] > OST_SPACING_MAX))
+            return ost_fail(err, OST_ERR_RANGE, "%s: %s of %.9g mm; supported are 0.001 to 100 mm", path, i < 3 ? "a spacing" : "a cubic voxel",
+                            ost_pm_to_mm(lengths[i]));
+    if (options->threshold < 0 || options->threshold > INT16_MAX)
+        return ost_fail(err, OST_ERR_RANGE, "%s: a threshold of %" PRId32 "; supported are 1 to %d", path, options->threshold, INT16_MAX);
+    return OST_OK;
+}
+
+static ost_status rect_from_file(job *j, ost_error *err)
+{
+    ost_status status = ost_file_kind_find(j->path, &j->result->kind, err);
+    if (status != OST_OK)
+        return status;
+    switch (j->result->kind) {
+    case OST_FILE_CT_TEXT:
+        return rect_from_text(j, err);
+    case OST_FILE_NRRD:
+    case OST_FILE_NIFTI:
+        return rect_from_volume(j, err);
+    case OST_FILE_MESH:
+        return ost_fail(err, OST_ERR_INPUT, "%s: is a mesh, not a CT; 'osteon voxelize' reads meshes", j->path);
+    case OST_FILE_PATH_CSV:
+        return ost_fail(err, OST_ERR_INPUT, "%s: is a tool's path, not a CT; expected lines of x y z density", j->path);
+    case OST_FILE_UNKNOWN:
+        break;
+    }
+    return ost_fail(err, OST_ERR_INPUT, "%s: is no CT that osteon knows; expected text (x y z density), NRRD or NIfTI", j->path);
+}
+
+ost_status ost_import(ost_backend *backend, const char *path, const ost_import_options *options, ost_bone **out,
+                      ost_import_result *result, ost_error *err)
+{
+    static const ost_import_options plain;
+    ost_import_result *own = NULL;
+    *out = NULL;
+    if (!backend || !path)
+        return ost_fail(err, OST_ERR_USAGE, "a backend and a file are needed");
+    if (!result) {
+        own = malloc(sizeof *own);
+        if (!own)
+            return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a report", path);
+        result = own;
+    }
+    *result = (ost_import_result){0};
+    job j = {.backend = backend, .path = path, .options = options ? options : &plain, .result = result};
+    ost_status status = check_options(j.options, path, err);
+    if (status == OST_OK)
+        status = rect_from_file(&j, err);
+    const char *kind = status == OST_OK ? ost_meta_get(&result->meta, OST_META_KIND) : NULL;
+    if (kind && strcmp(kind, "tool") == 0)
+        status = ost_fail(err, OST_ERR_INPUT, "%s: is a tool, not a CT", path);
+    if (status == OST_OK)
+        status = bone_from_rect(&j, err);
+    ost_grid_free(j.rect);
+    if (status == OST_OK)
+        *out = j.bone;
+    else
+        ost_bone_free(j.bone);
+    free(own);
+    return status;
+}

@@ -1,0 +1,188 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What a file is, by its first bytes, else by its name.
+ *
+ *   NRRD0001..5                              NRRD, attached or the header alone
+ *   348 or 540, "n+1" "ni1" "n+2" "ni2"      NIfTI; also inside gzip
+ *   "ply", 4D 4D, "solid ... facet",
+ *   84 + 50 n bytes                          meshes
+ *   a first line of numbers                  4 columns: CT text; 8 or 9: a path
+ */
+#include <osteon/io.h>
+
+#include <errno.h>
+#include <fcntl.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include "io/text_fields.h"
+
+enum { HEAD = 4096, GZIP_HEAD = 1024 };
+
+static uint32_t le32(const unsigned char *p)
+{
+    return p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
+}
+
+static uint32_t be32(const unsigned char *p)
+{
+    return p[3] | (uint32_t)p[2] << 8 | (uint32_t)p[1] << 16 | (uint32_t)p[0] << 24;
+}
+
+static bool starts(const unsigned char *head, size_t size, const char *word)
+{
+    size_t length = strlen(word);
+    return size >= length && memcmp(head, word, length) == 0;
+}
+
+static bool is_nrrd(const unsigned char *head, size_t size)
+{
+    return starts(head, size, "NRRD000");
+}
+
+static bool is_nifti(const unsigned char *head, size_t size)
+{
+    if (size >= 348 && (le32(head) == 348 || be32(head) == 348))
+        return memcmp(head + 344, "n+1", 4) == 0 || memcmp(head + 344, "ni1", 4) == 0;
+    if (size >= 12 && (le32(head) == 540 || be32(head) == 540))
+        return memcmp(head + 4, "n+2", 4) == 0 || memcmp(head + 4, "ni2", 4) == 0;
+    return false;
+}
+
+static bool is_gzip(const unsigned char *head, size_t size)
+{
+    return size >= 2 && head[0] == 0x1f && head[1] == 0x8b;
+}
+
+/* The first bytes of what a gzip file holds; 0 when it holds none. */
+static size_t gzip_head(int fd, unsigned char head[GZIP_HEAD])
+{
+    int own = dup(fd);
+    if (own < 0)
+        return 0;
+    gzFile gz = lseek(own, 0, SEEK_SET) == 0 ? gzdopen(own, "rb") : NULL;
+    if (!gz) {
+        close(own);
+        return 0;
+    }
+    int n = gzread(gz, head, GZIP_HEAD);
+    gzclose(gz);
+    return n > 0 ? (size_t)n : 0;
+}
+
+static bool is_mesh(const unsigned char *head, size_t size, off_t file_size)
+{
+    if (starts(head, size, "ply\n") || starts(head, size, "ply\r"))
+        return true;
+    if (size >= 6 && head[0] == 0x4d && head[1] == 0x4d && le32(head + 2) == file_size) /* 3DS: the main chunk is the file */
+        return true;
+    if (starts(head, size, "solid") && (memmem(head, size, "facet", 5) || memmem(head, size, "endsolid", 8)))
+        return true;
+    return size >= 84 && (uint64_t)file_size == 84 + (uint64_t)50 * le32(head + 80);
+}
+
+/* Columns of the first line that is no comment, words counted too; 0 when the bytes are no text. */
+static int text_columns(const unsigned char *bytes, size_t size, bool *path_header)
+{
+    const char *p = (const char *)bytes, *all = p + size;
+    *path_header = false;
+    if (size >= 3 && memcmp(p, "\xef\xbb\xbf", 3) == 0)
+        p += 3;
+    int columns = 0;
+    while (p < all) {
+        const char *newline = memchr(p, '\n', (size_t)(all - p));
+        const char *end = newline ? newline : all;
+        const char *next = newline ? newline + 1 : all;
+        if (end > p && end[-1] == '\r')
+            end--;
+        if (ost_text_is_binary(p, end))
+            return 0;
+        const char *q = ost_text_skip_blanks(p, end);
+        if (q < end && *q != '#' && columns == 0) {
+            *path_header = end - q >= 3 && memcmp(q, "t_s", 3) == 0;
+            while (ost_text_field_start(&q, end, columns) == OST_TEXT_FIELD) {
+                columns++;
+                q = ost_text_field_end(q, end);
+            }
+        }
+        p = next;
+    }
+    return columns;
+}
+
+static ost_file_kind kind_by_name(const char *path)
+{
+    static const struct {
+        const char *suffix;
+        ost_file_kind kind;
+    } names[] = {
+        {".txt", OST_FILE_CT_TEXT},  {".asc", OST_FILE_CT_TEXT},  {".xyz", OST_FILE_CT_TEXT}, {".dat", OST_FILE_CT_TEXT},
+        {".csv", OST_FILE_PATH_CSV}, {".nrrd", OST_FILE_NRRD},    {".nhdr", OST_FILE_NRRD},   {".nii", OST_FILE_NIFTI},
+        {".nii.gz", OST_FILE_NIFTI}, {".hdr", OST_FILE_NIFTI},    {".stl", OST_FILE_MESH},    {".obj", OST_FILE_MESH},
+        {".ply", OST_FILE_MESH},     {".3ds", OST_FILE_MESH},
+    };
+    size_t length = strlen(path);
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        size_t n = strlen(names[i].suffix);
+        if (length > n && strcasecmp(path + length - n, names[i].suffix) == 0)
+            return names[i].kind;
+    }
+    return OST_FILE_UNKNOWN;
+}
+
+static ost_file_kind kind_by_content(int fd, const unsigned char *head, size_t size, off_t file_size, ost_file_kind by_name)
+{
+    if (is_nrrd(head, size))
+        return OST_FILE_NRRD;
+    if (is_nifti(head, size))
+        return OST_FILE_NIFTI;
+    if (is_gzip(head, size)) {
+        unsigned char inner[GZIP_HEAD];
+        return is_nifti(inner, gzip_head(fd, inner)) ? OST_FILE_NIFTI : OST_FILE_UNKNOWN;
+    }
+    if (is_mesh(head, size, file_size))
+        return OST_FILE_MESH;
+    if (by_name == OST_FILE_UNKNOWN || by_name == OST_FILE_PATH_CSV) {
+        bool path_header;
+        int columns = text_columns(head, size, &path_header);
+        if (path_header || columns == 8 || columns == 9)
+            return OST_FILE_PATH_CSV;
+        if (columns == 4)
+            return OST_FILE_CT_TEXT;
+    }
+    return OST_FILE_UNKNOWN;
+}
+
+ost_status ost_file_kind_find(const char *path, ost_file_kind *out, ost_error *err)
+{
+    *out = OST_FILE_UNKNOWN;
+    struct stat st;
+    if (stat(path, &st) != 0)
+        return ost_fail(err, OST_ERR_IO, "%s: cannot be opened: %s", path, strerror(errno));
+    if (S_ISDIR(st.st_mode))
+        return ost_fail(err, OST_ERR_IO, "%s: is a folder; a file is needed", path);
+    if (!S_ISREG(st.st_mode))
+        return ost_fail(err, OST_ERR_IO, "%s: is a pipe or a device; files are read more than once, so save it to a file first", path);
+    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY);
+    if (fd < 0)
+        return ost_fail(err, OST_ERR_IO, "%s: cannot be opened: %s", path, strerror(errno));
+    unsigned char head[HEAD];
+    size_t size = 0;
+    for (ssize_t n = 1; n > 0 && size < HEAD; size += (size_t)(n > 0 ? n : 0)) {
+        n = pread(fd, head + size, HEAD - size, (off_t)size);
+        if (n < 0) {
+            ost_status status = ost_fail(err, OST_ERR_IO, "%s: cannot be read: %s", path, strerror(errno));
+            close(fd);
+            return status;
+        }
+    }
+    ost_file_kind by_name = kind_by_name(path);
+    *out = kind_by_content(fd, head, size, st.st_size, by_name);
+    close(fd);
+    if (*out == OST_FILE_UNKNOWN)
+        *out = by_name;
+    return OST_OK;
+}
