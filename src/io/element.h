@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The numbers in a volume file and how they become int16 densities.
+ *
+ *   integers    as they are; beyond int16 an error, or saturated when allowed
+ *   floats      rounded half to even to an integer, then as above; NaN and
+ *               infinity are errors, whatever is allowed
+ *   scaled      (NIfTI) value * slope + intercept: each of the two terms is
+ *               taken exactly as the binary number that it is, rounded down to
+ *               a multiple of 2^-78 (exact whenever slope and intercept are
+ *               float32 of at least 2^-54), the sum is rounded half to even
+ *
+ * All in integers: a float is taken apart into mantissa and exponent, so that
+ * no rounding mode, compiler or machine can change a density.
+ */
+#ifndef OST_IO_ELEMENT_H
+#define OST_IO_ELEMENT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+typedef enum ost_element {
+    OST_ELEMENT_NONE,
+    OST_ELEMENT_INT8,
+    OST_ELEMENT_UINT8,
+    OST_ELEMENT_INT16,
+    OST_ELEMENT_UINT16,
+    OST_ELEMENT_INT32,
+    OST_ELEMENT_UINT32,
+    OST_ELEMENT_INT64,
+    OST_ELEMENT_UINT64,
+    OST_ELEMENT_FLOAT32,
+    OST_ELEMENT_FLOAT64
+} ost_element;
+
+const char *ost_element_name(ost_element element); /* "int16"; never NULL */
+size_t ost_element_bytes(ost_element element);
+bool ost_element_is_float(ost_element element);
+
+/* mantissa * 2^exponent, |mantissa| < 2^53. */
+typedef struct ost_binary {
+    int64_t mantissa;
+    int32_t exponent;
+} ost_binary;
+
+/* Takes a finite number apart; false for NaN and infinity. */
+bool ost_binary_from_double(double value, ost_binary *out);
+
+typedef struct ost_converter {
+    ost_element element;
+    bool swap;  /* the file's bytes are big-endian */
+    bool clamp; /* saturate beyond int16 */
+    bool scaled;
+    ost_binary slope, intercept;
+    uint64_t rounded, clamped; /* counted here */
+} ost_converter;
+
+typedef enum ost_bad_kind { OST_BAD_NONE, OST_BAD_NAN, OST_BAD_INFINITE, OST_BAD_RANGE } ost_bad_kind;
+typedef struct ost_bad {
+    ost_bad_kind kind;
+    char value[32]; /* for people */
+} ost_bad;
+
+/* Converts up to the first element that cannot be; returns how many were. bad is set when that is fewer than count. */
+size_t ost_convert(ost_converter *converter, const void *bytes, size_t count, int16_t *out, ost_bad *bad);
+
+#endif
