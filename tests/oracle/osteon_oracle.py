@@ -146,10 +146,11 @@ class Grid:
 
 
 class Text:
-    """The samples of a CT text, with the least number of places per axis and the facts in its comments."""
+    """The samples of a CT text, what AR-CT-3 asks of each axis' coordinates, and the facts in its comments."""
 
     def __init__(self, content):
-        self.samples, self.places, self.meta = [], [None] * 3, {}
+        self.samples, self.meta = [], {}
+        self.units, self.rounded = [set(), set(), set()], [0, 0, 0]
         may_be_header = True
         lines = content.split("\n")
         for number, line in enumerate(lines, 1):
@@ -189,52 +190,77 @@ class Text:
         if density.denominator != 1 or not -32768 <= density <= 32767:
             raise Refused(f"line {number}: density {fields[3]}")
         self.samples.append(tuple(length(value) for value, _ in numbers[:3]) + (int(density),))
-        for axis, (_, places) in enumerate(numbers[:3]):
-            least = self.places[axis]
-            self.places[axis] = places if least is None else min(least, places)
+        for axis, (value, places) in enumerate(numbers[:3]):
+            self.units[axis].add(10 ** (9 - min(max(places, -4), 9)))
+            if (value * PM_PER_MM).denominator != 1:
+                self.rounded[axis] = 1
 
 
 class Axis:
-    """AR-CT-3 up to step 4: the lattice steps of one axis, and which spacings they allow."""
+    """AR-CT-3: the coordinates of one axis, their steps, the unit to which they hold, and the spacing."""
 
-    def __init__(self, coordinates, places):
+    def __init__(self, coordinates, units, rounded=0):
         self.c = sorted(set(coordinates))
-        self.unit = min(max(10 ** max(9 - places, 0), 1), 10**12)
-        self.steps = [0]
         if len(self.c) == 1:
-            return
-        gap = min(b - a for a, b in zip(self.c, self.c[1:]))
-        if gap <= self.unit:
-            raise Refused("the step is ambiguous: give a spacing")
-        low, high = Fraction(gap - self.unit), Fraction(gap + self.unit)
-        for c in self.c[1:]:
-            span = c - self.c[0]
-            # [(span - u)/k, (span + u)/k] meets [low, high]
-            fits = range(max(1, ceil((span - self.unit) / high)), floor((span + self.unit) / low) + 1)
-            if len(fits) != 1:
-                raise Refused(f"coordinate {c} pm fits {len(fits)} steps: give a spacing")
+            raise Refused("a single layer needs a given spacing")
+        gaps = [b - a for a, b in zip(self.c, self.c[1:])]
+        spans = [c - self.c[0] for c in self.c]
+        gap = min(gaps)
+        if all(span % gap == 0 for span in spans) and (gap == max(gaps) or gap > max(units)):  # step 2
+            self.steps, self.unit = [span // gap for span in spans], min(units) + rounded
+            self.spacing = spacing_from_steps([self], True) if self.steps[-1] <= 16383 else None
+            if self.spacing is not None:
+                return
+        for unit in sorted(units):  # step 3
+            self.unit = unit + rounded
+            self.steps = self._rounded_steps(gaps, spans)
+            self.spacing = self.steps and spacing_from_steps([self], True)
+            if self.spacing:
+                return
+        raise Refused("no spacing fits: give one")
+
+    def _rounded_steps(self, gaps, spans):
+        """Step 3 with one unit: the steps, or None."""
+        u, steps = self.unit, [0]
+        gap = min((g for g in gaps if g > u), default=None)
+        if gap is None:
+            return None
+        low, high = Fraction(gap - u), Fraction(gap + u)
+        for span in spans[1:]:
+            fits = range(max(0, ceil((span - u) / high)), floor((span + u) / low) + 1)
+            if len(fits) != 1 or fits[0] > 16383:
+                return None
             k = fits[0]
-            low = max(low, Fraction(span - self.unit, k))
-            high = min(high, Fraction(span + self.unit, k))
-            self.steps.append(k)
+            if k:
+                low, high = max(low, Fraction(span - u, k)), min(high, Fraction(span + u, k))
+            steps.append(k)
+        return steps
 
     @property
     def ratio(self):
         return Fraction(self.c[-1] - self.c[0], self.steps[-1])
 
+    def spread(self, spacing):
+        off = [c - k * spacing for c, k in zip(self.c, self.steps)]
+        return max(off) - min(off)
+
     def feasible(self):
-        """AR-CT-3 step 4: the least and the greatest feasible spacing, from all pairs of coordinates."""
-        low, high = Fraction(10**6), Fraction(10**11)
+        """Step 4: the least and the greatest feasible spacing, from all pairs of coordinates."""
+        low, high = Fraction(1), Fraction(10**11)
         for i, (c, k) in enumerate(zip(self.c, self.steps)):
             for c2, k2 in zip(self.c[i + 1:], self.steps[i + 1:]):
-                low = max(low, Fraction(c2 - c - self.unit, k2 - k))
-                high = min(high, Fraction(c2 - c + self.unit, k2 - k))
+                if k2 > k:
+                    low = max(low, Fraction(c2 - c - self.unit, k2 - k))
+                    high = min(high, Fraction(c2 - c + self.unit, k2 - k))
+                elif c2 - c > self.unit:
+                    return 1, 0
         return ceil(low), floor(high)
 
 
-def common_spacing(axes):
-    """AR-CT-3 step 5 for one axis, AR-CT-7 for several: a spacing or None."""
-    ratio = max(axes, key=lambda axis: axis.steps[-1]).ratio  # the first of equals
+def spacing_from_steps(axes, thirds=False):
+    """AR-CT-3 steps 4 and 5 for one axis, AR-CT-7 for several: a spacing or None."""
+    leading = max(axes, key=lambda axis: axis.steps[-1])  # the first of equals
+    ratio = leading.ratio
     ends = [axis.feasible() for axis in axes]
     low, high = max(a for a, _ in ends), min(b for _, b in ends)
     for digits in range(10):
@@ -243,19 +269,21 @@ def common_spacing(axes):
         if least <= greatest:  # the feasible multiple nearest to the ratio is one of its neighbours, or an end
             near = {min(max(m, least), greatest) for m in (floor(ratio / unit), ceil(ratio / unit))}
             return min((m * unit for m in near), key=lambda s: (abs(s - ratio), s))
+    if thirds and leading.spread(rhe(ratio)) <= leading.unit + leading.steps[-1]:
+        return rhe(ratio)
     return None
 
 
 def infer_spacing(text):
     """AR-CT-3 and AR-CT-7: the spacing of all three axes."""
-    axes = [Axis([s[a] for s in text.samples], text.places[a]) for a in range(3)]
-    if any(len(axis.c) == 1 for axis in axes):
-        raise Refused("a single layer needs a given spacing")
-    spacing = [common_spacing([axis]) for axis in axes]
-    if None in spacing:
-        raise Refused("no spacing fits: give one")
+    axes = [Axis([s[a] for s in text.samples], text.units[a], text.rounded[a]) for a in range(3)]
+    spacing = [axis.spacing for axis in axes]
+
+    def alike(a, b):
+        return 100 * abs(spacing[a] - spacing[b]) <= min(spacing[a], spacing[b])
+
     for group in ((0, 1, 2), (0, 1), (0, 2), (1, 2)):
-        common = common_spacing([axes[a] for a in group])
+        common = spacing_from_steps([axes[a] for a in group]) if all(alike(group[0], a) for a in group) else None
         if common is not None:
             for a in group:
                 spacing[a] = common
@@ -444,17 +472,20 @@ def self_check():
                 count = 60
                 exact = [Fraction(start) + k * Fraction(spacing) for k in range(count)]
                 written = [rhe(c * 10**decimals) * 10 ** (9 - decimals) for c in exact]
-                axis = Axis(written, decimals)
+                axis = Axis(written, {10 ** (9 - decimals)})
                 assert axis.steps == list(range(count)), (spacing, start, decimals)
-                s = common_spacing([axis])
-                assert s == rhe(Fraction(spacing) * PM_PER_MM)
-                assert [rhe(Fraction(c - written[0], s)) for c in written] == axis.steps
-    axis = Axis([-57340000000 + 470000000 * k for k in range(256)], 2)
-    assert axis.feasible() == (469960785, 470039215) and common_spacing([axis]) == 470000000
-    axis = Axis([rhe(k * Fraction("0.48828125") * 10**4) * 10**5 for k in range(60)], 4)
-    assert floor(axis.ratio) == 488281355 and axis.feasible() == (488281250, 488281250) and common_spacing([axis]) == 488281250
-    axis = Axis([rhe(k * Fraction("0.488281") * 10**4) * 10**5 for k in range(60)], 4)
-    assert axis.feasible() == (488280852, 488281081) and common_spacing([axis]) == 488281000
+                assert axis.spacing == rhe(Fraction(spacing) * PM_PER_MM)
+                assert [rhe(Fraction(c - written[0], axis.spacing)) for c in written] == axis.steps
+    axis = Axis([-57340000000 + 470000000 * k for k in range(256)], {10**7})
+    assert axis.feasible() == (469960785, 470039215) and axis.spacing == 470000000
+    axis = Axis([rhe(k * Fraction("0.48828125") * 10**4) * 10**5 for k in range(60)], {10**5})
+    assert floor(axis.ratio) == 488281355 and axis.feasible() == (488281250, 488281250) and axis.spacing == 488281250
+    axis = Axis([rhe(k * Fraction("0.488281") * 10**4) * 10**5 for k in range(60)], {10**5})
+    assert axis.feasible() == (488280852, 488281081) and axis.spacing == 488281000
+    axis = Axis([470000000 * k for k in (0, 1, 2, 5, 6, 100)], {10**9, 10**8, 10**7})  # 0 .47 .94 2.35 2.82 47
+    assert axis.steps == [0, 1, 2, 5, 6, 100] and axis.spacing == 470000000
+    axis = Axis([rhe(Fraction(k, 3) * 10**9) for k in range(50)], {1}, 1)  # thirds, to nine places
+    assert axis.steps == list(range(50)) and axis.spacing == 333333333
 
     text = Text("x y z HU\n# osteon spacing_mm: 0.47 0.47 1\n-57.34 0 1 120.0\r\n-56.40,0;1 1.2e2 # two on\n")
     rect, report = text_to_rect(text)

@@ -1,0 +1,225 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Poses, sweep, map and removal, by docs/arithmetic.md sections 5, 11 to 14."""
+
+import itertools
+from fractions import Fraction
+
+from osteon_oracle import LENGTH_MAX, Refused, decimal, floor, length, rhe
+
+Q = 2**30
+
+
+class Pose:
+    """AR-POSE-1: t in picometres, q times 2^30."""
+
+    def __init__(self, t, q):
+        self.t, self.q = tuple(t), tuple(q)
+
+    @classmethod
+    def from_decimals(cls, texts):
+        """AR-POSE-2, AR-POSE-3 from seven decimals x y z qw qx qy qz."""
+        values = [decimal(text)[0] for text in texts]
+        pose = cls([length(v) for v in values[:3]], [rhe(v * Q) for v in values[3:]])
+        if not 999**2 * 2**60 <= 10**6 * pose.norm <= 1001**2 * 2**60:
+            raise Refused("a quaternion that is not a unit")
+        assert all(abs(t) <= LENGTH_MAX for t in pose.t)
+        return pose
+
+    @property
+    def norm(self):
+        return sum(c * c for c in self.q)
+
+    @property
+    def matrix(self):
+        """AR-POSE-4: M, with R = M / norm."""
+        w, x, y, z = self.q
+        return ((w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)),
+                (2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)),
+                (2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z))
+
+    def image(self, point):
+        """AR-SWEEP-1"""
+        return tuple(rhe(Fraction(sum(m * c for m, c in zip(row, point)), self.norm)) + t for row, t in zip(self.matrix, self.t))
+
+
+def dot(a, b):
+    return sum(p * q for p, q in zip(a.q, b.q))
+
+
+def sweep_count(a, b, tool, bone_voxel):
+    """AR-SWEEP-2, AR-SWEEP-3"""
+    if 2 * dot(a, b) ** 2 < a.norm * b.norm:
+        raise Refused("a turn of more than 90 degrees")
+    ends = [(c, c + n * tool.spacing[0]) for c, n in zip(tool.origin, tool.dims)]
+    square = max(sum((p - q) ** 2 for p, q in zip(b.image(c), a.image(c))) for c in itertools.product(*ends))
+    n = 1
+    while 4 * square > n * n * bone_voxel**2:
+        n += 1
+        if n > 4096:
+            raise Refused("a sweep of more than 4096 poses")
+    return n
+
+
+def sweep_pose(a, b, k, n):
+    """AR-SWEEP-4"""
+    sign = -1 if dot(a, b) < 0 else 1
+    return Pose([rhe(Fraction((n - k) * p + k * q, n)) for p, q in zip(a.t, b.t)],
+                [rhe(Fraction((n - k) * p + k * sign * q, n)) for p, q in zip(a.q, b.q)])
+
+
+class Map:
+    """AR-MAP"""
+
+    def __init__(self, pose, bone, tool):
+        s, st = bone.spacing[0], tool.spacing[0]
+        if s > 16 * st or max(tool.dims) > 1024:
+            raise Refused("a tool too fine or too wide for the map")
+        m, norm = pose.matrix, pose.norm
+        self.divisor = norm * st
+        self.column = [[2**20 * m[b][a] * s for a in range(3)] for b in range(3)]
+        self.origin = [2**20 * (sum(m[b][a] * (bone.origin[b] - pose.t[b]) for b in range(3)) - norm * tool.origin[a])
+                       for a in range(3)]
+        self.step = [[rhe(Fraction(c, self.divisor)) for c in row] for row in self.column]
+        self.bases = {}
+
+    def exact(self, voxel):
+        """AR-MAP-1"""
+        return [Fraction(self.origin[a] + sum(i * self.column[b][a] for b, i in enumerate(voxel)), self.divisor) for a in range(3)]
+
+    def used(self, voxel):
+        """AR-MAP-4"""
+        block = tuple(i // 16 for i in voxel)
+        if block not in self.bases:
+            self.bases[block] = [rhe(u) for u in self.exact([16 * b for b in block])]
+        base = self.bases[block]
+        return [base[a] + sum(i % 16 * self.step[b][a] for b, i in enumerate(voxel)) for a in range(3)]
+
+    def tool_class(self, voxel, tool):
+        """The class of the tool voxel over a bone voxel, 0 outside the tool."""
+        at = [u >> 20 for u in self.used(voxel)]
+        return tool.voxels[tool.index(*at)] if all(0 <= i < n for i, n in zip(at, tool.dims)) else 0
+
+
+DEFAULT_CLASSES = (("cartilage", 120), ("cancellous", 150), ("cortical", 650))
+
+
+def class_of(density, classes=DEFAULT_CLASSES):
+    """AR-CLS-1"""
+    return max((c for c, (_, border) in enumerate(classes) if border <= density), default=0)
+
+
+class Session:
+    """AR-SWEEP-5, AR-REM: ticks on a bone, one tool or several."""
+
+    def __init__(self, bone, tools, sweep=True, period_ns=0, classes=DEFAULT_CLASSES):
+        self.bone, self.tools, self.sweep, self.period, self.classes = bone, tools, sweep, period_ns, classes
+        self.tool = self.last_pose = self.last_time = None
+        self.ticks = self.removals = self.removed = self.poses = 0
+        self.by_class = [0] * len(classes)
+        self.density_by_class = [0] * len(classes)
+
+    def tick(self, t_ns, pose, tool=0):
+        self.ticks += 1
+        selected = tool != self.tool
+        if not selected and self.period and t_ns // self.period == self.last_time // self.period:  # AR-REM-7
+            return
+        shape = self.tools[tool]
+        if selected or not self.sweep:
+            poses = [pose]
+        else:
+            n = sweep_count(self.last_pose, pose, shape, self.bone.spacing[0])
+            poses = [sweep_pose(self.last_pose, pose, k, n) for k in range(1, n + 1)]
+        self.tool, self.last_pose, self.last_time = tool, pose, t_ns
+        self.event(poses, shape)
+
+    def event(self, poses, tool):
+        """AR-REM-1, AR-REM-2, AR-REM-6. Returns the hit and the touched voxels."""
+        self.removals += 1
+        self.poses += len(poses)
+        maps = [Map(pose, self.bone, tool) for pose in poses]
+        hit, touched = [], []
+        for voxel in self.bone.active():
+            classes = {m.tool_class(voxel, tool) for m in maps}
+            if 1 in classes:
+                hit.append(voxel)
+            elif 2 in classes:
+                touched.append(voxel)
+        for voxel in hit:
+            at = self.bone.index(*voxel)
+            kind = class_of(self.bone.voxels[at], self.classes)
+            self.by_class[kind] += 1
+            self.density_by_class[kind] += self.bone.voxels[at]
+            self.bone.voxels[at] = 0
+        self.removed += len(hit)
+        return hit, touched
+
+
+def read_path(content):
+    """AR-POSE-5, AR-POSE-6: [(t_ns, pose, tool)]"""
+    ticks, may_be_header = [], True
+    for line in content.splitlines():
+        fields = line.partition("#")[0].replace(",", " ").replace(";", " ").split()
+        if not fields:
+            continue
+        if may_be_header and decimal(fields[0]) is None:
+            may_be_header = False
+            continue
+        may_be_header = False
+        ticks.append((rhe(decimal(fields[0])[0] * 10**9), Pose.from_decimals(fields[1:8]), int(fields[8]) if len(fields) > 8 else 0))
+        assert len(ticks) < 2 or ticks[-1][0] > ticks[-2][0]
+    return ticks
+
+
+def self_check():
+    """The worked numbers of docs/arithmetic.md, sections 5 and 11 to 14."""
+    from osteon_oracle import Bone, Grid
+
+    quarter = Pose.from_decimals(["0"] * 3 + ["0.707107", "0", "0", "0.707107"])
+    assert quarter.q == (759250360, 0, 0, 759250360) and quarter.norm == 1152922218320259200
+    assert quarter.image((1, 0, 0)) == (0, 1, 0) and quarter.image((0, 1, 0)) == (-1, 0, 0)
+
+    bone = Grid((1, 1, 1), (470000000,) * 3, (-57340000000, -54755000000, 0))
+    tool = Grid((1, 1, 1), (500000000,) * 3, (-18500000000, -18500000000, -500000000))
+    m = Map(Pose.from_decimals("12 -7.5 30.25 0.8 0 0.6 0".split()), bone, tool)
+    assert m.divisor == 576460751873926758500000000
+    assert m.origin == [34000796832371564562559795200000000, -34762661917118460467698728960000000,
+                        -90108978398322049941535457280000000]
+    assert m.step == [[275985, 0, 946235], [0, 985661, 0], [-946235, 0, 275985]]
+    assert [rhe(u) for u in m.exact((144, 96, 64))] == [38164811, 34319892, -2393270]
+    assert m.used((149, 103, 75)) == [29136151, 41219519, 5373740]
+    assert all(abs(u - e) <= 23 for u, e in zip(m.used((149, 103, 75)), m.exact((149, 103, 75))))
+    assert 15 * (Fraction(173205081, 10**8) * 2**24 + Fraction(3, 2)) < 435884881 + 1 < 2**29
+
+    one = (Q, 0, 0, 0)
+    a, b = Pose((0, 0, 0), one), Pose((300000000, 400000000, 0), one)
+    assert sweep_count(a, b, tool, 470000000) == 3
+    assert sweep_pose(a, b, 1, 3).t == (100000000, 133333333, 0) and sweep_pose(a, b, 3, 3).t == b.t
+    assert sweep_pose(a, Pose(b.t, (-Q, 0, 0, 0)), 1, 3).q == one
+    for q in ((0, Q, 0, 0), (500000000, 950000000, 0, 0)):
+        try:
+            sweep_count(a, Pose((0, 0, 0), q), tool, 470000000)
+        except Refused:
+            continue
+        raise AssertionError("a turn of more than 90 degrees")
+
+    assert [class_of(d) for d in (1, 119, 120, 149, 150, 649, 650, 3000)] == [0, 0, 0, 0, 1, 1, 2, 2]
+
+    # A block of bone 1 mm a voxel, a tool of 4^3 voxels of 1 mm moved along x: what is left can be counted on fingers.
+    mm = 10**9
+    bone = Bone(Grid((20, 20, 20), (mm,) * 3, (0, 0, 0), [700] * 8000))
+    box = Grid((4, 4, 4), (mm,) * 3, (-2 * mm,) * 3, [1] * 64)
+    session = Session(bone, [box])
+    half = mm // 2  # centres of bone voxels at tool voxel centres
+    session.tick(0, Pose((2 * mm - half, 2 * mm - half, 2 * mm - half), one))
+    assert session.removed == 64
+    session.tick(1, Pose((7 * mm - half, 2 * mm - half, 2 * mm - half), one))
+    assert session.removed == 9 * 16 and session.poses == 1 + 10 and session.by_class == [0, 0, 144]
+    # On the border: a tool corner on voxel centres takes the low side and leaves the high one (half-open).
+    bone = Bone(Grid((8, 1, 1), (mm,) * 3, (0, 0, 0), [700] * 8))
+    Session(bone, [box]).tick(0, Pose((4 * mm, 0, 0), one))
+    assert bone.voxels == [700, 700, 0, 0, 0, 0, 700, 700]
+
+
+if __name__ == "__main__":
+    self_check()
+    print("osteon_oracle_events: the worked numbers of docs/arithmetic.md hold")
