@@ -14,6 +14,7 @@ where they differ one of the two (or the text) is wrong.
 Run as a program it checks itself against the worked numbers of the text.
 """
 
+import functools
 import hashlib
 import re
 import struct
@@ -33,20 +34,19 @@ class Refused(Exception):
 
 def floor(r):
     """AR-INT-1"""
-    r = Fraction(r)
     return r.numerator // r.denominator
 
 
 def ceil(r):
     """AR-INT-1"""
-    return -floor(-Fraction(r))
+    return -floor(-r)
 
 
 def rhe(r):
     """AR-INT-2: the nearest integer, of two the even one."""
-    r = Fraction(r)
-    low = floor(r)
-    below, above = r - low, low + 1 - r
+    n, d = (r, 1) if isinstance(r, int) else (r.numerator, r.denominator)
+    low = n // d
+    below, above = n - low * d, (low + 1) * d - n
     if below != above:
         return low if below < above else low + 1
     return low if low % 2 == 0 else low + 1
@@ -55,6 +55,7 @@ def rhe(r):
 DECIMAL = re.compile(r"[+-]?(?:\d+(?:\.(\d*))?|\.(\d+))(?:[eE]([+-]?\d+))?", re.ASCII)
 
 
+@functools.lru_cache(maxsize=None)
 def decimal(text):
     """AR-LEN-2: (exact value, places) of a whole text, or None."""
     match = DECIMAL.fullmatch(text)
@@ -67,6 +68,7 @@ def decimal(text):
     return Fraction(text), places
 
 
+@functools.lru_cache(maxsize=None)
 def length(value_mm):
     """AR-LEN-3, AR-LEN-1"""
     pm = rhe(value_mm * PM_PER_MM)

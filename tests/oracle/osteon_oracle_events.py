@@ -88,16 +88,21 @@ class Map:
 
     def used(self, voxel):
         """AR-MAP-4"""
-        block = tuple(i // 16 for i in voxel)
-        if block not in self.bases:
-            self.bases[block] = [rhe(u) for u in self.exact([16 * b for b in block])]
-        base = self.bases[block]
-        return [base[a] + sum(i % 16 * self.step[b][a] for b, i in enumerate(voxel)) for a in range(3)]
+        i, j, k = voxel
+        block = (i // 16, j // 16, k // 16)
+        base = self.bases.get(block)
+        if base is None:
+            base = self.bases[block] = [rhe(u) for u in self.exact([16 * b for b in block])]
+        (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = self.step
+        i, j, k = i % 16, j % 16, k % 16
+        return [base[0] + i * xx + j * yx + k * zx, base[1] + i * xy + j * yy + k * zy, base[2] + i * xz + j * yz + k * zz]
 
     def tool_class(self, voxel, tool):
         """The class of the tool voxel over a bone voxel, 0 outside the tool."""
-        at = [u >> 20 for u in self.used(voxel)]
-        return tool.voxels[tool.index(*at)] if all(0 <= i < n for i, n in zip(at, tool.dims)) else 0
+        x, y, z = self.used(voxel)
+        x, y, z = x >> 20, y >> 20, z >> 20
+        nx, ny, nz = tool.dims
+        return tool.voxels[x + nx * (y + ny * z)] if 0 <= x < nx and 0 <= y < ny and 0 <= z < nz else 0
 
 
 DEFAULT_CLASSES = (("cartilage", 120), ("cancellous", 150), ("cortical", 650))

@@ -1,0 +1,364 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Runs the built command on small generated inputs and compares every grid, count and digest with the oracle's.
+
+    CT text ---osteon import-----> BONE.nrrd, stages   |  all equal to the bit with
+    STL -------osteon voxelize---> TOOL.nrrd           |  what docs/arithmetic.md alone
+    path CSV --osteon ream-------> BONE2.nrrd, report  |  says (osteon_oracle*.py)
+
+Covers: AR-LEN-2, AR-LEN-3, AR-LEN-5, AR-GRID-2, AR-POSE-2, AR-POSE-5, AR-POSE-6, AR-CT-1, AR-CT-2, AR-CT-3, AR-CT-4,
+AR-CT-5, AR-CT-6, AR-CT-7, AR-CT-8, AR-CUB-1, AR-CUB-2, AR-CHK-1, AR-CHK-2, AR-CHK-3, AR-CHK-4, AR-MESH-2, AR-MESH-3,
+AR-MESH-4, AR-TOOL-2, AR-TOOL-3, AR-TOOL-4, AR-VOX-1, AR-VOX-2, AR-VOX-3, AR-VOX-4, AR-VOX-5, AR-VOX-6, AR-VOX-7,
+AR-SWEEP-1, AR-SWEEP-2, AR-SWEEP-4, AR-SWEEP-5, AR-SWEEP-6, AR-MAP-1, AR-MAP-3, AR-MAP-4, AR-REM-1, AR-REM-2, AR-REM-6,
+AR-REM-7, AR-CLS-1, AR-CLS-2, AR-DIG-2, AR-DIG-3, AR-DIG-4, AR-DIG-5, AR-DIG-6, AR-DIG-7, AR-DIG-8, AR-FILE-1,
+AR-FILE-2, AR-FILE-3, REQ-ORACLE
+
+Usage: check_pipeline.py [OSTEON]    (default: $OSTEON, else ./osteon)
+OST_TEST_SEED=N replays a run; exit status 77 when there is nothing to run.
+"""
+
+import json
+import os
+import random
+import subprocess
+import sys
+import tempfile
+import time
+from fractions import Fraction
+
+sys.dont_write_bytecode = True
+import osteon_oracle as oracle
+import osteon_oracle_events as events
+import osteon_oracle_files as files
+import osteon_oracle_tool as tools
+
+SKIP = 77
+MM = 10**9
+
+
+class Different(Exception):
+    pass
+
+
+def equal(what, command, expected):
+    if command != expected:
+        raise Different(f"{what}: osteon has {str(command)[:300]}, the oracle {str(expected)[:300]}")
+
+
+class Runner:
+    """The built command in a scratch folder."""
+
+    def __init__(self, program, folder, rng):
+        self.program, self.folder, self.rng = program, folder, rng
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def write(self, name, text):
+        with open(self.path(name), "w", encoding="ascii", newline="") as file:
+            file.write(text)
+        return self.path(name)
+
+    def run(self, *arguments):
+        """The JSON object of a verb; its status 3 means that a library is absent."""
+        done = subprocess.run([self.program, *arguments, "--json"], capture_output=True, check=False)
+        if done.returncode == 3:
+            raise NotHere(done.stderr.decode().strip())
+        if done.returncode != 0:
+            raise Different(f"{' '.join(arguments)}: status {done.returncode}: {done.stderr.decode().strip()}")
+        return json.loads(done.stdout)
+
+
+class NotHere(Exception):
+    pass
+
+
+# ----------------------------------------------------------------- CT texts
+
+
+def blob(rng, dims):
+    """Densities with all classes, some inactive, some negative: an ellipsoid with noise."""
+    nx, ny, nz = dims
+    out = []
+    for k in range(nz):
+        for j in range(ny):
+            for i in range(nx):
+                r = ((2 * i + 1 - nx) / nx) ** 2 + ((2 * j + 1 - ny) / ny) ** 2 + ((2 * k + 1 - nz) / nz) ** 2
+                out.append(rng.choice((119, 120, 121, 149, 150, 649, 650, 1800, -1000)) if r < 0.9 else rng.randrange(-1024, 120))
+    return out
+
+
+def written(value, decimals, strip):
+    """A coordinate in mm (a Fraction) with so many decimals, without trailing zeros if asked."""
+    scaled = oracle.rhe(value * 10**decimals)
+    text = f"{abs(scaled):0{decimals + 1}d}"
+    text = f"{text[:-decimals]}.{text[-decimals:]}"
+    if strip:
+        text = text.rstrip("0").rstrip(".")
+    return "-" + text if scaled < 0 else text
+
+
+def ct_text(rng, dims, spacing, start, decimals, strip=False, shuffle=False, absent=0.0, repeated=0, separator=" ", head=""):
+    """A CT text of a blob; decimals may be more than the spacing needs or fewer."""
+    lines = []
+    voxels = iter(blob(rng, dims))
+    axes = [[written(Fraction(o) + n * Fraction(s), decimals, strip) for n in range(count)]
+            for o, s, count in zip(start, spacing, dims)]
+    for k in range(dims[2]):
+        for j in range(dims[1]):
+            for i in range(dims[0]):
+                density = next(voxels)
+                corner = (i, j, k) in ((0, 0, 0), tuple(d - 1 for d in dims))
+                if corner or rng.random() >= absent:
+                    density = rng.choice((f"{density}", f"{density}.0", f"{density}0e-1")) if rng.random() < 0.1 else f"{density}"
+                    lines.append(separator.join((axes[0][i], axes[1][j], axes[2][k], density)))
+    lines += rng.sample(lines, repeated)
+    if shuffle:
+        rng.shuffle(lines)
+    return head + "\n".join(lines) + "\n"
+
+
+def check_import(runner, name, content, options=(), chunk=32, **how):
+    """osteon import against text -> rect -> cubic -> bone. Returns the oracle's bone and the file's name."""
+    text = oracle.Text(content)
+    rect, scatter = oracle.text_to_rect(text, how.get("spacing"))
+    cubic = oracle.rect_to_cubic(rect, how.get("cubic"))
+    bone = oracle.Bone(cubic, how.get("threshold", 120))
+    source, out = runner.write(name + ".txt", content), runner.path(name + ".nrrd")
+    got = runner.run("import", source, "--out", out, "--chunk", str(chunk), *options)
+
+    equal(f"{name}: rect_dims", got["rect_dims"], list(rect.dims))
+    equal(f"{name}: rect_spacing_mm", [oracle.rhe(Fraction(repr(s)) * MM) for s in got["rect_spacing_mm"]], list(rect.spacing))
+    equal(f"{name}: cubic_dims", got["cubic_dims"], list(cubic.dims))
+    for key, value in bone.info(chunk).items():
+        equal(f"{name}: {key}", got[key], value)
+    for key in ("samples", "duplicates", "off_lattice"):
+        if key in got:
+            equal(f"{name}: {key}", got[key], scatter[key])
+    digests = {"samples": oracle.samples_digest(text), "rect": oracle.grid_digest(rect, oracle.KIND_RECT),
+               "cubic": oracle.grid_digest(cubic, oracle.KIND_CUBIC), "chunks": oracle.grid_digest(bone, oracle.KIND_BONE)}
+    equal(f"{name}: stages", {stage["name"]: stage.get("sha256") for stage in got["stages"]}, digests)
+    equal_file(name, out, bone, {"kind": "bone", "arithmetic": "1", "threshold": str(bone.threshold)})
+    return bone, out
+
+
+def equal_file(name, path, grid, facts):
+    """A written NRRD against a grid."""
+    got, meta = files.read_nrrd(path)
+    equal(f"{name}: dims of the file", got.dims, grid.dims)
+    equal(f"{name}: spacing of the file", got.spacing, grid.spacing)
+    equal(f"{name}: origin of the file", got.origin, grid.origin)
+    for key, value in facts.items():
+        equal(f"{name}: osteon_{key}", meta.get(key), value)
+    if got.voxels != grid.voxels:
+        at = next(n for n, (a, b) in enumerate(zip(got.voxels, grid.voxels)) if a != b)
+        nx, ny, _ = grid.dims
+        where = (at % nx, at // nx % ny, at // nx // ny)
+        raise Different(f"{name}: voxel {where}: osteon has {got.voxels[at]}, the oracle {grid.voxels[at]}")
+
+
+def imports(runner):
+    rng = runner.rng
+    check_import(runner, "scapula-like", ct_text(rng, (23, 19, 11), ("0.47", "0.47", "1"), ("-57.34", "12.5", "-7"), 4,
+                                                 head="x_mm y_mm z_mm HU\n"))
+    check_import(runner, "six-decimals", ct_text(rng, (34, 9, 33), ("0.48828125",) * 3, ("-57.34", "3", "0"), 6, shuffle=True,
+                                                 absent=0.3, repeated=40, separator=" , "), chunk=16)
+    check_import(runner, "four-decimals", ct_text(rng, (34, 17, 12), ("0.48828125", "0.48828125", "0.625"), ("0", "0", "0"), 4,
+                                                  separator=";"), chunk=64)
+    check_import(runner, "no-trailing-zeros", ct_text(rng, (40, 21, 22), ("0.032",) * 3, ("-0.5", "0", "0.1"), 6, strip=True))
+    check_import(runner, "tenths", ct_text(rng, (33, 12, 14), ("0.3", "0.3", "0.3"), ("0", "-57.34", "0"), 4, separator="\t"))
+    check_import(runner, "given-in-text", ct_text(rng, (20, 10, 1), ("0.488281",) * 3, ("1", "1", "1"), 3,
+                                                  head="# osteon spacing_mm: 0.488281 0.488281 2.5\r\n"))
+    check_import(runner, "given", ct_text(rng, (20, 10, 9), ("0.7", "0.9", "1.1"), ("1", "1", "1"), 1), ("--spacing", "0.7,0.9,1.1"),
+                 spacing=(700000000, 900000000, 1100000000))
+    check_import(runner, "coarser", ct_text(rng, (31, 14, 9), ("0.7", "0.9", "1.1"), ("1", "1", "1"), 1),
+                 ("--cubic", "0.8", "--threshold", "150"), cubic=800000000, threshold=150)
+
+
+# ------------------------------------------------------------------- meshes
+
+
+def tetrahedron(rng, size):
+    """Closed, outward or inward, on multiples of 1/8 mm: exact in any float."""
+    while True:
+        points = [[Fraction(rng.randrange(-size * 8, size * 8 + 1), 8) for _ in range(3)] for _ in range(4)]
+        edges = [[p - q for p, q in zip(point, points[0])] for point in points[1:]]
+        volume = sum(edges[0][a] * (edges[1][(a + 1) % 3] * edges[2][(a + 2) % 3] - edges[1][(a + 2) % 3] * edges[2][(a + 1) % 3])
+                     for a in range(3))
+        if abs(volume) > size**3:
+            return points, [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
+
+
+def box(low, high):
+    corners = [[(low, high)[n >> a & 1][a] for a in range(3)] for n in range(8)]
+    return corners, [(0, 4, 6), (0, 6, 2), (1, 3, 7), (1, 7, 5), (0, 1, 5), (0, 5, 4), (2, 6, 7), (2, 7, 3), (0, 2, 3), (0, 3, 1),
+                     (4, 5, 7), (4, 7, 6)]
+
+
+def join(*bodies):
+    points, triangles = [], []
+    for body_points, body_triangles in bodies:
+        triangles += [tuple(v + len(points) for v in t) for t in body_triangles]
+        points += body_points
+    return points, triangles
+
+
+def stl(mesh):
+    points, triangles = mesh
+    facets = []
+    for triangle in triangles:
+        vertices = "".join(f"vertex {float(points[v][0])} {float(points[v][1])} {float(points[v][2])}\n" for v in triangle)
+        facets.append(f"facet normal 0 0 0\nouter loop\n{vertices}endloop\nendfacet\n")
+    return "solid generated\n" + "".join(facets) + "endsolid generated\n"
+
+
+def in_pm(mesh):
+    points, triangles = mesh
+    return [tuple(tools.vertex_pm(float(c)) for c in point) for point in points], triangles
+
+
+def check_voxelize(runner, name, mesh, voxel, rule="winding", noncutting=None):
+    """osteon voxelize against the oracle. Returns the oracle's tool and the file's name."""
+    tool = tools.Tool(in_pm(mesh), oracle.length(Fraction(voxel)), in_pm(noncutting) if noncutting else None, rule)
+    out = runner.path(name + ".nrrd")
+    options = ["--voxel", voxel, "--rule", rule]
+    if noncutting:
+        options += ["--noncutting", runner.write(name + "-shaft.stl", stl(noncutting))]
+    got = runner.run("voxelize", runner.write(name + ".stl", stl(mesh)), "--out", out, *options)
+    equal(f"{name}: dims", got["dims"], list(tool.dims))
+    equal(f"{name}: solid_voxels", got["solid_voxels"], sum(1 for v in tool.voxels if v))
+    equal(f"{name}: dropped_triangles", got["dropped_triangles"], tool.dropped)
+    equal(f"{name}: leaking_rows", got["leaking_rows"], tool.leaking_rows)
+    if "mesh_sha256" in got:
+        equal(f"{name}: mesh_sha256", got["mesh_sha256"], tool.snapped[0].digest())
+    equal_file(name, out, tool, {"kind": "tool", "arithmetic": "1"})
+    equal(f"{name}: sha256", got["sha256"], tool.digest())
+    return tool, out
+
+
+def meshes(runner):
+    rng = runner.rng
+    for n, voxel in enumerate(("0.5", "0.37", "0.25")):
+        check_voxelize(runner, f"tetrahedron-{n}", tetrahedron(rng, 3), voxel)
+    several = join(*(tetrahedron(rng, 3) for _ in range(3)))
+    for rule in ("winding", "parity"):
+        check_voxelize(runner, f"crossing-{rule}", several, "0.5", rule)
+    # Every face and edge of these two on voxel centres, and one inside the other.
+    quarter = Fraction(1, 4)
+    on_centres = join(box([quarter] * 3, [4 + quarter] * 3), box([1 + quarter] * 3, [2 + quarter] * 3))
+    for rule in ("winding", "parity"):
+        check_voxelize(runner, f"on-centres-{rule}", on_centres, "0.5", rule)
+    points, triangles = box([Fraction(-2)] * 3, [Fraction(2)] * 3)
+    check_voxelize(runner, "leaking", (points, triangles[1:]), "0.5")
+    # A sliver of 1/1024 of 1/1000 of a voxel's width snaps to nothing: a tetrahedron on a far larger lattice.
+    sliver = [[Fraction(0)] * 3, [Fraction(600)] + [Fraction(0)] * 2, [Fraction(0), Fraction(1, 128), Fraction(0)], [Fraction(0)] * 2 + [Fraction(1, 128)]]
+    check_voxelize(runner, "sliver", join((sliver, [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]), box([Fraction(0)] * 3, [Fraction(600)] * 3)),
+                   "60")
+
+
+# -------------------------------------------------------------------- reams
+
+
+def decimal_of(value, places):
+    scaled = oracle.rhe(value * 10**places)
+    return f"{'-' if scaled < 0 else ''}{abs(scaled) // 10**places}.{abs(scaled) % 10**places:0{places}d}"
+
+
+def turned(rng, any_turn):
+    """A quaternion in nine places: within some degrees of none, or any with quarter turns among them."""
+    if any_turn and rng.random() < 0.3:
+        return rng.choice((("0.707106781", "0", "0", "0.707106781"), ("0", "1", "0", "0"), ("0.5", "-0.5", "0.5", "0.5")))
+    spread = 0.55 if any_turn else 0.06
+    v = [rng.uniform(-spread, spread) for _ in range(3)]
+    w = (1 - sum(c * c for c in v)) ** 0.5
+    return tuple(f"{c:.9f}" for c in (w, *v))
+
+
+def path(rng, bone, ticks, step_mm, tool_count, any_turn):
+    """A walk through the bone's middle; whole voxels now and then, so that borders are met."""
+    at = [Fraction(o + s * n // 2, MM) for o, s, n in zip(bone.origin, bone.spacing, bone.dims)]
+    rows, tool = ["t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,tool"], 0
+    for tick in range(ticks):
+        if tick:
+            on_voxels = rng.random() < 0.3
+            at = [c + (rng.randrange(-1, 2) * Fraction(bone.spacing[0], MM) if on_voxels
+                       else Fraction(rng.randrange(-1000, 1001), 1000) * step_mm) for c in at]
+        tool = rng.randrange(tool_count) if rng.random() < 0.3 else tool
+        q = turned(rng, any_turn)
+        sign = rng.choice((1, -1))
+        q = tuple(c if sign > 0 else c[1:] if c.startswith("-") else "-" + c for c in q)
+        rows.append(",".join((decimal_of(Fraction(tick, 1000), 6), *(decimal_of(c, 9) for c in at), *q, str(tool))))
+    return "\n".join(rows) + "\n"
+
+
+def check_ream(runner, name, bone, bone_file, shapes, ticks, options=(), **how):
+    """osteon ream against the oracle, on a copy of the bone."""
+    left = oracle.Bone(bone, bone.threshold)
+    session = events.Session(left, [tool for tool, _ in shapes], **how)
+    content = path(runner.rng, bone, ticks, Fraction(6, 10), len(shapes), not session.sweep)
+    for t_ns, pose, tool in events.read_path(content):
+        session.tick(t_ns, pose, tool)
+    arguments = ["ream", "--bone", bone_file, "--path", runner.write(name + ".csv", content)]
+    for _, tool_file in shapes:
+        arguments += ["--tool", tool_file]
+    expected = oracle.grid_digest(left, oracle.KIND_BONE)
+    whole = None
+    for chunk in (16, 32, 64):
+        out = runner.path(f"{name}-{chunk}.nrrd")
+        got = runner.run(*arguments, "--out", out, "--chunk", str(chunk), *options)
+        for key in ("ticks", "removals", "poses"):
+            if key in got:
+                equal(f"{name}: {key}", got[key], getattr(session, key))
+        equal(f"{name}: removed_voxels", got["removed_voxels"], session.removed)
+        equal(f"{name}: removed_by_class", [(row["voxels"], row["density_sum"]) for row in got["removed_by_class"]],
+              list(zip(session.by_class, session.density_by_class)))
+        equal_file(name, out, left, {"kind": "bone", "threshold": str(bone.threshold)})
+        equal(f"{name}: sha256", got["sha256"], expected)
+        with open(out, "rb") as file:
+            content = file.read()
+        equal(f"{name}: bytes of the file whatever the chunks", whole in (None, content), True)
+        whole = content
+    if session.removed == 0:
+        raise Different(f"{name}: nothing was removed, so nothing was shown")
+
+
+def reams(runner):
+    rng = runner.rng
+    bone, bone_file = check_import(runner, "bone", ct_text(rng, (37, 33, 17), ("0.47", "0.47", "1"), ("-57.34", "12.5", "-7"), 4))
+    first = check_voxelize(runner, "tool", join(tetrahedron(rng, 4), tetrahedron(rng, 3)), "0.5")
+    ball = box([Fraction(-3, 2)] * 3, [Fraction(3, 2)] * 3)
+    shaft = box([Fraction(-1, 2), Fraction(-1, 2), Fraction(0)], [Fraction(1, 2), Fraction(1, 2), Fraction(6)])
+    second = check_voxelize(runner, "shafted", ball, "0.47", noncutting=shaft)
+    check_ream(runner, "swept", bone, bone_file, [first], 7)
+    check_ream(runner, "thesis", bone, bone_file, [second], 10, ("--sweep", "off"), sweep=False)
+    check_ream(runner, "two-tools", bone, bone_file, [first, second], 8)
+    check_ream(runner, "rated", bone, bone_file, [second], 12, ("--rate", "400"), period_ns=2500000)
+
+
+def main():
+    program = sys.argv[1] if len(sys.argv) > 1 else os.environ.get("OSTEON", "./osteon")
+    for module in (oracle, tools, events):
+        module.self_check()
+    if not os.access(program, os.X_OK):
+        print(f"# {program} is not built: only the oracle's own numbers were checked")
+        return SKIP
+    seed = int(os.environ.get("OST_TEST_SEED", "0"), 0) or time.time_ns() % 2**32
+    print(f"# check_pipeline: OST_TEST_SEED={seed}")
+    status = 0
+    with tempfile.TemporaryDirectory() as folder:
+        for part in (imports, meshes, reams):
+            start = time.monotonic()
+            try:
+                part(Runner(os.path.abspath(program), folder, random.Random(seed)))
+                print(f"ok {part.__name__} ({time.monotonic() - start:.1f} s)", flush=True)
+            except NotHere as reason:
+                print(f"# {part.__name__} skipped: {reason}")
+                status = status or SKIP
+            except (Different, oracle.Refused) as difference:
+                print(f"not ok {part.__name__}: {difference}", flush=True)
+                status = 1
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main())
