@@ -21,8 +21,8 @@
  *
  * with p the least integer for which no corner of the tool's box moves more
  * than 0.15 mm a tick, so that with the feed a tick stays below half of the
- * thesis' voxel of 0.47 mm.  Only + - * /, ceil and sqrt of doubles are used, which
- * every machine rounds alike, and no libm; so a path is the same everywhere.
+ * thesis' voxel of 0.47 mm.  Only + - * /, ceil, rint and sqrt of doubles are
+ * used, which every machine rounds alike; so a path is the same everywhere.
  */
 #include "core/conditions.h"
 
@@ -167,6 +167,18 @@ static ost_status unit_axis(const ost_glenoid *glenoid, vec *out, ost_error *err
     return OST_OK;
 }
 
+/* q is of unit length, so no component times 2^30 leaves int32; rint rounds half to even. */
+static ost_status quantised(vec t, quat q, ost_pose *out, ost_error *err)
+{
+    if (!ost_pm_from_binary(t.x, &out->t.x) || !ost_pm_from_binary(t.y, &out->t.y) || !ost_pm_from_binary(t.z, &out->t.z))
+        return ost_fail(err, OST_ERR_RANGE, "the path leaves the 8 m around the bone's origin");
+    out->qw = (int32_t)rint(q.w * OST_Q30_ONE);
+    out->qx = (int32_t)rint(q.x * OST_Q30_ONE);
+    out->qy = (int32_t)rint(q.y * OST_Q30_ONE);
+    out->qz = (int32_t)rint(q.z * OST_Q30_ONE);
+    return ost_pose_check(out, err);
+}
+
 ost_status ost_builtin_path(ost_builtin which, const ost_glenoid *glenoid, const ost_tool_geometry *geometry, int32_t tool,
                             ost_path *out, ost_error *err)
 {
@@ -191,10 +203,9 @@ ost_status ost_builtin_path(ost_builtin which, const ost_glenoid *glenoid, const
         quat q = normalised(product(face, turn));
         vec r = turned(q, tip);
         double depth = mm(depth_at(p, (int64_t)k));
-        const double t_mm[3] = {at.x + depth * axis.x - r.x, at.y + depth * axis.y - r.y, at.z + depth * axis.z - r.z};
-        const double wxyz[4] = {q.w, q.x, q.y, q.z};
+        const vec t = {at.x + depth * axis.x - r.x, at.y + depth * axis.y - r.y, at.z + depth * axis.z - r.z};
         out->ticks[k] = (ost_tick){.t_ns = (int64_t)k * TICK_NS, .tool = tool};
-        status = ost_pose_from_doubles(t_mm, wxyz, &out->ticks[k].pose, err);
+        status = quantised(t, q, &out->ticks[k].pose, err);
         turn = normalised(product(turn, step));
     }
     if (status != OST_OK)
