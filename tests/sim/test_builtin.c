@@ -1,0 +1,231 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Built-in paths: where the working face goes, how fast, and what comes of it; where a grid says its glenoid is. */
+#include "ref/scene.h"
+
+#include <math.h>
+#include <osteon/sim.h>
+
+/* A tool of 36 x 36 x 20 mm about its z axis; the mesh's lowest point is taken at corner + 3/2 voxels, z = 0 here. */
+static const ost_tool_geometry reamer = {{73, 73, 42}, OST_PM_PER_MM / 2, {-18250000000, -18250000000, -750000000}};
+
+static void rotate(const double q[4], const double v[3], double out[3])
+{
+    const double w = q[0], x = q[1], y = q[2], z = q[3];
+    out[0] = (1 - 2 * (y * y + z * z)) * v[0] + 2 * (x * y - w * z) * v[1] + 2 * (x * z + w * y) * v[2];
+    out[1] = 2 * (x * y + w * z) * v[0] + (1 - 2 * (x * x + z * z)) * v[1] + 2 * (y * z - w * x) * v[2];
+    out[2] = 2 * (x * z - w * y) * v[0] + 2 * (y * z + w * x) * v[1] + (1 - 2 * (x * x + y * y)) * v[2];
+}
+
+static void it_runs_along_the_axis(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    static const double axes[][3] = {{0, 0, 1},   {0, 0, -1},      {1, 0, 0},  {0, -1, 0},         {-3, 4, 0},
+                                     {1, 1, 1},   {-1, 1e-9, 1e3}, {-1, -2, -3}, {1e-300, 0, 1e-300}, {5, -7, 0.001}};
+    for (size_t i = 0; i < sizeof axes / sizeof axes[0]; i++)
+        for (int which = 0; which < OST_BUILTIN_COUNT; which++) {
+            ost_glenoid glenoid = {.at = {-117800 * UM, 196500 * UM, -159000 * UM}, .axis = {axes[i][0], axes[i][1], axes[i][2]}};
+            ost_path path;
+            assert_ok(ost_builtin_path((ost_builtin)which, &glenoid, &reamer, 3, &path, &err));
+            assert_true(path.count >= 2000 && path.count <= 6000);
+            double scale = fmax(fabs(axes[i][0]), fmax(fabs(axes[i][1]), fabs(axes[i][2])));
+            double u[3] = {axes[i][0] / scale, axes[i][1] / scale, axes[i][2] / scale};
+            double length = sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
+            double last = 0, deepest = -100, turned = 0, before[4] = {1, 0, 0, 0};
+            for (size_t k = 0; k < path.count; k++) {
+                const ost_tick *tick = &path.ticks[k];
+                assert_int_equal(tick->t_ns, (int64_t)k * 1000000);
+                assert_int_equal(tick->tool, 3);
+                double t[3], q[4], down[3];
+                ost_pose_to_doubles(&tick->pose, t, q);
+                assert_true(fabs(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] - 1) < 1e-8);
+                rotate(q, (double[3]){0, 0, -1}, down);
+                double depth = 0, off = 0;
+                for (int a = 0; a < 3; a++) {
+                    assert_true(fabs(down[a] - u[a] / length) < 1e-7);
+                    depth += (t[a] - (double[]){-117.8, 196.5, -159}[a]) * u[a] / length;
+                }
+                for (int a = 0; a < 3; a++)
+                    off += fabs(t[a] - (double[]){-117.8, 196.5, -159}[a] - depth * u[a] / length);
+                assert_true(off < 1e-6); /* the tip is the frame's origin, so t itself is on the axis */
+                if (k > 0) {
+                    assert_true(fabs(depth - last) < 0.0201);
+                    turned += 1 - fabs(q[0] * before[0] + q[1] * before[1] + q[2] * before[2] + q[3] * before[3]);
+                }
+                last = depth;
+                deepest = depth > deepest ? depth : deepest;
+                memcpy(before, q, sizeof before);
+            }
+            assert_true(turned > 0.001);
+            assert_true(fabs(last + 8) < 1e-6);
+            assert_true(which == OST_BUILTIN_PEG_HOLE ? deepest > 19.99 && deepest < 25.01 : deepest > 1.99 && deepest < 3.2);
+            ost_path_free(&path);
+        }
+}
+
+static void ticks_are_gentle(void **state)
+{
+    /* No corner moves more than half of the thesis' voxel in a tick: every event has one pose. */
+    (void)state;
+    ost_error err = {0};
+    ost_glenoid glenoid = {.axis = {0.9, 0.1, -0.2}};
+    static const ost_tool_geometry tools[] = {
+        {{73, 73, 42}, OST_PM_PER_MM / 2, {-18250000000, -18250000000, -750000000}},
+        {{14, 14, 62}, OST_PM_PER_MM / 2, {-3500000000, -3500000000, -1000000000}},
+        {{3, 3, 3}, OST_PM_PER_MM / 2, {-750000000, -750000000, 0}},
+        {{40, 40, 10}, OST_PM_PER_MM / 2, {100 * OST_PM_PER_MM, 50 * OST_PM_PER_MM, 0}}, /* the frame's axis lies outside */
+    };
+    for (size_t i = 0; i < 4; i++)
+        for (int which = 0; which < OST_BUILTIN_COUNT; which++) {
+            ost_path path;
+            assert_ok(ost_builtin_path((ost_builtin)which, &glenoid, &tools[i], 0, &path, &err));
+            for (size_t k = 1; k < path.count; k++) {
+                int n = 0;
+                assert_ok(ost_sweep_count(&path.ticks[k - 1].pose, &path.ticks[k].pose, &tools[i], 470 * UM, &n, &err));
+                assert_int_equal(n, 1);
+            }
+            ost_path_free(&path);
+        }
+}
+
+static void a_reamer_leaves_the_spongy_bone(void **state)
+{
+    /*
+     * A block whose face at z = 0 looks to +z: 2 mm of cartilage, 1.9 mm of
+     * plate, then cancellous bone. The reamer goes 3 mm in, the peg 22 mm.
+     */
+    ost_error err = {0};
+    const ost_pm s = 500 * UM;
+    ost_geometry g = cubic_geometry(90, 90, 60, s, (ost_pm3){-22250 * UM, -22250 * UM, -29900 * UM});
+    int16_t *voxels = malloc(voxel_count(&g) * sizeof *voxels);
+    for (size_t i = 0; i < voxel_count(&g); i++) {
+        int64_t depth = -(g.origin.z + (int64_t)(i / 8100) * s);
+        voxels[i] = depth < 2000 * UM ? 130 : depth < 3900 * UM ? 1200 : 300;
+    }
+    ost_glenoid glenoid = {.axis = {0, 0, -1}};
+    /* Flat ends. The path takes z = corner + 3/2 voxels = 0 for the working face. */
+    const struct {
+        ost_tool_geometry g;
+        ost_builtin which;
+        int layers;
+    } tools[] = {{{{21, 21, 42}, OST_PM_PER_MM / 2, {-5250000000, -5250000000, -750000000}}, OST_BUILTIN_GLENOID_REAM, 5},
+                 {{{9, 9, 62}, OST_PM_PER_MM / 2, {-2250000000, -2250000000, -750000000}}, OST_BUILTIN_PEG_HOLE, 43}};
+    for (int i = 0; i < 2; i++) {
+        ost_bone *bone = bone_of(*state, &g, 32, voxels);
+        ost_tool_volume volume;
+        assert_ok(ost_tool_volume_init(&volume, &tools[i].g, &err));
+        int32_t nx = tools[i].g.dims.x, nz = tools[i].g.dims.z;
+        for (int32_t z = 2; z < nz; z++) /* from -0.75 + 2 * 0.5 = 0.25 mm up */
+            memset(volume.voxels + (size_t)z * (size_t)nx * (size_t)nx, OST_TOOL_CUTTING, (size_t)nx * (size_t)nx);
+        ost_tool *tool;
+        assert_ok(ost_tool_upload(*state, &volume, &tool, &err));
+        ost_tool_volume_free(&volume);
+        ost_world *world;
+        ost_path path;
+        assert_ok(ost_world_create(bone, NULL, &world, &err));
+        assert_ok(ost_world_add_tool(world, "tool", tool, NULL, &err));
+        assert_ok(ost_builtin_path(tools[i].which, &glenoid, &tools[i].g, 0, &path, &err));
+        ost_step_result r;
+        for (size_t k = 0; k < path.count; k += 10) { /* every hundredth of a second is enough here */
+            assert_ok(ost_world_step(world, &path.ticks[k], &r, &err));
+        }
+        ost_world_totals totals;
+        ost_world_totals_get(world, &totals);
+        assert_true(totals.removed_by_class[0] > 0);
+        assert_true(totals.removed_by_class[2] > 0);
+        if (tools[i].which == OST_BUILTIN_GLENOID_REAM)
+            assert_int_equal(totals.removed_by_class[1], 0);
+        else
+            assert_true(totals.removed_by_class[1] > totals.removed_by_class[0]);
+        /* In the middle the depths 0.4, 0.9, ... are gone to 3 or 22 mm less the 0.25 mm before the tool's first layer. */
+        int16_t *after = content(bone, &g);
+        int gone = 0;
+        for (int z = 0; z < 60; z++)
+            gone += after[45 + 90 * (45 + 90 * (size_t)z)] == 0;
+        assert_int_equal(gone, tools[i].layers);
+        free(after);
+        ost_path_free(&path);
+        ost_world_free(world);
+        ost_tool_free(tool);
+        ost_bone_free(bone);
+    }
+    free(voxels);
+}
+
+static void what_a_path_refuses(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_path path;
+    ost_glenoid glenoid = {.axis = {0, 0, 0}};
+    assert_int_equal(ost_builtin_path(OST_BUILTIN_PEG_HOLE, &glenoid, &reamer, 0, &path, &err), OST_ERR_USAGE);
+    glenoid.axis[1] = NAN;
+    assert_int_equal(ost_builtin_path(OST_BUILTIN_PEG_HOLE, &glenoid, &reamer, 0, &path, &err), OST_ERR_USAGE);
+    glenoid.axis[1] = 1;
+    assert_int_equal(ost_builtin_path(OST_BUILTIN_COUNT, &glenoid, &reamer, 0, &path, &err), OST_ERR_USAGE);
+    glenoid.at.x = OST_LENGTH_MAX;
+    glenoid.axis[0] = 1;
+    assert_int_equal(ost_builtin_path(OST_BUILTIN_PEG_HOLE, &glenoid, &reamer, 0, &path, &err), OST_ERR_RANGE);
+    assert_null(path.ticks);
+    assert_string_equal(ost_builtin_name(OST_BUILTIN_PEG_HOLE), "peg-hole");
+    assert_string_equal(ost_builtin_name(OST_BUILTIN_GLENOID_REAM), "glenoid-ream");
+}
+
+static ost_meta *meta_of(const char *at, const char *axis, const char *side)
+{
+    ost_error err = {0};
+    ost_meta *meta = calloc(1, sizeof *meta);
+    if (at)
+        assert_ok(ost_meta_set(meta, OST_META_GLENOID_AT, at, &err));
+    if (axis)
+        assert_ok(ost_meta_set(meta, OST_META_GLENOID_AXIS, axis, &err));
+    if (side)
+        assert_ok(ost_meta_set(meta, OST_META_SIDE, side, &err));
+    return meta;
+}
+
+static void the_grid_says_where(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_glenoid g;
+    ost_meta *meta = meta_of("-117.8 196.5 -159", "1 0 -0.25", "left");
+    assert_ok(ost_glenoid_from_meta(meta, &g, &err));
+    free(meta);
+    assert_int_equal(g.at.x, -117800 * UM);
+    assert_int_equal(g.at.y, 196500 * UM);
+    assert_int_equal(g.at.z, -159000 * UM);
+    assert_true(g.axis[0] == 1 && g.axis[1] == 0 && g.axis[2] == -0.25);
+    assert_true(g.left);
+    const struct {
+        const char *at, *axis, *side, *says;
+        ost_status status;
+    } cases[] = {
+        {NULL, "1 0 0", "left", OST_META_GLENOID_AT, OST_ERR_USAGE},
+        {"1 2 3", NULL, "left", OST_META_GLENOID_AXIS, OST_ERR_USAGE},
+        {"1 2 3", "1 0 0", NULL, OST_META_SIDE, OST_ERR_USAGE},
+        {"1 2", "1 0 0", "left", "1 2", OST_ERR_INPUT},
+        {"1 2 3 4", "1 0 0", "left", "1 2 3 4", OST_ERR_INPUT},
+        {"1 2 x", "1 0 0", "left", "1 2 x", OST_ERR_INPUT},
+        {"1 2 9001", "1 0 0", "left", "9001", OST_ERR_RANGE},
+        {"1 2 3", "0 0 0", "left", "0 0 0", OST_ERR_INPUT},
+        {"1 2 3", "1e30 0 0", "left", "1e30", OST_ERR_INPUT},
+        {"1 2 3", "1 0 0", "up", "up", OST_ERR_INPUT},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        meta = meta_of(cases[i].at, cases[i].axis, cases[i].side);
+        assert_int_equal(ost_glenoid_from_meta(meta, &g, &err), cases[i].status);
+        assert_non_null(strstr(err.text, cases[i].says));
+        free(meta);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(it_runs_along_the_axis), cmocka_unit_test(ticks_are_gentle),
+        cmocka_unit_test(a_reamer_leaves_the_spongy_bone), cmocka_unit_test(what_a_path_refuses),
+        cmocka_unit_test(the_grid_says_where),
+    };
+    return cmocka_run_group_tests(tests, open_ref, close_ref);
+}

@@ -1,0 +1,255 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The world's step: sweep, tool switching, removal period, errors, totals.
+ * Covers: AR-SWEEP-5, AR-SWEEP-6, AR-REM-7
+ */
+#include "ref/scene.h"
+
+#include <osteon/sim.h>
+
+typedef struct lab {
+    ost_geometry g;
+    ost_bone *bone;
+    ost_tool *peg, *plate;
+    ost_world *world;
+} lab;
+
+/* 40 x 20 x 20 mm of bone at 1 mm, a peg of 2 x 2 x 6 mm and a plate of 6 x 6 x 1 mm. */
+static lab make_lab(ost_backend *backend, const ost_world_options *options)
+{
+    ost_error err = {0};
+    lab l = {.g = cubic_geometry(40, 20, 20, OST_PM_PER_MM, (ost_pm3){0, 0, 0})};
+    int16_t *full = malloc(voxel_count(&l.g) * sizeof *full);
+    for (size_t i = 0; i < voxel_count(&l.g); i++)
+        full[i] = (int16_t)(120 + i % 1000);
+    l.bone = bone_of(backend, &l.g, 16, full);
+    free(full);
+    l.peg = solid_tool(backend, (ost_tool_geometry){{4, 4, 12}, 500 * UM, {-OST_PM_PER_MM, -OST_PM_PER_MM, 0}}, OST_TOOL_CUTTING);
+    l.plate = solid_tool(backend, (ost_tool_geometry){{6, 6, 1}, OST_PM_PER_MM, {-3000 * UM, -3000 * UM, 0}}, OST_TOOL_CUTTING);
+    assert_ok(ost_world_create(l.bone, options, &l.world, &err));
+    int index = -1;
+    assert_ok(ost_world_add_tool(l.world, "peg", l.peg, &index, &err));
+    assert_int_equal(index, 0);
+    assert_ok(ost_world_add_tool(l.world, "plate", l.plate, &index, &err));
+    assert_int_equal(index, 1);
+    return l;
+}
+
+static void free_lab(lab *l)
+{
+    ost_world_free(l->world);
+    ost_tool_free(l->peg);
+    ost_tool_free(l->plate);
+    ost_bone_free(l->bone);
+}
+
+static ost_tick tick_at(int64_t t_ms, int32_t tool, int64_t x_um, int64_t y_um, int64_t z_um)
+{
+    ost_tick tick = {.t_ns = t_ms * 1000000, .tool = tool, .pose = ost_pose_identity()};
+    tick.pose.t = (ost_pm3){x_um * UM, y_um * UM, z_um * UM};
+    return tick;
+}
+
+static ost_step_result step(lab *l, ost_tick tick)
+{
+    ost_error err = {0};
+    ost_step_result result;
+    assert_ok(ost_world_step(l->world, &tick, &result, &err));
+    return result;
+}
+
+static void a_sweep_leaves_no_gap(void **state)
+{
+    /* 10 mm in one tick: 2 * 10 / 1 = 20 poses; the peg of 2 mm takes all of x = 4.. to 15 at y 9..10, z 5..10. */
+    lab l = make_lab(*state, NULL);
+    ost_step_result r = step(&l, tick_at(0, 0, 5000, 10000, 5000));
+    assert_true(r.removal && r.boxes_meet);
+    assert_int_equal(r.pose_count, 1);
+    assert_int_equal(r.report->total_voxels, 2 * 2 * 6);
+    r = step(&l, tick_at(1, 0, 15000, 10000, 5000));
+    assert_int_equal(r.pose_count, 20);
+    assert_int_equal(r.report->total_voxels, 10 * 2 * 6);
+    ost_world_totals totals;
+    ost_world_totals_get(l.world, &totals);
+    assert_int_equal(totals.ticks, 2);
+    assert_int_equal(totals.removals, 2);
+    assert_int_equal(totals.poses, 21);
+    assert_int_equal(totals.removed_voxels, 12 * 2 * 6);
+    ost_bone_info info;
+    assert_int_equal(ost_bone_info_get(l.bone, &info, NULL), OST_OK);
+    assert_int_equal(info.active_voxels, 40 * 20 * 20 - 12 * 2 * 6);
+    uint64_t by_class = 0;
+    int64_t density = 0;
+    for (int c = 0; c < OST_CLASS_MAX; c++) {
+        by_class += totals.removed_by_class[c];
+        density += totals.density_by_class[c];
+    }
+    assert_int_equal(by_class, totals.removed_voxels);
+    int64_t expected = 0; /* the densities were a function of the voxel's index */
+    for (int x = 4; x < 16; x++)
+        for (int y = 9; y < 11; y++)
+            for (int z = 5; z < 11; z++)
+                expected += 120 + (x + 40 * (y + 20 * z)) % 1000;
+    assert_int_equal(density, expected);
+    free_lab(&l);
+}
+
+static void without_the_sweep_there_is_one(void **state)
+{
+    lab l = make_lab(*state, &(ost_world_options){.sweep_off = true});
+    step(&l, tick_at(0, 0, 5000, 10000, 5000));
+    ost_step_result r = step(&l, tick_at(1, 0, 15000, 10000, 5000));
+    assert_int_equal(r.pose_count, 1);
+    assert_int_equal(r.report->total_voxels, 2 * 2 * 6);
+    /* Neither limit applies: metres away, and half a turn. */
+    step(&l, tick_at(2, 0, 7000000, 0, 0));
+    ost_tick turned = tick_at(3, 0, 0, 0, 0);
+    turned.pose.qw = 0;
+    turned.pose.qx = OST_Q30_ONE;
+    step(&l, turned);
+    free_lab(&l);
+}
+
+static void a_tool_taken_up_does_not_sweep(void **state)
+{
+    lab l = make_lab(*state, NULL);
+    step(&l, tick_at(0, 0, 5000, 10000, 5000));
+    assert_int_equal(step(&l, tick_at(1, 1, 30000, 10000, 5000)).pose_count, 1);
+    assert_int_equal(step(&l, tick_at(2, 1, 31000, 10000, 5000)).pose_count, 2);
+    /* Back to the peg, far from where it was: again one pose, and then from there. */
+    assert_int_equal(step(&l, tick_at(3, 0, 35000, 10000, 5000)).pose_count, 1);
+    assert_int_equal(step(&l, tick_at(4, 0, 35000, 13000, 5000)).pose_count, 6);
+    free_lab(&l);
+}
+
+static void the_period_decides_which_ticks_remove(void **state)
+{
+    /* 3 ms at 1 kHz from t = 1 ms: 1 (first), 3, 6, 9; the switch at 10 is a first again, then 12. */
+    lab l = make_lab(*state, &(ost_world_options){.removal_period_ns = 3000000});
+    static const bool removes[] = {false, true, false, true, false, false, true, false, false, true, true, false, true};
+    for (int t = 1; t <= 12; t++) {
+        ost_step_result r = step(&l, tick_at(t, t >= 10, 5000 + 500 * t, 10000, 5000));
+        assert_int_equal(r.removal, removes[t]);
+        assert_int_equal(r.report != NULL, removes[t]);
+        /* Sweeps begin at the last event, not the last tick: 3 ticks of 0.5 mm at half a voxel of 0.5 mm. */
+        assert_int_equal(r.pose_count, !removes[t] ? 0 : t == 1 || t == 10 ? 1 : t == 3 || t == 12 ? 2 : 3);
+    }
+    ost_world_totals totals;
+    ost_world_totals_get(l.world, &totals);
+    assert_int_equal(totals.ticks, 12);
+    assert_int_equal(totals.removals, 6);
+    free_lab(&l);
+}
+
+static void negative_times_have_periods_too(void **state)
+{
+    /* floor, not truncation: -1 ms and 0 ms lie in different periods of 3 ms, -3 and -1 in the same. */
+    lab l = make_lab(*state, &(ost_world_options){.removal_period_ns = 3000000});
+    assert_true(step(&l, tick_at(-3, 0, 0, 0, 0)).removal);
+    assert_false(step(&l, tick_at(-1, 0, 0, 0, 0)).removal);
+    assert_true(step(&l, tick_at(0, 0, 0, 0, 0)).removal);
+    assert_false(step(&l, tick_at(2, 0, 0, 0, 0)).removal);
+    free_lab(&l);
+}
+
+static void a_failed_step_changes_nothing(void **state)
+{
+    ost_error err = {0};
+    lab l = make_lab(*state, NULL);
+    step(&l, tick_at(5, 0, 5000, 10000, 5000));
+    ost_digest before = digest_of(l.bone);
+    ost_world_totals totals, still;
+    ost_world_totals_get(l.world, &totals);
+
+    ost_tick turned = tick_at(6, 0, 5000, 10000, 5000), short_q = turned, far = turned;
+    turned.pose.qw = 0;
+    turned.pose.qz = OST_Q30_ONE;
+    short_q.pose.qw = OST_Q30_ONE - OST_Q30_ONE / 900;
+    far.pose.t.y = OST_LENGTH_MAX + 1;
+    const struct {
+        ost_tick tick;
+        ost_status status;
+    } cases[] = {
+        {tick_at(6, 0, 5000 + 2049000, 10000, 5000), OST_ERR_RANGE}, /* 4,098 poses */
+        {turned, OST_ERR_RANGE},
+        {short_q, OST_ERR_RANGE},
+        {far, OST_ERR_RANGE},
+        {tick_at(5, 0, 6000, 10000, 5000), OST_ERR_USAGE}, /* time stands still */
+        {tick_at(6, 2, 6000, 10000, 5000), OST_ERR_USAGE}, /* no such tool */
+        {tick_at(6, -1, 6000, 10000, 5000), OST_ERR_USAGE},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        ost_step_result r;
+        if (ost_world_step(l.world, &cases[i].tick, &r, &err) != cases[i].status)
+            fail_msg("case %zu: %s", i, err.text);
+        assert_true(strlen(err.text) > 10);
+        assert_false(r.removal);
+        assert_null(r.report);
+        ost_world_totals_get(l.world, &still);
+        assert_memory_equal(&totals, &still, sizeof totals);
+        ost_digest after = digest_of(l.bone);
+        assert_true(ost_digest_equal(&before, &after));
+    }
+    /* The next sweep begins where the last good tick was: 2 mm, 4 poses. */
+    assert_int_equal(step(&l, tick_at(6, 0, 7000, 10000, 5000)).pose_count, 4);
+    free_lab(&l);
+}
+
+static void far_from_the_bone_nothing_is_asked(void **state)
+{
+    lab l = make_lab(*state, NULL);
+    ost_step_result r = step(&l, tick_at(0, 0, 500000, 0, 0));
+    assert_true(r.removal);
+    assert_false(r.boxes_meet);
+    assert_int_equal(r.report->total_voxels, 0);
+    for (int a = 0; a < 3; a++)
+        assert_true(r.chunk_lo[a] >= r.chunk_hi[a]);
+    free_lab(&l);
+}
+
+static void an_event_is_in_its_chunks(void **state)
+{
+    /* The peg at (15, 10, 5) mm covers x 14..16 with a voxel of 0.5 mm around: chunks 0 and 1 along x, 0 along y and z. */
+    lab l = make_lab(*state, NULL);
+    ost_step_result r = step(&l, tick_at(0, 0, 15500, 10000, 5000));
+    static const int32_t lo[3] = {0, 0, 0}, hi[3] = {2, 1, 1};
+    assert_memory_equal(r.chunk_lo, lo, sizeof lo);
+    assert_memory_equal(r.chunk_hi, hi, sizeof hi);
+    free_lab(&l);
+}
+
+static void what_a_world_refuses(void **state)
+{
+    ost_error err = {0};
+    lab l = make_lab(*state, NULL);
+    ost_world *world;
+    assert_int_equal(ost_world_create(NULL, NULL, &world, &err), OST_ERR_USAGE);
+    assert_int_equal(ost_world_create(l.bone, &(ost_world_options){.removal_period_ns = -1}, &world, &err), OST_ERR_USAGE);
+    ost_world_options options = {.classes = {.count = 2, .border = {200, 200}}};
+    assert_int_equal(ost_world_create(l.bone, &options, &world, &err), OST_ERR_USAGE);
+    ost_backend *other;
+    assert_ok(ost_backend_open("ref", &other, &err));
+    ost_tool *foreign = solid_tool(other, (ost_tool_geometry){{1, 1, 1}, OST_PM_PER_MM, {0, 0, 0}}, OST_TOOL_CUTTING);
+    assert_int_equal(ost_world_add_tool(l.world, "foreign", foreign, NULL, &err), OST_ERR_USAGE);
+    ost_tool *fine = solid_tool(*state, (ost_tool_geometry){{1, 1, 1}, 62 * UM, {0, 0, 0}}, OST_TOOL_CUTTING);
+    assert_int_equal(ost_world_add_tool(l.world, "fine", fine, NULL, &err), OST_ERR_RANGE); /* 1 mm is more than 16 of it */
+    for (int i = 2; i < OST_WORLD_TOOLS_MAX; i++)
+        assert_ok(ost_world_add_tool(l.world, NULL, l.peg, NULL, &err));
+    assert_int_equal(ost_world_add_tool(l.world, "one too many", l.peg, NULL, &err), OST_ERR_USAGE);
+    ost_tool_free(fine);
+    ost_tool_free(foreign);
+    ost_backend_close(other);
+    free_lab(&l);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_sweep_leaves_no_gap),          cmocka_unit_test(without_the_sweep_there_is_one),
+        cmocka_unit_test(a_tool_taken_up_does_not_sweep), cmocka_unit_test(the_period_decides_which_ticks_remove),
+        cmocka_unit_test(negative_times_have_periods_too), cmocka_unit_test(a_failed_step_changes_nothing),
+        cmocka_unit_test(far_from_the_bone_nothing_is_asked), cmocka_unit_test(an_event_is_in_its_chunks),
+        cmocka_unit_test(what_a_world_refuses),
+    };
+    return cmocka_run_group_tests(tests, open_ref, close_ref);
+}
