@@ -1,0 +1,291 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * CT text: what is read, and how each kind of broken file is refused.
+ *
+ * Covers: AR-CT-1, AR-CT-2
+ */
+#include "harness.h"
+
+#include "io/text_scan.h"
+#include "io_scratch.h"
+
+static char *folder;
+
+static int make_folder(void **state)
+{
+    (void)state;
+    folder = scratch_folder();
+    return 0;
+}
+
+static int remove_folder(void **state)
+{
+    (void)state;
+    scratch_remove(folder);
+    return 0;
+}
+
+/* Reads all rows of a text; at most room. */
+static ost_status read_rows(const char *text, size_t size, ost_text_row *rows, size_t room, size_t *count, ost_error *err)
+{
+    const char *path = scratch_write(folder, "ct.txt", text, size);
+    ost_text_source source;
+    ost_status status = ost_text_source_open(&source, path, err);
+    size_t got = 1;
+    *count = 0;
+    while (status == OST_OK && got > 0) {
+        status = ost_text_source_next(&source, rows + *count, room - *count, &got, err);
+        *count += got;
+        if (*count == room)
+            break;
+    }
+    ost_text_source_close(&source);
+    return status;
+}
+
+static void values_are_exact(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *line;
+        int64_t x, y, z;
+        int density;
+        int places[3];
+    } cases[] = {
+        {"1 2 3 4", 1000000000, 2000000000, 3000000000, 4, {0, 0, 0}},
+        {"-57.34 0.48828125 +1.5 -1000", -57340000000, 488281250, 1500000000, -1000, {2, 8, 1}},
+        {"0.4700,0.9400,1.4100,120", 470000000, 940000000, 1410000000, 120, {4, 4, 4}},
+        {"  1\t2 ;3 ,\t4  # note", 1000000000, 2000000000, 3000000000, 4, {0, 0, 0}},
+        {"1;2;3;4#note", 1000000000, 2000000000, 3000000000, 4, {0, 0, 0}},
+        {"4.7e-1 47E-2 0.0047e+2 1.2e2", 470000000, 470000000, 470000000, 120, {2, 2, 2}},
+        {"1. .5 -.25 120.000", 1000000000, 500000000, -250000000, 120, {0, 1, 2}},
+        {"-0 -0.0 0 -0", 0, 0, 0, 0, {0, 1, 0}},
+        {"8000 -8000 7999.999999999 32767", 8000000000000, -8000000000000, 7999999999999, 32767, {0, 0, 9}},
+        {"0.0000000005 0.0000000015 0.00000000051 -32768", 0, 2, 1, -32768, {9, 9, 9}}, /* ties to even */
+        {"00000000000000000000001 2 3 4.00000000000000000000000000", 1000000000, 2000000000, 3000000000, 4, {0, 0, 0}},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        for (int ending = 0; ending < 3; ending++) {
+            ost_error err = {0};
+            ost_text_row row[2];
+            size_t count;
+            char text[256];
+            int size = snprintf(text, sizeof text, "%s%s", cases[i].line, ending == 0 ? "\n" : ending == 1 ? "\r\n" : "");
+            assert_ok(read_rows(text, (size_t)size, row, 2, &count, &err));
+            assert_int_equal(count, 1);
+            assert_true(row[0].position[0] == cases[i].x);
+            assert_true(row[0].position[1] == cases[i].y);
+            assert_true(row[0].position[2] == cases[i].z);
+            assert_int_equal(row[0].density, cases[i].density);
+            for (int a = 0; a < 3; a++)
+                assert_int_equal(row[0].places[a], cases[i].places[a]);
+            assert_int_equal(row[0].rounded, strstr(cases[i].line, "0.00000000051") ? 7 : 0);
+        }
+    }
+}
+
+static void lines_around_samples_are_skipped(void **state)
+{
+    (void)state;
+    static const char text[] = "\xef\xbb\xbf# made by hand\r\n"
+                               "\r\n"
+                               "x [mm],y [mm],z [mm],density\r\n"
+                               "1,2,3,4\r\n"
+                               "   # between\r\n"
+                               "\t\r\n"
+                               "5,6,7,8";
+    ost_error err = {0};
+    ost_text_row rows[4];
+    size_t count;
+    assert_ok(read_rows(text, sizeof text - 1, rows, 4, &count, &err));
+    assert_int_equal(count, 2);
+    assert_int_equal(rows[0].line, 4);
+    assert_int_equal(rows[1].line, 7);
+    assert_int_equal(rows[1].density, 8);
+}
+
+/* What the text of the error must hold, after "ct.txt". */
+static void broken_texts_are_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        const char *says;
+    } cases[] = {
+        /* cut at every kind of place */
+        {"1 2 3 4\n1", ":2: 1 value; expected 4"},
+        {"1 2 3 4\n1 2", ":2: 2 values; expected 4"},
+        {"1 2 3 4\n1 2 3", ":2: 3 values; expected 4"},
+        {"1 2 3 4\n1 2 3 ", ":2: 3 values; expected 4"},
+        {"1,2,3,4\n1,2,3,", ":2: value 4 is empty"},
+        {"1 2 3 4\n1 2 -", ":2: column 3 (z) is '-'; expected a decimal number"},
+        {"1 2 3 4\n1 2 3.", ":2: 3 values; expected 4"},
+        {"1 2 3 4\n1 2 3 1e", ":2: column 4 (density) is '1e'; expected a decimal number"},
+        {"1 2 3 4\n1 2 3 1e+", ":2: column 4 (density) is '1e+'; expected a decimal number"},
+        /* not numbers */
+        {"nan 2 3 4\n", ":1: column 1 (x) is 'nan'; expected a decimal number"},
+        {"1 2 NaN 4\n", ":1: column 3 (z) is 'NaN'"},
+        {"1 2 3 nan(0x1)\n", ":1: column 4 (density) is 'nan(0x1)'"},
+        {"-inf 2 3 4\n", ":1: column 1 (x) is '-inf'"},
+        {"Infinity 2 3 4\n", ":1: column 1 (x) is 'Infinity'"},
+        {"0x10 2 3 4\n", ":1: column 1 (x) is '0x10'"},
+        {"1 2 3 4\n1 2 3 1_000\n", ":2: column 4 (density) is '1_000'"},
+        {"1 2 3 4\n1 2 3 --4\n", ":2: column 4 (density) is '--4'"},
+        {"1 2 3 4\n1 2 3 1.2.3\n", ":2: column 4 (density) is '1.2.3'"},
+        {"1 2 3 4\n1 2 three 4\n", ":2: column 3 (z) is 'three'"},
+        {"1 2 3 4\nx y z density\n", ":2: column 1 (x) is 'x'"},
+        {"x y z d\na b c d\n", ":2: column 1 (x) is 'a'"},
+        {"1 2 3 '4'\n", ":1: column 4 (density) is ''4''"},
+        {"1 2 3 \xe2\x88\x92" "4\n", ":1: column 4 (density) is '\xe2\x88\x92" "4'"}, /* a typographic minus */
+        /* ranges */
+        {"1 2 3 4\n8000.000000001 2 3 4\n", ":2: column 1 (x) is '8000.000000001'; expected a position within 8000 mm of 0"},
+        {"1 -1e9 3 4\n", ":1: column 2 (y) is '-1e9'; expected a position"},
+        {"1 2 1e9999 4\n", ":1: column 3 (z) is '1e9999'; expected a position"},
+        {"1 2 1e99999 4\n", ":1: column 3 (z) is '1e99999'; expected a decimal number"},
+        {"1 2 99999999999999999999999999 4\n", ":1: column 3 (z)"},
+        {"1 2 3 32768\n", ":1: column 4 (density) is '32768'; expected a density within -32768 and 32767"},
+        {"1 2 3 -32769\n", ":1: column 4 (density) is '-32769'"},
+        {"1 2 3 1e40\n", ":1: column 4 (density) is '1e40'; expected a density within"},
+        {"1 2 3 4.5\n", ":1: column 4 (density) is '4.5'; expected a whole number"},
+        {"1 2 3 1e-1\n", ":1: column 4 (density) is '1e-1'; expected a whole number"},
+        {"1 2 3 4.00000000000000000000000001\n", ":1: column 4 (density)"},
+        /* columns */
+        {"1 2 3 4 5\n", ":1: 5 values; expected 4"},
+        {"1,,3,4\n", ":1: value 2 is empty"},
+        {",1,2,3\n", ":1: value 1 is empty"},
+        {"1,2,3,4,\n", ":1: value 5 is empty"},
+        {"1;2,;3;4\n", ":1: value 3 is empty"},
+        {"0,47 0,94 1,41 120\n", ":1: 7 values; expected 4: x y z density (the decimal sign is a point, not a comma)"},
+        /* other files */
+        {"", ": holds no sample in 0 lines"},
+        {"\n\n\n", ": holds no sample in 3 lines"},
+        {"# only a comment\n", ": holds no sample in 1 lines"},
+        {"x y z density\n", ": holds no sample in 1 lines"},
+        {"<html><body>404</body></html>\n1 2 3 4 5\n", ":2: 5 values"},
+        {"\xff\xfe" "1\n", ":1: the text is UTF-16"},
+        {"1 2 3 4\n\x01\x02\x03\n", ":2: binary bytes"},
+        {"\x7f" "ELF\x02\n", ":1: binary bytes"},
+        /* the text's own facts */
+        {"# osteon spacing_mm: 1 1\n1 2 3 4\n", ":1: the text's own 'spacing_mm' is '1 1'; expected three lengths"},
+        {"# osteon spacing_mm: 1 1 0\n1 2 3 4\n", ":1: the text's own 'spacing_mm'"},
+        {"# osteon spacing_mm: 1 1 nan\n1 2 3 4\n", ":1: the text's own 'spacing_mm'"},
+        {"# osteon origin_mm: 1 1 x\n1 2 3 4\n", ":1: the text's own 'origin_mm'"},
+        {"# osteon dims: 1 1 16385\n1 2 3 4\n", ":1: the text's own 'dims'"},
+        {"# osteon dims: 1 1 1.5\n1 2 3 4\n", ":1: the text's own 'dims'"},
+        {"# osteon dims: 2 1 1\n1 2 3 4\n", ":2: ends after 1 samples; line 1 says 2 x 1 x 1, which are 2"},
+        {"# osteon dims: 1 1 1\n1 2 3 4", ":2: the last line has no end: the file is cut short"},
+        {"# osteon KIND: bone\n1 2 3 4\n", ":1: 'KIND' is not a key"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        ost_error err = {0};
+        ost_text_source source;
+        ost_text_summary summary;
+        const char *path = scratch_write(folder, "ct.txt", cases[i].text, strlen(cases[i].text));
+        assert_ok(ost_text_source_open(&source, path, &err));
+        ost_status status = ost_text_scan(&source, (ost_pm3){0, 0, 0}, NULL, NULL, NULL, &summary, &err);
+        ost_text_summary_free(&summary);
+        ost_text_source_close(&source);
+        const char *said = strstr(err.text, "ct.txt");
+        if (status != OST_ERR_INPUT || !said || strncmp(said + 6, cases[i].says, strlen(cases[i].says)) != 0)
+            fail_msg("case %zu: %s '%s', expected '...ct.txt%s'", i, ost_status_name(status), err.text, cases[i].says);
+    }
+}
+
+/* A zero byte wherever it stands; strings cannot hold these cases. */
+static void zero_bytes_are_refused(void **state)
+{
+    (void)state;
+    static const char line[] = "# a comment\n1 2 3 4 # note\n5 6 7 8\n";
+    for (size_t at = 0; at < sizeof line - 1; at++) {
+        ost_error err = {0};
+        ost_text_row rows[4];
+        size_t count;
+        char text[sizeof line];
+        memcpy(text, line, sizeof line);
+        text[at] = 0;
+        ost_status status = read_rows(text, sizeof line - 1, rows, 4, &count, &err);
+        assert_int_equal(status, OST_ERR_INPUT);
+        assert_non_null(strstr(err.text, "ct.txt:"));
+    }
+}
+
+static void lines_without_end_are_refused(void **state)
+{
+    (void)state;
+    static const size_t sizes[] = {OST_TEXT_LINE_MAX + 1, OST_TEXT_BUFFER - 1, OST_TEXT_BUFFER, 3 * OST_TEXT_BUFFER};
+    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+        ost_error err = {0};
+        ost_text_row rows[4];
+        size_t count;
+        char *text = malloc(sizes[i] + 8);
+        assert_non_null(text);
+        memcpy(text, "1 2 3 4\n", 8);
+        memset(text + 8, '1', sizes[i]);
+        assert_int_equal(read_rows(text, sizes[i] + 8, rows, 4, &count, &err), OST_ERR_INPUT);
+        assert_non_null(strstr(err.text, ":2: the line is longer than 4096 bytes"));
+        free(text);
+    }
+}
+
+/* Lines fall on the buffer's edge in every way; rows come out the same, in portions of any size. */
+static void blocks_do_not_show(void **state)
+{
+    (void)state;
+    test_rng rng = rng_seeded("blocks_do_not_show");
+    enum { LINES = 60000 };
+    char *text = malloc(LINES * 32), *p = text;
+    assert_non_null(text);
+    for (int i = 0; i < LINES; i++)
+        p += sprintf(p, "%d.%0*d %d %d %d\n", i % 7, 1 + (int)rng_range(&rng, 0, 5), i % 9, i % 11, i % 13, i % 3000);
+    const char *path = scratch_write(folder, "ct.txt", text, (size_t)(p - text));
+    ost_error err = {0};
+    ost_text_source source;
+    assert_ok(ost_text_source_open(&source, path, &err));
+    ost_text_row rows[1000];
+    size_t count;
+    int seen = 0;
+    for (;;) {
+        assert_ok(ost_text_source_next(&source, rows, (size_t)rng_range(&rng, 1, 1000), &count, &err));
+        if (count == 0)
+            break;
+        for (size_t i = 0; i < count; i++, seen++) {
+            assert_int_equal(rows[i].line, seen + 1);
+            assert_int_equal(rows[i].density, seen % 3000);
+            assert_true(rows[i].position[1] == seen % 11 * OST_PM_PER_MM);
+        }
+    }
+    assert_int_equal(seen, LINES);
+    ost_text_source_close(&source);
+    free(text);
+}
+
+static void files_that_cannot_be_read(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_text_source source;
+    char path[512];
+    assert_int_equal(ost_text_source_open(&source, folder, &err), OST_ERR_IO);
+    assert_non_null(strstr(err.text, "is a folder"));
+    snprintf(path, sizeof path, "%s/absent", folder);
+    assert_int_equal(ost_text_source_open(&source, path, &err), OST_ERR_IO);
+    assert_non_null(strstr(err.text, "cannot be opened"));
+    snprintf(path, sizeof path, "%s/pipe", folder);
+    assert_int_equal(mkfifo(path, 0600), 0);
+    assert_int_equal(ost_text_source_open(&source, path, &err), OST_ERR_IO);
+    assert_non_null(strstr(err.text, "a text is read twice"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(values_are_exact),
+        cmocka_unit_test(lines_around_samples_are_skipped),
+        cmocka_unit_test(broken_texts_are_refused),
+        cmocka_unit_test(zero_bytes_are_refused),
+        cmocka_unit_test(lines_without_end_are_refused),
+        cmocka_unit_test(blocks_do_not_show),
+        cmocka_unit_test(files_that_cannot_be_read),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
