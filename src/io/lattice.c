@@ -80,11 +80,18 @@ static int64_t last_step(const fit *f)
 
 static const char advice[] = "give the spacing (--spacing)";
 
+/* Either coordinate i is wrong or one of the two whose gap was taken as a step, so all are named. */
 static ost_status no_lattice(const char *path, const ost_lattice_axis *axis, size_t i, int64_t gap, ost_error *err)
 {
-    char value[OST_PM_TEXT], step[OST_PM_TEXT];
-    return ost_fail(err, OST_ERR_INPUT, "%s:%lld: %c = %s lies on no lattice with the others, whose smallest step is %s mm; %s", path,
-                    (long long)axis->line[i], axis->name, ost_pm_format(axis->value[i], value), ost_pm_format(gap, step), advice);
+    char value[OST_PM_TEXT], step[OST_PM_TEXT], from[OST_PM_TEXT];
+    size_t j = 1;
+    while (j + 1 < axis->count && axis->value[j] - axis->value[j - 1] != gap)
+        j++;
+    return ost_fail(err, OST_ERR_INPUT,
+                    "%s:%lld: %c = %s is no whole number of steps from the lowest; the smallest step is %s mm, from %s (lines %lld and "
+                    "%lld); %s",
+                    path, (long long)axis->line[i], axis->name, ost_pm_format(axis->value[i], value), ost_pm_format(gap, step),
+                    ost_pm_format(axis->value[j - 1], from), (long long)axis->line[j - 1], (long long)axis->line[j], advice);
 }
 
 static ost_status many_lattices(const char *path, const ost_lattice_axis *axis, size_t i, ost_error *err)
