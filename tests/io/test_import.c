@@ -1,0 +1,559 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * From a file to a bone: no layer lost or doubled, the same bone from every
+ * format, every wrong file refused, memory bounded by the grid.
+ *
+ * Covers: AR-CT-3, AR-CT-4, AR-CT-5, AR-CT-6, AR-CT-8, AR-CUB-1, AR-CHK-1
+ */
+#include "harness.h"
+
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+
+#include <osteon/io.h>
+
+#include "io/text_rect.h"
+#include "io_scratch.h"
+
+#include "ct_text.h"
+
+static char *folder;
+static ost_backend *backend;
+
+static int set_up(void **state)
+{
+    (void)state;
+    folder = scratch_folder();
+    return ost_backend_open("ref", &backend, NULL) == OST_OK ? 0 : -1;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    ost_backend_close(backend);
+    scratch_remove(folder);
+    return 0;
+}
+
+static const char *in_folder(const char *name)
+{
+    static char path[4][600];
+    static int next;
+    char *to = path[next++ % 4];
+    snprintf(to, sizeof path[0], "%s/%s", folder, name);
+    return to;
+}
+
+/* ---------------------------------------------------------- no layer is lost */
+
+/* The rect grid of a text, by the two passes alone. */
+static ost_status rect_of(const char *path, ost_geometry *geometry, int16_t **voxels, ost_scatter_report *report, ost_error *err)
+{
+    ost_text_source source;
+    ost_text_summary summary = {0};
+    bool inferred[3];
+    ost_grid *rect = NULL;
+    *voxels = NULL;
+    ost_status status = ost_text_source_open(&source, path, err);
+    if (status != OST_OK)
+        return status;
+    status = ost_text_scan(&source, (ost_pm3){0, 0, 0}, NULL, NULL, NULL, &summary, err);
+    if (status == OST_OK)
+        status = ost_text_geometry(path, &summary, geometry, inferred, err);
+    if (status == OST_OK)
+        status = ost_grid_create(backend, geometry, &rect, err);
+    if (status == OST_OK) {
+        const ost_text_rect_options options = {.full = geometry, .expected = summary.fingerprint};
+        status = ost_text_to_rect(&source, &options, rect, report, err);
+    }
+    if (status == OST_OK) {
+        *voxels = malloc((size_t)ost_dims_count(geometry->dims) * sizeof **voxels);
+        assert_non_null(*voxels);
+        status = ost_grid_download(rect, 0, geometry->dims.z, *voxels, err);
+    }
+    ost_grid_free(rect);
+    ost_text_summary_free(&summary);
+    ost_text_source_close(&source);
+    return status;
+}
+
+/* The spacings at which the thesis' import leaves up to 29 % of the layers empty and doubles as many. */
+static void no_layer_is_empty_or_doubled(void **state)
+{
+    (void)state;
+    static const int64_t spacings[] = {300000000, 32000000, 488281000, 470000000, 488281250};
+    static const int64_t origins[] = {0, -57340000000, 12345600000};
+    for (size_t s = 0; s < 5; s++)
+        for (size_t o = 0; o < 3; o++)
+            for (int decimals = 4; decimals <= 6; decimals += 2)
+                for (int axis = 0; axis < 3; axis++) {
+                    ct_text ct = {.dims = {4, 3, 2}, .decimals = decimals};
+                    ct.dims[axis] = 600;
+                    for (int a = 0; a < 3; a++) {
+                        ct.spacing[a] = spacings[s];
+                        ct.origin[a] = origins[o];
+                    }
+                    const char *path = in_folder("layers.txt");
+                    ct_text_write(path, &ct);
+                    ost_error err = {0};
+                    ost_geometry g;
+                    int16_t *voxels;
+                    ost_scatter_report report;
+                    assert_ok(rect_of(path, &g, &voxels, &report, &err));
+                    assert_int_equal(g.dims.x, ct.dims[0]);
+                    assert_int_equal(g.dims.y, ct.dims[1]);
+                    assert_int_equal(g.dims.z, ct.dims[2]);
+                    assert_int_equal(report.duplicates, 0);
+                    assert_int_equal(report.off_lattice, 0);
+                    assert_int_equal(report.samples, ct.dims[0] * ct.dims[1] * ct.dims[2]);
+                    const int16_t *v = voxels;
+                    for (int k = 0; k < ct.dims[2]; k++)
+                        for (int j = 0; j < ct.dims[1]; j++)
+                            for (int i = 0; i < ct.dims[0]; i++, v++)
+                                if (*v != ct_density(i, j, k))
+                                    fail_msg("spacing %lld origin %lld decimals %d: voxel (%d, %d, %d) has %d, expected %d",
+                                             (long long)spacings[s], (long long)origins[o], decimals, i, j, k, *v, ct_density(i, j, k));
+                    /* The exact spacing where four decimals can tell it at all. */
+                    if (decimals == 6 || spacings[s] % 100000 == 0) {
+                        assert_true(g.spacing.x == spacings[s]);
+                        assert_true(g.spacing.y == spacings[s]);
+                        assert_true(g.spacing.z == spacings[s]);
+                    }
+                    free(voxels);
+                }
+}
+
+/* ------------------------------------------------- the same bone from each format */
+
+static ost_volume make_volume(ost_geometry g)
+{
+    ost_error err = {0};
+    ost_volume volume;
+    assert_ok(ost_volume_init(&volume, &g, &err));
+    int16_t *v = volume.voxels;
+    for (int k = 0; k < g.dims.z; k++)
+        for (int j = 0; j < g.dims.y; j++)
+            for (int i = 0; i < g.dims.x; i++)
+                *v++ = (int16_t)ct_density(i, j, k);
+    assert_ok(ost_meta_set(&volume.meta, OST_META_KIND, "ct", &err));
+    assert_ok(ost_meta_set(&volume.meta, OST_META_SIDE, "left", &err));
+    return volume;
+}
+
+static ost_status import(const char *path, const ost_import_options *options, ost_import_result *result, ost_error *err)
+{
+    ost_bone *bone;
+    ost_status status = ost_import(backend, path, options, &bone, result, err);
+    ost_bone_free(bone);
+    return status;
+}
+
+static void assert_same_stage(const ost_import_result *a, const ost_import_result *b, const char *name)
+{
+    const ost_stage *found[2] = {NULL, NULL};
+    const ost_import_result *results[2] = {a, b};
+    for (int r = 0; r < 2; r++)
+        for (int s = 0; s < results[r]->stage_count; s++)
+            if (strcmp(results[r]->stages[s].name, name) == 0)
+                found[r] = &results[r]->stages[s];
+    assert_non_null(found[0]);
+    assert_non_null(found[1]);
+    assert_true(found[0]->has_digest && found[1]->has_digest);
+    assert_true(ost_digest_equal(&found[0]->digest, &found[1]->digest));
+}
+
+static void every_format_gives_the_same_grid(void **state)
+{
+    (void)state;
+    static const struct {
+        ost_pm3 spacing, origin;
+        int decimals;
+    } cases[] = {
+        {{470000000, 470000000, 1000000000}, {-57340000000, 12000000, 3000000000}, 4},
+        {{488281250, 488281250, 300000000}, {0, -57340000000, 0}, 6},
+        {{32000000, 32000000, 32000000}, {1000000, 2000000, 3000000}, 0},
+    };
+    static const char *const names[] = {"same.txt", "same.nrrd", "same.nii.gz"};
+    for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++) {
+        ost_error err = {0};
+        ost_volume volume = make_volume((ost_geometry){{37, 35, 40}, cases[c].spacing, cases[c].origin});
+        ost_import_result results[3];
+        for (int n = 0; n < 3; n++) {
+            if (n == 2 && ost_volume_write(in_folder(names[n]), &volume, NULL, &err) == OST_ERR_UNAVAILABLE)
+                continue; /* built without libnifti */
+            const ost_write_options write = {.text_decimals = cases[c].decimals};
+            assert_ok(ost_volume_write(in_folder(names[n]), &volume, &write, &err));
+            assert_ok(import(in_folder(names[n]), &(ost_import_options){.digests = true}, &results[n], &err));
+            assert_true(ost_geometry_equal(&results[n].rect, &volume.geometry));
+            assert_string_equal(ost_meta_get(&results[n].meta, OST_META_SIDE), "left");
+            assert_same_stage(&results[0], &results[n], "rect");
+            assert_same_stage(&results[0], &results[n], "cubic");
+            assert_same_stage(&results[0], &results[n], "chunks");
+        }
+        ost_digest direct;
+        assert_ok(ost_digest_volume(OST_GRID_RECT, &volume, &direct, &err));
+        assert_true(ost_digest_equal(&direct, &results[0].stages[1].digest));
+        ost_volume_free(&volume);
+    }
+}
+
+static void a_written_bone_reads_back_the_same(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"bone.nrrd", "bone.nii.gz", "bone.txt"};
+    ost_error err = {0};
+    ost_volume volume = make_volume((ost_geometry){{33, 20, 17}, {470000000, 470000000, 1000000000}, {-57340000000, 0, 5}});
+    assert_ok(ost_volume_write(in_folder("ct.nrrd"), &volume, NULL, &err));
+    ost_volume_free(&volume);
+    ost_bone *bone;
+    ost_import_result first, again;
+    const ost_import_options options = {.digests = true, .threshold = 333};
+    assert_ok(ost_import(backend, in_folder("ct.nrrd"), &options, &bone, &first, &err));
+    for (size_t n = 0; n < 3; n++) {
+        ost_status status = ost_bone_write(in_folder(names[n]), bone, &first.meta, NULL, &err);
+        if (n == 1 && status == OST_ERR_UNAVAILABLE)
+            continue;
+        assert_int_equal(status, OST_OK);
+        /* No threshold is given: the bone's own holds. */
+        assert_ok(import(in_folder(names[n]), &(ost_import_options){.digests = true}, &again, &err));
+        assert_same_stage(&first, &again, "chunks");
+        assert_string_equal(ost_meta_get(&again.meta, OST_META_THRESHOLD), "333");
+    }
+    ost_bone_free(bone);
+}
+
+/* -------------------------------------------------------------- what is reported */
+
+static void the_result_tells_all(void **state)
+{
+    (void)state;
+    static const char text[] = "# osteon side: right\n"
+                               "x y z density\n"
+                               "0 0 0 200\n"
+                               "0.47 0 0 100\n"
+                               "0.94 0 0 -7\n"
+                               "0 0.47 1 119\n"
+                               "0.4700000001 0.47 1 120\n"
+                               "0.94 0.47 1 3000\n";
+    ost_error err = {0};
+    ost_bone *bone;
+    ost_import_result result;
+    const char *path = scratch_write(folder, "tell.txt", text, sizeof text - 1);
+    assert_ok(ost_import(backend, path, &(ost_import_options){.digests = true, .chunk_size = 16}, &bone, &result, &err));
+    assert_int_equal(result.kind, OST_FILE_CT_TEXT);
+    assert_int_equal(result.rect.dims.x, 3);
+    assert_int_equal(result.rect.dims.y, 2);
+    assert_int_equal(result.rect.dims.z, 2);
+    assert_true(result.rect.spacing.x == 470000000 && result.rect.spacing.y == 470000000 && result.rect.spacing.z == 1000000000);
+    assert_int_equal(result.cubic.dims.z, 5); /* ceil(2 / 0.47) */
+    assert_true(result.spacing_inferred[0] && result.spacing_inferred[1] && result.spacing_inferred[2]);
+    assert_int_equal(result.rounded_positions, 1);
+    assert_int_equal(result.scatter.samples, 6);
+    assert_string_equal(result.volume.encoding, "text");
+    assert_string_equal(ost_meta_get(&result.meta, OST_META_SIDE), "right");
+    assert_string_equal(ost_meta_get(&result.meta, OST_META_KIND), "bone");
+    assert_string_equal(ost_meta_get(&result.meta, OST_META_THRESHOLD), "120");
+    static const char *const stages[] = {"samples", "rect", "cubic", "chunks"};
+    assert_int_equal(result.stage_count, 4);
+    for (int i = 0; i < 4; i++) {
+        assert_string_equal(result.stages[i].name, stages[i]);
+        assert_true(result.stages[i].has_digest);
+        assert_true(result.stages[i].time_ms >= 0);
+    }
+    /* Records of 32 bytes in the file's order, hashed here in one piece. */
+    struct {
+        int64_t x, y, z;
+        int32_t density;
+        uint32_t zero;
+    } records[6] = {
+        {0, 0, 0, 200, 0},
+        {470000000, 0, 0, 100, 0},
+        {940000000, 0, 0, -7, 0},
+        {0, 470000000, 1000000000, 119, 0},
+        {470000000, 470000000, 1000000000, 120, 0},
+        {940000000, 470000000, 1000000000, 3000, 0},
+    };
+    ost_digest direct;
+    assert_ok(ost_digest_bytes(records, sizeof records, &direct, &err));
+    assert_true(ost_digest_equal(&direct, &result.stages[0].digest));
+
+    ost_bone_info info;
+    assert_ok(ost_bone_info_get(bone, &info, &err));
+    assert_int_equal(info.chunk_size, 16);
+    /* z layer 0 fills cubic layers 0, 1, 2 (0, 0.47, 0.94 mm), layer 1 the layers 3, 4: 200 thrice, 120 and 3000 twice. */
+    assert_int_equal(info.active_voxels, 3 * 1 + 2 * 2);
+    ost_bone_free(bone);
+}
+
+static void given_spacings_win(void **state)
+{
+    (void)state;
+    static const char text[] = "# osteon spacing_mm: 0.5 0.5 2\n0 0 0 1\n1 1 0 2\n";
+    ost_error err = {0};
+    ost_import_result result;
+    const char *path = scratch_write(folder, "given.txt", text, sizeof text - 1);
+    assert_ok(import(path, NULL, &result, &err));
+    assert_int_equal(result.rect.dims.x, 3);
+    assert_int_equal(result.rect.dims.z, 1);
+    assert_true(result.rect.spacing.z == 2000000000);
+    assert_false(result.spacing_inferred[0]);
+    assert_ok(import(path, &(ost_import_options){.spacing = {250000000, 0, 0}}, &result, &err));
+    assert_int_equal(result.rect.dims.x, 5);
+    assert_int_equal(result.rect.dims.y, 3);
+    assert_int_equal(import(path, &(ost_import_options){.spacing = {999999, 0, 0}}, &result, &err), OST_ERR_RANGE);
+    assert_non_null(strstr(err.text, "0.001 to 100 mm"));
+}
+
+/* ------------------------------------------------- duplicates, offsets, sparse texts */
+
+static void duplicates_follow_the_option(void **state)
+{
+    (void)state;
+    static const char text[] = "# osteon spacing_mm: 1 1 1\n0 0 0 200\n1 0 0 300\n0 0 0 200\n0 0 0 150\n0 0 0 900\n0 0 0 600\n";
+    static const int expected[] = {0, 200, 600, 900};
+    static const char *const names[] = {"", "first", "last", "max"};
+    const char *path = scratch_write(folder, "double.txt", text, sizeof text - 1);
+    for (int rule = OST_DUPLICATES_ERROR; rule <= OST_DUPLICATES_MAX; rule++) {
+        ost_error err = {0};
+        ost_bone *bone;
+        ost_import_result result;
+        ost_status status =
+            ost_import(backend, path, &(ost_import_options){.duplicates = (ost_duplicates)rule}, &bone, &result, &err);
+        if (rule == OST_DUPLICATES_ERROR) {
+            assert_int_equal(status, OST_ERR_INPUT);
+            assert_null(bone);
+            assert_non_null(strstr(err.text, "double.txt:5: density 150 at (0, 0, 0), where an earlier line has 200; choose one by "
+                                             "--duplicates first, last or max"));
+            continue;
+        }
+        assert_int_equal(status, OST_OK);
+        int16_t voxels[2];
+        assert_ok(ost_bone_download(bone, 0, 1, voxels, &err));
+        assert_int_equal(voxels[0], expected[rule]);
+        assert_int_equal(voxels[1], 300);
+        assert_int_equal(result.scatter.duplicates, 4);
+        assert_string_equal(ost_meta_get(&result.meta, "duplicates"), names[rule]);
+        ost_bone_free(bone);
+    }
+}
+
+static void positions_off_the_lattice(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_import_result result;
+    const ost_import_options options = {.spacing = {1000000000, 1000000000, 1000000000}};
+    static const char warned[] = "0 0 0 1\n1.2 0 0 2\n2 0.13 0 3\n3 0 0 4\n";
+    assert_ok(import(scratch_write(folder, "warned.txt", warned, sizeof warned - 1), &options, &result, &err));
+    assert_int_equal(result.scatter.off_lattice, 2);
+    assert_int_equal(result.scatter.worst_line, 2);
+    assert_int_equal(result.scatter.worst_offset_ppm, 200000);
+    static const char refused[] = "0 0 0 1\n1 0 0 2\n\n2 1.376 0 3\n3 0 0 4\n";
+    assert_int_equal(import(scratch_write(folder, "refused.txt", refused, sizeof refused - 1), &options, &result, &err), OST_ERR_INPUT);
+    assert_non_null(strstr(err.text, "refused.txt:4: y = 1.376 lies 0.376 voxels off the lattice of 1 mm from 0 mm; expected at most 3/8"));
+}
+
+/* A few samples must not ask for the whole memory. */
+static void sparse_texts_are_refused(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_import_result result;
+    const ost_import_options options = {.spacing = {1000000, 1000000, 1000000}};
+    static const char sparse[] = "0 0 0 1\n1 1 1 2\n";
+    static const char enormous[] = "0 0 0 1\n100 100 100 2\n";
+    assert_int_equal(import(scratch_write(folder, "sparse.txt", sparse, sizeof sparse - 1), &options, &result, &err), OST_ERR_INPUT);
+    assert_non_null(strstr(err.text, "sparse.txt: 2 samples span 1001 x 1001 x 1001 voxels, of which all but one in 501501500"));
+    assert_int_equal(import(scratch_write(folder, "big.txt", enormous, sizeof enormous - 1), &options, &result, &err), OST_ERR_RANGE);
+    assert_non_null(strstr(err.text, "big.txt"));
+    assert_non_null(strstr(err.text, "100001 voxels along x"));
+}
+
+/* --------------------------------------------------------------------------- crop */
+
+static void a_crop_is_a_part_of_the_whole(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_volume volume = make_volume((ost_geometry){{20, 18, 16}, {500000000, 500000000, 500000000}, {-1000000000, 0, 0}});
+    assert_ok(ost_volume_write(in_folder("crop.txt"), &volume, NULL, &err));
+    assert_ok(ost_volume_write(in_folder("crop.nrrd"), &volume, NULL, &err));
+    ost_volume_free(&volume);
+    static const char *const names[] = {"crop.txt", "crop.nrrd"};
+    const ost_import_options options = {.crop = true, .crop_box = {{3, 4, 5}, {13, 10, 16}}, .threshold = 1};
+    for (int n = 0; n < 2; n++) {
+        ost_bone *bone;
+        ost_import_result result;
+        assert_ok(ost_import(backend, in_folder(names[n]), &options, &bone, &result, &err));
+        assert_int_equal(result.rect.dims.x, 10);
+        assert_int_equal(result.rect.dims.y, 6);
+        assert_int_equal(result.rect.dims.z, 11);
+        assert_true(result.rect.origin.x == 500000000 && result.rect.origin.y == 2000000000 && result.rect.origin.z == 2500000000);
+        int16_t voxels[10 * 6 * 11], *v = voxels;
+        assert_ok(ost_bone_download(bone, 0, 11, voxels, &err));
+        for (int k = 5; k < 16; k++)
+            for (int j = 4; j < 10; j++)
+                for (int i = 3; i < 13; i++, v++)
+                    assert_int_equal(*v, ct_density(i, j, k) >= 1 ? ct_density(i, j, k) : 0);
+        ost_bone_free(bone);
+        static const ost_voxel_box wrong[] = {{{0, 0, 0}, {21, 1, 1}}, {{-1, 0, 0}, {1, 1, 1}}, {{5, 5, 5}, {6, 5, 6}}};
+        for (int w = 0; w < 3; w++) {
+            ost_import_options bad = {.crop = true, .crop_box = wrong[w]};
+            assert_int_equal(import(in_folder(names[n]), &bad, &result, &err), OST_ERR_USAGE);
+            assert_non_null(strstr(err.text, "a crop of voxels"));
+        }
+    }
+}
+
+/* ------------------------------------------------------- progress, cancel, change */
+
+typedef struct watcher {
+    const char *path;        /* changed when the second pass starts */
+    const char *cancel;      /* stage at which to stop */
+    double last_share;
+    int calls;
+} watcher;
+
+static bool watch(void *user, const char *stage, double share)
+{
+    watcher *w = user;
+    assert_true(share >= 0 && share <= 1);
+    w->calls++;
+    w->last_share = share;
+    if (w->path && strcmp(stage, "rect") == 0) {
+        int fd = open(w->path, O_WRONLY);
+        assert_true(fd >= 0);
+        assert_int_equal(pwrite(fd, "9", 1, 6), 1);
+        close(fd);
+        w->path = NULL;
+    }
+    return !w->cancel || strcmp(stage, w->cancel) != 0;
+}
+
+static void progress_can_cancel(void **state)
+{
+    (void)state;
+    static const char text[] = "0 0 0 1\n1 1 1 2\n";
+    static const char *const stages[] = {"samples", "rect", "cubic", "chunks"};
+    const char *path = scratch_write(folder, "watched.txt", text, sizeof text - 1);
+    for (int s = 0; s < 5; s++) {
+        ost_error err = {0};
+        ost_import_result result;
+        watcher w = {.cancel = s < 4 ? stages[s] : NULL};
+        ost_status status = import(path, &(ost_import_options){.progress = watch, .progress_user = &w}, &result, &err);
+        assert_int_equal(status, s < 4 ? OST_ERR_CANCELLED : OST_OK);
+        assert_true(w.calls > 0);
+        if (s == 4)
+            assert_true(w.last_share == 1);
+    }
+}
+
+static void a_change_between_the_passes_is_seen(void **state)
+{
+    (void)state;
+    static const char text[] = "0 0 0 1\n1 1 1 2\n";
+    ost_error err = {0};
+    ost_import_result result;
+    watcher w = {.path = scratch_write(folder, "change.txt", text, sizeof text - 1)};
+    ost_status status = import(w.path, &(ost_import_options){.progress = watch, .progress_user = &w}, &result, &err);
+    assert_int_equal(status, OST_ERR_INPUT);
+    assert_non_null(strstr(err.text, "has changed between its two readings"));
+}
+
+/* ------------------------------------------------------------------- other files */
+
+static void other_files_are_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name, *content, *says;
+        ost_status status;
+    } cases[] = {
+        {"mesh.stl", "solid x\nfacet normal 0 0 1\nendsolid\n", "is a mesh, not a CT", OST_ERR_INPUT},
+        {"path.csv", "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n", "is a tool's path, not a CT", OST_ERR_INPUT},
+        {"what.bin", "\x01\x02\x03", "is no CT that osteon knows", OST_ERR_INPUT},
+        {"page.html", "<html>\n", "is no CT that osteon knows", OST_ERR_INPUT},
+        {"tool.txt", "# osteon kind: tool\n0 0 0 1\n1 1 1 1\n", "is a tool, not a CT", OST_ERR_INPUT},
+        {"bone.txt", "# osteon kind: bone\n# osteon threshold: 0\n0 0 0 1\n1 1 1 1\n", "its threshold is '0'", OST_ERR_INPUT},
+        {"layer.txt", "0 0 5 1\n1 1 5 2\n", "all samples lie in one layer, z = 5", OST_ERR_INPUT},
+        {"dims.txt", "# osteon dims: 1 2 1\n0 0 0 1\n1 1 1 2\n", "the text's own dims are 1 voxels along x", OST_ERR_INPUT},
+        {"origin.txt", "# osteon origin_mm: 0.5 0 0\n0 0 0 1\n1 1 1 2\n", "origin.txt:1: the text's own origin is x = 0.5", OST_ERR_INPUT},
+    };
+    ost_error err = {0};
+    ost_import_result result;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const char *path = scratch_write(folder, cases[i].name, cases[i].content, strlen(cases[i].content));
+        ost_status status = import(path, NULL, &result, &err);
+        if (status != cases[i].status || !strstr(err.text, cases[i].says) || !strstr(err.text, cases[i].name))
+            fail_msg("%s: %s '%s', expected '%s'", cases[i].name, ost_status_name(status), err.text, cases[i].says);
+    }
+    assert_int_equal(import(folder, NULL, &result, &err), OST_ERR_IO);
+    assert_int_equal(import(in_folder("absent.txt"), NULL, &result, &err), OST_ERR_IO);
+    assert_non_null(strstr(err.text, "absent.txt: cannot be opened: No such file"));
+}
+
+/* ------------------------------------------------------------------------- memory */
+
+static long peak_kib(void)
+{
+    struct rusage usage;
+    assert_int_equal(getrusage(RUSAGE_SELF, &usage), 0);
+    return usage.ru_maxrss;
+}
+
+/*
+ * 20 MB of text over a grid of 50^3 voxels, each given eight times: the peak
+ * must be the grid's few hundred kilobytes and the buffers, whatever the file.
+ */
+static void memory_is_bounded_by_the_grid(void **state)
+{
+    (void)state;
+#if defined __SANITIZE_ADDRESS__
+    skip(); /* its own bookkeeping is what would be measured */
+#endif
+    const char *path = in_folder("large.txt");
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    for (int repeat = 0; repeat < 8; repeat++)
+        for (int v = 0; v < 125000; v++)
+            fprintf(file, "%d.5000 %d.5000 %d.5000 %d\n", v % 50, v / 50 % 50, v / 2500, v % 3000);
+    long size = ftell(file);
+    assert_int_equal(fclose(file), 0);
+    assert_true(size > 20000000);
+    fflush(NULL);
+    pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        ost_error err = {0};
+        ost_import_result result;
+        long before = peak_kib();
+        if (import(path, &(ost_import_options){.digests = true}, &result, &err) != OST_OK)
+            _exit(1);
+        long grown = peak_kib() - before;
+        _exit(grown < 10 * 1024 && result.scatter.samples == 1000000 ? 0 : 2);
+    }
+    int ended;
+    assert_int_equal(waitpid(child, &ended, 0), child);
+    assert_int_equal(ended, 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(no_layer_is_empty_or_doubled),
+        cmocka_unit_test(every_format_gives_the_same_grid),
+        cmocka_unit_test(a_written_bone_reads_back_the_same),
+        cmocka_unit_test(the_result_tells_all),
+        cmocka_unit_test(given_spacings_win),
+        cmocka_unit_test(duplicates_follow_the_option),
+        cmocka_unit_test(positions_off_the_lattice),
+        cmocka_unit_test(sparse_texts_are_refused),
+        cmocka_unit_test(a_crop_is_a_part_of_the_whole),
+        cmocka_unit_test(progress_can_cancel),
+        cmocka_unit_test(a_change_between_the_passes_is_seen),
+        cmocka_unit_test(other_files_are_refused),
+        cmocka_unit_test(memory_is_bounded_by_the_grid),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
