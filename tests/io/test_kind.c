@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Kinds of files: by content first, by name where content says nothing. */
+#include "harness.h"
+
+#include <zlib.h>
+
+#include <osteon/io.h>
+
+#include "io_scratch.h"
+
+static ost_file_kind kind_of(const char *folder, const char *name, const void *bytes, size_t size)
+{
+    ost_error err = {0};
+    ost_file_kind kind;
+    assert_ok(ost_file_kind_find(scratch_write(folder, name, bytes, size), &kind, &err));
+    return kind;
+}
+
+static void by_content(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name, *text;
+        ost_file_kind kind;
+    } cases[] = {
+        {"a.txt", "NRRD0004\ntype: short\n", OST_FILE_NRRD},
+        {"a", "NRRD0005\n", OST_FILE_NRRD},
+        {"a.bin", "ply\nformat ascii 1.0\n", OST_FILE_MESH},
+        {"a.txt", "solid cube\n facet normal 0 0 1\n", OST_FILE_MESH},
+        {"a", "0 0 0 100\n", OST_FILE_CT_TEXT},
+        {"a.csv", "# note\nx,y,z,density\n0,0,0,1\n", OST_FILE_CT_TEXT},
+        {"a.csv", "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n", OST_FILE_PATH_CSV},
+        {"a", "0,0,0,0,1,0,0,0\n", OST_FILE_PATH_CSV},
+        {"a", "0,0,0,0,1,0,0,0,2\r\n", OST_FILE_PATH_CSV},
+        {"a", "one two three\n", OST_FILE_UNKNOWN},
+        {"a", "", OST_FILE_UNKNOWN},
+        /* by name where the content says nothing, so that its reader can say what is wrong */
+        {"a.TXT", "junk", OST_FILE_CT_TEXT},
+        {"a.csv", "junk", OST_FILE_PATH_CSV},
+        {"a.nii.gz", "junk", OST_FILE_NIFTI},
+        {"a.nhdr", "junk", OST_FILE_NRRD},
+        {"a.obj", "v 0 0 0\n", OST_FILE_MESH},
+    };
+    char *folder = scratch_folder();
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
+        if (kind_of(folder, cases[i].name, cases[i].text, strlen(cases[i].text)) != cases[i].kind)
+            fail_msg("case %zu (%s)", i, cases[i].name);
+    scratch_remove(folder);
+}
+
+static void binary_signatures(void **state)
+{
+    (void)state;
+    char *folder = scratch_folder(), path[600];
+    unsigned char header[540] = {348 & 255, 348 >> 8};
+    memcpy(header + 344, "n+1", 4);
+    assert_int_equal(kind_of(folder, "a.txt", header, 352), OST_FILE_NIFTI);
+    assert_int_equal(kind_of(folder, "a", header, 347), OST_FILE_UNKNOWN);
+
+    snprintf(path, sizeof path, "%s/z", folder);
+    gzFile gz = gzopen(path, "wb");
+    assert_non_null(gz);
+    assert_int_equal(gzwrite(gz, header, 352), 352);
+    assert_int_equal(gzclose(gz), Z_OK);
+    ost_error err = {0};
+    ost_file_kind kind;
+    assert_ok(ost_file_kind_find(path, &kind, &err));
+    assert_int_equal(kind, OST_FILE_NIFTI);
+
+    unsigned char big[352] = {0, 0, 348 >> 8, 348 & 255};
+    memcpy(big + 344, "ni1", 4);
+    assert_int_equal(kind_of(folder, "a", big, sizeof big), OST_FILE_NIFTI);
+    memset(header, 0, sizeof header);
+    header[0] = 540 & 255;
+    header[1] = 540 >> 8;
+    memcpy(header + 4, "n+2", 4);
+    assert_int_equal(kind_of(folder, "a", header, 540), OST_FILE_NIFTI);
+
+    unsigned char stl[84 + 100] = "made by code";
+    stl[80] = 2;
+    assert_int_equal(kind_of(folder, "a", stl, sizeof stl), OST_FILE_MESH);
+    assert_int_equal(kind_of(folder, "a", stl, sizeof stl - 1), OST_FILE_UNKNOWN);
+
+    unsigned char main3ds[16] = {0x4d, 0x4d, 16, 0, 0, 0};
+    assert_int_equal(kind_of(folder, "a", main3ds, sizeof main3ds), OST_FILE_MESH);
+    scratch_remove(folder);
+}
+
+static void what_has_no_content(void **state)
+{
+    (void)state;
+    char *folder = scratch_folder(), path[600];
+    ost_error err = {0};
+    ost_file_kind kind;
+    assert_int_equal(ost_file_kind_find(folder, &kind, &err), OST_ERR_IO);
+    assert_non_null(strstr(err.text, "is a folder"));
+    snprintf(path, sizeof path, "%s/absent.nrrd", folder);
+    assert_int_equal(ost_file_kind_find(path, &kind, &err), OST_ERR_IO);
+    assert_non_null(strstr(err.text, "No such file"));
+    snprintf(path, sizeof path, "%s/pipe.nrrd", folder);
+    assert_int_equal(mkfifo(path, 0600), 0);
+    assert_int_equal(ost_file_kind_find(path, &kind, &err), OST_ERR_IO);
+    assert_non_null(strstr(err.text, "is a pipe"));
+    scratch_remove(folder);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(by_content),
+        cmocka_unit_test(binary_signatures),
+        cmocka_unit_test(what_has_no_content),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,221 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Volumes as text: the bytes, the way back, full disks and kills.
+ *
+ * Covers: AR-CT-8
+ */
+#include "harness.h"
+
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+
+#include <osteon/io.h>
+
+#include "io/text_write.h"
+#include "io_scratch.h"
+
+static char *folder, path[600];
+
+static int set_up(void **state)
+{
+    (void)state;
+    folder = scratch_folder();
+    snprintf(path, sizeof path, "%s/out.txt", folder);
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    scratch_remove(folder);
+    return 0;
+}
+
+static void the_bytes(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    int16_t voxels[] = {-32768, -1, 0, 32767, 10, 120, -100, 9};
+    ost_volume volume = {
+        .geometry = {{2, 2, 2}, {470000000, 500000000, 1000000000}, {-470000000, -1000000000, 7999000000000}},
+        .voxels = voxels,
+    };
+    assert_ok(ost_meta_set(&volume.meta, OST_META_SIDE, "left", &err));
+    assert_ok(ost_text_write_volume(path, &volume, 0, &err));
+    char *text = scratch_read(path, NULL);
+    assert_string_equal(text, "# osteon dims: 2 2 2\n"
+                              "# osteon spacing_mm: 0.47 0.5 1\n"
+                              "# osteon origin_mm: -0.47 -1 7999\n"
+                              "# osteon side: left\n"
+                              "-0.47 -1.00 7999.00 -32768\n"
+                              "0.00 -1.00 7999.00 -1\n"
+                              "-0.47 -0.50 7999.00 0\n"
+                              "0.00 -0.50 7999.00 32767\n"
+                              "-0.47 -1.00 8000.00 10\n"
+                              "0.00 -1.00 8000.00 120\n"
+                              "-0.47 -0.50 8000.00 -100\n"
+                              "0.00 -0.50 8000.00 9\n");
+    free(text);
+    /* One decimal: half to even, and no minus before a zero. */
+    volume.geometry = (ost_geometry){{2, 1, 1}, {450000000, 500000000, 1000000000}, {-450000000, -20000000, 350000000}};
+    assert_ok(ost_text_write_volume(path, &volume, 1, &err));
+    text = scratch_read(path, NULL);
+    assert_non_null(strstr(text, "\n-0.4 0.0 0.4 -32768\n0.0 0.0 0.4 -1\n"));
+    free(text);
+    /* Whole millimetres need no point. */
+    volume.geometry = (ost_geometry){{1, 1, 1}, {1000000000, 1000000000, 1000000000}, {-3000000000, 0, 12000000000}};
+    assert_ok(ost_text_write_volume(path, &volume, 0, &err));
+    text = scratch_read(path, NULL);
+    assert_non_null(strstr(text, "\n-3 0 12 -32768\n"));
+    free(text);
+}
+
+static void too_few_decimals_are_refused(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    int16_t voxel = 1;
+    ost_volume volume = {.geometry = {{1, 1, 1}, {470000000, 32000000, 1000000000}, {0, 0, 0}}, .voxels = &voxel};
+    assert_int_equal(ost_text_write_volume(path, &volume, 2, &err), OST_ERR_USAGE);
+    assert_non_null(strstr(err.text, "2 decimals are too few for voxels of 0.032 mm"));
+    assert_int_equal(ost_text_write_volume(path, &volume, 10, &err), OST_ERR_USAGE);
+    assert_int_equal(ost_text_write_volume(path, &volume, -1, &err), OST_ERR_USAGE);
+    assert_ok(ost_text_write_volume(path, &volume, 3, &err));
+}
+
+/* Any volume, any number of decimals: the import finds its geometry and densities again. */
+static void what_is_written_reads_back(void **state)
+{
+    (void)state;
+    test_rng rng = rng_seeded("what_is_written_reads_back");
+    ost_error err = {0};
+    ost_backend *backend;
+    assert_ok(ost_backend_open("ref", &backend, &err));
+    for (int round = 0; round < 60; round++) {
+        ost_geometry g = {
+            .dims = {(int32_t)rng_range(&rng, 1, 20), (int32_t)rng_range(&rng, 1, 20), (int32_t)rng_range(&rng, 1, 20)},
+            .spacing = {rng_range(&rng, 50000000, 3000000000), rng_range(&rng, 50000000, 3000000000), rng_range(&rng, 50000000, 3000000000)},
+            .origin = {rng_range(&rng, -500000000000, 500000000000), rng_range(&rng, -500000000000, 500000000000),
+                       rng_range(&rng, -500000000000, 500000000000)},
+        };
+        ost_volume volume;
+        assert_ok(ost_volume_init(&volume, &g, &err));
+        int64_t count = ost_dims_count(g.dims);
+        for (int64_t i = 0; i < count; i++)
+            volume.voxels[i] = (int16_t)rng_range(&rng, INT16_MIN, INT16_MAX);
+        int decimals = (int)rng_range(&rng, 2, 9);
+        assert_ok(ost_text_write_volume(path, &volume, decimals, &err));
+        ost_bone *bone;
+        ost_import_result result;
+        assert_ok(ost_import(backend, path, &(ost_import_options){.digests = true}, &bone, &result, &err));
+        ost_digest digest;
+        assert_ok(ost_digest_volume(OST_GRID_RECT, &volume, &digest, &err));
+        assert_string_equal(result.stages[1].name, "rect");
+        assert_true(ost_digest_equal(&digest, &result.stages[1].digest));
+        assert_int_equal(result.scatter.off_lattice, 0);
+        ost_bone_free(bone);
+        ost_volume_free(&volume);
+    }
+    ost_backend_close(backend);
+}
+
+/* A text of its own that was cut at any byte is refused: dims and the last line's end tell. */
+static void a_cut_text_is_refused(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_backend *backend;
+    assert_ok(ost_backend_open("ref", &backend, &err));
+    int16_t voxels[12];
+    for (int i = 0; i < 12; i++)
+        voxels[i] = (int16_t)(100 + i * 37);
+    ost_volume volume = {.geometry = {{3, 2, 2}, {470000000, 470000000, 1000000000}, {-57340000000, 0, 0}}, .voxels = voxels};
+    assert_ok(ost_text_write_volume(path, &volume, 4, &err));
+    size_t size;
+    char *text = scratch_read(path, &size);
+    /* Before the first fact is whole nothing says how many lines there were. */
+    for (size_t cut = 0; cut < size; cut++) {
+        ost_bone *bone;
+        ost_status status = ost_import(backend, scratch_write(folder, "cut.txt", text, cut), NULL, &bone, NULL, &err);
+        assert_int_equal(status, OST_ERR_INPUT);
+        assert_non_null(strstr(err.text, "cut.txt:"));
+        assert_null(bone);
+    }
+    free(text);
+    ost_backend_close(backend);
+}
+
+static ost_volume large_volume(void)
+{
+    ost_error err = {0};
+    ost_volume volume;
+    assert_ok(ost_volume_init(&volume, &(ost_geometry){{64, 64, 16}, {470000000, 470000000, 1000000000}, {0, 0, 0}}, &err));
+    return volume;
+}
+
+static void a_full_disk_leaves_nothing(void **state)
+{
+    (void)state;
+    ost_volume volume = large_volume();
+    assert_true(unlink(path) == 0 || access(path, F_OK) != 0);
+    int before = scratch_count(folder);
+    pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        ost_error err = {0};
+        signal(SIGXFSZ, SIG_IGN);
+        setrlimit(RLIMIT_FSIZE, &(struct rlimit){500000, 500000});
+        ost_status status = ost_text_write_volume(path, &volume, 4, &err);
+        _exit(status == OST_ERR_IO && strstr(err.text, "out.txt: writing failed after 500000 bytes") ? 0 : 1);
+    }
+    int ended;
+    assert_int_equal(waitpid(child, &ended, 0), child);
+    assert_int_equal(ended, 0);
+    assert_int_equal(scratch_count(folder), before);
+    if (access("/dev/full", W_OK) == 0) {
+        ost_error err = {0};
+        assert_int_equal(ost_text_write_volume("/dev/full", &volume, 4, &err), OST_ERR_IO);
+        assert_non_null(strstr(err.text, "the disk is full"));
+    }
+    ost_volume_free(&volume);
+}
+
+static void a_kill_leaves_nothing(void **state)
+{
+    (void)state;
+    test_rng rng = rng_seeded("a_kill_leaves_nothing");
+    ost_volume volume = large_volume();
+    struct stat whole;
+    ost_error err = {0};
+    assert_ok(ost_text_write_volume(path, &volume, 4, &err));
+    assert_int_equal(stat(path, &whole), 0);
+    for (int round = 0; round < 25; round++) {
+        unlink(path);
+        pid_t child = fork();
+        assert_true(child >= 0);
+        if (child == 0)
+            _exit(ost_text_write_volume(path, &volume, 4, NULL) == OST_OK ? 0 : 1);
+        usleep((useconds_t)rng_range(&rng, 0, 10000));
+        kill(child, SIGKILL);
+        int ended;
+        assert_int_equal(waitpid(child, &ended, 0), child);
+        struct stat st;
+        if (stat(path, &st) == 0)
+            assert_int_equal(st.st_size, whole.st_size);
+    }
+    ost_volume_free(&volume);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_bytes),
+        cmocka_unit_test(too_few_decimals_are_refused),
+        cmocka_unit_test(what_is_written_reads_back),
+        cmocka_unit_test(a_cut_text_is_refused),
+        cmocka_unit_test(a_full_disk_leaves_nothing),
+        cmocka_unit_test(a_kill_leaves_nothing),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
