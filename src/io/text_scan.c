@@ -9,14 +9,14 @@
 #include "core/integer.h"
 #include "io/lattice.h"
 
-enum { BATCH = 2048, SET_SIZE = 4 * OST_DIM_MAX };
+enum { BATCH = 2048, SET_SIZE = 2 * OST_DIM_MAX };
 
 _Static_assert(OST_LATTICE_UNIT_PLACES == -OST_TEXT_PLACES_MIN && OST_LATTICE_UNITS == OST_TEXT_PLACES_MAX - OST_TEXT_PLACES_MIN + 1,
                "units are numbered by places");
 
 /* ------------------------------------------------------- distinct coordinates */
 
-/* Open addressing, at most a quarter full. */
+/* Open addressing, at most half full. */
 static ost_status set_add(const char *path, ost_text_axis *axis, int a, ost_pm value, int64_t line, ost_error *err)
 {
     size_t at = (size_t)((uint64_t)value * UINT64_C(0x9e3779b97f4a7c15) >> 32) % SET_SIZE;
