@@ -8,6 +8,8 @@
 
 #include <stdint.h>
 
+#include "core/conditions.h"
+
 __extension__ typedef __int128 ost_i128;
 
 static inline int64_t ost_floor_div(int64_t n, int64_t d)
