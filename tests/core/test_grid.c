@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Geometry is checked at its bounds; meta keeps what is well formed.
- * Covers: AR-GRID-1, AR-GRID-2
+ * Covers: AR-GRID-1, AR-GRID-2, AR-GRID-3, AR-TOOL-1
  */
 #include "harness.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Reports add up; density classes are read and refused.
- * Covers: AR-REM-7, AR-CLS-1, AR-CLS-2
+ * Covers: AR-REM-6, AR-CLS-1, AR-CLS-2
  */
 #include "harness.h"
 
