@@ -45,7 +45,7 @@ static void every_grid_has_its_margin(void **state)
     test_rng rng = rng_seeded("margin");
     for (int round = 0; round < 20000; round++) {
         ost_error err = {0};
-        const ost_pm voxel = rng_range(&rng, 0, 1) ? rng_range(&rng, 1, 400) * 25 * 1000 * 1000 : rng_range(&rng, OST_TOOL_VOXEL_MIN, mm(9));
+        const ost_pm voxel = rng_range(&rng, 0, 1) ? rng_range(&rng, 1, 340) * 25 * 1000 * 1000 : rng_range(&rng, OST_TOOL_VOXEL_MIN, mm(9));
         ost_pm lo[3], hi[3];
         for (int a = 0; a < 3; a++) {
             lo[a] = rng_range(&rng, 0, 1) ? rng_range(&rng, -700, 700) * voxel / 2 : rng_range(&rng, mm(-900), mm(900));
