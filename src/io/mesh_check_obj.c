@@ -12,9 +12,6 @@
  * the end of a line joins it to the next.  Points and lines are counted and
  * left out.
  */
-#include <errno.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "io/mesh_input.h"
@@ -22,7 +19,7 @@
 typedef struct obj {
     mesh_input *in;
     mesh_text text;
-    FILE *out;
+    mesh_plain plain;
     int64_t vertices;
     int64_t greatest; /* index used so far, and where */
     long greatest_line;
@@ -47,8 +44,10 @@ static ost_status vertex(obj *o, ost_error *err)
                         ost_decimal_scale(&weight, 1000000, &millionths, NULL) && millionths == 1000000))
         return ost_fail(err, OST_ERR_INPUT, "%s:%ld: a vertex of weight %s; only 1 is supported", o->text.path, o->text.line,
                         ost_mesh_word_show(words[3]));
-    fprintf(o->out, "v %.*s %.*s %.*s\n", (int)words[0].size, words[0].text, (int)words[1].size, words[1].text, (int)words[2].size,
-            words[2].text);
+    putc('v', o->plain.out);
+    for (int i = 0; i < 3; i++) /* assimp takes no word for a number that begins with its point */
+        fprintf(o->plain.out, words[i].text[0] == '.' ? " 0%.*s" : " %.*s", (int)words[i].size, words[i].text);
+    putc('\n', o->plain.out);
     o->vertices++;
     return OST_OK;
 }
@@ -73,7 +72,7 @@ static ost_status face(obj *o, ost_error *err)
         if (corners == 0)
             first = i;
         if (corners >= 2)
-            fprintf(o->out, "f %lld %lld %lld\n", (long long)first, (long long)last, (long long)i);
+            fprintf(o->plain.out, "f %lld %lld %lld\n", (long long)first, (long long)last, (long long)i);
         last = i;
     }
     if (corners > 2 && !o->body_has_faces) {
@@ -121,23 +120,11 @@ ost_status ost_mesh_check_obj(mesh_input *in, ost_error *err)
                         (size_t)((uint8_t *)memchr(in->bytes, 0, in->size) - in->bytes));
     obj o = {.in = in};
     o.text = (mesh_text){.path = in->path, .at = (char *)in->bytes, .end = (char *)in->bytes + in->size, .line = 1};
-    char *plain = NULL;
-    size_t size = 0;
-    o.out = open_memstream(&plain, &size);
-    if (!o.out)
-        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for its text", in->path);
+    ost_status status = ost_mesh_plain_open(in, &o.plain, err);
+    if (status != OST_OK)
+        return status;
     in->bodies = 0;
     join_lines(o.text.at, o.text.end);
-    ost_status status = statements(&o, err);
-    bool lost = ferror(o.out);
-    if ((fclose(o.out) != 0 || lost) && status == OST_OK)
-        status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory for its text", in->path);
-    if (status != OST_OK) {
-        free(plain);
-        return status;
-    }
-    free(in->bytes);
-    in->bytes = (uint8_t *)plain; /* open_memstream ends it with a zero byte */
-    in->size = size;
-    return OST_OK;
+    status = statements(&o, err);
+    return ost_mesh_plain_close(in, &o.plain, status, err);
 }

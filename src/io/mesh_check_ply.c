@@ -352,48 +352,40 @@ static void put_header(const ply *p, FILE *out)
     fprintf(out, "element face %llu\nproperty list uchar uint vertex_indices\nend_header\n", (unsigned long long)p->in->triangles);
 }
 
+static ost_status no_memory(const mesh_input *in, ost_error *err)
+{
+    return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for its elements", in->path);
+}
+
 ost_status ost_mesh_check_ply(mesh_input *in, ost_error *err)
 {
-    char *body = NULL, *whole = NULL;
-    size_t body_size = 0, whole_size = 0;
-    FILE *out = NULL;
+    ost_status status;
+    mesh_plain whole;
+    char *body = NULL;
+    size_t size = 0;
     ply *p = calloc(1, sizeof *p);
-    ost_status status = OST_ERR_MEMORY;
-    if (!p)
-        return ost_fail(err, status, "%s: no memory", in->path);
-    p->in = in;
-    p->text = (mesh_text){.path = in->path, .at = (char *)in->bytes, .end = (char *)in->bytes + in->size, .line = 1};
-    p->out = open_memstream(&body, &body_size);
-    out = open_memstream(&whole, &whole_size);
-    if (!p->out || !out) {
-        status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory for its elements", in->path);
+    if (!p || !(p->out = open_memstream(&body, &size))) {
+        status = no_memory(in, err);
         goto cleanup;
     }
+    p->in = in;
+    p->text = (mesh_text){.path = in->path, .at = (char *)in->bytes, .end = (char *)in->bytes + in->size, .line = 1};
     status = read_header(p, err);
     if (status == OST_OK)
         status = read_body(p, err);
-    if (status != OST_OK)
-        goto cleanup;
-    put_header(p, out);
-    bool lost = fflush(p->out) != 0 || ferror(p->out);
-    lost |= fwrite(body, 1, body_size, out) != body_size;
-    lost |= fclose(out) != 0;
-    out = NULL;
-    if (lost) {
-        status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory for its elements", in->path);
-        goto cleanup;
+    bool lost = ferror(p->out) != 0;
+    lost |= fclose(p->out) != 0;
+    if (status == OST_OK && lost)
+        status = no_memory(in, err);
+    if (status == OST_OK)
+        status = ost_mesh_plain_open(in, &whole, err);
+    if (status == OST_OK) {
+        put_header(p, whole.out);
+        fwrite(body, 1, size, whole.out);
+        status = ost_mesh_plain_close(in, &whole, status, err);
     }
-    free(in->bytes);
-    in->bytes = (uint8_t *)whole;
-    in->size = whole_size;
-    whole = NULL;
 cleanup:
-    if (p->out)
-        fclose(p->out);
-    if (out)
-        fclose(out);
     free(body);
-    free(whole);
     free(p);
     return status;
 }

@@ -8,7 +8,8 @@
  *            would look for colours in them.
  *   ASCII    solid NAME  ( facet normal N N N  outer loop  3 x vertex N N N
  *            endloop  endfacet )*  endsolid NAME, once or several times
- *            Names and normals are blanked: nothing here reads them, and a
+ *            Words may be spread over lines at will.  The plain form has no
+ *            names, and zeros for normals: nothing here reads them, and a
  *            normal may well be "nan".
  */
 #include <math.h>
@@ -52,99 +53,120 @@ ost_status ost_mesh_check_stl_binary(mesh_input *in, ost_error *err)
     return OST_OK;
 }
 
-static ost_status expect(mesh_text *text, const char *keyword, ost_error *err)
+typedef struct ascii {
+    mesh_input *in;
+    mesh_text text;
+    mesh_plain plain;
+} ascii;
+
+static ost_status expect(ascii *a, const char *keyword, ost_error *err)
 {
-    mesh_word word = ost_mesh_text_any_word(text);
-    if (!ost_mesh_word_is(word, keyword))
-        return ost_fail(err, OST_ERR_INPUT, "%s:%ld: expected '%s', found %s", text->path, text->line, keyword, ost_mesh_word_show(word));
-    memcpy(word.text, keyword, word.size); /* assimp wants small letters */
+    mesh_word word = ost_mesh_text_any_word(&a->text);
+    if (ost_mesh_word_is(word, keyword))
+        return OST_OK;
+    return ost_fail(err, OST_ERR_INPUT, "%s:%ld: expected '%s', found %s", a->text.path, a->text.line, keyword, ost_mesh_word_show(word));
+}
+
+static ost_status normal(ascii *a, ost_error *err)
+{
+    for (int i = 0; i < 3; i++)
+        if (ost_mesh_text_any_word(&a->text).size == 0)
+            return ost_fail(err, OST_ERR_INPUT, "%s:%ld: expected a normal's numbers, found the end", a->text.path, a->text.line);
+    fputs("facet normal 0 0 0\nouter loop\n", a->plain.out);
     return OST_OK;
 }
 
-static ost_status three_numbers(mesh_text *text, bool check, ost_error *err)
+static ost_status vertex(ascii *a, ost_error *err)
 {
+    ost_status status = expect(a, "vertex", err);
+    if (status != OST_OK)
+        return status;
+    fputs("vertex", a->plain.out);
     for (int i = 0; i < 3; i++) {
-        mesh_word word = ost_mesh_text_any_word(text);
-        if (word.size == 0 || (check && !ost_mesh_word_number(word)))
-            return ost_fail(err, OST_ERR_INPUT, "%s:%ld: expected a number, found %s", text->path, text->line, ost_mesh_word_show(word));
-        if (!check) {
-            memset(word.text, ' ', word.size);
-            word.text[0] = '0';
-        }
+        mesh_word word = ost_mesh_text_any_word(&a->text);
+        if (!ost_mesh_word_number(word))
+            return ost_fail(err, OST_ERR_INPUT, "%s:%ld: expected a number, found %s", a->text.path, a->text.line, ost_mesh_word_show(word));
+        fprintf(a->plain.out, " %.*s", (int)word.size, word.text);
     }
+    putc('\n', a->plain.out);
     return OST_OK;
 }
 
 /* Behind the word "facet". */
-static ost_status facet(mesh_text *text, ost_error *err)
+static ost_status facet(ascii *a, ost_error *err)
 {
-    ost_status status = expect(text, "normal", err);
+    ost_status status = expect(a, "normal", err);
     if (status == OST_OK)
-        status = three_numbers(text, false, err);
+        status = normal(a, err);
     if (status == OST_OK)
-        status = expect(text, "outer", err);
+        status = expect(a, "outer", err);
     if (status == OST_OK)
-        status = expect(text, "loop", err);
-    for (int i = 0; status == OST_OK && i < 3; i++) {
-        status = expect(text, "vertex", err);
-        if (status == OST_OK)
-            status = three_numbers(text, true, err);
-    }
+        status = expect(a, "loop", err);
+    for (int i = 0; status == OST_OK && i < 3; i++)
+        status = vertex(a, err);
     if (status == OST_OK)
-        status = expect(text, "endloop", err);
+        status = expect(a, "endloop", err);
     if (status == OST_OK)
-        status = expect(text, "endfacet", err);
+        status = expect(a, "endfacet", err);
+    fputs("endloop\nendfacet\n", a->plain.out);
     return status;
 }
 
-static void blank_line(mesh_text *text)
+/* The rest of this line is a name. */
+static void skip_name(ascii *a)
 {
-    char *newline = text->at < text->end ? memchr(text->at, '\n', (size_t)(text->end - text->at)) : NULL;
-    char *end = newline ? newline : text->end;
-    memset(text->at, ' ', (size_t)(end - text->at));
-    text->at = end;
+    while (ost_mesh_text_word(&a->text).size)
+        continue;
 }
 
 /* Behind the word "solid". */
-static ost_status solid(mesh_input *in, mesh_text *text, ost_error *err)
+static ost_status solid(ascii *a, ost_error *err)
 {
-    blank_line(text);
+    skip_name(a);
     for (;;) {
-        mesh_word word = ost_mesh_text_any_word(text);
+        mesh_word word = ost_mesh_text_any_word(&a->text);
         if (ost_mesh_word_is(word, "endsolid")) {
-            memcpy(word.text, "endsolid", word.size);
-            blank_line(text);
+            skip_name(a);
             return OST_OK;
         }
         if (!ost_mesh_word_is(word, "facet"))
-            return ost_fail(err, OST_ERR_INPUT, "%s:%ld: expected 'facet' or 'endsolid', found %s", text->path, text->line,
+            return ost_fail(err, OST_ERR_INPUT, "%s:%ld: expected 'facet' or 'endsolid', found %s", a->text.path, a->text.line,
                             ost_mesh_word_show(word));
-        memcpy(word.text, "facet", word.size);
-        ost_status status = facet(text, err);
+        ost_status status = facet(a, err);
         if (status == OST_OK)
-            status = ost_mesh_input_face(in, 3, err);
+            status = ost_mesh_input_face(a->in, 3, err);
         if (status != OST_OK)
             return status;
     }
+}
+
+/* One solid in the plain form, however many the file has: they are joined anyway. */
+static ost_status solids(ascii *a, ost_error *err)
+{
+    fputs("solid\n", a->plain.out);
+    for (mesh_word word; (word = ost_mesh_text_any_word(&a->text)).size;) {
+        if (!ost_mesh_word_is(word, "solid"))
+            return ost_fail(err, OST_ERR_INPUT, "%s:%ld: expected 'solid', found %s", a->text.path, a->text.line, ost_mesh_word_show(word));
+        const uint64_t before = a->in->faces;
+        ost_status status = solid(a, err);
+        if (status != OST_OK)
+            return status;
+        a->in->bodies += a->in->faces > before;
+    }
+    if (a->in->faces == 0)
+        return ost_fail(err, OST_ERR_INPUT, "%s: the file holds no triangle", a->text.path);
+    fputs("endsolid\n", a->plain.out);
+    return OST_OK;
 }
 
 ost_status ost_mesh_check_stl_ascii(mesh_input *in, ost_error *err)
 {
-    mesh_text text = {.path = in->path, .at = (char *)in->bytes, .end = (char *)in->bytes + in->size, .line = 1};
+    ascii a = {.in = in};
+    a.text = (mesh_text){.path = in->path, .at = (char *)in->bytes, .end = (char *)in->bytes + in->size, .line = 1};
+    ost_status status = ost_mesh_plain_open(in, &a.plain, err);
+    if (status != OST_OK)
+        return status;
     in->bodies = 0;
-    for (;;) {
-        mesh_word word = ost_mesh_text_any_word(&text);
-        if (word.size == 0)
-            break;
-        if (!ost_mesh_word_is(word, "solid"))
-            return ost_fail(err, OST_ERR_INPUT, "%s:%ld: expected 'solid', found %s", text.path, text.line, ost_mesh_word_show(word));
-        memcpy(word.text, "solid", word.size);
-        ost_status status = solid(in, &text, err);
-        if (status != OST_OK)
-            return status;
-        in->bodies++;
-    }
-    if (in->faces == 0)
-        return ost_fail(err, OST_ERR_INPUT, "%s: the file holds no triangle", in->path);
-    return OST_OK;
+    status = solids(&a, err);
+    return ost_mesh_plain_close(in, &a.plain, status, err);
 }

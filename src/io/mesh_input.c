@@ -120,6 +120,29 @@ ost_status ost_mesh_input_face(mesh_input *in, uint64_t corners, ost_error *err)
     return OST_OK;
 }
 
+ost_status ost_mesh_plain_open(const mesh_input *in, mesh_plain *plain, ost_error *err)
+{
+    *plain = (mesh_plain){0};
+    plain->out = open_memstream(&plain->bytes, &plain->size);
+    return plain->out ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "%s: no memory for its plain form", in->path);
+}
+
+ost_status ost_mesh_plain_close(mesh_input *in, mesh_plain *plain, ost_status status, ost_error *err)
+{
+    bool lost = ferror(plain->out) != 0;
+    lost |= fclose(plain->out) != 0;
+    if (lost && status == OST_OK)
+        status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory for its plain form", in->path);
+    if (status == OST_OK) {
+        free(in->bytes);
+        in->bytes = (uint8_t *)plain->bytes; /* the stream ended it with a zero byte */
+        in->size = plain->size;
+    } else {
+        free(plain->bytes);
+    }
+    return status;
+}
+
 /* ------------------------------------------------------------------ text */
 
 static bool blank(char c)

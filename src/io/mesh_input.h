@@ -8,11 +8,14 @@
  * names, repairs in silence, and names no line.  So every file is read into
  * memory once and checked from end to end here first; what assimp is given
  * can no longer surprise it, and it is given nothing else: no other file of
- * the system.  Checks may blank what decides no vertex (names, normals,
- * materials, animation).
+ * the system.  Binary files are checked in place, and what decides no vertex
+ * is blanked (headers, materials, animation); text is written anew in a plain
+ * form, its numbers word for word.
  */
 #ifndef OST_IO_MESH_INPUT_H
 #define OST_IO_MESH_INPUT_H
+
+#include <stdio.h>
 
 #include <osteon/io.h>
 
@@ -41,6 +44,17 @@ ost_status ost_mesh_check_3ds(mesh_input *in, ost_error *err);
 
 /* Adds a face of this many corners; OST_ERR_RANGE beyond OST_MESH_TRIANGLES_MAX. */
 ost_status ost_mesh_input_face(mesh_input *in, uint64_t corners, ost_error *err);
+
+/* The plain form of a file, on its way into the place of in->bytes. */
+typedef struct mesh_plain {
+    FILE *out;
+    char *bytes;
+    size_t size;
+} mesh_plain;
+
+ost_status ost_mesh_plain_open(const mesh_input *in, mesh_plain *plain, ost_error *err);
+/* Replaces in->bytes when status, the outcome of writing, is OST_OK; else leaves them. Returns status or its own failure. */
+ost_status ost_mesh_plain_close(mesh_input *in, mesh_plain *plain, ost_status status, ost_error *err);
 
 /* Joins vertices at the same place; those left keep the order of their first. */
 ost_status ost_mesh_weld(ost_mesh *mesh, ost_error *err);

@@ -427,14 +427,15 @@ static void bodies_are_joined_and_counted(void **state)
     ost_error err = {0};
     ost_mesh mesh;
     ost_mesh_report report;
-    static const char two_solids[] = "solid a\n" FACET "endsolid\nsolid\nendsolid\nsolid b\n" FACET FACET "endsolid b\n";
+    static const char two_solids[] = "solid a\n" FACET "endsolid\nsolid\nendsolid\nsolid b\n" FACET
+        "facet\nnormal 0\n0\n1 outer\nloop vertex\n0 .0 -.0 vertex 9.\n0 0\nvertex 0 9e0 0 endloop endfacet\nendsolid b\n";
     assert_ok(ost_mesh_read(scratch_write(folder, "two.stl", two_solids, sizeof two_solids - 1), OST_UNIT_AUTO, &mesh, &report, &err));
     assert_int_equal(mesh.triangle_count, 3);
     assert_int_equal(mesh.vertex_count, 3);
-    assert_int_equal(report.bodies, 3);
+    assert_int_equal(report.bodies, 2); /* one is empty */
     assert_string_equal(report.format, "STL (ASCII)");
     ost_mesh_free(&mesh);
-    static const char two_objects[] = "o a\nv 0 0 0\nv 9 0 0\nv 0 9 0\nf 1 2 3\no empty\no b\nv 0 0 9\nf 1 2 -1\n";
+    static const char two_objects[] = "o a\nv 0 0 0\nv 9 0 0\nv .0 9. +0\nf 1 2 3\no empty\no b\nv 0 0 9\nf 1 2 -1\n";
     assert_ok(ost_mesh_read(scratch_write(folder, "two.obj", two_objects, sizeof two_objects - 1), OST_UNIT_AUTO, &mesh, &report, &err));
     assert_int_equal(mesh.triangle_count, 2);
     assert_int_equal(mesh.vertex_count, 4);
