@@ -317,7 +317,7 @@ static bool alike(int64_t a, int64_t b)
 /* Gives axes that may share a spacing one; true when they do. */
 static bool unify(const fit *fits, const int *which, int count, ost_pm spacing[3])
 {
-    const fit *group[3];
+    const fit *group[3] = {NULL, NULL, NULL};
     for (int i = 0; i < count; i++) {
         group[i] = &fits[which[i]];
         if (!group[i]->axis || !alike(spacing[which[0]], spacing[which[i]]))
