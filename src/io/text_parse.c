@@ -5,7 +5,8 @@
 
 #include <string.h>
 
-enum { COLUMNS = 4 };
+enum { COLUMNS = 4, POSITION_MAX = 8000 };
+_Static_assert(POSITION_MAX * OST_PM_PER_MM == OST_LENGTH_MAX, "positions are lengths");
 static const char zero_byte[] = "a zero byte; expected a line of text: x y z density";
 static const char *const column_names[COLUMNS] = {"x", "y", "z", "density"};
 
@@ -51,14 +52,14 @@ static ost_status fail_count(const ost_text_parser *parser, const char *begin, c
 /* ------------------------------------------------------------------- values */
 
 /*
- * The same as ost_decimal_to_pm where that is one multiplication:
- * |mantissa| * 10^(9 + exponent) <= OST_LENGTH_MAX = 8 * 10^12.
+ * The same as ost_decimal_to_pm where that is one multiplication, since most
+ * positions are: |mantissa| * 10^s <= 8000 * 10^9 iff |mantissa| <= 8000 * 10^(9 - s).
  */
 static bool to_pm(const ost_decimal *value, ost_pm *out, bool *exact)
 {
     int shift = 9 + value->exponent;
     if (shift >= 0 && shift <= 9 && !value->inexact) {
-        int64_t factor = power_of_ten[shift], limit = OST_LENGTH_MAX / factor;
+        int64_t factor = power_of_ten[shift], limit = POSITION_MAX * power_of_ten[9 - shift];
         *exact = true;
         bool in_range = value->mantissa >= -limit && value->mantissa <= limit;
         *out = in_range ? value->mantissa * factor : 0;
