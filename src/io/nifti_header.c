@@ -6,6 +6,7 @@
 #include "io/nifti_header.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -77,26 +78,48 @@ static ost_status check_offset(const char *path, double offset, bool pair, int s
 
 /* ----------------------------------------------------------------- lengths */
 
-/* Which binary numbers the header has, and how many mm its unit is: num / den. */
+/* Which binary numbers the header has, and its unit of length. */
 typedef struct scale {
     bool single;
-    double num, den;
+    uint64_t unit; /* picometres */
 } scale;
 
+/*
+ * The shortest decimal that reads back as the float, in the header's unit.
+ * For mm that is core's own rule; for m and um the decimal must be found
+ * before it is scaled, since 0.000488281 m times 1000 is another float.
+ */
 static bool to_pm(const scale *s, double value, ost_pm *out)
 {
-    double mm = value * s->num / s->den;
-    return s->single ? ost_pm_from_float((float)mm, out) : ost_pm_from_double(mm, out);
+    if (s->unit == (uint64_t)OST_PM_PER_MM)
+        return s->single ? ost_pm_from_float((float)value, out) : ost_pm_from_double(value, out);
+    char text[64];
+    int most = s->single ? 9 : 17;
+    if (!isfinite(value))
+        return false;
+    for (int digits = 1; digits <= most; digits++) {
+        snprintf(text, sizeof text, "%.*e", digits - 1, value);
+        if (s->single ? strtof(text, NULL) == (float)value : strtod(text, NULL) == value)
+            break;
+    }
+    /* Printed and read by C in the program's locale; the point is put back before it is read exactly. */
+    char *comma = strchr(text, ',');
+    if (comma)
+        *comma = '.';
+    ost_decimal decimal;
+    const char *end = text + strlen(text);
+    return ost_decimal_read(text, end, &decimal) == end && ost_decimal_scale(&decimal, s->unit, out, NULL) && *out <= OST_LENGTH_MAX &&
+           *out >= -OST_LENGTH_MAX;
 }
 
 static ost_status find_scale(const char *path, int version, int units, scale *out, ost_error *err)
 {
-    *out = (scale){.single = version == 1, .num = 1, .den = 1};
+    *out = (scale){.single = version == 1, .unit = (uint64_t)OST_PM_PER_MM};
     switch (units) {
     case NIFTI_UNITS_UNKNOWN:
     case NIFTI_UNITS_MM: return OST_OK;
-    case NIFTI_UNITS_METER: out->num = 1000; return OST_OK;
-    case NIFTI_UNITS_MICRON: out->den = 1000; return OST_OK;
+    case NIFTI_UNITS_METER: out->unit = (uint64_t)OST_PM_PER_MM * 1000; return OST_OK;
+    case NIFTI_UNITS_MICRON: out->unit = (uint64_t)OST_PM_PER_MM / 1000; return OST_OK;
     default: break;
     }
     return ost_fail(err, OST_ERR_INPUT, "%s: xyzt_units has %d for lengths; 1 (m), 2 (mm), 3 (um) or 0 was expected", path, units);
@@ -105,7 +128,7 @@ static ost_status find_scale(const char *path, int version, int units, scale *ou
 /* -------------------------------------------------------------- orientation */
 
 /* The quaternion as a matrix, columns times pixdim (NIfTI-1, method 2), in RAS. */
-static void from_quaternion(const nifti_image *nim, double out[3][4])
+static void from_quaternion(const nifti_image *nim, const double pixdim[3], double out[3][4])
 {
     double b = nim->quatern_b, c = nim->quatern_c, d = nim->quatern_d;
     double squares = b * b + c * c + d * d, a = 0;
@@ -123,7 +146,7 @@ static void from_quaternion(const nifti_image *nim, double out[3][4])
         {2 * (b * c + a * d), a * a + c * c - b * b - d * d, 2 * (c * d - a * b)},
         {2 * (b * d - a * c), 2 * (c * d + a * b), a * a + d * d - c * c - b * b},
     };
-    const double size[3] = {nim->dx, nim->dy, nim->qfac < 0 ? -nim->dz : nim->dz};
+    const double size[3] = {pixdim[0], pixdim[1], nim->qfac < 0 ? -pixdim[2] : pixdim[2]};
     const double offset[3] = {nim->qoffset_x, nim->qoffset_y, nim->qoffset_z};
     for (int w = 0; w < 3; w++) {
         for (int col = 0; col < 3; col++)
@@ -148,13 +171,14 @@ static void settle_spacing(ost_pm column[3], ost_pm pixdim)
     column[major] = column[major] < 0 ? -pixdim : pixdim;
 }
 
-static ost_status find_affine(const char *path, const nifti_image *nim, const scale *s, ost_nifti_header *out, ost_error *err)
+/* pixdim is the header's own: libnifti would make 1 of a 0. */
+static ost_status find_affine(const char *path, const nifti_image *nim, const double pixdim[3], const scale *s, ost_nifti_header *out,
+                              ost_error *err)
 {
     static const char *const names[] = {"sform", "qform", "pixdim"};
     bool sform = nim->sform_code == NIFTI_XFORM_SCANNER_ANAT || nim->sform_code == NIFTI_XFORM_ALIGNED_ANAT ||
                  (nim->sform_code > 0 && nim->qform_code <= 0);
     int method = sform ? 0 : nim->qform_code > 0 ? 1 : 2;
-    const double pixdim[3] = {nim->dx, nim->dy, nim->dz};
     ost_pm spacing[3] = {0, 0, 0};
     for (int a = 0; a < 3; a++)
         if ((!to_pm(s, pixdim[a], &spacing[a]) || spacing[a] <= 0) && method > 0)
@@ -170,7 +194,7 @@ static ost_status find_affine(const char *path, const nifti_image *nim, const sc
         if (!(squares <= 1.001))
             return ost_fail(err, OST_ERR_INPUT, "%s: its qform's quaternion (%.6g, %.6g, %.6g) is longer than 1", path, nim->quatern_b,
                             nim->quatern_c, nim->quatern_d);
-        from_quaternion(nim, ras);
+        from_quaternion(nim, pixdim, ras);
     } else {
         for (int a = 0; a < 3; a++)
             out->affine.column[a][a] = spacing[a];
@@ -273,6 +297,39 @@ static ost_status read_raw(ost_input *input, raw_header *raw, ost_nifti_header *
     return OST_OK;
 }
 
+/*
+ * libnifti would turn NaN and infinity into 0 without a word.  srow passes
+ * through it untouched and is checked where it is used; a slope that is no
+ * number means none.
+ */
+static ost_status check_reals(const char *path, const raw_header *raw, bool one, ost_error *err)
+{
+    const struct {
+        const char *name;
+        double value;
+    } reals[] = {
+        {"pixdim[0]", one ? (double)raw->one.pixdim[0] : raw->two.pixdim[0]},
+        {"pixdim[1]", one ? (double)raw->one.pixdim[1] : raw->two.pixdim[1]},
+        {"pixdim[2]", one ? (double)raw->one.pixdim[2] : raw->two.pixdim[2]},
+        {"pixdim[3]", one ? (double)raw->one.pixdim[3] : raw->two.pixdim[3]},
+        {"quatern_b", one ? (double)raw->one.quatern_b : raw->two.quatern_b},
+        {"quatern_c", one ? (double)raw->one.quatern_c : raw->two.quatern_c},
+        {"quatern_d", one ? (double)raw->one.quatern_d : raw->two.quatern_d},
+        {"qoffset_x", one ? (double)raw->one.qoffset_x : raw->two.qoffset_x},
+        {"qoffset_y", one ? (double)raw->one.qoffset_y : raw->two.qoffset_y},
+        {"qoffset_z", one ? (double)raw->one.qoffset_z : raw->two.qoffset_z},
+    };
+    bool uses_qform = (one ? raw->one.qform_code : raw->two.qform_code) > 0;
+    for (size_t i = 0; i < (uses_qform ? sizeof reals / sizeof reals[0] : 4); i++)
+        if (!isfinite(reals[i].value))
+            return ost_fail(err, OST_ERR_INPUT, "%s: %s in its header is no number", path, reals[i].name);
+    double slope = one ? (double)raw->one.scl_slope : raw->two.scl_slope;
+    double intercept = one ? (double)raw->one.scl_inter : raw->two.scl_inter;
+    if (slope != 0 && isfinite(slope) && !isfinite(intercept))
+        return ost_fail(err, OST_ERR_INPUT, "%s: scl_inter in its header is no number, though scl_slope is %.9g", path, slope);
+    return OST_OK;
+}
+
 static ost_status check_raw(const char *path, const raw_header *raw, ost_nifti_header *out, ost_error *err)
 {
     int64_t dim[8];
@@ -291,22 +348,14 @@ static ost_status check_raw(const char *path, const raw_header *raw, ost_nifti_h
     status = check_offset(path, offset, out->pair, one ? 348 : 540, &out->image_at, err);
     if (status != OST_OK)
         return status;
-    /* Lengths must be numbers before anything computes with them. */
-    for (int w = 0; w < 3; w++)
-        if (one ? !isfinite(raw->one.pixdim[w + 1]) : !isfinite(raw->two.pixdim[w + 1]))
-            return ost_fail(err, OST_ERR_INPUT, "%s: pixdim[%d] is no number", path, w + 1);
-    return OST_OK;
+    return check_reals(path, raw, one, err);
 }
 
-static ost_status find_scaling(const char *path, const nifti_image *nim, ost_nifti_header *out, ost_error *err)
+static void find_scaling(const nifti_image *nim, ost_nifti_header *out)
 {
     double slope = nim->scl_slope, intercept = nim->scl_inter;
-    if (slope == 0 || !isfinite(slope) || (slope == 1 && intercept == 0))
-        return OST_OK;
-    if (!ost_binary_from_double(slope, &out->slope) || !ost_binary_from_double(intercept, &out->intercept))
-        return ost_fail(err, OST_ERR_INPUT, "%s: scl_inter is no number", path);
-    out->scaled = true;
-    return OST_OK;
+    out->scaled = slope != 0 && (slope != 1 || intercept != 0) && ost_binary_from_double(slope, &out->slope) &&
+                  ost_binary_from_double(intercept, &out->intercept);
 }
 
 ost_status ost_nifti_header_read(ost_input *input, ost_nifti_header *out, ost_error *err)
@@ -321,15 +370,17 @@ ost_status ost_nifti_header_read(ost_input *input, ost_nifti_header *out, ost_er
     if (status != OST_OK)
         return status;
 
+    double pixdim[3];
+    for (int a = 0; a < 3; a++)
+        pixdim[a] = out->version == 1 ? (double)raw.one.pixdim[a + 1] : raw.two.pixdim[a + 1];
     nifti_set_debug_level(0);
     nifti_image *nim = out->version == 1 ? nifti_convert_n1hdr2nim(raw.one, NULL) : nifti_convert_n2hdr2nim(raw.two, NULL);
     if (!nim)
         return ost_fail(err, OST_ERR_INPUT, "%s: libnifti refuses its header", path);
     status = find_scale(path, out->version, nim->xyz_units, &lengths, err);
+    find_scaling(nim, out);
     if (status == OST_OK)
-        status = find_scaling(path, nim, out, err);
-    if (status == OST_OK)
-        status = find_affine(path, nim, &lengths, out, err);
+        status = find_affine(path, nim, pixdim, &lengths, out, err);
     nifti_image_free(nim);
     if (status == OST_OK)
         status = ost_nifti_extensions_read(input, out->pair ? UINT64_MAX : out->image_at, out->swap, &out->meta, err);
