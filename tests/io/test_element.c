@@ -1,0 +1,165 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Elements to densities.  Plain floats are compared with the compiler's own
+ * rint in its default mode, which is another way to the same rule; scaled
+ * values with long double, wherever that is exact.
+ *
+ * Covers: AR-FILE-4
+ */
+#include "harness.h"
+
+#include <float.h>
+#include <math.h>
+
+#include "io/element.h"
+
+static int16_t convert_one(ost_converter *c, const void *bytes, ost_bad_kind expected)
+{
+    int16_t out = 12345;
+    ost_bad bad;
+    size_t done = ost_convert(c, bytes, 1, &out, &bad);
+    assert_int_equal(bad.kind, expected);
+    assert_int_equal(done, expected == OST_BAD_NONE);
+    return out;
+}
+
+static void integers_and_their_borders(void **state)
+{
+    (void)state;
+    static const struct {
+        ost_element element;
+        int64_t value;
+        bool fits;
+        int16_t clamped;
+    } cases[] = {
+        {OST_ELEMENT_INT8, -128, true, 0},           {OST_ELEMENT_UINT8, 255, true, 0},
+        {OST_ELEMENT_INT16, -32768, true, 0},        {OST_ELEMENT_INT16, 32767, true, 0},
+        {OST_ELEMENT_UINT16, 32767, true, 0},        {OST_ELEMENT_UINT16, 32768, false, 32767},
+        {OST_ELEMENT_INT32, -32768, true, 0},        {OST_ELEMENT_INT32, -32769, false, -32768},
+        {OST_ELEMENT_INT32, INT32_MIN, false, -32768}, {OST_ELEMENT_UINT32, UINT32_MAX, false, 32767},
+        {OST_ELEMENT_INT64, 32767, true, 0},         {OST_ELEMENT_INT64, INT64_MIN, false, -32768},
+        {OST_ELEMENT_UINT64, 1000, true, 0},         {OST_ELEMENT_UINT64, -1, false, 32767},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        for (int swap = 0; swap < 2; swap++) {
+            unsigned char bytes[8];
+            size_t size = ost_element_bytes(cases[i].element);
+            for (size_t b = 0; b < size; b++)
+                bytes[swap ? size - 1 - b : b] = (unsigned char)((uint64_t)cases[i].value >> 8 * b);
+            ost_converter c = {.element = cases[i].element, .swap = swap};
+            int16_t got = convert_one(&c, bytes, cases[i].fits ? OST_BAD_NONE : OST_BAD_RANGE);
+            if (cases[i].fits)
+                assert_int_equal(got, cases[i].value);
+            c.clamp = true;
+            assert_int_equal(convert_one(&c, bytes, OST_BAD_NONE), cases[i].fits ? cases[i].value : cases[i].clamped);
+            assert_int_equal(c.clamped, !cases[i].fits);
+            assert_int_equal(c.rounded, 0);
+        }
+    }
+}
+
+static void floats_round_half_to_even(void **state)
+{
+    (void)state;
+    test_rng rng = rng_seeded("floats");
+    static const double fixed[] = {0.0,     -0.0,     0.5,      1.5,       2.5,       -0.5,      -1.5,     0.49999999999999994, 32767.4,
+                                   32767.5, -32768.5, -32768.6, 5e-324,    -1e-300,   1e300,     4503599627370497.5, 2147483648.0, -2147483649.0,
+                                   1023.5,  -1023.5,  1e9,      -32769.0,  32766.5,   0.1,       -0.0001,  32768.0};
+    for (int i = 0; i < 200000; i++) {
+        double value = i < (int)(sizeof fixed / sizeof fixed[0]) ? fixed[i]
+                       : i % 2 ? (double)rng_range(&rng, -140000, 140000) / 4
+                               : ldexp((double)rng_range(&rng, -(1LL << 52), 1LL << 52), (int)rng_range(&rng, -120, 10));
+        for (int single = 0; single < 2; single++) {
+            float f = (float)value;
+            double exact = single ? (double)f : value;
+            if (!isfinite(exact))
+                continue;
+            double nearest = rint(exact);
+            bool fits = nearest >= -32768 && nearest <= 32767;
+            ost_converter c = {.element = single ? OST_ELEMENT_FLOAT32 : OST_ELEMENT_FLOAT64};
+            const void *bytes = single ? (const void *)&f : (const void *)&value;
+            int16_t got = convert_one(&c, bytes, fits ? OST_BAD_NONE : OST_BAD_RANGE);
+            if (fits)
+                assert_int_equal(got, (int)nearest);
+            assert_int_equal(c.rounded, fits && nearest != exact);
+            c.clamp = true;
+            got = convert_one(&c, bytes, OST_BAD_NONE);
+            assert_int_equal(got, fits ? (int)nearest : exact < 0 ? -32768 : 32767);
+        }
+    }
+}
+
+static void nan_and_infinity_are_never_densities(void **state)
+{
+    (void)state;
+    const float single[3] = {NAN, INFINITY, -INFINITY};
+    const double twice[3] = {(double)NAN, (double)INFINITY, -(double)INFINITY};
+    for (int i = 0; i < 3; i++) {
+        for (int clamp = 0; clamp < 2; clamp++) {
+            ost_bad_kind kind = i == 0 ? OST_BAD_NAN : OST_BAD_INFINITE;
+            ost_converter c = {.element = OST_ELEMENT_FLOAT32, .clamp = clamp};
+            convert_one(&c, &single[i], kind);
+            c.element = OST_ELEMENT_FLOAT64;
+            convert_one(&c, &twice[i], kind);
+            c.scaled = true;
+            c.slope = (ost_binary){1, 1};
+            convert_one(&c, &twice[i], kind);
+        }
+    }
+}
+
+/* int32 * float32 + float32: 31 + 24 bits and a sum, exact in long double's 64 when the exponents are near. */
+static void scaling_is_exact(void **state)
+{
+    (void)state;
+    test_rng rng = rng_seeded("scaling");
+    if (sizeof(long double) < 16 || LDBL_MANT_DIG < 64)
+        skip();
+    int checked = 0;
+    for (int i = 0; i < 100000; i++) {
+        int32_t value = (int32_t)rng_range(&rng, -100000, 100000);
+        float slope = (float)rng_range(&rng, -4096, 4096) / 1024.0f;
+        float intercept = (float)rng_range(&rng, -8192, 8192) / 4.0f;
+        ost_converter c = {.element = OST_ELEMENT_INT32, .scaled = true};
+        assert_true(ost_binary_from_double((double)slope, &c.slope));
+        assert_true(ost_binary_from_double((double)intercept, &c.intercept));
+        long double exact = (long double)value * (long double)slope + (long double)intercept;
+        long double nearest = rintl(exact);
+        bool fits = nearest >= -32768 && nearest <= 32767;
+        int16_t got = convert_one(&c, &value, fits ? OST_BAD_NONE : OST_BAD_RANGE);
+        if (fits) {
+            assert_int_equal(got, (int)nearest);
+            assert_int_equal(c.rounded, exact != nearest);
+            checked++;
+        } else {
+            c.clamp = true;
+            assert_int_equal(convert_one(&c, &value, OST_BAD_NONE), exact < 0 ? -32768 : 32767);
+        }
+    }
+    assert_true(checked > 10000);
+}
+
+static void scaling_at_its_ends(void **state)
+{
+    (void)state;
+    const double slopes[] = {1e300, -1e300, 1e-300, 5e-324};
+    for (int i = 0; i < 4; i++) {
+        ost_converter c = {.element = OST_ELEMENT_UINT64, .scaled = true, .clamp = true};
+        uint64_t value = UINT64_MAX;
+        assert_true(ost_binary_from_double(slopes[i], &c.slope));
+        assert_true(ost_binary_from_double(-7, &c.intercept));
+        assert_int_equal(convert_one(&c, &value, OST_BAD_NONE), i == 0 ? 32767 : i == 1 ? -32768 : -7);
+        assert_true(ost_binary_from_double(1e300, &c.intercept));
+        assert_int_equal(convert_one(&c, &value, OST_BAD_NONE), i == 1 ? -32768 : 32767);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(integers_and_their_borders), cmocka_unit_test(floats_round_half_to_even),
+        cmocka_unit_test(nan_and_infinity_are_never_densities), cmocka_unit_test(scaling_is_exact),
+        cmocka_unit_test(scaling_at_its_ends),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,187 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Axes to LPS+.  For each of the 48 ways in which three axes can lie, the
+ * position of every voxel is computed twice: from the file's affine, and from
+ * the result's geometry at the element where the placement puts it.
+ *
+ * Covers: AR-GRID-4, AR-FILE-5
+ */
+#include "harness.h"
+
+#include "io/orient.h"
+#include "io/volume_resample.h"
+
+static const int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+
+static ost_pm at_axis(ost_pm3 v, int w)
+{
+    return w == 0 ? v.x : w == 1 ? v.y : v.z;
+}
+
+static void all_48_ways(void **state)
+{
+    (void)state;
+    static const char toward[3][2] = {{'L', 'R'}, {'P', 'A'}, {'S', 'I'}};
+    const int32_t sizes[3] = {5, 3, 4};
+    const ost_pm lengths[3] = {470000000, 1000000000, 488281250};
+    for (int way = 0; way < 48; way++) {
+        const int *to = orders[way / 8];
+        ost_affine affine = {.origin = {-57340000000, 12345678901, -3}};
+        char code[4] = "";
+        for (int a = 0; a < 3; a++) {
+            bool back = way >> a & 1;
+            affine.column[a][to[a]] = back ? -lengths[a] : lengths[a];
+            code[a] = toward[to[a]][back];
+        }
+        ost_placement p;
+        ost_error err = {0};
+        assert_ok(ost_orient(&affine, sizes, &p, &err));
+        assert_false(p.oblique);
+        assert_int_equal(p.reoriented, way != 0);
+        assert_string_equal(p.code, code);
+        const ost_geometry *g = &p.geometry;
+        bool seen[60] = {false};
+        for (int k = 0; k < sizes[2]; k++)
+            for (int j = 0; j < sizes[1]; j++)
+                for (int i = 0; i < sizes[0]; i++) {
+                    int64_t e = ost_placement_element(&p, i, j, k);
+                    assert_true(e >= 0 && e < 60 && !seen[e]);
+                    seen[e] = true;
+                    const int64_t index[3] = {e % g->dims.x, e / g->dims.x % g->dims.y, e / g->dims.x / g->dims.y};
+                    for (int w = 0; w < 3; w++) {
+                        ost_pm in_file = affine.origin[w] + i * affine.column[0][w] + j * affine.column[1][w] + k * affine.column[2][w];
+                        assert_int_equal(in_file, at_axis(g->origin, w) + index[w] * at_axis(g->spacing, w));
+                    }
+                }
+    }
+}
+
+/* A tilt whose farthest voxel is 1/8 of a voxel off is still straight, one picometre more is not; short axes count as 65 voxels. */
+static void an_eighth_of_a_voxel_is_the_border(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_placement p;
+    const ost_pm voxel = 800000000; /* an eighth: 100,000,000 */
+    ost_affine affine = {.column = {{voxel, 0, 0}, {0, voxel, 0}, {0, 0, voxel}}};
+    const int32_t longer[3] = {201, 9, 9}, shorter[3] = {3, 3, 3};
+    affine.column[0][1] = 500000; /* times 200 steps */
+    assert_ok(ost_orient(&affine, longer, &p, &err));
+    assert_false(p.oblique);
+    affine.column[0][1] = 500001;
+    assert_ok(ost_orient(&affine, longer, &p, &err));
+    assert_true(p.oblique);
+    affine.column[0][1] = -1562500; /* times 64 */
+    assert_ok(ost_orient(&affine, shorter, &p, &err));
+    assert_false(p.oblique);
+    affine.column[0][1] = -1562501;
+    assert_ok(ost_orient(&affine, shorter, &p, &err));
+    assert_true(p.oblique);
+}
+
+static void angles_and_flat_axes(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_placement p;
+    const int32_t sizes[3] = {10, 10, 10};
+    /* cos and sin of 30 degrees times 1 mm */
+    ost_affine turned = {.column = {{866025404, 500000000, 0}, {-500000000, 866025404, 0}, {0, 0, 1000000000}}};
+    assert_ok(ost_orient(&turned, sizes, &p, &err));
+    assert_true(p.oblique);
+    assert_true(p.degrees > 29.99 && p.degrees < 30.01);
+    ost_affine flat = {.column = {{1000000000, 0, 0}, {2000000000, 0, 0}, {0, 0, 1000000000}}};
+    assert_int_equal(ost_orient(&flat, sizes, &p, &err), OST_ERR_INPUT);
+    ost_affine huge = {.column = {{100000000001, 0, 0}, {0, 1000000000, 0}, {0, 0, 1000000000}}};
+    assert_int_equal(ost_orient(&huge, sizes, &p, &err), OST_ERR_RANGE);
+}
+
+/*
+ * Turned by exactly (3, 4, 5): columns (0.6, 0.8, 0), (-0.8, 0.6, 0), (0, 0, 1)
+ * mm.  The nearest file voxel of each result voxel is found by trying all of
+ * them with their squared distances; where that is a tie or the nearest centre
+ * is farther than half a voxel along a file axis, the check leaves it out.
+ */
+static void resampling_finds_the_nearest(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    const ost_affine affine = {.column = {{600000000, 800000000, 0}, {-800000000, 600000000, 0}, {0, 0, 1000000000}},
+                               .origin = {1000000000, -2000000000, 500000000}};
+    const int32_t sizes[3] = {7, 6, 3};
+    ost_placement p;
+    ost_geometry g;
+    ost_volume out;
+    int16_t file[7 * 6 * 3];
+    for (int i = 0; i < 126; i++)
+        file[i] = (int16_t)(i + 1);
+    assert_ok(ost_orient(&affine, sizes, &p, &err));
+    assert_true(p.oblique);
+    assert_ok(ost_resample_geometry(&affine, sizes, &p, &g, &err));
+    assert_int_equal(g.spacing.x, 1000000000);
+    assert_int_equal(g.spacing.y, 1000000000);
+    assert_int_equal(g.origin.x, 1000000000 - 5 * 800000000LL);
+    /* extents 6 * 0.6 + 5 * 0.8 = 7.6 and 6 * 0.8 + 5 * 0.6 = 7.8 mm */
+    assert_int_equal(g.dims.x, 9);
+    assert_int_equal(g.dims.y, 9);
+    assert_int_equal(g.dims.z, 3);
+    assert_ok(ost_volume_init(&out, &g, &err));
+    ost_resample_nearest(&affine, sizes, file, &out);
+    int inside = 0;
+    for (int e = 0; e < 9 * 9 * 3; e++) {
+        const int64_t q[3] = {g.origin.x + e % 9 * 1000000000LL, g.origin.y + e / 9 % 9 * 1000000000LL, g.origin.z + e / 81 * 1000000000LL};
+        int64_t best = INT64_MAX, second = INT64_MAX;
+        int found = 0;
+        for (int f = 0; f < 126; f++) {
+            const int at[3] = {f % 7, f / 7 % 6, f / 42};
+            int64_t square = 0;
+            for (int w = 0; w < 3; w++) {
+                int64_t d = q[w] - affine.origin[w];
+                for (int a = 0; a < 3; a++)
+                    d -= at[a] * affine.column[a][w];
+                d /= 1000000; /* nanometres: squares fit */
+                square += d * d;
+            }
+            if (square < best) {
+                second = best;
+                best = square;
+                found = f;
+            } else if (square < second) {
+                second = square;
+            }
+        }
+        if (best == second)
+            continue;
+        /* The columns are orthonormal, so the offset along file axis a is a dot product. */
+        bool within = true, border = false;
+        const int at[3] = {found % 7, found / 7 % 6, found / 42};
+        for (int a = 0; a < 3; a++) {
+            int64_t dot = 0;
+            for (int w = 0; w < 3; w++) {
+                int64_t d = q[w] - affine.origin[w];
+                for (int b = 0; b < 3; b++)
+                    d -= at[b] * affine.column[b][w];
+                dot += d / 1000000 * (affine.column[a][w] / 1000000);
+            }
+            within &= dot <= 500000 && dot >= -500000;
+            border |= dot == 500000 || dot == -500000;
+        }
+        if (border)
+            continue;
+        assert_int_equal(out.voxels[e], within ? file[found] : 0);
+        inside += within;
+    }
+    assert_true(inside > 60);
+    ost_volume_free(&out);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(all_48_ways),
+        cmocka_unit_test(an_eighth_of_a_voxel_is_the_border),
+        cmocka_unit_test(angles_and_flat_axes),
+        cmocka_unit_test(resampling_finds_the_nearest),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,286 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What we write is what we read: volumes as NRRD and NIfTI, plain and packed,
+ * at spacings that floats cannot hold; the bytes themselves; tools; bones.
+ *
+ * Covers: AR-FILE-1, AR-FILE-2, AR-FILE-3, AR-FILE-6, REQ-CT-SAME
+ */
+#include "volume_files.h"
+
+#include "io/volume_input.h"
+
+static ost_pm pm(const char *text)
+{
+    ost_error err = {0};
+    ost_pm value;
+    assert_ok(ost_pm_parse(text, &value, &err));
+    return value;
+}
+
+static void make_volume(ost_volume *v, const ost_geometry *g, test_rng *rng)
+{
+    ost_error err = {0};
+    assert_ok(ost_volume_init(v, g, &err));
+    for (int64_t i = 0; i < ost_dims_count(g->dims); i++)
+        v->voxels[i] = (int16_t)rng_range(rng, -32768, 32767);
+}
+
+static char *read_all(const char *path, size_t *size)
+{
+    ost_error err = {0};
+    ost_input *input;
+    assert_ok(ost_input_open(path, &input, &err));
+    char *data = malloc((size_t)ost_input_file_bytes(input) + 1);
+    assert_non_null(data);
+    assert_ok(ost_input_read(input, data, (size_t)ost_input_file_bytes(input), size, &err));
+    data[*size] = 0;
+    ost_input_close(input);
+    return data;
+}
+
+/* The thesis' spacings and offsets survive every format, and twice the same is the same file. */
+static void every_format_keeps_the_volume(void **state)
+{
+    (void)state;
+    static const char *const spacings[] = {"0.3", "0.032", "0.488281", "0.47", "0.48828125", "1", "0.123456789"};
+    static const char *const origins[] = {"-57.34", "0", "12.3456789", "-0.016", "7990.1"};
+    static const struct {
+        const char *name;
+        bool compress;
+    } formats[] = {{"a.nrrd", false}, {"b.nrrd", true}, {"c.nii", false}, {"d.nii.gz", false}, {"E.NRRD", false}};
+    test_rng rng = rng_seeded("volumes");
+    ost_error err = {0};
+    for (size_t s = 0; s < sizeof spacings / sizeof spacings[0]; s++) {
+        for (size_t o = 0; o < sizeof origins / sizeof origins[0]; o++) {
+            ost_volume v;
+            const ost_geometry g = {.dims = {5, 4, 3},
+                                    .spacing = {pm(spacings[s]), pm(spacings[s]), pm("0.625")},
+                                    .origin = {pm(origins[o]), pm("-57.34"), pm(origins[o])}};
+            make_volume(&v, &g, &rng);
+            assert_ok(ost_meta_set(&v.meta, OST_META_KIND, "ct", &err));
+            assert_ok(ost_meta_set(&v.meta, OST_META_GLENOID_AT, "-117.8 196.5 -159", &err));
+            assert_ok(ost_meta_set(&v.meta, "note", "a \\ and: a colon", &err));
+            for (size_t f = 0; f < sizeof formats / sizeof formats[0]; f++) {
+                const ost_write_options options = {.compress = formats[f].compress};
+                ost_volume back;
+                size_t size, again_size;
+                assert_ok(ost_volume_write(at(formats[f].name), &v, &options, &err));
+                assert_ok(ost_volume_read(at(formats[f].name), NULL, &back, NULL, &err));
+                assert_volumes_equal(&v, &back);
+                char *first = read_all(at(formats[f].name), &size);
+                assert_ok(ost_volume_write(at(formats[f].name), &back, &options, &err));
+                char *again = read_all(at(formats[f].name), &again_size);
+                assert_int_equal(size, again_size);
+                assert_memory_equal(first, again, size);
+                free(first);
+                free(again);
+                ost_volume_free(&back);
+            }
+            ost_volume_free(&v);
+        }
+    }
+}
+
+/* Without our comment a NIfTI gives the shortest decimals of its float32, which is enough for lengths of up to six digits. */
+static void nifti_without_its_comment(void **state)
+{
+    (void)state;
+    static const char *const lengths[] = {"0.3", "0.032", "0.488281", "0.47", "0.48828125", "57.34", "1"};
+    test_rng rng = rng_seeded("nifti");
+    ost_error err = {0};
+    for (size_t l = 0; l < sizeof lengths / sizeof lengths[0]; l++) {
+        ost_volume v, back;
+        ost_pm length = pm(lengths[l]);
+        const ost_geometry g = {.dims = {2, 3, 2}, .spacing = {length, length, length}, .origin = {-length, length, -length}};
+        size_t size;
+        make_volume(&v, &g, &rng);
+        assert_ok(ost_volume_write(at("n.nii"), &v, NULL, &err));
+        char *file = read_all(at("n.nii"), &size);
+        file[348] = 0; /* the extender: no extensions follow */
+        write_file("n.nii", file, size);
+        free(file);
+        assert_ok(ost_volume_read(at("n.nii"), NULL, &back, NULL, &err));
+        assert_volumes_equal(&v, &back);
+        ost_volume_free(&v);
+        ost_volume_free(&back);
+    }
+}
+
+/* Somebody moved the volume in the header: then our comment is out of date. */
+static void a_changed_nifti_header_counts(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_volume v, back;
+    const ost_geometry g = {.dims = {1, 1, 1}, .spacing = {pm("0.123456789"), pm("1"), pm("1")}, .origin = {0, 0, 0}};
+    test_rng rng = rng_seeded("changed");
+    size_t size;
+    make_volume(&v, &g, &rng);
+    assert_ok(ost_volume_write(at("n.nii"), &v, NULL, &err));
+    char *file = read_all(at("n.nii"), &size);
+    const float moved = -5.5f;
+    memcpy(file + 280 + 12, &moved, 4); /* srow_x[3] */
+    write_file("n.nii", file, size);
+    free(file);
+    assert_ok(ost_volume_read(at("n.nii"), NULL, &back, NULL, &err));
+    assert_int_equal(back.geometry.origin.x, pm("5.5"));
+    assert_int_equal(back.geometry.spacing.x, pm("0.12345679"));
+    assert_int_equal(back.meta.count, 0);
+    ost_volume_free(&v);
+    ost_volume_free(&back);
+}
+
+static void the_nrrd_header_to_the_byte(void **state)
+{
+    (void)state;
+    static const char expected[] = "NRRD0005\n"
+                                   "type: int16\n"
+                                   "dimension: 3\n"
+                                   "space: left-posterior-superior\n"
+                                   "sizes: 2 1 1\n"
+                                   "space directions: (0.47,0,0) (0,0.47,0) (0,0,1)\n"
+                                   "kinds: domain domain domain\n"
+                                   "endian: little\n"
+                                   "encoding: raw\n"
+                                   "space units: \"mm\" \"mm\" \"mm\"\n"
+                                   "space origin: (-57.34,0,0.5)\n"
+                                   "osteon_side:=left\n"
+                                   "\n"
+                                   "\x01\x02\xff\xff";
+    ost_error err = {0};
+    int16_t voxels[2] = {0x0201, -1};
+    ost_volume v = {.geometry = {{2, 1, 1}, {pm("0.47"), pm("0.47"), pm("1")}, {pm("-57.34"), 0, pm("0.5")}}, .voxels = voxels};
+    size_t size;
+    assert_ok(ost_meta_set(&v.meta, "side", "left", &err));
+    assert_ok(ost_volume_write(at("b.nrrd"), &v, NULL, &err));
+    char *file = read_all(at("b.nrrd"), &size);
+    assert_int_equal(size, sizeof expected - 1);
+    assert_memory_equal(file, expected, size);
+    free(file);
+}
+
+static void names_decide_and_nothing_is_left(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    int16_t voxel = 1;
+    ost_volume v = {.geometry = {{1, 1, 1}, {pm("1"), pm("1"), pm("1")}, {0, 0, 0}}, .voxels = &voxel};
+    assert_int_equal(ost_volume_write(at("x.mha"), &v, NULL, &err), OST_ERR_USAGE);
+    assert_non_null(strstr(err.text, ".nii.gz"));
+    assert_int_equal(ost_volume_write(at("none/x.nrrd"), &v, NULL, &err), OST_ERR_IO);
+    v.geometry.dims.x = 0;
+    assert_int_equal(ost_volume_write(at("y.nrrd"), &v, NULL, &err), OST_ERR_RANGE);
+    assert_int_equal(access(at("y.nrrd"), F_OK), -1);
+}
+
+/* ------------------------------------------------------------------- tools */
+
+static void tools(void **state)
+{
+    (void)state;
+    static const char *const voxels[] = {"0.5", "0.75", "1", "0.000000001", "0.333333333"};
+    ost_error err = {0};
+    for (size_t i = 0; i < sizeof voxels / sizeof voxels[0]; i++) {
+        ost_tool_volume tool, back;
+        const ost_tool_geometry g = {.dims = {3, 4, 2}, .voxel = pm(voxels[i]), .corner = {pm("-18.5"), pm("0.123456789"), 0}};
+        if (g.voxel < OST_TOOL_VOXEL_MIN)
+            continue;
+        assert_ok(ost_tool_volume_init(&tool, &g, &err));
+        for (int n = 0; n < 24; n++)
+            tool.voxels[n] = (uint8_t)(n % 3);
+        assert_ok(ost_tool_volume_write(at("t.nrrd"), &tool, &err));
+        assert_ok(ost_tool_volume_read(at("t.nrrd"), &back, &err));
+        assert_memory_equal(&back.geometry, &g, sizeof g);
+        assert_memory_equal(back.voxels, tool.voxels, 24);
+        assert_string_equal(ost_meta_get(&back.meta, OST_META_KIND), "tool");
+        ost_tool_volume_free(&tool);
+        ost_tool_volume_free(&back);
+    }
+}
+
+static void write_tool(const char *fields, const char *values)
+{
+    static bytes file;
+    file.size = 0;
+    put_text(&file, "NRRD0005\ndimension: 3\nsizes: 2 1 1\nencoding: text\n");
+    put_text(&file, fields);
+    put_text(&file, "\n");
+    put_text(&file, values);
+    write_file("t.nrrd", file.data, file.size);
+}
+
+static void foreign_tools(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_tool_volume tool;
+    write_tool("type: uint8\nspacings: 0.5 0.5 0.5\nspace: LPS\nspace origin: (1,2,3)\n", "1 2");
+    assert_ok(ost_tool_volume_read(at("t.nrrd"), &tool, &err));
+    assert_int_equal(tool.geometry.corner.x, pm("0.75"));
+    assert_int_equal(tool.geometry.corner.z, pm("2.75"));
+    assert_int_equal(tool.voxels[1], OST_TOOL_NONCUTTING);
+    ost_tool_volume_free(&tool);
+    static const struct {
+        const char *fields, *values, *words;
+    } bad[] = {
+        {"type: uint8\nspacings: 1 1 1\n", "1 3", "voxel (1, 0, 0) is 3"},
+        {"type: int16\nspacings: 1 1 1\n", "1 1", "uint8"},
+        {"type: uint8\nspacings: 1 1 0.5\n", "1 1", "cubic"},
+        {"type: uint8\nspacings: 1 1 1\nosteon_tool_corner_mm:=0 0 0\n", "1 1", "half a voxel before"},
+        {"type: uint8\nspacings: 1 1 1\nosteon_tool_corner_mm:=-0.5 -0.5\n", "1 1", "three lengths"},
+        {"type: uint8\nspacings: 1 1 1\nosteon_tool_corner_mm:=-0.5 -0.5 -0.5 1\n", "1 1", "three lengths"},
+        {"type: uint8\nspacings: 1 1 1\n", "1", "at least 3"},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        write_tool(bad[i].fields, bad[i].values);
+        assert_int_equal(ost_tool_volume_read(at("t.nrrd"), &tool, &err), OST_ERR_INPUT);
+        if (!strstr(err.text, bad[i].words))
+            fail_msg("%s: '%s' was expected", err.text, bad[i].words);
+        assert_null(tool.voxels);
+    }
+}
+
+/* ------------------------------------------------------------------- bones */
+
+static void bones_come_down_in_slabs(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_backend *backend;
+    ost_bone *bone;
+    ost_volume v, back;
+    /* More than one slab of 8 MiB: 1200 x 900 x 9 int16 is 19 MB. */
+    const ost_geometry g = {.dims = {1200, 900, 9}, .spacing = {pm("0.47"), pm("0.47"), pm("0.47")}, .origin = {pm("-57.34"), 0, 0}};
+    test_rng rng = rng_seeded("bones");
+    make_volume(&v, &g, &rng);
+    assert_ok(ost_backend_open("ref", &backend, &err));
+    assert_ok(ost_bone_create(backend, &g, 32, 150, &bone, &err));
+    assert_ok(ost_bone_upload(bone, 0, g.dims.z, v.voxels, &err));
+    ost_meta given = {0};
+    assert_ok(ost_meta_set(&given, OST_META_SIDE, "left", &err));
+    assert_ok(ost_bone_write(at("bone.nrrd"), bone, &given, NULL, &err));
+    assert_ok(ost_volume_read(at("bone.nrrd"), NULL, &back, NULL, &err));
+    assert_true(ost_geometry_equal(&back.geometry, &g));
+    for (int64_t i = 0; i < ost_dims_count(g.dims); i++)
+        if (back.voxels[i] != (v.voxels[i] >= 150 ? v.voxels[i] : 0))
+            fail_msg("voxel %lld is %d, from %d", (long long)i, back.voxels[i], v.voxels[i]);
+    assert_string_equal(ost_meta_get(&back.meta, OST_META_KIND), "bone");
+    assert_string_equal(ost_meta_get(&back.meta, OST_META_THRESHOLD), "150");
+    assert_string_equal(ost_meta_get(&back.meta, OST_META_ARITHMETIC), "1");
+    assert_string_equal(ost_meta_get(&back.meta, OST_META_SIDE), "left");
+    ost_volume_free(&back);
+    ost_bone_free(bone);
+    ost_backend_close(backend);
+    ost_volume_free(&v);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_format_keeps_the_volume), cmocka_unit_test(nifti_without_its_comment),
+        cmocka_unit_test(a_changed_nifti_header_counts), cmocka_unit_test(the_nrrd_header_to_the_byte),
+        cmocka_unit_test(names_decide_and_nothing_is_left), cmocka_unit_test(tools),
+        cmocka_unit_test(foreign_tools),                 cmocka_unit_test(bones_come_down_in_slabs),
+    };
+    return cmocka_run_group_tests(tests, make_scratch, drop_scratch);
+}
