@@ -16,8 +16,9 @@
  *   osteon_kind:=ct
  *   <empty line>, voxels
  *
- * Lengths are exact decimals of at most nine places.
+ * Lengths are exact decimals of at most nine places; a tool's origin may need ten.
  */
+#include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -39,14 +40,26 @@ static void escape(const char *value, char out[2 * OST_META_VALUE])
     *out = 0;
 }
 
+/* value + 1/2 pm in mm, which ends in the tenth place: value * 10 + 5 units of 10^-10 mm. |value| <= 8 * 10^12. */
+static void format_half(ost_pm value, char text[OST_PM_TEXT])
+{
+    int64_t tenths = value * 10 + 5;
+    uint64_t magnitude = (uint64_t)(tenths < 0 ? -tenths : tenths), unit = UINT64_C(10000000000);
+    snprintf(text, OST_PM_TEXT, "%s%" PRIu64 ".%010" PRIu64, tenths < 0 ? "-" : "", magnitude / unit, magnitude % unit);
+}
+
 ost_status ost_nrrd_write_header(ost_volume_writer *writer, const ost_geometry *geometry, const ost_meta *meta, ost_element element,
-                                 bool compress, ost_error *err)
+                                 bool odd_half, bool compress, ost_error *err)
 {
     char length[6][OST_PM_TEXT], text[1024], value[2 * OST_META_VALUE];
     const ost_pm lengths[6] = {geometry->spacing.x, geometry->spacing.y, geometry->spacing.z,
                                geometry->origin.x,  geometry->origin.y,  geometry->origin.z};
-    for (int i = 0; i < 6; i++)
-        ost_pm_format(lengths[i], length[i]);
+    for (int i = 0; i < 6; i++) {
+        if (odd_half && i >= 3)
+            format_half(lengths[i], length[i]);
+        else
+            ost_pm_format(lengths[i], length[i]);
+    }
     snprintf(text, sizeof text,
              "NRRD0005\n"
              "type: %s\n"

@@ -3,9 +3,10 @@
  * Tool grids as uint8 NRRD: 0 void, 1 cutting, 2 not cutting.
  *
  * NRRD's origin is the first voxel's centre, a tool's corner lies half a voxel
- * before it.  A voxel of an odd number of picometres has no exact half, so
- * the corner itself stands in osteon_tool_corner_mm and is believed when it
- * agrees with the origin to a picometre; a file without it (any uint8 NRRD
+ * before it.  Half of an odd number of picometres is no length here, so the
+ * corner itself stands in osteon_tool_corner_mm and decides, as long as it
+ * agrees with the origin to a picometre (else somebody changed one of them);
+ * a file without it (any uint8 NRRD
  * with cubic voxels, as a segmentation from 3D Slicer) has corner = origin -
  * RHE(voxel / 2).
  */
@@ -125,13 +126,13 @@ ost_status ost_tool_volume_write(const char *path, const ost_tool_volume *tool, 
         status = ost_meta_set(&meta, OST_META_TOOL_CORNER, corner, err);
     if (status != OST_OK)
         return status;
-    ost_pm h = half(t->voxel);
+    ost_pm h = t->voxel / 2;
     const ost_geometry geometry = {.dims = t->dims,
                                    .spacing = {t->voxel, t->voxel, t->voxel},
                                    .origin = {t->corner.x + h, t->corner.y + h, t->corner.z + h}};
     ost_volume_writer *writer;
     const ost_write_options options = {.compress = true};
-    status = ost_volume_writer_open(path, &geometry, &meta, OST_ELEMENT_UINT8, &options, &writer, err);
+    status = ost_volume_writer_open(path, &geometry, &meta, OST_ELEMENT_UINT8, t->voxel % 2 != 0, &options, &writer, err);
     if (status != OST_OK)
         return status;
     status = ost_volume_writer_put(writer, tool->voxels, (size_t)ost_dims_count(t->dims), err);

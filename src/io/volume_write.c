@@ -88,7 +88,7 @@ ost_status ost_volume_writer_pack(ost_volume_writer *w, ost_error *err)
 /* ------------------------------------------------------------------ writer */
 
 ost_status ost_volume_writer_open(const char *path, const ost_geometry *geometry, const ost_meta *meta, ost_element element,
-                                  const ost_write_options *options, ost_volume_writer **out, ost_error *err)
+                                  bool odd_half, const ost_write_options *options, ost_volume_writer **out, ost_error *err)
 {
     *out = NULL;
     ost_volume_format format = ost_volume_format_of(path);
@@ -105,7 +105,7 @@ ost_status ost_volume_writer_open(const char *path, const ost_geometry *geometry
     ost_status status = ost_outfile_open(path, &w->file, err);
     if (status == OST_OK)
         status = format == OST_FORMAT_NRRD
-                     ? ost_nrrd_write_header(w, geometry, meta, element, options && options->compress, err)
+                     ? ost_nrrd_write_header(w, geometry, meta, element, odd_half, options && options->compress, err)
                      : ost_nifti_write_header(w, geometry, meta, format == OST_FORMAT_NIFTI_GZIP, err);
     if (status != OST_OK) {
         ost_volume_writer_discard(w);
@@ -159,7 +159,7 @@ ost_status ost_volume_write(const char *path, const ost_volume *volume, const os
     if (format == OST_FORMAT_TEXT)
         return ost_text_write_volume(path, volume, options ? options->text_decimals : 0, err);
     ost_volume_writer *w;
-    status = ost_volume_writer_open(path, &volume->geometry, &volume->meta, OST_ELEMENT_INT16, options, &w, err);
+    status = ost_volume_writer_open(path, &volume->geometry, &volume->meta, OST_ELEMENT_INT16, false, options, &w, err);
     if (status != OST_OK)
         return status;
     status = ost_volume_writer_put(w, volume->voxels, (size_t)ost_dims_count(volume->geometry.dims), err);

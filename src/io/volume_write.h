@@ -24,9 +24,13 @@ ost_status ost_volume_format_unknown(const char *path, ost_error *err);
 
 typedef struct ost_volume_writer ost_volume_writer;
 
-/* element: int16 or, for NRRD only, uint8. Not for text. */
+/*
+ * element: int16 or, for NRRD only, uint8. Not for text.  odd_half (NRRD
+ * only): the origin lies half a picometre further on every axis, which a tool
+ * of an odd voxel needs (AR-FILE-3).
+ */
 ost_status ost_volume_writer_open(const char *path, const ost_geometry *geometry, const ost_meta *meta, ost_element element,
-                                  const ost_write_options *options, ost_volume_writer **out, ost_error *err);
+                                  bool odd_half, const ost_write_options *options, ost_volume_writer **out, ost_error *err);
 ost_status ost_volume_writer_put(ost_volume_writer *writer, const void *voxels, size_t count, ost_error *err);
 /* Ends the writer in any case. Every voxel must have been put. */
 ost_status ost_volume_writer_commit(ost_volume_writer *writer, ost_error *err);
@@ -38,7 +42,7 @@ ost_status ost_volume_writer_pack(ost_volume_writer *writer, ost_error *err);
 
 /* nrrd_write.c and nifti_write.c: the header, leaving the writer ready for voxels. */
 ost_status ost_nrrd_write_header(ost_volume_writer *writer, const ost_geometry *geometry, const ost_meta *meta, ost_element element,
-                                 bool compress, ost_error *err);
+                                 bool odd_half, bool compress, ost_error *err);
 ost_status ost_nifti_write_header(ost_volume_writer *writer, const ost_geometry *geometry, const ost_meta *meta, bool compress,
                                   ost_error *err);
 

@@ -51,7 +51,9 @@ static void every_format_keeps_the_volume(void **state)
     test_rng rng = rng_seeded("volumes");
     ost_error err = {0};
     for (size_t s = 0; s < sizeof spacings / sizeof spacings[0]; s++) {
-        for (size_t o = 0; o < sizeof origins / sizeof origins[0]; o++) {
+        /* Two origins each: every file is synced to disk, which takes its time. */
+        for (size_t turn = 0; turn < 2; turn++) {
+            size_t o = (s + turn) % (sizeof origins / sizeof origins[0]);
             ost_volume v;
             const ost_geometry g = {.dims = {5, 4, 3},
                                     .spacing = {pm(spacings[s]), pm(spacings[s]), pm("0.625")},
@@ -173,6 +175,85 @@ static void names_decide_and_nothing_is_left(void **state)
     assert_int_equal(access(at("y.nrrd"), F_OK), -1);
 }
 
+/*
+ * The same volume as text (4, 6 and as many decimals as needed), NRRD and
+ * NIfTI imports to one bone.  Text with its comments stripped has its spacing
+ * found from its coordinates.
+ */
+static void strip_comments(const char *from, const char *to)
+{
+    size_t size, used = 0;
+    char *text = read_all(at(from), &size);
+    for (char *line = text; *line;) {
+        size_t n = strcspn(line, "\n") + 1;
+        if (*line != '#') {
+            memmove(text + used, line, n);
+            used += n;
+        }
+        line += n;
+    }
+    write_file(to, text, used);
+    free(text);
+}
+
+static void import_digests(ost_backend *backend, const char *name, ost_geometry *rect, ost_digest digests[3])
+{
+    ost_error err = {0};
+    ost_bone *bone;
+    ost_import_result result;
+    const ost_import_options options = {.digests = true};
+    int found = 0;
+    assert_ok(ost_import(backend, at(name), &options, &bone, &result, &err));
+    for (int s = 0; s < result.stage_count; s++)
+        if (strcmp(result.stages[s].name, "samples") != 0)
+            digests[found++] = result.stages[s].digest;
+    assert_int_equal(found, 3);
+    *rect = result.rect;
+    ost_bone_free(bone);
+}
+
+static void every_format_imports_to_the_same_bone(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *spacing, *thick, *origin;
+    } cases[] = {{"0.3", "0.3", "-57.34"},        {"0.032", "0.032", "-0.512"},   {"0.488281", "1", "-57.34"},
+                 {"0.47", "1", "-57.34"},         {"0.48828125", "1.25", "12.5"}};
+    static const struct {
+        const char *name;
+        int decimals;
+        bool compress;
+    } ways[] = {{"i.nrrd", 0, false}, {"j.nrrd", 0, true}, {"i.nii", 0, false}, {"i.nii.gz", 0, false}, {"i.txt", 0, false},
+                {"j.txt", 6, false}, {"k.txt", 4, false}};
+    test_rng rng = rng_seeded("import");
+    ost_error err = {0};
+    ost_backend *backend;
+    assert_ok(ost_backend_open("ref", &backend, &err));
+    for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++) {
+        ost_volume v;
+        const ost_geometry g = {.dims = {40, 31, 23},
+                                .spacing = {pm(cases[c].spacing), pm(cases[c].spacing), pm(cases[c].thick)},
+                                .origin = {pm(cases[c].origin), pm(cases[c].origin), 0}};
+        make_volume(&v, &g, &rng);
+        ost_digest first[3], digests[3];
+        ost_geometry rect;
+        for (size_t w = 0; w < sizeof ways / sizeof ways[0]; w++) {
+            const ost_write_options options = {.compress = ways[w].compress, .text_decimals = ways[w].decimals};
+            assert_ok(ost_volume_write(at(ways[w].name), &v, &options, &err));
+            import_digests(backend, ways[w].name, &rect, w ? digests : first);
+            assert_true(ost_geometry_equal(&rect, &g));
+            if (w)
+                assert_memory_equal(digests, first, sizeof first);
+        }
+        strip_comments("i.txt", "bare.txt");
+        import_digests(backend, "bare.txt", &rect, digests);
+        assert_true(ost_geometry_equal(&rect, &g));
+        assert_memory_equal(digests, first, sizeof first);
+        ost_volume_free(&v);
+    }
+    ost_backend_close(backend);
+}
+
 /* ------------------------------------------------------------------- tools */
 
 static void tools(void **state)
@@ -196,6 +277,25 @@ static void tools(void **state)
         ost_tool_volume_free(&tool);
         ost_tool_volume_free(&back);
     }
+}
+
+/* 1 um + 1 pm, its half after the corner: ten places, worked out by hand. */
+static void a_tool_of_an_odd_voxel(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    uint8_t voxel = 1;
+    size_t size;
+    const ost_tool_volume tool = {.geometry = {.dims = {1, 1, 1}, .voxel = 1000001, .corner = {-1000000, 0, 2000000000}}, .voxels = &voxel};
+    assert_ok(ost_tool_volume_write(at("odd.nrrd"), &tool, &err));
+    char *file = read_all(at("odd.nrrd"), &size);
+    assert_non_null(strstr(file, "space origin: (-0.0004999995,0.0005000005,2.0005000005)\n"));
+    assert_non_null(strstr(file, "osteon_tool_corner_mm:=-0.001 0 2\n"));
+    free(file);
+    ost_tool_volume back;
+    assert_ok(ost_tool_volume_read(at("odd.nrrd"), &back, &err));
+    assert_memory_equal(&back.geometry, &tool.geometry, sizeof tool.geometry);
+    ost_tool_volume_free(&back);
 }
 
 static void write_tool(const char *fields, const char *values)
@@ -279,8 +379,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_format_keeps_the_volume), cmocka_unit_test(nifti_without_its_comment),
         cmocka_unit_test(a_changed_nifti_header_counts), cmocka_unit_test(the_nrrd_header_to_the_byte),
-        cmocka_unit_test(names_decide_and_nothing_is_left), cmocka_unit_test(tools),
-        cmocka_unit_test(foreign_tools),                 cmocka_unit_test(bones_come_down_in_slabs),
+        cmocka_unit_test(names_decide_and_nothing_is_left), cmocka_unit_test(tools), cmocka_unit_test(every_format_imports_to_the_same_bone),
+        cmocka_unit_test(a_tool_of_an_odd_voxel),        cmocka_unit_test(foreign_tools),                 cmocka_unit_test(bones_come_down_in_slabs),
     };
     return cmocka_run_group_tests(tests, make_scratch, drop_scratch);
 }
