@@ -24,6 +24,13 @@ def vertex_pm(value, unit="mm"):
     return pm
 
 
+def weld(vertices, triangles):
+    """AR-MESH-5"""
+    number = {}
+    renumbered = [number.setdefault(vertex, len(number)) for vertex in vertices]
+    return list(number), [tuple(renumbered[v] for v in triangle) for triangle in triangles]
+
+
 class ToolGeometry:
     """AR-TOOL-1, AR-TOOL-2"""
 
@@ -45,19 +52,23 @@ class SnappedMesh:
     def __init__(self, vertices, triangles, geometry):
         self.geometry = geometry
         scale = Fraction(2**geometry.fraction_bits, geometry.voxel)
-        corners = [[tuple(rhe((p - c) * scale) for p, c in zip(vertices[v], geometry.corner)) for v in t] for t in triangles]
-        for vertex in (v for triangle in corners for v in triangle):
+        used = {v for triangle in triangles for v in triangle}
+        self.vertices = [
+            tuple(rhe((p - c) * scale) for p, c in zip(vertex, geometry.corner)) if number in used else (0, 0, 0)
+            for number, vertex in enumerate(vertices)]
+        for vertex in self.vertices:
             assert all(0 <= v <= n << geometry.fraction_bits <= 2**20 for v, n in zip(vertex, geometry.dims))
-        self.triangles = [t for t in corners if any(cross(*t))]
+        self.triangles = [t for t in triangles if any(cross(*(self.vertices[v] for v in t)))]
         self.dropped = len(triangles) - len(self.triangles)
 
     def digest(self):
         """AR-DIG-7"""
         g = self.geometry
-        data = b"OSTEONM1" + struct.pack("<II3i4x", ARITHMETIC_VERSION, g.fraction_bits, *g.dims)
-        data += struct.pack("<4qQ56x", g.voxel, *g.corner, len(self.triangles))
-        assert len(data) == 128
-        data += b"".join(struct.pack("<3i", *v) for triangle in self.triangles for v in triangle)
+        data = b"OSTEONM1" + struct.pack("<I3i4qi", ARITHMETIC_VERSION, *g.dims, g.voxel, *g.corner, g.fraction_bits)
+        data += struct.pack("<QQQ", len(self.vertices), len(self.triangles), self.dropped)
+        assert len(data) == 84
+        data += b"".join(struct.pack("<3i", *v) for v in self.vertices)
+        data += b"".join(struct.pack("<3I", *t) for t in self.triangles)
         return hashlib.sha256(data).hexdigest()
 
 
@@ -82,7 +93,7 @@ def crossings(mesh):
     half = Fraction(2**mesh.geometry.fraction_bits, 2)
     rows = {}
     for triangle in mesh.triangles:
-        v0, v1, v2 = triangle
+        v0, v1, v2 = (mesh.vertices[v] for v in triangle)
         area = cross(v0, v1, v2)[0]
         if area == 0:
             continue
@@ -155,7 +166,7 @@ def self_check():
         assert cube.dims == (4, 4, 4) and cube.leaking_rows == 0 and sum(cube.voxels) == 8
         assert all(cube.voxels[cube.index(i, j, k)] == 1 for i in (1, 2) for j in (1, 2) for k in (1, 2))
         assert cube.digest() == "6e1e3945e05ceb975429a5633fe4a52a58743aba114789520e70c56fb66d6d47"
-    assert cube.snapped[0].digest() == "e749888b2803eb05b2e25d57ddb7921ab0dbb582d881169edeed7321c37fbfbf"
+    assert cube.snapped[0].digest() == "33eb78a225ddc7752794a99e8fb0797aae7b480b7ca85f912cdce4a36be8d2d9"
     first = [(0, 0), (2048, 2048), (0, 2048)]   # (y, z) of the face x = 0, turned
     second = [(0, 0), (2048, 0), (2048, 2048)]
     assert not owns(first, 512, 512) and owns(second, 512, 512)
