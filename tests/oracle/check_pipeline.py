@@ -169,6 +169,10 @@ def imports(runner):
     check_import(runner, "tenths", ct_text(rng, (33, 12, 14), ("0.3", "0.3", "0.3"), ("0", "-57.34", "0"), 4, separator="\t"))
     check_import(runner, "given-in-text", ct_text(rng, (20, 10, 1), ("0.488281",) * 3, ("1", "1", "1"), 3,
                                                   head="# osteon spacing_mm: 0.488281 0.488281 2.5\r\n"))
+    # Written coarsely, but the text says what it is: the third of a voxel that rounding hides in the first layer is known.
+    check_import(runner, "origin-in-text", ct_text(rng, (12, 10, 9), ("0.48828125",) * 3, ("0.02", "0", "0"), 1,
+                                                   head="# osteon dims: 12 10 9\n# osteon spacing_mm: 0.48828125 0.48828125 0.48828125\n"
+                                                        "# osteon origin_mm: 0.02 0 0\n"))
     check_import(runner, "given", ct_text(rng, (20, 10, 9), ("0.7", "0.9", "1.1"), ("1", "1", "1"), 1), ("--spacing", "0.7,0.9,1.1"),
                  spacing=(700000000, 900000000, 1100000000))
     check_import(runner, "coarser", ct_text(rng, (31, 14, 9), ("0.7", "0.9", "1.1"), ("1", "1", "1"), 1),

@@ -158,12 +158,12 @@ class Text:
         for number, line in enumerate(lines, 1):
             line = line[:-1] if line.endswith("\r") else line
             line, hash_sign, comment = line.partition("#")
-            if hash_sign:
+            if hash_sign and not line.strip(" \t"):
                 self._fact(comment)
             fields = self._fields(line)
             if not fields:
                 continue
-            if may_be_header and not DECIMAL.match(fields[0]):
+            if may_be_header and not any(DECIMAL.match(f) or re.match("[+-]?(nan|inf)", f, re.I) for f in fields):
                 may_be_header = False
                 continue
             may_be_header = False
@@ -177,7 +177,7 @@ class Text:
 
     def _fact(self, comment):
         """AR-CT-8"""
-        match = re.fullmatch(r"[ \t]*osteon[ \t]+([a-z0-9_]{1,40})[ \t]*:(.*)", comment)
+        match = re.fullmatch(r"[ \t]*osteon[ \t]+([a-z0-9_]{1,40}):(.*)", comment)
         if match:
             self.meta[match.group(1)] = match.group(2).strip()
 
@@ -193,7 +193,7 @@ class Text:
             raise Refused(f"line {number}: density {fields[3]}")
         self.samples.append(tuple(length(value) for value, _ in numbers[:3]) + (int(density),))
         for axis, (value, places) in enumerate(numbers[:3]):
-            self.units[axis].add(10 ** (9 - min(max(places, -4), 9)))
+            self.units[axis].add(10 ** (9 - min(max(places, -3), 9)))
             if (value * PM_PER_MM).denominator != 1:
                 self.rounded[axis] = 1
 
@@ -293,17 +293,31 @@ def infer_spacing(text):
     return tuple(spacing)
 
 
+def fact_lengths(text, key):
+    """AR-CT-8"""
+    return tuple(length(decimal(word)[0]) for word in text.meta[key].split())
+
+
 def text_to_rect(text, spacing=None, duplicates="error"):
     """AR-CT-4..6. Returns the rect grid and a report."""
     if not text.samples:
         raise Refused("no sample")
     if spacing is None and "spacing_mm" in text.meta:
-        spacing = tuple(length(decimal(word)[0]) for word in text.meta["spacing_mm"].split())
+        spacing = fact_lengths(text, "spacing_mm")
     if spacing is None:
         spacing = infer_spacing(text)
     low = [min(s[a] for s in text.samples) for a in range(3)]
     high = [max(s[a] for s in text.samples) for a in range(3)]
+    if "origin_mm" in text.meta:
+        origin = fact_lengths(text, "origin_mm")
+        if any(8 * abs(l - o) > s for l, o, s in zip(low, origin, spacing)):
+            raise Refused("the text's own origin is not where its samples start")
+        low = origin
     dims = [rhe(Fraction(h - l, s)) + 1 for l, h, s in zip(low, high, spacing)]
+    if "dims" in text.meta and [int(n) for n in text.meta["dims"].split()] != dims:
+        raise Refused("the text's own dims are others")
+    if dims[0] * dims[1] * dims[2] > max(2**24, 256 * len(text.samples)):
+        raise Refused("the samples are too sparse")
     rect = Grid(dims, spacing, low).check()
     seen, report = set(), {"samples": 0, "duplicates": 0, "off_lattice": 0, "worst_offset_ppm": 0}
     for *position, density in text.samples:
