@@ -12,7 +12,7 @@ length; nothing is shared but the rules:
     AR-REM     which voxels a whole event takes and touches, and their sums
 
 Covers: AR-POSE-4, AR-SWEEP-1, AR-SWEEP-2, AR-SWEEP-3, AR-SWEEP-4, AR-MAP-1, AR-MAP-3, AR-MAP-4, AR-MAP-5, AR-MAP-6,
-AR-REM-1, AR-REM-2, AR-REM-6, AR-CLS-1
+AR-MAP-7, AR-REM-1, AR-REM-2, AR-REM-6, AR-CLS-1
 
 Usage: check_events.py [DUMPER] [COUNT]    (default: tests/oracle/dump_events, 2000)
 OST_TEST_SEED=N replays a run; exit status 77 when there is no dumper.
@@ -181,7 +181,7 @@ def integers(text):
 class Checker:
     def __init__(self):
         self.worst = Fraction(0)
-        self.counts = {"sweep": 0, "refused": 0, "map": 0, "far": 0, "exact border": 0, "event": 0, "hit": 0, "touched": 0}
+        self.counts = {"sweep": 0, "refused": 0, "map": 0, "far": 0, "near at the limits": 0, "exact border": 0, "event": 0, "hit": 0, "touched": 0}
 
     def sweep(self, words, poses):
         a, b, tool, s = Pose.read(words["a"]), Pose.read(words["b"]), Tool(words["tool"]), int(words["s"])
@@ -202,6 +202,7 @@ class Checker:
             block, near, base = tuple(n[0:3]), n[3], n[4:7]
             self.expect(f"near {block}", near, int(is_near(m.base(block))))
             self.counts["far"] += not near
+            self.counts["near at the limits"] += near and words["extreme"] == "1"
             if near:
                 self.expect(f"base {block}", base, m.base(block))
             self.deviation(m, block, dims)

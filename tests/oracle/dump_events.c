@@ -218,6 +218,30 @@ static void dump_sweep(void)
 
 /* ------------------------------------------------------------------ maps */
 
+/* Everything as far off as the ranges of AR-MAP-7 allow: bone and pose at opposite ends of 16 m, |q| near 1.001. */
+static void go_to_the_limits(ost_geometry *g, ost_tool_geometry *tool, ost_pose *pose)
+{
+    const ost_pm v = OST_SPACING_MAX;
+    g->dims = (ost_dims){40, 35, 30};
+    g->spacing = (ost_pm3){v, v, v};
+    tool->voxel = v;
+    const int32_t bone_dims[3] = {g->dims.x, g->dims.y, g->dims.z}, tool_dims[3] = {tool->dims.x, tool->dims.y, tool->dims.z};
+    ost_pm *o[3] = {&g->origin.x, &g->origin.y, &g->origin.z}, *t[3] = {&pose->t.x, &pose->t.y, &pose->t.z};
+    ost_pm *c[3] = {&tool->corner.x, &tool->corner.y, &tool->corner.z};
+    for (int a = 0; a < 3; a++) {
+        bool low = pick(0, 1);
+        *o[a] = low ? -OST_LENGTH_MAX : OST_LENGTH_MAX - (bone_dims[a] - 1) * v;
+        *t[a] = low ? OST_LENGTH_MAX : -OST_LENGTH_MAX;
+        *c[a] = pick(0, 1) ? -OST_LENGTH_MAX : OST_LENGTH_MAX - tool_dims[a] * v;
+    }
+    ost_pose longer = *pose;
+    int32_t *q[4] = {&longer.qw, &longer.qx, &longer.qy, &longer.qz};
+    for (int k = 0; k < 4; k++)
+        *q[k] += *q[k] / 1010;
+    if (ost_pose_check(&longer, NULL) == OST_OK)
+        *pose = longer;
+}
+
 static void dump_map(int style)
 {
     ost_error err = {0};
@@ -233,10 +257,13 @@ static void dump_map(int style)
     ost_dims at = {(int32_t)pick(0, g.dims.x - 1), (int32_t)pick(0, g.dims.y - 1), (int32_t)pick(0, g.dims.z - 1)};
     ost_pm3 around = {g.origin.x + at.x * s.bone, g.origin.y + at.y * s.bone, g.origin.z + at.z * s.bone};
     ost_pose pose = make_pose(style, around, 10 * s.bone, s.tool);
+    bool extreme = pick(0, 5) == 0;
+    if (extreme)
+        go_to_the_limits(&g, &tool, &pose);
     ost_map map;
     if (ost_map_make(&pose, &g, &tool, &map, &err) != OST_OK)
         fail(&err);
-    printf("map");
+    printf("map extreme=%d", extreme);
     print_bone(&g);
     print_tool(&tool);
     print_pose("pose", &pose);
