@@ -118,7 +118,7 @@ static void obj(bytes *b)
 
 static void ply(bytes *b, const char *format, bool wide)
 {
-    const bool text = format[0] == 'a', big = format[7] == 'b';
+    const bool text = strcmp(format, "ascii") == 0, big = strcmp(format, "binary_big_endian") == 0;
     char line[256];
     snprintf(line, sizeof line, "ply\nformat %s 1.0\ncomment made by a test\nelement vertex 8\nproperty %s x\nproperty uchar red\n", format,
              wide ? "double" : "float");
