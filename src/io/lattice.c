@@ -288,14 +288,14 @@ static ost_status find_axis(const char *path, fit *f, ost_pm *spacing, ost_error
     while (!(axis->units >> coarsest & 1))
         coarsest++;
 
-    f->unit = unit_pm(finest);
+    f->unit = unit_pm(finest) + axis->rounded;
     if (exact_steps(f, unit_pm(coarsest)) && (*spacing = spacing_of(f)) > 0)
         return OST_OK;
     ost_status first = OST_OK;
     for (int unit = finest; unit >= coarsest; unit--) {
         if (!(axis->units >> unit & 1))
             continue;
-        f->unit = unit_pm(unit);
+        f->unit = unit_pm(unit) + axis->rounded;
         /* The text of the finest unit's failure is the one to show: the coarser ones say less. */
         ost_error *to = first == OST_OK ? err : NULL;
         ost_status status = rounded_steps(path, f, to);

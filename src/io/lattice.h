@@ -36,6 +36,7 @@ typedef struct ost_lattice_axis {
     const ost_pm *value;  /* distinct, ascending */
     const int64_t *line;  /* where each was read first */
     uint32_t units;       /* bit n: unit n occurs */
+    bool rounded;         /* some coordinate had more than nine places: its picometres are up to half a one off */
 } ost_lattice_axis;
 
 /*

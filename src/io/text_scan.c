@@ -140,6 +140,7 @@ static ost_status add_rows(const char *path, ost_text_summary *summary, const os
             ost_pm value = row->position[a];
             axis->units |= 1u << (row->places[a] + OST_LATTICE_UNIT_PLACES);
             summary->rounded_positions += row->rounded >> a & 1;
+            axis->rounded |= row->rounded >> a & 1;
             if (value == last[a])
                 continue;
             last[a] = value;
@@ -267,6 +268,7 @@ static ost_status find_spacing(const char *path, const ost_text_summary *summary
             .value = values + used,
             .line = lines + used,
             .units = axis->units,
+            .rounded = axis->rounded,
         };
         for (size_t i = 0; i < axis->distinct; i++, used++) {
             values[used] = axis->set[i].value;

@@ -49,7 +49,8 @@ typedef struct ost_text_coordinate {
 typedef struct ost_text_axis {
     ost_pm min, max;
     ost_pm given;       /* spacing by option or by the text's own fact; 0 = find it */
-    uint32_t units;     /* as in ost_lattice_axis */
+    uint32_t units;     /* this and rounded as in ost_lattice_axis */
+    bool rounded;
     size_t distinct;    /* coordinates in set; sorted at its front after the pass */
     ost_text_coordinate *set;
 } ost_text_axis;
