@@ -125,7 +125,7 @@ ost_status ost_volume_writer_put(ost_volume_writer *w, const void *voxels, size_
 ost_status ost_volume_writer_commit(ost_volume_writer *w, ost_error *err)
 {
     assert(w->left == 0);
-    ost_status status = w->packing ? deflate_bytes(w, NULL, 0, Z_FINISH, err) : OST_OK;
+    ost_status status = w->packing ? deflate_bytes(w, "", 0, Z_FINISH, err) : OST_OK;
     if (status == OST_OK) {
         status = ost_outfile_commit(w->file, err);
         w->file = NULL;
