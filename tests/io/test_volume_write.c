@@ -256,6 +256,14 @@ static void every_format_imports_to_the_same_bone(void **state)
 
 /* ------------------------------------------------------------------- tools */
 
+/* By fields: the struct has padding. */
+static void assert_tool_geometry(const ost_tool_geometry *a, const ost_tool_geometry *b)
+{
+    assert_memory_equal(&a->dims, &b->dims, sizeof a->dims);
+    assert_int_equal(a->voxel, b->voxel);
+    assert_memory_equal(&a->corner, &b->corner, sizeof a->corner);
+}
+
 static void tools(void **state)
 {
     (void)state;
@@ -271,7 +279,7 @@ static void tools(void **state)
             tool.voxels[n] = (uint8_t)(n % 3);
         assert_ok(ost_tool_volume_write(at("t.nrrd"), &tool, &err));
         assert_ok(ost_tool_volume_read(at("t.nrrd"), &back, &err));
-        assert_memory_equal(&back.geometry, &g, sizeof g);
+        assert_tool_geometry(&back.geometry, &g);
         assert_memory_equal(back.voxels, tool.voxels, 24);
         assert_string_equal(ost_meta_get(&back.meta, OST_META_KIND), "tool");
         ost_tool_volume_free(&tool);
@@ -294,7 +302,7 @@ static void a_tool_of_an_odd_voxel(void **state)
     free(file);
     ost_tool_volume back;
     assert_ok(ost_tool_volume_read(at("odd.nrrd"), &back, &err));
-    assert_memory_equal(&back.geometry, &tool.geometry, sizeof tool.geometry);
+    assert_tool_geometry(&back.geometry, &tool.geometry);
     ost_tool_volume_free(&back);
 }
 
