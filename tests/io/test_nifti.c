@@ -272,8 +272,22 @@ static void oblique(void **state)
     ost_volume_free(&v);
 }
 
+/* Without libnifti a file is told from others all the same, and the text says what to install. */
+static void without_libnifti(void **state)
+{
+    (void)state;
+    nifti_spec s = nifti_plain(1);
+    if (HAS_NIFTI)
+        skip();
+    write_nifti("w.nii.gz", &s, eight, 8);
+    assert_refused(at("w.nii.gz"), NULL, OST_ERR_UNAVAILABLE, "libnifti-dev");
+}
+
 int main(void)
 {
+    const struct CMUnitTest absent[] = {cmocka_unit_test(without_libnifti)};
+    if (!HAS_NIFTI)
+        return cmocka_run_group_tests(absent, make_scratch, drop_scratch);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_type_version_and_order), cmocka_unit_test(pairs),         cmocka_unit_test(slope_and_intercept),
         cmocka_unit_test(sform_qform_or_pixdim),        cmocka_unit_test(quarter_turns), cmocka_unit_test(units_and_float32),

@@ -63,6 +63,8 @@ static void every_format_keeps_the_volume(void **state)
             assert_ok(ost_meta_set(&v.meta, OST_META_GLENOID_AT, "-117.8 196.5 -159", &err));
             assert_ok(ost_meta_set(&v.meta, "note", "a \\ and: a colon", &err));
             for (size_t f = 0; f < sizeof formats / sizeof formats[0]; f++) {
+                if (!HAS_NIFTI && strstr(formats[f].name, ".nii"))
+                    continue;
                 const ost_write_options options = {.compress = formats[f].compress};
                 ost_volume back;
                 size_t size, again_size;
@@ -87,6 +89,8 @@ static void every_format_keeps_the_volume(void **state)
 static void nifti_without_its_comment(void **state)
 {
     (void)state;
+    if (!HAS_NIFTI)
+        skip();
     static const char *const lengths[] = {"0.3", "0.032", "0.488281", "0.47", "0.48828125", "57.34", "1"};
     test_rng rng = rng_seeded("nifti");
     ost_error err = {0};
@@ -112,6 +116,8 @@ static void nifti_without_its_comment(void **state)
 static void a_changed_nifti_header_counts(void **state)
 {
     (void)state;
+    if (!HAS_NIFTI)
+        skip();
     ost_error err = {0};
     ost_volume v, back;
     const ost_geometry g = {.dims = {1, 1, 1}, .spacing = {pm("0.123456789"), pm("1"), pm("1")}, .origin = {0, 0, 0}};
@@ -238,6 +244,8 @@ static void every_format_imports_to_the_same_bone(void **state)
         ost_digest first[3], digests[3];
         ost_geometry rect;
         for (size_t w = 0; w < sizeof ways / sizeof ways[0]; w++) {
+            if (!HAS_NIFTI && strstr(ways[w].name, ".nii"))
+                continue;
             const ost_write_options options = {.compress = ways[w].compress, .text_decimals = ways[w].decimals};
             assert_ok(ost_volume_write(at(ways[w].name), &v, &options, &err));
             import_digests(backend, ways[w].name, &rect, w ? digests : first);

@@ -3,6 +3,7 @@
 #ifndef OST_TESTS_VOLUME_FILES_H
 #define OST_TESTS_VOLUME_FILES_H
 
+#include "config.h"
 #include "harness.h"
 
 #include <ftw.h>
@@ -12,6 +13,12 @@
 #include <zlib.h>
 
 #include <osteon/io.h>
+
+#ifdef HAVE_NIFTI
+enum { HAS_NIFTI = 1 };
+#else
+enum { HAS_NIFTI = 0 };
+#endif
 
 static char scratch[256];
 
