@@ -5,8 +5,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "io/text_write.h"
-#include "io/volume_write.h"
+#include "io/text/write.h"
+#include "io/volume/write.h"
 
 enum { SLAB_BYTES = 8 << 20 };
 

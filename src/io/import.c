@@ -20,7 +20,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "io/text_rect.h"
+#include "io/text/rect.h"
 
 enum { THRESHOLD = 120, CHUNK = 32 };
 

@@ -18,7 +18,7 @@
 #include <unistd.h>
 #include <zlib.h>
 
-#include "io/text_fields.h"
+#include "io/text/fields.h"
 
 enum { HEAD = 4096, GZIP_HEAD = 1024 };
 

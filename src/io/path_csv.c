@@ -21,8 +21,8 @@
 
 #include "core/integer.h"
 #include "io/outfile.h"
-#include "io/text_fields.h"
-#include "io/text_lines.h"
+#include "io/text/fields.h"
+#include "io/text/lines.h"
 
 enum { COLUMNS = 8, COLUMNS_MAX = 9 };
 static const char *const column_names[COLUMNS_MAX] = {"t_s", "x_mm", "y_mm", "z_mm", "qw", "qx", "qy", "qz", "tool"};

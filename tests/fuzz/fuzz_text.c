@@ -5,7 +5,7 @@
  */
 #include "fuzz.h"
 
-#include "io/text_scan.h"
+#include "io/text/scan.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {

@@ -11,7 +11,7 @@
 #include <float.h>
 #include <math.h>
 
-#include "io/element.h"
+#include "io/volume/element.h"
 
 static int16_t convert_one(ost_converter *c, const void *bytes, ost_bad_kind expected)
 {

@@ -13,7 +13,7 @@
 
 #include <osteon/io.h>
 
-#include "io/text_rect.h"
+#include "io/text/rect.h"
 #include "io_scratch.h"
 
 #include "ct_text.h"

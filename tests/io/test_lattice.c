@@ -7,7 +7,7 @@
  */
 #include "harness.h"
 
-#include "io/lattice.h"
+#include "io/text/lattice.h"
 
 enum { MAX = 1200 };
 

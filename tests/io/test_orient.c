@@ -8,8 +8,8 @@
  */
 #include "harness.h"
 
-#include "io/orient.h"
-#include "io/volume_resample.h"
+#include "io/volume/orient.h"
+#include "io/volume/resample.h"
 
 static const int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
 

@@ -6,7 +6,7 @@
  */
 #include "harness.h"
 
-#include "io/text_scan.h"
+#include "io/text/scan.h"
 #include "io_scratch.h"
 
 static char *folder;

@@ -12,7 +12,7 @@
 
 #include <osteon/io.h>
 
-#include "io/text_write.h"
+#include "io/text/write.h"
 #include "io_scratch.h"
 
 static char *folder, path[600];

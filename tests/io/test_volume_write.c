@@ -7,7 +7,7 @@
  */
 #include "volume_files.h"
 
-#include "io/volume_input.h"
+#include "io/volume/input.h"
 
 static ost_pm pm(const char *text)
 {

@@ -1,0 +1,226 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A mesh file in memory, its kind, and the words of the text kinds. */
+#include "io/mesh/input.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* More than a binary STL with OST_MESH_TRIANGLES_MAX triangles needs. */
+#define FILE_MAX (INT64_C(4) << 30)
+
+static ost_status read_all(int fd, const char *path, mesh_input *in, ost_error *err)
+{
+    struct stat st;
+    if (fstat(fd, &st) != 0)
+        return ost_fail(err, OST_ERR_IO, "%s: %s", path, strerror(errno));
+    if (!S_ISREG(st.st_mode))
+        return ost_fail(err, OST_ERR_IO, "%s: not a regular file; a mesh must be one", path);
+    if (st.st_size == 0)
+        return ost_fail(err, OST_ERR_INPUT, "%s: the file is empty", path);
+    if (st.st_size > FILE_MAX)
+        return ost_fail(err, OST_ERR_RANGE, "%s: %lld bytes; a mesh file may have at most %lld", path, (long long)st.st_size,
+                        (long long)FILE_MAX);
+    in->size = (size_t)st.st_size;
+    in->bytes = malloc(in->size + 1);
+    if (!in->bytes)
+        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for its %zu bytes", path, in->size);
+    for (size_t done = 0; done < in->size;) {
+        ssize_t got = read(fd, in->bytes + done, in->size - done);
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got < 0)
+            return ost_fail(err, OST_ERR_IO, "%s: byte %zu: %s", path, done, strerror(errno));
+        if (got == 0)
+            return ost_fail(err, OST_ERR_IO, "%s: ends at byte %zu, but had %zu when it was opened", path, done, in->size);
+        done += (size_t)got;
+    }
+    in->bytes[in->size] = 0;
+    return OST_OK;
+}
+
+static uint32_t stl_count(const mesh_input *in)
+{
+    uint32_t count;
+    memcpy(&count, in->bytes + 80, sizeof count);
+    return count;
+}
+
+static bool starts_with(const mesh_input *in, const char *word)
+{
+    mesh_text text = {.at = (char *)in->bytes, .end = (char *)in->bytes + in->size};
+    return ost_mesh_word_is(ost_mesh_text_any_word(&text), word);
+}
+
+/* A binary STL may begin with "solid"; its size tells. Text has no zero byte. */
+static mesh_kind stl_kind(const mesh_input *in)
+{
+    if (in->size >= 84 && in->size - 84 == (uint64_t)stl_count(in) * 50)
+        return MESH_STL_BINARY;
+    size_t look = in->size < 4096 ? in->size : 4096;
+    if (starts_with(in, "solid") && !memchr(in->bytes, 0, look))
+        return MESH_STL_ASCII;
+    return MESH_STL_BINARY;
+}
+
+static ost_status find_kind(const char *path, mesh_input *in, ost_error *err)
+{
+    const char *slash = strrchr(path, '/');
+    const char *dot = strrchr(slash ? slash : path, '.');
+    const char *extension = dot ? dot + 1 : "";
+    if (in->size >= 4 && memcmp(in->bytes, "ply", 3) == 0 && (in->bytes[3] == '\n' || in->bytes[3] == '\r'))
+        in->kind = MESH_PLY;
+    else if (strcasecmp(extension, "stl") == 0)
+        in->kind = stl_kind(in);
+    else if (strcasecmp(extension, "obj") == 0)
+        in->kind = MESH_OBJ;
+    else if (strcasecmp(extension, "3ds") == 0)
+        in->kind = MESH_3DS;
+    else if (strcasecmp(extension, "ply") == 0)
+        return ost_fail(err, OST_ERR_INPUT, "%s: byte 0: a PLY file begins with a line 'ply'", path);
+    else
+        return ost_fail(err, OST_ERR_INPUT, "%s: '%.20s' is no mesh format that is read here; expected .stl, .obj, .ply or .3ds", path,
+                        dot ? dot : "no extension");
+    return OST_OK;
+}
+
+ost_status ost_mesh_input_load(const char *path, mesh_input *in, ost_error *err)
+{
+    *in = (mesh_input){.path = path, .bodies = 1};
+    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (fd < 0)
+        return ost_fail(err, OST_ERR_IO, "%s: %s", path, strerror(errno));
+    ost_status status = read_all(fd, path, in, err);
+    close(fd);
+    if (status == OST_OK)
+        status = find_kind(path, in, err);
+    if (status != OST_OK)
+        ost_mesh_input_free(in);
+    return status;
+}
+
+void ost_mesh_input_free(mesh_input *in)
+{
+    free(in->bytes);
+    in->bytes = NULL;
+}
+
+ost_status ost_mesh_input_face(mesh_input *in, uint64_t corners, ost_error *err)
+{
+    in->faces++;
+    if (corners > 2)
+        in->triangles += corners - 2;
+    if (in->triangles > OST_MESH_TRIANGLES_MAX)
+        return ost_fail(err, OST_ERR_RANGE, "%s: more than %d triangles", in->path, OST_MESH_TRIANGLES_MAX);
+    return OST_OK;
+}
+
+ost_status ost_mesh_plain_open(const mesh_input *in, mesh_plain *plain, ost_error *err)
+{
+    *plain = (mesh_plain){0};
+    plain->out = open_memstream(&plain->bytes, &plain->size);
+    return plain->out ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "%s: no memory for its plain form", in->path);
+}
+
+ost_status ost_mesh_plain_close(mesh_input *in, mesh_plain *plain, ost_status status, ost_error *err)
+{
+    bool lost = ferror(plain->out) != 0;
+    lost |= fclose(plain->out) != 0;
+    if (lost && status == OST_OK)
+        status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory for its plain form", in->path);
+    if (status == OST_OK) {
+        free(in->bytes);
+        in->bytes = (uint8_t *)plain->bytes; /* the stream ended it with a zero byte */
+        in->size = plain->size;
+    } else {
+        free(plain->bytes);
+    }
+    return status;
+}
+
+/* ------------------------------------------------------------------ text */
+
+static bool blank(char c)
+{
+    return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
+}
+
+mesh_word ost_mesh_text_word(mesh_text *text)
+{
+    while (text->at < text->end && blank(*text->at))
+        text->at++;
+    mesh_word word = {text->at, 0};
+    while (text->at < text->end && !blank(*text->at) && *text->at != '\n')
+        text->at++;
+    word.size = (size_t)(text->at - word.text);
+    return word;
+}
+
+mesh_word ost_mesh_text_any_word(mesh_text *text)
+{
+    mesh_word word;
+    do
+        word = ost_mesh_text_word(text);
+    while (word.size == 0 && ost_mesh_text_next_line(text));
+    return word;
+}
+
+bool ost_mesh_text_next_line(mesh_text *text)
+{
+    char *newline = text->at < text->end ? memchr(text->at, '\n', (size_t)(text->end - text->at)) : NULL;
+    text->at = newline ? newline + 1 : text->end;
+    text->line += newline != NULL;
+    return text->at < text->end;
+}
+
+bool ost_mesh_word_is(mesh_word word, const char *keyword)
+{
+    return word.size == strlen(keyword) && strncasecmp(word.text, keyword, word.size) == 0;
+}
+
+/*
+ * A magnitude of 10^38 or more overflows a float32.  A value stands below
+ * 10^(digits of the mantissa + exponent); one that only rounds to infinity is
+ * caught again behind assimp.  Longer words than 64 bytes are no coordinate.
+ */
+bool ost_mesh_word_number(mesh_word word)
+{
+    ost_decimal value;
+    if (word.size == 0 || word.size > 64 || ost_decimal_read(word.text, word.text + word.size, &value) != word.text + word.size)
+        return false;
+    int64_t m = value.mantissa < 0 ? -value.mantissa : value.mantissa;
+    int64_t digits = 0;
+    for (; m; m /= 10)
+        digits++;
+    return digits == 0 || digits + value.exponent <= 38;
+}
+
+bool ost_mesh_word_integer(mesh_word word, int64_t *out)
+{
+    size_t i = word.size && (word.text[0] == '-' || word.text[0] == '+');
+    if (i == word.size || word.size > 18)
+        return false;
+    *out = 0;
+    for (; i < word.size; i++) {
+        if (word.text[i] < '0' || word.text[i] > '9')
+            return false;
+        *out = *out * 10 + (word.text[i] - '0');
+    }
+    if (word.text[0] == '-')
+        *out = -*out;
+    return true;
+}
+
+const char *ost_mesh_word_show(mesh_word word)
+{
+    static _Thread_local char shown[48];
+    if (word.size == 0)
+        return "the end";
+    snprintf(shown, sizeof shown, "'%.*s%s'", (int)(word.size < 40 ? word.size : 40), word.text, word.size > 40 ? "..." : "");
+    return shown;
+}

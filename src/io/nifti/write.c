@@ -1,0 +1,91 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The NIfTI-1 that we write: one file, int16, little-endian, sform and qform
+ * alike, from LPS+ voxels to RAS millimetres.
+ *
+ *   x = -(origin.x + i * spacing.x)      quaternion (0; 0, 0, 1): half a turn about z
+ *   y = -(origin.y + j * spacing.y)
+ *   z =   origin.z + k * spacing.z
+ *
+ * Its lengths are float32, so a comment in the header carries them exactly as
+ * well, and with them the meta (nifti_extension.h).
+ */
+#include "config.h"
+
+#include "io/volume/write.h"
+
+#ifdef HAVE_NIFTI
+
+#include <stdlib.h>
+#include <string.h>
+
+#include <nifti2_io.h>
+
+#include "core/conditions.h"
+#include "io/nifti/extension.h"
+
+/* Every line of meta at its longest, both exact lengths, the frame around. */
+enum { EXTENSION_ROOM = OST_META_MAX * (OST_META_KEY + OST_META_VALUE + 16) + 512 };
+
+static void fill_header(const ost_geometry *geometry, size_t extension, nifti_1_header *h)
+{
+    const ost_pm3 s = geometry->spacing, o = geometry->origin;
+    memset(h, 0, sizeof *h);
+    h->sizeof_hdr = sizeof *h;
+    h->regular = 'r';
+    h->dim[0] = 3;
+    h->dim[1] = (short)geometry->dims.x;
+    h->dim[2] = (short)geometry->dims.y;
+    h->dim[3] = (short)geometry->dims.z;
+    for (int a = 4; a < 8; a++)
+        h->dim[a] = 1;
+    h->datatype = DT_INT16;
+    h->bitpix = 16;
+    h->pixdim[0] = 1;
+    h->pixdim[1] = (float)ost_pm_to_mm(s.x);
+    h->pixdim[2] = (float)ost_pm_to_mm(s.y);
+    h->pixdim[3] = (float)ost_pm_to_mm(s.z);
+    h->vox_offset = (float)(sizeof *h + extension);
+    h->scl_slope = 1;
+    h->xyzt_units = NIFTI_UNITS_MM;
+    h->qform_code = h->sform_code = NIFTI_XFORM_SCANNER_ANAT;
+    h->quatern_d = 1;
+    /* 0 - x, not -x: no negative zeros. */
+    h->qoffset_x = h->srow_x[3] = (float)ost_pm_to_mm(0 - o.x);
+    h->qoffset_y = h->srow_y[3] = (float)ost_pm_to_mm(0 - o.y);
+    h->qoffset_z = h->srow_z[3] = (float)ost_pm_to_mm(o.z);
+    h->srow_x[0] = -h->pixdim[1];
+    h->srow_y[1] = -h->pixdim[2];
+    h->srow_z[2] = h->pixdim[3];
+    memcpy(h->magic, "n+1", 4);
+}
+
+ost_status ost_nifti_write_header(ost_volume_writer *writer, const ost_geometry *geometry, const ost_meta *meta, bool compress,
+                                  ost_error *err)
+{
+    unsigned char *extension = malloc(EXTENSION_ROOM);
+    if (!extension)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a NIfTI header");
+    size_t size = ost_nifti_extension_format(meta, geometry, extension, EXTENSION_ROOM);
+    nifti_1_header header;
+    fill_header(geometry, size, &header);
+    ost_status status = compress ? ost_volume_writer_pack(writer, err) : OST_OK;
+    if (status == OST_OK)
+        status = ost_volume_writer_bytes(writer, &header, sizeof header, err);
+    if (status == OST_OK)
+        status = ost_volume_writer_bytes(writer, extension, size, err);
+    free(extension);
+    return status;
+}
+
+#else
+
+ost_status ost_nifti_write_header(ost_volume_writer *writer, const ost_geometry *geometry, const ost_meta *meta, bool compress,
+                                  ost_error *err)
+{
+    (void)writer, (void)geometry, (void)meta, (void)compress;
+    return ost_fail(err, OST_ERR_UNAVAILABLE,
+                    "NIfTI cannot be written: this osteon was built without it; install libnifti (Debian: libnifti-dev) and build again");
+}
+
+#endif

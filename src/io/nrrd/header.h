@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The header of a NRRD file (teem.sourceforge.net/nrrd/format.html), versions 1 to 5.
+ *
+ *   NRRD0005
+ *   # comment
+ *   field: description        in any order here, though the format wants
+ *   key:=value                `dimension` first
+ *   <empty line>              then the data, unless `data file` names them
+ *
+ * It is read in two steps: the text into fields (nrrd_header.c), the fields
+ * into what they mean (nrrd_meaning.c).  A field that the format does not
+ * know, or one given twice, is an error: it is more likely a slip than an
+ * extension.
+ */
+#ifndef OST_IO_NRRD_HEADER_H
+#define OST_IO_NRRD_HEADER_H
+
+#include <osteon/io.h>
+
+#include "io/volume/element.h"
+#include "io/volume/orient.h"
+#include "io/volume/input.h"
+
+/* X(identifier, spellings separated by |) : fields that decide something here. */
+#define OST_NRRD_FIELDS(X)                         \
+    X(DIMENSION, "dimension")                      \
+    X(TYPE, "type")                                \
+    X(ENCODING, "encoding")                        \
+    X(ENDIAN, "endian")                            \
+    X(SIZES, "sizes")                              \
+    X(SPACINGS, "spacings")                        \
+    X(UNITS, "units")                              \
+    X(KINDS, "kinds")                              \
+    X(SPACE, "space")                              \
+    X(SPACE_DIMENSION, "space dimension")          \
+    X(SPACE_UNITS, "space units")                  \
+    X(SPACE_ORIGIN, "space origin")                \
+    X(SPACE_DIRECTIONS, "space directions")        \
+    X(LINE_SKIP, "line skip|lineskip")             \
+    X(BYTE_SKIP, "byte skip|byteskip")             \
+    X(DATA_FILE, "data file|datafile")             \
+    X(IGNORED, "content|number|block size|blocksize|min|max|old min|oldmin|old max|oldmax|sample units|sampleunits|" \
+               "thicknesses|axis mins|axismins|axis maxs|axismaxs|centers|centerings|labels|measurement frame")
+
+typedef enum ost_nrrd_field {
+#define OST_NRRD_FIELD_ENUM(name, spellings) OST_NRRD_##name,
+    OST_NRRD_FIELDS(OST_NRRD_FIELD_ENUM)
+#undef OST_NRRD_FIELD_ENUM
+    OST_NRRD_FIELD_COUNT
+} ost_nrrd_field;
+
+enum { OST_NRRD_HEADER_MAX = 1 << 22 }; /* bytes: room for 16384 file names */
+
+/* The text of a header, cut into fields. */
+typedef struct ost_nrrd_text {
+    char *bytes; /* owned; every line ends in NUL */
+    size_t size;
+    struct {
+        char *value; /* NULL when absent */
+        long line;
+    } field[OST_NRRD_FIELD_COUNT];
+    char *list; /* after `data file: LIST`: the names, one line each, each ended by NUL */
+    size_t list_bytes;
+    long list_line;
+    ost_meta meta; /* osteon_KEY:=VALUE */
+} ost_nrrd_text;
+
+/* From the start of the file to the first byte after the header. *out is initialised here; free is always safe. */
+ost_status ost_nrrd_text_read(ost_input *input, ost_nrrd_text *out, ost_error *err);
+void ost_nrrd_text_free(ost_nrrd_text *text);
+
+typedef enum ost_nrrd_encoding { OST_NRRD_RAW, OST_NRRD_GZIP, OST_NRRD_TEXT } ost_nrrd_encoding;
+
+/* What the fields mean. Pointers lead into the text. */
+typedef struct ost_nrrd_header {
+    ost_element element;
+    ost_nrrd_encoding encoding;
+    bool swap;
+    int32_t sizes[3];
+    ost_affine affine; /* to LPS */
+    bool oriented;     /* the space is a patient's: RAS, LAS or LPS */
+    uint64_t line_skip;
+    int64_t byte_skip; /* -1: the data end where the file ends */
+} ost_nrrd_header;
+
+ost_status ost_nrrd_header_mean(const char *path, const ost_nrrd_text *text, ost_nrrd_header *out, ost_error *err);
+
+#endif

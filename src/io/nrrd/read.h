@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#ifndef OST_IO_NRRD_READ_H
+#define OST_IO_NRRD_READ_H
+
+#include <osteon/io.h>
+
+#include "io/volume/element.h"
+#include "io/volume/input.h"
+
+/*
+ * From an input at the file's start.  With out NULL only geometry, meta and
+ * report are filled.  geometry, meta and report are never NULL; *out is
+ * initialised here.
+ */
+ost_status ost_nrrd_read(ost_input *input, const ost_volume_options *options, ost_volume *out, ost_geometry *geometry, ost_meta *meta,
+                         ost_volume_report *report, ost_element *element, ost_error *err);
+
+#endif

@@ -1,0 +1,128 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "io/nrrd/text_rows.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "core/conditions.h"
+
+enum { WORD_MAX = 400 };
+
+static bool is_blank(int byte)
+{
+    return byte == ' ' || byte == '\t' || byte == '\n' || byte == '\r' || byte == '\v' || byte == '\f';
+}
+
+/* The next word, "" at the end of the file. */
+static ost_status read_word(ost_input *input, char word[WORD_MAX + 1], size_t *length, ost_error *err)
+{
+    int byte;
+    ost_status status;
+    *length = 0;
+    do {
+        status = ost_input_byte(input, &byte, err);
+    } while (status == OST_OK && is_blank(byte));
+    while (status == OST_OK && byte >= 0 && !is_blank(byte)) {
+        if (*length == WORD_MAX || byte == 0) {
+            char place[OST_PLACE_TEXT];
+            return ost_fail(err, OST_ERR_INPUT, "%s: at %s: no number; decimals separated by blanks were expected",
+                            ost_input_path(input), ost_input_place(input, *length + 1, place));
+        }
+        word[(*length)++] = (char)byte;
+        status = ost_input_byte(input, &byte, err);
+    }
+    word[*length] = 0;
+    return status;
+}
+
+static bool type_holds(ost_element element, int64_t value)
+{
+    switch (element) {
+    case OST_ELEMENT_INT8: return value >= INT8_MIN && value <= INT8_MAX;
+    case OST_ELEMENT_UINT8: return value >= 0 && value <= UINT8_MAX;
+    case OST_ELEMENT_INT16: return value >= INT16_MIN && value <= INT16_MAX;
+    case OST_ELEMENT_UINT16: return value >= 0 && value <= UINT16_MAX;
+    case OST_ELEMENT_INT32: return value >= INT32_MIN && value <= INT32_MAX;
+    case OST_ELEMENT_UINT32: return value >= 0 && value <= UINT32_MAX;
+    case OST_ELEMENT_UINT64: return value >= 0;
+    case OST_ELEMENT_INT64:
+    case OST_ELEMENT_FLOAT32:
+    case OST_ELEMENT_FLOAT64:
+    case OST_ELEMENT_NONE: break;
+    }
+    return true;
+}
+
+static ost_status read_value(ost_rows *rows, int64_t number, int16_t *out, ost_error *err)
+{
+    ost_input *input = rows->parts->input;
+    ost_converter *c = &rows->converter;
+    char word[WORD_MAX + 1], place[OST_PLACE_TEXT];
+    size_t length;
+    ost_status status = read_word(input, word, &length, err);
+    if (status != OST_OK)
+        return status;
+    /* The byte after the word is taken too, but for the file's end. */
+    ost_input_place(input, length + (ost_input_file_left(input) > 0 || length == 0), place);
+    if (length == 0)
+        return ost_fail(err, OST_ERR_INPUT, "%s: ends after %lld of the %lld values that the header's sizes need", ost_input_path(input),
+                        (long long)number, (long long)rows->sizes[0] * rows->sizes[1] * rows->sizes[2]);
+    ost_decimal d;
+    ost_bad bad = {OST_BAD_NAN, ""};
+    snprintf(bad.value, sizeof bad.value, "%.30s", word);
+    if (ost_decimal_read(word, word + length, &d) != word + length)
+        return ost_rows_bad(rows, number, ost_input_path(input), place, &bad, err);
+    int64_t value;
+    bool exact = true;
+    bool fits = ost_decimal_scale(&d, 1, &value, &exact);
+    if (!ost_element_is_float(c->element) && (!exact || !fits || !type_holds(c->element, value)) &&
+        !(c->element == OST_ELEMENT_UINT64 && !fits && !d.negative))
+        return ost_fail(err, OST_ERR_INPUT, "%s: at %s: %.30s is no %s", ost_input_path(input), place, word, ost_element_name(c->element));
+    if (!fits || value < INT16_MIN || value > INT16_MAX) {
+        bad.kind = OST_BAD_RANGE;
+        if (!c->clamp)
+            return ost_rows_bad(rows, number, ost_input_path(input), place, &bad, err);
+        value = (fits ? value < 0 : d.negative) ? INT16_MIN : INT16_MAX;
+        c->clamped++;
+        exact = true;
+    }
+    c->rounded += !exact;
+    *out = (int16_t)value;
+    return OST_OK;
+}
+
+ost_status ost_nrrd_text_rows_end(ost_nrrd_text_rows *own, ost_error *err)
+{
+    ost_input *input = own->rows.parts->input;
+    if (!input)
+        return OST_OK;
+    char word[WORD_MAX + 1];
+    size_t length;
+    ost_status status = read_word(input, word, &length, err);
+    if (status == OST_OK && length > 0)
+        status = ost_fail(err, OST_ERR_INPUT, "%s: values go on ('%.30s') where the header's sizes say they end", ost_input_path(input),
+                          word);
+    ost_parts_close(own->rows.parts);
+    return status;
+}
+
+ost_status ost_nrrd_text_rows_next(ost_rows *rows, int64_t first, int16_t *out, ost_error *err)
+{
+    ost_nrrd_text_rows *own = (ost_nrrd_text_rows *)rows;
+    for (int32_t i = 0; i < rows->sizes[0]; i++) {
+        ost_status status = OST_OK;
+        if (rows->parts->input && own->left == 0)
+            status = ost_nrrd_text_rows_end(own, err);
+        if (status == OST_OK && !rows->parts->input) {
+            status = ost_parts_ready(rows->parts, err);
+            own->left = own->in_part;
+        }
+        if (status == OST_OK)
+            status = read_value(rows, first + i, &out[i], err);
+        if (status != OST_OK)
+            return status;
+        own->left--;
+    }
+    /* The last one is ended here, since ost_parts_end would not allow a line end. */
+    return own->left == 0 ? ost_nrrd_text_rows_end(own, err) : OST_OK;
+}

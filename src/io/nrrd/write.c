@@ -1,0 +1,88 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The NRRD that we write.  It is read by 3D Slicer, ITK and pynrrd:
+ *
+ *   NRRD0005
+ *   type: int16
+ *   dimension: 3
+ *   space: left-posterior-superior
+ *   sizes: 256 234 201
+ *   space directions: (0.47,0,0) (0,0.47,0) (0,0,1)
+ *   kinds: domain domain domain
+ *   endian: little
+ *   encoding: raw
+ *   space units: "mm" "mm" "mm"
+ *   space origin: (-57.34,0,12)
+ *   osteon_kind:=ct
+ *   <empty line>, voxels
+ *
+ * Lengths are exact decimals of at most nine places; a tool's origin may need ten.
+ */
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "io/volume/write.h"
+
+static ost_status put_text(ost_volume_writer *writer, const char *text, ost_error *err)
+{
+    return ost_volume_writer_bytes(writer, text, strlen(text), err);
+}
+
+/* A backslash would start an escape in the format. */
+static void escape(const char *value, char out[2 * OST_META_VALUE])
+{
+    for (; *value; value++) {
+        if (*value == '\\')
+            *out++ = '\\';
+        *out++ = *value;
+    }
+    *out = 0;
+}
+
+/* value + 1/2 pm in mm, which ends in the tenth place: value * 10 + 5 units of 10^-10 mm. |value| <= 8 * 10^12. */
+static void format_half(ost_pm value, char text[OST_PM_TEXT])
+{
+    int64_t tenths = value * 10 + 5;
+    uint64_t magnitude = (uint64_t)(tenths < 0 ? -tenths : tenths), unit = UINT64_C(10000000000);
+    snprintf(text, OST_PM_TEXT, "%s%" PRIu64 ".%010" PRIu64, tenths < 0 ? "-" : "", magnitude / unit, magnitude % unit);
+}
+
+ost_status ost_nrrd_write_header(ost_volume_writer *writer, const ost_geometry *geometry, const ost_meta *meta, ost_element element,
+                                 bool odd_half, bool compress, ost_error *err)
+{
+    char length[6][OST_PM_TEXT], text[1024], value[2 * OST_META_VALUE];
+    const ost_pm lengths[6] = {geometry->spacing.x, geometry->spacing.y, geometry->spacing.z,
+                               geometry->origin.x,  geometry->origin.y,  geometry->origin.z};
+    for (int i = 0; i < 6; i++) {
+        if (odd_half && i >= 3)
+            format_half(lengths[i], length[i]);
+        else
+            ost_pm_format(lengths[i], length[i]);
+    }
+    snprintf(text, sizeof text,
+             "NRRD0005\n"
+             "type: %s\n"
+             "dimension: 3\n"
+             "space: left-posterior-superior\n"
+             "sizes: %d %d %d\n"
+             "space directions: (%s,0,0) (0,%s,0) (0,0,%s)\n"
+             "kinds: domain domain domain\n"
+             "endian: little\n"
+             "encoding: %s\n"
+             "space units: \"mm\" \"mm\" \"mm\"\n"
+             "space origin: (%s,%s,%s)\n",
+             ost_element_name(element), geometry->dims.x, geometry->dims.y, geometry->dims.z, length[0], length[1], length[2],
+             compress ? "gzip" : "raw", length[3], length[4], length[5]);
+    ost_status status = put_text(writer, text, err);
+    for (int i = 0; status == OST_OK && i < meta->count; i++) {
+        escape(meta->entry[i].value, value);
+        snprintf(text, sizeof text, "osteon_%s:=%s\n", meta->entry[i].key, value);
+        status = put_text(writer, text, err);
+    }
+    if (status == OST_OK)
+        status = put_text(writer, "\n", err);
+    if (status == OST_OK && compress)
+        status = ost_volume_writer_pack(writer, err);
+    return status;
+}

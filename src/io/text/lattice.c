@@ -1,0 +1,355 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * How the steps k and the spacing s are found.
+ *
+ * Steps.  The smallest gap is one step.
+ *   1. Exactly: all coordinates are multiples of it from c_0.  A gap of one
+ *      unit proves little (1.3 mm written without digits looks like 1 mm with
+ *      absent layers), so such a gap must be the only one.
+ *   2. Else rounded: gaps of at most u may be one layer written in two ways,
+ *      the smallest above u is one step, s in [g - u, g + u].  Going up, c_i
+ *      leaves s in [(c_i - c_0 - u) / k, (c_i - c_0 + u) / k] for its k; no k
+ *      that meets what is left, or several, is an error, and the only one
+ *      narrows what is left.  (|c_i - c_0 - k_i s| <= |e_i| + |e_0| <= u.)
+ *
+ * Unit.  Texts that drop trailing zeros ("0", "0.47", "0.5") write fewer
+ * digits than they mean.  So the units that occur are tried from the finest
+ * to the coarsest, and the first with a lattice holds: what fits a finer unit
+ * fits a coarser one, so nothing is claimed that the digits do not say.
+ *
+ * Spacing.  The feasible decimal with the fewest digits after the point, of
+ * several the nearest to (c_(m-1) - c_0) / n, n = k_(m-1), of those the
+ * smaller.  The left side of (F) is a maximum of linear functions of s, so it
+ * is convex, the feasible s are an interval, and at an infeasible s the pair
+ * (i, j) of its maximum and minimum tells on which side they lie: its
+ * k_i - k_j is the negative slope there.  That is `probe`; with it the
+ * multiples of 10^-d are searched by bisection.
+ *
+ * When no decimal with nine digits is feasible (thirds of a millimetre),
+ * RHE((c_(m-1) - c_0) / n) is taken if (F) holds with n pm more: k steps of a
+ * spacing that is half a picometre off end k / 2 pm off.
+ *
+ * Axes whose spacings differ by less than 1 % share one that is feasible for
+ * all of them, found the same way, so that an isotropic grid stays so.
+ *
+ * Ranges.  |c_i - c_0| <= 1.6 * 10^13, u <= 10^12, k <= 16383 < 2^14, so
+ * (c_i - c_0 + u) * k < 2.8 * 10^17; s <= 10^11, so k s < 1.7 * 10^15.
+ */
+#include "core/conditions.h"
+
+#include "io/text/lattice.h"
+
+#include <assert.h>
+#include <stdlib.h>
+
+#include "core/integer.h"
+
+enum { STEPS_MAX = OST_DIM_MAX - 1 };
+
+/* An axis with its steps. */
+typedef struct fit {
+    const ost_lattice_axis *axis;
+    int32_t *steps; /* axis->count */
+    int64_t unit;   /* u, in picometres */
+} fit;
+
+static int64_t unit_pm(int unit)
+{
+    int64_t pm = 1;
+    for (int i = unit; i < OST_LATTICE_UNITS - 1; i++)
+        pm *= 10;
+    return pm;
+}
+
+static int64_t span(const fit *f, size_t i)
+{
+    return f->axis->value[i] - f->axis->value[0];
+}
+
+static int64_t extent(const fit *f)
+{
+    return span(f, f->axis->count - 1);
+}
+
+static int64_t last_step(const fit *f)
+{
+    return f->steps[f->axis->count - 1];
+}
+
+/* ------------------------------------------------------------------ errors */
+
+static const char advice[] = "give the spacing (--spacing)";
+
+/* Either coordinate i is wrong or one of the two whose gap was taken as a step, so all are named. */
+static ost_status no_lattice(const char *path, const ost_lattice_axis *axis, size_t i, int64_t gap, ost_error *err)
+{
+    char value[OST_PM_TEXT], step[OST_PM_TEXT], from[OST_PM_TEXT];
+    size_t j = 1;
+    while (j + 1 < axis->count && axis->value[j] - axis->value[j - 1] != gap)
+        j++;
+    return ost_fail(err, OST_ERR_INPUT,
+                    "%s:%lld: %c = %s is no whole number of steps from the lowest; the smallest step is %s mm, from %s (lines %lld and "
+                    "%lld); %s",
+                    path, (long long)axis->line[i], axis->name, ost_pm_format(axis->value[i], value), ost_pm_format(gap, step),
+                    ost_pm_format(axis->value[j - 1], from), (long long)axis->line[j - 1], (long long)axis->line[j], advice);
+}
+
+static ost_status many_lattices(const char *path, const ost_lattice_axis *axis, size_t i, ost_error *err)
+{
+    char value[OST_PM_TEXT];
+    return ost_fail(err, OST_ERR_INPUT, "%s:%lld: %c = %s fits several lattices: its digits are too few to find the spacing; %s", path,
+                    (long long)axis->line[i], axis->name, ost_pm_format(axis->value[i], value), advice);
+}
+
+static ost_status too_many_layers(const char *path, const ost_lattice_axis *axis, size_t i, int64_t gap, ost_error *err)
+{
+    char value[OST_PM_TEXT], step[OST_PM_TEXT];
+    return ost_fail(err, OST_ERR_RANGE, "%s:%lld: %c = %s is more than %d steps of %s mm from the lowest; supported are %d voxels, %s",
+                    path, (long long)axis->line[i], axis->name, ost_pm_format(axis->value[i], value), STEPS_MAX,
+                    ost_pm_format(gap, step), OST_DIM_MAX, advice);
+}
+
+/* ------------------------------------------------------------------- steps */
+
+/* The smallest gap above `floor`; 0 when there is none. */
+static int64_t smallest_gap(const ost_lattice_axis *axis, int64_t floor, int64_t *greatest)
+{
+    int64_t least = 0, most = 0;
+    for (size_t i = 1; i < axis->count; i++) {
+        int64_t gap = axis->value[i] - axis->value[i - 1];
+        if (gap > floor && (least == 0 || gap < least))
+            least = gap;
+        most = gap > most ? gap : most;
+    }
+    if (greatest)
+        *greatest = most;
+    return least;
+}
+
+static bool exact_steps(const fit *f, int64_t coarsest)
+{
+    int64_t greatest, gap = smallest_gap(f->axis, 0, &greatest);
+    if (gap <= coarsest && gap != greatest)
+        return false;
+    for (size_t i = 0; i < f->axis->count; i++) {
+        if (span(f, i) % gap != 0 || span(f, i) / gap > STEPS_MAX)
+            return false;
+        f->steps[i] = (int32_t)(span(f, i) / gap);
+    }
+    return true;
+}
+
+/* s = num / den, 1 <= den <= STEPS_MAX */
+typedef struct ratio {
+    int64_t num, den;
+} ratio;
+
+static bool less(ratio a, ratio b)
+{
+    return a.num * b.den < b.num * a.den;
+}
+
+static ost_status rounded_steps(const char *path, const fit *f, ost_error *err)
+{
+    const ost_lattice_axis *axis = f->axis;
+    int64_t u = f->unit, gap = smallest_gap(axis, u, NULL);
+    if (gap == 0)
+        return many_lattices(path, axis, axis->count - 1, err);
+    ratio lo = {gap - u, 1}, hi = {gap + u, 1};
+    f->steps[0] = 0;
+    for (size_t i = 1; i < axis->count; i++) {
+        int64_t d = span(f, i);
+        int64_t k_lo = ost_ceil_div((d - u) * hi.den, hi.num), k_hi = ost_floor_div((d + u) * lo.den, lo.num);
+        k_lo = k_lo < 0 ? 0 : k_lo;
+        if (k_lo > k_hi)
+            return no_lattice(path, axis, i, gap, err);
+        if (k_lo < k_hi)
+            return many_lattices(path, axis, i, err);
+        if (k_lo > STEPS_MAX)
+            return too_many_layers(path, axis, i, gap, err);
+        f->steps[i] = (int32_t)k_lo;
+        if (k_lo == 0)
+            continue;
+        ratio from = {d - u, k_lo}, to = {d + u, k_lo};
+        lo = less(lo, from) ? from : lo;
+        hi = less(to, hi) ? to : hi;
+    }
+    return OST_OK;
+}
+
+/* ----------------------------------------------------------------- spacing */
+
+typedef enum side { HERE, ABOVE, BELOW, NOWHERE } side;
+
+/* Where the feasible spacings of one axis lie, seen from s; slack adds to u in (F). */
+static side probe_axis(const fit *f, int64_t s, int64_t slack)
+{
+    int64_t most = INT64_MIN, least = INT64_MAX;
+    int32_t k_most = 0, k_least = 0;
+    for (size_t i = 0; i < f->axis->count; i++) {
+        int64_t rest = span(f, i) - f->steps[i] * s;
+        if (rest > most) {
+            most = rest;
+            k_most = f->steps[i];
+        }
+        if (rest < least) {
+            least = rest;
+            k_least = f->steps[i];
+        }
+    }
+    if (most - least <= f->unit + slack)
+        return HERE;
+    return k_most > k_least ? ABOVE : k_most < k_least ? BELOW : NOWHERE;
+}
+
+static side probe(const fit *const *fits, int count, int64_t s)
+{
+    side all = HERE;
+    for (int i = 0; i < count; i++) {
+        side one = probe_axis(fits[i], s, 0);
+        if (one == NOWHERE || (one != HERE && all != HERE && one != all))
+            return NOWHERE;
+        all = one == HERE ? all : one;
+    }
+    return all;
+}
+
+/*
+ * The feasible multiple of q nearest to num / den, the smaller of two; 0 when
+ * there is none.  Bisection keeps: `near` is not HERE but says where to go,
+ * `far` says the contrary or is the range's end.
+ */
+static int64_t nearest_multiple(const fit *const *fits, int count, int64_t q, int64_t num, int64_t den)
+{
+    int64_t m = num / (den * q);
+    bool between = m * q * den != num;
+    side below = m >= 1 ? probe(fits, count, m * q) : ABOVE;
+    side above = between ? probe(fits, count, (m + 1) * q) : below;
+    if (below == NOWHERE || above == NOWHERE)
+        return 0;
+    if (below == HERE && above == HERE)
+        return num - m * q * den <= (m + 1) * q * den - num || !between ? m * q : (m + 1) * q;
+    if (below == HERE)
+        return m * q;
+    if (above == HERE)
+        return (m + 1) * q;
+    if (below != above)
+        return 0; /* the interval lies between two multiples */
+    int64_t step = above == ABOVE ? 1 : -1;
+    int64_t near = step > 0 ? m + between : m, far = step > 0 ? OST_SPACING_MAX / q + 1 : 0;
+    while ((far - near) * step > 1) {
+        int64_t middle = near + (far - near) / 2;
+        side at = probe(fits, count, middle * q);
+        if (at == NOWHERE)
+            return 0;
+        if (at == above)
+            near = middle;
+        else
+            far = middle;
+    }
+    bool in_range = far > 0 && far * q <= OST_SPACING_MAX;
+    return in_range && probe(fits, count, far * q) == HERE ? far * q : 0;
+}
+
+/* 0 when no decimal with up to nine digits is feasible for all. */
+static int64_t fewest_digits(const fit *const *fits, int count)
+{
+    const fit *longest = fits[0];
+    for (int i = 1; i < count; i++)
+        if (last_step(fits[i]) > last_step(longest))
+            longest = fits[i];
+    int64_t found = 0;
+    for (int64_t q = OST_PM_PER_MM; q >= 1 && found == 0; q /= 10)
+        found = nearest_multiple(fits, count, q, extent(longest), last_step(longest));
+    return found;
+}
+
+static int64_t spacing_of(const fit *f)
+{
+    int64_t s = fewest_digits(&f, 1);
+    if (s == 0) {
+        s = ost_rhe_div(extent(f), last_step(f));
+        s = probe_axis(f, s, last_step(f)) == HERE ? s : 0;
+    }
+    return s;
+}
+
+/* One axis: steps and unit into f, its spacing. */
+static ost_status find_axis(const char *path, fit *f, ost_pm *spacing, ost_error *err)
+{
+    const ost_lattice_axis *axis = f->axis;
+    if (axis->count < 2)
+        return ost_fail(err, OST_ERR_INPUT, "%s: all samples lie in one layer, %c = %.9g, so the spacing along %c cannot be found; %s",
+                        path, axis->name, ost_pm_to_mm(axis->value[0]), axis->name, advice);
+    assert(axis->units != 0);
+    int finest = OST_LATTICE_UNITS - 1, coarsest = 0;
+    while (!(axis->units >> finest & 1))
+        finest--;
+    while (!(axis->units >> coarsest & 1))
+        coarsest++;
+
+    f->unit = unit_pm(finest) + axis->rounded;
+    if (exact_steps(f, unit_pm(coarsest)) && (*spacing = spacing_of(f)) > 0)
+        return OST_OK;
+    ost_status first = OST_OK;
+    for (int unit = finest; unit >= coarsest; unit--) {
+        if (!(axis->units >> unit & 1))
+            continue;
+        f->unit = unit_pm(unit) + axis->rounded;
+        /* The text of the finest unit's failure is the one to show: the coarser ones say less. */
+        ost_error *to = first == OST_OK ? err : NULL;
+        ost_status status = rounded_steps(path, f, to);
+        if (status == OST_OK && (*spacing = spacing_of(f)) > 0)
+            return OST_OK;
+        if (status == OST_OK)
+            status = no_lattice(path, axis, axis->count - 1, smallest_gap(axis, f->unit, NULL), to);
+        first = first == OST_OK ? status : first;
+    }
+    return first;
+}
+
+static bool alike(int64_t a, int64_t b)
+{
+    int64_t difference = a < b ? b - a : a - b;
+    return difference * 100 <= (a < b ? a : b);
+}
+
+/* Gives axes that may share a spacing one; true when they do. */
+static bool unify(const fit *fits, const int *which, int count, ost_pm spacing[3])
+{
+    const fit *group[3] = {NULL, NULL, NULL};
+    for (int i = 0; i < count; i++) {
+        group[i] = &fits[which[i]];
+        if (!group[i]->axis || !alike(spacing[which[0]], spacing[which[i]]))
+            return false;
+    }
+    int64_t shared = fewest_digits(group, count);
+    for (int i = 0; i < count && shared > 0; i++)
+        spacing[which[i]] = shared;
+    return shared > 0;
+}
+
+ost_status ost_lattice_find(const char *path, const ost_lattice_axis axes[3], ost_pm spacing[3], ost_error *err)
+{
+    ost_status status = OST_OK;
+    fit fits[3] = {{0}, {0}, {0}};
+    for (int a = 0; a < 3 && status == OST_OK; a++) {
+        if (spacing[a] != 0)
+            continue;
+        fits[a].axis = &axes[a];
+        fits[a].steps = malloc(axes[a].count * sizeof *fits[a].steps);
+        if (!fits[a].steps)
+            status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory for %zu coordinates", path, axes[a].count);
+        else
+            status = find_axis(path, &fits[a], &spacing[a], err);
+    }
+    if (status == OST_OK) {
+        static const int groups[4][3] = {{0, 1, 2}, {0, 1, 0}, {0, 2, 0}, {1, 2, 0}};
+        bool unified = unify(fits, groups[0], 3, spacing);
+        for (int g = 1; g < 4 && !unified; g++)
+            unified = unify(fits, groups[g], 2, spacing);
+    }
+    for (int a = 0; a < 3; a++)
+        free(fits[a].steps);
+    return status;
+}

@@ -1,0 +1,142 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "io/text/lines.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+struct ost_text_lines {
+    char *path;
+    int fd;
+    int64_t file_size;
+    int64_t read_bytes;
+    bool at_start, ended, terminated;
+    size_t used, rest; /* buffer[0, used) is filled, buffer[rest, used) not yet given out */
+    char buffer[OST_TEXT_BUFFER + 1]; /* one more for the newline that the last line may lack */
+};
+
+ost_status ost_text_lines_open(const char *path, ost_text_lines **out, ost_error *err)
+{
+    *out = NULL;
+    ost_text_lines *lines = malloc(sizeof *lines);
+    if (!lines)
+        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a read buffer of %zu bytes", path, sizeof *lines);
+    lines->path = strdup(path);
+    lines->fd = -1;
+    lines->read_bytes = 0;
+    lines->at_start = true;
+    lines->ended = false;
+    lines->terminated = true;
+    lines->used = lines->rest = 0;
+
+    ost_status status = OST_OK;
+    struct stat st;
+    if (!lines->path)
+        status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a file name", path);
+    else if (stat(path, &st) != 0)
+        status = ost_fail(err, OST_ERR_IO, "%s: cannot be opened: %s", path, strerror(errno));
+    else if (S_ISDIR(st.st_mode))
+        status = ost_fail(err, OST_ERR_IO, "%s: is a folder; a text file is needed", path);
+    else if (!S_ISREG(st.st_mode))
+        status = ost_fail(err, OST_ERR_IO, "%s: is a pipe or a device; a text is read twice, so save it to a file first", path);
+    else if ((lines->fd = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY)) < 0)
+        status = ost_fail(err, OST_ERR_IO, "%s: cannot be opened: %s", path, strerror(errno));
+    if (status != OST_OK) {
+        ost_text_lines_close(lines);
+        return status;
+    }
+    lines->file_size = st.st_size;
+    (void)posix_fadvise(lines->fd, 0, 0, POSIX_FADV_SEQUENTIAL);
+    *out = lines;
+    return OST_OK;
+}
+
+void ost_text_lines_close(ost_text_lines *lines)
+{
+    if (!lines)
+        return;
+    if (lines->fd >= 0)
+        close(lines->fd);
+    free(lines->path);
+    free(lines);
+}
+
+/* Fills the buffer behind `used` as far as the file goes. */
+static ost_status fill(ost_text_lines *lines, ost_error *err)
+{
+    while (!lines->ended && lines->used < OST_TEXT_BUFFER) {
+        ssize_t n = read(lines->fd, lines->buffer + lines->used, OST_TEXT_BUFFER - lines->used);
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n < 0)
+            return ost_fail(err, OST_ERR_IO, "%s: reading failed after %lld bytes: %s", lines->path, (long long)lines->read_bytes,
+                            strerror(errno));
+        lines->ended = n == 0;
+        lines->used += (size_t)n;
+        lines->read_bytes += n;
+    }
+    return OST_OK;
+}
+
+ost_status ost_text_lines_next(ost_text_lines *lines, int64_t line_number, ost_text_block *block, ost_error *err)
+{
+    char *buffer = lines->buffer;
+    block->begin = block->end = buffer;
+    memmove(buffer, buffer + lines->rest, lines->used - lines->rest);
+    lines->used -= lines->rest;
+    lines->rest = 0;
+    ost_status status = fill(lines, err);
+    if (status != OST_OK)
+        return status;
+    if (lines->at_start) {
+        lines->at_start = false;
+        if (lines->used >= 3 && memcmp(buffer, "\xef\xbb\xbf", 3) == 0)
+            block->begin = buffer + 3;
+        else if (lines->used >= 2 && (memcmp(buffer, "\xff\xfe", 2) == 0 || memcmp(buffer, "\xfe\xff", 2) == 0))
+            return ost_fail(err, OST_ERR_INPUT, "%s:1: the text is UTF-16; save it as plain text (ASCII or UTF-8)", lines->path);
+    }
+    if (lines->used == 0) {
+        block->end = block->begin;
+        return OST_OK;
+    }
+    char *last = memrchr(buffer, '\n', lines->used);
+    if (lines->ended) {
+        lines->terminated = last == buffer + lines->used - 1;
+        if (!lines->terminated)
+            buffer[lines->used++] = '\n';
+        lines->rest = lines->used;
+    } else if (last) {
+        lines->rest = (size_t)(last - buffer) + 1;
+    } else {
+        return ost_fail(err, OST_ERR_INPUT, "%s:%lld: the line is longer than %d bytes; is this a text file?", lines->path,
+                        (long long)line_number, OST_TEXT_LINE_MAX);
+    }
+    block->end = buffer + lines->rest;
+    return OST_OK;
+}
+
+ost_status ost_text_lines_rewind(ost_text_lines *lines, ost_error *err)
+{
+    if (lseek(lines->fd, 0, SEEK_SET) != 0)
+        return ost_fail(err, OST_ERR_IO, "%s: cannot be read a second time: %s", lines->path, strerror(errno));
+    lines->read_bytes = 0;
+    lines->at_start = true;
+    lines->ended = false;
+    lines->terminated = true;
+    lines->used = lines->rest = 0;
+    return OST_OK;
+}
+
+double ost_text_lines_share(const ost_text_lines *lines)
+{
+    double share = lines->file_size > 0 ? (double)lines->read_bytes / (double)lines->file_size : 1;
+    return share < 1 ? share : 1;
+}
+
+bool ost_text_lines_terminated(const ost_text_lines *lines)
+{
+    return lines->terminated;
+}

@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * CT text, from bytes to rows (thesis, Alg. 2.2; docs/arithmetic.md, AR-CT-1, AR-CT-2).
+ *
+ *   # osteon spacing_mm: 0.47 0.47 1      facts, one a comment
+ *   x y z density                         one header line of words may come first
+ *   -57.3400 12.2200 3.0000 1043          a sample: positions in mm, exact decimals
+ *   -56.8700,12.2200,3.0000,-1.2e2        tabs, commas, semicolons; a sign, a point, an exponent
+ *
+ * Whole lines in, rows out; no file, no allocation.
+ */
+#ifndef OST_IO_TEXT_PARSE_H
+#define OST_IO_TEXT_PARSE_H
+
+#include <osteon/backend.h>
+
+#include "io/text/fields.h"
+#include "io/text/lines.h"
+
+/* Digits after the point as they matter: fewer than MIN say nothing, more than MAX are rounded. */
+enum { OST_TEXT_PLACES_MIN = -3, OST_TEXT_PLACES_MAX = 9 };
+
+typedef struct ost_text_row {
+    ost_pm position[3];
+    int64_t line;     /* from 1 */
+    int32_t density;  /* within int16 */
+    int8_t places[3]; /* OST_TEXT_PLACES_MIN to OST_TEXT_PLACES_MAX */
+    uint8_t rounded;  /* bit a: position a was rounded to a picometre */
+} ost_text_row;
+
+typedef struct ost_text_parser {
+    const char *path;
+    int64_t line;     /* lines parsed so far */
+    bool past_header; /* a header or a sample has been seen */
+    /* Called with every fact, its line first in `line`; may be NULL. */
+    ost_status (*fact)(void *user, const struct ost_text_parser *parser, const ost_text_fact *fact, ost_error *err);
+    void *user;
+} ost_text_parser;
+
+/*
+ * Parses lines from block->begin on, moving it, until the block or the room
+ * for rows ends.  OST_ERR_INPUT with file, line, column, value and what was
+ * expected at the first bad line.
+ */
+ost_status ost_text_parse(ost_text_parser *parser, ost_text_block *block, ost_text_row *rows, size_t room, size_t *count,
+                          ost_error *err);
+
+#endif

@@ -1,0 +1,82 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * First pass over a CT text: everything that is known without a grid (thesis,
+ * Alg. 2.3; docs/arithmetic.md, AR-CT-3).
+ *
+ *   file --ost_text_scan--> extent, distinct coordinates, facts, fingerprint
+ *        --ost_text_geometry--> dims, spacing, origin
+ *
+ * Memory: a read buffer and at most OST_DIM_MAX coordinates an axis, whatever
+ * the file's size.
+ */
+#ifndef OST_IO_TEXT_SCAN_H
+#define OST_IO_TEXT_SCAN_H
+
+#include <osteon/io.h>
+
+#include "io/text/parse.h"
+
+/* ------------------------------------------------- a text as rows, repeatedly */
+
+typedef struct ost_text_source {
+    ost_text_lines *lines;
+    ost_text_block block;
+    ost_text_parser parser;
+} ost_text_source;
+
+ost_status ost_text_source_open(ost_text_source *source, const char *path, ost_error *err);
+/* *count == 0: the file has ended. */
+ost_status ost_text_source_next(ost_text_source *source, ost_text_row *rows, size_t room, size_t *count, ost_error *err);
+ost_status ost_text_source_rewind(ost_text_source *source, ost_error *err);
+void ost_text_source_close(ost_text_source *source);
+
+/*
+ * Equal for equal rows in equal order: tells whether the file changed between
+ * two passes.  Not cryptographic; nobody gains by fooling it.
+ */
+typedef struct ost_text_fingerprint {
+    uint64_t rows, hash;
+} ost_text_fingerprint;
+void ost_text_fingerprint_add(ost_text_fingerprint *fingerprint, const ost_text_row *rows, size_t count);
+
+/* --------------------------------------------------------------- the summary */
+
+typedef struct ost_text_coordinate {
+    ost_pm value;
+    int64_t line; /* where it was read first; 0 marks a free place in the set */
+} ost_text_coordinate;
+
+typedef struct ost_text_axis {
+    ost_pm min, max;
+    ost_pm given;       /* spacing by option or by the text's own fact; 0 = find it */
+    uint32_t units;     /* this and rounded as in ost_lattice_axis */
+    bool rounded;
+    size_t distinct;    /* coordinates in set; sorted at its front after the pass */
+    ost_text_coordinate *set;
+} ost_text_axis;
+
+typedef struct ost_text_summary {
+    ost_text_axis axis[3];
+    ost_text_fingerprint fingerprint;
+    uint64_t rounded_positions;
+    ost_meta meta;
+    bool has_origin, has_dims;
+    int64_t origin_line, dims_line;
+    ost_pm origin[3];  /* fact "origin_mm" */
+    int64_t dims[3];   /* fact "dims": every voxel has its line */
+} ost_text_summary;
+
+/*
+ * given: spacings by option, which win over the text's own; 0 = none.
+ * hasher: when not NULL, the samples' records go into it, 32 bytes each:
+ * x, y, z as int64, density as int32, 0 as uint32, little-endian.
+ * progress may be NULL.  Free the summary in any case.
+ */
+ost_status ost_text_scan(ost_text_source *source, ost_pm3 given, ost_hasher *hasher, ost_progress *progress, void *user,
+                         ost_text_summary *summary, ost_error *err);
+void ost_text_summary_free(ost_text_summary *summary);
+
+/* inferred[a] tells which spacings were found and not given. */
+ost_status ost_text_geometry(const char *path, const ost_text_summary *summary, ost_geometry *out, bool inferred[3], ost_error *err);
+
+#endif

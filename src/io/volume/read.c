@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Volumes in: the format is found by content, whatever the name. */
+#include <osteon/io.h>
+
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+#include <unistd.h>
+
+#include "io/nifti/read.h"
+#include "io/nrrd/read.h"
+#include "io/volume/input.h"
+#include "io/volume/read.h"
+
+/* x.img is the second half of a NIfTI pair: what it is stands in x.hdr. Returns path or the header's name in out. */
+static const char *header_of(const char *path, char *out, size_t room)
+{
+    static const struct {
+        const char *image, *header[2];
+    } pairs[] = {{".img", {".hdr", ".hdr.gz"}}, {".img.gz", {".hdr.gz", ".hdr"}}};
+    size_t n = strlen(path);
+    for (size_t p = 0; p < 2; p++) {
+        size_t m = strlen(pairs[p].image);
+        if (n <= m || n + 8 > room || strcasecmp(path + n - m, pairs[p].image) != 0)
+            continue;
+        for (size_t h = 0; h < 2; h++) {
+            snprintf(out, room, "%.*s%s", (int)(n - m), path, pairs[p].header[h]);
+            if (access(out, F_OK) == 0)
+                return out;
+        }
+    }
+    return path;
+}
+
+static ost_status unknown(const char *path, const unsigned char *bytes, size_t size, ost_error *err)
+{
+    if (size == 0)
+        return ost_fail(err, OST_ERR_INPUT, "%s: is empty; a NRRD or NIfTI volume was expected", path);
+    char start[3 * 8 + 1] = "";
+    for (size_t i = 0; i < size && i < 8; i++)
+        snprintf(start + 3 * i, 4, "%02x ", bytes[i]);
+    start[strlen(start) - 1] = 0;
+    return ost_fail(err, OST_ERR_INPUT, "%s: neither NRRD nor NIfTI (it starts with bytes %s)", path, start);
+}
+
+ost_status ost_volume_read_any(const char *path, const ost_volume_options *options, ost_volume *out, ost_geometry *geometry,
+                               ost_meta *meta, ost_volume_report *report, ost_element *element, ost_error *err)
+{
+    char pair[4096];
+    unsigned char head[OST_NIFTI_SNIFF];
+    size_t got;
+    ost_input *input;
+    if (out)
+        memset(out, 0, sizeof *out);
+    memset(geometry, 0, sizeof *geometry);
+    memset(meta, 0, sizeof *meta);
+    memset(report, 0, sizeof *report);
+    path = header_of(path, pair, sizeof pair);
+    ost_status status = ost_input_open(path, &input, err);
+    if (status != OST_OK)
+        return status;
+    status = ost_input_read(input, head, sizeof head, &got, err);
+    if (status == OST_OK && got >= 4 && memcmp(head, "NRRD", 4) == 0) {
+        status = ost_input_seek(input, 0, err);
+        if (status == OST_OK)
+            status = ost_nrrd_read(input, options, out, geometry, meta, report, element, err);
+        goto done;
+    }
+    if (status == OST_OK && got >= 2 && head[0] == 0x1f && head[1] == 0x8b) {
+        status = ost_input_seek(input, 0, err);
+        if (status == OST_OK)
+            status = ost_input_gunzip(input, err);
+        if (status == OST_OK)
+            status = ost_input_read(input, head, sizeof head, &got, err);
+        if (status == OST_OK && got >= 4 && memcmp(head, "NRRD", 4) == 0)
+            status = ost_fail(err, OST_ERR_INPUT, "%s: a NRRD file packed as a whole; unpack it with gzip -d first", path);
+        else if (status == OST_OK && ost_nifti_sniff(head, got) == 0)
+            status = ost_fail(err, OST_ERR_INPUT, "%s: gzip data that are no NIfTI volume", path);
+        if (status == OST_OK)
+            status = ost_input_seek(input, 0, err);
+        if (status == OST_OK)
+            status = ost_input_gunzip(input, err);
+    } else if (status == OST_OK) {
+        if (ost_nifti_sniff(head, got) == 0)
+            status = unknown(path, head, got, err);
+        else
+            status = ost_input_seek(input, 0, err);
+    }
+    if (status == OST_OK)
+        status = ost_nifti_read(input, options, out, geometry, meta, report, element, err);
+done:
+    ost_input_close(input);
+    return status;
+}
+
+ost_status ost_volume_read(const char *path, const ost_volume_options *options, ost_volume *out, ost_volume_report *report, ost_error *err)
+{
+    ost_geometry geometry;
+    ost_meta meta;
+    ost_volume_report own;
+    ost_element element;
+    return ost_volume_read_any(path, options, out, &geometry, &meta, report ? report : &own, &element, err);
+}
+
+ost_status ost_volume_read_header(const char *path, ost_geometry *geometry, ost_meta *meta, ost_volume_report *report, ost_error *err)
+{
+    ost_geometry own_geometry;
+    ost_meta own_meta;
+    ost_volume_report own;
+    ost_element element;
+    return ost_volume_read_any(path, NULL, NULL, geometry ? geometry : &own_geometry, meta ? meta : &own_meta, report ? report : &own,
+                               &element, err);
+}

@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#ifndef OST_IO_VOLUME_READ_H
+#define OST_IO_VOLUME_READ_H
+
+#include <osteon/io.h>
+
+#include "io/volume/element.h"
+
+/* What ost_volume_read and ost_volume_read_header share: with out NULL the voxels are not read. Everything else is never NULL. */
+ost_status ost_volume_read_any(const char *path, const ost_volume_options *options, ost_volume *out, ost_geometry *geometry,
+                               ost_meta *meta, ost_volume_report *report, ost_element *element, ost_error *err);
+
+#endif

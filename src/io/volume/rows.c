@@ -1,0 +1,148 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "io/volume/rows.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "io/volume/resample.h"
+
+ost_status ost_rows_sizes(const char *path, const int64_t sizes[3], int32_t out[3], ost_error *err)
+{
+    int64_t count = 1;
+    for (int a = 0; a < 3; a++) {
+        if (sizes[a] < 1)
+            return ost_fail(err, OST_ERR_INPUT, "%s: size %lld along axis %d; at least 1 was expected", path, (long long)sizes[a], a + 1);
+        if (sizes[a] > OST_DIM_MAX)
+            return ost_fail(err, OST_ERR_RANGE, "%s: size %lld along axis %d; at most %d is supported", path, (long long)sizes[a], a + 1,
+                            OST_DIM_MAX);
+        out[a] = (int32_t)sizes[a];
+        count *= sizes[a];
+    }
+    if (count > INT64_C(1) << 36)
+        return ost_fail(err, OST_ERR_RANGE, "%s: %d x %d x %d voxels; at most 2^36 in all are supported", path, out[0], out[1], out[2]);
+    return OST_OK;
+}
+
+ost_status ost_volume_settle(const char *path, const ost_affine *affine, const int32_t sizes[3], const ost_volume_options *options,
+                             bool oriented, ost_placement *placement, ost_geometry *geometry, ost_volume_report *report,
+                             ost_error *err)
+{
+    ost_status status = ost_orient(affine, sizes, placement, err);
+    if (status == OST_OK && placement->oblique && !(options && options->resample_oblique))
+        return ost_fail(err, OST_ERR_INPUT,
+                        "%s: its grid is oblique: an axis lies %.2f degrees off the patient's axes; "
+                        "it can be resampled (nearest) when that is asked for",
+                        path, placement->degrees);
+    if (status == OST_OK) {
+        *geometry = placement->geometry;
+        if (placement->oblique)
+            status = ost_resample_geometry(affine, sizes, placement, geometry, err);
+    }
+    if (status != OST_OK) {
+        ost_fail_context(err, "%s", path);
+        return status;
+    }
+    report->resampled = placement->oblique;
+    report->reoriented = placement->reoriented;
+    if (oriented)
+        memcpy(report->orientation, placement->code, sizeof placement->code);
+    return OST_OK;
+}
+
+/* ------------------------------------------------------------------- rows */
+
+ost_status ost_rows_bad(const ost_rows *rows, int64_t number, const char *file, const char *place, const ost_bad *bad, ost_error *err)
+{
+    int64_t i = number % rows->sizes[0];
+    int64_t j = number / rows->sizes[0] % rows->sizes[1];
+    int64_t k = number / rows->sizes[0] / rows->sizes[1];
+    const char *wrong = "is no density; a finite number was expected";
+    if (bad->kind == OST_BAD_RANGE)
+        wrong = rows->converter.scaled ? "is beyond int16 (-32768..32767) after slope and intercept; it can be clamped when that is asked for"
+                                       : "is beyond int16 (-32768..32767); it can be clamped when that is asked for";
+    return ost_fail(err, OST_ERR_INPUT, "%s: voxel (%lld, %lld, %lld) at %s: %s %s", file, (long long)i, (long long)j, (long long)k,
+                    place, bad->value, wrong);
+}
+
+ost_status ost_rows_next_binary(ost_rows *rows, int64_t first, int16_t *out, ost_error *err)
+{
+    size_t count = (size_t)rows->sizes[0];
+    size_t size = ost_element_bytes(rows->converter.element);
+    ost_status status = ost_parts_read(rows->parts, rows->scratch, count * size, err);
+    if (status != OST_OK)
+        return status;
+    ost_bad bad;
+    size_t done = ost_convert(&rows->converter, rows->scratch, count, out, &bad);
+    if (done == count)
+        return OST_OK;
+    /* A row never spans two parts, so that its bytes are the last ones of the open part. */
+    char place[OST_PLACE_TEXT];
+    ost_input_place(rows->parts->input, (count - done) * size, place);
+    return ost_rows_bad(rows, first + (int64_t)done, ost_input_path(rows->parts->input), place, &bad, err);
+}
+
+static ost_status fill_rows(ost_rows *rows, const ost_placement *placement, int16_t *voxels, ost_error *err)
+{
+    int32_t n = rows->sizes[0];
+    int64_t step = placement->stride[0];
+    int16_t *row = malloc((size_t)n * sizeof *row);
+    rows->scratch = malloc((size_t)n * 8);
+    ost_status status = OST_OK;
+    if (!row || !rows->scratch)
+        status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a row of %d voxels", rows->path, n);
+    int64_t first = 0;
+    for (int32_t k = 0; status == OST_OK && k < rows->sizes[2]; k++) {
+        for (int32_t j = 0; status == OST_OK && j < rows->sizes[1]; j++, first += n) {
+            int16_t *to = voxels + ost_placement_element(placement, 0, j, k);
+            if (step == 1) {
+                status = rows->next(rows, first, to, err);
+                continue;
+            }
+            status = rows->next(rows, first, row, err);
+            for (int32_t i = 0; status == OST_OK && i < n; i++)
+                to[i * step] = row[i];
+        }
+    }
+    free(row);
+    free(rows->scratch);
+    rows->scratch = NULL;
+    return status;
+}
+
+ost_status ost_volume_fill(ost_rows *rows, const ost_affine *affine, const ost_placement *placement, const ost_geometry *geometry,
+                           ost_volume *out, ost_error *err)
+{
+    static const ost_placement as_in_file = {.to = {0, 1, 2}};
+    ost_placement own = as_in_file;
+    ost_volume *target = out, in_file = {0};
+    memset(out, 0, sizeof *out);
+    ost_status status = ost_parts_check(rows->parts, err);
+    if (status != OST_OK)
+        return status;
+    ost_geometry first = *geometry;
+    if (placement->oblique) {
+        /* Only dims matter here: the resampling goes by the affine. */
+        first.dims = (ost_dims){rows->sizes[0], rows->sizes[1], rows->sizes[2]};
+        first.origin = (ost_pm3){0, 0, 0};
+        first.spacing = (ost_pm3){OST_SPACING_MIN, OST_SPACING_MIN, OST_SPACING_MIN};
+        own.stride[0] = 1;
+        own.stride[1] = rows->sizes[0];
+        own.stride[2] = (int64_t)rows->sizes[0] * rows->sizes[1];
+        target = &in_file;
+    }
+    status = ost_volume_init(target, &first, err);
+    if (status == OST_OK)
+        status = fill_rows(rows, placement->oblique ? &own : placement, target->voxels, err);
+    if (status == OST_OK)
+        status = ost_parts_end(rows->parts, err);
+    if (status == OST_OK && placement->oblique) {
+        status = ost_volume_init(out, geometry, err);
+        if (status == OST_OK)
+            ost_resample_nearest(affine, rows->sizes, in_file.voxels, out);
+    }
+    ost_volume_free(&in_file);
+    if (status != OST_OK)
+        ost_volume_free(out);
+    return status;
+}
