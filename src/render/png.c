@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Pictures as PNG, in memory and on disk, by libpng.
+ *
+ * The file holds the pixels and nothing else (no time, no program's name), so
+ * equal pictures are equal files.  Writing to disk is io's affair: write_whole
+ * is the one place where a picture meets a file.
+ */
+#include <errno.h>
+#include <setjmp.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <osteon/picture.h>
+
+#ifdef HAVE_CONFIG_H
+#include "config.h"
+#endif
+
+#ifdef HAVE_PNG
+#include <png.h>
+
+#include "io/outfile.h"
+
+typedef struct sink {
+    uint8_t *bytes;
+    size_t size, room;
+} sink;
+
+static void sink_write(png_structp png, png_bytep data, size_t size)
+{
+    sink *s = png_get_io_ptr(png);
+    if (size > s->room - s->size) {
+        size_t room = 2 * s->room + size; /* a picture is at most 3 * 2^28 bytes: no overflow */
+        uint8_t *bytes = realloc(s->bytes, room);
+        if (!bytes)
+            png_error(png, "no memory");
+        s->bytes = bytes;
+        s->room = room;
+    }
+    memcpy(s->bytes + s->size, data, size);
+    s->size += size;
+}
+
+static void sink_flush(png_structp png)
+{
+    (void)png;
+}
+
+/* libpng leaves a failed call by longjmp; everything it may touch after that lives in *s and the caller's frame. */
+static ost_status encode(png_structp png, png_infop info, const ost_picture *picture, sink *s, ost_error *err)
+{
+    if (setjmp(png_jmpbuf(png)))
+        return ost_fail(err, OST_ERR_MEMORY, "a picture of %d x %d pixels could not be encoded", picture->width, picture->height);
+    png_set_write_fn(png, s, sink_write, sink_flush);
+    png_set_IHDR(png, info, (png_uint_32)picture->width, (png_uint_32)picture->height, 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_write_info(png, info);
+    for (int y = 0; y < picture->height; y++)
+        png_write_row(png, picture->rgb + 3 * (size_t)picture->width * (size_t)y);
+    png_write_end(png, NULL);
+    return OST_OK;
+}
+
+ost_status ost_picture_encode_png(const ost_picture *picture, uint8_t **bytes, size_t *size, ost_error *err)
+{
+    *bytes = NULL;
+    *size = 0;
+    if (!picture->rgb)
+        return ost_fail(err, OST_ERR_USAGE, "an empty picture cannot be encoded");
+    sink s = {NULL, 0, 0};
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
+    png_infop info = png ? png_create_info_struct(png) : NULL;
+    ost_status status;
+    if (info)
+        status = encode(png, info, picture, &s, err);
+    else
+        status = ost_fail(err, OST_ERR_MEMORY, "no memory for libpng");
+    png_destroy_write_struct(&png, &info);
+    if (status != OST_OK) {
+        free(s.bytes);
+        return status;
+    }
+    *bytes = s.bytes;
+    *size = s.size;
+    return OST_OK;
+}
+
+static ost_status write_whole(const char *path, const uint8_t *bytes, size_t size, ost_error *err)
+{
+    ost_outfile *file = NULL;
+    ost_status status = ost_outfile_open(path, &file, err);
+    if (status == OST_OK)
+        status = ost_outfile_write(file, bytes, size, err);
+    if (status == OST_OK)
+        return ost_outfile_commit(file, err);
+    ost_outfile_discard(file);
+    return status;
+}
+
+ost_status ost_picture_write_png(const char *path, const ost_picture *picture, ost_error *err)
+{
+    uint8_t *bytes = NULL;
+    size_t size = 0;
+    ost_status status = ost_picture_encode_png(picture, &bytes, &size, err);
+    if (status == OST_OK)
+        status = write_whole(path, bytes, size, err);
+    free(bytes);
+    return status;
+}
+
+#else
+
+static ost_status without_png(ost_error *err)
+{
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "this osteon was built without libpng and writes no pictures; Debian: install libpng-dev "
+                                              "and build again");
+}
+
+ost_status ost_picture_encode_png(const ost_picture *picture, uint8_t **bytes, size_t *size, ost_error *err)
+{
+    (void)picture;
+    *bytes = NULL;
+    *size = 0;
+    return without_png(err);
+}
+
+ost_status ost_picture_write_png(const char *path, const ost_picture *picture, ost_error *err)
+{
+    (void)path;
+    (void)picture;
+    return without_png(err);
+}
+
+#endif
