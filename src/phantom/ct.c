@@ -1,0 +1,243 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A CT of the scapula: the solid of scapula.h, as it lies in a patient and as
+ * a scanner sees it.
+ *
+ *   voxel centre --pose--> the bone's frame --scapula_at--> distances
+ *        distances --cover--> shares of soft tissue, cartilage, plate and
+ *        shell, spongy bone --> HU, + noise
+ *
+ * A share is smooth over the width of a voxel about the surface: partial
+ * volume.  Noise moves no voxel across 120 HU, so that what is bone is
+ * decided by the surface alone and no crumbs float.
+ *
+ * Far from the bone nothing but soft tissue is found: the grid is walked in
+ * blocks, and a block whose centre is farther from the bone than its corners
+ * could reach is background.
+ */
+#include <stdio.h>
+
+#include "phantom/noise.h"
+#include "phantom/scan.h"
+#include "phantom/scapula.h"
+
+#define ACTIVE 120 /* the default threshold that the phantom is made for */
+#define SHELL 1.4  /* mm of compact bone on the outer walls; plates thinner than twice this have no core */
+#define PLATE 1.9  /* mm of compact bone under the cartilage */
+
+/*
+ * As the patient lies: the blade's lateral end turned forward, its top leaning
+ * forward a little.  Turns by half-angle tangents: rational, no libm.
+ */
+#define TURN_HALF 0.21 /* 24 degrees: the blade's lateral end turned forward, against the coronal plane */
+#define LEAN_HALF 0.09 /* 10 degrees: its top leant forward */
+#define LIFT_HALF 0.16 /* 18 degrees: its lateral end lifted, as with the arms raised out of the beam */
+static const ost_v3 MIDDLE = {53.85, 19.0, -32.7}; /* of the bone's frame, at the box's centre */
+
+typedef struct pose {
+    ost_v3 row[3];   /* patient (lateral, anterior, superior) = row . bone */
+    ost_v3 centre;   /* of the box, patient's LPS mm */
+    double scale;    /* mm of the patient per mm of the mean shape */
+} pose;
+
+static pose make_pose(double scale)
+{
+    double t = TURN_HALF, c = (1 - t * t) / (1 + t * t), s = 2 * t / (1 + t * t);
+    double l = LEAN_HALF, a = (1 - l * l) / (1 + l * l), b = 2 * l / (1 + l * l);
+    double h = LIFT_HALF, e = (1 - h * h) / (1 + h * h), f = 2 * h / (1 + h * h);
+    /* lift in the blade's plane, lean about the lateral axis, turn about the vertical one */
+    ost_v3 lift[3] = {{e, 0, -f}, {0, 1, 0}, {f, 0, e}};
+    const double rest[3][3] = {{c, -s * a, -s * b}, {s, c * a, c * b}, {0, -b, a}};
+    pose p = {.scale = scale};
+    for (int r = 0; r < 3; r++) {
+        p.row[r] = (ost_v3){0, 0, 0};
+        for (int k = 0; k < 3; k++)
+            p.row[r] = ost_v3_mad(p.row[r], lift[k], rest[r][k]);
+    }
+    return p;
+}
+
+static ost_v3 to_bone(const pose *p, ost_v3 lps)
+{
+    ost_v3 d = {-(lps.x - p->centre.x) / p->scale, -(lps.y - p->centre.y) / p->scale, (lps.z - p->centre.z) / p->scale};
+    return (ost_v3){MIDDLE.x + p->row[0].x * d.x + p->row[1].x * d.y + p->row[2].x * d.z,
+                    MIDDLE.y + p->row[0].y * d.x + p->row[1].y * d.y + p->row[2].y * d.z,
+                    MIDDLE.z + p->row[0].z * d.x + p->row[1].z * d.y + p->row[2].z * d.z};
+}
+
+static ost_v3 turn_to_lps(const pose *p, ost_v3 v)
+{
+    return (ost_v3){-ost_v3_dot(p->row[0], v), -ost_v3_dot(p->row[1], v), ost_v3_dot(p->row[2], v)};
+}
+
+static ost_v3 to_lps(const pose *p, ost_v3 bone)
+{
+    ost_v3 v = turn_to_lps(p, ost_v3_sub(bone, MIDDLE));
+    return ost_v3_mad(p->centre, v, p->scale);
+}
+
+/* ----------------------------------------------------------------- tissue */
+
+/* Muscle with sheets of fat between its bellies; the lung inside the chest, before and beside the bone. HU < 100. */
+static double soft_tissue(uint64_t seed, ost_noise_cell cells[2], ost_v3 p, double bone)
+{
+    double x = (0.8 * p.x + 0.6 * p.y + 0.3 * p.z) / 23, y = (0.8 * p.y - 0.6 * p.x - 0.2 * p.z) / 19, z = p.z / 45;
+    double belly = ost_value_noise_in(&cells[0], seed + 31, x, y, z);
+    double seam = ost_value_noise_in(&cells[1], seed + 32, x + 0.9 * belly, y - 0.7 * belly, z);
+    double off = seam - 0.5;
+    off = off < 0 ? -off : off;
+    double hu = 52 + 10 * (belly - 0.5);
+    hu += (-95 - hu) * (1 - ost_smooth(0.015, 0.05, off)) * ost_smooth(1, 4, bone);
+    double u = (p.x + 22) / 62, v = (p.y + 88) / 66, w = (p.z + 62) / 130;
+    double chest = u * u + v * v + w * w;
+    if (chest < 1)
+        hu += (-840 + 60 * belly - hu) * ost_smooth(1, 0.97, chest);
+    return hu;
+}
+
+/* Struts of about a millimetre as a CT shows them, denser to the back and under the plate, emptier in the processes. */
+static double spongy(uint64_t seed, ost_v3 q, const ost_scapula_place *at)
+{
+    double coarse = ost_value_noise(seed + 21, q.x / 1.5, q.y / 1.5, q.z / 1.9);
+    double fine = ost_value_noise(seed + 22, q.x / 0.8, q.y / 0.8, q.z / 0.8);
+    double mesh = 2 * coarse - 1;
+    mesh = 1 - (mesh < 0 ? -mesh : mesh);
+    double hu = 165 + 200 * mesh * mesh + 90 * (fine - 0.5);
+    if (at->dish < 40)
+        hu += 55 * ost_smooth(12, 2, at->dish) + 70 * ost_smooth(4, -12, at->ahead);
+    return hu;
+}
+
+int16_t ost_hu(double v, int lo, int hi)
+{
+    int64_t r = ost_floor64(v + 0.5);
+    return (int16_t)(r < lo ? lo : r > hi ? hi : r);
+}
+
+static int16_t voxel_hu(const ost_scan *scan, ost_noise_cell cells[2], const ost_scapula_place *at, ost_v3 p, ost_v3 q, double blur, uint64_t hash)
+{
+    double noise = 24 * ost_bell(hash); /* 12 HU standard deviation, as a smooth kernel gives */
+    double soft = soft_tissue(scan->seed, cells, p, at->bone);
+    double gristle = ost_scan_cover(at->cartilage, 0.5 * blur), bone = ost_scan_cover(at->bone, blur);
+    double hu = soft + (135 - soft) * gristle;
+    int lo = -1024, hi = 3071;
+    if (bone > 0) {
+        double core = -ost_min(-at->wall - SHELL, at->dish - PLATE);
+        double inner = ost_scan_cover(core, blur);
+        double grain = ost_value_noise(scan->seed + 23, q.x / 3, q.y / 3, q.z / 3);
+        double hard = 1120 + 320 * grain;
+        if (at->dish < 6)
+            hard += 120 * ost_smooth(6, 0, at->dish) + 110 * ost_smooth(4, -12, at->ahead);
+        if (inner > 0) {
+            double soft_core = ost_clamp(spongy(scan->seed, q, at), 150, 500);
+            hard += (soft_core - hard) * inner;
+            if (inner == 1 && bone == 1)
+                lo = 150, hi = 500;
+        }
+        hu += (hard - hu) * bone;
+        noise *= 1.25;
+    } else if (gristle == 1) {
+        lo = ACTIVE + 1, hi = ACTIVE + 29; /* the class that cartilage is counted in */
+    }
+    if (hu >= ACTIVE)
+        lo = lo > ACTIVE ? lo : ACTIVE;
+    else
+        hi = ACTIVE - 1;
+    return ost_hu(hu + noise, lo, hi);
+}
+
+/* ------------------------------------------------------------------- scan */
+
+typedef struct scanner {
+    const ost_scan *scan;
+    ost_scapula scapula;
+    pose pose;
+    double blur;     /* mm of the anatomy */
+    int64_t first[3]; /* of this grid's voxels in the grid that noise is counted from */
+} scanner;
+
+static ost_v3 centre_of(const ost_scan *scan, int64_t i, int64_t j, int64_t k)
+{
+    const ost_pm3 *s = &scan->volume->geometry.spacing;
+    return (ost_v3){ost_scan_mm(scan->corner.x, s->x, i), ost_scan_mm(scan->corner.y, s->y, j), ost_scan_mm(scan->corner.z, s->z, k)};
+}
+
+static void scan_block(const scanner *c, const int lo[3], const int hi[3])
+{
+    const ost_scan *scan = c->scan;
+    const ost_geometry *g = &scan->volume->geometry;
+    ost_v3 a = centre_of(scan, lo[0], lo[1], lo[2]), b = centre_of(scan, hi[0] - 1, hi[1] - 1, hi[2] - 1);
+    ost_v3 middle = ost_v3_mad(a, ost_v3_sub(b, a), 0.5);
+    ost_scapula_place at;
+    ost_scapula_at(&c->scapula, to_bone(&c->pose, middle), &at);
+    /* distances are true to a third, so a block this far off holds no surface, nor anything that the surface bears on */
+    double reach = 1.5 * 0.5 * ost_v3_length(ost_v3_sub(b, a)) / scan->scale + c->blur + 4;
+    ost_noise_cell cells[2] = {{.known = 0}, {.known = 0}};
+    bool empty = at.bone > reach && at.cartilage > reach;
+    for (int k = lo[2]; k < hi[2]; k++)
+        for (int j = lo[1]; j < hi[1]; j++) {
+            int16_t *row = scan->volume->voxels + (size_t)g->dims.x * ((size_t)j + (size_t)g->dims.y * (size_t)k);
+            for (int i = lo[0]; i < hi[0]; i++) {
+                ost_v3 p = centre_of(scan, i, j, k), q = {0, 0, 0};
+                if (!empty) {
+                    q = to_bone(&c->pose, p);
+                    ost_scapula_at(&c->scapula, q, &at);
+                }
+                uint64_t hash = ost_hash3(scan->seed + 41, c->first[0] + i, c->first[1] + j, c->first[2] + k);
+                row[i] = voxel_hu(scan, cells, &at, p, q, c->blur, hash);
+            }
+        }
+}
+
+static ost_status write_meta(const scanner *c, ost_error *err)
+{
+    ost_v3 at = to_lps(&c->pose, c->scapula.face);
+    ost_v3 axis = turn_to_lps(&c->pose, c->scapula.out);
+    char text[OST_META_VALUE];
+    /* whole micrometres and millionths: %lld of an explicit rounding is the same everywhere */
+    double v[6] = {at.x, at.y, at.z, -axis.x, -axis.y, -axis.z};
+    char word[6][48];
+    for (int i = 0; i < 6; i++) {
+        int places = i < 3 ? 3 : 6;
+        int64_t unit = i < 3 ? 1000 : 1000000, n = ost_floor64(v[i] * (double)unit + 0.5), m = n < 0 ? -n : n;
+        snprintf(word[i], sizeof word[i], "%s%lld.%0*lld", n < 0 ? "-" : "", (long long)(m / unit), places, (long long)(m % unit));
+    }
+    snprintf(text, sizeof text, "%s %s %s", word[0], word[1], word[2]);
+    ost_status status = ost_meta_set(&c->scan->volume->meta, OST_META_GLENOID_AT, text, err);
+    if (status != OST_OK)
+        return status;
+    snprintf(text, sizeof text, "%s %s %s", word[3], word[4], word[5]);
+    return ost_meta_set(&c->scan->volume->meta, OST_META_GLENOID_AXIS, text, err);
+}
+
+ost_status ost_scan_scapula(const ost_scan *scan, ost_error *err)
+{
+    const ost_geometry *g = &scan->volume->geometry;
+    scanner c = {.scan = scan};
+    ost_status status = ost_scapula_init(&c.scapula, scan->seed, err);
+    if (status != OST_OK)
+        return status;
+    c.pose = make_pose(scan->scale * c.scapula.size);
+    c.pose.centre = (ost_v3){-110 * scan->scale, -15 * scan->scale, 0}; /* of the scapula's box, phantom.c */
+    double spacing[3] = {ost_pm_to_mm(g->spacing.x), ost_pm_to_mm(g->spacing.y), ost_pm_to_mm(g->spacing.z)};
+    c.blur = (spacing[0] + spacing[1] + spacing[2]) / 3 / scan->scale;
+    const int dims[3] = {g->dims.x, g->dims.y, g->dims.z};
+    const ost_pm corner[3] = {scan->corner.x, scan->corner.y, scan->corner.z}, whole[3] = {scan->whole.x, scan->whole.y, scan->whole.z};
+    const ost_pm step[3] = {g->spacing.x, g->spacing.y, g->spacing.z};
+    int block[3];
+    for (int a = 0; a < 3; a++) {
+        c.first[a] = (corner[a] - whole[a]) / (2 * step[a]);
+        block[a] = (int)ost_clamp(4 * scan->scale / spacing[a], 1, 64);
+    }
+    for (int k = 0; k < dims[2]; k += block[2])
+        for (int j = 0; j < dims[1]; j += block[1])
+            for (int i = 0; i < dims[0]; i += block[0]) {
+                int lo[3] = {i, j, k}, hi[3];
+                for (int a = 0; a < 3; a++)
+                    hi[a] = lo[a] + block[a] < dims[a] ? lo[a] + block[a] : dims[a];
+                scan_block(&c, lo, hi);
+            }
+    status = write_meta(&c, err);
+    ost_scapula_free(&c.scapula);
+    return status;
+}

@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A right scapula as one implicit solid, in its own frame, millimetres:
+ *
+ *            superior angle      acromion            x  lateral, from the root of the
+ *                 .-.          .-------.                spine to the glenoid's centre
+ *                /   `--. n .-' coracoid                (Friedman's line)
+ *        root   (  spine===========-- )              y  anterior (the ribs' side)
+ *        (0,0,0) \          neck  (   glenoid        z  superior
+ *                 \            .-'    (99,0,0)
+ *        medial    \         .'                      n  suprascapular notch
+ *        border     \      .'  lateral border
+ *                    `---'  inferior angle
+ *
+ * The mean shape is an adult population's; a seed varies size, version,
+ * inclination and outlines mildly.
+ */
+#ifndef OST_PHANTOM_SCAPULA_H
+#define OST_PHANTOM_SCAPULA_H
+
+#include "phantom/shape.h"
+
+typedef struct ost_scapula {
+    uint64_t seed;
+    double size;  /* mm of this bone per mm of the mean shape, whose frame is used throughout */
+    ost_v3 face;  /* centre of the glenoid's face, on the cartilage */
+    ost_v3 out, ahead, above; /* glenoid's frame: outward, anterior and superior along its face; unit */
+    ost_v3 dish, pad; /* centres of the spheres of the bony dish and of the cartilage's face */
+    ost_outline body, spine, acromion, pear;
+    ost_bar crest, pillar, coracoid, root;
+} ost_scapula;
+
+/* Where a point is, in mm of this bone; distances are negative inside. */
+typedef struct ost_scapula_place {
+    double bone;      /* to the bone's surface, cartilage not counted */
+    double wall;      /* the same without the glenoid's dish: to the outer walls alone */
+    double dish;      /* depth below the bony dish, positive in the bone (large away from the glenoid) */
+    double cartilage; /* to the layer on the dish */
+    double depth;     /* along the glenoid's axis, positive into the bone */
+    double ahead;     /* along the glenoid's face, positive forward */
+} ost_scapula_place;
+
+ost_status ost_scapula_init(ost_scapula *scapula, uint64_t seed, ost_error *err);
+void ost_scapula_free(ost_scapula *scapula);
+void ost_scapula_at(const ost_scapula *scapula, ost_v3 p, ost_scapula_place *out);
+
+#endif
