@@ -1,0 +1,215 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Generated bones: names, options, seeds, sides, and what their header says.
+ * Coarse grids; the figures of full size are in the tests beside this one.
+ *
+ * Covers: AR-GRID
+ */
+#include <math.h>
+
+#include "phantom_checks.h"
+
+#include "phantom/scapula.h"
+
+#define MM OST_PM_PER_MM
+
+static ost_volume make(ost_phantom_kind kind, ost_phantom_options options)
+{
+    ost_error err = {0};
+    ost_volume v;
+    assert_ok(ost_phantom_make(kind, &options, &v, &err));
+    return v;
+}
+
+static void test_names(void **state)
+{
+    (void)state;
+    assert_string_equal(ost_phantom_name(OST_PHANTOM_SCAPULA), "scapula");
+    assert_string_equal(ost_phantom_name(OST_PHANTOM_GLENOID), "glenoid");
+    assert_string_equal(ost_phantom_name(OST_PHANTOM_TRABECULAR), "trabecular");
+    assert_string_equal(ost_phantom_name(OST_PHANTOM_TRABECULAR2), "trabecular2");
+    assert_string_equal(ost_phantom_name(OST_PHANTOM_FOAM), "foam");
+    assert_string_equal(ost_phantom_name(OST_PHANTOM_COUNT), "unknown");
+}
+
+/* 256 * 0.47 = 120.32 mm, 234 * 0.47 = 109.98 mm, 201 mm; 314, 316, 360 times 0.032 are 10.048, 10.112, 11.52 mm. */
+static void test_spacing_and_scale_make_the_dims(void **state)
+{
+    (void)state;
+    ost_volume v = make(OST_PHANTOM_SCAPULA, (ost_phantom_options){.spacing = {2 * MM, 3 * MM, 4 * MM}});
+    assert_int_equal(v.geometry.dims.x, 61);
+    assert_int_equal(v.geometry.dims.y, 37);
+    assert_int_equal(v.geometry.dims.z, 51);
+    assert_int_equal(v.geometry.spacing.y, 3 * MM);
+    ost_volume_free(&v);
+
+    v = make(OST_PHANTOM_SCAPULA, (ost_phantom_options){.spacing = {2 * MM, 3 * MM, 4 * MM}, .scale = 0.5});
+    assert_int_equal(v.geometry.dims.x, 31);
+    assert_int_equal(v.geometry.dims.y, 19);
+    assert_int_equal(v.geometry.dims.z, 26);
+    ost_volume_free(&v);
+
+    v = make(OST_PHANTOM_TRABECULAR2, (ost_phantom_options){.spacing = {MM / 5, MM / 5, MM / 5}});
+    assert_int_equal(v.geometry.dims.x, 51);
+    assert_int_equal(v.geometry.dims.y, 51);
+    assert_int_equal(v.geometry.dims.z, 58);
+    ost_volume_free(&v);
+}
+
+static void test_a_seed_makes_one_grid(void **state)
+{
+    (void)state;
+    for (int kind = 0; kind < OST_PHANTOM_COUNT; kind++) {
+        bool core = kind >= OST_PHANTOM_TRABECULAR;
+        ost_phantom_options o = {.spacing = core ? (ost_pm3){MM / 8, MM / 8, MM / 8} : (ost_pm3){3 * MM, 3 * MM, 3 * MM}};
+        ost_volume a = make((ost_phantom_kind)kind, o);
+        o.seed = 1; /* what 0 stands for */
+        ost_volume b = make((ost_phantom_kind)kind, o);
+        o.seed = 2;
+        ost_volume c = make((ost_phantom_kind)kind, o);
+        ost_digest da = digest_of(&a), db = digest_of(&b), dc = digest_of(&c);
+        assert_true(ost_digest_equal(&da, &db));
+        assert_false(ost_digest_equal(&da, &dc));
+        assert_string_equal(ost_meta_get(&a.meta, "seed"), "1");
+        assert_string_equal(ost_meta_get(&c.meta, "seed"), "2");
+        assert_string_equal(ost_meta_get(&a.meta, OST_META_KIND), "ct");
+        ost_volume_free(&a);
+        ost_volume_free(&b);
+        ost_volume_free(&c);
+    }
+}
+
+static void test_left_is_the_mirror_of_right(void **state)
+{
+    (void)state;
+    ost_phantom_options o = {.spacing = {2 * MM, 2 * MM, 3 * MM}, .seed = 7};
+    ost_volume right = make(OST_PHANTOM_SCAPULA, o);
+    o.left = true;
+    ost_volume left = make(OST_PHANTOM_SCAPULA, o);
+    ost_dims d = right.geometry.dims;
+    for (int64_t row = 0; row < (int64_t)d.y * d.z; row++)
+        for (int i = 0; i < d.x; i++)
+            assert_int_equal(left.voxels[row * d.x + i], right.voxels[row * d.x + d.x - 1 - i]);
+    /* first voxel of one is the last of the other, on the other side of the midline */
+    assert_int_equal(left.geometry.origin.x, -(right.geometry.origin.x + (d.x - 1) * right.geometry.spacing.x));
+    assert_int_equal(left.geometry.origin.y, right.geometry.origin.y);
+    double at[2][3], axis[2][3];
+    read_vector(&right, OST_META_GLENOID_AT, at[0]);
+    read_vector(&left, OST_META_GLENOID_AT, at[1]);
+    read_vector(&right, OST_META_GLENOID_AXIS, axis[0]);
+    read_vector(&left, OST_META_GLENOID_AXIS, axis[1]);
+    assert_true(at[0][0] == -at[1][0] && at[0][1] == at[1][1] && at[0][2] == at[1][2]);
+    assert_true(axis[0][0] == -axis[1][0] && axis[0][1] == axis[1][1] && axis[0][2] == axis[1][2]);
+    assert_string_equal(ost_meta_get(&right.meta, OST_META_SIDE), "right");
+    assert_string_equal(ost_meta_get(&left.meta, OST_META_SIDE), "left");
+    ost_volume_free(&left);
+    ost_volume_free(&right);
+}
+
+/* LPS+: a right glenoid lies at negative x and looks to the patient's right and a little forward, so inward is +x and +y. */
+static void test_the_glenoid_looks_outward(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 1; seed <= 3; seed++) {
+        ost_volume v = make(OST_PHANTOM_SCAPULA, (ost_phantom_options){.spacing = {MM, MM, 2 * MM}, .seed = seed});
+        double at[3], axis[3], p[3];
+        read_vector(&v, OST_META_GLENOID_AT, at);
+        read_vector(&v, OST_META_GLENOID_AXIS, axis);
+        double length2 = axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2];
+        assert_true(length2 > 0.999 && length2 < 1.001);
+        assert_true(at[0] < -100 && axis[0] > 0.7 && axis[1] > 0.2);
+        for (int side = -1; side <= 1; side += 2) {
+            for (int a = 0; a < 3; a++)
+                p[a] = at[a] + side * 5 * axis[a];
+            assert_true((density_at(&v, p) >= ACTIVE_HU) == (side > 0));
+        }
+        ost_volume_free(&v);
+    }
+}
+
+/* However the seed shapes it, the bone is whole and keeps off the box's walls. */
+static void test_seeds_keep_the_bone_whole(void **state)
+{
+    (void)state;
+    test_rng rng = rng_seeded("whole bone");
+    for (int n = 0; n < 3; n++) {
+        uint64_t seed = (uint64_t)rng_range(&rng, 1, INT64_MAX);
+        ost_volume v = make(OST_PHANTOM_SCAPULA, (ost_phantom_options){.spacing = {5 * MM / 4, 5 * MM / 4, 5 * MM / 4}, .seed = seed});
+        int64_t greatest, all;
+        count_connected(&v, &greatest, &all);
+        assert_int_equal(greatest, all);
+        ost_dims d = v.geometry.dims;
+        for (int k = 0; k < d.z; k++)
+            for (int j = 0; j < d.y; j++)
+                for (int i = 0; i < d.x; i++)
+                    if (i == 0 || j == 0 || k == 0 || i == d.x - 1 || j == d.y - 1 || k == d.z - 1)
+                        assert_true(v.voxels[i + (int64_t)d.x * (j + (int64_t)d.y * k)] < ACTIVE_HU);
+        ost_volume_free(&v);
+    }
+}
+
+/*
+ * Blocks are skipped when their centre is far enough from the bone (ct.c):
+ * that stands on distances overstating by at most half.
+ */
+static void test_distances_can_be_relied_on(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    test_rng rng = rng_seeded("distances");
+    ost_scapula s;
+    assert_ok(ost_scapula_init(&s, (uint64_t)rng_range(&rng, 1, INT64_MAX), &err));
+    for (int n = 0; n < 100000; n++) {
+        ost_v3 p = {(double)rng_range(&rng, -20000, 130000) / 1000, (double)rng_range(&rng, -65000, 45000) / 1000,
+                    (double)rng_range(&rng, -130000, 55000) / 1000};
+        ost_v3 d = {(double)rng_range(&rng, -1000, 1000), (double)rng_range(&rng, -1000, 1000), (double)rng_range(&rng, 1, 1000)};
+        ost_scapula_place a, b;
+        ost_scapula_at(&s, p, &a);
+        ost_scapula_at(&s, ost_v3_mad(p, d, 3 / ost_v3_length(d)), &b);
+        if (a.bone > 4 && b.bone < 4)
+            assert_true(a.bone - b.bone < 1.5 * 3 * s.size);
+        if (a.cartilage > 8)
+            assert_true(b.cartilage > 1);
+    }
+    ost_scapula_free(&s);
+}
+
+static void test_bad_options(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_volume v;
+    assert_int_equal(ost_phantom_make(OST_PHANTOM_COUNT, NULL, &v, &err), OST_ERR_USAGE);
+    assert_null(v.voxels);
+    const double scales[] = {-1, 0.01, 1000, (double)INFINITY, (double)NAN};
+    for (size_t i = 0; i < sizeof scales / sizeof *scales; i++) {
+        ost_phantom_options o = {.scale = scales[i]};
+        assert_int_equal(ost_phantom_make(OST_PHANTOM_SCAPULA, &o, &v, &err), OST_ERR_RANGE);
+        assert_non_null(strstr(err.text, "scale"));
+    }
+    const ost_pm spacings[] = {-1, 1, OST_SPACING_MIN - 1, OST_SPACING_MAX + 1, INT64_MAX};
+    for (size_t i = 0; i < sizeof spacings / sizeof *spacings; i++) {
+        ost_phantom_options o = {.spacing = {0, spacings[i], 0}};
+        assert_int_equal(ost_phantom_make(OST_PHANTOM_FOAM, &o, &v, &err), OST_ERR_RANGE);
+        assert_non_null(strstr(err.text, "along y"));
+    }
+    /* 120.32 mm / 10 um = 12,032 voxels an axis are allowed, but not 12,032 x 10,998 x 20,100 */
+    ost_phantom_options o = {.spacing = {MM / 100, MM / 100, MM / 50}};
+    assert_int_equal(ost_phantom_make(OST_PHANTOM_SCAPULA, &o, &v, &err), OST_ERR_RANGE);
+    assert_non_null(strstr(err.text, "2^31"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_names),
+        cmocka_unit_test(test_spacing_and_scale_make_the_dims),
+        cmocka_unit_test(test_a_seed_makes_one_grid),
+        cmocka_unit_test(test_left_is_the_mirror_of_right),
+        cmocka_unit_test(test_the_glenoid_looks_outward),
+        cmocka_unit_test(test_seeds_keep_the_bone_whole),
+        cmocka_unit_test(test_distances_can_be_relied_on),
+        cmocka_unit_test(test_bad_options),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
