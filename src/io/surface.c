@@ -1,0 +1,439 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "io/surface.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/*
+ * A cell is the cube between eight voxel centres; corner c is at
+ * (c & 1, c >> 1 & 1, c >> 2).  Edge e = 4 * axis + place runs along axis.
+ * The two other axes, u = axis + 1 and v = axis + 2 (mod 3), give the place.
+ */
+enum { CORNERS = 8, EDGES = 12, LOOP_MAX = 12 };
+
+static int edge_corner(int edge, int end)
+{
+    int axis = edge / 4, u = (axis + 1) % 3, v = (axis + 2) % 3;
+    return (edge & 1) << u | (edge >> 1 & 1) << v | end << axis;
+}
+
+static int edge_between(int a, int b)
+{
+    for (int e = 0; e < EDGES; e++)
+        if ((edge_corner(e, 0) == a && edge_corner(e, 1) == b) || (edge_corner(e, 0) == b && edge_corner(e, 1) == a))
+            return e;
+    abort();
+}
+
+/* The loops of one of the 256 patterns of solid corners. */
+typedef struct pattern {
+    uint8_t loop_count;
+    struct {
+        uint8_t length;
+        int8_t apex; /* a fan from here has no diagonal inside a face; -1: needs a point in the middle */
+        uint8_t edge[LOOP_MAX];
+    } loop[4];
+} pattern;
+
+/* Corners of face (axis, side), counter-clockwise seen from outside the cell. */
+static void face_corners(int axis, int side, int corner[4])
+{
+    int u = (axis + 1) % 3, v = (axis + 2) % 3, base = side << axis;
+    const int walk[4] = {base, base | 1 << u, base | 1 << u | 1 << v, base | 1 << v};
+    for (int i = 0; i < 4; i++)
+        corner[i] = walk[side ? i : 3 - i];
+}
+
+/*
+ * next[e] is the edge that follows e on the surface.  Going round a face
+ * counter-clockwise, seen from outside the cell, the walk enters a run of solid
+ * corners over one edge and leaves it over another; the surface joins the first
+ * to the second.  Then loops are counter-clockwise seen from the void.
+ */
+static void join_faces(int solid, int next[EDGES])
+{
+    for (int face = 0; face < 6; face++) {
+        int corner[4];
+        face_corners(face / 2, face & 1, corner);
+        for (int i = 0; i < 4; i++) {
+            bool here = solid >> corner[i] & 1, before = solid >> corner[(i + 3) % 4] & 1;
+            if (!here || before)
+                continue;
+            int last = i;
+            while (solid >> corner[(last + 1) % 4] & 1)
+                last = (last + 1) % 4;
+            next[edge_between(corner[(i + 3) % 4], corner[i])] = edge_between(corner[last], corner[(last + 1) % 4]);
+        }
+    }
+}
+
+/* Whether two edges of a cell lie in one of its faces: their four ends agree in one coordinate. */
+static bool share_face(int e, int f)
+{
+    int all = edge_corner(e, 0) & edge_corner(e, 1) & edge_corner(f, 0) & edge_corner(f, 1);
+    int none = ~(edge_corner(e, 0) | edge_corner(e, 1) | edge_corner(f, 0) | edge_corner(f, 1)) & 7;
+    return all || none;
+}
+
+static int find_apex(const uint8_t *edge, int length)
+{
+    for (int a = 0; a < length; a++) {
+        bool fits = true;
+        for (int k = 2; k < length - 1; k++)
+            fits &= !share_face(edge[a], edge[(a + k) % length]);
+        if (fits)
+            return a;
+    }
+    return -1;
+}
+
+static void pattern_make(int solid, pattern *p)
+{
+    int next[EDGES];
+    bool done[EDGES] = {false};
+    memset(next, -1, sizeof next);
+    memset(p, 0, sizeof *p);
+    join_faces(solid, next);
+    for (int start = 0; start < EDGES; start++) {
+        if (next[start] < 0 || done[start])
+            continue;
+        int length = 0;
+        for (int e = start; !done[e]; e = next[e]) {
+            done[e] = true;
+            p->loop[p->loop_count].edge[length++] = (uint8_t)e;
+        }
+        p->loop[p->loop_count].length = (uint8_t)length;
+        p->loop[p->loop_count].apex = (int8_t)find_apex(p->loop[p->loop_count].edge, length);
+        p->loop_count++;
+    }
+}
+
+/* ------------------------------------------------------------ the volume */
+
+/*
+ * Slabs of cells go up in z.  Vertex indices of lattice edges are kept for two
+ * slices of centres: along x and y in each slice, along z between them.
+ */
+typedef struct builder {
+    const ost_volume *volume;
+    int32_t threshold;
+    int64_t nx, ny;          /* centres with a void border: dims + 2 */
+    uint32_t *slice[2][2];   /* [lower, upper][x, y] */
+    uint32_t *between;       /* z */
+    ost_mesh mesh;
+    size_t vertex_room, triangle_room;
+    float *place;            /* of each vertex along its edge from lower to upper end, 0..1; -1: a loop's middle */
+    uint8_t *along;          /* bit 0-1: axis; bit 2: the lower end is solid */
+    pattern patterns[256];
+} builder;
+
+static bool solid_at(const builder *b, int64_t i, int64_t j, int64_t k)
+{
+    const ost_dims d = b->volume->geometry.dims;
+    if (i < 0 || j < 0 || k < 0 || i >= d.x || j >= d.y || k >= d.z)
+        return false;
+    return b->volume->voxels[i + d.x * (j + d.y * k)] >= b->threshold;
+}
+
+static int density_at(const builder *b, int64_t i, int64_t j, int64_t k)
+{
+    const ost_dims d = b->volume->geometry.dims;
+    if (i < 0 || j < 0 || k < 0 || i >= d.x || j >= d.y || k >= d.z)
+        return b->threshold - 1000;
+    return b->volume->voxels[i + d.x * (j + d.y * k)];
+}
+
+/* Half as much again; the arrays that share a room grow together. */
+static size_t more(size_t room)
+{
+    return room + room / 2 + 4096;
+}
+
+static ost_status vertex_room(builder *b, ost_error *err)
+{
+    size_t room = more(b->vertex_room);
+    if (b->mesh.vertex_count < b->vertex_room)
+        return OST_OK;
+    if (room > UINT32_MAX / 2)
+        return ost_fail(err, OST_ERR_RANGE, "the surface has more than %zu vertices", b->vertex_room);
+    ost_pm3 *vertices = realloc(b->mesh.vertices, room * sizeof *vertices);
+    if (vertices)
+        b->mesh.vertices = vertices;
+    float *place = realloc(b->place, room * sizeof *place);
+    if (place)
+        b->place = place;
+    uint8_t *along = realloc(b->along, room * sizeof *along);
+    if (along)
+        b->along = along;
+    if (!vertices || !place || !along)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a surface of %zu vertices", room);
+    b->vertex_room = room;
+    return OST_OK;
+}
+
+static ost_pm3 centre(const builder *b, int64_t i, int64_t j, int64_t k)
+{
+    const ost_geometry *g = &b->volume->geometry;
+    return (ost_pm3){g->origin.x + i * g->spacing.x, g->origin.y + j * g->spacing.y, g->origin.z + k * g->spacing.z};
+}
+
+/* Vertices keep off the ends, so that no triangle shrinks to nothing. */
+static float keep_off(float t)
+{
+    return t < 0.05f ? 0.05f : t > 0.95f ? 0.95f : t;
+}
+
+/* The vertex on the edge from centre (i, j, k) along axis; its lower end is stored until place_vertices. */
+static ost_status edge_vertex(builder *b, int64_t i, int64_t j, int64_t k, int axis, uint32_t *out, ost_error *err)
+{
+    ost_status status = vertex_room(b, err);
+    if (status != OST_OK)
+        return status;
+    int low = density_at(b, i, j, k), high = density_at(b, i + (axis == 0), j + (axis == 1), k + (axis == 2));
+    uint32_t v = (uint32_t)b->mesh.vertex_count++;
+    b->mesh.vertices[v] = centre(b, i, j, k);
+    /* The threshold itself is solid: the border is half a unit below it. */
+    b->place[v] = keep_off(((float)b->threshold - 0.5f - (float)low) / (float)(high - low));
+    b->along[v] = (uint8_t)(axis | (low >= b->threshold ? 4 : 0));
+    *out = v;
+    return OST_OK;
+}
+
+static ost_status triangle(builder *b, uint32_t x, uint32_t y, uint32_t z, ost_error *err)
+{
+    if (b->mesh.triangle_count >= OST_MESH_TRIANGLES_MAX)
+        return ost_fail(err, OST_ERR_RANGE, "the surface has more than %d triangles; crop the bone or take larger voxels", OST_MESH_TRIANGLES_MAX);
+    if (b->mesh.triangle_count == b->triangle_room) {
+        size_t room = more(b->triangle_room);
+        uint32_t(*triangles)[3] = realloc(b->mesh.triangles, room * sizeof *triangles);
+        if (!triangles)
+            return ost_fail(err, OST_ERR_MEMORY, "no memory for a surface of %zu triangles", room);
+        b->mesh.triangles = triangles;
+        b->triangle_room = room;
+    }
+    uint32_t *t = b->mesh.triangles[b->mesh.triangle_count++];
+    t[0] = x;
+    t[1] = y;
+    t[2] = z;
+    return OST_OK;
+}
+
+/* A loop's middle follows its ring: place -1, and its ring is found again through its triangles. */
+static ost_status fill_loop(builder *b, const uint32_t *ring, int length, int apex, ost_error *err)
+{
+    ost_status status = OST_OK;
+    if (apex >= 0) {
+        for (int k = 1; k < length - 1 && status == OST_OK; k++)
+            status = triangle(b, ring[apex], ring[(apex + k) % length], ring[(apex + k + 1) % length], err);
+        return status;
+    }
+    if ((status = vertex_room(b, err)) != OST_OK)
+        return status;
+    uint32_t middle = (uint32_t)b->mesh.vertex_count++;
+    b->mesh.vertices[middle] = (ost_pm3){0, 0, 0};
+    b->place[middle] = -1;
+    b->along[middle] = 0;
+    for (int k = 0; k < length && status == OST_OK; k++)
+        status = triangle(b, middle, ring[k], ring[(k + 1) % length], err);
+    return status;
+}
+
+static uint32_t *edge_slot(builder *b, int64_t i, int64_t j, int edge)
+{
+    int low = edge_corner(edge, 0), axis = edge / 4;
+    int64_t at = (i + 1 + (low & 1)) + b->nx * (j + 1 + (low >> 1 & 1));
+    return axis == 2 ? &b->between[at] : &b->slice[low >> 2][axis][at];
+}
+
+static ost_status cell(builder *b, int64_t i, int64_t j, int solid, ost_error *err)
+{
+    const pattern *p = &b->patterns[solid];
+    ost_status status = OST_OK;
+    for (int l = 0; l < p->loop_count && status == OST_OK; l++) {
+        uint32_t ring[LOOP_MAX];
+        for (int e = 0; e < p->loop[l].length; e++)
+            ring[e] = *edge_slot(b, i, j, p->loop[l].edge[e]);
+        status = fill_loop(b, ring, p->loop[l].length, p->loop[l].apex, err);
+    }
+    return status;
+}
+
+/* Vertices within slice k (x and y edges) into slot, or between k and k + 1. */
+static ost_status slice_vertices(builder *b, int64_t k, uint32_t *slot[2], ost_error *err)
+{
+    ost_status status = OST_OK;
+    for (int64_t j = -1; j < b->ny - 1; j++)
+        for (int64_t i = -1; i < b->nx - 1 && status == OST_OK; i++) {
+            bool here = solid_at(b, i, j, k);
+            for (int axis = 0; axis < 2 && status == OST_OK; axis++)
+                if (here != solid_at(b, i + (axis == 0), j + (axis == 1), k))
+                    status = edge_vertex(b, i, j, k, axis, &slot[axis][(i + 1) + b->nx * (j + 1)], err);
+        }
+    return status;
+}
+
+static ost_status between_vertices(builder *b, int64_t k, ost_error *err)
+{
+    ost_status status = OST_OK;
+    for (int64_t j = -1; j < b->ny - 1; j++)
+        for (int64_t i = -1; i < b->nx - 1 && status == OST_OK; i++)
+            if (solid_at(b, i, j, k) != solid_at(b, i, j, k + 1))
+                status = edge_vertex(b, i, j, k, 2, &b->between[(i + 1) + b->nx * (j + 1)], err);
+    return status;
+}
+
+static ost_status slab(builder *b, int64_t k, ost_error *err)
+{
+    ost_status status = slice_vertices(b, k + 1, b->slice[1], err);
+    if (status == OST_OK)
+        status = between_vertices(b, k, err);
+    for (int64_t j = -1; j < b->ny - 2; j++)
+        for (int64_t i = -1; i < b->nx - 2 && status == OST_OK; i++) {
+            int solid = 0;
+            for (int c = 0; c < CORNERS; c++)
+                solid |= solid_at(b, i + (c & 1), j + (c >> 1 & 1), k + (c >> 2)) << c;
+            if (solid != 0 && solid != 255)
+                status = cell(b, i, j, solid, err);
+        }
+    for (int axis = 0; axis < 2; axis++) {
+        uint32_t *swap = b->slice[0][axis];
+        b->slice[0][axis] = b->slice[1][axis];
+        b->slice[1][axis] = swap;
+    }
+    return status;
+}
+
+/* ------------------------------------------------------------- placement */
+
+static double step_mm(const builder *b, int axis)
+{
+    const ost_pm3 s = b->volume->geometry.spacing;
+    return ost_pm_to_mm(axis == 0 ? s.x : axis == 1 ? s.y : s.z);
+}
+
+static void position(const builder *b, uint32_t v, double out[3])
+{
+    const ost_pm3 p = b->mesh.vertices[v];
+    out[0] = ost_pm_to_mm(p.x);
+    out[1] = ost_pm_to_mm(p.y);
+    out[2] = ost_pm_to_mm(p.z);
+    if (b->place[v] >= 0)
+        out[b->along[v] & 3] += b->place[v] * step_mm(b, b->along[v] & 3);
+}
+
+/*
+ * Evens out: each vertex goes to where the average of its neighbours projects
+ * onto its edge.  Started half way, a few rounds turn stairs into slopes.
+ */
+static ost_status smooth(builder *b, ost_error *err)
+{
+    enum { ROUNDS = 8 };
+    size_t n = b->mesh.vertex_count;
+    float(*sum)[4] = calloc(n, sizeof *sum);
+    if (!sum)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory to smooth %zu vertices", n);
+    for (size_t v = 0; v < n; v++)
+        if (b->place[v] >= 0)
+            b->place[v] = 0.5f;
+    const ost_pm3 origin = b->volume->geometry.origin;
+    const double o[3] = {ost_pm_to_mm(origin.x), ost_pm_to_mm(origin.y), ost_pm_to_mm(origin.z)};
+    for (int round = 0; round < ROUNDS; round++) {
+        memset(sum, 0, n * sizeof *sum);
+        for (size_t t = 0; t < b->mesh.triangle_count; t++)
+            for (int c = 0; c < 3; c++) {
+                uint32_t from = b->mesh.triangles[t][c], to = b->mesh.triangles[t][(c + 1) % 3];
+                double p[3];
+                if (b->place[from] < 0 || b->place[to] < 0)
+                    continue;
+                position(b, from, p);
+                for (int a = 0; a < 3; a++)
+                    sum[to][a] += (float)(p[a] - o[a]);
+                sum[to][3] += 1;
+            }
+        for (size_t v = 0; v < n; v++)
+            if (b->place[v] >= 0 && sum[v][3] > 0) {
+                int axis = b->along[v] & 3;
+                const ost_pm3 low = b->mesh.vertices[v];
+                double start = ost_pm_to_mm(axis == 0 ? low.x : axis == 1 ? low.y : low.z) - o[axis];
+                b->place[v] = keep_off((float)((sum[v][axis] / sum[v][3] - start) / step_mm(b, axis)));
+            }
+    }
+    free(sum);
+    return OST_OK;
+}
+
+static ost_pm nearest_pm(double mm)
+{
+    ost_pm pm = 0;
+    return ost_pm_from_binary(mm, &pm) ? pm : 0;
+}
+
+/* Final positions; then middles, each the mean of the ring that its triangles name. */
+static ost_status place_vertices(builder *b, ost_error *err)
+{
+    for (size_t v = 0; v < b->mesh.vertex_count; v++)
+        if (b->place[v] >= 0) {
+            double p[3];
+            position(b, (uint32_t)v, p);
+            b->mesh.vertices[v] = (ost_pm3){nearest_pm(p[0]), nearest_pm(p[1]), nearest_pm(p[2])};
+        }
+    uint8_t *ring = calloc(b->mesh.vertex_count ? b->mesh.vertex_count : 1, 1);
+    if (!ring)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu vertices", b->mesh.vertex_count);
+    for (size_t t = 0; t < b->mesh.triangle_count; t++) {
+        const uint32_t *x = b->mesh.triangles[t];
+        if (b->place[x[0]] >= 0)
+            continue;
+        ost_pm3 *m = &b->mesh.vertices[x[0]], p = b->mesh.vertices[x[1]];
+        *m = (ost_pm3){m->x + p.x, m->y + p.y, m->z + p.z};
+        ring[x[0]]++;
+    }
+    for (size_t v = 0; v < b->mesh.vertex_count; v++)
+        if (ring[v]) {
+            ost_pm3 *m = &b->mesh.vertices[v];
+            *m = (ost_pm3){m->x / ring[v], m->y / ring[v], m->z / ring[v]};
+        }
+    free(ring);
+    return OST_OK;
+}
+
+ost_status ost_surface_extract(const ost_volume *volume, int32_t threshold, ost_surface_place place, ost_mesh *out, ost_error *err)
+{
+    const ost_dims d = volume->geometry.dims;
+    *out = (ost_mesh){0};
+    builder *b = calloc(1, sizeof *b);
+    if (!b)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a surface");
+    b->volume = volume;
+    b->threshold = threshold;
+    b->nx = (int64_t)d.x + 2;
+    b->ny = (int64_t)d.y + 2;
+    size_t area = (size_t)(b->nx * b->ny);
+    ost_status status = OST_OK;
+    uint32_t *slots = calloc(area, 5 * sizeof *slots);
+    if (!slots)
+        status = ost_fail(err, OST_ERR_MEMORY, "no memory for slices of %zu voxels", area);
+    for (int s = 0; s < 4 && slots; s++)
+        b->slice[s / 2][s % 2] = slots + (size_t)s * area;
+    if (slots)
+        b->between = slots + 4 * area;
+    for (int p = 0; p < 256; p++)
+        pattern_make(p, &b->patterns[p]);
+    for (int64_t k = -1; k < d.z && status == OST_OK; k++)
+        status = slab(b, k, err);
+    if (status == OST_OK && b->mesh.triangle_count == 0)
+        status = ost_fail(err, OST_ERR_INPUT, "no voxel has %d or more: there is no surface", threshold);
+    if (status == OST_OK && place == OST_SURFACE_SMOOTH)
+        status = smooth(b, err);
+    if (status == OST_OK)
+        status = place_vertices(b, err);
+    free(slots);
+    free(b->place);
+    free(b->along);
+    if (status == OST_OK)
+        *out = b->mesh;
+    else
+        ost_mesh_free(&b->mesh);
+    free(b);
+    return status;
+}
