@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What every verb of the command shares.
+ *
+ *   main.c     finds the verb, prints its error, keeps the exit status
+ *   options.c  one table an option: parsing, --help, messages
+ *   say.c      people's text and warnings, numbers as people write them
+ *   result.c   the one JSON object of --json
+ *   progress.c a line on the terminal for what takes more than a second
+ *   load.c     a bone or a tool out of whatever the user has
+ *   cmd_X.c    one verb each
+ *
+ * A verb returns a status; main turns it into the exit status.  Its object for
+ * --json is filled whether or not it will be printed, so that both kinds of
+ * run do the same work.
+ */
+#ifndef OST_APP_APP_H
+#define OST_APP_APP_H
+
+#include <jansson.h>
+#include <osteon/osteon.h>
+
+typedef struct app_state {
+    const char *verb;
+    bool json, quiet;
+    const char *backend; /* as given, default "cpu" */
+    int64_t threads;     /* 0: not given */
+    json_t *result;      /* owned by main */
+} app_state;
+
+typedef struct app_verb {
+    const char *name;
+    const char *summary; /* a line for osteon --help */
+    ost_status (*run)(app_state *app, int argc, char **argv, ost_error *err);
+} app_verb;
+
+ost_status cmd_devices(app_state *app, int argc, char **argv, ost_error *err);
+ost_status cmd_phantom(app_state *app, int argc, char **argv, ost_error *err);
+ost_status cmd_tool(app_state *app, int argc, char **argv, ost_error *err);
+ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err);
+ost_status cmd_voxelize(app_state *app, int argc, char **argv, ost_error *err);
+ost_status cmd_ream(app_state *app, int argc, char **argv, ost_error *err);
+ost_status cmd_info(app_state *app, int argc, char **argv, ost_error *err);
+ost_status cmd_diff(app_state *app, int argc, char **argv, ost_error *err);
+ost_status cmd_export(app_state *app, int argc, char **argv, ost_error *err);
+
+#endif

@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * osteon import: a CT to a bone of cubic voxels (thesis, Algs. 2.2 - 2.6).
+ */
+#include "app/backend_choice.h"
+#include "app/load.h"
+#include "app/progress.h"
+#include "app/result.h"
+#include "app/say.h"
+
+static const char *kind_text(ost_file_kind kind)
+{
+    switch (kind) {
+    case OST_FILE_CT_TEXT: return "text";
+    case OST_FILE_NRRD: return "NRRD";
+    case OST_FILE_NIFTI: return "NIfTI";
+    case OST_FILE_MESH: return "mesh";
+    case OST_FILE_PATH_CSV: return "path";
+    case OST_FILE_UNKNOWN: break;
+    }
+    return "built in";
+}
+
+static void put_result(const app_state *app, const ost_import_result *r, const ost_bone_info *info)
+{
+    json_t *o = app->result;
+    put_text(o, "format", kind_text(r->kind));
+    put_dims(o, "rect_dims", r->rect.dims);
+    put_mm3(o, "rect_spacing_mm", r->rect.spacing);
+    put(o, "spacing_inferred", json_pack("[b,b,b]", r->spacing_inferred[0], r->spacing_inferred[1], r->spacing_inferred[2]));
+    put_dims(o, "cubic_dims", r->cubic.dims);
+    put_mm(o, "cubic_spacing_mm", r->cubic.spacing.x);
+    put_mm3(o, "origin_mm", r->cubic.origin);
+    put_integer(o, "threshold", info->threshold);
+    put_integer(o, "chunk", info->chunk_size);
+    put_dims(o, "chunk_dims", info->chunk_dims);
+    put_integer(o, "chunks", info->chunks);
+    put_integer(o, "active_chunks", info->active_chunks);
+    put_integer(o, "active_voxels", info->active_voxels);
+    put_integer(o, "chunk_bytes", info->chunk_bytes);
+    if (r->kind == OST_FILE_CT_TEXT) {
+        put_integer(o, "samples", (int64_t)r->scatter.samples);
+        put_integer(o, "duplicates", (int64_t)r->scatter.duplicates);
+        put_integer(o, "off_lattice", (int64_t)r->scatter.off_lattice);
+        put_real(o, "worst_offset_voxels", (double)r->scatter.worst_offset_ppm * 1e-6);
+        put_integer(o, "rounded_positions", (int64_t)r->rounded_positions);
+    } else {
+        put_text(o, "element_type", r->volume.type);
+        put_text(o, "encoding", r->volume.encoding);
+        put_text(o, "orientation", r->volume.orientation);
+        put_bool(o, "reoriented", r->volume.reoriented);
+        put_bool(o, "resampled", r->volume.resampled);
+        put_integer(o, "rounded_values", (int64_t)r->volume.rounded_values);
+        put_integer(o, "clamped_values", (int64_t)r->volume.clamped_values);
+    }
+    json_t *stages = json_array();
+    for (int i = 0; i < r->stage_count; i++) {
+        json_t *stage = json_object();
+        put_text(stage, "name", r->stages[i].name);
+        put_real(stage, "time_ms", r->stages[i].time_ms);
+        if (r->stages[i].has_digest)
+            put_digest(stage, "sha256", &r->stages[i].digest);
+        append(stages, stage);
+    }
+    put(o, "stages", stages);
+    put_meta(o, "meta", &r->meta);
+}
+
+static void say_result(const app_state *app, const char *ct, const char *out, const ost_import_result *r, const ost_bone_info *info)
+{
+    char a[SAY_TEXT], b[SAY_TEXT], c[SAY_TEXT], d[SAY_TEXT];
+    bool found = r->spacing_inferred[0] || r->spacing_inferred[1] || r->spacing_inferred[2];
+    say(app, "%s: %s, %s voxels at %s%s%s", ct, kind_text(r->kind), say_dims(a, r->rect.dims), say_spacing(b, r->rect.spacing),
+        found ? " (spacing found from the positions)" : "", r->volume.reoriented ? " (axes turned to LPS)" : "");
+    say(app, "%s: %s cubic voxels of %s, %s of them bone (%d HU or more)", out, say_dims(a, r->cubic.dims), say_spacing(b, r->cubic.spacing),
+        say_count(c, info->active_voxels), info->threshold);
+    say(app, "  %s chunks of %d^3, %s of %s in use, %s", say_dims(a, info->chunk_dims), info->chunk_size, say_count(b, info->active_chunks),
+        say_count(c, info->chunks), say_bytes(d, info->chunk_bytes));
+    for (int i = 0; i < r->stage_count; i++)
+        say(app, "  %-8s %9s", r->stages[i].name, say_time(a, r->stages[i].time_ms));
+}
+
+ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
+{
+    const char *name = NULL, *out = NULL;
+    ct_options ct = CT_OPTIONS_DEFAULT;
+    bool compress = false;
+    const operand operands[] = {{"CT", &name, "which CT?"}, {0}};
+    const option options[] = {
+        {.name = "out", .kind = OPTION_TEXT, .out = &out, .value = "FILE", .required = true,
+         .help = "the bone: .nrrd, or .nii, .nii.gz, .txt"},
+        CT_OPTIONS(ct),
+        {.name = "compress", .kind = OPTION_FLAG, .out = &compress, .help = "gzip a .nrrd"},
+        {.name = NULL}};
+    const usage_text usage = {
+        .synopsis = "CT --out BONE.nrrd [options]",
+        .about = "Turns a CT into a bone: cubic voxels, and only what is dense enough to be bone.\n"
+                 "CT is a text of lines \"x y z density\", an NRRD or a NIfTI.",
+        .operands = operands,
+        .options = options,
+        .notes = "Lengths are in millimetres, densities in HU. Axes are turned to point to the\n"
+                 "patient's left, back and head (LPS); a text is taken as it stands. A text's\n"
+                 "positions are voxel centres and may stand in any order.",
+        .example = "  osteon import shoulder.nii.gz --out shoulder.nrrd\n"
+                   "  osteon import scapula.txt --threshold 150 --cubic 0.5 --out scapula.nrrd",
+    };
+    ost_status status;
+    if (!options_parse(app, &usage, argc, argv, &status, err) || (status = out_check(app, out, "nrrd|nii|nii.gz|txt", err)) != OST_OK)
+        return status;
+
+    ost_backend *backend = NULL;
+    ost_bone *bone = NULL;
+    ost_import_result result = {0};
+    ost_bone_info info;
+    ost_digest file;
+    const ost_write_options write = {.compress = compress};
+    status = backend_choose(app, &backend, err);
+    if (status == OST_OK)
+        status = load_bone(app, backend, name, &ct, true, &bone, &result, err);
+    if (status == OST_OK)
+        status = ost_bone_info_get(bone, &info, err);
+    if (status == OST_OK)
+        status = ost_bone_write(out, bone, &result.meta, &write, err);
+    if (status == OST_OK && info.active_voxels == 0)
+        warn(app, "%s: no voxel has %d HU or more; the bone is empty", name, info.threshold);
+    if (status == OST_OK && (status = file_digest(out, &file, err)) == OST_OK) {
+        put_text(app->result, "in", name);
+        put_text(app->result, "out", out);
+        put_result(app, &result, &info);
+        put_digest(app->result, "file_sha256", &file);
+        say_result(app, name, out, &result, &info);
+    }
+    ost_bone_free(bone);
+    ost_backend_close(backend);
+    return status;
+}

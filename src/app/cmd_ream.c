@@ -1,0 +1,301 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * osteon ream: the main job.  Tools move along paths, bone goes.
+ *
+ *   --bone --load_bone--> bone ----------------.
+ *   --tool --load_tool--> tools --------------. \
+ *   --path --ream_path_make--> ticks --> ost_world_step, a tick at a time
+ *                                              |
+ *                  --out <--ost_bone_write--- bone
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "app/backend_choice.h"
+#include "app/load.h"
+#include "app/progress.h"
+#include "app/ream_path.h"
+#include "app/result.h"
+#include "app/say.h"
+
+typedef struct ream_args {
+    const char *bone, *out, *record, *classes_text;
+    option_list tools, paths;
+    ct_options ct;
+    tool_options how;
+    target_options target;
+    option_decimal rate;
+    int sweep; /* place in "off|on" */
+    bool compress;
+} ream_args;
+
+/* Everything that must be freed, in one place. */
+typedef struct job {
+    ost_backend *backend;
+    ost_bone *bone;
+    ost_import_result imported;
+    ost_bone_info before, after;
+    ost_tool *tools[OPTION_LIST_MAX];
+    ost_path path;
+    ost_world *world;
+    uint32_t *tick_ns; /* how long each step took */
+    double run_ms;
+    bool met;          /* the boxes of bone and tool met at some tick */
+} job;
+
+static void job_free(job *j)
+{
+    free(j->tick_ns);
+    ost_world_free(j->world);
+    ost_path_free(&j->path);
+    for (int i = 0; i < OPTION_LIST_MAX; i++)
+        ost_tool_free(j->tools[i]);
+    ost_bone_free(j->bone);
+    ost_backend_close(j->backend);
+}
+
+/* Period of a rate in hertz: RHE is not needed, a period is a choice; but it must not depend on binary fractions. */
+static ost_status period_of(const app_state *app, const option_decimal *rate, int64_t *period_ns, ost_error *err)
+{
+    int64_t micro;
+    *period_ns = 0;
+    if (!rate->text)
+        return OST_OK;
+    if (!ost_decimal_scale(&rate->value, 1000000, &micro, NULL) || micro < 1000 || micro > INT64_C(1000000000000))
+        return usage_error(app, err, "--rate %s: must be from 0.001 to 1000000 Hz", rate->text);
+    *period_ns = INT64_C(1000000000000000) / micro;
+    return OST_OK;
+}
+
+static ost_status world_make(const app_state *app, const ream_args *args, job *j, ost_error *err)
+{
+    ost_world_options options = {.sweep_off = args->sweep == 0};
+    ost_status status = period_of(app, &args->rate, &options.removal_period_ns, err);
+    if (status == OST_OK && args->classes_text)
+        status = ost_density_classes_parse(args->classes_text, &options.classes, err);
+    if (status == OST_OK)
+        status = ost_world_create(j->bone, &options, &j->world, err);
+    for (int i = 0; i < args->tools.count && status == OST_OK; i++)
+        status = ost_world_add_tool(j->world, args->tools.value[i], j->tools[i], NULL, err);
+    return status;
+}
+
+static ost_status load_all(const app_state *app, const ream_args *args, job *j, ost_error *err)
+{
+    ost_status status = backend_choose(app, &j->backend, err);
+    /* Tools first: they are small, and a mistake in them should not wait for the CT. */
+    for (int i = 0; i < args->tools.count && status == OST_OK; i++) {
+        status = load_tool(app, j->backend, args->tools.value[i], NULL, &args->how, &j->tools[i], NULL, err);
+        if (status == OST_OK) {
+            ost_dims d = ost_tool_geometry_get(j->tools[i])->dims;
+            if (d.x > OST_TOOL_DIM_REMOVE_MAX || d.y > OST_TOOL_DIM_REMOVE_MAX || d.z > OST_TOOL_DIM_REMOVE_MAX)
+                status = ost_fail(err, OST_ERR_RANGE, "%s: %d x %d x %d voxels; at most %d on a side can ream: use a larger --voxel",
+                                  args->tools.value[i], d.x, d.y, d.z, OST_TOOL_DIM_REMOVE_MAX);
+        }
+    }
+    if (status == OST_OK)
+        status = load_bone(app, j->backend, args->bone, &args->ct, false, &j->bone, &j->imported, err);
+    if (status == OST_OK)
+        status = ost_bone_info_get(j->bone, &j->before, err);
+    if (status == OST_OK)
+        status = ream_path_make(app, &args->paths, &args->target, &j->imported.meta, args->bone, j->tools, args->tools.count, &j->path, err);
+    return status;
+}
+
+static ost_status run(const app_state *app, const ream_args *args, job *j, ost_error *err)
+{
+    ost_status status = OST_OK;
+    j->tick_ns = malloc(j->path.count * sizeof *j->tick_ns);
+    if (!j->tick_ns)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for the times of %zu ticks", j->path.count);
+    progress_begin(app);
+    double start = now_ms();
+    for (size_t i = 0; i < j->path.count; i++) {
+        ost_step_result step;
+        double before = now_ms();
+        status = ost_world_step(j->world, &j->path.ticks[i], &step, err);
+        double ns = (now_ms() - before) * 1e6;
+        if (status != OST_OK) {
+            ost_fail_context(err, "%s: tick %zu at %.6f s", args->paths.count == 1 ? args->paths.value[0] : "path", i,
+                             (double)j->path.ticks[i].t_ns * 1e-9);
+            break;
+        }
+        j->tick_ns[i] = ns < 4e9 ? (uint32_t)ns : UINT32_MAX;
+        j->met |= step.removal && step.boxes_meet;
+        if (i % 16 == 0)
+            progress_show(NULL, "reaming", (double)i / (double)j->path.count);
+    }
+    if (status == OST_OK)
+        status = ost_backend_finish(j->backend, err);
+    j->run_ms = now_ms() - start;
+    progress_clear();
+    return status;
+}
+
+static int ascending(const void *a, const void *b)
+{
+    uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+    return (x > y) - (x < y);
+}
+
+/* Nearest rank; sorts. */
+static void put_tick_times(const app_state *app, job *j)
+{
+    size_t n = j->path.count;
+    qsort(j->tick_ns, n, sizeof *j->tick_ns, ascending);
+    double p50 = j->tick_ns[(n - 1) * 50 / 100] * 1e-3;
+    double p99 = j->tick_ns[(n - 1) * 99 / 100] * 1e-3;
+    double max = j->tick_ns[n - 1] * 1e-3;
+    put(app->result, "tick_us", json_pack("{s:f,s:f,s:f}", "p50", p50, "p99", p99, "max", max));
+    say(app, "  a tick: %.4g us median, %.4g us at 99 %%, %.4g us at most", p50, p99, max);
+}
+
+static void put_classes(const app_state *app, const ost_world_totals *totals, const ost_density_classes *classes, double voxel_mm3)
+{
+    json_t *array = json_array();
+    char text[SAY_TEXT];
+    for (int c = 0; c < classes->count; c++) {
+        int64_t voxels = (int64_t)totals->removed_by_class[c];
+        json_t *row = json_object();
+        put_text(row, "name", classes->name[c]);
+        put_integer(row, "from_hu", classes->border[c]);
+        put_integer(row, "voxels", voxels);
+        put_real(row, "mm3", (double)voxels * voxel_mm3);
+        put_integer(row, "density_sum", totals->density_by_class[c]);
+        append(array, row);
+        if (voxels)
+            say(app, "  %-12s %12s voxels %10.1f mm3, %.0f HU on average", classes->name[c], say_count(text, voxels),
+                (double)voxels * voxel_mm3, (double)totals->density_by_class[c] / (double)voxels);
+    }
+    put(app->result, "removed_by_class", array);
+}
+
+/* Nothing was removed: say where both are, since a wrong frame is the usual reason. */
+static void warn_nothing(const app_state *app, const job *j)
+{
+    ost_pm3 lo = j->before.geometry.origin, hi = lo, at = j->path.ticks[j->path.count / 2].pose.t;
+    hi.x += j->before.geometry.spacing.x * (j->before.geometry.dims.x - 1);
+    hi.y += j->before.geometry.spacing.y * (j->before.geometry.dims.y - 1);
+    hi.z += j->before.geometry.spacing.z * (j->before.geometry.dims.z - 1);
+    char a[SAY_TEXT], b[SAY_TEXT], c[SAY_TEXT];
+    warn(app, "no bone was removed: the tool %s; the bone's grid is from %s to %s, the tool halfway at %s",
+         j->met ? "came into the grid but met no bone" : "never came near", say_point(a, lo), say_point(b, hi), say_point(c, at));
+}
+
+static ost_status report(const app_state *app, const ream_args *args, job *j, ost_error *err)
+{
+    ost_digest root, file;
+    ost_world_totals totals;
+    char a[SAY_TEXT], b[SAY_TEXT], c[SAY_TEXT];
+    ost_status status = ost_bone_digest(j->bone, NULL, &root, err);
+    if (status == OST_OK)
+        status = file_digest(args->out, &file, err);
+    if (status == OST_OK)
+        status = ost_bone_info_get(j->bone, &j->after, err);
+    if (status != OST_OK)
+        return status;
+    ost_world_totals_get(j->world, &totals);
+    double voxel = ost_pm_to_mm(j->before.geometry.spacing.x), mm3 = voxel * voxel * voxel;
+    json_t *o = app->result;
+    put_text(o, "bone", args->bone);
+    put_text(o, "out", args->out);
+    put_integer(o, "ticks", (int64_t)totals.ticks);
+    put_integer(o, "removals", (int64_t)totals.removals);
+    put_integer(o, "poses", (int64_t)totals.poses);
+    put_integer(o, "removed_voxels", (int64_t)totals.removed_voxels);
+    put_real(o, "removed_mm3", (double)totals.removed_voxels * mm3);
+    put_integer(o, "active_voxels_before", j->before.active_voxels);
+    put_integer(o, "active_voxels", j->after.active_voxels);
+    put_integer(o, "active_chunks", j->after.active_chunks);
+    put_integer(o, "chunk", j->before.chunk_size);
+    put_real(o, "run_ms", j->run_ms);
+    if (!totals.removed_voxels)
+        warn_nothing(app, j);
+    say(app, "%s: %s of %s bone voxels removed, %.1f mm3", args->out, say_count(a, (int64_t)totals.removed_voxels),
+        say_count(b, j->before.active_voxels), (double)totals.removed_voxels * mm3);
+    put_classes(app, &totals, ost_world_classes(j->world), mm3);
+    say(app, "  %s ticks, %s removals, in %s", say_count(a, (int64_t)totals.ticks), say_count(b, (int64_t)totals.removals),
+        say_time(c, j->run_ms));
+    put_tick_times(app, j);
+    put_digest(o, "sha256", &root);
+    put_digest(o, "file_sha256", &file);
+    char hex[OST_DIGEST_HEX];
+    say(app, "  grid %s", ost_digest_hex(&root, hex));
+    return OST_OK;
+}
+
+static ost_status check_args(app_state *app, const ream_args *args, ost_error *err)
+{
+    if (args->record)
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "--record: this version of osteon cannot write sessions; a path file does the same again");
+    if (!args->tools.count)
+        return usage_error(app, err, "--tool TOOL is missing");
+    if (!args->paths.count)
+        return usage_error(app, err, "--path PATH is missing");
+    if (args->tools.count > 1 && args->paths.count > args->tools.count)
+        return usage_error(app, err, "%d paths and %d tools: give one tool for all, or a tool for each path, in the same order",
+                           args->paths.count, args->tools.count);
+    return out_check(app, args->out, "nrrd|nii|nii.gz|txt", err);
+}
+
+ost_status cmd_ream(app_state *app, int argc, char **argv, ost_error *err)
+{
+    ream_args args = {.ct = CT_OPTIONS_DEFAULT, .how = TOOL_OPTIONS_DEFAULT, .sweep = 1};
+    target_options *t = &args.target;
+    const option options[] = {
+        {.name = "bone", .kind = OPTION_TEXT, .out = &args.bone, .value = "BONE", .required = true,
+         .help = "a bone that import wrote, a CT, or builtin:scapula"},
+        {.name = "tool", .kind = OPTION_LIST, .out = &args.tools, .value = "TOOL",
+         .help = "a tool that voxelize wrote, a mesh, or builtin:reamer; may repeat"},
+        {.name = "path", .kind = OPTION_LIST, .out = &args.paths, .value = "PATH",
+         .help = "a CSV, builtin:peg-hole or builtin:glenoid-ream; may repeat, path after path, each with its tool in the same order"},
+        {.name = "out", .kind = OPTION_TEXT, .out = &args.out, .value = "FILE", .required = true,
+         .help = "the reamed bone: .nrrd, or .nii, .nii.gz, .txt"},
+        {.name = "at", .kind = OPTION_POINT, .out = &t->at, .given = &t->at_given, .value = "X,Y,Z",
+         .help = "centre of the glenoid's face, for the built-in paths\n(default: what the bone's file says)"},
+        {.name = "axis", .kind = OPTION_VECTOR, .out = t->axis, .given = &t->axis_given, .value = "X,Y,Z",
+         .help = "direction into the bone there (default: the file's)"},
+        {.name = "side", .kind = OPTION_CHOICE, .out = &t->side, .given = &t->side_given, .value = "left|right",
+         .help = "of the body (default: the file's, else right)"},
+        {.name = "rate", .kind = OPTION_DECIMAL, .out = &args.rate, .value = "HZ", .help = "remove so many times a second (default: every tick)"},
+        {.name = "sweep", .kind = OPTION_CHOICE, .out = &args.sweep, .value = "off|on",
+         .help = "fill in between two ticks (default: on)"},
+        {.name = "classes", .kind = OPTION_TEXT, .out = &args.classes_text, .value = "NAME:HU,...",
+         .help = "density classes to count by, each from its HU up\n(default: cartilage:120,cancellous:150,cortical:650)"},
+        TOOL_OPTIONS(args.how),
+        CT_OPTIONS(args.ct),
+        {.name = "compress", .kind = OPTION_FLAG, .out = &args.compress, .help = "gzip a .nrrd"},
+        {.name = "record", .kind = OPTION_TEXT, .out = &args.record, .value = "SESSION",
+         .help = "not available: this version cannot write sessions"},
+        {.name = NULL}};
+    const usage_text usage = {
+        .synopsis = "--bone BONE --tool TOOL --path PATH --out FILE [options]",
+        .about = "Moves tools along a path and removes the bone they meet: the main job.",
+        .options = options,
+        .notes = "Lengths are in millimetres, densities in HU. A path file has lines\n"
+                 "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz[,tool]: a row is a tick, and its pose takes the\n"
+                 "tool's frame into the bone's. The bone's frame is the CT's: x to the patient's\n"
+                 "left, y to the back, z to the head (LPS).",
+        .example = "  osteon ream --bone builtin:scapula --out reamed.nrrd \\\n"
+                   "    --tool builtin:peg --path builtin:peg-hole \\\n"
+                   "    --tool builtin:reamer --path builtin:glenoid-ream\n"
+                   "  osteon ream --bone shoulder.nii.gz --tool reamer.stl --path builtin:glenoid-ream \\\n"
+                   "    --at -117.8,196.5,-159 --axis 1,0,0 --side right --out reamed.nrrd",
+    };
+    ost_status status;
+    if (!options_parse(app, &usage, argc, argv, &status, err) || (status = check_args(app, &args, err)) != OST_OK)
+        return status;
+    job j = {0};
+    const ost_write_options write = {.compress = args.compress};
+    status = load_all(app, &args, &j, err);
+    if (status == OST_OK)
+        status = world_make(app, &args, &j, err);
+    if (status == OST_OK)
+        status = run(app, &args, &j, err);
+    if (status == OST_OK)
+        status = ost_bone_write(args.out, j.bone, &j.imported.meta, &write, err);
+    if (status == OST_OK)
+        status = report(app, &args, &j, err);
+    job_free(&j);
+    return status;
+}

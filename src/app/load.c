@@ -1,0 +1,402 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "app/load.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "app/backend_choice.h"
+#include "app/progress.h"
+#include "app/say.h"
+
+/* ------------------------------------------------------------------ names */
+
+bool ends_with(const char *path, const char *end)
+{
+    size_t n = strlen(path), m = strlen(end);
+    return n > m && path[n - m - 1] == '.' && strcmp(path + n - m, end) == 0;
+}
+
+static bool ends_with_one_of(const char *path, const char *ends)
+{
+    char end[16];
+    for (;;) {
+        size_t length = strcspn(ends, "|");
+        snprintf(end, sizeof end, "%.*s", (int)length, ends);
+        if (ends_with(path, end))
+            return true;
+        if (!ends[length])
+            return false;
+        ends += length + 1;
+    }
+}
+
+ost_status out_check(app_state *app, const char *path, const char *ends, ost_error *err)
+{
+    struct stat st;
+    bool special = stat(path, &st) == 0 && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode);
+    if (!special && !ends_with_one_of(path, ends)) {
+        char spoken[OPTION_SPOKEN];
+        return usage_error(app, err, "%s: the name must end in %s", path, spoken_list(spoken, ends, "."));
+    }
+    const char *slash = strrchr(path, '/');
+    char folder[4096];
+    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path) + 1 : 1, slash ? path : ".");
+    if (stat(folder, &st) != 0)
+        return ost_fail(err, OST_ERR_IO, "%s: cannot write there: %s", path, strerror(errno));
+    return OST_OK;
+}
+
+static const char *builtin_name(const char *name)
+{
+    return strncmp(name, "builtin:", 8) == 0 ? name + 8 : NULL;
+}
+
+/* ------------------------------------------------------------------ bones */
+
+/* "0:128,0:128,20:60" */
+static ost_status parse_crop(const app_state *app, const char *text, ost_voxel_box *out, ost_error *err)
+{
+    const char *p = text;
+    for (int a = 0; a < 3; a++) {
+        int32_t end[2];
+        for (int e = 0; e < 2; e++) {
+            int64_t value = 0;
+            int digits = 0;
+            for (; *p >= '0' && *p <= '9' && digits < 6; p++, digits++)
+                value = value * 10 + (*p - '0');
+            char after = e == 0 ? ':' : a < 2 ? ',' : '\0';
+            if (!digits || *p != after)
+                return usage_error(app, err, "--crop '%s': expected from:to,from:to,from:to in voxels", text);
+            p += after != '\0';
+            end[e] = (int32_t)value;
+        }
+        if (end[0] >= end[1])
+            return usage_error(app, err, "--crop '%s': from %d to %d keeps nothing", text, end[0], end[1]);
+        out->lo[a] = end[0];
+        out->hi[a] = end[1];
+    }
+    return OST_OK;
+}
+
+/* A bone that import wrote keeps its own threshold unless the user says another. */
+static int32_t threshold_of(const ost_meta *meta, int32_t otherwise)
+{
+    const char *text = ost_meta_get(meta, OST_META_THRESHOLD);
+    ost_decimal d;
+    int64_t value;
+    bool exact;
+    if (text && ost_decimal_read(text, text + strlen(text), &d) == text + strlen(text) && ost_decimal_scale(&d, 1, &value, &exact) &&
+        exact && value >= 1 && value <= 32767)
+        return (int32_t)value;
+    return otherwise;
+}
+
+static ost_status import_options_make(const app_state *app, const char *name, const ct_options *ct, bool digests, ost_import_options *out,
+                                      ost_error *err)
+{
+    *out = (ost_import_options){
+        .spacing = ct->spacing,
+        .cubic = ct->cubic,
+        .threshold = (int32_t)ct->threshold,
+        .chunk_size = 16 << ct->chunk,
+        .resample = ct->nearest ? OST_RESAMPLE_NEAREST : OST_RESAMPLE_FLOOR,
+        .duplicates = (ost_duplicates)ct->duplicates,
+        .volume = {.clamp = ct->clamp, .resample_oblique = ct->resample_oblique},
+        .digests = digests,
+        .progress = progress_show,
+    };
+    if (ct->crop) {
+        out->crop = true;
+        ost_status status = parse_crop(app, ct->crop, &out->crop_box, err);
+        if (status != OST_OK)
+            return status;
+    }
+    if (!ct->threshold_given && !builtin_name(name)) {
+        ost_file_kind kind;
+        ost_meta meta = {0};
+        if (ost_file_kind_find(name, &kind, NULL) == OST_OK && (kind == OST_FILE_NRRD || kind == OST_FILE_NIFTI) &&
+            ost_volume_read_header(name, NULL, &meta, NULL, NULL) == OST_OK)
+            out->threshold = threshold_of(&meta, (int32_t)ct->threshold);
+    }
+    return OST_OK;
+}
+
+static ost_status phantom_volume(const char *kind_name, ost_volume *out, ost_error *err)
+{
+    for (int k = 0; k < OST_PHANTOM_COUNT; k++)
+        if (strcmp(kind_name, ost_phantom_name((ost_phantom_kind)k)) == 0)
+            return ost_phantom_make((ost_phantom_kind)k, NULL, out, err);
+    return ost_fail(err, OST_ERR_USAGE, "builtin:%s: there is no such bone; osteon phantom --help lists them", kind_name);
+}
+
+static ost_status volume_to_bone(ost_backend *backend, const ost_volume *volume, const ost_import_options *options, ost_bone **out,
+                                 ost_import_result *result, ost_error *err)
+{
+    ost_grid *rect = NULL, *cubic = NULL;
+    ost_status status = ost_grid_create(backend, &volume->geometry, &rect, err);
+    if (status == OST_OK)
+        status = ost_grid_upload(rect, 0, volume->geometry.dims.z, volume->voxels, err);
+    if (status == OST_OK)
+        status = ost_rect_to_cubic(rect, options->cubic ? options->cubic : volume->geometry.spacing.x, options->resample, &cubic, err);
+    if (status == OST_OK)
+        status = ost_cubic_to_chunks(cubic, options->chunk_size, options->threshold, out, err);
+    if (status == OST_OK) {
+        *result = (ost_import_result){.kind = OST_FILE_UNKNOWN, .rect = volume->geometry, .cubic = *ost_grid_geometry(cubic), .meta = volume->meta};
+        char text[16];
+        snprintf(text, sizeof text, "%d", options->threshold);
+        status = ost_meta_set(&result->meta, OST_META_THRESHOLD, text, err);
+    }
+    ost_grid_free(cubic);
+    ost_grid_free(rect);
+    return status;
+}
+
+static void warn_import(const app_state *app, const char *name, const ost_import_result *r)
+{
+    char text[SAY_TEXT];
+    const ost_scatter_report *s = &r->scatter;
+    if (s->off_lattice)
+        warn(app, "%s: %s positions lie more than 1/8 of a voxel off the lattice; the worst, %.3f of a voxel, in line %lld", name,
+             say_count(text, (int64_t)s->off_lattice), (double)s->worst_offset_ppm * 1e-6, (long long)s->worst_line);
+    if (r->rounded_positions)
+        warn(app, "%s: %s positions have more than nine decimals and were rounded to a picometre", name,
+             say_count(text, (int64_t)r->rounded_positions));
+    if (s->duplicates)
+        warn(app, "%s: %s voxels are given more than once", name, say_count(text, (int64_t)s->duplicates));
+    if (r->volume.resampled)
+        warn(app, "%s: the volume is tilted and was resampled onto straight axes (nearest voxel)", name);
+    if (r->volume.rounded_values)
+        warn(app, "%s: %s densities were not whole numbers and were rounded", name, say_count(text, (int64_t)r->volume.rounded_values));
+    if (r->volume.clamped_values)
+        warn(app, "%s: %s densities lay beyond int16 and were cut to its ends", name, say_count(text, (int64_t)r->volume.clamped_values));
+}
+
+ost_status load_bone(const app_state *app, ost_backend *backend, const char *name, const ct_options *ct, bool digests, ost_bone **out,
+                     ost_import_result *result, ost_error *err)
+{
+    ost_import_options options;
+    ost_status status = import_options_make(app, name, ct, digests, &options, err);
+    if (status != OST_OK)
+        return status;
+    progress_begin(app);
+    const char *kind = builtin_name(name);
+    if (kind) {
+        if (ct->crop || ct->spacing.x)
+            return usage_error(app, err, "--crop and --spacing are for files; write %s with osteon phantom first", name);
+        ost_volume volume = {0};
+        status = phantom_volume(kind, &volume, err);
+        if (status == OST_OK)
+            status = volume_to_bone(backend, &volume, &options, out, result, err);
+        ost_volume_free(&volume);
+    } else {
+        status = ost_import(backend, name, &options, out, result, err);
+    }
+    progress_clear();
+    if (status == OST_OK)
+        warn_import(app, name, result);
+    return status;
+}
+
+ost_status bone_to_volume(const ost_bone *bone, const ost_meta *meta, ost_volume *out, ost_error *err)
+{
+    ost_bone_info info;
+    ost_status status = ost_bone_info_get(bone, &info, err);
+    if (status == OST_OK)
+        status = ost_volume_init(out, &info.geometry, err);
+    if (status != OST_OK)
+        return status;
+    if (meta)
+        out->meta = *meta;
+    status = ost_bone_download(bone, 0, info.geometry.dims.z, out->voxels, err);
+    if (status != OST_OK)
+        ost_volume_free(out);
+    return status;
+}
+
+/* ------------------------------------------------------------------ tools */
+
+ost_status load_mesh(const char *name, ost_unit unit, ost_mesh *out, ost_mesh_report *report, ost_error *err)
+{
+    const char *kind = builtin_name(name);
+    if (!kind)
+        return ost_mesh_read(name, unit, out, report, err);
+    for (int k = 0; k < OST_TOOL_KIND_COUNT; k++)
+        if (strcmp(kind, ost_tool_kind_name((ost_tool_kind)k)) == 0) {
+            ost_status status = ost_tool_make((ost_tool_kind)k, NULL, out, err);
+            if (status == OST_OK) {
+                snprintf(report->format, sizeof report->format, "built in");
+                report->file_triangles = out->triangle_count;
+                report->bodies = 1;
+            }
+            return status;
+        }
+    return ost_fail(err, OST_ERR_USAGE, "%s: there is no such tool; osteon tool --help lists them", name);
+}
+
+static void widen(ost_pm3 *lo, ost_pm3 *hi, ost_pm3 lo2, ost_pm3 hi2)
+{
+    lo->x = lo2.x < lo->x ? lo2.x : lo->x;
+    lo->y = lo2.y < lo->y ? lo2.y : lo->y;
+    lo->z = lo2.z < lo->z ? lo2.z : lo->z;
+    hi->x = hi2.x > hi->x ? hi2.x : hi->x;
+    hi->y = hi2.y > hi->y ? hi2.y : hi->y;
+    hi->z = hi2.z > hi->z ? hi2.z : hi->z;
+}
+
+static ost_status voxelize_meshes(const app_state *app, ost_backend *backend, const char *name, const char *noncutting,
+                                  const tool_options *options, ost_tool **out, tool_report *report, ost_error *err)
+{
+    ost_mesh mesh = {0}, shaft = {0};
+    ost_snapped_mesh snapped = {0}, snapped_shaft = {0};
+    ost_mesh_report shaft_report = {0};
+    ost_tool_geometry grid;
+    ost_pm3 lo, hi, lo2, hi2;
+    char text[SAY_TEXT];
+
+    ost_status status = load_mesh(name, (ost_unit)options->unit, &mesh, &report->mesh, err);
+    if (status == OST_OK)
+        status = ost_mesh_bounds(&mesh, &lo, &hi, err);
+    if (status == OST_OK && noncutting) {
+        status = load_mesh(noncutting, (ost_unit)options->unit, &shaft, &shaft_report, err);
+        if (status == OST_OK)
+            status = ost_mesh_bounds(&shaft, &lo2, &hi2, err);
+        if (status == OST_OK)
+            widen(&lo, &hi, lo2, hi2);
+    }
+    if (status == OST_OK)
+        status = ost_mesh_open_edges(&mesh, &report->open_edges, err);
+    if (status == OST_OK && (status = ost_tool_geometry_from_bounds(lo, hi, options->voxel, &grid, err)) != OST_OK)
+        ost_fail_context(err, "%s", name);
+    if (status == OST_OK)
+        status = ost_mesh_snap(&mesh, &grid, &snapped, err);
+    if (status == OST_OK && noncutting)
+        status = ost_mesh_snap(&shaft, &grid, &snapped_shaft, err);
+    if (status == OST_OK)
+        status = ost_snapped_mesh_digest(&snapped, &report->snapped, err);
+    if (status == OST_OK) {
+        double start = now_ms();
+        status = ost_voxelize(backend, &snapped, noncutting ? &snapped_shaft : NULL, (ost_fill_rule)options->rule, &report->voxels, out, err);
+        report->time_ms = now_ms() - start;
+    }
+    if (status == OST_OK) {
+        report->triangles = mesh.triangle_count + shaft.triangle_count;
+        report->dropped_triangles = snapped.dropped_triangles + snapped_shaft.dropped_triangles;
+        report->mesh_volume_mm3 = ost_mesh_volume_mm3(&mesh);
+        if (report->voxels.leaking_rows)
+            warn(app, "%s: the surface is not closed (%zu open edges): %s rows of voxels leak and were left empty", name, report->open_edges,
+                 say_count(text, (int64_t)report->voxels.leaking_rows));
+        if (!report->voxels.solid_voxels)
+            warn(app, "%s: not one voxel of %g mm is inside the mesh", name, ost_pm_to_mm(options->voxel));
+    }
+    ost_snapped_mesh_free(&snapped);
+    ost_snapped_mesh_free(&snapped_shaft);
+    ost_mesh_free(&mesh);
+    ost_mesh_free(&shaft);
+    return status;
+}
+
+ost_status load_tool(const app_state *app, ost_backend *backend, const char *name, const char *noncutting, const tool_options *options,
+                     ost_tool **out, tool_report *report, ost_error *err)
+{
+    tool_report own = {0};
+    if (!report)
+        report = &own;
+    *report = (tool_report){0};
+    ost_file_kind kind = OST_FILE_MESH;
+    if (!builtin_name(name)) {
+        ost_status status = ost_file_kind_find(name, &kind, err);
+        if (status != OST_OK)
+            return status;
+    }
+    if (kind == OST_FILE_NRRD && !noncutting) {
+        ost_tool_volume volume = {0};
+        ost_status status = ost_tool_volume_read(name, &volume, err);
+        if (status == OST_OK)
+            status = ost_tool_upload(backend, &volume, out, err);
+        ost_tool_volume_free(&volume);
+        return status;
+    }
+    if (kind != OST_FILE_MESH && kind != OST_FILE_UNKNOWN)
+        return ost_fail(err, OST_ERR_INPUT, "%s: is neither a mesh nor a tool grid", name);
+    return voxelize_meshes(app, backend, name, noncutting, options, out, report, err);
+}
+
+/* ---------------------------------------------------------------- volumes */
+
+static ost_status load_tool_volume(const char *name, loaded_volume *out, ost_error *err)
+{
+    ost_tool_volume tool = {0};
+    ost_status status = ost_tool_volume_read(name, &tool, err);
+    if (status != OST_OK)
+        return status;
+    ost_pm s = tool.geometry.voxel;
+    ost_geometry geometry = {
+        .dims = tool.geometry.dims,
+        .spacing = {s, s, s},
+        .origin = {tool.geometry.corner.x + s / 2, tool.geometry.corner.y + s / 2, tool.geometry.corner.z + s / 2},
+    };
+    status = ost_volume_init(&out->volume, &geometry, err);
+    if (status == OST_OK) {
+        int64_t count = ost_dims_count(geometry.dims);
+        for (int64_t v = 0; v < count; v++)
+            out->volume.voxels[v] = tool.voxels[v];
+        out->volume.meta = tool.meta;
+        out->tool = tool.geometry;
+        out->kind = LOAD_TOOL;
+        out->threshold = 1;
+    }
+    ost_tool_volume_free(&tool);
+    return status;
+}
+
+/* A text is read by the import itself, which keeps memory bounded by the grid. */
+static ost_status load_text_volume(const app_state *app, const char *name, loaded_volume *out, ost_error *err)
+{
+    ost_backend *backend = NULL;
+    ost_bone *bone = NULL;
+    ost_import_result result;
+    const ct_options ct = CT_OPTIONS_DEFAULT;
+    ost_status status = backend_choose(app, &backend, err);
+    if (status == OST_OK)
+        status = load_bone(app, backend, name, &ct, false, &bone, &result, err);
+    if (status == OST_OK)
+        status = bone_to_volume(bone, &result.meta, &out->volume, err);
+    ost_bone_free(bone);
+    ost_backend_close(backend);
+    out->kind = LOAD_BONE;
+    out->threshold = 120;
+    return status;
+}
+
+ost_status load_volume(const app_state *app, const char *name, loaded_volume *out, ost_error *err)
+{
+    *out = (loaded_volume){.kind = LOAD_CT, .threshold = 120};
+    const char *phantom = builtin_name(name);
+    if (phantom)
+        return phantom_volume(phantom, &out->volume, err);
+    ost_file_kind kind;
+    ost_status status = ost_file_kind_find(name, &kind, err);
+    if (status != OST_OK)
+        return status;
+    if (kind == OST_FILE_CT_TEXT)
+        return load_text_volume(app, name, out, err);
+    if (kind != OST_FILE_NRRD && kind != OST_FILE_NIFTI)
+        return ost_fail(err, OST_ERR_INPUT, "%s: has no voxels; a CT, a bone or a tool grid is needed", name);
+    ost_meta meta = {0};
+    status = ost_volume_read_header(name, NULL, &meta, NULL, err);
+    if (status != OST_OK)
+        return status;
+    const char *what = ost_meta_get(&meta, OST_META_KIND);
+    if (what && strcmp(what, "tool") == 0)
+        return load_tool_volume(name, out, err);
+    status = ost_volume_read(name, NULL, &out->volume, NULL, err);
+    if (status == OST_OK && what && strcmp(what, "bone") == 0) {
+        out->kind = LOAD_BONE;
+        out->threshold = threshold_of(&out->volume.meta, 120);
+    }
+    return status;
+}

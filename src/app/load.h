@@ -1,0 +1,104 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A bone or a tool out of whatever the user has.
+ *
+ *   bone   builtin:scapula (a phantom), a CT, or a bone that import wrote
+ *   tool   builtin:reamer, a mesh, or a tool that voxelize wrote
+ *   volume anything with voxels, on the host and as it stands: for diff, export
+ *
+ * The options that say how are the same for every verb that loads.
+ */
+#ifndef OST_APP_LOAD_H
+#define OST_APP_LOAD_H
+
+#include "app/options.h"
+
+typedef struct ct_options {
+    ost_pm3 spacing;
+    ost_pm cubic;
+    int64_t threshold;
+    bool threshold_given;
+    const char *crop;
+    int chunk; /* place in "16|32|64" */
+    bool nearest;
+    int duplicates; /* place in "error|first|last|max" = ost_duplicates */
+    bool clamp, resample_oblique;
+} ct_options;
+
+#define CT_OPTIONS_DEFAULT {.threshold = 120, .chunk = 1}
+
+/* Rows for a verb's table of options. */
+#define CT_OPTIONS(c)                                                                                                        \
+    {.name = "spacing", .kind = OPTION_LENGTHS, .out = &(c).spacing, .value = "MM[,MM,MM]",                                  \
+     .help = "voxel spacing of the CT (text: found from the positions; else: the file's)"},                                  \
+    {.name = "threshold", .kind = OPTION_INTEGER, .out = &(c).threshold, .given = &(c).threshold_given, .value = "HU",       \
+     .min = 1, .max = 32767, .help = "a voxel is bone at this density or more (default: the bone's own, else 120)"},         \
+    {.name = "cubic", .kind = OPTION_LENGTH, .out = &(c).cubic, .value = "MM",                                               \
+     .help = "size of the cubic voxels (default: the CT's x spacing)"},                                                      \
+    {.name = "crop", .kind = OPTION_TEXT, .out = &(c).crop, .value = "I:I,J:J,K:K",                                          \
+     .help = "keep CT voxels from:to on each axis, counted from 0, to not included"},                                        \
+    {.name = "nearest", .kind = OPTION_FLAG, .out = &(c).nearest,                                                            \
+     .help = "cubic voxels take the nearest slice (default: the one they begin in)"},                                        \
+    {.name = "duplicates", .kind = OPTION_CHOICE, .out = &(c).duplicates, .value = "error|first|last|max",                   \
+     .help = "a text that gives one voxel two densities (default: error)"},                                                  \
+    {.name = "clamp", .kind = OPTION_FLAG, .out = &(c).clamp,                                                                \
+     .help = "cut densities beyond int16 to its ends instead of refusing"},                                                  \
+    {.name = "resample-oblique", .kind = OPTION_FLAG, .out = &(c).resample_oblique,                                          \
+     .help = "resample a tilted CT onto straight axes instead of refusing"},                                                 \
+    {.name = "chunk", .kind = OPTION_CHOICE, .out = &(c).chunk, .value = "16|32|64",                                         \
+     .help = "voxels on a side of a chunk (default: 32); changes no voxel"}
+
+typedef struct tool_options {
+    ost_pm voxel;
+    int unit; /* place in "auto|mm|cm|m|inch|um" = ost_unit */
+    int rule; /* place in "winding|parity" = ost_fill_rule */
+} tool_options;
+
+#define TOOL_OPTIONS_DEFAULT {.voxel = OST_PM_PER_MM / 2}
+
+#define TOOL_OPTIONS(t)                                                                                                      \
+    {.name = "voxel", .kind = OPTION_LENGTH, .out = &(t).voxel, .value = "MM", .help = "size of the tool's voxels (default: 0.5)"}, \
+    {.name = "unit", .kind = OPTION_CHOICE, .out = &(t).unit, .value = "auto|mm|cm|m|inch|um",                               \
+     .help = "unit of the mesh's numbers (default: auto, millimetres if that is plausible)"},                                \
+    {.name = "rule", .kind = OPTION_CHOICE, .out = &(t).rule, .value = "winding|parity",                                     \
+     .help = "what is inside (default: winding, not zero)"}
+
+/* What came of loading a tool from a mesh; zero for a tool grid. */
+typedef struct tool_report {
+    ost_mesh_report mesh;
+    size_t triangles, dropped_triangles;
+    double mesh_volume_mm3;
+    size_t open_edges;
+    ost_voxelize_report voxels;
+    ost_digest snapped;
+    double time_ms; /* of the voxelization alone */
+} tool_report;
+
+ost_status load_bone(const app_state *app, ost_backend *backend, const char *name, const ct_options *ct, bool digests, ost_bone **out,
+                     ost_import_result *result, ost_error *err);
+
+ost_status load_mesh(const char *name, ost_unit unit, ost_mesh *out, ost_mesh_report *report, ost_error *err);
+
+/* noncutting: the name of a second mesh on the same grid, or NULL. report may be NULL. */
+ost_status load_tool(const app_state *app, ost_backend *backend, const char *name, const char *noncutting, const tool_options *options,
+                     ost_tool **out, tool_report *report, ost_error *err);
+
+typedef enum load_kind { LOAD_CT, LOAD_BONE, LOAD_TOOL } load_kind;
+typedef struct loaded_volume {
+    load_kind kind;
+    ost_volume volume;             /* a tool's voxels are 0, 1, 2 */
+    ost_tool_geometry tool;        /* when kind is LOAD_TOOL */
+    int32_t threshold;             /* what counts as solid: a bone's own, a tool's 1, else 120 */
+} loaded_volume;
+
+/* From NRRD, NIfTI, CT text (as a bone: below the threshold is 0) or builtin:. Free with ost_volume_free(&out->volume). */
+ost_status load_volume(const app_state *app, const char *name, loaded_volume *out, ost_error *err);
+
+/* A bone's voxels on the host. */
+ost_status bone_to_volume(const ost_bone *bone, const ost_meta *meta, ost_volume *out, ost_error *err);
+
+/* Ends of names, "nrrd|nii|nii.gz|txt"; says early what would fail late. Not a word about an existing file: it is replaced. */
+ost_status out_check(app_state *app, const char *path, const char *ends, ost_error *err);
+bool ends_with(const char *path, const char *end);
+
+#endif

@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * osteon: a verb each, in the manner of git.
+ *
+ *   osteon VERB ... -> verbs[] -> cmd_VERB -> status -> one line, exit status
+ *
+ * Exit status: 0 done or equal, 1 a check failed or grids differ, 2 wrong
+ * usage or bad input, 3 not available here.  What a verb wrote on standard
+ * output counts only when it could be written: a full disk there is an error,
+ * a reader that went away is not worth a word.
+ */
+#include "app/app.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "app/options.h"
+#include "app/progress.h"
+#include "io/outfile.h"
+
+static const app_verb verbs[] = {
+    {"phantom", "make a generated CT: a scapula, its glenoid, trabecular bone, foam", cmd_phantom},
+    {"tool", "make a cutting tool: a reamer, a peg drill, a burr", cmd_tool},
+    {"import", "turn a CT into a bone of cubic voxels", cmd_import},
+    {"voxelize", "turn a mesh into a tool grid", cmd_voxelize},
+    {"ream", "move tools along a path and remove bone: the main job", cmd_ream},
+    {"diff", "say what differs between two grids, and show it", cmd_diff},
+    {"export", "write a bone as a volume, a surface or a picture", cmd_export},
+    {"info", "say what a file is", cmd_info},
+    {"devices", "say what works on this machine, and why the rest does not", cmd_devices},
+};
+
+enum { VERB_COUNT = sizeof verbs / sizeof verbs[0] };
+
+static void print_help(void)
+{
+    puts("usage: osteon VERB [arguments]\n\n"
+         "Removes bone from a CT with a surgeon's tools, voxel by voxel, to the bit.\n\n"
+         "verbs");
+    for (int i = 0; i < VERB_COUNT; i++)
+        printf("  %-10s %s\n", verbs[i].name, verbs[i].summary);
+    puts("\n"
+         "osteon VERB --help shows a verb's options and an example; osteon --version the\n"
+         "version.  Every verb takes --json: one JSON object on standard output.\n\n"
+         "exit status\n"
+         "  0 done, or equal   1 a check failed, or grids differ\n"
+         "  2 wrong usage or bad input   3 not available here\n\n"
+         "example: a glenoid, a peg hole, then reaming\n"
+         "  osteon ream --bone builtin:glenoid --out reamed.nrrd \\\n"
+         "    --tool builtin:peg --path builtin:peg-hole \\\n"
+         "    --tool builtin:reamer --path builtin:glenoid-ream");
+}
+
+static ost_status no_verb(const char *word, ost_error *err)
+{
+    const char *names[VERB_COUNT];
+    for (int i = 0; i < VERB_COUNT; i++)
+        names[i] = verbs[i].name;
+    static const char *const own[] = {"--help", "--version"};
+    if (word[0] == '-' && nearest_name(word, own, 2))
+        return ost_fail(err, OST_ERR_USAGE, "'%s' is not an option of osteon itself; did you mean %s? See osteon --help", word,
+                        nearest_name(word, own, 2));
+    if (word[0] == '-')
+        return ost_fail(err, OST_ERR_USAGE, "'%s' is not an option of osteon itself; see osteon --help", word);
+    const char *near = nearest_name(word, names, VERB_COUNT);
+    if (near)
+        return ost_fail(err, OST_ERR_USAGE, "'%s' is not a verb of osteon; did you mean %s? See osteon --help", word, near);
+    return ost_fail(err, OST_ERR_USAGE, "'%s' is not a verb of osteon; see osteon --help", word);
+}
+
+/*
+ * A process may be started with standard streams closed; the next file opened
+ * would take their number and be written as if it were the stream.
+ */
+static void keep_standard_streams(void)
+{
+    for (int fd = 0; fd < 3; fd++)
+        if (fcntl(fd, F_GETFD) < 0 && errno == EBADF) {
+            /* The wrong way round, so that using a closed stream stays an error. */
+            if (open("/dev/null", fd == 0 ? O_WRONLY : O_RDONLY) != fd)
+                _exit(2);
+        }
+}
+
+static void on_end_signal(int number)
+{
+    ost_outfile_unlink_pending();
+    signal(number, SIG_DFL);
+    raise(number);
+}
+
+static void catch_signals(void)
+{
+    static const int ending[] = {SIGINT, SIGTERM, SIGHUP};
+    struct sigaction action = {.sa_handler = on_end_signal};
+    sigemptyset(&action.sa_mask);
+    for (size_t i = 0; i < sizeof ending / sizeof ending[0]; i++) {
+        struct sigaction old;
+        /* A job that nohup started keeps ignoring. */
+        if (sigaction(ending[i], NULL, &old) == 0 && old.sa_handler != SIG_IGN)
+            sigaction(ending[i], &action, NULL);
+    }
+    signal(SIGPIPE, SIG_IGN);
+    signal(SIGXFSZ, SIG_IGN);
+}
+
+/* Ends standard output. A reader that closed the pipe ends us as it ends everybody: by SIGPIPE, without a word. */
+static ost_status finish_output(ost_error *err)
+{
+    errno = 0;
+    if (fflush(stdout) == 0 && !ferror(stdout))
+        return OST_OK;
+    if (errno == EPIPE) {
+        signal(SIGPIPE, SIG_DFL);
+        raise(SIGPIPE);
+    }
+    return ost_fail(err, OST_ERR_IO, "standard output: %s", errno ? strerror(errno) : "write failed");
+}
+
+static int fail(const char *verb_name, const ost_error *err, ost_status status)
+{
+    progress_clear();
+    const char *text = err->text[0] ? err->text : ost_status_text(status);
+    fprintf(stderr, "osteon%s%s: %s\n", verb_name ? " " : "", verb_name ? verb_name : "", text);
+    return ost_status_exit(status);
+}
+
+static int run_verb(const app_verb *which, int argc, char **argv)
+{
+    ost_error err = {0};
+    app_state app = {.verb = which->name, .backend = "cpu", .result = json_object()};
+    ost_status status = OST_ERR_MEMORY;
+    if (app.result)
+        status = which->run(&app, argc, argv, &err);
+    progress_clear();
+    bool verdict = status == OST_OK || status == OST_ERR_DIFFER;
+    if (verdict && app.json) {
+        /* 15 digits: every picometre within 8 m, and 0.47 stays 0.47. */
+        if (json_dumpf(app.result, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(15)) == 0)
+            putchar('\n');
+    }
+    json_decref(app.result);
+    if (verdict) {
+        ost_status flushed = finish_output(&err);
+        if (flushed != OST_OK)
+            status = flushed;
+        else
+            return ost_status_exit(status);
+    }
+    return fail(which->name, &err, status);
+}
+
+int main(int argc, char **argv)
+{
+    keep_standard_streams();
+    catch_signals();
+    ost_error err = {0};
+    if (argc < 2) {
+        ost_fail(&err, OST_ERR_USAGE, "which verb? See osteon --help");
+        return fail(NULL, &err, OST_ERR_USAGE);
+    }
+    const char *word = argv[1];
+    for (int i = 0; i < VERB_COUNT; i++)
+        if (strcmp(word, verbs[i].name) == 0)
+            return run_verb(&verbs[i], argc - 1, argv + 1);
+    if (strcmp(word, "help") == 0 && argc > 2) {
+        char *swapped[] = {argv[2], (char[]){"--help"}, NULL};
+        for (int i = 0; i < VERB_COUNT; i++)
+            if (strcmp(argv[2], verbs[i].name) == 0)
+                return run_verb(&verbs[i], 2, swapped);
+        word = argv[2];
+    } else if (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0 || strcmp(word, "help") == 0) {
+        print_help();
+        return finish_output(&err) == OST_OK ? 0 : fail(NULL, &err, OST_ERR_IO);
+    } else if (strcmp(word, "--version") == 0) {
+        printf("osteon %s, arithmetic version %d\n", ost_version(), OST_ARITHMETIC_VERSION);
+        return finish_output(&err) == OST_OK ? 0 : fail(NULL, &err, OST_ERR_IO);
+    }
+    no_verb(word, &err);
+    return fail(NULL, &err, OST_ERR_USAGE);
+}

@@ -1,0 +1,109 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "app/ream_path.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { GAP_NS = 1000000 };
+
+ost_status target_find(const app_state *app, const target_options *options, const ost_meta *meta, const char *bone, ost_glenoid *out,
+                       ost_error *err)
+{
+    ost_glenoid own = {.axis = {0, 0, 0}};
+    bool has = ost_glenoid_from_meta(meta, &own, NULL) == OST_OK;
+    *out = own;
+    if (options->at_given)
+        out->at = options->at;
+    if (options->axis_given)
+        memcpy(out->axis, options->axis, sizeof out->axis);
+    if (options->side_given)
+        out->left = options->side == 0;
+    if (has || (options->at_given && options->axis_given && options->side_given))
+        return OST_OK;
+    /* A side is said by a file alone, too: a CT may know it without knowing the glenoid. */
+    const char *side = ost_meta_get(meta, OST_META_SIDE);
+    if (options->at_given && options->axis_given && !options->side_given) {
+        out->left = side && strcmp(side, "left") == 0;
+        return OST_OK;
+    }
+    return usage_error(app, err, "%s does not say where its glenoid is: give %s%s%s", bone, options->at_given ? "" : "--at x,y,z",
+                       options->at_given || options->axis_given ? "" : " and ", options->axis_given ? "" : "--axis x,y,z (inward)");
+}
+
+static ost_status builtin_path(const app_state *app, const char *name, const target_options *target, const ost_meta *meta, const char *bone,
+                               ost_tool *tool, int32_t index, ost_path *out, ost_error *err)
+{
+    const char *names[OST_BUILTIN_COUNT];
+    for (int b = 0; b < OST_BUILTIN_COUNT; b++) {
+        names[b] = ost_builtin_name((ost_builtin)b);
+        if (strcmp(name, names[b]) == 0) {
+            ost_glenoid glenoid;
+            ost_status status = target_find(app, target, meta, bone, &glenoid, err);
+            if (status != OST_OK)
+                return status;
+            return ost_builtin_path((ost_builtin)b, &glenoid, ost_tool_geometry_get(tool), index, out, err);
+        }
+    }
+    const char *near = nearest_name(name, names, OST_BUILTIN_COUNT);
+    return usage_error(app, err, "--path builtin:%s: there is no such path; did you mean builtin:%s?", name, near ? near : names[0]);
+}
+
+static ost_status csv_path(const char *name, int32_t index, int tool_count, ost_path *out, ost_error *err)
+{
+    ost_status status = ost_path_read_csv(name, out, err);
+    if (status != OST_OK)
+        return status;
+    int32_t last = 0;
+    for (size_t i = 0; i < out->count; i++)
+        last = out->ticks[i].tool > last ? out->ticks[i].tool : last;
+    if (last >= tool_count) {
+        ost_path_free(out);
+        return ost_fail(err, OST_ERR_INPUT, "%s: asks for tool %d, counted from 0, but %d tool%s given with --tool", name, last, tool_count,
+                        tool_count == 1 ? " is" : "s are");
+    }
+    if (last == 0)
+        for (size_t i = 0; i < out->count; i++)
+            out->ticks[i].tool = index;
+    return OST_OK;
+}
+
+static ost_status join(ost_path *whole, const ost_path *part, ost_error *err)
+{
+    if (part->count > OST_PATH_TICKS_MAX - whole->count)
+        return ost_fail(err, OST_ERR_RANGE, "the paths together have more than %d ticks", OST_PATH_TICKS_MAX);
+    ost_tick *ticks = realloc(whole->ticks, (whole->count + part->count) * sizeof *ticks);
+    if (!ticks)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu ticks", whole->count + part->count);
+    whole->ticks = ticks;
+    int64_t shift = whole->count ? ticks[whole->count - 1].t_ns + GAP_NS - part->ticks[0].t_ns : 0;
+    for (size_t i = 0; i < part->count; i++) {
+        ticks[whole->count + i] = part->ticks[i];
+        ticks[whole->count + i].t_ns += shift;
+    }
+    whole->count += part->count;
+    return OST_OK;
+}
+
+ost_status ream_path_make(const app_state *app, const option_list *paths, const target_options *target, const ost_meta *meta, const char *bone,
+                          ost_tool *const *tools, int tool_count, ost_path *out, ost_error *err)
+{
+    *out = (ost_path){0};
+    ost_status status = OST_OK;
+    for (int k = 0; k < paths->count && status == OST_OK; k++) {
+        ost_path part = {0};
+        const char *name = paths->value[k];
+        int32_t index = tool_count == 1 ? 0 : k;
+        if (strncmp(name, "builtin:", 8) == 0)
+            status = builtin_path(app, name + 8, target, meta, bone, tools[index], index, &part, err);
+        else
+            status = csv_path(name, index, tool_count, &part, err);
+        if (status == OST_OK && part.count)
+            status = join(out, &part, err);
+        ost_path_free(&part);
+    }
+    if (status == OST_OK && out->count == 0)
+        status = ost_fail(err, OST_ERR_INPUT, "%s: has no ticks", paths->value[0]);
+    if (status != OST_OK)
+        ost_path_free(out);
+    return status;
+}

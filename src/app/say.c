@@ -1,0 +1,95 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "app/say.h"
+
+#include <inttypes.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "app/progress.h"
+
+void say(const app_state *app, const char *format, ...)
+{
+    if (app->json || app->quiet)
+        return;
+    va_list args;
+    va_start(args, format);
+    vprintf(format, args);
+    va_end(args);
+    putchar('\n');
+}
+
+void warn(const app_state *app, const char *format, ...)
+{
+    if (app->quiet)
+        return;
+    progress_clear();
+    va_list args;
+    va_start(args, format);
+    fprintf(stderr, "osteon %s: warning: ", app->verb);
+    vfprintf(stderr, format, args);
+    va_end(args);
+    fputc('\n', stderr);
+}
+
+const char *say_count(char text[SAY_TEXT], int64_t value)
+{
+    char digits[24];
+    int n = snprintf(digits, sizeof digits, "%" PRId64, value);
+    char *to = text;
+    for (int i = 0; i < n; i++) {
+        *to++ = digits[i];
+        int left = n - 1 - i;
+        if (left && left % 3 == 0 && digits[i] != '-')
+            *to++ = ',';
+    }
+    *to = '\0';
+    return text;
+}
+
+const char *say_dims(char text[SAY_TEXT], ost_dims dims)
+{
+    snprintf(text, SAY_TEXT, "%d x %d x %d", dims.x, dims.y, dims.z);
+    return text;
+}
+
+const char *say_spacing(char text[SAY_TEXT], ost_pm3 s)
+{
+    char x[OST_PM_TEXT], y[OST_PM_TEXT], z[OST_PM_TEXT];
+    if (s.x == s.y && s.y == s.z)
+        snprintf(text, SAY_TEXT, "%s mm", ost_pm_format(s.x, x));
+    else
+        snprintf(text, SAY_TEXT, "%s x %s x %s mm", ost_pm_format(s.x, x), ost_pm_format(s.y, y), ost_pm_format(s.z, z));
+    return text;
+}
+
+const char *say_point(char text[SAY_TEXT], ost_pm3 p)
+{
+    char x[OST_PM_TEXT], y[OST_PM_TEXT], z[OST_PM_TEXT];
+    snprintf(text, SAY_TEXT, "(%s, %s, %s) mm", ost_pm_format(p.x, x), ost_pm_format(p.y, y), ost_pm_format(p.z, z));
+    return text;
+}
+
+const char *say_bytes(char text[SAY_TEXT], int64_t bytes)
+{
+    static const char *const unit[] = {"kB", "MB", "GB", "TB"};
+    if (bytes < 1000) {
+        snprintf(text, SAY_TEXT, "%d bytes", (int)bytes);
+        return text;
+    }
+    double value = (double)bytes / 1000;
+    int u = 0;
+    for (; value >= 999.5 && u < 3; u++)
+        value /= 1000;
+    snprintf(text, SAY_TEXT, "%.3g %s", value, unit[u]);
+    return text;
+}
+
+const char *say_time(char text[SAY_TEXT], double ms)
+{
+    if (ms < 1000)
+        snprintf(text, SAY_TEXT, "%.3g ms", ms);
+    else
+        snprintf(text, SAY_TEXT, "%.1f s", ms / 1000);
+    return text;
+}
