@@ -148,7 +148,7 @@ static ost_status info_mesh(const app_state *app, const char *name, ost_error *e
         say(app, "%s: a mesh, %s, %s triangles, %zu part%s, %s", name, report.format, say_count(a, (int64_t)mesh.triangle_count), report.bodies,
             report.bodies == 1 ? "" : "s", open_edges ? "not closed" : "closed");
         say(app, "  from %s to %s, if its unit is the millimetre", say_point(b, lo), say_point(c, hi));
-        say(app, "  volume %.4g mm3, %s open edges", volume, say_count(a, (int64_t)open_edges));
+        say(app, "  volume %.4g mm3, %s open edge%s", volume, say_count(a, (int64_t)open_edges), open_edges == 1 ? "" : "s");
     }
     ost_mesh_free(&mesh);
     return status;

@@ -25,6 +25,8 @@ typedef struct ream_args {
     tool_options how;
     target_options target;
     option_decimal rate;
+    int64_t period_ns; /* from rate; 0: every tick */
+    ost_density_classes classes; /* from classes_text; count 0: the default ones */
     int sweep; /* place in "off|on" */
     bool compress;
 } ream_args;
@@ -54,7 +56,7 @@ static void job_free(job *j)
     ost_backend_close(j->backend);
 }
 
-/* Period of a rate in hertz: RHE is not needed, a period is a choice; but it must not depend on binary fractions. */
+/* The period of a rate in hertz, rounded down to a nanosecond: integers, since it decides which ticks remove. */
 static ost_status period_of(const app_state *app, const option_decimal *rate, int64_t *period_ns, ost_error *err)
 {
     int64_t micro;
@@ -67,14 +69,10 @@ static ost_status period_of(const app_state *app, const option_decimal *rate, in
     return OST_OK;
 }
 
-static ost_status world_make(const app_state *app, const ream_args *args, job *j, ost_error *err)
+static ost_status world_make(const ream_args *args, job *j, ost_error *err)
 {
-    ost_world_options options = {.sweep_off = args->sweep == 0};
-    ost_status status = period_of(app, &args->rate, &options.removal_period_ns, err);
-    if (status == OST_OK && args->classes_text)
-        status = ost_density_classes_parse(args->classes_text, &options.classes, err);
-    if (status == OST_OK)
-        status = ost_world_create(j->bone, &options, &j->world, err);
+    const ost_world_options options = {.sweep_off = args->sweep == 0, .removal_period_ns = args->period_ns, .classes = args->classes};
+    ost_status status = ost_world_create(j->bone, &options, &j->world, err);
     for (int i = 0; i < args->tools.count && status == OST_OK; i++)
         status = ost_world_add_tool(j->world, args->tools.value[i], j->tools[i], NULL, err);
     return status;
@@ -224,8 +222,14 @@ static ost_status report(const app_state *app, const ream_args *args, job *j, os
     return OST_OK;
 }
 
-static ost_status check_args(app_state *app, const ream_args *args, ost_error *err)
+/* All that can be said before anything is read. */
+static ost_status check_args(app_state *app, ream_args *args, ost_error *err)
 {
+    ost_status status = period_of(app, &args->rate, &args->period_ns, err);
+    if (status == OST_OK && args->classes_text && (status = ost_density_classes_parse(args->classes_text, &args->classes, err)) != OST_OK)
+        ost_fail_context(err, "--classes");
+    if (status != OST_OK)
+        return status;
     if (args->record)
         return ost_fail(err, OST_ERR_UNAVAILABLE, "--record: this version of osteon cannot write sessions; a path file does the same again");
     if (!args->tools.count)
@@ -289,7 +293,7 @@ ost_status cmd_ream(app_state *app, int argc, char **argv, ost_error *err)
     const ost_write_options write = {.compress = args.compress};
     status = load_all(app, &args, &j, err);
     if (status == OST_OK)
-        status = world_make(app, &args, &j, err);
+        status = world_make(&args, &j, err);
     if (status == OST_OK)
         status = run(app, &args, &j, err);
     if (status == OST_OK)

@@ -89,7 +89,7 @@ ost_status cmd_voxelize(app_state *app, int argc, char **argv, ost_error *err)
             say_count(c, (int64_t)report.voxels.solid_voxels), (double)report.voxels.solid_voxels * voxel * voxel * voxel,
             say_time(d, report.time_ms));
         if (report.dropped_triangles)
-            say(app, "  %zu triangles without area were dropped", report.dropped_triangles);
+            say(app, "  %zu triangle%s without area dropped", report.dropped_triangles, report.dropped_triangles == 1 ? "" : "s");
         if (g->dims.x > OST_TOOL_DIM_REMOVE_MAX || g->dims.y > OST_TOOL_DIM_REMOVE_MAX || g->dims.z > OST_TOOL_DIM_REMOVE_MAX)
             warn(app, "%s: more than %d voxels on a side: too fine to ream with", out, OST_TOOL_DIM_REMOVE_MAX);
     }

@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: Apache-2.0
+# What the shell tests of the command share.  Each runs in the build folder,
+# works in a scratch folder of its own, and ends with `finish`.
+
+set -u
+build=$(pwd)
+source_folder=$(cd "${srcdir:-.}" && pwd)
+osteon=${OSTEON:-$build/osteon}
+json_get=$build/tests/app/json_get
+scratch=$(mktemp -d) || exit 99
+trap 'rm -rf "$scratch"' EXIT
+cd "$scratch" || exit 99
+failures=0
+checks=0
+
+fail() {
+    failures=$((failures + 1))
+    echo "FAIL: $*"
+}
+
+# check WHAT GOT EXPECTED
+check() {
+    checks=$((checks + 1))
+    [ "$2" = "$3" ] || fail "$1: got '$2', expected '$3'"
+}
+
+# run STATUS ARGUMENT...: runs osteon; its output is in files out and err.
+run() {
+    expected=$1
+    shift
+    checks=$((checks + 1))
+    "$osteon" "$@" >out 2>err
+    status=$?
+    if [ $status -ne "$expected" ]; then
+        fail "osteon $*: status $status, expected $expected: $(head -c 300 err)"
+        return 1
+    fi
+}
+
+# refuse STATUS TEXT ARGUMENT...: status, nothing on standard output, one line that holds TEXT.
+refuse() {
+    expected=$1
+    text=$2
+    shift 2
+    run "$expected" "$@" || return
+    check "osteon $*: bytes on standard output" "$(wc -c <out | tr -d ' ')" 0
+    check "osteon $*: lines on standard error" "$(wc -l <err | tr -d ' ')" 1
+    checks=$((checks + 1))
+    grep -qF -- "$text" err || fail "osteon $*: '$(cat err)' does not say '$text'"
+}
+
+# value PATH: of the object in file out
+value() {
+    "$json_get" "$1" <out
+}
+
+# has KEY...: each is in the object in file out
+has() {
+    for key in "$@"; do
+        checks=$((checks + 1))
+        "$json_get" "$key" <out >/dev/null || fail "no key $key in: $(head -c 200 out)"
+    done
+}
+
+# need_part NAME WHY: leaves the test when an optional part is not built in
+need_part() {
+    "$osteon" devices | grep -q "^  $1 *yes" || {
+        echo "skipped: $2"
+        exit 77
+    }
+}
+
+# A CT text of nx ny nz voxels at spacing s: density_awk is an awk expression of i, j, k.
+ct_text() {
+    awk -v nx="$1" -v ny="$2" -v nz="$3" -v s="$4" "BEGIN {
+        for (k = 0; k < nz; k++) for (j = 0; j < ny; j++) for (i = 0; i < nx; i++)
+            printf \"%.4f %.4f %.4f %d\n\", i * s, j * s, k * s, $5
+    }"
+}
+
+finish() {
+    echo "$checks checks, $failures failed"
+    [ $failures -eq 0 ]
+    exit $?
+}

@@ -1,0 +1,90 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# What scripts rely on: the keys of --json, one object and nothing else on
+# standard output, and --quiet.
+# Covers: REQ-CLI-JSON
+. "${srcdir:-.}/tests/app/lib.sh"
+
+# The object is alone: json_get accepts nothing after it, and people's text is not there.
+run 0 devices --json
+has backends.0.name backends.0.available backends.0.reason
+run 0 phantom glenoid --out glenoid.nrrd --json
+has dims.2 spacing_mm.2 seed sha256
+check "glenoid's dims" "$(value dims.0) $(value dims.1) $(value dims.2)" "49 81 41"
+check "glenoid's spacing" "$(value spacing_mm.0) $(value spacing_mm.1) $(value spacing_mm.2)" "0.47 0.47 1"
+run 0 tool reamer --out reamer.stl --json
+has triangles bounds_mm.0.0 bounds_mm.1.2
+check "reamer's bounds" "$(value bounds_mm.0.0) $(value bounds_mm.1.0) $(value bounds_mm.1.2)" "-18 17.4 20.3"
+run 0 tool peg --out peg.ply --json
+has triangles bounds_mm
+run 0 import glenoid.nrrd --out bone.nrrd --json
+has rect_dims rect_spacing_mm cubic_dims chunk_dims chunks active_chunks active_voxels chunk_bytes stages.0.name stages.0.time_ms \
+    stages.0.sha256 file_sha256
+check "stages" "$(value stages.0.name) $(value stages.1.name) $(value stages.2.name)" "rect cubic chunks"
+check "file_sha256" "$(value file_sha256)" "$(sha256sum bone.nrrd | cut -d' ' -f1)"
+bone_voxels=$(value active_voxels)
+chunks_digest=$(value stages.2.sha256)
+run 0 info bone.nrrd --json
+has kind dims spacing_mm meta.threshold meta.glenoid_at_mm
+check "kind of a bone" "$(value kind)" bone
+run 0 info bone.nrrd --digest --json
+check "info --digest is import's digest" "$(value sha256)" "$chunks_digest"
+check "info --digest counts import's voxels" "$(value solid_voxels)" "$bone_voxels"
+
+need_part assimp "no meshes without assimp"
+run 0 voxelize reamer.stl --voxel 1 --out reamer.nrrd --json
+has dims solid_voxels triangles dropped_triangles leaking_rows sha256 time_ms
+tool_digest=$(value sha256)
+run 0 info reamer.nrrd --digest --json
+check "kind of a tool" "$(value kind)" tool
+check "info --digest is voxelize's digest" "$(value sha256)" "$tool_digest"
+run 0 info reamer.stl --json
+check "kind of a mesh" "$(value kind)" mesh
+run 0 voxelize builtin:reamer --voxel 1 --out reamer2.nrrd --json
+check "a mesh by way of a file and without" "$(value sha256)" "$tool_digest"
+
+# The main job: hole, then reaming, in one command.
+run 0 ream --bone bone.nrrd --tool peg.ply --path builtin:peg-hole --tool reamer.nrrd --path builtin:glenoid-ream --out reamed.nrrd --json
+has ticks removals removed_voxels removed_mm3 removed_by_class.0.name removed_by_class.0.voxels removed_by_class.0.mm3 tick_us.p50 tick_us.p99 \
+    tick_us.max sha256 file_sha256
+removed=$(value removed_voxels)
+[ "$removed" -gt 0 ] || fail "the main job removed nothing"
+check "before less removed is after" "$(($(value active_voxels_before) - removed))" "$(value active_voxels)"
+sum=0
+for class in 0 1 2; do sum=$((sum + $(value removed_by_class.$class.voxels))); done
+check "classes add up" "$sum" "$removed"
+run 1 diff bone.nrrd reamed.nrrd --json
+has equal different_voxels chunks.0.chunk chunks.0.different_voxels classes.0.name classes.0.voxels voxels.0.ijk
+check "diff counts what ream removed" "$(value different_voxels)" "$removed"
+check "diff sees only removal" "$(value classes.0.name) $(value classes.0.voxels)" "removed $removed"
+run 0 diff bone.nrrd bone.nrrd --json
+check "equal to itself" "$(value equal) $(value different_voxels) $(value chunks)" "true 0 [0]"
+run 0 export reamed.nrrd --out reamed.stl --json
+has triangles volume_mm3
+# Straight from the CT and builtin tools: the same grid.
+run 0 ream --bone glenoid.nrrd --tool builtin:peg --path builtin:peg-hole --tool builtin:reamer --voxel 0.5 --out direct.nrrd \
+    --path builtin:glenoid-ream --json
+[ "$(value removed_voxels)" -gt 0 ] || fail "straight from a CT nothing was removed"
+
+# Path files: as info sees them, and a tool that never comes near.
+printf 't_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n0,5000,0,0,1,0,0,0\n0.001,5000,0,0,1,0,0,0\n' >far.csv
+run 0 info far.csv --json
+check "a path" "$(value kind) $(value ticks)" "path 2"
+run 0 ream --bone bone.nrrd --tool reamer.nrrd --path far.csv --out far.nrrd
+grep -q 'no bone was removed' err || fail "nothing removed, and nothing said"
+run 0 diff bone.nrrd far.nrrd
+refuse 2 'asks for tool' ream --bone bone.nrrd --tool reamer.nrrd --path bad.csv --out x.nrrd <<X
+$(printf 't_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,tool\n0,0,0,0,1,0,0,0,3\n' >bad.csv)
+X
+
+# A bone without a glenoid needs --at and --axis.
+ct_text 20 20 20 0.5 '(i > 4 && i < 15) ? 500 : 0' >block.txt
+refuse 2 'give --at x,y,z and --axis x,y,z' ream --bone block.txt --tool builtin:peg --path builtin:peg-hole --out x.nrrd
+refuse 2 'give --axis x,y,z' ream --bone block.txt --tool builtin:peg --path builtin:peg-hole --at 2,5,5 --out x.nrrd
+run 0 ream --bone block.txt --tool builtin:peg --path builtin:peg-hole --at 2,5,5 --axis 1,0,0 --out x.nrrd --json
+[ "$(value removed_voxels)" -gt 0 ] || fail "the peg made no hole in a block"
+
+# --quiet says nothing at all.
+run 0 import glenoid.nrrd --out quiet.nrrd --quiet
+check "--quiet" "$(cat out err)" ""
+finish

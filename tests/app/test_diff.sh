@@ -1,0 +1,110 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# The verdicts of diff on grids made to differ in one known way.
+# Covers: REQ-CLI-DIFF
+. "${srcdir:-.}/tests/app/lib.sh"
+
+# grid NAME DENSITY [NX NY NZ SPACING]: a bone from an awk expression of i, j, k
+grid() {
+    ct_text "${3:-20}" "${4:-18}" "${5:-16}" "${6:-0.5}" "$2" >text.txt
+    run 0 import text.txt --spacing "${6:-0.5}" --threshold 1 --out "$1.nrrd"
+}
+
+# pattern NAME B: diff of a against b reports it
+pattern() {
+    run 1 diff a.nrrd "$2.nrrd" --json || return
+    check "$2: equal" "$(value equal)" false
+    checks=$((checks + 1))
+    grep -q "\"name\": \"$1\"" out || fail "$2: no pattern $1 among$(grep '"text"' out)"
+}
+
+# without NAME B
+without() {
+    run 1 diff a.nrrd "$2.nrrd" --json
+    checks=$((checks + 1))
+    grep -q "\"name\": \"$1\"" out && fail "$2: pattern $1, which does not hold"
+}
+
+# A lopsided body whose densities tell every voxel from its neighbours.
+body='(i >= 3 && i < 15 && j >= 4 && j < 13 && k >= 2 && k < 13) ? 200 + i + 20 * j + 3 * k * k : 0'
+grid a "$body"
+run 0 diff a.nrrd a.nrrd
+grep -q '^equal:' out || fail "a bone is not equal to itself: $(cat out)"
+
+grid hole "(i == 7 && j > 5) ? 0 : ($body)"
+pattern only-removed hole
+check "hole: removed" "$(value classes.0.voxels)" $((7 * 11))
+check "hole: added" "$(value classes.1.voxels)" 0
+check "hole: first voxel" "$(value voxels.0.ijk.0) $(value voxels.0.ijk.1) $(value voxels.0.ijk.2) $(value voxels.0.b)" "7 6 2 0"
+without boundary-layer hole
+without scattered hole
+without shift hole
+
+grid grown "(i == 2 && j >= 4 && j < 13 && k >= 2 && k < 13) ? 300 : ($body)"
+pattern only-added grown
+pattern boundary-layer grown
+grid peeled "(i == 3) ? 0 : ($body)"
+pattern boundary-layer peeled
+grid lighter "(($body) > 0) ? ($body) - 7 : 0"
+pattern offset lighter
+check "lighter: changed" "$(value classes.2.voxels)" $((12 * 9 * 11))
+grid cut "(($body) >= 500) ? ($body) : 0"
+pattern threshold cut
+grid specks "(i % 4 == 3 && j % 4 == 0 && k % 4 == 2) ? 0 : ($body)"
+pattern scattered specks
+grid moved "(i >= 5 && i < 17 && j >= 3 && j < 12 && k >= 2 && k < 13) ? 200 + (i - 2) + 20 * (j + 1) + 3 * k * k : 0"
+pattern shift moved
+grep -q '(2, -1, 0)' out || fail "moved: $(grep text out)"
+without orientation moved
+
+# x and z exchanged: other dims, and told apart from a grid that only has other dims.
+grid turned '(k >= 3 && k < 15 && j >= 4 && j < 13 && i >= 2 && i < 13) ? 200 + k + 20 * j + 3 * i * i : 0' 16 18 20
+pattern orientation turned
+check "turned: voxels that were compared" "$(value different_voxels)" null
+grid other "$body" 21 18 16
+pattern geometry other
+without orientation other
+grid wider "$body" 20 18 16 0.6
+pattern geometry wider
+check "wider: differing voxels" "$(value different_voxels)" 0
+grid flipped '(i >= 5 && i < 17 && j >= 4 && j < 13 && k >= 2 && k < 13) ? 200 + (19 - i) + 20 * j + 3 * k * k : 0'
+pattern orientation flipped
+
+# 258 is 513 with its bytes swapped.
+grid a '(i > 3 && i < 9 && j > 2) ? 258 : 0'
+grid swapped '(i > 3 && i < 9 && j > 2) ? 513 : 0'
+pattern byte-order swapped
+
+# Chunks that vanish whole.
+grid a '(i >= 4 && j >= 4 && k >= 4) ? 300 : 0' 40 36 34
+grid lost '(i >= 4 && j >= 4 && k >= 4 && !(i >= 32 && j < 32 && k < 32)) ? 300 : 0' 40 36 34
+pattern whole-chunks lost
+check "lost: chunks" "$(value chunks) $(value chunks.0.chunk.0)" "[1] 1"
+
+# Kinds that cannot be compared, files that are none.
+run 0 voxelize builtin:peg --out peg.nrrd
+run 0 voxelize builtin:peg --voxel 0.6 --out peg6.nrrd
+run 0 diff peg.nrrd peg.nrrd
+run 1 diff peg.nrrd peg6.nrrd
+refuse 2 'is a tool' diff a.nrrd peg.nrrd
+refuse 2 'text.csv' diff a.nrrd text.csv
+
+# The page: whole, self-contained, and there for equal grids too.
+grid a "$body"
+run 1 diff a.nrrd hole.nrrd --html page.html --limit 5
+checks=$((checks + 1))
+grep -q '</html>' page.html || fail "the page has no end"
+grep -qE 'src="(http|file|/)' page.html && fail "the page needs other files"
+check "voxels in the page" "$(grep -c '<td>removed</td>' page.html)" 5
+if "$osteon" devices | grep -q '^  png *yes'; then
+    check "pictures in the page" "$(grep -c 'data:image/png;base64,' page.html)" 3
+fi
+run 0 diff a.nrrd a.nrrd --html page.html
+refuse 2 '.html' diff a.nrrd a.nrrd --html page.pdf
+
+# Notes are said and decide nothing.
+run 0 import text.txt --spacing 0.5 --threshold 100 --out noted.nrrd
+run 0 import text.txt --spacing 0.5 --threshold 1 --out plain.nrrd
+run 0 diff noted.nrrd plain.nrrd --json
+check "a note that differs" "$(value notes.0.key) $(value notes.0.a) $(value notes.0.b)" "threshold 100 1"
+finish

@@ -1,0 +1,74 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# Outputs: whole or not there, equal grids equal files, over an input too.
+# Covers: REQ-CLI-ATOMIC, AR-FILE-1
+. "${srcdir:-.}/tests/app/lib.sh"
+
+run 0 phantom glenoid --out ct.nrrd
+run 0 import ct.nrrd --out bone.nrrd
+
+# Chunk size, compression of nothing, threads: no byte changes.
+for chunk in 16 32 64; do
+    run 0 import ct.nrrd --chunk $chunk --threads 1 --backend ref --out bone$chunk.nrrd
+    cmp -s bone.nrrd bone$chunk.nrrd || fail "chunks of $chunk make another file"
+    run 0 ream --bone bone.nrrd --tool builtin:peg --path builtin:peg-hole --chunk $chunk --out reamed$chunk.nrrd
+    cmp -s reamed16.nrrd reamed$chunk.nrrd || fail "chunks of $chunk make another reamed file"
+done
+run 0 import ct.nrrd --compress --out small1.nrrd
+sleep 1
+run 0 import ct.nrrd --compress --out small2.nrrd
+cmp -s small1.nrrd small2.nrrd || fail "a compressed file holds more than its grid"
+run 0 diff bone.nrrd small1.nrrd
+
+# A bone keeps its own threshold when it is loaded again.
+run 0 import ct.nrrd --threshold 400 --out dense.nrrd
+run 0 import dense.nrrd --out dense2.nrrd
+cmp -s dense.nrrd dense2.nrrd || fail "a bone at 400 HU is another when imported again"
+
+# The output may be the input.
+cp bone.nrrd same.nrrd
+run 0 ream --bone same.nrrd --tool builtin:peg --path builtin:peg-hole --out same.nrrd
+cmp -s same.nrrd reamed32.nrrd || fail "--out equal to --bone makes another file"
+
+# Every form of the volume gives the same grid back.
+for form in nrrd nii.gz txt; do
+    [ $form = nii.gz ] && ! "$osteon" devices | grep -q '^  nifti *yes' && continue
+    run 0 export ct.nrrd --out form.$form
+    run 0 import form.$form --out from_$form.nrrd
+    run 0 diff bone.nrrd from_$form.nrrd
+done
+
+# Failure leaves what was there, and nothing beside it.
+printf '0 0 0 500\n1 0 0 oops\n' >broken.txt
+cp bone.nrrd kept.nrrd
+refuse 2 'broken.txt:2' import broken.txt --out kept.nrrd
+cmp -s bone.nrrd kept.nrrd || fail "a failed import touched its output"
+ls -A >before
+(
+    ulimit -f 8
+    "$osteon" import ct.nrrd --out limited.nrrd >/dev/null 2>limit_err
+    echo $? >limit_status
+)
+check "status when the file may not grow" "$(cat limit_status)" 2
+[ -e limited.nrrd ] && fail "an output that could not be whole is there"
+rm -f limit_err limit_status
+ls -A | grep -v '^before$' >after
+grep -v '^before$' before >before2
+rm -f before2.tmp
+check "files beside a failed output" "$(grep '\.part$' after)" ""
+if [ -w /dev/full ]; then
+    run 2 import ct.nrrd --out /dev/full
+    grep -q 'No space left' err || fail "a full device says: $(cat err)"
+fi
+
+# Killed at any moment: no output under its name, no temporary left.
+for delay in 0.02 0.05 0.1 0.2; do
+    "$osteon" phantom scapula --out killed.txt --quiet &
+    sleep $delay
+    kill -INT $! 2>/dev/null
+    wait $! 2>/dev/null
+    [ -e killed.txt ] && [ "$(tail -c 1 killed.txt | wc -l)" -ne 1 ] && fail "a part of an output after SIGINT"
+    rm -f killed.txt
+done
+check "temporaries after SIGINT" "$(ls -A | grep '\.part$')" ""
+finish

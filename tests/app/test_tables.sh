@@ -1,0 +1,38 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# The thesis' grids: Tables 3.1 and 3.2 for its five models, and its reamer at
+# three resolutions, out of phantom | import and tool | voxelize.  The two
+# largest run with OST_TEST_LONG=1.
+# Covers: AR-CUB-1, AR-CHK-1, AR-TOOL-2, REQ-TABLES
+. "${srcdir:-.}/tests/app/lib.sh"
+
+# model KIND RECT CUBIC CHUNKS
+model() {
+    run 0 phantom "$1" --out model.nrrd --json || return
+    check "$1: dims" "$(value dims.0) $(value dims.1) $(value dims.2)" "$2"
+    run 0 import model.nrrd --out bone.nrrd --json || return
+    check "$1: rect dims" "$(value rect_dims.0) $(value rect_dims.1) $(value rect_dims.2)" "$2"
+    check "$1: cubic dims" "$(value cubic_dims.0) $(value cubic_dims.1) $(value cubic_dims.2)" "$3"
+    check "$1: chunk dims" "$(value chunk_dims.0) $(value chunk_dims.1) $(value chunk_dims.2)" "$4"
+    echo "$1: $(value active_chunks) of $(value chunks) chunks active"
+}
+
+model glenoid "49 81 41" "49 81 88" "2 3 3"
+model scapula "256 234 201" "256 234 428" "8 8 14"
+model trabecular "156 156 313" "156 156 313" "5 5 10"
+if [ "${OST_TEST_LONG:-0}" = 1 ]; then
+    model trabecular2 "314 316 360" "314 316 360" "10 10 12"
+    model foam "314 320 604" "314 320 604" "10 10 19"
+fi
+
+reamer() {
+    run 0 voxelize reamer.stl --voxel "$1" --out reamer.nrrd --json || return
+    check "reamer at $1" "$(value dims.0) $(value dims.1) $(value dims.2)" "$2"
+    check "reamer at $1: leaks" "$(value leaking_rows)" 0
+}
+run 0 tool reamer --out reamer.stl
+need_part assimp "no meshes without assimp"
+reamer 1 "38 38 23"
+reamer 0.75 "50 50 30"
+reamer 0.5 "73 74 43"
+finish

@@ -1,0 +1,89 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# How the command speaks: help, man pages, wrong usage, streams that are closed
+# or full.
+# Covers: REQ-CLI-STATUS, REQ-CLI-HELP
+. "${srcdir:-.}/tests/app/lib.sh"
+
+verbs="phantom tool import voxelize ream diff export info devices"
+
+# Every verb: help with usage and example, within 80 columns, and a man page that names the same options.
+run 0 --help
+cp out help_all
+run 0 --version
+grep -q '^osteon [0-9.]*, arithmetic version [0-9]*$' out || fail "--version: $(cat out)"
+for verb in $verbs; do
+    grep -q "^  $verb " help_all || fail "osteon --help does not list $verb"
+    run 0 "$verb" --help
+    check "$verb --help: usage" "$(grep -c "^usage: osteon $verb " out)" 1
+    check "$verb --help: example" "$(grep -c '^example$' out)" 1
+    check "$verb --help: lines over 80 columns" "$(awk 'length > 90' out | wc -l | tr -d ' ')" 0
+    check "$verb --help: words on standard error" "$(wc -c <err | tr -d ' ')" 0
+    page=$source_folder/man/osteon-$verb.1
+    [ -f "$page" ] || fail "no man page $page"
+    grep -o '^  --[a-z-]*' out | tr -d ' ' | grep -vxE -- '--(backend|threads|json|quiet|help)' | sort >options_help
+    sed -n 's/^\.BI* \\-\\-\([a-z\\-]*\).*/--\1/p' "$page" | tr -d '\\' | sort >options_man
+    cmp -s options_help options_man || fail "$verb: help and man page differ in options: $(diff options_help options_man | tr '\n' ' ')"
+    # Help wins over mistakes beside it.
+    run 0 "$verb" --no-such-option --help
+done
+
+# Wrong usage: one line, status 2, nothing on standard output, and what was meant.
+refuse 2 'which verb?'
+refuse 2 'did you mean ream?' reem --bone x
+refuse 2 'did you mean voxelize?' voxelise
+refuse 2 'not a verb' sim
+refuse 2 'not a verb' ''
+refuse 2 'did you mean --version?' --versoin
+refuse 2 'which CT?' import
+refuse 2 "'b' is one argument too many" import a b
+refuse 2 '--out needs a value' import a --out
+refuse 2 '--out needs a value' import a --out --json
+refuse 2 '--out FILE is missing' import a
+refuse 2 'did you mean --spacing?' import a --spcing 3
+refuse 2 "--spacing '0'" import a --out b.nrrd --spacing 0
+refuse 2 "--spacing '1,2'" import a --out b.nrrd --spacing 1,2
+refuse 2 "--spacing 'nan'" import a --out b.nrrd --spacing nan
+refuse 2 'expected 16, 32 or 64' import a --out b.nrrd --chunk 17
+refuse 2 'from 1 to 32767' import a --out b.nrrd --threshold 0
+refuse 2 'expected a whole number' import a --out b.nrrd --threshold 120.5
+refuse 2 'expected from:to' import a --out b.nrrd --crop 0:1,2:3
+refuse 2 'keeps nothing' import builtin:glenoid --out b.nrrd --crop 5:5,0:9,0:9
+refuse 2 '.nrrd, .nii, .nii.gz or .txt' import a --out b.stl
+refuse 2 'No such file or directory' import a --out no/such/folder/b.nrrd
+refuse 2 'nothing.txt' import nothing.txt --out b.nrrd
+refuse 2 '--json takes no value' import a --out b.nrrd --json=1
+refuse 2 'given twice' import a --out b.nrrd --out c.nrrd
+refuse 2 'a direction cannot be zero' ream --bone a --out b.nrrd --axis 0,0,0
+refuse 2 '--tool TOOL is missing' ream --bone a --out b.nrrd --path p
+refuse 2 '--path PATH is missing' ream --bone a --out b.nrrd --tool t
+refuse 2 '3 paths and 2 tools' ream --bone a --out b.nrrd --tool t --tool t --path p --path p --path p
+refuse 2 '--rate 0' ream --bone builtin:glenoid --out b.nrrd --tool builtin:peg --path builtin:peg-hole --rate 0
+refuse 3 '--record' ream --bone a --out b.nrrd --tool t --path p --record s
+refuse 2 'did you mean scapula?' phantom scapla --out b.nrrd
+refuse 2 'did you mean reamer?' tool remer --out b.stl
+refuse 2 'builtin:nothing' voxelize builtin:nothing --out b.nrrd
+refuse 2 'builtin:peg-hole' ream --bone builtin:glenoid --out b.nrrd --tool builtin:peg --path builtin:peghole
+refuse 2 'which second grid?' diff a
+refuse 2 'not both' export a --out b.png --view lateral --slices
+refuse 2 'are for .png' export a --out b.nrrd --view lateral
+refuse 2 'backend' import builtin:glenoid --out b.nrrd --backend nonsense
+check "files left behind by refusals" "$(ls | grep -v '^\(out\|err\|help_all\|options_\)' | tr '\n' ' ')" ""
+
+# Standard streams that are closed or full are errors, never another file's content.
+"$osteon" devices >/dev/full 2>err
+check "devices > /dev/full" $? 2
+grep -q 'standard output' err || fail "devices > /dev/full says: $(cat err)"
+"$osteon" devices >&- 2>err
+check "devices with standard output closed" $? 2
+"$osteon" devices <&- >out 2>err
+check "devices with standard input closed" $? 0
+"$osteon" tool peg --out closed.stl >&- 2>/dev/null <&-
+"$osteon" tool peg --out open.stl >/dev/null
+cmp -s closed.stl open.stl || fail "with standard output closed another file was written"
+(
+    trap '' PIPE
+    "$osteon" ream --help
+) 2>err | head -1 >/dev/null
+check "words into a closed pipe" "$(cat err)" ""
+finish
