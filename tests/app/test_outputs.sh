@@ -54,7 +54,7 @@ check "temporaries after a failure" "$(ls -A | grep '\.part$')" ""
 if [ -w /dev/full ]; then
     ln -s /dev/full full.nrrd
     run 2 import ct.nrrd --out full.nrrd
-    grep -q 'No space left' err || fail "a full device says: $(cat err)"
+    grep -qE 'No space left|disk is full' err || fail "a full device says: $(cat err)"
 fi
 
 # Killed at any moment: whole under its name or not there, and no temporary left.
