@@ -143,7 +143,8 @@ ost_status cmd_diff(app_state *app, int argc, char **argv, ost_error *err)
         .operands = operands,
         .options = options,
         .notes = "Exit status 0 when they are equal: the same dims, spacing and origin, and every\n"
-                 "voxel the same; 1 when they differ. Notes in the files decide nothing.",
+                 "voxel the same; 1 when they differ. Notes in the files decide nothing. A text is\n"
+                 "taken as the bone that osteon import makes of it.",
         .example = "  osteon diff scapula.nrrd reamed.nrrd --html difference.html",
     };
     ost_status status;

@@ -208,7 +208,8 @@ ost_status cmd_export(app_state *app, int argc, char **argv, ost_error *err)
                  "picture, by the name of FILE. BONE may be a CT or a tool grid as well.",
         .operands = operands,
         .options = options,
-        .notes = "Lengths are in millimetres, in the bone's frame (LPS). A surface is closed.",
+        .notes = "Lengths are in millimetres, in the bone's frame (LPS). A surface is closed. A text is\n"
+                 "taken as the bone that osteon import makes of it.",
         .example = "  osteon export reamed.nrrd --out reamed.stl\n"
                    "  osteon export reamed.nrrd --before scapula.nrrd --view glenoid --out reamed.png",
     };

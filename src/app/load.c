@@ -12,6 +12,8 @@
 #include "app/progress.h"
 #include "app/say.h"
 
+enum { THRESHOLD = 120 }; /* of the thesis; AR-CHK-1 */
+
 /* ------------------------------------------------------------------ names */
 
 bool ends_with(const char *path, const char *end)
@@ -82,26 +84,13 @@ static ost_status parse_crop(const app_state *app, const char *text, ost_voxel_b
     return OST_OK;
 }
 
-/* A bone that import wrote keeps its own threshold unless the user says another. */
-static int32_t threshold_of(const ost_meta *meta, int32_t otherwise)
-{
-    const char *text = ost_meta_get(meta, OST_META_THRESHOLD);
-    ost_decimal d;
-    int64_t value;
-    bool exact;
-    if (text && ost_decimal_read(text, text + strlen(text), &d) == text + strlen(text) && ost_decimal_scale(&d, 1, &value, &exact) &&
-        exact && value >= 1 && value <= 32767)
-        return (int32_t)value;
-    return otherwise;
-}
-
-static ost_status import_options_make(const app_state *app, const char *name, const ct_options *ct, bool digests, ost_import_options *out,
+static ost_status import_options_make(const app_state *app, const ct_options *ct, bool digests, ost_import_options *out,
                                       ost_error *err)
 {
     *out = (ost_import_options){
         .spacing = ct->spacing,
         .cubic = ct->cubic,
-        .threshold = (int32_t)ct->threshold,
+        .threshold = (int32_t)ct->threshold, /* 0: the bone's own, else 120 */
         .chunk_size = 16 << ct->chunk,
         .resample = ct->nearest ? OST_RESAMPLE_NEAREST : OST_RESAMPLE_FLOOR,
         .duplicates = (ost_duplicates)ct->duplicates,
@@ -114,13 +103,6 @@ static ost_status import_options_make(const app_state *app, const char *name, co
         ost_status status = parse_crop(app, ct->crop, &out->crop_box, err);
         if (status != OST_OK)
             return status;
-    }
-    if (!ct->threshold_given && !builtin_name(name)) {
-        ost_file_kind kind;
-        ost_meta meta = {0};
-        if (ost_file_kind_find(name, &kind, NULL) == OST_OK && (kind == OST_FILE_NRRD || kind == OST_FILE_NIFTI) &&
-            ost_volume_read_header(name, NULL, &meta, NULL, NULL) == OST_OK)
-            out->threshold = threshold_of(&meta, (int32_t)ct->threshold);
     }
     return OST_OK;
 }
@@ -137,17 +119,18 @@ static ost_status volume_to_bone(ost_backend *backend, const ost_volume *volume,
                                  ost_import_result *result, ost_error *err)
 {
     ost_grid *rect = NULL, *cubic = NULL;
+    const int32_t threshold = options->threshold ? options->threshold : THRESHOLD;
     ost_status status = ost_grid_create(backend, &volume->geometry, &rect, err);
     if (status == OST_OK)
         status = ost_grid_upload(rect, 0, volume->geometry.dims.z, volume->voxels, err);
     if (status == OST_OK)
         status = ost_rect_to_cubic(rect, options->cubic ? options->cubic : volume->geometry.spacing.x, options->resample, &cubic, err);
     if (status == OST_OK)
-        status = ost_cubic_to_chunks(cubic, options->chunk_size, options->threshold, out, err);
+        status = ost_cubic_to_chunks(cubic, options->chunk_size, threshold, out, err);
     if (status == OST_OK) {
         *result = (ost_import_result){.kind = OST_FILE_UNKNOWN, .rect = volume->geometry, .cubic = *ost_grid_geometry(cubic), .meta = volume->meta};
         char text[16];
-        snprintf(text, sizeof text, "%d", options->threshold);
+        snprintf(text, sizeof text, "%d", threshold);
         status = ost_meta_set(&result->meta, OST_META_THRESHOLD, text, err);
     }
     ost_grid_free(cubic);
@@ -179,7 +162,7 @@ ost_status load_bone(const app_state *app, ost_backend *backend, const char *nam
                      ost_import_result *result, ost_error *err)
 {
     ost_import_options options;
-    ost_status status = import_options_make(app, name, ct, digests, &options, err);
+    ost_status status = import_options_make(app, ct, digests, &options, err);
     if (status != OST_OK)
         return status;
     progress_begin(app);
@@ -353,6 +336,19 @@ static ost_status load_tool_volume(const char *name, loaded_volume *out, ost_err
     return status;
 }
 
+/* A bone that import wrote says its threshold; what cannot be read counts as not said. */
+static int32_t threshold_of(const ost_meta *meta)
+{
+    const char *text = ost_meta_get(meta, OST_META_THRESHOLD);
+    ost_decimal d;
+    int64_t value;
+    bool exact;
+    if (text && ost_decimal_read(text, text + strlen(text), &d) == text + strlen(text) && ost_decimal_scale(&d, 1, &value, &exact) &&
+        exact && value >= 1 && value <= 32767)
+        return (int32_t)value;
+    return THRESHOLD;
+}
+
 /* A text is read by the import itself, which keeps memory bounded by the grid. */
 static ost_status load_text_volume(const app_state *app, const char *name, loaded_volume *out, ost_error *err)
 {
@@ -368,13 +364,13 @@ static ost_status load_text_volume(const app_state *app, const char *name, loade
     ost_bone_free(bone);
     ost_backend_close(backend);
     out->kind = LOAD_BONE;
-    out->threshold = 120;
+    out->threshold = THRESHOLD;
     return status;
 }
 
 ost_status load_volume(const app_state *app, const char *name, loaded_volume *out, ost_error *err)
 {
-    *out = (loaded_volume){.kind = LOAD_CT, .threshold = 120};
+    *out = (loaded_volume){.kind = LOAD_CT, .threshold = THRESHOLD};
     const char *phantom = builtin_name(name);
     if (phantom)
         return phantom_volume(phantom, &out->volume, err);
@@ -396,7 +392,7 @@ ost_status load_volume(const app_state *app, const char *name, loaded_volume *ou
     status = ost_volume_read(name, NULL, &out->volume, NULL, err);
     if (status == OST_OK && what && strcmp(what, "bone") == 0) {
         out->kind = LOAD_BONE;
-        out->threshold = threshold_of(&out->volume.meta, 120);
+        out->threshold = threshold_of(&out->volume.meta);
     }
     return status;
 }

@@ -16,8 +16,7 @@
 typedef struct ct_options {
     ost_pm3 spacing;
     ost_pm cubic;
-    int64_t threshold;
-    bool threshold_given;
+    int64_t threshold; /* 0: the bone's own, else 120 */
     const char *crop;
     int chunk; /* place in "16|32|64" */
     bool nearest;
@@ -25,13 +24,13 @@ typedef struct ct_options {
     bool clamp, resample_oblique;
 } ct_options;
 
-#define CT_OPTIONS_DEFAULT {.threshold = 120, .chunk = 1}
+#define CT_OPTIONS_DEFAULT {.chunk = 1}
 
 /* Rows for a verb's table of options. */
 #define CT_OPTIONS(c)                                                                                                        \
     {.name = "spacing", .kind = OPTION_LENGTHS, .out = &(c).spacing, .value = "MM[,MM,MM]",                                  \
      .help = "voxel spacing of the CT (text: found from the positions; else: the file's)"},                                  \
-    {.name = "threshold", .kind = OPTION_INTEGER, .out = &(c).threshold, .given = &(c).threshold_given, .value = "HU",       \
+    {.name = "threshold", .kind = OPTION_INTEGER, .out = &(c).threshold, .value = "HU",       \
      .min = 1, .max = 32767, .help = "a voxel is bone at this density or more (default: the bone's own, else 120)"},         \
     {.name = "cubic", .kind = OPTION_LENGTH, .out = &(c).cubic, .value = "MM",                                               \
      .help = "size of the cubic voxels (default: the CT's x spacing)"},                                                      \
