@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * 03: move a tool along a path and remove bone.
+ *
+ *   03_ream BONE.nrrd TOOL.nrrd OUT.nrrd
+ *
+ * The path is the built-in one that drills a peg's hole into the middle of the
+ * glenoid; the bone's file says where that is.  A path of your own comes from
+ * ost_path_read_csv, a tick a row; or call ost_world_step with a pose whenever
+ * you have one: it is the only function that advances the world.
+ */
+#include <osteon/osteon.h>
+
+#include <stdio.h>
+#include <string.h>
+
+int main(int argc, char **argv)
+{
+    ost_error err = {OST_OK, ""};
+    ost_backend *backend = NULL;
+    ost_bone *bone = NULL;
+    ost_tool *tool = NULL;
+    ost_world *world = NULL;
+    ost_tool_volume volume;
+    ost_path path;
+    ost_import_result source;
+    ost_glenoid glenoid;
+    ost_step_result step;
+    ost_world_totals totals;
+    int index = 0;
+    ost_status status;
+
+    if (argc != 4) {
+        fprintf(stderr, "usage: 03_ream BONE.nrrd TOOL.nrrd OUT.nrrd\n");
+        return 2;
+    }
+    memset(&volume, 0, sizeof volume);
+    memset(&path, 0, sizeof path);
+
+    /* The bone and the tool, onto the backend. */
+    status = ost_backend_open("ref", &backend, &err);
+    if (!status)
+        status = ost_import(backend, argv[1], NULL, &bone, &source, &err);
+    if (!status)
+        status = ost_tool_volume_read(argv[2], &volume, &err);
+    if (!status)
+        status = ost_tool_upload(backend, &volume, &tool, &err);
+
+    /* A world with that bone and that tool in it; it borrows both. */
+    if (!status)
+        status = ost_world_create(bone, NULL, &world, &err);
+    if (!status)
+        status = ost_world_add_tool(world, "peg", tool, &index, &err);
+
+    /* What the tool does, a thousand ticks a second. */
+    if (!status)
+        status = ost_glenoid_from_meta(&source.meta, &glenoid, &err);
+    if (!status)
+        status = ost_builtin_path(OST_BUILTIN_PEG_HOLE, &glenoid, &volume.geometry, index, &path, &err);
+    for (size_t i = 0; !status && i < path.count; i++)
+        status = ost_world_step(world, &path.ticks[i], &step, &err);
+
+    if (!status)
+        status = ost_bone_write(argv[3], bone, &source.meta, NULL, &err);
+    if (!status) {
+        ost_world_totals_get(world, &totals);
+        printf("%llu ticks, %llu voxels removed\n", (unsigned long long)totals.ticks,
+               (unsigned long long)totals.removed_voxels);
+    } else
+        fprintf(stderr, "03_ream: %s\n", err.text);
+
+    ost_path_free(&path);
+    ost_world_free(world);
+    ost_tool_free(tool);
+    ost_tool_volume_free(&volume);
+    ost_bone_free(bone);
+    ost_backend_close(backend);
+    return ost_status_exit(status);
+}
