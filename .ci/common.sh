@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: Apache-2.0
+# What .ci/run and .ci/long share: gates, their logs, and the sum at the end.
+#
+# A gate is a command with a name and a time limit.  Its output goes to
+# build/ci/NAME.log; the end of it is shown when it fails.  A gate that runs
+# make check counts as many tests as the summary in its log says; any other
+# counts as one.
+
+logs=build/ci
+passed=0
+failed=0
+skipped=0
+mkdir -p "$logs"
+
+# add PASSED FAILED SKIPPED
+add() {
+	passed=$((passed + $1))
+	failed=$((failed + $2))
+	skipped=$((skipped + $3))
+}
+
+# counts LOG: passed, failed, skipped of all automake summaries in it
+counts() {
+	sed 's/\x1b\[[0-9;]*m//g' "$1" | awk '
+		/^# (PASS|XFAIL):/ { p += $3 }
+		/^# (FAIL|XPASS|ERROR):/ { f += $3 }
+		/^# SKIP:/ { s += $3 }
+		END { print p + 0, f + 0, s + 0 }'
+}
+
+# gate NAME LIMIT COMMAND...: LIMIT in seconds
+gate() {
+	local name=$1 limit=$2 begin=$SECONDS status=0 p f s
+	local log=$logs/$name.log
+	shift 2
+	printf '\n== %s\n$ %s\n' "$name" "$*"
+	timeout --kill-after=10 "$limit" "$@" >"$log" 2>&1 </dev/null || status=$?
+	read -r p f s < <(counts "$log")
+	if [ "$status" -eq 77 ]; then
+		tail -n 1 "$log"
+		add 0 0 1
+		printf '%s: skipped\n' "$name"
+		return
+	fi
+	# A command that failed with no failed test in its log is itself the failure.
+	if [ "$status" -ne 0 ] && [ "$f" -eq 0 ]; then f=1; fi
+	if [ "$status" -eq 0 ] && [ $((p + f + s)) -eq 0 ]; then p=1; fi
+	add "$p" "$f" "$s"
+	if [ "$status" -eq 0 ]; then
+		printf '%s: %d passed, %d failed, %d skipped (%d s)\n' "$name" "$p" "$f" "$s" $((SECONDS - begin))
+	else
+		[ "$status" -ne 124 ] || echo "stopped: it ran longer than $limit s" >>"$log"
+		printf '%s: FAILED, status %d (%d s); the failures and the end of %s:\n' "$name" "$status" $((SECONDS - begin)) "$log"
+		grep -aE '^(FAIL|ERROR|XPASS|FAILED): ?' "$log" | sort -u | head -n 20
+		tail -n 30 "$log" | sed 's/^/    /'
+	fi
+	grep -aE '^SKIP: ' "$log" | sort -u | sed 's/^/  /'
+	return 0
+}
+
+# packages NAME...: installs what is missing, as root or through sudo; a gate whose program is still missing skips.
+packages() {
+	local name missing=() prefix=()
+	command -v dpkg-query >/dev/null || return 0
+	for name; do
+		[ "$(dpkg-query -W -f '${db:Status-Status}' "$name" 2>/dev/null)" = installed ] || missing+=("$name")
+	done
+	[ ${#missing[@]} -gt 0 ] || return 0
+	[ "$(id -u)" -eq 0 ] || prefix=(sudo -n)
+	printf '\n== packages\n$ apt-get install %s\n' "${missing[*]}"
+	"${prefix[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${missing[@]}" \
+		>"$logs/packages.log" 2>&1 || { tail -n 5 "$logs/packages.log"; echo "not installed: their gates are skipped"; }
+}
+
+# build_and_check FOLDER CONFIGURE_ARGUMENT...: in a shell of its own, for gate
+build_and_check() {
+	local folder=$1 source
+	shift
+	source=$(pwd)
+	mkdir -p "$folder"
+	(cd "$folder" && "$source/configure" -q --enable-werror "$@") &&
+		make -C "$folder" -s -j "$(nproc)" &&
+		make -C "$folder" -s -j "$(nproc)" check
+}
+export -f build_and_check
+
+# check NAME LIMIT CONFIGURE_ARGUMENT...
+check() {
+	local name=$1 limit=$2
+	shift 2
+	gate "$name" "$limit" bash -c 'build_and_check "$@"' _ "build/ci/$name" "$@"
+}
+
+# The last line, alone, in a fixed form; the exit status says the same.
+finish() {
+	printf '\nall gates: %d s\n' "$SECONDS"
+	printf '%d passed, %d failed, %d skipped\n' "$passed" "$failed" "$skipped"
+	[ "$failed" -eq 0 ] && [ "$passed" -gt 0 ]
+}
