@@ -28,12 +28,13 @@ counts() {
 		END { print p + 0, f + 0, s + 0 }'
 }
 
-# gate NAME LIMIT COMMAND...: LIMIT in seconds
+# gate NAME LIMIT COMMAND...: LIMIT in seconds; shown instead of the command: $shown, if set
+shown=
 gate() {
 	local name=$1 limit=$2 begin=$SECONDS status=0 p f s
 	local log=$logs/$name.log
 	shift 2
-	printf '\n== %s\n$ %s\n' "$name" "$*"
+	printf '\n== %s\n$ %s\n' "$name" "${shown:-$*}"
 	timeout --kill-after=10 "$limit" "$@" >"$log" 2>&1 </dev/null || status=$?
 	read -r p f s < <(counts "$log")
 	if [ "$status" -eq 77 ]; then
@@ -88,7 +89,9 @@ export -f build_and_check
 check() {
 	local name=$1 limit=$2
 	shift 2
+	shown="cd build/ci/$name && ../../../configure --enable-werror $* && make && make check"
 	gate "$name" "$limit" bash -c 'build_and_check "$@"' _ "build/ci/$name" "$@"
+	shown=
 }
 
 # The last line, alone, in a fixed form; the exit status says the same.
