@@ -54,9 +54,24 @@ gate() {
 		printf '%s: FAILED, status %d (%d s); the failures and the end of %s:\n' "$name" "$status" $((SECONDS - begin)) "$log"
 		grep -aE '^(FAIL|ERROR|XPASS|FAILED): ?' "$log" | sort -u | head -n 20
 		tail -n 30 "$log" | sed 's/^/    /'
+		failed_tests "$log" "$logs/$name"
 	fi
 	grep -aE '^SKIP: ' "$log" | sort -u | sed 's/^/  /'
 	return 0
+}
+
+# failed_tests LOG FOLDER: the end of each failed test's own log, in FOLDER or, without one, in build/
+failed_tests() {
+	local test log folder=$2
+	[ -d "$folder" ] || folder=build
+	sed -n 's/^\(FAIL\|ERROR\): //p' "$1" | sort -u | while read -r test; do
+		for log in "$folder/$test.log" "$folder/${test%.*}.log"; do
+			[ -e "$log" ] || continue
+			printf '  %s:\n' "$log"
+			tail -n 20 "$log" | sed 's/^/    /'
+			break
+		done
+	done
 }
 
 # packages NAME...: installs what is missing, as root or through sudo; a gate whose program is still missing skips.
