@@ -19,12 +19,13 @@ add() {
 	skipped=$((skipped + $3))
 }
 
-# counts LOG: passed, failed, skipped of all automake summaries in it
+# counts LOG: passed, failed, skipped of all summaries in it, automake's or our own last line
 counts() {
 	sed 's/\x1b\[[0-9;]*m//g' "$1" | awk '
 		/^# (PASS|XFAIL):/ { p += $3 }
 		/^# (FAIL|XPASS|ERROR):/ { f += $3 }
 		/^# SKIP:/ { s += $3 }
+		/^[0-9]+ passed, [0-9]+ failed, [0-9]+ skipped$/ { p += $1; f += $3; s += $5 }
 		END { print p + 0, f + 0, s + 0 }'
 }
 
