@@ -205,7 +205,8 @@ static double vary(uint64_t seed, int what)
     return 2 * ost_unit(ost_hash3(seed, what, 0, 0), 0) - 1;
 }
 
-static ost_status outline(ost_outline *o, const ost_outline_point *points, int count, double step, double jitter, uint64_t seed, ost_error *err)
+static ost_status outline(ost_outline *o, const ost_outline_point *points, int count, double step, double margin, double jitter, uint64_t seed,
+                          ost_error *err)
 {
     ost_outline_point moved[48];
     for (int i = 0; i < count; i++) {
@@ -213,7 +214,7 @@ static ost_status outline(ost_outline *o, const ost_outline_point *points, int c
         moved[i].u += jitter * vary(seed, 100 + 2 * i);
         moved[i].v += jitter * vary(seed, 101 + 2 * i);
     }
-    return ost_outline_init(o, moved, count, step, FAR + 2, err);
+    return ost_outline_init(o, moved, count, step, margin, err);
 }
 
 #define COUNT(array) ((int)(sizeof(array) / sizeof *(array)))
@@ -232,13 +233,13 @@ ost_status ost_scapula_init(ost_scapula *s, uint64_t seed, ost_error *err)
     s->dish = ost_v3_mad(s->face, s->out, DISH_RADIUS - CARTILAGE);
     s->pad = ost_v3_mad(s->face, s->out, PAD_RADIUS + 0.15);
 
-    ost_status status = outline(&s->body, BODY, COUNT(BODY), 0.5, 0.5, seed + 11, err);
+    ost_status status = outline(&s->body, BODY, COUNT(BODY), 0.5, FAR + 2, 0.5, seed + 11, err);
     if (status == OST_OK)
-        status = outline(&s->spine, SPINE, COUNT(SPINE), 0.5, 0.3, seed + 12, err);
+        status = outline(&s->spine, SPINE, COUNT(SPINE), 0.5, FAR + 2, 0.3, seed + 12, err);
     if (status == OST_OK)
-        status = outline(&s->acromion, ACROMION, COUNT(ACROMION), 0.5, 0.5, seed + 13, err);
+        status = outline(&s->acromion, ACROMION, COUNT(ACROMION), 0.5, FAR + 2, 0.5, seed + 13, err);
     if (status == OST_OK)
-        status = outline(&s->pear, PEAR, COUNT(PEAR), 0.25, 0.15, seed + 14, err);
+        status = outline(&s->pear, PEAR, COUNT(PEAR), 0.25, 9, 0.15, seed + 14, err);
     if (status != OST_OK) {
         ost_scapula_free(s);
         return status;

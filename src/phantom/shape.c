@@ -17,7 +17,7 @@ static double spline(double a, double b, double c, double d, double t)
 
 /* ---------------------------------------------------------------- outline */
 
-enum { PIECES = 8 }; /* straight pieces between two points of an outline */
+enum { PIECES = 6 }; /* straight pieces between two points of an outline */
 
 typedef struct piece {
     double u, v, du, dv, inverse; /* inverse of the squared length */
