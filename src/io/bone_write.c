@@ -6,7 +6,7 @@
 #include <stdlib.h>
 
 #include "io/text/write.h"
-#include "io/volume/write.h"
+#include "io/volume_write.h"
 
 enum { SLAB_BYTES = 8 << 20 };
 

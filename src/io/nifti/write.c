@@ -12,7 +12,7 @@
  */
 #include "config.h"
 
-#include "io/volume/write.h"
+#include "io/nifti/write.h"
 
 #ifdef HAVE_NIFTI
 

@@ -22,7 +22,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "io/volume/write.h"
+#include "io/nrrd/write.h"
 
 static ost_status put_text(ost_volume_writer *writer, const char *text, ost_error *err)
 {

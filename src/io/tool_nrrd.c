@@ -17,8 +17,8 @@
 #include <string.h>
 
 #include "core/integer.h"
-#include "io/volume/read.h"
-#include "io/volume/write.h"
+#include "io/volume_read.h"
+#include "io/volume_write.h"
 
 static ost_pm half(ost_pm voxel)
 {

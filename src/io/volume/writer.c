@@ -1,15 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "io/volume/write.h"
+#include "io/volume/writer.h"
 
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 #include <zlib.h>
 
 #include "io/outfile.h"
-#include "io/text/write.h"
 
 enum { PACKED_BYTES = 1 << 16, LEVEL = 6 };
 
@@ -21,27 +19,6 @@ struct ost_volume_writer {
     z_stream z;
     unsigned char packed[PACKED_BYTES];
 };
-
-static bool ends_in(const char *text, const char *end)
-{
-    size_t n = strlen(text), m = strlen(end);
-    return n >= m && strcasecmp(text + n - m, end) == 0;
-}
-
-ost_volume_format ost_volume_format_of(const char *path)
-{
-    return ends_in(path, ".nrrd")     ? OST_FORMAT_NRRD
-           : ends_in(path, ".nii")    ? OST_FORMAT_NIFTI
-           : ends_in(path, ".nii.gz") ? OST_FORMAT_NIFTI_GZIP
-           : ends_in(path, ".txt")    ? OST_FORMAT_TEXT
-                                      : OST_FORMAT_UNKNOWN;
-}
-
-ost_status ost_volume_format_unknown(const char *path, ost_error *err)
-{
-    return ost_fail(err, OST_ERR_USAGE, "%s: the name does not say which format to write; it should end in .nrrd, .nii, .nii.gz or .txt",
-                    path);
-}
 
 /* ------------------------------------------------------------------- bytes */
 
@@ -87,26 +64,16 @@ ost_status ost_volume_writer_pack(ost_volume_writer *w, ost_error *err)
 
 /* ------------------------------------------------------------------ writer */
 
-ost_status ost_volume_writer_open(const char *path, const ost_geometry *geometry, const ost_meta *meta, ost_element element,
-                                  bool odd_half, const ost_write_options *options, ost_volume_writer **out, ost_error *err)
+ost_status ost_volume_writer_start(const char *path, ost_element element, int64_t count, ost_volume_writer **out, ost_error *err)
 {
     *out = NULL;
-    ost_volume_format format = ost_volume_format_of(path);
-    if (format == OST_FORMAT_UNKNOWN)
-        return ost_volume_format_unknown(path, err);
-    assert(format != OST_FORMAT_TEXT);
-    assert(element == OST_ELEMENT_INT16 || (element == OST_ELEMENT_UINT8 && format == OST_FORMAT_NRRD));
     ost_volume_writer *w = malloc(sizeof *w);
     if (!w)
         return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for an output buffer", path);
     memset(w, 0, offsetof(ost_volume_writer, packed));
     w->element_bytes = ost_element_bytes(element);
-    w->left = ost_dims_count(geometry->dims);
+    w->left = count;
     ost_status status = ost_outfile_open(path, &w->file, err);
-    if (status == OST_OK)
-        status = format == OST_FORMAT_NRRD
-                     ? ost_nrrd_write_header(w, geometry, meta, element, odd_half, options && options->compress, err)
-                     : ost_nifti_write_header(w, geometry, meta, format == OST_FORMAT_NIFTI_GZIP, err);
     if (status != OST_OK) {
         ost_volume_writer_discard(w);
         return status;
@@ -142,29 +109,4 @@ void ost_volume_writer_discard(ost_volume_writer *w)
         deflateEnd(&w->z);
     ost_outfile_discard(w->file);
     free(w);
-}
-
-/* ------------------------------------------------------------------ volumes */
-
-ost_status ost_volume_write(const char *path, const ost_volume *volume, const ost_write_options *options, ost_error *err)
-{
-    ost_volume_format format = ost_volume_format_of(path);
-    if (format == OST_FORMAT_UNKNOWN)
-        return ost_volume_format_unknown(path, err);
-    ost_status status = ost_geometry_check(&volume->geometry, path, err);
-    if (status != OST_OK)
-        return status;
-    if (!volume->voxels)
-        return ost_fail(err, OST_ERR_USAGE, "%s: the volume to write has no voxels", path);
-    if (format == OST_FORMAT_TEXT)
-        return ost_text_write_volume(path, volume, options ? options->text_decimals : 0, err);
-    ost_volume_writer *w;
-    status = ost_volume_writer_open(path, &volume->geometry, &volume->meta, OST_ELEMENT_INT16, false, options, &w, err);
-    if (status != OST_OK)
-        return status;
-    status = ost_volume_writer_put(w, volume->voxels, (size_t)ost_dims_count(volume->geometry.dims), err);
-    if (status == OST_OK)
-        return ost_volume_writer_commit(w, err);
-    ost_volume_writer_discard(w);
-    return status;
 }

@@ -10,7 +10,7 @@
 #include "io/nifti/read.h"
 #include "io/nrrd/read.h"
 #include "io/volume/input.h"
-#include "io/volume/read.h"
+#include "io/volume_read.h"
 
 /* x.img is the second half of a NIfTI pair: what it is stands in x.hdr. Returns path or the header's name in out. */
 static const char *header_of(const char *path, char *out, size_t room)

@@ -1,0 +1,11 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#ifndef OST_IO_NRRD_WRITE_H
+#define OST_IO_NRRD_WRITE_H
+
+#include "io/volume/writer.h"
+
+/* The header, leaving the writer ready for voxels. */
+ost_status ost_nrrd_write_header(ost_volume_writer *writer, const ost_geometry *geometry, const ost_meta *meta, ost_element element,
+                                 bool odd_half, bool compress, ost_error *err);
+
+#endif

@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Volumes out: the name's end says the format. */
+#ifndef OST_IO_VOLUME_WRITE_H
+#define OST_IO_VOLUME_WRITE_H
+
+#include <osteon/io.h>
+
+#include "io/volume/writer.h"
+
+typedef enum ost_volume_format { OST_FORMAT_UNKNOWN, OST_FORMAT_NRRD, OST_FORMAT_NIFTI, OST_FORMAT_NIFTI_GZIP, OST_FORMAT_TEXT } ost_volume_format;
+
+/* By the name's end, in whatever case. */
+ost_volume_format ost_volume_format_of(const char *path);
+/* OST_ERR_USAGE naming the ends that are known. */
+ost_status ost_volume_format_unknown(const char *path, ost_error *err);
+
+/*
+ * element: int16 or, for NRRD only, uint8. Not for text.  odd_half (NRRD
+ * only): the origin lies half a picometre further on every axis, which a tool
+ * of an odd voxel needs (AR-FILE-3).
+ */
+ost_status ost_volume_writer_open(const char *path, const ost_geometry *geometry, const ost_meta *meta, ost_element element,
+                                  bool odd_half, const ost_write_options *options, ost_volume_writer **out, ost_error *err);
+
+#endif
