@@ -223,7 +223,7 @@ ost_status ost_scapula_init(ost_scapula *s, uint64_t seed, ost_error *err)
 {
     memset(s, 0, sizeof *s);
     s->seed = seed;
-    s->size = GREATEST_SIZE * (0.985 + 0.015 * vary(seed, 1));
+    s->size = GREATEST_SIZE * (0.982 + 0.010 * vary(seed, 1));
     /* Tangents of the angles: 2 degrees backward and 5 upward, each up to 2 more or less. */
     double back = 0.035 + 0.035 * vary(seed, 2), up = 0.087 + 0.035 * vary(seed, 3);
     s->face = (ost_v3){99, 0, 0};
