@@ -31,6 +31,9 @@ typedef struct ost_pm3 {
     ost_pm x, y, z;
 } ost_pm3;
 
+/* Widens the bounds [*lo, *hi] so that they hold p. */
+OST_API void ost_pm3_widen(ost_pm3 *lo, ost_pm3 *hi, ost_pm3 p);
+
 /*
  * A decimal as it was written:
  *

@@ -220,16 +220,6 @@ ost_status load_mesh(const char *name, ost_unit unit, ost_mesh *out, ost_mesh_re
     return ost_fail(err, OST_ERR_USAGE, "%s: there is no such tool; osteon tool --help lists them", name);
 }
 
-static void widen(ost_pm3 *lo, ost_pm3 *hi, ost_pm3 lo2, ost_pm3 hi2)
-{
-    lo->x = lo2.x < lo->x ? lo2.x : lo->x;
-    lo->y = lo2.y < lo->y ? lo2.y : lo->y;
-    lo->z = lo2.z < lo->z ? lo2.z : lo->z;
-    hi->x = hi2.x > hi->x ? hi2.x : hi->x;
-    hi->y = hi2.y > hi->y ? hi2.y : hi->y;
-    hi->z = hi2.z > hi->z ? hi2.z : hi->z;
-}
-
 static ost_status voxelize_meshes(const app_state *app, ost_backend *backend, const char *name, const char *noncutting,
                                   const tool_options *options, ost_tool **out, tool_report *report, ost_error *err)
 {
@@ -247,8 +237,10 @@ static ost_status voxelize_meshes(const app_state *app, ost_backend *backend, co
         status = load_mesh(noncutting, (ost_unit)options->unit, &shaft, &shaft_report, err);
         if (status == OST_OK)
             status = ost_mesh_bounds(&shaft, &lo2, &hi2, err);
-        if (status == OST_OK)
-            widen(&lo, &hi, lo2, hi2);
+        if (status == OST_OK) {
+            ost_pm3_widen(&lo, &hi, lo2);
+            ost_pm3_widen(&lo, &hi, hi2);
+        }
     }
     if (status == OST_OK)
         status = ost_mesh_open_edges(&mesh, &report->open_edges, err);

@@ -12,6 +12,16 @@
 
 #include "core/integer.h"
 
+void ost_pm3_widen(ost_pm3 *lo, ost_pm3 *hi, ost_pm3 p)
+{
+    lo->x = p.x < lo->x ? p.x : lo->x;
+    lo->y = p.y < lo->y ? p.y : lo->y;
+    lo->z = p.z < lo->z ? p.z : lo->z;
+    hi->x = p.x > hi->x ? p.x : hi->x;
+    hi->y = p.y > hi->y ? p.y : hi->y;
+    hi->z = p.z > hi->z ? p.z : hi->z;
+}
+
 bool ost_decimal_to_pm(const ost_decimal *value, ost_pm *out, bool *exact)
 {
     return ost_decimal_scale(value, (uint64_t)OST_PM_PER_MM, out, exact) && *out >= -OST_LENGTH_MAX && *out <= OST_LENGTH_MAX;

@@ -31,16 +31,6 @@ void ost_mesh_free(ost_mesh *mesh)
     *mesh = (ost_mesh){0};
 }
 
-static void widen(ost_pm3 *min, ost_pm3 *max, ost_pm3 p)
-{
-    min->x = p.x < min->x ? p.x : min->x;
-    min->y = p.y < min->y ? p.y : min->y;
-    min->z = p.z < min->z ? p.z : min->z;
-    max->x = p.x > max->x ? p.x : max->x;
-    max->y = p.y > max->y ? p.y : max->y;
-    max->z = p.z > max->z ? p.z : max->z;
-}
-
 ost_status ost_mesh_bounds(const ost_mesh *mesh, ost_pm3 *min, ost_pm3 *max, ost_error *err)
 {
     if (mesh->triangle_count == 0)
@@ -49,7 +39,7 @@ ost_status ost_mesh_bounds(const ost_mesh *mesh, ost_pm3 *min, ost_pm3 *max, ost
     *max = (ost_pm3){INT64_MIN, INT64_MIN, INT64_MIN};
     for (size_t t = 0; t < mesh->triangle_count; t++)
         for (int c = 0; c < 3; c++)
-            widen(min, max, mesh->vertices[mesh->triangles[t][c]]);
+            ost_pm3_widen(min, max, mesh->vertices[mesh->triangles[t][c]]);
     return OST_OK;
 }
 

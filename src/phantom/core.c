@@ -163,8 +163,10 @@ static ost_v3 in_cells(const recipe *r, ost_v3 p)
     return (ost_v3){p.x / r->cell, p.y / r->cell, p.z / (r->cell * r->stretch)};
 }
 
-static void core_block(const corer *c, const int lo[3], const int hi[3], seedling *near)
+static void core_block(void *user, const int lo[3], const int hi[3])
 {
+    const corer *c = user;
+    seedling near[NEAR_MAX];
     const recipe *r = c->recipe;
     const ost_geometry *g = &c->scan->volume->geometry;
     uint64_t seed = c->scan->seed;
@@ -207,20 +209,9 @@ ost_status ost_scan_core(const ost_scan *scan, ost_phantom_kind kind, ost_error 
     corer c = {.scan = scan, .recipe = r};
     const int dims[3] = {g->dims.x, g->dims.y, g->dims.z};
     const double spacing[3] = {ost_pm_to_mm(g->spacing.x), ost_pm_to_mm(g->spacing.y), ost_pm_to_mm(g->spacing.z)};
-    int block[3];
-    for (int a = 0; a < 3; a++)
-        block[a] = (int)ost_clamp(0.26 * scan->scale / spacing[a], 1, 64);
     c.blur = (spacing[0] + spacing[1] + spacing[2]) / 3 / scan->scale;
     c.centre = place(&c, 0.5 * dims[0] - 0.5, 0.5 * dims[1] - 0.5, 0);
-    seedling near[NEAR_MAX];
-    for (int k = 0; k < dims[2]; k += block[2])
-        for (int j = 0; j < dims[1]; j += block[1])
-            for (int i = 0; i < dims[0]; i += block[0]) {
-                int lo[3] = {i, j, k}, hi[3];
-                for (int a = 0; a < 3; a++)
-                    hi[a] = lo[a] + block[a] < dims[a] ? lo[a] + block[a] : dims[a];
-                core_block(&c, lo, hi, near);
-            }
+    ost_scan_blocks(scan, 0.26, core_block, &c);
     (void)err;
     return OST_OK;
 }

@@ -162,8 +162,9 @@ static ost_v3 centre_of(const ost_scan *scan, int64_t i, int64_t j, int64_t k)
     return (ost_v3){ost_scan_mm(scan->corner.x, s->x, i), ost_scan_mm(scan->corner.y, s->y, j), ost_scan_mm(scan->corner.z, s->z, k)};
 }
 
-static void scan_block(const scanner *c, const int lo[3], const int hi[3])
+static void scan_block(void *user, const int lo[3], const int hi[3])
 {
+    const scanner *c = user;
     const ost_scan *scan = c->scan;
     const ost_geometry *g = &scan->volume->geometry;
     ost_v3 a = centre_of(scan, lo[0], lo[1], lo[2]), b = centre_of(scan, hi[0] - 1, hi[1] - 1, hi[2] - 1);
@@ -221,22 +222,11 @@ ost_status ost_scan_scapula(const ost_scan *scan, ost_error *err)
     c.pose.centre = (ost_v3){-110 * scan->scale, -15 * scan->scale, 0}; /* of the scapula's box, phantom.c */
     double spacing[3] = {ost_pm_to_mm(g->spacing.x), ost_pm_to_mm(g->spacing.y), ost_pm_to_mm(g->spacing.z)};
     c.blur = (spacing[0] + spacing[1] + spacing[2]) / 3 / scan->scale;
-    const int dims[3] = {g->dims.x, g->dims.y, g->dims.z};
     const ost_pm corner[3] = {scan->corner.x, scan->corner.y, scan->corner.z}, whole[3] = {scan->whole.x, scan->whole.y, scan->whole.z};
     const ost_pm step[3] = {g->spacing.x, g->spacing.y, g->spacing.z};
-    int block[3];
-    for (int a = 0; a < 3; a++) {
+    for (int a = 0; a < 3; a++)
         c.first[a] = (corner[a] - whole[a]) / (2 * step[a]);
-        block[a] = (int)ost_clamp(4 * scan->scale / spacing[a], 1, 64);
-    }
-    for (int k = 0; k < dims[2]; k += block[2])
-        for (int j = 0; j < dims[1]; j += block[1])
-            for (int i = 0; i < dims[0]; i += block[0]) {
-                int lo[3] = {i, j, k}, hi[3];
-                for (int a = 0; a < 3; a++)
-                    hi[a] = lo[a] + block[a] < dims[a] ? lo[a] + block[a] : dims[a];
-                scan_block(&c, lo, hi);
-            }
+    ost_scan_blocks(scan, 4, scan_block, &c);
     status = write_meta(&c, err);
     ost_scapula_free(&c.scapula);
     return status;

@@ -30,6 +30,9 @@ static inline double ost_scan_mm(ost_pm corner2, ost_pm spacing, int64_t v)
 ost_status ost_scan_scapula(const ost_scan *scan, ost_error *err);
 ost_status ost_scan_core(const ost_scan *scan, ost_phantom_kind kind, ost_error *err);
 
+/* Calls block for boxes lo <= (i, j, k) < hi of about mm of the anatomy, which together are the grid, each voxel once. */
+void ost_scan_blocks(const ost_scan *scan, double mm, void (*block)(void *user, const int lo[3], const int hi[3]), void *user);
+
 /* Share of a voxel on the inner side of a surface at signed distance d, blurred over `width`: partial volume. */
 static inline double ost_scan_cover(double d, double width)
 {

@@ -14,26 +14,22 @@
 #include <osteon/io.h>
 
 #include "io/text/rect.h"
-#include "io_scratch.h"
+#include "io/scratch_group.h"
 
 #include "ct_text.h"
 
-static char *folder;
 static ost_backend *backend;
 
 static int set_up(void **state)
 {
-    (void)state;
-    folder = scratch_folder();
+    scratch_set_up(state);
     return ost_backend_open("ref", &backend, NULL) == OST_OK ? 0 : -1;
 }
 
 static int tear_down(void **state)
 {
-    (void)state;
     ost_backend_close(backend);
-    scratch_remove(folder);
-    return 0;
+    return scratch_tear_down(state);
 }
 
 static const char *in_folder(const char *name)

@@ -8,23 +8,7 @@
 
 #include <osteon/io.h>
 
-#include "io_scratch.h"
-
-static char *folder;
-
-static int set_up(void **state)
-{
-    (void)state;
-    folder = scratch_folder();
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    scratch_remove(folder);
-    return 0;
-}
+#include "io/scratch_group.h"
 
 static ost_status read_text(const char *text, ost_path *out, ost_error *err)
 {
@@ -169,5 +153,5 @@ int main(void)
         cmocka_unit_test(broken_paths_are_refused),
         cmocka_unit_test(a_row_cut_anywhere),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);
 }

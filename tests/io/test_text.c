@@ -7,23 +7,7 @@
 #include "harness.h"
 
 #include "io/text/scan.h"
-#include "io_scratch.h"
-
-static char *folder;
-
-static int make_folder(void **state)
-{
-    (void)state;
-    folder = scratch_folder();
-    return 0;
-}
-
-static int remove_folder(void **state)
-{
-    (void)state;
-    scratch_remove(folder);
-    return 0;
-}
+#include "io/scratch_group.h"
 
 /* Reads all rows of a text; at most room. */
 static ost_status read_rows(const char *text, size_t size, ost_text_row *rows, size_t room, size_t *count, ost_error *err)
@@ -287,5 +271,5 @@ int main(void)
         cmocka_unit_test(blocks_do_not_show),
         cmocka_unit_test(files_that_cannot_be_read),
     };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+    return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);
 }

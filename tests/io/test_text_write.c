@@ -13,22 +13,14 @@
 #include <osteon/io.h>
 
 #include "io/text/write.h"
-#include "io_scratch.h"
+#include "io/scratch_group.h"
 
-static char *folder, path[600];
+static char path[600];
 
 static int set_up(void **state)
 {
-    (void)state;
-    folder = scratch_folder();
+    scratch_set_up(state);
     snprintf(path, sizeof path, "%s/out.txt", folder);
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    scratch_remove(folder);
     return 0;
 }
 
@@ -217,5 +209,5 @@ int main(void)
         cmocka_unit_test(a_full_disk_leaves_nothing),
         cmocka_unit_test(a_kill_leaves_nothing),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, set_up, scratch_tear_down);
 }

@@ -7,28 +7,12 @@
  */
 #include "harness.h"
 
-#include "io/io_scratch.h"
+#include "io/scratch_group.h"
 
 #include <osteon/io.h>
 #include <osteon/phantom.h>
 
 #include "config.h"
-
-static char *folder;
-
-static int set_up(void **state)
-{
-    (void)state;
-    folder = scratch_folder();
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    scratch_remove(folder);
-    return 0;
-}
 
 /* A file built piece by piece. */
 typedef struct bytes {
@@ -514,5 +498,5 @@ int main(void)
         cmocka_unit_test(meshes_are_not_available),
 #endif
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);
 }
