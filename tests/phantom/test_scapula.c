@@ -3,7 +3,7 @@
  * The scapula and its glenoid at the thesis' size: Tables 3.1 and 3.2, one
  * whole bone, and the layers that a reamer meets.
  *
- * Measured for seed 1: 203 of 896 chunks active (the thesis: 202 in Table 3.2,
+ * Measured for seed 1: 202 of 896 chunks active (the thesis: 202 in Table 3.2,
  * 199 in Table 3.7), 18 of 18 in the glenoid.
  *
  * Covers: AR-CUB-1, AR-CUB-2
