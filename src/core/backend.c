@@ -12,6 +12,7 @@
 #include "core/integer.h"
 
 static const ost_backend_ops *const backends[] = {
+    &ost_backend_cpu,
     &ost_backend_ref,
 };
 

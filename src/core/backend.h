@@ -90,5 +90,6 @@ struct ost_backend_ops {
 };
 
 extern const ost_backend_ops ost_backend_ref;
+extern const ost_backend_ops ost_backend_cpu;
 
 #endif

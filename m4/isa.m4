@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: Apache-2.0
+#
+# OST_ISA(VAR, flags, intrinsics): whether the compiler builds and links code
+# of an instruction set.  Sets VAR_CFLAGS, the conditional BUILD_VAR, and
+# HAVE_VAR_BUILD in config.h (0 or 1).  Only files that are named after the
+# instruction set are compiled with these flags.
+AC_DEFUN([OST_ISA], [
+  AC_CACHE_CHECK([whether $CC builds $1 code], [ost_cv_isa_$1], [
+    ost_save_CFLAGS=$CFLAGS
+    CFLAGS="$CFLAGS $2"
+    AC_LINK_IFELSE([AC_LANG_PROGRAM([[#include <immintrin.h>]], [[$3]])],
+      [ost_cv_isa_$1=yes], [ost_cv_isa_$1=no])
+    CFLAGS=$ost_save_CFLAGS])
+  $1_CFLAGS=
+  ost_isa_value=0
+  AS_IF([test "x$ost_cv_isa_$1" = xyes], [$1_CFLAGS="$2"; ost_isa_value=1
+    ost_summary_isa="$ost_summary_isa $1"])
+  AC_SUBST([$1_CFLAGS])
+  AC_DEFINE_UNQUOTED([HAVE_$1_BUILD], [$ost_isa_value], [1 if $1 code is built.])
+  AM_CONDITIONAL([BUILD_$1], [test "x$ost_cv_isa_$1" = xyes])
+])
+
+AC_DEFUN([OST_ISAS], [
+  ost_summary_isa="scalar"
+  OST_ISA([AVX2], [-mavx2 -mbmi -mbmi2 -mlzcnt -mpopcnt],
+    [__m256i a = _mm256_set1_epi8(1); return _mm256_movemask_epi8(a) + (int)_pext_u64(3, 1);])
+  OST_ISA([AVX512], [-mavx2 -mbmi -mbmi2 -mlzcnt -mpopcnt -mavx512f -mavx512bw -mavx512dq -mavx512vl -mavx512cd],
+    [__m512i a = _mm512_set1_epi16(1); return (int)_mm512_movepi16_mask(a);])
+  OST_ISA([AVX512VBMI], [-mavx2 -mbmi -mbmi2 -mlzcnt -mpopcnt -mavx512f -mavx512bw -mavx512dq -mavx512vl -mavx512cd -mavx512vbmi],
+    [__m512i a = _mm512_set1_epi8(1); a = _mm512_permutexvar_epi8(a, a); return (int)_mm512_movepi8_mask(a);])
+  AC_MSG_CHECKING([for Advanced SIMD (NEON)])
+  AC_COMPILE_IFELSE([AC_LANG_SOURCE([[
+#if !defined __aarch64__
+#error not AArch64
+#endif
+#include <arm_neon.h>
+int32x4_t x;]])], [ost_neon=yes; ost_summary_isa="$ost_summary_isa NEON"], [ost_neon=no])
+  AC_MSG_RESULT([$ost_neon])
+  AM_CONDITIONAL([BUILD_NEON], [test "x$ost_neon" = xyes])
+])
+
+# OST_OPENMP: threads of the CPU backend, optional.
+AC_DEFUN([OST_OPENMP], [
+  AC_ARG_WITH([openmp], [AS_HELP_STRING([--with-openmp], [use OpenMP: yes, no or auto (default)])],
+    [], [with_openmp=auto])
+  AS_CASE([$with_openmp], [yes|no|auto], [],
+    [AC_MSG_ERROR([--with-openmp takes yes, no or auto, not '$with_openmp'])])
+  OPENMP_CFLAGS=
+  ost_summary_OPENMP="no: the CPU backend uses one thread"
+  AS_IF([test "x$with_openmp" != xno], [
+    AC_MSG_CHECKING([for OpenMP])
+    ost_save_CFLAGS=$CFLAGS
+    CFLAGS="$CFLAGS -fopenmp"
+    AC_LINK_IFELSE([AC_LANG_PROGRAM([[#include <omp.h>]], [[return omp_get_max_threads();]])],
+      [OPENMP_CFLAGS=-fopenmp; ost_summary_OPENMP=OpenMP])
+    CFLAGS=$ost_save_CFLAGS
+    AC_MSG_RESULT([${OPENMP_CFLAGS:-no}])
+    AS_IF([test "x$with_openmp" = xyes && test "x$OPENMP_CFLAGS" = x],
+      [AC_MSG_ERROR([--with-openmp was asked for, but $CC has none; Debian: gcc, or clang with libomp-dev])])])
+  AC_SUBST([OPENMP_CFLAGS])
+])

@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The table of the CPU backend and its options. */
+#include "cpu/cpu.h"
+
+#include <stdlib.h>
+#include <string.h>
+#if defined _OPENMP
+#include <omp.h>
+#endif
+
+enum { THREADS_MAX = 1024 };
+
+static bool available(char *reason, size_t size)
+{
+    if (size)
+        reason[0] = 0;
+    return true;
+}
+
+static int default_threads(void)
+{
+#if defined _OPENMP
+    return omp_get_max_threads();
+#else
+    return 1;
+#endif
+}
+
+static ost_status set_threads(const char *value, int *threads, ost_error *err)
+{
+    char *end;
+    long n = strtol(value, &end, 10);
+    if (end == value || *end || n < 1 || n > THREADS_MAX)
+        return ost_fail(err, OST_ERR_USAGE, "backend cpu: threads=%.20s; expected a number from 1 to %d", value, THREADS_MAX);
+    *threads = (int)n;
+    return OST_OK;
+}
+
+/* One "key=value". */
+static ost_status set_option(const char *option, const char **isa, int *threads, ost_error *err)
+{
+    if (strncmp(option, "isa=", 4) == 0) {
+        *isa = option + 4;
+        return OST_OK;
+    }
+    if (strncmp(option, "threads=", 8) == 0)
+        return set_threads(option + 8, threads, err);
+    return ost_fail(err, OST_ERR_USAGE, "backend cpu: '%.40s' is unknown; options are isa=NAME and threads=N", option);
+}
+
+/* text is cut at its commas; the values stay in it. */
+static ost_status read_options(char *text, const char **isa, int *threads, ost_error *err)
+{
+    ost_status status = OST_OK;
+    for (char *option = text; option && *option && status == OST_OK;) {
+        char *comma = strchr(option, ',');
+        if (comma)
+            *comma++ = 0;
+        status = set_option(option, isa, threads, err);
+        option = comma;
+    }
+    return status;
+}
+
+static ost_status open_cpu(const char *options, ost_backend **out, ost_error *err)
+{
+    const char *isa = NULL;
+    int threads = default_threads();
+    cpu_backend *backend = NULL;
+    ost_backend *ref = NULL;
+    char *text = strdup(options);
+    ost_status status = OST_OK;
+    if (!text)
+        status = ost_fail(err, OST_ERR_MEMORY, "no memory for backend cpu");
+    if (status == OST_OK)
+        status = read_options(text, &isa, &threads, err);
+    ost_isa level = OST_ISA_SCALAR;
+    if (status == OST_OK)
+        status = ost_isa_choose(isa, &level, err);
+    if (status == OST_OK)
+        status = ost_backend_ref.open("", &ref, err);
+    if (status == OST_OK && !(backend = calloc(1, sizeof *backend)))
+        status = ost_fail(err, OST_ERR_MEMORY, "no memory for backend cpu");
+    if (status == OST_OK) {
+        backend->ref = *(const ref_backend *)ref;
+        backend->isa = level;
+        backend->threads = threads;
+        ost_cpu_kernels_fill(&backend->kernels, level);
+        *out = &backend->ref.base;
+    }
+    if (ref)
+        ost_backend_ref.close(ref);
+    free(text);
+    return status;
+}
+
+static void close_cpu(ost_backend *backend)
+{
+    free(backend);
+}
+
+/* Every call has done its work when it returns. */
+static ost_status finish(ost_backend *backend, ost_error *err)
+{
+    (void)backend;
+    (void)err;
+    return OST_OK;
+}
+
+const ost_backend_ops ost_backend_cpu = {
+    .name = "cpu",
+    .description = "hand-vectorised, on all cores; options isa=scalar|avx2|avx512|avx512vbmi|neon, threads=N",
+    .available = available,
+    .open = open_cpu,
+    .close = close_cpu,
+    .finish = finish,
+    .grid_create = ost_ref_grid_create,
+    .grid_free = ost_ref_grid_free,
+    .grid_upload = ost_ref_grid_upload,
+    .grid_download = ost_ref_grid_download,
+    .ct_to_rect = ost_ref_ct_to_rect,
+    .rect_to_cubic = ost_ref_rect_to_cubic,
+    .cubic_to_chunks = ost_ref_cubic_to_chunks,
+    .bone_create = ost_ref_bone_create,
+    .bone_free = ost_ref_bone_free,
+    .bone_stats = ost_ref_bone_stats,
+    .bone_upload = ost_ref_bone_upload,
+    .bone_download = ost_ref_bone_download,
+    .bone_leaves = ost_ref_bone_leaves,
+    .voxelize = ost_ref_voxelize_tool,
+    .tool_upload = ost_ref_tool_upload,
+    .tool_download = ost_ref_tool_download,
+    .tool_free = ost_ref_tool_free,
+    .remove = ost_ref_remove,
+    .collide = ost_ref_collide,
+};
