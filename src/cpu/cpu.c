@@ -8,6 +8,8 @@
 #include <omp.h>
 #endif
 
+#include "cpu/tool.h"
+
 enum { THREADS_MAX = 1024 };
 
 static bool available(char *reason, size_t size)
@@ -96,6 +98,7 @@ static ost_status open_cpu(const char *options, ost_backend **out, ost_error *er
 
 static void close_cpu(ost_backend *backend)
 {
+    ost_event_scratch_free(&((cpu_backend *)backend)->event);
     free(backend);
 }
 
@@ -120,17 +123,17 @@ const ost_backend_ops ost_backend_cpu = {
     .grid_download = ost_ref_grid_download,
     .ct_to_rect = ost_ref_ct_to_rect,
     .rect_to_cubic = ost_ref_rect_to_cubic,
-    .cubic_to_chunks = ost_ref_cubic_to_chunks,
-    .bone_create = ost_ref_bone_create,
-    .bone_free = ost_ref_bone_free,
-    .bone_stats = ost_ref_bone_stats,
-    .bone_upload = ost_ref_bone_upload,
-    .bone_download = ost_ref_bone_download,
-    .bone_leaves = ost_ref_bone_leaves,
-    .voxelize = ost_ref_voxelize_tool,
-    .tool_upload = ost_ref_tool_upload,
+    .cubic_to_chunks = ost_cpu_cubic_to_chunks,
+    .bone_create = ost_cpu_bone_create,
+    .bone_free = ost_cpu_bone_free,
+    .bone_stats = ost_cpu_bone_stats,
+    .bone_upload = ost_cpu_bone_upload,
+    .bone_download = ost_cpu_bone_download,
+    .bone_leaves = ost_cpu_bone_leaves,
+    .voxelize = ost_cpu_voxelize_tool,
+    .tool_upload = ost_cpu_tool_upload,
     .tool_download = ost_ref_tool_download,
-    .tool_free = ost_ref_tool_free,
-    .remove = ost_ref_remove,
-    .collide = ost_ref_collide,
+    .tool_free = ost_cpu_tool_free,
+    .remove = ost_cpu_remove,
+    .collide = ost_cpu_collide,
 };

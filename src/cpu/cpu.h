@@ -5,9 +5,8 @@
  *
  *   cpu.c       the table, options "isa=" and "threads="
  *   kernels.c   the inner loops, chosen once at open
- *   import.c    samples -> rect -> cubic -> chunks
- *   remove.c    removal and collision
- *   voxelize.c  snapped mesh -> tool grid
+ *   bone.c      chunks of bricks: slices in and out, leaves
+ *   remove.c    removal and collision, with shape.c: a tool's distances and windows
  *
  * Whatever has no fast form yet is the reference's own function: the objects
  * embed the reference's.  Threads take whole chunks, slices or columns and
@@ -19,12 +18,14 @@
 #include "core/isa.h"
 #include "cpu/kernels.h"
 #include "cpu/ref/ref.h"
+#include "cpu/remove_event.h"
 
 typedef struct cpu_backend {
     ref_backend ref; /* first: the reference's functions run on it */
     ost_isa isa;
     int threads; /* >= 1 */
     ost_cpu_kernels kernels;
+    ost_event_scratch event;
 } cpu_backend;
 
 #endif

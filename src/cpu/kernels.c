@@ -1,7 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "cpu/kernels.h"
 
+#include "config.h"
+
+static void fill_scalar(ost_cpu_kernels *k)
+{
+    k->brick_row = ost_brick_row_scalar;
+    k->split = ost_split_scalar;
+    k->match = ost_match_scalar;
+    k->take = ost_take_scalar;
+}
+
 void ost_cpu_kernels_fill(ost_cpu_kernels *kernels, ost_isa isa)
 {
     *kernels = (ost_cpu_kernels){.isa = isa};
+    fill_scalar(kernels);
 }

@@ -12,11 +12,69 @@
 #define OST_CPU_KERNELS_H
 
 #include "core/isa.h"
+#include "cpu/remove.h"
+
+/* ------------------------------------------------------ bones (cpu/bone.h) */
+
+/*
+ * Sixteen rows of 4 * bricks voxels, row y + 4 z, any alignment, into a row of
+ * bricks: voxels below threshold (>= 1) become 0.  bricks is 4, 8 or 16; brick x is written
+ * to density + 64 * spread(x) and occupancy[spread(x)], spread(x) being the bits
+ * of x at 0, 3, 6, 9 (ost_brick_spread).  density is 64-byte aligned.  Rows do
+ * not overlap what is written.  Returns the highest density written (0 when none is active).
+ */
+typedef int16_t ost_brick_row_fn(const int16_t *const rows[16], size_t bricks, int16_t threshold, int16_t *density,
+                                 uint64_t *occupancy);
+
+/* --------------------------------------------------- removal (cpu/remove.h) */
+
+/*
+ * Cuts cubes into eight and sorts the parts by the cell of their centre,
+ * v = cells->value[clamp((u + centre) >> shift) + margin ...]:
+ *     v <= -least   outside: dropped
+ *     v >=  least   inside: number appended to `inside`
+ *     else          mixed: u and number appended to `mixed`
+ * in the order of the cubes and in each of the parts.  occupancy, when not NULL, has one
+ * word a part; parts with a word of 0 are dropped first.
+ * mixed and inside are not cubes; their counts are added to, and room is there
+ * for 8 parts a cube and OST_CUBES_SLACK more.  Coordinates u + centre fit
+ * int32.  Up to OST_CUBES_SLACK elements behind cubes->count may be read.
+ */
+typedef void ost_split_fn(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, const uint64_t *occupancy,
+                          ost_cubes *mixed, ost_numbers *inside);
+
+/*
+ * hits[i] bit x + 4y + 16z: whether the tool voxel that holds voxel (x, y, z)
+ * of brick i is solid in match->shape (void outside the tool's grid).  Bricks are mixed ones of a split by
+ * the same shape (remove.h: "Match") when match->windows is set, any otherwise.
+ * hits has room for OST_CUBES_SLACK more; elements of bricks behind its count
+ * may be read.
+ */
+typedef void ost_match_fn(const ost_match *match, const ost_cubes *bricks, uint64_t *hits);
+
+/*
+ * For each i < count the voxels hits[i] (not 0) of the brick at density + 64 *
+ * number[i]: adds them to the tally, and when take->apply, writes 0 to them.
+ * density is 64-byte aligned; densities at hits are 1..take->highest; numbers
+ * differ from each other.  Only voxels that are hit change.
+ */
+typedef void ost_take_fn(const ost_take *take, int16_t *density, const int32_t *number, const uint64_t *hits, size_t count,
+                         ost_tally *tally);
 
 typedef struct ost_cpu_kernels {
     ost_isa isa; /* the level they were filled for */
+    ost_brick_row_fn *brick_row;
+    ost_split_fn *split;
+    ost_match_fn *match;
+    ost_take_fn *take;
 } ost_cpu_kernels;
 
 void ost_cpu_kernels_fill(ost_cpu_kernels *kernels, ost_isa isa);
+
+/* NAME_scalar, NAME_avx2, ... of every slot. */
+ost_brick_row_fn ost_brick_row_scalar;
+ost_split_fn ost_split_scalar, ost_split_avx2, ost_split_avx512;
+ost_match_fn ost_match_scalar, ost_match_avx2, ost_match_avx512;
+ost_take_fn ost_take_scalar, ost_take_avx2, ost_take_avx512;
 
 #endif

@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The bases of many blocks at one pose (AR-MAP-4), without a division each.
+ *
+ *   exact coordinate of block (x, y, z)  =  X[x] + Y[y] + Z[z],  each a multiple of 1 / divisor
+ *
+ * The three parts are tabulated, in units of 2^-16, rounded down with an
+ * error below 2: their sum V has  V <= exact * 2^16 < V + 6.  With W = V + 2^15
+ * the base is floor(W / 2^16) whenever the low 16 bits of W are 1..2^16 - 7, since then
+ * exact + 1/2 lies strictly between that integer and the next.  Otherwise,
+ * once in nearly ten thousand, ost_map_block_base divides.
+ *
+ * Ranges: |exact| < 2^45.2, and |Y|, |Z| < 2^44.1 (16 m of bone in tool voxels of
+ * at least 1 um), so the sums stay below 2^63.
+ */
+#ifndef OST_CPU_BLOCK_BASE_H
+#define OST_CPU_BLOCK_BASE_H
+
+#include <osteon/event.h>
+
+typedef struct ost_block_bases {
+    const ost_map *map;
+    int32_t lo[3], count[3]; /* blocks that were asked for */
+    int64_t *part[3];        /* owned scratch: [bone axis][3 * (block - lo) + tool axis] */
+    size_t capacity[3];
+} ost_block_bases;
+
+/* Room for up to so many blocks along each axis. Zero-initialise once, reuse, free at the end. */
+ost_status ost_block_bases_reserve(ost_block_bases *bases, const int32_t count[3], ost_error *err);
+/* Bases of the blocks lo <= block < hi, for which there is room. */
+void ost_block_bases_make(ost_block_bases *bases, const ost_map *map, const int32_t lo[3], const int32_t hi[3]);
+void ost_block_bases_free(ost_block_bases *bases);
+
+/* As ost_map_block_base; block as given to make. */
+static inline bool ost_block_base(const ost_block_bases *bases, const int32_t block[3], int32_t base[3])
+{
+    const int64_t low = -(INT64_C(1) << 29), high = (INT64_C(1) << 30) + (INT64_C(1) << 29);
+    const int64_t *x = bases->part[0] + 3 * (size_t)(block[0] - bases->lo[0]), *y = bases->part[1] + 3 * (size_t)(block[1] - bases->lo[1]),
+                  *z = bases->part[2] + 3 * (size_t)(block[2] - bases->lo[2]);
+    bool sure = true, near = true;
+    for (int a = 0; a < 3; a++) {
+        const int64_t w = x[a] + y[a] + z[a] + (1 << 15);
+        sure = sure && ((w & 0xffff) - 1) < 0xffff - 6 && (w & 0xffff) != 0;
+        near = near && (w >> 16) >= low && (w >> 16) < high;
+        base[a] = (int32_t)(w >> 16);
+    }
+    if (!sure)
+        return ost_map_block_base(bases->map, (ost_dims){block[0], block[1], block[2]}, base);
+    return near;
+}
+
+#endif

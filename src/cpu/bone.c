@@ -1,0 +1,322 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Slices in and out of a bone of bricks.  A layer of bricks is four slices
+ * high; whatever part of it a slab has, the layer's rows are put together
+ * first (zeros beyond the grid, what is there already beyond the slab), and
+ * one kernel turns sixteen rows into a row of bricks:
+ *
+ *     rows (y, z), y and z in 0..3          bricks of the row
+ *     ----- ----- ----- -----               [ 0 ][ 1 ][ 2 ] ...
+ *
+ * Upload, download and the digest's leaves all go by rows of four voxels.
+ */
+#include "cpu/bone.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/chunk_grid.h"
+#include "core/conditions.h"
+#include "cpu/cpu.h"
+
+enum { CHUNK_MAX = 64 };
+
+static int32_t min32(int32_t a, int32_t b)
+{
+    return a < b ? a : b;
+}
+
+static int32_t max32(int32_t a, int32_t b)
+{
+    return a > b ? a : b;
+}
+
+ost_status ost_cpu_bone_create(ost_backend *backend, const ost_geometry *geometry, int chunk_size, int32_t threshold,
+                               ost_bone **out, ost_error *err)
+{
+    const ost_dims dims = ost_chunk_dims(geometry->dims, chunk_size);
+    cpu_bone *bone = malloc(sizeof *bone);
+    cpu_chunk *chunks = calloc((size_t)ost_dims_count(dims), sizeof *chunks);
+    if (!bone || !chunks) {
+        free(chunks);
+        free(bone);
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a table of %lld chunks", (long long)ost_dims_count(dims));
+    }
+    *bone = (cpu_bone){
+        .base = {.backend = backend, .geometry = *geometry, .chunk_size = chunk_size, .threshold = threshold},
+        .chunk_dims = dims,
+        .count = ost_dims_count(dims),
+        .chunks = chunks,
+    };
+    *out = &bone->base;
+    return OST_OK;
+}
+
+void ost_cpu_bone_free(ost_bone *base)
+{
+    cpu_bone *bone = (cpu_bone *)base;
+    for (int64_t i = 0; i < bone->count; i++)
+        free(bone->chunks[i].density);
+    free(bone->chunks);
+    free(bone);
+}
+
+static bool fill(const cpu_bone *bone, cpu_chunk *chunk)
+{
+    const size_t bytes = ost_chunk_bytes(bone->base.chunk_size);
+    const size_t densities = bytes / 17 * 16; /* 2 bytes a voxel, then 1/8 */
+    unsigned char *block = aligned_alloc(64, bytes);
+    if (!block)
+        return false;
+    memset(block, 0, bytes);
+    *chunk = (cpu_chunk){.density = (int16_t *)(void *)block, .occupancy = (uint64_t *)(void *)(block + densities)};
+    return true;
+}
+
+void ost_cpu_chunk_release(cpu_chunk *chunk)
+{
+    assert(chunk->active == 0);
+    free(chunk->density);
+    *chunk = (cpu_chunk){0};
+}
+
+ost_status ost_cpu_bone_stats(const ost_bone *base, ost_bone_info *info, ost_error *err)
+{
+    (void)err;
+    const cpu_bone *bone = (const cpu_bone *)base;
+    info->active_chunks = info->active_voxels = 0;
+    for (int64_t i = 0; i < bone->count; i++) {
+        info->active_chunks += bone->chunks[i].active > 0;
+        info->active_voxels += bone->chunks[i].active;
+    }
+    info->chunk_bytes = info->active_chunks * (int64_t)ost_chunk_bytes(base->chunk_size);
+    return OST_OK;
+}
+
+/* ---------------------------------------------------------------- upload */
+
+/* Slices z0 <= z < z1 of the grid; voxels begins with slice z0. */
+typedef struct slab {
+    ost_dims dims;
+    int32_t z0, z1;
+    const int16_t *voxels;
+} slab;
+
+static const int16_t *slab_row(const slab *s, int32_t y, int32_t z)
+{
+    return s->voxels + ((size_t)(z - s->z0) * (size_t)s->dims.y + (size_t)y) * (size_t)s->dims.x;
+}
+
+typedef struct chunk_place {
+    int32_t first[3]; /* its first voxel */
+    int32_t end[3];   /* of its voxels within the grid */
+} chunk_place;
+
+static chunk_place place_of(const cpu_bone *bone, int64_t index)
+{
+    const ost_dims d = bone->chunk_dims, g = bone->base.geometry.dims;
+    const int32_t n = bone->base.chunk_size;
+    const int32_t x = (int32_t)(index % d.x) * n, y = (int32_t)(index / d.x % d.y) * n, z = (int32_t)(index / d.x / d.y) * n;
+    return (chunk_place){{x, y, z}, {min32(x + n, g.x), min32(y + n, g.y), min32(z + n, g.z)}};
+}
+
+static bool any_active(const cpu_bone *bone, const chunk_place *at, const slab *s)
+{
+    for (int32_t z = max32(at->first[2], s->z0); z < min32(at->end[2], s->z1); z++)
+        for (int32_t y = at->first[1]; y < at->end[1]; y++) {
+            const int16_t *row = slab_row(s, y, z);
+            int16_t highest = INT16_MIN;
+            for (int32_t x = at->first[0]; x < at->end[0]; x++)
+                highest = row[x] > highest ? row[x] : highest;
+            if (highest >= bone->base.threshold)
+                return true;
+        }
+    return false;
+}
+
+/* Row (y, z) of the chunk (in the chunk's own coordinates) out of its bricks. */
+static void read_row(const cpu_chunk *chunk, int32_t n, int32_t y, int32_t z, int16_t *row)
+{
+    const int16_t *bricks = chunk->density + (size_t)ost_brick_number(0, y / 4, z / 4) * OST_BRICK_VOXELS + (y % 4) * 4 + (z % 4) * 16;
+    for (int32_t x = 0; x < n / 4; x++)
+        memcpy(row + 4 * x, bricks + (size_t)ost_brick_spread(x) * OST_BRICK_VOXELS, 4 * sizeof *row);
+}
+
+/* Sixteen rows of the layer of bricks (y, z): straight out of the slab where they are whole, else put together in spare. */
+static void collect_rows(const cpu_bone *bone, const cpu_chunk *chunk, const chunk_place *at, const slab *s, int32_t y, int32_t z,
+                         int16_t spare[16][CHUNK_MAX], const int16_t *rows[16])
+{
+    const int32_t n = bone->base.chunk_size, width = at->end[0] - at->first[0];
+    for (int32_t r = 0; r < 16; r++) {
+        const int32_t gy = at->first[1] + y + r % 4, gz = at->first[2] + z + r / 4;
+        const bool in_grid = gy < at->end[1] && gz < at->end[2];
+        rows[r] = spare[r];
+        if (in_grid && gz >= s->z0 && gz < s->z1) {
+            const int16_t *from = slab_row(s, gy, gz) + at->first[0];
+            if (width == n) {
+                rows[r] = from;
+            } else {
+                memcpy(spare[r], from, (size_t)width * sizeof *from);
+                memset(spare[r] + width, 0, (size_t)(n - width) * sizeof *from);
+            }
+        } else if (in_grid) {
+            read_row(chunk, n, y + r % 4, z + r / 4, spare[r]);
+        } else {
+            memset(spare[r], 0, (size_t)n * sizeof(int16_t));
+        }
+    }
+}
+
+static int32_t active_in(const uint64_t *occupancy, size_t words)
+{
+    int32_t active = 0;
+    for (size_t i = 0; i < words; i++)
+        active += __builtin_popcountll(occupancy[i]);
+    return active;
+}
+
+static void store_chunk(const cpu_bone *bone, cpu_chunk *chunk, const chunk_place *at, const slab *s)
+{
+    const ost_cpu_kernels *kernels = &((const cpu_backend *)bone->base.backend)->kernels;
+    const int32_t n = bone->base.chunk_size;
+    const int32_t lo = (max32(at->first[2], s->z0) - at->first[2]) & ~3, hi = min32(at->end[2], s->z1) - at->first[2];
+    _Alignas(64) int16_t spare[16][CHUNK_MAX];
+    for (int32_t z = lo; z < hi; z += 4)
+        for (int32_t y = 0; y < n; y += 4) {
+            const int16_t *rows[16];
+            collect_rows(bone, chunk, at, s, y, z, spare, rows);
+            const size_t brick = (size_t)ost_brick_number(0, y / 4, z / 4);
+            int16_t highest = kernels->brick_row(rows, (size_t)n / 4, (int16_t)bone->base.threshold,
+                                                 chunk->density + brick * OST_BRICK_VOXELS, chunk->occupancy + brick);
+            chunk->highest = max32(chunk->highest, highest);
+        }
+    chunk->active = active_in(chunk->occupancy, (size_t)(n / 4) * (size_t)(n / 4) * (size_t)(n / 4));
+}
+
+ost_status ost_cpu_bone_upload(ost_bone *base, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err)
+{
+    cpu_bone *bone = (cpu_bone *)base;
+    if (count == 0)
+        return OST_OK;
+    const slab s = {.dims = base->geometry.dims, .z0 = z0, .z1 = z0 + count, .voxels = voxels};
+    const int64_t layer = (int64_t)bone->chunk_dims.x * bone->chunk_dims.y;
+    const int64_t from = z0 / base->chunk_size * layer, to = ((z0 + count - 1) / base->chunk_size + 1) * layer;
+    const int threads = ((const cpu_backend *)base->backend)->threads;
+    (void)threads;
+
+    /* First all memory that will be needed, so that a failure can still be taken back. */
+    bool enough = true;
+#pragma omp parallel for schedule(dynamic, 4) num_threads(threads) if (count >= 8 && threads > 1) reduction(&& : enough)
+    for (int64_t i = from; i < to; i++) {
+        chunk_place at = place_of(bone, i);
+        if (!bone->chunks[i].density && any_active(bone, &at, &s))
+            enough = fill(bone, &bone->chunks[i]) && enough;
+    }
+#pragma omp parallel for schedule(dynamic, 4) num_threads(threads) if (count >= 8 && threads > 1)
+    for (int64_t i = from; i < to; i++) {
+        cpu_chunk *chunk = &bone->chunks[i];
+        chunk_place at = place_of(bone, i);
+        if (chunk->density && enough)
+            store_chunk(bone, chunk, &at, &s);
+        if (chunk->density && chunk->active == 0)
+            ost_cpu_chunk_release(chunk);
+    }
+    if (!enough)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for the chunks of slices %d to %d (%zu bytes each)", z0, z0 + count - 1,
+                        ost_chunk_bytes(base->chunk_size));
+    return OST_OK;
+}
+
+ost_status ost_cpu_cubic_to_chunks(const ost_grid *base, int chunk_size, int32_t threshold, ost_bone **out, ost_error *err)
+{
+    const ref_grid *cubic = (const ref_grid *)base;
+    ost_bone *bone;
+    ost_status status = ost_cpu_bone_create(base->backend, &base->geometry, chunk_size, threshold, &bone, err);
+    if (status != OST_OK)
+        return status;
+    status = ost_cpu_bone_upload(bone, 0, base->geometry.dims.z, cubic->voxels, err);
+    if (status != OST_OK) {
+        ost_cpu_bone_free(bone);
+        return status;
+    }
+    *out = bone;
+    return OST_OK;
+}
+
+/* -------------------------------------------------------------- download */
+
+ost_status ost_cpu_bone_download(const ost_bone *base, int32_t z0, int32_t count, int16_t *voxels, ost_error *err)
+{
+    (void)err;
+    const cpu_bone *bone = (const cpu_bone *)base;
+    const ost_dims dims = base->geometry.dims;
+    const int32_t n = base->chunk_size;
+    for (int32_t z = z0; z < z0 + count; z++)
+        for (int32_t y = 0; y < dims.y; y++)
+            for (int32_t cx = 0; cx < bone->chunk_dims.x; cx++) {
+                const cpu_chunk *chunk = &bone->chunks[cx + (int64_t)bone->chunk_dims.x * (y / n + (int64_t)bone->chunk_dims.y * (z / n))];
+                int16_t row[CHUNK_MAX];
+                const size_t bytes = (size_t)min32(n, dims.x - cx * n) * sizeof *row;
+                int16_t *to = voxels + ((size_t)(z - z0) * (size_t)dims.y + (size_t)y) * (size_t)dims.x + (size_t)(cx * n);
+                if (chunk->density) {
+                    read_row(chunk, n, y % n, z % n, row);
+                    memcpy(to, row, bytes);
+                } else {
+                    memset(to, 0, bytes);
+                }
+            }
+    return OST_OK;
+}
+
+/*
+ * The 32^3 voxels of a leaf, zero beyond the grid; false when no chunk in it
+ * holds memory, and then nothing is written.  A leaf is (32/n)^3 whole chunks
+ * or an eighth of one: either way parts of min(n, 32) voxels an axis.
+ */
+static bool read_leaf(const cpu_bone *bone, ost_dims leaf, int16_t *voxels)
+{
+    const int32_t n = bone->base.chunk_size, part = min32(n, OST_LEAF);
+    bool found = false;
+    for (int32_t z = 0; z < OST_LEAF; z += part)
+        for (int32_t y = 0; y < OST_LEAF; y += part)
+            for (int32_t x = 0; x < OST_LEAF; x += part) {
+                const int32_t gx = leaf.x * OST_LEAF + x, gy = leaf.y * OST_LEAF + y, gz = leaf.z * OST_LEAF + z;
+                if (gx / n >= bone->chunk_dims.x || gy / n >= bone->chunk_dims.y || gz / n >= bone->chunk_dims.z)
+                    continue;
+                const cpu_chunk *chunk = &bone->chunks[gx / n + (int64_t)bone->chunk_dims.x * (gy / n + (int64_t)bone->chunk_dims.y * (gz / n))];
+                if (!chunk->density)
+                    continue;
+                if (!found)
+                    memset(voxels, 0, OST_LEAF * OST_LEAF * OST_LEAF * sizeof *voxels);
+                found = true;
+                for (int32_t k = 0; k < part; k++)
+                    for (int32_t j = 0; j < part; j++) {
+                        int16_t row[CHUNK_MAX];
+                        read_row(chunk, n, gy % n + j, gz % n + k, row);
+                        memcpy(voxels + x + OST_LEAF * (y + j + OST_LEAF * (z + k)), row + gx % n, (size_t)part * sizeof *row);
+                    }
+            }
+    return found;
+}
+
+ost_status ost_cpu_bone_leaves(const ost_bone *base, ost_digest *leaves, ost_error *err)
+{
+    const cpu_bone *bone = (const cpu_bone *)base;
+    const cpu_backend *backend = (const cpu_backend *)base->backend;
+    const ost_dims dims = ost_leaf_dims(base->geometry.dims);
+    const int64_t count = ost_dims_count(dims);
+    int failed = OST_OK;
+#pragma omp parallel for schedule(dynamic, 8) num_threads(backend->threads) if (count >= 64 && backend->threads > 1) reduction(max : failed)
+    for (int64_t i = 0; i < count; i++) {
+        int16_t voxels[OST_LEAF * OST_LEAF * OST_LEAF];
+        const ost_dims leaf = {(int32_t)(i % dims.x), (int32_t)(i / dims.x % dims.y), (int32_t)(i / dims.x / dims.y)};
+        ost_status status = OST_OK;
+        if (read_leaf(bone, leaf, voxels))
+            status = ost_digest_leaf16(voxels, &leaves[i], NULL);
+        else
+            leaves[i] = backend->ref.empty_leaf;
+        failed = (int)status > failed ? (int)status : failed;
+    }
+    return failed == OST_OK ? OST_OK : ost_fail(err, (ost_status)failed, "a leaf's digest could not be computed");
+}

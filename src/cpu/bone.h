@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The bone of the CPU backend: chunks as the reference has them (which hold
+ * memory, what is active), but inside a chunk the voxels lie in bricks of
+ * 4^3, and the bricks in Morton order.
+ *
+ *     a brick: 64 densities, 128 bytes      2^3 bricks = 8^3 voxels
+ *     and one occupancy word of 64 bits       6 ---- 7
+ *                                            /|     /|     brick number: bits of
+ *     voxel (x, y, z) of the brick is       4 ---- 5 |     x, y, z interleaved,
+ *     number x + 4 y + 16 z                 | 2 ---|-3     x lowest
+ *                                           0 ---- 1
+ *
+ * Why: the surface of a tool crosses bricks, so a brick is what removal
+ * decides at once (64 voxels, one word), and what it writes (two cache lines
+ * instead of sixteen).  The words of 8^3 voxels fill one cache line.  A cube
+ * of 8, 16 or 32 voxels is one run of bricks in every chunk size.
+ *
+ * Invariants as in core/chunk_grid.h: a voxel is active iff its density is at
+ * least the threshold, others are 0; its bit says so; a chunk holds memory
+ * iff active > 0; the padding is 0.  And: no density of a chunk is above
+ * its highest, which never falls.
+ */
+#ifndef OST_CPU_BONE_H
+#define OST_CPU_BONE_H
+
+#include "core/backend.h"
+
+typedef struct cpu_chunk {
+    int16_t *density;    /* owned with occupancy behind it, one 64-byte aligned block; NULL when active is 0 */
+    uint64_t *occupancy; /* in the same block */
+    int32_t active;
+    int32_t highest;
+} cpu_chunk;
+
+typedef struct cpu_bone {
+    ost_bone base;
+    ost_dims chunk_dims;
+    int64_t count;
+    cpu_chunk *chunks; /* owned; x fastest */
+} cpu_bone;
+
+enum { OST_BRICK = 4, OST_BRICK_VOXELS = 64 };
+
+/* Bits 0..3 of v to bits 0, 3, 6, 9. */
+static inline int32_t ost_brick_spread(int32_t v)
+{
+    return (v & 1) | (v & 2) << 2 | (v & 4) << 4 | (v & 8) << 6;
+}
+
+/* Number of brick (x, y, z) within its chunk, each below 16. */
+static inline int32_t ost_brick_number(int32_t x, int32_t y, int32_t z)
+{
+    return ost_brick_spread(x) | ost_brick_spread(y) << 1 | ost_brick_spread(z) << 2;
+}
+
+/* Bits 0, 3, 6, 9 of number back to bits 0..3; shift the number right by 1 for y, by 2 for z. */
+static inline int32_t ost_brick_gather(int32_t number)
+{
+    return (number & 1) | (number >> 2 & 2) | (number >> 4 & 4) | (number >> 6 & 8);
+}
+
+/* Takes back the memory of a chunk whose active is 0. */
+void ost_cpu_chunk_release(cpu_chunk *chunk);
+
+ost_status ost_cpu_bone_create(ost_backend *backend, const ost_geometry *geometry, int chunk_size, int32_t threshold,
+                               ost_bone **out, ost_error *err);
+void ost_cpu_bone_free(ost_bone *bone);
+ost_status ost_cpu_bone_stats(const ost_bone *bone, ost_bone_info *info, ost_error *err);
+ost_status ost_cpu_bone_upload(ost_bone *bone, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
+ost_status ost_cpu_bone_download(const ost_bone *bone, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
+ost_status ost_cpu_bone_leaves(const ost_bone *bone, ost_digest *leaves, ost_error *err);
+ost_status ost_cpu_cubic_to_chunks(const ost_grid *cubic, int chunk_size, int32_t threshold, ost_bone **out, ost_error *err);
+
+#endif

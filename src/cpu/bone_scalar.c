@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Rows of voxels into bricks, four voxels at a time. */
+#include <string.h>
+
+#include "core/conditions.h"
+#include "cpu/bone.h"
+#include "cpu/kernels.h"
+
+int16_t ost_brick_row_scalar(const int16_t *const rows[16], size_t bricks, int16_t threshold, int16_t *density, uint64_t *occupancy)
+{
+    int16_t highest = 0;
+    for (size_t x = 0; x < bricks; x++) {
+        const size_t at = (size_t)ost_brick_spread((int32_t)x);
+        int16_t brick[OST_BRICK_VOXELS];
+        for (int r = 0; r < 16; r++)
+            memcpy(brick + 4 * r, rows[r] + 4 * x, 4 * sizeof *brick);
+        uint64_t word = 0;
+        for (int v = 0; v < OST_BRICK_VOXELS; v++) {
+            word |= (uint64_t)(brick[v] >= threshold) << v;
+            brick[v] = brick[v] >= threshold ? brick[v] : 0;
+            highest = brick[v] > highest ? brick[v] : highest;
+        }
+        memcpy(density + at * OST_BRICK_VOXELS, brick, sizeof brick);
+        occupancy[at] = word;
+    }
+    return highest;
+}

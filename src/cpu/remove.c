@@ -1,0 +1,405 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Removal and collision (AR-REM) by cubes: as the reference, but asking the
+ * tool's distances first (remove.h).
+ *
+ *   for each pose
+ *     for each chunk with memory in its box          threads take chunks
+ *       for each unit of up to 32^3 voxels
+ *         blocks of 16^3 in the box, their bases     block_base.h
+ *         split: 8^3 cubes inside, mixed             outside ones are done
+ *         split: bricks inside, mixed                those with nothing active are done
+ *         match: the hits of mixed bricks
+ *         hits &= what is active; that becomes inactive
+ *         take: densities into the tally, and 0
+ *   reports in the order of chunks
+ *
+ * One pose after the other: what a pose hits is inactive for those after it,
+ * so that a voxel counts once however many poses hit it.  A collision does
+ * the same to copies of the occupancy and leaves the densities alone.
+ *
+ * Touched voxels (AR-REM-1) are the active ones that remain after all poses
+ * and that some pose covers with a voxel of class 2: a second pass with the
+ * tool's other shape, over copies of what occupancy is left, hits counted only.
+ *
+ * Every kernel sees whole cubes of its unit, so voxels may be tested that lie
+ * beside a pose's box; the reference tests none there.  Where a cube that is
+ * not outside crosses the box, its hits are cut to the box, so that even a box that
+ * is too small gives the same.
+ */
+#include "cpu/remove_event.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/conditions.h"
+#include "cpu/cpu.h"
+#include "cpu/tool.h"
+
+enum { BLOCK = OST_MAP_BLOCK };
+
+static int32_t min32(int32_t a, int32_t b)
+{
+    return a < b ? a : b;
+}
+
+static int32_t max32(int32_t a, int32_t b)
+{
+    return a > b ? a : b;
+}
+
+/* ------------------------------------------------------------- boxes */
+
+/* The box's part of the grid; false when it is empty. */
+static bool clip_box(const ost_voxel_box *box, ost_dims dims, ost_voxel_box *out)
+{
+    const int32_t d[3] = {dims.x, dims.y, dims.z};
+    bool any = true;
+    for (int a = 0; a < 3; a++) {
+        out->lo[a] = max32(box->lo[a], 0);
+        out->hi[a] = min32(box->hi[a], d[a]);
+        any = any && out->lo[a] < out->hi[a];
+    }
+    return any;
+}
+
+/* Numbers 0..63 of the 8^3 cubes of a unit whose place along axis a is at. */
+static uint64_t cubes_at(int a, int32_t at)
+{
+    static const uint64_t zero[3][2] = {{UINT64_C(0x5555555555555555), UINT64_C(0x00ff00ff00ff00ff)},
+                                        {UINT64_C(0x3333333333333333), UINT64_C(0x0000ffff0000ffff)},
+                                        {UINT64_C(0x0f0f0f0f0f0f0f0f), UINT64_C(0x00000000ffffffff)}};
+    return (at & 1 ? ~zero[a][0] : zero[a][0]) & (at & 2 ? ~zero[a][1] : zero[a][1]);
+}
+
+/* Those that lie wholly in the box. */
+static uint64_t cubes_within(const int32_t unit[3], const ost_voxel_box *box)
+{
+    uint64_t within = ~UINT64_C(0);
+    for (int a = 0; a < 3; a++) {
+        uint64_t along = 0;
+        for (int32_t at = 0; at < OST_UNIT / 8; at++)
+            if (unit[a] + 8 * at >= box->lo[a] && unit[a] + 8 * at + 8 <= box->hi[a])
+                along |= cubes_at(a, at);
+        within &= along;
+    }
+    return within;
+}
+
+/* The voxels of a brick that lie in the box. */
+static uint64_t brick_within(const int32_t unit[3], int32_t number, const ost_voxel_box *box)
+{
+    uint64_t mask = 0;
+    for (int v = 0; v < OST_BRICK_VOXELS; v++) {
+        bool in = true;
+        for (int a = 0; a < 3; a++) {
+            const int32_t at = unit[a] + OST_BRICK * ost_brick_gather(number >> a) + (v >> (2 * a) & 3);
+            in = in && at >= box->lo[a] && at < box->hi[a];
+        }
+        mask |= (uint64_t)in << v;
+    }
+    return mask;
+}
+
+static bool all_within(const int32_t unit[3], const ost_cubes *mixed, const ost_numbers *inside, const ost_voxel_box *box)
+{
+    uint64_t met = 0;
+    for (size_t i = 0; i < mixed->count; i++)
+        met |= UINT64_C(1) << mixed->number[i];
+    for (size_t i = 0; i < inside->count; i++)
+        met |= UINT64_C(1) << inside->number[i];
+    return (met & ~cubes_within(unit, box)) == 0;
+}
+
+/* ---------------------------------------------------------------- a unit */
+
+/* Bricks with hits, and what is hit. */
+typedef struct hit_list {
+    int32_t number[OST_UNIT_BRICKS];
+    uint64_t hits[OST_UNIT_BRICKS];
+    size_t count;
+} hit_list;
+
+/* hits become inactive; what was inactive was no hit. */
+static inline void add_hits(hit_list *list, uint64_t *occupancy, int32_t number, uint64_t hits)
+{
+    const uint64_t active = occupancy[number], hit = active & hits;
+    occupancy[number] = active ^ hit;
+    list->number[list->count] = number;
+    list->hits[list->count] = hit;
+    list->count += hit != 0;
+}
+
+/* The blocks of the unit that the box meets and the tool may reach. */
+static void collect_blocks(const ost_pose_plan *plan, const int32_t unit[3], int32_t edge, ost_cubes *blocks)
+{
+    size_t n = 0;
+    for (int part = 0; part < (edge == BLOCK ? 1 : 8); part++) {
+        int32_t block[3], base[3];
+        bool meets = true;
+        for (int a = 0; a < 3; a++) {
+            const int32_t first = unit[a] + (part >> a & 1) * BLOCK;
+            block[a] = first / BLOCK;
+            meets = meets && first < plan->box.hi[a] && first + BLOCK > plan->box.lo[a];
+        }
+        if (!meets || !ost_block_base(&plan->bases, block, base))
+            continue;
+        for (int a = 0; a < 3; a++)
+            blocks->u[a][n] = base[a];
+        blocks->number[n++] = part;
+    }
+    blocks->count = n;
+}
+
+/* One pose on one unit. */
+static void run_unit(const ost_cpu_kernels *kernels, const ost_pose_plan *plan, const int32_t unit[3], int32_t edge, int16_t *density,
+                     uint64_t *occupancy, const ost_take *take, ost_tally *tally)
+{
+    const ost_cells *cells = &plan->match.shape->cells;
+    ost_cubes blocks, cubes, bricks;
+    ost_numbers inside, inside_bricks;
+    _Alignas(64) uint64_t hits[OST_UNIT_BRICKS + OST_CUBES_SLACK];
+    hit_list list;
+    list.count = cubes.count = bricks.count = inside.count = inside_bricks.count = 0;
+
+    collect_blocks(plan, unit, edge, &blocks);
+    if (blocks.count == 0)
+        return;
+    kernels->split(&plan->split[0], cells, &blocks, NULL, &cubes, &inside);
+    if (cubes.count + inside.count == 0)
+        return;
+    const bool whole = all_within(unit, &cubes, &inside, &plan->box);
+    kernels->split(&plan->split[1], cells, &cubes, occupancy, &bricks, &inside_bricks);
+    kernels->match(&plan->match, &bricks, hits);
+
+    if (whole) {
+        for (size_t i = 0; i < bricks.count; i++)
+            add_hits(&list, occupancy, bricks.number[i], hits[i]);
+        for (size_t i = 0; i < inside_bricks.count; i++)
+            add_hits(&list, occupancy, inside_bricks.number[i], ~UINT64_C(0));
+        for (size_t i = 0; i < inside.count; i++)
+            for (int part = 0; part < 8; part++)
+                add_hits(&list, occupancy, inside.number[i] * 8 + part, ~UINT64_C(0));
+    } else {
+        for (size_t i = 0; i < bricks.count; i++)
+            add_hits(&list, occupancy, bricks.number[i], hits[i] & brick_within(unit, bricks.number[i], &plan->box));
+        for (size_t i = 0; i < inside_bricks.count; i++)
+            add_hits(&list, occupancy, inside_bricks.number[i], brick_within(unit, inside_bricks.number[i], &plan->box));
+        for (size_t i = 0; i < inside.count; i++)
+            for (int part = 0; part < 8; part++)
+                add_hits(&list, occupancy, inside.number[i] * 8 + part, brick_within(unit, inside.number[i] * 8 + part, &plan->box));
+    }
+    if (list.count > 0)
+        kernels->take(take, density, list.number, list.hits, list.count, tally);
+}
+
+/* -------------------------------------------------------------- an event */
+
+static void run_chunk(const ost_cpu_kernels *kernels, const ost_pose_plan *plan, int32_t n, const ost_event_chunk *chunk, bool apply,
+                      const ost_density_classes *classes, ost_tally *tally)
+{
+    ost_take take = {.borders = classes ? classes->count - 1 : 0, .highest = chunk->chunk->highest, .apply = apply};
+    for (int b = 0; b < take.borders; b++)
+        take.border[b] = classes->border[b + 1];
+    const int32_t edge = min32(n, OST_UNIT);
+    for (int32_t part = 0; part < (n == edge ? 1 : 8); part++) {
+        int32_t unit[3];
+        bool meets = true;
+        for (int a = 0; a < 3; a++) {
+            unit[a] = chunk->first[a] + (part >> a & 1) * OST_UNIT;
+            meets = meets && unit[a] < plan->box.hi[a] && unit[a] + edge > plan->box.lo[a];
+        }
+        if (meets)
+            run_unit(kernels, plan, unit, edge, chunk->chunk->density + (size_t)part * OST_UNIT_BRICKS * OST_BRICK_VOXELS,
+                     chunk->occupancy + (size_t)part * OST_UNIT_BRICKS, &take, tally);
+    }
+}
+
+/* Blocks that the box meets. */
+static void block_range(const ost_voxel_box *box, int32_t lo[3], int32_t hi[3])
+{
+    for (int a = 0; a < 3; a++) {
+        lo[a] = box->lo[a] / BLOCK;
+        hi[a] = (box->hi[a] - 1) / BLOCK + 1;
+    }
+}
+
+static void plan_pose(ost_pose_plan *plan, const ost_map *map, const ost_voxel_box *box, const ost_shape *shape)
+{
+    int32_t lo[3], hi[3];
+    block_range(box, lo, hi);
+    plan->box = *box;
+    ost_split_make(map->step, 16, &shape->cells, &plan->split[0]);
+    ost_split_make(map->step, 8, &shape->cells, &plan->split[1]);
+    ost_match_make(map->step, shape, &plan->match);
+    ost_block_bases_make(&plan->bases, map, lo, hi);
+}
+
+/* All poses on all chunks of the list. classes is NULL when hits are those of touching voxels: counted only. */
+static void run_poses(const cpu_bone *bone, const ost_shape *shape, const ost_event *event, ost_event_scratch *scratch,
+                      const ost_density_classes *classes, bool apply)
+{
+    const cpu_backend *backend = (const cpu_backend *)bone->base.backend;
+    const int32_t n = bone->base.chunk_size;
+    const ptrdiff_t count = (ptrdiff_t)scratch->count;
+    const bool many = backend->threads > 1 && (size_t)count * (size_t)n * (size_t)n * (size_t)n >= OST_EVENT_THREADED;
+    (void)many;
+    for (int p = 0; p < event->pose_count; p++) {
+        ost_voxel_box box;
+        if (!clip_box(&event->boxes[p], bone->base.geometry.dims, &box))
+            continue;
+        plan_pose(&scratch->plan, &event->maps[p], &box, shape);
+#pragma omp parallel for schedule(dynamic, 4) num_threads(backend->threads) if (many)
+        for (ptrdiff_t i = 0; i < count; i++) {
+            ost_event_chunk *chunk = &scratch->chunks[i];
+            run_chunk(&backend->kernels, &scratch->plan, n, chunk, apply, classes, classes ? &chunk->tally : &chunk->touched);
+        }
+    }
+}
+
+/* Chunks with memory that some pose's box meets, ascending; and room for the bases of the longest box. */
+static ost_status list_chunks(const cpu_bone *bone, const ost_event *event, ost_event_scratch *scratch, ost_error *err)
+{
+    const int32_t n = bone->base.chunk_size;
+    int32_t lo[3] = {INT32_MAX, INT32_MAX, INT32_MAX}, hi[3] = {0, 0, 0}, blocks[3] = {0, 0, 0}, first[3], last[3];
+    for (int p = 0; p < event->pose_count; p++) {
+        ost_voxel_box box;
+        if (!clip_box(&event->boxes[p], bone->base.geometry.dims, &box))
+            continue;
+        block_range(&box, first, last);
+        for (int a = 0; a < 3; a++) {
+            blocks[a] = max32(blocks[a], last[a] - first[a]);
+            lo[a] = min32(lo[a], box.lo[a] / n);
+            hi[a] = max32(hi[a], (box.hi[a] - 1) / n + 1);
+        }
+    }
+    scratch->count = 0;
+    for (int32_t z = lo[2]; z < hi[2]; z++)
+        for (int32_t y = lo[1]; y < hi[1]; y++)
+            for (int32_t x = lo[0]; x < hi[0]; x++) {
+                const int32_t index = x + bone->chunk_dims.x * (y + bone->chunk_dims.y * z);
+                cpu_chunk *chunk = &bone->chunks[index];
+                if (chunk->active == 0)
+                    continue;
+                if (scratch->count == scratch->capacity) {
+                    const size_t capacity = scratch->capacity ? 2 * scratch->capacity : 64;
+                    ost_event_chunk *grown = realloc(scratch->chunks, capacity * sizeof *grown);
+                    if (!grown)
+                        return ost_fail(err, OST_ERR_MEMORY, "no memory for an event of %zu chunks", capacity);
+                    scratch->chunks = grown;
+                    scratch->capacity = capacity;
+                }
+                scratch->chunks[scratch->count++] = (ost_event_chunk){
+                    .index = index, .first = {x * n, y * n, z * n}, .chunk = chunk, .occupancy = chunk->occupancy};
+            }
+    return ost_block_bases_reserve(&scratch->plan.bases, blocks, err);
+}
+
+/* Room for every chunk in the report, so that nothing can fail once the first voxel is gone. */
+static ost_status reserve(ost_report *report, size_t needed, ost_error *err)
+{
+    if (needed <= report->capacity)
+        return OST_OK;
+    ost_chunk_report *grown = realloc(report->chunks, needed * sizeof *grown);
+    if (!grown)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a report of %zu chunks", needed);
+    report->chunks = grown;
+    report->capacity = needed;
+    return OST_OK;
+}
+
+static size_t words(const cpu_bone *bone)
+{
+    const size_t n = (size_t)bone->base.chunk_size;
+    return n * n * n / 64;
+}
+
+static ost_status room_for_copies(const cpu_bone *bone, ost_event_scratch *scratch, ost_error *err)
+{
+    const size_t needed = scratch->count * words(bone);
+    if (needed <= scratch->copy_capacity)
+        return OST_OK;
+    uint64_t *copies = realloc(scratch->copies, needed * sizeof *copies);
+    if (!copies)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory to copy the occupancy of %zu chunks", scratch->count);
+    scratch->copies = copies;
+    scratch->copy_capacity = needed;
+    return OST_OK;
+}
+
+/* From here on the chunks' occupancy is that of copies; they begin as what the chunks' occupancy is now. */
+static void copy_occupancy(const cpu_bone *bone, ost_event_scratch *scratch)
+{
+    for (size_t i = 0; i < scratch->count; i++) {
+        uint64_t *copy = scratch->copies + i * words(bone);
+        memcpy(copy, scratch->chunks[i].occupancy, words(bone) * sizeof *copy);
+        scratch->chunks[i].occupancy = copy;
+    }
+}
+
+/* The tally counts from a border upwards, the report class by class. */
+static ost_status report_chunk(const ost_event_chunk *chunk, const ost_density_classes *classes, ost_report *report, ost_error *err)
+{
+    if (chunk->tally.voxels[0] == 0)
+        return OST_OK;
+    ost_chunk_report part = {.chunk = chunk->index};
+    for (int c = 0; c < classes->count; c++) {
+        const bool last = c == classes->count - 1;
+        part.voxels[c] = (uint32_t)(chunk->tally.voxels[c] - (last ? 0 : chunk->tally.voxels[c + 1]));
+        part.density[c] = (int64_t)(chunk->tally.density[c] - (last ? 0 : chunk->tally.density[c + 1]));
+    }
+    return ost_report_add(report, &part, err);
+}
+
+static ost_status run_event(const cpu_bone *bone, const cpu_tool *tool, const ost_event *event, bool apply, ost_report *report,
+                            ost_error *err)
+{
+    ost_event_scratch *scratch = &((cpu_backend *)bone->base.backend)->event;
+    const cpu_shapes *shapes = tool->shapes;
+    ost_status status = ost_cpu_tool_prepare(tool, bone->base.geometry.spacing.x, err);
+    if (status == OST_OK)
+        status = list_chunks(bone, event, scratch, err);
+    if (status == OST_OK)
+        status = reserve(report, scratch->count, err);
+    if (status == OST_OK && (!apply || shapes->touches))
+        status = room_for_copies(bone, scratch, err);
+    if (status != OST_OK)
+        return status;
+    if (!apply)
+        copy_occupancy(bone, scratch);
+    run_poses(bone, &shapes->cutting, event, scratch, event->classes, apply);
+    if (shapes->touches) {
+        if (apply)
+            copy_occupancy(bone, scratch);
+        run_poses(bone, &shapes->touching, event, scratch, NULL, false);
+    }
+    for (size_t i = 0; i < scratch->count && status == OST_OK; i++) {
+        ost_event_chunk *chunk = &scratch->chunks[i];
+        status = report_chunk(chunk, event->classes, report, err);
+        report->touched_voxels += chunk->touched.voxels[0];
+        if (!apply)
+            continue;
+        chunk->chunk->active -= (int32_t)chunk->tally.voxels[0];
+        if (chunk->chunk->active == 0)
+            ost_cpu_chunk_release(chunk->chunk);
+    }
+    return status;
+}
+
+ost_status ost_cpu_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err)
+{
+    return run_event((const cpu_bone *)bone, (const cpu_tool *)tool, event, true, report, err);
+}
+
+ost_status ost_cpu_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err)
+{
+    return run_event((const cpu_bone *)bone, (const cpu_tool *)tool, event, false, report, err);
+}
+
+void ost_event_scratch_free(ost_event_scratch *scratch)
+{
+    ost_block_bases_free(&scratch->plan.bases);
+    free(scratch->chunks);
+    free(scratch->copies);
+    *scratch = (ost_event_scratch){0};
+}

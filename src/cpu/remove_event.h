@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Removal and collision of the CPU backend, and the memory that events reuse. */
+#ifndef OST_CPU_REMOVE_EVENT_H
+#define OST_CPU_REMOVE_EVENT_H
+
+#include "cpu/block_base.h"
+#include "cpu/bone.h"
+#include "cpu/kernels.h"
+
+/* Voxels of chunks from which on an event is shared among threads: below, starting them costs more than it gives. */
+#define OST_EVENT_THREADED ((size_t)1 << 22)
+
+/* Everything that a pose is worked out to before the first chunk. */
+typedef struct ost_pose_plan {
+    ost_split split[2]; /* 16 -> 8, 8 -> 4 */
+    ost_match match;
+    ost_block_bases bases;
+    ost_voxel_box box; /* within the grid */
+} ost_pose_plan;
+
+typedef struct ost_event_chunk {
+    int32_t index, first[3];
+    cpu_chunk *chunk;
+    uint64_t *occupancy; /* the chunk's, or a copy */
+    ost_tally tally, touched;
+} ost_event_chunk;
+
+typedef struct ost_event_scratch {
+    ost_pose_plan plan;
+    ost_event_chunk *chunks; /* owned */
+    size_t count, capacity;
+    uint64_t *copies; /* owned */
+    size_t copy_capacity;
+} ost_event_scratch;
+
+void ost_event_scratch_free(ost_event_scratch *scratch);
+
+ost_status ost_cpu_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err);
+ost_status ost_cpu_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err);
+
+#endif

@@ -1,0 +1,98 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What the kernels need to know of a pose, out of its steps (remove.h says why it is right). */
+#include <string.h>
+
+#include "core/conditions.h"
+#include "cpu/remove.h"
+
+/* (2 R)^2 of a cube of this edge: |step| <= 2^24 + 1 (AR-MAP-3), edge <= 8, so below 3 * (7 * 3 * 2^24 + 63)^2 < 2^59. */
+static int64_t diameter_squared(const int32_t step[3][3], int32_t edge)
+{
+    int64_t greatest = 0;
+    for (int signs = 0; signs < 4; signs++) {
+        int64_t squared = 0;
+        for (int a = 0; a < 3; a++) {
+            const int64_t d = (int64_t)(edge - 1) * (step[0][a] + (signs & 1 ? -(int64_t)step[1][a] : step[1][a]) +
+                                                     (signs & 2 ? -(int64_t)step[2][a] : step[2][a]));
+            squared += d * d;
+        }
+        greatest = squared > greatest ? squared : greatest;
+    }
+    return greatest;
+}
+
+/* The first v with v * unit > R + 2, that is 2 v unit - 4 > 2 R. unit <= 2^21, so the squares stay below 2^60. */
+static int32_t least_for(int64_t squared, int32_t unit)
+{
+    int32_t lo = 1, hi = 128;
+    while (lo < hi) {
+        const int32_t v = (lo + hi) / 2;
+        const int64_t reach = 2 * (int64_t)v * unit - 4;
+        if (reach > 0 && reach * reach > squared)
+            hi = v;
+        else
+            lo = v + 1;
+    }
+    return lo;
+}
+
+void ost_split_make(const int32_t step[3][3], int32_t edge, const ost_cells *cells, ost_split *out)
+{
+    const int32_t half = edge / 2;
+    for (int a = 0; a < 3; a++) {
+        /* |sum| < 2^25, times 7: the shift rounds down. */
+        const int32_t centre = ((half - 1) * (step[0][a] + step[1][a] + step[2][a])) >> 1;
+        for (int part = 0; part < 8; part++) {
+            out->first[a][part] = half * ((part & 1 ? step[0][a] : 0) + (part & 2 ? step[1][a] : 0) + (part & 4 ? step[2][a] : 0));
+            out->centre[a][part] = out->first[a][part] + centre;
+        }
+    }
+    out->least = least_for(diameter_squared(step, half), cells->unit);
+}
+
+static int32_t below_zero(int32_t x)
+{
+    return x < 0 ? x : 0;
+}
+
+static int32_t magnitude(int32_t x)
+{
+    return x < 0 ? -x : x;
+}
+
+/* What "Match" in remove.h asks of a pose; every map that ost_map_make gives has it where there are windows. */
+static bool windows_hold(const int32_t step[3][3], const ost_windows *windows)
+{
+    const int64_t radius_twice = INT64_C(72) * (1 << OST_MAP_FRACTION) / 10;
+    if (windows->step == 0 || diameter_squared(step, 4) > radius_twice * radius_twice)
+        return false;
+    for (int a = 0; a < 3; a++)
+        if (3 * ((int64_t)magnitude(step[0][a]) + magnitude(step[1][a]) + magnitude(step[2][a])) >=
+            (int64_t)(8 - windows->step) << OST_MAP_FRACTION)
+            return false;
+    return true;
+}
+
+void ost_match_make(const int32_t step[3][3], const ost_shape *shape, ost_match *out)
+{
+    enum { LOW = OST_MAP_FRACTION - OST_TIE_BITS, TIES = 1 << OST_TIE_BITS };
+    out->shape = shape;
+    out->windows = windows_hold(step, &shape->windows);
+    if (out->windows)
+        memset(out->tie, 0, sizeof out->tie);
+    for (int a = 0; a < 3; a++) {
+        const int32_t lowest = 3 * (below_zero(step[0][a]) + below_zero(step[1][a]) + below_zero(step[2][a]));
+        out->lowest[a] = lowest;
+        for (int v = 0; v < 64; v++)
+            out->offset[a][v] = (v & 3) * step[0][a] + (v >> 2 & 3) * step[1][a] + (v >> 4) * step[2][a];
+        if (!out->windows)
+            continue;
+        for (int v = 0; v < 64; v++) {
+            const uint32_t offset = (uint32_t)(out->offset[a][v] - lowest);
+            out->high[a][v] = (uint16_t)(offset >> LOW);
+            out->low[a][v] = (uint16_t)(offset & ((1 << LOW) - 1));
+            const uint32_t tie = (TIES - 1 - (offset >> LOW)) & (TIES - 1);
+            out->tie[a][tie / 32] |= UINT32_C(1) << (tie % 32);
+        }
+    }
+}
