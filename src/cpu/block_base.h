@@ -34,19 +34,18 @@ void ost_block_bases_free(ost_block_bases *bases);
 /* As ost_map_block_base; block as given to make. */
 static inline bool ost_block_base(const ost_block_bases *bases, const int32_t block[3], int32_t base[3])
 {
-    const int64_t low = -(INT64_C(1) << 29), high = (INT64_C(1) << 30) + (INT64_C(1) << 29);
+    const int64_t low = -(INT64_C(1) << 29);
+    const uint64_t span = UINT64_C(1) << 31; /* from there up to 2^30 + 2^29 */
     const int64_t *x = bases->part[0] + 3 * (size_t)(block[0] - bases->lo[0]), *y = bases->part[1] + 3 * (size_t)(block[1] - bases->lo[1]),
                   *z = bases->part[2] + 3 * (size_t)(block[2] - bases->lo[2]);
-    bool sure = true, near = true;
-    for (int a = 0; a < 3; a++) {
-        const int64_t w = x[a] + y[a] + z[a] + (1 << 15);
-        sure = sure && ((w & 0xffff) - 1) < 0xffff - 6 && (w & 0xffff) != 0;
-        near = near && (w >> 16) >= low && (w >> 16) < high;
-        base[a] = (int32_t)(w >> 16);
-    }
-    if (!sure)
+    const int64_t u = x[0] + y[0] + z[0] + (1 << 15), v = x[1] + y[1] + z[1] + (1 << 15), w = x[2] + y[2] + z[2] + (1 << 15);
+    base[0] = (int32_t)(u >> 16);
+    base[1] = (int32_t)(v >> 16);
+    base[2] = (int32_t)(w >> 16);
+    const uint16_t unsure = 0xffff - 6; /* 0 and the last six, less 1, are not below it */
+    if ((uint16_t)(u - 1) >= unsure || (uint16_t)(v - 1) >= unsure || (uint16_t)(w - 1) >= unsure)
         return ost_map_block_base(bases->map, (ost_dims){block[0], block[1], block[2]}, base);
-    return near;
+    return (uint64_t)((u >> 16) - low) < span && (uint64_t)((v >> 16) - low) < span && (uint64_t)((w >> 16) - low) < span;
 }
 
 #endif

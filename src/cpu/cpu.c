@@ -81,9 +81,11 @@ static ost_status open_cpu(const char *options, ost_backend **out, ost_error *er
         status = ost_isa_choose(isa, &level, err);
     if (status == OST_OK)
         status = ost_backend_ref.open("", &ref, err);
-    if (status == OST_OK && !(backend = calloc(1, sizeof *backend)))
+    /* Its kernels' tables lie on cache lines, so it must; its size is then a multiple of them. */
+    if (status == OST_OK && !(backend = aligned_alloc(_Alignof(cpu_backend), sizeof *backend)))
         status = ost_fail(err, OST_ERR_MEMORY, "no memory for backend cpu");
     if (status == OST_OK) {
+        memset(backend, 0, sizeof *backend);
         backend->ref = *(const ref_backend *)ref;
         backend->isa = level;
         backend->threads = threads;

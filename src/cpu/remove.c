@@ -86,29 +86,33 @@ static uint64_t cubes_within(const int32_t unit[3], const ost_voxel_box *box)
     return within;
 }
 
-/* The voxels of a brick that lie in the box. */
-static uint64_t brick_within(const int32_t unit[3], int32_t number, const ost_voxel_box *box)
-{
-    uint64_t mask = 0;
-    for (int v = 0; v < OST_BRICK_VOXELS; v++) {
-        bool in = true;
-        for (int a = 0; a < 3; a++) {
-            const int32_t at = unit[a] + OST_BRICK * ost_brick_gather(number >> a) + (v >> (2 * a) & 3);
-            in = in && at >= box->lo[a] && at < box->hi[a];
-        }
-        mask |= (uint64_t)in << v;
-    }
-    return mask;
-}
-
-static bool all_within(const int32_t unit[3], const ost_cubes *mixed, const ost_numbers *inside, const ost_voxel_box *box)
+/* The 8^3 cubes of the two lists that do not lie wholly in the box. */
+static uint64_t cubes_across(const int32_t unit[3], const ost_cubes *mixed, const ost_numbers *inside, const ost_voxel_box *box)
 {
     uint64_t met = 0;
     for (size_t i = 0; i < mixed->count; i++)
         met |= UINT64_C(1) << mixed->number[i];
     for (size_t i = 0; i < inside->count; i++)
         met |= UINT64_C(1) << inside->number[i];
-    return (met & ~cubes_within(unit, box)) == 0;
+    return met & ~cubes_within(unit, box);
+}
+
+/* The voxels of a brick that lie in the box; all of them where its cube is not among those across. */
+static inline uint64_t brick_within(const int32_t unit[3], int32_t number, const ost_voxel_box *box, uint64_t across)
+{
+    if (!(across >> (number >> 3) & 1))
+        return ~UINT64_C(0);
+    static const uint64_t first[3] = {UINT64_C(0x1111111111111111), UINT64_C(0x000f000f000f000f), UINT64_C(0xffff)};
+    uint64_t mask = ~UINT64_C(0);
+    for (int a = 0; a < 3; a++) {
+        const int32_t at = unit[a] + OST_BRICK * ost_brick_gather(number >> a);
+        uint64_t along = 0;
+        for (int32_t i = 0; i < OST_BRICK; i++)
+            if (at + i >= box->lo[a] && at + i < box->hi[a])
+                along |= first[a] << (i << (2 * a));
+        mask &= along;
+    }
+    return mask;
 }
 
 /* ---------------------------------------------------------------- a unit */
@@ -130,25 +134,46 @@ static inline void add_hits(hit_list *list, uint64_t *occupancy, int32_t number,
     list->count += hit != 0;
 }
 
-/* The blocks of the unit that the box meets and the tool may reach. */
+/* The blocks of the unit that the box meets (those that the plan has bases for) and the tool may reach. */
 static void collect_blocks(const ost_pose_plan *plan, const int32_t unit[3], int32_t edge, ost_cubes *blocks)
 {
-    size_t n = 0;
-    for (int part = 0; part < (edge == BLOCK ? 1 : 8); part++) {
-        int32_t block[3], base[3];
-        bool meets = true;
-        for (int a = 0; a < 3; a++) {
-            const int32_t first = unit[a] + (part >> a & 1) * BLOCK;
-            block[a] = first / BLOCK;
-            meets = meets && first < plan->box.hi[a] && first + BLOCK > plan->box.lo[a];
-        }
-        if (!meets || !ost_block_base(&plan->bases, block, base))
-            continue;
-        for (int a = 0; a < 3; a++)
-            blocks->u[a][n] = base[a];
-        blocks->number[n++] = part;
+    const ost_block_bases *bases = &plan->bases;
+    const int32_t blocks_wide = edge / BLOCK;
+    int32_t from[3], to[3], first[3];
+    for (int a = 0; a < 3; a++) {
+        first[a] = (int32_t)((uint32_t)unit[a] / BLOCK);
+        from[a] = max32(first[a], bases->lo[a]);
+        to[a] = min32(first[a] + blocks_wide, bases->lo[a] + bases->count[a]);
     }
+    size_t n = 0;
+    for (int32_t z = from[2]; z < to[2]; z++)
+        for (int32_t y = from[1]; y < to[1]; y++)
+            for (int32_t x = from[0]; x < to[0]; x++) {
+                int32_t base[3];
+                const bool near = ost_block_base(bases, (const int32_t[3]){x, y, z}, base);
+                blocks->u[0][n] = base[0];
+                blocks->u[1][n] = base[1];
+                blocks->u[2][n] = base[2];
+                blocks->number[n] = x - first[0] + 2 * (y - first[1]) + 4 * (z - first[2]);
+                n += near;
+            }
     blocks->count = n;
+}
+
+/* What is hit among mixed bricks, bricks inside and cubes inside. */
+static inline __attribute__((always_inline)) void settle(hit_list *list, uint64_t *occupancy, const ost_cubes *bricks,
+                                                         const uint64_t *hits, const ost_numbers *inside_bricks,
+                                                         const ost_numbers *inside, const int32_t unit[3], const ost_voxel_box *box,
+                                                         uint64_t across)
+{
+    for (size_t i = 0; i < bricks->count; i++)
+        add_hits(list, occupancy, bricks->number[i], hits[i] & brick_within(unit, bricks->number[i], box, across));
+    for (size_t i = 0; i < inside_bricks->count; i++)
+        add_hits(list, occupancy, inside_bricks->number[i], brick_within(unit, inside_bricks->number[i], box, across));
+    for (size_t i = 0; i < inside->count; i++)
+        for (int32_t part = 8 * inside->number[i]; part < 8 * inside->number[i] + 8; part++)
+            if (occupancy[part])
+                add_hits(list, occupancy, part, brick_within(unit, part, box, across));
 }
 
 /* One pose on one unit. */
@@ -168,27 +193,14 @@ static void run_unit(const ost_cpu_kernels *kernels, const ost_pose_plan *plan, 
     kernels->split(&plan->split[0], cells, &blocks, NULL, &cubes, &inside);
     if (cubes.count + inside.count == 0)
         return;
-    const bool whole = all_within(unit, &cubes, &inside, &plan->box);
+    const uint64_t across = cubes_across(unit, &cubes, &inside, &plan->box);
     kernels->split(&plan->split[1], cells, &cubes, occupancy, &bricks, &inside_bricks);
     kernels->match(&plan->match, &bricks, hits);
 
-    if (whole) {
-        for (size_t i = 0; i < bricks.count; i++)
-            add_hits(&list, occupancy, bricks.number[i], hits[i]);
-        for (size_t i = 0; i < inside_bricks.count; i++)
-            add_hits(&list, occupancy, inside_bricks.number[i], ~UINT64_C(0));
-        for (size_t i = 0; i < inside.count; i++)
-            for (int part = 0; part < 8; part++)
-                add_hits(&list, occupancy, inside.number[i] * 8 + part, ~UINT64_C(0));
-    } else {
-        for (size_t i = 0; i < bricks.count; i++)
-            add_hits(&list, occupancy, bricks.number[i], hits[i] & brick_within(unit, bricks.number[i], &plan->box));
-        for (size_t i = 0; i < inside_bricks.count; i++)
-            add_hits(&list, occupancy, inside_bricks.number[i], brick_within(unit, inside_bricks.number[i], &plan->box));
-        for (size_t i = 0; i < inside.count; i++)
-            for (int part = 0; part < 8; part++)
-                add_hits(&list, occupancy, inside.number[i] * 8 + part, brick_within(unit, inside.number[i] * 8 + part, &plan->box));
-    }
+    if (across == 0)
+        settle(&list, occupancy, &bricks, hits, &inside_bricks, &inside, unit, &plan->box, 0);
+    else
+        settle(&list, occupancy, &bricks, hits, &inside_bricks, &inside, unit, &plan->box, across);
     if (list.count > 0)
         kernels->take(take, density, list.number, list.hits, list.count, tally);
 }

@@ -1,0 +1,378 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Removal in AVX-512 (F, BW, DQ, VL, CD).
+ *
+ *   split   two cubes, sixteen parts at once
+ *   match   32 voxels in 16-bit lanes, twice: a window of 64 bytes is one
+ *           register, and a row of it one VPERMW
+ *   take    a brick is two registers; classes by compare masks
+ *
+ * Tables are read by scalar loads from indices that were stored: sixteen of
+ * them take half the time of a gather, and many are in flight at once.
+ *
+ * A window's 16-bit word 4 y + z / 2 holds the bytes of rows (y, z) and
+ * (y, z + 1), z even.  In a lane's u = voxel.fraction (3 + 13 bits):
+ *
+ *   word     uy >> 11  ->  y2 y1 y0 f f        uz >> 14  ->  z2 z1
+ *            5 bits:       y2 y1 y0 z2 z1      (VPERMW ignores the bits above)
+ *   bit      ux >> 13  ->  x2 x1 x0            uz >> 10  ->  bit 3 is z0
+ *            4 bits:    z0 x2 x1 x0
+ */
+#include <immintrin.h>
+
+#include "core/conditions.h"
+#include "cpu/kernels.h"
+
+/* ------------------------------------------------------------------ split */
+
+/* The number of the cell that each lane lies in, or is nearest to. */
+static inline __m512i cells_of(const ost_cells *cells, __m512i x, __m512i y, __m512i z)
+{
+    const __m512i zero = _mm512_setzero_si512(), margin = _mm512_set1_epi32(cells->margin);
+    const __m128i shift = _mm_cvtsi32_si128(cells->shift);
+    x = _mm512_add_epi32(_mm512_sra_epi32(x, shift), margin);
+    y = _mm512_add_epi32(_mm512_sra_epi32(y, shift), margin);
+    z = _mm512_add_epi32(_mm512_sra_epi32(z, shift), margin);
+    x = _mm512_min_epi32(_mm512_max_epi32(x, zero), _mm512_set1_epi32(cells->dims[0] - 1));
+    y = _mm512_min_epi32(_mm512_max_epi32(y, zero), _mm512_set1_epi32(cells->dims[1] - 1));
+    z = _mm512_min_epi32(_mm512_max_epi32(z, zero), _mm512_set1_epi32(cells->dims[2] - 1));
+    const __m512i row = _mm512_add_epi32(y, _mm512_mullo_epi32(z, _mm512_set1_epi32(cells->dims[1])));
+    return _mm512_add_epi32(x, _mm512_mullo_epi32(row, _mm512_set1_epi32(cells->dims[0])));
+}
+
+static inline __m512i two(const int32_t *at)
+{
+    return _mm512_mask_set1_epi32(_mm512_set1_epi32(at[0]), 0xff00, at[1]);
+}
+
+static inline __m512i twice(const int32_t eight[8])
+{
+    return _mm512_broadcast_i64x4(_mm256_load_si256((const __m256i *)eight));
+}
+
+/* Pairs of cubes, their parts that are still to be sorted, and the parts' cells. */
+enum { PAIRS = 32 };
+typedef struct split_piece {
+    _Alignas(64) int32_t cell[PAIRS][16];
+    _Alignas(16) int8_t value[PAIRS][16];
+    uint16_t first[PAIRS], keep[PAIRS];
+    size_t count;
+} split_piece;
+
+static inline unsigned filled(const uint64_t *words)
+{
+    return _mm512_test_epi64_mask(_mm512_loadu_si512(words), _mm512_set1_epi64(-1));
+}
+
+static inline void add_pairs(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, size_t from, size_t to,
+                             const uint64_t *occupancy, split_piece *piece)
+{
+    const __m512i cx = twice(split->centre[0]), cy = twice(split->centre[1]), cz = twice(split->centre[2]);
+    size_t n = 0;
+    for (size_t i = from; i < to; i += 2) {
+        const bool pair = i + 1 < cubes->count;
+        unsigned keep = pair ? 0xffff : 0xff;
+        if (occupancy)
+            keep = filled(occupancy + 8 * cubes->number[i]) | (pair ? filled(occupancy + 8 * cubes->number[i + 1]) << 8 : 0);
+        const __m512i x = _mm512_add_epi32(two(cubes->u[0] + i), cx), y = _mm512_add_epi32(two(cubes->u[1] + i), cy),
+                      z = _mm512_add_epi32(two(cubes->u[2] + i), cz);
+        _mm512_store_si512(piece->cell[n], cells_of(cells, x, y, z));
+        piece->first[n] = (uint16_t)i;
+        piece->keep[n] = (uint16_t)keep;
+        n += keep != 0;
+    }
+    piece->count = n;
+}
+
+void ost_split_avx512(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, const uint64_t *occupancy,
+                      ost_cubes *mixed, ost_numbers *inside)
+{
+    const __m512i part = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7);
+    const __m512i fx = twice(split->first[0]), fy = twice(split->first[1]), fz = twice(split->first[2]);
+    /* Values are within +-64: 127 is as good as beyond. */
+    const int least = split->least < 127 ? split->least : 127;
+    const __m128i high = _mm_set1_epi8((int8_t)least), low = _mm_set1_epi8((int8_t)-least);
+    split_piece piece;
+    size_t m = mixed->count, n = inside->count;
+    for (size_t from = 0; from < cubes->count; from += 2 * PAIRS) {
+        const size_t to = cubes->count - from < 2 * PAIRS ? cubes->count : from + 2 * PAIRS;
+        add_pairs(split, cells, cubes, from, to, occupancy, &piece);
+        for (size_t p = 0; p < piece.count; p++)
+            for (int j = 0; j < 16; j++)
+                piece.value[p][j] = cells->value[piece.cell[p][j]];
+        for (size_t p = 0; p < piece.count; p++) {
+            const size_t i = piece.first[p];
+            const __mmask16 keep = piece.keep[p];
+            const __m128i v = _mm_load_si128((const __m128i *)piece.value[p]);
+            const __mmask16 in = _mm_mask_cmpge_epi8_mask(keep, v, high);
+            const __mmask16 mix = keep & ~(in | _mm_cmple_epi8_mask(v, low));
+            const __m512i number = _mm512_add_epi32(_mm512_slli_epi32(two(cubes->number + i), 3), part);
+            _mm512_storeu_si512(mixed->u[0] + m, _mm512_maskz_compress_epi32(mix, _mm512_add_epi32(two(cubes->u[0] + i), fx)));
+            _mm512_storeu_si512(mixed->u[1] + m, _mm512_maskz_compress_epi32(mix, _mm512_add_epi32(two(cubes->u[1] + i), fy)));
+            _mm512_storeu_si512(mixed->u[2] + m, _mm512_maskz_compress_epi32(mix, _mm512_add_epi32(two(cubes->u[2] + i), fz)));
+            _mm512_storeu_si512(mixed->number + m, _mm512_maskz_compress_epi32(mix, number));
+            if (in) {
+                _mm512_storeu_si512(inside->number + n, _mm512_maskz_compress_epi32(in, number));
+                n += (size_t)_mm_popcnt_u32(in);
+            }
+            m += (size_t)_mm_popcnt_u32(mix);
+        }
+    }
+    mixed->count = m;
+    inside->count = n;
+}
+
+/* ------------------------------------------------------------------ match */
+
+enum { LOW = OST_MAP_FRACTION - OST_TIE_BITS };
+
+/* Bricks are worked off in pieces: first where they begin in their windows, then the windows' lines, then the look-ups. */
+enum { PIECE = 128 };
+typedef struct places {
+    _Alignas(64) uint32_t high[3][PIECE]; /* >> 7, in both halves of a lane */
+    uint32_t tie[3][PIECE];               /* that without the voxel; kept apart so that high is broadcast from memory */
+    uint32_t low[3][PIECE];
+    uint32_t line[PIECE]; /* first the window's number, then that of its line */
+    uint32_t tied[PIECE]; /* those that must be done again with carries */
+} places;
+
+/* n / step for 0 <= n < 2^15 and step 1, 2, 3: (n * ceil(2^16 / step)) >> 16 is exact there, and 2^16 itself is n << 16 >> 16. */
+static inline __m512i windows_of(__m512i voxel, int32_t step)
+{
+    const int32_t inverse = step == 3 ? 21846 : step == 2 ? 32768 : 65536;
+    return _mm512_srli_epi32(_mm512_mullo_epi32(voxel, _mm512_set1_epi32(inverse)), 16);
+}
+
+/* Bricks from .. from + 15. Lanes behind the last brick become anything that nobody looks at. */
+static inline void place_sixteen(const ost_match *match, const ost_cubes *bricks, size_t from, places *out, size_t to)
+{
+    const ost_windows *w = &match->shape->windows;
+    const __m512i margin = _mm512_set1_epi32(OST_WINDOW_MARGIN), step = _mm512_set1_epi32(w->step);
+    __m512i window[3];
+    for (int a = 0; a < 3; a++) {
+        const __m512i u = _mm512_add_epi32(_mm512_load_si512(bricks->u[a] + from), _mm512_set1_epi32(match->lowest[a]));
+        window[a] = windows_of(_mm512_add_epi32(_mm512_srai_epi32(u, OST_MAP_FRACTION), margin), w->step);
+        const __m512i begin = _mm512_slli_epi32(_mm512_sub_epi32(_mm512_mullo_epi32(window[a], step), margin), OST_MAP_FRACTION);
+        const __m512i c = _mm512_sub_epi32(u, begin), high = _mm512_srli_epi32(c, LOW);
+        _mm512_store_si512(out->high[a] + to, _mm512_or_si512(high, _mm512_slli_epi32(high, 16)));
+        _mm512_store_si512(out->tie[a] + to, _mm512_and_si512(high, _mm512_set1_epi32((1 << OST_TIE_BITS) - 1)));
+        _mm512_store_si512(out->low[a] + to, _mm512_and_si512(c, _mm512_set1_epi32((1 << LOW) - 1)));
+    }
+    const __m512i row = _mm512_add_epi32(window[1], _mm512_mullo_epi32(window[2], _mm512_set1_epi32(w->dims[1])));
+    _mm512_store_si512(out->line + to, _mm512_add_epi32(window[0], _mm512_mullo_epi32(row, _mm512_set1_epi32(w->dims[0]))));
+}
+
+static inline unsigned tie_at(const uint32_t *tie, uint32_t fraction)
+{
+    return tie[fraction >> 5] >> (fraction & 31);
+}
+
+/* Lines of the first count places, on their way to the cache; returns how many are tied. */
+static inline size_t find_lines(const ost_match *match, size_t count, places *at)
+{
+    const uint8_t(*const line)[64] = match->shape->windows.line;
+    const uint32_t *const index = match->shape->windows.index;
+    size_t tied = 0;
+    for (size_t i = 0; i < count; i++) {
+        at->line[i] = index[at->line[i]];
+        _mm_prefetch((const char *)line[at->line[i]], _MM_HINT_T0);
+        at->tied[tied] = (uint32_t)i;
+        tied += (tie_at(match->tie[0], at->tie[0][i]) | tie_at(match->tie[1], at->tie[1][i]) | tie_at(match->tie[2], at->tie[2][i])) & 1;
+    }
+    return tied;
+}
+
+/* 32 voxels from their coordinates in the window. */
+static inline __mmask32 look_up(__m512i line, __m512i x, __m512i y, __m512i z)
+{
+    /* 0xe4: the first where the third is set, else the second. */
+    const __m512i word = _mm512_ternarylogic_epi32(_mm512_srli_epi16(z, 14), _mm512_srli_epi16(y, 11), _mm512_set1_epi16(3), 0xe4);
+    const __m512i bit = _mm512_ternarylogic_epi32(_mm512_srli_epi16(z, 10), _mm512_srli_epi16(x, 13), _mm512_set1_epi16(8), 0xe4);
+    return _mm512_test_epi16_mask(_mm512_permutexvar_epi16(word, line), _mm512_sllv_epi16(_mm512_set1_epi16(1), bit));
+}
+
+/* With the carries of the low bits. */
+static void match_tied(const ost_match *match, const places *at, size_t count, uint64_t *hits)
+{
+    for (size_t t = 0; t < count; t++) {
+        const size_t i = at->tied[t];
+        const __m512i line = _mm512_load_si512(match->shape->windows.line[at->line[i]]);
+        __mmask32 half[2];
+        for (int h = 0; h < 2; h++) {
+            __m512i u[3];
+            for (int a = 0; a < 3; a++) {
+                const __m512i low = _mm512_add_epi16(_mm512_load_si512(match->low[a] + 32 * h), _mm512_set1_epi16((int16_t)at->low[a][i]));
+                const __m512i high = _mm512_add_epi16(_mm512_load_si512(match->high[a] + 32 * h), _mm512_set1_epi32((int32_t)at->high[a][i]));
+                u[a] = _mm512_add_epi16(high, _mm512_srli_epi16(low, LOW));
+            }
+            half[h] = look_up(line, u[0], u[1], u[2]);
+        }
+        hits[i] = (uint64_t)half[0] | (uint64_t)half[1] << 32;
+    }
+}
+
+static void match_windows(const ost_match *match, const ost_cubes *bricks, uint64_t *hits)
+{
+    const uint8_t(*const line)[64] = match->shape->windows.line;
+    const __m512i x0 = _mm512_load_si512(match->high[0]), x1 = _mm512_load_si512(match->high[0] + 32);
+    const __m512i y0 = _mm512_load_si512(match->high[1]), y1 = _mm512_load_si512(match->high[1] + 32);
+    const __m512i z0 = _mm512_load_si512(match->high[2]), z1 = _mm512_load_si512(match->high[2] + 32);
+    places at;
+    for (size_t piece = 0; piece < bricks->count; piece += PIECE, hits += PIECE) {
+        const size_t count = bricks->count - piece < PIECE ? bricks->count - piece : PIECE;
+        for (size_t i = 0; i < count; i += 16)
+            place_sixteen(match, bricks, piece + i, &at, i);
+        const size_t tied = find_lines(match, count, &at);
+        for (size_t i = 0; i < count; i++) {
+            const __m512i window = _mm512_load_si512(line[at.line[i]]);
+            const __m512i x = _mm512_set1_epi32((int32_t)at.high[0][i]), y = _mm512_set1_epi32((int32_t)at.high[1][i]),
+                          z = _mm512_set1_epi32((int32_t)at.high[2][i]);
+            /* Masks go to memory without passing through a register. */
+            __mmask32 *half = (__mmask32 *)(void *)(hits + i);
+            _store_mask32(half, look_up(window, _mm512_add_epi16(x, x0), _mm512_add_epi16(y, y0), _mm512_add_epi16(z, z0)));
+            _store_mask32(half + 1, look_up(window, _mm512_add_epi16(x, x1), _mm512_add_epi16(y, y1), _mm512_add_epi16(z, z1)));
+        }
+        match_tied(match, &at, tied, hits);
+    }
+}
+
+/* Sixteen voxels at once out of the tool's own bytes: where there are no windows. */
+static void match_voxels(const ost_match *match, const ost_cubes *bricks, uint64_t *hits)
+{
+    const ost_shape *s = match->shape;
+    const __m512i dx = _mm512_set1_epi32(s->dims[0]), dy = _mm512_set1_epi32(s->dims[1]), dz = _mm512_set1_epi32(s->dims[2]);
+    /* A lane reads the four bytes that end with its own, or the first four: nothing beyond the grid. */
+    for (size_t i = 0; i < bricks->count; i++) {
+        uint64_t word = 0;
+        for (int q = 0; q < 4; q++) {
+            __m512i v[3];
+            for (int a = 0; a < 3; a++)
+                v[a] = _mm512_srai_epi32(_mm512_add_epi32(_mm512_loadu_si512(match->offset[a] + 16 * q), _mm512_set1_epi32(bricks->u[a][i])),
+                                         OST_MAP_FRACTION);
+            /* As unsigned numbers negative ones are great. */
+            __mmask16 in = _mm512_cmplt_epu32_mask(v[0], dx);
+            in = _mm512_mask_cmplt_epu32_mask(in, v[1], dy);
+            in = _mm512_mask_cmplt_epu32_mask(in, v[2], dz);
+            const __m512i at = _mm512_add_epi32(v[0], _mm512_mullo_epi32(dx, _mm512_add_epi32(v[1], _mm512_mullo_epi32(dy, v[2]))));
+            const __m512i from = _mm512_max_epi32(_mm512_sub_epi32(at, _mm512_set1_epi32(3)), _mm512_setzero_si512());
+            const __m512i four = _mm512_mask_i32gather_epi32(_mm512_setzero_si512(), in, from, s->voxels, 1);
+            const __m512i bits = _mm512_slli_epi32(_mm512_sub_epi32(at, from), 3);
+            const __m512i one = _mm512_and_si512(_mm512_srlv_epi32(four, bits), _mm512_set1_epi32(0xff));
+            word |= (uint64_t)_mm512_mask_cmpeq_epi32_mask(in, one, _mm512_set1_epi32(s->kind)) << (16 * q);
+        }
+        hits[i] = word;
+    }
+}
+
+void ost_match_avx512(const ost_match *match, const ost_cubes *bricks, uint64_t *hits)
+{
+    const int32_t *d = match->shape->dims;
+    if (match->windows)
+        match_windows(match, bricks, hits);
+    else if (d[0] >= 4) /* at most 2^30 voxels: indices fit the gather's int32 */
+        match_voxels(match, bricks, hits);
+    else
+        ost_match_scalar(match, bricks, hits);
+}
+
+/* ------------------------------------------------------------------- take */
+
+enum { AHEAD = 16 }; /* bricks whose densities are fetched before their turn */
+
+/* Sums of 16-bit lanes as unsigned numbers. */
+static inline uint64_t sum16(__m512i v)
+{
+    const __m512i even = _mm512_and_si512(v, _mm512_set1_epi32(0xffff)), odd = _mm512_srli_epi32(v, 16);
+    return (uint32_t)_mm512_reduce_add_epi32(_mm512_add_epi32(even, odd));
+}
+
+static inline __m512i widen16(__m512i v)
+{
+    return _mm512_add_epi32(_mm512_and_si512(v, _mm512_set1_epi32(0xffff)), _mm512_srli_epi32(v, 16));
+}
+
+/*
+ * Lanes of 16 bits take up to 65535 / highest densities, which is at least
+ * two: a brick has two registers, so they are emptied every `bricks` bricks into
+ * 32-bit lanes; those take 512 bricks of 2 * 2 * 32767 < 2^17 each.
+ * Borders are a constant of the caller, so that all sums stay in registers.
+ */
+static inline __attribute__((always_inline)) void take_bricks(const ost_take *take, int16_t *density, const int32_t *number,
+                                                              const uint64_t *hits, size_t count, ost_tally *tally, const int borders)
+{
+    const __m512i zero = _mm512_setzero_si512(), minus_one = _mm512_set1_epi16(-1);
+    const size_t bricks = (size_t)(65535 / take->highest / 2);
+    const bool apply = take->apply;
+    __m512i border[3], sum[4], wide[4], voxels[3];
+    for (int b = 0; b <= borders; b++)
+        sum[b] = wide[b] = zero;
+    for (int b = 0; b < borders; b++) {
+        border[b] = _mm512_set1_epi16(take->border[b]);
+        voxels[b] = zero;
+    }
+    uint64_t all = 0;
+    for (size_t i = 0; i < count;) {
+        const size_t end = count - i < bricks ? count : i + bricks;
+        for (; i < end; i++) {
+            int16_t *brick = density + (size_t)number[i] * 64;
+            const uint64_t hit = hits[i];
+            const __mmask32 k0 = (__mmask32)hit, k1 = (__mmask32)(hit >> 32);
+            const __m512i d0 = _mm512_load_si512(brick), d1 = _mm512_load_si512(brick + 32);
+            if (i + AHEAD < count) {
+                _mm_prefetch((const char *)(density + (size_t)number[i + AHEAD] * 64), _MM_HINT_T0);
+                _mm_prefetch((const char *)(density + (size_t)number[i + AHEAD] * 64 + 32), _MM_HINT_T0);
+            }
+            sum[0] = _mm512_mask_add_epi16(sum[0], k0, sum[0], d0);
+            sum[0] = _mm512_mask_add_epi16(sum[0], k1, sum[0], d1);
+            for (int b = 0; b < borders; b++) {
+                const __mmask32 c0 = _mm512_mask_cmpge_epi16_mask(k0, d0, border[b]), c1 = _mm512_mask_cmpge_epi16_mask(k1, d1, border[b]);
+                sum[b + 1] = _mm512_mask_add_epi16(sum[b + 1], c0, sum[b + 1], d0);
+                sum[b + 1] = _mm512_mask_add_epi16(sum[b + 1], c1, sum[b + 1], d1);
+                voxels[b] = _mm512_mask_sub_epi16(voxels[b], c0, voxels[b], minus_one);
+                voxels[b] = _mm512_mask_sub_epi16(voxels[b], c1, voxels[b], minus_one);
+            }
+            all += (uint64_t)_mm_popcnt_u64(hit);
+            if (apply) {
+                _mm512_mask_storeu_epi16(brick, k0, zero);
+                _mm512_mask_storeu_epi16(brick + 32, k1, zero);
+            }
+        }
+        for (int b = 0; b <= borders; b++) {
+            wide[b] = _mm512_add_epi32(wide[b], widen16(sum[b]));
+            sum[b] = zero;
+        }
+    }
+    tally->voxels[0] += all;
+    for (int b = 0; b <= borders; b++)
+        tally->density[b] += (uint32_t)_mm512_reduce_add_epi32(wide[b]);
+    for (int b = 0; b < borders; b++)
+        tally->voxels[b + 1] += sum16(voxels[b]);
+}
+
+/*
+ * In pieces of 512 bricks, so that no lane overflows: 512 * 2 counts, 512 *
+ * 2^17 = 2^26 of density in a 32-bit lane and 16 of them below 2^30.
+ */
+void ost_take_avx512(const ost_take *take, int16_t *density, const int32_t *number, const uint64_t *hits, size_t count,
+                     ost_tally *tally)
+{
+    for (size_t i = 0; i < count; i += 512) {
+        const size_t piece = count - i < 512 ? count - i : 512;
+        switch (take->borders) {
+        case 0:
+            take_bricks(take, density, number + i, hits + i, piece, tally, 0);
+            break;
+        case 1:
+            take_bricks(take, density, number + i, hits + i, piece, tally, 1);
+            break;
+        case 2:
+            take_bricks(take, density, number + i, hits + i, piece, tally, 2);
+            break;
+        case 3:
+            take_bricks(take, density, number + i, hits + i, piece, tally, 3);
+            break;
+        default:
+            ost_take_scalar(take, density, number + i, hits + i, piece, tally);
+        }
+    }
+}
