@@ -46,24 +46,34 @@ static size_t product(const int32_t d[3])
     return (size_t)d[0] * (size_t)d[1] * (size_t)d[2];
 }
 
-/* Marks each granule by what its voxels are. */
-static void mark_granules(const ost_shape *shape, lattice *l)
+/*
+ * Marks each granule by what its voxels are, a line of granules at a time:
+ * solid voxels are counted along it (at most 16^3 = 4096 a granule).
+ */
+static bool mark_granules(const ost_shape *shape, lattice *l)
 {
     const int g = l->grain.granule;
     const int32_t edge = 1 << g;
-    for (int32_t z = 0; z < l->dims[2]; z++)
-        for (int32_t y = 0; y < l->dims[1]; y++)
-            for (int32_t x = 0; x < l->dims[0]; x++) {
-                const int32_t from[3] = {(x - l->margin) * edge, (y - l->margin) * edge, (z - l->margin) * edge};
-                int32_t solid = 0;
-                for (int32_t k = from[2]; k < from[2] + edge; k++)
-                    for (int32_t j = from[1]; j < from[1] + edge; j++)
-                        for (int32_t i = from[0]; i < from[0] + edge; i++)
-                            if (i >= 0 && i < shape->dims[0] && j >= 0 && j < shape->dims[1] && k >= 0 && k < shape->dims[2])
-                                solid += shape->voxels[i + shape->dims[0] * (j + (int64_t)shape->dims[1] * k)] == shape->kind;
-                l->state[x + l->dims[0] * (y + (size_t)l->dims[1] * (size_t)z)] =
-                    solid == 0 ? VOID : solid == edge * edge * edge ? SOLID : BOTH;
-            }
+    uint16_t *solid = malloc((size_t)l->dims[0] * sizeof *solid);
+    if (!solid)
+        return false;
+    memset(l->state, VOID, product(l->dims));
+    for (int32_t z = 0; z << g < shape->dims[2]; z++)
+        for (int32_t y = 0; y << g < shape->dims[1]; y++) {
+            uint8_t *state = l->state + l->margin +
+                             (size_t)l->dims[0] * ((size_t)(y + l->margin) + (size_t)l->dims[1] * (size_t)(z + l->margin));
+            memset(solid, 0, (size_t)l->dims[0] * sizeof *solid);
+            for (int32_t k = z << g; k < (z + 1) << g && k < shape->dims[2]; k++)
+                for (int32_t j = y << g; j < (y + 1) << g && j < shape->dims[1]; j++) {
+                    const uint8_t *row = shape->voxels + shape->dims[0] * (j + (int64_t)shape->dims[1] * k);
+                    for (int32_t i = 0; i < shape->dims[0]; i++)
+                        solid[i >> g] = (uint16_t)(solid[i >> g] + (row[i] == shape->kind));
+                }
+            for (int32_t x = 0; x << g < shape->dims[0]; x++)
+                state[x] = solid[x] == 0 ? VOID : solid[x] == edge * edge * edge ? SOLID : BOTH;
+        }
+    free(solid);
+    return true;
 }
 
 /* Squared gaps along x from every cell of a row to the nearest granule that is not of the kind; FAR when none is near. */
@@ -149,8 +159,7 @@ static ost_status make_cells(ost_shape *shape, grain size, ost_error *err)
     uint8_t *a = malloc(granules), *b = malloc(granules);
     int8_t *value = calloc(cells + 128, 1);
     l.state = malloc(granules);
-    if (a && b && value && l.state) {
-        mark_granules(shape, &l);
+    if (a && b && value && l.state && mark_granules(shape, &l)) {
         distances_of(&l, VOID, a, b, value + 64);
         distances_of(&l, SOLID, a, b, value + 64);
         shape->memory[0] = value;
@@ -177,30 +186,55 @@ static ost_status make_cells(ost_shape *shape, grain size, ost_error *err)
 
 enum { EDGE = 8 };
 
-/* Bits x..x+7 of the tool's rows that a window covers. */
-static void read_window(const ost_shape *shape, const int32_t from[3], uint8_t line[64])
+/*
+ * The bytes of all windows that begin at one x, every row (y, z) of the tool
+ * and void around it, z fastest: then the eight rows z of a window's y lie side by side.
+ *
+ *   column i, row (y, z): bit x is voxel (step i - margin + x, y - margin, z - margin)
+ */
+typedef struct columns {
+    uint8_t *byte;
+    size_t width[2]; /* rows along z, along y */
+} columns;
+
+static bool make_columns(const ost_shape *shape, int32_t step, const int32_t n[3], columns *c)
 {
-    memset(line, 0, 64);
-    const int32_t x0 = from[0] < 0 ? -from[0] : 0, x1 = shape->dims[0] - from[0] < EDGE ? shape->dims[0] - from[0] : EDGE;
-    for (int32_t y = 0; y < EDGE; y++)
-        for (int32_t z = 0; z < EDGE; z++) {
-            const int32_t j = from[1] + y, k = from[2] + z;
-            if (j < 0 || j >= shape->dims[1] || k < 0 || k >= shape->dims[2])
-                continue;
-            const uint8_t *row = shape->voxels + shape->dims[0] * (j + (int64_t)shape->dims[1] * k);
-            unsigned byte = 0;
-            for (int32_t x = x0; x < x1; x++)
-                byte |= (unsigned)(row[from[0] + x] == shape->kind) << x;
-            line[8 * y + z] = (uint8_t)byte;
+    c->width[0] = (size_t)((n[2] - 1) * step + EDGE);
+    c->width[1] = (size_t)((n[1] - 1) * step + EDGE);
+    const size_t plane = c->width[0] * c->width[1], bits = (size_t)((n[0] - 1) * step + EDGE);
+    c->byte = calloc((size_t)n[0] * plane, 1);
+    uint8_t *row = calloc(bits, 1);
+    const bool enough = c->byte && row;
+    for (int32_t z = 0; z < shape->dims[2] && enough; z++)
+        for (int32_t y = 0; y < shape->dims[1]; y++) {
+            const uint8_t *voxels = shape->voxels + shape->dims[0] * (y + (int64_t)shape->dims[1] * z);
+            for (int32_t x = 0; x < shape->dims[0]; x++)
+                row[x + OST_WINDOW_MARGIN] = voxels[x] == shape->kind;
+            uint8_t *to = c->byte + (size_t)(y + OST_WINDOW_MARGIN) * c->width[0] + (size_t)(z + OST_WINDOW_MARGIN);
+            for (int32_t i = 0; i < n[0]; i++) {
+                /* Eight bytes of 0 or 1, the first lowest, to eight bits: byte j arrives at bit 56 + j, nothing else does. */
+                uint64_t eight;
+                memcpy(&eight, row + (size_t)(i * step), 8);
+                to[(size_t)i * plane] = (uint8_t)(eight * UINT64_C(0x0102040810204080) >> 56);
+            }
         }
+    free(row);
+    return enough;
 }
 
-static bool line_is(const uint8_t line[64], uint8_t byte)
+static void read_window(const columns *c, int32_t step, int32_t i, int32_t j, int32_t k, uint64_t line[8])
 {
-    for (int i = 0; i < 64; i++)
-        if (line[i] != byte)
-            return false;
-    return true;
+    const uint8_t *from = c->byte + ((size_t)i * c->width[1] + (size_t)(j * step)) * c->width[0] + (size_t)(k * step);
+    for (int y = 0; y < EDGE; y++)
+        memcpy(&line[y], from + (size_t)y * c->width[0], 8);
+}
+
+static bool line_is(const uint64_t line[8], uint64_t word)
+{
+    uint64_t other = 0;
+    for (int i = 0; i < 8; i++)
+        other |= line[i] ^ word;
+    return other == 0;
 }
 
 typedef struct line_store {
@@ -208,9 +242,9 @@ typedef struct line_store {
     size_t count, capacity;
 } line_store;
 
-static bool add_line(line_store *store, const uint8_t line[64], uint32_t *number)
+static bool add_line(line_store *store, const uint64_t line[8], uint32_t *number)
 {
-    if (line_is(line, 0) || line_is(line, 0xff)) {
+    if (line_is(line, 0) || line_is(line, ~UINT64_C(0))) {
         *number = line[0] != 0;
         return true;
     }
@@ -251,7 +285,8 @@ static ost_status make_windows(ost_shape *shape, int32_t step, ost_error *err)
         n[a] = (shape->dims[a] + 8 + OST_WINDOW_MARGIN) / step + 1;
     uint32_t *index = malloc((product(n) + 16) * sizeof *index);
     line_store store = {.line = aligned_alloc(64, 1024 * 64), .capacity = 1024, .count = 2};
-    bool enough = index && store.line;
+    columns c = {0};
+    bool enough = index && store.line && make_columns(shape, step, n, &c);
     if (enough) {
         memset(store.line[0], 0, 64);
         memset(store.line[1], 0xff, 64);
@@ -260,11 +295,11 @@ static ost_status make_windows(ost_shape *shape, int32_t step, ost_error *err)
     for (int32_t z = 0; z < n[2] && enough; z++)
         for (int32_t y = 0; y < n[1] && enough; y++)
             for (int32_t x = 0; x < n[0] && enough; x++, i++) {
-                const int32_t from[3] = {x * step - OST_WINDOW_MARGIN, y * step - OST_WINDOW_MARGIN, z * step - OST_WINDOW_MARGIN};
-                uint8_t line[64];
-                read_window(shape, from, line);
+                uint64_t line[8];
+                read_window(&c, step, x, y, z, line);
                 enough = add_line(&store, line, &index[i]);
             }
+    free(c.byte);
     shape->memory[1] = index;
     shape->memory[2] = store.line;
     if (!enough)

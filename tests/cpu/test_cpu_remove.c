@@ -231,14 +231,14 @@ static void same_event(const team *t, test_rng *rng, int64_t poses_max)
 static void single_poses(void **state)
 {
     test_rng rng = rng_seeded("single poses");
-    for (int i = 0; i < 120; i++)
+    for (int i = 0; i < 300; i++)
         same_event(*state, &rng, 1);
 }
 
 static void several_poses(void **state)
 {
     test_rng rng = rng_seeded("several poses");
-    for (int i = 0; i < 120; i++)
+    for (int i = 0; i < 60; i++)
         same_event(*state, &rng, 6);
 }
 
@@ -270,7 +270,7 @@ static void a_sequence(void **state)
         for (int tick = 0; tick < 12; tick++) {
             ost_report report = {0}, found = {0};
             pose.t.z += 470 * UM;
-            pose.qx += 3000000;
+            pose.qx += 40000;
             remove_at(expected, &g, tool, &pose, 1, &report);
             for (int i = 0; i < t->count; i++) {
                 remove_at(bone[i], &g, tools[i], &pose, 1, &found);
