@@ -34,11 +34,12 @@ typedef int16_t ost_brick_row_fn(const int16_t *const rows[16], size_t bricks, i
  *     v <= -least   outside: dropped
  *     v >=  least   inside: number appended to `inside`
  *     else          mixed: u and number appended to `mixed`
- * in the order of the cubes and in each of the parts.  occupancy, when not NULL, has one
- * word a part; parts with a word of 0 are dropped first.
+ * in any order (it differs among instruction sets; the sets are equal).
+ * occupancy, when not NULL, has one word a part; parts with a word of 0 are dropped first.
  * mixed and inside are not cubes; their counts are added to, and room is there
  * for 8 parts a cube and OST_CUBES_SLACK more.  Coordinates u + centre fit
- * int32.  Up to OST_CUBES_SLACK elements behind cubes->count may be read.
+ * int32.  Up to OST_CUBES_SLACK elements behind cubes->count may be read, and
+ * whatever they hold, table entries that exist are looked at for them.
  */
 typedef void ost_split_fn(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, const uint64_t *occupancy,
                           ost_cubes *mixed, ost_numbers *inside);

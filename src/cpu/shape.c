@@ -79,6 +79,10 @@ static bool mark_granules(const ost_shape *shape, lattice *l)
 /* Squared gaps along x from every cell of a row to the nearest granule that is not of the kind; FAR when none is near. */
 static void row_gaps(const uint8_t *state, int32_t granules, int32_t cells, int per, uint8_t kind, uint8_t *out)
 {
+    if (state[0] == state[granules - 1] && memcmp(state, state + 1, (size_t)granules - 1) == 0) { /* a row of one kind: most are */
+        memset(out, state[0] == kind ? FAR : 0, (size_t)cells);
+        return;
+    }
     int32_t last = -2 * REACH;
     for (int32_t c = 0, g = 0; c < cells; c++) {
         for (; g < (c + 1) * per && g < granules; g++)

@@ -40,82 +40,92 @@ static inline __m512i cells_of(const ost_cells *cells, __m512i x, __m512i y, __m
     return _mm512_add_epi32(x, _mm512_mullo_epi32(row, _mm512_set1_epi32(cells->dims[0])));
 }
 
-static inline __m512i two(const int32_t *at)
-{
-    return _mm512_mask_set1_epi32(_mm512_set1_epi32(at[0]), 0xff00, at[1]);
-}
-
-static inline __m512i twice(const int32_t eight[8])
-{
-    return _mm512_broadcast_i64x4(_mm256_load_si256((const __m256i *)eight));
-}
-
-/* Pairs of cubes, their parts that are still to be sorted, and the parts' cells. */
-enum { PAIRS = 32 };
+/*
+ * Eight cubes at a time, two of their parts in a register: lanes 0..7 are part
+ * 2q of the cubes, lanes 8..15 part 2q + 1.  The cells' values are read one by one in between.
+ */
+enum { GROUPS = 8 };
 typedef struct split_piece {
-    _Alignas(64) int32_t cell[PAIRS][16];
-    _Alignas(16) int8_t value[PAIRS][16];
-    uint16_t first[PAIRS], keep[PAIRS];
-    size_t count;
+    _Alignas(64) int32_t cell[GROUPS][64];
+    _Alignas(64) int8_t value[GROUPS][64];
+    uint64_t keep[GROUPS]; /* byte c: the parts of cube c that are still to be sorted */
 } split_piece;
 
-static inline unsigned filled(const uint64_t *words)
+/* One value for the lanes of each part. */
+static inline __m512i parts(const int32_t eight[8], int q)
 {
-    return _mm512_test_epi64_mask(_mm512_loadu_si512(words), _mm512_set1_epi64(-1));
+    return _mm512_mask_set1_epi32(_mm512_set1_epi32(eight[2 * q]), 0xff00, eight[2 * q + 1]);
 }
 
-static inline void add_pairs(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, size_t from, size_t to,
-                             const uint64_t *occupancy, split_piece *piece)
+static inline __m512i eight_cubes(const int32_t *u)
 {
-    const __m512i cx = twice(split->centre[0]), cy = twice(split->centre[1]), cz = twice(split->centre[2]);
-    size_t n = 0;
-    for (size_t i = from; i < to; i += 2) {
-        const bool pair = i + 1 < cubes->count;
-        unsigned keep = pair ? 0xffff : 0xff;
+    return _mm512_broadcast_i64x4(_mm256_loadu_si256((const __m256i *)u));
+}
+
+static inline uint64_t parts_kept(const ost_cubes *cubes, size_t from, size_t count, const uint64_t *occupancy)
+{
+    uint64_t keep = 0;
+    for (size_t c = 0; c < count; c++) {
+        uint64_t filled = 0xff;
         if (occupancy)
-            keep = filled(occupancy + 8 * cubes->number[i]) | (pair ? filled(occupancy + 8 * cubes->number[i + 1]) << 8 : 0);
-        const __m512i x = _mm512_add_epi32(two(cubes->u[0] + i), cx), y = _mm512_add_epi32(two(cubes->u[1] + i), cy),
-                      z = _mm512_add_epi32(two(cubes->u[2] + i), cz);
-        _mm512_store_si512(piece->cell[n], cells_of(cells, x, y, z));
-        piece->first[n] = (uint16_t)i;
-        piece->keep[n] = (uint16_t)keep;
-        n += keep != 0;
+            filled = _mm512_test_epi64_mask(_mm512_loadu_si512(occupancy + 8 * cubes->number[from + c]), _mm512_set1_epi64(-1));
+        keep |= filled << (8 * c);
     }
-    piece->count = n;
+    return keep;
+}
+
+static inline void find_cells(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, size_t from, int32_t out[64])
+{
+    const __m512i x = eight_cubes(cubes->u[0] + from), y = eight_cubes(cubes->u[1] + from), z = eight_cubes(cubes->u[2] + from);
+    for (int q = 0; q < 4; q++)
+        _mm512_store_si512(out + 16 * q, cells_of(cells, _mm512_add_epi32(x, parts(split->centre[0], q)),
+                                            _mm512_add_epi32(y, parts(split->centre[1], q)), _mm512_add_epi32(z, parts(split->centre[2], q))));
 }
 
 void ost_split_avx512(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, const uint64_t *occupancy,
                       ost_cubes *mixed, ost_numbers *inside)
 {
-    const __m512i part = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7);
-    const __m512i fx = twice(split->first[0]), fy = twice(split->first[1]), fz = twice(split->first[2]);
     /* Values are within +-64: 127 is as good as beyond. */
     const int least = split->least < 127 ? split->least : 127;
     const __m128i high = _mm_set1_epi8((int8_t)least), low = _mm_set1_epi8((int8_t)-least);
     split_piece piece;
     size_t m = mixed->count, n = inside->count;
-    for (size_t from = 0; from < cubes->count; from += 2 * PAIRS) {
-        const size_t to = cubes->count - from < 2 * PAIRS ? cubes->count : from + 2 * PAIRS;
-        add_pairs(split, cells, cubes, from, to, occupancy, &piece);
-        for (size_t p = 0; p < piece.count; p++)
-            for (int j = 0; j < 16; j++)
-                piece.value[p][j] = cells->value[piece.cell[p][j]];
-        for (size_t p = 0; p < piece.count; p++) {
-            const size_t i = piece.first[p];
-            const __mmask16 keep = piece.keep[p];
-            const __m128i v = _mm_load_si128((const __m128i *)piece.value[p]);
-            const __mmask16 in = _mm_mask_cmpge_epi8_mask(keep, v, high);
-            const __mmask16 mix = keep & ~(in | _mm_cmple_epi8_mask(v, low));
-            const __m512i number = _mm512_add_epi32(_mm512_slli_epi32(two(cubes->number + i), 3), part);
-            _mm512_storeu_si512(mixed->u[0] + m, _mm512_maskz_compress_epi32(mix, _mm512_add_epi32(two(cubes->u[0] + i), fx)));
-            _mm512_storeu_si512(mixed->u[1] + m, _mm512_maskz_compress_epi32(mix, _mm512_add_epi32(two(cubes->u[1] + i), fy)));
-            _mm512_storeu_si512(mixed->u[2] + m, _mm512_maskz_compress_epi32(mix, _mm512_add_epi32(two(cubes->u[2] + i), fz)));
-            _mm512_storeu_si512(mixed->number + m, _mm512_maskz_compress_epi32(mix, number));
-            if (in) {
-                _mm512_storeu_si512(inside->number + n, _mm512_maskz_compress_epi32(in, number));
+    for (size_t from = 0; from < cubes->count; from += 8 * GROUPS) {
+        const size_t left = cubes->count - from, groups = left < 8 * GROUPS ? (left + 7) / 8 : GROUPS;
+        for (size_t g = 0; g < groups; g++) {
+            const size_t first = from + 8 * g, count = cubes->count - first < 8 ? cubes->count - first : 8;
+            piece.keep[g] = parts_kept(cubes, first, count, occupancy);
+            find_cells(split, cells, cubes, first, piece.cell[g]);
+        }
+        for (size_t g = 0; g < groups; g++)
+            for (int j = 0; j < 64; j += 4) {
+                const int32_t *cell = piece.cell[g] + j;
+                int8_t *value = piece.value[g] + j;
+                value[0] = cells->value[cell[0]];
+                value[1] = cells->value[cell[1]];
+                value[2] = cells->value[cell[2]];
+                value[3] = cells->value[cell[3]];
+            }
+        for (size_t g = 0; g < groups; g++) {
+            const size_t first = from + 8 * g;
+            const __m512i x = eight_cubes(cubes->u[0] + first), y = eight_cubes(cubes->u[1] + first), z = eight_cubes(cubes->u[2] + first);
+            const __m512i number = _mm512_slli_epi32(eight_cubes(cubes->number + first), 3);
+            const __m128i keep = _mm_set1_epi64x((long long)piece.keep[g]);
+            for (int q = 0; q < 4; q++) {
+                const __m128i v = _mm_load_si128((const __m128i *)(const void *)(piece.value[g] + 16 * q));
+                const __m128i asked = _mm_set_epi64x(INT64_C(0x0202020202020202) << 2 * q, INT64_C(0x0101010101010101) << 2 * q);
+                const __mmask16 kept = _mm_test_epi8_mask(keep, asked);
+                const __mmask16 in = _mm_mask_cmpge_epi8_mask(kept, v, high);
+                const __mmask16 mix = kept & ~(in | _mm_cmple_epi8_mask(v, low));
+                const __m512i part = _mm512_add_epi32(number, _mm512_mask_set1_epi32(_mm512_set1_epi32(2 * q), 0xff00, 2 * q + 1));
+                _mm512_storeu_si512(mixed->u[0] + m, _mm512_maskz_compress_epi32(mix, _mm512_add_epi32(x, parts(split->first[0], q))));
+                _mm512_storeu_si512(mixed->u[1] + m, _mm512_maskz_compress_epi32(mix, _mm512_add_epi32(y, parts(split->first[1], q))));
+                _mm512_storeu_si512(mixed->u[2] + m, _mm512_maskz_compress_epi32(mix, _mm512_add_epi32(z, parts(split->first[2], q))));
+                _mm512_storeu_si512(mixed->number + m, _mm512_maskz_compress_epi32(mix, part));
+                _mm512_storeu_si512(inside->number + n, _mm512_maskz_compress_epi32(in, part));
+                m += (size_t)_mm_popcnt_u32(mix);
                 n += (size_t)_mm_popcnt_u32(in);
             }
-            m += (size_t)_mm_popcnt_u32(mix);
         }
     }
     mixed->count = m;
