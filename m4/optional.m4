@@ -58,3 +58,41 @@ AC_DEFUN([OST_OPTIONAL_NIFTI], [
          [AC_MSG_ERROR([--with-nifti was asked for, but libnifti2 was not found; Debian: libnifti-dev])])])])
   AM_CONDITIONAL([HAVE_NIFTI], [test "x$have_NIFTI" = xyes])
 ])
+
+# OST_OPTIONAL_EMBREE: Debian's Embree has no pkg-config file. 4 is preferred to 3.
+AC_DEFUN([OST_OPTIONAL_EMBREE], [
+  AC_ARG_WITH([embree], [AS_HELP_STRING([--with-embree], [use Embree 3 or 4: yes, no or auto (default)])],
+    [], [with_embree=auto])
+  AS_CASE([$with_embree], [yes|no|auto], [],
+    [AC_MSG_ERROR([--with-embree takes yes, no or auto, not '$with_embree'])])
+  AC_ARG_VAR([EMBREE_CFLAGS], [compiler flags for Embree])
+  AC_ARG_VAR([EMBREE_LIBS], [linker flags for Embree (default: -lembree4 or -lembree3)])
+  have_EMBREE=no
+  ost_summary_EMBREE="no (--without-embree): voxelizer=embree is not there"
+  AS_IF([test "x$with_embree" != xno], [
+    ost_given_EMBREE_LIBS=$EMBREE_LIBS
+    for ost_version in 4 3; do
+      AS_IF([test "x$have_EMBREE" = xno], [
+        EMBREE_LIBS=${ost_given_EMBREE_LIBS:--lembree$ost_version}
+        AC_MSG_CHECKING([for Embree $ost_version])
+        ost_save_LIBS=$LIBS
+        ost_save_CPPFLAGS=$CPPFLAGS
+        LIBS="$EMBREE_LIBS $LIBS"
+        CPPFLAGS="$CPPFLAGS $EMBREE_CFLAGS"
+        AC_LINK_IFELSE([AC_LANG_PROGRAM([[#include <embree$ost_version/rtcore.h>]], [[return rtcNewDevice("") != 0;]])],
+          [have_EMBREE=$ost_version])
+        AC_MSG_RESULT([$have_EMBREE])
+        LIBS=$ost_save_LIBS
+        CPPFLAGS=$ost_save_CPPFLAGS])
+    done
+    AS_CASE([$have_EMBREE],
+      [4], [AC_DEFINE([HAVE_EMBREE4], [1], [Define if Embree 4 is used.])],
+      [3], [AC_DEFINE([HAVE_EMBREE3], [1], [Define if Embree 3 is used.])])
+    AS_IF([test "x$have_EMBREE" != xno], [ost_summary_EMBREE="Embree $have_EMBREE"],
+      [EMBREE_LIBS=$ost_given_EMBREE_LIBS
+       ost_summary_EMBREE="no: voxelizer=embree is not there, nor Embree's rows in osteon bench; Debian: libembree-dev"
+       AS_IF([test "x$with_embree" = xyes],
+         [AC_MSG_ERROR([--with-embree was asked for, but neither Embree 4 nor 3 was found; Debian: libembree-dev])])])],
+    [EMBREE_LIBS=])
+  AM_CONDITIONAL([HAVE_EMBREE], [test "x$have_EMBREE" != xno])
+])

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The table of the CPU backend and its options. */
 #include "cpu/cpu.h"
+#include "cpu/embree.h"
+#include "cpu/voxelize.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -38,27 +40,47 @@ static ost_status set_threads(const char *value, int *threads, ost_error *err)
     return OST_OK;
 }
 
+static ost_status set_voxelizer(const char *value, ost_voxelizer *voxelizer, ost_error *err)
+{
+    static const char *const names[] = {"auto", "triangles", "embree"};
+    for (int i = 0; i < 3; i++) {
+        if (strcmp(value, names[i]) != 0)
+            continue;
+        *voxelizer = (ost_voxelizer)i;
+        return *voxelizer == OST_VOXELIZER_EMBREE ? ost_embree_available(err) : OST_OK;
+    }
+    return ost_fail(err, OST_ERR_USAGE, "backend cpu: voxelizer=%.20s; expected auto, triangles or embree", value);
+}
+
+typedef struct cpu_options {
+    const char *isa;
+    int threads;
+    ost_voxelizer voxelizer;
+} cpu_options;
+
 /* One "key=value". */
-static ost_status set_option(const char *option, const char **isa, int *threads, ost_error *err)
+static ost_status set_option(const char *option, cpu_options *options, ost_error *err)
 {
     if (strncmp(option, "isa=", 4) == 0) {
-        *isa = option + 4;
+        options->isa = option + 4;
         return OST_OK;
     }
     if (strncmp(option, "threads=", 8) == 0)
-        return set_threads(option + 8, threads, err);
-    return ost_fail(err, OST_ERR_USAGE, "backend cpu: '%.40s' is unknown; options are isa=NAME and threads=N", option);
+        return set_threads(option + 8, &options->threads, err);
+    if (strncmp(option, "voxelizer=", 10) == 0)
+        return set_voxelizer(option + 10, &options->voxelizer, err);
+    return ost_fail(err, OST_ERR_USAGE, "backend cpu: '%.40s' is unknown; options are isa=NAME, threads=N and voxelizer=NAME", option);
 }
 
 /* text is cut at its commas; the values stay in it. */
-static ost_status read_options(char *text, const char **isa, int *threads, ost_error *err)
+static ost_status read_options(char *text, cpu_options *options, ost_error *err)
 {
     ost_status status = OST_OK;
     for (char *option = text; option && *option && status == OST_OK;) {
         char *comma = strchr(option, ',');
         if (comma)
             *comma++ = 0;
-        status = set_option(option, isa, threads, err);
+        status = set_option(option, options, err);
         option = comma;
     }
     return status;
@@ -66,8 +88,7 @@ static ost_status read_options(char *text, const char **isa, int *threads, ost_e
 
 static ost_status open_cpu(const char *options, ost_backend **out, ost_error *err)
 {
-    const char *isa = NULL;
-    int threads = default_threads();
+    cpu_options chosen = {.threads = default_threads()};
     cpu_backend *backend = NULL;
     ost_backend *ref = NULL;
     char *text = strdup(options);
@@ -75,10 +96,10 @@ static ost_status open_cpu(const char *options, ost_backend **out, ost_error *er
     if (!text)
         status = ost_fail(err, OST_ERR_MEMORY, "no memory for backend cpu");
     if (status == OST_OK)
-        status = read_options(text, &isa, &threads, err);
+        status = read_options(text, &chosen, err);
     ost_isa level = OST_ISA_SCALAR;
     if (status == OST_OK)
-        status = ost_isa_choose(isa, &level, err);
+        status = ost_isa_choose(chosen.isa, &level, err);
     if (status == OST_OK)
         status = ost_backend_ref.open("", &ref, err);
     /* Its kernels' tables lie on cache lines, so it must; its size is then a multiple of them. */
@@ -88,7 +109,9 @@ static ost_status open_cpu(const char *options, ost_backend **out, ost_error *er
         memset(backend, 0, sizeof *backend);
         backend->ref = *(const ref_backend *)ref;
         backend->isa = level;
-        backend->threads = threads;
+        backend->threads = chosen.threads;
+        backend->voxelizer = chosen.voxelizer;
+        backend->vox_tuning = ost_vox_tuning_default;
         ost_cpu_kernels_fill(&backend->kernels, level);
         *out = &backend->ref.base;
     }
@@ -114,7 +137,7 @@ static ost_status finish(ost_backend *backend, ost_error *err)
 
 const ost_backend_ops ost_backend_cpu = {
     .name = "cpu",
-    .description = "hand-vectorised, on all cores; options isa=scalar|avx2|avx512|avx512vbmi|neon, threads=N",
+    .description = "hand-vectorised, on all cores; options isa=scalar|avx2|avx512|avx512vbmi|neon, threads=N, voxelizer=auto|triangles|embree",
     .available = available,
     .open = open_cpu,
     .close = close_cpu,

@@ -1,7 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "config.h"
+
 #include "cpu/kernels.h"
 
-#include "config.h"
+#include "cpu/voxelize.h"
+#if defined __x86_64__
+#include "cpu/x86/voxelize_x86.h"
+#endif
 
 static void fill_scalar(ost_cpu_kernels *k)
 {
@@ -9,6 +14,10 @@ static void fill_scalar(ost_cpu_kernels *k)
     k->split = ost_split_scalar;
     k->match = ost_match_scalar;
     k->take = ost_take_scalar;
+    k->vox_mark = ost_vox_mark_scalar;
+    k->vox_keys = ost_vox_keys_scalar;
+    k->vox_fill = ost_vox_fill_scalar;
+    k->vox_expand = ost_vox_expand_scalar;
 }
 
 #if HAVE_AVX2_BUILD
@@ -17,6 +26,10 @@ static void fill_avx2(ost_cpu_kernels *k)
     k->split = ost_split_avx2;
     k->match = ost_match_avx2;
     k->take = ost_take_avx2;
+    k->vox_mark = ost_vox_mark_avx2;
+    k->vox_keys = ost_vox_keys_avx2;
+    k->vox_fill = ost_vox_fill_avx2;
+    k->vox_expand = ost_vox_expand_avx2;
 }
 #endif
 
@@ -26,6 +39,10 @@ static void fill_avx512(ost_cpu_kernels *k)
     k->split = ost_split_avx512;
     k->match = ost_match_avx512;
     k->take = ost_take_avx512;
+    k->vox_mark = ost_vox_mark_avx512;
+    k->vox_keys = ost_vox_keys_avx512;
+    k->vox_fill = ost_vox_fill_avx512;
+    k->vox_expand = ost_vox_expand_avx512;
 }
 #endif
 

@@ -11,6 +11,8 @@
 #ifndef OST_CPU_KERNELS_H
 #define OST_CPU_KERNELS_H
 
+#include <osteon/mesh.h>
+
 #include "core/isa.h"
 #include "cpu/remove.h"
 
@@ -62,12 +64,49 @@ typedef void ost_match_fn(const ost_match *match, const ost_cubes *bricks, uint6
 typedef void ost_take_fn(const ost_take *take, int16_t *density, const int32_t *number, const uint64_t *hits, size_t count,
                          ost_tally *tally);
 
+/* ---------------------------------------------- voxelization (voxelize.h) */
+
+typedef struct ost_vox_tile ost_vox_tile;
+typedef struct ost_vox_plan ost_vox_plan;
+
+/*
+ * Marks the crossings of count triangles with the rows of a tile in its planes
+ * (and its spill); list NULL: of the triangles 0 to count - 1.
+ */
+typedef void ost_vox_mark_fn(ost_vox_tile *tile, const uint32_t *list, size_t count);
+
+/*
+ * The tile of each of the triangles first to first + count - 1, by its bounds:
+ * the tile's number, or OST_VOX_KEY_NONE, or OST_VOX_KEY_MANY.
+ */
+typedef void ost_vox_keys_fn(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t count, uint32_t *keys);
+
+/*
+ * Running sums of some rows of a tile, from a whole block on: writes their
+ * bits (whole blocks; 64-byte aligned), sets OST_VOX_UNPROVEN and any_odd for
+ * rows that are to be summed one by one, and returns how many bits it set.
+ * Changes no plane. `stream` asks for stores past the caches.
+ */
+typedef uint64_t ost_vox_fill_fn(ost_vox_tile *tile, size_t first_row, size_t rows, bool parity, bool stream, uint64_t *bits);
+
+/*
+ * rows * nx classes from rows of `words` words; no voxel is in both. noncutting
+ * may be NULL. Reads whole blocks, writes exactly rows * nx bytes. `stream`
+ * asks for stores past the caches, where the shape allows them.
+ */
+typedef void ost_vox_expand_fn(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx, bool stream,
+                               uint8_t *voxels);
+
 typedef struct ost_cpu_kernels {
     ost_isa isa; /* the level they were filled for */
     ost_brick_row_fn *brick_row;
     ost_split_fn *split;
     ost_match_fn *match;
     ost_take_fn *take;
+    ost_vox_mark_fn *vox_mark;
+    ost_vox_keys_fn *vox_keys;
+    ost_vox_fill_fn *vox_fill;
+    ost_vox_expand_fn *vox_expand;
 } ost_cpu_kernels;
 
 void ost_cpu_kernels_fill(ost_cpu_kernels *kernels, ost_isa isa);

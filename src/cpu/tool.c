@@ -25,13 +25,6 @@ ost_status ost_cpu_tool_upload(ost_backend *backend, const ost_tool_volume *volu
     return status == OST_OK ? ost_cpu_tool_adopt(out, err) : status;
 }
 
-ost_status ost_cpu_voxelize_tool(ost_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
-                                 ost_fill_rule rule, ost_voxelize_report *report, ost_tool **out, ost_error *err)
-{
-    ost_status status = ost_ref_voxelize_tool(backend, cutting, noncutting, rule, report, out, err);
-    return status == OST_OK ? ost_cpu_tool_adopt(out, err) : status;
-}
-
 static void drop(cpu_shapes *shapes)
 {
     ost_shape_free(&shapes->cutting);

@@ -22,8 +22,6 @@ typedef struct cpu_tool {
 /* Takes a tool that the reference's functions made; *tool may move. On failure it is freed. */
 ost_status ost_cpu_tool_adopt(ost_tool **tool, ost_error *err);
 ost_status ost_cpu_tool_upload(ost_backend *backend, const ost_tool_volume *volume, ost_tool **out, ost_error *err);
-ost_status ost_cpu_voxelize_tool(ost_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
-                                 ost_fill_rule rule, ost_voxelize_report *report, ost_tool **out, ost_error *err);
 void ost_cpu_tool_free(ost_tool *tool);
 
 /* Makes the tables for bones of this voxel, unless they are there. */

@@ -1,0 +1,314 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Embree as a finder of candidates (embree.h).
+ *
+ *   primitive   GROUP triangles that follow each other, as user geometry with
+ *               the bounds of all, a unit larger on every side
+ *   packet      16 rays along x through the centres of 4 x 4 rows
+ *   callback    notes the primitive, once a packet; reports no hit, so that no
+ *               ray is ever shortened
+ *   then        the mark kernel takes the noted triangles and those 16 rows
+ *
+ * Why no crossing is missed.  Coordinates of vertices and of row centres are
+ * integers up to 2^20: exact in floats, and so are bounds with a unit added
+ * and their differences to a ray's origin, integers below 2^24.  A row
+ * that a triangle owns lies within its bounds in y and z, so strictly
+ * within the larger ones, by at least a unit; the ray starts left of all bounds in x
+ * and ends right of them.  Whatever way a slab test multiplies these exact
+ * differences, signs are kept, and the test finds it inside.  Boxes of inner
+ * nodes hold their children's boxes.
+ *
+ * Why none counts twice.  A primitive may be met several times by a packet
+ * (rays of a packet may be followed apart).  The packet's number is left at
+ * the primitive at the first, and all rows of the packet are decided then.
+ *
+ * Embree and its tasks may set flush-to-zero; the state is put back after
+ * every use.  Nothing depends on it, since the exact code holds no denormal,
+ * but what the caller does next may.
+ */
+#include "config.h"
+
+#include "cpu/embree.h"
+
+#if !defined HAVE_EMBREE3 && !defined HAVE_EMBREE4
+
+ost_status ost_embree_available(ost_error *err)
+{
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "backend cpu: voxelizer=embree: osteon was built without Embree; Debian: libembree-dev");
+}
+
+ost_status ost_embree_new(const ost_snapped_mesh *mesh, int threads, ost_embree **out, ost_error *err)
+{
+    (void)mesh;
+    (void)threads;
+    (void)out;
+    return ost_embree_available(err);
+}
+
+void ost_embree_free(ost_embree *embree)
+{
+    (void)embree;
+}
+
+ost_embree_desk *ost_embree_desk_new(const ost_embree *embree)
+{
+    (void)embree;
+    return NULL;
+}
+
+void ost_embree_desk_free(ost_embree_desk *desk)
+{
+    (void)desk;
+}
+
+void ost_embree_mark(const ost_embree *embree, ost_embree_desk *desk, ost_vox_tile *tile, ost_vox_mark_fn *mark)
+{
+    (void)embree;
+    (void)desk;
+    (void)tile;
+    (void)mark;
+}
+
+#else
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#if defined HAVE_EMBREE4
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+#include "core/conditions.h"
+
+enum { GROUP = 4, SIDE = 4, PACKET = SIDE * SIDE, CANDIDATES = 1024 };
+
+struct ost_embree {
+    const ost_snapped_mesh *mesh;
+    RTCDevice device;
+    RTCScene scene;
+    size_t primitives;
+};
+
+struct ost_embree_desk {
+    uint32_t *last_packet; /* a primitive: the packet that met it last; 0 none */
+    uint32_t packet;
+    ost_vox_tile *tile;
+    ost_vox_mark_fn *mark;
+    size_t count;
+    uint32_t candidates[CANDIDATES + GROUP];
+};
+
+/* The first member is Embree's, so that a callback finds the desk through it. */
+typedef struct cast_context {
+#if defined HAVE_EMBREE4
+    RTCRayQueryContext base;
+#else
+    struct RTCIntersectContext base;
+#endif
+    ost_embree_desk *desk;
+} cast_context;
+
+static unsigned int float_state(void)
+{
+#if defined __SSE__
+    return __builtin_ia32_stmxcsr();
+#else
+    return 0;
+#endif
+}
+
+static void restore_float_state(unsigned int state)
+{
+#if defined __SSE__
+    __builtin_ia32_ldmxcsr(state);
+#else
+    (void)state;
+#endif
+}
+
+/* ------------------------------------------------------------- hierarchy */
+
+static void bounds_of(const struct RTCBoundsFunctionArguments *args)
+{
+    const ost_snapped_mesh *mesh = args->geometryUserPtr;
+    const size_t first = (size_t)args->primID * GROUP;
+    const size_t end = first + GROUP < mesh->triangle_count ? first + GROUP : mesh->triangle_count;
+    int32_t lo[3] = {INT32_MAX, INT32_MAX, INT32_MAX}, hi[3] = {INT32_MIN, INT32_MIN, INT32_MIN};
+    for (size_t t = first; t < end; t++)
+        for (int i = 0; i < 3; i++) {
+            const int32_t *v = mesh->vertices[mesh->triangles[t][i]];
+            for (int a = 0; a < 3; a++) {
+                lo[a] = v[a] < lo[a] ? v[a] : lo[a];
+                hi[a] = v[a] > hi[a] ? v[a] : hi[a];
+            }
+        }
+    *args->bounds_o = (struct RTCBounds){.lower_x = (float)(lo[0] - 1), .lower_y = (float)(lo[1] - 1), .lower_z = (float)(lo[2] - 1),
+                                         .upper_x = (float)(hi[0] + 1), .upper_y = (float)(hi[1] + 1), .upper_z = (float)(hi[2] + 1)};
+}
+
+static void mark_candidates(ost_embree_desk *desk)
+{
+    desk->mark(desk->tile, desk->candidates, desk->count);
+    desk->count = 0;
+}
+
+static void note_primitive(const struct RTCIntersectFunctionNArguments *args)
+{
+    ost_embree_desk *desk = ((cast_context *)args->context)->desk;
+    if (desk->last_packet[args->primID] == desk->packet)
+        return;
+    desk->last_packet[args->primID] = desk->packet;
+    const ost_snapped_mesh *mesh = args->geometryUserPtr;
+    const size_t first = (size_t)args->primID * GROUP;
+    for (size_t t = first; t < first + GROUP && t < mesh->triangle_count; t++)
+        desk->candidates[desk->count++] = (uint32_t)t;
+    if (desk->count > CANDIDATES)
+        mark_candidates(desk);
+}
+
+static void build(ost_embree *e)
+{
+    RTCGeometry geometry = rtcNewGeometry(e->device, RTC_GEOMETRY_TYPE_USER);
+    rtcSetGeometryUserPrimitiveCount(geometry, (unsigned int)e->primitives);
+    union {
+        const ost_snapped_mesh *in;
+        void *out;
+    } mesh = {.in = e->mesh}; /* only handed back */
+    rtcSetGeometryUserData(geometry, mesh.out);
+    rtcSetGeometryBoundsFunction(geometry, bounds_of, NULL);
+    rtcSetGeometryIntersectFunction(geometry, note_primitive);
+    rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_LOW);
+    rtcCommitGeometry(geometry);
+    e->scene = rtcNewScene(e->device);
+    rtcAttachGeometry(e->scene, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcSetSceneFlags(e->scene, RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneBuildQuality(e->scene, RTC_BUILD_QUALITY_LOW);
+    rtcCommitScene(e->scene);
+}
+
+ost_status ost_embree_available(ost_error *err)
+{
+    (void)err;
+    return OST_OK;
+}
+
+ost_status ost_embree_new(const ost_snapped_mesh *mesh, int threads, ost_embree **out, ost_error *err)
+{
+    char config[60];
+    const unsigned int state = float_state();
+    ost_embree *e = calloc(1, sizeof *e);
+    if (!e)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for Embree");
+    e->mesh = mesh;
+    e->primitives = (mesh->triangle_count + GROUP - 1) / GROUP;
+    snprintf(config, sizeof config, "threads=%d,set_affinity=0", threads);
+    e->device = rtcNewDevice(config);
+    enum RTCError error = e->device ? RTC_ERROR_NONE : rtcGetDeviceError(NULL);
+    if (e->device) {
+        build(e);
+        error = rtcGetDeviceError(e->device);
+    }
+    restore_float_state(state);
+    if (!e->device || error != RTC_ERROR_NONE) {
+        ost_embree_free(e);
+        return error == RTC_ERROR_OUT_OF_MEMORY
+                   ? ost_fail(err, OST_ERR_MEMORY, "Embree has no memory for %zu triangles", mesh->triangle_count)
+                   : ost_fail(err, OST_ERR_UNAVAILABLE, "Embree does not start here (its error %d)", (int)error);
+    }
+    *out = e;
+    return OST_OK;
+}
+
+void ost_embree_free(ost_embree *e)
+{
+    if (!e)
+        return;
+    const unsigned int state = float_state();
+    if (e->scene)
+        rtcReleaseScene(e->scene);
+    if (e->device)
+        rtcReleaseDevice(e->device);
+    restore_float_state(state);
+    free(e);
+}
+
+/* ------------------------------------------------------------------ rays */
+
+ost_embree_desk *ost_embree_desk_new(const ost_embree *embree)
+{
+    ost_embree_desk *desk = calloc(1, sizeof *desk);
+    if (desk)
+        desk->last_packet = calloc(embree->primitives + 1, sizeof *desk->last_packet);
+    if (desk && !desk->last_packet) {
+        free(desk);
+        desk = NULL;
+    }
+    return desk;
+}
+
+void ost_embree_desk_free(ost_embree_desk *desk)
+{
+    if (!desk)
+        return;
+    free(desk->last_packet);
+    free(desk);
+}
+
+/* The rows to be marked: at most SIDE x SIDE. */
+static void cast(const ost_embree *e, ost_embree_desk *desk)
+{
+    const ost_vox_tile *tile = desk->tile;
+    const int32_t half = 1 << (tile->f - 1);
+    int valid[PACKET] __attribute__((aligned(64)));
+    struct RTCRayHit16 rays __attribute__((aligned(64)));
+    cast_context c = {.desk = desk};
+    memset(&rays, 0, sizeof rays);
+    for (int r = 0; r < PACKET; r++) {
+        const int32_t j = tile->rows_j0 + r % SIDE, k = tile->rows_k0 + r / SIDE;
+        valid[r] = j < tile->rows_j1 && k < tile->rows_k1 ? -1 : 0;
+        rays.ray.org_x[r] = -4;
+        rays.ray.org_y[r] = (float)((j << tile->f) + half);
+        rays.ray.org_z[r] = (float)((k << tile->f) + half);
+        rays.ray.dir_x[r] = 1;
+        rays.ray.tfar[r] = 1 << 22;
+        rays.ray.mask[r] = UINT32_MAX;
+        rays.ray.id[r] = (unsigned int)r;
+        rays.hit.geomID[r] = RTC_INVALID_GEOMETRY_ID;
+        rays.hit.instID[0][r] = RTC_INVALID_GEOMETRY_ID;
+    }
+#if defined HAVE_EMBREE4
+    RTCIntersectArguments arguments;
+    rtcInitRayQueryContext(&c.base);
+    rtcInitIntersectArguments(&arguments);
+    arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+    arguments.context = &c.base;
+    rtcIntersect16(valid, e->scene, &rays, &arguments);
+#else
+    rtcInitIntersectContext(&c.base);
+    c.base.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    rtcIntersect16(valid, e->scene, &c.base, &rays);
+#endif
+}
+
+void ost_embree_mark(const ost_embree *e, ost_embree_desk *desk, ost_vox_tile *tile, ost_vox_mark_fn *mark)
+{
+    const unsigned int state = float_state();
+    desk->tile = tile;
+    desk->mark = mark;
+    for (int32_t k = tile->k0; k < tile->k1; k += SIDE)
+        for (int32_t j = tile->j0; j < tile->j1; j += SIDE) {
+            tile->rows_j0 = j;
+            tile->rows_k0 = k;
+            tile->rows_j1 = j + SIDE < tile->j1 ? j + SIDE : tile->j1;
+            tile->rows_k1 = k + SIDE < tile->k1 ? k + SIDE : tile->k1;
+            desk->packet++; /* below 2^24: a grid has 2^24 rows at most */
+            cast(e, desk);
+            mark_candidates(desk);
+        }
+    restore_float_state(state);
+}
+
+#endif

@@ -1,0 +1,342 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Tiles, threads and results of the voxelizer; voxelize.h has the idea.
+ *
+ * A tile's two planes and its bits stay in a core's second cache while
+ * triangles write to them at random.  Tiles are as square as that allows: the
+ * fewest triangles lie across their borders.  What one thread does anyway is
+ * one tile as long as it fits that cache: nothing is sorted then.
+ */
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+#if defined __linux__
+#include <sys/mman.h>
+#endif
+
+#include "core/conditions.h"
+#include "cpu/embree.h"
+#include "cpu/tool.h"
+#include "cpu/voxelize.h"
+
+enum {
+    STREAM_BYTES = 1 << 25,       /* classes of a grid past this do not stay in a cache anyway */
+    HUGE_PAGE = 1 << 21
+};
+
+typedef struct job {
+    const cpu_backend *backend;
+    const ost_snapped_mesh *mesh[2]; /* cutting, not cutting or NULL */
+    ost_fill_rule rule;
+    int threads;
+    ost_vox_plan plan;
+    ost_vox_bins bins[2];
+    ost_embree *embree[2]; /* when Embree finds the crossings, instead of bins */
+    ost_vox_result result;
+    bool direct; /* one mesh, bits alone, in whole blocks: filled in place */
+} job;
+
+/* One thread's memory. */
+typedef struct desk {
+    ost_vox_tile tile;
+    uint64_t *bits[2];
+    ost_embree_desk *embree[2];
+    size_t plane_words; /* with padding */
+} desk;
+
+const ost_vox_tuning ost_vox_tuning_default = {.threads_from_ns = 1e6, .plane_bytes = 1 << 17};
+
+/*
+ * Threads are worth their start, and the wait for a core that another process
+ * has, from about a millisecond of work on.  Measured on one core of 2.5 GHz:
+ * 25 ns a triangle, 0.15 ns a byte of classes, 0.03 ns a voxel as bits.
+ */
+static int useful_threads(const job *j)
+{
+    const double voxels = (double)j->plan.dims.x * j->plan.dims.y * j->plan.dims.z;
+    double ns = voxels * (j->result.voxels ? 0.15 : 0.03);
+    for (int m = 0; m < 2; m++)
+        ns += j->mesh[m] ? 25.0 * (double)j->mesh[m]->triangle_count : 0;
+    return ns < j->backend->vox_tuning.threads_from_ns ? 1 : j->backend->threads;
+}
+
+static int32_t floor_log2(int64_t v)
+{
+    return v < 1 ? 0 : 63 - __builtin_clzll((unsigned long long)v);
+}
+
+static int32_t tiles_of(int32_t n, int32_t shift)
+{
+    return (int32_t)(((int64_t)n + (INT64_C(1) << shift) - 1) >> shift);
+}
+
+static void make_plan(ost_vox_plan *plan, const ost_snapped_mesh *mesh, int64_t plane_bytes, int threads)
+{
+    const ost_dims dims = mesh->grid.dims;
+    *plan = (ost_vox_plan){.dims = dims, .f = mesh->fraction_bits, .words = ost_vox_words(dims.x), .tiles_y = 1, .tiles_z = 1};
+    const int64_t row_bytes = 8 * plan->words;
+    if (threads == 1 && (int64_t)dims.y * dims.z * row_bytes <= 2 * plane_bytes) {
+        plan->shift_y = floor_log2(dims.y) + 1;
+        plan->shift_z = floor_log2(dims.z) + 1;
+        return;
+    }
+    const int32_t rows = floor_log2(plane_bytes / row_bytes);
+    plan->shift_y = (rows + 1) / 2;
+    if (plan->shift_y > floor_log2(dims.y))
+        plan->shift_y = floor_log2(dims.y);
+    plan->shift_z = rows - plan->shift_y;
+    if (plan->shift_z > floor_log2(dims.z))
+        plan->shift_z = floor_log2(dims.z);
+    plan->tiles_y = tiles_of(dims.y, plan->shift_y);
+    plan->tiles_z = tiles_of(dims.z, plan->shift_z);
+}
+
+static void free_desk(desk *d)
+{
+    free(d->tile.planes);
+    free(d->tile.odd);
+    free(d->bits[0]);
+    free(d->bits[1]);
+    ost_embree_desk_free(d->embree[0]);
+    ost_embree_desk_free(d->embree[1]);
+}
+
+static void *blocks(size_t words)
+{
+    void *p;
+    return posix_memalign(&p, 64, words * 8) == 0 ? p : NULL;
+}
+
+static bool make_desk(desk *d, const job *j)
+{
+    const ost_vox_plan *plan = &j->plan;
+    const int64_t rows_y = INT64_C(1) << plan->shift_y, rows_z = INT64_C(1) << plan->shift_z;
+    const size_t rows = (size_t)(rows_y < plan->dims.y ? rows_y : plan->dims.y) * (size_t)(rows_z < plan->dims.z ? rows_z : plan->dims.z);
+    *d = (desk){.plane_words = (rows * (size_t)plan->words + OST_VOX_BLOCK - 1) / OST_VOX_BLOCK * OST_VOX_BLOCK};
+    d->tile = (ost_vox_tile){
+        .f = plan->f,
+        .nx = plan->dims.x,
+        .row_bits = 64 * (uint32_t)plan->words,
+        .minus = 64 * (uint32_t)d->plane_words,
+        .planes = blocks(2 * d->plane_words),
+        .odd = calloc(rows + OST_VOX_BLOCK, 1),
+    };
+    d->bits[0] = blocks(d->plane_words);
+    d->bits[1] = j->mesh[1] ? blocks(d->plane_words) : NULL;
+    if (!d->tile.planes || !d->tile.odd || !d->bits[0] || (j->mesh[1] && !d->bits[1]))
+        return false;
+    for (int m = 0; m < 2; m++)
+        if (j->embree[m] && !(d->embree[m] = ost_embree_desk_new(j->embree[m])))
+            return false;
+    memset(d->tile.planes, 0, 2 * d->plane_words * 8);
+    return true;
+}
+
+/* Where in the whole grid the first row of a slice of a tile lies. */
+static size_t result_row(const job *j, const ost_vox_tile *tile, size_t row)
+{
+    const size_t k = (size_t)tile->k0 + row / (size_t)(tile->j1 - tile->j0);
+    return k * (size_t)j->plan.dims.y + (size_t)tile->j0;
+}
+
+/* No triangle comes near this tile. */
+static bool is_void(const job *j, int m, size_t number)
+{
+    const ost_vox_bins *bins = &j->bins[m];
+    return !j->mesh[m] || (bins->start && bins->start[number] == bins->start[number + 1] && bins->large_count == 0);
+}
+
+/* The solid bits of one mesh in this tile, in the result if direct, else as d->bits[m]; returns how many. */
+static uint64_t fill_mesh(const job *j, desk *d, int m, size_t number, uint64_t *leaking_rows)
+{
+    const ost_cpu_kernels *kernels = &j->backend->kernels;
+    const ost_vox_bins *bins = &j->bins[m];
+    ost_vox_tile *tile = &d->tile;
+    tile->mesh = j->mesh[m];
+    ost_vox_mark_all_rows(tile);
+    if (j->embree[m]) {
+        ost_embree_mark(j->embree[m], d->embree[m], tile, kernels->vox_mark);
+    } else if (!bins->start) {
+        kernels->vox_mark(tile, NULL, tile->mesh->triangle_count);
+    } else {
+        kernels->vox_mark(tile, bins->list + bins->start[number], bins->start[number + 1] - bins->start[number]);
+        kernels->vox_mark(tile, bins->large, bins->large_count);
+    }
+    uint64_t count = 0;
+    const size_t rows = ost_vox_rows(tile), words = (size_t)j->plan.words, run = j->direct ? (size_t)(tile->j1 - tile->j0) : rows;
+    for (size_t r = 0; r < rows; r += run) {
+        uint64_t *bits = j->direct ? j->result.cutting + result_row(j, tile, r) * words : d->bits[m];
+        count += kernels->vox_fill(tile, r, run, j->rule == OST_FILL_PARITY, j->direct, bits);
+        if (tile->any_odd && !tile->no_memory)
+            count += (uint64_t)ost_vox_fill_odd(tile, r, run, j->rule, bits, leaking_rows);
+    }
+    if (tile->any_odd) {
+        memset(tile->odd, 0, rows);
+        tile->any_odd = false;
+        free(tile->spill);
+        tile->spill = NULL;
+    }
+    memset(tile->planes, 0, 2 * d->plane_words * 8);
+    return count;
+}
+
+/* Takes what cuts out of what does not; returns what is left. */
+static uint64_t subtract(uint64_t *noncutting, const uint64_t *cutting, size_t words)
+{
+    uint64_t count = 0;
+    for (size_t w = 0; w < words; w++) {
+        noncutting[w] &= ~cutting[w];
+        count += noncutting[w] ? (uint64_t)__builtin_popcountll(noncutting[w]) : 0;
+    }
+    return count;
+}
+
+static void deliver_void(const job *j, const ost_vox_tile *tile)
+{
+    const size_t run = (size_t)(tile->j1 - tile->j0), words = (size_t)j->plan.words, nx = (size_t)j->plan.dims.x;
+    for (size_t r = 0; r < ost_vox_rows(tile); r += run) {
+        const size_t row = result_row(j, tile, r);
+        if (j->result.voxels)
+            memset(j->result.voxels + row * nx, OST_TOOL_VOID, run * nx);
+        if (j->result.cutting)
+            memset(j->result.cutting + row * words, 0, run * words * 8);
+        if (j->result.noncutting)
+            memset(j->result.noncutting + row * words, 0, run * words * 8);
+    }
+}
+
+/* The rows of this tile to their places in the results. */
+static void deliver(const job *j, const desk *d)
+{
+    const ost_vox_tile *tile = &d->tile;
+    const ost_vox_plan *plan = &j->plan;
+    const size_t run = (size_t)(tile->j1 - tile->j0), words = (size_t)plan->words;
+    const bool stream = (int64_t)plan->dims.x * plan->dims.y * plan->dims.z >= STREAM_BYTES;
+    for (int32_t k = tile->k0; k < tile->k1; k++) {
+        const size_t here = (size_t)(k - tile->k0) * run * words;
+        const size_t row = (size_t)k * (size_t)plan->dims.y + (size_t)tile->j0;
+        if (j->result.voxels)
+            j->backend->kernels.vox_expand(d->bits[0] + here, j->mesh[1] ? d->bits[1] + here : NULL, run, plan->words, plan->dims.x,
+                                           stream, j->result.voxels + row * (size_t)plan->dims.x);
+        if (j->result.cutting)
+            memcpy(j->result.cutting + row * words, d->bits[0] + here, run * words * 8);
+        if (j->result.noncutting && j->mesh[1])
+            memcpy(j->result.noncutting + row * words, d->bits[1] + here, run * words * 8);
+        else if (j->result.noncutting)
+            memset(j->result.noncutting + row * words, 0, run * words * 8);
+    }
+}
+
+static void run_tile(const job *j, desk *d, size_t number, ost_voxelize_report *report)
+{
+    const ost_vox_plan *plan = &j->plan;
+    const int32_t y = (int32_t)(number % (size_t)plan->tiles_y), z = (int32_t)(number / (size_t)plan->tiles_y);
+    ost_vox_tile *tile = &d->tile;
+    const int64_t j1 = ((int64_t)y + 1) << plan->shift_y, k1 = ((int64_t)z + 1) << plan->shift_z;
+    tile->j0 = y << plan->shift_y;
+    tile->k0 = z << plan->shift_z;
+    tile->j1 = j1 < plan->dims.y ? (int32_t)j1 : plan->dims.y;
+    tile->k1 = k1 < plan->dims.z ? (int32_t)k1 : plan->dims.z;
+
+    if (is_void(j, 0, number) && is_void(j, 1, number)) {
+        deliver_void(j, tile);
+        return;
+    }
+    const uint64_t cutting = fill_mesh(j, d, 0, number, &report->leaking_rows);
+    uint64_t noncutting = 0;
+    if (j->mesh[1]) {
+        fill_mesh(j, d, 1, number, &report->leaking_rows);
+        noncutting = subtract(d->bits[1], d->bits[0], ost_vox_rows(tile) * (size_t)plan->words);
+    }
+    report->cutting_voxels += cutting;
+    report->solid_voxels += cutting + noncutting;
+    if (!j->direct)
+        deliver(j, d);
+}
+
+static ost_status run_tiles(const job *j, ost_voxelize_report *report, ost_error *err)
+{
+    const size_t tiles = (size_t)j->plan.tiles_y * (size_t)j->plan.tiles_z;
+    const int threads = tiles < (size_t)j->threads ? (int)tiles : j->threads;
+    uint64_t solid = 0, cutting = 0, leaking = 0;
+    bool failed = false;
+#pragma omp parallel num_threads(threads) reduction(+ : solid, cutting, leaking) reduction(|| : failed) if (threads > 1)
+    {
+        ost_voxelize_report sums = {0};
+        desk d;
+        const bool ready = make_desk(&d, j);
+#pragma omp for schedule(dynamic, 1)
+        for (size_t t = 0; t < tiles; t++)
+            if (ready)
+                run_tile(j, &d, t, &sums);
+        failed = !ready || d.tile.no_memory;
+        free_desk(&d);
+        solid = sums.solid_voxels;
+        cutting = sums.cutting_voxels;
+        leaking = sums.leaking_rows;
+    }
+    if (failed)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for tiles of %d x %d rows", 1 << j->plan.shift_y, 1 << j->plan.shift_z);
+    *report = (ost_voxelize_report){.solid_voxels = solid, .cutting_voxels = cutting, .leaking_rows = leaking};
+    return OST_OK;
+}
+
+ost_status ost_cpu_voxelize(const cpu_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
+                            ost_fill_rule rule, ost_voxelize_report *report, const ost_vox_result *result, ost_error *err)
+{
+    assert(cutting->fraction_bits >= 1 && cutting->fraction_bits <= 10);
+    job j = {.backend = backend, .mesh = {cutting, noncutting}, .rule = rule, .result = *result};
+    j.plan.dims = cutting->grid.dims;
+    j.threads = useful_threads(&j);
+    make_plan(&j.plan, cutting, backend->vox_tuning.plane_bytes, j.threads);
+    j.direct = !noncutting && !result->voxels && result->cutting && !result->noncutting && j.plan.words % OST_VOX_BLOCK == 0 &&
+               (uintptr_t)result->cutting % 64 == 0;
+    ost_status status = OST_OK;
+    for (int m = 0; m < 2 && status == OST_OK; m++)
+        if (j.mesh[m] && backend->voxelizer == OST_VOXELIZER_EMBREE)
+            status = ost_embree_new(j.mesh[m], j.threads, &j.embree[m], err);
+        else if (j.mesh[m])
+            status = ost_vox_bins_make(&j.bins[m], &j.plan, j.mesh[m], &backend->kernels, j.threads, err);
+    if (status == OST_OK)
+        status = run_tiles(&j, report, err);
+    for (int m = 0; m < 2; m++) {
+        ost_vox_bins_free(&j.bins[m]);
+        ost_embree_free(j.embree[m]);
+    }
+    return status;
+}
+
+/* Not cleared: every voxel is written, first by the thread that made it. Large ones ask for large pages. */
+static uint8_t *new_voxels(size_t size)
+{
+    void *p;
+    if (posix_memalign(&p, size >= HUGE_PAGE ? HUGE_PAGE : 64, size) != 0)
+        return NULL;
+#if defined __linux__
+    if (size >= HUGE_PAGE)
+        (void)madvise(p, size, MADV_HUGEPAGE); /* advice: nothing depends on it */
+#endif
+    return p;
+}
+
+ost_status ost_cpu_voxelize_tool(ost_backend *base, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
+                                 ost_fill_rule rule, ost_voxelize_report *report, ost_tool **out, ost_error *err)
+{
+    const cpu_backend *backend = (const cpu_backend *)base;
+    const ost_dims dims = cutting->grid.dims;
+    ref_tool *tool = malloc(sizeof *tool);
+    uint8_t *voxels = new_voxels((size_t)ost_dims_count(dims));
+    ost_status status = OST_OK;
+    if (!tool || !voxels)
+        status = ost_fail(err, OST_ERR_MEMORY, "no memory for a tool of %d x %d x %d voxels", dims.x, dims.y, dims.z);
+    if (status == OST_OK)
+        status = ost_cpu_voxelize(backend, cutting, noncutting, rule, report, &(ost_vox_result){.voxels = voxels}, err);
+    if (status != OST_OK) {
+        free(voxels);
+        free(tool);
+        return status;
+    }
+    *tool = (ref_tool){.base = {.backend = base, .geometry = cutting->grid}, .voxels = voxels};
+    *out = &tool->base;
+    return ost_cpu_tool_adopt(out, err);
+}

@@ -1,0 +1,225 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The voxelizer's kernels for AVX2: four triangles, 256 voxels, or 32 classes at once. */
+#include <immintrin.h>
+
+#include "cpu/voxelize.h"
+#include "cpu/x86/voxelize_x86.h"
+
+/* --------------------------------------------------- triangles in lanes */
+
+#define LANES 4
+typedef __m256d vd;
+typedef __m256d vm;
+typedef __m128i vi;
+
+#define vd_set(x) _mm256_set1_pd(x)
+#define vd_add _mm256_add_pd
+#define vd_sub _mm256_sub_pd
+#define vd_mul _mm256_mul_pd
+#define vd_div _mm256_div_pd
+#define vd_min _mm256_min_pd
+#define vd_max _mm256_max_pd
+#define vd_floor(a) _mm256_round_pd(a, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC)
+#define vd_ceil(a) _mm256_round_pd(a, _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC)
+#define vd_sel(m, yes, no) _mm256_blendv_pd(no, yes, m)
+#define vd_lt(a, b) _mm256_cmp_pd(a, b, _CMP_LT_OQ)
+#define vd_le(a, b) _mm256_cmp_pd(a, b, _CMP_LE_OQ)
+#define vd_eq(a, b) _mm256_cmp_pd(a, b, _CMP_EQ_OQ)
+#define vm_and(a, b) _mm256_and_pd(a, b)
+#define vm_or(a, b) _mm256_or_pd(a, b)
+#define vm_andnot(a, b) _mm256_andnot_pd(b, a)
+#define vm_bits(m) ((unsigned)_mm256_movemask_pd(m))
+#define vm_first(n) vd_lt(_mm256_setr_pd(0, 1, 2, 3), vd_set(n))
+#define vi_load(p) _mm_loadu_si128((const __m128i *)(p))
+#define vi_store(p, v) _mm_storeu_si128((__m128i *)(p), v)
+#define vi_from_vd(a) _mm256_cvtpd_epi32(a)
+#define vd_from_vi(a) _mm256_cvtepi32_pd(a)
+
+/* Loads and a transposition: gathers take several times as long. Masked, as nothing may be read behind the last vertex. */
+static inline void vi_vertices(const ost_snapped_mesh *mesh, const uint32_t *const *v, int corner, vi *xyz)
+{
+    const __m128i three = _mm_setr_epi32(-1, -1, -1, 0);
+    const __m128i p0 = _mm_maskload_epi32(mesh->vertices[v[0][corner]], three);
+    const __m128i p1 = _mm_maskload_epi32(mesh->vertices[v[1][corner]], three);
+    const __m128i p2 = _mm_maskload_epi32(mesh->vertices[v[2][corner]], three);
+    const __m128i p3 = _mm_maskload_epi32(mesh->vertices[v[3][corner]], three);
+    const __m128i xy01 = _mm_unpacklo_epi32(p0, p1), xy23 = _mm_unpacklo_epi32(p2, p3);
+    xyz[0] = _mm_unpacklo_epi64(xy01, xy23);
+    xyz[1] = _mm_unpackhi_epi64(xy01, xy23);
+    xyz[2] = _mm_unpacklo_epi64(_mm_unpackhi_epi32(p0, p1), _mm_unpackhi_epi32(p2, p3));
+}
+
+/* Byte moves that bring the words of a mask's lanes together. */
+#define WORD(i) 4 * (i), 4 * (i) + 1, 4 * (i) + 2, 4 * (i) + 3
+#define NO WORD(0)
+static const int8_t together[16][16] = {
+    {NO, NO, NO, NO},           {WORD(0), NO, NO, NO},      {WORD(1), NO, NO, NO},      {WORD(0), WORD(1), NO, NO},
+    {WORD(2), NO, NO, NO},      {WORD(0), WORD(2), NO, NO}, {WORD(1), WORD(2), NO, NO}, {WORD(0), WORD(1), WORD(2), NO},
+    {WORD(3), NO, NO, NO},      {WORD(0), WORD(3), NO, NO}, {WORD(1), WORD(3), NO, NO}, {WORD(0), WORD(1), WORD(3), NO},
+    {WORD(2), WORD(3), NO, NO}, {WORD(0), WORD(2), WORD(3), NO}, {WORD(1), WORD(2), WORD(3), NO}, {WORD(0), WORD(1), WORD(2), WORD(3)},
+};
+
+static inline size_t emit(uint32_t *out, vi v, vm m)
+{
+    const unsigned lanes = vm_bits(m);
+    _mm_storeu_si128((__m128i *)out, _mm_shuffle_epi8(v, _mm_loadu_si128((const __m128i *)together[lanes])));
+    return (size_t)_mm_popcnt_u32(lanes);
+}
+
+static inline vi least(vi a, vi b, vi c)
+{
+    return _mm_min_epi32(_mm_min_epi32(a, b), c);
+}
+
+static inline vi greatest(vi a, vi b, vi c)
+{
+    return _mm_max_epi32(_mm_max_epi32(a, b), c);
+}
+
+static inline vi keys_lanes(const ost_vox_plan *plan, vi ay, vi by, vi cy, vi az, vi bz, vi cz)
+{
+    const vi h = _mm_set1_epi32(1 << (plan->f - 1)), h1 = _mm_set1_epi32((1 << (plan->f - 1)) - 1);
+    const __m128i f = _mm_cvtsi32_si128(plan->f), sy = _mm_cvtsi32_si128(plan->shift_y), sz = _mm_cvtsi32_si128(plan->shift_z);
+    const vi j0 = _mm_sra_epi32(_mm_add_epi32(least(ay, by, cy), h1), f);
+    const vi k0 = _mm_sra_epi32(_mm_add_epi32(least(az, bz, cz), h1), f);
+    const vi j1 = _mm_sra_epi32(_mm_sub_epi32(greatest(ay, by, cy), h), f);
+    const vi k1 = _mm_sra_epi32(_mm_sub_epi32(greatest(az, bz, cz), h), f);
+    const vi ty = _mm_sra_epi32(j0, sy), tz = _mm_sra_epi32(k0, sz);
+    const vi none = _mm_or_si128(_mm_cmpgt_epi32(j0, j1), _mm_cmpgt_epi32(k0, k1));
+    const vi one = _mm_and_si128(_mm_cmpeq_epi32(ty, _mm_sra_epi32(j1, sy)), _mm_cmpeq_epi32(tz, _mm_sra_epi32(k1, sz)));
+    vi key = _mm_add_epi32(ty, _mm_mullo_epi32(tz, _mm_set1_epi32(plan->tiles_y)));
+    key = _mm_blendv_epi8(_mm_set1_epi32((int)OST_VOX_KEY_MANY), key, one);
+    return _mm_blendv_epi8(key, _mm_set1_epi32((int)OST_VOX_KEY_NONE), none);
+}
+
+#include "cpu/x86/voxelize_lanes.h"
+
+void ost_vox_mark_avx2(ost_vox_tile *tile, const uint32_t *list, size_t count)
+{
+    mark(tile, list, count);
+}
+
+void ost_vox_keys_avx2(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t count, uint32_t *keys)
+{
+    keys_of(plan, mesh, first, count, keys);
+}
+
+/* ------------------------------------------------------- running parity */
+
+/* Of each word, in every bit the parity of it and those below. */
+static inline __m256i running_parity(__m256i x)
+{
+    x = _mm256_xor_si256(x, _mm256_slli_epi64(x, 1));
+    x = _mm256_xor_si256(x, _mm256_slli_epi64(x, 2));
+    x = _mm256_xor_si256(x, _mm256_slli_epi64(x, 4));
+    x = _mm256_xor_si256(x, _mm256_slli_epi64(x, 8));
+    x = _mm256_xor_si256(x, _mm256_slli_epi64(x, 16));
+    return _mm256_xor_si256(x, _mm256_slli_epi64(x, 32));
+}
+
+static inline __m256i count_bytes(__m256i v)
+{
+    const __m256i table = _mm256_broadcastsi128_si256(_mm_setr_epi8(0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4));
+    const __m256i low = _mm256_set1_epi8(15);
+    return _mm256_add_epi8(_mm256_shuffle_epi8(table, _mm256_and_si256(v, low)),
+                           _mm256_shuffle_epi8(table, _mm256_and_si256(_mm256_srli_epi16(v, 4), low)));
+}
+
+/*
+ * As with 512 bits (voxelize_avx512.c), four words at a time: a row's words or
+ * those of several rows, whole; a bad vector's rows are all summed again.
+ */
+uint64_t ost_vox_fill_avx2(ost_vox_tile *tile, size_t first_row, size_t rows, bool parity, bool stream, uint64_t *bits)
+{
+    enum { WORDS = 4 };
+    const size_t words = tile->row_bits / 64, total = rows * words;
+    const size_t rows_in_vector = words < WORDS ? WORDS / words : 1;
+    const uint64_t *plus = tile->planes + first_row * words, *minus = plus + tile->minus / 64;
+    const __m256i zero = _mm256_setzero_si256(), winding = _mm256_set1_epi64x(parity ? 0 : -1);
+    const int ends = words >= 4 ? 8 : words == 2 ? 0xa : 0xf;
+    __m256i counts = zero, carry = zero, bad = zero;
+    size_t row_word = 0;
+    for (size_t w = 0; w < total; w += WORDS) {
+        const __m256i p = _mm256_load_si256((const __m256i *)(plus + w));
+        const __m256i x = _mm256_xor_si256(p, _mm256_load_si256((const __m256i *)(minus + w)));
+        __m256i q = running_parity(x);
+        /* Whole words of the parity before each word: from the word below, then from two below. */
+        __m256i top = _mm256_cmpgt_epi64(zero, q);
+        __m256i before = _mm256_blend_epi32(_mm256_permute4x64_epi64(top, 0x90), zero, 0x03);
+        before = _mm256_xor_si256(before, _mm256_blend_epi32(_mm256_permute4x64_epi64(before, 0x90), zero, 0x03));
+        before = _mm256_xor_si256(before, _mm256_permute2x128_si256(before, before, 0x08));
+        q = _mm256_xor_si256(q, _mm256_xor_si256(before, carry));
+        if (stream)
+            _mm256_stream_si256((__m256i *)(bits + w), q);
+        else
+            _mm256_store_si256((__m256i *)(bits + w), q);
+        counts = _mm256_add_epi64(counts, _mm256_sad_epu8(count_bytes(q), zero));
+        bad = _mm256_or_si256(bad, _mm256_and_si256(_mm256_and_si256(x, _mm256_xor_si256(q, p)), winding));
+        row_word += WORDS;
+        if (row_word < words) { /* the row goes on */
+            carry = _mm256_permute4x64_epi64(_mm256_cmpgt_epi64(zero, q), 0xff);
+            continue;
+        }
+        row_word = 0;
+        carry = zero;
+        if (__builtin_expect(!_mm256_testz_si256(bad, bad) || (_mm256_movemask_pd(_mm256_castsi256_pd(q)) & ends), 0)) {
+            const size_t row = words < WORDS ? w / words : (w + WORDS) / words - 1;
+            for (size_t r = 0; r < rows_in_vector && row + r < rows; r++)
+                tile->odd[first_row + row + r] |= OST_VOX_UNPROVEN;
+            tile->any_odd = true;
+            bad = zero;
+        }
+    }
+    uint64_t sums[WORDS], count = 0;
+    _mm256_storeu_si256((__m256i *)sums, counts);
+    for (int i = 0; i < WORDS; i++)
+        count += sums[i];
+    for (size_t w = total; w % WORDS; w++) /* what a leaking row left behind the last */
+        count -= (uint64_t)_mm_popcnt_u64(bits[w]);
+    if (stream)
+        _mm_sfence();
+    return count;
+}
+
+/* ---------------------------------------------------------------- classes */
+
+/* 32 bits to bytes of 0 or -1: each byte gets the byte of bits that has its own, and keeps that one. */
+static inline __m256i spread(uint32_t bits)
+{
+    const __m256i from = _mm256_setr_epi8(0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 2, 2, 2, 2, 3, 3, 3, 3, 3, 3, 3, 3);
+    const __m256i own = _mm256_set1_epi64x((long long)UINT64_C(0x8040201008040201));
+    const __m256i v = _mm256_shuffle_epi8(_mm256_set1_epi32((int)bits), from);
+    return _mm256_cmpeq_epi8(_mm256_and_si256(v, own), own);
+}
+
+static inline __m256i classes_of(const uint64_t *cutting, const uint64_t *noncutting, size_t word, unsigned shift)
+{
+    __m256i v = _mm256_and_si256(spread((uint32_t)(cutting[word] >> shift)), _mm256_set1_epi8(OST_TOOL_CUTTING));
+    if (noncutting)
+        v = _mm256_or_si256(v, _mm256_and_si256(spread((uint32_t)(noncutting[word] >> shift)), _mm256_set1_epi8(OST_TOOL_NONCUTTING)));
+    return v;
+}
+
+void ost_vox_expand_avx2(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx, bool stream,
+                         uint8_t *voxels)
+{
+    const size_t whole = (size_t)nx / 32, rest = (size_t)nx % 32;
+    const bool past = stream && rest == 0 && (uintptr_t)voxels % 32 == 0;
+    for (size_t r = 0; r < rows; r++, voxels += nx) {
+        const size_t first = r * (size_t)words;
+        for (size_t h = 0; h < whole; h++) {
+            const __m256i v = classes_of(cutting, noncutting, first + h / 2, 32 * (h % 2));
+            if (past)
+                _mm256_stream_si256((__m256i *)(voxels + 32 * h), v);
+            else
+                _mm256_storeu_si256((__m256i *)(voxels + 32 * h), v);
+        }
+        if (rest) {
+            uint8_t last[32];
+            _mm256_storeu_si256((__m256i *)last, classes_of(cutting, noncutting, first + whole / 2, 32 * (whole % 2)));
+            memcpy(voxels + 32 * whole, last, rest);
+        }
+    }
+    if (past)
+        _mm_sfence();
+}

@@ -1,0 +1,213 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The voxelizer's kernels for AVX-512: eight triangles, 512 voxels, or 64 classes at once. */
+#include <immintrin.h>
+
+#include "cpu/voxelize.h"
+#include "cpu/x86/voxelize_x86.h"
+
+/* --------------------------------------------------- triangles in lanes */
+
+#define LANES 8
+typedef __m512d vd;
+typedef __mmask8 vm;
+typedef __m256i vi;
+
+#define vd_set(x) _mm512_set1_pd(x)
+#define vd_add _mm512_add_pd
+#define vd_sub _mm512_sub_pd
+#define vd_mul _mm512_mul_pd
+#define vd_div _mm512_div_pd
+#define vd_min _mm512_min_pd
+#define vd_max _mm512_max_pd
+#define vd_floor(a) _mm512_roundscale_pd(a, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC)
+#define vd_ceil(a) _mm512_roundscale_pd(a, _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC)
+#define vd_sel(m, yes, no) _mm512_mask_blend_pd(m, no, yes)
+#define vd_lt(a, b) _mm512_cmp_pd_mask(a, b, _CMP_LT_OQ)
+#define vd_le(a, b) _mm512_cmp_pd_mask(a, b, _CMP_LE_OQ)
+#define vd_eq(a, b) _mm512_cmp_pd_mask(a, b, _CMP_EQ_OQ)
+#define vm_and(a, b) ((vm)((a) & (b)))
+#define vm_or(a, b) ((vm)((a) | (b)))
+#define vm_andnot(a, b) ((vm)((a) & ~(b)))
+#define vm_bits(m) ((unsigned)(m))
+#define vm_first(n) ((vm)((1u << (n)) - 1))
+#define vi_load(p) _mm256_loadu_si256((const __m256i *)(p))
+#define vi_store(p, v) _mm256_storeu_si256((__m256i *)(p), v)
+#define vi_from_vd(a) _mm512_cvtpd_epi32(a)
+#define vd_from_vi(a) _mm512_cvtepi32_pd(a)
+
+/* Loads and permutes: gathers take several times as long. Masked, as nothing may be read behind the last vertex. */
+static inline __m512i four_vertices(const ost_snapped_mesh *mesh, const uint32_t *const *v, int corner)
+{
+    const __m128i p0 = _mm_maskz_loadu_epi32(7, mesh->vertices[v[0][corner]]), p1 = _mm_maskz_loadu_epi32(7, mesh->vertices[v[1][corner]]);
+    const __m128i p2 = _mm_maskz_loadu_epi32(7, mesh->vertices[v[2][corner]]), p3 = _mm_maskz_loadu_epi32(7, mesh->vertices[v[3][corner]]);
+    const __m256i p01 = _mm256_inserti128_si256(_mm256_castsi128_si256(p0), p1, 1);
+    const __m256i p23 = _mm256_inserti128_si256(_mm256_castsi128_si256(p2), p3, 1);
+    return _mm512_inserti64x4(_mm512_castsi256_si512(p01), p23, 1);
+}
+
+static inline void vi_vertices(const ost_snapped_mesh *mesh, const uint32_t *const *v, int corner, vi *xyz)
+{
+    const __m512i low = four_vertices(mesh, v, corner), high = four_vertices(mesh, v + 4, corner);
+    const __m512i xy = _mm512_permutex2var_epi32(low, _mm512_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28, 1, 5, 9, 13, 17, 21, 25, 29), high);
+    const __m512i z = _mm512_permutex2var_epi32(low, _mm512_setr_epi32(2, 6, 10, 14, 18, 22, 26, 30, 2, 6, 10, 14, 18, 22, 26, 30), high);
+    xyz[0] = _mm512_castsi512_si256(xy);
+    xyz[1] = _mm512_extracti64x4_epi64(xy, 1);
+    xyz[2] = _mm512_castsi512_si256(z);
+}
+
+static inline size_t emit(uint32_t *out, vi v, vm m)
+{
+    _mm256_storeu_si256((__m256i *)out, _mm256_maskz_compress_epi32(m, v));
+    return (size_t)_mm_popcnt_u32(m);
+}
+
+static inline vi least(vi a, vi b, vi c)
+{
+    return _mm256_min_epi32(_mm256_min_epi32(a, b), c);
+}
+
+static inline vi greatest(vi a, vi b, vi c)
+{
+    return _mm256_max_epi32(_mm256_max_epi32(a, b), c);
+}
+
+static inline vi keys_lanes(const ost_vox_plan *plan, vi ay, vi by, vi cy, vi az, vi bz, vi cz)
+{
+    const vi h = _mm256_set1_epi32(1 << (plan->f - 1)), h1 = _mm256_set1_epi32((1 << (plan->f - 1)) - 1);
+    const __m128i f = _mm_cvtsi32_si128(plan->f), sy = _mm_cvtsi32_si128(plan->shift_y), sz = _mm_cvtsi32_si128(plan->shift_z);
+    const vi j0 = _mm256_sra_epi32(_mm256_add_epi32(least(ay, by, cy), h1), f);
+    const vi k0 = _mm256_sra_epi32(_mm256_add_epi32(least(az, bz, cz), h1), f);
+    const vi j1 = _mm256_sra_epi32(_mm256_sub_epi32(greatest(ay, by, cy), h), f);
+    const vi k1 = _mm256_sra_epi32(_mm256_sub_epi32(greatest(az, bz, cz), h), f);
+    const vi ty = _mm256_sra_epi32(j0, sy), tz = _mm256_sra_epi32(k0, sz);
+    const vm none = _mm256_cmpgt_epi32_mask(j0, j1) | _mm256_cmpgt_epi32_mask(k0, k1);
+    const vm many = _mm256_cmpneq_epi32_mask(ty, _mm256_sra_epi32(j1, sy)) | _mm256_cmpneq_epi32_mask(tz, _mm256_sra_epi32(k1, sz));
+    vi key = _mm256_add_epi32(ty, _mm256_mullo_epi32(tz, _mm256_set1_epi32(plan->tiles_y)));
+    key = _mm256_mask_mov_epi32(key, many, _mm256_set1_epi32((int)OST_VOX_KEY_MANY));
+    return _mm256_mask_mov_epi32(key, none, _mm256_set1_epi32((int)OST_VOX_KEY_NONE));
+}
+
+#include "cpu/x86/voxelize_lanes.h"
+
+void ost_vox_mark_avx512(ost_vox_tile *tile, const uint32_t *list, size_t count)
+{
+    mark(tile, list, count);
+}
+
+void ost_vox_keys_avx512(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t count, uint32_t *keys)
+{
+    keys_of(plan, mesh, first, count, keys);
+}
+
+/* ------------------------------------------------------- running parity */
+
+/* Of each word, in every bit the parity of it and those below. */
+static inline __m512i running_parity(__m512i x)
+{
+    x = _mm512_xor_si512(x, _mm512_slli_epi64(x, 1));
+    x = _mm512_xor_si512(x, _mm512_slli_epi64(x, 2));
+    x = _mm512_xor_si512(x, _mm512_slli_epi64(x, 4));
+    x = _mm512_xor_si512(x, _mm512_slli_epi64(x, 8));
+    x = _mm512_xor_si512(x, _mm512_slli_epi64(x, 16));
+    return _mm512_xor_si512(x, _mm512_slli_epi64(x, 32));
+}
+
+/* Set bits of each byte. */
+static inline __m512i count_bytes(__m512i v)
+{
+    const __m512i table = _mm512_broadcast_i32x4(_mm_setr_epi8(0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4));
+    const __m512i low = _mm512_set1_epi8(15);
+    return _mm512_add_epi8(_mm512_shuffle_epi8(table, _mm512_and_si512(v, low)),
+                           _mm512_shuffle_epi8(table, _mm512_and_si512(_mm512_srli_epi16(v, 4), low)));
+}
+
+/*
+ * A block is one row's words or those of several rows, whole.  Rows end at
+ * parity 0 or are summed again, so that parity may run on from row to row
+ * within a block: what follows a leaking row in its block is odd as well, and all of
+ * a bad block's rows are summed again.
+ */
+uint64_t ost_vox_fill_avx512(ost_vox_tile *tile, size_t first_row, size_t rows, bool parity, bool stream, uint64_t *bits)
+{
+    const size_t words = tile->row_bits / 64, total = rows * words;
+    const size_t rows_in_block = words < OST_VOX_BLOCK ? OST_VOX_BLOCK / words : 1;
+    const uint64_t *plus = tile->planes + first_row * words, *minus = plus + tile->minus / 64;
+    const __m512i winding = _mm512_set1_epi64(parity ? 0 : -1);
+    const __mmask8 ends = words >= 8 ? 0x80 : words == 4 ? 0x88 : words == 2 ? 0xaa : 0xff;
+    __m512i counts = _mm512_setzero_si512();
+    unsigned carry = 0; /* all ones, or 0 */
+    size_t row_word = 0;
+    bool bad_row = false;
+    for (size_t w = 0; w < total; w += OST_VOX_BLOCK) {
+        const __m512i p = _mm512_load_si512(plus + w), x = _mm512_xor_si512(p, _mm512_load_si512(minus + w));
+        __m512i q = running_parity(x);
+        /* Parity of all words before each: a prefix over eight bits. */
+        unsigned before = _mm512_movepi64_mask(q);
+        before ^= before << 1;
+        before ^= before << 2;
+        before ^= before << 4;
+        before = (before << 1) ^ carry;
+        const __mmask8 turn = (__mmask8)before;
+        q = _mm512_mask_xor_epi64(q, turn, q, _mm512_set1_epi64(-1));
+        if (stream)
+            _mm512_stream_si512((__m512i *)(bits + w), q);
+        else
+            _mm512_store_si512(bits + w, q);
+        counts = _mm512_add_epi64(counts, _mm512_sad_epu8(count_bytes(q), _mm512_setzero_si512()));
+        const __m512i unproven = _mm512_and_si512(_mm512_ternarylogic_epi64(x, q, p, 0x60), winding); /* x & (q ^ p) */
+        const __mmask8 bad = _mm512_test_epi64_mask(unproven, unproven);
+        row_word += OST_VOX_BLOCK;
+        if (row_word < words) { /* the row goes on */
+            bad_row |= bad != 0;
+            carry = -(before >> 8 & 1);
+            continue;
+        }
+        row_word = 0;
+        carry = 0;
+        if (__builtin_expect((bad | (_mm512_movepi64_mask(q) & ends)) != 0 || bad_row, 0)) {
+            const size_t row = words < OST_VOX_BLOCK ? w / words : (w + OST_VOX_BLOCK) / words - 1;
+            for (size_t r = 0; r < rows_in_block && row + r < rows; r++)
+                tile->odd[first_row + row + r] |= OST_VOX_UNPROVEN;
+            tile->any_odd = true;
+            bad_row = false;
+        }
+    }
+    uint64_t count = (uint64_t)_mm512_reduce_add_epi64(counts);
+    for (size_t w = total; w % OST_VOX_BLOCK; w++) /* what a leaking row left behind the last */
+        count -= (uint64_t)_mm_popcnt_u64(bits[w]);
+    if (stream)
+        _mm_sfence();
+    return count;
+}
+
+/* ---------------------------------------------------------------- classes */
+
+static inline __m512i classes_of(const uint64_t *cutting, const uint64_t *noncutting, size_t word)
+{
+    __m512i v = _mm512_maskz_set1_epi8(_cvtu64_mask64(cutting[word]), OST_TOOL_CUTTING);
+    if (noncutting)
+        v = _mm512_mask_set1_epi8(v, _cvtu64_mask64(noncutting[word]), OST_TOOL_NONCUTTING);
+    return v;
+}
+
+void ost_vox_expand_avx512(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx, bool stream,
+                           uint8_t *voxels)
+{
+    const size_t whole = (size_t)nx / 64, rest = (size_t)nx % 64;
+    const __mmask64 last = (UINT64_C(1) << rest) - 1;
+    const bool past = stream && rest == 0 && (uintptr_t)voxels % 64 == 0;
+    for (size_t r = 0; r < rows; r++, voxels += nx) {
+        const size_t first = r * (size_t)words;
+        if (past) {
+            for (size_t w = 0; w < whole; w++)
+                _mm512_stream_si512((__m512i *)(voxels + 64 * w), classes_of(cutting, noncutting, first + w));
+            continue;
+        }
+        for (size_t w = 0; w < whole; w++)
+            _mm512_storeu_si512(voxels + 64 * w, classes_of(cutting, noncutting, first + w));
+        if (rest)
+            _mm512_mask_storeu_epi8(voxels + 64 * whole, last, classes_of(cutting, noncutting, first + whole));
+    }
+    if (past)
+        _mm_sfence();
+}

@@ -1,0 +1,270 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Triangles in the lanes of vectors of doubles: the marking and the sorting of
+ * small triangles, the same text for every width.  The includer defines
+ *
+ *   LANES                 triangles at once
+ *   vd, vm, vi            LANES doubles, a mask of LANES, LANES int32
+ *   vd_set vd_add vd_sub vd_mul vd_div vd_min vd_max vd_floor vd_ceil vd_sel(m, yes, no)
+ *   vd_lt vd_le vd_eq     comparisons
+ *   vm_and vm_or vm_andnot(a, b) = a without b, vm_bits, vm_first(n)
+ *   vi_load vi_store vi_from_vd vd_from_vi   the latter two of integers
+ *   least greatest        of three vi
+ *   vi_vertices(v, index, xyz)       coordinates of LANES vertices, whatever lies behind the last one
+ *   keys_lanes                       a key each, from the y and z of LANES triangles
+ *   emit(out, v, m)       stores the lanes of m, one behind the other, LANES int32
+ *                         may be written; returns how many
+ *
+ * Every value is an integer or an integer + 1/4, or a quotient whose rounding
+ * is accounted for; nothing is approximate.  S = 2^16 = OST_VOX_SMALL is the
+ * greatest extent of a small triangle on any axis, w = 2^f, h = w / 2.
+ *
+ *   normal    |nx|, |ny|, |nz| <= S^2 = 2^32: twice the area of a triangle in a square
+ *   rows      dz w dj <= C, dj from the first row j' of the bounds in the tile,
+ *             C = dy (Z - az) - dz (Y' - ay) - t: |C| <= 2^33 + 1, as Z, Y' are in the bounds
+ *   crossing  M = nx (ax - A w - h) - ny (Y - ay) - nz (Z - az): |M| <= 2^41 + 2^49
+ * All of these, their quarters and their steps from row to row are exact in
+ * doubles (2^53).
+ *
+ * Quotients.  dj <= floor(C / D) is taken as floor((C + 1/4) (1 / D)), D = dz w.
+ * (C + 1/4) / D is at least 1 / (4 D) >= 2^-(18+f) from every integer, and the two
+ * roundings are off by at most 2^-52 times its magnitude: by less than that for all
+ * below 2^(17-f), so the floor is exact; those above stay above 2^(16-f), which no
+ * row of the bounds reaches.  For dz < 0 the quarter moves the quotient down, below its ceiling's
+ * integer by the same margin: dj >= ceil((C + 1/4) (1 / D)).  For dz = 0 the divisor
+ * is replaced so that the quotient is beyond all rows, on the side of C's sign:
+ * C + 1/4 is never 0.
+ * i = A + ceil(M / (nx w)) is taken as A + ceil((M - 1/4) (1 / (nx w))).  An owned row
+ * crosses within the bounds, so the quotient is below 2^(16-f) + 1 in magnitude and the
+ * roundings are off by less than 2^-52 2^(17-f) = 2^-(35+f); the nearest integer is at least
+ * 1 / (4 nx w) >= 2^-(34+f) away.  Exact again.
+ * Lanes that are not owned, or hold no triangle, compute something, unused.
+ *
+ * What is left to ost_vox_mark_triangle: larger triangles, and those whose
+ * crossing may lie behind the last centre of its row.
+ */
+#include <string.h>
+
+#include "core/conditions.h"
+#include "cpu/voxelize.h"
+
+enum { BUFFER = 1024 };
+
+/* Bits of planes that wait to be set. */
+typedef struct pending {
+    uint32_t bit[BUFFER + 2 * LANES];
+    size_t count;
+} pending;
+
+static inline void set_pending(ost_vox_tile *tile, pending *p)
+{
+    for (size_t i = 0; i < p->count; i++)
+        ost_vox_mark_bit(tile, p->bit[i]);
+    p->count = 0;
+}
+
+/* One edge of LANES triangles. */
+typedef struct lane_edge {
+    vd c;     /* C + 1/4 in this slice */
+    vd dc;    /* to the next slice */
+    vd r;     /* 1 / D */
+    vm lower; /* D < 0 */
+} lane_edge;
+
+static inline lane_edge lane_edge_from(vd ay, vd az, vd by, vd bz, vd y, vd z, vd w)
+{
+    const vd zero = vd_set(0), dy = vd_sub(by, ay), dz = vd_sub(bz, az);
+    const vm level = vd_eq(dz, zero), down = vd_lt(dz, zero);
+    const vm tie = vm_or(down, vm_and(level, vd_lt(zero, dy)));
+    const vd c = vd_sub(vd_mul(dy, vd_sub(z, az)), vd_mul(dz, vd_sub(y, ay)));
+    return (lane_edge){
+        .c = vd_add(c, vd_sel(tie, vd_set(0.25), vd_set(-0.75))),
+        .dc = vd_mul(dy, w),
+        .r = vd_sel(level, vd_set(1e30), vd_div(vd_set(1), vd_mul(dz, w))),
+        .lower = down,
+    };
+}
+
+static inline void lane_clip(lane_edge *e, vd *lo, vd *hi)
+{
+    const vd q = vd_mul(e->c, e->r);
+    *lo = vd_sel(e->lower, vd_max(*lo, q), *lo);
+    *hi = vd_sel(e->lower, *hi, vd_min(*hi, q));
+    e->c = vd_add(e->c, e->dc);
+}
+
+static inline vd vd_least(vd a, vd b, vd c)
+{
+    return vd_min(vd_min(a, b), c);
+}
+
+static inline vd vd_greatest(vd a, vd b, vd c)
+{
+    return vd_max(vd_max(a, b), c);
+}
+
+/* The corners of LANES triangles. Inlined everywhere: they stay in registers then. */
+static inline __attribute__((always_inline)) void corners(const ost_snapped_mesh *mesh, const uint32_t *t, vi a[3], vi b[3], vi c[3])
+{
+    const uint32_t *v[LANES];
+    for (int i = 0; i < LANES; i++)
+        v[i] = mesh->triangles[t[i]];
+    vi_vertices(mesh, v, 0, a);
+    vi_vertices(mesh, v, 1, b);
+    vi_vertices(mesh, v, 2, c);
+}
+
+/* Triangles t of the lanes in valid. */
+static inline void mark_lanes(ost_vox_tile *tile, const uint32_t *t, vm valid, pending *p)
+{
+    const double w_ = (double)(1 << tile->f), h_ = w_ / 2;
+    const vd w = vd_set(w_), h = vd_set(h_), per_w = vd_set(1 / w_), zero = vd_set(0), one = vd_set(1);
+    vi a[3], b[3], c[3];
+    corners(tile->mesh, t, a, b, c);
+
+    /* Bounds in rows, within the tile. */
+    const vd ay = vd_from_vi(a[1]), az = vd_from_vi(a[2]);
+    vd by = vd_from_vi(b[1]), bz = vd_from_vi(b[2]);
+    vd cy = vd_from_vi(c[1]), cz = vd_from_vi(c[2]);
+    const vd y_min = vd_least(ay, by, cy), y_max = vd_greatest(ay, by, cy);
+    const vd z_min = vd_least(az, bz, cz), z_max = vd_greatest(az, bz, cz);
+    const vd j0 = vd_max(vd_ceil(vd_mul(vd_sub(y_min, h), per_w)), vd_set(tile->rows_j0));
+    const vd k0 = vd_max(vd_ceil(vd_mul(vd_sub(z_min, h), per_w)), vd_set(tile->rows_k0));
+    const vd j_count = vd_sub(vd_min(vd_floor(vd_mul(vd_sub(y_max, h), per_w)), vd_set(tile->rows_j1 - 1)), j0); /* less one */
+    const vd k_count = vd_sub(vd_min(vd_floor(vd_mul(vd_sub(z_max, h), per_w)), vd_set(tile->rows_k1 - 1)), k0);
+    valid = vm_and(valid, vm_and(vd_le(zero, j_count), vd_le(zero, k_count)));
+    if (!vm_bits(valid))
+        return;
+
+    const vd ax = vd_from_vi(a[0]), bx = vd_from_vi(b[0]), cx = vd_from_vi(c[0]);
+    const vd x_min = vd_least(ax, bx, cx), x_max = vd_greatest(ax, bx, cx);
+    const vd extent = vd_greatest(vd_sub(x_max, x_min), vd_sub(y_max, y_min), vd_sub(z_max, z_min));
+    const vm small = vm_and(vd_le(extent, vd_set(OST_VOX_SMALL)), vd_le(x_max, vd_set((tile->nx - 1) * w_ + h_)));
+    const vm others = vm_andnot(valid, small);
+    for (unsigned bits = vm_bits(others); bits; bits &= bits - 1)
+        ost_vox_mark_triangle(tile, t[__builtin_ctz(bits)]);
+    valid = vm_and(valid, small);
+
+    /* The normal, and the triangle turned counter-clockwise. */
+    const vd ux = vd_sub(bx, ax), uy = vd_sub(by, ay), uz = vd_sub(bz, az);
+    const vd vx = vd_sub(cx, ax), vy = vd_sub(cy, ay), vz = vd_sub(cz, az);
+    vd nx = vd_sub(vd_mul(uy, vz), vd_mul(uz, vy));
+    vd ny = vd_sub(vd_mul(uz, vx), vd_mul(ux, vz));
+    vd nz = vd_sub(vd_mul(ux, vy), vd_mul(uy, vx));
+    valid = vm_andnot(valid, vd_eq(nx, zero));
+    const vm enters = vd_lt(nx, zero);
+    const vd turn = vd_sel(enters, vd_set(-1), one);
+    nx = vd_mul(nx, turn);
+    ny = vd_mul(ny, turn);
+    nz = vd_mul(nz, turn);
+    const vd swap_y = by, swap_z = bz;
+    by = vd_sel(enters, cy, by);
+    bz = vd_sel(enters, cz, bz);
+    cy = vd_sel(enters, swap_y, cy);
+    cz = vd_sel(enters, swap_z, cz);
+
+    const vd y = vd_add(vd_mul(j0, w), h), z = vd_add(vd_mul(k0, w), h);
+    lane_edge ab = lane_edge_from(ay, az, by, bz, y, z, w), bc = lane_edge_from(by, bz, cy, cz, y, z, w),
+              ca = lane_edge_from(cy, cz, ay, az, y, z, w);
+    const vd home = vd_floor(vd_mul(ax, per_w));
+    const vd per_nx = vd_div(one, vd_mul(nx, w)), ny_w = vd_mul(ny, w), nz_w = vd_mul(nz, w);
+    vd m = vd_sub(vd_mul(nx, vd_sub(vd_sub(ax, vd_mul(home, w)), h)),
+                  vd_add(vd_add(vd_mul(ny, vd_sub(y, ay)), vd_mul(nz, vd_sub(z, az))), vd_set(0.25)));
+
+    /* Bit of centre `home` in row (j0, k): below 2^31, so exact as well. */
+    const vd row_bits = vd_set(tile->row_bits), slice_bits = vd_set((double)tile->row_bits * (tile->j1 - tile->j0));
+    vd bit = vd_add(vd_add(vd_mul(vd_sub(k0, vd_set(tile->k0)), slice_bits), vd_mul(vd_sub(j0, vd_set(tile->j0)), row_bits)),
+                    vd_add(home, vd_sel(enters, zero, vd_set(tile->minus))));
+    for (vd k = zero;; k = vd_add(k, one)) {
+        const vm here = vm_and(valid, vd_le(k, k_count));
+        if (!vm_bits(here))
+            return;
+        vd lo = zero, hi = j_count;
+        lane_clip(&ab, &lo, &hi);
+        lane_clip(&bc, &lo, &hi);
+        lane_clip(&ca, &lo, &hi);
+        lo = vd_ceil(lo);
+        vd row_m = vd_sub(m, vd_mul(lo, ny_w)), row_bit = vd_add(bit, vd_mul(lo, row_bits));
+        for (vm owned = vm_and(here, vd_le(lo, hi)); vm_bits(owned); owned = vm_and(owned, vd_le(lo, hi))) {
+            const vd i = vd_ceil(vd_mul(row_m, per_nx));
+            p->count += emit(p->bit + p->count, vi_from_vd(vd_add(row_bit, i)), owned);
+            if (p->count > BUFFER)
+                set_pending(tile, p);
+            row_m = vd_sub(row_m, ny_w);
+            row_bit = vd_add(row_bit, row_bits);
+            lo = vd_add(lo, one);
+        }
+        m = vd_sub(m, nz_w);
+        bit = vd_add(bit, slice_bits);
+    }
+}
+
+static inline void mark_list(ost_vox_tile *tile, const uint32_t *list, size_t count, pending *p)
+{
+    size_t i = 0;
+    for (; i + LANES <= count; i += LANES)
+        mark_lanes(tile, list + i, vm_first(LANES), p);
+    if (i < count) {
+        uint32_t t[LANES];
+        for (size_t l = 0; l < LANES; l++) /* the last one again in lanes behind it */
+            t[l] = list[i + l < count ? i + l : count - 1];
+        mark_lanes(tile, t, vm_first((int)(count - i)), p);
+    }
+}
+
+/* Which of the triangles t have a row's centre within their bounds. */
+static inline vm bounds_meet_rows(const ost_vox_tile *tile, const uint32_t *t)
+{
+    vi a[3], b[3], c[3];
+    corners(tile->mesh, t, a, b, c);
+    const vd y_min = vd_from_vi(least(a[1], b[1], c[1])), y_max = vd_from_vi(greatest(a[1], b[1], c[1]));
+    const vd z_min = vd_from_vi(least(a[2], b[2], c[2])), z_max = vd_from_vi(greatest(a[2], b[2], c[2]));
+    const vd per_w = vd_set(1 / (double)(1 << tile->f)), half = vd_set(0.5);
+    return vm_and(vd_le(vd_ceil(vd_sub(vd_mul(y_min, per_w), half)), vd_floor(vd_sub(vd_mul(y_max, per_w), half))),
+                  vd_le(vd_ceil(vd_sub(vd_mul(z_min, per_w), half)), vd_floor(vd_sub(vd_mul(z_max, per_w), half))));
+}
+
+/* Triangles by the number; those between rows are sorted out first, so that lanes are full where the work is. */
+static inline void mark_all(ost_vox_tile *tile, size_t count, pending *p)
+{
+    uint32_t kept[3 * LANES];
+    size_t n = 0, i = 0;
+    for (; i + LANES <= count; i += LANES) {
+        uint32_t t[LANES];
+        for (uint32_t l = 0; l < LANES; l++)
+            t[l] = (uint32_t)i + l;
+        n += emit(kept + n, vi_load(t), bounds_meet_rows(tile, t));
+        if (n >= LANES) {
+            n -= LANES;
+            mark_lanes(tile, kept + n, vm_first(LANES), p);
+        }
+    }
+    mark_list(tile, kept, n, p);
+    for (; i < count; i++)
+        ost_vox_mark_triangle(tile, (uint32_t)i);
+}
+
+static inline void mark(ost_vox_tile *tile, const uint32_t *list, size_t count)
+{
+    pending p;
+    p.count = 0;
+    if (list)
+        mark_list(tile, list, count, &p);
+    else
+        mark_all(tile, count, &p);
+    set_pending(tile, &p);
+}
+
+static inline void keys_of(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t count, uint32_t *keys)
+{
+    size_t i = 0;
+    for (; i + LANES <= count; i += LANES) {
+        uint32_t t[LANES];
+        vi a[3], b[3], c[3];
+        for (uint32_t l = 0; l < LANES; l++)
+            t[l] = (uint32_t)(first + i) + l;
+        corners(mesh, t, a, b, c);
+        vi_store(keys + i, keys_lanes(plan, a[1], b[1], c[1], a[2], b[2], c[2]));
+    }
+    ost_vox_keys_scalar(plan, mesh, first + i, count - i, keys + i);
+}
