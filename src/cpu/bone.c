@@ -12,6 +12,8 @@
  */
 #include "cpu/bone.h"
 
+#include "cpu/grid.h"
+
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
@@ -228,16 +230,24 @@ ost_status ost_cpu_bone_upload(ost_bone *base, int32_t z0, int32_t count, const 
     return OST_OK;
 }
 
+/* A layer of chunks at a time, so that a resampled grid is never whole in memory. */
 ost_status ost_cpu_cubic_to_chunks(const ost_grid *base, int chunk_size, int32_t threshold, ost_bone **out, ost_error *err)
 {
-    const ref_grid *cubic = (const ref_grid *)base;
-    ost_bone *bone;
-    ost_status status = ost_cpu_bone_create(base->backend, &base->geometry, chunk_size, threshold, &bone, err);
-    if (status != OST_OK)
-        return status;
-    status = ost_cpu_bone_upload(bone, 0, base->geometry.dims.z, cubic->voxels, err);
+    const ost_dims dims = base->geometry.dims;
+    ost_bone *bone = NULL;
+    int16_t *layer = malloc((size_t)dims.x * (size_t)dims.y * (size_t)chunk_size * sizeof *layer);
+    ost_status status = layer ? ost_cpu_bone_create(base->backend, &base->geometry, chunk_size, threshold, &bone, err)
+                              : ost_fail(err, OST_ERR_MEMORY, "no memory for %d slices of %d x %d voxels", chunk_size, dims.x, dims.y);
+    for (int32_t z = 0; z < dims.z && status == OST_OK; z += chunk_size) {
+        const int32_t count = min32(chunk_size, dims.z - z);
+        status = ost_cpu_grid_download(base, z, count, layer, err);
+        if (status == OST_OK)
+            status = ost_cpu_bone_upload(bone, z, count, layer, err);
+    }
+    free(layer);
     if (status != OST_OK) {
-        ost_cpu_bone_free(bone);
+        if (bone)
+            ost_cpu_bone_free(bone);
         return status;
     }
     *out = bone;

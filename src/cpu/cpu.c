@@ -2,6 +2,8 @@
 /* The table of the CPU backend and its options. */
 #include "cpu/cpu.h"
 #include "cpu/embree.h"
+#include "cpu/grid.h"
+#include "cpu/import.h"
 #include "cpu/voxelize.h"
 
 #include <stdlib.h>
@@ -142,12 +144,12 @@ const ost_backend_ops ost_backend_cpu = {
     .open = open_cpu,
     .close = close_cpu,
     .finish = finish,
-    .grid_create = ost_ref_grid_create,
-    .grid_free = ost_ref_grid_free,
-    .grid_upload = ost_ref_grid_upload,
-    .grid_download = ost_ref_grid_download,
-    .ct_to_rect = ost_ref_ct_to_rect,
-    .rect_to_cubic = ost_ref_rect_to_cubic,
+    .grid_create = ost_cpu_grid_create,
+    .grid_free = ost_cpu_grid_free,
+    .grid_upload = ost_cpu_grid_upload,
+    .grid_download = ost_cpu_grid_download,
+    .ct_to_rect = ost_cpu_ct_to_rect,
+    .rect_to_cubic = ost_cpu_rect_to_cubic,
     .cubic_to_chunks = ost_cpu_cubic_to_chunks,
     .bone_create = ost_cpu_bone_create,
     .bone_free = ost_cpu_bone_free,

@@ -5,6 +5,8 @@
  *
  *   cpu.c       the table, options "isa=", "threads=" and "voxelizer="
  *   kernels.c   the inner loops, chosen once at open
+ *   grid.c      grids, resampled ones as lists of indices
+ *   import_*.c  samples -> rect -> cubic
  *   bone.c      chunks of bricks: slices in and out, leaves
  *   remove.c    removal and collision, with shape.c: a tool's distances and windows
  *   voxelize.c  snapped mesh -> tool grid (voxelize.h; embree.h)

@@ -10,6 +10,7 @@
 
 static void fill_scalar(ost_cpu_kernels *k)
 {
+    k->gather_row = ost_gather_row_scalar;
     k->brick_row = ost_brick_row_scalar;
     k->split = ost_split_scalar;
     k->match = ost_match_scalar;
@@ -36,6 +37,7 @@ static void fill_avx2(ost_cpu_kernels *k)
 #if HAVE_AVX512_BUILD
 static void fill_avx512(ost_cpu_kernels *k)
 {
+    k->gather_row = ost_gather_row_avx512;
     k->split = ost_split_avx512;
     k->match = ost_match_avx512;
     k->take = ost_take_avx512;

@@ -16,6 +16,11 @@
 #include "core/isa.h"
 #include "cpu/remove.h"
 
+/* ------------------------------------------------------ grids (cpu/grid.h) */
+
+/* to[i] = from[map[i]], 0 <= i < count <= 64; map ascends (equal neighbours allowed). Nothing else is read or written. */
+typedef void ost_gather_row_fn(const int16_t *from, const int32_t *map, int count, int16_t *to);
+
 /* ------------------------------------------------------ bones (cpu/bone.h) */
 
 /*
@@ -99,6 +104,7 @@ typedef void ost_vox_expand_fn(const uint64_t *cutting, const uint64_t *noncutti
 
 typedef struct ost_cpu_kernels {
     ost_isa isa; /* the level they were filled for */
+    ost_gather_row_fn *gather_row;
     ost_brick_row_fn *brick_row;
     ost_split_fn *split;
     ost_match_fn *match;
@@ -112,6 +118,7 @@ typedef struct ost_cpu_kernels {
 void ost_cpu_kernels_fill(ost_cpu_kernels *kernels, ost_isa isa);
 
 /* NAME_scalar, NAME_avx2, ... of every slot. */
+ost_gather_row_fn ost_gather_row_scalar, ost_gather_row_avx512;
 ost_brick_row_fn ost_brick_row_scalar;
 ost_split_fn ost_split_scalar, ost_split_avx2, ost_split_avx512;
 ost_match_fn ost_match_scalar, ost_match_avx2, ost_match_avx512;

@@ -1,0 +1,237 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Samples to rect grid (AR-CT-4 to AR-CT-6), a batch at a time, in two steps:
+ *
+ *   place    sample -> voxel or -1, and its share of the report     any thread, any sample
+ *   put      voxel <- density, duplicates in the file's order       a thread a range of voxels
+ *
+ * Every thread of the second step goes over the whole batch and takes what
+ * falls into its range: a voxel's samples meet one thread alone, in order.
+ *
+ * Quotients.  q = RHE((p - o) / s) starts as a floating-point estimate, which
+ * decides nothing: floor and rest are then put right by steps of s until
+ * 0 <= rest < s, and the rounding is done on those integers.
+ */
+#include "core/conditions.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cpu/grid.h"
+#include "cpu/import.h"
+
+/* A thread that is waited for may be late by milliseconds, so smaller batches stay with the one that brought them. */
+enum { BLOCK = 1 << 16, PARALLEL_SAMPLES = 1 << 16 };
+
+typedef struct axis {
+    ost_pm origin, spacing;
+    int64_t dim;
+    double inverse;
+} axis;
+
+typedef struct place {
+    int64_t index;
+    int64_t off; /* |p - lattice point| */
+} place;
+
+/* |p|, |origin| <= 8 m = 2^53 pm: the difference and all products below stay within 2^55. */
+static inline place place_on(const axis *a, ost_pm p)
+{
+    int64_t n = p - a->origin;
+    int64_t q = (int64_t)((double)n * a->inverse);
+    int64_t rest = n - q * a->spacing;
+    for (; rest < 0; q--)
+        rest += a->spacing;
+    for (; rest >= a->spacing; q++)
+        rest -= a->spacing;
+    int64_t other = a->spacing - rest;
+    bool up = rest > other || (rest == other && (q & 1));
+    return up ? (place){q + 1, other} : (place){q, rest};
+}
+
+static bool readable(const ost_sample *s)
+{
+    return s->x >= -OST_LENGTH_MAX && s->x <= OST_LENGTH_MAX && s->y >= -OST_LENGTH_MAX && s->y <= OST_LENGTH_MAX &&
+           s->z >= -OST_LENGTH_MAX && s->z <= OST_LENGTH_MAX;
+}
+
+static bool before(int64_t line, int64_t recorded)
+{
+    return recorded == 0 || line < recorded;
+}
+
+static void reject(int64_t line, ost_scatter_report *report)
+{
+    if (before(line, report->rejected_line))
+        report->rejected_line = line;
+}
+
+/* off * 10^6 <= 5 * 10^10 * 10^6 < 2^56, worst * spacing <= 5 * 10^5 * 10^11 < 2^56. */
+static void note_worst(const axis axes[3], const place at[3], int64_t line, ost_scatter_report *report)
+{
+    for (int a = 0; a < 3; a++) {
+        if (at[a].off * 1000000 < (int64_t)report->worst_offset_ppm * axes[a].spacing)
+            continue;
+        uint64_t ppm = (uint64_t)(at[a].off * 1000000 / axes[a].spacing);
+        if (ppm > report->worst_offset_ppm || (ppm > 0 && ppm == report->worst_offset_ppm && before(line, report->worst_line))) {
+            report->worst_offset_ppm = ppm;
+            report->worst_line = line;
+        }
+    }
+}
+
+static bool beyond(const axis axes[3], const place at[3], int eighths)
+{
+    return 8 * at[0].off > eighths * axes[0].spacing || 8 * at[1].off > eighths * axes[1].spacing ||
+           8 * at[2].off > eighths * axes[2].spacing;
+}
+
+/* The voxel, or -1. */
+static int64_t place_sample(const axis axes[3], const ost_sample *sample, int64_t line, ost_scatter_report *report)
+{
+    if (!readable(sample)) {
+        reject(line, report);
+        return -1;
+    }
+    const place at[3] = {place_on(&axes[0], sample->x), place_on(&axes[1], sample->y), place_on(&axes[2], sample->z)};
+    note_worst(axes, at, line, report);
+    if (beyond(axes, at, 1)) {
+        report->off_lattice++;
+        if (beyond(axes, at, 3)) {
+            reject(line, report);
+            return -1;
+        }
+    }
+    for (int a = 0; a < 3; a++)
+        if (at[a].index < 0 || at[a].index >= axes[a].dim) {
+            reject(line, report);
+            return -1;
+        }
+    return at[0].index + axes[0].dim * (at[1].index + axes[1].dim * at[2].index);
+}
+
+/* AR-CT-6: a voxel met again. Equal densities are no conflict under any policy. */
+static void meet_again(int16_t *voxel, int16_t density, int64_t line, ost_duplicates duplicates, ost_scatter_report *report)
+{
+    report->duplicates++;
+    if (duplicates == OST_DUPLICATES_ERROR && density != *voxel && before(line, report->conflict_line)) {
+        report->conflict_line = line;
+        report->conflict_had = *voxel;
+        report->conflict_has = density;
+    }
+    if (duplicates == OST_DUPLICATES_LAST || (duplicates == OST_DUPLICATES_MAX && density > *voxel))
+        *voxel = density;
+}
+
+static void put(cpu_grid *grid, int64_t v, const ost_sample *sample, int64_t line, ost_duplicates duplicates, ost_scatter_report *report)
+{
+    uint8_t bit = (uint8_t)(1u << (v % 8));
+    int16_t *voxel = &grid->store->voxels[v];
+    if (grid->seen[v / 8] & bit) {
+        meet_again(voxel, (int16_t)sample->density, line, duplicates, report);
+    } else {
+        grid->seen[v / 8] |= bit;
+        *voxel = (int16_t)sample->density;
+    }
+}
+
+/* One thread's report, and which sample of the batch its conflict is: of two on one line the earlier counts. */
+typedef struct part_report {
+    ost_scatter_report sums;
+    int conflict;
+} part_report;
+
+/* Sums and lowest lines. *conflict is the sample in `to`, -1 when it is of an earlier batch. */
+static void merge(ost_scatter_report *to, int *conflict, const part_report *from)
+{
+    const ost_scatter_report *part = &from->sums;
+    to->duplicates += part->duplicates;
+    to->off_lattice += part->off_lattice;
+    if (part->worst_offset_ppm > to->worst_offset_ppm ||
+        (part->worst_offset_ppm == to->worst_offset_ppm && part->worst_line && before(part->worst_line, to->worst_line))) {
+        to->worst_offset_ppm = part->worst_offset_ppm;
+        to->worst_line = part->worst_line;
+    }
+    if (part->rejected_line)
+        reject(part->rejected_line, to);
+    bool earlier = part->conflict_line == to->conflict_line && from->conflict < *conflict;
+    if (part->conflict_line && (earlier || before(part->conflict_line, to->conflict_line))) {
+        *conflict = from->conflict;
+        to->conflict_line = part->conflict_line;
+        to->conflict_had = part->conflict_had;
+        to->conflict_has = part->conflict_has;
+    }
+}
+
+typedef struct batch {
+    cpu_grid *grid;
+    axis axes[3];
+    int64_t voxels, first_line;
+    ost_duplicates duplicates;
+    int64_t *at; /* BLOCK */
+} batch;
+
+static void scatter(const batch *b, int threads, const ost_sample *samples, int count, ost_scatter_report *report)
+{
+    int conflict = -1;
+    report->samples += (uint64_t)count;
+#pragma omp parallel num_threads(threads)
+    {
+        part_report mine = {0};
+#pragma omp for schedule(static)
+        for (int i = 0; i < count; i++)
+            b->at[i] = place_sample(b->axes, &samples[i], b->first_line + samples[i].line, &mine.sums);
+        /* Ranges end at multiples of 8: a byte of `seen` has one owner. */
+#pragma omp for schedule(static, 1) nowait
+        for (int part = 0; part < threads; part++) {
+            int64_t each = (b->voxels / threads / 8 + 1) * 8, lo = each * part, hi = lo + each;
+            for (int i = 0; i < count; i++)
+                if (b->at[i] >= lo && b->at[i] < hi) {
+                    int64_t had = mine.sums.conflict_line;
+                    put(b->grid, b->at[i], &samples[i], b->first_line + samples[i].line, b->duplicates, &mine.sums);
+                    if (mine.sums.conflict_line != had)
+                        mine.conflict = i;
+                }
+        }
+#pragma omp critical
+        merge(report, &conflict, &mine);
+    }
+}
+
+static axis axis_of(ost_pm origin, ost_pm spacing, int32_t dim)
+{
+    return (axis){origin, spacing, dim, 1.0 / (double)spacing};
+}
+
+ost_status ost_cpu_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t count, int64_t first_line, ost_duplicates duplicates,
+                              ost_scatter_report *report, ost_error *err)
+{
+    cpu_grid *grid = (cpu_grid *)rect;
+    const cpu_backend *backend = (const cpu_backend *)rect->backend;
+    const ost_geometry *g = &rect->geometry;
+    batch b = {
+        .grid = grid,
+        .axes = {axis_of(g->origin.x, g->spacing.x, g->dims.x), axis_of(g->origin.y, g->spacing.y, g->dims.y),
+                 axis_of(g->origin.z, g->spacing.z, g->dims.z)},
+        .voxels = ost_dims_count(g->dims),
+        .first_line = first_line,
+        .duplicates = duplicates,
+    };
+    ost_status status = ost_cpu_grid_own(grid, err);
+    if (status != OST_OK)
+        return status;
+    if (!grid->seen && !(grid->seen = calloc((size_t)(b.voxels + 7) / 8, 1)))
+        return ost_fail(err, OST_ERR_MEMORY, "no memory to remember which voxels are set (%lld bytes)", (long long)(b.voxels + 7) / 8);
+    b.at = malloc(BLOCK * sizeof *b.at);
+    if (!b.at)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory to place %d samples", (int)BLOCK);
+    while (count > 0) {
+        int part = count < BLOCK ? (int)count : BLOCK;
+        scatter(&b, part < PARALLEL_SAMPLES ? 1 : backend->threads, samples, part, report);
+        samples += part;
+        count -= (size_t)part;
+    }
+    free(b.at);
+    return OST_OK;
+}
