@@ -13,7 +13,8 @@
  * before their backend is closed; the functions of one backend must not be
  * given another's objects (checked: OST_ERR_USAGE).
  * Threads: one backend and its objects are used by one thread at a time;
- * different backends are independent.
+ * different backends are independent.  After fork() a child that did not exec
+ * must not call osteon: threads of its parent's OpenMP runtime are missing there.
  * Errors: arguments are checked here, at the border; a failed call leaves its
  * in-out objects as they were unless it says otherwise.
  */
