@@ -110,6 +110,7 @@ typedef struct ost_import_options {
     ost_volume_options volume;
     bool crop;                /* keep only voxels lo <= (i, j, k) < hi of the rect grid */
     ost_voxel_box crop_box;
+    int threads;              /* for reading text; 0 = all */
     bool digests;             /* SHA-256 of every stage (costs a pass over each) */
     ost_progress *progress;   /* may be NULL */
     void *progress_user;

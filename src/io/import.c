@@ -20,7 +20,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "io/text/rect.h"
+#include "io/text/raster.h"
 
 enum { THRESHOLD = 120, CHUNK = 32 };
 
@@ -157,7 +157,32 @@ static ost_status crop_geometry(const char *path, const ost_voxel_box *box, ost_
 
 /* ----------------------------------------------------------------------- text */
 
-static ost_status scan_text(job *j, ost_text_source *source, ost_text_summary *summary, ost_error *err)
+/* A text: the summary of its lines, and when it is a scan its voxels too. */
+typedef struct text_job {
+    ost_text_source source;
+    ost_text_summary summary;
+    ost_text_raster raster;
+    bool is_raster;
+} text_job;
+
+static ost_status read_samples(job *j, text_job *text, ost_hasher *hasher, ost_error *err)
+{
+    const ost_import_options *options = j->options;
+    const ost_text_raster_options raster = {
+        .given = options->spacing,
+        .threads = options->threads,
+        .progress = options->progress,
+        .user = options->progress_user,
+    };
+    ost_status status = ost_text_raster_read(j->path, &raster, &text->summary, &text->raster, &text->is_raster, err);
+    if (status != OST_OK)
+        return status;
+    if (text->is_raster)
+        return hasher ? ost_text_raster_hash(&text->raster, hasher, err) : OST_OK;
+    return ost_text_scan(&text->source, options->spacing, hasher, options->progress, options->progress_user, &text->summary, err);
+}
+
+static ost_status scan_text(job *j, text_job *text, ost_error *err)
 {
     ost_hasher *hasher = NULL;
     ost_stage *stage;
@@ -165,7 +190,7 @@ static ost_status scan_text(job *j, ost_text_source *source, ost_text_summary *s
     if (status == OST_OK && j->options->digests)
         status = ost_hasher_open(&hasher, err);
     if (status == OST_OK)
-        status = ost_text_scan(source, j->options->spacing, hasher, j->options->progress, j->options->progress_user, summary, err);
+        status = read_samples(j, text, hasher, err);
     if (status == OST_OK)
         status = stage_end(j, "samples", &stage, err);
     if (hasher) {
@@ -190,25 +215,25 @@ static ost_status check_sparse(const job *j, uint64_t samples, ost_dims dims, os
 static ost_status rect_from_text(job *j, ost_error *err)
 {
     ost_import_result *result = j->result;
-    ost_text_source source;
-    ost_text_summary summary = {0};
+    text_job text = {.is_raster = false};
+    const ost_text_summary *summary = &text.summary;
     ost_geometry full;
-    ost_status status = ost_text_source_open(&source, j->path, err);
+    ost_status status = ost_text_source_open(&text.source, j->path, err);
     if (status != OST_OK)
         return status;
-    status = scan_text(j, &source, &summary, err);
+    status = scan_text(j, &text, err);
     if (status == OST_OK)
-        status = ost_text_geometry(j->path, &summary, &full, result->spacing_inferred, err);
+        status = ost_text_geometry(j->path, summary, &full, result->spacing_inferred, err);
     if (status == OST_OK) {
         result->rect = full;
-        result->meta = summary.meta;
-        result->rounded_positions = summary.rounded_positions;
+        result->meta = summary->meta;
+        result->rounded_positions = summary->rounded_positions;
         snprintf(result->volume.type, sizeof result->volume.type, "int16");
         snprintf(result->volume.encoding, sizeof result->volume.encoding, "text");
         status = j->options->crop ? crop_geometry(j->path, &j->options->crop_box, &result->rect, err) : OST_OK;
     }
     if (status == OST_OK)
-        status = check_sparse(j, summary.fingerprint.rows, result->rect.dims, err);
+        status = check_sparse(j, summary->fingerprint.rows, result->rect.dims, err);
     if (status == OST_OK)
         status = check_memory(j->path, "rect grid", result->rect.dims, err);
     if (status == OST_OK)
@@ -220,14 +245,16 @@ static ost_status rect_from_text(job *j, ost_error *err)
             .duplicates = j->options->duplicates,
             .full = &full,
             .crop = j->options->crop ? &j->options->crop_box : NULL,
-            .expected = summary.fingerprint,
+            .expected = summary->fingerprint,
             .progress = j->options->progress,
             .user = j->options->progress_user,
         };
-        status = ost_text_to_rect(&source, &options, j->rect, &result->scatter, err);
+        status = text.is_raster ? ost_text_raster_to_rect(j->path, &text.raster, &options, j->rect, &result->scatter, err)
+                                : ost_text_to_rect(&text.source, &options, j->rect, &result->scatter, err);
     }
-    ost_text_summary_free(&summary);
-    ost_text_source_close(&source);
+    ost_text_raster_free(&text.raster);
+    ost_text_summary_free(&text.summary);
+    ost_text_source_close(&text.source);
     return status == OST_OK ? stage_end_grid(j, "rect", OST_GRID_RECT, j->rect, err) : status;
 }
 

@@ -52,11 +52,6 @@ static void set_sort(ost_text_axis *axis)
 
 /* ---------------------------------------------------------------------- facts */
 
-typedef struct scan {
-    ost_text_summary *summary;
-    ost_pm3 given;
-} scan;
-
 /* "0.47 0.47 1" */
 static bool read_lengths(const char *text, ost_pm out[3])
 {
@@ -96,9 +91,9 @@ static ost_status bad_fact(const ost_text_parser *parser, const ost_text_fact *f
                     fact->key, fact->value, expected);
 }
 
-static ost_status take_fact(void *user, const ost_text_parser *parser, const ost_text_fact *fact, ost_error *err)
+ost_status ost_text_fact_take(void *facts, const ost_text_parser *parser, const ost_text_fact *fact, ost_error *err)
 {
-    scan *s = user;
+    const ost_text_facts *s = facts;
     ost_text_summary *summary = s->summary;
     if (strcmp(fact->key, "spacing_mm") == 0) {
         const ost_pm given[3] = {s->given.x, s->given.y, s->given.z};
@@ -194,25 +189,31 @@ static ost_status check_whole(const ost_text_source *source, const ost_text_summ
     return OST_OK;
 }
 
+void ost_text_summary_begin(ost_text_summary *summary, ost_pm3 given)
+{
+    const ost_pm by_option[3] = {given.x, given.y, given.z};
+    *summary = (ost_text_summary){0};
+    for (int a = 0; a < 3; a++)
+        summary->axis[a] = (ost_text_axis){.min = INT64_MAX, .max = INT64_MIN, .given = by_option[a]};
+}
+
 ost_status ost_text_scan(ost_text_source *source, ost_pm3 given, ost_hasher *hasher, ost_progress *progress, void *user,
                          ost_text_summary *summary, ost_error *err)
 {
-    const ost_pm by_option[3] = {given.x, given.y, given.z};
     const char *path = source->parser.path;
-    scan s = {summary, given};
+    ost_text_facts facts = {summary, given};
     /* No coordinate has this value: it is beyond OST_LENGTH_MAX. */
     ost_pm last[3] = {INT64_MIN, INT64_MIN, INT64_MIN};
-    *summary = (ost_text_summary){0};
+    ost_text_summary_begin(summary, given);
     ost_text_row *rows = malloc(BATCH * sizeof *rows);
     ost_status status = rows ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "%s: no memory to read %d lines", path, BATCH);
     for (int a = 0; a < 3 && status == OST_OK; a++) {
-        summary->axis[a] = (ost_text_axis){.min = INT64_MAX, .max = INT64_MIN, .given = by_option[a]};
         summary->axis[a].set = calloc(SET_SIZE, sizeof *summary->axis[a].set);
         if (!summary->axis[a].set)
             status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory for %d coordinates", path, OST_DIM_MAX);
     }
-    source->parser.fact = take_fact;
-    source->parser.user = &s;
+    source->parser.fact = ost_text_fact_take;
+    source->parser.user = &facts;
     size_t count = 1;
     for (unsigned batch = 0; status == OST_OK && count > 0; batch++) {
         status = ost_text_source_next(source, rows, BATCH, &count, err);

@@ -66,6 +66,15 @@ typedef struct ost_text_summary {
     int64_t dims[3];   /* fact "dims": every voxel has its line */
 } ost_text_summary;
 
+/* An empty summary with the spacings by option; free is safe from here on. */
+void ost_text_summary_begin(ost_text_summary *summary, ost_pm3 given);
+/* A parser's `fact` with this as its user takes the text's own facts into the summary. */
+typedef struct ost_text_facts {
+    ost_text_summary *summary;
+    ost_pm3 given;
+} ost_text_facts;
+ost_status ost_text_fact_take(void *facts, const ost_text_parser *parser, const ost_text_fact *fact, ost_error *err);
+
 /*
  * given: spacings by option, which win over the text's own; 0 = none.
  * hasher: when not NULL, the samples' records go into it, 32 bytes each:

@@ -1,0 +1,597 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Why one pass is enough.  The pieces' lines are the voxels [first, next) of a
+ * piece each; when those tile [0, N) in the file's order, every line is
+ * accounted for and line L is voxel L - first_line.  A piece that begins
+ * within a slice has taken the slice's coordinate from its own first line, so
+ * that must be the one that the slice's first line has.  Coordinates that rise
+ * or fall strictly along each axis are distinct, and are then what two passes
+ * collect; where they lie off their lattice, fall on one voxel, or make no
+ * grid, two passes are what is done.
+ */
+#include "core/conditions.h"
+
+#include "io/text/raster.h"
+
+#include <assert.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#if defined _OPENMP
+#include <omp.h>
+#endif
+
+#include "core/integer.h"
+#include "io/text/lattice.h"
+#include "io/text/walk.h"
+
+/* The head and the first row must be within HEAD; a line has 8 bytes at least: "0 0 0 0\n". */
+enum { HEAD = 1 << 20, LINE_MIN = 8, PIECE_MIN = 1 << 18, PIECES_MAX = 1 << 14, PIECES_A_THREAD = 16 };
+
+/* ------------------------------------------------------------------- learning */
+
+typedef struct reading {
+    const ost_text_raster_options *options;
+    ost_text_plan plan;
+    ost_text_summary *summary;
+    ost_text_raster *raster;
+    uint32_t units[3];
+} reading;
+
+static bool set_column(ost_text_column *column, uint8_t *length, const char *p, const char *end)
+{
+    if (end - p > OST_TEXT_COLUMN_MAX)
+        return false;
+    *length = (uint8_t)(end - p);
+    memcpy(column->text, p, *length);
+    memset(column->mask, 0xff, *length);
+    return true;
+}
+
+/* Which axes differ, as bits. */
+static unsigned difference(const ost_text_row *a, const ost_text_row *b)
+{
+    unsigned axes = 0;
+    for (int i = 0; i < 3; i++)
+        axes |= (unsigned)(a->position[i] != b->position[i]) << i;
+    return axes;
+}
+
+static int only_axis(unsigned axes)
+{
+    return axes == 1 ? 0 : axes == 2 ? 1 : axes == 4 ? 2 : -1;
+}
+
+/* A sample of the first row: its coordinate and text, as the column's. False when the row does not go on like that. */
+static bool learn_column(reading *r, const char *p, const char *newline, const ost_text_row *row)
+{
+    ost_text_raster *raster = r->raster;
+    int fastest = raster->axis[0];
+    int32_t i = raster->count[0];
+    if (i == OST_DIM_MAX)
+        return false;
+    ost_pm value = row->position[fastest], *at = raster->at[0];
+    at[i] = value;
+    if (i > 0 && (at[1] > at[0] ? value <= at[i - 1] : value >= at[i - 1]))
+        return false;
+    ost_text_marks marks = ost_text_mark(p, newline);
+    const char *begin = fastest > 0 ? marks.end[fastest - 1] : p;
+    r->plan.fast = set_column(&r->plan.columns[i], &r->plan.lengths[i], begin, marks.end[fastest]) && r->plan.fast;
+    raster->count[0] = i + 1;
+    return true;
+}
+
+/*
+ * Comments, the header, and the first row, up to the line in which another
+ * axis moves: with it the order of the axes is known.
+ */
+static bool learn_row(reading *r, const char *text, size_t bytes)
+{
+    ost_text_raster *raster = r->raster;
+    ost_text_facts facts = {r->summary, r->options->given};
+    ost_text_parser parser = {.path = r->plan.path, .fact = ost_text_fact_take, .user = &facts};
+    ost_text_row first, row;
+    const char *first_text = NULL, *p = text, *newline;
+    if (bytes >= 3 && memcmp(p, "\xef\xbb\xbf", 3) == 0)
+        p += 3;
+    for (; (newline = memchr(p, '\n', bytes - (size_t)(p - text))); p = newline + 1) {
+        ost_text_block block = {p, newline + 1};
+        size_t count;
+        if (ost_text_parse(&parser, &block, &row, 1, &count, NULL) != OST_OK)
+            return false;
+        if (!first_text) {
+            if (count == 0)
+                continue;
+            parser.fact = NULL;
+            first = row;
+            first_text = p;
+            raster->first_line = row.line;
+            r->plan.begin = p - text;
+            r->plan.carriage = newline > p && newline[-1] == '\r';
+            continue;
+        }
+        if (count == 0)
+            return false;
+        unsigned axes = difference(&first, &row);
+        if (raster->count[0] == 0) {
+            raster->axis[0] = only_axis(axes);
+            if (raster->axis[0] < 0 || !learn_column(r, first_text, memchr(first_text, '\n', bytes), &first))
+                return false;
+        }
+        if (axes & ~(1u << raster->axis[0])) {
+            raster->axis[1] = only_axis(axes);
+            raster->axis[2] = 3 - raster->axis[0] - raster->axis[1];
+            return raster->axis[1] >= 0;
+        }
+        if (!learn_column(r, p, newline, &row))
+            return false;
+    }
+    return false;
+}
+
+/* The slow axis' coordinate in the last line, and whether that has its newline. */
+static bool learn_last(reading *r, bool *terminated)
+{
+    char text[2 * OST_TEXT_LINE_MAX];
+    ost_text_parser parser = {.path = r->plan.path, .past_header = true};
+    int64_t size = r->plan.end, from = size > (int64_t)sizeof text - 1 ? size - ((int64_t)sizeof text - 1) : 0;
+    ssize_t bytes = size - from;
+    if (pread(r->plan.fd, text, (size_t)bytes, from) != bytes)
+        return false;
+    *terminated = text[bytes - 1] == '\n';
+    if (!*terminated)
+        text[bytes++] = '\n';
+    char *before = memrchr(text, '\n', (size_t)bytes - 1);
+    ost_text_row row;
+    if (!before || !ost_text_walk_parse(&parser, before + 1, text + bytes - 1, &row))
+        return false;
+    r->plan.last_slow = row.position[r->raster->axis[2]];
+    return true;
+}
+
+/* The middle axis and the second slice's coordinate, from the first slice. */
+static bool learn_slice(reading *r)
+{
+    ost_text_raster *raster = r->raster;
+    ost_text_walker walker;
+    raster->count[1] = raster->count[2] = 1;
+    bool good = ost_text_walker_open(&walker, &r->plan, true) && ost_text_walk(&walker, r->plan.begin, r->plan.end, false);
+    if (good && !walker.done)
+        good = walker.at[0] == raster->count[0]; /* one slice is all there is */
+    raster->at[2][0] = walker.slow;
+    int64_t all = r->plan.last_slow - walker.slow;
+    if (good && walker.done && all != 0) {
+        int64_t step = walker.second_slow - walker.slow;
+        int64_t steps = (all < 0) == (step < 0) && step != 0 ? ost_rhe_div(all < 0 ? -all : all, step < 0 ? -step : step) : 0;
+        good = steps >= 1 && steps < OST_DIM_MAX;
+        raster->count[2] = good ? (int32_t)steps + 1 : 1;
+    } else if (good) {
+        good = !walker.done;
+    }
+    ost_text_walker_close(&walker);
+    return good;
+}
+
+static bool learn(reading *r, bool *terminated)
+{
+    char *head = malloc(HEAD);
+    r->plan.columns = calloc(OST_DIM_MAX, sizeof *r->plan.columns);
+    r->plan.lengths = calloc(OST_DIM_MAX, 1);
+    bool good = head && r->plan.columns && r->plan.lengths;
+    for (int i = 0; i < 3; i++) {
+        r->raster->at[i] = calloc(OST_DIM_MAX, sizeof *r->raster->at[i]);
+        good = good && r->raster->at[i];
+    }
+    r->plan.fast = true;
+    ssize_t bytes = good ? pread(r->plan.fd, head, HEAD, 0) : 0;
+    good = bytes > 0 && learn_row(r, head, (size_t)bytes) && learn_last(r, terminated) && learn_slice(r);
+    free(head);
+    return good;
+}
+
+/* -------------------------------------------------------------------- walking */
+
+static bool map_voxels(ost_text_raster *raster, int64_t count)
+{
+    raster->voxel_bytes = (size_t)count * sizeof *raster->voxels;
+    void *map = mmap(NULL, raster->voxel_bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (map == MAP_FAILED)
+        return false;
+#if defined MADV_HUGEPAGE
+    (void)madvise(map, raster->voxel_bytes, MADV_HUGEPAGE);
+#endif
+    raster->voxels = map;
+    return true;
+}
+
+/* What a piece's walk leaves behind; first == next: no line begins in it. */
+typedef struct piece {
+    int64_t first, next;
+    int32_t slice;
+    ost_pm slow;
+    bool placed;
+} piece;
+
+/* Whether the pieces' lines are all voxels, each once and in order, on coordinates that are strictly monotone. */
+static bool is_tiled(const ost_text_raster *raster, const piece *pieces, int count, int64_t voxels)
+{
+    int64_t next = 0;
+    for (int i = 0; i < count; i++) {
+        if (!pieces[i].placed)
+            continue;
+        if (pieces[i].first != next || pieces[i].slow != raster->at[2][pieces[i].slice])
+            return false;
+        next = pieces[i].next;
+    }
+    const ost_pm *at = raster->at[2];
+    for (int32_t k = 1; k < raster->count[2]; k++)
+        if (at[1] > at[0] ? at[k] <= at[k - 1] : at[k] >= at[k - 1])
+            return false;
+    return next == voxels;
+}
+
+typedef struct shared {
+    atomic_bool stop;
+    atomic_llong walked; /* bytes */
+    bool cancelled;      /* by the calling thread */
+} shared;
+
+static void walk_piece(reading *r, ost_text_walker *walker, int64_t begin, int64_t end, shared *s, piece *out)
+{
+    walker->placed = walker->known = false;
+    walker->first = walker->next = 0;
+    walker->at[0] = walker->at[1] = walker->at[2] = 0;
+    if (!ost_text_walk(walker, begin, end, begin != r->plan.begin))
+        atomic_store_explicit(&s->stop, true, memory_order_relaxed);
+    *out = (piece){walker->first, walker->next, walker->first_slow_index, walker->first_slow, walker->placed};
+    atomic_fetch_add_explicit(&s->walked, end - begin, memory_order_relaxed);
+}
+
+/* Only the caller's own thread, and that one is thread 0. */
+static void report_progress(const reading *r, shared *s)
+{
+#if defined _OPENMP
+    if (omp_get_thread_num() != 0)
+        return;
+#endif
+    double share = (double)atomic_load(&s->walked) / (double)(r->plan.end - r->plan.begin);
+    if (r->options->progress && !s->cancelled && !r->options->progress(r->options->user, "samples", share < 1 ? share : 1)) {
+        s->cancelled = true;
+        atomic_store(&s->stop, true);
+    }
+}
+
+static int thread_count(int asked)
+{
+#if defined _OPENMP
+    return asked > 0 ? asked : omp_get_max_threads();
+#else
+    (void)asked;
+    return 1;
+#endif
+}
+
+/* True when all of the file is walked and is a scan. */
+static bool walk_all(reading *r, int64_t voxels, bool *cancelled)
+{
+    const int64_t bytes = r->plan.end - r->plan.begin;
+    int threads = thread_count(r->options->threads);
+    int64_t each = bytes / (threads * PIECES_A_THREAD) + 1;
+    each = each < PIECE_MIN ? PIECE_MIN : each;
+    each = bytes / each >= PIECES_MAX ? bytes / PIECES_MAX + 1 : each;
+    int count = (int)((bytes + each - 1) / each);
+    threads = threads < count ? threads : count;
+    piece *pieces = calloc((size_t)count, sizeof *pieces);
+    shared s = {.stop = pieces == NULL};
+#pragma omp parallel num_threads(threads)
+    {
+        ost_text_walker walker;
+        bool open = ost_text_walker_open(&walker, &r->plan, false);
+        if (!open)
+            atomic_store(&s.stop, true);
+#pragma omp for schedule(dynamic, 1) nowait
+        for (int i = 0; i < count; i++) {
+            if (atomic_load_explicit(&s.stop, memory_order_relaxed) || !open)
+                continue;
+            int64_t begin = r->plan.begin + i * each, end = begin + each < r->plan.end ? begin + each : r->plan.end;
+            walk_piece(r, &walker, begin, end, &s, &pieces[i]);
+            report_progress(r, &s);
+        }
+#pragma omp critical
+        for (int a = 0; a < 3; a++)
+            r->units[a] |= walker.units[a];
+        ost_text_walker_close(&walker);
+    }
+    *cancelled = s.cancelled;
+    bool good = !atomic_load(&s.stop) && is_tiled(r->raster, pieces, count, voxels);
+    free(pieces);
+    return good;
+}
+
+/* -------------------------------------------------------------------- summary */
+
+static int64_t line_stride(const ost_text_raster *raster, int rank)
+{
+    return rank == 0 ? 1 : rank == 1 ? raster->count[0] : (int64_t)raster->count[0] * raster->count[1];
+}
+
+/* As the first of two passes leaves it: extent, distinct coordinates ascending with their first lines, units. */
+static bool summarise(reading *r, int64_t voxels)
+{
+    const ost_text_raster *raster = r->raster;
+    for (int rank = 0; rank < 3; rank++) {
+        ost_text_axis *axis = &r->summary->axis[raster->axis[rank]];
+        size_t count = (size_t)raster->count[rank];
+        const ost_pm *at = raster->at[rank];
+        bool down = at[count - 1] < at[0];
+        axis->min = down ? at[count - 1] : at[0];
+        axis->max = down ? at[0] : at[count - 1];
+        axis->units = r->units[raster->axis[rank]];
+        axis->set = calloc(count, sizeof *axis->set);
+        if (!axis->set)
+            return false;
+        if (axis->given != 0)
+            continue;
+        axis->distinct = count;
+        for (size_t i = 0; i < count; i++) {
+            size_t from = down ? count - 1 - i : i;
+            axis->set[i] = (ost_text_coordinate){at[from], raster->first_line + (int64_t)from * line_stride(raster, rank)};
+        }
+    }
+    r->summary->fingerprint.rows = (uint64_t)voxels;
+    return true;
+}
+
+/* ------------------------------------------------------------------- to a grid */
+
+/* Where the coordinates of a rank lie on the grid's axis, and how far off. */
+typedef struct axis_map {
+    int32_t count;     /* of those within the crop: from, from + 1, ... */
+    int32_t from;
+    int32_t *index;    /* owned; of all, in the whole grid */
+    ost_pm spacing;
+    int64_t good;      /* within the crop and at most 1/8 of a voxel off */
+    int64_t worst;     /* ppm within the crop, */
+    int32_t worst_at;  /* its first */
+} axis_map;
+
+static void maps_free(axis_map maps[3])
+{
+    for (int i = 0; i < 3; i++)
+        free(maps[i].index);
+}
+
+/* False when two coordinates share a voxel, one is rejected, or there is no memory. |at - origin| < 2^54, off * 10^6 < 2^56. */
+static bool map_axis(const ost_text_raster *raster, int rank, const ost_geometry *full, const ost_voxel_box *crop, axis_map *map)
+{
+    int a = raster->axis[rank];
+    const int64_t origin[3] = {full->origin.x, full->origin.y, full->origin.z};
+    const int64_t spacing[3] = {full->spacing.x, full->spacing.y, full->spacing.z};
+    const int32_t dims[3] = {full->dims.x, full->dims.y, full->dims.z};
+    int32_t lo = crop ? crop->lo[a] : 0, hi = crop ? crop->hi[a] : dims[a], count = raster->count[rank];
+    *map = (axis_map){.spacing = spacing[a], .from = -1, .worst = -1, .index = malloc((size_t)count * sizeof *map->index)};
+    for (int32_t i = 0; i < count && map->index; i++) {
+        int64_t p = raster->at[rank][i] - origin[a], index = ost_rhe_div(p, spacing[a]), off = p - index * spacing[a];
+        off = off < 0 ? -off : off;
+        if (index < 0 || index >= dims[a] || 8 * off > 3 * spacing[a] || (i > 0 && index == map->index[i - 1]))
+            return false;
+        map->index[i] = (int32_t)index;
+        if (index < lo || index >= hi)
+            continue;
+        map->from = map->from < 0 ? i : map->from;
+        map->count++;
+        map->good += 8 * off <= spacing[a];
+        int64_t ppm = off * 1000000 / spacing[a];
+        if (ppm > map->worst) {
+            map->worst = ppm;
+            map->worst_at = i;
+        }
+    }
+    return map->index != NULL;
+}
+
+static bool map_all(const ost_text_raster *raster, const ost_geometry *full, const ost_voxel_box *crop, axis_map maps[3])
+{
+    bool good = true;
+    for (int rank = 0; rank < 3; rank++)
+        maps[rank] = (axis_map){0};
+    for (int rank = 0; rank < 3 && good; rank++)
+        good = map_axis(raster, rank, full, crop, &maps[rank]);
+    return good;
+}
+
+/* What a scatter of the lines would have met; every coordinate has its voxel. */
+static void report_of(const ost_text_raster *raster, const axis_map maps[3], ost_scatter_report *report)
+{
+    *report = (ost_scatter_report){0};
+    int64_t samples = (int64_t)maps[0].count * maps[1].count * maps[2].count;
+    if (samples == 0)
+        return;
+    report->samples = (uint64_t)samples;
+    report->off_lattice = (uint64_t)(samples - maps[0].good * maps[1].good * maps[2].good);
+    for (int rank = 0; rank < 3; rank++) {
+        /* The first line within the crop that has the worst coordinate. */
+        int64_t line = raster->first_line;
+        for (int other = 0; other < 3; other++)
+            line += (other == rank ? maps[other].worst_at : maps[other].from) * line_stride(raster, other);
+        uint64_t ppm = (uint64_t)maps[rank].worst;
+        if (ppm > report->worst_offset_ppm || (ppm > 0 && ppm == report->worst_offset_ppm && line < report->worst_line)) {
+            report->worst_offset_ppm = ppm;
+            report->worst_line = line;
+        }
+    }
+}
+
+/* Whether the lines are the whole grid as it lies in memory. */
+static bool is_plain(const ost_text_raster *raster, const axis_map maps[3], ost_dims dims)
+{
+    const int32_t counts[3] = {dims.x, dims.y, dims.z};
+    for (int rank = 0; rank < 3; rank++) {
+        if (raster->axis[rank] != rank || raster->count[rank] != counts[rank])
+            return false;
+        for (int32_t i = 0; i < counts[rank]; i++)
+            if (maps[rank].index[i] != i)
+                return false;
+    }
+    return true;
+}
+
+/* Slice by slice of the grid, from wherever the file has its voxels. */
+static ost_status upload_mapped(const char *path, const ost_text_raster *raster, const axis_map maps[3], const ost_voxel_box *crop,
+                                ost_grid *rect, ost_error *err)
+{
+    const ost_dims dims = ost_grid_geometry(rect)->dims;
+    const int32_t counts[3] = {dims.x, dims.y, dims.z};
+    /* For every voxel of an axis the offset of its coordinate, -1 where there is none. */
+    int64_t *offset[3] = {NULL, NULL, NULL};
+    int16_t *slice = malloc((size_t)dims.x * (size_t)dims.y * sizeof *slice);
+    bool enough = slice != NULL;
+    for (int rank = 0; rank < 3; rank++) {
+        int a = raster->axis[rank];
+        int32_t lo = crop ? crop->lo[a] : 0;
+        offset[a] = malloc((size_t)counts[a] * sizeof *offset[a]);
+        enough = enough && offset[a];
+        for (int32_t i = 0; i < counts[a] && enough; i++)
+            offset[a][i] = -1;
+        for (int32_t i = 0; i < raster->count[rank] && enough; i++) {
+            int32_t index = maps[rank].index[i] - lo;
+            if (index >= 0 && index < counts[a])
+                offset[a][index] = i * line_stride(raster, rank);
+        }
+    }
+    ost_status status = OST_OK;
+    if (!enough)
+        status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a slice of %d x %d voxels", path, (int)dims.x, (int)dims.y);
+    for (int32_t z = 0; z < dims.z && status == OST_OK; z++) {
+        int16_t *to = slice;
+        for (int32_t y = 0; y < dims.y; y++)
+            for (int32_t x = 0; x < dims.x; x++) {
+                bool there = offset[0][x] >= 0 && offset[1][y] >= 0 && offset[2][z] >= 0;
+                *to++ = there ? raster->voxels[offset[0][x] + offset[1][y] + offset[2][z]] : 0;
+            }
+        status = ost_grid_upload(rect, z, 1, slice, err);
+    }
+    for (int a = 0; a < 3; a++)
+        free(offset[a]);
+    free(slice);
+    return status;
+}
+
+ost_status ost_text_raster_to_rect(const char *path, const ost_text_raster *raster, const ost_text_rect_options *options, ost_grid *rect,
+                                   ost_scatter_report *report, ost_error *err)
+{
+    axis_map maps[3];
+    ost_status status = OST_OK;
+    if (options->progress && !options->progress(options->user, "rect", 0))
+        return ost_fail(err, OST_ERR_CANCELLED, "%s: reading was cancelled", path);
+    if (!map_all(raster, options->full, options->crop, maps)) {
+        maps_free(maps);
+        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for the voxels along an axis", path);
+    }
+    report_of(raster, maps, report);
+    if (!options->crop && is_plain(raster, maps, ost_grid_geometry(rect)->dims))
+        status = ost_grid_upload(rect, 0, ost_grid_geometry(rect)->dims.z, raster->voxels, err);
+    else
+        status = upload_mapped(path, raster, maps, options->crop, rect, err);
+    maps_free(maps);
+    return status;
+}
+
+/* ------------------------------------------------------------------- the whole */
+
+void ost_text_raster_free(ost_text_raster *raster)
+{
+    for (int i = 0; i < 3; i++)
+        free(raster->at[i]);
+    if (raster->voxels)
+        munmap(raster->voxels, raster->voxel_bytes);
+    *raster = (ost_text_raster){0};
+}
+
+/* The text says how many voxels it has, and whether it is whole can be seen. */
+static bool is_whole(const ost_text_summary *summary, int64_t voxels, bool terminated)
+{
+    return !summary->has_dims || (terminated && summary->dims[0] * summary->dims[1] * summary->dims[2] == voxels);
+}
+
+/* Whether two passes would have succeeded: geometry, and a voxel for every sample. */
+static bool is_sound(const reading *r)
+{
+    ost_geometry full;
+    bool inferred[3];
+    if (ost_text_geometry(r->plan.path, r->summary, &full, inferred, NULL) != OST_OK)
+        return false;
+    axis_map maps[3];
+    bool good = map_all(r->raster, &full, NULL, maps);
+    maps_free(maps);
+    return good;
+}
+
+ost_status ost_text_raster_read(const char *path, const ost_text_raster_options *options, ost_text_summary *summary,
+                                ost_text_raster *raster, bool *found, ost_error *err)
+{
+    struct stat st;
+    bool terminated = false, cancelled = false;
+    ost_isa isa;
+    *found = false;
+    *raster = (ost_text_raster){0};
+    ost_text_summary_begin(summary, options->given);
+    reading r = {.options = options, .plan = {.path = path, .raster = raster}, .summary = summary, .raster = raster};
+    if (ost_isa_choose(NULL, &isa, NULL) != OST_OK)
+        isa = OST_ISA_SCALAR;
+    ost_text_kernels_fill(&r.plan.kernels, isa);
+    if (stat(path, &st) != 0 || !S_ISREG(st.st_mode) || st.st_size == 0)
+        return OST_OK;
+    r.plan.fd = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY);
+    if (r.plan.fd < 0)
+        return OST_OK;
+    r.plan.end = st.st_size;
+    bool good = learn(&r, &terminated);
+    if (good) {
+        int64_t voxels = (int64_t)raster->count[0] * raster->count[1] * raster->count[2];
+        good = voxels <= (r.plan.end - r.plan.begin + 1) / LINE_MIN && is_whole(summary, voxels, terminated) && map_voxels(raster, voxels) &&
+               walk_all(&r, voxels, &cancelled) && summarise(&r, voxels) && is_sound(&r);
+    }
+    close(r.plan.fd);
+    free(r.plan.columns);
+    free(r.plan.lengths);
+    if (good) {
+        *found = true;
+        return OST_OK;
+    }
+    ost_text_summary_free(summary);
+    ost_text_raster_free(raster);
+    return cancelled ? ost_fail(err, OST_ERR_CANCELLED, "%s: reading was cancelled", path) : OST_OK;
+}
+
+ost_status ost_text_raster_hash(const ost_text_raster *raster, ost_hasher *hasher, ost_error *err)
+{
+    enum { BATCH = 2048 };
+    struct {
+        int64_t position[3];
+        int32_t density;
+        uint32_t zero;
+    } records[BATCH] = {0};
+    _Static_assert(sizeof records == BATCH * 32, "a record has 32 bytes");
+    const int16_t *density = raster->voxels;
+    size_t filled = 0;
+    ost_status status = OST_OK;
+    for (int32_t k = 0; k < raster->count[2]; k++)
+        for (int32_t j = 0; j < raster->count[1]; j++)
+            for (int32_t i = 0; i < raster->count[0] && status == OST_OK; i++) {
+                records[filled].position[raster->axis[0]] = raster->at[0][i];
+                records[filled].position[raster->axis[1]] = raster->at[1][j];
+                records[filled].position[raster->axis[2]] = raster->at[2][k];
+                records[filled++].density = *density++;
+                if (filled == BATCH) {
+                    status = ost_hasher_add(hasher, records, sizeof records, err);
+                    filled = 0;
+                }
+            }
+    return status == OST_OK ? ost_hasher_add(hasher, records, filled * sizeof records[0], err) : status;
+}

@@ -1,0 +1,309 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "core/conditions.h"
+
+#include "io/text/walk.h"
+
+#include <assert.h>
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "core/integer.h"
+#include "io/text/lattice.h"
+
+/* A buffer stays in the second-level cache between the kernel's copy into it and the walk over it. */
+enum { CHUNK = 1 << 18, BUFFER = OST_TEXT_MARGIN + CHUNK + 2 * (OST_TEXT_LINE_MAX + 64) + OST_TEXT_MARGIN };
+
+bool ost_text_walker_open(ost_text_walker *walker, const ost_text_plan *plan, bool learning)
+{
+    *walker = (ost_text_walker){.plan = plan, .learning = learning, .parser = {.path = plan->path, .past_header = true}};
+    walker->buffer = calloc(BUFFER, 1);
+    walker->ends = malloc((BUFFER + 16) * sizeof *walker->ends);
+    if (learning)
+        walker->row = malloc((size_t)plan->raster->count[0] * sizeof *walker->row);
+    return walker->buffer && walker->ends && (walker->row || !learning);
+}
+
+void ost_text_walker_close(ost_text_walker *walker)
+{
+    free(walker->buffer);
+    free(walker->ends);
+    free(walker->row);
+}
+
+/* ------------------------------------------------------------- single lines */
+
+bool ost_text_walk_parse(ost_text_parser *parser, const char *p, const char *newline, ost_text_row *row)
+{
+    ost_text_block block = {p, newline + 1};
+    size_t count;
+    return ost_text_parse(parser, &block, row, 1, &count, NULL) == OST_OK && count == 1 && row->rounded == 0;
+}
+
+ost_text_marks ost_text_mark(const char *p, const char *newline)
+{
+    ost_text_marks marks;
+    for (int i = 0; i < 3; i++) {
+        (void)ost_text_field_start(&p, newline, i);
+        marks.end[i] = p = ost_text_field_end(p, newline);
+    }
+    (void)ost_text_field_start(&p, newline, 3);
+    marks.density = p;
+    return marks;
+}
+
+static bool set_around(ost_text_around *around, const char *p, const char *end)
+{
+    size_t length = (size_t)(end - p);
+    if (length > OST_TEXT_AROUND_MAX)
+        return false;
+    *around = (ost_text_around){.length = (uint32_t)length};
+    memcpy(around->text, p, length);
+    memset(around->mask, 0xff, length);
+    return true;
+}
+
+/* The pattern of the row that this line is in. */
+static void learn_pattern(ost_text_walker *walker, const char *p, const char *newline)
+{
+    const ost_text_plan *plan = walker->plan;
+    if (!plan->fast)
+        return;
+    int fastest = plan->raster->axis[0];
+    ost_text_marks marks = ost_text_mark(p, newline);
+    walker->pattern.carriage = plan->carriage;
+    walker->known = set_around(&walker->pattern.before, p, fastest > 0 ? marks.end[fastest - 1] : p) &&
+                    set_around(&walker->pattern.after, marks.end[fastest], marks.density);
+}
+
+/* Where a value is among monotone ones; -1 when it is none of them. */
+static int32_t find(const ost_pm *at, int32_t count, ost_pm value)
+{
+    bool up = at[count - 1] >= at[0];
+    int32_t lo = 0, hi = count - 1;
+    while (lo < hi) {
+        int32_t mid = lo + (hi - lo) / 2;
+        if (up ? at[mid] < value : at[mid] > value)
+            lo = mid + 1;
+        else
+            hi = mid;
+    }
+    return at[lo] == value ? lo : -1;
+}
+
+/*
+ * A slice's number by its coordinate, as if slices were evenly spaced; right
+ * for rounded ones too, and where it is not, the numbers do not follow on one
+ * another.  |v - s_0| * 16383 < 2^58.
+ */
+static int32_t slice_of(const ost_text_plan *plan, ost_pm value)
+{
+    const ost_text_raster *raster = plan->raster;
+    int32_t last = raster->count[2] - 1;
+    int64_t span = plan->last_slow - raster->at[2][0], off = value - raster->at[2][0];
+    if (last == 0 || span == 0)
+        return off == 0 ? 0 : -1;
+    if (span < 0) {
+        span = -span;
+        off = -off;
+    }
+    if (off < 0 || off > span)
+        return -1;
+    return (int32_t)ost_rhe_div(off * last, span);
+}
+
+static void enter_slice(ost_text_walker *walker, ost_pm slow)
+{
+    walker->slow = slow;
+    if (walker->at[1] == 0 && walker->at[0] == 0 && !walker->learning)
+        walker->plan->raster->at[2][walker->at[2]] = slow;
+}
+
+/* The first line of a piece says where it is. */
+static bool place(ost_text_walker *walker, const ost_pm by_rank[3])
+{
+    const ost_text_raster *raster = walker->plan->raster;
+    int32_t i = find(raster->at[0], raster->count[0], by_rank[0]);
+    int32_t j = walker->learning ? 0 : find(raster->at[1], raster->count[1], by_rank[1]);
+    int32_t k = walker->learning ? 0 : slice_of(walker->plan, by_rank[2]);
+    if (i < 0 || j < 0 || k < 0)
+        return false;
+    walker->placed = true;
+    walker->at[0] = i;
+    walker->at[1] = j;
+    walker->at[2] = k;
+    walker->middle = by_rank[1];
+    walker->first_slow = by_rank[2];
+    walker->first_slow_index = k;
+    walker->first = walker->next = i + (int64_t)raster->count[0] * (j + (int64_t)raster->count[1] * k);
+    if (walker->learning)
+        raster->at[1][0] = by_rank[1];
+    enter_slice(walker, by_rank[2]);
+    return true;
+}
+
+/* The first line of a row after another one, while the middle axis is being found. */
+static bool learn_row(ost_text_walker *walker, const ost_pm by_rank[3])
+{
+    ost_text_raster *raster = walker->plan->raster;
+    if (by_rank[2] != walker->slow) {
+        walker->done = true;
+        walker->second_slow = by_rank[2];
+        return by_rank[1] == raster->at[1][0];
+    }
+    int32_t j = ++walker->at[1];
+    if (j == OST_DIM_MAX)
+        return false;
+    raster->at[1][j] = walker->middle = by_rank[1];
+    raster->count[1] = j + 1;
+    return raster->at[1][1] > raster->at[1][0] ? by_rank[1] > raster->at[1][j - 1] : by_rank[1] < raster->at[1][j - 1];
+}
+
+static bool next_row(ost_text_walker *walker, const ost_pm by_rank[3])
+{
+    const ost_text_raster *raster = walker->plan->raster;
+    walker->at[0] = 0;
+    walker->known = false;
+    if (walker->learning)
+        return learn_row(walker, by_rank);
+    if (++walker->at[1] < raster->count[1]) {
+        walker->middle = raster->at[1][walker->at[1]];
+        return true;
+    }
+    walker->at[1] = 0;
+    walker->middle = raster->at[1][0];
+    if (++walker->at[2] == raster->count[2] || slice_of(walker->plan, by_rank[2]) != walker->at[2])
+        return false;
+    enter_slice(walker, by_rank[2]);
+    return true;
+}
+
+static bool parse_line(ost_text_walker *walker, const char *p, const char *newline)
+{
+    const ost_text_raster *raster = walker->plan->raster;
+    ost_text_row row;
+    if (!ost_text_walk_parse(&walker->parser, p, newline, &row))
+        return false;
+    const ost_pm by_rank[3] = {row.position[raster->axis[0]], row.position[raster->axis[1]], row.position[raster->axis[2]]};
+    if (!walker->placed) {
+        if (!place(walker, by_rank))
+            return false;
+    } else if (walker->at[0] == raster->count[0]) {
+        if (!next_row(walker, by_rank))
+            return false;
+        if (walker->done)
+            return true;
+    }
+    if (by_rank[0] != raster->at[0][walker->at[0]] || by_rank[1] != walker->middle || by_rank[2] != walker->slow)
+        return false;
+    for (int a = 0; a < 3; a++)
+        walker->units[a] |= 1u << (row.places[a] + OST_LATTICE_UNIT_PLACES);
+    (walker->learning ? walker->row + walker->at[0] : raster->voxels + walker->next)[0] = (int16_t)row.density;
+    walker->at[0]++;
+    walker->next++;
+    learn_pattern(walker, p, newline);
+    return true;
+}
+
+/* --------------------------------------------------------------- many lines */
+
+static bool walk_lines(ost_text_walker *walker, size_t lines)
+{
+    const ost_text_plan *plan = walker->plan;
+    const int32_t row = plan->raster->count[0];
+    const uint32_t *ends = walker->ends + 1; /* ends[-1] is before the first line */
+    for (size_t i = 0; i < lines && !walker->done;) {
+        int32_t at = walker->at[0];
+        if (walker->known && at < row) {
+            size_t most = lines - i < (size_t)(row - at) ? lines - i : (size_t)(row - at);
+            int16_t *to = walker->learning ? walker->row + at : plan->raster->voxels + walker->next;
+            size_t matched = plan->kernels.match(&walker->pattern, plan->columns + at, plan->lengths + at, walker->buffer, ends + i, most, to);
+            walker->at[0] += (int32_t)matched;
+            walker->next += (int64_t)matched;
+            i += matched;
+            if (matched == most)
+                continue;
+        }
+        if (!parse_line(walker, walker->buffer + ends[(ptrdiff_t)i - 1] + 1, walker->buffer + ends[i]))
+            return false;
+        i++;
+    }
+    return true;
+}
+
+/* ---------------------------------------------------------------- the file */
+
+/* Reads up to `bytes` at `at`; fewer at the file's end. False when it cannot be read. */
+static bool read_at(int fd, char *to, size_t bytes, int64_t at, size_t *got)
+{
+    *got = 0;
+    while (*got < bytes) {
+        ssize_t n = pread(fd, to + *got, bytes - *got, at + (int64_t)*got);
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n < 0)
+            return false;
+        if (n == 0)
+            break;
+        *got += (size_t)n;
+    }
+    return true;
+}
+
+/* Completes the line that text[filled - 1] is in, from byte `at` of the file on; at the file's end it gets its newline. */
+static bool complete(int fd, char *text, size_t *filled, int64_t at)
+{
+    size_t got;
+    if (!read_at(fd, text + *filled, OST_TEXT_LINE_MAX + 2, at, &got))
+        return false;
+    char *newline = memchr(text + *filled, '\n', got);
+    if (newline)
+        *filled = (size_t)(newline + 1 - text);
+    else if (got == OST_TEXT_LINE_MAX + 2)
+        return false;
+    if (!newline) {
+        text[*filled + got] = '\n';
+        *filled += got + 1;
+    }
+    return true;
+}
+
+bool ost_text_walk(ost_text_walker *walker, int64_t begin, int64_t end, bool inside)
+{
+    const ost_text_plan *plan = walker->plan;
+    char *text = walker->buffer + OST_TEXT_MARGIN;
+    size_t filled = 0;
+    int64_t at = inside ? begin - 1 : begin;
+    bool more = true;
+    while (more && !walker->done) {
+        size_t want = end - at < CHUNK ? (size_t)(end - at) : CHUNK, got;
+        if (!read_at(plan->fd, text + filled, want, at, &got) || got < want)
+            return false;
+        at += (int64_t)got;
+        filled += got;
+        more = at < end;
+        if (inside) {
+            const char *newline = memchr(text, '\n', filled);
+            if (!newline)
+                return !more; /* all of it is one line that began before */
+            inside = false;
+            filled -= (size_t)(newline + 1 - text);
+            memmove(text, newline + 1, filled);
+        }
+        if (!more && filled > 0 && text[filled - 1] != '\n' && !complete(plan->fd, text, &filled, at))
+            return false;
+        size_t padded = (filled + 63) / 64 * 64;
+        memset(text + filled, 0, padded - filled);
+        walker->ends[0] = OST_TEXT_MARGIN - 1;
+        size_t lines = plan->kernels.newlines(text, padded, OST_TEXT_MARGIN, walker->ends + 1);
+        if (!walk_lines(walker, lines))
+            return false;
+        size_t used = walker->ends[lines] + 1 - OST_TEXT_MARGIN;
+        filled -= used;
+        if (filled > OST_TEXT_LINE_MAX)
+            return false;
+        memmove(text, text + used, filled);
+    }
+    return true;
+}
