@@ -113,7 +113,7 @@ void ost_split_avx512(const ost_split *split, const ost_cells *cells, const ost_
             const __m128i keep = _mm_set1_epi64x((long long)piece.keep[g]);
             for (int q = 0; q < 4; q++) {
                 const __m128i v = _mm_load_si128((const __m128i *)(const void *)(piece.value[g] + 16 * q));
-                const __m128i asked = _mm_set_epi64x(INT64_C(0x0202020202020202) << 2 * q, INT64_C(0x0101010101010101) << 2 * q);
+                const __m128i asked = _mm_set_epi64x((long long)(UINT64_C(0x0202020202020202) << 2 * q), (long long)(UINT64_C(0x0101010101010101) << 2 * q));
                 const __mmask16 kept = _mm_test_epi8_mask(keep, asked);
                 const __mmask16 in = _mm_mask_cmpge_epi8_mask(kept, v, high);
                 const __mmask16 mix = kept & ~(in | _mm_cmple_epi8_mask(v, low));
