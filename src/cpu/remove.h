@@ -78,7 +78,7 @@ typedef struct ost_match {
     int32_t offset[3][64];             /* from the brick's u */
     int32_t lowest[3];
     bool windows;
-    uint32_t tie[3][(1 << OST_TIE_BITS) / 32];
+    uint8_t tie[1 << OST_TIE_BITS]; /* bit a: on axis a */
     const ost_shape *shape;
 } ost_match;
 

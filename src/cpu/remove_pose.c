@@ -92,7 +92,7 @@ void ost_match_make(const int32_t step[3][3], const ost_shape *shape, ost_match 
             out->high[a][v] = (uint16_t)(offset >> LOW);
             out->low[a][v] = (uint16_t)(offset & ((1 << LOW) - 1));
             const uint32_t tie = (TIES - 1 - (offset >> LOW)) & (TIES - 1);
-            out->tie[a][tie / 32] |= UINT32_C(1) << (tie % 32);
+            out->tie[tie] |= (uint8_t)(1 << a);
         }
     }
 }

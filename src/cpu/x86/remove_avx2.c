@@ -62,6 +62,7 @@ void ost_split_avx2(const ost_split *split, const ost_cells *cells, const ost_cu
     /* Values are within +-64: 127 is as good as beyond. */
     const int least = split->least < 127 ? split->least : 127;
     const __m128i in_above = _mm_set1_epi8((int8_t)(least - 1)), out_below = _mm_set1_epi8((int8_t)(1 - least));
+    const int8_t *const table = cells->value;
     size_t m = mixed->count, n = inside->count;
     for (size_t i = 0; i < cubes->count; i++) {
         const unsigned keep = occupancy ? filled(occupancy + 8 * cubes->number[i]) : 0xff;
@@ -76,7 +77,7 @@ void ost_split_avx2(const ost_split *split, const ost_cells *cells, const ost_cu
         int8_t value[8];
         store(cell, _mm256_add_epi32(c[0], _mm256_mullo_epi32(row, _mm256_set1_epi32(cells->dims[0]))));
         for (int j = 0; j < 8; j++)
-            value[j] = cells->value[cell[j]];
+            value[j] = table[cell[j]];
         const __m128i v = _mm_loadl_epi64((const __m128i *)value);
         const unsigned in = (unsigned)_mm_movemask_epi8(_mm_cmpgt_epi8(v, in_above)) & keep;
         const unsigned out = (unsigned)_mm_movemask_epi8(_mm_cmpgt_epi8(out_below, v)) & keep;
@@ -129,9 +130,9 @@ static inline void place_eight(const ost_match *match, const ost_cubes *bricks, 
     store(out->line + to, _mm256_add_epi32(window[0], _mm256_mullo_epi32(row, _mm256_set1_epi32(w->dims[0]))));
 }
 
-static inline unsigned tie_at(const uint32_t *tie, uint32_t high)
+static inline unsigned tie_at(const ost_match *match, const places *at, size_t i, int axis)
 {
-    return tie[high >> 5 & ((1 << OST_TIE_BITS) / 32 - 1)] >> (high & 31);
+    return match->tie[at->high[axis][i] & ((1 << OST_TIE_BITS) - 1)] & (1u << axis);
 }
 
 static inline size_t find_lines(const ost_match *match, size_t count, places *at)
@@ -141,7 +142,7 @@ static inline size_t find_lines(const ost_match *match, size_t count, places *at
         at->line[i] = match->shape->windows.index[at->line[i]];
         _mm_prefetch((const char *)match->shape->windows.line[at->line[i]], _MM_HINT_T0);
         at->tied[tied] = (uint32_t)i;
-        tied += (tie_at(match->tie[0], at->high[0][i]) | tie_at(match->tie[1], at->high[1][i]) | tie_at(match->tie[2], at->high[2][i])) & 1;
+        tied += (tie_at(match, at, i, 0) | tie_at(match, at, i, 1) | tie_at(match, at, i, 2)) != 0;
     }
     return tied;
 }

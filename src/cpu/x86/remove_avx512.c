@@ -88,6 +88,7 @@ void ost_split_avx512(const ost_split *split, const ost_cells *cells, const ost_
     /* Values are within +-64: 127 is as good as beyond. */
     const int least = split->least < 127 ? split->least : 127;
     const __m128i high = _mm_set1_epi8((int8_t)least), low = _mm_set1_epi8((int8_t)-least);
+    const int8_t *const table = cells->value; /* a local one: stores of bytes cannot change it */
     split_piece piece;
     size_t m = mixed->count, n = inside->count;
     for (size_t from = 0; from < cubes->count; from += 8 * GROUPS) {
@@ -101,10 +102,10 @@ void ost_split_avx512(const ost_split *split, const ost_cells *cells, const ost_
             for (int j = 0; j < 64; j += 4) {
                 const int32_t *cell = piece.cell[g] + j;
                 int8_t *value = piece.value[g] + j;
-                value[0] = cells->value[cell[0]];
-                value[1] = cells->value[cell[1]];
-                value[2] = cells->value[cell[2]];
-                value[3] = cells->value[cell[3]];
+                value[0] = table[cell[0]];
+                value[1] = table[cell[1]];
+                value[2] = table[cell[2]];
+                value[3] = table[cell[3]];
             }
         for (size_t g = 0; g < groups; g++) {
             const size_t first = from + 8 * g;
@@ -172,22 +173,18 @@ static inline void place_sixteen(const ost_match *match, const ost_cubes *bricks
     _mm512_store_si512(out->line + to, _mm512_add_epi32(window[0], _mm512_mullo_epi32(row, _mm512_set1_epi32(w->dims[0]))));
 }
 
-static inline unsigned tie_at(const uint32_t *tie, uint32_t fraction)
-{
-    return tie[fraction >> 5] >> (fraction & 31);
-}
-
 /* Lines of the first count places, on their way to the cache; returns how many are tied. */
 static inline size_t find_lines(const ost_match *match, size_t count, places *at)
 {
     const uint8_t(*const line)[64] = match->shape->windows.line;
     const uint32_t *const index = match->shape->windows.index;
+    const uint8_t *const tie = match->tie;
     size_t tied = 0;
     for (size_t i = 0; i < count; i++) {
         at->line[i] = index[at->line[i]];
         _mm_prefetch((const char *)line[at->line[i]], _MM_HINT_T0);
         at->tied[tied] = (uint32_t)i;
-        tied += (tie_at(match->tie[0], at->tie[0][i]) | tie_at(match->tie[1], at->tie[1][i]) | tie_at(match->tie[2], at->tie[2][i])) & 1;
+        tied += ((tie[at->tie[0][i]] & 1) | (tie[at->tie[1][i]] & 2) | (tie[at->tie[2][i]] & 4)) != 0;
     }
     return tied;
 }
