@@ -90,7 +90,8 @@ typedef void ost_vox_keys_fn(const ost_vox_plan *plan, const ost_snapped_mesh *m
  * Running sums of some rows of a tile, from a whole block on: writes their
  * bits (whole blocks; 64-byte aligned), sets OST_VOX_UNPROVEN and any_odd for
  * rows that are to be summed one by one, and returns how many bits it set.
- * Changes no plane. `stream` asks for stores past the caches.
+ * Clears the planes of the other rows, unless any_odd was set before: a row
+ * may be odd for its spill. `stream` asks for stores past the caches.
  */
 typedef uint64_t ost_vox_fill_fn(ost_vox_tile *tile, size_t first_row, size_t rows, bool parity, bool stream, uint64_t *bits);
 

@@ -44,7 +44,7 @@ typedef struct desk {
     size_t plane_words; /* with padding */
 } desk;
 
-const ost_vox_tuning ost_vox_tuning_default = {.threads_from_ns = 1e6, .plane_bytes = 1 << 17};
+const ost_vox_tuning ost_vox_tuning_default = {.threads_from_ns = 1e6, .plane_bytes = 1 << 18};
 
 /*
  * Threads are worth their start, and the wait for a core that another process
@@ -170,13 +170,13 @@ static uint64_t fill_mesh(const job *j, desk *d, int m, size_t number, uint64_t 
         if (tile->any_odd && !tile->no_memory)
             count += (uint64_t)ost_vox_fill_odd(tile, r, run, j->rule, bits, leaking_rows);
     }
-    if (tile->any_odd) {
+    if (tile->any_odd) { /* else the kernel has cleared all */
+        memset(tile->planes, 0, 2 * d->plane_words * 8);
         memset(tile->odd, 0, rows);
         tile->any_odd = false;
         free(tile->spill);
         tile->spill = NULL;
     }
-    memset(tile->planes, 0, 2 * d->plane_words * 8);
     return count;
 }
 
@@ -258,6 +258,7 @@ static ost_status run_tiles(const job *j, ost_voxelize_report *report, ost_error
 {
     const size_t tiles = (size_t)j->plan.tiles_y * (size_t)j->plan.tiles_z;
     const int threads = tiles < (size_t)j->threads ? (int)tiles : j->threads;
+    (void)threads; /* without OpenMP */
     uint64_t solid = 0, cutting = 0, leaking = 0;
     bool failed = false;
 #pragma omp parallel num_threads(threads) reduction(+ : solid, cutting, leaking) reduction(|| : failed) if (threads > 1)

@@ -42,7 +42,8 @@ uint64_t ost_vox_fill_scalar(ost_vox_tile *tile, size_t first_row, size_t rows, 
 {
     (void)stream;
     const size_t words = tile->row_bits / 64;
-    const uint64_t *plus = tile->planes + first_row * words, *minus = plus + tile->minus / 64;
+    uint64_t *plus = tile->planes + first_row * words, *minus = plus + tile->minus / 64;
+    const bool keep = tile->any_odd;
     uint64_t count = 0;
     for (size_t r = first_row; r < first_row + rows; r++) {
         uint64_t carry = 0, unproven = 0;
@@ -56,6 +57,9 @@ uint64_t ost_vox_fill_scalar(ost_vox_tile *tile, size_t first_row, size_t rows, 
         if (carry || (!parity && unproven)) {
             tile->odd[r] |= OST_VOX_UNPROVEN;
             tile->any_odd = true;
+        } else if (!keep) {
+            memset(plus - words, 0, words * sizeof *plus);
+            memset(minus - words, 0, words * sizeof *minus);
         }
     }
     return count;

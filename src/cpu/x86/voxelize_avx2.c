@@ -125,6 +125,14 @@ static inline __m256i count_bytes(__m256i v)
                            _mm256_shuffle_epi8(table, _mm256_and_si256(_mm256_srli_epi16(v, 4), low)));
 }
 
+static inline void store_vector(uint64_t *bits, __m256i v, bool stream)
+{
+    if (stream)
+        _mm256_stream_si256((__m256i *)bits, v);
+    else
+        _mm256_store_si256((__m256i *)bits, v);
+}
+
 /*
  * As with 512 bits (voxelize_avx512.c), four words at a time: a row's words or
  * those of several rows, whole; a bad vector's rows are all summed again.
@@ -134,14 +142,20 @@ uint64_t ost_vox_fill_avx2(ost_vox_tile *tile, size_t first_row, size_t rows, bo
     enum { WORDS = 4 };
     const size_t words = tile->row_bits / 64, total = rows * words;
     const size_t rows_in_vector = words < WORDS ? WORDS / words : 1;
-    const uint64_t *plus = tile->planes + first_row * words, *minus = plus + tile->minus / 64;
+    uint64_t *plus = tile->planes + first_row * words, *minus = plus + tile->minus / 64;
     const __m256i zero = _mm256_setzero_si256(), winding = _mm256_set1_epi64x(parity ? 0 : -1);
     const int ends = words >= 4 ? 8 : words == 2 ? 0xa : 0xf;
     __m256i counts = zero, carry = zero, bad = zero;
+    const bool keep = tile->any_odd;
     size_t row_word = 0;
     for (size_t w = 0; w < total; w += WORDS) {
         const __m256i p = _mm256_load_si256((const __m256i *)(plus + w));
-        const __m256i x = _mm256_xor_si256(p, _mm256_load_si256((const __m256i *)(minus + w)));
+        const __m256i m = _mm256_load_si256((const __m256i *)(minus + w)), x = _mm256_xor_si256(p, m);
+        const __m256i marked = _mm256_or_si256(p, m);
+        if (words <= WORDS && _mm256_testz_si256(marked, marked)) { /* rows without a crossing */
+            store_vector(bits + w, zero, stream);
+            continue;
+        }
         __m256i q = running_parity(x);
         /* Whole words of the parity before each word: from the word below, then from two below. */
         __m256i top = _mm256_cmpgt_epi64(zero, q);
@@ -149,10 +163,7 @@ uint64_t ost_vox_fill_avx2(ost_vox_tile *tile, size_t first_row, size_t rows, bo
         before = _mm256_xor_si256(before, _mm256_blend_epi32(_mm256_permute4x64_epi64(before, 0x90), zero, 0x03));
         before = _mm256_xor_si256(before, _mm256_permute2x128_si256(before, before, 0x08));
         q = _mm256_xor_si256(q, _mm256_xor_si256(before, carry));
-        if (stream)
-            _mm256_stream_si256((__m256i *)(bits + w), q);
-        else
-            _mm256_store_si256((__m256i *)(bits + w), q);
+        store_vector(bits + w, q, stream);
         counts = _mm256_add_epi64(counts, _mm256_sad_epu8(count_bytes(q), zero));
         bad = _mm256_or_si256(bad, _mm256_and_si256(_mm256_and_si256(x, _mm256_xor_si256(q, p)), winding));
         row_word += WORDS;
@@ -168,6 +179,11 @@ uint64_t ost_vox_fill_avx2(ost_vox_tile *tile, size_t first_row, size_t rows, bo
                 tile->odd[first_row + row + r] |= OST_VOX_UNPROVEN;
             tile->any_odd = true;
             bad = zero;
+        } else if (!keep) {
+            for (size_t b = words <= WORDS ? w : w + WORDS - words; b <= w; b += WORDS) {
+                _mm256_store_si256((__m256i *)(plus + b), zero);
+                _mm256_store_si256((__m256i *)(minus + b), zero);
+            }
         }
     }
     uint64_t sums[WORDS], count = 0;

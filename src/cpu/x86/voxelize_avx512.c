@@ -131,46 +131,60 @@ uint64_t ost_vox_fill_avx512(ost_vox_tile *tile, size_t first_row, size_t rows, 
 {
     const size_t words = tile->row_bits / 64, total = rows * words;
     const size_t rows_in_block = words < OST_VOX_BLOCK ? OST_VOX_BLOCK / words : 1;
-    const uint64_t *plus = tile->planes + first_row * words, *minus = plus + tile->minus / 64;
+    uint64_t *plus = tile->planes + first_row * words, *minus = plus + tile->minus / 64;
     const __m512i winding = _mm512_set1_epi64(parity ? 0 : -1);
     const __mmask8 ends = words >= 8 ? 0x80 : words == 4 ? 0x88 : words == 2 ? 0xaa : 0xff;
     __m512i counts = _mm512_setzero_si512();
-    unsigned carry = 0; /* all ones, or 0 */
+    const __m512i zero = _mm512_setzero_si512(), ones = _mm512_set1_epi64(-1);
+    const bool keep = tile->any_odd;
     size_t row_word = 0;
-    bool bad_row = false;
+    unsigned carry = 0; /* all ones, or 0 */
+    unsigned bad = 0;   /* somewhere in this row */
+    bool marked = false;
     for (size_t w = 0; w < total; w += OST_VOX_BLOCK) {
-        const __m512i p = _mm512_load_si512(plus + w), x = _mm512_xor_si512(p, _mm512_load_si512(minus + w));
-        __m512i q = running_parity(x);
-        /* Parity of all words before each: a prefix over eight bits. */
-        unsigned before = _mm512_movepi64_mask(q);
-        before ^= before << 1;
-        before ^= before << 2;
-        before ^= before << 4;
-        before = (before << 1) ^ carry;
-        const __mmask8 turn = (__mmask8)before;
-        q = _mm512_mask_xor_epi64(q, turn, q, _mm512_set1_epi64(-1));
+        const __m512i p = _mm512_load_si512(plus + w), m = _mm512_load_si512(minus + w), either = _mm512_or_si512(p, m);
+        __m512i q = carry ? ones : zero;
+        if (_mm512_test_epi64_mask(either, either)) {
+            const __m512i x = _mm512_xor_si512(p, m);
+            q = running_parity(x);
+            /* Parity of all words before each: a prefix over eight bits. */
+            unsigned before = _mm512_movepi64_mask(q);
+            before ^= before << 1;
+            before ^= before << 2;
+            before ^= before << 4;
+            before = (before << 1) ^ carry;
+            q = _mm512_mask_xor_epi64(q, (__mmask8)before, q, ones);
+            const __m512i unproven = _mm512_and_si512(_mm512_ternarylogic_epi64(x, q, p, 0x60), winding); /* x & (q ^ p) */
+            bad |= _mm512_test_epi64_mask(unproven, unproven);
+            carry = -(before >> 8 & 1);
+            marked = true;
+        }
         if (stream)
             _mm512_stream_si512((__m512i *)(bits + w), q);
         else
             _mm512_store_si512(bits + w, q);
-        counts = _mm512_add_epi64(counts, _mm512_sad_epu8(count_bytes(q), _mm512_setzero_si512()));
-        const __m512i unproven = _mm512_and_si512(_mm512_ternarylogic_epi64(x, q, p, 0x60), winding); /* x & (q ^ p) */
-        const __mmask8 bad = _mm512_test_epi64_mask(unproven, unproven);
         row_word += OST_VOX_BLOCK;
-        if (row_word < words) { /* the row goes on */
-            bad_row |= bad != 0;
-            carry = -(before >> 8 & 1);
+        if (!marked) { /* a row's beginning, or whole rows, without a crossing: void so far */
+            row_word = row_word < words ? row_word : 0;
             continue;
         }
-        row_word = 0;
-        carry = 0;
-        if (__builtin_expect((bad | (_mm512_movepi64_mask(q) & ends)) != 0 || bad_row, 0)) {
+        counts = _mm512_add_epi64(counts, _mm512_sad_epu8(count_bytes(q), zero));
+        if (row_word < words)
+            continue;
+        if (__builtin_expect((bad | (_mm512_movepi64_mask(q) & ends)) != 0, 0)) {
             const size_t row = words < OST_VOX_BLOCK ? w / words : (w + OST_VOX_BLOCK) / words - 1;
             for (size_t r = 0; r < rows_in_block && row + r < rows; r++)
                 tile->odd[first_row + row + r] |= OST_VOX_UNPROVEN;
             tile->any_odd = true;
-            bad_row = false;
+        } else if (!keep) {
+            for (size_t b = words <= OST_VOX_BLOCK ? w : w + OST_VOX_BLOCK - words; b <= w; b += OST_VOX_BLOCK) {
+                _mm512_store_si512(plus + b, zero);
+                _mm512_store_si512(minus + b, zero);
+            }
         }
+        row_word = 0;
+        carry = bad = 0;
+        marked = false;
     }
     uint64_t count = (uint64_t)_mm512_reduce_add_epi64(counts);
     for (size_t w = total; w % OST_VOX_BLOCK; w++) /* what a leaking row left behind the last */
