@@ -57,5 +57,7 @@ AC_DEFUN([OST_OPENMP], [
     AC_MSG_RESULT([${OPENMP_CFLAGS:-no}])
     AS_IF([test "x$with_openmp" = xyes && test "x$OPENMP_CFLAGS" = x],
       [AC_MSG_ERROR([--with-openmp was asked for, but $CC has none; Debian: gcc, or clang with libomp-dev])])])
+  # Without it its pragmas mean nothing, which is no reason to warn.
+  AS_IF([test "x$OPENMP_CFLAGS" = x], [OPENMP_CFLAGS=-Wno-unknown-pragmas])
   AC_SUBST([OPENMP_CFLAGS])
 ])
