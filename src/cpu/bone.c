@@ -12,8 +12,6 @@
  */
 #include "cpu/bone.h"
 
-#include "cpu/grid.h"
-
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
@@ -55,31 +53,55 @@ ost_status ost_cpu_bone_create(ost_backend *backend, const ost_geometry *geometr
     return OST_OK;
 }
 
+static void give_back(cpu_chunk *chunk)
+{
+    if (chunk->pool)
+        ost_chunk_pool_give(chunk->pool, chunk->density);
+    else
+        free(chunk->density);
+}
+
 void ost_cpu_bone_free(ost_bone *base)
 {
     cpu_bone *bone = (cpu_bone *)base;
-    for (int64_t i = 0; i < bone->count; i++)
-        free(bone->chunks[i].density);
+    ost_chunk_pool *pool = NULL;
+    for (int64_t i = 0; i < bone->count; i++) {
+        pool = bone->chunks[i].pool ? bone->chunks[i].pool : pool;
+        give_back(&bone->chunks[i]);
+    }
+    if (pool)
+        ost_chunk_pool_trim(pool);
     free(bone->chunks);
     free(bone);
 }
 
-static bool fill(const cpu_bone *bone, cpu_chunk *chunk)
+bool ost_cpu_chunk_take(const cpu_bone *bone, ost_chunk_pool *pool, cpu_chunk *chunk)
 {
     const size_t bytes = ost_chunk_bytes(bone->base.chunk_size);
     const size_t densities = bytes / 17 * 16; /* 2 bytes a voxel, then 1/8 */
-    unsigned char *block = aligned_alloc(64, bytes);
+    unsigned char *block = pool ? ost_chunk_pool_take(pool) : NULL;
+    if (!block) {
+        pool = NULL;
+        block = aligned_alloc(64, bytes);
+    }
     if (!block)
         return false;
-    memset(block, 0, bytes);
-    *chunk = (cpu_chunk){.density = (int16_t *)(void *)block, .occupancy = (uint64_t *)(void *)(block + densities)};
+    *chunk = (cpu_chunk){.density = (int16_t *)(void *)block, .occupancy = (uint64_t *)(void *)(block + densities), .pool = pool};
+    return true;
+}
+
+static bool fill(const cpu_bone *bone, cpu_chunk *chunk)
+{
+    if (!ost_cpu_chunk_take(bone, NULL, chunk))
+        return false;
+    memset(chunk->density, 0, ost_chunk_bytes(bone->base.chunk_size));
     return true;
 }
 
 void ost_cpu_chunk_release(cpu_chunk *chunk)
 {
     assert(chunk->active == 0);
-    free(chunk->density);
+    give_back(chunk);
     *chunk = (cpu_chunk){0};
 }
 
@@ -189,9 +211,9 @@ static void store_chunk(const cpu_bone *bone, cpu_chunk *chunk, const chunk_plac
             const int16_t *rows[16];
             collect_rows(bone, chunk, at, s, y, z, spare, rows);
             const size_t brick = (size_t)ost_brick_number(0, y / 4, z / 4);
-            int16_t highest = kernels->brick_row(rows, (size_t)n / 4, (int16_t)bone->base.threshold,
+            ost_brick_sums sums = kernels->brick_row(rows, (size_t)n / 4, (int16_t)bone->base.threshold, false,
                                                  chunk->density + brick * OST_BRICK_VOXELS, chunk->occupancy + brick);
-            chunk->highest = max32(chunk->highest, highest);
+            chunk->highest = max32(chunk->highest, sums.highest);
         }
     chunk->active = active_in(chunk->occupancy, (size_t)(n / 4) * (size_t)(n / 4) * (size_t)(n / 4));
 }
@@ -227,30 +249,6 @@ ost_status ost_cpu_bone_upload(ost_bone *base, int32_t z0, int32_t count, const 
     if (!enough)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for the chunks of slices %d to %d (%zu bytes each)", z0, z0 + count - 1,
                         ost_chunk_bytes(base->chunk_size));
-    return OST_OK;
-}
-
-/* A layer of chunks at a time, so that a resampled grid is never whole in memory. */
-ost_status ost_cpu_cubic_to_chunks(const ost_grid *base, int chunk_size, int32_t threshold, ost_bone **out, ost_error *err)
-{
-    const ost_dims dims = base->geometry.dims;
-    ost_bone *bone = NULL;
-    int16_t *layer = malloc((size_t)dims.x * (size_t)dims.y * (size_t)chunk_size * sizeof *layer);
-    ost_status status = layer ? ost_cpu_bone_create(base->backend, &base->geometry, chunk_size, threshold, &bone, err)
-                              : ost_fail(err, OST_ERR_MEMORY, "no memory for %d slices of %d x %d voxels", chunk_size, dims.x, dims.y);
-    for (int32_t z = 0; z < dims.z && status == OST_OK; z += chunk_size) {
-        const int32_t count = min32(chunk_size, dims.z - z);
-        status = ost_cpu_grid_download(base, z, count, layer, err);
-        if (status == OST_OK)
-            status = ost_cpu_bone_upload(bone, z, count, layer, err);
-    }
-    free(layer);
-    if (status != OST_OK) {
-        if (bone)
-            ost_cpu_bone_free(bone);
-        return status;
-    }
-    *out = bone;
     return OST_OK;
 }
 

@@ -25,10 +25,12 @@
 #define OST_CPU_BONE_H
 
 #include "core/backend.h"
+#include "cpu/chunk_pool.h"
 
 typedef struct cpu_chunk {
     int16_t *density;    /* owned with occupancy behind it, one 64-byte aligned block; NULL when active is 0 */
     uint64_t *occupancy; /* in the same block */
+    ost_chunk_pool *pool; /* where the block came from and goes back to; NULL: malloc */
     int32_t active;
     int32_t highest;
 } cpu_chunk;
@@ -60,6 +62,8 @@ static inline int32_t ost_brick_gather(int32_t number)
     return (number & 1) | (number >> 2 & 2) | (number >> 4 & 4) | (number >> 6 & 8);
 }
 
+/* Gives a chunk without memory a block of undefined content, from the pool (which may be NULL) if it has one. */
+bool ost_cpu_chunk_take(const cpu_bone *bone, ost_chunk_pool *pool, cpu_chunk *chunk);
 /* Takes back the memory of a chunk whose active is 0. */
 void ost_cpu_chunk_release(cpu_chunk *chunk);
 
@@ -70,6 +74,5 @@ ost_status ost_cpu_bone_stats(const ost_bone *bone, ost_bone_info *info, ost_err
 ost_status ost_cpu_bone_upload(ost_bone *bone, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
 ost_status ost_cpu_bone_download(const ost_bone *bone, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
 ost_status ost_cpu_bone_leaves(const ost_bone *bone, ost_digest *leaves, ost_error *err);
-ost_status ost_cpu_cubic_to_chunks(const ost_grid *cubic, int chunk_size, int32_t threshold, ost_bone **out, ost_error *err);
 
 #endif

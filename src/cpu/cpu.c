@@ -123,9 +123,12 @@ static ost_status open_cpu(const char *options, ost_backend **out, ost_error *er
     return status;
 }
 
-static void close_cpu(ost_backend *backend)
+static void close_cpu(ost_backend *base)
 {
-    ost_event_scratch_free(&((cpu_backend *)backend)->event);
+    cpu_backend *backend = (cpu_backend *)base;
+    ost_event_scratch_free(&backend->event);
+    for (int i = 0; i < 3; i++)
+        ost_chunk_pool_close(backend->pools[i]);
     free(backend);
 }
 

@@ -6,7 +6,7 @@
  *   cpu.c       the table, options "isa=", "threads=" and "voxelizer="
  *   kernels.c   the inner loops, chosen once at open
  *   grid.c      grids, resampled ones as lists of indices
- *   import_*.c  samples -> rect -> cubic
+ *   import_*.c  samples -> rect -> cubic -> chunks
  *   bone.c      chunks of bricks: slices in and out, leaves
  *   remove.c    removal and collision, with shape.c: a tool's distances and windows
  *   voxelize.c  snapped mesh -> tool grid (voxelize.h; embree.h)
@@ -19,6 +19,7 @@
 #define OST_CPU_CPU_H
 
 #include "core/isa.h"
+#include "cpu/chunk_pool.h"
 #include "cpu/kernels.h"
 #include "cpu/ref/ref.h"
 #include "cpu/remove_event.h"
@@ -43,6 +44,7 @@ typedef struct cpu_backend {
     ost_vox_tuning vox_tuning;
     ost_cpu_kernels kernels;
     ost_event_scratch event;
+    ost_chunk_pool *pools[3]; /* owned; for chunks of 16, 32, 64, NULL before the first */
 } cpu_backend;
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The import's stages on the CPU backend up to the cubic grid, and how many threads they get. */
+/* The import's stages on the CPU backend and how many threads they get. */
 #ifndef OST_CPU_IMPORT_H
 #define OST_CPU_IMPORT_H
 
@@ -16,5 +16,7 @@ static inline int ost_cpu_threads(const cpu_backend *backend, int64_t voxels)
 ost_status ost_cpu_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t count, int64_t first_line, ost_duplicates duplicates,
                               ost_scatter_report *report, ost_error *err);
 ost_status ost_cpu_rect_to_cubic(const ost_grid *rect, const ost_geometry *geometry, ost_resample rule, ost_grid **out, ost_error *err);
+
+ost_status ost_cpu_cubic_to_chunks(const ost_grid *cubic, int chunk_size, int32_t threshold, ost_bone **out, ost_error *err);
 
 #endif

@@ -12,6 +12,8 @@ static void fill_scalar(ost_cpu_kernels *k)
 {
     k->gather_row = ost_gather_row_scalar;
     k->brick_row = ost_brick_row_scalar;
+    k->any_active = ost_any_active_scalar;
+    k->drain = ost_drain_scalar;
     k->split = ost_split_scalar;
     k->match = ost_match_scalar;
     k->take = ost_take_scalar;
@@ -24,6 +26,9 @@ static void fill_scalar(ost_cpu_kernels *k)
 #if HAVE_AVX2_BUILD
 static void fill_avx2(ost_cpu_kernels *k)
 {
+    k->brick_row = ost_brick_row_avx2;
+    k->any_active = ost_any_active_avx2;
+    k->drain = ost_drain_avx2;
     k->split = ost_split_avx2;
     k->match = ost_match_avx2;
     k->take = ost_take_avx2;
@@ -38,6 +43,8 @@ static void fill_avx2(ost_cpu_kernels *k)
 static void fill_avx512(ost_cpu_kernels *k)
 {
     k->gather_row = ost_gather_row_avx512;
+    k->brick_row = ost_brick_row_avx512;
+    k->any_active = ost_any_active_avx512;
     k->split = ost_split_avx512;
     k->match = ost_match_avx512;
     k->take = ost_take_avx512;

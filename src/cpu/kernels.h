@@ -28,10 +28,20 @@ typedef void ost_gather_row_fn(const int16_t *from, const int32_t *map, int coun
  * bricks: voxels below threshold (>= 1) become 0.  bricks is 4, 8 or 16; brick x is written
  * to density + 64 * spread(x) and occupancy[spread(x)], spread(x) being the bits
  * of x at 0, 3, 6, 9 (ost_brick_spread).  density is 64-byte aligned.  Rows do
- * not overlap what is written.  Returns the highest density written (0 when none is active).
+ * not overlap what is written.  Returns how many voxels are active and the highest density (0 when none is).
+ * stream asks for stores past the caches; drain must follow before another thread reads.
  */
-typedef int16_t ost_brick_row_fn(const int16_t *const rows[16], size_t bricks, int16_t threshold, int16_t *density,
-                                 uint64_t *occupancy);
+typedef struct ost_brick_sums {
+    int32_t active, highest;
+} ost_brick_sums;
+typedef ost_brick_sums ost_brick_row_fn(const int16_t *const rows[16], size_t bricks, int16_t threshold, bool stream, int16_t *density,
+                                        uint64_t *occupancy);
+
+/* Whether one of the first `width` elements (1 to 64) of the `count` rows base + row[i] is at least threshold (>= 1). No other is read. */
+typedef bool ost_any_active_fn(const int16_t *base, const size_t *row, int count, int width, int16_t threshold);
+
+/* Orders streamed stores of this thread before what it stores next. */
+typedef void ost_drain_fn(void);
 
 /* --------------------------------------------------- removal (cpu/remove.h) */
 
@@ -107,6 +117,8 @@ typedef struct ost_cpu_kernels {
     ost_isa isa; /* the level they were filled for */
     ost_gather_row_fn *gather_row;
     ost_brick_row_fn *brick_row;
+    ost_any_active_fn *any_active;
+    ost_drain_fn *drain;
     ost_split_fn *split;
     ost_match_fn *match;
     ost_take_fn *take;
@@ -120,7 +132,9 @@ void ost_cpu_kernels_fill(ost_cpu_kernels *kernels, ost_isa isa);
 
 /* NAME_scalar, NAME_avx2, ... of every slot. */
 ost_gather_row_fn ost_gather_row_scalar, ost_gather_row_avx512;
-ost_brick_row_fn ost_brick_row_scalar;
+ost_brick_row_fn ost_brick_row_scalar, ost_brick_row_avx2, ost_brick_row_avx512;
+ost_any_active_fn ost_any_active_scalar, ost_any_active_avx2, ost_any_active_avx512;
+ost_drain_fn ost_drain_scalar, ost_drain_avx2;
 ost_split_fn ost_split_scalar, ost_split_avx2, ost_split_avx512;
 ost_match_fn ost_match_scalar, ost_match_avx2, ost_match_avx512;
 ost_take_fn ost_take_scalar, ost_take_avx2, ost_take_avx512;

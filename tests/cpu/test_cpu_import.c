@@ -12,6 +12,7 @@
 #include "core/backend.h"
 #include "core/chunk_grid.h"
 #include "core/isa.h"
+#include "cpu/bone.h"
 #include "cpu/ref/ref.h"
 
 static const int threads_of[] = {1, 2, 3, 7};
@@ -103,6 +104,29 @@ static void assert_equal_bones(const ost_bone *a, const ost_bone *b)
     free(vb);
 }
 
+/* Chunks made from a grid are what slices of it make, padding and occupancy included. */
+static void assert_equal_chunks(const ost_bone *made, const ost_grid *cube)
+{
+    ost_error err = {0};
+    ost_bone *other;
+    int16_t *voxels = download_grid(cube);
+    assert_ok(ost_bone_create(made->backend, &made->geometry, made->chunk_size, made->threshold, &other, &err));
+    assert_ok(ost_bone_upload(other, 0, made->geometry.dims.z, voxels, &err));
+    free(voxels);
+    const cpu_bone *x = (const cpu_bone *)made, *y = (const cpu_bone *)other;
+    assert_int_equal(x->count, y->count);
+    for (int64_t i = 0; i < x->count; i++) {
+        assert_int_equal(x->chunks[i].active, y->chunks[i].active);
+        assert_int_equal(x->chunks[i].density != NULL, y->chunks[i].density != NULL);
+        if (!x->chunks[i].density)
+            continue;
+        assert_int_equal((uintptr_t)x->chunks[i].density % 64, 0);
+        assert_int_equal(x->chunks[i].highest, y->chunks[i].highest);
+        assert_memory_equal(x->chunks[i].density, y->chunks[i].density, ost_chunk_bytes(made->chunk_size));
+    }
+    ost_bone_free(other);
+}
+
 static void rect_to_cubic_to_chunks(void **state)
 {
     (void)state;
@@ -138,6 +162,7 @@ static void rect_to_cubic_to_chunks(void **state)
         assert_equal_grids(rect[0], rect[1]);
         assert_equal_grids(cube[0], cube[1]);
         assert_equal_bones(bone[0], bone[1]);
+        assert_equal_chunks(bone[1], cube[1]);
         for (int b = 0; b < 2; b++) {
             ost_grid_free(rect[b]); /* the cubic grid lives on */
             assert_ok(ost_rect_to_cubic(cube[b], cubic * 2, rule, &again[b], &err));
@@ -264,9 +289,45 @@ static void samples_to_rect(void **state)
     ost_backend_close(ref);
 }
 
+/* Whatever is taken, given back and trimmed, a block in use keeps its content. */
+static void blocks_keep_their_content(void **state)
+{
+    (void)state;
+    test_rng rng = rng_seeded("chunk pool");
+    enum { BYTES = 8704, MOST = 700 };
+    ost_chunk_pool *pool = ost_chunk_pool_open(BYTES);
+    assert_non_null(pool);
+    unsigned char *block[MOST] = {NULL};
+    for (int round = 0; round < 200; round++) {
+        int from = (int)rng_range(&rng, 0, MOST - 1), to = (int)rng_range(&rng, from, MOST);
+        assert_true(ost_chunk_pool_reserve(pool, to - from));
+        for (int i = from; i < to; i++)
+            if (!block[i] && rng_range(&rng, 0, 2)) {
+                block[i] = ost_chunk_pool_take(pool);
+                assert_non_null(block[i]);
+                assert_int_equal((uintptr_t)block[i] % 64, 0);
+                memset(block[i], i % 255 + 1, BYTES);
+            }
+        for (int i = from; i < to; i++)
+            if (block[i] && rng_range(&rng, 0, 3) == 0) {
+                ost_chunk_pool_give(pool, block[i]);
+                block[i] = NULL;
+            }
+        ost_chunk_pool_trim(pool);
+        for (int i = 0; i < MOST; i++)
+            if (block[i] && (block[i][0] != i % 255 + 1 || memcmp(block[i], block[i] + 1, BYTES - 1) != 0))
+                fail_msg("round %d: block %d has changed", round, i);
+    }
+    for (int i = 0; i < MOST; i++)
+        if (block[i])
+            ost_chunk_pool_give(pool, block[i]);
+    ost_chunk_pool_close(pool);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(blocks_keep_their_content),
         cmocka_unit_test(rect_to_cubic_to_chunks),
         cmocka_unit_test(slabs_over_slabs),
         cmocka_unit_test(samples_to_rect),

@@ -1,0 +1,151 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The stack's height is one atomic number: a take is its decrement, a give its
+ * increment, and the slot that it names belongs to the caller alone.  That is
+ * all the agreement threads need as long as takes and gives do not overlap.
+ */
+#include "cpu/chunk_pool.h"
+
+#include <assert.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+enum { EXTENTS_MAX = 64 };
+#define HUGE_PAGE ((size_t)1 << 21)
+/* What may stay mapped when no block is in use. */
+#define KEPT_BYTES ((size_t)1 << 28)
+
+typedef struct extent {
+    unsigned char *base; /* aligned to a huge page */
+    size_t bytes;
+} extent;
+
+struct ost_chunk_pool {
+    size_t block_bytes;
+    extent extents[EXTENTS_MAX];
+    int extent_count;
+    int64_t total;
+    atomic_llong fresh; /* stack[0, fresh) was never taken */
+    int64_t trimmed;    /* what `fresh` was at the last trim */
+    void **stack;       /* owned; total */
+    atomic_llong available;
+};
+
+ost_chunk_pool *ost_chunk_pool_open(size_t block_bytes)
+{
+    assert(block_bytes > 0 && block_bytes % 64 == 0);
+    ost_chunk_pool *pool = calloc(1, sizeof *pool);
+    if (pool)
+        pool->block_bytes = block_bytes;
+    return pool;
+}
+
+static void unmap_all(ost_chunk_pool *pool)
+{
+    for (int i = 0; i < pool->extent_count; i++)
+        munmap(pool->extents[i].base, pool->extents[i].bytes);
+    free(pool->stack);
+    pool->stack = NULL;
+    pool->extent_count = 0;
+    pool->total = pool->trimmed = 0;
+    atomic_store(&pool->fresh, 0);
+    atomic_store(&pool->available, 0);
+}
+
+void ost_chunk_pool_close(ost_chunk_pool *pool)
+{
+    if (!pool)
+        return;
+    assert(atomic_load(&pool->available) == pool->total);
+    unmap_all(pool);
+    free(pool);
+}
+
+/* Addresses alone; aligned by cutting off what stands out on both sides. */
+static unsigned char *map_aligned(size_t bytes)
+{
+    size_t whole = bytes + HUGE_PAGE;
+    void *map = mmap(NULL, whole, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    if (map == MAP_FAILED)
+        return NULL;
+    unsigned char *begin = map;
+    size_t before = (HUGE_PAGE - (uintptr_t)begin % HUGE_PAGE) % HUGE_PAGE;
+    if (before > 0)
+        munmap(begin, before);
+    munmap(begin + before + bytes, HUGE_PAGE - before);
+#if defined MADV_HUGEPAGE
+    (void)madvise(begin + before, bytes, MADV_HUGEPAGE);
+#endif
+    return begin + before;
+}
+
+bool ost_chunk_pool_reserve(ost_chunk_pool *pool, int64_t count)
+{
+    int64_t available = atomic_load(&pool->available);
+    if (available >= count)
+        return true;
+    if (pool->extent_count == EXTENTS_MAX)
+        return false;
+    /* At least as much again as there is, so that few extents do. count <= 2^24, block_bytes < 2^20. */
+    int64_t more = count - available > pool->total ? count - available : pool->total;
+    size_t bytes = ((size_t)more * pool->block_bytes + HUGE_PAGE - 1) / HUGE_PAGE * HUGE_PAGE;
+    void **stack = realloc(pool->stack, (size_t)(pool->total + more) * sizeof *stack);
+    if (!stack)
+        return false;
+    pool->stack = stack;
+    unsigned char *base = map_aligned(bytes);
+    if (!base)
+        return false;
+    memmove(stack + more, stack, (size_t)available * sizeof *stack);
+    for (int64_t i = 0; i < more; i++)
+        stack[i] = base + (size_t)(more - 1 - i) * pool->block_bytes;
+    pool->extents[pool->extent_count++] = (extent){base, bytes};
+    pool->total += more;
+    pool->trimmed += more;
+    atomic_fetch_add(&pool->fresh, more);
+    atomic_store(&pool->available, available + more);
+    return true;
+}
+
+void *ost_chunk_pool_take(ost_chunk_pool *pool)
+{
+    long long left = atomic_fetch_sub_explicit(&pool->available, 1, memory_order_relaxed);
+    if (left > 0) {
+        long long fresh = atomic_load_explicit(&pool->fresh, memory_order_relaxed);
+        while (left - 1 < fresh && !atomic_compare_exchange_weak(&pool->fresh, &fresh, left - 1))
+            continue;
+        return pool->stack[left - 1];
+    }
+    atomic_fetch_add_explicit(&pool->available, 1, memory_order_relaxed);
+    return NULL;
+}
+
+void ost_chunk_pool_give(ost_chunk_pool *pool, void *block)
+{
+    long long at = atomic_fetch_add_explicit(&pool->available, 1, memory_order_relaxed);
+    assert(at < pool->total);
+    pool->stack[at] = block;
+}
+
+void ost_chunk_pool_trim(ost_chunk_pool *pool)
+{
+    int64_t fresh = atomic_load(&pool->fresh);
+    if (atomic_load(&pool->available) == pool->total && (size_t)(pool->total - fresh) * pool->block_bytes > KEPT_BYTES) {
+        unmap_all(pool);
+        return;
+    }
+    if (fresh == pool->trimmed)
+        return;
+    pool->trimmed = fresh;
+    if (fresh == 0)
+        return;
+    /* The next fresh block begins where the last touched one ends; its huge page was touched with that one. */
+    size_t page = (size_t)sysconf(_SC_PAGESIZE);
+    uintptr_t begin = ((uintptr_t)pool->stack[fresh - 1] + page - 1) / page * page;
+    uintptr_t end = (begin + HUGE_PAGE - 1) / HUGE_PAGE * HUGE_PAGE;
+    if (begin < end)
+        (void)madvise((void *)begin, end - begin, MADV_DONTNEED);
+}
