@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What ours is measured against: plain C, compiled at -O3 for the machine that
+ * builds (configure --disable-native-bench: for any), in a library of its own
+ * that only the command links.
+ *
+ * Such code may hold instructions that the machine it runs on lacks, so ask
+ * bench_baseline_runs() first: the file that says which ones the compiler was
+ * allowed holds data and no code.
+ */
+#ifndef OST_BENCH_BASELINE_H
+#define OST_BENCH_BASELINE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* False, and why, when this processor lacks an instruction set that the baselines were built for. */
+bool bench_baseline_runs(char *reason, size_t size);
+extern const uint32_t bench_native_needs; /* bits in the order of BENCH_NATIVE_LIST */
+
+#define BENCH_NATIVE_LIST(X)                                                                                                 \
+    X(SSE3, "sse3") X(SSSE3, "ssse3") X(SSE4_1, "sse4.1") X(SSE4_2, "sse4.2") X(POPCNT, "popcnt") X(AVX, "avx") X(FMA, "fma") \
+    X(BMI, "bmi") X(BMI2, "bmi2") X(AVX2, "avx2") X(AVX512F, "avx512f") X(AVX512CD, "avx512cd") X(AVX512BW, "avx512bw")       \
+    X(AVX512DQ, "avx512dq") X(AVX512VL, "avx512vl") X(AVX512IFMA, "avx512ifma") X(AVX512VBMI, "avx512vbmi")                   \
+    X(AVX512VBMI2, "avx512vbmi2") X(AVX512VNNI, "avx512vnni") X(AVX512BITALG, "avx512bitalg")                                 \
+    X(AVX512VPOPCNTDQ, "avx512vpopcntdq") X(GFNI, "gfni")
+
+/* ------------------------------------------------------------------ removal */
+
+/* The thesis' event (section 2.5): a kernel a chunk, over all voxels of the chunk. */
+typedef struct bench_thesis_event {
+    int chunk_count, chunk_size;
+    int16_t *const *chunks;       /* chunk_size^3 densities each, x fastest */
+    const int32_t (*corners)[3];  /* bone voxel of each chunk's first voxel */
+    float map[3][4];              /* bone voxel to tool voxel: rows of an affine matrix */
+    int32_t dims[3];              /* of the tool's grid */
+    const int16_t *tool;          /* 0 or 1, x fastest */
+} bench_thesis_event;
+
+void bench_thesis_remove(const bench_thesis_event *event, int threads);
+
+/* --------------------------------------------------------------------- bytes */
+
+/* How a copy stores: with the C library's memcpy, or around the caches. */
+typedef enum bench_copy { BENCH_COPY_MEMCPY, BENCH_COPY_STREAM, BENCH_COPY_COUNT } bench_copy;
+
+/* Writes `bytes` of out from in, which is read from its start again when it ends; if in is longer, the rest of it is read. */
+uint64_t bench_copy_bytes(bench_copy how, uint8_t *out, size_t bytes, const uint8_t *in, size_t in_bytes, int threads);
+
+/* Reads every byte, 64 a step. */
+uint64_t bench_read_bytes(const uint8_t *in, size_t bytes, int threads);
+
+/* ---------------------------------------------------------------------- text */
+
+/* Lines of "x y z density" by fscanf, into arrays of room elements; the number of lines read. */
+size_t bench_fscanf_lines(const char *path, float *positions, int16_t *densities, size_t room);
+
+#endif

@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A CT text as C programs usually read it. */
+#include "bench/baseline.h"
+
+#include <stdio.h>
+
+size_t bench_fscanf_lines(const char *path, float *positions, int16_t *densities, size_t room)
+{
+    FILE *file = fopen(path, "r");
+    size_t count = 0;
+    int density;
+    if (!file)
+        return 0;
+    while (count < room &&
+           fscanf(file, "%f %f %f %d", &positions[3 * count], &positions[3 * count + 1], &positions[3 * count + 2], &density) == 4)
+        densities[count++] = (int16_t)density;
+    fclose(file);
+    return count;
+}

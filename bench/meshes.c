@@ -1,0 +1,107 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "bench/meshes.h"
+
+#include <math.h>
+
+static const double TURN = 6.283185307179586;
+
+typedef struct vec {
+    double x, y, z;
+} vec;
+
+static vec cross(vec a, vec b)
+{
+    return (vec){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+static vec unit(vec a)
+{
+    double length = sqrt(a.x * a.x + a.y * a.y + a.z * a.z);
+    return (vec){a.x / length, a.y / length, a.z / length};
+}
+
+/* About y, then about x: no edge along an axis. */
+static vec tilted(vec p)
+{
+    const double a = 0.3, b = 0.2;
+    vec q = {p.x * cos(a) + p.z * sin(a), p.y, p.z * cos(a) - p.x * sin(a)};
+    return (vec){q.x, q.y * cos(b) - q.z * sin(b), q.z * cos(b) + q.y * sin(b)};
+}
+
+static ost_pm3 placed(vec p, ost_pm side)
+{
+    const double scale = 0.49 * (double)side, middle = 0.5 * (double)side;
+    return (ost_pm3){llrint(middle + scale * p.x), llrint(middle + scale * p.y), llrint(middle + scale * p.z)};
+}
+
+static void put_triangle(ost_mesh *mesh, size_t *at, size_t a, size_t b, size_t c)
+{
+    mesh->triangles[*at][0] = (uint32_t)a;
+    mesh->triangles[*at][1] = (uint32_t)b;
+    mesh->triangles[(*at)++][2] = (uint32_t)c;
+}
+
+ost_status bench_sphere(ost_pm side, ost_mesh *out, ost_error *err)
+{
+    enum { M = 300, RINGS = 134 }; /* rings of vertices between the poles */
+    const size_t north = (size_t)M * RINGS, south = north + 1;
+    ost_status status = ost_mesh_init(out, south + 1, 2 * (size_t)M * RINGS, err);
+    if (status != OST_OK)
+        return status;
+    for (int r = 0; r < RINGS; r++)
+        for (int m = 0; m < M; m++) {
+            double polar = TURN / 2 * (r + 1) / (RINGS + 1), around = TURN * m / M;
+            vec p = {sin(polar) * cos(around), sin(polar) * sin(around), cos(polar)};
+            out->vertices[(size_t)r * M + (size_t)m] = placed(tilted(p), side);
+        }
+    out->vertices[north] = placed(tilted((vec){0, 0, 1}), side);
+    out->vertices[south] = placed(tilted((vec){0, 0, -1}), side);
+    size_t at = 0;
+    for (size_t m = 0; m < M; m++) {
+        size_t next = (m + 1) % M, last = (size_t)M * (RINGS - 1);
+        put_triangle(out, &at, north, m, next);
+        put_triangle(out, &at, south, last + next, last + m);
+        for (size_t r = 0; r + 1 < RINGS; r++) {
+            size_t a = r * M + m, b = r * M + next;
+            put_triangle(out, &at, a, a + M, b + M);
+            put_triangle(out, &at, a, b + M, b);
+        }
+    }
+    return OST_OK;
+}
+
+static vec knot_point(double t)
+{
+    double ring = 2 + cos(3 * t);
+    return (vec){ring * cos(2 * t), ring * sin(2 * t), sin(3 * t)};
+}
+
+ost_status bench_knot(ost_pm side, ost_mesh *out, ost_error *err)
+{
+    enum { U = 2048, V = 128 };
+    const double radius = 0.42, reach = 3 + radius; /* of the tube, of the knot in its plane */
+    ost_status status = ost_mesh_init(out, (size_t)U * V, 2 * (size_t)U * V, err);
+    if (status != OST_OK)
+        return status;
+    for (int u = 0; u < U; u++) {
+        /* A frame that needs no memory of the point before: the tangent and the direction to the torus' own circle. */
+        const double t = TURN * u / U, h = 1e-5;
+        const vec p = knot_point(t), ahead = knot_point(t + h), behind = knot_point(t - h);
+        const vec tangent = unit((vec){ahead.x - behind.x, ahead.y - behind.y, ahead.z - behind.z});
+        const vec outward = {cos(3 * t) * cos(2 * t), cos(3 * t) * sin(2 * t), sin(3 * t)};
+        const vec side_ways = unit(cross(tangent, outward)), up = cross(side_ways, tangent);
+        for (int v = 0; v < V; v++) {
+            const double c = radius * cos(TURN * v / V), s = radius * sin(TURN * v / V);
+            const vec q = {p.x + c * up.x + s * side_ways.x, p.y + c * up.y + s * side_ways.y, p.z + c * up.z + s * side_ways.z};
+            out->vertices[(size_t)u * V + (size_t)v] = placed((vec){q.x / reach, q.y / reach, q.z / reach}, side);
+        }
+    }
+    size_t at = 0;
+    for (size_t u = 0; u < U; u++)
+        for (size_t v = 0; v < V; v++) {
+            size_t a = u * V + v, b = u * V + (v + 1) % V, c = (u + 1) % U * V + v, d = (u + 1) % U * V + (v + 1) % V;
+            put_triangle(out, &at, a, c, d);
+            put_triangle(out, &at, a, d, b);
+        }
+    return OST_OK;
+}

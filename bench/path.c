@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "bench/path.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+typedef struct quat {
+    double w, x, y, z;
+} quat;
+
+static quat product(quat a, quat b)
+{
+    return (quat){a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z, a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
+                  a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
+}
+
+static quat normalised(quat q)
+{
+    double length = sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+    return (quat){q.w / length, q.x / length, q.y / length, q.z / length};
+}
+
+ost_status bench_path_make(const bench_scene *scene, int count, ost_tick **out, ost_error *err)
+{
+    const double side = scene->bone.dims.x * ost_pm_to_mm(SCENE_SPACING), feed = 0.02, depth = feed * PATH_TICKS;
+    const quat tilt = normalised((quat){0.97, 0.17, -0.13, 0.11});
+    const quat step = normalised((quat){256, 0, 0, 1});
+    /* Inward: -z of the tool's frame, turned. */
+    const quat down = product(product(tilt, (quat){0, 0, 0, -1}), (quat){tilt.w, -tilt.x, -tilt.y, -tilt.z});
+    /* Half way down the tool's face is in the middle of the bone's upper part; the first tick is just inside. */
+    const double middle[3] = {side / 2, side / 2, side - depth / 2 * -down.z};
+    quat turn = {1, 0, 0, 0};
+    ost_tick *ticks = malloc((size_t)count * sizeof *ticks);
+    ost_status status = OST_OK;
+    *out = ticks;
+    if (!ticks)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a path of %d ticks", count);
+    for (int i = 0; i < count && status == OST_OK; i++) {
+        const double s = feed * i - depth / 2;
+        const double t[3] = {middle[0] + s * down.x, middle[1] + s * down.y, middle[2] + s * down.z};
+        const quat q = normalised(product(tilt, turn));
+        ticks[i] = (ost_tick){.t_ns = (int64_t)i * 1000000, .tool = 0};
+        status = ost_pose_from_doubles(t, (const double[4]){q.w, q.x, q.y, q.z}, &ticks[i].pose, err);
+        turn = normalised(product(turn, step));
+    }
+    return status;
+}
+
+ost_status bench_sequence_init(bench_sequence *sequence, int count, ost_error *err)
+{
+    *sequence = (bench_sequence){.best = malloc((size_t)count * sizeof(double)), .count = count};
+    if (!sequence->best)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for the times of %d ticks", count);
+    for (int i = 0; i < count; i++)
+        sequence->best[i] = HUGE_VAL;
+    return OST_OK;
+}
+
+void bench_sequence_add(bench_sequence *sequence, const double *ns)
+{
+    double sum = 0;
+    for (int i = 0; i < sequence->count; i++) {
+        sum += ns[i];
+        bench_series_add(&sequence->ticks, ns[i]);
+        if (ns[i] < sequence->best[i])
+            sequence->best[i] = ns[i];
+    }
+    bench_series_add(&sequence->means, sum / sequence->count);
+}
+
+void bench_sequence_row(bench_sequence *sequence, bench_row *row)
+{
+    bench_series best = {0};
+    for (int i = 0; i < sequence->count; i++)
+        bench_series_add(&best, sequence->best[i]);
+    bench_row_ours(row, &sequence->means);
+    bench_row_extra(row, "ticks", sequence->count);
+    bench_row_extra(row, "p50", bench_series_at(&sequence->ticks, 0.5) / 1e3);
+    bench_row_extra(row, "p99", bench_series_at(&sequence->ticks, 0.99) / 1e3);
+    bench_row_extra(row, "max", bench_series_at(&sequence->ticks, 1) / 1e3);
+    bench_row_extra(row, "undisturbed_mean", bench_series_mean(&best) / 1e3);
+    bench_row_extra(row, "undisturbed_p99", bench_series_at(&best, 0.99) / 1e3);
+    bench_row_extra(row, "undisturbed_max", bench_series_at(&best, 1) / 1e3);
+    bench_series_free(&best);
+}
+
+void bench_sequence_free(bench_sequence *sequence)
+{
+    bench_series_free(&sequence->means);
+    bench_series_free(&sequence->ticks);
+    free(sequence->best);
+}

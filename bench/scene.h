@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The thesis' static events (Figs. 3.6 and 3.7), so placed that they collide
+ * with as many chunks of 16^3, 32^3 and 64^3 as Tables 3.3 and 3.4 say.
+ *
+ *   bone      128^3 voxels of 0.47 mm, every one active
+ *   reamer    the parametric head, through a corner of the bone: the box of
+ *             its grid holds voxels of 84, 18 and 5 chunks
+ *   peg       the parametric cylinder, askew inside: the chunks of its
+ *             intersection box (Alg. 2.9) are 80 = 5*4*4, 18 = 3*3*2, 8 = 2*2*2
+ *
+ * The thesis gives no poses.  These were found by trying random ones; 84 and 5
+ * are no products of three ranges that fit the reamer, so for it the chunks
+ * counted are those that its oriented box enters.  The counts are computed
+ * again in every run and stand beside the row.
+ */
+#ifndef OST_BENCH_SCENE_H
+#define OST_BENCH_SCENE_H
+
+#include "bench/baseline.h"
+#include "bench/bench.h"
+
+#include <osteon/phantom.h>
+#include <osteon/sim.h>
+
+enum { SCENE_THRESHOLD = 120, SCENE_SIDE = 128 };
+#define SCENE_SPACING (47 * OST_PM_PER_MM / 100)
+
+typedef struct bench_scene {
+    const char *tool_name;
+    ost_tool_volume tool; /* owned */
+    ost_geometry bone;
+    ost_density_classes classes;
+    ost_pose pose;
+    bool by_range; /* which chunks collide: those of the intersection box, else those that the tool's box enters */
+    ost_map map;
+    ost_voxel_box box;
+    ost_event event; /* of map and box: the scene must not move in memory */
+} bench_scene;
+
+/* side: voxels of the bone along each axis; the event keeps its place to the bone's far corner. */
+ost_status bench_scene_init(bench_scene *scene, ost_tool_kind kind, ost_pm tool_voxel, int32_t side, ost_error *err);
+/* Moves the scene's tool. */
+ost_status bench_scene_place(bench_scene *scene, const ost_pose *pose, ost_error *err);
+void bench_scene_free(bench_scene *scene);
+
+/* Slices [z0, z0 + count) of the full bone. */
+int16_t *bench_scene_slices(const bench_scene *scene, int32_t z0, int32_t count);
+
+/* A full bone, and the scene's tool, on a backend. */
+ost_status bench_scene_bone(const bench_scene *scene, ost_backend *backend, int chunk_size, ost_bone **out, ost_error *err);
+
+/* The thesis' event on chunks of its own. */
+typedef struct bench_thesis {
+    bench_thesis_event event;
+    int16_t *tool;        /* owned, as are the rest */
+    int16_t *full, *live; /* chunks, one after the other: untouched, and worked on */
+    int16_t **chunks;
+    int32_t (*corners)[3];
+    size_t bytes;
+} bench_thesis;
+
+/* Picks the chunks, copies them out of the full bone, and turns the map into floats. */
+ost_status bench_thesis_init(bench_thesis *thesis, const bench_scene *scene, int chunk_size, ost_error *err);
+void bench_thesis_restore(bench_thesis *thesis);
+void bench_thesis_free(bench_thesis *thesis);
+/* Voxels of the event's chunks that hold another density than the whole bone, given as voxels. */
+int64_t bench_thesis_differs(const bench_thesis *thesis, const bench_scene *scene, const int16_t *voxels);
+
+#endif

@@ -1,0 +1,344 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Removal events (thesis, Tables 3.3 to 3.5).
+ *
+ *   fresh   the bone's slices around the event were just copied back, so
+ *           every voxel is there and caches are as that copy left them
+ *   steady  the same event again: nothing is left to remove
+ *
+ * A repetition: restore ours, fresh, steady, steady; restore the baseline's
+ * chunks, fresh, steady, steady.  The first steady run warms up.
+ */
+#include "bench/path.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { REPEAT = 61, REPEAT_LARGE = 15 };
+static const char THESIS[] = "the thesis' kernel in C, float affine map a voxel, over the event's chunks";
+
+typedef struct removal {
+    const bench_options *options;
+    bench_table *table;
+    ost_error *err;
+    bench_scene *scene;
+    int chunk_size, threads;
+
+    ost_backend *backend;
+    ost_tool *tool;
+    ost_bone *bone;
+    ost_report report;
+    int16_t *slices; /* of the event's box */
+    int32_t z0, z_count;
+    bench_thesis thesis;
+    bool baseline; /* runs here */
+    char baseline_reason[BENCH_TEXT];
+    double removed, in_chunks, differs;
+    bool equal;
+} removal;
+
+typedef struct removal_series {
+    bench_series fresh, steady, thesis_fresh, thesis_steady;
+} removal_series;
+
+static void free_series(removal_series *s)
+{
+    bench_series_free(&s->fresh);
+    bench_series_free(&s->steady);
+    bench_series_free(&s->thesis_fresh);
+    bench_series_free(&s->thesis_steady);
+}
+
+static ost_status open_case(removal *r)
+{
+    r->z0 = r->scene->box.lo[2];
+    r->z_count = r->scene->box.hi[2] - r->z0;
+    r->slices = bench_scene_slices(r->scene, r->z0, r->z_count);
+    r->baseline = bench_baseline_runs(r->baseline_reason, sizeof r->baseline_reason);
+    if (!r->slices)
+        return ost_fail(r->err, OST_ERR_MEMORY, "no memory for a bone's slices");
+    ost_status status = bench_backend(r->options, r->threads, &r->backend, r->err);
+    if (status == OST_OK)
+        status = ost_tool_upload(r->backend, &r->scene->tool, &r->tool, r->err);
+    if (status == OST_OK)
+        status = bench_scene_bone(r->scene, r->backend, r->chunk_size, &r->bone, r->err);
+    if (status == OST_OK)
+        status = bench_thesis_init(&r->thesis, r->scene, r->chunk_size, r->err);
+    return status;
+}
+
+static void close_case(removal *r)
+{
+    ost_report_free(&r->report);
+    ost_bone_free(r->bone);
+    ost_tool_free(r->tool);
+    ost_backend_close(r->backend);
+    bench_thesis_free(&r->thesis);
+    free(r->slices);
+}
+
+static ost_status restore(removal *r)
+{
+    return ost_bone_upload(r->bone, r->z0, r->z_count, r->slices, r->err);
+}
+
+static bool same_report(const ost_report *a, const ost_report *b)
+{
+    return a->count == b->count && a->total_voxels == b->total_voxels && a->touched_voxels == b->touched_voxels &&
+           memcmp(a->voxels, b->voxels, sizeof a->voxels) == 0 && memcmp(a->density, b->density, sizeof a->density) == 0;
+}
+
+/* Slab by slab, so that no second copy of a large bone is needed on the host. */
+static ost_status compare_bones(removal *r, const ost_bone *expected)
+{
+    enum { SLAB = 32 };
+    const ost_dims d = r->scene->bone.dims;
+    const size_t slice = (size_t)d.x * (size_t)d.y;
+    int16_t *a = malloc(slice * SLAB * sizeof *a), *b = malloc(slice * SLAB * sizeof *b);
+    ost_status status = a && b ? OST_OK : ost_fail(r->err, OST_ERR_MEMORY, "no memory to compare bones");
+    for (int32_t z = 0; z < d.z && status == OST_OK; z += SLAB) {
+        int32_t count = d.z - z < SLAB ? d.z - z : SLAB;
+        status = ost_bone_download(r->bone, z, count, a, r->err);
+        if (status == OST_OK)
+            status = ost_bone_download(expected, z, count, b, r->err);
+        if (status == OST_OK && memcmp(a, b, slice * (size_t)count * sizeof *a) != 0)
+            r->equal = false;
+    }
+    free(a);
+    free(b);
+    return status;
+}
+
+/* The event once on the reference and once on ours: the same grid, the same report. */
+static ost_status verify(removal *r)
+{
+    ost_backend *ref = NULL;
+    ost_tool *tool = NULL;
+    ost_bone *bone = NULL;
+    ost_report report = {0};
+    ost_status status = ost_backend_open("ref", &ref, r->err);
+    if (status == OST_OK)
+        status = ost_tool_upload(ref, &r->scene->tool, &tool, r->err);
+    if (status == OST_OK)
+        status = bench_scene_bone(r->scene, ref, r->chunk_size, &bone, r->err);
+    if (status == OST_OK)
+        status = ost_bone_remove(bone, tool, &r->scene->event, &report, r->err);
+    if (status == OST_OK)
+        status = ost_bone_remove(r->bone, r->tool, &r->scene->event, &r->report, r->err);
+    if (status == OST_OK) {
+        r->equal = same_report(&report, &r->report);
+        r->removed = (double)report.total_voxels;
+        r->in_chunks = (double)report.count;
+        status = compare_bones(r, bone);
+    }
+    ost_report_free(&report);
+    ost_bone_free(bone);
+    ost_tool_free(tool);
+    ost_backend_close(ref);
+    return status;
+}
+
+/* How many voxels the float kernel decides otherwise: rounding, for a bone that fits into memory twice. */
+static ost_status compare_thesis(removal *r)
+{
+    const ost_dims d = r->scene->bone.dims;
+    int16_t *voxels = malloc((size_t)ost_dims_count(d) * sizeof *voxels);
+    if (!voxels)
+        return ost_fail(r->err, OST_ERR_MEMORY, "no memory to compare with the thesis' kernel");
+    ost_status status = ost_bone_download(r->bone, 0, d.z, voxels, r->err);
+    if (status == OST_OK) {
+        bench_thesis_remove(&r->thesis.event, 1);
+        r->differs = (double)bench_thesis_differs(&r->thesis, r->scene, voxels);
+    }
+    free(voxels);
+    return status;
+}
+
+static ost_status time_ours(removal *r, bench_series *series)
+{
+    int64_t begin = bench_now();
+    ost_status status = ost_bone_remove(r->bone, r->tool, &r->scene->event, &r->report, r->err);
+    int64_t end = bench_now();
+    if (series)
+        bench_series_add(series, (double)(end - begin));
+    return status;
+}
+
+static void time_thesis(removal *r, bench_series *series)
+{
+    int64_t begin = bench_now();
+    bench_thesis_remove(&r->thesis.event, r->threads);
+    int64_t end = bench_now();
+    if (series)
+        bench_series_add(series, (double)(end - begin));
+}
+
+/* warm: the event is looked at once before it is timed, so that what it needs is in the caches whatever the bone's size. */
+static ost_status repeat(removal *r, int count, bool warm, removal_series *s)
+{
+    ost_status status = OST_OK;
+    for (int i = -1; i < count && status == OST_OK; i++) {
+        bool keep = i >= 0;
+        status = restore(r);
+        if (status == OST_OK && warm)
+            status = ost_bone_collide(r->bone, r->tool, &r->scene->event, &r->report, r->err);
+        if (status == OST_OK)
+            status = time_ours(r, keep ? &s->fresh : NULL);
+        if (status == OST_OK)
+            status = time_ours(r, NULL);
+        if (status == OST_OK)
+            status = time_ours(r, keep ? &s->steady : NULL);
+        if (status != OST_OK || !r->baseline)
+            continue;
+        bench_thesis_restore(&r->thesis);
+        if (warm)
+            bench_read_bytes((const uint8_t *)r->thesis.live, r->thesis.bytes, 1);
+        time_thesis(r, keep ? &s->thesis_fresh : NULL);
+        time_thesis(r, NULL);
+        time_thesis(r, keep ? &s->thesis_steady : NULL);
+    }
+    return status;
+}
+
+static ost_status add_row(removal *r, const char *name, bench_series *ours, bench_series *baseline)
+{
+    bench_row *row = bench_row_add(r->table, name, "us", r->threads);
+    if (!row)
+        return ost_fail(r->err, OST_ERR_MEMORY, "no memory for a row");
+    row->equal = r->equal;
+    if (r->equal)
+        bench_row_ours(row, ours);
+    bench_row_baseline(row, baseline, THESIS);
+    snprintf(row->baseline_reason, sizeof row->baseline_reason, "%s", r->baseline_reason);
+    bench_row_extra(row, "chunks", r->thesis.event.chunk_count);
+    bench_row_extra(row, "chunks_with_removed", r->in_chunks);
+    bench_row_extra(row, "removed_voxels", r->removed);
+    if (r->baseline)
+        bench_row_extra(row, "baseline_different_voxels", r->differs);
+    return OST_OK;
+}
+
+static ost_status run_case(removal *r, const char *fresh, const char *steady, bool warm, int count)
+{
+    bool want_fresh = bench_wanted(r->options, fresh), want_steady = bench_wanted(r->options, steady);
+    removal_series s = {0};
+    if (!want_fresh && !want_steady)
+        return OST_OK;
+    ost_status status = open_case(r);
+    if (status == OST_OK)
+        status = verify(r);
+    if (status == OST_OK && r->baseline && r->scene->bone.dims.x == SCENE_SIDE)
+        status = compare_thesis(r);
+    if (status == OST_OK && r->equal)
+        status = repeat(r, bench_repeat(r->options, count), warm, &s);
+    if (status == OST_OK && want_fresh)
+        status = add_row(r, fresh, &s.fresh, &s.thesis_fresh);
+    if (status == OST_OK && want_steady)
+        status = add_row(r, steady, &s.steady, &s.thesis_steady);
+    free_series(&s);
+    close_case(r);
+    return status;
+}
+
+static ost_status static_event(const bench_options *options, bench_table *table, bench_scene *scene, int chunk_size, bool one,
+                               ost_error *err)
+{
+    char fresh[BENCH_NAME], steady[BENCH_NAME];
+    snprintf(fresh, sizeof fresh, "removal/%s/%d/fresh%s", scene->tool_name, chunk_size, one ? "/1" : "");
+    snprintf(steady, sizeof steady, "removal/%s/%d/steady%s", scene->tool_name, chunk_size, one ? "/1" : "");
+    removal r = {.options = options, .table = table, .err = err, .scene = scene, .chunk_size = chunk_size,
+                 .threads = one ? 1 : options->threads};
+    return run_case(&r, fresh, steady, false, REPEAT);
+}
+
+static ost_status static_events(const bench_options *options, bench_table *table, ost_tool_kind kind, ost_error *err)
+{
+    static const int sizes[] = {16, 32, 64};
+    bench_scene scene;
+    ost_status status = bench_scene_init(&scene, kind, OST_PM_PER_MM / 2, SCENE_SIDE, err);
+    for (int one = 0; one < 2; one++)
+        for (int s = 0; s < 3 && status == OST_OK; s++)
+            status = static_event(options, table, &scene, sizes[s], one, err);
+    bench_scene_free(&scene);
+    return status;
+}
+
+/* Table 3.5: the same event with coarser and finer tools; 0.5 mm is removal/reamer/32 itself. */
+static ost_status tool_voxels(const bench_options *options, bench_table *table, ost_error *err)
+{
+    static const struct {
+        const char *name;
+        ost_pm voxel;
+    } voxels[] = {{"1", OST_PM_PER_MM}, {"0.75", 3 * OST_PM_PER_MM / 4}, {"0.5", OST_PM_PER_MM / 2}, {"0.25", OST_PM_PER_MM / 4}};
+    ost_status status = OST_OK;
+    for (size_t v = 0; v < sizeof voxels / sizeof voxels[0] && status == OST_OK; v++) {
+        char fresh[BENCH_NAME], steady[BENCH_NAME];
+        bench_scene scene;
+        snprintf(fresh, sizeof fresh, "removal/tool-voxel/%s/fresh/1", voxels[v].name);
+        snprintf(steady, sizeof steady, "removal/tool-voxel/%s/steady/1", voxels[v].name);
+        status = bench_scene_init(&scene, OST_TOOL_REAMER, voxels[v].voxel, SCENE_SIDE, err);
+        removal r = {.options = options, .table = table, .err = err, .scene = &scene, .chunk_size = 32, .threads = 1};
+        if (status == OST_OK)
+            status = run_case(&r, fresh, steady, false, REPEAT);
+        bench_scene_free(&scene);
+    }
+    return status;
+}
+
+/* A row that cannot be measured, and why. */
+static ost_status say_why(bench_table *table, const bench_options *options, const char *name, const char *reason, ost_error *err)
+{
+    bench_row *row;
+    if (!bench_wanted(options, name))
+        return OST_OK;
+    if (!(row = bench_row_add(table, name, "us", 1)))
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a row");
+    snprintf(row->reason, sizeof row->reason, "%s", reason);
+    return OST_OK;
+}
+
+/* The same event at the far corner of ever larger bones. Restoring their slices empties the caches, so fresh is warmed. */
+static ost_status bone_sizes(const bench_options *options, bench_table *table, ost_error *err)
+{
+    static const int32_t sides[] = {128, 256, 512, 1024};
+    ost_status status = OST_OK;
+    for (size_t i = 0; i < sizeof sides / sizeof sides[0] && status == OST_OK; i++) {
+        char warm[BENCH_NAME], steady[BENCH_NAME];
+        /* Two bones of densities and occupancy, and slabs. */
+        double bytes = 2 * (2 + 0.25) * (double)sides[i] * (double)sides[i] * (double)sides[i] + 4e8;
+        bench_scene scene;
+        snprintf(warm, sizeof warm, "removal/bone/%d/warm/1", sides[i]);
+        snprintf(steady, sizeof steady, "removal/bone/%d/steady/1", sides[i]);
+        if ((options->quick && sides[i] > 256) || bytes > (double)bench_memory()) {
+            char reason[BENCH_TEXT];
+            if (options->quick)
+                continue;
+            snprintf(reason, sizeof reason, "two bones of %d^3 voxels take %.1f GB; less is free here", sides[i], bytes * 1e-9);
+            status = say_why(table, options, warm, reason, err);
+            if (status == OST_OK)
+                status = say_why(table, options, steady, reason, err);
+            continue;
+        }
+        status = bench_scene_init(&scene, OST_TOOL_REAMER, OST_PM_PER_MM / 2, sides[i], err);
+        removal r = {.options = options, .table = table, .err = err, .scene = &scene, .chunk_size = 32, .threads = 1};
+        if (status == OST_OK)
+            status = run_case(&r, warm, steady, true, REPEAT_LARGE);
+        bench_scene_free(&scene);
+    }
+    return status;
+}
+
+ost_status bench_removal(const bench_options *options, bench_table *table, ost_error *err)
+{
+    ost_status status = static_events(options, table, OST_TOOL_REAMER, err);
+    if (status == OST_OK)
+        status = static_events(options, table, OST_TOOL_PEG, err);
+    if (status == OST_OK)
+        status = bench_removal_sequence(options, table, err);
+    if (status == OST_OK)
+        status = tool_voxels(options, table, err);
+    if (status == OST_OK)
+        status = bone_sizes(options, table, err);
+    return status;
+}

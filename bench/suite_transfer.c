@@ -1,0 +1,202 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Rect grid to cubic grid to chunks (thesis, Algs. 2.5 and 2.6, Table 2.2), of
+ * the scapula: from a rect grid on the backend to a bone with its counts.
+ *
+ * The floor moves the same bytes and does nothing else: it writes as many as
+ * the bone's active chunks hold and reads the rect grid once, or as often as
+ * that writing needs.  Its buffers were touched before; ours allocates what it
+ * returns, inside the time that is measured.
+ */
+#include "bench/baseline.h"
+#include "bench/bench.h"
+
+#include <osteon/phantom.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { REPEAT = 31, CHUNK = 32, THRESHOLD = 120 };
+
+typedef struct transfer {
+    const bench_options *options;
+    ost_error *err;
+    ost_volume ct;
+    ost_backend *backend;
+    ost_grid *rect;
+    bench_series both, to_cubic, to_chunks, floor[BENCH_COPY_COUNT];
+    uint8_t *in, *out; /* of the floor */
+    size_t in_bytes, out_bytes;
+    ost_bone_info info;
+    bool equal;
+} transfer;
+
+static ost_status make_ct(transfer *t)
+{
+    const ost_phantom_options options = {.scale = t->options->quick ? 0.2 : 1};
+    return ost_phantom_make(OST_PHANTOM_SCAPULA, &options, &t->ct, t->err);
+}
+
+static ost_status make_rect(transfer *t, ost_backend *backend, ost_grid **out)
+{
+    ost_status status = ost_grid_create(backend, &t->ct.geometry, out, t->err);
+    return status == OST_OK ? ost_grid_upload(*out, 0, t->ct.geometry.dims.z, t->ct.voxels, t->err) : status;
+}
+
+/* The two calls, as any program makes them; what they return is freed after the clock has stopped. */
+static ost_status convert(transfer *t, const ost_grid *rect, bool timed, ost_bone **bone)
+{
+    ost_grid *cubic = NULL;
+    int64_t begin = bench_now(), middle = begin;
+    ost_status status = ost_rect_to_cubic(rect, t->ct.geometry.spacing.x, OST_RESAMPLE_FLOOR, &cubic, t->err);
+    middle = bench_now();
+    if (status == OST_OK)
+        status = ost_cubic_to_chunks(cubic, CHUNK, THRESHOLD, bone, t->err);
+    int64_t end = bench_now();
+    if (timed) {
+        bench_series_add(&t->both, (double)(end - begin));
+        bench_series_add(&t->to_cubic, (double)(middle - begin));
+        bench_series_add(&t->to_chunks, (double)(end - middle));
+    }
+    ost_grid_free(cubic);
+    return status;
+}
+
+static ost_status compare(transfer *t, const ost_bone *a, const ost_bone *b)
+{
+    ost_bone_info ia, ib;
+    ost_status status = ost_bone_info_get(a, &ia, t->err);
+    if (status == OST_OK)
+        status = ost_bone_info_get(b, &ib, t->err);
+    if (status != OST_OK)
+        return status;
+    const ost_dims d = ia.geometry.dims;
+    const size_t bytes = (size_t)ost_dims_count(d) * sizeof(int16_t);
+    t->equal = ost_geometry_equal(&ia.geometry, &ib.geometry) && ia.active_chunks == ib.active_chunks &&
+               ia.active_voxels == ib.active_voxels && ia.chunk_bytes == ib.chunk_bytes;
+    if (!t->equal)
+        return OST_OK;
+    int16_t *va = malloc(bytes), *vb = malloc(bytes);
+    status = va && vb ? ost_bone_download(a, 0, d.z, va, t->err) : ost_fail(t->err, OST_ERR_MEMORY, "no memory to compare bones");
+    if (status == OST_OK)
+        status = ost_bone_download(b, 0, d.z, vb, t->err);
+    if (status == OST_OK)
+        t->equal = memcmp(va, vb, bytes) == 0;
+    free(va);
+    free(vb);
+    return status;
+}
+
+static ost_status verify(transfer *t)
+{
+    ost_backend *ref = NULL;
+    ost_grid *rect = NULL;
+    ost_bone *expected = NULL, *bone = NULL;
+    ost_status status = ost_backend_open("ref", &ref, t->err);
+    if (status == OST_OK)
+        status = make_rect(t, ref, &rect);
+    if (status == OST_OK)
+        status = convert(t, rect, false, &expected);
+    if (status == OST_OK)
+        status = convert(t, t->rect, false, &bone);
+    if (status == OST_OK)
+        status = ost_bone_info_get(bone, &t->info, t->err);
+    if (status == OST_OK)
+        status = compare(t, expected, bone);
+    ost_bone_free(bone);
+    ost_bone_free(expected);
+    ost_grid_free(rect);
+    ost_backend_close(ref);
+    return status;
+}
+
+static ost_status make_floor(transfer *t)
+{
+    t->in_bytes = (size_t)ost_dims_count(t->ct.geometry.dims) * sizeof(int16_t);
+    t->out_bytes = (size_t)t->info.chunk_bytes;
+    t->in = aligned_alloc(64, (t->in_bytes + 63) / 64 * 64);
+    t->out = aligned_alloc(64, (t->out_bytes + 63) / 64 * 64);
+    if (!t->in || !t->out)
+        return ost_fail(t->err, OST_ERR_MEMORY, "no memory for a copy of %zu bytes", t->out_bytes);
+    memcpy(t->in, t->ct.voxels, t->in_bytes);
+    memset(t->out, 1, t->out_bytes);
+    return OST_OK;
+}
+
+static ost_status repeat(transfer *t, bool baseline)
+{
+    ost_status status = OST_OK;
+    const int count = bench_repeat(t->options, REPEAT);
+    for (int i = -1; i < count && status == OST_OK; i++) {
+        ost_bone *bone = NULL;
+        status = convert(t, t->rect, i >= 0, &bone);
+        ost_bone_free(bone);
+        for (int how = 0; how < BENCH_COPY_COUNT && baseline; how++) {
+            int64_t begin = bench_now();
+            bench_copy_bytes((bench_copy)how, t->out, t->out_bytes, t->in, t->in_bytes, t->options->threads);
+            int64_t end = bench_now();
+            if (i >= 0)
+                bench_series_add(&t->floor[how], (double)(end - begin));
+        }
+    }
+    return status;
+}
+
+static void fill_row(transfer *t, bench_row *row)
+{
+    row->equal = t->equal;
+    if (!t->equal)
+        return;
+    const bool stream = bench_series_at(&t->floor[BENCH_COPY_STREAM], 0.5) < bench_series_at(&t->floor[BENCH_COPY_MEMCPY], 0.5);
+    bench_row_ours(row, &t->both);
+    bench_row_baseline(row, &t->floor[stream ? BENCH_COPY_STREAM : BENCH_COPY_MEMCPY],
+                       stream ? "copying the same bytes around the caches" : "copying the same bytes by memcpy");
+    bench_row_extra(row, "rect_to_cubic_ms", bench_series_at(&t->to_cubic, 0.5) / 1e6);
+    bench_row_extra(row, "cubic_to_chunks_ms", bench_series_at(&t->to_chunks, 0.5) / 1e6);
+    bench_row_extra(row, "rect_bytes", (double)t->in_bytes);
+    bench_row_extra(row, "chunk_bytes", (double)t->out_bytes);
+    bench_row_extra(row, "active_chunks", (double)t->info.active_chunks);
+    bench_row_extra(row, "active_voxels", (double)t->info.active_voxels);
+    bench_row_extra(row, "memcpy_ms", bench_series_at(&t->floor[BENCH_COPY_MEMCPY], 0.5) / 1e6);
+    bench_row_extra(row, "streaming_copy_ms", bench_series_at(&t->floor[BENCH_COPY_STREAM], 0.5) / 1e6);
+}
+
+ost_status bench_transfer(const bench_options *options, bench_table *table, ost_error *err)
+{
+    static const char name[] = "transfer/scapula";
+    transfer t = {.options = options, .err = err};
+    char reason[BENCH_TEXT];
+    if (!bench_wanted(options, name))
+        return OST_OK;
+    const bool baseline = bench_baseline_runs(reason, sizeof reason);
+    ost_status status = make_ct(&t);
+    if (status == OST_OK)
+        status = bench_backend(options, options->threads, &t.backend, err);
+    if (status == OST_OK)
+        status = make_rect(&t, t.backend, &t.rect);
+    if (status == OST_OK)
+        status = verify(&t);
+    if (status == OST_OK)
+        status = make_floor(&t);
+    if (status == OST_OK && t.equal)
+        status = repeat(&t, baseline);
+    bench_row *row = status == OST_OK ? bench_row_add(table, name, "ms", options->threads) : NULL;
+    if (row) {
+        fill_row(&t, row);
+        memcpy(row->baseline_reason, reason, sizeof reason);
+    } else if (status == OST_OK) {
+        status = ost_fail(err, OST_ERR_MEMORY, "no memory for a row");
+    }
+    bench_series_free(&t.both);
+    bench_series_free(&t.to_cubic);
+    bench_series_free(&t.to_chunks);
+    for (int how = 0; how < BENCH_COPY_COUNT; how++)
+        bench_series_free(&t.floor[how]);
+    free(t.in);
+    free(t.out);
+    ost_grid_free(t.rect);
+    ost_backend_close(t.backend);
+    ost_volume_free(&t.ct);
+    return status;
+}

@@ -1,0 +1,217 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A snapped mesh to a tool grid (thesis, section 2.3, Table 2.1), by the
+ * winding rule.
+ *
+ *   voxelize/sphere80k/N, voxelize/knot524k/N   cubes of N = 256, 512, 1024
+ *   voxelize/reamer/0.5, voxelize/peg/0.5       the parametric tools
+ *
+ * The baseline is Embree: a packet of sixteen rays a 16 rows, a filter that
+ * notes every hit, parity bits out, hierarchy included; both of Embree's build
+ * qualities are tried and the better one counts.  Ours includes allocating the
+ * grid that it returns.
+ */
+#include "bench/baseline_embree.h"
+#include "bench/bench.h"
+#include "bench/meshes.h"
+
+#include <osteon/phantom.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { REPEAT = 9, REPEAT_SMALL = 101 };
+#define CUBE_VOXEL (OST_PM_PER_MM / 10)
+
+typedef struct voxelize {
+    const bench_options *options;
+    bench_table *table;
+    ost_error *err;
+    const char *name;
+    ost_snapped_mesh mesh;
+    ost_backend *backend;
+    ost_voxelize_report report;
+    bench_series ours, embree[2]; /* [low quality] */
+    uint64_t *bits;
+    int64_t embree_solid;
+    bool has_embree, equal;
+} voxelize;
+
+/* ---------------------------------------------------------------- equality */
+
+/* The tool's voxels on the host; the tool is freed. */
+static ost_status voxels_of(voxelize *v, ost_backend *backend, ost_tool_volume *out, ost_voxelize_report *report)
+{
+    ost_tool *tool = NULL;
+    ost_status status = ost_voxelize(backend, &v->mesh, NULL, OST_FILL_WINDING, report, &tool, v->err);
+    if (status == OST_OK)
+        status = ost_tool_download(tool, out, v->err);
+    ost_tool_free(tool);
+    return status;
+}
+
+static ost_status verify(voxelize *v)
+{
+    ost_backend *ref = NULL;
+    ost_tool_volume expected = {0}, ours = {0};
+    ost_voxelize_report report;
+    ost_status status = ost_backend_open("ref", &ref, v->err);
+    if (status == OST_OK)
+        status = voxels_of(v, ref, &expected, &report);
+    if (status == OST_OK)
+        status = voxels_of(v, v->backend, &ours, &v->report);
+    if (status == OST_OK)
+        v->equal = report.solid_voxels == v->report.solid_voxels && report.leaking_rows == v->report.leaking_rows &&
+                   memcmp(expected.voxels, ours.voxels, (size_t)ost_dims_count(v->mesh.grid.dims)) == 0;
+    ost_tool_volume_free(&expected);
+    ost_tool_volume_free(&ours);
+    ost_backend_close(ref);
+    return status;
+}
+
+/* --------------------------------------------------------------- measuring */
+
+static ost_status time_ours(voxelize *v, bench_series *series)
+{
+    ost_tool *tool = NULL;
+    ost_voxelize_report report;
+    int64_t begin = bench_now();
+    ost_status status = ost_voxelize(v->backend, &v->mesh, NULL, OST_FILL_WINDING, &report, &tool, v->err);
+    int64_t end = bench_now();
+    ost_tool_free(tool);
+    if (series)
+        bench_series_add(series, (double)(end - begin));
+    return status;
+}
+
+static void time_embree(voxelize *v, bool low_quality, bench_series *series)
+{
+    ost_baseline_embree_times times;
+    int64_t begin = bench_now();
+    v->embree_solid = ost_baseline_embree(&v->mesh, v->options->threads, low_quality, v->bits, &times);
+    int64_t end = bench_now();
+    v->has_embree = v->embree_solid >= 0;
+    if (series && v->has_embree)
+        bench_series_add(series, (double)(end - begin));
+}
+
+static ost_status repeat(voxelize *v, int count)
+{
+    const ost_dims d = v->mesh.grid.dims;
+    v->bits = calloc((size_t)(d.x + 63) / 64 * (size_t)d.y * (size_t)d.z, sizeof *v->bits);
+    ost_status status = v->bits ? time_ours(v, NULL) : ost_fail(v->err, OST_ERR_MEMORY, "no memory for the baseline's bits");
+    if (status == OST_OK)
+        time_embree(v, false, NULL);
+    for (int i = 0; i < count && status == OST_OK; i++) {
+        status = time_ours(v, &v->ours);
+        for (int low = 0; low < 2 && v->has_embree; low++)
+            time_embree(v, low, &v->embree[low]);
+    }
+    return status;
+}
+
+static void fill_row(voxelize *v, bench_row *row)
+{
+    row->equal = v->equal;
+    if (!v->equal)
+        return;
+    const bool low = bench_series_at(&v->embree[1], 0.5) < bench_series_at(&v->embree[0], 0.5);
+    bench_row_ours(row, &v->ours);
+    bench_row_baseline(row, &v->embree[low],
+                       low ? "Embree ray packets with an all-hits filter, fast build" : "Embree ray packets with an all-hits filter");
+    if (!v->has_embree)
+        snprintf(row->baseline_reason, sizeof row->baseline_reason, "Embree is not built in; Debian: libembree-dev");
+    bench_row_extra(row, "triangles", (double)v->mesh.triangle_count);
+    bench_row_extra(row, "voxels", (double)ost_dims_count(v->mesh.grid.dims));
+    bench_row_extra(row, "solid_voxels", (double)v->report.solid_voxels);
+    if (v->has_embree)
+        bench_row_extra(row, "baseline_solid_voxels", (double)v->embree_solid);
+}
+
+/* mesh and its grid are given; owns neither. */
+static ost_status measure(const bench_options *options, bench_table *table, const char *name, const ost_mesh *mesh,
+                          const ost_tool_geometry *grid, int count, ost_error *err)
+{
+    voxelize v = {.options = options, .table = table, .err = err, .name = name};
+    ost_status status = ost_mesh_snap(mesh, grid, &v.mesh, err);
+    if (status == OST_OK)
+        status = bench_backend(options, options->threads, &v.backend, err);
+    if (status == OST_OK)
+        status = verify(&v);
+    if (status == OST_OK && v.equal)
+        status = repeat(&v, bench_repeat(options, count));
+    bench_row *row = status == OST_OK ? bench_row_add(table, name, "ms", options->threads) : NULL;
+    if (row)
+        fill_row(&v, row);
+    else if (status == OST_OK)
+        status = ost_fail(err, OST_ERR_MEMORY, "no memory for a row");
+    bench_series_free(&v.ours);
+    bench_series_free(&v.embree[0]);
+    bench_series_free(&v.embree[1]);
+    free(v.bits);
+    ost_snapped_mesh_free(&v.mesh);
+    ost_backend_close(v.backend);
+    return status;
+}
+
+static ost_status cube(const bench_options *options, bench_table *table, const char *name,
+                       ost_status (*make)(ost_pm side, ost_mesh *out, ost_error *err), int32_t side, ost_error *err)
+{
+    char full[BENCH_NAME];
+    ost_mesh mesh = {0};
+    const ost_tool_geometry grid = {.dims = {side, side, side}, .voxel = CUBE_VOXEL};
+    /* Two host volumes of bytes and a grid on a backend at once. */
+    const double bytes = 3.0 * (double)side * (double)side * (double)side + 2e8;
+    snprintf(full, sizeof full, "voxelize/%s/%d", name, side);
+    if ((options->quick && side > 512) || !bench_wanted(options, full))
+        return OST_OK;
+    if (bytes > (double)bench_memory()) {
+        bench_row *row = bench_row_add(table, full, "ms", options->threads);
+        if (row)
+            snprintf(row->reason, sizeof row->reason, "comparing two grids of %d^3 voxels takes %.1f GB; less is free here", side, bytes * 1e-9);
+        return row ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for a row");
+    }
+    ost_status status = make(side * CUBE_VOXEL, &mesh, err);
+    if (status == OST_OK)
+        status = measure(options, table, full, &mesh, &grid, REPEAT, err);
+    ost_mesh_free(&mesh);
+    return status;
+}
+
+static ost_status tool(const bench_options *options, bench_table *table, ost_tool_kind kind, ost_error *err)
+{
+    char name[BENCH_NAME];
+    ost_mesh mesh = {0};
+    ost_tool_geometry grid;
+    ost_pm3 lo, hi;
+    snprintf(name, sizeof name, "voxelize/%s/0.5", ost_tool_kind_name(kind));
+    if (!bench_wanted(options, name))
+        return OST_OK;
+    ost_status status = ost_tool_make(kind, NULL, &mesh, err);
+    if (status == OST_OK)
+        status = ost_mesh_bounds(&mesh, &lo, &hi, err);
+    if (status == OST_OK)
+        status = ost_tool_geometry_from_bounds(lo, hi, OST_PM_PER_MM / 2, &grid, err);
+    if (status == OST_OK)
+        status = measure(options, table, name, &mesh, &grid, REPEAT_SMALL, err);
+    ost_mesh_free(&mesh);
+    return status;
+}
+
+ost_status bench_voxelize(const bench_options *options, bench_table *table, ost_error *err)
+{
+    static const int32_t sides[] = {256, 512, 1024};
+    ost_status status = OST_OK;
+    for (size_t i = 0; i < sizeof sides / sizeof sides[0]; i++) {
+        if (status == OST_OK)
+            status = cube(options, table, "sphere80k", bench_sphere, sides[i], err);
+        if (status == OST_OK)
+            status = cube(options, table, "knot524k", bench_knot, sides[i], err);
+    }
+    if (status == OST_OK)
+        status = tool(options, table, OST_TOOL_REAMER, err);
+    if (status == OST_OK)
+        status = tool(options, table, OST_TOOL_PEG, err);
+    return status;
+}
