@@ -1,0 +1,311 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * osteon bench: runs the suites of bench/ and shows their rows: as a table, as
+ * the table of docs/performance.md (--markdown), or as JSON.
+ */
+#include <stdio.h>
+#include <string.h>
+
+#include "config.h"
+
+#include "app/options.h"
+#include "app/progress.h"
+#include "app/result.h"
+#include "app/say.h"
+#include "bench/bench.h"
+
+#if defined __clang__
+#define COMPILER "clang " __clang_version__
+#else
+#define COMPILER "gcc " __VERSION__
+#endif
+
+enum { FIGURE = 32, RANGE = 2 * FIGURE + 2 };
+
+/* -------------------------------------------------------------------- JSON */
+
+static void put_figures(json_t *o, const char *name, const bench_figures *f)
+{
+    char key[64];
+    const bool known = f->count > 0;
+    put(o, name, known ? json_real(f->median) : json_null());
+    snprintf(key, sizeof key, "%s_min", name);
+    put(o, key, known ? json_real(f->min) : json_null());
+    snprintf(key, sizeof key, "%s_max", name);
+    put(o, key, known ? json_real(f->max) : json_null());
+    snprintf(key, sizeof key, "%s_repetitions", name);
+    put_integer(o, key, (int64_t)f->count);
+}
+
+/* A count is an integer, a time or a rate is not. */
+static void put_extra(json_t *o, const char *key, double value)
+{
+    if (value >= 0 && value < 9e15 && (double)(int64_t)value == value)
+        put_integer(o, key, (int64_t)value);
+    else
+        put_real(o, key, value);
+}
+
+static json_t *json_of_row(const bench_row *row)
+{
+    json_t *o = json_object();
+    const double ratio = bench_row_ratio(row);
+    put_text(o, "name", row->name);
+    put_text(o, "unit", row->unit);
+    put_integer(o, "threads", row->threads);
+    put(o, "equal", row->reason[0] ? json_null() : json_boolean(row->equal));
+    put_figures(o, "ours", &row->ours);
+    put_figures(o, "baseline", &row->baseline);
+    put(o, "ratio", ratio > 0 ? json_real(ratio) : json_null());
+    if (row->reason[0])
+        put_text(o, "reason", row->reason);
+    if (row->baseline_reason[0])
+        put_text(o, "baseline_reason", row->baseline_reason);
+    if (row->baseline_is[0])
+        put_text(o, "baseline_is", row->baseline_is);
+    for (int i = 0; i < row->extra_count; i++)
+        put_extra(o, row->extra[i].key, row->extra[i].value);
+    return o;
+}
+
+static void put_setting(app_state *app, const bench_options *options, const char *suite)
+{
+    char cpu[BENCH_TEXT];
+    json_t *o = app->result;
+    put_text(o, "suite", suite);
+    put_text(o, "backend", options->backend);
+    put_text(o, "isa", bench_isa(options));
+    put_integer(o, "threads", options->threads);
+    put_text(o, "cpu", bench_cpu_model(cpu));
+    put_integer(o, "cpus", bench_cpus());
+    put_text(o, "clock", "CLOCK_MONOTONIC");
+    put_text(o, "compiler", COMPILER);
+    put_text(o, "baseline_flags", OST_BENCH_CFLAGS);
+    put_bool(o, "quick", options->quick);
+    put(o, "rows", json_array());
+}
+
+/* ------------------------------------------------------------------- table */
+
+/* Three or four digits that count. */
+static const char *figure(char text[FIGURE], double value)
+{
+    int places = value >= 100 ? 0 : value >= 10 ? 1 : value >= 1 ? 2 : 3;
+    snprintf(text, FIGURE, "%.*f", places, value);
+    return text;
+}
+
+static const char *range(char text[RANGE], const bench_figures *f)
+{
+    char a[FIGURE], b[FIGURE];
+    snprintf(text, RANGE, "%s..%s", figure(a, f->min), figure(b, f->max));
+    return text;
+}
+
+static const double *extra_of(const bench_row *row, const char *key)
+{
+    for (int i = 0; i < row->extra_count; i++)
+        if (strcmp(row->extra[i].key, key) == 0)
+            return &row->extra[i].value;
+    return NULL;
+}
+
+static void say_distribution(const app_state *app, const bench_row *row)
+{
+    const double *p50 = extra_of(row, "p50"), *p99 = extra_of(row, "p99"), *max = extra_of(row, "max");
+    const double *mean = extra_of(row, "undisturbed_mean"), *best99 = extra_of(row, "undisturbed_p99"),
+                 *best = extra_of(row, "undisturbed_max");
+    char t[6][FIGURE];
+    if (!p50 || !p99 || !max || !mean || !best99 || !best)
+        return;
+    say(app, "    a tick: p50 %s, p99 %s, max %s; least of all repetitions: mean %s, p99 %s, max %s", figure(t[0], *p50),
+        figure(t[1], *p99), figure(t[2], *max), figure(t[3], *mean), figure(t[4], *best99), figure(t[5], *best));
+}
+
+static void say_row(const app_state *app, const bench_row *row)
+{
+    char ours[FIGURE], ours_range[RANGE], baseline[FIGURE] = "-", baseline_range[RANGE] = "-", ratio[FIGURE] = "-";
+    if (row->reason[0]) {
+        say(app, "%-33s not measured: %s", row->name, row->reason);
+        return;
+    }
+    if (!row->equal) {
+        say(app, "%-33s WRONG: the grid is not the reference's", row->name);
+        return;
+    }
+    if (row->baseline.count) {
+        figure(baseline, row->baseline.median);
+        range(baseline_range, &row->baseline);
+        figure(ratio, bench_row_ratio(row));
+    }
+    say(app, "%-33s %2s %8s %-17s %8s %-17s %8s", row->name, row->unit, figure(ours, row->ours.median), range(ours_range, &row->ours),
+        baseline, baseline_range, ratio);
+    say_distribution(app, row);
+}
+
+/* What the baselines of a suite are, each said once, and why some are missing. */
+static void say_baselines(const app_state *app, const bench_table *table)
+{
+    for (size_t i = 0; i < table->count; i++) {
+        const bench_row *row = &table->rows[i];
+        const char *text = row->baseline_reason[0] ? row->baseline_reason : row->baseline_is;
+        bool said = !text[0] || row->reason[0] || !row->equal;
+        for (size_t k = 0; k < i && !said; k++) {
+            const bench_row *other = &table->rows[k];
+            said = strcmp(text, other->baseline_reason[0] ? other->baseline_reason : other->baseline_is) == 0;
+        }
+        if (!said)
+            say(app, "  baseline%s of %s: %s", row->baseline_reason[0] ? " missing" : "", row->name, text);
+    }
+}
+
+static void say_heading(const app_state *app, const bench_options *options)
+{
+    char cpu[BENCH_TEXT];
+    say(app, "backend %s (%s), %d thread%s (rows ending in /1: one), %s", options->backend, bench_isa(options), options->threads,
+        options->threads == 1 ? "" : "s", bench_cpu_model(cpu));
+    say(app, "medians and min..max of repetitions that alternate with the baseline's; every grid was first");
+    say(app, "compared with the reference's, byte by byte; clock CLOCK_MONOTONIC; baselines: %s", OST_BENCH_CFLAGS);
+    say(app, "\n%-33s %2s %8s %-17s %8s %-17s %8s", "row", "", "ours", "min..max", "baseline", "min..max", "ratio");
+}
+
+/* ---------------------------------------------------------------- Markdown */
+
+static void say_markdown_heading(const app_state *app, const bench_options *options)
+{
+    char cpu[BENCH_TEXT];
+    say(app, "`osteon bench --suite all --backend %s --threads %d --markdown`: %s, instruction set %s, %s, baselines %s.\n",
+        options->backend, options->threads, bench_cpu_model(cpu), bench_isa(options), COMPILER, OST_BENCH_CFLAGS);
+    say(app, "| row | unit | ours | min..max | baseline | min..max | ratio | repetitions |\n|---|---|---:|---|---:|---|---:|---:|");
+}
+
+static void say_markdown_row(const app_state *app, const bench_row *row)
+{
+    char ours[FIGURE], ours_range[RANGE], baseline[FIGURE] = "", baseline_range[RANGE] = "", ratio[FIGURE] = "";
+    if (row->reason[0] || !row->equal) {
+        say(app, "| `%s` | %s | %s | | | | | |", row->name, row->unit, row->reason[0] ? row->reason : "wrong");
+        return;
+    }
+    if (row->baseline.count) {
+        figure(baseline, row->baseline.median);
+        range(baseline_range, &row->baseline);
+        figure(ratio, bench_row_ratio(row));
+    }
+    say(app, "| `%s` | %s | %s | %s | %s | %s | %s | %zu |", row->name, row->unit, figure(ours, row->ours.median),
+        range(ours_range, &row->ours), baseline, baseline_range, ratio, row->ours.count);
+    const double *p99 = extra_of(row, "p99"), *max = extra_of(row, "max"), *best = extra_of(row, "undisturbed_p99");
+    char a[FIGURE], b[FIGURE], c[FIGURE];
+    if (p99 && max && best)
+        say(app, "| p99, max a tick | %s | %s, %s | least of all repetitions, p99: %s | | | | |", row->unit, figure(a, *p99), figure(b, *max),
+            figure(c, *best));
+}
+
+/* --------------------------------------------------------------------- verb */
+
+static void show_row(void *user, const char *row)
+{
+    (void)user;
+    progress_show(NULL, row, 0);
+}
+
+/* Shows the rows of a suite; false when one of them is wrong. */
+static bool show_rows(app_state *app, const bench_table *table, bool markdown)
+{
+    bool right = true;
+    progress_clear();
+    for (size_t i = 0; i < table->count; i++) {
+        append(json_object_get(app->result, "rows"), json_of_row(&table->rows[i]));
+        if (markdown)
+            say_markdown_row(app, &table->rows[i]);
+        else
+            say_row(app, &table->rows[i]);
+        right = right && table->rows[i].equal;
+    }
+    if (!markdown)
+        say_baselines(app, table);
+    return right;
+}
+
+static ost_status run_suites(app_state *app, const bench_options *options, const char *suite, bool markdown, ost_error *err)
+{
+    ost_status status = OST_OK;
+    size_t rows = 0;
+    bool right = true;
+    for (const bench_suite *s = bench_suites; s->name && status == OST_OK; s++) {
+        bench_table table = {0};
+        if (strcmp(suite, "all") != 0 && strcmp(suite, s->name) != 0)
+            continue;
+        status = s->run(options, &table, err);
+        right = show_rows(app, &table, markdown) && right;
+        rows += table.count;
+        bench_table_free(&table);
+    }
+    if (status == OST_OK && rows == 0)
+        return usage_error(app, err, "no row of suite %s holds '%s'", suite, options->filter ? options->filter : "");
+    if (status == OST_OK && !right)
+        return ost_fail(err, OST_ERR_DIFFER, "a row's grid is not the reference's");
+    return status;
+}
+
+static bool suite_is_built(const char *suite)
+{
+    if (strcmp(suite, "all") == 0)
+        return true;
+    for (const bench_suite *s = bench_suites; s->name; s++)
+        if (strcmp(suite, s->name) == 0)
+            return true;
+    return false;
+}
+
+ost_status cmd_bench(app_state *app, int argc, char **argv, ost_error *err)
+{
+    static const char suites[] = "removal|tick|transfer|parse|voxelize|render|all";
+    static const char *const names[] = {"removal", "tick", "transfer", "parse", "voxelize", "render", "all"};
+    int suite = 6;
+    int64_t repeat = 0;
+    bool markdown = false;
+    option_decimal scale = {.text = NULL};
+    bench_options how = {0};
+    const option options[] = {
+        {.name = "suite", .kind = OPTION_CHOICE, .out = &suite, .value = suites, .help = "which rows (default: all)"},
+        {.name = "filter", .kind = OPTION_TEXT, .out = &how.filter, .value = "TEXT", .help = "only rows whose name holds this"},
+        {.name = "repeat", .kind = OPTION_INTEGER, .out = &repeat, .value = "N", .min = 1, .max = 100000,
+         .help = "repetitions of every row (default: each row's own number)"},
+        {.name = "quick", .kind = OPTION_FLAG, .out = &how.quick, .help = "three repetitions and small inputs: to see that it works"},
+        {.name = "scale", .kind = OPTION_DECIMAL, .out = &scale, .value = "SHARE",
+         .help = "share of the 12,040,704 lines that parse/text reads (default: 1, 424 MB in TMPDIR)"},
+        {.name = "markdown", .kind = OPTION_FLAG, .out = &markdown, .help = "print the table of docs/performance.md"},
+        {.name = NULL}};
+    const usage_text usage = {
+        .synopsis = "[--suite NAME] [options]",
+        .about = "Measures osteon against baselines in one run: removal against the thesis' kernel\n"
+                 "in C, transfer against a copy, parsing against fscanf, voxelization against\n"
+                 "Embree. Every grid is first compared with the reference's, byte by byte.",
+        .options = options,
+        .notes = "Figures are medians; min and max stand beside them. ratio is baseline over ours.\n"
+                 "Rows that end in /1 use one thread, all others --threads (default: all).\n"
+                 "A machine that does other work gives other figures: look at the minima.",
+        .example = "  osteon bench --suite removal --filter reamer/32\n  osteon bench --backend cpu:isa=avx2 --json",
+    };
+    ost_status status;
+    if (!options_parse(app, &usage, argc, argv, &status, err))
+        return status;
+    if (!suite_is_built(names[suite]))
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "suite %s is not part of this build", names[suite]);
+    int64_t millionths = 1000000;
+    if (scale.text && (!ost_decimal_scale(&scale.value, 1000000, &millionths, NULL) || millionths < 1 || millionths > 1000000))
+        return usage_error(app, err, "--scale %s: from 0.000001 to 1 is needed", scale.text);
+    how.scale = (double)millionths / 1e6;
+    how.backend = app->backend;
+    how.threads = app->threads ? (int)app->threads : bench_cpus();
+    how.repeat = (int)repeat;
+    how.show = show_row;
+
+    put_setting(app, &how, names[suite]);
+    if (markdown)
+        say_markdown_heading(app, &how);
+    else
+        say_heading(app, &how);
+    progress_begin(app);
+    return run_suites(app, &how, names[suite], markdown, err);
+}
