@@ -208,11 +208,15 @@ static void show_row(void *user, const char *row)
     progress_show(NULL, row, 0);
 }
 
-/* Shows the rows of a suite; false when one of them is wrong. */
-static bool show_rows(app_state *app, const bench_table *table, bool markdown)
+/* Shows the rows of a suite, under the heading if they are the first; false when one of them is wrong. */
+static bool show_rows(app_state *app, const bench_options *options, const bench_table *table, bool first, bool markdown)
 {
     bool right = true;
     progress_clear();
+    if (table->count && first && markdown)
+        say_markdown_heading(app, options);
+    else if (table->count && first)
+        say_heading(app, options);
     for (size_t i = 0; i < table->count; i++) {
         append(json_object_get(app->result, "rows"), json_of_row(&table->rows[i]));
         if (markdown)
@@ -236,7 +240,8 @@ static ost_status run_suites(app_state *app, const bench_options *options, const
         if (strcmp(suite, "all") != 0 && strcmp(suite, s->name) != 0)
             continue;
         status = s->run(options, &table, err);
-        right = show_rows(app, &table, markdown) && right;
+        right = show_rows(app, options, &table, rows == 0, markdown) && right;
+        fflush(stdout);
         rows += table.count;
         bench_table_free(&table);
     }
@@ -302,10 +307,6 @@ ost_status cmd_bench(app_state *app, int argc, char **argv, ost_error *err)
     how.show = show_row;
 
     put_setting(app, &how, names[suite]);
-    if (markdown)
-        say_markdown_heading(app, &how);
-    else
-        say_heading(app, &how);
     progress_begin(app);
     return run_suites(app, &how, names[suite], markdown, err);
 }
