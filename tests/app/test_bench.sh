@@ -1,0 +1,97 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# What scripts rely on in osteon bench: the rows' names and keys, grids equal
+# to the reference's, and the counts of the thesis' static events. Not times.
+# Covers: REQ-CLI-BENCH
+. "${srcdir:-.}/tests/app/lib.sh"
+TMPDIR=$scratch
+export TMPDIR
+
+# row NAME: its place in the object in file out
+row() {
+    i=0
+    while name=$(value "rows.$i.name" 2>/dev/null); do
+        [ "$name" = "$1" ] && { echo $i; return; }
+        i=$((i + 1))
+    done
+    echo none
+}
+
+# row_has NAME KEY...: the row is there, equal, and has the keys
+row_has() {
+    at=$(row "$1")
+    shown=$1
+    shift
+    checks=$((checks + 1))
+    [ "$at" = none ] && { fail "no row $shown"; return; }
+    check "$shown equal" "$(value "rows.$at.equal")" true
+    for key in unit threads ours ours_min ours_max ours_repetitions baseline ratio "$@"; do has "rows.$at.$key"; done
+}
+
+# figures NAME: ours, baseline and their ratio are numbers
+figures() {
+    at=$(row "$1")
+    for key in ours baseline ratio; do
+        checks=$((checks + 1))
+        case $(value "rows.$at.$key") in
+        [0-9]*) ;;
+        *) fail "$1: $key is no number: $(value "rows.$at.$key")" ;;
+        esac
+    done
+}
+
+run 0 bench --suite removal --filter /32/ --quick --json
+has suite backend isa threads cpu cpus clock compiler baseline_flags quick
+check "clock" "$(value clock)" CLOCK_MONOTONIC
+for name in removal/reamer/32/fresh removal/reamer/32/steady removal/peg/32/fresh removal/peg/32/steady removal/reamer/32/fresh/1 \
+    removal/reamer/32/steady/1 removal/peg/32/fresh/1 removal/peg/32/steady/1; do
+    row_has $name baseline_min baseline_max baseline_repetitions baseline_is chunks removed_voxels
+    check "$name chunks" "$(value "rows.$at.chunks")" 18
+    check "$name unit" "$(value "rows.$at.unit")" us
+    figures $name
+done
+check "the reamer removes" "$(value "rows.$(row removal/reamer/32/fresh).removed_voxels")" 77108
+check "the peg removes" "$(value "rows.$(row removal/peg/32/fresh).removed_voxels")" 8089
+check "/1 is one thread" "$(value "rows.$(row removal/peg/32/fresh/1).threads")" 1
+
+# Tables 3.3 and 3.4: chunks of 16^3 and 64^3; the other sizes remove the same.
+run 0 bench --suite removal --filter fresh/1 --quick --repeat 1 --json
+for expected in reamer/16:84 reamer/64:5 peg/16:80 peg/64:8 tool-voxel/1:18 tool-voxel/0.75:18; do
+    name=removal/${expected%:*}/fresh/1
+    row_has "$name" chunks
+    check "$name chunks" "$(value "rows.$at.chunks")" "${expected#*:}"
+done
+check "reamer/16 removes what reamer/32 does" "$(value "rows.$(row removal/reamer/16/fresh/1).removed_voxels")" 77108
+check "peg/64 removes what peg/32 does" "$(value "rows.$(row removal/peg/64/fresh/1).removed_voxels")" 8089
+run 0 bench --suite removal --filter sequence --quick --repeat 1 --json
+row_has removal/sequence/1 p50 p99 max undisturbed_mean
+run 0 bench --suite removal --filter bone/128 --quick --repeat 1 --json
+row_has removal/bone/128/steady/1 chunks
+
+run 0 bench --suite tick --filter reamer --quick --json
+row_has tick/reamer/32
+row_has tick/reamer/32/steady
+run 0 bench --suite parse --quick --repeat 1 --json
+row_has parse/text lines bytes gb_per_s
+row_has parse/text/floor
+check "lines" "$(value rows.0.lines)" 239616
+check "nothing is left in TMPDIR" "$(ls -A "$scratch" | grep -c osteon-bench)" 0
+run 0 bench --suite transfer --quick --repeat 1 --json
+row_has transfer/scapula chunk_bytes active_chunks
+run 0 bench --suite voxelize --filter /0.5 --quick --repeat 1 --json
+row_has voxelize/reamer/0.5 triangles solid_voxels
+row_has voxelize/peg/0.5
+run 0 bench --suite voxelize --filter sphere80k/256 --quick --repeat 1 --json
+row_has voxelize/sphere80k/256
+check "triangles" "$(value rows.0.triangles)" 80400
+
+# For people: a table no wider than 100 columns, and Markdown.
+run 0 bench --suite removal --filter peg/32 --quick
+check "columns" "$(awk 'length > 100' out | grep -v '^  baseline' | wc -l | tr -d ' ')" 0
+grep -q '^removal/peg/32/fresh ' out || fail "no row in the table"
+run 0 bench --suite removal --filter peg/32/steady/1 --quick --markdown
+grep -q '^| `removal/peg/32/steady/1` | us |' out || fail "no row in the Markdown table"
+
+refuse 2 "no row of suite tick holds 'nothing'" bench --suite tick --filter nothing
+refuse 2 '--scale 2' bench --scale 2
+finish
