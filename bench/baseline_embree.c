@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "config.h"
 
-#include "baseline_embree.h"
+#include "bench/baseline_embree.h"
 
 #if !defined HAVE_EMBREE3 && !defined HAVE_EMBREE4
 int64_t ost_baseline_embree(const ost_snapped_mesh *mesh, int threads, bool low_quality, uint64_t *bits,
