@@ -40,6 +40,15 @@ typedef struct bench_thesis_event {
 
 void bench_thesis_remove(const bench_thesis_event *event, int threads);
 
+/* A row of 32 densities, 64-byte aligned, of which those with a bit in hit become 0. */
+typedef struct bench_row_store {
+    int16_t *row;
+    uint32_t hit;
+} bench_row_store;
+
+/* The floor of a fresh event: its stores and nothing else, masked where the machine can, else read, cleared and written. */
+void bench_store_rows(const bench_row_store *rows, size_t count);
+
 /* --------------------------------------------------------------------- bytes */
 
 /* How a copy stores: with the C library's memcpy, or around the caches. */

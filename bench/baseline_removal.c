@@ -8,6 +8,10 @@
  */
 #include "bench/baseline.h"
 
+#if defined __AVX512BW__
+#include <immintrin.h>
+#endif
+
 static void remove_from_chunk(const bench_thesis_event *e, int16_t *chunk, const int32_t corner[3])
 {
     const int32_t n = e->chunk_size;
@@ -36,4 +40,16 @@ void bench_thesis_remove(const bench_thesis_event *event, int threads)
 #endif
     for (int c = 0; c < event->chunk_count; c++)
         remove_from_chunk(event, event->chunks[c], event->corners[c]);
+}
+
+void bench_store_rows(const bench_row_store *rows, size_t count)
+{
+    for (size_t r = 0; r < count; r++) {
+#if defined __AVX512BW__
+        _mm512_mask_storeu_epi16(rows[r].row, rows[r].hit, _mm512_setzero_si512());
+#else
+        for (int i = 0; i < 32; i++)
+            rows[r].row[i] = rows[r].hit >> i & 1 ? 0 : rows[r].row[i];
+#endif
+    }
 }

@@ -251,3 +251,47 @@ int64_t bench_thesis_differs(const bench_thesis *thesis, const bench_scene *scen
                 }
     return differs;
 }
+
+/* Voxels of the 4^3 brick at (x, y, z) that the event removed; none of them was 0 before. */
+static int removed_of_brick(const int16_t *chunk, int32_t n, int32_t x, int32_t y, int32_t z)
+{
+    int removed = 0;
+    for (int32_t k = z; k < z + 4; k++)
+        for (int32_t j = y; j < y + 4; j++)
+            for (int32_t i = x; i < x + 4; i++)
+                removed += chunk[i + n * (j + n * k)] == 0;
+    return removed;
+}
+
+static void count_bricks(bench_work *work, const int16_t *chunk, int32_t n)
+{
+    for (int32_t z = 0; z < n; z += 4)
+        for (int32_t y = 0; y < n; y += 4)
+            for (int32_t x = 0; x < n; x += 4) {
+                const int removed = removed_of_brick(chunk, n, x, y, z);
+                work->whole_bricks += removed == 64;
+                work->mixed_bricks += removed > 0 && removed < 64;
+            }
+}
+
+ost_status bench_work_count(bench_work *work, const bench_thesis *thesis, ost_error *err)
+{
+    enum { ROW = 32 };
+    const size_t rows = thesis->bytes / sizeof(int16_t) / ROW;
+    *work = (bench_work){0};
+    for (int c = 0; c < thesis->event.chunk_count; c++)
+        count_bricks(work, thesis->chunks[c], thesis->event.chunk_size);
+    if (thesis->event.chunk_size != ROW)
+        return OST_OK;
+    work->rows = malloc(rows * sizeof *work->rows);
+    if (!work->rows)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu rows", rows);
+    for (size_t r = 0; r < rows; r++) {
+        bench_row_store store = {.row = thesis->live + r * ROW};
+        for (int i = 0; i < ROW; i++)
+            store.hit |= (uint32_t)(store.row[i] == 0) << i;
+        if (store.hit)
+            work->rows[work->changed_rows++] = store;
+    }
+    return OST_OK;
+}

@@ -67,4 +67,14 @@ void bench_thesis_free(bench_thesis *thesis);
 /* Voxels of the event's chunks that hold another density than the whole bone, given as voxels. */
 int64_t bench_thesis_differs(const bench_thesis *thesis, const bench_scene *scene, const int16_t *voxels);
 
+
+/* What an event is made of, counted on the thesis' chunks after it: how little must be done at least. */
+typedef struct bench_work {
+    int64_t changed_rows;                /* of 32 densities, a line of the cache each; chunks of 32^3 alone, else 0 */
+    int64_t whole_bricks, mixed_bricks;  /* of 4^3 voxels: all removed, some removed */
+    bench_row_store *rows;               /* owned */
+} bench_work;
+
+ost_status bench_work_count(bench_work *work, const bench_thesis *thesis, ost_error *err);
+
 #endif

@@ -32,6 +32,7 @@ typedef struct removal {
     int16_t *slices; /* of the event's box */
     int32_t z0, z_count;
     bench_thesis thesis;
+    bench_work work;
     bool baseline; /* runs here */
     char baseline_reason[BENCH_TEXT];
     double removed, in_chunks, differs;
@@ -39,7 +40,7 @@ typedef struct removal {
 } removal;
 
 typedef struct removal_series {
-    bench_series fresh, steady, thesis_fresh, thesis_steady;
+    bench_series fresh, steady, thesis_fresh, thesis_steady, stores;
 } removal_series;
 
 static void free_series(removal_series *s)
@@ -48,6 +49,7 @@ static void free_series(removal_series *s)
     bench_series_free(&s->steady);
     bench_series_free(&s->thesis_fresh);
     bench_series_free(&s->thesis_steady);
+    bench_series_free(&s->stores);
 }
 
 static ost_status open_case(removal *r)
@@ -75,6 +77,7 @@ static void close_case(removal *r)
     ost_tool_free(r->tool);
     ost_backend_close(r->backend);
     bench_thesis_free(&r->thesis);
+    free(r->work.rows);
     free(r->slices);
 }
 
@@ -150,6 +153,7 @@ static ost_status compare_thesis(removal *r)
     if (status == OST_OK) {
         bench_thesis_remove(&r->thesis.event, 1);
         r->differs = (double)bench_thesis_differs(&r->thesis, r->scene, voxels);
+        status = bench_work_count(&r->work, &r->thesis, r->err);
     }
     free(voxels);
     return status;
@@ -172,6 +176,16 @@ static void time_thesis(removal *r, bench_series *series)
     int64_t end = bench_now();
     if (series)
         bench_series_add(series, (double)(end - begin));
+}
+
+static void time_stores(removal *r, bool warm, bench_series *series)
+{
+    bench_thesis_restore(&r->thesis);
+    if (warm)
+        bench_read_bytes((const uint8_t *)r->thesis.live, r->thesis.bytes, 1);
+    int64_t begin = bench_now();
+    bench_store_rows(r->work.rows, (size_t)r->work.changed_rows);
+    bench_series_add(series, (double)(bench_now() - begin));
 }
 
 /* warm: the event is looked at once before it is timed, so that what it needs is in the caches whatever the bone's size. */
@@ -197,11 +211,14 @@ static ost_status repeat(removal *r, int count, bool warm, removal_series *s)
         time_thesis(r, keep ? &s->thesis_fresh : NULL);
         time_thesis(r, NULL);
         time_thesis(r, keep ? &s->thesis_steady : NULL);
+        if (keep && r->work.rows)
+            time_stores(r, warm, &s->stores);
     }
     return status;
 }
 
-static ost_status add_row(removal *r, const char *name, bench_series *ours, bench_series *baseline)
+/* stores: NULL for a steady row, which has none. */
+static ost_status add_row(removal *r, const char *name, bench_series *ours, bench_series *baseline, bench_series *stores)
 {
     bench_row *row = bench_row_add(r->table, name, "us", r->threads);
     if (!row)
@@ -216,6 +233,15 @@ static ost_status add_row(removal *r, const char *name, bench_series *ours, benc
     bench_row_extra(row, "removed_voxels", r->removed);
     if (r->baseline)
         bench_row_extra(row, "baseline_different_voxels", r->differs);
+    if (r->work.whole_bricks + r->work.mixed_bricks) {
+        bench_row_extra(row, "whole_bricks", (double)r->work.whole_bricks);
+        bench_row_extra(row, "mixed_bricks", (double)r->work.mixed_bricks);
+    }
+    if (r->work.changed_rows && stores) {
+        bench_row_extra(row, "changed_rows", (double)r->work.changed_rows);
+        bench_row_extra(row, "store_floor", bench_series_at(stores, 0.5) / 1e3);
+        bench_row_extra(row, "store_floor_min", bench_series_at(stores, 0) / 1e3);
+    }
     return OST_OK;
 }
 
@@ -233,9 +259,9 @@ static ost_status run_case(removal *r, const char *fresh, const char *steady, bo
     if (status == OST_OK && r->equal)
         status = repeat(r, bench_repeat(r->options, count), warm, &s);
     if (status == OST_OK && want_fresh)
-        status = add_row(r, fresh, &s.fresh, &s.thesis_fresh);
+        status = add_row(r, fresh, &s.fresh, &s.thesis_fresh, &s.stores);
     if (status == OST_OK && want_steady)
-        status = add_row(r, steady, &s.steady, &s.thesis_steady);
+        status = add_row(r, steady, &s.steady, &s.thesis_steady, NULL);
     free_series(&s);
     close_case(r);
     return status;
