@@ -83,6 +83,10 @@ void bench_row_baseline(bench_row *row, bench_series *series, const char *what);
 void bench_row_extra(bench_row *row, const char *key, double value);
 /* Baseline over ours; 0 when one of them is missing. */
 double bench_row_ratio(const bench_row *row);
+/* The same of the least times: what is left of it when other work on the machine made the longer one longer. */
+double bench_row_ratio_of_minima(const bench_row *row);
+/* Whether a median is more than half above its minimum: the machine was busy, or the row is short and cold. */
+bool bench_row_disturbed(const bench_row *row);
 
 /* Repetitions: what was asked for, else few when quick, else normal. */
 int bench_repeat(const bench_options *options, int normal);

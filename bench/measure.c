@@ -137,6 +137,18 @@ double bench_row_ratio(const bench_row *row)
     return row->baseline.median / row->ours.median;
 }
 
+double bench_row_ratio_of_minima(const bench_row *row)
+{
+    if (row->ours.count == 0 || row->baseline.count == 0 || !(row->ours.min > 0))
+        return 0;
+    return row->baseline.min / row->ours.min;
+}
+
+bool bench_row_disturbed(const bench_row *row)
+{
+    return row->ours.median > 1.5 * row->ours.min || row->baseline.median > 1.5 * row->baseline.min;
+}
+
 int bench_repeat(const bench_options *options, int normal)
 {
     if (options->repeat)

@@ -301,8 +301,8 @@ static ost_status tool_voxels(const bench_options *options, bench_table *table, 
     for (size_t v = 0; v < sizeof voxels / sizeof voxels[0] && status == OST_OK; v++) {
         char fresh[BENCH_NAME], steady[BENCH_NAME];
         bench_scene scene;
-        snprintf(fresh, sizeof fresh, "removal/tool-voxel/%s/fresh/1", voxels[v].name);
-        snprintf(steady, sizeof steady, "removal/tool-voxel/%s/steady/1", voxels[v].name);
+        snprintf(fresh, sizeof fresh, "removal/voxel/%s/fresh/1", voxels[v].name);
+        snprintf(steady, sizeof steady, "removal/voxel/%s/steady/1", voxels[v].name);
         status = bench_scene_init(&scene, OST_TOOL_REAMER, voxels[v].voxel, SCENE_SIDE, err);
         removal r = {.options = options, .table = table, .err = err, .scene = &scene, .chunk_size = 32, .threads = 1};
         if (status == OST_OK)

@@ -57,6 +57,7 @@ static json_t *json_of_row(const bench_row *row)
     put_figures(o, "ours", &row->ours);
     put_figures(o, "baseline", &row->baseline);
     put(o, "ratio", ratio > 0 ? json_real(ratio) : json_null());
+    put(o, "ratio_of_minima", ratio > 0 ? json_real(bench_row_ratio_of_minima(row)) : json_null());
     if (row->reason[0])
         put_text(o, "reason", row->reason);
     if (row->baseline_reason[0])
@@ -124,23 +125,34 @@ static void say_distribution(const app_state *app, const bench_row *row)
 
 static void say_row(const app_state *app, const bench_row *row)
 {
-    char ours[FIGURE], ours_range[RANGE], baseline[FIGURE] = "-", baseline_range[RANGE] = "-", ratio[FIGURE] = "-";
+    char ours[FIGURE], ours_range[RANGE], baseline[FIGURE] = "-", baseline_range[RANGE] = "-", ratio[FIGURE] = "-", best[FIGURE] = "-";
     if (row->reason[0]) {
-        say(app, "%-33s not measured: %s", row->name, row->reason);
+        say(app, "%-28s not measured: %s", row->name, row->reason);
         return;
     }
     if (!row->equal) {
-        say(app, "%-33s WRONG: the grid is not the reference's", row->name);
+        say(app, "%-28s WRONG: the grid is not the reference's", row->name);
         return;
     }
     if (row->baseline.count) {
         figure(baseline, row->baseline.median);
         range(baseline_range, &row->baseline);
         figure(ratio, bench_row_ratio(row));
+        figure(best, bench_row_ratio_of_minima(row));
     }
-    say(app, "%-33s %2s %8s %-17s %8s %-17s %8s", row->name, row->unit, figure(ours, row->ours.median), range(ours_range, &row->ours),
-        baseline, baseline_range, ratio);
+    say(app, "%-28s %2s %8s %-16s %8s %-16s %7s %7s", row->name, row->unit, figure(ours, row->ours.median), range(ours_range, &row->ours),
+        baseline, baseline_range, ratio, best);
     say_distribution(app, row);
+}
+
+/* Half a baseline that was interrupted flatters ours: say so. */
+static void say_disturbed(const app_state *app, const bench_table *table)
+{
+    size_t disturbed = 0;
+    for (size_t i = 0; i < table->count; i++)
+        disturbed += bench_row_disturbed(&table->rows[i]);
+    if (disturbed)
+        say(app, "  busy machine? in %zu of %zu rows a median is more than half above its minimum: trust 'of min'", disturbed, table->count);
 }
 
 /* What the baselines of a suite are, each said once, and why some are missing. */
@@ -166,37 +178,41 @@ static void say_heading(const app_state *app, const bench_options *options)
         options->threads == 1 ? "" : "s", bench_cpu_model(cpu));
     say(app, "medians and min..max of repetitions that alternate with the baseline's; every grid was first");
     say(app, "compared with the reference's, byte by byte; clock CLOCK_MONOTONIC; baselines: %s", OST_BENCH_CFLAGS);
-    say(app, "\n%-33s %2s %8s %-17s %8s %-17s %8s", "row", "", "ours", "min..max", "baseline", "min..max", "ratio");
+    if (options->quick)
+        say(app, "--quick: few repetitions and small inputs; not for quoting");
+    say(app, "\n%-28s %2s %8s %-16s %8s %-16s %7s %7s", "row", "", "ours", "min..max", "baseline", "min..max", "ratio", "of min");
 }
 
 /* ---------------------------------------------------------------- Markdown */
 
-static void say_markdown_heading(const app_state *app, const bench_options *options)
+static void say_markdown_heading(const app_state *app, const bench_options *options, const char *suite)
 {
     char cpu[BENCH_TEXT];
-    say(app, "`osteon bench --suite all --backend %s --threads %d --markdown`: %s, instruction set %s, %s, baselines %s.\n",
-        options->backend, options->threads, bench_cpu_model(cpu), bench_isa(options), COMPILER, OST_BENCH_CFLAGS);
-    say(app, "| row | unit | ours | min..max | baseline | min..max | ratio | repetitions |\n|---|---|---:|---|---:|---|---:|---:|");
+    say(app, "`osteon bench --suite %s --backend %s --threads %d%s --markdown`: %s, instruction set %s, %s, baselines %s.\n", suite,
+        options->backend, options->threads, options->quick ? " --quick" : "", bench_cpu_model(cpu), bench_isa(options), COMPILER,
+        OST_BENCH_CFLAGS);
+    say(app, "| row | unit | ours | min..max | baseline | min..max | ratio | of minima | repetitions |\n|---|---|---:|---|---:|---|---:|---:|---:|");
 }
 
 static void say_markdown_row(const app_state *app, const bench_row *row)
 {
-    char ours[FIGURE], ours_range[RANGE], baseline[FIGURE] = "", baseline_range[RANGE] = "", ratio[FIGURE] = "";
+    char ours[FIGURE], ours_range[RANGE], baseline[FIGURE] = "", baseline_range[RANGE] = "", ratio[FIGURE] = "", least[FIGURE] = "";
     if (row->reason[0] || !row->equal) {
-        say(app, "| `%s` | %s | %s | | | | | |", row->name, row->unit, row->reason[0] ? row->reason : "wrong");
+        say(app, "| `%s` | %s | %s | | | | | | |", row->name, row->unit, row->reason[0] ? row->reason : "wrong");
         return;
     }
     if (row->baseline.count) {
         figure(baseline, row->baseline.median);
         range(baseline_range, &row->baseline);
         figure(ratio, bench_row_ratio(row));
+        figure(least, bench_row_ratio_of_minima(row));
     }
-    say(app, "| `%s` | %s | %s | %s | %s | %s | %s | %zu |", row->name, row->unit, figure(ours, row->ours.median),
-        range(ours_range, &row->ours), baseline, baseline_range, ratio, row->ours.count);
+    say(app, "| `%s` | %s | %s | %s | %s | %s | %s | %s | %zu |", row->name, row->unit, figure(ours, row->ours.median),
+        range(ours_range, &row->ours), baseline, baseline_range, ratio, least, row->ours.count);
     const double *p99 = extra_of(row, "p99"), *max = extra_of(row, "max"), *best = extra_of(row, "undisturbed_p99");
     char a[FIGURE], b[FIGURE], c[FIGURE];
     if (p99 && max && best)
-        say(app, "| p99, max a tick | %s | %s, %s | least of all repetitions, p99: %s | | | | |", row->unit, figure(a, *p99), figure(b, *max),
+        say(app, "| p99, max a tick | %s | %s, %s | least of all repetitions, p99: %s | | | | | |", row->unit, figure(a, *p99), figure(b, *max),
             figure(c, *best));
 }
 
@@ -209,12 +225,12 @@ static void show_row(void *user, const char *row)
 }
 
 /* Shows the rows of a suite, under the heading if they are the first; false when one of them is wrong. */
-static bool show_rows(app_state *app, const bench_options *options, const bench_table *table, bool first, bool markdown)
+static bool show_rows(app_state *app, const bench_options *options, const char *suite, const bench_table *table, bool first, bool markdown)
 {
     bool right = true;
     progress_clear();
     if (table->count && first && markdown)
-        say_markdown_heading(app, options);
+        say_markdown_heading(app, options, suite);
     else if (table->count && first)
         say_heading(app, options);
     for (size_t i = 0; i < table->count; i++) {
@@ -225,8 +241,10 @@ static bool show_rows(app_state *app, const bench_options *options, const bench_
             say_row(app, &table->rows[i]);
         right = right && table->rows[i].equal;
     }
-    if (!markdown)
+    if (!markdown) {
         say_baselines(app, table);
+        say_disturbed(app, table);
+    }
     return right;
 }
 
@@ -240,7 +258,7 @@ static ost_status run_suites(app_state *app, const bench_options *options, const
         if (strcmp(suite, "all") != 0 && strcmp(suite, s->name) != 0)
             continue;
         status = s->run(options, &table, err);
-        right = show_rows(app, options, &table, rows == 0, markdown) && right;
+        right = show_rows(app, options, suite, &table, rows == 0, markdown) && right;
         fflush(stdout);
         rows += table.count;
         bench_table_free(&table);

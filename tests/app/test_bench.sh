@@ -25,7 +25,7 @@ row_has() {
     checks=$((checks + 1))
     [ "$at" = none ] && { fail "no row $shown"; return; }
     check "$shown equal" "$(value "rows.$at.equal")" true
-    for key in unit threads ours ours_min ours_max ours_repetitions baseline ratio "$@"; do has "rows.$at.$key"; done
+    for key in unit threads ours ours_min ours_max ours_repetitions baseline ratio ratio_of_minima "$@"; do has "rows.$at.$key"; done
 }
 
 # figures NAME: ours, baseline and their ratio are numbers
@@ -56,7 +56,7 @@ check "/1 is one thread" "$(value "rows.$(row removal/peg/32/fresh/1).threads")"
 
 # Tables 3.3 and 3.4: chunks of 16^3 and 64^3; the other sizes remove the same.
 run 0 bench --suite removal --filter fresh/1 --quick --repeat 1 --json
-for expected in reamer/16:84 reamer/64:5 peg/16:80 peg/64:8 tool-voxel/1:18 tool-voxel/0.75:18; do
+for expected in reamer/16:84 reamer/64:5 peg/16:80 peg/64:8 voxel/1:18 voxel/0.75:18; do
     name=removal/${expected%:*}/fresh/1
     row_has "$name" chunks
     check "$name chunks" "$(value "rows.$at.chunks")" "${expected#*:}"
