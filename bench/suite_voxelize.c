@@ -6,7 +6,7 @@
  *   voxelize/sphere80k/N, voxelize/knot524k/N   cubes of N = 256, 512, 1024
  *   voxelize/reamer/0.5, voxelize/peg/0.5       the parametric tools
  *
- * The baseline is Embree: a packet of sixteen rays a 16 rows, a filter that
+ * The baseline is Embree: a packet of rays for sixteen rows, a filter that
  * notes every hit, parity bits out, hierarchy included; both of Embree's build
  * qualities are tried and the better one counts.  Ours includes allocating the
  * grid that it returns.
