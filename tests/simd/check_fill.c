@@ -1,0 +1,266 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * vox_fill, vox_expand: crossings to solid bits to classes.
+ *
+ * What vox_fill leaves open is left open here: an instruction set may call
+ * all rows of a block unproven when one is, and their bits are then its own.
+ * So its bits are compared in rows that both call proven, and in all rows
+ * after ost_vox_fill_odd, which is where they must be equal.
+ */
+#include <string.h>
+
+#include "cpu/kernels.h"
+#include "cpu/voxelize.h"
+#include "simd/check.h"
+
+/* ----------------------------------------------------------------- vox_fill */
+
+typedef struct fill_arguments {
+    ost_vox_tile tile;
+    size_t first_row, rows;
+    bool parity, stream;
+    uint64_t *bits;
+    uint64_t count;
+} fill_arguments;
+
+static void call_fill(check_fn *kernel, void *with)
+{
+    fill_arguments *a = with;
+    a->count = ((ost_vox_fill_fn *)kernel)(&a->tile, a->first_row, a->rows, a->parity, a->stream, a->bits);
+}
+
+/* The crossings of one row: none; in and out by turns; leaking; any; at every centre; of both signs at one. */
+static void some_row(check *c, int32_t nx, int kind, uint64_t *plus, uint64_t *minus)
+{
+    bool inside = false;
+    const int64_t rare = kind == 4 ? 1 : check_range(c, 2, 40);
+    for (int32_t i = 0; i < nx && kind > 0; i++) {
+        if (rng_next(&c->rng) % (uint64_t)rare != 0)
+            continue;
+        const uint64_t bit = UINT64_C(1) << (i % 64);
+        if (kind == 5) {
+            plus[i / 64] |= bit;
+            minus[i / 64] |= bit;
+        } else if (kind == 3 ? check_chance(c, 2) : !inside) {
+            plus[i / 64] |= bit;
+        } else {
+            minus[i / 64] |= bit;
+        }
+        inside = !inside;
+    }
+    if (kind == 1 && inside) { /* and it ends outside */
+        const uint64_t bit = UINT64_C(1) << ((nx - 1) % 64);
+        minus[(nx - 1) / 64] ^= bit;
+        plus[(nx - 1) / 64] &= ~bit;
+        if (!(minus[(nx - 1) / 64] & bit)) { /* it left there already: then nothing enters at all */
+            memset(plus, 0, (size_t)(nx + 63) / 64 * sizeof *plus);
+            memset(minus, 0, (size_t)(nx + 63) / 64 * sizeof *minus);
+        }
+    }
+}
+
+static uint64_t bits_set(const uint64_t *word, size_t count)
+{
+    uint64_t n = 0;
+    for (size_t i = 0; i < count; i++)
+        n += (uint64_t)__builtin_popcountll(word[i]);
+    return n;
+}
+
+/* Rows of the block that row lies in are known by their first words. */
+static bool block_is_unproven(const ost_vox_tile *tile, size_t first_row, size_t rows, size_t row, size_t words)
+{
+    const size_t in_block = words < OST_VOX_BLOCK ? OST_VOX_BLOCK / words : 1;
+    const size_t begin = first_row + (row - first_row) / in_block * in_block;
+    for (size_t r = begin; r < begin + in_block && r < first_row + rows; r++)
+        if (tile->odd[r] & OST_VOX_UNPROVEN)
+            return true;
+    return false;
+}
+
+static void check_rows(check *c, fill_arguments a[2], uint64_t *const before, size_t plane_words, size_t words, bool keep)
+{
+    const size_t all = ost_vox_rows(&a[0].tile), first = a[0].first_row, rows = a[0].rows;
+    check_that(c, a[0].count == bits_set(a[0].bits, rows * words), "the scalar kernel returns %llu", (unsigned long long)a[0].count);
+    check_that(c, a[1].count == bits_set(a[1].bits, rows * words), "returns %llu, but sets %llu bits", (unsigned long long)a[1].count,
+               (unsigned long long)bits_set(a[1].bits, rows * words));
+    for (size_t r = 0; r < all && c->result == CHECK_GOOD; r++) {
+        const bool mine = r >= first && r < first + rows;
+        const bool open = a[1].tile.odd[r] & OST_VOX_UNPROVEN;
+        if (!mine)
+            check_that(c, a[0].tile.odd[r] == a[1].tile.odd[r], "changes odd[%zu], which is not its row", r);
+        else if (a[0].tile.odd[r] & OST_VOX_UNPROVEN)
+            check_that(c, open, "calls row %zu proven", r);
+        else if (open)
+            check_that(c, block_is_unproven(&a[0].tile, first, rows, r, words), "calls row %zu unproven, and none in its block is", r);
+        else
+            check_same(c, "bits, of a proven row", CHECK_BITS, a[0].bits + (r - first) * words, a[1].bits + (r - first) * words, words);
+        check_that(c, (a[0].tile.odd[r] | OST_VOX_UNPROVEN) == (a[1].tile.odd[r] | OST_VOX_UNPROVEN), "changes odd[%zu] to %d", r,
+                   a[1].tile.odd[r]);
+        for (size_t plane = 0; plane < 2 && c->result == CHECK_GOOD; plane++) {
+            const uint64_t *was = before + plane * plane_words + r * words, *is = a[1].tile.planes + plane * plane_words + r * words;
+            static const uint64_t zeros[OST_TOOL_DIM_MAX / 64];
+            check_same(c, mine && !open && !keep ? "planes, of a row to be cleared" : "planes, of a row to be kept", CHECK_BITS,
+                       mine && !open && !keep ? zeros : was, is, words);
+        }
+    }
+    bool any = keep;
+    for (size_t r = first; r < first + rows; r++)
+        any = any || (a[1].tile.odd[r] & OST_VOX_UNPROVEN);
+    check_that(c, a[1].tile.any_odd == any, "any_odd is %d", a[1].tile.any_odd);
+}
+
+static void test_fill(check *c)
+{
+    static const int32_t widths[] = {1, 2, 63, 64, 65, 127, 128, 129, 200, 255, 256, 257, 500, 512, 513, 1000, 1024, 1537, 4095, 4096};
+    const int32_t nx = check_chance(c, 2) ? widths[check_range(c, 0, 19)] : (int32_t)check_range(c, 1, 300);
+    const size_t words = (size_t)ost_vox_words(nx), in_block = words < OST_VOX_BLOCK ? OST_VOX_BLOCK / words : 1;
+    const size_t all = (size_t)check_range(c, 1, words > 16 ? 5 : 40);
+    const size_t plane_words = (all * words + OST_VOX_BLOCK - 1) / OST_VOX_BLOCK * OST_VOX_BLOCK;
+    /* From a whole block on, and to one or to the tile's end. */
+    size_t first = check_chance(c, 2) ? 0 : (size_t)check_range(c, 0, (int64_t)all - 1) / in_block * in_block, rows = all - first;
+    if (check_chance(c, 2) && rows > in_block)
+        rows = (size_t)check_range(c, 1, (int64_t)(rows / in_block)) * in_block;
+    const bool keep = check_chance(c, 4), parity = check_chance(c, 2), stream = check_chance(c, 2);
+
+    void *planes[2], *odd[2], *bits[2];
+    check_outputs(c, "planes", 2 * plane_words, sizeof(uint64_t), 64, planes);
+    check_outputs(c, "odd", all, 1, 1, odd);
+    check_outputs(c, "bits", (rows * words + OST_VOX_BLOCK - 1) / OST_VOX_BLOCK * OST_VOX_BLOCK, sizeof(uint64_t), 64, bits);
+    uint64_t *before = check_input(c, "planes before", 2 * plane_words, sizeof *before, sizeof *before);
+    int32_t *spill = check_input(c, "spill", all * ((size_t)nx + 1), sizeof *spill, sizeof *spill);
+    memset(before, 0, 2 * plane_words * sizeof *before);
+    memset(spill, 0, all * ((size_t)nx + 1) * sizeof *spill);
+    memset(odd[0], 0, all);
+    const int one_kind = (int)check_range(c, 0, 12); /* of all rows, or by row */
+    for (size_t r = 0; r < all; r++) {
+        const int kind = one_kind < 6 ? one_kind : check_chance(c, 4) ? (int)check_range(c, 0, 5) : one_kind % 2;
+        some_row(c, nx, kind, before + r * words, before + plane_words + r * words);
+        if (keep && check_chance(c, 3)) {
+            ((uint8_t *)odd[0])[r] = OST_VOX_SPILLED;
+            spill[r * ((size_t)nx + 1) + (size_t)check_range(c, 0, nx)] = (int32_t)check_range(c, -2, 2);
+        }
+    }
+    memcpy(odd[1], odd[0], all);
+    fill_arguments a[2];
+    for (int i = 0; i < 2; i++) {
+        memcpy(planes[i], before, 2 * plane_words * sizeof *before);
+        a[i] = (fill_arguments){.tile = {.nx = nx, .j1 = (int32_t)all, .k1 = 1, .row_bits = 64 * (uint32_t)words, .minus = 64 * (uint32_t)plane_words},
+                                .first_row = first,
+                                .rows = rows,
+                                .parity = parity,
+                                .stream = stream,
+                                .bits = bits[i]};
+        a[i].tile.planes = planes[i];
+        a[i].tile.odd = odd[i];
+        a[i].tile.spill = spill;
+        a[i].tile.any_odd = keep;
+        ost_vox_mark_all_rows(&a[i].tile);
+    }
+    check_note(c, "rows %zu to %zu of %zu, %d voxels in %zu words, parity %d, stream %d, odd ones before %d, kind %d", first, first + rows, all,
+               nx, words, parity, stream, keep, one_kind);
+    if (!check_both(c, call_fill, &a[0], &a[1]))
+        return;
+    check_rows(c, a, before, plane_words, words, keep);
+    if (c->result != CHECK_GOOD)
+        return;
+    uint64_t leaking[2] = {0, 0};
+    for (int i = 0; i < 2; i++)
+        if (a[i].tile.any_odd)
+            a[i].count += (uint64_t)ost_vox_fill_odd(&a[i].tile, first, rows, parity ? OST_FILL_PARITY : OST_FILL_WINDING, a[i].bits, &leaking[i]);
+    check_same(c, "bits, once the odd rows are summed", CHECK_BITS, bits[0], bits[1], rows * words);
+    check_that(c, a[0].count == a[1].count && leaking[0] == leaking[1], "in the end %llu solid voxels and %llu leaking rows, not %llu and %llu",
+               (unsigned long long)a[1].count, (unsigned long long)leaking[1], (unsigned long long)a[0].count, (unsigned long long)leaking[0]);
+}
+
+/* --------------------------------------------------------------- vox_expand */
+
+typedef struct expand_arguments {
+    const uint64_t *cutting, *noncutting;
+    size_t rows;
+    int words;
+    int32_t nx;
+    bool stream;
+    uint8_t *voxels;
+} expand_arguments;
+
+static void call_expand(check_fn *kernel, void *with)
+{
+    const expand_arguments *a = with;
+    ((ost_vox_expand_fn *)kernel)(a->cutting, a->noncutting, a->rows, a->words, a->nx, a->stream, a->voxels);
+}
+
+/* Bits behind the last voxel of a row are anything. */
+static void test_expand(check *c)
+{
+    const int32_t nx = c->number < 260 ? c->number + 1 : (int32_t)check_range(c, 1, check_chance(c, 8) ? 4096 : 600);
+    const int words = ost_vox_words(nx);
+    const size_t rows = (size_t)check_range(c, 0, words > 16 ? 3 : 20), count = rows * (size_t)words;
+    uint64_t *cutting = check_input(c, "cutting", count, sizeof *cutting, sizeof *cutting);
+    uint64_t *noncutting = check_chance(c, 2) ? check_input(c, "noncutting", count, sizeof *noncutting, sizeof *noncutting) : NULL;
+    const int kind = (int)check_range(c, 0, 3);
+    for (size_t w = 0; w < count; w++) {
+        cutting[w] = kind == 0 ? UINT64_MAX : kind == 1 ? 0 : rng_next(&c->rng);
+        if (noncutting)
+            noncutting[w] = (kind == 3 ? rng_next(&c->rng) : UINT64_MAX) & ~cutting[w];
+    }
+    void *voxels[2];
+    check_outputs(c, "voxels", rows * (size_t)nx, 1, check_chance(c, 2) ? 64 : 1, voxels);
+    const bool stream = check_chance(c, 2);
+    check_note(c, "%zu rows of %d voxels in %d words, %s, stream %d", rows, nx, words, noncutting ? "two classes" : "one class", stream);
+    expand_arguments a = {cutting, noncutting, rows, words, nx, stream, voxels[0]}, b = a;
+    b.voxels = voxels[1];
+    if (check_both(c, call_expand, &a, &b))
+        check_same(c, "voxels", CHECK_U8, voxels[0], voxels[1], rows * (size_t)nx);
+}
+
+/* -------------------------------------------------------------------- bench */
+
+enum { ROWS = 1024, WORDS = 4 };
+
+typedef struct fill_bench {
+    fill_arguments arguments; /* first: it is what the call is given */
+    const uint64_t *planes;
+} fill_bench;
+
+static void restore_planes(void *with)
+{
+    fill_bench *f = with;
+    memcpy(f->arguments.tile.planes, f->planes, 2 * ROWS * WORDS * 8);
+}
+
+static void bench_fill(check_bench *b)
+{
+    static _Alignas(64) uint64_t marked[2 * ROWS * WORDS], planes[2 * ROWS * WORDS], bits[ROWS * WORDS];
+    static uint8_t odd[ROWS];
+    for (size_t r = 0; r < ROWS; r++) {
+        marked[r * WORDS + 1] = UINT64_C(1) << (r % 64);
+        marked[(ROWS + r) * WORDS + 2] = UINT64_C(1) << (r % 61);
+    }
+    fill_bench f = {.arguments = {.tile = {.nx = 256, .j1 = ROWS, .k1 = 1, .row_bits = 256, .minus = 256 * ROWS}, .rows = ROWS}};
+    f.arguments.tile.planes = planes;
+    f.arguments.tile.odd = odd;
+    f.arguments.bits = bits;
+    f.planes = marked;
+    bench_time(b, "1024 rows of 256, two crossings", call_fill, restore_planes, &f, ROWS * 256.0, "voxel");
+}
+
+static void bench_expand(check_bench *b)
+{
+    static uint64_t cutting[64 * WORDS], noncutting[64 * WORDS];
+    static _Alignas(64) uint8_t voxels[64 * 256];
+    for (size_t i = 0; i < 64 * WORDS; i++) {
+        cutting[i] = i % 3 ? UINT64_C(0xffff00000000) : 0;
+        noncutting[i] = ~cutting[i] >> 20;
+    }
+    expand_arguments a = {cutting, noncutting, 64, WORDS, 256, false, voxels};
+    bench_time(b, "64 rows of 256, two classes", call_expand, NULL, &a, 64 * 256, "voxel");
+    a.nx = 250;
+    bench_time(b, "64 rows of 250, two classes", call_expand, NULL, &a, 64 * 250, "voxel");
+}
+
+CHECK_CPU_SLOT(vox_fill)
+CHECK_CPU_SLOT(vox_expand)
+extern const check_kernel check_vox_fill, check_vox_expand;
+const check_kernel check_vox_fill = {.name = "vox_fill", .of = vox_fill_of, .test = test_fill, .bench = bench_fill, .cases = 1500};
+const check_kernel check_vox_expand = {.name = "vox_expand", .of = vox_expand_of, .test = test_expand, .bench = bench_expand, .cases = 900};

@@ -1,0 +1,484 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * split, match, take.
+ *
+ * split sorts in an order of its own, so its lists are compared as sets: both
+ * sorted by the parts' numbers, which are all different.  What was in the
+ * lists before must still be there, and what lies behind the slack must not
+ * have changed.
+ *
+ * match is given bricks that lie in cells a split calls mixed, to the cells'
+ * very edges, and half of them are moved so that a voxel comes to lie on a
+ * border of tool voxels, or a few units beside it: there the 16-bit sums tie.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "cpu/kernels.h"
+#include "simd/check.h"
+#include "simd/solids.h"
+
+static const int32_t extremes[] = {INT32_MIN, INT32_MAX, 0, -1};
+
+/* What nobody may rely on, behind a list. */
+static void garbage(check *c, ost_cubes *cubes)
+{
+    for (size_t i = cubes->count; i < OST_UNIT_BRICKS + OST_CUBES_SLACK; i++) {
+        for (int a = 0; a < 3; a++)
+            cubes->u[a][i] = check_chance(c, 2) ? extremes[check_range(c, 0, 3)] : (int32_t)rng_next(&c->rng);
+        cubes->number[i] = (int32_t)rng_next(&c->rng);
+    }
+}
+
+/* count different numbers below limit, in any order or ascending. */
+static void some_numbers(check *c, int32_t *number, size_t count, int32_t limit)
+{
+    enum { LIMIT_MAX = 4096 };
+    int32_t all[LIMIT_MAX];
+    for (int32_t i = 0; i < limit; i++)
+        all[i] = i;
+    const bool shuffled = check_chance(c, 2);
+    for (size_t i = 0; i < count; i++) {
+        const size_t j = shuffled ? (size_t)check_range(c, (int64_t)i, limit - 1) : i;
+        number[i] = all[j];
+        all[j] = all[i];
+    }
+}
+
+/* -------------------------------------------------------------------- split */
+
+typedef struct split_arguments {
+    const ost_split *split;
+    const ost_cells *cells;
+    const ost_cubes *cubes;
+    const uint64_t *occupancy;
+    ost_cubes *mixed;
+    ost_numbers *inside;
+} split_arguments;
+
+static void call_split(check_fn *kernel, void *with)
+{
+    const split_arguments *a = with;
+    ((ost_split_fn *)kernel)(a->split, a->cells, a->cubes, a->occupancy, a->mixed, a->inside);
+}
+
+typedef struct part {
+    int32_t number, u[3];
+} part;
+
+static int by_number(const void *a, const void *b)
+{
+    const int32_t x = ((const part *)a)->number, y = ((const part *)b)->number;
+    return (x > y) - (x < y);
+}
+
+/* As one list of int32, sorted from `from` on. */
+static void listed(const ost_cubes *mixed, size_t from, part *out)
+{
+    for (size_t i = 0; i < mixed->count; i++)
+        out[i] = (part){mixed->number[i], {mixed->u[0][i], mixed->u[1][i], mixed->u[2][i]}};
+    qsort(out + from, mixed->count - from, sizeof *out, by_number);
+}
+
+static int by_value(const void *a, const void *b)
+{
+    const int32_t x = *(const int32_t *)a, y = *(const int32_t *)b;
+    return (x > y) - (x < y);
+}
+
+/* Cubes around the tool, or anywhere that their parts' centres fit int32. */
+static void place_cubes(check *c, const ost_cells *cells, const ost_split *split, bool near, ost_cubes *cubes)
+{
+    for (int a = 0; a < 3; a++) {
+        int64_t least = 0, most = 0; /* of what is added */
+        for (int p = 0; p < 8; p++) {
+            const int64_t lo = split->centre[a][p] < split->first[a][p] ? split->centre[a][p] : split->first[a][p];
+            const int64_t hi = split->centre[a][p] > split->first[a][p] ? split->centre[a][p] : split->first[a][p];
+            least = lo < least ? lo : least;
+            most = hi > most ? hi : most;
+        }
+        const int64_t lo = INT32_MIN - least, hi = INT32_MAX - most;
+        const int64_t from = -((int64_t)cells->margin << cells->shift), to = from + ((int64_t)cells->dims[a] << cells->shift);
+        for (size_t i = 0; i < cubes->count; i++) {
+            int64_t u = near ? check_range(c, from, to) - split->centre[a][check_range(c, 0, 7)] : check_range(c, lo, hi);
+            if (check_chance(c, 8)) /* a part's centre on a cell's border, or beside it */
+                u = (check_range(c, -1, cells->dims[a]) - cells->margin) * (INT64_C(1) << cells->shift) - split->centre[a][check_range(c, 0, 7)] +
+                    check_range(c, -1, 1);
+            else if (check_chance(c, 16))
+                u = check_chance(c, 2) ? lo : hi;
+            cubes->u[a][i] = (int32_t)(u < lo ? lo : u > hi ? hi : u);
+        }
+    }
+}
+
+static void test_split(check *c)
+{
+    ost_cells *cells = check_input(c, "cells", 1, sizeof *cells, _Alignof(ost_cells));
+    ost_split *split = check_input(c, "split", 1, sizeof *split, _Alignof(ost_split));
+    ost_cubes *cubes = check_input(c, "cubes", 1, sizeof *cubes, _Alignof(ost_cubes));
+    const bool real = check_chance(c, 2), near = real || check_chance(c, 2);
+    const int32_t edge = check_chance(c, 2) ? 16 : 8;
+    solid s = {.text = "made up"};
+    if (real) {
+        solid_make(c, &s);
+        *cells = s.shape.cells;
+        ost_split_make(s.step, edge, cells, split);
+    } else {
+        solid_cells(c, cells);
+        int32_t step[3][3];
+        for (int i = 0; i < 9; i++)
+            step[i / 3][i % 3] = (int32_t)check_range(c, -(1 << 24) - 1, (1 << 24) + 1);
+        ost_split_make(step, edge, cells, split);
+        if (check_chance(c, 2))
+            split->least = (int32_t)check_range(c, 1, check_chance(c, 2) ? 128 : 66);
+    }
+    const int most = edge == 16 ? 8 : 64;
+    cubes->count = (size_t)(c->number < 130 ? c->number % (most + 1) : check_range(c, 0, most));
+    some_numbers(c, cubes->number, cubes->count, most);
+    place_cubes(c, cells, split, near, cubes);
+    garbage(c, cubes);
+
+    uint64_t *occupancy = NULL;
+    if (check_chance(c, 2)) {
+        int32_t last = -1;
+        for (size_t i = 0; i < cubes->count; i++)
+            last = cubes->number[i] > last ? cubes->number[i] : last;
+        const size_t words = 8 * (size_t)(last + 1);
+        const int64_t full_in_8 = check_range(c, 0, 8);
+        occupancy = check_input(c, "occupancy", words, sizeof *occupancy, sizeof *occupancy);
+        for (size_t w = 0; w < words; w++)
+            occupancy[w] = check_range(c, 0, 7) >= full_in_8 ? 0 : check_chance(c, 2) ? UINT64_C(1) << check_range(c, 0, 63) : rng_next(&c->rng);
+    }
+    void *mixed[2], *inside[2];
+    check_outputs(c, "mixed", 1, sizeof(ost_cubes), _Alignof(ost_cubes), mixed);
+    check_outputs(c, "inside", 1, sizeof(ost_numbers), _Alignof(ost_numbers), inside);
+    const size_t room = OST_UNIT_BRICKS - 8 * cubes->count;
+    const size_t mixed_before = check_chance(c, 2) ? 0 : (size_t)check_range(c, 0, (int64_t)room);
+    const size_t inside_before = check_chance(c, 2) ? 0 : (size_t)check_range(c, 0, (int64_t)room);
+    split_arguments a[2];
+    for (int i = 0; i < 2; i++) {
+        ((ost_cubes *)mixed[i])->count = mixed_before;
+        ((ost_numbers *)inside[i])->count = inside_before;
+        a[i] = (split_arguments){split, cells, cubes, occupancy, mixed[i], inside[i]};
+    }
+    check_note(c, "%s, %zu cubes of %d, %zu mixed and %zu inside before, least %d", s.text, cubes->count, edge, mixed_before, inside_before,
+               split->least);
+    if (!check_both(c, call_split, &a[0], &a[1]))
+        return;
+    ost_cubes *m[2] = {mixed[0], mixed[1]};
+    ost_numbers *n[2] = {inside[0], inside[1]};
+    if (!check_that(c, m[1]->count == m[0]->count && n[1]->count == n[0]->count, "finds %zu mixed and %zu inside, not %zu and %zu",
+                    m[1]->count - mixed_before, n[1]->count - inside_before, m[0]->count - mixed_before, n[0]->count - inside_before))
+        return;
+    static part list[2][OST_UNIT_BRICKS + OST_CUBES_SLACK];
+    for (int i = 0; i < 2; i++) {
+        listed(m[i], mixed_before, list[i]);
+        qsort(n[i]->number + inside_before, n[i]->count - inside_before, sizeof(int32_t), by_value);
+    }
+    check_same(c, "mixed, as number, u[0], u[1], u[2] of each", CHECK_I32, list[0], list[1], 4 * m[0]->count);
+    check_same(c, "inside->number", CHECK_I32, n[0]->number, n[1]->number, n[0]->count);
+    /* What lies behind the room that there must be is poison in both, wherever the lists end. */
+    const size_t mixed_room = mixed_before + 8 * cubes->count + OST_CUBES_SLACK, inside_room = inside_before + 8 * cubes->count + OST_CUBES_SLACK;
+    const size_t all = OST_UNIT_BRICKS + OST_CUBES_SLACK;
+    for (int b = 0; b < 3; b++)
+        check_same(c, "mixed->u behind the room", CHECK_I32, m[0]->u[b] + mixed_room, m[1]->u[b] + mixed_room, all - mixed_room);
+    check_same(c, "mixed->number behind the room", CHECK_I32, m[0]->number + mixed_room, m[1]->number + mixed_room, all - mixed_room);
+    check_same(c, "inside->number behind the room", CHECK_I32, n[0]->number + inside_room, n[1]->number + inside_room, all - inside_room);
+}
+
+/* -------------------------------------------------------------------- match */
+
+typedef struct match_arguments {
+    const ost_match *match;
+    const ost_cubes *bricks;
+    uint64_t *hits;
+} match_arguments;
+
+static void call_match(check_fn *kernel, void *with)
+{
+    const match_arguments *a = with;
+    ((ost_match_fn *)kernel)(a->match, a->bricks, a->hits);
+}
+
+/* Some of the cells that are mixed for a split of this least, chosen fairly; at most MIXED_MAX. */
+enum { MIXED_MAX = 512 };
+static size_t mixed_cells(check *c, const ost_cells *cells, int32_t least, int32_t chosen[MIXED_MAX])
+{
+    const int32_t count = cells->dims[0] * cells->dims[1] * cells->dims[2];
+    int32_t found = 0;
+    for (int32_t i = 0; i < count; i++) {
+        if (cells->value[i] <= -least || cells->value[i] >= least)
+            continue;
+        const int64_t place = found++ < MIXED_MAX ? found - 1 : check_range(c, 0, found - 1);
+        if (place < MIXED_MAX)
+            chosen[place] = i;
+    }
+    return (size_t)(found < MIXED_MAX ? found : MIXED_MAX);
+}
+
+/* A coordinate at, or a few units beside, where a voxel of the brick passes from one tool voxel to the next. */
+static int32_t on_border(check *c, const ost_match *match, int a, int32_t u)
+{
+    static const int32_t beside[] = {0, -1, 1, 127, -128, 128, -129};
+    const int32_t border = check_chance(c, 2) ? beside[check_range(c, 0, 6)] : (int32_t)check_range(c, -200, 200);
+    const uint32_t sum = (uint32_t)u + (uint32_t)match->offset[a][check_range(c, 0, 63)] - (uint32_t)border;
+    return u - (int32_t)(sum & ((1u << OST_MAP_FRACTION) - 1));
+}
+
+/* Bricks whose centres lie in mixed cells; the split's part 0 begins where its cube does. */
+static size_t place_mixed(check *c, const ost_match *match, const ost_split *split, ost_cubes *bricks, size_t count)
+{
+    const ost_cells *cells = &match->shape->cells;
+    const int64_t edge = INT64_C(1) << cells->shift;
+    int32_t cell[MIXED_MAX];
+    const size_t mixed = mixed_cells(c, cells, split->least, cell);
+    for (size_t i = 0; i < count && mixed > 0; i++) {
+        const int32_t n = cell[check_range(c, 0, (int64_t)mixed - 1)];
+        const int32_t at[3] = {n % cells->dims[0], n / cells->dims[0] % cells->dims[1], n / cells->dims[0] / cells->dims[1]};
+        for (int a = 0; a < 3; a++) {
+            const int64_t within = check_chance(c, 4) ? 0 : check_chance(c, 4) ? edge - 1 : check_range(c, 0, edge - 1);
+            const int64_t begin = (at[a] - cells->margin) * edge - split->centre[a][0];
+            int64_t u = begin + within;
+            if (check_chance(c, 2)) {
+                u = on_border(c, match, a, (int32_t)u);
+                u = u < begin ? u + (1 << OST_MAP_FRACTION) : u;
+            }
+            bricks->u[a][i] = (int32_t)u;
+        }
+    }
+    return mixed > 0 ? count : 0;
+}
+
+/* Anywhere that their voxels' coordinates fit int32; most of them about the tool. */
+static void place_anywhere(check *c, const ost_match *match, ost_cubes *bricks, size_t count)
+{
+    for (int a = 0; a < 3; a++) {
+        int64_t least = 0, most = 0;
+        for (int v = 0; v < 64; v++) {
+            least = match->offset[a][v] < least ? match->offset[a][v] : least;
+            most = match->offset[a][v] > most ? match->offset[a][v] : most;
+        }
+        const int64_t lo = INT32_MIN - least, hi = INT32_MAX - most, size = (int64_t)match->shape->dims[a] << OST_MAP_FRACTION;
+        for (size_t i = 0; i < count; i++) {
+            int64_t u = check_range(c, -most - 2, size - least + 1);
+            if (check_chance(c, 3))
+                u = on_border(c, match, a, (int32_t)u);
+            if (check_chance(c, 16))
+                u = check_chance(c, 2) ? lo : hi;
+            bricks->u[a][i] = (int32_t)(u < lo ? lo : u > hi ? hi : u);
+        }
+    }
+}
+
+static void test_match(check *c)
+{
+    solid s;
+    solid_make(c, &s);
+    ost_shape *shape = check_input(c, "shape", 1, sizeof *shape, _Alignof(ost_shape));
+    ost_match *match = check_input(c, "match", 1, sizeof *match, _Alignof(ost_match));
+    ost_cubes *bricks = check_input(c, "bricks", 1, sizeof *bricks, _Alignof(ost_cubes));
+    *shape = s.shape;
+    if (check_chance(c, 8)) /* what a shape for larger bones has */
+        shape->windows = (ost_windows){0};
+    ost_match_make(s.step, shape, match);
+    ost_split split;
+    ost_split_make(s.step, 8, &shape->cells, &split);
+    const size_t wanted = c->number % 4 == 0 ? (size_t)check_range(c, 0, 20) : (size_t)check_range(c, 0, check_chance(c, 8) ? 512 : 150);
+    bricks->count = wanted;
+    if (match->windows)
+        bricks->count = place_mixed(c, match, &split, bricks, wanted);
+    else
+        place_anywhere(c, match, bricks, wanted);
+    some_numbers(c, bricks->number, bricks->count, OST_UNIT_BRICKS);
+    garbage(c, bricks);
+    void *hits[2];
+    check_outputs(c, "hits", bricks->count + OST_CUBES_SLACK, sizeof(uint64_t), sizeof(uint64_t), hits);
+    check_note(c, "%s, %zu bricks, windows %d", s.text, bricks->count, match->windows ? shape->windows.step : 0);
+    match_arguments a = {match, bricks, hits[0]}, b = {match, bricks, hits[1]};
+    if (!check_both(c, call_match, &a, &b) || !check_same(c, "hits", CHECK_BITS, hits[0], hits[1], bricks->count) || !match->windows)
+        return;
+    /* The windows against the tool's own voxels: the scalar kernel without them. */
+    static ost_match plain;
+    static uint64_t voxels[OST_UNIT_BRICKS + OST_CUBES_SLACK];
+    plain = *match;
+    plain.windows = false;
+    ost_match_scalar(&plain, bricks, voxels);
+    check_same(c, "hits, by the tool's voxels instead of its windows", CHECK_BITS, voxels, hits[1], bricks->count);
+}
+
+/* --------------------------------------------------------------------- take */
+
+typedef struct take_arguments {
+    const ost_take *take;
+    int16_t *density;
+    const int32_t *number;
+    const uint64_t *hits;
+    size_t count;
+    ost_tally tally;
+} take_arguments;
+
+static void call_take(check_fn *kernel, void *with)
+{
+    take_arguments *a = with;
+    ((ost_take_fn *)kernel)(a->take, a->density, a->number, a->hits, a->count, &a->tally);
+}
+
+static void some_borders(check *c, ost_take *take)
+{
+    take->borders = (int)check_range(c, 0, check_chance(c, 2) ? 3 : OST_CLASS_MAX - 1);
+    const bool wide = check_chance(c, 4); /* not only where densities are */
+    int64_t at = wide ? check_range(c, INT16_MIN, 10) : check_range(c, 0, take->highest / 2 + 1);
+    for (int b = 0; b < take->borders; b++) {
+        take->border[b] = (int16_t)at;
+        at += 1 + (check_chance(c, 3) ? 0 : check_range(c, 0, (wide ? INT16_MAX : take->highest) / OST_CLASS_MAX));
+        at = at > INT16_MAX - (OST_CLASS_MAX - b) ? INT16_MAX - (OST_CLASS_MAX - b) : at;
+    }
+    if (take->borders > 0 && check_chance(c, 4))
+        take->border[take->borders - 1] = check_chance(c, 2) ? INT16_MAX : (int16_t)(take->highest > take->border[take->borders - 1] ? take->highest : INT16_MAX);
+}
+
+static void test_take(check *c)
+{
+    static const int32_t highest[] = {1, 2, 150, 255, 256, 1000, 8191, 8192, 16383, 16384, 32766, 32767};
+    static const size_t counts[] = {0, 1, 2, 15, 16, 17, 511, 512, 513, 1024, 1025, 1100};
+    ost_take *take = check_input(c, "take", 1, sizeof *take, _Alignof(ost_take));
+    *take = (ost_take){.highest = check_chance(c, 2) ? highest[check_range(c, 0, 11)] : (int32_t)check_range(c, 1, 32767),
+                       .apply = check_chance(c, 2)};
+    some_borders(c, take);
+    const size_t count = check_chance(c, 4) ? counts[check_range(c, 0, 11)] : (size_t)check_range(c, 0, 70);
+    const int32_t bricks = (int32_t)(count + (size_t)check_range(c, 0, 20));
+    int32_t *number = check_input(c, "number", count, sizeof *number, sizeof *number);
+    uint64_t *hits = check_input(c, "hits", count, sizeof *hits, sizeof *hits);
+    some_numbers(c, number, count, bricks);
+    const int full = (int)check_range(c, 0, 2); /* hits: few, any, all */
+    for (size_t i = 0; i < count; i++)
+        hits[i] = full == 2 ? UINT64_MAX : full == 1 ? rng_next(&c->rng) | 1 : UINT64_C(1) << check_range(c, 0, 63);
+    const size_t voxels = 64 * (size_t)bricks;
+    void *density[2];
+    check_outputs(c, "density", voxels, sizeof(int16_t), 64, density);
+    int16_t *d = density[0];
+    const int dense = (int)check_range(c, 0, 2); /* all at the highest, near borders, any */
+    for (size_t i = 0; i < voxels; i++) { /* what is not hit may be anything */
+        int64_t v = dense == 0 ? take->highest : check_range(c, 1, take->highest);
+        if (dense == 1 && take->borders > 0)
+            v = take->border[check_range(c, 0, take->borders - 1)] - check_range(c, 0, 1);
+        d[i] = (int16_t)(v < 1 ? 1 : v > take->highest ? take->highest : v);
+    }
+    if (check_chance(c, 2)) {
+        uint64_t *hit = calloc((size_t)bricks + 1, sizeof *hit);
+        for (size_t i = 0; hit && i < count; i++)
+            hit[number[i]] = hits[i];
+        for (size_t i = 0; hit && i < voxels; i++)
+            if (!(hit[i / 64] >> (i % 64) & 1))
+                d[i] = check_chance(c, 2) ? INT16_MAX : (int16_t)rng_next(&c->rng);
+        free(hit);
+    }
+    memcpy(density[1], density[0], voxels * sizeof *d);
+    take_arguments a = {take, density[0], number, hits, count, {{0}, {0}}};
+    for (int i = 0; i < OST_CLASS_MAX; i++) { /* it is added to */
+        a.tally.voxels[i] = check_chance(c, 2) ? 0 : rng_next(&c->rng) >> 1;
+        a.tally.density[i] = check_chance(c, 2) ? 0 : rng_next(&c->rng) >> 1;
+    }
+    take_arguments b = a;
+    b.density = density[1];
+    check_note(c, "%zu bricks, highest %d, %d borders, apply %d", count, take->highest, take->borders, take->apply);
+    if (!check_both(c, call_take, &a, &b))
+        return;
+    check_same(c, "density", CHECK_I16, density[0], density[1], voxels);
+    check_same(c, "tally->voxels", CHECK_U64, a.tally.voxels, b.tally.voxels, OST_CLASS_MAX);
+    check_same(c, "tally->density", CHECK_U64, a.tally.density, b.tally.density, OST_CLASS_MAX);
+}
+
+/* -------------------------------------------------------------------- bench */
+
+/* A ball of 48 tool voxels about a unit of 32^3 bone voxels. */
+typedef struct scene {
+    uint8_t *voxels;
+    ost_shape shape;
+    ost_split split[2];
+    ost_match match;
+    ost_cubes blocks, cubes, bricks;
+    ost_numbers inside, inside_bricks;
+    uint64_t occupancy[OST_UNIT_BRICKS];
+    _Alignas(64) uint64_t hits[OST_UNIT_BRICKS + OST_CUBES_SLACK];
+} scene;
+
+static scene *scene_make(void)
+{
+    enum { D = 48 };
+    static _Alignas(64) scene s;
+    static uint8_t voxels[D * D * D];
+    const int32_t step[3][3] = {{900000, 300000, 100000}, {-290000, 880000, 210000}, {-30000, -230000, 925000}};
+    for (int32_t i = 0; i < D * D * D; i++) {
+        const int32_t x = 2 * (i % D) + 1 - D, y = 2 * (i / D % D) + 1 - D, z = 2 * (i / D / D) + 1 - D;
+        voxels[i] = x * x + y * y + z * z < D * D ? OST_TOOL_CUTTING : OST_TOOL_VOID;
+    }
+    ost_error err = {0};
+    if (ost_shape_make(voxels, (ost_dims){D, D, D}, OST_TOOL_CUTTING, 985000, &s.shape, &err) != OST_OK)
+        exit(99);
+    ost_split_make(step, 16, &s.shape.cells, &s.split[0]);
+    ost_split_make(step, 8, &s.shape.cells, &s.split[1]);
+    ost_match_make(step, &s.shape, &s.match);
+    for (int b = 0; b < 8; b++) {
+        for (int a = 0; a < 3; a++)
+            s.blocks.u[a][b] = 3 * (1 << 20) + 16 * ((b & 1) * step[0][a] + (b >> 1 & 1) * step[1][a] + (b >> 2) * step[2][a]);
+        s.blocks.number[b] = b;
+    }
+    s.blocks.count = 8;
+    memset(s.occupancy, 0xff, sizeof s.occupancy);
+    ost_split_scalar(&s.split[0], &s.shape.cells, &s.blocks, NULL, &s.cubes, &s.inside);
+    ost_split_scalar(&s.split[1], &s.shape.cells, &s.cubes, s.occupancy, &s.bricks, &s.inside_bricks);
+    ost_match_scalar(&s.match, &s.bricks, s.hits);
+    return &s;
+}
+
+static void clear_counts(void *with)
+{
+    const split_arguments *a = with;
+    a->mixed->count = a->inside->count = 0;
+}
+
+static void bench_split(check_bench *b)
+{
+    scene *s = scene_make();
+    split_arguments a = {&s->split[1], &s->shape.cells, &s->cubes, s->occupancy, &s->bricks, &s->inside_bricks};
+    bench_time(b, "the cubes of a unit into bricks", call_split, clear_counts, &a, 8 * (double)s->cubes.count, "part");
+    ost_shape_free(&s->shape);
+}
+
+static void bench_match(check_bench *b)
+{
+    scene *s = scene_make();
+    match_arguments a = {&s->match, &s->bricks, s->hits};
+    const double count = (double)s->bricks.count;
+    bench_time(b, "the mixed bricks of a unit", call_match, NULL, &a, count, "brick");
+    s->match.windows = false;
+    bench_time(b, "the same without windows", call_match, NULL, &a, count, "brick");
+    ost_shape_free(&s->shape);
+}
+
+static void bench_take(check_bench *b)
+{
+    static _Alignas(64) int16_t density[OST_UNIT_BRICKS * 64];
+    static int32_t number[OST_UNIT_BRICKS];
+    static uint64_t hits[OST_UNIT_BRICKS];
+    for (int i = 0; i < OST_UNIT_BRICKS; i++) {
+        number[i] = i;
+        hits[i] = UINT64_C(0x0f3f7fff37137f01) >> (i % 7) | 1;
+        for (int v = 0; v < 64; v++)
+            density[64 * i + v] = (int16_t)(120 + (v * i) % 900);
+    }
+    ost_take take = {.borders = 2, .border = {150, 650}, .highest = 1020};
+    take_arguments a = {&take, density, number, hits, 200, {{0}, {0}}};
+    bench_time(b, "200 bricks, 3 classes, counted", call_take, NULL, &a, 200, "brick");
+    take.apply = true;
+    bench_time(b, "the same, taken", call_take, NULL, &a, 200, "brick");
+}
+
+CHECK_CPU_SLOT(split)
+CHECK_CPU_SLOT(match)
+CHECK_CPU_SLOT(take)
+extern const check_kernel check_split, check_match, check_take;
+const check_kernel check_split = {.name = "split", .of = split_of, .test = test_split, .bench = bench_split, .cases = 1000};
+const check_kernel check_match = {.name = "match", .of = match_of, .test = test_match, .bench = bench_match, .cases = 800};
+const check_kernel check_take = {.name = "take", .of = take_of, .test = test_take, .bench = bench_take, .cases = 600};

@@ -1,0 +1,514 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * That checksimd can fail: kernels that are wrong on purpose, in one small
+ * way each, and every one of them must be found, for the right reason, within
+ * the usual number of cases.
+ *
+ * A wrong kernel is the scalar one and something before or after it.  The
+ * seed is fixed, so that none is found by luck on some days only.
+ *
+ * Covers: AR-LAW-1
+ */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cpu/bone.h"
+#include "cpu/kernels.h"
+#include "cpu/voxelize.h"
+#include "io/text/match.h"
+#include "simd/check.h"
+#if defined __x86_64__
+#include <xmmintrin.h>
+#endif
+
+extern const check_kernel check_gather_row, check_brick_row, check_any_active, check_drain, check_split, check_match, check_take,
+    check_vox_mark, check_vox_keys, check_vox_fill, check_vox_expand, check_text_newlines, check_text_match;
+
+/* Reads it, whatever the compiler thinks of that. */
+static void touch(const void *p)
+{
+    (void)*(const volatile char *)p;
+}
+
+/* The same, of memory that was given to be read only. */
+static void *writable(const void *p)
+{
+    return (void *)(uintptr_t)p;
+}
+
+/* ------------------------------------------------------------------ grids */
+
+static void gather_last_of_64(const int16_t *from, const int32_t *map, int count, int16_t *to)
+{
+    ost_gather_row_scalar(from, map, count, to);
+    if (count == 64)
+        to[63] = from[map[62]];
+}
+
+static void gather_writes_beyond(const int16_t *from, const int32_t *map, int count, int16_t *to)
+{
+    ost_gather_row_scalar(from, map, count, to);
+    to[count] = 0;
+}
+
+static void gather_reads_beyond(const int16_t *from, const int32_t *map, int count, int16_t *to)
+{
+    ost_gather_row_scalar(from, map, count, to);
+    if (count > 0)
+        touch(&from[map[count - 1] + 1]);
+}
+
+static void gather_reads_before(const int16_t *from, const int32_t *map, int count, int16_t *to)
+{
+    ost_gather_row_scalar(from, map, count, to);
+    if (count > 0)
+        touch((const char *)&from[map[0]] - 1);
+}
+
+static void gather_writes_input(const int16_t *from, const int32_t *map, int count, int16_t *to)
+{
+    ost_gather_row_scalar(from, map, count, to);
+    if (count > 0)
+        *(volatile int16_t *)writable(&from[map[0]]) = to[0];
+}
+
+/* ------------------------------------------------------------------ bones */
+
+static ost_brick_sums brick_above_threshold(const int16_t *const rows[16], size_t bricks, int16_t threshold, bool stream, int16_t *density,
+                                            uint64_t *occupancy)
+{
+    return ost_brick_row_scalar(rows, bricks, (int16_t)(threshold + (threshold < INT16_MAX)), stream, density, occupancy);
+}
+
+static ost_brick_sums brick_wrong_highest(const int16_t *const rows[16], size_t bricks, int16_t threshold, bool stream, int16_t *density,
+                                          uint64_t *occupancy)
+{
+    ost_brick_sums sums = ost_brick_row_scalar(rows, bricks, threshold, stream, density, occupancy);
+    sums.highest &= 0x7ffe;
+    return sums;
+}
+
+static ost_brick_sums brick_reads_beyond(const int16_t *const rows[16], size_t bricks, int16_t threshold, bool stream, int16_t *density,
+                                         uint64_t *occupancy)
+{
+    touch(rows[15] + 4 * bricks);
+    return ost_brick_row_scalar(rows, bricks, threshold, stream, density, occupancy);
+}
+
+/* Between the bricks of the row there are others'. */
+static ost_brick_sums brick_writes_between(const int16_t *const rows[16], size_t bricks, int16_t threshold, bool stream, int16_t *density,
+                                           uint64_t *occupancy)
+{
+    occupancy[2] = 0;
+    return ost_brick_row_scalar(rows, bricks, threshold, stream, density, occupancy);
+}
+
+static bool any_one_more(const int16_t *base, const size_t *row, int count, int width, int16_t threshold)
+{
+    return ost_any_active_scalar(base, row, count, width + 1, threshold);
+}
+
+static bool any_not_the_last(const int16_t *base, const size_t *row, int count, int width, int16_t threshold)
+{
+    return ost_any_active_scalar(base, row, count, width - 1, threshold);
+}
+
+/* ------------------------------------------------------------------ state */
+
+static void drain_traps(void)
+{
+    __builtin_trap();
+}
+
+static void drain_never_ends(void)
+{
+    for (volatile int i = 0; i == 0;)
+        continue;
+}
+
+#if defined __x86_64__
+static void drain_rounds_down(void)
+{
+    _mm_setcsr(_mm_getcsr() ^ 0x2000);
+}
+
+static void drain_leaves_mmx(void)
+{
+    __asm__ volatile("pxor %%mm0, %%mm0" ::: "memory");
+}
+
+static void drain_leaves_halves(void)
+{
+    if (ost_isa_available(OST_ISA_AVX2))
+        __asm__ volatile("vpcmpeqd %%ymm9, %%ymm9, %%ymm9" ::: "xmm9");
+}
+#elif defined __aarch64__
+static void drain_rounds_down(void)
+{
+    uint64_t fpcr;
+    __asm__ volatile("mrs %0, fpcr" : "=r"(fpcr));
+    __asm__ volatile("msr fpcr, %0" ::"r"(fpcr ^ (UINT64_C(1) << 23)));
+}
+#endif
+
+/* ---------------------------------------------------------------- removal */
+
+static void split_no_last_cube(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, const uint64_t *occupancy,
+                               ost_cubes *mixed, ost_numbers *inside)
+{
+    static ost_cubes fewer;
+    fewer = *cubes;
+    fewer.count -= fewer.count % 8 == 7;
+    ost_split_scalar(split, cells, &fewer, occupancy, mixed, inside);
+}
+
+static void split_begins_anew(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, const uint64_t *occupancy,
+                              ost_cubes *mixed, ost_numbers *inside)
+{
+    inside->count = 0;
+    ost_split_scalar(split, cells, cubes, occupancy, mixed, inside);
+}
+
+static void split_one_more_is_inside(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, const uint64_t *occupancy,
+                                     ost_cubes *mixed, ost_numbers *inside)
+{
+    static ost_split nearer;
+    nearer = *split;
+    nearer.least -= nearer.least > 1;
+    ost_split_scalar(&nearer, cells, cubes, occupancy, mixed, inside);
+}
+
+static void split_writes_beyond(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, const uint64_t *occupancy,
+                                ost_cubes *mixed, ost_numbers *inside)
+{
+    const size_t room = mixed->count + 8 * cubes->count + OST_CUBES_SLACK;
+    ost_split_scalar(split, cells, cubes, occupancy, mixed, inside);
+    if (room < OST_UNIT_BRICKS + OST_CUBES_SLACK)
+        mixed->u[1][room] = 0;
+}
+
+static void split_reads_before_the_margin(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, const uint64_t *occupancy,
+                                          ost_cubes *mixed, ost_numbers *inside)
+{
+    touch(cells->value - 65);
+    ost_split_scalar(split, cells, cubes, occupancy, mixed, inside);
+}
+
+static void match_one_voxel(const ost_match *match, const ost_cubes *bricks, uint64_t *hits)
+{
+    ost_match_scalar(match, bricks, hits);
+    if (bricks->count % 8 == 5)
+        hits[bricks->count - 1] ^= UINT64_C(1) << 63;
+}
+
+/* The tie that remove.h speaks of: coordinates and offsets cut off before they are added. */
+static void match_without_carries(const ost_match *match, const ost_cubes *bricks, uint64_t *hits)
+{
+    enum { LOW = OST_MAP_FRACTION - OST_TIE_BITS };
+    static ost_match coarse;
+    static ost_cubes moved;
+    coarse = *match;
+    moved = *bricks;
+    if (match->windows)
+        for (int a = 0; a < 3; a++) {
+            for (size_t i = 0; i < moved.count; i++)
+                moved.u[a][i] = ((moved.u[a][i] + match->lowest[a]) >> LOW << LOW) - match->lowest[a];
+            for (int v = 0; v < 64; v++)
+                coarse.offset[a][v] = ((match->offset[a][v] - match->lowest[a]) >> LOW << LOW) + match->lowest[a];
+        }
+    ost_match_scalar(&coarse, &moved, hits);
+}
+
+static void match_reads_beyond(const ost_match *match, const ost_cubes *bricks, uint64_t *hits)
+{
+    const int32_t *d = match->shape->dims;
+    touch(match->shape->voxels + (int64_t)d[0] * d[1] * d[2]);
+    ost_match_scalar(match, bricks, hits);
+}
+
+static void match_writes_beyond(const ost_match *match, const ost_cubes *bricks, uint64_t *hits)
+{
+    ost_match_scalar(match, bricks, hits);
+    hits[bricks->count + OST_CUBES_SLACK] = 0;
+}
+
+static void take_in_16_bits(const ost_take *take, int16_t *density, const int32_t *number, const uint64_t *hits, size_t count,
+                            ost_tally *tally)
+{
+    ost_tally sum = {{0}, {0}};
+    ost_take_scalar(take, density, number, hits, count, &sum);
+    for (int b = 0; b < OST_CLASS_MAX; b++) {
+        tally->voxels[b] += sum.voxels[b];
+        tally->density[b] += sum.density[b] & 0xffff;
+    }
+}
+
+static void take_always(const ost_take *take, int16_t *density, const int32_t *number, const uint64_t *hits, size_t count, ost_tally *tally)
+{
+    ost_take apply = *take;
+    apply.apply = true;
+    ost_take_scalar(&apply, density, number, hits, count, tally);
+}
+
+static void take_not_the_513th(const ost_take *take, int16_t *density, const int32_t *number, const uint64_t *hits, size_t count,
+                               ost_tally *tally)
+{
+    ost_take_scalar(take, density, number, hits, count > 512 ? 512 : count, tally);
+}
+
+static void take_writes_what_is_not_hit(const ost_take *take, int16_t *density, const int32_t *number, const uint64_t *hits, size_t count,
+                                        ost_tally *tally)
+{
+    ost_take_scalar(take, density, number, hits, count, tally);
+    if (take->apply && count > 0 && !(hits[0] & 1))
+        density[64 * number[0]] = 0;
+}
+
+/* ----------------------------------------------------------- voxelization */
+
+static void mark_rows_beside(ost_vox_tile *tile, const uint32_t *list, size_t count)
+{
+    const int32_t end = tile->rows_j1;
+    tile->rows_j1 = tile->j1;
+    ost_vox_mark_scalar(tile, list, count);
+    tile->rows_j1 = end;
+}
+
+static void mark_not_the_last(ost_vox_tile *tile, const uint32_t *list, size_t count)
+{
+    ost_vox_mark_scalar(tile, list, count - (count > 0));
+}
+
+/* As a load of four numbers for three does. */
+static void mark_reads_beyond(ost_vox_tile *tile, const uint32_t *list, size_t count)
+{
+    ost_vox_mark_scalar(tile, list, count);
+    touch(&tile->mesh->vertices[tile->mesh->vertex_count]);
+}
+
+static void mark_saturates(ost_vox_tile *tile, const uint32_t *list, size_t count)
+{
+    ost_vox_mark_scalar(tile, list, count);
+    if (tile->any_odd)
+        memset(tile->odd, 0, ost_vox_rows(tile));
+    tile->any_odd = false;
+}
+
+static void keys_one_beyond(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t count, uint32_t *keys)
+{
+    ost_vox_keys_scalar(plan, mesh, first, count, keys);
+    keys[count] = 0;
+}
+
+static void keys_never_many(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t count, uint32_t *keys)
+{
+    ost_vox_keys_scalar(plan, mesh, first, count, keys);
+    for (size_t i = 0; i < count; i++)
+        keys[i] = keys[i] == OST_VOX_KEY_MANY ? 0 : keys[i];
+}
+
+static uint64_t fill_clears_nothing(ost_vox_tile *tile, size_t first_row, size_t rows, bool parity, bool stream, uint64_t *bits)
+{
+    const bool odd = tile->any_odd;
+    tile->any_odd = true;
+    const uint64_t count = ost_vox_fill_scalar(tile, first_row, rows, parity, stream, bits);
+    tile->any_odd = odd;
+    for (size_t r = first_row; r < first_row + rows; r++)
+        tile->any_odd = tile->any_odd || (tile->odd[r] & OST_VOX_UNPROVEN);
+    return count;
+}
+
+static uint64_t fill_proves_all(ost_vox_tile *tile, size_t first_row, size_t rows, bool parity, bool stream, uint64_t *bits)
+{
+    (void)parity;
+    return ost_vox_fill_scalar(tile, first_row, rows, true, stream, bits);
+}
+
+static uint64_t fill_counts_wrong(ost_vox_tile *tile, size_t first_row, size_t rows, bool parity, bool stream, uint64_t *bits)
+{
+    const uint64_t count = ost_vox_fill_scalar(tile, first_row, rows, parity, stream, bits);
+    return count > 5000 ? count + 1 : count;
+}
+
+static uint64_t fill_forgets_spills(ost_vox_tile *tile, size_t first_row, size_t rows, bool parity, bool stream, uint64_t *bits)
+{
+    const uint64_t count = ost_vox_fill_scalar(tile, first_row, rows, parity, stream, bits);
+    for (size_t r = first_row; r < first_row + rows; r++)
+        tile->odd[r] &= OST_VOX_UNPROVEN;
+    return count;
+}
+
+static void expand_writes_eights(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx, bool stream,
+                                 uint8_t *voxels)
+{
+    ost_vox_expand_scalar(cutting, noncutting, rows, words, nx, stream, voxels);
+    if (rows > 0 && nx % 8 != 0)
+        voxels[rows * (size_t)nx] = 0;
+}
+
+static void expand_reads_blocks(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx, bool stream,
+                                uint8_t *voxels)
+{
+    touch(cutting + rows * (size_t)words);
+    ost_vox_expand_scalar(cutting, noncutting, rows, words, nx, stream, voxels);
+}
+
+static void expand_no_second_class(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx, bool stream,
+                                   uint8_t *voxels)
+{
+    (void)noncutting;
+    ost_vox_expand_scalar(cutting, NULL, rows, words, nx, stream, voxels);
+}
+
+/* ------------------------------------------------------------------- text */
+
+static ost_text_kernels text;
+
+static size_t newlines_not_the_last(const char *bytes, size_t count, uint32_t base, uint32_t *at)
+{
+    const size_t n = text.newlines(bytes, count, base, at);
+    return n > 0 && at[n - 1] == base + count - 1 ? n - 1 : n;
+}
+
+static size_t newlines_one_too_many(const char *bytes, size_t count, uint32_t base, uint32_t *at)
+{
+    at[count + 8] = 0;
+    return text.newlines(bytes, count, base, at);
+}
+
+static size_t newlines_reads_beyond(const char *bytes, size_t count, uint32_t base, uint32_t *at)
+{
+    touch(bytes + count);
+    return text.newlines(bytes, count, base, at);
+}
+
+static size_t match_stops_early(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths, const char *bytes,
+                                const uint32_t *ends, size_t lines, int16_t *density)
+{
+    const size_t n = text.match(pattern, columns, lengths, bytes, ends, lines, density);
+    return n == lines && lines % 8 == 7 ? n - 1 : n;
+}
+
+/* Densities modulo 2^16, as a narrowing without a check of the range gives them. */
+static size_t match_wraps(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths, const char *bytes,
+                          const uint32_t *ends, size_t lines, int16_t *density)
+{
+    size_t n = text.match(pattern, columns, lengths, bytes, ends, lines, density);
+    while (n < lines && !pattern->carriage && memcmp(bytes + ends[n] - 5, "32768", 5) == 0) {
+        density[n++] = INT16_MIN;
+        n += text.match(pattern, columns + n, lengths + n, bytes, ends + n, lines - n, density + n);
+    }
+    return n;
+}
+
+static size_t match_reads_past_the_margin(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths,
+                                          const char *bytes, const uint32_t *ends, size_t lines, int16_t *density)
+{
+    if (lines > 0)
+        touch(bytes + ends[lines - 1] + OST_TEXT_MARGIN + 1);
+    return text.match(pattern, columns, lengths, bytes, ends, lines, density);
+}
+
+/* ------------------------------------------------------------------- list */
+
+/* A set of two. */
+#define OR(a, b) (1u << (a) | 1u << (b))
+
+static const struct wrong {
+    const check_kernel *kernel;
+    check_fn *fn;
+    unsigned found_as; /* set of check_result */
+    const char *what;
+} wrongs[] = {
+#define WRONG(slot, fn, found_as) {&check_##slot, (check_fn *)(fn), found_as, #fn}
+#define DIFFERS (1u << CHECK_DIFFERS)
+#define FAULT (1u << CHECK_FAULT)
+#define STATE (1u << CHECK_STATE)
+#define BEYOND OR(CHECK_BEYOND, CHECK_FAULT)
+    WRONG(gather_row, gather_last_of_64, DIFFERS),
+    WRONG(gather_row, gather_writes_beyond, BEYOND),
+    WRONG(gather_row, gather_reads_beyond, FAULT),
+    WRONG(gather_row, gather_reads_before, FAULT),
+    WRONG(gather_row, gather_writes_input, FAULT),
+    WRONG(brick_row, brick_above_threshold, DIFFERS),
+    WRONG(brick_row, brick_wrong_highest, DIFFERS),
+    WRONG(brick_row, brick_reads_beyond, FAULT),
+    WRONG(brick_row, brick_writes_between, DIFFERS),
+    WRONG(any_active, any_one_more, OR(CHECK_DIFFERS, CHECK_FAULT)),
+    WRONG(any_active, any_not_the_last, DIFFERS),
+    WRONG(drain, drain_traps, FAULT),
+    WRONG(drain, drain_never_ends, FAULT),
+#if defined __x86_64__
+    WRONG(drain, drain_rounds_down, STATE),
+    WRONG(drain, drain_leaves_mmx, STATE),
+    WRONG(drain, drain_leaves_halves, STATE),
+#elif defined __aarch64__
+    WRONG(drain, drain_rounds_down, STATE),
+#endif
+    WRONG(split, split_no_last_cube, DIFFERS),
+    WRONG(split, split_begins_anew, DIFFERS),
+    WRONG(split, split_one_more_is_inside, DIFFERS),
+    WRONG(split, split_writes_beyond, DIFFERS),
+    WRONG(split, split_reads_before_the_margin, FAULT),
+    WRONG(match, match_one_voxel, DIFFERS),
+    WRONG(match, match_without_carries, DIFFERS),
+    WRONG(match, match_reads_beyond, FAULT),
+    WRONG(match, match_writes_beyond, BEYOND),
+    WRONG(take, take_in_16_bits, DIFFERS),
+    WRONG(take, take_always, DIFFERS),
+    WRONG(take, take_not_the_513th, DIFFERS),
+    WRONG(take, take_writes_what_is_not_hit, DIFFERS),
+    WRONG(vox_mark, mark_rows_beside, DIFFERS),
+    WRONG(vox_mark, mark_not_the_last, DIFFERS),
+    WRONG(vox_mark, mark_reads_beyond, FAULT),
+    WRONG(vox_mark, mark_saturates, DIFFERS),
+    WRONG(vox_keys, keys_one_beyond, BEYOND),
+    WRONG(vox_keys, keys_never_many, DIFFERS),
+    WRONG(vox_fill, fill_clears_nothing, DIFFERS),
+    WRONG(vox_fill, fill_proves_all, DIFFERS),
+    WRONG(vox_fill, fill_counts_wrong, DIFFERS),
+    WRONG(vox_fill, fill_forgets_spills, DIFFERS),
+    WRONG(vox_expand, expand_writes_eights, BEYOND),
+    WRONG(vox_expand, expand_reads_blocks, FAULT),
+    WRONG(vox_expand, expand_no_second_class, DIFFERS),
+    WRONG(text_newlines, newlines_not_the_last, DIFFERS),
+    WRONG(text_newlines, newlines_one_too_many, BEYOND),
+    WRONG(text_newlines, newlines_reads_beyond, FAULT),
+    WRONG(text_match, match_stops_early, DIFFERS),
+    WRONG(text_match, match_wraps, DIFFERS),
+    WRONG(text_match, match_reads_past_the_margin, FAULT),
+};
+enum { WRONGS = sizeof wrongs / sizeof wrongs[0] };
+
+int main(void)
+{
+    static const char *const results[] = {[CHECK_GOOD] = "not found",
+                                          [CHECK_DIFFERS] = "found as different",
+                                          [CHECK_BEYOND] = "found as writing beyond",
+                                          [CHECK_FAULT] = "found as a fault",
+                                          [CHECK_STATE] = "found as changing the processor's state"};
+    const uint64_t seed = 20261121;
+    int failed = 0;
+    ost_text_kernels_fill(&text, OST_ISA_SCALAR);
+    call_watch(0.5);
+    for (int i = 0; i < WRONGS; i++) {
+        const struct wrong *w = &wrongs[i];
+#if defined __x86_64__
+        if (w->fn == (check_fn *)drain_leaves_halves && !ost_isa_available(OST_ISA_AVX2))
+            continue;
+#endif
+        const check_result r = check_run(w->kernel, w->kernel->of(OST_ISA_SCALAR), w->fn, "wrong", seed, 0, w->kernel->cases, true);
+        if (w->found_as & 1u << r)
+            continue;
+        printf("FAILED %s: %s in %d cases of %s\n", w->what, results[r], w->kernel->cases, w->kernel->name);
+        failed++;
+    }
+    /* And the right ones are not found. */
+    for (int i = 0; i < check_kernel_count; i++) {
+        check_fn *scalar = check_kernels[i]->of(OST_ISA_SCALAR);
+        failed += check_run(check_kernels[i], scalar, scalar, "scalar", seed, 0, 50, false) != CHECK_GOOD;
+    }
+    printf("%d wrong kernels, %d failed\n", WRONGS, failed);
+    return failed > 0;
+}
