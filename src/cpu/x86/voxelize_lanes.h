@@ -114,9 +114,13 @@ static inline __attribute__((always_inline)) void corners(const ost_snapped_mesh
     vi_vertices(mesh, v, 2, c);
 }
 
-/* Triangles t of the lanes in valid. */
-static inline void mark_lanes(ost_vox_tile *tile, const uint32_t *t, vm valid, pending *p)
+/*
+ * Triangles t of the first lanes.  Their number, not their mask: gcc 12 takes
+ * a function with a vector argument to clean the upper halves up nowhere.
+ */
+static inline void mark_lanes(ost_vox_tile *tile, const uint32_t *t, int lanes, pending *p)
 {
+    vm valid = vm_first(lanes);
     const double w_ = (double)(1 << tile->f), h_ = w_ / 2;
     const vd w = vd_set(w_), h = vd_set(h_), per_w = vd_set(1 / w_), zero = vd_set(0), one = vd_set(1);
     vi a[3], b[3], c[3];
@@ -203,12 +207,12 @@ static inline void mark_list(ost_vox_tile *tile, const uint32_t *list, size_t co
 {
     size_t i = 0;
     for (; i + LANES <= count; i += LANES)
-        mark_lanes(tile, list + i, vm_first(LANES), p);
+        mark_lanes(tile, list + i, LANES, p);
     if (i < count) {
         uint32_t t[LANES];
         for (size_t l = 0; l < LANES; l++) /* the last one again in lanes behind it */
             t[l] = list[i + l < count ? i + l : count - 1];
-        mark_lanes(tile, t, vm_first((int)(count - i)), p);
+        mark_lanes(tile, t, (int)(count - i), p);
     }
 }
 
@@ -236,7 +240,7 @@ static inline void mark_all(ost_vox_tile *tile, size_t count, pending *p)
         n += emit(kept + n, vi_load(t), bounds_meet_rows(tile, t));
         if (n >= LANES) {
             n -= LANES;
-            mark_lanes(tile, kept + n, vm_first(LANES), p);
+            mark_lanes(tile, kept + n, LANES, p);
         }
     }
     mark_list(tile, kept, n, p);
