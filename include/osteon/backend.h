@@ -3,7 +3,9 @@
  * Backends: who keeps the voxels and works on them.
  *
  * A backend is chosen by a string, "name" or "name:key=value,key=value":
- * "ref" is the scalar reference, the executable form of docs/arithmetic.md.
+ * "cpu" is the one for work: it finds the instruction set and the number of
+ * threads by itself, or takes "cpu:isa=avx2,threads=2".  "ref" is the scalar
+ * reference, the executable form of docs/arithmetic.md.
  * Every backend gives the same grids to the bit, or it has a defect.
  *
  *   samples --ct_to_rect--> grid --rect_to_cubic--> grid --cubic_to_chunks--> bone
@@ -49,6 +51,14 @@ OST_API ost_status ost_backend_describe(int index, ost_backend_info *out, ost_er
 OST_API ost_status ost_backend_open(const char *spec, ost_backend **out, ost_error *err);
 OST_API void ost_backend_close(ost_backend *backend); /* NULL is allowed */
 OST_API const char *ost_backend_name(const ost_backend *backend);
+
+/* What an open backend works with, after its options, the environment and the machine had their say. */
+typedef struct ost_backend_settings {
+    const char *isa; /* the instruction set it chose, "avx2"; "" where there is no choice */
+    int threads;     /* the most it uses, >= 1 */
+} ost_backend_settings;
+
+OST_API ost_backend_settings ost_backend_settings_get(const ost_backend *backend);
 
 /* ----------------------------------------------------------------- grids */
 

@@ -4,6 +4,7 @@
  */
 #include "config.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #if defined __aarch64__ && defined __linux__
@@ -14,6 +15,7 @@
 #include "app/options.h"
 #include "app/result.h"
 #include "app/say.h"
+#include "core/isa.h"
 
 static void one(const app_state *app, json_t *array, const char *name, bool available, const char *reason)
 {
@@ -25,18 +27,56 @@ static void one(const app_state *app, json_t *array, const char *name, bool avai
     say(app, "  %-9s %-4s %s", name, available ? "yes" : "no", reason);
 }
 
-static void list_backends(const app_state *app)
+/* The sets that this machine and this build can run, the chosen one among them. */
+static void list_choices(const app_state *app, json_t *row, const ost_backend_settings *settings)
 {
     json_t *array = json_array();
+    char text[128] = "";
+    for (int i = 0; i < OST_ISA_COUNT; i++) {
+        if (!ost_isa_available((ost_isa)i))
+            continue;
+        const size_t used = strlen(text);
+        append(array, json_string(ost_isa_name((ost_isa)i)));
+        snprintf(text + used, sizeof text - used, "%s%s", used ? ", " : "", ost_isa_name((ost_isa)i));
+    }
+    put_text(row, "isa", settings->isa);
+    put(row, "isas", array);
+    say(app, "  %-14s works with %s on %d thread%s; there are %s", "", settings->isa, settings->threads,
+        settings->threads == 1 ? "" : "s", text);
+}
+
+/* Opened for a moment, so that what is listed is what a verb would get: with --backend and --threads as given here. */
+static ost_status list_backends(const app_state *app, ost_error *err)
+{
+    json_t *array = json_array();
+    bool known = false;
     say(app, "backends");
-    if (backend_cpu_stands_in())
-        one(app, array, "cpu", true, "the default; this build has no CPU backend yet, so the reference (ref) stands in: same grids, slower");
     for (int i = 0; i < ost_backend_count(); i++) {
         ost_backend_info info = {0};
-        if (ost_backend_describe(i, &info, NULL) == OST_OK)
-            one(app, array, info.name, info.available, info.available ? info.description : info.reason);
+        ost_backend *backend = NULL;
+        if (ost_backend_describe(i, &info, NULL) != OST_OK)
+            continue;
+        const bool chosen = backend_is(app, info.name);
+        known = known || chosen;
+        if (info.available) {
+            ost_error why = {0};
+            const ost_status status = chosen ? backend_choose(app, &backend, &why) : ost_backend_open(info.name, &backend, &why);
+            info.available = status == OST_OK;
+            snprintf(info.reason, sizeof info.reason, "%.*s", (int)sizeof info.reason - 1, why.text);
+        }
+        one(app, array, info.name, info.available, info.available ? info.description : info.reason);
+        if (backend) {
+            const ost_backend_settings settings = ost_backend_settings_get(backend);
+            json_t *row = json_array_get(array, json_array_size(array) - 1);
+            put_integer(row, "threads", settings.threads);
+            if (*settings.isa)
+                list_choices(app, row, &settings);
+        }
+        ost_backend_close(backend);
     }
     put(app->result, "backends", array);
+    ost_backend *none = NULL;
+    return known ? OST_OK : backend_choose(app, &none, err);
 }
 
 static void list_instruction_sets(const app_state *app)
@@ -94,6 +134,11 @@ static void list_libraries(const app_state *app)
 #else
     one(app, array, "png", false, "no pictures; install libpng-dev and build again");
 #endif
+#if defined HAVE_EMBREE4 || defined HAVE_EMBREE3
+    one(app, array, "embree", true, "--backend cpu:voxelizer=embree, and Embree's rows in osteon bench");
+#else
+    one(app, array, "embree", false, "no --backend cpu:voxelizer=embree (same grids without); install libembree-dev and build again");
+#endif
     put(app->result, "libraries", array);
 }
 
@@ -103,16 +148,19 @@ ost_status cmd_devices(app_state *app, int argc, char **argv, ost_error *err)
     const usage_text usage = {
         .synopsis = "[--json]",
         .about = "Says which backends, instruction sets and optional parts work here, and for what\n"
-                 "does not the reason and what to install.",
+                 "does not the reason and what to install. OSTEON_ISA, OMP_NUM_THREADS, --backend\n"
+                 "and --threads count as they would for any other verb.",
         .options = options,
-        .example = "  osteon devices",
+        .example = "  osteon devices\n  osteon devices --backend cpu:isa=avx2 --threads 1",
     };
     ost_status status;
     if (!options_parse(app, &usage, argc, argv, &status, err))
         return status;
     put_text(app->result, "version", ost_version());
     put_integer(app->result, "arithmetic", OST_ARITHMETIC_VERSION);
-    list_backends(app);
+    status = list_backends(app, err);
+    if (status != OST_OK)
+        return status;
     list_instruction_sets(app);
     list_libraries(app);
     return OST_OK;

@@ -15,9 +15,9 @@ static void common_options(app_state *app, bool *help, option out[COMMON_MAX])
 {
     const option common[COMMON_MAX] = {
         {.name = "backend", .kind = OPTION_TEXT, .out = &app->backend, .value = "NAME",
-         .help = "who computes: cpu (default) or ref; see osteon devices"},
-        {.name = "threads", .kind = OPTION_INTEGER, .out = &app->threads, .value = "N", .min = 1, .max = 4096,
-         .help = "at most N threads (default: one a core, where the backend has threads)"},
+         .help = "who computes: cpu (default), cpu:isa=avx2, ref; see osteon devices"},
+        {.name = "threads", .kind = OPTION_INTEGER, .out = &app->threads, .value = "N", .min = 1, .max = 1024,
+         .help = "at most N threads (default: one a core); no result depends on it"},
         {.name = "json", .kind = OPTION_FLAG, .out = &app->json, .help = "print one JSON object on standard output"},
         {.name = "quiet", .kind = OPTION_FLAG, .out = &app->quiet, .help = "no summary, no warnings, no progress"},
         {.name = "help", .kind = OPTION_FLAG, .out = help, .help = "show this"},

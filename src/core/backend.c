@@ -81,6 +81,11 @@ const char *ost_backend_name(const ost_backend *backend)
     return backend->ops->name;
 }
 
+ost_backend_settings ost_backend_settings_get(const ost_backend *backend)
+{
+    return backend->ops->settings(backend);
+}
+
 ost_status ost_backend_finish(ost_backend *backend, ost_error *err)
 {
     if (!backend)

@@ -50,6 +50,7 @@ struct ost_backend_ops {
     /* options is the text after "name:", or "". Sets *out; out->ops need not be set. */
     ost_status (*open)(const char *options, ost_backend **out, ost_error *err);
     void (*close)(ost_backend *backend);
+    ost_backend_settings (*settings)(const ost_backend *backend);
     ost_status (*finish)(ost_backend *backend, ost_error *err);
 
     /* Zero-filled grid; slices up and down. No arithmetic. */

@@ -108,8 +108,7 @@ ost_status ost_isa_choose(const char *name, ost_isa *out, ost_error *err)
     for (int isa = 0; isa < OST_ISA_COUNT; isa++)
         if (strcmp(names[isa], name) == 0) {
             if (!ost_isa_available((ost_isa)isa))
-                return ost_fail(err, OST_ERR_UNAVAILABLE, "%sinstruction set '%s' cannot be used on this machine or in this build", from,
-                                name);
+                return ost_fail(err, OST_ERR_UNAVAILABLE, "%sinstruction set '%s' cannot be used here; osteon devices says what can", from, name);
             *out = (ost_isa)isa;
             return OST_OK;
         }

@@ -26,7 +26,8 @@ static bool available(char *reason, size_t size)
 static int default_threads(void)
 {
 #if defined _OPENMP
-    return omp_get_max_threads();
+    const int most = omp_get_max_threads(); /* OMP_NUM_THREADS, else the cores that the process may use */
+    return most < THREADS_MAX ? most : THREADS_MAX;
 #else
     return 1;
 #endif
@@ -34,9 +35,10 @@ static int default_threads(void)
 
 static ost_status set_threads(const char *value, int *threads, ost_error *err)
 {
-    char *end;
-    long n = strtol(value, &end, 10);
-    if (end == value || *end || n < 1 || n > THREADS_MAX)
+    /* Digits alone: strtol would take spaces and a sign as well. */
+    const size_t digits = strspn(value, "0123456789");
+    const long n = digits > 0 && digits < 6 && !value[digits] ? strtol(value, NULL, 10) : 0;
+    if (n < 1 || n > THREADS_MAX)
         return ost_fail(err, OST_ERR_USAGE, "backend cpu: threads=%.20s; expected a number from 1 to %d", value, THREADS_MAX);
     *threads = (int)n;
     return OST_OK;
@@ -58,19 +60,31 @@ typedef struct cpu_options {
     const char *isa;
     int threads;
     ost_voxelizer voxelizer;
+    unsigned given; /* a bit a key */
 } cpu_options;
 
 /* One "key=value". */
 static ost_status set_option(const char *option, cpu_options *options, ost_error *err)
 {
-    if (strncmp(option, "isa=", 4) == 0) {
-        options->isa = option + 4;
-        return OST_OK;
+    static const char *const keys[] = {"isa=", "threads=", "voxelizer="};
+    for (int key = 0; key < 3; key++) {
+        const size_t length = strlen(keys[key]);
+        if (strncmp(option, keys[key], length) != 0)
+            continue;
+        if (options->given & 1u << key)
+            return ost_fail(err, OST_ERR_USAGE, "backend cpu: %s is given twice; once is enough", keys[key]);
+        options->given |= 1u << key;
+        const char *value = option + length;
+        switch (key) {
+        case 0:
+            options->isa = value;
+            return *value ? OST_OK : ost_fail(err, OST_ERR_USAGE, "backend cpu: isa= says no instruction set; osteon devices lists them");
+        case 1:
+            return set_threads(value, &options->threads, err);
+        default:
+            return set_voxelizer(value, &options->voxelizer, err);
+        }
     }
-    if (strncmp(option, "threads=", 8) == 0)
-        return set_threads(option + 8, &options->threads, err);
-    if (strncmp(option, "voxelizer=", 10) == 0)
-        return set_voxelizer(option + 10, &options->voxelizer, err);
     return ost_fail(err, OST_ERR_USAGE, "backend cpu: '%.40s' is unknown; options are isa=NAME, threads=N and voxelizer=NAME", option);
 }
 
@@ -132,6 +146,12 @@ static void close_cpu(ost_backend *base)
     free(backend);
 }
 
+static ost_backend_settings settings(const ost_backend *base)
+{
+    const cpu_backend *backend = (const cpu_backend *)base;
+    return (ost_backend_settings){.isa = ost_isa_name(backend->isa), .threads = backend->threads};
+}
+
 /* Every call has done its work when it returns. */
 static ost_status finish(ost_backend *backend, ost_error *err)
 {
@@ -146,6 +166,7 @@ const ost_backend_ops ost_backend_cpu = {
     .available = available,
     .open = open_cpu,
     .close = close_cpu,
+    .settings = settings,
     .finish = finish,
     .grid_create = ost_cpu_grid_create,
     .grid_free = ost_cpu_grid_free,

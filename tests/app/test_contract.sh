@@ -7,7 +7,7 @@
 
 # The object is alone: json_get accepts nothing after it, and people's text is not there.
 run 0 devices --json
-has backends.0.name backends.0.available backends.0.reason
+has backends.0.name backends.0.available backends.0.reason backends.0.threads backends.0.isa backends.0.isas.0 backends.1.threads
 run 0 phantom glenoid --out glenoid.nrrd --json
 has dims.2 spacing_mm.2 seed sha256
 check "glenoid's dims" "$(value dims.0) $(value dims.1) $(value dims.2)" "49 81 41"

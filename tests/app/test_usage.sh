@@ -68,6 +68,43 @@ refuse 2 'which second grid?' diff a
 refuse 2 'not both' export a --out b.png --view lateral --slices
 refuse 2 'are for .png' export a --out b.nrrd --view lateral
 refuse 2 'backend' import builtin:glenoid --out b.nrrd --backend nonsense
+
+# Options of backends; each says what was expected.
+peg="voxelize builtin:peg --voxel 1 --out b.nrrd"
+refuse 2 "no backend 'cpux'; known here: cpu, ref" $peg --backend cpux
+refuse 2 "no instruction set 'sse9'; known are auto, scalar" $peg --backend cpu:isa=sse9
+refuse 2 'isa= says no instruction set' $peg --backend cpu:isa=
+refuse 2 'isa= is given twice' $peg --backend cpu:isa=scalar,isa=scalar
+for threads in 0 -1 +2 ' 2' 1025 99999999999999999999 2x ''; do
+    refuse 2 "threads=$threads; expected a number from 1 to 1024" $peg --backend "cpu:threads=$threads"
+done
+refuse 2 'must be from 1 to 1024' $peg --threads 1025
+refuse 2 'give one of them' $peg --backend cpu:threads=2 --threads 3
+refuse 2 'voxelizer=rays; expected auto, triangles or embree' $peg --backend cpu:voxelizer=rays
+refuse 2 "'color=red' is unknown; options are isa=NAME, threads=N and voxelizer=NAME" $peg --backend cpu:color=red
+refuse 2 'backend ref takes no options' $peg --backend ref:threads=2
+OSTEON_ISA=sse9
+export OSTEON_ISA
+refuse 2 "OSTEON_ISA: there is no instruction set 'sse9'" $peg
+run 0 devices
+grep -q "^  cpu *no *OSTEON_ISA" out || fail "devices with a wrong OSTEON_ISA: $(head -c 300 out)"
+unset OSTEON_ISA
+"$osteon" devices | grep -q '^  embree *yes' || refuse 3 'libembree-dev' $peg --backend cpu:voxelizer=embree
+
+# What devices says is what a verb gets; a set that is not among those is refused.
+value_of() { # value_of KEY
+    "$osteon" devices --json | "$json_get" "backends.0.$1"
+}
+check "first backend" "$(value_of name)" cpu
+check "OSTEON_ISA is heard" "$(OSTEON_ISA=scalar value_of isa)" scalar
+check "OMP_NUM_THREADS is heard" "$(OMP_NUM_THREADS=3 value_of threads)" "$("$osteon" devices --threads 3 --json | "$json_get" backends.0.threads)"
+for isa in scalar avx2 avx512 avx512vbmi neon; do
+    if "$osteon" devices | grep -q "works with.*there are.*\<$isa\>"; then
+        check "OSTEON_ISA=$isa is heard" "$(OSTEON_ISA=$isa value_of isa)" $isa
+    else
+        refuse 3 "instruction set '$isa' cannot be used here" $peg --backend cpu:isa=$isa
+    fi
+done
 check "files left behind by refusals" "$(ls | grep -v '^\(out\|err\|help_all\|options_\)' | tr '\n' ' ')" ""
 
 # Standard streams that are closed or full are errors, never another file's content.

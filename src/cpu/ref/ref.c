@@ -37,6 +37,12 @@ static void close_ref(ost_backend *backend)
     free(backend);
 }
 
+static ost_backend_settings settings(const ost_backend *backend)
+{
+    (void)backend;
+    return (ost_backend_settings){.isa = "", .threads = 1};
+}
+
 /* Everything has happened when its call returns. */
 static ost_status finish(ost_backend *backend, ost_error *err)
 {
@@ -51,6 +57,7 @@ const ost_backend_ops ost_backend_ref = {
     .available = available,
     .open = open_ref,
     .close = close_ref,
+    .settings = settings,
     .finish = finish,
     .grid_create = ost_ref_grid_create,
     .grid_free = ost_ref_grid_free,
