@@ -25,7 +25,7 @@ int main(int argc, char **argv)
         return 2;
     }
 
-    status = ost_backend_open("ref", &backend, &err);
+    status = ost_backend_open("cpu", &backend, &err);
     if (!status)
         status = ost_import(backend, argv[1], NULL, &bone, &result, &err);
     if (!status)

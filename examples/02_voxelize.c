@@ -46,7 +46,7 @@ int main(int argc, char **argv)
     if (!status)
         status = ost_mesh_snap(&mesh, &grid, &snapped, &err);
     if (!status)
-        status = ost_backend_open("ref", &backend, &err);
+        status = ost_backend_open("cpu", &backend, &err);
     if (!status) /* the one mesh cuts; a shaft that only touches would be the second */
         status = ost_voxelize(backend, &snapped, NULL, OST_FILL_WINDING, &report, &tool, &err);
     if (!status)

@@ -38,7 +38,7 @@ int main(int argc, char **argv)
     memset(&path, 0, sizeof path);
 
     /* The bone and the tool, onto the backend. */
-    status = ost_backend_open("ref", &backend, &err);
+    status = ost_backend_open("cpu", &backend, &err);
     if (!status)
         status = ost_import(backend, argv[1], NULL, &bone, &source, &err);
     if (!status)
