@@ -1,0 +1,173 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# No byte of any output depends on who computes it: backends ref and cpu, every
+# instruction set of this machine, 1, 2, 3 and 7 threads, what OpenMP's
+# variables say, and chunks of 16, 32 and 64 voxels.
+#
+# Every way goes through the same work in a folder of its own, from one text,
+# and its files are compared with those of the reference by cmp:
+#
+#   import of text in order and shuffled, NRRD, NIfTI   bones, raw and gzip
+#   voxelize by both rules, one mesh and two            tools
+#   ream by built-in paths and by poses                 bones
+#   export                                              text, NIfTI, STL, PNG
+#   diff, info                                          page, JSON
+#
+# and the objects of --json, without the lines that hold times.  What is by
+# contract about chunks (chunk, chunk_dims, chunks, active_chunks, chunk_bytes
+# of import and ream) is compared among ways with chunks of one size, the rest
+# of these objects among all.
+#
+# By default instruction sets and threads meet each other once and chunk sizes
+# go round; OST_TEST_LONG=1 tries every combination.
+# Covers: AR-CHK-3, AR-FILE-1, AR-LAW-1, REQ-CPU, REQ-SAME-FILES
+. "${srcdir:-.}/tests/app/lib.sh"
+
+long=${OST_TEST_LONG:-0}
+have() { "$osteon" devices | grep -q "^  $1 *yes"; }
+have assimp && meshes=yes || meshes=no
+have nifti && nifti=yes || nifti=no
+have png && png=yes || png=no
+
+# What everybody starts from.
+run 0 phantom glenoid --spacing 0.8 --out ct.nrrd
+run 0 export ct.nrrd --out ct.txt
+[ $nifti = yes ] && run 0 export ct.nrrd --out ct.nii.gz
+# The same lines in another order, by a key that goes round: what comes first in a scan comes anywhere here.
+grep -v '^#' ct.txt | awk '{ print (NR * 7919) % 10007, $0 }' | LC_ALL=C sort -n | cut -d' ' -f2- >shuffled.txt
+run 0 tool reamer --out reamer.stl
+run 0 tool peg --out peg.stl
+# Poses around the glenoid, turning, with moves that need poses between them.
+run 0 info ct.nrrd --json
+# shellcheck disable=SC2046 # three numbers
+set -- $(value meta.glenoid_at_mm)
+awk -v x="$1" -v y="$2" -v z="$3" 'BEGIN {
+    print "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz"
+    for (i = 0; i < 40; i++) {
+        a = i * 0.11
+        printf "%.3f,%.4f,%.4f,%.4f,%.6f,%.6f,%.6f,0\n", i * 0.01, x + 9 * sin(a) - 4, y + 7 * cos(2 * a), z + 0.9 * i - 18,
+            cos(a / 2), sin(a / 2) * 0.6, sin(a / 2) * 0.8
+    }
+}' >poses.csv
+
+# The lines of a JSON object that hold no time.
+timeless() { grep -vE '^ *"(time_ms|run_ms|p50|p99|max)":' | sed 's/,$//'; }
+# And nothing about chunks, which may be a number or an array.
+chunkless() { awk '/"(chunk|chunks|active_chunks|chunk_bytes)": [0-9]/ { next } /"chunk_dims": \[/ { skip = 1 } !skip { print } /\]/ { skip = 0 }'; }
+
+# verb OUTPUT ARGUMENT...: a verb whose object becomes OUTPUT.json
+verb() {
+    output=$1
+    shift
+    "$osteon" "$@" --json >object 2>err
+    status=$?
+    [ $status -eq 0 ] || { [ "$1" = diff ] && [ $status -eq 1 ]; } || fail "osteon $*: status $status: $(head -c 300 err)"
+    timeless <object >"$output.chunked.json"
+    chunkless <"$output.chunked.json" >"$output.json"
+    rm -f object err
+    # Which sizes of chunks are asked for is nobody else's business.
+    case $1 in import | ream) ;; *) rm "$output.chunked.json" ;; esac
+}
+
+# work CHUNK OPTION...: everything, in this folder
+work() {
+    chunk=$1
+    shift
+    verb bone import ../ct.txt --out bone.nrrd --chunk "$chunk" "$@"
+    verb small import ../shuffled.txt --spacing 0.8 --out small.nrrd --compress --chunk "$chunk" "$@"
+    verb coarse import ../ct.nrrd --cubic 1.1 --nearest --threshold 300 --out coarse.nrrd --chunk "$chunk" "$@"
+    [ $nifti = no ] || verb nii import ../ct.nii.gz --out nii.nrrd --chunk "$chunk" "$@"
+    if [ $meshes = yes ]; then
+        verb reamer voxelize ../reamer.stl --voxel 0.5 --noncutting ../peg.stl --out reamer.nrrd "$@"
+        verb parity voxelize ../peg.stl --voxel 0.3 --rule parity --out parity.nrrd "$@"
+    else
+        verb reamer voxelize builtin:reamer --voxel 0.5 --out reamer.nrrd "$@"
+    fi
+    verb reamed ream --bone bone.nrrd --tool builtin:peg --path builtin:peg-hole \
+        --rate 30 --out reamed.nrrd --chunk "$chunk" "$@"
+    [ "$long" != 1 ] || verb glenoid ream --bone reamed.nrrd --tool reamer.nrrd --path builtin:glenoid-ream --rate 60 \
+        --out glenoid.nrrd --chunk "$chunk" "$@"
+    verb free ream --bone ../ct.txt --tool reamer.nrrd --path ../poses.csv --out free.nrrd --chunk "$chunk" "$@"
+    verb info info reamed.nrrd --digest "$@"
+    verb text export reamed.nrrd --out reamed.txt "$@"
+    verb surface export reamed.nrrd --out reamed.stl "$@"
+    [ $nifti = no ] || verb volume export reamed.nrrd --out reamed.nii.gz "$@"
+    verb difference diff bone.nrrd reamed.nrrd "$@"
+    if [ "$draws" = yes ]; then
+        verb slices export reamed.nrrd --before bone.nrrd --slices --out slices.png "$@"
+        verb page diff bone.nrrd reamed.nrrd --html page.html "$@"
+    fi
+}
+
+# Pictures take longest and are drawn from files that are compared anyway: one way in five draws.
+pictures=0
+[ $png = no ] || pictures=4
+draws=$png
+ways=0
+# same NAME CHUNK OPTION...: works, and compares with the reference's files
+same() {
+    name=$1
+    shift
+    [ "$long" = 1 ] || [ $((ways % 5)) -eq 0 ] && draws=$png || draws=no
+    ways=$((ways + 1))
+    mkdir way && cd way || exit 99
+    work "$@"
+    for file in *; do
+        case $file in *.chunked.json) against=../ref$1 ;; *) against=../ref32 ;; esac
+        checks=$((checks + 1))
+        cmp -s "$file" "$against/$file" || fail "$name, chunks of $1: $file is another than the reference's"
+    done
+    here=$(ls | wc -l) all=$(ls ../ref32 | wc -l)
+    [ "$draws" = yes ] || here=$((here + pictures))
+    check "$name, chunks of $1: files" $((here)) $((all))
+    cd .. && rm -r way
+}
+
+for size in 32 16 64; do
+    mkdir ref$size && cd ref$size || exit 99
+    work $size --backend ref
+    cd ..
+    [ $size = 32 ] && continue
+    for file in ref32/*; do
+        case $file in *.chunked.json) continue ;; esac
+        checks=$((checks + 1))
+        cmp -s "$file" "ref$size/${file#ref32/}" || fail "ref, chunks of $size: ${file#ref32/} is another than with 32"
+    done
+done
+# A reference that removes nothing, or whose objects were emptied above, would prove nothing.
+check "removed by the built-in paths" "$(grep -c '"removed_voxels": [1-9]' ref32/reamed.json)" 1
+check "removed by the poses" "$(grep -c '"removed_voxels": [1-9]' ref32/free.json)" 1
+check "digests kept in JSON" "$(grep -c '"sha256"' ref32/bone.json)" 4
+cmp -s ref32/bone.nrrd ref32/small.nrrd && fail "gzip made a raw file"
+
+[ $failures -eq 0 ] || finish
+
+isas=
+for isa in scalar avx2 avx512 avx512vbmi neon; do
+    "$osteon" devices --backend "cpu:isa=$isa" | grep -q "works with $isa" && isas="$isas $isa"
+done
+turn=0
+for isa in $isas; do
+    for threads in 1 2 3 7; do
+        turn=$((turn + 1))
+        for size in 16 32 64; do
+            [ "$long" = 1 ] || [ $((turn % 3)) -eq $((size / 16 % 4 % 3)) ] || continue
+            same "cpu:isa=$isa, $threads threads" $size --backend "cpu:isa=$isa" --threads $threads
+        done
+    done
+done
+
+# What OpenMP is told: an odd number of threads, fewer than are asked for, as many as it likes.
+OMP_NUM_THREADS=5 OMP_SCHEDULE=dynamic,1 same "OMP_NUM_THREADS=5" 32
+OMP_THREAD_LIMIT=2 OMP_DYNAMIC=true same "OMP_THREAD_LIMIT=2" 32 --threads 7
+if [ "$long" = 1 ]; then
+    for size in 16 64; do
+        OMP_NUM_THREADS=1 same "OMP_NUM_THREADS=1" $size
+        OMP_NUM_THREADS=9 OMP_WAIT_POLICY=passive OMP_PROC_BIND=false same "OMP_NUM_THREADS=9" $size
+    done
+fi
+if have embree; then
+    same "voxelizer=embree" 32 --backend cpu:voxelizer=embree --threads 3
+fi
+echo "instruction sets:$isas; $ways ways, $(ls ref32 | wc -l | tr -d ' ') files each"
+finish
