@@ -1,19 +1,28 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # The thesis' grids: Tables 3.1 and 3.2 for its five models, and its reamer at
-# three resolutions, out of phantom | import and tool | voxelize.  The two
-# largest run with OST_TEST_LONG=1.
+# three resolutions, out of phantom | import and tool | voxelize, on every
+# backend of OST_TEST_BACKENDS (tests/backends.h) with the same digests.  The
+# two largest run with OST_TEST_LONG=1.
 # Covers: AR-CUB-1, AR-CHK-1, AR-TOOL-2, REQ-TABLES
 . "${srcdir:-.}/tests/app/lib.sh"
+
+backends=${OST_TEST_BACKENDS:-ref cpu:threads=2 cpu:isa=scalar,threads=3}
+first=${backends%% *}
 
 # model KIND RECT CUBIC CHUNKS
 model() {
     run 0 phantom "$1" --out model.nrrd --json || return
     check "$1: dims" "$(value dims.0) $(value dims.1) $(value dims.2)" "$2"
-    run 0 import model.nrrd --out bone.nrrd --json || return
-    check "$1: rect dims" "$(value rect_dims.0) $(value rect_dims.1) $(value rect_dims.2)" "$2"
-    check "$1: cubic dims" "$(value cubic_dims.0) $(value cubic_dims.1) $(value cubic_dims.2)" "$3"
-    check "$1: chunk dims" "$(value chunk_dims.0) $(value chunk_dims.1) $(value chunk_dims.2)" "$4"
+    for backend in $backends; do
+        run 0 import model.nrrd --out bone.nrrd --json --backend "$backend" || return
+        check "$1: rect dims" "$(value rect_dims.0) $(value rect_dims.1) $(value rect_dims.2)" "$2"
+        check "$1: cubic dims" "$(value cubic_dims.0) $(value cubic_dims.1) $(value cubic_dims.2)" "$3"
+        check "$1: chunk dims" "$(value chunk_dims.0) $(value chunk_dims.1) $(value chunk_dims.2)" "$4"
+        digests="$(value stages.0.sha256) $(value stages.1.sha256) $(value stages.2.sha256) $(value file_sha256)"
+        [ "$backend" = "$first" ] && expected_digests=$digests
+        check "$1: digests by $backend" "$digests" "$expected_digests"
+    done
     echo "$1: $(value active_chunks) of $(value chunks) chunks active"
 }
 
@@ -26,9 +35,13 @@ if [ "${OST_TEST_LONG:-0}" = 1 ]; then
 fi
 
 reamer() {
-    run 0 voxelize reamer.stl --voxel "$1" --out reamer.nrrd --json || return
-    check "reamer at $1" "$(value dims.0) $(value dims.1) $(value dims.2)" "$2"
-    check "reamer at $1: leaks" "$(value leaking_rows)" 0
+    for backend in $backends; do
+        run 0 voxelize reamer.stl --voxel "$1" --out reamer.nrrd --json --backend "$backend" || return
+        check "reamer at $1" "$(value dims.0) $(value dims.1) $(value dims.2)" "$2"
+        check "reamer at $1: leaks" "$(value leaking_rows)" 0
+        [ "$backend" = "$first" ] && expected_digests=$(value sha256)
+        check "reamer at $1: digest by $backend" "$(value sha256)" "$expected_digests"
+    done
 }
 run 0 tool reamer --out reamer.stl
 need_part assimp "no meshes without assimp"

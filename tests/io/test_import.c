@@ -5,7 +5,7 @@
  *
  * Covers: AR-CT-3, AR-CT-4, AR-CT-5, AR-CT-6, AR-CT-8, AR-CUB-1, AR-CHK-1
  */
-#include "harness.h"
+#include "backends.h"
 
 #include <fcntl.h>
 #include <sys/wait.h>
@@ -23,7 +23,7 @@ static ost_backend *backend;
 static int set_up(void **state)
 {
     scratch_set_up(state);
-    return ost_backend_open("ref", &backend, NULL) == OST_OK ? 0 : -1;
+    return open_test_backend((void **)&backend);
 }
 
 static int tear_down(void **state)
@@ -511,14 +511,14 @@ static long peak_kib(void)
 enum { BOUNDED = 0, UNREADABLE = 1, GREW = 2, UNKNOWN = 77 };
 
 /* What the second process does: imports the text, and says by its exit status whether its peak stayed bounded. */
-static int import_within_bounds(const char *path)
+static int import_within_bounds(const char *spec, const char *path)
 {
     ost_error err = {0};
     ost_import_result result;
     const long before = peak_kib();
     if (before < 0)
         return UNKNOWN;
-    if (ost_backend_open("ref", &backend, &err) != OST_OK ||
+    if (ost_backend_open(spec, &backend, &err) != OST_OK ||
         import(path, &(ost_import_options){.digests = true}, &result, &err) != OST_OK) {
         (void)fprintf(stderr, "%s\n", err.text);
         return UNREADABLE;
@@ -554,7 +554,7 @@ static void memory_is_bounded_by_the_grid(void **state)
     pid_t child = fork();
     assert_true(child >= 0);
     if (child == 0) {
-        execl("/proc/self/exe", "test_import", MEMORY_OPTION, path, (char *)NULL);
+        execl("/proc/self/exe", "test_import", MEMORY_OPTION, test_backend, path, (char *)NULL);
         _exit(UNKNOWN);
     }
     int ended;
@@ -567,8 +567,8 @@ static void memory_is_bounded_by_the_grid(void **state)
 
 int main(int argc, char **argv)
 {
-    if (argc == 3 && strcmp(argv[1], MEMORY_OPTION) == 0)
-        return import_within_bounds(argv[2]);
+    if (argc == 4 && strcmp(argv[1], MEMORY_OPTION) == 0)
+        return import_within_bounds(argv[2], argv[3]);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_layer_is_empty_or_doubled),
         cmocka_unit_test(every_format_gives_the_same_grid),
@@ -584,5 +584,5 @@ int main(int argc, char **argv)
         cmocka_unit_test(other_files_are_refused),
         cmocka_unit_test(memory_is_bounded_by_the_grid),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return run_on_backends(tests, set_up, tear_down);
 }

@@ -6,7 +6,7 @@
  *
  * Covers: AR-CT-1, AR-CT-2, AR-CT-3, AR-CT-4, AR-CT-5, AR-CT-6
  */
-#include "harness.h"
+#include "backends.h"
 
 #include "io/text/match.h"
 #include "io/text/raster.h"
@@ -328,8 +328,10 @@ static void scans_are_read_in_one_pass(void **state)
 {
     test_rng rng = rng_seeded("scans");
     int found = 0, plain = 0;
-    for (int round = 0; round < 120; round++) {
+    for (int round = 0; round < test_rounds(120); round++) {
         recipe r = random_recipe(&rng, round % 12 == 0);
+        if (round % 4 == 0)
+            memset(r.thirds, 0, sizeof r.thirds);
         text t = make(&r, &rng);
         const ost_pm mm = OST_PM_PER_MM;
         ost_pm unit = mm;
@@ -349,14 +351,14 @@ static void scans_are_read_in_one_pass(void **state)
         }
         unmake(&t);
     }
-    assert_true(plain > 10 && found >= plain / 2);
+    assert_true(plain >= 10 && found >= plain / 2);
 }
 
 static void what_is_done_to_a_scan_shows(void **state)
 {
     test_rng rng = rng_seeded("broken scans");
     static const char *const densities[] = {"32768", "-32769", "+5", "7.0", "7.5", "1e2", "", "-", "--3", "12a", "000012", "-0", "99999999", "1 2", "5 # five", " 5"};
-    for (int round = 0; round < 260; round++) {
+    for (int round = 0; round < test_rounds(260); round++) {
         recipe r = random_recipe(&rng, round % 40 == 0);
         r.widths = false;
         text t = make(&r, &rng);
@@ -494,7 +496,7 @@ static void kernels_agree(void **state)
     static char bytes[ROOM + 2 * OST_TEXT_MARGIN];
     ost_text_kernels scalar;
     ost_text_kernels_fill(&scalar, OST_ISA_SCALAR);
-    for (int round = 0; round < 6000; round++) {
+    for (int round = 0; round < test_rounds(6000); round++) {
         ost_text_pattern pattern = {.carriage = rng_range(&rng, 0, 1)};
         ost_text_column columns[LINES] = {{{0}, {0}}};
         uint8_t lengths[LINES];
@@ -556,7 +558,7 @@ static void kernels_agree(void **state)
 
 static int open_backend(void **state)
 {
-    return make_folder(state) || ost_backend_open("ref", (ost_backend **)state, NULL);
+    return make_folder(state) || open_test_backend(state);
 }
 
 static int close_backend(void **state)
@@ -571,5 +573,5 @@ int main(void)
         cmocka_unit_test(scans_are_read_in_one_pass), cmocka_unit_test(what_is_done_to_a_scan_shows), cmocka_unit_test(small_texts),
         cmocka_unit_test(reading_can_be_cancelled),   cmocka_unit_test(kernels_agree),
     };
-    return cmocka_run_group_tests(tests, open_backend, close_backend);
+    return run_on_backends(tests, open_backend, close_backend);
 }

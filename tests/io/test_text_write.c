@@ -4,7 +4,7 @@
  *
  * Covers: AR-CT-8
  */
-#include "harness.h"
+#include "backends.h"
 
 #include <signal.h>
 #include <sys/resource.h>
@@ -83,7 +83,7 @@ static void what_is_written_reads_back(void **state)
     test_rng rng = rng_seeded("what_is_written_reads_back");
     ost_error err = {0};
     ost_backend *backend;
-    assert_ok(ost_backend_open("ref", &backend, &err));
+    assert_ok(ost_backend_open(test_backend, &backend, &err));
     for (int round = 0; round < 60; round++) {
         ost_geometry g = {
             .dims = {(int32_t)rng_range(&rng, 1, 20), (int32_t)rng_range(&rng, 1, 20), (int32_t)rng_range(&rng, 1, 20)},
@@ -118,7 +118,7 @@ static void a_cut_text_is_refused(void **state)
     (void)state;
     ost_error err = {0};
     ost_backend *backend;
-    assert_ok(ost_backend_open("ref", &backend, &err));
+    assert_ok(ost_backend_open(test_backend, &backend, &err));
     int16_t voxels[12];
     for (int i = 0; i < 12; i++)
         voxels[i] = (int16_t)(100 + i * 37);
@@ -209,5 +209,5 @@ int main(void)
         cmocka_unit_test(a_full_disk_leaves_nothing),
         cmocka_unit_test(a_kill_leaves_nothing),
     };
-    return cmocka_run_group_tests(tests, set_up, scratch_tear_down);
+    return run_on_backends(tests, set_up, scratch_tear_down);
 }

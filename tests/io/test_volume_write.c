@@ -5,6 +5,7 @@
  *
  * Covers: AR-FILE-1, AR-FILE-2, AR-FILE-3, AR-FILE-6, REQ-CT-SAME
  */
+#include "backends.h"
 #include "volume_files.h"
 
 #include "io/volume/input.h"
@@ -234,7 +235,7 @@ static void every_format_imports_to_the_same_bone(void **state)
     test_rng rng = rng_seeded("import");
     ost_error err = {0};
     ost_backend *backend;
-    assert_ok(ost_backend_open("ref", &backend, &err));
+    assert_ok(ost_backend_open(test_backend, &backend, &err));
     for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++) {
         ost_volume v;
         const ost_geometry g = {.dims = {40, 31, 23},
@@ -369,7 +370,7 @@ static void bones_come_down_in_slabs(void **state)
     const ost_geometry g = {.dims = {1200, 900, 9}, .spacing = {pm("0.47"), pm("0.47"), pm("0.47")}, .origin = {pm("-57.34"), 0, 0}};
     test_rng rng = rng_seeded("bones");
     make_volume(&v, &g, &rng);
-    assert_ok(ost_backend_open("ref", &backend, &err));
+    assert_ok(ost_backend_open(test_backend, &backend, &err));
     assert_ok(ost_bone_create(backend, &g, 32, 150, &bone, &err));
     assert_ok(ost_bone_upload(bone, 0, g.dims.z, v.voxels, &err));
     ost_meta given = {0};
@@ -398,5 +399,5 @@ int main(void)
         cmocka_unit_test(names_decide_and_nothing_is_left), cmocka_unit_test(tools), cmocka_unit_test(every_format_imports_to_the_same_bone),
         cmocka_unit_test(a_tool_of_an_odd_voxel),        cmocka_unit_test(foreign_tools),                 cmocka_unit_test(bones_come_down_in_slabs),
     };
-    return cmocka_run_group_tests(tests, make_scratch, drop_scratch);
+    return run_on_backends(tests, make_scratch, drop_scratch);
 }

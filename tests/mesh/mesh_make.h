@@ -6,7 +6,7 @@
 #ifndef OST_TESTS_MESH_MAKE_H
 #define OST_TESTS_MESH_MAKE_H
 
-#include "harness.h"
+#include "backends.h"
 
 #include <osteon/phantom.h>
 
@@ -96,15 +96,30 @@ static inline void make_inside_out(ost_snapped_mesh *m, size_t t)
     }
 }
 
-/* The grid by the reference; free it. */
-static inline uint8_t *make_grid(const ost_snapped_mesh *mesh, ost_fill_rule rule, ost_voxelize_report *report)
+/* The grid by the backend of the group; free it. noncutting and report may be NULL. */
+static inline uint8_t *make_grid_of_two(const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting, ost_fill_rule rule,
+                                 ost_voxelize_report *report)
 {
     ost_error err = {0};
-    const ost_dims d = mesh->grid.dims;
-    uint8_t *voxels = malloc((size_t)d.x * (size_t)d.y * (size_t)d.z);
+    ost_backend *backend;
+    ost_tool *tool;
+    ost_tool_volume volume;
+    assert_ok(ost_backend_open(test_backend, &backend, &err));
+    assert_ok(ost_voxelize(backend, cutting, noncutting, rule, report, &tool, &err));
+    assert_ok(ost_tool_download(tool, &volume, &err));
+    const size_t size = (size_t)ost_dims_count(cutting->grid.dims);
+    uint8_t *voxels = malloc(size);
     assert_non_null(voxels);
-    assert_ok(ost_ref_voxelize(mesh, NULL, rule, report, voxels, &err));
+    memcpy(voxels, volume.voxels, size);
+    ost_tool_volume_free(&volume);
+    ost_tool_free(tool);
+    ost_backend_close(backend);
     return voxels;
+}
+
+static inline uint8_t *make_grid(const ost_snapped_mesh *mesh, ost_fill_rule rule, ost_voxelize_report *report)
+{
+    return make_grid_of_two(mesh, NULL, rule, report);
 }
 
 #endif

@@ -15,7 +15,8 @@ Covers: AR-POSE-4, AR-SWEEP-1, AR-SWEEP-2, AR-SWEEP-3, AR-SWEEP-4, AR-MAP-1, AR-
 AR-MAP-7, AR-REM-1, AR-REM-2, AR-REM-6, AR-CLS-1
 
 Usage: check_events.py [DUMPER] [COUNT]    (default: tests/oracle/dump_events, 2000)
-OST_TEST_SEED=N replays a run; exit status 77 when there is no dumper.
+OST_TEST_SEED=N replays a run; OST_TEST_BACKENDS="ref cpu:isa=avx2" says who removes (tests/backends.h): the dumps of
+all must be the same text. Exit status 77 when there is no dumper.
 """
 
 import math
@@ -290,7 +291,16 @@ def main(arguments):
         return SKIP
     seed = os.environ.get("OST_TEST_SEED") or str(time.time_ns() % 10**12)
     print(f"# check_events: OST_TEST_SEED={seed}")
-    dump = subprocess.run([dumper, seed, count], stdout=subprocess.PIPE, text=True, check=True).stdout
+    backends = (os.environ.get("OST_TEST_BACKENDS") or "ref cpu:threads=2 cpu:isa=scalar,threads=3").split()
+    dumps = [subprocess.run([dumper, seed, count, backend], stdout=subprocess.PIPE, text=True, check=True).stdout
+             for backend in backends]
+    dump = dumps[0]
+    for backend, other in zip(backends[1:], dumps[1:]):
+        if other != dump:
+            pairs = enumerate(zip(dump.splitlines(), other.splitlines()), 1)
+            number, pair = next(((n, p) for n, p in pairs if p[0] != p[1]), (0, ("one has", "fewer lines")))
+            print(f"case {number}: {backend} has another result than {backends[0]}\n{pair[1][:1000]}\n{pair[0][:1000]}")
+            return 1
     checker = Checker()
     for number, text in enumerate(dump.splitlines(), 1):
         try:

@@ -14,7 +14,9 @@ AR-REM-7, AR-CLS-1, AR-CLS-2, AR-DIG-2, AR-DIG-3, AR-DIG-4, AR-DIG-5, AR-DIG-6, 
 AR-FILE-2, AR-FILE-3, AR-LAW-4, AR-LAW-7, AR-LAW-8, REQ-ORACLE
 
 Usage: check_pipeline.py [OSTEON]    (default: $OSTEON, else ./osteon)
-OST_TEST_SEED=N replays a run; exit status 77 when there is nothing to run.
+OST_TEST_SEED=N replays a run; OST_TEST_BACKENDS="ref cpu:isa=avx2" says who computes (tests/backends.h): every command
+runs on each of them, and all must print the same object, which holds the file's digest. Exit status 77 when there is
+nothing to run.
 """
 
 import json
@@ -33,6 +35,8 @@ import osteon_oracle_files as files
 import osteon_oracle_tool as tools
 
 SKIP = 77
+BACKENDS = (os.environ.get("OST_TEST_BACKENDS") or "ref cpu:threads=2 cpu:isa=scalar,threads=3").split()
+TIMES = ("time_ms", "run_ms", "tick_us")
 MM = 10**9
 
 
@@ -60,17 +64,31 @@ class Runner:
         return self.path(name)
 
     def run(self, *arguments):
-        """The JSON object of a verb; its status 3 means that a library is absent."""
-        done = subprocess.run([self.program, *arguments, "--json"], capture_output=True, check=False)
-        if done.returncode == 3:
-            raise NotHere(done.stderr.decode().strip())
-        if done.returncode != 0:
-            raise Different(f"{' '.join(arguments)}: status {done.returncode}: {done.stderr.decode().strip()}")
-        return json.loads(done.stdout)
+        """The JSON object of a verb, the same on every backend but for times; its status 3 means that a library is absent."""
+        objects = []
+        for backend in BACKENDS:
+            done = subprocess.run([self.program, *arguments, "--backend", backend, "--json"], capture_output=True, check=False)
+            words = f"{' '.join(arguments)} --backend {backend}"
+            if done.returncode == 3 and "instruction set" not in done.stderr.decode():
+                raise NotHere(done.stderr.decode().strip())
+            if done.returncode != 0:
+                raise Different(f"{words}: status {done.returncode}: {done.stderr.decode().strip()}")
+            objects.append(timeless(json.loads(done.stdout)))
+            if objects[-1] != objects[0]:
+                keys = [key for key in objects[0] if objects[0][key] != objects[-1].get(key)]
+                raise Different(f"{words}: {', '.join(keys) or 'a key'} differs from backend {BACKENDS[0]}")
+        return objects[0]
 
 
 class NotHere(Exception):
     pass
+
+
+def timeless(value):
+    """What of an object may not differ from run to run."""
+    if isinstance(value, dict):
+        return {key: timeless(item) for key, item in value.items() if key not in TIMES}
+    return [timeless(item) for item in value] if isinstance(value, list) else value
 
 
 # ----------------------------------------------------------------- CT texts

@@ -9,7 +9,7 @@
  *   map    s= o= tool= pose=            step= then block=x,y,z,near,base...
  *   event  s= o= dims= tool= seed= a= b=  n= hits= (voxel numbers) touched= density=
  *
- * Usage: dump_events SEED COUNT
+ * Usage: dump_events SEED COUNT BACKEND
  *
  * Densities and tool classes are functions of the voxel's number and the
  * case's seed (mix below), so that grids need not be printed.
@@ -362,15 +362,15 @@ static void dump_event(ost_backend *backend, int style)
 
 int main(int argc, char **argv)
 {
-    if (argc != 3) {
-        fprintf(stderr, "usage: dump_events SEED COUNT\n");
+    if (argc != 4) {
+        fprintf(stderr, "usage: dump_events SEED COUNT BACKEND\n");
         return 2;
     }
     ost_error err = {0};
     ost_backend *backend;
     state = strtoull(argv[1], NULL, 0);
     long count = strtol(argv[2], NULL, 0);
-    if (ost_backend_open("ref", &backend, &err) != OST_OK)
+    if (ost_backend_open(argv[3], &backend, &err) != OST_OK)
         fail(&err);
     for (long i = 0; i < count; i++) {
         dump_sweep();

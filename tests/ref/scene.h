@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Small bones, tools and poses for the tests of removal and of the world:
- * made from a seed, on the reference backend, with everything downloadable.
+ * made from a seed, on any backend, with everything downloadable.
  */
 #ifndef OST_TESTS_REF_SCENE_H
 #define OST_TESTS_REF_SCENE_H
 
-#include "harness.h"
-
-#include <osteon/backend.h>
+#include "backends.h"
 
 #define UM (OST_PM_PER_MM / 1000)
 
@@ -165,21 +163,6 @@ static inline void assert_same_report(const ost_report *a, const ost_report *b)
         assert_memory_equal(a->chunks[i].voxels, b->chunks[i].voxels, sizeof a->chunks[i].voxels);
         assert_memory_equal(a->chunks[i].density, b->chunks[i].density, sizeof a->chunks[i].density);
     }
-}
-
-static inline int open_ref(void **state)
-{
-    ost_backend *backend;
-    if (ost_backend_open("ref", &backend, NULL) != OST_OK)
-        return 1;
-    *state = backend;
-    return 0;
-}
-
-static inline int close_ref(void **state)
-{
-    ost_backend_close(*state);
-    return 0;
 }
 
 #endif

@@ -204,5 +204,5 @@ int main(void)
         cmocka_unit_test(leaves_are_those_of_the_dense_grid), cmocka_unit_test(memory_follows_the_voxels),
         cmocka_unit_test(occupancy_words_say_what_is_active),
     };
-    return cmocka_run_group_tests(tests, open_ref, close_ref);
+    return run_on_backends(tests, open_test_backend, close_test_backend);
 }

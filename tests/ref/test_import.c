@@ -290,5 +290,5 @@ int main(void)
         cmocka_unit_test(coarser_than_the_scan),      cmocka_unit_test(equal_spacing_changes_nothing),
         cmocka_unit_test(the_thesis_tables),          cmocka_unit_test(it_takes_no_options),
     };
-    return cmocka_run_group_tests(tests, open_ref, close_ref);
+    return run_on_backends(tests, open_test_backend, close_test_backend);
 }

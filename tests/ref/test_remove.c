@@ -169,7 +169,7 @@ static void free_scene(scene *s)
 static void chunk_size_does_not_show(void **state)
 {
     test_rng rng = rng_seeded("chunk size");
-    for (int round = 0; round < 30; round++) {
+    for (int round = 0; round < test_rounds(30); round++) {
         scene s = make_scene(*state, &rng);
         ost_pose poses[3];
         for (int k = 0; k < 3; k++)
@@ -204,7 +204,7 @@ static void the_report_is_the_difference(void **state)
     test_rng rng = rng_seeded("report");
     const ost_density_classes classes = ost_density_classes_default();
     uint64_t removed = 0;
-    for (int round = 0; round < 30; round++) {
+    for (int round = 0; round < test_rounds(30); round++) {
         scene s = make_scene(*state, &rng);
         int n = sizes[round % 3];
         ost_dims chunks = {(70 + n - 1) / n, (37 + n - 1) / n, (41 + n - 1) / n};
@@ -249,7 +249,7 @@ static void collision_reports_what_removal_takes(void **state)
 {
     ost_error err = {0};
     test_rng rng = rng_seeded("collide");
-    for (int round = 0; round < 30; round++) {
+    for (int round = 0; round < test_rounds(30); round++) {
         scene s = make_scene(*state, &rng);
         ost_pose poses[2] = {random_pose(&rng, s.lo, s.hi), random_pose(&rng, s.lo, s.hi)};
         ost_bone *bone = bone_of(*state, &s.g, sizes[round % 3], s.voxels);
@@ -281,7 +281,7 @@ static void an_event_equals_its_poses_one_by_one(void **state)
 {
     test_rng rng = rng_seeded("sweep");
     ost_error err = {0};
-    for (int round = 0; round < 15; round++) {
+    for (int round = 0; round < test_rounds(15); round++) {
         scene s = make_scene(*state, &rng);
         ost_pose a = random_pose(&rng, s.lo, s.hi), b = a;
         b.t.x += rng_range(&rng, -3000, 3000) * UM;
@@ -318,7 +318,7 @@ static void an_event_equals_its_poses_one_by_one(void **state)
 static void events_commute_and_only_take(void **state)
 {
     test_rng rng = rng_seeded("commute");
-    for (int round = 0; round < 20; round++) {
+    for (int round = 0; round < test_rounds(20); round++) {
         scene s = make_scene(*state, &rng);
         ost_pose p = random_pose(&rng, s.lo, s.hi), q = random_pose(&rng, s.lo, s.hi);
         /* A bone with fewer active voxels: what it keeps is part of what the full one keeps. */
@@ -356,7 +356,7 @@ static void moved_together_nothing_changes(void **state)
 {
     /* Any common vector for bone and pose; content moved by whole blocks with the tool moved along. */
     test_rng rng = rng_seeded("moved");
-    for (int round = 0; round < 20; round++) {
+    for (int round = 0; round < test_rounds(20); round++) {
         scene s = make_scene(*state, &rng);
         ost_pose pose = random_pose(&rng, s.lo, s.hi);
         ost_report here = {0}, there = {0};
@@ -502,5 +502,5 @@ int main(void)
         cmocka_unit_test(moved_together_nothing_changes),
         cmocka_unit_test(quarter_turns_turn_the_set),
     };
-    return cmocka_run_group_tests(tests, open_ref, close_ref);
+    return run_on_backends(tests, open_test_backend, close_test_backend);
 }

@@ -71,7 +71,7 @@ static void random_poses(void **state)
     test_rng rng = rng_seeded("broad phase");
     static const ost_pm tool_voxels[] = {470 * UM, 235 * UM, 30 * UM, 3000 * UM};
     int met = 0, hit = 0, steps = 0;
-    for (int round = 0; round < 32; round++) {
+    for (int round = 0; round < test_rounds(32); round++) {
         ost_geometry g = cubic_geometry((int32_t)rng_range(&rng, 1, 45), (int32_t)rng_range(&rng, 1, 40), (int32_t)rng_range(&rng, 1, 35),
                                         470 * UM, (ost_pm3){rng_range(&rng, -99, 99) * UM, -57340 * UM, 3});
         int16_t *voxels = random_densities(&rng, &g, (int)rng_range(&rng, 4, 8));
@@ -95,7 +95,7 @@ static void random_poses(void **state)
         free(voxels);
     }
     printf("# %d poses: boxes met at %d, voxels went at %d\n", steps, met, hit);
-    assert_true(hit > 100 && met < steps);
+    assert_true(hit > steps / 40 && met < steps);
 }
 
 static void boxes_that_just_touch(void **state)
@@ -157,7 +157,7 @@ static void corners_that_just_touch(void **state)
     ost_tool *tool = solid_tool(*state, (ost_tool_geometry){{3, 2, 4}, v, {0, 0, 0}}, OST_TOOL_CUTTING);
     static const int extent[3] = {3, 2, 4};
     int outside = 0;
-    for (int round = 0; round < 300; round++)
+    for (int round = 0; round < test_rounds(300); round++)
         for (int corner = 0; corner < 8; corner++) {
             ost_pose pose = random_pose(&rng, (ost_pm3){0, 0, 0}, (ost_pm3){0, 0, 0});
             const double w = pose.qw, x = pose.qx, y = pose.qy, z = pose.qz, n = w * w + x * x + y * y + z * z;
@@ -223,5 +223,5 @@ int main(void)
         cmocka_unit_test(corners_that_just_touch),
         cmocka_unit_test(separating_axes_separate),
     };
-    return cmocka_run_group_tests(tests, open_ref, close_ref);
+    return run_on_backends(tests, open_test_backend, close_test_backend);
 }

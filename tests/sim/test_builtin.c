@@ -227,5 +227,5 @@ int main(void)
         cmocka_unit_test(a_reamer_leaves_the_spongy_bone), cmocka_unit_test(what_a_path_refuses),
         cmocka_unit_test(the_grid_says_where),
     };
-    return cmocka_run_group_tests(tests, open_ref, close_ref);
+    return run_on_backends(tests, open_test_backend, close_test_backend);
 }

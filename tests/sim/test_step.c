@@ -228,7 +228,7 @@ static void what_a_world_refuses(void **state)
     ost_world_options options = {.classes = {.count = 2, .border = {200, 200}}};
     assert_int_equal(ost_world_create(l.bone, &options, &world, &err), OST_ERR_USAGE);
     ost_backend *other;
-    assert_ok(ost_backend_open("ref", &other, &err));
+    assert_ok(ost_backend_open(test_backend, &other, &err));
     ost_tool *foreign = solid_tool(other, (ost_tool_geometry){{1, 1, 1}, OST_PM_PER_MM, {0, 0, 0}}, OST_TOOL_CUTTING);
     assert_int_equal(ost_world_add_tool(l.world, "foreign", foreign, NULL, &err), OST_ERR_USAGE);
     ost_tool *fine = solid_tool(*state, (ost_tool_geometry){{1, 1, 1}, 62 * UM, {0, 0, 0}}, OST_TOOL_CUTTING);
@@ -251,5 +251,5 @@ int main(void)
         cmocka_unit_test(far_from_the_bone_nothing_is_asked), cmocka_unit_test(an_event_is_in_its_chunks),
         cmocka_unit_test(what_a_world_refuses),
     };
-    return cmocka_run_group_tests(tests, open_ref, close_ref);
+    return run_on_backends(tests, open_test_backend, close_test_backend);
 }

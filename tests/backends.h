@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The backends on which a test's group runs, one after the other:
+ *
+ *   OST_TEST_BACKENDS="ref cpu:isa=avx2,threads=7" tests/ref/test_remove
+ *
+ * By default the reference, the cpu backend as people run it with 2 threads,
+ * and its scalar loops with 3; .ci/long gives the full product.  What a test
+ * expects is said by the test, so all of them have the same grids, to the bit.
+ */
+#ifndef OST_TESTS_BACKENDS_H
+#define OST_TESTS_BACKENDS_H
+
+#include "harness.h"
+
+#include <osteon/backend.h>
+
+/* The one of the running group; the reference before the first. */
+static char test_backend[100] = "ref";
+
+static inline const char *test_backends(void)
+{
+    const char *given = getenv("OST_TEST_BACKENDS");
+    return given && *given ? given : "ref cpu:threads=2 cpu:isa=scalar,threads=3";
+}
+
+static inline int open_test_backend(void **state)
+{
+    ost_error err = {0};
+    if (ost_backend_open(test_backend, (ost_backend **)state, &err) == OST_OK)
+        return 0;
+    print_error("%s\n", err.text);
+    return 1;
+}
+
+static inline int close_test_backend(void **state)
+{
+    ost_backend_close(*state);
+    return 0;
+}
+
+/* The next of the list into test_backend; at is NULL before the first. False behind the last. */
+static inline bool next_test_backend(const char **at)
+{
+    *at = *at ? *at : test_backends();
+    *at += strspn(*at, " ");
+    const size_t length = strcspn(*at, " ");
+    if (length == 0)
+        return false;
+    if (length >= sizeof test_backend) {
+        print_error("OST_TEST_BACKENDS: '%.40s...' is too long\n", *at);
+        exit(99);
+    }
+    memcpy(test_backend, *at, length);
+    test_backend[length] = 0;
+    *at += length;
+    print_message("# backend %s\n", test_backend);
+    return true;
+}
+
+/* How often something random is tried: n times on the first backend, a third of it on each other; all of it with OST_TEST_LONG=1. */
+static inline int test_rounds(int n)
+{
+    const char *lengthy = getenv("OST_TEST_LONG");
+    const char *first = test_backends() + strspn(test_backends(), " ");
+    const size_t length = strlen(test_backend);
+    const bool all = (lengthy && strcmp(lengthy, "1") == 0) || (strncmp(first, test_backend, length) == 0 && strchr(" ", first[length]));
+    return all ? n : (n + 2) / 3;
+}
+
+/* Like cmocka_run_group_tests, on each of them. */
+#define run_on_backends(tests, set_up, tear_down)                                            \
+    __extension__({                                                                          \
+        int run_failures = 0;                                                                \
+        for (const char *run_at = NULL; next_test_backend(&run_at);)                         \
+            run_failures += cmocka_run_group_tests_name(test_backend, tests, set_up, tear_down); \
+        run_failures;                                                                        \
+    })
+
+#endif
