@@ -87,7 +87,7 @@ static inline vi keys_lanes(const ost_vox_plan *plan, vi ay, vi by, vi cy, vi az
     return _mm256_mask_mov_epi32(key, none, _mm256_set1_epi32((int)OST_VOX_KEY_NONE));
 }
 
-#include "cpu/x86/voxelize_lanes.h"
+#include "cpu/voxelize_lanes.h"
 
 void ost_vox_mark_avx512(ost_vox_tile *tile, const uint32_t *list, size_t count)
 {
