@@ -20,7 +20,29 @@ AC_DEFUN([OST_ISA], [
   AM_CONDITIONAL([BUILD_$1], [test "x$ost_cv_isa_$1" = xyes])
 ])
 
+# OST_ISA_OPTIMISATION: how hard the compiler tries in files that are named after
+# an instruction set.  Sets ISA_OPT_CFLAGS, which comes behind CFLAGS.
+#   Their loops are written in registers: arrays of two to four vectors, which
+# stay in registers only when the loops over them are peeled, and GCC does that
+# from -O3 on.  Automake puts the user's CFLAGS last, and those say -O2 for
+# nearly everybody, mostly without having been asked (autoconf's default, a
+# distribution's): so a -O3 before it never came to anything.  The rule:
+#   -O2 (the last -O in CFLAGS)   becomes -O3 for these files
+#   anything else                 is a wish and is obeyed: -O0, -Og and -O1 to
+#                                 debug, -Os for size, none at all
+# and make CFLAGS=... on the command line overrules all of it, as ever.
+AC_DEFUN([OST_ISA_OPTIMISATION], [
+  ost_level=
+  for ost_flag in $CFLAGS; do
+    AS_CASE([$ost_flag], [-O*], [ost_level=$ost_flag])
+  done
+  ISA_OPT_CFLAGS=
+  AS_IF([test "x$ost_level" = x-O2], [ISA_OPT_CFLAGS=-O3])
+  AC_SUBST([ISA_OPT_CFLAGS])
+])
+
 AC_DEFUN([OST_ISAS], [
+  AC_REQUIRE([OST_ISA_OPTIMISATION])
   ost_summary_isa="scalar"
   OST_ISA([AVX2], [-mavx2 -mbmi -mbmi2 -mlzcnt -mpopcnt],
     [__m256i a = _mm256_set1_epi8(1); return _mm256_movemask_epi8(a) + (int)_pext_u64(3, 1);])
