@@ -17,41 +17,51 @@ const char *ost_isa_name(ost_isa isa)
     return (unsigned)isa < OST_ISA_COUNT ? names[isa] : "unknown";
 }
 
-#if defined __x86_64__
-
-#include <cpuid.h>
-
 enum {
-    SSE_AVX_STATE = 0x06,    /* XCR0: XMM and YMM are saved by the system */
-    AVX512_STATE = 0xe6,     /* and opmask, upper halves of ZMM0-15, ZMM16-31 */
+    LEAF1_C = 1 << 23 | 1 << 28,                   /* POPCNT, AVX */
+    OSXSAVE = 1 << 27,                             /* leaf 1, C: XGETBV may be asked */
+    EXTENDED1_C = 1 << 5,                          /* LZCNT */
+    LEAF7_B_AVX2 = 1 << 3 | 1 << 5 | 1 << 8,       /* BMI1, AVX2, BMI2 */
+    LEAF7_C_VBMI = 1 << 1,                         /* AVX512_VBMI */
+    YMM_SAVED = 0x06,                              /* XCR0: XMM and upper halves of YMM */
+    ZMM_SAVED = 0xe6,                              /* and opmasks, upper halves of ZMM0-15, ZMM16-31 */
 };
+#define LEAF7_B_AVX512 (UINT32_C(1) << 16 | UINT32_C(1) << 17 | UINT32_C(1) << 28 | UINT32_C(1) << 30 | UINT32_C(1) << 31) /* F, DQ, CD, BW, VL */
 
-static unsigned saved_state(void)
-{
-    unsigned low, high;
-    __asm__ volatile("xgetbv" : "=a"(low), "=d"(high) : "c"(0));
-    return low;
-}
-
-static bool all(unsigned value, unsigned bits)
+static bool all(uint32_t value, uint32_t bits)
 {
     return (value & bits) == bits;
 }
 
-static bool detect(ost_isa isa)
+ost_isa ost_isa_decide(const ost_isa_cpuid *cpuid)
+{
+    if (!all(cpuid->leaf1_c, LEAF1_C | OSXSAVE) || !all(cpuid->xcr0, YMM_SAVED) || !all(cpuid->extended1_c, EXTENDED1_C) ||
+        !all(cpuid->leaf7_b, LEAF7_B_AVX2))
+        return OST_ISA_SCALAR;
+    if (!all(cpuid->xcr0, ZMM_SAVED) || !all(cpuid->leaf7_b, LEAF7_B_AVX512))
+        return OST_ISA_AVX2;
+    return all(cpuid->leaf7_c, LEAF7_C_VBMI) ? OST_ISA_AVX512VBMI : OST_ISA_AVX512;
+}
+
+#if defined __x86_64__
+
+#include <cpuid.h>
+
+static ost_isa detected(void)
 {
     unsigned a, b, c, d;
-    if (!__get_cpuid(1, &a, &b, &c, &d) || !all(c, bit_OSXSAVE | bit_AVX | bit_POPCNT) || !all(saved_state(), SSE_AVX_STATE))
-        return false;
-    if (!__get_cpuid(0x80000001, &a, &b, &c, &d) || !all(c, bit_LZCNT))
-        return false;
-    if (!__get_cpuid_count(7, 0, &a, &b, &c, &d) || !all(b, bit_AVX2 | bit_BMI | bit_BMI2))
-        return false;
-    if (isa == OST_ISA_AVX2)
-        return true;
-    if (!all(saved_state(), AVX512_STATE) || !all(b, bit_AVX512F | bit_AVX512BW | bit_AVX512DQ | bit_AVX512VL | bit_AVX512CD))
-        return false;
-    return isa == OST_ISA_AVX512 || all(c, bit_AVX512VBMI);
+    ost_isa_cpuid cpuid = {0};
+    if (__get_cpuid(1, &a, &b, &c, &d))
+        cpuid.leaf1_c = c;
+    if (__get_cpuid(0x80000001, &a, &b, &c, &d))
+        cpuid.extended1_c = c;
+    if (__get_cpuid_count(7, 0, &a, &b, &c, &d)) {
+        cpuid.leaf7_b = b;
+        cpuid.leaf7_c = c;
+    }
+    if (cpuid.leaf1_c & OSXSAVE)
+        __asm__ volatile("xgetbv" : "=a"(cpuid.xcr0), "=d"(d) : "c"(0));
+    return ost_isa_decide(&cpuid);
 }
 
 bool ost_isa_available(ost_isa isa)
@@ -60,11 +70,11 @@ bool ost_isa_available(ost_isa isa)
     case OST_ISA_SCALAR:
         return true;
     case OST_ISA_AVX2:
-        return HAVE_AVX2_BUILD && detect(isa);
+        return HAVE_AVX2_BUILD && isa <= detected();
     case OST_ISA_AVX512:
-        return HAVE_AVX512_BUILD && detect(isa);
+        return HAVE_AVX512_BUILD && isa <= detected();
     case OST_ISA_AVX512VBMI:
-        return HAVE_AVX512VBMI_BUILD && detect(isa);
+        return HAVE_AVX512VBMI_BUILD && isa <= detected();
     case OST_ISA_NEON:
     case OST_ISA_COUNT:
         break;
@@ -77,11 +87,7 @@ bool ost_isa_available(ost_isa isa)
 /* Advanced SIMD is part of every AArch64 system that runs Linux. */
 bool ost_isa_available(ost_isa isa)
 {
-#if defined __aarch64__
-    return isa == OST_ISA_SCALAR || isa == OST_ISA_NEON;
-#else
-    return isa == OST_ISA_SCALAR;
-#endif
+    return isa == OST_ISA_SCALAR || (isa == OST_ISA_NEON && HAVE_NEON_BUILD);
 }
 
 #endif

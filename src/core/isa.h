@@ -2,7 +2,7 @@
 /*
  * Which instruction sets this machine has, and which may be used.
  *
- *   detected  --  what CPU and operating system give (CPUID, XGETBV; HWCAP)
+ *   detected  --  what CPU and operating system give (CPUID, XGETBV; on AArch64 all have NEON)
  *   allowed   --  detected, up to the level that was asked for: by a backend's
  *                 "isa=" option, else by the environment variable OSTEON_ISA
  *
@@ -14,6 +14,7 @@
 #define OST_CORE_ISA_H
 
 #include <stdbool.h>
+#include <stdint.h>
 
 #include <osteon/status.h>
 
@@ -37,6 +38,20 @@ typedef enum ost_isa {
 #undef OST_ISA_ENUM
     OST_ISA_COUNT
 } ost_isa;
+
+/*
+ * What an x86-64 machine says of itself; registers of leaves it does not have are 0.
+ * xcr0 is 0 unless leaf 1 says that XGETBV may be asked (OSXSAVE).
+ */
+typedef struct ost_isa_cpuid {
+    uint32_t leaf1_c;
+    uint32_t leaf7_b, leaf7_c;
+    uint32_t extended1_c; /* leaf 0x80000001 */
+    uint32_t xcr0;        /* registers that the operating system saves */
+} ost_isa_cpuid;
+
+/* The highest x86 level that such a machine can run. An instruction set counts only when its registers are saved. */
+ost_isa ost_isa_decide(const ost_isa_cpuid *cpuid);
 
 const char *ost_isa_name(ost_isa isa);
 /* Whether this machine, and this build, can run code of the level. */
