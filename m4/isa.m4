@@ -58,6 +58,7 @@ AC_DEFUN([OST_ISAS], [
 #include <arm_neon.h>
 int32x4_t x;]])], [ost_neon=yes; ost_summary_isa="$ost_summary_isa NEON"], [ost_neon=no])
   AC_MSG_RESULT([$ost_neon])
+  AC_DEFINE_UNQUOTED([HAVE_NEON_BUILD], [`test "x$ost_neon" = xyes && echo 1 || echo 0`], [1 if NEON code is built.])
   AM_CONDITIONAL([BUILD_NEON], [test "x$ost_neon" = xyes])
 ])
 

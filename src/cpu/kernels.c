@@ -55,6 +55,21 @@ static void fill_avx512(ost_cpu_kernels *k)
 }
 #endif
 
+#if HAVE_NEON_BUILD
+/* gather_row and vox_fill stay scalar: a lane's load and a word's shifts cost as much either way. */
+static void fill_neon(ost_cpu_kernels *k)
+{
+    k->brick_row = ost_brick_row_neon;
+    k->any_active = ost_any_active_neon;
+    k->split = ost_split_neon;
+    k->match = ost_match_neon;
+    k->take = ost_take_neon;
+    k->vox_mark = ost_vox_mark_neon;
+    k->vox_keys = ost_vox_keys_neon;
+    k->vox_expand = ost_vox_expand_neon;
+}
+#endif
+
 void ost_cpu_kernels_fill(ost_cpu_kernels *kernels, ost_isa isa)
 {
     *kernels = (ost_cpu_kernels){.isa = isa};
@@ -66,5 +81,9 @@ void ost_cpu_kernels_fill(ost_cpu_kernels *kernels, ost_isa isa)
 #if HAVE_AVX512_BUILD
     if (isa == OST_ISA_AVX512 || isa == OST_ISA_AVX512VBMI)
         fill_avx512(kernels);
+#endif
+#if HAVE_NEON_BUILD
+    if (isa == OST_ISA_NEON)
+        fill_neon(kernels);
 #endif
 }

@@ -132,11 +132,14 @@ void ost_cpu_kernels_fill(ost_cpu_kernels *kernels, ost_isa isa);
 
 /* NAME_scalar, NAME_avx2, ... of every slot. */
 ost_gather_row_fn ost_gather_row_scalar, ost_gather_row_avx512;
-ost_brick_row_fn ost_brick_row_scalar, ost_brick_row_avx2, ost_brick_row_avx512;
-ost_any_active_fn ost_any_active_scalar, ost_any_active_avx2, ost_any_active_avx512;
+ost_brick_row_fn ost_brick_row_scalar, ost_brick_row_avx2, ost_brick_row_avx512, ost_brick_row_neon;
+ost_any_active_fn ost_any_active_scalar, ost_any_active_avx2, ost_any_active_avx512, ost_any_active_neon;
 ost_drain_fn ost_drain_scalar, ost_drain_avx2;
-ost_split_fn ost_split_scalar, ost_split_avx2, ost_split_avx512;
-ost_match_fn ost_match_scalar, ost_match_avx2, ost_match_avx512;
-ost_take_fn ost_take_scalar, ost_take_avx2, ost_take_avx512;
+ost_split_fn ost_split_scalar, ost_split_avx2, ost_split_avx512, ost_split_neon;
+ost_match_fn ost_match_scalar, ost_match_avx2, ost_match_avx512, ost_match_neon;
+ost_take_fn ost_take_scalar, ost_take_avx2, ost_take_avx512, ost_take_neon;
+ost_vox_mark_fn ost_vox_mark_neon;
+ost_vox_keys_fn ost_vox_keys_neon;
+ost_vox_expand_fn ost_vox_expand_neon;
 
 #endif
