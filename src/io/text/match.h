@@ -66,5 +66,6 @@ typedef struct ost_text_kernels {
 void ost_text_kernels_fill(ost_text_kernels *kernels, ost_isa isa);
 void ost_text_kernels_avx2(ost_text_kernels *kernels);
 void ost_text_kernels_avx512(ost_text_kernels *kernels);
+void ost_text_kernels_neon(ost_text_kernels *kernels);
 
 #endif
