@@ -5,6 +5,11 @@
  * so no slot is ever NULL and every variant has the scalar one to be held to
  * (tests/simd).  A kernel checks nothing: its contract stands beside its slot.
  *
+ * Unless a contract says more: nothing is read or written but the elements it
+ * speaks of; pointers are aligned as their elements are; what is const does
+ * not overlap what is written; and the processor's state is left as a C
+ * function leaves it, with upper halves of vectors cleared.
+ *
  *   ost_cpu_kernels_fill(k, isa):   scalar -> avx2 -> avx512 -> avx512vbmi
  *                                   scalar -> neon
  */
@@ -18,17 +23,21 @@
 
 /* ------------------------------------------------------ grids (cpu/grid.h) */
 
-/* to[i] = from[map[i]], 0 <= i < count <= 64; map ascends (equal neighbours allowed). Nothing else is read or written. */
+/*
+ * to[i] = from[map[i]], 0 <= i < count, 0 <= count <= 64; map ascends (equal
+ * neighbours allowed) from 0 or more.  All of from[map[0]] to from[map[count - 1]]
+ * may be read.
+ */
 typedef void ost_gather_row_fn(const int16_t *from, const int32_t *map, int count, int16_t *to);
 
 /* ------------------------------------------------------ bones (cpu/bone.h) */
 
 /*
- * Sixteen rows of 4 * bricks voxels, row y + 4 z, any alignment, into a row of
- * bricks: voxels below threshold (>= 1) become 0.  bricks is 4, 8 or 16; brick x is written
+ * Sixteen rows of 4 * bricks voxels, row y + 4 z, some of which may be the same,
+ * into a row of bricks: voxels below threshold (>= 1) become 0.  bricks is 4, 8 or 16; brick x is written
  * to density + 64 * spread(x) and occupancy[spread(x)], spread(x) being the bits
- * of x at 0, 3, 6, 9 (ost_brick_spread).  density is 64-byte aligned.  Rows do
- * not overlap what is written.  Returns how many voxels are active and the highest density (0 when none is).
+ * of x at 0, 3, 6, 9 (ost_brick_spread).  density is 64-byte aligned.  What lies
+ * between those bricks is not written.  Returns how many voxels are active and the highest density (0 when none is).
  * stream asks for stores past the caches; drain must follow before another thread reads.
  */
 typedef struct ost_brick_sums {
@@ -37,7 +46,7 @@ typedef struct ost_brick_sums {
 typedef ost_brick_sums ost_brick_row_fn(const int16_t *const rows[16], size_t bricks, int16_t threshold, bool stream, int16_t *density,
                                         uint64_t *occupancy);
 
-/* Whether one of the first `width` elements (1 to 64) of the `count` rows base + row[i] is at least threshold (>= 1). No other is read. */
+/* Whether one of the first `width` elements (1 to 64) of the `count` (>= 1) rows base + row[i] is at least threshold (>= 1). */
 typedef bool ost_any_active_fn(const int16_t *base, const size_t *row, int count, int width, int16_t threshold);
 
 /* Orders streamed stores of this thread before what it stores next. */
@@ -53,10 +62,13 @@ typedef void ost_drain_fn(void);
  *     else          mixed: u and number appended to `mixed`
  * in any order (it differs among instruction sets; the sets are equal).
  * occupancy, when not NULL, has one word a part; parts with a word of 0 are dropped first.
- * mixed and inside are not cubes; their counts are added to, and room is there
- * for 8 parts a cube and OST_CUBES_SLACK more.  Coordinates u + centre fit
- * int32.  Up to OST_CUBES_SLACK elements behind cubes->count may be read, and
- * whatever they hold, table entries that exist are looked at for them.
+ * The cubes' numbers differ from each other; of occupancy the words of their
+ * parts are read.  mixed and inside are not cubes; their counts are added to,
+ * and room is there for 8 parts a cube and OST_CUBES_SLACK more, which may be
+ * overwritten.  u + centre and u + first of every part fit int32.  Up to
+ * OST_CUBES_SLACK elements behind cubes->count may be read, and whatever they
+ * hold, table entries that exist are looked at for them.  Values of cells are
+ * in [-64, 64].
  */
 typedef void ost_split_fn(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, const uint64_t *occupancy,
                           ost_cubes *mixed, ost_numbers *inside);
@@ -65,16 +77,18 @@ typedef void ost_split_fn(const ost_split *split, const ost_cells *cells, const 
  * hits[i] bit x + 4y + 16z: whether the tool voxel that holds voxel (x, y, z)
  * of brick i is solid in match->shape (void outside the tool's grid).  Bricks are mixed ones of a split by
  * the same shape (remove.h: "Match") when match->windows is set, any otherwise.
- * hits has room for OST_CUBES_SLACK more; elements of bricks behind its count
- * may be read.
+ * u + offset of every voxel fits int32.  hits has room for OST_CUBES_SLACK more,
+ * which may be overwritten; up to that many elements of bricks behind its count
+ * may be read, and are anything.
  */
 typedef void ost_match_fn(const ost_match *match, const ost_cubes *bricks, uint64_t *hits);
 
 /*
  * For each i < count the voxels hits[i] (not 0) of the brick at density + 64 *
  * number[i]: adds them to the tally, and when take->apply, writes 0 to them.
- * density is 64-byte aligned; densities at hits are 1..take->highest; numbers
- * differ from each other.  Only voxels that are hit change.
+ * density is 64-byte aligned; densities at hits are 1..take->highest, others are
+ * anything; numbers differ from each other.  Only voxels that are hit change.
+ * Of the tally only [0] to [take->borders] change.
  */
 typedef void ost_take_fn(const ost_take *take, int16_t *density, const int32_t *number, const uint64_t *hits, size_t count,
                          ost_tally *tally);
@@ -85,30 +99,41 @@ typedef struct ost_vox_tile ost_vox_tile;
 typedef struct ost_vox_plan ost_vox_plan;
 
 /*
- * Marks the crossings of count triangles with the rows of a tile in its planes
- * (and its spill); list NULL: of the triangles 0 to count - 1.
+ * Marks the crossings of count triangles with the rows of a tile that are to be
+ * marked in its planes (and its spill); list NULL: of the triangles 0 to count - 1.
+ * A triangle may be listed more than once and then counts as often.  Planes and
+ * spill may hold earlier crossings.  Which of several crossings at one centre
+ * has the bit is of no account: all of them are then the same.
  */
 typedef void ost_vox_mark_fn(ost_vox_tile *tile, const uint32_t *list, size_t count);
 
 /*
  * The tile of each of the triangles first to first + count - 1, by its bounds:
- * the tile's number, or OST_VOX_KEY_NONE, or OST_VOX_KEY_MANY.
+ * the tile's number, or OST_VOX_KEY_NONE, or OST_VOX_KEY_MANY.  keys[0] is the
+ * first one's.
  */
 typedef void ost_vox_keys_fn(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t count, uint32_t *keys);
 
 /*
- * Running sums of some rows of a tile, from a whole block on: writes their
+ * Running sums of some rows of a tile, from a whole block on and to the end of
+ * one or of the tile (a block: OST_VOX_BLOCK words of planes): writes their
  * bits (whole blocks; 64-byte aligned), sets OST_VOX_UNPROVEN and any_odd for
- * rows that are to be summed one by one, and returns how many bits it set.
- * Clears the planes of the other rows, unless any_odd was set before: a row
- * may be odd for its spill. `stream` asks for stores past the caches.
+ * rows that are to be summed one by one, and returns how many bits it set in
+ * all of those rows, unproven ones included.  With one row of a block, others
+ * of the same block may be called unproven; the bits of such rows are of no
+ * account, and other flags of odd stay.  Clears the planes of the proven rows,
+ * unless any_odd was set before: a row may be odd for its spill; then planes
+ * do not change.  Planes hold nothing behind a row's last voxel.  `stream` asks
+ * for stores past the caches, which are ordered before the return.
  */
 typedef uint64_t ost_vox_fill_fn(ost_vox_tile *tile, size_t first_row, size_t rows, bool parity, bool stream, uint64_t *bits);
 
 /*
- * rows * nx classes from rows of `words` words; no voxel is in both. noncutting
- * may be NULL. Reads whole blocks, writes exactly rows * nx bytes. `stream`
- * asks for stores past the caches, where the shape allows them.
+ * rows * nx classes from rows of `words` (ost_vox_words(nx)) words; no voxel is
+ * in both, bits behind a row's last voxel are anything. noncutting may be NULL.
+ * Reads rows * words words of each, writes rows * nx bytes, whatever their
+ * alignment. `stream` asks for stores past the caches, where the shape allows
+ * them; they are ordered before the return.
  */
 typedef void ost_vox_expand_fn(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx, bool stream,
                                uint8_t *voxels);

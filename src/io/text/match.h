@@ -42,7 +42,8 @@ typedef struct ost_text_pattern {
 
 /*
  * The places of all newlines in text[0, bytes), each plus `base`, ascending;
- * returns how many.  bytes is a multiple of 64; `at` has room for bytes + 8.
+ * returns how many.  bytes is a multiple of 64, base + bytes is below 2^31; `at`
+ * has room for bytes + 8, all of which may be overwritten.
  */
 typedef size_t ost_text_newlines(const char *text, size_t bytes, uint32_t base, uint32_t *at);
 
@@ -53,7 +54,8 @@ typedef size_t ost_text_newlines(const char *text, size_t bytes, uint32_t base, 
  *   then [-]digits of 1 to 5 digits and a value within int16, then "\r" with carriage.
  * Returns how many lines from the first on are matched, and puts their
  * densities; density[i] of others up to `lines` may hold anything.
- * OST_TEXT_MARGIN bytes before and after the text can be read, and ends[-1].
+ * ends[-1] is there, ends ascend and are below 2^31.  OST_TEXT_MARGIN bytes
+ * before line 0 and behind the last newline can be read.
  */
 typedef size_t ost_text_match(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths, const char *text,
                               const uint32_t *ends, size_t lines, int16_t *density);
