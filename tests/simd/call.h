@@ -20,5 +20,7 @@ typedef enum call_end { CALL_RETURNED, CALL_FAULT, CALL_STATE } call_end;
 void call_watch(double seconds);
 /* What went wrong goes to text. */
 call_end call_kernel(check_call_fn *call, check_fn *kernel, void *arguments, char *text, size_t size);
+/* Whether upper halves of vector registers that are left in use are noticed here. */
+bool call_watches_halves(void);
 
 #endif
