@@ -99,6 +99,7 @@ static void this_machine(void **state)
     ost_error err = {0};
     ost_isa isa;
     unsetenv("OSTEON_ISA");
+    printf("# chosen here: %s\n", ost_isa_name(ost_isa_best())); /* .ci/oldcpu reads this */
     assert_true(ost_isa_available(OST_ISA_SCALAR));
     assert_true(ost_isa_available(ost_isa_best()));
     assert_false(ost_isa_available(OST_ISA_COUNT));
