@@ -129,6 +129,7 @@ typedef struct ost_bone_info {
     int64_t active_chunks; /* chunks that hold memory: at least one active voxel */
     int64_t active_voxels;
     int64_t chunk_bytes; /* densities and occupancy of active chunks */
+    int64_t resident_bytes; /* all memory that the bone holds: chunk_bytes, tables and slack; each backend has its own */
 } ost_bone_info;
 
 /* A bone with no active voxel. */

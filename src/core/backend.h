@@ -70,7 +70,7 @@ struct ost_backend_ops {
     ost_status (*bone_create)(ost_backend *backend, const ost_geometry *geometry, int chunk_size, int32_t threshold, ost_bone **out,
                               ost_error *err);
     void (*bone_free)(ost_bone *bone);
-    /* Fills active_chunks, active_voxels, chunk_bytes; the rest is filled by the caller. */
+    /* Fills active_chunks, active_voxels, chunk_bytes, resident_bytes; the rest is filled by the caller. */
     ost_status (*bone_stats)(const ost_bone *bone, ost_bone_info *info, ost_error *err);
     ost_status (*bone_upload)(ost_bone *bone, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
     ost_status (*bone_download)(const ost_bone *bone, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);

@@ -109,12 +109,16 @@ ost_status ost_cpu_bone_stats(const ost_bone *base, ost_bone_info *info, ost_err
 {
     (void)err;
     const cpu_bone *bone = (const cpu_bone *)base;
+    const ost_chunk_pool *pool = NULL;
     info->active_chunks = info->active_voxels = 0;
     for (int64_t i = 0; i < bone->count; i++) {
+        pool = bone->chunks[i].pool ? bone->chunks[i].pool : pool;
         info->active_chunks += bone->chunks[i].active > 0;
         info->active_voxels += bone->chunks[i].active;
     }
     info->chunk_bytes = info->active_chunks * (int64_t)ost_chunk_bytes(base->chunk_size);
+    info->resident_bytes = info->chunk_bytes + bone->count * (int64_t)sizeof *bone->chunks + (int64_t)sizeof *bone +
+                           (pool ? (int64_t)ost_chunk_pool_overhead(pool) : 0);
     return OST_OK;
 }
 

@@ -110,6 +110,11 @@ bool ost_chunk_pool_reserve(ost_chunk_pool *pool, int64_t count)
     return true;
 }
 
+size_t ost_chunk_pool_overhead(const ost_chunk_pool *pool)
+{
+    return sizeof *pool + (size_t)pool->total * sizeof *pool->stack + (size_t)sysconf(_SC_PAGESIZE);
+}
+
 void *ost_chunk_pool_take(ost_chunk_pool *pool)
 {
     long long left = atomic_fetch_sub_explicit(&pool->available, 1, memory_order_relaxed);

@@ -31,6 +31,8 @@ void ost_chunk_pool_close(ost_chunk_pool *pool);
 
 /* After it, `count` takes succeed. False when there are no addresses left; nothing has changed then. */
 bool ost_chunk_pool_reserve(ost_chunk_pool *pool, int64_t count);
+/* Bytes that it holds beside the blocks: the stack, and what the last page has behind the last block. */
+size_t ost_chunk_pool_overhead(const ost_chunk_pool *pool);
 /* A block of 64-byte aligned, undefined content, or NULL when none is reserved. */
 void *ost_chunk_pool_take(ost_chunk_pool *pool);
 void ost_chunk_pool_give(ost_chunk_pool *pool, void *block);

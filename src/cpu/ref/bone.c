@@ -55,6 +55,7 @@ ost_status ost_ref_bone_stats(const ost_bone *base, ost_bone_info *info, ost_err
     const ref_bone *bone = (const ref_bone *)base;
     ost_chunk_grid_count(&bone->chunks, &info->active_chunks, &info->active_voxels);
     info->chunk_bytes = info->active_chunks * (int64_t)ost_chunk_bytes(base->chunk_size);
+    info->resident_bytes = info->chunk_bytes + bone->chunks.count * (int64_t)sizeof *bone->chunks.chunks + (int64_t)sizeof *bone;
     return OST_OK;
 }
 

@@ -1,0 +1,131 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What a whole scapula holds in memory as a bone of the CPU backend: the
+ * densities of its active chunks are what the thesis counts (Table 3.2: 202
+ * chunks of 32^3, 13.2 MB), occupancy is a sixteenth of them more, and with
+ * all tables and slack it must stay within a tenth more.
+ *
+ * Counted twice: by the backend's own account, chunk by chunk, and by what the
+ * system says that anonymous memory of this process has grown.
+ * Covers: REQ-CPU-MEMORY
+ */
+#include "harness.h"
+
+#include <osteon/backend.h>
+#include <osteon/phantom.h>
+
+enum { SCAPULA_CHUNKS = 202, CHUNK = 32 };
+
+/* Anonymous memory in RAM, in bytes; -1 where the system does not say. */
+static int64_t resident(void)
+{
+    FILE *status = fopen("/proc/self/status", "r");
+    char line[200];
+    long kib = -1;
+    while (status && fgets(line, sizeof line, status))
+        if (sscanf(line, "RssAnon: %ld kB", &kib) == 1)
+            break;
+    if (status)
+        (void)fclose(status);
+    return kib < 0 ? -1 : kib * INT64_C(1024);
+}
+
+/* Sanitizers and valgrind keep books of their own in the same memory. */
+static bool alone_in_memory(void)
+{
+#if defined __SANITIZE_ADDRESS__
+    return false;
+#elif defined __has_feature
+#if __has_feature(address_sanitizer)
+    return false;
+#endif
+#endif
+    const char *preloaded = getenv("LD_PRELOAD");
+    return !(preloaded && strstr(preloaded, "vgpreload"));
+}
+
+static ost_bone *bone_of(ost_backend *backend, const ost_volume *ct)
+{
+    ost_error err = {0};
+    ost_grid *rect, *cubic;
+    ost_bone *bone;
+    assert_ok(ost_grid_create(backend, &ct->geometry, &rect, &err));
+    assert_ok(ost_grid_upload(rect, 0, ct->geometry.dims.z, ct->voxels, &err));
+    assert_ok(ost_rect_to_cubic(rect, ct->geometry.spacing.x, OST_RESAMPLE_FLOOR, &cubic, &err));
+    ost_grid_free(rect);
+    assert_ok(ost_cubic_to_chunks(cubic, CHUNK, 120, &bone, &err));
+    ost_grid_free(cubic);
+    return bone;
+}
+
+static void a_scapula_is_small(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_volume ct, small;
+    ost_backend *backend;
+    ost_bone_info info;
+    assert_ok(ost_phantom_make(OST_PHANTOM_SCAPULA, NULL, &ct, &err));
+    assert_ok(ost_phantom_make(OST_PHANTOM_GLENOID, NULL, &small, &err));
+    /* Threads, their stacks and what they load are there before anything is measured. */
+    assert_ok(ost_backend_open("cpu:threads=2", &backend, &err));
+    ost_bone_free(bone_of(backend, &small));
+    ost_backend_close(backend);
+    ost_volume_free(&small);
+    assert_ok(ost_backend_open("cpu:threads=2", &backend, &err));
+
+    const int64_t densities = (int64_t)SCAPULA_CHUNKS * CHUNK * CHUNK * CHUNK * (int64_t)sizeof(int16_t);
+    const int64_t most = densities + densities / 10;
+    const int64_t before = resident();
+    ost_bone *bone = bone_of(backend, &ct);
+    const int64_t grown = resident() - before;
+    assert_ok(ost_bone_info_get(bone, &info, &err));
+    print_message("densities %lld, chunks %lld, by its own account %lld (%.1f %% more than densities), the process grew by %lld\n",
+                  (long long)densities, (long long)info.chunk_bytes, (long long)info.resident_bytes,
+                  100.0 * (double)(info.resident_bytes - densities) / (double)densities, (long long)grown);
+    assert_int_equal(info.active_chunks, SCAPULA_CHUNKS);
+    assert_int_equal(info.chunk_bytes, densities + densities / 16);
+    assert_true(info.resident_bytes > info.chunk_bytes);
+    assert_true(info.resident_bytes <= most);
+    if (before >= 0 && alone_in_memory()) {
+        assert_true(grown <= most);
+        assert_true(grown >= info.chunk_bytes); /* it measures what it should */
+    }
+    ost_bone_free(bone);
+    ost_backend_close(backend);
+    ost_volume_free(&ct);
+}
+
+/* Slices that come from files, without a grid: the same bound. */
+static void an_uploaded_bone_too(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_volume ct;
+    ost_backend *backend;
+    ost_bone *bone;
+    ost_bone_info info;
+    assert_ok(ost_phantom_make(OST_PHANTOM_GLENOID, NULL, &ct, &err));
+    assert_ok(ost_backend_open("cpu:threads=2", &backend, &err));
+    ct.geometry.spacing.z = ct.geometry.spacing.x; /* a bone is cubic; flatter than it was */
+    for (int n = 16; n <= 64; n *= 2) {
+        assert_ok(ost_bone_create(backend, &ct.geometry, n, 120, &bone, &err));
+        assert_ok(ost_bone_upload(bone, 0, ct.geometry.dims.z, ct.voxels, &err));
+        assert_ok(ost_bone_info_get(bone, &info, &err));
+        const int64_t densities = info.active_chunks * n * n * n * 2;
+        assert_int_equal(info.chunk_bytes, densities + densities / 16);
+        assert_true(info.resident_bytes <= densities + densities / 10);
+        ost_bone_free(bone);
+    }
+    ost_backend_close(backend);
+    ost_volume_free(&ct);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_scapula_is_small),
+        cmocka_unit_test(an_uploaded_bone_too),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
