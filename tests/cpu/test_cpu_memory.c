@@ -89,7 +89,7 @@ static void a_scapula_is_small(void **state)
     assert_true(info.resident_bytes <= most);
     if (before >= 0 && alone_in_memory()) {
         assert_true(grown <= most);
-        assert_true(grown >= info.chunk_bytes); /* it measures what it should */
+        assert_true(grown >= info.chunk_bytes - info.chunk_bytes / 50); /* it measures what it should */
     }
     ost_bone_free(bone);
     ost_backend_close(backend);
