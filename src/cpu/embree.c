@@ -22,9 +22,9 @@
  * (rays of a packet may be followed apart).  The packet's number is left at
  * the primitive at the first, and all rows of the packet are decided then.
  *
- * Embree and its tasks may set flush-to-zero; the state is put back after
- * every use.  Nothing depends on it, since the exact code holds no denormal,
- * but what the caller does next may.
+ * Embree and its tasks set flush-to-zero, and divide by zero on their way; a
+ * caller may have set a rounding or traps.  So every use begins with the state
+ * that a process starts with, and puts the caller's back.
  */
 #include "config.h"
 
@@ -110,23 +110,41 @@ typedef struct cast_context {
     ost_embree_desk *desk;
 } cast_context;
 
-static unsigned int float_state(void)
-{
+/* The caller's rounding, flushing, traps and flags are kept, and Embree gets the state that every process starts with. */
 #if defined __SSE__
-    return __builtin_ia32_stmxcsr();
-#else
-    return 0;
-#endif
+
+enum { MXCSR_AT_START = 0x1f80 }; /* no trap, to nearest, denormals kept */
+
+static uint64_t enter_floats(void)
+{
+    const uint64_t state = __builtin_ia32_stmxcsr();
+    __builtin_ia32_ldmxcsr(MXCSR_AT_START);
+    return state;
 }
 
-static void restore_float_state(unsigned int state)
+static void leave_floats(uint64_t state)
 {
-#if defined __SSE__
-    __builtin_ia32_ldmxcsr(state);
-#else
-    (void)state;
-#endif
+    __builtin_ia32_ldmxcsr((unsigned int)state);
 }
+
+#elif defined __aarch64__
+
+static uint64_t enter_floats(void)
+{
+    uint64_t state;
+    __asm__ volatile("mrs %0, fpcr" : "=r"(state));
+    __asm__ volatile("msr fpcr, %0" : : "r"((uint64_t)0));
+    return state;
+}
+
+static void leave_floats(uint64_t state)
+{
+    __asm__ volatile("msr fpcr, %0" : : "r"(state));
+}
+
+#else
+#error Embree runs on processors with SSE and on AArch64
+#endif
 
 /* ------------------------------------------------------------- hierarchy */
 
@@ -198,7 +216,7 @@ ost_status ost_embree_available(ost_error *err)
 ost_status ost_embree_new(const ost_snapped_mesh *mesh, int threads, ost_embree **out, ost_error *err)
 {
     char config[60];
-    const unsigned int state = float_state();
+    const uint64_t state = enter_floats();
     ost_embree *e = calloc(1, sizeof *e);
     if (!e)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for Embree");
@@ -211,7 +229,7 @@ ost_status ost_embree_new(const ost_snapped_mesh *mesh, int threads, ost_embree 
         build(e);
         error = rtcGetDeviceError(e->device);
     }
-    restore_float_state(state);
+    leave_floats(state);
     if (!e->device || error != RTC_ERROR_NONE) {
         ost_embree_free(e);
         return error == RTC_ERROR_OUT_OF_MEMORY
@@ -226,12 +244,12 @@ void ost_embree_free(ost_embree *e)
 {
     if (!e)
         return;
-    const unsigned int state = float_state();
+    const uint64_t state = enter_floats();
     if (e->scene)
         rtcReleaseScene(e->scene);
     if (e->device)
         rtcReleaseDevice(e->device);
-    restore_float_state(state);
+    leave_floats(state);
     free(e);
 }
 
@@ -295,7 +313,7 @@ static void cast(const ost_embree *e, ost_embree_desk *desk)
 
 void ost_embree_mark(const ost_embree *e, ost_embree_desk *desk, ost_vox_tile *tile, ost_vox_mark_fn *mark)
 {
-    const unsigned int state = float_state();
+    const uint64_t state = enter_floats();
     desk->tile = tile;
     desk->mark = mark;
     for (int32_t k = tile->k0; k < tile->k1; k += SIDE)
@@ -308,7 +326,7 @@ void ost_embree_mark(const ost_embree *e, ost_embree_desk *desk, ost_vox_tile *t
             cast(e, desk);
             mark_candidates(desk);
         }
-    restore_float_state(state);
+    leave_floats(state);
 }
 
 #endif
