@@ -207,7 +207,7 @@ static void match_one_voxel(const ost_match *match, const ost_cubes *bricks, uin
 /* The tie that remove.h speaks of: coordinates and offsets cut off before they are added. */
 static void match_without_carries(const ost_match *match, const ost_cubes *bricks, uint64_t *hits)
 {
-    enum { LOW = OST_MAP_FRACTION - OST_TIE_BITS };
+    const int32_t cut = ~((1 << (OST_MAP_FRACTION - OST_TIE_BITS)) - 1);
     static ost_match coarse;
     static ost_cubes moved;
     coarse = *match;
@@ -215,9 +215,9 @@ static void match_without_carries(const ost_match *match, const ost_cubes *brick
     if (match->windows)
         for (int a = 0; a < 3; a++) {
             for (size_t i = 0; i < moved.count; i++)
-                moved.u[a][i] = ((moved.u[a][i] + match->lowest[a]) >> LOW << LOW) - match->lowest[a];
+                moved.u[a][i] = ((moved.u[a][i] + match->lowest[a]) & cut) - match->lowest[a];
             for (int v = 0; v < 64; v++)
-                coarse.offset[a][v] = ((match->offset[a][v] - match->lowest[a]) >> LOW << LOW) + match->lowest[a];
+                coarse.offset[a][v] = ((match->offset[a][v] - match->lowest[a]) & cut) + match->lowest[a];
         }
     ost_match_scalar(&coarse, &moved, hits);
 }
