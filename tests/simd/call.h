@@ -22,5 +22,7 @@ void call_watch(double seconds);
 call_end call_kernel(check_call_fn *call, check_fn *kernel, void *arguments, char *text, size_t size);
 /* Whether upper halves of vector registers that are left in use are noticed here. */
 bool call_watches_halves(void);
+/* Whether there is no sense in any of this: says why. */
+bool call_under_valgrind(void);
 
 #endif

@@ -218,6 +218,8 @@ int main(int argc, char **argv)
         printf("checksimd: %s does not run on this machine, or is not in this build\n", ost_isa_name((ost_isa)o.isa));
         return 77;
     }
+    if (call_under_valgrind())
+        return 77;
     call_watch(10);
     if (o.list) {
         print_list();

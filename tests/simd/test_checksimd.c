@@ -492,6 +492,8 @@ int main(void)
                                           [CHECK_STATE] = "found as changing the processor's state"};
     const uint64_t seed = 20261121;
     int failed = 0;
+    if (call_under_valgrind())
+        return 77;
     ost_text_kernels_fill(&text, OST_ISA_SCALAR);
     call_watch(0.5);
     for (int i = 0; i < WRONGS; i++) {
