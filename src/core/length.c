@@ -7,10 +7,10 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "core/integer.h"
+#include "core/shortest.h"
 
 void ost_pm3_widen(ost_pm3 *lo, ost_pm3 *hi, ost_pm3 p)
 {
@@ -38,26 +38,10 @@ ost_status ost_pm_parse(const char *text, ost_pm *out, ost_error *err)
     return OST_OK;
 }
 
-/*
- * The shortest decimal that reads back: C's own printing and reading of
- * correctly rounded decimals, tried with more and more digits.  The decimal
- * point of the program's locale is put back to '.' before it is read exactly.
- */
 static bool from_shortest(double value, bool single, ost_pm *out)
 {
-    char text[64];
-    int most = single ? 9 : 17;
-    for (int digits = 1;; digits++) {
-        snprintf(text, sizeof text, "%.*e", digits - 1, value);
-        if (digits == most || (single ? strtof(text, NULL) == (float)value : strtod(text, NULL) == value))
-            break;
-    }
-    char *point = strpbrk(text, ",");
-    if (point)
-        *point = '.';
     ost_decimal decimal;
-    const char *end = text + strlen(text);
-    return ost_decimal_read(text, end, &decimal) == end && ost_decimal_to_pm(&decimal, out, NULL);
+    return ost_decimal_shortest(value, single, &decimal) && ost_decimal_to_pm(&decimal, out, NULL);
 }
 
 bool ost_pm_from_float(float mm, ost_pm *out)

@@ -7,7 +7,10 @@
 
 #include <osteon/length.h>
 
+#include <locale.h>
+
 #include "core/integer.h"
+#include "core/shortest.h"
 
 static ost_decimal decimal(const char *text)
 {
@@ -205,6 +208,32 @@ static void long_ties_are_decided_exactly(void **state)
     assert_false(ost_decimal_scale(&d, 1, &value, &exact));
 }
 
+/* What printf prints in locales of a comma, of an Arabic separator of two bytes, and of a point. */
+static void any_decimal_sign_becomes_a_point(void **state)
+{
+    (void)state;
+    static const char *const cases[][2] = {{"1,5e+00", "1.5e+00"}, {"-4,88281e-04", "-4.88281e-04"}, {"1\xd9\xab" "25e+01", "1.25e+01"},
+                                           {"7.0e-07", "7.0e-07"}, {"3e+02", "3e+02"}, {"-3e-308", "-3e-308"}};
+    char text[32];
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        snprintf(text, sizeof text, "%s", cases[i][0]);
+        ost_point_put_back(text);
+        assert_string_equal(text, cases[i][1]);
+    }
+    /* And in the locales that this machine has, if any: the same picometres. */
+    static const char *const locales[] = {"de_DE.UTF-8", "fr_FR.UTF-8", "ps_AF.UTF-8", "fa_IR.UTF-8", "C"};
+    for (size_t i = 0; i < sizeof locales / sizeof *locales; i++) {
+        if (!setlocale(LC_NUMERIC, locales[i]))
+            continue;
+        ost_pm pm = 0;
+        assert_true(ost_pm_from_float(0.488281f, &pm));
+        assert_int_equal(pm, 488281000);
+        assert_true(ost_pm_from_double(-57.34, &pm));
+        assert_int_equal(pm, INT64_C(-57340000000));
+    }
+    setlocale(LC_NUMERIC, "C");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -213,6 +242,7 @@ int main(void)
         cmocka_unit_test(what_is_no_decimal_is_none),
         cmocka_unit_test(picometres_round_half_to_even),
         cmocka_unit_test(floats_stand_for_their_shortest_decimal),
+        cmocka_unit_test(any_decimal_sign_becomes_a_point),
         cmocka_unit_test(format_and_parse_agree),
         cmocka_unit_test(long_ties_are_decided_exactly),
         cmocka_unit_test(q30_agrees_with_long_division),

@@ -69,9 +69,10 @@ ost_status ost_ref_grid_download(const ost_grid *base, int32_t z0, int32_t count
 /* ------------------------------------------------- samples to rect grid */
 
 /*
- * One axis of a sample. |p|, |origin| <= 8 m = 2^53 pm, so p - origin and
- * index * spacing stay within 2^55. |off| <= spacing / 2 <= 5 * 10^10 pm, so
- * off * 10^6 stays within 2^56.
+ * One axis of a sample. |p|, |origin| <= 8 m = 8 * 10^12 pm < 2^43, so
+ * p - origin stays within 2^44, and index * spacing, at most half a spacing
+ * from it, within 2^45. |off| <= spacing / 2 <= 5 * 10^10 pm < 2^36, so
+ * 8 * off and 3 * spacing stay within 2^39, and off * 10^6 within 2^56.
  */
 typedef struct lattice {
     int64_t index;

@@ -13,6 +13,7 @@
 #include <nifti2_io.h>
 
 #include "core/conditions.h"
+#include "core/shortest.h"
 #include "io/nifti/extension.h"
 #include "io/nifti/read.h"
 #include "io/volume/rows.h"
@@ -93,23 +94,9 @@ static bool to_pm(const scale *s, double value, ost_pm *out)
 {
     if (s->unit == (uint64_t)OST_PM_PER_MM)
         return s->single ? ost_pm_from_float((float)value, out) : ost_pm_from_double(value, out);
-    char text[64];
-    int most = s->single ? 9 : 17;
-    if (!isfinite(value))
-        return false;
-    for (int digits = 1; digits <= most; digits++) {
-        snprintf(text, sizeof text, "%.*e", digits - 1, value);
-        if (s->single ? strtof(text, NULL) == (float)value : strtod(text, NULL) == value)
-            break;
-    }
-    /* Printed and read by C in the program's locale; the point is put back before it is read exactly. */
-    char *comma = strchr(text, ',');
-    if (comma)
-        *comma = '.';
     ost_decimal decimal;
-    const char *end = text + strlen(text);
-    return ost_decimal_read(text, end, &decimal) == end && ost_decimal_scale(&decimal, s->unit, out, NULL) && *out <= OST_LENGTH_MAX &&
-           *out >= -OST_LENGTH_MAX;
+    return isfinite(value) && ost_decimal_shortest(value, s->single, &decimal) &&
+           ost_decimal_scale(&decimal, s->unit, out, NULL) && *out <= OST_LENGTH_MAX && *out >= -OST_LENGTH_MAX;
 }
 
 static ost_status find_scale(const char *path, int version, int units, scale *out, ost_error *err)
