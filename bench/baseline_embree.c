@@ -31,7 +31,7 @@ enum { SIDE = 4, PACKET = SIDE * SIDE };
 /* The first member is Embree's, so that a filter finds the rows through it. */
 typedef struct packet_context {
 #if defined HAVE_EMBREE4
-    RTCRayQueryContext base;
+    struct RTCRayQueryContext base;
 #else
     struct RTCIntersectContext base;
 #endif
@@ -121,7 +121,7 @@ static void trace_packet(RTCScene scene, const ost_snapped_mesh *mesh, int32_t j
     struct RTCRayHit16 rays __attribute__((aligned(64)));
     packet_context c = {.n = dims.x, .half = (float)(1 << (f - 1)), .per_voxel = 1.0f / (float)(1 << f)};
 #if defined HAVE_EMBREE4
-    RTCIntersectArguments arguments;
+    struct RTCIntersectArguments arguments;
     rtcInitRayQueryContext(&c.base);
     rtcInitIntersectArguments(&arguments);
     arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;

@@ -103,7 +103,7 @@ struct ost_embree_desk {
 /* The first member is Embree's, so that a callback finds the desk through it. */
 typedef struct cast_context {
 #if defined HAVE_EMBREE4
-    RTCRayQueryContext base;
+    struct RTCRayQueryContext base;
 #else
     struct RTCIntersectContext base;
 #endif
@@ -298,7 +298,7 @@ static void cast(const ost_embree *e, ost_embree_desk *desk)
         rays.hit.instID[0][r] = RTC_INVALID_GEOMETRY_ID;
     }
 #if defined HAVE_EMBREE4
-    RTCIntersectArguments arguments;
+    struct RTCIntersectArguments arguments;
     rtcInitRayQueryContext(&c.base);
     rtcInitIntersectArguments(&arguments);
     arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
