@@ -106,7 +106,7 @@ static RTCScene make_scene(RTCDevice device, const ost_snapped_mesh *mesh, bool 
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene, geometry);
     rtcReleaseGeometry(geometry);
-    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST); /* a geometry's own filter needs no flag */
     rtcSetSceneBuildQuality(scene, low_quality ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM);
     rtcCommitScene(scene);
     return scene;
