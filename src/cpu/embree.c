@@ -81,6 +81,7 @@ void ost_embree_mark(const ost_embree *embree, ost_embree_desk *desk, ost_vox_ti
 #endif
 
 #include "core/conditions.h"
+#include "core/floats.h"
 
 enum { GROUP = 4, SIDE = 4, PACKET = SIDE * SIDE, CANDIDATES = 1024 };
 
@@ -109,42 +110,6 @@ typedef struct cast_context {
 #endif
     ost_embree_desk *desk;
 } cast_context;
-
-/* The caller's rounding, flushing, traps and flags are kept, and Embree gets the state that every process starts with. */
-#if defined __SSE__
-
-enum { MXCSR_AT_START = 0x1f80 }; /* no trap, to nearest, denormals kept */
-
-static uint64_t enter_floats(void)
-{
-    const uint64_t state = __builtin_ia32_stmxcsr();
-    __builtin_ia32_ldmxcsr(MXCSR_AT_START);
-    return state;
-}
-
-static void leave_floats(uint64_t state)
-{
-    __builtin_ia32_ldmxcsr((unsigned int)state);
-}
-
-#elif defined __aarch64__
-
-static uint64_t enter_floats(void)
-{
-    uint64_t state;
-    __asm__ volatile("mrs %0, fpcr" : "=r"(state));
-    __asm__ volatile("msr fpcr, %0" : : "r"((uint64_t)0));
-    return state;
-}
-
-static void leave_floats(uint64_t state)
-{
-    __asm__ volatile("msr fpcr, %0" : : "r"(state));
-}
-
-#else
-#error Embree runs on processors with SSE and on AArch64
-#endif
 
 /* ------------------------------------------------------------- hierarchy */
 
@@ -216,10 +181,10 @@ ost_status ost_embree_available(ost_error *err)
 ost_status ost_embree_new(const ost_snapped_mesh *mesh, int threads, ost_embree **out, ost_error *err)
 {
     char config[60];
-    const uint64_t state = enter_floats();
     ost_embree *e = calloc(1, sizeof *e);
     if (!e)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for Embree");
+    const ost_floats state = ost_floats_enter();
     e->mesh = mesh;
     e->primitives = (mesh->triangle_count + GROUP - 1) / GROUP;
     snprintf(config, sizeof config, "threads=%d,set_affinity=0", threads);
@@ -229,7 +194,7 @@ ost_status ost_embree_new(const ost_snapped_mesh *mesh, int threads, ost_embree 
         build(e);
         error = rtcGetDeviceError(e->device);
     }
-    leave_floats(state);
+    ost_floats_leave(state);
     if (!e->device || error != RTC_ERROR_NONE) {
         ost_embree_free(e);
         return error == RTC_ERROR_OUT_OF_MEMORY
@@ -244,12 +209,12 @@ void ost_embree_free(ost_embree *e)
 {
     if (!e)
         return;
-    const uint64_t state = enter_floats();
+    const ost_floats state = ost_floats_enter();
     if (e->scene)
         rtcReleaseScene(e->scene);
     if (e->device)
         rtcReleaseDevice(e->device);
-    leave_floats(state);
+    ost_floats_leave(state);
     free(e);
 }
 
@@ -313,7 +278,6 @@ static void cast(const ost_embree *e, ost_embree_desk *desk)
 
 void ost_embree_mark(const ost_embree *e, ost_embree_desk *desk, ost_vox_tile *tile, ost_vox_mark_fn *mark)
 {
-    const uint64_t state = enter_floats();
     desk->tile = tile;
     desk->mark = mark;
     for (int32_t k = tile->k0; k < tile->k1; k += SIDE)
@@ -326,7 +290,6 @@ void ost_embree_mark(const ost_embree *e, ost_embree_desk *desk, ost_vox_tile *t
             cast(e, desk);
             mark_candidates(desk);
         }
-    leave_floats(state);
 }
 
 #endif

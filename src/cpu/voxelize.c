@@ -15,6 +15,7 @@
 #endif
 
 #include "core/conditions.h"
+#include "core/floats.h"
 #include "cpu/embree.h"
 #include "cpu/tool.h"
 #include "cpu/voxelize.h"
@@ -263,6 +264,7 @@ static ost_status run_tiles(const job *j, ost_voxelize_report *report, ost_error
     bool failed = false;
 #pragma omp parallel num_threads(threads) reduction(+ : solid, cutting, leaking) reduction(|| : failed) if (threads > 1)
     {
+        const ost_floats caller = ost_floats_enter();
         ost_voxelize_report sums = {0};
         desk d;
         const bool ready = make_desk(&d, j);
@@ -275,6 +277,7 @@ static ost_status run_tiles(const job *j, ost_voxelize_report *report, ost_error
         solid = sums.solid_voxels;
         cutting = sums.cutting_voxels;
         leaking = sums.leaking_rows;
+        ost_floats_leave(caller);
     }
     if (failed)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for tiles of %d x %d rows", 1 << j->plan.shift_y, 1 << j->plan.shift_z);
