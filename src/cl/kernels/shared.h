@@ -1,0 +1,344 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What the host and the device both know: the layout of every buffer, and of
+ * every kernel its arguments, its range, and why no order of work items can
+ * show in its results.  Read by the C compiler and by OpenCL C 1.2.
+ *
+ * One program is this file, common.h, and the .cl files of this folder in
+ * alphabetical order, one after the other; none of them includes another.
+ * fingerprint_float.cl is a program of its own: no float is in this one.
+ *
+ *   samples --ost_ct_*--> rect --ost_cubic_*--> cubic --ost_chunk_*--> pool of chunks
+ *   triangles --ost_vox_*--> classes --ost_tool_reach--> cells         |
+ *                                              '-------ost_remove------+--> a report per block
+ *
+ * For all kernels
+ *   - Structs have fixed-width members, each at a multiple of its size, and
+ *     no padding; they are passed in buffers, never by value.
+ *   - A range may be rounded up along every dimension (to a multiple of the
+ *     work-group size): items beyond what the parameters say return at once.
+ *     Work-group sizes never matter.  No kernel has a barrier or local memory.
+ *   - An item writes what no other item of the launch reads or writes, or it
+ *     uses 32-bit atomics of operations that commute (add, min, max, or, and,
+ *     xchg with one value), whose old value decides nothing that differs.
+ *   - Indices into buffers are 64 bits wide.  int is at least as wide as
+ *     asked for by the ranges of docs/arithmetic.md, section 18.
+ *   - Build option -DOST_ROWS=r, r of 1, 2, 4, 8, 16: rows a work item of
+ *     ost_remove takes (16 suits CPUs, 1 GPUs; 4 when not given).
+ */
+#ifndef OST_CL_SHARED_H
+#define OST_CL_SHARED_H
+
+#ifdef __OPENCL_VERSION__
+typedef char ost_cl_i8;
+typedef uchar ost_cl_u8;
+typedef short ost_cl_i16;
+typedef ushort ost_cl_u16;
+typedef int ost_cl_i32;
+typedef uint ost_cl_u32;
+typedef long ost_cl_i64;
+typedef ulong ost_cl_u64;
+#else
+#include <stdint.h>
+typedef int8_t ost_cl_i8;
+typedef uint8_t ost_cl_u8;
+typedef int16_t ost_cl_i16;
+typedef uint16_t ost_cl_u16;
+typedef int32_t ost_cl_i32;
+typedef uint32_t ost_cl_u32;
+typedef int64_t ost_cl_i64;
+typedef uint64_t ost_cl_u64;
+#endif
+
+#define OST_CL_NONE 0xffffffffu /* no line, no sample, no slot */
+
+/* ------------------------------------------------- samples to rect grid */
+/*
+ * AR-CT-4..6.  A batch is three launches, in this order, over its samples
+ * (one dimension, count items):
+ *
+ *   ost_ct_claim(scatter, samples, seen, owner, report)
+ *   ost_ct_place(scatter, samples, seen, owner, voxels, report)
+ *   ost_ct_check(scatter, samples, seen, owner, voxels, report)
+ *   ost_ct_blame(scatter, samples, voxels, report)                these two only after a conflict
+ *   ost_ct_had(scatter, samples, voxels, report)                  one item
+ *
+ *   scatter  const ost_cl_scatter[1]
+ *   samples  const ost_cl_sample[count]   the same bytes as ost_sample
+ *   seen     uint[ceil(voxels / 32)]      bit v: voxel v was set by an earlier batch; zeros at first
+ *   owner    uint[voxels]                 zeros before and after each batch
+ *   voxels   short[voxels]                the rect grid
+ *   report   ost_cl_scatter_report[1]     the batch's; the four lines and the index start as OST_CL_NONE, the rest as 0
+ *
+ * claim: every sample that is read and inside takes the greatest key of its
+ * voxel by atomic_max.  The key grows with what wins: the earlier (error,
+ * first), the later (last), the denser (max).  One sample of a voxel meets
+ * owner 0; it is no duplicate if seen has no bit.  Who that is may differ,
+ * how many there are not.
+ * place: the winner writes.  Keys are unique but for max, where the first to
+ * set a flag writes, and all who could hold the same density.  The first line
+ * with the worst offset.
+ * check: seen and owner are brought up to date; error: the least line whose
+ * density is not its voxel's (which has not changed since it was set).
+ * blame: of that line the first sample that differs.  had: what its voxel has.
+ * The host adds the batch's report to the whole one: sums; the greater
+ * offset, or of equal ones above 0 the lower line; the lower lines, each plus
+ * the batch's first_line; conflict_has is the density of sample
+ * conflict_index.  count <= 2^31 - 2, no line is OST_CL_NONE.
+ */
+enum { OST_CL_DUPLICATES_ERROR, OST_CL_DUPLICATES_FIRST, OST_CL_DUPLICATES_LAST, OST_CL_DUPLICATES_MAX };
+
+typedef struct ost_cl_sample {
+    ost_cl_i64 at[3]; /* pm */
+    ost_cl_i32 density;
+    ost_cl_u32 line;
+} ost_cl_sample;
+
+typedef struct ost_cl_scatter {
+    ost_cl_i64 origin[3], spacing[3]; /* pm */
+    ost_cl_i32 dims[3];
+    ost_cl_i32 duplicates; /* OST_CL_DUPLICATES_*, equal to ost_duplicates */
+    ost_cl_u32 count;
+    ost_cl_u32 unused;
+} ost_cl_scatter;
+
+typedef struct ost_cl_scatter_report {
+    ost_cl_u32 duplicates, off_lattice;
+    ost_cl_u32 worst_ppm, worst_line;
+    ost_cl_u32 rejected_line;
+    ost_cl_u32 conflict_line, conflict_index;
+    ost_cl_i32 conflict_had;
+} ost_cl_scatter_report;
+
+/* ---------------------------------------------------- rect grid to cubic */
+/*
+ * AR-CUB.
+ *
+ *   ost_cubic_sources(cubic, sources)            one dimension: sum of cubic dims
+ *   ost_cubic_gather(cubic, sources, rect, out)  x, y, z: cubic dims.x, dims.y, z1 - z0
+ *
+ *   cubic    const ost_cl_cubic[1]
+ *   sources  int[dims.x + dims.y + dims.z]   source index of each voxel along x, then y, then z
+ *   rect     const short[rect voxels]
+ *   out      short[...]                      the whole cubic grid, or slices z0 <= k < z1 of it when slab is 1
+ *
+ * Each item writes its own element.
+ */
+enum { OST_CL_RESAMPLE_FLOOR, OST_CL_RESAMPLE_NEAREST };
+
+typedef struct ost_cl_cubic {
+    ost_cl_i64 rect_spacing[3], cubic_spacing[3];
+    ost_cl_i32 rect_dims[3], dims[3];
+    ost_cl_i32 rule; /* OST_CL_RESAMPLE_*, equal to ost_resample */
+    ost_cl_i32 z0, z1;
+    ost_cl_i32 slab; /* 1: out begins with slice z0; 0: with slice 0 */
+} ost_cl_cubic;
+
+/* ---------------------------------------------------------------- chunks */
+/*
+ * AR-CHK.  A bone on the device is a pool of slots, each with room for one
+ * chunk of n^3 voxels, and a table from chunk numbers to slots:
+ *
+ *   bone     const ost_cl_bone[1]
+ *   slots    uint[chunks]           slot of a chunk, OST_CL_NONE when it holds no memory
+ *   chunks   uint[slots]            chunk in a slot, OST_CL_NONE when it is free
+ *   density  short[slots * n^3]     voxel v = x + n (y + n z) of the chunk in slot s: s n^3 + v
+ *   words    uint[slots * n^3 / 32] its occupancy, word v / 32, bit v % 32 (AR-CHK-4)
+ *   slab     short[(z1 - z0) dims.y dims.x]  slices z0 <= k < z1 of the grid without padding; z0 and z1 are int arguments
+ *
+ *   ost_chunk_scan(bone, z0, z1, slab, active, highest)
+ *       z1 - z0, chunk_dims.x * chunk_dims.y.  Adds to active[chunk] (uint[chunks], zeros at first) the voxels of the slab that
+ *       reach the threshold and raises highest[chunk] (int[chunks], zeros at first) to the greatest density among them.
+ *   ost_chunk_slots(count, active, slots, chunks, total)
+ *       one item.  Slots in ascending order of the chunks (count of them) with active > 0; *total (uint[1]) of them.
+ *   ost_chunk_store(bone, z0, z1, slab, slots, density, words)
+ *       n * n / 32, chunk_dims.x * chunk_dims.y, z1 - z0.  An item writes one word and its 32 densities, where the chunk has a
+ *       slot.  Voxels below the threshold become 0; those in the padding beyond dims.x or dims.y too.  Planes of padding beyond
+ *       dims.z are never written: a slot is filled with zeros before it is used.
+ *   ost_chunk_load(bone, z0, z1, slots, density, slab)
+ *       dims.x, dims.y, z1 - z0.  The way back; chunks without a slot are 0.
+ *   ost_chunk_count(bone, first, count, words, active)
+ *       n, count.  Adds the set bits of slot first + i to active[i] (uint[count], zeros at first), i < count.
+ *   ost_chunk_checksum(bone, first, count, chunks, density, sums)
+ *       n, count.  sums[i n + z] (ulong[count * n]): of plane z of slot first + i; 0 where it is free.  The checksum of any
+ *       set of planes is their sum modulo 2^64; it is a sum over voxels that are not 0 of a mixture of place in the grid and
+ *       density (ost_mix in common.h), so neither the size nor the order of chunks shows in a bone's.
+ *   ost_chunk_surface(bone, count, list, slots, words, surface)
+ *       n^3 / 32, count.  For the renderer: surface[i n^3 / 32 + w] has the bits of word w of chunk list[i] whose voxels have
+ *       an inactive neighbour across one of their six faces; what is outside the grid is inactive.  0 without a slot.
+ */
+typedef struct ost_cl_bone {
+    ost_cl_i32 dims[3];
+    ost_cl_i32 size; /* n: 16, 32 or 64 */
+    ost_cl_i32 chunk_dims[3];
+    ost_cl_i32 threshold;
+} ost_cl_bone;
+
+/* ------------------------------------------------------------- voxelizer */
+/*
+ * AR-VOX, by triangle, on slices k0 <= k < k1 of the grid (so that steps may be smaller than the grid).
+ *
+ *   ost_vox_steps(vox, vertices, triangles, steps)   triangles, bands
+ *   ost_vox_fill(vox, steps, classes, leaks)         dims.y, k1 - k0
+ *   ost_vox_count(vox, classes, counts)              dims.y, k1 - k0
+ *
+ *   vox        const ost_cl_vox[1]
+ *   vertices   const int[3 * vertices], triangles const uint[3 * triangles]: as in ost_snapped_mesh
+ *   steps      int[(k1 - k0) * dims.y * (dims.x + 1)]   zeros before ost_vox_steps and after ost_vox_fill
+ *   classes    uchar[dims.x * dims.y * dims.z]          the whole tool, zeros at first
+ *   leaks      uint[1]                                  rows that leak are added
+ *   counts     uint[2 * dims.z]                         solid and cutting voxels of slice k are added to 2 k and 2 k + 1
+ *
+ * steps: item (t, b) takes the slices b, b + bands, ... of those that triangle t meets, and adds its +1 or -1 in every row that
+ * it owns (atomic_add; bands: more items where triangles are few).  fill: an item sums one row; classes gets tool_class where
+ * it is solid, and stays elsewhere: first the mesh that does not cut, then the one that does.
+ */
+enum { OST_CL_FILL_WINDING, OST_CL_FILL_PARITY };
+
+typedef struct ost_cl_vox {
+    ost_cl_i32 dims[3];
+    ost_cl_i32 fraction; /* f */
+    ost_cl_i32 k0, k1;
+    ost_cl_u32 triangles, bands;
+    ost_cl_i32 rule;       /* OST_CL_FILL_*, equal to ost_fill_rule */
+    ost_cl_i32 tool_class; /* 1 or 2 */
+} ost_cl_vox;
+
+/* ----------------------------------------------------------- tool cells */
+/*
+ * A cell is a tool voxel's class in bits 0 and 1 and its reach in bits 2 to
+ * 7: the greatest r <= 63 such that all voxels nearer than r on every axis
+ * have its class, everything outside the grid being void.  So reach >= 1.
+ *
+ *   ost_tool_reach(tool, from, to)   dims.x, dims.y, dims.z; three launches, axis 0, 1, 2
+ *
+ *   tool   const ost_cl_tool[1]
+ *   from   const uchar[voxels]: classes (axis 0), else the last launch's result;  to  uchar[voxels], another buffer
+ *
+ * Each item writes its own cell.
+ */
+typedef struct ost_cl_tool {
+    ost_cl_i32 dims[3];
+    ost_cl_i32 axis;
+} ost_cl_tool;
+
+#define OST_CL_REACH_MAX 63
+
+/* --------------------------------------------------------------- removal */
+/*
+ * AR-MAP, AR-REM: an event with all its poses and blocks in one launch.
+ *
+ *   ost_remove(event, blocks, entries, poses, cells, density, words, reports)   event.blocks * 256 / OST_ROWS, one dimension
+ *
+ *   event    const ost_cl_event[1]
+ *   blocks   const ost_cl_block[event.blocks]   16^3 voxels each, aligned to voxel (0, 0, 0), of chunks with a slot; no block twice
+ *   entries  const ost_cl_entry[...]            the poses that may meet a block, with the block's base
+ *   poses    const ost_cl_pose[...]
+ *   cells    const uchar[tool voxels]           dims <= 1024 an axis
+ *   density  short[...], words  ushort[...]     the pool; words are the same bytes as in ost_chunk_*, two a uint, little-endian
+ *   reports  ost_cl_block_report[event.blocks]  zeros at first
+ *
+ * An item takes OST_ROWS rows of 16 voxels of one block: 16 bits of occupancy
+ * and 16 densities each, which are no other item's.  Every pose of the block's
+ * entries marks what it hits and touches; a voxel that is hit by one is hit,
+ * so the order of entries does not matter.  Sums of a block: at most 4096
+ * voxels and 2^12 * 2^15 of density, so 32 bits hold them; atomic_add.
+ *
+ * The host leaves out entries whose pose's box does not meet the block or
+ * whose base is far (AR-MAP-5), and blocks without entries.  The rest of a
+ * box is cut here, to the voxel, so that boxes mean what they mean elsewhere.
+ * Far bases must not come here: the sums below would not fit.
+ */
+#define OST_CL_CLASSES 8
+
+typedef struct ost_cl_event {
+    ost_cl_i32 tool_dims[3];
+    ost_cl_i32 size; /* n */
+    ost_cl_u32 blocks;
+    ost_cl_i32 apply; /* 1 removes, 0 only reports */
+    ost_cl_i32 classes;
+    ost_cl_i32 unused;
+    ost_cl_i32 border[OST_CL_CLASSES];
+} ost_cl_event;
+
+typedef struct ost_cl_block {
+    ost_cl_i32 first[3]; /* first voxel in the grid; multiples of 16 */
+    ost_cl_u32 slot;     /* of its chunk */
+    ost_cl_u32 entry, entries; /* entries[entry] ... entries[entry + entries - 1] */
+} ost_cl_block;
+
+typedef struct ost_cl_entry {
+    ost_cl_i32 base[3]; /* AR-MAP-4, near (AR-MAP-5) */
+    ost_cl_u32 pose;
+} ost_cl_entry;
+
+typedef struct ost_cl_pose {
+    ost_cl_i32 step[3][3]; /* [bone axis][tool axis], as in ost_map */
+    ost_cl_i32 lo[3], hi[3]; /* its box, as in ost_event */
+    ost_cl_u32 unused;
+    ost_cl_u8 skip[OST_CL_REACH_MAX + 1]; /* ost_cl_pose_skip */
+} ost_cl_pose;
+
+/* Class c: voxels hit, and the sum of their densities before. */
+typedef struct ost_cl_block_report {
+    ost_cl_u32 voxels[OST_CL_CLASSES];
+    ost_cl_u32 density[OST_CL_CLASSES];
+    ost_cl_u32 touched;
+    ost_cl_u32 unused[3];
+} ost_cl_block_report;
+
+/* ----------------------------------------------------------- fingerprint */
+/*
+ * facts that some drivers get wrong, asked before any voxel is trusted to one.
+ *
+ *   ost_fingerprint(count, in, out)               count items; out[OST_CL_FINGERPRINT i + k] from in[2 i], in[2 i + 1]
+ *   ost_fingerprint_atomics(count, in, counters)  count items; counters uint[OST_CL_FINGERPRINT_COUNTERS], see fingerprint.cl
+ *
+ *   in  const ulong[2 * count], out  ulong[OST_CL_FINGERPRINT * count]
+ *
+ * and, in a program of its own (fingerprint_float.cl), for the record only:
+ *
+ *   ost_fingerprint_float(count, in, out)         count items; out[OST_CL_FLOATS i + k] bits from float bits in[3 i ...]
+ */
+#define OST_CL_FINGERPRINT 32
+#define OST_CL_FINGERPRINT_COUNTERS 16
+#define OST_CL_FLOATS 16
+
+/* ------------------------------------------------------------------ host */
+#ifndef __OPENCL_VERSION__
+_Static_assert(sizeof(ost_cl_sample) == 32, "layout");
+_Static_assert(sizeof(ost_cl_scatter) == 72, "layout");
+_Static_assert(sizeof(ost_cl_scatter_report) == 32, "layout");
+_Static_assert(sizeof(ost_cl_cubic) == 88, "layout");
+_Static_assert(sizeof(ost_cl_bone) == 32, "layout");
+_Static_assert(sizeof(ost_cl_vox) == 40, "layout");
+_Static_assert(sizeof(ost_cl_tool) == 16, "layout");
+_Static_assert(sizeof(ost_cl_event) == 64, "layout");
+_Static_assert(sizeof(ost_cl_block) == 24, "layout");
+_Static_assert(sizeof(ost_cl_entry) == 16, "layout");
+_Static_assert(sizeof(ost_cl_pose) == 128, "layout");
+_Static_assert(sizeof(ost_cl_block_report) == 80, "layout");
+
+/*
+ * skip[r]: how many voxels of a row after one whose cell has reach r surely
+ * have its class, at most 15.  j voxels on, a coordinate differs by at most
+ * j m, m the greatest |step[0][a]|, and its tool voxel by at most
+ * floor(j m / 2^20) + 1, which is < r when j m < (r - 1) 2^20.
+ * m <= 2^24 + 1, so all this is below 2^29.
+ */
+static inline void ost_cl_pose_skip(ost_cl_pose *pose)
+{
+    ost_cl_i32 m = 0;
+    for (int a = 0; a < 3; a++) {
+        const ost_cl_i32 s = pose->step[0][a] < 0 ? -pose->step[0][a] : pose->step[0][a];
+        m = s > m ? s : m;
+    }
+    ost_cl_i32 j = 0;
+    for (ost_cl_i32 r = 0; r <= OST_CL_REACH_MAX; r++) {
+        while (j < 15 && r >= 2 && (j + 1) * m < (r - 1) * (1 << 20))
+            j++;
+        pose->skip[r] = (ost_cl_u8)j;
+    }
+}
+#endif
+#endif
