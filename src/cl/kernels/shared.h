@@ -289,7 +289,8 @@ typedef struct ost_cl_block_report {
 
 /* ----------------------------------------------------------- fingerprint */
 /*
- * facts that some drivers get wrong, asked before any voxel is trusted to one.
+ * Integers as some drivers get them wrong, asked before any voxel is trusted
+ * to one; fingerprint_expect.h beside this folder has what must come out.
  *
  *   ost_fingerprint(count, in, out)               count items; out[OST_CL_FINGERPRINT i + k] from in[2 i], in[2 i + 1]
  *   ost_fingerprint_atomics(count, in, counters)  count items; counters uint[OST_CL_FINGERPRINT_COUNTERS], see fingerprint.cl

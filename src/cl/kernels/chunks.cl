@@ -1,0 +1,217 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The pool of chunks (AR-CHK): filled from slices, read back, counted,
+ * summed, and its surface.  shared.h has buffers and ranges.
+ *
+ *     table          pool, slots of n^3                    a word of occupancy
+ *   chunk 0  -       0  density ... | words ...            n = 16  rows y, y + 1 (y even)
+ *   chunk 1  0  -->  1  density ... | words ...            n = 32  a row
+ *   chunk 2  1                                             n = 64  half a row
+ *
+ * Ranges: dims <= 2^14, so a plane of a chunk has at most 2^12 voxels, a
+ * chunk 2^18, and there are at most 2^30 chunks.  slot * n^3 needs 64 bits.
+ */
+
+static ulong ost_chunk_voxels(__global const ost_cl_bone *bone)
+{
+    return (ulong)bone->size * (ulong)bone->size * (ulong)bone->size;
+}
+
+/* Element of voxel (x, y, k) in a slab of whole slices that begins with slice z0. */
+static ulong ost_slab_at(__global const ost_cl_bone *bone, int x, int y, int slice)
+{
+    return (ulong)x + (ulong)bone->dims[0] * ((ulong)y + (ulong)bone->dims[1] * (ulong)slice);
+}
+
+__kernel void ost_chunk_scan(__global const ost_cl_bone *bone, int z0, int z1, __global const short *slab,
+                             volatile __global uint *active, volatile __global int *highest)
+{
+    const size_t columns = (size_t)bone->chunk_dims[0] * (size_t)bone->chunk_dims[1];
+    if (get_global_id(0) >= (size_t)(z1 - z0) || get_global_id(1) >= columns)
+        return;
+    const int slice = (int)get_global_id(0), column = (int)get_global_id(1), n = bone->size;
+    const int cx = column % bone->chunk_dims[0], cy = column / bone->chunk_dims[0], cz = (z0 + slice) / n;
+    const int x1 = ost_least(cx * n + n, bone->dims[0]), y1 = ost_least(cy * n + n, bone->dims[1]);
+    uint count = 0;
+    int most = 0;
+    for (int y = cy * n; y < y1; y++) {
+        const ulong row = ost_slab_at(bone, 0, y, slice);
+        for (int x = cx * n; x < x1; x++) {
+            const int density = slab[row + (ulong)x];
+            count += density >= bone->threshold ? 1u : 0u;
+            most = ost_greatest(most, density);
+        }
+    }
+    if (count == 0)
+        return;
+    const size_t chunk = (size_t)column + columns * (size_t)cz;
+    atomic_add(&active[chunk], count);
+    atomic_max(&highest[chunk], most);
+}
+
+__kernel void ost_chunk_slots(uint count, __global const uint *active, __global uint *slots, __global uint *chunks, __global uint *total)
+{
+    if (get_global_id(0) > 0)
+        return;
+    uint used = 0;
+    for (uint chunk = 0; chunk < count; chunk++) {
+        if (active[chunk] > 0) {
+            slots[chunk] = used;
+            chunks[used] = chunk;
+            used++;
+        } else {
+            slots[chunk] = OST_CL_NONE;
+        }
+    }
+    *total = used;
+}
+
+__kernel void ost_chunk_store(__global const ost_cl_bone *bone, int z0, int z1, __global const short *slab, __global const uint *slots,
+                              __global short *density, __global uint *words)
+{
+    const int n = bone->size;
+    const size_t columns = (size_t)bone->chunk_dims[0] * (size_t)bone->chunk_dims[1];
+    if (get_global_id(0) >= (size_t)(n * n / 32) || get_global_id(1) >= columns || get_global_id(2) >= (size_t)(z1 - z0))
+        return;
+    const int column = (int)get_global_id(1), slice = (int)get_global_id(2), z = z0 + slice;
+    const uint slot = slots[(size_t)column + columns * (size_t)(z / n)];
+    if (slot == OST_CL_NONE)
+        return;
+    const int first_x = column % bone->chunk_dims[0] * n, first_y = column / bone->chunk_dims[0] * n;
+    const int v = 32 * (int)get_global_id(0);
+    const ulong to = (ulong)slot * ost_chunk_voxels(bone) + (ulong)(z % n) * (ulong)(n * n) + (ulong)v;
+    uint word = 0;
+    for (int b = 0; b < 32; b++) {
+        const int x = first_x + (v + b) % n, y = first_y + (v + b) / n;
+        short stored = 0;
+        if (x < bone->dims[0] && y < bone->dims[1]) {
+            const short read = slab[ost_slab_at(bone, x, y, slice)];
+            if (read >= bone->threshold) {
+                stored = read;
+                word |= 1u << b;
+            }
+        }
+        density[to + (ulong)b] = stored;
+    }
+    words[to / 32] = word;
+}
+
+__kernel void ost_chunk_load(__global const ost_cl_bone *bone, int z0, int z1, __global const uint *slots, __global const short *density,
+                             __global short *slab)
+{
+    if (get_global_id(0) >= (size_t)bone->dims[0] || get_global_id(1) >= (size_t)bone->dims[1] ||
+        get_global_id(2) >= (size_t)(z1 - z0))
+        return;
+    const int x = (int)get_global_id(0), y = (int)get_global_id(1), slice = (int)get_global_id(2), z = z0 + slice, n = bone->size;
+    const int cx = bone->chunk_dims[0], cy = bone->chunk_dims[1];
+    const uint slot = slots[(ulong)(x / n) + (ulong)cx * ((ulong)(y / n) + (ulong)cy * (ulong)(z / n))];
+    short read = 0;
+    if (slot != OST_CL_NONE)
+        read = density[(ulong)slot * ost_chunk_voxels(bone) + (ulong)(x % n + n * (y % n + n * (z % n)))];
+    slab[ost_slab_at(bone, x, y, slice)] = read;
+}
+
+__kernel void ost_chunk_count(__global const ost_cl_bone *bone, uint first, uint count, __global const uint *words,
+                              volatile __global uint *active)
+{
+    const int n = bone->size, plane_words = n * n / 32;
+    if (get_global_id(0) >= (size_t)n || get_global_id(1) >= count)
+        return;
+    const ulong slot = (ulong)first + get_global_id(1);
+    const ulong from = slot * (ost_chunk_voxels(bone) / 32) + (ulong)get_global_id(0) * (ulong)plane_words;
+    uint bits = 0;
+    for (int w = 0; w < plane_words; w++)
+        bits += popcount(words[from + (ulong)w]);
+    if (bits > 0)
+        atomic_add(&active[get_global_id(1)], bits);
+}
+
+/* Place < 2^36 and density of 16 bits: 52 bits, so no two voxels of a grid and no two densities of one are mixed alike. */
+__kernel void ost_chunk_checksum(__global const ost_cl_bone *bone, uint first, uint count, __global const uint *chunks,
+                                 __global const short *density, __global ulong *sums)
+{
+    const int n = bone->size;
+    if (get_global_id(0) >= (size_t)n || get_global_id(1) >= count)
+        return;
+    const ulong slot = (ulong)first + get_global_id(1);
+    const uint chunk = chunks[slot];
+    ulong sum = 0;
+    if (chunk != OST_CL_NONE) {
+        const uint cx = (uint)bone->chunk_dims[0], cy = (uint)bone->chunk_dims[1], edge = (uint)n;
+        const ulong x = (ulong)(chunk % cx * edge), y = (ulong)(chunk / cx % cy * edge);
+        const ulong z = (ulong)(chunk / cx / cy * edge) + get_global_id(0);
+        const ulong nx = (ulong)bone->dims[0], ny = (ulong)bone->dims[1];
+        const ulong from = slot * ost_chunk_voxels(bone) + (ulong)get_global_id(0) * (ulong)(n * n);
+        for (int v = 0; v < n * n; v++) {
+            const ulong d = (ulong)(ushort)density[from + (ulong)v];
+            if (d != 0) /* so it lies within the grid */
+                sum += ost_mix((x + (ulong)(v % n) + nx * (y + (ulong)(v / n) + ny * z)) << 16 | d);
+        }
+    }
+    sums[(ulong)get_global_id(1) * (ulong)n + get_global_id(0)] = sum;
+}
+
+/* -------------------------------------------------------------- surface */
+
+/* The word of chunk (a, b, c) that has number w there; 0 outside the table and without a slot. */
+static uint ost_word_at(__global const ost_cl_bone *bone, __global const uint *slots, __global const uint *words, int a, int b, int c,
+                        int w)
+{
+    if (a < 0 || b < 0 || c < 0 || a >= bone->chunk_dims[0] || b >= bone->chunk_dims[1] || c >= bone->chunk_dims[2])
+        return 0;
+    const uint slot = slots[(ulong)a + (ulong)bone->chunk_dims[0] * ((ulong)b + (ulong)bone->chunk_dims[1] * (ulong)c)];
+    return slot == OST_CL_NONE ? 0u : words[(ulong)slot * (ost_chunk_voxels(bone) / 32) + (ulong)w];
+}
+
+/*
+ * n = 32 and 64: a word lies in one row; its neighbours in y and z are whole
+ * words, those in x the word itself shifted, with one bit of the next word.
+ * n = 16: a word is rows y and y + 1.  Along y the low half's upper neighbour
+ * is the high half, the high half's is the next word's low half; along x each
+ * half is shifted by itself.  The grid's padding is inactive as it is.
+ */
+__kernel void ost_chunk_surface(__global const ost_cl_bone *bone, uint count, __global const uint *list, __global const uint *slots,
+                                __global const uint *words, __global uint *surface)
+{
+    const int n = bone->size, in_chunk = n * n * n / 32;
+    if (get_global_id(0) >= (size_t)in_chunk || get_global_id(1) >= count)
+        return;
+    const int w = (int)get_global_id(0);
+    const uint chunk = list[get_global_id(1)];
+    const uint cx = (uint)bone->chunk_dims[0], cy = (uint)bone->chunk_dims[1];
+    const int a = (int)(chunk % cx), b = (int)(chunk / cx % cy), c = (int)(chunk / cx / cy);
+    const uint here = ost_word_at(bone, slots, words, a, b, c, w);
+    uint exposed = 0;
+    if (here != 0) {
+        const int plane = n * n / 32, z = w / plane, at = w % plane; /* at: word in the plane */
+        const uint below = z > 0 ? ost_word_at(bone, slots, words, a, b, c, w - plane)
+                                 : ost_word_at(bone, slots, words, a, b, c - 1, w + plane * (n - 1));
+        const uint above = z < n - 1 ? ost_word_at(bone, slots, words, a, b, c, w + plane)
+                                     : ost_word_at(bone, slots, words, a, b, c + 1, w - plane * (n - 1));
+        const int row = n == 64 ? 2 : 1; /* words from a row (n = 16: from two) to the next */
+        const uint before = at >= row ? ost_word_at(bone, slots, words, a, b, c, w - row)
+                                      : ost_word_at(bone, slots, words, a, b - 1, c, w + plane - row);
+        const uint after = at < plane - row ? ost_word_at(bone, slots, words, a, b, c, w + row)
+                                            : ost_word_at(bone, slots, words, a, b + 1, c, w - (plane - row));
+        const int left_inside = n == 64 && at % 2 == 1, right_inside = n == 64 && at % 2 == 0;
+        const int across = n == 64 ? 1 : 0;
+        const uint left = left_inside ? ost_word_at(bone, slots, words, a, b, c, w - 1)
+                                      : ost_word_at(bone, slots, words, a - 1, b, c, w + across);
+        const uint right = right_inside ? ost_word_at(bone, slots, words, a, b, c, w + 1)
+                                        : ost_word_at(bone, slots, words, a + 1, b, c, w - across);
+        uint x_minus, x_plus, y_minus, y_plus;
+        if (n == 16) {
+            x_minus = (here << 1 & 0xfffefffeu) | (left >> 15 & 0x00010001u);
+            x_plus = (here >> 1 & 0x7fff7fffu) | (right << 15 & 0x80008000u);
+            y_minus = here << 16 | before >> 16;
+            y_plus = here >> 16 | after << 16;
+        } else {
+            x_minus = here << 1 | left >> 31;
+            x_plus = here >> 1 | right << 31;
+            y_minus = before;
+            y_plus = after;
+        }
+        exposed = here & ~(x_minus & x_plus & y_minus & y_plus & below & above);
+    }
+    surface[(ulong)get_global_id(1) * (ulong)in_chunk + (ulong)w] = exposed;
+}

@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Small exact functions of the kernels.  OpenCL C 1.2, and C11 with
+ * tests/cl/opencl_c.h in front.  Nothing here relies on what either language
+ * leaves open: no signed overflow, no shift of a negative, none by the width.
+ */
+
+/* AR-INT-1; d > 0. */
+static inline long ost_floor_div(long n, long d)
+{
+    const long q = n / d;
+    return n % d < 0 ? q - 1 : q;
+}
+
+static inline long ost_ceil_div(long n, long d)
+{
+    const long q = n / d;
+    return n % d > 0 ? q + 1 : q;
+}
+
+/* AR-INT-2; d > 0. With r = n - floor d, 0 <= r < d: up when r > d - r, and at equality when the floor is odd. */
+static inline long ost_rhe_div(long n, long d)
+{
+    const long q = ost_floor_div(n, d);
+    const long r = n - q * d;
+    return (r > d - r || (r == d - r && q % 2 != 0)) ? q + 1 : q;
+}
+
+static inline int ost_least(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+static inline int ost_greatest(int a, int b)
+{
+    return a > b ? a : b;
+}
+
+/* Bits lo <= b < hi of 16, for any lo and hi. */
+static inline uint ost_bits16(int lo, int hi)
+{
+    const int from = ost_greatest(lo, 0), to = ost_least(hi, 16);
+    return from < to ? (0xffffu >> (16 - (to - from))) << from : 0u;
+}
+
+/* The number of trailing zeros; word != 0. */
+static inline int ost_lowest_bit(uint word)
+{
+    return 31 - (int)clz(word & (0u - word));
+}
+
+/* Bijective on 64 bits: the finaliser of splitmix64 (Steele, Lea and Flood 2014). 0 goes to 0. */
+static inline ulong ost_mix(ulong z)
+{
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ul;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebul;
+    return z ^ (z >> 31);
+}

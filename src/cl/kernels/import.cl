@@ -1,0 +1,201 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Samples of a CT text to the rect grid (AR-CT-4..6): what shared.h says,
+ * written out.  Three launches, since the winner of a voxel is known only
+ * when all samples have asked for it.
+ *
+ *   owner   claim     the greatest key of the voxel's samples
+ *           place     the sample with that key writes (max: and raises a flag)
+ *           check     0 again
+ *
+ * Ranges.  |p|, |origin| <= 8 * 10^12, so |p - origin| < 2^44 and, with
+ * spacing <= 10^11, |index * spacing| < 2^45.  off <= spacing / 2, so
+ * 8 off < 2^39 and 10^6 off < 2^56.
+ */
+
+#define OST_LENGTH_MAX 8000000000000l
+#define OST_OWNER_FLAG 0x40000000u /* above every key of max, which are below 2^17 */
+
+typedef struct ost_place {
+    ulong voxel;
+    uint ppm;
+    int read;   /* the sample's lengths are lengths */
+    int off;    /* by more than 1/8 of a voxel */
+    int inside; /* it is read, not rejected, and in the grid */
+} ost_place;
+
+static ost_place ost_place_of(__global const ost_cl_scatter *scatter, __global const ost_cl_sample *sample)
+{
+    ost_place place;
+    long index[3];
+    place.voxel = 0;
+    place.ppm = 0;
+    place.off = 0;
+    place.read = 1;
+    for (int a = 0; a < 3; a++)
+        if (sample->at[a] < -OST_LENGTH_MAX || sample->at[a] > OST_LENGTH_MAX)
+            place.read = 0;
+    place.inside = place.read;
+    if (!place.read)
+        return place;
+    for (int a = 0; a < 3; a++) {
+        const long spacing = scatter->spacing[a], from = sample->at[a] - scatter->origin[a];
+        index[a] = ost_rhe_div(from, spacing);
+        const long signed_off = from - index[a] * spacing;
+        const long off = signed_off < 0 ? -signed_off : signed_off;
+        const uint ppm = (uint)(off * 1000000 / spacing);
+        if (ppm > place.ppm)
+            place.ppm = ppm;
+        if (8 * off > spacing)
+            place.off = 1;
+        if (8 * off > 3 * spacing || index[a] < 0 || index[a] >= scatter->dims[a])
+            place.inside = 0;
+    }
+    if (place.inside)
+        place.voxel = (ulong)index[0] + (ulong)scatter->dims[0] * ((ulong)index[1] + (ulong)scatter->dims[1] * (ulong)index[2]);
+    return place;
+}
+
+/* 1 .. 2^31 - 1; greater wins. */
+static uint ost_key(__global const ost_cl_scatter *scatter, uint i, int density)
+{
+    if (scatter->duplicates == OST_CL_DUPLICATES_LAST)
+        return i + 1;
+    if (scatter->duplicates == OST_CL_DUPLICATES_MAX)
+        return (uint)(density + 32769);
+    return 0x7fffffffu - i;
+}
+
+static int ost_is_seen(__global const uint *seen, ulong voxel)
+{
+    return (int)(seen[voxel / 32] >> (voxel % 32) & 1u);
+}
+
+__kernel void ost_ct_claim(__global const ost_cl_scatter *scatter, __global const ost_cl_sample *samples, __global const uint *seen,
+                           volatile __global uint *owner, volatile __global ost_cl_scatter_report *report)
+{
+    const size_t item = get_global_id(0);
+    if (item >= scatter->count)
+        return;
+    const uint i = (uint)item;
+    const ost_place place = ost_place_of(scatter, &samples[i]);
+    if (place.off)
+        atomic_inc(&report->off_lattice);
+    if (place.ppm > 0)
+        atomic_max(&report->worst_ppm, place.ppm);
+    if (!place.inside) {
+        atomic_min(&report->rejected_line, samples[i].line);
+        return;
+    }
+    const uint old = atomic_max(&owner[place.voxel], ost_key(scatter, i, samples[i].density));
+    if (old != 0 || ost_is_seen(seen, place.voxel))
+        atomic_inc(&report->duplicates);
+}
+
+__kernel void ost_ct_place(__global const ost_cl_scatter *scatter, __global const ost_cl_sample *samples, __global const uint *seen,
+                           volatile __global uint *owner, __global short *voxels, volatile __global ost_cl_scatter_report *report)
+{
+    const size_t item = get_global_id(0);
+    if (item >= scatter->count)
+        return;
+    const uint i = (uint)item;
+    const ost_place place = ost_place_of(scatter, &samples[i]);
+    /* worst_ppm is the last launch's, and stays. */
+    if (place.ppm > 0 && place.ppm == report->worst_ppm)
+        atomic_min(&report->worst_line, samples[i].line);
+    if (!place.inside)
+        return;
+
+    const short density = (short)samples[i].density;
+    const uint key = ost_key(scatter, i, samples[i].density);
+    const int seen_before = ost_is_seen(seen, place.voxel);
+    if (scatter->duplicates == OST_CL_DUPLICATES_MAX) {
+        if ((atomic_or(&owner[place.voxel], 0u) & ~OST_OWNER_FLAG) != key)
+            return;
+        if (atomic_or(&owner[place.voxel], OST_OWNER_FLAG) & OST_OWNER_FLAG)
+            return; /* another with this density writes */
+        if (!seen_before || density > voxels[place.voxel])
+            voxels[place.voxel] = density;
+        return;
+    }
+    if (owner[place.voxel] != key)
+        return;
+    if (!seen_before || scatter->duplicates == OST_CL_DUPLICATES_LAST)
+        voxels[place.voxel] = density;
+}
+
+/* Whether sample i conflicts with its voxel, once all of the batch are placed. */
+static int ost_differs(__global const ost_cl_sample *sample, const ost_place place, __global const short *voxels)
+{
+    return place.inside && sample->density != voxels[place.voxel];
+}
+
+__kernel void ost_ct_check(__global const ost_cl_scatter *scatter, __global const ost_cl_sample *samples, volatile __global uint *seen,
+                           volatile __global uint *owner, __global const short *voxels,
+                           volatile __global ost_cl_scatter_report *report)
+{
+    const size_t item = get_global_id(0);
+    if (item >= scatter->count)
+        return;
+    const uint i = (uint)item;
+    const ost_place place = ost_place_of(scatter, &samples[i]);
+    if (!place.inside)
+        return;
+    atomic_xchg(&owner[place.voxel], 0u);
+    atomic_or(&seen[place.voxel / 32], 1u << (uint)(place.voxel % 32));
+    if (scatter->duplicates == OST_CL_DUPLICATES_ERROR && ost_differs(&samples[i], place, voxels))
+        atomic_min(&report->conflict_line, samples[i].line);
+}
+
+__kernel void ost_ct_blame(__global const ost_cl_scatter *scatter, __global const ost_cl_sample *samples, __global const short *voxels,
+                           volatile __global ost_cl_scatter_report *report)
+{
+    const size_t item = get_global_id(0);
+    if (item >= scatter->count)
+        return;
+    const uint i = (uint)item;
+    if (samples[i].line == report->conflict_line && ost_differs(&samples[i], ost_place_of(scatter, &samples[i]), voxels))
+        atomic_min(&report->conflict_index, i);
+}
+
+__kernel void ost_ct_had(__global const ost_cl_scatter *scatter, __global const ost_cl_sample *samples, __global const short *voxels,
+                         __global ost_cl_scatter_report *report)
+{
+    if (get_global_id(0) > 0 || report->conflict_index >= scatter->count)
+        return;
+    const ost_place place = ost_place_of(scatter, &samples[report->conflict_index]);
+    report->conflict_had = voxels[place.voxel];
+}
+
+/* ---------------------------------------------------- rect grid to cubic */
+
+/* AR-CUB: (2i + 1) * spacing < 2^15 * 2^37, and the floor stays inside. */
+__kernel void ost_cubic_sources(__global const ost_cl_cubic *cubic, __global int *sources)
+{
+    size_t item = get_global_id(0), to = item;
+    for (int a = 0; a < 3; a++) {
+        const size_t n = (size_t)cubic->dims[a];
+        if (item < n) {
+            const long i = (long)item, c = cubic->cubic_spacing[a], r = cubic->rect_spacing[a];
+            const int last = cubic->rect_dims[a] - 1;
+            const int nearest = cubic->rule == OST_CL_RESAMPLE_NEAREST;
+            const long at = nearest ? ost_floor_div((2 * i + 1) * c, 2 * r) : ost_floor_div(i * c, r);
+            sources[to] = nearest && at > last ? last : (int)at;
+            return;
+        }
+        item -= n;
+    }
+}
+
+__kernel void ost_cubic_gather(__global const ost_cl_cubic *cubic, __global const int *sources, __global const short *rect,
+                               __global short *out)
+{
+    const size_t nx = (size_t)cubic->dims[0], ny = (size_t)cubic->dims[1];
+    const size_t i = get_global_id(0), j = get_global_id(1), slice = get_global_id(2);
+    if (i >= nx || j >= ny || slice >= (size_t)(cubic->z1 - cubic->z0))
+        return;
+    const size_t k = slice + (size_t)cubic->z0;
+    const ulong x = (ulong)sources[i], y = (ulong)sources[nx + j], z = (ulong)sources[nx + ny + k];
+    const ulong from = x + (ulong)cubic->rect_dims[0] * (y + (ulong)cubic->rect_dims[1] * z);
+    out[i + (ulong)nx * (j + (ulong)ny * (cubic->slab ? slice : k))] = rect[from];
+}

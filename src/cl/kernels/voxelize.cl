@@ -1,0 +1,181 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The voxelizer by triangle (AR-VOX), and the reach of a tool's cells.
+ *
+ *   ost_vox_steps   a triangle notes +1 or -1 at the first centre not left of
+ *                   its crossing, in every row that it owns
+ *   ost_vox_fill    a row's running sum: solid where it is not 0
+ *
+ * Ranges.  L = 2^20 and coordinates lie in [0, L].  For an edge a -> b,
+ * E = dy (Y - ay) ... has |dy|, |dz| <= L, |Z - az| <= L + 2^9 (a centre), so
+ * |E| < 2^42, and so has E at every row of the triangle's bounds, which is
+ * where it is formed.  |nx|, |ny|, |nz| <= 2^41, crossings' K below
+ * 3 * 2^61 + 2^52 < 2^63 with every partial sum (in truth |n| <= 2^40, K < 2^62);
+ * nx 2^f <= 2^51 and K - nx 2^(f-1) stays above -2^62.  A count is at most
+ * the number of triangles, 2^26.
+ */
+
+/* Lattice coordinate of centre i. */
+static long ost_centre(int i, int f)
+{
+    return ((2l * i + 1) * (1l << f)) / 2;
+}
+
+/* First centre not below m, and last one not above it; 0 <= m <= dims 2^f. The latter may be -1. */
+static int ost_first_centre(int m, int f)
+{
+    return (int)(((uint)m + (1u << (f - 1)) - 1u) >> f);
+}
+
+static int ost_last_centre(int m, int f)
+{
+    return (int)(((uint)m + (1u << (f - 1))) >> f) - 1;
+}
+
+/* AR-VOX-2, the rule for E = 0; dy and dz are not both 0. */
+static int ost_owns_edge(long dy, long dz)
+{
+    return dz < 0 || (dz == 0 && dy > 0);
+}
+
+__kernel void ost_vox_steps(__global const ost_cl_vox *vox, __global const int *vertices, __global const uint *triangles,
+                            volatile __global int *steps)
+{
+    if (get_global_id(0) >= vox->triangles || get_global_id(1) >= vox->bands)
+        return;
+    const size_t t = 3 * get_global_id(0);
+    const int f = vox->fraction;
+    long a[3], b[3], c[3];
+    for (int i = 0; i < 3; i++) {
+        a[i] = vertices[3 * (size_t)triangles[t] + (size_t)i];
+        b[i] = vertices[3 * (size_t)triangles[t + 1] + (size_t)i];
+        c[i] = vertices[3 * (size_t)triangles[t + 2] + (size_t)i];
+    }
+    const int z_least = ost_least((int)a[2], ost_least((int)b[2], (int)c[2]));
+    const int z_most = ost_greatest((int)a[2], ost_greatest((int)b[2], (int)c[2]));
+    const int k_first = ost_greatest(ost_first_centre(z_least, f), vox->k0);
+    const int k_last = ost_least(ost_last_centre(z_most, f), vox->k1 - 1);
+    if (k_first > k_last)
+        return;
+
+    long nx = (b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1]);
+    long ny = (b[2] - a[2]) * (c[0] - a[0]) - (b[0] - a[0]) * (c[2] - a[2]);
+    long nz = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+    if (nx == 0)
+        return;
+    int step = -1;
+    if (nx < 0) { /* the outward normal looks to low x: the line enters here */
+        for (int i = 0; i < 3; i++) {
+            const long swap = b[i];
+            b[i] = c[i];
+            c[i] = swap;
+        }
+        nx = -nx;
+        ny = -ny;
+        nz = -nz;
+        step = 1;
+    }
+
+    const int y_least = ost_least((int)a[1], ost_least((int)b[1], (int)c[1]));
+    const int y_most = ost_greatest((int)a[1], ost_greatest((int)b[1], (int)c[1]));
+    const int j_first = ost_first_centre(y_least, f), j_last = ost_last_centre(y_most, f);
+    const long dy0 = b[1] - a[1], dy1 = c[1] - b[1], dy2 = a[1] - c[1];
+    const long dz0 = b[2] - a[2], dz1 = c[2] - b[2], dz2 = a[2] - c[2];
+    const int on0 = ost_owns_edge(dy0, dz0), on1 = ost_owns_edge(dy1, dz1), on2 = ost_owns_edge(dy2, dz2);
+    const long width = 1l << f, to_centre = width / 2;
+
+    for (int k = k_first + (int)get_global_id(1); k <= k_last; k += (int)vox->bands) {
+        const long z = ost_centre(k, f);
+        for (int j = j_first; j <= j_last; j++) {
+            const long y = ost_centre(j, f);
+            const long e0 = dy0 * (z - a[2]) - dz0 * (y - a[1]);
+            const long e1 = dy1 * (z - b[2]) - dz1 * (y - b[1]);
+            const long e2 = dy2 * (z - c[2]) - dz2 * (y - c[1]);
+            if (e0 < 0 || e1 < 0 || e2 < 0 || (e0 == 0 && !on0) || (e1 == 0 && !on1) || (e2 == 0 && !on2))
+                continue;
+            const long crossing = nx * a[0] - ny * (y - a[1]) - nz * (z - a[2]); /* times nx */
+            const long i = ost_ceil_div(crossing - nx * to_centre, nx * width);
+            const ulong row = (ulong)j + (ulong)vox->dims[1] * (ulong)(k - vox->k0);
+            atomic_add(&steps[row * ((ulong)vox->dims[0] + 1) + (ulong)i], step);
+        }
+    }
+}
+
+__kernel void ost_vox_fill(__global const ost_cl_vox *vox, __global int *steps, __global uchar *classes, volatile __global uint *leaks)
+{
+    if (get_global_id(0) >= (size_t)vox->dims[1] || get_global_id(1) >= (size_t)(vox->k1 - vox->k0))
+        return;
+    const int n = vox->dims[0], parity = vox->rule == OST_CL_FILL_PARITY;
+    const ulong j = get_global_id(0), k = get_global_id(1);
+    const ulong from = (j + (ulong)vox->dims[1] * k) * ((ulong)n + 1);
+    const ulong to = (j + (ulong)vox->dims[1] * (k + (ulong)vox->k0)) * (ulong)n;
+    int total = 0;
+    for (int i = 0; i <= n; i++)
+        total += steps[from + (ulong)i];
+    const int leaks_here = parity ? total % 2 != 0 : total != 0;
+    if (leaks_here)
+        atomic_inc(leaks);
+    int winding = 0;
+    for (int i = 0; i <= n; i++) {
+        winding += steps[from + (ulong)i];
+        steps[from + (ulong)i] = 0;
+        if (i < n && !leaks_here && (parity ? winding % 2 != 0 : winding != 0))
+            classes[to + (ulong)i] = (uchar)vox->tool_class;
+    }
+}
+
+__kernel void ost_vox_count(__global const ost_cl_vox *vox, __global const uchar *classes, volatile __global uint *counts)
+{
+    if (get_global_id(0) >= (size_t)vox->dims[1] || get_global_id(1) >= (size_t)(vox->k1 - vox->k0))
+        return;
+    const ulong k = get_global_id(1) + (ulong)vox->k0;
+    const ulong from = ((ulong)get_global_id(0) + (ulong)vox->dims[1] * k) * (ulong)vox->dims[0];
+    uint solid = 0, cutting = 0;
+    for (int i = 0; i < vox->dims[0]; i++) {
+        const uchar found = classes[from + (ulong)i];
+        solid += found != 0 ? 1u : 0u;
+        cutting += found == 1 ? 1u : 0u;
+    }
+    if (solid > 0)
+        atomic_add(&counts[2 * k], solid);
+    if (cutting > 0)
+        atomic_add(&counts[2 * k + 1], cutting);
+}
+
+/*
+ * After axis 0 a cell's reach speaks of its row, after axis 1 of its slice,
+ * after axis 2 of the grid.  The square of half-edge r - 1 around a cell is
+ * of one class iff the cells at distance d < r along the new axis are of that
+ * class and the old reach of each is at least r.  So r is the least of: the
+ * cell's own old reach; d for a neighbour of another class; max(d, its old
+ * reach) for one of the same.  Cells outside the grid are void, of any reach.
+ */
+__kernel void ost_tool_reach(__global const ost_cl_tool *tool, __global const uchar *from, __global uchar *to)
+{
+    const int nx = tool->dims[0], ny = tool->dims[1], nz = tool->dims[2], axis = tool->axis;
+    if (get_global_id(0) >= (size_t)nx || get_global_id(1) >= (size_t)ny || get_global_id(2) >= (size_t)nz)
+        return;
+    const ulong slice = (ulong)nx * (ulong)ny;
+    const ulong here = get_global_id(0) + (ulong)nx * get_global_id(1) + slice * get_global_id(2);
+    const ulong stride = axis == 0 ? 1 : axis == 1 ? (ulong)nx : slice;
+    const int at = (int)get_global_id(axis == 0 ? 0u : axis == 1 ? 1u : 2u);
+    const int n = axis == 0 ? nx : axis == 1 ? ny : nz;
+    const int own = from[here] & 3;
+    int reach = axis == 0 ? OST_CL_REACH_MAX : from[here] >> 2;
+    for (int d = 1; d < reach; d++)
+        for (int side = 0; side < 2; side++) {
+            const int there = side ? at + d : at - d;
+            int limit = OST_CL_REACH_MAX;
+            if (there < 0 || there >= n) {
+                limit = own == 0 ? OST_CL_REACH_MAX : d;
+            } else {
+                const uchar cell = side ? from[here + (ulong)d * stride] : from[here - (ulong)d * stride];
+                if ((cell & 3) != own)
+                    limit = d;
+                else if (axis > 0)
+                    limit = ost_greatest(d, cell >> 2);
+            }
+            reach = ost_least(reach, limit);
+        }
+    to[here] = (uchar)(own | reach << 2);
+}
