@@ -15,8 +15,8 @@
  * For all kernels
  *   - Structs have fixed-width members, each at a multiple of its size, and
  *     no padding; they are passed in buffers, never by value.
- *   - A range may be rounded up along every dimension (to a multiple of the
- *     work-group size): items beyond what the parameters say return at once.
+ *   - A range may be rounded up along each of its dimensions (to a multiple of
+ *     the work-group size): items beyond what the parameters say return at once.
  *     Work-group sizes never matter.  No kernel has a barrier or local memory.
  *   - An item writes what no other item of the launch reads or writes, or it
  *     uses 32-bit atomics of operations that commute (add, min, max, or, and,

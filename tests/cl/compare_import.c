@@ -1,0 +1,402 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The import's kernels against the reference: rect grids with their reports, cubic grids, chunks word by word. */
+#include "cl/machine.h"
+
+#include "core/backend.h"
+#include "core/chunk_grid.h"
+#include "cpu/ref/ref.h"
+
+static ost_backend *open_ref(void)
+{
+    ost_error err = {0};
+    ost_backend *ref;
+    assert_ok(ost_backend_open("ref", &ref, &err));
+    return ref;
+}
+
+static void *zeros(size_t count, size_t size)
+{
+    void *p = calloc(count ? count : 1, size);
+    assert_non_null(p);
+    return p;
+}
+
+/* -------------------------------------------------------------- scatter */
+
+_Static_assert(sizeof(ost_sample) == sizeof(ost_cl_sample) && offsetof(ost_sample, density) == offsetof(ost_cl_sample, density) &&
+                   offsetof(ost_sample, line) == offsetof(ost_cl_sample, line),
+               "a batch goes to the device as it is");
+
+static bool before(int64_t line, int64_t recorded)
+{
+    return recorded == 0 || line < recorded;
+}
+
+/* What shared.h says of adding up. */
+static void add_report(ost_scatter_report *to, const ost_cl_scatter_report *part, const ost_sample *samples, size_t count, int64_t first_line)
+{
+    to->samples += count;
+    to->duplicates += part->duplicates;
+    to->off_lattice += part->off_lattice;
+    const int64_t worst = first_line + part->worst_line, rejected = first_line + part->rejected_line;
+    if (part->worst_ppm > to->worst_offset_ppm ||
+        (part->worst_ppm > 0 && part->worst_ppm == to->worst_offset_ppm && before(worst, to->worst_line))) {
+        to->worst_offset_ppm = part->worst_ppm;
+        to->worst_line = worst;
+    }
+    if (part->rejected_line != OST_CL_NONE && before(rejected, to->rejected_line))
+        to->rejected_line = rejected;
+    const int64_t conflict = first_line + part->conflict_line;
+    if (part->conflict_line != OST_CL_NONE && before(conflict, to->conflict_line)) {
+        to->conflict_line = conflict;
+        to->conflict_had = (int16_t)part->conflict_had;
+        to->conflict_has = (int16_t)samples[part->conflict_index].density;
+    }
+}
+
+typedef struct scatter_grid {
+    ost_geometry geometry;
+    size_t voxels;
+    uint32_t *seen, *owner;
+    int16_t *density;
+} scatter_grid;
+
+static void scatter_batch(machine *m, const scatter_grid *g, const ost_sample *samples, size_t count, int64_t first_line,
+                          ost_duplicates duplicates, ost_scatter_report *report)
+{
+    const ost_geometry *geometry = &g->geometry;
+    const ost_cl_scatter scatter = {
+        .origin = {geometry->origin.x, geometry->origin.y, geometry->origin.z},
+        .spacing = {geometry->spacing.x, geometry->spacing.y, geometry->spacing.z},
+        .dims = {geometry->dims.x, geometry->dims.y, geometry->dims.z},
+        .duplicates = (int)duplicates,
+        .count = (uint32_t)count,
+    };
+    ost_cl_scatter_report part = {
+        .worst_line = OST_CL_NONE, .rejected_line = OST_CL_NONE, .conflict_line = OST_CL_NONE, .conflict_index = OST_CL_NONE};
+    const kernel_arg s = ONE(&scatter), b = BUFFER(samples, count), seen = BUFFER(g->seen, (g->voxels + 31) / 32),
+                     owner = BUFFER(g->owner, g->voxels), voxels = BUFFER(g->density, g->voxels), r = ONE(&part);
+    LAUNCH(m, ost_ct_claim, count, 1, 1, s, b, seen, owner, r);
+    LAUNCH(m, ost_ct_place, count, 1, 1, s, b, seen, owner, voxels, r);
+    LAUNCH(m, ost_ct_check, count, 1, 1, s, b, seen, owner, voxels, r);
+    if (part.conflict_line != OST_CL_NONE) {
+        LAUNCH(m, ost_ct_blame, count, 1, 1, s, b, voxels, r);
+        LAUNCH(m, ost_ct_had, 1, 1, 1, s, b, voxels, r);
+    }
+    add_report(report, &part, samples, count, first_line);
+    for (size_t v = 0; v < g->voxels; v++)
+        assert_int_equal(g->owner[v], 0);
+}
+
+/* On the lattice, off it by any amount, outside, and beyond what a length is. */
+static int64_t some_coordinate(test_rng *rng, ost_pm origin, ost_pm spacing, int32_t n, bool clean)
+{
+    const int64_t at = origin + rng_range(rng, 0, n - 1) * spacing;
+    switch (clean ? 0 : rng_range(rng, 0, 40)) {
+    case 0: return at + rng_range(rng, -spacing / 2, spacing / 2);
+    case 1: return at + rng_range(rng, -spacing / 8, spacing / 8) / 8 * 8;
+    case 2: return origin + rng_range(rng, -2, n + 2) * spacing;
+    case 3: return rng_range(rng, INT64_MIN, INT64_MAX);
+    case 4: return rng_range(rng, 0, 1) ? OST_LENGTH_MAX : -OST_LENGTH_MAX - rng_range(rng, 0, 1);
+    case 5: return at + 3 * (spacing / 8);
+    case 6: return at - spacing / 8;
+    default: return at;
+    }
+}
+
+static void scatter_round(machine *m, test_rng *rng, ost_backend *ref)
+{
+    ost_error err = {0};
+    scatter_grid g = {.geometry = {
+                          .dims = {(int32_t)rng_range(rng, 1, 12), (int32_t)rng_range(rng, 1, 12), (int32_t)rng_range(rng, 1, 9)},
+                          .spacing = {rng_range(rng, 1000000, 3000000), 470000000, rng_range(rng, 1, 80) * 1000000},
+                          .origin = {rng_range(rng, -8000, 6800) * OST_PM_PER_MM, -57340000000, rng_range(rng, -5, 5)},
+                      }};
+    if (rng_range(rng, 0, 9) == 0)
+        g.geometry.spacing = (ost_pm3){OST_SPACING_MAX, OST_SPACING_MIN, 8};
+    if (g.geometry.spacing.z < OST_SPACING_MIN)
+        g.geometry.spacing.z = OST_SPACING_MIN;
+    g.voxels = (size_t)ost_dims_count(g.geometry.dims);
+    g.seen = zeros((g.voxels + 31) / 32, 4);
+    g.owner = zeros(g.voxels, 4);
+    g.density = zeros(g.voxels, 2);
+    ost_grid *expected;
+    assert_ok(ost_grid_create(ref, &g.geometry, &expected, &err));
+    ost_scatter_report report = {0}, expected_report = {0};
+
+    const int batches = (int)rng_range(rng, 1, 3);
+    ost_duplicates duplicates = (ost_duplicates)rng_range(rng, 0, 3);
+    const bool clean = rng_range(rng, 0, 2) == 0, mixed = rng_range(rng, 0, 4) == 0;
+    int64_t line = 1;
+    for (int b = 0; b < batches; b++) {
+        const size_t count = (size_t)rng_range(rng, 1, 400);
+        ost_sample *samples = zeros(count, sizeof *samples);
+        const int spread = rng_range(rng, 0, 1) ? 32767 : 2; /* many equal densities, or few */
+        for (size_t i = 0; i < count; i++) {
+            samples[i].x = some_coordinate(rng, g.geometry.origin.x, g.geometry.spacing.x, g.geometry.dims.x, clean);
+            samples[i].y = some_coordinate(rng, g.geometry.origin.y, g.geometry.spacing.y, g.geometry.dims.y, clean);
+            samples[i].z = some_coordinate(rng, g.geometry.origin.z, g.geometry.spacing.z, g.geometry.dims.z, clean);
+            samples[i].density = (int32_t)rng_range(rng, -spread - 1, spread);
+            samples[i].line = (uint32_t)(mixed ? rng_range(rng, 0, 20) : (int64_t)i); /* several of a line: the first counts */
+        }
+        if (mixed)
+            duplicates = (ost_duplicates)rng_range(rng, 0, 3);
+        assert_ok(ost_ct_to_rect(expected, samples, count, line, duplicates, &expected_report, &err));
+        scatter_batch(m, &g, samples, count, line, duplicates, &report);
+        line += (int64_t)count;
+        free(samples);
+    }
+    if (memcmp(g.density, ((ref_grid *)expected)->voxels, g.voxels * 2) != 0)
+        fail_msg("%s: the rect grid differs", m->name);
+    for (size_t v = 0; v < g.voxels; v++)
+        assert_int_equal(g.seen[v / 32] >> (v % 32) & 1, ((ref_grid *)expected)->seen[v / 8] >> (v % 8) & 1);
+    assert_int_equal(report.samples, expected_report.samples);
+    assert_int_equal(report.duplicates, expected_report.duplicates);
+    assert_int_equal(report.off_lattice, expected_report.off_lattice);
+    assert_int_equal(report.worst_offset_ppm, expected_report.worst_offset_ppm);
+    assert_int_equal(report.worst_line, expected_report.worst_line);
+    assert_int_equal(report.rejected_line, expected_report.rejected_line);
+    assert_int_equal(report.conflict_line, expected_report.conflict_line);
+    assert_int_equal(report.conflict_had, expected_report.conflict_had);
+    assert_int_equal(report.conflict_has, expected_report.conflict_has);
+    ost_grid_free(expected);
+    free(g.seen);
+    free(g.owner);
+    free(g.density);
+}
+
+void compare_scatter(machine *m, test_rng *rng, int rounds)
+{
+    ost_backend *ref = open_ref();
+    for (int i = 0; i < rounds; i++)
+        scatter_round(m, rng, ref);
+    ost_backend_close(ref);
+}
+
+/* ---------------------------------------------------------------- cubic */
+
+void compare_cubic(machine *m, test_rng *rng, int rounds)
+{
+    static const ost_pm steps[] = {470000000, 1000000000, 333333333, 300000000, 2900000000, 488281250, OST_SPACING_MAX};
+    ost_error err = {0};
+    ost_backend *ref = open_ref();
+    for (int i = 0; i < rounds; i++) {
+        const ost_geometry geometry = {
+            .dims = {(int32_t)rng_range(rng, 1, 20), (int32_t)rng_range(rng, 1, 20), (int32_t)rng_range(rng, 1, 20)},
+            .spacing = {steps[rng_range(rng, 0, 5)], steps[rng_range(rng, 0, 5)], steps[rng_range(rng, 0, 5)]},
+        };
+        const ost_pm cubic_spacing = steps[rng_range(rng, 0, rng_range(rng, 0, 9) ? 5 : 6)];
+        const ost_resample rule = (ost_resample)rng_range(rng, 0, 1);
+        const size_t count = (size_t)ost_dims_count(geometry.dims);
+        ost_grid *rect, *expected;
+        int16_t *voxels = zeros(count, 2);
+        for (size_t v = 0; v < count; v++)
+            voxels[v] = (int16_t)rng_range(rng, INT16_MIN, INT16_MAX);
+        assert_ok(ost_grid_create(ref, &geometry, &rect, &err));
+        assert_ok(ost_grid_upload(rect, 0, geometry.dims.z, voxels, &err));
+        assert_ok(ost_rect_to_cubic(rect, cubic_spacing, rule, &expected, &err));
+        const ost_dims d = ost_grid_geometry(expected)->dims;
+        const size_t slice = (size_t)d.x * (size_t)d.y;
+        ost_cl_cubic cubic = {
+            .rect_spacing = {geometry.spacing.x, geometry.spacing.y, geometry.spacing.z},
+            .cubic_spacing = {cubic_spacing, cubic_spacing, cubic_spacing},
+            .rect_dims = {geometry.dims.x, geometry.dims.y, geometry.dims.z},
+            .dims = {d.x, d.y, d.z},
+            .rule = (int)rule,
+        };
+        int32_t *sources = zeros((size_t)d.x + (size_t)d.y + (size_t)d.z, 4);
+        const size_t axes = (size_t)d.x + (size_t)d.y + (size_t)d.z;
+        LAUNCH(m, ost_cubic_sources, axes, 1, 1, ONE(&cubic), BUFFER(sources, axes));
+        int16_t *out = zeros(slice * (size_t)d.z, 2);
+        const int32_t middle = (int32_t)rng_range(rng, 0, d.z);
+        cubic.slab = (int32_t)rng_range(rng, 0, 1);
+        for (int part = 0; part < 2; part++) {
+            cubic.z0 = part ? middle : 0;
+            cubic.z1 = part ? d.z : middle;
+            const size_t from = cubic.slab ? slice * (size_t)cubic.z0 : 0;
+            const size_t size = cubic.slab ? slice * (size_t)(cubic.z1 - cubic.z0) : slice * (size_t)d.z;
+            if (cubic.z1 > cubic.z0)
+                LAUNCH(m, ost_cubic_gather, d.x, d.y, cubic.z1 - cubic.z0, ONE(&cubic), BUFFER(sources, axes), BUFFER(voxels, count),
+                       BUFFER(out + from, size));
+        }
+        if (memcmp(out, ((ref_grid *)expected)->voxels, slice * (size_t)d.z * 2) != 0)
+            fail_msg("%s: the cubic grid differs", m->name);
+        free(out);
+        free(sources);
+        free(voxels);
+        ost_grid_free(rect);
+        ost_grid_free(expected);
+    }
+    ost_backend_close(ref);
+}
+
+/* --------------------------------------------------------------- chunks */
+
+typedef struct pool {
+    ost_cl_bone bone;
+    size_t chunks, used, voxels; /* voxels of a chunk */
+    uint32_t *slots, *chunk_of, *words;
+    int16_t *density;
+} pool;
+
+static bool active_at(const ost_chunk_grid *grid, int32_t x, int32_t y, int32_t z)
+{
+    const int32_t n = grid->size;
+    if (x < 0 || y < 0 || z < 0 || x >= grid->dims.x || y >= grid->dims.y || z >= grid->dims.z)
+        return false;
+    const ost_chunk *c = &grid->chunks[x / n + grid->chunk_dims.x * (y / n + grid->chunk_dims.y * (z / n))];
+    const int32_t v = x % n + n * (y % n + n * (z % n));
+    return c->density && c->density[v] != 0;
+}
+
+static uint64_t mixed(uint64_t z)
+{
+    z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
+    z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
+    return z ^ (z >> 31);
+}
+
+static void compare_checksum(machine *m, const pool *p, const ost_dims d, const int16_t *stored)
+{
+    const size_t n = (size_t)p->bone.size;
+    uint64_t *sums = zeros(p->used * n, 8), found = 0, expected = 0;
+    LAUNCH(m, ost_chunk_checksum, n, p->used, 1, ONE(&p->bone), number_arg(0), number_arg((int64_t)p->used), BUFFER(p->chunk_of, p->chunks),
+           BUFFER(p->density, p->used * p->voxels), BUFFER(sums, p->used * n));
+    for (size_t i = 0; i < p->used * n; i++)
+        found += sums[i];
+    for (size_t v = 0; v < (size_t)ost_dims_count(d); v++)
+        expected += stored[v] ? mixed(v << 16 | (uint16_t)stored[v]) : 0;
+    if (found != expected)
+        fail_msg("%s: the checksum is %llx, not %llx", m->name, (unsigned long long)found, (unsigned long long)expected);
+    free(sums);
+}
+
+static void compare_surface(machine *m, test_rng *rng, const pool *p, const ost_chunk_grid *grid)
+{
+    const int32_t n = p->bone.size;
+    const size_t words = p->voxels / 32;
+    uint32_t list[4];
+    for (int i = 0; i < 4; i++)
+        list[i] = (uint32_t)rng_range(rng, 0, (int64_t)p->chunks - 1);
+    uint32_t *surface = zeros(4 * words, 4);
+    LAUNCH(m, ost_chunk_surface, words, 4, 1, ONE(&p->bone), number_arg(4), BUFFER(list, 4), BUFFER(p->slots, p->chunks),
+           BUFFER(p->words, p->used * words), BUFFER(surface, 4 * words));
+    for (int i = 0; i < 4; i++) {
+        const int32_t cx = (int32_t)list[i] % grid->chunk_dims.x, cy = (int32_t)list[i] / grid->chunk_dims.x % grid->chunk_dims.y,
+                      cz = (int32_t)list[i] / grid->chunk_dims.x / grid->chunk_dims.y;
+        for (int32_t v = 0; v < n * n * n; v++) {
+            const int32_t x = cx * n + v % n, y = cy * n + v / n % n, z = cz * n + v / n / n;
+            const bool open = active_at(grid, x, y, z) && !(active_at(grid, x - 1, y, z) && active_at(grid, x + 1, y, z) &&
+                                                            active_at(grid, x, y - 1, z) && active_at(grid, x, y + 1, z) &&
+                                                            active_at(grid, x, y, z - 1) && active_at(grid, x, y, z + 1));
+            if ((surface[(size_t)i * words + (size_t)v / 32] >> (v % 32) & 1) != open)
+                fail_msg("%s: voxel (%d, %d, %d) of %d^3 chunks %s on the surface", m->name, x, y, z, n, open ? "is" : "is not");
+        }
+    }
+    free(surface);
+}
+
+static void chunks_round(machine *m, test_rng *rng)
+{
+    ost_error err = {0};
+    const int most = rng_range(rng, 0, 5) ? 40 : 100;
+    const ost_dims d = {(int32_t)rng_range(rng, 1, most), (int32_t)rng_range(rng, 1, most), (int32_t)rng_range(rng, 1, most)};
+    const int n = 16 << rng_range(rng, 0, 2);
+    const int32_t threshold = (int32_t)(rng_range(rng, 0, 2) ? 120 : rng_range(rng, 1, 32767));
+    const size_t count = (size_t)ost_dims_count(d), slice = (size_t)d.x * (size_t)d.y;
+    const int solid = (int)rng_range(rng, 0, 20); /* so that some voxels have six active neighbours */
+    int16_t *voxels = zeros(count, 2);
+    for (size_t v = 0, left = 0, kind = 0; v < count; v++, left--) {
+        if (left == 0) {
+            left = (size_t)rng_range(rng, 1, 2000);
+            kind = (size_t)rng_range(rng, 0, 2);
+        }
+        voxels[v] = (int16_t)(kind == 0 ? 0 : rng_range(rng, 0, 20) < solid ? rng_range(rng, threshold, 32767) : rng_range(rng, -32768, threshold));
+    }
+    ost_chunk_grid grid;
+    assert_ok(ost_chunk_grid_init(&grid, d, n, threshold, &err));
+    assert_ok(ost_chunk_grid_upload(&grid, 0, d.z, voxels, &err));
+
+    pool p = {.bone = {.dims = {d.x, d.y, d.z}, .size = n, .threshold = threshold}, .voxels = (size_t)n * (size_t)n * (size_t)n};
+    p.bone.chunk_dims[0] = grid.chunk_dims.x;
+    p.bone.chunk_dims[1] = grid.chunk_dims.y;
+    p.bone.chunk_dims[2] = grid.chunk_dims.z;
+    p.chunks = (size_t)grid.count;
+    p.slots = zeros(p.chunks, 4);
+    p.chunk_of = zeros(p.chunks, 4);
+    uint32_t *active = zeros(p.chunks, 4), total = 0;
+    int32_t *highest = zeros(p.chunks, 4);
+    const int32_t columns = grid.chunk_dims.x * grid.chunk_dims.y;
+    /* In one slab, or two that meet anywhere. */
+    const int32_t ends[3] = {0, (int32_t)rng_range(rng, 0, d.z), d.z};
+    for (int part = 0; part < 2; part++)
+        if (ends[part] < ends[part + 1])
+            LAUNCH(m, ost_chunk_scan, ends[part + 1] - ends[part], columns, 1, ONE(&p.bone), number_arg(ends[part]), number_arg(ends[part + 1]),
+                   BUFFER(voxels + slice * (size_t)ends[part], slice * (size_t)(ends[part + 1] - ends[part])), BUFFER(active, p.chunks),
+                   BUFFER(highest, p.chunks));
+    LAUNCH(m, ost_chunk_slots, 1, 1, 1, number_arg((int64_t)p.chunks), BUFFER(active, p.chunks), BUFFER(p.slots, p.chunks),
+           BUFFER(p.chunk_of, p.chunks), ONE(&total));
+    p.used = total;
+    const size_t room = p.used ? p.used : 1;
+    p.density = zeros(room * p.voxels, 2);
+    p.words = zeros(room * p.voxels / 32, 4);
+    for (int part = 0; part < 2; part++)
+        if (ends[part] < ends[part + 1])
+            LAUNCH(m, ost_chunk_store, n * n / 32, columns, ends[part + 1] - ends[part], ONE(&p.bone), number_arg(ends[part]),
+                   number_arg(ends[part + 1]), BUFFER(voxels + slice * (size_t)ends[part], slice * (size_t)(ends[part + 1] - ends[part])),
+                   BUFFER(p.slots, p.chunks), BUFFER(p.density, room * p.voxels), BUFFER(p.words, room * p.voxels / 32));
+
+    uint32_t next = 0, *counted = zeros(room, 4);
+    if (p.used)
+        LAUNCH(m, ost_chunk_count, n, p.used, 1, ONE(&p.bone), number_arg(0), number_arg((int64_t)p.used),
+               BUFFER(p.words, p.used * p.voxels / 32), BUFFER(counted, p.used));
+    for (size_t c = 0; c < p.chunks; c++) {
+        const ost_chunk *chunk = &grid.chunks[c];
+        assert_int_equal(active[c], chunk->active);
+        assert_int_equal(p.slots[c], chunk->density ? next : OST_CL_NONE);
+        if (!chunk->density)
+            continue;
+        assert_int_equal(p.chunk_of[next], c);
+        assert_int_equal(counted[next], chunk->active);
+        int32_t most_here = 0;
+        for (size_t v = 0; v < p.voxels; v++)
+            most_here = chunk->density[v] > most_here ? chunk->density[v] : most_here;
+        assert_int_equal(highest[c], most_here);
+        if (memcmp(p.density + next * p.voxels, chunk->density, p.voxels * 2) != 0 ||
+            memcmp(p.words + next * p.voxels / 32, chunk->occupancy, p.voxels / 8) != 0)
+            fail_msg("%s: chunk %zu of %d^3 differs", m->name, c, n);
+        next++;
+    }
+    assert_int_equal(next, p.used);
+
+    int16_t *stored = zeros(count, 2), *loaded = zeros(count, 2);
+    ost_chunk_grid_download(&grid, 0, d.z, stored);
+    for (int part = 0; part < 2; part++)
+        if (ends[part] < ends[part + 1])
+            LAUNCH(m, ost_chunk_load, d.x, d.y, ends[part + 1] - ends[part], ONE(&p.bone), number_arg(ends[part]), number_arg(ends[part + 1]),
+                   BUFFER(p.slots, p.chunks), BUFFER(p.density, room * p.voxels),
+                   BUFFER(loaded + slice * (size_t)ends[part], slice * (size_t)(ends[part + 1] - ends[part])));
+    if (memcmp(stored, loaded, count * 2) != 0)
+        fail_msg("%s: slices of %d^3 chunks differ", m->name, n);
+    if (p.used) {
+        compare_checksum(m, &p, d, stored);
+        compare_surface(m, rng, &p, &grid);
+    }
+    ost_chunk_grid_free(&grid);
+    free(voxels);
+    free(stored);
+    free(loaded);
+    free(active);
+    free(highest);
+    free(counted);
+    free(p.slots);
+    free(p.chunk_of);
+    free(p.density);
+    free(p.words);
+}
+
+void compare_chunks(machine *m, test_rng *rng, int rounds)
+{
+    for (int i = 0; i < rounds; i++)
+        chunks_round(m, rng);
+}

@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Something that runs the kernels of src/cl/kernels: the kernels as C, or a
+ * device.  Every launch copies its buffers there and back, which is all that a
+ * comparison needs and nothing that is fast.
+ */
+#ifndef OST_TESTS_CL_MACHINE_H
+#define OST_TESTS_CL_MACHINE_H
+
+#include "harness.h"
+
+#include "cl/kernels/shared.h"
+
+#define TEST_KERNELS(X)      \
+    X(ost_ct_claim)          \
+    X(ost_ct_place)          \
+    X(ost_ct_check)          \
+    X(ost_ct_blame)          \
+    X(ost_ct_had)            \
+    X(ost_cubic_sources)     \
+    X(ost_cubic_gather)      \
+    X(ost_chunk_scan)        \
+    X(ost_chunk_slots)       \
+    X(ost_chunk_store)       \
+    X(ost_chunk_load)        \
+    X(ost_chunk_count)       \
+    X(ost_chunk_checksum)    \
+    X(ost_chunk_surface)     \
+    X(ost_vox_steps)         \
+    X(ost_vox_fill)          \
+    X(ost_vox_count)         \
+    X(ost_tool_reach)        \
+    X(ost_remove)            \
+    X(ost_fingerprint)       \
+    X(ost_fingerprint_atomics)
+
+enum test_kernel {
+#define TEST_KERNEL_ENUM(name) K_##name,
+    TEST_KERNELS(TEST_KERNEL_ENUM)
+#undef TEST_KERNEL_ENUM
+    K_COUNT
+};
+
+/* A buffer when it has bytes, else a 32-bit number. */
+typedef struct kernel_arg {
+    void *data;
+    size_t bytes;
+    uint32_t number;
+} kernel_arg;
+
+static inline kernel_arg buffer_arg(const void *data, size_t bytes)
+{
+    return (kernel_arg){.data = (void *)(uintptr_t)data, .bytes = bytes};
+}
+
+static inline kernel_arg number_arg(int64_t number)
+{
+    return (kernel_arg){.number = (uint32_t)number};
+}
+
+/* count elements of what p points at; one struct. */
+#define BUFFER(p, count) buffer_arg(p, sizeof *(p) * (size_t)(count))
+#define ONE(p) BUFFER(p, 1)
+
+typedef struct machine machine;
+struct machine {
+    char name[200];
+    int rows; /* OST_ROWS */
+    void (*launch)(machine *m, enum test_kernel kernel, const kernel_arg *args, unsigned count, const size_t range[3]);
+};
+
+#define LAUNCH(m, kernel, x, y, z, ...)                                                               \
+    (m)->launch(m, K_##kernel, (const kernel_arg[]){__VA_ARGS__},                                     \
+                sizeof((const kernel_arg[]){__VA_ARGS__}) / sizeof(kernel_arg),                       \
+                (const size_t[3]){(size_t)(x), (size_t)(y), (size_t)(z)})
+
+/* The kernels as C; items run in an order that the seed makes, with idle ones beyond the range. */
+machine *machine_as_c(uint64_t seed, int rows);
+
+/* Comparisons with the reference; each makes rounds scenes out of rng and fails with the machine's name. */
+void compare_scatter(machine *m, test_rng *rng, int rounds);
+void compare_cubic(machine *m, test_rng *rng, int rounds);
+void compare_chunks(machine *m, test_rng *rng, int rounds);
+void compare_voxelizer(machine *m, test_rng *rng, int rounds);
+void compare_reach(machine *m, test_rng *rng, int rounds);
+void compare_removal(machine *m, test_rng *rng, int rounds);
+void compare_fingerprint(machine *m, test_rng *rng, int rounds);
+
+#endif

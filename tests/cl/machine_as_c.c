@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The kernels compiled as C.  Items are called one after the other in an
+ * order that no kernel may rely on: number i of N is i * stride + offset
+ * modulo N, stride prime to N.  The range is larger than asked for, as a
+ * device's is when it is rounded up.
+ */
+#include "cl/machine.h"
+
+#include "cl/opencl_c.h"
+
+/* One choice for the sanitizers' sake; devices are tried with others. */
+static int test_rows = 4;
+#define OST_ROWS test_rows
+
+#include "cl/kernels/common.h"
+
+#include "cl/kernels/chunks.cl"
+#include "cl/kernels/fingerprint.cl"
+#include "cl/kernels/import.cl"
+#include "cl/kernels/remove.cl"
+#include "cl/kernels/voxelize.cl"
+
+#define B(i) args[i].data
+#define U(i) args[i].number
+#define I(i) ((int)args[i].number)
+
+static void call(enum test_kernel kernel, const kernel_arg *args)
+{
+    switch (kernel) {
+    case K_ost_ct_claim: ost_ct_claim(B(0), B(1), B(2), B(3), B(4)); break;
+    case K_ost_ct_place: ost_ct_place(B(0), B(1), B(2), B(3), B(4), B(5)); break;
+    case K_ost_ct_check: ost_ct_check(B(0), B(1), B(2), B(3), B(4), B(5)); break;
+    case K_ost_ct_blame: ost_ct_blame(B(0), B(1), B(2), B(3)); break;
+    case K_ost_ct_had: ost_ct_had(B(0), B(1), B(2), B(3)); break;
+    case K_ost_cubic_sources: ost_cubic_sources(B(0), B(1)); break;
+    case K_ost_cubic_gather: ost_cubic_gather(B(0), B(1), B(2), B(3)); break;
+    case K_ost_chunk_scan: ost_chunk_scan(B(0), I(1), I(2), B(3), B(4), B(5)); break;
+    case K_ost_chunk_slots: ost_chunk_slots(U(0), B(1), B(2), B(3), B(4)); break;
+    case K_ost_chunk_store: ost_chunk_store(B(0), I(1), I(2), B(3), B(4), B(5), B(6)); break;
+    case K_ost_chunk_load: ost_chunk_load(B(0), I(1), I(2), B(3), B(4), B(5)); break;
+    case K_ost_chunk_count: ost_chunk_count(B(0), U(1), U(2), B(3), B(4)); break;
+    case K_ost_chunk_checksum: ost_chunk_checksum(B(0), U(1), U(2), B(3), B(4), B(5)); break;
+    case K_ost_chunk_surface: ost_chunk_surface(B(0), U(1), B(2), B(3), B(4), B(5)); break;
+    case K_ost_vox_steps: ost_vox_steps(B(0), B(1), B(2), B(3)); break;
+    case K_ost_vox_fill: ost_vox_fill(B(0), B(1), B(2), B(3)); break;
+    case K_ost_vox_count: ost_vox_count(B(0), B(1), B(2)); break;
+    case K_ost_tool_reach: ost_tool_reach(B(0), B(1), B(2)); break;
+    case K_ost_remove: ost_remove(B(0), B(1), B(2), B(3), B(4), B(5), B(6), B(7)); break;
+    case K_ost_fingerprint: ost_fingerprint(U(0), B(1), B(2)); break;
+    case K_ost_fingerprint_atomics: ost_fingerprint_atomics(U(0), B(1), B(2)); break;
+    case K_COUNT: break;
+    }
+}
+
+typedef struct machine_c {
+    machine base;
+    test_rng rng;
+} machine_c;
+
+static uint64_t common_divisor(uint64_t a, uint64_t b)
+{
+    while (b) {
+        const uint64_t r = a % b;
+        a = b;
+        b = r;
+    }
+    return a;
+}
+
+static void launch(machine *base, enum test_kernel kernel, const kernel_arg *args, unsigned count, const size_t range[3])
+{
+    machine_c *m = (machine_c *)base;
+    (void)count;
+    test_rows = base->rows;
+    uint64_t size[3], all = 1;
+    for (int a = 0; a < 3; a++) {
+        size[a] = range[a] + (uint64_t)(range[a] > 1 ? rng_range(&m->rng, 0, 2) : 0); /* 1: also a dimension that is not used */
+        all *= size[a];
+    }
+    if (all == 0)
+        return;
+    uint64_t stride, at = (uint64_t)rng_range(&m->rng, 0, (int64_t)all - 1);
+    do
+        stride = (uint64_t)rng_range(&m->rng, 1, (int64_t)all);
+    while (common_divisor(stride, all) != 1);
+    for (uint64_t i = 0; i < all; i++) {
+        test_item[0] = at % size[0];
+        test_item[1] = at / size[0] % size[1];
+        test_item[2] = at / size[0] / size[1];
+        call(kernel, args);
+        at = (at + stride) % all;
+    }
+}
+
+machine *machine_as_c(uint64_t seed, int rows)
+{
+    machine_c *m = calloc(1, sizeof *m);
+    assert_non_null(m);
+    snprintf(m->base.name, sizeof m->base.name, "kernels as C, %d rows an item", rows);
+    m->base.rows = rows;
+    m->base.launch = launch;
+    m->rng.state = seed;
+    return &m->base;
+}
