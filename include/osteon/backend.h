@@ -5,7 +5,8 @@
  * A backend is chosen by a string, "name" or "name:key=value,key=value":
  * "cpu" is the one for work: it finds the instruction set and the number of
  * threads by itself, or takes "cpu:isa=avx2,threads=2".  "ref" is the scalar
- * reference, the executable form of docs/arithmetic.md.
+ * reference, the executable form of docs/arithmetic.md;
+ * "cl:platform=Portable,device=0" an OpenCL device.
  * Every backend gives the same grids to the bit, or it has a defect.
  *
  *   samples --ct_to_rect--> grid --rect_to_cubic--> grid --cubic_to_chunks--> bone
@@ -46,6 +47,22 @@ typedef struct ost_backend_info {
 /* All backends that this library knows, in a fixed order. */
 OST_API int ost_backend_count(void);
 OST_API ost_status ost_backend_describe(int index, ost_backend_info *out, ost_error *err);
+
+/* A device that a backend may be opened on, as `osteon devices` lists it. */
+typedef struct ost_device_info {
+    const char *spec;     /* what ost_backend_open takes for it: "cl:platform=0,device=1" */
+    const char *platform; /* name and version */
+    const char *name;     /* and version of its driver */
+    bool available;
+    const char *reason; /* when not available: why */
+    const char *notes;  /* for the record, decides nothing: what its floating point does */
+} ost_device_info;
+
+/* The texts live until visit returns. */
+typedef void ost_device_visit(const ost_device_info *device, void *user);
+
+/* Tries every device of backend number index, in a fixed order; none where a backend has none to choose from. */
+OST_API ost_status ost_backend_devices(int index, ost_device_visit *visit, void *user, ost_error *err);
 
 /* OST_ERR_USAGE on an unknown name, key or value; OST_ERR_UNAVAILABLE with the reason when it cannot run here. */
 OST_API ost_status ost_backend_open(const char *spec, ost_backend **out, ost_error *err);

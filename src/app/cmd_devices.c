@@ -27,6 +27,45 @@ static void one(const app_state *app, json_t *array, const char *name, bool avai
     say(app, "  %-9s %-4s %s", name, available ? "yes" : "no", reason);
 }
 
+/* What ost_backend_devices calls; user is the verb's state and list. */
+typedef struct device_list {
+    const app_state *app;
+    json_t *array;
+} device_list;
+
+static void one_device(const ost_device_info *device, void *user)
+{
+    const device_list *list = user;
+    json_t *row = json_object();
+    put_text(row, "backend", device->spec);
+    put_text(row, "platform", device->platform);
+    put_text(row, "name", device->name);
+    put_bool(row, "available", device->available);
+    put_text(row, "reason", device->reason);
+    put_text(row, "notes", device->notes);
+    append(list->array, row);
+    say(list->app, "  %-24s %-4s %s%s%s", device->spec, device->available ? "yes" : "no", device->name, *device->name ? ", " : "",
+        device->platform);
+    if (*device->reason)
+        say(list->app, "  %-24s      %s", "", device->reason);
+    if (*device->notes)
+        say(list->app, "  %-24s      %s", "", device->notes);
+}
+
+/* Devices that a backend lets one choose from: those of OpenCL. */
+static ost_status list_devices(const app_state *app, ost_error *err)
+{
+    device_list list = {.app = app, .array = json_array()};
+    ost_status status = OST_OK;
+    say(app, "\nOpenCL devices");
+    for (int i = 0; i < ost_backend_count() && status == OST_OK; i++)
+        status = ost_backend_devices(i, one_device, &list, err);
+    if (json_array_size(list.array) == 0)
+        say(app, "  none; the reason stands at backend cl");
+    put(app->result, "devices", list.array);
+    return status;
+}
+
 /* The sets that this machine and this build can run, the chosen one among them. */
 static void list_choices(const app_state *app, json_t *row, const ost_backend_settings *settings)
 {
@@ -159,6 +198,8 @@ ost_status cmd_devices(app_state *app, int argc, char **argv, ost_error *err)
     put_text(app->result, "version", ost_version());
     put_integer(app->result, "arithmetic", OST_ARITHMETIC_VERSION);
     status = list_backends(app, err);
+    if (status == OST_OK)
+        status = list_devices(app, err);
     if (status != OST_OK)
         return status;
     list_instruction_sets(app);

@@ -34,6 +34,21 @@ ost_status ost_backend_describe(int index, ost_backend_info *out, ost_error *err
     return OST_OK;
 }
 
+ost_status ost_backend_devices(int index, ost_device_visit *visit, void *user, ost_error *err)
+{
+    if (index < 0 || index >= BACKEND_COUNT || !visit)
+        return ost_fail(err, OST_ERR_USAGE, "devices of backend %d; there are %d backends", index, BACKEND_COUNT);
+    return backends[index]->devices(visit, user, err);
+}
+
+ost_status ost_no_devices(ost_device_visit *visit, void *user, ost_error *err)
+{
+    (void)visit;
+    (void)user;
+    (void)err;
+    return OST_OK;
+}
+
 static const ost_backend_ops *find_backend(const char *name, size_t length)
 {
     for (int i = 0; i < BACKEND_COUNT; i++)

@@ -7,6 +7,7 @@
  *
  * Rules for implementers
  *   - No slot is NULL; what a backend cannot do returns OST_ERR_UNAVAILABLE.
+    (One that can never be opened here has those of the choice only.)
  *   - Objects embed the structs below as their first member; the caller of
  *     the table has filled nothing in them: the backend does.
  *   - Arguments were checked: assert, do not check again.
@@ -47,6 +48,8 @@ struct ost_backend_ops {
 
     /* Whether open can work here, cheaply; fills reason (never NULL, size bytes) when not. */
     bool (*available)(char *reason, size_t size);
+    /* Shows every device with its reason; a backend without devices to choose from shows none. Slow: devices are tried. */
+    ost_status (*devices)(ost_device_visit *visit, void *user, ost_error *err);
     /* options is the text after "name:", or "". Sets *out; out->ops need not be set. */
     ost_status (*open)(const char *options, ost_backend **out, ost_error *err);
     void (*close)(ost_backend *backend);
@@ -92,5 +95,8 @@ struct ost_backend_ops {
 
 extern const ost_backend_ops ost_backend_ref;
 extern const ost_backend_ops ost_backend_cpu;
+
+/* The slot devices of a backend that has none to choose from. */
+ost_status ost_no_devices(ost_device_visit *visit, void *user, ost_error *err);
 
 #endif

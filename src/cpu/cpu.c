@@ -164,6 +164,7 @@ const ost_backend_ops ost_backend_cpu = {
     .name = "cpu",
     .description = "hand-vectorised, on all cores; options isa=scalar|avx2|avx512|avx512vbmi|neon, threads=N, voxelizer=auto|triangles|embree",
     .available = available,
+    .devices = ost_no_devices,
     .open = open_cpu,
     .close = close_cpu,
     .settings = settings,

@@ -55,6 +55,7 @@ const ost_backend_ops ost_backend_ref = {
     .name = "ref",
     .description = "scalar reference: plain, serial, the executable form of docs/arithmetic.md",
     .available = available,
+    .devices = ost_no_devices,
     .open = open_ref,
     .close = close_ref,
     .settings = settings,
