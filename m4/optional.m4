@@ -96,3 +96,38 @@ AC_DEFUN([OST_OPTIONAL_EMBREE], [
     [EMBREE_LIBS=])
   AM_CONDITIONAL([HAVE_EMBREE], [test "x$have_EMBREE" != xno])
 ])
+
+# OST_OPTIONAL_OPENCL: by pkg-config, else header and library as the system has
+# them; 1.2 is what src/cl uses and all that it asks of the loader.
+AC_DEFUN([OST_OPTIONAL_OPENCL], [
+  AC_ARG_WITH([opencl], [AS_HELP_STRING([--with-opencl], [use OpenCL 1.2: yes, no or auto (default)])],
+    [], [with_opencl=auto])
+  AS_CASE([$with_opencl], [yes|no|auto], [],
+    [AC_MSG_ERROR([--with-opencl takes yes, no or auto, not '$with_opencl'])])
+  have_OPENCL=no
+  ost_summary_OPENCL="no (--without-opencl): the backend cl is not there"
+  AS_IF([test "x$with_opencl" != xno], [
+    ost_given_OPENCL_LIBS=$OPENCL_LIBS
+    PKG_CHECK_MODULES([OPENCL], [OpenCL >= 1.2], [],
+      [OPENCL_LIBS=${ost_given_OPENCL_LIBS:--lOpenCL}])
+    AC_MSG_CHECKING([for OpenCL 1.2's header and loader])
+    ost_save_LIBS=$LIBS
+    ost_save_CPPFLAGS=$CPPFLAGS
+    LIBS="$OPENCL_LIBS $LIBS"
+    CPPFLAGS="$CPPFLAGS $OPENCL_CFLAGS"
+    AC_LINK_IFELSE([AC_LANG_PROGRAM([[#define CL_TARGET_OPENCL_VERSION 120
+#include <CL/cl.h>]], [[return clGetPlatformIDs(0, 0, 0) + clEnqueueFillBuffer(0, 0, 0, 0, 0, 0, 0, 0, 0);]])],
+      [have_OPENCL=yes])
+    AC_MSG_RESULT([$have_OPENCL])
+    LIBS=$ost_save_LIBS
+    CPPFLAGS=$ost_save_CPPFLAGS
+    AS_IF([test "x$have_OPENCL" = xyes],
+      [AC_DEFINE([HAVE_OPENCL], [1], [Define if OpenCL is used.])
+       ost_summary_OPENCL="OpenCL 1.2 (backend cl; devices: osteon devices)"],
+      [OPENCL_CFLAGS=; OPENCL_LIBS=
+       ost_summary_OPENCL="no: the backend cl is not there; Debian: opencl-headers, ocl-icd-opencl-dev"
+       AS_IF([test "x$with_opencl" = xyes],
+         [AC_MSG_ERROR([--with-opencl was asked for, but CL/cl.h or libOpenCL was not found; Debian: opencl-headers, ocl-icd-opencl-dev])])])],
+    [OPENCL_CFLAGS=; OPENCL_LIBS=])
+  AM_CONDITIONAL([HAVE_OPENCL], [test "x$have_OPENCL" = xyes])
+])

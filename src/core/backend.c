@@ -14,6 +14,7 @@
 static const ost_backend_ops *const backends[] = {
     &ost_backend_cpu,
     &ost_backend_ref,
+    &ost_backend_cl,
 };
 
 enum { BACKEND_COUNT = sizeof backends / sizeof backends[0] };

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The part of OpenCL 1.2 that this backend calls, as a table of pointers.
+ *
+ * Every call goes through a table that was given at open: ost_cl_loader is
+ * the system's loader; a test gives a copy in which some pointers count,
+ * refuse or damage, and needs no driver of its own for that.
+ */
+#ifndef OST_CL_API_H
+#define OST_CL_API_H
+
+#define CL_TARGET_OPENCL_VERSION 120
+#include <CL/cl.h>
+
+/* clang-format off */
+#define OST_CL_FUNCTIONS(X) \
+    X(clGetPlatformIDs) X(clGetPlatformInfo) X(clGetDeviceIDs) X(clGetDeviceInfo) \
+    X(clCreateContext) X(clReleaseContext) X(clCreateCommandQueue) X(clReleaseCommandQueue) \
+    X(clCreateProgramWithSource) X(clCreateProgramWithBinary) X(clBuildProgram) X(clGetProgramInfo) \
+    X(clGetProgramBuildInfo) X(clReleaseProgram) \
+    X(clCreateKernel) X(clReleaseKernel) X(clSetKernelArg) X(clGetKernelWorkGroupInfo) \
+    X(clCreateBuffer) X(clReleaseMemObject) \
+    X(clEnqueueReadBuffer) X(clEnqueueWriteBuffer) X(clEnqueueCopyBuffer) X(clEnqueueFillBuffer) \
+    X(clEnqueueNDRangeKernel) X(clFlush) X(clFinish)
+/* clang-format on */
+
+typedef struct ost_cl_api {
+#define OST_CL_MEMBER(name) __typeof__(name) *name;
+    OST_CL_FUNCTIONS(OST_CL_MEMBER)
+#undef OST_CL_MEMBER
+} ost_cl_api;
+
+extern const ost_cl_api ost_cl_loader;
+
+#endif

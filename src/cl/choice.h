@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Platforms and devices: what is there, what of it may decide voxels, and
+ * which one the user meant.
+ *
+ *   "platform=Portable,device=1,workgroup=64"
+ *
+ * platform and device are numbers in the loader's order (a device's within its
+ * platform) or a part of the name, in capitals or not.  Without them the
+ * first device that passes is taken.
+ */
+#ifndef OST_CL_CHOICE_H
+#define OST_CL_CHOICE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "cl/error.h"
+
+enum { OST_CL_NAME = 160, OST_CL_REASON = 256 };
+
+typedef struct ost_cl_device {
+    cl_platform_id platform;
+    cl_device_id id; /* NULL: stands for a platform without devices */
+    int platform_index, device_index;
+    char platform_name[OST_CL_NAME], platform_version[OST_CL_NAME];
+    char name[OST_CL_NAME], driver[OST_CL_NAME];
+    cl_ulong max_buffer; /* bytes of one buffer */
+    cl_ulong memory;     /* bytes of all */
+    size_t max_workgroup;
+    bool cpu; /* few, strong cores */
+    char reason[OST_CL_REASON]; /* why it is refused; "" if nothing that it says of itself speaks against it */
+} ost_cl_device;
+
+typedef struct ost_cl_devices {
+    size_t count;
+    ost_cl_device *list; /* owned */
+    char reason[OST_CL_REASON]; /* when there is no platform: why */
+} ost_cl_devices;
+
+/* Sets *out wholly, also on failure. */
+ost_status ost_cl_devices_list(const ost_cl_api *cl, ost_cl_devices *out, ost_error *err);
+void ost_cl_devices_free(ost_cl_devices *devices);
+
+typedef struct ost_cl_options {
+    char platform[OST_CL_NAME], device[OST_CL_NAME]; /* "": any */
+    size_t workgroup;                                /* 0: the device's own choice */
+} ost_cl_options;
+
+ost_status ost_cl_options_read(const char *text, ost_cl_options *out, ost_error *err);
+/* Whether the user's words fit this device. */
+bool ost_cl_options_match(const ost_cl_options *options, const ost_cl_device *device);
+
+/* Why the loader shows no platform, as far as its folder of drivers tells. */
+void ost_cl_icd_reason(char *reason, size_t size);
+
+#endif

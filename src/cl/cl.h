@@ -1,0 +1,121 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The OpenCL backend's host side: what its files share.
+ *
+ *   choice.c, icd.c   which devices there are, which may be used, which is meant
+ *   context.c         one device opened: context, queue, program, kernels, checks
+ *   program.c         building, from cache.c when it has the binary
+ *   layout.c          structs are laid out there as here
+ *   fingerprint.c     its integers are right
+ *   launch.c          buffers and launches, with errors that name the device
+ *   grid.c import.c bone.c voxelize.c tool.c remove.c    the table's slots
+ *   cl.c              the table
+ *
+ * All of it is one in-order queue, so a call sees what the calls before it
+ * did.  Grids, bones and tools are buffers on the device; the host holds of a
+ * bone only which chunk is in which slot and how many voxels are active there.
+ *
+ * Failure.  Until a call has enqueued what changes an object, a failure leaves
+ * the object as it was.  After that nobody knows what the device has done: the
+ * object is lost, says so in every later call (OST_ERR_UNAVAILABLE) and can
+ * only be freed.
+ */
+#ifndef OST_CL_CL_H
+#define OST_CL_CL_H
+
+#include "cl/choice.h"
+#include "cl/kernels/shared.h"
+#include "core/backend.h"
+
+/* X(kernel): all that are created when a device is opened. */
+/* clang-format off */
+#define OST_CL_KERNELS(X) \
+    X(ost_layout) X(ost_fingerprint) X(ost_fingerprint_atomics) \
+    X(ost_ct_claim) X(ost_ct_place) X(ost_ct_check) X(ost_ct_blame) X(ost_ct_had) \
+    X(ost_cubic_sources) X(ost_cubic_gather) \
+    X(ost_chunk_scan) X(ost_chunk_store) X(ost_chunk_load) X(ost_chunk_count) \
+    X(ost_vox_steps) X(ost_vox_fill) X(ost_vox_count) X(ost_tool_reach) \
+    X(ost_remove)
+/* clang-format on */
+
+enum ost_cl_kernel {
+#define OST_CL_KERNEL_ENUM(name) OST_CL_KERNEL_##name,
+    OST_CL_KERNELS(OST_CL_KERNEL_ENUM)
+#undef OST_CL_KERNEL_ENUM
+    OST_CL_KERNEL_COUNT
+};
+
+typedef struct cl_backend {
+    ost_backend base;
+    const ost_cl_api *cl;
+    ost_cl_device device;
+    size_t workgroup; /* work items of a group, 0: default */
+    int rows;         /* of 16 voxels that a work item of ost_remove takes */
+    cl_context context;
+    cl_command_queue queue;
+    cl_program program;
+    cl_kernel kernel[OST_CL_KERNEL_COUNT];
+    size_t kernel_workgroup[OST_CL_KERNEL_COUNT]; /* what each can have at most */
+    bool from_cache;                              /* whether the program's binary was found */
+    ost_digest empty_leaf;
+    struct ost_cl_event_scratch *event; /* owned; what events reuse, NULL before the first (remove.c) */
+} cl_backend;
+
+/* ------------------------------------------------------------- context.c */
+
+/* Opens and checks one device; *out is NULL on failure, with the reason in err. */
+ost_status ost_cl_device_open(const ost_cl_api *cl, const ost_cl_device *device, size_t workgroup, cl_backend **out, ost_error *err);
+void ost_cl_device_close(cl_backend *backend);
+
+/* What cl.c's slots do, with another table than the loader's. */
+ost_status ost_cl_open_with(const ost_cl_api *cl, const char *options, ost_backend **out, ost_error *err);
+bool ost_cl_available_with(const ost_cl_api *cl, char *reason, size_t size);
+ost_status ost_cl_visit_with(const ost_cl_api *cl, ost_device_visit *visit, void *user, ost_error *err);
+
+/* ------------------------------------------------------------- program.c */
+
+/* Builds for the backend's device; *from_cache says whether the cache had it. */
+ost_status ost_cl_build(cl_backend *backend, const char *const *sources, size_t count, const char *options, cl_program *out,
+                        bool *from_cache, ost_error *err);
+
+/* --------------------------------------------------- layout.c, fingerprint.c */
+
+ost_status ost_cl_layout_check(cl_backend *backend, ost_error *err);
+
+/* OST_ERR_UNAVAILABLE, naming the device and what is wrong, when its integers are not the host's. */
+ost_status ost_cl_fingerprint_check(cl_backend *backend, ost_error *err);
+/* For the record: what its floating point does; one line. */
+void ost_cl_fingerprint_floats(cl_backend *backend, char *notes, size_t size);
+
+/* -------------------------------------------------------------- launch.c */
+
+/* Uninitialised when data is NULL, else a copy of it, made before this returns; bytes 0 gives a buffer of 1. */
+ost_status ost_cl_buffer(cl_backend *backend, size_t bytes, const void *data, const char *what, cl_mem *out, ost_error *err);
+/* Filled with zeros. */
+ost_status ost_cl_buffer_zero(cl_backend *backend, size_t bytes, const char *what, cl_mem *out, ost_error *err);
+void ost_cl_buffer_free(cl_backend *backend, cl_mem *buffer); /* sets it to NULL; NULL is allowed */
+ost_status ost_cl_zero(cl_backend *backend, cl_mem buffer, size_t offset, size_t bytes, ost_error *err);
+/* The data may be used again when these return. */
+ost_status ost_cl_write(cl_backend *backend, cl_mem buffer, size_t offset, size_t bytes, const void *data, ost_error *err);
+ost_status ost_cl_read(cl_backend *backend, cl_mem buffer, size_t offset, size_t bytes, void *data, ost_error *err);
+/* Here not before the next call that waits. */
+ost_status ost_cl_write_later(cl_backend *backend, cl_mem buffer, size_t bytes, const void *data, ost_error *err);
+ost_status ost_cl_copy(cl_backend *backend, cl_mem from, cl_mem to, size_t bytes, ost_error *err);
+/* Waits for all of the queue. */
+ost_status ost_cl_finish(cl_backend *backend, ost_error *err);
+
+/* One argument of a kernel. */
+typedef struct ost_cl_arg {
+    size_t size;
+    const void *value;
+} ost_cl_arg;
+#define OST_CL_ARG(value) ((ost_cl_arg){sizeof(value), &(value)})
+
+/* Range x * y * z, rounded up along x to whole work groups; nothing happens when one is 0. */
+ost_status ost_cl_launch(cl_backend *backend, enum ost_cl_kernel kernel, size_t x, size_t y, size_t z, const ost_cl_arg *args,
+                         unsigned count, ost_error *err);
+#define OST_CL_LAUNCH(backend, kernel, x, y, z, err, ...)                                                   \
+    ost_cl_launch(backend, OST_CL_KERNEL_##kernel, x, y, z, (const ost_cl_arg[]){__VA_ARGS__},              \
+                  sizeof((const ost_cl_arg[]){__VA_ARGS__}) / sizeof(ost_cl_arg), err)
+
+#endif

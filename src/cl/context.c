@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * One device opened: context, queue, program and kernels, then the two checks
+ * without which nothing is computed on it.
+ */
+#include "cl/cl.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "cl/embedded.h"
+
+static const char *const kernel_names[] = {
+#define OST_CL_KERNEL_TEXT(name) #name,
+    OST_CL_KERNELS(OST_CL_KERNEL_TEXT)
+#undef OST_CL_KERNEL_TEXT
+};
+
+static ost_status create_kernels(cl_backend *b, ost_error *err)
+{
+    for (int k = 0; k < OST_CL_KERNEL_COUNT; k++) {
+        cl_int code = CL_SUCCESS;
+        b->kernel[k] = b->cl->clCreateKernel(b->program, kernel_names[k], &code);
+        if (!b->kernel[k] || code != CL_SUCCESS)
+            return ost_cl_fail(err, b->device.name, code, "clCreateKernel", kernel_names[k]);
+        code = b->cl->clGetKernelWorkGroupInfo(b->kernel[k], b->device.id, CL_KERNEL_WORK_GROUP_SIZE, sizeof b->kernel_workgroup[k],
+                                               &b->kernel_workgroup[k], NULL);
+        if (code != CL_SUCCESS)
+            return ost_cl_fail(err, b->device.name, code, "clGetKernelWorkGroupInfo", kernel_names[k]);
+    }
+    return OST_OK;
+}
+
+static ost_status set_up(cl_backend *b, ost_error *err)
+{
+    cl_int code = CL_SUCCESS;
+    const cl_context_properties properties[] = {CL_CONTEXT_PLATFORM, (cl_context_properties)b->device.platform, 0};
+    b->context = b->cl->clCreateContext(properties, 1, &b->device.id, NULL, NULL, &code);
+    if (!b->context || code != CL_SUCCESS)
+        return ost_cl_fail(err, b->device.name, code, "clCreateContext", "");
+    b->queue = b->cl->clCreateCommandQueue(b->context, b->device.id, 0, &code);
+    if (!b->queue || code != CL_SUCCESS)
+        return ost_cl_fail(err, b->device.name, code, "clCreateCommandQueue", "");
+    char options[64];
+    b->rows = b->device.cpu ? 16 : 1; /* a work item of its own costs a CPU more than a row */
+    snprintf(options, sizeof options, "-cl-std=CL1.2 -DOST_ROWS=%d", b->rows);
+    ost_status status = ost_cl_build(b, ost_cl_program, ost_cl_program_count, options, &b->program, &b->from_cache, err);
+    if (status == OST_OK)
+        status = create_kernels(b, err);
+    if (status == OST_OK)
+        status = ost_cl_layout_check(b, err);
+    if (status == OST_OK)
+        status = ost_cl_fingerprint_check(b, err);
+    return status;
+}
+
+ost_status ost_cl_device_open(const ost_cl_api *cl, const ost_cl_device *device, size_t workgroup, cl_backend **out, ost_error *err)
+{
+    *out = NULL;
+    if (device->reason[0])
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "OpenCL device '%.120s' is refused: %s",
+                        device->id ? device->name : device->platform_name, device->reason);
+    if (workgroup > device->max_workgroup)
+        return ost_fail(err, OST_ERR_USAGE, "backend cl: workgroup=%zu; '%.120s' takes at most %zu", workgroup, device->name,
+                        device->max_workgroup);
+    cl_backend *b = calloc(1, sizeof *b);
+    int16_t *zeros = calloc(OST_LEAF * OST_LEAF * OST_LEAF, sizeof *zeros);
+    ost_status status = OST_OK;
+    if (!b || !zeros)
+        status = ost_fail(err, OST_ERR_MEMORY, "no memory for backend cl");
+    else
+        status = ost_digest_leaf16(zeros, &b->empty_leaf, err);
+    free(zeros);
+    if (status == OST_OK) {
+        b->cl = cl;
+        b->device = *device;
+        b->workgroup = workgroup;
+        /* A driver may catch the whole process's SIGFPE (PoCL does), and a division by zero elsewhere would go unseen. */
+        struct sigaction before;
+        const bool known = sigaction(SIGFPE, NULL, &before) == 0;
+        status = set_up(b, err);
+        if (known)
+            sigaction(SIGFPE, &before, NULL);
+    }
+    if (status != OST_OK) {
+        ost_cl_device_close(b);
+        return status;
+    }
+    *out = b;
+    return OST_OK;
+}
+
+void ost_cl_device_close(cl_backend *b)
+{
+    if (!b)
+        return;
+    if (b->queue)
+        b->cl->clFinish(b->queue);
+    for (int k = 0; k < OST_CL_KERNEL_COUNT; k++)
+        if (b->kernel[k])
+            b->cl->clReleaseKernel(b->kernel[k]);
+    if (b->program)
+        b->cl->clReleaseProgram(b->program);
+    if (b->queue)
+        b->cl->clReleaseCommandQueue(b->queue);
+    if (b->context)
+        b->cl->clReleaseContext(b->context);
+    free(b);
+}

@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Why the loader shows no platform.  A loader skips drivers that it cannot
+ * load and says nothing; this looks at the same folder of .icd files (a line
+ * each: the driver's library) and asks the system what is wrong with them.
+ * Only for the reason that the user reads.
+ */
+#include "cl/choice.h"
+
+#include <dirent.h>
+#include <dlfcn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static bool ends_with(const char *text, const char *end)
+{
+    size_t length = strlen(text), tail = strlen(end);
+    return length >= tail && strcmp(text + length - tail, end) == 0;
+}
+
+/* Whether the driver in this file cannot be loaded; says why. */
+static bool broken(const char *path, const char *file, char *reason, size_t size)
+{
+    char line[512] = "";
+    FILE *f = fopen(path, "r");
+    if (!f || !fgets(line, sizeof line, f))
+        line[0] = 0;
+    if (f)
+        fclose(f);
+    line[strcspn(line, "\r\n")] = 0;
+    if (!line[0]) {
+        snprintf(reason, size, "the OpenCL driver file %.80s names no library", file);
+        return true;
+    }
+    void *library = dlopen(line, RTLD_LAZY | RTLD_LOCAL);
+    if (library) {
+        dlclose(library);
+        return false;
+    }
+    const char *why = dlerror();
+    snprintf(reason, size, "the OpenCL driver of %.80s cannot be loaded: %.140s", file, why ? why : line);
+    return true;
+}
+
+void ost_cl_icd_reason(char *reason, size_t size)
+{
+    const char *given = getenv("OCL_ICD_VENDORS");
+    const char *folder = given && given[0] ? given : "/etc/OpenCL/vendors";
+    snprintf(reason, size, "the OpenCL loader found no driver in %.100s; install one, e.g. Debian's pocl-opencl-icd", folder);
+    if (ends_with(folder, ".icd")) {
+        broken(folder, folder, reason, size);
+        return;
+    }
+    DIR *dir = opendir(folder);
+    if (!dir)
+        return;
+    for (const struct dirent *entry; (entry = readdir(dir));) {
+        char path[1024];
+        if (!ends_with(entry->d_name, ".icd") ||
+            snprintf(path, sizeof path, "%s/%s", folder, entry->d_name) >= (int)sizeof path)
+            continue;
+        if (broken(path, entry->d_name, reason, size))
+            break;
+    }
+    closedir(dir);
+}

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * How this compiler lays out the structs of shared.h: their sizes, and where
+ * the last members are.  The host compares with its own before anything else.
+ *
+ *   ost_layout(room, out)   one item
+ *
+ *   room  ulong[32]   never read: only addresses within it are formed
+ *   out   uint[24]    in the order of src/cl/layout.c
+ */
+#define OST_CL_AT(type, member) (uint)((__global const char *)&((__global const type *)room)->member - (__global const char *)room)
+
+__kernel void ost_layout(__global const ulong *room, __global uint *out)
+{
+    if (get_global_id(0) != 0)
+        return;
+    out[0] = (uint)sizeof(ost_cl_sample);
+    out[1] = OST_CL_AT(ost_cl_sample, line);
+    out[2] = (uint)sizeof(ost_cl_scatter);
+    out[3] = OST_CL_AT(ost_cl_scatter, count);
+    out[4] = (uint)sizeof(ost_cl_scatter_report);
+    out[5] = OST_CL_AT(ost_cl_scatter_report, conflict_had);
+    out[6] = (uint)sizeof(ost_cl_cubic);
+    out[7] = OST_CL_AT(ost_cl_cubic, slab);
+    out[8] = (uint)sizeof(ost_cl_bone);
+    out[9] = OST_CL_AT(ost_cl_bone, threshold);
+    out[10] = (uint)sizeof(ost_cl_vox);
+    out[11] = OST_CL_AT(ost_cl_vox, tool_class);
+    out[12] = (uint)sizeof(ost_cl_tool);
+    out[13] = OST_CL_AT(ost_cl_tool, axis);
+    out[14] = (uint)sizeof(ost_cl_event);
+    out[15] = OST_CL_AT(ost_cl_event, border);
+    out[16] = (uint)sizeof(ost_cl_block);
+    out[17] = OST_CL_AT(ost_cl_block, entries);
+    out[18] = (uint)sizeof(ost_cl_entry);
+    out[19] = OST_CL_AT(ost_cl_entry, pose);
+    out[20] = (uint)sizeof(ost_cl_pose);
+    out[21] = OST_CL_AT(ost_cl_pose, skip);
+    out[22] = (uint)sizeof(ost_cl_block_report);
+    out[23] = OST_CL_AT(ost_cl_block_report, touched);
+}

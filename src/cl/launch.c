@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Buffers and launches: the few ways in which all stages use the queue.
+ *
+ * Work groups.  Kernels take ranges that are rounded up, have no barrier and
+ * never look at their group: its size shows in speed only.  Left to
+ * themselves some drivers take groups of one item when a range is a prime, so
+ * a size is always given.
+ */
+#include "cl/cl.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { WORKGROUP_DEFAULT = 64 };
+
+static const char *const kernel_names[] = {
+#define OST_CL_KERNEL_TEXT(name) #name,
+    OST_CL_KERNELS(OST_CL_KERNEL_TEXT)
+#undef OST_CL_KERNEL_TEXT
+};
+
+ost_status ost_cl_buffer(cl_backend *b, size_t bytes, const void *data, const char *what, cl_mem *out, ost_error *err)
+{
+    char text[80];
+    snprintf(text, sizeof text, "%s, %zu bytes", what, bytes);
+    cl_int code = CL_INVALID_BUFFER_SIZE; /* drivers differ in what they say, or do, beyond their limit */
+    *out = NULL;
+    if (bytes <= b->device.max_buffer)
+        *out = b->cl->clCreateBuffer(b->context, CL_MEM_READ_WRITE | (data && bytes ? CL_MEM_COPY_HOST_PTR : 0), bytes ? bytes : 1,
+                                     data && bytes ? (void *)(uintptr_t)data : NULL, &code);
+    if (*out && code == CL_SUCCESS)
+        return OST_OK;
+    *out = NULL;
+    return ost_cl_fail(err, b->device.name, code, "clCreateBuffer", text);
+}
+
+ost_status ost_cl_buffer_zero(cl_backend *b, size_t bytes, const char *what, cl_mem *out, ost_error *err)
+{
+    ost_status status = ost_cl_buffer(b, bytes, NULL, what, out, err);
+    if (status == OST_OK)
+        status = ost_cl_zero(b, *out, 0, bytes, err);
+    if (status != OST_OK)
+        ost_cl_buffer_free(b, out);
+    return status;
+}
+
+void ost_cl_buffer_free(cl_backend *b, cl_mem *buffer)
+{
+    if (*buffer)
+        b->cl->clReleaseMemObject(*buffer);
+    *buffer = NULL;
+}
+
+ost_status ost_cl_zero(cl_backend *b, cl_mem buffer, size_t offset, size_t bytes, ost_error *err)
+{
+    const cl_uchar zero = 0;
+    if (bytes == 0)
+        return OST_OK;
+    cl_int code = b->cl->clEnqueueFillBuffer(b->queue, buffer, &zero, sizeof zero, offset, bytes, 0, NULL, NULL);
+    return code == CL_SUCCESS ? OST_OK : ost_cl_fail(err, b->device.name, code, "clEnqueueFillBuffer", "");
+}
+
+ost_status ost_cl_write(cl_backend *b, cl_mem buffer, size_t offset, size_t bytes, const void *data, ost_error *err)
+{
+    if (bytes == 0)
+        return OST_OK;
+    cl_int code = b->cl->clEnqueueWriteBuffer(b->queue, buffer, CL_TRUE, offset, bytes, data, 0, NULL, NULL);
+    return code == CL_SUCCESS ? OST_OK : ost_cl_fail(err, b->device.name, code, "clEnqueueWriteBuffer", "");
+}
+
+ost_status ost_cl_write_later(cl_backend *b, cl_mem buffer, size_t bytes, const void *data, ost_error *err)
+{
+    if (bytes == 0)
+        return OST_OK;
+    cl_int code = b->cl->clEnqueueWriteBuffer(b->queue, buffer, CL_FALSE, 0, bytes, data, 0, NULL, NULL);
+    return code == CL_SUCCESS ? OST_OK : ost_cl_fail(err, b->device.name, code, "clEnqueueWriteBuffer", "");
+}
+
+ost_status ost_cl_read(cl_backend *b, cl_mem buffer, size_t offset, size_t bytes, void *data, ost_error *err)
+{
+    if (bytes == 0)
+        return OST_OK;
+    cl_int code = b->cl->clEnqueueReadBuffer(b->queue, buffer, CL_TRUE, offset, bytes, data, 0, NULL, NULL);
+    return code == CL_SUCCESS ? OST_OK : ost_cl_fail(err, b->device.name, code, "clEnqueueReadBuffer", "");
+}
+
+ost_status ost_cl_copy(cl_backend *b, cl_mem from, cl_mem to, size_t bytes, ost_error *err)
+{
+    if (bytes == 0)
+        return OST_OK;
+    cl_int code = b->cl->clEnqueueCopyBuffer(b->queue, from, to, 0, 0, bytes, 0, NULL, NULL);
+    return code == CL_SUCCESS ? OST_OK : ost_cl_fail(err, b->device.name, code, "clEnqueueCopyBuffer", "");
+}
+
+ost_status ost_cl_finish(cl_backend *b, ost_error *err)
+{
+    cl_int code = b->cl->clFinish(b->queue);
+    return code == CL_SUCCESS ? OST_OK : ost_cl_fail(err, b->device.name, code, "clFinish", "");
+}
+
+/* At most what was asked for and what the kernel can have, and no more than the range needs. */
+static size_t group_size(const cl_backend *b, enum ost_cl_kernel kernel, size_t range)
+{
+    size_t size = b->workgroup ? b->workgroup : WORKGROUP_DEFAULT;
+    if (size > b->kernel_workgroup[kernel])
+        size = b->kernel_workgroup[kernel];
+    while (!b->workgroup && size > 1 && size / 2 >= range)
+        size /= 2;
+    return size ? size : 1;
+}
+
+ost_status ost_cl_launch(cl_backend *b, enum ost_cl_kernel kernel, size_t x, size_t y, size_t z, const ost_cl_arg *args,
+                         unsigned count, ost_error *err)
+{
+    if (x == 0 || y == 0 || z == 0)
+        return OST_OK;
+    for (unsigned i = 0; i < count; i++) {
+        cl_int code = b->cl->clSetKernelArg(b->kernel[kernel], i, args[i].size, args[i].value);
+        if (code != CL_SUCCESS)
+            return ost_cl_fail(err, b->device.name, code, "clSetKernelArg", kernel_names[kernel]);
+    }
+    const size_t local[3] = {group_size(b, kernel, x), 1, 1};
+    const size_t global[3] = {(x + local[0] - 1) / local[0] * local[0], y, z};
+    cl_int code = b->cl->clEnqueueNDRangeKernel(b->queue, b->kernel[kernel], 3, NULL, global, local, 0, NULL, NULL);
+    return code == CL_SUCCESS ? OST_OK : ost_cl_fail(err, b->device.name, code, "clEnqueueNDRangeKernel", kernel_names[kernel]);
+}
