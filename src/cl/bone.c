@@ -1,0 +1,424 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Bones: a pool of slots on the device, a table of chunks on the host (AR-CHK).
+ *
+ * Storing slices has two passes, so that what can be refused is refused
+ * before anything has changed:
+ *
+ *   scan    how many voxels of each chunk the slices make active     reads only
+ *           slots for the chunks that need one, more room if need be
+ *   store   densities and occupancy, in the slots                    changes
+ *           where the slices cover a layer of chunks only in part, its
+ *           voxels are counted again
+ *
+ * Slices go through a slab of limited size, x fastest, without padding.
+ */
+#include "cl/objects.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/chunk_grid.h"
+
+enum { SLAB_BYTES = 1 << 26 };
+
+static cl_backend *backend_of(const cl_bone *bone)
+{
+    return (cl_backend *)bone->base.backend;
+}
+
+/* ------------------------------------------------------------ life, room */
+
+ost_status ost_cl_bone_create(ost_backend *backend, const ost_geometry *geometry, int chunk_size, int32_t threshold, ost_bone **out,
+                              ost_error *err)
+{
+    cl_bone *bone = calloc(1, sizeof *bone);
+    if (!bone)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a bone");
+    bone->base = (ost_bone){.backend = backend, .geometry = *geometry, .chunk_size = chunk_size, .threshold = threshold};
+    bone->chunk_dims = ost_chunk_dims(geometry->dims, chunk_size);
+    bone->chunks = (size_t)ost_dims_count(bone->chunk_dims);
+    bone->chunk_voxels = (size_t)chunk_size * (size_t)chunk_size * (size_t)chunk_size;
+    bone->slot = malloc(bone->chunks * sizeof *bone->slot);
+    bone->active = calloc(bone->chunks, sizeof *bone->active);
+    bone->slots_stale = true;
+    ost_status status = OST_OK;
+    if (!bone->slot || !bone->active)
+        status = ost_fail(err, OST_ERR_MEMORY, "no memory for the table of %zu chunks", bone->chunks);
+    else
+        memset(bone->slot, 0xff, bone->chunks * sizeof *bone->slot); /* OST_CL_NONE */
+    const ost_cl_bone shape = {
+        .dims = {geometry->dims.x, geometry->dims.y, geometry->dims.z},
+        .size = chunk_size,
+        .chunk_dims = {bone->chunk_dims.x, bone->chunk_dims.y, bone->chunk_dims.z},
+        .threshold = threshold,
+    };
+    if (status == OST_OK)
+        status = ost_cl_buffer((cl_backend *)backend, sizeof shape, &shape, "bone", &bone->shape, err);
+    if (status == OST_OK)
+        status = ost_cl_buffer((cl_backend *)backend, bone->chunks * sizeof *bone->slot, NULL, "table of chunks", &bone->slots, err);
+    if (status != OST_OK) {
+        ost_cl_bone_free(&bone->base);
+        return status;
+    }
+    *out = &bone->base;
+    return OST_OK;
+}
+
+void ost_cl_bone_free(ost_bone *base)
+{
+    cl_bone *bone = (cl_bone *)base;
+    cl_backend *b = backend_of(bone);
+    ost_cl_buffer_free(b, &bone->shape);
+    ost_cl_buffer_free(b, &bone->density);
+    ost_cl_buffer_free(b, &bone->words);
+    ost_cl_buffer_free(b, &bone->slots);
+    free(bone->slot);
+    free(bone->active);
+    free(bone->free);
+    free(bone);
+}
+
+ost_status ost_cl_bone_stats(const ost_bone *base, ost_bone_info *info, ost_error *err)
+{
+    const cl_bone *bone = (const cl_bone *)base;
+    ost_status status = ost_cl_alive(base->backend, bone->lost, "bone", err);
+    info->active_chunks = 0;
+    info->active_voxels = 0;
+    for (size_t c = 0; c < bone->chunks; c++) {
+        info->active_chunks += bone->active[c] > 0;
+        info->active_voxels += bone->active[c];
+    }
+    info->chunk_bytes = info->active_chunks * (int64_t)ost_chunk_bytes(base->chunk_size);
+    return status;
+}
+
+/* Room for so many slots in all; the pool moves as a whole or not at all. */
+static ost_status reserve(cl_bone *bone, size_t capacity, ost_error *err)
+{
+    if (capacity <= bone->capacity)
+        return OST_OK;
+    cl_backend *b = backend_of(bone);
+    const size_t density_bytes = bone->chunk_voxels * sizeof(int16_t), word_bytes = bone->chunk_voxels / 8;
+    cl_mem density = NULL, words = NULL;
+    uint32_t *list = realloc(bone->free, capacity * sizeof *list);
+    if (!list)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a list of %zu chunks", capacity);
+    bone->free = list;
+    ost_status status = ost_cl_buffer_zero(b, capacity * density_bytes, "densities of a bone", &density, err);
+    if (status == OST_OK)
+        status = ost_cl_buffer_zero(b, capacity * word_bytes, "occupancy of a bone", &words, err);
+    if (status == OST_OK && bone->used)
+        status = ost_cl_copy(b, bone->density, density, bone->used * density_bytes, err);
+    if (status == OST_OK && bone->used)
+        status = ost_cl_copy(b, bone->words, words, bone->used * word_bytes, err);
+    if (status != OST_OK) {
+        ost_cl_buffer_free(b, &density);
+        ost_cl_buffer_free(b, &words);
+        return status;
+    }
+    ost_cl_buffer_free(b, &bone->density);
+    ost_cl_buffer_free(b, &bone->words);
+    bone->density = density;
+    bone->words = words;
+    bone->capacity = capacity;
+    return OST_OK;
+}
+
+static uint32_t take_slot(cl_bone *bone)
+{
+    if (bone->free_count)
+        return bone->free[--bone->free_count];
+    assert(bone->used < bone->capacity);
+    return (uint32_t)bone->used++;
+}
+
+void ost_cl_bone_release(cl_bone *bone, size_t chunk)
+{
+    assert(bone->slot[chunk] != OST_CL_NONE && bone->active[chunk] == 0);
+    bone->free[bone->free_count++] = bone->slot[chunk];
+    bone->slot[chunk] = OST_CL_NONE;
+    bone->slots_stale = true;
+}
+
+/* The device's table of slots as the host's. */
+static ost_status sync_slots(cl_bone *bone, ost_error *err)
+{
+    if (!bone->slots_stale)
+        return OST_OK;
+    ost_status status = ost_cl_write(backend_of(bone), bone->slots, 0, bone->chunks * sizeof *bone->slot, bone->slot, err);
+    bone->slots_stale = status != OST_OK;
+    return status;
+}
+
+/* ---------------------------------------------------------------- slices */
+
+/* Slices from the host, or a grid that is on the device already. */
+typedef struct slices {
+    int32_t z0, z1;
+    const int16_t *voxels; /* NULL: grid, whose slices 0.. these are */
+    cl_mem slab;           /* room for step slices, or the grid */
+    int32_t step;
+} slices;
+
+static size_t slice_voxels(const cl_bone *bone)
+{
+    return (size_t)bone->base.geometry.dims.x * (size_t)bone->base.geometry.dims.y;
+}
+
+static int32_t slab_step(const cl_bone *bone, int32_t count)
+{
+    const size_t fit = SLAB_BYTES / (slice_voxels(bone) * sizeof(int16_t));
+    return fit < 1 ? 1 : fit < (size_t)count ? (int32_t)fit : count;
+}
+
+/* What one pass does with slices z0 <= k < z1, which are in the slab. */
+typedef ost_status slab_pass(cl_bone *bone, int32_t z0, int32_t z1, cl_mem slab, void *user, ost_error *err);
+
+static ost_status for_slabs(cl_bone *bone, const slices *s, slab_pass *pass, void *user, ost_error *err)
+{
+    ost_status status = OST_OK;
+    for (int32_t z = s->z0; z < s->z1 && status == OST_OK; z += s->step) {
+        const int32_t end = s->z1 - z < s->step ? s->z1 : z + s->step;
+        if (s->voxels) {
+            const size_t slice = slice_voxels(bone);
+            status = ost_cl_write(backend_of(bone), s->slab, 0, slice * (size_t)(end - z) * sizeof *s->voxels,
+                                  s->voxels + slice * (size_t)(z - s->z0), err);
+        }
+        if (status == OST_OK)
+            status = pass(bone, z, end, s->slab, user, err);
+    }
+    return status;
+}
+
+typedef struct scan_buffers {
+    cl_mem active, highest;
+} scan_buffers;
+
+static ost_status scan(cl_bone *bone, int32_t z0, int32_t z1, cl_mem slab, void *user, ost_error *err)
+{
+    const scan_buffers *to = user;
+    const size_t columns = (size_t)bone->chunk_dims.x * (size_t)bone->chunk_dims.y;
+    return OST_CL_LAUNCH(backend_of(bone), ost_chunk_scan, (size_t)(z1 - z0), columns, 1, err, OST_CL_ARG(bone->shape), OST_CL_ARG(z0),
+                         OST_CL_ARG(z1), OST_CL_ARG(slab), OST_CL_ARG(to->active), OST_CL_ARG(to->highest));
+}
+
+static ost_status store(cl_bone *bone, int32_t z0, int32_t z1, cl_mem slab, void *user, ost_error *err)
+{
+    const size_t columns = (size_t)bone->chunk_dims.x * (size_t)bone->chunk_dims.y;
+    const size_t row_words = (size_t)bone->base.chunk_size * (size_t)bone->base.chunk_size / 32;
+    (void)user;
+    return OST_CL_LAUNCH(backend_of(bone), ost_chunk_store, row_words, columns, (size_t)(z1 - z0), err, OST_CL_ARG(bone->shape),
+                         OST_CL_ARG(z0), OST_CL_ARG(z1), OST_CL_ARG(slab), OST_CL_ARG(bone->slots), OST_CL_ARG(bone->density),
+                         OST_CL_ARG(bone->words));
+}
+
+/* Active voxels of all slots below used; count has room for them. */
+static ost_status count_slots(cl_bone *bone, uint32_t *count, ost_error *err)
+{
+    cl_backend *b = backend_of(bone);
+    const cl_uint first = 0, slots = (cl_uint)bone->used;
+    cl_mem buffer = NULL;
+    ost_status status = ost_cl_buffer_zero(b, bone->used * sizeof *count, "counts", &buffer, err);
+    if (status == OST_OK)
+        status = OST_CL_LAUNCH(b, ost_chunk_count, (size_t)bone->base.chunk_size, slots, 1, err, OST_CL_ARG(bone->shape), OST_CL_ARG(first),
+                               OST_CL_ARG(slots), OST_CL_ARG(bone->words), OST_CL_ARG(buffer));
+    if (status == OST_OK)
+        status = ost_cl_read(b, buffer, 0, bone->used * sizeof *count, count, err);
+    ost_cl_buffer_free(b, &buffer);
+    return status;
+}
+
+/* First pass: scanned[chunk] for all chunks. */
+static ost_status scan_all(cl_bone *bone, const slices *s, uint32_t *scanned, ost_error *err)
+{
+    cl_backend *b = backend_of(bone);
+    const size_t bytes = bone->chunks * sizeof *scanned;
+    scan_buffers to = {NULL, NULL};
+    ost_status status = ost_cl_buffer_zero(b, bytes, "counts", &to.active, err);
+    if (status == OST_OK)
+        status = ost_cl_buffer_zero(b, bytes, "counts", &to.highest, err);
+    if (status == OST_OK)
+        status = for_slabs(bone, s, scan, &to, err);
+    if (status == OST_OK)
+        status = ost_cl_read(b, to.active, 0, bytes, scanned, err);
+    ost_cl_buffer_free(b, &to.highest);
+    ost_cl_buffer_free(b, &to.active);
+    return status;
+}
+
+/* Slots for what is to be stored; a chunk without active voxels may have one until the end of store_slices. */
+static ost_status give_slots(cl_bone *bone, const uint32_t *scanned, ost_error *err)
+{
+    size_t needed = 0;
+    for (size_t c = 0; c < bone->chunks; c++)
+        needed += scanned[c] > 0 && bone->slot[c] == OST_CL_NONE;
+    if (needed > bone->free_count) {
+        ost_status status = reserve(bone, bone->used + needed - bone->free_count, err);
+        if (status != OST_OK)
+            return status;
+    }
+    for (size_t c = 0; c < bone->chunks && needed > 0; c++)
+        if (scanned[c] > 0 && bone->slot[c] == OST_CL_NONE) {
+            bone->slot[c] = take_slot(bone);
+            bone->slots_stale = true;
+            needed--;
+        }
+    return OST_OK;
+}
+
+/* Chunks without an active voxel give their slot back. */
+static void release_empty(cl_bone *bone)
+{
+    for (size_t c = 0; c < bone->chunks; c++)
+        if (bone->slot[c] != OST_CL_NONE && bone->active[c] == 0)
+            ost_cl_bone_release(bone, c);
+}
+
+static ost_status store_slices(cl_bone *bone, const slices *s, ost_error *err)
+{
+    const int32_t n = bone->base.chunk_size, last = bone->base.geometry.dims.z;
+    const size_t layer = (size_t)bone->chunk_dims.x * (size_t)bone->chunk_dims.y;
+    const bool whole_layers = s->z0 % n == 0 && (s->z1 % n == 0 || s->z1 == last);
+    uint32_t *scanned = calloc(bone->chunks, sizeof *scanned), *counted = NULL;
+    ost_status status = OST_OK;
+    if (!scanned)
+        status = ost_fail(err, OST_ERR_MEMORY, "no memory for the counts of %zu chunks", bone->chunks);
+    if (status == OST_OK)
+        status = scan_all(bone, s, scanned, err);
+    if (status == OST_OK)
+        status = give_slots(bone, scanned, err);
+    if (status == OST_OK && bone->used && !whole_layers && !(counted = malloc(bone->used * sizeof *counted)))
+        status = ost_fail(err, OST_ERR_MEMORY, "no memory for the counts of %zu chunks", bone->used);
+    if (status == OST_OK)
+        status = sync_slots(bone, err);
+    if (status != OST_OK)
+        goto done; /* nothing stored: chunks that were given slots have none active */
+
+    status = bone->used ? for_slabs(bone, s, store, NULL, err) : OST_OK;
+    if (status == OST_OK && counted)
+        status = count_slots(bone, counted, err);
+    if (status == OST_OK) /* whatever failed there late is heard of here */
+        status = ost_cl_finish(backend_of(bone), err);
+    bone->lost = status != OST_OK;
+    for (size_t c = layer * (size_t)(s->z0 / n); status == OST_OK && c < layer * (size_t)((s->z1 + n - 1) / n); c++)
+        bone->active[c] = !counted ? scanned[c] : bone->slot[c] == OST_CL_NONE ? 0 : counted[bone->slot[c]];
+done:
+    release_empty(bone);
+    free(counted);
+    free(scanned);
+    return status;
+}
+
+ost_status ost_cl_bone_upload(ost_bone *base, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err)
+{
+    cl_bone *bone = (cl_bone *)base;
+    cl_backend *b = backend_of(bone);
+    ost_status status = ost_cl_alive(base->backend, bone->lost, "bone", err);
+    if (status != OST_OK || count == 0)
+        return status;
+    slices s = {.z0 = z0, .z1 = z0 + count, .voxels = voxels, .step = slab_step(bone, count)};
+    status = ost_cl_buffer(b, slice_voxels(bone) * (size_t)s.step * sizeof *voxels, NULL, "slices", &s.slab, err);
+    if (status == OST_OK)
+        status = store_slices(bone, &s, err);
+    ost_cl_buffer_free(b, &s.slab);
+    return status;
+}
+
+ost_status ost_cl_cubic_to_chunks(const ost_grid *base, int chunk_size, int32_t threshold, ost_bone **out, ost_error *err)
+{
+    const cl_grid *cubic = (const cl_grid *)base;
+    ost_bone *bone = NULL;
+    ost_status status = ost_cl_alive(base->backend, cubic->lost, "grid", err);
+    if (status == OST_OK)
+        status = ost_cl_bone_create(base->backend, &base->geometry, chunk_size, threshold, &bone, err);
+    if (status != OST_OK)
+        return status;
+    const int32_t nz = base->geometry.dims.z;
+    const slices s = {.z0 = 0, .z1 = nz, .slab = cubic->voxels, .step = nz};
+    status = store_slices((cl_bone *)bone, &s, err);
+    if (status != OST_OK) {
+        ost_cl_bone_free(bone);
+        return status;
+    }
+    *out = bone;
+    return OST_OK;
+}
+
+ost_status ost_cl_bone_download(const ost_bone *base, int32_t z0, int32_t count, int16_t *voxels, ost_error *err)
+{
+    /* The device's table of slots is brought up to date, which changes no voxel. */
+    cl_bone *bone = (cl_bone *)(uintptr_t)base;
+    cl_backend *b = backend_of(bone);
+    ost_status status = ost_cl_alive(base->backend, bone->lost, "bone", err);
+    if (status != OST_OK || count == 0)
+        return status;
+    const size_t slice = slice_voxels(bone);
+    if (bone->used == 0) {
+        memset(voxels, 0, slice * (size_t)count * sizeof *voxels);
+        return OST_OK;
+    }
+    const int32_t step = slab_step(bone, count);
+    cl_mem slab = NULL;
+    status = ost_cl_buffer(b, slice * (size_t)step * sizeof *voxels, NULL, "slices", &slab, err);
+    if (status == OST_OK)
+        status = sync_slots(bone, err);
+    for (cl_int z = z0; z < z0 + count && status == OST_OK; z += step) {
+        const cl_int end = z0 + count - z < step ? z0 + count : z + step;
+        status = OST_CL_LAUNCH(b, ost_chunk_load, (size_t)base->geometry.dims.x, (size_t)base->geometry.dims.y, (size_t)(end - z), err,
+                               OST_CL_ARG(bone->shape), OST_CL_ARG(z), OST_CL_ARG(end), OST_CL_ARG(bone->slots), OST_CL_ARG(bone->density),
+                               OST_CL_ARG(slab));
+        if (status == OST_OK)
+            status = ost_cl_read(b, slab, 0, slice * (size_t)(end - z) * sizeof *voxels, voxels + slice * (size_t)(z - z0), err);
+    }
+    ost_cl_buffer_free(b, &slab);
+    return status;
+}
+
+/* --------------------------------------------------------------- digests */
+
+/* Leaf (x, y) of slices that hold its layer, count of them; false when it is all zeros. */
+static bool cut_leaf(const ost_dims dims, const int16_t *voxels, int32_t x, int32_t y, int32_t count, int16_t *leaf)
+{
+    int16_t any = 0;
+    const int32_t nx = dims.x - x * OST_LEAF < OST_LEAF ? dims.x - x * OST_LEAF : OST_LEAF;
+    const int32_t ny = dims.y - y * OST_LEAF < OST_LEAF ? dims.y - y * OST_LEAF : OST_LEAF;
+    memset(leaf, 0, OST_LEAF * OST_LEAF * OST_LEAF * sizeof *leaf);
+    for (int32_t k = 0; k < count; k++)
+        for (int32_t j = 0; j < ny; j++) {
+            const int16_t *from = voxels + (size_t)x * OST_LEAF + (size_t)dims.x * ((size_t)(y * OST_LEAF + j) + (size_t)dims.y * (size_t)k);
+            int16_t *to = leaf + (k * OST_LEAF + j) * OST_LEAF;
+            for (int32_t i = 0; i < nx; i++) {
+                to[i] = from[i];
+                any |= from[i];
+            }
+        }
+    return any != 0;
+}
+
+ost_status ost_cl_bone_leaves(const ost_bone *base, ost_digest *leaves, ost_error *err)
+{
+    const cl_backend *b = (const cl_backend *)base->backend;
+    const ost_dims dims = base->geometry.dims, leaf_dims = ost_leaf_dims(dims);
+    const size_t slice = (size_t)dims.x * (size_t)dims.y;
+    int16_t *voxels = malloc(slice * (size_t)(dims.z < OST_LEAF ? dims.z : OST_LEAF) * sizeof *voxels);
+    int16_t *leaf = malloc(OST_LEAF * OST_LEAF * OST_LEAF * sizeof *leaf);
+    ost_status status = OST_OK;
+    if (!voxels || !leaf)
+        status = ost_fail(err, OST_ERR_MEMORY, "no memory for a layer of leaves");
+    for (int32_t z = 0; z < leaf_dims.z && status == OST_OK; z++) {
+        const int32_t z0 = z * OST_LEAF, count = dims.z - z0 < OST_LEAF ? dims.z - z0 : OST_LEAF;
+        status = ost_cl_bone_download(base, z0, count, voxels, err);
+        for (int32_t y = 0; y < leaf_dims.y && status == OST_OK; y++)
+            for (int32_t x = 0; x < leaf_dims.x && status == OST_OK; x++, leaves++) {
+                if (cut_leaf(dims, voxels, x, y, count, leaf))
+                    status = ost_digest_leaf16(leaf, leaves, err);
+                else
+                    *leaves = b->empty_leaf;
+            }
+    }
+    free(leaf);
+    free(voxels);
+    return status;
+}

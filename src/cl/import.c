@@ -1,0 +1,163 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * From samples to the cubic grid (AR-CT-4..6, AR-CUB) on the device.
+ *
+ * A batch of samples goes up in parts of at most PART: a part is a batch of
+ * its own with the same first line, so the report adds up in the same way
+ * (kernels/shared.h says how).  The host reads 32 bytes of report a part, and
+ * two more kernels run only where a conflict is to be named.
+ */
+#include "cl/objects.h"
+
+#include <assert.h>
+#include <stdlib.h>
+
+enum { PART = 1 << 21 };
+
+static ost_cl_scatter scatter_of(const ost_geometry *g, ost_duplicates duplicates, size_t count)
+{
+    return (ost_cl_scatter){
+        .origin = {g->origin.x, g->origin.y, g->origin.z},
+        .spacing = {g->spacing.x, g->spacing.y, g->spacing.z},
+        .dims = {g->dims.x, g->dims.y, g->dims.z},
+        .duplicates = (int32_t)duplicates,
+        .count = (uint32_t)count,
+    };
+}
+
+static bool earlier(int64_t line, int64_t recorded)
+{
+    return recorded == 0 || line < recorded;
+}
+
+/* Adds a part's report to the whole one. */
+static void add_part(ost_scatter_report *whole, const ost_cl_scatter_report *part, const ost_sample *samples, size_t count,
+                     int64_t first_line)
+{
+    whole->samples += count;
+    whole->duplicates += part->duplicates;
+    whole->off_lattice += part->off_lattice;
+    if (part->worst_ppm > 0 && (part->worst_ppm > whole->worst_offset_ppm ||
+                                (part->worst_ppm == whole->worst_offset_ppm && earlier(first_line + part->worst_line, whole->worst_line)))) {
+        whole->worst_offset_ppm = part->worst_ppm;
+        whole->worst_line = first_line + part->worst_line;
+    }
+    if (part->rejected_line != OST_CL_NONE && earlier(first_line + part->rejected_line, whole->rejected_line))
+        whole->rejected_line = first_line + part->rejected_line;
+    if (part->conflict_line != OST_CL_NONE && part->conflict_index < count &&
+        earlier(first_line + part->conflict_line, whole->conflict_line)) {
+        whole->conflict_line = first_line + part->conflict_line;
+        whole->conflict_had = (int16_t)part->conflict_had;
+        whole->conflict_has = (int16_t)samples[part->conflict_index].density;
+    }
+}
+
+static ost_status run_part(cl_grid *grid, const ost_sample *samples, size_t count, ost_duplicates duplicates,
+                           ost_cl_scatter_report *part, ost_error *err)
+{
+    cl_backend *b = (cl_backend *)grid->base.backend;
+    const ost_cl_scatter scatter = scatter_of(&grid->base.geometry, duplicates, count);
+    *part = (ost_cl_scatter_report){.worst_line = OST_CL_NONE, .rejected_line = OST_CL_NONE, .conflict_line = OST_CL_NONE,
+                                    .conflict_index = OST_CL_NONE};
+    cl_mem scatter_buffer = NULL, sample_buffer = NULL, report = NULL;
+    ost_status status = ost_cl_buffer(b, sizeof scatter, &scatter, "samples", &scatter_buffer, err);
+    if (status == OST_OK)
+        status = ost_cl_buffer(b, count * sizeof *samples, samples, "samples", &sample_buffer, err);
+    if (status == OST_OK)
+        status = ost_cl_buffer(b, sizeof *part, part, "samples", &report, err);
+    bool changed = false;
+    if (status == OST_OK) {
+        status = OST_CL_LAUNCH(b, ost_ct_claim, count, 1, 1, err, OST_CL_ARG(scatter_buffer), OST_CL_ARG(sample_buffer),
+                               OST_CL_ARG(grid->seen), OST_CL_ARG(grid->owner), OST_CL_ARG(report));
+        changed = status == OST_OK;
+    }
+    if (status == OST_OK)
+        status = OST_CL_LAUNCH(b, ost_ct_place, count, 1, 1, err, OST_CL_ARG(scatter_buffer), OST_CL_ARG(sample_buffer),
+                               OST_CL_ARG(grid->seen), OST_CL_ARG(grid->owner), OST_CL_ARG(grid->voxels), OST_CL_ARG(report));
+    if (status == OST_OK)
+        status = OST_CL_LAUNCH(b, ost_ct_check, count, 1, 1, err, OST_CL_ARG(scatter_buffer), OST_CL_ARG(sample_buffer),
+                               OST_CL_ARG(grid->seen), OST_CL_ARG(grid->owner), OST_CL_ARG(grid->voxels), OST_CL_ARG(report));
+    if (status == OST_OK)
+        status = ost_cl_read(b, report, 0, sizeof *part, part, err);
+    if (status == OST_OK && part->conflict_line != OST_CL_NONE) {
+        status = OST_CL_LAUNCH(b, ost_ct_blame, count, 1, 1, err, OST_CL_ARG(scatter_buffer), OST_CL_ARG(sample_buffer),
+                               OST_CL_ARG(grid->voxels), OST_CL_ARG(report));
+        if (status == OST_OK)
+            status = OST_CL_LAUNCH(b, ost_ct_had, 1, 1, 1, err, OST_CL_ARG(scatter_buffer), OST_CL_ARG(sample_buffer),
+                                   OST_CL_ARG(grid->voxels), OST_CL_ARG(report));
+        if (status == OST_OK)
+            status = ost_cl_read(b, report, 0, sizeof *part, part, err);
+    }
+    grid->lost = grid->lost || (changed && status != OST_OK);
+    ost_cl_buffer_free(b, &report);
+    ost_cl_buffer_free(b, &sample_buffer);
+    ost_cl_buffer_free(b, &scatter_buffer);
+    return status;
+}
+
+ost_status ost_cl_ct_to_rect(ost_grid *base, const ost_sample *samples, size_t count, int64_t first_line, ost_duplicates duplicates,
+                             ost_scatter_report *report, ost_error *err)
+{
+    cl_grid *grid = (cl_grid *)base;
+    cl_backend *b = (cl_backend *)base->backend;
+    const size_t voxels = (size_t)ost_dims_count(base->geometry.dims);
+    ost_status status = ost_cl_alive(base->backend, grid->lost, "grid", err);
+    if (status == OST_OK && !grid->seen)
+        status = ost_cl_buffer_zero(b, (voxels + 31) / 32 * sizeof(uint32_t), "which voxels are set", &grid->seen, err);
+    if (status == OST_OK && !grid->owner)
+        status = ost_cl_buffer_zero(b, voxels * sizeof(uint32_t), "which sample sets a voxel", &grid->owner, err);
+    ost_scatter_report whole = *report;
+    for (size_t done = 0; done < count && status == OST_OK;) {
+        const size_t now = count - done < PART ? count - done : PART;
+        ost_cl_scatter_report part;
+        status = run_part(grid, samples + done, now, duplicates, &part, err);
+        if (status == OST_OK)
+            add_part(&whole, &part, samples + done, now, first_line);
+        else if (done > 0)
+            grid->lost = true; /* earlier parts are in */
+        done += now;
+    }
+    if (status == OST_OK)
+        *report = whole;
+    return status;
+}
+
+ost_status ost_cl_rect_to_cubic(const ost_grid *base, const ost_geometry *geometry, ost_resample rule, ost_grid **out, ost_error *err)
+{
+    const cl_grid *rect = (const cl_grid *)base;
+    cl_backend *b = (cl_backend *)base->backend;
+    const ost_geometry *r = &base->geometry;
+    const ost_cl_cubic cubic = {
+        .rect_spacing = {r->spacing.x, r->spacing.y, r->spacing.z},
+        .cubic_spacing = {geometry->spacing.x, geometry->spacing.y, geometry->spacing.z},
+        .rect_dims = {r->dims.x, r->dims.y, r->dims.z},
+        .dims = {geometry->dims.x, geometry->dims.y, geometry->dims.z},
+        .rule = (int32_t)rule,
+        .z0 = 0,
+        .z1 = geometry->dims.z,
+    };
+    const size_t x = (size_t)geometry->dims.x, y = (size_t)geometry->dims.y, z = (size_t)geometry->dims.z;
+    cl_mem cubic_buffer = NULL, sources = NULL;
+    ost_grid *to = NULL;
+    ost_status status = ost_cl_alive(base->backend, rect->lost, "grid", err);
+    if (status == OST_OK)
+        status = ost_cl_buffer(b, sizeof cubic, &cubic, "resampling", &cubic_buffer, err);
+    if (status == OST_OK)
+        status = ost_cl_buffer(b, (x + y + z) * sizeof(int32_t), NULL, "resampling", &sources, err);
+    if (status == OST_OK)
+        status = ost_cl_grid_create(base->backend, geometry, &to, err);
+    if (status == OST_OK)
+        status = OST_CL_LAUNCH(b, ost_cubic_sources, x + y + z, 1, 1, err, OST_CL_ARG(cubic_buffer), OST_CL_ARG(sources));
+    if (status == OST_OK)
+        status = OST_CL_LAUNCH(b, ost_cubic_gather, x, y, z, err, OST_CL_ARG(cubic_buffer), OST_CL_ARG(sources), OST_CL_ARG(rect->voxels),
+                               OST_CL_ARG(((cl_grid *)to)->voxels));
+    ost_cl_buffer_free(b, &sources);
+    ost_cl_buffer_free(b, &cubic_buffer);
+    if (status != OST_OK) {
+        if (to)
+            ost_cl_grid_free(to);
+        return status;
+    }
+    *out = to;
+    return OST_OK;
+}

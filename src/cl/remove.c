@@ -1,0 +1,413 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Removal and collision (AR-MAP, AR-REM): one launch for all chunks, blocks
+ * and poses of an event.
+ *
+ *   host    chunks with a slot that some box meets           ascending, as the report
+ *             their blocks of 16^3
+ *               entries: the poses that may meet the block, with its base
+ *   queue   poses, blocks, entries, event -> ost_remove -> a report per block
+ *   host    waits once, for the reports; sums them chunk by chunk
+ *
+ * An entry is left out where no voxel of the block can lie in the tool's grid:
+ * its pose's box misses the block, its base is far (AR-MAP-5), or the block's
+ * eight corners lie all on one side of the grid.
+ *
+ * Entries are limited to ENTRIES_MAX; an event with more of them goes in
+ * several launches, each of whole blocks.  Chunks are independent, so that
+ * shows in nothing but time.
+ */
+#include "cl/objects.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { BLOCK = OST_MAP_BLOCK, ENTRIES_MAX = 1 << 22 };
+
+/* A host array with its buffer on the device. */
+typedef struct event_array {
+    void *host;      /* owned */
+    size_t capacity; /* bytes, of both */
+    size_t bytes;    /* in use */
+    cl_mem device;
+} event_array;
+
+struct ost_cl_event_scratch {
+    event_array head, poses, blocks, entries, reports;
+    size_t *chunk; /* owned; chunk of each block */
+    size_t chunk_capacity;
+};
+
+static void array_free(cl_backend *b, event_array *a)
+{
+    ost_cl_buffer_free(b, &a->device);
+    free(a->host);
+    *a = (event_array){.host = NULL};
+}
+
+void ost_cl_event_free(cl_backend *b)
+{
+    struct ost_cl_event_scratch *s = b->event;
+    if (!s)
+        return;
+    array_free(b, &s->head);
+    array_free(b, &s->poses);
+    array_free(b, &s->blocks);
+    array_free(b, &s->entries);
+    array_free(b, &s->reports);
+    free(s->chunk);
+    free(s);
+    b->event = NULL;
+}
+
+/* Room for so many bytes; the content of the host's array stays, the device's is lost. */
+static ost_status array_reserve(cl_backend *b, event_array *a, size_t bytes, ost_error *err)
+{
+    if (bytes <= a->capacity)
+        return OST_OK;
+    const size_t capacity = bytes + bytes / 2;
+    cl_mem device = NULL;
+    ost_status status = ost_cl_buffer(b, capacity, NULL, "an event", &device, err);
+    if (status != OST_OK)
+        return status;
+    void *host = realloc(a->host, capacity);
+    if (!host) {
+        ost_cl_buffer_free(b, &device);
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for an event (%zu bytes)", capacity);
+    }
+    ost_cl_buffer_free(b, &a->device);
+    a->host = host;
+    a->device = device;
+    a->capacity = capacity;
+    return OST_OK;
+}
+
+/* Appends one element. */
+static ost_status array_add(cl_backend *b, event_array *a, const void *element, size_t size, ost_error *err)
+{
+    ost_status status = array_reserve(b, a, a->bytes + size, err);
+    if (status != OST_OK)
+        return status;
+    memcpy((char *)a->host + a->bytes, element, size);
+    a->bytes += size;
+    return OST_OK;
+}
+
+/* ------------------------------------------------------------- planning */
+
+typedef struct plan {
+    cl_backend *b;
+    cl_bone *bone;
+    const cl_tool *tool;
+    const ost_event *event;
+    struct ost_cl_event_scratch *s;
+    bool apply;
+    bool changed; /* whether a launch that removes was enqueued */
+    ost_report *report;
+    ost_chunk_report part; /* of the chunk that is being summed; chunk -1: none */
+} plan;
+
+static int32_t least(int32_t a, int32_t b)
+{
+    return a < b ? a : b;
+}
+
+static int32_t greatest(int32_t a, int32_t b)
+{
+    return a > b ? a : b;
+}
+
+static bool empty_box(const ost_voxel_box *box, ost_dims dims)
+{
+    const int32_t d[3] = {dims.x, dims.y, dims.z};
+    for (int a = 0; a < 3; a++)
+        if (greatest(box->lo[a], 0) >= least(box->hi[a], d[a]))
+            return true;
+    return false;
+}
+
+/* Chunks that some pose's box meets, half-open; lo > hi when there is none. */
+static void chunk_range(const plan *p, int32_t lo[3], int32_t hi[3])
+{
+    const ost_dims dims = p->bone->base.geometry.dims;
+    const int32_t d[3] = {dims.x, dims.y, dims.z}, n = p->bone->base.chunk_size;
+    for (int a = 0; a < 3; a++) {
+        lo[a] = INT32_MAX;
+        hi[a] = 0;
+    }
+    for (int k = 0; k < p->event->pose_count; k++) {
+        const ost_voxel_box *box = &p->event->boxes[k];
+        if (empty_box(box, dims))
+            continue;
+        for (int a = 0; a < 3; a++) {
+            lo[a] = least(lo[a], greatest(box->lo[a], 0) / n);
+            hi[a] = greatest(hi[a], (least(box->hi[a], d[a]) - 1) / n + 1);
+        }
+    }
+}
+
+/* Whether the block's corners, and with them all of it, lie beyond one face of the tool's grid. Sums in 64 bits: no proof needed. */
+static bool beside(const int32_t base[3], const ost_map *map, ost_dims dims)
+{
+    const int64_t d[3] = {dims.x, dims.y, dims.z};
+    for (int a = 0; a < 3; a++) {
+        int64_t low = base[a], high = base[a];
+        for (int axis = 0; axis < 3; axis++) {
+            const int64_t along = (int64_t)(BLOCK - 1) * map->step[axis][a];
+            low += along < 0 ? along : 0;
+            high += along > 0 ? along : 0;
+        }
+        if (high < 0 || low >= d[a] << OST_MAP_FRACTION)
+            return true;
+    }
+    return false;
+}
+
+/* The entries of one block; 0 when no pose may meet it. */
+static ost_status plan_entries(plan *p, const int32_t first[3], uint32_t *count, ost_error *err)
+{
+    const ost_dims dims = p->bone->base.geometry.dims;
+    const int32_t end[3] = {least(first[0] + BLOCK, dims.x), least(first[1] + BLOCK, dims.y), least(first[2] + BLOCK, dims.z)};
+    *count = 0;
+    for (int k = 0; k < p->event->pose_count; k++) {
+        const ost_voxel_box *box = &p->event->boxes[k];
+        bool meets = true;
+        for (int a = 0; a < 3; a++)
+            meets = meets && greatest(box->lo[a], first[a]) < least(box->hi[a], end[a]);
+        ost_cl_entry entry = {.pose = (uint32_t)k};
+        if (!meets || !ost_map_block_base(&p->event->maps[k], (ost_dims){first[0] / BLOCK, first[1] / BLOCK, first[2] / BLOCK}, entry.base) ||
+            beside(entry.base, &p->event->maps[k], p->tool->base.geometry.dims))
+            continue;
+        ost_status status = array_add(p->b, &p->s->entries, &entry, sizeof entry, err);
+        if (status != OST_OK)
+            return status;
+        ++*count;
+    }
+    return OST_OK;
+}
+
+static size_t block_count(const plan *p)
+{
+    return p->s->blocks.bytes / sizeof(ost_cl_block);
+}
+
+static ost_status plan_block(plan *p, size_t chunk, const int32_t first[3], ost_error *err)
+{
+    struct ost_cl_event_scratch *s = p->s;
+    const size_t entry = s->entries.bytes / sizeof(ost_cl_entry), number = block_count(p);
+    uint32_t count;
+    ost_status status = plan_entries(p, first, &count, err);
+    if (status != OST_OK || count == 0)
+        return status;
+    if (number == s->chunk_capacity) {
+        const size_t capacity = number ? 2 * number : 256;
+        size_t *grown = realloc(s->chunk, capacity * sizeof *grown);
+        if (!grown)
+            return ost_fail(err, OST_ERR_MEMORY, "no memory for an event of %zu blocks", capacity);
+        s->chunk = grown;
+        s->chunk_capacity = capacity;
+    }
+    const ost_cl_block block = {
+        .first = {first[0], first[1], first[2]},
+        .slot = p->bone->slot[chunk],
+        .entry = (uint32_t)entry,
+        .entries = count,
+    };
+    s->chunk[number] = chunk;
+    return array_add(p->b, &s->blocks, &block, sizeof block, err);
+}
+
+static ost_status plan_poses(plan *p, ost_error *err)
+{
+    struct ost_cl_event_scratch *s = p->s;
+    const size_t bytes = (size_t)p->event->pose_count * sizeof(ost_cl_pose);
+    ost_status status = array_reserve(p->b, &s->poses, bytes, err);
+    if (status != OST_OK)
+        return status;
+    ost_cl_pose *poses = s->poses.host;
+    s->poses.bytes = bytes;
+    for (int k = 0; k < p->event->pose_count; k++) {
+        poses[k] = (ost_cl_pose){.unused = 0};
+        memcpy(poses[k].step, p->event->maps[k].step, sizeof poses[k].step);
+        memcpy(poses[k].lo, p->event->boxes[k].lo, sizeof poses[k].lo);
+        memcpy(poses[k].hi, p->event->boxes[k].hi, sizeof poses[k].hi);
+        ost_cl_pose_skip(&poses[k]);
+    }
+    return ost_cl_write_later(p->b, s->poses.device, bytes, poses, err);
+}
+
+/* -------------------------------------------------------------- running */
+
+/* The chunk that has been summed goes into the report; on removal its counts follow. */
+static ost_status close_part(plan *p, ost_error *err)
+{
+    if (p->part.chunk < 0)
+        return OST_OK;
+    const size_t chunk = (size_t)p->part.chunk;
+    uint64_t hit = 0;
+    for (int c = 0; c < OST_CLASS_MAX; c++)
+        hit += p->part.voxels[c];
+    ost_status status = OST_OK;
+    if (hit > p->bone->active[chunk])
+        status = ost_fail(err, OST_ERR_UNAVAILABLE, "OpenCL device '%.120s' is defective: it reports %llu voxels hit in a chunk that has %u",
+                          p->b->device.name, (unsigned long long)hit, (unsigned)p->bone->active[chunk]);
+    if (status == OST_OK && hit > 0)
+        status = ost_report_add(p->report, &p->part, err);
+    if (status == OST_OK && p->apply && hit > 0) {
+        p->bone->active[chunk] -= (uint32_t)hit;
+        if (p->bone->active[chunk] == 0)
+            ost_cl_bone_release(p->bone, chunk);
+    }
+    p->part = (ost_chunk_report){.chunk = -1};
+    return status;
+}
+
+static ost_status take_reports(plan *p, ost_error *err)
+{
+    const ost_cl_block_report *reports = p->s->reports.host;
+    ost_status status = OST_OK;
+    for (size_t i = 0; i < block_count(p) && status == OST_OK; i++) {
+        const size_t chunk = p->s->chunk[i];
+        if (p->part.chunk < 0 || (size_t)p->part.chunk != chunk) {
+            status = close_part(p, err);
+            p->part = (ost_chunk_report){.chunk = (int32_t)chunk};
+        }
+        p->report->touched_voxels += reports[i].touched;
+        for (int c = 0; c < p->event->classes->count; c++) {
+            p->part.voxels[c] += reports[i].voxels[c];
+            p->part.density[c] += reports[i].density[c];
+        }
+    }
+    return status;
+}
+
+/* Runs what is planned and forgets it. */
+static ost_status flush(plan *p, ost_error *err)
+{
+    struct ost_cl_event_scratch *s = p->s;
+    const size_t blocks = block_count(p);
+    if (blocks == 0)
+        return OST_OK;
+    const ost_density_classes *classes = p->event->classes;
+    const ost_dims dims = p->tool->base.geometry.dims;
+    ost_cl_event head = {
+        .tool_dims = {dims.x, dims.y, dims.z},
+        .size = p->bone->base.chunk_size,
+        .blocks = (uint32_t)blocks,
+        .apply = p->apply,
+        .classes = classes->count,
+    };
+    for (int c = 0; c < classes->count; c++)
+        head.border[c] = classes->border[c];
+    s->reports.bytes = blocks * sizeof(ost_cl_block_report);
+    ost_status status = array_reserve(p->b, &s->head, sizeof head, err);
+    if (status == OST_OK)
+        status = array_reserve(p->b, &s->reports, s->reports.bytes, err);
+    if (status == OST_OK) {
+        memcpy(s->head.host, &head, sizeof head);
+        status = ost_cl_write_later(p->b, s->head.device, sizeof head, s->head.host, err);
+    }
+    if (status == OST_OK)
+        status = ost_cl_write_later(p->b, s->blocks.device, s->blocks.bytes, s->blocks.host, err);
+    if (status == OST_OK)
+        status = ost_cl_write_later(p->b, s->entries.device, s->entries.bytes, s->entries.host, err);
+    if (status == OST_OK)
+        status = ost_cl_zero(p->b, s->reports.device, 0, s->reports.bytes, err);
+    if (status == OST_OK) {
+        status = OST_CL_LAUNCH(p->b, ost_remove, blocks * (BLOCK * BLOCK / p->b->rows), 1, 1, err, OST_CL_ARG(s->head.device),
+                               OST_CL_ARG(s->blocks.device), OST_CL_ARG(s->entries.device), OST_CL_ARG(s->poses.device),
+                               OST_CL_ARG(p->tool->cells), OST_CL_ARG(p->bone->density), OST_CL_ARG(p->bone->words),
+                               OST_CL_ARG(s->reports.device));
+        p->changed = p->changed || (status == OST_OK && p->apply);
+    }
+    if (status == OST_OK)
+        status = ost_cl_read(p->b, s->reports.device, 0, s->reports.bytes, s->reports.host, err);
+    if (status == OST_OK)
+        status = take_reports(p, err);
+    s->blocks.bytes = 0;
+    s->entries.bytes = 0;
+    return status;
+}
+
+static ost_status plan_chunk(plan *p, size_t chunk, const int32_t corner[3], ost_error *err)
+{
+    const int32_t n = p->bone->base.chunk_size;
+    ost_status status = OST_OK;
+    for (int32_t z = 0; z < n && status == OST_OK; z += BLOCK)
+        for (int32_t y = 0; y < n && status == OST_OK; y += BLOCK)
+            for (int32_t x = 0; x < n && status == OST_OK; x += BLOCK) {
+                const int32_t first[3] = {corner[0] + x, corner[1] + y, corner[2] + z};
+                status = plan_block(p, chunk, first, err);
+                if (status == OST_OK && p->s->entries.bytes / sizeof(ost_cl_entry) >= ENTRIES_MAX)
+                    status = flush(p, err);
+            }
+    return status;
+}
+
+/* Room for every chunk of the range, so that the report cannot fail once the first voxel is gone. */
+static ost_status reserve_report(const plan *p, const int32_t lo[3], const int32_t hi[3], ost_error *err)
+{
+    size_t needed = p->report->count;
+    const ost_dims cd = p->bone->chunk_dims;
+    for (int32_t z = lo[2]; z < hi[2]; z++)
+        for (int32_t y = lo[1]; y < hi[1]; y++)
+            for (int32_t x = lo[0]; x < hi[0]; x++)
+                needed += p->bone->active[(size_t)x + (size_t)cd.x * ((size_t)y + (size_t)cd.y * (size_t)z)] > 0;
+    if (needed <= p->report->capacity)
+        return OST_OK;
+    ost_chunk_report *grown = realloc(p->report->chunks, needed * sizeof *grown);
+    if (!grown)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a report of %zu chunks", needed);
+    p->report->chunks = grown;
+    p->report->capacity = needed;
+    return OST_OK;
+}
+
+static ost_status run_event(cl_bone *bone, cl_tool *tool, const ost_event *event, bool apply, ost_report *report, ost_error *err)
+{
+    cl_backend *b = (cl_backend *)bone->base.backend;
+    ost_status status = ost_cl_alive(bone->base.backend, bone->lost, "bone", err);
+    if (status == OST_OK && !b->event && !(b->event = calloc(1, sizeof *b->event)))
+        status = ost_fail(err, OST_ERR_MEMORY, "no memory for an event");
+    if (status != OST_OK)
+        return status;
+    plan p = {.b = b, .bone = bone, .tool = tool, .event = event, .s = b->event, .apply = apply, .report = report, .part = {.chunk = -1}};
+    p.s->blocks.bytes = p.s->entries.bytes = 0;
+    int32_t lo[3], hi[3];
+    chunk_range(&p, lo, hi);
+    status = reserve_report(&p, lo, hi, err);
+    if (status == OST_OK)
+        status = ost_cl_tool_prepare(tool, err);
+    if (status == OST_OK)
+        status = plan_poses(&p, err);
+    const ost_dims cd = bone->chunk_dims;
+    const int32_t n = bone->base.chunk_size;
+    for (int32_t z = lo[2]; z < hi[2] && status == OST_OK; z++)
+        for (int32_t y = lo[1]; y < hi[1] && status == OST_OK; y++)
+            for (int32_t x = lo[0]; x < hi[0] && status == OST_OK; x++) {
+                const size_t chunk = (size_t)x + (size_t)cd.x * ((size_t)y + (size_t)cd.y * (size_t)z);
+                if (bone->active[chunk] > 0)
+                    status = plan_chunk(&p, chunk, (const int32_t[3]){x * n, y * n, z * n}, err);
+            }
+    if (status == OST_OK)
+        status = flush(&p, err);
+    if (status == OST_OK)
+        status = close_part(&p, err);
+    if (status != OST_OK) {
+        bone->lost = bone->lost || p.changed;
+        ost_cl_finish(b, NULL); /* writes from this event's arrays may be under way */
+    }
+    return status;
+}
+
+ost_status ost_cl_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err)
+{
+    return run_event((cl_bone *)bone, (cl_tool *)(uintptr_t)tool, event, true, report, err);
+}
+
+/* Neither bone nor tool changes but for what is kept of them on the device. */
+ost_status ost_cl_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err)
+{
+    return run_event((cl_bone *)(uintptr_t)bone, (cl_tool *)(uintptr_t)tool, event, false, report, err);
+}
