@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What the tests of the backend cl share: they need OpenCL and a device, and
+ * are skipped with the reason where there is none.  Binaries are cached in
+ * the build folder.  OST_TEST_CL chooses the device:
+ *
+ *   OST_TEST_CL=cl:platform=rusticl RUSTICL_ENABLE=llvmpipe tests/cl/test_cl_stages
+ */
+#ifndef OST_TESTS_CL_ON_DEVICE_H
+#define OST_TESTS_CL_ON_DEVICE_H
+
+#include "harness.h"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <osteon/backend.h>
+
+enum { SKIPPED = 77 };
+
+static inline const char *device_spec(void)
+{
+    const char *spec = getenv("OST_TEST_CL");
+    return spec && spec[0] ? spec : "cl";
+}
+
+/* The spec with one more option. */
+static inline void spec_with(char *out, size_t size, const char *option)
+{
+    const char *spec = device_spec();
+    snprintf(out, size, "%s%c%s", spec, strchr(spec, ':') ? ',' : ':', option);
+}
+
+/* 0, or SKIPPED with the reason said. */
+static inline int device_missing(void)
+{
+    char folder[4096];
+    if (!getcwd(folder, sizeof folder - 32))
+        return SKIPPED;
+    strcat(folder, "/tests/cl/cache");
+    mkdir(folder, 0700);
+    setenv("XDG_CACHE_HOME", folder, 1);
+    for (int i = 0; i < ost_backend_count(); i++) {
+        ost_backend_info info;
+        if (ost_backend_describe(i, &info, NULL) != OST_OK || strcmp(info.name, "cl") != 0)
+            continue;
+        if (info.available)
+            return 0;
+        printf("skipped: %s\n", info.reason);
+    }
+    return SKIPPED;
+}
+
+#endif

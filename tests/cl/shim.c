@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "cl/shim.h"
+
+static enum shim_call armed;
+static int countdown;
+static bool failed, loses;
+
+const char *const shim_names[SHIM_COUNT] = {
+#define SHIM_NAME(name, code) #name,
+    SHIM_CALLS(SHIM_NAME)
+#undef SHIM_NAME
+};
+
+static const cl_int codes[SHIM_COUNT] = {
+#define SHIM_CODE(name, code) code,
+    SHIM_CALLS(SHIM_CODE)
+#undef SHIM_CODE
+};
+
+void shim_fail(enum shim_call call, int n, bool lost)
+{
+    armed = call;
+    countdown = n;
+    failed = false;
+    loses = lost;
+}
+
+bool shim_failed(void)
+{
+    return failed;
+}
+
+/* Of a lost device nothing is heard any more. */
+bool shim_goes_to_queue(enum shim_call call)
+{
+    return call == SHIM_clEnqueueReadBuffer || call == SHIM_clEnqueueWriteBuffer || call == SHIM_clEnqueueCopyBuffer ||
+           call == SHIM_clEnqueueFillBuffer || call == SHIM_clEnqueueNDRangeKernel || call == SHIM_clFinish;
+}
+
+static bool refuses(enum shim_call call)
+{
+    if (call == armed && countdown > 0 && --countdown == 0) {
+        failed = true;
+        return true;
+    }
+    return failed && loses && shim_goes_to_queue(call);
+}
+
+#define STATUS(name, parameters, arguments)                                         \
+    static cl_int name##_shim parameters                                            \
+    {                                                                               \
+        return refuses(SHIM_##name) ? codes[SHIM_##name] : ost_cl_loader.name arguments; \
+    }
+/* The last parameter is where the code goes. */
+#define OBJECT(type, name, parameters, arguments)  \
+    static type name##_shim parameters             \
+    {                                              \
+        if (!refuses(SHIM_##name))                 \
+            return ost_cl_loader.name arguments;   \
+        *code = codes[SHIM_##name];                \
+        return NULL;                               \
+    }
+
+STATUS(clGetPlatformIDs, (cl_uint room, cl_platform_id *ids, cl_uint *count), (room, ids, count))
+STATUS(clGetDeviceIDs, (cl_platform_id platform, cl_device_type type, cl_uint room, cl_device_id *ids, cl_uint *count),
+       (platform, type, room, ids, count))
+STATUS(clGetDeviceInfo, (cl_device_id device, cl_device_info what, size_t room, void *value, size_t *size),
+       (device, what, room, value, size))
+OBJECT(cl_context, clCreateContext,
+       (const cl_context_properties *properties, cl_uint count, const cl_device_id *devices,
+        void(CL_CALLBACK *notify)(const char *, const void *, size_t, void *), void *user, cl_int *code),
+       (properties, count, devices, notify, user, code))
+OBJECT(cl_command_queue, clCreateCommandQueue,
+       (cl_context context, cl_device_id device, cl_command_queue_properties properties, cl_int *code), (context, device, properties, code))
+OBJECT(cl_program, clCreateProgramWithSource,
+       (cl_context context, cl_uint count, const char **texts, const size_t *lengths, cl_int *code), (context, count, texts, lengths, code))
+OBJECT(cl_program, clCreateProgramWithBinary,
+       (cl_context context, cl_uint count, const cl_device_id *devices, const size_t *lengths, const unsigned char **binaries,
+        cl_int *taken, cl_int *code),
+       (context, count, devices, lengths, binaries, taken, code))
+STATUS(clBuildProgram,
+       (cl_program program, cl_uint count, const cl_device_id *devices, const char *options,
+        void(CL_CALLBACK *notify)(cl_program, void *), void *user),
+       (program, count, devices, options, notify, user))
+OBJECT(cl_kernel, clCreateKernel, (cl_program program, const char *name, cl_int *code), (program, name, code))
+STATUS(clGetKernelWorkGroupInfo,
+       (cl_kernel kernel, cl_device_id device, cl_kernel_work_group_info what, size_t room, void *value, size_t *size),
+       (kernel, device, what, room, value, size))
+STATUS(clSetKernelArg, (cl_kernel kernel, cl_uint index, size_t size, const void *value), (kernel, index, size, value))
+OBJECT(cl_mem, clCreateBuffer, (cl_context context, cl_mem_flags flags, size_t size, void *host, cl_int *code),
+       (context, flags, size, host, code))
+STATUS(clEnqueueReadBuffer,
+       (cl_command_queue queue, cl_mem buffer, cl_bool wait, size_t offset, size_t size, void *to, cl_uint count, const cl_event *after,
+        cl_event *event),
+       (queue, buffer, wait, offset, size, to, count, after, event))
+STATUS(clEnqueueWriteBuffer,
+       (cl_command_queue queue, cl_mem buffer, cl_bool wait, size_t offset, size_t size, const void *from, cl_uint count,
+        const cl_event *after, cl_event *event),
+       (queue, buffer, wait, offset, size, from, count, after, event))
+STATUS(clEnqueueCopyBuffer,
+       (cl_command_queue queue, cl_mem from, cl_mem to, size_t from_offset, size_t to_offset, size_t size, cl_uint count,
+        const cl_event *after, cl_event *event),
+       (queue, from, to, from_offset, to_offset, size, count, after, event))
+STATUS(clEnqueueFillBuffer,
+       (cl_command_queue queue, cl_mem buffer, const void *pattern, size_t pattern_size, size_t offset, size_t size, cl_uint count,
+        const cl_event *after, cl_event *event),
+       (queue, buffer, pattern, pattern_size, offset, size, count, after, event))
+STATUS(clEnqueueNDRangeKernel,
+       (cl_command_queue queue, cl_kernel kernel, cl_uint dims, const size_t *offset, const size_t *global, const size_t *local,
+        cl_uint count, const cl_event *after, cl_event *event),
+       (queue, kernel, dims, offset, global, local, count, after, event))
+/* Waits in any case: what a lost device does with the host's memory is over when it says that it is lost. */
+static cl_int clFinish_shim(cl_command_queue queue)
+{
+    const cl_int code = clFinish(queue);
+    return refuses(SHIM_clFinish) ? codes[SHIM_clFinish] : code;
+}
+
+const ost_cl_api shim = {
+    .clGetPlatformInfo = clGetPlatformInfo,
+    .clReleaseContext = clReleaseContext,
+    .clReleaseCommandQueue = clReleaseCommandQueue,
+    .clGetProgramInfo = clGetProgramInfo,
+    .clGetProgramBuildInfo = clGetProgramBuildInfo,
+    .clReleaseProgram = clReleaseProgram,
+    .clReleaseKernel = clReleaseKernel,
+    .clReleaseMemObject = clReleaseMemObject,
+    .clFlush = clFlush,
+#define SHIM_SLOT(name, code) .name = name##_shim,
+    SHIM_CALLS(SHIM_SLOT)
+#undef SHIM_SLOT
+};

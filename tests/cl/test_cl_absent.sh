@@ -1,0 +1,42 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# The command where OpenCL has nothing to run on: no driver, a broken one, or
+# not built in.  Everything else works, and the reason is said.
+# Covers: REQ-OPTIONAL
+. "${srcdir:-.}/tests/app/lib.sh"
+
+# reason TEXT: of the backend cl in out
+reason() {
+    i=0
+    while name=$(value "backends.$i.name") && [ -n "$name" ]; do
+        if [ "$name" = '"cl"' ] || [ "$name" = cl ]; then
+            available=$(value "backends.$i.available")
+            check "cl is available" "$available" false
+            checks=$((checks + 1))
+            value "backends.$i.reason" | grep -q -- "$1" || fail "the reason '$(value "backends.$i.reason")' does not say '$1'"
+            return
+        fi
+        i=$((i + 1))
+    done
+    fail "no backend cl in: $(head -c 300 out)"
+}
+
+built=yes
+grep -q '^#define HAVE_OPENCL 1' "$build/config.h" || built=no
+mkdir empty broken
+echo libno-such-driver.so.9 >broken/some.icd
+
+for folder in empty broken; do
+    export OCL_ICD_VENDORS="$scratch/$folder"
+    run 0 devices --json
+    case $built$folder in
+    no*) reason "built without OpenCL" ;;
+    yesempty) reason "found no driver in" ;;
+    yesbroken) reason "some.icd cannot be loaded: libno-such-driver.so.9" ;;
+    esac
+    run 0 tool peg --out peg.stl
+    run 0 voxelize peg.stl --voxel 1 --out peg.nrrd
+    refuse 3 "backend 'cl' cannot be used here" voxelize peg.stl --voxel 1 --out other.nrrd --backend cl
+    [ ! -e other.nrrd ] || fail "an output appeared"
+done
+finish

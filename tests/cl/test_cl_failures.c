@@ -1,0 +1,241 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Every call to OpenCL that a small session makes is refused once, and once
+ * more with the device lost from there on.  What must hold each time:
+ *
+ *   - a status that is not OST_OK, and a line that names the device
+ *   - no crash and, under the sanitizers, no leak
+ *   - a bone whose change failed is as it was, or says in every later call
+ *     that it is lost; it is never something in between
+ *   - the reference goes on from the last whole tick to the same end
+ * Covers: AR-REM-1
+ */
+#include "cl/on_device.h"
+#include "cl/shim.h"
+#include "mesh/mesh_make.h"
+#include "ref/scene.h"
+
+enum { EVENTS = 3, CALLS_MAX = 2000 };
+
+/* What a session is made of, and what must come out: on the reference. */
+typedef struct session {
+    ost_geometry g;
+    int16_t *voxels;
+    ost_snapped_mesh mesh;
+    ost_sample samples[50];
+    ost_pose poses[EVENTS][4];
+    int16_t *after[EVENTS + 1]; /* contents before the first and after each event */
+    ost_backend *ref;
+    ost_tool *ref_tool;
+} session;
+
+static void make_session(session *s)
+{
+    ost_error err = {0};
+    test_rng rng = {7};
+    *s = (session){.g = cubic_geometry(40, 36, 34, 500 * UM, (ost_pm3){0, 0, 0})};
+    s->voxels = random_densities(&rng, &s->g, 7);
+    const ost_dims dims = {16, 15, 14};
+    s->mesh = make_snapped(dims, 8, 12);
+    make_box(&s->mesh, (const int64_t[3]){MAKE_ONE, MAKE_ONE, MAKE_ONE}, (const int64_t[3]){14 * MAKE_ONE, 13 * MAKE_ONE, 12 * MAKE_ONE});
+    for (int i = 0; i < 50; i++)
+        s->samples[i] = (ost_sample){.x = i % 10 * 500 * UM, .y = i / 10 * 500 * UM, .density = 200 + i, .line = (uint32_t)i};
+    for (int e = 0; e < EVENTS; e++)
+        for (int k = 0; k < 4; k++)
+            s->poses[e][k] = random_pose(&rng, (ost_pm3){2000 * UM, 2000 * UM, 2000 * UM}, (ost_pm3){12000 * UM, 12000 * UM, 12000 * UM});
+    assert_ok(ost_backend_open("ref", &s->ref, &err));
+    assert_ok(ost_voxelize(s->ref, &s->mesh, NULL, OST_FILL_WINDING, NULL, &s->ref_tool, &err));
+    ost_bone *bone = bone_of(s->ref, &s->g, 16, s->voxels);
+    ost_report report = {0};
+    s->after[0] = content(bone, &s->g);
+    for (int e = 0; e < EVENTS; e++) {
+        remove_at(bone, &s->g, s->ref_tool, s->poses[e], 4, &report);
+        assert_true(report.total_voxels > 0);
+        s->after[e + 1] = content(bone, &s->g);
+    }
+    ost_report_free(&report);
+    ost_bone_free(bone);
+}
+
+static void free_session(session *s)
+{
+    ost_tool_free(s->ref_tool);
+    ost_backend_close(s->ref);
+    for (int e = 0; e <= EVENTS; e++)
+        free(s->after[e]);
+    ost_snapped_mesh_free(&s->mesh);
+    free(s->voxels);
+}
+
+/* Contents are as they were before, or the bone is lost; then the reference goes on from the last whole tick. */
+static void check_rescue(const session *s, const ost_bone *bone, int done)
+{
+    const size_t bytes = voxel_count(&s->g) * sizeof(int16_t);
+    ost_error err = {0};
+    int16_t *now = malloc(bytes);
+    assert_non_null(now);
+    shim_fail(SHIM_clFinish, 0, false); /* the device is well again */
+    ost_status status = ost_bone_download(bone, 0, s->g.dims.z, now, &err);
+    if (status == OST_OK) {
+        assert_memory_equal(now, s->after[done], bytes);
+    } else {
+        assert_int_equal(status, OST_ERR_UNAVAILABLE);
+        assert_non_null(strstr(err.text, "is lost"));
+    }
+    free(now);
+    ost_report report = {0};
+    ost_bone *other = bone_of(s->ref, &s->g, 32, s->after[done]);
+    for (int e = done; e < EVENTS; e++)
+        remove_at(other, &s->g, s->ref_tool, s->poses[e], 4, &report);
+    int16_t *end = content(other, &s->g);
+    assert_memory_equal(end, s->after[EVENTS], bytes);
+    free(end);
+    ost_report_free(&report);
+    ost_bone_free(other);
+}
+
+static ost_status run_events(const session *s, ost_bone *bone, const ost_tool *tool, ost_error *err)
+{
+    scene_event *e = malloc(sizeof *e);
+    ost_report report = {0};
+    assert_non_null(e);
+    ost_status status = OST_OK;
+    int done = 0;
+    for (; done < EVENTS && status == OST_OK; done += status == OST_OK) {
+        const ost_event *event = event_of(e, &s->g, tool, s->poses[done], 4);
+        status = ost_bone_collide(bone, tool, event, &report, err);
+        if (status == OST_OK)
+            status = ost_bone_remove(bone, tool, event, &report, err);
+    }
+    if (status != OST_OK)
+        check_rescue(s, bone, done);
+    ost_report_free(&report);
+    free(e);
+    return status;
+}
+
+/* All stages once; the first failure ends it. */
+static ost_status run_session(const session *s, ost_error *err)
+{
+    const ost_geometry flat = {.dims = {10, 5, 1}, .spacing = {500 * UM, 500 * UM, 500 * UM}};
+    const char *options = strchr(device_spec(), ':') ? strchr(device_spec(), ':') + 1 : "";
+    ost_backend *backend = NULL;
+    ost_grid *rect = NULL, *cubic = NULL, *whole = NULL;
+    ost_bone *first = NULL, *bone = NULL;
+    ost_tool *tool = NULL, *copy = NULL;
+    ost_tool_volume volume = {.voxels = NULL};
+    ost_scatter_report scatter = {0};
+    ost_digest digest;
+    int16_t *voxels = malloc(voxel_count(&s->g) * sizeof *voxels);
+    assert_non_null(voxels);
+    ost_status status = ost_cl_open_with(&shim, options, &backend, err);
+    if (status == OST_OK) {
+        backend->ops = &ost_backend_cl;
+        status = ost_grid_create(backend, &flat, &rect, err);
+    }
+    if (status == OST_OK)
+        status = ost_ct_to_rect(rect, s->samples, 50, 1, OST_DUPLICATES_ERROR, &scatter, err);
+    if (status == OST_OK)
+        status = ost_rect_to_cubic(rect, 400 * UM, OST_RESAMPLE_FLOOR, &cubic, err);
+    if (status == OST_OK)
+        status = ost_cubic_to_chunks(cubic, 16, 120, &first, err);
+    if (status == OST_OK)
+        status = ost_grid_create(backend, &s->g, &whole, err);
+    if (status == OST_OK)
+        status = ost_grid_upload(whole, 0, s->g.dims.z, s->voxels, err);
+    if (status == OST_OK)
+        status = ost_grid_download(whole, 0, s->g.dims.z, voxels, err);
+    if (status == OST_OK)
+        status = ost_bone_create(backend, &s->g, 16, 120, &bone, err);
+    if (status == OST_OK)
+        status = ost_bone_upload(bone, 3, 7, s->voxels + 3 * 40 * 36, err);
+    if (status == OST_OK)
+        status = ost_bone_upload(bone, 0, s->g.dims.z, s->voxels, err);
+    if (status == OST_OK)
+        status = ost_voxelize(backend, &s->mesh, NULL, OST_FILL_WINDING, NULL, &tool, err);
+    if (status == OST_OK)
+        status = ost_tool_download(tool, &volume, err);
+    if (status == OST_OK)
+        status = ost_tool_upload(backend, &volume, &copy, err);
+    if (status == OST_OK)
+        status = run_events(s, bone, copy, err);
+    if (status == OST_OK)
+        status = ost_bone_digest(bone, NULL, &digest, err);
+    if (status == OST_OK)
+        status = ost_bone_download(bone, 0, s->g.dims.z, voxels, err);
+    if (status == OST_OK)
+        assert_memory_equal(voxels, s->after[EVENTS], voxel_count(&s->g) * sizeof *voxels);
+    if (status == OST_OK)
+        status = ost_backend_finish(backend, err);
+    ost_tool_volume_free(&volume);
+    ost_tool_free(copy);
+    ost_tool_free(tool);
+    ost_bone_free(bone);
+    ost_bone_free(first);
+    ost_grid_free(whole);
+    ost_grid_free(cubic);
+    ost_grid_free(rect);
+    ost_backend_close(backend);
+    free(voxels);
+    return status;
+}
+
+/* Queries that a device is refused or a cache passed over for, and the last wait of a close. */
+static bool may_be_overcome(enum shim_call call)
+{
+    return call == SHIM_clGetPlatformIDs || call == SHIM_clGetDeviceIDs || call == SHIM_clGetDeviceInfo ||
+           call == SHIM_clCreateProgramWithBinary || call == SHIM_clBuildProgram || call == SHIM_clFinish;
+}
+
+static void every_call(bool lost)
+{
+    session s;
+    make_session(&s);
+    for (int call = 0; call < SHIM_COUNT; call++) {
+        int refused = 0;
+        if (lost && !shim_goes_to_queue((enum shim_call)call))
+            continue;
+        for (int n = 1; n < CALLS_MAX; n++) {
+            ost_error err = {0};
+            shim_fail((enum shim_call)call, n, lost);
+            ost_status status = run_session(&s, &err);
+            const bool reached = shim_failed() || status != OST_OK;
+            if (!reached)
+                break;
+            refused++;
+            if (status == OST_OK) {
+                if (!may_be_overcome((enum shim_call)call))
+                    fail_msg("%s, call %d, was refused and nothing was said", shim_names[call], n);
+                continue;
+            }
+            if (!err.text[0] || strchr(err.text, '\n'))
+                fail_msg("%s, call %d: the text is '%s'", shim_names[call], n, err.text);
+            if (!may_be_overcome((enum shim_call)call) && !strstr(err.text, "OpenCL device '"))
+                fail_msg("%s, call %d: '%s' names no device", shim_names[call], n, err.text);
+        }
+        printf("# %s: %d calls refused%s\n", shim_names[call], refused, lost ? ", the device lost" : "");
+    }
+    shim_fail(SHIM_clFinish, 0, false);
+    free_session(&s);
+}
+
+static void refused_once(void **state)
+{
+    (void)state;
+    every_call(false);
+}
+
+static void lost_for_good(void **state)
+{
+    (void)state;
+    every_call(true);
+}
+
+int main(void)
+{
+    const int missing = device_missing();
+    if (missing)
+        return missing;
+    const struct CMUnitTest tests[] = {cmocka_unit_test(refused_once), cmocka_unit_test(lost_for_good)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

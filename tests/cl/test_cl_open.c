@@ -1,0 +1,391 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Opening a device: options, devices that are refused for what they say of
+ * themselves or for what they compute, a build that fails, and a cache that
+ * is damaged, foreign, full of rubbish or not there.
+ */
+#include "cl/on_device.h"
+
+#include <dirent.h>
+
+#include "cl/cl.h"
+#include "cl/embedded.h"
+#include "cl/kernels/shared.h"
+
+/* ---------------------------------------------------------------- words */
+
+static void options(void **state)
+{
+    (void)state;
+    ost_cl_options o;
+    ost_error err = {0};
+    assert_ok(ost_cl_options_read("", &o, &err));
+    assert_true(!o.platform[0] && !o.device[0] && o.workgroup == 0);
+    assert_ok(ost_cl_options_read("device=1,platform=Portable Computing,workgroup=64", &o, &err));
+    assert_string_equal(o.platform, "Portable Computing");
+    assert_string_equal(o.device, "1");
+    assert_int_equal(o.workgroup, 64);
+    static const char *const wrong[] = {"platform", "platform=", "device=", "isa=avx2", "workgroup=0", "workgroup=x", "workgroup=99999999",
+                                        "threads=2", "platform=0,,x=1", "=", "workgroup=-1"};
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++)
+        if (ost_cl_options_read(wrong[i], &o, &err) != OST_ERR_USAGE)
+            fail_msg("'%s' is taken", wrong[i]);
+
+    ost_cl_device d = {.platform_index = 1, .device_index = 2, .platform_name = "Portable Computing Language", .name = "pthread-Xeon"};
+    d.id = (cl_device_id)&d;
+    static const struct {
+        const char *text;
+        bool fits;
+    } words[] = {
+        {"", true}, {"platform=1", true}, {"platform=0", false}, {"platform=portable", true}, {"platform=LANGUAGE", true},
+        {"platform=rusticl", false}, {"device=2", true}, {"device=1", false}, {"device=xeon", true}, {"platform=1,device=xeon", true},
+        {"platform=0,device=xeon", false}, {"device=pthread-Xeon!", false},
+    };
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
+        assert_ok(ost_cl_options_read(words[i].text, &o, &err));
+        if (ost_cl_options_match(&o, &d) != words[i].fits)
+            fail_msg("'%s'", words[i].text);
+    }
+}
+
+static const char *own_options(void)
+{
+    const char *colon = strchr(device_spec(), ':');
+    return colon ? colon + 1 : "";
+}
+
+static ost_status try_open(const ost_cl_api *cl, const char *text, ost_error *err)
+{
+    ost_backend *backend;
+    *err = (ost_error){0};
+    ost_status status = ost_cl_open_with(cl, text, &backend, err);
+    if (status == OST_OK) {
+        backend->ops = &ost_backend_cl;
+        ost_backend_close(backend);
+    } else {
+        assert_null(backend);
+    }
+    return status;
+}
+
+static void no_such_device(void **state)
+{
+    (void)state;
+    ost_error err;
+    assert_int_equal(try_open(&ost_cl_loader, "platform=nobody's", &err), OST_ERR_UNAVAILABLE);
+    assert_non_null(strstr(err.text, "nobody's"));
+    assert_int_equal(try_open(&ost_cl_loader, "device=4096", &err), OST_ERR_UNAVAILABLE);
+    char huge[128];
+    snprintf(huge, sizeof huge, "%s%sworkgroup=65536", own_options(), own_options()[0] ? "," : "");
+    assert_int_equal(try_open(&ost_cl_loader, huge, &err), OST_ERR_USAGE);
+    assert_non_null(strstr(err.text, "at most"));
+}
+
+/* ------------------------------------------------- devices that lie or err */
+
+static cl_device_info asked;
+static const void *answer;
+static size_t answer_size;
+
+/* One question is answered as the test says, all others by the device. */
+static cl_int lying_info(cl_device_id device, cl_device_info what, size_t room, void *value, size_t *size)
+{
+    if (what != asked)
+        return clGetDeviceInfo(device, what, room, value, size);
+    if (size)
+        *size = answer_size;
+    if (value && room >= answer_size)
+        memcpy(value, answer, answer_size);
+    return CL_SUCCESS;
+}
+
+static void says(cl_device_info what, const void *value, size_t size, const char *reason)
+{
+    ost_error err;
+    ost_cl_api api = ost_cl_loader;
+    char text[256];
+    api.clGetDeviceInfo = lying_info;
+    asked = what;
+    answer = value;
+    answer_size = size;
+    assert_int_equal(try_open(&api, own_options(), &err), OST_ERR_UNAVAILABLE);
+    if (!strstr(err.text, reason))
+        fail_msg("'%s' does not say '%s'", err.text, reason);
+    assert_false(ost_cl_available_with(&api, text, sizeof text));
+    assert_true(text[0] != 0);
+}
+
+static void refused_for_what_it_says(void **state)
+{
+    (void)state;
+    const cl_bool no = CL_FALSE;
+    says(CL_DEVICE_AVAILABLE, &no, sizeof no, "not available");
+    says(CL_DEVICE_COMPILER_AVAILABLE, &no, sizeof no, "no compiler");
+    says(CL_DEVICE_ENDIAN_LITTLE, &no, sizeof no, "little-endian");
+    says(CL_DEVICE_VERSION, "OpenCL 1.1 old", 15, "OpenCL 1.2 is needed");
+    says(CL_DEVICE_OPENCL_C_VERSION, "OpenCL C 1.0", 13, "OpenCL 1.2 is needed");
+    says(CL_DEVICE_OPENCL_C_VERSION, "rubbish", 8, "OpenCL 1.2 is needed");
+}
+
+/* The embedded profile has 64-bit integers only where it says so. */
+static cl_int embedded_info(cl_device_id device, cl_device_info what, size_t room, void *value, size_t *size)
+{
+    const char *text = what == CL_DEVICE_PROFILE ? "EMBEDDED_PROFILE" : what == CL_DEVICE_EXTENSIONS ? answer : NULL;
+    if (!text)
+        return clGetDeviceInfo(device, what, room, value, size);
+    if (size)
+        *size = strlen(text) + 1;
+    if (value && room >= strlen(text) + 1)
+        memcpy(value, text, strlen(text) + 1);
+    return CL_SUCCESS;
+}
+
+static void refused_without_int64(void **state)
+{
+    (void)state;
+    ost_error err;
+    ost_cl_api api = ost_cl_loader;
+    api.clGetDeviceInfo = embedded_info;
+    answer = "cl_khr_byte_addressable_store cles_khr_int64_hints ";
+    assert_int_equal(try_open(&api, own_options(), &err), OST_ERR_UNAVAILABLE);
+    assert_non_null(strstr(err.text, "64-bit integers"));
+    answer = "cl_khr_fp64 cles_khr_int64";
+    assert_ok(try_open(&api, own_options(), &err));
+}
+
+static cl_int no_platforms(cl_uint room, cl_platform_id *ids, cl_uint *count)
+{
+    (void)room;
+    (void)ids;
+    *count = 0;
+    return -1001;
+}
+
+static void no_platform(void **state)
+{
+    (void)state;
+    ost_error err;
+    char reason[256];
+    ost_cl_api api = ost_cl_loader;
+    api.clGetPlatformIDs = no_platforms;
+    assert_int_equal(try_open(&api, "", &err), OST_ERR_UNAVAILABLE);
+    assert_non_null(strstr(err.text, "OpenCL"));
+    assert_false(ost_cl_available_with(&api, reason, sizeof reason));
+    assert_true(strlen(reason) > 20);
+}
+
+static size_t flip_size, flip_at;
+
+/* One bit of one result, as a driver that miscompiles would give. */
+static cl_int flipping_read(cl_command_queue queue, cl_mem buffer, cl_bool wait, size_t offset, size_t size, void *to, cl_uint count,
+                            const cl_event *after, cl_event *event)
+{
+    cl_int code = clEnqueueReadBuffer(queue, buffer, wait, offset, size, to, count, after, event);
+    if (size >= flip_size)
+        ((unsigned char *)to)[flip_at] ^= 4;
+    return code;
+}
+
+static void refused_for_what_it_computes(void **state)
+{
+    (void)state;
+    ost_error err;
+    ost_cl_api api = ost_cl_loader;
+    api.clEnqueueReadBuffer = flipping_read;
+    flip_size = 100000; /* the fingerprint's words: word 6 of item 500 */
+    flip_at = (500 * OST_CL_FINGERPRINT + 6) * 8 + 1;
+    assert_int_equal(try_open(&api, own_options(), &err), OST_ERR_UNAVAILABLE);
+    assert_non_null(strstr(err.text, "integers are wrong"));
+    assert_non_null(strstr(err.text, "(long)int * 100"));
+    flip_size = 1; /* the layout comes first: member or size 3 of the list */
+    flip_at = 12;
+    assert_int_equal(try_open(&api, own_options(), &err), OST_ERR_UNAVAILABLE);
+    assert_non_null(strstr(err.text, "ost_cl_scatter.count"));
+}
+
+static cl_program broken_source(cl_context context, cl_uint count, const char **texts, const size_t *lengths, cl_int *code)
+{
+    const char *wrong = "\n#line 42 \"removal.cl\"\n__kernel void ost_remove(int x) { return nonsense; }\n";
+    (void)count;
+    (void)texts;
+    (void)lengths;
+    return clCreateProgramWithSource(context, 1, &wrong, NULL, code);
+}
+
+static void build_fails(void **state)
+{
+    (void)state;
+    ost_error err;
+    ost_cl_api api = ost_cl_loader;
+    char before[4096];
+    snprintf(before, sizeof before, "%s", getenv("XDG_CACHE_HOME"));
+    setenv("XDG_CACHE_HOME", "/nonexistent", 1);
+    api.clCreateProgramWithSource = broken_source;
+    assert_int_equal(try_open(&api, own_options(), &err), OST_ERR_UNAVAILABLE);
+    assert_non_null(strstr(err.text, "clBuildProgram"));
+    assert_non_null(strstr(err.text, "nonsense"));
+    assert_null(strchr(err.text, '\n'));
+    setenv("XDG_CACHE_HOME", before, 1);
+}
+
+/* ---------------------------------------------------------------- cache */
+
+/* The one file in the cache's folder. */
+static void entry_path(const char *cache, char *path, size_t size)
+{
+    char folder[4096];
+    snprintf(folder, sizeof folder, "%s/osteon", cache);
+    DIR *dir = opendir(folder);
+    assert_non_null(dir);
+    path[0] = 0;
+    for (const struct dirent *e; (e = readdir(dir));)
+        if (e->d_name[0] != '.') {
+            assert_int_equal(path[0], 0);
+            assert_true((size_t)snprintf(path, size, "%s/%s", folder, e->d_name) < size);
+        }
+    closedir(dir);
+    assert_true(path[0] != 0);
+}
+
+static unsigned char *read_all(const char *path, size_t *size)
+{
+    FILE *f = fopen(path, "rb");
+    assert_non_null(f);
+    fseek(f, 0, SEEK_END);
+    *size = (size_t)ftell(f);
+    rewind(f);
+    unsigned char *bytes = malloc(*size);
+    assert_non_null(bytes);
+    assert_int_equal(fread(bytes, 1, *size, f), *size);
+    fclose(f);
+    return bytes;
+}
+
+static void write_all(const char *path, const unsigned char *bytes, size_t size)
+{
+    FILE *f = fopen(path, "wb");
+    assert_non_null(f);
+    assert_int_equal(fwrite(bytes, 1, size, f), size);
+    assert_int_equal(fclose(f), 0);
+}
+
+/* Opens the first device that fits; whether its program came from the cache. */
+static bool opened_from_cache(void)
+{
+    ost_error err = {0};
+    ost_backend *backend;
+    assert_ok(ost_cl_open_with(&ost_cl_loader, own_options(), &backend, &err));
+    backend->ops = &ost_backend_cl;
+    const bool from_cache = ((cl_backend *)backend)->from_cache;
+    ost_backend_close(backend);
+    return from_cache;
+}
+
+static void cache_damage(void **state)
+{
+    (void)state;
+    char before[4096], folder[] = "/tmp/osteon-cache-XXXXXX", path[5000], command[5100];
+    snprintf(before, sizeof before, "%s", getenv("XDG_CACHE_HOME"));
+    assert_non_null(mkdtemp(folder));
+    setenv("XDG_CACHE_HOME", folder, 1);
+    setenv("POCL_CACHE_DIR", before, 0); /* PoCL's own cache stays where it is */
+
+    assert_false(opened_from_cache());
+    assert_true(opened_from_cache());
+    entry_path(folder, path, sizeof path);
+    size_t size;
+    unsigned char *good = read_all(path, &size);
+    unsigned char *bad = malloc(size + 1);
+    assert_non_null(bad);
+    assert_true(size > 80);
+
+    /* Where it is cut, and which byte is changed: head, key, checksum, binary. */
+    const size_t cuts[] = {0, 1, 7, 79, 80, size / 2, size - 1}, flips[] = {0, 8, 15, 16, 47, 48, 79, 80, size / 2, size - 1};
+    for (size_t i = 0; i < sizeof cuts / sizeof cuts[0]; i++) {
+        write_all(path, good, cuts[i]);
+        assert_false(opened_from_cache());
+        assert_true(opened_from_cache());
+    }
+    for (size_t i = 0; i < sizeof flips / sizeof flips[0]; i++) {
+        memcpy(bad, good, size);
+        bad[flips[i]] ^= 0x10;
+        write_all(path, bad, size);
+        assert_false(opened_from_cache());
+        assert_true(opened_from_cache());
+    }
+    memcpy(bad, good, size);
+    bad[size] = 0;
+    write_all(path, bad, size + 1); /* longer than it says */
+    assert_false(opened_from_cache());
+
+    /* Sound in itself, but rubbish to the driver: magic, length, key and checksum are right. */
+    ost_digest checksum;
+    const char rubbish[] = "not what a driver made";
+    const uint64_t length = sizeof rubbish;
+    assert_int_equal(ost_digest_bytes(rubbish, sizeof rubbish, &checksum, NULL), OST_OK);
+    memcpy(bad, good, 80);
+    memcpy(bad + 8, &length, 8);
+    memcpy(bad + 48, &checksum, 32);
+    memcpy(bad + 80, rubbish, sizeof rubbish);
+    write_all(path, bad, 80 + sizeof rubbish);
+    assert_false(opened_from_cache());
+    assert_true(opened_from_cache());
+
+    /* Nowhere to write; and a file where the folder should be. */
+    setenv("XDG_CACHE_HOME", path, 1);
+    assert_false(opened_from_cache());
+    setenv("XDG_CACHE_HOME", "/proc/nothing", 1);
+    assert_false(opened_from_cache());
+
+    setenv("XDG_CACHE_HOME", before, 1);
+    free(bad);
+    free(good);
+    snprintf(command, sizeof command, "rm -rf '%s'", folder);
+    assert_int_equal(system(command), 0);
+}
+
+/* -------------------------------------------------------------- devices */
+
+typedef struct seen {
+    int devices, available;
+} seen;
+
+static void look(const ost_device_info *device, void *user)
+{
+    seen *s = user;
+    s->devices++;
+    s->available += device->available;
+    assert_int_equal(strncmp(device->spec, "cl:platform=", 12), 0);
+    assert_true(device->platform[0] != 0);
+    assert_true(device->available ? device->notes[0] != 0 && !device->reason[0] : device->reason[0] != 0);
+}
+
+static void listed(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    seen s = {0, 0};
+    for (int i = 0; i < ost_backend_count(); i++)
+        assert_ok(ost_backend_devices(i, look, &s, &err));
+    assert_true(s.available > 0);
+    assert_int_equal(ost_backend_devices(-1, look, &s, &err), OST_ERR_USAGE);
+}
+
+int main(void)
+{
+    const int missing = device_missing();
+    if (missing)
+        return missing;
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(options),
+        cmocka_unit_test(no_such_device),
+        cmocka_unit_test(refused_for_what_it_says),
+        cmocka_unit_test(refused_without_int64),
+        cmocka_unit_test(no_platform),
+        cmocka_unit_test(refused_for_what_it_computes),
+        cmocka_unit_test(build_fails),
+        cmocka_unit_test(cache_damage),
+        cmocka_unit_test(listed),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
