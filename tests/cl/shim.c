@@ -4,6 +4,7 @@
 static enum shim_call armed;
 static int countdown;
 static bool failed, loses;
+static int alive;
 
 const char *const shim_names[SHIM_COUNT] = {
 #define SHIM_NAME(name, code) #name,
@@ -51,12 +52,21 @@ static bool refuses(enum shim_call call)
     {                                                                               \
         return refuses(SHIM_##name) ? codes[SHIM_##name] : ost_cl_loader.name arguments; \
     }
+#define RELEASE(type, name)                 \
+    static cl_int name##_shim(type object)  \
+    {                                       \
+        alive--;                            \
+        return ost_cl_loader.name(object);  \
+    }
 /* The last parameter is where the code goes. */
 #define OBJECT(type, name, parameters, arguments)  \
     static type name##_shim parameters             \
     {                                              \
-        if (!refuses(SHIM_##name))                 \
-            return ost_cl_loader.name arguments;   \
+        if (!refuses(SHIM_##name)) {               \
+            type object = ost_cl_loader.name arguments; \
+            alive += object != NULL;               \
+            return object;                         \
+        }                                          \
         *code = codes[SHIM_##name];                \
         return NULL;                               \
     }
@@ -116,15 +126,26 @@ static cl_int clFinish_shim(cl_command_queue queue)
     return refuses(SHIM_clFinish) ? codes[SHIM_clFinish] : code;
 }
 
+RELEASE(cl_context, clReleaseContext)
+RELEASE(cl_command_queue, clReleaseCommandQueue)
+RELEASE(cl_program, clReleaseProgram)
+RELEASE(cl_kernel, clReleaseKernel)
+RELEASE(cl_mem, clReleaseMemObject)
+
+int shim_alive(void)
+{
+    return alive;
+}
+
 const ost_cl_api shim = {
     .clGetPlatformInfo = clGetPlatformInfo,
-    .clReleaseContext = clReleaseContext,
-    .clReleaseCommandQueue = clReleaseCommandQueue,
+    .clReleaseContext = clReleaseContext_shim,
+    .clReleaseCommandQueue = clReleaseCommandQueue_shim,
     .clGetProgramInfo = clGetProgramInfo,
     .clGetProgramBuildInfo = clGetProgramBuildInfo,
-    .clReleaseProgram = clReleaseProgram,
-    .clReleaseKernel = clReleaseKernel,
-    .clReleaseMemObject = clReleaseMemObject,
+    .clReleaseProgram = clReleaseProgram_shim,
+    .clReleaseKernel = clReleaseKernel_shim,
+    .clReleaseMemObject = clReleaseMemObject_shim,
     .clFlush = clFlush,
 #define SHIM_SLOT(name, code) .name = name##_shim,
     SHIM_CALLS(SHIM_SLOT)

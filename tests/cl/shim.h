@@ -35,6 +35,8 @@ extern const ost_cl_api shim;
 void shim_fail(enum shim_call call, int n, bool lost);
 /* Whether it has come to that. */
 bool shim_failed(void);
+/* Objects created and not yet released. */
+int shim_alive(void);
 bool shim_goes_to_queue(enum shim_call call);
 
 #endif
