@@ -125,9 +125,9 @@ AC_DEFUN([OST_OPTIONAL_OPENCL], [
       [AC_DEFINE([HAVE_OPENCL], [1], [Define if OpenCL is used.])
        ost_summary_OPENCL="OpenCL 1.2 (backend cl; devices: osteon devices)"],
       [OPENCL_CFLAGS=; OPENCL_LIBS=
-       ost_summary_OPENCL="no: the backend cl is not there; Debian: opencl-headers, ocl-icd-opencl-dev"
+       ost_summary_OPENCL="no: the backend cl is not there; Debian: ocl-icd-opencl-dev, opencl-headers"
        AS_IF([test "x$with_opencl" = xyes],
-         [AC_MSG_ERROR([--with-opencl was asked for, but CL/cl.h or libOpenCL was not found; Debian: opencl-headers, ocl-icd-opencl-dev])])])],
+         [AC_MSG_ERROR([--with-opencl was asked for, but CL/cl.h or libOpenCL was not found; Debian: ocl-icd-opencl-dev, opencl-headers])])])],
     [OPENCL_CFLAGS=; OPENCL_LIBS=])
   AM_CONDITIONAL([HAVE_OPENCL], [test "x$have_OPENCL" = xyes])
 ])
