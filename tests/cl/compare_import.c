@@ -129,7 +129,7 @@ static void scatter_round(machine *m, test_rng *rng, ost_backend *ref)
     const bool clean = rng_range(rng, 0, 2) == 0, mixed = rng_range(rng, 0, 4) == 0;
     int64_t line = 1;
     for (int b = 0; b < batches; b++) {
-        const size_t count = (size_t)rng_range(rng, 1, 400);
+        const size_t count = (size_t)rng_range(rng, 1, m->small ? 60 : 400);
         ost_sample *samples = zeros(count, sizeof *samples);
         const int spread = rng_range(rng, 0, 1) ? 32767 : 2; /* many equal densities, or few */
         for (size_t i = 0; i < count; i++) {
@@ -180,9 +180,10 @@ void compare_cubic(machine *m, test_rng *rng, int rounds)
     static const ost_pm steps[] = {470000000, 1000000000, 333333333, 300000000, 2900000000, 488281250, OST_SPACING_MAX};
     ost_error err = {0};
     ost_backend *ref = open_ref();
+    const int32_t most = m->small ? 5 : 20;
     for (int i = 0; i < rounds; i++) {
         const ost_geometry geometry = {
-            .dims = {(int32_t)rng_range(rng, 1, 20), (int32_t)rng_range(rng, 1, 20), (int32_t)rng_range(rng, 1, 20)},
+            .dims = {(int32_t)rng_range(rng, 1, most), (int32_t)rng_range(rng, 1, most), (int32_t)rng_range(rng, 1, most)},
             .spacing = {steps[rng_range(rng, 0, 5)], steps[rng_range(rng, 0, 5)], steps[rng_range(rng, 0, 5)]},
         };
         const ost_pm cubic_spacing = steps[rng_range(rng, 0, rng_range(rng, 0, 9) ? 5 : 6)];
@@ -299,9 +300,9 @@ static void compare_surface(machine *m, test_rng *rng, const pool *p, const ost_
 static void chunks_round(machine *m, test_rng *rng)
 {
     ost_error err = {0};
-    const int most = rng_range(rng, 0, 5) ? 40 : 100;
+    const int most = m->small ? 20 : rng_range(rng, 0, 5) ? 40 : 100;
     const ost_dims d = {(int32_t)rng_range(rng, 1, most), (int32_t)rng_range(rng, 1, most), (int32_t)rng_range(rng, 1, most)};
-    const int n = 16 << rng_range(rng, 0, 2);
+    const int n = 16 << rng_range(rng, 0, m->small ? 1 : 2);
     const int32_t threshold = (int32_t)(rng_range(rng, 0, 2) ? 120 : rng_range(rng, 1, 32767));
     const size_t count = (size_t)ost_dims_count(d), slice = (size_t)d.x * (size_t)d.y;
     const int solid = (int)rng_range(rng, 0, 20); /* so that some voxels have six active neighbours */

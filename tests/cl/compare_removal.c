@@ -73,7 +73,7 @@ typedef struct plan {
     ost_cl_entry *entries;
     ost_cl_pose *poses;
     int32_t *chunk; /* of each block */
-    size_t entry_count;
+    size_t entry_count, pose_count;
 } plan;
 
 static plan plan_event(const bone_pool *p, const ost_event *event, const ost_tool_geometry *tool, test_rng *rng)
@@ -81,7 +81,8 @@ static plan plan_event(const bone_pool *p, const ost_event *event, const ost_too
     const ost_dims d = p->grid->dims;
     const int32_t bx = (d.x + BLOCK - 1) / BLOCK, by = (d.y + BLOCK - 1) / BLOCK, bz = (d.z + BLOCK - 1) / BLOCK, n = p->grid->size;
     const size_t most = (size_t)bx * (size_t)by * (size_t)bz;
-    plan e = {.event = {.tool_dims = {tool->dims.x, tool->dims.y, tool->dims.z}, .size = n, .classes = event->classes->count}};
+    plan e = {.pose_count = (size_t)event->pose_count,
+              .event = {.tool_dims = {tool->dims.x, tool->dims.y, tool->dims.z}, .size = n, .classes = event->classes->count}};
     for (int c = 0; c < event->classes->count; c++)
         e.event.border[c] = event->classes->border[c];
     e.blocks = zeros(most, sizeof *e.blocks);
@@ -142,7 +143,7 @@ static void run(machine *m, const bone_pool *p, plan *e, const uint8_t *cells, c
     e->event.apply = apply;
     if (blocks > 0)
         LAUNCH(m, ost_remove, blocks * 256 / (size_t)m->rows, 1, 1, ONE(&e->event), BUFFER(e->blocks, blocks), BUFFER(e->entries, e->entry_count),
-               BUFFER(e->poses, e->entry_count ? e->entries[e->entry_count - 1].pose + 1 : 1), BUFFER(cells, ost_dims_count(tool->dims)),
+               BUFFER(e->poses, e->pose_count), BUFFER(cells, ost_dims_count(tool->dims)),
                BUFFER(p->density, p->used * p->voxels), BUFFER(p->words, p->used * p->voxels / 32), BUFFER(reports, blocks));
     for (size_t b = 0; b < blocks; b++) {
         touched += reports[b].touched;
@@ -221,10 +222,11 @@ static void removal_round(machine *m, test_rng *rng, ost_backend *ref)
     static const int64_t shares[] = {3000, 2128, 1064, 1000, 900, 750, 400, 150, 63}; /* tool voxels in thousandths of a bone voxel */
     ost_error err = {0};
     const ost_pm s = 470 * UM;
-    const ost_geometry g = cubic_geometry((int32_t)rng_range(rng, 1, 50), (int32_t)rng_range(rng, 1, 70), (int32_t)rng_range(rng, 1, 50), s,
+    const int32_t most = m->small ? 14 : 50;
+    const ost_geometry g = cubic_geometry((int32_t)rng_range(rng, 1, most), (int32_t)rng_range(rng, 1, most + most / 2), (int32_t)rng_range(rng, 1, most), s,
                                           (ost_pm3){rng_range(rng, -50000, 50000) * UM, 123456789, -s});
     const int64_t share = shares[rng_range(rng, 0, 8)];
-    const int32_t wide = share < 500 ? 80 : 30;
+    const int32_t wide = m->small ? 14 : share < 500 ? 80 : 30;
     ost_tool_volume volume;
     const ost_dims d = {(int32_t)rng_range(rng, 1, wide), (int32_t)rng_range(rng, 1, wide), (int32_t)rng_range(rng, 1, wide)};
     const ost_pm v = s * share / 1000;
@@ -260,7 +262,7 @@ static void removal_round(machine *m, test_rng *rng, ost_backend *ref)
     }
     scene.event = (ost_event){.pose_count = poses, .maps = scene.maps, .boxes = scene.boxes, .classes = &scene.classes};
 
-    ost_bone *bone = bone_of(ref, &g, 16 << rng_range(rng, 0, 2), voxels);
+    ost_bone *bone = bone_of(ref, &g, 16 << rng_range(rng, 0, m->small ? 1 : 2), voxels);
     ost_tool *tool;
     ost_report report = {0};
     assert_ok(ost_tool_upload(ref, &volume, &tool, &err));

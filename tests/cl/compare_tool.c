@@ -82,7 +82,7 @@ static void voxelize_mesh(machine *m, test_rng *rng, const ost_snapped_mesh *mes
 static void voxelize_round(machine *m, test_rng *rng)
 {
     ost_error err = {0};
-    const bool wide = rng_range(rng, 0, 29) == 0;
+    const bool wide = !m->small && rng_range(rng, 0, 29) == 0;
     const ost_dims dims = wide ? (ost_dims){(int32_t)rng_range(rng, 1000, 1024), (int32_t)rng_range(rng, 1, 3), 1024}
                                : (ost_dims){(int32_t)rng_range(rng, 1, 40), (int32_t)rng_range(rng, 1, 14), (int32_t)rng_range(rng, 1, 14)};
     ost_snapped_mesh mesh[2];
@@ -155,7 +155,7 @@ void compare_reach(machine *m, test_rng *rng, int rounds)
     for (int round = 0; round < rounds; round++) {
         ost_cl_tool tool;
         for (int a = 0; a < 3; a++)
-            tool.dims[a] = (int32_t)rng_range(rng, 1, round % 4 == 0 && a == round % 3 ? 150 : 12);
+            tool.dims[a] = (int32_t)rng_range(rng, 1, m->small ? 6 : round % 4 == 0 && a == round % 3 ? 150 : 12);
         const size_t count = (size_t)tool.dims[0] * (size_t)tool.dims[1] * (size_t)tool.dims[2];
         uint8_t *classes = zeros(count, 1), *cells[2] = {zeros(count, 1), zeros(count, 1)};
         const int rare = (int)rng_range(rng, 1, 400), most = (int)rng_range(rng, 0, 2);
@@ -198,13 +198,13 @@ static uint64_t some_word(test_rng *rng)
 
 void compare_fingerprint(machine *m, test_rng *rng, int rounds)
 {
-    enum { WORDS = 4096 };
-    uint64_t *in = zeros(2 * WORDS, 8), *out = zeros((size_t)WORDS * OST_CL_FINGERPRINT, 8), expected[OST_CL_FINGERPRINT];
+    const size_t words = m->small ? 100 : 4096;
+    uint64_t *in = zeros(2 * words, 8), *out = zeros(words * OST_CL_FINGERPRINT, 8), expected[OST_CL_FINGERPRINT];
     for (int round = 0; round < rounds; round++) {
-        for (size_t i = 0; i < 2 * WORDS; i++)
+        for (size_t i = 0; i < 2 * words; i++)
             in[i] = some_word(rng);
-        LAUNCH(m, ost_fingerprint, WORDS, 1, 1, number_arg(WORDS), BUFFER(in, 2 * WORDS), BUFFER(out, (size_t)WORDS * OST_CL_FINGERPRINT));
-        for (size_t i = 0; i < WORDS; i++) {
+        LAUNCH(m, ost_fingerprint, words, 1, 1, number_arg((int64_t)words), BUFFER(in, 2 * words), BUFFER(out, words * OST_CL_FINGERPRINT));
+        for (size_t i = 0; i < words; i++) {
             ost_cl_fingerprint_expect(in[2 * i], in[2 * i + 1], expected);
             for (size_t k = 0; k < OST_CL_FINGERPRINT; k++)
                 if (out[i * OST_CL_FINGERPRINT + k] != expected[k])
@@ -214,8 +214,8 @@ void compare_fingerprint(machine *m, test_rng *rng, int rounds)
         }
         uint32_t counters[OST_CL_FINGERPRINT_COUNTERS] = {0}, right[OST_CL_FINGERPRINT_COUNTERS];
         counters[5] = counters[7] = UINT32_MAX;
-        LAUNCH(m, ost_fingerprint_atomics, WORDS, 1, 1, number_arg(WORDS), BUFFER(in, 2 * WORDS), BUFFER(counters, OST_CL_FINGERPRINT_COUNTERS));
-        ost_cl_fingerprint_expect_atomics(in, WORDS, right);
+        LAUNCH(m, ost_fingerprint_atomics, words, 1, 1, number_arg((int64_t)words), BUFFER(in, 2 * words), BUFFER(counters, OST_CL_FINGERPRINT_COUNTERS));
+        ost_cl_fingerprint_expect_atomics(in, (uint32_t)words, right);
         for (size_t k = 0; k < OST_CL_FINGERPRINT_COUNTERS; k++)
             if (counters[k] != right[k])
                 fail_msg("%s: counter %zu is %x, not %x", m->name, k, counters[k], right[k]);

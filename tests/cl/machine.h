@@ -9,6 +9,8 @@
 
 #include "harness.h"
 
+#include <stdbool.h>
+
 #include "cl/kernels/shared.h"
 
 #define TEST_KERNELS(X)      \
@@ -65,7 +67,8 @@ static inline kernel_arg number_arg(int64_t number)
 typedef struct machine machine;
 struct machine {
     char name[200];
-    int rows; /* OST_ROWS */
+    int rows;   /* OST_ROWS */
+    bool small; /* tiny scenes, for a simulator */
     void (*launch)(machine *m, enum test_kernel kernel, const kernel_arg *args, unsigned count, const size_t range[3]);
 };
 
