@@ -5,7 +5,12 @@
  * where there is no device.
  *
  *   OST_TEST_DEVICE=text   only devices whose name has it
- *   OST_TEST_ROUNDS=n      tiny scenes of each kind, for a simulator
+ *   OST_TEST_ROUNDS=n      n tiny scenes of each kind, for a simulator:
+ *
+ *   OST_TEST_DEVICE=Oclgrind OST_TEST_ROUNDS=2 oclgrind --build-options -cl-opt-disable \
+ *       --data-races --uninitialized tests/cl/test_kernels_on_devices
+ *
+ * (unoptimised, since that simulator lacks llvm.abs and others that the optimiser makes)
  *
  * Covers: AR-INT-2, AR-CT-4, AR-CT-5, AR-CT-6, AR-CUB-2, AR-CHK-1, AR-CHK-4, AR-VOX-1..7, AR-MAP-4, AR-REM-1..6, AR-LAW-1
  */

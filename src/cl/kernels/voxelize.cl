@@ -7,12 +7,14 @@
  *   ost_vox_fill    a row's running sum: solid where it is not 0
  *
  * Ranges.  L = 2^20 and coordinates lie in [0, L].  For an edge a -> b,
- * E = dy (Y - ay) ... has |dy|, |dz| <= L, |Z - az| <= L + 2^9 (a centre), so
+ * E = dy (Z - az) - dz (Y - ay) has |dy|, |dz| <= L, |Z - az| <= L + 2^9 (a centre), so
  * |E| < 2^42, and so has E at every row of the triangle's bounds, which is
- * where it is formed.  |nx|, |ny|, |nz| <= 2^41, crossings' K below
- * 3 * 2^61 + 2^52 < 2^63 with every partial sum (in truth |n| <= 2^40, K < 2^62);
- * nx 2^f <= 2^51 and K - nx 2^(f-1) stays above -2^62.  A count is at most
- * the number of triangles, 2^26.
+ * where it is formed.  |nx|, |ny|, |nz| <= 2^41, and a crossing times nx,
+ * K = nx ax - ny (Y - ay) - nz (Z - az), is a sum of three terms of at most
+ * 2^61: it and its partial sums stay below 2^63 (in truth |n| <= 2^40, each
+ * twice the area of a triangle in a square of side L, so below 2^62).  nx 2^f
+ * <= 2^51, and K / nx lies in [0, L], so K - nx 2^(f-1) >= -2^50.  A count is
+ * at most the number of triangles, 2^26.
  */
 
 /* Lattice coordinate of centre i. */
