@@ -91,6 +91,10 @@ ost_status ost_cl_bone_stats(const ost_bone *base, ost_bone_info *info, ost_erro
         info->active_voxels += bone->active[c];
     }
     info->chunk_bytes = info->active_chunks * (int64_t)ost_chunk_bytes(base->chunk_size);
+    /* A slot's densities and words, and its number in free; a chunk's slot, here and there, and what is active in it. */
+    const size_t slot = bone->chunk_voxels * sizeof(int16_t) + bone->chunk_voxels / 8 + sizeof *bone->free;
+    const size_t chunk = 2 * sizeof *bone->slot + sizeof *bone->active;
+    info->resident_bytes = (int64_t)(bone->capacity * slot + bone->chunks * chunk + sizeof *bone);
     return status;
 }
 

@@ -125,6 +125,13 @@ static void close_cl(ost_backend *backend)
     ost_cl_device_close((cl_backend *)backend);
 }
 
+/* The device has instructions and threads of its own; the host's thread only asks. */
+static ost_backend_settings settings(const ost_backend *base)
+{
+    (void)base;
+    return (ost_backend_settings){.isa = "", .threads = 1};
+}
+
 static ost_status finish(ost_backend *base, ost_error *err)
 {
     return ost_cl_finish((cl_backend *)base, err);
@@ -137,6 +144,7 @@ const ost_backend_ops ost_backend_cl = {
     .devices = devices_cl,
     .open = open_cl,
     .close = close_cl,
+    .settings = settings,
     .finish = finish,
     .grid_create = ost_cl_grid_create,
     .grid_free = ost_cl_grid_free,
