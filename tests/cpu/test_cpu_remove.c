@@ -13,7 +13,7 @@
 
 /* ------------------------------------------------------------- backends */
 
-enum { BACKENDS_MAX = 12 };
+enum { BACKENDS_MAX = 20 };
 typedef struct team {
     ost_backend *ref;
     ost_backend *cpu[BACKENDS_MAX];
@@ -27,8 +27,9 @@ static int open_team(void **state)
     if (!t || ost_backend_open("ref", &t->ref, NULL) != OST_OK)
         return 1;
     for (int isa = 0; isa < OST_ISA_COUNT; isa++)
-        for (int threads = 1; threads <= 3 && ost_isa_available((ost_isa)isa); threads += 2) {
-            snprintf(t->name[t->count], sizeof t->name[0], "cpu:isa=%s,threads=%d", ost_isa_name((ost_isa)isa), threads);
+        for (int i = 0; i < 4 && ost_isa_available((ost_isa)isa); i++) {
+            static const int threads[] = {1, 2, 3, 7};
+            snprintf(t->name[t->count], sizeof t->name[0], "cpu:isa=%s,threads=%d", ost_isa_name((ost_isa)isa), threads[i]);
             if (ost_backend_open(t->name[t->count], &t->cpu[t->count], NULL) != OST_OK)
                 return 1;
             t->count++;
@@ -150,8 +151,8 @@ static int16_t *some_bone(test_rng *rng, const ost_geometry *g)
 }
 
 static const ost_pm bone_voxels[] = {470 * UM, 300 * UM, 1000 * UM};
-/* Tool voxels in thousandths of a bone voxel: through all window steps, and where there are none. */
-static const int64_t tool_voxels[] = {3000, 2128, 1600, 1064, 1064, 1064, 1000, 960, 900, 750, 650, 400, 150, 63};
+/* Tool voxels in thousandths of a bone voxel: through all window steps of both edges, and where there are none. */
+static const int64_t tool_voxels[] = {3000, 2128, 1600, 1064, 1064, 1064, 1000, 960, 900, 750, 743, 650, 532, 400, 347, 320, 288, 260, 247, 150, 63};
 
 static void same_event(const team *t, test_rng *rng, int64_t poses_max)
 {
@@ -293,6 +294,63 @@ static void a_sequence(void **state)
     free(voxels);
 }
 
+/* Enough chunks that threads share them, and that there are many batches: a tool turning through the whole bone, and a switch of tools. */
+static void many_chunks(void **state)
+{
+    const team *t = *state;
+    ost_error err = {0};
+    test_rng rng = rng_seeded("many chunks");
+    const ost_geometry g = cubic_geometry(170, 166, 163, 470 * UM, (ost_pm3){0});
+    int16_t *voxels = random_densities(&rng, &g, 2);
+    ost_tool_volume volume[2];
+    for (int v = 0; v < 2; v++) {
+        const int32_t d[3] = {v ? 12 : 180, v ? 200 : 170, v ? 40 : 160};
+        const ost_pm voxel = 500 * UM;
+        assert_ok(ost_tool_volume_init(&volume[v], &(ost_tool_geometry){{d[0], d[1], d[2]}, voxel, {-voxel * d[0] / 2, -voxel * d[1] / 2, -voxel * d[2] / 2}}, &err));
+        for (int32_t i = 0; i < d[0] * d[1] * d[2]; i++)
+            volume[v].voxels[i] = form_at(v ? SOLID : TOOTHED_SHELL, &rng, d, i % d[0], i / d[0] % d[1], i / d[0] / d[1]);
+    }
+    const ost_pose from = random_pose(&rng, (ost_pm3){30000 * UM, 30000 * UM, 30000 * UM}, (ost_pm3){45000 * UM, 45000 * UM, 45000 * UM});
+    for (int n = 16; n <= 64; n *= 2) {
+        ost_bone *expected = bone_of(t->ref, &g, n, voxels);
+        ost_report report[4] = {{0}};
+        for (int tick = 0; tick < 4; tick++) {
+            ost_tool *tool;
+            ost_pose pose = from;
+            pose.t.z += tick * 90 * UM;
+            assert_ok(ost_tool_upload(t->ref, &volume[tick % 2], &tool, &err));
+            remove_at(expected, &g, tool, &pose, 1, &report[tick]);
+            ost_tool_free(tool);
+        }
+        const ost_digest digest = digest_of(expected);
+        for (int i = 0; i < t->count; i++) {
+            ost_bone *bone = bone_of(t->cpu[i], &g, n, voxels);
+            ost_tool *tools[2];
+            for (int v = 0; v < 2; v++)
+                assert_ok(ost_tool_upload(t->cpu[i], &volume[v], &tools[v], &err));
+            for (int tick = 0; tick < 4; tick++) {
+                ost_report found = {0};
+                ost_pose pose = from;
+                pose.t.z += tick * 90 * UM;
+                remove_at(bone, &g, tools[tick % 2], &pose, 1, &found);
+                assert_same_report(&found, &report[tick]);
+                ost_report_free(&found);
+            }
+            const ost_digest own = digest_of(bone);
+            assert_memory_equal(&own, &digest, sizeof digest);
+            for (int v = 0; v < 2; v++)
+                ost_tool_free(tools[v]);
+            ost_bone_free(bone);
+        }
+        for (int tick = 0; tick < 4; tick++)
+            ost_report_free(&report[tick]);
+        ost_bone_free(expected);
+    }
+    for (int v = 0; v < 2; v++)
+        ost_tool_volume_free(&volume[v]);
+    free(voxels);
+}
+
 /* Slices that come in any order and overlap. */
 static void slabs_of_slices(void **state)
 {
@@ -342,6 +400,7 @@ int main(void)
         cmocka_unit_test(single_poses),
         cmocka_unit_test(several_poses),
         cmocka_unit_test(a_sequence),
+        cmocka_unit_test(many_chunks),
     };
     return cmocka_run_group_tests(tests, open_team, close_team);
 }
