@@ -73,6 +73,11 @@ ost_status ost_world_add_tool(ost_world *world, const char *name, const ost_tool
     ost_pose identity = ost_pose_identity();
     ost_map map;
     ost_status status = ost_map_make(&identity, &world->geometry, &tool->geometry, &map, err);
+    /* An event that can reach nothing: whatever a backend derives from a tool for this bone is made now and not in the first tick. */
+    const ost_voxel_box nowhere = {{0, 0, 0}, {0, 0, 0}};
+    const ost_event nothing = {.pose_count = 1, .maps = &map, .boxes = &nowhere, .classes = &world->options.classes};
+    if (status == OST_OK)
+        status = ost_bone_collide(world->bone.voxels.bone, tool, &nothing, &world->report, err);
     if (status != OST_OK)
         return status;
 
