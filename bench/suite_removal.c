@@ -2,12 +2,15 @@
 /*
  * Removal events (thesis, Tables 3.3 to 3.5).
  *
- *   fresh   the bone's slices around the event were just copied back, so
- *           every voxel is there and caches are as that copy left them
+ *   fresh   every voxel is there again and in the caches as far as they hold
+ *           it: ours has been looked at once (ost_bone_collide, which
+ *           changes nothing), the baseline's chunks have been read once
+ *   cold    right after the copying back; ours goes through the whole slices, and
+ *           so leaves less of the event in the caches than the baseline's does
  *   steady  the same event again: nothing is left to remove
  *
- * A repetition: restore ours, fresh, steady, steady; restore the baseline's
- * chunks, fresh, steady, steady.  The first steady run warms up.
+ * A repetition: restore, cold, restore, look, fresh, steady, steady, first ours
+ * and then the baseline's.  The first steady run warms up.
  */
 #include "bench/path.h"
 
@@ -40,14 +43,16 @@ typedef struct removal {
 } removal;
 
 typedef struct removal_series {
-    bench_series fresh, steady, thesis_fresh, thesis_steady, stores;
+    bench_series fresh, cold, steady, thesis_fresh, thesis_cold, thesis_steady, stores;
 } removal_series;
 
 static void free_series(removal_series *s)
 {
     bench_series_free(&s->fresh);
+    bench_series_free(&s->cold);
     bench_series_free(&s->steady);
     bench_series_free(&s->thesis_fresh);
+    bench_series_free(&s->thesis_cold);
     bench_series_free(&s->thesis_steady);
     bench_series_free(&s->stores);
 }
@@ -178,24 +183,27 @@ static void time_thesis(removal *r, bench_series *series)
         bench_series_add(series, (double)(end - begin));
 }
 
-static void time_stores(removal *r, bool warm, bench_series *series)
+static void time_stores(removal *r, bench_series *series)
 {
     bench_thesis_restore(&r->thesis);
-    if (warm)
-        bench_read_bytes((const uint8_t *)r->thesis.live, r->thesis.bytes, 1);
+    bench_read_bytes((const uint8_t *)r->thesis.live, r->thesis.bytes, 1);
     int64_t begin = bench_now();
     bench_store_rows(r->work.rows, (size_t)r->work.changed_rows);
     bench_series_add(series, (double)(bench_now() - begin));
 }
 
-/* warm: the event is looked at once before it is timed, so that what it needs is in the caches whatever the bone's size. */
-static ost_status repeat(removal *r, int count, bool warm, removal_series *s)
+static ost_status repeat(removal *r, int count, bool cold, removal_series *s)
 {
     ost_status status = OST_OK;
     for (int i = -1; i < count && status == OST_OK; i++) {
         bool keep = i >= 0;
         status = restore(r);
-        if (status == OST_OK && warm)
+        if (status == OST_OK && cold) {
+            status = time_ours(r, keep ? &s->cold : NULL);
+            if (status == OST_OK)
+                status = restore(r);
+        }
+        if (status == OST_OK)
             status = ost_bone_collide(r->bone, r->tool, &r->scene->event, &r->report, r->err);
         if (status == OST_OK)
             status = time_ours(r, keep ? &s->fresh : NULL);
@@ -206,18 +214,21 @@ static ost_status repeat(removal *r, int count, bool warm, removal_series *s)
         if (status != OST_OK || !r->baseline)
             continue;
         bench_thesis_restore(&r->thesis);
-        if (warm)
-            bench_read_bytes((const uint8_t *)r->thesis.live, r->thesis.bytes, 1);
+        if (cold) {
+            time_thesis(r, keep ? &s->thesis_cold : NULL);
+            bench_thesis_restore(&r->thesis);
+        }
+        bench_read_bytes((const uint8_t *)r->thesis.live, r->thesis.bytes, 1);
         time_thesis(r, keep ? &s->thesis_fresh : NULL);
         time_thesis(r, NULL);
         time_thesis(r, keep ? &s->thesis_steady : NULL);
         if (keep && r->work.rows)
-            time_stores(r, warm, &s->stores);
+            time_stores(r, &s->stores);
     }
     return status;
 }
 
-/* stores: NULL for a steady row, which has none. */
+/* stores: NULL for rows that are not compared with them. */
 static ost_status add_row(removal *r, const char *name, bench_series *ours, bench_series *baseline, bench_series *stores)
 {
     bench_row *row = bench_row_add(r->table, name, "us", r->threads);
@@ -245,11 +256,12 @@ static ost_status add_row(removal *r, const char *name, bench_series *ours, benc
     return OST_OK;
 }
 
-static ost_status run_case(removal *r, const char *fresh, const char *steady, bool warm, int count)
+static ost_status run_case(removal *r, const char *fresh, const char *cold, const char *steady, int count)
 {
     bool want_fresh = bench_wanted(r->options, fresh), want_steady = bench_wanted(r->options, steady);
+    bool want_cold = cold && bench_wanted(r->options, cold);
     removal_series s = {0};
-    if (!want_fresh && !want_steady)
+    if (!want_fresh && !want_cold && !want_steady)
         return OST_OK;
     ost_status status = open_case(r);
     if (status == OST_OK)
@@ -257,9 +269,11 @@ static ost_status run_case(removal *r, const char *fresh, const char *steady, bo
     if (status == OST_OK && r->baseline && r->scene->bone.dims.x == SCENE_SIDE)
         status = compare_thesis(r);
     if (status == OST_OK && r->equal)
-        status = repeat(r, bench_repeat(r->options, count), warm, &s);
+        status = repeat(r, bench_repeat(r->options, count), want_cold, &s);
     if (status == OST_OK && want_fresh)
         status = add_row(r, fresh, &s.fresh, &s.thesis_fresh, &s.stores);
+    if (status == OST_OK && want_cold)
+        status = add_row(r, cold, &s.cold, &s.thesis_cold, NULL);
     if (status == OST_OK && want_steady)
         status = add_row(r, steady, &s.steady, &s.thesis_steady, NULL);
     free_series(&s);
@@ -270,12 +284,13 @@ static ost_status run_case(removal *r, const char *fresh, const char *steady, bo
 static ost_status static_event(const bench_options *options, bench_table *table, bench_scene *scene, int chunk_size, bool one,
                                ost_error *err)
 {
-    char fresh[BENCH_NAME], steady[BENCH_NAME];
+    char fresh[BENCH_NAME], cold[BENCH_NAME], steady[BENCH_NAME];
+    snprintf(cold, sizeof cold, "removal/%s/%d/cold%s", scene->tool_name, chunk_size, one ? "/1" : "");
     snprintf(fresh, sizeof fresh, "removal/%s/%d/fresh%s", scene->tool_name, chunk_size, one ? "/1" : "");
     snprintf(steady, sizeof steady, "removal/%s/%d/steady%s", scene->tool_name, chunk_size, one ? "/1" : "");
     removal r = {.options = options, .table = table, .err = err, .scene = scene, .chunk_size = chunk_size,
                  .threads = one ? 1 : options->threads};
-    return run_case(&r, fresh, steady, false, REPEAT);
+    return run_case(&r, fresh, cold, steady, REPEAT);
 }
 
 static ost_status static_events(const bench_options *options, bench_table *table, ost_tool_kind kind, ost_error *err)
@@ -306,7 +321,7 @@ static ost_status tool_voxels(const bench_options *options, bench_table *table, 
         status = bench_scene_init(&scene, OST_TOOL_REAMER, voxels[v].voxel, SCENE_SIDE, err);
         removal r = {.options = options, .table = table, .err = err, .scene = &scene, .chunk_size = 32, .threads = 1};
         if (status == OST_OK)
-            status = run_case(&r, fresh, steady, false, REPEAT);
+            status = run_case(&r, fresh, NULL, steady, REPEAT);
         bench_scene_free(&scene);
     }
     return status;
@@ -324,24 +339,24 @@ static ost_status say_why(bench_table *table, const bench_options *options, cons
     return OST_OK;
 }
 
-/* The same event at the far corner of ever larger bones. Restoring their slices empties the caches, so fresh is warmed. */
+/* The same event at the far corner of ever larger bones. */
 static ost_status bone_sizes(const bench_options *options, bench_table *table, ost_error *err)
 {
     static const int32_t sides[] = {128, 256, 512, 1024};
     ost_status status = OST_OK;
     for (size_t i = 0; i < sizeof sides / sizeof sides[0] && status == OST_OK; i++) {
-        char warm[BENCH_NAME], steady[BENCH_NAME];
+        char fresh[BENCH_NAME], steady[BENCH_NAME];
         /* Two bones of densities and occupancy, and slabs. */
         double bytes = 2 * (2 + 0.25) * (double)sides[i] * (double)sides[i] * (double)sides[i] + 4e8;
         bench_scene scene;
-        snprintf(warm, sizeof warm, "removal/bone/%d/warm/1", sides[i]);
+        snprintf(fresh, sizeof fresh, "removal/bone/%d/fresh/1", sides[i]);
         snprintf(steady, sizeof steady, "removal/bone/%d/steady/1", sides[i]);
         if ((options->quick && sides[i] > 256) || bytes > (double)bench_memory()) {
             char reason[BENCH_TEXT];
             if (options->quick)
                 continue;
             snprintf(reason, sizeof reason, "two bones of %d^3 voxels take %.1f GB; less is free here", sides[i], bytes * 1e-9);
-            status = say_why(table, options, warm, reason, err);
+            status = say_why(table, options, fresh, reason, err);
             if (status == OST_OK)
                 status = say_why(table, options, steady, reason, err);
             continue;
@@ -349,7 +364,7 @@ static ost_status bone_sizes(const bench_options *options, bench_table *table, o
         status = bench_scene_init(&scene, OST_TOOL_REAMER, OST_PM_PER_MM / 2, sides[i], err);
         removal r = {.options = options, .table = table, .err = err, .scene = &scene, .chunk_size = 32, .threads = 1};
         if (status == OST_OK)
-            status = run_case(&r, warm, steady, true, REPEAT_LARGE);
+            status = run_case(&r, fresh, NULL, steady, REPEAT_LARGE);
         bench_scene_free(&scene);
     }
     return status;

@@ -99,6 +99,7 @@ static ost_status static_tick(const bench_options *options, bench_table *table, 
     bench_thesis thesis = {0};
     ticker ours = {0};
     ost_backend *backend = NULL;
+    ost_report seen = {0};
     bench_series fresh = {0}, steady = {0}, thesis_fresh = {0}, thesis_steady = {0};
     int16_t *slices = NULL;
     bool equal = true;
@@ -118,6 +119,8 @@ static ost_status static_tick(const bench_options *options, bench_table *table, 
         status = verify(&scene, &ours, &equal, err);
     for (int i = 0; i < bench_repeat(options, REPEAT) && status == OST_OK && equal; i++) {
         status = ost_bone_upload(ours.bone, z0, z_count, slices, err);
+        if (status == OST_OK) /* "fresh" of suite_removal.c */
+            status = ost_bone_collide(ours.bone, ours.tool, &scene.event, &seen, err);
         if (status == OST_OK)
             status = step(&scene, &ours, &fresh, err);
         if (status == OST_OK)
@@ -125,8 +128,10 @@ static ost_status static_tick(const bench_options *options, bench_table *table, 
         if (status == OST_OK)
             status = step(&scene, &ours, &steady, err);
         for (int k = 0; k < 3 && baseline; k++) {
-            if (k == 0)
+            if (k == 0) {
                 bench_thesis_restore(&thesis);
+                bench_read_bytes((const uint8_t *)thesis.live, thesis.bytes, 1);
+            }
             int64_t begin = bench_now();
             bench_thesis_remove(&thesis.event, 1);
             int64_t end = bench_now();
@@ -143,6 +148,7 @@ static ost_status static_tick(const bench_options *options, bench_table *table, 
     bench_series_free(&thesis_fresh);
     bench_series_free(&thesis_steady);
     close_ticker(&ours);
+    ost_report_free(&seen);
     bench_thesis_free(&thesis);
     free(slices);
     bench_scene_free(&scene);
