@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * text_newlines, text_match.
+ * text_match.
  *
  * Lines that match come with one somewhere that does not, in one way of many:
  * a byte changed, missing or added, a density out of range, of six digits, of
- * none, with a sign or a letter, a line of nothing.
+ * none, with a sign or a letter, a line of nothing.  Behind the end of a part
+ * of the text its lines go on: those are not to be taken.
  */
 #include <stdio.h>
 #include <string.h>
@@ -12,67 +13,21 @@
 #include "io/text/match.h"
 #include "simd/check.h"
 
-/* ----------------------------------------------------------------- newlines */
-
-typedef struct newlines_arguments {
-    const char *text;
-    size_t bytes;
-    uint32_t base;
-    uint32_t *at;
-    size_t count;
-} newlines_arguments;
-
-static void call_newlines(check_fn *kernel, void *with)
-{
-    newlines_arguments *a = with;
-    a->count = ((ost_text_newlines *)kernel)(a->text, a->bytes, a->base, a->at);
-}
-
-static void test_newlines(check *c)
-{
-    const size_t bytes = 64 * (size_t)(c->number < 40 ? c->number % 20 : check_range(c, 0, 40));
-    char *text = check_input(c, "text", bytes, 1, 1);
-    static const int rare[] = {1, 2, 10, 40, 100000};
-    const int one_in = rare[check_range(c, 0, 4)];
-    for (size_t i = 0; i < bytes; i++)
-        text[i] = check_chance(c, one_in) ? '\n' : check_chance(c, 3) ? (char)('\n' + check_range(c, -1, 1) * 128) : (char)rng_next(&c->rng);
-    const uint32_t base = check_chance(c, 2) ? OST_TEXT_MARGIN : (uint32_t)check_range(c, 0, (INT64_C(1) << 31) - 1 - (int64_t)bytes);
-    void *at[2];
-    check_outputs(c, "at", bytes + 8, sizeof(uint32_t), sizeof(uint32_t), at);
-    check_note(c, "%zu bytes, a newline in about %d, base %u", bytes, one_in, base);
-    newlines_arguments a = {text, bytes, base, at[0], 0}, b = {text, bytes, base, at[1], 0};
-    if (check_both(c, call_newlines, &a, &b) && check_that(c, a.count == b.count, "returns %zu, not %zu", b.count, a.count))
-        check_same(c, "at", CHECK_U32, at[0], at[1], a.count);
-}
-
-static void bench_newlines(check_bench *b)
-{
-    static char text[1 << 14];
-    static uint32_t at[(1 << 14) + 8];
-    memset(text, '7', sizeof text);
-    for (size_t i = 34; i < sizeof text; i += 34 + i % 3)
-        text[i] = '\n';
-    newlines_arguments a = {text, sizeof text, OST_TEXT_MARGIN, at, 0};
-    bench_time(b, "16384 bytes, lines of 35", call_newlines, NULL, &a, sizeof text, "byte");
-}
-
-/* -------------------------------------------------------------------- match */
-
 typedef struct match_arguments {
     const ost_text_pattern *pattern;
     const ost_text_column *columns;
     const uint8_t *lengths;
-    const char *text;
-    const uint32_t *ends; /* ends[-1] is there */
+    const char *text, *end;
     size_t lines;
     int16_t *density;
     size_t matched;
+    const char *next;
 } match_arguments;
 
 static void call_match(check_fn *kernel, void *with)
 {
     match_arguments *a = with;
-    a->matched = ((ost_text_match *)kernel)(a->pattern, a->columns, a->lengths, a->text, a->ends, a->lines, a->density);
+    a->matched = ((ost_text_match *)kernel)(a->pattern, a->columns, a->lengths, a->text, a->end, a->lines, a->density, &a->next);
 }
 
 enum { LINES_MAX = 70, LINE_MAX = 2 * OST_TEXT_AROUND_MAX + OST_TEXT_COLUMN_MAX + 24 };
@@ -157,30 +112,32 @@ static void test_match(check *c)
     some_bytes(c, pattern->after.length, pattern->after.text, pattern->after.mask, OST_TEXT_AROUND_MAX);
     ost_text_column *columns = check_input(c, "columns", lines, sizeof *columns, 1);
     uint8_t *lengths = check_input(c, "lengths", lines, 1, 1);
-    uint32_t *ends = (uint32_t *)check_input(c, "ends", lines + 1, sizeof *ends, sizeof *ends) + 1;
     static char joined[LINES_MAX * LINE_MAX];
-    size_t bytes = 0;
-    /* Where the first line begins: as the walker has it, or far from there. */
-    const uint32_t base = check_chance(c, 2) ? OST_TEXT_MARGIN : (uint32_t)check_range(c, 1, (INT64_C(1) << 31) - 1 - (int64_t)sizeof joined);
-    ends[-1] = base - 1;
+    size_t bytes = 0, begins[LINES_MAX + 1];
     const int one_bad_in = (int)check_range(c, 1, 60);
     for (size_t i = 0; i < lines; i++) {
         lengths[i] = (uint8_t)check_range(c, 0, OST_TEXT_COLUMN_MAX);
         some_bytes(c, lengths[i], columns[i].text, columns[i].mask, OST_TEXT_COLUMN_MAX);
+        begins[i] = bytes;
         bytes += some_line(c, pattern, &columns[i], lengths[i], !check_chance(c, one_bad_in), joined + bytes);
-        ends[i] = base + (uint32_t)bytes;
         joined[bytes++] = '\n';
     }
-    char *text = check_input(c, "text with its margins", bytes + 2 * OST_TEXT_MARGIN, 1, 1);
-    memset(text, '5', bytes + 2 * OST_TEXT_MARGIN); /* what is like a density, so that who looks there takes it for one */
-    memcpy(text + OST_TEXT_MARGIN, joined, bytes);
+    begins[lines] = bytes;
+    const size_t here = check_chance(c, 3) ? (size_t)check_range(c, 0, (int64_t)lines) : lines, end = begins[here];
+    const size_t there = bytes - end < OST_TEXT_MARGIN ? bytes - end : OST_TEXT_MARGIN;
+    char *text = check_input(c, "text with its margin", end + OST_TEXT_MARGIN, 1, 1);
+    /* What is like a density, so that who looks there takes it for one, or like the end of one. */
+    memset(text, check_chance(c, 3) ? '\n' : '5', end + OST_TEXT_MARGIN);
+    memcpy(text, joined, end + there);
     void *density[2];
     check_outputs(c, "density", lines, sizeof(int16_t), sizeof(int16_t), density);
-    check_note(c, "%zu lines, %u bytes before, %u after, carriage %d", lines, pattern->before.length, pattern->after.length, pattern->carriage);
-    const char *origin = (const char *)((uintptr_t)text + OST_TEXT_MARGIN - base); /* the walker's text begins a margin earlier */
-    match_arguments a = {pattern, columns, lengths, origin, ends, lines, density[0], 0}, b = a;
+    check_note(c, "%zu lines of %zu, %u bytes before, %u after, carriage %d", here, lines, pattern->before.length, pattern->after.length,
+               pattern->carriage);
+    match_arguments a = {pattern, columns, lengths, text, text + end, lines, density[0], 0, NULL}, b = a;
     b.density = density[1];
-    if (check_both(c, call_match, &a, &b) && check_that(c, a.matched == b.matched, "matches %zu, not %zu", b.matched, a.matched))
+    if (check_both(c, call_match, &a, &b) && check_that(c, a.matched == b.matched, "matches %zu, not %zu", b.matched, a.matched) &&
+        check_that(c, a.next == b.next, "ends at byte %td, not %td", b.next - text, a.next - text) &&
+        check_that(c, a.next == text + begins[a.matched], "both end at byte %td, not %zu", a.next - text, begins[a.matched]))
         check_same(c, "density", CHECK_I16, density[0], density[1], a.matched);
 }
 
@@ -190,40 +147,26 @@ static void bench_match(check_bench *b)
     static ost_text_pattern pattern;
     static ost_text_column columns[LINES];
     static uint8_t lengths[LINES];
-    static uint32_t ends[LINES + 1];
-    static char text[2 * OST_TEXT_MARGIN + 64 * LINES];
+    static char text[OST_TEXT_MARGIN + 64 * LINES];
     static int16_t density[LINES];
-    size_t bytes = OST_TEXT_MARGIN;
+    size_t bytes = 0;
     strcpy((char *)pattern.after.text, " 12.220000 3.000000 ");
     pattern.after.length = (uint32_t)strlen((char *)pattern.after.text);
     memset(pattern.after.mask, 0xff, pattern.after.length);
-    ends[0] = OST_TEXT_MARGIN - 1;
     for (size_t i = 0; i < LINES; i++) {
         lengths[i] = (uint8_t)snprintf((char *)columns[i].text, sizeof columns[i].text, "%.6f", -57.34 + 0.47 * (double)i);
         memset(columns[i].mask, 0xff, lengths[i]);
         bytes += (size_t)snprintf(text + bytes, 64, "%s%s%d", (char *)columns[i].text, (char *)pattern.after.text, (int)(i * 37 % 1500) - 200);
-        ends[i + 1] = (uint32_t)bytes;
         text[bytes++] = '\n';
     }
-    match_arguments a = {&pattern, columns, lengths, text, ends + 1, LINES, density, 0};
+    match_arguments a = {&pattern, columns, lengths, text, text + bytes, LINES, density, 0, NULL};
     bench_time(b, "256 lines of 34 bytes", call_match, NULL, &a, LINES, "line");
-}
-
-static check_fn *newlines_of(ost_isa isa)
-{
-    ost_text_kernels kernels;
-    ost_text_kernels_fill(&kernels, isa);
-    return (check_fn *)kernels.newlines;
 }
 
 static check_fn *match_of(ost_isa isa)
 {
-    ost_text_kernels kernels;
-    ost_text_kernels_fill(&kernels, isa);
-    return (check_fn *)kernels.match;
+    return (check_fn *)ost_text_match_for(isa);
 }
 
-extern const check_kernel check_text_newlines, check_text_match;
-const check_kernel check_text_newlines = {
-    .name = "text_newlines", .of = newlines_of, .test = test_newlines, .bench = bench_newlines, .cases = 400};
+extern const check_kernel check_text_match;
 const check_kernel check_text_match = {.name = "text_match", .of = match_of, .test = test_match, .bench = bench_match, .cases = 2500};

@@ -1,10 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * A density of the common form, [-]digits with 1 to 5 digits and a value
- * within int16.  Eight bytes that end with the last digit hold all of it:
+ * within int16, out of the eight bytes that begin with it.  w holds them, the
+ * first in the lowest byte.
  *
- *   bytes    3 0 0 0 ' ' - 1 0 4 3      w = the last eight, the first in the lowest byte
- *   w ^ '0'  ... 1 0 4 3 in the highest bytes; the others are masked away
+ *   bytes    1 0 4 3 \n - 5 7       x = w ^ "\n\n\n\n\n\n\n\n"
+ *   a zero byte of x: the lowest bit of (x - 01..01) & ~x & 80..80 is in the
+ *   first one.  (A borrow can only mark bytes above it.)
+ *
+ *   w << 8 (8 - n)   . . . . 1 0 4 3     its last digit comes to the highest byte
+ *   ^ '0'            digits are 0 to 9; bytes below them are masked away
  *
  * A byte b is a digit iff b < 10, iff neither b nor b + 6 reaches 16.  (A
  * carry out of a byte needs b >= 250, which the first test has seen.)
@@ -16,17 +21,30 @@
 #include <stdint.h>
 #include <string.h>
 
-/* [q, end) as a density; false when it is not of the common form. Eight bytes before end can be read. */
-static inline bool ost_text_density(const char *q, const char *end, int16_t *density)
+static inline uint64_t ost_text_word(const char *p)
 {
-    int64_t length = end - q;
+    uint64_t w;
+    memcpy(&w, p, sizeof w);
+    return w;
+}
+
+/* The bytes before the first newline of the eight in w; 8 when there is none. */
+static inline int64_t ost_text_bytes_of_line(uint64_t w)
+{
+    uint64_t x = w ^ UINT64_C(0x0a0a0a0a0a0a0a0a);
+    uint64_t zero = (x - UINT64_C(0x0101010101010101)) & ~x & UINT64_C(0x8080808080808080);
+    return zero ? __builtin_ctzll(zero) / 8 : 8;
+}
+
+/* The first `length` of the eight bytes in w as a density; false when it is not of the common form. */
+static inline bool ost_text_density(uint64_t w, int64_t length, int16_t *density)
+{
     if (length < 1 || length > 6)
         return false;
-    int64_t negative = *q == '-', digits = length - negative;
+    int64_t negative = (w & 0xff) == '-', digits = length - negative;
     if (digits < 1 || digits > 5)
         return false;
-    uint64_t t;
-    memcpy(&t, end - 8, sizeof t);
+    uint64_t t = w << (64 - 8 * length);
     t = (t ^ UINT64_C(0x3030303030303030)) & (UINT64_MAX << (64 - 8 * digits));
     if (((t + UINT64_C(0x0606060606060606)) | t) & UINT64_C(0xf0f0f0f0f0f0f0f0))
         return false;

@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* In C: what every other variant must equal. */
+/*
+ * In C: what every other variant must equal.  The bytes in front of a density
+ * are compared, so its begin is known, and its newline is within the eight
+ * bytes from there on.
+ */
 #include "core/conditions.h"
 
 #include "io/text/density.h"
@@ -9,49 +13,41 @@
 
 #include "config.h"
 
-static size_t newlines(const char *text, size_t bytes, uint32_t base, uint32_t *at)
-{
-    size_t found = 0;
-    const char *p = text, *end = text + bytes;
-    while (p < end && (p = memchr(p, '\n', (size_t)(end - p))))
-        at[found++] = base + (uint32_t)(p++ - text);
-    return found;
-}
-
 static size_t match(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths, const char *text,
-                    const uint32_t *ends, size_t lines, int16_t *density)
+                    const char *end, size_t lines, int16_t *density, const char **next)
 {
-    for (size_t i = 0; i < lines; i++) {
-        const char *p = text + ends[(ptrdiff_t)i - 1] + 1, *end = text + ends[i] - pattern->carriage;
-        size_t length = (size_t)pattern->before.length + lengths[i] + pattern->after.length;
-        if (end - p <= (ptrdiff_t)length || (pattern->carriage && *end != '\r'))
-            return i;
-        if (memcmp(p, pattern->before.text, pattern->before.length) != 0)
-            return i;
-        p += pattern->before.length;
-        if (memcmp(p, columns[i].text, lengths[i]) != 0)
-            return i;
-        p += lengths[i];
-        if (memcmp(p, pattern->after.text, pattern->after.length) != 0 || !ost_text_density(p + pattern->after.length, end, &density[i]))
-            return i;
+    size_t i = 0;
+    const size_t before = pattern->before.length, after = pattern->after.length;
+    for (; i < lines && text < end; i++) {
+        const char *column = text + before, *rest = column + lengths[i], *q = rest + after;
+        if (memcmp(text, pattern->before.text, before) != 0 || memcmp(column, columns[i].text, lengths[i]) != 0 ||
+            memcmp(rest, pattern->after.text, after) != 0)
+            break;
+        uint64_t w = ost_text_word(q);
+        int64_t bytes = ost_text_bytes_of_line(w);
+        if (q + bytes >= end || (pattern->carriage && (bytes < 1 || q[bytes - 1] != '\r')) ||
+            !ost_text_density(w, bytes - pattern->carriage, &density[i]))
+            break;
+        text = q + bytes + 1;
     }
-    return lines;
+    *next = text;
+    return i;
 }
 
-void ost_text_kernels_fill(ost_text_kernels *kernels, ost_isa isa)
+ost_text_match *ost_text_match_for(ost_isa isa)
 {
-    *kernels = (ost_text_kernels){newlines, match};
-#if HAVE_AVX2_BUILD
-    if (isa == OST_ISA_AVX2 || isa == OST_ISA_AVX512 || isa == OST_ISA_AVX512VBMI)
-        ost_text_kernels_avx2(kernels);
-#endif
 #if HAVE_AVX512_BUILD
     if (isa == OST_ISA_AVX512 || isa == OST_ISA_AVX512VBMI)
-        ost_text_kernels_avx512(kernels);
+        return ost_text_match_avx512;
+#endif
+#if HAVE_AVX2_BUILD
+    if (isa == OST_ISA_AVX2 || isa == OST_ISA_AVX512 || isa == OST_ISA_AVX512VBMI)
+        return ost_text_match_avx2;
 #endif
 #if HAVE_NEON_BUILD
     if (isa == OST_ISA_NEON)
-        ost_text_kernels_neon(kernels);
+        return ost_text_match_neon;
 #endif
     (void)isa;
+    return match;
 }

@@ -21,7 +21,10 @@
 
 #include "core/isa.h"
 
-enum { OST_TEXT_COLUMN_MAX = 16, OST_TEXT_AROUND_MAX = 32, OST_TEXT_MARGIN = 128 };
+/* MARGIN: eight lines, each as long as a pattern can be and a byte more than a density can, and what is read at the last one. */
+enum { OST_TEXT_COLUMN_MAX = 16, OST_TEXT_AROUND_MAX = 32, OST_TEXT_MARGIN = 1024 };
+_Static_assert(8 * (2 * OST_TEXT_AROUND_MAX + OST_TEXT_COLUMN_MAX + 9) + 2 * OST_TEXT_AROUND_MAX + OST_TEXT_COLUMN_MAX + 32 <= OST_TEXT_MARGIN,
+               "kernels read no further");
 
 /* Bytes beyond a length are 0 in text and mask; mask is 0xff elsewhere. */
 typedef struct ost_text_column {
@@ -41,33 +44,20 @@ typedef struct ost_text_pattern {
 } ost_text_pattern;
 
 /*
- * The places of all newlines in text[0, bytes), each plus `base`, ascending;
- * returns how many.  bytes is a multiple of 64, base + bytes is below 2^31; `at`
- * has room for bytes + 8, all of which may be overwritten.
- */
-typedef size_t ost_text_newlines(const char *text, size_t bytes, uint32_t base, uint32_t *at);
-
-/*
- * Line i, 0 <= i < lines, is text[ends[i - 1] + 1, ends[i]), with a newline at
- * ends[i]; it is matched when it is
+ * Lines follow each other from `text` on; the last byte before `end` is a
+ * newline, or text == end.  Line i, 0 <= i < lines, is matched when those
+ * before it are, it begins before end, and it is
  *   before, columns[i].text with lengths[i] bytes, after,
- *   then [-]digits of 1 to 5 digits and a value within int16, then "\r" with carriage.
- * Returns how many lines from the first on are matched, and puts their
- * densities; density[i] of others up to `lines` may hold anything.
- * ends[-1] is there, ends ascend and are below 2^31.  OST_TEXT_MARGIN bytes
- * before line 0 and behind the last newline can be read.
+ *   then [-]digits of 1 to 5 digits and a value within int16, then "\r" with carriage, and a newline.
+ * Returns how many lines are matched, puts their densities, and in *next where
+ * the line behind them begins; density[i] of others up to `lines` may hold
+ * anything.  OST_TEXT_MARGIN bytes from end on can be read.
  */
 typedef size_t ost_text_match(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths, const char *text,
-                              const uint32_t *ends, size_t lines, int16_t *density);
+                              const char *end, size_t lines, int16_t *density, const char **next);
 
-typedef struct ost_text_kernels {
-    ost_text_newlines *newlines;
-    ost_text_match *match;
-} ost_text_kernels;
-
-void ost_text_kernels_fill(ost_text_kernels *kernels, ost_isa isa);
-void ost_text_kernels_avx2(ost_text_kernels *kernels);
-void ost_text_kernels_avx512(ost_text_kernels *kernels);
-void ost_text_kernels_neon(ost_text_kernels *kernels);
+/* Of an instruction set; every one equals the scalar one. */
+ost_text_match *ost_text_match_for(ost_isa isa);
+ost_text_match ost_text_match_avx2, ost_text_match_avx512, ost_text_match_neon;
 
 #endif

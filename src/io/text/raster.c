@@ -43,16 +43,6 @@ typedef struct reading {
     uint32_t units[3];
 } reading;
 
-static bool set_column(ost_text_column *column, uint8_t *length, const char *p, const char *end)
-{
-    if (end - p > OST_TEXT_COLUMN_MAX)
-        return false;
-    *length = (uint8_t)(end - p);
-    memcpy(column->text, p, *length);
-    memset(column->mask, 0xff, *length);
-    return true;
-}
-
 /* Which axes differ, as bits. */
 static unsigned difference(const ost_text_row *a, const ost_text_row *b)
 {
@@ -76,12 +66,14 @@ static bool learn_column(reading *r, const char *p, const char *newline, const o
     if (i == OST_DIM_MAX)
         return false;
     ost_pm value = row->position[fastest], *at = raster->at[0];
+    for (int a = 0; a < 3; a++)
+        r->units[a] |= 1u << (row->places[a] + OST_LATTICE_UNIT_PLACES);
     at[i] = value;
     if (i > 0 && (at[1] > at[0] ? value <= at[i - 1] : value >= at[i - 1]))
         return false;
     ost_text_marks marks = ost_text_mark(p, newline);
     const char *begin = fastest > 0 ? marks.end[fastest - 1] : p;
-    r->plan.fast = set_column(&r->plan.columns[i], &r->plan.lengths[i], begin, marks.end[fastest]) && r->plan.fast;
+    r->plan.fast = ost_text_column_set(&r->plan.columns[i], &r->plan.lengths[i], begin, marks.end[fastest]) && r->plan.fast;
     raster->count[0] = i + 1;
     return true;
 }
@@ -173,6 +165,8 @@ static bool learn_slice(reading *r)
     } else if (good) {
         good = !walker.done;
     }
+    for (int a = 0; a < 3; a++)
+        r->units[a] |= walker.units[a];
     ost_text_walker_close(&walker);
     return good;
 }
@@ -182,7 +176,9 @@ static bool learn(reading *r, bool *terminated)
     char *head = malloc(HEAD);
     r->plan.columns = calloc(OST_DIM_MAX, sizeof *r->plan.columns);
     r->plan.lengths = calloc(OST_DIM_MAX, 1);
-    bool good = head && r->plan.columns && r->plan.lengths;
+    r->plan.middles = calloc(OST_DIM_MAX, sizeof *r->plan.middles);
+    r->plan.middle_lengths = calloc(OST_DIM_MAX, 1);
+    bool good = head && r->plan.columns && r->plan.lengths && r->plan.middles && r->plan.middle_lengths;
     for (int i = 0; i < 3; i++) {
         r->raster->at[i] = calloc(OST_DIM_MAX, sizeof *r->raster->at[i]);
         good = good && r->raster->at[i];
@@ -544,7 +540,7 @@ ost_status ost_text_raster_read(const char *path, const ost_text_raster_options 
     reading r = {.options = options, .plan = {.path = path, .raster = raster}, .summary = summary, .raster = raster};
     if (ost_isa_choose(NULL, &isa, NULL) != OST_OK)
         isa = OST_ISA_SCALAR;
-    ost_text_kernels_fill(&r.plan.kernels, isa);
+    r.plan.match = ost_text_match_for(isa);
     if (stat(path, &st) != 0 || !S_ISREG(st.st_mode) || st.st_size == 0)
         return OST_OK;
     r.plan.fd = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY);
@@ -560,6 +556,8 @@ ost_status ost_text_raster_read(const char *path, const ost_text_raster_options 
     close(r.plan.fd);
     free(r.plan.columns);
     free(r.plan.lengths);
+    free(r.plan.middles);
+    free(r.plan.middle_lengths);
     if (good) {
         *found = true;
         return OST_OK;

@@ -13,22 +13,20 @@
 #include "io/text/lattice.h"
 
 /* A buffer stays in the second-level cache between the kernel's copy into it and the walk over it. */
-enum { CHUNK = 1 << 18, BUFFER = OST_TEXT_MARGIN + CHUNK + 2 * (OST_TEXT_LINE_MAX + 64) + OST_TEXT_MARGIN };
+enum { CHUNK = 1 << 17, BUFFER = CHUNK + 2 * (OST_TEXT_LINE_MAX + 64) + OST_TEXT_MARGIN };
 
 bool ost_text_walker_open(ost_text_walker *walker, const ost_text_plan *plan, bool learning)
 {
     *walker = (ost_text_walker){.plan = plan, .learning = learning, .parser = {.path = plan->path, .past_header = true}};
     walker->buffer = calloc(BUFFER, 1);
-    walker->ends = malloc((BUFFER + 16) * sizeof *walker->ends);
     if (learning)
         walker->row = malloc((size_t)plan->raster->count[0] * sizeof *walker->row);
-    return walker->buffer && walker->ends && (walker->row || !learning);
+    return walker->buffer && (walker->row || !learning);
 }
 
 void ost_text_walker_close(ost_text_walker *walker)
 {
     free(walker->buffer);
-    free(walker->ends);
     free(walker->row);
 }
 
@@ -53,28 +51,77 @@ ost_text_marks ost_text_mark(const char *p, const char *newline)
     return marks;
 }
 
-static bool set_around(ost_text_around *around, const char *p, const char *end)
+bool ost_text_column_set(ost_text_column *column, uint8_t *length, const char *p, const char *end)
 {
-    size_t length = (size_t)(end - p);
-    if (length > OST_TEXT_AROUND_MAX)
+    *length = 0;
+    if (end - p > OST_TEXT_COLUMN_MAX)
         return false;
-    *around = (ost_text_around){.length = (uint32_t)length};
-    memcpy(around->text, p, length);
-    memset(around->mask, 0xff, length);
+    *length = (uint8_t)(end - p);
+    memcpy(column->text, p, *length);
+    memset(column->mask, 0xff, *length);
     return true;
 }
 
-/* The pattern of the row that this line is in. */
+/* Appends to it; false when it is full. */
+static bool around_add(ost_text_around *around, const void *p, size_t length)
+{
+    if (length > OST_TEXT_AROUND_MAX - around->length)
+        return false;
+    memcpy(around->text + around->length, p, length);
+    memset(around->mask + around->length, 0xff, length);
+    around->length += (uint32_t)length;
+    return true;
+}
+
+/* The pattern of the pieces. */
+static bool compose(ost_text_walker *walker)
+{
+    int fastest = walker->plan->raster->axis[0];
+    ost_text_around sides[2] = {{.length = 0}, {.length = 0}};
+    bool good = true;
+    for (int a = 0; a < 3; a++)
+        if (a != fastest)
+            good = good && around_add(&sides[a > fastest], walker->piece[a].text, walker->piece[a].length);
+    good = good && around_add(&sides[1], walker->gap.text, walker->gap.length);
+    walker->pattern = (ost_text_pattern){.before = sides[0], .after = sides[1], .carriage = walker->plan->carriage};
+    return good;
+}
+
+/* The pieces of this line, and the pattern of its row. */
 static void learn_pattern(ost_text_walker *walker, const char *p, const char *newline)
 {
     const ost_text_plan *plan = walker->plan;
     if (!plan->fast)
         return;
-    int fastest = plan->raster->axis[0];
     ost_text_marks marks = ost_text_mark(p, newline);
-    walker->pattern.carriage = plan->carriage;
-    walker->known = set_around(&walker->pattern.before, p, fastest > 0 ? marks.end[fastest - 1] : p) &&
-                    set_around(&walker->pattern.after, marks.end[fastest], marks.density);
+    bool good = true;
+    for (int a = 0; a < 3; a++) {
+        const char *begin = a > 0 ? marks.end[a - 1] : p;
+        walker->piece[a] = (ost_text_around){.length = 0};
+        if (a != plan->raster->axis[0])
+            good = good && around_add(&walker->piece[a], begin, (size_t)(marks.end[a] - begin));
+    }
+    walker->gap = (ost_text_around){.length = 0};
+    good = good && around_add(&walker->gap, marks.end[2], (size_t)(marks.density - marks.end[2]));
+    walker->known = good && compose(walker);
+    if (walker->learning) {
+        int middle = plan->raster->axis[1];
+        const char *begin = middle > 0 ? marks.end[middle - 1] : p;
+        (void)ost_text_column_set(&plan->middles[walker->at[1]], &plan->middle_lengths[walker->at[1]], begin, marks.end[middle]);
+    }
+}
+
+/* The pattern of the slice's next row, from what the first slice had there; false when it cannot be known. */
+static bool foresee_row(ost_text_walker *walker)
+{
+    const ost_text_plan *plan = walker->plan;
+    int32_t next = walker->at[1] + 1;
+    if (walker->learning || !walker->known || next >= plan->raster->count[1] || plan->middle_lengths[next] == 0)
+        return false;
+    ost_text_around *piece = &walker->piece[plan->raster->axis[1]];
+    *piece = (ost_text_around){.length = 0};
+    walker->known = around_add(piece, plan->middles[next].text, plan->middle_lengths[next]) && compose(walker);
+    return walker->known;
 }
 
 /* Where a value is among monotone ones; -1 when it is none of them. */
@@ -208,26 +255,49 @@ static bool parse_line(ost_text_walker *walker, const char *p, const char *newli
 
 /* --------------------------------------------------------------- many lines */
 
-static bool walk_lines(ost_text_walker *walker, size_t lines)
+/* Lines matched from *text on, in this row from where the walker is. */
+static size_t match_lines(ost_text_walker *walker, const char **text, const char *end)
 {
     const ost_text_plan *plan = walker->plan;
-    const int32_t row = plan->raster->count[0];
-    const uint32_t *ends = walker->ends + 1; /* ends[-1] is before the first line */
-    for (size_t i = 0; i < lines && !walker->done;) {
-        int32_t at = walker->at[0];
-        if (walker->known && at < row) {
-            size_t most = lines - i < (size_t)(row - at) ? lines - i : (size_t)(row - at);
-            int16_t *to = walker->learning ? walker->row + at : plan->raster->voxels + walker->next;
-            size_t matched = plan->kernels.match(&walker->pattern, plan->columns + at, plan->lengths + at, walker->buffer, ends + i, most, to);
-            walker->at[0] += (int32_t)matched;
-            walker->next += (int64_t)matched;
-            i += matched;
-            if (matched == most)
+    int32_t at = walker->at[0];
+    int16_t *to = walker->learning ? walker->row + at : plan->raster->voxels + walker->next;
+    size_t matched = plan->match(&walker->pattern, plan->columns + at, plan->lengths + at, *text, end, (size_t)(plan->raster->count[0] - at), to, text);
+    walker->at[0] += (int32_t)matched;
+    walker->next += (int64_t)matched;
+    return matched;
+}
+
+/* As next_row and the lines from there on, without parsing one; false, and nothing has changed but `known`, when the first is not matched. */
+static bool match_next_row(ost_text_walker *walker, const char **text, const char *end)
+{
+    if (!foresee_row(walker))
+        return false;
+    walker->at[0] = 0;
+    if (match_lines(walker, text, end) > 0) {
+        walker->middle = walker->plan->raster->at[1][++walker->at[1]];
+        return true;
+    }
+    walker->at[0] = walker->plan->raster->count[0];
+    walker->known = false;
+    return false;
+}
+
+/* Whole lines, each with its newline. */
+static bool walk_lines(ost_text_walker *walker, const char *text, const char *end)
+{
+    const int32_t row = walker->plan->raster->count[0];
+    while (text < end && !walker->done) {
+        if (walker->known && walker->at[0] < row) {
+            (void)match_lines(walker, &text, end);
+            if (walker->at[0] == row || text == end)
                 continue;
         }
-        if (!parse_line(walker, walker->buffer + ends[(ptrdiff_t)i - 1] + 1, walker->buffer + ends[i]))
+        if (walker->placed && walker->at[0] == row && match_next_row(walker, &text, end))
+            continue;
+        const char *newline = memchr(text, '\n', (size_t)(end - text));
+        if (!newline || !parse_line(walker, text, newline))
             return false;
-        i++;
+        text = newline + 1;
     }
     return true;
 }
@@ -272,7 +342,7 @@ static bool complete(int fd, char *text, size_t *filled, int64_t at)
 bool ost_text_walk(ost_text_walker *walker, int64_t begin, int64_t end, bool inside)
 {
     const ost_text_plan *plan = walker->plan;
-    char *text = walker->buffer + OST_TEXT_MARGIN;
+    char *text = walker->buffer;
     size_t filled = 0;
     int64_t at = inside ? begin - 1 : begin;
     bool more = true;
@@ -293,13 +363,10 @@ bool ost_text_walk(ost_text_walker *walker, int64_t begin, int64_t end, bool ins
         }
         if (!more && filled > 0 && text[filled - 1] != '\n' && !complete(plan->fd, text, &filled, at))
             return false;
-        size_t padded = (filled + 63) / 64 * 64;
-        memset(text + filled, 0, padded - filled);
-        walker->ends[0] = OST_TEXT_MARGIN - 1;
-        size_t lines = plan->kernels.newlines(text, padded, OST_TEXT_MARGIN, walker->ends + 1);
-        if (!walk_lines(walker, lines))
+        const char *last = memrchr(text, '\n', filled);
+        size_t used = last ? (size_t)(last + 1 - text) : 0;
+        if (!walk_lines(walker, text, text + used))
             return false;
-        size_t used = walker->ends[lines] + 1 - OST_TEXT_MARGIN;
         filled -= used;
         if (filled > OST_TEXT_LINE_MAX)
             return false;

@@ -7,8 +7,15 @@
  *                             place is known; from there on places follow
  *
  * A line that is not matched is parsed as any text's, and what it says must be
- * what its place asks for; then it gives the pattern for those after it.  That
- * happens at least once a row.
+ * what its place asks for; then it gives the pattern for those after it.
+ *
+ *   "-57.340000 12.220000 3.000000 1043\n"
+ *    |--piece-||--piece-||-piece-||          a position and what is in front of it
+ *
+ * When a row ends, the next one's pattern is this one's with the piece that
+ * the middle axis had in that row of the first slice.  Each piece but the first
+ * begins with what separates it, so pieces put together are read as they
+ * were read apart, and a line of those bytes needs no parsing either.
  */
 #ifndef OST_IO_TEXT_WALK_H
 #define OST_IO_TEXT_WALK_H
@@ -24,10 +31,12 @@ typedef struct ost_text_plan {
     ost_text_raster *raster;
     ost_text_column *columns; /* owned; raster->count[0] */
     uint8_t *lengths;         /* owned; of their texts; 0 in one whose text is too long */
+    ost_text_column *middles; /* owned; pieces of the middle axis, raster->count[1] */
+    uint8_t *middle_lengths;  /* owned; 0 of one that is too long */
     bool fast;                /* every column has a text */
     bool carriage;
     ost_pm last_slow;
-    ost_text_kernels kernels;
+    ost_text_match *match;
 } ost_text_plan;
 
 typedef struct ost_text_walker {
@@ -44,9 +53,10 @@ typedef struct ost_text_walker {
     ost_pm first_slow;   /* of the first line */
     uint32_t units[3];   /* by axis, as in ost_text_axis */
     ost_text_pattern pattern;
+    ost_text_around piece[3]; /* by axis, of the row that pattern holds in; that of the fastest axis is not kept */
+    ost_text_around gap;      /* between the last position and the density */
     ost_text_parser parser;
     char *buffer;        /* owned */
-    uint32_t *ends;      /* owned */
     int16_t *row;        /* owned; learning only */
 } ost_text_walker;
 
@@ -70,5 +80,8 @@ typedef struct ost_text_marks {
     const char *density;
 } ost_text_marks;
 ost_text_marks ost_text_mark(const char *p, const char *newline);
+
+/* False, and a length of 0, when the text is too long. */
+bool ost_text_column_set(ost_text_column *column, uint8_t *length, const char *p, const char *end);
 
 #endif

@@ -2,8 +2,9 @@
 /*
  * Four lines at a time: their differences from what is expected are collected
  * in one register, which is looked at once.  Densities are parsed one by one,
- * as 64-bit lanes have no multiplication.  Four that do not all match are
- * gone over again one by one.
+ * as 64-bit lanes have no multiplication; so is each line's end found with
+ * its density, in general registers.  Four that do not all match are gone over
+ * again one by one.
  */
 #include "core/conditions.h"
 
@@ -13,34 +14,21 @@
 
 enum { LINES = 4 };
 
-static size_t newlines(const char *text, size_t bytes, uint32_t base, uint32_t *at)
-{
-    const uint8x16_t newline = vdupq_n_u8('\n');
-    uint32_t *to = at;
-    for (size_t i = 0; i < bytes; i += 64) {
-        const uint8_t *p = (const uint8_t *)text + i;
-        uint64_t bits = ost_neon_bits64(vceqq_u8(vld1q_u8(p), newline), vceqq_u8(vld1q_u8(p + 16), newline),
-                                        vceqq_u8(vld1q_u8(p + 32), newline), vceqq_u8(vld1q_u8(p + 48), newline));
-        for (; bits; bits &= bits - 1)
-            *to++ = base + (uint32_t)i + (uint32_t)__builtin_ctzll(bits);
-    }
-    return (size_t)(to - at);
-}
-
 /* found | (bytes ^ text) & mask */
 static inline uint8x16_t differ(uint8x16_t found, const char *bytes, uint8x16_t text, uint8x16_t mask)
 {
     return vorrq_u8(found, vandq_u8(veorq_u8(vld1q_u8((const uint8_t *)bytes), text), mask));
 }
 
-/* The first `count` lines. */
-static inline bool match_lines(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths, const char *text,
-                               const uint32_t *ends, int count, int16_t *density)
+/* The first `count` lines from *text on, 1 to 4; whether all of them match and end before `end`. *text moves behind them then. */
+static inline bool match_lines(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths, const char **text,
+                               const char *end, int count, int16_t *density)
 {
     const ost_text_around *before = &pattern->before, *after = &pattern->after;
     uint8x16_t found = vdupq_n_u8(0);
+    int16_t value[LINES];
+    const char *p = *text;
     for (int i = 0; i < count; i++) {
-        const char *p = text + ends[i - 1] + 1, *end = text + ends[i];
         if (before->length) {
             for (int h = 0; h < OST_TEXT_AROUND_MAX; h += 16)
                 found = differ(found, p + h, vld1q_u8(before->text + h), vld1q_u8(before->mask + h));
@@ -51,27 +39,30 @@ static inline bool match_lines(const ost_text_pattern *pattern, const ost_text_c
         for (int h = 0; h < OST_TEXT_AROUND_MAX; h += 16)
             found = differ(found, p + h, vld1q_u8(after->text + h), vld1q_u8(after->mask + h));
         p += after->length;
-        if (pattern->carriage && *--end != '\r')
+        uint64_t word = ost_text_word(p);
+        int64_t bytes = ost_text_bytes_of_line(word);
+        if (pattern->carriage && (bytes < 1 || p[bytes - 1] != '\r'))
             return false;
-        /* A line too short for all of this ends at p or before: that is no density. */
-        if (!ost_text_density(p, end, &density[i]))
+        if (!ost_text_density(word, bytes - pattern->carriage, &value[i]))
             return false;
+        p += bytes + 1;
     }
-    return !ost_neon_any(found);
+    if (p > end || ost_neon_any(found))
+        return false;
+    for (int i = 0; i < count; i++)
+        density[i] = value[i];
+    *text = p;
+    return true;
 }
 
-static size_t match(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths, const char *text,
-                    const uint32_t *ends, size_t lines, int16_t *density)
+size_t ost_text_match_neon(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths, const char *text,
+                           const char *end, size_t lines, int16_t *density, const char **next)
 {
     size_t i = 0;
-    while (i + LINES <= lines && match_lines(pattern, columns + i, lengths + i, text, ends + i, LINES, density + i))
+    while (i + LINES <= lines && match_lines(pattern, columns + i, lengths + i, &text, end, LINES, density + i))
         i += LINES;
-    while (i < lines && match_lines(pattern, columns + i, lengths + i, text, ends + i, 1, density + i))
+    while (i < lines && text < end && match_lines(pattern, columns + i, lengths + i, &text, end, 1, density + i))
         i++;
+    *next = text;
     return i;
-}
-
-void ost_text_kernels_neon(ost_text_kernels *kernels)
-{
-    *kernels = (ost_text_kernels){newlines, match};
 }

@@ -12,32 +12,9 @@
 
 enum { LANES = 4 };
 
-static size_t newlines(const char *text, size_t bytes, uint32_t base, uint32_t *at)
-{
-    const __m256i newline = _mm256_set1_epi8('\n');
-    uint32_t *to = at;
-    for (size_t i = 0; i < bytes; i += 64) {
-        __m256i low = _mm256_cmpeq_epi8(_mm256_loadu_si256((const void *)(text + i)), newline);
-        __m256i high = _mm256_cmpeq_epi8(_mm256_loadu_si256((const void *)(text + i + 32)), newline);
-        uint64_t bits = (uint32_t)_mm256_movemask_epi8(low) | (uint64_t)(uint32_t)_mm256_movemask_epi8(high) << 32;
-        uint32_t from = base + (uint32_t)i;
-        size_t count = (size_t)_mm_popcnt_u64(bits);
-        /* Two are written whether they are there or not: few lines are shorter than 32 bytes. */
-        to[0] = from + (uint32_t)_tzcnt_u64(bits);
-        bits = _blsr_u64(bits);
-        to[1] = from + (uint32_t)_tzcnt_u64(bits);
-        for (size_t k = 2; k < count; k++) {
-            bits = _blsr_u64(bits);
-            to[k] = from + (uint32_t)_tzcnt_u64(bits);
-        }
-        to += count;
-    }
-    return (size_t)(to - at);
-}
-
 /*
- * last: the eight bytes before each line's end; length: of what must be its
- * density, of any size, signed.  Returns lanes of values and in *good lanes of -1.
+ * last: bytes of which the last ones are the density; length: how many, of any
+ * size, signed.  Returns lanes of values and in *good lanes of -1.
  */
 static inline __m256i parse(__m256i last, __m256i length, __m256i *good)
 {
@@ -76,29 +53,42 @@ static inline __m256i differ32(__m256i found, const char *bytes, __m256i text, _
     return _mm256_or_si256(found, _mm256_and_si256(x, mask));
 }
 
-/* The first `count` lines, 1 to 4; lanes beyond repeat the first. */
-static inline bool match_four(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths, const char *text,
-                              const uint32_t *ends, int count, int16_t *density)
+/*
+ * The first `count` lines from *text on, 1 to 4; whether all of them match and
+ * end before `end`.  *text moves behind them then.  Lanes beyond hold a 0, which is good.
+ */
+static inline __attribute__((always_inline)) bool match_four(const ost_text_pattern *pattern, const ost_text_column *columns,
+                                                             const uint8_t *lengths, const char **text, const char *end, int count,
+                                                             int16_t *density)
 {
     const __m256i before = _mm256_loadu_si256((const void *)pattern->before.text);
     const __m256i before_mask = _mm256_loadu_si256((const void *)pattern->before.mask);
     const __m256i after = _mm256_loadu_si256((const void *)pattern->after.text);
     const __m256i after_mask = _mm256_loadu_si256((const void *)pattern->after.mask);
-    const uint32_t lead = pattern->before.length, other = lead + pattern->after.length + pattern->carriage;
+    const size_t lead = pattern->before.length, other = lead + pattern->after.length;
     __m128i found16 = _mm_setzero_si128();
     __m256i found32 = _mm256_setzero_si256();
-    int64_t length[LANES], last[LANES];
-    for (int lane = 0; lane < LANES; lane++) {
-        int i = lane < count ? lane : 0;
-        const char *p = text + ends[i - 1] + 1;
-        length[lane] = (int64_t)ends[i] - ends[i - 1] - 1 - lengths[i] - other;
-        memcpy(&last[lane], text + ends[i] - 8, sizeof last[lane]);
-        if (lead) {
+    /* "0" as if it ended its eight bytes, or "0\r". */
+    const uint64_t nothing = pattern->carriage ? UINT64_C(0x0d30000000000000) : UINT64_C(0x3000000000000000);
+    uint64_t last[LANES] = {nothing, nothing, nothing, nothing};
+    int64_t length[LANES] = {1, 1, 1, 1};
+    const char *p = *text;
+#pragma GCC unroll 4
+    for (int i = 0; i < count; i++) {
+        const char *q = p + other + lengths[i];
+        uint64_t word;
+        memcpy(&word, q, sizeof word);
+        uint64_t x = word ^ UINT64_C(0x0a0a0a0a0a0a0a0a);
+        uint64_t bits = _tzcnt_u64((x - UINT64_C(0x0101010101010101)) & ~x & UINT64_C(0x8080808080808080));
+        const char *column = p + lead;
+        if (lead)
             found32 = differ32(found32, p, before, before_mask);
-            p += lead;
-        }
-        found16 = differ16(found16, p, &columns[i]);
-        found32 = differ32(found32, p + lengths[i], after, after_mask);
+        found16 = differ16(found16, column, &columns[i]);
+        found32 = differ32(found32, column + lengths[i], after, after_mask);
+        /* The newline's mark is bit 8 n + 7. Without one n is 8, and with it first, 0: no density has either. */
+        length[i] = (int64_t)(bits >> 3) - pattern->carriage;
+        last[i] = word << ((71 - bits) & 63);
+        p = q + (bits >> 3) + 1;
     }
     found32 = _mm256_or_si256(found32, _mm256_zextsi128_si256(found16));
     __m256i tail = _mm256_loadu_si256((const void *)last), good, lines = _mm256_set1_epi64x(-1);
@@ -112,22 +102,20 @@ static inline bool match_four(const ost_text_pattern *pattern, const ost_text_co
     _mm256_storeu_si256((void *)value, values);
     for (int i = 0; i < count; i++)
         density[i] = (int16_t)value[i];
-    return _mm256_movemask_epi8(good) == -1 && _mm256_testz_si256(found32, found32);
+    if (_mm256_movemask_epi8(good) != -1 || !_mm256_testz_si256(found32, found32) || p > end)
+        return false;
+    *text = p;
+    return true;
 }
 
-static size_t match(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths, const char *text,
-                    const uint32_t *ends, size_t lines, int16_t *density)
+size_t ost_text_match_avx2(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths, const char *text,
+                           const char *end, size_t lines, int16_t *density, const char **next)
 {
     size_t i = 0;
-    for (; i < lines; i += LANES)
-        if (!match_four(pattern, columns + i, lengths + i, text, ends + i, lines - i < LANES ? (int)(lines - i) : LANES, density + i))
-            break;
-    while (i < lines && match_four(pattern, columns + i, lengths + i, text, ends + i, 1, density + i))
+    while (i + LANES <= lines && match_four(pattern, columns + i, lengths + i, &text, end, LANES, density + i))
+        i += LANES;
+    while (i < lines && text < end && match_four(pattern, columns + i, lengths + i, &text, end, 1, density + i))
         i++;
-    return i < lines ? i : lines;
-}
-
-void ost_text_kernels_avx2(ost_text_kernels *kernels)
-{
-    *kernels = (ost_text_kernels){newlines, match};
+    *next = text;
+    return i;
 }
