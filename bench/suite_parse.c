@@ -115,7 +115,7 @@ static ost_status import(parse *p, ost_backend *backend, bool digests, bench_ser
 {
     ost_bone *bone = NULL;
     ost_import_result result;
-    const ost_import_options options = {.digests = digests};
+    const ost_import_options options = {.digests = digests, .threads = p->options->threads};
     int64_t begin = bench_now();
     ost_status status = ost_import(backend, p->path, &options, &bone, &result, p->err);
     double ns = (double)(bench_now() - begin);

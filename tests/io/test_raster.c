@@ -503,7 +503,7 @@ static void kernels_agree(void **state)
     char *bytes = malloc(ROOM + OST_TEXT_MARGIN);
     assert_non_null(bytes);
     for (int round = 0; round < test_rounds(6000); round++) {
-        ost_text_pattern pattern = {.carriage = rng_range(&rng, 0, 1)};
+        ost_text_pattern pattern = {.carriage = rng_range(&rng, 0, 1), .shortest = OST_TEXT_COLUMN_MAX};
         ost_text_column columns[LINES] = {{{0}, {0}}};
         uint8_t lengths[LINES];
         ost_text_around *around[2] = {&pattern.before, &pattern.after};
@@ -520,6 +520,7 @@ static void kernels_agree(void **state)
         memset(bytes, rng_range(&rng, 0, 1) ? '\n' : '7', ROOM + OST_TEXT_MARGIN);
         for (int i = 0; i < LINES; i++) {
             lengths[i] = (uint8_t)rng_range(&rng, 1, OST_TEXT_COLUMN_MAX);
+            pattern.shortest = lengths[i] < pattern.shortest ? lengths[i] : pattern.shortest;
             for (int k = 0; k < lengths[i]; k++) {
                 columns[i].text[k] = (unsigned char)"0123456789.-"[rng_range(&rng, 0, 11)];
                 columns[i].mask[k] = 0xff;

@@ -108,6 +108,7 @@ static void test_match(check *c)
     pattern->before.length = check_chance(c, 2) ? 0 : (uint32_t)check_range(c, 0, OST_TEXT_AROUND_MAX);
     pattern->after.length = check_chance(c, 4) ? OST_TEXT_AROUND_MAX : (uint32_t)check_range(c, 0, OST_TEXT_AROUND_MAX);
     pattern->carriage = check_chance(c, 3);
+    pattern->shortest = check_chance(c, 2) ? 0 : (uint32_t)check_range(c, 0, OST_TEXT_COLUMN_MAX);
     some_bytes(c, pattern->before.length, pattern->before.text, pattern->before.mask, OST_TEXT_AROUND_MAX);
     some_bytes(c, pattern->after.length, pattern->after.text, pattern->after.mask, OST_TEXT_AROUND_MAX);
     ost_text_column *columns = check_input(c, "columns", lines, sizeof *columns, 1);
@@ -116,7 +117,7 @@ static void test_match(check *c)
     size_t bytes = 0, begins[LINES_MAX + 1];
     const int one_bad_in = (int)check_range(c, 1, 60);
     for (size_t i = 0; i < lines; i++) {
-        lengths[i] = (uint8_t)check_range(c, 0, OST_TEXT_COLUMN_MAX);
+        lengths[i] = (uint8_t)check_range(c, pattern->shortest, OST_TEXT_COLUMN_MAX);
         some_bytes(c, lengths[i], columns[i].text, columns[i].mask, OST_TEXT_COLUMN_MAX);
         begins[i] = bytes;
         bytes += some_line(c, pattern, &columns[i], lengths[i], !check_chance(c, one_bad_in), joined + bytes);
@@ -131,8 +132,8 @@ static void test_match(check *c)
     memcpy(text, joined, end + there);
     void *density[2];
     check_outputs(c, "density", lines, sizeof(int16_t), sizeof(int16_t), density);
-    check_note(c, "%zu lines of %zu, %u bytes before, %u after, carriage %d", here, lines, pattern->before.length, pattern->after.length,
-               pattern->carriage);
+    check_note(c, "%zu lines of %zu, %u bytes before, %u or more of a column, %u after, carriage %d", here, lines, pattern->before.length,
+               pattern->shortest, pattern->after.length, pattern->carriage);
     match_arguments a = {pattern, columns, lengths, text, text + end, lines, density[0], 0, NULL}, b = a;
     b.density = density[1];
     if (check_both(c, call_match, &a, &b) && check_that(c, a.matched == b.matched, "matches %zu, not %zu", b.matched, a.matched) &&
@@ -156,6 +157,7 @@ static void bench_match(check_bench *b)
     for (size_t i = 0; i < LINES; i++) {
         lengths[i] = (uint8_t)snprintf((char *)columns[i].text, sizeof columns[i].text, "%.6f", -57.34 + 0.47 * (double)i);
         memset(columns[i].mask, 0xff, lengths[i]);
+        pattern.shortest = i == 0 || lengths[i] < pattern.shortest ? lengths[i] : pattern.shortest;
         bytes += (size_t)snprintf(text + bytes, 64, "%s%s%d", (char *)columns[i].text, (char *)pattern.after.text, (int)(i * 37 % 1500) - 200);
         text[bytes++] = '\n';
     }

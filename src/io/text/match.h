@@ -40,7 +40,8 @@ typedef struct ost_text_around {
 
 typedef struct ost_text_pattern {
     ost_text_around before, after;
-    bool carriage; /* lines end with "\r\n" */
+    uint32_t shortest; /* no column is shorter */
+    bool carriage;     /* lines end with "\r\n" */
 } ost_text_pattern;
 
 /*

@@ -74,6 +74,7 @@ static bool learn_column(reading *r, const char *p, const char *newline, const o
     ost_text_marks marks = ost_text_mark(p, newline);
     const char *begin = fastest > 0 ? marks.end[fastest - 1] : p;
     r->plan.fast = ost_text_column_set(&r->plan.columns[i], &r->plan.lengths[i], begin, marks.end[fastest]) && r->plan.fast;
+    r->plan.shortest = r->plan.lengths[i] < r->plan.shortest ? r->plan.lengths[i] : r->plan.shortest;
     raster->count[0] = i + 1;
     return true;
 }
@@ -184,6 +185,7 @@ static bool learn(reading *r, bool *terminated)
         good = good && r->raster->at[i];
     }
     r->plan.fast = true;
+    r->plan.shortest = OST_TEXT_COLUMN_MAX;
     ssize_t bytes = good ? pread(r->plan.fd, head, HEAD, 0) : 0;
     good = bytes > 0 && learn_row(r, head, (size_t)bytes) && learn_last(r, terminated) && learn_slice(r);
     free(head);

@@ -83,7 +83,12 @@ static bool compose(ost_text_walker *walker)
         if (a != fastest)
             good = good && around_add(&sides[a > fastest], walker->piece[a].text, walker->piece[a].length);
     good = good && around_add(&sides[1], walker->gap.text, walker->gap.length);
-    walker->pattern = (ost_text_pattern){.before = sides[0], .after = sides[1], .carriage = walker->plan->carriage};
+    walker->pattern = (ost_text_pattern){
+        .before = sides[0],
+        .after = sides[1],
+        .shortest = walker->plan->shortest,
+        .carriage = walker->plan->carriage,
+    };
     return good;
 }
 

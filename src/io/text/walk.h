@@ -33,6 +33,7 @@ typedef struct ost_text_plan {
     uint8_t *lengths;         /* owned; of their texts; 0 in one whose text is too long */
     ost_text_column *middles; /* owned; pieces of the middle axis, raster->count[1] */
     uint8_t *middle_lengths;  /* owned; 0 of one that is too long */
+    uint32_t shortest;        /* the least of the columns' lengths */
     bool fast;                /* every column has a text */
     bool carriage;
     ost_pm last_slow;

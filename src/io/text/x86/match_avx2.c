@@ -5,10 +5,7 @@
  */
 #include "core/conditions.h"
 
-#include "io/text/match.h"
-
-#include <immintrin.h>
-#include <string.h>
+#include "io/text/x86/match_four.h"
 
 enum { LANES = 4 };
 
@@ -40,81 +37,70 @@ static inline __m256i parse(__m256i last, __m256i length, __m256i *good)
     return _mm256_sub_epi64(_mm256_xor_si256(value, negative), negative);
 }
 
-/* found |= (bytes ^ text) & mask */
-static inline __m128i differ16(__m128i found, const char *bytes, const ost_text_column *column)
+/* A word as match.c has it: its density and what is before it, shifted to the end; returns the density's length. */
+static inline int64_t align(uint64_t *word, bool carriage)
 {
-    __m128i x = _mm_xor_si128(_mm_loadu_si128((const void *)bytes), _mm_loadu_si128((const void *)column->text));
-    return _mm_or_si128(found, _mm_and_si128(x, _mm_loadu_si128((const void *)column->mask)));
+    uint64_t x = *word ^ UINT64_C(0x0a0a0a0a0a0a0a0a);
+    uint64_t bits = _tzcnt_u64((x - UINT64_C(0x0101010101010101)) & ~x & UINT64_C(0x8080808080808080));
+    /* The newline's mark is bit 8 n + 7. Without one n is 8, and with it first, 0: no density has either. */
+    *word <<= (71 - bits) & 63;
+    return (int64_t)(bits >> 3) - carriage;
 }
 
-static inline __m256i differ32(__m256i found, const char *bytes, __m256i text, __m256i mask)
+/* The densities of `count` words, 1 to 4; whether all are of the common form. The others hold anything. */
+static inline bool parse_words(uint64_t words[LANES], int count, bool carriage, int16_t *density)
 {
-    __m256i x = _mm256_xor_si256(_mm256_loadu_si256((const void *)bytes), text);
-    return _mm256_or_si256(found, _mm256_and_si256(x, mask));
-}
-
-/*
- * The first `count` lines from *text on, 1 to 4; whether all of them match and
- * end before `end`.  *text moves behind them then.  Lanes beyond hold a 0, which is good.
- */
-static inline __attribute__((always_inline)) bool match_four(const ost_text_pattern *pattern, const ost_text_column *columns,
-                                                             const uint8_t *lengths, const char **text, const char *end, int count,
-                                                             int16_t *density)
-{
-    const __m256i before = _mm256_loadu_si256((const void *)pattern->before.text);
-    const __m256i before_mask = _mm256_loadu_si256((const void *)pattern->before.mask);
-    const __m256i after = _mm256_loadu_si256((const void *)pattern->after.text);
-    const __m256i after_mask = _mm256_loadu_si256((const void *)pattern->after.mask);
-    const size_t lead = pattern->before.length, other = lead + pattern->after.length;
-    __m128i found16 = _mm_setzero_si128();
-    __m256i found32 = _mm256_setzero_si256();
-    /* "0" as if it ended its eight bytes, or "0\r". */
-    const uint64_t nothing = pattern->carriage ? UINT64_C(0x0d30000000000000) : UINT64_C(0x3000000000000000);
-    uint64_t last[LANES] = {nothing, nothing, nothing, nothing};
-    int64_t length[LANES] = {1, 1, 1, 1};
-    const char *p = *text;
-#pragma GCC unroll 4
-    for (int i = 0; i < count; i++) {
-        const char *q = p + other + lengths[i];
-        uint64_t word;
-        memcpy(&word, q, sizeof word);
-        uint64_t x = word ^ UINT64_C(0x0a0a0a0a0a0a0a0a);
-        uint64_t bits = _tzcnt_u64((x - UINT64_C(0x0101010101010101)) & ~x & UINT64_C(0x8080808080808080));
-        const char *column = p + lead;
-        if (lead)
-            found32 = differ32(found32, p, before, before_mask);
-        found16 = differ16(found16, column, &columns[i]);
-        found32 = differ32(found32, column + lengths[i], after, after_mask);
-        /* The newline's mark is bit 8 n + 7. Without one n is 8, and with it first, 0: no density has either. */
-        length[i] = (int64_t)(bits >> 3) - pattern->carriage;
-        last[i] = word << ((71 - bits) & 63);
-        p = q + (bits >> 3) + 1;
+    int64_t length[LANES], value[LANES];
+    for (int i = 0; i < LANES; i++)
+        length[i] = align(&words[i], carriage);
+    __m256i last = _mm256_setr_epi64x((int64_t)words[0], (int64_t)words[1], (int64_t)words[2], (int64_t)words[3]);
+    __m256i lines = _mm256_set1_epi64x(-1), good;
+    if (carriage) {
+        lines = _mm256_cmpeq_epi64(_mm256_srli_epi64(last, 56), _mm256_set1_epi64x('\r'));
+        last = _mm256_slli_epi64(last, 8);
     }
-    found32 = _mm256_or_si256(found32, _mm256_zextsi128_si256(found16));
-    __m256i tail = _mm256_loadu_si256((const void *)last), good, lines = _mm256_set1_epi64x(-1);
-    if (pattern->carriage) {
-        lines = _mm256_cmpeq_epi64(_mm256_srli_epi64(tail, 56), _mm256_set1_epi64x('\r'));
-        tail = _mm256_slli_epi64(tail, 8);
-    }
-    __m256i values = parse(tail, _mm256_loadu_si256((const void *)length), &good);
+    __m256i values = parse(last, _mm256_setr_epi64x(length[0], length[1], length[2], length[3]), &good);
     good = _mm256_and_si256(good, lines);
-    int64_t value[LANES];
     _mm256_storeu_si256((void *)value, values);
     for (int i = 0; i < count; i++)
         density[i] = (int16_t)value[i];
-    if (_mm256_movemask_epi8(good) != -1 || !_mm256_testz_si256(found32, found32) || p > end)
+    const int lanes = (1 << count) - 1;
+    return (_mm256_movemask_pd(_mm256_castsi256_pd(good)) & lanes) == lanes;
+}
+
+/* The first `count` lines from *text on, 1 to 4; whether all of them match and end before `end`. *text moves behind them then. */
+static inline __attribute__((always_inline)) bool match_some(const ost_text_pattern *pattern, const ost_text_column *columns,
+                                                             const uint8_t *lengths, const char **text, const char *end, bool jump, int count,
+                                                             int16_t *density)
+{
+    match_state s = match_begin(pattern, lengths, *text);
+    uint64_t words[LANES] = {0};
+    if (jump) {
+        __m128i pairs[2];
+        match_four(&s, columns, lengths, pairs);
+        for (int i = 0; i < 2; i++) {
+            words[2 * i] = (uint64_t)_mm_cvtsi128_si64(pairs[i]);
+            words[2 * i + 1] = (uint64_t)_mm_extract_epi64(pairs[i], 1);
+        }
+    } else {
+        for (int i = 0; i < count; i++)
+            words[i] = match_one(&s, &columns[i], lengths[i]);
+    }
+    if (!parse_words(words, count, pattern->carriage, density) || !match_fronts_are_good(&s) || s.line > end)
         return false;
-    *text = p;
+    *text = s.line;
     return true;
 }
 
 size_t ost_text_match_avx2(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths, const char *text,
                            const char *end, size_t lines, int16_t *density, const char **next)
 {
+    const bool jump = pattern->before.length + pattern->after.length + pattern->shortest >= OST_TEXT_JUMP;
     size_t i = 0;
-    while (i + LANES <= lines && match_four(pattern, columns + i, lengths + i, &text, end, LANES, density + i))
+    while (i + LANES <= lines && (jump ? match_some(pattern, columns + i, lengths + i, &text, end, true, LANES, density + i)
+                                       : match_some(pattern, columns + i, lengths + i, &text, end, false, LANES, density + i)))
         i += LANES;
-    while (i < lines && text < end && match_four(pattern, columns + i, lengths + i, &text, end, 1, density + i))
+    while (i < lines && text < end && match_some(pattern, columns + i, lengths + i, &text, end, false, 1, density + i))
         i++;
     *next = text;
     return i;
