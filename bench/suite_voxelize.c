@@ -5,17 +5,24 @@
  *
  *   voxelize/sphere80k/N, voxelize/knot524k/N   cubes of N = 256, 512, 1024
  *   voxelize/reamer/0.5, voxelize/peg/0.5       the parametric tools
+ *   the same and /bytes                         a byte a voxel out of ours
  *
  * The baseline is Embree: a packet of rays for sixteen rows, a filter that
  * notes every hit, parity bits out, hierarchy included; both of Embree's build
- * qualities are tried and the better one counts.  Ours includes allocating the
- * grid that it returns.
+ * qualities are tried and the better one counts.  Bits out of both, into
+ * memory that was touched before: that is like for like, and ours is the
+ * voxelizer without the tool around it.  A /bytes row is the public call,
+ * which allocates the tool and gives each voxel its class, against the same
+ * baseline.
  */
 #include "bench/baseline_embree.h"
 #include "bench/bench.h"
 #include "bench/meshes.h"
 
 #include <osteon/phantom.h>
+
+#include "core/backend.h"
+#include "cpu/voxelize.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -32,8 +39,9 @@ typedef struct voxelize {
     ost_snapped_mesh mesh;
     ost_backend *backend;
     ost_voxelize_report report;
-    bench_series ours, embree[2]; /* [low quality] */
-    uint64_t *bits;
+    bench_series ours_bits, ours, embree[2]; /* [low quality] */
+    uint64_t *bits;     /* the baseline's */
+    uint64_t *own_bits; /* ours; NULL on a backend that only makes bytes */
     int64_t embree_solid;
     bool has_embree, equal;
 } voxelize;
@@ -51,6 +59,24 @@ static ost_status voxels_of(voxelize *v, ost_backend *backend, ost_tool_volume *
     return status;
 }
 
+/* The bits of our own voxelizer; the backend is cpu. */
+static ost_status make_bits(voxelize *v, ost_voxelize_report *report)
+{
+    return ost_cpu_voxelize((const cpu_backend *)v->backend, &v->mesh, NULL, OST_FILL_WINDING, report,
+                            &(ost_vox_result){.cutting = v->own_bits}, v->err);
+}
+
+static bool bits_are(const voxelize *v, const uint8_t *voxels)
+{
+    const ost_dims d = v->mesh.grid.dims;
+    const size_t words = (size_t)ost_vox_words(d.x);
+    for (size_t row = 0; row < (size_t)d.y * (size_t)d.z; row++)
+        for (int32_t i = 0; i < d.x; i++)
+            if ((v->own_bits[row * words + (size_t)i / 64] >> (i % 64) & 1) != *voxels++)
+                return false;
+    return true;
+}
+
 static ost_status verify(voxelize *v)
 {
     ost_backend *ref = NULL;
@@ -64,6 +90,10 @@ static ost_status verify(voxelize *v)
     if (status == OST_OK)
         v->equal = report.solid_voxels == v->report.solid_voxels && report.leaking_rows == v->report.leaking_rows &&
                    memcmp(expected.voxels, ours.voxels, (size_t)ost_dims_count(v->mesh.grid.dims)) == 0;
+    if (status == OST_OK && v->own_bits) {
+        status = make_bits(v, &v->report);
+        v->equal = v->equal && report.solid_voxels == v->report.solid_voxels && bits_are(v, expected.voxels);
+    }
     ost_tool_volume_free(&expected);
     ost_tool_volume_free(&ours);
     ost_backend_close(ref);
@@ -82,6 +112,15 @@ static ost_status time_ours(voxelize *v, bench_series *series)
     ost_tool_free(tool);
     if (series)
         bench_series_add(series, (double)(end - begin));
+    return status;
+}
+
+static ost_status time_bits(voxelize *v)
+{
+    ost_voxelize_report report;
+    int64_t begin = bench_now();
+    ost_status status = make_bits(v, &report);
+    bench_series_add(&v->ours_bits, (double)(bench_now() - begin));
     return status;
 }
 
@@ -105,21 +144,32 @@ static ost_status repeat(voxelize *v, int count)
         time_embree(v, false, NULL);
     for (int i = 0; i < count && status == OST_OK; i++) {
         status = time_ours(v, &v->ours);
+        if (status == OST_OK && v->own_bits)
+            status = time_bits(v);
         for (int low = 0; low < 2 && v->has_embree; low++)
             time_embree(v, low, &v->embree[low]);
     }
     return status;
 }
 
-static void fill_row(voxelize *v, bench_row *row)
+static ost_status add_row(voxelize *v, const char *name, bench_series *ours)
 {
+    if (v->options->filter && !strstr(name, v->options->filter))
+        return OST_OK;
+    bench_row *row = bench_row_add(v->table, name, "ms", v->options->threads);
+    if (!row)
+        return ost_fail(v->err, OST_ERR_MEMORY, "no memory for a row");
     row->equal = v->equal;
     if (!v->equal)
-        return;
-    const bool low = bench_series_at(&v->embree[1], 0.5) < bench_series_at(&v->embree[0], 0.5);
-    bench_row_ours(row, &v->ours);
+        return OST_OK;
+    if (ours->count == 0) {
+        snprintf(row->reason, sizeof row->reason, "this backend makes bytes alone");
+        return OST_OK;
+    }
+    const bool low = bench_series_at(&v->embree[1], 0) < bench_series_at(&v->embree[0], 0);
+    bench_row_ours(row, ours);
     bench_row_baseline(row, &v->embree[low],
-                       low ? "Embree ray packets with an all-hits filter, fast build" : "Embree ray packets with an all-hits filter");
+                       low ? "Embree ray packets with an all-hits filter, bits out, fast build" : "Embree ray packets with an all-hits filter, bits out");
     if (!v->has_embree)
         snprintf(row->baseline_reason, sizeof row->baseline_reason, "Embree is not built in; Debian: libembree-dev");
     bench_row_extra(row, "triangles", (double)v->mesh.triangle_count);
@@ -127,6 +177,21 @@ static void fill_row(voxelize *v, bench_row *row)
     bench_row_extra(row, "solid_voxels", (double)v->report.solid_voxels);
     if (v->has_embree)
         bench_row_extra(row, "baseline_solid_voxels", (double)v->embree_solid);
+    return OST_OK;
+}
+
+/* Where our bits go. */
+static ost_status make_room(voxelize *v)
+{
+    const ost_dims d = v->mesh.grid.dims;
+    if (v->backend->ops != &ost_backend_cpu)
+        return OST_OK;
+    const size_t bytes = (8 * (size_t)ost_vox_words(d.x) * (size_t)d.y * (size_t)d.z + 63) / 64 * 64;
+    v->own_bits = aligned_alloc(64, bytes);
+    if (!v->own_bits)
+        return ost_fail(v->err, OST_ERR_MEMORY, "no memory for %zu bytes of bits", bytes);
+    memset(v->own_bits, 1, bytes);
+    return OST_OK;
 }
 
 /* mesh and its grid are given; owns neither. */
@@ -138,15 +203,20 @@ static ost_status measure(const bench_options *options, bench_table *table, cons
     if (status == OST_OK)
         status = bench_backend(options, options->threads, &v.backend, err);
     if (status == OST_OK)
+        status = make_room(&v);
+    if (status == OST_OK)
         status = verify(&v);
     if (status == OST_OK && v.equal)
         status = repeat(&v, bench_repeat(options, count));
-    bench_row *row = status == OST_OK ? bench_row_add(table, name, "ms", options->threads) : NULL;
-    if (row)
-        fill_row(&v, row);
-    else if (status == OST_OK)
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for a row");
+    if (status == OST_OK)
+        status = add_row(&v, name, &v.ours_bits);
+    char bytes[BENCH_NAME];
+    snprintf(bytes, sizeof bytes, "%.40s/bytes", name);
+    if (status == OST_OK)
+        status = add_row(&v, bytes, &v.ours);
     bench_series_free(&v.ours);
+    bench_series_free(&v.ours_bits);
+    free(v.own_bits);
     bench_series_free(&v.embree[0]);
     bench_series_free(&v.embree[1]);
     free(v.bits);
@@ -158,13 +228,14 @@ static ost_status measure(const bench_options *options, bench_table *table, cons
 static ost_status cube(const bench_options *options, bench_table *table, const char *name,
                        ost_status (*make)(ost_pm side, ost_mesh *out, ost_error *err), int32_t side, ost_error *err)
 {
-    char full[BENCH_NAME];
+    char full[BENCH_NAME], both[BENCH_NAME];
     ost_mesh mesh = {0};
     const ost_tool_geometry grid = {.dims = {side, side, side}, .voxel = CUBE_VOXEL};
     /* Two host volumes of bytes and a grid on a backend at once. */
     const double bytes = 3.0 * (double)side * (double)side * (double)side + 2e8;
     snprintf(full, sizeof full, "voxelize/%s/%d", name, side);
-    if ((options->quick && side > 512) || !bench_wanted(options, full))
+    snprintf(both, sizeof both, "voxelize/%s/%d/bytes", name, side);
+    if ((options->quick && side > 512) || !bench_wanted(options, both))
         return OST_OK;
     if (bytes > (double)bench_memory()) {
         bench_row *row = bench_row_add(table, full, "ms", options->threads);
@@ -181,12 +252,13 @@ static ost_status cube(const bench_options *options, bench_table *table, const c
 
 static ost_status tool(const bench_options *options, bench_table *table, ost_tool_kind kind, ost_error *err)
 {
-    char name[BENCH_NAME];
+    char name[BENCH_NAME], both[BENCH_NAME];
     ost_mesh mesh = {0};
     ost_tool_geometry grid;
     ost_pm3 lo, hi;
     snprintf(name, sizeof name, "voxelize/%s/0.5", ost_tool_kind_name(kind));
-    if (!bench_wanted(options, name))
+    snprintf(both, sizeof both, "voxelize/%s/0.5/bytes", ost_tool_kind_name(kind));
+    if (!bench_wanted(options, both))
         return OST_OK;
     ost_status status = ost_tool_make(kind, NULL, &mesh, err);
     if (status == OST_OK)

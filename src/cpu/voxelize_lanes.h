@@ -13,7 +13,8 @@
  *   vi_vertices(v, index, xyz)       coordinates of LANES vertices, whatever lies behind the last one
  *   keys_lanes                       a key each, from the y and z of LANES triangles
  *   emit(out, v, m)       stores the lanes of m, one behind the other, LANES int32
- *                         may be written; returns how many
+ *                         may be written; returns how many; emit_bits: m as bits
+ *   bounds_meet_rows(tile, t)        bits: which triangles t have a row's centre in their bounds
  *
  * Every value is an integer or an integer + 1/4, or a quotient whose rounding
  * is accounted for; nothing is approximate.  S = 2^16 = OST_VOX_SMALL is the
@@ -216,18 +217,6 @@ static inline void mark_list(ost_vox_tile *tile, const uint32_t *list, size_t co
     }
 }
 
-/* Which of the triangles t have a row's centre within their bounds. */
-static inline vm bounds_meet_rows(const ost_vox_tile *tile, const uint32_t *t)
-{
-    vi a[3], b[3], c[3];
-    corners(tile->mesh, t, a, b, c);
-    const vd y_min = vd_from_vi(least(a[1], b[1], c[1])), y_max = vd_from_vi(greatest(a[1], b[1], c[1]));
-    const vd z_min = vd_from_vi(least(a[2], b[2], c[2])), z_max = vd_from_vi(greatest(a[2], b[2], c[2]));
-    const vd per_w = vd_set(1 / (double)(1 << tile->f)), half = vd_set(0.5);
-    return vm_and(vd_le(vd_ceil(vd_sub(vd_mul(y_min, per_w), half)), vd_floor(vd_sub(vd_mul(y_max, per_w), half))),
-                  vd_le(vd_ceil(vd_sub(vd_mul(z_min, per_w), half)), vd_floor(vd_sub(vd_mul(z_max, per_w), half))));
-}
-
 /* Triangles by the number; those between rows are sorted out first, so that lanes are full where the work is. */
 static inline void mark_all(ost_vox_tile *tile, size_t count, pending *p)
 {
@@ -237,7 +226,7 @@ static inline void mark_all(ost_vox_tile *tile, size_t count, pending *p)
         uint32_t t[LANES];
         for (uint32_t l = 0; l < LANES; l++)
             t[l] = (uint32_t)i + l;
-        n += emit(kept + n, vi_load(t), bounds_meet_rows(tile, t));
+        n += emit_bits(kept + n, vi_load(t), bounds_meet_rows(tile, t));
         if (n >= LANES) {
             n -= LANES;
             mark_lanes(tile, kept + n, LANES, p);

@@ -81,6 +81,7 @@ row_has transfer/scapula chunk_bytes active_chunks
 run 0 bench --suite voxelize --filter /0.5 --quick --repeat 1 --json
 row_has voxelize/reamer/0.5 triangles solid_voxels
 row_has voxelize/peg/0.5
+row_has voxelize/peg/0.5/bytes solid_voxels
 run 0 bench --suite voxelize --filter sphere80k/256 --quick --repeat 1 --json
 row_has voxelize/sphere80k/256
 check "triangles" "$(value rows.0.triangles)" 80400

@@ -50,12 +50,31 @@ static inline void vi_vertices(const ost_snapped_mesh *mesh, const uint32_t *con
     xyz[2] = vld1_lane_s32(q + 2, vld1_dup_s32(p + 2), 1);
 }
 
-static inline size_t emit(uint32_t *out, vi v, vm m)
+static inline size_t emit_bits(uint32_t *out, vi v, unsigned lanes)
 {
-    const size_t first = vgetq_lane_u64(m, 0) & 1, second = vgetq_lane_u64(m, 1) & 1;
+    const size_t first = lanes & 1, second = lanes >> 1;
     out[0] = (uint32_t)vget_lane_s32(v, 0);
     out[first] = (uint32_t)vget_lane_s32(v, 1);
     return first + second;
+}
+
+#define emit(out, v, m) emit_bits(out, v, vm_bits(m))
+
+/* y and z of a corner of both triangles */
+static inline int32x4_t yz_of_both(const ost_snapped_mesh *mesh, const uint32_t *t, int corner)
+{
+    return vcombine_s32(vld1_s32(mesh->vertices[mesh->triangles[t[0]][corner]] + 1),
+                        vld1_s32(mesh->vertices[mesh->triangles[t[1]][corner]] + 1));
+}
+
+/* In integers, and before anything is transposed. */
+static inline unsigned bounds_meet_rows(const ost_vox_tile *tile, const uint32_t *t)
+{
+    const int32x4_t h = vdupq_n_s32(1 << (tile->f - 1)), h1 = vdupq_n_s32((1 << (tile->f - 1)) - 1), f = vdupq_n_s32(-tile->f);
+    const int32x4_t a = yz_of_both(tile->mesh, t, 0), b = yz_of_both(tile->mesh, t, 1), c = yz_of_both(tile->mesh, t, 2);
+    const int32x4_t lo = vminq_s32(vminq_s32(a, b), c), hi = vmaxq_s32(vmaxq_s32(a, b), c);
+    const uint32x4_t some = vcleq_s32(vshlq_s32(vaddq_s32(lo, h1), f), vshlq_s32(vsubq_s32(hi, h), f));
+    return vm_bits(vceqq_u64(vreinterpretq_u64_u32(some), vdupq_n_u64(UINT64_MAX)));
 }
 
 static inline vi least(vi a, vi b, vi c)

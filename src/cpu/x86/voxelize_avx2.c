@@ -59,11 +59,38 @@ static const int8_t together[16][16] = {
     {WORD(2), WORD(3), NO, NO}, {WORD(0), WORD(2), WORD(3), NO}, {WORD(1), WORD(2), WORD(3), NO}, {WORD(0), WORD(1), WORD(2), WORD(3)},
 };
 
-static inline size_t emit(uint32_t *out, vi v, vm m)
+static inline size_t emit_bits(uint32_t *out, vi v, unsigned lanes)
 {
-    const unsigned lanes = vm_bits(m);
     _mm_storeu_si128((__m128i *)out, _mm_shuffle_epi8(v, _mm_loadu_si128((const __m128i *)together[lanes])));
     return (size_t)_mm_popcnt_u32(lanes);
+}
+
+#define emit(out, v, m) emit_bits(out, v, vm_bits(m))
+
+static inline __m256i two_vertices(const ost_snapped_mesh *mesh, const uint32_t *const *v, int corner)
+{
+    const __m128i three = _mm_setr_epi32(-1, -1, -1, 0);
+    const __m128i p0 = _mm_maskload_epi32(mesh->vertices[v[0][corner]], three), p1 = _mm_maskload_epi32(mesh->vertices[v[1][corner]], three);
+    return _mm256_inserti128_si256(_mm256_castsi128_si256(p0), p1, 1);
+}
+
+/* As with 512 bits, two triangles at a time. */
+static inline unsigned bounds_meet_rows(const ost_vox_tile *tile, const uint32_t *t)
+{
+    const __m256i h = _mm256_set1_epi32(1 << (tile->f - 1)), h1 = _mm256_set1_epi32((1 << (tile->f - 1)) - 1);
+    const __m128i f = _mm_cvtsi32_si128(tile->f);
+    const uint32_t *v[LANES];
+    unsigned without = 0;
+    for (int i = 0; i < LANES; i++)
+        v[i] = tile->mesh->triangles[t[i]];
+    for (int i = 0; i < LANES; i += 2) {
+        const __m256i a = two_vertices(tile->mesh, v + i, 0), b = two_vertices(tile->mesh, v + i, 1), c = two_vertices(tile->mesh, v + i, 2);
+        const __m256i lo = _mm256_min_epi32(_mm256_min_epi32(a, b), c), hi = _mm256_max_epi32(_mm256_max_epi32(a, b), c);
+        const __m256i none = _mm256_cmpgt_epi32(_mm256_sra_epi32(_mm256_add_epi32(lo, h1), f), _mm256_sra_epi32(_mm256_sub_epi32(hi, h), f));
+        const unsigned bits = (unsigned)_mm256_movemask_ps(_mm256_castsi256_ps(none));
+        without |= _pext_u32(bits >> 1 | bits >> 2, 0x11) << i;
+    }
+    return ~without & ((1u << LANES) - 1);
 }
 
 static inline vi least(vi a, vi b, vi c)

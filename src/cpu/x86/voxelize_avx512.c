@@ -61,6 +61,30 @@ static inline size_t emit(uint32_t *out, vi v, vm m)
     return (size_t)_mm_popcnt_u32(m);
 }
 
+#define emit_bits(out, v, bits) emit(out, v, (vm)(bits))
+
+/*
+ * In integers, and before anything is transposed: four triangles' corners are
+ * four registers' quarters (x, y, z, 0), so are their bounds, and of each
+ * comparison's bits those of y and z count.
+ */
+static inline unsigned bounds_meet_rows(const ost_vox_tile *tile, const uint32_t *t)
+{
+    const __m512i h = _mm512_set1_epi32(1 << (tile->f - 1)), h1 = _mm512_set1_epi32((1 << (tile->f - 1)) - 1);
+    const __m128i f = _mm_cvtsi32_si128(tile->f);
+    const uint32_t *v[LANES];
+    unsigned without = 0;
+    for (int i = 0; i < LANES; i++)
+        v[i] = tile->mesh->triangles[t[i]];
+    for (int i = 0; i < LANES; i += 4) {
+        const __m512i a = four_vertices(tile->mesh, v + i, 0), b = four_vertices(tile->mesh, v + i, 1), c = four_vertices(tile->mesh, v + i, 2);
+        const __m512i lo = _mm512_min_epi32(_mm512_min_epi32(a, b), c), hi = _mm512_max_epi32(_mm512_max_epi32(a, b), c);
+        const __mmask16 none = _mm512_cmpgt_epi32_mask(_mm512_sra_epi32(_mm512_add_epi32(lo, h1), f), _mm512_sra_epi32(_mm512_sub_epi32(hi, h), f));
+        without |= _pext_u32(((unsigned)none >> 1 | (unsigned)none >> 2), 0x1111) << i;
+    }
+    return ~without & ((1u << LANES) - 1);
+}
+
 static inline vi least(vi a, vi b, vi c)
 {
     return _mm256_min_epi32(_mm256_min_epi32(a, b), c);
