@@ -407,6 +407,15 @@ static size_t match_next_is_that_of_four(const ost_text_pattern *pattern, const 
     return n;
 }
 
+static size_t match_writes_what_is_not_matched(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths,
+                                               const char *text, const char *end, size_t lines, int16_t *density, const char **next)
+{
+    const size_t n = text_match(pattern, columns, lengths, text, end, lines, density, next);
+    if (n < lines)
+        density[n] = 0;
+    return n;
+}
+
 static size_t match_reads_before(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths, const char *text,
                                  const char *end, size_t lines, int16_t *density, const char **next)
 {
@@ -487,6 +496,7 @@ static const struct wrong {
     WRONG(text_match, match_wraps, DIFFERS),
     WRONG(text_match, match_goes_on_behind_the_end, DIFFERS),
     WRONG(text_match, match_next_is_that_of_four, DIFFERS),
+    WRONG(text_match, match_writes_what_is_not_matched, DIFFERS),
     WRONG(text_match, match_reads_before, FAULT),
     WRONG(text_match, match_reads_past_the_margin, FAULT),
 };

@@ -51,8 +51,8 @@ typedef struct ost_text_pattern {
  *   before, columns[i].text with lengths[i] bytes, after,
  *   then [-]digits of 1 to 5 digits and a value within int16, then "\r" with carriage, and a newline.
  * Returns how many lines are matched, puts their densities, and in *next where
- * the line behind them begins; density[i] of others up to `lines` may hold
- * anything.  OST_TEXT_MARGIN bytes from end on can be read.
+ * the line behind them begins.  No other density is written: those of lines
+ * behind `end` may be another thread's.  OST_TEXT_MARGIN bytes from end on can be read.
  */
 typedef size_t ost_text_match(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths, const char *text,
                               const char *end, size_t lines, int16_t *density, const char **next);

@@ -47,10 +47,10 @@ static inline int64_t align(uint64_t *word, bool carriage)
     return (int64_t)(bits >> 3) - carriage;
 }
 
-/* The densities of `count` words, 1 to 4; whether all are of the common form. The others hold anything. */
-static inline bool parse_words(uint64_t words[LANES], int count, bool carriage, int16_t *density)
+/* The densities of `count` words, 1 to 4; whether all are of the common form. */
+static inline bool parse_words(uint64_t words[LANES], int count, bool carriage, int64_t value[LANES])
 {
-    int64_t length[LANES], value[LANES];
+    int64_t length[LANES];
     for (int i = 0; i < LANES; i++)
         length[i] = align(&words[i], carriage);
     __m256i last = _mm256_setr_epi64x((int64_t)words[0], (int64_t)words[1], (int64_t)words[2], (int64_t)words[3]);
@@ -62,8 +62,6 @@ static inline bool parse_words(uint64_t words[LANES], int count, bool carriage, 
     __m256i values = parse(last, _mm256_setr_epi64x(length[0], length[1], length[2], length[3]), &good);
     good = _mm256_and_si256(good, lines);
     _mm256_storeu_si256((void *)value, values);
-    for (int i = 0; i < count; i++)
-        density[i] = (int16_t)value[i];
     const int lanes = (1 << count) - 1;
     return (_mm256_movemask_pd(_mm256_castsi256_pd(good)) & lanes) == lanes;
 }
@@ -86,8 +84,11 @@ static inline __attribute__((always_inline)) bool match_some(const ost_text_patt
         for (int i = 0; i < count; i++)
             words[i] = match_one(&s, &columns[i], lengths[i]);
     }
-    if (!parse_words(words, count, pattern->carriage, density) || !match_fronts_are_good(&s) || s.line > end)
+    int64_t value[LANES];
+    if (!parse_words(words, count, pattern->carriage, value) || !match_fronts_are_good(&s) || s.line > end)
         return false;
+    for (int i = 0; i < count; i++)
+        density[i] = (int16_t)value[i];
     *text = s.line;
     return true;
 }

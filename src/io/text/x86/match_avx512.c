@@ -69,9 +69,9 @@ static inline bool match_eight(const ost_text_pattern *pattern, const ost_text_c
     __m256i low = _mm256_inserti128_si256(_mm256_castsi128_si256(words[0]), words[1], 1);
     __m256i high = _mm256_inserti128_si256(_mm256_castsi128_si256(words[2]), words[3], 1);
     densities d = parse_words(_mm512_inserti64x4(_mm512_castsi256_si512(low), high, 1), pattern->carriage);
-    _mm_storeu_si128((void *)density, d.values);
     if (d.good != 0xff || !match_fronts_are_good(&s) || s.line > end)
         return false;
+    _mm_storeu_si128((void *)density, d.values);
     *text = s.line;
     return true;
 }
@@ -86,9 +86,9 @@ static bool match_some(const ost_text_pattern *pattern, const ost_text_column *c
     for (int i = 0; i < count; i++)
         words[i] = match_one(&s, &columns[i], lengths[i]);
     densities d = parse_words(_mm512_loadu_si512(words), pattern->carriage);
-    _mm_mask_storeu_epi16(density, lanes, d.values);
     if ((d.good & lanes) != lanes || !match_fronts_are_good(&s) || s.line > end)
         return false;
+    _mm_mask_storeu_epi16(density, lanes, d.values);
     *text = s.line;
     return true;
 }
