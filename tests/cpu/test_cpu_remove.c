@@ -13,7 +13,7 @@
 
 /* ------------------------------------------------------------- backends */
 
-enum { BACKENDS_MAX = 20 };
+enum { BACKENDS_MAX = 20, THREADS = 4 };
 typedef struct team {
     ost_backend *ref;
     ost_backend *cpu[BACKENDS_MAX];
@@ -27,8 +27,8 @@ static int open_team(void **state)
     if (!t || ost_backend_open("ref", &t->ref, NULL) != OST_OK)
         return 1;
     for (int isa = 0; isa < OST_ISA_COUNT; isa++)
-        for (int i = 0; i < 4 && ost_isa_available((ost_isa)isa); i++) {
-            static const int threads[] = {1, 2, 3, 7};
+        for (int i = 0; i < THREADS && ost_isa_available((ost_isa)isa); i++) {
+            static const int threads[THREADS] = {1, 2, 3, 7};
             snprintf(t->name[t->count], sizeof t->name[0], "cpu:isa=%s,threads=%d", ost_isa_name((ost_isa)isa), threads[i]);
             if (ost_backend_open(t->name[t->count], &t->cpu[t->count], NULL) != OST_OK)
                 return 1;
@@ -36,6 +36,16 @@ static int open_team(void **state)
         }
     *state = t;
     return 0;
+}
+
+/*
+ * Whether backend i is tried in this turn: of each instruction set those with
+ * one number of threads after the other, all of them with OST_TEST_LONG=1.
+ */
+static bool has_turn(int i, int turn)
+{
+    const char *lengthy = getenv("OST_TEST_LONG");
+    return (lengthy && strcmp(lengthy, "1") == 0) || i % THREADS == turn % THREADS;
 }
 
 static int close_team(void **state)
@@ -198,7 +208,11 @@ static void same_event(const team *t, test_rng *rng, int64_t poses_max)
     assert_ok(ost_bone_info_get(expected, &expected_info, &err));
     ost_tool_free(tool);
 
+    static int turn;
+    turn++;
     for (int i = 0; i < t->count; i++) {
+        if (!has_turn(i, turn))
+            continue;
         ost_bone *bone = bone_of(t->cpu[i], &g, n, voxels);
         ost_report report = {0};
         ost_bone_info info;
@@ -311,7 +325,8 @@ static void many_chunks(void **state)
             volume[v].voxels[i] = form_at(v ? SOLID : TOOTHED_SHELL, &rng, d, i % d[0], i / d[0] % d[1], i / d[0] / d[1]);
     }
     const ost_pose from = random_pose(&rng, (ost_pm3){30000 * UM, 30000 * UM, 30000 * UM}, (ost_pm3){45000 * UM, 45000 * UM, 45000 * UM});
-    for (int n = 16; n <= 64; n *= 2) {
+    int turn = (int)rng_range(&rng, 0, THREADS - 1);
+    for (int n = 16; n <= 64; n *= 2, turn++) {
         ost_bone *expected = bone_of(t->ref, &g, n, voxels);
         ost_report report[4] = {{0}};
         for (int tick = 0; tick < 4; tick++) {
@@ -324,6 +339,8 @@ static void many_chunks(void **state)
         }
         const ost_digest digest = digest_of(expected);
         for (int i = 0; i < t->count; i++) {
+            if (!has_turn(i, turn))
+                continue;
             ost_bone *bone = bone_of(t->cpu[i], &g, n, voxels);
             ost_tool *tools[2];
             for (int v = 0; v < 2; v++)
