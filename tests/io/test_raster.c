@@ -38,6 +38,7 @@ typedef struct text {
     int lines;
 } text;
 
+OST_PRINTF(2, 3)
 static void put(text *t, const char *format, ...)
 {
     va_list args;
