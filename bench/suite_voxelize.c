@@ -22,7 +22,7 @@
 #include <osteon/phantom.h>
 
 #include "core/backend.h"
-#include "cpu/voxelize.h"
+#include "cpu/voxelize/voxelize.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -52,7 +52,7 @@ static inline void ost_floats_leave(ost_floats state)
 
 #else
 
-/* Scalar loops alone: they divide by nothing that is zero, and are right in any rounding (voxelize_mark.c). */
+/* Scalar loops alone: they divide by nothing that is zero, and are right in any rounding (src/cpu/voxelize/mark.c). */
 typedef int ost_floats;
 
 static inline ost_floats ost_floats_enter(void)

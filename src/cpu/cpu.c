@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The table of the CPU backend and its options. */
 #include "cpu/cpu.h"
-#include "cpu/embree.h"
-#include "cpu/grid.h"
-#include "cpu/import.h"
-#include "cpu/voxelize.h"
+#include "cpu/voxelize/embree.h"
+#include "cpu/import/grid.h"
+#include "cpu/import/import.h"
+#include "cpu/voxelize/voxelize.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -19,10 +19,10 @@
 #define OST_CPU_CPU_H
 
 #include "core/isa.h"
-#include "cpu/chunk_pool.h"
+#include "cpu/bone/chunk_pool.h"
 #include "cpu/kernels.h"
 #include "cpu/ref/ref.h"
-#include "cpu/remove_event.h"
+#include "cpu/remove/event.h"
 
 /* Who finds a mesh's crossings; the grid is the same. */
 typedef enum ost_voxelizer { OST_VOXELIZER_AUTO, OST_VOXELIZER_TRIANGLES, OST_VOXELIZER_EMBREE } ost_voxelizer;

@@ -3,7 +3,7 @@
 
 #include "cpu/kernels.h"
 
-#include "cpu/voxelize.h"
+#include "cpu/voxelize/voxelize.h"
 #if defined __x86_64__
 #include "cpu/x86/voxelize_x86.h"
 #endif

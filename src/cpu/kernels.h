@@ -19,9 +19,9 @@
 #include <osteon/mesh.h>
 
 #include "core/isa.h"
-#include "cpu/remove.h"
+#include "cpu/remove/remove.h"
 
-/* ------------------------------------------------------ grids (cpu/grid.h) */
+/* ------------------------------------------------------ grids (cpu/import/grid.h) */
 
 /*
  * to[i] = from[map[i]], 0 <= i < count, 0 <= count <= 64; map ascends (equal
@@ -30,7 +30,7 @@
  */
 typedef void ost_gather_row_fn(const int16_t *from, const int32_t *map, int count, int16_t *to);
 
-/* ------------------------------------------------------ bones (cpu/bone.h) */
+/* ------------------------------------------------------ bones (cpu/bone/bone.h) */
 
 /*
  * Sixteen rows of 4 * bricks voxels, row y + 4 z, some of which may be the same,
@@ -52,7 +52,7 @@ typedef bool ost_any_active_fn(const int16_t *base, const size_t *row, int count
 /* Orders streamed stores of this thread before what it stores next. */
 typedef void ost_drain_fn(void);
 
-/* --------------------------------------------------- removal (cpu/remove.h) */
+/* --------------------------------------------------- removal (cpu/remove/remove.h) */
 
 /*
  * Cuts cubes into eight and sorts the parts by the cell of their centre,

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * A tool on the CPU backend: the reference's, and the tables that removal
- * derives from its voxels when it first meets a bone (cpu/shape.h).
+ * derives from its voxels when it first meets a bone (cpu/remove/shape.h).
  */
 #ifndef OST_CPU_TOOL_H
 #define OST_CPU_TOOL_H
 
 #include "cpu/ref/ref.h"
-#include "cpu/shape.h"
+#include "cpu/remove/shape.h"
 
 typedef struct cpu_shapes {
     ost_shape cutting, touching; /* of classes 1 and 2; touching only if there are such voxels */

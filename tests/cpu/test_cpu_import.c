@@ -12,7 +12,7 @@
 #include "core/backend.h"
 #include "core/chunk_grid.h"
 #include "core/isa.h"
-#include "cpu/bone.h"
+#include "cpu/bone/bone.h"
 #include "cpu/ref/ref.h"
 
 static const int threads_of[] = {1, 2, 3, 7};

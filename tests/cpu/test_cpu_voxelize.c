@@ -13,7 +13,7 @@
 #include <osteon/backend.h>
 
 #include "core/isa.h"
-#include "cpu/voxelize.h"
+#include "cpu/voxelize/voxelize.h"
 
 /* --------------------------------------------------------------- compare */
 

@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-#include "cpu/bone.h"
+#include "cpu/bone/bone.h"
 #include "cpu/kernels.h"
 
 static int16_t some_threshold(check *c)

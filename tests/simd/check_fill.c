@@ -10,7 +10,7 @@
 #include <string.h>
 
 #include "cpu/kernels.h"
-#include "cpu/voxelize.h"
+#include "cpu/voxelize/voxelize.h"
 #include "simd/check.h"
 
 /* ----------------------------------------------------------------- vox_fill */

@@ -12,7 +12,7 @@
 #include <string.h>
 
 #include "cpu/kernels.h"
-#include "cpu/voxelize.h"
+#include "cpu/voxelize/voxelize.h"
 #include "simd/check.h"
 
 static int32_t least32(int32_t a, int32_t b)

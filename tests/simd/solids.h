@@ -6,7 +6,7 @@
 #ifndef OST_TESTS_SIMD_SOLIDS_H
 #define OST_TESTS_SIMD_SOLIDS_H
 
-#include "cpu/remove.h"
+#include "cpu/remove/remove.h"
 #include "simd/check.h"
 
 /*

@@ -13,9 +13,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cpu/bone.h"
+#include "cpu/bone/bone.h"
 #include "cpu/kernels.h"
-#include "cpu/voxelize.h"
+#include "cpu/voxelize/voxelize.h"
 #include "io/text/match.h"
 #include "simd/check.h"
 #if defined __x86_64__

@@ -9,7 +9,7 @@
  */
 #include "core/conditions.h"
 #include "core/neon.h"
-#include "cpu/bone.h"
+#include "cpu/bone/bone.h"
 #include "cpu/kernels.h"
 
 enum { LANES = 8, EIGHTHS = 8 };

@@ -7,7 +7,7 @@
  */
 #include "core/neon.h"
 #include "cpu/kernels.h"
-#include "cpu/voxelize.h"
+#include "cpu/voxelize/voxelize.h"
 
 /* --------------------------------------------------- triangles in lanes */
 
@@ -101,7 +101,7 @@ static inline vi keys_lanes(const ost_vox_plan *plan, vi ay, vi by, vi cy, vi az
     return vreinterpret_s32_u32(vbsl_u32(none, vdup_n_u32(OST_VOX_KEY_NONE), key));
 }
 
-#include "cpu/voxelize_lanes.h"
+#include "cpu/voxelize/lanes.h"
 
 void ost_vox_mark_neon(ost_vox_tile *tile, const uint32_t *list, size_t count)
 {

@@ -10,7 +10,7 @@
  *
  * Upload, download and the digest's leaves all go by rows of four voxels.
  */
-#include "cpu/bone.h"
+#include "cpu/bone/bone.h"
 
 #include <assert.h>
 #include <stdlib.h>

@@ -25,7 +25,7 @@
 #define OST_CPU_BONE_H
 
 #include "core/backend.h"
-#include "cpu/chunk_pool.h"
+#include "cpu/bone/chunk_pool.h"
 
 typedef struct cpu_chunk {
     int16_t *density;    /* owned with occupancy behind it, one 64-byte aligned block; NULL when active is 0 */

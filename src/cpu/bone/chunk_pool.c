@@ -4,7 +4,7 @@
  * increment, and the slot that it names belongs to the caller alone.  That is
  * all the agreement threads need as long as takes and gives do not overlap.
  */
-#include "cpu/chunk_pool.h"
+#include "cpu/bone/chunk_pool.h"
 
 #include <assert.h>
 #include <stdatomic.h>

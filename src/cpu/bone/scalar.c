@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "core/conditions.h"
-#include "cpu/bone.h"
+#include "cpu/bone/bone.h"
 #include "cpu/kernels.h"
 
 ost_brick_sums ost_brick_row_scalar(const int16_t *const rows[16], size_t bricks, int16_t threshold, bool stream, int16_t *density,

@@ -20,9 +20,9 @@
 #include <string.h>
 
 #include "core/chunk_grid.h"
-#include "cpu/bone.h"
-#include "cpu/grid.h"
-#include "cpu/import.h"
+#include "cpu/bone/bone.h"
+#include "cpu/import/grid.h"
+#include "cpu/import/import.h"
 
 /* With more result than this the caches cannot keep it anyway. */
 #define STREAM_BYTES ((int64_t)8 << 20)

@@ -18,8 +18,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cpu/grid.h"
-#include "cpu/import.h"
+#include "cpu/import/grid.h"
+#include "cpu/import/import.h"
 
 /* A thread that is waited for may be late by milliseconds, so smaller batches stay with the one that brought them. */
 enum { BLOCK = 1 << 16, PARALLEL_SAMPLES = 1 << 16 };

@@ -8,8 +8,8 @@
 #include <stdlib.h>
 
 #include "core/integer.h"
-#include "cpu/grid.h"
-#include "cpu/import.h"
+#include "cpu/import/grid.h"
+#include "cpu/import/import.h"
 
 /* i * spacing < 2^14 * 10^11 < 2^51. The floor is below n, as i < ceil(n rect / cubic). */
 static int64_t source_index(int64_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_resample rule)

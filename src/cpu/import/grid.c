@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "cpu/grid.h"
+#include "cpu/import/grid.h"
 
 #include <assert.h>
 #include <stdlib.h>
@@ -7,7 +7,7 @@
 #include <sys/mman.h>
 
 #include "core/conditions.h"
-#include "cpu/import.h"
+#include "cpu/import/import.h"
 
 /* From here on huge pages pay. */
 #define MAPPED_BYTES ((size_t)1 << 22)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "cpu/block_base.h"
+#include "cpu/remove/block_base.h"
 
 #include <assert.h>
 #include <stdlib.h>

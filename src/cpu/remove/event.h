@@ -3,8 +3,8 @@
 #ifndef OST_CPU_REMOVE_EVENT_H
 #define OST_CPU_REMOVE_EVENT_H
 
-#include "cpu/block_base.h"
-#include "cpu/bone.h"
+#include "cpu/remove/block_base.h"
+#include "cpu/bone/bone.h"
 #include "cpu/kernels.h"
 
 /* Voxels of chunks from which on an event is shared among threads: below, starting them costs more than it gives. */

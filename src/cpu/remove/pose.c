@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "core/conditions.h"
-#include "cpu/remove.h"
+#include "cpu/remove/remove.h"
 
 /* (2 R)^2 of a cube of this edge: |step| <= 2^24 + 1 (AR-MAP-3), edge <= 8, so below 3 * (7 * 3 * 2^24 + 63)^2 < 2^59. */
 static int64_t diameter_squared(const int32_t step[3][3], int32_t edge)

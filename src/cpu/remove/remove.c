@@ -27,7 +27,7 @@
  * not outside crosses the box, its hits are cut to the box, so that even a box that
  * is too small gives the same.
  */
-#include "cpu/remove_event.h"
+#include "cpu/remove/event.h"
 
 #include <stdlib.h>
 #include <string.h>

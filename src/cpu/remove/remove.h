@@ -43,7 +43,7 @@
 #ifndef OST_CPU_REMOVE_H
 #define OST_CPU_REMOVE_H
 
-#include "cpu/shape.h"
+#include "cpu/remove/shape.h"
 
 enum {
     OST_UNIT = 32,         /* voxels an axis that are worked on at once: a chunk, or an eighth of one of 64^3 */

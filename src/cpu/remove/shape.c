@@ -11,7 +11,7 @@
  * over the granules of the other kind, taken one axis at a time and only as
  * far as OST_CELL_REACH.  All of it is integer; v = isqrt(64 D^2).
  */
-#include "cpu/shape.h"
+#include "cpu/remove/shape.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -16,7 +16,7 @@
 #include <string.h>
 
 #include "core/conditions.h"
-#include "cpu/voxelize.h"
+#include "cpu/voxelize/voxelize.h"
 
 enum { FEW = 9, PIECE_MIN = 4096, PIECES_MAX = 16 };
 

@@ -28,7 +28,7 @@
  */
 #include "config.h"
 
-#include "cpu/embree.h"
+#include "cpu/voxelize/embree.h"
 
 #if !defined HAVE_EMBREE3 && !defined HAVE_EMBREE4
 

@@ -7,7 +7,7 @@
 #ifndef OST_CPU_EMBREE_H
 #define OST_CPU_EMBREE_H
 
-#include "cpu/voxelize.h"
+#include "cpu/voxelize/voxelize.h"
 
 /* OST_ERR_UNAVAILABLE when this was built without Embree; then nothing below is called but with NULL. */
 ost_status ost_embree_available(ost_error *err);

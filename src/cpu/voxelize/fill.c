@@ -20,7 +20,7 @@
 #include <string.h>
 
 #include "core/conditions.h"
-#include "cpu/voxelize.h"
+#include "cpu/voxelize/voxelize.h"
 
 static int count_bits(uint64_t v)
 {

@@ -47,7 +47,7 @@
 #include <string.h>
 
 #include "core/conditions.h"
-#include "cpu/voxelize.h"
+#include "cpu/voxelize/voxelize.h"
 
 enum { BUFFER = 1024 };
 

@@ -38,7 +38,7 @@
 
 #include "core/conditions.h"
 #include "core/integer.h"
-#include "cpu/voxelize.h"
+#include "cpu/voxelize/voxelize.h"
 
 enum { X, Y, Z };
 

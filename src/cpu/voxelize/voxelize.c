@@ -16,9 +16,9 @@
 
 #include "core/conditions.h"
 #include "core/floats.h"
-#include "cpu/embree.h"
+#include "cpu/voxelize/embree.h"
 #include "cpu/tool.h"
-#include "cpu/voxelize.h"
+#include "cpu/voxelize/voxelize.h"
 
 enum {
     STREAM_BYTES = 1 << 25,       /* classes of a grid past this do not stay in a cache anyway */

@@ -11,9 +11,9 @@
  *           |     |     |         minus  something leaves before it
  *           +-----+-----+ y
  *
- *   mark    every crossing sets one bit                 voxelize_mark.c, x86/, embree.c
- *   fill    a running sum along x makes solid bits      voxelize_fill.c, x86/
- *   expand  bits become classes, 0, 1 or 2              voxelize_fill.c, x86/
+ *   mark    every crossing sets one bit                 mark.c, ../x86/, embree.c
+ *   fill    a running sum along x makes solid bits      fill.c, ../x86/
+ *   expand  bits become classes, 0, 1 or 2              fill.c, ../x86/
  *
  * Exact counts from single bits.  A bit says "one crossing here", so a second
  * crossing of the same sign at the same centre finds its bit taken.  Such
@@ -22,7 +22,7 @@
  * every crossing with its sign, so nothing is ever lost or saturated.
  *
  * Rows are filled from the parity of plus XOR minus while that is proven to
- * be the winding number itself (voxelize_fill.c); the others, and those that
+ * be the winding number itself (fill.c); the others, and those that
  * have spilled, are summed one by one.
  */
 #ifndef OST_CPU_VOXELIZE_H

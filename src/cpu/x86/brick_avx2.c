@@ -4,7 +4,7 @@
  * transposition of words of four voxels, and make a quarter of each brick.
  */
 #include "core/conditions.h"
-#include "cpu/bone.h"
+#include "cpu/bone/bone.h"
 #include "cpu/kernels.h"
 
 #include <immintrin.h>

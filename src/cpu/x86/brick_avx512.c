@@ -13,7 +13,7 @@
  * threshold half the brick's word, and the masked move the clearing.
  */
 #include "core/conditions.h"
-#include "cpu/bone.h"
+#include "cpu/bone/bone.h"
 #include "cpu/kernels.h"
 
 #include <immintrin.h>

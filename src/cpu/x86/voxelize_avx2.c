@@ -2,7 +2,7 @@
 /* The voxelizer's kernels for AVX2: four triangles, 256 voxels, or 32 classes at once. */
 #include <immintrin.h>
 
-#include "cpu/voxelize.h"
+#include "cpu/voxelize/voxelize.h"
 #include "cpu/x86/voxelize_x86.h"
 
 /* --------------------------------------------------- triangles in lanes */
@@ -119,7 +119,7 @@ static inline vi keys_lanes(const ost_vox_plan *plan, vi ay, vi by, vi cy, vi az
     return _mm_blendv_epi8(key, _mm_set1_epi32((int)OST_VOX_KEY_NONE), none);
 }
 
-#include "cpu/voxelize_lanes.h"
+#include "cpu/voxelize/lanes.h"
 
 void ost_vox_mark_avx2(ost_vox_tile *tile, const uint32_t *list, size_t count)
 {

@@ -2,7 +2,7 @@
 /* The voxelizer's kernels for AVX-512: eight triangles, 512 voxels, or 64 classes at once. */
 #include <immintrin.h>
 
-#include "cpu/voxelize.h"
+#include "cpu/voxelize/voxelize.h"
 #include "cpu/x86/voxelize_x86.h"
 
 /* --------------------------------------------------- triangles in lanes */
@@ -111,7 +111,7 @@ static inline vi keys_lanes(const ost_vox_plan *plan, vi ay, vi by, vi cy, vi az
     return _mm256_mask_mov_epi32(key, none, _mm256_set1_epi32((int)OST_VOX_KEY_NONE));
 }
 
-#include "cpu/voxelize_lanes.h"
+#include "cpu/voxelize/lanes.h"
 
 void ost_vox_mark_avx512(ost_vox_tile *tile, const uint32_t *list, size_t count)
 {
