@@ -31,6 +31,7 @@ static const app_verb verbs[] = {
     {"diff", "say what differs between two grids, and show it", cmd_diff},
     {"export", "write a bone as a volume, a surface or a picture", cmd_export},
     {"info", "say what a file is", cmd_info},
+    {"validate", "compare backends stage by stage, and leave evidence", cmd_validate},
     {"bench", "measure against baselines, side by side in one run", cmd_bench},
     {"devices", "say what works on this machine, and why the rest does not", cmd_devices},
 };

@@ -1,0 +1,259 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * osteon validate: backends compared stage by stage, with evidence.
+ *
+ *   plan, subjects --> campaign --> table, JSON, exit status
+ *
+ * The same verb with --worker is what it starts for each backend: cases on one
+ * backend, and a trace of everything that was made.
+ */
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "app/options.h"
+#include "app/progress.h"
+#include "app/result.h"
+#include "app/say.h"
+#include "validation/campaign.h"
+
+typedef struct validate_args {
+    const char *out, *backends, *shard, *only, *worker, *trace;
+    int tier; /* place in "smoke|standard|full" */
+    int64_t seed, from, limit_s;
+    bool cpu_only;
+} validate_args;
+
+/* "2/8" */
+static ost_status shard_of(const app_state *app, const char *text, int *shard, int *shards, ost_error *err)
+{
+    char rest;
+    *shard = *shards = 1;
+    if (!text)
+        return OST_OK;
+    if (sscanf(text, "%6d/%6d%c", shard, shards, &rest) != 2 || *shards < 1 || *shard < 1 || *shard > *shards)
+        return usage_error(app, err, "--shard %s: must be I/N with 1 <= I <= N", text);
+    return OST_OK;
+}
+
+/* This program's own file, for workers. */
+static ost_status own_file(char path[], size_t size, ost_error *err)
+{
+    const ssize_t n = readlink("/proc/self/exe", path, size - 1);
+    if (n < 0)
+        return ost_fail(err, OST_ERR_IO, "/proc/self/exe: %s", strerror(errno));
+    path[n] = '\0';
+    return OST_OK;
+}
+
+static void show(void *user, const char *what, double share)
+{
+    (void)user;
+    progress_show(NULL, what, share);
+}
+
+/* ------------------------------------------------------------------ results */
+
+static void say_difference(const app_state *app, const plan_case *c, const subject *s, const case_result *r)
+{
+    const compare_difference *d = &r->difference;
+    char where[64] = "", name[40];
+    if (d->stage == TRACE_TICK || d->stage == TRACE_COLLIDE || d->stage == TRACE_TOOL)
+        snprintf(where, sizeof where, " %u", d->item);
+    if (r->verdict != CASE_DIFFERS)
+        say(app, "  %s on %s: %s: %s", c->id, s->spec, case_verdict_name(r->verdict), r->text);
+    else if (d->kind == COMPARE_VOXEL)
+        say(app, "  %s on %s: %s%s: %llu voxel%s, the first at (%d, %d, %d): %d, the reference has %d", c->id, s->spec,
+            trace_stage_name(d->stage), where, (unsigned long long)d->voxels, d->voxels == 1 ? "" : "s", d->voxel[0], d->voxel[1], d->voxel[2],
+            d->voxel_got, d->voxel_ref);
+    else if (d->kind == COMPARE_WORD)
+        say(app, "  %s on %s: %s%s: %s is %lld, the reference has %lld", c->id, s->spec, trace_stage_name(d->stage), where,
+            trace_word_name(d->stage, d->word, name), (long long)d->word_got, (long long)d->word_ref);
+    else
+        say(app, "  %s on %s: %s%s: %s", c->id, s->spec, trace_stage_name(d->stage), where,
+            d->kind == COMPARE_MISSING ? "the backend failed there, the reference did not" : "other leaves changed than in the reference");
+}
+
+static json_t *json_of_difference(const plan_case *c, const subject *s, const case_result *r)
+{
+    const compare_difference *d = &r->difference;
+    json_t *o = json_object();
+    put_text(o, "case", c->id);
+    put_text(o, "backend", s->spec);
+    put_text(o, "verdict", case_verdict_name(r->verdict));
+    if (r->text[0])
+        put_text(o, "text", r->text);
+    if (r->verdict != CASE_DIFFERS)
+        return o;
+    put_text(o, "stage", trace_stage_name(d->stage));
+    put_integer(o, "item", d->item);
+    if (d->kind == COMPARE_VOXEL) {
+        put_integer(o, "different_voxels", (int64_t)d->voxels);
+        put(o, "voxel", json_pack("[i,i,i]", d->voxel[0], d->voxel[1], d->voxel[2]));
+        put_integer(o, "reference", d->voxel_ref);
+        put_integer(o, "got", d->voxel_got);
+    } else if (d->kind == COMPARE_WORD) {
+        char name[40];
+        put_text(o, "word", trace_word_name(d->stage, d->word, name));
+        put_integer(o, "reference", (int64_t)d->word_ref);
+        put_integer(o, "got", (int64_t)d->word_got);
+    }
+    return o;
+}
+
+static void put_backends(app_state *app, const campaign *c)
+{
+    json_t *array = json_array();
+    char time[SAY_TEXT];
+    for (int s = 0; s < c->subjects->count; s++) {
+        const subject *one = &c->subjects->subjects[s];
+        int equal = 0;
+        for (int i = 0; i < c->plan->count; i++)
+            equal += s > 0 && c->results[(size_t)i * (size_t)c->subjects->count + (size_t)s].verdict == CASE_EQUAL;
+        json_t *o = json_object();
+        put_text(o, "name", one->spec);
+        put_text(o, "what", one->what);
+        put_bool(o, "available", one->available);
+        if (!one->available)
+            put_text(o, "reason", one->reason);
+        put_integer(o, "cases", one->available ? c->plan->count : 0);
+        put_integer(o, "equal", s == 0 ? c->plan->count : equal);
+        put_real(o, "time_s", c->seconds[s]);
+        append(array, o);
+        if (!one->available)
+            say(app, "  %-34s not run: %s", one->spec, one->reason);
+        else if (s == 0)
+            say(app, "  %-34s the reference, %s", one->spec, say_time(time, 1e3 * c->seconds[s]));
+        else
+            say(app, "  %-34s %3d of %d equal, %s", one->spec, equal, c->plan->count, say_time(time, 1e3 * c->seconds[s]));
+    }
+    put(app->result, "backends", array);
+}
+
+static void put_stages(app_state *app, const campaign *c)
+{
+    json_t *stages = json_array();
+    for (int i = TRACE_RECT; i <= TRACE_FINAL; i++) {
+        json_t *o = json_object();
+        put_text(o, "name", trace_stage_name((trace_stage)i));
+        put_integer(o, "records", (int64_t)c->stage_records[i]);
+        append(stages, o);
+    }
+    put(app->result, "stages", stages);
+}
+
+static ost_status report(app_state *app, const validate_args *args, const campaign *c, ost_error *err)
+{
+    char records[SAY_TEXT], bytes[SAY_TEXT];
+    const bool equal = campaign_equal(c);
+    const bool opencl = c->subjects->opencl;
+    put_bool(app->result, "equal", equal);
+    put_text(app->result, "tier", plan_tier_name(c->plan->tier));
+    put_integer(app->result, "seed", (int64_t)c->plan->seed);
+    put_integer(app->result, "cases", c->plan->count);
+    put_integer(app->result, "records", (int64_t)c->records);
+    put_integer(app->result, "bytes_equal", (int64_t)c->bytes);
+    put_bool(app->result, "opencl", opencl);
+    if (!opencl)
+        put_text(app->result, "no_opencl", c->subjects->no_opencl);
+    say(app, "%s: %d cases on %d backends, tier %s, seed %llu", equal ? "EQUAL" : "NOT EQUAL", c->plan->count, c->subjects->count,
+        plan_tier_name(c->plan->tier), (unsigned long long)c->plan->seed);
+    put_backends(app, c);
+    put_stages(app, c);
+    json_t *differences = json_array();
+    for (int i = 0; i < c->plan->count; i++)
+        for (int s = 1; s < c->subjects->count; s++) {
+            const case_result *r = &c->results[(size_t)i * (size_t)c->subjects->count + (size_t)s];
+            if (r->verdict == CASE_EQUAL || r->verdict == CASE_NOT_RUN)
+                continue;
+            say_difference(app, &c->plan->cases[i], &c->subjects->subjects[s], r);
+            append(differences, json_of_difference(&c->plan->cases[i], &c->subjects->subjects[s], r));
+        }
+    put(app->result, "differences", differences);
+    say(app, "  %s records, %s of results compared byte by byte and found equal", say_count(records, (int64_t)c->records),
+        say_bytes(bytes, (int64_t)c->bytes));
+    if (!equal)
+        return ost_fail(err, OST_ERR_DIFFER, "%d results differ from the reference's, %d failed, %d crashed, %d took too long",
+                        c->counts[CASE_DIFFERS], c->counts[CASE_FAILED], c->counts[CASE_CRASHED], c->counts[CASE_LATE]);
+    if (!opencl && !args->cpu_only && !args->backends)
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "OpenCL was not compared: %s; --cpu-only says that this is meant", c->subjects->no_opencl);
+    return OST_OK;
+}
+
+/* ---------------------------------------------------------------------- run */
+
+static ost_status compare_all(app_state *app, const validate_args *args, const plan *p, ost_error *err)
+{
+    char program[1024], folder[] = "/tmp/osteon-validate-XXXXXX";
+    subject_list subjects;
+    campaign c;
+    ost_status status = own_file(program, sizeof program, err);
+    if (status == OST_OK)
+        status = subjects_find(p->tier, args->backends ? args->backends : args->cpu_only ? "cpu" : NULL, &subjects, err);
+    if (status != OST_OK)
+        return status;
+    if (!mkdtemp(folder)) {
+        subjects_free(&subjects);
+        return ost_fail(err, OST_ERR_IO, "%s: %s", folder, strerror(errno));
+    }
+    const campaign_options how = {.program = program, .folder = folder, .limit_s = (double)args->limit_s, .show = show};
+    progress_begin(app);
+    status = campaign_run(p, &subjects, &how, &c, err);
+    progress_clear();
+    if (status == OST_OK) {
+        status = report(app, args, &c, err);
+        campaign_free(&c);
+    }
+    rmdir(folder);
+    subjects_free(&subjects);
+    return status;
+}
+
+ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
+{
+    static const int64_t limits[PLAN_TIERS] = {120, 1800, 36000};
+    validate_args args = {.seed = 1};
+    const option options[] = {
+        {.name = "tier", .kind = OPTION_CHOICE, .out = &args.tier, .value = "smoke|standard|full",
+         .help = "how much (default: smoke, under a minute;\nstandard: under 15 minutes; full: hours)"},
+        {.name = "backends", .kind = OPTION_TEXT, .out = &args.backends, .value = "A;B",
+         .help = "these alone, besides the reference (default: all that are here)"},
+        {.name = "cpu-only", .kind = OPTION_FLAG, .out = &args.cpu_only, .help = "the CPU's variants alone: no OpenCL is no failure"},
+        {.name = "seed", .kind = OPTION_INTEGER, .out = &args.seed, .value = "N", .min = 1, .max = INT64_MAX, .help = "of the generated cases (default: 1)"},
+        {.name = "shard", .kind = OPTION_TEXT, .out = &args.shard, .value = "I/N", .help = "every N-th case alone, from the I-th on"},
+        {.name = "only", .kind = OPTION_TEXT, .out = &args.only, .value = "CASE", .help = "cases whose name begins so: mesh, session/1"},
+        {.name = "limit", .kind = OPTION_INTEGER, .out = &args.limit_s, .value = "S", .min = 1, .max = 1000000,
+         .help = "seconds after which a backend is stopped"},
+        {.name = "worker", .kind = OPTION_TEXT, .out = &args.worker, .value = "BACKEND", .help = "run the cases on this backend alone, write --trace and compare nothing"},
+        {.name = "trace", .kind = OPTION_TEXT, .out = &args.trace, .value = "FILE", .help = "where --worker writes what the backend made"},
+        {.name = "from", .kind = OPTION_INTEGER, .out = &args.from, .value = "N", .min = 0, .max = 1000000, .help = "first case of --worker, from 0"},
+        {.name = NULL}};
+    const usage_text usage = {
+        .synopsis = "[--tier TIER] [options]",
+        .about = "Runs generated cases on every backend, each in its own process, and compares\n"
+                 "every stage with the scalar reference, byte by byte.",
+        .options = options,
+        .notes = "This is backend equivalence verification (code verification): that all backends\n"
+                 "compute the same. It is no clinical validation.",
+        .example = "  osteon validate\n  osteon validate --tier standard --cpu-only --json\n"
+                   "  osteon validate --backends 'cpu:isa=avx2,threads=7;cl' --only session",
+    };
+    ost_status status;
+    plan p;
+    int shard, shards;
+    if (!options_parse(app, &usage, argc, argv, &status, err) || (status = shard_of(app, args.shard, &shard, &shards, err)) != OST_OK)
+        return status;
+    if (!args.worker != !args.trace)
+        return usage_error(app, err, "--worker and --trace belong together");
+    if (!args.limit_s)
+        args.limit_s = limits[args.tier];
+    status = plan_make((plan_tier)args.tier, (uint64_t)args.seed, shard, shards, args.only, &p, err);
+    if (status != OST_OK)
+        return status;
+    status = args.worker ? worker_run(&p, (int)args.from, args.worker, args.trace, err) : compare_all(app, &args, &p, err);
+    plan_free(&p);
+    return status;
+}

@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A campaign: every case of a plan on every backend, each in its own process,
+ * compared with the reference's trace by memcmp.
+ *
+ *   plan, subjects --campaign_run--> results[case][subject], tracks of the reference
+ *
+ * The reference runs first.  A backend that ends before its time is started
+ * again behind the case that ended it.
+ */
+#ifndef OST_VALIDATION_CAMPAIGN_H
+#define OST_VALIDATION_CAMPAIGN_H
+
+#include "validation/compare.h"
+#include "validation/plan.h"
+#include "validation/subjects.h"
+#include "validation/worker.h"
+
+typedef enum case_verdict {
+    CASE_EQUAL,
+    CASE_DIFFERS,
+    CASE_FAILED,  /* a stage failed on this backend and not on the reference: the line is in text */
+    CASE_CRASHED,
+    CASE_LATE,
+    CASE_NOT_RUN, /* the backend is not available here */
+    CASE_VERDICTS
+} case_verdict;
+
+const char *case_verdict_name(case_verdict verdict);
+
+typedef struct case_result {
+    case_verdict verdict;
+    compare_difference difference; /* of CASE_DIFFERS */
+    char text[200];
+} case_result;
+
+typedef struct campaign_options {
+    const char *program;  /* this program's file */
+    const char *folder;   /* for traces; theirs are removed at the end but for those that differ */
+    double limit_s;       /* for a backend's whole run */
+    void (*show)(void *user, const char *what, double share); /* may be NULL */
+    void *user;
+} campaign_options;
+
+typedef struct campaign {
+    const plan *plan;
+    const subject_list *subjects;
+    case_result *results; /* owned; [case * subjects + subject]; the reference's say whether it ran */
+    trace reference;
+    compare_range *ranges; /* owned; of each case in the reference's trace */
+    double *seconds;       /* owned; of each subject */
+    uint64_t records, bytes; /* compared, over all */
+    uint64_t stage_records[TRACE_STAGES]; /* of the reference */
+    int counts[CASE_VERDICTS]; /* over all but the reference */
+} campaign;
+
+ost_status campaign_run(const plan *p, const subject_list *subjects, const campaign_options *options, campaign *out, ost_error *err);
+void campaign_free(campaign *c);
+
+/* Every available backend equal in every case, and there was one. */
+bool campaign_equal(const campaign *c);
+
+#endif

@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Where a campaign's random inputs come from: splitmix64, the same numbers on
+ * every machine.  A stream is named, so that a case added to a campaign
+ * changes none of the others.
+ */
+#ifndef OST_VALIDATION_DRAW_H
+#define OST_VALIDATION_DRAW_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef struct draw {
+    uint64_t state;
+} draw;
+
+static inline uint64_t draw_bits(draw *d)
+{
+    uint64_t z = (d->state += UINT64_C(0x9e3779b97f4a7c15));
+    z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
+    z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
+    return z ^ (z >> 31);
+}
+
+/* lo <= result <= hi, hi - lo < 2^63 */
+static inline int64_t draw_between(draw *d, int64_t lo, int64_t hi)
+{
+    return lo + (int64_t)(draw_bits(d) % ((uint64_t)hi - (uint64_t)lo + 1));
+}
+
+static inline bool draw_one_in(draw *d, int n)
+{
+    return draw_bits(d) % (uint64_t)n == 0;
+}
+
+/* lo <= result < hi; the steps are 2^-53 of the span */
+static inline double draw_real(draw *d, double lo, double hi)
+{
+    return lo + (hi - lo) * ((double)(draw_bits(d) >> 11) * 0x1p-53);
+}
+
+/* The stream of one name in one campaign. */
+static inline draw draw_named(uint64_t seed, const char *name)
+{
+    draw d = {seed};
+    for (; *name; name++) {
+        d.state ^= (uint64_t)(unsigned char)*name;
+        d.state = draw_bits(&d);
+    }
+    return d;
+}
+
+#endif

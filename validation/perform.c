@@ -1,0 +1,299 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "validation/perform.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/*
+ * A bone is fetched whole after each tick up to this many voxels; a larger one
+ * in the slices that the event could reach, and whole every WHOLE_EVERY ticks
+ * and at the end.
+ */
+enum { WHOLE_VOXELS = 1 << 21, WHOLE_EVERY = 256 };
+
+typedef struct performer {
+    ost_backend *backend;
+    const scene *s;
+    trace_writer *w;
+    uint32_t case_index;
+    ost_bone *bone;
+    ost_tool *tools[SCENE_TOOLS_MAX];
+    ost_world *world;
+    ost_dims dims;        /* of the bone */
+    int16_t *was, *is;    /* the bone as last recorded, and as fetched */
+    ost_report collided;
+} performer;
+
+static ost_status record_grid(performer *p, const ost_grid *grid, ost_error *err)
+{
+    const ost_dims dims = ost_grid_geometry(grid)->dims;
+    const int32_t lo[3] = {0, 0, 0};
+    int16_t *voxels = trace_block(p->w, lo, dims, 2);
+    return voxels ? ost_grid_download(grid, 0, dims.z, voxels, err) : OST_OK; /* trace_end says what is wrong */
+}
+
+static void record_bone_counts(performer *p, const ost_bone_info *info)
+{
+    trace_word(p->w, (uint64_t)info->chunks);
+    trace_word(p->w, (uint64_t)info->active_chunks);
+    trace_word(p->w, (uint64_t)info->active_voxels);
+}
+
+static ost_status run_rect(performer *p, ost_grid **out, ost_error *err)
+{
+    const scene *s = p->s;
+    ost_scatter_report r = {0};
+    ost_status status = ost_grid_create(p->backend, &s->rect, out, err);
+    for (size_t at = 0; at < s->sample_count && status == OST_OK; at += s->batch) {
+        const size_t n = s->sample_count - at < s->batch ? s->sample_count - at : s->batch;
+        status = ost_ct_to_rect(*out, s->samples + at, n, (int64_t)at + 1, s->duplicates, &r, err);
+    }
+    if (status != OST_OK)
+        return status;
+    const int64_t words[] = {(int64_t)r.samples, (int64_t)r.duplicates, (int64_t)r.off_lattice, (int64_t)r.worst_offset_ppm, r.worst_line,
+                             r.rejected_line,    r.conflict_line,       r.conflict_had,         r.conflict_has};
+    trace_begin(p->w, TRACE_RECT, p->case_index, 0);
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
+        trace_word(p->w, (uint64_t)words[i]);
+    status = record_grid(p, *out, err);
+    ost_status written = trace_end(p->w, err);
+    return status != OST_OK ? status : written;
+}
+
+static ost_status run_cubic(performer *p, const ost_grid *rect, ost_grid **out, ost_error *err)
+{
+    ost_status status = ost_rect_to_cubic(rect, p->s->cubic, p->s->resample, out, err);
+    if (status != OST_OK)
+        return status;
+    const ost_geometry *g = ost_grid_geometry(*out);
+    const int64_t words[] = {g->dims.x, g->dims.y, g->dims.z, g->spacing.x, g->spacing.y, g->spacing.z};
+    trace_begin(p->w, TRACE_CUBIC, p->case_index, 0);
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
+        trace_word(p->w, (uint64_t)words[i]);
+    status = record_grid(p, *out, err);
+    ost_status written = trace_end(p->w, err);
+    return status != OST_OK ? status : written;
+}
+
+static ost_status record_whole_bone(performer *p, trace_stage stage, ost_error *err)
+{
+    ost_bone_info info;
+    const int32_t lo[3] = {0, 0, 0};
+    ost_digest root;
+    ost_status status = ost_bone_info_get(p->bone, &info, err);
+    if (status == OST_OK)
+        status = ost_bone_digest(p->bone, NULL, &root, err);
+    if (status != OST_OK)
+        return status;
+    trace_begin(p->w, stage, p->case_index, 0);
+    record_bone_counts(p, &info);
+    /* The backend's own digest is a result like any other. */
+    for (int i = 0; i < 4; i++) {
+        uint64_t word;
+        memcpy(&word, root.bytes + 8 * i, 8);
+        trace_word(p->w, word);
+    }
+    int16_t *voxels = trace_block(p->w, lo, info.geometry.dims, 2);
+    if (voxels)
+        status = ost_bone_download(p->bone, 0, info.geometry.dims.z, voxels, err);
+    if (voxels && status == OST_OK)
+        memcpy(p->was, voxels, (size_t)ost_dims_count(p->dims) * 2);
+    ost_status written = trace_end(p->w, err);
+    return status != OST_OK ? status : written;
+}
+
+static ost_status run_import(performer *p, ost_error *err)
+{
+    ost_grid *rect = NULL, *cubic = NULL;
+    ost_status status = run_rect(p, &rect, err);
+    if (status == OST_OK)
+        status = run_cubic(p, rect, &cubic, err);
+    if (status == OST_OK)
+        status = ost_cubic_to_chunks(cubic, p->s->chunk_size, p->s->threshold, &p->bone, err);
+    if (status == OST_OK) {
+        p->dims = ost_grid_geometry(cubic)->dims;
+        const size_t bytes = (size_t)ost_dims_count(p->dims) * 2;
+        p->was = malloc(bytes);
+        p->is = malloc(bytes);
+        status = p->was && p->is ? record_whole_bone(p, TRACE_CHUNKS, err) : ost_fail(err, OST_ERR_MEMORY, "no memory for a bone of %zu bytes", bytes);
+    }
+    ost_grid_free(cubic);
+    ost_grid_free(rect);
+    return status;
+}
+
+static ost_status run_tool(performer *p, int i, ost_error *err)
+{
+    const scene_tool *t = &p->s->tools[i];
+    const int32_t lo[3] = {0, 0, 0};
+    ost_voxelize_report r;
+    ost_tool_volume volume = {0};
+    ost_status status = ost_voxelize(p->backend, &t->cutting, t->noncutting.triangle_count ? &t->noncutting : NULL, t->rule, &r, &p->tools[i], err);
+    if (status == OST_OK)
+        status = ost_tool_download(p->tools[i], &volume, err);
+    if (status == OST_OK) {
+        trace_begin(p->w, TRACE_TOOL, p->case_index, (uint32_t)i);
+        trace_word(p->w, r.solid_voxels);
+        trace_word(p->w, r.cutting_voxels);
+        trace_word(p->w, r.leaking_rows);
+        uint8_t *voxels = trace_block(p->w, lo, volume.geometry.dims, 1);
+        if (voxels)
+            memcpy(voxels, volume.voxels, (size_t)ost_dims_count(volume.geometry.dims));
+        status = trace_end(p->w, err);
+    }
+    ost_tool_volume_free(&volume);
+    return status;
+}
+
+/* Totals, then per chunk: number, voxels and sums of densities of every class. */
+static void record_report(performer *p, const ost_report *r)
+{
+    const int classes = ost_world_classes(p->world)->count;
+    trace_word(p->w, r ? r->total_voxels : 0);
+    trace_word(p->w, r ? r->touched_voxels : 0);
+    trace_word(p->w, r ? r->count : 0);
+    for (size_t i = 0; r && i < r->count; i++) {
+        trace_word(p->w, (uint64_t)(int64_t)r->chunks[i].chunk);
+        for (int c = 0; c < classes; c++) {
+            trace_word(p->w, r->chunks[i].voxels[c]);
+            trace_word(p->w, (uint64_t)r->chunks[i].density[c]);
+        }
+    }
+}
+
+static size_t at_voxel(ost_dims d, int32_t x, int32_t y, int32_t z)
+{
+    return (size_t)x + (size_t)d.x * ((size_t)y + (size_t)d.y * (size_t)z);
+}
+
+/* Blocks of the leaves in slices [z0, z1) where `is` is not `was`; `was` becomes `is`. */
+static void record_changed(performer *p, int32_t z0, int32_t z1)
+{
+    const ost_dims d = p->dims;
+    for (int32_t z = z0; z < z1; z += OST_LEAF)
+        for (int32_t y = 0; y < d.y; y += OST_LEAF)
+            for (int32_t x = 0; x < d.x; x += OST_LEAF) {
+                const ost_dims n = {d.x - x < OST_LEAF ? d.x - x : OST_LEAF, d.y - y < OST_LEAF ? d.y - y : OST_LEAF, d.z - z < OST_LEAF ? d.z - z : OST_LEAF};
+                bool changed = false;
+                for (int32_t k = 0; k < n.z && !changed; k++)
+                    for (int32_t j = 0; j < n.y && !changed; j++) {
+                        const size_t at = at_voxel(d, x, y + j, z + k);
+                        changed = memcmp(p->is + at, p->was + at, (size_t)n.x * 2) != 0;
+                    }
+                if (!changed)
+                    continue;
+                const int32_t lo[3] = {x, y, z};
+                int16_t *to = trace_block(p->w, lo, n, 2);
+                for (int32_t k = 0; k < n.z; k++)
+                    for (int32_t j = 0; j < n.y; j++) {
+                        const size_t at = at_voxel(d, x, y + j, z + k);
+                        if (to)
+                            memcpy(to + (size_t)n.x * ((size_t)j + (size_t)n.y * (size_t)k), p->is + at, (size_t)n.x * 2);
+                        memcpy(p->was + at, p->is + at, (size_t)n.x * 2);
+                    }
+            }
+}
+
+static ost_status run_tick(performer *p, size_t i, ost_error *err)
+{
+    const ost_dims d = p->dims;
+    ost_step_result r = {0};
+    ost_error refused = {0};
+    const ost_status stepped = ost_world_step(p->world, &p->s->path.ticks[i], &r, &refused);
+    if (stepped != OST_OK && stepped != OST_ERR_RANGE) { /* a jump too far is an answer; anything else is a failure */
+        *err = refused;
+        return stepped;
+    }
+    trace_begin(p->w, TRACE_TICK, p->case_index, (uint32_t)i);
+    trace_word(p->w, (uint64_t)stepped);
+    trace_word(p->w, r.removal);
+    trace_word(p->w, r.boxes_meet);
+    trace_word(p->w, (uint64_t)r.pose_count);
+    for (int a = 0; a < 3; a++) {
+        trace_word(p->w, (uint64_t)(int64_t)r.chunk_lo[a]);
+        trace_word(p->w, (uint64_t)(int64_t)r.chunk_hi[a]);
+    }
+    record_report(p, r.report);
+    int32_t z0 = 0, z1 = d.z;
+    if (ost_dims_count(d) > WHOLE_VOXELS && (i + 1) % WHOLE_EVERY != 0) {
+        const int32_t size = p->s->chunk_size;
+        z0 = r.chunk_lo[2] * size / OST_LEAF * OST_LEAF;
+        z1 = (r.chunk_hi[2] * size + OST_LEAF - 1) / OST_LEAF * OST_LEAF;
+        z0 = z0 < 0 ? 0 : z0;
+        z1 = z1 > d.z ? d.z : z1;
+    }
+    ost_status status = OST_OK;
+    if (z0 < z1) {
+        status = ost_bone_download(p->bone, z0, z1 - z0, p->is + at_voxel(d, 0, 0, z0), err);
+        if (status == OST_OK)
+            record_changed(p, z0, z1);
+    }
+    ost_status written = trace_end(p->w, err);
+    return status != OST_OK ? status : written;
+}
+
+/* The same pose asked alone, over the whole grid: nothing is skipped by boxes, and nothing may change. */
+static ost_status run_collide(performer *p, size_t i, ost_error *err)
+{
+    const ost_tick *tick = &p->s->path.ticks[i];
+    ost_bone_info info;
+    ost_map map;
+    ost_status status = ost_bone_info_get(p->bone, &info, err);
+    if (status == OST_OK)
+        status = ost_map_make(&tick->pose, &info.geometry, ost_tool_geometry_get(p->tools[tick->tool]), &map, err);
+    if (status != OST_OK)
+        return status;
+    const ost_voxel_box box = {{0, 0, 0}, {p->dims.x, p->dims.y, p->dims.z}};
+    const ost_event event = {.pose_count = 1, .maps = &map, .boxes = &box, .classes = ost_world_classes(p->world)};
+    status = ost_bone_collide(p->bone, p->tools[tick->tool], &event, &p->collided, err);
+    if (status != OST_OK)
+        return status;
+    trace_begin(p->w, TRACE_COLLIDE, p->case_index, (uint32_t)i);
+    record_report(p, &p->collided);
+    return trace_end(p->w, err);
+}
+
+static ost_status run_stages(performer *p, ost_error *err)
+{
+    const scene *s = p->s;
+    ost_status status = OST_OK;
+    if (s->sample_count)
+        status = run_import(p, err);
+    for (int i = 0; i < s->tool_count && status == OST_OK; i++)
+        status = run_tool(p, i, err);
+    if (!s->path.count || status != OST_OK)
+        return status;
+    status = ost_world_create(p->bone, &s->world, &p->world, err);
+    for (int i = 0; i < s->tool_count && status == OST_OK; i++)
+        status = ost_world_add_tool(p->world, s->tools[i].name, p->tools[i], NULL, err);
+    for (size_t i = 0; i < s->path.count && status == OST_OK; i++) {
+        if (s->collide_every && i % (size_t)s->collide_every == 0)
+            status = run_collide(p, i, err);
+        if (status == OST_OK)
+            status = run_tick(p, i, err);
+    }
+    if (status == OST_OK)
+        status = record_whole_bone(p, TRACE_FINAL, err);
+    return status;
+}
+
+ost_status perform(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, ost_error *why, ost_error *err)
+{
+    performer p = {.backend = backend, .s = s, .w = w, .case_index = case_index};
+    trace_begin(w, TRACE_CASE, case_index, 0);
+    ost_status written = trace_end(w, err);
+    *why = (ost_error){0};
+    if (written == OST_OK && run_stages(&p, why) != OST_OK) {
+        trace_begin(w, TRACE_FAILED, case_index, 0);
+        trace_word(w, (uint64_t)why->status);
+        written = trace_end(w, err);
+    }
+    ost_report_free(&p.collided);
+    ost_world_free(p.world);
+    for (int i = 0; i < s->tool_count; i++)
+        ost_tool_free(p.tools[i]);
+    ost_bone_free(p.bone);
+    free(p.was);
+    free(p.is);
+    return written;
+}

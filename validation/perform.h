@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * One case on one backend: every stage is run, and what it made is written
+ * into the trace.  This is the only place where validation asks a backend.
+ *
+ *   samples --ct_to_rect--> rect --rect_to_cubic--> cubic --cubic_to_chunks--> bone
+ *   snapped mesh --voxelize--> tool             tick --ost_world_step--> report, changed leaves
+ *
+ * A stage that fails writes TRACE_FAILED with its status and ends the case:
+ * two backends must also refuse alike.
+ */
+#ifndef OST_VALIDATION_PERFORM_H
+#define OST_VALIDATION_PERFORM_H
+
+#include "validation/scene.h"
+#include "validation/trace.h"
+
+/* Fails only when the trace cannot be written or memory is out; why (not NULL) gets the line of a failed stage. */
+ost_status perform(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, ost_error *why, ost_error *err);
+
+#endif

@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "validation/plan.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const struct {
+    const char *name, *about;
+    int count[PLAN_TIERS];
+} families[PLAN_FAMILIES] = {
+    [PLAN_IMPORT] = {"import", "random CTs: scatter, resampling, chunks", {6, 48, 240}},
+    [PLAN_MESH] = {"mesh", "tools from simple to hostile meshes", {8, 48, 240}},
+    [PLAN_POSES] = {"poses", "unrelated poses, borders and quarter turns", {4, 24, 120}},
+    [PLAN_SWEEP] = {"sweep", "fast motion, many poses an event", {2, 12, 60}},
+    [PLAN_SESSION] = {"session", "slow cutting with changes of tool", {2, 8, 40}},
+    [PLAN_OPERATION] = {"operation", "the built-in peg hole and reaming", {1, 2, 4}},
+};
+
+const char *plan_tier_name(plan_tier tier)
+{
+    static const char *const names[] = {"smoke", "standard", "full"};
+    return names[tier];
+}
+
+const char *plan_family_name(plan_family family)
+{
+    return families[family].name;
+}
+
+const char *plan_family_about(plan_family family)
+{
+    return families[family].about;
+}
+
+ost_status plan_make(plan_tier tier, uint64_t seed, int shard, int shards, const char *only, plan *out, ost_error *err)
+{
+    int room = 0;
+    for (int f = 0; f < PLAN_FAMILIES; f++)
+        room += families[f].count[tier];
+    *out = (plan){.tier = tier, .seed = seed, .shard = shard, .shards = shards, .only = only};
+    out->cases = malloc((size_t)room * sizeof *out->cases);
+    if (!out->cases)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a plan of %d cases", room);
+    for (int f = 0; f < PLAN_FAMILIES; f++)
+        for (int n = 0; n < families[f].count[tier]; n++) {
+            plan_case c = {.family = (plan_family)f, .number = n, .tier = tier, .seed = seed};
+            snprintf(c.id, sizeof c.id, "%s/%d", families[f].name, n);
+            if (only && strncmp(c.id, only, strlen(only)) != 0)
+                continue;
+            if (out->whole++ % shards == shard - 1)
+                out->cases[out->count++] = c;
+        }
+    if (!out->whole) {
+        plan_free(out);
+        return ost_fail(err, OST_ERR_USAGE, "no case of tier %s begins with '%s'", plan_tier_name(tier), only);
+    }
+    return OST_OK;
+}
+
+void plan_free(plan *p)
+{
+    free(p->cases);
+    p->cases = NULL;
+    p->count = 0;
+}

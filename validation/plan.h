@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What a campaign runs: an ordered list of cases, fixed by tier, seed and
+ * shard before anything runs.  The list is part of the protocol, and its text
+ * is hashed into the evidence.
+ *
+ *   tier, seed, shard I/N --plan_make--> cases "family/number"
+ *
+ *   import/N     a random CT as samples in any order: scatter, resampling,
+ *                chunks (Algs. 2.3-2.6); lattices, duplicates, thresholds
+ *   mesh/N       tools from simple to hostile: closed, open, slivers, covers
+ *                twice, not cutting; by winding and parity (Alg. 2.1, section 2.3)
+ *   poses/N      unrelated poses, on borders and quarter turns among them (Algs. 2.8-2.10)
+ *   sweep/N      fast motion: many poses an event
+ *   session/N    slow cutting for many ticks, tools changed in between
+ *   operation/N  the built-in peg hole and reaming on a phantom's glenoid
+ */
+#ifndef OST_VALIDATION_PLAN_H
+#define OST_VALIDATION_PLAN_H
+
+#include <stdint.h>
+
+#include <osteon/status.h>
+
+typedef enum plan_tier { PLAN_SMOKE, PLAN_STANDARD, PLAN_FULL, PLAN_TIERS } plan_tier;
+
+typedef enum plan_family {
+    PLAN_IMPORT,
+    PLAN_MESH,
+    PLAN_POSES,
+    PLAN_SWEEP,
+    PLAN_SESSION,
+    PLAN_OPERATION,
+    PLAN_FAMILIES
+} plan_family;
+
+enum { PLAN_ID = 32 };
+typedef struct plan_case {
+    plan_family family;
+    int number;       /* within the family, from 0 */
+    plan_tier tier;   /* sizes grow with it */
+    uint64_t seed;    /* the campaign's */
+    char id[PLAN_ID]; /* "session/3" */
+} plan_case;
+
+typedef struct plan {
+    plan_tier tier;
+    uint64_t seed;
+    int shard, shards; /* 1 <= shard <= shards */
+    const char *only;  /* as given to plan_make, borrowed */
+    int count;
+    plan_case *cases; /* owned; case k of the whole list belongs to shard 1 + k mod shards */
+    int whole;        /* cases of all shards */
+} plan;
+
+const char *plan_tier_name(plan_tier tier);
+const char *plan_family_name(plan_family family);
+/* What a family is for, a line for people. */
+const char *plan_family_about(plan_family family);
+
+/* only: NULL, or keeps the cases whose id begins with it. */
+ost_status plan_make(plan_tier tier, uint64_t seed, int shard, int shards, const char *only, plan *out, ost_error *err);
+void plan_free(plan *p);
+
+#endif

@@ -1,0 +1,201 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "validation/scene.h"
+
+#include <stdlib.h>
+
+#include <osteon/phantom.h>
+
+#include "validation/scene_parts.h"
+
+#define UM (OST_PM_PER_MM / 1000)
+
+/* Spacings of CTs: isotropic and not, exact decimals and any picometre. */
+static void draw_lattice(scene *s, draw *d)
+{
+    static const ost_pm usual[] = {470 * UM, 1000 * UM, 488281250, 300 * UM, 32 * UM, 625 * UM};
+    ost_pm x = draw_one_in(d, 3) ? draw_between(d, 100 * UM, 2000 * UM) : usual[draw_between(d, 0, 5)];
+    ost_pm z = draw_one_in(d, 2) ? x : draw_one_in(d, 2) ? 1000 * UM : draw_between(d, x / 2, 3 * x);
+    s->rect.spacing = (ost_pm3){x, draw_one_in(d, 4) ? draw_between(d, x / 2, 2 * x) : x, z};
+    s->rect.origin = (ost_pm3){draw_between(d, -200000 * UM, 200000 * UM), draw_between(d, -200000 * UM, 200000 * UM),
+                               draw_between(d, -200000 * UM, 200000 * UM)};
+    s->cubic = draw_one_in(d, 2) ? x : draw_between(d, x * 2 / 3, x * 3 / 2);
+    s->resample = draw_one_in(d, 3) ? OST_RESAMPLE_NEAREST : OST_RESAMPLE_FLOOR;
+    s->duplicates = (ost_duplicates)draw_between(d, 0, 3);
+}
+
+/* A bone for poses and paths: cubic from the start, so that its size is known. */
+static ost_status make_bone(scene *s, draw *d, int32_t side, ost_error *err)
+{
+    draw_lattice(s, d);
+    s->rect.spacing.y = s->rect.spacing.z = s->cubic = s->rect.spacing.x = draw_one_in(d, 2) ? 470 * UM : draw_between(d, 300 * UM, 700 * UM);
+    s->resample = OST_RESAMPLE_FLOOR;
+    s->threshold = 120;
+    const ost_dims dims = {side + (int32_t)draw_between(d, 0, 15), side + (int32_t)draw_between(d, 0, 15), side + (int32_t)draw_between(d, 0, 15)};
+    return scene_ct(s, d, dims, err);
+}
+
+static ost_pm drawn_voxel(draw *d)
+{
+    static const ost_pm usual[] = {500 * UM, 1000 * UM, 750 * UM, 250 * UM};
+    return draw_one_in(d, 3) ? draw_between(d, 250 * UM, 1200 * UM) : usual[draw_between(d, 0, 3)];
+}
+
+static ost_status make_import(const plan_case *c, scene *s, draw *d, ost_error *err)
+{
+    const int32_t most = c->tier == PLAN_SMOKE ? 56 : 120;
+    draw_lattice(s, d);
+    const ost_dims dims = {(int32_t)draw_between(d, 1, most), (int32_t)draw_between(d, 1, most), (int32_t)draw_between(d, 1, most)};
+    return scene_ct(s, d, dims, err);
+}
+
+static ost_status make_mesh(const plan_case *c, scene *s, draw *d, ost_error *err)
+{
+    /* Every shape comes up, whatever the tier. */
+    ost_status status = OST_OK;
+    for (int i = 0; i < 2 && status == OST_OK; i++)
+        status = scene_add_tool(s, d, (scene_shape)((2 * c->number + i) % SHAPE_COUNT), draw_between(d, 6000 * UM, 36000 * UM), drawn_voxel(d),
+                                draw_one_in(d, 2), draw_one_in(d, 3) ? OST_FILL_PARITY : OST_FILL_WINDING, err);
+    return status;
+}
+
+static ost_status add_tools(scene *s, draw *d, int count, ost_pm least, ost_pm most, ost_error *err)
+{
+    ost_status status = OST_OK;
+    for (int i = 0; i < count && status == OST_OK; i++)
+        status = scene_add_tool(s, d, (scene_shape)draw_between(d, SHAPE_REAMER, SHAPE_HOLLOW), draw_between(d, least, most), drawn_voxel(d),
+                                draw_one_in(d, 2), OST_FILL_WINDING, err);
+    return status;
+}
+
+static ost_status make_poses(const plan_case *c, scene *s, draw *d, ost_error *err)
+{
+    ost_status status = make_bone(s, d, c->tier == PLAN_SMOKE ? 48 : 80, err);
+    if (status == OST_OK)
+        status = add_tools(s, d, 3, 3000 * UM, 24000 * UM, err);
+    if (status == OST_OK)
+        status = scene_unrelated_poses(s, d, c->tier == PLAN_SMOKE ? 24 : 80, err);
+    s->collide_every = 2;
+    return status;
+}
+
+static ost_status make_sweep(const plan_case *c, scene *s, draw *d, ost_error *err)
+{
+    ost_status status = make_bone(s, d, 56, err);
+    if (status == OST_OK)
+        status = add_tools(s, d, 2, 3000 * UM, 10000 * UM, err);
+    if (status == OST_OK)
+        status = scene_drive(s, d, c->tier == PLAN_SMOKE ? 16 : 60, draw_between(d, 500 * UM, 4000 * UM), 0.2, err);
+    return status;
+}
+
+static ost_status make_session(const plan_case *c, scene *s, draw *d, ost_error *err)
+{
+    static const size_t ticks[PLAN_TIERS] = {300, 2000, 10000};
+    ost_status status = make_bone(s, d, c->tier == PLAN_SMOKE ? 56 : 96, err);
+    if (status == OST_OK)
+        status = add_tools(s, d, 3, 4000 * UM, 16000 * UM, err);
+    if (status == OST_OK)
+        status = scene_drive(s, d, ticks[c->tier], draw_between(d, 10 * UM, 60 * UM), 0.008, err);
+    if (draw_one_in(d, 3))
+        s->world.removal_period_ns = 3000000; /* the thesis' 333 Hz */
+    s->collide_every = 50;
+    return status;
+}
+
+/* Ticks of one path after those already there, a millisecond after the last. */
+static ost_status append_path(scene *s, const ost_path *more, ost_error *err)
+{
+    const size_t before = s->path.count;
+    ost_tick *ticks = realloc(s->path.ticks, (before + more->count) * sizeof *ticks);
+    if (!ticks)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu ticks", before + more->count);
+    s->path.ticks = ticks;
+    const int64_t from = before ? ticks[before - 1].t_ns + 1000000 - more->ticks[0].t_ns : 0;
+    for (size_t i = 0; i < more->count; i++) {
+        ticks[before + i] = more->ticks[i];
+        ticks[before + i].t_ns += from;
+    }
+    s->path.count += more->count;
+    return OST_OK;
+}
+
+/* Every `step`-th tick, so that a tier takes the whole operation in its time; the sweep fills in. */
+static void thin_path(ost_path *path, size_t step)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < path->count; i += step)
+        path->ticks[kept++] = path->ticks[i];
+    path->count = kept;
+}
+
+static ost_status make_operation(const plan_case *c, scene *s, draw *d, ost_error *err)
+{
+    static const size_t step[PLAN_TIERS] = {12, 3, 1};
+    const ost_tool_kind kinds[2] = {OST_TOOL_PEG, OST_TOOL_REAMER};
+    ost_volume ct = {0};
+    ost_glenoid glenoid;
+    const ost_phantom_options how = {.seed = (uint64_t)draw_between(d, 1, 1 << 20), .left = c->number % 2 == 1};
+    ost_status status = ost_phantom_make(OST_PHANTOM_GLENOID, &how, &ct, err);
+    if (status == OST_OK)
+        status = ost_glenoid_from_meta(&ct.meta, &glenoid, err);
+    if (status == OST_OK)
+        status = scene_ct_of_volume(s, &ct, err);
+    ost_volume_free(&ct);
+    s->cubic = s->rect.spacing.x;
+    s->chunk_size = 32;
+    s->threshold = 120;
+    for (int i = 0; i < 2 && status == OST_OK; i++) {
+        ost_mesh mesh = {0};
+        ost_pm3 lo, hi;
+        ost_tool_geometry grid;
+        ost_path path = {0};
+        scene_tool *tool = &s->tools[s->tool_count];
+        *tool = (scene_tool){.rule = OST_FILL_WINDING, .name = "peg"};
+        if (i == 1)
+            *tool = (scene_tool){.rule = OST_FILL_WINDING, .name = "reamer"};
+        s->tool_count++;
+        status = ost_tool_make(kinds[i], NULL, &mesh, err);
+        if (status == OST_OK)
+            status = ost_mesh_bounds(&mesh, &lo, &hi, err);
+        if (status == OST_OK)
+            status = ost_tool_geometry_from_bounds(lo, hi, 500 * UM, &grid, err);
+        if (status == OST_OK)
+            status = ost_mesh_snap(&mesh, &grid, &tool->cutting, err);
+        if (status == OST_OK)
+            status = ost_builtin_path(i == 0 ? OST_BUILTIN_PEG_HOLE : OST_BUILTIN_GLENOID_REAM, &glenoid, &grid, i, &path, err);
+        if (status == OST_OK) {
+            thin_path(&path, step[c->tier]);
+            status = append_path(s, &path, err);
+        }
+        ost_path_free(&path);
+        ost_mesh_free(&mesh);
+    }
+    return status;
+}
+
+ost_status scene_make(const plan_case *c, scene *out, ost_error *err)
+{
+    static ost_status (*const makers[PLAN_FAMILIES])(const plan_case *, scene *, draw *, ost_error *) = {
+        [PLAN_IMPORT] = make_import, [PLAN_MESH] = make_mesh,       [PLAN_POSES] = make_poses,
+        [PLAN_SWEEP] = make_sweep,   [PLAN_SESSION] = make_session, [PLAN_OPERATION] = make_operation,
+    };
+    draw d = draw_named(c->seed, c->id);
+    *out = (scene){0};
+    ost_status status = makers[c->family](c, out, &d, err);
+    if (status != OST_OK) {
+        ost_fail_context(err, "case %s", c->id);
+        scene_free(out);
+    }
+    return status;
+}
+
+void scene_free(scene *s)
+{
+    free(s->samples);
+    for (int i = 0; i < s->tool_count; i++) {
+        ost_snapped_mesh_free(&s->tools[i].cutting);
+        ost_snapped_mesh_free(&s->tools[i].noncutting);
+    }
+    ost_path_free(&s->path);
+    *s = (scene){0};
+}

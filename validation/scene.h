@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A case's inputs, as every backend is given them: integers, made from the
+ * case's name and the campaign's seed and nothing else.
+ *
+ *   plan_case --scene_make--> samples, snapped meshes, ticks
+ *
+ * What lies before them (files, floats of meshes and phantoms) ends here and
+ * is hashed as input.
+ */
+#ifndef OST_VALIDATION_SCENE_H
+#define OST_VALIDATION_SCENE_H
+
+#include <osteon/backend.h>
+#include <osteon/sim.h>
+
+#include "validation/plan.h"
+
+enum { SCENE_TOOLS_MAX = 4, SCENE_NAME = 32 };
+
+typedef struct scene_tool {
+    char name[SCENE_NAME];
+    ost_snapped_mesh cutting, noncutting; /* noncutting has no triangle where there is none */
+    ost_fill_rule rule;
+} scene_tool;
+
+typedef struct scene {
+    /* A CT; no samples: none of the stages up to chunks runs. */
+    ost_geometry rect;
+    ost_sample *samples; /* owned; in the order in which they are scattered */
+    size_t sample_count, batch; /* batch samples a call */
+    ost_duplicates duplicates;
+    ost_pm cubic;
+    ost_resample resample;
+    int chunk_size;
+    int32_t threshold;
+
+    int tool_count;
+    scene_tool tools[SCENE_TOOLS_MAX];
+
+    /* Ticks; none: the case ends with the tools. */
+    ost_world_options world;
+    ost_path path;
+    int collide_every; /* before every so-manieth tick collide is asked as well; 0: never */
+} scene;
+
+ost_status scene_make(const plan_case *c, scene *out, ost_error *err);
+void scene_free(scene *s);
+
+/* SHA-256 over all of it, field by field in a fixed form: what the evidence calls the case's input. */
+ost_status scene_digest(const scene *s, ost_digest *out, ost_error *err);
+
+#endif

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What scenes are made of: a CT, tools, ticks. A failed part leaves the scene to scene_free. */
+#ifndef OST_VALIDATION_SCENE_PARTS_H
+#define OST_VALIDATION_SCENE_PARTS_H
+
+#include "validation/draw.h"
+#include "validation/scene.h"
+
+/* Samples of a random CT of these dims; spacing, origin and duplicates are set, threshold 0 is drawn. */
+ost_status scene_ct(scene *s, draw *d, ost_dims dims, ost_error *err);
+/* Every voxel a sample, in the file's order. */
+ost_status scene_ct_of_volume(scene *s, const ost_volume *volume, ost_error *err);
+
+typedef enum scene_shape {
+    SHAPE_REAMER,   /* the parametric tools, of random size */
+    SHAPE_PEG,
+    SHAPE_BURR,
+    SHAPE_BOX,      /* a parallelepiped of any direction */
+    SHAPE_TWICE,    /* the same solid twice: winding 2, parity void */
+    SHAPE_HOLLOW,   /* a solid with another turned inside out in it */
+    SHAPE_OPEN,     /* a solid that lost triangles: leaking rows */
+    SHAPE_SOUP,     /* triangles that bound nothing */
+    SHAPE_SLIVERS,  /* thin and tiny ones, many without area once snapped */
+    SHAPE_COUNT
+} scene_shape;
+
+/* Adds a tool about `size` wide of voxels `voxel`; with a noncutting part if asked. */
+ost_status scene_add_tool(scene *s, draw *d, scene_shape shape, ost_pm size, ost_pm voxel, bool noncutting, ost_fill_rule rule,
+                          ost_error *err);
+
+/* Poses that bring a tool into the bone: unrelated ones (with sweep off), a fast drive, a slow cut. */
+ost_status scene_unrelated_poses(scene *s, draw *d, size_t count, ost_error *err);
+ost_status scene_drive(scene *s, draw *d, size_t count, ost_pm speed, double turn, ost_error *err);
+
+#endif

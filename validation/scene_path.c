@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Ticks that bring tools into the bone.  A pose is drawn in doubles and
+ * quantised like any device's (AR-POSE); on it equality begins.
+ */
+#include "validation/scene_parts.h"
+
+#include <math.h>
+
+enum { TICK_NS = 1000000 };
+
+/* A voxel's centre or a border between two, in the middle half of the CT. */
+static ost_pm3 drawn_target(const scene *s, draw *d)
+{
+    const ost_geometry *g = &s->rect;
+    const int32_t dims[3] = {g->dims.x, g->dims.y, g->dims.z};
+    const ost_pm spacing[3] = {g->spacing.x, g->spacing.y, g->spacing.z}, origin[3] = {g->origin.x, g->origin.y, g->origin.z};
+    ost_pm p[3];
+    for (int a = 0; a < 3; a++) {
+        p[a] = origin[a] + spacing[a] * draw_between(d, 0, dims[a] - 1);
+        if (draw_one_in(d, 4))
+            p[a] += spacing[a] / 2;
+        else if (draw_one_in(d, 2))
+            p[a] += draw_between(d, -spacing[a], spacing[a]);
+    }
+    return (ost_pm3){p[0], p[1], p[2]};
+}
+
+/* A unit quaternion: one of the 24 turns of a cube now and then, else any. */
+static ost_status drawn_turn(draw *d, double q[4])
+{
+    static const double root = 0.70710678118654752440;
+    for (int c = 0; c < 4; c++)
+        q[c] = 0;
+    if (draw_one_in(d, 3)) {
+        const int64_t which = draw_between(d, 0, 2), axis = draw_between(d, 1, 3);
+        if (which == 0)
+            q[draw_between(d, 0, 3)] = 1; /* none, or half */
+        else {
+            q[0] = root; /* a quarter */
+            q[axis] = which == 1 ? root : -root;
+        }
+        return OST_OK;
+    }
+    double square;
+    do {
+        square = 0;
+        for (int c = 0; c < 4; c++) {
+            q[c] = draw_real(d, -1, 1);
+            square += q[c] * q[c];
+        }
+    } while (square > 1 || square < 0.01);
+    for (int c = 0; c < 4; c++)
+        q[c] /= sqrt(square);
+    return OST_OK;
+}
+
+ost_status scene_unrelated_poses(scene *s, draw *d, size_t count, ost_error *err)
+{
+    ost_status status = ost_path_init(&s->path, count, err);
+    s->world.sweep_off = true; /* nothing moves from one to the next */
+    for (size_t i = 0; i < count && status == OST_OK; i++) {
+        const ost_pm3 at = drawn_target(s, d);
+        const double none[3] = {0, 0, 0};
+        double q[4];
+        ost_tick *tick = &s->path.ticks[i];
+        drawn_turn(d, q);
+        *tick = (ost_tick){.t_ns = (int64_t)(i + 1) * TICK_NS, .tool = (int32_t)draw_between(d, 0, s->tool_count - 1)};
+        status = ost_pose_from_doubles(none, q, &tick->pose, err);
+        tick->pose.t = at;
+    }
+    return status;
+}
+
+/*
+ * From target to target in a straight line, turning about a drawn axis by
+ * `turn` (about radians) a tick; at each target the tool may change.
+ */
+ost_status scene_drive(scene *s, draw *d, size_t count, ost_pm speed, double turn, ost_error *err)
+{
+    ost_status status = ost_path_init(&s->path, count, err);
+    if (status != OST_OK)
+        return status;
+    ost_pm3 at = drawn_target(s, d), to = drawn_target(s, d);
+    double q[4], axis[4];
+    int32_t tool = 0;
+    drawn_turn(d, q);
+    drawn_turn(d, axis);
+    for (size_t i = 0; i < count && status == OST_OK; i++) {
+        const double way[3] = {(double)(to.x - at.x), (double)(to.y - at.y), (double)(to.z - at.z)};
+        const double left = sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]);
+        if (left <= (double)speed) {
+            to = drawn_target(s, d);
+            if (draw_one_in(d, 2))
+                tool = (int32_t)draw_between(d, 0, s->tool_count - 1);
+            if (draw_one_in(d, 2))
+                drawn_turn(d, axis);
+        } else {
+            at.x += (ost_pm)(way[0] / left * (double)speed);
+            at.y += (ost_pm)(way[1] / left * (double)speed);
+            at.z += (ost_pm)(way[2] / left * (double)speed);
+        }
+        /* q <- (1, turn/2 axis) q, to length one: a turn of about `turn` */
+        const double h = turn / 2, r[4] = {1, h * axis[1], h * axis[2], h * axis[3]};
+        double n[4] = {r[0] * q[0] - r[1] * q[1] - r[2] * q[2] - r[3] * q[3], r[0] * q[1] + r[1] * q[0] + r[2] * q[3] - r[3] * q[2],
+                       r[0] * q[2] - r[1] * q[3] + r[2] * q[0] + r[3] * q[1], r[0] * q[3] + r[1] * q[2] - r[2] * q[1] + r[3] * q[0]};
+        const double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] + n[3] * n[3]);
+        for (int c = 0; c < 4; c++)
+            q[c] = n[c] / length;
+        const double none[3] = {0, 0, 0};
+        ost_tick *tick = &s->path.ticks[i];
+        *tick = (ost_tick){.t_ns = (int64_t)(i + 1) * TICK_NS, .tool = tool};
+        status = ost_pose_from_doubles(none, q, &tick->pose, err);
+        tick->pose.t = at;
+    }
+    return status;
+}

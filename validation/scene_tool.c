@@ -1,0 +1,142 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Meshes for tools, from simple to hostile.  Corners are integers from the
+ * start, so the same triangles come out on every machine.
+ */
+#include "validation/scene_parts.h"
+
+#include <osteon/phantom.h>
+
+#include <stdio.h>
+#include <string.h>
+
+static ost_pm3 drawn_point(draw *d, ost_pm size)
+{
+    return (ost_pm3){draw_between(d, -size / 2, size / 2), draw_between(d, -size / 2, size / 2), draw_between(d, -size / 2, size / 2)};
+}
+
+/* Faces of the corners numbered by their bits x, y, z; outward where the three edges are right-handed. */
+static const uint32_t box_faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                                          {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+
+/* boxes solids of random directions; every second one inside out if asked, the same twice if asked. */
+static ost_status boxes(draw *d, ost_pm size, int count, bool same, bool inside_out, ost_mesh *out, ost_error *err)
+{
+    ost_status status = ost_mesh_init(out, 8 * (size_t)count, 12 * (size_t)count, err);
+    if (status != OST_OK)
+        return status;
+    ost_pm3 at = {0, 0, 0}, e[3] = {{0}};
+    for (int b = 0; b < count; b++) {
+        if (b == 0 || !same) {
+            const ost_pm wide = b == 0 ? size : size / 3;
+            at = drawn_point(d, b == 0 ? size / 8 : size / 4);
+            const ost_pm slant = wide / 3;
+            e[0] = (ost_pm3){wide, draw_between(d, -slant, slant), draw_between(d, -slant, slant)};
+            e[1] = (ost_pm3){draw_between(d, -slant, slant), wide, draw_between(d, -slant, slant)};
+            e[2] = (ost_pm3){draw_between(d, -slant, slant), draw_between(d, -slant, slant), wide};
+            for (int a = 0; a < 3; a++) {
+                at.x -= e[a].x / 2;
+                at.y -= e[a].y / 2;
+                at.z -= e[a].z / 2;
+            }
+        }
+        for (int c = 0; c < 8; c++) {
+            ost_pm3 p = at;
+            for (int a = 0; a < 3; a++)
+                if (c >> a & 1) {
+                    p.x += e[a].x;
+                    p.y += e[a].y;
+                    p.z += e[a].z;
+                }
+            out->vertices[8 * b + c] = p;
+        }
+        for (int t = 0; t < 12; t++)
+            for (int c = 0; c < 3; c++)
+                out->triangles[12 * b + t][c] = (uint32_t)(8 * b) + box_faces[t][inside_out && b % 2 ? 2 - c : c];
+    }
+    return OST_OK;
+}
+
+static ost_status loose_triangles(draw *d, ost_pm size, int count, bool thin, ost_mesh *out, ost_error *err)
+{
+    ost_status status = ost_mesh_init(out, 3 * (size_t)count, (size_t)count, err);
+    if (status != OST_OK)
+        return status;
+    for (int t = 0; t < count; t++) {
+        const ost_pm3 at = drawn_point(d, size), along = drawn_point(d, thin ? size / 2 : size), aside = drawn_point(d, thin ? size / 20000 : size);
+        out->vertices[3 * t] = at;
+        out->vertices[3 * t + 1] = (ost_pm3){at.x + along.x, at.y + along.y, at.z + along.z};
+        out->vertices[3 * t + 2] = (ost_pm3){at.x + along.x / 2 + aside.x, at.y + along.y / 2 + aside.y, at.z + along.z / 2 + aside.z};
+        for (uint32_t c = 0; c < 3; c++)
+            out->triangles[t][c] = (uint32_t)(3 * t) + c;
+    }
+    return OST_OK;
+}
+
+/* Each triangle goes with a chance of one in n; one stays. */
+static void lose_triangles(draw *d, int n, ost_mesh *mesh)
+{
+    size_t kept = 0;
+    for (size_t t = 0; t < mesh->triangle_count; t++)
+        if (!draw_one_in(d, n) || (t + 1 == mesh->triangle_count && kept == 0))
+            memmove(mesh->triangles[kept++], mesh->triangles[t], sizeof mesh->triangles[t]);
+    mesh->triangle_count = kept;
+}
+
+static ost_status mesh_of(draw *d, scene_shape shape, ost_pm size, ost_mesh *out, ost_error *err)
+{
+    ost_tool_options how = {.diameter = size, .segments = 4 * (int)draw_between(d, 3, 24)};
+    ost_status status;
+    switch (shape) {
+    case SHAPE_REAMER: return ost_tool_make(OST_TOOL_REAMER, &(ost_tool_options){.diameter = size, .length = size / 2}, out, err);
+    case SHAPE_PEG: how.length = 2 * size; return ost_tool_make(OST_TOOL_PEG, &how, out, err);
+    case SHAPE_BURR: how.length = size; return ost_tool_make(OST_TOOL_BURR, &how, out, err);
+    case SHAPE_TWICE: return boxes(d, size, 2, true, false, out, err);
+    case SHAPE_HOLLOW: return boxes(d, size, 2, false, true, out, err);
+    case SHAPE_OPEN:
+        status = boxes(d, size, 3, false, false, out, err);
+        if (status == OST_OK)
+            lose_triangles(d, 8, out);
+        return status;
+    case SHAPE_SOUP: return loose_triangles(d, size, 60, false, out, err);
+    case SHAPE_SLIVERS: return loose_triangles(d, size, 400, true, out, err);
+    case SHAPE_BOX:
+    case SHAPE_COUNT: break;
+    }
+    return boxes(d, size, 1, false, false, out, err);
+}
+
+static const char *const shape_names[SHAPE_COUNT] = {"reamer", "peg", "burr", "box", "twice", "hollow", "open", "soup", "slivers"};
+
+ost_status scene_add_tool(scene *s, draw *d, scene_shape shape, ost_pm size, ost_pm voxel, bool noncutting, ost_fill_rule rule,
+                          ost_error *err)
+{
+    scene_tool *tool = &s->tools[s->tool_count];
+    ost_mesh mesh = {0}, shaft = {0};
+    ost_pm3 lo, hi, shaft_lo, shaft_hi;
+    ost_tool_geometry grid;
+    *tool = (scene_tool){.rule = rule};
+    s->tool_count++;
+    snprintf(tool->name, sizeof tool->name, "%s", shape_names[shape]);
+    ost_status status = mesh_of(d, shape, size, &mesh, err);
+    if (status == OST_OK)
+        status = ost_mesh_bounds(&mesh, &lo, &hi, err);
+    if (status == OST_OK && noncutting) {
+        status = boxes(d, size / 2, 1, false, false, &shaft, err);
+        if (status == OST_OK)
+            status = ost_mesh_bounds(&shaft, &shaft_lo, &shaft_hi, err);
+        if (status == OST_OK) {
+            ost_pm3_widen(&lo, &hi, shaft_lo);
+            ost_pm3_widen(&lo, &hi, shaft_hi);
+        }
+    }
+    if (status == OST_OK)
+        status = ost_tool_geometry_from_bounds(lo, hi, voxel, &grid, err);
+    if (status == OST_OK)
+        status = ost_mesh_snap(&mesh, &grid, &tool->cutting, err);
+    if (status == OST_OK && noncutting)
+        status = ost_mesh_snap(&shaft, &grid, &tool->noncutting, err);
+    ost_mesh_free(&mesh);
+    ost_mesh_free(&shaft);
+    return status;
+}

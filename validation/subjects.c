@@ -1,0 +1,151 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "validation/subjects.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "config.h"
+
+#include "core/isa.h"
+
+static subject *add(subject_list *list, const char *spec, const char *what, ost_error *err)
+{
+    subject *grown = realloc(list->subjects, ((size_t)list->count + 1) * sizeof *grown);
+    if (!grown) {
+        ost_fail(err, OST_ERR_MEMORY, "no memory for a list of backends");
+        return NULL;
+    }
+    list->subjects = grown;
+    subject *s = &grown[list->count++];
+    *s = (subject){.available = true};
+    snprintf(s->spec, sizeof s->spec, "%s", spec);
+    snprintf(s->what, sizeof s->what, "%s", what);
+    return s;
+}
+
+static ost_status add_cpu(plan_tier tier, subject_list *list, ost_error *err)
+{
+    static const int threads[] = {1, 2, 3, 7};
+    const int count = tier == PLAN_SMOKE ? 2 : 4;
+    char spec[SUBJECT_SPEC], what[SUBJECT_REASON];
+    for (int i = 0; i < OST_ISA_COUNT; i++) {
+        if (!ost_isa_available((ost_isa)i))
+            continue;
+        for (int t = 0; t < count; t++) {
+            snprintf(spec, sizeof spec, "cpu:isa=%s,threads=%d", ost_isa_name((ost_isa)i), threads[t]);
+            snprintf(what, sizeof what, "CPU, %s, %d thread%s", ost_isa_name((ost_isa)i), threads[t], threads[t] == 1 ? "" : "s");
+            if (!add(list, spec, what, err))
+                return OST_ERR_MEMORY;
+        }
+    }
+#ifdef HAVE_EMBREE
+    if (!add(list, "cpu:voxelizer=embree,threads=2", "CPU, candidates by Embree's rays", err))
+        return OST_ERR_MEMORY;
+#endif
+    return OST_OK;
+}
+
+typedef struct device_visit {
+    subject_list *list;
+    ost_error *err;
+    ost_status status;
+} device_visit;
+
+static void add_device(const ost_device_info *device, void *user)
+{
+    device_visit *v = user;
+    char what[SUBJECT_REASON];
+    snprintf(what, sizeof what, "OpenCL, %.140s, %.140s", device->name, device->platform);
+    subject *s = v->status == OST_OK ? add(v->list, device->spec, what, v->err) : NULL;
+    if (!s) {
+        v->status = OST_ERR_MEMORY;
+        return;
+    }
+    s->available = device->available;
+    if (device->available)
+        v->list->opencl = true;
+    else
+        snprintf(s->reason, sizeof s->reason, "%.300s", device->reason ? device->reason : "");
+}
+
+static ost_status add_cl(subject_list *list, ost_error *err)
+{
+    for (int i = 0; i < ost_backend_count(); i++) {
+        ost_backend_info info;
+        ost_status status = ost_backend_describe(i, &info, err);
+        if (status != OST_OK)
+            return status;
+        if (strcmp(info.name, "cl") != 0)
+            continue;
+        snprintf(list->no_opencl, sizeof list->no_opencl, "%s", info.available ? "no device is usable" : info.reason);
+        if (info.available) {
+            device_visit v = {list, err, OST_OK};
+            status = ost_backend_devices(i, add_device, &v, err);
+            if (status == OST_OK)
+                status = v.status;
+        }
+        return status;
+    }
+    return OST_OK;
+}
+
+/* One of the specs that the user gave; whether it can run is found out now, so that a mistake in it is an error and not a result. */
+static ost_status add_wanted(plan_tier tier, const char *spec, subject_list *list, ost_error *err)
+{
+    if (strcmp(spec, "cpu") == 0)
+        return add_cpu(tier, list, err);
+    if (strcmp(spec, "cl") == 0)
+        return add_cl(list, err);
+    if (strcmp(spec, "ref") == 0)
+        return OST_OK;
+    ost_backend *backend;
+    ost_status status = ost_backend_open(spec, &backend, err);
+    if (status != OST_OK && status != OST_ERR_UNAVAILABLE)
+        return status;
+    ost_backend_close(backend);
+    subject *s = add(list, spec, spec, err);
+    if (!s)
+        return OST_ERR_MEMORY;
+    if (status != OST_OK) {
+        s->available = false;
+        snprintf(s->reason, sizeof s->reason, "%.300s", err->text);
+    } else if (strncmp(spec, "cl", 2) == 0)
+        list->opencl = true;
+    return OST_OK;
+}
+
+ost_status subjects_find(plan_tier tier, const char *wanted, subject_list *out, ost_error *err)
+{
+    *out = (subject_list){0};
+    snprintf(out->no_opencl, sizeof out->no_opencl, "it was not asked for");
+    ost_status status = add(out, "ref", "the scalar reference", err) ? OST_OK : OST_ERR_MEMORY;
+    if (!wanted) {
+        if (status == OST_OK)
+            status = add_cpu(tier, out, err);
+        if (status == OST_OK)
+            status = add_cl(out, err);
+    }
+    for (const char *at = wanted; at && *at && status == OST_OK;) {
+        const size_t length = strcspn(at, ";");
+        char spec[SUBJECT_SPEC];
+        if (length >= sizeof spec)
+            status = ost_fail(err, OST_ERR_USAGE, "--backends: '%.40s...' is too long for a backend's name", at);
+        else {
+            snprintf(spec, sizeof spec, "%.*s", (int)length, at);
+            status = add_wanted(tier, spec, out, err);
+        }
+        at += length;
+        at += *at == ';';
+    }
+    if (status != OST_OK)
+        subjects_free(out);
+    return status;
+}
+
+void subjects_free(subject_list *list)
+{
+    free(list->subjects);
+    list->subjects = NULL;
+    list->count = 0;
+}

@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Who is compared: the reference, and every way this machine can run the
+ * others, as strings that ost_backend_open takes.
+ *
+ *   cpu   each instruction set that is here, with 1, 2, 3 and 7 threads (smoke:
+ *         1 and 2), and the voxelizer by Embree where it was built in
+ *   cl    each device that is not refused
+ *
+ * What cannot run is listed too, with its reason: a report must say what it
+ * did not show.
+ */
+#ifndef OST_VALIDATION_SUBJECTS_H
+#define OST_VALIDATION_SUBJECTS_H
+
+#include <osteon/backend.h>
+
+#include "validation/plan.h"
+
+enum { SUBJECT_SPEC = 128, SUBJECT_REASON = 320 };
+typedef struct subject {
+    char spec[SUBJECT_SPEC];
+    char what[SUBJECT_REASON]; /* for people: device and driver, instruction set */
+    bool available;
+    char reason[SUBJECT_REASON]; /* when not */
+} subject;
+
+typedef struct subject_list {
+    int count;
+    subject *subjects; /* owned; the reference first */
+    bool opencl;       /* at least one OpenCL device is among them */
+    char no_opencl[SUBJECT_REASON]; /* why not */
+} subject_list;
+
+/* wanted: NULL for all of the tier, or "cpu:isa=avx2;cl:device=0": specs with semicolons between, or "cpu", "cl" for all of theirs. */
+ost_status subjects_find(plan_tier tier, const char *wanted, subject_list *out, ost_error *err);
+void subjects_free(subject_list *list);
+
+#endif

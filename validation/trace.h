@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A trace: everything one backend made of a list of cases, in order, as bytes
+ * that two backends can be compared by.
+ *
+ *   case, rect, cubic, chunks, tool 0, tool 1, ..., tick 0, tick 1, ..., final,
+ *   case, ...
+ *
+ * A record is a head of 32 bytes and a body:
+ *
+ *   head   "OSTR", u32 stage, u32 case, u32 item, u64 body bytes, u64 0
+ *   body   u64 count, count words of 64 bits         what was reported
+ *          u64 count, count blocks                   voxels
+ *   block  i32 lo[3], i32 dims[3], u32 voxel bytes, u32 0, the voxels, x fastest
+ *
+ * all little-endian.  item is the tool's number or the tick's.  Which words a
+ * stage has is said by trace_word_name, so that a difference can be named.
+ *
+ * A tick's blocks are the leaves of 32^3 voxels that changed since the last
+ * record of the bone; so equal records up to a tick mean equal bones at it.
+ * Traces go to files: a backend that crashes leaves what it had made.
+ */
+#ifndef OST_VALIDATION_TRACE_H
+#define OST_VALIDATION_TRACE_H
+
+#include <osteon/digest.h>
+
+typedef enum trace_stage {
+    TRACE_CASE,    /* no words; the id is known from the plan */
+    TRACE_RECT,
+    TRACE_CUBIC,
+    TRACE_CHUNKS,
+    TRACE_TOOL,
+    TRACE_COLLIDE,
+    TRACE_TICK,
+    TRACE_FINAL,
+    TRACE_FAILED,  /* words: the status; the case ended there */
+    TRACE_END,     /* the list was worked off */
+    TRACE_STAGES
+} trace_stage;
+
+const char *trace_stage_name(trace_stage stage);
+/* "active voxels"; words beyond the named ones are "report word 7". */
+const char *trace_word_name(trace_stage stage, size_t word, char text[40]);
+
+/* ------------------------------------------------------------------ writing */
+
+typedef struct trace_writer trace_writer;
+
+/* path is created or replaced. */
+ost_status trace_create(const char *path, trace_writer **out, ost_error *err);
+/* Writes what is left and closes; OST_ERR_IO when something was not written. */
+ost_status trace_close(trace_writer *w, ost_error *err);
+
+/* A record is begun, given its words, then its blocks, and ended. */
+void trace_begin(trace_writer *w, trace_stage stage, uint32_t case_index, uint32_t item);
+void trace_word(trace_writer *w, uint64_t value);
+/* Room for the block's voxels, to be filled before the next call; NULL when there is no memory. */
+void *trace_block(trace_writer *w, const int32_t lo[3], ost_dims dims, uint32_t voxel_bytes);
+ost_status trace_end(trace_writer *w, ost_error *err);
+
+/* ------------------------------------------------------------------ reading */
+
+typedef struct trace_block_view {
+    int32_t lo[3];
+    ost_dims dims;
+    uint32_t voxel_bytes;
+    const uint8_t *voxels;
+} trace_block_view;
+
+typedef struct trace_record {
+    trace_stage stage;
+    uint32_t case_index, item;
+    const uint8_t *body;
+    uint64_t body_bytes;
+} trace_record;
+
+typedef struct trace {
+    const uint8_t *bytes; /* the mapped file */
+    size_t size;
+    size_t count;
+    trace_record *records; /* owned */
+    bool whole;            /* ended by TRACE_END and nothing after it */
+} trace;
+
+/* A file that ends in the middle of a record is read up to it. */
+ost_status trace_open(const char *path, trace *out, ost_error *err);
+void trace_free(trace *t);
+
+/* Words of a body; false when it is not well formed. */
+bool trace_words(const trace_record *r, uint64_t *count, const uint8_t **words);
+uint64_t trace_word_at(const uint8_t *words, uint64_t index);
+/* Walks the blocks: *at is 0 at first; false after the last, or where the body is not well formed. */
+bool trace_next_block(const trace_record *r, size_t *at, trace_block_view *out);
+
+#endif
