@@ -199,3 +199,74 @@ void scene_free(scene *s)
     ost_path_free(&s->path);
     *s = (scene){0};
 }
+
+/* ------------------------------------------------------------------- digest */
+
+static ost_status add_int(ost_hasher *h, int64_t value, ost_error *err)
+{
+    unsigned char bytes[8];
+    for (int i = 0; i < 8; i++)
+        bytes[i] = (unsigned char)((uint64_t)value >> 8 * i);
+    return ost_hasher_add(h, bytes, sizeof bytes, err);
+}
+
+static ost_status add_ints(ost_hasher *h, const int64_t *values, size_t count, ost_error *err)
+{
+    ost_status status = OST_OK;
+    for (size_t i = 0; i < count && status == OST_OK; i++)
+        status = add_int(h, values[i], err);
+    return status;
+}
+
+static ost_status add_ct(ost_hasher *h, const scene *s, ost_error *err)
+{
+    const ost_geometry *g = &s->rect;
+    const int64_t head[] = {g->dims.x,   g->dims.y,   g->dims.z,   g->spacing.x,    g->spacing.y,  g->spacing.z,  g->origin.x, g->origin.y,
+                            g->origin.z, s->duplicates, s->cubic, s->resample, s->chunk_size, s->threshold, (int64_t)s->batch,
+                            (int64_t)s->sample_count};
+    ost_status status = add_ints(h, head, sizeof head / sizeof head[0], err);
+    for (size_t i = 0; i < s->sample_count && status == OST_OK; i++) {
+        const ost_sample *one = &s->samples[i];
+        status = add_ints(h, (const int64_t[]){one->x, one->y, one->z, one->density, one->line}, 5, err);
+    }
+    return status;
+}
+
+static ost_status add_path(ost_hasher *h, const scene *s, ost_error *err)
+{
+    const int64_t head[] = {s->world.sweep_off, s->world.removal_period_ns, s->collide_every, (int64_t)s->path.count};
+    ost_status status = add_ints(h, head, sizeof head / sizeof head[0], err);
+    for (size_t i = 0; i < s->path.count && status == OST_OK; i++) {
+        const ost_tick *t = &s->path.ticks[i];
+        const int64_t row[] = {t->t_ns, t->tool, t->pose.t.x, t->pose.t.y, t->pose.t.z, t->pose.qw, t->pose.qx, t->pose.qy, t->pose.qz};
+        status = add_ints(h, row, sizeof row / sizeof row[0], err);
+    }
+    return status;
+}
+
+ost_status scene_digest(const scene *s, ost_digest *out, ost_error *err)
+{
+    ost_hasher *h = NULL;
+    ost_status status = ost_hasher_open(&h, err);
+    if (status != OST_OK)
+        return status;
+    status = add_ct(h, s, err);
+    for (int i = 0; i < s->tool_count && status == OST_OK; i++) {
+        const scene_tool *t = &s->tools[i];
+        ost_digest mesh;
+        status = add_int(h, t->rule, err);
+        for (int part = 0; part < 2 && status == OST_OK; part++) {
+            const ost_snapped_mesh *m = part ? &t->noncutting : &t->cutting;
+            status = add_int(h, (int64_t)m->triangle_count, err);
+            if (status == OST_OK && m->triangle_count)
+                status = ost_snapped_mesh_digest(m, &mesh, err);
+            if (status == OST_OK && m->triangle_count)
+                status = ost_hasher_add(h, mesh.bytes, sizeof mesh.bytes, err);
+        }
+    }
+    if (status == OST_OK)
+        status = add_path(h, s, err);
+    ost_error *no_error = status == OST_OK ? err : NULL;
+    ost_status closed = ost_hasher_close(h, status == OST_OK ? out : NULL, no_error);
+    return status != OST_OK ? status : closed;
+}

@@ -39,7 +39,7 @@ static ost_status add_cpu(plan_tier tier, subject_list *list, ost_error *err)
                 return OST_ERR_MEMORY;
         }
     }
-#ifdef HAVE_EMBREE
+#if defined HAVE_EMBREE3 || defined HAVE_EMBREE4
     if (!add(list, "cpu:voxelizer=embree,threads=2", "CPU, candidates by Embree's rays", err))
         return OST_ERR_MEMORY;
 #endif

@@ -2,7 +2,7 @@
 /*
  * osteon validate: backends compared stage by stage, with evidence.
  *
- *   plan, subjects --> campaign --> table, JSON, exit status
+ *   plan, subjects --protocol frozen--> campaign --> cases --> bundle, table, exit status
  *
  * The same verb with --worker is what it starts for each backend: cases on one
  * backend, and a trace of everything that was made.
@@ -18,6 +18,9 @@
 #include "app/progress.h"
 #include "app/result.h"
 #include "app/say.h"
+#include "validation/bundle/bundle.h"
+#include "validation/bundle/environment.h"
+#include "validation/bundle/evidence.h"
 #include "validation/campaign.h"
 
 typedef struct validate_args {
@@ -57,6 +60,11 @@ static void show(void *user, const char *what, double share)
 
 /* ------------------------------------------------------------------ results */
 
+static const case_result *result_at(const campaign *c, int i, int s)
+{
+    return &c->results[(size_t)i * (size_t)c->subjects->count + (size_t)s];
+}
+
 static void say_difference(const app_state *app, const plan_case *c, const subject *s, const case_result *r)
 {
     const compare_difference *d = &r->difference;
@@ -77,63 +85,35 @@ static void say_difference(const app_state *app, const plan_case *c, const subje
             d->kind == COMPARE_MISSING ? "the backend failed there, the reference did not" : "other leaves changed than in the reference");
 }
 
-static json_t *json_of_difference(const plan_case *c, const subject *s, const case_result *r)
-{
-    const compare_difference *d = &r->difference;
-    json_t *o = json_object();
-    put_text(o, "case", c->id);
-    put_text(o, "backend", s->spec);
-    put_text(o, "verdict", case_verdict_name(r->verdict));
-    if (r->text[0])
-        put_text(o, "text", r->text);
-    if (r->verdict != CASE_DIFFERS)
-        return o;
-    put_text(o, "stage", trace_stage_name(d->stage));
-    put_integer(o, "item", d->item);
-    if (d->kind == COMPARE_VOXEL) {
-        put_integer(o, "different_voxels", (int64_t)d->voxels);
-        put(o, "voxel", json_pack("[i,i,i]", d->voxel[0], d->voxel[1], d->voxel[2]));
-        put_integer(o, "reference", d->voxel_ref);
-        put_integer(o, "got", d->voxel_got);
-    } else if (d->kind == COMPARE_WORD) {
-        char name[40];
-        put_text(o, "word", trace_word_name(d->stage, d->word, name));
-        put_integer(o, "reference", (int64_t)d->word_ref);
-        put_integer(o, "got", (int64_t)d->word_got);
-    }
-    return o;
-}
-
-static void put_backends(app_state *app, const campaign *c)
+static void say_backends(app_state *app, const campaign *c)
 {
     json_t *array = json_array();
     char time[SAY_TEXT];
     for (int s = 0; s < c->subjects->count; s++) {
         const subject *one = &c->subjects->subjects[s];
-        int equal = 0;
+        int equal = s == 0 ? c->plan->count : 0;
         for (int i = 0; i < c->plan->count; i++)
-            equal += s > 0 && c->results[(size_t)i * (size_t)c->subjects->count + (size_t)s].verdict == CASE_EQUAL;
+            equal += s > 0 && result_at(c, i, s)->verdict == CASE_EQUAL;
         json_t *o = json_object();
         put_text(o, "name", one->spec);
         put_text(o, "what", one->what);
         put_bool(o, "available", one->available);
         if (!one->available)
             put_text(o, "reason", one->reason);
-        put_integer(o, "cases", one->available ? c->plan->count : 0);
-        put_integer(o, "equal", s == 0 ? c->plan->count : equal);
+        put_integer(o, "equal", one->available ? equal : 0);
         put_real(o, "time_s", c->seconds[s]);
         append(array, o);
         if (!one->available)
-            say(app, "  %-34s not run: %s", one->spec, one->reason);
+            say(app, "  %-32s not run: %s", one->spec, one->reason);
         else if (s == 0)
-            say(app, "  %-34s the reference, %s", one->spec, say_time(time, 1e3 * c->seconds[s]));
+            say(app, "  %-32s the reference, %s", one->spec, say_time(time, 1e3 * c->seconds[s]));
         else
-            say(app, "  %-34s %3d of %d equal, %s", one->spec, equal, c->plan->count, say_time(time, 1e3 * c->seconds[s]));
+            say(app, "  %-32s %d of %d equal, %s", one->spec, equal, c->plan->count, say_time(time, 1e3 * c->seconds[s]));
     }
     put(app->result, "backends", array);
 }
 
-static void put_stages(app_state *app, const campaign *c)
+static json_t *stages_of(const campaign *c)
 {
     json_t *stages = json_array();
     for (int i = TRACE_RECT; i <= TRACE_FINAL; i++) {
@@ -142,73 +122,155 @@ static void put_stages(app_state *app, const campaign *c)
         put_integer(o, "records", (int64_t)c->stage_records[i]);
         append(stages, o);
     }
-    put(app->result, "stages", stages);
+    return stages;
 }
 
-static ost_status report(app_state *app, const validate_args *args, const campaign *c, ost_error *err)
+/* Only what the summary does not have: the rest of --json is the bundle's own. */
+static ost_status report(app_state *app, const validate_args *args, const campaign *c, json_t *summary, ost_error *err)
 {
     char records[SAY_TEXT], bytes[SAY_TEXT];
-    const bool equal = campaign_equal(c);
-    const bool opencl = c->subjects->opencl;
-    put_bool(app->result, "equal", equal);
+    const json_t *list = json_object_get(summary, "not_shown");
+    json_object_update(app->result, summary);
     put_text(app->result, "tier", plan_tier_name(c->plan->tier));
     put_integer(app->result, "seed", (int64_t)c->plan->seed);
-    put_integer(app->result, "cases", c->plan->count);
-    put_integer(app->result, "records", (int64_t)c->records);
     put_integer(app->result, "bytes_equal", (int64_t)c->bytes);
-    put_bool(app->result, "opencl", opencl);
-    if (!opencl)
-        put_text(app->result, "no_opencl", c->subjects->no_opencl);
-    say(app, "%s: %d cases on %d backends, tier %s, seed %llu", equal ? "EQUAL" : "NOT EQUAL", c->plan->count, c->subjects->count,
-        plan_tier_name(c->plan->tier), (unsigned long long)c->plan->seed);
-    put_backends(app, c);
-    put_stages(app, c);
-    json_t *differences = json_array();
+    put(app->result, "stages", stages_of(c));
+    if (args->out)
+        put_text(app->result, "out", args->out);
+    say(app, "%s: %d cases on %d backends, tier %s, seed %llu%s", campaign_equal(c) ? "EQUAL" : "NOT EQUAL", c->plan->count, c->subjects->count,
+        plan_tier_name(c->plan->tier), (unsigned long long)c->plan->seed,
+        json_is_true(json_object_get(summary, "evidence")) ? "" : " (a reduced run: no evidence)");
+    say_backends(app, c);
     for (int i = 0; i < c->plan->count; i++)
-        for (int s = 1; s < c->subjects->count; s++) {
-            const case_result *r = &c->results[(size_t)i * (size_t)c->subjects->count + (size_t)s];
-            if (r->verdict == CASE_EQUAL || r->verdict == CASE_NOT_RUN)
-                continue;
-            say_difference(app, &c->plan->cases[i], &c->subjects->subjects[s], r);
-            append(differences, json_of_difference(&c->plan->cases[i], &c->subjects->subjects[s], r));
-        }
-    put(app->result, "differences", differences);
-    say(app, "  %s records, %s of results compared byte by byte and found equal", say_count(records, (int64_t)c->records),
+        for (int s = 1; s < c->subjects->count; s++)
+            if (result_at(c, i, s)->verdict != CASE_EQUAL && result_at(c, i, s)->verdict != CASE_NOT_RUN)
+                say_difference(app, &c->plan->cases[i], &c->subjects->subjects[s], result_at(c, i, s));
+    say(app, "  %s records, %s of results, compared byte by byte and found equal", say_count(records, (int64_t)c->records),
         say_bytes(bytes, (int64_t)c->bytes));
-    if (!equal)
+    for (size_t i = 0; i < json_array_size(list); i++)
+        say(app, "%s%s", i ? "             " : "  not shown: ", json_string_value(json_array_get(list, i)));
+    if (args->out)
+        say(app, "  the evidence: %s; osteon verify %s checks it", args->out, args->out);
+    if (!campaign_equal(c))
         return ost_fail(err, OST_ERR_DIFFER, "%d results differ from the reference's, %d failed, %d crashed, %d took too long",
                         c->counts[CASE_DIFFERS], c->counts[CASE_FAILED], c->counts[CASE_CRASHED], c->counts[CASE_LATE]);
-    if (!opencl && !args->cpu_only && !args->backends)
+    if (!c->subjects->opencl && !args->cpu_only && !args->backends)
         return ost_fail(err, OST_ERR_UNAVAILABLE, "OpenCL was not compared: %s; --cpu-only says that this is meant", c->subjects->no_opencl);
     return OST_OK;
 }
 
 /* ---------------------------------------------------------------------- run */
 
-static ost_status compare_all(app_state *app, const validate_args *args, const plan *p, ost_error *err)
+static ost_status into_bundle(void *user, const char *name, const void *bytes, size_t size, ost_error *err)
 {
-    char program[1024], folder[] = "/tmp/osteon-validate-XXXXXX";
-    subject_list subjects;
-    campaign c;
-    ost_status status = own_file(program, sizeof program, err);
+    return bundle_put(user, name, bytes, size, err);
+}
+
+/* The protocol and its hash are written before anything runs. */
+static ost_status freeze(bundle *b, const json_t *protocol, ost_error *err)
+{
+    char *bytes, hex[OST_DIGEST_HEX];
+    size_t size;
+    ost_digest digest;
+    ost_status status = bundle_log(b, "begun", err, "osteon %s", ost_version());
     if (status == OST_OK)
-        status = subjects_find(p->tier, args->backends ? args->backends : args->cpu_only ? "cpu" : NULL, &subjects, err);
+        status = bundle_put_json(b, EVIDENCE_PROTOCOL, protocol, err);
+    if (status == OST_OK)
+        status = bundle_read(bundle_folder(b), EVIDENCE_PROTOCOL, &bytes, &size, err);
     if (status != OST_OK)
         return status;
-    if (!mkdtemp(folder)) {
-        subjects_free(&subjects);
-        return ost_fail(err, OST_ERR_IO, "%s: %s", folder, strerror(errno));
-    }
-    const campaign_options how = {.program = program, .folder = folder, .limit_s = (double)args->limit_s, .show = show};
-    progress_begin(app);
-    status = campaign_run(p, &subjects, &how, &c, err);
-    progress_clear();
+    status = ost_digest_bytes(bytes, size, &digest, err);
+    free(bytes);
+    return status == OST_OK ? bundle_log(b, "protocol frozen", err, "%s", ost_digest_hex(&digest, hex)) : status;
+}
+
+static ost_status put_machine(bundle *b, const campaign *c, const char *program, ost_error *err)
+{
+    json_t *machine, *times = json_object();
+    for (int s = 0; s < c->subjects->count; s++)
+        put_real(times, c->subjects->subjects[s].spec, c->seconds[s]);
+    ost_status status = environment_of(program, &machine, err);
+    if (status == OST_OK)
+        status = bundle_put_json(b, "environment.json", machine, err);
+    if (status == OST_OK)
+        status = bundle_put_json(b, "times.json", times, err);
+    json_decref(times);
+    json_decref(machine);
+    return status;
+}
+
+static ost_status put_evidence(bundle *b, const campaign *c, const json_t *protocol, const json_t *cases, const char *program, ost_error *err)
+{
+    ost_status status = bundle_log(b, "results", err, "%d equal, %d differ, %d failed, %d crashed, %d timed out, %d not run", c->counts[CASE_EQUAL],
+                                   c->counts[CASE_DIFFERS], c->counts[CASE_FAILED], c->counts[CASE_CRASHED], c->counts[CASE_LATE], c->counts[CASE_NOT_RUN]);
+    if (status == OST_OK)
+        status = evidence_write(protocol, cases, into_bundle, b, err);
+    if (status == OST_OK)
+        status = put_machine(b, c, program, err);
+    if (status == OST_OK)
+        status = bundle_log(b, "ended", err, "files written");
+    return status;
+}
+
+/* Everything that must be freed, in one place. */
+typedef struct job {
+    char program[1024], folder[32];
+    subject_list subjects;
+    campaign run;
+    bundle *b;
+    json_t *protocol, *cases, *summary;
+} job;
+
+static void job_free(job *j)
+{
+    campaign_free(&j->run);
+    subjects_free(&j->subjects);
+    bundle_abandon(j->b);
+    json_decref(j->protocol);
+    json_decref(j->cases);
+    json_decref(j->summary);
+    if (j->folder[0])
+        rmdir(j->folder);
+}
+
+static ost_status compare_all(app_state *app, const validate_args *args, const plan *p, ost_error *err)
+{
+    job j = {.folder = ""};
+    ost_status status = own_file(j.program, sizeof j.program, err);
+    if (status == OST_OK && args->out)
+        status = bundle_begin(args->out, &j.b, err);
+    if (status == OST_OK)
+        status = subjects_find(p->tier, args->backends ? args->backends : args->cpu_only ? "cpu" : NULL, &j.subjects, err);
+    if (status == OST_OK)
+        status = evidence_protocol(p, &j.subjects, args->cpu_only, &j.protocol, err);
+    if (status == OST_OK && j.b)
+        status = freeze(j.b, j.protocol, err);
     if (status == OST_OK) {
-        status = report(app, args, &c, err);
-        campaign_free(&c);
+        memcpy(j.folder, "/tmp/osteon-validate-XXXXXX", sizeof "/tmp/osteon-validate-XXXXXX");
+        if (!mkdtemp(j.folder)) {
+            status = ost_fail(err, OST_ERR_IO, "%s: %s", j.folder, strerror(errno));
+            j.folder[0] = '\0';
+        }
     }
-    rmdir(folder);
-    subjects_free(&subjects);
+    if (status == OST_OK) {
+        const campaign_options how = {.program = j.program, .folder = j.folder, .limit_s = (double)args->limit_s, .show = show};
+        progress_begin(app);
+        status = campaign_run(p, &j.subjects, &how, &j.run, err);
+        progress_clear();
+    }
+    if (status == OST_OK)
+        status = evidence_cases(&j.run, &j.cases, err);
+    if (status == OST_OK)
+        status = evidence_summary(j.protocol, j.cases, &j.summary, err);
+    if (status == OST_OK && j.b)
+        status = put_evidence(j.b, &j.run, j.protocol, j.cases, j.program, err);
+    if (status == OST_OK && j.b) {
+        status = bundle_end(j.b, err);
+        j.b = NULL;
+    }
+    if (status == OST_OK)
+        status = report(app, args, &j.run, j.summary, err);
+    job_free(&j);
     return status;
 }
 
@@ -217,6 +279,7 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
     static const int64_t limits[PLAN_TIERS] = {120, 1800, 36000};
     validate_args args = {.seed = 1};
     const option options[] = {
+        {.name = "out", .kind = OPTION_TEXT, .out = &args.out, .value = "BUNDLE", .help = "a folder for the evidence; must not exist"},
         {.name = "tier", .kind = OPTION_CHOICE, .out = &args.tier, .value = "smoke|standard|full",
          .help = "how much (default: smoke, under a minute;\nstandard: under 15 minutes; full: hours)"},
         {.name = "backends", .kind = OPTION_TEXT, .out = &args.backends, .value = "A;B",
@@ -238,7 +301,7 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
         .options = options,
         .notes = "This is backend equivalence verification (code verification): that all backends\n"
                  "compute the same. It is no clinical validation.",
-        .example = "  osteon validate\n  osteon validate --tier standard --cpu-only --json\n"
+        .example = "  osteon validate --out bundle\n  osteon validate --tier standard --cpu-only --json\n"
                    "  osteon validate --backends 'cpu:isa=avx2,threads=7;cl' --only session",
     };
     ost_status status;

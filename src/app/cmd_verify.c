@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* osteon verify: whether a bundle of evidence is what it says, without the machine that made it. */
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "app/options.h"
+#include "app/result.h"
+#include "app/say.h"
+#include "validation/bundle/check.h"
+
+typedef struct listing {
+    const app_state *app;
+    json_t *problems;
+} listing;
+
+static void list_problem(void *user, const char *file, const char *problem)
+{
+    listing *l = user;
+    json_t *o = json_object();
+    put_text(o, "file", file);
+    put_text(o, "problem", problem);
+    append(l->problems, o);
+    say(l->app, "  %s %s", file, problem);
+}
+
+ost_status cmd_verify(app_state *app, int argc, char **argv, ost_error *err)
+{
+    const char *folder = NULL;
+    const operand operands[] = {{"BUNDLE", &folder, "which bundle?"}, {NULL, NULL, NULL}};
+    const option options[] = {{.name = NULL}};
+    const usage_text usage = {
+        .synopsis = "BUNDLE",
+        .about = "Checks a bundle that osteon validate wrote: every file's hash, the log's chain,\n"
+                 "that the protocol was frozen first, and that every file follows from the protocol\n"
+                 "and the cases. Needs no network and no device.",
+        .operands = operands,
+        .options = options,
+        .example = "  osteon validate --out bundle\n  osteon verify bundle",
+    };
+    ost_status status;
+    struct stat info;
+    json_t *summary;
+    int found = 0;
+    if (!options_parse(app, &usage, argc, argv, &status, err))
+        return status;
+    if (stat(folder, &info) != 0 || !S_ISDIR(info.st_mode))
+        return ost_fail(err, OST_ERR_INPUT, "%s: no folder; a bundle is one", folder);
+    listing l = {app, json_array()};
+    status = check_bundle(folder, list_problem, &l, &found, &summary, err);
+    put(app->result, "problems", l.problems);
+    if (status != OST_OK)
+        return status;
+    put_bool(app->result, "valid", found == 0);
+    put_text(app->result, "bundle", folder);
+    if (summary)
+        json_object_update_missing(app->result, summary);
+    if (found == 0)
+        say(app, "%s: valid; it says %s, %lld cases%s", folder, json_is_true(json_object_get(summary, "equal")) ? "EQUAL" : "NOT EQUAL",
+            (long long)json_integer_value(json_object_get(summary, "cases")),
+            json_is_true(json_object_get(summary, "evidence")) ? "" : " (a reduced run: no evidence)");
+    json_decref(summary);
+    return found == 0 ? OST_OK : ost_fail(err, OST_ERR_DIFFER, "%s: %d problem%s: this bundle is not what was written", folder, found, found == 1 ? "" : "s");
+}

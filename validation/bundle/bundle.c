@@ -1,0 +1,258 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "validation/bundle/bundle.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "io/outfile.h"
+#include "validation/bundle/manifest.h"
+
+enum { LOG_LINE = 1024 };
+#define LOG_FILE "audit.log"
+
+struct bundle {
+    char out[BUNDLE_PATH], folder[BUNDLE_PATH];
+    ost_digest last; /* of the log's last line */
+};
+
+ost_status bundle_begin(const char *out, bundle **b, ost_error *err)
+{
+    *b = NULL;
+    struct stat info;
+    if (lstat(out, &info) == 0)
+        return ost_fail(err, OST_ERR_IO, "%s: exists; a bundle is written once and never over another", out);
+    bundle *made = calloc(1, sizeof *made);
+    if (!made)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a bundle");
+    size_t length = strlen(out);
+    while (length > 1 && out[length - 1] == '/')
+        length--;
+    const int n = snprintf(made->out, sizeof made->out, "%.*s", (int)length, out);
+    const int m = snprintf(made->folder, sizeof made->folder, "%.*s.part-XXXXXX", (int)length, out);
+    if (n < 1 || m >= (int)sizeof made->folder - 64) {
+        free(made);
+        return ost_fail(err, OST_ERR_USAGE, "'%.60s': no name for a bundle", out);
+    }
+    if (!mkdtemp(made->folder)) {
+        ost_status status = ost_fail(err, OST_ERR_IO, "%s: %s", out, strerror(errno));
+        free(made);
+        return status;
+    }
+    chmod(made->folder, 0755); /* as mkdir would have made it, but for the umask below */
+    const mode_t mask = umask(0);
+    umask(mask);
+    chmod(made->folder, 0777 & ~mask);
+    *b = made;
+    return OST_OK;
+}
+
+const char *bundle_folder(const bundle *b)
+{
+    return b->folder;
+}
+
+/* folder/name; a folder within is made. */
+static ost_status path_of(const bundle *b, const char *name, char path[BUNDLE_PATH], ost_error *err)
+{
+    const int n = snprintf(path, BUNDLE_PATH, "%s/%s", b->folder, name);
+    if (n >= BUNDLE_PATH)
+        return ost_fail(err, OST_ERR_USAGE, "%s: too long", name);
+    char *slash = strchr(path + strlen(b->folder) + 1, '/');
+    if (slash) {
+        *slash = '\0';
+        if (mkdir(path, 0777) != 0 && errno != EEXIST)
+            return ost_fail(err, OST_ERR_IO, "%s: %s", path, strerror(errno));
+        *slash = '/';
+    }
+    return OST_OK;
+}
+
+ost_status bundle_put(bundle *b, const char *name, const void *bytes, size_t size, ost_error *err)
+{
+    char path[BUNDLE_PATH];
+    ost_outfile *file;
+    ost_status status = path_of(b, name, path, err);
+    if (status == OST_OK)
+        status = ost_outfile_open(path, &file, err);
+    if (status != OST_OK)
+        return status;
+    status = ost_outfile_write(file, bytes, size, err);
+    if (status == OST_OK)
+        return ost_outfile_commit(file, err);
+    ost_outfile_discard(file);
+    return status;
+}
+
+ost_status bundle_put_json(bundle *b, const char *name, const json_t *value, ost_error *err)
+{
+    char *text = json_dumps(value, JSON_SORT_KEYS | JSON_INDENT(1));
+    if (!text)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for %s", name);
+    const size_t size = strlen(text);
+    text[size] = '\n'; /* in place of the NUL */
+    ost_status status = bundle_put(b, name, text, size + 1, err);
+    free(text);
+    return status;
+}
+
+ost_status bundle_log(bundle *b, const char *action, ost_error *err, const char *detail, ...)
+{
+    char line[LOG_LINE], text[LOG_LINE - 256], hex[OST_DIGEST_HEX], path[BUNDLE_PATH];
+    struct tm utc;
+    const time_t now = time(NULL);
+    va_list args;
+    va_start(args, detail);
+    vsnprintf(text, sizeof text, detail, args);
+    va_end(args);
+    for (char *c = text; *c; c++)
+        if ((unsigned char)*c < ' ')
+            *c = ' ';
+    gmtime_r(&now, &utc);
+    const int n = snprintf(line, sizeof line, "%s\t%04d-%02d-%02dT%02d:%02d:%02dZ\t%s\t%s\n", ost_digest_hex(&b->last, hex), utc.tm_year + 1900,
+                           utc.tm_mon + 1, utc.tm_mday, utc.tm_hour, utc.tm_min, utc.tm_sec, action, text);
+    ost_status status = path_of(b, LOG_FILE, path, err);
+    FILE *file = status == OST_OK ? fopen(path, "ab") : NULL;
+    if (!file)
+        return status != OST_OK ? status : ost_fail(err, OST_ERR_IO, "%s: %s", path, strerror(errno));
+    const bool written = fwrite(line, 1, (size_t)n, file) == (size_t)n;
+    if (fclose(file) != 0 || !written)
+        return ost_fail(err, OST_ERR_IO, "%s: %s", path, strerror(errno));
+    return ost_digest_bytes(line, (size_t)n, &b->last, err);
+}
+
+static ost_status sync_folder(const char *path, ost_error *err)
+{
+    const int fd = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (fd < 0 || fsync(fd) != 0) {
+        ost_status status = ost_fail(err, OST_ERR_IO, "%s: %s", path, strerror(errno));
+        if (fd >= 0)
+            close(fd);
+        return status;
+    }
+    close(fd);
+    return OST_OK;
+}
+
+ost_status bundle_end(bundle *b, ost_error *err)
+{
+    json_t *manifest = NULL;
+    ost_status status = manifest_of(b->folder, &manifest, err);
+    char *text = status == OST_OK ? manifest_text(manifest) : NULL;
+    if (status == OST_OK && !text)
+        status = ost_fail(err, OST_ERR_MEMORY, "no memory for a manifest");
+    if (status == OST_OK)
+        status = bundle_put(b, MANIFEST_FILE, text, strlen(text), err);
+    if (status == OST_OK)
+        status = sync_folder(b->folder, err);
+    /* A folder that appeared meanwhile is not replaced: rename takes an empty one at most. */
+    if (status == OST_OK && rename(b->folder, b->out) != 0)
+        status = ost_fail(err, OST_ERR_IO, "%s: %s", b->out, strerror(errno));
+    free(text);
+    json_decref(manifest);
+    if (status == OST_OK)
+        free(b);
+    else
+        bundle_abandon(b);
+    return status;
+}
+
+/* What bundle_put made: files, and folders one deep. */
+static void remove_folder(const char *folder)
+{
+    DIR *dir = opendir(folder);
+    if (!dir)
+        return;
+    for (struct dirent *e; (e = readdir(dir));) {
+        char path[BUNDLE_PATH + 256];
+        if (strcmp(e->d_name, ".") == 0 || strcmp(e->d_name, "..") == 0)
+            continue;
+        snprintf(path, sizeof path, "%s/%s", folder, e->d_name);
+        if (unlink(path) != 0 && (errno == EISDIR || errno == EPERM))
+            remove_folder(path);
+    }
+    closedir(dir);
+    rmdir(folder);
+}
+
+void bundle_abandon(bundle *b)
+{
+    if (!b)
+        return;
+    remove_folder(b->folder);
+    free(b);
+}
+
+/* ---------------------------------------------------------------- checking */
+
+ost_status bundle_read(const char *folder, const char *name, char **bytes, size_t *size, ost_error *err)
+{
+    char path[2 * BUNDLE_PATH];
+    struct stat info;
+    *bytes = NULL;
+    *size = 0;
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    FILE *file = fopen(path, "rb");
+    if (!file || fstat(fileno(file), &info) != 0 || !S_ISREG(info.st_mode)) {
+        ost_status status = ost_fail(err, OST_ERR_INPUT, "%s: %s", path, file ? "no regular file" : strerror(errno));
+        if (file)
+            fclose(file);
+        return status;
+    }
+    *size = (size_t)info.st_size;
+    *bytes = malloc(*size + 1);
+    const bool read = *bytes && fread(*bytes, 1, *size, file) == *size;
+    fclose(file);
+    if (!read) {
+        free(*bytes);
+        *bytes = NULL;
+        return ost_fail(err, OST_ERR_IO, "%s: cannot be read", path);
+    }
+    (*bytes)[*size] = '\0';
+    return OST_OK;
+}
+
+static ost_status check_log(const char *folder, bundle_problem *problem, void *user, int *found, ost_error *err)
+{
+    char *bytes, hex[OST_DIGEST_HEX], text[128];
+    size_t size;
+    ost_digest last = {{0}};
+    ost_error missing = {0};
+    if (bundle_read(folder, LOG_FILE, &bytes, &size, &missing) != OST_OK) {
+        problem(user, LOG_FILE, "is missing");
+        ++*found;
+        return OST_OK;
+    }
+    ost_status status = OST_OK;
+    int number = 1;
+    for (const char *at = bytes, *end = bytes + size; at < end && status == OST_OK; number++) {
+        const char *stop = memchr(at, '\n', (size_t)(end - at));
+        ost_digest_hex(&last, hex);
+        if (!stop || stop - at < OST_DIGEST_HEX || memcmp(at, hex, OST_DIGEST_HEX - 1) != 0 || at[OST_DIGEST_HEX - 1] != '\t') {
+            snprintf(text, sizeof text, "line %d does not follow from the line before it", number);
+            problem(user, LOG_FILE, text);
+            ++*found;
+            break;
+        }
+        status = ost_digest_bytes(at, (size_t)(stop + 1 - at), &last, err);
+        at = stop + 1;
+    }
+    free(bytes);
+    return status;
+}
+
+ost_status bundle_check(const char *folder, bundle_problem *problem, void *user, int *found, ost_error *err)
+{
+    *found = 0;
+    ost_status status = manifest_check(folder, problem, user, found, err);
+    if (status == OST_OK)
+        status = check_log(folder, problem, user, found, err);
+    return status;
+}

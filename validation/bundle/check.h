@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Whether a bundle is what it says, without the machine that made it:
+ *
+ *   every file as the manifest has it, none more, none less
+ *   the log's chain, and the protocol's hash in it before the first result
+ *   every derived file, derived again from protocol and cases
+ *   on request what the reference made, made again
+ */
+#ifndef OST_VALIDATION_CHECK_H
+#define OST_VALIDATION_CHECK_H
+
+#include "validation/bundle/bundle.h"
+
+/* summary receives the bundle's verdict (evidence_summary), or NULL when it cannot be read; the caller's reference. */
+ost_status check_bundle(const char *folder, bundle_problem *problem, void *user, int *found, json_t **summary, ost_error *err);
+
+#endif

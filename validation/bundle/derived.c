@@ -1,0 +1,266 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The files that follow from protocol and cases, for machines: each a function of both that writes text. */
+#include "validation/bundle/evidence.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef void derive(FILE *to, const json_t *protocol, const json_t *cases, const json_t *summary);
+
+static const char *text_of(const json_t *o, const char *key)
+{
+    const char *text = json_string_value(json_object_get(o, key));
+    return text ? text : "";
+}
+
+/* Text inside XML; what XML cannot hold becomes '?'. */
+static void put_xml(FILE *to, const char *text)
+{
+    for (; *text; text++)
+        switch (*text) {
+        case '&': fputs("&amp;", to); break;
+        case '<': fputs("&lt;", to); break;
+        case '>': fputs("&gt;", to); break;
+        case '"': fputs("&quot;", to); break;
+        default: fputc((unsigned char)*text < ' ' ? '?' : *text, to);
+        }
+}
+
+/* RFC 4180. */
+static void put_csv(FILE *to, const char *text, char after)
+{
+    fputc('"', to);
+    for (; *text; text++) {
+        if (*text == '"')
+            fputc('"', to);
+        fputc((unsigned char)*text < ' ' ? ' ' : *text, to);
+    }
+    fputc('"', to);
+    fputc(after, to);
+}
+
+/* "tick 12: 3 voxels, the first at (1, 2, 3): 5 for 0" */
+static void describe(const json_t *result, char text[400])
+{
+    const json_t *voxel = json_object_get(result, "voxel");
+    char place[64] = "";
+    if (*text_of(result, "stage"))
+        snprintf(place, sizeof place, "%.20s %lld: ", text_of(result, "stage"), (long long)json_integer_value(json_object_get(result, "item")));
+    const long long is = json_integer_value(json_object_get(result, "got")), ref = json_integer_value(json_object_get(result, "reference"));
+    if (voxel)
+        snprintf(text, 400, "%s%lld voxels differ, the first at (%lld, %lld, %lld): %lld where the reference has %lld", place,
+                 (long long)json_integer_value(json_object_get(result, "different_voxels")), (long long)json_integer_value(json_array_get(voxel, 0)),
+                 (long long)json_integer_value(json_array_get(voxel, 1)), (long long)json_integer_value(json_array_get(voxel, 2)), is, ref);
+    else if (*text_of(result, "word"))
+        snprintf(text, 400, "%s%.40s is %lld where the reference has %lld", place, text_of(result, "word"), is, ref);
+    else
+        snprintf(text, 400, "%s%.300s", place, text_of(result, "text"));
+}
+
+static bool is_verdict(const json_t *result, case_verdict verdict)
+{
+    return strcmp(text_of(result, "verdict"), case_verdict_name(verdict)) == 0;
+}
+
+/* Walks all results in the order of backends, then cases. */
+static const json_t *result_at(const json_t *cases, size_t i, const json_t *backend)
+{
+    return json_object_get(json_object_get(json_array_get(cases, i), "results"), text_of(backend, "name"));
+}
+
+static void junit(FILE *to, const json_t *protocol, const json_t *cases, const json_t *summary)
+{
+    const json_t *backends = json_object_get(protocol, "backends");
+    char text[400];
+    fprintf(to, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"osteon validate\">\n");
+    (void)summary;
+    for (size_t s = 1; s < json_array_size(backends); s++) {
+        const json_t *backend = json_array_get(backends, s);
+        int failures = 0, skipped = 0;
+        for (size_t i = 0; i < json_array_size(cases); i++) {
+            const json_t *r = result_at(cases, i, backend);
+            skipped += is_verdict(r, CASE_NOT_RUN);
+            failures += !is_verdict(r, CASE_NOT_RUN) && !is_verdict(r, CASE_EQUAL);
+        }
+        fputs(" <testsuite name=\"", to);
+        put_xml(to, text_of(backend, "name"));
+        fprintf(to, "\" tests=\"%zu\" failures=\"%d\" errors=\"0\" skipped=\"%d\">\n", json_array_size(cases), failures, skipped);
+        for (size_t i = 0; i < json_array_size(cases); i++) {
+            const json_t *r = result_at(cases, i, backend);
+            fputs("  <testcase classname=\"", to);
+            put_xml(to, text_of(backend, "name"));
+            fputs("\" name=\"", to);
+            put_xml(to, text_of(json_array_get(cases, i), "id"));
+            if (is_verdict(r, CASE_EQUAL)) {
+                fputs("\"/>\n", to);
+                continue;
+            }
+            describe(r, text);
+            fputs(is_verdict(r, CASE_NOT_RUN) ? "\"><skipped message=\"" : "\"><failure message=\"", to);
+            put_xml(to, is_verdict(r, CASE_NOT_RUN) ? text_of(backend, "reason") : text);
+            fputs("\"/></testcase>\n", to);
+        }
+        fputs(" </testsuite>\n", to);
+    }
+    fputs("</testsuites>\n", to);
+}
+
+static void tap(FILE *to, const json_t *protocol, const json_t *cases, const json_t *summary)
+{
+    const json_t *backends = json_object_get(protocol, "backends");
+    size_t number = 1;
+    char text[400];
+    (void)summary;
+    fprintf(to, "TAP version 13\n1..%zu\n", json_array_size(backends) ? json_array_size(cases) * (json_array_size(backends) - 1) : 0);
+    for (size_t s = 1; s < json_array_size(backends); s++)
+        for (size_t i = 0; i < json_array_size(cases); i++) {
+            const json_t *backend = json_array_get(backends, s), *r = result_at(cases, i, backend);
+            const bool skip = is_verdict(r, CASE_NOT_RUN), equal = is_verdict(r, CASE_EQUAL);
+            fprintf(to, "%s %zu - %s on %s%s\n", skip || equal ? "ok" : "not ok", number++, text_of(json_array_get(cases, i), "id"), text_of(backend, "name"),
+                    skip ? " # SKIP not available here" : "");
+            if (!skip && !equal) {
+                describe(r, text);
+                fprintf(to, "# %s\n", text);
+            }
+        }
+}
+
+static void inputs(FILE *to, const json_t *protocol, const json_t *cases, const json_t *summary)
+{
+    (void)protocol;
+    (void)summary;
+    fputs("case,sha256\n", to);
+    for (size_t i = 0; i < json_array_size(cases); i++) {
+        put_csv(to, text_of(json_array_get(cases, i), "id"), ',');
+        put_csv(to, text_of(json_array_get(cases, i), "input_sha256"), '\n');
+    }
+}
+
+static void anomalies(FILE *to, const json_t *protocol, const json_t *cases, const json_t *summary)
+{
+    const json_t *backends = json_object_get(protocol, "backends");
+    int number = 1;
+    char text[400];
+    (void)summary;
+    fputs("id,case,backend,verdict,description,root_cause,impact,disposition\n", to);
+    for (size_t i = 0; i < json_array_size(cases); i++)
+        for (size_t s = 1; s < json_array_size(backends); s++) {
+            const json_t *backend = json_array_get(backends, s), *r = result_at(cases, i, backend);
+            if (is_verdict(r, CASE_NOT_RUN) || is_verdict(r, CASE_EQUAL))
+                continue;
+            describe(r, text);
+            fprintf(to, "A%d,", number++);
+            put_csv(to, text_of(json_array_get(cases, i), "id"), ',');
+            put_csv(to, text_of(backend, "name"), ',');
+            put_csv(to, text_of(r, "verdict"), ',');
+            put_csv(to, text, ',');
+            fputs("to be found,to be judged,open\n", to);
+        }
+}
+
+static void deviations(FILE *to, const json_t *protocol, const json_t *cases, const json_t *summary)
+{
+    const json_t *list = json_object_get(summary, "not_shown");
+    (void)protocol;
+    (void)cases;
+    fputs("id,what was not shown\n", to);
+    for (size_t i = 0; i < json_array_size(list); i++) {
+        fprintf(to, "D%zu,", i + 1);
+        put_csv(to, json_string_value(json_array_get(list, i)), '\n');
+    }
+}
+
+static void results(FILE *to, const json_t *protocol, const json_t *cases, const json_t *summary)
+{
+    (void)protocol;
+    (void)cases;
+    json_dumpf(summary, to, JSON_SORT_KEYS | JSON_INDENT(1));
+    fputc('\n', to);
+}
+
+static void readme(FILE *to, const json_t *protocol, const json_t *cases, const json_t *summary)
+{
+    const json_t *shard = json_object_get(protocol, "shard"), *list = json_object_get(summary, "not_shown");
+    fprintf(to, "# Backend equivalence verification: %s\n\n", json_is_true(json_object_get(summary, "equal")) ? "EQUAL" : "NOT EQUAL");
+    fprintf(to, "osteon %s, arithmetic %lld, tier %s, seed %s: %zu cases on %zu backends, each compared with the scalar reference byte by byte.\n\n",
+            text_of(protocol, "version"), (long long)json_integer_value(json_object_get(protocol, "arithmetic")), text_of(protocol, "tier"), text_of(protocol, "seed"),
+            json_array_size(cases), json_array_size(json_object_get(protocol, "backends")));
+    if (!json_is_true(json_object_get(summary, "evidence")))
+        fputs("**This is a reduced run and no evidence.**\n\n", to);
+    fputs("What was not shown:\n\n", to);
+    for (size_t i = 0; i < json_array_size(list); i++)
+        fprintf(to, "- %s\n", json_string_value(json_array_get(list, i)));
+    fputs("\n## Check it, offline\n\n```\nosteon verify .            # every hash, every derived file\nosteon verify . --rerun    # and the reference's results, again\n```\n\n", to);
+    fputs("## Do it again\n\n```\n", to);
+    fprintf(to, "osteon validate --tier %s --seed %s", text_of(protocol, "tier"), text_of(protocol, "seed"));
+    if (json_integer_value(json_array_get(shard, 1)) > 1)
+        fprintf(to, " --shard %lld/%lld", (long long)json_integer_value(json_array_get(shard, 0)), (long long)json_integer_value(json_array_get(shard, 1)));
+    if (*text_of(protocol, "only"))
+        fprintf(to, " --only %s", text_of(protocol, "only"));
+    if (json_is_true(json_object_get(protocol, "cpu_only")))
+        fputs(" --cpu-only", to);
+    fputs(" --out BUNDLE\n```\n\nOn the same machine with the same build, `results_root` of manifest.json comes out the same.\n\n", to);
+    fputs("## Files\n\n"
+          "| file | is |\n|---|---|\n"
+          "| protocol.json | what was to be done and what counts as passed, written before anything ran (its hash: first lines of audit.log) |\n"
+          "| cases.jsonl | a line a case: digest of its input, digests of everything the reference made, each backend's verdict |\n"
+          "| results.json, junit.xml, results.tap | the verdicts; inputs.csv: inputs; anomalies.csv: differences; deviations.csv: what was not shown |\n"
+          "| environment.json, times.json, audit.log | the machine, the times, what was done when: they differ from run to run |\n"
+          "| manifest.json | size and SHA-256 of every file, and two roots |\n"
+          "| signatures/ | a place for detached signatures over manifest.json, not part of it |\n", to);
+}
+
+static const struct {
+    const char *name;
+    derive *make;
+} derived[] = {{"README.md", readme},   {"results.json", results},     {"junit.xml", junit},          {"results.tap", tap},
+               {"inputs.csv", inputs}, {"anomalies.csv", anomalies}, {"deviations.csv", deviations}};
+
+static ost_status write_one(const char *name, derive *make, const json_t *protocol, const json_t *cases, const json_t *summary, evidence_sink *sink, void *user,
+                            ost_error *err)
+{
+    char *bytes = NULL;
+    size_t size = 0;
+    FILE *to = open_memstream(&bytes, &size);
+    if (!to)
+        return ost_fail(err, OST_ERR_MEMORY, "%s: %s", name, strerror(errno));
+    make(to, protocol, cases, summary);
+    const bool failed = ferror(to) != 0;
+    ost_status status = fclose(to) != 0 || failed ? ost_fail(err, OST_ERR_MEMORY, "no memory for %s", name) : sink(user, name, bytes, size, err);
+    free(bytes);
+    return status;
+}
+
+static void case_lines(FILE *to, const json_t *protocol, const json_t *cases, const json_t *summary)
+{
+    (void)protocol;
+    (void)summary;
+    for (size_t i = 0; i < json_array_size(cases); i++) {
+        json_dumpf(json_array_get(cases, i), to, JSON_SORT_KEYS | JSON_COMPACT);
+        fputc('\n', to);
+    }
+}
+
+static void protocol_text(FILE *to, const json_t *protocol, const json_t *cases, const json_t *summary)
+{
+    (void)cases;
+    (void)summary;
+    json_dumpf(protocol, to, JSON_SORT_KEYS | JSON_INDENT(1));
+    fputc('\n', to);
+}
+
+ost_status evidence_write(const json_t *protocol, const json_t *cases, evidence_sink *sink, void *user, ost_error *err)
+{
+    json_t *summary;
+    ost_status status = evidence_summary(protocol, cases, &summary, err);
+    if (status == OST_OK)
+        status = write_one(EVIDENCE_PROTOCOL, protocol_text, protocol, cases, summary, sink, user, err);
+    if (status == OST_OK)
+        status = write_one(EVIDENCE_CASES, case_lines, protocol, cases, summary, sink, user, err);
+    for (size_t i = 0; i < sizeof derived / sizeof derived[0] && status == OST_OK; i++)
+        status = write_one(derived[i].name, derived[i].make, protocol, cases, summary, sink, user, err);
+    json_decref(summary);
+    return status;
+}

@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "validation/bundle/digests.h"
+
+#include <string.h>
+
+/* The leaf at `from` voxels into the block, zero beyond it. */
+static ost_status leaf_of(const trace_block_view *b, const int32_t from[3], ost_digest *out, ost_error *err)
+{
+    static _Thread_local union {
+        int16_t wide[OST_LEAF * OST_LEAF * OST_LEAF];
+        uint8_t narrow[OST_LEAF * OST_LEAF * OST_LEAF];
+    } leaf;
+    const size_t size = b->voxel_bytes, wide = (size_t)b->dims.x, high = (size_t)b->dims.y;
+    const int32_t n = b->dims.x - from[0] < OST_LEAF ? b->dims.x - from[0] : OST_LEAF;
+    memset(&leaf, 0, sizeof leaf);
+    for (int32_t k = 0; k < OST_LEAF && from[2] + k < b->dims.z; k++)
+        for (int32_t j = 0; j < OST_LEAF && from[1] + j < b->dims.y; j++)
+            memcpy(leaf.narrow + size * (size_t)(OST_LEAF * (j + OST_LEAF * k)),
+                   b->voxels + size * ((size_t)from[0] + wide * ((size_t)(from[1] + j) + high * (size_t)(from[2] + k))), size * (size_t)n);
+    return size == 1 ? ost_digest_leaf8(leaf.narrow, out, err) : ost_digest_leaf16(leaf.wide, out, err);
+}
+
+static ost_status add_leaves(const trace_block_view *b, bool numbered, ost_dims bone, json_t *leaves, ost_error *err)
+{
+    const ost_dims count = ost_leaf_dims(b->dims), all = ost_leaf_dims(bone);
+    for (int32_t z = 0; z < count.z; z++)
+        for (int32_t y = 0; y < count.y; y++)
+            for (int32_t x = 0; x < count.x; x++) {
+                const int32_t from[3] = {x * OST_LEAF, y * OST_LEAF, z * OST_LEAF};
+                char hex[OST_DIGEST_HEX];
+                ost_digest digest;
+                ost_status status = leaf_of(b, from, &digest, err);
+                if (status != OST_OK)
+                    return status;
+                ost_digest_hex(&digest, hex);
+                const int64_t number = (b->lo[0] + from[0]) / OST_LEAF +
+                                       (int64_t)all.x * ((b->lo[1] + from[1]) / OST_LEAF + (int64_t)all.y * ((b->lo[2] + from[2]) / OST_LEAF));
+                if (json_array_append_new(leaves, numbered ? json_pack("[I,s]", (json_int_t)number, hex) : json_string(hex)) != 0)
+                    return ost_fail(err, OST_ERR_MEMORY, "no memory for digests");
+            }
+    return OST_OK;
+}
+
+ost_status digests_of_record(const trace_record *r, ost_dims bone, json_t **out, ost_error *err)
+{
+    char hex[OST_DIGEST_HEX];
+    ost_digest body;
+    size_t at = 0;
+    trace_block_view block;
+    *out = NULL;
+    json_t *leaves = json_array();
+    ost_status status = ost_digest_bytes(r->body, r->body_bytes, &body, err);
+    while (status == OST_OK && trace_next_block(r, &at, &block))
+        status = add_leaves(&block, r->stage == TRACE_TICK, bone, leaves, err);
+    if (status == OST_OK)
+        *out = json_pack("{s:s,s:I,s:s}", "stage", trace_stage_name(r->stage), "item", (json_int_t)r->item, "sha256", ost_digest_hex(&body, hex));
+    if (*out && json_array_size(leaves) > 0)
+        json_object_set(*out, "leaves", leaves);
+    json_decref(leaves);
+    return status != OST_OK || *out ? status : ost_fail(err, OST_ERR_MEMORY, "no memory for digests");
+}

@@ -1,0 +1,212 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "validation/bundle/evidence.h"
+
+#include <string.h>
+
+#include "validation/bundle/digests.h"
+#include "validation/scene.h"
+
+enum { SCHEMA = 1 };
+
+#define ACCEPTANCE                                                                                                                     \
+    "Every record of every case, voxels and reports, is byte for byte the scalar reference's: 0 differing bytes. A backend that fails, " \
+    "crashes or takes too long where the reference does not is a failure."
+
+static ost_status no_memory(ost_error *err)
+{
+    return ost_fail(err, OST_ERR_MEMORY, "no memory for the evidence");
+}
+
+ost_status evidence_protocol(const plan *p, const subject_list *subjects, bool cpu_only, json_t **out, ost_error *err)
+{
+    json_t *cases = json_array(), *backends = json_array(), *families = json_object();
+    for (int i = 0; i < p->count; i++)
+        json_array_append_new(cases, json_string(p->cases[i].id));
+    for (int f = 0; f < PLAN_FAMILIES; f++)
+        json_object_set_new(families, plan_family_name((plan_family)f), json_string(plan_family_about((plan_family)f)));
+    for (int s = 0; s < subjects->count; s++) {
+        const subject *one = &subjects->subjects[s];
+        json_array_append_new(backends, json_pack("{s:s,s:s,s:b,s:s}", "name", one->spec, "what", one->what, "available", one->available, "reason", one->reason));
+    }
+    *out = json_pack("{s:i,s:s,s:i,s:s,s:s,s:s,s:s,s:[i,i],s:s,s:b,s:b,s:s,s:o,s:o,s:o}", "schema", SCHEMA, "version", ost_version(), "arithmetic",
+                     OST_ARITHMETIC_VERSION, "title", "Backend equivalence verification", "scope",
+                     "code verification: that all backends compute the same grids; not clinical validation", "tier", plan_tier_name(p->tier), "seed_text",
+                     "see seed", "shard", p->shard, p->shards, "only", p->only ? p->only : "", "cpu_only", cpu_only, "opencl", subjects->opencl, "accept",
+                     ACCEPTANCE, "cases", cases, "backends", backends, "families", families);
+    if (!*out)
+        return no_memory(err);
+    json_object_del(*out, "seed_text");
+    json_object_set_new(*out, "seed", json_sprintf("%llu", (unsigned long long)p->seed)); /* 64 bits are more than JSON's readers keep */
+    json_object_set_new(*out, "no_opencl", json_string(subjects->opencl ? "" : subjects->no_opencl));
+    return OST_OK;
+}
+
+/* ------------------------------------------------------------------- cases */
+
+static json_t *result_json(const case_result *r)
+{
+    const compare_difference *d = &r->difference;
+    char name[40];
+    json_t *o = json_pack("{s:s}", "verdict", case_verdict_name(r->verdict));
+    if (r->text[0])
+        json_object_set_new(o, "text", json_string(r->text));
+    if (r->verdict != CASE_DIFFERS)
+        return o;
+    json_object_set_new(o, "stage", json_string(trace_stage_name(d->stage)));
+    json_object_set_new(o, "item", json_integer(d->item));
+    if (d->kind == COMPARE_VOXEL) {
+        json_object_set_new(o, "different_voxels", json_integer((json_int_t)d->voxels));
+        json_object_set_new(o, "voxel", json_pack("[i,i,i]", d->voxel[0], d->voxel[1], d->voxel[2]));
+        json_object_set_new(o, "reference", json_integer(d->voxel_ref));
+        json_object_set_new(o, "got", json_integer(d->voxel_got));
+    } else if (d->kind == COMPARE_WORD) {
+        json_object_set_new(o, "word", json_string(trace_word_name(d->stage, d->word, name)));
+        json_object_set_new(o, "reference", json_integer((json_int_t)d->word_ref));
+        json_object_set_new(o, "got", json_integer((json_int_t)d->word_got));
+    } else
+        json_object_set_new(o, "text", json_string(d->kind == COMPARE_MISSING ? "the record is missing" : "other leaves changed"));
+    return o;
+}
+
+static ost_status input_of(const plan_case *c, char hex[OST_DIGEST_HEX], ost_error *err)
+{
+    scene s;
+    ost_digest digest;
+    ost_status status = scene_make(c, &s, err);
+    if (status != OST_OK)
+        return status;
+    status = scene_digest(&s, &digest, err);
+    scene_free(&s);
+    ost_digest_hex(&digest, hex);
+    return status;
+}
+
+static ost_status reference_of(const campaign *c, int i, json_t *records, ost_error *err)
+{
+    ost_dims bone = {1, 1, 1};
+    ost_status status = OST_OK;
+    for (size_t k = 0; k < c->ranges[i].count && status == OST_OK; k++) {
+        const trace_record *r = &c->reference.records[c->ranges[i].first + k];
+        size_t at = 0;
+        trace_block_view block;
+        json_t *row;
+        if (r->stage == TRACE_CASE)
+            continue;
+        if (r->stage == TRACE_CHUNKS && trace_next_block(r, &at, &block))
+            bone = block.dims;
+        status = digests_of_record(r, bone, &row, err);
+        if (status == OST_OK && json_array_append_new(records, row) != 0)
+            status = no_memory(err);
+    }
+    return status;
+}
+
+ost_status evidence_cases(const campaign *c, json_t **out, ost_error *err)
+{
+    ost_status status = OST_OK;
+    *out = json_array();
+    for (int i = 0; i < c->plan->count && status == OST_OK; i++) {
+        char input[OST_DIGEST_HEX];
+        json_t *records = json_array(), *results = json_object();
+        status = input_of(&c->plan->cases[i], input, err);
+        if (status == OST_OK)
+            status = reference_of(c, i, records, err);
+        for (int s = 1; s < c->subjects->count && status == OST_OK; s++)
+            json_object_set_new(results, c->subjects->subjects[s].spec, result_json(&c->results[(size_t)i * (size_t)c->subjects->count + (size_t)s]));
+        json_t *row = status == OST_OK ? json_pack("{s:s,s:s,s:O,s:O}", "id", c->plan->cases[i].id, "input_sha256", input, "reference", records, "results", results) : NULL;
+        if (status == OST_OK && json_array_append_new(*out, row) != 0)
+            status = no_memory(err);
+        json_decref(records);
+        json_decref(results);
+    }
+    if (status != OST_OK) {
+        json_decref(*out);
+        *out = NULL;
+    }
+    return status;
+}
+
+ost_status evidence_parse_cases(const char *bytes, size_t size, json_t **out, ost_error *err)
+{
+    *out = json_array();
+    int number = 1;
+    for (const char *at = bytes, *end = bytes + size; at < end; number++) {
+        const char *stop = memchr(at, '\n', (size_t)(end - at));
+        json_error_t where;
+        json_t *row = stop ? json_loadb(at, (size_t)(stop - at), JSON_REJECT_DUPLICATES, &where) : NULL;
+        if (!row || json_array_append_new(*out, row) != 0) {
+            json_decref(*out);
+            *out = NULL;
+            return ost_fail(err, OST_ERR_INPUT, "%s:%d: %s", EVIDENCE_CASES, number, stop ? where.text : "the last line does not end");
+        }
+        at = stop + 1;
+    }
+    return OST_OK;
+}
+
+/* ----------------------------------------------------------------- summary */
+
+static const char *text_of(const json_t *o, const char *key)
+{
+    const char *text = json_string_value(json_object_get(o, key));
+    return text ? text : "";
+}
+
+static void add_sentence(json_t *list, const char *text)
+{
+    json_array_append_new(list, json_string(text));
+}
+
+/* What a reader might believe was shown and was not. */
+static json_t *not_shown(const json_t *protocol, const json_t *cases)
+{
+    json_t *list = json_array();
+    char text[512];
+    const json_t *backends = json_object_get(protocol, "backends");
+    if (strcmp(text_of(protocol, "tier"), "smoke") == 0)
+        add_sentence(list, "The smoke tier is a check for every day: few cases and small ones. It is no evidence; the standard tier is.");
+    if (json_integer_value(json_array_get(json_object_get(protocol, "shard"), 1)) > 1)
+        add_sentence(list, "This is one shard of a campaign; the others' cases were not run here.");
+    if (*text_of(protocol, "only"))
+        add_sentence(list, "Some cases alone were asked for.");
+    if (!json_is_true(json_object_get(protocol, "opencl"))) {
+        snprintf(text, sizeof text, "No OpenCL device was compared: %.300s.", json_is_true(json_object_get(protocol, "cpu_only")) ? "the CPU's variants alone were asked for" : text_of(protocol, "no_opencl"));
+        add_sentence(list, text);
+    }
+    for (size_t s = 0; s < json_array_size(backends); s++) {
+        const json_t *one = json_array_get(backends, s);
+        if (json_is_true(json_object_get(one, "available")))
+            continue;
+        snprintf(text, sizeof text, "%.120s was not run: %.300s.", text_of(one, "name"), text_of(one, "reason"));
+        add_sentence(list, text);
+    }
+    if (json_array_size(json_object_get(protocol, "cases")) != json_array_size(cases))
+        add_sentence(list, "Cases of the protocol are missing.");
+    add_sentence(list, "Inputs are generated, not a patient's. How files are read, and how floats of meshes and devices become integers, is shared by all backends and is not shown by this comparison.");
+    return list;
+}
+
+ost_status evidence_summary(const json_t *protocol, const json_t *cases, json_t **out, ost_error *err)
+{
+    json_int_t counts[CASE_VERDICTS] = {0}, records = 0;
+    for (size_t i = 0; i < json_array_size(cases); i++) {
+        const char *spec;
+        json_t *result, *results = json_object_get(json_array_get(cases, i), "results");
+        records += (json_int_t)json_array_size(json_object_get(json_array_get(cases, i), "reference"));
+        json_object_foreach(results, spec, result)
+            for (int v = 0; v < CASE_VERDICTS; v++)
+                if (strcmp(text_of(result, "verdict"), case_verdict_name((case_verdict)v)) == 0)
+                    counts[v]++;
+    }
+    const bool complete = json_array_size(cases) > 0 && json_array_size(cases) == json_array_size(json_object_get(protocol, "cases"));
+    const bool equal = complete && counts[CASE_EQUAL] > 0 && !counts[CASE_DIFFERS] && !counts[CASE_FAILED] && !counts[CASE_CRASHED] && !counts[CASE_LATE];
+    const bool whole = complete && strcmp(text_of(protocol, "tier"), "smoke") != 0 && json_integer_value(json_array_get(json_object_get(protocol, "shard"), 1)) == 1 &&
+                       !*text_of(protocol, "only");
+    json_t *verdicts = json_object();
+    for (int v = 0; v < CASE_VERDICTS; v++)
+        json_object_set_new(verdicts, case_verdict_name((case_verdict)v), json_integer(counts[v]));
+    *out = json_pack("{s:b,s:b,s:I,s:I,s:I,s:o,s:o}", "equal", equal, "evidence", whole, "cases", (json_int_t)json_array_size(cases), "backends",
+                     (json_int_t)json_array_size(json_object_get(protocol, "backends")), "reference_records", records, "results", verdicts, "not_shown",
+                     not_shown(protocol, cases));
+    return *out ? OST_OK : no_memory(err);
+}

@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What a campaign leaves, as files that follow from two:
+ *
+ *   protocol.json  what was to be done, frozen before it was done
+ *   cases.jsonl    a line a case: its input's digest, the digests of all that
+ *                  the reference made, every backend's verdict
+ *       |
+ *       '--evidence_write--> results.json, junit.xml, results.tap, inputs.csv,
+ *                            anomalies.csv, deviations.csv, README.md
+ *
+ * Since the rest is derived, whoever checks a bundle derives it again and
+ * compares bytes; and bundles of shards are merged by putting their cases in
+ * the protocol's order.
+ */
+#ifndef OST_VALIDATION_EVIDENCE_H
+#define OST_VALIDATION_EVIDENCE_H
+
+#include <jansson.h>
+
+#include "validation/campaign.h"
+
+#define EVIDENCE_PROTOCOL "protocol.json"
+#define EVIDENCE_CASES "cases.jsonl"
+
+/* Both give the caller's reference. */
+ost_status evidence_protocol(const plan *p, const subject_list *subjects, bool cpu_only, json_t **out, ost_error *err);
+ost_status evidence_cases(const campaign *c, json_t **out, ost_error *err);
+
+/*
+ * {equal, evidence, cases, backends, equal_results, ... }: the verdict and the
+ * counts behind it.  evidence is false for a tier or a choice of backends that
+ * shows too little; not_shown says what, in sentences.
+ */
+ost_status evidence_summary(const json_t *protocol, const json_t *cases, json_t **out, ost_error *err);
+
+typedef ost_status evidence_sink(void *user, const char *name, const void *bytes, size_t size, ost_error *err);
+ost_status evidence_write(const json_t *protocol, const json_t *cases, evidence_sink *sink, void *user, ost_error *err);
+
+/* Lines back to an array; OST_ERR_INPUT naming the line. */
+ost_status evidence_parse_cases(const char *bytes, size_t size, json_t **out, ost_error *err);
+
+#endif

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * manifest.json: every file of a bundle with its size and SHA-256, sorted by
+ * name, and two roots over them:
+ *
+ *   root     all files
+ *   results  those whose content depends on the cases, the code and the list
+ *            of backends alone: two runs of one build on one machine agree here
+ *
+ * A root is the tree of RFC 6962 section 2.1 over SHA-256(0x00 || name || 0x00 ||
+ * digest of the file).  The form is canonical, so a changed byte of the
+ * manifest itself is a byte that would have been written otherwise.
+ * signatures/ is not in it: a signature is made over the manifest.
+ */
+#ifndef OST_VALIDATION_MANIFEST_H
+#define OST_VALIDATION_MANIFEST_H
+
+#include "validation/bundle/bundle.h"
+
+#define MANIFEST_FILE "manifest.json"
+#define MANIFEST_SIGNATURES "signatures"
+
+/* The manifest of the folder as it lies; the caller's reference. */
+ost_status manifest_of(const char *folder, json_t **out, ost_error *err);
+/* As it stands in the file. */
+char *manifest_text(const json_t *manifest);
+ost_status manifest_check(const char *folder, bundle_problem *problem, void *user, int *found, ost_error *err);
+
+#endif
