@@ -21,10 +21,11 @@
 #include "validation/bundle/bundle.h"
 #include "validation/bundle/environment.h"
 #include "validation/bundle/evidence.h"
+#include "validation/bundle/merge.h"
 #include "validation/campaign.h"
 
 typedef struct validate_args {
-    const char *out, *backends, *shard, *only, *worker, *trace;
+    const char *out, *backends, *shard, *only, *merge, *worker, *trace;
     int tier; /* place in "smoke|standard|full" */
     int64_t seed, from, limit_s;
     bool cpu_only;
@@ -274,6 +275,50 @@ static ost_status compare_all(app_state *app, const validate_args *args, const p
     return status;
 }
 
+/* Shards to a whole: nothing runs. */
+static ost_status merge_all(app_state *app, const validate_args *args, ost_error *err)
+{
+    merged m;
+    bundle *b = NULL;
+    json_t *summary = NULL;
+    ost_status status = merge_read(args->merge, &m, err);
+    if (status != OST_OK)
+        return status;
+    status = bundle_begin(args->out, &b, err);
+    if (status == OST_OK)
+        status = freeze(b, m.protocol, err);
+    if (status == OST_OK)
+        status = bundle_log(b, "merged", err, "%d shards of %s, their machines in environment.json", m.shards, args->merge);
+    if (status == OST_OK)
+        status = bundle_log(b, "results", err, "%zu cases", json_array_size(m.cases));
+    if (status == OST_OK)
+        status = evidence_write(m.protocol, m.cases, into_bundle, b, err);
+    if (status == OST_OK)
+        status = bundle_put_json(b, "environment.json", m.environment, err);
+    if (status == OST_OK)
+        status = bundle_put_json(b, "times.json", m.times, err);
+    if (status == OST_OK)
+        status = evidence_summary(m.protocol, m.cases, &summary, err);
+    if (status == OST_OK) {
+        status = bundle_end(b, err);
+        b = NULL;
+    }
+    if (status == OST_OK) {
+        const bool equal = json_is_true(json_object_get(summary, "equal"));
+        json_object_update(app->result, summary);
+        put_text(app->result, "out", args->out);
+        put_integer(app->result, "shards", m.shards);
+        say(app, "%s: %zu cases from %d shards", equal ? "EQUAL" : "NOT EQUAL", json_array_size(m.cases), m.shards);
+        say(app, "  the evidence: %s; osteon verify %s checks it", args->out, args->out);
+        if (!equal)
+            status = ost_fail(err, OST_ERR_DIFFER, "%s: results differ from the reference's; see anomalies.csv", args->out);
+    }
+    bundle_abandon(b);
+    json_decref(summary);
+    merge_free(&m);
+    return status;
+}
+
 ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
 {
     static const int64_t limits[PLAN_TIERS] = {120, 1800, 36000};
@@ -288,6 +333,7 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "seed", .kind = OPTION_INTEGER, .out = &args.seed, .value = "N", .min = 1, .max = INT64_MAX, .help = "of the generated cases (default: 1)"},
         {.name = "shard", .kind = OPTION_TEXT, .out = &args.shard, .value = "I/N", .help = "every N-th case alone, from the I-th on"},
         {.name = "only", .kind = OPTION_TEXT, .out = &args.only, .value = "CASE", .help = "cases whose name begins so: mesh, session/1"},
+        {.name = "merge", .kind = OPTION_TEXT, .out = &args.merge, .value = "FOLDER", .help = "put the shards' bundles in FOLDER together into --out; runs nothing"},
         {.name = "limit", .kind = OPTION_INTEGER, .out = &args.limit_s, .value = "S", .min = 1, .max = 1000000,
          .help = "seconds after which a backend is stopped"},
         {.name = "worker", .kind = OPTION_TEXT, .out = &args.worker, .value = "BACKEND", .help = "run the cases on this backend alone, write --trace and compare nothing"},
@@ -302,7 +348,9 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
         .notes = "This is backend equivalence verification (code verification): that all backends\n"
                  "compute the same. It is no clinical validation.",
         .example = "  osteon validate --out bundle\n  osteon validate --tier standard --cpu-only --json\n"
-                   "  osteon validate --backends 'cpu:isa=avx2,threads=7;cl' --only session",
+                   "  osteon validate --backends 'cpu:isa=avx2,threads=7;cl' --only session\n"
+                   "  osteon validate --tier full --shard 2/8 --out shards/2\n"
+                   "  osteon validate --merge shards --out bundle",
     };
     ost_status status;
     plan p;
@@ -311,6 +359,10 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
         return status;
     if (!args.worker != !args.trace)
         return usage_error(app, err, "--worker and --trace belong together");
+    if (args.merge && (!args.out || args.worker || args.shard))
+        return usage_error(app, err, "--merge needs --out and no shard or worker");
+    if (args.merge)
+        return merge_all(app, &args, err);
     if (!args.limit_s)
         args.limit_s = limits[args.tier];
     status = plan_make((plan_tier)args.tier, (uint64_t)args.seed, shard, shards, args.only, &p, err);
