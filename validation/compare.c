@@ -30,24 +30,30 @@ static bool same_place(const trace_block_view *a, const trace_block_view *b)
     return memcmp(a->lo, b->lo, sizeof a->lo) == 0 && memcmp(&a->dims, &b->dims, sizeof a->dims) == 0 && a->voxel_bytes == b->voxel_bytes;
 }
 
-/* Counts differing voxels of two blocks of one place; the first of the record is kept. */
+static bool before(const int32_t a[3], const int32_t b[3])
+{
+    return a[2] != b[2] ? a[2] < b[2] : a[1] != b[1] ? a[1] < b[1] : a[0] < b[0];
+}
+
+/* Counts differing voxels of two blocks of one place; the least of the record is kept. */
 static void compare_block(const trace_block_view *a, const trace_block_view *b, compare_difference *out)
 {
-    const size_t count = (size_t)ost_dims_count(a->dims);
+    const size_t count = (size_t)ost_dims_count(a->dims), wide = (size_t)a->dims.x, high = (size_t)a->dims.y;
+    bool first = true;
     if (memcmp(a->voxels, b->voxels, count * a->voxel_bytes) == 0)
         return;
     for (size_t i = 0; i < count; i++) {
         const int32_t ref = voxel_at(a, i), got = voxel_at(b, i);
         if (ref == got)
             continue;
-        if (out->voxels++ == 0) {
-            const size_t wide = (size_t)a->dims.x, high = (size_t)a->dims.y;
-            out->voxel[0] = a->lo[0] + (int32_t)(i % wide);
-            out->voxel[1] = a->lo[1] + (int32_t)(i / wide % high);
-            out->voxel[2] = a->lo[2] + (int32_t)(i / wide / high);
+        const int32_t at[3] = {a->lo[0] + (int32_t)(i % wide), a->lo[1] + (int32_t)(i / wide % high), a->lo[2] + (int32_t)(i / wide / high)};
+        if (first && (out->voxels == 0 || before(at, out->voxel))) {
+            memcpy(out->voxel, at, sizeof at);
             out->voxel_ref = ref;
             out->voxel_got = got;
         }
+        first = false;
+        out->voxels++;
     }
 }
 
@@ -60,65 +66,131 @@ static int order(const trace_block_view *a, const trace_block_view *b)
     return 0;
 }
 
-/*
- * Blocks of one side alone are leaves that only one backend changed; what they
- * were before is not in the record, so their place is what is said.
- */
-static bool compare_blocks(const trace_record *ref, const trace_record *got, compare_difference *out)
+enum { LEAF_BYTES = 2 * OST_LEAF * OST_LEAF * OST_LEAF };
+
+/* The part of a whole grid's block that lies at a leaf's place. */
+static bool cut_leaf(const trace_block_view *whole, const trace_block_view *place, uint8_t leaf[LEAF_BYTES], trace_block_view *out)
 {
+    *out = *place;
+    out->voxels = leaf;
+    if (whole->voxel_bytes != 2 || whole->lo[0] || whole->lo[1] || whole->lo[2] || place->dims.x > OST_LEAF || place->dims.y > OST_LEAF ||
+        place->dims.z > OST_LEAF || place->lo[0] < 0 || place->lo[1] < 0 || place->lo[2] < 0 || place->lo[0] + place->dims.x > whole->dims.x ||
+        place->lo[1] + place->dims.y > whole->dims.y || place->lo[2] + place->dims.z > whole->dims.z)
+        return false;
+    uint8_t *to = leaf;
+    const size_t row = 2 * (size_t)place->dims.x;
+    for (int32_t k = 0; k < place->dims.z; k++)
+        for (int32_t j = 0; j < place->dims.y; j++, to += row)
+            memcpy(to, whole->voxels + 2 * ((size_t)place->lo[0] + (size_t)whole->dims.x * ((size_t)(place->lo[1] + j) + (size_t)whole->dims.y * (size_t)(place->lo[2] + k))), row);
+    return true;
+}
+
+/* What the leaf at this place was before record `at` of a case: in the last record that has it. */
+static bool leaf_before(const trace *t, compare_range range, size_t at, const trace_block_view *place, uint8_t leaf[LEAF_BYTES], trace_block_view *out)
+{
+    while (at-- > 0) {
+        const trace_record *r = &t->records[range.first + at];
+        size_t walk = 0;
+        trace_block_view b;
+        while ((r->stage == TRACE_TICK || r->stage == TRACE_CHUNKS) && trace_next_block(r, &walk, &b)) {
+            if (r->stage == TRACE_CHUNKS)
+                return cut_leaf(&b, place, leaf, out);
+            if (same_place(&b, place)) {
+                *out = b;
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+/* False when a block has no counterpart, not even an earlier one. */
+static bool compare_blocks(const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, size_t at, compare_difference *out)
+{
+    const trace_record *r = &ref->records[in_ref.first + at], *g = &got->records[in_got.first + at];
+    static _Thread_local uint8_t leaf[LEAF_BYTES];
     size_t at_ref = 0, at_got = 0;
-    trace_block_view a = {0}, b = {0};
-    bool has_a = trace_next_block(ref, &at_ref, &a), has_b = trace_next_block(got, &at_got, &b), lone = false;
+    trace_block_view a = {0}, b = {0}, other;
+    bool has_a = trace_next_block(r, &at_ref, &a), has_b = trace_next_block(g, &at_got, &b), paired = true;
     while (has_a || has_b) {
         const int which = !has_a ? 1 : !has_b ? -1 : order(&a, &b);
-        if (which != 0 || !same_place(&a, &b)) {
-            const trace_block_view *only = which > 0 ? &b : &a;
-            if (!lone && out->voxels == 0)
-                memcpy(out->voxel, only->lo, sizeof out->voxel);
-            lone = true;
-        } else
+        if (which == 0 && same_place(&a, &b))
             compare_block(&a, &b, out);
+        else if (which < 0 && r->stage == TRACE_TICK && leaf_before(got, in_got, at, &a, leaf, &other))
+            compare_block(&a, &other, out);
+        else if (which > 0 && r->stage == TRACE_TICK && leaf_before(ref, in_ref, at, &b, leaf, &other))
+            compare_block(&other, &b, out);
+        else
+            paired = false;
         if (which <= 0)
-            has_a = trace_next_block(ref, &at_ref, &a);
+            has_a = trace_next_block(r, &at_ref, &a);
         if (which >= 0)
-            has_b = trace_next_block(got, &at_got, &b);
+            has_b = trace_next_block(g, &at_got, &b);
     }
-    return lone;
+    return paired;
+}
+
+/* Words of a report before its chunks' lines, and of such a line: number, then two a class. */
+static int64_t chunk_of_word(const trace_record *r, const uint8_t *words, uint64_t count, uint64_t word)
+{
+    const uint64_t head = r->stage == TRACE_TICK ? 13 : r->stage == TRACE_COLLIDE ? 3 : UINT64_MAX;
+    if (count <= head || word < head)
+        return -1;
+    const uint64_t lines = trace_word_at(words, head - 1);
+    if (lines == 0 || (count - head) % lines != 0)
+        return -1;
+    const uint64_t stride = (count - head) / lines, line = (word - head) / stride;
+    return line < lines ? (int64_t)trace_word_at(words, head + line * stride) : -1;
 }
 
 static bool compare_words(const trace_record *ref, const trace_record *got, compare_difference *out)
 {
-    uint64_t n = 0, m = 0;
+    uint64_t n = 0, m = 0, i = 0;
     const uint8_t *a = NULL, *b = NULL;
+    bool differ = false;
     if (!trace_words(ref, &n, &a) || !trace_words(got, &m, &b))
         return true;
-    for (uint64_t i = 0; i < n && i < m; i++)
-        if (trace_word_at(a, i) != trace_word_at(b, i)) {
+    /* The first word of all is what is shown; the first in a chunk's line says where. */
+    for (; i < n && i < m; i++) {
+        if (trace_word_at(a, i) == trace_word_at(b, i))
+            continue;
+        if (!differ) {
             out->word = (size_t)i;
             out->word_ref = trace_word_at(a, i);
             out->word_got = trace_word_at(b, i);
+        }
+        differ = true;
+        const int64_t in_ref = chunk_of_word(ref, a, n, i), in_got = chunk_of_word(got, b, m, i);
+        if (in_ref >= 0 || in_got >= 0) {
+            out->chunk = in_ref < 0 ? in_got : in_got < 0 || in_ref < in_got ? in_ref : in_got;
             return true;
         }
-    out->word = (size_t)(n < m ? n : m);
-    return n != m;
+    }
+    if (n == m)
+        return differ;
+    if (!differ)
+        out->word = (size_t)i;
+    out->chunk = n > m ? chunk_of_word(ref, a, n, i) : chunk_of_word(got, b, m, i);
+    return true;
 }
 
-static void compare_record(const trace_record *ref, const trace_record *got, compare_difference *out)
+static void compare_record(const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, size_t at, compare_difference *out)
 {
-    if (ref->stage != got->stage || ref->item != got->item) {
-        out->kind = got->stage == TRACE_FAILED ? COMPARE_MISSING : COMPARE_SHAPE;
+    const trace_record *a = &ref->records[in_ref.first + at], *b = &got->records[in_got.first + at];
+    if (a->stage != b->stage || a->item != b->item) {
+        out->kind = b->stage == TRACE_FAILED ? COMPARE_MISSING : COMPARE_SHAPE;
         return;
     }
-    if (ref->body_bytes == got->body_bytes && memcmp(ref->body, got->body, ref->body_bytes) == 0)
+    if (a->body_bytes == b->body_bytes && memcmp(a->body, b->body, a->body_bytes) == 0)
         return;
-    const bool words = compare_words(ref, got, out), lone = compare_blocks(ref, got, out);
+    const bool words = compare_words(a, b, out), paired = compare_blocks(ref, in_ref, got, in_got, at, out);
     out->words_too = words;
-    out->kind = out->voxels || lone ? (out->voxels ? COMPARE_VOXEL : COMPARE_SHAPE) : words ? COMPARE_WORD : COMPARE_SHAPE;
+    out->kind = out->voxels ? COMPARE_VOXEL : words && paired ? COMPARE_WORD : COMPARE_SHAPE;
 }
 
 void compare_case(const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, compare_difference *out)
 {
-    *out = (compare_difference){.kind = COMPARE_EQUAL};
+    *out = (compare_difference){.kind = COMPARE_EQUAL, .chunk = -1};
     for (size_t i = 0; i < in_ref.count || i < in_got.count; i++) {
         out->records = i + 1;
         if (i >= in_got.count || i >= in_ref.count) {
@@ -128,11 +200,10 @@ void compare_case(const trace *ref, compare_range in_ref, const trace *got, comp
             out->item = there->item;
             return;
         }
-        const trace_record *a = &ref->records[in_ref.first + i], *b = &got->records[in_got.first + i];
-        compare_record(a, b, out);
+        compare_record(ref, in_ref, got, in_got, i, out);
         if (out->kind != COMPARE_EQUAL) {
-            out->stage = a->stage;
-            out->item = a->item;
+            out->stage = ref->records[in_ref.first + i].stage;
+            out->item = ref->records[in_ref.first + i].item;
             return;
         }
     }

@@ -6,7 +6,9 @@
  *   difference: stage, item, word or voxel, and both values
  *
  * The first difference is the first in the order of the stages, so what comes
- * after it may be its consequence and is not counted as anything else.
+ * after it may be its consequence and is not counted as anything else.  A leaf
+ * that only one side changed at a tick is compared with what it was before on
+ * the other, which an earlier record holds.
  */
 #ifndef OST_VALIDATION_COMPARE_H
 #define OST_VALIDATION_COMPARE_H
@@ -27,11 +29,12 @@ typedef struct compare_difference {
     uint32_t item;         /* tool or tick */
     size_t word;           /* of COMPARE_WORD */
     uint64_t word_ref, word_got;
-    int32_t voxel[3];      /* of COMPARE_VOXEL: the first in x-fastest order of the first differing block */
+    int32_t voxel[3];      /* of COMPARE_VOXEL: the first in x-fastest order over the whole grid */
     int32_t voxel_ref, voxel_got;
-    uint64_t voxels;       /* that differ in this record */
+    uint64_t voxels;       /* that differ in this record; of a tick those in leaves that this tick changed on either side */
     uint64_t records;      /* of this case that were compared, this one included */
     bool words_too;        /* of COMPARE_VOXEL: the report differs as well */
+    int64_t chunk;         /* the bone's chunk that the report first differs in; -1 where no chunk's line does */
 } compare_difference;
 
 /* Where a case's records lie in a trace; count 0: it has none. */

@@ -19,10 +19,22 @@ typedef struct performer {
     ost_bone *bone;
     ost_tool *tools[SCENE_TOOLS_MAX];
     ost_world *world;
-    ost_dims dims;        /* of the bone */
+    ost_geometry geometry; /* of the bone */
+    ost_dims dims;         /* its */
     int16_t *was, *is;    /* the bone as last recorded, and as fetched */
     ost_report collided;
+    perform_watch *watch;
+    void *user;
 } performer;
+
+/* The record that was begun. */
+static ost_status end_record(performer *p, trace_stage stage, uint32_t item, ost_error *err)
+{
+    ost_status status = trace_end(p->w, err);
+    if (status == OST_OK && p->watch)
+        p->watch(p->user, stage, item);
+    return status;
+}
 
 static ost_status record_grid(performer *p, const ost_grid *grid, ost_error *err)
 {
@@ -56,7 +68,7 @@ static ost_status run_rect(performer *p, ost_grid **out, ost_error *err)
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
         trace_word(p->w, (uint64_t)words[i]);
     status = record_grid(p, *out, err);
-    ost_status written = trace_end(p->w, err);
+    ost_status written = end_record(p, TRACE_RECT, 0, err);
     return status != OST_OK ? status : written;
 }
 
@@ -71,7 +83,7 @@ static ost_status run_cubic(performer *p, const ost_grid *rect, ost_grid **out, 
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
         trace_word(p->w, (uint64_t)words[i]);
     status = record_grid(p, *out, err);
-    ost_status written = trace_end(p->w, err);
+    ost_status written = end_record(p, TRACE_CUBIC, 0, err);
     return status != OST_OK ? status : written;
 }
 
@@ -98,7 +110,7 @@ static ost_status record_whole_bone(performer *p, trace_stage stage, ost_error *
         status = ost_bone_download(p->bone, 0, info.geometry.dims.z, voxels, err);
     if (voxels && status == OST_OK)
         memcpy(p->was, voxels, (size_t)ost_dims_count(p->dims) * 2);
-    ost_status written = trace_end(p->w, err);
+    ost_status written = end_record(p, stage, 0, err);
     return status != OST_OK ? status : written;
 }
 
@@ -111,7 +123,8 @@ static ost_status run_import(performer *p, ost_error *err)
     if (status == OST_OK)
         status = ost_cubic_to_chunks(cubic, p->s->chunk_size, p->s->threshold, &p->bone, err);
     if (status == OST_OK) {
-        p->dims = ost_grid_geometry(cubic)->dims;
+        p->geometry = *ost_grid_geometry(cubic);
+        p->dims = p->geometry.dims;
         const size_t bytes = (size_t)ost_dims_count(p->dims) * 2;
         p->was = malloc(bytes);
         p->is = malloc(bytes);
@@ -139,7 +152,7 @@ static ost_status run_tool(performer *p, int i, ost_error *err)
         uint8_t *voxels = trace_block(p->w, lo, volume.geometry.dims, 1);
         if (voxels)
             memcpy(voxels, volume.voxels, (size_t)ost_dims_count(volume.geometry.dims));
-        status = trace_end(p->w, err);
+        status = end_record(p, TRACE_TOOL, (uint32_t)i, err);
     }
     ost_tool_volume_free(&volume);
     return status;
@@ -228,7 +241,7 @@ static ost_status run_tick(performer *p, size_t i, ost_error *err)
         if (status == OST_OK)
             record_changed(p, z0, z1);
     }
-    ost_status written = trace_end(p->w, err);
+    ost_status written = end_record(p, TRACE_TICK, (uint32_t)i, err);
     return status != OST_OK ? status : written;
 }
 
@@ -236,11 +249,8 @@ static ost_status run_tick(performer *p, size_t i, ost_error *err)
 static ost_status run_collide(performer *p, size_t i, ost_error *err)
 {
     const ost_tick *tick = &p->s->path.ticks[i];
-    ost_bone_info info;
     ost_map map;
-    ost_status status = ost_bone_info_get(p->bone, &info, err);
-    if (status == OST_OK)
-        status = ost_map_make(&tick->pose, &info.geometry, ost_tool_geometry_get(p->tools[tick->tool]), &map, err);
+    ost_status status = ost_map_make(&tick->pose, &p->geometry, ost_tool_geometry_get(p->tools[tick->tool]), &map, err);
     if (status != OST_OK)
         return status;
     const ost_voxel_box box = {{0, 0, 0}, {p->dims.x, p->dims.y, p->dims.z}};
@@ -250,7 +260,7 @@ static ost_status run_collide(performer *p, size_t i, ost_error *err)
         return status;
     trace_begin(p->w, TRACE_COLLIDE, p->case_index, (uint32_t)i);
     record_report(p, &p->collided);
-    return trace_end(p->w, err);
+    return end_record(p, TRACE_COLLIDE, (uint32_t)i, err);
 }
 
 static ost_status run_stages(performer *p, ost_error *err)
@@ -277,9 +287,10 @@ static ost_status run_stages(performer *p, ost_error *err)
     return status;
 }
 
-ost_status perform(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, ost_error *why, ost_error *err)
+ost_status perform(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, perform_watch *watch, void *user, ost_error *why,
+                   ost_error *err)
 {
-    performer p = {.backend = backend, .s = s, .w = w, .case_index = case_index};
+    performer p = {.backend = backend, .s = s, .w = w, .case_index = case_index, .watch = watch, .user = user};
     trace_begin(w, TRACE_CASE, case_index, 0);
     ost_status written = trace_end(w, err);
     *why = (ost_error){0};

@@ -15,7 +15,11 @@
 #include "validation/scene.h"
 #include "validation/trace.h"
 
+/* Told of every record that was written; may be NULL where it is taken. */
+typedef void perform_watch(void *user, trace_stage stage, uint32_t item);
+
 /* Fails only when the trace cannot be written or memory is out; why (not NULL) gets the line of a failed stage. */
-ost_status perform(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, ost_error *why, ost_error *err);
+ost_status perform(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, perform_watch *watch, void *user, ost_error *why,
+                   ost_error *err);
 
 #endif

@@ -15,6 +15,7 @@ static const struct {
     [PLAN_SWEEP] = {"sweep", "fast motion, many poses an event", {2, 12, 60}},
     [PLAN_SESSION] = {"session", "slow cutting with changes of tool", {2, 8, 40}},
     [PLAN_OPERATION] = {"operation", "the built-in peg hole and reaming", {1, 2, 4}},
+    [PLAN_SMALL] = {"small", "all stages in a few milliseconds, for the sensitivity proof", {0, 0, 0}},
 };
 
 const char *plan_tier_name(plan_tier tier)

@@ -31,6 +31,7 @@ typedef enum plan_family {
     PLAN_SWEEP,
     PLAN_SESSION,
     PLAN_OPERATION,
+    PLAN_SMALL, /* in no plan: scenes of a few milliseconds that hold every stage, for sensitivity.h */
     PLAN_FAMILIES
 } plan_family;
 

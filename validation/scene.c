@@ -102,6 +102,28 @@ static ost_status make_session(const plan_case *c, scene *s, draw *d, ost_error 
     return status;
 }
 
+/* Anisotropic, so that resampling has something to do; two tools of which one has a part that does not cut. */
+static ost_status make_small(const plan_case *c, scene *s, draw *d, ost_error *err)
+{
+    static const scene_shape shapes[] = {SHAPE_BOX, SHAPE_TWICE, SHAPE_HOLLOW, SHAPE_OPEN, SHAPE_SOUP, SHAPE_PEG};
+    ost_status status = OST_OK;
+    draw_lattice(s, d);
+    const ost_pm unit = s->rect.spacing.x;
+    const ost_dims dims = {(int32_t)draw_between(d, 18, 40), (int32_t)draw_between(d, 18, 40), (int32_t)draw_between(d, 12, 30)};
+    status = scene_ct(s, d, dims, err);
+    s->batch = (size_t)draw_between(d, 500, 20000);
+    for (size_t i = 0; i < s->sample_count; i++)
+        s->samples[i].line = (uint32_t)(i % s->batch);
+    for (int i = 0; i < 2 && status == OST_OK; i++) {
+        const ost_pm size = draw_between(d, 6 * unit, 14 * unit);
+        status = scene_add_tool(s, d, shapes[(c->number + i) % 6], size, draw_between(d, size / 22, size / 9), i == 0, c->number % 5 == 0 ? OST_FILL_PARITY : OST_FILL_WINDING, err);
+    }
+    if (status == OST_OK)
+        status = c->number % 2 ? scene_unrelated_poses(s, d, 6, err) : scene_drive(s, d, 10, unit + unit / 2, 0.15, err);
+    s->collide_every = 3;
+    return status;
+}
+
 /* Ticks of one path after those already there, a millisecond after the last. */
 static ost_status append_path(scene *s, const ost_path *more, ost_error *err)
 {
@@ -178,6 +200,7 @@ ost_status scene_make(const plan_case *c, scene *out, ost_error *err)
     static ost_status (*const makers[PLAN_FAMILIES])(const plan_case *, scene *, draw *, ost_error *) = {
         [PLAN_IMPORT] = make_import, [PLAN_MESH] = make_mesh,       [PLAN_POSES] = make_poses,
         [PLAN_SWEEP] = make_sweep,   [PLAN_SESSION] = make_session, [PLAN_OPERATION] = make_operation,
+        [PLAN_SMALL] = make_small,
     };
     draw d = draw_named(c->seed, c->id);
     *out = (scene){0};

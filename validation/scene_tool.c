@@ -106,6 +106,16 @@ static ost_status mesh_of(draw *d, scene_shape shape, ost_pm size, ost_mesh *out
     return boxes(d, size, 1, false, false, out, err);
 }
 
+/* Onto multiples of half a voxel: corners, edges and faces then pass through voxels' centres, where ties are decided. */
+static void align(ost_mesh *mesh, ost_pm voxel)
+{
+    const ost_pm step = voxel / 2;
+    for (size_t v = 0; v < mesh->vertex_count; v++) {
+        ost_pm3 *p = &mesh->vertices[v];
+        *p = (ost_pm3){p->x / step * step, p->y / step * step, p->z / step * step};
+    }
+}
+
 static const char *const shape_names[SHAPE_COUNT] = {"reamer", "peg", "burr", "box", "twice", "hollow", "open", "soup", "slivers"};
 
 ost_status scene_add_tool(scene *s, draw *d, scene_shape shape, ost_pm size, ost_pm voxel, bool noncutting, ost_fill_rule rule,
@@ -119,6 +129,8 @@ ost_status scene_add_tool(scene *s, draw *d, scene_shape shape, ost_pm size, ost
     s->tool_count++;
     snprintf(tool->name, sizeof tool->name, "%s", shape_names[shape]);
     ost_status status = mesh_of(d, shape, size, &mesh, err);
+    if (status == OST_OK && draw_one_in(d, 2))
+        align(&mesh, voxel);
     if (status == OST_OK)
         status = ost_mesh_bounds(&mesh, &lo, &hi, err);
     if (status == OST_OK && noncutting) {

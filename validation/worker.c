@@ -29,7 +29,7 @@ ost_status worker_run(const plan *p, int from, const char *spec, const char *tra
         status = scene_make(&p->cases[i], &s, err);
         if (status != OST_OK)
             break;
-        status = perform(backend, &s, (uint32_t)i, w, &why, err);
+        status = perform(backend, &s, (uint32_t)i, w, NULL, NULL, &why, err);
         scene_free(&s);
         if (why.status != OST_OK)
             fprintf(stderr, "%s on %s: %s\n", p->cases[i].id, spec, why.text);

@@ -21,6 +21,7 @@
 #include "validation/bundle/bundle.h"
 #include "validation/bundle/environment.h"
 #include "validation/bundle/evidence.h"
+#include "validation/bundle/faults.h"
 #include "validation/bundle/merge.h"
 #include "validation/campaign.h"
 
@@ -28,7 +29,8 @@ typedef struct validate_args {
     const char *out, *backends, *shard, *only, *merge, *worker, *trace;
     int tier; /* place in "smoke|standard|full" */
     int64_t seed, from, limit_s;
-    bool cpu_only;
+    int64_t faults;
+    bool cpu_only, faults_only;
 } validate_args;
 
 /* "2/8" */
@@ -160,6 +162,25 @@ static ost_status report(app_state *app, const validate_args *args, const campai
     return OST_OK;
 }
 
+/* ------------------------------------------------------------------- faults */
+
+/* What was never triggered or never changed anything is named: a proof says what it is no proof of. */
+static void say_faults(const app_state *app, const sensitivity *s)
+{
+    char a[SAY_TEXT], b[SAY_TEXT], c[SAY_TEXT];
+    int silent = 0;
+    say(app, "SENSITIVITY %s: %s mistakes made on purpose, %s changed a result, %s of them were found, %llu not where they are; %llu false alarms in %llu right runs",
+        faults_proved(s) ? "PROVED" : "NOT PROVED", say_count(a, (int64_t)s->all.injected), say_count(b, (int64_t)s->all.changed),
+        say_count(c, (int64_t)(s->all.changed - s->all.not_detected)), (unsigned long long)s->all.not_located, (unsigned long long)s->false_alarms,
+        (unsigned long long)s->clean_runs);
+    if (s->first_problem[0])
+        say(app, "  %s", s->first_problem);
+    for (int k = DEVIATION_NONE + 1; k < DEVIATION_KINDS; k++)
+        silent += !s->of[k].changed;
+    if (silent)
+        say(app, "  %d of %d kinds changed nothing in this run; sensitivity.json and --json say which, and when a kind survives", silent, DEVIATION_KINDS - 1);
+}
+
 /* ---------------------------------------------------------------------- run */
 
 static ost_status into_bundle(void *user, const char *name, const void *bytes, size_t size, ost_error *err)
@@ -200,12 +221,15 @@ static ost_status put_machine(bundle *b, const campaign *c, const char *program,
     return status;
 }
 
-static ost_status put_evidence(bundle *b, const campaign *c, const json_t *protocol, const json_t *cases, const char *program, ost_error *err)
+static ost_status put_evidence(bundle *b, const campaign *c, const json_t *protocol, const json_t *cases, const json_t *faults, const char *program,
+                               ost_error *err)
 {
     ost_status status = bundle_log(b, "results", err, "%d equal, %d differ, %d failed, %d crashed, %d timed out, %d not run", c->counts[CASE_EQUAL],
                                    c->counts[CASE_DIFFERS], c->counts[CASE_FAILED], c->counts[CASE_CRASHED], c->counts[CASE_LATE], c->counts[CASE_NOT_RUN]);
     if (status == OST_OK)
         status = evidence_write(protocol, cases, into_bundle, b, err);
+    if (status == OST_OK && faults)
+        status = bundle_put_json(b, FAULTS_FILE, faults, err);
     if (status == OST_OK)
         status = put_machine(b, c, program, err);
     if (status == OST_OK)
@@ -219,7 +243,9 @@ typedef struct job {
     subject_list subjects;
     campaign run;
     bundle *b;
-    json_t *protocol, *cases, *summary;
+    json_t *protocol, *cases, *summary, *faults;
+    sensitivity proof;
+    bool proved; /* the proof was asked for and done */
 } job;
 
 static void job_free(job *j)
@@ -230,6 +256,7 @@ static void job_free(job *j)
     json_decref(j->protocol);
     json_decref(j->cases);
     json_decref(j->summary);
+    json_decref(j->faults);
     if (j->folder[0])
         rmdir(j->folder);
 }
@@ -257,6 +284,12 @@ static ost_status compare_all(app_state *app, const validate_args *args, const p
         const campaign_options how = {.program = j.program, .folder = j.folder, .limit_s = (double)args->limit_s, .show = show};
         progress_begin(app);
         status = campaign_run(p, &j.subjects, &how, &j.run, err);
+        /* The first of several shards makes it for all. */
+        if (status == OST_OK && p->shard == 1 && !p->only) {
+            status = sensitivity_run(p->seed, sensitivity_injections(p->tier), j.folder, show, NULL, &j.proof, err);
+            if (status == OST_OK)
+                status = faults_json(&j.proof, &j.faults, err);
+        }
         progress_clear();
     }
     if (status == OST_OK)
@@ -264,13 +297,20 @@ static ost_status compare_all(app_state *app, const validate_args *args, const p
     if (status == OST_OK)
         status = evidence_summary(j.protocol, j.cases, &j.summary, err);
     if (status == OST_OK && j.b)
-        status = put_evidence(j.b, &j.run, j.protocol, j.cases, j.program, err);
+        status = put_evidence(j.b, &j.run, j.protocol, j.cases, j.faults, j.program, err);
     if (status == OST_OK && j.b) {
         status = bundle_end(j.b, err);
         j.b = NULL;
     }
-    if (status == OST_OK)
+    if (status == OST_OK) {
         status = report(app, args, &j.run, j.summary, err);
+        if (j.faults) {
+            say_faults(app, &j.proof);
+            put(app->result, "faults", json_incref(j.faults));
+            if (status == OST_OK && !faults_proved(&j.proof))
+                status = ost_fail(err, OST_ERR_DIFFER, "the sensitivity proof failed: %s", j.proof.first_problem);
+        }
+    }
     job_free(&j);
     return status;
 }
@@ -297,6 +337,8 @@ static ost_status merge_all(app_state *app, const validate_args *args, ost_error
         status = bundle_put_json(b, "environment.json", m.environment, err);
     if (status == OST_OK)
         status = bundle_put_json(b, "times.json", m.times, err);
+    if (status == OST_OK && m.faults)
+        status = bundle_put_json(b, FAULTS_FILE, m.faults, err);
     if (status == OST_OK)
         status = evidence_summary(m.protocol, m.cases, &summary, err);
     if (status == OST_OK) {
@@ -319,6 +361,27 @@ static ost_status merge_all(app_state *app, const validate_args *args, ost_error
     return status;
 }
 
+static ost_status prove_faults(app_state *app, const validate_args *args, ost_error *err)
+{
+    char folder[] = "/tmp/osteon-validate-XXXXXX";
+    sensitivity s;
+    json_t *faults;
+    if (!mkdtemp(folder))
+        return ost_fail(err, OST_ERR_IO, "%s: %s", folder, strerror(errno));
+    progress_begin(app);
+    ost_status status = sensitivity_run((uint64_t)args->seed, args->faults ? (uint64_t)args->faults : sensitivity_injections((plan_tier)args->tier), folder, show,
+                                        NULL, &s, err);
+    progress_clear();
+    rmdir(folder);
+    if (status == OST_OK)
+        status = faults_json(&s, &faults, err);
+    if (status != OST_OK)
+        return status;
+    put(app->result, "faults", faults);
+    say_faults(app, &s);
+    return faults_proved(&s) ? OST_OK : ost_fail(err, OST_ERR_DIFFER, "the sensitivity proof failed: %s", s.first_problem[0] ? s.first_problem : "nothing was changed");
+}
+
 ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
 {
     static const int64_t limits[PLAN_TIERS] = {120, 1800, 36000};
@@ -330,6 +393,8 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "backends", .kind = OPTION_TEXT, .out = &args.backends, .value = "A;B",
          .help = "these alone, besides the reference (default: all that are here)"},
         {.name = "cpu-only", .kind = OPTION_FLAG, .out = &args.cpu_only, .help = "the CPU's variants alone: no OpenCL is no failure"},
+        {.name = "faults-only", .kind = OPTION_FLAG, .out = &args.faults_only, .help = "the sensitivity proof alone: mistakes made on purpose"},
+        {.name = "faults", .kind = OPTION_INTEGER, .out = &args.faults, .value = "N", .min = 1, .max = 100000000, .help = "how many, with --faults-only (default: the tier's)"},
         {.name = "seed", .kind = OPTION_INTEGER, .out = &args.seed, .value = "N", .min = 1, .max = INT64_MAX, .help = "of the generated cases (default: 1)"},
         {.name = "shard", .kind = OPTION_TEXT, .out = &args.shard, .value = "I/N", .help = "every N-th case alone, from the I-th on"},
         {.name = "only", .kind = OPTION_TEXT, .out = &args.only, .value = "CASE", .help = "cases whose name begins so: mesh, session/1"},
@@ -363,6 +428,8 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
         return usage_error(app, err, "--merge needs --out and no shard or worker");
     if (args.merge)
         return merge_all(app, &args, err);
+    if (args.faults_only)
+        return prove_faults(app, &args, err);
     if (!args.limit_s)
         args.limit_s = limits[args.tier];
     status = plan_make((plan_tier)args.tier, (uint64_t)args.seed, shard, shards, args.only, &p, err);

@@ -9,6 +9,7 @@
 
 #include "validation/bundle/check.h"
 #include "validation/bundle/evidence.h"
+#include "validation/bundle/faults.h"
 
 enum { SHARDS_MAX = 4096 };
 
@@ -79,6 +80,11 @@ static ost_status take_shard(const char *folder, merged *m, json_t *by_id, ost_e
         if (status == OST_OK && json_object_get(m->environment, name))
             status = ost_fail(err, OST_ERR_INPUT, "%s: shard %s is there twice", folder, name);
         json_decref(common);
+    }
+    if (status == OST_OK && strncmp(name, "1/", 2) == 0) {
+        ost_error none = {0};
+        if (read_json(folder, FAULTS_FILE, &m->faults, &none) != OST_OK)
+            m->faults = NULL; /* what is there was checked by its hash */
     }
     if (status == OST_OK) {
         json_object_set(m->environment, name, environment);
@@ -162,5 +168,6 @@ void merge_free(merged *m)
     json_decref(m->cases);
     json_decref(m->environment);
     json_decref(m->times);
+    json_decref(m->faults);
     *m = (merged){0};
 }

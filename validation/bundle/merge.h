@@ -14,7 +14,8 @@
 
 typedef struct merged {
     json_t *protocol, *cases;     /* of the whole; owned */
-    json_t *environment, *times;  /* {"1/3": ...} and the sums; owned */
+    json_t *environment, *times;  /* {"1/3": ...}; owned */
+    json_t *faults;               /* the first shard's sensitivity.json, NULL when it has none; owned */
     int shards;
 } merged;
 

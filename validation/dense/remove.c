@@ -218,6 +218,17 @@ static void flip_bit(deviant *m, dense_bone *bone)
     deviant_acted(m, 0, (const int32_t[3]){(int32_t)(at % x), (int32_t)(at / x % y), (int32_t)(at / x / y)});
 }
 
+/* Boxes may only skip what is outside the tool (event.h), and are not looked at; but an event that says it reaches nothing is none. */
+static bool reaches_nothing(const ost_event *event)
+{
+    for (int k = 0; k < event->pose_count; k++) {
+        const ost_voxel_box *b = &event->boxes[k];
+        if (b->lo[0] < b->hi[0] && b->lo[1] < b->hi[1] && b->lo[2] < b->hi[2])
+            return false;
+    }
+    return true;
+}
+
 static ost_status run_event(dense_bone *bone, const dense_tool *tool, const ost_event *event, bool apply, ost_report *report,
                             ost_error *err)
 {
@@ -228,6 +239,8 @@ static ost_status run_event(dense_bone *bone, const dense_tool *tool, const ost_
     dense_marks marks = {0}, right = {0};
     ost_report without = {0};
     int16_t *before = NULL;
+    if (reaches_nothing(event))
+        return OST_OK;
     ost_status status = marks_for(bone, &marks, err);
     if (status == OST_OK && m) {
         status = marks_for(bone, &right, err);

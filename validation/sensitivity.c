@@ -1,0 +1,209 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "validation/sensitivity.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "validation/compare.h"
+#include "validation/dense/dense.h"
+#include "validation/draw.h"
+#include "validation/perform.h"
+
+enum { PER_SCENE = 16, PATH = 1024 };
+
+uint64_t sensitivity_injections(plan_tier tier)
+{
+    static const uint64_t counts[PLAN_TIERS] = {120, 4000, 20000};
+    return counts[tier];
+}
+
+/* Watches for the record in which the mistake first shows. */
+typedef struct witness {
+    ost_backend *backend;
+    bool seen;
+    trace_stage stage;
+    uint32_t item;
+    deviation_record record; /* as it was then */
+} witness;
+
+static void watch(void *user, trace_stage stage, uint32_t item)
+{
+    witness *w = user;
+    if (w->seen)
+        return;
+    w->record = dense_record(w->backend);
+    if (w->record.changed) {
+        w->seen = true;
+        w->stage = stage;
+        w->item = item;
+    }
+}
+
+static ost_status run_one(ost_backend *backend, const scene *s, const char *path, perform_watch *look, void *user, trace *out, ost_error *err)
+{
+    trace_writer *w;
+    ost_error why;
+    ost_status status = trace_create(path, &w, err);
+    if (status != OST_OK)
+        return status;
+    status = perform(backend, s, 0, w, look, user, &why, err);
+    if (status == OST_OK) {
+        trace_begin(w, TRACE_END, 1, 0);
+        status = trace_end(w, err);
+    }
+    ost_status closed = trace_close(w, err);
+    status = status != OST_OK ? status : closed;
+    if (status == OST_OK)
+        status = trace_open(path, out, err);
+    unlink(path);
+    return status;
+}
+
+/* The place that the comparison names is the one in which the mistake first showed. */
+static bool is_located(const witness *w, const compare_difference *d)
+{
+    if (!w->seen || d->stage != w->stage || d->item != w->item)
+        return false;
+    const deviation_place *first = &w->record.first_changed;
+    if (d->kind == COMPARE_VOXEL)
+        return memcmp(d->voxel, first->voxel, sizeof d->voxel) == 0;
+    if (d->kind == COMPARE_WORD)
+        return first->voxel[0] < 0 && (first->chunk < 0 || first->chunk == d->chunk);
+    return true; /* the record has another shape: the stage and the item are all there is to say */
+}
+
+static void judge(sensitivity *out, const deviation *how, const plan_case *c, const witness *w, const deviation_record *record, const compare_difference *d)
+{
+    sensitivity_counts *counts[2] = {&out->all, &out->of[how->kind]};
+    const bool detected = d->kind != COMPARE_EQUAL, located = detected && is_located(w, d);
+    for (int i = 0; i < 2; i++) {
+        sensitivity_counts *n = counts[i];
+        n->injected++;
+        n->triggered += record->acted > 0;
+        n->changed += record->changed > 0;
+        n->detected += detected;
+        n->located += located;
+        n->survived += record->acted > 0 && !record->changed;
+        n->not_detected += record->changed && !detected;
+        n->not_located += record->changed && detected && !located;
+    }
+    const bool alarm = detected && !record->changed;
+    out->false_alarms += alarm;
+    if ((alarm || (record->changed && !located)) && !out->first_problem[0])
+        snprintf(out->first_problem, sizeof out->first_problem,
+                 "%s in %s (campaign seed %llu, its seed %llu, one in %u): %s; first changed: %s call %llu voxel %d,%d,%d chunk %lld at %s %u; found: %s %u voxel "
+                 "%d,%d,%d word %zu chunk %lld",
+                 deviation_describe(how->kind)->name, c->id, (unsigned long long)c->seed, (unsigned long long)how->seed, how->one_in,
+                 alarm ? "an alarm without a change" : !detected ? "not detected" : "not located", deviation_stage_name(w->record.first_changed.stage),
+                 (unsigned long long)w->record.first_changed.call, w->record.first_changed.voxel[0], w->record.first_changed.voxel[1],
+                 w->record.first_changed.voxel[2], (long long)w->record.first_changed.chunk, w->seen ? trace_stage_name(w->stage) : "nothing", w->item,
+                 detected ? trace_stage_name(d->stage) : "nothing", d->item, d->voxel[0], d->voxel[1], d->voxel[2], d->word, (long long)d->chunk);
+}
+
+/* The dense backend as it is: any difference is a false alarm. */
+static ost_status run_clean(const scene *s, const plan_case *c, const char *path, const trace *ref, compare_range in_ref, sensitivity *out, ost_error *err)
+{
+    ost_backend *backend;
+    trace got = {0};
+    compare_difference d;
+    ost_status status = dense_open(NULL, &backend, err);
+    if (status != OST_OK)
+        return status;
+    status = run_one(backend, s, path, NULL, NULL, &got, err);
+    ost_backend_close(backend);
+    if (status != OST_OK)
+        return status;
+    compare_case(ref, in_ref, &got, compare_find(&got, 0), &d);
+    out->clean_runs++;
+    if (d.kind != COMPARE_EQUAL) {
+        out->false_alarms++;
+        if (!out->first_problem[0])
+            snprintf(out->first_problem, sizeof out->first_problem, "a clean run of %s (seed %llu) differs: %s %u voxel %d,%d,%d word %zu", c->id,
+                     (unsigned long long)c->seed, trace_stage_name(d.stage), d.item, d.voxel[0], d.voxel[1], d.voxel[2], d.word);
+    }
+    trace_free(&got);
+    return OST_OK;
+}
+
+static ost_status inject(const deviation *how, const scene *s, const plan_case *c, const char *path, const trace *ref, compare_range in_ref, sensitivity *out,
+                         ost_error *err)
+{
+    witness w = {0};
+    trace got = {0};
+    compare_difference d;
+    ost_status status = dense_open(how, &w.backend, err);
+    if (status != OST_OK)
+        return status;
+    status = run_one(w.backend, s, path, watch, &w, &got, err);
+    const deviation_record record = dense_record(w.backend);
+    ost_backend_close(w.backend);
+    if (status != OST_OK)
+        return status;
+    compare_case(ref, in_ref, &got, compare_find(&got, 0), &d);
+    judge(out, how, c, &w, &record, &d);
+    trace_free(&got);
+    return OST_OK;
+}
+
+/* How rare a mistake may be: no rarer than some scenes' worth of its units, so that most injections are triggered. */
+static uint32_t drawn_rate(draw *d, deviation_kind kind)
+{
+    static const struct {
+        const char *unit;
+        int bits;
+    } most[] = {{"sample", 11}, {"voxel", 11}, {"triangle", 4}, {"row", 5}, {"chunk", 3}, {"block", 3}, {"pose", 2}, {"layer", 4}, {"batch", 1}};
+    int bits = 0;
+    for (size_t i = 0; i < sizeof most / sizeof most[0]; i++)
+        if (strcmp(deviation_describe(kind)->unit, most[i].unit) == 0)
+            bits = most[i].bits;
+    return (uint32_t)1 << draw_between(d, 0, bits);
+}
+
+/* A scene, a clean run, and so many mistakes in it. */
+static ost_status run_scene(int number, uint64_t injections, const char *folder, draw *d, sensitivity *out, ost_error *err)
+{
+    plan_case c = {.family = PLAN_SMALL, .number = number, .seed = out->seed};
+    char path[PATH];
+    scene s;
+    ost_backend *ref_backend;
+    trace ref = {0};
+    snprintf(c.id, sizeof c.id, "small/%d", number);
+    snprintf(path, sizeof path, "%s/sensitivity", folder);
+    ost_status status = scene_make(&c, &s, err);
+    if (status != OST_OK)
+        return status;
+    status = ost_backend_open("ref", &ref_backend, err);
+    if (status == OST_OK) {
+        status = run_one(ref_backend, &s, path, NULL, NULL, &ref, err);
+        ost_backend_close(ref_backend);
+    }
+    if (status == OST_OK) {
+        const compare_range in_ref = compare_find(&ref, 0);
+        status = run_clean(&s, &c, path, &ref, in_ref, out, err);
+        for (uint64_t i = 0; i < injections && status == OST_OK; i++) {
+            /* Every kind comes up as often as any other. */
+            const deviation_kind kind = (deviation_kind)(DEVIATION_NONE + 1 + out->all.injected % (DEVIATION_KINDS - 1));
+            const deviation how = {kind, draw_bits(d), drawn_rate(d, kind)};
+            status = inject(&how, &s, &c, path, &ref, in_ref, out, err);
+        }
+    }
+    trace_free(&ref);
+    scene_free(&s);
+    return status;
+}
+
+ost_status sensitivity_run(uint64_t seed, uint64_t injections, const char *folder, void (*show)(void *user, const char *what, double share), void *user,
+                           sensitivity *out, ost_error *err)
+{
+    draw d = draw_named(seed, "sensitivity");
+    ost_status status = OST_OK;
+    *out = (sensitivity){.seed = seed};
+    for (int number = 0; out->all.injected < injections && status == OST_OK; number++) {
+        const uint64_t left = injections - out->all.injected;
+        if (show)
+            show(user, "sensitivity", (double)out->all.injected / (double)injections);
+        status = run_scene(number, left < PER_SCENE ? left : PER_SCENE, folder, &d, out, err);
+    }
+    return status;
+}

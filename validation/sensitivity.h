@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Would the campaign have noticed?  Mistakes that a port can make are made on
+ * purpose, one at a time, at random places and rates, and compared by the same
+ * code that compares backends.
+ *
+ *   small scene --reference--> trace ----------------.
+ *        |------dense, right--> trace --compare--> equal, or a false alarm
+ *        '------dense, with a mistake--> trace --compare--> found, where
+ *
+ * Of each injection is known whether the mistake was made at all (triggered),
+ * and which voxel or line of a report it changed first, since the dense
+ * backend runs every stage a second time without it (dense/deviation.h).
+ *
+ *   changed    something that a backend hands out became another
+ *   detected   the comparison found a difference
+ *   located    it named the record (stage; tool or tick) and the voxel, or the
+ *              chunk's line in the report, in which the mistake first showed
+ *   survived   made, and nothing changed: the kind's table says when that is so
+ */
+#ifndef OST_VALIDATION_SENSITIVITY_H
+#define OST_VALIDATION_SENSITIVITY_H
+
+#include "validation/dense/deviation.h"
+#include "validation/plan.h"
+
+typedef struct sensitivity_counts {
+    uint64_t injected, triggered, changed, detected, located, survived;
+    uint64_t not_detected, not_located; /* of those that changed something: defects of the comparison */
+} sensitivity_counts;
+
+typedef struct sensitivity {
+    uint64_t seed;
+    sensitivity_counts all, of[DEVIATION_KINDS];
+    uint64_t clean_runs, false_alarms;
+    char first_problem[300]; /* of a miss or a false alarm: which, with what repeats it */
+} sensitivity;
+
+/* How many injections a tier makes. */
+uint64_t sensitivity_injections(plan_tier tier);
+
+/* folder: for traces, which are removed. show may be NULL. */
+ost_status sensitivity_run(uint64_t seed, uint64_t injections, const char *folder, void (*show)(void *user, const char *what, double share), void *user,
+                           sensitivity *out, ost_error *err);
+
+#endif
