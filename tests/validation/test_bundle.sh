@@ -1,0 +1,88 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+#
+# Bundles of evidence: written whole or not at all, checked offline, the same
+# from run to run and from shards, and no changed byte goes unnoticed.
+# Covers: REQ-EVIDENCE
+. "${srcdir:-.}/tests/app/lib.sh"
+
+one='cpu:isa=scalar,threads=1'
+
+# whole: of two mesh cases
+run 0 validate --only import/ --backends "$one" --out b --json
+check "equal" "$(value equal)" true
+check "evidence of some cases alone" "$(value evidence)" false
+check "cases" "$(value cases)" 6
+run 0 verify b --json
+check "valid" "$(value valid)" true
+refuse 2 "exists" validate --only import/ --backends "$one" --out b
+refuse 2 "no case of tier smoke begins with" validate --only nothing --out c
+refuse 2 "must be I/N" validate --shard 3/2 --out c
+refuse 2 "plonk" validate --backends plonk --out c
+refuse 2 "belong together" validate --worker ref
+refuse 2 "no folder" verify nowhere
+[ ! -e c ] || fail "an output appeared"
+check "what is left beside the bundle" "$(find . -maxdepth 1 -name '*.part-*' | wc -l | tr -d ' ')" 0
+
+# A byte of every file, one in the middle and the last: verify names the file.
+# noticed WHAT NAME: folder x is not what was written
+noticed() {
+    checks=$((checks + 1))
+    "$osteon" verify x >out 2>err
+    status=$?
+    [ $status -eq 1 ] || fail "$1: verify ended with $status"
+    grep -q -- "$2" out || fail "$1: '$(cat out)' does not name $2"
+}
+for file in $(cd b && find . -type f | sed 's,^\./,,'); do
+    size=$(wc -c <b/"$file" | tr -d ' ')
+    for at in 0 $((size / 2)) $((size - 1)); do
+        rm -rf x
+        cp -r b x
+        # Any other byte will do: one bit of it is turned.
+        byte=$(od -An -tu1 -j "$at" -N 1 b/"$file" | tr -d ' ')
+        # shellcheck disable=SC2059 # an octal escape made on purpose
+        printf "\\$(printf %03o $((byte ^ 1)))" | dd of=x/"$file" bs=1 seek="$at" conv=notrunc 2>/dev/null
+        noticed "byte $at of $file turned" "$file"
+    done
+    rm -rf x
+    cp -r b x
+    rm x/"$file"
+    noticed "$file removed" "$file"
+done
+rm -rf x
+cp -r b x
+echo hello >x/more.txt
+noticed "a file added" more.txt
+rm -rf x
+cp -r b x
+sed -n '2p;1p;3,$p' b/audit.log >x/audit.log
+noticed "the log's first lines exchanged" audit.log
+rm -rf x
+cp -r b x
+ln -sf /dev/zero x/README.md
+"$osteon" verify x >out 2>err
+check "verify of a bundle with a link to a device" $? 2
+rm -rf x
+cp -r b x
+mkdir x/signatures
+echo "a signature over manifest.json" >x/signatures/manifest.json.minisig
+run 0 verify x
+
+# The same again, and by shards.
+run 0 validate --only import/ --backends "$one" --out again --quiet
+mkdir shards
+for i in 1 2; do run 0 validate --only import/ --backends "$one" --shard $i/2 --out shards/$i --quiet; done
+refuse 2 "1 bundles of 2 shards" validate --merge "$(mkdir half && cp -r shards/1 half/ && echo half)" --out whole
+run 0 validate --merge shards --out whole --quiet
+run 0 verify whole
+for other in again whole; do
+    for file in protocol.json cases.jsonl results.json junit.xml results.tap inputs.csv anomalies.csv deviations.csv README.md; do
+        checks=$((checks + 1))
+        cmp -s b/$file $other/$file || fail "$other/$file is not that of the first run"
+    done
+done
+run 0 validate --only import/ --backends "$one" --seed 2 --out other --quiet
+rm -r shards/2
+cp -r other shards/2
+refuse 2 "another campaign" validate --merge shards --out mixed
+finish
