@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Every kind of deviation: in random scenes, at random places and rates,
+ *   - nothing differs from the reference unless the record says so,
+ *   - what differs first is where the record says,
+ *   - what changed has acted before, in the kind's own stage,
+ *   - some scene shows it, and some scene leaves it without an act or effect,
+ *     unless the table says that it never survives.
+ */
+#include "validation/dense/difference.h"
+
+static bool never_survives(deviation_kind kind)
+{
+    return strncmp(deviation_describe(kind)->survives, "never", 5) == 0;
+}
+
+static void table_is_complete(void **state)
+{
+    (void)state;
+    assert_true(DEVIATION_KINDS - 1 >= 30);
+    for (int k = DEVIATION_NONE + 1; k < DEVIATION_KINDS; k++) {
+        const deviation_about *about = deviation_describe((deviation_kind)k);
+        assert_int_equal(deviation_by_name(about->name), k);
+        assert_true(strlen(about->unit) > 0 && strlen(about->what) > 0 && strlen(about->survives) > 0);
+        assert_true(strchr("FTP", about->cause[0]) && strlen(about->cause) > 3);
+        assert_string_not_equal(deviation_stage_name(about->stage), "");
+    }
+    assert_int_equal(deviation_by_name("no such kind"), DEVIATION_NONE);
+    ost_error err = {0};
+    ost_backend *backend;
+    assert_int_equal(dense_open(&(deviation){.kind = DEVIATION_KINDS}, &backend, &err), OST_ERR_USAGE);
+    assert_null(backend);
+}
+
+/* What one kind did over its scenes. */
+typedef struct tally {
+    int quiet, survived, changed;
+} tally;
+
+static void check_place(deviation_kind kind, const deviation_record *r, const difference *f, uint64_t seed)
+{
+    const deviation_about *about = deviation_describe(kind);
+    const deviation_place *p = &r->first_changed, *q = &r->first_acted;
+    if (p->stage != f->stage || p->call != f->call || p->leaf != f->leaf || p->chunk != f->chunk ||
+        memcmp(p->voxel, f->voxel, sizeof p->voxel) != 0 || r->voxels != f->voxels || r->report != f->report)
+        fail_msg("%s, seed %llu: recorded %s call %llu voxel (%d, %d, %d) leaf %lld chunk %lld%s%s; "
+                 "found %s call %llu voxel (%d, %d, %d) leaf %lld chunk %lld%s%s",
+                 about->name, (unsigned long long)seed, deviation_stage_name(p->stage), (unsigned long long)p->call, p->voxel[0],
+                 p->voxel[1], p->voxel[2], (long long)p->leaf, (long long)p->chunk, r->voxels ? " voxels" : "", r->report ? " report" : "",
+                 deviation_stage_name(f->stage), (unsigned long long)f->call, f->voxel[0], f->voxel[1], f->voxel[2], (long long)f->leaf,
+                 (long long)f->chunk, f->voxels ? " voxels" : "", f->report ? " report" : "");
+    assert_true(about->stage == DEVIATION_EVERY || (p->stage == about->stage && q->stage == about->stage));
+    assert_true(q->stage < p->stage || (q->stage == p->stage && q->call <= p->call));
+}
+
+static void try_once(deviation_kind kind, uint64_t seed, ost_backend *ref, tally *t)
+{
+    static const uint32_t rates[] = {1, 1, 2, 7, 60, 4000};
+    test_rng rng = {seed};
+    ost_error err = {0};
+    ost_backend *dense;
+    const deviation how = {.kind = kind, .seed = rng_next(&rng), .one_in = rates[rng_range(&rng, 0, 5)]};
+    scene *s = make_scene(&rng);
+    assert_ok(dense_open(&how, &dense, &err));
+    outcome *a = run_scene(s, ref, 0), *b = run_scene(s, dense, 0);
+    const difference f = first_difference(s, a, b);
+    const deviation_record r = dense_record(dense);
+    if (f.any != (r.changed > 0))
+        fail_msg("%s, seed %llu, one in %u: the record says %llu changes, the grids %s", deviation_describe(kind)->name,
+                 (unsigned long long)seed, how.one_in, (unsigned long long)r.changed, f.any ? "differ" : "are equal");
+    if (f.any) {
+        assert_true(r.acted > 0);
+        check_place(kind, &r, &f, seed);
+        t->changed++;
+    } else if (r.acted > 0) {
+        if (never_survives(kind) && !(kind == DEVIATION_STALE_CHUNK))
+            fail_msg("%s, seed %llu, one in %u: acted and changed nothing", deviation_describe(kind)->name, (unsigned long long)seed,
+                     how.one_in);
+        t->survived++;
+    } else {
+        t->quiet++;
+    }
+    free_outcome(a);
+    free_outcome(b);
+    free_scene(s);
+    ost_backend_close(dense);
+}
+
+static void every_kind_shows_where_it_says(void **state)
+{
+    (void)state;
+    const char *lengthy = getenv("OST_TEST_LONG"), *only = getenv("OST_TEST_DEVIATION");
+    const int rounds = lengthy && strcmp(lengthy, "1") == 0 ? 200 : 2;
+    test_rng rng = rng_seeded("deviations");
+    ost_error err = {0};
+    ost_backend *ref;
+    assert_ok(ost_backend_open("ref", &ref, &err));
+    for (int k = DEVIATION_NONE + 1; k < DEVIATION_KINDS; k++) {
+        tally t = {0};
+        if (only && strcmp(only, deviation_describe((deviation_kind)k)->name) != 0)
+            continue;
+        for (int round = 0; round < rounds || (t.changed == 0 && round < 1000); round++)
+            try_once((deviation_kind)k, rng_next(&rng), ref, &t);
+        print_message("# %-24s %3d changed, %3d survived, %3d not triggered\n", deviation_describe((deviation_kind)k)->name, t.changed,
+                      t.survived, t.quiet);
+        if (t.changed == 0)
+            fail_msg("%s changed nothing in 1000 scenes", deviation_describe((deviation_kind)k)->name);
+    }
+    ost_backend_close(ref);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(table_is_complete),
+        cmocka_unit_test(every_kind_shows_where_it_says),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

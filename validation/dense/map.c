@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Which tool voxel every active bone voxel has at one pose (AR-MAP), by
+ * blocks as the text has it, in 64 bits and without far blocks: nothing is
+ * skipped, so whatever the rules of skipping leave out wrongly shows.
+ */
+#include "validation/dense/parts.h"
+
+enum { BLOCK = 16, ONE = 1 << 20 };
+
+/* A pose as it is used, and what is wrong with it. */
+typedef struct pose {
+    deviant *m;
+    const ost_map *map;
+    uint64_t number;
+    ost_int128 column[3][3];
+    int64_t step[3][3]; /* of the right arithmetic */
+    int64_t used[3][3]; /* as it multiplies */
+    bool drifting, negative_cut, border_in, all_cuts;
+    const ost_voxel_box *tight; /* NULL when boxes are no matter */
+} pose;
+
+/* The low 24 bits, the highest of them the sign. */
+static int64_t low24(int64_t v)
+{
+    return ((v & 0xffffff) ^ 0x800000) - 0x800000;
+}
+
+static pose prepare(deviant *m, const ost_map *map, const ost_voxel_box *box, uint64_t number)
+{
+    pose p = {.m = m, .map = map, .number = number};
+    const bool transposed = deviates(m, DEVIATION_TRANSPOSED_MATRIX, number), cut = deviates(m, DEVIATION_TRUNCATED_STEP, number),
+               narrow = deviates(m, DEVIATION_MUL24, number);
+    for (int b = 0; b < 3; b++)
+        for (int a = 0; a < 3; a++) {
+            p.column[b][a] = transposed ? map->column[a][b] : map->column[b][a];
+            p.step[b][a] = (int64_t)dense_nearest(map->column[b][a], map->divisor);
+            p.used[b][a] = cut ? (int64_t)(map->column[b][a] / map->divisor) : (int64_t)dense_nearest(p.column[b][a], map->divisor);
+            if (narrow)
+                p.used[b][a] = low24(p.used[b][a]);
+            if (p.used[b][a] != p.step[b][a])
+                deviant_acted(m, number, NULL);
+        }
+    p.drifting = deviates(m, DEVIATION_DRIFTING_MAP, 0);
+    p.negative_cut = deviates(m, DEVIATION_TRUNCATED_NEGATIVE, number);
+    p.border_in = deviates(m, DEVIATION_BORDER_INCLUDED, number);
+    p.all_cuts = deviates(m, DEVIATION_NON_CUTTING_CUTS, 0);
+    p.tight = deviates(m, DEVIATION_TIGHT_BOX, number) ? box : NULL;
+    return p;
+}
+
+static int64_t wrapped(int64_t v)
+{
+    return (int32_t)(uint32_t)(uint64_t)v;
+}
+
+/* base of AR-MAP-4 for the block whose first voxel is f; *wraps when its coordinates are to be taken modulo 2^32. */
+static void base_of(const pose *p, uint64_t item, const int32_t f[3], int64_t base[3], bool *wraps)
+{
+    deviant *m = p->m;
+    const ost_map *map = p->map;
+    const bool cut = deviates(m, DEVIATION_WRONG_MAP_ROUNDING, item), floats = deviates(m, DEVIATION_FLOAT_BASE, item),
+               far = deviates(m, DEVIATION_WRAPPED_FAR_BLOCK, item);
+    *wraps = false;
+    for (int a = 0; a < 3; a++) {
+        const ost_int128 exact = map->origin[a] + f[0] * map->column[0][a] + f[1] * map->column[1][a] + f[2] * map->column[2][a];
+        const ost_int128 made = map->origin[a] + f[0] * p->column[0][a] + f[1] * p->column[1][a] + f[2] * p->column[2][a];
+        const int64_t right = (int64_t)dense_nearest(exact, map->divisor);
+        base[a] = (int64_t)dense_nearest(made, map->divisor);
+        if (cut)
+            base[a] = (int64_t)dense_floor(exact, map->divisor);
+        if (p->drifting)
+            base[a] = (int64_t)dense_nearest(map->origin[a], map->divisor) + f[0] * p->step[0][a] + f[1] * p->step[1][a] + f[2] * p->step[2][a];
+        if (floats) {
+            const double by = (double)map->divisor;
+            float sum = (float)((double)map->origin[a] / by);
+            for (int b = 0; b < 3; b++)
+                sum += (float)f[b] * (float)((double)map->column[b][a] / by);
+            base[a] = (int64_t)sum;
+        }
+        if (far && right != wrapped(right))
+            *wraps = true;
+        if (base[a] != right || *wraps)
+            deviant_acted(m, item, f);
+    }
+}
+
+/* The class at a coordinate, or void. */
+static uint8_t class_at(const pose *p, const dense_tool *tool, const int64_t u[3], const int32_t v[3])
+{
+    const ost_dims dims = tool->base.geometry.dims;
+    const int32_t d[3] = {dims.x, dims.y, dims.z};
+    int64_t at[3];
+    for (int a = 0; a < 3; a++) {
+        at[a] = u[a] >> 20; /* floor(u / 2^20), AR-CC-1 */
+        const int64_t right = at[a];
+        if (p->negative_cut)
+            at[a] = u[a] / ONE;
+        if (at[a] < 0 || at[a] >= d[a] + p->border_in)
+            return OST_TOOL_VOID;
+        if (at[a] != right || at[a] == d[a])
+            deviant_acted(p->m, p->number, v);
+    }
+    const int64_t index = dense_at(dims, at[0], at[1], at[2]);
+    uint8_t found = index < ost_dims_count(dims) ? tool->voxels[index] : OST_TOOL_VOID;
+    if (p->all_cuts && found == OST_TOOL_NONCUTTING) {
+        deviant_acted(p->m, 0, v);
+        found = OST_TOOL_CUTTING;
+    }
+    return found;
+}
+
+/* In the last layer of its box, which the kind leaves out, or outside it. */
+static bool left_out(const pose *p, const int32_t v[3])
+{
+    if (!p->tight)
+        return false;
+    for (int a = 0; a < 3; a++)
+        if (v[a] < p->tight->lo[a] || v[a] >= p->tight->hi[a] - 1) {
+            deviant_acted(p->m, p->number, v);
+            return true;
+        }
+    return false;
+}
+
+/* previous is the base of the block before; the kind MISSED_BARRIER goes on with it. */
+static void map_block(const pose *p, const dense_bone *bone, const dense_tool *tool, uint64_t item, const int32_t f[3],
+                      const int64_t base[3], const int64_t previous[3], bool wraps, dense_marks marks)
+{
+    const ost_dims d = bone->base.geometry.dims;
+    const bool early = deviates(p->m, DEVIATION_MISSED_BARRIER, item);
+    for (int32_t dz = 0; dz < BLOCK && f[2] + dz < d.z; dz++)
+        for (int32_t dy = 0; dy < BLOCK && f[1] + dy < d.y; dy++)
+            for (int32_t dx = 0; dx < BLOCK && f[0] + dx < d.x; dx++) {
+                const int32_t v[3] = {f[0] + dx, f[1] + dy, f[2] + dz};
+                const int64_t at = dense_at(d, v[0], v[1], v[2]);
+                int64_t u[3];
+                if (p->m ? !bone->active[at] : bone->density[at] == 0)
+                    continue;
+                if (left_out(p, v))
+                    continue;
+                const bool stale = early && dz >= BLOCK / 2;
+                for (int a = 0; a < 3; a++) {
+                    u[a] = (stale ? previous[a] : base[a]) + dx * p->used[0][a] + dy * p->used[1][a] + dz * p->used[2][a];
+                    if (wraps)
+                        u[a] = wrapped(u[a]);
+                }
+                if (stale)
+                    deviant_acted(p->m, item, v);
+                const uint8_t found = class_at(p, tool, u, v);
+                marks.cut[at] = (uint16_t)(marks.cut[at] + (found == OST_TOOL_CUTTING));
+                marks.touch[at] = (uint16_t)(marks.touch[at] + (found == OST_TOOL_NONCUTTING));
+            }
+}
+
+void dense_map_pose(deviant *m, const dense_bone *bone, const dense_tool *tool, const ost_map *map, const ost_voxel_box *box, int number,
+                    dense_marks marks)
+{
+    const ost_dims d = bone->base.geometry.dims;
+    const pose p = prepare(m, map, box, (uint64_t)number);
+    int64_t base[3], previous[3] = {0, 0, 0};
+    uint64_t item = (uint64_t)number << 32;
+    for (int32_t z = 0; z < d.z; z += BLOCK)
+        for (int32_t y = 0; y < d.y; y += BLOCK)
+            for (int32_t x = 0; x < d.x; x += BLOCK, item++) {
+                const int32_t f[3] = {x, y, z};
+                bool wraps;
+                base_of(&p, item, f, base, &wraps);
+                map_block(&p, bone, tool, item, f, base, previous, wraps, marks);
+                for (int a = 0; a < 3; a++)
+                    previous[a] = base[a];
+            }
+}

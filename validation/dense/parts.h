@@ -1,0 +1,149 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The objects of the dense backend, and its division.
+ *
+ *   import.c   samples -> rect grid -> cubic grid     AR-CT-4..6, AR-CUB
+ *   bone.c     bones                                  AR-CHK, AR-DIG-2
+ *   tool.c     mesh -> tool grid                      AR-VOX
+ *   map.c      bone voxel -> tool voxel               AR-MAP
+ *   remove.c   events                                 AR-REM, AR-CLS
+ *   thesis.c   the thesis' float arithmetic
+ *   dense.c    the table
+ *
+ * Each stage is a function that takes a deviant or NULL.  Where there is a
+ * deviation it runs with NULL as well, and what differs is noted.
+ */
+#ifndef OST_VALIDATION_DENSE_PARTS_H
+#define OST_VALIDATION_DENSE_PARTS_H
+
+#include "core/backend.h"
+#include "core/conditions.h"
+#include "validation/dense/dense.h"
+#include "validation/dense/deviant.h"
+
+typedef struct dense_grid dense_grid;
+
+typedef struct dense {
+    ost_backend base;
+    deviant *deviant; /* &own or NULL */
+    deviant own;
+    dense_grid *unsettled; /* the rect grid whose changes are not noted yet */
+    ost_map last_map;      /* of the last event's last pose */
+    bool has_last_map;
+} dense;
+
+/* Voxels of a rect grid and which of them have a sample. */
+typedef struct dense_scatter {
+    int16_t *voxels;
+    uint8_t *seen;
+    ost_scatter_report report;
+} dense_scatter;
+
+struct dense_grid {
+    ost_grid base;
+    dense_scatter made;
+    dense_scatter right; /* without the deviation; NULL where there is none */
+    uint64_t call, samples, batches;
+    bool scattered;
+};
+
+typedef struct dense_bone {
+    ost_bone base;
+    int16_t *density;
+    uint8_t *active; /* one where the occupancy bit is set */
+} dense_bone;
+
+typedef struct dense_tool {
+    ost_tool base;
+    uint8_t *voxels;
+} dense_tool;
+
+static inline dense *dense_of(const ost_backend *backend)
+{
+    return (dense *)(uintptr_t)backend;
+}
+
+/* AR-GRID-2 */
+static inline int64_t dense_at(ost_dims d, int64_t x, int64_t y, int64_t z)
+{
+    return x + d.x * (y + d.y * z);
+}
+
+/* --------------------------------------------------------------- AR-INT */
+
+/* floor(n / d), d > 0 */
+static inline ost_int128 dense_floor(ost_int128 n, ost_int128 d)
+{
+    if (n >= 0)
+        return n / d;
+    return -((-n + d - 1) / d);
+}
+
+/* The nearest integer, the even one of two: twice the remainder against d, which is below 2^98 everywhere here. */
+static inline ost_int128 dense_nearest(ost_int128 n, ost_int128 d)
+{
+    const ost_int128 below = dense_floor(n, d), twice = 2 * (n - below * d);
+    if (twice < d)
+        return below;
+    if (twice > d)
+        return below + 1;
+    return below % 2 == 0 ? below : below + 1;
+}
+
+/* ------------------------------------------------------------- the parts */
+
+/* Notes what the deviation changed in a rect grid, once after its last batch. */
+void dense_grid_settle(dense_grid *grid);
+
+ost_status dense_grid_create(ost_backend *backend, const ost_geometry *geometry, ost_grid **out, ost_error *err);
+void dense_grid_free(ost_grid *grid);
+ost_status dense_grid_upload(ost_grid *grid, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
+ost_status dense_grid_download(const ost_grid *grid, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
+ost_status dense_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t count, int64_t first_line, ost_duplicates duplicates,
+                            ost_scatter_report *report, ost_error *err);
+ost_status dense_rect_to_cubic(const ost_grid *rect, const ost_geometry *geometry, ost_resample rule, ost_grid **out, ost_error *err);
+
+ost_status dense_cubic_to_chunks(const ost_grid *cubic, int chunk_size, int32_t threshold, ost_bone **out, ost_error *err);
+ost_status dense_bone_create(ost_backend *backend, const ost_geometry *geometry, int chunk_size, int32_t threshold, ost_bone **out,
+                             ost_error *err);
+void dense_bone_free(ost_bone *bone);
+ost_status dense_bone_stats(const ost_bone *bone, ost_bone_info *info, ost_error *err);
+ost_status dense_bone_upload(ost_bone *bone, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
+ost_status dense_bone_download(const ost_bone *bone, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
+ost_status dense_bone_leaves(const ost_bone *bone, ost_digest *leaves, ost_error *err);
+
+ost_status dense_voxelize(ost_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting, ost_fill_rule rule,
+                          ost_voxelize_report *report, ost_tool **out, ost_error *err);
+ost_status dense_tool_upload(ost_backend *backend, const ost_tool_volume *volume, ost_tool **out, ost_error *err);
+ost_status dense_tool_download(const ost_tool *tool, ost_tool_volume *volume, ost_error *err);
+void dense_tool_free(ost_tool *tool);
+
+ost_status dense_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err);
+ost_status dense_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err);
+
+/* ------------------------------------------------- what an event's voxels are */
+
+/* Per voxel of the bone: at how many poses it is in a cutting and in a not cutting voxel of the tool. */
+typedef struct dense_marks {
+    uint16_t *cut, *touch;
+} dense_marks;
+
+/* Adds one pose's; number is its place in the event. */
+void dense_map_pose(deviant *m, const dense_bone *bone, const dense_tool *tool, const ost_map *map, const ost_voxel_box *box, int number,
+                    dense_marks marks);
+
+/* ----------------------------------------------------------- the thesis */
+
+/* Alg. 2.4 on the grid of Alg. 2.3; false when the sample falls behind the array. */
+bool dense_thesis_rect(const ost_geometry *g, const ost_sample *sample, int64_t at[3]);
+/* Alg. 2.5 */
+int64_t dense_thesis_layer(int32_t z, ost_pm cubic, ost_pm rect, bool fused);
+/* Alg. 2.1: MinVoxelCoords of both meshes in millimetres */
+void dense_thesis_bounds(const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting, bool fused, float minimum[3]);
+/* One row's counts with float edge functions, as in tool.c */
+void dense_thesis_row(const ost_snapped_mesh *mesh, const float minimum[3], int32_t j, int32_t k, bool fused, int32_t *count, uint32_t *times,
+                      int64_t *total, uint64_t *owners);
+/* Algs. 2.8 to 2.10 */
+void dense_thesis_pose(const dense_bone *bone, const dense_tool *tool, const ost_map *map, bool fused, dense_marks marks);
+
+#endif
