@@ -42,7 +42,9 @@ for file in $(cd b && find . -type f | sed 's,^\./,,'); do
         byte=$(od -An -tu1 -j "$at" -N 1 b/"$file" | tr -d ' ')
         # shellcheck disable=SC2059 # an octal escape made on purpose
         printf "\\$(printf %03o $((byte ^ 1)))" | dd of=x/"$file" bs=1 seek="$at" conv=notrunc 2>/dev/null
-        noticed "byte $at of $file turned" "$file"
+        # In the manifest it may be the name of another file.
+        case $file in manifest.json) names=. ;; *) names=$file ;; esac
+        noticed "byte $at of $file turned" "$names"
     done
     rm -rf x
     cp -r b x
@@ -55,7 +57,7 @@ echo hello >x/more.txt
 noticed "a file added" more.txt
 rm -rf x
 cp -r b x
-sed -n '2p;1p;3,$p' b/audit.log >x/audit.log
+{ sed -n 2p b/audit.log; sed -n 1p b/audit.log; sed -n '3,$p' b/audit.log; } >x/audit.log
 noticed "the log's first lines exchanged" audit.log
 rm -rf x
 cp -r b x

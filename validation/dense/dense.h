@@ -4,8 +4,9 @@
  * docs/arithmetic.md alone, on dense arrays and with the plainest loops.
  *
  * Without a deviation it is evidence against mistakes that the reference and
- * those who were built after it share: it divides by its own division, skips
- * nothing, and tests every active voxel at every pose, whatever the boxes.
+ * those who were built after it share: it divides by its own division, knows
+ * neither far blocks nor the event's boxes, and takes rows and triangles as
+ * they come.
  * With one it is the port that made that mistake (deviation.h).
  *
  * Part of the command's validation, never of the library: no string opens it.

@@ -14,7 +14,8 @@
  *   changed   a voxel that the call leaves, or a line of its report, is
  *             another than the right one; the backend notes it, as it runs
  *             the stage a second time on the same input without the mistake
- * An injection that never acted was not triggered; one that acted and changed
+ * An injection that never acted was not triggered (the mistake met nothing that
+ * it could spoil, or was drawn nowhere); one that acted and changed
  * nothing has survived, and the table says when that can be; what it changed
  * first is what a comparison with any right backend must find first.
  *

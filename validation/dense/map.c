@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Which tool voxel every active bone voxel has at one pose (AR-MAP), by
- * blocks as the text has it, in 64 bits and without far blocks: nothing is
- * skipped, so whatever the rules of skipping leave out wrongly shows.
+ * blocks as the text has it, in 64 bits and without far blocks or the event's
+ * boxes, so whatever those leave out wrongly shows.  Left out is only a block
+ * whose coordinates, linear as they are, lie beyond one side of the tool at
+ * all of its corners.
  */
 #include "validation/dense/parts.h"
 
@@ -123,12 +125,31 @@ static bool left_out(const pose *p, const int32_t v[3])
     return false;
 }
 
+/* No voxel of the block can be in the tool: the least and the greatest coordinate of some axis lie on one side of it. */
+static bool apart(const pose *p, const dense_tool *tool, const int64_t base[3])
+{
+    const ost_dims dims = tool->base.geometry.dims;
+    const int64_t d[3] = {dims.x, dims.y, dims.z};
+    for (int a = 0; a < 3; a++) {
+        int64_t least = base[a], greatest = base[a];
+        for (int b = 0; b < 3; b++) {
+            const int64_t way = (BLOCK - 1) * p->used[b][a];
+            *(way < 0 ? &least : &greatest) += way;
+        }
+        if (greatest < (p->negative_cut ? -ONE : 0) || least >= (d[a] + p->border_in) * ONE)
+            return true;
+    }
+    return false;
+}
+
 /* previous is the base of the block before; the kind MISSED_BARRIER goes on with it. */
 static void map_block(const pose *p, const dense_bone *bone, const dense_tool *tool, uint64_t item, const int32_t f[3],
                       const int64_t base[3], const int64_t previous[3], bool wraps, dense_marks marks)
 {
     const ost_dims d = bone->base.geometry.dims;
     const bool early = deviates(p->m, DEVIATION_MISSED_BARRIER, item);
+    if (!early && !wraps && apart(p, tool, base))
+        return;
     for (int32_t dz = 0; dz < BLOCK && f[2] + dz < d.z; dz++)
         for (int32_t dy = 0; dy < BLOCK && f[1] + dy < d.y; dy++)
             for (int32_t dx = 0; dx < BLOCK && f[0] + dx < d.x; dx++) {
@@ -136,8 +157,6 @@ static void map_block(const pose *p, const dense_bone *bone, const dense_tool *t
                 const int64_t at = dense_at(d, v[0], v[1], v[2]);
                 int64_t u[3];
                 if (p->m ? !bone->active[at] : bone->density[at] == 0)
-                    continue;
-                if (left_out(p, v))
                     continue;
                 const bool stale = early && dz >= BLOCK / 2;
                 for (int a = 0; a < 3; a++) {
@@ -148,8 +167,8 @@ static void map_block(const pose *p, const dense_bone *bone, const dense_tool *t
                 if (stale)
                     deviant_acted(p->m, item, v);
                 const uint8_t found = class_at(p, tool, u, v);
-                marks.cut[at] = (uint16_t)(marks.cut[at] + (found == OST_TOOL_CUTTING));
-                marks.touch[at] = (uint16_t)(marks.touch[at] + (found == OST_TOOL_NONCUTTING));
+                if (found != OST_TOOL_VOID && !left_out(p, v))
+                    dense_mark(bone, marks, v, found);
             }
 }
 

@@ -126,7 +126,23 @@ ost_status dense_collide(const ost_bone *bone, const ost_tool *tool, const ost_e
 /* Per voxel of the bone: at how many poses it is in a cutting and in a not cutting voxel of the tool. */
 typedef struct dense_marks {
     uint16_t *cut, *touch;
+    uint8_t *met; /* per chunk: whether one of its voxels is marked */
 } dense_marks;
+
+/* Notes what was found at voxel (x, y, z). */
+static inline void dense_mark(const dense_bone *bone, dense_marks marks, const int32_t v[3], uint8_t found)
+{
+    const ost_dims d = bone->base.geometry.dims;
+    const int32_t n = bone->base.chunk_size;
+    const int64_t at = dense_at(d, v[0], v[1], v[2]);
+    if (found == OST_TOOL_VOID)
+        return;
+    marks.met[dense_at((ost_dims){(d.x + n - 1) / n, (d.y + n - 1) / n, 1}, v[0] / n, v[1] / n, v[2] / n)] = 1;
+    if (found == OST_TOOL_CUTTING)
+        marks.cut[at]++;
+    else
+        marks.touch[at]++;
+}
 
 /* Adds one pose's; number is its place in the event. */
 void dense_map_pose(deviant *m, const dense_bone *bone, const dense_tool *tool, const ost_map *map, const ost_voxel_box *box, int number,

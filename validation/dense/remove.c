@@ -42,13 +42,15 @@ static ost_status marks_for(const dense_bone *bone, dense_marks *out, ost_error 
     const size_t count = (size_t)ost_dims_count(bone->base.geometry.dims);
     out->cut = calloc(count, sizeof *out->cut);
     out->touch = calloc(count, sizeof *out->touch);
-    return out->cut && out->touch ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for the marks of %zu voxels", count);
+    out->met = calloc((size_t)ost_dims_count(chunk_dims(bone)), sizeof *out->met);
+    return out->cut && out->touch && out->met ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for the marks of %zu voxels", count);
 }
 
 static void free_marks(dense_marks *marks)
 {
     free(marks->cut);
     free(marks->touch);
+    free(marks->met);
 }
 
 static void mark(deviant *m, const dense_bone *bone, const dense_tool *tool, const ost_event *event, const ost_map *stale, dense_marks marks)
@@ -79,6 +81,8 @@ static void lose_last_chunk(deviant *m, const dense_bone *bone, dense_marks mark
     for (int32_t number = (int32_t)ost_dims_count(chunk_dims(bone)) - 1; number >= 0; number--) {
         const cube k = cube_of(bone, number);
         bool hit = false;
+        if (!marks.met[number])
+            continue;
         EACH_VOXEL (bone, k, v, at)
             hit = hit || marks.cut[at];
         if (!hit)
@@ -148,7 +152,8 @@ static ost_status make_report(deviant *m, const dense_bone *bone, dense_marks ma
     ost_status status = OST_OK;
     for (int32_t number = 0; number < ost_dims_count(chunk_dims(bone)) && status == OST_OK; number++) {
         const cube k = cube_of(bone, number);
-        status = report_chunk(m, bone, &k, marks, classes, report, err);
+        if (marks.met[number])
+            status = report_chunk(m, bone, &k, marks, classes, report, err);
     }
     return status;
 }
@@ -265,7 +270,8 @@ static ost_status run_event(dense_bone *bone, const dense_tool *tool, const ost_
     d->has_last_map = true;
     for (int32_t number = 0; apply && number < chunks; number++) {
         const cube k = cube_of(bone, number);
-        remove_chunk(m, bone, &k, marks);
+        if (marks.met[number])
+            remove_chunk(m, bone, &k, marks);
     }
     if (m && apply)
         flip_bit(m, bone);

@@ -242,11 +242,8 @@ void dense_thesis_pose(const dense_bone *bone, const dense_tool *tool, const ost
     for (int32_t k = x.chunk_lo[2] * n; k < x.chunk_hi[2] * n && k < d.z; k++)
         for (int32_t j = x.chunk_lo[1] * n; j < x.chunk_hi[1] * n && j < d.y; j++)
             for (int32_t i = x.chunk_lo[0] * n; i < x.chunk_hi[0] * n && i < d.x; i++) {
-                const int64_t at = dense_at(d, i, j, k);
-                if (!bone->active[at])
+                if (!bone->active[dense_at(d, i, j, k)])
                     continue;
-                const uint8_t found = class_at(&x, tool, i, j, k, fused);
-                marks.cut[at] = (uint16_t)(marks.cut[at] + (found == OST_TOOL_CUTTING));
-                marks.touch[at] = (uint16_t)(marks.touch[at] + (found == OST_TOOL_NONCUTTING));
+                dense_mark(bone, marks, (const int32_t[3]){i, j, k}, class_at(&x, tool, i, j, k, fused));
             }
 }

@@ -40,8 +40,15 @@ typedef struct scene {
 
 /* ------------------------------------------------------------------ make */
 
-static inline int16_t scene_density(test_rng *rng)
+/* Varied, all the same, or nearly nothing: what many mistakes leave alone. */
+typedef enum flavour { VARIED, UNIFORM, EMPTY } flavour;
+
+static inline int16_t scene_density(test_rng *rng, flavour f)
 {
+    if (f == UNIFORM)
+        return 5001;
+    if (f == EMPTY)
+        return rng_range(rng, 0, 3000) ? 0 : 700;
     static const int16_t borders[] = {119, 120, 121, 149, 150, 649, 650, 651};
     switch (rng_range(rng, 0, 4)) {
     case 0: return borders[rng_range(rng, 0, 7)];
@@ -51,7 +58,7 @@ static inline int16_t scene_density(test_rng *rng)
     }
 }
 
-static inline void make_samples(scene *s, test_rng *rng)
+static inline void make_samples(scene *s, test_rng *rng, flavour f)
 {
     static const ost_pm spacings[] = {470 * UM, 300 * UM, 488281250, 1000 * UM, 32 * UM * 10, 700 * UM};
     const ost_pm across = spacings[rng_range(rng, 0, 5)];
@@ -63,7 +70,7 @@ static inline void make_samples(scene *s, test_rng *rng)
     const int64_t voxels = ost_dims_count(s->rect.dims);
     s->samples = malloc((size_t)(2 * voxels) * sizeof *s->samples);
     assert_non_null(s->samples);
-    const bool offsets = rng_range(rng, 0, 1), sparse = rng_range(rng, 0, 1);
+    const bool offsets = rng_range(rng, 0, 1), sparse = f == VARIED && rng_range(rng, 0, 1);
     for (int64_t v = 0; v < voxels; v++)
         for (int again = 0; again < 2; again++) {
             if (again ? rng_range(rng, 0, 9) != 0 : sparse && rng_range(rng, 0, 7) == 0)
@@ -74,7 +81,7 @@ static inline void make_samples(scene *s, test_rng *rng)
                 .x = s->rect.origin.x + v % d.x * across + (jitter ? rng_range(rng, -jitter, jitter) : 0),
                 .y = s->rect.origin.y + v / d.x % d.y * across + (jitter ? rng_range(rng, -jitter, jitter) : 0),
                 .z = s->rect.origin.z + v / d.x / d.y * s->rect.spacing.z,
-                .density = scene_density(rng),
+                .density = scene_density(rng, f),
                 .line = (uint32_t)s->count,
             };
             s->count++;
@@ -112,7 +119,16 @@ static inline void add_triangle(ost_snapped_mesh *m, size_t a, size_t b, size_t 
     t[2] = (uint32_t)c;
 }
 
-/* A box, a tetrahedron (of either orientation) or, rarely, a triangle alone. */
+/* A range about a voxel's centre, of any odd half width: what runs from corner to corner meets the centre exactly. */
+static inline void about_centre(test_rng *rng, int32_t n, int32_t *lo, int32_t *hi)
+{
+    const int32_t middle = (n / 2) * LATTICE + LATTICE / 2, room = middle < n * LATTICE - middle ? middle : n * LATTICE - middle;
+    const int32_t half = (int32_t)rng_range(rng, room / 2, room - 1) | 1;
+    *lo = middle - half;
+    *hi = middle + half;
+}
+
+/* A box or a tetrahedron of either orientation; a face less when it leaks. */
 static inline void add_body(ost_snapped_mesh *m, test_rng *rng, bool leaks)
 {
     static const uint8_t faces[12][3] = {{0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}, {0, 1, 5}, {0, 5, 4},
@@ -121,8 +137,13 @@ static inline void add_body(ost_snapped_mesh *m, test_rng *rng, bool leaks)
     const ost_dims d = m->grid.dims;
     if (rng_range(rng, 0, 1)) {
         int32_t lo[3], hi[3];
+        const bool centred = rng_range(rng, 0, 2) == 0;
         for (int a = 0; a < 3; a++) {
             const int32_t n = a == 0 ? d.x : a == 1 ? d.y : d.z;
+            if (centred) {
+                about_centre(rng, n, &lo[a], &hi[a]);
+                continue;
+            }
             do {
                 lo[a] = scene_coordinate(rng, n);
                 hi[a] = scene_coordinate(rng, n);
@@ -161,8 +182,10 @@ static inline void make_tools(scene *s, test_rng *rng)
     ost_error err = {0};
     const ost_pm voxels[] = {s->cubic, s->cubic / 2, 500 * UM, s->cubic / 10, s->cubic / 15};
     const ost_pm voxel = voxels[rng_range(rng, 0, 4)];
-    const int32_t wide = rng_range(rng, 0, 3) ? 30 : 70;
-    ost_tool_geometry g = {{(int32_t)rng_range(rng, 4, 24), (int32_t)rng_range(rng, 4, wide), (int32_t)rng_range(rng, 4, wide)}, voxel, {0}};
+    const bool wide = rng_range(rng, 0, 2) == 0;
+    const int32_t least = wide ? 60 : 4, most = wide ? 80 : 30;
+    ost_tool_geometry g = {{(int32_t)rng_range(rng, 4, 24), (int32_t)rng_range(rng, least, most), (int32_t)rng_range(rng, least, most)},
+                           voxel, {0}};
     g.corner = (ost_pm3){-(g.dims.x / 2) * voxel, -(g.dims.y / 2) * voxel, -(g.dims.z / 2) * voxel};
     s->cutting = make_mesh(rng, &g);
     s->two_meshes = rng_range(rng, 0, 1);
@@ -170,7 +193,7 @@ static inline void make_tools(scene *s, test_rng *rng)
     s->fill = (ost_fill_rule)rng_range(rng, 0, 1);
 
     const ost_pm own = voxels[rng_range(rng, 0, 4)];
-    const int32_t size = (int32_t)(own < s->cubic / 4 ? rng_range(rng, 30, 90) : rng_range(rng, 3, 45));
+    const int32_t size = (int32_t)(own < s->cubic / 4 ? rng_range(rng, 30, 90) : rng_range(rng, 3, 70));
     g = (ost_tool_geometry){{size, size, (int32_t)rng_range(rng, 3, size)}, own, {-(size / 2) * own, -(size / 2) * own, 0}};
     const bool solid = rng_range(rng, 0, 2) == 0;
     assert_ok(ost_tool_volume_init(&s->given, &g, &err));
@@ -199,8 +222,8 @@ static inline ost_pose scene_pose(const scene *s, test_rng *rng, ost_pm voxel)
     const ost_pm3 lo = g.origin,
                   hi = {lo.x + g.dims.x * s->cubic, lo.y + g.dims.y * s->cubic, lo.z + g.dims.z * s->cubic};
     ost_pose pose = random_pose(rng, lo, hi);
-    const int64_t mode = rng_range(rng, 0, 5);
-    if (mode < 2)
+    const int64_t mode = rng_range(rng, 0, 6);
+    if (mode < 3)
         return pose;
     ost_pm *t[3] = {&pose.t.x, &pose.t.y, &pose.t.z};
     const ost_pm o[3] = {lo.x, lo.y, lo.z};
@@ -208,11 +231,11 @@ static inline ost_pose scene_pose(const scene *s, test_rng *rng, ost_pm voxel)
         *t[a] = o[a] + (*t[a] - o[a]) / voxel * voxel + rng_range(rng, -3, 3) * rng_range(rng, 0, 1000);
     pose.qw = OST_Q30_ONE;
     pose.qx = pose.qy = pose.qz = 0;
-    if (mode == 3) {
+    if (mode == 4) {
         pose.qw = 759250125;
         pose.qz = rng_range(rng, 0, 1) ? 759250125 : -759250125;
     }
-    if (mode == 4)
+    if (mode == 5)
         *t[rng_range(rng, 0, 2)] += (rng_range(rng, 0, 1) ? 4096 : -4096) * voxel;
     return pose;
 }
@@ -245,11 +268,11 @@ static inline void make_events(scene *s, test_rng *rng)
     }
 }
 
-static inline scene *make_scene(test_rng *rng)
+static inline scene *make_scene(test_rng *rng, flavour f)
 {
     scene *s = calloc(1, sizeof *s);
     assert_non_null(s);
-    make_samples(s, rng);
+    make_samples(s, rng, f);
     make_tools(s, rng);
     make_events(s, rng);
     return s;
