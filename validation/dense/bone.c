@@ -66,13 +66,14 @@ ost_status dense_bone_stats(const ost_bone *base, ost_bone_info *info, ost_error
     const int64_t count = ost_dims_count(d);
     info->active_chunks = 0;
     info->active_voxels = 0;
-    int64_t right = 0; /* a bone holds 0 where it is not active, unless a mistake left it otherwise */
+    int64_t emptied = 0; /* active without a density: this count is the first that tells */
     for (int64_t v = 0; v < count; v++) {
         info->active_voxels += bone->active[v];
-        right += bone->active[v] && bone->density[v] >= base->threshold;
+        emptied += bone->active[v] && bone->density[v] == 0;
     }
-    if (right != info->active_voxels)
-        deviant_changed_report(dense_of(base->backend)->deviant, -1);
+    deviant *m = dense_of(base->backend)->deviant;
+    if (emptied && m && m->how.kind == DEVIATION_OCCUPANCY_NOT_CLEARED)
+        deviant_changed_report(m, -1);
     for (int32_t c = 0; c < chunks_along(d.z, n); c++)
         for (int32_t b = 0; b < chunks_along(d.y, n); b++)
             for (int32_t a = 0; a < chunks_along(d.x, n); a++)

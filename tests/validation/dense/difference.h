@@ -100,6 +100,9 @@ static inline difference first_difference(const scene *s, const outcome *a, cons
         if (is_here(&f, DEVIATION_REMOVE, (uint64_t)e))
             return f;
     }
+    /* Occupancy shows in no density: only in the count, after the last event. */
+    f.report = a->info[1].active_voxels != b->info[1].active_voxels;
+    is_here(&f, DEVIATION_REMOVE, EVENTS - 1);
     return f;
 }
 
