@@ -13,8 +13,9 @@ run 0 validate --only import/ --backends "$one" --out b --json
 check "equal" "$(value equal)" true
 check "evidence of some cases alone" "$(value evidence)" false
 check "cases" "$(value cases)" 6
-run 0 verify b --json
+run 0 verify b --rerun --json
 check "valid" "$(value valid)" true
+check "made again" "$(value rerun)" true
 refuse 2 "exists" validate --only import/ --backends "$one" --out b
 refuse 2 "no case of tier smoke begins with" validate --only nothing --out c
 refuse 2 "must be I/N" validate --shard 3/2 --out c

@@ -81,12 +81,13 @@ static ost_status input_of(const plan_case *c, char hex[OST_DIGEST_HEX], ost_err
     return status;
 }
 
-static ost_status reference_of(const campaign *c, int i, json_t *records, ost_error *err)
+ost_status evidence_records(const trace *t, compare_range range, json_t **out, ost_error *err)
 {
     ost_dims bone = {1, 1, 1};
     ost_status status = OST_OK;
-    for (size_t k = 0; k < c->ranges[i].count && status == OST_OK; k++) {
-        const trace_record *r = &c->reference.records[c->ranges[i].first + k];
+    *out = json_array();
+    for (size_t k = 0; k < range.count && status == OST_OK; k++) {
+        const trace_record *r = &t->records[range.first + k];
         size_t at = 0;
         trace_block_view block;
         json_t *row;
@@ -95,8 +96,12 @@ static ost_status reference_of(const campaign *c, int i, json_t *records, ost_er
         if (r->stage == TRACE_CHUNKS && trace_next_block(r, &at, &block))
             bone = block.dims;
         status = digests_of_record(r, bone, &row, err);
-        if (status == OST_OK && json_array_append_new(records, row) != 0)
+        if (status == OST_OK && json_array_append_new(*out, row) != 0)
             status = no_memory(err);
+    }
+    if (status != OST_OK) {
+        json_decref(*out);
+        *out = NULL;
     }
     return status;
 }
@@ -107,10 +112,10 @@ ost_status evidence_cases(const campaign *c, json_t **out, ost_error *err)
     *out = json_array();
     for (int i = 0; i < c->plan->count && status == OST_OK; i++) {
         char input[OST_DIGEST_HEX];
-        json_t *records = json_array(), *results = json_object();
+        json_t *records = NULL, *results = json_object();
         status = input_of(&c->plan->cases[i], input, err);
         if (status == OST_OK)
-            status = reference_of(c, i, records, err);
+            status = evidence_records(&c->reference, c->ranges[i], &records, err);
         for (int s = 1; s < c->subjects->count && status == OST_OK; s++)
             json_object_set_new(results, c->subjects->subjects[s].spec, result_json(&c->results[(size_t)i * (size_t)c->subjects->count + (size_t)s]));
         json_t *row = status == OST_OK ? json_pack("{s:s,s:s,s:O,s:O}", "id", c->plan->cases[i].id, "input_sha256", input, "reference", records, "results", results) : NULL;

@@ -27,6 +27,9 @@
 ost_status evidence_protocol(const plan *p, const subject_list *subjects, bool cpu_only, json_t **out, ost_error *err);
 ost_status evidence_cases(const campaign *c, json_t **out, ost_error *err);
 
+/* The digests of a case's records, as its line has them; the caller's reference, NULL on failure. */
+ost_status evidence_records(const trace *t, compare_range range, json_t **out, ost_error *err);
+
 /*
  * {equal, evidence, cases, backends, equal_results, ... }: the verdict and the
  * counts behind it.  evidence is false for a tier or a choice of backends that
