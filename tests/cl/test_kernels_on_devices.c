@@ -12,7 +12,7 @@
  *
  * (unoptimised, since that simulator lacks llvm.abs and others that the optimiser makes)
  *
- * Covers: AR-INT-2, AR-CT-4, AR-CT-5, AR-CT-6, AR-CUB-2, AR-CHK-1, AR-CHK-4, AR-VOX-1..7, AR-MAP-4, AR-REM-1..6, AR-LAW-1
+ * Covers: AR-INT-2, AR-CT-4, AR-CT-5, AR-CT-6, AR-CUB-2, AR-CHK-1, AR-CHK-4, AR-VOX-1..7, AR-MAP-4, AR-REM-1..6, AR-LAW-1, REQ-CL
  */
 #include "cl/machine_cl.h"
 
