@@ -50,8 +50,11 @@ ost_status ost_cl_grid_upload(ost_grid *base, int32_t z0, int32_t count, const i
     cl_grid *grid = (cl_grid *)base;
     const size_t slice = slice_bytes(&base->geometry);
     ost_status status = ost_cl_alive(base->backend, grid->lost, "grid", err);
-    return status == OST_OK ? ost_cl_write((cl_backend *)base->backend, grid->voxels, slice * (size_t)z0, slice * (size_t)count, voxels, err)
-                            : status;
+    if (status != OST_OK)
+        return status;
+    status = ost_cl_write((cl_backend *)base->backend, grid->voxels, slice * (size_t)z0, slice * (size_t)count, voxels, err);
+    grid->lost = status != OST_OK; /* a part may be there */
+    return status;
 }
 
 ost_status ost_cl_grid_download(const ost_grid *base, int32_t z0, int32_t count, int16_t *voxels, ost_error *err)
