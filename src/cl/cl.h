@@ -9,6 +9,7 @@
  *   fingerprint.c     its integers are right
  *   launch.c          buffers and launches, with errors that name the device
  *   grid.c import.c bone.c voxelize.c tool.c remove.c    the table's slots
+ *   share.c           words in a buffer of OpenGL
  *   cl.c              the table
  *
  * All of it is one in-order queue, so a call sees what the calls before it
@@ -49,6 +50,7 @@ typedef struct cl_backend {
     ost_backend base;
     const ost_cl_api *cl;
     ost_cl_device device;
+    bool gl;          /* shares with a context of OpenGL */
     size_t workgroup; /* work items of a group, 0: default */
     int rows;         /* of 16 voxels that a work item of ost_remove takes */
     cl_context context;
@@ -63,8 +65,10 @@ typedef struct cl_backend {
 
 /* ------------------------------------------------------------- context.c */
 
-/* Opens and checks one device; *out is NULL on failure, with the reason in err. */
-ost_status ost_cl_device_open(const ost_cl_api *cl, const ost_cl_device *device, size_t workgroup, cl_backend **out, ost_error *err);
+/* Opens and checks one device; *out is NULL on failure, with the reason in err. gl: to share with (share.h), or NULL. */
+struct ost_cl_gl;
+ost_status ost_cl_device_open(const ost_cl_api *cl, const ost_cl_device *device, const struct ost_cl_gl *gl, size_t workgroup,
+                              cl_backend **out, ost_error *err);
 void ost_cl_device_close(cl_backend *backend);
 
 /* What cl.c's slots do, with another table than the loader's. */

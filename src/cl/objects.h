@@ -32,6 +32,7 @@ typedef struct cl_bone {
     size_t free_count, used, capacity;
     cl_mem shape; /* ost_cl_bone */
     cl_mem density, words;
+    bool words_shared; /* words is a buffer of OpenGL's (share.c) */
     cl_mem slots;     /* slot[] there */
     bool slots_stale; /* whether slot[] has changed since */
     bool lost;
