@@ -6,7 +6,7 @@
  *   for each pose
  *     for each chunk with memory in its box          threads take chunks
  *       for each unit of up to 32^3 voxels
- *         blocks of 16^3 in the box, their bases     block_base.h
+ *         blocks of 16^3 in the box and in reach     block_base.h: their bases
  *         split: 8^3 cubes inside, mixed             outside ones are done
  *         split: bricks inside, mixed                those with nothing active are done
  *         match: the hits of mixed bricks
