@@ -35,8 +35,8 @@
     X(ost_ct_claim) X(ost_ct_place) X(ost_ct_check) X(ost_ct_blame) X(ost_ct_had) \
     X(ost_cubic_sources) X(ost_cubic_gather) \
     X(ost_chunk_scan) X(ost_chunk_store) X(ost_chunk_load) X(ost_chunk_count) \
-    X(ost_vox_steps) X(ost_vox_fill) X(ost_vox_count) X(ost_tool_reach) \
-    X(ost_remove)
+    X(ost_vox_steps) X(ost_vox_fill) X(ost_vox_count) X(ost_tool_reach) X(ost_tool_pack) \
+    X(ost_remove) X(ost_remove_blocks)
 /* clang-format on */
 
 enum ost_cl_kernel {
@@ -52,7 +52,8 @@ typedef struct cl_backend {
     ost_cl_device device;
     bool gl;          /* shares with a context of OpenGL */
     size_t workgroup; /* work items of a group, 0: default */
-    int rows;         /* of 16 voxels that a work item of ost_remove takes */
+    int rows;         /* of 16 voxels that a work item of removal takes; 256: a whole block, by ost_remove_blocks */
+    int run;          /* voxels of a row that a work item of ost_cubic_gather copies */
     cl_context context;
     cl_command_queue queue;
     cl_program program;

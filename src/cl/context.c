@@ -44,8 +44,9 @@ static ost_status set_up(cl_backend *b, const ost_cl_gl *gl, ost_error *err)
     if (!b->queue || code != CL_SUCCESS)
         return ost_cl_fail(err, b->device.name, code, "clCreateCommandQueue", "");
     char options[64];
-    b->rows = b->device.cpu ? 16 : 1; /* a work item of its own costs a CPU more than a row */
-    snprintf(options, sizeof options, "-cl-std=CL1.2 -DOST_ROWS=%d", b->rows);
+    b->rows = b->device.cpu ? 256 : 1; /* a work item of its own costs a CPU more than a row */
+    b->run = b->device.cpu ? 1024 : 1;
+    snprintf(options, sizeof options, "-cl-std=CL1.2 -DOST_ROWS=1 -DOST_RUN=%d", b->run);
     ost_status status = ost_cl_build(b, ost_cl_program, ost_cl_program_count, options, &b->program, &b->from_cache, err);
     if (status == OST_OK)
         status = create_kernels(b, err);
