@@ -13,6 +13,7 @@
  * and then the baseline's.  The first steady run warms up.
  */
 #include "bench/path.h"
+#include "bench/thesis_cl.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,6 +21,7 @@
 
 enum { REPEAT = 61, REPEAT_LARGE = 15 };
 static const char THESIS[] = "the thesis' kernel in C, float affine map a voxel, over the event's chunks";
+static const char THESIS_CL[] = "the thesis' kernel in OpenCL on the same device, a launch for each of the event's chunks";
 
 typedef struct removal {
     const bench_options *options;
@@ -27,6 +29,7 @@ typedef struct removal {
     ost_error *err;
     bench_scene *scene;
     int chunk_size, threads;
+    bench_cl *cl; /* the baseline is the thesis' kernel there; NULL: in C */
 
     ost_backend *backend;
     ost_tool *tool;
@@ -62,7 +65,7 @@ static ost_status open_case(removal *r)
     r->z0 = r->scene->box.lo[2];
     r->z_count = r->scene->box.hi[2] - r->z0;
     r->slices = bench_scene_slices(r->scene, r->z0, r->z_count);
-    r->baseline = bench_baseline_runs(r->baseline_reason, sizeof r->baseline_reason);
+    r->baseline = r->cl || bench_baseline_runs(r->baseline_reason, sizeof r->baseline_reason);
     if (!r->slices)
         return ost_fail(r->err, OST_ERR_MEMORY, "no memory for a bone's slices");
     ost_status status = bench_backend(r->options, r->threads, &r->backend, r->err);
@@ -72,6 +75,10 @@ static ost_status open_case(removal *r)
         status = bench_scene_bone(r->scene, r->backend, r->chunk_size, &r->bone, r->err);
     if (status == OST_OK)
         status = bench_thesis_init(&r->thesis, r->scene, r->chunk_size, r->err);
+    if (status == OST_OK && r->cl && !bench_cl_take(r->cl, &r->thesis)) {
+        r->baseline = false;
+        snprintf(r->baseline_reason, sizeof r->baseline_reason, "OpenCL device '%.100s' cannot hold the event", bench_cl_name(r->cl));
+    }
     return status;
 }
 
@@ -156,7 +163,10 @@ static ost_status compare_thesis(removal *r)
         return ost_fail(r->err, OST_ERR_MEMORY, "no memory to compare with the thesis' kernel");
     ost_status status = ost_bone_download(r->bone, 0, d.z, voxels, r->err);
     if (status == OST_OK) {
-        bench_thesis_remove(&r->thesis.event, 1);
+        if (r->cl)
+            r->baseline = bench_cl_remove(r->cl, &r->thesis) && bench_cl_fetch(r->cl, &r->thesis);
+        else
+            bench_thesis_remove(&r->thesis.event, 1);
         r->differs = (double)bench_thesis_differs(&r->thesis, r->scene, voxels);
         status = bench_work_count(&r->work, &r->thesis, r->err);
     }
@@ -177,10 +187,24 @@ static ost_status time_ours(removal *r, bench_series *series)
 static void time_thesis(removal *r, bench_series *series)
 {
     int64_t begin = bench_now();
-    bench_thesis_remove(&r->thesis.event, r->threads);
+    if (r->cl)
+        r->baseline = bench_cl_remove(r->cl, &r->thesis) && r->baseline;
+    else
+        bench_thesis_remove(&r->thesis.event, r->threads);
     int64_t end = bench_now();
     if (series)
         bench_series_add(series, (double)(end - begin));
+}
+
+/* Every voxel of the baseline's is there again; in C also in the caches. */
+static void refresh_thesis(removal *r)
+{
+    if (r->cl) {
+        r->baseline = bench_cl_restore(r->cl, &r->thesis) && r->baseline;
+        return;
+    }
+    bench_thesis_restore(&r->thesis);
+    bench_read_bytes((const uint8_t *)r->thesis.live, r->thesis.bytes, 1);
 }
 
 static void time_stores(removal *r, bench_series *series)
@@ -213,16 +237,15 @@ static ost_status repeat(removal *r, int count, bool cold, removal_series *s)
             status = time_ours(r, keep ? &s->steady : NULL);
         if (status != OST_OK || !r->baseline)
             continue;
-        bench_thesis_restore(&r->thesis);
         if (cold) {
-            time_thesis(r, keep ? &s->thesis_cold : NULL);
             bench_thesis_restore(&r->thesis);
+            time_thesis(r, keep ? &s->thesis_cold : NULL);
         }
-        bench_read_bytes((const uint8_t *)r->thesis.live, r->thesis.bytes, 1);
+        refresh_thesis(r);
         time_thesis(r, keep ? &s->thesis_fresh : NULL);
         time_thesis(r, NULL);
         time_thesis(r, keep ? &s->thesis_steady : NULL);
-        if (keep && r->work.rows)
+        if (keep && r->work.rows && !r->cl)
             time_stores(r, &s->stores);
     }
     return status;
@@ -237,7 +260,7 @@ static ost_status add_row(removal *r, const char *name, bench_series *ours, benc
     row->equal = r->equal;
     if (r->equal)
         bench_row_ours(row, ours);
-    bench_row_baseline(row, baseline, THESIS);
+    bench_row_baseline(row, baseline, r->cl ? THESIS_CL : THESIS);
     snprintf(row->baseline_reason, sizeof row->baseline_reason, "%s", r->baseline_reason);
     bench_row_extra(row, "chunks", r->thesis.event.chunk_count);
     bench_row_extra(row, "chunks_with_removed", r->in_chunks);
@@ -271,7 +294,7 @@ static ost_status run_case(removal *r, const char *fresh, const char *cold, cons
     if (status == OST_OK && r->equal)
         status = repeat(r, bench_repeat(r->options, count), want_cold, &s);
     if (status == OST_OK && want_fresh)
-        status = add_row(r, fresh, &s.fresh, &s.thesis_fresh, &s.stores);
+        status = add_row(r, fresh, &s.fresh, &s.thesis_fresh, r->cl ? NULL : &s.stores);
     if (status == OST_OK && want_cold)
         status = add_row(r, cold, &s.cold, &s.thesis_cold, NULL);
     if (status == OST_OK && want_steady)
@@ -381,5 +404,26 @@ ost_status bench_removal(const bench_options *options, bench_table *table, ost_e
         status = tool_voxels(options, table, err);
     if (status == OST_OK)
         status = bone_sizes(options, table, err);
+    return status;
+}
+
+ost_status bench_removal_opencl(const bench_options *options, bench_table *table, bench_cl *cl, ost_error *err)
+{
+    static const int sizes[] = {16, 32, 64};
+    static const ost_tool_kind kinds[] = {OST_TOOL_REAMER, OST_TOOL_PEG};
+    ost_status status = OST_OK;
+    for (int k = 0; k < 2 && status == OST_OK; k++) {
+        bench_scene scene;
+        status = bench_scene_init(&scene, kinds[k], OST_PM_PER_MM / 2, SCENE_SIDE, err);
+        for (int i = 0; i < 3 && status == OST_OK; i++) {
+            char fresh[BENCH_NAME], steady[BENCH_NAME];
+            snprintf(fresh, sizeof fresh, "opencl/%s/%d/fresh", scene.tool_name, sizes[i]);
+            snprintf(steady, sizeof steady, "opencl/%s/%d/steady", scene.tool_name, sizes[i]);
+            removal r = {.options = options, .table = table, .err = err, .scene = &scene, .chunk_size = sizes[i],
+                         .threads = options->threads, .cl = cl};
+            status = run_case(&r, fresh, NULL, steady, REPEAT);
+        }
+        bench_scene_free(&scene);
+    }
     return status;
 }

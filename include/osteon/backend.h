@@ -19,7 +19,12 @@
  * different backends are independent.  After fork() a child that did not exec
  * must not call osteon: threads of its parent's OpenMP runtime are missing there.
  * Errors: arguments are checked here, at the border; a failed call leaves its
- * in-out objects as they were unless it says otherwise.
+ * in-out objects as they were unless it says otherwise.  One thing can prevent
+ * that: a device that fails while it changes a grid or a bone.  Nobody knows
+ * then what it has done, so that object is lost: every later call with it but
+ * its free fails with OST_ERR_UNAVAILABLE and says so.  It is never something
+ * in between.  It can be made again from what the caller has; ost_world_rescue
+ * (sim.h) does that for a world, on another backend.
  */
 #ifndef OSTEON_BACKEND_H
 #define OSTEON_BACKEND_H
@@ -185,7 +190,8 @@ OST_API ost_status ost_tool_digest(const ost_tool *tool, ost_digest *root, ost_e
 /*
  * Removes every active bone voxel that a cutting tool voxel covers at one of
  * the event's poses (AR-REM); density 0, occupancy cleared.  collide reports
- * the same set and changes nothing.  report is cleared first.  tool must have
+ * the same set and changes nothing.  report is cleared first, and of no use
+ * after an error.  tool must have
  * dims <= OST_TOOL_DIM_REMOVE_MAX, maps made for this bone and tool.
  */
 OST_API ost_status ost_bone_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err);

@@ -25,7 +25,10 @@ typedef struct ost_world_options {
     bool broad_phase_off;          /* plain definition: every voxel of the bone is tested (for tests) */
     int64_t removal_period_ns;     /* 0: every tick removes; else the first tick of every period */
     ost_density_classes classes;   /* count 0: the default ones */
+    int32_t keep_ticks;            /* 0: nothing is kept for ost_world_rescue; else 1 to OST_WORLD_KEEP_MAX */
 } ost_world_options;
+
+enum { OST_WORLD_KEEP_MAX = 1000000 };
 
 enum { OST_WORLD_TOOLS_MAX = 16 };
 
@@ -43,8 +46,32 @@ typedef struct ost_step_result {
     const ost_report *report;   /* of this event; valid until the next step; NULL when no event ran */
 } ost_step_result;
 
-/* On an error (a jump too far, a turn too sharp) the world is as before the tick. */
+/*
+ * On an error (a jump too far, a turn too sharp) the world is as before the
+ * tick.  If the backend failed while the bone was changed, the world still is,
+ * and the bone may be lost (backend.h): ost_world_rescue brings it back.
+ */
 OST_API ost_status ost_world_step(ost_world *world, const ost_tick *tick, ost_step_result *result, ost_error *err);
+
+/*
+ * Goes on elsewhere when a backend fails for good, a device that is lost for
+ * instance: bone and tools are made on the other backend as they were after
+ * the last whole tick, to the bit, and the world continues with these.
+ *
+ *   kept copy --upload--> bone --the ticks since, once more--> after the last whole tick
+ *
+ * For worlds with keep_ticks > 0.  They keep in the host's memory the bone's
+ * grid (2 bytes a voxel, padding and void too), each tool's (1 byte a voxel)
+ * and up to keep_ticks ticks of 48 bytes.  The bone is copied when the world
+ * is made and before every tick that finds keep_ticks of them recorded; while
+ * it is copied both copies are held, so that one that fails half-way is no
+ * loss.  Who changes the bone but through the world's ticks must not call this.
+ *
+ * *bone and tools (room for OST_WORLD_TOOLS_MAX, in the order of their
+ * indices) belong to the caller and must outlive the world; what the world had
+ * before may be freed.  On an error the world is as before and both are NULL.
+ */
+OST_API ost_status ost_world_rescue(ost_world *world, ost_backend *backend, ost_bone **bone, ost_tool **tools, ost_error *err);
 
 /* Totals since the world was made. */
 typedef struct ost_world_totals {

@@ -282,9 +282,9 @@ static bool suite_is_built(const char *suite)
 
 ost_status cmd_bench(app_state *app, int argc, char **argv, ost_error *err)
 {
-    static const char suites[] = "removal|tick|transfer|parse|voxelize|render|all";
-    static const char *const names[] = {"removal", "tick", "transfer", "parse", "voxelize", "render", "all"};
-    int suite = 6;
+    static const char suites[] = "removal|tick|transfer|parse|voxelize|opencl|render|all";
+    static const char *const names[] = {"removal", "tick", "transfer", "parse", "voxelize", "opencl", "render", "all"};
+    int suite = 7;
     int64_t repeat = 0;
     bool markdown = false;
     option_decimal scale = {.text = NULL};
@@ -303,7 +303,7 @@ ost_status cmd_bench(app_state *app, int argc, char **argv, ost_error *err)
         .synopsis = "[--suite NAME] [options]",
         .about = "Measures osteon against baselines in one run: removal against the thesis' kernel\n"
                  "in C, transfer against a copy, parsing against fscanf, voxelization against\n"
-                 "Embree. Every grid is first compared with the reference's, byte by byte.",
+                 "Embree, OpenCL against the thesis' kernel there. Every grid is first compared with the reference's, byte by byte.",
         .options = options,
         .notes = "Figures are medians; min and max stand beside them. ratio is baseline over ours.\n"
                  "Rows that end in /1 use one thread, all others --threads (default: all).\n"

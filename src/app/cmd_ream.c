@@ -7,7 +7,11 @@
  *   --path --ream_path_make--> ticks --> ost_world_step, a tick at a time
  *                                              |
  *                  --out <--ost_bone_write--- bone
+ *
+ * When an OpenCL device fails in the middle, the backend cpu goes on from the
+ * last whole tick (ost_world_rescue), to the same grid, unless that is forbidden.
  */
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -28,8 +32,11 @@ typedef struct ream_args {
     int64_t period_ns; /* from rate; 0: every tick */
     ost_density_classes classes; /* from classes_text; count 0: the default ones */
     int sweep; /* place in "off|on" */
-    bool compress;
+    bool compress, no_failover;
 } ream_args;
+
+/* Between two copies of the bone, for a device that may fail: a copy costs about what 20 ticks do. */
+enum { KEEP_TICKS = 1024 };
 
 /* Everything that must be freed, in one place. */
 typedef struct job {
@@ -37,12 +44,14 @@ typedef struct job {
     ost_bone *bone;
     ost_import_result imported;
     ost_bone_info before, after;
+    ost_digest root;   /* of the end */
     ost_tool *tools[OPTION_LIST_MAX];
     ost_path path;
     ost_world *world;
     uint32_t *tick_ns; /* how long each step took */
     double run_ms;
     bool met;          /* the boxes of bone and tool met at some tick */
+    bool failed_over;  /* the backend is another than was asked for */
 } job;
 
 static void job_free(job *j)
@@ -69,9 +78,14 @@ static ost_status period_of(const app_state *app, const option_decimal *rate, in
     return OST_OK;
 }
 
-static ost_status world_make(const ream_args *args, job *j, ost_error *err)
+static ost_status world_make(const app_state *app, const ream_args *args, job *j, ost_error *err)
 {
-    const ost_world_options options = {.sweep_off = args->sweep == 0, .removal_period_ns = args->period_ns, .classes = args->classes};
+    const ost_world_options options = {
+        .sweep_off = args->sweep == 0,
+        .removal_period_ns = args->period_ns,
+        .classes = args->classes,
+        .keep_ticks = backend_is(app, "cl") && !args->no_failover ? KEEP_TICKS : 0,
+    };
     ost_status status = ost_world_create(j->bone, &options, &j->world, err);
     for (int i = 0; i < args->tools.count && status == OST_OK; i++)
         status = ost_world_add_tool(j->world, args->tools.value[i], j->tools[i], NULL, err);
@@ -100,6 +114,48 @@ static ost_status load_all(const app_state *app, const ream_args *args, job *j, 
     return status;
 }
 
+/* Whether a device may be to blame: what else gives these would give them again. */
+static bool may_fail_over(const app_state *app, const ream_args *args, const job *j, ost_status status)
+{
+    return backend_is(app, "cl") && !args->no_failover && !j->failed_over &&
+           (status == OST_ERR_UNAVAILABLE || status == OST_ERR_MEMORY || status == OST_ERR_INTERNAL);
+}
+
+/* After a failure of the device, said in err: all that is on it anew on the backend cpu, after ticks whole ticks. */
+static ost_status fail_over(const app_state *app, job *j, size_t ticks, ost_error *err)
+{
+    ost_tool *tools[OST_WORLD_TOOLS_MAX];
+    ost_bone *bone = NULL;
+    ost_backend *cpu = NULL;
+    ost_error why = {0};
+    char spec[40] = "cpu";
+    if (app->threads)
+        snprintf(spec, sizeof spec, "cpu:threads=%lld", (long long)app->threads);
+    ost_status status = ost_backend_open(spec, &cpu, &why);
+    if (status == OST_OK)
+        status = ost_world_rescue(j->world, cpu, &bone, tools, &why);
+    if (status != OST_OK) {
+        ost_backend_close(cpu);
+        char text[OST_ERROR_TEXT];
+        snprintf(text, sizeof text, "%s", err->text);
+        return ost_fail(err, status, "%.300s; nor can the backend cpu go on: %.280s", text, why.text);
+    }
+    for (int i = 0; i < OPTION_LIST_MAX; i++) {
+        ost_tool_free(j->tools[i]);
+        j->tools[i] = i < OST_WORLD_TOOLS_MAX ? tools[i] : NULL;
+    }
+    ost_bone_free(j->bone);
+    ost_backend_close(j->backend);
+    j->bone = bone;
+    j->backend = cpu;
+    j->failed_over = true;
+    progress_clear();
+    warn(app, "%s; backend cpu goes on after %zu whole ticks, to the same grid", err->text, ticks);
+    put(app->result, "failover", json_pack("{s:I,s:s}", "ticks", (json_int_t)ticks, "reason", err->text));
+    *err = (ost_error){0};
+    return OST_OK;
+}
+
 static ost_status run(const app_state *app, const ream_args *args, job *j, ost_error *err)
 {
     ost_status status = OST_OK;
@@ -112,6 +168,8 @@ static ost_status run(const app_state *app, const ream_args *args, job *j, ost_e
         ost_step_result step;
         double before = now_ms();
         status = ost_world_step(j->world, &j->path.ticks[i], &step, err);
+        if (may_fail_over(app, args, j, status) && (status = fail_over(app, j, i, err)) == OST_OK)
+            status = ost_world_step(j->world, &j->path.ticks[i], &step, err);
         double ns = (now_ms() - before) * 1e6;
         if (status != OST_OK) {
             ost_fail_context(err, "%s: tick %zu at %.6f s", args->paths.count == 1 ? args->paths.value[0] : "path", i,
@@ -123,8 +181,11 @@ static ost_status run(const app_state *app, const ream_args *args, job *j, ost_e
         if (i % 16 == 0)
             progress_show(NULL, "reaming", (double)i / (double)j->path.count);
     }
-    if (status == OST_OK)
+    if (status == OST_OK) {
         status = ost_backend_finish(j->backend, err);
+        if (may_fail_over(app, args, j, status))
+            status = fail_over(app, j, j->path.count, err);
+    }
     j->run_ms = now_ms() - start;
     progress_clear();
     return status;
@@ -180,16 +241,24 @@ static void warn_nothing(const app_state *app, const job *j)
          j->met ? "came into the grid but met no bone" : "never came near", say_point(a, lo), say_point(b, hi), say_point(c, at));
 }
 
-static ost_status report(const app_state *app, const ream_args *args, job *j, ost_error *err)
+/* All that the backend must still give when the path is done. */
+static ost_status take_results(const ream_args *args, job *j, ost_error *err)
 {
-    ost_digest root, file;
-    ost_world_totals totals;
-    char a[SAY_TEXT], b[SAY_TEXT], c[SAY_TEXT];
-    ost_status status = ost_bone_digest(j->bone, NULL, &root, err);
+    const ost_write_options write = {.compress = args->compress};
+    ost_status status = ost_bone_write(args->out, j->bone, &j->imported.meta, &write, err);
     if (status == OST_OK)
-        status = file_digest(args->out, &file, err);
+        status = ost_bone_digest(j->bone, NULL, &j->root, err);
     if (status == OST_OK)
         status = ost_bone_info_get(j->bone, &j->after, err);
+    return status;
+}
+
+static ost_status report(const app_state *app, const ream_args *args, job *j, ost_error *err)
+{
+    ost_digest file;
+    ost_world_totals totals;
+    char a[SAY_TEXT], b[SAY_TEXT], c[SAY_TEXT];
+    ost_status status = file_digest(args->out, &file, err);
     if (status != OST_OK)
         return status;
     ost_world_totals_get(j->world, &totals);
@@ -215,10 +284,10 @@ static ost_status report(const app_state *app, const ream_args *args, job *j, os
     say(app, "  %s ticks, %s removals, in %s", say_count(a, (int64_t)totals.ticks), say_count(b, (int64_t)totals.removals),
         say_time(c, j->run_ms));
     put_tick_times(app, j);
-    put_digest(o, "sha256", &root);
+    put_digest(o, "sha256", &j->root);
     put_digest(o, "file_sha256", &file);
     char hex[OST_DIGEST_HEX];
-    say(app, "  grid %s", ost_digest_hex(&root, hex));
+    say(app, "  grid %s", ost_digest_hex(&j->root, hex));
     return OST_OK;
 }
 
@@ -268,6 +337,8 @@ ost_status cmd_ream(app_state *app, int argc, char **argv, ost_error *err)
          .help = "density classes to count by, each from its HU up\n(default: cartilage:120,cancellous:150,cortical:650)"},
         TOOL_OPTIONS(args.how),
         CT_OPTIONS(args.ct),
+        {.name = "no-failover", .kind = OPTION_FLAG, .out = &args.no_failover,
+         .help = "with --backend cl: stop when the device fails; else cpu goes on\nfrom the last whole tick, to the same grid"},
         {.name = "compress", .kind = OPTION_FLAG, .out = &args.compress, .help = "gzip a .nrrd"},
         {.name = "record", .kind = OPTION_TEXT, .out = &args.record, .value = "SESSION",
          .help = "not available: this version cannot write sessions"},
@@ -290,14 +361,16 @@ ost_status cmd_ream(app_state *app, int argc, char **argv, ost_error *err)
     if (!options_parse(app, &usage, argc, argv, &status, err) || (status = check_args(app, &args, err)) != OST_OK)
         return status;
     job j = {0};
-    const ost_write_options write = {.compress = args.compress};
     status = load_all(app, &args, &j, err);
     if (status == OST_OK)
-        status = world_make(&args, &j, err);
+        status = world_make(app, &args, &j, err);
     if (status == OST_OK)
         status = run(app, &args, &j, err);
-    if (status == OST_OK)
-        status = ost_bone_write(args.out, j.bone, &j.imported.meta, &write, err);
+    if (status == OST_OK) {
+        status = take_results(&args, &j, err);
+        if (may_fail_over(app, &args, &j, status) && (status = fail_over(app, &j, j.path.count, err)) == OST_OK)
+            status = take_results(&args, &j, err);
+    }
     if (status == OST_OK)
         status = report(app, &args, &j, err);
     job_free(&j);

@@ -4,13 +4,15 @@
  *
  * Every call goes through a table that was given at open: ost_cl_loader is
  * the system's loader; a test gives a copy in which some pointers count,
- * refuse or damage, and needs no driver of its own for that.
+ * refuse or damage, and needs no driver of its own for that.  The last three
+ * are cl_khr_gl_sharing's, which loaders export and only drivers that say so have.
  */
 #ifndef OST_CL_API_H
 #define OST_CL_API_H
 
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
+#include <CL/cl_gl.h>
 
 /* clang-format off */
 #define OST_CL_FUNCTIONS(X) \
@@ -21,7 +23,8 @@
     X(clCreateKernel) X(clReleaseKernel) X(clSetKernelArg) X(clGetKernelWorkGroupInfo) \
     X(clCreateBuffer) X(clReleaseMemObject) \
     X(clEnqueueReadBuffer) X(clEnqueueWriteBuffer) X(clEnqueueCopyBuffer) X(clEnqueueFillBuffer) \
-    X(clEnqueueNDRangeKernel) X(clFlush) X(clFinish)
+    X(clEnqueueNDRangeKernel) X(clFlush) X(clFinish) \
+    X(clCreateFromGLBuffer) X(clEnqueueAcquireGLObjects) X(clEnqueueReleaseGLObjects)
 /* clang-format on */
 
 typedef struct ost_cl_api {

@@ -3,7 +3,7 @@
  * The table of the OpenCL backend, and which device it is opened on: of those
  * that the user's words fit, the first that passes.
  */
-#include "cl/objects.h"
+#include "cl/share.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -31,7 +31,7 @@ bool ost_cl_available_with(const ost_cl_api *cl, char *reason, size_t size)
     return found;
 }
 
-ost_status ost_cl_open_with(const ost_cl_api *cl, const char *text, ost_backend **out, ost_error *err)
+static ost_status open_any(const ost_cl_api *cl, const char *text, const ost_cl_gl *gl, ost_backend **out, ost_error *err)
 {
     ost_cl_options options;
     ost_cl_devices devices;
@@ -51,7 +51,7 @@ ost_status ost_cl_open_with(const ost_cl_api *cl, const char *text, ost_backend 
         if (!ost_cl_options_match(&options, &devices.list[i]))
             continue;
         ost_error this = {0};
-        status = ost_cl_device_open(cl, &devices.list[i], options.workgroup, &backend, &this);
+        status = ost_cl_device_open(cl, &devices.list[i], gl, options.workgroup, &backend, &this);
         if (status != OST_OK && !tried) {
             why = this;
             first = status;
@@ -70,6 +70,16 @@ ost_status ost_cl_open_with(const ost_cl_api *cl, const char *text, ost_backend 
     return status;
 }
 
+ost_status ost_cl_open_with(const ost_cl_api *cl, const char *text, ost_backend **out, ost_error *err)
+{
+    return open_any(cl, text, NULL, out, err);
+}
+
+ost_status ost_cl_open_shared(const ost_cl_api *cl, const char *text, const ost_cl_gl *gl, ost_backend **out, ost_error *err)
+{
+    return open_any(cl, text, gl, out, err);
+}
+
 ost_status ost_cl_visit_with(const ost_cl_api *cl, ost_device_visit *visit, void *user, ost_error *err)
 {
     ost_cl_devices devices;
@@ -84,7 +94,7 @@ ost_status ost_cl_visit_with(const ost_cl_api *cl, ost_device_visit *visit, void
         snprintf(name, sizeof name, d->id ? "%s (driver %s)" : "%s%s", d->name, d->driver);
         cl_backend *backend = NULL;
         ost_error why = {0};
-        ost_status opened = d->reason[0] ? OST_ERR_UNAVAILABLE : ost_cl_device_open(cl, d, 0, &backend, &why);
+        ost_status opened = d->reason[0] ? OST_ERR_UNAVAILABLE : ost_cl_device_open(cl, d, NULL, 0, &backend, &why);
         if (opened == OST_OK)
             ost_cl_fingerprint_floats(backend, notes, sizeof notes);
         const ost_device_info info = {
@@ -156,13 +166,13 @@ const ost_backend_ops ost_backend_cl = {
     .bone_create = ost_cl_bone_create,
     .bone_free = ost_cl_bone_free,
     .bone_stats = ost_cl_bone_stats,
-    .bone_upload = ost_cl_bone_upload,
+    .bone_upload = ost_cl_held_bone_upload,
     .bone_download = ost_cl_bone_download,
     .bone_leaves = ost_cl_bone_leaves,
     .voxelize = ost_cl_voxelize,
     .tool_upload = ost_cl_tool_upload,
     .tool_download = ost_cl_tool_download,
     .tool_free = ost_cl_tool_free,
-    .remove = ost_cl_remove,
-    .collide = ost_cl_collide,
+    .remove = ost_cl_held_remove,
+    .collide = ost_cl_held_collide,
 };

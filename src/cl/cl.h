@@ -9,6 +9,7 @@
  *   fingerprint.c     its integers are right
  *   launch.c          buffers and launches, with errors that name the device
  *   grid.c import.c bone.c voxelize.c tool.c remove.c    the table's slots
+ *   share.c           words in a buffer of OpenGL
  *   cl.c              the table
  *
  * All of it is one in-order queue, so a call sees what the calls before it
@@ -34,8 +35,8 @@
     X(ost_ct_claim) X(ost_ct_place) X(ost_ct_check) X(ost_ct_blame) X(ost_ct_had) \
     X(ost_cubic_sources) X(ost_cubic_gather) \
     X(ost_chunk_scan) X(ost_chunk_store) X(ost_chunk_load) X(ost_chunk_count) \
-    X(ost_vox_steps) X(ost_vox_fill) X(ost_vox_count) X(ost_tool_reach) \
-    X(ost_remove)
+    X(ost_vox_steps) X(ost_vox_fill) X(ost_vox_count) X(ost_tool_reach) X(ost_tool_pack) \
+    X(ost_remove) X(ost_remove_blocks)
 /* clang-format on */
 
 enum ost_cl_kernel {
@@ -49,8 +50,10 @@ typedef struct cl_backend {
     ost_backend base;
     const ost_cl_api *cl;
     ost_cl_device device;
+    bool gl;          /* shares with a context of OpenGL */
     size_t workgroup; /* work items of a group, 0: default */
-    int rows;         /* of 16 voxels that a work item of ost_remove takes */
+    int rows;         /* of 16 voxels that a work item of removal takes; 256: a whole block, by ost_remove_blocks */
+    int run;          /* voxels of a row that a work item of ost_cubic_gather copies */
     cl_context context;
     cl_command_queue queue;
     cl_program program;
@@ -63,8 +66,10 @@ typedef struct cl_backend {
 
 /* ------------------------------------------------------------- context.c */
 
-/* Opens and checks one device; *out is NULL on failure, with the reason in err. */
-ost_status ost_cl_device_open(const ost_cl_api *cl, const ost_cl_device *device, size_t workgroup, cl_backend **out, ost_error *err);
+/* Opens and checks one device; *out is NULL on failure, with the reason in err. gl: to share with (share.h), or NULL. */
+struct ost_cl_gl;
+ost_status ost_cl_device_open(const ost_cl_api *cl, const ost_cl_device *device, const struct ost_cl_gl *gl, size_t workgroup,
+                              cl_backend **out, ost_error *err);
 void ost_cl_device_close(cl_backend *backend);
 
 /* What cl.c's slots do, with another table than the loader's. */

@@ -3,7 +3,7 @@
  * One device opened: context, queue, program and kernels, then the two checks
  * without which nothing is computed on it.
  */
-#include "cl/cl.h"
+#include "cl/share.h"
 
 #include <signal.h>
 #include <stdio.h>
@@ -32,10 +32,11 @@ static ost_status create_kernels(cl_backend *b, ost_error *err)
     return OST_OK;
 }
 
-static ost_status set_up(cl_backend *b, ost_error *err)
+static ost_status set_up(cl_backend *b, const ost_cl_gl *gl, ost_error *err)
 {
     cl_int code = CL_SUCCESS;
-    const cl_context_properties properties[] = {CL_CONTEXT_PLATFORM, (cl_context_properties)b->device.platform, 0};
+    cl_context_properties properties[OST_CL_GL_PROPERTIES];
+    ost_cl_gl_properties(gl, b->device.platform, properties);
     b->context = b->cl->clCreateContext(properties, 1, &b->device.id, NULL, NULL, &code);
     if (!b->context || code != CL_SUCCESS)
         return ost_cl_fail(err, b->device.name, code, "clCreateContext", "");
@@ -43,8 +44,9 @@ static ost_status set_up(cl_backend *b, ost_error *err)
     if (!b->queue || code != CL_SUCCESS)
         return ost_cl_fail(err, b->device.name, code, "clCreateCommandQueue", "");
     char options[64];
-    b->rows = b->device.cpu ? 16 : 1; /* a work item of its own costs a CPU more than a row */
-    snprintf(options, sizeof options, "-cl-std=CL1.2 -DOST_ROWS=%d", b->rows);
+    b->rows = b->device.cpu ? 256 : 1; /* a work item of its own costs a CPU more than a row */
+    b->run = b->device.cpu ? 1024 : 1;
+    snprintf(options, sizeof options, "-cl-std=CL1.2 -DOST_ROWS=1 -DOST_RUN=%d", b->run);
     ost_status status = ost_cl_build(b, ost_cl_program, ost_cl_program_count, options, &b->program, &b->from_cache, err);
     if (status == OST_OK)
         status = create_kernels(b, err);
@@ -55,7 +57,8 @@ static ost_status set_up(cl_backend *b, ost_error *err)
     return status;
 }
 
-ost_status ost_cl_device_open(const ost_cl_api *cl, const ost_cl_device *device, size_t workgroup, cl_backend **out, ost_error *err)
+ost_status ost_cl_device_open(const ost_cl_api *cl, const ost_cl_device *device, const ost_cl_gl *gl, size_t workgroup,
+                              cl_backend **out, ost_error *err)
 {
     *out = NULL;
     if (device->reason[0])
@@ -64,6 +67,8 @@ ost_status ost_cl_device_open(const ost_cl_api *cl, const ost_cl_device *device,
     if (workgroup > device->max_workgroup)
         return ost_fail(err, OST_ERR_USAGE, "backend cl: workgroup=%zu; '%.120s' takes at most %zu", workgroup, device->name,
                         device->max_workgroup);
+    if (gl && !ost_cl_gl_said(cl, device))
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "OpenCL device '%.120s' cannot share with OpenGL (cl_khr_gl_sharing)", device->name);
     cl_backend *b = calloc(1, sizeof *b);
     int16_t *zeros = calloc(OST_LEAF * OST_LEAF * OST_LEAF, sizeof *zeros);
     ost_status status = OST_OK;
@@ -76,10 +81,11 @@ ost_status ost_cl_device_open(const ost_cl_api *cl, const ost_cl_device *device,
         b->cl = cl;
         b->device = *device;
         b->workgroup = workgroup;
+        b->gl = gl != NULL;
         /* A driver may catch the whole process's SIGFPE (PoCL does), and a division by zero elsewhere would go unseen. */
         struct sigaction before;
         const bool known = sigaction(SIGFPE, NULL, &before) == 0;
-        status = set_up(b, err);
+        status = set_up(b, gl, err);
         if (known)
             sigaction(SIGFPE, &before, NULL);
     }

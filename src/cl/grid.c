@@ -14,20 +14,39 @@ ost_status ost_cl_alive(const ost_backend *backend, bool lost, const char *what,
                     what, ((const cl_backend *)backend)->device.name);
 }
 
-ost_status ost_cl_grid_create(ost_backend *backend, const ost_geometry *geometry, ost_grid **out, ost_error *err)
+static size_t grid_bytes(const ost_geometry *geometry)
+{
+    return (size_t)ost_dims_count(geometry->dims) * sizeof(int16_t);
+}
+
+ost_status ost_cl_grid_create_raw(ost_backend *backend, const ost_geometry *geometry, ost_grid **out, ost_error *err)
 {
     cl_grid *grid = calloc(1, sizeof *grid);
     if (!grid)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for a grid");
     grid->base = (ost_grid){.backend = backend, .geometry = *geometry};
-    const size_t bytes = (size_t)ost_dims_count(geometry->dims) * sizeof(int16_t);
-    ost_status status = ost_cl_buffer_zero((cl_backend *)backend, bytes, "grid", &grid->voxels, err);
+    ost_status status = ost_cl_buffer((cl_backend *)backend, grid_bytes(geometry), NULL, "grid", &grid->voxels, err);
     if (status != OST_OK) {
         free(grid);
         return status;
     }
     *out = &grid->base;
     return OST_OK;
+}
+
+ost_status ost_cl_grid_create(ost_backend *backend, const ost_geometry *geometry, ost_grid **out, ost_error *err)
+{
+    ost_grid *grid;
+    ost_status status = ost_cl_grid_create_raw(backend, geometry, &grid, err);
+    if (status == OST_OK)
+        status = ost_cl_zero((cl_backend *)backend, ((cl_grid *)grid)->voxels, 0, grid_bytes(geometry), err);
+    else
+        return status;
+    if (status != OST_OK)
+        ost_cl_grid_free(grid);
+    else
+        *out = grid;
+    return status;
 }
 
 void ost_cl_grid_free(ost_grid *base)
@@ -50,8 +69,11 @@ ost_status ost_cl_grid_upload(ost_grid *base, int32_t z0, int32_t count, const i
     cl_grid *grid = (cl_grid *)base;
     const size_t slice = slice_bytes(&base->geometry);
     ost_status status = ost_cl_alive(base->backend, grid->lost, "grid", err);
-    return status == OST_OK ? ost_cl_write((cl_backend *)base->backend, grid->voxels, slice * (size_t)z0, slice * (size_t)count, voxels, err)
-                            : status;
+    if (status != OST_OK)
+        return status;
+    status = ost_cl_write((cl_backend *)base->backend, grid->voxels, slice * (size_t)z0, slice * (size_t)count, voxels, err);
+    grid->lost = status != OST_OK; /* a part may be there */
+    return status;
 }
 
 ost_status ost_cl_grid_download(const ost_grid *base, int32_t z0, int32_t count, int16_t *voxels, ost_error *err)

@@ -145,11 +145,11 @@ ost_status ost_cl_rect_to_cubic(const ost_grid *base, const ost_geometry *geomet
     if (status == OST_OK)
         status = ost_cl_buffer(b, (x + y + z) * sizeof(int32_t), NULL, "resampling", &sources, err);
     if (status == OST_OK)
-        status = ost_cl_grid_create(base->backend, geometry, &to, err);
+        status = ost_cl_grid_create_raw(base->backend, geometry, &to, err); /* every voxel of it is written */
     if (status == OST_OK)
         status = OST_CL_LAUNCH(b, ost_cubic_sources, x + y + z, 1, 1, err, OST_CL_ARG(cubic_buffer), OST_CL_ARG(sources));
     if (status == OST_OK)
-        status = OST_CL_LAUNCH(b, ost_cubic_gather, x, y, z, err, OST_CL_ARG(cubic_buffer), OST_CL_ARG(sources), OST_CL_ARG(rect->voxels),
+        status = OST_CL_LAUNCH(b, ost_cubic_gather, (x + (size_t)b->run - 1) / (size_t)b->run, y, z, err, OST_CL_ARG(cubic_buffer), OST_CL_ARG(sources), OST_CL_ARG(rect->voxels),
                                OST_CL_ARG(((cl_grid *)to)->voxels));
     ost_cl_buffer_free(b, &sources);
     ost_cl_buffer_free(b, &cubic_buffer);

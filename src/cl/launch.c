@@ -14,6 +14,12 @@
 
 enum { WORKGROUP_DEFAULT = 64 };
 
+/* Items that are a long way each: any group of more is a core that waits for another. */
+static bool long_items(enum ost_cl_kernel kernel)
+{
+    return kernel == OST_CL_KERNEL_ost_remove_blocks;
+}
+
 static const char *const kernel_names[] = {
 #define OST_CL_KERNEL_TEXT(name) #name,
     OST_CL_KERNELS(OST_CL_KERNEL_TEXT)
@@ -52,13 +58,27 @@ void ost_cl_buffer_free(cl_backend *b, cl_mem *buffer)
     *buffer = NULL;
 }
 
-ost_status ost_cl_zero(cl_backend *b, cl_mem buffer, size_t offset, size_t bytes, ost_error *err)
+static ost_status fill_zero(cl_backend *b, cl_mem buffer, size_t offset, size_t bytes, size_t unit, ost_error *err)
 {
-    const cl_uchar zero = 0;
+    const cl_ulong16 zeros = {{0}};
     if (bytes == 0)
         return OST_OK;
-    cl_int code = b->cl->clEnqueueFillBuffer(b->queue, buffer, &zero, sizeof zero, offset, bytes, 0, NULL, NULL);
+    cl_int code = b->cl->clEnqueueFillBuffer(b->queue, buffer, &zeros, unit, offset, bytes, 0, NULL, NULL);
     return code == CL_SUCCESS ? OST_OK : ost_cl_fail(err, b->device.name, code, "clEnqueueFillBuffer", "");
+}
+
+/* By the widest pattern there is, since drivers fill pattern by pattern; the ends by bytes. */
+ost_status ost_cl_zero(cl_backend *b, cl_mem buffer, size_t offset, size_t bytes, ost_error *err)
+{
+    const size_t unit = sizeof(cl_ulong16), begin = (offset + unit - 1) / unit * unit, end = (offset + bytes) / unit * unit;
+    if (begin >= end)
+        return fill_zero(b, buffer, offset, bytes, 1, err);
+    ost_status status = fill_zero(b, buffer, offset, begin - offset, 1, err);
+    if (status == OST_OK)
+        status = fill_zero(b, buffer, begin, end - begin, unit, err);
+    if (status == OST_OK)
+        status = fill_zero(b, buffer, end, offset + bytes - end, 1, err);
+    return status;
 }
 
 ost_status ost_cl_write(cl_backend *b, cl_mem buffer, size_t offset, size_t bytes, const void *data, ost_error *err)
@@ -102,7 +122,7 @@ ost_status ost_cl_finish(cl_backend *b, ost_error *err)
 /* At most what was asked for and what the kernel can have, and no more than the range needs. */
 static size_t group_size(const cl_backend *b, enum ost_cl_kernel kernel, size_t range)
 {
-    size_t size = b->workgroup ? b->workgroup : WORKGROUP_DEFAULT;
+    size_t size = b->workgroup ? b->workgroup : long_items(kernel) ? 1 : WORKGROUP_DEFAULT;
     if (size > b->kernel_workgroup[kernel])
         size = b->kernel_workgroup[kernel];
     while (!b->workgroup && size > 1 && size / 2 >= range)

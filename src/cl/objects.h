@@ -32,6 +32,7 @@ typedef struct cl_bone {
     size_t free_count, used, capacity;
     cl_mem shape; /* ost_cl_bone */
     cl_mem density, words;
+    bool words_shared; /* words is a buffer of OpenGL's (share.c) */
     cl_mem slots;     /* slot[] there */
     bool slots_stale; /* whether slot[] has changed since */
     bool lost;
@@ -41,7 +42,8 @@ typedef struct cl_bone {
 typedef struct cl_tool {
     ost_tool base;
     cl_mem classes;
-    cl_mem cells; /* classes and reach, made when the tool first meets a bone; NULL before */
+    cl_mem cells;  /* classes and reach */
+    cl_mem packed; /* classes alone, close together; for backends that remove by blocks, else NULL */
 } cl_tool;
 
 /* OST_ERR_UNAVAILABLE when an earlier failure left the object in an unknown state. */
@@ -49,6 +51,8 @@ ost_status ost_cl_alive(const ost_backend *backend, bool lost, const char *what,
 
 /* grid.c */
 ost_status ost_cl_grid_create(ost_backend *backend, const ost_geometry *geometry, ost_grid **out, ost_error *err);
+/* The same with whatever the memory holds. */
+ost_status ost_cl_grid_create_raw(ost_backend *backend, const ost_geometry *geometry, ost_grid **out, ost_error *err);
 void ost_cl_grid_free(ost_grid *grid);
 ost_status ost_cl_grid_upload(ost_grid *grid, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
 ost_status ost_cl_grid_download(const ost_grid *grid, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);

@@ -37,6 +37,7 @@ struct ost_cl_event_scratch {
     event_array head, poses, blocks, entries, reports;
     size_t *chunk; /* owned; chunk of each block */
     size_t chunk_capacity;
+    bool warm; /* whether a removal kernel was launched */
 };
 
 static void array_free(cl_backend *b, event_array *a)
@@ -228,11 +229,11 @@ static ost_status plan_poses(plan *p, ost_error *err)
     ost_cl_pose *poses = s->poses.host;
     s->poses.bytes = bytes;
     for (int k = 0; k < p->event->pose_count; k++) {
-        poses[k] = (ost_cl_pose){.unused = 0};
+        poses[k] = (ost_cl_pose){.step = {{0}}};
         memcpy(poses[k].step, p->event->maps[k].step, sizeof poses[k].step);
         memcpy(poses[k].lo, p->event->boxes[k].lo, sizeof poses[k].lo);
         memcpy(poses[k].hi, p->event->boxes[k].hi, sizeof poses[k].hi);
-        ost_cl_pose_skip(&poses[k]);
+        ost_cl_pose_reach(&poses[k]);
     }
     return ost_cl_write_later(p->b, s->poses.device, bytes, poses, err);
 }
@@ -282,13 +283,24 @@ static ost_status take_reports(plan *p, ost_error *err)
     return status;
 }
 
-/* Runs what is planned and forgets it. */
-static ost_status flush(plan *p, ost_error *err)
+/* One launch over the blocks in the device's arrays; 0 of them: all items return at once. */
+static ost_status launch(const plan *p, size_t blocks, ost_error *err)
 {
     struct ost_cl_event_scratch *s = p->s;
-    const size_t blocks = block_count(p);
-    if (blocks == 0)
-        return OST_OK;
+    const size_t items = blocks ? blocks : 1;
+    if (p->b->rows == BLOCK * BLOCK)
+        return OST_CL_LAUNCH(p->b, ost_remove_blocks, (items + OST_CL_HANDS - 1) / OST_CL_HANDS * OST_CL_HANDS, 1, 1, err,
+                             OST_CL_ARG(s->head.device), OST_CL_ARG(s->blocks.device), OST_CL_ARG(s->entries.device),
+                             OST_CL_ARG(s->poses.device), OST_CL_ARG(p->tool->cells), OST_CL_ARG(p->tool->packed),
+                             OST_CL_ARG(p->bone->density), OST_CL_ARG(p->bone->words), OST_CL_ARG(s->reports.device));
+    return OST_CL_LAUNCH(p->b, ost_remove, items * (size_t)(BLOCK * BLOCK / p->b->rows), 1, 1, err, OST_CL_ARG(s->head.device),
+                         OST_CL_ARG(s->blocks.device), OST_CL_ARG(s->entries.device), OST_CL_ARG(s->poses.device),
+                         OST_CL_ARG(p->tool->cells), OST_CL_ARG(p->bone->density), OST_CL_ARG(p->bone->words), OST_CL_ARG(s->reports.device));
+}
+
+static ost_status write_head(plan *p, size_t blocks, ost_error *err)
+{
+    struct ost_cl_event_scratch *s = p->s;
     const ost_density_classes *classes = p->event->classes;
     const ost_dims dims = p->tool->base.geometry.dims;
     ost_cl_event head = {
@@ -300,26 +312,58 @@ static ost_status flush(plan *p, ost_error *err)
     };
     for (int c = 0; c < classes->count; c++)
         head.border[c] = classes->border[c];
-    s->reports.bytes = blocks * sizeof(ost_cl_block_report);
     ost_status status = array_reserve(p->b, &s->head, sizeof head, err);
+    if (status != OST_OK)
+        return status;
+    memcpy(s->head.host, &head, sizeof head);
+    return ost_cl_write_later(p->b, s->head.device, sizeof head, s->head.host, err);
+}
+
+/*
+ * An event that meets nothing, as a world runs one when it gets a tool, makes the
+ * driver build the kernel for its group size: some do so at the first launch.
+ */
+static ost_status warm(plan *p, ost_error *err)
+{
+    struct ost_cl_event_scratch *s = p->s;
+    ost_status status = array_reserve(p->b, &s->poses, sizeof(ost_cl_pose), err);
     if (status == OST_OK)
-        status = array_reserve(p->b, &s->reports, s->reports.bytes, err);
-    if (status == OST_OK) {
-        memcpy(s->head.host, &head, sizeof head);
-        status = ost_cl_write_later(p->b, s->head.device, sizeof head, s->head.host, err);
-    }
+        status = array_reserve(p->b, &s->blocks, sizeof(ost_cl_block), err);
+    if (status == OST_OK)
+        status = array_reserve(p->b, &s->entries, sizeof(ost_cl_entry), err);
+    if (status == OST_OK)
+        status = array_reserve(p->b, &s->reports, sizeof(ost_cl_block_report), err);
+    if (status == OST_OK)
+        status = write_head(p, 0, err);
+    if (status == OST_OK)
+        status = launch(p, 0, err);
+    if (status == OST_OK)
+        status = ost_cl_finish(p->b, err);
+    s->warm = status == OST_OK;
+    return status;
+}
+
+/* Runs what is planned and forgets it. */
+static ost_status flush(plan *p, ost_error *err)
+{
+    struct ost_cl_event_scratch *s = p->s;
+    const size_t blocks = block_count(p);
+    if (blocks == 0)
+        return OST_OK;
+    s->reports.bytes = blocks * sizeof(ost_cl_block_report);
+    ost_status status = array_reserve(p->b, &s->reports, s->reports.bytes, err);
+    if (status == OST_OK)
+        status = write_head(p, blocks, err);
     if (status == OST_OK)
         status = ost_cl_write_later(p->b, s->blocks.device, s->blocks.bytes, s->blocks.host, err);
     if (status == OST_OK)
         status = ost_cl_write_later(p->b, s->entries.device, s->entries.bytes, s->entries.host, err);
-    if (status == OST_OK)
+    if (status == OST_OK && p->b->rows != BLOCK * BLOCK)
         status = ost_cl_zero(p->b, s->reports.device, 0, s->reports.bytes, err);
     if (status == OST_OK) {
-        status = OST_CL_LAUNCH(p->b, ost_remove, blocks * (BLOCK * BLOCK / p->b->rows), 1, 1, err, OST_CL_ARG(s->head.device),
-                               OST_CL_ARG(s->blocks.device), OST_CL_ARG(s->entries.device), OST_CL_ARG(s->poses.device),
-                               OST_CL_ARG(p->tool->cells), OST_CL_ARG(p->bone->density), OST_CL_ARG(p->bone->words),
-                               OST_CL_ARG(s->reports.device));
+        status = launch(p, blocks, err);
         p->changed = p->changed || (status == OST_OK && p->apply);
+        s->warm = true;
     }
     if (status == OST_OK)
         status = ost_cl_read(p->b, s->reports.device, 0, s->reports.bytes, s->reports.host, err);
@@ -394,6 +438,8 @@ static ost_status run_event(cl_bone *bone, cl_tool *tool, const ost_event *event
         status = flush(&p, err);
     if (status == OST_OK)
         status = close_part(&p, err);
+    if (status == OST_OK && !p.s->warm && bone->density)
+        status = warm(&p, err);
     if (status != OST_OK) {
         bone->lost = bone->lost || p.changed;
         ost_cl_finish(b, NULL); /* writes from this event's arrays may be under way */

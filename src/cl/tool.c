@@ -49,7 +49,26 @@ void ost_cl_tool_free(ost_tool *base)
     cl_tool *tool = (cl_tool *)base;
     ost_cl_buffer_free((cl_backend *)base->backend, &tool->classes);
     ost_cl_buffer_free((cl_backend *)base->backend, &tool->cells);
+    ost_cl_buffer_free((cl_backend *)base->backend, &tool->packed);
     free(tool);
+}
+
+static ost_status make_packed(cl_tool *tool, cl_mem *out, ost_error *err)
+{
+    cl_backend *b = (cl_backend *)tool->base.backend;
+    const ost_dims dims = tool->base.geometry.dims;
+    const ost_cl_tool shape = {.dims = {dims.x, dims.y, dims.z}};
+    const size_t x = (size_t)OST_CL_PACKED_X(dims.x), y = (size_t)OST_CL_PACKED_Y(dims.y), z = (size_t)OST_CL_PACKED_Z(dims.z);
+    cl_mem shape_buffer = NULL;
+    ost_status status = ost_cl_buffer(b, x * y * z * sizeof(uint32_t), NULL, "classes of a tool", out, err);
+    if (status == OST_OK)
+        status = ost_cl_buffer(b, sizeof shape, &shape, "tool", &shape_buffer, err);
+    if (status == OST_OK)
+        status = OST_CL_LAUNCH(b, ost_tool_pack, x, y, z, err, OST_CL_ARG(shape_buffer), OST_CL_ARG(tool->classes), OST_CL_ARG(*out));
+    ost_cl_buffer_free(b, &shape_buffer);
+    if (status != OST_OK)
+        ost_cl_buffer_free(b, out);
+    return status;
 }
 
 /* Three launches: classes -> first -> second -> first. */
@@ -74,6 +93,8 @@ ost_status ost_cl_tool_prepare(cl_tool *tool, ost_error *err)
         ost_cl_buffer_free(b, &shape_buffer);
     }
     ost_cl_buffer_free(b, &second);
+    if (status == OST_OK && b->rows == OST_MAP_BLOCK * OST_MAP_BLOCK)
+        status = make_packed(tool, &tool->packed, err);
     if (status != OST_OK)
         ost_cl_buffer_free(b, &first);
     tool->cells = first;

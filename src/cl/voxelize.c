@@ -12,8 +12,8 @@
 
 #include <stdlib.h>
 
-/* Of the steps' buffer; and the least number of work items that keeps a device busy. */
-enum { STEPS_BYTES = 1 << 28, ITEMS = 1 << 14 };
+/* Of the steps' buffer, on a CPU about what its caches hold; and the least number of work items that keeps a device busy. */
+enum { STEPS_BYTES = 1 << 28, STEPS_BYTES_CPU = 1 << 24, ITEMS = 1 << 14 };
 
 typedef struct mesh_buffers {
     const ost_snapped_mesh *mesh; /* NULL: none */
@@ -69,7 +69,8 @@ static ost_status count_slices(cl_backend *b, const ost_cl_vox *vox, cl_mem clas
 static int32_t step_slices(const cl_backend *b, ost_dims dims)
 {
     const size_t slice = (size_t)dims.y * ((size_t)dims.x + 1) * sizeof(int32_t);
-    const size_t most = b->device.max_buffer < STEPS_BYTES ? b->device.max_buffer : STEPS_BYTES;
+    const size_t wanted = b->device.cpu ? STEPS_BYTES_CPU : STEPS_BYTES;
+    const size_t most = b->device.max_buffer < wanted ? b->device.max_buffer : wanted;
     const size_t fit = most / slice;
     return fit < 1 ? 1 : fit < (size_t)dims.z ? (int32_t)fit : dims.z;
 }

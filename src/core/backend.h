@@ -12,6 +12,8 @@
  *     the table has filled nothing in them: the backend does.
  *   - Arguments were checked: assert, do not check again.
  *   - One thread at a time per backend.
+ *   - A slot that fails has changed nothing, or the object is lost: all its
+ *     slots but free and geometry return OST_ERR_UNAVAILABLE from then on.
  *   - Results are bit-exact as docs/arithmetic.md says, per slot below.
  */
 #ifndef OST_CORE_BACKEND_H

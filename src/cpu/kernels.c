@@ -56,7 +56,7 @@ static void fill_avx512(ost_cpu_kernels *k)
 #endif
 
 #if HAVE_NEON_BUILD
-/* gather_row and vox_fill stay scalar: a lane's load and a word's shifts cost as much either way. */
+/* gather_row and vox_fill stay scalar: a lane's load and a word's borrow cost as much either way. */
 static void fill_neon(ost_cpu_kernels *k)
 {
     k->brick_row = ost_brick_row_neon;

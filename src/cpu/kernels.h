@@ -115,18 +115,17 @@ typedef void ost_vox_mark_fn(ost_vox_tile *tile, const uint32_t *list, size_t co
 typedef void ost_vox_keys_fn(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t count, uint32_t *keys);
 
 /*
- * Running sums of some rows of a tile, from a whole block on and to the end of
- * one or of the tile (a block: OST_VOX_BLOCK words of planes): writes their
- * bits (whole blocks; 64-byte aligned), sets OST_VOX_UNPROVEN and any_odd for
- * rows that are to be summed one by one, and returns how many bits it set in
- * all of those rows, unproven ones included.  With one row of a block, others
- * of the same block may be called unproven; the bits of such rows are of no
- * account, and other flags of odd stay.  Clears the planes of the proven rows,
- * unless any_odd was set before: a row may be odd for its spill; then planes
- * do not change.  Planes hold nothing behind a row's last voxel.  `stream` asks
- * for stores past the caches, which are ordered before the return.
+ * Fills some rows of a tile, from a whole block on and to the end of one or of
+ * the tile (a block: OST_VOX_BLOCK words of planes): writes the bits (whole
+ * blocks; 64-byte aligned) of the rows whose crossings enter and leave in turn,
+ * beginning with either and ending with the other (fill.c), and returns how many
+ * bits it set in them.  Sets OST_VOX_UNPROVEN and any_odd for the others, whose
+ * bits are of no account; with one row of a block, or when some of them enter
+ * first and others leave first, all of the same block may be called unproven.  Other flags of odd stay.  Clears the planes of the proven
+ * rows, unless any_odd was set before: a row may be odd for its spill; then planes
+ * do not change.  Planes hold nothing behind a row's last voxel.
  */
-typedef uint64_t ost_vox_fill_fn(ost_vox_tile *tile, size_t first_row, size_t rows, bool parity, bool stream, uint64_t *bits);
+typedef uint64_t ost_vox_fill_fn(ost_vox_tile *tile, size_t first_row, size_t rows, uint64_t *bits);
 
 /*
  * rows * nx classes from rows of `words` (ost_vox_words(nx)) words; no voxel is

@@ -140,11 +140,8 @@ static ost_status run_event(ost_world *world, ost_entity *tool, const ost_tick *
     return OST_OK;
 }
 
-ost_status ost_world_step(ost_world *world, const ost_tick *tick, ost_step_result *result, ost_error *err)
+ost_status ost_world_advance(ost_world *world, const ost_tick *tick, ost_step_result *result, ost_error *err)
 {
-    ost_step_result ignored;
-    if (!result)
-        result = &ignored;
     *result = (ost_step_result){0};
     ost_status status = check_tick(world, tick, err);
     if (status != OST_OK)
@@ -164,4 +161,18 @@ ost_status ost_world_step(ost_world *world, const ost_tick *tick, ost_step_resul
     world->t_ns = tick->t_ns;
     world->totals.ticks++;
     return OST_OK;
+}
+
+ost_status ost_world_step(ost_world *world, const ost_tick *tick, ost_step_result *result, ost_error *err)
+{
+    ost_step_result ignored;
+    if (!result)
+        result = &ignored;
+    *result = (ost_step_result){0};
+    ost_status status = ost_world_keep(world, err);
+    if (status == OST_OK)
+        status = ost_world_advance(world, tick, result, err);
+    if (status == OST_OK)
+        ost_world_keep_tick(world, tick);
+    return status;
 }

@@ -28,6 +28,8 @@ ost_status ost_world_create(ost_bone *bone, const ost_world_options *options, os
     ost_world_options chosen = options ? *options : (ost_world_options){0};
     if (chosen.removal_period_ns < 0)
         return ost_fail(err, OST_ERR_USAGE, "a removal period of %lld ns; 0 or more is needed", (long long)chosen.removal_period_ns);
+    if (chosen.keep_ticks < 0 || chosen.keep_ticks > OST_WORLD_KEEP_MAX)
+        return ost_fail(err, OST_ERR_USAGE, "%d ticks to keep; 0 to %d are supported", (int)chosen.keep_ticks, OST_WORLD_KEEP_MAX);
     if (chosen.classes.count == 0)
         chosen.classes = ost_density_classes_default();
     ost_status status = check_classes(&chosen.classes, err);
@@ -47,6 +49,11 @@ ost_status ost_world_create(ost_bone *bone, const ost_world_options *options, os
         .voxels = {.bone = bone},
     };
     world->tool = -1;
+    status = ost_world_kept_make(world, err);
+    if (status != OST_OK) {
+        ost_world_free(world);
+        return status;
+    }
     *out = world;
     return OST_OK;
 }
@@ -55,6 +62,7 @@ void ost_world_free(ost_world *world)
 {
     if (!world)
         return;
+    ost_world_kept_free(world);
     ost_report_free(&world->report);
     free(world->maps);
     free(world->boxes);
@@ -78,6 +86,8 @@ ost_status ost_world_add_tool(ost_world *world, const char *name, const ost_tool
     const ost_event nothing = {.pose_count = 1, .maps = &map, .boxes = &nowhere, .classes = &world->options.classes};
     if (status == OST_OK)
         status = ost_bone_collide(world->bone.voxels.bone, tool, &nothing, &world->report, err);
+    if (status == OST_OK)
+        status = ost_world_keep_tool(world, world->tool_count, tool, err);
     if (status != OST_OK)
         return status;
 

@@ -86,6 +86,16 @@ run 0 bench --suite voxelize --filter sphere80k/256 --quick --repeat 1 --json
 row_has voxelize/sphere80k/256
 check "triangles" "$(value rows.0.triangles)" 80400
 
+# Where OpenCL has a device; else a row says why not.
+run 0 bench --suite opencl --filter reamer/32/fresh --quick --repeat 1 --json
+check "the row of OpenCL" "$(value rows.0.name)" opencl/reamer/32/fresh
+if value rows.0.reason >/dev/null 2>&1; then
+    has rows.0.reason
+else
+    row_has opencl/reamer/32/fresh chunks removed_voxels baseline_is
+    check "OpenCL removes the same" "$(value "rows.$at.removed_voxels")" 77108
+fi
+
 # For people: a table no wider than 100 columns, and Markdown.
 run 0 bench --suite removal --filter peg/32 --quick
 check "columns" "$(awk 'length > 100' out | grep -v '^  baseline' | wc -l | tr -d ' ')" 0

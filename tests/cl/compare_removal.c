@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * ost_remove against the reference: collision, removal, and the same removal
+ * ost_remove and ost_remove_blocks against the reference: collision, removal, and the same removal
  * again, with the report summed over blocks, and every density and word.
  * Poses, tools and boxes are any; those on borders are among them.
  */
@@ -96,7 +96,7 @@ static plan plan_event(const bone_pool *p, const ost_event *event, const ost_too
             e.poses[k].lo[a] = clamped(event->boxes[k].lo[a], wide);
             e.poses[k].hi[a] = clamped(event->boxes[k].hi[a], wide);
         }
-        ost_cl_pose_skip(&e.poses[k]);
+        ost_cl_pose_reach(&e.poses[k]);
     }
     const int64_t turn = rng_range(rng, 0, (int64_t)most - 1); /* blocks in any order */
     for (size_t i = 0; i < most; i++) {
@@ -132,8 +132,37 @@ static void plan_free(plan *e)
     free(e->chunk);
 }
 
+/* What removal looks up of a tool, made by the kernels. */
+typedef struct tool_tables {
+    uint8_t *cells[2]; /* [0] is the result */
+    uint32_t *packed;
+    size_t words;
+} tool_tables;
+
+static tool_tables tables_of(machine *m, const uint8_t *classes, ost_dims d)
+{
+    const size_t voxels = (size_t)ost_dims_count(d);
+    tool_tables t = {.cells = {zeros(voxels, 1), zeros(voxels, 1)}};
+    ost_cl_tool shape = {.dims = {d.x, d.y, d.z}};
+    for (shape.axis = 0; shape.axis < 3; shape.axis++)
+        LAUNCH(m, ost_tool_reach, d.x, d.y, d.z, ONE(&shape), BUFFER(shape.axis ? t.cells[(shape.axis + 1) % 2] : classes, voxels),
+               BUFFER(t.cells[shape.axis % 2], voxels));
+    t.words = (size_t)OST_CL_PACKED_X(d.x) * (size_t)OST_CL_PACKED_Y(d.y) * (size_t)OST_CL_PACKED_Z(d.z);
+    t.packed = zeros(t.words, sizeof *t.packed);
+    LAUNCH(m, ost_tool_pack, OST_CL_PACKED_X(d.x), OST_CL_PACKED_Y(d.y), OST_CL_PACKED_Z(d.z), ONE(&shape), BUFFER(classes, voxels),
+           BUFFER(t.packed, t.words));
+    return t;
+}
+
+static void tables_free(tool_tables *t)
+{
+    free(t->cells[0]);
+    free(t->cells[1]);
+    free(t->packed);
+}
+
 /* One launch, its blocks' reports gathered by chunk and checked against the reference's. */
-static void run(machine *m, const bone_pool *p, plan *e, const uint8_t *cells, const ost_tool_geometry *tool, bool apply,
+static void run(machine *m, const bone_pool *p, plan *e, const tool_tables *tables, const ost_tool_geometry *tool, bool apply,
                 const ost_report *expected)
 {
     const size_t blocks = e->event.blocks;
@@ -141,9 +170,13 @@ static void run(machine *m, const bone_pool *p, plan *e, const uint8_t *cells, c
     ost_chunk_report *sums = zeros((size_t)p->grid->count, sizeof *sums);
     uint64_t touched = 0, total = 0;
     e->event.apply = apply;
-    if (blocks > 0)
+    if (blocks > 0 && m->rows == 256)
+        LAUNCH(m, ost_remove_blocks, (blocks + OST_CL_HANDS - 1) / OST_CL_HANDS * OST_CL_HANDS, 1, 1, ONE(&e->event), BUFFER(e->blocks, blocks), BUFFER(e->entries, e->entry_count),
+               BUFFER(e->poses, e->pose_count), BUFFER(tables->cells[0], ost_dims_count(tool->dims)), BUFFER(tables->packed, tables->words),
+               BUFFER(p->density, p->used * p->voxels), BUFFER(p->words, p->used * p->voxels / 32), BUFFER(reports, blocks));
+    else if (blocks > 0)
         LAUNCH(m, ost_remove, blocks * 256 / (size_t)m->rows, 1, 1, ONE(&e->event), BUFFER(e->blocks, blocks), BUFFER(e->entries, e->entry_count),
-               BUFFER(e->poses, e->pose_count), BUFFER(cells, ost_dims_count(tool->dims)),
+               BUFFER(e->poses, e->pose_count), BUFFER(tables->cells[0], ost_dims_count(tool->dims)),
                BUFFER(p->density, p->used * p->voxels), BUFFER(p->words, p->used * p->voxels / 32), BUFFER(reports, blocks));
     for (size_t b = 0; b < blocks; b++) {
         touched += reports[b].touched;
@@ -269,16 +302,12 @@ static void removal_round(machine *m, test_rng *rng, ost_backend *ref)
     const ost_chunk_grid *grid = &((const ref_bone *)bone)->chunks;
     bone_pool p = pool_of(grid, rng);
     plan e = plan_event(&p, &scene.event, &volume.geometry, rng);
-    uint8_t *cells[2] = {zeros((size_t)ost_dims_count(d), 1), zeros((size_t)ost_dims_count(d), 1)};
-    ost_cl_tool shape = {.dims = {d.x, d.y, d.z}};
-    for (shape.axis = 0; shape.axis < 3; shape.axis++)
-        LAUNCH(m, ost_tool_reach, d.x, d.y, d.z, ONE(&shape), BUFFER(shape.axis ? cells[(shape.axis + 1) % 2] : volume.voxels, ost_dims_count(d)),
-               BUFFER(cells[shape.axis % 2], ost_dims_count(d)));
+    tool_tables tables = tables_of(m, volume.voxels, d);
 
     assert_ok(ost_bone_collide(bone, tool, &scene.event, &report, &err));
-    run(m, &p, &e, cells[0], &volume.geometry, false, &report);
+    run(m, &p, &e, &tables, &volume.geometry, false, &report);
     assert_ok(ost_bone_remove(bone, tool, &scene.event, &report, &err));
-    run(m, &p, &e, cells[0], &volume.geometry, true, &report);
+    run(m, &p, &e, &tables, &volume.geometry, true, &report);
     for (int64_t c = 0; c < grid->count; c++) {
         if (p.slots[c] == OST_CL_NONE)
             continue;
@@ -291,13 +320,12 @@ static void removal_round(machine *m, test_rng *rng, ost_backend *ref)
         }
     }
     assert_ok(ost_bone_remove(bone, tool, &scene.event, &report, &err));
-    run(m, &p, &e, cells[0], &volume.geometry, true, &report);
+    run(m, &p, &e, &tables, &volume.geometry, true, &report);
 
     ost_report_free(&report);
     plan_free(&e);
     pool_free(&p);
-    free(cells[0]);
-    free(cells[1]);
+    tables_free(&tables);
     free(voxels);
     ost_tool_free(tool);
     ost_bone_free(bone);

@@ -32,7 +32,9 @@
     X(ost_vox_fill)          \
     X(ost_vox_count)         \
     X(ost_tool_reach)        \
+    X(ost_tool_pack)         \
     X(ost_remove)            \
+    X(ost_remove_blocks)     \
     X(ost_fingerprint)       \
     X(ost_fingerprint_atomics)
 
@@ -67,7 +69,7 @@ static inline kernel_arg number_arg(int64_t number)
 typedef struct machine machine;
 struct machine {
     char name[200];
-    int rows;   /* OST_ROWS */
+    int rows;   /* OST_ROWS; 256: removal by ost_remove_blocks */
     bool small; /* tiny scenes, for a simulator */
     void (*launch)(machine *m, enum test_kernel kernel, const kernel_arg *args, unsigned count, const size_t range[3]);
 };

@@ -4,7 +4,8 @@
 static enum shim_call armed;
 static int countdown;
 static bool failed, loses;
-static int alive;
+static shim_count objects[SHIM_OBJECTS];
+const char *const shim_object_names[SHIM_OBJECTS] = {"contexts", "queues", "programs", "kernels", "buffers", "events"};
 
 const char *const shim_names[SHIM_COUNT] = {
 #define SHIM_NAME(name, code) #name,
@@ -52,19 +53,30 @@ static bool refuses(enum shim_call call)
     {                                                                               \
         return refuses(SHIM_##name) ? codes[SHIM_##name] : ost_cl_loader.name arguments; \
     }
-#define RELEASE(type, name)                 \
-    static cl_int name##_shim(type object)  \
-    {                                       \
-        alive--;                            \
-        return ost_cl_loader.name(object);  \
+/* The event of a call, last of its parameters, is an object too. */
+#define ENQUEUE(name, parameters, arguments)                             \
+    static cl_int name##_shim parameters                                 \
+    {                                                                    \
+        if (refuses(SHIM_##name))                                        \
+            return codes[SHIM_##name];                                   \
+        const cl_int code = ost_cl_loader.name arguments;                \
+        objects[SHIM_EVENT].created += code == CL_SUCCESS && event;      \
+        return code;                                                     \
+    }
+#define RELEASE(type, name, kind)                                      \
+    static cl_int name##_shim(type object)                             \
+    {                                                                  \
+        const cl_int code = ost_cl_loader.name(object);                \
+        objects[kind].released += code == CL_SUCCESS;                  \
+        return code;                                                   \
     }
 /* The last parameter is where the code goes. */
-#define OBJECT(type, name, parameters, arguments)  \
+#define OBJECT(type, name, kind, parameters, arguments)  \
     static type name##_shim parameters             \
     {                                              \
         if (!refuses(SHIM_##name)) {               \
             type object = ost_cl_loader.name arguments; \
-            alive += object != NULL;               \
+            objects[kind].created += object != NULL; \
             return object;                         \
         }                                          \
         *code = codes[SHIM_##name];                \
@@ -76,15 +88,15 @@ STATUS(clGetDeviceIDs, (cl_platform_id platform, cl_device_type type, cl_uint ro
        (platform, type, room, ids, count))
 STATUS(clGetDeviceInfo, (cl_device_id device, cl_device_info what, size_t room, void *value, size_t *size),
        (device, what, room, value, size))
-OBJECT(cl_context, clCreateContext,
+OBJECT(cl_context, clCreateContext, SHIM_CONTEXT,
        (const cl_context_properties *properties, cl_uint count, const cl_device_id *devices,
         void(CL_CALLBACK *notify)(const char *, const void *, size_t, void *), void *user, cl_int *code),
        (properties, count, devices, notify, user, code))
-OBJECT(cl_command_queue, clCreateCommandQueue,
+OBJECT(cl_command_queue, clCreateCommandQueue, SHIM_QUEUE,
        (cl_context context, cl_device_id device, cl_command_queue_properties properties, cl_int *code), (context, device, properties, code))
-OBJECT(cl_program, clCreateProgramWithSource,
+OBJECT(cl_program, clCreateProgramWithSource, SHIM_PROGRAM,
        (cl_context context, cl_uint count, const char **texts, const size_t *lengths, cl_int *code), (context, count, texts, lengths, code))
-OBJECT(cl_program, clCreateProgramWithBinary,
+OBJECT(cl_program, clCreateProgramWithBinary, SHIM_PROGRAM,
        (cl_context context, cl_uint count, const cl_device_id *devices, const size_t *lengths, const unsigned char **binaries,
         cl_int *taken, cl_int *code),
        (context, count, devices, lengths, binaries, taken, code))
@@ -92,30 +104,30 @@ STATUS(clBuildProgram,
        (cl_program program, cl_uint count, const cl_device_id *devices, const char *options,
         void(CL_CALLBACK *notify)(cl_program, void *), void *user),
        (program, count, devices, options, notify, user))
-OBJECT(cl_kernel, clCreateKernel, (cl_program program, const char *name, cl_int *code), (program, name, code))
+OBJECT(cl_kernel, clCreateKernel, SHIM_KERNEL, (cl_program program, const char *name, cl_int *code), (program, name, code))
 STATUS(clGetKernelWorkGroupInfo,
        (cl_kernel kernel, cl_device_id device, cl_kernel_work_group_info what, size_t room, void *value, size_t *size),
        (kernel, device, what, room, value, size))
 STATUS(clSetKernelArg, (cl_kernel kernel, cl_uint index, size_t size, const void *value), (kernel, index, size, value))
-OBJECT(cl_mem, clCreateBuffer, (cl_context context, cl_mem_flags flags, size_t size, void *host, cl_int *code),
+OBJECT(cl_mem, clCreateBuffer, SHIM_BUFFER, (cl_context context, cl_mem_flags flags, size_t size, void *host, cl_int *code),
        (context, flags, size, host, code))
-STATUS(clEnqueueReadBuffer,
+ENQUEUE(clEnqueueReadBuffer,
        (cl_command_queue queue, cl_mem buffer, cl_bool wait, size_t offset, size_t size, void *to, cl_uint count, const cl_event *after,
         cl_event *event),
        (queue, buffer, wait, offset, size, to, count, after, event))
-STATUS(clEnqueueWriteBuffer,
+ENQUEUE(clEnqueueWriteBuffer,
        (cl_command_queue queue, cl_mem buffer, cl_bool wait, size_t offset, size_t size, const void *from, cl_uint count,
         const cl_event *after, cl_event *event),
        (queue, buffer, wait, offset, size, from, count, after, event))
-STATUS(clEnqueueCopyBuffer,
+ENQUEUE(clEnqueueCopyBuffer,
        (cl_command_queue queue, cl_mem from, cl_mem to, size_t from_offset, size_t to_offset, size_t size, cl_uint count,
         const cl_event *after, cl_event *event),
        (queue, from, to, from_offset, to_offset, size, count, after, event))
-STATUS(clEnqueueFillBuffer,
+ENQUEUE(clEnqueueFillBuffer,
        (cl_command_queue queue, cl_mem buffer, const void *pattern, size_t pattern_size, size_t offset, size_t size, cl_uint count,
         const cl_event *after, cl_event *event),
        (queue, buffer, pattern, pattern_size, offset, size, count, after, event))
-STATUS(clEnqueueNDRangeKernel,
+ENQUEUE(clEnqueueNDRangeKernel,
        (cl_command_queue queue, cl_kernel kernel, cl_uint dims, const size_t *offset, const size_t *global, const size_t *local,
         cl_uint count, const cl_event *after, cl_event *event),
        (queue, kernel, dims, offset, global, local, count, after, event))
@@ -126,14 +138,22 @@ static cl_int clFinish_shim(cl_command_queue queue)
     return refuses(SHIM_clFinish) ? codes[SHIM_clFinish] : code;
 }
 
-RELEASE(cl_context, clReleaseContext)
-RELEASE(cl_command_queue, clReleaseCommandQueue)
-RELEASE(cl_program, clReleaseProgram)
-RELEASE(cl_kernel, clReleaseKernel)
-RELEASE(cl_mem, clReleaseMemObject)
+RELEASE(cl_context, clReleaseContext, SHIM_CONTEXT)
+RELEASE(cl_command_queue, clReleaseCommandQueue, SHIM_QUEUE)
+RELEASE(cl_program, clReleaseProgram, SHIM_PROGRAM)
+RELEASE(cl_kernel, clReleaseKernel, SHIM_KERNEL)
+RELEASE(cl_mem, clReleaseMemObject, SHIM_BUFFER)
 
-int shim_alive(void)
+shim_count shim_objects(enum shim_object kind)
 {
+    return objects[kind];
+}
+
+long shim_alive(void)
+{
+    long alive = 0;
+    for (int kind = 0; kind < SHIM_OBJECTS; kind++)
+        alive += objects[kind].created - objects[kind].released;
     return alive;
 }
 
@@ -147,6 +167,9 @@ const ost_cl_api shim = {
     .clReleaseKernel = clReleaseKernel_shim,
     .clReleaseMemObject = clReleaseMemObject_shim,
     .clFlush = clFlush,
+    .clCreateFromGLBuffer = clCreateFromGLBuffer,
+    .clEnqueueAcquireGLObjects = clEnqueueAcquireGLObjects,
+    .clEnqueueReleaseGLObjects = clEnqueueReleaseGLObjects,
 #define SHIM_SLOT(name, code) .name = name##_shim,
     SHIM_CALLS(SHIM_SLOT)
 #undef SHIM_SLOT

@@ -35,8 +35,16 @@ extern const ost_cl_api shim;
 void shim_fail(enum shim_call call, int n, bool lost);
 /* Whether it has come to that. */
 bool shim_failed(void);
-/* Objects created and not yet released. */
-int shim_alive(void);
+/* Of every kind of object that the backend makes: how many it was given, and how many it gave back. */
+enum shim_object { SHIM_CONTEXT, SHIM_QUEUE, SHIM_PROGRAM, SHIM_KERNEL, SHIM_BUFFER, SHIM_EVENT, SHIM_OBJECTS };
+typedef struct shim_count {
+    long created, released;
+} shim_count;
+extern const char *const shim_object_names[SHIM_OBJECTS];
+/* Since the start. */
+shim_count shim_objects(enum shim_object kind);
+/* Objects of any kind created and not yet released. */
+long shim_alive(void);
 bool shim_goes_to_queue(enum shim_call call);
 
 #endif

@@ -111,6 +111,15 @@ static void check_upload(const session *s, const ost_bone *bone)
     free(now);
 }
 
+/* Of a grid whose upload failed nobody knows what it holds. */
+static void check_grid(const session *s, const ost_grid *grid, int16_t *voxels)
+{
+    ost_error err = {0};
+    shim_fail(SHIM_clFinish, 0, false);
+    assert_int_equal(ost_grid_download(grid, 0, s->g.dims.z, voxels, &err), OST_ERR_UNAVAILABLE);
+    assert_non_null(strstr(err.text, "is lost"));
+}
+
 static ost_status run_events(const session *s, ost_bone *bone, const ost_tool *tool, ost_error *err)
 {
     scene_event *e = malloc(sizeof *e);
@@ -158,8 +167,11 @@ static ost_status run_session(const session *s, ost_error *err)
         status = ost_cubic_to_chunks(cubic, 16, 120, &first, err);
     if (status == OST_OK)
         status = ost_grid_create(backend, &s->g, &whole, err);
-    if (status == OST_OK)
+    if (status == OST_OK) {
         status = ost_grid_upload(whole, 0, s->g.dims.z, s->voxels, err);
+        if (status != OST_OK)
+            check_grid(s, whole, voxels);
+    }
     if (status == OST_OK)
         status = ost_grid_download(whole, 0, s->g.dims.z, voxels, err);
     if (status == OST_OK)

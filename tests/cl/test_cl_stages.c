@@ -4,7 +4,7 @@
  * API: grids, bones, tools, digests and reports, to the byte, for several
  * work-group sizes.
  * Covers: AR-CT-4, AR-CT-5, AR-CT-6, AR-CUB-2, AR-CUB-3, AR-CHK-1, AR-CHK-2, AR-CHK-3, AR-VOX-1..7, AR-REM-1, AR-REM-2, AR-REM-3,
- * AR-REM-5, AR-REM-6, AR-CLS-1, AR-DIG-2
+ * AR-REM-5, AR-REM-6, AR-CLS-1, AR-DIG-2, REQ-CL
  */
 #include "cl/on_device.h"
 #include "mesh/mesh_make.h"

@@ -12,7 +12,7 @@
  *
  * (unoptimised, since that simulator lacks llvm.abs and others that the optimiser makes)
  *
- * Covers: AR-INT-2, AR-CT-4, AR-CT-5, AR-CT-6, AR-CUB-2, AR-CHK-1, AR-CHK-4, AR-VOX-1..7, AR-MAP-4, AR-REM-1..6, AR-LAW-1
+ * Covers: AR-INT-2, AR-CT-4, AR-CT-5, AR-CT-6, AR-CUB-2, AR-CHK-1, AR-CHK-4, AR-VOX-1..7, AR-MAP-4, AR-REM-1..6, AR-LAW-1, REQ-CL
  */
 #include "cl/machine_cl.h"
 
@@ -45,7 +45,7 @@ static void find_devices(void)
 static const struct {
     int rows;
     size_t group;
-} ways[] = {{16, 16}, {1, 64}, {4, 7}};
+} ways[] = {{256, 1}, {16, 16}, {1, 64}, {4, 7}};
 enum { WAYS = sizeof ways / sizeof *ways };
 static machine *machines[DEVICES * WAYS];
 static int machine_count, rounds_given;

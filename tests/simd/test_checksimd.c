@@ -310,32 +310,36 @@ static void keys_never_many(const ost_vox_plan *plan, const ost_snapped_mesh *me
         keys[i] = keys[i] == OST_VOX_KEY_MANY ? 0 : keys[i];
 }
 
-static uint64_t fill_clears_nothing(ost_vox_tile *tile, size_t first_row, size_t rows, bool parity, bool stream, uint64_t *bits)
+static uint64_t fill_clears_nothing(ost_vox_tile *tile, size_t first_row, size_t rows, uint64_t *bits)
 {
     const bool odd = tile->any_odd;
     tile->any_odd = true;
-    const uint64_t count = ost_vox_fill_scalar(tile, first_row, rows, parity, stream, bits);
+    const uint64_t count = ost_vox_fill_scalar(tile, first_row, rows, bits);
     tile->any_odd = odd;
     for (size_t r = first_row; r < first_row + rows; r++)
         tile->any_odd = tile->any_odd || (tile->odd[r] & OST_VOX_UNPROVEN);
     return count;
 }
 
-static uint64_t fill_proves_all(ost_vox_tile *tile, size_t first_row, size_t rows, bool parity, bool stream, uint64_t *bits)
+static uint64_t fill_proves_all(ost_vox_tile *tile, size_t first_row, size_t rows, uint64_t *bits)
 {
-    (void)parity;
-    return ost_vox_fill_scalar(tile, first_row, rows, true, stream, bits);
+    const bool odd = tile->any_odd;
+    const uint64_t count = ost_vox_fill_scalar(tile, first_row, rows, bits);
+    for (size_t r = first_row; r < first_row + rows; r++)
+        tile->odd[r] &= OST_VOX_SPILLED;
+    tile->any_odd = odd;
+    return count;
 }
 
-static uint64_t fill_counts_wrong(ost_vox_tile *tile, size_t first_row, size_t rows, bool parity, bool stream, uint64_t *bits)
+static uint64_t fill_counts_wrong(ost_vox_tile *tile, size_t first_row, size_t rows, uint64_t *bits)
 {
-    const uint64_t count = ost_vox_fill_scalar(tile, first_row, rows, parity, stream, bits);
+    const uint64_t count = ost_vox_fill_scalar(tile, first_row, rows, bits);
     return count > 5000 ? count + 1 : count;
 }
 
-static uint64_t fill_forgets_spills(ost_vox_tile *tile, size_t first_row, size_t rows, bool parity, bool stream, uint64_t *bits)
+static uint64_t fill_forgets_spills(ost_vox_tile *tile, size_t first_row, size_t rows, uint64_t *bits)
 {
-    const uint64_t count = ost_vox_fill_scalar(tile, first_row, rows, parity, stream, bits);
+    const uint64_t count = ost_vox_fill_scalar(tile, first_row, rows, bits);
     for (size_t r = first_row; r < first_row + rows; r++)
         tile->odd[r] &= OST_VOX_UNPROVEN;
     return count;

@@ -81,6 +81,17 @@ __kernel void ost_chunk_store(__global const ost_cl_bone *bone, int z0, int z1, 
     const int v = 32 * (int)get_global_id(0);
     const ulong to = (ulong)slot * ost_chunk_voxels(bone) + (ulong)(z % n) * (ulong)(n * n) + (ulong)v;
     uint word = 0;
+    if (n >= 32 && first_x + v % n + 32 <= bone->dims[0] && first_y + v / n < bone->dims[1]) {
+        __global const short *from = slab + ost_slab_at(bone, first_x + v % n, first_y + v / n, slice);
+        const short threshold = (short)bone->threshold;
+        for (int b = 0; b < 32; b++) {
+            const short read = from[b];
+            density[to + (ulong)b] = read >= threshold ? read : (short)0;
+            word |= (read >= threshold ? 1u : 0u) << b;
+        }
+        words[to / 32] = word;
+        return;
+    }
     for (int b = 0; b < 32; b++) {
         const int x = first_x + (v + b) % n, y = first_y + (v + b) / n;
         short stored = 0;

@@ -5,6 +5,11 @@
  * leaves open: no signed overflow, no shift of a negative, none by the width.
  */
 
+/* Voxels of a row that an item copies: see shared.h. */
+#ifndef OST_RUN
+#define OST_RUN 3
+#endif
+
 /* AR-INT-1; d > 0. */
 static inline long ost_floor_div(long n, long d)
 {

@@ -187,15 +187,23 @@ __kernel void ost_cubic_sources(__global const ost_cl_cubic *cubic, __global int
     }
 }
 
+/* At equal spacings a source is its voxel's own index or, beyond the end, the last one: neighbours where the last is none of those. */
 __kernel void ost_cubic_gather(__global const ost_cl_cubic *cubic, __global const int *sources, __global const short *rect,
                                __global short *out)
 {
     const size_t nx = (size_t)cubic->dims[0], ny = (size_t)cubic->dims[1];
-    const size_t i = get_global_id(0), j = get_global_id(1), slice = get_global_id(2);
-    if (i >= nx || j >= ny || slice >= (size_t)(cubic->z1 - cubic->z0))
+    const size_t first = OST_RUN * get_global_id(0), j = get_global_id(1), slice = get_global_id(2);
+    if (first >= nx || j >= ny || slice >= (size_t)(cubic->z1 - cubic->z0))
         return;
     const size_t k = slice + (size_t)cubic->z0;
-    const ulong x = (ulong)sources[i], y = (ulong)sources[nx + j], z = (ulong)sources[nx + ny + k];
-    const ulong from = x + (ulong)cubic->rect_dims[0] * (y + (ulong)cubic->rect_dims[1] * z);
-    out[i + (ulong)nx * (j + (ulong)ny * (cubic->slab ? slice : k))] = rect[from];
+    const int count = (int)(nx - first < OST_RUN ? nx - first : OST_RUN), from = sources[first];
+    __global const short *row = rect + (ulong)cubic->rect_dims[0] * ((ulong)sources[nx + j] + (ulong)cubic->rect_dims[1] * (ulong)sources[nx + ny + k]);
+    __global short *to = out + (first + (ulong)nx * (j + (ulong)ny * (cubic->slab ? slice : k)));
+    if (cubic->cubic_spacing[0] == cubic->rect_spacing[0] && sources[first + (size_t)count - 1] - from == count - 1) {
+        for (int i = 0; i < count; i++)
+            to[i] = row[from + i];
+    } else {
+        for (int i = 0; i < count; i++)
+            to[i] = row[sources[first + (size_t)i]];
+    }
 }

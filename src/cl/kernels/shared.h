@@ -24,7 +24,9 @@
  *   - Indices into buffers are 64 bits wide.  int is at least as wide as
  *     asked for by the ranges of docs/arithmetic.md, section 18.
  *   - Build option -DOST_ROWS=r, r of 1, 2, 4, 8, 16: rows a work item of
- *     ost_remove takes (16 suits CPUs, 1 GPUs; 4 when not given).
+ *     ost_remove takes (1 suits GPUs; 4 when not given).
+ *   - Build option -DOST_RUN=v: neighbours along x that a work item of
+ *     ost_cubic_gather copies (many suit CPUs, 1 GPUs; 3 when not given).
  */
 #ifndef OST_CL_SHARED_H
 #define OST_CL_SHARED_H
@@ -115,7 +117,7 @@ typedef struct ost_cl_scatter_report {
  * AR-CUB.
  *
  *   ost_cubic_sources(cubic, sources)            one dimension: sum of cubic dims
- *   ost_cubic_gather(cubic, sources, rect, out)  x, y, z: cubic dims.x, dims.y, z1 - z0
+ *   ost_cubic_gather(cubic, sources, rect, out)  x, y, z: cubic dims.x / OST_RUN or more, dims.y, z1 - z0
  *
  *   cubic    const ost_cl_cubic[1]
  *   sources  int[dims.x + dims.y + dims.z]   source index of each voxel along x, then y, then z
@@ -216,7 +218,20 @@ typedef struct ost_cl_vox {
  *   from   const uchar[voxels]: classes (axis 0), else the last launch's result;  to  uchar[voxels], another buffer
  *
  * Each item writes its own cell.
+ *
+ * Beside them, classes without reach, close together: a word has 4 x 2 x 2
+ * voxels, two bits each, voxel (x, y, z) of the tool at (x + 1, y + 1, z + 1).
+ * The border of void is what is looked up for all that lies outside.
+ *
+ *   ost_tool_pack(tool, classes, packed)   OST_CL_PACKED_X(dims.x), _Y(dims.y), _Z(dims.z)
+ *
+ *   packed  uint[...]   word (x / 4, y / 2, z / 2), x fastest; bit b = x % 4 + 4 (y % 2) + 8 (z % 2) for
+ *                        class 1, 16 + b for class 2
  */
+#define OST_CL_PACKED_X(n) (((n) + 5) / 4)
+#define OST_CL_PACKED_Y(n) (((n) + 3) / 2)
+#define OST_CL_PACKED_Z(n) (((n) + 3) / 2)
+
 typedef struct ost_cl_tool {
     ost_cl_i32 dims[3];
     ost_cl_i32 axis;
@@ -228,7 +243,9 @@ typedef struct ost_cl_tool {
 /*
  * AR-MAP, AR-REM: an event with all its poses and blocks in one launch.
  *
- *   ost_remove(event, blocks, entries, poses, cells, density, words, reports)   event.blocks * 256 / OST_ROWS, one dimension
+ *   ost_remove(event, blocks, entries, poses, cells, density, words, reports)                  event.blocks * 256 / OST_ROWS
+ *   ost_remove_blocks(event, blocks, entries, poses, cells, packed, density, words, reports)   event.blocks, up to a multiple of OST_CL_HANDS;
+ *                                                                                              one dimension both
  *
  *   event    const ost_cl_event[1]
  *   blocks   const ost_cl_block[event.blocks]   16^3 voxels each, aligned to voxel (0, 0, 0), of chunks with a slot; no block twice
@@ -236,13 +253,16 @@ typedef struct ost_cl_tool {
  *   poses    const ost_cl_pose[...]
  *   cells    const uchar[tool voxels]           dims <= 1024 an axis
  *   density  short[...], words  ushort[...]     the pool; words are the same bytes as in ost_chunk_*, two a uint, little-endian
- *   reports  ost_cl_block_report[event.blocks]  zeros at first
+ *   reports  ost_cl_block_report[event.blocks]  zeros at first (ost_remove_blocks writes all of them)
  *
- * An item takes OST_ROWS rows of 16 voxels of one block: 16 bits of occupancy
- * and 16 densities each, which are no other item's.  Every pose of the block's
- * entries marks what it hits and touches; a voxel that is hit by one is hit,
- * so the order of entries does not matter.  Sums of a block: at most 4096
- * voxels and 2^12 * 2^15 of density, so 32 bits hold them; atomic_add.
+ * The two do the same.  ost_remove is for devices of many work items: one
+ * takes OST_ROWS rows of 16 voxels of a block, that is 16 bits of occupancy and
+ * 16 densities each, which are no other item's, and adds to the block's report
+ * by atomic_add.  ost_remove_blocks is for few strong cores with vectors: an
+ * item takes a whole block and halves it until the tool's reach decides.  Every
+ * pose of the block's entries marks what it hits and touches; a voxel that is
+ * hit by one is hit, so the order of entries does not matter.  Sums of a block:
+ * at most 4096 voxels and 2^12 * 2^15 of density, so 32 bits hold them.
  *
  * The host leaves out entries whose pose's box does not meet the block or
  * whose base is far (AR-MAP-5), and blocks without entries.  The rest of a
@@ -250,6 +270,7 @@ typedef struct ost_cl_tool {
  * Far bases must not come here: the sums below would not fit.
  */
 #define OST_CL_CLASSES 8
+#define OST_CL_HANDS 8 /* among whom ost_remove_blocks deals out blocks */
 
 typedef struct ost_cl_event {
     ost_cl_i32 tool_dims[3];
@@ -275,8 +296,9 @@ typedef struct ost_cl_entry {
 typedef struct ost_cl_pose {
     ost_cl_i32 step[3][3]; /* [bone axis][tool axis], as in ost_map */
     ost_cl_i32 lo[3], hi[3]; /* its box, as in ost_event */
-    ost_cl_u32 unused;
-    ost_cl_u8 skip[OST_CL_REACH_MAX + 1]; /* ost_cl_pose_skip */
+    ost_cl_u8 whole[3]; /* the reach at its middle that decides a cube of 4, 8, 16 voxels; above OST_CL_REACH_MAX: none does */
+    ost_cl_u8 unused;
+    ost_cl_u8 skip[OST_CL_REACH_MAX + 1]; /* both from ost_cl_pose_reach */
 } ost_cl_pose;
 
 /* Class c: voxels hit, and the sum of their densities before. */
@@ -326,13 +348,29 @@ _Static_assert(sizeof(ost_cl_block_report) == 80, "layout");
  * j m, m the greatest |step[0][a]|, and its tool voxel by at most
  * floor(j m / 2^20) + 1, which is < r when j m < (r - 1) 2^20.
  * m <= 2^24 + 1, so all this is below 2^29.
+ *
+ * whole[c]: for a cube of e = 4 << c voxels whose middle, its first voxel's
+ * coordinate plus (e - 1) / 2 of the three steps rounded to whole units, lies in
+ * a cell of that reach.  A coordinate of the cube differs from the middle's by
+ * at most d = ((e - 1) t + 1) / 2, t the sum of the three |step[b][a]|, its tool
+ * voxel by at most floor(d / 2^20) + 1, which must be < r.  15 t < 2^29
+ * (AR-MAP-5).
  */
-static inline void ost_cl_pose_skip(ost_cl_pose *pose)
+static inline void ost_cl_pose_reach(ost_cl_pose *pose)
 {
-    ost_cl_i32 m = 0;
+    ost_cl_i32 m = 0, t = 0;
     for (int a = 0; a < 3; a++) {
-        const ost_cl_i32 s = pose->step[0][a] < 0 ? -pose->step[0][a] : pose->step[0][a];
-        m = s > m ? s : m;
+        ost_cl_i32 sum = 0;
+        for (int b = 0; b < 3; b++) {
+            const ost_cl_i32 s = pose->step[b][a] < 0 ? -pose->step[b][a] : pose->step[b][a];
+            m = b == 0 && s > m ? s : m;
+            sum += s;
+        }
+        t = sum > t ? sum : t;
+    }
+    for (int c = 0; c < 3; c++) {
+        const ost_cl_i32 r = ((((4 << c) - 1) * t + 1) / 2 + 1) / (1 << 20) + 2;
+        pose->whole[c] = (ost_cl_u8)(r > OST_CL_REACH_MAX ? OST_CL_REACH_MAX + 1 : r);
     }
     ost_cl_i32 j = 0;
     for (ost_cl_i32 r = 0; r <= OST_CL_REACH_MAX; r++) {

@@ -10,12 +10,19 @@
 /* Voxels of chunks from which on an event is shared among threads: below, starting them costs more than it gives. */
 #define OST_EVENT_THREADED ((size_t)1 << 22)
 
+/* Bases from which a block's voxels may lie in the tool's grid: from <= base < from + width. */
+typedef struct ost_block_reach {
+    int32_t from[3];
+    uint32_t width[3];
+} ost_block_reach;
+
 /* Everything that a pose is worked out to before the first chunk. */
 typedef struct ost_pose_plan {
     ost_split split[2]; /* 16 -> 8, 8 -> 4 */
     ost_match match;
     ost_block_bases bases;
     ost_voxel_box box; /* within the grid */
+    ost_block_reach reach;
 } ost_pose_plan;
 
 typedef struct ost_event_chunk {

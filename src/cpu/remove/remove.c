@@ -6,7 +6,7 @@
  *   for each pose
  *     for each chunk with memory in its box          threads take chunks
  *       for each unit of up to 32^3 voxels
- *         blocks of 16^3 in the box, their bases     block_base.h
+ *         blocks of 16^3 in the box and in reach     block_base.h: their bases
  *         split: 8^3 cubes inside, mixed             outside ones are done
  *         split: bricks inside, mixed                those with nothing active are done
  *         match: the hits of mixed bricks
@@ -89,12 +89,15 @@ static uint64_t cubes_within(const int32_t unit[3], const ost_voxel_box *box)
 /* The 8^3 cubes of the two lists that do not lie wholly in the box. */
 static uint64_t cubes_across(const int32_t unit[3], const ost_cubes *mixed, const ost_numbers *inside, const ost_voxel_box *box)
 {
+    const uint64_t beyond = ~cubes_within(unit, box);
     uint64_t met = 0;
+    if (beyond == 0)
+        return 0;
     for (size_t i = 0; i < mixed->count; i++)
         met |= UINT64_C(1) << mixed->number[i];
     for (size_t i = 0; i < inside->count; i++)
         met |= UINT64_C(1) << inside->number[i];
-    return met & ~cubes_within(unit, box);
+    return met & beyond;
 }
 
 /* The voxels of a brick that lie in the box; all of them where its cube is not among those across. */
@@ -134,7 +137,34 @@ static inline void add_hits(hit_list *list, uint64_t *occupancy, int32_t number,
     list->count += hit != 0;
 }
 
-/* The blocks of the unit that the box meets (those that the plan has bases for) and the tool may reach. */
+/*
+ * A voxel of a block has u = base + sum of d step, 0 <= d <= 15, so on each
+ * axis base - below <= u <= base + above. When that misses [0, dims 2^20), no
+ * voxel of the block is inside the tool's grid. below + above <= 15 times a sum
+ * of three |step| < 2^29 (AR-MAP-5), so from .. from + width fits as remove.h's u does.
+ */
+static ost_block_reach reach_of(const int32_t step[3][3], const int32_t dims[3])
+{
+    ost_block_reach r;
+    for (int a = 0; a < 3; a++) {
+        int32_t below = 0, above = 0;
+        for (int b = 0; b < 3; b++) {
+            below += step[b][a] < 0 ? -(BLOCK - 1) * step[b][a] : 0;
+            above += step[b][a] > 0 ? (BLOCK - 1) * step[b][a] : 0;
+        }
+        r.from[a] = -above;
+        r.width[a] = ((uint32_t)dims[a] << OST_MAP_FRACTION) + (uint32_t)below + (uint32_t)above;
+    }
+    return r;
+}
+
+static inline bool in_reach(const ost_block_reach *r, const int32_t base[3])
+{
+    return ((uint32_t)base[0] - (uint32_t)r->from[0] < r->width[0]) & ((uint32_t)base[1] - (uint32_t)r->from[1] < r->width[1]) &
+           ((uint32_t)base[2] - (uint32_t)r->from[2] < r->width[2]);
+}
+
+/* The blocks of the unit that the box meets (those that the plan has bases for) and whose voxels the tool's grid may hold. */
 static void collect_blocks(const ost_pose_plan *plan, const int32_t unit[3], int32_t edge, ost_cubes *blocks)
 {
     const ost_block_bases *bases = &plan->bases;
@@ -155,7 +185,7 @@ static void collect_blocks(const ost_pose_plan *plan, const int32_t unit[3], int
                 blocks->u[1][n] = base[1];
                 blocks->u[2][n] = base[2];
                 blocks->number[n] = x - first[0] + 2 * (y - first[1]) + 4 * (z - first[2]);
-                n += near;
+                n += near && in_reach(&plan->reach, base);
             }
     blocks->count = n;
 }
@@ -166,8 +196,15 @@ static inline __attribute__((always_inline)) void settle(hit_list *list, uint64_
                                                          const ost_numbers *inside, const int32_t unit[3], const ost_voxel_box *box,
                                                          uint64_t across)
 {
-    for (size_t i = 0; i < bricks->count; i++)
-        add_hits(list, occupancy, bricks->number[i], hits[i] & brick_within(unit, bricks->number[i], box, across));
+    /* Most mixed bricks have nothing left to be hit, so those that have are picked first. */
+    int32_t hit[OST_UNIT_BRICKS + 1];
+    size_t n = 0;
+    for (size_t i = 0; i < bricks->count; i++) {
+        hit[n] = (int32_t)i;
+        n += (hits[i] & occupancy[bricks->number[i]]) != 0;
+    }
+    for (size_t i = 0; i < n; i++)
+        add_hits(list, occupancy, bricks->number[hit[i]], hits[hit[i]] & brick_within(unit, bricks->number[hit[i]], box, across));
     for (size_t i = 0; i < inside_bricks->count; i++)
         add_hits(list, occupancy, inside_bricks->number[i], brick_within(unit, inside_bricks->number[i], box, across));
     for (size_t i = 0; i < inside->count; i++)
@@ -241,6 +278,7 @@ static void plan_pose(ost_pose_plan *plan, const ost_map *map, const ost_voxel_b
     int32_t lo[3], hi[3];
     block_range(box, lo, hi);
     plan->box = *box;
+    plan->reach = reach_of(map->step, shape->dims);
     ost_split_make(map->step, 16, &shape->cells, &plan->split[0]);
     ost_split_make(map->step, 8, &shape->cells, &plan->split[1]);
     ost_match_make(map->step, shape, &plan->match);

@@ -5,9 +5,9 @@
  *   primitive   GROUP triangles that follow each other, as user geometry with
  *               the bounds of all, a unit larger on every side
  *   packet      16 rays along x through the centres of 4 x 4 rows
- *   callback    notes the primitive, once a packet; reports no hit, so that no
+ *   callback    notes the primitive, once a tile; reports no hit, so that no
  *               ray is ever shortened
- *   then        the mark kernel takes the noted triangles and those 16 rows
+ *   then        the mark kernel takes the noted triangles and the tile's rows
  *
  * Why no crossing is missed.  Coordinates of vertices and of row centres are
  * integers up to 2^20: exact in floats, and so are bounds with a unit added
@@ -18,9 +18,9 @@
  * differences, signs are kept, and the test finds it inside.  Boxes of inner
  * nodes hold their children's boxes.
  *
- * Why none counts twice.  A primitive may be met several times by a packet
- * (rays of a packet may be followed apart).  The packet's number is left at
- * the primitive at the first, and all rows of the packet are decided then.
+ * Why none counts twice.  A primitive may be met by several packets of a tile, and several
+ * times by one.  The tile's number is left at the primitive at the first, and
+ * all rows of the tile are decided then, also those that no packet was sent through yet.
  *
  * Embree and its tasks set flush-to-zero, and divide by zero on their way; a
  * caller may have set a rounding or traps.  So every use begins with the state
@@ -93,8 +93,8 @@ struct ost_embree {
 };
 
 struct ost_embree_desk {
-    uint32_t *last_packet; /* a primitive: the packet that met it last; 0 none */
-    uint32_t packet;
+    uint32_t *last_tile; /* a primitive: the tile whose rays met it last; 0 none */
+    uint32_t tiles;      /* of this desk so far: the number of this one */
     ost_vox_tile *tile;
     ost_vox_mark_fn *mark;
     size_t count;
@@ -140,9 +140,9 @@ static void mark_candidates(ost_embree_desk *desk)
 static void note_primitive(const struct RTCIntersectFunctionNArguments *args)
 {
     ost_embree_desk *desk = ((cast_context *)args->context)->desk;
-    if (desk->last_packet[args->primID] == desk->packet)
+    if (desk->last_tile[args->primID] == desk->tiles)
         return;
-    desk->last_packet[args->primID] = desk->packet;
+    desk->last_tile[args->primID] = desk->tiles;
     const ost_snapped_mesh *mesh = args->geometryUserPtr;
     const size_t first = (size_t)args->primID * GROUP;
     for (size_t t = first; t < first + GROUP && t < mesh->triangle_count; t++)
@@ -224,8 +224,8 @@ ost_embree_desk *ost_embree_desk_new(const ost_embree *embree)
 {
     ost_embree_desk *desk = calloc(1, sizeof *desk);
     if (desk)
-        desk->last_packet = calloc(embree->primitives + 1, sizeof *desk->last_packet);
-    if (desk && !desk->last_packet) {
+        desk->last_tile = calloc(embree->primitives + 1, sizeof *desk->last_tile);
+    if (desk && !desk->last_tile) {
         free(desk);
         desk = NULL;
     }
@@ -236,12 +236,12 @@ void ost_embree_desk_free(ost_embree_desk *desk)
 {
     if (!desk)
         return;
-    free(desk->last_packet);
+    free(desk->last_tile);
     free(desk);
 }
 
-/* The rows to be marked: at most SIDE x SIDE. */
-static void cast(const ost_embree *e, ost_embree_desk *desk)
+/* Rays through the rows j0 <= j < j0 + SIDE of the slices k0 <= k < k0 + SIDE, as far as they are the tile's. */
+static void cast(const ost_embree *e, ost_embree_desk *desk, int32_t j0, int32_t k0)
 {
     const ost_vox_tile *tile = desk->tile;
     const int32_t half = 1 << (tile->f - 1);
@@ -250,8 +250,8 @@ static void cast(const ost_embree *e, ost_embree_desk *desk)
     cast_context c = {.desk = desk};
     memset(&rays, 0, sizeof rays);
     for (int r = 0; r < PACKET; r++) {
-        const int32_t j = tile->rows_j0 + r % SIDE, k = tile->rows_k0 + r / SIDE;
-        valid[r] = j < tile->rows_j1 && k < tile->rows_k1 ? -1 : 0;
+        const int32_t j = j0 + r % SIDE, k = k0 + r / SIDE;
+        valid[r] = j < tile->j1 && k < tile->k1 ? -1 : 0;
         rays.ray.org_x[r] = -4;
         rays.ray.org_y[r] = (float)((j << tile->f) + half);
         rays.ray.org_z[r] = (float)((k << tile->f) + half);
@@ -280,16 +280,11 @@ void ost_embree_mark(const ost_embree *e, ost_embree_desk *desk, ost_vox_tile *t
 {
     desk->tile = tile;
     desk->mark = mark;
+    desk->tiles++; /* below 2^24: a grid has 2^24 rows at most */
     for (int32_t k = tile->k0; k < tile->k1; k += SIDE)
-        for (int32_t j = tile->j0; j < tile->j1; j += SIDE) {
-            tile->rows_j0 = j;
-            tile->rows_k0 = k;
-            tile->rows_j1 = j + SIDE < tile->j1 ? j + SIDE : tile->j1;
-            tile->rows_k1 = k + SIDE < tile->k1 ? k + SIDE : tile->k1;
-            desk->packet++; /* below 2^24: a grid has 2^24 rows at most */
-            cast(e, desk);
-            mark_candidates(desk);
-        }
+        for (int32_t j = tile->j0; j < tile->j1; j += SIDE)
+            cast(e, desk, j, k);
+    mark_candidates(desk);
 }
 
 #endif

@@ -2,20 +2,31 @@
 /*
  * From crossings to solid bits to classes.
  *
- * Let P and M be a row's bits in plus and minus, d(i) = P(i) - M(i), and
- * W(i) = d(0) + ... + d(i) the winding number at centre i.  X = P xor M is d
- * modulo 2, so the running parity Q(i) = X(0) xor ... xor X(i) is W(i) modulo
- * 2.  Where every crossing that changes Q changes it the right way,
+ * Let P and M be a row's bits in plus and minus, read as numbers, bit i worth
+ * 2^i, and W(i) the winding number at centre i.  Where crossings enter and leave in turn,
  *
- *   X(i) = 1 and P(i) = 1  =>  Q(i) = 1     (it enters: 0 -> 1)
- *   X(i) = 1 and P(i) = 0  =>  Q(i) = 0     (it leaves: 1 -> 0)
+ *       i   0 1 2 3 4 5 6 7
+ *       P   . 1 . . . 1 . .        2^leave - 2^enter = 2^enter + ... + 2^(leave - 1),
+ *       M   . . . 1 . . . 1
+ *   M - P   . 1 1 . . 1 1 .        so M - P has the solid centres' bits.
  *
- * that is, X and (Q xor P) have no bit in common, W = Q: by induction, since
- * W(-1) = Q(-1) = 0, and W(i) - W(i-1) = Q(i) - Q(i-1) in each of the cases
- * X(i) = 0 (both 0), entering (both +1) and leaving (both -1).  Then W is 0 or
- * 1 everywhere, solid is Q, and the row leaks iff its last Q is 1.  A row that
- * fails, or leaks, is UNPROVEN and summed crossing by crossing.  By parity, Q is
- * what is asked for and only leaks are odd.
+ * Whether they do is seen from the result, Q.  Let L = 2 Q be the bit before, and X = P xor M.  If
+ *
+ *   X = Q xor L                    Q changes where there is a crossing, and only there
+ *   X and (Q xor P) = 0            it becomes 1 where one enters, 0 where one leaves
+ *   the last bit of Q is 0
+ *
+ * then W = Q: by induction, since W(-1) = Q(-1) = 0 and each of the cases X(i) = 0
+ * (neither or both cross), entering (+1) and leaving (-1) changes both by the same.
+ * The row is proven then, and sound.  By parity the solid bits are the same.
+ *
+ * Word by word, the bit before a word is the borrow from the word below it: in a proven
+ * word, q - b = leaves - enters = m - p - b' 2^64 for the b that it begins and the b' that it ends
+ * with, and b' is the borrow.
+ *
+ * A mesh that is inside out leaves first: Q = P - M, with P and M exchanged in the
+ * conditions, and W = -Q.  A kernel tries what held for the row before, then
+ * the other.  What is neither is UNPROVEN and summed crossing by crossing.
  */
 #include <string.h>
 
@@ -27,39 +38,42 @@ static int count_bits(uint64_t v)
     return __builtin_popcountll(v);
 }
 
-/* X(0) xor ... xor X(i) in every bit i. */
-static uint64_t running_parity(uint64_t x)
+/* The bits of one row; false when it is not proven. */
+static bool fill_row(const uint64_t *enter, const uint64_t *leave, size_t words, uint64_t *bits, uint64_t *count)
 {
-    x ^= x << 1;
-    x ^= x << 2;
-    x ^= x << 4;
-    x ^= x << 8;
-    x ^= x << 16;
-    return x ^ x << 32;
+    uint64_t wrong = 0, inside = 0, n = 0; /* inside: 1 where the word before has ended so */
+    for (size_t w = 0; w < words; w++) {
+        const uint64_t x = enter[w] ^ leave[w], q = leave[w] - enter[w] - inside;
+        wrong |= (x ^ q ^ (q << 1 | inside)) | (x & (q ^ enter[w]));
+        inside = leave[w] < enter[w] || (x == 0 && inside);
+        bits[w] = q;
+        n += q ? (uint64_t)count_bits(q) : 0;
+    }
+    if (wrong || inside)
+        return false;
+    *count += n;
+    return true;
 }
 
-uint64_t ost_vox_fill_scalar(ost_vox_tile *tile, size_t first_row, size_t rows, bool parity, bool stream, uint64_t *bits)
+uint64_t ost_vox_fill_scalar(ost_vox_tile *tile, size_t first_row, size_t rows, uint64_t *bits)
 {
-    (void)stream;
     const size_t words = tile->row_bits / 64;
     uint64_t *plus = tile->planes + first_row * words, *minus = plus + tile->minus / 64;
     const bool keep = tile->any_odd;
+    bool inside_out = false;
     uint64_t count = 0;
-    for (size_t r = first_row; r < first_row + rows; r++) {
-        uint64_t carry = 0, unproven = 0;
-        for (size_t w = 0; w < words; w++, plus++, minus++) {
-            const uint64_t x = *plus ^ *minus, q = x ? running_parity(x) ^ carry : carry;
-            unproven |= x & (q ^ *plus);
-            carry = -(q >> 63);
-            *bits++ = q;
-            count += q ? (uint64_t)count_bits(q) : 0;
+    for (size_t r = first_row; r < first_row + rows; r++, plus += words, minus += words, bits += words) {
+        bool proven = fill_row(inside_out ? minus : plus, inside_out ? plus : minus, words, bits, &count);
+        if (!proven) {
+            inside_out = !inside_out;
+            proven = fill_row(inside_out ? minus : plus, inside_out ? plus : minus, words, bits, &count);
         }
-        if (carry || (!parity && unproven)) {
+        if (!proven) {
             tile->odd[r] |= OST_VOX_UNPROVEN;
             tile->any_odd = true;
         } else if (!keep) {
-            memset(plus - words, 0, words * sizeof *plus);
-            memset(minus - words, 0, words * sizeof *minus);
+            memset(plus, 0, words * sizeof *plus);
+            memset(minus, 0, words * sizeof *minus);
         }
     }
     return count;
@@ -103,7 +117,7 @@ int64_t ost_vox_fill_odd(const ost_vox_tile *tile, size_t first_row, size_t rows
             continue;
         uint64_t *row = bits + (r - first_row) * words;
         for (size_t w = 0; w < words; w++) {
-            more -= count_bits(row[w]);
+            more -= tile->odd[r] & OST_VOX_UNPROVEN ? 0 : count_bits(row[w]);
             row[w] = 0;
         }
         const bool sound = tile->odd[r] & OST_VOX_SPILLED

@@ -167,7 +167,7 @@ static uint64_t fill_mesh(const job *j, desk *d, int m, size_t number, uint64_t 
     const size_t rows = ost_vox_rows(tile), words = (size_t)j->plan.words, run = j->direct ? (size_t)(tile->j1 - tile->j0) : rows;
     for (size_t r = 0; r < rows; r += run) {
         uint64_t *bits = j->direct ? j->result.cutting + result_row(j, tile, r) * words : d->bits[m];
-        count += kernels->vox_fill(tile, r, run, j->rule == OST_FILL_PARITY, j->direct, bits);
+        count += kernels->vox_fill(tile, r, run, bits);
         if (tile->any_odd && !tile->no_memory)
             count += (uint64_t)ost_vox_fill_odd(tile, r, run, j->rule, bits, leaking_rows);
     }

@@ -12,7 +12,7 @@
  *           +-----+-----+ y
  *
  *   mark    every crossing sets one bit                 mark.c, ../x86/, embree.c
- *   fill    a running sum along x makes solid bits      fill.c, ../x86/
+ *   fill    what lies between makes solid bits          fill.c, ../x86/
  *   expand  bits become classes, 0, 1 or 2              fill.c, ../x86/
  *
  * Exact counts from single bits.  A bit says "one crossing here", so a second
@@ -21,9 +21,9 @@
  * the row's own array of int32 steps.  Planes and steps together always hold
  * every crossing with its sign, so nothing is ever lost or saturated.
  *
- * Rows are filled from the parity of plus XOR minus while that is proven to
- * be the winding number itself (fill.c); the others, and those that
- * have spilled, are summed one by one.
+ * A row whose crossings enter and leave in turn, which the result itself
+ * proves, is filled by a subtraction, minus - plus (fill.c); the others, and
+ * those that have spilled, are summed crossing by crossing.
  */
 #ifndef OST_CPU_VOXELIZE_H
 #define OST_CPU_VOXELIZE_H
@@ -49,7 +49,7 @@ struct ost_vox_tile {
 
 enum {
     OST_VOX_SPILLED = 1,   /* has steps in spill */
-    OST_VOX_UNPROVEN = 2,  /* its parity is not proven to be its winding number */
+    OST_VOX_UNPROVEN = 2,  /* not proven to enter and leave in turn */
     OST_VOX_BLOCK = 8,     /* words: planes and bits are readable and writable to a whole block */
     OST_VOX_SMALL = 1 << 16 /* lattice units: the greatest extent of a triangle that is marked in lanes */
 };
@@ -82,8 +82,8 @@ static inline void ost_vox_mark_bit(ost_vox_tile *tile, uint32_t bit)
 void ost_vox_mark_triangle(ost_vox_tile *tile, uint32_t triangle);
 
 /*
- * Corrects those of some rows of a tile that are odd: bits holds them as the
- * kernel filled them; returns what is to be added to the count of solid voxels.
+ * Sums those of some rows of a tile that are odd: bits holds them as the kernel
+ * left them; returns what is to be added to the kernel's count of solid voxels.
  */
 int64_t ost_vox_fill_odd(const ost_vox_tile *tile, size_t first_row, size_t rows, ost_fill_rule rule, uint64_t *bits,
                          uint64_t *leaking_rows);
@@ -146,7 +146,7 @@ ost_status ost_cpu_voxelize_tool(ost_backend *backend, const ost_snapped_mesh *c
 /* Scalar kernels (contracts: kernels.h). */
 void ost_vox_mark_scalar(ost_vox_tile *tile, const uint32_t *list, size_t count);
 void ost_vox_keys_scalar(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t count, uint32_t *keys);
-uint64_t ost_vox_fill_scalar(ost_vox_tile *tile, size_t first_row, size_t rows, bool parity, bool stream, uint64_t *bits);
+uint64_t ost_vox_fill_scalar(ost_vox_tile *tile, size_t first_row, size_t rows, uint64_t *bits);
 void ost_vox_expand_scalar(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx, bool stream,
                            uint8_t *voxels);
 

@@ -131,18 +131,7 @@ void ost_vox_keys_avx2(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, s
     keys_of(plan, mesh, first, count, keys);
 }
 
-/* ------------------------------------------------------- running parity */
-
-/* Of each word, in every bit the parity of it and those below. */
-static inline __m256i running_parity(__m256i x)
-{
-    x = _mm256_xor_si256(x, _mm256_slli_epi64(x, 1));
-    x = _mm256_xor_si256(x, _mm256_slli_epi64(x, 2));
-    x = _mm256_xor_si256(x, _mm256_slli_epi64(x, 4));
-    x = _mm256_xor_si256(x, _mm256_slli_epi64(x, 8));
-    x = _mm256_xor_si256(x, _mm256_slli_epi64(x, 16));
-    return _mm256_xor_si256(x, _mm256_slli_epi64(x, 32));
-}
+/* ------------------------------------------------------------- solid bits */
 
 static inline __m256i count_bytes(__m256i v)
 {
@@ -152,64 +141,67 @@ static inline __m256i count_bytes(__m256i v)
                            _mm256_shuffle_epi8(table, _mm256_and_si256(_mm256_srli_epi16(v, 4), low)));
 }
 
-static inline void store_vector(uint64_t *bits, __m256i v, bool stream)
+enum { WORDS = 4 }; /* of a vector */
+
+/* As with 512 bits (voxelize_avx512.c), four words at a time. */
+static inline bool fill_vectors(const uint64_t *enter, const uint64_t *leave, size_t words, unsigned ends, uint64_t *bits, bool *marked,
+                                __m256i *counts)
 {
-    if (stream)
-        _mm256_stream_si256((__m256i *)bits, v);
-    else
-        _mm256_store_si256((__m256i *)bits, v);
+    const __m256i zero = _mm256_setzero_si256(), bit = _mm256_setr_epi64x(1, 2, 4, 8);
+    __m256i wrong = zero, n = *counts;
+    unsigned before = 0; /* bit i: word i begins inside; 4: so does the next vector's first */
+    for (size_t w = 0; w < words; w += WORDS) {
+        const __m256i p = _mm256_load_si256((const __m256i *)(enter + w)), m = _mm256_load_si256((const __m256i *)(leave + w));
+        const __m256i either = _mm256_or_si256(p, m);
+        const unsigned inside = before >> WORDS;
+        __m256i q = _mm256_set1_epi64x(-(long long)inside);
+        if (!_mm256_testz_si256(either, either)) {
+            const __m256i x = _mm256_xor_si256(p, m), difference = _mm256_sub_epi64(m, p);
+            /* The top bit of what a subtraction of bits borrows. */
+            const __m256i borrow = _mm256_or_si256(_mm256_andnot_si256(m, p), _mm256_andnot_si256(x, difference));
+            const unsigned less = (unsigned)_mm256_movemask_pd(_mm256_castsi256_pd(borrow));
+            const unsigned same = (unsigned)_mm256_movemask_pd(_mm256_castsi256_pd(_mm256_cmpeq_epi64(m, p)));
+            before = (2 * less + inside + same) ^ same;
+            const __m256i minus_one = _mm256_cmpeq_epi64(_mm256_and_si256(_mm256_set1_epi64x(before), bit), bit);
+            q = _mm256_add_epi64(difference, minus_one);
+            const __m256i last = _mm256_sub_epi64(_mm256_add_epi64(q, q), minus_one);
+            wrong = _mm256_or_si256(wrong, _mm256_or_si256(_mm256_xor_si256(_mm256_xor_si256(x, q), last),
+                                                           _mm256_and_si256(x, _mm256_xor_si256(q, p))));
+            *marked = true;
+        }
+        _mm256_store_si256((__m256i *)(bits + w), q);
+        n = _mm256_add_epi64(n, _mm256_sad_epu8(count_bytes(q), zero));
+    }
+    if (!_mm256_testz_si256(wrong, wrong) || before & ends)
+        return false;
+    *counts = n;
+    return true;
 }
 
-/*
- * As with 512 bits (voxelize_avx512.c), four words at a time: a row's words or
- * those of several rows, whole; a bad vector's rows are all summed again.
- */
-uint64_t ost_vox_fill_avx2(ost_vox_tile *tile, size_t first_row, size_t rows, bool parity, bool stream, uint64_t *bits)
+uint64_t ost_vox_fill_avx2(ost_vox_tile *tile, size_t first_row, size_t rows, uint64_t *bits)
 {
-    enum { WORDS = 4 };
-    const size_t words = tile->row_bits / 64, total = rows * words;
-    const size_t rows_in_vector = words < WORDS ? WORDS / words : 1;
-    uint64_t *plus = tile->planes + first_row * words, *minus = plus + tile->minus / 64;
-    const __m256i zero = _mm256_setzero_si256(), winding = _mm256_set1_epi64x(parity ? 0 : -1);
-    const int ends = words >= 4 ? 8 : words == 2 ? 0xa : 0xf;
-    __m256i counts = zero, carry = zero, bad = zero;
+    const size_t words = tile->row_bits / 64, total = rows * words, step = words < WORDS ? WORDS : words;
+    const size_t rows_in_step = step / words;
+    const unsigned ends = words >= 4 ? 0x10 : words == 2 ? 0x14 : 0x1e;
+    uint64_t *enter = tile->planes + first_row * words, *leave = enter + tile->minus / 64;
+    __m256i counts = _mm256_setzero_si256();
     const bool keep = tile->any_odd;
-    size_t row_word = 0;
-    for (size_t w = 0; w < total; w += WORDS) {
-        const __m256i p = _mm256_load_si256((const __m256i *)(plus + w));
-        const __m256i m = _mm256_load_si256((const __m256i *)(minus + w)), x = _mm256_xor_si256(p, m);
-        const __m256i marked = _mm256_or_si256(p, m);
-        if (words <= WORDS && _mm256_testz_si256(marked, marked)) { /* rows without a crossing */
-            store_vector(bits + w, zero, stream);
-            continue;
+    for (size_t w = 0; w < total; w += step) {
+        bool marked = false, proven = fill_vectors(enter + w, leave + w, step, ends, bits + w, &marked, &counts);
+        if (__builtin_expect(!proven, 0)) {
+            uint64_t *const other = enter;
+            enter = leave;
+            leave = other;
+            proven = fill_vectors(enter + w, leave + w, step, ends, bits + w, &marked, &counts);
         }
-        __m256i q = running_parity(x);
-        /* Whole words of the parity before each word: from the word below, then from two below. */
-        __m256i top = _mm256_cmpgt_epi64(zero, q);
-        __m256i before = _mm256_blend_epi32(_mm256_permute4x64_epi64(top, 0x90), zero, 0x03);
-        before = _mm256_xor_si256(before, _mm256_blend_epi32(_mm256_permute4x64_epi64(before, 0x90), zero, 0x03));
-        before = _mm256_xor_si256(before, _mm256_permute2x128_si256(before, before, 0x08));
-        q = _mm256_xor_si256(q, _mm256_xor_si256(before, carry));
-        store_vector(bits + w, q, stream);
-        counts = _mm256_add_epi64(counts, _mm256_sad_epu8(count_bytes(q), zero));
-        bad = _mm256_or_si256(bad, _mm256_and_si256(_mm256_and_si256(x, _mm256_xor_si256(q, p)), winding));
-        row_word += WORDS;
-        if (row_word < words) { /* the row goes on */
-            carry = _mm256_permute4x64_epi64(_mm256_cmpgt_epi64(zero, q), 0xff);
-            continue;
-        }
-        row_word = 0;
-        carry = zero;
-        if (__builtin_expect(!_mm256_testz_si256(bad, bad) || (_mm256_movemask_pd(_mm256_castsi256_pd(q)) & ends), 0)) {
-            const size_t row = words < WORDS ? w / words : (w + WORDS) / words - 1;
-            for (size_t r = 0; r < rows_in_vector && row + r < rows; r++)
-                tile->odd[first_row + row + r] |= OST_VOX_UNPROVEN;
+        if (__builtin_expect(!proven, 0)) {
+            for (size_t r = w / words; r < w / words + rows_in_step && r < rows; r++)
+                tile->odd[first_row + r] |= OST_VOX_UNPROVEN;
             tile->any_odd = true;
-            bad = zero;
-        } else if (!keep) {
-            for (size_t b = words <= WORDS ? w : w + WORDS - words; b <= w; b += WORDS) {
-                _mm256_store_si256((__m256i *)(plus + b), zero);
-                _mm256_store_si256((__m256i *)(minus + b), zero);
+        } else if (marked && !keep) {
+            for (size_t b = w; b < w + step; b += WORDS) {
+                _mm256_store_si256((__m256i *)(enter + b), _mm256_setzero_si256());
+                _mm256_store_si256((__m256i *)(leave + b), _mm256_setzero_si256());
             }
         }
     }
@@ -217,10 +209,6 @@ uint64_t ost_vox_fill_avx2(ost_vox_tile *tile, size_t first_row, size_t rows, bo
     _mm256_storeu_si256((__m256i *)sums, counts);
     for (int i = 0; i < WORDS; i++)
         count += sums[i];
-    for (size_t w = total; w % WORDS; w++) /* what a leaking row left behind the last */
-        count -= (uint64_t)_mm_popcnt_u64(bits[w]);
-    if (stream)
-        _mm_sfence();
     return count;
 }
 

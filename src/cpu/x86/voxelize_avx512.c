@@ -123,18 +123,7 @@ void ost_vox_keys_avx512(const ost_vox_plan *plan, const ost_snapped_mesh *mesh,
     keys_of(plan, mesh, first, count, keys);
 }
 
-/* ------------------------------------------------------- running parity */
-
-/* Of each word, in every bit the parity of it and those below. */
-static inline __m512i running_parity(__m512i x)
-{
-    x = _mm512_xor_si512(x, _mm512_slli_epi64(x, 1));
-    x = _mm512_xor_si512(x, _mm512_slli_epi64(x, 2));
-    x = _mm512_xor_si512(x, _mm512_slli_epi64(x, 4));
-    x = _mm512_xor_si512(x, _mm512_slli_epi64(x, 8));
-    x = _mm512_xor_si512(x, _mm512_slli_epi64(x, 16));
-    return _mm512_xor_si512(x, _mm512_slli_epi64(x, 32));
-}
+/* ------------------------------------------------------------- solid bits */
 
 /* Set bits of each byte. */
 static inline __m512i count_bytes(__m512i v)
@@ -146,76 +135,69 @@ static inline __m512i count_bytes(__m512i v)
 }
 
 /*
- * A block is one row's words or those of several rows, whole.  Rows end at
- * parity 0 or are summed again, so that parity may run on from row to row
- * within a block: what follows a leaking row in its block is odd as well, and all of
- * a bad block's rows are summed again.
+ * The bits of one row of whole blocks, or of one block of whole rows; false
+ * when they are not proven (fill.c).  Bit i of ends: word i of the last
+ * block begins a row or, bit 8, lies behind it: nothing may go on there.
  */
-uint64_t ost_vox_fill_avx512(ost_vox_tile *tile, size_t first_row, size_t rows, bool parity, bool stream, uint64_t *bits)
+static inline bool fill_blocks(const uint64_t *enter, const uint64_t *leave, size_t words, unsigned ends, uint64_t *bits, bool *marked,
+                               __m512i *counts)
 {
-    const size_t words = tile->row_bits / 64, total = rows * words;
-    const size_t rows_in_block = words < OST_VOX_BLOCK ? OST_VOX_BLOCK / words : 1;
-    uint64_t *plus = tile->planes + first_row * words, *minus = plus + tile->minus / 64;
-    const __m512i winding = _mm512_set1_epi64(parity ? 0 : -1);
-    const __mmask8 ends = words >= 8 ? 0x80 : words == 4 ? 0x88 : words == 2 ? 0xaa : 0xff;
-    __m512i counts = _mm512_setzero_si512();
     const __m512i zero = _mm512_setzero_si512(), ones = _mm512_set1_epi64(-1);
-    const bool keep = tile->any_odd;
-    size_t row_word = 0;
-    unsigned carry = 0; /* all ones, or 0 */
-    unsigned bad = 0;   /* somewhere in this row */
-    bool marked = false;
-    for (size_t w = 0; w < total; w += OST_VOX_BLOCK) {
-        const __m512i p = _mm512_load_si512(plus + w), m = _mm512_load_si512(minus + w), either = _mm512_or_si512(p, m);
-        __m512i q = carry ? ones : zero;
+    __m512i wrong = zero, n = *counts;
+    unsigned before = 0; /* bit i: word i begins inside; 8: so does the next block's first */
+    for (size_t w = 0; w < words; w += OST_VOX_BLOCK) {
+        const __m512i p = _mm512_load_si512(enter + w), m = _mm512_load_si512(leave + w), either = _mm512_or_si512(p, m);
+        const unsigned inside = before >> OST_VOX_BLOCK;
+        __m512i q = inside ? ones : zero;
         if (_mm512_test_epi64_mask(either, either)) {
-            const __m512i x = _mm512_xor_si512(p, m);
-            q = running_parity(x);
-            /* Parity of all words before each: a prefix over eight bits. */
-            unsigned before = _mm512_movepi64_mask(q);
-            before ^= before << 1;
-            before ^= before << 2;
-            before ^= before << 4;
-            before = (before << 1) ^ carry;
-            q = _mm512_mask_xor_epi64(q, (__mmask8)before, q, ones);
-            const __m512i unproven = _mm512_and_si512(_mm512_ternarylogic_epi64(x, q, p, 0x60), winding); /* x & (q ^ p) */
-            bad |= _mm512_test_epi64_mask(unproven, unproven);
-            carry = -(before >> 8 & 1);
-            marked = true;
+            /* Borrows, and on through words where the two are the same, as a sum of bits. */
+            const unsigned less = _mm512_cmplt_epu64_mask(m, p), same = _mm512_cmpeq_epi64_mask(m, p);
+            before = (2 * less + inside + same) ^ same;
+            const __m512i x = _mm512_xor_si512(p, m), difference = _mm512_sub_epi64(m, p);
+            q = _mm512_mask_add_epi64(difference, (__mmask8)before, difference, ones);
+            __m512i last = _mm512_add_epi64(q, q);
+            last = _mm512_mask_sub_epi64(last, (__mmask8)before, last, ones);
+            wrong = _mm512_ternarylogic_epi64(wrong, _mm512_ternarylogic_epi64(x, q, last, 0x96), /* wrong | x ^ q ^ last */
+                                              _mm512_ternarylogic_epi64(x, q, p, 0x60), 0xfe);    /* | x & (q ^ p) */
+            *marked = true;
         }
-        if (stream)
-            _mm512_stream_si512((__m512i *)(bits + w), q);
-        else
-            _mm512_store_si512(bits + w, q);
-        row_word += OST_VOX_BLOCK;
-        if (!marked) { /* a row's beginning, or whole rows, without a crossing: void so far */
-            row_word = row_word < words ? row_word : 0;
-            continue;
+        _mm512_store_si512(bits + w, q);
+        n = _mm512_add_epi64(n, _mm512_sad_epu8(count_bytes(q), zero));
+    }
+    if (_mm512_test_epi64_mask(wrong, wrong) || before & ends)
+        return false;
+    *counts = n;
+    return true;
+}
+
+uint64_t ost_vox_fill_avx512(ost_vox_tile *tile, size_t first_row, size_t rows, uint64_t *bits)
+{
+    const size_t words = tile->row_bits / 64, total = rows * words, step = words < OST_VOX_BLOCK ? OST_VOX_BLOCK : words;
+    const size_t rows_in_step = step / words;
+    const unsigned ends = words >= 8 ? 0x100 : words == 4 ? 0x110 : words == 2 ? 0x154 : 0x1fe;
+    uint64_t *enter = tile->planes + first_row * words, *leave = enter + tile->minus / 64;
+    __m512i counts = _mm512_setzero_si512();
+    const bool keep = tile->any_odd;
+    for (size_t w = 0; w < total; w += step) {
+        bool marked = false, proven = fill_blocks(enter + w, leave + w, step, ends, bits + w, &marked, &counts);
+        if (__builtin_expect(!proven, 0)) {
+            uint64_t *const other = enter;
+            enter = leave;
+            leave = other;
+            proven = fill_blocks(enter + w, leave + w, step, ends, bits + w, &marked, &counts);
         }
-        counts = _mm512_add_epi64(counts, _mm512_sad_epu8(count_bytes(q), zero));
-        if (row_word < words)
-            continue;
-        if (__builtin_expect((bad | (_mm512_movepi64_mask(q) & ends)) != 0, 0)) {
-            const size_t row = words < OST_VOX_BLOCK ? w / words : (w + OST_VOX_BLOCK) / words - 1;
-            for (size_t r = 0; r < rows_in_block && row + r < rows; r++)
-                tile->odd[first_row + row + r] |= OST_VOX_UNPROVEN;
+        if (__builtin_expect(!proven, 0)) {
+            for (size_t r = w / words; r < w / words + rows_in_step && r < rows; r++)
+                tile->odd[first_row + r] |= OST_VOX_UNPROVEN;
             tile->any_odd = true;
-        } else if (!keep) {
-            for (size_t b = words <= OST_VOX_BLOCK ? w : w + OST_VOX_BLOCK - words; b <= w; b += OST_VOX_BLOCK) {
-                _mm512_store_si512(plus + b, zero);
-                _mm512_store_si512(minus + b, zero);
+        } else if (marked && !keep) {
+            for (size_t b = w; b < w + step; b += OST_VOX_BLOCK) {
+                _mm512_store_si512(enter + b, _mm512_setzero_si512());
+                _mm512_store_si512(leave + b, _mm512_setzero_si512());
             }
         }
-        row_word = 0;
-        carry = bad = 0;
-        marked = false;
     }
-    uint64_t count = (uint64_t)_mm512_reduce_add_epi64(counts);
-    for (size_t w = total; w % OST_VOX_BLOCK; w++) /* what a leaking row left behind the last */
-        count -= (uint64_t)_mm_popcnt_u64(bits[w]);
-    if (stream)
-        _mm_sfence();
-    return count;
+    return (uint64_t)_mm512_reduce_add_epi64(counts);
 }
 
 /* ---------------------------------------------------------------- classes */

@@ -1,0 +1,189 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Going on elsewhere when a backend fails.
+ *
+ *   bone  ----o=========o=========o====x           o  copied to the host
+ *             |         |         |    |           =  ticks recorded since
+ *             '---------'---------'    the backend fails in this tick
+ *                                 |
+ *   other                         o====-------->   the copy, the recorded ticks again, and on
+ *
+ * Ticks are arithmetic on integers and every backend gives the same grids, so
+ * doing them again elsewhere gives the bone as it was, and the same totals.
+ * The copy is only replaced by a whole one.
+ */
+#include "sim/world.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/backend.h"
+
+static ost_status copy_bone(ost_world *world, ost_error *err)
+{
+    ost_world_kept *kept = world->kept;
+    const size_t count = (size_t)ost_dims_count(world->geometry.dims);
+    int16_t *voxels = malloc(count * sizeof *voxels);
+    if (!voxels)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a copy of the bone, %zu voxels", count);
+    ost_status status = ost_bone_download(world->bone.voxels.bone, 0, world->geometry.dims.z, voxels, err);
+    if (status != OST_OK) {
+        free(voxels);
+        return status;
+    }
+    free(kept->voxels);
+    kept->voxels = voxels;
+    kept->count = 0;
+    for (int i = 0; i < OST_WORLD_TOOLS_MAX; i++)
+        kept->inputs[i] = world->tools[i].input;
+    kept->tool = world->tool;
+    kept->t_ns = world->t_ns;
+    kept->removal_t = world->removal_t;
+    kept->totals = world->totals;
+    return OST_OK;
+}
+
+ost_status ost_world_kept_make(ost_world *world, ost_error *err)
+{
+    const size_t ticks = (size_t)world->options.keep_ticks;
+    if (ticks == 0)
+        return OST_OK;
+    world->kept = calloc(1, sizeof *world->kept);
+    if (world->kept)
+        world->kept->ticks = malloc(ticks * sizeof *world->kept->ticks);
+    if (!world->kept || !world->kept->ticks)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu ticks", ticks);
+    return copy_bone(world, err);
+}
+
+void ost_world_kept_free(ost_world *world)
+{
+    if (!world->kept)
+        return;
+    free(world->kept->voxels);
+    for (int i = 0; i < OST_WORLD_TOOLS_MAX; i++)
+        free(world->kept->tools[i]);
+    free(world->kept->ticks);
+    free(world->kept);
+    world->kept = NULL;
+}
+
+ost_status ost_world_keep_tool(ost_world *world, int index, const ost_tool *tool, ost_error *err)
+{
+    if (!world->kept)
+        return OST_OK;
+    ost_tool_volume volume;
+    ost_status status = ost_tool_download(tool, &volume, err);
+    if (status != OST_OK)
+        return status;
+    const size_t count = (size_t)ost_dims_count(volume.geometry.dims);
+    uint8_t *classes = malloc(count);
+    if (classes) {
+        memcpy(classes, volume.voxels, count);
+        world->kept->tools[index] = classes;
+        /* Before it was there it stood where a new one stands. */
+        world->kept->inputs[index] = (ost_input_component){.pose = ost_pose_identity(), .event = ost_pose_identity()};
+    } else {
+        status = ost_fail(err, OST_ERR_MEMORY, "no memory for a copy of a tool, %zu voxels", count);
+    }
+    ost_tool_volume_free(&volume);
+    return status;
+}
+
+ost_status ost_world_keep(ost_world *world, ost_error *err)
+{
+    if (!world->kept || world->kept->count < world->options.keep_ticks)
+        return OST_OK;
+    return copy_bone(world, err);
+}
+
+void ost_world_keep_tick(ost_world *world, const ost_tick *tick)
+{
+    if (world->kept)
+        world->kept->ticks[world->kept->count++] = *tick;
+}
+
+/* ---------------------------------------------------------------- rescue */
+
+static ost_status make_bone(const ost_world *world, ost_backend *backend, ost_bone **out, ost_error *err)
+{
+    const ost_bone *old = world->bone.voxels.bone;
+    ost_status status = ost_bone_create(backend, &world->geometry, old->chunk_size, old->threshold, out, err);
+    return status == OST_OK ? ost_bone_upload(*out, 0, world->geometry.dims.z, world->kept->voxels, err) : status;
+}
+
+static ost_status make_tools(const ost_world *world, ost_backend *backend, ost_tool **out, ost_error *err)
+{
+    ost_status status = OST_OK;
+    for (int i = 0; i < world->tool_count && status == OST_OK; i++) {
+        /* Uploads read the classes only. */
+        const ost_tool_volume volume = {.geometry = world->tools[i].voxels.tool->geometry, .voxels = world->kept->tools[i]};
+        status = ost_tool_upload(backend, &volume, &out[i], err);
+    }
+    return status;
+}
+
+/* The world as it was before the recorded ticks, with other voxels; then these ticks. */
+static ost_status repeat_ticks(ost_world *world, ost_bone *bone, ost_tool *const *tools, ost_error *err)
+{
+    const ost_world_kept *kept = world->kept;
+    world->bone.voxels.bone = bone;
+    for (int i = 0; i < world->tool_count; i++) {
+        world->tools[i].voxels.tool = tools[i];
+        world->tools[i].input = kept->inputs[i];
+    }
+    world->tool = kept->tool;
+    world->t_ns = kept->t_ns;
+    world->removal_t = kept->removal_t;
+    world->totals = kept->totals;
+    ost_status status = OST_OK;
+    for (int32_t i = 0; i < kept->count && status == OST_OK; i++) {
+        ost_step_result ignored;
+        status = ost_world_advance(world, &kept->ticks[i], &ignored, err);
+    }
+    return status == OST_OK ? ost_backend_finish(bone->backend, err) : status;
+}
+
+/* What repeat_ticks changes. */
+typedef struct world_state {
+    ost_entity bone, tools[OST_WORLD_TOOLS_MAX];
+    int tool;
+    int64_t t_ns, removal_t;
+    ost_world_totals totals;
+} world_state;
+
+static void put_back(ost_world *world, const world_state *before)
+{
+    world->bone = before->bone;
+    memcpy(world->tools, before->tools, sizeof world->tools);
+    world->tool = before->tool;
+    world->t_ns = before->t_ns;
+    world->removal_t = before->removal_t;
+    world->totals = before->totals;
+}
+
+ost_status ost_world_rescue(ost_world *world, ost_backend *backend, ost_bone **bone, ost_tool **tools, ost_error *err)
+{
+    *bone = NULL;
+    for (int i = 0; i < OST_WORLD_TOOLS_MAX; i++)
+        tools[i] = NULL;
+    if (!world->kept)
+        return ost_fail(err, OST_ERR_USAGE, "this world keeps nothing to go on from (keep_ticks)");
+    world_state before = {.bone = world->bone, .tool = world->tool, .t_ns = world->t_ns, .removal_t = world->removal_t, .totals = world->totals};
+    memcpy(before.tools, world->tools, sizeof before.tools);
+    ost_status status = make_bone(world, backend, bone, err);
+    if (status == OST_OK)
+        status = make_tools(world, backend, tools, err);
+    if (status == OST_OK)
+        status = repeat_ticks(world, *bone, tools, err);
+    if (status == OST_OK)
+        return OST_OK;
+    put_back(world, &before);
+    for (int i = 0; i < world->tool_count; i++) {
+        ost_tool_free(tools[i]);
+        tools[i] = NULL;
+    }
+    ost_bone_free(*bone);
+    *bone = NULL;
+    return status;
+}

@@ -1,0 +1,103 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# osteon ream --backend cl on a device that fails in the middle: the file is
+# the one that cpu makes, one line says what happened, and --no-failover stops.
+# The failure is made by a library before the loader's.
+# Covers: REQ-FAILOVER
+. "${srcdir:-.}/tests/app/lib.sh"
+
+skip() {
+    echo "skipped: $*"
+    exit 77
+}
+grep -q '^#define HAVE_OPENCL 1' "$build/config.h" || skip "built without OpenCL"
+[ -z "${OST_SAN_CFLAGS:-}" ] || skip "a sanitizer's runtime wants to be the first library"
+mkdir -p "$build/tests/cl/cache"
+export XDG_CACHE_HOME="$build/tests/cl/cache"
+
+# After FAIL_AT launches nothing goes to the queue any more; without it the launches are counted.
+cat >failing.c <<'END'
+#define _GNU_SOURCE
+#define CL_TARGET_OPENCL_VERSION 120
+#include <CL/cl.h>
+#include <dlfcn.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+static long launches;
+
+static int lost(void)
+{
+    const char *at = getenv("FAIL_AT");
+    return at && launches > atol(at);
+}
+
+__attribute__((destructor)) static void report(void)
+{
+    FILE *file = fopen(getenv("LAUNCHES"), "w");
+    if (file) {
+        fprintf(file, "%ld\n", launches);
+        fclose(file);
+    }
+}
+
+#define QUEUE(name, parameters, arguments)                               \
+    cl_int name parameters                                               \
+    {                                                                    \
+        cl_int (*next) parameters;                                       \
+        *(void **)&next = dlsym(RTLD_NEXT, #name);                       \
+        return lost() ? CL_OUT_OF_RESOURCES : next arguments;            \
+    }
+
+cl_int clEnqueueNDRangeKernel(cl_command_queue q, cl_kernel k, cl_uint n, const size_t *o, const size_t *g, const size_t *l, cl_uint c,
+                              const cl_event *w, cl_event *e)
+{
+    cl_int (*next)(cl_command_queue, cl_kernel, cl_uint, const size_t *, const size_t *, const size_t *, cl_uint, const cl_event *, cl_event *);
+    *(void **)&next = dlsym(RTLD_NEXT, "clEnqueueNDRangeKernel");
+    launches++;
+    return lost() ? CL_OUT_OF_RESOURCES : next(q, k, n, o, g, l, c, w, e);
+}
+QUEUE(clEnqueueReadBuffer,
+      (cl_command_queue q, cl_mem b, cl_bool s, size_t o, size_t n, void *p, cl_uint c, const cl_event *w, cl_event *e),
+      (q, b, s, o, n, p, c, w, e))
+QUEUE(clEnqueueWriteBuffer,
+      (cl_command_queue q, cl_mem b, cl_bool s, size_t o, size_t n, const void *p, cl_uint c, const cl_event *w, cl_event *e),
+      (q, b, s, o, n, p, c, w, e))
+END
+${CC:-cc} -shared -fPIC -o failing.so failing.c -ldl 2>cc.log || skip "cannot make a library here: $(head -n 1 cc.log)"
+export LAUNCHES="$scratch/launches"
+
+run 0 phantom glenoid --out ct.txt
+run 0 import ct.txt --out bone.nrrd
+run 0 tool reamer --out reamer.stl
+run 0 voxelize reamer.stl --voxel 0.5 --out reamer.nrrd
+ream="ream --bone bone.nrrd --tool reamer.nrrd --path builtin:glenoid-ream --rate 100"
+"$osteon" $ream --out cl.nrrd --backend cl >out 2>err || skip "$(cat err)"
+
+run 0 $ream --out cpu.nrrd
+checks=$((checks + 1))
+cmp cpu.nrrd cl.nrrd || fail "cl makes another file"
+
+export LD_PRELOAD="$scratch/failing.so"
+run 0 $ream --out counted.nrrd --backend cl
+many=$(cat launches)
+echo "# $many launches"
+[ "$many" -gt 100 ] || fail "$many launches are too few for a tick to fail"
+
+# In the first ticks, in the middle, in the last.
+for percent in 20 50 80 97; do
+    FAIL_AT=$((many * percent / 100))
+    export FAIL_AT
+    run 0 $ream --out failing.nrrd --backend cl --json
+    checks=$((checks + 1))
+    cmp cpu.nrrd failing.nrrd || fail "the file differs when launch $FAIL_AT fails"
+    has failover.ticks failover.reason
+    echo "# launch $FAIL_AT of $many failed after $(value failover.ticks) whole ticks"
+    check "lines on standard error" "$(wc -l <err | tr -d ' ')" 1
+    checks=$((checks + 1))
+    grep -q 'backend cpu goes on' err || fail "nothing is said but '$(cat err)'"
+    run 2 $ream --out stopped.nrrd --backend cl --no-failover
+    check "lines on standard error" "$(wc -l <err | tr -d ' ')" 1
+    [ ! -e stopped.nrrd ] || fail "an output of a stopped run appeared"
+done
+finish
