@@ -33,14 +33,24 @@ typedef struct validate_args {
     bool cpu_only, faults_only;
 } validate_args;
 
+/* Up to six digits; what is after them, or NULL. */
+static const char *small_number(const char *at, int *out)
+{
+    const char *begin = at;
+    for (*out = 0; *at >= '0' && *at <= '9' && at - begin < 6; at++)
+        *out = 10 * *out + (*at - '0');
+    return at > begin ? at : NULL;
+}
+
 /* "2/8" */
 static ost_status shard_of(const app_state *app, const char *text, int *shard, int *shards, ost_error *err)
 {
-    char rest;
     *shard = *shards = 1;
     if (!text)
         return OST_OK;
-    if (sscanf(text, "%6d/%6d%c", shard, shards, &rest) != 2 || *shards < 1 || *shard < 1 || *shard > *shards)
+    const char *at = small_number(text, shard);
+    at = at && *at == '/' ? small_number(at + 1, shards) : NULL;
+    if (!at || *at || *shard < 1 || *shard > *shards)
         return usage_error(app, err, "--shard %s: must be I/N with 1 <= I <= N", text);
     return OST_OK;
 }
