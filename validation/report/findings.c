@@ -65,7 +65,7 @@ static void row(const page *p, int number, const json_t *one, const json_t *back
 
 static bool triplet(const page *p, int number, const json_t *one, size_t s)
 {
-    static const char *const captions[PICTURE_ROLES] = {"Reference", "Got", "Difference"};
+    static const char *const captions[PICTURE_ROLES] = {"Reference: axial, coronal, sagittal", "Got", "Difference"};
     char name[PICTURE_NAME];
     picture_name(name, page_text_of(one, "id"), s, PICTURE_DIFFERENCE);
     if (!page_has(p, name))

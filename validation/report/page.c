@@ -110,7 +110,7 @@ void page_begin(const page *p, const char *title)
         "pre{background:#f5f5f5;border:1px solid #ddd;padding:.6rem .8rem;white-space:pre-wrap}\n"
         "figure{margin:.6rem 0 1rem}figcaption{color:#333}img{max-width:100%;height:auto;display:block;margin-top:.2rem}\n"
         ".pair{display:grid;grid-template-columns:1fr 1fr;gap:1rem}\n"
-        ".file{font-size:.8em}\n"
+        ".file{font-size:.8em;display:block}\n"
         ".from{font-size:.85em;color:#444}\n"
         ".sign{display:grid;grid-template-columns:1fr 1fr;gap:1rem 2.5rem}.sign div{break-inside:avoid}\n"
         ".sign span{display:block;border-bottom:1px solid #555;height:2.1rem;font-size:.85em;color:#444}\n"

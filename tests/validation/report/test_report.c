@@ -323,7 +323,7 @@ static void shows_a_difference(void **state)
     for (size_t i = 0; i < sizeof expected / sizeof expected[0]; i++)
         assert_non_null(strstr(page, expected[i]));
     if (stat(path_in("differing/pictures/session-1-backend-1-difference.png"), &info) == 0) {
-        assert_non_null(strstr(page, "alt=\"Reference\" src=\"data:image/png;base64,iVBORw0KGgo"));
+        assert_non_null(strstr(page, "alt=\"Reference: axial, coronal, sagittal\" src=\"data:image/png;base64,iVBORw0KGgo"));
         assert_non_null(strstr(page, "alt=\"Got\""));
         assert_non_null(strstr(page, "alt=\"Difference\""));
     } else
@@ -356,6 +356,32 @@ static void a_changed_byte_is_noticed(void **state)
     }
 }
 
+static ost_status count_pictures(void *user, const char *name, const void *bytes, size_t size, ost_error *err)
+{
+    (void)bytes;
+    (void)err;
+    assert_true(size > 0);
+    assert_non_null(strstr(name, "session-1-backend-1-"));
+    ++*(int *)user;
+    return OST_OK;
+}
+
+static void shards_bring_their_pictures(void **state)
+{
+    ost_error err = {0};
+    int count = 0;
+    struct stat info;
+    json_t *protocol = protocol_of(&differing), *cases = cases_of(&differing);
+    (void)state;
+    assert_int_equal(mkdir(path_in("shards"), 0777), 0);
+    make_bundle(path_in("shards/1"), &equal_kind);
+    make_bundle(path_in("shards/2"), &differing);
+    assert_ok(pictures_of_shards(path_in("shards"), protocol, cases, count_pictures, &count, &err));
+    assert_int_equal(count, stat(path_in("shards/2/pictures"), &info) == 0 ? 3 : 0);
+    json_decref(protocol);
+    json_decref(cases);
+}
+
 static int make_scratch(void **state)
 {
     (void)state;
@@ -375,6 +401,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(follows_from_the_bundle),  cmocka_unit_test(says_the_verdict_first), cmocka_unit_test(escapes_what_it_is_given),
         cmocka_unit_test(links_lead_somewhere),     cmocka_unit_test(shows_a_difference),     cmocka_unit_test(a_changed_byte_is_noticed),
+        cmocka_unit_test(shards_bring_their_pictures),
     };
     return cmocka_run_group_tests(tests, make_scratch, clear_scratch);
 }
