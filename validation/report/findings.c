@@ -128,7 +128,7 @@ void section_differences(const page *p)
     fputs("; as values: ", p->to);
     page_link(p, EVIDENCE_CASES);
     fputs(".</p>\n<h3>Pictures of differences</h3>\n"
-          "<p>Axial, coronal and sagittal slices, through where most voxels of the record differ; a square is a voxel. "
+          "<p>Axial, coronal and sagittal slices, through where most voxels differ in the first record in which voxels do; a square is a voxel. "
           "<span class=\"key\"><i class=\"a\"></i>striped: solid in the reference alone<i class=\"b\"></i>plain: solid in the other alone"
           "<i class=\"c\"></i>barred: another value</span></p>\n", p->to);
     if (!each_finding(p, true))
