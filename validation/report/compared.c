@@ -35,6 +35,12 @@ static tally count(const page *p, const char *backend, const char *family)
     return t;
 }
 
+/* A column for each family that has cases here. */
+static bool has_cases(const page *p, int family)
+{
+    return family == PLAN_FAMILIES || count(p, "", plan_family_name((plan_family)family)).cases > 0;
+}
+
 static void cell(const page *p, tally t)
 {
     if (!t.cases)
@@ -54,8 +60,12 @@ void section_compared(const page *p)
           "a plain, serial program that states the arithmetic. The numbers say how many cases came out equal.</p>\n"
           "<div class=\"wide\"><table><thead><tr><th>Backend, device, driver</th>",
           p->to);
+    int columns = 1;
     for (int f = 0; f < PLAN_FAMILIES; f++)
-        fprintf(p->to, "<th class=\"n\">%s</th>", plan_family_name((plan_family)f));
+        columns += has_cases(p, f);
+    for (int f = 0; f < PLAN_FAMILIES; f++)
+        if (has_cases(p, f))
+            fprintf(p->to, "<th class=\"n\">%s</th>", plan_family_name((plan_family)f));
     fputs("<th class=\"n\">all cases</th></tr></thead>\n", p->to);
     for (size_t s = 0; s < json_array_size(backends); s++) {
         const json_t *one = json_array_get(backends, s);
@@ -66,23 +76,28 @@ void section_compared(const page *p)
         page_text(p, name);
         fputs("</code></td>", p->to);
         if (!json_is_true(json_object_get(one, "available"))) {
-            fprintf(p->to, "<td colspan=\"%d\" class=\"no\"><b>not run:</b> ", PLAN_FAMILIES + 1);
+            fprintf(p->to, "<td colspan=\"%d\" class=\"no\"><b>not run:</b> ", columns);
             page_text(p, page_text_of(one, "reason"));
             fputs("</td></tr>\n", p->to);
             continue;
         }
         if (s == 0) {
             for (int f = 0; f <= PLAN_FAMILIES; f++)
-                fprintf(p->to, "<td class=\"n\">%lld</td>", (long long)count(p, name, f < PLAN_FAMILIES ? plan_family_name((plan_family)f) : NULL).cases);
+                if (has_cases(p, f))
+                    fprintf(p->to, "<td class=\"n\">%lld</td>", (long long)count(p, name, f < PLAN_FAMILIES ? plan_family_name((plan_family)f) : NULL).cases);
         } else {
             for (int f = 0; f <= PLAN_FAMILIES; f++)
-                cell(p, count(p, name, f < PLAN_FAMILIES ? plan_family_name((plan_family)f) : NULL));
+                if (has_cases(p, f))
+                    cell(p, count(p, name, f < PLAN_FAMILIES ? plan_family_name((plan_family)f) : NULL));
         }
         fputs("</tr>\n", p->to);
     }
+    int said = 0;
     fputs("</table></div>\n<p>", p->to);
     for (int f = 0; f < PLAN_FAMILIES; f++) {
-        fprintf(p->to, "%s<b>%s</b>: ", f ? "; " : "", plan_family_name((plan_family)f));
+        if (!has_cases(p, f))
+            continue;
+        fprintf(p->to, "%s<b>%s</b>: ", said++ ? "; " : "", plan_family_name((plan_family)f));
         page_text(p, plan_family_about((plan_family)f));
     }
     fputs(".</p>\n<p><b>What counts as passed</b>, fixed before anything ran: ", p->to);
