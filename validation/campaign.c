@@ -54,7 +54,7 @@ static uint64_t bytes_of(const trace *t, compare_range r)
 }
 
 /* What one part of a backend's trace says about cases from..; how many of them it has whole. */
-static int judge(campaign *c, int whom, const trace *got, int from)
+static int judge(campaign *c, const campaign_options *o, int whom, const trace *got, int from)
 {
     int judged = 0;
     for (int i = from; i < c->plan->count; i++, judged++) {
@@ -69,6 +69,8 @@ static int judge(campaign *c, int whom, const trace *got, int from)
         if (r->verdict == CASE_DIFFERS && got->records[range.first + range.count - 1].stage == TRACE_FAILED &&
             r->difference.kind == COMPARE_MISSING)
             r->verdict = CASE_FAILED;
+        if (r->verdict == CASE_DIFFERS && o->differs)
+            o->differs(o->keeper, c, i, whom, got, range);
         c->records += r->difference.records;
         if (r->verdict == CASE_EQUAL)
             c->bytes += bytes_of(got, range);
@@ -92,7 +94,7 @@ static ost_status run_subject(campaign *c, int whom, const campaign_options *o, 
         c->seconds[whom] += end.seconds;
         ost_error unread = {0};
         const bool readable = access(path, F_OK) == 0 && trace_open(path, &got, &unread) == OST_OK;
-        const int judged = readable ? judge(c, whom, &got, from) : 0;
+        const int judged = readable ? judge(c, o, whom, &got, from) : 0;
         trace_free(&got);
         unlink(path);
         from += judged;

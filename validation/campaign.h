@@ -34,12 +34,16 @@ typedef struct case_result {
     char text[200];
 } case_result;
 
+struct campaign;
 typedef struct campaign_options {
     const char *program;  /* this program's file */
     const char *folder;   /* for traces; theirs are removed at the end but for those that differ */
     double limit_s;       /* for a backend's whole run */
     void (*show)(void *user, const char *what, double share); /* may be NULL */
     void *user;
+    /* What differs, while both traces are there: c->results has the difference. May be NULL. */
+    void (*differs)(void *keeper, const struct campaign *c, int case_index, int whom, const trace *got, compare_range in_got);
+    void *keeper;
 } campaign_options;
 
 typedef struct campaign {

@@ -24,6 +24,8 @@
 #include "validation/bundle/faults.h"
 #include "validation/bundle/merge.h"
 #include "validation/campaign.h"
+#include "validation/report/pictures.h"
+#include "validation/report/report.h"
 
 typedef struct validate_args {
     const char *out, *backends, *shard, *only, *merge, *worker, *trace;
@@ -138,6 +140,25 @@ static json_t *stages_of(const campaign *c)
     return stages;
 }
 
+/* The last lines: what checks it, the verdict, the picture, the report. */
+static void say_last(app_state *app, const char *out, const json_t *summary)
+{
+    char path[1200];
+    struct stat info;
+    snprintf(path, sizeof path, "%s/%s", out, PICTURE_AFTER);
+    const bool picture = stat(path, &info) == 0;
+    say(app, "  check it   osteon verify %s", out);
+    say(app, "  verdict    %s%s", json_is_true(json_object_get(summary, "equal")) ? "EQUAL" : "NOT EQUAL",
+        json_is_true(json_object_get(summary, "evidence")) ? "" : " (a reduced run: no evidence)");
+    if (picture) {
+        say(app, "  picture    %s", path);
+        put_text(app->result, "picture", path);
+    }
+    snprintf(path, sizeof path, "%s/%s", out, REPORT_FILE);
+    say(app, "  report     %s", path);
+    put_text(app->result, "report", path);
+}
+
 /* Only what the summary does not have: the rest of --json is the bundle's own. */
 static ost_status report(app_state *app, const validate_args *args, const campaign *c, json_t *summary, ost_error *err)
 {
@@ -163,7 +184,7 @@ static ost_status report(app_state *app, const validate_args *args, const campai
     for (size_t i = 0; i < json_array_size(list); i++)
         say(app, "%s%s", i ? "             " : "  not shown: ", json_string_value(json_array_get(list, i)));
     if (args->out)
-        say(app, "  the evidence: %s; osteon verify %s checks it", args->out, args->out);
+        say_last(app, args->out, summary);
     if (!campaign_equal(c))
         return ost_fail(err, OST_ERR_DIFFER, "%d results differ from the reference's, %d failed, %d crashed, %d took too long",
                         c->counts[CASE_DIFFERS], c->counts[CASE_FAILED], c->counts[CASE_CRASHED], c->counts[CASE_LATE]);
@@ -243,6 +264,10 @@ static ost_status put_evidence(bundle *b, const campaign *c, const json_t *proto
     if (status == OST_OK)
         status = put_machine(b, c, program, err);
     if (status == OST_OK)
+        status = pictures_of_operation(c, into_bundle, b, err);
+    if (status == OST_OK)
+        status = report_write(bundle_folder(b), protocol, cases, into_bundle, b, err);
+    if (status == OST_OK)
         status = bundle_log(b, "ended", err, "files written");
     return status;
 }
@@ -291,7 +316,9 @@ static ost_status compare_all(app_state *app, const validate_args *args, const p
         }
     }
     if (status == OST_OK) {
-        const campaign_options how = {.program = j.program, .folder = j.folder, .limit_s = (double)args->limit_s, .show = show};
+        picture_keeper keeper = {.sink = into_bundle, .user = j.b};
+        const campaign_options how = {.program = j.program, .folder = j.folder, .limit_s = (double)args->limit_s, .show = show,
+                                      .differs = j.b ? pictures_of_difference : NULL, .keeper = &keeper};
         progress_begin(app);
         status = campaign_run(p, &j.subjects, &how, &j.run, err);
         /* The first of several shards makes it for all. */
@@ -301,6 +328,10 @@ static ost_status compare_all(app_state *app, const validate_args *args, const p
                 status = faults_json(&j.proof, &j.faults, err);
         }
         progress_clear();
+        if (status == OST_OK && keeper.err.status != OST_OK) {
+            *err = keeper.err;
+            status = err->status;
+        }
     }
     if (status == OST_OK)
         status = evidence_cases(&j.run, &j.cases, err);
@@ -350,6 +381,10 @@ static ost_status merge_all(app_state *app, const validate_args *args, ost_error
     if (status == OST_OK && m.faults)
         status = bundle_put_json(b, FAULTS_FILE, m.faults, err);
     if (status == OST_OK)
+        status = pictures_of_shards(args->merge, m.protocol, m.cases, into_bundle, b, err);
+    if (status == OST_OK)
+        status = report_write(bundle_folder(b), m.protocol, m.cases, into_bundle, b, err);
+    if (status == OST_OK)
         status = evidence_summary(m.protocol, m.cases, &summary, err);
     if (status == OST_OK) {
         status = bundle_end(b, err);
@@ -361,7 +396,7 @@ static ost_status merge_all(app_state *app, const validate_args *args, ost_error
         put_text(app->result, "out", args->out);
         put_integer(app->result, "shards", m.shards);
         say(app, "%s: %zu cases from %d shards", equal ? "EQUAL" : "NOT EQUAL", json_array_size(m.cases), m.shards);
-        say(app, "  the evidence: %s; osteon verify %s checks it", args->out, args->out);
+        say_last(app, args->out, summary);
         if (!equal)
             status = ost_fail(err, OST_ERR_DIFFER, "%s: results differ from the reference's; see anomalies.csv", args->out);
     }

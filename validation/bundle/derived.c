@@ -208,6 +208,7 @@ static void readme(FILE *to, const json_t *protocol, const json_t *cases, const 
           "| cases.jsonl | a line a case: digest of its input, digests of everything the reference made, each backend's verdict |\n"
           "| results.json, junit.xml, results.tap | the verdicts; inputs.csv: inputs; anomalies.csv: differences; deviations.csv: what was not shown |\n"
           "| environment.json, times.json, audit.log | the machine, the times, what was done when: they differ from run to run |\n"
+          "| report.html, pictures/ | all of this for people, on one page; the pictures in it |\n"
           "| manifest.json | size and SHA-256 of every file, and two roots |\n"
           "| signatures/ | a place for detached signatures over manifest.json, not part of it |\n", to);
 }

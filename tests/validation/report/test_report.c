@@ -1,0 +1,407 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * report.html: that it follows from the bundle, escapes what it is given,
+ * links to nothing that is not there, and shows differences.
+ *
+ * Bundles are made here from a protocol and cases written out by hand; the
+ * traces of a difference are two records of a small bone each.
+ */
+#include "harness.h"
+
+#include <dirent.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "validation/bundle/bundle.h"
+#include "validation/bundle/check.h"
+#include "validation/report/pictures.h"
+#include "validation/report/report.h"
+
+#define HOSTILE "<script>alert('x')</script>\"><img src=x onerror=\"y\">&\x01"
+
+enum { PATH = 512 };
+static char scratch[64];
+
+static ost_status into_bundle(void *user, const char *name, const void *bytes, size_t size, ost_error *err)
+{
+    return bundle_put(user, name, bytes, size, err);
+}
+
+/* -------------------------------------------------------------- a bundle */
+
+typedef struct kind {
+    const char *tier, *text, *verdict;
+} kind;
+static const kind equal_kind = {"standard", "plain", "equal"}, reduced = {"smoke", "plain", "equal"}, differing = {"standard", "plain", "differs"},
+                  hostile = {"standard", HOSTILE, "differs"};
+
+static json_t *protocol_of(const kind *k)
+{
+    json_t *p = json_pack("{s:i,s:s,s:i,s:s,s:[i,i],s:s,s:b,s:b,s:s,s:s,s:[s,s],s:[{s:s,s:s,s:b,s:s},{s:s,s:s,s:b,s:s},{s:s,s:s,s:b,s:s}]}", "schema", 1,
+                          "version", k->text, "arithmetic", 1, "tier", k->tier, "shard", 1, 1, "only", k == &hostile ? k->text : "", "cpu_only", 0, "opencl", 1,
+                          "accept", k->text, "seed", k == &hostile ? k->text : "7", "cases", "session/0", "session/1", "backends", "name", "ref", "what",
+                          "the reference", "available", 1, "reason", "", "name", "cpu", "what", k->text, "available", 1, "reason", "", "name", "cl", "what",
+                          k->text, "available", 0, "reason", k->text);
+    assert_non_null(p);
+    return p;
+}
+
+static json_t *cases_of(const kind *k)
+{
+    json_t *cases = json_array();
+    for (int i = 0; i < 2; i++) {
+        const bool plain = i == 0 || strcmp(k->verdict, "equal") == 0;
+        json_t *result = plain ? json_pack("{s:s}", "verdict", "equal")
+                               : json_pack("{s:s,s:s,s:i,s:i,s:[i,i,i],s:i,s:i}", "verdict", k->verdict, "stage", "tick", "item", 12, "different_voxels", 3, "voxel", 33, 2, 65,
+                                           "reference", -5, "got", 700);
+        if (k == &hostile && !plain) {
+            json_object_del(result, "voxel");
+            json_object_set_new(result, "word", json_string(k->text));
+            json_object_set_new(result, "class", json_string(k->text));
+            json_object_set_new(result, "stage", json_string(k->text));
+        }
+        json_array_append_new(cases, json_pack("{s:s,s:s,s:[{s:s,s:i,s:s}],s:{s:o,s:{s:s}}}", "id", k == &hostile ? k->text : i ? "session/1" : "session/0",
+                                               "input_sha256", "00", "reference", "stage", "tick", "item", 0, "sha256", "00", "results", "cpu", result, "cl",
+                                               "verdict", "not run"));
+    }
+    assert_int_equal(json_array_size(cases), 2);
+    return cases;
+}
+
+static void put_text_file(bundle *b, const char *name, const char *text)
+{
+    ost_error err = {0};
+    assert_ok(bundle_put(b, name, text, strlen(text), &err));
+}
+
+/* Two traces of one case: chunks alike, then a tick in which the other cut one voxel less in one leaf and left another leaf alone. */
+static void write_trace(const char *path, bool other)
+{
+    ost_error err = {0};
+    trace_writer *w;
+    const int32_t zero[3] = {0, 0, 0}, leaf[3] = {32, 0, 0};
+    const ost_dims all = {40, 33, 34}, first = {32, 32, 32}, second = {8, 32, 32};
+    assert_ok(trace_create(path, &w, &err));
+    trace_begin(w, TRACE_CASE, 0, 0);
+    assert_ok(trace_end(w, &err));
+    trace_begin(w, TRACE_CHUNKS, 0, 0);
+    trace_word(w, 1);
+    int16_t *voxels = trace_block(w, zero, all, 2);
+    for (int64_t i = 0; i < ost_dims_count(all); i++)
+        voxels[i] = 500;
+    assert_ok(trace_end(w, &err));
+    trace_begin(w, TRACE_TICK, 0, 0);
+    trace_word(w, 1);
+    voxels = trace_block(w, zero, first, 2);
+    for (int64_t i = 0; i < ost_dims_count(first); i++)
+        voxels[i] = i % 32 > 20 && i / 32 % 32 > 20 && !(other && i == 31 + 32 * (31 + 32 * 5)) ? 0 : 500;
+    if (!other) {
+        voxels = trace_block(w, leaf, second, 2);
+        for (int64_t i = 0; i < ost_dims_count(second); i++)
+            voxels[i] = i < 8 ? 0 : 500;
+    }
+    assert_ok(trace_end(w, &err));
+    trace_begin(w, TRACE_END, 1, 0);
+    assert_ok(trace_end(w, &err));
+    assert_ok(trace_close(w, &err));
+}
+
+/* The pictures of case session/1 on backend 1, by the campaign's hook. */
+static void put_difference(bundle *b)
+{
+    ost_error err = {0};
+    char one[PATH], two[PATH];
+    trace got;
+    plan_case c = {.family = PLAN_SESSION, .number = 1, .id = "session/1"};
+    subject subjects[2] = {{.available = true}, {.available = true}};
+    case_result results[2] = {{.verdict = CASE_EQUAL}};
+    compare_range range;
+    plan p = {.count = 1, .cases = &c};
+    subject_list list = {.count = 2, .subjects = subjects};
+    campaign run = {.plan = &p, .subjects = &list, .results = results, .ranges = &range};
+    picture_keeper keeper = {.sink = into_bundle, .user = b};
+    snprintf(one, sizeof one, "%s/one", scratch);
+    snprintf(two, sizeof two, "%s/two", scratch);
+    write_trace(one, false);
+    write_trace(two, true);
+    assert_ok(trace_open(one, &run.reference, &err));
+    assert_ok(trace_open(two, &got, &err));
+    range = compare_find(&run.reference, 0);
+    compare_case(&run.reference, range, &got, compare_find(&got, 0), &results[1].difference);
+    assert_int_equal(results[1].difference.kind, COMPARE_VOXEL);
+    pictures_of_difference(&keeper, &run, 0, 1, &got, compare_find(&got, 0));
+    assert_int_equal(keeper.err.status, OST_OK);
+    assert_int_equal(keeper.kept, 1);
+    trace_free(&got);
+    trace_free(&run.reference);
+    unlink(one);
+    unlink(two);
+}
+
+static void make_bundle(const char *out, const kind *k)
+{
+    ost_error err = {0};
+    bundle *b;
+    char *bytes, hex[OST_DIGEST_HEX];
+    size_t size;
+    ost_digest digest;
+    json_t *protocol = protocol_of(k), *cases = cases_of(k);
+    assert_ok(bundle_begin(out, &b, &err));
+    assert_ok(evidence_write(protocol, cases, into_bundle, b, &err));
+    assert_ok(bundle_read(bundle_folder(b), EVIDENCE_PROTOCOL, &bytes, &size, &err));
+    assert_ok(ost_digest_bytes(bytes, size, &digest, &err));
+    free(bytes);
+    assert_ok(bundle_log(b, "protocol frozen", &err, "%s", ost_digest_hex(&digest, hex)));
+    assert_ok(bundle_log(b, "results", &err, "here"));
+    put_text_file(b, "environment.json", "{}\n");
+    put_text_file(b, "times.json", "{}\n");
+    if (k == &hostile) {
+        put_text_file(b, "sensitivity.json", "{\"injected\":3,\"kinds\":[{\"name\":\"<b>x\",\"what\":\"\\\"'<script>\",\"stage\":\"&\"},7,[]]}\n");
+        put_text_file(b, PICTURE_AFTER, "no picture \"><script>");
+    }
+    if (k == &differing)
+        put_difference(b);
+    assert_ok(report_write(bundle_folder(b), protocol, cases, into_bundle, b, &err));
+    assert_ok(bundle_end(b, &err));
+    json_decref(protocol);
+    json_decref(cases);
+}
+
+static char *page_of(const char *folder)
+{
+    ost_error err = {0};
+    char *bytes;
+    size_t size;
+    assert_ok(bundle_read(folder, REPORT_FILE, &bytes, &size, &err));
+    assert_int_equal(strlen(bytes), size);
+    return bytes;
+}
+
+static void remember(void *user, const char *file, const char *problem)
+{
+    char *all = user;
+    const size_t used = strlen(all);
+    snprintf(all + used, 4096 - used, "%s %s\n", file, problem);
+}
+
+/* What check says, as lines. */
+static int problems_of(const char *folder, char all[4096])
+{
+    ost_error err = {0};
+    json_t *summary;
+    int found;
+    all[0] = '\0';
+    assert_ok(check_bundle(folder, remember, all, &found, &summary, &err));
+    json_decref(summary);
+    return found;
+}
+
+static void flip(const char *folder, const char *name, long at)
+{
+    char path[PATH];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    FILE *file = fopen(path, "r+b");
+    assert_non_null(file);
+    assert_int_equal(fseek(file, at, SEEK_SET), 0);
+    const int c = fgetc(file);
+    assert_int_equal(fseek(file, at, SEEK_SET), 0);
+    fputc(c ^ 1, file);
+    assert_int_equal(fclose(file), 0);
+}
+
+static const char *path_in(const char *name)
+{
+    static char path[PATH];
+    snprintf(path, sizeof path, "%s/%s", scratch, name);
+    return path;
+}
+
+static void clear(const char *folder)
+{
+    DIR *dir = opendir(folder);
+    for (struct dirent *e; dir && (e = readdir(dir));) {
+        char path[PATH + 300];
+        if (strcmp(e->d_name, ".") == 0 || strcmp(e->d_name, "..") == 0)
+            continue;
+        snprintf(path, sizeof path, "%s/%s", folder, e->d_name);
+        if (unlink(path) != 0)
+            clear(path);
+    }
+    if (dir)
+        closedir(dir);
+    rmdir(folder);
+}
+
+/* ----------------------------------------------------------------- tests */
+
+static void follows_from_the_bundle(void **state)
+{
+    const kind *kinds[] = {&equal_kind, &reduced, &differing, &hostile};
+    char all[4096];
+    (void)state;
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
+        char one[PATH], two[PATH];
+        snprintf(one, sizeof one, "%s/a%zu", scratch, i);
+        snprintf(two, sizeof two, "%s/b%zu", scratch, i);
+        make_bundle(one, kinds[i]);
+        make_bundle(two, kinds[i]);
+        if (problems_of(one, all))
+            fail_msg("%s", all);
+        char *a = page_of(one), *b = page_of(two);
+        assert_string_equal(a, b);
+        free(a);
+        free(b);
+    }
+}
+
+static void says_the_verdict_first(void **state)
+{
+    const struct {
+        const kind *kind;
+        const char *says, *says_not;
+    } expected[] = {{&equal_kind, " EQUAL</b>", "NOT EQUAL"}, {&reduced, "REDUCED RUN: NO EVIDENCE</b>", " EQUAL</b>"}, {&differing, "NOT EQUAL</b>", "&#10003;"}};
+    (void)state;
+    for (size_t i = 0; i < sizeof expected / sizeof expected[0]; i++) {
+        char name[32];
+        snprintf(name, sizeof name, "v%zu", i);
+        make_bundle(path_in(name), expected[i].kind);
+        char *page = page_of(path_in(name));
+        const char *said = strstr(page, expected[i].says), *heading = strstr(page, "<h2>");
+        assert_non_null(said);
+        assert_true(said < heading);
+        assert_null(strstr(page, expected[i].says_not));
+        free(page);
+    }
+}
+
+/* Only what the program itself writes may stand between < and >. */
+static void escapes_what_it_is_given(void **state)
+{
+    static const char *const bad[] = {"<script", "<img src=x", "onerror=\"", "alert('x')", "\x01", "<b>x"};
+    (void)state;
+    make_bundle(path_in("hostile"), &hostile);
+    char *page = page_of(path_in("hostile"));
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
+        assert_null(strstr(page, bad[i]));
+    assert_non_null(strstr(page, "&lt;script&gt;alert(&#39;x&#39;)&lt;/script&gt;&quot;&gt;&lt;img src=x onerror=&quot;y&quot;&gt;&amp;?"));
+    free(page);
+}
+
+static void links_lead_somewhere(void **state)
+{
+    const kind *kinds[] = {&equal_kind, &differing, &hostile};
+    (void)state;
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
+        char name[32];
+        int links = 0;
+        snprintf(name, sizeof name, "l%zu", i);
+        make_bundle(path_in(name), kinds[i]);
+        char *page = page_of(path_in(name));
+        for (const char *at = page; (at = strstr(at, "href=\"")); links++) {
+            char path[2 * PATH];
+            struct stat info;
+            at += strlen("href=\"");
+            assert_int_not_equal(at[0], '/');
+            snprintf(path, sizeof path, "%s/%.*s", path_in(name), (int)strcspn(at, "\""), at);
+            if (stat(path, &info) != 0)
+                fail_msg("%s is not there", path);
+        }
+        assert_true(links > 15);
+        assert_null(strstr(page, "http://"));
+        assert_null(strstr(page, "https://"));
+        free(page);
+    }
+}
+
+static void shows_a_difference(void **state)
+{
+    static const char *const expected[] = {"tick 12", "the first at (33, 2, 65), chunk (1, 0, 2)", "<b>700</b> where the reference has <b>-5</b>"};
+    struct stat info;
+    (void)state;
+    make_bundle(path_in("differing"), &differing);
+    char *page = page_of(path_in("differing"));
+    for (size_t i = 0; i < sizeof expected / sizeof expected[0]; i++)
+        assert_non_null(strstr(page, expected[i]));
+    if (stat(path_in("differing/pictures/session-1-backend-1-difference.png"), &info) == 0) {
+        assert_non_null(strstr(page, "alt=\"Reference: axial, coronal, sagittal\" src=\"data:image/png;base64,iVBORw0KGgo"));
+        assert_non_null(strstr(page, "alt=\"Got\""));
+        assert_non_null(strstr(page, "alt=\"Difference\""));
+    } else
+        assert_non_null(strstr(page, "None were kept"));
+    free(page);
+}
+
+static void a_changed_byte_is_noticed(void **state)
+{
+    test_rng rng = rng_seeded("a_changed_byte_is_noticed");
+    static const char picture[] = "pictures/session-1-backend-1-difference.png";
+    char all[4096], folder[PATH];
+    struct stat info;
+    (void)state;
+    snprintf(folder, sizeof folder, "%s", path_in("changed"));
+    make_bundle(folder, &differing);
+    for (int i = 0; i < 20; i++) {
+        const bool of_picture = i % 2 && stat(path_in("changed/pictures/session-1-backend-1-difference.png"), &info) == 0;
+        const char *name = of_picture ? picture : REPORT_FILE;
+        char path[2 * PATH];
+        snprintf(path, sizeof path, "%s/%s", folder, name);
+        assert_int_equal(stat(path, &info), 0);
+        const long at = (long)(rng_next(&rng) % (uint64_t)info.st_size);
+        flip(folder, name, at);
+        assert_true(problems_of(folder, all) >= 2); /* the manifest's, and the page's that no longer follows */
+        assert_non_null(strstr(all, name));
+        assert_non_null(strstr(all, REPORT_FILE " does not follow"));
+        flip(folder, name, at);
+        assert_int_equal(problems_of(folder, all), 0);
+    }
+}
+
+static ost_status count_pictures(void *user, const char *name, const void *bytes, size_t size, ost_error *err)
+{
+    (void)bytes;
+    (void)err;
+    assert_true(size > 0);
+    assert_non_null(strstr(name, "session-1-backend-1-"));
+    ++*(int *)user;
+    return OST_OK;
+}
+
+static void shards_bring_their_pictures(void **state)
+{
+    ost_error err = {0};
+    int count = 0;
+    struct stat info;
+    json_t *protocol = protocol_of(&differing), *cases = cases_of(&differing);
+    (void)state;
+    assert_int_equal(mkdir(path_in("shards"), 0777), 0);
+    make_bundle(path_in("shards/1"), &equal_kind);
+    make_bundle(path_in("shards/2"), &differing);
+    assert_ok(pictures_of_shards(path_in("shards"), protocol, cases, count_pictures, &count, &err));
+    assert_int_equal(count, stat(path_in("shards/2/pictures"), &info) == 0 ? 3 : 0);
+    json_decref(protocol);
+    json_decref(cases);
+}
+
+static int make_scratch(void **state)
+{
+    (void)state;
+    snprintf(scratch, sizeof scratch, "/tmp/osteon-report-XXXXXX");
+    return mkdtemp(scratch) ? 0 : -1;
+}
+
+static int clear_scratch(void **state)
+{
+    (void)state;
+    clear(scratch);
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(follows_from_the_bundle),  cmocka_unit_test(says_the_verdict_first), cmocka_unit_test(escapes_what_it_is_given),
+        cmocka_unit_test(links_lead_somewhere),     cmocka_unit_test(shows_a_difference),     cmocka_unit_test(a_changed_byte_is_noticed),
+        cmocka_unit_test(shards_bring_their_pictures),
+    };
+    return cmocka_run_group_tests(tests, make_scratch, clear_scratch);
+}

@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The two tables of what was compared: backends by families, and the reference's stages. */
+#include <string.h>
+
+#include "validation/bundle/evidence.h"
+#include "validation/report/sections.h"
+
+static bool in_family(const json_t *one, const char *family)
+{
+    const char *id = page_text_of(one, "id");
+    const size_t n = strlen(family);
+    return strncmp(id, family, n) == 0 && id[n] == '/';
+}
+
+typedef struct tally {
+    json_int_t cases, equal, bad, records;
+} tally;
+
+/* Of one backend in one family (NULL: all). */
+static tally count(const page *p, const char *backend, const char *family)
+{
+    tally t = {0};
+    for (size_t i = 0; i < json_array_size(p->cases); i++) {
+        const json_t *one = json_array_get(p->cases, i);
+        if (family && !in_family(one, family))
+            continue;
+        const char *verdict = page_text_of(json_object_get(json_object_get(one, "results"), backend), "verdict");
+        t.cases++;
+        if (strcmp(verdict, case_verdict_name(CASE_EQUAL)) == 0) {
+            t.equal++;
+            t.records += (json_int_t)json_array_size(json_object_get(one, "reference"));
+        } else
+            t.bad += strcmp(verdict, case_verdict_name(CASE_NOT_RUN)) != 0;
+    }
+    return t;
+}
+
+/* A column for each family that has cases here. */
+static bool has_cases(const page *p, int family)
+{
+    return family == PLAN_FAMILIES || count(p, "", plan_family_name((plan_family)family)).cases > 0;
+}
+
+static void cell(const page *p, tally t)
+{
+    if (!t.cases)
+        fputs("<td class=\"n no\">none</td>", p->to);
+    else if (t.bad)
+        fprintf(p->to, "<td class=\"n bad\">%lld of %lld<br>%lld NOT equal</td>", (long long)t.equal, (long long)t.cases, (long long)t.bad);
+    else
+        fprintf(p->to, "<td class=\"n\">%lld of %lld</td>", (long long)t.equal, (long long)t.cases);
+}
+
+void section_compared(const page *p)
+{
+    const json_t *backends = json_object_get(p->protocol, "backends");
+    fputs("<h2>What was compared with what</h2>\n"
+          "<p>A <b>case</b> is a generated bone, tools and a movement. Each backend (a program for one kind of processor) ran each case in its own process. "
+          "Everything that it made was compared byte by byte with what the <b>scalar reference</b> made: "
+          "a plain, serial program that states the arithmetic. The numbers say how many cases came out equal.</p>\n"
+          "<div class=\"wide\"><table><thead><tr><th>Backend, device, driver</th>",
+          p->to);
+    int columns = 1;
+    for (int f = 0; f < PLAN_FAMILIES; f++)
+        columns += has_cases(p, f);
+    for (int f = 0; f < PLAN_FAMILIES; f++)
+        if (has_cases(p, f))
+            fprintf(p->to, "<th class=\"n\">%s</th>", plan_family_name((plan_family)f));
+    fputs("<th class=\"n\">all cases</th></tr></thead>\n", p->to);
+    for (size_t s = 0; s < json_array_size(backends); s++) {
+        const json_t *one = json_array_get(backends, s);
+        const char *name = page_text_of(one, "name");
+        fputs("<tr><td><b>", p->to);
+        page_text(p, page_text_of(one, "what"));
+        fputs("</b><br><code>", p->to);
+        page_text(p, name);
+        fputs("</code></td>", p->to);
+        if (!json_is_true(json_object_get(one, "available"))) {
+            fprintf(p->to, "<td colspan=\"%d\" class=\"no\"><b>not run:</b> ", columns);
+            page_text(p, page_text_of(one, "reason"));
+            fputs("</td></tr>\n", p->to);
+            continue;
+        }
+        if (s == 0) {
+            for (int f = 0; f <= PLAN_FAMILIES; f++)
+                if (has_cases(p, f))
+                    fprintf(p->to, "<td class=\"n\">%lld</td>", (long long)count(p, name, f < PLAN_FAMILIES ? plan_family_name((plan_family)f) : NULL).cases);
+        } else {
+            for (int f = 0; f <= PLAN_FAMILIES; f++)
+                if (has_cases(p, f))
+                    cell(p, count(p, name, f < PLAN_FAMILIES ? plan_family_name((plan_family)f) : NULL));
+        }
+        fputs("</tr>\n", p->to);
+    }
+    int said = 0;
+    fputs("</table></div>\n<p>", p->to);
+    for (int f = 0; f < PLAN_FAMILIES; f++) {
+        if (!has_cases(p, f))
+            continue;
+        fprintf(p->to, "%s<b>%s</b>: ", said++ ? "; " : "", plan_family_name((plan_family)f));
+        page_text(p, plan_family_about((plan_family)f));
+    }
+    fputs(".</p>\n<p><b>What counts as passed</b>, fixed before anything ran: ", p->to);
+    page_text(p, page_text_of(p->protocol, "accept"));
+    fputs("</p>\n<p class=\"from\">From ", p->to);
+    page_link(p, EVIDENCE_PROTOCOL);
+    fputs(" (its hash stands in ", p->to);
+    page_link(p, "audit.log");
+    fputs(" before the first result) and ", p->to);
+    page_link(p, EVIDENCE_CASES);
+    fputs("; for other programs ", p->to);
+    page_link(p, "junit.xml");
+    fputs(" and ", p->to);
+    page_link(p, "results.tap");
+    fputs(".</p>\n", p->to);
+}
+
+void section_reference(const page *p)
+{
+    static const char *const what[TRACE_STAGES] = {
+        [TRACE_RECT] = "a CT's samples put into a grid",
+        [TRACE_CUBIC] = "resampled to cubes",
+        [TRACE_CHUNKS] = "the bone, cut into chunks",
+        [TRACE_TOOL] = "a tool's mesh made into voxels",
+        [TRACE_COLLIDE] = "what a tool touches, nothing removed",
+        [TRACE_TICK] = "a moment of an operation: every voxel that changed, and the report of what was removed",
+        [TRACE_FINAL] = "the bone at the end, whole",
+        [TRACE_FAILED] = "a case that must be refused, and was",
+    };
+    json_int_t records[TRACE_STAGES] = {0}, all = 0;
+    for (size_t i = 0; i < json_array_size(p->cases); i++) {
+        const json_t *list = json_object_get(json_array_get(p->cases, i), "reference");
+        for (size_t k = 0; k < json_array_size(list); k++)
+            for (int s = 0; s < TRACE_STAGES; s++)
+                if (strcmp(page_text_of(json_array_get(list, k), "stage"), trace_stage_name((trace_stage)s)) == 0) {
+                    records[s]++;
+                    all++;
+                }
+    }
+    fprintf(p->to, "<h2>What the reference made</h2>\n<p>%zu cases gave ", json_array_size(p->cases));
+    page_count(p, all);
+    fputs(" records. Each is compared with every backend's, in this order, and its SHA-256 digests are kept.</p>\n"
+          "<table><thead><tr><th>Stage</th><th class=\"n\">records</th><th>is</th></tr></thead>\n", p->to);
+    for (int s = 0; s < TRACE_STAGES; s++)
+        if (records[s]) {
+            fprintf(p->to, "<tr><td><b>%s</b></td><td class=\"n\">", trace_stage_name((trace_stage)s));
+            page_count(p, records[s]);
+            fprintf(p->to, "</td><td>%s</td></tr>\n", what[s] ? what[s] : "");
+        }
+    fputs("</table>\n<p class=\"from\">Digests of inputs: ", p->to);
+    page_link(p, "inputs.csv");
+    fputs("; of everything made: ", p->to);
+    page_link(p, EVIDENCE_CASES);
+    fputs(".</p>\n", p->to);
+}

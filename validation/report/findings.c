@@ -1,0 +1,199 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What came out otherwise, and whether mistakes would have been noticed. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "validation/bundle/bundle.h"
+#include "validation/campaign.h"
+#include "validation/report/pictures.h"
+#include "validation/report/sections.h"
+
+enum { LISTED = 200 }; /* results in the table; anomalies.csv has all */
+
+static json_int_t integer(const json_t *o, const char *key)
+{
+    return json_integer_value(json_object_get(o, key));
+}
+
+static bool is_finding(const json_t *result)
+{
+    const char *verdict = page_text_of(result, "verdict");
+    return strcmp(verdict, case_verdict_name(CASE_EQUAL)) != 0 && strcmp(verdict, case_verdict_name(CASE_NOT_RUN)) != 0;
+}
+
+/* "tick 12" where the stage has several. */
+static void where(const page *p, const json_t *r)
+{
+    const char *stage = page_text_of(r, "stage");
+    page_text(p, stage);
+    if (strcmp(stage, "tick") == 0 || strcmp(stage, "collide") == 0 || strcmp(stage, "tool") == 0)
+        fprintf(p->to, " %lld", (long long)integer(r, "item"));
+}
+
+static void row(const page *p, int number, const json_t *one, const json_t *backend, const json_t *r)
+{
+    const json_t *voxel = json_object_get(r, "voxel");
+    fprintf(p->to, "<tr><td class=\"n\">A%d</td><td><code>", number);
+    page_text(p, page_text_of(one, "id"));
+    fputs("</code><br>", p->to);
+    page_text(p, page_text_of(backend, "what"));
+    fputs("</td><td><b>", p->to);
+    page_text(p, page_text_of(r, "verdict"));
+    fputs("</b></td><td>", p->to);
+    where(p, r);
+    fputs("</td><td>", p->to);
+    if (voxel) {
+        json_int_t at[3];
+        for (size_t a = 0; a < 3; a++)
+            at[a] = json_integer_value(json_array_get(voxel, a));
+        page_count(p, integer(r, "different_voxels"));
+        fprintf(p->to, " voxel%s in this record; the first at (%lld, %lld, %lld), chunk (%lld, %lld, %lld) of 32<sup>3</sup>: <b>%lld</b> where the reference has <b>%lld</b>",
+                integer(r, "different_voxels") == 1 ? "" : "s", (long long)at[0], (long long)at[1], (long long)at[2], (long long)at[0] / 32, (long long)at[1] / 32,
+                (long long)at[2] / 32, (long long)integer(r, "got"), (long long)integer(r, "reference"));
+    } else if (*page_text_of(r, "word")) {
+        fputs("reported: ", p->to);
+        page_text(p, page_text_of(r, "word"));
+        fprintf(p->to, " is <b>%lld</b> where the reference has <b>%lld</b>", (long long)integer(r, "got"), (long long)integer(r, "reference"));
+    } else
+        page_text(p, page_text_of(r, "text"));
+    if (*page_text_of(r, "class")) {
+        fputs("; looks like ", p->to);
+        page_text(p, page_text_of(r, "class"));
+    }
+    fputs("</td></tr>\n", p->to);
+}
+
+static bool triplet(const page *p, int number, const json_t *one, size_t s)
+{
+    static const char *const captions[PICTURE_ROLES] = {"Reference: axial, coronal, sagittal", "Got", "Difference"};
+    char name[PICTURE_NAME];
+    picture_name(name, page_text_of(one, "id"), s, PICTURE_DIFFERENCE);
+    if (!page_has(p, name))
+        return false;
+    fprintf(p->to, "<h3>A%d: <code>", number);
+    page_text(p, page_text_of(one, "id"));
+    fputs("</code>, ", p->to);
+    page_text(p, page_text_of(json_array_get(json_object_get(p->protocol, "backends"), s), "what"));
+    fputs("</h3>\n", p->to);
+    for (int role = 0; role < PICTURE_ROLES; role++) {
+        picture_name(name, page_text_of(one, "id"), s, (picture_role)role);
+        page_picture(p, name, captions[role]);
+    }
+    return true;
+}
+
+/* Calls of one order: by case, then backend; numbers are those of anomalies.csv. */
+static int each_finding(const page *p, bool pictures)
+{
+    const json_t *backends = json_object_get(p->protocol, "backends");
+    int number = 0, done = 0;
+    for (size_t i = 0; i < json_array_size(p->cases); i++)
+        for (size_t s = 1; s < json_array_size(backends); s++) {
+            const json_t *one = json_array_get(p->cases, i), *backend = json_array_get(backends, s);
+            const json_t *r = json_object_get(json_object_get(one, "results"), page_text_of(backend, "name"));
+            if (!is_finding(r))
+                continue;
+            number++;
+            if (pictures)
+                done += triplet(p, number, one, s);
+            else if (number <= LISTED)
+                row(p, number, one, backend, r);
+        }
+    return pictures ? done : number;
+}
+
+void section_differences(const page *p)
+{
+    fputs("<h2>Differences</h2>\n", p->to);
+    const json_t *counts = json_object_get(p->summary, "results");
+    const json_int_t found = integer(counts, case_verdict_name(CASE_DIFFERS)) + integer(counts, case_verdict_name(CASE_FAILED)) +
+                             integer(counts, case_verdict_name(CASE_CRASHED)) + integer(counts, case_verdict_name(CASE_LATE));
+    if (!found) {
+        fputs("<p><b>None.</b> No byte of any result that was compared differs from the reference's.</p>\n<p class=\"from\">From ", p->to);
+        page_link(p, "anomalies.csv");
+        fputs(", which is empty but for its head.</p>\n", p->to);
+        return;
+    }
+    fputs("<p>", p->to);
+    page_count(p, found);
+    fprintf(p->to, " result%s came out otherwise than the reference's. Of each case the first difference in the order of the stages is shown; what comes "
+                   "after it may be its consequence.</p>\n<table><thead><tr><th class=\"n\">No.</th><th>Case, backend</th><th>Verdict</th><th>Where</th>"
+                   "<th>What</th></tr></thead>\n", found == 1 ? "" : "s");
+    const int listed = each_finding(p, false);
+    fputs("</table>\n", p->to);
+    if (listed > LISTED)
+        fprintf(p->to, "<p>The first %d of %d are listed here.</p>\n", LISTED, listed);
+    fputs("<p class=\"from\">All of them, with places for cause, impact and disposition: ", p->to);
+    page_link(p, "anomalies.csv");
+    fputs("; as values: ", p->to);
+    page_link(p, EVIDENCE_CASES);
+    fputs(".</p>\n<h3>Pictures of differences</h3>\n"
+          "<p>Axial, coronal and sagittal slices, through where most voxels differ in the first record in which voxels do; a square is a voxel. "
+          "<span class=\"key\"><i class=\"a\"></i>striped: solid in the reference alone<i class=\"b\"></i>plain: solid in the other alone"
+          "<i class=\"c\"></i>barred: another value</span></p>\n", p->to);
+    if (!each_finding(p, true))
+        fputs("<p>None were kept: no voxels differ, or the program was built without pictures.</p>\n", p->to);
+    else
+        fprintf(p->to, "<p>Pictures are kept of the first %d differing cases of each backend.</p>\n", PICTURES_A_BACKEND);
+}
+
+/* ------------------------------------------------------------ sensitivity */
+
+static const char *const fault_counts[] = {"injected", "changed", "detected", "localized", "survived"};
+static const char *const fault_heads[] = {"injected", "changed a result", "noticed", "located", "without effect"};
+enum { FAULT_COUNTS = sizeof fault_counts / sizeof fault_counts[0] };
+
+static void fault_cells(const page *p, const json_t *o)
+{
+    for (int i = 0; i < FAULT_COUNTS; i++) {
+        fputs("<td class=\"n\">", p->to);
+        page_count(p, integer(o, fault_counts[i]));
+        fputs("</td>", p->to);
+    }
+}
+
+void section_sensitivity(const page *p)
+{
+    static const char file[] = "sensitivity.json";
+    char *bytes;
+    size_t size;
+    if (!p->folder || bundle_read(p->folder, file, &bytes, &size, NULL) != OST_OK)
+        return;
+    json_t *o = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, NULL);
+    const json_t *kinds = json_object_get(o, "kinds");
+    free(bytes);
+    fputs("<h2>Would a mistake have been noticed?</h2>\n<p>A second implementation was run with deliberate mistakes at random places, and compared in the same way. ", p->to);
+    page_count(p, integer(o, "detected"));
+    fputs(" of the ", p->to);
+    page_count(p, integer(o, "changed"));
+    fputs(" mistakes that changed a result were noticed and ", p->to);
+    page_count(p, integer(o, "localized"));
+    fputs(" located; ", p->to);
+    page_count(p, integer(o, "false_alarms"));
+    fputs(" false alarms in ", p->to);
+    page_count(p, integer(o, "clean_runs"));
+    fprintf(p->to, " runs without a mistake. <b>%s</b></p>\n",
+            json_is_true(json_object_get(o, "proved")) ? "Every mistake that had an effect was noticed and located." : "This does not show that mistakes are noticed.");
+    fputs("<div class=\"wide\"><table><thead><tr><th>Mistake</th><th>Stage</th>", p->to);
+    for (int i = 0; i < FAULT_COUNTS; i++)
+        fprintf(p->to, "<th class=\"n\">%s</th>", fault_heads[i]);
+    fputs("</tr></thead>\n", p->to);
+    for (size_t i = 0; i < json_array_size(kinds) && i < LISTED; i++) {
+        const json_t *kind = json_array_get(kinds, i);
+        fputs("<tr><td><b>", p->to);
+        page_text(p, page_text_of(kind, "name"));
+        fputs("</b><br>", p->to);
+        page_text(p, page_text_of(kind, "what"));
+        fputs("</td><td>", p->to);
+        page_text(p, page_text_of(kind, "stage"));
+        fputs("</td>", p->to);
+        fault_cells(p, kind);
+        fputs("</tr>\n", p->to);
+    }
+    fputs("<tr><td><b>all</b></td><td></td>", p->to);
+    fault_cells(p, o);
+    fputs("</tr></table></div>\n<p class=\"from\">From ", p->to);
+    page_link(p, file);
+    fputs(", which also says why mistakes can be without effect.</p>\n", p->to);
+    json_decref(o);
+}

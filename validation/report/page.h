@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * HTML as it is written: text is escaped, files of the bundle are links, and
+ * pictures become a part of the page.  Nothing from a bundle is written but by
+ * these.
+ */
+#ifndef OST_VALIDATION_REPORT_PAGE_H
+#define OST_VALIDATION_REPORT_PAGE_H
+
+#include <stdbool.h>
+#include <stdio.h>
+
+#include <jansson.h>
+
+#include <osteon/status.h>
+
+typedef struct page {
+    FILE *to;
+    const char *folder; /* the bundle as it lies */
+    const json_t *protocol, *cases, *summary;
+} page;
+
+/* The text of a key, "" when there is none. */
+const char *page_text_of(const json_t *o, const char *key);
+
+/* Escaped for HTML, within text and within quoted attributes; control characters become '?'. */
+void page_text(const page *p, const char *text);
+/* 12,345 */
+void page_count(const page *p, json_int_t value);
+/* A link to a file of the bundle. */
+void page_link(const page *p, const char *file);
+bool page_has(const page *p, const char *file);
+/* The picture in the page, linked to its file, with a caption of ours; nothing when the bundle has none. */
+bool page_picture(const page *p, const char *file, const char *caption);
+
+/* Opens and closes: style is a part of the first. */
+void page_begin(const page *p, const char *title);
+void page_end(const page *p);
+
+#endif

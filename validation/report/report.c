@@ -1,0 +1,242 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "validation/report/report.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "validation/report/pictures.h"
+#include "validation/report/sections.h"
+
+#define TITLE "Backend equivalence verification report"
+
+/* ------------------------------------------------------------ the verdict */
+
+static json_int_t findings(const page *p)
+{
+    static const case_verdict bad[] = {CASE_DIFFERS, CASE_FAILED, CASE_CRASHED, CASE_LATE};
+    json_int_t n = 0;
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
+        n += json_integer_value(json_object_get(json_object_get(p->summary, "results"), case_verdict_name(bad[i])));
+    return n;
+}
+
+static void verdict(const page *p)
+{
+    const json_t *counts = json_object_get(p->summary, "results");
+    const bool equal = json_is_true(json_object_get(p->summary, "equal")), evidence = json_is_true(json_object_get(p->summary, "evidence"));
+    const json_int_t same = json_integer_value(json_object_get(counts, case_verdict_name(CASE_EQUAL))), other = findings(p);
+    if (other) {
+        fputs("<div class=\"verdict differ\"><b>&#10007; NOT EQUAL</b>", p->to);
+        page_count(p, other);
+        fputs(" of ", p->to);
+        page_count(p, other + same);
+        fputs(" results came out otherwise than the reference's.", p->to);
+        if (!evidence)
+            fputs(" (And this was a reduced run.)", p->to);
+    } else if (!equal) {
+        fputs("<div class=\"verdict none\"><b>&#9888; NO VERDICT: NOT EVERYTHING WAS COMPARED</b>"
+              "No difference was found, but no backend was compared or cases are missing.", p->to);
+    } else {
+        fputs(evidence ? "<div class=\"verdict equal\"><b>&#10003; EQUAL</b>" : "<div class=\"verdict none\"><b>&#9888; REDUCED RUN: NO EVIDENCE</b>", p->to);
+        fputs(evidence ? "All " : "What was compared was equal (all ", p->to);
+        page_count(p, same);
+        fputs(evidence ? " results are, byte for byte, the reference's: 0 differing bytes." : " results), but too little was compared to prove anything.", p->to);
+    }
+    fputs("<br><span class=\"from\">From ", p->to);
+    page_link(p, "results.json");
+    fputs("</span></div>\n", p->to);
+}
+
+static void head(const page *p)
+{
+    const json_t *backends = json_object_get(p->protocol, "backends");
+    size_t run = 0;
+    for (size_t s = 1; s < json_array_size(backends); s++)
+        run += json_is_true(json_object_get(json_array_get(backends, s), "available"));
+    fputs("<h1>" TITLE "</h1>\n", p->to);
+    verdict(p);
+    fputs("<p class=\"scope\">What this is: verification that all backends of osteon compute the same voxels (code verification). It is not clinical validation.</p>\n"
+          "<p>osteon simulates the reaming of bone for surgery. The same operation can be computed by different programs, on processors and graphics cards. "
+          "This report says whether they give the same result, to the last bit: here ", p->to);
+    fprintf(p->to, "<b>%zu backend%s</b> on <b>%zu cases</b>, against the scalar reference. osteon ", run, run == 1 ? "" : "s", json_array_size(p->cases));
+    page_text(p, page_text_of(p->protocol, "version"));
+    fprintf(p->to, ", arithmetic version %lld; tier ", (long long)json_integer_value(json_object_get(p->protocol, "arithmetic")));
+    page_text(p, page_text_of(p->protocol, "tier"));
+    fputs(", seed ", p->to);
+    page_text(p, page_text_of(p->protocol, "seed"));
+    fputs(" (", p->to);
+    page_link(p, EVIDENCE_PROTOCOL);
+    fputs("). Machine: ", p->to);
+    page_link(p, "environment.json");
+    fputs(". Times: ", p->to);
+    page_link(p, "times.json");
+    fputs(". What was done when: ", p->to);
+    page_link(p, "audit.log");
+    fputs(".</p>\n", p->to);
+}
+
+static void not_shown(const page *p)
+{
+    const json_t *list = json_object_get(p->summary, "not_shown");
+    fputs("<h2>What was NOT shown</h2>\n<ul>\n", p->to);
+    for (size_t i = 0; i < json_array_size(list); i++) {
+        const char *text = json_string_value(json_array_get(list, i));
+        fputs("<li>", p->to);
+        page_text(p, text ? text : "");
+        fputs("</li>\n", p->to);
+    }
+    fputs("<li>A mistake that the reference and a backend have in common does not show in a comparison of the two.</li>\n"
+          "<li>That the simulation is right about bone, tools or patients: that is validation, and not what this is.</li>\n</ul>\n<p class=\"from\">From ", p->to);
+    page_link(p, "deviations.csv");
+    fputs(" and the nature of the method.</p>\n", p->to);
+}
+
+static void operation(const page *p)
+{
+    fputs("<h2>What was computed, in pictures</h2>\n", p->to);
+    if (!page_has(p, PICTURE_AFTER)) {
+        fputs("<p>No pictures: the case of the built-in operation was not run here, or the program was built without pictures.</p>\n", p->to);
+        return;
+    }
+    fputs("<p>Case <code>operation/0</code> as the reference computed it: the socket of a generated shoulder blade (glenoid), a hole for a peg drilled into it and "
+          "its surface reamed. Red: what was cut away. Pictures illustrate; what was compared are the voxels behind them.</p>\n<div class=\"pair\">\n", p->to);
+    page_picture(p, PICTURE_BEFORE, "The bone before");
+    page_picture(p, PICTURE_AFTER, "The bone after; the red surface is cut");
+    fputs("</div>\n", p->to);
+    page_picture(p, PICTURE_SLICES_BEFORE, "Slices before: axial, coronal, sagittal");
+    page_picture(p, PICTURE_SLICES_AFTER, "The same slices after; red was removed");
+}
+
+/* ------------------------------------------------- doing it, checking it */
+
+/* As one word for a shell. */
+static void shell_word(const page *p, const char *text)
+{
+    if (text[strspn(text, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789/_.-")] == '\0' && *text) {
+        page_text(p, text);
+        return;
+    }
+    page_text(p, "'");
+    for (; *text; text++) {
+        const char one[2] = {*text, '\0'};
+        page_text(p, *text == '\'' ? "'\\''" : one);
+    }
+    page_text(p, "'");
+}
+
+static void checking(const page *p)
+{
+    const json_t *shard = json_object_get(p->protocol, "shard");
+    fputs("<h2>Check it, and do it again</h2>\n<p>In the folder that this page lies in; needs neither a network nor a device:</p>\n"
+          "<pre>osteon verify .</pre>\n<p>That checks every file against ", p->to);
+    page_link(p, "manifest.json");
+    fputs(", the log's chain, that the protocol was frozen before the first result, and that this page and all other derived files follow, byte for byte, from ", p->to);
+    page_link(p, EVIDENCE_PROTOCOL);
+    fputs(", ", p->to);
+    page_link(p, EVIDENCE_CASES);
+    fputs(" and the pictures. The same campaign again, on any machine:</p>\n<pre>osteon validate --tier ", p->to);
+    shell_word(p, page_text_of(p->protocol, "tier"));
+    fputs(" --seed ", p->to);
+    shell_word(p, page_text_of(p->protocol, "seed"));
+    if (json_integer_value(json_array_get(shard, 1)) > 1)
+        fprintf(p->to, " --shard %lld/%lld", (long long)json_integer_value(json_array_get(shard, 0)), (long long)json_integer_value(json_array_get(shard, 1)));
+    if (*page_text_of(p->protocol, "only")) {
+        fputs(" --only ", p->to);
+        shell_word(p, page_text_of(p->protocol, "only"));
+    }
+    if (json_is_true(json_object_get(p->protocol, "cpu_only")))
+        fputs(" --cpu-only", p->to);
+    fputs(" --out BUNDLE</pre>\n<p>With the same build on the same machine, <code>results_root</code> of ", p->to);
+    page_link(p, "manifest.json");
+    fputs(" comes out the same.</p>\n", p->to);
+}
+
+static void signing(const page *p)
+{
+    fputs("<h2>Tested and reviewed by</h2>\n<div class=\"sign\">\n", p->to);
+    for (int i = 0; i < 2; i++)
+        fprintf(p->to, "<div><b>%s</b><span>Name</span><span>Role</span><span>Date and time (UTC)</span><span>%s</span><span>Signature</span></div>\n",
+                i ? "Reviewer" : "Tester", i ? "Meaning: reviewed, and agreed / not agreed" : "Meaning: performed as the protocol says");
+    fputs("</div>\n<p class=\"from\">For a signature by computer, sign ", p->to);
+    page_link(p, "manifest.json");
+    fputs(" and lay the signature into a folder <code>signatures</code> here; it names every other file by its SHA-256.</p>\n", p->to);
+}
+
+static void files(const page *p)
+{
+    static const struct {
+        const char *name, *is;
+        bool always;
+    } list[] = {
+        {EVIDENCE_PROTOCOL, "what was to be done and what counts as passed, frozen before anything ran", true},
+        {EVIDENCE_CASES, "a line a case: digest of its input, digests of all that the reference made, each backend's verdict", true},
+        {"results.json", "the verdict and its counts", true},
+        {"junit.xml", "the verdicts for test reports", true},
+        {"results.tap", "the verdicts for test harnesses", true},
+        {"inputs.csv", "digests of the cases' inputs", true},
+        {"anomalies.csv", "what differs, with places for cause, impact and disposition", true},
+        {"deviations.csv", "what was not shown", true},
+        {"environment.json", "the machine, the system, the program's own digest", true},
+        {"times.json", "how long each backend took", true},
+        {"audit.log", "what was done when, each line hashed into the next", true},
+        {"manifest.json", "size and SHA-256 of every file, and two roots over them", true},
+        {"README.md", "the verdict in a few lines of text", true},
+        {"sensitivity.json", "deliberate mistakes, and whether they were noticed", false},
+        {"devices.json", "the devices and their drivers", false},
+        {"requirements.csv", "requirements", false},
+        {"trace.csv", "requirements, tests, results and files", false},
+        {"sbom.spdx.json", "the libraries in the program", false},
+        {"soup.csv", "software of unknown provenance", false},
+        {PICTURE_BEFORE, "the bone before the operation", false},
+        {PICTURE_AFTER, "the bone after it", false},
+        {PICTURE_SLICES_BEFORE, "slices before", false},
+        {PICTURE_SLICES_AFTER, "slices after", false},
+    };
+    fputs("<h2>Files</h2>\n<table><thead><tr><th>File</th><th>is</th></tr></thead>\n", p->to);
+    for (size_t i = 0; i < sizeof list / sizeof list[0]; i++)
+        if (list[i].always || page_has(p, list[i].name)) {
+            fputs("<tr><td>", p->to);
+            page_link(p, list[i].name);
+            fputs("</td><td>", p->to);
+            page_text(p, list[i].is);
+            fputs("</td></tr>\n", p->to);
+        }
+    fputs("</table>\n", p->to);
+}
+
+ost_status report_write(const char *folder, const json_t *protocol, const json_t *cases, evidence_sink *sink, void *user, ost_error *err)
+{
+    char *bytes = NULL;
+    size_t size = 0;
+    json_t *summary;
+    ost_status status = evidence_summary(protocol, cases, &summary, err);
+    if (status != OST_OK)
+        return status;
+    FILE *to = open_memstream(&bytes, &size);
+    if (!to) {
+        json_decref(summary);
+        return ost_fail(err, OST_ERR_MEMORY, "%s: %s", REPORT_FILE, strerror(errno));
+    }
+    const page p = {to, folder, protocol, cases, summary};
+    page_begin(&p, TITLE);
+    head(&p);
+    section_compared(&p);
+    if (findings(&p)) /* first what matters most */
+        section_differences(&p);
+    not_shown(&p);
+    operation(&p);
+    section_reference(&p);
+    if (!findings(&p))
+        section_differences(&p);
+    section_sensitivity(&p);
+    checking(&p);
+    signing(&p);
+    files(&p);
+    page_end(&p);
+    const bool failed = ferror(to) != 0;
+    status = fclose(to) != 0 || failed ? ost_fail(err, OST_ERR_MEMORY, "no memory for %s", REPORT_FILE) : sink(user, REPORT_FILE, bytes, size, err);
+    free(bytes);
+    json_decref(summary);
+    return status;
+}

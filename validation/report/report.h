@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * report.html: the evidence for people, on one page that needs nothing else.
+ *
+ *   protocol, cases, and of the folder: pictures, sensitivity.json --report_write--> report.html
+ *
+ * It follows from the bundle's files alone, without times or the machine's
+ * name, so whoever checks a bundle derives it again and compares bytes.  It is
+ * written last: it names optional files only where they lie in the folder.
+ */
+#ifndef OST_VALIDATION_REPORT_H
+#define OST_VALIDATION_REPORT_H
+
+#include "validation/bundle/evidence.h"
+
+#define REPORT_FILE "report.html"
+
+ost_status report_write(const char *folder, const json_t *protocol, const json_t *cases, evidence_sink *sink, void *user, ost_error *err);
+
+#endif

@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The page's larger parts, each a function of the page alone. */
+#ifndef OST_VALIDATION_REPORT_SECTIONS_H
+#define OST_VALIDATION_REPORT_SECTIONS_H
+
+#include "validation/report/page.h"
+
+/* What was compared with what: backends by families of cases. */
+void section_compared(const page *p);
+/* What the reference made: stages and their records. */
+void section_reference(const page *p);
+/* Each result that is not equal, with pictures where the campaign kept them. */
+void section_differences(const page *p);
+/* Deliberate mistakes and whether they were noticed; nothing without sensitivity.json. */
+void section_sensitivity(const page *p);
+
+#endif

@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include <dirent.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "validation/bundle/bundle.h"
+#include "validation/report/page.h"
+#include "validation/report/pictures.h"
+
+/* Copies a picture from the one shard that has it. */
+static ost_status take(const char *folder, const char *name, bool *taken, evidence_sink *sink, void *user, ost_error *err)
+{
+    DIR *dir = opendir(folder);
+    ost_status status = dir ? OST_OK : ost_fail(err, OST_ERR_INPUT, "%s: %s", folder, strerror(errno));
+    *taken = false;
+    for (struct dirent *e; status == OST_OK && !*taken && (e = readdir(dir));) {
+        char path[BUNDLE_PATH], *bytes;
+        size_t size;
+        if (e->d_name[0] == '.' || snprintf(path, sizeof path, "%s/%s", folder, e->d_name) >= (int)sizeof path ||
+            bundle_read(path, name, &bytes, &size, NULL) != OST_OK)
+            continue;
+        *taken = true;
+        status = sink(user, name, bytes, size, err);
+        free(bytes);
+    }
+    if (dir)
+        closedir(dir);
+    return status;
+}
+
+ost_status pictures_of_shards(const char *folder, const json_t *protocol, const json_t *cases, evidence_sink *sink, void *user, ost_error *err)
+{
+    static const char *const operation[] = {PICTURE_BEFORE, PICTURE_AFTER, PICTURE_SLICES_BEFORE, PICTURE_SLICES_AFTER};
+    const json_t *backends = json_object_get(protocol, "backends");
+    ost_status status = OST_OK;
+    bool taken;
+    for (size_t i = 0; i < sizeof operation / sizeof operation[0] && status == OST_OK; i++)
+        status = take(folder, operation[i], &taken, sink, user, err);
+    for (size_t s = 1; s < json_array_size(backends) && status == OST_OK; s++) {
+        int kept = 0;
+        for (size_t i = 0; i < json_array_size(cases) && kept < PICTURES_A_BACKEND && status == OST_OK; i++) {
+            const json_t *one = json_array_get(cases, i);
+            const json_t *r = json_object_get(json_object_get(one, "results"), page_text_of(json_array_get(backends, s), "name"));
+            if (strcmp(page_text_of(r, "verdict"), case_verdict_name(CASE_DIFFERS)) != 0)
+                continue;
+            for (int role = 0; role < PICTURE_ROLES && status == OST_OK; role++) {
+                char name[PICTURE_NAME];
+                picture_name(name, page_text_of(one, "id"), s, (picture_role)role);
+                status = take(folder, name, &taken, sink, user, err);
+            }
+            kept += taken;
+        }
+    }
+    return status;
+}
