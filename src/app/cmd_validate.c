@@ -73,6 +73,25 @@ static void show(void *user, const char *what, double share)
     progress_show(NULL, what, share);
 }
 
+/* ------------------------------------------------------------------- faults */
+
+/* What was never triggered or never changed anything is named: a proof says what it is no proof of. */
+static void say_faults(const app_state *app, const sensitivity *s)
+{
+    char a[SAY_TEXT], b[SAY_TEXT], c[SAY_TEXT];
+    int silent = 0;
+    say(app, "SENSITIVITY %s: %s mistakes made on purpose, %s changed a result, %s of them were found, %llu not where they are; %llu false alarms in %llu right runs",
+        faults_proved(s) ? "PROVED" : "NOT PROVED", say_count(a, (int64_t)s->all.injected), say_count(b, (int64_t)s->all.changed),
+        say_count(c, (int64_t)(s->all.changed - s->all.not_detected)), (unsigned long long)s->all.not_located, (unsigned long long)s->false_alarms,
+        (unsigned long long)s->clean_runs);
+    if (s->first_problem[0])
+        say(app, "  %s", s->first_problem);
+    for (int k = DEVIATION_NONE + 1; k < DEVIATION_KINDS; k++)
+        silent += !s->of[k].changed;
+    if (silent)
+        say(app, "  %d of %d kinds changed nothing in this run; sensitivity.json and --json say which, and when a kind survives", silent, DEVIATION_KINDS - 1);
+}
+
 /* ------------------------------------------------------------------ results */
 
 static const case_result *result_at(const campaign *c, int i, int s)
@@ -160,7 +179,7 @@ static void say_last(app_state *app, const char *out, const json_t *summary)
 }
 
 /* Only what the summary does not have: the rest of --json is the bundle's own. */
-static ost_status report(app_state *app, const validate_args *args, const campaign *c, json_t *summary, ost_error *err)
+static ost_status report(app_state *app, const validate_args *args, const campaign *c, json_t *summary, const sensitivity *proof, ost_error *err)
 {
     char records[SAY_TEXT], bytes[SAY_TEXT];
     const json_t *list = json_object_get(summary, "not_shown");
@@ -183,33 +202,18 @@ static ost_status report(app_state *app, const validate_args *args, const campai
         say_bytes(bytes, (int64_t)c->bytes));
     for (size_t i = 0; i < json_array_size(list); i++)
         say(app, "%s%s", i ? "             " : "  not shown: ", json_string_value(json_array_get(list, i)));
+    if (proof)
+        say_faults(app, proof);
     if (args->out)
         say_last(app, args->out, summary);
     if (!campaign_equal(c))
         return ost_fail(err, OST_ERR_DIFFER, "%d results differ from the reference's, %d failed, %d crashed, %d took too long",
                         c->counts[CASE_DIFFERS], c->counts[CASE_FAILED], c->counts[CASE_CRASHED], c->counts[CASE_LATE]);
+    if (proof && !faults_proved(proof))
+        return ost_fail(err, OST_ERR_DIFFER, "the sensitivity proof failed: %s", proof->first_problem[0] ? proof->first_problem : "nothing was changed");
     if (!c->subjects->opencl && !args->cpu_only && !args->backends)
         return ost_fail(err, OST_ERR_UNAVAILABLE, "OpenCL was not compared: %s; --cpu-only says that this is meant", c->subjects->no_opencl);
     return OST_OK;
-}
-
-/* ------------------------------------------------------------------- faults */
-
-/* What was never triggered or never changed anything is named: a proof says what it is no proof of. */
-static void say_faults(const app_state *app, const sensitivity *s)
-{
-    char a[SAY_TEXT], b[SAY_TEXT], c[SAY_TEXT];
-    int silent = 0;
-    say(app, "SENSITIVITY %s: %s mistakes made on purpose, %s changed a result, %s of them were found, %llu not where they are; %llu false alarms in %llu right runs",
-        faults_proved(s) ? "PROVED" : "NOT PROVED", say_count(a, (int64_t)s->all.injected), say_count(b, (int64_t)s->all.changed),
-        say_count(c, (int64_t)(s->all.changed - s->all.not_detected)), (unsigned long long)s->all.not_located, (unsigned long long)s->false_alarms,
-        (unsigned long long)s->clean_runs);
-    if (s->first_problem[0])
-        say(app, "  %s", s->first_problem);
-    for (int k = DEVIATION_NONE + 1; k < DEVIATION_KINDS; k++)
-        silent += !s->of[k].changed;
-    if (silent)
-        say(app, "  %d of %d kinds changed nothing in this run; sensitivity.json and --json say which, and when a kind survives", silent, DEVIATION_KINDS - 1);
 }
 
 /* ---------------------------------------------------------------------- run */
@@ -279,8 +283,7 @@ typedef struct job {
     campaign run;
     bundle *b;
     json_t *protocol, *cases, *summary, *faults;
-    sensitivity proof;
-    bool proved; /* the proof was asked for and done */
+    sensitivity proof; /* where faults is not NULL */
 } job;
 
 static void job_free(job *j)
@@ -305,7 +308,7 @@ static ost_status compare_all(app_state *app, const validate_args *args, const p
     if (status == OST_OK)
         status = subjects_find(p->tier, args->backends ? args->backends : args->cpu_only ? "cpu" : NULL, &j.subjects, err);
     if (status == OST_OK)
-        status = evidence_protocol(p, &j.subjects, args->cpu_only, &j.protocol, err);
+        status = evidence_protocol(p, &j.subjects, args->backends ? args->backends : "", args->cpu_only, &j.protocol, err);
     if (status == OST_OK && j.b)
         status = freeze(j.b, j.protocol, err);
     if (status == OST_OK) {
@@ -344,13 +347,9 @@ static ost_status compare_all(app_state *app, const validate_args *args, const p
         j.b = NULL;
     }
     if (status == OST_OK) {
-        status = report(app, args, &j.run, j.summary, err);
-        if (j.faults) {
-            say_faults(app, &j.proof);
+        if (j.faults)
             put(app->result, "faults", json_incref(j.faults));
-            if (status == OST_OK && !faults_proved(&j.proof))
-                status = ost_fail(err, OST_ERR_DIFFER, "the sensitivity proof failed: %s", j.proof.first_problem);
-        }
+        status = report(app, args, &j.run, j.summary, j.faults ? &j.proof : NULL, err);
     }
     job_free(&j);
     return status;

@@ -201,6 +201,8 @@ static void readme(FILE *to, const json_t *protocol, const json_t *cases, const 
         fprintf(to, " --only %s", text_of(protocol, "only"));
     if (json_is_true(json_object_get(protocol, "cpu_only")))
         fputs(" --cpu-only", to);
+    if (*text_of(protocol, "chosen"))
+        fprintf(to, " --backends '%s'", text_of(protocol, "chosen"));
     fputs(" --out BUNDLE\n```\n\nOn the same machine with the same build, `results_root` of manifest.json comes out the same.\n\n", to);
     fputs("## Files\n\n"
           "| file | is |\n|---|---|\n"

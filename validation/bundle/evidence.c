@@ -17,7 +17,7 @@ static ost_status no_memory(ost_error *err)
     return ost_fail(err, OST_ERR_MEMORY, "no memory for the evidence");
 }
 
-ost_status evidence_protocol(const plan *p, const subject_list *subjects, bool cpu_only, json_t **out, ost_error *err)
+ost_status evidence_protocol(const plan *p, const subject_list *subjects, const char *chosen, bool cpu_only, json_t **out, ost_error *err)
 {
     json_t *cases = json_array(), *backends = json_array(), *families = json_object();
     for (int i = 0; i < p->count; i++)
@@ -37,6 +37,7 @@ ost_status evidence_protocol(const plan *p, const subject_list *subjects, bool c
         return no_memory(err);
     json_object_del(*out, "seed_text");
     json_object_set_new(*out, "seed", json_sprintf("%llu", (unsigned long long)p->seed)); /* 64 bits are more than JSON's readers keep */
+    json_object_set_new(*out, "chosen", json_string(chosen));
     json_object_set_new(*out, "no_opencl", json_string(subjects->opencl ? "" : subjects->no_opencl));
     return OST_OK;
 }
@@ -174,6 +175,10 @@ static json_t *not_shown(const json_t *protocol, const json_t *cases)
         add_sentence(list, "This is one shard of a campaign; the others' cases were not run here.");
     if (*text_of(protocol, "only"))
         add_sentence(list, "Some cases alone were asked for.");
+    if (*text_of(protocol, "chosen")) {
+        snprintf(text, sizeof text, "Some backends alone were asked for: %.300s.", text_of(protocol, "chosen"));
+        add_sentence(list, text);
+    }
     if (!json_is_true(json_object_get(protocol, "opencl"))) {
         snprintf(text, sizeof text, "No OpenCL device was compared: %.300s.", json_is_true(json_object_get(protocol, "cpu_only")) ? "the CPU's variants alone were asked for" : text_of(protocol, "no_opencl"));
         add_sentence(list, text);

@@ -23,8 +23,8 @@
 #define EVIDENCE_PROTOCOL "protocol.json"
 #define EVIDENCE_CASES "cases.jsonl"
 
-/* Both give the caller's reference. */
-ost_status evidence_protocol(const plan *p, const subject_list *subjects, bool cpu_only, json_t **out, ost_error *err);
+/* Both give the caller's reference. chosen: the backends that were asked for, "" for all that are here. */
+ost_status evidence_protocol(const plan *p, const subject_list *subjects, const char *chosen, bool cpu_only, json_t **out, ost_error *err);
 ost_status evidence_cases(const campaign *c, json_t **out, ost_error *err);
 
 /* The digests of a case's records, as its line has them; the caller's reference, NULL on failure. */

@@ -147,6 +147,10 @@ static void checking(const page *p)
     }
     if (json_is_true(json_object_get(p->protocol, "cpu_only")))
         fputs(" --cpu-only", p->to);
+    if (*page_text_of(p->protocol, "chosen")) {
+        fputs(" --backends ", p->to);
+        shell_word(p, page_text_of(p->protocol, "chosen"));
+    }
     fputs(" --out BUNDLE</pre>\n<p>With the same build on the same machine, <code>results_root</code> of ", p->to);
     page_link(p, "manifest.json");
     fputs(" comes out the same.</p>\n", p->to);
