@@ -56,7 +56,8 @@ static void add_device(const ost_device_info *device, void *user)
 {
     device_visit *v = user;
     char what[SUBJECT_REASON];
-    snprintf(what, sizeof what, "OpenCL, %.140s, %.140s", device->name, device->platform);
+    const bool named = device->name && *device->name; /* a platform without devices has none */
+    snprintf(what, sizeof what, "OpenCL, %.140s%s%.140s", named ? device->name : "", named ? ", " : "", device->platform);
     subject *s = v->status == OST_OK ? add(v->list, device->spec, what, v->err) : NULL;
     if (!s) {
         v->status = OST_ERR_MEMORY;
