@@ -24,6 +24,7 @@
 #include "validation/bundle/faults.h"
 #include "validation/bundle/merge.h"
 #include "validation/campaign.h"
+#include "validation/scratch.h"
 #include "validation/report/pictures.h"
 #include "validation/report/report.h"
 
@@ -278,7 +279,7 @@ static ost_status put_evidence(bundle *b, const campaign *c, const json_t *proto
 
 /* Everything that must be freed, in one place. */
 typedef struct job {
-    char program[1024], folder[32];
+    char program[1024], folder[SCRATCH_PATH];
     subject_list subjects;
     campaign run;
     bundle *b;
@@ -295,8 +296,7 @@ static void job_free(job *j)
     json_decref(j->cases);
     json_decref(j->summary);
     json_decref(j->faults);
-    if (j->folder[0])
-        rmdir(j->folder);
+    scratch_remove(j->folder);
 }
 
 static ost_status compare_all(app_state *app, const validate_args *args, const plan *p, ost_error *err)
@@ -311,13 +311,8 @@ static ost_status compare_all(app_state *app, const validate_args *args, const p
         status = evidence_protocol(p, &j.subjects, args->backends ? args->backends : "", args->cpu_only, &j.protocol, err);
     if (status == OST_OK && j.b)
         status = freeze(j.b, j.protocol, err);
-    if (status == OST_OK) {
-        memcpy(j.folder, "/tmp/osteon-validate-XXXXXX", sizeof "/tmp/osteon-validate-XXXXXX");
-        if (!mkdtemp(j.folder)) {
-            status = ost_fail(err, OST_ERR_IO, "%s: %s", j.folder, strerror(errno));
-            j.folder[0] = '\0';
-        }
-    }
+    if (status == OST_OK)
+        status = scratch_make(j.folder, err);
     if (status == OST_OK) {
         picture_keeper keeper = {.sink = into_bundle, .user = j.b};
         const campaign_options how = {.program = j.program, .folder = j.folder, .limit_s = (double)args->limit_s, .show = show,
@@ -407,16 +402,17 @@ static ost_status merge_all(app_state *app, const validate_args *args, ost_error
 
 static ost_status prove_faults(app_state *app, const validate_args *args, ost_error *err)
 {
-    char folder[] = "/tmp/osteon-validate-XXXXXX";
+    char folder[SCRATCH_PATH];
     sensitivity s;
     json_t *faults;
-    if (!mkdtemp(folder))
-        return ost_fail(err, OST_ERR_IO, "%s: %s", folder, strerror(errno));
+    ost_status status = scratch_make(folder, err);
+    if (status != OST_OK)
+        return status;
     progress_begin(app);
-    ost_status status = sensitivity_run((uint64_t)args->seed, args->faults ? (uint64_t)args->faults : sensitivity_injections((plan_tier)args->tier), folder, show,
+    status = sensitivity_run((uint64_t)args->seed, args->faults ? (uint64_t)args->faults : sensitivity_injections((plan_tier)args->tier), folder, show,
                                         NULL, &s, err);
     progress_clear();
-    rmdir(folder);
+    scratch_remove(folder);
     if (status == OST_OK)
         status = faults_json(&s, &faults, err);
     if (status != OST_OK)

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "validation/bundle/check.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,6 +9,7 @@
 #include "validation/bundle/evidence.h"
 #include "validation/perform.h"
 #include "validation/scene.h"
+#include "validation/scratch.h"
 
 /* A case's plan entry from what the protocol and its line say; false when there is no such case. */
 static bool case_of(const json_t *protocol, const char *id, plan_case *out)
@@ -83,7 +83,7 @@ static ost_status check_case(ost_backend *ref, const json_t *protocol, const jso
 ost_status check_again(const char *folder, bundle_problem *problem, void *user, int *found, void (*show)(void *user, const char *what, double share),
                        void *show_user, ost_error *err)
 {
-    char *protocol_text = NULL, *cases_text = NULL, scratch[] = "/tmp/osteon-verify-XXXXXX", path[64];
+    char *protocol_text = NULL, *cases_text = NULL, scratch[SCRATCH_PATH] = "", path[SCRATCH_PATH + 8];
     size_t protocol_size, cases_size;
     json_t *protocol = NULL, *cases = NULL;
     ost_backend *ref = NULL;
@@ -96,9 +96,9 @@ ost_status check_again(const char *folder, bundle_problem *problem, void *user, 
         status = evidence_parse_cases(cases_text, cases_size, &cases, err);
     if (status == OST_OK)
         status = ost_backend_open("ref", &ref, err);
-    if (status == OST_OK && !mkdtemp(scratch))
-        status = ost_fail(err, OST_ERR_IO, "%s: %s", scratch, strerror(errno));
-    else if (status == OST_OK) {
+    if (status == OST_OK)
+        status = scratch_make(scratch, err);
+    if (status == OST_OK) {
         snprintf(path, sizeof path, "%s/trace", scratch);
         for (size_t i = 0; i < json_array_size(cases) && status == OST_OK; i++) {
             const json_t *line = json_array_get(cases, i);
@@ -111,8 +111,8 @@ ost_status check_again(const char *folder, bundle_problem *problem, void *user, 
                 ++*found;
             }
         }
-        rmdir(scratch);
     }
+    scratch_remove(scratch);
     ost_backend_close(ref);
     json_decref(protocol);
     json_decref(cases);
