@@ -9,12 +9,6 @@
 
 typedef void derive(FILE *to, const json_t *protocol, const json_t *cases, const json_t *summary);
 
-static const char *text_of(const json_t *o, const char *key)
-{
-    const char *text = json_string_value(json_object_get(o, key));
-    return text ? text : "";
-}
-
 /* Text inside XML; what XML cannot hold becomes '?'. */
 static void put_xml(FILE *to, const char *text)
 {
@@ -46,28 +40,28 @@ static void describe(const json_t *result, char text[400])
 {
     const json_t *voxel = json_object_get(result, "voxel");
     char place[64] = "";
-    if (*text_of(result, "stage"))
-        snprintf(place, sizeof place, "%.20s %lld: ", text_of(result, "stage"), (long long)json_integer_value(json_object_get(result, "item")));
+    if (*evidence_text(result, "stage"))
+        snprintf(place, sizeof place, "%.20s %lld: ", evidence_text(result, "stage"), (long long)json_integer_value(json_object_get(result, "item")));
     const long long is = json_integer_value(json_object_get(result, "got")), ref = json_integer_value(json_object_get(result, "reference"));
     if (voxel)
         snprintf(text, 400, "%s%lld voxels differ, the first at (%lld, %lld, %lld): %lld where the reference has %lld", place,
                  (long long)json_integer_value(json_object_get(result, "different_voxels")), (long long)json_integer_value(json_array_get(voxel, 0)),
                  (long long)json_integer_value(json_array_get(voxel, 1)), (long long)json_integer_value(json_array_get(voxel, 2)), is, ref);
-    else if (*text_of(result, "word"))
-        snprintf(text, 400, "%s%.40s is %lld where the reference has %lld", place, text_of(result, "word"), is, ref);
+    else if (*evidence_text(result, "word"))
+        snprintf(text, 400, "%s%.40s is %lld where the reference has %lld", place, evidence_text(result, "word"), is, ref);
     else
-        snprintf(text, 400, "%s%.300s", place, text_of(result, "text"));
+        snprintf(text, 400, "%s%.300s", place, evidence_text(result, "text"));
 }
 
 static bool is_verdict(const json_t *result, case_verdict verdict)
 {
-    return strcmp(text_of(result, "verdict"), case_verdict_name(verdict)) == 0;
+    return strcmp(evidence_text(result, "verdict"), case_verdict_name(verdict)) == 0;
 }
 
 /* Walks all results in the order of backends, then cases. */
 static const json_t *result_at(const json_t *cases, size_t i, const json_t *backend)
 {
-    return json_object_get(json_object_get(json_array_get(cases, i), "results"), text_of(backend, "name"));
+    return json_object_get(json_object_get(json_array_get(cases, i), "results"), evidence_text(backend, "name"));
 }
 
 static void junit(FILE *to, const json_t *protocol, const json_t *cases, const json_t *summary)
@@ -85,21 +79,21 @@ static void junit(FILE *to, const json_t *protocol, const json_t *cases, const j
             failures += !is_verdict(r, CASE_NOT_RUN) && !is_verdict(r, CASE_EQUAL);
         }
         fputs(" <testsuite name=\"", to);
-        put_xml(to, text_of(backend, "name"));
+        put_xml(to, evidence_text(backend, "name"));
         fprintf(to, "\" tests=\"%zu\" failures=\"%d\" errors=\"0\" skipped=\"%d\">\n", json_array_size(cases), failures, skipped);
         for (size_t i = 0; i < json_array_size(cases); i++) {
             const json_t *r = result_at(cases, i, backend);
             fputs("  <testcase classname=\"", to);
-            put_xml(to, text_of(backend, "name"));
+            put_xml(to, evidence_text(backend, "name"));
             fputs("\" name=\"", to);
-            put_xml(to, text_of(json_array_get(cases, i), "id"));
+            put_xml(to, evidence_text(json_array_get(cases, i), "id"));
             if (is_verdict(r, CASE_EQUAL)) {
                 fputs("\"/>\n", to);
                 continue;
             }
             describe(r, text);
             fputs(is_verdict(r, CASE_NOT_RUN) ? "\"><skipped message=\"" : "\"><failure message=\"", to);
-            put_xml(to, is_verdict(r, CASE_NOT_RUN) ? text_of(backend, "reason") : text);
+            put_xml(to, is_verdict(r, CASE_NOT_RUN) ? evidence_text(backend, "reason") : text);
             fputs("\"/></testcase>\n", to);
         }
         fputs(" </testsuite>\n", to);
@@ -118,7 +112,7 @@ static void tap(FILE *to, const json_t *protocol, const json_t *cases, const jso
         for (size_t i = 0; i < json_array_size(cases); i++) {
             const json_t *backend = json_array_get(backends, s), *r = result_at(cases, i, backend);
             const bool skip = is_verdict(r, CASE_NOT_RUN), equal = is_verdict(r, CASE_EQUAL);
-            fprintf(to, "%s %zu - %s on %s%s\n", skip || equal ? "ok" : "not ok", number++, text_of(json_array_get(cases, i), "id"), text_of(backend, "name"),
+            fprintf(to, "%s %zu - %s on %s%s\n", skip || equal ? "ok" : "not ok", number++, evidence_text(json_array_get(cases, i), "id"), evidence_text(backend, "name"),
                     skip ? " # SKIP not available here" : "");
             if (!skip && !equal) {
                 describe(r, text);
@@ -133,8 +127,8 @@ static void inputs(FILE *to, const json_t *protocol, const json_t *cases, const 
     (void)summary;
     fputs("case,sha256\n", to);
     for (size_t i = 0; i < json_array_size(cases); i++) {
-        put_csv(to, text_of(json_array_get(cases, i), "id"), ',');
-        put_csv(to, text_of(json_array_get(cases, i), "input_sha256"), '\n');
+        put_csv(to, evidence_text(json_array_get(cases, i), "id"), ',');
+        put_csv(to, evidence_text(json_array_get(cases, i), "input_sha256"), '\n');
     }
 }
 
@@ -152,9 +146,9 @@ static void anomalies(FILE *to, const json_t *protocol, const json_t *cases, con
                 continue;
             describe(r, text);
             fprintf(to, "A%d,", number++);
-            put_csv(to, text_of(json_array_get(cases, i), "id"), ',');
-            put_csv(to, text_of(backend, "name"), ',');
-            put_csv(to, text_of(r, "verdict"), ',');
+            put_csv(to, evidence_text(json_array_get(cases, i), "id"), ',');
+            put_csv(to, evidence_text(backend, "name"), ',');
+            put_csv(to, evidence_text(r, "verdict"), ',');
             put_csv(to, text, ',');
             fputs("to be found,to be judged,open\n", to);
         }
@@ -185,7 +179,7 @@ static void readme(FILE *to, const json_t *protocol, const json_t *cases, const 
     const json_t *shard = json_object_get(protocol, "shard"), *list = json_object_get(summary, "not_shown");
     fprintf(to, "# Backend equivalence verification: %s\n\n", json_is_true(json_object_get(summary, "equal")) ? "EQUAL" : "NOT EQUAL");
     fprintf(to, "osteon %s, arithmetic %lld, tier %s, seed %s: %zu cases on %zu backends, each compared with the scalar reference byte by byte.\n\n",
-            text_of(protocol, "version"), (long long)json_integer_value(json_object_get(protocol, "arithmetic")), text_of(protocol, "tier"), text_of(protocol, "seed"),
+            evidence_text(protocol, "version"), (long long)json_integer_value(json_object_get(protocol, "arithmetic")), evidence_text(protocol, "tier"), evidence_text(protocol, "seed"),
             json_array_size(cases), json_array_size(json_object_get(protocol, "backends")));
     if (!json_is_true(json_object_get(summary, "evidence")))
         fputs("**This is a reduced run and no evidence.**\n\n", to);
@@ -194,15 +188,15 @@ static void readme(FILE *to, const json_t *protocol, const json_t *cases, const 
         fprintf(to, "- %s\n", json_string_value(json_array_get(list, i)));
     fputs("\n## Check it, offline\n\n```\nosteon verify .            # every hash, every derived file\nosteon verify . --rerun    # and the reference's results, again\n```\n\n", to);
     fputs("## Do it again\n\n```\n", to);
-    fprintf(to, "osteon validate --tier %s --seed %s", text_of(protocol, "tier"), text_of(protocol, "seed"));
+    fprintf(to, "osteon validate --tier %s --seed %s", evidence_text(protocol, "tier"), evidence_text(protocol, "seed"));
     if (json_integer_value(json_array_get(shard, 1)) > 1)
         fprintf(to, " --shard %lld/%lld", (long long)json_integer_value(json_array_get(shard, 0)), (long long)json_integer_value(json_array_get(shard, 1)));
-    if (*text_of(protocol, "only"))
-        fprintf(to, " --only %s", text_of(protocol, "only"));
+    if (*evidence_text(protocol, "only"))
+        fprintf(to, " --only %s", evidence_text(protocol, "only"));
     if (json_is_true(json_object_get(protocol, "cpu_only")))
         fputs(" --cpu-only", to);
-    if (*text_of(protocol, "chosen"))
-        fprintf(to, " --backends '%s'", text_of(protocol, "chosen"));
+    if (*evidence_text(protocol, "chosen"))
+        fprintf(to, " --backends '%s'", evidence_text(protocol, "chosen"));
     fputs(" --out BUNDLE\n```\n\nOn the same machine with the same build, `results_root` of manifest.json comes out the same.\n\n", to);
     fputs("## Files\n\n"
           "| file | is |\n|---|---|\n"

@@ -152,7 +152,7 @@ ost_status evidence_parse_cases(const char *bytes, size_t size, json_t **out, os
 
 /* ----------------------------------------------------------------- summary */
 
-static const char *text_of(const json_t *o, const char *key)
+const char *evidence_text(const json_t *o, const char *key)
 {
     const char *text = json_string_value(json_object_get(o, key));
     return text ? text : "";
@@ -169,25 +169,25 @@ static json_t *not_shown(const json_t *protocol, const json_t *cases)
     json_t *list = json_array();
     char text[512];
     const json_t *backends = json_object_get(protocol, "backends");
-    if (strcmp(text_of(protocol, "tier"), "smoke") == 0)
+    if (strcmp(evidence_text(protocol, "tier"), "smoke") == 0)
         add_sentence(list, "The smoke tier is a check for every day: few cases and small ones. It is no evidence; the standard tier is.");
     if (json_integer_value(json_array_get(json_object_get(protocol, "shard"), 1)) > 1)
         add_sentence(list, "This is one shard of a campaign; the others' cases were not run here.");
-    if (*text_of(protocol, "only"))
+    if (*evidence_text(protocol, "only"))
         add_sentence(list, "Some cases alone were asked for.");
-    if (*text_of(protocol, "chosen")) {
-        snprintf(text, sizeof text, "Some backends alone were asked for: %.300s.", text_of(protocol, "chosen"));
+    if (*evidence_text(protocol, "chosen")) {
+        snprintf(text, sizeof text, "Some backends alone were asked for: %.300s.", evidence_text(protocol, "chosen"));
         add_sentence(list, text);
     }
     if (!json_is_true(json_object_get(protocol, "opencl"))) {
-        snprintf(text, sizeof text, "No OpenCL device was compared: %.300s.", json_is_true(json_object_get(protocol, "cpu_only")) ? "the CPU's variants alone were asked for" : text_of(protocol, "no_opencl"));
+        snprintf(text, sizeof text, "No OpenCL device was compared: %.300s.", json_is_true(json_object_get(protocol, "cpu_only")) ? "the CPU's variants alone were asked for" : evidence_text(protocol, "no_opencl"));
         add_sentence(list, text);
     }
     for (size_t s = 0; s < json_array_size(backends); s++) {
         const json_t *one = json_array_get(backends, s);
         if (json_is_true(json_object_get(one, "available")))
             continue;
-        snprintf(text, sizeof text, "%.120s was not run: %.300s.", text_of(one, "name"), text_of(one, "reason"));
+        snprintf(text, sizeof text, "%.120s was not run: %.300s.", evidence_text(one, "name"), evidence_text(one, "reason"));
         add_sentence(list, text);
     }
     if (json_array_size(json_object_get(protocol, "cases")) != json_array_size(cases))
@@ -205,13 +205,13 @@ ost_status evidence_summary(const json_t *protocol, const json_t *cases, json_t 
         records += (json_int_t)json_array_size(json_object_get(json_array_get(cases, i), "reference"));
         json_object_foreach(results, spec, result)
             for (int v = 0; v < CASE_VERDICTS; v++)
-                if (strcmp(text_of(result, "verdict"), case_verdict_name((case_verdict)v)) == 0)
+                if (strcmp(evidence_text(result, "verdict"), case_verdict_name((case_verdict)v)) == 0)
                     counts[v]++;
     }
     const bool complete = json_array_size(cases) > 0 && json_array_size(cases) == json_array_size(json_object_get(protocol, "cases"));
     const bool equal = complete && counts[CASE_EQUAL] > 0 && !counts[CASE_DIFFERS] && !counts[CASE_FAILED] && !counts[CASE_CRASHED] && !counts[CASE_LATE];
-    const bool whole = complete && strcmp(text_of(protocol, "tier"), "smoke") != 0 && json_integer_value(json_array_get(json_object_get(protocol, "shard"), 1)) == 1 &&
-                       !*text_of(protocol, "only");
+    const bool whole = complete && strcmp(evidence_text(protocol, "tier"), "smoke") != 0 && json_integer_value(json_array_get(json_object_get(protocol, "shard"), 1)) == 1 &&
+                       !*evidence_text(protocol, "only");
     json_t *verdicts = json_object();
     for (int v = 0; v < CASE_VERDICTS; v++)
         json_object_set_new(verdicts, case_verdict_name((case_verdict)v), json_integer(counts[v]));

@@ -37,6 +37,9 @@ ost_status evidence_records(const trace *t, compare_range range, json_t **out, o
  */
 ost_status evidence_summary(const json_t *protocol, const json_t *cases, json_t **out, ost_error *err);
 
+/* The text under a key of an object; "" where there is none. */
+const char *evidence_text(const json_t *o, const char *key);
+
 typedef ost_status evidence_sink(void *user, const char *name, const void *bytes, size_t size, ost_error *err);
 ost_status evidence_write(const json_t *protocol, const json_t *cases, evidence_sink *sink, void *user, ost_error *err);
 

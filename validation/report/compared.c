@@ -7,7 +7,7 @@
 
 static bool in_family(const json_t *one, const char *family)
 {
-    const char *id = page_text_of(one, "id");
+    const char *id = evidence_text(one, "id");
     const size_t n = strlen(family);
     return strncmp(id, family, n) == 0 && id[n] == '/';
 }
@@ -24,7 +24,7 @@ static tally count(const page *p, const char *backend, const char *family)
         const json_t *one = json_array_get(p->cases, i);
         if (family && !in_family(one, family))
             continue;
-        const char *verdict = page_text_of(json_object_get(json_object_get(one, "results"), backend), "verdict");
+        const char *verdict = evidence_text(json_object_get(json_object_get(one, "results"), backend), "verdict");
         t.cases++;
         if (strcmp(verdict, case_verdict_name(CASE_EQUAL)) == 0) {
             t.equal++;
@@ -69,15 +69,15 @@ void section_compared(const page *p)
     fputs("<th class=\"n\">all cases</th></tr></thead>\n", p->to);
     for (size_t s = 0; s < json_array_size(backends); s++) {
         const json_t *one = json_array_get(backends, s);
-        const char *name = page_text_of(one, "name");
+        const char *name = evidence_text(one, "name");
         fputs("<tr><td><b>", p->to);
-        page_text(p, page_text_of(one, "what"));
+        page_text(p, evidence_text(one, "what"));
         fputs("</b><br><code>", p->to);
         page_text(p, name);
         fputs("</code></td>", p->to);
         if (!json_is_true(json_object_get(one, "available"))) {
             fprintf(p->to, "<td colspan=\"%d\" class=\"no\"><b>not run:</b> ", columns);
-            page_text(p, page_text_of(one, "reason"));
+            page_text(p, evidence_text(one, "reason"));
             fputs("</td></tr>\n", p->to);
             continue;
         }
@@ -101,7 +101,7 @@ void section_compared(const page *p)
         page_text(p, plan_family_about((plan_family)f));
     }
     fputs(".</p>\n<p><b>What counts as passed</b>, fixed before anything ran: ", p->to);
-    page_text(p, page_text_of(p->protocol, "accept"));
+    page_text(p, evidence_text(p->protocol, "accept"));
     fputs("</p>\n<p class=\"from\">From ", p->to);
     page_link(p, EVIDENCE_PROTOCOL);
     fputs(" (its hash stands in ", p->to);
@@ -132,7 +132,7 @@ void section_reference(const page *p)
         const json_t *list = json_object_get(json_array_get(p->cases, i), "reference");
         for (size_t k = 0; k < json_array_size(list); k++)
             for (int s = 0; s < TRACE_STAGES; s++)
-                if (strcmp(page_text_of(json_array_get(list, k), "stage"), trace_stage_name((trace_stage)s)) == 0) {
+                if (strcmp(evidence_text(json_array_get(list, k), "stage"), trace_stage_name((trace_stage)s)) == 0) {
                     records[s]++;
                     all++;
                 }

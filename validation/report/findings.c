@@ -17,14 +17,14 @@ static json_int_t integer(const json_t *o, const char *key)
 
 static bool is_finding(const json_t *result)
 {
-    const char *verdict = page_text_of(result, "verdict");
+    const char *verdict = evidence_text(result, "verdict");
     return strcmp(verdict, case_verdict_name(CASE_EQUAL)) != 0 && strcmp(verdict, case_verdict_name(CASE_NOT_RUN)) != 0;
 }
 
 /* "tick 12" where the stage has several. */
 static void where(const page *p, const json_t *r)
 {
-    const char *stage = page_text_of(r, "stage");
+    const char *stage = evidence_text(r, "stage");
     page_text(p, stage);
     if (strcmp(stage, "tick") == 0 || strcmp(stage, "collide") == 0 || strcmp(stage, "tool") == 0)
         fprintf(p->to, " %lld", (long long)integer(r, "item"));
@@ -34,11 +34,11 @@ static void row(const page *p, int number, const json_t *one, const json_t *back
 {
     const json_t *voxel = json_object_get(r, "voxel");
     fprintf(p->to, "<tr><td class=\"n\">A%d</td><td><code>", number);
-    page_text(p, page_text_of(one, "id"));
+    page_text(p, evidence_text(one, "id"));
     fputs("</code><br>", p->to);
-    page_text(p, page_text_of(backend, "what"));
+    page_text(p, evidence_text(backend, "what"));
     fputs("</td><td><b>", p->to);
-    page_text(p, page_text_of(r, "verdict"));
+    page_text(p, evidence_text(r, "verdict"));
     fputs("</b></td><td>", p->to);
     where(p, r);
     fputs("</td><td>", p->to);
@@ -50,15 +50,15 @@ static void row(const page *p, int number, const json_t *one, const json_t *back
         fprintf(p->to, " voxel%s in this record; the first at (%lld, %lld, %lld), chunk (%lld, %lld, %lld) of 32<sup>3</sup>: <b>%lld</b> where the reference has <b>%lld</b>",
                 integer(r, "different_voxels") == 1 ? "" : "s", (long long)at[0], (long long)at[1], (long long)at[2], (long long)at[0] / 32, (long long)at[1] / 32,
                 (long long)at[2] / 32, (long long)integer(r, "got"), (long long)integer(r, "reference"));
-    } else if (*page_text_of(r, "word")) {
+    } else if (*evidence_text(r, "word")) {
         fputs("reported: ", p->to);
-        page_text(p, page_text_of(r, "word"));
+        page_text(p, evidence_text(r, "word"));
         fprintf(p->to, " is <b>%lld</b> where the reference has <b>%lld</b>", (long long)integer(r, "got"), (long long)integer(r, "reference"));
     } else
-        page_text(p, page_text_of(r, "text"));
-    if (*page_text_of(r, "class")) {
+        page_text(p, evidence_text(r, "text"));
+    if (*evidence_text(r, "class")) {
         fputs("; looks like ", p->to);
-        page_text(p, page_text_of(r, "class"));
+        page_text(p, evidence_text(r, "class"));
     }
     fputs("</td></tr>\n", p->to);
 }
@@ -67,16 +67,16 @@ static bool triplet(const page *p, int number, const json_t *one, size_t s)
 {
     static const char *const captions[PICTURE_ROLES] = {"Reference: axial, coronal, sagittal", "Got", "Difference"};
     char name[PICTURE_NAME];
-    picture_name(name, page_text_of(one, "id"), s, PICTURE_DIFFERENCE);
+    picture_name(name, evidence_text(one, "id"), s, PICTURE_DIFFERENCE);
     if (!page_has(p, name))
         return false;
     fprintf(p->to, "<h3>A%d: <code>", number);
-    page_text(p, page_text_of(one, "id"));
+    page_text(p, evidence_text(one, "id"));
     fputs("</code>, ", p->to);
-    page_text(p, page_text_of(json_array_get(json_object_get(p->protocol, "backends"), s), "what"));
+    page_text(p, evidence_text(json_array_get(json_object_get(p->protocol, "backends"), s), "what"));
     fputs("</h3>\n", p->to);
     for (int role = 0; role < PICTURE_ROLES; role++) {
-        picture_name(name, page_text_of(one, "id"), s, (picture_role)role);
+        picture_name(name, evidence_text(one, "id"), s, (picture_role)role);
         page_picture(p, name, captions[role]);
     }
     return true;
@@ -90,7 +90,7 @@ static int each_finding(const page *p, bool pictures)
     for (size_t i = 0; i < json_array_size(p->cases); i++)
         for (size_t s = 1; s < json_array_size(backends); s++) {
             const json_t *one = json_array_get(p->cases, i), *backend = json_array_get(backends, s);
-            const json_t *r = json_object_get(json_object_get(one, "results"), page_text_of(backend, "name"));
+            const json_t *r = json_object_get(json_object_get(one, "results"), evidence_text(backend, "name"));
             if (!is_finding(r))
                 continue;
             number++;
@@ -181,11 +181,11 @@ void section_sensitivity(const page *p)
     for (size_t i = 0; i < json_array_size(kinds) && i < LISTED; i++) {
         const json_t *kind = json_array_get(kinds, i);
         fputs("<tr><td><b>", p->to);
-        page_text(p, page_text_of(kind, "name"));
+        page_text(p, evidence_text(kind, "name"));
         fputs("</b><br>", p->to);
-        page_text(p, page_text_of(kind, "what"));
+        page_text(p, evidence_text(kind, "what"));
         fputs("</td><td>", p->to);
-        page_text(p, page_text_of(kind, "stage"));
+        page_text(p, evidence_text(kind, "stage"));
         fputs("</td>", p->to);
         fault_cells(p, kind);
         fputs("</tr>\n", p->to);

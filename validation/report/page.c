@@ -7,12 +7,6 @@
 
 #include "validation/bundle/bundle.h"
 
-const char *page_text_of(const json_t *o, const char *key)
-{
-    const char *text = json_string_value(json_object_get(o, key));
-    return text ? text : "";
-}
-
 void page_text(const page *p, const char *text)
 {
     for (; *text; text++)

@@ -14,14 +14,13 @@
 
 #include <osteon/status.h>
 
+#include "validation/bundle/evidence.h"
+
 typedef struct page {
     FILE *to;
     const char *folder; /* the bundle as it lies */
     const json_t *protocol, *cases, *summary;
 } page;
-
-/* The text of a key, "" when there is none. */
-const char *page_text_of(const json_t *o, const char *key);
 
 /* Escaped for HTML, within text and within quoted attributes; control characters become '?'. */
 void page_text(const page *p, const char *text);

@@ -60,11 +60,11 @@ static void head(const page *p)
           "<p>osteon simulates the reaming of bone for surgery. The same operation can be computed by different programs, on processors and graphics cards. "
           "This report says whether they give the same result, to the last bit: here ", p->to);
     fprintf(p->to, "<b>%zu backend%s</b> on <b>%zu cases</b>, against the scalar reference. osteon ", run, run == 1 ? "" : "s", json_array_size(p->cases));
-    page_text(p, page_text_of(p->protocol, "version"));
+    page_text(p, evidence_text(p->protocol, "version"));
     fprintf(p->to, ", arithmetic version %lld; tier ", (long long)json_integer_value(json_object_get(p->protocol, "arithmetic")));
-    page_text(p, page_text_of(p->protocol, "tier"));
+    page_text(p, evidence_text(p->protocol, "tier"));
     fputs(", seed ", p->to);
-    page_text(p, page_text_of(p->protocol, "seed"));
+    page_text(p, evidence_text(p->protocol, "seed"));
     fputs(" (", p->to);
     page_link(p, EVIDENCE_PROTOCOL);
     fputs("). Machine: ", p->to);
@@ -136,20 +136,20 @@ static void checking(const page *p)
     fputs(", ", p->to);
     page_link(p, EVIDENCE_CASES);
     fputs(" and the pictures. The same campaign again, on any machine:</p>\n<pre>osteon validate --tier ", p->to);
-    shell_word(p, page_text_of(p->protocol, "tier"));
+    shell_word(p, evidence_text(p->protocol, "tier"));
     fputs(" --seed ", p->to);
-    shell_word(p, page_text_of(p->protocol, "seed"));
+    shell_word(p, evidence_text(p->protocol, "seed"));
     if (json_integer_value(json_array_get(shard, 1)) > 1)
         fprintf(p->to, " --shard %lld/%lld", (long long)json_integer_value(json_array_get(shard, 0)), (long long)json_integer_value(json_array_get(shard, 1)));
-    if (*page_text_of(p->protocol, "only")) {
+    if (*evidence_text(p->protocol, "only")) {
         fputs(" --only ", p->to);
-        shell_word(p, page_text_of(p->protocol, "only"));
+        shell_word(p, evidence_text(p->protocol, "only"));
     }
     if (json_is_true(json_object_get(p->protocol, "cpu_only")))
         fputs(" --cpu-only", p->to);
-    if (*page_text_of(p->protocol, "chosen")) {
+    if (*evidence_text(p->protocol, "chosen")) {
         fputs(" --backends ", p->to);
-        shell_word(p, page_text_of(p->protocol, "chosen"));
+        shell_word(p, evidence_text(p->protocol, "chosen"));
     }
     fputs(" --out BUNDLE</pre>\n<p>With the same build on the same machine, <code>results_root</code> of ", p->to);
     page_link(p, "manifest.json");

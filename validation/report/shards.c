@@ -42,12 +42,12 @@ ost_status pictures_of_shards(const char *folder, const json_t *protocol, const 
         int kept = 0;
         for (size_t i = 0; i < json_array_size(cases) && kept < PICTURES_A_BACKEND && status == OST_OK; i++) {
             const json_t *one = json_array_get(cases, i);
-            const json_t *r = json_object_get(json_object_get(one, "results"), page_text_of(json_array_get(backends, s), "name"));
-            if (strcmp(page_text_of(r, "verdict"), case_verdict_name(CASE_DIFFERS)) != 0)
+            const json_t *r = json_object_get(json_object_get(one, "results"), evidence_text(json_array_get(backends, s), "name"));
+            if (strcmp(evidence_text(r, "verdict"), case_verdict_name(CASE_DIFFERS)) != 0)
                 continue;
             for (int role = 0; role < PICTURE_ROLES && status == OST_OK; role++) {
                 char name[PICTURE_NAME];
-                picture_name(name, page_text_of(one, "id"), s, (picture_role)role);
+                picture_name(name, evidence_text(one, "id"), s, (picture_role)role);
                 status = take(folder, name, &taken, sink, user, err);
             }
             kept += taken;
