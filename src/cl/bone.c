@@ -117,6 +117,8 @@ static ost_status reserve(cl_bone *bone, size_t capacity, ost_error *err)
         status = ost_cl_copy(b, bone->density, density, bone->used * density_bytes, err);
     if (status == OST_OK && bone->used)
         status = ost_cl_copy(b, bone->words, words, bone->used * word_bytes, err);
+    if (status == OST_OK && bone->used)
+        status = ost_cl_finish(b, err); /* before the old ones go */
     if (status != OST_OK) {
         ost_cl_buffer_free(b, &density);
         ost_cl_buffer_free(b, &words);

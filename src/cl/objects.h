@@ -44,6 +44,7 @@ typedef struct cl_tool {
     cl_mem classes;
     cl_mem cells;  /* classes and reach */
     cl_mem packed; /* classes alone, close together; for backends that remove by blocks, else NULL */
+    bool made;     /* whether the device has been waited for since the cells were asked for */
 } cl_tool;
 
 /* OST_ERR_UNAVAILABLE when an earlier failure left the object in an unknown state. */
@@ -82,8 +83,10 @@ ost_status ost_cl_tool_create(ost_backend *backend, const ost_tool_geometry *geo
 ost_status ost_cl_tool_upload(ost_backend *backend, const ost_tool_volume *volume, ost_tool **out, ost_error *err);
 ost_status ost_cl_tool_download(const ost_tool *tool, ost_tool_volume *volume, ost_error *err);
 void ost_cl_tool_free(ost_tool *tool);
-/* Makes its cells unless they are there. */
+/* Asks for its cells unless they are there. */
 ost_status ost_cl_tool_prepare(cl_tool *tool, ost_error *err);
+/* The queue was waited for, and what was asked for has been done, or has not: then cells that nobody has seen are dropped. */
+void ost_cl_tool_settle(cl_tool *tool, bool done);
 
 /* remove.c */
 ost_status ost_cl_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err);

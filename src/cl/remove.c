@@ -100,7 +100,7 @@ static ost_status array_add(cl_backend *b, event_array *a, const void *element, 
 typedef struct plan {
     cl_backend *b;
     cl_bone *bone;
-    const cl_tool *tool;
+    cl_tool *tool;
     const ost_event *event;
     struct ost_cl_event_scratch *s;
     bool apply;
@@ -339,6 +339,8 @@ static ost_status warm(plan *p, ost_error *err)
         status = launch(p, 0, err);
     if (status == OST_OK)
         status = ost_cl_finish(p->b, err);
+    if (status == OST_OK)
+        ost_cl_tool_settle(p->tool, true);
     s->warm = status == OST_OK;
     return status;
 }
@@ -367,8 +369,10 @@ static ost_status flush(plan *p, ost_error *err)
     }
     if (status == OST_OK)
         status = ost_cl_read(p->b, s->reports.device, 0, s->reports.bytes, s->reports.host, err);
-    if (status == OST_OK)
+    if (status == OST_OK) {
+        ost_cl_tool_settle(p->tool, true);
         status = take_reports(p, err);
+    }
     s->blocks.bytes = 0;
     s->entries.bytes = 0;
     return status;
@@ -443,6 +447,7 @@ static ost_status run_event(cl_bone *bone, cl_tool *tool, const ost_event *event
     if (status != OST_OK) {
         bone->lost = bone->lost || p.changed;
         ost_cl_finish(b, NULL); /* writes from this event's arrays may be under way */
+        ost_cl_tool_settle(tool, false);
     }
     return status;
 }

@@ -100,3 +100,13 @@ ost_status ost_cl_tool_prepare(cl_tool *tool, ost_error *err)
     tool->cells = first;
     return status;
 }
+
+void ost_cl_tool_settle(cl_tool *tool, bool done)
+{
+    cl_backend *b = (cl_backend *)tool->base.backend;
+    tool->made = tool->made || done;
+    if (tool->made)
+        return;
+    ost_cl_buffer_free(b, &tool->cells);
+    ost_cl_buffer_free(b, &tool->packed);
+}

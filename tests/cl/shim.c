@@ -3,7 +3,7 @@
 
 static enum shim_call armed;
 static int countdown;
-static bool failed, loses;
+static bool failed, loses, late;
 static shim_count objects[SHIM_OBJECTS];
 const char *const shim_object_names[SHIM_OBJECTS] = {"contexts", "queues", "programs", "kernels", "buffers", "events"};
 
@@ -25,6 +25,13 @@ void shim_fail(enum shim_call call, int n, bool lost)
     countdown = n;
     failed = false;
     loses = lost;
+    late = false;
+}
+
+void shim_fail_late(enum shim_call call, int n)
+{
+    shim_fail(call, n, true);
+    late = true;
 }
 
 bool shim_failed(void)
@@ -53,12 +60,12 @@ static bool refuses(enum shim_call call)
     {                                                                               \
         return refuses(SHIM_##name) ? codes[SHIM_##name] : ost_cl_loader.name arguments; \
     }
-/* The event of a call, last of its parameters, is an object too. */
-#define ENQUEUE(name, parameters, arguments)                             \
+/* The event of a call, last of its parameters, is an object too; wait: whether it returns only when all is done. */
+#define ENQUEUE(name, wait, parameters, arguments)                       \
     static cl_int name##_shim parameters                                 \
     {                                                                    \
         if (refuses(SHIM_##name))                                        \
-            return codes[SHIM_##name];                                   \
+            return late && !(wait) ? CL_SUCCESS : codes[SHIM_##name];    \
         const cl_int code = ost_cl_loader.name arguments;                \
         objects[SHIM_EVENT].created += code == CL_SUCCESS && event;      \
         return code;                                                     \
@@ -111,23 +118,23 @@ STATUS(clGetKernelWorkGroupInfo,
 STATUS(clSetKernelArg, (cl_kernel kernel, cl_uint index, size_t size, const void *value), (kernel, index, size, value))
 OBJECT(cl_mem, clCreateBuffer, SHIM_BUFFER, (cl_context context, cl_mem_flags flags, size_t size, void *host, cl_int *code),
        (context, flags, size, host, code))
-ENQUEUE(clEnqueueReadBuffer,
+ENQUEUE(clEnqueueReadBuffer, wait,
        (cl_command_queue queue, cl_mem buffer, cl_bool wait, size_t offset, size_t size, void *to, cl_uint count, const cl_event *after,
         cl_event *event),
        (queue, buffer, wait, offset, size, to, count, after, event))
-ENQUEUE(clEnqueueWriteBuffer,
+ENQUEUE(clEnqueueWriteBuffer, wait,
        (cl_command_queue queue, cl_mem buffer, cl_bool wait, size_t offset, size_t size, const void *from, cl_uint count,
         const cl_event *after, cl_event *event),
        (queue, buffer, wait, offset, size, from, count, after, event))
-ENQUEUE(clEnqueueCopyBuffer,
+ENQUEUE(clEnqueueCopyBuffer, false,
        (cl_command_queue queue, cl_mem from, cl_mem to, size_t from_offset, size_t to_offset, size_t size, cl_uint count,
         const cl_event *after, cl_event *event),
        (queue, from, to, from_offset, to_offset, size, count, after, event))
-ENQUEUE(clEnqueueFillBuffer,
+ENQUEUE(clEnqueueFillBuffer, false,
        (cl_command_queue queue, cl_mem buffer, const void *pattern, size_t pattern_size, size_t offset, size_t size, cl_uint count,
         const cl_event *after, cl_event *event),
        (queue, buffer, pattern, pattern_size, offset, size, count, after, event))
-ENQUEUE(clEnqueueNDRangeKernel,
+ENQUEUE(clEnqueueNDRangeKernel, false,
        (cl_command_queue queue, cl_kernel kernel, cl_uint dims, const size_t *offset, const size_t *global, const size_t *local,
         cl_uint count, const cl_event *after, cl_event *event),
        (queue, kernel, dims, offset, global, local, count, after, event))

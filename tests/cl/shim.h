@@ -33,6 +33,8 @@ extern const ost_cl_api shim;
 
 /* The n-th call from now on, 1 is the next, fails; lost: and everything that goes to the queue after it. n = 0: none. */
 void shim_fail(enum shim_call call, int n, bool lost);
+/* The same, lost, but heard of only by who waits: until then everything is taken and nothing done. */
+void shim_fail_late(enum shim_call call, int n);
 /* Whether it has come to that. */
 bool shim_failed(void);
 /* Of every kind of object that the backend makes: how many it was given, and how many it gave back. */

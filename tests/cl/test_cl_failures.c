@@ -264,11 +264,54 @@ static void lost_for_good(void **state)
     every_call(true);
 }
 
+/* What the backend asks for once and keeps, a tool's cells and a bone's room, is asked for again when it was never made. */
+static void late(void **state)
+{
+    (void)state;
+    session s;
+    ost_error err = {0};
+    ost_backend *backend;
+    ost_tool_volume volume = {0};
+    ost_tool *tool;
+    ost_report report = {0};
+    scene_event *event = malloc(sizeof *event);
+    assert_non_null(event);
+    make_session(&s);
+    assert_ok(ost_cl_open_with(&shim, strchr(device_spec(), ':') ? strchr(device_spec(), ':') + 1 : "", &backend, &err));
+    backend->ops = &ost_backend_cl;
+    assert_ok(ost_tool_download(s.ref_tool, &volume, &err));
+    assert_ok(ost_tool_upload(backend, &volume, &tool, &err));
+    for (int n = 1; n <= 6; n++) {
+        ost_bone *first = bone_of(backend, &s.g, 16, s.voxels), *second = bone_of(backend, &s.g, 32, s.voxels);
+        const ost_event *made = event_of(event, &s.g, tool, s.poses[0], 4);
+        shim_fail_late(SHIM_clEnqueueNDRangeKernel, n);
+        if (ost_bone_remove(first, tool, made, &report, &err) == OST_OK)
+            assert_false(shim_failed());
+        else
+            check_rescue(&s, first, 0);
+        shim_fail(SHIM_clFinish, 0, false);
+        remove_at(second, &s.g, tool, s.poses[0], 4, &report);
+        int16_t *now = content(second, &s.g);
+        assert_memory_equal(now, s.after[1], voxel_count(&s.g) * sizeof *now);
+        free(now);
+        ost_bone_free(second);
+        ost_bone_free(first);
+        ost_tool_free(tool);
+        assert_ok(ost_tool_upload(backend, &volume, &tool, &err));
+    }
+    ost_report_free(&report);
+    ost_tool_free(tool);
+    ost_tool_volume_free(&volume);
+    ost_backend_close(backend);
+    free_session(&s);
+    free(event);
+}
+
 int main(void)
 {
     const int missing = device_missing();
     if (missing)
         return missing;
-    const struct CMUnitTest tests[] = {cmocka_unit_test(refused_once), cmocka_unit_test(lost_for_good)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(refused_once), cmocka_unit_test(lost_for_good), cmocka_unit_test(late)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
