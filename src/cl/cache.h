@@ -3,7 +3,7 @@
  * A cache of built programs: $XDG_CACHE_HOME/osteon (or ~/.cache/osteon), one
  * file a program, named by its key.
  *
- *   key       SHA-256 of source, options, and what names device and driver
+ *   key       SHA-256 of all that a binary depends on (key.c)
  *   entry     "OSTCLB01" | length u64 | key 32 | SHA-256 of the binary 32 | the binary
  *
  * An entry is believed only if all of it is what it says: one that is cut,

@@ -4,7 +4,7 @@
  *
  *   choice.c, icd.c   which devices there are, which may be used, which is meant
  *   context.c         one device opened: context, queue, program, kernels, checks
- *   program.c         building, from cache.c when it has the binary
+ *   program.c         building, from cache.c when it has the binary, by the key of key.c
  *   layout.c          structs are laid out there as here
  *   fingerprint.c     its integers are right
  *   launch.c          buffers and launches, with errors that name the device
@@ -82,6 +82,12 @@ ost_status ost_cl_visit_with(const ost_cl_api *cl, ost_device_visit *visit, void
 /* Builds for the backend's device; *from_cache says whether the cache had it. */
 ost_status ost_cl_build(cl_backend *backend, const char *const *sources, size_t count, const char *options, cl_program *out,
                         bool *from_cache, ost_error *err);
+
+/* ----------------------------------------------------------------- key.c */
+
+struct ost_cl_cache;
+ost_status ost_cl_key(const ost_cl_device *device, const char *const *sources, size_t count, const char *options,
+                      struct ost_cl_cache *cache, ost_error *err);
 
 /* --------------------------------------------------- layout.c, fingerprint.c */
 

@@ -88,29 +88,12 @@ static void store_binary(cl_backend *b, const ost_cl_cache *cache, cl_program pr
     free(binary);
 }
 
-static ost_status make_key(const cl_backend *b, const char *const *sources, size_t count, const char *options, ost_cl_cache *cache,
-                           ost_error *err)
-{
-    const ost_cl_device *d = &b->device;
-    const char *const about[] = {options, d->platform_name, d->platform_version, d->name, d->driver};
-    enum { ABOUT = sizeof about / sizeof about[0] };
-    const char **parts = malloc((ABOUT + count) * sizeof *parts);
-    if (!parts)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for the kernels' sources");
-    memcpy(parts, about, sizeof about);
-    for (size_t i = 0; i < count; i++)
-        parts[ABOUT + i] = sources[i];
-    ost_status status = ost_cl_cache_key(cache, parts, ABOUT + count, err);
-    free(parts);
-    return status;
-}
-
 ost_status ost_cl_build(cl_backend *b, const char *const *sources, size_t count, const char *options, cl_program *out,
                         bool *from_cache, ost_error *err)
 {
     *out = NULL;
     ost_cl_cache cache;
-    ost_status status = make_key(b, sources, count, options, &cache, err);
+    ost_status status = ost_cl_key(&b->device, sources, count, options, &cache, err);
     if (status != OST_OK)
         return status;
     *from_cache = from_binary(b, &cache, options, out);

@@ -8,6 +8,7 @@
 
 #include <dirent.h>
 
+#include "cl/cache.h"
 #include "cl/cl.h"
 #include "cl/embedded.h"
 #include "cl/kernels/shared.h"
@@ -344,6 +345,62 @@ static void cache_damage(void **state)
     assert_int_equal(system(command), 0);
 }
 
+static ost_digest key_now(void)
+{
+    const ost_cl_device device = {.platform_name = "P", .platform_version = "OpenCL 1.2", .name = "D", .driver = "1"};
+    const char *const sources[] = {"a", "b"};
+    ost_cl_cache cache;
+    ost_error err = {0};
+    assert_ok(ost_cl_key(&device, sources, 2, "", &cache, &err));
+    return cache.key;
+}
+
+/* A driver's settings in the environment make another program; where it keeps its own, or anybody else's, do not. */
+static void key_has_settings(void **state)
+{
+    (void)state;
+    static const char *const matter[] = {"POCL_KERNELLIB_NAME", "POCL_WORK_GROUP_METHOD", "RUSTICL_FEATURES", "GALLIVM_PERF", "CL_CONFIG_X"};
+    static const char *const do_not[] = {"POCL_CACHE_DIR", "MESA_SHADER_CACHE_DIR", "OST_ANYTHING", "XPOCL_X"};
+    const ost_digest before = key_now();
+    for (size_t i = 0; i < sizeof matter / sizeof matter[0]; i++) {
+        char *kept = getenv(matter[i]) ? strdup(getenv(matter[i])) : NULL;
+        setenv(matter[i], "sse2-or-so", 1);
+        const ost_digest one = key_now();
+        setenv(matter[i], "another", 1);
+        const ost_digest other = key_now();
+        if (kept)
+            setenv(matter[i], kept, 1);
+        else
+            unsetenv(matter[i]);
+        free(kept);
+        if (ost_digest_equal(&one, &before) || ost_digest_equal(&one, &other))
+            fail_msg("%s does not count", matter[i]);
+    }
+    for (size_t i = 0; i < sizeof do_not / sizeof do_not[0]; i++) {
+        char *kept = getenv(do_not[i]) ? strdup(getenv(do_not[i])) : NULL;
+        setenv(do_not[i], "/somewhere/else", 1);
+        const ost_digest now = key_now();
+        if (kept)
+            setenv(do_not[i], kept, 1);
+        else
+            unsetenv(do_not[i]);
+        free(kept);
+        if (!ost_digest_equal(&now, &before))
+            fail_msg("%s counts", do_not[i]);
+    }
+    /* In whatever order they were set. */
+    setenv("POCL_B", "1", 1);
+    setenv("POCL_A", "2", 1);
+    const ost_digest first = key_now();
+    unsetenv("POCL_B");
+    setenv("POCL_B", "1", 1);
+    const ost_digest second = key_now();
+    unsetenv("POCL_A");
+    unsetenv("POCL_B");
+    const ost_digest after = key_now();
+    assert_true(ost_digest_equal(&first, &second) && !ost_digest_equal(&first, &before) && ost_digest_equal(&after, &before));
+}
+
 /* -------------------------------------------------------------- devices */
 
 typedef struct seen {
@@ -385,6 +442,7 @@ int main(void)
         cmocka_unit_test(refused_for_what_it_computes),
         cmocka_unit_test(build_fails),
         cmocka_unit_test(cache_damage),
+        cmocka_unit_test(key_has_settings),
         cmocka_unit_test(listed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

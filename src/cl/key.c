@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What a built program depends on, and so the key of its entry in the cache:
+ *
+ *   options, sources          ours
+ *   platform, device, driver  their names and versions
+ *   NAME=VALUE ...            settings of drivers that are in the environment, sorted
+ *
+ * Drivers are steered by their environment: POCL_KERNELLIB_NAME and
+ * POCL_WORK_GROUP_METHOD give other machine code under the same names.  Which
+ * settings matter is the driver's own affair, so all that begin as a driver's
+ * do count; a binary built once too often costs seconds, one that is not
+ * what was asked for may cost a proof.  Folders of caches do not count.
+ */
+#include "cl/cl.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "cl/cache.h"
+
+extern char **environ;
+
+static bool is_setting(const char *variable)
+{
+    static const char *const prefixes[] = {"POCL_", "RUSTICL_", "MESA_", "GALLIUM_", "GALLIVM_", "LP_", "CLC_",  "CL_",
+                                           "IGC_",  "NEO_",     "ZE_",   "AMD_",     "GPU_",     "ROC_", "CUDA_", "OCLGRIND_"};
+    const size_t name = strcspn(variable, "=");
+    if (name >= 10 && strncmp(variable + name - 10, "_CACHE_DIR", 10) == 0)
+        return false;
+    for (size_t i = 0; i < sizeof prefixes / sizeof prefixes[0]; i++)
+        if (strncmp(variable, prefixes[i], strlen(prefixes[i])) == 0)
+            return true;
+    return false;
+}
+
+static int by_text(const void *a, const void *b)
+{
+    return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
+
+/* Those of the environment, sorted, into parts if it is not NULL; how many. */
+static size_t settings(const char **parts)
+{
+    size_t count = 0;
+    for (char **e = environ; e && *e; e++)
+        if (is_setting(*e)) {
+            if (parts)
+                parts[count] = *e;
+            count++;
+        }
+    if (parts)
+        qsort(parts, count, sizeof *parts, by_text);
+    return count;
+}
+
+ost_status ost_cl_key(const ost_cl_device *d, const char *const *sources, size_t count, const char *options, ost_cl_cache *cache,
+                      ost_error *err)
+{
+    const char *const about[] = {options, d->platform_name, d->platform_version, d->name, d->driver};
+    enum { ABOUT = sizeof about / sizeof about[0] };
+    const char **parts = malloc((ABOUT + count + settings(NULL)) * sizeof *parts);
+    if (!parts)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for the kernels' sources");
+    memcpy(parts, about, sizeof about);
+    for (size_t i = 0; i < count; i++)
+        parts[ABOUT + i] = sources[i];
+    const size_t all = ABOUT + count + settings(parts + ABOUT + count);
+    ost_status status = ost_cl_cache_key(cache, parts, all, err);
+    free(parts);
+    return status;
+}
