@@ -128,6 +128,7 @@ static ost_status open_cpu(const char *options, ost_backend **out, ost_error *er
         backend->threads = chosen.threads;
         backend->voxelizer = chosen.voxelizer;
         backend->vox_tuning = ost_vox_tuning_default;
+        backend->event_threaded = OST_EVENT_THREADED;
         ost_cpu_kernels_fill(&backend->kernels, level);
         *out = &backend->ref.base;
     }

@@ -36,12 +36,16 @@ typedef struct ost_vox_tuning {
 /* The measured ones. */
 extern const ost_vox_tuning ost_vox_tuning_default;
 
+/* Voxels of an event's chunks from which on threads share it: below, starting them costs more than it gives (docs/performance.md). */
+#define OST_EVENT_THREADED ((size_t)1 << 22)
+
 typedef struct cpu_backend {
     ref_backend ref; /* first: the reference's functions run on it */
     ost_isa isa;
     int threads; /* >= 1 */
     ost_voxelizer voxelizer;
     ost_vox_tuning vox_tuning;
+    size_t event_threaded; /* OST_EVENT_THREADED; tests make it 0 */
     ost_cpu_kernels kernels;
     ost_event_scratch event;
     ost_chunk_pool *pools[3]; /* owned; for chunks of 16, 32, 64, NULL before the first */

@@ -1,11 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The CPU backend with every instruction set of this machine and several threads, beside the reference; and forms of tools. */
+/*
+ * The CPU backend with every instruction set of this machine and several
+ * threads, which share however small an event, beside the reference; and forms of tools.
+ */
 #ifndef OST_TESTS_CPU_TEAM_H
 #define OST_TESTS_CPU_TEAM_H
 
 #include "ref/scene.h"
 
 #include "core/isa.h"
+#include "cpu/cpu.h"
 
 /* ------------------------------------------------------------- backends */
 
@@ -28,6 +32,7 @@ static inline int open_team(void **state)
             snprintf(t->name[t->count], sizeof t->name[0], "cpu:isa=%s,threads=%d", ost_isa_name((ost_isa)isa), threads[i]);
             if (ost_backend_open(t->name[t->count], &t->cpu[t->count], NULL) != OST_OK)
                 return 1;
+            ((cpu_backend *)t->cpu[t->count])->event_threaded = 0;
             t->count++;
         }
     *state = t;

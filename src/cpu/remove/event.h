@@ -7,9 +7,6 @@
 #include "cpu/bone/bone.h"
 #include "cpu/kernels.h"
 
-/* Voxels of chunks from which on an event is shared among threads: below, starting them costs more than it gives. */
-#define OST_EVENT_THREADED ((size_t)1 << 22)
-
 /* Bases from which a block's voxels may lie in the tool's grid: from <= base < from + width. */
 typedef struct ost_block_reach {
     int32_t from[3];

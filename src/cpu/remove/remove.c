@@ -292,7 +292,7 @@ static void run_poses(const cpu_bone *bone, const ost_shape *shape, const ost_ev
     const cpu_backend *backend = (const cpu_backend *)bone->base.backend;
     const int32_t n = bone->base.chunk_size;
     const ptrdiff_t count = (ptrdiff_t)scratch->count;
-    const bool many = backend->threads > 1 && (size_t)count * (size_t)n * (size_t)n * (size_t)n >= OST_EVENT_THREADED;
+    const bool many = backend->threads > 1 && (size_t)count * (size_t)n * (size_t)n * (size_t)n >= backend->event_threaded;
     (void)many;
     for (int p = 0; p < event->pose_count; p++) {
         ost_voxel_box box;

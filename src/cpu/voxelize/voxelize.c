@@ -49,15 +49,16 @@ const ost_vox_tuning ost_vox_tuning_default = {.threads_from_ns = 1e6, .plane_by
 
 /*
  * Threads are worth their start, and the wait for a core that another process
- * has, from about a millisecond of work on.  Measured on one core of 2.5 GHz:
- * 25 ns a triangle, 0.15 ns a byte of classes, 0.03 ns a voxel as bits.
+ * has, from about a millisecond of work on (docs/performance.md).  Measured on one core of 2.5 GHz:
+ * 9 ns a triangle, 25 ns a row, which a closed surface crosses twice and more,
+ * 0.15 ns a byte of classes, 0.03 ns a voxel as bits.
  */
 static int useful_threads(const job *j)
 {
-    const double voxels = (double)j->plan.dims.x * j->plan.dims.y * j->plan.dims.z;
+    const double rows = (double)j->plan.dims.y * j->plan.dims.z, voxels = rows * j->plan.dims.x;
     double ns = voxels * (j->result.voxels ? 0.15 : 0.03);
     for (int m = 0; m < 2; m++)
-        ns += j->mesh[m] ? 25.0 * (double)j->mesh[m]->triangle_count : 0;
+        ns += j->mesh[m] ? 9.0 * (double)j->mesh[m]->triangle_count + 25.0 * rows : 0;
     return ns < j->backend->vox_tuning.threads_from_ns ? 1 : j->backend->threads;
 }
 
@@ -71,6 +72,9 @@ static int32_t tiles_of(int32_t n, int32_t shift)
     return (int32_t)(((int64_t)n + (INT64_C(1) << shift) - 1) >> shift);
 }
 
+/* Tiles for each thread, or there is nothing to share: some hold far more triangles than others. */
+enum { TILES_A_THREAD = 4 };
+
 static void make_plan(ost_vox_plan *plan, const ost_snapped_mesh *mesh, int64_t plane_bytes, int threads)
 {
     const ost_dims dims = mesh->grid.dims;
@@ -81,7 +85,11 @@ static void make_plan(ost_vox_plan *plan, const ost_snapped_mesh *mesh, int64_t 
         plan->shift_z = floor_log2(dims.z) + 1;
         return;
     }
-    const int32_t rows = floor_log2(plane_bytes / row_bytes);
+    int32_t rows = floor_log2(plane_bytes / row_bytes);
+    if (threads > 1) {
+        const int32_t shared = floor_log2((int64_t)dims.y * dims.z / (TILES_A_THREAD * threads));
+        rows = shared < rows ? shared : rows;
+    }
     plan->shift_y = (rows + 1) / 2;
     if (plan->shift_y > floor_log2(dims.y))
         plan->shift_y = floor_log2(dims.y);
