@@ -11,7 +11,7 @@
 
 #include "config.h"
 
-#if HAVE_OPENCL
+#ifdef HAVE_OPENCL
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
 
