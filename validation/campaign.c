@@ -69,6 +69,8 @@ static int judge(campaign *c, const campaign_options *o, int whom, const trace *
         if (r->verdict == CASE_DIFFERS && got->records[range.first + range.count - 1].stage == TRACE_FAILED &&
             r->difference.kind == COMPARE_MISSING)
             r->verdict = CASE_FAILED;
+        if (r->verdict == CASE_DIFFERS)
+            r->found = finding_of_case(&c->plan->cases[i], &c->reference, c->ranges[i], got, range, &r->difference);
         if (r->verdict == CASE_DIFFERS && o->differs)
             o->differs(o->keeper, c, i, whom, got, range);
         c->records += r->difference.records;
@@ -177,6 +179,8 @@ ost_status campaign_run(const plan *p, const subject_list *subjects, const campa
 
 void campaign_free(campaign *c)
 {
+    for (int i = 0; c->results && i < c->plan->count * c->subjects->count; i++)
+        free(c->results[i].found);
     free(c->results);
     free(c->ranges);
     free(c->seconds);

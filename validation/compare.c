@@ -188,6 +188,16 @@ static void compare_record(const trace *ref, compare_range in_ref, const trace *
     out->kind = out->voxels ? COMPARE_VOXEL : words && paired ? COMPARE_WORD : COMPARE_SHAPE;
 }
 
+void compare_record_at(const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, size_t at, compare_difference *out)
+{
+    *out = (compare_difference){.kind = COMPARE_EQUAL, .chunk = -1, .records = at + 1};
+    if (at >= in_ref.count || at >= in_got.count)
+        return;
+    compare_record(ref, in_ref, got, in_got, at, out);
+    out->stage = ref->records[in_ref.first + at].stage;
+    out->item = ref->records[in_ref.first + at].item;
+}
+
 void compare_case(const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, compare_difference *out)
 {
     *out = (compare_difference){.kind = COMPARE_EQUAL, .chunk = -1};

@@ -8,6 +8,7 @@
 #include "validation/compare.h"
 #include "validation/dense/dense.h"
 #include "validation/draw.h"
+#include "validation/locate/finding.h"
 #include "validation/perform.h"
 
 enum { PER_SCENE = 16, PATH = 1024 };
@@ -126,6 +127,24 @@ static ost_status run_clean(const scene *s, const plan_case *c, const char *path
     return OST_OK;
 }
 
+const char *sensitivity_class_name(int class)
+{
+    return class < PATTERNS ? pattern_name((pattern)class) : class == PATTERNS ? "report-only" : "none";
+}
+
+static void classify(const deviation *how, const scene *s, const trace *ref, compare_range in_ref, const trace *got, const compare_difference *d,
+                     sensitivity *out)
+{
+    finding f;
+    if (d->kind == COMPARE_EQUAL)
+        return;
+    finding_make(s, ref, in_ref, got, compare_find(got, 0), d, &f);
+    int class = 0;
+    while (class < SENSITIVITY_CLASSES - 1 && (!f.class || strcmp(f.class, sensitivity_class_name(class)) != 0))
+        class++;
+    out->classes[how->kind][class]++;
+}
+
 static ost_status inject(const deviation *how, const scene *s, const plan_case *c, const char *path, const trace *ref, compare_range in_ref, sensitivity *out,
                          ost_error *err)
 {
@@ -142,6 +161,7 @@ static ost_status inject(const deviation *how, const scene *s, const plan_case *
         return status;
     compare_case(ref, in_ref, &got, compare_find(&got, 0), &d);
     judge(out, how, c, &w, &record, &d);
+    classify(how, s, ref, in_ref, &got, &d, out);
     trace_free(&got);
     return OST_OK;
 }

@@ -22,6 +22,7 @@
 #define OST_VALIDATION_SENSITIVITY_H
 
 #include "validation/dense/deviation.h"
+#include "validation/locate/pattern.h"
 #include "validation/plan.h"
 
 typedef struct sensitivity_counts {
@@ -29,9 +30,14 @@ typedef struct sensitivity_counts {
     uint64_t not_detected, not_located; /* of those that changed something: defects of the comparison */
 } sensitivity_counts;
 
+/* What the differences of a kind looked like; one more for those of the report alone, and one for those without grids to compare. */
+enum { SENSITIVITY_CLASSES = PATTERNS + 2 };
+const char *sensitivity_class_name(int class);
+
 typedef struct sensitivity {
     uint64_t seed;
     sensitivity_counts all, of[DEVIATION_KINDS];
+    uint64_t classes[DEVIATION_KINDS][SENSITIVITY_CLASSES];
     uint64_t clean_runs, false_alarms;
     char first_problem[300]; /* of a miss or a false alarm: which, with what repeats it */
 } sensitivity;

@@ -45,6 +45,7 @@ static void put_result(const app_state *app, const loaded_volume *a, const loade
     put_bool(o, "same_dims", r->same_dims);
     put_bool(o, "same_spacing", r->same_spacing);
     put_bool(o, "same_origin", r->same_origin);
+    put(o, "pattern", r->class ? json_string(r->class) : json_null());
     put(o, "different_voxels", r->same_dims ? json_integer(r->different) : json_null());
     for (int k = 0; k < DIFF_KIND_COUNT && r->same_dims; k++) {
         json_t *row = json_object();

@@ -117,7 +117,9 @@ static void say_difference(const app_state *app, const plan_case *c, const subje
             trace_word_name(d->stage, d->word, name), (long long)d->word_got, (long long)d->word_ref);
     else
         say(app, "  %s on %s: %s%s: %s", c->id, s->spec, trace_stage_name(d->stage), where,
-            d->kind == COMPARE_MISSING ? "the backend failed there, the reference did not" : "other leaves changed than in the reference");
+            d->kind == COMPARE_MISSING ? "the backend failed there, the reference did not" : "its blocks are not those of the reference");
+    if (r->verdict == CASE_DIFFERS && r->found && r->found->class)
+        say(app, "    looks like %s: %s", r->found->class, r->found->text);
 }
 
 static void say_backends(app_state *app, const campaign *c)
@@ -199,8 +201,8 @@ static ost_status report(app_state *app, const validate_args *args, const campai
         for (int s = 1; s < c->subjects->count; s++)
             if (result_at(c, i, s)->verdict != CASE_EQUAL && result_at(c, i, s)->verdict != CASE_NOT_RUN)
                 say_difference(app, &c->plan->cases[i], &c->subjects->subjects[s], result_at(c, i, s));
-    say(app, "  %s records, %s of results, compared byte by byte and found equal", say_count(records, (int64_t)c->records),
-        say_bytes(bytes, (int64_t)c->bytes));
+    say(app, campaign_equal(c) ? "  %s records, %s of results, compared byte by byte and found equal" : "  %s records compared byte by byte; the cases that are equal: %s of results",
+        say_count(records, (int64_t)c->records), say_bytes(bytes, (int64_t)c->bytes));
     for (size_t i = 0; i < json_array_size(list); i++)
         say(app, "%s%s", i ? "             " : "  not shown: ", json_string_value(json_array_get(list, i)));
     if (proof)

@@ -15,6 +15,7 @@
 #define OST_APP_DIFF_COMPARE_H
 
 #include "app/load.h"
+#include "validation/locate/pattern.h"
 
 typedef enum diff_kind {
     DIFF_REMOVED, /* solid in A only */
@@ -41,7 +42,7 @@ typedef struct diff_pattern {
     char text[200];
 } diff_pattern;
 
-enum { DIFF_PATTERN_MAX = 12 };
+enum { DIFF_PATTERN_MAX = PATTERNS + 3 };
 
 typedef struct diff_result {
     bool same_dims, same_spacing, same_origin;
@@ -55,6 +56,7 @@ typedef struct diff_result {
     diff_chunk *chunks; /* owned: those that differ, in grid order */
     size_t first_count;
     diff_voxel *first; /* owned: the first `limit` in grid order */
+    const char *class; /* what it looks like first of all; NULL: there is nothing to classify */
     int pattern_count;
     diff_pattern patterns[DIFF_PATTERN_MAX];
 } diff_result;

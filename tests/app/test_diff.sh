@@ -37,7 +37,7 @@ check "hole: removed" "$(value classes.0.voxels)" $((7 * 11))
 check "hole: added" "$(value classes.1.voxels)" 0
 check "hole: first voxel" "$(value voxels.0.ijk.0) $(value voxels.0.ijk.1) $(value voxels.0.ijk.2) $(value voxels.0.b)" "7 6 2 0"
 without boundary-layer hole
-without scattered hole
+without speckle hole
 without shift hole
 
 grid grown "(i == 2 && j >= 4 && j < 13 && k >= 2 && k < 13) ? 300 : ($body)"
@@ -51,24 +51,24 @@ check "lighter: changed" "$(value classes.2.voxels)" $((12 * 9 * 11))
 grid cut "(($body) >= 500) ? ($body) : 0"
 pattern threshold cut
 grid specks "(i % 4 == 3 && j % 4 == 0 && k % 4 == 2) ? 0 : ($body)"
-pattern scattered specks
+pattern speckle specks
 grid moved "(i >= 5 && i < 17 && j >= 3 && j < 12 && k >= 2 && k < 13) ? 200 + (i - 2) + 20 * (j + 1) + 3 * k * k : 0"
 pattern shift moved
 grep -q '(2, -1, 0)' out || fail "moved: $(grep text out)"
-without orientation moved
+without axis-swap moved
 
 # x and z exchanged: other dims, and told apart from a grid that only has other dims.
 grid turned '(k >= 3 && k < 15 && j >= 4 && j < 13 && i >= 2 && i < 13) ? 200 + k + 20 * j + 3 * i * i : 0' 16 18 20
-pattern orientation turned
+pattern axis-swap turned
 check "turned: voxels that were compared" "$(value different_voxels)" null
 grid other "$body" 21 18 16
 pattern geometry other
-without orientation other
+without axis-swap other
 grid wider "$body" 20 18 16 0.6
 pattern geometry wider
 check "wider: differing voxels" "$(value different_voxels)" 0
 grid flipped '(i >= 5 && i < 17 && j >= 4 && j < 13 && k >= 2 && k < 13) ? 200 + (19 - i) + 20 * j + 3 * k * k : 0'
-pattern orientation flipped
+pattern axis-swap flipped
 
 # 258 is 513 with its bytes swapped.
 grid a '(i > 3 && i < 9 && j > 2) ? 258 : 0'
@@ -78,7 +78,7 @@ pattern byte-order swapped
 # Chunks that vanish whole.
 grid a '(i >= 4 && j >= 4 && k >= 4) ? 300 : 0' 40 36 34
 grid lost '(i >= 4 && j >= 4 && k >= 4 && !(i >= 32 && j < 32 && k < 32)) ? 300 : 0' 40 36 34
-pattern whole-chunks lost
+pattern lost-chunk lost
 check "lost: chunks" "$(value chunks) $(value chunks.0.chunk.0)" "[1] 1"
 
 # Kinds that cannot be compared, files that are none.

@@ -51,6 +51,9 @@ static void describe(const json_t *result, char text[400])
         snprintf(text, 400, "%s%.40s is %lld where the reference has %lld", place, evidence_text(result, "word"), is, ref);
     else
         snprintf(text, 400, "%s%.300s", place, evidence_text(result, "text"));
+    const size_t used = strlen(text);
+    if (*evidence_text(result, "class") && used < 400)
+        snprintf(text + used, 400 - used, "; looks like %.40s (%.160s)", evidence_text(result, "class"), evidence_text(result, "class_text"));
 }
 
 static bool is_verdict(const json_t *result, case_verdict verdict)

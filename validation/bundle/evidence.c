@@ -44,6 +44,25 @@ ost_status evidence_protocol(const plan *p, const subject_list *subjects, const 
 
 /* ------------------------------------------------------------------- cases */
 
+/* The chunk, what the difference looks like, and what its first voxel was decided by. */
+static void put_finding(json_t *o, const finding *f)
+{
+    if (f->chunk_size) {
+        json_object_set_new(o, "chunk", json_pack("[i,i,i]", f->chunk[0], f->chunk[1], f->chunk[2]));
+        json_object_set_new(o, "chunk_size", json_integer(f->chunk_size));
+    }
+    if (f->class) {
+        json_object_set_new(o, "class", json_string(f->class));
+        json_object_set_new(o, "class_text", json_string(f->text));
+    }
+    if (!f->operands.count)
+        return;
+    json_t *list = json_array();
+    for (int i = 0; i < f->operands.count; i++)
+        json_array_append_new(list, json_pack("{s:s,s:s}", "name", f->operands.lines[i].name, "value", f->operands.lines[i].value));
+    json_object_set_new(o, "operands", list);
+}
+
 static json_t *result_json(const case_result *r)
 {
     const compare_difference *d = &r->difference;
@@ -65,7 +84,9 @@ static json_t *result_json(const case_result *r)
         json_object_set_new(o, "reference", json_integer((json_int_t)d->word_ref));
         json_object_set_new(o, "got", json_integer((json_int_t)d->word_got));
     } else
-        json_object_set_new(o, "text", json_string(d->kind == COMPARE_MISSING ? "the record is missing" : "other leaves changed"));
+        json_object_set_new(o, "text", json_string(d->kind == COMPARE_MISSING ? "the record is missing" : "its blocks are not those of the reference"));
+    if (r->found)
+        put_finding(o, r->found);
     return o;
 }
 
@@ -196,6 +217,28 @@ static json_t *not_shown(const json_t *protocol, const json_t *cases)
     return list;
 }
 
+/* The first so many results that differ, in one list: what results.json says of them. */
+enum { LISTED = 100 };
+static json_t *findings_of(const json_t *protocol, const json_t *cases)
+{
+    const json_t *backends = json_object_get(protocol, "backends");
+    json_t *list = json_array();
+    for (size_t i = 0; i < json_array_size(cases); i++)
+        for (size_t s = 1; s < json_array_size(backends) && json_array_size(list) < LISTED; s++) {
+            const json_t *one = json_array_get(cases, i);
+            const char *name = evidence_text(json_array_get(backends, s), "name");
+            const json_t *r = json_object_get(json_object_get(one, "results"), name);
+            const char *verdict = evidence_text(r, "verdict");
+            if (!json_is_object(r) || strcmp(verdict, case_verdict_name(CASE_EQUAL)) == 0 || strcmp(verdict, case_verdict_name(CASE_NOT_RUN)) == 0)
+                continue;
+            json_t *row = json_copy((json_t *)(uintptr_t)r);
+            json_object_set_new(row, "case", json_string(evidence_text(one, "id")));
+            json_object_set_new(row, "backend", json_string(name));
+            json_array_append_new(list, row);
+        }
+    return list;
+}
+
 ost_status evidence_summary(const json_t *protocol, const json_t *cases, json_t **out, ost_error *err)
 {
     json_int_t counts[CASE_VERDICTS] = {0}, records = 0;
@@ -215,8 +258,8 @@ ost_status evidence_summary(const json_t *protocol, const json_t *cases, json_t 
     json_t *verdicts = json_object();
     for (int v = 0; v < CASE_VERDICTS; v++)
         json_object_set_new(verdicts, case_verdict_name((case_verdict)v), json_integer(counts[v]));
-    *out = json_pack("{s:b,s:b,s:I,s:I,s:I,s:o,s:o}", "equal", equal, "evidence", whole, "cases", (json_int_t)json_array_size(cases), "backends",
+    *out = json_pack("{s:b,s:b,s:I,s:I,s:I,s:o,s:o,s:o}", "equal", equal, "evidence", whole, "cases", (json_int_t)json_array_size(cases), "backends",
                      (json_int_t)json_array_size(json_object_get(protocol, "backends")), "reference_records", records, "results", verdicts, "not_shown",
-                     not_shown(protocol, cases));
+                     not_shown(protocol, cases), "findings", findings_of(protocol, cases));
     return *out ? OST_OK : no_memory(err);
 }

@@ -24,6 +24,11 @@ ost_status faults_json(const sensitivity *s, json_t **out, ost_error *err)
         json_object_set_new(row, "what", json_string(about->what));
         json_object_set_new(row, "cause", json_string(about->cause));
         json_object_set_new(row, "survives_when", json_string(about->survives));
+        json_t *classes = json_object();
+        for (int c = 0; c < SENSITIVITY_CLASSES; c++)
+            if (s->classes[k][c])
+                json_object_set_new(classes, sensitivity_class_name(c), json_integer((json_int_t)s->classes[k][c]));
+        json_object_set_new(row, "classes", classes);
         json_array_append_new(kinds, row);
     }
     *out = counts_json(&s->all);

@@ -47,23 +47,49 @@ static void row(const page *p, int number, const json_t *one, const json_t *back
         for (size_t a = 0; a < 3; a++)
             at[a] = json_integer_value(json_array_get(voxel, a));
         page_count(p, integer(r, "different_voxels"));
-        fprintf(p->to, " voxel%s in this record; the first at (%lld, %lld, %lld), chunk (%lld, %lld, %lld) of 32<sup>3</sup>: <b>%lld</b> where the reference has <b>%lld</b>",
-                integer(r, "different_voxels") == 1 ? "" : "s", (long long)at[0], (long long)at[1], (long long)at[2], (long long)at[0] / 32, (long long)at[1] / 32,
-                (long long)at[2] / 32, (long long)integer(r, "got"), (long long)integer(r, "reference"));
+        const json_int_t size = integer(r, "chunk_size") > 0 ? integer(r, "chunk_size") : 32;
+        fprintf(p->to, " voxel%s in this record; the first at (%lld, %lld, %lld), chunk (%lld, %lld, %lld) of %lld<sup>3</sup>: <b>%lld</b> where the reference has <b>%lld</b>",
+                integer(r, "different_voxels") == 1 ? "" : "s", (long long)at[0], (long long)at[1], (long long)at[2], (long long)(at[0] / size), (long long)(at[1] / size),
+                (long long)(at[2] / size), (long long)size, (long long)integer(r, "got"), (long long)integer(r, "reference"));
     } else if (*evidence_text(r, "word")) {
         fputs("reported: ", p->to);
         page_text(p, evidence_text(r, "word"));
         fprintf(p->to, " is <b>%lld</b> where the reference has <b>%lld</b>", (long long)integer(r, "got"), (long long)integer(r, "reference"));
+        const json_t *chunk = json_object_get(r, "chunk");
+        if (chunk)
+            fprintf(p->to, "; of chunk (%lld, %lld, %lld) first", (long long)json_integer_value(json_array_get(chunk, 0)),
+                    (long long)json_integer_value(json_array_get(chunk, 1)), (long long)json_integer_value(json_array_get(chunk, 2)));
     } else
         page_text(p, evidence_text(r, "text"));
     if (*evidence_text(r, "class")) {
-        fputs("; looks like ", p->to);
+        fputs("<br>Looks like <b>", p->to);
         page_text(p, evidence_text(r, "class"));
+        fputs("</b>: ", p->to);
+        page_text(p, evidence_text(r, "class_text"));
     }
     fputs("</td></tr>\n", p->to);
 }
 
-static bool triplet(const page *p, int number, const json_t *one, size_t s)
+/* What the first voxel was decided by, as the reference has it. */
+static void operand_table(const page *p, const json_t *r)
+{
+    const json_t *list = json_object_get(r, "operands"), *voxel = json_object_get(r, "voxel");
+    if (!json_array_size(list))
+        return;
+    fprintf(p->to, "<p>What decides voxel (%lld, %lld, %lld), computed by the reference; it says what the right answer is made of, not what went wrong elsewhere:</p>\n"
+                   "<div class=\"wide\"><table>\n",
+            (long long)json_integer_value(json_array_get(voxel, 0)), (long long)json_integer_value(json_array_get(voxel, 1)), (long long)json_integer_value(json_array_get(voxel, 2)));
+    for (size_t i = 0; i < json_array_size(list) && i < LISTED; i++) {
+        fputs("<tr><td>", p->to);
+        page_text(p, evidence_text(json_array_get(list, i), "name"));
+        fputs("</td><td>", p->to);
+        page_text(p, evidence_text(json_array_get(list, i), "value"));
+        fputs("</td></tr>\n", p->to);
+    }
+    fputs("</table></div>\n", p->to);
+}
+
+static bool triplet(const page *p, int number, const json_t *one, size_t s, const json_t *r)
 {
     static const char *const captions[PICTURE_ROLES] = {"Reference: axial, coronal, sagittal", "Got", "Difference"};
     char name[PICTURE_NAME];
@@ -75,6 +101,7 @@ static bool triplet(const page *p, int number, const json_t *one, size_t s)
     fputs("</code>, ", p->to);
     page_text(p, evidence_text(json_array_get(json_object_get(p->protocol, "backends"), s), "what"));
     fputs("</h3>\n", p->to);
+    operand_table(p, r);
     for (int role = 0; role < PICTURE_ROLES; role++) {
         picture_name(name, evidence_text(one, "id"), s, (picture_role)role);
         page_picture(p, name, captions[role]);
@@ -95,7 +122,7 @@ static int each_finding(const page *p, bool pictures)
                 continue;
             number++;
             if (pictures)
-                done += triplet(p, number, one, s);
+                done += triplet(p, number, one, s, r);
             else if (number <= LISTED)
                 row(p, number, one, backend, r);
         }

@@ -1,0 +1,444 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What differences look like: grids written by hand, and ports that make one
+ * known mistake (validation/dense).  And the operands of a voxel: they must
+ * give the value that the reference has.
+ *
+ * With OST_TEST_LONG the confusion table of all mistakes is printed.
+ * Covers: REQ-LOCATE
+ */
+#include "harness.h"
+
+#include <unistd.h>
+
+#include "io/io_scratch.h"
+#include "validation/dense/dense.h"
+#include "validation/locate/finding.h"
+#include "validation/locate/grids.h"
+#include "validation/perform.h"
+#include "validation/sensitivity.h"
+
+enum { N = 32, PATH = 4200, SCENES = 5 };
+
+static char *folder;
+
+/* ------------------------------------------------------- grids by hand */
+
+typedef struct pair {
+    int16_t a[N * N * N], b[N * N * N], in[N * N * N];
+} pair;
+
+static int64_t at(int x, int y, int z)
+{
+    return x + N * (y + (int64_t)N * z);
+}
+
+/* A ball of densities that tell each voxel from its neighbours. */
+static pair *made(void)
+{
+    static pair p;
+    for (int z = 0; z < N; z++)
+        for (int y = 0; y < N; y++)
+            for (int x = 0; x < N; x++) {
+                const int r = (x - 14) * (x - 14) + (y - 15) * (y - 15) + (z - 16) * (z - 16);
+                p.a[at(x, y, z)] = (int16_t)(r < 140 ? 200 + x + 20 * y + 3 * z * z : 0);
+            }
+    memcpy(p.b, p.a, sizeof p.b);
+    memcpy(p.in, p.a, sizeof p.in);
+    return &p;
+}
+
+static pattern_view view_of(const pair *p)
+{
+    return (pattern_view){.a = p->a, .b = p->b, .dims = {N, N, N}, .dims_b = {N, N, N}, .solid_a = 120, .solid_b = 120, .chunk = 16};
+}
+
+static void looks_like(const pattern_view *v, pattern expected, const char *what)
+{
+    pattern_list list;
+    pattern_find(v, &list);
+    if (list.of_all != expected)
+        fail_msg("%s: %s, not %s", what, pattern_name(list.of_all), pattern_name(expected));
+    if (expected != PATTERN_UNCLASSIFIED)
+        assert_true(list.holds[expected] && list.text[expected][0]);
+}
+
+static void by_hand(void **state)
+{
+    (void)state;
+    pair *p = made();
+    pattern_view v = view_of(p);
+    pattern_list none;
+    pattern_find(&v, &none);
+    assert_int_equal(none.of_all, PATTERN_UNCLASSIFIED);
+    for (int i = 0; i < PATTERNS; i++)
+        assert_false(none.holds[i]);
+
+    for (int i = 0; i < N * N * N; i++)
+        p->b[i] = (int16_t)(uint16_t)((uint16_t)p->a[i] << 8 | (uint16_t)p->a[i] >> 8);
+    looks_like(&v, PATTERN_BYTE_ORDER, "bytes swapped");
+
+    for (int z = 0; z < N; z++)
+        for (int y = 0; y < N; y++)
+            for (int x = 0; x < N; x++)
+                p->b[at(x, y, z)] = p->a[at(y, x, z)];
+    looks_like(&v, PATTERN_AXIS_SWAP, "x and y exchanged");
+
+    p = made();
+    for (int z = 10; z < 20; z++) /* in part of the grid alone */
+        for (int y = 8; y < 20; y++)
+            for (int x = 8; x < 20; x++)
+                p->b[at(x, y, z)] = p->a[at(x, y, z - 1)];
+    looks_like(&v, PATTERN_SHIFT, "a layer off by one");
+
+    p = made();
+    for (int i = at(0, 0, 12); i < at(0, 0, 14); i++)
+        p->b[i] = (int16_t)(p->a[i] ? p->a[i] + 9 : 0);
+    looks_like(&v, PATTERN_OFFSET, "9 more");
+
+    p = made();
+    for (int i = 0; i < N * N * N; i++)
+        p->b[i] = p->a[i] < 700 ? 0 : p->a[i];
+    looks_like(&v, PATTERN_THRESHOLD, "below 700 gone");
+
+    p = made();
+    for (int i = at(0, 0, 20); i < N * N * N; i++)
+        p->b[i] = 0;
+    looks_like(&v, PATTERN_LOST_TAIL, "nothing from a slice on");
+
+    p = made();
+    for (int z = 0; z < 16; z++)
+        for (int y = 0; y < 16; y++)
+            memset(&p->b[at(16, y, z)], 0, 16 * sizeof p->b[0]);
+    looks_like(&v, PATTERN_LOST_CHUNK, "a chunk void");
+
+    p = made();
+    p->b[at(10, 11, 12)] = 999;
+    p->b[at(15, 15, 15)] = 1;
+    looks_like(&v, PATTERN_SPECKLE, "two voxels");
+
+    p = made();
+    for (int y = 12; y < 19; y++)
+        for (int x = 12; x < 19; x++)
+            for (int z = 12; z < 19; z++)
+                p->b[at(x, y, z)] = (int16_t)(2000 + (x * 7 + y * 13 + z * 29) % 50);
+    looks_like(&v, PATTERN_UNCLASSIFIED, "garbage in a cube");
+}
+
+/* Of an event: `in` is the bone before. */
+static void of_events(void **state)
+{
+    (void)state;
+    pair *p = made();
+    pattern_view v = view_of(p);
+    v.input = PATTERN_BEFORE;
+    v.in = p->in;
+    v.in_dims = v.dims;
+    for (int z = 8; z < 24; z++)
+        for (int y = 8; y < 20; y++)
+            for (int x = 6; x < 20; x++)
+                p->a[at(x, y, z)] = p->b[at(x, y, z)] = 0;
+    for (int z = 16; z < 32; z++)
+        for (int y = 0; y < 16; y++)
+            memcpy(&p->b[at(0, y, z)], &p->in[at(0, y, z)], 16 * sizeof p->b[0]);
+    looks_like(&v, PATTERN_STALE_CHUNK, "a chunk as before");
+    v.reported_too = true;
+    looks_like(&v, PATTERN_LOST_CHUNK, "a chunk neither cut nor reported");
+    memcpy(p->b, p->a, sizeof p->b);
+    for (int z = 16; z < 32; z++)
+        for (int y = 16; y < 32; y++)
+            memcpy(&p->b[at(16, y, z)], &p->in[at(16, y, z)], 16 * sizeof p->b[0]);
+    looks_like(&v, PATTERN_LOST_TAIL, "the last chunk");
+
+    memcpy(p->b, p->a, sizeof p->b);
+    for (int y = 9; y < 19; y++)
+        p->b[at(19, y, 12)] = p->in[at(19, y, 12)];
+    looks_like(&v, PATTERN_BOUNDARY_LAYER, "the cut's border");
+    p->b[at(12, 14, 14)] = p->in[at(12, 14, 14)]; /* within */
+    looks_like(&v, PATTERN_UNCLASSIFIED, "and a voxel within");
+}
+
+static void of_tools(void **state)
+{
+    (void)state;
+    pair *p = made();
+    pattern_view v = view_of(p);
+    v.tool = true;
+    v.solid_a = v.solid_b = 1;
+    for (int i = 0; i < N * N * N; i++)
+        p->a[i] = p->b[i] = p->a[i] != 0;
+    for (int y = 12; y < 14; y++)
+        memset(&p->b[at(0, y, 15)], 0, N * sizeof p->b[0]);
+    looks_like(&v, PATTERN_COLUMN_PARITY, "rows void");
+    memcpy(p->b, p->a, sizeof p->b);
+    for (int x = 20; x < N; x++)
+        p->b[at(x, 15, 16)] = 1;
+    looks_like(&v, PATTERN_COLUMN_PARITY, "a row filled to its end");
+    memcpy(p->b, p->a, sizeof p->b);
+    for (int z = 0; z < N; z++)
+        for (int y = 0; y < N; y++)
+            for (int x = 1; x < N; x++)
+                if (p->a[at(x, y, z)] && !p->a[at(x - 1, y, z)])
+                    p->b[at(x, y, z)] = 0;
+    looks_like(&v, PATTERN_BOUNDARY_LAYER, "the first voxel of every row");
+}
+
+/* ------------------------------------------------------ mistakes by name */
+
+static ost_status traced(ost_backend *backend, const scene *s, const char *name, trace *out)
+{
+    char path[PATH];
+    trace_writer *w;
+    ost_error why = {0}, err = {0};
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    assert_ok(trace_create(path, &w, &err));
+    assert_ok(perform(backend, s, 0, w, NULL, NULL, &why, &err));
+    assert_ok(trace_close(w, &err));
+    ost_backend_close(backend);
+    assert_ok(trace_open(path, out, &err));
+    unlink(path);
+    return OST_OK;
+}
+
+/* The class of this mistake in a scene; NULL when nothing differs. */
+static const char *class_of(const deviation *how, const scene *s, const trace *ref, finding *f, compare_difference *d)
+{
+    ost_backend *backend;
+    ost_error err = {0};
+    trace got;
+    assert_ok(dense_open(how, &backend, &err));
+    traced(backend, s, "got", &got);
+    compare_case(ref, compare_find(ref, 0), &got, compare_find(&got, 0), d);
+    const char *class = NULL;
+    if (d->kind != COMPARE_EQUAL) {
+        finding_make(s, ref, compare_find(ref, 0), &got, compare_find(&got, 0), d, f);
+        class = f->class ? f->class : "none";
+    }
+    trace_free(&got);
+    return class;
+}
+
+/* Each class by a port that makes the mistake; `or` are what few voxels of it can look like too. */
+static void by_mistake(void **state)
+{
+    static const struct {
+        deviation_kind kind;
+        uint32_t one_in;
+        pattern expected;
+        const char *or;
+    } rows[] = {
+        {DEVIATION_BYTE_ORDER, 1, PATTERN_BYTE_ORDER, ""},
+        {DEVIATION_SWAPPED_AXIS, 1, PATTERN_AXIS_SWAP, ""},
+        {DEVIATION_LAYER_OFF_BY_ONE, 4, PATTERN_SHIFT, ""},
+        {DEVIATION_CHUNK_SHIFTED, 1, PATTERN_SHIFT, ""},
+        {DEVIATION_WRONG_THRESHOLD, 1, PATTERN_THRESHOLD, "speckle"},
+        {DEVIATION_INACTIVE_KEPT, 1, PATTERN_THRESHOLD, ""},
+        {DEVIATION_STALE_CHUNK, 1, PATTERN_STALE_CHUNK, ""},
+        {DEVIATION_LAST_LAYER_LOST, 1, PATTERN_LOST_TAIL, ""},
+        {DEVIATION_DROPPED_LAST_ITEMS, 1, PATTERN_LOST_TAIL, "speckle report-only"},
+        {DEVIATION_PARTIAL_CHUNKS_LOST, 1, PATTERN_LOST_CHUNK, ""},
+        {DEVIATION_TRIANGLES_LOST, 1, PATTERN_COLUMN_PARITY, "unclassified report-only lost-tail speckle"},
+        {DEVIATION_EXCLUDED_CROSSING, 1, PATTERN_BOUNDARY_LAYER, "speckle column-parity unclassified"},
+        {DEVIATION_GARBAGE_IN_VOID, 64, PATTERN_SPECKLE, ""},
+        {DEVIATION_FLIP_BIT, 1, PATTERN_SPECKLE, "offset boundary-layer threshold"},
+        {DEVIATION_CLASS_BORDER, 1, PATTERN_UNCLASSIFIED, "report-only"},
+    };
+    int seen[sizeof rows / sizeof rows[0]] = {0};
+    (void)state;
+    for (int number = 0; number < SCENES; number++) {
+        const plan_case c = {.family = PLAN_SMALL, .number = number, .seed = 7, .id = {'s', 'm', 'a', 'l', 'l', '/', (char)('0' + number)}};
+        ost_backend *backend;
+        ost_error err = {0};
+        scene s;
+        trace ref;
+        assert_ok(scene_make(&c, &s, &err));
+        assert_ok(ost_backend_open("ref", &backend, &err));
+        traced(backend, &s, "ref", &ref);
+        for (size_t r = 0; r < sizeof rows / sizeof rows[0]; r++) {
+            const deviation how = {rows[r].kind, (uint64_t)number, rows[r].one_in};
+            finding f;
+            compare_difference d;
+            const char *class = class_of(&how, &s, &ref, &f, &d), *name = deviation_describe(rows[r].kind)->name, *expected = pattern_name(rows[r].expected);
+            if (!class)
+                continue;
+            const bool is = strcmp(class, expected) == 0;
+            seen[r] += is || strstr(rows[r].or, class);
+            if (!is && !strstr(rows[r].or, class))
+                fail_msg("%s in %s: %s (%s), not %s", name, c.id, class, f.text, expected);
+            if (d.kind == COMPARE_VOXEL && d.stage != TRACE_FINAL && !f.operands.count)
+                fail_msg("%s in %s: no operands at %s %u", name, c.id, trace_stage_name(d.stage), d.item);
+            for (int i = 0; i < f.operands.count; i++)
+                assert_true(f.operands.lines[i].name[0] && f.operands.lines[i].value[0]);
+        }
+        trace_free(&ref);
+        scene_free(&s);
+    }
+    for (size_t r = 0; r < sizeof rows / sizeof rows[0]; r++)
+        if (!seen[r])
+            fail_msg("%s was never seen", deviation_describe(rows[r].kind)->name);
+}
+
+/* ------------------------------------------------------------- operands */
+
+static const char *value_of(const operands *o, const char *name)
+{
+    const char *last = NULL;
+    for (int i = 0; i < o->count; i++)
+        if (strcmp(o->lines[i].name, name) == 0)
+            last = o->lines[i].value;
+    return last;
+}
+
+/* Of voxels all over: the last operand must say what the reference's grid has. */
+static void operands_decide(void **state)
+{
+    (void)state;
+    test_rng rng = rng_seeded("operands_decide");
+    int solid = 0, removed = 0, kept = 0;
+    for (int number = 0; number < SCENES; number++) {
+        const plan_case c = {.family = PLAN_SMALL, .number = number, .seed = 11, .id = {'s', 'm', 'a', 'l', 'l', '/', (char)('0' + number)}};
+        ost_backend *backend;
+        ost_error err = {0};
+        scene s;
+        trace ref;
+        assert_ok(scene_make(&c, &s, &err));
+        assert_ok(ost_backend_open("ref", &backend, &err));
+        traced(backend, &s, "ref", &ref);
+        const compare_range all = compare_find(&ref, 0);
+        for (size_t i = 0; i < all.count; i++) {
+            const trace_record *r = &ref.records[all.first + i];
+            size_t walk = 0;
+            trace_block_view b;
+            if (r->stage == TRACE_CASE || r->stage == TRACE_FINAL || r->stage == TRACE_RECT || !trace_next_block(r, &walk, &b))
+                continue;
+            for (int k = 0; k < 40; k++) {
+                const size_t v = (size_t)(rng_next(&rng) % (uint64_t)ost_dims_count(b.dims)), wide = (size_t)b.dims.x, high = (size_t)b.dims.y;
+                int16_t is = b.voxels[v];
+                if (b.voxel_bytes == 2)
+                    memcpy(&is, b.voxels + 2 * v, 2);
+                compare_difference d = {.kind = COMPARE_VOXEL, .stage = r->stage, .item = r->item};
+                d.voxel[0] = b.lo[0] + (int32_t)(v % wide);
+                d.voxel[1] = b.lo[1] + (int32_t)(v / wide % high);
+                d.voxel[2] = b.lo[2] + (int32_t)(v / wide / high);
+                operands o;
+                operands_of(&s, &ref, all, &d, NULL, &o);
+                assert_true(o.count > 0);
+                const char *text;
+                char expected[64];
+                if (r->stage == TRACE_CUBIC) {
+                    snprintf(expected, sizeof expected, ") has %d", is);
+                    text = value_of(&o, "source");
+                    assert_non_null(text);
+                    assert_string_equal(text + strlen(text) - strlen(expected), expected);
+                } else if (r->stage == TRACE_CHUNKS) {
+                    assert_non_null(strstr(value_of(&o, "threshold"), is ? "stored as it is" : "stored as 0"));
+                } else if (r->stage == TRACE_TOOL) {
+                    const char *cut = value_of(&o, "cutting"), *not = value_of(&o, "not cutting");
+                    const bool cuts = strcmp(cut + strlen(cut) - 5, "solid") == 0, touches = not && strcmp(not + strlen(not) - 5, "solid") == 0;
+                    assert_int_equal(is, cuts ? OST_TOOL_CUTTING : touches ? OST_TOOL_NONCUTTING : OST_TOOL_VOID);
+                    solid += is != 0;
+                } else if (r->stage == TRACE_TICK && value_of(&o, "decided")) {
+                    const bool hit = strstr(value_of(&o, "decided"), "removed");
+                    if (hit)
+                        assert_int_equal(is, 0);
+                    removed += hit;
+                    kept += !hit;
+                }
+            }
+        }
+        trace_free(&ref);
+        scene_free(&s);
+    }
+    assert_true(solid > 20 && removed > 20 && kept > 20);
+}
+
+/* Every voxel that an event removes is one that its operands say is removed. */
+static void removal_operands(void **state)
+{
+    (void)state;
+    const plan_case c = {.family = PLAN_SMALL, .number = 2, .seed = 5, .id = "small/2"};
+    ost_backend *backend;
+    ost_error err = {0};
+    scene s;
+    trace ref, got;
+    grids g;
+    int told = 0;
+    assert_ok(scene_make(&c, &s, &err));
+    assert_ok(ost_backend_open("ref", &backend, &err));
+    traced(backend, &s, "ref", &ref);
+    assert_ok(ost_backend_open("ref", &backend, &err));
+    traced(backend, &s, "got", &got);
+    const compare_range all = compare_find(&ref, 0);
+    for (size_t i = 0; i < all.count; i++) {
+        if (ref.records[all.first + i].stage != TRACE_TICK)
+            continue;
+        assert_true(grids_at(&s, &ref, all, &got, all, i, &g));
+        const int64_t n = ost_dims_count(g.dims);
+        for (int64_t v = 0; v < n; v += 3) {
+            if (g.before[v] == 0)
+                continue;
+            compare_difference d = {.kind = COMPARE_VOXEL, .stage = TRACE_TICK, .item = ref.records[all.first + i].item};
+            d.voxel[0] = (int32_t)(v % g.dims.x);
+            d.voxel[1] = (int32_t)(v / g.dims.x % g.dims.y);
+            d.voxel[2] = (int32_t)(v / g.dims.x / g.dims.y);
+            operands o;
+            if (g.ref[v] != 0 && told++ % 50)
+                continue;
+            operands_of(&s, &ref, all, &d, g.before, &o);
+            const char *decided = value_of(&o, "decided");
+            assert_int_equal(decided && strstr(decided, "it is removed"), g.ref[v] == 0);
+        }
+        grids_free(&g);
+    }
+    trace_free(&ref);
+    trace_free(&got);
+    scene_free(&s);
+    assert_true(told > 100);
+}
+
+static void confusion(void **state)
+{
+    (void)state;
+    if (!getenv("OST_TEST_LONG"))
+        skip();
+    static sensitivity s;
+    ost_error err = {0};
+    assert_ok(sensitivity_run(3, 3000, folder, NULL, NULL, &s, &err));
+    printf("%-24s", "mistake");
+    for (int c = 0; c < SENSITIVITY_CLASSES; c++)
+        printf(" %.9s", sensitivity_class_name(c));
+    printf("\n");
+    for (int k = DEVIATION_NONE + 1; k < DEVIATION_KINDS; k++) {
+        uint64_t sum = 0;
+        printf("%-24s", deviation_describe((deviation_kind)k)->name);
+        for (int c = 0; c < SENSITIVITY_CLASSES; c++) {
+            printf(" %9llu", (unsigned long long)s.classes[k][c]);
+            sum += s.classes[k][c];
+        }
+        printf("\n");
+        assert_int_equal(sum, s.of[k].detected);
+    }
+}
+
+static int setup(void **state)
+{
+    (void)state;
+    folder = scratch_folder();
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    (void)state;
+    scratch_remove(folder);
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(by_hand),         cmocka_unit_test(of_events),        cmocka_unit_test(of_tools),  cmocka_unit_test(by_mistake),
+        cmocka_unit_test(operands_decide), cmocka_unit_test(removal_operands), cmocka_unit_test(confusion),
+    };
+    return cmocka_run_group_tests(tests, setup, teardown);
+}

@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The operands that decided a voxel, computed again by the reference's
+ * arithmetic from the case's inputs and the reference's own results of the
+ * stages before: what a developer would print first.
+ *
+ *   rect     the samples that fall on the voxel, and the rule between them     AR-CT
+ *   cubic    per axis the division that gives the source voxel                 AR-CUB
+ *   chunks   density, threshold                                                AR-CHK
+ *   tool     the row's crossings, the winding number, the row's sum            AR-VOX
+ *   tick     the event's poses; the one that decides, the point in tool        AR-SWEEP,
+ *            coordinates (fixed point), its tool voxel and what that is        AR-MAP, AR-REM
+ *
+ * They say what the right answer is made of.  They do not say which of them
+ * the other backend had otherwise.
+ */
+#ifndef OST_VALIDATION_OPERANDS_H
+#define OST_VALIDATION_OPERANDS_H
+
+#include "validation/compare.h"
+#include "validation/scene.h"
+
+enum { OPERANDS_MAX = 20, OPERAND_NAME = 24, OPERAND_VALUE = 240 };
+typedef struct operand_line {
+    char name[OPERAND_NAME], value[OPERAND_VALUE];
+} operand_line;
+
+typedef struct operands {
+    int count;
+    operand_line lines[OPERANDS_MAX];
+} operands;
+
+/* Of the first voxel of d; none for a difference that is no voxel's. before: of a tick, the bone before it; else NULL. */
+void operands_of(const scene *s, const trace *ref, compare_range in_ref, const compare_difference *d, const int16_t *before, operands *out);
+
+#endif
