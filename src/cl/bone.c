@@ -71,7 +71,7 @@ void ost_cl_bone_free(ost_bone *base)
     cl_bone *bone = (cl_bone *)base;
     cl_backend *b = backend_of(bone);
     ost_cl_buffer_free(b, &bone->shape);
-    ost_cl_buffer_free(b, &bone->density);
+    ost_cl_room_give(b, &bone->density, bone->density_room);
     ost_cl_buffer_free(b, &bone->words);
     ost_cl_buffer_free(b, &bone->slots);
     free(bone->slot);
@@ -98,21 +98,26 @@ ost_status ost_cl_bone_stats(const ost_bone *base, ost_bone_info *info, ost_erro
     return status;
 }
 
-/* Room for so many slots in all; the pool moves as a whole or not at all. */
-static ost_status reserve(cl_bone *bone, size_t capacity, ost_error *err)
+/* Room for so many slots in all; the pool moves as a whole or not at all. raw: all of it will be written, so it need not be zeros. */
+static ost_status reserve(cl_bone *bone, size_t capacity, bool raw, ost_error *err)
 {
     if (capacity <= bone->capacity)
         return OST_OK;
     cl_backend *b = backend_of(bone);
     const size_t density_bytes = bone->chunk_voxels * sizeof(int16_t), word_bytes = bone->chunk_voxels / 8;
     cl_mem density = NULL, words = NULL;
+    size_t room = 0;
     uint32_t *list = realloc(bone->free, capacity * sizeof *list);
     if (!list)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for a list of %zu chunks", capacity);
     bone->free = list;
-    ost_status status = ost_cl_buffer_zero(b, capacity * density_bytes, "densities of a bone", &density, err);
+    ost_status status = ost_cl_room_take(b, capacity * density_bytes, "densities of a bone", &density, &room, err);
     if (status == OST_OK)
-        status = ost_cl_buffer_zero(b, capacity * word_bytes, "occupancy of a bone", &words, err);
+        status = ost_cl_buffer(b, capacity * word_bytes, NULL, "occupancy of a bone", &words, err);
+    if (status == OST_OK && !raw)
+        status = ost_cl_zero(b, density, 0, capacity * density_bytes, err);
+    if (status == OST_OK && !raw)
+        status = ost_cl_zero(b, words, 0, capacity * word_bytes, err);
     if (status == OST_OK && bone->used)
         status = ost_cl_copy(b, bone->density, density, bone->used * density_bytes, err);
     if (status == OST_OK && bone->used)
@@ -120,13 +125,14 @@ static ost_status reserve(cl_bone *bone, size_t capacity, ost_error *err)
     if (status == OST_OK && bone->used)
         status = ost_cl_finish(b, err); /* before the old ones go */
     if (status != OST_OK) {
-        ost_cl_buffer_free(b, &density);
+        ost_cl_room_give(b, &density, room);
         ost_cl_buffer_free(b, &words);
         return status;
     }
-    ost_cl_buffer_free(b, &bone->density);
+    ost_cl_room_give(b, &bone->density, bone->density_room);
     ost_cl_buffer_free(b, &bone->words);
     bone->density = density;
+    bone->density_room = room;
     bone->words = words;
     bone->capacity = capacity;
     return OST_OK;
@@ -164,7 +170,9 @@ static ost_status sync_slots(cl_bone *bone, ost_error *err)
 typedef struct slices {
     int32_t z0, z1;
     const int16_t *voxels; /* NULL: grid, whose slices 0.. these are */
-    cl_mem slab;           /* room for step slices, or the grid */
+    cl_mem slab;           /* room for step slices, or the grid's store */
+    cl_mem layers;         /* which slices of the store these are, from number first on; first < 0: all in their order */
+    int32_t first;
     int32_t step;
 } slices;
 
@@ -180,7 +188,7 @@ static int32_t slab_step(const cl_bone *bone, int32_t count)
 }
 
 /* What one pass does with slices z0 <= k < z1, which are in the slab. */
-typedef ost_status slab_pass(cl_bone *bone, int32_t z0, int32_t z1, cl_mem slab, void *user, ost_error *err);
+typedef ost_status slab_pass(cl_bone *bone, int32_t z0, int32_t z1, const slices *s, void *user, ost_error *err);
 
 static ost_status for_slabs(cl_bone *bone, const slices *s, slab_pass *pass, void *user, ost_error *err)
 {
@@ -193,31 +201,41 @@ static ost_status for_slabs(cl_bone *bone, const slices *s, slab_pass *pass, voi
                                   s->voxels + slice * (size_t)(z - s->z0), err);
         }
         if (status == OST_OK)
-            status = pass(bone, z, end, s->slab, user, err);
+            status = pass(bone, z, end, s, user, err);
     }
     return status;
 }
 
-typedef struct scan_buffers {
-    cl_mem active, highest;
-} scan_buffers;
-
-static ost_status scan(cl_bone *bone, int32_t z0, int32_t z1, cl_mem slab, void *user, ost_error *err)
+static size_t columns_of(const cl_bone *bone)
 {
-    const scan_buffers *to = user;
-    const size_t columns = (size_t)bone->chunk_dims.x * (size_t)bone->chunk_dims.y;
-    return OST_CL_LAUNCH(backend_of(bone), ost_chunk_scan, (size_t)(z1 - z0), columns, 1, err, OST_CL_ARG(bone->shape), OST_CL_ARG(z0),
-                         OST_CL_ARG(z1), OST_CL_ARG(slab), OST_CL_ARG(to->active), OST_CL_ARG(to->highest));
+    return (size_t)bone->chunk_dims.x * (size_t)bone->chunk_dims.y;
 }
 
-static ost_status store(cl_bone *bone, int32_t z0, int32_t z1, cl_mem slab, void *user, ost_error *err)
+static ost_status scan(cl_bone *bone, int32_t z0, int32_t z1, const slices *s, void *user, ost_error *err)
 {
-    const size_t columns = (size_t)bone->chunk_dims.x * (size_t)bone->chunk_dims.y;
+    cl_backend *b = backend_of(bone);
+    cl_mem *active = user;
+    const ost_cl_arg args[] = {OST_CL_ARG(bone->shape), OST_CL_ARG(z0),      OST_CL_ARG(z1), OST_CL_ARG(s->first),
+                               OST_CL_ARG(s->layers),   OST_CL_ARG(s->slab), OST_CL_ARG(*active)};
+    enum { ARGS = sizeof args / sizeof args[0] };
+    if (b->device.cpu)
+        return ost_cl_launch(b, OST_CL_KERNEL_ost_chunk_scan_layers, (size_t)bone->chunk_dims.y, (size_t)bone->chunk_dims.z, 1, args, ARGS,
+                             err);
+    return ost_cl_launch(b, OST_CL_KERNEL_ost_chunk_scan, (size_t)(z1 - z0), columns_of(bone), 1, args, ARGS, err);
+}
+
+static ost_status store(cl_bone *bone, int32_t z0, int32_t z1, const slices *s, void *user, ost_error *err)
+{
+    cl_backend *b = backend_of(bone);
     const size_t row_words = (size_t)bone->base.chunk_size * (size_t)bone->base.chunk_size / 32;
+    const ost_cl_arg args[] = {OST_CL_ARG(bone->shape), OST_CL_ARG(z0),          OST_CL_ARG(z1),
+                               OST_CL_ARG(s->first),    OST_CL_ARG(s->layers),   OST_CL_ARG(s->slab),
+                               OST_CL_ARG(bone->slots), OST_CL_ARG(bone->density), OST_CL_ARG(bone->words)};
+    enum { ARGS = sizeof args / sizeof args[0] };
     (void)user;
-    return OST_CL_LAUNCH(backend_of(bone), ost_chunk_store, row_words, columns, (size_t)(z1 - z0), err, OST_CL_ARG(bone->shape),
-                         OST_CL_ARG(z0), OST_CL_ARG(z1), OST_CL_ARG(slab), OST_CL_ARG(bone->slots), OST_CL_ARG(bone->density),
-                         OST_CL_ARG(bone->words));
+    if (b->device.cpu)
+        return ost_cl_launch(b, OST_CL_KERNEL_ost_chunk_store_layers, columns_of(bone), (size_t)bone->chunk_dims.z, 1, args, ARGS, err);
+    return ost_cl_launch(b, OST_CL_KERNEL_ost_chunk_store, row_words, columns_of(bone), (size_t)(z1 - z0), args, ARGS, err);
 }
 
 /* Active voxels of all slots below used; count has room for them. */
@@ -241,27 +259,26 @@ static ost_status scan_all(cl_bone *bone, const slices *s, uint32_t *scanned, os
 {
     cl_backend *b = backend_of(bone);
     const size_t bytes = bone->chunks * sizeof *scanned;
-    scan_buffers to = {NULL, NULL};
-    ost_status status = ost_cl_buffer_zero(b, bytes, "counts", &to.active, err);
+    cl_mem active = NULL;
+    ost_status status = ost_cl_buffer_zero(b, bytes, "counts", &active, err);
     if (status == OST_OK)
-        status = ost_cl_buffer_zero(b, bytes, "counts", &to.highest, err);
+        status = for_slabs(bone, s, scan, &active, err);
     if (status == OST_OK)
-        status = for_slabs(bone, s, scan, &to, err);
-    if (status == OST_OK)
-        status = ost_cl_read(b, to.active, 0, bytes, scanned, err);
-    ost_cl_buffer_free(b, &to.highest);
-    ost_cl_buffer_free(b, &to.active);
+        status = ost_cl_read(b, active, 0, bytes, scanned, err);
+    ost_cl_buffer_free(b, &active);
     return status;
 }
 
 /* Slots for what is to be stored; a chunk without active voxels may have one until the end of store_slices. */
-static ost_status give_slots(cl_bone *bone, const uint32_t *scanned, ost_error *err)
+static ost_status give_slots(cl_bone *bone, const uint32_t *scanned, bool all_slices, ost_error *err)
 {
+    /* On CPUs storing writes the padding too. */
+    const bool raw = all_slices && bone->used == 0 && backend_of(bone)->device.cpu;
     size_t needed = 0;
     for (size_t c = 0; c < bone->chunks; c++)
         needed += scanned[c] > 0 && bone->slot[c] == OST_CL_NONE;
     if (needed > bone->free_count) {
-        ost_status status = reserve(bone, bone->used + needed - bone->free_count, err);
+        ost_status status = reserve(bone, bone->used + needed - bone->free_count, raw, err);
         if (status != OST_OK)
             return status;
     }
@@ -294,7 +311,7 @@ static ost_status store_slices(cl_bone *bone, const slices *s, ost_error *err)
     if (status == OST_OK)
         status = scan_all(bone, s, scanned, err);
     if (status == OST_OK)
-        status = give_slots(bone, scanned, err);
+        status = give_slots(bone, scanned, s->z0 == 0 && s->z1 == last, err);
     if (status == OST_OK && bone->used && !whole_layers && !(counted = malloc(bone->used * sizeof *counted)))
         status = ost_fail(err, OST_ERR_MEMORY, "no memory for the counts of %zu chunks", bone->used);
     if (status == OST_OK)
@@ -324,11 +341,13 @@ ost_status ost_cl_bone_upload(ost_bone *base, int32_t z0, int32_t count, const i
     ost_status status = ost_cl_alive(base->backend, bone->lost, "bone", err);
     if (status != OST_OK || count == 0)
         return status;
-    slices s = {.z0 = z0, .z1 = z0 + count, .voxels = voxels, .step = slab_step(bone, count)};
-    status = ost_cl_buffer(b, slice_voxels(bone) * (size_t)s.step * sizeof *voxels, NULL, "slices", &s.slab, err);
-    if (status == OST_OK)
+    slices s = {.z0 = z0, .z1 = z0 + count, .voxels = voxels, .layers = bone->slots, .first = -1, .step = slab_step(bone, count)};
+    size_t room;
+    status = ost_cl_room_take(b, slice_voxels(bone) * (size_t)s.step * sizeof *voxels, "slices", &s.slab, &room, err);
+    if (status == OST_OK) {
         status = store_slices(bone, &s, err);
-    ost_cl_buffer_free(b, &s.slab);
+        ost_cl_room_give(b, &s.slab, room);
+    }
     return status;
 }
 
@@ -342,7 +361,11 @@ ost_status ost_cl_cubic_to_chunks(const ost_grid *base, int chunk_size, int32_t 
     if (status != OST_OK)
         return status;
     const int32_t nz = base->geometry.dims.z;
-    const slices s = {.z0 = 0, .z1 = nz, .slab = cubic->voxels, .step = nz};
+    slices s = {.z0 = 0, .z1 = nz, .slab = cubic->store->voxels, .layers = ((cl_bone *)bone)->slots, .first = -1, .step = nz};
+    if (cubic->sources) {
+        s.layers = cubic->sources;
+        s.first = base->geometry.dims.x + base->geometry.dims.y;
+    }
     status = store_slices((cl_bone *)bone, &s, err);
     if (status != OST_OK) {
         ost_cl_bone_free(bone);
@@ -367,7 +390,8 @@ ost_status ost_cl_bone_download(const ost_bone *base, int32_t z0, int32_t count,
     }
     const int32_t step = slab_step(bone, count);
     cl_mem slab = NULL;
-    status = ost_cl_buffer(b, slice * (size_t)step * sizeof *voxels, NULL, "slices", &slab, err);
+    size_t room = 0;
+    status = ost_cl_room_take(b, slice * (size_t)step * sizeof *voxels, "slices", &slab, &room, err);
     if (status == OST_OK)
         status = sync_slots(bone, err);
     for (cl_int z = z0; z < z0 + count && status == OST_OK; z += step) {
@@ -378,7 +402,7 @@ ost_status ost_cl_bone_download(const ost_bone *base, int32_t z0, int32_t count,
         if (status == OST_OK)
             status = ost_cl_read(b, slab, 0, slice * (size_t)(end - z) * sizeof *voxels, voxels + slice * (size_t)(z - z0), err);
     }
-    ost_cl_buffer_free(b, &slab);
+    ost_cl_room_give(b, &slab, room);
     return status;
 }
 

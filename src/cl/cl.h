@@ -8,6 +8,7 @@
  *   layout.c          structs are laid out there as here
  *   fingerprint.c     its integers are right
  *   launch.c          buffers and launches, with errors that name the device
+ *   room.c            large buffers, used again
  *   grid.c import.c bone.c voxelize.c tool.c remove.c    the table's slots
  *   share.c           words in a buffer of OpenGL
  *   cl.c              the table
@@ -28,19 +29,22 @@
 #include "cl/kernels/shared.h"
 #include "core/backend.h"
 
-/* X(kernel): all that are created when a device is opened. */
+/* X(kernel, devices): created when a device of that kind is opened: OST_FOR of kernels/shared.h. */
 /* clang-format off */
 #define OST_CL_KERNELS(X) \
-    X(ost_layout) X(ost_fingerprint) X(ost_fingerprint_atomics) \
-    X(ost_ct_claim) X(ost_ct_place) X(ost_ct_check) X(ost_ct_blame) X(ost_ct_had) \
-    X(ost_cubic_sources) X(ost_cubic_gather) \
-    X(ost_chunk_scan) X(ost_chunk_store) X(ost_chunk_load) X(ost_chunk_count) \
-    X(ost_vox_steps) X(ost_vox_fill) X(ost_vox_count) X(ost_tool_reach) X(ost_tool_pack) \
-    X(ost_remove) X(ost_remove_blocks)
+    X(ost_layout, 3) X(ost_fingerprint, 3) X(ost_fingerprint_atomics, 3) \
+    X(ost_ct_claim, 3) X(ost_ct_place, 3) X(ost_ct_check, 3) X(ost_ct_blame, 3) X(ost_ct_had, 3) \
+    X(ost_cubic_sources, 3) X(ost_cubic_gather, 3) \
+    X(ost_chunk_scan, 1) X(ost_chunk_scan_layers, 2) X(ost_chunk_store, 1) X(ost_chunk_store_layers, 2) \
+    X(ost_chunk_load, 3) X(ost_chunk_count, 3) \
+    X(ost_vox_steps, 3) X(ost_vox_fill, 3) X(ost_vox_count, 3) X(ost_tool_reach, 3) X(ost_tool_pack, 2) \
+    X(ost_remove, 1) X(ost_remove_blocks, 2)
 /* clang-format on */
 
+enum { OST_CL_SPARES = 8 };
+
 enum ost_cl_kernel {
-#define OST_CL_KERNEL_ENUM(name) OST_CL_KERNEL_##name,
+#define OST_CL_KERNEL_ENUM(name, devices) OST_CL_KERNEL_##name,
     OST_CL_KERNELS(OST_CL_KERNEL_ENUM)
 #undef OST_CL_KERNEL_ENUM
     OST_CL_KERNEL_COUNT
@@ -52,10 +56,13 @@ typedef struct cl_backend {
     ost_cl_device device;
     bool gl;          /* shares with a context of OpenGL */
     size_t workgroup; /* work items of a group, 0: default */
-    int rows;         /* of 16 voxels that a work item of removal takes; 256: a whole block, by ost_remove_blocks */
     int run;          /* voxels of a row that a work item of ost_cubic_gather copies */
     cl_context context;
     cl_command_queue queue;
+    struct {
+        cl_mem buffer;
+        size_t bytes;
+    } spare[OST_CL_SPARES]; /* owned; freed, and kept for the next that is about as large (room.c); NULL: none */
     cl_program program;
     cl_kernel kernel[OST_CL_KERNEL_COUNT];
     size_t kernel_workgroup[OST_CL_KERNEL_COUNT]; /* what each can have at most */
@@ -114,6 +121,14 @@ ost_status ost_cl_write_later(cl_backend *backend, cl_mem buffer, size_t bytes, 
 ost_status ost_cl_copy(cl_backend *backend, cl_mem from, cl_mem to, size_t bytes, ost_error *err);
 /* Waits for all of the queue. */
 ost_status ost_cl_finish(cl_backend *backend, ost_error *err);
+
+/* ---------------------------------------------------------------- room.c */
+
+/* A buffer of at least that size, *room in truth, with whatever is in it; large ones are used again. */
+ost_status ost_cl_room_take(cl_backend *backend, size_t bytes, const char *what, cl_mem *out, size_t *room, ost_error *err);
+void ost_cl_room_give(cl_backend *backend, cl_mem *buffer, size_t room); /* sets it to NULL; NULL is allowed */
+/* Gives all of it back to the driver; whether there was any. */
+bool ost_cl_room_clear(cl_backend *backend);
 
 /* One argument of a kernel. */
 typedef struct ost_cl_arg {

@@ -11,8 +11,11 @@
 
 #include "cl/embedded.h"
 
-static const char *const kernel_names[] = {
-#define OST_CL_KERNEL_TEXT(name) #name,
+static const struct {
+    const char *name;
+    int devices;
+} kernels[] = {
+#define OST_CL_KERNEL_TEXT(name, devices) {#name, devices},
     OST_CL_KERNELS(OST_CL_KERNEL_TEXT)
 #undef OST_CL_KERNEL_TEXT
 };
@@ -20,14 +23,17 @@ static const char *const kernel_names[] = {
 static ost_status create_kernels(cl_backend *b, ost_error *err)
 {
     for (int k = 0; k < OST_CL_KERNEL_COUNT; k++) {
+        const char *name = kernels[k].name;
         cl_int code = CL_SUCCESS;
-        b->kernel[k] = b->cl->clCreateKernel(b->program, kernel_names[k], &code);
+        if (!(kernels[k].devices & (b->device.cpu ? 2 : 1)))
+            continue;
+        b->kernel[k] = b->cl->clCreateKernel(b->program, name, &code);
         if (!b->kernel[k] || code != CL_SUCCESS)
-            return ost_cl_fail(err, b->device.name, code, "clCreateKernel", kernel_names[k]);
+            return ost_cl_fail(err, b->device.name, code, "clCreateKernel", name);
         code = b->cl->clGetKernelWorkGroupInfo(b->kernel[k], b->device.id, CL_KERNEL_WORK_GROUP_SIZE, sizeof b->kernel_workgroup[k],
                                                &b->kernel_workgroup[k], NULL);
         if (code != CL_SUCCESS)
-            return ost_cl_fail(err, b->device.name, code, "clGetKernelWorkGroupInfo", kernel_names[k]);
+            return ost_cl_fail(err, b->device.name, code, "clGetKernelWorkGroupInfo", name);
     }
     return OST_OK;
 }
@@ -44,9 +50,8 @@ static ost_status set_up(cl_backend *b, const ost_cl_gl *gl, ost_error *err)
     if (!b->queue || code != CL_SUCCESS)
         return ost_cl_fail(err, b->device.name, code, "clCreateCommandQueue", "");
     char options[64];
-    b->rows = b->device.cpu ? 256 : 1; /* a work item of its own costs a CPU more than a row */
     b->run = b->device.cpu ? 1024 : 1;
-    snprintf(options, sizeof options, "-cl-std=CL1.2 -DOST_ROWS=1 -DOST_RUN=%d", b->run);
+    snprintf(options, sizeof options, "-cl-std=CL1.2 -DOST_FOR=%d -DOST_ROWS=1 -DOST_RUN=%d", b->device.cpu ? 2 : 1, b->run);
     ost_status status = ost_cl_build(b, ost_cl_program, ost_cl_program_count, options, &b->program, &b->from_cache, err);
     if (status == OST_OK)
         status = create_kernels(b, err);
@@ -103,6 +108,7 @@ void ost_cl_device_close(cl_backend *b)
         return;
     if (b->queue)
         b->cl->clFinish(b->queue);
+    ost_cl_room_clear(b);
     for (int k = 0; k < OST_CL_KERNEL_COUNT; k++)
         if (b->kernel[k])
             b->cl->clReleaseKernel(b->kernel[k]);

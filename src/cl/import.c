@@ -73,18 +73,18 @@ static ost_status run_part(cl_grid *grid, const ost_sample *samples, size_t coun
     }
     if (status == OST_OK)
         status = OST_CL_LAUNCH(b, ost_ct_place, count, 1, 1, err, OST_CL_ARG(scatter_buffer), OST_CL_ARG(sample_buffer),
-                               OST_CL_ARG(grid->seen), OST_CL_ARG(grid->owner), OST_CL_ARG(grid->voxels), OST_CL_ARG(report));
+                               OST_CL_ARG(grid->seen), OST_CL_ARG(grid->owner), OST_CL_ARG(grid->store->voxels), OST_CL_ARG(report));
     if (status == OST_OK)
         status = OST_CL_LAUNCH(b, ost_ct_check, count, 1, 1, err, OST_CL_ARG(scatter_buffer), OST_CL_ARG(sample_buffer),
-                               OST_CL_ARG(grid->seen), OST_CL_ARG(grid->owner), OST_CL_ARG(grid->voxels), OST_CL_ARG(report));
+                               OST_CL_ARG(grid->seen), OST_CL_ARG(grid->owner), OST_CL_ARG(grid->store->voxels), OST_CL_ARG(report));
     if (status == OST_OK)
         status = ost_cl_read(b, report, 0, sizeof *part, part, err);
     if (status == OST_OK && part->conflict_line != OST_CL_NONE) {
         status = OST_CL_LAUNCH(b, ost_ct_blame, count, 1, 1, err, OST_CL_ARG(scatter_buffer), OST_CL_ARG(sample_buffer),
-                               OST_CL_ARG(grid->voxels), OST_CL_ARG(report));
+                               OST_CL_ARG(grid->store->voxels), OST_CL_ARG(report));
         if (status == OST_OK)
             status = OST_CL_LAUNCH(b, ost_ct_had, 1, 1, 1, err, OST_CL_ARG(scatter_buffer), OST_CL_ARG(sample_buffer),
-                                   OST_CL_ARG(grid->voxels), OST_CL_ARG(report));
+                                   OST_CL_ARG(grid->store->voxels), OST_CL_ARG(report));
         if (status == OST_OK)
             status = ost_cl_read(b, report, 0, sizeof *part, part, err);
     }
@@ -102,6 +102,8 @@ ost_status ost_cl_ct_to_rect(ost_grid *base, const ost_sample *samples, size_t c
     cl_backend *b = (cl_backend *)base->backend;
     const size_t voxels = (size_t)ost_dims_count(base->geometry.dims);
     ost_status status = ost_cl_alive(base->backend, grid->lost, "grid", err);
+    if (status == OST_OK)
+        status = ost_cl_grid_own(grid, err);
     if (status == OST_OK && !grid->seen)
         status = ost_cl_buffer_zero(b, (voxels + 31) / 32 * sizeof(uint32_t), "which voxels are set", &grid->seen, err);
     if (status == OST_OK && !grid->owner)
@@ -122,9 +124,16 @@ ost_status ost_cl_ct_to_rect(ost_grid *base, const ost_sample *samples, size_t c
     return status;
 }
 
+ost_status ost_cl_gather(cl_backend *b, ost_dims dims, cl_mem cubic, cl_mem sources, cl_mem from, cl_mem to, ost_error *err)
+{
+    const size_t run = (size_t)b->run;
+    return OST_CL_LAUNCH(b, ost_cubic_gather, ((size_t)dims.x + run - 1) / run, (size_t)dims.y, (size_t)dims.z, err, OST_CL_ARG(cubic),
+                         OST_CL_ARG(sources), OST_CL_ARG(from), OST_CL_ARG(to));
+}
+
 ost_status ost_cl_rect_to_cubic(const ost_grid *base, const ost_geometry *geometry, ost_resample rule, ost_grid **out, ost_error *err)
 {
-    const cl_grid *rect = (const cl_grid *)base;
+    cl_grid *rect = (cl_grid *)(uintptr_t)base; /* made whole, which changes no voxel; its store gets another holder */
     cl_backend *b = (cl_backend *)base->backend;
     const ost_geometry *r = &base->geometry;
     const ost_cl_cubic cubic = {
@@ -136,21 +145,32 @@ ost_status ost_cl_rect_to_cubic(const ost_grid *base, const ost_geometry *geomet
         .z0 = 0,
         .z1 = geometry->dims.z,
     };
-    const size_t x = (size_t)geometry->dims.x, y = (size_t)geometry->dims.y, z = (size_t)geometry->dims.z;
+    /* Equal spacings: a voxel's source is its own index, by either rule. */
+    const bool z_alone = geometry->spacing.x == r->spacing.x && geometry->spacing.y == r->spacing.y && geometry->dims.x == r->dims.x &&
+                         geometry->dims.y == r->dims.y;
+    const size_t axes = (size_t)geometry->dims.x + (size_t)geometry->dims.y + (size_t)geometry->dims.z;
     cl_mem cubic_buffer = NULL, sources = NULL;
     ost_grid *to = NULL;
     ost_status status = ost_cl_alive(base->backend, rect->lost, "grid", err);
+    if (status == OST_OK && rect->sources)
+        status = ost_cl_grid_own(rect, err);
     if (status == OST_OK)
         status = ost_cl_buffer(b, sizeof cubic, &cubic, "resampling", &cubic_buffer, err);
     if (status == OST_OK)
-        status = ost_cl_buffer(b, (x + y + z) * sizeof(int32_t), NULL, "resampling", &sources, err);
+        status = ost_cl_buffer(b, axes * sizeof(int32_t), NULL, "resampling", &sources, err);
     if (status == OST_OK)
-        status = ost_cl_grid_create_raw(base->backend, geometry, &to, err); /* every voxel of it is written */
+        status = ost_cl_grid_create_raw(base->backend, geometry, z_alone ? rect->store : NULL, &to, err); /* every voxel of it is written */
     if (status == OST_OK)
-        status = OST_CL_LAUNCH(b, ost_cubic_sources, x + y + z, 1, 1, err, OST_CL_ARG(cubic_buffer), OST_CL_ARG(sources));
-    if (status == OST_OK)
-        status = OST_CL_LAUNCH(b, ost_cubic_gather, (x + (size_t)b->run - 1) / (size_t)b->run, y, z, err, OST_CL_ARG(cubic_buffer), OST_CL_ARG(sources), OST_CL_ARG(rect->voxels),
-                               OST_CL_ARG(((cl_grid *)to)->voxels));
+        status = OST_CL_LAUNCH(b, ost_cubic_sources, axes, 1, 1, err, OST_CL_ARG(cubic_buffer), OST_CL_ARG(sources));
+    if (status == OST_OK && !z_alone)
+        status = ost_cl_gather(b, geometry->dims, cubic_buffer, sources, rect->store->voxels, ((cl_grid *)to)->store->voxels, err);
+    if (status == OST_OK) /* whatever failed there late is heard of here */
+        status = ost_cl_finish(b, err);
+    if (status == OST_OK && z_alone) {
+        ((cl_grid *)to)->cubic = cubic_buffer;
+        ((cl_grid *)to)->sources = sources;
+        cubic_buffer = sources = NULL;
+    }
     ost_cl_buffer_free(b, &sources);
     ost_cl_buffer_free(b, &cubic_buffer);
     if (status != OST_OK) {

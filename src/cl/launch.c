@@ -17,11 +17,12 @@ enum { WORKGROUP_DEFAULT = 64 };
 /* Items that are a long way each: any group of more is a core that waits for another. */
 static bool long_items(enum ost_cl_kernel kernel)
 {
-    return kernel == OST_CL_KERNEL_ost_remove_blocks;
+    return kernel == OST_CL_KERNEL_ost_remove_blocks || kernel == OST_CL_KERNEL_ost_chunk_scan_layers ||
+           kernel == OST_CL_KERNEL_ost_chunk_store_layers;
 }
 
 static const char *const kernel_names[] = {
-#define OST_CL_KERNEL_TEXT(name) #name,
+#define OST_CL_KERNEL_TEXT(name, devices) #name,
     OST_CL_KERNELS(OST_CL_KERNEL_TEXT)
 #undef OST_CL_KERNEL_TEXT
 };
@@ -38,6 +39,8 @@ ost_status ost_cl_buffer(cl_backend *b, size_t bytes, const void *data, const ch
     if (*out && code == CL_SUCCESS)
         return OST_OK;
     *out = NULL;
+    if (ost_cl_room_clear(b)) /* what was kept may be what is missing */
+        return ost_cl_buffer(b, bytes, data, what, out, err);
     return ost_cl_fail(err, b->device.name, code, "clCreateBuffer", text);
 }
 

@@ -5,10 +5,22 @@
 
 #include "cl/cl.h"
 
-/* Dense int16 grid. */
+/* Voxels that several grids may hold; then nobody writes to them. */
+typedef struct cl_store {
+    cl_mem voxels;
+    size_t room; /* its bytes */
+    int holders;
+} cl_store;
+
+/*
+ * Dense int16 grid.  One that was resampled along z alone repeats and leaves
+ * out slices of another: it is that grid's store and a list of slices, until
+ * somebody writes to it or wants it whole.  Chunks are made from the list.
+ */
 typedef struct cl_grid {
     ost_grid base;
-    cl_mem voxels;
+    cl_store *store;       /* held */
+    cl_mem cubic, sources; /* of ost_cubic_gather, which makes it whole; NULL: the store is as it is */
     cl_mem seen, owner; /* of the scatter (kernels/shared.h); NULL before the first */
     bool lost;
 } cl_grid;
@@ -32,6 +44,7 @@ typedef struct cl_bone {
     size_t free_count, used, capacity;
     cl_mem shape; /* ost_cl_bone */
     cl_mem density, words;
+    size_t density_room; /* bytes of density */
     bool words_shared; /* words is a buffer of OpenGL's (share.c) */
     cl_mem slots;     /* slot[] there */
     bool slots_stale; /* whether slot[] has changed since */
@@ -52,8 +65,12 @@ ost_status ost_cl_alive(const ost_backend *backend, bool lost, const char *what,
 
 /* grid.c */
 ost_status ost_cl_grid_create(ost_backend *backend, const ost_geometry *geometry, ost_grid **out, ost_error *err);
-/* The same with whatever the memory holds. */
-ost_status ost_cl_grid_create_raw(ost_backend *backend, const ost_geometry *geometry, ost_grid **out, ost_error *err);
+/* The same with whatever the memory holds; with a store that somebody has, held by it too, if one is given. */
+ost_status ost_cl_grid_create_raw(ost_backend *backend, const ost_geometry *geometry, cl_store *store, ost_grid **out, ost_error *err);
+/* Makes it whole, in a store that it alone holds. */
+ost_status ost_cl_grid_own(cl_grid *grid, ost_error *err);
+/* ost_cubic_gather of a grid's store. */
+ost_status ost_cl_gather(cl_backend *backend, ost_dims dims, cl_mem cubic, cl_mem sources, cl_mem from, cl_mem to, ost_error *err);
 void ost_cl_grid_free(ost_grid *grid);
 ost_status ost_cl_grid_upload(ost_grid *grid, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
 ost_status ost_cl_grid_download(const ost_grid *grid, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);

@@ -288,12 +288,12 @@ static ost_status launch(const plan *p, size_t blocks, ost_error *err)
 {
     struct ost_cl_event_scratch *s = p->s;
     const size_t items = blocks ? blocks : 1;
-    if (p->b->rows == BLOCK * BLOCK)
+    if (p->b->device.cpu)
         return OST_CL_LAUNCH(p->b, ost_remove_blocks, (items + OST_CL_HANDS - 1) / OST_CL_HANDS * OST_CL_HANDS, 1, 1, err,
                              OST_CL_ARG(s->head.device), OST_CL_ARG(s->blocks.device), OST_CL_ARG(s->entries.device),
                              OST_CL_ARG(s->poses.device), OST_CL_ARG(p->tool->cells), OST_CL_ARG(p->tool->packed),
                              OST_CL_ARG(p->bone->density), OST_CL_ARG(p->bone->words), OST_CL_ARG(s->reports.device));
-    return OST_CL_LAUNCH(p->b, ost_remove, items * (size_t)(BLOCK * BLOCK / p->b->rows), 1, 1, err, OST_CL_ARG(s->head.device),
+    return OST_CL_LAUNCH(p->b, ost_remove, items * (size_t)(BLOCK * BLOCK), 1, 1, err, OST_CL_ARG(s->head.device),
                          OST_CL_ARG(s->blocks.device), OST_CL_ARG(s->entries.device), OST_CL_ARG(s->poses.device),
                          OST_CL_ARG(p->tool->cells), OST_CL_ARG(p->bone->density), OST_CL_ARG(p->bone->words), OST_CL_ARG(s->reports.device));
 }
@@ -360,7 +360,7 @@ static ost_status flush(plan *p, ost_error *err)
         status = ost_cl_write_later(p->b, s->blocks.device, s->blocks.bytes, s->blocks.host, err);
     if (status == OST_OK)
         status = ost_cl_write_later(p->b, s->entries.device, s->entries.bytes, s->entries.host, err);
-    if (status == OST_OK && p->b->rows != BLOCK * BLOCK)
+    if (status == OST_OK && !p->b->device.cpu)
         status = ost_cl_zero(p->b, s->reports.device, 0, s->reports.bytes, err);
     if (status == OST_OK) {
         status = launch(p, blocks, err);

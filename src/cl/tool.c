@@ -93,7 +93,7 @@ ost_status ost_cl_tool_prepare(cl_tool *tool, ost_error *err)
         ost_cl_buffer_free(b, &shape_buffer);
     }
     ost_cl_buffer_free(b, &second);
-    if (status == OST_OK && b->rows == OST_MAP_BLOCK * OST_MAP_BLOCK)
+    if (status == OST_OK && b->device.cpu)
         status = make_packed(tool, &tool->packed, err);
     if (status != OST_OK)
         ost_cl_buffer_free(b, &first);

@@ -22,8 +22,10 @@
     X(ost_cubic_sources)     \
     X(ost_cubic_gather)      \
     X(ost_chunk_scan)        \
+    X(ost_chunk_scan_layers) \
     X(ost_chunk_slots)       \
     X(ost_chunk_store)       \
+    X(ost_chunk_store_layers) \
     X(ost_chunk_load)        \
     X(ost_chunk_count)       \
     X(ost_chunk_checksum)    \

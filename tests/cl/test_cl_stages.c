@@ -213,6 +213,60 @@ static void bones(void **state)
     }
 }
 
+/* A grid that was resampled along z may hold another's voxels: what is written to one is not seen in the other, nor when one goes. */
+static void shared(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    test_rng rng = rng_seeded("shared");
+    pair p = open_pair(NULL);
+    for (int round = 0; round < 30; round++) {
+        const bool large = round % 5 == 4; /* memory of a megabyte and more is used again */
+        const ost_pm side = rng_range(&rng, 100, 900) * UM;
+        const ost_geometry g = {
+            .dims = {(int32_t)rng_range(&rng, 1, large ? 140 : 40), (int32_t)rng_range(&rng, large ? 110 : 1, large ? 120 : 30),
+                     (int32_t)rng_range(&rng, 1, large ? 70 : 30)},
+            .spacing = {side, side, rng_range(&rng, 100, 2000) * UM},
+        };
+        int16_t *voxels = random_densities(&rng, &g, 5), *others = random_densities(&rng, &g, 5);
+        const ost_pm finer = rng_range(&rng, 0, 1) ? side : (large ? side : rng_range(&rng, 90, 1000) * UM);
+        const ost_resample rule = round % 2 ? OST_RESAMPLE_NEAREST : OST_RESAMPLE_FLOOR;
+        const int order = (int)rng_range(&rng, 0, 3), size = 16 << rng_range(&rng, 0, 2);
+        ost_grid *rect[2], *first[2], *second[2];
+        ost_bone *bone[2];
+        for (int b = 0; b < 2; b++) {
+            assert_ok(ost_grid_create(b ? p.cl : p.ref, &g, &rect[b], &err));
+            assert_ok(ost_grid_upload(rect[b], 0, g.dims.z, voxels, &err));
+            assert_ok(ost_rect_to_cubic(rect[b], side, rule, &first[b], &err));
+            if (order == 0) { /* write below */
+                const ost_sample one = {.density = 777, .line = 1};
+                ost_scatter_report report = {0};
+                assert_ok(ost_ct_to_rect(rect[b], &one, 1, 1, OST_DUPLICATES_LAST, &report, &err));
+            } else if (order == 1) { /* write above */
+                assert_ok(ost_grid_upload(first[b], 0, 1, others, &err));
+            } else if (order == 2) {
+                assert_ok(ost_grid_upload(rect[b], g.dims.z / 2, g.dims.z - g.dims.z / 2, others, &err));
+            }
+            assert_ok(ost_rect_to_cubic(first[b], finer, rule, &second[b], &err));
+            assert_ok(ost_cubic_to_chunks(second[b], size, 120, &bone[b], &err));
+        }
+        assert_same_bones(bone[0], bone[1], ost_grid_geometry(second[0]));
+        assert_same_grids(rect[0], rect[1]);
+        for (int b = 0; b < 2; b++)
+            ost_grid_free(order == 3 ? rect[b] : first[b]);
+        assert_same_grids(second[0], second[1]);
+        assert_same_grids(order == 3 ? first[0] : rect[0], order == 3 ? first[1] : rect[1]);
+        for (int b = 0; b < 2; b++) {
+            ost_grid_free(order == 3 ? first[b] : rect[b]);
+            ost_grid_free(second[b]);
+            ost_bone_free(bone[b]);
+        }
+        free(voxels);
+        free(others);
+    }
+    close_pair(p);
+}
+
 /* ---------------------------------------------------------------- tools */
 
 static void assert_same_tools(const ost_tool *a, const ost_tool *b)
@@ -381,7 +435,7 @@ int main(void)
     if (missing)
         return missing;
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(samples), cmocka_unit_test(cubic),   cmocka_unit_test(bones),
+        cmocka_unit_test(samples), cmocka_unit_test(cubic),   cmocka_unit_test(shared), cmocka_unit_test(bones),
         cmocka_unit_test(voxelizer), cmocka_unit_test(removal), cmocka_unit_test(emptied),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

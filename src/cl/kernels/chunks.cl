@@ -23,32 +23,35 @@ static ulong ost_slab_at(__global const ost_cl_bone *bone, int x, int y, int sli
     return (ulong)x + (ulong)bone->dims[0] * ((ulong)y + (ulong)bone->dims[1] * (ulong)slice);
 }
 
-__kernel void ost_chunk_scan(__global const ost_cl_bone *bone, int z0, int z1, __global const short *slab,
-                             volatile __global uint *active, volatile __global int *highest)
+/* The slice of a slab that is slice k of the grid. */
+static int ost_slab_slice(__global const int *layers, int first, int k, int z0)
+{
+    return first < 0 ? k - z0 : layers[first + k - z0];
+}
+
+#if OST_FOR & 1
+__kernel void ost_chunk_scan(__global const ost_cl_bone *bone, int z0, int z1, int first, __global const int *layers,
+                             __global const short *slab, volatile __global uint *active)
 {
     const size_t columns = (size_t)bone->chunk_dims[0] * (size_t)bone->chunk_dims[1];
     if (get_global_id(0) >= (size_t)(z1 - z0) || get_global_id(1) >= columns)
         return;
-    const int slice = (int)get_global_id(0), column = (int)get_global_id(1), n = bone->size;
-    const int cx = column % bone->chunk_dims[0], cy = column / bone->chunk_dims[0], cz = (z0 + slice) / n;
+    const int z = z0 + (int)get_global_id(0), column = (int)get_global_id(1), n = bone->size;
+    const int slice = ost_slab_slice(layers, first, z, z0);
+    const int cx = column % bone->chunk_dims[0], cy = column / bone->chunk_dims[0];
     const int x1 = ost_least(cx * n + n, bone->dims[0]), y1 = ost_least(cy * n + n, bone->dims[1]);
     uint count = 0;
-    int most = 0;
     for (int y = cy * n; y < y1; y++) {
         const ulong row = ost_slab_at(bone, 0, y, slice);
-        for (int x = cx * n; x < x1; x++) {
-            const int density = slab[row + (ulong)x];
-            count += density >= bone->threshold ? 1u : 0u;
-            most = ost_greatest(most, density);
-        }
+        for (int x = cx * n; x < x1; x++)
+            count += slab[row + (ulong)x] >= bone->threshold ? 1u : 0u;
     }
-    if (count == 0)
-        return;
-    const size_t chunk = (size_t)column + columns * (size_t)cz;
-    atomic_add(&active[chunk], count);
-    atomic_max(&highest[chunk], most);
+    if (count > 0)
+        atomic_add(&active[(size_t)column + columns * (size_t)(z / n)], count);
 }
+#endif
 
+#if OST_FOR == 3
 __kernel void ost_chunk_slots(uint count, __global const uint *active, __global uint *slots, __global uint *chunks, __global uint *total)
 {
     if (get_global_id(0) > 0)
@@ -65,18 +68,21 @@ __kernel void ost_chunk_slots(uint count, __global const uint *active, __global 
     }
     *total = used;
 }
+#endif
 
-__kernel void ost_chunk_store(__global const ost_cl_bone *bone, int z0, int z1, __global const short *slab, __global const uint *slots,
-                              __global short *density, __global uint *words)
+#if OST_FOR & 1
+__kernel void ost_chunk_store(__global const ost_cl_bone *bone, int z0, int z1, int first, __global const int *layers,
+                              __global const short *slab, __global const uint *slots, __global short *density, __global uint *words)
 {
     const int n = bone->size;
     const size_t columns = (size_t)bone->chunk_dims[0] * (size_t)bone->chunk_dims[1];
     if (get_global_id(0) >= (size_t)(n * n / 32) || get_global_id(1) >= columns || get_global_id(2) >= (size_t)(z1 - z0))
         return;
-    const int column = (int)get_global_id(1), slice = (int)get_global_id(2), z = z0 + slice;
+    const int column = (int)get_global_id(1), z = z0 + (int)get_global_id(2);
     const uint slot = slots[(size_t)column + columns * (size_t)(z / n)];
     if (slot == OST_CL_NONE)
         return;
+    const int slice = ost_slab_slice(layers, first, z, z0);
     const int first_x = column % bone->chunk_dims[0] * n, first_y = column / bone->chunk_dims[0] * n;
     const int v = 32 * (int)get_global_id(0);
     const ulong to = (ulong)slot * ost_chunk_voxels(bone) + (ulong)(z % n) * (ulong)(n * n) + (ulong)v;
@@ -106,6 +112,7 @@ __kernel void ost_chunk_store(__global const ost_cl_bone *bone, int z0, int z1, 
     }
     words[to / 32] = word;
 }
+#endif
 
 __kernel void ost_chunk_load(__global const ost_cl_bone *bone, int z0, int z1, __global const uint *slots, __global const short *density,
                              __global short *slab)
@@ -137,6 +144,7 @@ __kernel void ost_chunk_count(__global const ost_cl_bone *bone, uint first, uint
         atomic_add(&active[get_global_id(1)], bits);
 }
 
+#if OST_FOR == 3
 /* Place < 2^36 and density of 16 bits: 52 bits, so no two voxels of a grid and no two densities of one are mixed alike. */
 __kernel void ost_chunk_checksum(__global const ost_cl_bone *bone, uint first, uint count, __global const uint *chunks,
                                  __global const short *density, __global ulong *sums)
@@ -226,3 +234,4 @@ __kernel void ost_chunk_surface(__global const ost_cl_bone *bone, uint count, __
     }
     surface[(ulong)get_global_id(1) * (ulong)in_chunk + (ulong)w] = exposed;
 }
+#endif

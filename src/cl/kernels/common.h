@@ -5,6 +5,11 @@
  * leaves open: no signed overflow, no shift of a negative, none by the width.
  */
 
+/* For many small items (1), few strong ones (2): see shared.h. */
+#ifndef OST_FOR
+#define OST_FOR 3
+#endif
+
 /* Voxels of a row that an item copies: see shared.h. */
 #ifndef OST_RUN
 #define OST_RUN 3

@@ -41,6 +41,7 @@ static uint ost_cell_at(__global const uchar *cells, const int dims[3], int ux, 
     return (uint)ost_greatest(away, (cell & 3u) == 0 ? (int)(cell >> 2) : 0) << 2;
 }
 
+#if OST_FOR & 1
 /* Of the open voxels of row (j, k) those that one pose hits, and in *touch also those that it touches. */
 static uint ost_hits_of(const ost_cl_entry entry, __global const ost_cl_pose *pose, __global const uchar *cells, const int dims[3],
                         const int first[3], int j, int k, uint open, uint *touch)
@@ -135,7 +136,9 @@ __kernel void ost_remove(__global const ost_cl_event *event, __global const ost_
     if (touched > 0)
         atomic_add(&reports[index].touched, touched);
 }
+#endif
 
+#if OST_FOR & 2
 /* ------------------------------------------------------ a block an item */
 /*
  *   block 16^3 --- cubes 8^3 --- bricks 4^3 --- 64 voxels
@@ -414,3 +417,4 @@ __kernel void ost_remove_blocks(__global const ost_cl_event *event, __global con
     for (int i = 0; i < 3; i++)
         reports[index].unused[i] = 0;
 }
+#endif

@@ -23,6 +23,10 @@
  *     xchg with one value), whose old value decides nothing that differs.
  *   - Indices into buffers are 64 bits wide.  int is at least as wide as
  *     asked for by the ranges of docs/arithmetic.md, section 18.
+ *   - Build option -DOST_FOR=d: kernels for devices of many small work items
+ *     (d & 1, GPUs) or few strong ones (d & 2, CPUs); where both have one for the
+ *     same work, results are the same.  3 when not given: all, also those
+ *     that only tests run yet (ost_chunk_slots, _checksum, _surface).
  *   - Build option -DOST_ROWS=r, r of 1, 2, 4, 8, 16: rows a work item of
  *     ost_remove takes (1 suits GPUs; 4 when not given).
  *   - Build option -DOST_RUN=v: neighbours along x that a work item of
@@ -148,15 +152,23 @@ typedef struct ost_cl_cubic {
  *   words    uint[slots * n^3 / 32] its occupancy, word v / 32, bit v % 32 (AR-CHK-4)
  *   slab     short[(z1 - z0) dims.y dims.x]  slices z0 <= k < z1 of the grid without padding; z0 and z1 are int arguments
  *
- *   ost_chunk_scan(bone, z0, z1, slab, active, highest)
+ *   A slab has slice k as its slice layers[first + k - z0], or, when first < 0, k - z0: so a grid that was resampled along z
+ *   alone is read where it lies, once for all slices that are the same.  layers is int[first + z1 - z0], ascending, else unused.
+ *
+ *   ost_chunk_scan(bone, z0, z1, first, layers, slab, active)
  *       z1 - z0, chunk_dims.x * chunk_dims.y.  Adds to active[chunk] (uint[chunks], zeros at first) the voxels of the slab that
- *       reach the threshold and raises highest[chunk] (int[chunks], zeros at first) to the greatest density among them.
+ *       reach the threshold.
+ *   ost_chunk_scan_layers(...)
+ *       the same for CPUs: chunk_dims.y, chunk_dims.z.  An item has a row of chunks along x.
  *   ost_chunk_slots(count, active, slots, chunks, total)
  *       one item.  Slots in ascending order of the chunks (count of them) with active > 0; *total (uint[1]) of them.
- *   ost_chunk_store(bone, z0, z1, slab, slots, density, words)
+ *   ost_chunk_store(bone, z0, z1, first, layers, slab, slots, density, words)
  *       n * n / 32, chunk_dims.x * chunk_dims.y, z1 - z0.  An item writes one word and its 32 densities, where the chunk has a
  *       slot.  Voxels below the threshold become 0; those in the padding beyond dims.x or dims.y too.  Planes of padding beyond
  *       dims.z are never written: a slot is filled with zeros before it is used.
+ *   ost_chunk_store_layers(...)
+ *       the same for CPUs: chunk_dims.x * chunk_dims.y, chunk_dims.z.  An item has a chunk.  With slice dims.z - 1 it writes
+ *       the planes of padding too.
  *   ost_chunk_load(bone, z0, z1, slots, density, slab)
  *       dims.x, dims.y, z1 - z0.  The way back; chunks without a slot are 0.
  *   ost_chunk_count(bone, first, count, words, active)

@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Scanning and storing slices as ost_chunk_scan and ost_chunk_store do
+ * (shared.h), for CPUs: items that go along rows, and through the slices of a
+ * layer of chunks one after the other, so that slices which are the same are
+ * read once.  No two items have a chunk in common: nothing is atomic.
+ */
+#if OST_FOR & 2
+
+/* Of 16 voxels, how many reach the threshold. */
+static uint ost_count16(__global const short *from, short threshold)
+{
+    ushort count = 0;
+    for (int i = 0; i < 16; i++)
+        count = (ushort)(count + (from[i] >= threshold ? 1u : 0u));
+    return count;
+}
+
+__kernel void ost_chunk_scan_layers(__global const ost_cl_bone *bone, int z0, int z1, int first, __global const int *layers,
+                                    __global const short *slab, __global uint *active)
+{
+    const int n = bone->size, nx = bone->dims[0];
+    if (get_global_id(0) >= (size_t)bone->chunk_dims[1] || get_global_id(1) >= (size_t)bone->chunk_dims[2])
+        return;
+    const int cy = (int)get_global_id(0), cz = (int)get_global_id(1);
+    const int k0 = ost_greatest(cz * n, z0), k1 = ost_least(cz * n + n, z1), y1 = ost_least(cy * n + n, bone->dims[1]);
+    const short threshold = (short)bone->threshold;
+    __global uint *to = active + (size_t)bone->chunk_dims[0] * ((size_t)cy + (size_t)bone->chunk_dims[1] * (size_t)cz);
+    for (int k = k0, same; k < k1; k += same) {
+        const int slice = ost_slab_slice(layers, first, k, z0);
+        same = 1;
+        while (k + same < k1 && ost_slab_slice(layers, first, k + same, z0) == slice)
+            same++;
+        for (int y = cy * n; y < y1; y++) {
+            __global const short *row = slab + ost_slab_at(bone, 0, y, slice);
+            for (int cx = 0; cx < bone->chunk_dims[0]; cx++) {
+                const int x1 = ost_least(cx * n + n, nx);
+                uint count = 0;
+                int x = cx * n;
+                for (; x + 16 <= x1; x += 16)
+                    count += ost_count16(row + x, threshold);
+                for (; x < x1; x++)
+                    count += row[x] >= threshold ? 1u : 0u;
+                to[cx] += count * (uint)same;
+            }
+        }
+    }
+}
+
+/* 16 voxels with what is below the threshold as 0, and their bits. */
+static uint ost_keep16(__global const short *from, __global short *to, short threshold)
+{
+    ushort bits = 0;
+    for (int i = 0; i < 16; i++) {
+        const short read = from[i];
+        to[i] = read >= threshold ? read : (short)0;
+        bits = (ushort)(bits | (read >= threshold ? (ushort)(1u << i) : (ushort)0));
+    }
+    return bits;
+}
+
+/* Half a word: voxels x to x + 15 of a row of width nx. */
+static uint ost_store16(__global const short *row, int x, int nx, __global short *to, short threshold)
+{
+    if (x + 16 <= nx)
+        return ost_keep16(row + x, to, threshold);
+    uint bits = 0;
+    for (int i = 0; i < 16; i++) {
+        const short read = (short)(x + i < nx ? row[x + i] : 0);
+        to[i] = read >= threshold ? read : (short)0; /* a threshold is at least 1 */
+        bits |= (read >= threshold ? 1u : 0u) << i;
+    }
+    return bits;
+}
+
+__kernel void ost_chunk_store_layers(__global const ost_cl_bone *bone, int z0, int z1, int first, __global const int *layers,
+                                     __global const short *slab, __global const uint *slots, __global short *density,
+                                     __global uint *words)
+{
+    const int n = bone->size, nx = bone->dims[0], ny = bone->dims[1];
+    const size_t columns = (size_t)bone->chunk_dims[0] * (size_t)bone->chunk_dims[1];
+    if (get_global_id(0) >= columns || get_global_id(1) >= (size_t)bone->chunk_dims[2])
+        return;
+    const int column = (int)get_global_id(0), cz = (int)get_global_id(1);
+    const uint slot = slots[(size_t)column + columns * (size_t)cz];
+    if (slot == OST_CL_NONE)
+        return;
+    const int x0 = column % bone->chunk_dims[0] * n, y0 = column / bone->chunk_dims[0] * n;
+    const int k0 = ost_greatest(cz * n, z0), k1 = z1 == bone->dims[2] ? cz * n + n : ost_least(cz * n + n, z1);
+    const short threshold = (short)bone->threshold;
+    const int half_words = n / 16;
+    for (int k = k0; k < k1; k++) {
+        const ulong plane = (ulong)slot * ost_chunk_voxels(bone) + (ulong)(k - cz * n) * (ulong)(n * n);
+        __global short *to = density + plane;
+        __global ushort *bits = (__global ushort *)words + plane / 16; /* little-endian, as everywhere (choice.c) */
+        const int slice = k < z1 ? ost_slab_slice(layers, first, k, z0) : 0;
+        for (int y = 0; y < n; y++) {
+            __global const short *row = slab + ost_slab_at(bone, 0, y0 + y < ny ? y0 + y : 0, slice);
+            const int end = k < z1 && y0 + y < ny ? nx : 0;
+            for (int h = 0; h < half_words; h++)
+                bits[y * half_words + h] = (ushort)ost_store16(row, x0 + 16 * h, end, to + y * n + 16 * h, threshold);
+        }
+    }
+}
+#endif
