@@ -61,6 +61,7 @@ typedef struct ost_device_info {
     bool available;
     const char *reason; /* when not available: why */
     const char *notes;  /* for the record, decides nothing: what its floating point does */
+    const char *facts;  /* for the record: lines "CL_DEVICE_VENDOR=...", what the driver says; "" when it says nothing */
 } ost_device_info;
 
 /* The texts live until visit returns. */

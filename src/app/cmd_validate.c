@@ -23,7 +23,9 @@
 #include "validation/bundle/evidence.h"
 #include "validation/bundle/faults.h"
 #include "validation/bundle/merge.h"
+#include "validation/bundle/record.h"
 #include "validation/campaign.h"
+#include "validation/common/common.h"
 #include "validation/scratch.h"
 #include "validation/report/pictures.h"
 #include "validation/report/report.h"
@@ -182,7 +184,8 @@ static void say_last(app_state *app, const char *out, const json_t *summary)
 }
 
 /* Only what the summary does not have: the rest of --json is the bundle's own. */
-static ost_status report(app_state *app, const validate_args *args, const campaign *c, json_t *summary, const sensitivity *proof, ost_error *err)
+static ost_status report(app_state *app, const validate_args *args, const campaign *c, json_t *summary, const sensitivity *proof, const json_t *common,
+                         ost_error *err)
 {
     char records[SAY_TEXT], bytes[SAY_TEXT];
     const json_t *list = json_object_get(summary, "not_shown");
@@ -205,6 +208,8 @@ static ost_status report(app_state *app, const validate_args *args, const campai
         say_count(records, (int64_t)c->records), say_bytes(bytes, (int64_t)c->bytes));
     for (size_t i = 0; i < json_array_size(list); i++)
         say(app, "%s%s", i ? "             " : "  not shown: ", json_string_value(json_array_get(list, i)));
+    say(app, "COMMON MISTAKES %s: %lld of %lld checks by hand, by volume and by law passed on the reference", common_proved(common) ? "NONE FOUND" : "FOUND",
+        (long long)json_integer_value(json_object_get(common, "passed")), (long long)json_array_size(json_object_get(common, "checks")));
     if (proof)
         say_faults(app, proof);
     if (args->out)
@@ -214,6 +219,9 @@ static ost_status report(app_state *app, const validate_args *args, const campai
                         c->counts[CASE_DIFFERS], c->counts[CASE_FAILED], c->counts[CASE_CRASHED], c->counts[CASE_LATE]);
     if (proof && !faults_proved(proof))
         return ost_fail(err, OST_ERR_DIFFER, "the sensitivity proof failed: %s", proof->first_problem[0] ? proof->first_problem : "nothing was changed");
+    if (!common_proved(common))
+        return ost_fail(err, OST_ERR_DIFFER, "%lld of the checks of common mistakes failed; common.json and the report say which",
+                        (long long)json_integer_value(json_object_get(common, "failed")));
     if (!c->subjects->opencl && !args->cpu_only && !args->backends)
         return ost_fail(err, OST_ERR_UNAVAILABLE, "OpenCL was not compared: %s; --cpu-only says that this is meant", c->subjects->no_opencl);
     return OST_OK;
@@ -259,8 +267,8 @@ static ost_status put_machine(bundle *b, const campaign *c, const char *program,
     return status;
 }
 
-static ost_status put_evidence(bundle *b, const campaign *c, const json_t *protocol, const json_t *cases, const json_t *faults, const char *program,
-                               ost_error *err)
+static ost_status put_evidence(bundle *b, const campaign *c, const json_t *protocol, const json_t *cases, const json_t *faults, const json_t *common,
+                               const char *program, ost_error *err)
 {
     ost_status status = bundle_log(b, "results", err, "%d equal, %d differ, %d failed, %d crashed, %d timed out, %d not run", c->counts[CASE_EQUAL],
                                    c->counts[CASE_DIFFERS], c->counts[CASE_FAILED], c->counts[CASE_CRASHED], c->counts[CASE_LATE], c->counts[CASE_NOT_RUN]);
@@ -268,6 +276,10 @@ static ost_status put_evidence(bundle *b, const campaign *c, const json_t *proto
         status = evidence_write(protocol, cases, into_bundle, b, err);
     if (status == OST_OK && faults)
         status = bundle_put_json(b, FAULTS_FILE, faults, err);
+    if (status == OST_OK)
+        status = record_put(program, c->subjects, common, into_bundle, b, err);
+    if (status == OST_OK)
+        status = record_derive(bundle_folder(b), cases, into_bundle, b, err);
     if (status == OST_OK)
         status = put_machine(b, c, program, err);
     if (status == OST_OK)
@@ -285,7 +297,7 @@ typedef struct job {
     subject_list subjects;
     campaign run;
     bundle *b;
-    json_t *protocol, *cases, *summary, *faults;
+    json_t *protocol, *cases, *summary, *faults, *common;
     sensitivity proof; /* where faults is not NULL */
 } job;
 
@@ -298,6 +310,7 @@ static void job_free(job *j)
     json_decref(j->cases);
     json_decref(j->summary);
     json_decref(j->faults);
+    json_decref(j->common);
     scratch_remove(j->folder);
 }
 
@@ -334,11 +347,13 @@ static ost_status compare_all(app_state *app, const validate_args *args, const p
         }
     }
     if (status == OST_OK)
+        status = common_check(p->seed, &j.common, err);
+    if (status == OST_OK)
         status = evidence_cases(&j.run, &j.cases, err);
     if (status == OST_OK)
         status = evidence_summary(j.protocol, j.cases, &j.summary, err);
     if (status == OST_OK && j.b)
-        status = put_evidence(j.b, &j.run, j.protocol, j.cases, j.faults, j.program, err);
+        status = put_evidence(j.b, &j.run, j.protocol, j.cases, j.faults, j.common, j.program, err);
     if (status == OST_OK && j.b) {
         status = bundle_end(j.b, err);
         j.b = NULL;
@@ -346,7 +361,8 @@ static ost_status compare_all(app_state *app, const validate_args *args, const p
     if (status == OST_OK) {
         if (j.faults)
             put(app->result, "faults", json_incref(j.faults));
-        status = report(app, args, &j.run, j.summary, j.faults ? &j.proof : NULL, err);
+        put(app->result, "common_mistakes", json_incref(j.common));
+        status = report(app, args, &j.run, j.summary, j.faults ? &j.proof : NULL, j.common, err);
     }
     job_free(&j);
     return status;
@@ -376,6 +392,10 @@ static ost_status merge_all(app_state *app, const validate_args *args, ost_error
         status = bundle_put_json(b, "times.json", m.times, err);
     if (status == OST_OK && m.faults)
         status = bundle_put_json(b, FAULTS_FILE, m.faults, err);
+    if (status == OST_OK)
+        status = record_merge(args->merge, into_bundle, b, err);
+    if (status == OST_OK)
+        status = record_derive(bundle_folder(b), m.cases, into_bundle, b, err);
     if (status == OST_OK)
         status = pictures_of_shards(args->merge, m.protocol, m.cases, into_bundle, b, err);
     if (status == OST_OK)

@@ -51,6 +51,9 @@ ost_status ost_cl_options_read(const char *text, ost_cl_options *out, ost_error 
 /* Whether the user's words fit this device. */
 bool ost_cl_options_match(const ost_cl_options *options, const ost_cl_device *device);
 
+/* Lines "CL_DEVICE_VENDOR=..." of the platform and the device, for the record; free() it. NULL without memory. */
+char *ost_cl_facts(const ost_cl_api *cl, const ost_cl_device *device);
+
 /* Why the loader shows no platform, as far as its folder of drivers tells. */
 void ost_cl_icd_reason(char *reason, size_t size);
 

@@ -97,6 +97,7 @@ ost_status ost_cl_visit_with(const ost_cl_api *cl, ost_device_visit *visit, void
         ost_status opened = d->reason[0] ? OST_ERR_UNAVAILABLE : ost_cl_device_open(cl, d, NULL, 0, &backend, &why);
         if (opened == OST_OK)
             ost_cl_fingerprint_floats(backend, notes, sizeof notes);
+        char *facts = ost_cl_facts(cl, d);
         const ost_device_info info = {
             .spec = spec,
             .platform = platform,
@@ -104,8 +105,10 @@ ost_status ost_cl_visit_with(const ost_cl_api *cl, ost_device_visit *visit, void
             .available = opened == OST_OK,
             .reason = d->reason[0] ? d->reason : why.text,
             .notes = notes,
+            .facts = facts ? facts : "",
         };
         visit(&info, user);
+        free(facts);
         ost_cl_device_close(backend);
     }
     ost_cl_devices_free(&devices);

@@ -79,10 +79,12 @@ refuse 2 "1 bundles of 2 shards" validate --merge "$(mkdir half && cp -r shards/
 run 0 validate --merge shards --out whole --quiet
 run 0 verify whole
 for other in again whole; do
-    for file in protocol.json cases.jsonl results.json junit.xml results.tap inputs.csv anomalies.csv deviations.csv README.md; do
+    for file in $(cd b && find . -type f | sed 's,^\./,,' | grep -v '^\(audit.log\|environment.json\|times.json\|manifest.json\)$'); do
         checks=$((checks + 1))
-        cmp -s b/$file $other/$file || fail "$other/$file is not that of the first run"
+        cmp -s "b/$file" "$other/$file" || fail "$other/$file is not that of the first run"
     done
+    check "results_root of $other" "$("$json_get" results_root <$other/manifest.json)" "$("$json_get" results_root <b/manifest.json)"
+    check "files of $other" "$(cd $other && find . -type f | sort)" "$(cd b && find . -type f | sort)"
 done
 run 0 validate --only import/ --backends "$one" --seed 2 --out other --quiet
 rm -r shards/2

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "validation/bundle/evidence.h"
+#include "validation/bundle/record.h"
 #include "validation/report/report.h"
 
 typedef struct derivation {
@@ -31,7 +32,7 @@ static ost_status compare_derived(void *user, const char *name, const void *byte
     if (bundle_read(d->folder, name, &there, &there_size, &unread) != OST_OK)
         say_problem(d, name, "is missing");
     else if (there_size != size || memcmp(there, bytes, size) != 0)
-        say_problem(d, name, strcmp(name, REPORT_FILE) == 0 ? "does not follow from the protocol, the cases and the pictures" : "does not follow from the protocol and the cases");
+        say_problem(d, name, strcmp(name, REPORT_FILE) == 0 ? "does not follow from the other files" : "does not follow from the files that it is made of");
     free(there);
     return OST_OK;
 }
@@ -79,6 +80,8 @@ ost_status check_bundle(const char *folder, bundle_problem *problem, void *user,
         status = check_frozen(&d, protocol_text, protocol_size, err);
         if (status == OST_OK)
             status = evidence_write(protocol, cases, compare_derived, &d, err);
+        if (status == OST_OK)
+            status = record_derive(folder, cases, compare_derived, &d, err);
         if (status == OST_OK)
             status = report_write(folder, protocol, cases, compare_derived, &d, err);
         if (status == OST_OK)

@@ -206,10 +206,26 @@ static void readme(FILE *to, const json_t *protocol, const json_t *cases, const 
           "| protocol.json | what was to be done and what counts as passed, written before anything ran (its hash: first lines of audit.log) |\n"
           "| cases.jsonl | a line a case: digest of its input, digests of everything the reference made, each backend's verdict |\n"
           "| results.json, junit.xml, results.tap | the verdicts; inputs.csv: inputs; anomalies.csv: differences; deviations.csv: what was not shown |\n"
-          "| environment.json, times.json, audit.log | the machine, the times, what was done when: they differ from run to run |\n"
+          "| sensitivity.json | mistakes made on purpose, and whether they were noticed (the first shard's run makes it) |\n"
+          "| common.json | checks of the reference by hand, by volume and by law: mistakes that all backends could have in common |\n"
+          "| requirements.csv, trace.csv | requirements, their tests, what of this bundle bears on them; orphans in both directions |\n"
+          "| devices.json | OpenCL devices: what their drivers say, and their numeric fingerprints |\n"
+          "| tools.json | commit, compiler, flags, and every library that ran with the program, by SHA-256 |\n"
+          "| sbom.spdx.json, soup.csv | the same as a bill of materials (SPDX 2.3) and as a list of software of unknown provenance |\n"
+          "| environment.json, times.json, audit.log | the machine, the times, what was done when |\n"
           "| report.html, pictures/ | all of this for people, on one page; the pictures in it |\n"
           "| manifest.json | size and SHA-256 of every file, and two roots |\n"
-          "| signatures/ | a place for detached signatures over manifest.json, not part of it |\n", to);
+          "| signatures/ | a place for detached signatures over manifest.json, not part of it |\n\n"
+          "## What differs from run to run\n\n"
+          "Two runs of one build on one machine leave the same files, byte for byte, but for these:\n\n"
+          "| file | differs, because |\n|---|---|\n"
+          "| audit.log | it has the time of day of each step |\n"
+          "| times.json | it has how long each backend took |\n"
+          "| environment.json | it has the kernel and the variables of that run; of merged shards, a machine for each |\n"
+          "| manifest.json | it has the digests of those three, and `root` over all; `results_root` leaves them out and is the same |\n"
+          "| signatures/ | it says who signed, and when |\n\n"
+          "tools.json, devices.json, sbom.spdx.json, soup.csv and report.html change with the build, the machine and its drivers, and with nothing else. "
+          "Bundles of shards merge into the bundle of one run, with the same exceptions.\n", to);
 }
 
 static const struct {

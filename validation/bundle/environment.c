@@ -11,7 +11,7 @@
 
 #include "config.h"
 
-#include <osteon/digest.h>
+#include "validation/bundle/libraries.h"
 
 extern char **environ;
 
@@ -40,24 +40,6 @@ static void line_of(const char *path, const char *name, char text[], size_t size
         fclose(file);
 }
 
-static ost_status digest_of_file(const char *path, char hex[OST_DIGEST_HEX], ost_error *err)
-{
-    static unsigned char block[1 << 16];
-    ost_hasher *hasher = NULL;
-    ost_digest digest = {{0}};
-    FILE *file = fopen(path, "rb");
-    if (!file)
-        return ost_fail(err, OST_ERR_IO, "%s: cannot be read", path);
-    ost_status status = ost_hasher_open(&hasher, err);
-    size_t n;
-    while (status == OST_OK && (n = fread(block, 1, sizeof block, file)) > 0)
-        status = ost_hasher_add(hasher, block, n, err);
-    fclose(file);
-    ost_status closed = ost_hasher_close(hasher, status == OST_OK ? &digest : NULL, NULL);
-    ost_digest_hex(&digest, hex);
-    return status != OST_OK ? status : closed;
-}
-
 /* Variables by which a driver, a compiler in it or a thread pool is steered. */
 static json_t *variables(void)
 {
@@ -83,7 +65,8 @@ ost_status environment_of(const char *program, json_t **out, ost_error *err)
 {
     char model[256], flags[4096], microcode[64], system_name[256], hex[OST_DIGEST_HEX];
     struct utsname u;
-    ost_status status = digest_of_file(program, hex, err);
+    int64_t size;
+    ost_status status = libraries_digest(program, hex, &size, err);
     *out = NULL;
     if (status != OST_OK)
         return status;

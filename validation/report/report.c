@@ -86,7 +86,7 @@ static void not_shown(const page *p)
         page_text(p, text ? text : "");
         fputs("</li>\n", p->to);
     }
-    fputs("<li>A mistake that the reference and a backend have in common does not show in a comparison of the two.</li>\n"
+    fputs("<li>A mistake that the reference and a backend have in common does not show in a comparison of the two; the checks further down look for some of those.</li>\n"
           "<li>That the simulation is right about bone, tools or patients: that is validation, and not what this is.</li>\n</ul>\n<p class=\"from\">From ", p->to);
     page_link(p, "deviations.csv");
     fputs(" and the nature of the method.</p>\n", p->to);
@@ -187,11 +187,13 @@ static void files(const page *p)
         {"manifest.json", "size and SHA-256 of every file, and two roots over them", true},
         {"README.md", "the verdict in a few lines of text", true},
         {"sensitivity.json", "deliberate mistakes, and whether they were noticed", false},
-        {"devices.json", "the devices and their drivers", false},
-        {"requirements.csv", "requirements", false},
-        {"trace.csv", "requirements, tests, results and files", false},
-        {"sbom.spdx.json", "the libraries in the program", false},
-        {"soup.csv", "software of unknown provenance", false},
+        {"common.json", "checks by hand, by volume and by law: mistakes that all backends could have in common", false},
+        {"requirements.csv", "requirements, and the tests that verify them", false},
+        {"trace.csv", "requirements, tests, results and files, orphans in both directions", false},
+        {"devices.json", "the devices, what their drivers say, their numeric fingerprints", false},
+        {"tools.json", "commit, compiler, flags, and every library that ran with the program", false},
+        {"sbom.spdx.json", "the same as a bill of materials, SPDX 2.3", false},
+        {"soup.csv", "software of unknown provenance: purpose, licence, known limits", false},
         {PICTURE_BEFORE, "the bone before the operation", false},
         {PICTURE_AFTER, "the bone after it", false},
         {PICTURE_SLICES_BEFORE, "slices before", false},
@@ -234,6 +236,9 @@ ost_status report_write(const char *folder, const json_t *protocol, const json_t
     if (!findings(&p))
         section_differences(&p);
     section_sensitivity(&p);
+    section_common(&p);
+    section_requirements(&p);
+    section_made_with(&p);
     checking(&p);
     signing(&p);
     files(&p);

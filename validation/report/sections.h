@@ -13,5 +13,11 @@ void section_reference(const page *p);
 void section_differences(const page *p);
 /* Deliberate mistakes and whether they were noticed; nothing without sensitivity.json. */
 void section_sensitivity(const page *p);
+/* Checks against what is known without any program; nothing without common.json. */
+void section_common(const page *p);
+/* Build, program, devices, libraries; nothing without tools.json. */
+void section_made_with(const page *p);
+/* How many are tested, shown, orphans; nothing without trace.csv. */
+void section_requirements(const page *p);
 
 #endif

@@ -1,0 +1,64 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+#
+# What stands in a bundle beside the comparison: requirements traced both ways,
+# tools and libraries as they are, a bill of materials that has SPDX 2.3's form,
+# checks of common mistakes, and a signature over the manifest.
+# Covers: REQ-RECORD, REQ-TRACE
+. "${srcdir:-.}/tests/app/lib.sh"
+
+run 0 validate --only import/ --backends 'cpu:isa=scalar,threads=1' --out b --json
+check "checks of common mistakes that failed" "$(value common_mistakes.failed)" 0
+checks=$((checks + 1))
+[ "$(value common_mistakes.passed)" -ge 20 ] || fail "only $(value common_mistakes.passed) checks of common mistakes"
+run 0 verify b
+
+# The table in the bundle is the tree's, with the tests that no requirement names.
+"$source_folder/docs/check-requirements" --table "$source_folder" >table
+checks=$((checks + 1))
+cmp -s table b/requirements.csv || fail "requirements.csv is not what check-requirements --table gives"
+check "requirements traced" "$(grep -c '^requirement,\|^orphan requirement,' b/trace.csv)" "$(sed 1d table | grep -c '^[^,]')"
+check "requirements without a test" "$(grep -c '^orphan requirement,' b/trace.csv)" "$(grep -c ',planned: ' table)"
+check "tests without a requirement" "$(grep -c '^orphan test,' b/trace.csv)" "$(grep -c '^,,,' table)"
+checks=$((checks + 1))
+grep '^requirement,"AR-CUB-2",' b/trace.csv | grep -q '"stage cubic; check layers","cubic: [1-9][0-9]* records equal; layers: passed","cases.jsonl common.json"$' ||
+    fail "AR-CUB-2 is not traced to its stage and check: $(grep AR-CUB-2 b/trace.csv)"
+
+# The digests are those of the files.
+check "the program's SHA-256" "$("$json_get" program.sha256 <b/tools.json)" "$(sha256sum <"$osteon" | cut -d' ' -f1)"
+"$json_get" libraries <b/tools.json >/dev/null || fail "no libraries in tools.json"
+sed -n 's/^ *"file": "\(.*\)",$/\1/p' b/tools.json >files
+sed -n 's/^ *"sha256": "\(.*\)",$/\1/p' b/tools.json | head -n "$(wc -l <files)" >digests
+checks=$((checks + 1))
+paste -d' ' digests files | sed 's/ /  /' | sha256sum --quiet -c - >out 2>&1 || fail "libraries are not what tools.json says: $(head -n 3 out)"
+check "libraries in soup.csv" "$(grep -c '"linked"\|"loaded by another library' b/soup.csv)" "$(wc -l <files | tr -d ' ')"
+
+if command -v python3 >/dev/null; then
+    checks=$((checks + 1))
+    python3 "$source_folder/tests/validation/spdx.py" b/sbom.spdx.json >out 2>&1 || fail "sbom.spdx.json: $(cat out)"
+    # It is no test of the form if a broken one passes.
+    sed 's/"SPDX-2.3"/"SPDX-9"/' b/sbom.spdx.json >broken
+    checks=$((checks + 1))
+    ! python3 "$source_folder/tests/validation/spdx.py" broken >out 2>&1 || fail "a broken bill of materials passes"
+else
+    echo "no python3: the form of sbom.spdx.json is not checked"
+fi
+
+# Signed as docs/validation.md says; then a byte of the manifest, and of a file.
+if command -v minisign >/dev/null; then
+    minisign -G -W -p key.pub -s key >/dev/null 2>&1 || minisign -G -W -f -p key.pub -s key >/dev/null
+    mkdir b/signatures
+    minisign -S -s key -m b/manifest.json -x b/signatures/manifest.json.minisig >/dev/null || fail "minisign cannot sign"
+    checks=$((checks + 3))
+    minisign -V -p key.pub -m b/manifest.json -x b/signatures/manifest.json.minisig >/dev/null || fail "the signature is not good"
+    run 0 verify b
+    cp b/manifest.json kept
+    sed 's/"size": 1/"size": 2/' kept >b/manifest.json
+    ! minisign -V -p key.pub -m b/manifest.json -x b/signatures/manifest.json.minisig >/dev/null 2>&1 || fail "a changed manifest has a good signature"
+    cp kept b/manifest.json
+    echo >>b/README.md
+    run 1 verify b
+else
+    echo "no minisign: signing is not tried"
+fi
+finish

@@ -1,0 +1,145 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "validation/bundle/record.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "validation/bundle/bundle.h"
+#include "validation/bundle/devices.h"
+#include "validation/bundle/software.h"
+#include "validation/bundle/tools.h"
+#include "validation/bundle/trace_table.h"
+#include "validation/common/common.h"
+
+/* As bundle_put_json writes it. */
+static ost_status put_json(const char *name, const json_t *value, evidence_sink *sink, void *user, ost_error *err)
+{
+    char *text = json_dumps(value, JSON_SORT_KEYS | JSON_INDENT(1));
+    if (!text)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for %s", name);
+    const size_t size = strlen(text);
+    text[size] = '\n';
+    ost_status status = sink(user, name, text, size + 1, err);
+    free(text);
+    return status;
+}
+
+ost_status record_put(const char *program, const subject_list *subjects, const json_t *common, evidence_sink *sink, void *user, ost_error *err)
+{
+    json_t *devices = NULL, *tools = NULL;
+    char *requirements = trace_requirements();
+    ost_status status = requirements ? sink(user, REQUIREMENTS_FILE, requirements, strlen(requirements), err) : ost_fail(err, OST_ERR_MEMORY, "no memory for requirements");
+    free(requirements);
+    if (status == OST_OK)
+        status = devices_of(subjects, &devices, err); /* first: it loads the drivers that tools_of lists */
+    if (status == OST_OK)
+        status = put_json(DEVICES_FILE, devices, sink, user, err);
+    if (status == OST_OK)
+        status = tools_of(program, &tools, err);
+    if (status == OST_OK)
+        status = put_json(TOOLS_FILE, tools, sink, user, err);
+    if (status == OST_OK && common)
+        status = put_json(COMMON_FILE, common, sink, user, err);
+    json_decref(devices);
+    json_decref(tools);
+    return status;
+}
+
+static json_t *read_json(const char *folder, const char *name)
+{
+    char *bytes;
+    size_t size;
+    if (bundle_read(folder, name, &bytes, &size, NULL) != OST_OK)
+        return NULL;
+    json_t *value = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, NULL);
+    free(bytes);
+    return value;
+}
+
+/* ----------------------------------------------------------------- shards */
+
+/* "2/8" of the bundle's protocol. */
+static void shard_name(const char *folder, char name[32])
+{
+    json_t *protocol = read_json(folder, EVIDENCE_PROTOCOL);
+    const json_t *shard = json_object_get(protocol, "shard");
+    snprintf(name, 32, "%lld/%lld", (long long)json_integer_value(json_array_get(shard, 0)), (long long)json_integer_value(json_array_get(shard, 1)));
+    json_decref(protocol);
+}
+
+/* The file of every shard, by shard's name. */
+static ost_status gather(const char *folder, const char *name, json_t **out, ost_error *err)
+{
+    DIR *dir = opendir(folder);
+    *out = json_object();
+    ost_status status = dir ? OST_OK : ost_fail(err, OST_ERR_INPUT, "%s: %s", folder, strerror(errno));
+    for (struct dirent *e; status == OST_OK && (e = readdir(dir));) {
+        char path[BUNDLE_PATH], shard[32], *bytes;
+        size_t size;
+        if (e->d_name[0] == '.' || strstr(e->d_name, ".part-") || snprintf(path, sizeof path, "%s/%s", folder, e->d_name) >= (int)sizeof path ||
+            bundle_read(path, name, &bytes, &size, NULL) != OST_OK)
+            continue;
+        shard_name(path, shard);
+        if (json_object_set_new(*out, shard, json_stringn(bytes, size)) != 0)
+            status = ost_fail(err, OST_ERR_INPUT, "%s/%s: not UTF-8", path, name);
+        free(bytes);
+    }
+    if (dir)
+        closedir(dir);
+    return status;
+}
+
+/* Once where all are equal; else by shard, or refused. */
+static ost_status merge_one(const char *folder, const char *name, bool by_shard, evidence_sink *sink, void *user, ost_error *err)
+{
+    json_t *all, *text, *first = NULL, *parts = json_object();
+    const char *shard;
+    bool equal = true;
+    ost_status status = gather(folder, name, &all, err);
+    json_object_foreach(all, shard, text) {
+        first = first ? first : text;
+        equal &= json_equal(first, text) != 0;
+        json_object_set_new(parts, shard, json_loadb(json_string_value(text), json_string_length(text), JSON_REJECT_DUPLICATES, NULL));
+    }
+    if (status == OST_OK && first && equal)
+        status = sink(user, name, json_string_value(first), json_string_length(first), err);
+    else if (status == OST_OK && first && by_shard)
+        status = put_json(name, parts, sink, user, err);
+    else if (status == OST_OK && first)
+        status = ost_fail(err, OST_ERR_INPUT, "%s: the shards' %s differ: they were made by different builds", folder, name);
+    json_decref(parts);
+    json_decref(all);
+    return status;
+}
+
+ost_status record_merge(const char *folder, evidence_sink *sink, void *user, ost_error *err)
+{
+    ost_status status = merge_one(folder, REQUIREMENTS_FILE, false, sink, user, err);
+    if (status == OST_OK)
+        status = merge_one(folder, COMMON_FILE, false, sink, user, err);
+    if (status == OST_OK)
+        status = merge_one(folder, DEVICES_FILE, true, sink, user, err);
+    return status == OST_OK ? merge_one(folder, TOOLS_FILE, true, sink, user, err) : status;
+}
+
+/* ---------------------------------------------------------------- derived */
+
+ost_status record_derive(const char *folder, const json_t *cases, evidence_sink *sink, void *user, ost_error *err)
+{
+    char *requirements;
+    size_t size;
+    ost_status status = OST_OK;
+    json_t *tools = read_json(folder, TOOLS_FILE), *common = read_json(folder, COMMON_FILE);
+    if (json_is_object(tools))
+        status = software_write(tools, sink, user, err);
+    if (status == OST_OK && bundle_read(folder, REQUIREMENTS_FILE, &requirements, &size, NULL) == OST_OK) {
+        status = trace_table_write(requirements, cases, common, sink, user, err);
+        free(requirements);
+    }
+    json_decref(common);
+    json_decref(tools);
+    return status;
+}

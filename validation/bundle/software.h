@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What others made and this program runs with, for two readers:
+ *
+ *   tools.json --software_write--> sbom.spdx.json   SPDX 2.3, for tools
+ *                                  soup.csv         software of unknown provenance (IEC 62304): purpose, licence, limits
+ *
+ * Both follow from tools.json and the table of known libraries in software.c,
+ * so whoever checks a bundle derives them again.
+ */
+#ifndef OST_VALIDATION_SOFTWARE_H
+#define OST_VALIDATION_SOFTWARE_H
+
+#include "validation/bundle/evidence.h"
+
+#define SBOM_FILE "sbom.spdx.json"
+#define SOUP_FILE "soup.csv"
+
+/* tools: as tools_of made it, or an object of such by shard ("1/3"). */
+ost_status software_write(json_t *tools, evidence_sink *sink, void *user, ost_error *err);
+
+#endif

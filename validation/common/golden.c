@@ -1,0 +1,162 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Small grids whose voxels were worked out on paper: each check says how. */
+#include <stdio.h>
+#include <string.h>
+
+#include "validation/common/lab.h"
+
+/* "100 200 0" */
+static const char *list(const int16_t *v, int count, char text[200])
+{
+    size_t n = 0;
+    text[0] = '\0';
+    for (int i = 0; i < count && n + 8 < 200; i++)
+        n += (size_t)snprintf(text + n, 200 - n, "%s%d", i ? " " : "", v[i]);
+    return text;
+}
+
+static void say_list(lab *l, const char *name, const char *requirements, const char *what, const int16_t *expected, const int16_t *got, int count)
+{
+    char a[200], b[200];
+    list(expected, count, a);
+    lab_say(l, "golden", name, requirements, what, memcmp(expected, got, (size_t)count * sizeof *got) == 0, a, "%s", list(got, count, b));
+}
+
+/* Samples of a 2 x 2 x 2 grid, spacing 1, 1, 2 mm from (10, 20, 30), backwards, one of them twice. */
+static void scatter(lab *l)
+{
+    static const int16_t expected[8] = {101, 102, 103, 104, 105, 106, 107, 108};
+    int16_t got[8] = {0};
+    ost_sample s[9];
+    ost_scatter_report report = {0};
+    ost_grid *rect = NULL;
+    const ost_geometry g = {.dims = {2, 2, 2}, .spacing = {LAB_MM, LAB_MM, 2 * LAB_MM}, .origin = {10 * LAB_MM, 20 * LAB_MM, 30 * LAB_MM}};
+    for (int i = 0; i < 9; i++) {
+        const int v = i < 8 ? 7 - i : 5; /* voxel 5 = (1, 0, 1) again, with the same density */
+        s[i] = (ost_sample){.x = (10 + v % 2) * LAB_MM, .y = (20 + v / 2 % 2) * LAB_MM, .z = (30 + 2 * (v / 4)) * LAB_MM, .density = 101 + v, .line = (uint32_t)i};
+    }
+    if (l->status == OST_OK)
+        l->status = ost_grid_create(l->backend, &g, &rect, l->err);
+    if (l->status == OST_OK)
+        l->status = ost_ct_to_rect(rect, s, 9, 1, OST_DUPLICATES_ERROR, &report, l->err);
+    if (l->status == OST_OK)
+        l->status = ost_grid_download(rect, 0, 2, got, l->err);
+    ost_grid_free(rect);
+    say_list(l, "samples", "AR-CT-4 AR-CT-6 AR-GRID-2", "eight samples given backwards and one of them twice lie at x first, then y, then z", expected, got, 8);
+}
+
+/* Layers at 0, 2.5 and 5 mm on a spacing of 1 mm: ceil(3 x 2.5) = 8 layers, layer k from floor(k / 2.5). Then the threshold. */
+static void layers(lab *l)
+{
+    static const int16_t in[3] = {119, 120, 300}, cubic_expected[8] = {119, 119, 119, 120, 120, 300, 300, 300}, bone_expected[8] = {0, 0, 0, 120, 120, 300, 300, 300};
+    int16_t cubic_got[8] = {0}, bone_got[8] = {0};
+    ost_grid *rect = NULL, *cubic = NULL;
+    ost_bone *bone = NULL;
+    const ost_geometry g = {.dims = {1, 1, 3}, .spacing = {LAB_MM, LAB_MM, 5 * LAB_MM / 2}};
+    if (l->status == OST_OK)
+        l->status = ost_grid_create(l->backend, &g, &rect, l->err);
+    if (l->status == OST_OK)
+        l->status = ost_grid_upload(rect, 0, 3, in, l->err);
+    if (l->status == OST_OK)
+        l->status = ost_rect_to_cubic(rect, LAB_MM, OST_RESAMPLE_FLOOR, &cubic, l->err);
+    const bool eight = l->status == OST_OK && ost_grid_geometry(cubic)->dims.z == 8;
+    if (eight)
+        l->status = ost_grid_download(cubic, 0, 8, cubic_got, l->err);
+    if (l->status == OST_OK)
+        l->status = ost_cubic_to_chunks(cubic, 16, 120, &bone, l->err);
+    if (l->status == OST_OK && eight)
+        l->status = ost_bone_download(bone, 0, 8, bone_got, l->err);
+    ost_bone_free(bone);
+    ost_grid_free(cubic);
+    ost_grid_free(rect);
+    say_list(l, "layers", "AR-CUB-1 AR-CUB-2", "three layers 2.5 mm apart become eight layers of 1 mm: three, two and three of them", cubic_expected, cubic_got, 8);
+    say_list(l, "threshold", "AR-CHK-1", "119 is no bone, 120 is", bone_expected, bone_got, 8);
+}
+
+/*
+ * A cube from 0 to 2 mm at 1 mm: RHE(-1 / 2) = 0, less one voxel: corner -1;
+ * RHE(5 / 2) = 2, and one more: 3. So 4 voxels an axis with centres at -0.5,
+ * 0.5, 1.5, 2.5; the second and third are inside.
+ */
+static void cube(lab *l)
+{
+    ost_mesh mesh;
+    ost_tool_volume v;
+    bool as_expected = true;
+    lab_box(l, (ost_pm3){0, 0, 0}, (ost_pm3){2 * LAB_MM, 2 * LAB_MM, 2 * LAB_MM}, false, &mesh);
+    lab_voxelize(l, &mesh, NULL, LAB_MM, &v);
+    const ost_dims d = v.geometry.dims;
+    const bool grid = l->status == OST_OK && d.x == 4 && d.y == 4 && d.z == 4 && v.geometry.corner.x == -LAB_MM && v.geometry.corner.z == -LAB_MM;
+    for (int i = 0; grid && i < 64; i++) {
+        const int x = i % 4, y = i / 4 % 4, z = i / 16;
+        as_expected &= v.voxels[i] == ((x == 1 || x == 2) && (y == 1 || y == 2) && (z == 1 || z == 2) ? OST_TOOL_CUTTING : OST_TOOL_VOID);
+    }
+    lab_say(l, "golden", "cube", "AR-TOOL-2 AR-TOOL-3 AR-VOX-1 AR-VOX-2 AR-VOX-3 AR-VOX-4", "a mesh of 2 mm at a voxel of 1 mm is 4 x 4 x 4 voxels with the inner 8 solid",
+            grid && as_expected, "4 x 4 x 4 from -1 mm, 8 solid", "%d x %d x %d, %lld solid", d.x, d.y, d.z, l->status == OST_OK ? (long long)ost_tool_volume_count(&v, OST_TOOL_CUTTING) : 0);
+    ost_tool_volume_free(&v);
+    ost_mesh_free(&mesh);
+}
+
+/* Of 8 x 8 x 8 voxels those with lo <= index < hi, and no others, are gone. */
+static void gone(lab *l, const char *name, const char *what, const char *expected, ost_pose pose, const int lo[3], const int hi[3])
+{
+    int16_t voxels[512];
+    const ost_geometry g = lab_cube(8, 8, 8, LAB_MM);
+    ost_tool *tool = lab_tool(l, (ost_dims){4, 4, 4}, LAB_MM / 2, (ost_pm3){0, 0, 0}, OST_TOOL_CUTTING);
+    int right = 0, removed = 0;
+    for (int i = 0; i < 512; i++)
+        voxels[i] = 500;
+    lab_remove(l, &g, 16, voxels, tool, &pose, 1, NULL);
+    for (int i = 0; i < 512; i++) {
+        const int at[3] = {i % 8, i / 8 % 8, i / 64};
+        bool in = true;
+        for (int a = 0; a < 3; a++)
+            in &= at[a] >= lo[a] && at[a] < hi[a];
+        right += voxels[i] == (in ? 0 : 500);
+        removed += voxels[i] == 0;
+    }
+    ost_tool_free(tool);
+    lab_say(l, "golden", name, "AR-REM-1 AR-REM-2 AR-MAP-1 AR-POSE-1", what, right == 512, expected, "%d of 512 voxels as expected, %d gone", right, removed);
+}
+
+/* A row under cutting, cutting, cutting, not cutting and void: classes are half-open, so 150 is cancellous and 650 cortical. */
+static void classes(lab *l)
+{
+    static const int16_t expected[5] = {0, 0, 0, 700, 700};
+    static const uint8_t tool_voxels[5] = {OST_TOOL_CUTTING, OST_TOOL_CUTTING, OST_TOOL_CUTTING, OST_TOOL_NONCUTTING, OST_TOOL_VOID};
+    int16_t voxels[5] = {149, 150, 650, 700, 700};
+    const ost_geometry g = lab_cube(5, 1, 1, LAB_MM);
+    const ost_pose here = ost_pose_identity();
+    ost_tool_volume volume = {.voxels = NULL};
+    ost_tool *tool = NULL;
+    ost_report r = {0};
+    if (l->status == OST_OK)
+        l->status = ost_tool_volume_init(&volume, &(ost_tool_geometry){{5, 1, 1}, LAB_MM, {-LAB_MM / 2, -LAB_MM / 2, -LAB_MM / 2}}, l->err);
+    if (l->status == OST_OK) {
+        memcpy(volume.voxels, tool_voxels, sizeof tool_voxels);
+        l->status = ost_tool_upload(l->backend, &volume, &tool, l->err);
+    }
+    ost_tool_volume_free(&volume);
+    lab_remove(l, &g, 16, voxels, tool, &here, 1, &r);
+    say_list(l, "not cutting", "AR-REM-1 AR-REM-2 AR-TOOL-4", "what does not cut removes nothing", expected, voxels, 5);
+    lab_say(l, "golden", "classes", "AR-CLS-1 AR-CLS-2 AR-REM-6", "149, 150 and 650 are of three classes; one voxel is touched",
+            r.voxels[0] == 1 && r.voxels[1] == 1 && r.voxels[2] == 1 && r.touched_voxels == 1, "1, 1, 1; 1 touched", "%llu, %llu, %llu; %llu touched",
+            (unsigned long long)r.voxels[0], (unsigned long long)r.voxels[1], (unsigned long long)r.voxels[2], (unsigned long long)r.touched_voxels);
+    ost_report_free(&r);
+    ost_tool_free(tool);
+}
+
+void lab_golden(lab *l)
+{
+    const int32_t half = 759250125; /* sin and cos of 45 degrees, times 2^30 */
+    scatter(l);
+    layers(l);
+    cube(l);
+    gone(l, "removal", "a cube of 2 mm at (2, 3, 4) takes the voxels with centres 2, 3 and 3, 4 and 4, 5: a tool's box is half-open", "8 gone",
+         (ost_pose){{2 * LAB_MM, 3 * LAB_MM, 4 * LAB_MM}, 1 << 30, 0, 0, 0}, (const int[3]){2, 3, 4}, (const int[3]){4, 5, 6});
+    gone(l, "quarter turn", "turned a quarter about z its y runs along the bone's -x, so that at x = 4 it takes 3 and 4", "8 gone",
+         (ost_pose){{4 * LAB_MM, 3 * LAB_MM, 4 * LAB_MM}, half, 0, 0, half}, (const int[3]){3, 3, 4}, (const int[3]){5, 5, 6});
+    gone(l, "border", "over two borders of the bone only what is inside is taken", "2 gone", (ost_pose){{-LAB_MM, 7 * LAB_MM, 0}, 1 << 30, 0, 0, 0}, (const int[3]){0, 7, 0},
+         (const int[3]){1, 8, 2});
+    classes(l);
+}

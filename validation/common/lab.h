@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What the checks are made with.  A lab keeps the first error: after it every
+ * call does nothing, so that a check reads as what it checks.
+ */
+#ifndef OST_VALIDATION_COMMON_LAB_H
+#define OST_VALIDATION_COMMON_LAB_H
+
+#include <jansson.h>
+#include <osteon/backend.h>
+#include <osteon/event.h>
+#include <osteon/mesh.h>
+#include <osteon/tool.h>
+
+#include "validation/draw.h"
+
+#define LAB_MM OST_PM_PER_MM
+
+typedef struct lab {
+    ost_backend *backend;
+    json_t *checks;
+    uint64_t seed;
+    ost_status status;
+    ost_error *err;
+} lab;
+
+/* A row of the list; requirements are words. passed is what says whether, expected and got are for people. */
+void lab_say(lab *l, const char *kind, const char *name, const char *requirements, const char *what, bool passed, const char *expected, const char *got, ...)
+    OST_PRINTF(8, 9);
+
+/* Equal spacing on all axes, first centre at the origin. */
+ost_geometry lab_cube(int32_t nx, int32_t ny, int32_t nz, ost_pm spacing);
+/* All voxels of the class given. */
+ost_tool *lab_tool(lab *l, ost_dims dims, ost_pm voxel, ost_pm3 corner, uint8_t tool_class);
+ost_tool *lab_random_tool(lab *l, draw *d, ost_dims dims, ost_pm voxel, ost_pm3 corner);
+ost_pose lab_random_pose(lab *l, draw *d, ost_pm size);
+/* Densities 120 to 1000, one in four below the threshold. */
+void lab_fill(draw *d, int16_t *voxels, int64_t count);
+
+/* voxels in place: what is left of them. report may be NULL. */
+void lab_remove(lab *l, const ost_geometry *g, int chunk, int16_t *voxels, const ost_tool *tool, const ost_pose *poses, int count, ost_report *report);
+uint64_t lab_removed(lab *l, const ost_geometry *g, const ost_tool *tool, const ost_pose *poses, int count, int16_t density);
+
+/* A box's twelve triangles, counter-clockwise from outside, or from inside. */
+void lab_box(lab *l, ost_pm3 min, ost_pm3 max, bool inside_out, ost_mesh *out);
+/* On the grid given, or on the one of its bounds. *out is initialised. */
+void lab_voxelize(lab *l, const ost_mesh *mesh, const ost_tool_geometry *grid, ost_pm voxel, ost_tool_volume *out);
+
+void lab_golden(lab *l);
+void lab_volumes(lab *l);
+void lab_relations(lab *l);
+
+#endif

@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Bodies whose volume is known: exactly where borders lie between voxels' centres, else within what a border can hide. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "validation/common/lab.h"
+
+#define PI 3.14159265358979323846
+
+/* 7 x 5 x 3 mm at 0.5 mm: borders lie on voxels' borders, so 14 x 10 x 6 centres are inside. */
+static void box(lab *l)
+{
+    ost_mesh mesh;
+    ost_tool_volume v;
+    lab_box(l, (ost_pm3){LAB_MM, -2 * LAB_MM, 3 * LAB_MM}, (ost_pm3){8 * LAB_MM, 3 * LAB_MM, 6 * LAB_MM}, false, &mesh);
+    lab_voxelize(l, &mesh, NULL, LAB_MM / 2, &v);
+    const long long solid = l->status == OST_OK ? (long long)ost_tool_volume_count(&v, OST_TOOL_CUTTING) : 0;
+    lab_say(l, "volume", "box", "AR-VOX-4 AR-TOOL-2 REQ-VOLUME", "a box of 7 x 5 x 3 mm at 0.5 mm", solid == 840, "840 voxels, 105 mm3", "%lld voxels", solid);
+    ost_tool_volume_free(&v);
+    ost_mesh_free(&mesh);
+}
+
+/* A ball of circles of latitude and longitude, its poles on z. */
+static void ball_mesh(lab *l, double radius_mm, int around, int rings, ost_mesh *out)
+{
+    *out = (ost_mesh){.vertex_count = 0};
+    const size_t poles = (size_t)around * (size_t)(rings - 1), triangles = 2 * (size_t)around * (size_t)(rings - 1);
+    if (l->status == OST_OK)
+        l->status = ost_mesh_init(out, poles + 2, triangles, l->err);
+    if (l->status != OST_OK)
+        return;
+    size_t t = 0;
+    for (int r = 1; r < rings; r++)
+        for (int a = 0; a < around; a++) {
+            const double polar = PI * r / rings, turn = 2 * PI * a / around;
+            out->vertices[(r - 1) * around + a] = (ost_pm3){llrint(radius_mm * 1e9 * sin(polar) * cos(turn)), llrint(radius_mm * 1e9 * sin(polar) * sin(turn)),
+                                                            llrint(radius_mm * 1e9 * cos(polar))};
+        }
+    out->vertices[poles] = (ost_pm3){0, 0, llrint(radius_mm * 1e9)};
+    out->vertices[poles + 1] = (ost_pm3){0, 0, -llrint(radius_mm * 1e9)};
+    for (int a = 0; a < around; a++) {
+        const uint32_t b = (uint32_t)((a + 1) % around), c = (uint32_t)a, last = (uint32_t)((rings - 2) * around);
+        out->triangles[t][0] = (uint32_t)poles, out->triangles[t][1] = c, out->triangles[t++][2] = b;
+        out->triangles[t][0] = (uint32_t)poles + 1, out->triangles[t][1] = last + b, out->triangles[t++][2] = last + c;
+        for (int r = 0; r + 2 < rings; r++) {
+            const uint32_t up = (uint32_t)(r * around), down = (uint32_t)((r + 1) * around);
+            out->triangles[t][0] = up + c, out->triangles[t][1] = down + c, out->triangles[t++][2] = down + b;
+            out->triangles[t][0] = up + c, out->triangles[t][1] = down + b, out->triangles[t++][2] = up + b;
+        }
+    }
+}
+
+/*
+ * Every voxel whose centre lies deeper than half its diagonal is whole inside,
+ * none whose centre lies higher has any part inside: the voxels' volume is
+ * between those of balls smaller and larger by that, the mesh's sagitta included.
+ */
+static void ball(lab *l)
+{
+    enum { AROUND = 96, RINGS = 48 };
+    const double r = 10, s = 0.5, d = s * sqrt(3) / 2, inner = r * cos(PI / AROUND) * cos(PI / (2.0 * RINGS));
+    const double least = 4.0 / 3 * PI * pow(inner - d, 3), most = 4.0 / 3 * PI * pow(r + d, 3);
+    char expected[120];
+    ost_mesh mesh;
+    ost_tool_volume v;
+    ball_mesh(l, r, AROUND, RINGS, &mesh);
+    lab_voxelize(l, &mesh, NULL, LAB_MM / 2, &v);
+    const double got = l->status == OST_OK ? (double)ost_tool_volume_count(&v, OST_TOOL_CUTTING) * s * s * s : 0, mesh_volume = l->status == OST_OK ? ost_mesh_volume_mm3(&mesh) : 0;
+    snprintf(expected, sizeof expected, "between %.1f and %.1f mm3; the mesh has %.1f", least, most, mesh_volume);
+    lab_say(l, "volume", "ball", "AR-VOX-4 REQ-VOLUME", "a ball of 10 mm radius as 9,024 triangles at 0.5 mm, within half a voxel's diagonal of its surface", got >= least && got <= most, expected,
+            "%.1f mm3, %+.2f %% of the mesh's", got, mesh_volume > 0 ? 100 * (got / mesh_volume - 1) : 0.0);
+    ost_tool_volume_free(&v);
+    ost_mesh_free(&mesh);
+}
+
+/* A cube of 4 mm from x = 2 to x = 26 in steps of less than a voxel: 28 x 4 x 4 voxels of 1 mm; none is jumped over. */
+static void slot(lab *l)
+{
+    enum { STEPS = 61 };
+    ost_pose poses[STEPS];
+    const ost_geometry g = lab_cube(40, 12, 12, LAB_MM);
+    for (int k = 0; k < STEPS; k++)
+        poses[k] = (ost_pose){{2 * LAB_MM + k * 24 * (LAB_MM / (STEPS - 1)), 4 * LAB_MM, 4 * LAB_MM}, 1 << 30, 0, 0, 0};
+    poses[STEPS - 1].t.x = 26 * LAB_MM;
+    ost_tool *tool = lab_tool(l, (ost_dims){8, 8, 8}, LAB_MM / 2, (ost_pm3){0, 0, 0}, OST_TOOL_CUTTING);
+    const unsigned long long gone = lab_removed(l, &g, tool, poses, STEPS, 400);
+    ost_tool_free(tool);
+    lab_say(l, "volume", "slot", "AR-REM-1 AR-REM-2 AR-REM-8", "a cube of 4 mm moved 24 mm through bone of 1 mm voxels", gone == 28 * 4 * 4, "448 voxels, 448 mm3", "%llu voxels", gone);
+}
+
+/* Turned by 45 degrees about z a square of half side 4 holds the whole numbers with |x| + |y| <= 4 sqrt 2 = 5.66: 61 of them; 8 layers. */
+static void turned(lab *l)
+{
+    ost_pose pose;
+    const ost_geometry g = lab_cube(21, 21, 21, LAB_MM);
+    const double q[4] = {0.9238795325112867, 0, 0, 0.3826834323650898}, at[3] = {10, 10, 10};
+    if (l->status == OST_OK)
+        l->status = ost_pose_from_doubles(at, q, &pose, l->err);
+    ost_tool *tool = lab_tool(l, (ost_dims){16, 16, 16}, LAB_MM / 2, (ost_pm3){-4 * LAB_MM, -4 * LAB_MM, -4 * LAB_MM}, OST_TOOL_CUTTING);
+    const unsigned long long gone = l->status == OST_OK ? lab_removed(l, &g, tool, &pose, 1, 400) : 0;
+    ost_tool_free(tool);
+    lab_say(l, "volume", "turned cube", "AR-REM-1 AR-MAP-1 AR-POSE-4", "a cube of 8 mm turned by 45 degrees: |x| + |y| <= 5 in 8 layers", gone == 61 * 8, "488 voxels", "%llu voxels", gone);
+}
+
+void lab_volumes(lab *l)
+{
+    box(l);
+    ball(l);
+    slot(l);
+    turned(l);
+}
