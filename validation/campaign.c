@@ -53,6 +53,15 @@ static uint64_t bytes_of(const trace *t, compare_range r)
     return bytes;
 }
 
+/* The line of a stage that failed. */
+static void tell_failed(const trace_record *failed, case_result *r)
+{
+    size_t at = 0;
+    trace_block_view block;
+    if (trace_next_block(failed, &at, &block) && block.voxel_bytes == 1)
+        snprintf(r->text, sizeof r->text, "%.*s", block.dims.x < 190 ? (int)block.dims.x : 190, (const char *)block.voxels);
+}
+
 /* What one part of a backend's trace says about cases from..; how many of them it has whole. */
 static int judge(campaign *c, const campaign_options *o, int whom, const trace *got, int from)
 {
@@ -71,6 +80,8 @@ static int judge(campaign *c, const campaign_options *o, int whom, const trace *
             r->verdict = CASE_FAILED;
         if (r->verdict == CASE_DIFFERS)
             r->found = finding_of_case(&c->plan->cases[i], &c->reference, c->ranges[i], got, range, &r->difference);
+        if (r->verdict == CASE_FAILED)
+            tell_failed(&got->records[range.first + range.count - 1], r);
         if (r->verdict == CASE_DIFFERS && o->differs)
             o->differs(o->keeper, c, i, whom, got, range);
         c->records += r->difference.records;

@@ -181,8 +181,12 @@ static void compare_record(const trace *ref, compare_range in_ref, const trace *
         out->kind = b->stage == TRACE_FAILED ? COMPARE_MISSING : COMPARE_SHAPE;
         return;
     }
-    if (a->body_bytes == b->body_bytes && memcmp(a->body, b->body, a->body_bytes) == 0)
+    if (b->flags & TRACE_STANDS_IN || (a->body_bytes == b->body_bytes && memcmp(a->body, b->body, a->body_bytes) == 0))
         return;
+    if (a->stage == TRACE_FAILED) {
+        out->kind = compare_words(a, b, out) ? COMPARE_WORD : COMPARE_EQUAL;
+        return;
+    }
     const bool words = compare_words(a, b, out), paired = compare_blocks(ref, in_ref, got, in_got, at, out);
     out->words_too = words;
     out->kind = out->voxels ? COMPARE_VOXEL : words && paired ? COMPARE_WORD : COMPARE_SHAPE;

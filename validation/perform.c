@@ -297,6 +297,11 @@ ost_status perform(ost_backend *backend, const scene *s, uint32_t case_index, tr
     if (written == OST_OK && run_stages(&p, why) != OST_OK) {
         trace_begin(w, TRACE_FAILED, case_index, 0);
         trace_word(w, (uint64_t)why->status);
+        const int32_t lo[3] = {0, 0, 0};
+        const ost_dims line = {(int32_t)strlen(why->text) + 1, 1, 1}; /* for people; only the status is compared */
+        char *text = trace_block(w, lo, line, 1);
+        if (text)
+            memcpy(text, why->text, (size_t)line.x);
         written = trace_end(w, err);
     }
     ost_report_free(&p.collided);

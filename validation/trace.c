@@ -126,6 +126,12 @@ void trace_begin(trace_writer *w, trace_stage stage, uint32_t case_index, uint32
     put(w, zero, 8);
 }
 
+void trace_flags(trace_writer *w, uint64_t flags)
+{
+    if (!w->no_memory)
+        memcpy(w->buffer + HEAD - 8, &flags, sizeof flags);
+}
+
 void trace_word(trace_writer *w, uint64_t value)
 {
     put(w, &value, 8);
@@ -200,7 +206,7 @@ static ost_status index_records(const char *path, trace *t, ost_error *err)
                 return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for %zu records", path, room);
             t->records = grown;
         }
-        t->records[t->count++] = (trace_record){(trace_stage)u32_at(head + 4), u32_at(head + 8), u32_at(head + 12), head + HEAD, body};
+        t->records[t->count++] = (trace_record){(trace_stage)u32_at(head + 4), u32_at(head + 8), u32_at(head + 12), head + HEAD, body, u64_at(head + HEAD - 8)};
         at += HEAD + body;
         t->whole = t->records[t->count - 1].stage == TRACE_END && at == t->size;
     }

@@ -8,7 +8,7 @@
  *
  * A record is a head of 32 bytes and a body:
  *
- *   head   "OSTR", u32 stage, u32 case, u32 item, u64 body bytes, u64 0
+ *   head   "OSTR", u32 stage, u32 case, u32 item, u64 body bytes, u64 flags
  *   body   u64 count, count words of 64 bits         what was reported
  *          u64 count, count blocks                   voxels
  *   block  i32 lo[3], i32 dims[3], u32 voxel bytes, u32 0, the voxels, x fastest
@@ -34,7 +34,7 @@ typedef enum trace_stage {
     TRACE_COLLIDE,
     TRACE_TICK,
     TRACE_FINAL,
-    TRACE_FAILED,  /* words: the status; the case ended there */
+    TRACE_FAILED,  /* words: the status; a block of bytes: the line; the case ended there */
     TRACE_END,     /* the list was worked off */
     TRACE_STAGES
 } trace_stage;
@@ -59,7 +59,16 @@ void trace_word(trace_writer *w, uint64_t value);
 void *trace_block(trace_writer *w, const int32_t lo[3], ost_dims dims, uint32_t voxel_bytes);
 ost_status trace_end(trace_writer *w, ost_error *err);
 
+/* Of the record that was begun. */
+void trace_flags(trace_writer *w, uint64_t flags);
+
 /* ------------------------------------------------------------------ reading */
+
+/*
+ * A dump (dump.h) need not have everything: its trace gets the reference's
+ * records where it says nothing, marked as such and compared with nothing.
+ */
+enum { TRACE_STANDS_IN = 1, TRACE_NO_WORDS = 2 };
 
 typedef struct trace_block_view {
     int32_t lo[3];
@@ -72,7 +81,7 @@ typedef struct trace_record {
     trace_stage stage;
     uint32_t case_index, item;
     const uint8_t *body;
-    uint64_t body_bytes;
+    uint64_t body_bytes, flags;
 } trace_record;
 
 typedef struct trace {
