@@ -1,13 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "validation/subjects.h"
 
+#include <errno.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "config.h"
 
 #include "core/isa.h"
+#include "validation/worker.h"
 
 static subject *add(subject_list *list, const char *spec, const char *what, ost_error *err)
 {
@@ -20,7 +24,7 @@ static subject *add(subject_list *list, const char *spec, const char *what, ost_
     subject *s = &grown[list->count++];
     *s = (subject){.available = true};
     snprintf(s->spec, sizeof s->spec, "%s", spec);
-    snprintf(s->what, sizeof s->what, "%s", what);
+    snprintf(s->what, sizeof s->what, "%.300s", what);
     return s;
 }
 
@@ -91,6 +95,34 @@ static ost_status add_cl(subject_list *list, ost_error *err)
     return OST_OK;
 }
 
+/* Opens a backend in a worker that runs no case; what it says when it cannot is the error. */
+static ost_status try_apart(const char *spec, ost_error *err)
+{
+    char program[1024];
+    const ssize_t n = readlink("/proc/self/exe", program, sizeof program - 1);
+    if (n < 0)
+        return ost_fail(err, OST_ERR_IO, "/proc/self/exe: %s", strerror(errno));
+    program[n] = '\0';
+    const char *const words[] = {program, "validate", "--worker", spec, "--trace", "/dev/null", "--from", "1000000", NULL};
+    char *argv[sizeof words / sizeof words[0]];
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
+        argv[i] = (char *)(uintptr_t)words[i];
+    worker w;
+    worker_result end;
+    ost_status status = worker_start(argv, &w, err);
+    if (status == OST_OK)
+        status = worker_wait(&w, 60, &end, err);
+    if (status != OST_OK || end.end == WORKER_DONE)
+        return status;
+    if (end.end == WORKER_CRASHED)
+        return ost_fail(err, OST_ERR_INPUT, "%.300s: ended by signal %d (%s) when it was opened", spec, end.code, strsignal(end.code));
+    if (end.end == WORKER_LATE)
+        return ost_fail(err, OST_ERR_INPUT, "%.300s: did not open within a minute", spec);
+    static const char prefix[] = "osteon validate: ";
+    const char *text = strncmp(end.text, prefix, sizeof prefix - 1) == 0 ? end.text + sizeof prefix - 1 : end.text;
+    return ost_fail(err, end.code == 3 ? OST_ERR_UNAVAILABLE : OST_ERR_USAGE, "%s", text);
+}
+
 /* One of the specs that the user gave; whether it can run is found out now, so that a mistake in it is an error and not a result. */
 static ost_status add_wanted(plan_tier tier, const char *spec, subject_list *list, ost_error *err)
 {
@@ -100,8 +132,8 @@ static ost_status add_wanted(plan_tier tier, const char *spec, subject_list *lis
         return add_cl(list, err);
     if (strcmp(spec, "ref") == 0)
         return OST_OK;
-    ost_backend *backend;
-    ost_status status = ost_backend_open(spec, &backend, err);
+    ost_backend *backend = NULL;
+    ost_status status = strncmp(spec, "plugin", 6) == 0 ? try_apart(spec, err) : ost_backend_open(spec, &backend, err);
     if (status != OST_OK && status != OST_ERR_UNAVAILABLE)
         return status;
     ost_backend_close(backend);

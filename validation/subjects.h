@@ -6,6 +6,8 @@
  *   cpu   each instruction set that is here, with 1, 2, 3 and 7 threads (smoke:
  *         1 and 2), and the voxelizer by Embree where it was built in
  *   cl    each device that is not refused
+ *   plugin:FILE.so   somebody else's, when it is named; tried in a process of
+ *                    its own first, as its code may do anything
  *
  * What cannot run is listed too, with its reason: a report must say what it
  * did not show.
@@ -17,7 +19,7 @@
 
 #include "validation/plan.h"
 
-enum { SUBJECT_SPEC = 128, SUBJECT_REASON = 320 };
+enum { SUBJECT_SPEC = 512, SUBJECT_REASON = 320 };
 typedef struct subject {
     char spec[SUBJECT_SPEC];
     char what[SUBJECT_REASON]; /* for people: device and driver, instruction set */

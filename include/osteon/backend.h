@@ -6,7 +6,8 @@
  * "cpu" is the one for work: it finds the instruction set and the number of
  * threads by itself, or takes "cpu:isa=avx2,threads=2".  "ref" is the scalar
  * reference, the executable form of docs/arithmetic.md;
- * "cl:platform=Portable,device=0" an OpenCL device.
+ * "cl:platform=Portable,device=0" an OpenCL device; "plugin:FILE.so" somebody
+ * else's implementation (plugin.h).
  * Every backend gives the same grids to the bit, or it has a defect.
  *
  *   samples --ct_to_rect--> grid --rect_to_cubic--> grid --cubic_to_chunks--> bone

@@ -10,6 +10,7 @@
  *   mesh.h     triangles                       picture.h  pictures without a display
  *   tool.h     tool grids                      path.h     a tool over time
  *   digest.h   SHA-256 of grids                event.h    sweep, map, report
+ *   plugin.h   somebody else's backend
  */
 #ifndef OSTEON_H
 #define OSTEON_H
@@ -24,6 +25,7 @@
 #include <osteon/path.h>
 #include <osteon/phantom.h>
 #include <osteon/picture.h>
+#include <osteon/plugin.h>
 #include <osteon/pose.h>
 #include <osteon/sim.h>
 #include <osteon/status.h>

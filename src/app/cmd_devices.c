@@ -99,7 +99,11 @@ static ost_status list_backends(const app_state *app, ost_error *err)
         known = known || chosen;
         if (info.available) {
             ost_error why = {0};
-            const ost_status status = chosen ? backend_choose(app, &backend, &why) : ost_backend_open(info.name, &backend, &why);
+            /* A plugin is there when it is named with its file. */
+            const bool named = strcmp(info.name, "plugin") != 0 || chosen;
+            const ost_status status = chosen  ? backend_choose(app, &backend, &why)
+                                      : named ? ost_backend_open(info.name, &backend, &why)
+                                              : OST_OK;
             info.available = status == OST_OK;
             snprintf(info.reason, sizeof info.reason, "%.*s", (int)sizeof info.reason - 1, why.text);
         }

@@ -15,7 +15,7 @@ static void common_options(app_state *app, bool *help, option out[COMMON_MAX])
 {
     const option common[COMMON_MAX] = {
         {.name = "backend", .kind = OPTION_TEXT, .out = &app->backend, .value = "NAME",
-         .help = "who computes: cpu (default), cpu:isa=avx2, ref; see osteon devices"},
+         .help = "who computes: cpu (default), cpu:isa=avx2, ref, plugin:FILE.so; see osteon devices"},
         {.name = "threads", .kind = OPTION_INTEGER, .out = &app->threads, .value = "N", .min = 1, .max = 1024,
          .help = "at most N threads (default: one a core); no result depends on it"},
         {.name = "json", .kind = OPTION_FLAG, .out = &app->json, .help = "print one JSON object on standard output"},

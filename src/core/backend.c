@@ -15,6 +15,7 @@ static const ost_backend_ops *const backends[] = {
     &ost_backend_cpu,
     &ost_backend_ref,
     &ost_backend_cl,
+    &ost_backend_plugin,
 };
 
 enum { BACKEND_COUNT = sizeof backends / sizeof backends[0] };

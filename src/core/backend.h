@@ -98,6 +98,7 @@ struct ost_backend_ops {
 extern const ost_backend_ops ost_backend_ref;
 extern const ost_backend_ops ost_backend_cpu;
 extern const ost_backend_ops ost_backend_cl;
+extern const ost_backend_ops ost_backend_plugin;
 
 /* The slot devices of a backend that has none to choose from. */
 ost_status ost_no_devices(ost_device_visit *visit, void *user, ost_error *err);

@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What thesis_plugin.c has computed for it, in C (engine_c.c) or by an OpenCL
+ * device (engine_cl.c).  Arrays are the host's; a function that fails leaves a
+ * line in the error and returns an ost_plugin_status.
+ */
+#ifndef THESIS_ENGINE_H
+#define THESIS_ENGINE_H
+
+#include <osteon/plugin.h>
+
+#ifndef THESIS_TYPES
+#define THESIS_TYPES
+/* As in thesis_f32.cl, which has the comments. */
+typedef struct thesis_axis {
+    float minimum, size;
+    int dims;
+} thesis_axis;
+
+typedef struct thesis_rect {
+    thesis_axis axis[3];
+} thesis_rect;
+
+typedef struct thesis_boxes {
+    float matrix[12];
+    float bone[3], tool[3];
+    float bone_voxel, tool_voxel;
+    int bone_dims[3], tool_dims[3];
+    int chunk_size;
+    int chunk_lo[3], chunk_hi[3];
+} thesis_boxes;
+
+typedef struct thesis_grid {
+    float minimum[3];
+    float size;
+    int dims[3];
+    int parity;
+    int triangles;
+} thesis_grid;
+#endif
+
+typedef struct engine engine;
+
+extern const char engine_name[], engine_about[];
+
+int32_t engine_open(const char *options, engine **out, ost_plugin_error *error);
+void engine_close(engine *e);
+
+/* samples: x, y, z, density of each; index: its voxel by the dims of `rect`, or -1. */
+int32_t engine_index(engine *e, const float first_last_size[9], const float *samples, size_t count, thesis_rect *rect, int *index,
+                     ost_plugin_error *error);
+int32_t engine_layers(engine *e, float cubic, float rect, size_t count, int *layer, ost_plugin_error *error);
+int32_t engine_minimum(engine *e, const float least[3], float size, float minimum[3], ost_plugin_error *error);
+/* Voxels inside become `mark`; corners: nine floats a triangle. */
+int32_t engine_solid(engine *e, const thesis_grid *grid, const float *corners, int mark, uint8_t *solid, ost_plugin_error *error);
+/* One pose: x gets its chunk range, marks of the bone's size the pose's. */
+int32_t engine_pose(engine *e, thesis_boxes *x, const uint8_t *tool, uint8_t *marks, ost_plugin_error *error);
+
+/* Fills the error's line, and returns status. */
+int32_t say(ost_plugin_error *error, int32_t status, const char *format, ...);
+/* The value of key= in options, "" without it; false when it does not fit. */
+int option(const char *options, const char *key, char *value, size_t size);
+
+#endif

@@ -1,0 +1,262 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Plugins: somebody else's implementation of the stages, loaded at run time.
+ *
+ *   osteon ... --backend plugin:./mine.so,KEY=VALUE
+ *
+ *   host                                             mine.so
+ *   load the file, find ost_plugin_entry  ------->   its table, checked slot by slot
+ *   open(options, host)                   ------->   an instance
+ *   grids, bones, tools, events           ------->   one slot a stage, as in backend.h
+ *   reports, error texts                  <-------
+ *
+ * A plugin needs this file and nothing else of osteon: it is not linked to the
+ * library, and all types here are plain C.  What the stages must give is in
+ * docs/arithmetic.md; rules are named AR-... there.  examples/plugin has a
+ * whole one, in C and in OpenCL.
+ *
+ * Binary interface.  OST_PLUGIN_ABI is the interface's number: a table with
+ * another number is refused.  Every struct begins with its size in bytes as
+ * its writer knows it; later versions only add members at the end, so a reader
+ * looks at a member only if size reaches it.  All integers are little-endian
+ * and of the machine's own alignment (LP64).  Structs in arrays are `stride`
+ * bytes apart.
+ *
+ * Threads.  One instance and its objects get one call at a time, not always
+ * from the same thread.  A plugin may have threads of its own; they must not
+ * call back after a slot has returned.  The file stays loaded until the
+ * process ends.
+ *
+ * Lifetimes.  What a slot is given lives until it returns: copy what is to
+ * stay.  Objects that a slot makes belong to the host, which frees each by its
+ * free slot before close.
+ *
+ * Errors.  A slot returns an ost_plugin_status and, when it is not
+ * OST_PLUGIN_OK, one line of text for people in error->text.  A slot that
+ * fails has changed nothing; if it may have, it returns OST_PLUGIN_LOST, and
+ * the host uses that object no more.  No exception and no longjmp may leave a
+ * slot.  The host checks what can be checked (statuses, NULL objects, chunk
+ * numbers, reports) and says so; a plugin that writes beyond what
+ * it was given takes the process with it, which is why `osteon validate` runs
+ * each backend in a process of its own.
+ */
+#ifndef OSTEON_PLUGIN_H
+#define OSTEON_PLUGIN_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined __GNUC__
+#define OST_PLUGIN_EXPORT __attribute__((visibility("default")))
+#else
+#define OST_PLUGIN_EXPORT
+#endif
+
+#define OST_PLUGIN_ABI 1
+
+typedef enum ost_plugin_status {
+    OST_PLUGIN_OK = 0,
+    OST_PLUGIN_USAGE = 1,       /* options or arguments are wrong */
+    OST_PLUGIN_RANGE = 2,       /* beyond what this plugin can do */
+    OST_PLUGIN_MEMORY = 3,
+    OST_PLUGIN_UNAVAILABLE = 4, /* no such device, not built in: the text says what to install */
+    OST_PLUGIN_FAILED = 5,      /* anything else; nothing has changed */
+    OST_PLUGIN_LOST = 6         /* the object's content is unknown from now on */
+} ost_plugin_status;
+
+typedef struct ost_plugin_error {
+    uint32_t size;
+    uint32_t text_size; /* bytes of text, its NUL included */
+    char *text;         /* one line, empty at first */
+} ost_plugin_error;
+
+/* Lengths are in picometres (10^-9 mm), exact. Voxel (i, j, k) is element i + x (j + y k). */
+typedef struct ost_plugin_geometry {
+    uint32_t size;
+    int32_t dims[3];
+    int64_t spacing_pm[3];
+    int64_t origin_pm[3]; /* centre of voxel (0, 0, 0) */
+} ost_plugin_geometry;
+
+/* A tool's grid: voxel (i, j, k) has its centre at corner + (i + 1/2, j + 1/2, k + 1/2) voxel (AR-TOOL). */
+typedef struct ost_plugin_tool_geometry {
+    uint32_t size;
+    int32_t dims[3];
+    int64_t voxel_pm;
+    int64_t corner_pm[3];
+} ost_plugin_tool_geometry;
+
+/* ---------------------------------------------------------------- import */
+
+typedef struct ost_plugin_sample { /* of fixed layout for ever: 32 bytes */
+    int64_t x_pm, y_pm, z_pm;
+    int32_t density;
+    uint32_t line; /* counted from the batch's first_line */
+} ost_plugin_sample;
+
+typedef struct ost_plugin_samples {
+    uint32_t size;
+    int32_t duplicates; /* 0 error, 1 first, 2 last, 3 max: AR-CT-6 */
+    uint64_t count;
+    int64_t first_line;
+    const ost_plugin_sample *sample;
+} ost_plugin_samples;
+
+/* In and out: what batches before this one met, see ost_scatter_report in backend.h. */
+typedef struct ost_plugin_scatter_report {
+    uint32_t size;
+    int16_t conflict_had, conflict_has;
+    uint64_t samples, duplicates, off_lattice, worst_offset_ppm;
+    int64_t worst_line, rejected_line, conflict_line; /* 0: none */
+} ost_plugin_scatter_report;
+
+/* ----------------------------------------------------------------- tools */
+
+/* A mesh on the lattice voxel / 2^fraction_bits from the tool grid's corner (AR-MESH). */
+typedef struct ost_plugin_mesh {
+    uint32_t size;
+    int32_t fraction_bits;
+    uint64_t vertex_count, triangle_count;
+    const int32_t *vertices;   /* x, y, z of each */
+    const uint32_t *triangles; /* three vertices of each, counter-clockwise from outside */
+} ost_plugin_mesh;
+
+typedef struct ost_plugin_voxelize_report {
+    uint32_t size;
+    uint32_t reserved;
+    uint64_t solid_voxels, cutting_voxels, leaking_rows;
+} ost_plugin_voxelize_report;
+
+/* ---------------------------------------------------------------- events */
+
+/* high * 2^64 + low, two's complement */
+typedef struct ost_plugin_int128 {
+    uint64_t low;
+    int64_t high;
+} ost_plugin_int128;
+
+/*
+ * From bone voxels to tool voxels at one pose (AR-MAP), three times over:
+ * exactly, (origin[a] + i column[0][a] + j column[1][a] + k column[2][a]) /
+ * divisor in units of 2^-20 tool voxel; as the integers that decide, host's
+ * block_base and step; and affine, the doubles nearest to the exact map in
+ * tool voxels, affine[a][0..2] (i, j, k) + affine[a][3], for those who compute
+ * in floating point.
+ */
+typedef struct ost_plugin_map {
+    uint32_t size;
+    int32_t step[3][3]; /* [bone axis][tool axis] */
+    ost_plugin_int128 origin[3], column[3][3], divisor;
+    double affine[3][4];
+    int32_t box_lo[3], box_hi[3]; /* no voxel outside [lo, hi) can be inside the tool's grid at this pose */
+} ost_plugin_map;
+
+typedef struct ost_plugin_event {
+    uint32_t size;
+    int32_t map_count; /* >= 1: the poses of a sweep */
+    uint64_t stride;   /* bytes from one map to the next */
+    const ost_plugin_map *maps;
+    int32_t class_count;      /* 1 to 8 */
+    const int16_t *class_from; /* a voxel's class is the last one whose border is not above its density, 0 below all */
+} ost_plugin_event;
+
+/* Filled by calling add once for each chunk with a removed voxel, ascending, then touched_voxels. */
+typedef struct ost_plugin_report {
+    uint32_t size;
+    uint32_t reserved;
+    void *sink;
+    /* class_count voxels and sums of densities; not OST_PLUGIN_OK: stop and return it */
+    int32_t (*add)(void *sink, int32_t chunk, const uint32_t *voxels, const int64_t *density);
+    uint64_t touched_voxels; /* active voxels that only non-cutting tool voxels cover */
+} ost_plugin_report;
+
+typedef struct ost_plugin_bone_stats {
+    uint32_t size;
+    uint32_t reserved;
+    int64_t active_chunks, active_voxels, chunk_bytes, resident_bytes;
+} ost_plugin_bone_stats;
+
+/* ------------------------------------------------------------------ host */
+
+typedef struct ost_plugin_host {
+    uint32_t size;
+    uint32_t abi;
+    int32_t arithmetic;  /* version of docs/arithmetic.md that the host compares with */
+    uint32_t reserved;
+    const char *version; /* osteon's */
+    /* Base of the block of 16^3 voxels that begins at (16 x, 16 y, 16 z), AR-MAP-5; 0: no voxel of it can be inside, base is not set. */
+    int32_t (*block_base)(const ost_plugin_map *map, const int32_t block[3], int32_t base[3]);
+} ost_plugin_host;
+
+/* ----------------------------------------------------------------- table */
+
+typedef struct ost_plugin_instance ost_plugin_instance;
+typedef struct ost_plugin_grid ost_plugin_grid; /* a dense int16 grid */
+typedef struct ost_plugin_bone ost_plugin_bone; /* a chunk grid */
+typedef struct ost_plugin_tool ost_plugin_tool; /* a tool grid: 0 void, 1 cutting, 2 not cutting */
+
+/* No slot may be NULL. Arguments are within the ranges of backend.h and grid.h: the host has checked them. */
+typedef struct ost_plugin {
+    uint32_t size;
+    uint32_t abi;            /* OST_PLUGIN_ABI */
+    int32_t arithmetic;      /* the version of docs/arithmetic.md that it means to be equal to; 0: none */
+    uint32_t reserved;
+    const char *name;        /* "mine 1.2", a line */
+    const char *description; /* a sentence */
+
+    /* options: the text after the file's name and its comma, or "" */
+    int32_t (*open)(const char *options, const ost_plugin_host *host, ost_plugin_instance **out, ost_plugin_error *error);
+    void (*close)(ost_plugin_instance *self);
+    /* Waits until everything has happened, and reports a late failure. */
+    int32_t (*finish)(ost_plugin_instance *self, ost_plugin_error *error);
+
+    /* Zero-filled. Slices are z0 <= k < z0 + count. */
+    int32_t (*grid_create)(ost_plugin_instance *self, const ost_plugin_geometry *geometry, ost_plugin_grid **out, ost_plugin_error *error);
+    void (*grid_free)(ost_plugin_grid *grid);
+    int32_t (*grid_upload)(ost_plugin_grid *grid, int32_t z0, int32_t count, const int16_t *voxels, ost_plugin_error *error);
+    int32_t (*grid_download)(const ost_plugin_grid *grid, int32_t z0, int32_t count, int16_t *voxels, ost_plugin_error *error);
+
+    /* AR-CT-4 to 6 (thesis, Alg. 2.4) */
+    int32_t (*ct_to_rect)(ost_plugin_grid *rect, const ost_plugin_samples *samples, ost_plugin_scatter_report *report, ost_plugin_error *error);
+    /* AR-CUB (Alg. 2.5); nearest: 0 floor, 1 nearest. The new grid has this geometry. */
+    int32_t (*rect_to_cubic)(const ost_plugin_grid *rect, const ost_plugin_geometry *cubic, int32_t nearest, ost_plugin_grid **out,
+                             ost_plugin_error *error);
+    /* AR-CHK (Alg. 2.6) */
+    int32_t (*cubic_to_chunks)(const ost_plugin_grid *cubic, int32_t chunk_size, int32_t threshold, ost_plugin_bone **out, ost_plugin_error *error);
+
+    /* No active voxel; an upload applies the threshold. Slices without the padding. */
+    int32_t (*bone_create)(ost_plugin_instance *self, const ost_plugin_geometry *geometry, int32_t chunk_size, int32_t threshold,
+                           ost_plugin_bone **out, ost_plugin_error *error);
+    void (*bone_free)(ost_plugin_bone *bone);
+    int32_t (*bone_stats)(const ost_plugin_bone *bone, ost_plugin_bone_stats *stats, ost_plugin_error *error);
+    int32_t (*bone_upload)(ost_plugin_bone *bone, int32_t z0, int32_t count, const int16_t *voxels, ost_plugin_error *error);
+    int32_t (*bone_download)(const ost_plugin_bone *bone, int32_t z0, int32_t count, int16_t *voxels, ost_plugin_error *error);
+
+    /* AR-VOX (Alg. 2.1 and section 2.3); noncutting may be NULL; parity: 0 winding, 1 parity. */
+    int32_t (*voxelize)(ost_plugin_instance *self, const ost_plugin_tool_geometry *geometry, const ost_plugin_mesh *cutting,
+                        const ost_plugin_mesh *noncutting, int32_t parity, ost_plugin_voxelize_report *report, ost_plugin_tool **out,
+                        ost_plugin_error *error);
+    int32_t (*tool_upload)(ost_plugin_instance *self, const ost_plugin_tool_geometry *geometry, const uint8_t *voxels, ost_plugin_tool **out,
+                           ost_plugin_error *error);
+    int32_t (*tool_download)(const ost_plugin_tool *tool, uint8_t *voxels, ost_plugin_error *error);
+    void (*tool_free)(ost_plugin_tool *tool);
+
+    /* AR-REM (Algs. 2.8 to 2.10); collide reports the same and changes nothing. */
+    int32_t (*remove)(ost_plugin_bone *bone, const ost_plugin_tool *tool, const ost_plugin_event *event, ost_plugin_report *report,
+                      ost_plugin_error *error);
+    int32_t (*collide)(const ost_plugin_bone *bone, const ost_plugin_tool *tool, const ost_plugin_event *event, ost_plugin_report *report,
+                       ost_plugin_error *error);
+} ost_plugin;
+
+/* The one symbol that the host looks for. host_abi is the host's OST_PLUGIN_ABI; NULL refuses to work with it. */
+typedef const ost_plugin *ost_plugin_entry_function(uint32_t host_abi);
+#define OST_PLUGIN_ENTRY "ost_plugin_entry"
+
+#ifdef __cplusplus
+}
+#endif
+#endif

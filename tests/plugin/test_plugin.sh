@@ -1,0 +1,76 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+#
+# Plugins: one that is the reference gives the reference's results through the
+# interface; wrong ones are refused, each with its line; one that crashes fails
+# its case alone.
+# Covers: REQ-PLUGIN
+. "${srcdir:-.}/tests/app/lib.sh"
+
+# mirror.so is linked to the library; the others of its name too
+LD_LIBRARY_PATH=$build/.libs${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
+export LD_LIBRARY_PATH
+for file in mirror thesis_f32 broken_abi broken_size broken_slot broken_arithmetic broken_refuses; do
+    cp "$build/.libs/$file.so" . || {
+        echo "skipped: no shared objects were built here"
+        exit 77
+    }
+done
+
+# what is refused, and how
+ream() {
+    status=$1 text=$2
+    shift 2
+    refuse "$status" "$text" ream --bone builtin:glenoid --tool builtin:peg --path builtin:peg-hole --out x.nrrd "$@"
+}
+ream 2 "plugin:FILE.so" --backend plugin
+ream 2 "plugin:FILE.so" --backend plugin:
+ream 2 "none.so: No such file" --backend plugin:none.so
+ream 2 "not a file" --backend plugin:.
+echo "not a library" >text.so
+ream 2 "text.so: cannot be loaded" --backend plugin:text.so
+ream 2 "has no symbol ost_plugin_entry" --backend "plugin:$(ls "$build"/.libs/libosteon.so)"
+ream 2 "version 2 of the plugin interface" --backend plugin:broken_abi.so
+ream 2 "has 40 bytes" --backend plugin:broken_size.so
+ream 2 "slot collide of its table is NULL" --backend plugin:broken_slot.so
+ream 2 "version 99 of docs/arithmetic.md" --backend plugin:broken_arithmetic.so
+ream 2 "refuses to work with" --backend plugin:broken_refuses.so
+ream 2 "xxxx" --backend plugin:mirror.so,break=options
+ream 3 "gave no object" --backend plugin:mirror.so,break=nothing
+ream 2 "contract=on or contract=off" --backend plugin:thesis_f32.so,contract=maybe
+[ ! -e x.nrrd ] || fail "an output was left by a plugin that was refused"
+
+# the reference by way of the interface is the reference, at every stage
+for case in import/1 mesh/1 sweep/1; do
+    run 0 validate --only $case --backends plugin:mirror.so --json
+    check "$case equal" "$(value equal)" true
+done
+
+# A mistake while it runs is a line, and that case's alone.
+# fails WHAT TEXT CASE
+fails() {
+    run 1 validate --only "$3" --backends "plugin:mirror.so,break=$1" || return
+    checks=$((checks + 1))
+    grep -qF -- "$2" out || fail "$1: '$(cat out)' does not say '$2'"
+}
+fails crash "ended by signal 11" sweep/1
+fails status "remove returned 77, which is no status" sweep/1
+fails lost "the device?went away" sweep/1
+fails report "reported chunk -3" sweep/1
+fails stats "-1 active chunks" sweep/1
+fails voxelize "gave no object" mesh/1
+refuse 2 "ended by signal 11" validate --only mesh/1 --backends plugin:mirror.so,break=open
+refuse 2 "slot collide of its table is NULL" validate --only mesh/1 --backends plugin:broken_slot.so
+
+# the example: built as a user would, it is the one that make check built
+if [ "${MAKE:-}" ] && [ -z "${OST_SAN_CFLAGS:-}" ]; then
+    cp -r "$source_folder/examples/plugin" example
+    chmod -R u+w example
+    checks=$((checks + 1))
+    MAKEFLAGS='' MFLAGS='' "$MAKE" -s -C example CC="$CC" CPPFLAGS="-I$source_folder/include" >log 2>&1 || fail "its own Makefile: $(tail -n 3 log)"
+    run 1 validate --only import/1 --backends plugin:example/thesis_f32.so
+    grep "import/1 on" out | sed 's/.*so: //' >differs
+    run 1 validate --only import/1 --backends plugin:thesis_f32.so
+    check "the first difference" "$(grep 'import/1 on' out | sed 's/.*so: //')" "$(cat differs)"
+fi
+finish
