@@ -7,6 +7,7 @@
 
 #include "validation/bundle/evidence.h"
 #include "validation/bundle/record.h"
+#include "validation/bundle/tools.h"
 #include "validation/report/report.h"
 
 typedef struct derivation {
@@ -14,6 +15,7 @@ typedef struct derivation {
     bundle_problem *problem;
     void *user;
     int *found;
+    char other_build[160]; /* "; ..." when the bundle was made by another build than this: it may write files otherwise */
 } derivation;
 
 static void say_problem(const derivation *d, const char *name, const char *text)
@@ -31,10 +33,28 @@ static ost_status compare_derived(void *user, const char *name, const void *byte
     (void)err;
     if (bundle_read(d->folder, name, &there, &there_size, &unread) != OST_OK)
         say_problem(d, name, "is missing");
-    else if (there_size != size || memcmp(there, bytes, size) != 0)
-        say_problem(d, name, strcmp(name, REPORT_FILE) == 0 ? "does not follow from the other files" : "does not follow from the files that it is made of");
+    else if (there_size != size || memcmp(there, bytes, size) != 0) {
+        char text[256];
+        snprintf(text, sizeof text, "does not follow from %s%s", strcmp(name, REPORT_FILE) == 0 ? "the other files" : "the files that it is made of", d->other_build);
+        say_problem(d, name, text);
+    }
     free(there);
     return OST_OK;
+}
+
+/* What is derived is derived as this build does; another may do it otherwise, and then it is no forgery. */
+static void compare_builds(derivation *d)
+{
+    char *bytes;
+    size_t size;
+    if (bundle_read(d->folder, TOOLS_FILE, &bytes, &size, NULL) != OST_OK)
+        return;
+    json_t *tools = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, NULL);
+    const char *commit = evidence_text(json_object_get(tools, "build"), "commit");
+    if (*commit && strcmp(commit, tools_commit()) != 0)
+        snprintf(d->other_build, sizeof d->other_build, "; but it was made by build %.48s and this is %.48s", commit, tools_commit());
+    json_decref(tools);
+    free(bytes);
 }
 
 /* The hash of protocol.json stands in the log before any result. */
@@ -59,7 +79,7 @@ static ost_status check_frozen(const derivation *d, const char *protocol, size_t
 
 ost_status check_bundle(const char *folder, bundle_problem *problem, void *user, int *found, json_t **summary, ost_error *err)
 {
-    derivation d = {folder, problem, user, found};
+    derivation d = {folder, problem, user, found, ""};
     char *protocol_text = NULL, *cases_text = NULL;
     size_t protocol_size = 0, cases_size = 0;
     json_t *protocol = NULL, *cases = NULL;
@@ -77,6 +97,7 @@ ost_status check_bundle(const char *folder, bundle_problem *problem, void *user,
     if (!cases)
         say_problem(&d, EVIDENCE_CASES, unread.text[0] ? unread.text : "is missing");
     if (json_is_object(protocol) && cases) {
+        compare_builds(&d);
         status = check_frozen(&d, protocol_text, protocol_size, err);
         if (status == OST_OK)
             status = evidence_write(protocol, cases, compare_derived, &d, err);

@@ -25,6 +25,11 @@ static json_t *built_with(void)
     return o;
 }
 
+const char *tools_commit(void)
+{
+    return BUILT_COMMIT;
+}
+
 /* ID of os-release: the namespace of its packages' names. */
 static void distribution_of(char name[32])
 {

@@ -19,4 +19,7 @@
 /* program: this program's file. The caller's reference. */
 ost_status tools_of(const char *program, json_t **out, ost_error *err);
 
+/* The commit that this program was built from; "unknown" when it was built from no git checkout. */
+const char *tools_commit(void);
+
 #endif
