@@ -25,7 +25,7 @@ static ost_status run_worker(const plan *p, const campaign_options *o, const cha
     snprintf(first, sizeof first, "%d", from);
     snprintf(tier, sizeof tier, "%s", plan_tier_name(p->tier));
     const char *const words[] = {o->program, "validate",   "--worker", spec,   "--trace", path,   "--tier", tier,
-                                 "--seed",   seed,         "--shard",  shard,  "--from",  first,  p->only ? "--only" : NULL, p->only, NULL};
+                                 "--seed",   seed,         "--shard",  shard,  "--from",  first,  p->file ? "--case" : p->only ? "--only" : NULL, p->file ? p->file : p->only, NULL};
     char *argv[sizeof words / sizeof words[0]];
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
         argv[i] = (char *)(uintptr_t)words[i];

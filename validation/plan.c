@@ -59,8 +59,26 @@ ost_status plan_make(plan_tier tier, uint64_t seed, int shard, int shards, const
     return OST_OK;
 }
 
+bool plan_find(plan_tier tier, uint64_t seed, const char *id, plan_case *out)
+{
+    plan all;
+    ost_error none = {0};
+    bool there = false;
+    if (plan_make(tier, seed, 1, 1, NULL, &all, &none) != OST_OK)
+        return false;
+    for (int i = 0; i < all.count && !there; i++)
+        if (strcmp(all.cases[i].id, id) == 0) {
+            *out = all.cases[i];
+            there = true;
+        }
+    plan_free(&all);
+    return there;
+}
+
 void plan_free(plan *p)
 {
+    for (int i = 0; p->file && i < p->count; i++)
+        free(p->cases[i].cut);
     free(p->cases);
     p->cases = NULL;
     p->count = 0;

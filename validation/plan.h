@@ -18,6 +18,7 @@
 #ifndef OST_VALIDATION_PLAN_H
 #define OST_VALIDATION_PLAN_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include <osteon/status.h>
@@ -35,6 +36,8 @@ typedef enum plan_family {
     PLAN_FAMILIES
 } plan_family;
 
+struct scene_cut; /* locate/cut.h */
+
 enum { PLAN_ID = 32 };
 typedef struct plan_case {
     plan_family family;
@@ -42,6 +45,7 @@ typedef struct plan_case {
     plan_tier tier;   /* sizes grow with it */
     uint64_t seed;    /* the campaign's */
     char id[PLAN_ID]; /* "session/3" */
+    struct scene_cut *cut; /* what of it is kept, NULL: all; owned where the plan came from a file */
 } plan_case;
 
 typedef struct plan {
@@ -49,6 +53,7 @@ typedef struct plan {
     uint64_t seed;
     int shard, shards; /* 1 <= shard <= shards */
     const char *only;  /* as given to plan_make, borrowed */
+    const char *file;  /* where the cases came from (locate/case_file.h), borrowed; NULL: from the tier */
     int count;
     plan_case *cases; /* owned; case k of the whole list belongs to shard 1 + k mod shards */
     int whole;        /* cases of all shards */
@@ -62,5 +67,8 @@ const char *plan_family_about(plan_family family);
 /* only: NULL, or keeps the cases whose id begins with it. */
 ost_status plan_make(plan_tier tier, uint64_t seed, int shard, int shards, const char *only, plan *out, ost_error *err);
 void plan_free(plan *p);
+
+/* The case of this name; false when the tier has none. */
+bool plan_find(plan_tier tier, uint64_t seed, const char *id, plan_case *out);
 
 #endif

@@ -5,6 +5,7 @@
 
 #include <osteon/phantom.h>
 
+#include "validation/locate/cut.h"
 #include "validation/scene_parts.h"
 
 #define UM (OST_PM_PER_MM / 1000)
@@ -205,6 +206,8 @@ ost_status scene_make(const plan_case *c, scene *out, ost_error *err)
     draw d = draw_named(c->seed, c->id);
     *out = (scene){0};
     ost_status status = makers[c->family](c, out, &d, err);
+    if (status == OST_OK && c->cut)
+        status = scene_cut_apply(c->cut, out, err);
     if (status != OST_OK) {
         ost_fail_context(err, "case %s", c->id);
         scene_free(out);

@@ -24,14 +24,16 @@
 #include "validation/bundle/faults.h"
 #include "validation/bundle/merge.h"
 #include "validation/bundle/record.h"
+#include "validation/bundle/reproduce.h"
 #include "validation/campaign.h"
 #include "validation/common/common.h"
+#include "validation/locate/case_file.h"
 #include "validation/scratch.h"
 #include "validation/report/pictures.h"
 #include "validation/report/report.h"
 
 typedef struct validate_args {
-    const char *out, *backends, *shard, *only, *merge, *worker, *trace;
+    const char *out, *backends, *shard, *only, *merge, *worker, *trace, *case_file;
     int tier; /* place in "smoke|standard|full" */
     int64_t seed, from, limit_s;
     int64_t faults;
@@ -122,6 +124,8 @@ static void say_difference(const app_state *app, const plan_case *c, const subje
             d->kind == COMPARE_MISSING ? "the backend failed there, the reference did not" : "its blocks are not those of the reference");
     if (r->verdict == CASE_DIFFERS && r->found && r->found->class)
         say(app, "    looks like %s: %s", r->found->class, r->found->text);
+    if (r->verdict == CASE_DIFFERS && r->found && r->found->reproduce[0])
+        say(app, "    made small: %s: osteon validate --case BUNDLE/%s --backends '%s'", r->found->small, r->found->reproduce, s->spec);
 }
 
 static void say_backends(app_state *app, const campaign *c)
@@ -314,7 +318,7 @@ static void job_free(job *j)
     scratch_remove(j->folder);
 }
 
-static ost_status compare_all(app_state *app, const validate_args *args, const plan *p, ost_error *err)
+static ost_status compare_all(app_state *app, const validate_args *args, const plan *p, json_t *from_file, ost_error *err)
 {
     job j = {.folder = ""};
     ost_status status = own_file(j.program, sizeof j.program, err);
@@ -324,8 +328,12 @@ static ost_status compare_all(app_state *app, const validate_args *args, const p
         status = subjects_find(p->tier, args->backends ? args->backends : args->cpu_only ? "cpu" : NULL, &j.subjects, err);
     if (status == OST_OK)
         status = evidence_protocol(p, &j.subjects, args->backends ? args->backends : "", args->cpu_only, &j.protocol, err);
+    if (status == OST_OK && from_file)
+        json_object_set(j.protocol, "case", from_file);
     if (status == OST_OK && j.b)
         status = freeze(j.b, j.protocol, err);
+    if (status == OST_OK && j.b && from_file)
+        status = bundle_put_json(j.b, "case.json", from_file, err);
     if (status == OST_OK)
         status = scratch_make(j.folder, err);
     if (status == OST_OK) {
@@ -334,8 +342,10 @@ static ost_status compare_all(app_state *app, const validate_args *args, const p
                                       .differs = j.b ? pictures_of_difference : NULL, .keeper = &keeper};
         progress_begin(app);
         status = campaign_run(p, &j.subjects, &how, &j.run, err);
+        if (status == OST_OK && j.b)
+            status = reproduce(&j.run, j.program, j.folder, show, NULL, into_bundle, j.b, err);
         /* The first of several shards makes it for all. */
-        if (status == OST_OK && p->shard == 1 && !p->only) {
+        if (status == OST_OK && p->shard == 1 && !p->only && !p->file) {
             status = sensitivity_run(p->seed, sensitivity_injections(p->tier), j.folder, show, NULL, &j.proof, err);
             if (status == OST_OK)
                 status = faults_json(&j.proof, &j.faults, err);
@@ -460,6 +470,7 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "seed", .kind = OPTION_INTEGER, .out = &args.seed, .value = "N", .min = 1, .max = INT64_MAX, .help = "of the generated cases (default: 1)"},
         {.name = "shard", .kind = OPTION_TEXT, .out = &args.shard, .value = "I/N", .help = "every N-th case alone, from the I-th on"},
         {.name = "only", .kind = OPTION_TEXT, .out = &args.only, .value = "CASE", .help = "cases whose name begins so: mesh, session/1"},
+        {.name = "case", .kind = OPTION_TEXT, .out = &args.case_file, .value = "FILE", .help = "the cases of this file alone, as a bundle's cases/ has them"},
         {.name = "merge", .kind = OPTION_TEXT, .out = &args.merge, .value = "FOLDER", .help = "put the shards' bundles in FOLDER together into --out; runs nothing"},
         {.name = "limit", .kind = OPTION_INTEGER, .out = &args.limit_s, .value = "S", .min = 1, .max = 1000000,
          .help = "seconds after which a backend is stopped"},
@@ -494,10 +505,15 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
         return prove_faults(app, &args, err);
     if (!args.limit_s)
         args.limit_s = limits[args.tier];
-    status = plan_make((plan_tier)args.tier, (uint64_t)args.seed, shard, shards, args.only, &p, err);
+    if (args.case_file && !args.worker && (args.only || args.shard))
+        return usage_error(app, err, "--case says which cases: no --only and no --shard with it");
+    json_t *from_file = NULL;
+    status = args.case_file ? case_file_read(args.case_file, &p, &from_file, err)
+                            : plan_make((plan_tier)args.tier, (uint64_t)args.seed, shard, shards, args.only, &p, err);
     if (status != OST_OK)
         return status;
-    status = args.worker ? worker_run(&p, (int)args.from, args.worker, args.trace, err) : compare_all(app, &args, &p, err);
+    status = args.worker ? worker_run(&p, (int)args.from, args.worker, args.trace, err) : compare_all(app, &args, &p, from_file, err);
     plan_free(&p);
+    json_decref(from_file);
     return status;
 }

@@ -7,28 +7,23 @@
 #include <unistd.h>
 
 #include "validation/bundle/evidence.h"
+#include "validation/locate/case_file.h"
 #include "validation/perform.h"
 #include "validation/scene.h"
 #include "validation/scratch.h"
 
-/* A case's plan entry from what the protocol and its line say; false when there is no such case. */
-static bool case_of(const json_t *protocol, const char *id, plan_case *out)
+/* A case's plan entry from what the protocol and its line say; false when there is no such case. out->cut is the caller's. */
+static bool case_of(const json_t *protocol, size_t number, const char *id, plan_case *out)
 {
     const char *tier = json_string_value(json_object_get(protocol, "tier")), *seed = json_string_value(json_object_get(protocol, "seed"));
-    plan all;
+    const json_t *file = json_object_get(protocol, "case"), *list = json_object_get(file, "cases");
     ost_error none = {0};
-    bool there = false;
-    for (int t = 0; tier && seed && id && t < PLAN_TIERS; t++) {
-        if (strcmp(tier, plan_tier_name((plan_tier)t)) != 0 || plan_make((plan_tier)t, strtoull(seed, NULL, 10), 1, 1, NULL, &all, &none) != OST_OK)
-            continue;
-        for (int i = 0; i < all.count && !there; i++)
-            if (strcmp(all.cases[i].id, id) == 0) {
-                *out = all.cases[i];
-                there = true;
-            }
-        plan_free(&all);
-    }
-    return there;
+    if (file)
+        return case_of_json(list ? json_array_get(list, number) : file, "case", out, &none) == OST_OK && id && strcmp(out->id, id) == 0;
+    for (int t = 0; tier && seed && id && t < PLAN_TIERS; t++)
+        if (strcmp(tier, plan_tier_name((plan_tier)t)) == 0)
+            return plan_find((plan_tier)t, strtoull(seed, NULL, 10), id, out);
+    return false;
 }
 
 static ost_status trace_case(ost_backend *ref, const scene *s, const char *path, trace *out, ost_error *err)
@@ -47,20 +42,22 @@ static ost_status trace_case(ost_backend *ref, const scene *s, const char *path,
     return status;
 }
 
-static ost_status check_case(ost_backend *ref, const json_t *protocol, const json_t *line, const char *path, const char **problem, ost_error *err)
+static ost_status check_case(ost_backend *ref, const json_t *protocol, size_t number, const json_t *line, const char *path, const char **problem, ost_error *err)
 {
     const char *id = json_string_value(json_object_get(line, "id")), *input = json_string_value(json_object_get(line, "input_sha256"));
-    plan_case c;
+    plan_case c = {.cut = NULL};
     scene s;
     trace t = {0};
     ost_digest digest;
     char hex[OST_DIGEST_HEX];
     *problem = NULL;
-    if (!case_of(protocol, id, &c)) {
+    if (!case_of(protocol, number, id, &c)) {
+        free(c.cut);
         *problem = "is a case that this version does not have";
         return OST_OK;
     }
     ost_status status = scene_make(&c, &s, err);
+    free(c.cut);
     if (status != OST_OK)
         return status;
     status = scene_digest(&s, &digest, err);
@@ -105,7 +102,7 @@ ost_status check_again(const char *folder, bundle_problem *problem, void *user, 
             const char *what, *id = json_string_value(json_object_get(line, "id"));
             if (show)
                 show(show_user, id ? id : "", (double)i / (double)json_array_size(cases));
-            status = check_case(ref, protocol, line, path, &what, err);
+            status = check_case(ref, protocol, i, line, path, &what, err);
             if (status == OST_OK && what) {
                 problem(user, id ? id : EVIDENCE_CASES, what);
                 ++*found;

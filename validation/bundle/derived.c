@@ -194,6 +194,8 @@ static void readme(FILE *to, const json_t *protocol, const json_t *cases, const 
     fprintf(to, "osteon validate --tier %s --seed %s", evidence_text(protocol, "tier"), evidence_text(protocol, "seed"));
     if (json_integer_value(json_array_get(shard, 1)) > 1)
         fprintf(to, " --shard %lld/%lld", (long long)json_integer_value(json_array_get(shard, 0)), (long long)json_integer_value(json_array_get(shard, 1)));
+    if (json_object_get(protocol, "case"))
+        fputs(" --case case.json", to);
     if (*evidence_text(protocol, "only"))
         fprintf(to, " --only %s", evidence_text(protocol, "only"));
     if (json_is_true(json_object_get(protocol, "cpu_only")))

@@ -55,6 +55,10 @@ static void put_finding(json_t *o, const finding *f)
         json_object_set_new(o, "class", json_string(f->class));
         json_object_set_new(o, "class_text", json_string(f->text));
     }
+    if (f->reproduce[0]) {
+        json_object_set_new(o, "reproduce", json_string(f->reproduce));
+        json_object_set_new(o, "small_case", json_string(f->small));
+    }
     if (!f->operands.count)
         return;
     json_t *list = json_array();
@@ -194,6 +198,8 @@ static json_t *not_shown(const json_t *protocol, const json_t *cases)
         add_sentence(list, "The smoke tier is a check for every day: few cases and small ones. It is no evidence; the standard tier is.");
     if (json_integer_value(json_array_get(json_object_get(protocol, "shard"), 1)) > 1)
         add_sentence(list, "This is one shard of a campaign; the others' cases were not run here.");
+    if (json_object_get(protocol, "case"))
+        add_sentence(list, "The cases of one file alone were run (case.json).");
     if (*evidence_text(protocol, "only"))
         add_sentence(list, "Some cases alone were asked for.");
     if (*evidence_text(protocol, "chosen")) {
@@ -253,7 +259,7 @@ ost_status evidence_summary(const json_t *protocol, const json_t *cases, json_t 
     }
     const bool complete = json_array_size(cases) > 0 && json_array_size(cases) == json_array_size(json_object_get(protocol, "cases"));
     const bool equal = complete && counts[CASE_EQUAL] > 0 && !counts[CASE_DIFFERS] && !counts[CASE_FAILED] && !counts[CASE_CRASHED] && !counts[CASE_LATE];
-    const bool whole = complete && strcmp(evidence_text(protocol, "tier"), "smoke") != 0 && json_integer_value(json_array_get(json_object_get(protocol, "shard"), 1)) == 1 &&
+    const bool whole = complete && strcmp(evidence_text(protocol, "tier"), "smoke") != 0 && !json_object_get(protocol, "case") && json_integer_value(json_array_get(json_object_get(protocol, "shard"), 1)) == 1 &&
                        !*evidence_text(protocol, "only");
     json_t *verdicts = json_object();
     for (int v = 0; v < CASE_VERDICTS; v++)

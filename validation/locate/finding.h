@@ -17,6 +17,8 @@ typedef struct finding {
     const char *class; /* pattern_name, "report-only", or NULL where grids cannot be compared */
     char text[PATTERN_TEXT]; /* what the class rests on */
     operands operands;
+    char reproduce[96];      /* the bundle's file of a small case that shows the same; "" without one */
+    char small[160];         /* what is left in it */
 } finding;
 
 void finding_make(const scene *s, const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, const compare_difference *d, finding *out);

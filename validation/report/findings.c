@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "validation/bundle/bundle.h"
+#include "validation/bundle/reproduce.h"
 #include "validation/campaign.h"
 #include "validation/report/pictures.h"
 #include "validation/report/sections.h"
@@ -70,6 +71,23 @@ static void row(const page *p, int number, const json_t *one, const json_t *back
     fputs("</td></tr>\n", p->to);
 }
 
+/* The small case that shows the same, as a command. */
+static void reproduction(const page *p, const json_t *backend, const json_t *r)
+{
+    const char *file = evidence_text(r, "reproduce");
+    if (!reproduce_name_ok(file) || !page_has(p, file))
+        return;
+    fputs("<p>Made small, the case still differs in the same stage and looks the same: ", p->to);
+    page_text(p, evidence_text(r, "small_case"));
+    fputs(" (", p->to);
+    page_link(p, file);
+    fputs("). In the folder of this page:</p>\n<pre>osteon validate --case ", p->to);
+    page_shell_word(p, file);
+    fputs(" --backends ", p->to);
+    page_shell_word(p, evidence_text(backend, "name"));
+    fputs("</pre>\n", p->to);
+}
+
 /* What the first voxel was decided by, as the reference has it. */
 static void operand_table(const page *p, const json_t *r)
 {
@@ -101,6 +119,7 @@ static bool triplet(const page *p, int number, const json_t *one, size_t s, cons
     fputs("</code>, ", p->to);
     page_text(p, evidence_text(json_array_get(json_object_get(p->protocol, "backends"), s), "what"));
     fputs("</h3>\n", p->to);
+    reproduction(p, json_array_get(json_object_get(p->protocol, "backends"), s), r);
     operand_table(p, r);
     for (int role = 0; role < PICTURE_ROLES; role++) {
         picture_name(name, evidence_text(one, "id"), s, (picture_role)role);

@@ -128,3 +128,17 @@ void page_end(const page *p)
 {
     fputs("</body></html>\n", p->to);
 }
+
+void page_shell_word(const page *p, const char *text)
+{
+    if (text[strspn(text, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789/_.-")] == '\0' && *text) {
+        page_text(p, text);
+        return;
+    }
+    page_text(p, "'");
+    for (; *text; text++) {
+        const char one[2] = {*text, '\0'};
+        page_text(p, *text == '\'' ? "'\\''" : one);
+    }
+    page_text(p, "'");
+}

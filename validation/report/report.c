@@ -110,21 +110,6 @@ static void operation(const page *p)
 
 /* ------------------------------------------------- doing it, checking it */
 
-/* As one word for a shell. */
-static void shell_word(const page *p, const char *text)
-{
-    if (text[strspn(text, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789/_.-")] == '\0' && *text) {
-        page_text(p, text);
-        return;
-    }
-    page_text(p, "'");
-    for (; *text; text++) {
-        const char one[2] = {*text, '\0'};
-        page_text(p, *text == '\'' ? "'\\''" : one);
-    }
-    page_text(p, "'");
-}
-
 static void checking(const page *p)
 {
     const json_t *shard = json_object_get(p->protocol, "shard");
@@ -136,20 +121,22 @@ static void checking(const page *p)
     fputs(", ", p->to);
     page_link(p, EVIDENCE_CASES);
     fputs(" and the pictures. The same campaign again, on any machine:</p>\n<pre>osteon validate --tier ", p->to);
-    shell_word(p, evidence_text(p->protocol, "tier"));
+    page_shell_word(p, evidence_text(p->protocol, "tier"));
     fputs(" --seed ", p->to);
-    shell_word(p, evidence_text(p->protocol, "seed"));
+    page_shell_word(p, evidence_text(p->protocol, "seed"));
     if (json_integer_value(json_array_get(shard, 1)) > 1)
         fprintf(p->to, " --shard %lld/%lld", (long long)json_integer_value(json_array_get(shard, 0)), (long long)json_integer_value(json_array_get(shard, 1)));
+    if (json_object_get(p->protocol, "case"))
+        fputs(" --case case.json", p->to);
     if (*evidence_text(p->protocol, "only")) {
         fputs(" --only ", p->to);
-        shell_word(p, evidence_text(p->protocol, "only"));
+        page_shell_word(p, evidence_text(p->protocol, "only"));
     }
     if (json_is_true(json_object_get(p->protocol, "cpu_only")))
         fputs(" --cpu-only", p->to);
     if (*evidence_text(p->protocol, "chosen")) {
         fputs(" --backends ", p->to);
-        shell_word(p, evidence_text(p->protocol, "chosen"));
+        page_shell_word(p, evidence_text(p->protocol, "chosen"));
     }
     fputs(" --out BUNDLE</pre>\n<p>With the same build on the same machine, <code>results_root</code> of ", p->to);
     page_link(p, "manifest.json");
@@ -186,6 +173,7 @@ static void files(const page *p)
         {"audit.log", "what was done when, each line hashed into the next", true},
         {"manifest.json", "size and SHA-256 of every file, and two roots over them", true},
         {"README.md", "the verdict in a few lines of text", true},
+        {"case.json", "the cases that were run, as a file", false},
         {"sensitivity.json", "deliberate mistakes, and whether they were noticed", false},
         {"common.json", "checks by hand, by volume and by law: mistakes that all backends could have in common", false},
         {"requirements.csv", "requirements, and the tests that verify them", false},

@@ -7,6 +7,7 @@
 
 #include "validation/bundle/bundle.h"
 #include "validation/report/page.h"
+#include "validation/bundle/reproduce.h"
 #include "validation/report/pictures.h"
 
 /* Copies a picture from the one shard that has it. */
@@ -40,10 +41,14 @@ ost_status pictures_of_shards(const char *folder, const json_t *protocol, const 
         status = take(folder, operation[i], &taken, sink, user, err);
     for (size_t s = 1; s < json_array_size(backends) && status == OST_OK; s++) {
         int kept = 0;
-        for (size_t i = 0; i < json_array_size(cases) && kept < PICTURES_A_BACKEND && status == OST_OK; i++) {
+        for (size_t i = 0; i < json_array_size(cases) && status == OST_OK; i++) {
             const json_t *one = json_array_get(cases, i);
             const json_t *r = json_object_get(json_object_get(one, "results"), evidence_text(json_array_get(backends, s), "name"));
             if (strcmp(evidence_text(r, "verdict"), case_verdict_name(CASE_DIFFERS)) != 0)
+                continue;
+            if (reproduce_name_ok(evidence_text(r, "reproduce")) && status == OST_OK)
+                status = take(folder, evidence_text(r, "reproduce"), &taken, sink, user, err);
+            if (kept >= PICTURES_A_BACKEND)
                 continue;
             for (int role = 0; role < PICTURE_ROLES && status == OST_OK; role++) {
                 char name[PICTURE_NAME];
