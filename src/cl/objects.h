@@ -55,6 +55,7 @@ typedef struct cl_bone {
 typedef struct cl_tool {
     ost_tool base;
     cl_mem classes;
+    size_t room;   /* its bytes */
     cl_mem cells;  /* classes and reach */
     cl_mem packed; /* classes alone, close together; for backends that remove by blocks, else NULL */
     bool made;     /* whether the device has been waited for since the cells were asked for */
@@ -95,8 +96,11 @@ void ost_cl_bone_release(cl_bone *bone, size_t chunk);
 /* voxelize.c, tool.c */
 ost_status ost_cl_voxelize(ost_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
                            ost_fill_rule rule, ost_voxelize_report *report, ost_tool **out, ost_error *err);
-ost_status ost_cl_tool_create(ost_backend *backend, const ost_tool_geometry *geometry, const uint8_t *voxels, cl_tool **out,
-                              ost_error *err);
+/* By tiles of rows, for CPUs. */
+ost_status ost_cl_voxelize_tiles(ost_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
+                                 ost_fill_rule rule, ost_voxelize_report *report, ost_tool **out, ost_error *err);
+/* With whatever the memory holds. */
+ost_status ost_cl_tool_create(ost_backend *backend, const ost_tool_geometry *geometry, cl_tool **out, ost_error *err);
 ost_status ost_cl_tool_upload(ost_backend *backend, const ost_tool_volume *volume, ost_tool **out, ost_error *err);
 ost_status ost_cl_tool_download(const ost_tool *tool, ost_tool_volume *volume, ost_error *err);
 void ost_cl_tool_free(ost_tool *tool);

@@ -12,15 +12,13 @@ static size_t voxels_of(const ost_tool_geometry *geometry)
     return (size_t)ost_dims_count(geometry->dims);
 }
 
-ost_status ost_cl_tool_create(ost_backend *backend, const ost_tool_geometry *geometry, const uint8_t *voxels, cl_tool **out,
-                              ost_error *err)
+ost_status ost_cl_tool_create(ost_backend *backend, const ost_tool_geometry *geometry, cl_tool **out, ost_error *err)
 {
     cl_tool *tool = calloc(1, sizeof *tool);
     if (!tool)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for a tool");
     tool->base = (ost_tool){.backend = backend, .geometry = *geometry};
-    ost_status status = voxels ? ost_cl_buffer((cl_backend *)backend, voxels_of(geometry), voxels, "tool", &tool->classes, err)
-                               : ost_cl_buffer_zero((cl_backend *)backend, voxels_of(geometry), "tool", &tool->classes, err);
+    ost_status status = ost_cl_room_take((cl_backend *)backend, voxels_of(geometry), "tool", &tool->classes, &tool->room, err);
     if (status != OST_OK) {
         free(tool);
         return status;
@@ -32,9 +30,14 @@ ost_status ost_cl_tool_create(ost_backend *backend, const ost_tool_geometry *geo
 ost_status ost_cl_tool_upload(ost_backend *backend, const ost_tool_volume *volume, ost_tool **out, ost_error *err)
 {
     cl_tool *tool;
-    ost_status status = ost_cl_tool_create(backend, &volume->geometry, volume->voxels, &tool, err);
+    ost_status status = ost_cl_tool_create(backend, &volume->geometry, &tool, err);
+    if (status != OST_OK)
+        return status;
+    status = ost_cl_write((cl_backend *)backend, tool->classes, 0, voxels_of(&volume->geometry), volume->voxels, err);
     if (status == OST_OK)
         *out = &tool->base;
+    else
+        ost_cl_tool_free(&tool->base);
     return status;
 }
 
@@ -47,7 +50,7 @@ ost_status ost_cl_tool_download(const ost_tool *base, ost_tool_volume *volume, o
 void ost_cl_tool_free(ost_tool *base)
 {
     cl_tool *tool = (cl_tool *)base;
-    ost_cl_buffer_free((cl_backend *)base->backend, &tool->classes);
+    ost_cl_room_give((cl_backend *)base->backend, &tool->classes, tool->room);
     ost_cl_buffer_free((cl_backend *)base->backend, &tool->cells);
     ost_cl_buffer_free((cl_backend *)base->backend, &tool->packed);
     free(tool);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * AR-VOX on the device, by triangle.
+ * AR-VOX on the device, by triangle (CPUs: voxelize_tiles.c).
  *
  *   for slices that fit the steps' buffer
  *     for the mesh that does not cut, then the one that does
@@ -12,8 +12,8 @@
 
 #include <stdlib.h>
 
-/* Of the steps' buffer, on a CPU about what its caches hold; and the least number of work items that keeps a device busy. */
-enum { STEPS_BYTES = 1 << 28, STEPS_BYTES_CPU = 1 << 24, ITEMS = 1 << 14 };
+/* Of the steps' buffer; and the least number of work items that keeps a device busy. */
+enum { STEPS_BYTES = 1 << 28, ITEMS = 1 << 14 };
 
 typedef struct mesh_buffers {
     const ost_snapped_mesh *mesh; /* NULL: none */
@@ -69,8 +69,7 @@ static ost_status count_slices(cl_backend *b, const ost_cl_vox *vox, cl_mem clas
 static int32_t step_slices(const cl_backend *b, ost_dims dims)
 {
     const size_t slice = (size_t)dims.y * ((size_t)dims.x + 1) * sizeof(int32_t);
-    const size_t wanted = b->device.cpu ? STEPS_BYTES_CPU : STEPS_BYTES;
-    const size_t most = b->device.max_buffer < wanted ? b->device.max_buffer : wanted;
+    const size_t most = b->device.max_buffer < STEPS_BYTES ? b->device.max_buffer : STEPS_BYTES;
     const size_t fit = most / slice;
     return fit < 1 ? 1 : fit < (size_t)dims.z ? (int32_t)fit : dims.z;
 }
@@ -79,6 +78,8 @@ ost_status ost_cl_voxelize(ost_backend *backend, const ost_snapped_mesh *cutting
                            ost_fill_rule rule, ost_voxelize_report *report, ost_tool **out, ost_error *err)
 {
     cl_backend *b = (cl_backend *)backend;
+    if (b->device.cpu)
+        return ost_cl_voxelize_tiles(backend, cutting, noncutting, rule, report, out, err);
     const ost_dims dims = cutting->grid.dims;
     const int32_t step = step_slices(b, dims);
     mesh_buffers meshes[2] = {{.mesh = noncutting, .tool_class = OST_TOOL_NONCUTTING}, {.mesh = cutting, .tool_class = OST_TOOL_CUTTING}};
@@ -87,7 +88,9 @@ ost_status ost_cl_voxelize(ost_backend *backend, const ost_snapped_mesh *cutting
     cl_tool *tool = NULL;
     ost_status status = count ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for the counts of %d slices", (int)dims.z);
     if (status == OST_OK)
-        status = ost_cl_tool_create(backend, &cutting->grid, NULL, &tool, err);
+        status = ost_cl_tool_create(backend, &cutting->grid, &tool, err);
+    if (status == OST_OK)
+        status = ost_cl_zero(b, tool->classes, 0, (size_t)ost_dims_count(dims), err);
     for (int m = 0; m < 2 && status == OST_OK; m++)
         status = mesh_upload(b, &meshes[m], err);
     if (status == OST_OK)

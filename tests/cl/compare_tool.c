@@ -79,6 +79,44 @@ static void voxelize_mesh(machine *m, test_rng *rng, const ost_snapped_mesh *mes
     free(steps);
 }
 
+/* The same by tiles of any size, each with all triangles in an order of its own; counts: solid, cutting, leaking. */
+static void voxelize_tiles(machine *m, test_rng *rng, const ost_snapped_mesh *mesh, ost_fill_rule rule, int tool_class, bool over,
+                           uint8_t *classes, uint64_t counts[3])
+{
+    const ost_dims d = mesh->grid.dims;
+    ost_cl_tiles tiles = {.dims = {d.x, d.y, d.z}, .fraction = mesh->fraction_bits, .rule = (int)rule, .tool_class = tool_class, .over = over};
+    tiles.height = (int32_t)rng_range(rng, 1, d.y);
+    tiles.depth = (int32_t)rng_range(rng, d.z > 100 ? 100 : 1, d.z);
+    tiles.count[0] = (d.y + tiles.height - 1) / tiles.height;
+    tiles.count[1] = (d.z + tiles.depth - 1) / tiles.depth;
+    const size_t count = (size_t)tiles.count[0] * (size_t)tiles.count[1], n = mesh->triangle_count;
+    const size_t steps_room = count * (size_t)tiles.height * ((size_t)d.x + 1), marks_room = count * (size_t)tiles.height * ((size_t)d.x / 64 + 1);
+    uint32_t *start = zeros(count + 1, 4), *list = zeros(count * n, 4);
+    int32_t *steps = zeros(steps_room, 4);
+    uint64_t *marks = zeros(marks_room, 8), *of_tile = zeros(3 * count, 8);
+    memset(steps, 0x33, steps_room * 4);
+    memset(marks, 0x33, marks_room * 8);
+    of_tile[2] = over ? counts[2] : 99; /* added to, or not looked at */
+    for (size_t t = 0; t < count; t++) {
+        start[t + 1] = start[t] + (uint32_t)n;
+        for (size_t i = 0; i < n; i++)
+            list[start[t] + i] = (uint32_t)((i + t) % n);
+    }
+    LAUNCH(m, ost_vox_tiles, tiles.count[0], tiles.count[1], 1, ONE(&tiles), BUFFER(&mesh->vertices[0][0], 3 * mesh->vertex_count),
+           BUFFER(&mesh->triangles[0][0], 3 * n), BUFFER(start, count + 1), BUFFER(list, count * n), BUFFER(steps, steps_room),
+           BUFFER(marks, marks_room), BUFFER(classes, ost_dims_count(d)), BUFFER(of_tile, 3 * count));
+    for (int c = 0; c < 3; c++) {
+        counts[c] = 0;
+        for (size_t t = 0; t < count; t++)
+            counts[c] += of_tile[3 * t + (size_t)c];
+    }
+    free(of_tile);
+    free(marks);
+    free(steps);
+    free(list);
+    free(start);
+}
+
 static void voxelize_round(machine *m, test_rng *rng)
 {
     ost_error err = {0};
@@ -113,6 +151,17 @@ static void voxelize_round(machine *m, test_rng *rng)
     }
     assert_int_equal(solid, report.solid_voxels);
     assert_int_equal(cutting, report.cutting_voxels);
+
+    uint64_t tiled[3] = {0, 0, 0};
+    memset(found, 0x77, count); /* all is written */
+    if (both)
+        voxelize_tiles(m, rng, &mesh[1], rule, OST_TOOL_NONCUTTING, false, found, tiled);
+    voxelize_tiles(m, rng, &mesh[0], rule, OST_TOOL_CUTTING, both, found, tiled);
+    if (memcmp(found, expected, count) != 0)
+        fail_msg("%s: a tool of %d x %d x %d by tiles differs, rule %d", m->name, dims.x, dims.y, dims.z, (int)rule);
+    assert_int_equal(tiled[0], report.solid_voxels);
+    assert_int_equal(tiled[1], report.cutting_voxels);
+    assert_int_equal(tiled[2], report.leaking_rows);
     free(expected);
     free(found);
     free(counts);

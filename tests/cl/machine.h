@@ -33,6 +33,7 @@
     X(ost_vox_steps)         \
     X(ost_vox_fill)          \
     X(ost_vox_count)         \
+    X(ost_vox_tiles)         \
     X(ost_tool_reach)        \
     X(ost_tool_pack)         \
     X(ost_remove)            \

@@ -22,6 +22,7 @@ static int test_rows = 4;
 #include "cl/kernels/import.cl"
 #include "cl/kernels/remove.cl"
 #include "cl/kernels/voxelize.cl"
+#include "cl/kernels/voxelize_cpu.cl"
 
 #define B(i) args[i].data
 #define U(i) args[i].number
@@ -49,6 +50,7 @@ static void call(enum test_kernel kernel, const kernel_arg *args)
     case K_ost_vox_steps: ost_vox_steps(B(0), B(1), B(2), B(3)); break;
     case K_ost_vox_fill: ost_vox_fill(B(0), B(1), B(2), B(3)); break;
     case K_ost_vox_count: ost_vox_count(B(0), B(1), B(2)); break;
+    case K_ost_vox_tiles: ost_vox_tiles(B(0), B(1), B(2), B(3), B(4), B(5), B(6), B(7), B(8)); break;
     case K_ost_tool_reach: ost_tool_reach(B(0), B(1), B(2)); break;
     case K_ost_tool_pack: ost_tool_pack(B(0), B(1), B(2)); break;
     case K_ost_remove: ost_remove(B(0), B(1), B(2), B(3), B(4), B(5), B(6), B(7)); break;

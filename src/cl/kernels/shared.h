@@ -218,6 +218,30 @@ typedef struct ost_cl_vox {
     ost_cl_i32 tool_class; /* 1 or 2 */
 } ost_cl_vox;
 
+/*
+ * The same for CPUs, a mesh a launch:
+ *
+ *   ost_vox_tiles(tiles, vertices, triangles, start, list, steps, marks, classes, counts)   count[0], count[1]
+ *
+ *   tiles    const ost_cl_tiles[1]
+ *   start    const uint[tiles + 1], list const uint[start[tiles]]: triangles list[start[t]] ... list[start[t + 1] - 1] of tile
+ *            t = y + count[0] z are all those whose bounds hold the centre of one of its rows; others do no harm
+ *   steps    int[tiles * height * (dims.x + 1)], marks ulong[tiles * height * (dims.x / 64 + 1)]: whatever is in them
+ *   classes  uchar[dims.x * dims.y * dims.z]   all are written; with over only those that the mesh covers
+ *   counts   ulong[3 * tiles]                  of a tile: solid and cutting voxels, of all meshes so far; rows that leak, which are
+ *                                              added to what is there with over
+ */
+typedef struct ost_cl_tiles {
+    ost_cl_i32 dims[3];
+    ost_cl_i32 fraction;
+    ost_cl_i32 height, depth; /* rows along y and slices of a tile */
+    ost_cl_i32 count[2];      /* tiles along y and z */
+    ost_cl_i32 rule;
+    ost_cl_i32 tool_class;
+    ost_cl_i32 over; /* 1: a second mesh, over the first */
+    ost_cl_i32 unused;
+} ost_cl_tiles;
+
 /* ----------------------------------------------------------- tool cells */
 /*
  * A cell is a tool voxel's class in bits 0 and 1 and its reach in bits 2 to
@@ -347,6 +371,7 @@ _Static_assert(sizeof(ost_cl_scatter_report) == 32, "layout");
 _Static_assert(sizeof(ost_cl_cubic) == 88, "layout");
 _Static_assert(sizeof(ost_cl_bone) == 32, "layout");
 _Static_assert(sizeof(ost_cl_vox) == 40, "layout");
+_Static_assert(sizeof(ost_cl_tiles) == 48, "layout");
 _Static_assert(sizeof(ost_cl_tool) == 16, "layout");
 _Static_assert(sizeof(ost_cl_event) == 64, "layout");
 _Static_assert(sizeof(ost_cl_block) == 24, "layout");

@@ -5,6 +5,7 @@
  *   ost_vox_steps   a triangle notes +1 or -1 at the first centre not left of
  *                   its crossing, in every row that it owns
  *   ost_vox_fill    a row's running sum: solid where it is not 0
+ *   ost_vox_tiles   both for CPUs, a tile of rows an item (voxelize_cpu.cl)
  *
  * Ranges.  L = 2^20 and coordinates lie in [0, L].  For an edge a -> b,
  * E = dy (Z - az) - dz (Y - ay) has |dy|, |dz| <= L, |Z - az| <= L + 2^9 (a centre), so
@@ -40,67 +41,99 @@ static int ost_owns_edge(long dy, long dz)
     return dz < 0 || (dz == 0 && dy > 0);
 }
 
+/* A triangle that is turned so that its projection runs counter-clockwise, and the rows and slices whose centres its bounds hold. */
+typedef struct ost_triangle {
+    long a[3], b[3], c[3];
+    int i_first, i_last, j_first, j_last, k_first, k_last; /* of the centres in its bounds */
+    long nx, ny, nz;
+    int step; /* what a crossing adds */
+    int on0, on1, on2; /* whether it owns its edges ab, bc, ca */
+} ost_triangle;
+
+/* False when no slice k0 <= k < k1 has anything of it. */
+static int ost_triangle_load(ost_triangle *t, __global const int *vertices, __global const uint *triangles, size_t number, int f, int k0,
+                             int k1)
+{
+    for (int i = 0; i < 3; i++) {
+        t->a[i] = vertices[3 * (size_t)triangles[3 * number] + (size_t)i];
+        t->b[i] = vertices[3 * (size_t)triangles[3 * number + 1] + (size_t)i];
+        t->c[i] = vertices[3 * (size_t)triangles[3 * number + 2] + (size_t)i];
+    }
+    const int z_least = ost_least((int)t->a[2], ost_least((int)t->b[2], (int)t->c[2]));
+    const int z_most = ost_greatest((int)t->a[2], ost_greatest((int)t->b[2], (int)t->c[2]));
+    t->k_first = ost_greatest(ost_first_centre(z_least, f), k0);
+    t->k_last = ost_least(ost_last_centre(z_most, f), k1 - 1);
+    if (t->k_first > t->k_last)
+        return 0;
+
+    t->nx = (t->b[1] - t->a[1]) * (t->c[2] - t->a[2]) - (t->b[2] - t->a[2]) * (t->c[1] - t->a[1]);
+    t->ny = (t->b[2] - t->a[2]) * (t->c[0] - t->a[0]) - (t->b[0] - t->a[0]) * (t->c[2] - t->a[2]);
+    t->nz = (t->b[0] - t->a[0]) * (t->c[1] - t->a[1]) - (t->b[1] - t->a[1]) * (t->c[0] - t->a[0]);
+    if (t->nx == 0)
+        return 0;
+    t->step = -1;
+    if (t->nx < 0) { /* the outward normal looks to low x: the line enters here */
+        for (int i = 0; i < 3; i++) {
+            const long swap = t->b[i];
+            t->b[i] = t->c[i];
+            t->c[i] = swap;
+        }
+        t->nx = -t->nx;
+        t->ny = -t->ny;
+        t->nz = -t->nz;
+        t->step = 1;
+    }
+    const int y_least = ost_least((int)t->a[1], ost_least((int)t->b[1], (int)t->c[1]));
+    const int y_most = ost_greatest((int)t->a[1], ost_greatest((int)t->b[1], (int)t->c[1]));
+    const int x_least = ost_least((int)t->a[0], ost_least((int)t->b[0], (int)t->c[0]));
+    const int x_most = ost_greatest((int)t->a[0], ost_greatest((int)t->b[0], (int)t->c[0]));
+    t->i_first = ost_first_centre(x_least, f);
+    t->i_last = ost_last_centre(x_most, f);
+    t->j_first = ost_first_centre(y_least, f);
+    t->j_last = ost_last_centre(y_most, f);
+    t->on0 = ost_owns_edge(t->b[1] - t->a[1], t->b[2] - t->a[2]);
+    t->on1 = ost_owns_edge(t->c[1] - t->b[1], t->c[2] - t->b[2]);
+    t->on2 = ost_owns_edge(t->a[1] - t->c[1], t->a[2] - t->c[2]);
+    return 1;
+}
+
+/* The first centre not left of the crossing with row (j, k), at most dims[0]; -1 when the triangle does not own it. */
+static int ost_triangle_crossing(const ost_triangle *t, int j, int k, int f)
+{
+    const long y = ost_centre(j, f), z = ost_centre(k, f), width = 1l << f;
+    const long e0 = (t->b[1] - t->a[1]) * (z - t->a[2]) - (t->b[2] - t->a[2]) * (y - t->a[1]);
+    const long e1 = (t->c[1] - t->b[1]) * (z - t->b[2]) - (t->c[2] - t->b[2]) * (y - t->b[1]);
+    const long e2 = (t->a[1] - t->c[1]) * (z - t->c[2]) - (t->a[2] - t->c[2]) * (y - t->c[1]);
+    if (e0 < 0 || e1 < 0 || e2 < 0 || (e0 == 0 && !t->on0) || (e1 == 0 && !t->on1) || (e2 == 0 && !t->on2))
+        return -1;
+    /* It crosses within its bounds: so at one of their centres or the one behind, found by halving, since 64-bit division is slow. */
+    const long crossing = t->nx * t->a[0] - t->ny * (y - t->a[1]) - t->nz * (z - t->a[2]) - t->nx * (width / 2); /* times nx, from centre 0 */
+    int least = t->i_first, most = t->i_last + 1;
+    while (least < most) {
+        const int middle = (least + most) / 2;
+        if (t->nx * width * middle >= crossing) /* nx 2^f i < 2^40 2^20: f bits of lattice and i make 2^20 */
+            most = middle;
+        else
+            least = middle + 1;
+    }
+    return least;
+}
+
+#if OST_FOR & 1
 __kernel void ost_vox_steps(__global const ost_cl_vox *vox, __global const int *vertices, __global const uint *triangles,
                             volatile __global int *steps)
 {
-    if (get_global_id(0) >= vox->triangles || get_global_id(1) >= vox->bands)
+    ost_triangle t;
+    if (get_global_id(0) >= vox->triangles || get_global_id(1) >= vox->bands ||
+        !ost_triangle_load(&t, vertices, triangles, get_global_id(0), vox->fraction, vox->k0, vox->k1))
         return;
-    const size_t t = 3 * get_global_id(0);
-    const int f = vox->fraction;
-    long a[3], b[3], c[3];
-    for (int i = 0; i < 3; i++) {
-        a[i] = vertices[3 * (size_t)triangles[t] + (size_t)i];
-        b[i] = vertices[3 * (size_t)triangles[t + 1] + (size_t)i];
-        c[i] = vertices[3 * (size_t)triangles[t + 2] + (size_t)i];
-    }
-    const int z_least = ost_least((int)a[2], ost_least((int)b[2], (int)c[2]));
-    const int z_most = ost_greatest((int)a[2], ost_greatest((int)b[2], (int)c[2]));
-    const int k_first = ost_greatest(ost_first_centre(z_least, f), vox->k0);
-    const int k_last = ost_least(ost_last_centre(z_most, f), vox->k1 - 1);
-    if (k_first > k_last)
-        return;
-
-    long nx = (b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1]);
-    long ny = (b[2] - a[2]) * (c[0] - a[0]) - (b[0] - a[0]) * (c[2] - a[2]);
-    long nz = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-    if (nx == 0)
-        return;
-    int step = -1;
-    if (nx < 0) { /* the outward normal looks to low x: the line enters here */
-        for (int i = 0; i < 3; i++) {
-            const long swap = b[i];
-            b[i] = c[i];
-            c[i] = swap;
-        }
-        nx = -nx;
-        ny = -ny;
-        nz = -nz;
-        step = 1;
-    }
-
-    const int y_least = ost_least((int)a[1], ost_least((int)b[1], (int)c[1]));
-    const int y_most = ost_greatest((int)a[1], ost_greatest((int)b[1], (int)c[1]));
-    const int j_first = ost_first_centre(y_least, f), j_last = ost_last_centre(y_most, f);
-    const long dy0 = b[1] - a[1], dy1 = c[1] - b[1], dy2 = a[1] - c[1];
-    const long dz0 = b[2] - a[2], dz1 = c[2] - b[2], dz2 = a[2] - c[2];
-    const int on0 = ost_owns_edge(dy0, dz0), on1 = ost_owns_edge(dy1, dz1), on2 = ost_owns_edge(dy2, dz2);
-    const long width = 1l << f, to_centre = width / 2;
-
-    for (int k = k_first + (int)get_global_id(1); k <= k_last; k += (int)vox->bands) {
-        const long z = ost_centre(k, f);
-        for (int j = j_first; j <= j_last; j++) {
-            const long y = ost_centre(j, f);
-            const long e0 = dy0 * (z - a[2]) - dz0 * (y - a[1]);
-            const long e1 = dy1 * (z - b[2]) - dz1 * (y - b[1]);
-            const long e2 = dy2 * (z - c[2]) - dz2 * (y - c[1]);
-            if (e0 < 0 || e1 < 0 || e2 < 0 || (e0 == 0 && !on0) || (e1 == 0 && !on1) || (e2 == 0 && !on2))
-                continue;
-            const long crossing = nx * a[0] - ny * (y - a[1]) - nz * (z - a[2]); /* times nx */
-            const long i = ost_ceil_div(crossing - nx * to_centre, nx * width);
+    for (int k = t.k_first + (int)get_global_id(1); k <= t.k_last; k += (int)vox->bands)
+        for (int j = t.j_first; j <= t.j_last; j++) {
+            const int i = ost_triangle_crossing(&t, j, k, vox->fraction);
             const ulong row = (ulong)j + (ulong)vox->dims[1] * (ulong)(k - vox->k0);
-            atomic_add(&steps[row * ((ulong)vox->dims[0] + 1) + (ulong)i], step);
+            if (i >= 0)
+                atomic_add(&steps[row * ((ulong)vox->dims[0] + 1) + (ulong)i], t.step);
         }
-    }
 }
 
 __kernel void ost_vox_fill(__global const ost_cl_vox *vox, __global int *steps, __global uchar *classes, volatile __global uint *leaks)
@@ -143,6 +176,7 @@ __kernel void ost_vox_count(__global const ost_cl_vox *vox, __global const uchar
     if (cutting > 0)
         atomic_add(&counts[2 * k + 1], cutting);
 }
+#endif
 
 /*
  * After axis 0 a cell's reach speaks of its row, after axis 1 of its slice,
