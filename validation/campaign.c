@@ -7,6 +7,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "validation/dump.h"
+
 const char *case_verdict_name(case_verdict verdict)
 {
     static const char *const names[CASE_VERDICTS] = {"equal", "differs", "failed", "crashed", "timed out", "not run"};
@@ -62,11 +64,28 @@ static void tell_failed(const trace_record *failed, case_result *r)
         snprintf(r->text, sizeof r->text, "%.*s", block.dims.x < 190 ? (int)block.dims.x : 190, (const char *)block.voxels);
 }
 
+/* How near each differing voxel was; NULL where that cannot be said. */
+static margins *measure(const campaign *c, int i, const trace *got, compare_range range)
+{
+    scene s;
+    margins *m = malloc(sizeof *m);
+    if (!m || scene_make(&c->plan->cases[i], &s, NULL) != OST_OK) {
+        free(m);
+        return NULL;
+    }
+    const ost_status status = margins_of(&s, &c->reference, c->ranges[i], got, range, false, m, NULL);
+    scene_free(&s);
+    if (status == OST_OK)
+        return m;
+    free(m);
+    return NULL;
+}
+
 /* What one part of a backend's trace says about cases from..; how many of them it has whole. */
-static int judge(campaign *c, const campaign_options *o, int whom, const trace *got, int from)
+static int judge(campaign *c, const campaign_options *o, int whom, const trace *got, int from, int until)
 {
     int judged = 0;
-    for (int i = from; i < c->plan->count; i++, judged++) {
+    for (int i = from; i < until; i++, judged++) {
         const compare_range range = compare_find(got, (uint32_t)i);
         /* Whole: the next case began, or the list ended. */
         const bool last = range.count && range.first + range.count == got->count;
@@ -82,6 +101,8 @@ static int judge(campaign *c, const campaign_options *o, int whom, const trace *
             r->found = finding_of_case(&c->plan->cases[i], &c->reference, c->ranges[i], got, range, &r->difference);
         if (r->verdict == CASE_FAILED)
             tell_failed(&got->records[range.first + range.count - 1], r);
+        if (r->verdict == CASE_DIFFERS)
+            r->margins = measure(c, i, got, range);
         if (r->verdict == CASE_DIFFERS && o->differs)
             o->differs(o->keeper, c, i, whom, got, range);
         c->records += r->difference.records;
@@ -91,10 +112,45 @@ static int judge(campaign *c, const campaign_options *o, int whom, const trace *
     return judged;
 }
 
+/* A folder of grids in a backend's place. */
+static ost_status run_dump(campaign *c, int whom, const campaign_options *o, ost_error *err)
+{
+    const plan *p = c->plan;
+    const char *folder = c->subjects->subjects[whom].spec + strlen(SUBJECT_DUMP);
+    char path[PATH];
+    dump_head head;
+    trace got = {0};
+    uint64_t *compared = calloc((size_t)p->count + 1, sizeof *compared);
+    ost_status status = compared ? dump_read_head(folder, &head, err) : ost_fail(err, OST_ERR_MEMORY, "no memory for %d cases", p->count);
+    if (status == OST_OK && (head.tier != p->tier || head.seed != p->seed))
+        status = ost_fail(err, OST_ERR_USAGE, "%s: its cases are of tier %s, seed %llu; compared are those of tier %s, seed %llu", folder,
+                          plan_tier_name(head.tier), (unsigned long long)head.seed, plan_tier_name(p->tier), (unsigned long long)p->seed);
+    if (status == OST_OK)
+        status = dump_trace(folder, p, &c->reference, c->ranges, file_of(o, whom, 0, path), compared, err);
+    if (status == OST_OK)
+        status = trace_open(path, &got, err);
+    for (int i = 0; i < p->count && status == OST_OK; i++) {
+        case_result *r = result_of(c, i, whom);
+        if (compared[i])
+            judge(c, o, whom, &got, i, i + 1);
+        else
+            r->verdict = CASE_NOT_RUN;
+        if (r->verdict == CASE_EQUAL || r->verdict == CASE_NOT_RUN)
+            snprintf(r->text, sizeof r->text, "%llu of %zu records are in the dump; reports never are", (unsigned long long)compared[i], c->ranges[i].count - 1);
+    }
+    trace_free(&got);
+    if (compared)
+        unlink(file_of(o, whom, 0, path));
+    free(compared);
+    return status;
+}
+
 static ost_status run_subject(campaign *c, int whom, const campaign_options *o, ost_error *err)
 {
     const plan *p = c->plan;
     double left = o->limit_s;
+    if (strncmp(c->subjects->subjects[whom].spec, SUBJECT_DUMP, strlen(SUBJECT_DUMP)) == 0)
+        return run_dump(c, whom, o, err);
     for (int from = 0, part = 0; from < p->count; part++) {
         char path[PATH];
         worker_result end;
@@ -107,7 +163,7 @@ static ost_status run_subject(campaign *c, int whom, const campaign_options *o, 
         c->seconds[whom] += end.seconds;
         ost_error unread = {0};
         const bool readable = access(path, F_OK) == 0 && trace_open(path, &got, &unread) == OST_OK;
-        const int judged = readable ? judge(c, o, whom, &got, from) : 0;
+        const int judged = readable ? judge(c, o, whom, &got, from, p->count) : 0;
         trace_free(&got);
         unlink(path);
         from += judged;
@@ -190,8 +246,10 @@ ost_status campaign_run(const plan *p, const subject_list *subjects, const campa
 
 void campaign_free(campaign *c)
 {
-    for (int i = 0; c->results && i < c->plan->count * c->subjects->count; i++)
+    for (int i = 0; c->results && i < c->plan->count * c->subjects->count; i++) {
         free(c->results[i].found);
+        free(c->results[i].margins);
+    }
     free(c->results);
     free(c->ranges);
     free(c->seconds);

@@ -12,6 +12,7 @@
 #define OST_VALIDATION_CAMPAIGN_H
 
 #include "validation/locate/finding.h"
+#include "validation/margin.h"
 #include "validation/plan.h"
 #include "validation/subjects.h"
 #include "validation/worker.h"
@@ -31,6 +32,7 @@ const char *case_verdict_name(case_verdict verdict);
 typedef struct case_result {
     case_verdict verdict;
     compare_difference difference; /* of CASE_DIFFERS */
+    margins *margins;              /* owned; of CASE_DIFFERS; NULL: not measured */
     finding *found;                /* owned; of CASE_DIFFERS; NULL: nothing more is known */
     char text[200];
 } case_result;

@@ -8,6 +8,7 @@
 static const struct {
     const char *name, *about;
     int count[PLAN_TIERS];
+    int named; /* when --only names the family */
 } families[PLAN_FAMILIES] = {
     [PLAN_IMPORT] = {"import", "random CTs: scatter, resampling, chunks", {6, 48, 240}},
     [PLAN_MESH] = {"mesh", "tools from simple to hostile meshes", {8, 48, 240}},
@@ -15,6 +16,7 @@ static const struct {
     [PLAN_SWEEP] = {"sweep", "fast motion, many poses an event", {2, 12, 60}},
     [PLAN_SESSION] = {"session", "slow cutting with changes of tool", {2, 8, 40}},
     [PLAN_OPERATION] = {"operation", "the built-in peg hole and reaming", {1, 2, 4}},
+    [PLAN_STATIC] = {"static", "the static events of the thesis' Tables 3.3 to 3.5, when asked for by name", {0, 0, 0}, 4},
     [PLAN_SMALL] = {"small", "all stages in a few milliseconds, for the sensitivity proof", {0, 0, 0}},
 };
 
@@ -34,17 +36,23 @@ const char *plan_family_about(plan_family family)
     return families[family].about;
 }
 
+static int count_of(int f, plan_tier tier, const char *only)
+{
+    const int named = only && strncmp(only, families[f].name, strlen(families[f].name)) == 0 ? families[f].named : 0;
+    return named ? named : families[f].count[tier];
+}
+
 ost_status plan_make(plan_tier tier, uint64_t seed, int shard, int shards, const char *only, plan *out, ost_error *err)
 {
     int room = 0;
     for (int f = 0; f < PLAN_FAMILIES; f++)
-        room += families[f].count[tier];
+        room += count_of(f, tier, only);
     *out = (plan){.tier = tier, .seed = seed, .shard = shard, .shards = shards, .only = only};
     out->cases = malloc((size_t)room * sizeof *out->cases);
     if (!out->cases)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for a plan of %d cases", room);
     for (int f = 0; f < PLAN_FAMILIES; f++)
-        for (int n = 0; n < families[f].count[tier]; n++) {
+        for (int n = 0; n < count_of(f, tier, only); n++) {
             plan_case c = {.family = (plan_family)f, .number = n, .tier = tier, .seed = seed};
             snprintf(c.id, sizeof c.id, "%s/%d", families[f].name, n);
             if (only && strncmp(c.id, only, strlen(only)) != 0)

@@ -14,6 +14,7 @@
  *   sweep/N      fast motion: many poses an event
  *   session/N    slow cutting for many ticks, tools changed in between
  *   operation/N  the built-in peg hole and reaming on a phantom's glenoid
+ *   static/N     the thesis' static events, when they are asked for by name
  */
 #ifndef OST_VALIDATION_PLAN_H
 #define OST_VALIDATION_PLAN_H
@@ -32,6 +33,7 @@ typedef enum plan_family {
     PLAN_SWEEP,
     PLAN_SESSION,
     PLAN_OPERATION,
+    PLAN_STATIC, /* by name alone: the static events of Tables 3.3 to 3.5 */
     PLAN_SMALL, /* in no plan: scenes of a few milliseconds that hold every stage, for sensitivity.h */
     PLAN_FAMILIES
 } plan_family;

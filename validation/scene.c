@@ -196,12 +196,18 @@ static ost_status make_operation(const plan_case *c, scene *s, draw *d, ost_erro
     return status;
 }
 
+static ost_status make_static(const plan_case *c, scene *s, draw *d, ost_error *err)
+{
+    (void)d;
+    return scene_static(s, c->number, err);
+}
+
 ost_status scene_make(const plan_case *c, scene *out, ost_error *err)
 {
     static ost_status (*const makers[PLAN_FAMILIES])(const plan_case *, scene *, draw *, ost_error *) = {
         [PLAN_IMPORT] = make_import, [PLAN_MESH] = make_mesh,       [PLAN_POSES] = make_poses,
         [PLAN_SWEEP] = make_sweep,   [PLAN_SESSION] = make_session, [PLAN_OPERATION] = make_operation,
-        [PLAN_SMALL] = make_small,
+        [PLAN_SMALL] = make_small,   [PLAN_STATIC] = make_static,
     };
     draw d = draw_named(c->seed, c->id);
     *out = (scene){0};

@@ -11,6 +11,7 @@
 #include "config.h"
 
 #include "core/isa.h"
+#include "validation/dump.h"
 #include "validation/worker.h"
 
 static subject *add(subject_list *list, const char *spec, const char *what, ost_error *err)
@@ -133,6 +134,13 @@ static ost_status add_wanted(plan_tier tier, const char *spec, subject_list *lis
     if (strcmp(spec, "ref") == 0)
         return OST_OK;
     ost_backend *backend = NULL;
+    if (strncmp(spec, SUBJECT_DUMP, strlen(SUBJECT_DUMP)) == 0) {
+        dump_head head;
+        const ost_status read = dump_read_head(spec + strlen(SUBJECT_DUMP), &head, err);
+        char what[SUBJECT_REASON];
+        snprintf(what, sizeof what, "grids that were dumped%s%.200s", head.program[0] ? " by " : "", head.program);
+        return read != OST_OK ? read : add(list, spec, what, err) ? OST_OK : OST_ERR_MEMORY;
+    }
     ost_status status = strncmp(spec, "plugin", 6) == 0 ? try_apart(spec, err) : ost_backend_open(spec, &backend, err);
     if (status != OST_OK && status != OST_ERR_UNAVAILABLE)
         return status;

@@ -8,6 +8,7 @@
  *   cl    each device that is not refused
  *   plugin:FILE.so   somebody else's, when it is named; tried in a process of
  *                    its own first, as its code may do anything
+ *   dump:DIR         what another program dumped, when it is named
  *
  * What cannot run is listed too, with its reason: a report must say what it
  * did not show.
@@ -19,6 +20,7 @@
 
 #include "validation/plan.h"
 
+#define SUBJECT_DUMP "dump:" /* and a folder of grids that were made elsewhere (dump.h) */
 enum { SUBJECT_SPEC = 512, SUBJECT_REASON = 320 };
 typedef struct subject {
     char spec[SUBJECT_SPEC];

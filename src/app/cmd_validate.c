@@ -26,6 +26,8 @@
 #include "validation/bundle/record.h"
 #include "validation/bundle/reproduce.h"
 #include "validation/campaign.h"
+#include "validation/dump.h"
+#include "validation/export.h"
 #include "validation/common/common.h"
 #include "validation/locate/case_file.h"
 #include "validation/scratch.h"
@@ -33,7 +35,7 @@
 #include "validation/report/report.h"
 
 typedef struct validate_args {
-    const char *out, *backends, *shard, *only, *merge, *worker, *trace, *case_file;
+    const char *out, *backends, *shard, *only, *merge, *worker, *trace, *dump, *export_to, *case_file;
     int tier; /* place in "smoke|standard|full" */
     int64_t seed, from, limit_s;
     int64_t faults;
@@ -454,6 +456,26 @@ static ost_status prove_faults(app_state *app, const validate_args *args, ost_er
     return faults_proved(&s) ? OST_OK : ost_fail(err, OST_ERR_DIFFER, "the sensitivity proof failed: %s", s.first_problem[0] ? s.first_problem : "nothing was changed");
 }
 
+/* One backend's results as files, by way of a trace. */
+static ost_status dump_worker(const plan *p, const char *spec, const char *folder, ost_error *err)
+{
+    char scratch[SCRATCH_PATH], path[SCRATCH_PATH + 16];
+    trace t = {0};
+    ost_status status = scratch_make(scratch, err);
+    if (status != OST_OK)
+        return status;
+    snprintf(path, sizeof path, "%s/trace", scratch);
+    status = worker_run(p, 0, spec, path, err);
+    if (status == OST_OK)
+        status = trace_open(path, &t, err);
+    if (status == OST_OK)
+        status = dump_write(folder, spec, p, &t, err);
+    trace_free(&t);
+    unlink(path);
+    scratch_remove(scratch);
+    return status;
+}
+
 ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
 {
     static const int64_t limits[PLAN_TIERS] = {120, 1800, 36000};
@@ -476,6 +498,9 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
          .help = "seconds after which a backend is stopped"},
         {.name = "worker", .kind = OPTION_TEXT, .out = &args.worker, .value = "BACKEND", .help = "run the cases on this backend alone, write --trace and compare nothing"},
         {.name = "trace", .kind = OPTION_TEXT, .out = &args.trace, .value = "FILE", .help = "where --worker writes what the backend made"},
+        {.name = "dump", .kind = OPTION_TEXT, .out = &args.dump, .value = "FOLDER", .help = "write what --worker made as a dump, for osteon compare; needs no --trace"},
+        {.name = "export-cases", .kind = OPTION_TEXT, .out = &args.export_to, .value = "FOLDER",
+         .help = "write the cases' inputs as files, for another program to run; runs nothing"},
         {.name = "from", .kind = OPTION_INTEGER, .out = &args.from, .value = "N", .min = 0, .max = 1000000, .help = "first case of --worker, from 0"},
         {.name = NULL}};
     const usage_text usage = {
@@ -495,8 +520,10 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
     int shard, shards;
     if (!options_parse(app, &usage, argc, argv, &status, err) || (status = shard_of(app, args.shard, &shard, &shards, err)) != OST_OK)
         return status;
-    if (!args.worker != !args.trace)
-        return usage_error(app, err, "--worker and --trace belong together");
+    if (!args.worker != !(args.trace || args.dump) || (args.trace && args.dump))
+        return usage_error(app, err, "--worker and one of --trace and --dump belong together");
+    if (args.export_to && (args.worker || args.out))
+        return usage_error(app, err, "--export-cases runs nothing: no --worker and no --out");
     if (args.merge && (!args.out || args.worker || args.shard))
         return usage_error(app, err, "--merge needs --out and no shard or worker");
     if (args.merge)
@@ -512,7 +539,15 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
                             : plan_make((plan_tier)args.tier, (uint64_t)args.seed, shard, shards, args.only, &p, err);
     if (status != OST_OK)
         return status;
-    status = args.worker ? worker_run(&p, (int)args.from, args.worker, args.trace, err) : compare_all(app, &args, &p, from_file, err);
+    status = args.export_to ? export_cases(args.export_to, &p, err)
+             : args.dump    ? dump_worker(&p, args.worker, args.dump, err)
+             : args.worker  ? worker_run(&p, (int)args.from, args.worker, args.trace, err)
+                            : compare_all(app, &args, &p, from_file, err);
+    if (status == OST_OK && args.export_to) {
+        say(app, "%s: inputs of %d cases", args.export_to, p.count);
+        put_text(app->result, "out", args.export_to);
+        put_integer(app->result, "cases", p.count);
+    }
     plan_free(&p);
     json_decref(from_file);
     return status;

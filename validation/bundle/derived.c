@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The files that follow from protocol and cases, for machines: each a function of both that writes text. */
 #include "validation/bundle/evidence.h"
+#include "validation/margin.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -207,7 +208,7 @@ static void readme(FILE *to, const json_t *protocol, const json_t *cases, const 
           "| file | is |\n|---|---|\n"
           "| protocol.json | what was to be done and what counts as passed, written before anything ran (its hash: first lines of audit.log) |\n"
           "| cases.jsonl | a line a case: digest of its input, digests of everything the reference made, each backend's verdict |\n"
-          "| results.json, junit.xml, results.tap | the verdicts; inputs.csv: inputs; anomalies.csv: differences; deviations.csv: what was not shown |\n"
+          "| results.json, junit.xml, results.tap | the verdicts; inputs.csv: inputs; anomalies.csv: differences; margins.csv: how near each differing voxel was; deviations.csv: what was not shown |\n"
           "| sensitivity.json | mistakes made on purpose, and whether they were noticed (the first shard's run makes it) |\n"
           "| common.json | checks of the reference by hand, by volume and by law: mistakes that all backends could have in common |\n"
           "| requirements.csv, trace.csv | requirements, their tests, what of this bundle bears on them; orphans in both directions |\n"
@@ -230,11 +231,42 @@ static void readme(FILE *to, const json_t *protocol, const json_t *cases, const 
           "Bundles of shards merge into the bundle of one run, with the same exceptions.\n", to);
 }
 
+/* A line for every stage of every result that differs. */
+static void margins_csv(FILE *to, const json_t *protocol, const json_t *cases, const json_t *summary)
+{
+    static const char *const keys[] = {"records", "reports", "voxels", "inherited", "below_threshold", "unexplained", "unmeasured", "decided", "max_2_20"};
+    (void)protocol;
+    (void)summary;
+    fputs("case,backend,stage", to);
+    for (size_t k = 0; k < sizeof keys / sizeof keys[0]; k++)
+        fprintf(to, ",%s", keys[k]);
+    fputs(",unit,at_0", to);
+    for (int b = 1; b < MARGIN_BINS; b++)
+        fprintf(to, b < MARGIN_BINS - 1 ? ",below_%d" : ",more", 1 << b);
+    fputc('\n', to);
+    for (size_t i = 0; i < json_array_size(cases); i++) {
+        const json_t *one = json_array_get(cases, i);
+        const char *backend;
+        json_t *result;
+        json_object_foreach(json_object_get(one, "results"), backend, result)
+            for (size_t k = 0; k < json_array_size(json_object_get(result, "margins")); k++) {
+                const json_t *m = json_array_get(json_object_get(result, "margins"), k), *bins = json_object_get(m, "bins");
+                fprintf(to, "%s,\"%s\",%s", evidence_text(one, "id"), backend, evidence_text(m, "stage"));
+                for (size_t x = 0; x < sizeof keys / sizeof keys[0]; x++)
+                    fprintf(to, ",%lld", (long long)json_integer_value(json_object_get(m, keys[x])));
+                fprintf(to, ",2^-20 %s", evidence_text(m, "unit"));
+                for (size_t b = 0; b < json_array_size(bins); b++)
+                    fprintf(to, ",%lld", (long long)json_integer_value(json_array_get(bins, b)));
+                fputc('\n', to);
+            }
+    }
+}
+
 static const struct {
     const char *name;
     derive *make;
 } derived[] = {{"README.md", readme},   {"results.json", results},     {"junit.xml", junit},          {"results.tap", tap},
-               {"inputs.csv", inputs}, {"anomalies.csv", anomalies}, {"deviations.csv", deviations}};
+               {"inputs.csv", inputs}, {"anomalies.csv", anomalies}, {"margins.csv", margins_csv}, {"deviations.csv", deviations}};
 
 static ost_status write_one(const char *name, derive *make, const json_t *protocol, const json_t *cases, const json_t *summary, evidence_sink *sink, void *user,
                             ost_error *err)

@@ -91,6 +91,8 @@ static json_t *result_json(const case_result *r)
         json_object_set_new(o, "text", json_string(d->kind == COMPARE_MISSING ? "the record is missing" : "its blocks are not those of the reference"));
     if (r->found)
         put_finding(o, r->found);
+    if (r->margins)
+        json_object_set_new(o, "margins", margins_json(r->margins));
     return o;
 }
 

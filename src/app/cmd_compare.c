@@ -1,0 +1,223 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * osteon compare: another program's grids beside the reference's, every
+ * difference with its margin.
+ *
+ *   a folder of dumps, or a backend's name --campaign--> verdicts, margins --> table, --json, exit status
+ *
+ * It is the comparison of osteon validate for somebody who is at work on a
+ * program of their own: no bundle, no sensitivity proof.
+ */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "app/options.h"
+#include "app/progress.h"
+#include "app/result.h"
+#include "app/say.h"
+#include "validation/campaign.h"
+#include "validation/dump.h"
+#include "validation/scratch.h"
+
+typedef struct compare_args {
+    const char *whom, *only;
+    int tier;
+    int64_t seed, limit_s;
+    bool tier_given, seed_given;
+} compare_args;
+
+static void show(void *user, const char *what, double share)
+{
+    (void)user;
+    progress_show(NULL, what, share);
+}
+
+static const case_result *result_at(const campaign *c, int i, int s)
+{
+    return &c->results[(size_t)i * (size_t)c->subjects->count + (size_t)s];
+}
+
+/* One line a stage: how many differ, why, and how far the farthest decision was from its border. */
+static void say_margins(const app_state *app, const margins *m)
+{
+    say(app, "  stage    differing   inherited   below thr.   unexplained   at borders   greatest margin");
+    for (int i = 0; i < TRACE_STAGES; i++) {
+        const margin_stage *x = &m->of[i];
+        char most[SAY_TEXT] = "-";
+        if (!x->voxels && !x->reports)
+            continue;
+        if (x->decided)
+            snprintf(most, sizeof most, "%.7f of a %s", (double)x->max / MARGIN_ONE, margin_unit((trace_stage)i));
+        say(app, "  %-8s %9llu   %9llu   %10llu   %11llu   %10llu   %s", trace_stage_name((trace_stage)i), (unsigned long long)x->voxels,
+            (unsigned long long)x->inherited, (unsigned long long)x->below_threshold, (unsigned long long)(x->unexplained + x->unmeasured),
+            (unsigned long long)x->decided, most);
+    }
+    for (int i = 0; i < TRACE_STAGES; i++) {
+        const margin_stage *x = &m->of[i];
+        if (!x->decided)
+            continue;
+        say(app, "  margins of stage %s, in parts of a %s", trace_stage_name((trace_stage)i), margin_unit((trace_stage)i));
+        for (int b = 0; b < MARGIN_BINS; b++)
+            if (x->bins[b] && b == 0)
+                say(app, "    on the border  %10llu", (unsigned long long)x->bins[b]);
+            else if (x->bins[b] && b == MARGIN_BINS - 1)
+                say(app, "    a voxel, more  %10llu", (unsigned long long)x->bins[b]);
+            else if (x->bins[b])
+                say(app, "    below %8.6f %10llu", (double)(1 << b) / MARGIN_ONE, (unsigned long long)x->bins[b]);
+    }
+}
+
+static void say_case(const app_state *app, const plan_case *c, const case_result *r)
+{
+    const compare_difference *d = &r->difference;
+    if (r->verdict == CASE_DIFFERS && d->kind == COMPARE_VOXEL)
+        say(app, "  %s differs first at %s %u: %llu voxel%s, the first (%d, %d, %d): %d, the reference has %d", c->id, trace_stage_name(d->stage), d->item,
+            (unsigned long long)d->voxels, d->voxels == 1 ? "" : "s", d->voxel[0], d->voxel[1], d->voxel[2], d->voxel_got, d->voxel_ref);
+    else if (r->verdict == CASE_DIFFERS) {
+        char word[40];
+        say(app, "  %s differs first at %s %u: %s", c->id, trace_stage_name(d->stage), d->item,
+            d->kind == COMPARE_WORD ? trace_word_name(d->stage, d->word, word) : "the record has another shape");
+    } else
+        say(app, "  %s: %s%s%s", c->id, case_verdict_name(r->verdict), r->text[0] ? ": " : "", r->text);
+}
+
+/* The verdict is over all; margins are of each that was compared. */
+static ost_status report(app_state *app, const campaign *c, ost_error *err)
+{
+    json_t *stages = json_array(), *list = json_array(), *cases = json_array();
+    margins total = {0};
+    int compared = 0;
+    for (int s = 1; s < c->subjects->count; s++) {
+        margins all = {0};
+        int equal = 0, of_this = 0;
+        for (int i = 0; i < c->plan->count; i++) {
+            const case_result *r = result_at(c, i, s);
+            equal += r->verdict == CASE_EQUAL;
+            of_this += r->verdict != CASE_NOT_RUN;
+            if (r->margins)
+                margins_add(&all, r->margins);
+            json_t *o = json_object();
+            put_text(o, "case", c->plan->cases[i].id);
+            put_text(o, "backend", c->subjects->subjects[s].spec);
+            put_text(o, "verdict", case_verdict_name(r->verdict));
+            if (r->text[0])
+                put_text(o, "text", r->text);
+            append(cases, o);
+        }
+        compared += of_this;
+        say(app, "%s: %s, %d of %d cases equal", equal == of_this && of_this ? "EQUAL" : of_this ? "NOT EQUAL" : "NOT COMPARED", c->subjects->subjects[s].spec, equal, of_this);
+        for (int i = 0; i < c->plan->count; i++)
+            say_case(app, &c->plan->cases[i], result_at(c, i, s));
+        margins_add(&total, &all);
+        if (c->counts[CASE_DIFFERS])
+            say_margins(app, &all);
+        json_t *o = json_object();
+        put_text(o, "backend", c->subjects->subjects[s].spec);
+        put(o, "stages", margins_json(&all));
+        append(list, o);
+    }
+    for (int i = TRACE_RECT; i <= TRACE_FINAL; i++) {
+        json_t *o = json_object();
+        put_text(o, "name", trace_stage_name((trace_stage)i));
+        put_integer(o, "records", (int64_t)c->stage_records[i]);
+        put_integer(o, "different_voxels", (int64_t)total.of[i].voxels);
+        put_integer(o, "different_reports", (int64_t)total.of[i].reports);
+        append(stages, o);
+    }
+    put_bool(app->result, "equal", campaign_equal(c));
+    put(app->result, "stages", stages);
+    put(app->result, "margins", list);
+    put(app->result, "cases", cases);
+    if (!compared)
+        return ost_fail(err, OST_ERR_INPUT, "nothing to compare: no grid of these cases was found; see docs/dumps.md for their names");
+    if (!campaign_equal(c))
+        return ost_fail(err, OST_ERR_DIFFER, "%d of %d results differ from the reference's, %d failed", c->counts[CASE_DIFFERS], compared,
+                        c->counts[CASE_FAILED] + c->counts[CASE_CRASHED] + c->counts[CASE_LATE]);
+    return OST_OK;
+}
+
+/* A folder is a dump, which knows its own campaign; else a backend's name. */
+static ost_status find_whom(const app_state *app, compare_args *args, char spec[SUBJECT_SPEC], char only[PLAN_ID], ost_error *err)
+{
+    struct stat info;
+    dump_head head;
+    const bool folder = stat(args->whom, &info) == 0 && S_ISDIR(info.st_mode);
+    const int n = snprintf(spec, SUBJECT_SPEC, "%s%s", folder ? SUBJECT_DUMP : "", args->whom);
+    if (n < 0 || n >= SUBJECT_SPEC || strchr(args->whom, ';'))
+        return usage_error(app, err, "'%.60s': names one folder or one backend, of less than %d bytes and without a semicolon", args->whom, SUBJECT_SPEC);
+    if (strncmp(spec, SUBJECT_DUMP, strlen(SUBJECT_DUMP)) != 0)
+        return OST_OK;
+    const ost_status status = dump_read_head(spec + strlen(SUBJECT_DUMP), &head, err);
+    if (status != OST_OK)
+        return status;
+    if (args->tier_given || args->seed_given)
+        return usage_error(app, err, "a dump says its tier and seed itself, in dump.json");
+    args->tier = (int)head.tier;
+    args->seed = (int64_t)head.seed;
+    memcpy(only, head.only, sizeof head.only);
+    if (!args->only && only[0])
+        args->only = only;
+    return OST_OK;
+}
+
+ost_status cmd_compare(app_state *app, int argc, char **argv, ost_error *err)
+{
+    compare_args args = {.seed = 1, .limit_s = 3600};
+    const operand names[] = {{"DUMPS", &args.whom, "which dumps, or which backend?"}, {NULL, NULL, NULL}};
+    const option options[] = {
+        {.name = "only", .kind = OPTION_TEXT, .out = &args.only, .value = "CASE", .help = "cases whose name begins so: import, static/2, operation"},
+        {.name = "tier", .kind = OPTION_CHOICE, .out = &args.tier, .given = &args.tier_given, .value = "smoke|standard|full", .help = "of the cases (default: smoke; a dump says its own)"},
+        {.name = "seed", .kind = OPTION_INTEGER, .out = &args.seed, .given = &args.seed_given, .value = "N", .min = 1, .max = INT64_MAX, .help = "of the cases (default: 1; a dump says its own)"},
+        {.name = "limit", .kind = OPTION_INTEGER, .out = &args.limit_s, .value = "S", .min = 1, .max = 1000000, .help = "seconds after which a backend is stopped (default: 3600)"},
+        {.name = NULL}};
+    const usage_text usage = {
+        .synopsis = "DUMPS | BACKEND [options]",
+        .about = "Lays the grids that another program made beside the scalar reference's, stage by\n"
+                 "stage, and says for every voxel that differs how near its decision was.\n"
+                 "DUMPS is a folder with a dump.json (docs/dumps.md); BACKEND a backend's name,\n"
+                 "as plugin:./mine.so.",
+        .operands = names,
+        .options = options,
+        .notes = "A margin is how far, on its worst axis, the reference has the point from the\n"
+                 "nearest border behind which the other's answer would be right.  Rounding shows\n"
+                 "as margins near 0; what no border explains is no rounding.",
+        .example = "  osteon validate --export-cases cases --only import/0   # inputs, for your program\n"
+                   "  osteon compare my-dumps\n"
+                   "  osteon compare plugin:./thesis_f32.so --only static --json",
+    };
+    char spec[SUBJECT_SPEC], only[PLAN_ID], program[1024], folder[SCRATCH_PATH] = "";
+    ost_status status;
+    plan p = {.count = 0};
+    subject_list subjects = {.count = 0};
+    campaign run = {.plan = NULL};
+    if (!options_parse(app, &usage, argc, argv, &status, err) || (status = find_whom(app, &args, spec, only, err)) != OST_OK)
+        return status;
+    const ssize_t n = readlink("/proc/self/exe", program, sizeof program - 1);
+    if (n < 0)
+        return ost_fail(err, OST_ERR_IO, "/proc/self/exe cannot be read");
+    program[n] = '\0';
+    status = plan_make((plan_tier)args.tier, (uint64_t)args.seed, 1, 1, args.only, &p, err);
+    if (status == OST_OK)
+        status = subjects_find(p.tier, spec, &subjects, err);
+    if (status == OST_OK && subjects.count > 1 && !subjects.subjects[1].available)
+        status = ost_fail(err, OST_ERR_UNAVAILABLE, "%s", subjects.subjects[1].reason);
+    if (status == OST_OK)
+        status = scratch_make(folder, err);
+    if (status == OST_OK) {
+        const campaign_options how = {.program = program, .folder = folder, .limit_s = (double)args.limit_s, .show = show};
+        progress_begin(app);
+        status = campaign_run(&p, &subjects, &how, &run, err);
+        progress_clear();
+    }
+    if (status == OST_OK)
+        status = report(app, &run, err);
+    if (run.plan)
+        campaign_free(&run);
+    subjects_free(&subjects);
+    plan_free(&p);
+    scratch_remove(folder);
+    return status;
+}

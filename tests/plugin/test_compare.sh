@@ -1,0 +1,93 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+#
+# osteon compare: a plugin, its dump and the reference's dump, margins, and
+# dumps that are wrong.
+# Covers: REQ-COMPARE
+. "${srcdir:-.}/tests/app/lib.sh"
+cp "$build/.libs/thesis_f32.so" . || {
+    echo "skipped: no shared objects were built here"
+    exit 77
+}
+
+# The reference against its own dump is equal; the thesis' differs, the same by the plugin and by its dump.
+run 0 validate --worker ref --dump same --only import/1
+run 0 compare same --json
+check "equal" "$(value equal)" true
+run 1 compare plugin:./thesis_f32.so --only import/1 --json
+has stages.0.different_voxels margins.0.stages.0.bins.21 margins.0.stages.0.max_2_20
+run 0 validate --worker plugin:./thesis_f32.so --dump theirs --only import/1
+run 1 compare theirs --json
+sums() {
+    for stage in 0 1 2; do
+        for key in stage voxels decided inherited below_threshold unexplained; do
+            value "margins.0.stages.$stage.$key"
+        done
+    done
+}
+sums >dumped
+run 1 compare plugin:./thesis_f32.so --only import/1 --json
+sums >plugged
+checks=$((checks + 1))
+cmp -s dumped plugged || fail "by the dump: $(tr '\n' ' ' <dumped), by the plugin: $(tr '\n' ' ' <plugged)"
+
+# As evidence: the margins are in the bundle, and follow from its cases.
+run 1 validate --only import/1 --backends dump:theirs --out b
+grep -q '^import/1,"dump:theirs",rect,1,' b/margins.csv || fail "no margins in the bundle: $(cat b/margins.csv)"
+run 0 verify b
+
+# ticks and tools: nothing but rounding at borders, and a dump of some stages alone
+run 1 compare plugin:./thesis_f32.so --only poses/1 --json
+checks=$((checks + 1))
+check "second stage that differs" "$(value margins.0.stages.1.stage)" tool
+run 0 validate --worker ref --dump some --only poses/1
+mv some/poses-1/tick-23.raw t23
+rm -f some/poses-1/tick-*.raw some/poses-1/final.raw
+mv t23 some/poses-1/tick-23.raw
+run 0 compare some
+grep -q "of .* records are in the dump" out || fail "what was not dumped is not said: $(cat out)"
+# one voxel of the last tick: found, and where it is
+printf '\001\000' | dd of=some/poses-1/tick-23.raw bs=1 seek=2 conv=notrunc 2>/dev/null
+run 1 compare some
+grep -q "differs first at tick 23: 1 voxel, the first (1, 0, 0): 1" out || fail "a changed voxel: $(cat out)"
+
+# what is wrong is one line with the file's name
+spoil() {
+    status=$1 text=$2
+    shift 2
+    rm -rf w
+    cp -r same w
+    "$@"
+    refuse "$status" "$text" compare w
+}
+cut() { head -c 100 same/import-1/rect.raw >w/import-1/rect.raw; }
+spoil 2 "rect.raw: 100 bytes" cut
+more() { echo >>w/import-1/cubic.raw; }
+spoil 2 "cubic.raw:" more
+twice() { cp w/import-1/rect.raw w/import-1/rect.nrrd; }
+spoil 2 "also a .raw" twice
+text() { rm w/import-1/rect.raw && echo hello >w/import-1/rect.nrrd; }
+spoil 2 "rect.nrrd" text
+folder() { rm w/import-1/rect.raw && mkdir w/import-1/rect.raw; }
+spoil 2 "rect.raw: not a file" folder
+head_of() { echo "$1" >w/dump.json; }
+spoil 2 "dump.json:" head_of '{'
+spoil 2 "osteon_dump must be 1" head_of '{"osteon_dump":2}'
+spoil 2 "tier must be" head_of '{"osteon_dump":1,"tier":"huge"}'
+spoil 2 "seed must be" head_of '{"osteon_dump":1,"seed":1}'
+spoil 2 "arithmetic is 9" head_of '{"osteon_dump":1,"arithmetic":9}'
+run 0 validate --worker ref --dump none --only import/1
+rm -rf none/import-1
+run 2 compare none
+rm none/dump.json
+refuse 2 "docs/dumps.md" compare none
+refuse 2 "nobody" compare nobody
+refuse 2 "belong together" validate --worker ref --trace x --dump y
+
+# inputs for another program
+run 0 validate --export-cases inputs --only poses/1
+for file in cases.json poses-1/case.json poses-1/samples.txt poses-1/path.csv poses-1/tool-0.obj poses-1/tool-0.stl; do
+    [ -s "inputs/$file" ] || fail "no $file among the inputs"
+done
+refuse 2 "inputs: File exists" validate --export-cases inputs --only poses/1
+finish
