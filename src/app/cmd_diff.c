@@ -140,19 +140,30 @@ ost_status cmd_diff(app_state *app, int argc, char **argv, ost_error *err)
     const usage_text usage = {
         .synopsis = "A B [--html FILE] [options]",
         .about = "Says what differs between two grids, from the verdict down to voxels. A and B are\n"
-                 "two bones, two CTs or two tools.",
+                 "two bones, two CTs or two tools; or two bundles of osteon validate, compared by\n"
+                 "their digests, down to stage, tick and chunk.",
         .operands = operands,
         .options = options,
         .notes = "Exit status 0 when they are equal: the same dims, spacing and origin, and every\n"
                  "voxel the same; 1 when they differ. Notes in the files decide nothing. A text is\n"
-                 "taken as the bone that osteon import makes of it.",
-        .example = "  osteon diff scapula.nrrd reamed.nrrd --html difference.html",
+                 "taken as the bone that osteon import makes of it. Bundles are equal when every\n"
+                 "case of both could be compared and is.",
+        .example = "  osteon diff scapula.nrrd reamed.nrrd --html difference.html\n"
+                   "  osteon diff our-bundle their-bundle",
     };
     ost_status status;
     if (!options_parse(app, &usage, argc, argv, &status, err))
         return status;
     if (html && (status = out_check(app, html, "html|htm", err)) != OST_OK)
         return status;
+    if (diff_is_folder(name_a) != diff_is_folder(name_b))
+        return ost_fail(err, OST_ERR_INPUT, "%s is a folder and %s is not: there is nothing to compare", diff_is_folder(name_a) ? name_a : name_b,
+                        diff_is_folder(name_a) ? name_b : name_a);
+    if (diff_is_folder(name_a)) {
+        if (html)
+            return usage_error(app, err, "--html is for grids, not for bundles");
+        return diff_bundles(app, name_a, name_b, limit, err);
+    }
     loaded_volume a = {0}, b = {0};
     diff_result r = {0};
     status = load_volume(app, name_a, &a, err);

@@ -72,6 +72,10 @@ const char *diff_kind_name(diff_kind kind);
 const char *diff_kind_text(diff_kind kind);
 diff_kind diff_kind_of(int16_t a, int16_t b, int32_t threshold_a, int32_t threshold_b);
 
+/* diff_bundles.c: two folders of evidence by their digests. */
+bool diff_is_folder(const char *path);
+ost_status diff_bundles(const app_state *app, const char *a, const char *b, int64_t limit, ost_error *err);
+
 /* diff_picture.c: three slices through the busiest voxel, differences coloured over A's and B's densities. */
 ost_status diff_picture(const loaded_volume *a, const loaded_volume *b, const diff_result *result, ost_picture *out, ost_error *err);
 

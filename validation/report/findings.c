@@ -107,12 +107,14 @@ static void operand_table(const page *p, const json_t *r)
     fputs("</table></div>\n", p->to);
 }
 
-static bool triplet(const page *p, int number, const json_t *one, size_t s, const json_t *r)
+/* A finding with its small case, operands and pictures; those that have neither small case nor picture are in the table alone. */
+static bool detail(const page *p, int number, const json_t *one, size_t s, const json_t *r)
 {
     static const char *const captions[PICTURE_ROLES] = {"Reference: axial, coronal, sagittal", "Got", "Difference"};
     char name[PICTURE_NAME];
     picture_name(name, evidence_text(one, "id"), s, PICTURE_DIFFERENCE);
-    if (!page_has(p, name))
+    const bool drawn = page_has(p, name);
+    if (!drawn && !*evidence_text(r, "reproduce"))
         return false;
     fprintf(p->to, "<h3>A%d: <code>", number);
     page_text(p, evidence_text(one, "id"));
@@ -121,7 +123,7 @@ static bool triplet(const page *p, int number, const json_t *one, size_t s, cons
     fputs("</h3>\n", p->to);
     reproduction(p, json_array_get(json_object_get(p->protocol, "backends"), s), r);
     operand_table(p, r);
-    for (int role = 0; role < PICTURE_ROLES; role++) {
+    for (int role = 0; drawn && role < PICTURE_ROLES; role++) {
         picture_name(name, evidence_text(one, "id"), s, (picture_role)role);
         page_picture(p, name, captions[role]);
     }
@@ -141,7 +143,7 @@ static int each_finding(const page *p, bool pictures)
                 continue;
             number++;
             if (pictures)
-                done += triplet(p, number, one, s, r);
+                done += detail(p, number, one, s, r);
             else if (number <= LISTED)
                 row(p, number, one, backend, r);
         }
@@ -173,14 +175,15 @@ void section_differences(const page *p)
     page_link(p, "anomalies.csv");
     fputs("; as values: ", p->to);
     page_link(p, EVIDENCE_CASES);
-    fputs(".</p>\n<h3>Pictures of differences</h3>\n"
+    fputs(".</p>\n<h2>Differences one by one</h2>\n"
           "<p>Axial, coronal and sagittal slices, through where most voxels differ in the first record in which voxels do; a square is a voxel. "
           "<span class=\"key\"><i class=\"a\"></i>striped: solid in the reference alone<i class=\"b\"></i>plain: solid in the other alone"
           "<i class=\"c\"></i>barred: another value</span></p>\n", p->to);
     if (!each_finding(p, true))
         fputs("<p>None were kept: no voxels differ, or the program was built without pictures.</p>\n", p->to);
     else
-        fprintf(p->to, "<p>Pictures are kept of the first %d differing cases of each backend.</p>\n", PICTURES_A_BACKEND);
+        fprintf(p->to, "<p>Pictures are kept of the first %d differing cases of each backend, small cases of the first of each stage and look. Where voxels are equal "
+                       "and only the report differs there is nothing to draw.</p>\n", PICTURES_A_BACKEND);
 }
 
 /* ------------------------------------------------------------ sensitivity */

@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* osteon diff of two bundles: what two sites can tell each other by digests. */
+#include <sys/stat.h>
+
+#include "app/diff_compare.h"
+#include "app/result.h"
+#include "app/say.h"
+#include "validation/bundle/difference.h"
+
+bool diff_is_folder(const char *path)
+{
+    struct stat info;
+    return stat(path, &info) == 0 && S_ISDIR(info.st_mode);
+}
+
+static const char *text_of(const json_t *o, const char *key)
+{
+    const char *text = json_string_value(json_object_get(o, key));
+    return text ? text : "";
+}
+
+static void say_difference(const app_state *app, const json_t *d)
+{
+    const json_t *chunk = json_object_get(d, "chunk"), *leaf = json_object_get(d, "leaf");
+    char place[80] = "";
+    if (chunk)
+        snprintf(place, sizeof place, ", first in chunk (%lld, %lld, %lld) of 32^3", (long long)json_integer_value(json_array_get(chunk, 0)),
+                 (long long)json_integer_value(json_array_get(chunk, 1)), (long long)json_integer_value(json_array_get(chunk, 2)));
+    else if (leaf)
+        snprintf(place, sizeof place, ", first in leaf %lld of 32^3", (long long)json_integer_value(leaf));
+    say(app, "  %s: %s %lld: %s%s", text_of(d, "case"), text_of(d, "stage"), (long long)json_integer_value(json_object_get(d, "item")), text_of(d, "what"), place);
+}
+
+ost_status diff_bundles(const app_state *app, const char *a, const char *b, int64_t limit, ost_error *err)
+{
+    json_t *o;
+    ost_status status = bundle_difference(a, b, &o, err);
+    if (status != OST_OK)
+        return status;
+    const json_t *differences = json_object_get(o, "differences"), *rest = json_object_get(o, "not_compared"), *notes = json_object_get(o, "notes");
+    const long long compared = (long long)json_integer_value(json_object_get(o, "compared"));
+    const bool equal = json_is_true(json_object_get(o, "equal"));
+    json_object_update(app->result, o);
+    if (compared == 0)
+        say(app, "nothing could be compared: %s and %s have no case with the same input", a, b);
+    else if (equal)
+        say(app, "equal: all %lld cases, by the digests of what the reference made", compared);
+    else
+        say(app, "%s: %zu of %lld cases that could be compared", json_array_size(differences) ? "different" : "no difference found", json_array_size(differences), compared);
+    for (size_t i = 0; i < json_array_size(notes); i++)
+        say(app, "  the protocols differ: %s", json_string_value(json_array_get(notes, i)));
+    for (size_t i = 0; i < json_array_size(differences) && (int64_t)i < limit; i++)
+        say_difference(app, json_array_get(differences, i));
+    if (json_array_size(rest))
+        say(app, "  not compared: %zu cases; the first:", json_array_size(rest));
+    for (size_t i = 0; i < json_array_size(rest) && (int64_t)i < limit; i++)
+        say(app, "    %s", json_string_value(json_array_get(rest, i)));
+    json_decref(o);
+    return equal ? OST_OK : OST_ERR_DIFFER;
+}

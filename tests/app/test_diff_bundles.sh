@@ -1,0 +1,71 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# Two bundles compared by digests: equal, different at a known place, not comparable, and no bundles at all.
+# Covers: REQ-DIFF-BUNDLES
+. "${srcdir:-.}/tests/app/lib.sh"
+
+one='cpu:isa=scalar,threads=1'
+cat >case.json <<'END'
+{"osteon_case": 1, "id": "sweep/0", "tier": "smoke", "seed": "1", "keep": {"crop": [[0, 0, 0], [40, 36, 35]], "ticks": [[0, 4]]}}
+END
+run 0 validate --case case.json --backends "$one" --out a
+mkdir b
+cp a/protocol.json a/cases.jsonl b/
+run 0 diff a b --json
+check "equal" "$(value equal) $(value compared)" "true 1"
+run 0 diff a b
+
+# site WHAT PYTHON: folder b is a with cases.jsonl changed
+site() {
+    python3 - "$1" <<END || fail "no python3"
+import json
+rows = [json.loads(l) for l in open("a/cases.jsonl")]
+records = rows[0]["reference"]
+tick = [r for r in records if r["stage"] == "tick"]
+$2
+open("b/cases.jsonl", "w").write("".join(json.dumps(r, sort_keys=True) + "\n" for r in rows))
+END
+}
+if command -v python3 >/dev/null; then
+    site leaf 'tick[2]["sha256"] = "0" * 64
+tick[2]["leaves"] = [[0, "1" * 64]] + tick[2].get("leaves", [])[1:]
+tick[3]["sha256"] = "0" * 64'
+    run 1 diff a b --json
+    check "first" "$(value differences.0.case) $(value differences.0.stage) $(value differences.0.item)" "sweep/0 tick 2"
+    check "cases" "$(value different_cases)" 1
+    leaf=$(value differences.0.leaf)
+    [ "$leaf" -ge 0 ] || fail "no leaf: $(cat out)"
+    site report 'tick[1]["sha256"] = "0" * 64'
+    run 1 diff a b
+    grep -q 'what was reported differs' out || fail "report: $(cat out)"
+    site cubic '[r for r in records if r["stage"] == "cubic"][0].update(sha256="0" * 64, leaves=["2" * 64])'
+    run 1 diff a b --json
+    check "stage" "$(value differences.0.stage) $(value differences.0.leaf)" "cubic 0"
+    site input 'rows[0]["input_sha256"] = "0" * 64'
+    run 1 diff a b
+    grep -q 'nothing could be compared' out || fail "input: $(cat out)"
+    site other 'rows[0]["id"] = "sweep/1"'
+    run 1 diff a b --json
+    check "not compared" "$(value not_compared.0)" "sweep/0: only in a"
+    site short 'del records[-1]'
+    run 1 diff a b
+    grep -q 'no such record' out || fail "short: $(cat out)"
+    # What no bundle has: other types everywhere.
+    for value in '7' 'null' '[[1,[2]],"x",{}]' '{"leaves":3}' '"x"'; do
+        site odd "rows[0]['reference'] = json.loads('''$value''')"
+        run 1 diff a b
+        site odd "records[2] = json.loads('''$value''')"
+        run 1 diff b a
+        site odd "tick[0].update(leaves=json.loads('''$value'''), sha256='0')"
+        run 1 diff a b
+    done
+fi
+printf 'x\n' >b/cases.jsonl
+refuse 2 "cases.jsonl:1" diff a b
+printf '[]' >b/protocol.json
+refuse 2 "protocol.json" diff a b
+rm b/protocol.json
+refuse 2 "protocol.json" diff a b
+refuse 2 "is not: there is nothing to compare" diff a case.json
+refuse 2 "for grids" diff a a --html x.html
+finish

@@ -1,0 +1,217 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "validation/bundle/difference.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "validation/bundle/bundle.h"
+#include "validation/bundle/evidence.h"
+#include "validation/scene.h"
+
+typedef struct side {
+    json_t *protocol, *cases;
+} side;
+
+static void side_free(side *s)
+{
+    json_decref(s->protocol);
+    json_decref(s->cases);
+}
+
+static ost_status side_read(const char *folder, side *out, ost_error *err)
+{
+    char *bytes = NULL;
+    size_t size;
+    *out = (side){.protocol = NULL};
+    ost_status status = bundle_read(folder, EVIDENCE_PROTOCOL, &bytes, &size, err);
+    if (status == OST_OK && !json_is_object(out->protocol = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, NULL)))
+        status = ost_fail(err, OST_ERR_INPUT, "%s/%s: no JSON object", folder, EVIDENCE_PROTOCOL);
+    free(bytes);
+    bytes = NULL;
+    if (status == OST_OK)
+        status = bundle_read(folder, EVIDENCE_CASES, &bytes, &size, err);
+    if (status == OST_OK && (status = evidence_parse_cases(bytes, size, &out->cases, err)) != OST_OK)
+        ost_fail_context(err, "%s", folder);
+    free(bytes);
+    return status;
+}
+
+static const json_t *case_of(const side *s, const char *id)
+{
+    for (size_t i = 0; i < json_array_size(s->cases); i++)
+        if (strcmp(evidence_text(json_array_get(s->cases, i), "id"), id) == 0)
+            return json_array_get(s->cases, i);
+    return NULL;
+}
+
+/* -------------------------------------------------------------- one record */
+
+/* A leaf's number and digest: a place in the list, or what a tick's pair says. */
+static bool leaf_at(const json_t *leaves, size_t i, json_int_t *number, const char **digest)
+{
+    const json_t *one = json_array_get(leaves, i);
+    const json_t *hex = json_is_array(one) ? json_array_get(one, 1) : one;
+    *number = json_is_array(one) ? json_integer_value(json_array_get(one, 0)) : (json_int_t)i;
+    *digest = json_string_value(hex);
+    return *digest != NULL;
+}
+
+/* The least leaf that differs, or that one side alone changed; -1: none does. */
+static json_int_t first_leaf(const json_t *a, const json_t *b)
+{
+    size_t i = 0, j = 0;
+    json_int_t m = 0, n = 0;
+    const char *x = NULL, *y = NULL;
+    for (;;) {
+        const bool has_a = leaf_at(a, i, &m, &x), has_b = leaf_at(b, j, &n, &y);
+        if (!has_a && !has_b)
+            return -1;
+        if (!has_b || (has_a && m < n))
+            return m;
+        if (!has_a || n < m)
+            return n;
+        if (strcmp(x, y) != 0)
+            return m;
+        i++;
+        j++;
+    }
+}
+
+/* Leaves of the stage's grid along each axis, as the generated case has it; false when this program makes another case of that name. */
+static bool leaf_dims(const json_t *protocol, const json_t *one, const char *stage, json_int_t item, ost_dims *out)
+{
+    const char *tier = evidence_text(protocol, "tier");
+    plan_case c;
+    scene s;
+    ost_digest digest;
+    ost_error none = {0};
+    char hex[OST_DIGEST_HEX];
+    int t = 0;
+    while (t < PLAN_TIERS && strcmp(tier, plan_tier_name((plan_tier)t)) != 0)
+        t++;
+    if (t == PLAN_TIERS || !plan_find((plan_tier)t, strtoull(evidence_text(protocol, "seed"), NULL, 10), evidence_text(one, "id"), &c) ||
+        scene_make(&c, &s, &none) != OST_OK)
+        return false;
+    bool known = scene_digest(&s, &digest, &none) == OST_OK && strcmp(ost_digest_hex(&digest, hex), evidence_text(one, "input_sha256")) == 0;
+    if (strcmp(stage, trace_stage_name(TRACE_TOOL)) == 0) {
+        known &= item >= 0 && item < s.tool_count;
+        *out = known ? ost_leaf_dims(s.tools[item].cutting.grid.dims) : (ost_dims){0, 0, 0};
+    } else if (known) {
+        ost_dims d = s.rect.dims;
+        if (strcmp(stage, trace_stage_name(TRACE_RECT)) != 0 && s.cubic > 0) {
+            d.x = (int32_t)((d.x * s.rect.spacing.x + s.cubic - 1) / s.cubic);
+            d.y = (int32_t)((d.y * s.rect.spacing.y + s.cubic - 1) / s.cubic);
+            d.z = (int32_t)((d.z * s.rect.spacing.z + s.cubic - 1) / s.cubic);
+        }
+        *out = ost_leaf_dims(d);
+    }
+    scene_free(&s);
+    return known;
+}
+
+static json_t *record_difference(const json_t *protocol, const json_t *one, const json_t *ra, const json_t *rb)
+{
+    const char *stage = evidence_text(ra, "stage"), *what = "what was reported differs; the voxels' digests are equal";
+    const json_int_t item = json_integer_value(json_object_get(ra, "item"));
+    const json_int_t leaf = first_leaf(json_object_get(ra, "leaves"), json_object_get(rb, "leaves"));
+    ost_dims n;
+    if (leaf >= 0)
+        what = "voxels differ";
+    json_t *o = json_pack("{s:s,s:s,s:I,s:s}", "case", evidence_text(one, "id"), "stage", stage, "item", item, "what", what);
+    if (leaf >= 0)
+        json_object_set_new(o, "leaf", json_integer(leaf));
+    if (leaf >= 0 && leaf < INT32_MAX && leaf_dims(protocol, one, stage, item, &n) && leaf < ost_dims_count(n))
+        json_object_set_new(o, "chunk", json_pack("[i,i,i]", (int)(leaf % n.x), (int)(leaf / n.x % n.y), (int)(leaf / n.x / n.y)));
+    return o;
+}
+
+/* The first difference of a case; NULL when it is equal. */
+static json_t *case_difference(const json_t *protocol, const json_t *a, const json_t *b)
+{
+    const json_t *la = json_object_get(a, "reference"), *lb = json_object_get(b, "reference");
+    for (size_t i = 0; i < json_array_size(la) || i < json_array_size(lb); i++) {
+        const json_t *ra = json_array_get(la, i), *rb = json_array_get(lb, i);
+        const json_t *there = ra ? ra : rb;
+        if (!ra || !rb || strcmp(evidence_text(ra, "stage"), evidence_text(rb, "stage")) != 0 ||
+            json_integer_value(json_object_get(ra, "item")) != json_integer_value(json_object_get(rb, "item")))
+            return json_pack("{s:s,s:s,s:I,s:s}", "case", evidence_text(a, "id"), "stage", evidence_text(there, "stage"), "item",
+                             json_integer_value(json_object_get(there, "item")), "what", "one of them has no such record");
+        if (!*evidence_text(ra, "sha256") || strcmp(evidence_text(ra, "sha256"), evidence_text(rb, "sha256")) != 0)
+            return record_difference(protocol, a, ra, rb);
+    }
+    return NULL;
+}
+
+/* ------------------------------------------------------------- two bundles */
+
+static void add_line(json_t *list, const char *format, ...) OST_PRINTF(2, 3);
+static void add_line(json_t *list, const char *format, ...)
+{
+    char text[400];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    json_t *line = json_string(text);
+    json_array_append_new(list, line ? line : json_string("a name that is no text"));
+}
+
+static json_t *notes_of(const side *a, const side *b)
+{
+    static const char *const keys[] = {"version", "arithmetic", "tier", "seed", "only"};
+    json_t *notes = json_array();
+    for (size_t k = 0; k < sizeof keys / sizeof keys[0]; k++) {
+        const json_t *x = json_object_get(a->protocol, keys[k]), *y = json_object_get(b->protocol, keys[k]);
+        if (json_equal(x, y))
+            continue;
+        if (json_is_integer(x) && json_is_integer(y))
+            add_line(notes, "%s %lld against %lld", keys[k], (long long)json_integer_value(x), (long long)json_integer_value(y));
+        else
+            add_line(notes, "%s '%.60s' against '%.60s'", keys[k], evidence_text(a->protocol, keys[k]), evidence_text(b->protocol, keys[k]));
+    }
+    return notes;
+}
+
+ost_status bundle_difference(const char *folder_a, const char *folder_b, json_t **out, ost_error *err)
+{
+    side a, b = {.protocol = NULL};
+    ost_status status = side_read(folder_a, &a, err);
+    if (status == OST_OK)
+        status = side_read(folder_b, &b, err);
+    if (status == OST_OK) {
+        json_t *differences = json_array(), *not_compared = json_array();
+        json_int_t compared = 0;
+        for (size_t i = 0; i < json_array_size(a.cases); i++) {
+            const json_t *one = json_array_get(a.cases, i);
+            const char *id = evidence_text(one, "id");
+            const json_t *other = *id ? case_of(&b, id) : NULL;
+            if (!other)
+                add_line(not_compared, "%.60s: only in %.200s", id, folder_a);
+            else if (!*evidence_text(one, "input_sha256") || strcmp(evidence_text(one, "input_sha256"), evidence_text(other, "input_sha256")) != 0)
+                add_line(not_compared, "%.60s: its input is another one (another seed, tier or version makes other cases)", id);
+            else if (!json_array_size(json_object_get(one, "reference")) && !json_array_size(json_object_get(other, "reference")))
+                add_line(not_compared, "%.60s: neither has a record of it", id);
+            else {
+                json_t *d = case_difference(a.protocol, one, other);
+                compared++;
+                if (d)
+                    json_array_append_new(differences, d);
+            }
+        }
+        for (size_t i = 0; i < json_array_size(b.cases); i++) {
+            const char *id = evidence_text(json_array_get(b.cases, i), "id");
+            if (!case_of(&a, id))
+                add_line(not_compared, "%.60s: only in %.200s", id, folder_b);
+        }
+        *out = json_pack("{s:s,s:b,s:I,s:I,s:o,s:o,s:o}", "kind", "bundles", "equal", compared > 0 && !json_array_size(differences) && !json_array_size(not_compared),
+                         "compared", compared, "different_cases", (json_int_t)json_array_size(differences), "differences", differences, "not_compared", not_compared,
+                         "notes", notes_of(&a, &b));
+        if (!*out)
+            status = ost_fail(err, OST_ERR_MEMORY, "no memory to compare bundles");
+    }
+    side_free(&a);
+    side_free(&b);
+    return status;
+}
