@@ -19,6 +19,7 @@
 #include <osteon/mesh.h>
 
 #include "core/isa.h"
+#include "cpu/remove/block_base.h"
 #include "cpu/remove/remove.h"
 
 /* ------------------------------------------------------ grids (cpu/import/grid.h) */
@@ -53,6 +54,16 @@ typedef bool ost_any_active_fn(const int16_t *base, const size_t *row, int count
 typedef void ost_drain_fn(void);
 
 /* --------------------------------------------------- removal (cpu/remove/remove.h) */
+
+/*
+ * Of the blocks from <= block < to (from < to, in the range that bases was made
+ * for, and within first <= block < first + 2) those that have a base
+ * (ost_block_base) in reach: their bases as u, and as number
+ * x + 2y + 4z from first on; ascending, the first one as blocks' first. blocks->count is set; up
+ * to eight elements may be written.
+ */
+typedef void ost_blocks_fn(const ost_block_bases *bases, const ost_block_reach *reach, const int32_t first[3], const int32_t from[3],
+                           const int32_t to[3], ost_cubes *blocks);
 
 /*
  * Cuts cubes into eight and sorts the parts by the cell of their centre,
@@ -143,6 +154,7 @@ typedef struct ost_cpu_kernels {
     ost_brick_row_fn *brick_row;
     ost_any_active_fn *any_active;
     ost_drain_fn *drain;
+    ost_blocks_fn *blocks;
     ost_split_fn *split;
     ost_match_fn *match;
     ost_take_fn *take;
@@ -159,6 +171,7 @@ ost_gather_row_fn ost_gather_row_scalar, ost_gather_row_avx512;
 ost_brick_row_fn ost_brick_row_scalar, ost_brick_row_avx2, ost_brick_row_avx512, ost_brick_row_neon;
 ost_any_active_fn ost_any_active_scalar, ost_any_active_avx2, ost_any_active_avx512, ost_any_active_neon;
 ost_drain_fn ost_drain_scalar, ost_drain_avx2;
+ost_blocks_fn ost_blocks_scalar, ost_blocks_avx512;
 ost_split_fn ost_split_scalar, ost_split_avx2, ost_split_avx512, ost_split_neon;
 ost_match_fn ost_match_scalar, ost_match_avx2, ost_match_avx512, ost_match_neon;
 ost_take_fn ost_take_scalar, ost_take_avx2, ost_take_avx512, ost_take_neon;

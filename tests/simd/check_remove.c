@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * split, match, take.
+ * blocks, split, match, take.
+ *
+ * blocks is given parts that were made up: sums at the borders where a base is
+ * unsure and must be divided for, or no longer exists, or comes out of reach.
  *
  * split sorts in an order of its own, so its lists are compared as sets: both
  * sorted by the parts' numbers, which are all different.  What was in the
@@ -43,6 +46,105 @@ static void some_numbers(check *c, int32_t *number, size_t count, int32_t limit)
         number[i] = all[j];
         all[j] = all[i];
     }
+}
+
+/* ------------------------------------------------------------------- blocks */
+
+typedef struct blocks_arguments {
+    const ost_block_bases *bases;
+    const ost_block_reach *reach;
+    const int32_t *first, *from, *to;
+    ost_cubes *blocks;
+} blocks_arguments;
+
+static void call_blocks(check_fn *kernel, void *with)
+{
+    const blocks_arguments *a = with;
+    ((ost_blocks_fn *)kernel)(a->bases, a->reach, a->first, a->from, a->to, a->blocks);
+}
+
+/* A sum of three parts, less the half that is added: any that the ranges of block_base.h have, most of them near a border. */
+static int64_t some_sum(check *c, const ost_block_reach *reach, int a)
+{
+    const int64_t exists[2] = {-(INT64_C(1) << 29), (INT64_C(1) << 30) + (INT64_C(1) << 29)};
+    int64_t base = check_range(c, -(INT64_C(1) << 30), (INT64_C(1) << 31) + 2);
+    switch (check_range(c, 0, 4)) {
+    case 0:
+        base = exists[check_range(c, 0, 1)] + check_range(c, -1, 1);
+        break;
+    case 1:
+        base = reach->from[a] + (check_chance(c, 2) ? 0 : (int64_t)reach->width[a]) + check_range(c, -1, 1);
+        break;
+    case 2:
+        base = check_range(c, reach->from[a], reach->from[a] + (int64_t)reach->width[a] - 1);
+        break;
+    case 3:
+        if (check_chance(c, 4))
+            base = check_range(c, -(INT64_C(1) << 44), INT64_C(1) << 44);
+        break;
+    default:
+        break;
+    }
+    const int64_t fraction = check_chance(c, 8) ? check_range(c, -7, 1) & 0xffff : check_range(c, 0, 0xffff);
+    return base * (1 << 16) + fraction - (1 << 15);
+}
+
+static void test_blocks(check *c)
+{
+    enum { MOST = 5 };
+    solid s;
+    solid_make(c, &s);
+    ost_block_bases *bases = check_input(c, "bases", 1, sizeof *bases, _Alignof(ost_block_bases));
+    ost_block_reach *reach = check_input(c, "reach", 1, sizeof *reach, _Alignof(ost_block_reach));
+    ost_map *map = check_input(c, "map", 1, sizeof *map, _Alignof(ost_map));
+    int32_t *first = check_input(c, "first", 3, sizeof *first, sizeof *first), *from = check_input(c, "from", 3, sizeof *from, sizeof *from);
+    int32_t *to = check_input(c, "to", 3, sizeof *to, sizeof *to);
+    *bases = (ost_block_bases){.map = map};
+    *reach = ost_block_reach_of(s.step, s.shape.dims);
+    for (int b = 0; b < 3; b++) {
+        first[b] = 2 * (int32_t)check_range(c, 0, 9);
+        from[b] = first[b] + check_chance(c, 4);
+        to[b] = first[b] + 2 - (from[b] == first[b] && check_chance(c, 4));
+        bases->lo[b] = from[b] - (from[b] > 0 ? (int32_t)check_range(c, 0, 1) : 0);
+        bases->count[b] = to[b] - bases->lo[b] + (int32_t)check_range(c, 0, MOST - 3);
+        bases->part[b] = check_input(c, "part", 3 * (size_t)bases->count[b], sizeof(int64_t), sizeof(int64_t));
+    }
+    /* What is divided where the parts do not tell: the steps' own map, a divisor of 2^80, so begun that the first block is in reach. */
+    *map = (ost_map){.divisor = (ost_int128)1 << 80};
+    for (int a = 0; a < 3; a++) {
+        int64_t base = check_range(c, reach->from[a], reach->from[a] + (int64_t)reach->width[a] - 1);
+        for (int b = 0; b < 3; b++) {
+            map->step[b][a] = s.step[b][a];
+            map->column[b][a] = s.step[b][a] * map->divisor;
+            base -= (int64_t)OST_MAP_BLOCK * first[b] * s.step[b][a];
+        }
+        map->origin[a] = base * map->divisor + check_range(c, -9, 9);
+    }
+    /* The sum of one block is chosen on each axis, most others follow from small differences. */
+    for (int a = 0; a < 3; a++) {
+        const int64_t far = INT64_C(1) << 46, sum = some_sum(c, reach, a), y = check_range(c, -far, far), z = check_range(c, -far, far);
+        const int64_t begin[3] = {sum - y - z, y, z};
+        for (int b = 0; b < 3; b++)
+            for (int32_t i = 0; i < bases->count[b]; i++)
+                bases->part[b][3 * i + a] = begin[b] + (i == from[b] - bases->lo[b] || check_chance(c, 4)
+                                                            ? 0
+                                                            : (INT64_C(16) << 16) * s.step[b][a] + check_range(c, -3, 3));
+    }
+    void *blocks[2];
+    check_outputs(c, "blocks", 1, sizeof(ost_cubes), _Alignof(ost_cubes), blocks);
+    check_note(c, "%s, blocks from %d %d %d to %d %d %d of %d %d %d", s.text, from[0], from[1], from[2], to[0], to[1], to[2], first[0], first[1], first[2]);
+    blocks_arguments a = {bases, reach, first, from, to, blocks[0]}, b = {bases, reach, first, from, to, blocks[1]};
+    if (!check_both(c, call_blocks, &a, &b))
+        return;
+    const ost_cubes *p = blocks[0], *q = blocks[1];
+    if (!check_that(c, p->count == q->count, "finds %zu blocks, not %zu", q->count, p->count))
+        return;
+    for (int i = 0; i < 3; i++) {
+        check_same(c, "blocks->u", CHECK_I32, p->u[i], q->u[i], p->count);
+        check_same(c, "blocks->u behind eight", CHECK_I32, p->u[i] + 8, q->u[i] + 8, OST_UNIT_BRICKS + OST_CUBES_SLACK - 8);
+    }
+    check_same(c, "blocks->number", CHECK_I32, p->number, q->number, p->count);
+    check_same(c, "blocks->number behind eight", CHECK_I32, p->number + 8, q->number + 8, OST_UNIT_BRICKS + OST_CUBES_SLACK - 8);
 }
 
 /* -------------------------------------------------------------------- split */
@@ -475,10 +577,12 @@ static void bench_take(check_bench *b)
     bench_time(b, "the same, taken", call_take, NULL, &a, 200, "brick");
 }
 
+CHECK_CPU_SLOT(blocks)
 CHECK_CPU_SLOT(split)
 CHECK_CPU_SLOT(match)
 CHECK_CPU_SLOT(take)
-extern const check_kernel check_split, check_match, check_take;
+extern const check_kernel check_blocks, check_split, check_match, check_take;
+const check_kernel check_blocks = {.name = "blocks", .of = blocks_of, .test = test_blocks, .cases = 1000};
 const check_kernel check_split = {.name = "split", .of = split_of, .test = test_split, .bench = bench_split, .cases = 1000};
 const check_kernel check_match = {.name = "match", .of = match_of, .test = test_match, .bench = bench_match, .cases = 800};
 const check_kernel check_take = {.name = "take", .of = take_of, .test = test_take, .bench = bench_take, .cases = 600};

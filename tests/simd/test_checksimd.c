@@ -22,7 +22,7 @@
 #include <xmmintrin.h>
 #endif
 
-extern const check_kernel check_gather_row, check_brick_row, check_any_active, check_drain, check_split, check_match, check_take,
+extern const check_kernel check_gather_row, check_brick_row, check_any_active, check_drain, check_blocks, check_split, check_match, check_take,
     check_vox_mark, check_vox_keys, check_vox_fill, check_vox_expand, check_text_match;
 
 /* Reads it, whatever the compiler thinks of that. */
@@ -155,6 +155,34 @@ static void drain_rounds_down(void)
 #endif
 
 /* ---------------------------------------------------------------- removal */
+
+static void blocks_never_divides(const ost_block_bases *bases, const ost_block_reach *reach, const int32_t first[3], const int32_t from[3],
+                                 const int32_t to[3], ost_cubes *blocks)
+{
+    ost_blocks_scalar(bases, reach, first, from, to, blocks);
+    for (size_t i = 0; i < blocks->count; i++)
+        for (int a = 0; a < 3; a++) {
+            int64_t sum = 1 << 15;
+            for (int b = 0; b < 3; b++)
+                sum += bases->part[b][3 * (first[b] - bases->lo[b] + (blocks->number[i] >> b & 1)) + a];
+            blocks->u[a][i] = (int32_t)(sum >> 16);
+        }
+}
+
+static void blocks_reach_one_less(const ost_block_bases *bases, const ost_block_reach *reach, const int32_t first[3], const int32_t from[3],
+                                  const int32_t to[3], ost_cubes *blocks)
+{
+    ost_block_reach less = *reach;
+    less.width[1]--;
+    ost_blocks_scalar(bases, &less, first, from, to, blocks);
+}
+
+static void blocks_number_from_the_first(const ost_block_bases *bases, const ost_block_reach *reach, const int32_t first[3],
+                                         const int32_t from[3], const int32_t to[3], ost_cubes *blocks)
+{
+    (void)first;
+    ost_blocks_scalar(bases, reach, from, from, to, blocks);
+}
 
 static void split_no_last_cube(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, const uint64_t *occupancy,
                                ost_cubes *mixed, ost_numbers *inside)
@@ -470,6 +498,9 @@ static const struct wrong {
 #elif defined __aarch64__
     WRONG(drain, drain_rounds_down, STATE),
 #endif
+    WRONG(blocks, blocks_never_divides, DIFFERS),
+    WRONG(blocks, blocks_reach_one_less, DIFFERS),
+    WRONG(blocks, blocks_number_from_the_first, DIFFERS),
     WRONG(split, split_no_last_cube, DIFFERS),
     WRONG(split, split_begins_anew, DIFFERS),
     WRONG(split, split_one_more_is_inside, DIFFERS),

@@ -97,6 +97,27 @@ void ost_block_bases_make(ost_block_bases *bases, const ost_map *map, const int3
     }
 }
 
+/*
+ * A voxel of a block has u = base + sum of d step, 0 <= d <= 15, so on each
+ * axis base - below <= u <= base + above. When that misses [0, dims 2^20), no
+ * voxel of the block is inside the tool's grid. below + above <= 15 times a sum
+ * of three |step| < 2^29 (AR-MAP-5), so from .. from + width fits as remove.h's u does.
+ */
+ost_block_reach ost_block_reach_of(const int32_t step[3][3], const int32_t dims[3])
+{
+    ost_block_reach r;
+    for (int a = 0; a < 3; a++) {
+        int32_t below = 0, above = 0;
+        for (int b = 0; b < 3; b++) {
+            below += step[b][a] < 0 ? -(OST_MAP_BLOCK - 1) * step[b][a] : 0;
+            above += step[b][a] > 0 ? (OST_MAP_BLOCK - 1) * step[b][a] : 0;
+        }
+        r.from[a] = -above;
+        r.width[a] = ((uint32_t)dims[a] << OST_MAP_FRACTION) + (uint32_t)below + (uint32_t)above;
+    }
+    return r;
+}
+
 void ost_block_bases_free(ost_block_bases *bases)
 {
     for (int b = 0; b < 3; b++)

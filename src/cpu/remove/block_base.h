@@ -48,4 +48,19 @@ static inline bool ost_block_base(const ost_block_bases *bases, const int32_t bl
     return (uint64_t)((u >> 16) - low) < span && (uint64_t)((v >> 16) - low) < span && (uint64_t)((w >> 16) - low) < span;
 }
 
+/* Bases from which a block's voxels may lie in the tool's grid: from <= base < from + width. */
+typedef struct ost_block_reach {
+    int32_t from[3];
+    uint32_t width[3];
+} ost_block_reach;
+
+/* That of a tool of dims voxels. */
+ost_block_reach ost_block_reach_of(const int32_t step[3][3], const int32_t dims[3]);
+
+static inline bool ost_block_in_reach(const ost_block_reach *r, const int32_t base[3])
+{
+    return ((uint32_t)base[0] - (uint32_t)r->from[0] < r->width[0]) & ((uint32_t)base[1] - (uint32_t)r->from[1] < r->width[1]) &
+           ((uint32_t)base[2] - (uint32_t)r->from[2] < r->width[2]);
+}
+
 #endif

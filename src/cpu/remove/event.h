@@ -7,12 +7,6 @@
 #include "cpu/bone/bone.h"
 #include "cpu/kernels.h"
 
-/* Bases from which a block's voxels may lie in the tool's grid: from <= base < from + width. */
-typedef struct ost_block_reach {
-    int32_t from[3];
-    uint32_t width[3];
-} ost_block_reach;
-
 /* Everything that a pose is worked out to before the first chunk. */
 typedef struct ost_pose_plan {
     ost_split split[2]; /* 16 -> 8, 8 -> 4 */

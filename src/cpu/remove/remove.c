@@ -137,57 +137,17 @@ static inline void add_hits(hit_list *list, uint64_t *occupancy, int32_t number,
     list->count += hit != 0;
 }
 
-/*
- * A voxel of a block has u = base + sum of d step, 0 <= d <= 15, so on each
- * axis base - below <= u <= base + above. When that misses [0, dims 2^20), no
- * voxel of the block is inside the tool's grid. below + above <= 15 times a sum
- * of three |step| < 2^29 (AR-MAP-5), so from .. from + width fits as remove.h's u does.
- */
-static ost_block_reach reach_of(const int32_t step[3][3], const int32_t dims[3])
-{
-    ost_block_reach r;
-    for (int a = 0; a < 3; a++) {
-        int32_t below = 0, above = 0;
-        for (int b = 0; b < 3; b++) {
-            below += step[b][a] < 0 ? -(BLOCK - 1) * step[b][a] : 0;
-            above += step[b][a] > 0 ? (BLOCK - 1) * step[b][a] : 0;
-        }
-        r.from[a] = -above;
-        r.width[a] = ((uint32_t)dims[a] << OST_MAP_FRACTION) + (uint32_t)below + (uint32_t)above;
-    }
-    return r;
-}
-
-static inline bool in_reach(const ost_block_reach *r, const int32_t base[3])
-{
-    return ((uint32_t)base[0] - (uint32_t)r->from[0] < r->width[0]) & ((uint32_t)base[1] - (uint32_t)r->from[1] < r->width[1]) &
-           ((uint32_t)base[2] - (uint32_t)r->from[2] < r->width[2]);
-}
-
 /* The blocks of the unit that the box meets (those that the plan has bases for) and whose voxels the tool's grid may hold. */
-static void collect_blocks(const ost_pose_plan *plan, const int32_t unit[3], int32_t edge, ost_cubes *blocks)
+static void collect_blocks(const ost_cpu_kernels *kernels, const ost_pose_plan *plan, const int32_t unit[3], int32_t edge, ost_cubes *blocks)
 {
     const ost_block_bases *bases = &plan->bases;
-    const int32_t blocks_wide = edge / BLOCK;
     int32_t from[3], to[3], first[3];
     for (int a = 0; a < 3; a++) {
         first[a] = (int32_t)((uint32_t)unit[a] / BLOCK);
         from[a] = max32(first[a], bases->lo[a]);
-        to[a] = min32(first[a] + blocks_wide, bases->lo[a] + bases->count[a]);
+        to[a] = min32(first[a] + edge / BLOCK, bases->lo[a] + bases->count[a]);
     }
-    size_t n = 0;
-    for (int32_t z = from[2]; z < to[2]; z++)
-        for (int32_t y = from[1]; y < to[1]; y++)
-            for (int32_t x = from[0]; x < to[0]; x++) {
-                int32_t base[3];
-                const bool near = ost_block_base(bases, (const int32_t[3]){x, y, z}, base);
-                blocks->u[0][n] = base[0];
-                blocks->u[1][n] = base[1];
-                blocks->u[2][n] = base[2];
-                blocks->number[n] = x - first[0] + 2 * (y - first[1]) + 4 * (z - first[2]);
-                n += near && in_reach(&plan->reach, base);
-            }
-    blocks->count = n;
+    kernels->blocks(bases, &plan->reach, first, from, to, blocks);
 }
 
 /* What is hit among mixed bricks, bricks inside and cubes inside. */
@@ -224,7 +184,7 @@ static void run_unit(const ost_cpu_kernels *kernels, const ost_pose_plan *plan, 
     hit_list list;
     list.count = cubes.count = bricks.count = inside.count = inside_bricks.count = 0;
 
-    collect_blocks(plan, unit, edge, &blocks);
+    collect_blocks(kernels, plan, unit, edge, &blocks);
     if (blocks.count == 0)
         return;
     kernels->split(&plan->split[0], cells, &blocks, NULL, &cubes, &inside);
@@ -278,7 +238,7 @@ static void plan_pose(ost_pose_plan *plan, const ost_map *map, const ost_voxel_b
     int32_t lo[3], hi[3];
     block_range(box, lo, hi);
     plan->box = *box;
-    plan->reach = reach_of(map->step, shape->dims);
+    plan->reach = ost_block_reach_of(map->step, shape->dims);
     ost_split_make(map->step, 16, &shape->cells, &plan->split[0]);
     ost_split_make(map->step, 8, &shape->cells, &plan->split[1]);
     ost_match_make(map->step, shape, &plan->match);

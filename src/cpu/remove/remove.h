@@ -38,7 +38,8 @@
  * seven bits may carry; the voxel is wrong only if the carry runs through 13
  * set bits.  `tie` marks the values of (c >> 7) mod 2^13 for which some offset
  * has a sum with 13 set bits: such a brick (2.3 % of them) is matched with the
- * carries.
+ * carries.  `near_tie` has eight such values a bit, few enough for registers:
+ * what is not near a tie (five bricks of six) is none.
  */
 #ifndef OST_CPU_REMOVE_H
 #define OST_CPU_REMOVE_H
@@ -50,6 +51,7 @@ enum {
     OST_UNIT_BRICKS = 512,
     OST_CUBES_SLACK = 16,  /* elements behind the last one that a kernel may overwrite */
     OST_TIE_BITS = 13,
+    OST_NEAR_TIES = 1024,
 };
 
 /* Cubes of one edge. number counts Morton-wise within the unit: cube n holds the cubes 8n..8n+7 of half the edge. */
@@ -79,6 +81,7 @@ typedef struct ost_match {
     int32_t lowest[3];
     bool windows;
     uint8_t tie[1 << OST_TIE_BITS]; /* bit a: on axis a */
+    _Alignas(64) uint32_t near_tie[3][OST_NEAR_TIES / 32]; /* bit n: one of tie's values from 8 n to 8 n + 7 is set on this axis */
     const ost_shape *shape;
 } ost_match;
 

@@ -3,6 +3,23 @@
 #include "core/conditions.h"
 #include "cpu/kernels.h"
 
+void ost_blocks_scalar(const ost_block_bases *bases, const ost_block_reach *reach, const int32_t first[3], const int32_t from[3],
+                       const int32_t to[3], ost_cubes *blocks)
+{
+    size_t n = 0;
+    for (int32_t z = from[2]; z < to[2]; z++)
+        for (int32_t y = from[1]; y < to[1]; y++)
+            for (int32_t x = from[0]; x < to[0]; x++) {
+                int32_t base[3];
+                const bool exists = ost_block_base(bases, (const int32_t[3]){x, y, z}, base);
+                for (int a = 0; a < 3; a++)
+                    blocks->u[a][n] = base[a];
+                blocks->number[n] = x - first[0] + 2 * (y - first[1]) + 4 * (z - first[2]);
+                n += exists && ost_block_in_reach(reach, base);
+            }
+    blocks->count = n;
+}
+
 static int32_t cell_of(const ost_cells *cells, int32_t u, int axis)
 {
     const int32_t c = (u >> cells->shift) + cells->margin, last = cells->dims[axis] - 1;

@@ -2,6 +2,7 @@
 /*
  * Removal in AVX-512 (F, BW, DQ, VL, CD).
  *
+ *   blocks  the eight of a unit at once, in 64-bit lanes
  *   split   two cubes, sixteen parts at once
  *   match   32 voxels in 16-bit lanes, twice: a window of 64 bytes is one
  *           register, and a row of it one VPERMW
@@ -22,6 +23,46 @@
 
 #include "core/conditions.h"
 #include "cpu/kernels.h"
+
+/* ----------------------------------------------------------------- blocks */
+
+/* Lane x + 2y + 4z. As ost_block_base; where one of them is unsure, all are left to it. */
+void ost_blocks_avx512(const ost_block_bases *bases, const ost_block_reach *reach, const int32_t first[3], const int32_t from[3],
+                       const int32_t to[3], ost_cubes *blocks)
+{
+    static const __mmask8 second[3] = {0xaa, 0xcc, 0xf0}; /* lanes of first + 1 */
+    const int64_t *part[3][2];
+    unsigned valid = 0xff, unsure = 0;
+    for (int b = 0; b < 3; b++) {
+        /* Lanes that are not valid take what their neighbour has. */
+        part[b][0] = bases->part[b] + 3 * (size_t)(from[b] - bases->lo[b]);
+        part[b][1] = bases->part[b] + 3 * (size_t)(to[b] - 1 - bases->lo[b]);
+        valid &= (from[b] == first[b] ? 0xff : second[b]) & (to[b] == first[b] + 2 ? 0xff : ~(unsigned)second[b]);
+    }
+    __m256i base[3];
+    __mmask8 near = (__mmask8)valid;
+    for (int a = 0; a < 3; a++) {
+        __m512i sum = _mm512_set1_epi64(1 << 15);
+        for (int b = 0; b < 3; b++)
+            sum = _mm512_add_epi64(sum, _mm512_mask_set1_epi64(_mm512_set1_epi64(part[b][0][a]), second[b], part[b][1][a]));
+        const __m512i wide = _mm512_srai_epi64(sum, 16);
+        /* Sure when the low 16 bits, less 1, are below 2^16 - 7. */
+        const __m512i low = _mm512_and_si512(_mm512_sub_epi64(sum, _mm512_set1_epi64(1)), _mm512_set1_epi64(0xffff));
+        unsure |= _mm512_cmpge_epu64_mask(low, _mm512_set1_epi64(0xffff - 6));
+        near = _mm512_mask_cmplt_epu64_mask(near, _mm512_add_epi64(wide, _mm512_set1_epi64(1 << 29)), _mm512_set1_epi64(INT64_C(1) << 31));
+        base[a] = _mm512_cvtepi64_epi32(wide);
+        near = _mm256_mask_cmplt_epu32_mask(near, _mm256_sub_epi32(base[a], _mm256_set1_epi32(reach->from[a])),
+                                            _mm256_set1_epi32((int32_t)reach->width[a]));
+    }
+    if (unsure & valid) {
+        ost_blocks_scalar(bases, reach, first, from, to, blocks);
+        return;
+    }
+    for (int a = 0; a < 3; a++)
+        _mm256_store_si256((__m256i *)(void *)blocks->u[a], _mm256_maskz_compress_epi32(near, base[a]));
+    _mm256_storeu_si256((__m256i *)(void *)blocks->number, _mm256_maskz_compress_epi32(near, _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7)));
+    blocks->count = (size_t)_mm_popcnt_u32(near);
+}
 
 /* ------------------------------------------------------------------ split */
 
@@ -141,10 +182,9 @@ enum { LOW = OST_MAP_FRACTION - OST_TIE_BITS };
 enum { PIECE = 128 };
 typedef struct places {
     _Alignas(64) uint32_t high[3][PIECE]; /* >> 7, in both halves of a lane */
-    uint32_t tie[3][PIECE];               /* that without the voxel; kept apart so that high is broadcast from memory */
     uint32_t low[3][PIECE];
-    uint32_t line[PIECE]; /* first the window's number, then that of its line */
-    uint32_t tied[PIECE]; /* those that must be done again with carries */
+    uint32_t line[PIECE];        /* first the window's number, then that of its line */
+    uint32_t tied[PIECE + 16];   /* those that may have to be done again with carries */
 } places;
 
 /* n / step for 0 <= n < 2^15 and step 1, 2, 3: (n * ceil(2^16 / step)) >> 16 is exact there, and 2^16 itself is n << 16 >> 16. */
@@ -154,39 +194,67 @@ static inline __m512i windows_of(__m512i voxel, int32_t step)
     return _mm512_srli_epi32(_mm512_mullo_epi32(voxel, _mm512_set1_epi32(inverse)), 16);
 }
 
-/* Bricks from .. from + 15. Lanes behind the last brick become anything that nobody looks at. */
-static inline void place_sixteen(const ost_match *match, const ost_cubes *bricks, size_t from, places *out, size_t to)
+/* Whether c, >> LOW and without the voxel, is near a tie: bit (c >> LOW >> 3) % 1024 of `near`. A rotation takes its count mod 32. */
+static inline __mmask16 near_tie(const uint32_t near[32], __m512i c)
+{
+    const __m512i word = _mm512_permutex2var_epi32(_mm512_load_si512(near), _mm512_srli_epi32(c, LOW + 3 + 5), _mm512_load_si512(near + 16));
+    return _mm512_test_epi32_mask(word, _mm512_rolv_epi32(_mm512_set1_epi32(1), _mm512_srli_epi32(c, LOW + 3)));
+}
+
+/*
+ * Bricks from .. from + 15; lanes behind the last brick become anything that nobody looks at.
+ * Returns which are near a tie.
+ */
+static inline __mmask16 place_sixteen(const ost_match *match, const ost_cubes *bricks, size_t from, places *out, size_t to)
 {
     const ost_windows *w = &match->shape->windows;
     const __m512i margin = _mm512_set1_epi32(OST_WINDOW_MARGIN), step = _mm512_set1_epi32(w->step);
     __m512i window[3];
+    __mmask16 near = 0;
     for (int a = 0; a < 3; a++) {
         const __m512i u = _mm512_add_epi32(_mm512_load_si512(bricks->u[a] + from), _mm512_set1_epi32(match->lowest[a]));
         window[a] = windows_of(_mm512_add_epi32(_mm512_srai_epi32(u, OST_MAP_FRACTION), margin), w->step);
         const __m512i begin = _mm512_slli_epi32(_mm512_sub_epi32(_mm512_mullo_epi32(window[a], step), margin), OST_MAP_FRACTION);
         const __m512i c = _mm512_sub_epi32(u, begin), high = _mm512_srli_epi32(c, LOW);
         _mm512_store_si512(out->high[a] + to, _mm512_or_si512(high, _mm512_slli_epi32(high, 16)));
-        _mm512_store_si512(out->tie[a] + to, _mm512_and_si512(high, _mm512_set1_epi32((1 << OST_TIE_BITS) - 1)));
         _mm512_store_si512(out->low[a] + to, _mm512_and_si512(c, _mm512_set1_epi32((1 << LOW) - 1)));
+        near |= near_tie(match->near_tie[a], c);
     }
     const __m512i row = _mm512_add_epi32(window[1], _mm512_mullo_epi32(window[2], _mm512_set1_epi32(w->dims[1])));
     _mm512_store_si512(out->line + to, _mm512_add_epi32(window[0], _mm512_mullo_epi32(row, _mm512_set1_epi32(w->dims[0]))));
+    return near;
 }
 
-/* Lines of the first count places, on their way to the cache; returns how many are tied. */
-static inline size_t find_lines(const ost_match *match, size_t count, places *at)
+/* Where all bricks of a piece begin; returns how many are near a tie. */
+static inline size_t place_all(const ost_match *match, const ost_cubes *bricks, size_t from, size_t count, places *at)
 {
-    const uint8_t(*const line)[64] = match->shape->windows.line;
-    const uint32_t *const index = match->shape->windows.index;
-    const uint8_t *const tie = match->tie;
+    const __m512i sixteen = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
     size_t tied = 0;
+    for (size_t i = 0; i < count; i += 16) {
+        const unsigned valid = count - i < 16 ? (1u << (count - i)) - 1 : 0xffff;
+        const __mmask16 near = (__mmask16)(place_sixteen(match, bricks, from + i, at, i) & valid);
+        _mm512_storeu_si512(at->tied + tied, _mm512_maskz_compress_epi32(near, _mm512_add_epi32(sixteen, _mm512_set1_epi32((int)i))));
+        tied += (size_t)_mm_popcnt_u32(near);
+    }
+    return tied;
+}
+
+/* Lines of the first count places, on their way to the cache. */
+static inline void find_lines(const ost_windows *windows, size_t count, places *at)
+{
+    const uint8_t(*const line)[64] = windows->line;
+    const uint32_t *const index = windows->index;
     for (size_t i = 0; i < count; i++) {
         at->line[i] = index[at->line[i]];
         _mm_prefetch((const char *)line[at->line[i]], _MM_HINT_T0);
-        at->tied[tied] = (uint32_t)i;
-        tied += ((tie[at->tie[0][i]] & 1) | (tie[at->tie[1][i]] & 2) | (tie[at->tie[2][i]] & 4)) != 0;
     }
-    return tied;
+}
+
+static inline bool is_tied(const ost_match *match, const places *at, size_t i)
+{
+    const uint8_t *const tie = match->tie;
+    const uint32_t fraction = (1u << OST_TIE_BITS) - 1;
+    return ((tie[at->high[0][i] & fraction] & 1) | (tie[at->high[1][i] & fraction] & 2) | (tie[at->high[2][i] & fraction] & 4)) != 0;
 }
 
 /* 32 voxels from their coordinates in the window. */
@@ -198,11 +266,13 @@ static inline __mmask32 look_up(__m512i line, __m512i x, __m512i y, __m512i z)
     return _mm512_test_epi16_mask(_mm512_permutexvar_epi16(word, line), _mm512_sllv_epi16(_mm512_set1_epi16(1), bit));
 }
 
-/* With the carries of the low bits. */
+/* Those that are tied, of count that may be, with the carries of the low bits. */
 static void match_tied(const ost_match *match, const places *at, size_t count, uint64_t *hits)
 {
     for (size_t t = 0; t < count; t++) {
         const size_t i = at->tied[t];
+        if (!is_tied(match, at, i))
+            continue;
         const __m512i line = _mm512_load_si512(match->shape->windows.line[at->line[i]]);
         __mmask32 half[2];
         for (int h = 0; h < 2; h++) {
@@ -227,9 +297,8 @@ static void match_windows(const ost_match *match, const ost_cubes *bricks, uint6
     places at;
     for (size_t piece = 0; piece < bricks->count; piece += PIECE, hits += PIECE) {
         const size_t count = bricks->count - piece < PIECE ? bricks->count - piece : PIECE;
-        for (size_t i = 0; i < count; i += 16)
-            place_sixteen(match, bricks, piece + i, &at, i);
-        const size_t tied = find_lines(match, count, &at);
+        const size_t tied = place_all(match, bricks, piece, count, &at);
+        find_lines(&match->shape->windows, count, &at);
         for (size_t i = 0; i < count; i++) {
             const __m512i window = _mm512_load_si512(line[at.line[i]]);
             const __m512i x = _mm512_set1_epi32((int32_t)at.high[0][i]), y = _mm512_set1_epi32((int32_t)at.high[1][i]),
