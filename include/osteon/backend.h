@@ -102,7 +102,7 @@ OST_API ost_status ost_grid_download(const ost_grid *grid, int32_t z0, int32_t c
  */
 typedef struct ost_sample {
     int64_t x, y, z; /* picometres: the voxel's centre */
-    int32_t density; /* within int16 */
+    int32_t density; /* within int16: OST_ERR_RANGE otherwise, and nothing is scattered */
     uint32_t line;
 } ost_sample;
 

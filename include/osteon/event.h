@@ -4,9 +4,9 @@
  * as an integer map from bone voxels to tool voxels (docs/arithmetic.md,
  * AR-SWEEP, AR-MAP, AR-REM).
  *
- *   previous pose, pose --ost_sweep_plan--> n poses --ost_map_make--> n maps
- *                                                                      |
- *   report per chunk and density class <------ backend.remove <--------'
+ *   previous pose, pose --ost_sweep_count, ost_sweep_pose--> n poses --ost_map_make--> n maps
+ *                                                                                       |
+ *   report per chunk and density class <------------- ost_bone_remove <------------------'
  *
  * All of this is integer host code shared by every backend; tests/oracle
  * holds it against an independent implementation in fractions.
@@ -35,7 +35,7 @@ enum { OST_SWEEP_MAX = 4096 };
  * n of AR-SWEEP: the least n >= 1 with 4 * max|d|^2 <= n^2 * s^2, d the
  * displacement of the tool box's corners (each rounded RHE to picometres)
  * from pose a to pose b, s the bone's voxel.  OST_ERR_RANGE when n would
- * exceed OST_SWEEP_MAX or the turn exceeds 90 degrees.
+ * exceed OST_SWEEP_MAX, the turn exceeds 90 degrees, or a pose is none.
  */
 OST_API ost_status ost_sweep_count(const ost_pose *a, const ost_pose *b, const ost_tool_geometry *tool, ost_pm bone_voxel,
                                    int *count, ost_error *err);
@@ -56,7 +56,7 @@ enum { OST_MAP_FRACTION = 20, OST_MAP_BLOCK = 16, OST_MAP_RATIO_MAX = 16 };
  *
  * with base = RHE(exact) at the first voxel of its block, 0 <= di, dj, dk < 16,
  * step = RHE(column / divisor).  The used one is off by at most 23 / 2^20.
- * Ranges: |origin| < 2^126, divisor < 2^98, |step| <= 2^24 + 1 (bone voxel at
+ * Ranges: |origin| < 2^126, divisor < 2^98, |step| <= 2^24 (bone voxel at
  * most OST_MAP_RATIO_MAX tool voxels).
  */
 typedef struct ost_map {

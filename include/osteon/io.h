@@ -56,7 +56,7 @@ typedef struct ost_volume_options {
 /* NRRD or NIfTI, to int16 with axes to LPS+. options may be NULL (all false), report may be NULL. */
 OST_API ost_status ost_volume_read(const char *path, const ost_volume_options *options, ost_volume *out, ost_volume_report *report,
                                    ost_error *err);
-/* The geometry and meta alone, without the voxels; element_bytes receives the file's element size. May be NULL. */
+/* The geometry, the meta and the report alone, without the voxels. Each may be NULL. */
 OST_API ost_status ost_volume_read_header(const char *path, ost_geometry *geometry, ost_meta *meta, ost_volume_report *report,
                                           ost_error *err);
 
@@ -103,7 +103,7 @@ OST_API ost_status ost_path_write_csv(const char *path, const ost_path *in, ost_
 typedef struct ost_import_options {
     ost_pm3 spacing;          /* 0 = found; for text and to override a file's own */
     ost_pm cubic;             /* 0 = the rect grid's x spacing */
-    int32_t threshold;        /* 0 = 120 */
+    int32_t threshold;        /* 0 = the file's own when it is a bone, else 120 */
     int chunk_size;           /* 0 = 32 */
     ost_resample resample;
     ost_duplicates duplicates;

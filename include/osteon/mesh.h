@@ -30,7 +30,7 @@ enum { OST_MESH_TRIANGLES_MAX = 1 << 26 };
 /* Uninitialised arrays of these sizes. */
 OST_API ost_status ost_mesh_init(ost_mesh *mesh, size_t vertex_count, size_t triangle_count, ost_error *err);
 OST_API void ost_mesh_free(ost_mesh *mesh);
-/* Over vertices that a triangle uses; OST_ERR_INPUT when there is no triangle. */
+/* Over vertices that a triangle uses; OST_ERR_INPUT when there is no triangle, OST_ERR_USAGE when one uses a vertex beyond the last. */
 OST_API ost_status ost_mesh_bounds(const ost_mesh *mesh, ost_pm3 *min, ost_pm3 *max, ost_error *err);
 /* Signed volume in mm^3, positive for outward faces; for reports, not for decisions. */
 OST_API double ost_mesh_volume_mm3(const ost_mesh *mesh);

@@ -9,7 +9,7 @@
  *
  *   t   picometres, |t| <= 8 m an axis
  *   q   w, x, y, z times 2^30, RHE, never renormalised; | |q| - 1 | <= 1e-3
- *       when read (an interpolated pose may be shorter, see sweep.h)
+ *       when read (an interpolated pose may be shorter, see event.h)
  *
  * The thesis' pose is the centre of the tool's box, which moves with the
  * resolution of the tool; ours does not (docs/thesis-notes.md).
@@ -32,7 +32,7 @@ typedef struct ost_pose {
 
 OST_API ost_pose ost_pose_identity(void);
 
-/* t_mm: x, y, z in millimetres by their shortest decimal; q: w, x, y, z. OST_ERR_RANGE on NaN, range or norm. */
+/* t_mm: x, y, z in millimetres, q: w, x, y, z; all by their shortest decimal. OST_ERR_RANGE on NaN, range or norm. */
 OST_API ost_status ost_pose_from_doubles(const double t_mm[3], const double q[4], ost_pose *out, ost_error *err);
 
 /* The same from decimals as written: no binary float in between. */

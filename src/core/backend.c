@@ -158,6 +158,10 @@ ost_status ost_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t coun
 {
     if (!samples || !report || (int)duplicates < OST_DUPLICATES_ERROR || duplicates > OST_DUPLICATES_MAX)
         return ost_fail(err, OST_ERR_USAGE, "samples, a report and a rule for duplicates are needed");
+    for (size_t i = 0; i < count; i++)
+        if (samples[i].density < INT16_MIN || samples[i].density > INT16_MAX)
+            return ost_fail(err, OST_ERR_RANGE, "line %lld: a density of %d; supported are -32768 to 32767",
+                            (long long)(first_line + samples[i].line), (int)samples[i].density);
     return rect->backend->ops->ct_to_rect(rect, samples, count, first_line, duplicates, report, err);
 }
 
@@ -171,8 +175,9 @@ ost_status ost_rect_to_cubic(const ost_grid *rect, ost_pm cubic, ost_resample ru
 {
     *out = NULL;
     const ost_geometry *g = &rect->geometry;
+    char text[OST_PM_TEXT];
     if (cubic < OST_SPACING_MIN || cubic > OST_SPACING_MAX)
-        return ost_fail(err, OST_ERR_RANGE, "a cubic voxel of %.9g mm; supported are 0.001 to 100 mm", ost_pm_to_mm(cubic));
+        return ost_fail(err, OST_ERR_RANGE, "a cubic voxel of %s mm; supported are 0.001 to 100 mm", ost_pm_format(cubic, text));
     if (rule != OST_RESAMPLE_FLOOR && rule != OST_RESAMPLE_NEAREST)
         return ost_fail(err, OST_ERR_USAGE, "unknown rule %d for resampling", (int)rule);
     int64_t dims[3] = {
@@ -182,8 +187,8 @@ ost_status ost_rect_to_cubic(const ost_grid *rect, ost_pm cubic, ost_resample ru
     };
     for (int a = 0; a < 3; a++)
         if (dims[a] > OST_DIM_MAX)
-            return ost_fail(err, OST_ERR_RANGE, "a cubic voxel of %.9g mm gives %lld voxels along %c; supported are at most %d",
-                            ost_pm_to_mm(cubic), (long long)dims[a], "xyz"[a], OST_DIM_MAX);
+            return ost_fail(err, OST_ERR_RANGE, "a cubic voxel of %s mm gives %lld voxels along %c; supported are at most %d",
+                            ost_pm_format(cubic, text), (long long)dims[a], "xyz"[a], OST_DIM_MAX);
     ost_geometry geometry = {
         .dims = {(int32_t)dims[0], (int32_t)dims[1], (int32_t)dims[2]},
         .spacing = {cubic, cubic, cubic},
@@ -358,6 +363,11 @@ static ost_status check_event(const ost_bone *bone, const ost_tool *tool, const 
                         (int)d.z, OST_TOOL_DIM_REMOVE_MAX);
     if (event->classes->count < 1 || event->classes->count > OST_CLASS_MAX)
         return ost_fail(err, OST_ERR_USAGE, "%d density classes; 1 to %d are needed", event->classes->count, OST_CLASS_MAX);
+    /* Backends look for a voxel's class from either end of the borders. */
+    for (int c = 1; c < event->classes->count; c++)
+        if (event->classes->border[c] <= event->classes->border[c - 1])
+            return ost_fail(err, OST_ERR_USAGE, "density class %d begins at %d, which is not above %d", c, event->classes->border[c],
+                            event->classes->border[c - 1]);
     return OST_OK;
 }
 

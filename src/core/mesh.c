@@ -31,10 +31,23 @@ void ost_mesh_free(ost_mesh *mesh)
     *mesh = (ost_mesh){0};
 }
 
+static ost_status check_indices(const ost_mesh *mesh, ost_error *err)
+{
+    for (size_t t = 0; t < mesh->triangle_count; t++)
+        for (int c = 0; c < 3; c++)
+            if (mesh->triangles[t][c] >= mesh->vertex_count)
+                return ost_fail(err, OST_ERR_USAGE, "mesh: triangle %zu uses vertex %u of %zu", t, (unsigned)mesh->triangles[t][c],
+                                mesh->vertex_count);
+    return OST_OK;
+}
+
 ost_status ost_mesh_bounds(const ost_mesh *mesh, ost_pm3 *min, ost_pm3 *max, ost_error *err)
 {
     if (mesh->triangle_count == 0)
         return ost_fail(err, OST_ERR_INPUT, "the mesh has no triangle");
+    ost_status status = check_indices(mesh, err);
+    if (status != OST_OK)
+        return status;
     *min = (ost_pm3){INT64_MAX, INT64_MAX, INT64_MAX};
     *max = (ost_pm3){INT64_MIN, INT64_MIN, INT64_MIN};
     for (size_t t = 0; t < mesh->triangle_count; t++)
@@ -141,7 +154,9 @@ static size_t count_open(const edge *edges, size_t count)
 
 ost_status ost_mesh_open_edges(const ost_mesh *mesh, size_t *open_edges, ost_error *err)
 {
-    ost_status status = OST_OK;
+    ost_status status = check_indices(mesh, err);
+    if (status != OST_OK)
+        return status;
     keyed_vertex *keyed = malloc((mesh->vertex_count + 1) * sizeof *keyed);
     uint32_t *weld = malloc((mesh->vertex_count + 1) * sizeof *weld);
     edge *edges = malloc((3 * mesh->triangle_count + 1) * sizeof *edges);

@@ -46,7 +46,8 @@ ost_status ost_meta_set(ost_meta *meta, const char *key, const char *value, ost_
             return ost_fail(err, OST_ERR_RANGE, "no room for '%s': at most %d keys", key, OST_META_MAX);
         i = meta->count++;
     }
-    strcpy(meta->entry[i].key, key);
-    strcpy(meta->entry[i].value, value);
+    /* Both may be this entry's own, as ost_meta_get gave them. */
+    memmove(meta->entry[i].key, key, strlen(key) + 1);
+    memmove(meta->entry[i].value, value, strlen(value) + 1);
     return OST_OK;
 }

@@ -4,10 +4,11 @@
 
 #include <osteon/pose.h>
 
-#include <math.h>
+#include <math.h> /* sqrt, in a message */
 #include <stdlib.h>
 
 #include "core/integer.h"
+#include "core/shortest.h"
 
 ost_pose ost_pose_identity(void)
 {
@@ -76,10 +77,10 @@ ost_status ost_pose_from_doubles(const double t_mm[3], const double q[4], ost_po
         if (!ost_pm_from_double(t_mm[a], &t[a]))
             return ost_fail(err, OST_ERR_RANGE, "position %c = %g mm is not a number within 8000 mm", "xyz"[a], t_mm[a]);
     for (int a = 0; a < 4; a++) {
-        if (!(q[a] >= -1.5 && q[a] <= 1.5))
+        ost_decimal decimal; /* AR-LEN-4: a float stands for its shortest decimal */
+        if (!(q[a] >= -1.5 && q[a] <= 1.5) || !ost_decimal_shortest(q[a], false, &decimal) ||
+            !ost_decimal_scale(&decimal, (uint64_t)OST_Q30_ONE, &c[a], NULL))
             return ost_fail(err, OST_ERR_RANGE, "quaternion component %d is %g; a unit quaternion has none beyond 1", a, q[a]);
-        /* Times 2^30 is exact; rint rounds half to even in the default mode, which the conditions ask for. */
-        c[a] = (int64_t)rint(q[a] * OST_Q30_ONE);
     }
     return assemble(t, c, out, err);
 }

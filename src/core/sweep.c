@@ -14,10 +14,17 @@
 #include "core/integer.h"
 #include "core/rotation.h"
 
-/* |q| <= 1.001 * 2^30 each: |dot| <= 2^60.01. */
+/* |q| <= 1.001 * 2^30 each: |dot| <= 2^60.01; four components within ost_rotation_fits alone: <= 2^62.01. */
 static int64_t dot(const ost_pose *a, const ost_pose *b)
 {
     return (int64_t)a->qw * b->qw + (int64_t)a->qx * b->qx + (int64_t)a->qy * b->qy + (int64_t)a->qz * b->qz;
+}
+
+/* What ost_map_make asks as well. A pose that was never filled in is all zero, and nothing divides by its N. */
+static bool near_unit(const ost_pose *pose)
+{
+    const int64_t n = dot(pose, pose);
+    return n >= OST_ROTATION_N_MIN && n <= OST_ROTATION_N_MAX;
 }
 
 /*
@@ -60,6 +67,8 @@ ost_status ost_sweep_count(const ost_pose *a, const ost_pose *b, const ost_tool_
         return ost_fail(err, OST_ERR_RANGE, "bone voxel of %lld pm; 0.001 to 100 mm are supported", (long long)bone_voxel);
     if (!ost_rotation_fits(a) || !ost_rotation_fits(b))
         return ost_fail(err, OST_ERR_RANGE, "a pose beyond 8 m or with a quaternion far from unit length");
+    if (!near_unit(a) || !near_unit(b))
+        return ost_fail(err, OST_ERR_RANGE, "a pose whose quaternion is not near unit length");
     /* cos^2 of the angle between the quaternions is below 1/2: over 45 degrees there, over 90 in space. Below 2^121.03. */
     ost_i128 d = dot(a, b);
     if (2 * d * d < (ost_i128)dot(a, a) * dot(b, b))

@@ -61,12 +61,28 @@ static void too_large_is_refused(void **state)
     ost_mesh_free(&mesh);
 }
 
+static void a_vertex_that_is_not_there_is_refused(void **state)
+{
+    (void)state;
+    ost_mesh mesh;
+    ost_pm3 min, max;
+    size_t open;
+    ost_error err = {0};
+    make_box(&mesh, 1, 1, 1);
+    mesh.triangles[11][2] = 8;
+    assert_int_equal(ost_mesh_bounds(&mesh, &min, &max, &err), OST_ERR_USAGE);
+    assert_string_equal(err.text, "mesh: triangle 11 uses vertex 8 of 8");
+    assert_int_equal(ost_mesh_open_edges(&mesh, &open, NULL), OST_ERR_USAGE);
+    ost_mesh_free(&mesh);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_box_has_its_volume_and_no_open_edge),
         cmocka_unit_test(a_turned_face_opens_its_edges),
         cmocka_unit_test(too_large_is_refused),
+        cmocka_unit_test(a_vertex_that_is_not_there_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

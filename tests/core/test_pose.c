@@ -18,9 +18,16 @@ static void doubles_are_quantised(void **state)
     assert_int_equal(pose.t.z, OST_LENGTH_MAX);
     assert_int_equal(pose.qw, 1 << 29);
     assert_int_equal(pose.qx, -(1 << 29));
-    /* Ties: 1 + 2^-31 and 1 + 3 * 2^-31 in units of 2^-30 are 2^30 + 0.5 and 2^30 + 1.5. */
+    /*
+     * A double stands for its shortest decimal (AR-POSE-2, AR-LEN-4), and is no tie of binary fractions:
+     * 1 + 2^-31 = 1.00000000046566128730… stands for 1.0000000004656613, which is above 2^30 + 1/2 in units of 2^-30;
+     * 1 - 2^-31 = 0.99999999953433871269… for 0.9999999995343387, which is below 2^30 - 1/2;
+     * 1 + 3 * 2^-31 = 1.00000000139698386191… for 1.0000000013969839, above 2^30 + 3/2.
+     */
     assert_ok(ost_pose_from_doubles((double[]){0, 0, 0}, (double[]){1 + 0x1p-31, 0, 0, 0}, &pose, &err));
-    assert_int_equal(pose.qw, OST_Q30_ONE);
+    assert_int_equal(pose.qw, OST_Q30_ONE + 1);
+    assert_ok(ost_pose_from_doubles((double[]){0, 0, 0}, (double[]){1 - 0x1p-31, 0, 0, 0}, &pose, &err));
+    assert_int_equal(pose.qw, OST_Q30_ONE - 1);
     assert_ok(ost_pose_from_doubles((double[]){0, 0, 0}, (double[]){1 + 0x3p-31, 0, 0, 0}, &pose, &err));
     assert_int_equal(pose.qw, OST_Q30_ONE + 2);
 }

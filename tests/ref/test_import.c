@@ -51,6 +51,22 @@ static void the_documents_example(void **state)
     ost_grid_free(grid);
 }
 
+static void a_density_beyond_int16_is_refused(void **state)
+{
+    ost_grid *grid = rect_grid(*state, 4, 1, 1, (ost_pm3){0, 0, 0});
+    const int32_t beyond[] = {32768, -32769, 65536 + 300, INT32_MAX, INT32_MIN};
+    for (size_t i = 0; i < sizeof beyond / sizeof beyond[0]; i++) {
+        ost_error err = {0};
+        ost_scatter_report report = {0};
+        const ost_sample samples[2] = {{.density = 300}, {.x = S, .density = beyond[i], .line = 1}};
+        assert_int_equal(ost_ct_to_rect(grid, samples, 2, 10, OST_DUPLICATES_ERROR, &report, &err), OST_ERR_RANGE);
+        assert_non_null(strstr(err.text, "line 11"));
+        assert_int_equal(report.samples, 0);
+        assert_int_equal(voxel_at(grid, 0, 0, 0), 0);
+    }
+    ost_grid_free(grid);
+}
+
 static void borders_of_the_offsets(void **state)
 {
     /* With s = 8 units: off by exactly 1 unit is quiet, by exactly 3 counted and kept, by 4 (a half) to even and rejected. */
@@ -284,7 +300,7 @@ static void it_takes_no_options(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_documents_example),      cmocka_unit_test(borders_of_the_offsets),
+        cmocka_unit_test(the_documents_example),      cmocka_unit_test(a_density_beyond_int16_is_refused), cmocka_unit_test(borders_of_the_offsets),
         cmocka_unit_test(a_voxel_met_again),          cmocka_unit_test(a_zero_density_counts_as_seen),
         cmocka_unit_test(every_voxel_finds_its_place), cmocka_unit_test(filler_voxels),
         cmocka_unit_test(coarser_than_the_scan),      cmocka_unit_test(equal_spacing_changes_nothing),

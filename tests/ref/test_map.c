@@ -184,6 +184,12 @@ static void beyond_what_is_proved(void **state)
     assert_int_equal(ost_map_make(&far, &bone, &tool, &map, NULL), OST_ERR_RANGE);
     assert_int_equal(ost_sweep_count(&pose, &broken, &tool, 16 * UM, &count, NULL), OST_ERR_RANGE);
     assert_int_equal(ost_sweep_count(&far, &pose, &tool, 16 * UM, &count, NULL), OST_ERR_RANGE);
+    /* A pose that nobody filled in: no turn at all, and N = 0 to divide by. */
+    const ost_pose empty = {0};
+    assert_int_equal(ost_map_make(&empty, &bone, &tool, &map, NULL), OST_ERR_RANGE);
+    assert_int_equal(ost_sweep_count(&empty, &empty, &tool, 16 * UM, &count, NULL), OST_ERR_RANGE);
+    assert_int_equal(ost_sweep_count(&pose, &empty, &tool, 16 * UM, &count, NULL), OST_ERR_RANGE);
+    assert_int_equal(ost_sweep_count(&empty, &pose, &tool, 16 * UM, &count, NULL), OST_ERR_RANGE);
     bone = cubic_geometry(8, 8, 8, 16 * UM + 1, (ost_pm3){0, 0, 0});
     assert_int_equal(ost_map_make(&pose, &bone, &tool, &map, NULL), OST_ERR_RANGE);
     bone.spacing.z = 16 * UM;

@@ -488,6 +488,29 @@ static void quarter_turns_turn_the_set(void **state)
     free(voxels);
 }
 
+static void classes_that_do_not_rise_are_refused(void **state)
+{
+    ost_error err = {0};
+    ost_geometry g = cubic_geometry(4, 4, 4, 1000 * UM, (ost_pm3){0, 0, 0});
+    ost_bone *bone;
+    assert_ok(ost_bone_create(*state, &g, 32, 120, &bone, &err));
+    ost_tool *tool = solid_tool(*state, (ost_tool_geometry){{4, 4, 4}, 1000 * UM, {0, 0, 0}}, OST_TOOL_CUTTING);
+    ost_pose pose = ost_pose_identity();
+    scene_event *e = malloc(sizeof *e);
+    assert_non_null(e);
+    const ost_event *event = event_of(e, &g, tool, &pose, 1);
+    ost_report report = {0};
+    assert_ok(ost_bone_collide(bone, tool, event, &report, &err));
+    e->classes.border[2] = e->classes.border[1];
+    assert_int_equal(ost_bone_collide(bone, tool, event, &report, NULL), OST_ERR_USAGE);
+    assert_int_equal(ost_bone_remove(bone, tool, event, &report, &err), OST_ERR_USAGE);
+    assert_string_equal(err.text, "density class 2 begins at 150, which is not above 150");
+    free(e);
+    ost_report_free(&report);
+    ost_tool_free(tool);
+    ost_bone_free(bone);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -501,6 +524,7 @@ int main(void)
         cmocka_unit_test(events_commute_and_only_take),
         cmocka_unit_test(moved_together_nothing_changes),
         cmocka_unit_test(quarter_turns_turn_the_set),
+        cmocka_unit_test(classes_that_do_not_rise_are_refused),
     };
     return run_on_backends(tests, open_test_backend, close_test_backend);
 }
