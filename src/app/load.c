@@ -39,7 +39,11 @@ static bool ends_with_one_of(const char *path, const char *ends)
 ost_status out_check(app_state *app, const char *path, const char *ends, ost_error *err)
 {
     struct stat st;
-    bool special = stat(path, &st) == 0 && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode);
+    const bool exists = stat(path, &st) == 0;
+    /* It would be met again at the end, after all the work. */
+    if (!exists && errno == ENAMETOOLONG)
+        return ost_fail(err, OST_ERR_IO, "%s: cannot be written: %s", path, strerror(errno));
+    bool special = exists && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode);
     if (!special && !ends_with_one_of(path, ends)) {
         char spoken[OPTION_SPOKEN];
         return usage_error(app, err, "%s: the name must end in %s", path, spoken_list(spoken, ends, "."));

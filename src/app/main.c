@@ -15,6 +15,7 @@
 #include <fcntl.h>
 #include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -112,6 +113,23 @@ static void catch_signals(void)
     signal(SIGXFSZ, SIG_IGN);
 }
 
+/*
+ * A library that gives up ends the process by itself: OpenMP's, without memory
+ * for a thread's stack, by exit(1), which would say here that grids differ.
+ */
+static bool within_verb;
+
+static void on_exit_within_verb(void)
+{
+    if (!within_verb)
+        return;
+    ost_outfile_unlink_pending();
+    static const char text[] = "osteon: a library that it uses gave up, as said above; what was asked for is not done\n";
+    ssize_t ignored = write(STDERR_FILENO, text, sizeof text - 1);
+    (void)ignored;
+    _exit(2);
+}
+
 /* Ends standard output. A reader that closed the pipe ends us as it ends everybody: by SIGPIPE, without a word. */
 static ost_status finish_output(ost_error *err)
 {
@@ -138,8 +156,10 @@ static int run_verb(const app_verb *which, int argc, char **argv)
     ost_error err = {0};
     app_state app = {.verb = which->name, .backend = "cpu", .result = json_object()};
     ost_status status = OST_ERR_MEMORY;
+    within_verb = true;
     if (app.result)
         status = which->run(&app, argc, argv, &err);
+    within_verb = false;
     progress_clear();
     bool verdict = status == OST_OK || status == OST_ERR_DIFFER;
     if (verdict && app.json) {
@@ -162,6 +182,7 @@ int main(int argc, char **argv)
 {
     keep_standard_streams();
     catch_signals();
+    atexit(on_exit_within_verb);
     ost_error err = {0};
     if (argc < 2) {
         ost_fail(&err, OST_ERR_USAGE, "which verb? See osteon --help");

@@ -261,6 +261,8 @@ static ost_status parse_all(app_state *app, const usage_text *usage, int argc, c
         if (only_operands || word[0] != '-' || !word[1]) {
             if (!next || !next->name)
                 return usage_error(app, err, "'%s' is one argument too many", word);
+            if (!*word)
+                return usage_error(app, err, "an argument is empty; %s", next->missing);
             *next++->out = word;
             continue;
         }

@@ -203,7 +203,8 @@ ost_status ost_outfile_open(const char *path, ost_outfile **out, ost_error *err)
     } else if ((file->fd = standard_stream(path)) >= 0) {
         ;
     } else if (stat(path, &st) != 0) {
-        status = open_beside(file, err);
+        /* A name too long for the file system would only be met at the end. */
+        status = errno == ENAMETOOLONG ? cannot_write(file, errno, err) : open_beside(file, err);
     } else if (S_ISDIR(st.st_mode)) {
         status = ost_fail(err, OST_ERR_IO, "%s: is a folder; a file name is needed", path);
     } else if (!S_ISREG(st.st_mode)) {

@@ -32,7 +32,7 @@ ost_status ost_volume_settle(const char *path, const ost_affine *affine, const i
     if (status == OST_OK && placement->oblique && !(options && options->resample_oblique))
         return ost_fail(err, OST_ERR_INPUT,
                         "%s: its grid is oblique: an axis lies %.2f degrees off the patient's axes; "
-                        "it can be resampled (nearest) when that is asked for",
+                        "--resample-oblique takes the nearest voxels instead",
                         path, placement->degrees);
     if (status == OST_OK) {
         *geometry = placement->geometry;
@@ -59,8 +59,8 @@ ost_status ost_rows_bad(const ost_rows *rows, int64_t number, const char *file, 
     int64_t k = number / rows->sizes[0] / rows->sizes[1];
     const char *wrong = "is no density; a finite number was expected";
     if (bad->kind == OST_BAD_RANGE)
-        wrong = rows->converter.scaled ? "is beyond int16 (-32768..32767) after slope and intercept; it can be clamped when that is asked for"
-                                       : "is beyond int16 (-32768..32767); it can be clamped when that is asked for";
+        wrong = rows->converter.scaled ? "is beyond int16 (-32768..32767) after slope and intercept; --clamp cuts it to these ends"
+                                       : "is beyond int16 (-32768..32767); --clamp cuts it to these ends";
     return ost_fail(err, OST_ERR_INPUT, "%s: voxel (%lld, %lld, %lld) at %s: %s %s", file, (long long)i, (long long)j, (long long)k,
                     place, bad->value, wrong);
 }
