@@ -234,6 +234,28 @@ static void any_decimal_sign_becomes_a_point(void **state)
     setlocale(LC_NUMERIC, "C");
 }
 
+static void the_ends_of_exponents_and_lengths(void **state)
+{
+    (void)state;
+    ost_decimal d;
+    int64_t value = -1;
+    const char *text = "1e-9999";
+    assert_ptr_equal(ost_decimal_read(text, text + 7, &d), text + 7);
+    assert_true(ost_decimal_scale(&d, 1, &value, NULL));
+    assert_int_equal(value, 0);
+    text = "1e-10000";
+    assert_null(ost_decimal_read(text, text + 8, &d));
+    /* The greatest product there is, 1.8 * 10^37, over 10^37. */
+    text = "999999999999999999e-37";
+    assert_non_null(ost_decimal_read(text, text + strlen(text), &d));
+    assert_true(ost_decimal_scale(&d, UINT64_MAX, &value, NULL));
+    assert_int_equal(value, 2);
+    ost_pm pm;
+    assert_true(ost_pm_from_binary(8000.0, &pm));
+    assert_int_equal(pm, OST_LENGTH_MAX);
+    assert_false(ost_pm_from_binary(0x1.f400000000001p12, &pm)); /* the next double */
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -246,6 +268,7 @@ int main(void)
         cmocka_unit_test(format_and_parse_agree),
         cmocka_unit_test(long_ties_are_decided_exactly),
         cmocka_unit_test(q30_agrees_with_long_division),
+        cmocka_unit_test(the_ends_of_exponents_and_lengths),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

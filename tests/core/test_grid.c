@@ -112,6 +112,19 @@ static void tool_and_path_limits(void **state)
     ost_path_free(&path);
 }
 
+static void the_limits_themselves_are_accepted(void **state)
+{
+    (void)state;
+    ost_geometry g = {.dims = {4096, 4096, 4096}, .spacing = {OST_SPACING_MIN, OST_SPACING_MIN, OST_SPACING_MIN}};
+    assert_int_equal(ost_geometry_check(&g, "grid", NULL), OST_OK); /* 2^36 voxels */
+    g.dims.z++;
+    assert_int_equal(ost_geometry_check(&g, "grid", NULL), OST_ERR_RANGE);
+    g = (ost_geometry){.dims = {2, 2, 2}, .spacing = {OST_SPACING_MAX, OST_SPACING_MAX, OST_SPACING_MAX}};
+    assert_int_equal(ost_geometry_check(&g, "grid", NULL), OST_OK);
+    g.spacing.y++;
+    assert_int_equal(ost_geometry_check(&g, "grid", NULL), OST_ERR_RANGE);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -120,6 +133,7 @@ int main(void)
         cmocka_unit_test(volumes_start_at_zero),
         cmocka_unit_test(meta_replaces_and_refuses),
         cmocka_unit_test(tool_and_path_limits),
+        cmocka_unit_test(the_limits_themselves_are_accepted),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

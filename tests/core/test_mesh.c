@@ -61,6 +61,33 @@ static void too_large_is_refused(void **state)
     ost_mesh_free(&mesh);
 }
 
+static void edges_of_four_faces_are_open(void **state)
+{
+    /* A box twice over: every one of its 18 edges twice in each direction, which cancels and is no surface. */
+    (void)state;
+    ost_error err = {0};
+    ost_mesh box, twice;
+    size_t open = 0;
+    make_box(&box, 1, 1, 1);
+    assert_ok(ost_mesh_init(&twice, 8, 24, &err));
+    memcpy(twice.vertices, box.vertices, 8 * sizeof *box.vertices);
+    memcpy(twice.triangles, box.triangles, 12 * sizeof *box.triangles);
+    memcpy(twice.triangles + 12, box.triangles, 12 * sizeof *box.triangles);
+    assert_ok(ost_mesh_open_edges(&twice, &open, &err));
+    assert_int_equal(open, 18);
+    ost_mesh_free(&twice);
+    ost_mesh_free(&box);
+}
+
+static void the_widest_tool_grid_is_accepted(void **state)
+{
+    (void)state;
+    ost_tool_geometry g = {{OST_TOOL_DIM_MAX, 1, 1}, OST_PM_PER_MM, {0, 0, 0}};
+    assert_int_equal(ost_tool_geometry_check(&g, NULL), OST_OK);
+    g.dims.x++;
+    assert_int_equal(ost_tool_geometry_check(&g, NULL), OST_ERR_RANGE);
+}
+
 static void a_vertex_that_is_not_there_is_refused(void **state)
 {
     (void)state;
@@ -82,6 +109,8 @@ int main(void)
         cmocka_unit_test(a_box_has_its_volume_and_no_open_edge),
         cmocka_unit_test(a_turned_face_opens_its_edges),
         cmocka_unit_test(too_large_is_refused),
+        cmocka_unit_test(edges_of_four_faces_are_open),
+        cmocka_unit_test(the_widest_tool_grid_is_accepted),
         cmocka_unit_test(a_vertex_that_is_not_there_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

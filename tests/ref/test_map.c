@@ -180,6 +180,10 @@ static void beyond_what_is_proved(void **state)
     assert_int_equal(ost_map_make(&pose, &bone, &tool, &map, NULL), OST_OK);
     assert_int_equal(map.step[0][0], 16 << 20);
     assert_int_equal(ost_map_make(&pose, &bone, &wide, &map, NULL), OST_ERR_RANGE);
+    wide.dims = (ost_dims){1, 1025, 1};
+    assert_int_equal(ost_map_make(&pose, &bone, &wide, &map, NULL), OST_ERR_RANGE);
+    wide.dims = (ost_dims){1, 1, 1025};
+    assert_int_equal(ost_map_make(&pose, &bone, &wide, &map, NULL), OST_ERR_RANGE);
     assert_int_equal(ost_map_make(&broken, &bone, &tool, &map, NULL), OST_ERR_RANGE);
     assert_int_equal(ost_map_make(&far, &bone, &tool, &map, NULL), OST_ERR_RANGE);
     assert_int_equal(ost_sweep_count(&pose, &broken, &tool, 16 * UM, &count, NULL), OST_ERR_RANGE);
