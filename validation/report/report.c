@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "validation/bundle/bundle.h"
+#include "validation/common/common.h"
 #include "validation/report/pictures.h"
 #include "validation/report/sections.h"
 
@@ -39,13 +41,53 @@ static void verdict(const page *p)
               "No difference was found, but no backend was compared or cases are missing.", p->to);
     } else {
         fputs(evidence ? "<div class=\"verdict equal\"><b>&#10003; EQUAL</b>" : "<div class=\"verdict none\"><b>&#9888; REDUCED RUN: NO EVIDENCE</b>", p->to);
-        fputs(evidence ? "All " : "What was compared was equal (all ", p->to);
+        fputs(evidence ? "All " : "<strong>Equal in all ", p->to);
         page_count(p, same);
-        fputs(evidence ? " results are, byte for byte, the reference's: 0 differing bytes." : " results), but too little was compared to prove anything.", p->to);
+        fputs(evidence ? " results are, byte for byte, the reference's: 0 differing bytes." : " results that were compared</strong>; but too little was compared to prove anything.", p->to);
     }
     fputs("<br><span class=\"from\">From ", p->to);
     page_link(p, "results.json");
     fputs("</span></div>\n", p->to);
+}
+
+/* A number of a JSON file in the bundle; -1 without it. */
+static json_int_t number_in(const page *p, const char *file, const char *key)
+{
+    char *bytes;
+    size_t size;
+    if (!p->folder || bundle_read(p->folder, file, &bytes, &size, NULL) != OST_OK)
+        return -1;
+    json_t *o = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, NULL);
+    const json_int_t n = json_is_integer(json_object_get(o, key)) ? json_integer_value(json_object_get(o, key)) : -1;
+    json_decref(o);
+    free(bytes);
+    return n;
+}
+
+/* The answers to the next three questions, each with the place of its file. */
+static void in_short(const page *p)
+{
+    const json_int_t changed = number_in(p, "sensitivity.json", "changed"), detected = number_in(p, "sensitivity.json", "detected"),
+                     alarms = number_in(p, "sensitivity.json", "false_alarms"), passed = number_in(p, COMMON_FILE, "passed"), failed = number_in(p, COMMON_FILE, "failed");
+    fputs("<ul>\n", p->to);
+    if (changed > 0) {
+        fputs("<li>Would a mistake have been noticed? ", p->to);
+        page_count(p, detected);
+        fputs(" of ", p->to);
+        page_count(p, changed);
+        fprintf(p->to, " mistakes made on purpose were, with %lld false alarms (", (long long)alarms);
+        page_link(p, "sensitivity.json");
+        fputs(").</li>\n", p->to);
+    }
+    if (passed >= 0) {
+        fprintf(p->to, "<li>Could all be wrong alike? %lld of %lld checks against what is known by hand, by formula and by law came out right (", (long long)passed,
+                (long long)(passed + failed));
+        page_link(p, COMMON_FILE);
+        fputs(").</li>\n", p->to);
+    }
+    fprintf(p->to, "<li>What was not shown? %zu things, listed <a href=\"#not-shown\">below</a> (", json_array_size(json_object_get(p->summary, "not_shown")) + 2);
+    page_link(p, "deviations.csv");
+    fputs(").</li>\n</ul>\n", p->to);
 }
 
 static void head(const page *p)
@@ -56,6 +98,7 @@ static void head(const page *p)
         run += json_is_true(json_object_get(json_array_get(backends, s), "available"));
     fputs("<h1>" TITLE "</h1>\n", p->to);
     verdict(p);
+    in_short(p);
     fputs("<p class=\"scope\">What this is: verification that all backends of osteon compute the same voxels (code verification). It is not clinical validation.</p>\n"
           "<p>osteon simulates the reaming of bone for surgery. The same operation can be computed by different programs, on processors and graphics cards. "
           "This report says whether they give the same result, to the last bit: here ", p->to);
@@ -79,7 +122,7 @@ static void head(const page *p)
 static void not_shown(const page *p)
 {
     const json_t *list = json_object_get(p->summary, "not_shown");
-    fputs("<h2>What was NOT shown</h2>\n<ul>\n", p->to);
+    fputs("<h2 id=\"not-shown\">What was NOT shown</h2>\n<ul>\n", p->to);
     for (size_t i = 0; i < json_array_size(list); i++) {
         const char *text = json_string_value(json_array_get(list, i));
         fputs("<li>", p->to);
@@ -223,13 +266,13 @@ ost_status report_write(const char *folder, const json_t *protocol, const json_t
     section_reference(&p);
     if (!findings(&p))
         section_differences(&p);
-    section_sensitivity(&p);
     section_common(&p);
     section_requirements(&p);
     section_made_with(&p);
     checking(&p);
     signing(&p);
     files(&p);
+    section_sensitivity(&p); /* last, for its table is long */
     page_end(&p);
     const bool failed = ferror(to) != 0;
     status = fclose(to) != 0 || failed ? ost_fail(err, OST_ERR_MEMORY, "no memory for %s", REPORT_FILE) : sink(user, REPORT_FILE, bytes, size, err);
