@@ -57,6 +57,9 @@ int32_t engine_solid(engine *e, const thesis_grid *grid, const float *corners, i
 int32_t engine_pose(engine *e, thesis_boxes *x, const uint8_t *tool, uint8_t *marks, ost_plugin_error *error);
 
 /* Fills the error's line, and returns status. */
+#if defined __GNUC__
+__attribute__((format(printf, 3, 4)))
+#endif
 int32_t say(ost_plugin_error *error, int32_t status, const char *format, ...);
 /* The value of key= in options, "" without it; false when it does not fit. */
 int option(const char *options, const char *key, char *value, size_t size);
