@@ -157,11 +157,13 @@ static void voxelize_round(machine *m, test_rng *rng)
     if (both)
         voxelize_tiles(m, rng, &mesh[1], rule, OST_TOOL_NONCUTTING, false, found, tiled);
     voxelize_tiles(m, rng, &mesh[0], rule, OST_TOOL_CUTTING, both, found, tiled);
-    if (memcmp(found, expected, count) != 0)
+    if (!m->brief && memcmp(found, expected, count) != 0)
         fail_msg("%s: a tool of %d x %d x %d by tiles differs, rule %d", m->name, dims.x, dims.y, dims.z, (int)rule);
-    assert_int_equal(tiled[0], report.solid_voxels);
-    assert_int_equal(tiled[1], report.cutting_voxels);
-    assert_int_equal(tiled[2], report.leaking_rows);
+    if (!m->brief) {
+        assert_int_equal(tiled[0], report.solid_voxels);
+        assert_int_equal(tiled[1], report.cutting_voxels);
+        assert_int_equal(tiled[2], report.leaking_rows);
+    }
     free(expected);
     free(found);
     free(counts);

@@ -74,6 +74,7 @@ struct machine {
     char name[200];
     int rows;   /* OST_ROWS; 256: removal by ost_remove_blocks */
     bool small; /* tiny scenes, for a simulator */
+    bool brief; /* no long loops: kernels for many small items alone (cl/choice.c) */
     void (*launch)(machine *m, enum test_kernel kernel, const kernel_arg *args, unsigned count, const size_t range[3]);
 };
 

@@ -105,6 +105,7 @@ machine *machine_on(cl_device_id device, int rows, size_t group)
     clGetDeviceInfo(device, CL_DEVICE_NAME, sizeof name, name, NULL);
     snprintf(m->base.name, sizeof m->base.name, "%s, %d rows an item, groups of %zu", name, rows, group);
     m->base.rows = rows;
+    m->base.brief = strstr(name, "llvmpipe") != NULL;
     m->base.launch = launch;
     m->group = group;
     m->context = clCreateContext(NULL, 1, &device, NULL, NULL, &code);
