@@ -18,7 +18,7 @@
 #include "validation/perform.h"
 #include "validation/sensitivity.h"
 
-enum { N = 32, PATH = 4200, SCENES = 5 };
+enum { N = 32, PATH = 4200, SCENES = 3 };
 
 static char *folder;
 
@@ -349,7 +349,7 @@ static void operands_decide(void **state)
         trace_free(&ref);
         scene_free(&s);
     }
-    assert_true(solid > 20 && removed > 20 && kept > 20);
+    assert_true(solid > 10 && removed > 10 && kept > 10);
 }
 
 /* Every voxel that an event removes is one that its operands say is removed. */
@@ -374,7 +374,7 @@ static void removal_operands(void **state)
             continue;
         assert_true(grids_at(&s, &ref, all, &got, all, i, &g));
         const int64_t n = ost_dims_count(g.dims);
-        for (int64_t v = 0; v < n; v += 3) {
+        for (int64_t v = 0; v < n; v += 7) {
             if (g.before[v] == 0)
                 continue;
             compare_difference d = {.kind = COMPARE_VOXEL, .stage = TRACE_TICK, .item = ref.records[all.first + i].item};
