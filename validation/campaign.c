@@ -1,13 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "validation/campaign.h"
 
-#include <signal.h>
+#include <errno.h>
+#include <sched.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "validation/dump.h"
+#include "validation/scratch.h"
+
+enum { CAMPAIGN_WORDS = 20 }; /* of a worker's command line */
 
 const char *case_verdict_name(case_verdict verdict)
 {
@@ -15,32 +20,46 @@ const char *case_verdict_name(case_verdict verdict)
     return names[verdict];
 }
 
-enum { PATH = 1024 };
+/* A trace of one worker, kept until its batch is done since something in it differs. */
+typedef struct kept_trace {
+    int whom, from, judged;
+    trace got;
+    struct kept_trace *next;
+} kept_trace;
 
-/* Runs one backend from a case on; its trace is at `path`. */
-static ost_status run_worker(const plan *p, const campaign_options *o, const char *spec, int from, const char *path, double limit_s,
-                             worker_result *out, ost_error *err)
-{
-    char seed[32], shard[32], first[16], tier[16];
-    snprintf(seed, sizeof seed, "%llu", (unsigned long long)p->seed);
-    snprintf(shard, sizeof shard, "%d/%d", p->shard, p->shards);
-    snprintf(first, sizeof first, "%d", from);
-    snprintf(tier, sizeof tier, "%s", plan_tier_name(p->tier));
-    const char *const words[] = {o->program, "validate",   "--worker", spec,   "--trace", path,   "--tier", tier,
-                                 "--seed",   seed,         "--shard",  shard,  "--from",  first,  p->file ? "--case" : p->only ? "--only" : NULL, p->file ? p->file : p->only, NULL};
-    char *argv[sizeof words / sizeof words[0]];
-    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
-        argv[i] = (char *)(uintptr_t)words[i];
+/* What one backend has still to do in a batch. */
+typedef struct task {
+    int from; /* next case; the batch's end when all are done */
+    bool running;
+} task;
+
+typedef struct batch {
+    int first, end; /* cases */
+    bool open, ready; /* begun; the reference is done */
+    trace reference;
+    task *tasks;      /* owned; of each subject */
+    kept_trace *kept;
+} batch;
+
+typedef struct slot {
     worker w;
-    ost_status status = worker_start(argv, &w, err);
-    return status == OST_OK ? worker_wait(&w, limit_s, out, err) : status;
-}
+    int batch, whom, trace; /* trace: its descriptor */
+} slot;
 
-static const char *file_of(const campaign_options *o, int whom, int part, char path[PATH])
-{
-    snprintf(path, PATH, "%s/trace-%d-%d", o->folder, whom, part);
-    return path;
-}
+enum { ALIVE = 2 }; /* batches at a time: one that is compared, and the next one's reference */
+
+/* The whole of one run. */
+typedef struct runner {
+    campaign *c;
+    const campaign_options *o;
+    int batches, begun, done; /* of all batches: those from done to begun are alive */
+    batch alive[ALIVE];       /* number n at n % ALIVE */
+    int *ends;                /* owned; where each batch ends */
+    bool *gone;               /* owned; backends that failed for good: the rest of their cases is judged */
+    case_result *last_words;  /* owned; of those */
+    slot slots[WORKERS_MAX];
+    int running, finished;    /* workers; cells of cases and backends */
+} runner;
 
 static case_result *result_of(campaign *c, int case_index, int whom)
 {
@@ -55,13 +74,89 @@ static uint64_t bytes_of(const trace *t, compare_range r)
     return bytes;
 }
 
+static batch *batch_of(runner *r, int number)
+{
+    return &r->alive[number % ALIVE];
+}
+
+/* ----------------------------------------------------------------- workers */
+
+static ost_status start(runner *r, int number, int whom, ost_error *err)
+{
+    const plan *p = r->c->plan;
+    batch *b = batch_of(r, number);
+    slot *s = &r->slots[r->running];
+    char seed[32], shard[32], first[16], end[16], tier[16], trace_path[32];
+    const char *words[CAMPAIGN_WORDS] = {r->o->program, "validate", "--worker", r->c->subjects->subjects[whom].spec, "--trace", trace_path, "--tier", tier,
+                                         "--seed", seed, "--shard", shard, "--from", first, "--to", end};
+    size_t n = 16;
+    snprintf(seed, sizeof seed, "%llu", (unsigned long long)p->seed);
+    snprintf(shard, sizeof shard, "%d/%d", p->shard, p->shards);
+    snprintf(first, sizeof first, "%d", b->tasks[whom].from);
+    snprintf(end, sizeof end, "%d", b->end);
+    snprintf(tier, sizeof tier, "%s", plan_tier_name(p->tier));
+    snprintf(trace_path, sizeof trace_path, "/dev/fd/%d", WORKER_TRACE);
+    if (p->file || p->only) {
+        words[n++] = p->file ? "--case" : "--only";
+        words[n++] = p->file ? p->file : p->only;
+    }
+    char *argv[CAMPAIGN_WORDS];
+    for (size_t i = 0; i < CAMPAIGN_WORDS; i++)
+        argv[i] = (char *)(uintptr_t)words[i];
+    const double left = r->o->limit_s - r->c->seconds[whom];
+    *s = (slot){.batch = number, .whom = whom};
+    ost_status status = scratch_file(&s->trace, err);
+    if (status != OST_OK)
+        return status;
+    status = worker_start(argv, s->trace, left > 1 ? left : 1, &s->w, err);
+    if (status != OST_OK) {
+        close(s->trace);
+        return status;
+    }
+    b->tasks[whom].running = true;
+    r->running++;
+    if (r->o->show)
+        r->o->show(r->o->user, r->c->subjects->subjects[whom].spec, (double)r->finished / ((double)p->count * r->c->subjects->count));
+    return OST_OK;
+}
+
+/* One worker of a backend at a time: what it has left of its time is known, and a device is asked by one alone. */
+static bool busy(const runner *r, int whom)
+{
+    for (int i = 0; i < r->running; i++)
+        if (r->slots[i].whom == whom)
+            return true;
+    return false;
+}
+
+/* The next to start; false when there is nothing to do until a worker ends. */
+static bool choose(runner *r, int *number, int *whom)
+{
+    /* The next reference first, so that nobody has to wait for it. */
+    if (r->begun < r->batches && r->begun < r->done + ALIVE && !busy(r, 0)) {
+        *number = r->begun;
+        *whom = 0;
+        return true;
+    }
+    for (*number = r->done; *number < r->begun; ++*number) {
+        const batch *b = batch_of(r, *number);
+        /* Devices stand last and take longest: they begin. */
+        for (*whom = r->c->subjects->count - 1; b->ready && *whom > 0; --*whom)
+            if (b->tasks[*whom].from < b->end && !b->tasks[*whom].running && !busy(r, *whom))
+                return true;
+    }
+    return false;
+}
+
+/* ----------------------------------------------------------------- judging */
+
 /* The line of a stage that failed. */
-static void tell_failed(const trace_record *failed, case_result *r)
+static void tell_failed(const trace_record *failed, case_result *one)
 {
     size_t at = 0;
     trace_block_view block;
     if (trace_next_block(failed, &at, &block) && block.voxel_bytes == 1)
-        snprintf(r->text, sizeof r->text, "%.*s", block.dims.x < 190 ? (int)block.dims.x : 190, (const char *)block.voxels);
+        snprintf(one->text, sizeof one->text, "%.*s", block.dims.x < 190 ? (int)block.dims.x : 190, (const char *)block.voxels);
 }
 
 /* How near each differing voxel was; NULL where that cannot be said. */
@@ -81,159 +176,389 @@ static margins *measure(const campaign *c, int i, const trace *got, compare_rang
     return NULL;
 }
 
-/* What one part of a backend's trace says about cases from..; how many of them it has whole. */
-static int judge(campaign *c, const campaign_options *o, int whom, const trace *got, int from, int until)
+/* What one part of a backend's trace says about cases [from, until); how many of them it has whole. */
+static int judge(runner *r, const batch *b, int whom, const trace *got, int from, int until, bool *differs)
 {
+    campaign *c = r->c;
     int judged = 0;
+    size_t at = 0;
+    *differs = false;
     for (int i = from; i < until; i++, judged++) {
-        const compare_range range = compare_find(got, (uint32_t)i);
+        const compare_range range = compare_next(got, &at, (uint32_t)i);
         /* Whole: the next case began, or the list ended. */
         const bool last = range.count && range.first + range.count == got->count;
         if (!range.count || (last && !got->whole))
             break;
-        case_result *r = result_of(c, i, whom);
-        compare_case(&c->reference, c->ranges[i], got, range, &r->difference);
-        r->verdict = r->difference.kind == COMPARE_EQUAL ? CASE_EQUAL : CASE_DIFFERS;
-        if (r->verdict == CASE_DIFFERS && got->records[range.first + range.count - 1].stage == TRACE_FAILED &&
-            r->difference.kind == COMPARE_MISSING)
-            r->verdict = CASE_FAILED;
-        if (r->verdict == CASE_DIFFERS)
-            r->found = finding_of_case(&c->plan->cases[i], &c->reference, c->ranges[i], got, range, &r->difference);
-        if (r->verdict == CASE_FAILED)
-            tell_failed(&got->records[range.first + range.count - 1], r);
-        if (r->verdict == CASE_DIFFERS)
-            r->margins = measure(c, i, got, range);
-        if (r->verdict == CASE_DIFFERS && o->differs)
-            o->differs(o->keeper, c, i, whom, got, range);
-        c->records += r->difference.records;
-        if (r->verdict == CASE_EQUAL)
+        case_result *one = result_of(c, i, whom);
+        compare_case(&b->reference, c->ranges[i], got, range, &one->difference);
+        one->verdict = one->difference.kind == COMPARE_EQUAL ? CASE_EQUAL : CASE_DIFFERS;
+        if (one->verdict == CASE_DIFFERS && got->records[range.first + range.count - 1].stage == TRACE_FAILED &&
+            one->difference.kind == COMPARE_MISSING)
+            one->verdict = CASE_FAILED;
+        if (one->verdict == CASE_FAILED)
+            tell_failed(&got->records[range.first + range.count - 1], one);
+        *differs |= one->verdict == CASE_DIFFERS;
+        c->records += one->difference.records;
+        if (one->verdict == CASE_EQUAL)
             c->bytes += bytes_of(got, range);
     }
+    r->finished += judged;
     return judged;
 }
 
-/* A folder of grids in a backend's place. */
-static ost_status run_dump(campaign *c, int whom, const campaign_options *o, ost_error *err)
+/* Its end said nothing of the case that it was at. */
+static void blame(const worker_result *end, case_result *out)
 {
-    const plan *p = c->plan;
-    const char *folder = c->subjects->subjects[whom].spec + strlen(SUBJECT_DUMP);
-    char path[PATH];
-    dump_head head;
-    trace got = {0};
-    uint64_t *compared = calloc((size_t)p->count + 1, sizeof *compared);
-    ost_status status = compared ? dump_read_head(folder, &head, err) : ost_fail(err, OST_ERR_MEMORY, "no memory for %d cases", p->count);
-    if (status == OST_OK && (head.tier != p->tier || head.seed != p->seed))
-        status = ost_fail(err, OST_ERR_USAGE, "%s: its cases are of tier %s, seed %llu; compared are those of tier %s, seed %llu", folder,
-                          plan_tier_name(head.tier), (unsigned long long)head.seed, plan_tier_name(p->tier), (unsigned long long)p->seed);
-    if (status == OST_OK)
-        status = dump_trace(folder, p, &c->reference, c->ranges, file_of(o, whom, 0, path), compared, err);
-    if (status == OST_OK)
-        status = trace_open(path, &got, err);
-    for (int i = 0; i < p->count && status == OST_OK; i++) {
-        case_result *r = result_of(c, i, whom);
-        if (compared[i])
-            judge(c, o, whom, &got, i, i + 1);
-        else
-            r->verdict = CASE_NOT_RUN;
-        if (r->verdict == CASE_EQUAL || r->verdict == CASE_NOT_RUN)
-            snprintf(r->text, sizeof r->text, "%llu of %zu records are in the dump; reports never are", (unsigned long long)compared[i], c->ranges[i].count - 1);
-    }
-    trace_free(&got);
-    if (compared)
-        unlink(file_of(o, whom, 0, path));
-    free(compared);
-    return status;
+    out->verdict = end->end == WORKER_LATE ? CASE_LATE : end->end == WORKER_CRASHED ? CASE_CRASHED : CASE_FAILED;
+    if (end->end == WORKER_CRASHED)
+        snprintf(out->text, sizeof out->text, "ended by signal %d (%s)%s%.120s", end->code, strsignal(end->code), end->text[0] ? ": " : "", end->text);
+    else if (end->end == WORKER_LATE)
+        snprintf(out->text, sizeof out->text, "stopped after %.0f s", end->seconds);
+    else
+        snprintf(out->text, sizeof out->text, "%.190s", end->text[0] ? end->text : "it ended without a word");
 }
 
-static ost_status run_subject(campaign *c, int whom, const campaign_options *o, ost_error *err)
+/* The rest of a backend's cases in a batch, once it is known to do no more. */
+static void give_up(runner *r, batch *b, int whom)
 {
-    const plan *p = c->plan;
-    double left = o->limit_s;
-    if (strncmp(c->subjects->subjects[whom].spec, SUBJECT_DUMP, strlen(SUBJECT_DUMP)) == 0)
-        return run_dump(c, whom, o, err);
-    for (int from = 0, part = 0; from < p->count; part++) {
-        char path[PATH];
-        worker_result end;
-        trace got = {0};
-        file_of(o, whom, part, path);
-        ost_status status = run_worker(p, o, c->subjects->subjects[whom].spec, from, path, left > 1 ? left : 1, &end, err);
-        if (status != OST_OK)
-            return status;
-        left -= end.seconds;
-        c->seconds[whom] += end.seconds;
-        ost_error unread = {0};
-        const bool readable = access(path, F_OK) == 0 && trace_open(path, &got, &unread) == OST_OK;
-        const int judged = readable ? judge(c, o, whom, &got, from, p->count) : 0;
-        trace_free(&got);
-        unlink(path);
-        from += judged;
-        if (from >= p->count)
-            break;
-        /* It ended in case `from`. */
-        case_result *r = result_of(c, from, whom);
-        r->verdict = end.end == WORKER_LATE ? CASE_LATE : end.end == WORKER_CRASHED ? CASE_CRASHED : CASE_FAILED;
-        if (end.end == WORKER_CRASHED)
-            snprintf(r->text, sizeof r->text, "ended by signal %d (%s)%s%.120s", end.code, strsignal(end.code), end.text[0] ? ": " : "", end.text);
-        else if (end.end == WORKER_LATE)
-            snprintf(r->text, sizeof r->text, "stopped after %.0f s", end.seconds);
-        else
-            snprintf(r->text, sizeof r->text, "%.190s", end.text[0] ? end.text : "it ended without a word");
-        from++;
-        if (end.end != WORKER_CRASHED) { /* there is no time left, or it will fail again */
-            for (; from < p->count; from++)
-                *result_of(c, from, whom) = *r;
-        }
+    for (; b->tasks[whom].from < b->end; b->tasks[whom].from++, r->finished++)
+        *result_of(r->c, b->tasks[whom].from, whom) = r->last_words[whom];
+}
+
+/* The reference must work; anything else is no campaign. */
+static ost_status reference_ended(runner *r, batch *b, trace *got, const worker_result *end, ost_error *err)
+{
+    campaign *c = r->c;
+    size_t at = 0;
+    if (end->end != WORKER_DONE)
+        return ost_fail(err, OST_ERR_INTERNAL, "the reference did not finish: %s",
+                        end->end == WORKER_LATE ? "it took too long; --limit gives more time" : end->text[0] ? end->text : "it ended without a word");
+    if (!got->whole)
+        return ost_fail(err, OST_ERR_INTERNAL, "the reference's trace is not whole");
+    b->reference = *got;
+    *got = (trace){0};
+    b->ready = true;
+    for (int i = b->first; i < b->end; i++)
+        c->ranges[i] = compare_next(&b->reference, &at, (uint32_t)i);
+    for (size_t i = 0; i < b->reference.count; i++) {
+        c->stage_records[b->reference.records[i].stage]++;
+        c->refused += b->reference.records[i].stage == TRACE_FAILED;
+    }
+    for (int s = 1; s < c->subjects->count; s++)
+        if (r->gone[s])
+            give_up(r, b, s);
+    b->tasks[0].from = b->end;
+    r->finished += b->end - b->first;
+    return OST_OK;
+}
+
+static ost_status keep_trace(batch *b, int whom, int from, int judged, trace *got, ost_error *err)
+{
+    kept_trace *keep = malloc(sizeof *keep);
+    if (!keep)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a list of traces");
+    *keep = (kept_trace){whom, from, judged, *got, b->kept};
+    *got = (trace){0};
+    b->kept = keep;
+    return OST_OK;
+}
+
+static ost_status subject_ended(runner *r, batch *b, int whom, trace *got, const worker_result *end, ost_error *err)
+{
+    task *t = &b->tasks[whom];
+    bool differs;
+    const int from = t->from, judged = judge(r, b, whom, got, from, b->end, &differs);
+    t->from += judged;
+    if (differs && keep_trace(b, whom, from, judged, got, err) != OST_OK)
+        return err->status;
+    if (t->from == b->end)
+        return OST_OK;
+    /* It ended in this case. */
+    case_result *one = result_of(r->c, t->from, whom);
+    blame(end, one);
+    t->from++;
+    r->finished++;
+    if (end->end != WORKER_CRASHED) { /* there is no time left, or it will fail again */
+        r->gone[whom] = true;
+        r->last_words[whom] = *one;
+        for (int n = r->done; n < r->begun; n++)
+            if (batch_of(r, n)->ready)
+                give_up(r, batch_of(r, n), whom);
     }
     return OST_OK;
 }
 
-/* The reference must work; anything else is no campaign. */
-static ost_status run_reference(campaign *c, const campaign_options *o, ost_error *err)
+static void count_bytes(runner *r)
 {
-    char path[PATH];
-    worker_result end;
-    ost_status status = run_worker(c->plan, o, "ref", 0, file_of(o, 0, 0, path), o->limit_s, &end, err);
-    if (status != OST_OK)
-        return status;
-    c->seconds[0] = end.seconds;
-    if (end.end != WORKER_DONE) {
-        unlink(path);
-        return ost_fail(err, OST_ERR_INTERNAL, "the reference did not finish: %s", end.text[0] ? end.text : "it ended without a word");
+    uint64_t bytes = 0;
+    struct stat info;
+    for (int i = 0; i < r->running; i++)
+        bytes += fstat(r->slots[i].trace, &info) == 0 ? (uint64_t)info.st_size : 0;
+    for (int n = r->done; n < r->begun; n++) {
+        bytes += batch_of(r, n)->reference.size;
+        for (const kept_trace *k = batch_of(r, n)->kept; k; k = k->next)
+            bytes += k->got.size;
     }
-    status = trace_open(path, &c->reference, err);
-    unlink(path); /* mapped: it goes when the campaign does */
-    if (status == OST_OK && !c->reference.whole)
-        status = ost_fail(err, OST_ERR_INTERNAL, "the reference's trace is not whole");
-    for (int i = 0; i < c->plan->count && status == OST_OK; i++)
-        c->ranges[i] = compare_find(&c->reference, (uint32_t)i);
-    for (size_t i = 0; i < c->reference.count && status == OST_OK; i++)
-        c->stage_records[c->reference.records[i].stage]++;
+    if (bytes > r->c->trace_bytes)
+        r->c->trace_bytes = bytes;
+}
+
+/* A full disk is nobody's difference. */
+static ost_status room_left(const worker_result *end, ost_error *err)
+{
+    static const int full[] = {ENOSPC, EDQUOT, EFBIG};
+    for (size_t i = 0; i < sizeof full / sizeof full[0] && end->end == WORKER_FAILED; i++)
+        if (strstr(end->text, strerror(full[i])))
+            return ost_fail(err, OST_ERR_IO, "%s: traces have no room, where TMPDIR says or in /tmp; fewer --jobs need less", strerror(full[i]));
+    return OST_OK;
+}
+
+static ost_status ended(runner *r, int which, const worker_result *end, ost_error *err)
+{
+    count_bytes(r);
+    const slot s = r->slots[which];
+    batch *b = batch_of(r, s.batch);
+    char name[SCRATCH_NAME];
+    trace got = {0};
+    ost_error unread = {0};
+    r->slots[which] = r->slots[--r->running];
+    r->c->seconds[s.whom] += end->seconds;
+    b->tasks[s.whom].running = false;
+    scratch_name(s.trace, name);
+    const ost_status readable = trace_open(name, &got, &unread);
+    close(s.trace); /* what is mapped stays until it is not */
+    if (readable != OST_OK)
+        got = (trace){0};
+    ost_status status = room_left(end, err);
+    if (status == OST_OK)
+        status = s.whom == 0 ? reference_ended(r, b, &got, end, err) : subject_ended(r, b, s.whom, &got, end, err);
+    trace_free(&got);
     return status;
+}
+
+/* ------------------------------------------------------------------- dumps */
+
+static const char *dump_of(const campaign *c, int whom)
+{
+    const char *spec = c->subjects->subjects[whom].spec;
+    return strncmp(spec, SUBJECT_DUMP, strlen(SUBJECT_DUMP)) == 0 ? spec + strlen(SUBJECT_DUMP) : NULL;
+}
+
+/* Every dump is of this campaign's cases. */
+static ost_status know_dumps(const campaign *c, ost_error *err)
+{
+    const plan *p = c->plan;
+    dump_head head;
+    for (int s = 1; s < c->subjects->count; s++) {
+        if (!dump_of(c, s))
+            continue;
+        const ost_status status = dump_read_head(dump_of(c, s), &head, err);
+        if (status != OST_OK)
+            return status;
+        if (head.tier != p->tier || head.seed != p->seed)
+            return ost_fail(err, OST_ERR_USAGE, "%s: its cases are of tier %s, seed %llu; compared are those of tier %s, seed %llu", dump_of(c, s),
+                            plan_tier_name(head.tier), (unsigned long long)head.seed, plan_tier_name(p->tier), (unsigned long long)p->seed);
+    }
+    return OST_OK;
+}
+
+/* A batch of a folder of grids that stands in a backend's place; no worker. */
+static ost_status read_dump(runner *r, batch *b, int whom, ost_error *err)
+{
+    campaign *c = r->c;
+    char name[SCRATCH_NAME];
+    trace got = {0};
+    bool any = false;
+    int fd;
+    uint64_t *compared = calloc((size_t)c->plan->count, sizeof *compared);
+    ost_status status = compared ? scratch_file(&fd, err) : ost_fail(err, OST_ERR_MEMORY, "no memory for %d cases", c->plan->count);
+    if (status != OST_OK) {
+        free(compared);
+        return status;
+    }
+    scratch_name(fd, name);
+    status = dump_trace(dump_of(c, whom), c->plan, b->first, b->end, &b->reference, c->ranges, name, compared, err);
+    if (status == OST_OK)
+        status = trace_open(name, &got, err);
+    close(fd);
+    for (int i = b->first; i < b->end && status == OST_OK; i++) {
+        case_result *one = result_of(c, i, whom);
+        bool differs = false;
+        if (compared[i])
+            judge(r, b, whom, &got, i, i + 1, &differs);
+        else {
+            one->verdict = CASE_NOT_RUN;
+            r->finished++;
+        }
+        any |= differs;
+        if (one->verdict == CASE_EQUAL || one->verdict == CASE_NOT_RUN)
+            snprintf(one->text, sizeof one->text, "%llu of %zu records are in the dump; reports never are", (unsigned long long)compared[i], c->ranges[i].count - 1);
+    }
+    b->tasks[whom].from = b->end;
+    if (status == OST_OK && any)
+        status = keep_trace(b, whom, b->first, b->end - b->first, &got, err);
+    trace_free(&got);
+    free(compared);
+    return status;
+}
+
+/* ----------------------------------------------------------------- batches */
+
+static ost_status batch_begin(runner *r, ost_error *err)
+{
+    const int number = r->begun, count = r->c->subjects->count;
+    batch *b = batch_of(r, number);
+    *b = (batch){.first = number ? r->ends[number - 1] : 0, .end = r->ends[number], .open = true};
+    b->tasks = calloc((size_t)count, sizeof *b->tasks);
+    if (!b->tasks)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a list of backends");
+    r->begun++;
+    for (int s = 0; s < count; s++) {
+        b->tasks[s].from = b->first;
+        if (r->c->subjects->subjects[s].available)
+            continue;
+        for (; b->tasks[s].from < b->end; b->tasks[s].from++, r->finished++)
+            result_of(r->c, b->tasks[s].from, s)->verdict = CASE_NOT_RUN;
+    }
+    return OST_OK;
+}
+
+static void batch_free(batch *b)
+{
+    for (kept_trace *k = b->kept, *next; k; k = next) {
+        next = k->next;
+        trace_free(&k->got);
+        free(k);
+    }
+    trace_free(&b->reference);
+    free(b->tasks);
+    *b = (batch){0};
+}
+
+static bool batch_is_done(const runner *r, const batch *b)
+{
+    bool done = b->open && b->ready;
+    for (int s = 0; s < r->c->subjects->count && done; s++)
+        done = b->tasks[s].from == b->end && !b->tasks[s].running;
+    return done;
+}
+
+/* In an order that does not depend on who was faster. */
+static void show_differences(runner *r, const batch *b)
+{
+    campaign *c = r->c;
+    for (int s = 1; s < c->subjects->count; s++)
+        for (int i = b->first; i < b->end; i++)
+            for (const kept_trace *k = b->kept; k; k = k->next) {
+                if (k->whom != s || i < k->from || i >= k->from + k->judged || result_of(c, i, s)->verdict != CASE_DIFFERS)
+                    continue;
+                const compare_range range = compare_find(&k->got, (uint32_t)i);
+                case_result *one = result_of(c, i, s);
+                one->found = finding_of_case(&c->plan->cases[i], &c->reference, c->ranges[i], &k->got, range, &one->difference);
+                one->margins = measure(c, i, &k->got, range);
+                if (r->o->differs)
+                    r->o->differs(r->o->keeper, c, i, s, &k->got, range);
+            }
+}
+
+static ost_status batch_end(runner *r, ost_error *err)
+{
+    campaign *c = r->c;
+    batch *b = batch_of(r, r->done);
+    c->reference = b->reference;
+    show_differences(r, b);
+    ost_status status = r->o->done ? r->o->done(r->o->done_keeper, c, b->first, b->end - b->first, err) : OST_OK;
+    c->reference = (trace){0};
+    for (int i = b->first; i < b->end; i++)
+        c->ranges[i] = (compare_range){0, 0};
+    batch_free(b);
+    r->done++;
+    return status;
+}
+
+/* As many cases as their traces are expected to fill BATCH_BYTES with, one at least. */
+enum { BATCH_BYTES = 128 << 20 };
+static uint64_t cut_batches(runner *r)
+{
+    const plan *p = r->c->plan;
+    uint64_t most = 0;
+    for (int i = 0; i < p->count; r->batches++) {
+        uint64_t bytes = 0;
+        do
+            bytes += plan_trace_bytes(&p->cases[i++]);
+        while (i < p->count && bytes + plan_trace_bytes(&p->cases[i]) <= BATCH_BYTES);
+        r->ends[r->batches] = i;
+        most = bytes > most ? bytes : most;
+    }
+    return most;
+}
+
+static ost_status run_all(runner *r, ost_error *err)
+{
+    ost_status status = OST_OK;
+    while (r->done < r->batches && status == OST_OK) {
+        int number, whom, which;
+        if (r->running < r->c->jobs && choose(r, &number, &whom)) {
+            if (whom == 0)
+                status = batch_begin(r, err);
+            if (status == OST_OK)
+                status = dump_of(r->c, whom) ? read_dump(r, batch_of(r, number), whom, err) : start(r, number, whom, err);
+            if (!dump_of(r->c, whom))
+                continue;
+        }
+        if (r->running) {
+            worker *all[WORKERS_MAX];
+            worker_result end;
+            for (int i = 0; i < r->running; i++)
+                all[i] = &r->slots[i].w;
+            status = worker_wait_any(all, r->running, &which, &end, err);
+            if (status == OST_OK)
+                status = ended(r, which, &end, err);
+        }
+        while (status == OST_OK && r->done < r->begun && batch_is_done(r, batch_of(r, r->done)))
+            status = batch_end(r, err);
+    }
+    return status;
+}
+
+int campaign_cores(void)
+{
+    cpu_set_t set;
+    if (sched_getaffinity(0, sizeof set, &set) == 0)
+        return CPU_COUNT(&set);
+    return 1;
 }
 
 ost_status campaign_run(const plan *p, const subject_list *subjects, const campaign_options *o, campaign *out, ost_error *err)
 {
-    const size_t cells = (size_t)p->count * (size_t)subjects->count;
-    *out = (campaign){.plan = p, .subjects = subjects};
+    const size_t count = (size_t)subjects->count, cells = (size_t)p->count * count;
+    runner r = {.c = out, .o = o};
+    *out = (campaign){.plan = p, .subjects = subjects, .jobs = o->jobs ? o->jobs : campaign_cores()};
+    out->jobs = out->jobs < WORKERS_MAX ? out->jobs : WORKERS_MAX;
     out->results = calloc(cells ? cells : 1, sizeof *out->results);
     out->ranges = calloc((size_t)p->count + 1, sizeof *out->ranges);
-    out->seconds = calloc((size_t)subjects->count, sizeof *out->seconds);
+    out->seconds = calloc(count, sizeof *out->seconds);
+    r.ends = calloc((size_t)p->count + 1, sizeof *r.ends);
+    r.gone = calloc(count, sizeof *r.gone);
+    r.last_words = calloc(count, sizeof *r.last_words);
     ost_status status = OST_OK;
-    if (!out->results || !out->ranges || !out->seconds)
+    if (!out->results || !out->ranges || !out->seconds || !r.ends || !r.gone || !r.last_words)
         status = ost_fail(err, OST_ERR_MEMORY, "no memory for %zu results", cells);
-    if (status == OST_OK && o->show)
-        o->show(o->user, "ref", 0);
     if (status == OST_OK)
-        status = run_reference(out, o, err);
-    for (int s = 1; s < subjects->count && status == OST_OK; s++) {
-        if (o->show)
-            o->show(o->user, subjects->subjects[s].spec, (double)s / subjects->count);
-        if (subjects->subjects[s].available)
-            status = run_subject(out, s, o, err);
-        else
-            for (int i = 0; i < p->count; i++)
-                result_of(out, i, s)->verdict = CASE_NOT_RUN;
+        status = know_dumps(out, err);
+    if (status == OST_OK) /* each worker's, the references' and a little more */
+        status = scratch_room(cut_batches(&r) * (uint64_t)(out->jobs + ALIVE), err);
+    if (status == OST_OK)
+        status = run_all(&r, err);
+    for (int i = 0; i < r.running; i++) {
+        worker_stop(&r.slots[i].w);
+        close(r.slots[i].trace);
     }
+    for (int i = 0; i < ALIVE; i++)
+        batch_free(&r.alive[i]);
+    free(r.ends);
+    free(r.gone);
+    free(r.last_words);
     if (status != OST_OK) {
         campaign_free(out);
         return status;
@@ -253,11 +578,11 @@ void campaign_free(campaign *c)
     free(c->results);
     free(c->ranges);
     free(c->seconds);
-    trace_free(&c->reference);
     *c = (campaign){0};
 }
 
 bool campaign_equal(const campaign *c)
 {
-    return c->counts[CASE_EQUAL] > 0 && !c->counts[CASE_DIFFERS] && !c->counts[CASE_FAILED] && !c->counts[CASE_CRASHED] && !c->counts[CASE_LATE];
+    return c->counts[CASE_EQUAL] > 0 && c->refused < c->plan->count && !c->counts[CASE_DIFFERS] && !c->counts[CASE_FAILED] && !c->counts[CASE_CRASHED] &&
+           !c->counts[CASE_LATE];
 }

@@ -5,8 +5,15 @@
  *
  *   plan, subjects --campaign_run--> results[case][subject], tracks of the reference
  *
- * The reference runs first.  A backend that ends before its time is started
- * again behind the case that ended it.
+ * The list is worked off in batches, so that the traces on the disk stay few.
+ * In each the reference runs first and the others after it, so many workers at
+ * a time; the next batch's reference runs meanwhile.
+ *
+ *   batch 0   ref | avx2, scalar, cl ...            --batch done--> evidence of its cases
+ *   batch 1         ref | ...                       then its traces go
+ *
+ * A backend that ends before its time is started again behind the case that
+ * ended it.
  */
 #ifndef OST_VALIDATION_CAMPAIGN_H
 #define OST_VALIDATION_CAMPAIGN_H
@@ -40,31 +47,40 @@ typedef struct case_result {
 struct campaign;
 typedef struct campaign_options {
     const char *program;  /* this program's file */
-    const char *folder;   /* for traces; theirs are removed at the end but for those that differ */
+    int jobs;             /* workers at a time; 0: as many as this process may use cores */
     double limit_s;       /* for a backend's whole run */
     void (*show)(void *user, const char *what, double share); /* may be NULL */
     void *user;
-    /* What differs, while both traces are there: c->results has the difference. May be NULL. */
+    /* What differs, while both traces are there, in the order of backends and cases of a batch: c->results has the difference. May be NULL. */
     void (*differs)(void *keeper, const struct campaign *c, int case_index, int whom, const trace *got, compare_range in_got);
     void *keeper;
+    /* Cases [first, first + count) are judged and the reference's trace of them is there, for the last time. */
+    ost_status (*done)(void *keeper, const struct campaign *c, int first, int count, ost_error *err);
+    void *done_keeper;
 } campaign_options;
 
 typedef struct campaign {
     const plan *plan;
     const subject_list *subjects;
     case_result *results; /* owned; [case * subjects + subject]; the reference's say whether it ran */
-    trace reference;
-    compare_range *ranges; /* owned; of each case in the reference's trace */
-    double *seconds;       /* owned; of each subject */
+    trace reference;       /* of the batch that is judged; empty outside of differs and done */
+    compare_range *ranges; /* owned; of each case in it, count 0 where it is not in this batch */
+    double *seconds;       /* owned; of each subject: that its workers ran, beside others */
+    int jobs;              /* workers at a time */
+    uint64_t trace_bytes;  /* most that lay on the disk at a time */
     uint64_t records, bytes; /* compared, over all */
     uint64_t stage_records[TRACE_STAGES]; /* of the reference */
     int counts[CASE_VERDICTS]; /* over all but the reference */
+    int refused;               /* cases that the reference refused, and whoever is equal with it */
 } campaign;
 
 ost_status campaign_run(const plan *p, const subject_list *subjects, const campaign_options *options, campaign *out, ost_error *err);
 void campaign_free(campaign *c);
 
-/* Every available backend equal in every case, and there was one. */
+/* Cores that this process may use. */
+int campaign_cores(void);
+
+/* Every available backend equal in every case, there was one, and not every case was refused. */
 bool campaign_equal(const campaign *c);
 
 #endif

@@ -3,17 +3,26 @@
 
 #include <string.h>
 
-compare_range compare_find(const trace *t, uint32_t case_index)
+compare_range compare_next(const trace *t, size_t *at, uint32_t case_index)
 {
     compare_range range = {0, 0};
-    for (size_t i = 0; i < t->count; i++)
-        if (t->records[i].case_index == case_index && t->records[i].stage != TRACE_END) {
-            if (!range.count)
-                range.first = i;
-            range.count = i + 1 - range.first;
-        } else if (range.count)
-            break;
+    size_t i = *at;
+    while (i < t->count && (t->records[i].case_index != case_index || t->records[i].stage == TRACE_END))
+        i++;
+    range.first = i;
+    while (i < t->count && t->records[i].case_index == case_index && t->records[i].stage != TRACE_END)
+        i++;
+    range.count = i - range.first;
+    if (!range.count)
+        return (compare_range){0, 0};
+    *at = i;
     return range;
+}
+
+compare_range compare_find(const trace *t, uint32_t case_index)
+{
+    size_t at = 0;
+    return compare_next(t, &at, case_index);
 }
 
 static int32_t voxel_at(const trace_block_view *b, size_t i)

@@ -45,6 +45,8 @@ typedef struct compare_range {
 compare_range compare_find(const trace *t, uint32_t case_index);
 /* Record `at` of both alone; COMPARE_EQUAL too where one has none. */
 void compare_record_at(const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, size_t at, compare_difference *out);
+/* The same for one case after the other: *at is 0 at first, and then where the last one ended. */
+compare_range compare_next(const trace *t, size_t *at, uint32_t case_index);
 void compare_case(const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, compare_difference *out);
 
 #endif

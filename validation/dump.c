@@ -338,11 +338,12 @@ static ost_status make_case(maker *m, const trace *ref, compare_range range, uin
     return status;
 }
 
-ost_status dump_trace(const char *folder, const plan *p, const trace *ref, const compare_range *ranges, const char *path, uint64_t *compared, ost_error *err)
+ost_status dump_trace(const char *folder, const plan *p, int first, int end, const trace *ref, const compare_range *ranges, const char *path, uint64_t *compared,
+                      ost_error *err)
 {
     trace_writer *w = NULL;
     ost_status status = trace_create(path, &w, err);
-    for (int i = 0; i < p->count && status == OST_OK; i++) {
+    for (int i = first; i < end && status == OST_OK; i++) {
         char name[PLAN_ID], sub[PATH];
         struct stat info;
         dump_case_folder(p->cases[i].id, name);

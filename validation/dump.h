@@ -30,10 +30,11 @@ typedef struct dump_head {
 ost_status dump_read_head(const char *folder, dump_head *out, ost_error *err);
 
 /*
- * The dump of the plan's cases as a trace file.  A case of which nothing was
- * dumped has no record in it.  compared[i] of p->count: records of case i.
+ * The dump of the plan's cases [first, end) as a trace file, ref and ranges
+ * those of the reference's trace.  A case of which nothing was dumped has no
+ * record in it.  compared[i] of p->count: records of case i.
  */
-ost_status dump_trace(const char *folder, const plan *p, const trace *ref, const compare_range *ranges, const char *path, uint64_t *compared,
+ost_status dump_trace(const char *folder, const plan *p, int first, int end, const trace *ref, const compare_range *ranges, const char *path, uint64_t *compared,
                       ost_error *err);
 
 /* The folder must not exist. */

@@ -91,3 +91,12 @@ void plan_free(plan *p)
     p->cases = NULL;
     p->count = 0;
 }
+
+uint64_t plan_trace_bytes(const plan_case *c)
+{
+    static const uint64_t megabytes[PLAN_FAMILIES][PLAN_TIERS] = {
+        [PLAN_IMPORT] = {2, 5, 5},       [PLAN_MESH] = {3, 3, 3},       [PLAN_POSES] = {4, 30, 30},       [PLAN_SWEEP] = {5, 20, 20},
+        [PLAN_SESSION] = {50, 250, 1200}, [PLAN_OPERATION] = {100, 350, 1000}, [PLAN_SMALL] = {1, 1, 1},
+    };
+    return megabytes[c->family][c->tier] << 20;
+}

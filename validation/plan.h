@@ -73,4 +73,7 @@ void plan_free(plan *p);
 /* The case of this name; false when the tier has none. */
 bool plan_find(plan_tier tier, uint64_t seed, const char *id, plan_case *out);
 
+/* About what a case's trace takes on the disk; measured, and more than enough. */
+uint64_t plan_trace_bytes(const plan_case *c);
+
 #endif

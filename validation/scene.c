@@ -2,6 +2,7 @@
 #include "validation/scene.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include <osteon/phantom.h>
 
@@ -234,19 +235,17 @@ void scene_free(scene *s)
 
 /* ------------------------------------------------------------------- digest */
 
-static ost_status add_int(ost_hasher *h, int64_t value, ost_error *err)
-{
-    unsigned char bytes[8];
-    for (int i = 0; i < 8; i++)
-        bytes[i] = (unsigned char)((uint64_t)value >> 8 * i);
-    return ost_hasher_add(h, bytes, sizeof bytes, err);
-}
-
 static ost_status add_ints(ost_hasher *h, const int64_t *values, size_t count, ost_error *err)
 {
+    unsigned char bytes[1024];
     ost_status status = OST_OK;
-    for (size_t i = 0; i < count && status == OST_OK; i++)
-        status = add_int(h, values[i], err);
+    for (size_t i = 0; i < count && status == OST_OK;) {
+        size_t used = 0;
+        for (; i < count && used < sizeof bytes; i++)
+            for (int k = 0; k < 8; k++)
+                bytes[used++] = (unsigned char)((uint64_t)values[i] >> 8 * k);
+        status = ost_hasher_add(h, bytes, used, err);
+    }
     return status;
 }
 
@@ -257,9 +256,17 @@ static ost_status add_ct(ost_hasher *h, const scene *s, ost_error *err)
                             g->origin.z, s->duplicates, s->cubic, s->resample, s->chunk_size, s->threshold, (int64_t)s->batch,
                             (int64_t)s->sample_count};
     ost_status status = add_ints(h, head, sizeof head / sizeof head[0], err);
-    for (size_t i = 0; i < s->sample_count && status == OST_OK; i++) {
-        const ost_sample *one = &s->samples[i];
-        status = add_ints(h, (const int64_t[]){one->x, one->y, one->z, one->density, one->line}, 5, err);
+    enum { AT_ONCE = 24 }; /* samples a call: there are millions */
+    for (size_t i = 0; i < s->sample_count && status == OST_OK;) {
+        int64_t rows[5 * AT_ONCE];
+        size_t n = 0;
+        for (; i < s->sample_count && n < sizeof rows / sizeof rows[0]; i++) {
+            const ost_sample *one = &s->samples[i];
+            const int64_t row[5] = {one->x, one->y, one->z, one->density, one->line};
+            memcpy(rows + n, row, sizeof row);
+            n += 5;
+        }
+        status = add_ints(h, rows, n, err);
     }
     return status;
 }
@@ -286,10 +293,10 @@ ost_status scene_digest(const scene *s, ost_digest *out, ost_error *err)
     for (int i = 0; i < s->tool_count && status == OST_OK; i++) {
         const scene_tool *t = &s->tools[i];
         ost_digest mesh;
-        status = add_int(h, t->rule, err);
+        status = add_ints(h, (const int64_t[]){t->rule}, 1, err);
         for (int part = 0; part < 2 && status == OST_OK; part++) {
             const ost_snapped_mesh *m = part ? &t->noncutting : &t->cutting;
-            status = add_int(h, (int64_t)m->triangle_count, err);
+            status = add_ints(h, (const int64_t[]){(int64_t)m->triangle_count}, 1, err);
             if (status == OST_OK && m->triangle_count)
                 status = ost_snapped_mesh_digest(m, &mesh, err);
             if (status == OST_OK && m->triangle_count)

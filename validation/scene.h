@@ -12,6 +12,7 @@
 #define OST_VALIDATION_SCENE_H
 
 #include <osteon/backend.h>
+#include <osteon/digest.h>
 #include <osteon/sim.h>
 
 #include "validation/plan.h"
@@ -42,6 +43,8 @@ typedef struct scene {
     ost_world_options world;
     ost_path path;
     int collide_every; /* before every so-manieth tick collide is asked as well; 0: never */
+
+    ost_digest digest; /* of all above, where somebody has set it by scene_digest; it goes into the trace */
 } scene;
 
 ost_status scene_make(const plan_case *c, scene *out, ost_error *err);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "validation/sensitivity.h"
 
+#include <pthread.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -10,8 +11,9 @@
 #include "validation/draw.h"
 #include "validation/locate/finding.h"
 #include "validation/perform.h"
+#include "validation/scratch.h"
 
-enum { PER_SCENE = 16, PATH = 1024 };
+enum { PER_SCENE = 16, THREADS = 63 };
 
 uint64_t sensitivity_injections(plan_tier tier)
 {
@@ -55,10 +57,7 @@ static ost_status run_one(ost_backend *backend, const scene *s, const char *path
     }
     ost_status closed = trace_close(w, err);
     status = status != OST_OK ? status : closed;
-    if (status == OST_OK)
-        status = trace_open(path, out, err);
-    unlink(path);
-    return status;
+    return status == OST_OK ? trace_open(path, out, err) : status;
 }
 
 /* The place that the comparison names is the one in which the mistake first showed. */
@@ -180,32 +179,41 @@ static uint32_t drawn_rate(draw *d, deviation_kind kind)
     return (uint32_t)1 << draw_between(d, 0, bits);
 }
 
-/* A scene, a clean run, and so many mistakes in it. */
-static ost_status run_scene(int number, uint64_t injections, const char *folder, draw *d, sensitivity *out, ost_error *err)
+/* What one thread works with. */
+typedef struct bench {
+    int files[2]; /* of the reference's trace and of another's */
+    char names[2][SCRATCH_NAME];
+    sensitivity found; /* by this thread */
+} bench;
+
+/* A scene, a clean run, and so many mistakes in it: all drawn from the scene's number, whoever runs it. */
+static ost_status run_scene(bench *b, int number, uint64_t injections, ost_error *err)
 {
-    plan_case c = {.family = PLAN_SMALL, .number = number, .seed = out->seed};
-    char path[PATH];
+    plan_case c = {.family = PLAN_SMALL, .number = number, .seed = b->found.seed};
+    char name[PLAN_ID + 16];
     scene s;
     ost_backend *ref_backend;
     trace ref = {0};
     snprintf(c.id, sizeof c.id, "small/%d", number);
-    snprintf(path, sizeof path, "%s/sensitivity", folder);
+    snprintf(name, sizeof name, "sensitivity/%d", number);
+    draw d = draw_named(c.seed, name);
     ost_status status = scene_make(&c, &s, err);
     if (status != OST_OK)
         return status;
     status = ost_backend_open("ref", &ref_backend, err);
     if (status == OST_OK) {
-        status = run_one(ref_backend, &s, path, NULL, NULL, &ref, err);
+        status = run_one(ref_backend, &s, b->names[0], NULL, NULL, &ref, err);
         ost_backend_close(ref_backend);
     }
     if (status == OST_OK) {
         const compare_range in_ref = compare_find(&ref, 0);
-        status = run_clean(&s, &c, path, &ref, in_ref, out, err);
+        status = run_clean(&s, &c, b->names[1], &ref, in_ref, &b->found, err);
         for (uint64_t i = 0; i < injections && status == OST_OK; i++) {
             /* Every kind comes up as often as any other. */
-            const deviation_kind kind = (deviation_kind)(DEVIATION_NONE + 1 + out->all.injected % (DEVIATION_KINDS - 1));
-            const deviation how = {kind, draw_bits(d), drawn_rate(d, kind)};
-            status = inject(&how, &s, &c, path, &ref, in_ref, out, err);
+            const uint64_t all = (uint64_t)number * PER_SCENE + i;
+            const deviation_kind kind = (deviation_kind)(DEVIATION_NONE + 1 + all % (DEVIATION_KINDS - 1));
+            const deviation how = {kind, draw_bits(&d), drawn_rate(&d, kind)};
+            status = inject(&how, &s, &c, b->names[1], &ref, in_ref, &b->found, err);
         }
     }
     trace_free(&ref);
@@ -213,17 +221,91 @@ static ost_status run_scene(int number, uint64_t injections, const char *folder,
     return status;
 }
 
-ost_status sensitivity_run(uint64_t seed, uint64_t injections, const char *folder, void (*show)(void *user, const char *what, double share), void *user,
+static void add_counts(sensitivity_counts *to, const sensitivity_counts *n)
+{
+    to->injected += n->injected;
+    to->triggered += n->triggered;
+    to->changed += n->changed;
+    to->detected += n->detected;
+    to->located += n->located;
+    to->survived += n->survived;
+    to->not_detected += n->not_detected;
+    to->not_located += n->not_located;
+}
+
+/* The scenes are taken by whichever thread is free. */
+typedef struct proof {
+    sensitivity *out;
+    uint64_t injections;
+    void (*show)(void *user, const char *what, double share);
+    void *user;
+    pthread_mutex_t lock; /* of all below, and of out */
+    int next;             /* scene */
+    int problem_at;       /* scene of out's first problem, -1: none */
+    ost_error err;
+} proof;
+
+static void take_over(proof *p, const sensitivity *found, int number)
+{
+    add_counts(&p->out->all, &found->all);
+    for (int k = 0; k < DEVIATION_KINDS; k++) {
+        add_counts(&p->out->of[k], &found->of[k]);
+        for (int c = 0; c < SENSITIVITY_CLASSES; c++)
+            p->out->classes[k][c] += found->classes[k][c];
+    }
+    p->out->clean_runs += found->clean_runs;
+    p->out->false_alarms += found->false_alarms;
+    if (found->first_problem[0] && (p->problem_at < 0 || number < p->problem_at)) {
+        memcpy(p->out->first_problem, found->first_problem, sizeof found->first_problem);
+        p->problem_at = number;
+    }
+}
+
+static void *work(void *user)
+{
+    proof *p = user;
+    bench b = {.files = {-1, -1}};
+    ost_error err = {0};
+    ost_status status = OST_OK;
+    for (int f = 0; f < 2 && status == OST_OK; f++) {
+        status = scratch_file(&b.files[f], &err);
+        scratch_name(b.files[f], b.names[f]);
+    }
+    pthread_mutex_lock(&p->lock);
+    while (status == OST_OK && p->err.status == OST_OK && (uint64_t)p->next * PER_SCENE < p->injections) {
+        const int number = p->next++;
+        const uint64_t left = p->injections - (uint64_t)number * PER_SCENE;
+        if (p->show)
+            p->show(p->user, "sensitivity", (double)(p->injections - left) / (double)p->injections);
+        pthread_mutex_unlock(&p->lock);
+        b.found = (sensitivity){.seed = p->out->seed};
+        status = run_scene(&b, number, left < PER_SCENE ? left : PER_SCENE, &err);
+        pthread_mutex_lock(&p->lock);
+        take_over(p, &b.found, number);
+    }
+    if (status != OST_OK && p->err.status == OST_OK)
+        p->err = err;
+    pthread_mutex_unlock(&p->lock);
+    for (int f = 0; f < 2; f++)
+        if (b.files[f] >= 0)
+            close(b.files[f]);
+    return NULL;
+}
+
+ost_status sensitivity_run(uint64_t seed, uint64_t injections, int jobs, void (*show)(void *user, const char *what, double share), void *user,
                            sensitivity *out, ost_error *err)
 {
-    draw d = draw_named(seed, "sensitivity");
-    ost_status status = OST_OK;
+    proof p = {.out = out, .injections = injections, .show = show, .user = user, .lock = PTHREAD_MUTEX_INITIALIZER, .problem_at = -1};
+    pthread_t others[THREADS];
+    int started = 0;
     *out = (sensitivity){.seed = seed};
-    for (int number = 0; out->all.injected < injections && status == OST_OK; number++) {
-        const uint64_t left = injections - out->all.injected;
-        if (show)
-            show(user, "sensitivity", (double)out->all.injected / (double)injections);
-        status = run_scene(number, left < PER_SCENE ? left : PER_SCENE, folder, &d, out, err);
-    }
-    return status;
+    while (started < THREADS && started < jobs - 1 && pthread_create(&others[started], NULL, work, &p) == 0)
+        started++;
+    work(&p);
+    for (int i = 0; i < started; i++)
+        pthread_join(others[i], NULL);
+    pthread_mutex_destroy(&p.lock);
+    if (p.err.status != OST_OK)
+        *err = p.err;
+    return p.err.status;
 }

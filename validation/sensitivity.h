@@ -45,8 +45,8 @@ typedef struct sensitivity {
 /* How many injections a tier makes. */
 uint64_t sensitivity_injections(plan_tier tier);
 
-/* folder: for traces, which are removed. show may be NULL. */
-ost_status sensitivity_run(uint64_t seed, uint64_t injections, const char *folder, void (*show)(void *user, const char *what, double share), void *user,
+/* On so many threads, and the same whatever their number. show may be NULL; one thread at a time calls it. */
+ost_status sensitivity_run(uint64_t seed, uint64_t injections, int jobs, void (*show)(void *user, const char *what, double share), void *user,
                            sensitivity *out, ost_error *err);
 
 #endif

@@ -110,9 +110,9 @@ static ost_status try_apart(const char *spec, ost_error *err)
         argv[i] = (char *)(uintptr_t)words[i];
     worker w;
     worker_result end;
-    ost_status status = worker_start(argv, &w, err);
+    ost_status status = worker_start(argv, -1, 60, &w, err);
     if (status == OST_OK)
-        status = worker_wait(&w, 60, &end, err);
+        status = worker_wait(&w, &end, err);
     if (status != OST_OK || end.end == WORKER_DONE)
         return status;
     if (end.end == WORKER_CRASHED)

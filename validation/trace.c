@@ -27,6 +27,7 @@ const char *trace_stage_name(trace_stage stage)
 
 const char *trace_word_name(trace_stage stage, size_t word, char text[40])
 {
+    static const char *const input[] = {"digest of the input", "digest of the input", "digest of the input", "digest of the input"};
     static const char *const rect[] = {"samples", "duplicates", "off lattice", "worst offset", "worst line", "rejected line", "conflict line", "density had", "density has"};
     static const char *const cubic[] = {"width", "height", "depth", "x spacing", "y spacing", "z spacing"};
     static const char *const chunks[] = {"chunks", "active chunks", "active voxels"};
@@ -37,7 +38,7 @@ const char *trace_word_name(trace_stage stage, size_t word, char text[40])
     static const struct {
         const char *const *names;
         size_t count;
-    } of[TRACE_STAGES] = {[TRACE_RECT] = {rect, 9},   [TRACE_CUBIC] = {cubic, 6}, [TRACE_CHUNKS] = {chunks, 3},  [TRACE_TOOL] = {tool, 3},
+    } of[TRACE_STAGES] = {[TRACE_CASE] = {input, 4}, [TRACE_RECT] = {rect, 9},   [TRACE_CUBIC] = {cubic, 6}, [TRACE_CHUNKS] = {chunks, 3},  [TRACE_TOOL] = {tool, 3},
                           [TRACE_TICK] = {tick, 13}, [TRACE_COLLIDE] = {tick + 10, 3}, [TRACE_FINAL] = {chunks, 3}, [TRACE_FAILED] = {failed, 1}};
     if (stage < TRACE_STAGES && word < of[stage].count)
         return of[stage].names[word];

@@ -26,7 +26,7 @@
 #include <osteon/digest.h>
 
 typedef enum trace_stage {
-    TRACE_CASE,    /* no words; the id is known from the plan */
+    TRACE_CASE,    /* words: the input's SHA-256, so that all are seen to be given the same */
     TRACE_RECT,
     TRACE_CUBIC,
     TRACE_CHUNKS,

@@ -8,34 +8,40 @@
 #include <spawn.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
+#include "validation/leftover.h"
 #include "validation/perform.h"
 
 extern char **environ;
 
-ost_status worker_run(const plan *p, int from, const char *spec, const char *trace_path, ost_error *err)
+ost_status worker_run(const plan *p, int from, int to, const char *spec, const char *trace_path, ost_error *err)
 {
     ost_backend *backend = NULL;
     trace_writer *w = NULL;
+    to = to < p->count ? to : p->count;
+    prctl(PR_SET_PDEATHSIG, SIGKILL); /* a parent that is killed takes it along */
     ost_status status = ost_backend_open(spec, &backend, err);
     if (status == OST_OK)
         status = trace_create(trace_path, &w, err);
-    for (int i = from; i < p->count && status == OST_OK; i++) {
+    for (int i = from; i < to && status == OST_OK; i++) {
         scene s;
         ost_error why = {0};
         status = scene_make(&p->cases[i], &s, err);
         if (status != OST_OK)
             break;
-        status = perform(backend, &s, (uint32_t)i, w, NULL, NULL, &why, err);
+        status = scene_digest(&s, &s.digest, err);
+        if (status == OST_OK)
+            status = perform(backend, &s, (uint32_t)i, w, NULL, NULL, &why, err);
         scene_free(&s);
         if (why.status != OST_OK)
             fprintf(stderr, "%s on %s: %s\n", p->cases[i].id, spec, why.text);
     }
     if (w && status == OST_OK) {
-        trace_begin(w, TRACE_END, (uint32_t)p->count, 0);
+        trace_begin(w, TRACE_END, (uint32_t)to, 0);
         status = trace_end(w, err);
     }
     ost_status closed = trace_close(w, err);
@@ -43,10 +49,17 @@ ost_status worker_run(const plan *p, int from, const char *spec, const char *tra
     return status != OST_OK ? status : closed;
 }
 
-ost_status worker_start(char *const argv[], worker *out, ost_error *err)
+static double now_s(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+ost_status worker_start(char *const argv[], int trace_fd, double limit_s, worker *out, ost_error *err)
 {
     int ends[2];
-    *out = (worker){.pid = -1, .said = -1};
+    *out = (worker){.pid = -1, .said = -1, .limit_s = limit_s, .begun = now_s()};
     if (pipe2(ends, O_CLOEXEC) != 0)
         return ost_fail(err, OST_ERR_IO, "no pipe for a worker: %s", strerror(errno));
     posix_spawn_file_actions_t actions;
@@ -57,6 +70,8 @@ ost_status worker_start(char *const argv[], worker *out, ost_error *err)
             failed = posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", O_WRONLY, 0);
         if (!failed)
             failed = posix_spawn_file_actions_adddup2(&actions, ends[1], 2);
+        if (!failed && trace_fd >= 0)
+            failed = posix_spawn_file_actions_adddup2(&actions, trace_fd, WORKER_TRACE);
         if (!failed)
             failed = posix_spawn(&out->pid, argv[0], &actions, NULL, argv, environ);
         posix_spawn_file_actions_destroy(&actions);
@@ -66,76 +81,38 @@ ost_status worker_start(char *const argv[], worker *out, ost_error *err)
         close(ends[0]);
         return ost_fail(err, OST_ERR_IO, "%s cannot be started: %s", argv[0], strerror(failed));
     }
+    leftover_worker(out->pid);
     out->said = ends[0];
     return OST_OK;
 }
 
-static double now_s(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-/* The last whole line of what it says; only so much is kept. */
-typedef struct last_line {
-    char text[512];
-    size_t used;
-    bool complete;
-} last_line;
-
-static void listen_to(last_line *l, const char *bytes, ssize_t count)
+static void listen_to(worker *w, const char *bytes, ssize_t count)
 {
     for (ssize_t i = 0; i < count; i++) {
         if (bytes[i] == '\n') {
-            l->complete = true;
+            w->complete = true;
             continue;
         }
-        if (l->complete) {
-            l->used = 0;
-            l->complete = false;
+        if (w->complete) {
+            w->used = 0;
+            w->complete = false;
         }
-        if (l->used < sizeof l->text - 1)
-            l->text[l->used++] = bytes[i];
-        l->text[l->used] = '\0';
+        if (w->used < sizeof w->text - 1)
+            w->text[w->used++] = bytes[i];
+        w->text[w->used] = '\0';
     }
 }
 
-ost_status worker_wait(worker *w, double limit_s, worker_result *out, ost_error *err)
+static ost_status reap(worker *w, bool late, worker_result *out, ost_error *err)
 {
-    const double begin = now_s();
-    last_line said = {.used = 0};
-    bool late = false;
-    *out = (worker_result){.end = WORKER_DONE};
-    /* Its end of the pipe closes when it ends, whatever way. */
-    for (;;) {
-        const double left = limit_s - (now_s() - begin);
-        struct pollfd p = {.fd = w->said, .events = POLLIN};
-        const int ready = left > 0 ? poll(&p, 1, left > 1000 ? 1000000 : (int)(left * 1000) + 1) : 0;
-        if (ready < 0 && errno == EINTR)
-            continue;
-        if (ready == 0 && left <= 0) {
-            late = true;
-            kill(w->pid, SIGKILL);
-            break;
-        }
-        if (ready == 0)
-            continue;
-        char bytes[1024];
-        const ssize_t n = read(w->said, bytes, sizeof bytes);
-        if (n < 0 && errno == EINTR)
-            continue;
-        if (n <= 0)
-            break;
-        listen_to(&said, bytes, n);
-    }
+    int state = 0;
     close(w->said);
-    int state;
     while (waitpid(w->pid, &state, 0) < 0)
         if (errno != EINTR)
             return ost_fail(err, OST_ERR_IO, "waiting for a worker: %s", strerror(errno));
-    out->seconds = now_s() - begin;
-    memcpy(out->text, said.text, sizeof out->text);
+    leftover_worker_gone(w->pid);
+    *out = (worker_result){.end = WORKER_DONE, .seconds = now_s() - w->begun};
+    memcpy(out->text, w->text, sizeof out->text);
     if (late)
         out->end = WORKER_LATE;
     else if (WIFSIGNALED(state)) {
@@ -146,4 +123,53 @@ ost_status worker_wait(worker *w, double limit_s, worker_result *out, ost_error 
         out->code = WEXITSTATUS(state);
     }
     return OST_OK;
+}
+
+ost_status worker_wait_any(worker *const workers[], int count, int *which, worker_result *out, ost_error *err)
+{
+    struct pollfd polled[WORKERS_MAX];
+    for (;;) {
+        double left = 1000;
+        for (int i = 0; i < count; i++) {
+            const double own = workers[i]->limit_s - (now_s() - workers[i]->begun);
+            polled[i] = (struct pollfd){.fd = workers[i]->said, .events = POLLIN};
+            if (own <= 0) {
+                *which = i;
+                kill(workers[i]->pid, SIGKILL);
+                return reap(workers[i], true, out, err);
+            }
+            left = own < left ? own : left;
+        }
+        const int ready = poll(polled, (nfds_t)count, (int)(left * 1000) + 1);
+        if (ready < 0 && errno != EINTR)
+            return ost_fail(err, OST_ERR_IO, "waiting for workers: %s", strerror(errno));
+        for (int i = 0; i < count && ready > 0; i++) {
+            char bytes[1024];
+            if (!polled[i].revents)
+                continue;
+            const ssize_t n = read(workers[i]->said, bytes, sizeof bytes);
+            if (n < 0 && errno == EINTR)
+                continue;
+            if (n <= 0) { /* its end of the pipe closes when it ends, whatever way */
+                *which = i;
+                return reap(workers[i], false, out, err);
+            }
+            listen_to(workers[i], bytes, n);
+        }
+    }
+}
+
+ost_status worker_wait(worker *w, worker_result *out, ost_error *err)
+{
+    worker *const alone[] = {w};
+    int which;
+    return worker_wait_any(alone, 1, &which, out, err);
+}
+
+void worker_stop(worker *w)
+{
+    worker_result end;
+    ost_error none = {0};
+    kill(w->pid, SIGKILL);
+    reap(w, false, &end, &none);
 }

@@ -6,17 +6,20 @@
  *
  *   worker_start --exec--> osteon validate --worker SPEC --trace FILE ... --worker_run--> trace
  *        |                                                                         |
- *   worker_wait: how it ended <-----------------------------------------------------'
+ *   worker_wait_any: how it ended <------------------------------------------------'
+ *
+ * A worker ends with its parent, whatever ended that.
  */
 #ifndef OST_VALIDATION_WORKER_H
 #define OST_VALIDATION_WORKER_H
 
+#include <stdbool.h>
 #include <sys/types.h>
 
 #include "validation/plan.h"
 
-/* In the worker: cases of the plan from number `from` on, on the backend of this spec; lines about failed stages go to stderr. */
-ost_status worker_run(const plan *p, int from, const char *spec, const char *trace_path, ost_error *err);
+/* In the worker: cases of the plan [from, to) on the backend of this spec; lines about failed stages go to stderr. */
+ost_status worker_run(const plan *p, int from, int to, const char *spec, const char *trace_path, ost_error *err);
 
 typedef enum worker_end {
     WORKER_DONE,
@@ -25,11 +28,6 @@ typedef enum worker_end {
     WORKER_LATE     /* stopped after its time */
 } worker_end;
 
-typedef struct worker {
-    pid_t pid;
-    int said;        /* its stderr, a pipe */
-} worker;
-
 typedef struct worker_result {
     worker_end end;
     int code;        /* exit status or signal */
@@ -37,9 +35,24 @@ typedef struct worker_result {
     char text[512];  /* the last line it said */
 } worker_result;
 
-/* argv ends with NULL; argv[0] is the program's file. */
-ost_status worker_start(char *const argv[], worker *out, ost_error *err);
-/* Stops it after limit seconds. */
-ost_status worker_wait(worker *w, double limit_s, worker_result *out, ost_error *err);
+typedef struct worker {
+    pid_t pid;
+    int said;        /* its stderr, a pipe */
+    double begun, limit_s;
+    bool complete;   /* the line in text has ended */
+    size_t used;
+    char text[512];  /* the last whole line of what it says; only so much is kept */
+} worker;
+
+enum { WORKERS_MAX = 128 }; /* waited for together */
+enum { WORKER_TRACE = 3 }; /* the worker's descriptor of its trace */
+
+/* argv ends with NULL; argv[0] is the program's file. trace_fd: a descriptor that the worker has as WORKER_TRACE, or -1. It is stopped after limit seconds. */
+ost_status worker_start(char *const argv[], int trace_fd, double limit_s, worker *out, ost_error *err);
+/* Waits until one of them ends; the others go on. */
+ost_status worker_wait_any(worker *const workers[], int count, int *which, worker_result *out, ost_error *err);
+ost_status worker_wait(worker *w, worker_result *out, ost_error *err);
+/* Ends it, whatever it is at. */
+void worker_stop(worker *w);
 
 #endif

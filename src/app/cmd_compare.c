@@ -20,7 +20,6 @@
 #include "app/say.h"
 #include "validation/campaign.h"
 #include "validation/dump.h"
-#include "validation/scratch.h"
 
 typedef struct compare_args {
     const char *whom, *only;
@@ -188,7 +187,7 @@ ost_status cmd_compare(app_state *app, int argc, char **argv, ost_error *err)
                    "  osteon compare my-dumps\n"
                    "  osteon compare plugin:./thesis_f32.so --only static --json",
     };
-    char spec[SUBJECT_SPEC], only[PLAN_ID], program[1024], folder[SCRATCH_PATH] = "";
+    char spec[SUBJECT_SPEC], only[PLAN_ID], program[1024];
     ost_status status;
     plan p = {.count = 0};
     subject_list subjects = {.count = 0};
@@ -204,10 +203,8 @@ ost_status cmd_compare(app_state *app, int argc, char **argv, ost_error *err)
         status = subjects_find(p.tier, spec, &subjects, err);
     if (status == OST_OK && subjects.count > 1 && !subjects.subjects[1].available)
         status = ost_fail(err, OST_ERR_UNAVAILABLE, "%s", subjects.subjects[1].reason);
-    if (status == OST_OK)
-        status = scratch_make(folder, err);
     if (status == OST_OK) {
-        const campaign_options how = {.program = program, .folder = folder, .limit_s = (double)args.limit_s, .show = show};
+        const campaign_options how = {.program = program, .limit_s = (double)args.limit_s, .show = show};
         progress_begin(app);
         status = campaign_run(&p, &subjects, &how, &run, err);
         progress_clear();
@@ -218,6 +215,5 @@ ost_status cmd_compare(app_state *app, int argc, char **argv, ost_error *err)
         campaign_free(&run);
     subjects_free(&subjects);
     plan_free(&p);
-    scratch_remove(folder);
     return status;
 }

@@ -37,7 +37,7 @@
 typedef struct validate_args {
     const char *out, *backends, *shard, *only, *merge, *worker, *trace, *dump, *export_to, *case_file;
     int tier; /* place in "smoke|standard|full" */
-    int64_t seed, from, limit_s;
+    int64_t seed, from, to, limit_s, jobs;
     int64_t faults;
     bool cpu_only, faults_only;
 } validate_args;
@@ -289,8 +289,6 @@ static ost_status put_evidence(bundle *b, const campaign *c, const json_t *proto
     if (status == OST_OK)
         status = put_machine(b, c, program, err);
     if (status == OST_OK)
-        status = pictures_of_operation(c, into_bundle, b, err);
-    if (status == OST_OK)
         status = report_write(bundle_folder(b), protocol, cases, into_bundle, b, err);
     if (status == OST_OK)
         status = bundle_log(b, "ended", err, "files written");
@@ -299,7 +297,7 @@ static ost_status put_evidence(bundle *b, const campaign *c, const json_t *proto
 
 /* Everything that must be freed, in one place. */
 typedef struct job {
-    char program[1024], folder[SCRATCH_PATH];
+    char program[1024];
     subject_list subjects;
     campaign run;
     bundle *b;
@@ -317,12 +315,53 @@ static void job_free(job *j)
     json_decref(j->summary);
     json_decref(j->faults);
     json_decref(j->common);
-    scratch_remove(j->folder);
+}
+
+/* A batch's cases, while the reference's trace of them is there. */
+static ost_status take_batch(void *user, const campaign *c, int first, int count, ost_error *err)
+{
+    job *j = user;
+    ost_status status = OST_OK;
+    for (int i = first; i < first + count && status == OST_OK; i++) {
+        json_t *row;
+        status = evidence_case(c, i, &row, err);
+        if (status == OST_OK && json_array_append_new(j->cases, row) != 0)
+            status = ost_fail(err, OST_ERR_MEMORY, "no memory for the evidence");
+    }
+    return status == OST_OK && j->b ? pictures_of_operation(c, into_bundle, j->b, err) : status;
+}
+
+static ost_status run_all(job *j, const validate_args *args, const plan *p, ost_error *err)
+{
+    picture_keeper keeper = {.sink = into_bundle, .user = j->b};
+    const campaign_options how = {.program = j->program, .jobs = (int)args->jobs, .limit_s = (double)args->limit_s, .show = show,
+                                  .differs = j->b ? pictures_of_difference : NULL, .keeper = &keeper, .done = take_batch, .done_keeper = j};
+    ost_status status = campaign_run(p, &j->subjects, &how, &j->run, err);
+    if (status == OST_OK && j->b && j->run.counts[CASE_DIFFERS]) {
+        char folder[SCRATCH_PATH];
+        status = scratch_make(folder, err);
+        if (status == OST_OK)
+            status = reproduce(&j->run, j->program, folder, show, NULL, into_bundle, j->b, err);
+        scratch_remove(folder);
+    }
+    if (status == OST_OK)
+        status = evidence_results(&j->run, j->cases, err);
+    /* The first of several shards makes it for all. */
+    if (status == OST_OK && p->shard == 1 && !p->only && !p->file) {
+        status = sensitivity_run(p->seed, sensitivity_injections(p->tier), j->run.jobs, show, NULL, &j->proof, err);
+        if (status == OST_OK)
+            status = faults_json(&j->proof, &j->faults, err);
+    }
+    if (status == OST_OK && keeper.err.status != OST_OK) {
+        *err = keeper.err;
+        status = err->status;
+    }
+    return status;
 }
 
 static ost_status compare_all(app_state *app, const validate_args *args, const plan *p, json_t *from_file, ost_error *err)
 {
-    job j = {.folder = ""};
+    job j = {.cases = json_array()};
     ost_status status = own_file(j.program, sizeof j.program, err);
     if (status == OST_OK && args->out)
         status = bundle_begin(args->out, &j.b, err);
@@ -336,32 +375,13 @@ static ost_status compare_all(app_state *app, const validate_args *args, const p
         status = freeze(j.b, j.protocol, err);
     if (status == OST_OK && j.b && from_file)
         status = bundle_put_json(j.b, "case.json", from_file, err);
-    if (status == OST_OK)
-        status = scratch_make(j.folder, err);
     if (status == OST_OK) {
-        picture_keeper keeper = {.sink = into_bundle, .user = j.b};
-        const campaign_options how = {.program = j.program, .folder = j.folder, .limit_s = (double)args->limit_s, .show = show,
-                                      .differs = j.b ? pictures_of_difference : NULL, .keeper = &keeper};
         progress_begin(app);
-        status = campaign_run(p, &j.subjects, &how, &j.run, err);
-        if (status == OST_OK && j.b)
-            status = reproduce(&j.run, j.program, j.folder, show, NULL, into_bundle, j.b, err);
-        /* The first of several shards makes it for all. */
-        if (status == OST_OK && p->shard == 1 && !p->only && !p->file) {
-            status = sensitivity_run(p->seed, sensitivity_injections(p->tier), j.folder, show, NULL, &j.proof, err);
-            if (status == OST_OK)
-                status = faults_json(&j.proof, &j.faults, err);
-        }
+        status = run_all(&j, args, p, err);
         progress_clear();
-        if (status == OST_OK && keeper.err.status != OST_OK) {
-            *err = keeper.err;
-            status = err->status;
-        }
     }
     if (status == OST_OK)
         status = common_check(p->seed, &j.common, err);
-    if (status == OST_OK)
-        status = evidence_cases(&j.run, &j.cases, err);
     if (status == OST_OK)
         status = evidence_summary(j.protocol, j.cases, &j.summary, err);
     if (status == OST_OK && j.b)
@@ -436,17 +456,12 @@ static ost_status merge_all(app_state *app, const validate_args *args, ost_error
 
 static ost_status prove_faults(app_state *app, const validate_args *args, ost_error *err)
 {
-    char folder[SCRATCH_PATH];
     sensitivity s;
     json_t *faults;
-    ost_status status = scratch_make(folder, err);
-    if (status != OST_OK)
-        return status;
     progress_begin(app);
-    status = sensitivity_run((uint64_t)args->seed, args->faults ? (uint64_t)args->faults : sensitivity_injections((plan_tier)args->tier), folder, show,
-                                        NULL, &s, err);
+    ost_status status = sensitivity_run((uint64_t)args->seed, args->faults ? (uint64_t)args->faults : sensitivity_injections((plan_tier)args->tier),
+                                        args->jobs ? (int)args->jobs : campaign_cores(), show, NULL, &s, err);
     progress_clear();
-    scratch_remove(folder);
     if (status == OST_OK)
         status = faults_json(&s, &faults, err);
     if (status != OST_OK)
@@ -459,20 +474,20 @@ static ost_status prove_faults(app_state *app, const validate_args *args, ost_er
 /* One backend's results as files, by way of a trace. */
 static ost_status dump_worker(const plan *p, const char *spec, const char *folder, ost_error *err)
 {
-    char scratch[SCRATCH_PATH], path[SCRATCH_PATH + 16];
+    char path[SCRATCH_NAME];
     trace t = {0};
-    ost_status status = scratch_make(scratch, err);
+    int fd;
+    ost_status status = scratch_file(&fd, err);
     if (status != OST_OK)
         return status;
-    snprintf(path, sizeof path, "%s/trace", scratch);
-    status = worker_run(p, 0, spec, path, err);
+    scratch_name(fd, path);
+    status = worker_run(p, 0, p->count, spec, path, err);
     if (status == OST_OK)
         status = trace_open(path, &t, err);
     if (status == OST_OK)
         status = dump_write(folder, spec, p, &t, err);
     trace_free(&t);
-    unlink(path);
-    scratch_remove(scratch);
+    close(fd);
     return status;
 }
 
@@ -496,12 +511,15 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "merge", .kind = OPTION_TEXT, .out = &args.merge, .value = "FOLDER", .help = "put the shards' bundles in FOLDER together into --out; runs nothing"},
         {.name = "limit", .kind = OPTION_INTEGER, .out = &args.limit_s, .value = "S", .min = 1, .max = 1000000,
          .help = "seconds after which a backend is stopped"},
+        {.name = "jobs", .kind = OPTION_INTEGER, .out = &args.jobs, .value = "N", .min = 1, .max = WORKERS_MAX,
+         .help = "backends that run at a time (default: as many as cores)"},
         {.name = "worker", .kind = OPTION_TEXT, .out = &args.worker, .value = "BACKEND", .help = "run the cases on this backend alone, write --trace and compare nothing"},
         {.name = "trace", .kind = OPTION_TEXT, .out = &args.trace, .value = "FILE", .help = "where --worker writes what the backend made"},
         {.name = "dump", .kind = OPTION_TEXT, .out = &args.dump, .value = "FOLDER", .help = "write what --worker made as a dump, for osteon compare; needs no --trace"},
         {.name = "export-cases", .kind = OPTION_TEXT, .out = &args.export_to, .value = "FOLDER",
          .help = "write the cases' inputs as files, for another program to run; runs nothing"},
         {.name = "from", .kind = OPTION_INTEGER, .out = &args.from, .value = "N", .min = 0, .max = 1000000, .help = "first case of --worker, from 0"},
+        {.name = "to", .kind = OPTION_INTEGER, .out = &args.to, .value = "N", .min = 0, .max = 1000000, .help = "the case before which --worker ends (default: none)"},
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "[--tier TIER] [options]",
@@ -541,7 +559,7 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
         return status;
     status = args.export_to ? export_cases(args.export_to, &p, err)
              : args.dump    ? dump_worker(&p, args.worker, args.dump, err)
-             : args.worker  ? worker_run(&p, (int)args.from, args.worker, args.trace, err)
+             : args.worker  ? worker_run(&p, (int)args.from, args.to ? (int)args.to : p.count, args.worker, args.trace, err)
                             : compare_all(app, &args, &p, from_file, err);
     if (status == OST_OK && args.export_to) {
         say(app, "%s: inputs of %d cases", args.export_to, p.count);

@@ -22,6 +22,7 @@
 #include "app/options.h"
 #include "app/progress.h"
 #include "io/outfile.h"
+#include "validation/leftover.h"
 
 static const app_verb verbs[] = {
     {"phantom", "make a generated CT: a scapula, its glenoid, trabecular bone, foam", cmd_phantom},
@@ -94,6 +95,7 @@ static void keep_standard_streams(void)
 static void on_end_signal(int number)
 {
     ost_outfile_unlink_pending();
+    leftover_end();
     signal(number, SIG_DFL);
     raise(number);
 }

@@ -403,7 +403,7 @@ static void confusion(void **state)
         skip();
     static sensitivity s;
     ost_error err = {0};
-    assert_ok(sensitivity_run(3, 3000, folder, NULL, NULL, &s, &err));
+    assert_ok(sensitivity_run(3, 3000, 2, NULL, NULL, &s, &err));
     printf("%-24s", "mistake");
     for (int c = 0; c < SENSITIVITY_CLASSES; c++)
         printf(" %.9s", sensitivity_class_name(c));

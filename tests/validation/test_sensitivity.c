@@ -7,7 +7,6 @@
  */
 #include "harness.h"
 
-#include "io/io_scratch.h"
 #include "validation/sensitivity.h"
 #include "validation/worker.h"
 
@@ -17,8 +16,8 @@ static void proved(void **state)
     test_rng rng = rng_seeded("sensitivity");
     ost_error err = {0};
     sensitivity s;
-    char *folder = scratch_folder();
-    assert_ok(sensitivity_run(rng_next(&rng), 100, folder, NULL, NULL, &s, &err));
+    const uint64_t seed = rng_next(&rng);
+    assert_ok(sensitivity_run(seed, 100, 2, NULL, NULL, &s, &err));
     if (s.first_problem[0])
         fail_msg("%s", s.first_problem);
     assert_int_equal(s.all.injected, 100);
@@ -28,7 +27,11 @@ static void proved(void **state)
     assert_int_equal(s.all.detected, s.all.changed);
     assert_int_equal(s.all.located, s.all.changed);
     assert_int_equal(s.all.survived + s.all.changed, s.all.triggered);
-    scratch_remove(folder);
+
+    sensitivity one, two;
+    assert_ok(sensitivity_run(seed, 40, 1, NULL, NULL, &one, &err));
+    assert_ok(sensitivity_run(seed, 40, 3, NULL, NULL, &two, &err));
+    assert_memory_equal(&one, &two, sizeof one); /* who runs a scene makes no difference */
 }
 
 static worker_result result_of(const char *script, double limit)
@@ -37,8 +40,8 @@ static worker_result result_of(const char *script, double limit)
     worker w;
     worker_result r;
     char *argv[] = {(char *)(uintptr_t)"/bin/sh", (char *)(uintptr_t)"-c", (char *)(uintptr_t)script, NULL};
-    assert_ok(worker_start(argv, &w, &err));
-    assert_ok(worker_wait(&w, limit, &r, &err));
+    assert_ok(worker_start(argv, -1, limit, &w, &err));
+    assert_ok(worker_wait(&w, &r, &err));
     return r;
 }
 
@@ -64,7 +67,7 @@ static void workers(void **state)
     ost_error err = {0};
     worker w;
     char *nothing[] = {(char *)(uintptr_t)"/nowhere/osteon", NULL};
-    assert_int_equal(worker_start(nothing, &w, &err), OST_ERR_IO);
+    assert_int_equal(worker_start(nothing, -1, 60, &w, &err), OST_ERR_IO);
 }
 
 int main(void)

@@ -14,6 +14,7 @@
 
 #include "io/outfile.h"
 #include "validation/bundle/manifest.h"
+#include "validation/leftover.h"
 
 enum { LOG_LINE = 1024 };
 #define LOG_FILE "audit.log"
@@ -46,6 +47,7 @@ ost_status bundle_begin(const char *out, bundle **b, ost_error *err)
         free(made);
         return status;
     }
+    leftover_folder(made->folder);
     chmod(made->folder, 0755); /* as mkdir would have made it, but for the umask below */
     const mode_t mask = umask(0);
     umask(mask);
@@ -157,9 +159,10 @@ ost_status bundle_end(bundle *b, ost_error *err)
         status = ost_fail(err, OST_ERR_IO, "%s: %s", b->out, strerror(errno));
     free(text);
     json_decref(manifest);
-    if (status == OST_OK)
+    if (status == OST_OK) {
+        leftover_folder_gone(b->folder);
         free(b);
-    else
+    } else
         bundle_abandon(b);
     return status;
 }
@@ -187,6 +190,7 @@ void bundle_abandon(bundle *b)
     if (!b)
         return;
     remove_folder(b->folder);
+    leftover_folder_gone(b->folder);
     free(b);
 }
 

@@ -36,10 +36,7 @@ static ost_status trace_case(ost_backend *ref, const scene *s, const char *path,
     status = perform(ref, s, 0, w, NULL, NULL, &why, err);
     ost_status closed = trace_close(w, err);
     status = status != OST_OK ? status : closed;
-    if (status == OST_OK)
-        status = trace_open(path, out, err);
-    unlink(path);
-    return status;
+    return status == OST_OK ? trace_open(path, out, err) : status;
 }
 
 static ost_status check_case(ost_backend *ref, const json_t *protocol, size_t number, const json_t *line, const char *path, const char **problem, ost_error *err)
@@ -80,7 +77,8 @@ static ost_status check_case(ost_backend *ref, const json_t *protocol, size_t nu
 ost_status check_again(const char *folder, bundle_problem *problem, void *user, int *found, void (*show)(void *user, const char *what, double share),
                        void *show_user, ost_error *err)
 {
-    char *protocol_text = NULL, *cases_text = NULL, scratch[SCRATCH_PATH] = "", path[SCRATCH_PATH + 8];
+    char *protocol_text = NULL, *cases_text = NULL, path[SCRATCH_NAME];
+    int fd = -1;
     size_t protocol_size, cases_size;
     json_t *protocol = NULL, *cases = NULL;
     ost_backend *ref = NULL;
@@ -94,9 +92,9 @@ ost_status check_again(const char *folder, bundle_problem *problem, void *user, 
     if (status == OST_OK)
         status = ost_backend_open("ref", &ref, err);
     if (status == OST_OK)
-        status = scratch_make(scratch, err);
+        status = scratch_file(&fd, err);
     if (status == OST_OK) {
-        snprintf(path, sizeof path, "%s/trace", scratch);
+        scratch_name(fd, path);
         for (size_t i = 0; i < json_array_size(cases) && status == OST_OK; i++) {
             const json_t *line = json_array_get(cases, i);
             const char *what, *id = json_string_value(json_object_get(line, "id"));
@@ -109,7 +107,8 @@ ost_status check_again(const char *folder, bundle_problem *problem, void *user, 
             }
         }
     }
-    scratch_remove(scratch);
+    if (fd >= 0)
+        close(fd);
     ost_backend_close(ref);
     json_decref(protocol);
     json_decref(cases);

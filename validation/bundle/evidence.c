@@ -96,17 +96,16 @@ static json_t *result_json(const case_result *r)
     return o;
 }
 
-static ost_status input_of(const plan_case *c, char hex[OST_DIGEST_HEX], ost_error *err)
+/* As the reference's worker was given it. */
+static void input_of(const campaign *c, int case_index, char hex[OST_DIGEST_HEX])
 {
-    scene s;
-    ost_digest digest;
-    ost_status status = scene_make(c, &s, err);
-    if (status != OST_OK)
-        return status;
-    status = scene_digest(&s, &digest, err);
-    scene_free(&s);
+    ost_digest digest = {{0}};
+    uint64_t count = 0;
+    const uint8_t *words;
+    const compare_range range = c->ranges[case_index];
+    if (range.count && trace_words(&c->reference.records[range.first], &count, &words) && count >= sizeof digest.bytes / 8)
+        memcpy(digest.bytes, words, sizeof digest.bytes);
     ost_digest_hex(&digest, hex);
-    return status;
 }
 
 ost_status evidence_records(const trace *t, compare_range range, json_t **out, ost_error *err)
@@ -134,29 +133,27 @@ ost_status evidence_records(const trace *t, compare_range range, json_t **out, o
     return status;
 }
 
-ost_status evidence_cases(const campaign *c, json_t **out, ost_error *err)
+ost_status evidence_case(const campaign *c, int i, json_t **out, ost_error *err)
 {
-    ost_status status = OST_OK;
-    *out = json_array();
-    for (int i = 0; i < c->plan->count && status == OST_OK; i++) {
-        char input[OST_DIGEST_HEX];
-        json_t *records = NULL, *results = json_object();
-        status = input_of(&c->plan->cases[i], input, err);
-        if (status == OST_OK)
-            status = evidence_records(&c->reference, c->ranges[i], &records, err);
-        for (int s = 1; s < c->subjects->count && status == OST_OK; s++)
+    char input[OST_DIGEST_HEX];
+    json_t *records = NULL;
+    input_of(c, i, input);
+    ost_status status = evidence_records(&c->reference, c->ranges[i], &records, err);
+    *out = status == OST_OK ? json_pack("{s:s,s:s,s:O}", "id", c->plan->cases[i].id, "input_sha256", input, "reference", records) : NULL;
+    json_decref(records);
+    return status != OST_OK || *out ? status : no_memory(err);
+}
+
+ost_status evidence_results(const campaign *c, json_t *cases, ost_error *err)
+{
+    for (int i = 0; i < c->plan->count; i++) {
+        json_t *results = json_object();
+        for (int s = 1; s < c->subjects->count; s++)
             json_object_set_new(results, c->subjects->subjects[s].spec, result_json(&c->results[(size_t)i * (size_t)c->subjects->count + (size_t)s]));
-        json_t *row = status == OST_OK ? json_pack("{s:s,s:s,s:O,s:O}", "id", c->plan->cases[i].id, "input_sha256", input, "reference", records, "results", results) : NULL;
-        if (status == OST_OK && json_array_append_new(*out, row) != 0)
-            status = no_memory(err);
-        json_decref(records);
-        json_decref(results);
+        if (json_object_set_new(json_array_get(cases, (size_t)i), "results", results) != 0)
+            return no_memory(err);
     }
-    if (status != OST_OK) {
-        json_decref(*out);
-        *out = NULL;
-    }
-    return status;
+    return OST_OK;
 }
 
 ost_status evidence_parse_cases(const char *bytes, size_t size, json_t **out, ost_error *err)

@@ -25,7 +25,10 @@
 
 /* Both give the caller's reference. chosen: the backends that were asked for, "" for all that are here. */
 ost_status evidence_protocol(const plan *p, const subject_list *subjects, const char *chosen, bool cpu_only, json_t **out, ost_error *err);
-ost_status evidence_cases(const campaign *c, json_t **out, ost_error *err);
+/* One case's line but for its results, while its batch is there (campaign_options.done). */
+ost_status evidence_case(const campaign *c, int case_index, json_t **out, ost_error *err);
+/* The results, into the lines of all cases in the plan's order. */
+ost_status evidence_results(const campaign *c, json_t *cases, ost_error *err);
 
 /* The digests of a case's records, as its line has them; the caller's reference, NULL on failure. */
 ost_status evidence_records(const trace *t, compare_range range, json_t **out, ost_error *err);

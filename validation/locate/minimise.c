@@ -56,9 +56,9 @@ static ost_status run_worker(job *j, trace *got, ost_error *err)
     ost_error unread = {0};
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
         argv[i] = (char *)(uintptr_t)words[i];
-    ost_status status = worker_start(argv, &w, err);
+    ost_status status = worker_start(argv, -1, LIMIT, &w, err);
     if (status == OST_OK)
-        status = worker_wait(&w, LIMIT, &end, err);
+        status = worker_wait(&w, &end, err);
     j->best->runs++;
     *got = (trace){0};
     if (status == OST_OK && access(j->trace, F_OK) == 0 && trace_open(j->trace, got, &unread) != OST_OK)

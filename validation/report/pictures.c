@@ -150,7 +150,7 @@ ost_status pictures_of_operation(const campaign *c, evidence_sink *sink, void *u
     for (int i = 0; i < c->plan->count; i++) {
         scene s;
         ost_volume before = {.voxels = NULL}, after = {.voxels = NULL};
-        if (c->plan->cases[i].family != PLAN_OPERATION || c->plan->cases[i].number != 0)
+        if (c->plan->cases[i].family != PLAN_OPERATION || c->plan->cases[i].number != 0 || !c->ranges[i].count)
             continue;
         ost_status status = scene_make(&c->plan->cases[i], &s, err);
         if (status != OST_OK)
@@ -193,11 +193,7 @@ void pictures_of_difference(void *keeper, const campaign *c, int case_index, int
     picture_keeper *k = keeper;
     const compare_difference *d = &c->results[(size_t)case_index * (size_t)c->subjects->count + (size_t)whom].difference;
     ost_volume a = {.voxels = NULL}, b = {.voxels = NULL};
-    if (k->whom != (size_t)whom) {
-        k->whom = (size_t)whom;
-        k->kept = 0;
-    }
-    if (k->err.status != OST_OK || k->kept >= PICTURES_A_BACKEND || d->records < 1)
+    if (k->err.status != OST_OK || whom >= PICTURES_BACKENDS || k->kept[whom] >= PICTURES_A_BACKEND || d->records < 1)
         return;
     /* A report may differ before any voxel does; until one does, both bones are the reference's. */
     const compare_range in_ref = c->ranges[case_index];
@@ -226,7 +222,7 @@ void pictures_of_difference(void *keeper, const campaign *c, int case_index, int
                 status = put_picture(&picture, name, k->sink, k->user, &k->err);
             ost_picture_free(&picture);
         }
-        k->kept++;
+        k->kept[whom]++;
     }
     ost_volume_free(&a);
     ost_volume_free(&b);

@@ -22,6 +22,7 @@
 
 enum {
     PICTURES_A_BACKEND = 4, /* differing cases of one backend that get pictures: its first ones */
+    PICTURES_BACKENDS = 256, /* those after so many get none */
     PICTURE_NAME = 128
 };
 
@@ -30,15 +31,14 @@ typedef enum picture_role { PICTURE_REFERENCE, PICTURE_GOT, PICTURE_DIFFERENCE, 
 /* "pictures/mesh-3-backend-2-got.png"; the backend by its place in the protocol. */
 void picture_name(char name[PICTURE_NAME], const char *case_id, size_t backend, picture_role role);
 
-/* No pictures, and no error, without libpng or without a case of the operation. */
+/* No pictures, and no error, without libpng or without a case of the operation in the batch that is there. */
 ost_status pictures_of_operation(const campaign *c, evidence_sink *sink, void *user, ost_error *err);
 
 /* What campaign_options.differs is given. */
 typedef struct picture_keeper {
     evidence_sink *sink;
     void *user;
-    size_t whom;  /* the backend that is counted */
-    int kept;
+    int kept[PICTURES_BACKENDS]; /* of each backend */
     ost_error err; /* the first thing that went wrong */
 } picture_keeper;
 void pictures_of_difference(void *keeper, const campaign *c, int case_index, int whom, const trace *got, compare_range in_got);

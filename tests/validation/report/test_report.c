@@ -131,7 +131,7 @@ static void put_difference(bundle *b)
     assert_int_equal(results[1].difference.kind, COMPARE_VOXEL);
     pictures_of_difference(&keeper, &run, 0, 1, &got, compare_find(&got, 0));
     assert_int_equal(keeper.err.status, OST_OK);
-    assert_int_equal(keeper.kept, 1);
+    assert_int_equal(keeper.kept[1], 1);
     trace_free(&got);
     trace_free(&run.reference);
     unlink(one);

@@ -1,0 +1,81 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+#
+# A campaign that is ended by a signal leaves nothing: no folder, no trace, no
+# worker; and its status says which signal.  A worker that dies, and a disk
+# without room, are told and leave nothing either.
+# Covers: REQ-EVIDENCE
+. "${srcdir:-.}/tests/app/lib.sh"
+
+# The seed is what this run's workers are known by.
+seed=91827364$$
+mkdir tmp
+TMPDIR=$scratch/tmp
+export TMPDIR
+workers() {
+    for command in /proc/[0-9]*/cmdline; do
+        tr '\0' ' ' <"$command" | grep -- "--worker.*--seed $seed " | sed 's/.*--worker \([a-z]*\).*/\1/'
+    done 2>/dev/null
+}
+# await COMMAND...: until it succeeds, for a minute at the most
+await() {
+    tries=0
+    until "$@"; do
+        tries=$((tries + 1))
+        [ $tries -lt 600 ] || { fail "waited in vain for: $*"; return 1; }
+        sleep 0.1
+    done
+}
+working() { [ -n "$(workers)" ]; }
+idle() { [ -z "$(workers)" ]; }
+nothing_left() {
+    await idle
+    check "$1: what is left beside the bundle" "$(find . -maxdepth 1 -name 'b*' | tr '\n' ' ')" ""
+    check "$1: what is left for traces" "$(ls -A tmp)" ""
+}
+
+for signal in INT:2 TERM:15 HUP:1; do
+    # A shell's background jobs ignore SIGINT, and so would what they start: exec through env makes it the default again.
+    env --default-signal=INT "$osteon" validate --tier standard --only session --cpu-only --seed $seed --out b --quiet >out 2>err &
+    pid=$!
+    await working
+    kill -"${signal%:*}" $pid
+    wait $pid
+    check "status after SIG$signal" $? $((128 + ${signal#*:}))
+    nothing_left "SIG$signal"
+done
+
+# SIGKILL runs nothing: workers end all the same, traces have no name; the unfinished folder stays, under a name that says so.
+"$osteon" validate --tier standard --only session --cpu-only --seed $seed --out b --quiet >out 2>err &
+pid=$!
+await working
+kill -KILL $pid
+wait $pid 2>/dev/null
+check "status after SIGKILL" $? 137
+rm -rf b.part-*
+nothing_left SIGKILL
+
+# A worker that is killed fails the case that it was at; the others go on.
+"$osteon" validate --tier standard --only session/0 --backends 'cpu:isa=scalar,threads=1' --seed $seed --quiet --json >out 2>err &
+pid=$!
+cpu_works() { workers | grep -q cpu; }
+await cpu_works
+for command in /proc/[0-9]*/cmdline; do
+    if { tr '\0' ' ' <"$command"; } 2>/dev/null | grep -q -- "--worker cpu.*--seed $seed "; then
+        worker=${command#/proc/}
+        kill -KILL "${worker%/cmdline}"
+    fi
+done
+wait $pid
+check "status after a worker's death" $? 1
+check "verdict after a worker's death" "$(value equal)" false
+check "crashed cases" "$(value results.crashed)" 1
+nothing_left "a worker's death"
+
+# No room: a limit on the size of files stands for a full disk.
+checks=$((checks + 1))
+(ulimit -f 64 && "$osteon" validate --only mesh --cpu-only --seed $seed --quiet >out 2>err)
+status=$?
+[ $status -eq 2 ] || fail "without room for traces: status $status, $(cat err)"
+nothing_left "no room"
+finish
