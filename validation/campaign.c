@@ -242,7 +242,10 @@ static ost_status reference_ended(runner *r, batch *b, trace *got, const worker_
         c->ranges[i] = compare_next(&b->reference, &at, (uint32_t)i);
     for (size_t i = 0; i < b->reference.count; i++) {
         c->stage_records[b->reference.records[i].stage]++;
-        c->refused += b->reference.records[i].stage == TRACE_FAILED;
+        if (b->reference.records[i].stage == TRACE_FAILED) {
+            c->refused++;
+            result_of(c, (int)b->reference.records[i].case_index, 0)->verdict = CASE_FAILED;
+        }
     }
     for (int s = 1; s < c->subjects->count; s++)
         if (r->gone[s])
@@ -564,8 +567,11 @@ ost_status campaign_run(const plan *p, const subject_list *subjects, const campa
         return status;
     }
     for (int s = 1; s < subjects->count; s++)
-        for (int i = 0; i < p->count; i++)
-            out->counts[result_of(out, i, s)->verdict]++;
+        for (int i = 0; i < p->count; i++) {
+            const case_verdict verdict = result_of(out, i, s)->verdict;
+            out->counts[verdict]++;
+            out->shown += verdict == CASE_EQUAL && result_of(out, i, 0)->verdict == CASE_EQUAL;
+        }
     return OST_OK;
 }
 
@@ -583,6 +589,6 @@ void campaign_free(campaign *c)
 
 bool campaign_equal(const campaign *c)
 {
-    return c->counts[CASE_EQUAL] > 0 && c->refused < c->plan->count && !c->counts[CASE_DIFFERS] && !c->counts[CASE_FAILED] && !c->counts[CASE_CRASHED] &&
+    return c->shown > 0 && !c->counts[CASE_DIFFERS] && !c->counts[CASE_FAILED] && !c->counts[CASE_CRASHED] &&
            !c->counts[CASE_LATE];
 }

@@ -71,7 +71,8 @@ typedef struct campaign {
     uint64_t records, bytes; /* compared, over all */
     uint64_t stage_records[TRACE_STAGES]; /* of the reference */
     int counts[CASE_VERDICTS]; /* over all but the reference */
-    int refused;               /* cases that the reference refused, and whoever is equal with it */
+    int refused;               /* cases that the reference refused: its results say which */
+    int shown;                 /* equal results of the others */
 } campaign;
 
 ost_status campaign_run(const plan *p, const subject_list *subjects, const campaign_options *options, campaign *out, ost_error *err);
@@ -80,7 +81,7 @@ void campaign_free(campaign *c);
 /* Cores that this process may use. */
 int campaign_cores(void);
 
-/* Every available backend equal in every case, there was one, and not every case was refused. */
+/* Every available backend equal in every case, and one of them in a case that the reference did not refuse. */
 bool campaign_equal(const campaign *c);
 
 #endif

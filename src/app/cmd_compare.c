@@ -94,8 +94,9 @@ static ost_status report(app_state *app, const campaign *c, ost_error *err)
         int equal = 0, of_this = 0;
         for (int i = 0; i < c->plan->count; i++) {
             const case_result *r = result_at(c, i, s);
-            equal += r->verdict == CASE_EQUAL;
-            of_this += r->verdict != CASE_NOT_RUN;
+            const bool refused = r->verdict == CASE_EQUAL && result_at(c, i, 0)->verdict != CASE_EQUAL; /* by both: nothing was compared */
+            equal += r->verdict == CASE_EQUAL && !refused;
+            of_this += r->verdict != CASE_NOT_RUN && !refused;
             if (r->margins)
                 margins_add(&all, r->margins);
             json_t *o = json_object();

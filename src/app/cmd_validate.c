@@ -136,9 +136,12 @@ static void say_backends(app_state *app, const campaign *c)
     char time[SAY_TEXT];
     for (int s = 0; s < c->subjects->count; s++) {
         const subject *one = &c->subjects->subjects[s];
-        int equal = s == 0 ? c->plan->count : 0;
-        for (int i = 0; i < c->plan->count; i++)
-            equal += s > 0 && result_at(c, i, s)->verdict == CASE_EQUAL;
+        int equal = 0, refused = 0;
+        for (int i = 0; i < c->plan->count; i++) {
+            const bool shown = result_at(c, i, 0)->verdict == CASE_EQUAL, same = result_at(c, i, s)->verdict == CASE_EQUAL;
+            equal += same && shown;
+            refused += s > 0 && same && !shown;
+        }
         json_t *o = json_object();
         put_text(o, "name", one->spec);
         put_text(o, "what", one->what);
@@ -153,7 +156,8 @@ static void say_backends(app_state *app, const campaign *c)
         else if (s == 0)
             say(app, "  %-32s the reference, %s", one->spec, say_time(time, 1e3 * c->seconds[s]));
         else
-            say(app, "  %-32s %d of %d equal, %s", one->spec, equal, c->plan->count, say_time(time, 1e3 * c->seconds[s]));
+            say(app, "  %-32s %d of %d equal%s, %s", one->spec, equal, c->plan->count, refused ? ", others refused as by the reference" : "",
+                say_time(time, 1e3 * c->seconds[s]));
     }
     put(app->result, "backends", array);
 }
@@ -178,7 +182,7 @@ static void say_last(app_state *app, const char *out, const json_t *summary)
     snprintf(path, sizeof path, "%s/%s", out, PICTURE_AFTER);
     const bool picture = stat(path, &info) == 0;
     say(app, "  check it   osteon verify %s", out);
-    say(app, "  verdict    %s%s", json_is_true(json_object_get(summary, "equal")) ? "EQUAL" : "NOT EQUAL",
+    say(app, "  verdict    %s%s", evidence_text(summary, "verdict"),
         json_is_true(json_object_get(summary, "evidence")) ? "" : " (a reduced run: no evidence)");
     if (picture) {
         say(app, "  picture    %s", path);
@@ -187,6 +191,12 @@ static void say_last(app_state *app, const char *out, const json_t *summary)
     snprintf(path, sizeof path, "%s/%s", out, REPORT_FILE);
     say(app, "  report     %s", path);
     put_text(app->result, "report", path);
+}
+
+/* Not a difference: there was nothing to differ. */
+static ost_status nothing_compared(ost_error *err)
+{
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "nothing was compared: no backend but the reference ran a case that the reference did not refuse");
 }
 
 /* Only what the summary does not have: the rest of --json is the bundle's own. */
@@ -202,15 +212,16 @@ static ost_status report(app_state *app, const validate_args *args, const campai
     put(app->result, "stages", stages_of(c));
     if (args->out)
         put_text(app->result, "out", args->out);
-    say(app, "%s: %d cases on %d backends, tier %s, seed %llu%s", campaign_equal(c) ? "EQUAL" : "NOT EQUAL", c->plan->count, c->subjects->count,
-        plan_tier_name(c->plan->tier), (unsigned long long)c->plan->seed,
+    const bool equal = json_is_true(json_object_get(summary, "equal")), something = json_integer_value(json_object_get(summary, "compared")) > 0;
+    say(app, "%s: %d case%s on %d backend%s, tier %s, seed %llu%s", evidence_text(summary, "verdict"), c->plan->count, c->plan->count == 1 ? "" : "s",
+        c->subjects->count, c->subjects->count == 1 ? "" : "s", plan_tier_name(c->plan->tier), (unsigned long long)c->plan->seed,
         json_is_true(json_object_get(summary, "evidence")) ? "" : " (a reduced run: no evidence)");
     say_backends(app, c);
     for (int i = 0; i < c->plan->count; i++)
         for (int s = 1; s < c->subjects->count; s++)
             if (result_at(c, i, s)->verdict != CASE_EQUAL && result_at(c, i, s)->verdict != CASE_NOT_RUN)
                 say_difference(app, &c->plan->cases[i], &c->subjects->subjects[s], result_at(c, i, s));
-    say(app, campaign_equal(c) ? "  %s records, %s of results, compared byte by byte and found equal" : "  %s records compared byte by byte; the cases that are equal: %s of results",
+    say(app, equal ? "  %s records, %s of results, compared byte by byte and found equal" : "  %s records compared byte by byte; the cases that are equal: %s of results",
         say_count(records, (int64_t)c->records), say_bytes(bytes, (int64_t)c->bytes));
     for (size_t i = 0; i < json_array_size(list); i++)
         say(app, "%s%s", i ? "             " : "  not shown: ", json_string_value(json_array_get(list, i)));
@@ -220,7 +231,9 @@ static ost_status report(app_state *app, const validate_args *args, const campai
         say_faults(app, proof);
     if (args->out)
         say_last(app, args->out, summary);
-    if (!campaign_equal(c))
+    if (!something)
+        return nothing_compared(err);
+    if (!equal)
         return ost_fail(err, OST_ERR_DIFFER, "%d results differ from the reference's, %d failed, %d crashed, %d took too long",
                         c->counts[CASE_DIFFERS], c->counts[CASE_FAILED], c->counts[CASE_CRASHED], c->counts[CASE_LATE]);
     if (proof && !faults_proved(proof))
@@ -443,9 +456,11 @@ static ost_status merge_all(app_state *app, const validate_args *args, ost_error
         json_object_update(app->result, summary);
         put_text(app->result, "out", args->out);
         put_integer(app->result, "shards", m.shards);
-        say(app, "%s: %zu cases from %d shards", equal ? "EQUAL" : "NOT EQUAL", json_array_size(m.cases), m.shards);
+        say(app, "%s: %zu cases from %d shards", evidence_text(summary, "verdict"), json_array_size(m.cases), m.shards);
         say_last(app, args->out, summary);
-        if (!equal)
+        if (!json_integer_value(json_object_get(summary, "compared")))
+            status = nothing_compared(err);
+        else if (!equal)
             status = ost_fail(err, OST_ERR_DIFFER, "%s: results differ from the reference's; see anomalies.csv", args->out);
     }
     bundle_abandon(b);

@@ -74,7 +74,7 @@ ost_status cmd_verify(app_state *app, int argc, char **argv, ost_error *err)
     if (summary)
         json_object_update_missing(app->result, summary);
     if (found == 0)
-        say(app, "%s: valid%s; it says %s, %lld cases%s", folder, rerun ? ", and the reference gives the same here" : "", json_is_true(json_object_get(summary, "equal")) ? "EQUAL" : "NOT EQUAL",
+        say(app, "%s: valid%s; it says %s, %lld cases%s", folder, rerun ? ", and the reference gives the same here" : "", json_string_value(json_object_get(summary, "verdict")),
             (long long)json_integer_value(json_object_get(summary, "cases")),
             json_is_true(json_object_get(summary, "evidence")) ? "" : " (a reduced run: no evidence)");
     json_decref(summary);

@@ -22,6 +22,13 @@ refuse 2 "must be I/N" validate --shard 3/2 --out c
 refuse 2 "plonk" validate --backends plonk --out c
 refuse 2 "belong together" validate --worker ref
 refuse 2 "no folder" verify nowhere
+# The reference alone: nothing was compared, and nothing says that anything is equal.
+run 3 validate --only import/0 --backends ref --out alone
+check "why" "$(cat err)" "osteon validate: nothing was compared: no backend but the reference ran a case that the reference did not refuse"
+check "what the reference alone is called" "$(sed -n 's/^  verdict  *//p' out)" "NOT COMPARED (a reduced run: no evidence)"
+check "verdict of the reference alone" "$("$json_get" verdict <alone/results.json)" "NOT COMPARED"
+"$osteon" verify alone >out 2>err
+check "verify of the reference alone" "$? $(cut -d, -f1 out)" "0 alone: valid; it says NOT COMPARED"
 [ ! -e c ] || fail "an output appeared"
 check "what is left beside the bundle" "$(find . -maxdepth 1 -name '*.part-*' | wc -l | tr -d ' ')" 0
 

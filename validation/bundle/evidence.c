@@ -187,12 +187,28 @@ static void add_sentence(json_t *list, const char *text)
     json_array_append_new(list, json_string(text));
 }
 
+bool evidence_refused(const json_t *one)
+{
+    const json_t *records = json_object_get(one, "reference");
+    for (size_t k = 0; k < json_array_size(records); k++)
+        if (strcmp(evidence_text(json_array_get(records, k), "stage"), trace_stage_name(TRACE_FAILED)) == 0)
+            return true;
+    return false;
+}
+
 /* What a reader might believe was shown and was not. */
-static json_t *not_shown(const json_t *protocol, const json_t *cases)
+static json_t *not_shown(const json_t *protocol, const json_t *cases, json_int_t refused, json_int_t compared)
 {
     json_t *list = json_array();
     char text[512];
     const json_t *backends = json_object_get(protocol, "backends");
+    if (!compared)
+        add_sentence(list, "Nothing was compared: no backend but the reference ran a case that the reference did not refuse.");
+    if (refused) {
+        snprintf(text, sizeof text, "The reference refused the input of %lld of %zu cases; that a backend refuses it as well is not counted as equal.", (long long)refused,
+                 json_array_size(cases));
+        add_sentence(list, text);
+    }
     if (strcmp(evidence_text(protocol, "tier"), "smoke") == 0)
         add_sentence(list, "The smoke tier is a check for every day: few cases and small ones. It is no evidence; the standard tier is.");
     if (json_integer_value(json_array_get(json_object_get(protocol, "shard"), 1)) > 1)
@@ -246,25 +262,31 @@ static json_t *findings_of(const json_t *protocol, const json_t *cases)
 
 ost_status evidence_summary(const json_t *protocol, const json_t *cases, json_t **out, ost_error *err)
 {
-    json_int_t counts[CASE_VERDICTS] = {0}, records = 0;
+    json_int_t counts[CASE_VERDICTS] = {0}, records = 0, refused = 0, same = 0;
     for (size_t i = 0; i < json_array_size(cases); i++) {
         const char *spec;
         json_t *result, *results = json_object_get(json_array_get(cases, i), "results");
+        const bool no = evidence_refused(json_array_get(cases, i));
+        refused += no;
         records += (json_int_t)json_array_size(json_object_get(json_array_get(cases, i), "reference"));
         json_object_foreach(results, spec, result)
             for (int v = 0; v < CASE_VERDICTS; v++)
-                if (strcmp(evidence_text(result, "verdict"), case_verdict_name((case_verdict)v)) == 0)
+                if (strcmp(evidence_text(result, "verdict"), case_verdict_name((case_verdict)v)) == 0) {
                     counts[v]++;
+                    same += v == CASE_EQUAL && !no;
+                }
     }
+    const json_int_t bad = counts[CASE_DIFFERS] + counts[CASE_FAILED] + counts[CASE_CRASHED] + counts[CASE_LATE], compared = same + bad;
     const bool complete = json_array_size(cases) > 0 && json_array_size(cases) == json_array_size(json_object_get(protocol, "cases"));
-    const bool equal = complete && counts[CASE_EQUAL] > 0 && !counts[CASE_DIFFERS] && !counts[CASE_FAILED] && !counts[CASE_CRASHED] && !counts[CASE_LATE];
+    const bool equal = complete && same > 0 && !bad;
     const bool whole = complete && strcmp(evidence_text(protocol, "tier"), "smoke") != 0 && !json_object_get(protocol, "case") && json_integer_value(json_array_get(json_object_get(protocol, "shard"), 1)) == 1 &&
-                       !*evidence_text(protocol, "only");
+                       !*evidence_text(protocol, "only") && compared > 0;
     json_t *verdicts = json_object();
     for (int v = 0; v < CASE_VERDICTS; v++)
         json_object_set_new(verdicts, case_verdict_name((case_verdict)v), json_integer(counts[v]));
-    *out = json_pack("{s:b,s:b,s:I,s:I,s:I,s:o,s:o,s:o}", "equal", equal, "evidence", whole, "cases", (json_int_t)json_array_size(cases), "backends",
+    *out = json_pack("{s:s,s:I,s:I,s:b,s:b,s:I,s:I,s:I,s:o,s:o,s:o}", "verdict", bad ? "NOT EQUAL" : equal ? "EQUAL" : same ? "NOT COMPLETE" : "NOT COMPARED", "compared",
+                     compared, "refused", refused, "equal", equal, "evidence", whole, "cases", (json_int_t)json_array_size(cases), "backends",
                      (json_int_t)json_array_size(json_object_get(protocol, "backends")), "reference_records", records, "results", verdicts, "not_shown",
-                     not_shown(protocol, cases), "findings", findings_of(protocol, cases));
+                     not_shown(protocol, cases, refused, compared), "findings", findings_of(protocol, cases));
     return *out ? OST_OK : no_memory(err);
 }

@@ -33,10 +33,20 @@ ost_status evidence_results(const campaign *c, json_t *cases, ost_error *err);
 /* The digests of a case's records, as its line has them; the caller's reference, NULL on failure. */
 ost_status evidence_records(const trace *t, compare_range range, json_t **out, ost_error *err);
 
+/* The reference refused this case's input at some stage: whoever refuses it as well is equal, and nothing was shown. */
+bool evidence_refused(const json_t *one);
+
 /*
- * {equal, evidence, cases, backends, equal_results, ... }: the verdict and the
- * counts behind it.  evidence is false for a tier or a choice of backends that
- * shows too little; not_shown says what, in sentences.
+ * {verdict, equal, evidence, cases, backends, compared, refused, ... }: the
+ * verdict and the counts behind it.
+ *
+ *   EQUAL         every result is the reference's, and there is one of a case that the reference did not refuse
+ *   NOT EQUAL     one is not
+ *   NOT COMPARED  there is none: no backend, or all cases were refused or not run
+ *   NOT COMPLETE  none differs, but cases of the protocol are missing
+ *
+ * equal is true for the first alone.  evidence is false for a tier or a choice
+ * of backends that shows too little; not_shown says what, in sentences.
  */
 ost_status evidence_summary(const json_t *protocol, const json_t *cases, json_t **out, ost_error *err);
 

@@ -26,6 +26,8 @@ static tally count(const page *p, const char *backend, const char *family)
             continue;
         const char *verdict = evidence_text(json_object_get(json_object_get(one, "results"), backend), "verdict");
         t.cases++;
+        if (strcmp(verdict, case_verdict_name(CASE_EQUAL)) == 0 && evidence_refused(one))
+            continue; /* by both: nothing came out that could be equal */
         if (strcmp(verdict, case_verdict_name(CASE_EQUAL)) == 0) {
             t.equal++;
             t.records += (json_int_t)json_array_size(json_object_get(one, "reference"));

@@ -37,8 +37,10 @@ static void verdict(const page *p)
         if (!evidence)
             fputs(" (And this was a reduced run.)", p->to);
     } else if (!equal) {
-        fputs("<div class=\"verdict none\"><b>&#9888; NO VERDICT: NOT EVERYTHING WAS COMPARED</b>"
-              "No difference was found, but no backend was compared or cases are missing.", p->to);
+        fputs(json_integer_value(json_object_get(p->summary, "compared"))
+                  ? "<div class=\"verdict none\"><b>&#9888; NO VERDICT: NOT EVERYTHING WAS COMPARED</b>No difference was found, but cases are missing."
+                  : "<div class=\"verdict none\"><b>&#9888; NO VERDICT: NOTHING WAS COMPARED</b>"
+                    "No backend but the reference ran a case that the reference did not refuse.", p->to);
     } else {
         fputs(evidence ? "<div class=\"verdict equal\"><b>&#10003; EQUAL</b>" : "<div class=\"verdict none\"><b>&#9888; REDUCED RUN: NO EVIDENCE</b>", p->to);
         fputs(evidence ? "All " : "<strong>Equal in all ", p->to);

@@ -387,6 +387,98 @@ static void shards_bring_their_pictures(void **state)
     json_decref(cases);
 }
 
+/* -------------------------------------------------------- nothing to say */
+
+typedef struct written {
+    char verdict[16], junit[2048], tap[2048];
+} written;
+
+/* No file that people or machines read the verdict from may say that anything is equal. */
+static ost_status says_nothing_equal(void *user, const char *name, const void *bytes, size_t size, ost_error *err)
+{
+    written *w = user;
+    (void)err;
+    if (strcmp(name, "README.md") == 0 || strcmp(name, REPORT_FILE) == 0)
+        assert_null(strstr(bytes, "EQUAL"));
+    if (strcmp(name, "junit.xml") == 0)
+        snprintf(w->junit, sizeof w->junit, "%.*s", (int)size, (const char *)bytes);
+    if (strcmp(name, "results.tap") == 0)
+        snprintf(w->tap, sizeof w->tap, "%.*s", (int)size, (const char *)bytes);
+    return OST_OK;
+}
+
+static void write_all(const json_t *protocol, const json_t *cases, written *w)
+{
+    ost_error err = {0};
+    json_t *summary;
+    assert_ok(evidence_summary(protocol, cases, &summary, &err));
+    snprintf(w->verdict, sizeof w->verdict, "%s", evidence_text(summary, "verdict"));
+    assert_int_equal(json_is_true(json_object_get(summary, "equal")), strcmp(w->verdict, "EQUAL") == 0);
+    if (strcmp(w->verdict, "NOT COMPARED") == 0) {
+        assert_int_equal(json_integer_value(json_object_get(summary, "compared")), 0);
+        assert_false(json_is_true(json_object_get(summary, "evidence")));
+    }
+    json_decref(summary);
+    assert_ok(evidence_write(protocol, cases, says_nothing_equal, w, &err));
+    assert_ok(report_write(NULL, protocol, cases, says_nothing_equal, w, &err));
+}
+
+/* All cases refused, no backend but the reference, or no backend that is here: none of them reads as equal anywhere. */
+static void nothing_compared(void **state)
+{
+    enum { REFUSED, ALONE, NOT_RUN, WAYS };
+    (void)state;
+    for (int way = 0; way < WAYS; way++) {
+        written w = {0};
+        json_t *protocol = protocol_of(&equal_kind), *cases = cases_of(&equal_kind);
+        json_t *backends = json_object_get(protocol, "backends");
+        if (way == ALONE)
+            while (json_array_size(backends) > 1)
+                json_array_remove(backends, 1);
+        if (way == NOT_RUN)
+            json_object_set_new(json_array_get(backends, 1), "available", json_false());
+        for (size_t i = 0; i < json_array_size(cases); i++) {
+            json_t *one = json_array_get(cases, i), *results = json_object_get(one, "results");
+            if (way == REFUSED)
+                json_object_set_new(json_array_get(json_object_get(one, "reference"), 0), "stage", json_string("failed"));
+            if (way == ALONE)
+                json_object_clear(results);
+            if (way == NOT_RUN)
+                json_object_set_new(json_object_get(results, "cpu"), "verdict", json_string("not run"));
+        }
+        write_all(protocol, cases, &w);
+        assert_string_equal(w.verdict, "NOT COMPARED");
+        assert_non_null(strstr(w.tap, "not ok 1 - something was compared\n"));
+        assert_non_null(strstr(w.tap, way == ALONE ? "\n1..1\n" : "\n1..5\n"));
+        assert_non_null(strstr(w.junit, "failures=\"1\""));
+        assert_non_null(strstr(w.junit, "<failure message=\"nothing was compared with the reference\"/>"));
+        assert_null(strstr(w.junit, "\"/>\n")); /* no case passed */
+        json_decref(protocol);
+        json_decref(cases);
+    }
+}
+
+/* One case of two was refused: the other counts, and the refused one is no success. */
+static void one_refused(void **state)
+{
+    ost_error err = {0};
+    json_t *summary, *protocol = protocol_of(&equal_kind), *cases = cases_of(&equal_kind);
+    (void)state;
+    json_object_set_new(json_array_get(json_object_get(json_array_get(cases, 0), "reference"), 0), "stage", json_string("failed"));
+    assert_ok(evidence_summary(protocol, cases, &summary, &err));
+    assert_string_equal(evidence_text(summary, "verdict"), "EQUAL");
+    assert_int_equal(json_integer_value(json_object_get(summary, "compared")), 1);
+    assert_int_equal(json_integer_value(json_object_get(summary, "refused")), 1);
+    json_decref(summary);
+    json_array_remove(cases, 0);
+    assert_ok(evidence_summary(protocol, cases, &summary, &err));
+    assert_string_equal(evidence_text(summary, "verdict"), "NOT COMPLETE");
+    assert_false(json_is_true(json_object_get(summary, "equal")));
+    json_decref(summary);
+    json_decref(protocol);
+    json_decref(cases);
+}
+
 static int make_scratch(void **state)
 {
     (void)state;
@@ -406,7 +498,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(follows_from_the_bundle),  cmocka_unit_test(says_the_verdict_first), cmocka_unit_test(escapes_what_it_is_given),
         cmocka_unit_test(links_lead_somewhere),     cmocka_unit_test(shows_a_difference),     cmocka_unit_test(a_changed_byte_is_noticed),
-        cmocka_unit_test(shards_bring_their_pictures),
+        cmocka_unit_test(shards_bring_their_pictures), cmocka_unit_test(nothing_compared),     cmocka_unit_test(one_refused),
     };
     return cmocka_run_group_tests(tests, make_scratch, clear_scratch);
 }
