@@ -10,14 +10,14 @@ static const struct {
     int count[PLAN_TIERS];
     int named; /* when --only names the family */
 } families[PLAN_FAMILIES] = {
-    [PLAN_IMPORT] = {"import", "random CTs: scatter, resampling, chunks", {6, 48, 240}},
-    [PLAN_MESH] = {"mesh", "tools from simple to hostile meshes", {8, 48, 240}},
-    [PLAN_POSES] = {"poses", "unrelated poses, borders and quarter turns", {4, 24, 120}},
-    [PLAN_SWEEP] = {"sweep", "fast motion, many poses an event", {2, 12, 60}},
-    [PLAN_SESSION] = {"session", "slow cutting with changes of tool", {2, 8, 40}},
-    [PLAN_OPERATION] = {"operation", "the built-in peg hole and reaming", {1, 2, 4}},
+    [PLAN_IMPORT] = {"import", "random CTs: scatter, resampling, chunks", {6, 48, 240}, 0},
+    [PLAN_MESH] = {"mesh", "tools from simple to hostile meshes", {8, 48, 240}, 0},
+    [PLAN_POSES] = {"poses", "unrelated poses, borders and quarter turns", {4, 24, 120}, 0},
+    [PLAN_SWEEP] = {"sweep", "fast motion, many poses an event", {2, 12, 60}, 0},
+    [PLAN_SESSION] = {"session", "slow cutting with changes of tool", {2, 8, 40}, 0},
+    [PLAN_OPERATION] = {"operation", "the built-in peg hole and reaming", {1, 2, 4}, 0},
     [PLAN_STATIC] = {"static", "the static events of the thesis' Tables 3.3 to 3.5, when asked for by name", {0, 0, 0}, 4},
-    [PLAN_SMALL] = {"small", "all stages in a few milliseconds, for the sensitivity proof", {0, 0, 0}},
+    [PLAN_SMALL] = {"small", "all stages in a few milliseconds, for the sensitivity proof", {0, 0, 0}, 0},
 };
 
 const char *plan_tier_name(plan_tier tier)

@@ -29,6 +29,9 @@ check "what the reference alone is called" "$(sed -n 's/^  verdict  *//p' out)" 
 check "verdict of the reference alone" "$("$json_get" verdict <alone/results.json)" "NOT COMPARED"
 "$osteon" verify alone >out 2>err
 check "verify of the reference alone" "$? $(cut -d, -f1 out)" "0 alone: valid; it says NOT COMPARED"
+mkdir empty
+run 1 verify empty
+grep -q "manifest.json is missing" out || fail "an empty folder: $(cat out)"
 [ ! -e c ] || fail "an output appeared"
 check "what is left beside the bundle" "$(find . -maxdepth 1 -name '*.part-*' | wc -l | tr -d ' ')" 0
 

@@ -164,7 +164,8 @@ ost_status manifest_of(const char *folder, json_t **out, ost_error *err)
     json_t *files = json_array(), *names = json_array();
     ost_status status = list_folder(folder, "", 0, &l, err);
     if (status == OST_OK) {
-        qsort(l.names, l.count, sizeof *l.names, by_name);
+        if (l.count) /* qsort takes no NULL, not even of nothing */
+            qsort(l.names, l.count, sizeof *l.names, by_name);
         status = describe_files(folder, &l, files, &all, &results, err);
     }
     for (size_t i = 0; i < sizeof varying / sizeof varying[0]; i++)

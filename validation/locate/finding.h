@@ -11,14 +11,16 @@
 #include "validation/locate/operands.h"
 #include "validation/locate/pattern.h"
 
+enum { MINIMISED_TEXT = 256 };
+
 typedef struct finding {
     int32_t chunk[3];  /* of the first voxel or of the report's first line; chunk_size 0: no chunk is known */
     int chunk_size;
     const char *class; /* pattern_name, "report-only", or NULL where grids cannot be compared */
     char text[PATTERN_TEXT]; /* what the class rests on */
     operands operands;
-    char reproduce[96];      /* the bundle's file of a small case that shows the same; "" without one */
-    char small[160];         /* what is left in it */
+    char reproduce[96]; /* the bundle's file of a small case that shows the same; "" without one */
+    char small[MINIMISED_TEXT]; /* what is left in it */
 } finding;
 
 void finding_make(const scene *s, const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, const compare_difference *d, finding *out);

@@ -370,9 +370,9 @@ ost_status minimise(const plan_case *c, const char *spec, const compare_differen
     return status;
 }
 
-const char *minimised_text(const minimised *m, char text[160])
+const char *minimised_text(const minimised *m, char text[MINIMISED_TEXT])
 {
-    char part[4][64] = {"", "", "", ""};
+    char part[3][MINIMISED_TEXT / 3] = {"", "", ""}; /* the longest numbers fit */
     if (m->ticks)
         snprintf(part[0], sizeof part[0], "%llu tick%s", (unsigned long long)m->ticks, m->ticks == 1 ? "" : "s");
     if (m->tools)
@@ -381,6 +381,6 @@ const char *minimised_text(const minimised *m, char text[160])
     if (m->samples)
         snprintf(part[2], sizeof part[2], "%s%llu sample%s in %d x %d x %d voxels", m->tools ? ", " : "", (unsigned long long)m->samples, m->samples == 1 ? "" : "s",
                  m->rect.x, m->rect.y, m->rect.z);
-    snprintf(text, 160, "%s%s%s", part[0], part[1], part[2]);
+    snprintf(text, MINIMISED_TEXT, "%s%s%s", part[0], part[1], part[2]);
     return text;
 }

@@ -32,6 +32,6 @@ ost_status minimise(const plan_case *c, const char *spec, const compare_differen
                     bool *done, ost_error *err);
 
 /* "1 tick, 1 tool of 12 triangles, 8 samples in 2 x 2 x 2 voxels" */
-const char *minimised_text(const minimised *m, char text[160]);
+const char *minimised_text(const minimised *m, char text[MINIMISED_TEXT]);
 
 #endif
