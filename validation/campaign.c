@@ -12,7 +12,7 @@
 #include "validation/dump.h"
 #include "validation/scratch.h"
 
-enum { CAMPAIGN_WORDS = 20 }; /* of a worker's command line */
+enum { CAMPAIGN_WORDS = 24 }; /* of a worker's command line */
 
 const char *case_verdict_name(case_verdict verdict)
 {
@@ -37,6 +37,7 @@ typedef struct batch {
     int first, end; /* cases */
     bool open, ready; /* begun; the reference is done */
     trace reference;
+    int given;         /* apart: its descriptor, for the workers of the others; else -1 */
     task *tasks;      /* owned; of each subject */
     kept_trace *kept;
 } batch;
@@ -86,7 +87,7 @@ static ost_status start(runner *r, int number, int whom, ost_error *err)
     const plan *p = r->c->plan;
     batch *b = batch_of(r, number);
     slot *s = &r->slots[r->running];
-    char seed[32], shard[32], first[16], end[16], tier[16], trace_path[32];
+    char seed[32], shard[32], first[16], end[16], tier[16], trace_path[32], given[64];
     const char *words[CAMPAIGN_WORDS] = {r->o->program, "validate", "--worker", r->c->subjects->subjects[whom].spec, "--trace", trace_path, "--tier", tier,
                                          "--seed", seed, "--shard", shard, "--from", first, "--to", end};
     size_t n = 16;
@@ -99,6 +100,11 @@ static ost_status start(runner *r, int number, int whom, ost_error *err)
     if (p->file || p->only) {
         words[n++] = p->file ? "--case" : "--only";
         words[n++] = p->file ? p->file : p->only;
+    }
+    if (b->given >= 0 && whom > 0) {
+        snprintf(given, sizeof given, "/proc/%lld/fd/%d", (long long)getpid(), b->given);
+        words[n++] = "--given";
+        words[n++] = given;
     }
     char *argv[CAMPAIGN_WORDS];
     for (size_t i = 0; i < CAMPAIGN_WORDS; i++)
@@ -160,7 +166,7 @@ static void tell_failed(const trace_record *failed, case_result *one)
 }
 
 /* How near each differing voxel was; NULL where that cannot be said. */
-static margins *measure(const campaign *c, int i, const trace *got, compare_range range)
+static margins *measure(const campaign *c, int i, const trace *got, compare_range range, bool apart)
 {
     scene s;
     margins *m = malloc(sizeof *m);
@@ -168,7 +174,7 @@ static margins *measure(const campaign *c, int i, const trace *got, compare_rang
         free(m);
         return NULL;
     }
-    const ost_status status = margins_of(&s, &c->reference, c->ranges[i], got, range, false, m, NULL);
+    const ost_status status = margins_of(&s, &c->reference, c->ranges[i], got, range, apart, m, NULL);
     scene_free(&s);
     if (status == OST_OK)
         return m;
@@ -329,7 +335,10 @@ static ost_status ended(runner *r, int which, const worker_result *end, ost_erro
     b->tasks[s.whom].running = false;
     scratch_name(s.trace, name);
     const ost_status readable = trace_open(name, &got, &unread);
-    close(s.trace); /* what is mapped stays until it is not */
+    if (s.whom == 0 && r->o->apart)
+        b->given = s.trace;
+    else
+        close(s.trace); /* what is mapped stays until it is not */
     if (readable != OST_OK)
         got = (trace){0};
     ost_status status = room_left(end, err);
@@ -411,7 +420,7 @@ static ost_status batch_begin(runner *r, ost_error *err)
 {
     const int number = r->begun, count = r->c->subjects->count;
     batch *b = batch_of(r, number);
-    *b = (batch){.first = number ? r->ends[number - 1] : 0, .end = r->ends[number], .open = true};
+    *b = (batch){.first = number ? r->ends[number - 1] : 0, .end = r->ends[number], .open = true, .given = -1};
     b->tasks = calloc((size_t)count, sizeof *b->tasks);
     if (!b->tasks)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for a list of backends");
@@ -434,6 +443,8 @@ static void batch_free(batch *b)
         free(k);
     }
     trace_free(&b->reference);
+    if (b->open && b->given >= 0)
+        close(b->given);
     free(b->tasks);
     *b = (batch){0};
 }
@@ -458,7 +469,7 @@ static void show_differences(runner *r, const batch *b)
                 const compare_range range = compare_find(&k->got, (uint32_t)i);
                 case_result *one = result_of(c, i, s);
                 one->found = finding_of_case(&c->plan->cases[i], &c->reference, c->ranges[i], &k->got, range, &one->difference);
-                one->margins = measure(c, i, &k->got, range);
+                one->margins = measure(c, i, &k->got, range, r->o->apart);
                 if (r->o->differs)
                     r->o->differs(r->o->keeper, c, i, s, &k->got, range);
             }

@@ -49,6 +49,7 @@ typedef struct campaign_options {
     const char *program;  /* this program's file */
     int jobs;             /* workers at a time; 0: as many as this process may use cores */
     double limit_s;       /* for a backend's whole run */
+    bool apart;           /* every stage gets the reference's input (perform_apart); no dumps then */
     void (*show)(void *user, const char *what, double share); /* may be NULL */
     void *user;
     /* What differs, while both traces are there, in the order of backends and cases of a batch: c->results has the difference. May be NULL. */

@@ -615,6 +615,8 @@ static ost_status tick_margins(walk *w, const trace_record *a, const trace_recor
         }
         judge_voxel(w, tick, maps, poses, place_at, w->bone[0][at] == 0 && was[0] != 0, w->bone[1][at] == 0 && was[1] != 0);
     }
+    for (size_t i = 0; i < count && w->apart; i++) /* the next tick begins with the reference's bone */
+        w->bone[1][changes[i].at] = w->bone[0][changes[i].at];
     free(changes);
     free(maps);
     if (word_of(a, 1))

@@ -50,7 +50,7 @@ typedef struct margins {
     margin_stage of[TRACE_STAGES];
 } margins;
 
-/* Both traces of one case. apart: the other was given the reference's input at every stage (perform.h), so nothing is inherited. */
+/* Both traces of one case. apart: the other was given the reference's input at every stage (perform_apart), so nothing is inherited. */
 ost_status margins_of(const scene *s, const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, bool apart, margins *out,
                       ost_error *err);
 

@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "validation/compare.h"
+
 /*
  * A bone is fetched whole after each tick up to WHOLE_VOXELS; a larger one in
  * the slices that the event could reach, and whole every WHOLE_EVERY ticks and
@@ -27,7 +29,15 @@ typedef struct performer {
     ost_report collided;
     perform_watch *watch;
     void *user;
+    const trace *given; /* apart: the reference's; else NULL */
+    compare_range in_given;
+    int16_t *right;     /* apart: the bone as the reference has it */
 } performer;
+
+static size_t at_voxel(ost_dims d, int32_t x, int32_t y, int32_t z)
+{
+    return (size_t)x + (size_t)d.x * ((size_t)y + (size_t)d.y * (size_t)z);
+}
 
 /* The record that was begun. */
 static ost_status end_record(performer *p, trace_stage stage, uint32_t item, ost_error *err)
@@ -37,6 +47,117 @@ static ost_status end_record(performer *p, trace_stage stage, uint32_t item, ost
         p->watch(p->user, stage, item);
     return status;
 }
+
+/* ------------------------------------------------------------------- apart */
+
+static ost_status given_record(const performer *p, trace_stage stage, uint32_t item, const trace_record **out, ost_error *err)
+{
+    for (size_t i = 0; i < p->in_given.count; i++) {
+        *out = &p->given->records[p->in_given.first + i];
+        if ((*out)->stage == stage && (*out)->item == item)
+            return OST_OK;
+    }
+    return ost_fail(err, OST_ERR_INPUT, "the reference made no %s %u that could be given to the next stage", trace_stage_name(stage), (unsigned)item);
+}
+
+/* The one block of a whole grid. */
+static ost_status given_grid(const performer *p, trace_stage stage, uint32_t item, uint32_t voxel_bytes, ost_dims dims, trace_block_view *out, ost_error *err)
+{
+    const trace_record *r;
+    size_t at = 0;
+    ost_status status = given_record(p, stage, item, &r, err);
+    if (status == OST_OK && (!trace_next_block(r, &at, out) || out->voxel_bytes != voxel_bytes || out->dims.x != dims.x || out->dims.y != dims.y || out->dims.z != dims.z))
+        status = ost_fail(err, OST_ERR_INPUT, "the reference's %s has not the size of this backend's", trace_stage_name(stage));
+    return status;
+}
+
+static ost_status give_grid(const performer *p, trace_stage stage, ost_grid *grid, ost_error *err)
+{
+    const ost_dims dims = ost_grid_geometry(grid)->dims;
+    trace_block_view block;
+    if (!p->given)
+        return OST_OK;
+    ost_status status = given_grid(p, stage, 0, sizeof(int16_t), dims, &block, err);
+    if (status != OST_OK)
+        return status;
+    const size_t bytes = (size_t)ost_dims_count(dims) * sizeof(int16_t);
+    int16_t *voxels = malloc(bytes); /* a trace does not align them */
+    if (!voxels)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a grid of %zu bytes", bytes);
+    memcpy(voxels, block.voxels, bytes);
+    status = ost_grid_upload(grid, 0, dims.z, voxels, err);
+    free(voxels);
+    return status;
+}
+
+static ost_status give_bone(performer *p, ost_error *err)
+{
+    trace_block_view block;
+    if (!p->given)
+        return OST_OK;
+    ost_status status = given_grid(p, TRACE_CHUNKS, 0, sizeof(int16_t), p->dims, &block, err);
+    if (status != OST_OK)
+        return status;
+    const size_t bytes = (size_t)ost_dims_count(p->dims) * sizeof(int16_t);
+    p->right = malloc(bytes);
+    if (!p->right)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a bone of %zu bytes", bytes);
+    memcpy(p->right, block.voxels, bytes);
+    memcpy(p->was, p->right, bytes);
+    return ost_bone_upload(p->bone, 0, p->dims.z, p->right, err);
+}
+
+static ost_status give_tool(performer *p, int i, const ost_tool_geometry *geometry, ost_error *err)
+{
+    trace_block_view block;
+    ost_tool_volume volume = {0};
+    if (!p->given)
+        return OST_OK;
+    ost_status status = given_grid(p, TRACE_TOOL, (uint32_t)i, 1, geometry->dims, &block, err);
+    if (status == OST_OK)
+        status = ost_tool_volume_init(&volume, geometry, err);
+    if (status == OST_OK) {
+        memcpy(volume.voxels, block.voxels, (size_t)ost_dims_count(geometry->dims));
+        ost_tool_free(p->tools[i]);
+        p->tools[i] = NULL;
+        status = ost_tool_upload(p->backend, &volume, &p->tools[i], err);
+    }
+    ost_tool_volume_free(&volume);
+    return status;
+}
+
+/* The bone after tick i, where slices [z0, z1) were fetched: a difference ends with its tick. */
+static ost_status give_tick(performer *p, uint32_t i, int32_t z0, int32_t z1, ost_error *err)
+{
+    const ost_dims d = p->dims;
+    const trace_record *r;
+    trace_block_view block;
+    size_t at = 0;
+    if (!p->given)
+        return OST_OK;
+    const ost_status status = given_record(p, TRACE_TICK, i, &r, err);
+    if (status != OST_OK)
+        return status;
+    while (trace_next_block(r, &at, &block)) {
+        const ost_dims n = block.dims;
+        if (block.voxel_bytes != sizeof(int16_t) || block.lo[0] < 0 || block.lo[1] < 0 || block.lo[2] < 0 || block.lo[0] + n.x > d.x || block.lo[1] + n.y > d.y ||
+            block.lo[2] + n.z > d.z)
+            return ost_fail(err, OST_ERR_INPUT, "a leaf of the reference's tick %u lies outside of the bone", (unsigned)i);
+        for (int32_t k = 0; k < n.z; k++)
+            for (int32_t j = 0; j < n.y; j++)
+                memcpy(p->right + at_voxel(d, block.lo[0], block.lo[1] + j, block.lo[2] + k),
+                       block.voxels + sizeof(int16_t) * (size_t)n.x * ((size_t)j + (size_t)n.y * (size_t)k), sizeof(int16_t) * (size_t)n.x);
+    }
+    if (z0 >= z1)
+        return OST_OK;
+    const size_t from = at_voxel(d, 0, 0, z0), bytes = sizeof(int16_t) * (at_voxel(d, 0, 0, z1) - from);
+    if (memcmp(p->was + from, p->right + from, bytes) == 0)
+        return OST_OK;
+    memcpy(p->was + from, p->right + from, bytes);
+    return ost_bone_upload(p->bone, z0, z1 - z0, p->right + from, err);
+}
+
+/* ------------------------------------------------------------------ stages */
 
 static ost_status record_grid(performer *p, const ost_grid *grid, ost_error *err)
 {
@@ -121,7 +242,11 @@ static ost_status run_import(performer *p, ost_error *err)
     ost_grid *rect = NULL, *cubic = NULL;
     ost_status status = run_rect(p, &rect, err);
     if (status == OST_OK)
+        status = give_grid(p, TRACE_RECT, rect, err);
+    if (status == OST_OK)
         status = run_cubic(p, rect, &cubic, err);
+    if (status == OST_OK)
+        status = give_grid(p, TRACE_CUBIC, cubic, err);
     if (status == OST_OK)
         status = ost_cubic_to_chunks(cubic, p->s->chunk_size, p->s->threshold, &p->bone, err);
     if (status == OST_OK) {
@@ -132,6 +257,8 @@ static ost_status run_import(performer *p, ost_error *err)
         p->is = malloc(bytes);
         status = p->was && p->is ? record_whole_bone(p, TRACE_CHUNKS, err) : ost_fail(err, OST_ERR_MEMORY, "no memory for a bone of %zu bytes", bytes);
     }
+    if (status == OST_OK)
+        status = give_bone(p, err);
     ost_grid_free(cubic);
     ost_grid_free(rect);
     return status;
@@ -156,6 +283,8 @@ static ost_status run_tool(performer *p, int i, ost_error *err)
             memcpy(voxels, volume.voxels, (size_t)ost_dims_count(volume.geometry.dims));
         status = end_record(p, TRACE_TOOL, (uint32_t)i, err);
     }
+    if (status == OST_OK)
+        status = give_tool(p, i, &volume.geometry, err);
     ost_tool_volume_free(&volume);
     return status;
 }
@@ -174,11 +303,6 @@ static void record_report(performer *p, const ost_report *r)
             trace_word(p->w, (uint64_t)r->chunks[i].density[c]);
         }
     }
-}
-
-static size_t at_voxel(ost_dims d, int32_t x, int32_t y, int32_t z)
-{
-    return (size_t)x + (size_t)d.x * ((size_t)y + (size_t)d.y * (size_t)z);
 }
 
 /* Blocks of the leaves in slices [z0, z1) where `is` is not `was`; `was` becomes `is`. */
@@ -244,6 +368,8 @@ static ost_status run_tick(performer *p, size_t i, ost_error *err)
             record_changed(p, z0, z1);
     }
     ost_status written = end_record(p, TRACE_TICK, (uint32_t)i, err);
+    if (status == OST_OK && written == OST_OK)
+        status = give_tick(p, (uint32_t)i, z0, z1, err);
     return status != OST_OK ? status : written;
 }
 
@@ -289,10 +415,11 @@ static ost_status run_stages(performer *p, ost_error *err)
     return status;
 }
 
-ost_status perform(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, perform_watch *watch, void *user, ost_error *why,
-                   ost_error *err)
+static ost_status perform_case(performer p, ost_error *why, ost_error *err)
 {
-    performer p = {.backend = backend, .s = s, .w = w, .case_index = case_index, .watch = watch, .user = user};
+    const scene *s = p.s;
+    trace_writer *w = p.w;
+    const uint32_t case_index = p.case_index;
     trace_begin(w, TRACE_CASE, case_index, 0);
     for (size_t i = 0; i < sizeof s->digest.bytes; i += 8) {
         uint64_t word;
@@ -318,5 +445,18 @@ ost_status perform(ost_backend *backend, const scene *s, uint32_t case_index, tr
     ost_bone_free(p.bone);
     free(p.was);
     free(p.is);
+    free(p.right);
     return written;
+}
+
+ost_status perform(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, perform_watch *watch, void *user, ost_error *why,
+                   ost_error *err)
+{
+    return perform_case((performer){.backend = backend, .s = s, .w = w, .case_index = case_index, .watch = watch, .user = user}, why, err);
+}
+
+ost_status perform_apart(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, const trace *given, ost_error *why, ost_error *err)
+{
+    const compare_range range = compare_find(given, case_index);
+    return perform_case((performer){.backend = backend, .s = s, .w = w, .case_index = case_index, .given = given, .in_given = range}, why, err);
 }

@@ -8,6 +8,12 @@
  *
  * A stage that fails writes TRACE_FAILED with its status and ends the case:
  * two backends must also refuse alike.
+ *
+ * Apart, a difference is not handed down: what a stage made is recorded, and
+ * the reference's takes its place before the next one.
+ *
+ *   given rect --rect_to_cubic--> cubic   given cubic --cubic_to_chunks--> bone
+ *   given tool, bone as the reference had it before the tick --ost_world_step--> report, changed leaves
  */
 #ifndef OST_VALIDATION_PERFORM_H
 #define OST_VALIDATION_PERFORM_H
@@ -21,5 +27,8 @@ typedef void perform_watch(void *user, trace_stage stage, uint32_t item);
 /* Fails only when the trace cannot be written or memory is out; why (not NULL) gets the line of a failed stage. */
 ost_status perform(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, perform_watch *watch, void *user, ost_error *why,
                    ost_error *err);
+
+/* given: the reference's trace, with this case whole. */
+ost_status perform_apart(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, const trace *given, ost_error *why, ost_error *err);
 
 #endif

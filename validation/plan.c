@@ -16,7 +16,7 @@ static const struct {
     [PLAN_SWEEP] = {"sweep", "fast motion, many poses an event", {2, 12, 60}, 0},
     [PLAN_SESSION] = {"session", "slow cutting with changes of tool", {2, 8, 40}, 0},
     [PLAN_OPERATION] = {"operation", "the built-in peg hole and reaming", {1, 2, 4}, 0},
-    [PLAN_STATIC] = {"static", "the static events of the thesis' Tables 3.3 to 3.5, when asked for by name", {0, 0, 0}, 4},
+    [PLAN_STATIC] = {"static", "the static events of the thesis' Tables 3.3 to 3.5, when asked for by name", {0, 0, 0}, 8},
     [PLAN_SMALL] = {"small", "all stages in a few milliseconds, for the sensitivity proof", {0, 0, 0}, 0},
 };
 

@@ -2,7 +2,7 @@
 /*
  * The thesis' static events (Figs. 3.6 and 3.7, Tables 3.3 to 3.5): one pose
  * of the reamer at three sizes of voxel, and of the peg drill, on a bone of
- * 128^3 active voxels of 0.47 mm.  Poses and densities are those of
+ * 128^3 active voxels of 0.47 mm; then both at the other sizes of chunks.  Poses and densities are those of
  * `osteon bench --suite removal` (bench/scene.c).
  */
 #include "validation/scene_parts.h"
@@ -19,7 +19,9 @@ enum { SIDE = 128 };
 static const struct {
     ost_tool_kind kind;
     ost_pm voxel;
-} events[] = {{OST_TOOL_REAMER, 1000 * UM}, {OST_TOOL_REAMER, 750 * UM}, {OST_TOOL_REAMER, 500 * UM}, {OST_TOOL_PEG, 500 * UM}};
+    int chunk_size;
+} events[] = {{OST_TOOL_REAMER, 1000 * UM, 32}, {OST_TOOL_REAMER, 750 * UM, 32}, {OST_TOOL_REAMER, 500 * UM, 32}, {OST_TOOL_PEG, 500 * UM, 32},
+              {OST_TOOL_REAMER, 500 * UM, 16},  {OST_TOOL_REAMER, 500 * UM, 64}, {OST_TOOL_PEG, 500 * UM, 16},    {OST_TOOL_PEG, 500 * UM, 64}};
 
 static ost_pose pose_of(ost_tool_kind kind)
 {
@@ -30,7 +32,7 @@ static ost_pose pose_of(ost_tool_kind kind)
                       .qw = 105468265, .qx = 288463883, .qy = -358551709, .qz = 964379184};
 }
 
-static ost_status full_bone(scene *s, ost_error *err)
+static ost_status full_bone(scene *s, int chunk_size, ost_error *err)
 {
     const ost_geometry g = {{SIDE, SIDE, SIDE}, {470 * UM, 470 * UM, 470 * UM}, {0, 0, 0}};
     ost_volume ct;
@@ -44,7 +46,7 @@ static ost_status full_bone(scene *s, ost_error *err)
     status = scene_ct_of_volume(s, &ct, err);
     ost_volume_free(&ct);
     s->cubic = g.spacing.x;
-    s->chunk_size = 32;
+    s->chunk_size = chunk_size;
     s->threshold = 120;
     return status;
 }
@@ -56,7 +58,7 @@ ost_status scene_static(scene *s, int number, ost_error *err)
     ost_pm3 lo, hi;
     ost_tool_geometry grid;
     scene_tool *tool = &s->tools[0];
-    ost_status status = full_bone(s, err);
+    ost_status status = full_bone(s, events[number].chunk_size, err);
     *tool = (scene_tool){.rule = OST_FILL_WINDING};
     snprintf(tool->name, sizeof tool->name, "%s", kind == OST_TOOL_REAMER ? "reamer" : "peg");
     s->tool_count = 1;

@@ -18,13 +18,16 @@
 
 extern char **environ;
 
-ost_status worker_run(const plan *p, int from, int to, const char *spec, const char *trace_path, ost_error *err)
+ost_status worker_run(const plan *p, int from, int to, const char *spec, const char *trace_path, const char *given, ost_error *err)
 {
     ost_backend *backend = NULL;
     trace_writer *w = NULL;
+    trace reference = {0};
     to = to < p->count ? to : p->count;
     prctl(PR_SET_PDEATHSIG, SIGKILL); /* a parent that is killed takes it along */
     ost_status status = ost_backend_open(spec, &backend, err);
+    if (status == OST_OK && given)
+        status = trace_open(given, &reference, err);
     if (status == OST_OK)
         status = trace_create(trace_path, &w, err);
     for (int i = from; i < to && status == OST_OK; i++) {
@@ -35,7 +38,7 @@ ost_status worker_run(const plan *p, int from, int to, const char *spec, const c
             break;
         status = scene_digest(&s, &s.digest, err);
         if (status == OST_OK)
-            status = perform(backend, &s, (uint32_t)i, w, NULL, NULL, &why, err);
+            status = given ? perform_apart(backend, &s, (uint32_t)i, w, &reference, &why, err) : perform(backend, &s, (uint32_t)i, w, NULL, NULL, &why, err);
         scene_free(&s);
         if (why.status != OST_OK)
             fprintf(stderr, "%s on %s: %s\n", p->cases[i].id, spec, why.text);
@@ -45,6 +48,7 @@ ost_status worker_run(const plan *p, int from, int to, const char *spec, const c
         status = trace_end(w, err);
     }
     ost_status closed = trace_close(w, err);
+    trace_free(&reference);
     ost_backend_close(backend);
     return status != OST_OK ? status : closed;
 }

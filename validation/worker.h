@@ -18,8 +18,9 @@
 
 #include "validation/plan.h"
 
-/* In the worker: cases of the plan [from, to) on the backend of this spec; lines about failed stages go to stderr. */
-ost_status worker_run(const plan *p, int from, int to, const char *spec, const char *trace_path, ost_error *err);
+/* In the worker: cases of the plan [from, to) on the backend of this spec; lines about failed stages go to stderr.
+   given: the reference's trace of them, whose grids every stage gets (perform_apart); NULL: each gets what the one before it made. */
+ost_status worker_run(const plan *p, int from, int to, const char *spec, const char *trace_path, const char *given, ost_error *err);
 
 typedef enum worker_end {
     WORKER_DONE,

@@ -25,7 +25,7 @@ typedef struct compare_args {
     const char *whom, *only;
     int tier;
     int64_t seed, limit_s;
-    bool tier_given, seed_given;
+    bool apart, tier_given, seed_given;
 } compare_args;
 
 static void show(void *user, const char *what, double share)
@@ -84,7 +84,7 @@ static void say_case(const app_state *app, const plan_case *c, const case_result
 }
 
 /* The verdict is over all; margins are of each that was compared. */
-static ost_status report(app_state *app, const campaign *c, ost_error *err)
+static ost_status report(app_state *app, const campaign *c, bool apart, ost_error *err)
 {
     json_t *stages = json_array(), *list = json_array(), *cases = json_array();
     margins total = {0};
@@ -108,7 +108,8 @@ static ost_status report(app_state *app, const campaign *c, ost_error *err)
             append(cases, o);
         }
         compared += of_this;
-        say(app, "%s: %s, %d of %d cases equal", equal == of_this && of_this ? "EQUAL" : of_this ? "NOT EQUAL" : "NOT COMPARED", c->subjects->subjects[s].spec, equal, of_this);
+        say(app, "%s: %s, %d of %d cases equal%s", equal == of_this && of_this ? "EQUAL" : of_this ? "NOT EQUAL" : "NOT COMPARED", c->subjects->subjects[s].spec, equal, of_this,
+            apart ? ", every stage and tick apart" : "");
         for (int i = 0; i < c->plan->count; i++)
             say_case(app, &c->plan->cases[i], result_at(c, i, s));
         margins_add(&total, &all);
@@ -128,6 +129,7 @@ static ost_status report(app_state *app, const campaign *c, ost_error *err)
         append(stages, o);
     }
     put_bool(app->result, "equal", campaign_equal(c));
+    put_bool(app->result, "apart", apart);
     put(app->result, "stages", stages);
     put(app->result, "margins", list);
     put(app->result, "cases", cases);
@@ -153,6 +155,8 @@ static ost_status find_whom(const app_state *app, compare_args *args, char spec[
     const ost_status status = dump_read_head(spec + strlen(SUBJECT_DUMP), &head, err);
     if (status != OST_OK)
         return status;
+    if (args->apart)
+        return usage_error(app, err, "--apart gives a backend the reference's grids while it runs; a dump was made before");
     if (args->tier_given || args->seed_given)
         return usage_error(app, err, "a dump says its tier and seed itself, in dump.json");
     args->tier = (int)head.tier;
@@ -169,6 +173,7 @@ ost_status cmd_compare(app_state *app, int argc, char **argv, ost_error *err)
     const operand names[] = {{"DUMPS", &args.whom, "which dumps, or which backend?"}, {NULL, NULL, NULL}};
     const option options[] = {
         {.name = "only", .kind = OPTION_TEXT, .out = &args.only, .value = "CASE", .help = "cases whose name begins so: import, static/2, operation"},
+        {.name = "apart", .kind = OPTION_FLAG, .out = &args.apart, .help = "give every stage and tick the reference's input, so that\nno difference is handed down; not for dumps"},
         {.name = "tier", .kind = OPTION_CHOICE, .out = &args.tier, .given = &args.tier_given, .value = "smoke|standard|full", .help = "of the cases (default: smoke; a dump says its own)"},
         {.name = "seed", .kind = OPTION_INTEGER, .out = &args.seed, .given = &args.seed_given, .value = "N", .min = 1, .max = INT64_MAX, .help = "of the cases (default: 1; a dump says its own)"},
         {.name = "limit", .kind = OPTION_INTEGER, .out = &args.limit_s, .value = "S", .min = 1, .max = 1000000, .help = "seconds after which a backend is stopped (default: 3600)"},
@@ -186,7 +191,7 @@ ost_status cmd_compare(app_state *app, int argc, char **argv, ost_error *err)
                  "as margins near 0; what no border explains is no rounding.",
         .example = "  osteon validate --export-cases cases --only import/0   # inputs, for your program\n"
                    "  osteon compare my-dumps\n"
-                   "  osteon compare plugin:./thesis_f32.so --only static --json",
+                   "  osteon compare plugin:./thesis_f32.so --only static --apart",
     };
     char spec[SUBJECT_SPEC], only[PLAN_ID], program[1024];
     ost_status status;
@@ -205,13 +210,13 @@ ost_status cmd_compare(app_state *app, int argc, char **argv, ost_error *err)
     if (status == OST_OK && subjects.count > 1 && !subjects.subjects[1].available)
         status = ost_fail(err, OST_ERR_UNAVAILABLE, "%s", subjects.subjects[1].reason);
     if (status == OST_OK) {
-        const campaign_options how = {.program = program, .limit_s = (double)args.limit_s, .show = show};
+        const campaign_options how = {.program = program, .limit_s = (double)args.limit_s, .apart = args.apart, .show = show};
         progress_begin(app);
         status = campaign_run(&p, &subjects, &how, &run, err);
         progress_clear();
     }
     if (status == OST_OK)
-        status = report(app, &run, err);
+        status = report(app, &run, args.apart, err);
     if (run.plan)
         campaign_free(&run);
     subjects_free(&subjects);

@@ -35,7 +35,7 @@
 #include "validation/report/report.h"
 
 typedef struct validate_args {
-    const char *out, *backends, *shard, *only, *merge, *worker, *trace, *dump, *export_to, *case_file;
+    const char *out, *backends, *shard, *only, *merge, *worker, *trace, *given, *dump, *export_to, *case_file;
     int tier; /* place in "smoke|standard|full" */
     int64_t seed, from, to, limit_s, jobs;
     int64_t faults;
@@ -496,7 +496,7 @@ static ost_status dump_worker(const plan *p, const char *spec, const char *folde
     if (status != OST_OK)
         return status;
     scratch_name(fd, path);
-    status = worker_run(p, 0, p->count, spec, path, err);
+    status = worker_run(p, 0, p->count, spec, path, NULL, err);
     if (status == OST_OK)
         status = trace_open(path, &t, err);
     if (status == OST_OK)
@@ -530,6 +530,7 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
          .help = "backends that run at a time (default: as many as cores)"},
         {.name = "worker", .kind = OPTION_TEXT, .out = &args.worker, .value = "BACKEND", .help = "run the cases on this backend alone, write --trace and compare nothing"},
         {.name = "trace", .kind = OPTION_TEXT, .out = &args.trace, .value = "FILE", .help = "where --worker writes what the backend made"},
+        {.name = "given", .kind = OPTION_TEXT, .out = &args.given, .value = "FILE", .help = "the reference's trace, whose grids every stage of --worker gets (osteon compare --apart)"},
         {.name = "dump", .kind = OPTION_TEXT, .out = &args.dump, .value = "FOLDER", .help = "write what --worker made as a dump, for osteon compare; needs no --trace"},
         {.name = "export-cases", .kind = OPTION_TEXT, .out = &args.export_to, .value = "FOLDER",
          .help = "write the cases' inputs as files, for another program to run; runs nothing"},
@@ -555,6 +556,8 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
         return status;
     if (!args.worker != !(args.trace || args.dump) || (args.trace && args.dump))
         return usage_error(app, err, "--worker and one of --trace and --dump belong together");
+    if (args.given && !args.trace)
+        return usage_error(app, err, "--given belongs to --worker and --trace");
     if (args.export_to && (args.worker || args.out))
         return usage_error(app, err, "--export-cases runs nothing: no --worker and no --out");
     if (args.merge && (!args.out || args.worker || args.shard))
@@ -574,7 +577,7 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
         return status;
     status = args.export_to ? export_cases(args.export_to, &p, err)
              : args.dump    ? dump_worker(&p, args.worker, args.dump, err)
-             : args.worker  ? worker_run(&p, (int)args.from, args.to ? (int)args.to : p.count, args.worker, args.trace, err)
+             : args.worker  ? worker_run(&p, (int)args.from, args.to ? (int)args.to : p.count, args.worker, args.trace, args.given, err)
                             : compare_all(app, &args, &p, from_file, err);
     if (status == OST_OK && args.export_to) {
         say(app, "%s: inputs of %d cases", args.export_to, p.count);

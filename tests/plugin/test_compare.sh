@@ -38,8 +38,19 @@ run 0 verify b
 
 # ticks and tools: nothing but rounding at borders, and a dump of some stages alone
 run 1 compare plugin:./thesis_f32.so --only poses/1 --json
-checks=$((checks + 1))
 check "second stage that differs" "$(value margins.0.stages.1.stage)" tool
+tools=$(value margins.0.stages.1.voxels)
+
+# Apart: the tool's differences stay the tool's, and the chunks' have no part that they were given.
+run 1 compare plugin:./thesis_f32.so --only poses/1 --apart --json
+check "apart" "$(value apart)" true
+check "tool voxels apart" "$(value margins.0.stages.1.voxels)" "$tools"
+check "stage of events" "$(value margins.0.stages.3.stage)" tick
+check "removal alone" "$(value margins.0.stages.3.voxels)" "$(value margins.0.stages.3.decided)"
+run 1 compare plugin:./thesis_f32.so --only import/1 --apart --json
+check "chunks alone" "$(value margins.0.stages.2.voxels)" "$(value margins.0.stages.2.below_threshold)"
+refuse 2 "a dump was made before" compare theirs --apart
+refuse 2 "--given belongs to" validate --given theirs
 run 0 validate --worker ref --dump some --only poses/1
 mv some/poses-1/tick-23.raw t23
 rm -f some/poses-1/tick-*.raw some/poses-1/final.raw

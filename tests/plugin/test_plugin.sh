@@ -46,6 +46,9 @@ for case in import/1 mesh/1 sweep/1; do
     check "$case equal" "$(value equal)" true
 done
 
+# and given the reference's grids at every stage
+run 0 compare plugin:mirror.so --only sweep/1 --apart
+
 # A mistake while it runs is a line, and that case's alone.
 # fails WHAT TEXT CASE
 fails() {
