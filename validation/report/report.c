@@ -212,6 +212,7 @@ static void files(const page *p)
         {"results.tap", "the verdicts for test harnesses", true},
         {"inputs.csv", "digests of the cases' inputs", true},
         {"anomalies.csv", "what differs, with places for cause, impact and disposition", true},
+        {"margins.csv", "how near each differing voxel's decision was, by case and stage", true},
         {"deviations.csv", "what was not shown", true},
         {"environment.json", "the machine, the system, the program's own digest", true},
         {"times.json", "how long each backend took", true},
@@ -261,8 +262,10 @@ ost_status report_write(const char *folder, const json_t *protocol, const json_t
     page_begin(&p, TITLE);
     head(&p);
     section_compared(&p);
-    if (findings(&p)) /* first what matters most */
+    if (findings(&p)) { /* first what matters most */
+        section_margins(&p);
         section_differences(&p);
+    }
     not_shown(&p);
     operation(&p);
     section_reference(&p);

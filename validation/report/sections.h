@@ -11,6 +11,8 @@ void section_compared(const page *p);
 void section_reference(const page *p);
 /* Each result that is not equal, with pictures where the campaign kept them. */
 void section_differences(const page *p);
+/* How near the decisions were that differ, by backend and stage; nothing where no voxel differs. */
+void section_margins(const page *p);
 /* Deliberate mistakes and whether they were noticed; nothing without sensitivity.json. */
 void section_sensitivity(const page *p);
 /* Checks against what is known without any program; nothing without common.json. */
