@@ -125,7 +125,7 @@ static void examine(const ost_cl_api *cl, ost_cl_device *d)
 
     cl_device_type type = 0;
     told = told && cl->clGetDeviceInfo(d->id, CL_DEVICE_TYPE, sizeof type, &type, NULL) == CL_SUCCESS;
-    /* Mesa's llvmpipe ends, silently, whatever loops after 65,535 turns of a work item's loops: it gets short items, as GPUs do. */
+    /* Mesa's llvmpipe ends long loops. That is found out in any case (fingerprint.c); its name saves building twice. */
     d->cpu = (type & CL_DEVICE_TYPE_CPU) != 0 && !strstr(d->name, "llvmpipe");
 
     if (!told || !d->name[0])

@@ -28,7 +28,7 @@ typedef struct ost_cl_device {
     cl_ulong max_buffer; /* bytes of one buffer */
     cl_ulong memory;     /* bytes of all */
     size_t max_workgroup;
-    bool cpu; /* few, strong cores */
+    bool cpu; /* few, strong cores; cleared when it is opened and loses turns of long loops (fingerprint.c) */
     char reason[OST_CL_REASON]; /* why it is refused; "" if nothing that it says of itself speaks against it */
 } ost_cl_device;
 

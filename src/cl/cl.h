@@ -32,7 +32,7 @@
 /* X(kernel, devices): created when a device of that kind is opened: OST_FOR of kernels/shared.h. */
 /* clang-format off */
 #define OST_CL_KERNELS(X) \
-    X(ost_layout, 3) X(ost_fingerprint, 3) X(ost_fingerprint_atomics, 3) \
+    X(ost_layout, 3) X(ost_fingerprint, 3) X(ost_fingerprint_atomics, 3) X(ost_fingerprint_turns, 3) \
     X(ost_ct_claim, 3) X(ost_ct_place, 3) X(ost_ct_check, 3) X(ost_ct_blame, 3) X(ost_ct_had, 3) \
     X(ost_cubic_sources, 3) X(ost_cubic_gather, 3) \
     X(ost_chunk_scan, 1) X(ost_chunk_scan_layers, 2) X(ost_chunk_store, 1) X(ost_chunk_store_layers, 2) \
@@ -56,6 +56,7 @@ typedef struct cl_backend {
     ost_cl_device device;
     bool gl;          /* shares with a context of OpenGL */
     size_t workgroup; /* work items of a group, 0: default */
+    uint32_t turns;   /* of a work item's loops; OST_CL_TURNS: no end was seen */
     int run;          /* voxels of a row that a work item of ost_cubic_gather copies */
     cl_context context;
     cl_command_queue queue;
@@ -100,7 +101,8 @@ ost_status ost_cl_key(const ost_cl_device *device, const char *const *sources, s
 
 ost_status ost_cl_layout_check(cl_backend *backend, ost_error *err);
 
-/* OST_ERR_UNAVAILABLE, naming the device and what is wrong, when its integers are not the host's. */
+/* OST_ERR_UNAVAILABLE, naming the device and what is wrong, when its integers are not the host's or its loops end too early. Sets
+   backend->turns. */
 ost_status ost_cl_fingerprint_check(cl_backend *backend, ost_error *err);
 /* For the record: what its floating point does; one line. */
 void ost_cl_fingerprint_floats(cl_backend *backend, char *notes, size_t size);

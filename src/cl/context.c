@@ -8,6 +8,7 @@
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "cl/embedded.h"
 
@@ -38,6 +39,33 @@ static ost_status create_kernels(cl_backend *b, ost_error *err)
     return OST_OK;
 }
 
+static void drop_program(cl_backend *b)
+{
+    for (int k = 0; k < OST_CL_KERNEL_COUNT; k++)
+        if (b->kernel[k])
+            b->cl->clReleaseKernel(b->kernel[k]);
+    memset(b->kernel, 0, sizeof b->kernel);
+    if (b->program)
+        b->cl->clReleaseProgram(b->program);
+    b->program = NULL;
+}
+
+/* For few strong cores or for many weak ones, with the checks. */
+static ost_status set_up_program(cl_backend *b, ost_error *err)
+{
+    char options[64];
+    b->run = b->device.cpu ? 1024 : 1;
+    snprintf(options, sizeof options, "-cl-std=CL1.2 -DOST_FOR=%d -DOST_ROWS=1 -DOST_RUN=%d", b->device.cpu ? 2 : 1, b->run);
+    ost_status status = ost_cl_build(b, ost_cl_program, ost_cl_program_count, options, &b->program, &b->from_cache, err);
+    if (status == OST_OK)
+        status = create_kernels(b, err);
+    if (status == OST_OK)
+        status = ost_cl_layout_check(b, err);
+    if (status == OST_OK)
+        status = ost_cl_fingerprint_check(b, err);
+    return status;
+}
+
 static ost_status set_up(cl_backend *b, const ost_cl_gl *gl, ost_error *err)
 {
     cl_int code = CL_SUCCESS;
@@ -49,16 +77,12 @@ static ost_status set_up(cl_backend *b, const ost_cl_gl *gl, ost_error *err)
     b->queue = b->cl->clCreateCommandQueue(b->context, b->device.id, 0, &code);
     if (!b->queue || code != CL_SUCCESS)
         return ost_cl_fail(err, b->device.name, code, "clCreateCommandQueue", "");
-    char options[64];
-    b->run = b->device.cpu ? 1024 : 1;
-    snprintf(options, sizeof options, "-cl-std=CL1.2 -DOST_FOR=%d -DOST_ROWS=1 -DOST_RUN=%d", b->device.cpu ? 2 : 1, b->run);
-    ost_status status = ost_cl_build(b, ost_cl_program, ost_cl_program_count, options, &b->program, &b->from_cache, err);
-    if (status == OST_OK)
-        status = create_kernels(b, err);
-    if (status == OST_OK)
-        status = ost_cl_layout_check(b, err);
-    if (status == OST_OK)
-        status = ost_cl_fingerprint_check(b, err);
+    ost_status status = set_up_program(b, err);
+    if (status == OST_OK && b->device.cpu && b->turns < OST_CL_TURNS) { /* the short work items for GPUs are for it too */
+        b->device.cpu = false;
+        drop_program(b);
+        status = set_up_program(b, err);
+    }
     return status;
 }
 
@@ -109,11 +133,7 @@ void ost_cl_device_close(cl_backend *b)
     if (b->queue)
         b->cl->clFinish(b->queue);
     ost_cl_room_clear(b);
-    for (int k = 0; k < OST_CL_KERNEL_COUNT; k++)
-        if (b->kernel[k])
-            b->cl->clReleaseKernel(b->kernel[k]);
-    if (b->program)
-        b->cl->clReleaseProgram(b->program);
+    drop_program(b);
     if (b->queue)
         b->cl->clReleaseCommandQueue(b->queue);
     if (b->context)

@@ -5,6 +5,8 @@
  *   integers  products, carries, shifts, quotients, bits, atomics over edge
  *             values crossed with each other and random ones: every word must
  *             be the host's, or the device is refused
+ *   turns     how long a loop may be: a device that ends long ones is given
+ *             the kernels for GPUs, or refused when these are too long as well
  *   floats    for the record: fused or not, denormals kept or not, and so on;
  *             they decide nothing
  */
@@ -93,12 +95,31 @@ static ost_status check_counters(const cl_backend *b, const uint64_t *in, const 
     return OST_OK;
 }
 
+static ost_status check_turns(cl_backend *b, const uint32_t turns[2], ost_error *err)
+{
+    uint32_t x = 0;
+    for (uint32_t n = 0; n < turns[0] && n < OST_CL_TURNS; n++)
+        x = OST_CL_NEXT_TURN(x);
+    if (turns[0] > OST_CL_TURNS || x != turns[1])
+        return wrong(b, "a loop", turns[1], x, err);
+    b->turns = turns[0];
+    if (b->turns >= OST_CL_TURNS_LEAST)
+        return OST_OK;
+    return ost_fail(err, OST_ERR_UNAVAILABLE,
+                    "OpenCL device '%.120s' is refused: it ends a loop after %u turns without a word, and %u are needed; another version "
+                    "of its driver may do better (this one: %.60s)",
+                    b->device.name, (unsigned)b->turns, (unsigned)OST_CL_TURNS_LEAST, b->device.driver);
+}
+
 ost_status ost_cl_fingerprint_check(cl_backend *b, ost_error *err)
 {
-    cl_mem in_buffer = NULL, out_buffer = NULL, counter_buffer = NULL;
+    cl_mem in_buffer = NULL, out_buffer = NULL, counter_buffer = NULL, turns_buffer = NULL;
     const size_t in_bytes = 2 * PAIRS * sizeof(uint64_t), out_bytes = (size_t)PAIRS * OST_CL_FINGERPRINT * sizeof(uint64_t);
     uint32_t counters[OST_CL_FINGERPRINT_COUNTERS] = {[5] = UINT32_MAX, [7] = UINT32_MAX};
-    const cl_uint pairs = PAIRS, words = 2 * PAIRS;
+    uint32_t turns[2] = {0};
+    cl_uint pairs = PAIRS, words = 2 * PAIRS, end = 0;
+    for (uint32_t n = 0; n < OST_CL_TURNS; n++)
+        end = OST_CL_NEXT_TURN(end);
     ost_status status = OST_OK;
     uint64_t *in = malloc(in_bytes), *out = malloc(out_bytes);
     if (!in || !out) {
@@ -117,14 +138,23 @@ ost_status ost_cl_fingerprint_check(cl_backend *b, ost_error *err)
         status = OST_CL_LAUNCH(b, ost_fingerprint_atomics, 2 * PAIRS, 1, 1, err, OST_CL_ARG(words), OST_CL_ARG(in_buffer),
                                OST_CL_ARG(counter_buffer));
     if (status == OST_OK)
+        status = ost_cl_buffer_zero(b, sizeof turns, "fingerprint", &turns_buffer, err);
+    if (status == OST_OK)
+        status = OST_CL_LAUNCH(b, ost_fingerprint_turns, 1, 1, 1, err, OST_CL_ARG(end), OST_CL_ARG(turns_buffer));
+    if (status == OST_OK)
         status = ost_cl_read(b, out_buffer, 0, out_bytes, out, err);
     if (status == OST_OK)
         status = ost_cl_read(b, counter_buffer, 0, sizeof counters, counters, err);
     if (status == OST_OK)
+        status = ost_cl_read(b, turns_buffer, 0, sizeof turns, turns, err);
+    if (status == OST_OK)
         status = check_words(b, in, out, err);
     if (status == OST_OK)
         status = check_counters(b, in, counters, err);
+    if (status == OST_OK)
+        status = check_turns(b, turns, err);
 done:
+    ost_cl_buffer_free(b, &turns_buffer);
     ost_cl_buffer_free(b, &counter_buffer);
     ost_cl_buffer_free(b, &out_buffer);
     ost_cl_buffer_free(b, &in_buffer);
@@ -191,8 +221,11 @@ void ost_cl_fingerprint_floats(cl_backend *b, char *notes, size_t size)
         snprintf(notes, size, "integers as they must be; floats unknown: %.160s", err.text);
         return;
     }
+    char loops[64] = "";
+    if (b->turns < OST_CL_TURNS)
+        snprintf(loops, sizeof loops, ", loops end after %u turns", (unsigned)b->turns);
     ost_digest_hex(&digest, hex);
-    snprintf(notes, size, "integers as they must be; floats (they decide nothing): a*b+c %s, 1/3 %s, denormals %s, 1e10 to int 0x%x; %.16s",
+    snprintf(notes, size, "integers as they must be%s; floats (they decide nothing): a*b+c %s, 1/3 %s, denormals %s, 1e10 to int 0x%x; %.16s", loops,
              out[0] == 0x3a000000 ? "rounded twice" : "fused", out[OST_CL_FLOATS + 3] == 0x3eaaaaab ? "correctly rounded" : "inexact",
              out[2 * OST_CL_FLOATS + 7] == 0x00400000 ? "kept" : "flushed", (unsigned)out[3 * OST_CL_FLOATS + 13], hex);
 }

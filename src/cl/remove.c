@@ -420,6 +420,10 @@ static ost_status run_event(cl_bone *bone, cl_tool *tool, const ost_event *event
         status = ost_fail(err, OST_ERR_MEMORY, "no memory for an event");
     if (status != OST_OK)
         return status;
+    if (b->turns < OST_CL_TURNS && (uint32_t)event->pose_count > OST_CL_TURNS_POSES(b->turns))
+        return ost_fail(err, OST_ERR_UNAVAILABLE,
+                        "OpenCL device '%.120s' ends a loop after %u turns without a word, which is too early for an event of %d poses",
+                        b->device.name, (unsigned)b->turns, event->pose_count);
     plan p = {.b = b, .bone = bone, .tool = tool, .event = event, .s = b->event, .apply = apply, .report = report, .part = {.chunk = -1}};
     p.s->blocks.bytes = p.s->entries.bytes = 0;
     int32_t lo[3], hi[3];

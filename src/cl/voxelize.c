@@ -38,7 +38,7 @@ static ost_status add_mesh(cl_backend *b, const mesh_buffers *m, ost_cl_vox vox,
         return OST_OK;
     const size_t slices = (size_t)(vox.k1 - vox.k0), triangles = m->mesh->triangle_count;
     size_t bands = triangles ? ITEMS / triangles + 1 : 1;
-    bands = bands < slices ? bands : slices;
+    bands = bands < slices && b->turns == OST_CL_TURNS ? bands : slices;
     vox.triangles = (uint32_t)triangles;
     vox.bands = (uint32_t)bands;
     vox.tool_class = m->tool_class;

@@ -247,6 +247,19 @@ static uint64_t some_word(test_rng *rng)
     }
 }
 
+uint32_t machine_turns(machine *m)
+{
+    uint32_t end = 0, x = 0, turns[2] = {0};
+    for (uint32_t n = 0; n < OST_CL_TURNS; n++)
+        end = OST_CL_NEXT_TURN(end);
+    LAUNCH(m, ost_fingerprint_turns, 1, 1, 1, number_arg(end), BUFFER(turns, 2));
+    assert_in_range(turns[0], OST_CL_TURNS_LEAST, OST_CL_TURNS);
+    for (uint32_t n = 0; n < turns[0]; n++)
+        x = OST_CL_NEXT_TURN(x);
+    assert_int_equal(turns[1], x);
+    return turns[0];
+}
+
 void compare_fingerprint(machine *m, test_rng *rng, int rounds)
 {
     const size_t words = m->small ? 100 : 4096;
@@ -271,6 +284,7 @@ void compare_fingerprint(machine *m, test_rng *rng, int rounds)
             if (counters[k] != right[k])
                 fail_msg("%s: counter %zu is %x, not %x", m->name, k, counters[k], right[k]);
     }
+    assert_true(m->brief || machine_turns(m) == OST_CL_TURNS);
     free(in);
     free(out);
 }

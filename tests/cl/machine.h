@@ -39,7 +39,8 @@
     X(ost_remove)            \
     X(ost_remove_blocks)     \
     X(ost_fingerprint)       \
-    X(ost_fingerprint_atomics)
+    X(ost_fingerprint_atomics) \
+    X(ost_fingerprint_turns)
 
 enum test_kernel {
 #define TEST_KERNEL_ENUM(name) K_##name,
@@ -74,7 +75,7 @@ struct machine {
     char name[200];
     int rows;   /* OST_ROWS; 256: removal by ost_remove_blocks */
     bool small; /* tiny scenes, for a simulator */
-    bool brief; /* no long loops: kernels for many small items alone (cl/choice.c) */
+    bool brief; /* it ends long loops: kernels for many small items alone (cl/fingerprint.c) */
     void (*launch)(machine *m, enum test_kernel kernel, const kernel_arg *args, unsigned count, const size_t range[3]);
 };
 
@@ -85,6 +86,9 @@ struct machine {
 
 /* The kernels as C; items run in an order that the seed makes, with idle ones beyond the range. */
 machine *machine_as_c(uint64_t seed, int rows);
+
+/* How many turns an item's loops are given, at most OST_CL_TURNS; fails when the loop went wrong otherwise. */
+uint32_t machine_turns(machine *m);
 
 /* Comparisons with the reference; each makes rounds scenes out of rng and fails with the machine's name. */
 void compare_scatter(machine *m, test_rng *rng, int rounds);

@@ -57,6 +57,7 @@ static void call(enum test_kernel kernel, const kernel_arg *args)
     case K_ost_remove_blocks: ost_remove_blocks(B(0), B(1), B(2), B(3), B(4), B(5), B(6), B(7), B(8)); break;
     case K_ost_fingerprint: ost_fingerprint(U(0), B(1), B(2)); break;
     case K_ost_fingerprint_atomics: ost_fingerprint_atomics(U(0), B(1), B(2)); break;
+    case K_ost_fingerprint_turns: ost_fingerprint_turns(U(0), B(1)); break;
     case K_COUNT: break;
     }
 }

@@ -105,7 +105,6 @@ machine *machine_on(cl_device_id device, int rows, size_t group)
     clGetDeviceInfo(device, CL_DEVICE_NAME, sizeof name, name, NULL);
     snprintf(m->base.name, sizeof m->base.name, "%s, %d rows an item, groups of %zu", name, rows, group);
     m->base.rows = rows;
-    m->base.brief = strstr(name, "llvmpipe") != NULL;
     m->base.launch = launch;
     m->group = group;
     m->context = clCreateContext(NULL, 1, &device, NULL, NULL, &code);
@@ -118,6 +117,7 @@ machine *machine_on(cl_device_id device, int rows, size_t group)
         m->kernel[k] = clCreateKernel(m->program, kernel_name[k], &code);
         check(&m->base, code, kernel_name[k]);
     }
+    m->base.brief = machine_turns(&m->base) < OST_CL_TURNS;
     return &m->base;
 }
 

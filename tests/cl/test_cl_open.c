@@ -204,6 +204,43 @@ static void refused_for_what_it_computes(void **state)
     assert_non_null(strstr(err.text, "ost_cl_scatter.count"));
 }
 
+static uint32_t turns_given;
+
+/* A driver that ends loops early; nothing else that is read while a device is opened has 8 bytes. */
+static cl_int read_of_short_loops(cl_command_queue queue, cl_mem buffer, cl_bool wait, size_t offset, size_t size, void *to,
+                                  cl_uint count, const cl_event *after, cl_event *event)
+{
+    cl_int code = clEnqueueReadBuffer(queue, buffer, wait, offset, size, to, count, after, event);
+    uint32_t turns[2] = {turns_given, 0};
+    for (uint32_t n = 0; n < turns_given; n++)
+        turns[1] = OST_CL_NEXT_TURN(turns[1]);
+    if (size == sizeof turns)
+        memcpy(to, turns, sizeof turns);
+    return code;
+}
+
+/* Long enough for the kernels for GPUs: these it gets. Shorter: it is refused. */
+static void ends_loops(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_cl_api api = ost_cl_loader;
+    ost_backend *backend;
+    api.clEnqueueReadBuffer = read_of_short_loops;
+    turns_given = 65535;
+    assert_ok(ost_cl_open_with(&api, own_options(), &backend, &err));
+    backend->ops = &ost_backend_cl;
+    const cl_backend *b = (const cl_backend *)backend;
+    assert_false(b->device.cpu);
+    assert_int_equal(b->turns, 65535);
+    assert_non_null(b->kernel[OST_CL_KERNEL_ost_remove]);
+    assert_null(b->kernel[OST_CL_KERNEL_ost_remove_blocks]);
+    ost_backend_close(backend);
+    turns_given = OST_CL_TURNS_LEAST - 1;
+    assert_int_equal(try_open(&api, own_options(), &err), OST_ERR_UNAVAILABLE);
+    assert_non_null(strstr(err.text, "ends a loop after 61503 turns"));
+}
+
 static cl_program broken_source(cl_context context, cl_uint count, const char **texts, const size_t *lengths, cl_int *code)
 {
     const char *wrong = "\n#line 42 \"removal.cl\"\n__kernel void ost_remove(int x) { return nonsense; }\n";
@@ -440,6 +477,7 @@ int main(void)
         cmocka_unit_test(refused_without_int64),
         cmocka_unit_test(no_platform),
         cmocka_unit_test(refused_for_what_it_computes),
+        cmocka_unit_test(ends_loops),
         cmocka_unit_test(build_fails),
         cmocka_unit_test(cache_damage),
         cmocka_unit_test(key_has_settings),

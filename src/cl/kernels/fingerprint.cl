@@ -62,6 +62,26 @@ __kernel void ost_fingerprint(uint count, __global const ulong *in, __global ulo
 }
 
 /*
+ * How long a work item may loop.  The end depends on what is computed, so no
+ * compiler can know the count or unroll without asking at each turn.  Mesa's
+ * llvmpipe gives all loops of an item (and of those that it runs beside it in a
+ * vector) 65,535 turns together; then each ends after one turn, and nobody hears
+ * of it.
+ */
+__kernel void ost_fingerprint_turns(uint end, __global uint *turns)
+{
+    if (get_global_id(0) > 0)
+        return;
+    uint x = 0, n = 0;
+    while (x != end && n < OST_CL_TURNS) {
+        x = OST_CL_NEXT_TURN(x);
+        n++;
+    }
+    turns[0] = n;
+    turns[1] = x;
+}
+
+/*
  * Each counter is one commuting operation over all items, with x = (uint)in[i]:
  * 0 add x, 1 sub x, 2 inc, 3 dec, 4 max, 5 min, 6 or, 7 and, 8 xor, 9 a signed
  * min, 10 a signed max, and 11 + x % 5 inc.  5 and 7 start as 0xffffffff, the

@@ -25,8 +25,12 @@
  *     asked for by the ranges of docs/arithmetic.md, section 18.
  *   - Build option -DOST_FOR=d: kernels for devices of many small work items
  *     (d & 1, GPUs) or few strong ones (d & 2, CPUs); where both have one for the
- *     same work, results are the same.  3 when not given: all, also those
- *     that only tests run yet (ost_chunk_slots, _checksum, _surface).
+ *     same work, results are the same.  3 when not given: all, also three
+ *     that only tests run, since the table has no slot that asks for what
+ *     they give: ost_chunk_slots (the host hands out slots, as it frees
+ *     them too), _checksum (two bones on a device compared without bringing
+ *     them here: today digests are taken of what is downloaded), _surface
+ *     (what a renderer on the device draws of its words).
  *   - Build option -DOST_ROWS=r, r of 1, 2, 4, 8, 16: rows a work item of
  *     ost_remove takes (1 suits GPUs; 4 when not given).
  *   - Build option -DOST_RUN=v: neighbours along x that a work item of
@@ -353,6 +357,9 @@ typedef struct ost_cl_block_report {
  *   ost_fingerprint(count, in, out)               count items; out[OST_CL_FINGERPRINT i + k] from in[2 i], in[2 i + 1]
  *   ost_fingerprint_atomics(count, in, counters)  count items; counters uint[OST_CL_FINGERPRINT_COUNTERS], see fingerprint.cl
  *
+ *   ost_fingerprint_turns(end, turns)             one item; uint[2]: how often it went round until it met end, which is after
+ *                                                 OST_CL_TURNS, and what it had then
+ *
  *   in  const ulong[2 * count], out  ulong[OST_CL_FINGERPRINT * count]
  *
  * and, in a program of its own (fingerprint_float.cl), for the record only:
@@ -361,6 +368,23 @@ typedef struct ost_cl_block_report {
  */
 #define OST_CL_FINGERPRINT 32
 #define OST_CL_FINGERPRINT_COUNTERS 16
+
+/*
+ * Turns of all loops of one item together.  Kernels for CPUs take as many as
+ * their tile or block is large.  Those for GPUs take no more than
+ *
+ *   ost_vox_steps   15 a row, with a slice an item: 2^12 rows of one turn, at most 13 of halving, and one that ends that
+ *   ost_remove      18 a pose (16 look-ups, the pose's own, the one that ends it), and 400 for the rest of a row
+ *   others          under 2^14
+ *
+ * so a device that gives fewer than OST_CL_TURNS has to give OST_CL_TURNS_LEAST, and gets events of as many poses as it can turn.
+ */
+#define OST_CL_TURNS 0x40000u
+#define OST_CL_TURNS_LEAST (15u * 4096u + 64u)
+#define OST_CL_TURNS_POSES(turns) (((turns) - 400u) / 18u)
+
+/* A walk through all 2^32 numbers, uint to uint. */
+#define OST_CL_NEXT_TURN(x) ((x) * 1664525u + 1013904223u)
 #define OST_CL_FLOATS 16
 
 /* ------------------------------------------------------------------ host */
