@@ -34,7 +34,7 @@ cmp -s dumped plugged || fail "by the dump: $(tr '\n' ' ' <dumped), by the plugi
 # As evidence: the margins are in the bundle, and follow from its cases.
 run 1 validate --only import/1 --backends dump:theirs --out b
 grep -q '^import/1,"dump:theirs",rect,1,' b/margins.csv || fail "no margins in the bundle: $(cat b/margins.csv)"
-grep -q "How near these decisions were" b/report.html || fail "no margins in the report"
+grep -q "How near the decisions were that differ" b/report.html || fail "no margins in the report"
 grep -q "only rounding differs is refuted" b/report.html || fail "what the margins mean is not in the report"
 run 0 verify b
 

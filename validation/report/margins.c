@@ -141,7 +141,7 @@ void section_margins(const page *p)
             any = sum_of(p, evidence_text(json_array_get(backends, s), "name"), (trace_stage)stage).voxels > 0;
     if (!any)
         return;
-    fputs("<h2>How near these decisions were</h2>\n<p>A margin is how far the reference has the deciding point from the nearest border behind which the other's answer would be right. "
+    fputs("<h2>How near the decisions were that differ</h2>\n<p>A margin is how far the reference has the deciding point from the nearest border behind which the other's answer would be right. "
           "A voxel counts where it first differs; <i>handed down</i> are those whose input differed already. Bars go by powers of two in both directions.</p>\n", p->to);
     for (size_t s = 1; s < json_array_size(backends); s++)
         backend_table(p, json_array_get(backends, s));
