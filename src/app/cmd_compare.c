@@ -108,8 +108,8 @@ static ost_status report(app_state *app, const campaign *c, bool apart, ost_erro
             append(cases, o);
         }
         compared += of_this;
-        say(app, "%s: %s, %d of %d cases equal%s", equal == of_this && of_this ? "EQUAL" : of_this ? "NOT EQUAL" : "NOT COMPARED", c->subjects->subjects[s].spec, equal, of_this,
-            apart ? ", every stage and tick apart" : "");
+        say(app, "%s: %s, %d of %d case%s equal%s", equal == of_this && of_this ? "EQUAL" : of_this ? "NOT EQUAL" : "NOT COMPARED", c->subjects->subjects[s].spec, equal, of_this,
+            of_this == 1 ? "" : "s", apart ? ", every stage and tick apart" : "");
         for (int i = 0; i < c->plan->count; i++)
             say_case(app, &c->plan->cases[i], result_at(c, i, s));
         margins_add(&total, &all);

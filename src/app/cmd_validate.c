@@ -580,7 +580,7 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
              : args.worker  ? worker_run(&p, (int)args.from, args.to ? (int)args.to : p.count, args.worker, args.trace, args.given, err)
                             : compare_all(app, &args, &p, from_file, err);
     if (status == OST_OK && args.export_to) {
-        say(app, "%s: inputs of %d cases", args.export_to, p.count);
+        say(app, "%s: inputs of %d case%s", args.export_to, p.count, p.count == 1 ? "" : "s");
         put_text(app->result, "out", args.export_to);
         put_integer(app->result, "cases", p.count);
     }

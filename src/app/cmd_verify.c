@@ -41,9 +41,13 @@ ost_status cmd_verify(app_state *app, int argc, char **argv, ost_error *err)
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "BUNDLE [--rerun]",
-        .about = "Checks a bundle that osteon validate wrote: every file's hash, the log's chain,\n"
-                 "that the protocol was frozen first, and that every file follows from the protocol\n"
-                 "and the cases. Needs no network and no device.",
+        .about = "Checks a bundle that osteon validate wrote: that every file is the one in the\n"
+                 "manifest and none is more or less; the log's chain; that the protocol was frozen\n"
+                 "first; and that what follows from other files (results, tables, traced requirements,\n"
+                 "bill of materials, report.html) does follow, by making it again. What was measured\n"
+                 "(machine, times, devices, libraries, sensitivity, pictures) the manifest alone holds,\n"
+                 "and the manifest a signature in signatures/, which verify does not read.\n"
+                 "Needs no network and no device.",
         .operands = operands,
         .options = options,
         .example = "  osteon validate --out bundle\n  osteon verify bundle --rerun",
@@ -74,8 +78,8 @@ ost_status cmd_verify(app_state *app, int argc, char **argv, ost_error *err)
     if (summary)
         json_object_update_missing(app->result, summary);
     if (found == 0)
-        say(app, "%s: valid%s; it says %s, %lld cases%s", folder, rerun ? ", and the reference gives the same here" : "", json_string_value(json_object_get(summary, "verdict")),
-            (long long)json_integer_value(json_object_get(summary, "cases")),
+        say(app, "%s: valid%s; it says %s, %lld case%s%s", folder, rerun ? ", and the reference gives the same here" : "", json_string_value(json_object_get(summary, "verdict")),
+            (long long)json_integer_value(json_object_get(summary, "cases")), json_integer_value(json_object_get(summary, "cases")) == 1 ? "" : "s",
             json_is_true(json_object_get(summary, "evidence")) ? "" : " (a reduced run: no evidence)");
     json_decref(summary);
     return found == 0 ? OST_OK : ost_fail(err, OST_ERR_DIFFER, "%s: %d problem%s: this bundle is not what was written", folder, found, found == 1 ? "" : "s");

@@ -44,15 +44,16 @@ ost_status diff_bundles(const app_state *app, const char *a, const char *b, int6
     if (compared == 0)
         say(app, "nothing could be compared: %s and %s have no case with the same input", a, b);
     else if (equal)
-        say(app, "equal: all %lld cases, by the digests of what the reference made", compared);
+        say(app, "equal: %s%lld case%s, by the digests of what the reference made", compared == 1 ? "" : "all ", compared, compared == 1 ? "" : "s");
     else
-        say(app, "%s: %zu of %lld cases that could be compared", json_array_size(differences) ? "different" : "no difference found", json_array_size(differences), compared);
+        say(app, "%s: %zu of %lld case%s that could be compared", json_array_size(differences) ? "different" : "no difference found", json_array_size(differences), compared,
+            compared == 1 ? "" : "s");
     for (size_t i = 0; i < json_array_size(notes); i++)
         say(app, "  the protocols differ: %s", json_string_value(json_array_get(notes, i)));
     for (size_t i = 0; i < json_array_size(differences) && (int64_t)i < limit; i++)
         say_difference(app, json_array_get(differences, i));
     if (json_array_size(rest))
-        say(app, "  not compared: %zu cases; the first:", json_array_size(rest));
+        say(app, "  not compared: %zu case%s%s", json_array_size(rest), json_array_size(rest) == 1 ? "" : "s", (int64_t)json_array_size(rest) > limit ? "; the first:" : ":");
     for (size_t i = 0; i < json_array_size(rest) && (int64_t)i < limit; i++)
         say(app, "    %s", json_string_value(json_array_get(rest, i)));
     json_decref(o);

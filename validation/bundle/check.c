@@ -95,7 +95,7 @@ ost_status check_bundle(const char *folder, bundle_problem *problem, void *user,
     if (!json_is_object(protocol))
         say_problem(&d, EVIDENCE_PROTOCOL, "is missing or no JSON object");
     if (!cases)
-        say_problem(&d, EVIDENCE_CASES, unread.text[0] ? unread.text : "is missing");
+        say_problem(&d, EVIDENCE_CASES, cases_text ? unread.text : "is missing");
     if (json_is_object(protocol) && cases) {
         compare_builds(&d);
         status = check_frozen(&d, protocol_text, protocol_size, err);

@@ -203,9 +203,10 @@ static void readme(FILE *to, const json_t *protocol, const json_t *cases, const 
 {
     const json_t *shard = json_object_get(protocol, "shard"), *list = json_object_get(summary, "not_shown");
     fprintf(to, "# Backend equivalence verification: %s\n\n", evidence_text(summary, "verdict"));
-    fprintf(to, "osteon %s, arithmetic %lld, tier %s, seed %s: %zu cases on %zu backends, each compared with the scalar reference byte by byte.\n\n",
+    fprintf(to, "osteon %s, arithmetic %lld, tier %s, seed %s: %zu case%s on %zu backend%s, each compared with the scalar reference byte by byte.\n\n",
             evidence_text(protocol, "version"), (long long)json_integer_value(json_object_get(protocol, "arithmetic")), evidence_text(protocol, "tier"), evidence_text(protocol, "seed"),
-            json_array_size(cases), json_array_size(json_object_get(protocol, "backends")));
+            json_array_size(cases), json_array_size(cases) == 1 ? "" : "s", json_array_size(json_object_get(protocol, "backends")),
+            json_array_size(json_object_get(protocol, "backends")) == 1 ? "" : "s");
     if (!json_is_true(json_object_get(summary, "evidence")))
         fputs("**This is a reduced run and no evidence.**\n\n", to);
     fputs("What was not shown:\n\n", to);

@@ -28,6 +28,23 @@ static const char *about_kind(const char *kind)
     return strcmp(kind, "golden") == 0 ? "by hand" : strcmp(kind, "volume") == 0 ? "by volume" : "by law";
 }
 
+/* "By hand: 9 of 9; by volume: 4 of 4; by law: 11 of 11." */
+static void common_sums(const page *p, const json_t *checks)
+{
+    static const char *const kinds[] = {"by hand", "by volume", "by law"};
+    for (size_t k = 0; k < sizeof kinds / sizeof kinds[0]; k++) {
+        size_t all = 0, passed = 0;
+        for (size_t i = 0; i < json_array_size(checks); i++) {
+            const json_t *one = json_array_get(checks, i);
+            const bool its = strcmp(about_kind(evidence_text(one, "kind")), kinds[k]) == 0;
+            all += its;
+            passed += its && json_is_true(json_object_get(one, "passed"));
+        }
+        fprintf(p->to, "%s%s: %zu of %zu", k ? "; " : "Right ", kinds[k], passed, all);
+    }
+    fputs(".", p->to);
+}
+
 void section_common(const page *p)
 {
     json_t *o = read_json(p, COMMON_FILE);
@@ -37,8 +54,11 @@ void section_common(const page *p)
     const json_int_t failed = json_integer_value(json_object_get(o, "failed"));
     fputs("<h2>Mistakes that all backends could have in common</h2>\n<p>If every backend made the same mistake, all would be equal and all wrong. So the reference was also compared "
           "with what is known without any program: small grids worked out by hand, bodies whose volume a formula gives, and laws that hold whatever the voxels are. ", p->to);
-    fprintf(p->to, "<b>%s</b></p>\n<div class=\"wide\"><table><thead><tr><th>Check</th><th>is</th><th>expected</th><th>came out</th><th>&#8203;</th></tr></thead>\n",
-            failed ? "Some came out otherwise." : "All came out as expected.");
+    fprintf(p->to, "<b>%s</b> ", failed ? "Some came out otherwise." : "All came out as expected.");
+    common_sums(p, checks);
+    fputs("</p>\n<details", p->to);
+    fputs(failed ? " open" : "", p->to);
+    fputs("><summary>Check by check</summary>\n<div class=\"wide\"><table><thead><tr><th>Check</th><th>is</th><th>expected</th><th>came out</th><th>&#8203;</th></tr></thead>\n", p->to);
     for (size_t i = 0; i < json_array_size(checks); i++) {
         const json_t *one = json_array_get(checks, i);
         const bool passed = json_is_true(json_object_get(one, "passed"));
@@ -52,7 +72,7 @@ void section_common(const page *p)
         page_text(p, evidence_text(one, "got"));
         fprintf(p->to, "</td><td%s>%s</td></tr>\n", passed ? "" : " class=\"bad\"", passed ? "&#10003;" : "&#10007; FAILED");
     }
-    fputs("</table></div>\n<p><b>Not done in this bundle</b>, since it takes the source tree and its tests (<code>make check</code>):</p>\n<ul>\n", p->to);
+    fputs("</table></div></details>\n<p><b>Not done in this bundle</b>, since it takes the source tree and its tests (<code>make check</code>):</p>\n<ul>\n", p->to);
     for (size_t i = 0; i < json_array_size(tests); i++) {
         fputs("<li>", p->to);
         page_text(p, evidence_text(json_array_get(tests, i), "what"));

@@ -139,9 +139,11 @@ void section_reference(const page *p)
                     all++;
                 }
     }
-    fprintf(p->to, "<h2>What the reference made</h2>\n<p>%zu cases gave ", json_array_size(p->cases));
-    page_count(p, all);
-    fputs(" records. Each is compared with every backend's, in this order, and its SHA-256 digests are kept.</p>\n"
+    fputs("<h2>What the reference made</h2>\n<p>", p->to);
+    page_many(p, json_array_size(p->cases), "case");
+    fputs(" gave ", p->to);
+    page_many(p, (size_t)all, "record");
+    fputs(". Each is compared with every backend's, in this order, and its SHA-256 digests are kept.</p>\n"
           "<table><thead><tr><th>Stage</th><th class=\"n\">records</th><th>is</th></tr></thead>\n", p->to);
     for (int s = 0; s < TRACE_STAGES; s++)
         if (records[s]) {

@@ -201,6 +201,92 @@ static void fault_cells(const page *p, const json_t *o)
     }
 }
 
+static void fault_head(const page *p, const char *first)
+{
+    fprintf(p->to, "<div class=\"wide\"><table><thead><tr><th>%s</th>", first);
+    for (int i = 0; i < FAULT_COUNTS; i++)
+        fprintf(p->to, "<th class=\"n\">%s</th>", fault_heads[i]);
+    fputs("</tr></thead>\n", p->to);
+}
+
+static void fault_row(const page *p, const json_t *kind)
+{
+    fputs("<tr><td><b>", p->to);
+    page_text(p, evidence_text(kind, "name"));
+    fputs("</b> (", p->to);
+    page_text(p, evidence_text(kind, "stage"));
+    fputs(")<br>", p->to);
+    page_text(p, evidence_text(kind, "what"));
+    fputs("</td>", p->to);
+    fault_cells(p, kind);
+    fputs("</tr>\n", p->to);
+}
+
+static bool fault_missed(const json_t *kind)
+{
+    return integer(kind, "detected") != integer(kind, "changed") || integer(kind, "localized") != integer(kind, "changed");
+}
+
+/* Sums by stage, in the order of their first kinds; and by themselves, the kinds that were not all noticed and located. */
+static void fault_stages(const page *p, const json_t *all, const json_t *kinds)
+{
+    const size_t count = json_array_size(kinds) < LISTED ? json_array_size(kinds) : LISTED;
+    size_t missed = 0;
+    fault_head(p, "Mistakes in");
+    for (size_t i = 0; i < count; i++) {
+        const char *stage = evidence_text(json_array_get(kinds, i), "stage");
+        uint64_t sum[FAULT_COUNTS] = {0}; /* a bundle that is checked may say anything: no overflow */
+        bool first = true;
+        size_t alike = 0;
+        missed += fault_missed(json_array_get(kinds, i));
+        for (size_t k = 0; k < count; k++) {
+            const json_t *kind = json_array_get(kinds, k);
+            if (strcmp(evidence_text(kind, "stage"), stage) != 0)
+                continue;
+            first = first && k >= i;
+            alike++;
+            for (int c = 0; c < FAULT_COUNTS; c++)
+                sum[c] += (uint64_t)integer(kind, fault_counts[c]);
+        }
+        if (!first)
+            continue;
+        fputs("<tr><td><b>", p->to);
+        page_text(p, stage);
+        fputs("</b>, ", p->to);
+        page_many(p, alike, "kind");
+        fputs("</td>", p->to);
+        for (int c = 0; c < FAULT_COUNTS; c++) {
+            fputs("<td class=\"n\">", p->to);
+            page_count(p, (json_int_t)sum[c]);
+            fputs("</td>", p->to);
+        }
+        fputs("</tr>\n", p->to);
+    }
+    fputs("<tr><td><b>all</b></td>", p->to);
+    fault_cells(p, all);
+    fputs("</tr></table></div>\n", p->to);
+    if (!missed)
+        return;
+    fputs("<p><b>Not all noticed, or not all located:</b></p>\n", p->to);
+    fault_head(p, "Mistake");
+    for (size_t i = 0; i < count; i++)
+        if (fault_missed(json_array_get(kinds, i)))
+            fault_row(p, json_array_get(kinds, i));
+    fputs("</table></div>\n", p->to);
+}
+
+/* Every kind, for the screen; on paper it would be pages. */
+static void fault_kinds(const page *p, const json_t *kinds)
+{
+    fputs("<details><summary>Kind by kind: ", p->to);
+    page_many(p, json_array_size(kinds), "kind");
+    fputs(" of mistakes</summary>\n", p->to);
+    fault_head(p, "Mistake");
+    for (size_t i = 0; i < json_array_size(kinds) && i < LISTED; i++)
+        fault_row(p, json_array_get(kinds, i));
+    fputs("</table></div></details>\n", p->to);
+}
+
 void section_sensitivity(const page *p)
 {
     static const char file[] = "sensitivity.json";
@@ -223,26 +309,10 @@ void section_sensitivity(const page *p)
     page_count(p, integer(o, "clean_runs"));
     fprintf(p->to, " runs without a mistake. <b>%s</b></p>\n",
             json_is_true(json_object_get(o, "proved")) ? "Every mistake that had an effect was noticed and located." : "This does not show that mistakes are noticed.");
-    fputs("<div class=\"wide\"><table><thead><tr><th>Mistake</th><th>Stage</th>", p->to);
-    for (int i = 0; i < FAULT_COUNTS; i++)
-        fprintf(p->to, "<th class=\"n\">%s</th>", fault_heads[i]);
-    fputs("</tr></thead>\n", p->to);
-    for (size_t i = 0; i < json_array_size(kinds) && i < LISTED; i++) {
-        const json_t *kind = json_array_get(kinds, i);
-        fputs("<tr><td><b>", p->to);
-        page_text(p, evidence_text(kind, "name"));
-        fputs("</b><br>", p->to);
-        page_text(p, evidence_text(kind, "what"));
-        fputs("</td><td>", p->to);
-        page_text(p, evidence_text(kind, "stage"));
-        fputs("</td>", p->to);
-        fault_cells(p, kind);
-        fputs("</tr>\n", p->to);
-    }
-    fputs("<tr><td><b>all</b></td><td></td>", p->to);
-    fault_cells(p, o);
-    fputs("</tr></table></div>\n<p class=\"from\">From ", p->to);
+    fault_stages(p, o, kinds);
+    fault_kinds(p, kinds);
+    fputs("<p class=\"from\">From ", p->to);
     page_link(p, file);
-    fputs(", which also says why mistakes can be without effect.</p>\n", p->to);
+    fputs(", which has every kind of mistake with its cause, and says why some can be without effect.</p>\n", p->to);
     json_decref(o);
 }

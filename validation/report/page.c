@@ -31,6 +31,12 @@ void page_count(const page *p, json_int_t value)
     }
 }
 
+void page_many(const page *p, size_t count, const char *one)
+{
+    page_count(p, (json_int_t)count);
+    fprintf(p->to, " %s%s", one, count == 1 ? "" : "s");
+}
+
 void page_link(const page *p, const char *file)
 {
     fputs("<a href=\"", p->to);
@@ -105,6 +111,7 @@ void page_begin(const page *p, const char *title)
         "figure{margin:.6rem 0 1rem}figcaption{color:#333}img{max-width:100%;height:auto;display:block;margin-top:.2rem}\n"
         ".pair{display:grid;grid-template-columns:1fr 1fr;gap:1rem}\n"
         ".file{font-size:.8em;display:block}\n"
+        "summary{cursor:pointer;color:#0b4f9c}\n"
         ".from{font-size:.85em;color:#444}\n"
         ".sign{display:grid;grid-template-columns:1fr 1fr;gap:1rem 2.5rem}.sign div{break-inside:avoid}\n"
         ".sign span{display:block;border-bottom:1px solid #555;height:2.1rem;font-size:.85em;color:#444}\n"
@@ -113,9 +120,9 @@ void page_begin(const page *p, const char *title)
         ".key i.c{background:repeating-linear-gradient(0deg,#e2a400 0 3px,#222 3px 5px)}\n"
         "@media(max-width:38rem){.pair,.sign{grid-template-columns:1fr}}\n"
         "@page{margin:14mm}\n"
-        "@media print{body{margin:0;padding:0;max-width:none;font-size:10.5pt}h2,h3{break-after:avoid}figure,tr,pre,.verdict{break-inside:avoid}"
+        "@media print{body{margin:0;padding:0;max-width:none;font-size:9.5pt;line-height:1.4}table,pre,.sign{font-size:.9em}h2,h3{break-after:avoid}figure,tr,pre,.verdict{break-inside:avoid}"
         "thead{display:table-header-group}.wide{overflow:visible}p{orphans:3;widows:3}a{color:inherit}"
-        "*{-webkit-print-color-adjust:exact;print-color-adjust:exact}}\n";
+        "img{max-height:54mm;width:auto}h2{margin-top:1.3rem}.sign div,ul{break-inside:avoid}details:not([open]){display:none}*{-webkit-print-color-adjust:exact;print-color-adjust:exact}}\n";
     fputs("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
           "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">"
           "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none';style-src 'unsafe-inline';img-src data:\"><title>",

@@ -26,6 +26,8 @@ typedef struct page {
 void page_text(const page *p, const char *text);
 /* 12,345 */
 void page_count(const page *p, json_int_t value);
+/* 1 case, 12,345 cases */
+void page_many(const page *p, size_t count, const char *one);
 /* As one word for a shell. */
 void page_shell_word(const page *p, const char *text);
 /* A link to a file of the bundle. */

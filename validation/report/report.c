@@ -32,8 +32,8 @@ static void verdict(const page *p)
         fputs("<div class=\"verdict differ\"><b>&#10007; NOT EQUAL</b>", p->to);
         page_count(p, other);
         fputs(" of ", p->to);
-        page_count(p, other + same);
-        fputs(" results came out otherwise than the reference's.", p->to);
+        page_many(p, (size_t)(other + same), "result");
+        fputs(" came out otherwise than the reference's.", p->to);
         if (!evidence)
             fputs(" (And this was a reduced run.)", p->to);
     } else if (!equal) {
@@ -43,9 +43,10 @@ static void verdict(const page *p)
                     "No backend but the reference ran a case that the reference did not refuse.", p->to);
     } else {
         fputs(evidence ? "<div class=\"verdict equal\"><b>&#10003; EQUAL</b>" : "<div class=\"verdict none\"><b>&#9888; REDUCED RUN: NO EVIDENCE</b>", p->to);
-        fputs(evidence ? "All " : "<strong>Equal in all ", p->to);
-        page_count(p, same);
-        fputs(evidence ? " results are, byte for byte, the reference's: 0 differing bytes." : " results that were compared</strong>; but too little was compared to prove anything.", p->to);
+        fputs(evidence ? same == 1 ? "The " : "All " : same == 1 ? "<strong>Equal in the " : "<strong>Equal in all ", p->to);
+        page_many(p, (size_t)same, "result");
+        fputs(evidence ? same == 1 ? " is" : " are" : same == 1 ? " that was compared" : " that were compared", p->to);
+        fputs(evidence ? ", byte for byte, the reference's: 0 differing bytes." : "</strong>; but too little was compared to prove anything.", p->to);
     }
     fputs("<br><span class=\"from\">From ", p->to);
     page_link(p, "results.json");
@@ -77,7 +78,9 @@ static void in_short(const page *p)
         page_count(p, detected);
         fputs(" of ", p->to);
         page_count(p, changed);
-        fprintf(p->to, " mistakes made on purpose were, with %lld false alarms (", (long long)alarms);
+        fputs(" mistakes made on purpose were, with ", p->to);
+        page_many(p, alarms > 0 ? (size_t)alarms : 0, "false alarm");
+        fputs(" (", p->to);
         page_link(p, "sensitivity.json");
         fputs(").</li>\n", p->to);
     }
@@ -104,7 +107,11 @@ static void head(const page *p)
     fputs("<p class=\"scope\">What this is: verification that all backends of osteon compute the same voxels (code verification). It is not clinical validation.</p>\n"
           "<p>osteon simulates the reaming of bone for surgery. The same operation can be computed by different programs, on processors and graphics cards. "
           "This report says whether they give the same result, to the last bit: here ", p->to);
-    fprintf(p->to, "<b>%zu backend%s</b> on <b>%zu cases</b>, against the scalar reference. osteon ", run, run == 1 ? "" : "s", json_array_size(p->cases));
+    fputs("<b>", p->to);
+    page_many(p, run, "backend");
+    fputs("</b> on <b>", p->to);
+    page_many(p, json_array_size(p->cases), "case");
+    fputs("</b>, against the scalar reference. osteon ", p->to);
     page_text(p, evidence_text(p->protocol, "version"));
     fprintf(p->to, ", arithmetic version %lld; tier ", (long long)json_integer_value(json_object_get(p->protocol, "arithmetic")));
     page_text(p, evidence_text(p->protocol, "tier"));
@@ -208,6 +215,7 @@ static void files(const page *p)
         {EVIDENCE_PROTOCOL, "what was to be done and what counts as passed, frozen before anything ran", true},
         {EVIDENCE_CASES, "a line a case: digest of its input, digests of all that the reference made, each backend's verdict", true},
         {"results.json", "the verdict and its counts", true},
+        {"margins.csv", "of another program's grids: how near the border the voxels that differ lie", true},
         {"junit.xml", "the verdicts for test reports", true},
         {"results.tap", "the verdicts for test harnesses", true},
         {"inputs.csv", "digests of the cases' inputs", true},
@@ -271,13 +279,13 @@ ost_status report_write(const char *folder, const json_t *protocol, const json_t
     section_reference(&p);
     if (!findings(&p))
         section_differences(&p);
+    section_sensitivity(&p);
     section_common(&p);
     section_requirements(&p);
     section_made_with(&p);
     checking(&p);
     signing(&p);
     files(&p);
-    section_sensitivity(&p); /* last, for its table is long */
     page_end(&p);
     const bool failed = ferror(to) != 0;
     status = fclose(to) != 0 || failed ? ost_fail(err, OST_ERR_MEMORY, "no memory for %s", REPORT_FILE) : sink(user, REPORT_FILE, bytes, size, err);

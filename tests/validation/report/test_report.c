@@ -14,6 +14,7 @@
 
 #include "validation/bundle/bundle.h"
 #include "validation/bundle/check.h"
+#include "validation/report/page.h"
 #include "validation/report/pictures.h"
 #include "validation/report/report.h"
 
@@ -159,8 +160,14 @@ static void make_bundle(const char *out, const kind *k)
         put_text_file(b, "sensitivity.json", "{\"injected\":3,\"kinds\":[{\"name\":\"<b>x\",\"what\":\"\\\"'<script>\",\"stage\":\"&\"},7,[]]}\n");
         put_text_file(b, PICTURE_AFTER, "no picture \"><script>");
     }
-    if (k == &differing)
+    if (k == &differing) {
+        put_text_file(b, "sensitivity.json",
+                      "{\"injected\":12,\"kinds\":["
+                      "{\"name\":\"seen\",\"stage\":\"tool\",\"injected\":4,\"changed\":4,\"detected\":4,\"localized\":4,\"survived\":0},"
+                      "{\"name\":\"other\",\"stage\":\"cubic\",\"injected\":5,\"changed\":0,\"detected\":0,\"localized\":0,\"survived\":5},"
+                      "{\"name\":\"missed\",\"stage\":\"tool\",\"injected\":3,\"changed\":3,\"detected\":2,\"localized\":2,\"survived\":0}]}\n");
         put_difference(b);
+    }
     assert_ok(report_write(bundle_folder(b), protocol, cases, into_bundle, b, &err));
     assert_ok(bundle_end(b, &err));
     json_decref(protocol);
@@ -265,12 +272,12 @@ static void says_the_verdict_first(void **state)
         char name[32];
         snprintf(name, sizeof name, "v%zu", i);
         make_bundle(path_in(name), expected[i].kind);
-        char *page = page_of(path_in(name));
-        const char *said = strstr(page, expected[i].says), *heading = strstr(page, "<h2>");
+        char *html = page_of(path_in(name));
+        const char *said = strstr(html, expected[i].says), *heading = strstr(html, "<h2>");
         assert_non_null(said);
         assert_true(said < heading);
-        assert_null(strstr(page, expected[i].says_not));
-        free(page);
+        assert_null(strstr(html, expected[i].says_not));
+        free(html);
     }
 }
 
@@ -280,11 +287,11 @@ static void escapes_what_it_is_given(void **state)
     static const char *const bad[] = {"<script", "<img src=x", "onerror=\"", "alert('x')", "\x01", "<b>x"};
     (void)state;
     make_bundle(path_in("hostile"), &hostile);
-    char *page = page_of(path_in("hostile"));
+    char *html = page_of(path_in("hostile"));
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
-        assert_null(strstr(page, bad[i]));
-    assert_non_null(strstr(page, "&lt;script&gt;alert(&#39;x&#39;)&lt;/script&gt;&quot;&gt;&lt;img src=x onerror=&quot;y&quot;&gt;&amp;?"));
-    free(page);
+        assert_null(strstr(html, bad[i]));
+    assert_non_null(strstr(html, "&lt;script&gt;alert(&#39;x&#39;)&lt;/script&gt;&quot;&gt;&lt;img src=x onerror=&quot;y&quot;&gt;&amp;?"));
+    free(html);
 }
 
 static void links_lead_somewhere(void **state)
@@ -296,15 +303,15 @@ static void links_lead_somewhere(void **state)
         int links = 0;
         snprintf(name, sizeof name, "l%zu", i);
         make_bundle(path_in(name), kinds[i]);
-        char *page = page_of(path_in(name));
-        for (const char *at = page; (at = strstr(at, "href=\"")); links++) {
+        char *html = page_of(path_in(name));
+        for (const char *at = html; (at = strstr(at, "href=\"")); links++) {
             char path[2 * PATH];
             struct stat info;
             at += strlen("href=\"");
             assert_int_not_equal(at[0], '/');
             if (at[0] == '#') { /* a place of the page itself */
                 snprintf(path, sizeof path, "id=\"%.*s\"", (int)strcspn(at + 1, "\""), at + 1);
-                assert_non_null(strstr(page, path));
+                assert_non_null(strstr(html, path));
                 continue;
             }
             snprintf(path, sizeof path, "%s/%.*s", path_in(name), (int)strcspn(at, "\""), at);
@@ -312,9 +319,9 @@ static void links_lead_somewhere(void **state)
                 fail_msg("%s is not there", path);
         }
         assert_true(links > 15);
-        assert_null(strstr(page, "http://"));
-        assert_null(strstr(page, "https://"));
-        free(page);
+        assert_null(strstr(html, "http://"));
+        assert_null(strstr(html, "https://"));
+        free(html);
     }
 }
 
@@ -324,16 +331,52 @@ static void shows_a_difference(void **state)
     struct stat info;
     (void)state;
     make_bundle(path_in("differing"), &differing);
-    char *page = page_of(path_in("differing"));
+    char *html = page_of(path_in("differing"));
     for (size_t i = 0; i < sizeof expected / sizeof expected[0]; i++)
-        assert_non_null(strstr(page, expected[i]));
+        assert_non_null(strstr(html, expected[i]));
     if (stat(path_in("differing/pictures/session-1-backend-1-difference.png"), &info) == 0) {
-        assert_non_null(strstr(page, "alt=\"Reference: axial, coronal, sagittal\" src=\"data:image/png;base64,iVBORw0KGgo"));
-        assert_non_null(strstr(page, "alt=\"Got\""));
-        assert_non_null(strstr(page, "alt=\"Difference\""));
+        assert_non_null(strstr(html, "alt=\"Reference: axial, coronal, sagittal\" src=\"data:image/png;base64,iVBORw0KGgo"));
+        assert_non_null(strstr(html, "alt=\"Got\""));
+        assert_non_null(strstr(html, "alt=\"Difference\""));
     } else
-        assert_non_null(strstr(page, "None were kept"));
-    free(page);
+        assert_non_null(strstr(html, "None were kept"));
+    free(html);
+}
+
+/* Sums by stage in the open, what was missed by itself, and every kind behind a click. */
+static void sums_up_mistakes(void **state)
+{
+    (void)state;
+    make_bundle(path_in("mistakes"), &differing);
+    char *html = page_of(path_in("mistakes"));
+    const char *tool = strstr(html, "<b>tool</b>, 2 kinds</td><td class=\"n\">7</td><td class=\"n\">7</td><td class=\"n\">6</td><td class=\"n\">6</td><td class=\"n\">0</td>");
+    assert_non_null(tool);
+    assert_null(strstr(tool + 1, "<b>tool</b>"));
+    assert_non_null(strstr(tool, "<b>cubic</b>, 1 kind</td>"));
+    const char *missed = strstr(tool, "Not all noticed"), *all = strstr(tool, "<details>");
+    assert_non_null(missed);
+    assert_non_null(all);
+    assert_true(missed < strstr(tool, "<b>missed</b>") && strstr(tool, "<b>missed</b>") < all);
+    assert_true(strstr(tool, "<b>seen</b>") > all);
+    free(html);
+}
+
+static void counts_read_well(void **state)
+{
+    char *text;
+    size_t size;
+    FILE *to = open_memstream(&text, &size);
+    (void)state;
+    assert_non_null(to);
+    const page p = {.to = to};
+    page_many(&p, 1, "case");
+    fputs("; ", to);
+    page_many(&p, 0, "case");
+    fputs("; ", to);
+    page_many(&p, 12345, "result");
+    fclose(to);
+    assert_string_equal(text, "1 case; 0 cases; 12,345 results");
+    free(text);
 }
 
 static void a_changed_byte_is_noticed(void **state)
@@ -497,7 +540,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(follows_from_the_bundle),  cmocka_unit_test(says_the_verdict_first), cmocka_unit_test(escapes_what_it_is_given),
-        cmocka_unit_test(links_lead_somewhere),     cmocka_unit_test(shows_a_difference),     cmocka_unit_test(a_changed_byte_is_noticed),
+        cmocka_unit_test(links_lead_somewhere),     cmocka_unit_test(shows_a_difference),
+        cmocka_unit_test(sums_up_mistakes),         cmocka_unit_test(counts_read_well),         cmocka_unit_test(a_changed_byte_is_noticed),
         cmocka_unit_test(shards_bring_their_pictures), cmocka_unit_test(nothing_compared),     cmocka_unit_test(one_refused),
     };
     return cmocka_run_group_tests(tests, make_scratch, clear_scratch);
