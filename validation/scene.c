@@ -46,7 +46,13 @@ static ost_status make_import(const plan_case *c, scene *s, draw *d, ost_error *
 {
     const int32_t most = c->tier == PLAN_SMOKE ? 56 : 120;
     draw_lattice(s, d);
-    const ost_dims dims = {(int32_t)draw_between(d, 1, most), (int32_t)draw_between(d, 1, most), (int32_t)draw_between(d, 1, most)};
+    ost_dims dims = {(int32_t)draw_between(d, 1, most), (int32_t)draw_between(d, 1, most), (int32_t)draw_between(d, 1, most)};
+    if (c->number % 6 == 0) {
+        /* Every index is an exact multiple, where a quotient that comes out a little too small is another layer. */
+        s->rect.spacing.y = s->rect.spacing.z = s->cubic = s->rect.spacing.x;
+        s->resample = OST_RESAMPLE_FLOOR;
+        dims = (ost_dims){dims.x < 8 ? 8 : dims.x, dims.y < 8 ? 8 : dims.y, dims.z < 8 ? 8 : dims.z};
+    }
     return scene_ct(s, d, dims, err);
 }
 
@@ -122,6 +128,10 @@ static ost_status make_small(const plan_case *c, scene *s, draw *d, ost_error *e
     }
     if (status == OST_OK)
         status = c->number % 2 ? scene_unrelated_poses(s, d, 6, err) : scene_drive(s, d, 10, unit + unit / 2, 0.15, err);
+    if (status == OST_OK)
+        status = scene_add_full_tool(s, d, unit / 10, err);
+    if (status == OST_OK)
+        status = scene_add_poses_inside(s, d, 3, err);
     s->collide_every = 3;
     return status;
 }

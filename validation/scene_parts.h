@@ -31,8 +31,17 @@ typedef enum scene_shape {
 ost_status scene_add_tool(scene *s, draw *d, scene_shape shape, ost_pm size, ost_pm voxel, bool noncutting, ost_fill_rule rule,
                           ost_error *err);
 
+/*
+ * Adds a tool of 58^3 voxels that is solid to its grid's border, as no mesh
+ * with a margin is: a box, and in it solids whose sloped edges go through rows'
+ * centres exactly, with products beyond 2^24.
+ */
+ost_status scene_add_full_tool(scene *s, draw *d, ost_pm voxel, ost_error *err);
+
 /* Poses that bring a tool into the bone: unrelated ones (with sweep off), a fast drive, a slow cut. */
 ost_status scene_unrelated_poses(scene *s, draw *d, size_t count, ost_error *err);
+/* So many ticks more, of the last tool near the middle of the bone. */
+ost_status scene_add_poses_inside(scene *s, draw *d, size_t count, ost_error *err);
 ost_status scene_drive(scene *s, draw *d, size_t count, ost_pm speed, double turn, ost_error *err);
 
 #endif

@@ -6,6 +6,7 @@
 #include "validation/scene_parts.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 enum { TICK_NS = 1000000 };
 
@@ -68,6 +69,29 @@ ost_status scene_unrelated_poses(scene *s, draw *d, size_t count, ost_error *err
         *tick = (ost_tick){.t_ns = (int64_t)(i + 1) * TICK_NS, .tool = (int32_t)draw_between(d, 0, s->tool_count - 1)};
         status = ost_pose_from_doubles(none, q, &tick->pose, err);
         tick->pose.t = at;
+    }
+    return status;
+}
+
+ost_status scene_add_poses_inside(scene *s, draw *d, size_t count, ost_error *err)
+{
+    const ost_geometry *g = &s->rect;
+    const size_t before = s->path.count;
+    ost_tick *ticks = realloc(s->path.ticks, (before + count) * sizeof *ticks);
+    if (!ticks)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu ticks", before + count);
+    s->path.ticks = ticks;
+    ost_status status = OST_OK;
+    for (size_t i = before; i < before + count && status == OST_OK; i++) {
+        const double none[3] = {0, 0, 0};
+        double q[4];
+        drawn_turn(d, q);
+        ticks[i] = (ost_tick){.t_ns = (int64_t)(i + 1) * TICK_NS, .tool = s->tool_count - 1};
+        status = ost_pose_from_doubles(none, q, &ticks[i].pose, err);
+        ticks[i].pose.t = (ost_pm3){g->origin.x + g->spacing.x * g->dims.x / 2 + draw_between(d, -2 * g->spacing.x, 2 * g->spacing.x),
+                                    g->origin.y + g->spacing.y * g->dims.y / 2 + draw_between(d, -2 * g->spacing.y, 2 * g->spacing.y),
+                                    g->origin.z + g->spacing.z * g->dims.z / 2 + draw_between(d, -2 * g->spacing.z, 2 * g->spacing.z)};
+        s->path.count = i + 1;
     }
     return status;
 }

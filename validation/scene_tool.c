@@ -152,3 +152,63 @@ ost_status scene_add_tool(scene *s, draw *d, scene_shape shape, ost_pm size, ost
     ost_mesh_free(&shaft);
     return status;
 }
+
+/* ------------------------------------------------------ solid to the border */
+
+/*
+ * The edge a b of a small solid goes through the centre C of a row, and no
+ * product of its edge function is a float:
+ *
+ *   a = C - n (p, q),  b = a + m (p, q);  (m q) (n p) is odd and beyond 2^24
+ *
+ * Coordinates are those of the snapped mesh, 2^10 a voxel.
+ */
+enum { FULL_SIDE = 58, FULL_UNITS = FULL_SIDE << 10, FULL_SOLIDS = 8, REACH = 14000 };
+
+static int64_t drawn_odd(draw *d, int64_t lo, int64_t hi)
+{
+    return draw_between(d, lo / 2, (hi - 1) / 2) * 2 + 1;
+}
+
+static void solid_on_a_centre(draw *d, int64_t at[4][3])
+{
+    const int64_t p = drawn_odd(d, 3, 7), q = drawn_odd(d, 3, 7) * (draw_one_in(d, 2) ? 1 : -1), most = REACH / (p > 7 || q > 7 ? 9 : 7);
+    const int64_t m = drawn_odd(d, most * 3 / 4, most), n = drawn_odd(d, m * 2 / 5, m * 3 / 5);
+    for (int v = 0; v < 4; v++)
+        for (int a = 0; a < 3; a++)
+            at[v][a] = draw_between(d, FULL_UNITS / 4, FULL_UNITS * 3 / 4);
+    const int64_t y = drawn_odd(d, 44, 72) * 512, z = drawn_odd(d, 44, 72) * 512;
+    at[0][1] = y - n * p;
+    at[0][2] = z - n * q;
+    at[1][1] = at[0][1] + m * p;
+    at[1][2] = at[0][2] + m * q;
+}
+
+ost_status scene_add_full_tool(scene *s, draw *d, ost_pm voxel, ost_error *err)
+{
+    static const uint32_t faces[4][3] = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {0, 2, 3}};
+    const ost_pm half = FULL_SIDE / 2 * voxel;
+    const ost_tool_geometry grid = {{FULL_SIDE, FULL_SIDE, FULL_SIDE}, voxel, {-half, -half, -half}};
+    scene_tool *tool = &s->tools[s->tool_count];
+    ost_mesh mesh = {0};
+    *tool = (scene_tool){.rule = OST_FILL_WINDING, .name = "full"};
+    s->tool_count++;
+    ost_status status = ost_mesh_init(&mesh, 8 + 4 * FULL_SOLIDS, 12 + 4 * FULL_SOLIDS, err);
+    if (status != OST_OK)
+        return status;
+    for (int c = 0; c < 8; c++)
+        mesh.vertices[c] = (ost_pm3){c & 1 ? half : -half, c & 2 ? half : -half, c & 4 ? half : -half};
+    memcpy(mesh.triangles, box_faces, sizeof box_faces);
+    for (int b = 0; b < FULL_SOLIDS; b++) {
+        int64_t at[4][3];
+        solid_on_a_centre(d, at);
+        for (int v = 0; v < 4; v++) /* the nearest picometre; snapping gives the unit back */
+            mesh.vertices[8 + 4 * b + v] = (ost_pm3){(at[v][0] * voxel + 512) / 1024 - half, (at[v][1] * voxel + 512) / 1024 - half, (at[v][2] * voxel + 512) / 1024 - half};
+        for (int t = 0; t < 4; t++)
+            for (int c = 0; c < 3; c++)
+                mesh.triangles[12 + 4 * b + t][c] = (uint32_t)(8 + 4 * b) + faces[t][c];
+    }
+    status = ost_mesh_snap(&mesh, &grid, &tool->cutting, err);
+    ost_mesh_free(&mesh);
+    return status;
+}

@@ -187,7 +187,7 @@ typedef struct bench {
 } bench;
 
 /* A scene, a clean run, and so many mistakes in it: all drawn from the scene's number, whoever runs it. */
-static ost_status run_scene(bench *b, int number, uint64_t injections, ost_error *err)
+static ost_status run_scene(bench *b, int number, uint64_t injections, const deviation *only, ost_error *err)
 {
     plan_case c = {.family = PLAN_SMALL, .number = number, .seed = b->found.seed};
     char name[PLAN_ID + 16];
@@ -213,7 +213,7 @@ static ost_status run_scene(bench *b, int number, uint64_t injections, ost_error
             const uint64_t all = (uint64_t)number * PER_SCENE + i;
             const deviation_kind kind = (deviation_kind)(DEVIATION_NONE + 1 + all % (DEVIATION_KINDS - 1));
             const deviation how = {kind, draw_bits(&d), drawn_rate(&d, kind)};
-            status = inject(&how, &s, &c, b->names[1], &ref, in_ref, &b->found, err);
+            status = inject(only ? only : &how, &s, &c, b->names[1], &ref, in_ref, &b->found, err);
         }
     }
     trace_free(&ref);
@@ -261,16 +261,42 @@ static void take_over(proof *p, const sensitivity *found, int number)
     }
 }
 
+static ost_status bench_open(bench *b, ost_error *err)
+{
+    ost_status status = OST_OK;
+    *b = (bench){.files = {-1, -1}};
+    for (int f = 0; f < 2 && status == OST_OK; f++) {
+        status = scratch_file(&b->files[f], err);
+        scratch_name(b->files[f], b->names[f]);
+    }
+    return status;
+}
+
+static void bench_close(const bench *b)
+{
+    for (int f = 0; f < 2; f++)
+        if (b->files[f] >= 0)
+            close(b->files[f]);
+}
+
+ost_status sensitivity_of(const deviation *how, uint64_t seed, int scene_number, sensitivity *out, ost_error *err)
+{
+    bench b;
+    ost_status status = bench_open(&b, err);
+    b.found = (sensitivity){.seed = seed};
+    if (status == OST_OK)
+        status = run_scene(&b, scene_number, 1, how, err);
+    bench_close(&b);
+    *out = b.found;
+    return status;
+}
+
 static void *work(void *user)
 {
     proof *p = user;
-    bench b = {.files = {-1, -1}};
+    bench b;
     ost_error err = {0};
-    ost_status status = OST_OK;
-    for (int f = 0; f < 2 && status == OST_OK; f++) {
-        status = scratch_file(&b.files[f], &err);
-        scratch_name(b.files[f], b.names[f]);
-    }
+    ost_status status = bench_open(&b, &err);
     pthread_mutex_lock(&p->lock);
     while (status == OST_OK && p->err.status == OST_OK && (uint64_t)p->next * PER_SCENE < p->injections) {
         const int number = p->next++;
@@ -279,16 +305,14 @@ static void *work(void *user)
             p->show(p->user, "sensitivity", (double)(p->injections - left) / (double)p->injections);
         pthread_mutex_unlock(&p->lock);
         b.found = (sensitivity){.seed = p->out->seed};
-        status = run_scene(&b, number, left < PER_SCENE ? left : PER_SCENE, &err);
+        status = run_scene(&b, number, left < PER_SCENE ? left : PER_SCENE, NULL, &err);
         pthread_mutex_lock(&p->lock);
         take_over(p, &b.found, number);
     }
     if (status != OST_OK && p->err.status == OST_OK)
         p->err = err;
     pthread_mutex_unlock(&p->lock);
-    for (int f = 0; f < 2; f++)
-        if (b.files[f] >= 0)
-            close(b.files[f]);
+    bench_close(&b);
     return NULL;
 }
 

@@ -49,4 +49,7 @@ uint64_t sensitivity_injections(plan_tier tier);
 ost_status sensitivity_run(uint64_t seed, uint64_t injections, int jobs, void (*show)(void *user, const char *what, double share), void *user,
                            sensitivity *out, ost_error *err);
 
+/* This mistake alone, in the scene of this number. */
+ost_status sensitivity_of(const deviation *how, uint64_t seed, int scene_number, sensitivity *out, ost_error *err);
+
 #endif

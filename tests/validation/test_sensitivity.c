@@ -7,6 +7,12 @@
  */
 #include "harness.h"
 
+#include <unistd.h>
+
+#include "validation/compare.h"
+#include "validation/dense/dense.h"
+#include "validation/perform.h"
+#include "validation/scratch.h"
 #include "validation/sensitivity.h"
 #include "validation/worker.h"
 
@@ -32,6 +38,90 @@ static void proved(void **state)
     assert_ok(sensitivity_run(seed, 40, 1, NULL, NULL, &one, &err));
     assert_ok(sensitivity_run(seed, 40, 3, NULL, NULL, &two, &err));
     assert_memory_equal(&one, &two, sizeof one); /* who runs a scene makes no difference */
+}
+
+/* Kinds that need something special of a scene: it is there, they are triggered, and what they change is found. */
+static void rare_kinds_are_triggered(void **state)
+{
+    static const deviation_kind rare[] = {DEVIATION_CONTRACTED_MULTIPLY_ADD, DEVIATION_NARROW_AREA, DEVIATION_MUL24, DEVIATION_TRUNCATED_NEGATIVE,
+                                          DEVIATION_BORDER_INCLUDED};
+    enum { SCENES = 4 };
+    (void)state;
+    for (size_t k = 0; k < sizeof rare / sizeof rare[0]; k++) {
+        uint64_t triggered = 0, changed = 0;
+        for (int number = 0; number < SCENES; number++) {
+            const deviation how = {rare[k], 1, 1};
+            ost_error err = {0};
+            sensitivity s;
+            assert_ok(sensitivity_of(&how, 1, number, &s, &err));
+            if (s.first_problem[0])
+                fail_msg("%s", s.first_problem);
+            assert_int_equal(s.of[rare[k]].injected, 1);
+            assert_int_equal(s.all.located, s.all.changed);
+            triggered += s.all.triggered;
+            changed += s.all.changed;
+        }
+        print_message("# %-24s triggered in %d, changed something in %d of %d scenes\n", deviation_describe(rare[k])->name, (int)triggered, (int)changed, SCENES);
+        assert_true(triggered >= (rare[k] == DEVIATION_MUL24 ? 1 : SCENES)); /* mul24 wants 8 tool voxels a bone voxel along an axis */
+        assert_true(changed > 0);
+    }
+}
+
+static void trace_of(ost_backend *backend, const scene *s, int fd, trace *out)
+{
+    ost_error err = {0}, why;
+    trace_writer *w;
+    char name[SCRATCH_NAME];
+    scratch_name(fd, name);
+    assert_ok(trace_create(name, &w, &err));
+    assert_ok(perform(backend, s, 0, w, NULL, NULL, &why, &err));
+    trace_begin(w, TRACE_END, 1, 0);
+    assert_ok(trace_end(w, &err));
+    assert_ok(trace_close(w, &err));
+    assert_ok(trace_open(name, out, &err));
+}
+
+/* A resampling that is wrong at exact multiples alone differs in a case of the smoke tier, whatever the seed. */
+static void smoke_sees_exact_multiples(void **state)
+{
+    (void)state;
+    test_rng rng = rng_seeded("exact multiples");
+    ost_error err = {0};
+    ost_backend *ref;
+    int files[2];
+    for (int f = 0; f < 2; f++)
+        assert_ok(scratch_file(&files[f], &err));
+    assert_ok(ost_backend_open("ref", &ref, &err));
+    for (int round = 0; round < 3; round++) {
+        const uint64_t seed = round ? rng_next(&rng) >> 1 : 1;
+        int differ = 0;
+        plan p;
+        assert_ok(plan_make(PLAN_SMOKE, seed, 1, 1, "import", &p, &err));
+        for (int i = 0; i < p.count; i++) {
+            const deviation how = {DEVIATION_MULTIPLE_OFF_BY_ONE, 1, 1};
+            ost_backend *other;
+            scene s;
+            trace right = {0}, wrong = {0};
+            compare_difference d;
+            assert_ok(scene_make(&p.cases[i], &s, &err));
+            assert_ok(dense_open(&how, &other, &err));
+            trace_of(ref, &s, files[0], &right);
+            trace_of(other, &s, files[1], &wrong);
+            compare_case(&right, compare_find(&right, 0), &wrong, compare_find(&wrong, 0), &d);
+            differ += d.kind == COMPARE_VOXEL && d.stage == TRACE_CUBIC;
+            assert_true(d.kind == COMPARE_EQUAL || d.stage == TRACE_CUBIC);
+            trace_free(&right);
+            trace_free(&wrong);
+            ost_backend_close(other);
+            scene_free(&s);
+        }
+        print_message("# seed %llu: seen in %d of %d cases\n", (unsigned long long)seed, differ, p.count);
+        assert_true(differ > 0);
+        plan_free(&p);
+    }
+    ost_backend_close(ref);
+    for (int f = 0; f < 2; f++)
+        close(files[f]);
 }
 
 static worker_result result_of(const char *script, double limit)
@@ -74,6 +164,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(proved),
+        cmocka_unit_test(rare_kinds_are_triggered),
+        cmocka_unit_test(smoke_sees_exact_multiples),
         cmocka_unit_test(workers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

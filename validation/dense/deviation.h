@@ -84,6 +84,9 @@ typedef enum deviation_stage {
     X(LAYER_OFF_BY_ONE, "layer-off-by-one", CUBIC, "layer", "a z layer takes the source layer before its own",                      \
       "T: Alg. 2.5, PrevRectGridIndex",                                                                                              \
       "the two source layers are equal")                                                                                             \
+    X(MULTIPLE_OFF_BY_ONE, "multiple-off-by-one", CUBIC, "layer", "where i c is a multiple of s the layer before is taken",                \
+      "P: ceil(q) - 1 for floor(q); a reciprocal that comes out a little too small",                                                 \
+      "the two neighbouring layers are equal")                                                                                       \
     X(SWAPPED_AXIS, "swapped-axis", CUBIC, "call", "the source is read with x and y exchanged",                                      \
       "T: Alg. 1.1 is named ZYX and takes (x, y, z)",                                                                                \
       "the grid is its own mirror image about x = y")                                                                                \

@@ -325,6 +325,8 @@ static int64_t chosen(deviant *m, int axis, int32_t i, ost_pm cubic, ost_pm rect
         made = (int64_t)((float)i * (float)((double)cubic / 1e9) / (float)((double)rect / 1e9));
     if (axis == 2 && right > 0 && deviates(m, DEVIATION_LAYER_OFF_BY_ONE, item))
         made = right - 1;
+    if (right > 0 && rule == OST_RESAMPLE_FLOOR && (ost_int128)right * rect == (ost_int128)i * cubic && deviates(m, DEVIATION_MULTIPLE_OFF_BY_ONE, item))
+        made = right - 1;
     if (deviant_thesis(m, &fused))
         made = axis == 2 ? dense_thesis_layer(i, cubic, rect, fused) : i;
     if (made > n - 1)
