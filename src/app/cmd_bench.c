@@ -127,11 +127,11 @@ static void say_row(const app_state *app, const bench_row *row)
 {
     char ours[FIGURE], ours_range[RANGE], baseline[FIGURE] = "-", baseline_range[RANGE] = "-", ratio[FIGURE] = "-", best[FIGURE] = "-";
     if (row->reason[0]) {
-        say(app, "%-28s not measured: %s", row->name, row->reason);
+        say(app, "%-30s not measured: %s", row->name, row->reason);
         return;
     }
     if (!row->equal) {
-        say(app, "%-28s WRONG: the grid is not the reference's", row->name);
+        say(app, "%-30s WRONG: the grid is not the reference's", row->name);
         return;
     }
     if (row->baseline.count) {
@@ -140,7 +140,7 @@ static void say_row(const app_state *app, const bench_row *row)
         figure(ratio, bench_row_ratio(row));
         figure(best, bench_row_ratio_of_minima(row));
     }
-    say(app, "%-28s %2s %8s %-16s %8s %-16s %7s %7s", row->name, row->unit, figure(ours, row->ours.median), range(ours_range, &row->ours),
+    say(app, "%-30s %2s %8s %-15s %8s %-15s %7s %7s", row->name, row->unit, figure(ours, row->ours.median), range(ours_range, &row->ours),
         baseline, baseline_range, ratio, best);
     say_distribution(app, row);
 }
@@ -152,7 +152,10 @@ static void say_disturbed(const app_state *app, const bench_table *table)
     for (size_t i = 0; i < table->count; i++)
         disturbed += bench_row_disturbed(&table->rows[i]);
     if (disturbed)
-        say(app, "  busy machine? in %zu of %zu rows a median is more than half above its minimum: trust 'of min'", disturbed, table->count);
+        say(app,
+            "  busy machine? in %zu of %zu rows a median is more than half above its minimum; 'of min' suffers less,\n"
+            "  but after few repetitions it is no better (--repeat N)",
+            disturbed, table->count);
 }
 
 /* What the baselines of a suite are, each said once, and why some are missing. */
@@ -174,13 +177,13 @@ static void say_baselines(const app_state *app, const bench_table *table)
 static void say_heading(const app_state *app, const bench_options *options)
 {
     char cpu[BENCH_TEXT];
-    say(app, "backend %s (%s), %d thread%s (rows ending in /1: one), %s", options->backend, bench_isa(options), options->threads,
+    say(app, "backend %s (%s), %d thread%s (one: tick, rows in /1), %s", options->backend, bench_isa(options), options->threads,
         options->threads == 1 ? "" : "s", bench_cpu_model(cpu));
     say(app, "medians and min..max of repetitions that alternate with the baseline's; every grid was first");
     say(app, "compared with the reference's, byte by byte; clock CLOCK_MONOTONIC; baselines: %s", OST_BENCH_CFLAGS);
     if (options->quick)
         say(app, "--quick: few repetitions and small inputs; not for quoting");
-    say(app, "\n%-28s %2s %8s %-16s %8s %-16s %7s %7s", "row", "", "ours", "min..max", "baseline", "min..max", "ratio", "of min");
+    say(app, "\n%-30s %2s %8s %-15s %8s %-15s %7s %7s", "row", "", "ours", "min..max", "baseline", "min..max", "ratio", "of min");
 }
 
 /* ---------------------------------------------------------------- Markdown */
@@ -233,6 +236,8 @@ static bool show_rows(app_state *app, const bench_options *options, const char *
         say_markdown_heading(app, options, suite);
     else if (table->count && first)
         say_heading(app, options);
+    else if (table->count && !markdown)
+        say(app, "%s", "");
     for (size_t i = 0; i < table->count; i++) {
         append(json_object_get(app->result, "rows"), json_of_row(&table->rows[i]));
         if (markdown)
@@ -303,12 +308,16 @@ ost_status cmd_bench(app_state *app, int argc, char **argv, ost_error *err)
         .synopsis = "[--suite NAME] [options]",
         .about = "Measures osteon against baselines in one run: removal against the thesis' kernel\n"
                  "in C, transfer against a copy, parsing against fscanf, voxelization against\n"
-                 "Embree, OpenCL against the thesis' kernel there. Every grid is first compared with the reference's, byte by byte.",
+                 "Embree, OpenCL against the thesis' kernel there. Every grid is first compared\n"
+                 "with the reference's, byte by byte.",
         .options = options,
         .notes = "Figures are medians; min and max stand beside them. ratio is baseline over ours.\n"
-                 "Rows that end in /1 use one thread, all others --threads (default: all).\n"
-                 "A machine that does other work gives other figures: look at the minima.",
-        .example = "  osteon bench --suite removal --filter reamer/32\n  osteon bench --backend cpu:isa=avx2 --json",
+                 "Rows that end in /1 and those of tick use one thread, all others --threads\n"
+                 "(default: all). A machine that does other work gives other figures: look at\n"
+                 "the minima. What each row is, what limits it and which goals are met:\n"
+                 "docs/performance.md.",
+        .example = "  osteon bench --suite removal --filter reamer/32\n  osteon bench --suite voxelize --backend cpu:voxelizer=embree\n"
+                   "  osteon bench --backend cpu:isa=avx2 --json",
     };
     ost_status status;
     if (!options_parse(app, &usage, argc, argv, &status, err))
