@@ -181,9 +181,8 @@ static void mesh_laws(lab *l)
         const ost_pm3 hi = {draw_between(&d, LAB_MM, 9 * LAB_MM), draw_between(&d, LAB_MM, 9 * LAB_MM), draw_between(&d, LAB_MM, 9 * LAB_MM)};
         const ost_pm3 by = {draw_between(&d, -20, 20) * voxel, draw_between(&d, -20, 20) * voxel, draw_between(&d, -20, 20) * voxel};
         const ost_pm cut = draw_between(&d, lo.x + 1, hi.x - 1);
-        ost_tool_geometry grid;
-        if (l->status == OST_OK)
-            l->status = ost_tool_geometry_from_bounds(lo, hi, voxel, &grid, l->err);
+        ost_tool_geometry grid = {.dims = {0, 0, 0}}; /* read below even when its bounds are refused */
+        l->status = ost_tool_geometry_from_bounds(lo, hi, voxel, &grid, l->err);
         ost_tool_geometry there = grid;
         there.corner = (ost_pm3){grid.corner.x + by.x, grid.corner.y + by.y, grid.corner.z + by.z};
         lab_box(l, lo, hi, false, &m[0]);
