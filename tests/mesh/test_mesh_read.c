@@ -401,7 +401,7 @@ static void broken_bytes_are_told_where(void **state)
     ost_error err = {0};
     ost_mesh mesh;
     assert_int_equal(ost_mesh_read(folder, OST_UNIT_AUTO, &mesh, NULL, &err), OST_ERR_IO);
-    assert_int_equal(ost_mesh_read("/nonexistent/a.stl", OST_UNIT_AUTO, &mesh, NULL, &err), OST_ERR_IO);
+    assert_int_equal(ost_mesh_read("/dev/null/a.stl", OST_UNIT_AUTO, &mesh, NULL, &err), OST_ERR_IO);
     assert_int_equal(ost_mesh_read("/dev/zero", OST_UNIT_AUTO, &mesh, NULL, &err), OST_ERR_IO);
 }
 
@@ -460,7 +460,7 @@ static void an_stl_comes_back(void **state)
     free(content[1]);
     made.triangles[5][1] = (uint32_t)made.vertex_count;
     assert_int_equal(ost_mesh_write_stl(path, &made, &err), OST_ERR_USAGE);
-    assert_int_equal(ost_mesh_write_stl("/nonexistent/a.stl", &read, &err), OST_ERR_IO);
+    assert_int_equal(ost_mesh_write_stl("/dev/null/a.stl", &read, &err), OST_ERR_IO);
     ost_mesh_free(&made);
     ost_mesh_free(&read);
 }
