@@ -26,7 +26,9 @@ static ost_status side_read(const char *folder, side *out, ost_error *err)
     size_t size;
     *out = (side){.protocol = NULL};
     ost_status status = bundle_read(folder, EVIDENCE_PROTOCOL, &bytes, &size, err);
-    if (status == OST_OK && !json_is_object(out->protocol = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, NULL)))
+    if (status == OST_OK)
+        out->protocol = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, NULL);
+    if (status == OST_OK && !json_is_object(out->protocol))
         status = ost_fail(err, OST_ERR_INPUT, "%s/%s: no JSON object", folder, EVIDENCE_PROTOCOL);
     free(bytes);
     bytes = NULL;
