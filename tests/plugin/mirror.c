@@ -53,10 +53,14 @@ static int32_t m_open(const char *options, const ost_plugin_host *host, ost_plug
         return OST_PLUGIN_USAGE;
     }
     const int32_t status = told(ost_backend_open("ref", &self->ref, &err), &err, error);
-    if (status == OST_PLUGIN_OK && !broken("nothing"))
+    if (status == OST_PLUGIN_OK && !broken("nothing")) {
         *out = self;
-    else
-        free(self);
+        return status;
+    }
+    if (status == OST_PLUGIN_OK)
+        ost_backend_close(self->ref);
+    free(self);
+    current = NULL;
     return status;
 }
 

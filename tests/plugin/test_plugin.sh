@@ -10,6 +10,9 @@
 # mirror.so is linked to the library; the others of its name too
 LD_LIBRARY_PATH=$build/.libs${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
 export LD_LIBRARY_PATH
+# A crash is to end a process, also where a sanitizer would rather tell of it.
+ASAN_OPTIONS=${ASAN_OPTIONS:+$ASAN_OPTIONS:}handle_segv=0
+export ASAN_OPTIONS
 for file in mirror thesis_f32 broken_abi broken_size broken_slot broken_arithmetic broken_refuses; do
     cp "$build/.libs/$file.so" . || {
         echo "skipped: no shared objects were built here"
