@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The files that follow from protocol and cases, for machines: each a function of both that writes text. */
 #include "validation/bundle/evidence.h"
+#include "validation/bundle/csv.h"
 #include "validation/margin.h"
 
 #include <errno.h>
@@ -21,19 +22,6 @@ static void put_xml(FILE *to, const char *text)
         case '"': fputs("&quot;", to); break;
         default: fputc((unsigned char)*text < ' ' ? '?' : *text, to);
         }
-}
-
-/* RFC 4180. */
-static void put_csv(FILE *to, const char *text, char after)
-{
-    fputc('"', to);
-    for (; *text; text++) {
-        if (*text == '"')
-            fputc('"', to);
-        fputc((unsigned char)*text < ' ' ? ' ' : *text, to);
-    }
-    fputc('"', to);
-    fputc(after, to);
 }
 
 /* "tick 12: 3 voxels, the first at (1, 2, 3): 5 for 0" */

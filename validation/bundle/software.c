@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include <osteon/digest.h>
+#include "validation/bundle/csv.h"
 
 /* By the beginning of a library's file name. */
 typedef struct known {
@@ -117,18 +118,6 @@ static const json_t *part_of(json_t *tools, const char *key)
 }
 
 /* ------------------------------------------------------------------ files */
-
-static void put_csv(FILE *to, const char *text, char after)
-{
-    fputc('"', to);
-    for (; *text; text++) {
-        if (*text == '"')
-            fputc('"', to);
-        fputc((unsigned char)*text < ' ' ? ' ' : *text, to);
-    }
-    fputc('"', to);
-    fputc(after, to);
-}
 
 static void soup(FILE *to, json_t *tools)
 {

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "validation/bundle/csv.h"
 #include "validation/bundle/requirement_lines.h"
 
 char *trace_requirements(void)
@@ -107,18 +108,6 @@ static outcomes count(const json_t *cases)
 }
 
 /* ------------------------------------------------------------------- rows */
-
-static void put_csv(FILE *to, const char *text, char after)
-{
-    fputc('"', to);
-    for (; *text; text++) {
-        if (*text == '"')
-            fputc('"', to);
-        fputc((unsigned char)*text < ' ' ? ' ' : *text, to);
-    }
-    fputc('"', to);
-    fputc(after, to);
-}
 
 enum { FIELDS = 5, LINE = 4096 };
 
