@@ -11,6 +11,7 @@
 
 #include "validation/dump.h"
 #include "validation/scratch.h"
+#include "validation/user_store.h"
 
 enum { CAMPAIGN_WORDS = 24 }; /* of a worker's command line */
 
@@ -101,6 +102,8 @@ static ost_status start(runner *r, int number, int whom, ost_error *err)
         words[n++] = p->file ? "--case" : "--only";
         words[n++] = p->file ? p->file : p->only;
     }
+    if (p->user)
+        words[n++] = "--user";
     if (b->given >= 0 && whom > 0) {
         snprintf(given, sizeof given, "/proc/%lld/fd/%d", (long long)getpid(), b->given);
         words[n++] = "--given";
@@ -114,7 +117,7 @@ static ost_status start(runner *r, int number, int whom, ost_error *err)
     ost_status status = scratch_file(&s->trace, err);
     if (status != OST_OK)
         return status;
-    status = worker_start(argv, s->trace, left > 1 ? left : 1, &s->w, err);
+    status = worker_start(argv, s->trace, user_store_fd(p->user), left > 1 ? left : 1, &s->w, err);
     if (status != OST_OK) {
         close(s->trace);
         return status;

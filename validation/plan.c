@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "validation/user_store.h"
+
 static const struct {
     const char *name, *about;
     int count[PLAN_TIERS];
@@ -18,6 +20,7 @@ static const struct {
     [PLAN_OPERATION] = {"operation", "the built-in peg hole and reaming", {1, 2, 4}, 0},
     [PLAN_STATIC] = {"static", "the static events of the thesis' Tables 3.3 to 3.5, when asked for by name", {0, 0, 0}, 8},
     [PLAN_SMALL] = {"small", "all stages in a few milliseconds, for the sensitivity proof", {0, 0, 0}, 0},
+    [PLAN_USER] = {"user", "the user's own files", {0, 0, 0}, 0},
 };
 
 const char *plan_tier_name(plan_tier tier)
@@ -42,12 +45,12 @@ static int count_of(int f, plan_tier tier, const char *only)
     return named ? named : families[f].count[tier];
 }
 
-ost_status plan_make(plan_tier tier, uint64_t seed, int shard, int shards, const char *only, plan *out, ost_error *err)
+ost_status plan_make(plan_tier tier, uint64_t seed, int shard, int shards, const char *only, const plan_user *user, plan *out, ost_error *err)
 {
-    int room = 0;
+    int room = user ? user->count : 0;
     for (int f = 0; f < PLAN_FAMILIES; f++)
         room += count_of(f, tier, only);
-    *out = (plan){.tier = tier, .seed = seed, .shard = shard, .shards = shards, .only = only};
+    *out = (plan){.tier = tier, .seed = seed, .shard = shard, .shards = shards, .only = only, .user = user ? user->store : NULL};
     out->cases = malloc((size_t)room * sizeof *out->cases);
     if (!out->cases)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for a plan of %d cases", room);
@@ -60,6 +63,12 @@ ost_status plan_make(plan_tier tier, uint64_t seed, int shard, int shards, const
             if (out->whole++ % shards == shard - 1)
                 out->cases[out->count++] = c;
         }
+    for (int n = 1; user && n <= user->count; n++) {
+        plan_case c = {.family = PLAN_USER, .number = n, .tier = tier, .seed = seed, .store = user->store};
+        snprintf(c.id, sizeof c.id, "%s/%d", families[PLAN_USER].name, n);
+        if ((!only || strncmp(c.id, only, strlen(only)) == 0) && out->whole++ % shards == shard - 1)
+            out->cases[out->count++] = c;
+    }
     if (!out->whole) {
         plan_free(out);
         return ost_fail(err, OST_ERR_USAGE, "no case of tier %s begins with '%s'", plan_tier_name(tier), only);
@@ -67,12 +76,12 @@ ost_status plan_make(plan_tier tier, uint64_t seed, int shard, int shards, const
     return OST_OK;
 }
 
-bool plan_find(plan_tier tier, uint64_t seed, const char *id, plan_case *out)
+bool plan_find(plan_tier tier, uint64_t seed, const char *id, const plan_user *user, plan_case *out)
 {
     plan all;
     ost_error none = {0};
     bool there = false;
-    if (plan_make(tier, seed, 1, 1, NULL, &all, &none) != OST_OK)
+    if (plan_make(tier, seed, 1, 1, NULL, user, &all, &none) != OST_OK)
         return false;
     for (int i = 0; i < all.count && !there; i++)
         if (strcmp(all.cases[i].id, id) == 0) {
@@ -98,5 +107,5 @@ uint64_t plan_trace_bytes(const plan_case *c)
         [PLAN_IMPORT] = {2, 5, 5},       [PLAN_MESH] = {3, 3, 3},       [PLAN_POSES] = {4, 30, 30},       [PLAN_SWEEP] = {5, 20, 20},
         [PLAN_SESSION] = {50, 250, 1200}, [PLAN_OPERATION] = {100, 350, 1000}, [PLAN_SMALL] = {1, 1, 1},
     };
-    return megabytes[c->family][c->tier] << 20;
+    return c->family == PLAN_USER ? user_trace_bytes(c->store, c->number) : megabytes[c->family][c->tier] << 20;
 }

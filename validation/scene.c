@@ -8,6 +8,7 @@
 
 #include "validation/locate/cut.h"
 #include "validation/scene_parts.h"
+#include "validation/user_store.h"
 
 #define UM (OST_PM_PER_MM / 1000)
 
@@ -213,12 +214,19 @@ static ost_status make_static(const plan_case *c, scene *s, draw *d, ost_error *
     return scene_static(s, c->number, err);
 }
 
+static ost_status make_user(const plan_case *c, scene *s, draw *d, ost_error *err)
+{
+    (void)d;
+    return user_scene(c->store, c->number, s, err);
+}
+
 ost_status scene_make(const plan_case *c, scene *out, ost_error *err)
 {
     static ost_status (*const makers[PLAN_FAMILIES])(const plan_case *, scene *, draw *, ost_error *) = {
         [PLAN_IMPORT] = make_import, [PLAN_MESH] = make_mesh,       [PLAN_POSES] = make_poses,
         [PLAN_SWEEP] = make_sweep,   [PLAN_SESSION] = make_session, [PLAN_OPERATION] = make_operation,
         [PLAN_SMALL] = make_small,   [PLAN_STATIC] = make_static,
+        [PLAN_USER] = make_user,
     };
     draw d = draw_named(c->seed, c->id);
     *out = (scene){0};
@@ -234,7 +242,8 @@ ost_status scene_make(const plan_case *c, scene *out, ost_error *err)
 
 void scene_free(scene *s)
 {
-    free(s->samples);
+    if (!s->lent)
+        free(s->samples);
     for (int i = 0; i < s->tool_count; i++) {
         ost_snapped_mesh_free(&s->tools[i].cutting);
         ost_snapped_mesh_free(&s->tools[i].noncutting);

@@ -28,7 +28,8 @@ typedef struct scene_tool {
 typedef struct scene {
     /* A CT; no samples: none of the stages up to chunks runs. */
     ost_geometry rect;
-    ost_sample *samples; /* owned; in the order in which they are scattered */
+    ost_sample *samples; /* owned, but when lent; in the order in which they are scattered */
+    bool lent;           /* samples are the user's own, in user_store.h: not to be changed */
     size_t sample_count, batch; /* batch samples a call */
     ost_duplicates duplicates;
     ost_pm cubic;

@@ -110,7 +110,7 @@ static ost_status try_apart(const char *spec, ost_error *err)
         argv[i] = (char *)(uintptr_t)words[i];
     worker w;
     worker_result end;
-    ost_status status = worker_start(argv, -1, 60, &w, err);
+    ost_status status = worker_start(argv, -1, -1, 60, &w, err);
     if (status == OST_OK)
         status = worker_wait(&w, &end, err);
     if (status != OST_OK || end.end == WORKER_DONE)

@@ -60,7 +60,7 @@ static double now_s(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-ost_status worker_start(char *const argv[], int trace_fd, double limit_s, worker *out, ost_error *err)
+ost_status worker_start(char *const argv[], int trace_fd, int user_fd, double limit_s, worker *out, ost_error *err)
 {
     int ends[2];
     *out = (worker){.pid = -1, .said = -1, .limit_s = limit_s, .begun = now_s()};
@@ -76,6 +76,8 @@ ost_status worker_start(char *const argv[], int trace_fd, double limit_s, worker
             failed = posix_spawn_file_actions_adddup2(&actions, ends[1], 2);
         if (!failed && trace_fd >= 0)
             failed = posix_spawn_file_actions_adddup2(&actions, trace_fd, WORKER_TRACE);
+        if (!failed && user_fd >= 0)
+            failed = posix_spawn_file_actions_adddup2(&actions, user_fd, WORKER_USER);
         if (!failed)
             failed = posix_spawn(&out->pid, argv[0], &actions, NULL, argv, environ);
         posix_spawn_file_actions_destroy(&actions);

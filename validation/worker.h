@@ -46,10 +46,10 @@ typedef struct worker {
 } worker;
 
 enum { WORKERS_MAX = 128 }; /* waited for together */
-enum { WORKER_TRACE = 3 }; /* the worker's descriptor of its trace */
+enum { WORKER_TRACE = 3, WORKER_USER = 4 }; /* the worker's descriptors of its trace and of the user's own cases (user_store.h) */
 
-/* argv ends with NULL; argv[0] is the program's file. trace_fd: a descriptor that the worker has as WORKER_TRACE, or -1. It is stopped after limit seconds. */
-ost_status worker_start(char *const argv[], int trace_fd, double limit_s, worker *out, ost_error *err);
+/* argv ends with NULL; argv[0] is the program's file. trace_fd, user_fd: descriptors that the worker has as those above, or -1. It is stopped after limit seconds. */
+ost_status worker_start(char *const argv[], int trace_fd, int user_fd, double limit_s, worker *out, ost_error *err);
 /* Waits until one of them ends; the others go on. */
 ost_status worker_wait_any(worker *const workers[], int count, int *which, worker_result *out, ost_error *err);
 ost_status worker_wait(worker *w, worker_result *out, ost_error *err);

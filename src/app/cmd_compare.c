@@ -204,7 +204,7 @@ ost_status cmd_compare(app_state *app, int argc, char **argv, ost_error *err)
     if (n < 0)
         return ost_fail(err, OST_ERR_IO, "/proc/self/exe cannot be read");
     program[n] = '\0';
-    status = plan_make((plan_tier)args.tier, (uint64_t)args.seed, 1, 1, args.only, &p, err);
+    status = plan_make((plan_tier)args.tier, (uint64_t)args.seed, 1, 1, args.only, NULL, &p, err);
     if (status == OST_OK)
         status = subjects_find(p.tier, spec, &subjects, err);
     if (status == OST_OK && subjects.count > 1 && !subjects.subjects[1].available)

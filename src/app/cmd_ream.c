@@ -65,19 +65,6 @@ static void job_free(job *j)
     ost_backend_close(j->backend);
 }
 
-/* The period of a rate in hertz, rounded down to a nanosecond: integers, since it decides which ticks remove. */
-static ost_status period_of(const app_state *app, const option_decimal *rate, int64_t *period_ns, ost_error *err)
-{
-    int64_t micro;
-    *period_ns = 0;
-    if (!rate->text)
-        return OST_OK;
-    if (!ost_decimal_scale(&rate->value, 1000000, &micro, NULL) || micro < 1000 || micro > INT64_C(1000000000000))
-        return usage_error(app, err, "--rate %s: must be from 0.001 to 1000000 Hz", rate->text);
-    *period_ns = INT64_C(1000000000000000) / micro;
-    return OST_OK;
-}
-
 static ost_status world_make(const app_state *app, const ream_args *args, job *j, ost_error *err)
 {
     const ost_world_options options = {
@@ -109,8 +96,11 @@ static ost_status load_all(const app_state *app, const ream_args *args, job *j, 
         status = load_bone(app, j->backend, args->bone, &args->ct, false, &j->bone, &j->imported, err);
     if (status == OST_OK)
         status = ost_bone_info_get(j->bone, &j->before, err);
+    const ost_tool_geometry *grids[OPTION_LIST_MAX] = {NULL};
+    for (int i = 0; i < args->tools.count && status == OST_OK; i++)
+        grids[i] = ost_tool_geometry_get(j->tools[i]);
     if (status == OST_OK)
-        status = ream_path_make(app, &args->paths, &args->target, &j->imported.meta, args->bone, j->tools, args->tools.count, &j->path, err);
+        status = ream_path_make(app, &args->paths, &args->target, &j->imported.meta, args->bone, grids, args->tools.count, &j->path, err);
     return status;
 }
 
@@ -294,7 +284,7 @@ static ost_status report(const app_state *app, const ream_args *args, job *j, os
 /* All that can be said before anything is read. */
 static ost_status check_args(app_state *app, ream_args *args, ost_error *err)
 {
-    ost_status status = period_of(app, &args->rate, &args->period_ns, err);
+    ost_status status = ream_period(app, &args->rate, &args->period_ns, err);
     if (status == OST_OK && args->classes_text && (status = ost_density_classes_parse(args->classes_text, &args->classes, err)) != OST_OK)
         ost_fail_context(err, "--classes");
     if (status != OST_OK)

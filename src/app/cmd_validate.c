@@ -18,6 +18,7 @@
 #include "app/progress.h"
 #include "app/result.h"
 #include "app/say.h"
+#include "app/user_files.h"
 #include "validation/bundle/bundle.h"
 #include "validation/bundle/environment.h"
 #include "validation/bundle/evidence.h"
@@ -39,7 +40,9 @@ typedef struct validate_args {
     int tier; /* place in "smoke|standard|full" */
     int64_t seed, from, to, limit_s, jobs;
     int64_t faults;
-    bool cpu_only, faults_only;
+    bool cpu_only, faults_only, from_parent;
+    user_files own;
+    json_t *record; /* of them; NULL: there are none */
 } validate_args;
 
 /* Up to six digits; what is after them, or NULL. */
@@ -127,7 +130,8 @@ static void say_difference(const app_state *app, const plan_case *c, const subje
     if (r->verdict == CASE_DIFFERS && r->found && r->found->class)
         say(app, "    looks like %s: %s", r->found->class, r->found->text);
     if (r->verdict == CASE_DIFFERS && r->found && r->found->reproduce[0])
-        say(app, "    made small: %s: osteon validate --case BUNDLE/%s --backends '%s'", r->found->small, r->found->reproduce, s->spec);
+        say(app, "    made small: %s: osteon validate --case BUNDLE/%s --backends '%s'%s", r->found->small, r->found->reproduce, s->spec,
+            c->family == PLAN_USER ? " and the files that you gave" : "");
 }
 
 static void say_backends(app_state *app, const campaign *c)
@@ -384,6 +388,8 @@ static ost_status compare_all(app_state *app, const validate_args *args, const p
         status = evidence_protocol(p, &j.subjects, args->backends ? args->backends : "", args->cpu_only, &j.protocol, err);
     if (status == OST_OK && from_file)
         json_object_set(j.protocol, "case", from_file);
+    if (status == OST_OK && args->record)
+        json_object_set(j.protocol, "user", args->record);
     if (status == OST_OK && j.b)
         status = freeze(j.b, j.protocol, err);
     if (status == OST_OK && j.b && from_file)
@@ -456,7 +462,8 @@ static ost_status merge_all(app_state *app, const validate_args *args, ost_error
         json_object_update(app->result, summary);
         put_text(app->result, "out", args->out);
         put_integer(app->result, "shards", m.shards);
-        say(app, "%s: %zu cases from %d shards", evidence_text(summary, "verdict"), json_array_size(m.cases), m.shards);
+        say(app, "%s: %zu case%s from %d shard%s", evidence_text(summary, "verdict"), json_array_size(m.cases), json_array_size(m.cases) == 1 ? "" : "s", m.shards,
+            m.shards == 1 ? "" : "s");
         say_last(app, args->out, summary);
         if (!json_integer_value(json_object_get(summary, "compared")))
             status = nothing_compared(err);
@@ -506,10 +513,24 @@ static ost_status dump_worker(const plan *p, const char *spec, const char *folde
     return status;
 }
 
+/* The user's own cases, read before anything else is done. */
+static ost_status own_files(const app_state *app, validate_args *args, int argc, char **argv, user_store **store, ost_error *err)
+{
+    json_t *how = user_files_how(argc, argv);
+    ost_status status = OST_OK;
+    if (user_files_given(&args->own))
+        status = user_files_read(app, &args->own, how, store, &args->record, err);
+    else if (json_array_size(how))
+        status = usage_error(app, err, "%s is for files of your own: give them with --ct, --tool and --path", json_string_value(json_array_get(how, 0)));
+    json_decref(how);
+    return status;
+}
+
 ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
 {
     static const int64_t limits[PLAN_TIERS] = {120, 1800, 36000};
-    validate_args args = {.seed = 1};
+    enum { LIMIT_OWN = 36000 }; /* nobody knows how long the user's own cases take */
+    validate_args args = {.seed = 1, .own = USER_FILES_DEFAULT};
     const option options[] = {
         {.name = "out", .kind = OPTION_TEXT, .out = &args.out, .value = "BUNDLE", .help = "a folder for the evidence; must not exist"},
         {.name = "tier", .kind = OPTION_CHOICE, .out = &args.tier, .value = "smoke|standard|full",
@@ -520,6 +541,8 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "faults-only", .kind = OPTION_FLAG, .out = &args.faults_only, .help = "the sensitivity proof alone: mistakes made on purpose"},
         {.name = "faults", .kind = OPTION_INTEGER, .out = &args.faults, .value = "N", .min = 1, .max = 100000000, .help = "how many, with --faults-only (default: the tier's)"},
         {.name = "seed", .kind = OPTION_INTEGER, .out = &args.seed, .value = "N", .min = 1, .max = INT64_MAX, .help = "of the generated cases (default: 1)"},
+        USER_FILES(args.own, "a CT of your own: a case with all tools and paths; may repeat", "a mesh of your own, or builtin:reamer; may repeat",
+                   "a CSV, builtin:peg-hole or builtin:glenoid-ream, as for ream; may repeat"),
         {.name = "shard", .kind = OPTION_TEXT, .out = &args.shard, .value = "I/N", .help = "every N-th case alone, from the I-th on"},
         {.name = "only", .kind = OPTION_TEXT, .out = &args.only, .value = "CASE", .help = "cases whose name begins so: mesh, session/1"},
         {.name = "case", .kind = OPTION_TEXT, .out = &args.case_file, .value = "FILE", .help = "the cases of this file alone, as a bundle's cases/ has them"},
@@ -534,18 +557,26 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "dump", .kind = OPTION_TEXT, .out = &args.dump, .value = "FOLDER", .help = "write what --worker made as a dump, for osteon compare; needs no --trace"},
         {.name = "export-cases", .kind = OPTION_TEXT, .out = &args.export_to, .value = "FOLDER",
          .help = "write the cases' inputs as files, for another program to run; runs nothing"},
+        {.name = "user", .kind = OPTION_FLAG, .out = &args.from_parent, .help = "--worker has the cases of --ct, --tool and --path from who started it"},
         {.name = "from", .kind = OPTION_INTEGER, .out = &args.from, .value = "N", .min = 0, .max = 1000000, .help = "first case of --worker, from 0"},
         {.name = "to", .kind = OPTION_INTEGER, .out = &args.to, .value = "N", .min = 0, .max = 1000000, .help = "the case before which --worker ends (default: none)"},
+        USER_FILES_HOW(args.own),
         {.name = NULL}};
     const usage_text usage = {
-        .synopsis = "[--tier TIER] [options]",
-        .about = "Runs generated cases on every backend, each in its own process, and compares\n"
-                 "every stage with the scalar reference, byte by byte.",
+        .synopsis = "[--tier TIER] [--ct FILE] [--tool FILE] [--path FILE] [options]",
+        .about = "Runs generated cases, and those of your own files, on every backend, each in its\n"
+                 "own process, and compares every stage with the scalar reference, byte by byte.",
+
         .options = options,
-        .notes = "This is backend equivalence verification (code verification): that all backends\n"
+        .notes = "Cases of your own files are user/1, user/2, ... behind the tier's; --only user runs\n"
+                 "them alone. Options from --spacing on say how the files are read, as import,\n"
+                 "voxelize and ream have them. The bundle has the files' sizes and SHA-256, not\n"
+                 "their names or content.\n\n"
+                 "This is backend equivalence verification (code verification): that all backends\n"
                  "compute the same. It is no clinical validation.",
         .example = "  osteon validate --out bundle\n  osteon validate --tier standard --cpu-only --json\n"
                    "  osteon validate --backends 'cpu:isa=avx2,threads=7;cl' --only session\n"
+                   "  osteon validate --ct shoulder.nii.gz --tool reamer.stl --path motion.csv --out bundle\n"
                    "  osteon validate --tier full --shard 2/8 --out shards/2\n"
                    "  osteon validate --merge shards --out bundle",
     };
@@ -562,19 +593,28 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
         return usage_error(app, err, "--export-cases runs nothing: no --worker and no --out");
     if (args.merge && (!args.out || args.worker || args.shard))
         return usage_error(app, err, "--merge needs --out and no shard or worker");
+    if ((args.merge || args.faults_only) && user_files_given(&args.own))
+        return usage_error(app, err, "%s reads no files of your own: no --ct, --tool and --path with it", args.merge ? "--merge" : "--faults-only");
     if (args.merge)
         return merge_all(app, &args, err);
     if (args.faults_only)
         return prove_faults(app, &args, err);
-    if (!args.limit_s)
-        args.limit_s = limits[args.tier];
     if (args.case_file && !args.worker && (args.only || args.shard))
         return usage_error(app, err, "--case says which cases: no --only and no --shard with it");
+    user_store *store = NULL;
     json_t *from_file = NULL;
-    status = args.case_file ? case_file_read(args.case_file, &p, &from_file, err)
-                            : plan_make((plan_tier)args.tier, (uint64_t)args.seed, shard, shards, args.only, &p, err);
-    if (status != OST_OK)
+    status = args.from_parent ? user_store_open(WORKER_USER, &store, err) : own_files(app, &args, argc, argv, &store, err);
+    const plan_user own = {.count = user_store_count(store), .store = store};
+    if (!args.limit_s)
+        args.limit_s = own.count ? LIMIT_OWN : limits[args.tier];
+    if (status == OST_OK)
+        status = args.case_file ? case_file_read(args.case_file, own.count ? &own : NULL, &p, &from_file, err)
+                                : plan_make((plan_tier)args.tier, (uint64_t)args.seed, shard, shards, args.only, &own, &p, err);
+    if (status != OST_OK) {
+        json_decref(args.record);
+        user_store_free(store);
         return status;
+    }
     status = args.export_to ? export_cases(args.export_to, &p, err)
              : args.dump    ? dump_worker(&p, args.worker, args.dump, err)
              : args.worker  ? worker_run(&p, (int)args.from, args.to ? (int)args.to : p.count, args.worker, args.trace, args.given, err)
@@ -586,5 +626,7 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
     }
     plan_free(&p);
     json_decref(from_file);
+    json_decref(args.record);
+    user_store_free(store);
     return status;
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* osteon verify: whether a bundle of evidence is what it says, without the machine that made it. */
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -8,7 +9,10 @@
 #include "app/progress.h"
 #include "app/result.h"
 #include "app/say.h"
+#include "app/user_files.h"
 #include "validation/bundle/check.h"
+
+#define PROTOCOL "protocol.json"
 
 typedef struct listing {
     const app_state *app;
@@ -31,23 +35,68 @@ static void show(void *user, const char *what, double share)
     progress_show(NULL, what, share);
 }
 
+/* The bundle's record of its user's own files; the caller's reference, NULL where there are none. */
+static ost_status record_of(const char *folder, json_t **out, ost_error *err)
+{
+    char *text;
+    size_t size;
+    ost_status status = bundle_read(folder, PROTOCOL, &text, &size, err);
+    *out = NULL;
+    if (status != OST_OK)
+        return status;
+    json_t *protocol = json_loadb(text, size, JSON_REJECT_DUPLICATES, NULL);
+    *out = json_incref(json_object_get(protocol, "user"));
+    json_decref(protocol);
+    free(text);
+    return OST_OK;
+}
+
+/* The files first: nothing runs without them. */
+static ost_status rerun_all(app_state *app, const user_files *own, const char *folder, listing *l, int *found, ost_error *err)
+{
+    json_t *record, *again = NULL;
+    user_store *store = NULL;
+    ost_status status = record_of(folder, &record, err);
+    if (status == OST_OK && record)
+        status = user_files_again(app, own, record, &store, &again, err);
+    else if (status == OST_OK && user_files_given(own))
+        status = ost_fail(err, OST_ERR_USAGE, "%s has no case of its user's own files: no --ct, --tool and --path", folder);
+    if (status == OST_OK && record && !json_equal(record, again)) {
+        list_problem(l, PROTOCOL, "says otherwise what became of the user's files than they come out here");
+        ++*found;
+    }
+    const plan_user user = {.count = user_store_count(store), .store = store};
+    if (status == OST_OK) {
+        progress_begin(app);
+        status = check_again(folder, store ? &user : NULL, list_problem, l, found, show, NULL, err);
+        progress_clear();
+    }
+    user_store_free(store);
+    json_decref(again);
+    json_decref(record);
+    return status;
+}
+
 ost_status cmd_verify(app_state *app, int argc, char **argv, ost_error *err)
 {
     const char *folder = NULL;
     const operand operands[] = {{"BUNDLE", &folder, "which bundle?"}, {NULL, NULL, NULL}};
     bool rerun = false;
+    user_files own = USER_FILES_DEFAULT;
     const option options[] = {
         {.name = "rerun", .kind = OPTION_FLAG, .out = &rerun, .help = "make the cases again on the reference here, and compare"},
+        USER_FILES(own, "for --rerun: a CT that the bundle's cases user/1 and on were made of; may repeat", "a mesh of them; may repeat", "a path of them; may repeat"),
         {.name = NULL}};
     const usage_text usage = {
-        .synopsis = "BUNDLE [--rerun]",
+        .synopsis = "BUNDLE [--rerun [--ct FILE] [--tool FILE] [--path FILE]]",
         .about = "Checks a bundle that osteon validate wrote: that every file is the one in the\n"
                  "manifest and none is more or less; the log's chain; that the protocol was frozen\n"
                  "first; and that what follows from other files (results, tables, traced requirements,\n"
                  "bill of materials, report.html) does follow, by making it again. What was measured\n"
                  "(machine, times, devices, libraries, sensitivity, pictures) the manifest alone holds,\n"
                  "and the manifest a signature in signatures/, which verify does not read.\n"
-                 "Needs no network and no device.",
+                 "Needs no network and no device. Cases of somebody's own files are made again from\n"
+                 "those files, which are known by their SHA-256 in whatever order they are given.",
         .operands = operands,
         .options = options,
         .example = "  osteon validate --out bundle\n  osteon verify bundle --rerun",
@@ -58,14 +107,14 @@ ost_status cmd_verify(app_state *app, int argc, char **argv, ost_error *err)
     int found = 0;
     if (!options_parse(app, &usage, argc, argv, &status, err))
         return status;
+    if (!rerun && user_files_given(&own))
+        return usage_error(app, err, "--ct, --tool and --path are for --rerun");
     if (stat(folder, &info) != 0 || !S_ISDIR(info.st_mode))
         return ost_fail(err, OST_ERR_INPUT, "%s: no folder; a bundle is one", folder);
     listing l = {app, json_array()};
     status = check_bundle(folder, list_problem, &l, &found, &summary, err);
     if (status == OST_OK && rerun && found == 0) {
-        progress_begin(app);
-        status = check_again(folder, list_problem, &l, &found, show, NULL, err);
-        progress_clear();
+        status = rerun_all(app, &own, folder, &l, &found, err);
     }
     put(app->result, "problems", l.problems);
     if (status != OST_OK) {

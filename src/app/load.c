@@ -88,8 +88,7 @@ static ost_status parse_crop(const app_state *app, const char *text, ost_voxel_b
     return OST_OK;
 }
 
-static ost_status import_options_make(const app_state *app, const ct_options *ct, bool digests, ost_import_options *out,
-                                      ost_error *err)
+ost_status load_import_options(const app_state *app, const ct_options *ct, bool digests, ost_import_options *out, ost_error *err)
 {
     *out = (ost_import_options){
         .spacing = ct->spacing,
@@ -142,7 +141,7 @@ static ost_status volume_to_bone(ost_backend *backend, const ost_volume *volume,
     return status;
 }
 
-static void warn_import(const app_state *app, const char *name, const ost_import_result *r)
+void load_warn_import(const app_state *app, const char *name, const ost_import_result *r)
 {
     char text[SAY_TEXT];
     const ost_scatter_report *s = &r->scatter;
@@ -166,7 +165,7 @@ ost_status load_bone(const app_state *app, ost_backend *backend, const char *nam
                      ost_import_result *result, ost_error *err)
 {
     ost_import_options options;
-    ost_status status = import_options_make(app, ct, digests, &options, err);
+    ost_status status = load_import_options(app, ct, digests, &options, err);
     if (status != OST_OK)
         return status;
     progress_begin(app);
@@ -184,7 +183,7 @@ ost_status load_bone(const app_state *app, ost_backend *backend, const char *nam
     }
     progress_clear();
     if (status == OST_OK)
-        warn_import(app, name, result);
+        load_warn_import(app, name, result);
     return status;
 }
 

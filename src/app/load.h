@@ -76,6 +76,11 @@ typedef struct tool_report {
 ost_status load_bone(const app_state *app, ost_backend *backend, const char *name, const ct_options *ct, bool digests, ost_bone **out,
                      ost_import_result *result, ost_error *err);
 
+/* From the options to what ost_import takes. */
+ost_status load_import_options(const app_state *app, const ct_options *ct, bool digests, ost_import_options *out, ost_error *err);
+/* What an import did that the user may not expect. */
+void load_warn_import(const app_state *app, const char *name, const ost_import_result *r);
+
 ost_status load_mesh(const char *name, ost_unit unit, ost_mesh *out, ost_mesh_report *report, ost_error *err);
 
 /* noncutting: the name of a second mesh on the same grid, or NULL. report may be NULL. */

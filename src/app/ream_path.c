@@ -31,7 +31,7 @@ ost_status target_find(const app_state *app, const target_options *options, cons
 }
 
 static ost_status builtin_path(const app_state *app, const char *name, const target_options *target, const ost_meta *meta, const char *bone,
-                               ost_tool *tool, int32_t index, ost_path *out, ost_error *err)
+                               const ost_tool_geometry *tool, int32_t index, ost_path *out, ost_error *err)
 {
     const char *names[OST_BUILTIN_COUNT];
     for (int b = 0; b < OST_BUILTIN_COUNT; b++) {
@@ -41,7 +41,7 @@ static ost_status builtin_path(const app_state *app, const char *name, const tar
             ost_status status = target_find(app, target, meta, bone, &glenoid, err);
             if (status != OST_OK)
                 return status;
-            return ost_builtin_path((ost_builtin)b, &glenoid, ost_tool_geometry_get(tool), index, out, err);
+            return ost_builtin_path((ost_builtin)b, &glenoid, tool, index, out, err);
         }
     }
     const char *near = nearest_name(name, names, OST_BUILTIN_COUNT);
@@ -85,7 +85,7 @@ static ost_status join(ost_path *whole, const ost_path *part, ost_error *err)
 }
 
 ost_status ream_path_make(const app_state *app, const option_list *paths, const target_options *target, const ost_meta *meta, const char *bone,
-                          ost_tool *const *tools, int tool_count, ost_path *out, ost_error *err)
+                          const ost_tool_geometry *const *tools, int tool_count, ost_path *out, ost_error *err)
 {
     *out = (ost_path){0};
     ost_status status = OST_OK;
@@ -106,4 +106,17 @@ ost_status ream_path_make(const app_state *app, const option_list *paths, const 
     if (status != OST_OK)
         ost_path_free(out);
     return status;
+}
+
+/* The period of a rate in hertz, rounded down to a nanosecond: integers, since it decides which ticks remove. */
+ost_status ream_period(const app_state *app, const option_decimal *rate, int64_t *period_ns, ost_error *err)
+{
+    int64_t micro;
+    *period_ns = 0;
+    if (!rate->text)
+        return OST_OK;
+    if (!ost_decimal_scale(&rate->value, 1000000, &micro, NULL) || micro < 1000 || micro > INT64_C(1000000000000))
+        return usage_error(app, err, "--rate %s: must be from 0.001 to 1000000 Hz", rate->text);
+    *period_ns = INT64_C(1000000000000000) / micro;
+    return OST_OK;
 }

@@ -27,6 +27,9 @@ ost_status target_find(const app_state *app, const target_options *options, cons
                        ost_error *err);
 
 ost_status ream_path_make(const app_state *app, const option_list *paths, const target_options *target, const ost_meta *meta, const char *bone,
-                          ost_tool *const *tools, int tool_count, ost_path *out, ost_error *err);
+                          const ost_tool_geometry *const *tools, int tool_count, ost_path *out, ost_error *err);
+
+/* The period of a rate of removal; 0 without one: every tick removes. */
+ost_status ream_period(const app_state *app, const option_decimal *rate, int64_t *period_ns, ost_error *err);
 
 #endif

@@ -96,7 +96,7 @@ static void smoke_sees_exact_multiples(void **state)
         const uint64_t seed = round ? rng_next(&rng) >> 1 : 1;
         int differ = 0;
         plan p;
-        assert_ok(plan_make(PLAN_SMOKE, seed, 1, 1, "import", &p, &err));
+        assert_ok(plan_make(PLAN_SMOKE, seed, 1, 1, "import", NULL, &p, &err));
         for (int i = 0; i < p.count; i++) {
             const deviation how = {DEVIATION_MULTIPLE_OFF_BY_ONE, 1, 1};
             ost_backend *other;
@@ -130,7 +130,7 @@ static worker_result result_of(const char *script, double limit)
     worker w;
     worker_result r;
     char *argv[] = {(char *)(uintptr_t)"/bin/sh", (char *)(uintptr_t)"-c", (char *)(uintptr_t)script, NULL};
-    assert_ok(worker_start(argv, -1, limit, &w, &err));
+    assert_ok(worker_start(argv, -1, -1, limit, &w, &err));
     assert_ok(worker_wait(&w, &r, &err));
     return r;
 }
@@ -157,7 +157,7 @@ static void workers(void **state)
     ost_error err = {0};
     worker w;
     char *nothing[] = {(char *)(uintptr_t)"/nowhere/osteon", NULL};
-    assert_int_equal(worker_start(nothing, -1, 60, &w, &err), OST_ERR_IO);
+    assert_int_equal(worker_start(nothing, -1, -1, 60, &w, &err), OST_ERR_IO);
 }
 
 int main(void)

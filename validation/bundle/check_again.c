@@ -13,16 +13,16 @@
 #include "validation/scratch.h"
 
 /* A case's plan entry from what the protocol and its line say; false when there is no such case. out->cut is the caller's. */
-static bool case_of(const json_t *protocol, size_t number, const char *id, plan_case *out)
+static bool case_of(const json_t *protocol, size_t number, const char *id, const plan_user *own, plan_case *out)
 {
     const char *tier = json_string_value(json_object_get(protocol, "tier")), *seed = json_string_value(json_object_get(protocol, "seed"));
     const json_t *file = json_object_get(protocol, "case"), *list = json_object_get(file, "cases");
     ost_error none = {0};
     if (file)
-        return case_of_json(list ? json_array_get(list, number) : file, "case", out, &none) == OST_OK && id && strcmp(out->id, id) == 0;
+        return case_of_json(list ? json_array_get(list, number) : file, "case", own, out, &none) == OST_OK && id && strcmp(out->id, id) == 0;
     for (int t = 0; tier && seed && id && t < PLAN_TIERS; t++)
         if (strcmp(tier, plan_tier_name((plan_tier)t)) == 0)
-            return plan_find((plan_tier)t, strtoull(seed, NULL, 10), id, out);
+            return plan_find((plan_tier)t, strtoull(seed, NULL, 10), id, own, out);
     return false;
 }
 
@@ -39,7 +39,7 @@ static ost_status trace_case(ost_backend *ref, const scene *s, const char *path,
     return status == OST_OK ? trace_open(path, out, err) : status;
 }
 
-static ost_status check_case(ost_backend *ref, const json_t *protocol, size_t number, const json_t *line, const char *path, const char **problem, ost_error *err)
+static ost_status check_case(ost_backend *ref, const json_t *protocol, size_t number, const json_t *line, const plan_user *own, const char *path, const char **problem, ost_error *err)
 {
     const char *id = json_string_value(json_object_get(line, "id")), *input = json_string_value(json_object_get(line, "input_sha256"));
     plan_case c = {.cut = NULL};
@@ -48,7 +48,7 @@ static ost_status check_case(ost_backend *ref, const json_t *protocol, size_t nu
     ost_digest digest;
     char hex[OST_DIGEST_HEX];
     *problem = NULL;
-    if (!case_of(protocol, number, id, &c)) {
+    if (!case_of(protocol, number, id, own, &c)) {
         free(c.cut);
         *problem = "is a case that this version does not have";
         return OST_OK;
@@ -74,7 +74,7 @@ static ost_status check_case(ost_backend *ref, const json_t *protocol, size_t nu
     return status;
 }
 
-ost_status check_again(const char *folder, bundle_problem *problem, void *user, int *found, void (*show)(void *user, const char *what, double share),
+ost_status check_again(const char *folder, const plan_user *own, bundle_problem *problem, void *user, int *found, void (*show)(void *user, const char *what, double share),
                        void *show_user, ost_error *err)
 {
     char *protocol_text = NULL, *cases_text = NULL, path[SCRATCH_NAME];
@@ -100,7 +100,7 @@ ost_status check_again(const char *folder, bundle_problem *problem, void *user, 
             const char *what, *id = json_string_value(json_object_get(line, "id"));
             if (show)
                 show(show_user, id ? id : "", (double)i / (double)json_array_size(cases));
-            status = check_case(ref, protocol, i, line, path, &what, err);
+            status = check_case(ref, protocol, i, line, own, path, &what, err);
             if (status == OST_OK && what) {
                 problem(user, id ? id : EVIDENCE_CASES, what);
                 ++*found;

@@ -136,12 +136,26 @@ static void tap(FILE *to, const json_t *protocol, const json_t *cases, const jso
 
 static void inputs(FILE *to, const json_t *protocol, const json_t *cases, const json_t *summary)
 {
-    (void)protocol;
+    const json_t *files = json_object_get(json_object_get(protocol, "user"), "files");
     (void)summary;
-    fputs("case,sha256\n", to);
+    fputs("input,sha256,bytes,what\n", to);
     for (size_t i = 0; i < json_array_size(cases); i++) {
         put_csv(to, evidence_text(json_array_get(cases, i), "id"), ',');
-        put_csv(to, evidence_text(json_array_get(cases, i), "input_sha256"), '\n');
+        put_csv(to, evidence_text(json_array_get(cases, i), "input_sha256"), ',');
+        fputs(",\"the case's integers\"\n", to);
+    }
+    /* The user's own, by number: a name may say who it is of. */
+    for (size_t i = 0; i < json_array_size(files); i++) {
+        const json_t *f = json_array_get(files, i);
+        char text[64];
+        if (*evidence_text(f, "builtin"))
+            continue;
+        snprintf(text, sizeof text, "file %zu", i + 1);
+        put_csv(to, text, ',');
+        put_csv(to, evidence_text(f, "sha256"), ',');
+        fprintf(to, "%lld,", (long long)json_integer_value(json_object_get(f, "bytes")));
+        snprintf(text, sizeof text, "a file given with --%.20s", evidence_text(f, "option"));
+        put_csv(to, text, '\n');
     }
 }
 
@@ -200,7 +214,10 @@ static void readme(FILE *to, const json_t *protocol, const json_t *cases, const 
     fputs("What was not shown:\n\n", to);
     for (size_t i = 0; i < json_array_size(list); i++)
         fprintf(to, "- %s\n", json_string_value(json_array_get(list, i)));
-    fputs("\n## Check it, offline\n\n```\nosteon verify .            # every hash, every derived file\nosteon verify . --rerun    # and the reference's results, again\n```\n\n", to);
+    char *files = evidence_own_options(protocol, false), *own = evidence_own_options(protocol, true);
+    fprintf(to, "\n## Check it, offline\n\n```\nosteon verify .            # every hash, every derived file\nosteon verify . --rerun%s    # and the reference's results, again\n```\n\n", files ? files : "");
+    if (files && *files)
+        fputs("FILE: the user's own files, which are not in this bundle; inputs.csv has their sizes and SHA-256.\n\n", to);
     fputs("## Do it again\n\n```\n", to);
     fprintf(to, "osteon validate --tier %s --seed %s", evidence_text(protocol, "tier"), evidence_text(protocol, "seed"));
     if (json_integer_value(json_array_get(shard, 1)) > 1)
@@ -213,6 +230,9 @@ static void readme(FILE *to, const json_t *protocol, const json_t *cases, const 
         fputs(" --cpu-only", to);
     if (*evidence_text(protocol, "chosen"))
         fprintf(to, " --backends '%s'", evidence_text(protocol, "chosen"));
+    fputs(own ? own : "", to);
+    free(files);
+    free(own);
     fputs(" --out BUNDLE\n```\n\nOn the same machine with the same build, `results_root` of manifest.json comes out the same.\n\n", to);
     fputs("## Files\n\n"
           "| file | is |\n|---|---|\n"

@@ -93,7 +93,7 @@ static bool leaf_dims(const json_t *protocol, const json_t *one, const char *sta
     int t = 0;
     while (t < PLAN_TIERS && strcmp(tier, plan_tier_name((plan_tier)t)) != 0)
         t++;
-    if (t == PLAN_TIERS || !plan_find((plan_tier)t, strtoull(evidence_text(protocol, "seed"), NULL, 10), evidence_text(one, "id"), &c) ||
+    if (t == PLAN_TIERS || !plan_find((plan_tier)t, strtoull(evidence_text(protocol, "seed"), NULL, 10), evidence_text(one, "id"), NULL, &c) ||
         scene_make(&c, &s, &none) != OST_OK)
         return false;
     bool known = scene_digest(&s, &digest, &none) == OST_OK && strcmp(ost_digest_hex(&digest, hex), evidence_text(one, "input_sha256")) == 0;

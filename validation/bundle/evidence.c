@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "validation/bundle/evidence.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include "validation/bundle/digests.h"
@@ -182,6 +183,29 @@ const char *evidence_text(const json_t *o, const char *key)
     return text ? text : "";
 }
 
+char *evidence_own_options(const json_t *protocol, bool how)
+{
+    const json_t *user = json_object_get(protocol, "user"), *files = json_object_get(user, "files"), *words = json_object_get(user, "how");
+    char *text = NULL;
+    size_t size;
+    FILE *to = open_memstream(&text, &size);
+    if (!to)
+        return NULL;
+    for (size_t i = 0; i < json_array_size(files); i++) {
+        const char *builtin = evidence_text(json_array_get(files, i), "builtin");
+        if (!*builtin)
+            fprintf(to, " --%s FILE", evidence_text(json_array_get(files, i), "option"));
+        else if (how)
+            fprintf(to, " --%s builtin:%s", evidence_text(json_array_get(files, i), "option"), builtin);
+    }
+    for (size_t i = 0; how && i < json_array_size(words); i++) {
+        const char *word = json_string_value(json_array_get(words, i));
+        fprintf(to, " %s", word ? word : "");
+    }
+    fclose(to);
+    return text;
+}
+
 static void add_sentence(json_t *list, const char *text)
 {
     json_array_append_new(list, json_string(text));
@@ -234,7 +258,8 @@ static json_t *not_shown(const json_t *protocol, const json_t *cases, json_int_t
     }
     if (json_array_size(json_object_get(protocol, "cases")) != json_array_size(cases))
         add_sentence(list, "Cases of the protocol are missing.");
-    add_sentence(list, "Inputs are generated, not a patient's. How files are read, and how floats of meshes and devices become integers, is shared by all backends and is not shown by this comparison.");
+    add_sentence(list, json_object_get(protocol, "user") ? "Inputs are generated but for the cases user/1 and on, which are the user's own files; those are not in the bundle. How files are read, and how floats of meshes and devices become integers, is shared by all backends and is not shown by this comparison."
+                                                         : "Inputs are generated, not a patient's. How files are read, and how floats of meshes and devices become integers, is shared by all backends and is not shown by this comparison.");
     return list;
 }
 

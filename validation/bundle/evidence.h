@@ -53,6 +53,12 @@ ost_status evidence_summary(const json_t *protocol, const json_t *cases, json_t 
 /* The text under a key of an object; "" where there is none. */
 const char *evidence_text(const json_t *o, const char *key);
 
+/*
+ * What a command needs for the user's own cases, " --ct FILE --tool FILE --cubic=0.5": the files' names are not known.
+ * how: also how they are read, for osteon validate.  "" where there are none; free() it; NULL without memory.
+ */
+char *evidence_own_options(const json_t *protocol, bool how);
+
 typedef ost_status evidence_sink(void *user, const char *name, const void *bytes, size_t size, ost_error *err);
 ost_status evidence_write(const json_t *protocol, const json_t *cases, evidence_sink *sink, void *user, ost_error *err);
 

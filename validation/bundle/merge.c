@@ -115,7 +115,8 @@ static ost_status put_in_order(const char *folder, merged *m, const json_t *by_i
         tier++;
     if (tier == PLAN_TIERS || !seed)
         return ost_fail(err, OST_ERR_INPUT, "%s: a protocol without tier or seed", folder);
-    ost_status status = plan_make((plan_tier)tier, strtoull(seed, NULL, 10), 1, 1, only && *only ? only : NULL, &whole, err);
+    const plan_user user = {.count = (int)json_array_size(json_object_get(json_object_get(m->protocol, "user"), "cases"))};
+    ost_status status = plan_make((plan_tier)tier, strtoull(seed, NULL, 10), 1, 1, only && *only ? only : NULL, &user, &whole, err);
     if (status != OST_OK)
         return status;
     json_t *ids = json_array();

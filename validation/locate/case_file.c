@@ -119,7 +119,7 @@ static ost_status read_keep(const json_t *keep, const char *where, scene_cut *cu
     return OST_OK;
 }
 
-ost_status case_of_json(const json_t *o, const char *where, plan_case *out, ost_error *err)
+ost_status case_of_json(const json_t *o, const char *where, const plan_user *user, plan_case *out, ost_error *err)
 {
     const char *id = json_string_value(json_object_get(o, "id")), *tier = json_string_value(json_object_get(o, "tier")),
                *seed = json_string_value(json_object_get(o, "seed"));
@@ -135,7 +135,9 @@ ost_status case_of_json(const json_t *o, const char *where, plan_case *out, ost_
     const unsigned long long number = seed && *seed >= '0' && *seed <= '9' ? strtoull(seed, &end, 10) : 0;
     if (!end || *end || errno)
         return bad(where, err, "'seed' must be a number, as text");
-    if (!id || !plan_find((plan_tier)t, number, id, out))
+    if (id && strncmp(id, "user/", 5) == 0 && !user)
+        return ost_fail(err, OST_ERR_INPUT, "%.200s: case '%.40s' is made of the user's own files: give them with --ct, --tool and --path", where, id);
+    if (!id || !plan_find((plan_tier)t, number, id, user, out))
         return ost_fail(err, OST_ERR_INPUT, "%.200s: tier %s has no case '%.40s'", where, tier, id ? id : "");
     const json_t *keep = json_object_get(o, "keep");
     if (!keep)
@@ -217,10 +219,10 @@ static ost_status load(const char *path, json_t **out, ost_error *err)
     return status;
 }
 
-ost_status case_file_read(const char *path, plan *out, json_t **whole, ost_error *err)
+ost_status case_file_read(const char *path, const plan_user *user, plan *out, json_t **whole, ost_error *err)
 {
     json_t *o;
-    *out = (plan){.shard = 1, .shards = 1, .file = path};
+    *out = (plan){.shard = 1, .shards = 1, .file = path, .user = user ? user->store : NULL};
     ost_status status = load(path, &o, err);
     if (status != OST_OK)
         return status;
@@ -231,7 +233,7 @@ ost_status case_file_read(const char *path, plan *out, json_t **whole, ost_error
     else if (!(out->cases = calloc(count, sizeof *out->cases)))
         status = ost_fail(err, OST_ERR_MEMORY, "no memory for %zu cases", count);
     for (size_t i = 0; i < count && status == OST_OK; i++) {
-        status = case_of_json(list ? json_array_get(list, i) : o, path, &out->cases[i], err);
+        status = case_of_json(list ? json_array_get(list, i) : o, path, user, &out->cases[i], err);
         if (status == OST_OK)
             out->whole = ++out->count;
     }

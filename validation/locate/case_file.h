@@ -19,12 +19,12 @@
 
 #include "validation/locate/cut.h"
 
-/* One case; out->cut is the caller's to free(). where: of messages. */
-ost_status case_of_json(const json_t *o, const char *where, plan_case *out, ost_error *err);
+/* One case; out->cut is the caller's to free(). where: of messages. user: what the user's own cases are made of, NULL for none. */
+ost_status case_of_json(const json_t *o, const char *where, const plan_user *user, plan_case *out, ost_error *err);
 /* The caller's reference, NULL when there is no memory. */
 json_t *case_to_json(const plan_case *c, const scene_cut *cut);
 
 /* All cases of a file as a plan; *whole, when wanted, is what the file holds, the caller's reference. */
-ost_status case_file_read(const char *path, plan *out, json_t **whole, ost_error *err);
+ost_status case_file_read(const char *path, const plan_user *user, plan *out, json_t **whole, ost_error *err);
 
 #endif

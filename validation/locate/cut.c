@@ -18,8 +18,10 @@ bool cut_keeps(const cut_list *list, size_t i)
 
 static void drop_ct(scene *s)
 {
-    free(s->samples);
+    if (!s->lent)
+        free(s->samples);
     s->samples = NULL;
+    s->lent = false;
     s->sample_count = 0;
 }
 
@@ -34,7 +36,10 @@ static ost_status cut_ct(const scene_cut *cut, scene *s, ost_error *err)
             return ost_fail(err, OST_ERR_INPUT, "crop: nothing of the grid's %d voxels on axis %d lies in %d..%d", n[a], a, cut->lo[a], cut->hi[a]);
     }
     const ost_geometry g = s->rect;
-    size_t kept = 0;
+    size_t kept = 0, room = s->sample_count;
+    ost_sample *to = s->samples;
+    if (s->lent && !(to = malloc((room ? room : 1) * sizeof *to)))
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu samples", room);
     for (size_t i = 0; i < s->sample_count; i++) {
         const ost_sample *one = &s->samples[i];
         const int64_t at[3] = {ost_rhe_div(one->x - g.origin.x, g.spacing.x), ost_rhe_div(one->y - g.origin.y, g.spacing.y),
@@ -43,8 +48,10 @@ static ost_status cut_ct(const scene_cut *cut, scene *s, ost_error *err)
         for (int a = 0; a < 3; a++)
             in &= at[a] >= lo[a] && at[a] < hi[a];
         if (in)
-            s->samples[kept++] = *one;
+            to[kept++] = *one;
     }
+    s->samples = to;
+    s->lent = false;
     for (size_t i = 0; i < kept; i++)
         s->samples[i].line = (uint32_t)(i % s->batch);
     s->sample_count = kept;

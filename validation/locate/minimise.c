@@ -9,6 +9,7 @@
 #include "core/conditions.h"
 #include "core/integer.h"
 #include "validation/perform.h"
+#include "validation/user_store.h"
 #include "validation/worker.h"
 
 /* Candidates of a process, processes of a case, seconds of a process. */
@@ -49,14 +50,14 @@ static ost_status write_cases(const job *j, const candidates *list, ost_error *e
 
 static ost_status run_worker(job *j, trace *got, ost_error *err)
 {
-    const char *const words[] = {j->program, "validate", "--worker", j->spec, "--trace", j->trace, "--case", j->cases, NULL};
+    const char *const words[] = {j->program, "validate", "--worker", j->spec, "--trace", j->trace, "--case", j->cases, j->c->store ? "--user" : NULL, NULL};
     char *argv[sizeof words / sizeof words[0]];
     worker w;
     worker_result end;
     ost_error unread = {0};
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
         argv[i] = (char *)(uintptr_t)words[i];
-    ost_status status = worker_start(argv, -1, LIMIT, &w, err);
+    ost_status status = worker_start(argv, -1, user_store_fd(j->c->store), LIMIT, &w, err);
     if (status == OST_OK)
         status = worker_wait(&w, &end, err);
     j->best->runs++;

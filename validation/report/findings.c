@@ -85,6 +85,9 @@ static void reproduction(const page *p, const json_t *backend, const json_t *r)
     page_shell_word(p, file);
     fputs(" --backends ", p->to);
     page_shell_word(p, evidence_text(backend, "name"));
+    char *own = strncmp(file, "cases/user-", 11) == 0 ? evidence_own_options(p->protocol, true) : NULL;
+    page_text(p, own ? own : "");
+    free(own);
     fputs("</pre>\n", p->to);
 }
 

@@ -190,6 +190,9 @@ static void checking(const page *p)
         fputs(" --backends ", p->to);
         page_shell_word(p, evidence_text(p->protocol, "chosen"));
     }
+    char *own = evidence_own_options(p->protocol, true);
+    page_text(p, own ? own : "");
+    free(own);
     fputs(" --out BUNDLE</pre>\n<p>With the same build on the same machine, <code>results_root</code> of ", p->to);
     page_link(p, "manifest.json");
     fputs(" comes out the same.</p>\n", p->to);

@@ -1,0 +1,107 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+#
+# A user's own files as cases of a campaign: run on every backend, in shards
+# as whole, made again by who has them, never named in the bundle; and files
+# that are not what they should be.
+# Covers: REQ-USER-FILES
+. "${srcdir:-.}/tests/app/lib.sh"
+
+one='cpu:isa=scalar,threads=1'
+# Names that nothing else in a bundle has.
+ct=Doe-Jane-1961.txt mesh=prototype-q17.stl path=monday-session.csv
+ct_text 22 20 14 0.5 'i * 40 - k * 3 - 100' >$ct
+"$osteon" phantom glenoid --scale 0.25 --spacing 1.6,1.6,2 --out second.nrrd >/dev/null || fail "no phantom"
+"$osteon" tool peg --out $mesh >/dev/null || fail "no tool"
+awk 'BEGIN { for (t = 0; t < 40; t++) printf "%.3f,%.3f,5,%.3f,%.9f,0,0,%.9f\n", t * 0.003, 5 + t * 0.02, 6 - t * 0.1, cos(t / 900), sin(t / 900) }' >$path
+
+run 0 validate --only user --backends "$one;cpu:isa=scalar,threads=2" --ct $ct --ct second.nrrd --tool $mesh --tool builtin:burr --path $path --cubic 0.4 --voxel=0.6 --out b --json
+check "equal" "$(value equal)" true
+check "cases" "$(value cases)" 2
+check "the whole of the first" "$(sed -n 1p b/cases.jsonl | grep -o '"stage":"[a-z]*"' | sort | uniq -c | tr -s ' \n' ' ')" \
+    ' 1 "stage":"chunks" 1 "stage":"collide" 1 "stage":"cubic" 1 "stage":"final" 1 "stage":"rect" 40 "stage":"tick" 2 "stage":"tool" '
+check "names in the bundle" "$(grep -rlF -e Doe-Jane -e prototype-q17 -e monday-session -e second.nrrd -e "$(pwd)" b)" ""
+for file in $ct second.nrrd $mesh $path; do
+    checks=$((checks + 1))
+    grep -q "\"$(sha256sum <$file | cut -d' ' -f1)\",$(wc -c <$file | tr -d ' ')," b/inputs.csv || fail "$file is not in inputs.csv"
+done
+# What became of the CT is what osteon import makes of it.
+"$osteon" import $ct --cubic 0.4 --out bone.nrrd --json >out || fail "import"
+for stage in 0 1 2 3; do
+    checks=$((checks + 1))
+    grep -q "\"$(value "stages.$stage.name")\": \"$(value "stages.$stage.sha256")\"" b/protocol.json || fail "stage $(value "stages.$stage.name") of import is not in protocol.json"
+done
+
+# Made again from the files alone, in any order; and not from others.
+run 0 verify b
+run 0 verify b --rerun --path $path --tool $mesh --ct second.nrrd --ct $ct --json
+check "made again" "$(value rerun)" true
+refuse 2 "--rerun needs them, 2 with --ct, 1 with --tool, 1 with --path" verify b --rerun
+refuse 2 "are for --rerun" verify b --ct $ct
+sed '30s/[0-9]$/7/; 30s/$/1/' $ct >changed.txt
+refuse 2 "none of the files given with --ct is the bundle's" verify b --rerun --path $path --tool $mesh --ct second.nrrd --ct changed.txt
+refuse 2 "No such file" verify b --rerun --path nowhere --tool $mesh --ct second.nrrd --ct $ct
+
+# Two runs, and shards: a protocol's options in any order.
+run 0 validate --voxel 0.6 --only user --backends "$one;cpu:isa=scalar,threads=2" --cubic=0.4 --path $path --tool $mesh --ct $ct --tool builtin:burr --ct second.nrrd --out again --quiet
+mkdir shards
+for i in 1 2; do
+    run 0 validate --only user --backends "$one;cpu:isa=scalar,threads=2" --ct $ct --ct second.nrrd --tool $mesh --tool builtin:burr --path $path --cubic 0.4 --voxel=0.6 --shard $i/2 \
+        --out shards/$i --quiet
+done
+run 0 validate --merge shards --out whole
+grep -q '^EQUAL: 2 cases from 2 shards$' out || fail "merge says $(head -n 1 out)"
+for other in again whole; do
+    check "results_root of $other" "$("$json_get" results_root <$other/manifest.json)" "$("$json_get" results_root <b/manifest.json)"
+    check "inputs of $other" "$(cmp b/cases.jsonl $other/cases.jsonl && cmp b/protocol.json $other/protocol.json && cmp b/report.html $other/report.html && echo same)" same
+done
+run 0 verify whole --rerun --ct $ct --ct second.nrrd --tool $mesh --path $path
+rm -r shards/2
+run 0 validate --only user --backends "$one;cpu:isa=scalar,threads=2" --ct $ct --ct second.nrrd --tool $mesh --tool builtin:burr --path $path --cubic 0.5 --voxel=0.6 --shard 2/2 --out shards/2 --quiet
+refuse 2 "another campaign" validate --merge shards --out mixed
+mkdir alone
+run 0 validate --only user --backends "$one" --tool $mesh --shard 1/1 --out alone/1 --quiet
+run 0 validate --merge alone --out single
+check "merge of one" "$(head -n 1 out)" "EQUAL: 1 case from 1 shard"
+
+# A part of a user's case, with the files; without them it is refused.
+echo '{"osteon_case": 1, "id": "user/1", "tier": "smoke", "seed": "1", "keep": {"crop": [[2, 0, 0], [20, 18, 12]], "ticks": [[0, 9]], "no_tools": [1]}}' >part.json
+run 0 validate --case part.json --backends "$one" --ct $ct --tool $mesh --tool builtin:burr --path $path --json
+check "part" "$(value equal)" true
+refuse 2 "give them with --ct, --tool and --path" validate --case part.json --backends "$one"
+
+# Refused before anything runs.
+# bad TEXT ARGUMENT...
+bad() {
+    text=$1
+    shift
+    refuse 2 "$text" validate --only user --backends "$one" --out none "$@"
+    checks=$((checks + 1))
+    [ ! -e none ] || fail "$*: left a bundle"
+}
+head -c 3000 /dev/urandom >noise
+printf 'solid\n' >empty.stl
+printf '0,0,0,0,1,0,0,0\n0,0,0,0,1,0,0,0\n' >twice.csv
+awk 'NR == 9 { $1 = "nan" } { print }' $ct >nan.txt
+bad "no regular file" --ct /dev/zero
+bad "No such file" --ct nowhere.nii.gz
+bad "noise" --ct noise
+bad "nan.txt:9" --ct nan.txt
+bad "is a mesh" --ct $mesh
+bad "empty.stl" --tool empty.stl
+bad "noise" --tool noise
+bad "give the mesh" --tool second.nrrd
+bad "twice.csv:2" --ct $ct --tool $mesh --path twice.csv
+bad "needs --tool and --ct" --tool $mesh --path $path
+bad "does not say where its glenoid is" --ct $ct --tool $mesh --path builtin:peg-hole
+bad "is for files of your own" --cubic 0.5
+bad "up to 4" --tool $mesh --tool $mesh --tool $mesh --tool $mesh --tool $mesh
+bad "no case of tier smoke begins with 'user'"
+bad "at most 1024" --ct $ct --tool $mesh --path $path --voxel 0.02
+TMPDIR=$scratch/no-such-folder
+export TMPDIR
+bad "no-such-folder" --ct $ct
+unset TMPDIR
+refuse 2 "no --ct, --tool and --path with it" validate --merge shards --out mixed --ct $ct
+refuse 2 "for workers" validate --worker ref --trace t --user 4</dev/null
+finish
