@@ -57,7 +57,8 @@ typedef struct cl_tool {
     cl_mem classes;
     size_t room;   /* its bytes */
     cl_mem cells;  /* classes and reach */
-    cl_mem packed; /* classes alone, close together; for backends that remove by blocks, else NULL */
+    cl_mem windows; /* classes as windows; for backends that remove by blocks, else NULL */
+    bool touches;   /* whether a voxel may have class 2 */
     bool made;     /* whether the device has been waited for since the cells were asked for */
 } cl_tool;
 

@@ -6,7 +6,7 @@
  *   host    chunks with a slot that some box meets           ascending, as the report
  *             their blocks of 16^3
  *               entries: the poses that may meet the block, with its base
- *   queue   poses, blocks, entries, event -> ost_remove -> a report per block
+ *   queue   event with poses, blocks, entries -> ost_remove -> a report per block
  *   host    waits once, for the reports; sums them chunk by chunk
  *
  * An entry is left out where no voxel of the block can lie in the tool's grid:
@@ -25,73 +25,76 @@
 
 enum { BLOCK = OST_MAP_BLOCK, ENTRIES_MAX = 1 << 22 };
 
-/* A host array with its buffer on the device. */
 typedef struct event_array {
     void *host;      /* owned */
-    size_t capacity; /* bytes, of both */
+    size_t capacity; /* bytes */
     size_t bytes;    /* in use */
-    cl_mem device;
 } event_array;
 
 struct ost_cl_event_scratch {
-    event_array head, poses, blocks, entries, reports;
+    event_array poses, blocks, entries, reports;
+    event_array input; /* the event and its arrays, one after the other */
+    cl_mem input_device, reports_device;
+    size_t input_room, reports_room; /* their bytes */
     size_t *chunk; /* owned; chunk of each block */
     size_t chunk_capacity;
     bool warm; /* whether a removal kernel was launched */
 };
-
-static void array_free(cl_backend *b, event_array *a)
-{
-    ost_cl_buffer_free(b, &a->device);
-    free(a->host);
-    *a = (event_array){.host = NULL};
-}
 
 void ost_cl_event_free(cl_backend *b)
 {
     struct ost_cl_event_scratch *s = b->event;
     if (!s)
         return;
-    array_free(b, &s->head);
-    array_free(b, &s->poses);
-    array_free(b, &s->blocks);
-    array_free(b, &s->entries);
-    array_free(b, &s->reports);
+    ost_cl_buffer_free(b, &s->input_device);
+    ost_cl_buffer_free(b, &s->reports_device);
+    free(s->poses.host);
+    free(s->blocks.host);
+    free(s->entries.host);
+    free(s->reports.host);
+    free(s->input.host);
     free(s->chunk);
     free(s);
     b->event = NULL;
 }
 
-/* Room for so many bytes; the content of the host's array stays, the device's is lost. */
-static ost_status array_reserve(cl_backend *b, event_array *a, size_t bytes, ost_error *err)
+/* Room for so many bytes; the content stays. */
+static ost_status array_reserve(event_array *a, size_t bytes, ost_error *err)
 {
     if (bytes <= a->capacity)
         return OST_OK;
     const size_t capacity = bytes + bytes / 2;
-    cl_mem device = NULL;
-    ost_status status = ost_cl_buffer(b, capacity, NULL, "an event", &device, err);
-    if (status != OST_OK)
-        return status;
     void *host = realloc(a->host, capacity);
-    if (!host) {
-        ost_cl_buffer_free(b, &device);
+    if (!host)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for an event (%zu bytes)", capacity);
-    }
-    ost_cl_buffer_free(b, &a->device);
     a->host = host;
-    a->device = device;
     a->capacity = capacity;
     return OST_OK;
 }
 
 /* Appends one element. */
-static ost_status array_add(cl_backend *b, event_array *a, const void *element, size_t size, ost_error *err)
+static ost_status array_add(event_array *a, const void *element, size_t size, ost_error *err)
 {
-    ost_status status = array_reserve(b, a, a->bytes + size, err);
+    ost_status status = array_reserve(a, a->bytes + size, err);
     if (status != OST_OK)
         return status;
     memcpy((char *)a->host + a->bytes, element, size);
     a->bytes += size;
+    return OST_OK;
+}
+
+/* A buffer of at least so many bytes; its content is lost when it grows. */
+static ost_status device_reserve(cl_backend *b, cl_mem *device, size_t *room, size_t bytes, ost_error *err)
+{
+    if (bytes <= *room)
+        return OST_OK;
+    cl_mem grown = NULL;
+    ost_status status = ost_cl_buffer(b, bytes + bytes / 2, NULL, "an event", &grown, err);
+    if (status != OST_OK)
+        return status;
+    ost_cl_buffer_free(b, device);
+    *device = grown;
+    *room = bytes + bytes / 2;
     return OST_OK;
 }
 
@@ -180,7 +183,7 @@ static ost_status plan_entries(plan *p, const int32_t first[3], uint32_t *count,
         if (!meets || !ost_map_block_base(&p->event->maps[k], (ost_dims){first[0] / BLOCK, first[1] / BLOCK, first[2] / BLOCK}, entry.base) ||
             beside(entry.base, &p->event->maps[k], p->tool->base.geometry.dims))
             continue;
-        ost_status status = array_add(p->b, &p->s->entries, &entry, sizeof entry, err);
+        ost_status status = array_add(&p->s->entries, &entry, sizeof entry, err);
         if (status != OST_OK)
             return status;
         ++*count;
@@ -216,14 +219,14 @@ static ost_status plan_block(plan *p, size_t chunk, const int32_t first[3], ost_
         .entries = count,
     };
     s->chunk[number] = chunk;
-    return array_add(p->b, &s->blocks, &block, sizeof block, err);
+    return array_add(&s->blocks, &block, sizeof block, err);
 }
 
 static ost_status plan_poses(plan *p, ost_error *err)
 {
     struct ost_cl_event_scratch *s = p->s;
     const size_t bytes = (size_t)p->event->pose_count * sizeof(ost_cl_pose);
-    ost_status status = array_reserve(p->b, &s->poses, bytes, err);
+    ost_status status = array_reserve(&s->poses, bytes, err);
     if (status != OST_OK)
         return status;
     ost_cl_pose *poses = s->poses.host;
@@ -235,7 +238,7 @@ static ost_status plan_poses(plan *p, ost_error *err)
         memcpy(poses[k].hi, p->event->boxes[k].hi, sizeof poses[k].hi);
         ost_cl_pose_reach(&poses[k]);
     }
-    return ost_cl_write_later(p->b, s->poses.device, bytes, poses, err);
+    return OST_OK;
 }
 
 /* -------------------------------------------------------------- running */
@@ -290,15 +293,14 @@ static ost_status launch(const plan *p, size_t blocks, ost_error *err)
     const size_t items = blocks ? blocks : 1;
     if (p->b->device.cpu)
         return OST_CL_LAUNCH(p->b, ost_remove_blocks, (items + OST_CL_HANDS - 1) / OST_CL_HANDS * OST_CL_HANDS, 1, 1, err,
-                             OST_CL_ARG(s->head.device), OST_CL_ARG(s->blocks.device), OST_CL_ARG(s->entries.device),
-                             OST_CL_ARG(s->poses.device), OST_CL_ARG(p->tool->cells), OST_CL_ARG(p->tool->packed),
-                             OST_CL_ARG(p->bone->density), OST_CL_ARG(p->bone->words), OST_CL_ARG(s->reports.device));
-    return OST_CL_LAUNCH(p->b, ost_remove, items * (size_t)(BLOCK * BLOCK), 1, 1, err, OST_CL_ARG(s->head.device),
-                         OST_CL_ARG(s->blocks.device), OST_CL_ARG(s->entries.device), OST_CL_ARG(s->poses.device),
-                         OST_CL_ARG(p->tool->cells), OST_CL_ARG(p->bone->density), OST_CL_ARG(p->bone->words), OST_CL_ARG(s->reports.device));
+                             OST_CL_ARG(s->input_device), OST_CL_ARG(p->tool->cells), OST_CL_ARG(p->tool->windows),
+                             OST_CL_ARG(p->bone->density), OST_CL_ARG(p->bone->words), OST_CL_ARG(s->reports_device));
+    return OST_CL_LAUNCH(p->b, ost_remove, items * (size_t)(BLOCK * BLOCK), 1, 1, err, OST_CL_ARG(s->input_device), OST_CL_ARG(p->tool->cells),
+                         OST_CL_ARG(p->bone->density), OST_CL_ARG(p->bone->words), OST_CL_ARG(s->reports_device));
 }
 
-static ost_status write_head(plan *p, size_t blocks, ost_error *err)
+/* The event and its arrays as one, on their way to the device; a buffer for the reports. */
+static ost_status write_input(plan *p, ost_error *err)
 {
     struct ost_cl_event_scratch *s = p->s;
     const ost_density_classes *classes = p->event->classes;
@@ -306,17 +308,38 @@ static ost_status write_head(plan *p, size_t blocks, ost_error *err)
     ost_cl_event head = {
         .tool_dims = {dims.x, dims.y, dims.z},
         .size = p->bone->base.chunk_size,
-        .blocks = (uint32_t)blocks,
+        .blocks = (uint32_t)block_count(p),
         .apply = p->apply,
         .classes = classes->count,
+        .touches = p->tool->touches,
     };
+    const event_array *parts[] = {&s->poses, &s->blocks, &s->entries};
+    uint32_t *at[] = {&head.poses_at, &head.blocks_at, &head.entries_at};
+    size_t bytes = sizeof head;
     for (int c = 0; c < classes->count; c++)
         head.border[c] = classes->border[c];
-    ost_status status = array_reserve(p->b, &s->head, sizeof head, err);
+    for (int i = 0; i < 3; i++) { /* each a multiple of 8, as structs are */
+        *at[i] = (uint32_t)bytes;
+        bytes += parts[i]->bytes;
+    }
+    if (bytes > UINT32_MAX)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for an event (%zu bytes)", bytes);
+    s->reports.bytes = head.blocks * sizeof(ost_cl_block_report);
+    const size_t reports = s->reports.bytes ? s->reports.bytes : sizeof(ost_cl_block_report);
+    ost_status status = array_reserve(&s->input, bytes, err);
+    if (status == OST_OK)
+        status = array_reserve(&s->reports, reports, err);
+    if (status == OST_OK)
+        status = device_reserve(p->b, &s->input_device, &s->input_room, bytes, err);
+    if (status == OST_OK)
+        status = device_reserve(p->b, &s->reports_device, &s->reports_room, reports, err);
     if (status != OST_OK)
         return status;
-    memcpy(s->head.host, &head, sizeof head);
-    return ost_cl_write_later(p->b, s->head.device, sizeof head, s->head.host, err);
+    memcpy(s->input.host, &head, sizeof head);
+    for (int i = 0; i < 3; i++)
+        if (parts[i]->bytes)
+            memcpy((char *)s->input.host + *at[i], parts[i]->host, parts[i]->bytes);
+    return ost_cl_write_later(p->b, s->input_device, bytes, s->input.host, err);
 }
 
 /*
@@ -325,23 +348,14 @@ static ost_status write_head(plan *p, size_t blocks, ost_error *err)
  */
 static ost_status warm(plan *p, ost_error *err)
 {
-    struct ost_cl_event_scratch *s = p->s;
-    ost_status status = array_reserve(p->b, &s->poses, sizeof(ost_cl_pose), err);
-    if (status == OST_OK)
-        status = array_reserve(p->b, &s->blocks, sizeof(ost_cl_block), err);
-    if (status == OST_OK)
-        status = array_reserve(p->b, &s->entries, sizeof(ost_cl_entry), err);
-    if (status == OST_OK)
-        status = array_reserve(p->b, &s->reports, sizeof(ost_cl_block_report), err);
-    if (status == OST_OK)
-        status = write_head(p, 0, err);
+    ost_status status = write_input(p, err);
     if (status == OST_OK)
         status = launch(p, 0, err);
     if (status == OST_OK)
         status = ost_cl_finish(p->b, err);
     if (status == OST_OK)
         ost_cl_tool_settle(p->tool, true);
-    s->warm = status == OST_OK;
+    p->s->warm = status == OST_OK;
     return status;
 }
 
@@ -352,23 +366,16 @@ static ost_status flush(plan *p, ost_error *err)
     const size_t blocks = block_count(p);
     if (blocks == 0)
         return OST_OK;
-    s->reports.bytes = blocks * sizeof(ost_cl_block_report);
-    ost_status status = array_reserve(p->b, &s->reports, s->reports.bytes, err);
-    if (status == OST_OK)
-        status = write_head(p, blocks, err);
-    if (status == OST_OK)
-        status = ost_cl_write_later(p->b, s->blocks.device, s->blocks.bytes, s->blocks.host, err);
-    if (status == OST_OK)
-        status = ost_cl_write_later(p->b, s->entries.device, s->entries.bytes, s->entries.host, err);
+    ost_status status = write_input(p, err);
     if (status == OST_OK && !p->b->device.cpu)
-        status = ost_cl_zero(p->b, s->reports.device, 0, s->reports.bytes, err);
+        status = ost_cl_zero(p->b, s->reports_device, 0, s->reports.bytes, err);
     if (status == OST_OK) {
         status = launch(p, blocks, err);
         p->changed = p->changed || (status == OST_OK && p->apply);
         s->warm = true;
     }
     if (status == OST_OK)
-        status = ost_cl_read(p->b, s->reports.device, 0, s->reports.bytes, s->reports.host, err);
+        status = ost_cl_read(p->b, s->reports_device, 0, s->reports.bytes, s->reports.host, err);
     if (status == OST_OK) {
         ost_cl_tool_settle(p->tool, true);
         status = take_reports(p, err);

@@ -6,6 +6,7 @@
 #include "cl/objects.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 static size_t voxels_of(const ost_tool_geometry *geometry)
 {
@@ -33,6 +34,7 @@ ost_status ost_cl_tool_upload(ost_backend *backend, const ost_tool_volume *volum
     ost_status status = ost_cl_tool_create(backend, &volume->geometry, &tool, err);
     if (status != OST_OK)
         return status;
+    tool->touches = memchr(volume->voxels, OST_TOOL_NONCUTTING, voxels_of(&volume->geometry)) != NULL;
     status = ost_cl_write((cl_backend *)backend, tool->classes, 0, voxels_of(&volume->geometry), volume->voxels, err);
     if (status == OST_OK)
         *out = &tool->base;
@@ -52,22 +54,23 @@ void ost_cl_tool_free(ost_tool *base)
     cl_tool *tool = (cl_tool *)base;
     ost_cl_room_give((cl_backend *)base->backend, &tool->classes, tool->room);
     ost_cl_buffer_free((cl_backend *)base->backend, &tool->cells);
-    ost_cl_buffer_free((cl_backend *)base->backend, &tool->packed);
+    ost_cl_buffer_free((cl_backend *)base->backend, &tool->windows);
     free(tool);
 }
 
-static ost_status make_packed(cl_tool *tool, cl_mem *out, ost_error *err)
+static ost_status make_windows(cl_tool *tool, cl_mem *out, ost_error *err)
 {
     cl_backend *b = (cl_backend *)tool->base.backend;
     const ost_dims dims = tool->base.geometry.dims;
-    const ost_cl_tool shape = {.dims = {dims.x, dims.y, dims.z}};
-    const size_t x = (size_t)OST_CL_PACKED_X(dims.x), y = (size_t)OST_CL_PACKED_Y(dims.y), z = (size_t)OST_CL_PACKED_Z(dims.z);
+    const ost_cl_tool shape = {.dims = {dims.x, dims.y, dims.z}, .axis = tool->touches ? 2 : 1};
+    const size_t y = (size_t)OST_CL_WINDOWS_Y(dims.y), z = (size_t)OST_CL_WINDOWS_Z(dims.z);
+    const size_t x = (size_t)OST_CL_WINDOWS_X(dims.x) * (tool->touches ? 2 : 1);
     cl_mem shape_buffer = NULL;
-    ost_status status = ost_cl_buffer(b, x * y * z * sizeof(uint32_t), NULL, "classes of a tool", out, err);
+    ost_status status = ost_cl_buffer(b, x * y * z, NULL, "windows of a tool", out, err);
     if (status == OST_OK)
         status = ost_cl_buffer(b, sizeof shape, &shape, "tool", &shape_buffer, err);
     if (status == OST_OK)
-        status = OST_CL_LAUNCH(b, ost_tool_pack, x, y, z, err, OST_CL_ARG(shape_buffer), OST_CL_ARG(tool->classes), OST_CL_ARG(*out));
+        status = OST_CL_LAUNCH(b, ost_tool_windows, y, z, x, err, OST_CL_ARG(shape_buffer), OST_CL_ARG(tool->classes), OST_CL_ARG(*out));
     ost_cl_buffer_free(b, &shape_buffer);
     if (status != OST_OK)
         ost_cl_buffer_free(b, out);
@@ -97,7 +100,7 @@ ost_status ost_cl_tool_prepare(cl_tool *tool, ost_error *err)
     }
     ost_cl_buffer_free(b, &second);
     if (status == OST_OK && b->device.cpu)
-        status = make_packed(tool, &tool->packed, err);
+        status = make_windows(tool, &tool->windows, err);
     if (status != OST_OK)
         ost_cl_buffer_free(b, &first);
     tool->cells = first;
@@ -111,5 +114,5 @@ void ost_cl_tool_settle(cl_tool *tool, bool done)
     if (tool->made)
         return;
     ost_cl_buffer_free(b, &tool->cells);
-    ost_cl_buffer_free(b, &tool->packed);
+    ost_cl_buffer_free(b, &tool->windows);
 }

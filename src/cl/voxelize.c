@@ -122,6 +122,7 @@ ost_status ost_cl_voxelize(ost_backend *backend, const ost_snapped_mesh *cutting
             report->solid_voxels += count[2 * k];
             report->cutting_voxels += count[2 * k + 1];
         }
+        tool->touches = noncutting != NULL;
         *out = &tool->base;
     } else if (tool) {
         ost_cl_tool_free(&tool->base);

@@ -2,7 +2,7 @@
 /*
  * AR-VOX on CPUs, by tiles: a tile is some rows along y of some slices.
  *
- *   host    which triangles' bounds meet which tile       a counting sort
+ *   host    which triangles' bounds meet which tile's slices   a counting sort
  *   queue   ost_vox_tiles for the mesh that does not cut, then for the one that does
  *   host    waits once, for what the tiles have counted
  *
@@ -15,12 +15,12 @@
 
 enum { TILE_BYTES = 1 << 18, TILES_BYTES = 1 << 26, DEPTH = 4, BANDS = 32, LISTED = 4 };
 
-/* Rows along y and slices of a tile, as powers of two. */
+/* Rows along y and slices of a tile, and slices that share a list, as powers of two. */
 typedef struct tile_size {
-    int height, depth;
+    int height, depth, layer;
 } tile_size;
 
-/* Tiles that a triangle's bounds meet, inclusive; y0 > y1 or z0 > z1: none. */
+/* Lists that a triangle's bounds meet, inclusive; y0 > y1 or z0 > z1: none. */
 typedef struct tile_range {
     int16_t y0, y1, z0, z1;
 } tile_range;
@@ -30,7 +30,7 @@ typedef struct mesh_bins {
     uint8_t tool_class;
     uint64_t entries;  /* of all lists */
     tile_range *range; /* owned, as are the next two */
-    uint32_t *start;   /* tiles + 1 */
+    uint32_t *start;   /* lists + 1 */
     uint32_t *list;
 } mesh_bins;
 
@@ -66,7 +66,7 @@ static tile_range range_of(const ost_snapped_mesh *mesh, size_t triangle, const 
     const int32_t *a = mesh->vertices[t[0]], *b = mesh->vertices[t[1]], *c = mesh->vertices[t[2]];
     tile_range r;
     tile_span(least3(a[1], b[1], c[1]), greatest3(a[1], b[1], c[1]), f, size->height, &r.y0, &r.y1);
-    tile_span(least3(a[2], b[2], c[2]), greatest3(a[2], b[2], c[2]), f, size->depth, &r.z0, &r.z1);
+    tile_span(least3(a[2], b[2], c[2]), greatest3(a[2], b[2], c[2]), f, size->layer, &r.z0, &r.z1);
     return r;
 }
 
@@ -98,8 +98,14 @@ static size_t tile_count(const ost_cl_tiles *tiles)
     return (size_t)tiles->count[0] * (size_t)tiles->count[1];
 }
 
+static size_t list_count(const ost_cl_tiles *tiles)
+{
+    return (size_t)tiles->count[0] * (size_t)((tiles->dims[2] - 1) / tiles->layer + 1);
+}
+
 static void set_size(ost_cl_tiles *tiles, tile_size size)
 {
+    tiles->layer = 1 << size.layer;
     tiles->height = 1 << size.height;
     tiles->depth = 1 << size.depth;
     tiles->count[0] = tiles_of(tiles->dims[1], size.height);
@@ -110,7 +116,7 @@ static void set_size(ost_cl_tiles *tiles, tile_size size)
 static void choose_size(ost_cl_tiles *tiles, mesh_bins bins[2])
 {
     const size_t row = ((size_t)tiles->dims[0] + 1) * sizeof(int32_t);
-    tile_size size = {0, 0};
+    tile_size size = {0, 0, 0};
     while (1 << size.height < tiles->dims[1] && row << (size.height + 1) <= TILE_BYTES)
         size.height++;
     while (1 << size.depth < DEPTH && tiles->dims[2] >> (size.depth + 1) >= BANDS)
@@ -122,10 +128,10 @@ static void choose_size(ost_cl_tiles *tiles, mesh_bins bins[2])
     }
     for (;;) {
         const bool small[2] = {find_ranges(&bins[0], &size, tiles->fraction), find_ranges(&bins[1], &size, tiles->fraction)};
-        if ((small[0] && small[1]) || tile_count(tiles) == 1)
+        if ((small[0] && small[1]) || list_count(tiles) == 1)
             return;
-        if (tiles->count[1] > 1)
-            size.depth++;
+        if (tiles->layer < tiles->dims[2])
+            size.layer++;
         else
             size.height++;
         set_size(tiles, size);
@@ -134,23 +140,23 @@ static void choose_size(ost_cl_tiles *tiles, mesh_bins bins[2])
 
 static ost_status bins_make(mesh_bins *bins, const ost_cl_tiles *tiles, ost_error *err)
 {
-    const size_t count = tile_count(tiles);
+    const size_t count = list_count(tiles);
     bins->start = calloc(count + 2, sizeof *bins->start);
     bins->list = malloc(((size_t)bins->entries + 1) * sizeof *bins->list);
     if (!bins->start || !bins->list)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for lists of %llu triangles", (unsigned long long)bins->entries);
-    /* next[t + 1] counts tile t, next[t] then is where it begins and, when all are in, where it ends. */
+    /* next[t + 1] counts list t, next[t] then is where it begins and, when all are in, where it ends. */
     uint32_t *next = bins->start + 1;
     for (int place = 0; place < 2; place++) {
         for (size_t t = 0; t < bins->mesh->triangle_count; t++) {
             const tile_range r = bins->range[t];
             for (int32_t z = r.z0; z <= r.z1; z++)
                 for (int32_t y = r.y0; y <= r.y1; y++) {
-                    const size_t tile = (size_t)y + (size_t)tiles->count[0] * (size_t)z;
+                    const size_t list = (size_t)y + (size_t)tiles->count[0] * (size_t)z;
                     if (place)
-                        bins->list[next[tile]++] = (uint32_t)t;
+                        bins->list[next[list]++] = (uint32_t)t;
                     else
-                        next[tile + 1]++;
+                        next[list + 1]++;
                 }
         }
         for (size_t t = 0; t < count && !place; t++)
@@ -174,7 +180,7 @@ static ost_status add_mesh(tiled *v, mesh_bins *bins, cl_mem classes, ost_error 
         return OST_OK;
     cl_mem tiles = NULL, vertices = NULL, triangles = NULL, start = NULL, list = NULL;
     v->tiles.tool_class = bins->tool_class;
-    const size_t count = tile_count(&v->tiles);
+    const size_t count = list_count(&v->tiles);
     ost_status status = bins_make(bins, &v->tiles, err);
     if (status == OST_OK)
         status = ost_cl_buffer(b, sizeof v->tiles, &v->tiles, "voxelization", &tiles, err);
@@ -239,6 +245,7 @@ ost_status ost_cl_voxelize_tiles(ost_backend *backend, const ost_snapped_mesh *c
             report->cutting_voxels += counts[3 * t + 1];
             report->leaking_rows += counts[3 * t + 2];
         }
+        tool->touches = noncutting != NULL;
         *out = &tool->base;
     } else if (tool) {
         ost_cl_tool_free(&tool->base);

@@ -135,8 +135,9 @@ static void plan_free(plan *e)
 /* What removal looks up of a tool, made by the kernels. */
 typedef struct tool_tables {
     uint8_t *cells[2]; /* [0] is the result */
-    uint32_t *packed;
-    size_t words;
+    uint8_t *windows;
+    size_t bytes; /* of windows */
+    bool touches;
 } tool_tables;
 
 static tool_tables tables_of(machine *m, const uint8_t *classes, ost_dims d)
@@ -147,10 +148,13 @@ static tool_tables tables_of(machine *m, const uint8_t *classes, ost_dims d)
     for (shape.axis = 0; shape.axis < 3; shape.axis++)
         LAUNCH(m, ost_tool_reach, d.x, d.y, d.z, ONE(&shape), BUFFER(shape.axis ? t.cells[(shape.axis + 1) % 2] : classes, voxels),
                BUFFER(t.cells[shape.axis % 2], voxels));
-    t.words = (size_t)OST_CL_PACKED_X(d.x) * (size_t)OST_CL_PACKED_Y(d.y) * (size_t)OST_CL_PACKED_Z(d.z);
-    t.packed = zeros(t.words, sizeof *t.packed);
-    LAUNCH(m, ost_tool_pack, OST_CL_PACKED_X(d.x), OST_CL_PACKED_Y(d.y), OST_CL_PACKED_Z(d.z), ONE(&shape), BUFFER(classes, voxels),
-           BUFFER(t.packed, t.words));
+    t.touches = memchr(classes, OST_TOOL_NONCUTTING, voxels) != NULL;
+    shape.axis = t.touches ? 2 : 1;
+    t.bytes = (size_t)shape.axis * (size_t)OST_CL_WINDOWS_X(d.x) * (size_t)OST_CL_WINDOWS_Y(d.y) * (size_t)OST_CL_WINDOWS_Z(d.z);
+    t.windows = zeros(t.bytes, 1);
+    memset(t.windows, 0x55, t.bytes); /* all is written */
+    LAUNCH(m, ost_tool_windows, OST_CL_WINDOWS_Y(d.y), OST_CL_WINDOWS_Z(d.z), OST_CL_WINDOWS_X(d.x) * shape.axis, ONE(&shape),
+           BUFFER(classes, voxels), BUFFER(t.windows, t.bytes));
     return t;
 }
 
@@ -158,7 +162,23 @@ static void tables_free(tool_tables *t)
 {
     free(t->cells[0]);
     free(t->cells[1]);
-    free(t->packed);
+    free(t->windows);
+}
+
+/* The event's one buffer, its arrays in another order than the backend's. */
+static uint8_t *input_of(plan *e, size_t *bytes)
+{
+    const size_t entries = e->entry_count * sizeof *e->entries, poses = e->pose_count * sizeof *e->poses, blocks = e->event.blocks * sizeof *e->blocks;
+    e->event.entries_at = sizeof e->event;
+    e->event.poses_at = (uint32_t)(e->event.entries_at + entries);
+    e->event.blocks_at = (uint32_t)(e->event.poses_at + poses);
+    *bytes = e->event.blocks_at + blocks;
+    uint8_t *input = zeros(*bytes, 1);
+    memcpy(input, &e->event, sizeof e->event);
+    memcpy(input + e->event.entries_at, e->entries, entries);
+    memcpy(input + e->event.poses_at, e->poses, poses);
+    memcpy(input + e->event.blocks_at, e->blocks, blocks);
+    return input;
 }
 
 /* One launch, its blocks' reports gathered by chunk and checked against the reference's. */
@@ -170,14 +190,17 @@ static void run(machine *m, const bone_pool *p, plan *e, const tool_tables *tabl
     ost_chunk_report *sums = zeros((size_t)p->grid->count, sizeof *sums);
     uint64_t touched = 0, total = 0;
     e->event.apply = apply;
+    e->event.touches = tables->touches;
+    size_t bytes;
+    uint8_t *input = input_of(e, &bytes);
     if (blocks > 0 && m->rows == 256)
-        LAUNCH(m, ost_remove_blocks, (blocks + OST_CL_HANDS - 1) / OST_CL_HANDS * OST_CL_HANDS, 1, 1, ONE(&e->event), BUFFER(e->blocks, blocks), BUFFER(e->entries, e->entry_count),
-               BUFFER(e->poses, e->pose_count), BUFFER(tables->cells[0], ost_dims_count(tool->dims)), BUFFER(tables->packed, tables->words),
+        LAUNCH(m, ost_remove_blocks, (blocks + OST_CL_HANDS - 1) / OST_CL_HANDS * OST_CL_HANDS, 1, 1, BUFFER(input, bytes),
+               BUFFER(tables->cells[0], ost_dims_count(tool->dims)), BUFFER(tables->windows, tables->bytes),
                BUFFER(p->density, p->used * p->voxels), BUFFER(p->words, p->used * p->voxels / 32), BUFFER(reports, blocks));
     else if (blocks > 0)
-        LAUNCH(m, ost_remove, blocks * 256 / (size_t)m->rows, 1, 1, ONE(&e->event), BUFFER(e->blocks, blocks), BUFFER(e->entries, e->entry_count),
-               BUFFER(e->poses, e->pose_count), BUFFER(tables->cells[0], ost_dims_count(tool->dims)),
+        LAUNCH(m, ost_remove, blocks * 256 / (size_t)m->rows, 1, 1, BUFFER(input, bytes), BUFFER(tables->cells[0], ost_dims_count(tool->dims)),
                BUFFER(p->density, p->used * p->voxels), BUFFER(p->words, p->used * p->voxels / 32), BUFFER(reports, blocks));
+    free(input);
     for (size_t b = 0; b < blocks; b++) {
         touched += reports[b].touched;
         for (int c = 0; c < OST_CL_CLASSES; c++) {

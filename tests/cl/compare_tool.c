@@ -89,21 +89,23 @@ static void voxelize_tiles(machine *m, test_rng *rng, const ost_snapped_mesh *me
     tiles.depth = (int32_t)rng_range(rng, d.z > 100 ? 100 : 1, d.z);
     tiles.count[0] = (d.y + tiles.height - 1) / tiles.height;
     tiles.count[1] = (d.z + tiles.depth - 1) / tiles.depth;
+    tiles.layer = (int32_t)rng_range(rng, d.z > 100 ? 100 : 1, d.z);
     const size_t count = (size_t)tiles.count[0] * (size_t)tiles.count[1], n = mesh->triangle_count;
     const size_t steps_room = count * (size_t)tiles.height * ((size_t)d.x + 1), marks_room = count * (size_t)tiles.height * ((size_t)d.x / 64 + 1);
-    uint32_t *start = zeros(count + 1, 4), *list = zeros(count * n, 4);
+    const size_t lists = (size_t)tiles.count[0] * (size_t)((d.z + tiles.layer - 1) / tiles.layer);
+    uint32_t *start = zeros(lists + 1, 4), *list = zeros(lists * n, 4);
     int32_t *steps = zeros(steps_room, 4);
     uint64_t *marks = zeros(marks_room, 8), *of_tile = zeros(3 * count, 8);
     memset(steps, 0x33, steps_room * 4);
     memset(marks, 0x33, marks_room * 8);
     of_tile[2] = over ? counts[2] : 99; /* added to, or not looked at */
-    for (size_t t = 0; t < count; t++) {
+    for (size_t t = 0; t < lists; t++) {
         start[t + 1] = start[t] + (uint32_t)n;
         for (size_t i = 0; i < n; i++)
             list[start[t] + i] = (uint32_t)((i + t) % n);
     }
     LAUNCH(m, ost_vox_tiles, tiles.count[0], tiles.count[1], 1, ONE(&tiles), BUFFER(&mesh->vertices[0][0], 3 * mesh->vertex_count),
-           BUFFER(&mesh->triangles[0][0], 3 * n), BUFFER(start, count + 1), BUFFER(list, count * n), BUFFER(steps, steps_room),
+           BUFFER(&mesh->triangles[0][0], 3 * n), BUFFER(start, lists + 1), BUFFER(list, lists * n), BUFFER(steps, steps_room),
            BUFFER(marks, marks_room), BUFFER(classes, ost_dims_count(d)), BUFFER(of_tile, 3 * count));
     for (int c = 0; c < 3; c++) {
         counts[c] = 0;

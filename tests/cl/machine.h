@@ -35,7 +35,7 @@
     X(ost_vox_count)         \
     X(ost_vox_tiles)         \
     X(ost_tool_reach)        \
-    X(ost_tool_pack)         \
+    X(ost_tool_windows)      \
     X(ost_remove)            \
     X(ost_remove_blocks)     \
     X(ost_fingerprint)       \

@@ -21,6 +21,7 @@ static int test_rows = 4;
 #include "cl/kernels/fingerprint.cl"
 #include "cl/kernels/import.cl"
 #include "cl/kernels/remove.cl"
+#include "cl/kernels/remove_cpu.cl"
 #include "cl/kernels/voxelize.cl"
 #include "cl/kernels/voxelize_cpu.cl"
 
@@ -52,9 +53,9 @@ static void call(enum test_kernel kernel, const kernel_arg *args)
     case K_ost_vox_count: ost_vox_count(B(0), B(1), B(2)); break;
     case K_ost_vox_tiles: ost_vox_tiles(B(0), B(1), B(2), B(3), B(4), B(5), B(6), B(7), B(8)); break;
     case K_ost_tool_reach: ost_tool_reach(B(0), B(1), B(2)); break;
-    case K_ost_tool_pack: ost_tool_pack(B(0), B(1), B(2)); break;
-    case K_ost_remove: ost_remove(B(0), B(1), B(2), B(3), B(4), B(5), B(6), B(7)); break;
-    case K_ost_remove_blocks: ost_remove_blocks(B(0), B(1), B(2), B(3), B(4), B(5), B(6), B(7), B(8)); break;
+    case K_ost_tool_windows: ost_tool_windows(B(0), B(1), B(2)); break;
+    case K_ost_remove: ost_remove(B(0), B(1), B(2), B(3), B(4)); break;
+    case K_ost_remove_blocks: ost_remove_blocks(B(0), B(1), B(2), B(3), B(4), B(5)); break;
     case K_ost_fingerprint: ost_fingerprint(U(0), B(1), B(2)); break;
     case K_ost_fingerprint_atomics: ost_fingerprint_atomics(U(0), B(1), B(2)); break;
     case K_ost_fingerprint_turns: ost_fingerprint_turns(U(0), B(1)); break;

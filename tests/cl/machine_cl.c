@@ -97,7 +97,7 @@ cl_program program_of(cl_context context, cl_device_id device, const char *const
 
 machine *machine_on(cl_device_id device, int rows, size_t group)
 {
-    static const char *const names[] = {"shared.h", "common.h", "chunks.cl", "chunks_cpu.cl", "fingerprint.cl", "import.cl", "remove.cl", "voxelize.cl", "voxelize_cpu.cl"};
+    static const char *const names[] = {"shared.h", "common.h", "chunks.cl", "chunks_cpu.cl", "fingerprint.cl", "import.cl", "remove.cl", "remove_cpu.cl", "voxelize.cl", "voxelize_cpu.cl"};
     machine_cl *m = calloc(1, sizeof *m);
     char name[128] = "", options[64];
     cl_int code;

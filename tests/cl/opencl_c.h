@@ -18,6 +18,7 @@ _Static_assert(sizeof(long) == 8 && sizeof(int) == 4 && sizeof(short) == 2, "the
 
 #define __kernel static
 #define __global
+#define __constant static const
 
 static _Thread_local size_t test_item[3];
 
@@ -30,9 +31,50 @@ static inline size_t get_global_id(uint dimension)
 static inline int as_int(uint x) { return (int)x; }
 static inline uint as_uint(int x) { return (uint)x; }
 static inline long as_long(ulong x) { return (long)x; }
-static inline ulong as_ulong(long x) { return (ulong)x; }
 static inline short as_short(ushort x) { return (short)x; }
 static inline signed char as_char(uchar x) { return (signed char)x; }
+
+/* Vectors, of GCC's and clang's kind: operators are those of OpenCL C, comparisons give 0 or -1. They are only ever inlined. */
+#pragma GCC diagnostic ignored "-Wpsabi"
+typedef uchar uchar8 __attribute__((vector_size(8)));
+typedef short short16 __attribute__((vector_size(32)));
+typedef ushort ushort16 __attribute__((vector_size(32)));
+typedef int int8 __attribute__((vector_size(32)));
+typedef uint uint8 __attribute__((vector_size(32)));
+typedef int int16 __attribute__((vector_size(64)));
+typedef uint uint16 __attribute__((vector_size(64)));
+
+#define OST_ALL16(x) ((uint16){0} + (uint)(x))
+#define OST_ALL8(x) ((int8){0} + (int)(x))
+#define select(a, b, c) (((a) & ~(__typeof__(a))(c)) | ((b) & (__typeof__(a))(c)))
+
+#define TEST_VECTOR(type, element, n) \
+    static inline type test_load_##type(const element *p) { type v; __builtin_memcpy(&v, p, sizeof v); return v; } \
+    static inline void test_store_##type(type v, element *p) { __builtin_memcpy(p, &v, sizeof v); }
+TEST_VECTOR(uchar8, uchar, 8)
+TEST_VECTOR(int8, int, 8)
+TEST_VECTOR(uint8, uint, 8)
+TEST_VECTOR(short16, short, 16)
+TEST_VECTOR(ushort16, ushort, 16)
+TEST_VECTOR(int16, int, 16)
+TEST_VECTOR(uint16, uint, 16)
+#define vload8(i, p) \
+    _Generic((p), uchar *: test_load_uchar8, const uchar *: test_load_uchar8, int *: test_load_int8, const int *: test_load_int8, \
+             const uint *: test_load_uint8, uint *: test_load_uint8)((p) + 8 * (i))
+#define vload16(i, p) \
+    _Generic((p), short *: test_load_short16, const short *: test_load_short16, const ushort *: test_load_ushort16, \
+             const uint *: test_load_uint16)((p) + 16 * (i))
+#define vstore8(v, i, p) test_store_int8(v, (p) + 8 * (i))
+#define vstore16(v, i, p) \
+    _Generic((p), short *: test_store_short16, int *: test_store_int16, uint *: test_store_uint16)(v, (p) + 16 * (i))
+
+#define as_int8(v) ((int8)(v))
+#define as_int16(v) ((int16)(v))
+#define as_short16(v) ((short16)(v))
+static inline ulong test_as_ulong_i64(long x) { return (ulong)x; }
+static inline ulong test_as_ulong_u8(uchar8 v) { return (ulong)v; }
+#define as_ulong(x) _Generic((x), long: test_as_ulong_i64, uchar8: test_as_ulong_u8)(x)
+#define convert_int16(v) __builtin_convertvector(v, int16)
 
 static inline uint test_clz(ulong x, int width)
 {

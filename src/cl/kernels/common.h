@@ -46,6 +46,17 @@ static inline int ost_greatest(int a, int b)
     return a > b ? a : b;
 }
 
+static inline uint ost_clamped(uint v, uint lo, uint hi)
+{
+    return v < lo ? lo : v > hi ? hi : v;
+}
+
+/* Vectors of one number. C has its own way to make them (tests/cl/opencl_c.h). */
+#ifndef OST_ALL16
+#define OST_ALL16(x) ((uint16)(x))
+#define OST_ALL8(x) ((int8)(x))
+#endif
+
 /* Bits lo <= b < hi of 16, for any lo and hi. */
 static inline uint ost_bits16(int lo, int hi)
 {

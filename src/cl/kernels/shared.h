@@ -228,8 +228,8 @@ typedef struct ost_cl_vox {
  *   ost_vox_tiles(tiles, vertices, triangles, start, list, steps, marks, classes, counts)   count[0], count[1]
  *
  *   tiles    const ost_cl_tiles[1]
- *   start    const uint[tiles + 1], list const uint[start[tiles]]: triangles list[start[t]] ... list[start[t + 1] - 1] of tile
- *            t = y + count[0] z are all those whose bounds hold the centre of one of its rows; others do no harm
+ *   start    const uint[lists + 1], list const uint[start[lists]]: triangles list[start[l]] ... list[start[l + 1] - 1], l = y + count[0]
+ *            (k / layer), are all those whose bounds hold the centre of one of the rows of tile (y, z) in slice k; others do no harm
  *   steps    int[tiles * height * (dims.x + 1)], marks ulong[tiles * height * (dims.x / 64 + 1)]: whatever is in them
  *   classes  uchar[dims.x * dims.y * dims.z]   all are written; with over only those that the mesh covers
  *   counts   ulong[3 * tiles]                  of a tile: solid and cutting voxels, of all meshes so far; rows that leak, which are
@@ -243,7 +243,7 @@ typedef struct ost_cl_tiles {
     ost_cl_i32 rule;
     ost_cl_i32 tool_class;
     ost_cl_i32 over; /* 1: a second mesh, over the first */
-    ost_cl_i32 unused;
+    ost_cl_i32 layer; /* slices of a list */
 } ost_cl_tiles;
 
 /* ----------------------------------------------------------- tool cells */
@@ -259,22 +259,24 @@ typedef struct ost_cl_tiles {
  *
  * Each item writes its own cell.
  *
- * Beside them, classes without reach, close together: a word has 4 x 2 x 2
- * voxels, two bits each, voxel (x, y, z) of the tool at (x + 1, y + 1, z + 1).
- * The border of void is what is looked up for all that lies outside.
+ * Beside them, for ost_remove_blocks, each class c (1, 2) by itself as
+ * windows: 8 voxels along x are a byte, one at every second voxel, bytes along y
+ * lie side by side.  So 8^3 voxels from any voxel on (along x: from any even one) are
+ * 8 loads of 8 bytes, and are void where they lie outside the grid.
  *
- *   ost_tool_pack(tool, classes, packed)   OST_CL_PACKED_X(dims.x), _Y(dims.y), _Z(dims.z)
+ *   ost_tool_windows(tool, classes, windows)   OST_CL_WINDOWS_Y(dims.y), _Z(dims.z), tool.axis * _X(dims.x); tool.axis: how
+ *                                              many classes, 1 or 2
  *
- *   packed  uint[...]   word (x / 4, y / 2, z / 2), x fastest; bit b = x % 4 + 4 (y % 2) + 8 (z % 2) for
- *                        class 1, 16 + b for class 2
+ *   windows  uchar[...]   of class 1, then of class 2: byte (i, y, z), y fastest, then z: bit b is whether voxel
+ *                         (2 i - 8 + b, y - 8, z - 8) has the class
  */
-#define OST_CL_PACKED_X(n) (((n) + 5) / 4)
-#define OST_CL_PACKED_Y(n) (((n) + 3) / 2)
-#define OST_CL_PACKED_Z(n) (((n) + 3) / 2)
+#define OST_CL_WINDOWS_X(n) (((n) + 10) / 2)
+#define OST_CL_WINDOWS_Y(n) ((n) + 16)
+#define OST_CL_WINDOWS_Z(n) ((n) + 16)
 
 typedef struct ost_cl_tool {
     ost_cl_i32 dims[3];
-    ost_cl_i32 axis;
+    ost_cl_i32 axis; /* windows: how many classes */
 } ost_cl_tool;
 
 #define OST_CL_REACH_MAX 63
@@ -283,15 +285,16 @@ typedef struct ost_cl_tool {
 /*
  * AR-MAP, AR-REM: an event with all its poses and blocks in one launch.
  *
- *   ost_remove(event, blocks, entries, poses, cells, density, words, reports)                  event.blocks * 256 / OST_ROWS
- *   ost_remove_blocks(event, blocks, entries, poses, cells, packed, density, words, reports)   event.blocks, up to a multiple of OST_CL_HANDS;
- *                                                                                              one dimension both
+ *   ost_remove(event, cells, density, words, reports)                   event.blocks * 256 / OST_ROWS
+ *   ost_remove_blocks(event, cells, windows, density, words, reports)   event.blocks, up to a multiple of OST_CL_HANDS; one
+ *                                                                       dimension both
  *
- *   event    const ost_cl_event[1]
- *   blocks   const ost_cl_block[event.blocks]   16^3 voxels each, aligned to voxel (0, 0, 0), of chunks with a slot; no block twice
- *   entries  const ost_cl_entry[...]            the poses that may meet a block, with the block's base
- *   poses    const ost_cl_pose[...]
+ *   event    const ost_cl_event[1] and what belongs to it, one buffer; each begins that many bytes from its start, a multiple of 8:
+ *     poses_at     const ost_cl_pose[...]
+ *     blocks_at    const ost_cl_block[event.blocks]   16^3 voxels each, aligned to voxel (0, 0, 0), of chunks with a slot; no block twice
+ *     entries_at   const ost_cl_entry[...]            the poses that may meet a block, with the block's base
  *   cells    const uchar[tool voxels]           dims <= 1024 an axis
+ *   windows  const uchar[...]                   of class 1, then, where event.touches, of class 2
  *   density  short[...], words  ushort[...]     the pool; words are the same bytes as in ost_chunk_*, two a uint, little-endian
  *   reports  ost_cl_block_report[event.blocks]  zeros at first (ost_remove_blocks writes all of them)
  *
@@ -318,7 +321,8 @@ typedef struct ost_cl_event {
     ost_cl_u32 blocks;
     ost_cl_i32 apply; /* 1 removes, 0 only reports */
     ost_cl_i32 classes;
-    ost_cl_i32 unused;
+    ost_cl_i32 touches; /* 0: the tool has no voxel of class 2 */
+    ost_cl_u32 poses_at, blocks_at, entries_at, unused;
     ost_cl_i32 border[OST_CL_CLASSES];
 } ost_cl_event;
 
@@ -337,8 +341,8 @@ typedef struct ost_cl_pose {
     ost_cl_i32 step[3][3]; /* [bone axis][tool axis], as in ost_map */
     ost_cl_i32 lo[3], hi[3]; /* its box, as in ost_event */
     ost_cl_u8 whole[3]; /* the reach at its middle that decides a cube of 4, 8, 16 voxels; above OST_CL_REACH_MAX: none does */
-    ost_cl_u8 unused;
-    ost_cl_u8 skip[OST_CL_REACH_MAX + 1]; /* both from ost_cl_pose_reach */
+    ost_cl_u8 planes;   /* of a window that a brick may meet: 6 or 8; 0: a brick may be larger */
+    ost_cl_u8 skip[OST_CL_REACH_MAX + 1]; /* all three from ost_cl_pose_reach */
 } ost_cl_pose;
 
 /* Class c: voxels hit, and the sum of their densities before. */
@@ -397,7 +401,7 @@ _Static_assert(sizeof(ost_cl_bone) == 32, "layout");
 _Static_assert(sizeof(ost_cl_vox) == 40, "layout");
 _Static_assert(sizeof(ost_cl_tiles) == 48, "layout");
 _Static_assert(sizeof(ost_cl_tool) == 16, "layout");
-_Static_assert(sizeof(ost_cl_event) == 64, "layout");
+_Static_assert(sizeof(ost_cl_event) == 80, "layout");
 _Static_assert(sizeof(ost_cl_block) == 24, "layout");
 _Static_assert(sizeof(ost_cl_entry) == 16, "layout");
 _Static_assert(sizeof(ost_cl_pose) == 128, "layout");
@@ -416,10 +420,18 @@ _Static_assert(sizeof(ost_cl_block_report) == 80, "layout");
  * at most d = ((e - 1) t + 1) / 2, t the sum of the three |step[b][a]|, its tool
  * voxel by at most floor(d / 2^20) + 1, which must be < r.  15 t < 2^29
  * (AR-MAP-5).
+ *
+ * planes: along an axis a brick's coordinates lie within 3 t of their least
+ * one, so its tool voxels are the least one's and at most floor(3 t / 2^20) + 1
+ * more.  A window begins with the least one, along x perhaps one before: 8
+ * voxels hold a brick when 3 t < 7 * 2^20, along x 3 t < 6 * 2^20, and 6 planes along z
+ * when 3 t < 5 * 2^20.  (0.94 tool voxels a bone voxel, however turned: 3 t < 4.9 * 2^20.)
  */
 static inline void ost_cl_pose_reach(ost_cl_pose *pose)
 {
+    const ost_cl_i32 fits[3] = {6, 7, 7};
     ost_cl_i32 m = 0, t = 0;
+    pose->planes = 6;
     for (int a = 0; a < 3; a++) {
         ost_cl_i32 sum = 0;
         for (int b = 0; b < 3; b++) {
@@ -428,6 +440,10 @@ static inline void ost_cl_pose_reach(ost_cl_pose *pose)
             sum += s;
         }
         t = sum > t ? sum : t;
+        if (3 * sum >= fits[a] * (1 << 20))
+            pose->planes = 0;
+        else if (a == 2 && pose->planes && 3 * sum >= 5 * (1 << 20))
+            pose->planes = 8;
     }
     for (int c = 0; c < 3; c++) {
         const ost_cl_i32 r = ((((4 << c) - 1) * t + 1) / 2 + 1) / (1 << 20) + 2;

@@ -215,21 +215,3 @@ __kernel void ost_tool_reach(__global const ost_cl_tool *tool, __global const uc
         }
     to[here] = (uchar)(own | reach << 2);
 }
-
-__kernel void ost_tool_pack(__global const ost_cl_tool *tool, __global const uchar *classes, __global uint *packed)
-{
-    const int nx = tool->dims[0], ny = tool->dims[1], nz = tool->dims[2];
-    const size_t wx = (size_t)OST_CL_PACKED_X(nx), wy = (size_t)OST_CL_PACKED_Y(ny), wz = (size_t)OST_CL_PACKED_Z(nz);
-    if (get_global_id(0) >= wx || get_global_id(1) >= wy || get_global_id(2) >= wz)
-        return;
-    uint word = 0;
-    for (int b = 0; b < 16; b++) {
-        const int x = 4 * (int)get_global_id(0) + b % 4 - 1, y = 2 * (int)get_global_id(1) + b / 4 % 2 - 1;
-        const int z = 2 * (int)get_global_id(2) + b / 8 - 1;
-        if (x >= 0 && x < nx && y >= 0 && y < ny && z >= 0 && z < nz) {
-            const uint c = classes[(ulong)x + (ulong)nx * ((ulong)y + (ulong)ny * (ulong)z)];
-            word |= (c == 1 ? 1u : c == 2 ? 0x10000u : 0u) << b;
-        }
-    }
-    packed[get_global_id(0) + wx * (get_global_id(1) + wy * get_global_id(2))] = word;
-}

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The voxelizer for CPUs (AR-VOX): an item has a tile of rows and the list of
- * triangles whose bounds meet it (cl/voxelize_tiles.c), so nothing is atomic.
+ * The voxelizer for CPUs (AR-VOX): an item has a tile of rows and lists of the
+ * triangles whose bounds meet its slices (cl/voxelize_tiles.c), so nothing is atomic.
  *
  *   for each slice of the tile
  *     steps[row][i]   sums of what crosses before centre i      where marked
@@ -97,7 +97,8 @@ __kernel void ost_vox_tiles(__global const ost_cl_tiles *tiles, __global const i
     for (int k = k0; k < k1; k++) {
         for (size_t w = 0; w < (size_t)(j1 - j0) * row_words; w++)
             marks[w] = 0;
-        for (uint e = start[tile]; e < start[tile + 1]; e++) {
+        const size_t bin = get_global_id(0) + (size_t)tiles->count[0] * (size_t)(k / tiles->layer);
+        for (uint e = start[bin]; e < start[bin + 1]; e++) {
             ost_triangle t;
             if (ost_triangle_load(&t, vertices, triangles, list[e], f, k, k + 1))
                 ost_mark_triangle(&t, j0, j1, k, f, steps, row_steps, marks, row_words);
