@@ -92,8 +92,10 @@ static int text_columns(const unsigned char *bytes, size_t size, bool *path_head
     if (size >= 3 && memcmp(p, "\xef\xbb\xbf", 3) == 0)
         p += 3;
     int columns = 0;
+    /* Lines that end with CR alone make a text as well: its reader says what is wrong with them. */
+    const char line_end = memchr(p, '\n', (size_t)(all - p)) ? '\n' : '\r';
     while (p < all) {
-        const char *newline = memchr(p, '\n', (size_t)(all - p));
+        const char *newline = memchr(p, line_end, (size_t)(all - p));
         const char *end = newline ? newline : all;
         const char *next = newline ? newline + 1 : all;
         if (end > p && end[-1] == '\r')

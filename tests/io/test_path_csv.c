@@ -119,6 +119,7 @@ static void broken_paths_are_refused(void **state)
         {"0 0 0 1200\n", ":1: 4 columns; expected t_s,x_mm", OST_ERR_INPUT},
         {"\x01\x02\x03\n", ":1: binary bytes", OST_ERR_INPUT},
         {"\xff\xfe" "0\n", ":1: the text is UTF-16", OST_ERR_INPUT},
+        {"0,0,0,0,1,0,0,0\r1,0,0,0,1,0,0,0\r", ":1: line ends are CR alone; LF or CR LF expected", OST_ERR_INPUT},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         ost_error err = {0};

@@ -147,6 +147,10 @@ static void broken_texts_are_refused(void **state)
         {"x y z density\n", ": holds no sample in 1 lines"},
         {"<html><body>404</body></html>\n1 2 3 4 5\n", ":2: 5 values"},
         {"\xff\xfe" "1\n", ":1: the text is UTF-16"},
+        {"1 2 3 4\r5 6 7 8\r", ":1: line ends are CR alone; LF or CR LF expected"},
+        {"\xef\xbb\xbfx y z d\r1 2 3 4", ":1: line ends are CR alone"},
+        {"1 2 3 4\r5 6 7 8\n", ":1: binary bytes"},
+        {"\x01\r1 2 3 4\r", ":1: binary bytes"},
         {"1 2 3 4\n\x01\x02\x03\n", ":2: binary bytes"},
         {"\x7f" "ELF\x02\n", ":1: binary bytes"},
         /* the text's own facts */

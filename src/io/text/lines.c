@@ -8,6 +8,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "io/text/fields.h"
+
 struct ost_text_lines {
     char *path;
     int fd;
@@ -81,6 +83,13 @@ static ost_status fill(ost_text_lines *lines, ost_error *err)
     return OST_OK;
 }
 
+/* Text with CR and no LF, as computers had it before 2001; a CR that ends the file may be half of a CR LF. */
+static bool ends_lines_with_cr(const char *text, size_t size)
+{
+    const char *cr = memchr(text, '\r', size);
+    return cr && cr + 1 < text + size && !memchr(text, '\n', size) && !ost_text_is_binary(text, cr);
+}
+
 ost_status ost_text_lines_next(ost_text_lines *lines, int64_t line_number, ost_text_block *block, ost_error *err)
 {
     char *buffer = lines->buffer;
@@ -97,6 +106,8 @@ ost_status ost_text_lines_next(ost_text_lines *lines, int64_t line_number, ost_t
             block->begin = buffer + 3;
         else if (lines->used >= 2 && (memcmp(buffer, "\xff\xfe", 2) == 0 || memcmp(buffer, "\xfe\xff", 2) == 0))
             return ost_fail(err, OST_ERR_INPUT, "%s:1: the text is UTF-16; save it as plain text (ASCII or UTF-8)", lines->path);
+        if (ends_lines_with_cr(block->begin, lines->used - (size_t)(block->begin - buffer)))
+            return ost_fail(err, OST_ERR_INPUT, "%s:1: line ends are CR alone; LF or CR LF expected", lines->path);
     }
     if (lines->used == 0) {
         block->end = block->begin;
