@@ -13,6 +13,7 @@
 
 #include <osteon/io.h>
 
+#include <float.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -129,14 +130,60 @@ static ost_status stage_end_grid(job *j, const char *name, ost_grid_kind kind, c
 
 /* --------------------------------------------------------------------- checks */
 
-static ost_status check_memory(const char *path, const char *what, ost_dims dims, ost_error *err)
+/* In bytes; more than anything takes when the system does not say. */
+static double machine_memory(void)
 {
     long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
-    double bytes = 2.0 * (double)ost_dims_count(dims), all = (double)pages * (double)page;
-    if (pages <= 0 || page <= 0 || bytes <= all)
+    return pages > 0 && page > 0 ? (double)pages * (double)page : DBL_MAX;
+}
+
+static ost_status check_memory(const char *path, const char *what, ost_dims dims, ost_error *err)
+{
+    const double bytes = 2.0 * (double)ost_dims_count(dims), all = machine_memory();
+    if (bytes <= all)
         return OST_OK;
     return ost_fail(err, OST_ERR_MEMORY, "%s: the %s of %d x %d x %d voxels takes %.3g GB; this machine has %.3g GB", path, what,
                     (int)dims.x, (int)dims.y, (int)dims.z, bytes * 1e-9, all * 1e-9);
+}
+
+static ost_status count_active(const job *j, int32_t threshold, int64_t *out, ost_error *err)
+{
+    const ost_dims dims = j->result->rect.dims;
+    const size_t slice = (size_t)dims.x * (size_t)dims.y;
+    int16_t *voxels = malloc(slice * sizeof *voxels);
+    ost_status status = voxels ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a slice of %zu voxels", j->path, slice);
+    *out = 0;
+    for (int32_t z = 0; z < dims.z && status == OST_OK; z++) {
+        status = ost_grid_download(j->rect, z, 1, voxels, err);
+        for (size_t i = 0; i < slice && status == OST_OK; i++)
+            *out += voxels[i] >= threshold;
+    }
+    free(voxels);
+    return status;
+}
+
+/*
+ * A bone that cannot fit is refused before hours of work on it and not by the
+ * system's killing the program.  Backends differ in what they hold: cpu has no
+ * cubic grid, and of a bone only what is active; so that alone is asked for, by
+ * volume.  A grid of too many voxels is left to its own message.
+ */
+static ost_status check_bone_memory(const job *j, ost_pm cubic, int32_t threshold, ost_error *err)
+{
+    const ost_geometry *g = &j->result->rect;
+    const double c = (double)cubic, all = machine_memory();
+    const double along[3] = {(double)g->spacing.x / c, (double)g->spacing.y / c, (double)g->spacing.z / c};
+    const double each = 2 * along[0] * along[1] * along[2]; /* bytes for a voxel of the rect grid */
+    if (g->dims.x * along[0] > OST_DIM_MAX || g->dims.y * along[1] > OST_DIM_MAX || g->dims.z * along[2] > OST_DIM_MAX ||
+        (double)ost_dims_count(g->dims) * each <= all)
+        return OST_OK;
+    int64_t active;
+    ost_status status = count_active(j, threshold, &active, err);
+    if (status != OST_OK || (double)active * each <= all)
+        return status;
+    char text[OST_PM_TEXT];
+    return ost_fail(err, OST_ERR_MEMORY, "%s: with cubic voxels of %s mm the bone takes %.3g GB; this machine has %.3g GB", j->path,
+                    ost_pm_format(cubic, text), (double)active * each * 1e-9, all * 1e-9);
 }
 
 /* Keeps lo <= index < hi of the grid. */
@@ -355,13 +402,16 @@ static ost_status bone_from_rect(job *j, ost_error *err)
     ost_grid *cubic = NULL;
     ost_stage *stage;
     int32_t threshold;
+    const ost_pm spacing = options->cubic ? options->cubic : result->rect.spacing.x;
     ost_status status = find_threshold(j, &threshold, err);
+    if (status == OST_OK)
+        status = check_bone_memory(j, spacing, threshold, err);
     if (status == OST_OK)
         status = set_meta(j, threshold, err);
     if (status == OST_OK)
         status = stage_begin(j, "cubic", err);
     if (status == OST_OK)
-        status = ost_rect_to_cubic(j->rect, options->cubic ? options->cubic : result->rect.spacing.x, options->resample, &cubic, err);
+        status = ost_rect_to_cubic(j->rect, spacing, options->resample, &cubic, err);
     if (status == OST_OK)
         status = stage_end_grid(j, "cubic", OST_GRID_CUBIC, cubic, err);
     ost_grid_free(j->rect);

@@ -567,6 +567,27 @@ static void memory_is_bounded_by_the_grid(void **state)
     assert_int_equal(WEXITSTATUS(ended), BOUNDED);
 }
 
+/* 2^36 voxels of bone take 137 GB; refused at once, where the machine has less. */
+static void a_bone_beyond_the_memory_is_refused(void **state)
+{
+    (void)state;
+    if ((double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE) > 130e9)
+        skip();
+    char text[64 * 24] = "";
+    for (int i = 0; i < 64; i++)
+        snprintf(text + strlen(text), sizeof text - strlen(text), "%d %d %d 1000\n", i % 4 * 16, i / 4 % 4 * 16, i / 16 * 16);
+    const char *path = scratch_write(folder, "fine.txt", text, strlen(text));
+    const ost_import_options options = {.cubic = 16 * OST_PM_PER_MM / 1024, .digests = true};
+    ost_error err = {0};
+    ost_bone *bone;
+    ost_import_result result;
+    assert_int_equal(ost_import(backend, path, &options, &bone, &result, &err), OST_ERR_MEMORY);
+    assert_null(bone);
+    assert_int_equal(result.stage_count, 2);
+    if (!strstr(err.text, "fine.txt: with cubic voxels of 0.015625 mm the bone takes 137 GB; this machine has "))
+        fail_msg("%s", err.text);
+}
+
 int main(int argc, char **argv)
 {
     if (argc == 4 && strcmp(argv[1], MEMORY_OPTION) == 0)
@@ -585,6 +606,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_change_between_the_passes_is_seen),
         cmocka_unit_test(other_files_are_refused),
         cmocka_unit_test(memory_is_bounded_by_the_grid),
+        cmocka_unit_test(a_bone_beyond_the_memory_is_refused),
     };
     return run_on_backends(tests, set_up, tear_down);
 }
