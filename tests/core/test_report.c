@@ -21,11 +21,45 @@ static void totals_are_sums(void **state)
     assert_int_equal(report.voxels[1], 199 * 100);
     assert_int_equal(report.density[1], -199 * 100);
     assert_int_equal(report.total_voxels, 200 + 199 * 100);
-    assert_int_equal(report.chunks[199].chunk, 199);
+    for (int i = 0; i < 200; i++)
+        assert_int_equal(report.chunks[i].chunk, i);
     size_t capacity = report.capacity;
+    const ost_chunk_report *chunks = report.chunks;
+    report.touched_voxels = 5;
     ost_report_clear(&report);
-    assert_int_equal(report.total_voxels, 0);
+    assert_ptr_equal(report.chunks, chunks);
     assert_int_equal(report.capacity, capacity);
+    const ost_report empty = {.chunks = report.chunks, .capacity = capacity};
+    assert_int_equal(report.count, 0);
+    assert_int_equal(report.total_voxels, 0);
+    assert_int_equal(report.touched_voxels, 0);
+    assert_memory_equal(report.voxels, empty.voxels, sizeof empty.voxels);
+    assert_memory_equal(report.density, empty.density, sizeof empty.density);
+    ost_report_free(&report);
+    assert_null(report.chunks);
+    ost_report_free(NULL);
+}
+
+/* Class c of the i-th chunk has (i + 1)(c + 1) voxels of density -c: sums 6 (c + 1), 18 (c + 1) c less, 6 * 36 in all. */
+static void every_class_has_its_own_sum(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_report report = {0};
+    for (int i = 0; i < 3; i++) {
+        ost_chunk_report chunk = {.chunk = i};
+        for (int c = 0; c < OST_CLASS_MAX; c++) {
+            chunk.voxels[c] = (uint32_t)((i + 1) * (c + 1));
+            chunk.density[c] = -3 * (i + 1) * (c + 1) * c;
+        }
+        assert_ok(ost_report_add(&report, &chunk, &err));
+    }
+    for (int c = 0; c < OST_CLASS_MAX; c++) {
+        assert_int_equal(report.voxels[c], 6 * (c + 1));
+        assert_int_equal(report.density[c], -18 * (c + 1) * c);
+    }
+    assert_int_equal(report.total_voxels, 6 * 36);
+    assert_int_equal(report.count, 3);
     ost_report_free(&report);
 }
 
@@ -43,15 +77,50 @@ static void classes_are_parsed(void **state)
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
         if (ost_density_classes_parse(bad[i], &c, NULL) != OST_ERR_USAGE)
             fail_msg("'%s' was taken", bad[i]);
+    /* AR-CLS-1 */
     c = ost_density_classes_default();
+    assert_int_equal(c.count, 3);
     assert_int_equal(c.border[0], 120);
+    assert_int_equal(c.border[1], 150);
+    assert_int_equal(c.border[2], 650);
+    assert_string_equal(c.name[0], "cartilage");
+    assert_string_equal(c.name[1], "cancellous");
+    assert_string_equal(c.name[2], "cortical");
+}
+
+/* Each limit is met, and refused one beyond; what is refused changes nothing. */
+static void limits_of_classes_are_where_they_are_said(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_density_classes c;
+    assert_ok(ost_density_classes_parse("a:1,b:2,c:3,d:4,e:5,f:6,g:7,h:32767", &c, &err));
+    assert_int_equal(c.count, OST_CLASS_MAX);
+    assert_int_equal(c.border[0], 1);
+    assert_int_equal(c.border[7], 32767);
+    assert_string_equal(c.name[7], "h");
+    assert_int_equal(ost_density_classes_parse("a:32768", &c, NULL), OST_ERR_USAGE);
+    assert_int_equal(ost_density_classes_parse("a:-1", &c, NULL), OST_ERR_USAGE);
+    assert_int_equal(ost_density_classes_parse("a:5,b:4", &c, NULL), OST_ERR_USAGE);
+    assert_int_equal(ost_density_classes_parse("a:5,b:5", &c, NULL), OST_ERR_USAGE);
+    assert_int_equal(c.count, OST_CLASS_MAX);
+    char name[OST_CLASS_NAME + 8];
+    memset(name, 'n', sizeof name);
+    memcpy(name + OST_CLASS_NAME - 1, ":5", 3); /* the longest */
+    assert_ok(ost_density_classes_parse(name, &c, &err));
+    assert_int_equal(strlen(c.name[0]), OST_CLASS_NAME - 1);
+    memset(name, 'n', sizeof name);
+    memcpy(name + OST_CLASS_NAME, ":5", 3);
+    assert_int_equal(ost_density_classes_parse(name, &c, NULL), OST_ERR_USAGE);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(totals_are_sums),
+        cmocka_unit_test(every_class_has_its_own_sum),
         cmocka_unit_test(classes_are_parsed),
+        cmocka_unit_test(limits_of_classes_are_where_they_are_said),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
