@@ -25,7 +25,7 @@
 #include <osteon/event.h>
 
 #include "core/conditions.h"
-#include "core/integer.h"
+#include "core/divider.h"
 #include "core/rotation.h"
 
 static ost_status check(const ost_geometry *bone, const ost_tool_geometry *tool, ost_error *err)
@@ -64,12 +64,13 @@ ost_status ost_map_make(const ost_pose *pose, const ost_geometry *bone, const os
     const ost_pm corner[3] = {tool->corner.x, tool->corner.y, tool->corner.z};
 
     out->divisor = (ost_i128)r.n * tool->voxel;
+    const ost_divider by = ost_divider_of(out->divisor);
     for (int a = 0; a < 3; a++) {
         ost_i128 turned = (ost_i128)r.m[0][a] * from[0] + (ost_i128)r.m[1][a] * from[1] + (ost_i128)r.m[2][a] * from[2];
         out->origin[a] = one * (turned - (ost_i128)r.n * corner[a]);
         for (int b = 0; b < 3; b++) {
             out->column[b][a] = one * r.m[b][a] * bone->spacing.x;
-            out->step[b][a] = (int32_t)ost_rhe_div128(out->column[b][a], out->divisor);
+            out->step[b][a] = (int32_t)ost_rhe_by(&by, out->column[b][a]);
         }
     }
     return OST_OK;

@@ -11,7 +11,7 @@
 #include <osteon/event.h>
 
 #include "core/conditions.h"
-#include "core/integer.h"
+#include "core/divider.h"
 #include "core/rotation.h"
 
 /* |q| <= 1.001 * 2^30 each: |dot| <= 2^60.01; four components within ost_rotation_fits alone: <= 2^62.01. */
@@ -28,32 +28,41 @@ static bool near_unit(const ost_pose *pose)
 }
 
 /*
- * RHE(M c / N) along one axis. The tool's box lies within 8 m of its origin,
- * so |c| < sqrt(3) * 2^42.87 and |M c| <= N |c| < 2^60.01 * 2^43.66.
+ * RHE(M c / N) along one axis for the eight corners of a box, corner x + 2y + 4z:
+ * the products of a row with either end are shared. The tool's box lies within
+ * 8 m of its origin, so |c| < sqrt(3) * 2^42.87 and |M c| <= N |c| < 2^60.01 * 2^43.66.
  */
-static int64_t turned(const ost_rotation *r, int row, const ost_pm c[3])
+static void turned(const ost_rotation *r, const ost_divider *by, int row, const ost_pm lo[3], const ost_pm hi[3], int64_t out[8])
 {
-    ost_i128 sum = (ost_i128)r->m[row][0] * c[0] + (ost_i128)r->m[row][1] * c[1] + (ost_i128)r->m[row][2] * c[2];
-    return (int64_t)ost_rhe_div128(sum, r->n);
+    ost_i128 part[3][2];
+    for (int a = 0; a < 3; a++) {
+        part[a][0] = (ost_i128)r->m[row][a] * lo[a];
+        part[a][1] = (ost_i128)r->m[row][a] * hi[a];
+    }
+    for (int c = 0; c < 8; c++)
+        out[c] = ost_rhe_by(by, part[0][c & 1] + part[1][c >> 1 & 1] + part[2][c >> 2]);
 }
 
 /* max |d|^2 over the box's corners: each component is below 2 * 2^43.66 + 2^43.87 < 2^45.4, the sum of squares below 2^92.4. */
 static ost_i128 greatest_displacement_squared(const ost_pose *a, const ost_pose *b, const ost_tool_geometry *tool)
 {
-    ost_rotation ra = ost_rotation_of(a), rb = ost_rotation_of(b);
+    const ost_rotation ra = ost_rotation_of(a), rb = ost_rotation_of(b);
+    const ost_divider by_a = ost_divider_of(ra.n), by_b = ost_divider_of(rb.n);
     const int64_t dt[3] = {b->t.x - a->t.x, b->t.y - a->t.y, b->t.z - a->t.z};
     const ost_pm lo[3] = {tool->corner.x, tool->corner.y, tool->corner.z};
     const ost_pm hi[3] = {lo[0] + tool->dims.x * tool->voxel, lo[1] + tool->dims.y * tool->voxel, lo[2] + tool->dims.z * tool->voxel};
-    ost_i128 greatest = 0;
-    for (int corner = 0; corner < 8; corner++) {
-        const ost_pm c[3] = {corner & 1 ? hi[0] : lo[0], corner & 2 ? hi[1] : lo[1], corner & 4 ? hi[2] : lo[2]};
-        ost_i128 squared = 0;
-        for (int axis = 0; axis < 3; axis++) {
-            ost_i128 d = turned(&rb, axis, c) - turned(&ra, axis, c) + dt[axis];
-            squared += d * d;
+    ost_i128 squared[8] = {0}, greatest = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        int64_t from[8], to[8];
+        turned(&ra, &by_a, axis, lo, hi, from);
+        turned(&rb, &by_b, axis, lo, hi, to);
+        for (int corner = 0; corner < 8; corner++) {
+            const int64_t d = to[corner] - from[corner] + dt[axis];
+            squared[corner] += (ost_i128)d * d;
         }
-        greatest = squared > greatest ? squared : greatest;
     }
+    for (int corner = 0; corner < 8; corner++)
+        greatest = squared[corner] > greatest ? squared[corner] : greatest;
     return greatest;
 }
 

@@ -16,12 +16,13 @@
  *   r   RHE(2^30 M / N): the rotation, each entry off by at most 1/2
  *
  * Ranges: lengths within 8 m, so |d|, b, e < 2^46; |r| <= 2^30; a product is
- * below 2^76 and a sum of six below 2^79: far inside 128 bits.
+ * below 2^76 and a sum of six below 2^79: far inside 128 bits.  What is divided
+ * by N is below 2^46 N: N times a length, or N 2^30.
  */
 #include "sim/box.h"
 
 #include "core/conditions.h"
-#include "core/integer.h"
+#include "core/divider.h"
 #include "core/rotation.h"
 
 typedef struct pair {
@@ -59,30 +60,31 @@ static ost_i128 magnitude128(ost_i128 x)
 }
 
 /* Twice the centre of the tool's box in the bone's frame; each axis RHE, so off by at most 1/2. */
-static void centre_twice(const ost_box *tool, const ost_rotation *m, const ost_pose *pose, int64_t out[3])
+static void centre_twice(const ost_box *tool, const ost_rotation *m, const ost_divider *by, const ost_pose *pose, int64_t out[3])
 {
     const int64_t c[3] = {tool->lo.x + tool->hi.x, tool->lo.y + tool->hi.y, tool->lo.z + tool->hi.z};
     const int64_t t[3] = {pose->t.x, pose->t.y, pose->t.z};
     for (int i = 0; i < 3; i++) {
         ost_i128 turned = (ost_i128)m->m[i][0] * c[0] + (ost_i128)m->m[i][1] * c[1] + (ost_i128)m->m[i][2] * c[2];
-        out[i] = (int64_t)ost_rhe_div128(turned, m->n) + 2 * t[i];
+        out[i] = ost_rhe_by(by, turned) + 2 * t[i];
     }
 }
 
 static pair pair_of(const ost_box *bone, const ost_box *tool, const ost_pose *pose)
 {
-    ost_rotation m = ost_rotation_of(pose);
+    const ost_rotation m = ost_rotation_of(pose);
+    const ost_divider by = ost_divider_of(m.n);
     pair p = {
         .b = {bone->hi.x - bone->lo.x, bone->hi.y - bone->lo.y, bone->hi.z - bone->lo.z},
         .e = {tool->hi.x - tool->lo.x, tool->hi.y - tool->lo.y, tool->hi.z - tool->lo.z},
     };
-    centre_twice(tool, &m, pose, p.d);
+    centre_twice(tool, &m, &by, pose, p.d);
     p.d[0] -= bone->lo.x + bone->hi.x;
     p.d[1] -= bone->lo.y + bone->hi.y;
     p.d[2] -= bone->lo.z + bone->hi.z;
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
-            p.r[i][j] = (int64_t)ost_rhe_div128((ost_i128)m.m[i][j] * (1 << 30), m.n);
+            p.r[i][j] = ost_rhe_by(&by, (ost_i128)m.m[i][j] * (1 << 30));
 
     /*
      * Each side of a test below is a sum of products length * entry, an entry
@@ -164,18 +166,20 @@ static int32_t clamp(int64_t value, int32_t hi)
  */
 ost_voxel_box ost_box_voxels(const ost_geometry *bone, const ost_box *tool, const ost_pose *pose)
 {
-    ost_rotation m = ost_rotation_of(pose);
+    const ost_rotation m = ost_rotation_of(pose);
+    const ost_divider by = ost_divider_of(m.n);
     const int64_t e[3] = {tool->hi.x - tool->lo.x, tool->hi.y - tool->lo.y, tool->hi.z - tool->lo.z};
     const int64_t o[3] = {bone->origin.x, bone->origin.y, bone->origin.z};
     const int64_t s[3] = {bone->spacing.x, bone->spacing.y, bone->spacing.z};
     const int32_t dims[3] = {bone->dims.x, bone->dims.y, bone->dims.z};
     int64_t c[3];
-    centre_twice(tool, &m, pose, c);
+    centre_twice(tool, &m, &by, pose, c);
     ost_voxel_box box;
     for (int i = 0; i < 3; i++) {
         ost_i128 spread = (ost_i128)magnitude(m.m[i][0]) * e[0] + (ost_i128)magnitude(m.m[i][1]) * e[1] +
                           (ost_i128)magnitude(m.m[i][2]) * e[2];
-        int64_t h = -(int64_t)ost_floor_div128(-spread, m.n);
+        ost_i128 rest;
+        const int64_t h = -ost_floor_by(&by, -spread, &rest);
         box.lo[i] = clamp(ost_ceil_div(c[i] - h - 1 - 2 * o[i], 2 * s[i]), dims[i]);
         box.hi[i] = clamp(ost_floor_div(c[i] + h + 1 - 2 * o[i], 2 * s[i]) + 1, dims[i]);
     }

@@ -5,56 +5,36 @@
 #include <stdlib.h>
 
 #include "core/conditions.h"
-#include "core/integer.h"
-
-__extension__ typedef unsigned __int128 u128;
-
-/* 2^16 r / divisor for 0 <= r < divisor, rounded down with an error below 2. */
-typedef struct fraction {
-    ost_i128 divisor;
-    int shift;
-    uint64_t inverse;
-} fraction;
+#include "core/divider.h"
 
 /*
- * d = divisor >> shift has 62 bits (divisor > 2^59 * 10^6 > 2^78), inverse = floor(2^124 / (d + 1)) < 2^63.
- * (r >> shift) * inverse <= (r / 2^shift) * 2^124 * 2^shift / divisor: never too much; each
- * rounding loses less than 2^-60 of the whole, and the last one less than 1.
+ * 2^16 r / divisor for 0 <= r < divisor, rounded down with an error below 2.
+ * In core/divider.h's terms r >> s has at most 62 bits, d 62 (divisor > 2^59 * 10^6 > 2^78) and
+ * I = floor(2^124 / (d + 1)) < 2^63.  (r >> s) I <= (r / 2^s) * 2^124 * 2^s / divisor: never too
+ * much; each rounding loses less than 2^-60 of the whole, and the last one less than 1.
  */
-static fraction fraction_of(ost_i128 divisor)
+static int64_t scaled(const ost_divider *by, int64_t q, ost_i128 r)
 {
-    assert(divisor >> 64 > 0);
-    fraction f = {.divisor = divisor, .shift = 66 - __builtin_clzll((uint64_t)(divisor >> 64))};
-    f.inverse = (uint64_t)(((u128)1 << 124) / (u128)((uint64_t)(divisor >> f.shift) + 1));
-    return f;
-}
-
-static int64_t scaled(const fraction *f, ost_i128 q, ost_i128 r)
-{
-    const uint64_t part = (uint64_t)(((u128)(uint64_t)(r >> f->shift) * f->inverse) >> 108);
-    return (int64_t)q * (1 << 16) + (int64_t)part;
+    const int64_t part = (int64_t)((ost_i128)(int64_t)(r >> (by->shift - 46)) * by->inverse >> 108);
+    return q * (1 << 16) + part;
 }
 
 /*
  * Along bone axis b, from the exact start: 16 columns a block, added as quotient and remainder. 16 column =
  * (16 step) divisor + 16 e with e = column - step divisor, |e| <= divisor / 2.
  */
-static void fill(ost_block_bases *bases, const fraction *f, int b, int a, ost_i128 start)
+static void fill(ost_block_bases *bases, const ost_divider *by, int b, int a, ost_i128 start)
 {
-    const ost_i128 d = f->divisor;
-    ost_i128 q = 0, r = 0;
-    if (start != 0) {
-        q = ost_floor_div128(start, d);
-        r = start - q * d;
-    }
-    ost_i128 step_q = (ost_i128)OST_MAP_BLOCK * bases->map->step[b][a];
+    const ost_i128 d = by->divisor;
+    ost_i128 r;
+    int64_t q = ost_floor_by(by, start, &r), step_q = (int64_t)OST_MAP_BLOCK * bases->map->step[b][a];
     ost_i128 step_r = OST_MAP_BLOCK * (bases->map->column[b][a] - bases->map->step[b][a] * d);
     for (; step_r < 0; step_q--)
         step_r += d;
     for (; step_r >= d; step_q++)
         step_r -= d;
     for (int32_t i = 0; i < bases->count[b]; i++) {
-        bases->part[b][3 * i + a] = scaled(f, q, r);
+        bases->part[b][3 * i + a] = scaled(by, q, r);
         q += step_q;
         r += step_r;
         if (r >= d) {
@@ -87,13 +67,13 @@ void ost_block_bases_make(ost_block_bases *bases, const ost_map *map, const int3
         bases->count[b] = hi[b] - lo[b];
         assert(3 * (size_t)bases->count[b] <= bases->capacity[b]);
     }
-    const fraction f = fraction_of(map->divisor);
+    const ost_divider by = ost_divider_of(map->divisor);
     for (int a = 0; a < 3; a++) {
         ost_i128 first = map->origin[a];
         for (int b = 0; b < 3; b++)
             first += (ost_i128)OST_MAP_BLOCK * lo[b] * map->column[b][a];
         for (int b = 0; b < 3; b++)
-            fill(bases, &f, b, a, b == 0 ? first : 0);
+            fill(bases, &by, b, a, b == 0 ? first : 0);
     }
 }
 

@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Exact quotients by one divisor, many of them, with a single division: an
+ * estimate by a reciprocal, and the remainder says whether it is one off.
+ *
+ * With D the divisor, s such that d = floor(D / 2^s) is in [2^61, 2^62) (for
+ * s < 0: d = D 2^-s), and I = floor(2^124 / (d + 1)), which is in [2^62, 2^63):
+ *
+ *     h = floor(n / 2^(s+46))       e = floor(h I / 2^78)
+ *
+ * Let X = 2^(124+s) / D, so that n / D = n / 2^(s+46) * X / 2^78.
+ *   0 <= X - I <= 5      as X <= 2^124 / d, which is at most 4 above 2^124 / (d + 1)
+ *   n / 2^(s+46) = h + f, 0 <= f < 1
+ *   n / D - h I / 2^78 = (h (X - I) + f X) / 2^78
+ * and with |n| <= 2^46 D, hence |h| <= 2^62 + 1, that is below
+ * (5 (2^62 + 1) + 2^63) / 2^78 < 2^-12 in magnitude: e is floor(n / D) or one beside it.
+ *
+ * Ranges: |h I| < 2^126; the remainder is within [-D, 2 D) before it is
+ * corrected, so |e D| <= |n| + 2 D: inside 128 bits for |n| < 2^126 and D <= 2^120.
+ */
+#ifndef OST_CORE_DIVIDER_H
+#define OST_CORE_DIVIDER_H
+
+#include <assert.h>
+
+#include "core/integer.h"
+
+typedef struct ost_divider {
+    ost_i128 divisor;
+    int64_t inverse; /* I */
+    int shift;       /* s + 46, not negative */
+} ost_divider;
+
+/* 2^15 <= divisor <= 2^120. */
+static inline ost_divider ost_divider_of(ost_i128 divisor)
+{
+    const uint64_t high = (uint64_t)(divisor >> 64), low = (uint64_t)divisor;
+    assert(divisor >= 1 << 15 && divisor <= (ost_i128)1 << 120);
+    const int bits = high ? 128 - __builtin_clzll(high) : 64 - __builtin_clzll(low), s = bits - 62;
+    const uint64_t d = s < 0 ? low << -s : (uint64_t)(divisor >> s);
+    __extension__ typedef unsigned __int128 u128;
+    return (ost_divider){.divisor = divisor, .inverse = (int64_t)(((u128)1 << 124) / (d + 1)), .shift = s + 46};
+}
+
+/* floor(n / divisor), |n| <= 2^46 * divisor and < 2^126; *rest is what is left, 0 <= *rest < divisor. */
+static inline int64_t ost_floor_by(const ost_divider *by, ost_i128 n, ost_i128 *rest)
+{
+    int64_t q = (int64_t)((ost_i128)(int64_t)(n >> by->shift) * by->inverse >> 78);
+    ost_i128 r = n - q * by->divisor;
+    if (r < 0) {
+        q--;
+        r += by->divisor;
+    } else if (r >= by->divisor) {
+        q++;
+        r -= by->divisor;
+    }
+    *rest = r;
+    return q;
+}
+
+/* The same, to the nearest, half to even. */
+static inline int64_t ost_rhe_by(const ost_divider *by, ost_i128 n)
+{
+    ost_i128 r;
+    const int64_t q = ost_floor_by(by, n, &r);
+    return q + (r > by->divisor - r || (r == by->divisor - r && (q & 1)));
+}
+
+#endif
