@@ -63,27 +63,27 @@ static bool clip_box(const ost_voxel_box *box, ost_dims dims, ost_voxel_box *out
     return any;
 }
 
-/* Numbers 0..63 of the 8^3 cubes of a unit whose place along axis a is at. */
-static uint64_t cubes_at(int a, int32_t at)
+static int32_t within(int32_t v, int32_t lo, int32_t hi)
 {
-    static const uint64_t zero[3][2] = {{UINT64_C(0x5555555555555555), UINT64_C(0x00ff00ff00ff00ff)},
-                                        {UINT64_C(0x3333333333333333), UINT64_C(0x0000ffff0000ffff)},
-                                        {UINT64_C(0x0f0f0f0f0f0f0f0f), UINT64_C(0x00000000ffffffff)}};
-    return (at & 1 ? ~zero[a][0] : zero[a][0]) & (at & 2 ? ~zero[a][1] : zero[a][1]);
+    return min32(max32(v, lo), hi);
 }
 
-/* Those that lie wholly in the box. */
+/* Numbers 0..63 of the 8^3 cubes of a unit that lie wholly in the box. */
 static uint64_t cubes_within(const int32_t unit[3], const ost_voxel_box *box)
 {
-    uint64_t within = ~UINT64_C(0);
+    enum { CUBES = OST_UNIT / 8 };
+    /* Those whose place along an axis is below 0, 1, 2, 3, 4: one bit of the place is the number's bit of the axis, the other three above it. */
+    static const uint64_t below[3][CUBES + 1] = {
+        {0, UINT64_C(0x0055005500550055), UINT64_C(0x00ff00ff00ff00ff), UINT64_C(0x55ff55ff55ff55ff), ~UINT64_C(0)},
+        {0, UINT64_C(0x0000333300003333), UINT64_C(0x0000ffff0000ffff), UINT64_C(0x3333ffff3333ffff), ~UINT64_C(0)},
+        {0, UINT64_C(0x000000000f0f0f0f), UINT64_C(0x00000000ffffffff), UINT64_C(0x0f0f0f0fffffffff), ~UINT64_C(0)},
+    };
+    uint64_t cubes = ~UINT64_C(0);
     for (int a = 0; a < 3; a++) {
-        uint64_t along = 0;
-        for (int32_t at = 0; at < OST_UNIT / 8; at++)
-            if (unit[a] + 8 * at >= box->lo[a] && unit[a] + 8 * at + 8 <= box->hi[a])
-                along |= cubes_at(a, at);
-        within &= along;
+        const int32_t from = (within(box->lo[a] - unit[a], 0, OST_UNIT) + 7) / 8, to = within(box->hi[a] - unit[a], 0, OST_UNIT) / 8;
+        cubes &= below[a][to] & ~below[a][from];
     }
-    return within;
+    return cubes;
 }
 
 /* The 8^3 cubes of the two lists that do not lie wholly in the box. */

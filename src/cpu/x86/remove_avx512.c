@@ -3,7 +3,7 @@
  * Removal in AVX-512 (F, BW, DQ, VL, CD).
  *
  *   blocks  the eight of a unit at once, in 64-bit lanes
- *   split   two cubes, sixteen parts at once
+ *   split   sixteen parts at once, two of eight cubes or four of four
  *   match   32 voxels in 16-bit lanes, twice: a window of 64 bytes is one
  *           register, and a row of it one VPERMW
  *   take    a brick is two registers; classes by compare masks
@@ -66,24 +66,30 @@ void ost_blocks_avx512(const ost_block_bases *bases, const ost_block_reach *reac
 
 /* ------------------------------------------------------------------ split */
 
-/* The number of the cell that each lane lies in, or is nearest to. */
+/*
+ * The number of the cell that each lane lies in, or is nearest to.  Cells are
+ * counted to 2^15 on an axis, so that products with one of them need 16 bits of
+ * either factor, and y * dims[0] fits 32.
+ */
 static inline __m512i cells_of(const ost_cells *cells, __m512i x, __m512i y, __m512i z)
 {
-    const __m512i zero = _mm512_setzero_si512(), margin = _mm512_set1_epi32(cells->margin);
-    const __m128i shift = _mm_cvtsi32_si128(cells->shift);
-    x = _mm512_add_epi32(_mm512_sra_epi32(x, shift), margin);
-    y = _mm512_add_epi32(_mm512_sra_epi32(y, shift), margin);
-    z = _mm512_add_epi32(_mm512_sra_epi32(z, shift), margin);
+    const __m512i zero = _mm512_setzero_si512(), margin = _mm512_set1_epi32(cells->margin), shift = _mm512_set1_epi32(cells->shift);
+    x = _mm512_add_epi32(_mm512_srav_epi32(x, shift), margin);
+    y = _mm512_add_epi32(_mm512_srav_epi32(y, shift), margin);
+    z = _mm512_add_epi32(_mm512_srav_epi32(z, shift), margin);
     x = _mm512_min_epi32(_mm512_max_epi32(x, zero), _mm512_set1_epi32(cells->dims[0] - 1));
     y = _mm512_min_epi32(_mm512_max_epi32(y, zero), _mm512_set1_epi32(cells->dims[1] - 1));
     z = _mm512_min_epi32(_mm512_max_epi32(z, zero), _mm512_set1_epi32(cells->dims[2] - 1));
-    const __m512i row = _mm512_add_epi32(y, _mm512_mullo_epi32(z, _mm512_set1_epi32(cells->dims[1])));
-    return _mm512_add_epi32(x, _mm512_mullo_epi32(row, _mm512_set1_epi32(cells->dims[0])));
+    const __m512i row = _mm512_madd_epi16(y, _mm512_set1_epi32(cells->dims[0]));
+    const __m512i slice = _mm512_mullo_epi32(z, _mm512_set1_epi32(cells->dims[0] * cells->dims[1]));
+    return _mm512_add_epi32(x, _mm512_add_epi32(row, slice));
 }
 
 /*
- * Eight cubes at a time, two of their parts in a register: lanes 0..7 are part
- * 2q of the cubes, lanes 8..15 part 2q + 1.  The cells' values are read one by one in between.
+ * Cubes in groups of eight, two of their parts in a register: lanes 0..7 are
+ * part 2q of the cubes, lanes 8..15 part 2q + 1.  The last group, when it has
+ * four cubes or fewer, has four parts in a register: a unit has few blocks,
+ * and half of the registers would be empty.  The cells' values are read one by one in between.
  */
 enum { GROUPS = 8 };
 typedef struct split_piece {
@@ -92,15 +98,29 @@ typedef struct split_piece {
     uint64_t keep[GROUPS]; /* byte c: the parts of cube c that are still to be sorted */
 } split_piece;
 
-/* One value for the lanes of each part. */
-static inline __m512i parts(const int32_t eight[8], int q)
+#define INLINED static inline __attribute__((always_inline))
+
+/* `wide` is how many cubes a register holds, 8 or 4; a part's number for each lane of register q. */
+INLINED __m512i part_numbers(int wide, int q)
 {
-    return _mm512_mask_set1_epi32(_mm512_set1_epi32(eight[2 * q]), 0xff00, eight[2 * q + 1]);
+    const __m512i of_two = _mm512_setr_epi32(0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1);
+    const __m512i of_four = _mm512_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3);
+    return wide == 8 ? _mm512_add_epi32(of_two, _mm512_set1_epi32(2 * q)) : _mm512_add_epi32(of_four, _mm512_set1_epi32(4 * q));
 }
 
-static inline __m512i eight_cubes(const int32_t *u)
+/* One value for the lanes of each part. */
+INLINED __m512i parts(const int32_t eight[8], int wide, int q)
 {
-    return _mm512_broadcast_i64x4(_mm256_loadu_si256((const __m256i *)u));
+    if (wide == 8)
+        return _mm512_mask_set1_epi32(_mm512_set1_epi32(eight[2 * q]), 0xff00, eight[2 * q + 1]);
+    const __m512i all = _mm512_castsi256_si512(_mm256_load_si256((const __m256i *)(const void *)eight));
+    return _mm512_permutexvar_epi32(part_numbers(4, q), all);
+}
+
+INLINED __m512i some_cubes(const int32_t *u, int wide)
+{
+    return wide == 8 ? _mm512_broadcast_i64x4(_mm256_loadu_si256((const __m256i *)(const void *)u))
+                     : _mm512_broadcast_i32x4(_mm_loadu_si128((const __m128i *)(const void *)u));
 }
 
 static inline uint64_t parts_kept(const ost_cubes *cubes, size_t from, size_t count, const uint64_t *occupancy)
@@ -115,60 +135,86 @@ static inline uint64_t parts_kept(const ost_cubes *cubes, size_t from, size_t co
     return keep;
 }
 
-static inline void find_cells(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, size_t from, int32_t out[64])
+INLINED void find_cells(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, size_t from, int wide, int32_t out[64])
 {
-    const __m512i x = eight_cubes(cubes->u[0] + from), y = eight_cubes(cubes->u[1] + from), z = eight_cubes(cubes->u[2] + from);
-    for (int q = 0; q < 4; q++)
-        _mm512_store_si512(out + 16 * q, cells_of(cells, _mm512_add_epi32(x, parts(split->centre[0], q)),
-                                            _mm512_add_epi32(y, parts(split->centre[1], q)), _mm512_add_epi32(z, parts(split->centre[2], q))));
+    const __m512i x = some_cubes(cubes->u[0] + from, wide), y = some_cubes(cubes->u[1] + from, wide), z = some_cubes(cubes->u[2] + from, wide);
+    for (int q = 0; q < wide / 2; q++)
+        _mm512_store_si512(out + 16 * q, cells_of(cells, _mm512_add_epi32(x, parts(split->centre[0], wide, q)),
+                                                  _mm512_add_epi32(y, parts(split->centre[1], wide, q)),
+                                                  _mm512_add_epi32(z, parts(split->centre[2], wide, q))));
+}
+
+INLINED void read_cells(const int8_t *table, const int32_t *cell, int wide, int8_t *value)
+{
+    for (int j = 0; j < 8 * wide; j += 4) {
+        value[j] = table[cell[j]];
+        value[j + 1] = table[cell[j + 1]];
+        value[j + 2] = table[cell[j + 2]];
+        value[j + 3] = table[cell[j + 3]];
+    }
+}
+
+/* Which of 16 bytes, a part of a cube each, are kept: bit `part` of byte `cube` of keep. */
+INLINED __mmask16 kept_of(uint64_t keep, int wide, int q)
+{
+    if (wide == 8)
+        return _mm_test_epi8_mask(_mm_set1_epi64x((long long)keep), _mm_set_epi64x((long long)(UINT64_C(0x0202020202020202) << 2 * q),
+                                                                                   (long long)(UINT64_C(0x0101010101010101) << 2 * q)));
+    return _mm_test_epi8_mask(_mm_set1_epi32((int32_t)keep), _mm_slli_epi32(_mm_setr_epi32(0x01010101, 0x02020202, 0x04040404, 0x08080808), 4 * q));
+}
+
+/* Sorts the parts of a group behind those that mixed and inside have. */
+INLINED void sort_parts(const ost_split *split, const ost_cubes *cubes, size_t from, int wide, const int8_t *value, uint64_t keep,
+                       ost_cubes *mixed, ost_numbers *inside, size_t *m, size_t *n)
+{
+    /* Values are within +-64: 127 is as good as beyond. */
+    const int least = split->least < 127 ? split->least : 127;
+    const __m128i high = _mm_set1_epi8((int8_t)least), low = _mm_set1_epi8((int8_t)-least);
+    const __m512i x = some_cubes(cubes->u[0] + from, wide), y = some_cubes(cubes->u[1] + from, wide), z = some_cubes(cubes->u[2] + from, wide);
+    const __m512i number = _mm512_slli_epi32(some_cubes(cubes->number + from, wide), 3);
+    for (int q = 0; q < wide / 2; q++) {
+        const __m128i v = _mm_load_si128((const __m128i *)(const void *)(value + 16 * q));
+        const __mmask16 kept = kept_of(keep, wide, q);
+        const __mmask16 in = _mm_mask_cmpge_epi8_mask(kept, v, high);
+        const __mmask16 mix = kept & ~(in | _mm_cmple_epi8_mask(v, low));
+        const __m512i part = _mm512_add_epi32(number, part_numbers(wide, q));
+        _mm512_storeu_si512(mixed->u[0] + *m, _mm512_maskz_compress_epi32(mix, _mm512_add_epi32(x, parts(split->first[0], wide, q))));
+        _mm512_storeu_si512(mixed->u[1] + *m, _mm512_maskz_compress_epi32(mix, _mm512_add_epi32(y, parts(split->first[1], wide, q))));
+        _mm512_storeu_si512(mixed->u[2] + *m, _mm512_maskz_compress_epi32(mix, _mm512_add_epi32(z, parts(split->first[2], wide, q))));
+        _mm512_storeu_si512(mixed->number + *m, _mm512_maskz_compress_epi32(mix, part));
+        _mm512_storeu_si512(inside->number + *n, _mm512_maskz_compress_epi32(in, part));
+        *m += (size_t)_mm_popcnt_u32(mix);
+        *n += (size_t)_mm_popcnt_u32(in);
+    }
 }
 
 void ost_split_avx512(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, const uint64_t *occupancy,
                       ost_cubes *mixed, ost_numbers *inside)
 {
-    /* Values are within +-64: 127 is as good as beyond. */
-    const int least = split->least < 127 ? split->least : 127;
-    const __m128i high = _mm_set1_epi8((int8_t)least), low = _mm_set1_epi8((int8_t)-least);
     const int8_t *const table = cells->value; /* a local one: stores of bytes cannot change it */
     split_piece piece;
     size_t m = mixed->count, n = inside->count;
     for (size_t from = 0; from < cubes->count; from += 8 * GROUPS) {
-        const size_t left = cubes->count - from, groups = left < 8 * GROUPS ? (left + 7) / 8 : GROUPS;
-        for (size_t g = 0; g < groups; g++) {
-            const size_t first = from + 8 * g, count = cubes->count - first < 8 ? cubes->count - first : 8;
-            piece.keep[g] = parts_kept(cubes, first, count, occupancy);
-            find_cells(split, cells, cubes, first, piece.cell[g]);
+        const size_t left = cubes->count - from, piece_count = left < 8 * GROUPS ? left : 8 * GROUPS;
+        const size_t rest = piece_count % 8, full = piece_count / 8 + (rest > 4);
+        const bool narrow = rest > 0 && rest <= 4;
+        for (size_t g = 0; g < full; g++) {
+            const size_t count = piece_count - 8 * g < 8 ? piece_count - 8 * g : 8;
+            piece.keep[g] = parts_kept(cubes, from + 8 * g, count, occupancy);
+            find_cells(split, cells, cubes, from + 8 * g, 8, piece.cell[g]);
         }
-        for (size_t g = 0; g < groups; g++)
-            for (int j = 0; j < 64; j += 4) {
-                const int32_t *cell = piece.cell[g] + j;
-                int8_t *value = piece.value[g] + j;
-                value[0] = table[cell[0]];
-                value[1] = table[cell[1]];
-                value[2] = table[cell[2]];
-                value[3] = table[cell[3]];
-            }
-        for (size_t g = 0; g < groups; g++) {
-            const size_t first = from + 8 * g;
-            const __m512i x = eight_cubes(cubes->u[0] + first), y = eight_cubes(cubes->u[1] + first), z = eight_cubes(cubes->u[2] + first);
-            const __m512i number = _mm512_slli_epi32(eight_cubes(cubes->number + first), 3);
-            const __m128i keep = _mm_set1_epi64x((long long)piece.keep[g]);
-            for (int q = 0; q < 4; q++) {
-                const __m128i v = _mm_load_si128((const __m128i *)(const void *)(piece.value[g] + 16 * q));
-                const __m128i asked = _mm_set_epi64x((long long)(UINT64_C(0x0202020202020202) << 2 * q), (long long)(UINT64_C(0x0101010101010101) << 2 * q));
-                const __mmask16 kept = _mm_test_epi8_mask(keep, asked);
-                const __mmask16 in = _mm_mask_cmpge_epi8_mask(kept, v, high);
-                const __mmask16 mix = kept & ~(in | _mm_cmple_epi8_mask(v, low));
-                const __m512i part = _mm512_add_epi32(number, _mm512_mask_set1_epi32(_mm512_set1_epi32(2 * q), 0xff00, 2 * q + 1));
-                _mm512_storeu_si512(mixed->u[0] + m, _mm512_maskz_compress_epi32(mix, _mm512_add_epi32(x, parts(split->first[0], q))));
-                _mm512_storeu_si512(mixed->u[1] + m, _mm512_maskz_compress_epi32(mix, _mm512_add_epi32(y, parts(split->first[1], q))));
-                _mm512_storeu_si512(mixed->u[2] + m, _mm512_maskz_compress_epi32(mix, _mm512_add_epi32(z, parts(split->first[2], q))));
-                _mm512_storeu_si512(mixed->number + m, _mm512_maskz_compress_epi32(mix, part));
-                _mm512_storeu_si512(inside->number + n, _mm512_maskz_compress_epi32(in, part));
-                m += (size_t)_mm_popcnt_u32(mix);
-                n += (size_t)_mm_popcnt_u32(in);
-            }
+        if (narrow) {
+            piece.keep[full] = parts_kept(cubes, from + 8 * full, rest, occupancy);
+            find_cells(split, cells, cubes, from + 8 * full, 4, piece.cell[full]);
         }
+        for (size_t g = 0; g < full; g++)
+            read_cells(table, piece.cell[g], 8, piece.value[g]);
+        if (narrow)
+            read_cells(table, piece.cell[full], 4, piece.value[full]);
+        for (size_t g = 0; g < full; g++)
+            sort_parts(split, cubes, from + 8 * g, 8, piece.value[g], piece.keep[g], mixed, inside, &m, &n);
+        if (narrow)
+            sort_parts(split, cubes, from + 8 * full, 4, piece.value[full], piece.keep[full], mixed, inside, &m, &n);
     }
     mixed->count = m;
     inside->count = n;
