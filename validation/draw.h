@@ -3,12 +3,19 @@
  * Where a campaign's random inputs come from: splitmix64, the same numbers on
  * every machine.  A stream is named, so that a case added to a campaign
  * changes none of the others.
+ *
+ * A statement draws once, or says its order by ; && ?: or the commas between
+ * declarators.  In f(draw(), draw()) and {draw(), draw()} the order is the
+ * compiler's choice, and gcc and clang do not choose alike: it would be another
+ * case under the same name.  tests/validation/test_scene holds what comes out.
  */
 #ifndef OST_VALIDATION_DRAW_H
 #define OST_VALIDATION_DRAW_H
 
 #include <stdbool.h>
 #include <stdint.h>
+
+#include <osteon/grid.h>
 
 typedef struct draw {
     uint64_t state;
@@ -37,6 +44,24 @@ static inline bool draw_one_in(draw *d, int n)
 static inline double draw_real(draw *d, double lo, double hi)
 {
     return lo + (hi - lo) * ((double)(draw_bits(d) >> 11) * 0x1p-53);
+}
+
+static inline ost_pm3 draw_point(draw *d, ost_pm lo, ost_pm hi)
+{
+    ost_pm3 p;
+    p.x = draw_between(d, lo, hi);
+    p.y = draw_between(d, lo, hi);
+    p.z = draw_between(d, lo, hi);
+    return p;
+}
+
+static inline ost_dims draw_dims(draw *d, int32_t lo, int32_t hi)
+{
+    ost_dims n;
+    n.x = (int32_t)draw_between(d, lo, hi);
+    n.y = (int32_t)draw_between(d, lo, hi);
+    n.z = (int32_t)draw_between(d, lo, hi);
+    return n;
 }
 
 /* The stream of one name in one campaign. */

@@ -19,8 +19,7 @@ static void draw_lattice(scene *s, draw *d)
     ost_pm x = draw_one_in(d, 3) ? draw_between(d, 100 * UM, 2000 * UM) : usual[draw_between(d, 0, 5)];
     ost_pm z = draw_one_in(d, 2) ? x : draw_one_in(d, 2) ? 1000 * UM : draw_between(d, x / 2, 3 * x);
     s->rect.spacing = (ost_pm3){x, draw_one_in(d, 4) ? draw_between(d, x / 2, 2 * x) : x, z};
-    s->rect.origin = (ost_pm3){draw_between(d, -200000 * UM, 200000 * UM), draw_between(d, -200000 * UM, 200000 * UM),
-                               draw_between(d, -200000 * UM, 200000 * UM)};
+    s->rect.origin = draw_point(d, -200000 * UM, 200000 * UM);
     s->cubic = draw_one_in(d, 2) ? x : draw_between(d, x * 2 / 3, x * 3 / 2);
     s->resample = draw_one_in(d, 3) ? OST_RESAMPLE_NEAREST : OST_RESAMPLE_FLOOR;
     s->duplicates = (ost_duplicates)draw_between(d, 0, 3);
@@ -33,8 +32,7 @@ static ost_status make_bone(scene *s, draw *d, int32_t side, ost_error *err)
     s->rect.spacing.y = s->rect.spacing.z = s->cubic = s->rect.spacing.x = draw_one_in(d, 2) ? 470 * UM : draw_between(d, 300 * UM, 700 * UM);
     s->resample = OST_RESAMPLE_FLOOR;
     s->threshold = 120;
-    const ost_dims dims = {side + (int32_t)draw_between(d, 0, 15), side + (int32_t)draw_between(d, 0, 15), side + (int32_t)draw_between(d, 0, 15)};
-    return scene_ct(s, d, dims, err);
+    return scene_ct(s, d, draw_dims(d, side, side + 15), err);
 }
 
 static ost_pm drawn_voxel(draw *d)
@@ -47,7 +45,7 @@ static ost_status make_import(const plan_case *c, scene *s, draw *d, ost_error *
 {
     const int32_t most = c->tier == PLAN_SMOKE ? 56 : 120;
     draw_lattice(s, d);
-    ost_dims dims = {(int32_t)draw_between(d, 1, most), (int32_t)draw_between(d, 1, most), (int32_t)draw_between(d, 1, most)};
+    ost_dims dims = draw_dims(d, 1, most);
     if (c->number % 6 == 0) {
         /* Every index is an exact multiple, where a quotient that comes out a little too small is another layer. */
         s->rect.spacing.y = s->rect.spacing.z = s->cubic = s->rect.spacing.x;
@@ -61,18 +59,24 @@ static ost_status make_mesh(const plan_case *c, scene *s, draw *d, ost_error *er
 {
     /* Every shape comes up, whatever the tier. */
     ost_status status = OST_OK;
-    for (int i = 0; i < 2 && status == OST_OK; i++)
-        status = scene_add_tool(s, d, (scene_shape)((2 * c->number + i) % SHAPE_COUNT), draw_between(d, 6000 * UM, 36000 * UM), drawn_voxel(d),
-                                draw_one_in(d, 2), draw_one_in(d, 3) ? OST_FILL_PARITY : OST_FILL_WINDING, err);
+    for (int i = 0; i < 2 && status == OST_OK; i++) {
+        const ost_fill_rule rule = draw_one_in(d, 3) ? OST_FILL_PARITY : OST_FILL_WINDING;
+        const bool noncutting = draw_one_in(d, 2);
+        const ost_pm voxel = drawn_voxel(d), size = draw_between(d, 6000 * UM, 36000 * UM);
+        status = scene_add_tool(s, d, (scene_shape)((2 * c->number + i) % SHAPE_COUNT), size, voxel, noncutting, rule, err);
+    }
     return status;
 }
 
 static ost_status add_tools(scene *s, draw *d, int count, ost_pm least, ost_pm most, ost_error *err)
 {
     ost_status status = OST_OK;
-    for (int i = 0; i < count && status == OST_OK; i++)
-        status = scene_add_tool(s, d, (scene_shape)draw_between(d, SHAPE_REAMER, SHAPE_HOLLOW), draw_between(d, least, most), drawn_voxel(d),
-                                draw_one_in(d, 2), OST_FILL_WINDING, err);
+    for (int i = 0; i < count && status == OST_OK; i++) {
+        const bool noncutting = draw_one_in(d, 2);
+        const ost_pm voxel = drawn_voxel(d), size = draw_between(d, least, most);
+        const scene_shape shape = (scene_shape)draw_between(d, SHAPE_REAMER, SHAPE_HOLLOW);
+        status = scene_add_tool(s, d, shape, size, voxel, noncutting, OST_FILL_WINDING, err);
+    }
     return status;
 }
 
@@ -118,7 +122,10 @@ static ost_status make_small(const plan_case *c, scene *s, draw *d, ost_error *e
     ost_status status = OST_OK;
     draw_lattice(s, d);
     const ost_pm unit = s->rect.spacing.x;
-    const ost_dims dims = {(int32_t)draw_between(d, 18, 40), (int32_t)draw_between(d, 18, 40), (int32_t)draw_between(d, 12, 30)};
+    ost_dims dims;
+    dims.x = (int32_t)draw_between(d, 18, 40);
+    dims.y = (int32_t)draw_between(d, 18, 40);
+    dims.z = (int32_t)draw_between(d, 12, 30);
     status = scene_ct(s, d, dims, err);
     s->batch = (size_t)draw_between(d, 500, 20000);
     for (size_t i = 0; i < s->sample_count; i++)

@@ -61,10 +61,11 @@ ost_status scene_ct(scene *s, draw *d, ost_dims dims, ost_error *err)
         for (int32_t j = 0; j < dims.y; j++)
             for (int32_t i = 0; i < dims.x; i++) {
                 const int32_t at[3] = {i, j, k};
-                ost_sample one = {.x = near_lattice(d, s->rect.origin.x, s->rect.spacing.x, i, jitter),
-                                  .y = near_lattice(d, s->rect.origin.y, s->rect.spacing.y, j, jitter),
-                                  .z = near_lattice(d, s->rect.origin.z, s->rect.spacing.z, k, jitter),
-                                  .density = in_bone(kind, at, dims, d) ? telling_density(d, s->threshold) : -1000};
+                ost_sample one = {.line = 0};
+                one.x = near_lattice(d, s->rect.origin.x, s->rect.spacing.x, i, jitter);
+                one.y = near_lattice(d, s->rect.origin.y, s->rect.spacing.y, j, jitter);
+                one.z = near_lattice(d, s->rect.origin.z, s->rect.spacing.z, k, jitter);
+                one.density = in_bone(kind, at, dims, d) ? telling_density(d, s->threshold) : -1000;
                 if (!draw_one_in(d, 40)) /* some voxels are in no line of the file: they are 0 */
                     s->samples[n++] = one;
                 if (s->duplicates != OST_DUPLICATES_ERROR && draw_one_in(d, 12)) {

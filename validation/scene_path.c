@@ -88,9 +88,10 @@ ost_status scene_add_poses_inside(scene *s, draw *d, size_t count, ost_error *er
         drawn_turn(d, q);
         ticks[i] = (ost_tick){.t_ns = (int64_t)(i + 1) * TICK_NS, .tool = s->tool_count - 1};
         status = ost_pose_from_doubles(none, q, &ticks[i].pose, err);
-        ticks[i].pose.t = (ost_pm3){g->origin.x + g->spacing.x * g->dims.x / 2 + draw_between(d, -2 * g->spacing.x, 2 * g->spacing.x),
-                                    g->origin.y + g->spacing.y * g->dims.y / 2 + draw_between(d, -2 * g->spacing.y, 2 * g->spacing.y),
-                                    g->origin.z + g->spacing.z * g->dims.z / 2 + draw_between(d, -2 * g->spacing.z, 2 * g->spacing.z)};
+        ost_pm3 *t = &ticks[i].pose.t;
+        t->x = g->origin.x + g->spacing.x * g->dims.x / 2 + draw_between(d, -2 * g->spacing.x, 2 * g->spacing.x);
+        t->y = g->origin.y + g->spacing.y * g->dims.y / 2 + draw_between(d, -2 * g->spacing.y, 2 * g->spacing.y);
+        t->z = g->origin.z + g->spacing.z * g->dims.z / 2 + draw_between(d, -2 * g->spacing.z, 2 * g->spacing.z);
         s->path.count = i + 1;
     }
     return status;

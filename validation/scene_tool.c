@@ -10,11 +10,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static ost_pm3 drawn_point(draw *d, ost_pm size)
-{
-    return (ost_pm3){draw_between(d, -size / 2, size / 2), draw_between(d, -size / 2, size / 2), draw_between(d, -size / 2, size / 2)};
-}
-
 /* Faces of the corners numbered by their bits x, y, z; outward where the three edges are right-handed. */
 static const uint32_t box_faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                                           {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
@@ -29,12 +24,13 @@ static ost_status boxes(draw *d, ost_pm size, int count, bool same, bool inside_
     for (int b = 0; b < count; b++) {
         if (b == 0 || !same) {
             const ost_pm wide = b == 0 ? size : size / 3;
-            at = drawn_point(d, b == 0 ? size / 8 : size / 4);
+            const ost_pm off = (b == 0 ? size / 8 : size / 4) / 2;
+            at = draw_point(d, -off, off);
             const ost_pm slant = wide / 3;
-            e[0] = (ost_pm3){wide, draw_between(d, -slant, slant), draw_between(d, -slant, slant)};
-            e[1] = (ost_pm3){draw_between(d, -slant, slant), wide, draw_between(d, -slant, slant)};
-            e[2] = (ost_pm3){draw_between(d, -slant, slant), draw_between(d, -slant, slant), wide};
             for (int a = 0; a < 3; a++) {
+                e[a].x = a == 0 ? wide : draw_between(d, -slant, slant);
+                e[a].y = a == 1 ? wide : draw_between(d, -slant, slant);
+                e[a].z = a == 2 ? wide : draw_between(d, -slant, slant);
                 at.x -= e[a].x / 2;
                 at.y -= e[a].y / 2;
                 at.z -= e[a].z / 2;
@@ -63,7 +59,8 @@ static ost_status loose_triangles(draw *d, ost_pm size, int count, bool thin, os
     if (status != OST_OK)
         return status;
     for (int t = 0; t < count; t++) {
-        const ost_pm3 at = drawn_point(d, size), along = drawn_point(d, thin ? size / 2 : size), aside = drawn_point(d, thin ? size / 20000 : size);
+        const ost_pm half = size / 2, half_along = (thin ? size / 2 : size) / 2, half_aside = (thin ? size / 20000 : size) / 2;
+        const ost_pm3 at = draw_point(d, -half, half), along = draw_point(d, -half_along, half_along), aside = draw_point(d, -half_aside, half_aside);
         out->vertices[3 * t] = at;
         out->vertices[3 * t + 1] = (ost_pm3){at.x + along.x, at.y + along.y, at.z + along.z};
         out->vertices[3 * t + 2] = (ost_pm3){at.x + along.x / 2 + aside.x, at.y + along.y / 2 + aside.y, at.z + along.z / 2 + aside.z};
@@ -172,7 +169,7 @@ static int64_t drawn_odd(draw *d, int64_t lo, int64_t hi)
 
 static void solid_on_a_centre(draw *d, int64_t at[4][3])
 {
-    const int64_t p = drawn_odd(d, 3, 7), q = drawn_odd(d, 3, 7) * (draw_one_in(d, 2) ? 1 : -1), most = REACH / (p > 7 || q > 7 ? 9 : 7);
+    const int64_t p = drawn_odd(d, 3, 7), size = drawn_odd(d, 3, 7), q = draw_one_in(d, 2) ? size : -size, most = REACH / (p > 7 || q > 7 ? 9 : 7);
     const int64_t m = drawn_odd(d, most * 3 / 4, most), n = drawn_odd(d, m * 2 / 5, m * 3 / 5);
     for (int v = 0; v < 4; v++)
         for (int a = 0; a < 3; a++)

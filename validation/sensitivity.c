@@ -212,7 +212,9 @@ static ost_status run_scene(bench *b, int number, uint64_t injections, const dev
             /* Every kind comes up as often as any other. */
             const uint64_t all = (uint64_t)number * PER_SCENE + i;
             const deviation_kind kind = (deviation_kind)(DEVIATION_NONE + 1 + all % (DEVIATION_KINDS - 1));
-            const deviation how = {kind, draw_bits(&d), drawn_rate(&d, kind)};
+            deviation how = {.kind = kind};
+            how.seed = draw_bits(&d);
+            how.one_in = drawn_rate(&d, kind);
             status = inject(only ? only : &how, &s, &c, b->names[1], &ref, in_ref, &b->found, err);
         }
     }

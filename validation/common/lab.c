@@ -75,7 +75,7 @@ ost_pose lab_random_pose(lab *l, draw *d, ost_pm size)
         q[a] /= root;
     if (l->status == OST_OK)
         l->status = ost_pose_from_doubles((double[3]){0, 0, 0}, q, &pose, l->err);
-    pose.t = (ost_pm3){draw_between(d, 0, size), draw_between(d, 0, size), draw_between(d, 0, size)};
+    pose.t = draw_point(d, 0, size);
     return pose;
 }
 

@@ -88,7 +88,7 @@ static void one_by_one(lab *l, draw *d, scene *s)
 /* Bone and tool moved by the same whole number of picometres: the same voxels by index. */
 static void moved(lab *l, draw *d, scene *s)
 {
-    const ost_pm3 by = {draw_between(d, -LAB_MM * 99, LAB_MM * 99), draw_between(d, -LAB_MM * 99, LAB_MM * 99), draw_between(d, -LAB_MM * 99, LAB_MM * 99)};
+    const ost_pm3 by = draw_point(d, -LAB_MM * 99, LAB_MM * 99);
     lab_remove(l, &s->g, 32, s->a, s->tool, s->poses, POSES, NULL);
     s->g.origin = by;
     for (int k = 0; k < POSES; k++)
@@ -101,7 +101,7 @@ static void shifted(lab *l, draw *d, scene *s)
 {
     ost_tool_volume v = {.voxels = NULL};
     ost_tool *other = NULL;
-    const ost_pm3 by = {draw_between(d, -9, 9) * (LAB_MM / 2), draw_between(d, -9, 9) * (LAB_MM / 2), draw_between(d, -9, 9) * (LAB_MM / 2)};
+    const ost_pm3 n = draw_point(d, -9, 9), by = {n.x * (LAB_MM / 2), n.y * (LAB_MM / 2), n.z * (LAB_MM / 2)};
     ost_pose pose = ost_pose_identity();
     pose.t = s->poses[0].t;
     lab_remove(l, &s->g, 32, s->a, s->tool, &pose, 1, NULL);
@@ -177,9 +177,9 @@ static void mesh_laws(lab *l)
     for (; rounds < ROUNDS && l->status == OST_OK; rounds++) {
         ost_mesh m[5];
         ost_tool_volume v[5] = {{.voxels = NULL}};
-        const ost_pm3 lo = {draw_between(&d, -9 * LAB_MM, 0), draw_between(&d, -9 * LAB_MM, 0), draw_between(&d, -9 * LAB_MM, 0)};
-        const ost_pm3 hi = {draw_between(&d, LAB_MM, 9 * LAB_MM), draw_between(&d, LAB_MM, 9 * LAB_MM), draw_between(&d, LAB_MM, 9 * LAB_MM)};
-        const ost_pm3 by = {draw_between(&d, -20, 20) * voxel, draw_between(&d, -20, 20) * voxel, draw_between(&d, -20, 20) * voxel};
+        const ost_pm3 lo = draw_point(&d, -9 * LAB_MM, 0);
+        const ost_pm3 hi = draw_point(&d, LAB_MM, 9 * LAB_MM);
+        const ost_pm3 n = draw_point(&d, -20, 20), by = {n.x * voxel, n.y * voxel, n.z * voxel};
         const ost_pm cut = draw_between(&d, lo.x + 1, hi.x - 1);
         ost_tool_geometry grid = {.dims = {0, 0, 0}}; /* read below even when its bounds are refused */
         l->status = ost_tool_geometry_from_bounds(lo, hi, voxel, &grid, l->err);
