@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Margins of the stages of the import: where a sample falls, which layer is taken, what the threshold keeps. */
+#include "validation/margin_parts.h"
+
+#include <stdlib.h>
+
+#include "core/integer.h"
+
+/* ------------------------------------------------------------------- rect */
+
+/* A differing voxel of the rect grid: the least move of samples that would give the other's value. */
+typedef struct moved {
+    size_t voxel;
+    int32_t got;
+    int64_t leave; /* the farthest of the samples in it that would have to leave; -1 none is in it */
+    int64_t enter; /* the nearest that could come; -1 none */
+} moved;
+
+static int compare_moved(const void *a, const void *b)
+{
+    const size_t x = ((const moved *)a)->voxel, y = ((const moved *)b)->voxel;
+    return x < y ? -1 : x > y;
+}
+
+/* 2^20 * n / d, floor; 0 <= n <= 2 d, d < 2^37 */
+static int64_t share_of(int64_t n, int64_t d)
+{
+    return (int64_t)((ost_i128)n * MARGIN_ONE / d);
+}
+
+static void meet_sample(const ost_geometry *g, const ost_sample *sample, moved *list, size_t count)
+{
+    const ost_pm p[3] = {sample->x, sample->y, sample->z}, o[3] = {g->origin.x, g->origin.y, g->origin.z},
+                 s[3] = {g->spacing.x, g->spacing.y, g->spacing.z};
+    const int32_t n[3] = {g->dims.x, g->dims.y, g->dims.z};
+    int64_t index[3], off[3];
+    for (int a = 0; a < 3; a++) {
+        if (p[a] < -OST_LENGTH_MAX || p[a] > OST_LENGTH_MAX)
+            return;
+        index[a] = ost_rhe_div(p[a] - o[a], s[a]);
+        off[a] = p[a] - o[a] - index[a] * s[a];
+        if (index[a] < -1 || index[a] > n[a])
+            return;
+    }
+    for (int step = 0; step < 27; step++) {
+        const int d[3] = {step % 3 - 1, step / 3 % 3 - 1, step / 9 - 1};
+        int64_t gap = 0, leave = INT64_MAX;
+        bool inside = true;
+        for (int a = 0; a < 3; a++) {
+            const int64_t there = index[a] + d[a];
+            inside = inside && there >= 0 && there < n[a];
+            const int64_t away = d[a] == 0 ? 0 : s[a] - 2 * off[a] * d[a]; /* twice the way to the border */
+            gap = away > 0 && share_of(away, 2 * s[a]) > gap ? share_of(away, 2 * s[a]) : gap;
+            const int64_t out = share_of(s[a] - 2 * (off[a] < 0 ? -off[a] : off[a]), 2 * s[a]);
+            leave = out < leave ? out : leave;
+        }
+        if (!inside)
+            continue;
+        const moved key = {.voxel = margin_at(g->dims, (int32_t)(index[0] + d[0]), (int32_t)(index[1] + d[1]), (int32_t)(index[2] + d[2]))};
+        moved *m = bsearch(&key, list, count, sizeof *list, compare_moved);
+        if (!m)
+            continue;
+        if (sample->density == m->got && (m->enter < 0 || gap < m->enter) && step != 13)
+            m->enter = gap;
+        if (step == 13 && sample->density != m->got && leave > m->leave)
+            m->leave = leave;
+    }
+}
+
+ost_status margin_rect(margin_walk *w, const trace_block_view *a, const trace_block_view *b, ost_error *err)
+{
+    margin_stage *m = &w->out->of[TRACE_RECT];
+    const size_t all = (size_t)ost_dims_count(a->dims);
+    size_t count = 0;
+    for (size_t i = 0; i < all; i++)
+        count += margin_value16(a, i) != margin_value16(b, i);
+    if (!count)
+        return OST_OK;
+    moved *list = malloc(count * sizeof *list);
+    if (!list)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu differing voxels", count);
+    count = 0;
+    for (size_t i = 0; i < all; i++)
+        if (margin_value16(a, i) != margin_value16(b, i))
+            list[count++] = (moved){i, margin_value16(b, i), -1, -1};
+    for (size_t i = 0; i < w->s->sample_count; i++)
+        meet_sample(&w->s->rect, &w->s->samples[i], list, count);
+    for (size_t i = 0; i < count; i++) {
+        int32_t at[3];
+        margin_place(a->dims, list[i].voxel, at);
+        /* The other's value came in; or nothing did, all that was in it went, and it is empty. */
+        if (list[i].enter >= 0)
+            margin_decided(m, (uint64_t)list[i].enter, 0, at);
+        else if (list[i].got == 0 && list[i].leave >= 0)
+            margin_decided(m, (uint64_t)list[i].leave, 0, at);
+        else
+            margin_other(m, &m->unexplained);
+    }
+    free(list);
+    return OST_OK;
+}
+
+/* ------------------------------------------------------------------ cubic */
+
+/* Along one axis: the source, and how far i cubic / rect (or the middle's) lies from the sources on both sides. */
+typedef struct source {
+    int64_t index;
+    int64_t down, up;
+} source;
+
+static source source_of(int64_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_resample rule)
+{
+    const ost_i128 top = rule == OST_RESAMPLE_FLOOR ? (ost_i128)2 * i * cubic : (ost_i128)(2 * i + 1) * cubic, unit = (ost_i128)2 * rect;
+    int64_t index = (int64_t)(top / unit);
+    const int64_t rest = (int64_t)(top - index * unit);
+    source x = {.index = index, .down = (int64_t)((ost_i128)rest * MARGIN_ONE / unit), .up = (int64_t)((unit - rest) * MARGIN_ONE / unit)};
+    if (x.index > n - 1)
+        x.index = n - 1;
+    return x;
+}
+
+void margin_cubic(margin_walk *w, const trace_block_view *a, const trace_block_view *b)
+{
+    margin_stage *m = &w->out->of[TRACE_CUBIC];
+    const ost_geometry *g = &w->s->rect;
+    const trace_block_view *from = &w->rect[0], *given = &w->rect[w->apart ? 0 : 1];
+    const size_t all = (size_t)ost_dims_count(a->dims);
+    const ost_pm rect[3] = {g->spacing.x, g->spacing.y, g->spacing.z};
+    const int32_t n[3] = {g->dims.x, g->dims.y, g->dims.z};
+    for (size_t i = 0; i < all; i++) {
+        const int32_t got = margin_value16(b, i);
+        int32_t at[3];
+        if (margin_value16(a, i) == got)
+            continue;
+        margin_place(a->dims, i, at);
+        source s[3];
+        int64_t best = -1;
+        for (int x = 0; x < 3; x++)
+            s[x] = source_of(at[x], w->s->cubic, rect[x], n[x], w->s->resample);
+        const size_t here = margin_at(g->dims, (int32_t)s[0].index, (int32_t)s[1].index, (int32_t)s[2].index);
+        if (margin_value16(given, here) == got && margin_value16(from, here) != got) {
+            margin_other(m, &m->inherited);
+            continue;
+        }
+        /* The nearest neighbour that has the other's value. */
+        for (int step = 0; step < 27; step++) {
+            const int d[3] = {step % 3 - 1, step / 3 % 3 - 1, step / 9 - 1};
+            int64_t gap = 0, v[3];
+            bool inside = step != 13;
+            for (int x = 0; x < 3; x++) {
+                v[x] = s[x].index + d[x];
+                inside = inside && v[x] >= 0 && v[x] < n[x];
+                const int64_t away = d[x] < 0 ? s[x].down : d[x] > 0 ? s[x].up : 0;
+                gap = away > gap ? away : gap;
+            }
+            if (inside && margin_value16(given, margin_at(g->dims, (int32_t)v[0], (int32_t)v[1], (int32_t)v[2])) == got && (best < 0 || gap < best))
+                best = gap;
+        }
+        if (best >= 0)
+            margin_decided(m, (uint64_t)best, 0, at);
+        else
+            margin_other(m, &m->unexplained);
+    }
+}
+
+/* ----------------------------------------------------------------- chunks */
+
+void margin_chunks(margin_walk *w, const trace_block_view *a, const trace_block_view *b)
+{
+    margin_stage *m = &w->out->of[TRACE_CHUNKS];
+    const trace_block_view *given = &w->cubic[w->apart ? 0 : 1];
+    const size_t all = (size_t)ost_dims_count(a->dims);
+    for (size_t i = 0; i < all; i++) {
+        const int32_t got = margin_value16(b, i);
+        if (margin_value16(a, i) == got)
+            continue;
+        const int32_t density = given->voxels ? margin_value16(given, i) : 0, right = density >= w->s->threshold ? density : 0;
+        if (got == right)
+            margin_other(m, &m->inherited);
+        else if (right == 0 && got == density)
+            margin_other(m, &m->below_threshold);
+        else
+            margin_other(m, &m->unexplained);
+    }
+}

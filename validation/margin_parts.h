@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What margin.c's parts have in common: the walk along a case, and how a
+ * differing voxel is counted.
+ *
+ *   margin.c   walk --record by record--> margin_import.c   rect, cubic, chunks
+ *                                         margin_tool.c     tools
+ *                                         margin_tick.c     events
+ */
+#ifndef OST_VALIDATION_MARGIN_PARTS_H
+#define OST_VALIDATION_MARGIN_PARTS_H
+
+#include <string.h>
+
+#include "validation/margin.h"
+
+/* What the walk along a case keeps of both sides: views of the last whole grids, and the bones as they stand. */
+typedef struct margin_walk {
+    const scene *s;
+    bool apart;
+    margins *out;
+    trace_block_view rect[2], cubic[2], tool[2][SCENE_TOOLS_MAX];
+    ost_dims dims;
+    int16_t *bone[2];
+    int64_t event_tick; /* the last tick that ran an event, -1: none */
+} margin_walk;
+
+/* The reference's record and the other's, of one stage and item; a and b are their grids. */
+ost_status margin_rect(margin_walk *w, const trace_block_view *a, const trace_block_view *b, ost_error *err);
+void margin_cubic(margin_walk *w, const trace_block_view *a, const trace_block_view *b);
+void margin_chunks(margin_walk *w, const trace_block_view *a, const trace_block_view *b);
+void margin_tool(margin_walk *w, uint32_t item, const trace_block_view *a, const trace_block_view *b);
+ost_status margin_tick(margin_walk *w, const trace_record *a, const trace_record *b, ost_error *err);
+
+/* A voxel that differs by so much; or for another reason, which is one of m's counts. */
+void margin_decided(margin_stage *m, uint64_t margin, uint32_t item, const int32_t at[3]);
+void margin_other(margin_stage *m, uint64_t *why);
+
+static inline size_t margin_at(ost_dims d, int32_t x, int32_t y, int32_t z)
+{
+    return (size_t)x + (size_t)d.x * ((size_t)y + (size_t)d.y * (size_t)z);
+}
+
+static inline void margin_place(ost_dims d, size_t i, int32_t at[3])
+{
+    at[0] = (int32_t)(i % (size_t)d.x);
+    at[1] = (int32_t)(i / (size_t)d.x % (size_t)d.y);
+    at[2] = (int32_t)(i / (size_t)d.x / (size_t)d.y);
+}
+
+/* A trace does not align its voxels. */
+static inline int32_t margin_value16(const trace_block_view *b, size_t i)
+{
+    int16_t v;
+    memcpy(&v, b->voxels + 2 * i, sizeof v);
+    return v;
+}
+
+#endif

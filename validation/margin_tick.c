@@ -1,0 +1,216 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Margins of events: how far a voxel, seen from the tool, is from a tool voxel of the other kind, over the event's poses. */
+#include "validation/margin_parts.h"
+
+#include <stdlib.h>
+
+#include "core/integer.h"
+
+static bool is_cutting(const trace_block_view *tool, const int64_t c[3])
+{
+    const ost_dims d = tool->dims;
+    if (c[0] < 0 || c[1] < 0 || c[2] < 0 || c[0] >= d.x || c[1] >= d.y || c[2] >= d.z)
+        return false;
+    return tool->voxels[margin_at(d, (int32_t)c[0], (int32_t)c[1], (int32_t)c[2])] == OST_TOOL_CUTTING;
+}
+
+static void cell_of(const int64_t u[3], int64_t c[3])
+{
+    for (int a = 0; a < 3; a++)
+        c[a] = ost_floor_div(u[a], MARGIN_ONE);
+}
+
+static int64_t gap_to(int64_t u, int64_t cell, int64_t step)
+{
+    return step > 0 ? (cell + step) * MARGIN_ONE - u : step < 0 ? u - (cell + step + 1) * MARGIN_ONE : 0;
+}
+
+/*
+ * Chebyshev distance from u to the nearest voxel that is cutting, or is not.
+ * Rings of voxels about u's own: whatever is found in ring r is at most r away,
+ * and what is in ring r + 1 at least r, so the first ring with a find has it.
+ */
+static int64_t nearest(const trace_block_view *tool, const int64_t u[3], bool cutting)
+{
+    const int64_t dims[3] = {tool->dims.x, tool->dims.y, tool->dims.z};
+    int64_t cell[3], first = 0, last = 0;
+    cell_of(u, cell);
+    for (int a = 0; a < 3; a++) { /* rings before `first` have nothing of the grid, those after `last` neither */
+        const int64_t before = -cell[a], after = cell[a] - (dims[a] - 1);
+        const int64_t near = before > after ? before : after, far = cell[a] > dims[a] - 1 - cell[a] ? cell[a] : dims[a] - 1 - cell[a];
+        first = near > first ? near : first;
+        last = far > last ? far : last;
+    }
+    if (!cutting)
+        first = 0;
+    for (int64_t r = first; r <= last + 1; r++) {
+        int64_t best = -1, lo[3], hi[3];
+        for (int a = 0; a < 3; a++) { /* void begins one voxel outside the grid */
+            lo[a] = -r < -cell[a] - 1 ? -cell[a] - 1 : -r;
+            hi[a] = r > dims[a] - cell[a] ? dims[a] - cell[a] : r;
+        }
+        for (int64_t z = lo[2]; z <= hi[2]; z++)
+            for (int64_t y = lo[1]; y <= hi[1]; y++) {
+                const bool side = z == -r || z == r || y == -r || y == r;
+                for (int64_t x = side ? lo[0] : -r; x <= hi[0]; x += side ? 1 : 2 * r) {
+                    const int64_t c[3] = {cell[0] + x, cell[1] + y, cell[2] + z};
+                    if (x < lo[0] || is_cutting(tool, c) != cutting)
+                        continue;
+                    int64_t gap = gap_to(u[0], cell[0], x);
+                    gap = gap_to(u[1], cell[1], y) > gap ? gap_to(u[1], cell[1], y) : gap;
+                    gap = gap_to(u[2], cell[2], z) > gap ? gap_to(u[2], cell[2], z) : gap;
+                    best = best < 0 || gap < best ? gap : best;
+                }
+            }
+        if (best >= 0)
+            return best;
+    }
+    return -1;
+}
+
+/* Where AR-MAP has the voxel; beyond the blocks that can meet the tool, by the exact map. */
+static void mapped(const ost_map *map, const int32_t at[3], int64_t u[3])
+{
+    int32_t base[3];
+    const bool near = ost_map_block_base(map, (ost_dims){at[0] / OST_MAP_BLOCK, at[1] / OST_MAP_BLOCK, at[2] / OST_MAP_BLOCK}, base);
+    for (int a = 0; a < 3; a++) {
+        if (near)
+            u[a] = base[a] + (int64_t)(at[0] % OST_MAP_BLOCK) * map->step[0][a] + (int64_t)(at[1] % OST_MAP_BLOCK) * map->step[1][a] +
+                   (int64_t)(at[2] % OST_MAP_BLOCK) * map->step[2][a];
+        else
+            u[a] = (int64_t)ost_rhe_div128(map->origin[a] + at[0] * map->column[0][a] + at[1] * map->column[1][a] + at[2] * map->column[2][a], map->divisor);
+    }
+}
+
+/* The maps of the event of this tick, `poses` of them; NULL when it ran none or there is no memory. */
+static ost_map *maps_of(const margin_walk *w, size_t tick, uint64_t poses)
+{
+    const ost_tick *now = &w->s->path.ticks[tick];
+    const ost_geometry bone = {w->dims, {w->s->cubic, w->s->cubic, w->s->cubic}, w->s->rect.origin};
+    if (poses < 1 || poses > OST_SWEEP_MAX)
+        return NULL;
+    ost_map *maps = malloc((size_t)poses * sizeof *maps);
+    for (uint64_t k = 1; k <= poses && maps; k++) {
+        const ost_pose pose = poses == 1 || w->event_tick < 0 ? now->pose : ost_sweep_pose(&w->s->path.ticks[w->event_tick].pose, &now->pose, (int)k, (int)poses);
+        if (ost_map_make(&pose, &bone, &w->s->tools[now->tool].cutting.grid, &maps[k - 1], NULL) != OST_OK) {
+            free(maps);
+            maps = NULL;
+        }
+    }
+    return maps;
+}
+
+/* One voxel, equal before this tick and not after it. */
+static void judge_voxel(margin_walk *w, uint32_t tick, const ost_map *maps, uint64_t poses, const int32_t at[3], bool ref_removed, bool got_removed)
+{
+    margin_stage *m = &w->out->of[TRACE_TICK];
+    const int tool_index = w->s->path.ticks[tick].tool;
+    const trace_block_view *tool = &w->tool[0][tool_index], *theirs = &w->tool[w->apart ? 0 : 1][tool_index];
+    int64_t margin = -1;
+    bool their_answer = false;
+    if (!maps || ref_removed == got_removed) {
+        margin_other(m, &m->unexplained);
+        return;
+    }
+    for (uint64_t k = 0; k < poses; k++) {
+        int64_t u[3], c[3];
+        mapped(&maps[k], at, u);
+        cell_of(u, c);
+        their_answer = their_answer || is_cutting(theirs, c);
+        /* All that cut would have to miss; or the nearest that missed to cut. */
+        if (ref_removed && is_cutting(tool, c)) {
+            const int64_t out = nearest(tool, u, false);
+            margin = out > margin ? out : margin;
+        } else if (!ref_removed) {
+            const int64_t in = nearest(tool, u, true);
+            margin = in >= 0 && (margin < 0 || in < margin) ? in : margin;
+        }
+    }
+    if (theirs->voxels != tool->voxels && their_answer == got_removed)
+        margin_other(m, &m->inherited);
+    else if (margin >= 0)
+        margin_decided(m, (uint64_t)margin, tick, at);
+    else
+        margin_other(m, &m->unexplained);
+}
+
+static uint64_t word_of(const trace_record *r, uint64_t index)
+{
+    uint64_t count;
+    const uint8_t *words;
+    return trace_words(r, &count, &words) && index < count ? trace_word_at(words, index) : 0;
+}
+
+static bool fits(const trace_block_view *b, ost_dims d)
+{
+    return b->voxel_bytes == 2 && b->lo[0] >= 0 && b->lo[1] >= 0 && b->lo[2] >= 0 && b->lo[0] + b->dims.x <= d.x && b->lo[1] + b->dims.y <= d.y &&
+           b->lo[2] + b->dims.z <= d.z;
+}
+
+/* Walks a record's voxels: differences that were none before are judged; done in two passes, so that `before` is of both sides. */
+ost_status margin_tick(margin_walk *w, const trace_record *a, const trace_record *b, ost_error *err)
+{
+    const uint32_t tick = a->item;
+    const uint64_t poses = word_of(a, 3);
+    const trace_record *sides[2] = {a, b};
+    if (tick >= w->s->path.count || !w->bone[0])
+        return ost_fail(err, OST_ERR_INPUT, "a trace has tick %u, the case has %zu", (unsigned)tick, w->s->path.count);
+    ost_map *maps = NULL;
+    bool made = false;
+    /* New values wait beside the old ones until both sides are known. */
+    typedef struct change {
+        size_t at;
+        int16_t value[2];
+    } change;
+    change *changes = NULL;
+    size_t count = 0, room = 0;
+    for (int side = 0; side < 2; side++) {
+        size_t walk_at = 0;
+        trace_block_view block;
+        while (trace_next_block(sides[side], &walk_at, &block)) {
+            if (!fits(&block, w->dims))
+                continue;
+            const size_t n = (size_t)ost_dims_count(block.dims);
+            for (size_t i = 0; i < n; i++) {
+                int32_t in[3];
+                margin_place(block.dims, i, in);
+                const size_t at = margin_at(w->dims, block.lo[0] + in[0], block.lo[1] + in[1], block.lo[2] + in[2]);
+                const int16_t value = (int16_t)margin_value16(&block, i);
+                if (value == w->bone[side][at])
+                    continue;
+                if (count == room) {
+                    room = room ? 2 * room : 256;
+                    change *grown = realloc(changes, room * sizeof *grown);
+                    if (!grown) {
+                        free(changes);
+                        return ost_fail(err, OST_ERR_MEMORY, "no memory for a tick's changes");
+                    }
+                    changes = grown;
+                }
+                changes[count++] = (change){at, {w->bone[0][at], w->bone[1][at]}};
+                w->bone[side][at] = value;
+            }
+        }
+    }
+    for (size_t i = 0; i < count; i++) {
+        const size_t at = changes[i].at;
+        const int16_t *was = changes[i].value;
+        /* Both sides may have changed it; the first note has what both had, the second is the first side's new value. */
+        if (was[0] != was[1] || w->bone[0][at] == w->bone[1][at])
+            continue;
+        int32_t place_at[3];
+        margin_place(w->dims, at, place_at);
+        if (!made) {
+            maps = maps_of(w, tick, poses);
+            made = true;
+        }
+        judge_voxel(w, tick, maps, poses, place_at, w->bone[0][at] == 0 && was[0] != 0, w->bone[1][at] == 0 && was[1] != 0);
+    }
+    for (size_t i = 0; i < count && w->apart; i++) /* the next tick begins with the reference's bone */
+        w->bone[1][changes[i].at] = w->bone[0][changes[i].at];
+    free(changes);
+    free(maps);
+    if (word_of(a, 1))
+        w->event_tick = tick;
+    return OST_OK;
+}
