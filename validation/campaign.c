@@ -12,14 +12,9 @@
 #include "validation/dump.h"
 #include "validation/scratch.h"
 #include "validation/user_store.h"
+#include "validation/verdict.h"
 
 enum { CAMPAIGN_WORDS = 24 }; /* of a worker's command line */
-
-const char *case_verdict_name(case_verdict verdict)
-{
-    static const char *const names[CASE_VERDICTS] = {"equal", "differs", "failed", "crashed", "timed out", "not run"};
-    return names[verdict];
-}
 
 /* A trace of one worker, kept until its batch is done since something in it differs. */
 typedef struct kept_trace {
@@ -62,19 +57,6 @@ typedef struct runner {
     slot slots[WORKERS_MAX];
     int running, finished;    /* workers; cells of cases and backends */
 } runner;
-
-static case_result *result_of(campaign *c, int case_index, int whom)
-{
-    return &c->results[(size_t)case_index * (size_t)c->subjects->count + (size_t)whom];
-}
-
-static uint64_t bytes_of(const trace *t, compare_range r)
-{
-    uint64_t bytes = 0;
-    for (size_t i = 0; i < r.count; i++)
-        bytes += t->records[r.first + i].body_bytes;
-    return bytes;
-}
 
 static batch *batch_of(runner *r, int number)
 {
@@ -157,81 +139,21 @@ static bool choose(runner *r, int *number, int *whom)
     return false;
 }
 
-/* ----------------------------------------------------------------- judging */
+/* ------------------------------------------------------- what a worker left */
 
-/* The line of a stage that failed. */
-static void tell_failed(const trace_record *failed, case_result *one)
-{
-    size_t at = 0;
-    trace_block_view block;
-    if (trace_next_block(failed, &at, &block) && block.voxel_bytes == 1)
-        snprintf(one->text, sizeof one->text, "%.*s", block.dims.x < 190 ? (int)block.dims.x : 190, (const char *)block.voxels);
-}
-
-/* How near each differing voxel was; NULL where that cannot be said. */
-static margins *measure(const campaign *c, int i, const trace *got, compare_range range, bool apart)
-{
-    scene s;
-    margins *m = malloc(sizeof *m);
-    if (!m || scene_make(&c->plan->cases[i], &s, NULL) != OST_OK) {
-        free(m);
-        return NULL;
-    }
-    const ost_status status = margins_of(&s, &c->reference, c->ranges[i], got, range, apart, m, NULL);
-    scene_free(&s);
-    if (status == OST_OK)
-        return m;
-    free(m);
-    return NULL;
-}
-
-/* What one part of a backend's trace says about cases [from, until); how many of them it has whole. */
+/* Judges cases [from, until) of a backend's trace, as many as it has whole. */
 static int judge(runner *r, const batch *b, int whom, const trace *got, int from, int until, bool *differs)
 {
-    campaign *c = r->c;
-    int judged = 0;
-    size_t at = 0;
-    *differs = false;
-    for (int i = from; i < until; i++, judged++) {
-        const compare_range range = compare_next(got, &at, (uint32_t)i);
-        /* Whole: the next case began, or the list ended. */
-        const bool last = range.count && range.first + range.count == got->count;
-        if (!range.count || (last && !got->whole))
-            break;
-        case_result *one = result_of(c, i, whom);
-        compare_case(&b->reference, c->ranges[i], got, range, &one->difference);
-        one->verdict = one->difference.kind == COMPARE_EQUAL ? CASE_EQUAL : CASE_DIFFERS;
-        if (one->verdict == CASE_DIFFERS && got->records[range.first + range.count - 1].stage == TRACE_FAILED &&
-            one->difference.kind == COMPARE_MISSING)
-            one->verdict = CASE_FAILED;
-        if (one->verdict == CASE_FAILED)
-            tell_failed(&got->records[range.first + range.count - 1], one);
-        *differs |= one->verdict == CASE_DIFFERS;
-        c->records += one->difference.records;
-        if (one->verdict == CASE_EQUAL)
-            c->bytes += bytes_of(got, range);
-    }
+    const int judged = verdict_judge(r->c, &b->reference, whom, got, from, until, differs);
     r->finished += judged;
     return judged;
-}
-
-/* Its end said nothing of the case that it was at. */
-static void blame(const worker_result *end, case_result *out)
-{
-    out->verdict = end->end == WORKER_LATE ? CASE_LATE : end->end == WORKER_CRASHED ? CASE_CRASHED : CASE_FAILED;
-    if (end->end == WORKER_CRASHED)
-        snprintf(out->text, sizeof out->text, "ended by signal %d (%s)%s%.120s", end->code, strsignal(end->code), end->text[0] ? ": " : "", end->text);
-    else if (end->end == WORKER_LATE)
-        snprintf(out->text, sizeof out->text, "stopped after %.0f s", end->seconds);
-    else
-        snprintf(out->text, sizeof out->text, "%.190s", end->text[0] ? end->text : "it ended without a word");
 }
 
 /* The rest of a backend's cases in a batch, once it is known to do no more. */
 static void give_up(runner *r, batch *b, int whom)
 {
     for (; b->tasks[whom].from < b->end; b->tasks[whom].from++, r->finished++)
-        *result_of(r->c, b->tasks[whom].from, whom) = r->last_words[whom];
+        *verdict_of(r->c, b->tasks[whom].from, whom) = r->last_words[whom];
 }
 
 /* The reference must work; anything else is no campaign. */
@@ -253,7 +175,7 @@ static ost_status reference_ended(runner *r, batch *b, trace *got, const worker_
         c->stage_records[b->reference.records[i].stage]++;
         if (b->reference.records[i].stage == TRACE_FAILED) {
             c->refused++;
-            result_of(c, (int)b->reference.records[i].case_index, 0)->verdict = CASE_FAILED;
+            verdict_of(c, (int)b->reference.records[i].case_index, 0)->verdict = CASE_FAILED;
         }
     }
     for (int s = 1; s < c->subjects->count; s++)
@@ -286,8 +208,8 @@ static ost_status subject_ended(runner *r, batch *b, int whom, trace *got, const
     if (t->from == b->end)
         return OST_OK;
     /* It ended in this case. */
-    case_result *one = result_of(r->c, t->from, whom);
-    blame(end, one);
+    case_result *one = verdict_of(r->c, t->from, whom);
+    verdict_of_end(end, one);
     t->from++;
     r->finished++;
     if (end->end != WORKER_CRASHED) { /* there is no time left, or it will fail again */
@@ -397,7 +319,7 @@ static ost_status read_dump(runner *r, batch *b, int whom, ost_error *err)
         status = trace_open(name, &got, err);
     close(fd);
     for (int i = b->first; i < b->end && status == OST_OK; i++) {
-        case_result *one = result_of(c, i, whom);
+        case_result *one = verdict_of(c, i, whom);
         bool differs = false;
         if (compared[i])
             judge(r, b, whom, &got, i, i + 1, &differs);
@@ -433,7 +355,7 @@ static ost_status batch_begin(runner *r, ost_error *err)
         if (r->c->subjects->subjects[s].available)
             continue;
         for (; b->tasks[s].from < b->end; b->tasks[s].from++, r->finished++)
-            result_of(r->c, b->tasks[s].from, s)->verdict = CASE_NOT_RUN;
+            verdict_of(r->c, b->tasks[s].from, s)->verdict = CASE_NOT_RUN;
     }
     return OST_OK;
 }
@@ -467,12 +389,12 @@ static void show_differences(runner *r, const batch *b)
     for (int s = 1; s < c->subjects->count; s++)
         for (int i = b->first; i < b->end; i++)
             for (const kept_trace *k = b->kept; k; k = k->next) {
-                if (k->whom != s || i < k->from || i >= k->from + k->judged || result_of(c, i, s)->verdict != CASE_DIFFERS)
+                if (k->whom != s || i < k->from || i >= k->from + k->judged || verdict_of(c, i, s)->verdict != CASE_DIFFERS)
                     continue;
                 const compare_range range = compare_find(&k->got, (uint32_t)i);
-                case_result *one = result_of(c, i, s);
+                case_result *one = verdict_of(c, i, s);
                 one->found = finding_of_case(&c->plan->cases[i], &c->reference, c->ranges[i], &k->got, range, &one->difference);
-                one->margins = measure(c, i, &k->got, range, r->o->apart);
+                one->margins = verdict_margins(c, i, &k->got, range, r->o->apart);
                 if (r->o->differs)
                     r->o->differs(r->o->keeper, c, i, s, &k->got, range);
             }
@@ -582,9 +504,9 @@ ost_status campaign_run(const plan *p, const subject_list *subjects, const campa
     }
     for (int s = 1; s < subjects->count; s++)
         for (int i = 0; i < p->count; i++) {
-            const case_verdict verdict = result_of(out, i, s)->verdict;
+            const case_verdict verdict = verdict_of(out, i, s)->verdict;
             out->counts[verdict]++;
-            out->shown += verdict == CASE_EQUAL && result_of(out, i, 0)->verdict == CASE_EQUAL;
+            out->shown += verdict == CASE_EQUAL && verdict_of(out, i, 0)->verdict == CASE_EQUAL;
         }
     return OST_OK;
 }
