@@ -1,0 +1,98 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Inside the adapter: the plugin's objects behind the host's, and what a
+ * plugin's answer is held to.
+ *
+ *   adapt.c        opening, closing, the table     adapt_grid.c   grids, import
+ *   adapt_bone.c   bones, digests                  adapt_tool.c   tools
+ *   adapt_event.c  events and their reports
+ *
+ *   call --convert--> slot --check status, object, report--> result
+ */
+#ifndef OST_PLUGIN_ADAPT_H
+#define OST_PLUGIN_ADAPT_H
+
+#include "plugin/plugin.h"
+
+typedef struct plugin_backend {
+    ost_backend base;
+    ost_plugin table;
+    ost_plugin_instance *self;
+    char name[PLUGIN_NAME];
+} plugin_backend;
+
+/* lost: a call failed in the middle; nothing but free is asked of it any more. */
+typedef struct plugin_grid {
+    ost_grid base;
+    ost_plugin_grid *own;
+    bool lost;
+} plugin_grid;
+
+typedef struct plugin_bone {
+    ost_bone base;
+    ost_plugin_bone *own;
+    bool lost;
+} plugin_bone;
+
+typedef struct plugin_tool {
+    ost_tool base;
+    ost_plugin_tool *own;
+} plugin_tool;
+
+static inline plugin_backend *adapt_backend(const ost_backend *backend)
+{
+    return (plugin_backend *)(uintptr_t)backend;
+}
+
+static inline const ost_plugin *adapt_table(const ost_backend *backend)
+{
+    return &adapt_backend(backend)->table;
+}
+
+/* ---------------------------------------------------------------- answers */
+
+/* Room for a text that a plugin may fill, and mistake for longer than it is. */
+typedef struct told {
+    ost_plugin_error error;
+    char text[400];
+} told;
+
+static inline told *adapt_listening(told *t)
+{
+    *t = (told){.error = {.size = sizeof t->error, .text_size = sizeof t->text, .text = t->text}};
+    return t;
+}
+
+/* A slot's status as the host's, with the plugin's line; lost is set when it says so, and may be NULL. */
+ost_status ost_adapt_heard(const plugin_backend *b, const char *slot, int32_t status, told *t, bool *lost, ost_error *err);
+ost_status ost_adapt_no_object(const plugin_backend *b, const char *slot, ost_error *err);
+ost_status ost_adapt_is_lost(const plugin_backend *b, ost_error *err);
+
+ost_plugin_geometry ost_adapt_geometry(const ost_geometry *g);
+
+/* ------------------------------------------------------------------ slots */
+/* Of core/backend.h. */
+
+ost_status ost_adapt_grid_create(ost_backend *backend, const ost_geometry *geometry, ost_grid **out, ost_error *err);
+void ost_adapt_grid_free(ost_grid *base);
+ost_status ost_adapt_grid_upload(ost_grid *base, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
+ost_status ost_adapt_grid_download(const ost_grid *base, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
+ost_status ost_adapt_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t count, int64_t first_line, ost_duplicates duplicates,
+                                ost_scatter_report *report, ost_error *err);
+ost_status ost_adapt_rect_to_cubic(const ost_grid *rect, const ost_geometry *geometry, ost_resample rule, ost_grid **out, ost_error *err);
+ost_status ost_adapt_cubic_to_chunks(const ost_grid *cubic, int chunk_size, int32_t threshold, ost_bone **out, ost_error *err);
+ost_status ost_adapt_bone_create(ost_backend *backend, const ost_geometry *geometry, int chunk_size, int32_t threshold, ost_bone **out, ost_error *err);
+void ost_adapt_bone_free(ost_bone *base);
+ost_status ost_adapt_bone_stats(const ost_bone *base, ost_bone_info *info, ost_error *err);
+ost_status ost_adapt_bone_upload(ost_bone *base, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
+ost_status ost_adapt_bone_download(const ost_bone *base, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
+ost_status ost_adapt_bone_leaves(const ost_bone *base, ost_digest *leaves, ost_error *err);
+ost_status ost_adapt_voxelize(ost_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting, ost_fill_rule rule,
+                              ost_voxelize_report *report, ost_tool **out, ost_error *err);
+ost_status ost_adapt_tool_upload(ost_backend *backend, const ost_tool_volume *volume, ost_tool **out, ost_error *err);
+ost_status ost_adapt_tool_download(const ost_tool *base, ost_tool_volume *volume, ost_error *err);
+void ost_adapt_tool_free(ost_tool *base);
+ost_status ost_adapt_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err);
+ost_status ost_adapt_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err);
+
+#endif
