@@ -7,12 +7,10 @@
 
 #include <unistd.h>
 
-#include "io/io_scratch.h"
+#include "io/scratch_group.h"
 #include "validation/compare.h"
 
 enum { SIDE = 40, PATH = 4200 };
-
-static char *folder;
 
 static const char *scratch_path(const char *name, char path[PATH])
 {
@@ -255,20 +253,6 @@ static void broken(void **state)
     }
 }
 
-static int setup(void **state)
-{
-    (void)state;
-    folder = scratch_folder();
-    return 0;
-}
-
-static int teardown(void **state)
-{
-    (void)state;
-    scratch_remove(folder);
-    return 0;
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -276,5 +260,5 @@ int main(void)
         cmocka_unit_test(lone_leaves),
         cmocka_unit_test(broken),
     };
-    return cmocka_run_group_tests(tests, setup, teardown);
+    return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);
 }

@@ -11,7 +11,7 @@
 
 #include <unistd.h>
 
-#include "io/io_scratch.h"
+#include "io/scratch_group.h"
 #include "validation/dense/dense.h"
 #include "validation/locate/finding.h"
 #include "validation/locate/grids.h"
@@ -19,8 +19,6 @@
 #include "validation/sensitivity.h"
 
 enum { N = 32, PATH = 4200, SCENES = 3 };
-
-static char *folder;
 
 /* ------------------------------------------------------- grids by hand */
 
@@ -420,25 +418,11 @@ static void confusion(void **state)
     }
 }
 
-static int setup(void **state)
-{
-    (void)state;
-    folder = scratch_folder();
-    return 0;
-}
-
-static int teardown(void **state)
-{
-    (void)state;
-    scratch_remove(folder);
-    return 0;
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(by_hand),         cmocka_unit_test(of_events),        cmocka_unit_test(of_tools),  cmocka_unit_test(by_mistake),
         cmocka_unit_test(operands_decide), cmocka_unit_test(removal_operands), cmocka_unit_test(confusion),
     };
-    return cmocka_run_group_tests(tests, setup, teardown);
+    return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);
 }
