@@ -130,6 +130,9 @@ static ost_status make_small(const plan_case *c, scene *s, draw *d, ost_error *e
     s->batch = (size_t)draw_between(d, 500, 20000);
     for (size_t i = 0; i < s->sample_count; i++)
         s->samples[i].line = (uint32_t)(i % s->batch);
+    for (size_t i = 0; i < s->sample_count && c->number % 4 == 3; i++) /* metal: sums beyond 2^24 */
+        if (s->samples[i].density >= s->threshold)
+            s->samples[i].density = 32000 + (s->samples[i].density & 511);
     for (int i = 0; i < 2 && status == OST_OK; i++) {
         const ost_pm size = draw_between(d, 6 * unit, 14 * unit);
         status = scene_add_tool(s, d, shapes[(c->number + i) % 6], size, draw_between(d, size / 22, size / 9), i == 0, c->number % 5 == 0 ? OST_FILL_PARITY : OST_FILL_WINDING, err);
@@ -137,10 +140,19 @@ static ost_status make_small(const plan_case *c, scene *s, draw *d, ost_error *e
     if (status == OST_OK)
         status = c->number % 2 ? scene_unrelated_poses(s, d, 6, err) : scene_drive(s, d, 10, unit + unit / 2, 0.15, err);
     if (status == OST_OK)
-        status = scene_add_full_tool(s, d, unit / 10, err);
+        status = scene_add_full_tool(s, d, draw_between(d, unit / 11, unit / 9), err);
+    /* Not where poses are swept: the tool is fine, and would have hundreds of them on its way. */
+    if (status == OST_OK && s->world.sweep_off)
+        status = scene_add_border_poses(s, d, err);
+    if (status == OST_OK && c->number % 4 == 0) { /* more hits than a chunk has voxels, and voxels left */
+        s->chunk_size = 16;
+        status = scene_add_crossing(s, err);
+    }
     if (status == OST_OK)
         status = scene_add_poses_inside(s, d, 3, err);
-    s->collide_every = 3;
+    if (status == OST_OK && s->world.sweep_off)
+        status = scene_add_far_pose(s, err);
+    s->collide_every = 3; /* the far pose, number 12, among them */
     return status;
 }
 

@@ -42,6 +42,15 @@ ost_status scene_add_full_tool(scene *s, draw *d, ost_pm voxel, ost_error *err);
 ost_status scene_unrelated_poses(scene *s, draw *d, size_t count, ost_error *err);
 /* So many ticks more, of the last tool near the middle of the bone. */
 ost_status scene_add_poses_inside(scene *s, draw *d, size_t count, ost_error *err);
+/*
+ * Three ticks of it, not turned, each with a layer of bone voxels within some
+ * units of 2^-20 of its face: what rounds otherwise loses the layer.
+ */
+ost_status scene_add_border_poses(scene *s, draw *d, ost_error *err);
+/* Two ticks of it, through the middle of a chunk from side to side: swept, a voxel on the way is hit at many poses of one event. */
+ost_status scene_add_crossing(scene *s, ost_error *err);
+/* A tick of it 2^32 units away: it meets nothing, and all where coordinates wrap. */
+ost_status scene_add_far_pose(scene *s, ost_error *err);
 ost_status scene_drive(scene *s, draw *d, size_t count, ost_pm speed, double turn, ost_error *err);
 
 #endif

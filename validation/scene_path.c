@@ -73,28 +73,107 @@ ost_status scene_unrelated_poses(scene *s, draw *d, size_t count, ost_error *err
     return status;
 }
 
+/* One tick more, of the last tool and not turned; NULL when there is no memory. */
+static ost_tick *another(scene *s, ost_error *err)
+{
+    const size_t i = s->path.count;
+    ost_tick *ticks = realloc(s->path.ticks, (i + 1) * sizeof *ticks);
+    if (!ticks) {
+        ost_fail(err, OST_ERR_MEMORY, "no memory for %zu ticks", i + 1);
+        return NULL;
+    }
+    s->path.ticks = ticks;
+    s->path.count = i + 1;
+    ticks[i] = (ost_tick){.t_ns = (int64_t)(i + 1) * TICK_NS, .tool = s->tool_count - 1, .pose = ost_pose_identity()};
+    return &ticks[i];
+}
+
 ost_status scene_add_poses_inside(scene *s, draw *d, size_t count, ost_error *err)
 {
     const ost_geometry *g = &s->rect;
-    const size_t before = s->path.count;
-    ost_tick *ticks = realloc(s->path.ticks, (before + count) * sizeof *ticks);
-    if (!ticks)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu ticks", before + count);
-    s->path.ticks = ticks;
     ost_status status = OST_OK;
-    for (size_t i = before; i < before + count && status == OST_OK; i++) {
+    for (size_t i = 0; i < count && status == OST_OK; i++) {
         const double none[3] = {0, 0, 0};
         double q[4];
+        ost_tick *tick = another(s, err);
+        if (!tick)
+            return err->status;
         drawn_turn(d, q);
-        ticks[i] = (ost_tick){.t_ns = (int64_t)(i + 1) * TICK_NS, .tool = s->tool_count - 1};
-        status = ost_pose_from_doubles(none, q, &ticks[i].pose, err);
-        ost_pm3 *t = &ticks[i].pose.t;
+        status = ost_pose_from_doubles(none, q, &tick->pose, err);
+        ost_pm3 *t = &tick->pose.t;
         t->x = g->origin.x + g->spacing.x * g->dims.x / 2 + draw_between(d, -2 * g->spacing.x, 2 * g->spacing.x);
         t->y = g->origin.y + g->spacing.y * g->dims.y / 2 + draw_between(d, -2 * g->spacing.y, 2 * g->spacing.y);
         t->z = g->origin.z + g->spacing.z * g->dims.z / 2 + draw_between(d, -2 * g->spacing.z, 2 * g->spacing.z);
-        s->path.count = i + 1;
     }
     return status;
+}
+
+/* The cubic grid along an axis: its first centre, voxels and the tool's place when it is centred on the middle one. */
+typedef struct along {
+    ost_pm first, middle;
+    int32_t n;
+} along;
+
+static along along_axis(const scene *s, int a)
+{
+    const ost_geometry *g = &s->rect;
+    const ost_pm origin[3] = {g->origin.x, g->origin.y, g->origin.z}, size[3] = {g->spacing.x, g->spacing.y, g->spacing.z};
+    const int32_t dims[3] = {g->dims.x, g->dims.y, g->dims.z};
+    const int32_t n = (int32_t)((dims[a] * size[a] + s->cubic - 1) / s->cubic);
+    return (along){origin[a], origin[a] + s->cubic * (n / 2), n};
+}
+
+static void put(ost_tick *tick, int a, ost_pm at)
+{
+    *(a == 0 ? &tick->pose.t.x : a == 1 ? &tick->pose.t.y : &tick->pose.t.z) = at;
+}
+
+ost_status scene_add_border_poses(scene *s, draw *d, ost_error *err)
+{
+    const ost_tool_geometry *tool = &s->tools[s->tool_count - 1].cutting.grid;
+    const ost_pm corner[3] = {tool->corner.x, tool->corner.y, tool->corner.z}, voxel = tool->voxel;
+    for (int a = 0; a < 3; a++) {
+        ost_tick *tick = another(s, err);
+        if (!tick)
+            return err->status;
+        for (int b = 0; b < 3; b++)
+            put(tick, b, along_axis(s, b).middle);
+        const along x = along_axis(s, a);
+        const int32_t block = OST_MAP_BLOCK * (int32_t)draw_between(d, 0, (x.n - 1) / OST_MAP_BLOCK), last = block + OST_MAP_BLOCK - 1;
+        /* A unit is voxel / 2^20.  At a block's first voxel half of one before the border, which is rounded onto it; at its last
+           voxel up to 15 behind it, where each step that is one too short shows. */
+        const bool at_last = draw_one_in(d, 2) && last < x.n;
+        const ost_pm off = at_last ? draw_between(d, 0, voxel * 15 >> OST_MAP_FRACTION) : draw_between(d, -(voxel >> (OST_MAP_FRACTION + 1)), -1);
+        put(tick, a, x.first + s->cubic * (at_last ? last : block) - corner[a] - off);
+    }
+    return OST_OK;
+}
+
+ost_status scene_add_crossing(scene *s, ost_error *err)
+{
+    for (int end = 0; end < 2; end++) {
+        ost_tick *tick = another(s, err);
+        if (!tick)
+            return err->status;
+        for (int a = 0; a < 3; a++) {
+            const along x = along_axis(s, a);
+            const int32_t chunk = x.n / 2 / s->chunk_size * s->chunk_size, far = chunk + s->chunk_size + 3;
+            put(tick, a, x.first + s->cubic * (a > 0 ? chunk + s->chunk_size / 2 : end ? far : chunk - 4));
+        }
+    }
+    return OST_OK;
+}
+
+ost_status scene_add_far_pose(scene *s, ost_error *err)
+{
+    const ost_pm voxel = s->tools[s->tool_count - 1].cutting.grid.voxel;
+    ost_tick *tick = another(s, err);
+    if (!tick)
+        return err->status;
+    for (int a = 0; a < 3; a++)
+        put(tick, a, along_axis(s, a).middle);
+    tick->pose.t.x -= voxel << (32 - OST_MAP_FRACTION);
+    return OST_OK;
 }
 
 /*
