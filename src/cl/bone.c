@@ -375,6 +375,19 @@ ost_status ost_cl_cubic_to_chunks(const ost_grid *base, int chunk_size, int32_t 
     return OST_OK;
 }
 
+/* Slices z0 <= z < z1 into the slab. */
+static ost_status load(cl_bone *bone, cl_int z0, cl_int z1, cl_mem slab, ost_error *err)
+{
+    cl_backend *b = backend_of(bone);
+    const ost_dims d = bone->base.geometry.dims;
+    const ost_cl_arg args[] = {OST_CL_ARG(bone->shape), OST_CL_ARG(z0),   OST_CL_ARG(z1), OST_CL_ARG(bone->slots),
+                               OST_CL_ARG(bone->density), OST_CL_ARG(slab)};
+    enum { ARGS = sizeof args / sizeof args[0] };
+    if (b->device.cpu)
+        return ost_cl_launch(b, OST_CL_KERNEL_ost_chunk_load_rows, (size_t)bone->chunk_dims.y, (size_t)(z1 - z0), 1, args, ARGS, err);
+    return ost_cl_launch(b, OST_CL_KERNEL_ost_chunk_load, (size_t)d.x, (size_t)d.y, (size_t)(z1 - z0), args, ARGS, err);
+}
+
 ost_status ost_cl_bone_download(const ost_bone *base, int32_t z0, int32_t count, int16_t *voxels, ost_error *err)
 {
     /* The device's table of slots is brought up to date, which changes no voxel. */
@@ -396,9 +409,7 @@ ost_status ost_cl_bone_download(const ost_bone *base, int32_t z0, int32_t count,
         status = sync_slots(bone, err);
     for (cl_int z = z0; z < z0 + count && status == OST_OK; z += step) {
         const cl_int end = z0 + count - z < step ? z0 + count : z + step;
-        status = OST_CL_LAUNCH(b, ost_chunk_load, (size_t)base->geometry.dims.x, (size_t)base->geometry.dims.y, (size_t)(end - z), err,
-                               OST_CL_ARG(bone->shape), OST_CL_ARG(z), OST_CL_ARG(end), OST_CL_ARG(bone->slots), OST_CL_ARG(bone->density),
-                               OST_CL_ARG(slab));
+        status = load(bone, z, end, slab, err);
         if (status == OST_OK)
             status = ost_cl_read(b, slab, 0, slice * (size_t)(end - z) * sizeof *voxels, voxels + slice * (size_t)(z - z0), err);
     }

@@ -18,7 +18,8 @@ enum { WORKGROUP_DEFAULT = 64 };
 static bool long_items(enum ost_cl_kernel kernel)
 {
     return kernel == OST_CL_KERNEL_ost_remove_blocks || kernel == OST_CL_KERNEL_ost_chunk_scan_layers ||
-           kernel == OST_CL_KERNEL_ost_chunk_store_layers || kernel == OST_CL_KERNEL_ost_vox_tiles;
+           kernel == OST_CL_KERNEL_ost_chunk_store_layers || kernel == OST_CL_KERNEL_ost_chunk_load_rows ||
+           kernel == OST_CL_KERNEL_ost_vox_tiles;
 }
 
 static const char *const kernel_names[] = {

@@ -416,11 +416,16 @@ static void chunks_round(machine *m, test_rng *rng)
 
     int16_t *stored = zeros(count, 2), *loaded = zeros(count, 2);
     ost_chunk_grid_download(&grid, 0, d.z, stored);
-    for (int part = 0; part < 2; part++)
-        if (ends[part] < ends[part + 1])
-            LAUNCH(m, ost_chunk_load, d.x, d.y, ends[part + 1] - ends[part], ONE(&p.bone), number_arg(ends[part]), number_arg(ends[part + 1]),
-                   BUFFER(p.slots, p.chunks), BUFFER(p.density, room * p.voxels),
-                   BUFFER(loaded + slice * (size_t)ends[part], slice * (size_t)(ends[part + 1] - ends[part])));
+    memset(loaded, 0x5a, count * 2);
+    for (int part = 0; part < 2; part++) {
+        const size_t slices = (size_t)(ends[part + 1] - ends[part]);
+        const kernel_arg args[] = {ONE(&p.bone), number_arg(ends[part]), number_arg(ends[part + 1]), BUFFER(p.slots, p.chunks),
+                                   BUFFER(p.density, room * p.voxels), BUFFER(loaded + slice * (size_t)ends[part], slice * slices)};
+        if (slices && by_items)
+            m->launch(m, K_ost_chunk_load, args, 6, (const size_t[3]){(size_t)d.x, (size_t)d.y, slices});
+        else if (slices)
+            m->launch(m, K_ost_chunk_load_rows, args, 6, (const size_t[3]){(size_t)grid.chunk_dims.y, slices, 1});
+    }
     if (memcmp(stored, loaded, count * 2) != 0)
         fail_msg("%s: slices of %d^3 chunks differ", m->name, n);
     if (p.used) {

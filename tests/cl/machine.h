@@ -27,6 +27,7 @@
     X(ost_chunk_store)       \
     X(ost_chunk_store_layers) \
     X(ost_chunk_load)        \
+    X(ost_chunk_load_rows)   \
     X(ost_chunk_count)       \
     X(ost_chunk_checksum)    \
     X(ost_chunk_surface)     \

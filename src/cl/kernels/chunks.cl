@@ -112,7 +112,6 @@ __kernel void ost_chunk_store(__global const ost_cl_bone *bone, int z0, int z1, 
     }
     words[to / 32] = word;
 }
-#endif
 
 __kernel void ost_chunk_load(__global const ost_cl_bone *bone, int z0, int z1, __global const uint *slots, __global const short *density,
                              __global short *slab)
@@ -128,6 +127,7 @@ __kernel void ost_chunk_load(__global const ost_cl_bone *bone, int z0, int z1, _
         read = density[(ulong)slot * ost_chunk_voxels(bone) + (ulong)(x % n + n * (y % n + n * (z % n)))];
     slab[ost_slab_at(bone, x, y, slice)] = read;
 }
+#endif
 
 __kernel void ost_chunk_count(__global const ost_cl_bone *bone, uint first, uint count, __global const uint *words,
                               volatile __global uint *active)

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Scanning and storing slices as ost_chunk_scan and ost_chunk_store do
- * (shared.h), for CPUs: items that go along rows, and through the slices of a
- * layer of chunks one after the other, so that slices which are the same are
- * read once.  No two items have a chunk in common: nothing is atomic.
+ * Scanning, storing and loading slices as ost_chunk_scan, ost_chunk_store and
+ * ost_chunk_load do (shared.h), for CPUs: items that go along rows.  Those that
+ * scan and store go through the slices of a layer of chunks one after the
+ * other, so that slices which are the same are read once, and no two have a
+ * chunk in common: nothing is atomic.
  */
 #if OST_FOR & 2
 
@@ -99,6 +100,40 @@ __kernel void ost_chunk_store_layers(__global const ost_cl_bone *bone, int z0, i
             const int end = k < z1 && y0 + y < ny ? nx : 0;
             for (int h = 0; h < half_words; h++)
                 bits[y * half_words + h] = (ushort)ost_store16(row, x0 + 16 * h, end, to + y * n + 16 * h, threshold);
+        }
+    }
+}
+
+static void ost_copy16(__global const short *from, __global short *to)
+{
+    for (int i = 0; i < 16; i++)
+        to[i] = from[i];
+}
+
+__kernel void ost_chunk_load_rows(__global const ost_cl_bone *bone, int z0, int z1, __global const uint *slots,
+                                  __global const short *density, __global short *slab)
+{
+    const int n = bone->size, nx = bone->dims[0];
+    if (get_global_id(0) >= (size_t)bone->chunk_dims[1] || get_global_id(1) >= (size_t)(z1 - z0))
+        return;
+    const int cy = (int)get_global_id(0), slice = (int)get_global_id(1), z = z0 + slice;
+    const int y1 = ost_least(cy * n + n, bone->dims[1]);
+    for (int cx = 0; cx < bone->chunk_dims[0]; cx++) {
+        const uint slot = slots[(ulong)cx + (ulong)bone->chunk_dims[0] * ((ulong)cy + (ulong)bone->chunk_dims[1] * (ulong)(z / n))];
+        const int count = ost_least(n, nx - cx * n);
+        for (int y = cy * n; y < y1; y++) {
+            __global short *to = slab + ost_slab_at(bone, cx * n, y, slice);
+            if (slot == OST_CL_NONE) {
+                for (int x = 0; x < count; x++)
+                    to[x] = 0;
+                continue;
+            }
+            __global const short *from = density + (ulong)slot * ost_chunk_voxels(bone) + (ulong)(n * (y - cy * n + n * (z % n)));
+            int x = 0;
+            for (; x + 16 <= count; x += 16)
+                ost_copy16(from + x, to + x);
+            for (; x < count; x++)
+                to[x] = from[x];
         }
     }
 }

@@ -175,6 +175,8 @@ typedef struct ost_cl_cubic {
  *       the planes of padding too.
  *   ost_chunk_load(bone, z0, z1, slots, density, slab)
  *       dims.x, dims.y, z1 - z0.  The way back; chunks without a slot are 0.
+ *   ost_chunk_load_rows(...)
+ *       the same for CPUs: chunk_dims.y, z1 - z0.  An item has a slice of a row of chunks along x.
  *   ost_chunk_count(bone, first, count, words, active)
  *       n, count.  Adds the set bits of slot first + i to active[i] (uint[count], zeros at first), i < count.
  *   ost_chunk_checksum(bone, first, count, chunks, density, sums)
