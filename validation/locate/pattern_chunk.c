@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Rules on chunks, and on what was not done at the end. */
+#include "validation/locate/pattern_parts.h"
+
+/* No more samples than a work-group has are lost at a batch's end. */
+enum { GROUP = 256 };
+
+typedef struct chunk_look {
+    bool differs, as_before, hit; /* B is `in` all over; A is not */
+    bool solid_a, solid_b;
+} chunk_look;
+
+static chunk_look look_at(const pattern_view *v, int32_t x, int32_t y, int32_t z)
+{
+    chunk_look l = {.as_before = v->input == PATTERN_BEFORE};
+    for (int32_t k = z; k < z + v->chunk && k < v->dims.z; k++)
+        for (int32_t j = y; j < y + v->chunk && j < v->dims.y; j++)
+            for (int32_t i = x; i < x + v->chunk && i < v->dims.x; i++) {
+                const int64_t w = pattern_at(v->dims, i, j, k);
+                l.differs |= v->a[w] != v->b[w];
+                l.solid_a |= v->a[w] >= v->solid_a;
+                l.solid_b |= v->b[w] >= v->solid_b;
+                l.as_before &= v->input == PATTERN_BEFORE && v->b[w] == v->in[w];
+                l.hit |= v->input == PATTERN_BEFORE && v->a[w] != v->in[w];
+            }
+    return l;
+}
+
+typedef struct chunk_sums {
+    int64_t differ, undone, one_sided; /* one_sided: solid in one grid alone */
+    int64_t hit, hit_after; /* hit_after: and right, behind the first that differs */
+} chunk_sums;
+
+static chunk_sums sum_chunks(const pattern_view *v)
+{
+    chunk_sums n = {0};
+    for (int32_t z = 0; z < v->dims.z; z += v->chunk)
+        for (int32_t y = 0; y < v->dims.y; y += v->chunk)
+            for (int32_t x = 0; x < v->dims.x; x += v->chunk) {
+                const chunk_look l = look_at(v, x, y, z);
+                n.hit += l.hit;
+                n.hit_after += n.differ && l.hit && !l.differs;
+                n.differ += l.differs;
+                n.undone += l.differs && l.as_before;
+                n.one_sided += l.differs && l.solid_a != l.solid_b;
+            }
+    return n;
+}
+
+bool pattern_stale_chunk(const pattern_scan *s, char *text)
+{
+    if (s->v->input != PATTERN_BEFORE || s->v->reported_too)
+        return false;
+    const chunk_sums n = sum_chunks(s->v);
+    return n.undone == n.differ &&
+           pattern_say(text, "%lld chunk%s as before the event, though the report counts what was cut there", (long long)n.differ, n.differ == 1 ? " is" : "s are");
+}
+
+bool pattern_lost_chunk(const pattern_scan *s, char *text)
+{
+    if (s->v->tool || s->count < PATTERN_TELLING)
+        return false;
+    const chunk_sums n = sum_chunks(s->v);
+    const char *whole = n.differ == 1 ? " " : "s ";
+    if (n.undone == n.differ && s->v->input == PATTERN_BEFORE && s->v->reported_too)
+        return pattern_say(text, "%lld whole chunk%sleft out: neither cut nor reported", (long long)n.differ, whole);
+    return n.one_sided == n.differ && pattern_say(text, "%lld whole chunk%ssolid on one side only", (long long)n.differ, n.differ == 1 ? " is " : "s are ");
+}
+
+/* The last samples of batches. */
+static bool lost_samples(const pattern_scan *s, char *text)
+{
+    int32_t most = 0;
+    PATTERN_EACH(s, p, i) {
+        const int32_t behind = s->v->behind[i];
+        if (behind < 0 || behind >= GROUP)
+            return false;
+        most = behind > most ? behind : most;
+    }
+    return s->count > 1 && pattern_say(text, "every voxel that differs has its last sample among the last %d of a batch", most + 1);
+}
+
+bool pattern_lost_tail(const pattern_scan *s, char *text)
+{
+    const pattern_view *v = s->v;
+    if (v->tool)
+        return false;
+    if (v->input == PATTERN_BEFORE) {
+        const chunk_sums n = sum_chunks(v);
+        return v->reported_too && n.undone == n.differ && n.hit > n.differ && n.hit_after == 0 &&
+               pattern_say(text, "the last %lld of %lld chunks that are hit: neither cut nor reported", (long long)n.differ, (long long)n.hit);
+    }
+    if (v->behind && lost_samples(s, text))
+        return true;
+    const int64_t all = ost_dims_count(v->dims);
+    bool head = false, last_layer = s->lo[2] == v->dims.z - 1 && v->dims.z > 1;
+    if (s->count < PATTERN_TELLING)
+        return false;
+    PATTERN_EACH(s, p, i)
+        last_layer &= v->b[i] == 0;
+    if (last_layer)
+        return pattern_say(text, "all that differs lies in the last layer, z = %d, and is 0", s->lo[2]);
+    for (int64_t i = s->first; i < all; i++)
+        if (v->a[i] != 0 && v->b[i] != 0)
+            return false;
+    for (int64_t i = 0; i < s->first && !head; i++)
+        head = v->a[i] != 0;
+    return head && pattern_say(text, "nothing is there from voxel %lld of %lld on, in the order of memory", (long long)s->first, (long long)all);
+}
+

@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What the rules of pattern.h have in common, and the rules.
+ *
+ *   pattern.c        D, values, the list     pattern_place.c   what lies where
+ *   pattern_chunk.c  chunks, tails           pattern_shape.c   rows, surface, neighbours
+ */
+#ifndef OST_VALIDATION_PATTERN_PARTS_H
+#define OST_VALIDATION_PATTERN_PARTS_H
+
+#include "validation/locate/pattern.h"
+
+/* Fewer voxels than this say nothing about a shape that they all have. */
+enum { PATTERN_TELLING = 8 };
+
+/* The view, and what every rule wants to know of D. */
+typedef struct pattern_scan {
+    const pattern_view *v;
+    int64_t count;         /* of D */
+    int64_t first;         /* the least index in D */
+    int32_t lo[3], hi[3];  /* around D, half-open */
+    bool several;          /* values of b in D, 0 not counted, are more than one */
+} pattern_scan;
+
+/* Whether it holds; then text says so. */
+typedef bool pattern_rule(const pattern_scan *s, char *text);
+
+pattern_rule pattern_axis_swap, pattern_shift;                               /* pattern_place.c */
+pattern_rule pattern_stale_chunk, pattern_lost_tail, pattern_lost_chunk;     /* pattern_chunk.c */
+pattern_rule pattern_column_parity, pattern_boundary_layer, pattern_speckle; /* pattern_shape.c */
+
+/* Writes text; true. */
+bool pattern_say(char *text, const char *format, ...) OST_PRINTF(2, 3);
+
+/* A density as the stage stores it. */
+int16_t pattern_stored(const pattern_view *v, int16_t density);
+
+static inline bool pattern_same_dims(ost_dims a, ost_dims b)
+{
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+static inline int64_t pattern_at(ost_dims d, int64_t x, int64_t y, int64_t z)
+{
+    return x + d.x * (y + d.y * z);
+}
+
+static inline bool pattern_inside(ost_dims d, int64_t x, int64_t y, int64_t z)
+{
+    return x >= 0 && y >= 0 && z >= 0 && x < d.x && y < d.y && z < d.z;
+}
+
+/* Walks D: p is its voxel, i its index. */
+#define PATTERN_EACH(s, p, i)                                                                                             \
+    for (int32_t p[3] = {0, 0, (s)->lo[2]}; p[2] < (s)->hi[2]; p[2]++)                                                    \
+        for (p[1] = (s)->lo[1]; p[1] < (s)->hi[1]; p[1]++)                                                                \
+            for (int64_t i = pattern_at((s)->v->dims, p[0] = (s)->lo[0], p[1], p[2]); p[0] < (s)->hi[0]; p[0]++, i++)     \
+                if ((s)->v->a[i] != (s)->v->b[i])
+
+#endif

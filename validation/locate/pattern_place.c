@@ -1,0 +1,159 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Rules on places: what lies there instead, and where that is in the reference. */
+#include "validation/locate/pattern_parts.h"
+
+/* What the stage would have made of the voxel beside p's own; false outside. */
+static bool beside(const pattern_view *v, const int32_t p[3], int dx, int dy, int dz, int16_t *out)
+{
+    const bool input = v->input == PATTERN_SOURCE || v->input == PATTERN_THRESHOLDED;
+    const ost_dims d = input ? v->in_dims : v->dims;
+    int64_t q[3] = {p[0], p[1], p[2]};
+    for (int axis = 0; axis < 3 && v->input == PATTERN_SOURCE; axis++)
+        q[axis] = v->source[axis][p[axis]];
+    q[0] += dx;
+    q[1] += dy;
+    q[2] += dz;
+    if (!pattern_inside(d, q[0], q[1], q[2]))
+        return false;
+    *out = pattern_stored(v, (input ? v->in : v->a)[pattern_at(d, q[0], q[1], q[2])]);
+    return true;
+}
+
+/* Voxel p of B is voxel q of A: q[from[axis]] = flip ? n - 1 - p[axis] : p[axis], all plus shift. */
+typedef struct arrangement {
+    int from[3];
+    bool flip[3];
+    int32_t shift[3];
+} arrangement;
+
+static bool arranged_equal(const pattern_view *v, const arrangement *how, int32_t stride)
+{
+    const int32_t da[3] = {v->dims.x, v->dims.y, v->dims.z}, db[3] = {v->dims_b.x, v->dims_b.y, v->dims_b.z};
+    int32_t p[3], q[3];
+    bool solid = false;
+    for (p[2] = 0; p[2] < db[2]; p[2] += stride)
+        for (p[1] = 0; p[1] < db[1]; p[1] += stride)
+            for (p[0] = 0; p[0] < db[0]; p[0] += stride) {
+                bool in = true;
+                for (int axis = 0; axis < 3; axis++) {
+                    const int to = how->from[axis];
+                    q[to] = (how->flip[axis] ? db[axis] - 1 - p[axis] : p[axis]) + how->shift[to];
+                    in &= q[to] >= 0 && q[to] < da[to];
+                }
+                if (!in)
+                    continue;
+                const int16_t b = v->b[pattern_at(v->dims_b, p[0], p[1], p[2])];
+                if (v->a[pattern_at(v->dims, q[0], q[1], q[2])] != b)
+                    return false;
+                solid |= b != 0;
+            }
+    return solid || stride > 1;
+}
+
+/* A coarse look first: most arrangements fail it at once. */
+static bool arranged(const pattern_view *v, const arrangement *how)
+{
+    return arranged_equal(v, how, 7) && arranged_equal(v, how, 1);
+}
+
+static const int permutations[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+
+/* The input read as if its axes lay in memory in another order. */
+static bool misread(const pattern_scan *s, const int order[3])
+{
+    const pattern_view *v = s->v;
+    const bool resampled = v->input == PATTERN_SOURCE;
+    const ost_dims d = resampled ? v->in_dims : v->dims;
+    const int64_t n[3] = {d.x, d.y, d.z}, all = ost_dims_count(d);
+    const int16_t *from = resampled ? v->in : v->a;
+    PATTERN_EACH(s, p, i) {
+        int64_t q[3];
+        for (int axis = 0; axis < 3; axis++)
+            q[axis] = resampled ? v->source[axis][p[axis]] : p[axis];
+        const int64_t w = q[order[0]] + n[order[0]] * (q[order[1]] + n[order[1]] * q[order[2]]);
+        if (v->b[i] != (w < all ? from[w] : 0))
+            return false;
+    }
+    return true;
+}
+
+bool pattern_axis_swap(const pattern_scan *s, char *text)
+{
+    const pattern_view *v = s->v;
+    const int32_t da[3] = {v->dims.x, v->dims.y, v->dims.z}, db[3] = {v->dims_b.x, v->dims_b.y, v->dims_b.z};
+    for (int p = 0; p < 6; p++)
+        for (int f = 0; f < 8; f++) {
+            arrangement how = {.shift = {0, 0, 0}};
+            bool fits = true;
+            for (int axis = 0; axis < 3; axis++) {
+                how.from[axis] = permutations[p][axis];
+                how.flip[axis] = f >> axis & 1;
+                fits &= da[how.from[axis]] == db[axis];
+            }
+            if (fits && (p || f) && arranged(v, &how))
+                return pattern_say(text, "B's axes x, y, z are A's %s%c, %s%c, %s%c", how.flip[0] ? "-" : "", "xyz"[how.from[0]], how.flip[1] ? "-" : "",
+                           "xyz"[how.from[1]], how.flip[2] ? "-" : "", "xyz"[how.from[2]]);
+        }
+    if (!pattern_same_dims(v->dims, v->dims_b) || s->count < PATTERN_TELLING || !s->several || v->tool)
+        return false;
+    for (int p = 1; p < 6; p++)
+        if (misread(s, permutations[p]))
+            return pattern_say(text, "every voxel that differs is what lies there if memory is read with its axes in the order %c, %c, %c", "xyz"[permutations[p][0]],
+                       "xyz"[permutations[p][1]], "xyz"[permutations[p][2]]);
+    return false;
+}
+
+/* All of D have what is one step further. */
+static bool stepped(const pattern_scan *s, int dx, int dy, int dz)
+{
+    int64_t met = 0;
+    PATTERN_EACH(s, p, i) {
+        int16_t there;
+        if (!beside(s->v, p, dx, dy, dz, &there))
+            continue; /* beyond the border anything may stand */
+        if (s->v->b[i] != there)
+            return false;
+        met++;
+    }
+    return met >= PATTERN_TELLING && 2 * met > s->count;
+}
+
+/* Each of D has what some neighbour of its source has, all in one octant. */
+static bool resampled(const pattern_scan *s, int way)
+{
+    PATTERN_EACH(s, p, i) {
+        bool found = false;
+        for (int n = 1; n < 8 && !found; n++) {
+            int16_t there;
+            found = beside(s->v, p, n & 1 ? way : 0, n & 2 ? way : 0, n & 4 ? way : 0, &there) && there == s->v->b[i];
+        }
+        if (!found)
+            return false;
+    }
+    return true;
+}
+
+bool pattern_shift(const pattern_scan *s, char *text)
+{
+    enum { REACH = 3 };
+    const pattern_view *v = s->v;
+    for (int z = -REACH; z <= REACH; z++)
+        for (int y = -REACH; y <= REACH; y++)
+            for (int x = -REACH; x <= REACH; x++) {
+                const arrangement how = {.from = {0, 1, 2}, .shift = {-x, -y, -z}};
+                if ((x || y || z) && arranged(v, &how))
+                    return pattern_say(text, "B is A moved by (%d, %d, %d) voxels", x, y, z);
+            }
+    if (s->count < PATTERN_TELLING || !s->several || v->tool)
+        return false;
+    for (int axis = 0; axis < 3; axis++)
+        for (int way = -1; way <= 1; way += 2)
+            if (stepped(s, axis == 0 ? way : 0, axis == 1 ? way : 0, axis == 2 ? way : 0))
+                return pattern_say(text, "every voxel that differs is its %sneighbour's at %s%c", v->input == PATTERN_SOURCE ? "source's " : "", way < 0 ? "-" : "+",
+                           "xyz"[axis]);
+    for (int way = -1; way <= 1 && v->input == PATTERN_SOURCE; way += 2)
+        if (resampled(s, way))
+            return pattern_say(text, "every voxel that differs was taken from a source voxel one %s on some axis", way < 0 ? "lower" : "higher");
+    return false;
+}
+
