@@ -90,6 +90,15 @@ static void by_hand(void **state)
     looks_like(&v, PATTERN_SHIFT, "a layer off by one");
 
     p = made();
+    for (int z = 0; z < N; z++)
+        for (int y = 0; y < N; y++)
+            for (int x = 0; x < N; x++) {
+                const int64_t from = x + 48 * (y + (int64_t)N * z);
+                p->b[at(x, y, z)] = from < N * N * N ? p->a[from] : 0;
+            }
+    looks_like(&v, PATTERN_ROW_PITCH, "rows of 48");
+
+    p = made();
     for (int i = at(0, 0, 12); i < at(0, 0, 14); i++)
         p->b[i] = (int16_t)(p->a[i] ? p->a[i] + 9 : 0);
     looks_like(&v, PATTERN_OFFSET, "9 more");
@@ -173,6 +182,11 @@ static void of_tools(void **state)
         p->b[at(x, 15, 16)] = 1;
     looks_like(&v, PATTERN_COLUMN_PARITY, "a row filled to its end");
     memcpy(p->b, p->a, sizeof p->b);
+    for (int y = 16; y < N; y++)
+        for (int x = 0; x < N; x++)
+            p->b[at(x, y, 16)] |= p->b[at(x, y - 1, 16)];
+    looks_like(&v, PATTERN_CARRIED_ROWS, "rows that are carried on");
+    memcpy(p->b, p->a, sizeof p->b);
     for (int z = 0; z < N; z++)
         for (int y = 0; y < N; y++)
             for (int x = 1; x < N; x++)
@@ -229,6 +243,7 @@ static void by_mistake(void **state)
         {DEVIATION_SWAPPED_AXIS, 1, PATTERN_AXIS_SWAP, ""},
         {DEVIATION_LAYER_OFF_BY_ONE, 4, PATTERN_SHIFT, ""},
         {DEVIATION_CHUNK_SHIFTED, 1, PATTERN_SHIFT, ""},
+        {DEVIATION_PADDED_PITCH, 1, PATTERN_ROW_PITCH, ""},
         {DEVIATION_WRONG_THRESHOLD, 1, PATTERN_THRESHOLD, "speckle"},
         {DEVIATION_INACTIVE_KEPT, 1, PATTERN_THRESHOLD, ""},
         {DEVIATION_STALE_CHUNK, 1, PATTERN_STALE_CHUNK, ""},
@@ -236,6 +251,7 @@ static void by_mistake(void **state)
         {DEVIATION_DROPPED_LAST_ITEMS, 1, PATTERN_LOST_TAIL, "speckle report-only"},
         {DEVIATION_PARTIAL_CHUNKS_LOST, 1, PATTERN_LOST_CHUNK, ""},
         {DEVIATION_TRIANGLES_LOST, 1, PATTERN_COLUMN_PARITY, "unclassified report-only lost-tail speckle"},
+        {DEVIATION_UNCLEARED_COUNTS, 1, PATTERN_CARRIED_ROWS, "column-parity unclassified"},
         {DEVIATION_EXCLUDED_CROSSING, 1, PATTERN_BOUNDARY_LAYER, "speckle column-parity unclassified"},
         {DEVIATION_GARBAGE_IN_VOID, 64, PATTERN_SPECKLE, ""},
         {DEVIATION_FLIP_BIT, 1, PATTERN_SPECKLE, "offset boundary-layer threshold"},

@@ -7,8 +7,9 @@
 
 const char *pattern_name(pattern p)
 {
-    static const char *const names[PATTERNS] = {"byte-order", "axis-swap",  "shift",         "offset",         "threshold", "stale-chunk",
-                                                "lost-tail",  "lost-chunk", "column-parity", "boundary-layer", "speckle",   "unclassified"};
+    static const char *const names[PATTERNS] = {"byte-order",  "axis-swap", "shift",      "row-pitch",     "offset",         "threshold",
+                                                "stale-chunk", "lost-tail", "lost-chunk", "column-parity", "boundary-layer", "carried-rows",
+                                                "speckle",     "unclassified"};
     return names[p];
 }
 
@@ -142,6 +143,7 @@ void pattern_find(const pattern_view *view, pattern_list *out)
         [PATTERN_BYTE_ORDER] = byte_order,
         [PATTERN_AXIS_SWAP] = pattern_axis_swap,
         [PATTERN_SHIFT] = pattern_shift,
+        [PATTERN_ROW_PITCH] = pattern_row_pitch,
         [PATTERN_OFFSET] = offset,
         [PATTERN_THRESHOLD] = threshold,
         [PATTERN_STALE_CHUNK] = pattern_stale_chunk,
@@ -149,6 +151,7 @@ void pattern_find(const pattern_view *view, pattern_list *out)
         [PATTERN_LOST_CHUNK] = pattern_lost_chunk,
         [PATTERN_COLUMN_PARITY] = pattern_column_parity,
         [PATTERN_BOUNDARY_LAYER] = pattern_boundary_layer,
+        [PATTERN_CARRIED_ROWS] = pattern_carried_rows,
         [PATTERN_SPECKLE] = pattern_speckle,
     };
     pattern_scan s = {.v = view};

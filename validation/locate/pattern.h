@@ -13,6 +13,7 @@
  *   byte-order      every voxel of D is the right one with its two bytes swapped
  *   axis-swap       B is A with axes exchanged or turned round, or memory read in another order of the axes
  *   shift           every voxel of D is its neighbour's, the same way for all, or another voxel was resampled
+ *   row-pitch       D is what lies there if rows in memory are longer or shorter than they are
  *   offset          all densities of D differ by the same amount
  *   threshold       D is all that lies on one side of a density near the threshold
  *   stale-chunk     in every chunk with a difference B is as before the event, and reported otherwise
@@ -20,6 +21,7 @@
  *   lost-chunk      every chunk with a difference is void or undone as a whole
  *   column-parity   D are whole runs of voxels along x, from one crossing of the surface to another
  *   boundary-layer  D lies on the surface, one voxel deep
+ *   carried-rows    D is solid, as the row before it is there: what a row had went on into the next
  *   speckle         most voxels of D have no neighbour in D
  *   unclassified    none of these
  *
@@ -35,6 +37,7 @@ typedef enum pattern {
     PATTERN_BYTE_ORDER,
     PATTERN_AXIS_SWAP,
     PATTERN_SHIFT,
+    PATTERN_ROW_PITCH,
     PATTERN_OFFSET,
     PATTERN_THRESHOLD,
     PATTERN_STALE_CHUNK,
@@ -42,6 +45,7 @@ typedef enum pattern {
     PATTERN_LOST_CHUNK,
     PATTERN_COLUMN_PARITY,
     PATTERN_BOUNDARY_LAYER,
+    PATTERN_CARRIED_ROWS,
     PATTERN_SPECKLE,
     PATTERN_UNCLASSIFIED,
     PATTERNS

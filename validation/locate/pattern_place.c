@@ -58,13 +58,13 @@ static bool arranged(const pattern_view *v, const arrangement *how)
 
 static const int permutations[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
 
-/* The input read as if its axes lay in memory in another order. */
-static bool misread(const pattern_scan *s, const int order[3])
+/* The input read as if its axes lay in memory in another order, or rows of another length. */
+static bool misread(const pattern_scan *s, const int order[3], int64_t row)
 {
     const pattern_view *v = s->v;
     const bool resampled = v->input == PATTERN_SOURCE;
     const ost_dims d = resampled ? v->in_dims : v->dims;
-    const int64_t n[3] = {d.x, d.y, d.z}, all = ost_dims_count(d);
+    const int64_t n[3] = {row ? row : d.x, d.y, d.z}, all = ost_dims_count(d);
     const int16_t *from = resampled ? v->in : v->a;
     PATTERN_EACH(s, p, i) {
         int64_t q[3];
@@ -97,7 +97,7 @@ bool pattern_axis_swap(const pattern_scan *s, char *text)
     if (!pattern_same_dims(v->dims, v->dims_b) || s->count < PATTERN_TELLING || !s->several || v->tool)
         return false;
     for (int p = 1; p < 6; p++)
-        if (misread(s, permutations[p]))
+        if (misread(s, permutations[p], 0))
             return pattern_say(text, "every voxel that differs is what lies there if memory is read with its axes in the order %c, %c, %c", "xyz"[permutations[p][0]],
                        "xyz"[permutations[p][1]], "xyz"[permutations[p][2]]);
     return false;
@@ -157,3 +157,16 @@ bool pattern_shift(const pattern_scan *s, char *text)
     return false;
 }
 
+/* One less or more than the row has, or so much alignment as images and allocations have. */
+bool pattern_row_pitch(const pattern_scan *s, char *text)
+{
+    enum { ALIGNED = 4, PADDING = 64 };
+    const pattern_view *v = s->v;
+    const int32_t n = v->input == PATTERN_SOURCE ? v->in_dims.x : v->dims.x;
+    if (s->count < PATTERN_TELLING || !s->several || v->tool)
+        return false;
+    for (int32_t row = n - 1; row <= n + PADDING; row++)
+        if (row > 0 && row != n && (row == n - 1 || row == n + 1 || row % ALIGNED == 0) && misread(s, permutations[0], row))
+            return pattern_say(text, "every voxel that differs is what lies there if rows in memory have %d voxels; they have %d", row, n);
+    return false;
+}

@@ -97,6 +97,17 @@ bool pattern_boundary_layer(const pattern_scan *s, char *text)
     return pattern_say(text, cut ? "every difference lies on the border of what is cut, one voxel deep" : "every difference lies on A's surface, one voxel deep");
 }
 
+bool pattern_carried_rows(const pattern_scan *s, char *text)
+{
+    const pattern_view *v = s->v;
+    if (!v->tool || s->count < PATTERN_TELLING)
+        return false;
+    PATTERN_EACH(s, p, i)
+        if (v->a[i] != 0 || i < v->dims.x || v->b[i - v->dims.x] == 0)
+            return false;
+    return pattern_say(text, "every voxel that differs is solid, and so is the one in the row before it");
+}
+
 bool pattern_speckle(const pattern_scan *s, char *text)
 {
     const pattern_view *v = s->v;
