@@ -12,21 +12,18 @@ seed=91827364$$
 mkdir tmp
 TMPDIR=$scratch/tmp
 export TMPDIR
-workers() {
-    for command in /proc/[0-9]*/cmdline; do
-        tr '\0' ' ' <"$command" | grep -- "--worker.*--seed $seed " | sed 's/.*--worker \([a-z]*\).*/\1/'
-    done 2>/dev/null
-}
+# workers [KIND]: the folders in /proc of those that are at work; the pattern is not found in grep's own words
+workers() { grep -lsa -- "[-]-worker.${1:-}.*--seed.$seed." /proc/[0-9]*/cmdline; }
 # await COMMAND...: until it succeeds, for a minute at the most
 await() {
     tries=0
     until "$@"; do
         tries=$((tries + 1))
-        [ $tries -lt 600 ] || { fail "waited in vain for: $*"; return 1; }
-        sleep 0.1
+        [ $tries -lt 1200 ] || { fail "waited in vain for: $*"; return 1; }
+        sleep 0.05
     done
 }
-working() { [ -n "$(workers)" ]; }
+working() { [ -n "$(workers "$@")" ]; }
 idle() { [ -z "$(workers)" ]; }
 nothing_left() {
     await idle
@@ -58,14 +55,8 @@ nothing_left SIGKILL
 # A worker that is killed fails the case that it was at; the others go on.
 "$osteon" validate --tier standard --only session/0 --backends 'cpu:isa=scalar,threads=1' --seed $seed --quiet --json >out 2>err &
 pid=$!
-cpu_works() { workers | grep -q cpu; }
-await cpu_works
-for command in /proc/[0-9]*/cmdline; do
-    if { tr '\0' ' ' <"$command"; } 2>/dev/null | grep -q -- "--worker cpu.*--seed $seed "; then
-        worker=${command#/proc/}
-        kill -KILL "${worker%/cmdline}"
-    fi
-done
+await working cpu
+kill -KILL "$(workers cpu | sed -n '1s,/proc/\([0-9]*\)/cmdline,\1,p')"
 wait $pid
 check "status after a worker's death" $? 1
 check "verdict after a worker's death" "$(value equal)" false
