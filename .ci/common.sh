@@ -62,7 +62,7 @@ gate() {
 	return 0
 }
 
-# failed_tests LOG FOLDER: the end of each failed test's own log, in FOLDER or, without one, in build/
+# failed_tests LOG FOLDER: what each failed test's own log says of the failure, and its end, in FOLDER or, without one, in build/
 failed_tests() {
 	local test log folder=$2
 	[ -d "$folder" ] || folder=build
@@ -70,6 +70,7 @@ failed_tests() {
 		for log in "$folder/$test.log" "$folder/${test%.*}.log"; do
 			[ -e "$log" ] || continue
 			printf '  %s:\n' "$log"
+			grep -aE '^\[ +(ERROR|LINE) +\]|runtime error:' "$log" | head -n 10 | sed 's/^/    /' || :
 			tail -n 20 "$log" | sed 's/^/    /'
 			break
 		done

@@ -37,7 +37,9 @@ static void proved(void **state)
     sensitivity one, two;
     assert_ok(sensitivity_run(seed, 40, 1, NULL, NULL, &one, &err));
     assert_ok(sensitivity_run(seed, 40, 3, NULL, NULL, &two, &err));
-    assert_memory_equal(&one, &two, sizeof one); /* who runs a scene makes no difference */
+    /* Who runs a scene makes no difference. */
+    assert_memory_equal(&one, &two, offsetof(sensitivity, first_problem)); /* what follows it is padding, which nothing sets */
+    assert_string_equal(one.first_problem, two.first_problem);
 }
 
 /* Kinds that need something special of a scene: it is there, they are triggered, and what they change is found. */
