@@ -172,7 +172,6 @@ static void test_fill(check *c)
         a[i].tile.odd = odd[i];
         a[i].tile.spill = spill;
         a[i].tile.any_odd = keep;
-        ost_vox_mark_all_rows(&a[i].tile);
     }
     check_note(c, "rows %zu to %zu of %zu, %d voxels in %zu words, parity %d, inside out %d, odd ones before %d, kind %d", first, first + rows, all,
                nx, words, parity, inside_out, keep, one_kind);

@@ -27,6 +27,20 @@ static int32_t within(int64_t v, int32_t end)
     return (int32_t)(v < 0 ? 0 : v > end ? end : v);
 }
 
+/* One whose extents are just what goes in lanes, or one unit more: (ex + w) ey ez <= OST_VOX_SMALL. */
+static void corners_at_the_limit(check *c, int f, const int32_t end[3], int32_t (*corner)[3])
+{
+    const int64_t y = check_range(c, end[1] / 2, end[1]), z = check_range(c, end[2] / 2, end[2]);
+    const int32_t x = within(OST_VOX_SMALL / (y * z) - (1 << f) + check_range(c, 0, 1), end[0]);
+    const int32_t size[3] = {x, (int32_t)y, (int32_t)z};
+    for (int a = 0; a < 3; a++) {
+        const int32_t at = (int32_t)check_range(c, 0, end[a] - size[a]);
+        const int first = (int)check_range(c, 0, 2);
+        for (int i = 0; i < 3; i++)
+            corner[(first + i) % 3][a] = at + (i == 0 ? 0 : i == 1 ? size[a] : (int32_t)check_range(c, 0, size[a]));
+    }
+}
+
 /* One triangle's corners, 0 <= coordinate <= end. */
 static void some_corners(check *c, int f, const int32_t end[3], int32_t (*corner)[3])
 {
@@ -38,15 +52,15 @@ static void some_corners(check *c, int f, const int32_t end[3], int32_t (*corner
         at[a] = (int32_t)check_range(c, 0, end[a]);
     if (kind == 3) /* across the grid */
         size = end[0] > end[1] ? end[0] : end[1];
-    if (kind == 4) /* about the greatest that goes in lanes, and beyond */
-        size = check_chance(c, 2) ? OST_VOX_SMALL : OST_VOX_SMALL + 1;
+    if (kind == 4) {
+        corners_at_the_limit(c, f, end, corner);
+        return;
+    }
     if (kind == 5)
         at[0] = end[0];
     for (int i = 0; i < 3; i++)
         for (int a = 0; a < 3; a++) {
             int64_t v = at[a] + check_range(c, -size, size);
-            if (kind == 4)
-                v = at[a] + (i == a ? size : i == 0 ? 0 : check_range(c, 0, size));
             if (kind == 2) /* on the lattice of rows' centres, or an edge's way beside */
                 v = v / w * w + w / 2 + (check_chance(c, 8) ? check_range(c, -1, 1) : 0);
             corner[i][a] = within(v, end[a]);
@@ -131,7 +145,7 @@ static void compare_tiles(check *c, const ost_vox_tile *expected, const ost_vox_
 static void test_mark(check *c)
 {
     const int f = check_chance(c, 2) ? 10 : (int)check_range(c, 1, 10);
-    const ost_dims dims = some_dims(c, f, check_chance(c, 8) ? 80 : 24);
+    const ost_dims dims = some_dims(c, f, check_chance(c, 6) ? 100 : 24);
     const size_t triangles = check_chance(c, 2) ? (size_t)check_range(c, 1, 20) : (size_t)check_range(c, 1, 60);
     ost_snapped_mesh mesh;
     some_mesh(c, f, dims, triangles, &mesh);
@@ -146,8 +160,6 @@ static void test_mark(check *c)
     ost_vox_tile tile = {.mesh = &mesh, .f = f, .nx = dims.x};
     some_part(c, 0, dims.y, &tile.j0, &tile.j1);
     some_part(c, 0, dims.z, &tile.k0, &tile.k1);
-    some_part(c, tile.j0, tile.j1, &tile.rows_j0, &tile.rows_j1);
-    some_part(c, tile.k0, tile.k1, &tile.rows_k0, &tile.rows_k1);
     const size_t rows = ost_vox_rows(&tile), words = (size_t)ost_vox_words(dims.x);
     const size_t plane_words = (rows * words + OST_VOX_BLOCK - 1) / OST_VOX_BLOCK * OST_VOX_BLOCK;
     tile.row_bits = 64 * (uint32_t)words;
@@ -262,7 +274,6 @@ static void bench_mark(check_bench *b)
                         .count = mesh.triangle_count};
     a.tile.planes = planes;
     a.tile.odd = odd;
-    ost_vox_mark_all_rows(&a.tile);
     bench_time(b, "18432 triangles of two rows' size", call_mark, clear_planes, &a, (double)mesh.triangle_count, "triangle");
     free(a.tile.spill);
 }

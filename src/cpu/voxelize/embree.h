@@ -22,7 +22,7 @@ typedef struct ost_embree_desk ost_embree_desk;
 ost_embree_desk *ost_embree_desk_new(const ost_embree *embree);
 void ost_embree_desk_free(ost_embree_desk *desk);
 
-/* Marks all triangles in the rows of the tile, by one ray along x for each row. All of its rows are to be marked. */
+/* Marks all triangles in the rows of the tile, by one ray along x for each row. */
 void ost_embree_mark(const ost_embree *embree, ost_embree_desk *desk, ost_vox_tile *tile, ost_vox_mark_fn *mark);
 
 #endif

@@ -17,28 +17,34 @@
  *   bounds_meet_rows(tile, t)        bits: which triangles t have a row's centre in their bounds
  *
  * Every value is an integer or an integer + 1/4, or a quotient whose rounding
- * is accounted for; nothing is approximate.  S = 2^16 = OST_VOX_SMALL is the
- * greatest extent of a small triangle on any axis, w = 2^f, h = w / 2.
+ * is accounted for; nothing is approximate.  With w = 2^f, h = w / 2 and the
+ * extents ex, ey, ez <= 2^20 of a triangle, it is small when
  *
- *   normal    |nx|, |ny|, |nz| <= S^2 = 2^32: twice the area of a triangle in a square
+ *   V = (ex + w) ey ez <= 2^49 = OST_VOX_SMALL
+ *
+ * (in doubles as well: up to 2^53 the product is exact, and rounding keeps
+ * order).  With Y, Z in the bounds, then,
+ *
+ *   normal    |nx| <= ey ez, |ny| <= ex ez, |nz| <= ex ey: twice the area of a
+ *             triangle in a rectangle; 2^40 at most
  *   rows      dz w dj <= C, dj from the first row j' of the bounds in the tile,
- *             C = dy (Z - az) - dz (Y' - ay) - t: |C| <= 2^33 + 1, as Z, Y' are in the bounds
- *   crossing  M = nx (ax - A w - h) - ny (Y - ay) - nz (Z - az): |M| <= 2^41 + 2^49
+ *             C = dy (Z - az) - dz (Y' - ay) - t: |C| <= 2 ey ez + 1 <= 2^41 + 1
+ *   crossing  M = nx (ax - A w - h) - ny (Y - ay) - nz (Z - az), |ax - A w - h| <= h:
+ *             |M| <= ey ez h + 2 ex ey ez <= 2 V <= 2^50; in an owned row, which
+ *             crosses within the bounds, |M| <= ey ez h + nx ex <= V <= 2^49
  * All of these, their quarters and their steps from row to row are exact in
  * doubles (2^53).
  *
  * Quotients.  dj <= floor(C / D) is taken as floor((C + 1/4) (1 / D)), D = dz w.
- * (C + 1/4) / D is at least 1 / (4 D) >= 2^-(18+f) from every integer, and the two
- * roundings are off by at most 2^-52 times its magnitude: by less than that for all
- * below 2^(17-f), so the floor is exact; those above stay above 2^(16-f), which no
- * row of the bounds reaches.  For dz < 0 the quarter moves the quotient down, below its ceiling's
- * integer by the same margin: dj >= ceil((C + 1/4) (1 / D)).  For dz = 0 the divisor
- * is replaced so that the quotient is beyond all rows, on the side of C's sign:
+ * (C + 1/4) / D is at least 1 / (4 |D|) from every integer, and the two roundings
+ * are off by no more than 2^-51 times its magnitude: by less than that, as
+ * |C| + 1/4 < 2^49.  So the floor is exact.  For dz < 0 the quarter moves the quotient down,
+ * below its ceiling's integer by the same margin: dj >= ceil((C + 1/4) (1 / D)).  For dz = 0
+ * the divisor is replaced so that the quotient is beyond all rows, on the side of C's sign:
  * C + 1/4 is never 0.
- * i = A + ceil(M / (nx w)) is taken as A + ceil((M - 1/4) (1 / (nx w))).  An owned row
- * crosses within the bounds, so the quotient is below 2^(16-f) + 1 in magnitude and the
- * roundings are off by less than 2^-52 2^(17-f) = 2^-(35+f); the nearest integer is at least
- * 1 / (4 nx w) >= 2^-(34+f) away.  Exact again.
+ * i = A + ceil(M / (nx w)) is taken as A + ceil((M - 1/4) (1 / (nx w))).  The nearest
+ * integer is at least 1 / (4 nx w) away, and in an owned row the roundings are off by
+ * less: they are at most 2^-52 (1 + 2^-54) times a magnitude of at most (2^49 + 1/4) / (nx w).
  * Lanes that are not owned, or hold no triangle, compute something, unused.
  *
  * What is left to ost_vox_mark_triangle: larger triangles, and those whose
@@ -133,18 +139,18 @@ static inline void mark_lanes(ost_vox_tile *tile, const uint32_t *t, int lanes, 
     vd cy = vd_from_vi(c[1]), cz = vd_from_vi(c[2]);
     const vd y_min = vd_least(ay, by, cy), y_max = vd_greatest(ay, by, cy);
     const vd z_min = vd_least(az, bz, cz), z_max = vd_greatest(az, bz, cz);
-    const vd j0 = vd_max(vd_ceil(vd_mul(vd_sub(y_min, h), per_w)), vd_set(tile->rows_j0));
-    const vd k0 = vd_max(vd_ceil(vd_mul(vd_sub(z_min, h), per_w)), vd_set(tile->rows_k0));
-    const vd j_count = vd_sub(vd_min(vd_floor(vd_mul(vd_sub(y_max, h), per_w)), vd_set(tile->rows_j1 - 1)), j0); /* less one */
-    const vd k_count = vd_sub(vd_min(vd_floor(vd_mul(vd_sub(z_max, h), per_w)), vd_set(tile->rows_k1 - 1)), k0);
+    const vd j0 = vd_max(vd_ceil(vd_mul(vd_sub(y_min, h), per_w)), vd_set(tile->j0));
+    const vd k0 = vd_max(vd_ceil(vd_mul(vd_sub(z_min, h), per_w)), vd_set(tile->k0));
+    const vd j_count = vd_sub(vd_min(vd_floor(vd_mul(vd_sub(y_max, h), per_w)), vd_set(tile->j1 - 1)), j0); /* less one */
+    const vd k_count = vd_sub(vd_min(vd_floor(vd_mul(vd_sub(z_max, h), per_w)), vd_set(tile->k1 - 1)), k0);
     valid = vm_and(valid, vm_and(vd_le(zero, j_count), vd_le(zero, k_count)));
     if (!vm_bits(valid))
         return;
 
     const vd ax = vd_from_vi(a[0]), bx = vd_from_vi(b[0]), cx = vd_from_vi(c[0]);
     const vd x_min = vd_least(ax, bx, cx), x_max = vd_greatest(ax, bx, cx);
-    const vd extent = vd_greatest(vd_sub(x_max, x_min), vd_sub(y_max, y_min), vd_sub(z_max, z_min));
-    const vm small = vm_and(vd_le(extent, vd_set(OST_VOX_SMALL)), vd_le(x_max, vd_set((tile->nx - 1) * w_ + h_)));
+    const vd volume = vd_mul(vd_mul(vd_add(vd_sub(x_max, x_min), w), vd_sub(y_max, y_min)), vd_sub(z_max, z_min));
+    const vm small = vm_and(vd_le(volume, vd_set((double)OST_VOX_SMALL)), vd_le(x_max, vd_set((tile->nx - 1) * w_ + h_)));
     const vm others = vm_andnot(valid, small);
     for (unsigned bits = vm_bits(others); bits; bits &= bits - 1)
         ost_vox_mark_triangle(tile, t[__builtin_ctz(bits)]);

@@ -122,10 +122,10 @@ void ost_vox_mark_triangle(ost_vox_tile *tile, uint32_t triangle)
 
     int64_t j_first = (least3(a[Y], b[Y], c[Y]) + h - 1) >> f, j_last = (greatest3(a[Y], b[Y], c[Y]) - h) >> f;
     int64_t k_first = (least3(a[Z], b[Z], c[Z]) + h - 1) >> f, k_last = (greatest3(a[Z], b[Z], c[Z]) - h) >> f;
-    j_first = j_first > tile->rows_j0 ? j_first : tile->rows_j0;
-    k_first = k_first > tile->rows_k0 ? k_first : tile->rows_k0;
-    j_last = j_last < tile->rows_j1 ? j_last : tile->rows_j1 - 1;
-    k_last = k_last < tile->rows_k1 ? k_last : tile->rows_k1 - 1;
+    j_first = j_first > tile->j0 ? j_first : tile->j0;
+    k_first = k_first > tile->k0 ? k_first : tile->k0;
+    j_last = j_last < tile->j1 ? j_last : tile->j1 - 1;
+    k_last = k_last < tile->k1 ? k_last : tile->k1 - 1;
     if (j_first > j_last || k_first > k_last)
         return;
 

@@ -162,7 +162,6 @@ static uint64_t fill_mesh(const job *j, desk *d, int m, size_t number, uint64_t 
     const ost_vox_bins *bins = &j->bins[m];
     ost_vox_tile *tile = &d->tile;
     tile->mesh = j->mesh[m];
-    ost_vox_mark_all_rows(tile);
     if (j->embree[m]) {
         ost_embree_mark(j->embree[m], d->embree[m], tile, kernels->vox_mark);
     } else if (!bins->start) {

@@ -37,7 +37,6 @@ struct ost_vox_tile {
     int32_t nx;         /* voxels a row */
     int32_t j0, j1;     /* rows j0 <= j < j1 */
     int32_t k0, k1;     /* of slices k0 <= k < k1 */
-    int32_t rows_j0, rows_j1, rows_k0, rows_k1; /* likewise: the rows to be marked, within those */
     uint32_t row_bits;  /* 64 * words of a row, >= nx */
     uint32_t minus;     /* where minus begins in planes, in bits; < 2^31 together */
     uint64_t *planes;   /* plus rows, padding to whole blocks, minus rows, padding */
@@ -50,9 +49,15 @@ struct ost_vox_tile {
 enum {
     OST_VOX_SPILLED = 1,   /* has steps in spill */
     OST_VOX_UNPROVEN = 2,  /* not proven to enter and leave in turn */
-    OST_VOX_BLOCK = 8,     /* words: planes and bits are readable and writable to a whole block */
-    OST_VOX_SMALL = 1 << 16 /* lattice units: the greatest extent of a triangle that is marked in lanes */
+    OST_VOX_BLOCK = 8      /* words: planes and bits are readable and writable to a whole block */
 };
+
+/*
+ * A triangle is marked in lanes (lanes.h) when its extents on x, y and z, in
+ * lattice units, have (ex + w) ey ez <= this, w = 2^f: some 80 voxels each way
+ * at f = 10, or 1,024 by 160 by 2.
+ */
+#define OST_VOX_SMALL (INT64_C(1) << 49)
 
 /* Words of a row of n voxels: 1, 2, 4, or whole blocks, so that a block holds whole rows or the reverse. */
 static inline int ost_vox_words(int32_t n)
@@ -78,7 +83,7 @@ static inline void ost_vox_mark_bit(ost_vox_tile *tile, uint32_t bit)
     }
 }
 
-/* Marks one triangle of any size, anywhere, in the rows of this tile that are to be marked. */
+/* Marks one triangle of any size, anywhere, in the rows of this tile. */
 void ost_vox_mark_triangle(ost_vox_tile *tile, uint32_t triangle);
 
 /*
@@ -87,15 +92,6 @@ void ost_vox_mark_triangle(ost_vox_tile *tile, uint32_t triangle);
  */
 int64_t ost_vox_fill_odd(const ost_vox_tile *tile, size_t first_row, size_t rows, ost_fill_rule rule, uint64_t *bits,
                          uint64_t *leaking_rows);
-
-/* All of its rows are to be marked. */
-static inline void ost_vox_mark_all_rows(ost_vox_tile *tile)
-{
-    tile->rows_j0 = tile->j0;
-    tile->rows_j1 = tile->j1;
-    tile->rows_k0 = tile->k0;
-    tile->rows_k1 = tile->k1;
-}
 
 /* Number of rows of a tile. */
 static inline size_t ost_vox_rows(const ost_vox_tile *tile)
