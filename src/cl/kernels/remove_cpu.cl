@@ -22,6 +22,10 @@
  */
 #if OST_FOR & 2
 
+#ifdef __clang__ /* vectors wider than the processor's: the library's functions are compiled for the same one */
+#pragma clang diagnostic ignored "-Wpsabi"
+#endif
+
 #define OST_EACH_ROW 0x0001000100010001ul
 #define OST_EACH_NIBBLE 0x000f000f000f000ful
 
@@ -162,28 +166,46 @@ static int ost_window_place(const ost_view *view, int x, int y, int z)
     return y + view->wide[1] * (z + view->wide[2] * (x >> 1)); /* < 2^30 */
 }
 
-/* A brick's bits from one window: which voxels have its class. u: the brick's first voxel plus 2^30. */
-static ulong ost_look_into(const ost_view *view, __global const uchar *windows, const uint u[3])
+/* What a brick may meet of the tool. */
+typedef struct ost_window {
+    ulong plane[8];
+    uint from[3]; /* the brick's first voxel, counted from the window's */
+    ulong any, all;
+} ost_window;
+
+/* u: the brick's first voxel plus 2^30. */
+static void ost_open_window(ost_window *w, const ost_view *view, __global const uchar *windows, const uint u[3])
 {
     int begin[3];
     for (int a = 0; a < 3; a++) /* where nothing of a window is in the grid, any such one will do */
         begin[a] = ost_least(ost_greatest((int)((u[a] + view->lowest[a]) >> 20) - 1016, 0), view->dims[a] + 8);
     begin[0] &= ~1;
+    for (int a = 0; a < 3; a++)
+        w->from[a] = u[a] - ((uint)(begin[a] + 1016) << 20);
     __global const uchar *from = windows + ost_window_place(view, begin[0], begin[1], begin[2]);
-    ulong plane[8], any = 0, all = ~0ul;
-    for (int p = 0; p < 8; p++) {
-        plane[p] = 0;
-        if (p >= view->planes)
-            continue;
-        plane[p] = as_ulong(vload8(0, from + p * view->wide[1]));
-        any |= plane[p];
-        all &= plane[p];
+    ulong any = 0, all = ~0ul;
+    for (int p = 0; p < 6; p++) {
+        w->plane[p] = as_ulong(vload8(0, from + p * view->wide[1]));
+        any |= w->plane[p];
+        all &= w->plane[p];
     }
-    if (any == 0 || all == ~0ul)
-        return all;
-    /* Coordinates from the window's first voxel on, all in [0, 2^23). */
-    const uint rx = u[0] - ((uint)(begin[0] + 1016) << 20), ry = u[1] - ((uint)(begin[1] + 1016) << 20);
-    const uint rz = u[2] - ((uint)(begin[2] + 1016) << 20);
+    w->plane[6] = w->plane[7] = 0;
+    for (int p = 6; p < view->planes; p++) {
+        w->plane[p] = as_ulong(vload8(0, from + p * view->wide[1]));
+        any |= w->plane[p];
+        all &= w->plane[p];
+    }
+    w->any = any;
+    w->all = all;
+}
+
+/* A brick's bits: which voxels have the window's class. Coordinates from the window's first voxel on are all in [0, 2^23). */
+static ulong ost_look_into(const ost_view *view, const ost_window *w)
+{
+    if (w->any == 0 || w->all == ~0ul)
+        return w->all;
+    const ulong *plane = w->plane;
+    const uint rx = w->from[0], ry = w->from[1], rz = w->from[2];
     const uint16 lane_bit = vload16(0, ost_lane_bit);
     uint16 bits = OST_ALL16(0u);
     for (uint k = 0; k < 4; k++) {
@@ -236,8 +258,8 @@ static ulong ost_look_up(const ost_view *view, volatile __global const uchar *wi
     return bits;
 }
 
-/* The 64 voxels of a brick. windows: of class 1, and behind them, if second is not 0, of class 2. */
-static void ost_match_brick(ost_block_rows *rows, const ost_view *view, __global const uchar *windows, ulong second, int x, int y, int z)
+/* Voxels of a brick that are open and in the pose's box. */
+static ulong ost_open_of(const ost_block_rows *rows, int x, int y, int z)
 {
     const int four = y / 4 + 4 * z;
     ulong open = 0;
@@ -245,29 +267,42 @@ static void ost_match_brick(ost_block_rows *rows, const ost_view *view, __global
         open |= (rows->open[four + 4 * k] >> x & OST_EACH_NIBBLE) << (4 * k);
     if (!rows->within) {
         const ulong row = (rows->inside[y / 4] >> x & OST_EACH_NIBBLE) * 0x1111ul;
-        const uint planes = (uint)(ost_bits16(rows->lo - z, rows->hi - z) & 0xfu);
+        const uint planes = ost_bits16(rows->lo - z, rows->hi - z) & 0xfu;
         const ulong cut = (planes & 1u ? 0xful : 0ul) | (planes & 2u ? 0xf0ul : 0ul) | (planes & 4u ? 0xf00ul : 0ul) | (planes & 8u ? 0xf000ul : 0ul);
         open &= row & cut * OST_EACH_ROW;
     }
-    if (open == 0)
-        return;
-    uint u[3];
-    for (int a = 0; a < 3; a++)
-        u[a] = view->at[a] + (uint)x * view->step[0][a] + (uint)y * view->step[1][a] + (uint)z * view->step[2][a];
-    const uint group = 1u << (y / 4 + z);
-    const ulong hit = open & (view->planes ? ost_look_into(view, windows, u) : ost_look_up(view, windows, u));
-    if (hit != 0) {
-        rows->hit |= group;
-        for (int k = 0; k < 4; k++)
-            rows->open[four + 4 * k] ^= (hit >> (4 * k) & OST_EACH_NIBBLE) << x;
-    }
-    if (second == 0)
-        return;
-    const ulong met = open & (view->planes ? ost_look_into(view, windows + second, u) : ost_look_up(view, windows + second, u));
-    if (met != 0) {
-        rows->touched |= group;
-        for (int k = 0; k < 4; k++)
-            rows->touch[four + 4 * k] |= (met >> (4 * k) & OST_EACH_NIBBLE) << x;
+    return open;
+}
+
+/* Bricks that nothing decides whole, with what is open of them; at most eight. */
+typedef struct ost_bricks {
+    int count;
+    int at[8][3];
+    uint u[8][3]; /* the first voxel, plus 2^30 */
+    ulong open[8];
+    ost_window window[8];
+} ost_bricks;
+
+/* Their voxels, for the class c whose windows these are. All windows are opened before the first is looked into: they are far away. */
+static void ost_match_bricks(ost_block_rows *rows, const ost_view *view, __global const uchar *windows, ost_bricks *bricks, int c)
+{
+    for (int i = 0; i < bricks->count && view->planes > 0; i++)
+        ost_open_window(&bricks->window[i], view, windows, bricks->u[i]);
+    for (int i = 0; i < bricks->count; i++) {
+        const int x = bricks->at[i][0], y = bricks->at[i][1], z = bricks->at[i][2], four = y / 4 + 4 * z;
+        const ulong met = bricks->open[i] & (view->planes ? ost_look_into(view, &bricks->window[i]) : ost_look_up(view, windows, bricks->u[i]));
+        if (met == 0)
+            continue;
+        const uint group = 1u << (y / 4 + z);
+        rows->hit |= c == 1 ? group : 0u;
+        rows->touched |= c == 1 ? 0u : group;
+        for (int k = 0; k < 4; k++) {
+            const ulong part = (met >> (4 * k) & OST_EACH_NIBBLE) << x;
+            if (c == 1)
+                rows->open[four + 4 * k] ^= part;
+            else
+                rows->touch[four + 4 * k] |= part;
+        }
     }
 }
 
@@ -309,7 +344,8 @@ static void ost_run_pose(ost_block_rows *rows, const ost_cl_entry *entry, __glob
                          __global const uchar *windows, __global const ushort *words, ulong corner, const int first[3])
 {
     __global const ost_cl_pose *pose = &ost_poses_of(event)[entry->pose];
-    int cubes[8], bricks[8];
+    int cubes[8], parts[8][8];
+    ost_bricks bricks;
     ost_view view;
     ost_view_make(&view, entry, pose, event);
     const uint c16 = ost_block_class(&view, cells);
@@ -334,22 +370,36 @@ static void ost_run_pose(ost_block_rows *rows, const ost_cl_entry *entry, __glob
     const ulong second = event->touches ? (ulong)view.wide[0] * (ulong)view.wide[1] * (ulong)view.wide[2] : 0ul;
     for (int cube = 0; cube < 8; cube++) {
         const int x = cube % 2 * 8, y = cube / 2 % 2 * 8, z = cube / 4 * 8;
+        uint u[3];
         if (cubes[cube] == 1 || cubes[cube] == 2)
             ost_mark_cube(rows, (uint)cubes[cube], x, y, z, 8);
-        if (cubes[cube] != 3)
-            continue;
-        uint u[3];
         for (int a = 0; a < 3; a++)
             u[a] = view.at[a] + (uint)x * view.step[0][a] + (uint)y * view.step[1][a] + (uint)z * view.step[2][a];
-        if (!ost_part_classes(&view, cells, u[0], u[1], u[2], 0, bricks))
+        if (cubes[cube] == 3 && !ost_part_classes(&view, cells, u[0], u[1], u[2], 0, parts[cube]))
+            cubes[cube] = 0;
+    }
+    for (int cube = 0; cube < 8; cube++) {
+        if (cubes[cube] != 3)
             continue;
-        for (int brick = 0; brick < 8; brick++) {
-            const int bx = x + brick % 2 * 4, by = y + brick / 2 % 2 * 4, bz = z + brick / 4 * 4;
-            if (bricks[brick] == 3)
-                ost_match_brick(rows, &view, windows, second, bx, by, bz);
-            else if (bricks[brick] != 0)
-                ost_mark_cube(rows, (uint)bricks[brick], bx, by, bz, 4);
+        bricks.count = 0;
+        for (int part = 0; part < 8; part++) {
+            const int x = cube % 2 * 8 + part % 2 * 4, y = cube / 2 % 2 * 8 + part / 2 % 2 * 4, z = cube / 4 * 8 + part / 4 * 4;
+            if (parts[cube][part] == 1 || parts[cube][part] == 2)
+                ost_mark_cube(rows, (uint)parts[cube][part], x, y, z, 4);
+            if (parts[cube][part] != 3)
+                continue;
+            const int i = bricks.count;
+            bricks.open[i] = ost_open_of(rows, x, y, z);
+            bricks.at[i][0] = x;
+            bricks.at[i][1] = y;
+            bricks.at[i][2] = z;
+            for (int a = 0; a < 3; a++)
+                bricks.u[i][a] = view.at[a] + (uint)x * view.step[0][a] + (uint)y * view.step[1][a] + (uint)z * view.step[2][a];
+            bricks.count += bricks.open[i] != 0;
         }
+        ost_match_bricks(rows, &view, windows, &bricks, 1);
+        if (second != 0)
+            ost_match_bricks(rows, &view, windows + second, &bricks, 2);
     }
 }
 
@@ -449,8 +499,10 @@ __kernel void ost_remove_blocks(__global const ost_cl_event *event, __global con
     uint above = 0, above_sum = 0; /* of the class above */
     for (int c = OST_CL_CLASSES - 1; c >= 0; c--) {
         uint voxels = 0, sum = 0;
-        if (c < classes && list.count > 0)
-            ost_sum_hits(&list, density + corner, c == 0, (short)event->border[c], &voxels, &sum);
+        if (c == 0)
+            ost_sum_hits(&list, density + corner, 1, 0, &voxels, &sum);
+        else if (c < classes && list.count > 0)
+            ost_sum_hits(&list, density + corner, 0, (short)event->border[c], &voxels, &sum);
         reports[index].voxels[c] = voxels - above;
         reports[index].density[c] = sum - above_sum;
         above = voxels;
