@@ -70,6 +70,19 @@ run 0 validate --case part.json --backends "$one" --ct $ct --tool $mesh --tool b
 check "part" "$(value equal)" true
 refuse 2 "give them with --ct, --tool and --path" validate --case part.json --backends "$one"
 
+# A backend that differs in it: located, made small, and shown again by the case and the files.
+if cp "$build/.libs/thesis_f32.so" . 2>/dev/null; then
+    run 1 validate --only user/1 --backends "$one;plugin:./thesis_f32.so" --ct $ct --tool $mesh --out differs --json
+    small=$(value findings.0.reproduce)
+    check "small case" "$(value findings.0.backend) $small" "plugin:./thesis_f32.so cases/user-1-backend-2.json"
+    stage=$(value findings.0.stage)
+    run 1 validate --case "differs/$small" --backends plugin:./thesis_f32.so --ct $ct --tool $mesh --json
+    check "stage of the small case" "$(value findings.0.stage)" "$stage"
+    run 0 verify differs --rerun --ct $ct --tool $mesh
+else
+    echo "no shared objects were built here: no backend that differs"
+fi
+
 # Refused before anything runs.
 # bad TEXT ARGUMENT...
 bad() {
