@@ -278,10 +278,11 @@ ost_status user_scene(const user_store *u, int number, scene *out, ost_error *er
 
 /*
  * Rect, cubic, chunks and the bone at the end, each tool, and for a tick the
- * leaves that it changed: those under the tool's border, not all that it
- * covers.  TICK_LEAVES is several times what paths that cut slowly change.
+ * leaves that it changed: those under the tool's border where bone is left,
+ * not all that it covers.  A leaf a tick is several times what slow cutting
+ * changes; a disk that is filled all the same ends the campaign.
  */
-enum { TICK_LEAVES = 8 };
+enum { TICK_LEAVES = 1 };
 uint64_t user_trace_bytes(const user_store *u, int number)
 {
     if (!u || !u->map || number < 1 || number > u->head->count)

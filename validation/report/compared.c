@@ -57,7 +57,7 @@ void section_compared(const page *p)
 {
     const json_t *backends = json_object_get(p->protocol, "backends");
     fputs("<h2>What was compared with what</h2>\n"
-          "<p>A <b>case</b> is a generated bone, tools and a movement. Each backend (a program for one kind of processor) ran each case in its own process. "
+          "<p>A <b>case</b> is a bone, tools and a movement, generated or of the user's own files. Each backend (a program for one kind of processor) ran each case in its own process. "
           "Everything that it made was compared byte by byte with what the <b>scalar reference</b> made: "
           "a plain, serial program that states the arithmetic. The numbers say how many cases came out equal.</p>\n"
           "<div class=\"wide\"><table><thead><tr><th>Backend, device, driver</th>",
@@ -115,6 +115,75 @@ void section_compared(const page *p)
     fputs(" and ", p->to);
     page_link(p, "results.tap");
     fputs(".</p>\n", p->to);
+}
+
+/* "230 x 270 x 40" */
+static void dims(const page *p, const json_t *list)
+{
+    for (size_t a = 0; a < 3; a++)
+        fprintf(p->to, "%s%lld", a ? " &times; " : "", (long long)json_integer_value(json_array_get(list, a)));
+}
+
+static void own_file(const page *p, size_t number, const json_t *f)
+{
+    fprintf(p->to, "<tr><td class=\"n\">%zu</td><td>", number);
+    page_text(p, strcmp(evidence_text(f, "option"), "ct") == 0 ? "CT" : evidence_text(f, "option"));
+    if (*evidence_text(f, "builtin")) {
+        fputs("</td><td class=\"n\">-</td><td>built in: ", p->to);
+        page_text(p, evidence_text(f, "builtin"));
+    } else {
+        fputs("</td><td class=\"n\">", p->to);
+        page_count(p, json_integer_value(json_object_get(f, "bytes")));
+        fputs("</td><td><code>", p->to);
+        page_text(p, evidence_text(f, "sha256"));
+        fputs("</code>", p->to);
+    }
+    fputs("</td></tr>\n", p->to);
+}
+
+static void own_case(const page *p, const json_t *one)
+{
+    const json_t *spacing = json_object_get(one, "rect_spacing_mm");
+    fputs("<li><code>", p->to);
+    page_text(p, evidence_text(one, "id"));
+    fputs("</code>: ", p->to);
+    if (json_object_get(one, "ct")) {
+        fprintf(p->to, "CT %lld of ", (long long)json_integer_value(json_object_get(one, "ct")));
+        dims(p, json_object_get(one, "rect_dims"));
+        fputs(" voxels at ", p->to);
+        for (size_t a = 0; a < 3; a++) {
+            const char *mm = json_string_value(json_array_get(spacing, a));
+            fputs(a ? " &times; " : "", p->to);
+            page_text(p, mm ? mm : "?");
+        }
+        fputs(" mm, resampled to ", p->to);
+        dims(p, json_object_get(one, "cubic_dims"));
+        fputs(" cubes of ", p->to);
+        page_text(p, evidence_text(one, "cubic_mm"));
+        fputs(" mm; ", p->to);
+    }
+    const json_int_t ticks = json_integer_value(json_object_get(one, "ticks"));
+    page_many(p, ticks > 0 ? (size_t)ticks : 0, "tick");
+    fputs(" of movement</li>\n", p->to);
+}
+
+void section_own_files(const page *p)
+{
+    const json_t *user = json_object_get(p->protocol, "user"), *list = json_object_get(user, "files"), *cases = json_object_get(user, "cases");
+    if (!user)
+        return;
+    fputs("<h2>The user's own files</h2>\n<p>They are not in this bundle, and neither are their names; whoever has them sees by the SHA-256 that they are the same.</p>\n"
+          "<div class=\"wide\"><table><thead><tr><th class=\"n\">File</th><th>is</th><th class=\"n\">bytes</th><th>SHA-256</th></tr></thead>\n", p->to);
+    for (size_t i = 0; i < json_array_size(list); i++)
+        own_file(p, i + 1, json_array_get(list, i));
+    fputs("</table></div>\n<ul>\n", p->to);
+    for (size_t i = 0; i < json_array_size(cases); i++)
+        own_case(p, json_array_get(cases, i));
+    fputs("</ul>\n<p class=\"from\">From ", p->to);
+    page_link(p, "inputs.csv");
+    fputs(" and ", p->to);
+    page_link(p, EVIDENCE_PROTOCOL);
+    fputs(", which also says how they were read.</p>\n", p->to);
 }
 
 void section_reference(const page *p)

@@ -107,7 +107,9 @@ static void operand_table(const page *p, const json_t *r)
         page_text(p, evidence_text(json_array_get(list, i), "value"));
         fputs("</td></tr>\n", p->to);
     }
-    fputs("</table></div>\n", p->to);
+    fputs("</table></div>\n<p class=\"from\">From ", p->to);
+    page_link(p, EVIDENCE_CASES);
+    fputs(".</p>\n", p->to);
 }
 
 /* A finding with its small case, operands and pictures; those that have neither small case nor picture are in the table alone. */

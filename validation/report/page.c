@@ -98,7 +98,7 @@ void page_begin(const page *p, const char *title)
         "h3{font-size:1rem;margin:1.4rem 0 .3rem}\n"
         "p{margin:.5rem 0}a{color:#0b4f9c}\n"
         ".verdict{border:2px solid;border-left-width:12px;padding:.7rem 1rem;margin:.6rem 0 1rem}\n"
-        ".verdict b{display:block;font-size:1.9rem;line-height:1.2}\n"
+        ".verdict ul{margin:.2rem 0}.verdict b{display:block;font-size:1.9rem;line-height:1.2}\n"
         ".equal{border-color:#1c7a3e;background:#f0f8f2}.differ{border-color:#b3261e;background:#fdf1f0}.none{border-color:#8a5a00;background:#fdf6e7}\n"
         ".scope{font-weight:600}\n"
         ".wide{overflow-x:auto}\n"

@@ -23,6 +23,47 @@ static json_int_t findings(const page *p)
     return n;
 }
 
+/* Results of one backend: those that are equal, and those that are not. */
+static void tally(const page *p, const char *backend, size_t *equal, size_t *other)
+{
+    *equal = *other = 0;
+    for (size_t i = 0; i < json_array_size(p->cases); i++) {
+        const char *is = evidence_text(json_object_get(json_object_get(json_array_get(p->cases, i), "results"), backend), "verdict");
+        *equal += strcmp(is, case_verdict_name(CASE_EQUAL)) == 0;
+        *other += *is && strcmp(is, case_verdict_name(CASE_EQUAL)) != 0 && strcmp(is, case_verdict_name(CASE_NOT_RUN)) != 0;
+    }
+}
+
+/* Which backends they are, so that nobody has to look for them in a table. */
+static void who_differs(const page *p)
+{
+    const json_t *backends = json_object_get(p->protocol, "backends");
+    size_t others = 0;
+    fputs("<ul>", p->to);
+    for (size_t s = 1; s < json_array_size(backends); s++) {
+        size_t equal, other;
+        tally(p, evidence_text(json_array_get(backends, s), "name"), &equal, &other);
+        others += equal && !other;
+        if (!other)
+            continue;
+        fputs("<li><strong>", p->to);
+        page_text(p, evidence_text(json_array_get(backends, s), "what"));
+        fputs("</strong>: ", p->to);
+        page_count(p, (json_int_t)other);
+        fputs(" of ", p->to);
+        page_many(p, other + equal, "case");
+        fputs("</li>", p->to);
+    }
+    fputs("</ul>", p->to);
+    if (others) {
+        fputs(others == 1 ? "The other backend is equal in all its cases." : "The other ", p->to);
+        if (others > 1) {
+            page_many(p, others, "backend");
+            fputs(" are equal in all their cases.", p->to);
+        }
+    }
+}
+
 static void verdict(const page *p)
 {
     const json_t *counts = json_object_get(p->summary, "results");
@@ -34,6 +75,7 @@ static void verdict(const page *p)
         fputs(" of ", p->to);
         page_many(p, (size_t)(other + same), "result");
         fputs(" came out otherwise than the reference's.", p->to);
+        who_differs(p);
         if (!evidence)
             fputs(" (And this was a reduced run.)", p->to);
     } else if (!equal) {
@@ -218,7 +260,6 @@ static void files(const page *p)
         {EVIDENCE_PROTOCOL, "what was to be done and what counts as passed, frozen before anything ran", true},
         {EVIDENCE_CASES, "a line a case: digest of its input, digests of all that the reference made, each backend's verdict", true},
         {"results.json", "the verdict and its counts", true},
-        {"margins.csv", "of another program's grids: how near the border the voxels that differ lie", true},
         {"junit.xml", "the verdicts for test reports", true},
         {"results.tap", "the verdicts for test harnesses", true},
         {"inputs.csv", "digests of the cases' inputs", true},
@@ -274,9 +315,10 @@ ost_status report_write(const char *folder, const json_t *protocol, const json_t
     head(&p);
     section_compared(&p);
     if (findings(&p)) { /* first what matters most */
-        section_margins(&p);
         section_differences(&p);
+        section_margins(&p);
     }
+    section_own_files(&p);
     not_shown(&p);
     operation(&p);
     section_reference(&p);

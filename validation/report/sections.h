@@ -7,6 +7,8 @@
 
 /* What was compared with what: backends by families of cases. */
 void section_compared(const page *p);
+/* Which files of the user's own are the cases user/1 and on; nothing without them. */
+void section_own_files(const page *p);
 /* What the reference made: stages and their records. */
 void section_reference(const page *p);
 /* Each result that is not equal, with pictures where the campaign kept them. */
