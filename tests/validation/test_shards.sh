@@ -1,0 +1,59 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+#
+# The commands for many machines in docs/validation.md, as they stand there,
+# with two shards of a few cases in place of eight of the full tier.  sbatch is
+# played by a function of the same form; parallel is GNU's, where it is here.
+# Covers: REQ-SHARDS
+. "${srcdir:-.}/tests/app/lib.sh"
+small="--only import/ --backends cpu:isa=scalar,threads=1"
+mkdir bin examples
+ln -s "$osteon" bin/osteon
+ln -s "$source_folder/examples/cluster" examples/cluster
+PATH=$scratch/bin:$PATH
+export PATH
+# sbatch --wait --array=1-N SCRIPT ARGUMENT...: tasks in any order, as Slurm sets their variables; the worst status
+cat >bin/sbatch <<'END'
+#!/bin/sh
+[ "$1" = --wait ] && case $2 in --array=1-[0-9]*) ;; *) false ;; esac || { echo "sbatch $*: not as it was documented" >&2; exit 64; }
+n=${2#--array=1-} worst=0
+shift 2
+script=$1
+shift
+SLURM_ARRAY_TASK_COUNT=$n
+export SLURM_ARRAY_TASK_COUNT
+while [ "$n" -gt 0 ]; do
+    SLURM_ARRAY_TASK_ID=$n "$script" "$@" >"shard-$n.log" 2>&1 || worst=$?
+    n=$((n - 1))
+done
+exit $worst
+END
+chmod +x bin/sbatch
+
+# Blocks of the section, a file each; then what is large in them made small.
+awk '/^## /{ on = $0 == "## Many machines" } on && /^```/{ if (open) close(file); else file = "block-" ++n; open = !open; next } on && open { print >file }' \
+    "$source_folder/docs/validation.md"
+check "blocks" "$(echo block-*)" "block-1 block-2"
+# shellcheck disable=SC2086 # words
+run 0 validate $small --out whole --quiet
+for block in block-1 block-2; do
+    if grep -q '^parallel' $block && ! parallel --version 2>/dev/null | grep -q '^GNU parallel'; then
+        echo "no GNU parallel: its command is not tried"
+        continue
+    fi
+    sed "s|--tier full|$small|; s|1-8|1-2|; s|/8|/2|; s|seq 8|seq 2|" $block >small
+    check "$block: what is made small" "$(diff $block small | grep -c '^>')" 1
+    checks=$((checks + 1))
+    sh -eu small >out 2>err || fail "$block: status $?: $(tail -n 3 err out)"
+    grep -q '^EQUAL: 6 cases from 2 shards$' out || fail "$block: $(cat out)"
+    check "$block: results_root" "$("$json_get" results_root <bundle/manifest.json)" "$("$json_get" results_root <whole/manifest.json)"
+    run 0 verify bundle
+    rm -rf shards bundle
+done
+
+# One task of many again, as the script says.
+mkdir shards
+# shellcheck disable=SC2086 # words
+SHARDS=2 SLURM_ARRAY_TASK_COUNT=1 SLURM_ARRAY_TASK_ID=2 examples/cluster/shards.sbatch $small >out 2>err || fail "one task: $(cat err)"
+check "its shard" "$("$json_get" shard.0 shard.1 <shards/2/protocol.json | tr '\n' ' ')" "2 2 "
+finish
