@@ -78,7 +78,7 @@ static void the_divider_divides(void **state)
         case 2: n += random_wide(&rng, 127) % d; break;
         default: break;
         }
-        if (n > d * most || n < -d * most)
+        if (q == most || q == -most) /* and not beyond */
             n = q * d;
         ost_i128 rest;
         const int64_t below = ost_floor_by(&by, n, &rest);
