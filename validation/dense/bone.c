@@ -162,7 +162,7 @@ ost_status dense_bone_upload(ost_bone *base, int32_t z0, int32_t count, const in
                 store(m, bone, &from, i, j, k, &bone->density[at], &bone->active[at]);
             }
     free_empty_chunks(m, bone);
-    for (int32_t k = z0; m && k < z0 + count; k++)
+    for (int32_t k = z0; deviant_in(m, DEVIATION_CHUNKS) && k < z0 + count; k++)
         for (int32_t j = 0; j < d.y; j++)
             for (int32_t i = 0; i < d.x; i++) {
                 int16_t right;

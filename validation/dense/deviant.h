@@ -29,6 +29,8 @@ void deviant_return(deviant *m, deviation_stage stage, uint64_t call, ost_dims d
 
 /* Whether the mistake is of this kind, and made in this unit of this call. */
 bool deviates(const deviant *m, deviation_kind kind, uint64_t item);
+/* A mistake may be made in this stage. Where none can be, the stage need not be run without it as well. */
+bool deviant_in(const deviant *m, deviation_stage stage);
 /* A number drawn for this unit, for what else is left to chance. */
 uint64_t deviant_draw(const deviant *m, uint64_t item);
 /* The thesis' floats are at work; *fused says whether multiply-adds are. */

@@ -68,6 +68,11 @@ bool deviates(const deviant *m, deviation_kind kind, uint64_t item)
     return m->how.one_in <= 1 || deviant_draw(m, item) % m->how.one_in == 0;
 }
 
+bool deviant_in(const deviant *m, deviation_stage stage)
+{
+    return m && (table[m->how.kind].stage == stage || table[m->how.kind].stage == DEVIATION_EVERY);
+}
+
 bool deviant_thesis(const deviant *m, bool *fused)
 {
     *fused = m && m->how.kind == DEVIATION_THESIS_F32_FMA;

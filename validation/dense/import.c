@@ -227,7 +227,7 @@ static ost_status prepare(dense_grid *grid, ost_error *err)
     grid->made.seen = calloc(count, 1);
     if (!grid->made.seen)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for which voxels have a sample");
-    if (!m)
+    if (!deviant_in(m, DEVIATION_RECT))
         return OST_OK;
     grid->right.seen = calloc(count, 1);
     grid->right.voxels = malloc(count * sizeof *grid->right.voxels);
@@ -259,7 +259,8 @@ ost_status dense_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t co
             return status;
         grid->right.report = *report;
     }
-    if (d->deviant) {
+    const bool twice = deviant_in(d->deviant, DEVIATION_RECT);
+    if (twice) {
         deviant_return(d->deviant, DEVIATION_RECT, grid->call, rect->geometry.dims, 0);
         run_batch(NULL, grid, &grid->right, samples, count, first_line, duplicates, &grid->right.report);
     }
@@ -268,7 +269,7 @@ ost_status dense_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t co
     grid->samples += count;
     grid->batches++;
     grid->scattered = true;
-    d->unsettled = d->deviant ? grid : NULL;
+    d->unsettled = twice ? grid : NULL;
     return OST_OK;
 }
 
@@ -375,7 +376,7 @@ ost_status dense_rect_to_cubic(const ost_grid *base, const ost_geometry *geometr
     if (d->unsettled)
         dense_grid_settle(d->unsettled);
     ost_status status = dense_grid_create(base->backend, geometry, out, err);
-    if (status == OST_OK && d->deviant)
+    if (status == OST_OK && deviant_in(d->deviant, DEVIATION_CUBIC))
         status = dense_grid_create(base->backend, geometry, &right, err);
     if (status != OST_OK) {
         if (*out)

@@ -11,7 +11,7 @@
  *   dense.c    the table
  *
  * Each stage is a function that takes a deviant or NULL.  Where there is a
- * deviation it runs with NULL as well, and what differs is noted.
+ * deviation of that stage it runs with NULL as well, and what differs is noted.
  */
 #ifndef OST_VALIDATION_DENSE_PARTS_H
 #define OST_VALIDATION_DENSE_PARTS_H

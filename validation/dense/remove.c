@@ -239,6 +239,7 @@ static ost_status run_event(dense_bone *bone, const dense_tool *tool, const ost_
 {
     dense *d = dense_of(bone->base.backend);
     deviant *m = d->deviant;
+    const bool twice = deviant_in(m, DEVIATION_REMOVE);
     const int32_t chunks = (int32_t)ost_dims_count(chunk_dims(bone));
     const size_t count = (size_t)ost_dims_count(bone->base.geometry.dims);
     dense_marks marks = {0}, right = {0};
@@ -247,7 +248,7 @@ static ost_status run_event(dense_bone *bone, const dense_tool *tool, const ost_
     if (reaches_nothing(event))
         return OST_OK;
     ost_status status = marks_for(bone, &marks, err);
-    if (status == OST_OK && m) {
+    if (status == OST_OK && twice) {
         status = marks_for(bone, &right, err);
         before = malloc(count * sizeof *before);
         if (status == OST_OK && !before)
@@ -259,7 +260,7 @@ static ost_status run_event(dense_bone *bone, const dense_tool *tool, const ost_
     mark(m, bone, tool, event, d->has_last_map ? &d->last_map : NULL, marks);
     lose_last_chunk(m, bone, marks);
     status = make_report(m, bone, marks, event->classes, report, err);
-    if (status == OST_OK && m) {
+    if (status == OST_OK && twice) {
         memcpy(before, bone->density, count * sizeof *before);
         mark(NULL, bone, tool, event, NULL, right);
         status = make_report(NULL, bone, right, event->classes, &without, err);
@@ -275,13 +276,13 @@ static ost_status run_event(dense_bone *bone, const dense_tool *tool, const ost_
     }
     if (m && apply)
         flip_bit(m, bone);
-    for (int32_t number = 0; m && number < chunks; number++) {
+    for (int32_t number = 0; twice && number < chunks; number++) {
         const cube k = cube_of(bone, number);
         EACH_VOXEL (bone, k, v, at)
             if (bone->density[at] != (apply && right.cut[at] ? 0 : before[at]))
                 deviant_changed_voxel(m, v);
     }
-    if (m)
+    if (twice)
         note_report(m, report, &without);
 done:
     free(before);

@@ -46,6 +46,7 @@ void dense_tool_free(ost_tool *base)
 /* How a call reads its meshes. */
 typedef struct manner {
     deviant *m;
+    bool own;     /* m makes a mistake in this stage */
     bool corners; /* voxels are sampled at their corners */
     size_t triangles_lost;
     float thesis_minimum[3];
@@ -94,6 +95,16 @@ static bool owned(deviant *m, uint64_t item, const int32_t *a, const int32_t *b,
     return dz != 0 ? dz < 0 : dy > 0;
 }
 
+static int32_t least(int32_t a, int32_t b, int32_t c)
+{
+    return a < b ? (a < c ? a : c) : b < c ? b : c;
+}
+
+static int32_t most(int32_t a, int32_t b, int32_t c)
+{
+    return a > b ? (a > c ? a : c) : b > c ? b : c;
+}
+
 static void add_triangle(const manner *how, const ost_snapped_mesh *mesh, size_t t, int32_t j, int32_t k, row *to)
 {
     deviant *m = how->m;
@@ -102,6 +113,8 @@ static void add_triangle(const manner *how, const ost_snapped_mesh *mesh, size_t
                   *v2 = mesh->vertices[mesh->triangles[t][2]];
     const int32_t here[3] = {0, j, k};
     const int64_t y = sample_at(how, mesh, j), z = sample_at(how, mesh, k);
+    if (!how->own && (y < least(v0[1], v1[1], v2[1]) || y > most(v0[1], v1[1], v2[1]) || z < least(v0[2], v1[2], v2[2]) || z > most(v0[2], v1[2], v2[2])))
+        return; /* beyond all three corners nobody owns a row, unless by mistake */
     const int64_t right_area =
         (int64_t)(v1[1] - v0[1]) * (v2[2] - v0[2]) - (int64_t)(v2[1] - v0[1]) * (v1[2] - v0[2]);
     int64_t area = right_area;
@@ -122,9 +135,9 @@ static void add_triangle(const manner *how, const ost_snapped_mesh *mesh, size_t
     }
     if ((area < 0) != (right_area < 0))
         deviant_acted(m, item, NULL);
-    const bool right = owned_right(v0, v1, y, z) && owned_right(v1, v2, y, z) && owned_right(v2, v0, y, z);
+    const bool right = !how->own || (owned_right(v0, v1, y, z) && owned_right(v1, v2, y, z) && owned_right(v2, v0, y, z));
     const bool mine = owned(m, item, v0, v1, y, z) && owned(m, item, v1, v2, y, z) && owned(m, item, v2, v0, y, z);
-    if (mine != right)
+    if (how->own && mine != right)
         deviant_acted(m, item, here);
     if (!mine)
         return;
@@ -197,7 +210,7 @@ static void voxelize(deviant *m, const ost_snapped_mesh *cutting, const ost_snap
                      uint8_t *voxels, ost_voxelize_report *report)
 {
     const int64_t count = ost_dims_count(cutting->grid.dims);
-    manner how = {.m = m};
+    manner how = {.m = m, .own = deviant_in(m, DEVIATION_TOOL)};
     bool fused;
     *report = (ost_voxelize_report){0};
     if (deviant_thesis(m, &fused))
@@ -246,6 +259,7 @@ ost_status dense_voxelize(ost_backend *backend, const ost_snapped_mesh *cutting,
                           ost_voxelize_report *report, ost_tool **out, ost_error *err)
 {
     deviant *m = dense_of(backend)->deviant;
+    const bool twice = deviant_in(m, DEVIATION_TOOL);
     const ost_dims d = cutting->grid.dims;
     const ost_tool_volume empty = {.geometry = cutting->grid};
     ost_tool *right = NULL;
@@ -253,14 +267,14 @@ ost_status dense_voxelize(ost_backend *backend, const ost_snapped_mesh *cutting,
     ost_status status = r.count && r.times ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for a row of %d voxels", d.x);
     if (status == OST_OK)
         status = dense_tool_upload(backend, &empty, out, err);
-    if (status == OST_OK && m)
+    if (status == OST_OK && twice)
         status = dense_tool_upload(backend, &empty, &right, err);
     if (status == OST_OK) {
         ost_voxelize_report without;
         uint8_t *voxels = ((dense_tool *)*out)->voxels;
         deviant_begin(m, DEVIATION_TOOL, d, 0);
         voxelize(m, cutting, noncutting, rule, &r, voxels, report);
-        if (m) {
+        if (twice) {
             voxelize(NULL, cutting, noncutting, rule, &r, ((dense_tool *)right)->voxels, &without);
             note_changes(m, d, voxels, ((dense_tool *)right)->voxels, report, &without);
             dense_tool_free(right);
