@@ -7,13 +7,13 @@
 #include "validation/compare.h"
 
 /*
- * A bone is fetched whole after each tick up to WHOLE_VOXELS; a larger one in
+ * A bone is fetched whole after each tick up to PERFORM_WHOLE; a larger one in
  * the slices that the event could reach, and whole every WHOLE_EVERY ticks and
  * at the end: what a backend changes where its event could not reach shows
  * that much later.  For a million voxels the fetching is nine tenths of a
  * tick's time, for a device's more.
  */
-enum { WHOLE_VOXELS = 1 << 18, WHOLE_EVERY = 32 };
+enum { WHOLE_EVERY = 32 };
 
 typedef struct performer {
     ost_backend *backend;
@@ -354,7 +354,7 @@ static ost_status run_tick(performer *p, size_t i, ost_error *err)
     }
     record_report(p, r.report);
     int32_t z0 = 0, z1 = d.z;
-    if (ost_dims_count(d) > WHOLE_VOXELS && (i + 1) % WHOLE_EVERY != 0) {
+    if (ost_dims_count(d) > PERFORM_WHOLE && (i + 1) % WHOLE_EVERY != 0) {
         const int32_t size = p->s->chunk_size;
         z0 = r.chunk_lo[2] * size / OST_LEAF * OST_LEAF;
         z1 = (r.chunk_hi[2] * size + OST_LEAF - 1) / OST_LEAF * OST_LEAF;

@@ -21,6 +21,9 @@
 #include "validation/scene.h"
 #include "validation/trace.h"
 
+/* Voxels of a bone that is fetched whole after every tick (perform.c). */
+enum { PERFORM_WHOLE = 1 << 18 };
+
 /* Told of every record that was written; may be NULL where it is taken. */
 typedef void perform_watch(void *user, trace_stage stage, uint32_t item);
 

@@ -6,7 +6,9 @@
 
 #include <osteon/phantom.h>
 
+#include "core/integer.h"
 #include "validation/locate/cut.h"
+#include "validation/perform.h"
 #include "validation/scene_parts.h"
 #include "validation/user_store.h"
 
@@ -115,6 +117,12 @@ static ost_status make_session(const plan_case *c, scene *s, draw *d, ost_error 
     return status;
 }
 
+static int64_t cubic_voxels(const scene *s)
+{
+    const ost_geometry *g = &s->rect;
+    return ost_ceil_div(g->dims.x * g->spacing.x, s->cubic) * ost_ceil_div(g->dims.y * g->spacing.y, s->cubic) * ost_ceil_div(g->dims.z * g->spacing.z, s->cubic);
+}
+
 /* Anisotropic, so that resampling has something to do; two tools of which one has a part that does not cut. */
 static ost_status make_small(const plan_case *c, scene *s, draw *d, ost_error *err)
 {
@@ -126,6 +134,9 @@ static ost_status make_small(const plan_case *c, scene *s, draw *d, ost_error *e
     dims.x = (int32_t)draw_between(d, 18, 40);
     dims.y = (int32_t)draw_between(d, 18, 40);
     dims.z = (int32_t)draw_between(d, 12, 30);
+    s->rect.dims = dims;
+    while (cubic_voxels(s) > PERFORM_WHOLE) /* so that every tick's bone is fetched whole, and a change located in its tick */
+        s->cubic *= 2;
     status = scene_ct(s, d, dims, err);
     s->batch = (size_t)draw_between(d, 500, 20000);
     for (size_t i = 0; i < s->sample_count; i++)
@@ -140,7 +151,7 @@ static ost_status make_small(const plan_case *c, scene *s, draw *d, ost_error *e
     if (status == OST_OK)
         status = c->number % 2 ? scene_unrelated_poses(s, d, 6, err) : scene_drive(s, d, 10, unit + unit / 2, 0.15, err);
     if (status == OST_OK)
-        status = scene_add_full_tool(s, d, draw_between(d, unit / 11, unit / 9), err);
+        status = scene_add_full_tool(s, d, draw_between(d, s->cubic / 11, s->cubic / 9), err);
     /* Not where poses are swept: the tool is fine, and would have hundreds of them on its way. */
     if (status == OST_OK && s->world.sweep_off)
         status = scene_add_border_poses(s, d, err);
