@@ -48,19 +48,19 @@ broken() {
     fi
     right=$osteon
     osteon=$build/tests/validation/osteon_broken
-    run 1 validate --only "$cases" --backends cl:device=0 --out "b-$name" --json
+    run 1 validate --only "$cases" --backends cl:device=0 --limit 900 --out "b-$name" --json
     check "$name: verdict" "$(value equal)" false
     check "$name: stage" "$(value findings.0.stage)" "$stage"
     check "$name: class" "$(value findings.0.class)" "$class"
     small=$(value findings.0.reproduce)
     [ -f "b-$name/$small" ] || fail "$name: no small case"
-    run 1 validate --case "b-$name/$small" --backends cl:device=0 --json
+    run 1 validate --case "b-$name/$small" --backends cl:device=0 --limit 900 --json
     check "$name: stage of the small case" "$(value findings.0.stage)" "$stage"
     check "$name: class of the small case" "$(value findings.0.class)" "$class"
     run 0 verify "b-$name" --rerun
     grep -q "osteon validate --case $small" "b-$name/report.html" || fail "$name: the report does not say how to do it again"
     osteon=$right
-    run 0 validate --case "b-$name/$small" --backends cl:device=0 --json
+    run 0 validate --case "b-$name/$small" --backends cl:device=0 --limit 900 --json
     [ -z "${OST_TEST_KEEP:-}" ] || cp -R "b-$name" "$OST_TEST_KEEP/"
 }
 

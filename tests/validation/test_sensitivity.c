@@ -23,20 +23,20 @@ static void proved(void **state)
     ost_error err = {0};
     sensitivity s;
     const uint64_t seed = rng_next(&rng);
-    assert_ok(sensitivity_run(seed, 100, 2, NULL, NULL, &s, &err));
+    assert_ok(sensitivity_run(seed, DEVIATION_KINDS - 1, 2, NULL, NULL, &s, &err));
     if (s.first_problem[0])
         fail_msg("%s", s.first_problem);
-    assert_int_equal(s.all.injected, 100);
+    assert_int_equal(s.all.injected, DEVIATION_KINDS - 1); /* each kind once */
     assert_int_equal(s.false_alarms, 0);
-    assert_true(s.clean_runs >= 6);
+    assert_true(s.clean_runs >= 3);
     assert_true(s.all.changed > 20); /* else nothing was shown */
     assert_int_equal(s.all.detected, s.all.changed);
     assert_int_equal(s.all.located, s.all.changed);
     assert_int_equal(s.all.survived + s.all.changed, s.all.triggered);
 
     sensitivity one, two;
-    assert_ok(sensitivity_run(seed, 40, 1, NULL, NULL, &one, &err));
-    assert_ok(sensitivity_run(seed, 40, 3, NULL, NULL, &two, &err));
+    assert_ok(sensitivity_run(seed, 24, 1, NULL, NULL, &one, &err));
+    assert_ok(sensitivity_run(seed, 24, 3, NULL, NULL, &two, &err));
     /* Who runs a scene makes no difference. */
     assert_memory_equal(&one, &two, offsetof(sensitivity, first_problem)); /* what follows it is padding, which nothing sets */
     assert_string_equal(one.first_problem, two.first_problem);
@@ -46,12 +46,13 @@ static void proved(void **state)
 static void rare_kinds_are_triggered(void **state)
 {
     static const deviation_kind rare[] = {DEVIATION_CONTRACTED_MULTIPLY_ADD, DEVIATION_NARROW_AREA, DEVIATION_MUL24, DEVIATION_TRUNCATED_NEGATIVE,
-                                          DEVIATION_BORDER_INCLUDED};
-    enum { SCENES = 4 };
+                                          DEVIATION_BORDER_INCLUDED, DEVIATION_WRONG_MAP_ROUNDING, DEVIATION_FLOAT_BASE,
+                                          DEVIATION_TRUNCATED_STEP, DEVIATION_WRAPPED_FAR_BLOCK, DEVIATION_FREED_TOO_EARLY};
+    enum { SCENES = 12 };
     (void)state;
     for (size_t k = 0; k < sizeof rare / sizeof rare[0]; k++) {
-        uint64_t triggered = 0, changed = 0;
-        for (int number = 0; number < SCENES; number++) {
+        uint64_t changed = 0;
+        for (int number = 0; number < SCENES && !changed; number++) {
             const deviation how = {rare[k], 1, 1};
             ost_error err = {0};
             sensitivity s;
@@ -60,12 +61,10 @@ static void rare_kinds_are_triggered(void **state)
                 fail_msg("%s", s.first_problem);
             assert_int_equal(s.of[rare[k]].injected, 1);
             assert_int_equal(s.all.located, s.all.changed);
-            triggered += s.all.triggered;
             changed += s.all.changed;
         }
-        print_message("# %-24s triggered in %d, changed something in %d of %d scenes\n", deviation_describe(rare[k])->name, (int)triggered, (int)changed, SCENES);
-        assert_true(triggered >= (rare[k] == DEVIATION_MUL24 ? 1 : SCENES)); /* mul24 wants 8 tool voxels a bone voxel along an axis */
-        assert_true(changed > 0);
+        if (!changed)
+            fail_msg("%s changed nothing in %d scenes", deviation_describe(rare[k])->name, SCENES);
     }
 }
 
@@ -94,7 +93,7 @@ static void smoke_sees_exact_multiples(void **state)
     for (int f = 0; f < 2; f++)
         assert_ok(scratch_file(&files[f], &err));
     assert_ok(ost_backend_open("ref", &ref, &err));
-    for (int round = 0; round < 3; round++) {
+    for (int round = 0; round < 2; round++) {
         const uint64_t seed = round ? rng_next(&rng) >> 1 : 1;
         int differ = 0;
         plan p;
