@@ -12,10 +12,11 @@ static ost_status leaf_of(const trace_block_view *b, const int32_t from[3], ost_
     } leaf;
     const size_t size = b->voxel_bytes, wide = (size_t)b->dims.x, high = (size_t)b->dims.y;
     const int32_t n = b->dims.x - from[0] < OST_LEAF ? b->dims.x - from[0] : OST_LEAF;
+    uint8_t *bytes = (uint8_t *)&leaf; /* of either member */
     memset(&leaf, 0, sizeof leaf);
     for (int32_t k = 0; k < OST_LEAF && from[2] + k < b->dims.z; k++)
         for (int32_t j = 0; j < OST_LEAF && from[1] + j < b->dims.y; j++)
-            memcpy(leaf.narrow + size * (size_t)(OST_LEAF * (j + OST_LEAF * k)),
+            memcpy(bytes + size * (size_t)(OST_LEAF * (j + OST_LEAF * k)),
                    b->voxels + size * ((size_t)from[0] + wide * ((size_t)(from[1] + j) + high * (size_t)(from[2] + k))), size * (size_t)n);
     return size == 1 ? ost_digest_leaf8(leaf.narrow, out, err) : ost_digest_leaf16(leaf.wide, out, err);
 }
