@@ -260,6 +260,8 @@ static json_t *not_shown(const json_t *protocol, const json_t *cases, json_int_t
         add_sentence(list, "Cases of the protocol are missing.");
     add_sentence(list, json_object_get(protocol, "user") ? "Inputs are generated but for the cases user/1 and on, which are the user's own files; those are not in the bundle. How files are read, and how floats of meshes and devices become integers, is shared by all backends and is not shown by this comparison."
                                                          : "Inputs are generated, not a patient's. How files are read, and how floats of meshes and devices become integers, is shared by all backends and is not shown by this comparison.");
+    add_sentence(list, "A mistake that the reference and a backend have in common does not show in a comparison of the two; the checks in common.json look for some of those.");
+    add_sentence(list, "That the simulation is right about bone, tools or patients: that is validation, and not what this is.");
     return list;
 }
 

@@ -107,20 +107,25 @@ static void operand_table(const page *p, const json_t *r)
         page_text(p, evidence_text(json_array_get(list, i), "value"));
         fputs("</td></tr>\n", p->to);
     }
-    fputs("</table></div>\n<p class=\"from\">From ", p->to);
-    page_link(p, EVIDENCE_CASES);
-    fputs(".</p>\n", p->to);
+    fputs("</table></div>\n", p->to);
 }
 
+/* How many findings there are, and of how many something was kept. */
+typedef struct kept {
+    int found, drawn, small;
+} kept;
+
 /* A finding with its small case, operands and pictures; those that have neither small case nor picture are in the table alone. */
-static bool detail(const page *p, int number, const json_t *one, size_t s, const json_t *r)
+static void detail(const page *p, int number, const json_t *one, size_t s, const json_t *r, kept *n)
 {
     static const char *const captions[PICTURE_ROLES] = {"Reference: axial, coronal, sagittal", "Got", "Difference"};
     char name[PICTURE_NAME];
     picture_name(name, evidence_text(one, "id"), s, PICTURE_DIFFERENCE);
-    const bool drawn = page_has(p, name);
-    if (!drawn && !*evidence_text(r, "reproduce"))
-        return false;
+    const bool drawn = page_has(p, name), small = *evidence_text(r, "reproduce") != '\0';
+    n->drawn += drawn;
+    n->small += small;
+    if (!drawn && !small)
+        return;
     fprintf(p->to, "<h3>A%d: <code>", number);
     page_text(p, evidence_text(one, "id"));
     fputs("</code>, ", p->to);
@@ -132,27 +137,26 @@ static bool detail(const page *p, int number, const json_t *one, size_t s, const
         picture_name(name, evidence_text(one, "id"), s, (picture_role)role);
         page_picture(p, name, captions[role]);
     }
-    return true;
 }
 
 /* Calls of one order: by case, then backend; numbers are those of anomalies.csv. */
-static int each_finding(const page *p, bool pictures)
+static kept each_finding(const page *p, bool pictures)
 {
     const json_t *backends = json_object_get(p->protocol, "backends");
-    int number = 0, done = 0;
+    kept n = {.found = 0};
     for (size_t i = 0; i < json_array_size(p->cases); i++)
         for (size_t s = 1; s < json_array_size(backends); s++) {
             const json_t *one = json_array_get(p->cases, i), *backend = json_array_get(backends, s);
             const json_t *r = json_object_get(json_object_get(one, "results"), evidence_text(backend, "name"));
             if (!is_finding(r))
                 continue;
-            number++;
+            n.found++;
             if (pictures)
-                done += detail(p, number, one, s, r);
-            else if (number <= LISTED)
-                row(p, number, one, backend, r);
+                detail(p, n.found, one, s, r, &n);
+            else if (n.found <= LISTED)
+                row(p, n.found, one, backend, r);
         }
-    return pictures ? done : number;
+    return n;
 }
 
 void section_differences(const page *p)
@@ -172,7 +176,7 @@ void section_differences(const page *p)
     fprintf(p->to, " result%s came out otherwise than the reference's. Of each case the first difference in the order of the stages is shown; what comes "
                    "after it may be its consequence.</p>\n<table><thead><tr><th class=\"n\">No.</th><th>Case, backend</th><th>Verdict</th><th>Where</th>"
                    "<th>What</th></tr></thead>\n", found == 1 ? "" : "s");
-    const int listed = each_finding(p, false);
+    const int listed = each_finding(p, false).found;
     fputs("</table>\n", p->to);
     if (listed > LISTED)
         fprintf(p->to, "<p>The first %d of %d are listed here.</p>\n", LISTED, listed);
@@ -183,12 +187,15 @@ void section_differences(const page *p)
     fputs(".</p>\n<h2>Differences one by one</h2>\n"
           "<p>Axial, coronal and sagittal slices, through where most voxels differ in the first record in which voxels do; a square is a voxel. "
           "<span class=\"key\"><i class=\"a\"></i>striped: solid in the reference alone<i class=\"b\"></i>plain: solid in the other alone"
-          "<i class=\"c\"></i>barred: another value</span></p>\n", p->to);
-    if (!each_finding(p, true))
+          "<i class=\"c\"></i>barred: another value</span></p>\n<p class=\"from\">Places and operands are from ", p->to);
+    page_link(p, EVIDENCE_CASES);
+    fputs(".</p>\n", p->to);
+    const kept n = each_finding(p, true);
+    if (!n.drawn && !n.small)
         fputs("<p>None were kept: no voxels differ, or the program was built without pictures.</p>\n", p->to);
     else
-        fprintf(p->to, "<p>Pictures are kept of the first %d differing cases of each backend, small cases of the first of each stage and look. Where voxels are equal "
-                       "and only the report differs there is nothing to draw.</p>\n", PICTURES_A_BACKEND);
+        fprintf(p->to, "<p>Pictures are kept of %d of them, small cases of %d: of each backend the first that differ, and the first of each stage and look. Where voxels are equal "
+                       "and only the report differs there is nothing to draw.</p>\n", n.drawn, n.small);
 }
 
 /* ------------------------------------------------------------ sensitivity */

@@ -92,6 +92,10 @@ static void verdict(const page *p)
     }
     fputs("<br><span class=\"from\">From ", p->to);
     page_link(p, "results.json");
+    if (other) {
+        fputs(" and ", p->to);
+        page_link(p, EVIDENCE_CASES);
+    }
     fputs("</span></div>\n", p->to);
 }
 
@@ -132,7 +136,7 @@ static void in_short(const page *p)
         page_link(p, COMMON_FILE);
         fputs(").</li>\n", p->to);
     }
-    fprintf(p->to, "<li>What was not shown? %zu things, listed <a href=\"#not-shown\">below</a> (", json_array_size(json_object_get(p->summary, "not_shown")) + 2);
+    fprintf(p->to, "<li>What was not shown? %zu things, listed <a href=\"#not-shown\">below</a> (", json_array_size(json_object_get(p->summary, "not_shown")));
     page_link(p, "deviations.csv");
     fputs(").</li>\n</ul>\n", p->to);
 }
@@ -180,10 +184,9 @@ static void not_shown(const page *p)
         page_text(p, text ? text : "");
         fputs("</li>\n", p->to);
     }
-    fputs("<li>A mistake that the reference and a backend have in common does not show in a comparison of the two; the checks further down look for some of those.</li>\n"
-          "<li>That the simulation is right about bone, tools or patients: that is validation, and not what this is.</li>\n</ul>\n<p class=\"from\">From ", p->to);
+    fputs("</ul>\n<p class=\"from\">From ", p->to);
     page_link(p, "deviations.csv");
-    fputs(" and the nature of the method.</p>\n", p->to);
+    fputs(".</p>\n", p->to);
 }
 
 static void operation(const page *p)
@@ -200,6 +203,9 @@ static void operation(const page *p)
     fputs("</div>\n", p->to);
     page_picture(p, PICTURE_SLICES_BEFORE, "Slices before: axial, coronal, sagittal");
     page_picture(p, PICTURE_SLICES_AFTER, "The same slices after; red was removed");
+    fputs("<p class=\"from\">The case's input, and what was made of it at every tick, by digest: ", p->to);
+    page_link(p, EVIDENCE_CASES);
+    fputs(".</p>\n", p->to);
 }
 
 /* ------------------------------------------------- doing it, checking it */
