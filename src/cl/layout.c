@@ -20,7 +20,7 @@ static const struct {
     ENTRY(ost_cl_cubic, slab),
     ENTRY(ost_cl_bone, threshold),
     ENTRY(ost_cl_vox, tool_class),
-    ENTRY(ost_cl_tiles, over),
+    ENTRY(ost_cl_tiles, pass),
     ENTRY(ost_cl_tool, axis),
     ENTRY(ost_cl_event, border),
     ENTRY(ost_cl_block, entries),

@@ -13,24 +13,25 @@
 
 #include <stdlib.h>
 
-enum { TILE_BYTES = 1 << 18, TILES_BYTES = 1 << 26, DEPTH = 4, BANDS = 32, LISTED = 4 };
+enum { TILE_BYTES = 1 << 18, PASS_BYTES = 1 << 19, TILES_BYTES = 1 << 26, BANDS = 8, LISTED = 4 };
 
-/* Rows along y and slices of a tile, and slices that share a list, as powers of two. */
+/* Rows along y and slices of a tile, slices that share a list, and those that are marked together, as powers of two. */
 typedef struct tile_size {
-    int height, depth, layer;
+    int height, depth, layer, pass;
 } tile_size;
 
-/* Lists that a triangle's bounds meet, inclusive; y0 > y1 or z0 > z1: none. */
-typedef struct tile_range {
-    int16_t y0, y1, z0, z1;
-} tile_range;
+/* Centres, along y and z, that the bounds of a vertex or a triangle hold, inclusive: a vertex may hold none, so first = last + 1. */
+typedef struct centres {
+    int16_t y0, z0, y1, z1;
+} centres;
 
 typedef struct mesh_bins {
     const ost_snapped_mesh *mesh; /* NULL: none */
     uint8_t tool_class;
-    uint64_t entries;  /* of all lists */
-    tile_range *range; /* owned, as are the next two */
-    uint32_t *start;   /* lists + 1 */
+    uint64_t entries; /* of all lists */
+    centres *vertex;  /* owned, as are the next three */
+    centres *range;   /* of the triangles */
+    uint32_t *start;  /* lists + 1 */
     uint32_t *list;
 } mesh_bins;
 
@@ -40,57 +41,70 @@ static int32_t tiles_of(int32_t n, int shift)
     return ((n - 1) >> shift) + 1;
 }
 
-/* First centre not below lo to last one not above hi, in tiles; centres are (i + 1/2) 2^f. */
-static void tile_span(int32_t lo, int32_t hi, int f, int shift, int16_t *first, int16_t *last)
+static int16_t least(int16_t a, int16_t b)
 {
-    const int32_t from = (lo + (1 << (f - 1)) - 1) >> f, to = ((hi + (1 << (f - 1))) >> f) - 1;
-    *first = (int16_t)(from > to ? 1 : from >> shift);
-    *last = (int16_t)(from > to ? 0 : to >> shift);
+    return a < b ? a : b;
 }
 
-static int32_t least3(int32_t a, int32_t b, int32_t c)
+static int16_t greatest(int16_t a, int16_t b)
 {
-    const int32_t m = a < b ? a : b;
-    return m < c ? m : c;
+    return a > b ? a : b;
 }
 
-static int32_t greatest3(int32_t a, int32_t b, int32_t c)
+/* Centres are (i + 1/2) 2^f. */
+static void find_ranges(mesh_bins *bins, int f)
 {
-    const int32_t m = a > b ? a : b;
-    return m > c ? m : c;
+    const ost_snapped_mesh *mesh = bins->mesh;
+    const int32_t half = 1 << (f - 1);
+    for (size_t v = 0; v < mesh->vertex_count; v++) {
+        const int32_t y = mesh->vertices[v][1], z = mesh->vertices[v][2];
+        bins->vertex[v] = (centres){(int16_t)((y + half - 1) >> f), (int16_t)((z + half - 1) >> f), (int16_t)(((y + half) >> f) - 1),
+                                    (int16_t)(((z + half) >> f) - 1)};
+    }
+    for (size_t t = 0; t < mesh->triangle_count; t++) {
+        const uint32_t *of = mesh->triangles[t];
+        const centres a = bins->vertex[of[0]], b = bins->vertex[of[1]], c = bins->vertex[of[2]];
+        bins->range[t] = (centres){least(least(a.y0, b.y0), c.y0), least(least(a.z0, b.z0), c.z0),
+                                   greatest(greatest(a.y1, b.y1), c.y1), greatest(greatest(a.z1, b.z1), c.z1)};
+    }
 }
 
-static tile_range range_of(const ost_snapped_mesh *mesh, size_t triangle, const tile_size *size, int f)
+static ost_status bins_start(mesh_bins *bins, int f, ost_error *err)
 {
-    const uint32_t *t = mesh->triangles[triangle];
-    const int32_t *a = mesh->vertices[t[0]], *b = mesh->vertices[t[1]], *c = mesh->vertices[t[2]];
-    tile_range r;
-    tile_span(least3(a[1], b[1], c[1]), greatest3(a[1], b[1], c[1]), f, size->height, &r.y0, &r.y1);
-    tile_span(least3(a[2], b[2], c[2]), greatest3(a[2], b[2], c[2]), f, size->layer, &r.z0, &r.z1);
-    return r;
+    const ost_snapped_mesh *mesh = bins->mesh;
+    if (!mesh)
+        return OST_OK;
+    bins->vertex = malloc(((size_t)mesh->vertex_count + 1) * sizeof *bins->vertex);
+    bins->range = malloc(((size_t)mesh->triangle_count + 1) * sizeof *bins->range);
+    if (!bins->vertex || !bins->range)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for the tiles of %zu triangles", (size_t)mesh->triangle_count);
+    find_ranges(bins, f);
+    return OST_OK;
 }
 
-/* All triangles' ranges. False when the lists grow out of hand, which is less than four times the triangles and a million. */
-static bool find_ranges(mesh_bins *bins, const tile_size *size, int f)
+/* False when the lists grow out of hand, which is less than four times the triangles and a million. */
+static bool count_entries(mesh_bins *bins, const tile_size *size)
 {
     const size_t triangles = bins->mesh ? bins->mesh->triangle_count : 0;
-    bins->entries = 0;
+    uint64_t entries = 0;
     for (size_t t = 0; t < triangles; t++) {
-        const tile_range r = bins->range[t] = range_of(bins->mesh, t, size, f);
-        if (r.y0 <= r.y1 && r.z0 <= r.z1)
-            bins->entries += (uint64_t)(r.y1 - r.y0 + 1) * (uint64_t)(r.z1 - r.z0 + 1);
+        const centres r = bins->range[t];
+        const uint64_t lists = (uint64_t)((r.y1 >> size->height) - (r.y0 >> size->height) + 1) *
+                               (uint64_t)((r.z1 >> size->layer) - (r.z0 >> size->layer) + 1);
+        entries += r.y0 <= r.y1 && r.z0 <= r.z1 ? lists : 0;
     }
-    return bins->entries <= LISTED * (uint64_t)triangles + (1 << 20);
+    bins->entries = entries;
+    return entries <= LISTED * (uint64_t)triangles + (1 << 20);
 }
 
 static size_t tile_steps(const ost_cl_tiles *tiles)
 {
-    return (size_t)tiles->height * ((size_t)tiles->dims[0] + 1);
+    return (size_t)tiles->pass * (size_t)tiles->height * ((size_t)tiles->dims[0] + 1);
 }
 
 static size_t tile_marks(const ost_cl_tiles *tiles)
 {
-    return (size_t)tiles->height * (size_t)(tiles->dims[0] / 64 + 1);
+    return (size_t)tiles->pass * (size_t)tiles->height * (size_t)(tiles->dims[0] / 64 + 1);
 }
 
 static size_t tile_count(const ost_cl_tiles *tiles)
@@ -106,30 +120,35 @@ static size_t list_count(const ost_cl_tiles *tiles)
 static void set_size(ost_cl_tiles *tiles, tile_size size)
 {
     tiles->layer = 1 << size.layer;
+    tiles->pass = 1 << size.pass;
     tiles->height = 1 << size.height;
     tiles->depth = 1 << size.depth;
     tiles->count[0] = tiles_of(tiles->dims[1], size.height);
     tiles->count[1] = tiles_of(tiles->dims[2], size.depth);
 }
 
-/* Rows that the cache holds, slices enough for all threads; more where scratch or lists would grow out of hand. */
-static void choose_size(ost_cl_tiles *tiles, mesh_bins bins[2])
+/* Rows that the cache holds, bands of slices enough for all threads, as many of them at once as the cache holds too; more where
+   scratch or lists would grow out of hand. */
+static tile_size choose_size(ost_cl_tiles *tiles, mesh_bins bins[2])
 {
     const size_t row = ((size_t)tiles->dims[0] + 1) * sizeof(int32_t);
-    tile_size size = {0, 0, 0};
+    tile_size size = {0, 0, 0, 0};
     while (1 << size.height < tiles->dims[1] && row << (size.height + 1) <= TILE_BYTES)
         size.height++;
-    while (1 << size.depth < DEPTH && tiles->dims[2] >> (size.depth + 1) >= BANDS)
+    while (tiles->dims[2] >> (size.depth + 1) >= BANDS)
         size.depth++;
+    while (size.pass < size.depth && row << (size.height + size.pass + 1) <= PASS_BYTES)
+        size.pass++;
+    size.layer = size.pass;
     set_size(tiles, size);
     while (tiles->count[1] > 1 && tile_count(tiles) * tile_steps(tiles) * sizeof(int32_t) > TILES_BYTES) {
         size.depth++;
         set_size(tiles, size);
     }
     for (;;) {
-        const bool small[2] = {find_ranges(&bins[0], &size, tiles->fraction), find_ranges(&bins[1], &size, tiles->fraction)};
+        const bool small[2] = {count_entries(&bins[0], &size), count_entries(&bins[1], &size)};
         if ((small[0] && small[1]) || list_count(tiles) == 1)
-            return;
+            return size;
         if (tiles->layer < tiles->dims[2])
             size.layer++;
         else
@@ -138,7 +157,7 @@ static void choose_size(ost_cl_tiles *tiles, mesh_bins bins[2])
     }
 }
 
-static ost_status bins_make(mesh_bins *bins, const ost_cl_tiles *tiles, ost_error *err)
+static ost_status bins_make(mesh_bins *bins, const ost_cl_tiles *tiles, const tile_size *size, ost_error *err)
 {
     const size_t count = list_count(tiles);
     bins->start = calloc(count + 2, sizeof *bins->start);
@@ -149,9 +168,11 @@ static ost_status bins_make(mesh_bins *bins, const ost_cl_tiles *tiles, ost_erro
     uint32_t *next = bins->start + 1;
     for (int place = 0; place < 2; place++) {
         for (size_t t = 0; t < bins->mesh->triangle_count; t++) {
-            const tile_range r = bins->range[t];
-            for (int32_t z = r.z0; z <= r.z1; z++)
-                for (int32_t y = r.y0; y <= r.y1; y++) {
+            const centres r = bins->range[t];
+            if (r.y0 > r.y1 || r.z0 > r.z1)
+                continue;
+            for (int32_t z = r.z0 >> size->layer; z <= r.z1 >> size->layer; z++)
+                for (int32_t y = r.y0 >> size->height; y <= r.y1 >> size->height; y++) {
                     const size_t list = (size_t)y + (size_t)tiles->count[0] * (size_t)z;
                     if (place)
                         bins->list[next[list]++] = (uint32_t)t;
@@ -168,6 +189,7 @@ static ost_status bins_make(mesh_bins *bins, const ost_cl_tiles *tiles, ost_erro
 typedef struct tiled {
     cl_backend *b;
     ost_cl_tiles tiles;
+    tile_size size;
     cl_mem steps, marks, counts;
     size_t steps_room;
 } tiled;
@@ -181,7 +203,7 @@ static ost_status add_mesh(tiled *v, mesh_bins *bins, cl_mem classes, ost_error 
     cl_mem tiles = NULL, vertices = NULL, triangles = NULL, start = NULL, list = NULL;
     v->tiles.tool_class = bins->tool_class;
     const size_t count = list_count(&v->tiles);
-    ost_status status = bins_make(bins, &v->tiles, err);
+    ost_status status = bins_make(bins, &v->tiles, &v->size, err);
     if (status == OST_OK)
         status = ost_cl_buffer(b, sizeof v->tiles, &v->tiles, "voxelization", &tiles, err);
     if (status == OST_OK)
@@ -216,11 +238,10 @@ ost_status ost_cl_voxelize_tiles(ost_backend *backend, const ost_snapped_mesh *c
     uint64_t *counts = NULL;
     size_t count = 0;
     ost_status status = OST_OK;
-    for (int m = 0; m < 2; m++)
-        if (bins[m].mesh && !(bins[m].range = malloc((bins[m].mesh->triangle_count + 1) * sizeof *bins[m].range)))
-            status = ost_fail(err, OST_ERR_MEMORY, "no memory for the tiles of %zu triangles", (size_t)bins[m].mesh->triangle_count);
+    for (int m = 0; m < 2 && status == OST_OK; m++)
+        status = bins_start(&bins[m], v.tiles.fraction, err);
     if (status == OST_OK) {
-        choose_size(&v.tiles, bins);
+        v.size = choose_size(&v.tiles, bins);
         count = tile_count(&v.tiles);
         counts = malloc(3 * count * sizeof *counts);
         if (!counts)
@@ -254,6 +275,7 @@ ost_status ost_cl_voxelize_tiles(ost_backend *backend, const ost_snapped_mesh *c
     ost_cl_buffer_free(v.b, &v.marks);
     ost_cl_buffer_free(v.b, &v.counts);
     for (int m = 0; m < 2; m++) {
+        free(bins[m].vertex);
         free(bins[m].range);
         free(bins[m].start);
         free(bins[m].list);

@@ -90,8 +90,9 @@ static void voxelize_tiles(machine *m, test_rng *rng, const ost_snapped_mesh *me
     tiles.count[0] = (d.y + tiles.height - 1) / tiles.height;
     tiles.count[1] = (d.z + tiles.depth - 1) / tiles.depth;
     tiles.layer = (int32_t)rng_range(rng, d.z > 100 ? 100 : 1, d.z);
+    tiles.pass = (int32_t)rng_range(rng, d.z > 100 ? 50 : 1, d.z);
     const size_t count = (size_t)tiles.count[0] * (size_t)tiles.count[1], n = mesh->triangle_count;
-    const size_t steps_room = count * (size_t)tiles.height * ((size_t)d.x + 1), marks_room = count * (size_t)tiles.height * ((size_t)d.x / 64 + 1);
+    const size_t rows = count * (size_t)tiles.pass * (size_t)tiles.height, steps_room = rows * ((size_t)d.x + 1), marks_room = rows * ((size_t)d.x / 64 + 1);
     const size_t lists = (size_t)tiles.count[0] * (size_t)((d.z + tiles.layer - 1) / tiles.layer);
     uint32_t *start = zeros(lists + 1, 4), *list = zeros(lists * n, 4);
     int32_t *steps = zeros(steps_room, 4);

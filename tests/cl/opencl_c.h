@@ -43,6 +43,9 @@ typedef int int8 __attribute__((vector_size(32)));
 typedef uint uint8 __attribute__((vector_size(32)));
 typedef int int16 __attribute__((vector_size(64)));
 typedef uint uint16 __attribute__((vector_size(64)));
+typedef signed char char8 __attribute__((vector_size(8)));
+typedef long long8 __attribute__((vector_size(64)));
+typedef ulong ulong8 __attribute__((vector_size(64)));
 
 #define OST_ALL16(x) ((uint16){0} + (uint)(x))
 #define OST_ALL8(x) ((int8){0} + (int)(x))
@@ -70,11 +73,17 @@ TEST_VECTOR(uint16, uint, 16)
 
 #define as_int8(v) ((int8)(v))
 #define as_int16(v) ((int16)(v))
+#define as_long8(v) ((long8)(v))
+#define as_ulong8(v) ((ulong8)(v))
 #define as_short16(v) ((short16)(v))
 static inline ulong test_as_ulong_i64(long x) { return (ulong)x; }
 static inline ulong test_as_ulong_u8(uchar8 v) { return (ulong)v; }
-#define as_ulong(x) _Generic((x), long: test_as_ulong_i64, uchar8: test_as_ulong_u8)(x)
+static inline ulong test_as_ulong_i8(char8 v) { return (ulong)v; }
+#define as_ulong(x) _Generic((x), long: test_as_ulong_i64, uchar8: test_as_ulong_u8, char8: test_as_ulong_i8)(x)
 #define convert_int16(v) __builtin_convertvector(v, int16)
+#define convert_int8(v) __builtin_convertvector(v, int8)
+#define convert_char8(v) __builtin_convertvector(v, char8)
+#define convert_long8(v) __builtin_convertvector(v, long8)
 
 static inline uint test_clz(ulong x, int width)
 {

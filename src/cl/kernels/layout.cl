@@ -27,7 +27,7 @@ __kernel void ost_layout(__global const ulong *room, __global uint *out)
     out[10] = (uint)sizeof(ost_cl_vox);
     out[11] = OST_CL_AT(ost_cl_vox, tool_class);
     out[12] = (uint)sizeof(ost_cl_tiles);
-    out[13] = OST_CL_AT(ost_cl_tiles, over);
+    out[13] = OST_CL_AT(ost_cl_tiles, pass);
     out[14] = (uint)sizeof(ost_cl_tool);
     out[15] = OST_CL_AT(ost_cl_tool, axis);
     out[16] = (uint)sizeof(ost_cl_event);

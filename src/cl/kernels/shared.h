@@ -232,7 +232,7 @@ typedef struct ost_cl_vox {
  *   tiles    const ost_cl_tiles[1]
  *   start    const uint[lists + 1], list const uint[start[lists]]: triangles list[start[l]] ... list[start[l + 1] - 1], l = y + count[0]
  *            (k / layer), are all those whose bounds hold the centre of one of the rows of tile (y, z) in slice k; others do no harm
- *   steps    int[tiles * height * (dims.x + 1)], marks ulong[tiles * height * (dims.x / 64 + 1)]: whatever is in them
+ *   steps    int[tiles * pass * height * (dims.x + 1)], marks ulong[tiles * pass * height * (dims.x / 64 + 1)]: whatever is in them
  *   classes  uchar[dims.x * dims.y * dims.z]   all are written; with over only those that the mesh covers
  *   counts   ulong[3 * tiles]                  of a tile: solid and cutting voxels, of all meshes so far; rows that leak, which are
  *                                              added to what is there with over
@@ -246,6 +246,7 @@ typedef struct ost_cl_tiles {
     ost_cl_i32 tool_class;
     ost_cl_i32 over; /* 1: a second mesh, over the first */
     ost_cl_i32 layer; /* slices of a list */
+    ost_cl_i32 pass;  /* slices that a tile marks and fills together, at most */
 } ost_cl_tiles;
 
 /* ----------------------------------------------------------- tool cells */
@@ -401,7 +402,7 @@ _Static_assert(sizeof(ost_cl_scatter_report) == 32, "layout");
 _Static_assert(sizeof(ost_cl_cubic) == 88, "layout");
 _Static_assert(sizeof(ost_cl_bone) == 32, "layout");
 _Static_assert(sizeof(ost_cl_vox) == 40, "layout");
-_Static_assert(sizeof(ost_cl_tiles) == 48, "layout");
+_Static_assert(sizeof(ost_cl_tiles) == 52, "layout");
 _Static_assert(sizeof(ost_cl_tool) == 16, "layout");
 _Static_assert(sizeof(ost_cl_event) == 80, "layout");
 _Static_assert(sizeof(ost_cl_block) == 24, "layout");

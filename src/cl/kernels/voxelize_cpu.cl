@@ -3,8 +3,8 @@
  * The voxelizer for CPUs (AR-VOX): an item has a tile of rows and lists of the
  * triangles whose bounds meet its slices (cl/voxelize_tiles.c), so nothing is atomic.
  *
- *   for each slice of the tile
- *     steps[row][i]   sums of what crosses before centre i      where marked
+ *   for each few slices of the tile
+ *     steps[row][i]   sums of what crosses before centre i      where marked, eight triangles at once
  *     marks[row]      bit i: something does
  *     fill            from mark to mark; rows that leak stay void
  *
@@ -12,35 +12,177 @@
  */
 #if OST_FOR & 2
 
+#ifdef __clang__ /* vectors wider than the processor's: the library's functions are compiled for the same one */
+#pragma clang diagnostic ignored "-Wpsabi"
+#endif
+
 static int ost_lowest_mark(ulong word)
 {
     return 63 - (int)clz(word & (0ul - word));
 }
 
-/* One triangle's crossings with the tile's rows j0 <= j < j1 of slice k. */
-static void ost_mark_triangle(const ost_triangle *t, int j0, int j1, int k, int f, __global int *steps, size_t row_steps,
-                              __global ulong *marks, size_t row_words)
+__constant int ost_lane[8] = {0, 1, 2, 3, 4, 5, 6, 7};
+
+static inline int8 ost_least8(int8 a, int8 b)
 {
-    const int first = ost_greatest(t->j_first, j0), last = ost_least(t->j_last, j1 - 1);
-    for (int j = first; j <= last; j++) {
-        const int i = ost_triangle_crossing(t, j, k, f);
-        if (i < 0)
-            continue;
-        __global ulong *word = marks + (size_t)(j - j0) * row_words + (size_t)(i / 64);
-        __global int *sum = steps + (size_t)(j - j0) * row_steps + (size_t)i;
-        const ulong bit = 1ul << (uint)(i % 64);
-        *sum = (*word & bit) != 0 ? *sum + t->step : t->step;
-        *word |= bit;
+    const int8 less = a < b;
+    return (a & less) | (b & ~less);
+}
+
+static inline int8 ost_greatest8(int8 a, int8 b)
+{
+    const int8 more = a > b;
+    return (a & more) | (b & ~more);
+}
+
+static inline int ost_most_of8(int8 v)
+{
+    int lane[8], most;
+    vstore8(v, 0, lane);
+    most = lane[0];
+    for (int l = 1; l < 8; l++)
+        most = ost_greatest(most, lane[l]);
+    return most;
+}
+
+static inline long8 ost_shifted8(long8 v, int f)
+{
+    return as_long8(as_ulong8(v) << (ulong)f);
+}
+
+/* 0 where the edge is owned, -1 where it is not: added to E, so that its sign alone decides. */
+static inline long8 ost_edge_bias8(long8 dy, long8 dz)
+{
+    return ~((dz < 0) | ((dz == 0) & (dy > 0)));
+}
+
+/* The rows and slices that a pass marks. */
+typedef struct ost_pass {
+    int j0, j1, k0, k1; /* rows and slices */
+    int height;         /* rows of scratch a slice has */
+    int f;
+    size_t row_steps, row_words;
+} ost_pass;
+
+/*
+ * What count <= 8 triangles add, a lane each.  A lane walks through the rows
+ * of its bounds, as many as the one with the most has; E and the crossing are
+ * linear in row and slice, so they are added to.  R = K - nx 2^f i_first, whose
+ * crossing is at the least q >= 0 with nx 2^f q >= R: found bit by bit.
+ *
+ * Ranges.  Lanes that wait for others leave their bounds by up to 2^12 rows,
+ * 2^20 further: |E| <= 2^20 2^21 2 + 1, and as |n| <= 2^40, |R| < 2^61 + 2^61 + 2^61.
+ * A step of R is at most 2^50 2, one of E 2^30; nx 2^f 2^12 <= 2^62.
+ */
+static void ost_mark_eight(const ost_pass *pass, __global const int *vertices, __global const uint *triangles, __global const uint *list,
+                           int count, __global int *steps, __global ulong *marks)
+{
+    int corner[9][8];
+    for (int l = 0; l < 8; l++) {
+        __global const uint *t = triangles + 3 * (size_t)list[l < count ? l : 0];
+        for (int c = 0; c < 3; c++)
+            for (int a = 0; a < 3; a++)
+                corner[3 * c + a][l] = vertices[3 * (size_t)t[c] + (size_t)a];
+    }
+    const int f = pass->f, mid = 1 << (f - 1);
+    int8 least[3], most[3];
+    for (int a = 0; a < 3; a++) {
+        const int8 p = vload8(0, corner[a]), q = vload8(0, corner[3 + a]), r = vload8(0, corner[6 + a]);
+        least[a] = (ost_least8(ost_least8(p, q), r) + (mid - 1)) >> f;
+        most[a] = ((ost_greatest8(ost_greatest8(p, q), r) + mid) >> f) - 1;
+    }
+    const int8 j_first = ost_greatest8(least[1], OST_ALL8(pass->j0)), k_first = ost_greatest8(least[2], OST_ALL8(pass->k0));
+    const int8 j_more = ost_least8(most[1], OST_ALL8(pass->j1 - 1)) - j_first, k_more = ost_least8(most[2], OST_ALL8(pass->k1 - 1)) - k_first;
+    const int8 none = ~((j_more >= 0) & (k_more >= 0) & (vload8(0, ost_lane) < count));
+    const int rows = ost_most_of8(j_more | none), slices = ost_most_of8(k_more | none);
+    if (slices < 0)
+        return;
+
+    const long8 ax = convert_long8(vload8(0, corner[0])), ay = convert_long8(vload8(0, corner[1])), az = convert_long8(vload8(0, corner[2]));
+    long8 by = convert_long8(vload8(0, corner[4])), bz = convert_long8(vload8(0, corner[5]));
+    long8 cy = convert_long8(vload8(0, corner[7])), cz = convert_long8(vload8(0, corner[8]));
+    const long8 abx = convert_long8(vload8(0, corner[3])) - ax, acx = convert_long8(vload8(0, corner[6])) - ax;
+    long8 nx = (by - ay) * (cz - az) - (bz - az) * (cy - ay);
+    long8 ny = (bz - az) * acx - abx * (cz - az);
+    long8 nz = abx * (cy - ay) - (by - ay) * acx;
+    const long8 turn = nx < 0; /* the outward normal looks to low x: the line enters here */
+    nx = (nx ^ turn) - turn;
+    ny = (ny ^ turn) - turn;
+    nz = (nz ^ turn) - turn;
+    const long8 swap_y = (by ^ cy) & turn, swap_z = (bz ^ cz) & turn;
+    by ^= swap_y;
+    cy ^= swap_y;
+    bz ^= swap_z;
+    cz ^= swap_z;
+
+    const long8 dy0 = by - ay, dz0 = bz - az, dy1 = cy - by, dz1 = cz - bz, dy2 = ay - cy, dz2 = az - cz;
+    const long8 y = ost_shifted8(convert_long8(j_first), f) + (long)mid, z = ost_shifted8(convert_long8(k_first), f) + (long)mid;
+    const long8 rows_of = convert_long8(j_more | none) | (nx == 0), slices_of = convert_long8(k_more);
+    long8 e0 = dy0 * (z - az) - dz0 * (y - ay) + ost_edge_bias8(dy0, dz0);
+    long8 e1 = dy1 * (z - bz) - dz1 * (y - by) + ost_edge_bias8(dy1, dz1);
+    long8 e2 = dy2 * (z - cz) - dz2 * (y - cy) + ost_edge_bias8(dy2, dz2);
+    long8 rest = nx * (ax - (long)mid - ost_shifted8(convert_long8(least[0]), f)) - ny * (y - ay) - nz * (z - az);
+    const long8 e0_k = ost_shifted8(dy0, f), e1_k = ost_shifted8(dy1, f), e2_k = ost_shifted8(dy2, f), rest_k = ost_shifted8(nz, f);
+    const long8 e0_j = ost_shifted8(dz0, f), e1_j = ost_shifted8(dz1, f), e2_j = ost_shifted8(dz2, f), rest_j = ost_shifted8(ny, f);
+    const long8 wide = ost_shifted8(nx, f);
+    const int furthest = ost_most_of8((most[0] - least[0]) & ~none); /* of q - 1 */
+    const int bits = furthest > 0 ? 32 - (int)clz((uint)furthest) : 0;
+    int row[8], place[8], step[8];
+    vstore8(j_first - pass->j0 + pass->height * (k_first - pass->k0), 0, row);
+    vstore8(-2 * convert_int8(turn) - 1, 0, step);
+
+    for (int k = 0; k <= slices; k++) {
+        const long8 rows_here = rows_of | (slices_of < (long)k);
+        long8 at0 = e0, at1 = e1, at2 = e2, at_rest = rest;
+        for (int j = 0; j <= rows; j++) {
+            ulong owned = as_ulong(convert_char8(((at0 | at1 | at2) >= 0) & (rows_here >= (long)j)));
+            if (owned != 0) {
+                long8 left = at_rest, q = left & 0;
+                for (int b = bits - 1; b >= 0; b--) {
+                    const long8 part = ost_shifted8(wide, b), beyond = left > part;
+                    left -= part & beyond;
+                    q |= beyond & (1l << b);
+                }
+                vstore8(least[0] + convert_int8(q - (left > 0)), 0, place);
+                for (; owned != 0;) {
+                    const int l = ost_lowest_mark(owned) / 8, i = place[l];
+                    const size_t r = (size_t)(row[l] + j + pass->height * k);
+                    __global ulong *word = marks + r * pass->row_words + (size_t)(i / 64);
+                    __global int *sum = steps + r * pass->row_steps + (size_t)i;
+                    const ulong bit = 1ul << (uint)(i % 64);
+                    *sum = (*word & bit) != 0 ? *sum + step[l] : step[l];
+                    *word |= bit;
+                    owned &= ~(0xfful << (uint)(8 * l));
+                }
+            }
+            at0 -= e0_j;
+            at1 -= e1_j;
+            at2 -= e2_j;
+            at_rest -= rest_j;
+        }
+        e0 += e0_k;
+        e1 += e1_k;
+        e2 += e2_k;
+        rest -= rest_k;
     }
 }
 
-/* Voxels from <= i < to of a row; by sixteen, which compilers make a vector. */
+static void ost_fill_16(__global uchar *classes, uchar tool_class)
+{
+    for (int b = 0; b < 16; b++)
+        classes[b] = tool_class;
+}
+
+/* Voxels from <= i < to of a row; by sixteen, which compilers make a vector, the last of them over some that are done. */
 static void ost_fill_run(__global uchar *classes, int from, int to, uchar tool_class)
 {
     int i = from;
     for (; i + 16 <= to; i += 16)
-        for (int b = 0; b < 16; b++)
-            classes[i + b] = tool_class;
+        ost_fill_16(classes + i, tool_class);
+    if (i < to && to - from >= 16) {
+        ost_fill_16(classes + to - 16, tool_class);
+        return;
+    }
     for (; i < to; i++)
         classes[i] = tool_class;
 }
@@ -87,40 +229,42 @@ __kernel void ost_vox_tiles(__global const ost_cl_tiles *tiles, __global const i
     if (get_global_id(0) >= (size_t)tiles->count[0] || get_global_id(1) >= (size_t)tiles->count[1])
         return;
     const size_t tile = get_global_id(0) + (size_t)tiles->count[0] * get_global_id(1);
-    const int nx = tiles->dims[0], ny = tiles->dims[1], f = tiles->fraction;
+    const int nx = tiles->dims[0], ny = tiles->dims[1];
     const int j0 = tiles->height * (int)get_global_id(0), j1 = ost_least(j0 + tiles->height, ny);
     const int k0 = tiles->depth * (int)get_global_id(1), k1 = ost_least(k0 + tiles->depth, tiles->dims[2]);
     const size_t row_steps = (size_t)nx + 1, row_words = (size_t)(nx / 64 + 1);
     ulong solid = 0, cutting = 0, leaks = tiles->over ? counts[3 * tile + 2] : 0;
-    steps += tile * (size_t)tiles->height * row_steps;
-    marks += tile * (size_t)tiles->height * row_words;
-    for (int k = k0; k < k1; k++) {
-        for (size_t w = 0; w < (size_t)(j1 - j0) * row_words; w++)
-            marks[w] = 0;
+    const size_t rows = (size_t)tiles->pass * (size_t)tiles->height;
+    steps += tile * rows * row_steps;
+    marks += tile * rows * row_words;
+    for (int k = k0, end; k < k1; k = end) {
         const size_t bin = get_global_id(0) + (size_t)tiles->count[0] * (size_t)(k / tiles->layer);
-        for (uint e = start[bin]; e < start[bin + 1]; e++) {
-            ost_triangle t;
-            if (ost_triangle_load(&t, vertices, triangles, list[e], f, k, k + 1))
-                ost_mark_triangle(&t, j0, j1, k, f, steps, row_steps, marks, row_words);
-        }
-        for (int j = j0; j < j1; j++) {
-            __global uchar *row = classes + (size_t)nx * ((size_t)j + (size_t)ny * (size_t)k);
-            uint leaking = 0;
-            const uint count = ost_fill_row(tiles, steps + (size_t)(j - j0) * row_steps, marks + (size_t)(j - j0) * row_words, row, &leaking);
-            leaks += leaking;
-            if (!tiles->over) {
-                solid += count;
-                cutting += tiles->tool_class == 1 ? count : 0u;
-                continue;
+        end = ost_least(ost_least(k + tiles->pass, k1), (k / tiles->layer + 1) * tiles->layer);
+        const ost_pass pass = {j0, j1, k, end, tiles->height, tiles->fraction, row_steps, row_words};
+        for (size_t w = 0; w < (size_t)tiles->height * (size_t)(end - k) * row_words; w++)
+            marks[w] = 0;
+        for (uint e = start[bin], last = start[bin + 1]; e < last; e += 8)
+            ost_mark_eight(&pass, vertices, triangles, list + e, last - e < 8 ? (int)(last - e) : 8, steps, marks);
+        for (int slice = k; slice < end; slice++)
+            for (int j = j0; j < j1; j++) {
+                const size_t r = (size_t)(j - j0) + (size_t)tiles->height * (size_t)(slice - k);
+                __global uchar *row = classes + (size_t)nx * ((size_t)j + (size_t)ny * (size_t)slice);
+                uint leaking = 0;
+                const uint count = ost_fill_row(tiles, steps + r * row_steps, marks + r * row_words, row, &leaking);
+                leaks += leaking;
+                if (!tiles->over) {
+                    solid += count;
+                    cutting += tiles->tool_class == 1 ? count : 0u;
+                    continue;
+                }
+                uint any = 0, ones = 0;
+                for (int i = 0; i < nx; i++) {
+                    any += row[i] != 0 ? 1u : 0u;
+                    ones += row[i] == 1 ? 1u : 0u;
+                }
+                solid += any;
+                cutting += ones;
             }
-            uint any = 0, ones = 0;
-            for (int i = 0; i < nx; i++) {
-                any += row[i] != 0 ? 1u : 0u;
-                ones += row[i] == 1 ? 1u : 0u;
-            }
-            solid += any;
-            cutting += ones;
-        }
     }
     counts[3 * tile] = solid;
     counts[3 * tile + 1] = cutting;
