@@ -30,7 +30,8 @@ typedef enum ost_file_kind {
     OST_FILE_NRRD,
     OST_FILE_NIFTI,
     OST_FILE_MESH,
-    OST_FILE_PATH_CSV
+    OST_FILE_PATH_CSV,
+    OST_FILE_SESSION /* session.h */
 } ost_file_kind;
 
 OST_API ost_status ost_file_kind_find(const char *path, ost_file_kind *out, ost_error *err);

@@ -10,7 +10,7 @@
  *   mesh.h     triangles                       picture.h  pictures without a display
  *   tool.h     tool grids                      path.h     a tool over time
  *   digest.h   SHA-256 of grids                event.h    sweep, map, report
- *   plugin.h   somebody else's backend
+ *   plugin.h   somebody else's backend        session.h  what happened, to be done again
  */
 #ifndef OSTEON_H
 #define OSTEON_H
@@ -27,6 +27,7 @@
 #include <osteon/picture.h>
 #include <osteon/plugin.h>
 #include <osteon/pose.h>
+#include <osteon/session.h>
 #include <osteon/sim.h>
 #include <osteon/status.h>
 #include <osteon/tool.h>

@@ -54,6 +54,15 @@ typedef struct ost_step_result {
 OST_API ost_status ost_world_step(ost_world *world, const ost_tick *tick, ost_step_result *result, ost_error *err);
 
 /*
+ * What a step did, in 64 bits: equal steps have equal ones on every backend,
+ * and steps that differ in a removed voxel's chunk, class or density, or in
+ * how many poses there were, do not (docs/session.md, SES-DIGEST).  For the
+ * record of a session; the world keeps nothing of it.  result is of a step
+ * whose report is still valid, classes the number of the world's classes.
+ */
+OST_API uint64_t ost_step_digest(const ost_step_result *result, int classes);
+
+/*
  * Goes on elsewhere when a backend fails for good, a device that is lost for
  * instance: bone and tools are made on the other backend as they were after
  * the last whole tick, to the bit, and the world continues with these.

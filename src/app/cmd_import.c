@@ -16,6 +16,7 @@ static const char *kind_text(ost_file_kind kind)
     case OST_FILE_NIFTI: return "NIfTI";
     case OST_FILE_MESH: return "mesh";
     case OST_FILE_PATH_CSV: return "path";
+    case OST_FILE_SESSION: return "session";
     case OST_FILE_UNKNOWN: break;
     }
     return "built in";

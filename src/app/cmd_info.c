@@ -10,6 +10,7 @@
 #include "app/progress.h"
 #include "app/result.h"
 #include "app/say.h"
+#include "app/session_info.h"
 
 static void put_geometry(const app_state *app, const ost_geometry *g)
 {
@@ -178,19 +179,22 @@ static ost_status info_path(const app_state *app, const char *name, ost_error *e
 
 ost_status cmd_info(app_state *app, int argc, char **argv, ost_error *err)
 {
-    const char *name = NULL;
+    const char *name = NULL, *repaired = NULL;
     bool digest = false;
     const operand operands[] = {{"FILE", &name, "which file?"}, {0}};
     const option options[] = {
         {.name = "digest", .kind = OPTION_FLAG, .out = &digest, .help = "read everything: solid voxels, the SHA-256 of grid and file"},
+        {.name = "repair", .kind = OPTION_TEXT, .out = &repaired, .value = "FILE",
+         .help = "of a session that was cut off or damaged: what is whole, as a new one"},
         {.name = NULL}};
     const usage_text usage = {
-        .synopsis = "FILE [--digest]",
-        .about = "Says what a file is: a CT, a bone, a tool grid, a mesh or a path. Of a volume only\n"
-                 "the header is read.",
+        .synopsis = "FILE [--digest] [--repair FILE]",
+        .about = "Says what a file is: a CT, a bone, a tool grid, a mesh, a path or a session. Of a\n"
+                 "volume only the header is read; of a session all, and what is missing is said.",
         .operands = operands,
         .options = options,
-        .example = "  osteon info scapula.nrrd\n  osteon info reamer.stl --json",
+        .example = "  osteon info scapula.nrrd\n  osteon info reamer.stl --json\n"
+                   "  osteon info cut-off.session --repair whole.session",
     };
     ost_status status;
     if (!options_parse(app, &usage, argc, argv, &status, err))
@@ -198,6 +202,8 @@ ost_status cmd_info(app_state *app, int argc, char **argv, ost_error *err)
     ost_file_kind kind;
     if ((status = ost_file_kind_find(name, &kind, err)) != OST_OK)
         return status;
+    if (repaired && kind != OST_FILE_SESSION)
+        return usage_error(app, err, "--repair is for sessions, and %s is none", name);
     struct stat st;
     put_text(app->result, "file", name);
     if (stat(name, &st) == 0)
@@ -209,6 +215,7 @@ ost_status cmd_info(app_state *app, int argc, char **argv, ost_error *err)
     case OST_FILE_CT_TEXT: status = info_text(app, name, err); break;
     case OST_FILE_MESH: status = info_mesh(app, name, err); break;
     case OST_FILE_PATH_CSV: status = info_path(app, name, err); break;
+    case OST_FILE_SESSION: status = info_session(app, name, repaired, err); break;
     case OST_FILE_UNKNOWN: status = ost_fail(err, OST_ERR_INPUT, "%s: is no kind of file that osteon knows", name); break;
     }
     if (status != OST_OK || !digest)

@@ -459,6 +459,8 @@ static ost_status rect_from_file(job *j, ost_error *err)
         return ost_fail(err, OST_ERR_INPUT, "%s: is a mesh, not a CT; 'osteon voxelize' reads meshes", j->path);
     case OST_FILE_PATH_CSV:
         return ost_fail(err, OST_ERR_INPUT, "%s: is a tool's path, not a CT; expected lines of x y z density", j->path);
+    case OST_FILE_SESSION:
+        return ost_fail(err, OST_ERR_INPUT, "%s: is a session, not a CT; 'osteon replay' makes a bone of it", j->path);
     case OST_FILE_UNKNOWN:
         break;
     }

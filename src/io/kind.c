@@ -6,6 +6,7 @@
  *   348 or 540, "n+1" "ni1" "n+2" "ni2"      NIfTI; also inside gzip
  *   "ply", 4D 4D, "solid ... facet",
  *   84 + 50 n bytes                          meshes
+ *   89 "OSTSES" 0A at a multiple of 64       a session, whose first block may be damaged
  *   a first line of numbers                  4 columns: CT text; 8 or 9: a path
  */
 #include <osteon/io.h>
@@ -18,6 +19,7 @@
 #include <unistd.h>
 #include <zlib.h>
 
+#include "io/session/layout.h"
 #include "io/text/fields.h"
 
 enum { HEAD = 4096, GZIP_HEAD = 1024 };
@@ -49,6 +51,14 @@ static bool is_nifti(const unsigned char *head, size_t size)
         return memcmp(head + 344, "n+1", 4) == 0 || memcmp(head + 344, "ni1", 4) == 0;
     if (size >= 12 && (le32(head) == 540 || be32(head) == 540))
         return memcmp(head + 4, "n+2", 4) == 0 || memcmp(head + 4, "ni2", 4) == 0;
+    return false;
+}
+
+static bool is_session(const unsigned char *head, size_t size)
+{
+    for (size_t at = 0; at + SESSION_MAGIC <= size; at += SESSION_ALIGN)
+        if (memcmp(head + at, session_magic, SESSION_MAGIC) == 0)
+            return true;
     return false;
 }
 
@@ -124,7 +134,7 @@ static ost_file_kind kind_by_name(const char *path)
         {".txt", OST_FILE_CT_TEXT},  {".asc", OST_FILE_CT_TEXT},  {".xyz", OST_FILE_CT_TEXT}, {".dat", OST_FILE_CT_TEXT},
         {".csv", OST_FILE_PATH_CSV}, {".nrrd", OST_FILE_NRRD},    {".nhdr", OST_FILE_NRRD},   {".nii", OST_FILE_NIFTI},
         {".nii.gz", OST_FILE_NIFTI}, {".hdr", OST_FILE_NIFTI},    {".stl", OST_FILE_MESH},    {".obj", OST_FILE_MESH},
-        {".ply", OST_FILE_MESH},     {".3ds", OST_FILE_MESH},
+        {".ply", OST_FILE_MESH},     {".3ds", OST_FILE_MESH},      {".session", OST_FILE_SESSION},
     };
     size_t length = strlen(path);
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
@@ -139,6 +149,8 @@ static ost_file_kind kind_by_content(int fd, const unsigned char *head, size_t s
 {
     if (is_nrrd(head, size))
         return OST_FILE_NRRD;
+    if (is_session(head, size))
+        return OST_FILE_SESSION;
     if (is_nifti(head, size))
         return OST_FILE_NIFTI;
     if (is_gzip(head, size)) {

@@ -21,6 +21,7 @@
 
 #include "core/integer.h"
 #include "io/outfile.h"
+#include "io/path_csv.h"
 #include "io/text/fields.h"
 #include "io/text/lines.h"
 
@@ -227,7 +228,7 @@ static const char *format_component(int32_t q, char text[NUMBER])
     return format_scaled((int64_t)ost_rhe_div128((ost_i128)q * INT64_C(10000000000), OST_Q30_ONE), 10, text);
 }
 
-static ost_status write_tick(ost_outfile *out, const ost_tick *tick, bool tools, ost_error *err)
+ost_status ost_path_put_tick(ost_outfile *out, const ost_tick *tick, bool tools, ost_error *err)
 {
     char n[8][NUMBER];
     const ost_pose *p = &tick->pose;
@@ -237,7 +238,7 @@ static ost_status write_tick(ost_outfile *out, const ost_tick *tick, bool tools,
                                            format_component(p->qy, n[6]), format_component(p->qz, n[7]));
     if (status == OST_OK && tools)
         status = ost_outfile_printf(out, err, ",%" PRId32, tick->tool);
-    return status == OST_OK ? ost_outfile_write(out, "\n", 1, err) : status;
+    return status;
 }
 
 ost_status ost_path_write_csv(const char *path, const ost_path *in, ost_error *err)
@@ -250,8 +251,11 @@ ost_status ost_path_write_csv(const char *path, const ost_path *in, ost_error *e
     if (status != OST_OK)
         return status;
     status = ost_outfile_printf(out, err, "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz%s\n", tools ? ",tool" : "");
-    for (size_t i = 0; i < in->count && status == OST_OK; i++)
-        status = write_tick(out, &in->ticks[i], tools, err);
+    for (size_t i = 0; i < in->count && status == OST_OK; i++) {
+        status = ost_path_put_tick(out, &in->ticks[i], tools, err);
+        if (status == OST_OK)
+            status = ost_outfile_write(out, "\n", 1, err);
+    }
     if (status == OST_OK)
         return ost_outfile_commit(out, err);
     ost_outfile_discard(out);

@@ -39,6 +39,9 @@ static void by_content(void **state)
         /* by name where the content says nothing, so that its reader can say what is wrong */
         {"a.TXT", "junk", OST_FILE_CT_TEXT},
         {"a.csv", "junk", OST_FILE_PATH_CSV},
+        {"a", "\x89OSTSES\n", OST_FILE_SESSION},
+        {"a.csv", "................................................................\x89OSTSES\n", OST_FILE_SESSION},
+        {"a.session", "junk", OST_FILE_SESSION},
         {"a.nii.gz", "junk", OST_FILE_NIFTI},
         {"a.nhdr", "junk", OST_FILE_NRRD},
         {"a.obj", "v 0 0 0\n", OST_FILE_MESH},

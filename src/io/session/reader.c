@@ -1,0 +1,352 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Reading a session, whatever happened to it.
+ *
+ *   scan, once     every block is checked; whole ones with records go into a
+ *                  list, everything else is counted
+ *   next           the list, block by block
+ *
+ * After damage the next place that begins a whole block goes on: places are
+ * multiples of 64, a block's own bytes have a checksum, the session's identity
+ * and a sequence number that must increase.  A file of N bytes needs N / 192
+ * entries of 32 bytes at most, and one block at a time.
+ */
+#include "io/session/reader.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* ------------------------------------------------------------------ scan */
+
+typedef struct scan {
+    ost_session *session;
+    uint64_t at, size;
+    uint64_t next_sequence;
+    uint64_t next_record;   /* that the next block should begin with */
+    uint64_t damage_from;   /* of the damage that at is in; size when in none */
+    bool gap;               /* a tick's number was left out before at: notes may be missing, ticks not */
+    bool have_header;
+} scan;
+
+/* Up to count bytes at place; fewer only at the file's end. */
+static ost_status read_at(const ost_session *s, uint64_t place, void *out, size_t count, size_t *got, ost_error *err)
+{
+    *got = 0;
+    while (*got < count) {
+        ssize_t n = pread(s->fd, (char *)out + *got, count - *got, (off_t)(place + *got));
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n < 0)
+            return ost_fail(err, OST_ERR_IO, "%s: cannot be read at byte %llu: %s", s->path, (unsigned long long)(place + *got),
+                            strerror(errno));
+        if (n == 0)
+            break;
+        *got += (size_t)n;
+    }
+    return OST_OK;
+}
+
+static ost_status keep_block(ost_session *s, const session_block *block, uint64_t at, ost_error *err)
+{
+    if (s->block_count == s->block_room) {
+        const size_t room = s->block_room ? 2 * s->block_room : 256;
+        session_place *grown = realloc(s->blocks, room * sizeof *grown);
+        if (!grown)
+            return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a list of %zu blocks", s->path, room);
+        s->blocks = grown;
+        s->block_room = room;
+    }
+    s->blocks[s->block_count++] = (session_place){.at = at, .first_record = block->first_record, .lost = block->lost, .records = block->records};
+    return OST_OK;
+}
+
+static void count_ticks(scan *c, const session_block *block)
+{
+    ost_session *s = c->session;
+    ost_session_summary *sum = &s->summary;
+    ost_record record;
+    for (uint32_t i = 0; i < block->records; i++) {
+        if (!ost_session_record_decode(s->payload + (size_t)i * SESSION_RECORD, &record))
+            continue;
+        if (record.kind == OST_RECORD_END)
+            sum->ended = true;
+        if (record.kind != OST_RECORD_TICK)
+            continue;
+        const ost_session_tick *tick = &record.as.tick;
+        if (sum->ticks == 0) {
+            sum->first_tick = tick->number;
+            sum->first_t_ns = tick->tick.t_ns;
+        }
+        c->gap |= tick->number != (sum->ticks == 0 ? 0 : sum->last_tick + 1);
+        sum->last_tick = tick->number;
+        sum->last_t_ns = tick->tick.t_ns;
+        sum->ticks++;
+        sum->whole_ticks += !c->gap;
+    }
+}
+
+static void end_damage(scan *c)
+{
+    if (c->damage_from < c->size) {
+        c->session->summary.damaged_bytes += c->at - c->damage_from;
+        c->damage_from = c->size;
+    }
+}
+
+/* A whole block with its payload in session->payload. */
+static ost_status take_block(scan *c, const session_block *block, ost_error *err)
+{
+    ost_session *s = c->session;
+    end_damage(c);
+    c->next_sequence = block->sequence + 1;
+    s->summary.blocks++;
+    if (block->kind == SESSION_KIND_HEADER) {
+        if (!c->have_header) {
+            ost_status status = ost_session_header_decode(s->payload, block->payload, &s->header, err);
+            if (status != OST_OK) {
+                ost_fail_context(err, "%s", s->path);
+                return status;
+            }
+            s->identity = block->identity;
+            c->have_header = true;
+        }
+        s->header_copies++;
+        return OST_OK;
+    }
+    /* What the recorder had no room for has no number. */
+    if (block->first_record > c->next_record)
+        s->summary.missing_records += block->first_record - c->next_record;
+    c->next_record = block->first_record + block->records;
+    s->summary.records += block->records;
+    s->summary.lost_records = block->lost;
+    count_ticks(c, block);
+    return keep_block(s, block, c->at, err);
+}
+
+/* The block's own bytes are right, and it can follow what was there. */
+static bool may_follow(const scan *c, const session_block *block)
+{
+    if (block->sequence < c->next_sequence)
+        return false;
+    if (c->have_header && block->identity != c->session->identity)
+        return false;
+    return block->kind == SESSION_KIND_HEADER || block->first_record >= c->next_record;
+}
+
+static ost_status scan_one(scan *c, bool *done, ost_error *err)
+{
+    ost_session *s = c->session;
+    unsigned char own[SESSION_BLOCK];
+    session_block block;
+    size_t got;
+    ost_status status = read_at(s, c->at, own, sizeof own, &got, err);
+    if (status != OST_OK)
+        return status;
+    if (got < sizeof own) {
+        *done = true;
+        return OST_OK;
+    }
+    uint64_t step = SESSION_ALIGN;
+    if (ost_session_block_decode(own, &block) && may_follow(c, &block)) {
+        status = read_at(s, c->at + SESSION_BLOCK, s->payload, block.payload, &got, err);
+        if (status != OST_OK)
+            return status;
+        const bool whole = got == block.payload && ost_session_crc(s->payload, block.payload) == block.payload_crc &&
+                           (block.kind != SESSION_KIND_HEADER || block.identity == block.payload_crc);
+        if (whole) {
+            status = take_block(c, &block, err);
+            c->at += SESSION_BLOCK + block.payload;
+            return status;
+        }
+        /* Its length has a checksum of its own: nothing begins within it. */
+        if (got == block.payload)
+            step = SESSION_BLOCK + block.payload;
+    }
+    if (c->damage_from == c->size)
+        c->damage_from = c->at;
+    c->at += step;
+    return OST_OK;
+}
+
+static ost_status scan_all(ost_session *s, uint64_t size, ost_error *err)
+{
+    scan c = {.session = s, .size = size, .damage_from = size};
+    bool done = false;
+    ost_status status = OST_OK;
+    /* Its size when it was opened: one that is being written has an end as well. */
+    while (!done && c.at < c.size && status == OST_OK)
+        status = scan_one(&c, &done, err);
+    if (status != OST_OK)
+        return status;
+    const uint64_t whole_to = c.damage_from < c.size ? c.damage_from : c.at < c.size ? c.at : c.size;
+    s->summary.cut_bytes = c.size - whole_to;
+    s->summary.file_bytes = c.size;
+    s->summary.header_damaged = s->header_copies < 2;
+    if (!c.have_header && s->summary.blocks == 0 && s->summary.cut_bytes == c.size) {
+        return ost_fail(err, OST_ERR_INPUT, "%s: is no session, or both copies of its header are damaged", s->path);
+    }
+    if (!c.have_header)
+        return ost_fail(err, OST_ERR_INPUT, "%s: both copies of the session's header are damaged; without it nobody knows the bone", s->path);
+    return OST_OK;
+}
+
+/* ------------------------------------------------------------- the border */
+
+ost_status ost_session_open(const char *path, ost_session **out, ost_error *err)
+{
+    *out = NULL;
+    ost_session *s = calloc(1, sizeof *s);
+    if (!s)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a session");
+    s->fd = -1;
+    s->path = strdup(path);
+    s->payload = malloc(SESSION_PAYLOAD_MAX);
+    struct stat st;
+    ost_status status = OST_OK;
+    if (!s->path || !s->payload)
+        status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a block of %d bytes", path, SESSION_PAYLOAD_MAX);
+    else if ((s->fd = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK)) < 0 || fstat(s->fd, &st) != 0)
+        status = ost_fail(err, OST_ERR_IO, "%s: cannot be opened: %s", path, strerror(errno));
+    else if (!S_ISREG(st.st_mode))
+        status = ost_fail(err, OST_ERR_IO, "%s: is no regular file", path);
+    else
+        status = scan_all(s, (uint64_t)st.st_size, err);
+    if (status != OST_OK) {
+        ost_session_close(s);
+        return status;
+    }
+    ost_session_rewind(s);
+    *out = s;
+    return OST_OK;
+}
+
+void ost_session_close(ost_session *session)
+{
+    if (!session)
+        return;
+    if (session->fd >= 0)
+        close(session->fd);
+    ost_session_header_free(session->header);
+    free(session->blocks);
+    free(session->payload);
+    free(session->path);
+    free(session);
+}
+
+const ost_session_header *ost_session_header_of(const ost_session *session)
+{
+    return session->header;
+}
+
+const ost_session_summary *ost_session_summary_of(const ost_session *session)
+{
+    return &session->summary;
+}
+
+void ost_session_rewind(ost_session *session)
+{
+    session->next_block = 0;
+    session->record = session->records = 0;
+}
+
+ost_status ost_session_load(ost_session *s, size_t block, ost_error *err)
+{
+    const session_place *place = &s->blocks[block];
+    const size_t bytes = (size_t)place->records * SESSION_RECORD;
+    unsigned char own[SESSION_BLOCK];
+    session_block head;
+    size_t got = 0;
+    ost_status status = read_at(s, place->at, own, sizeof own, &got, err);
+    if (status == OST_OK && got == sizeof own)
+        status = read_at(s, place->at + SESSION_BLOCK, s->payload, bytes, &got, err);
+    if (status != OST_OK)
+        return status;
+    if (got != bytes || !ost_session_block_decode(own, &head) || ost_session_crc(s->payload, bytes) != head.payload_crc)
+        return ost_fail(err, OST_ERR_IO, "%s: changed at byte %llu while it was read", s->path, (unsigned long long)place->at);
+    return OST_OK;
+}
+
+ost_status ost_session_next(ost_session *s, ost_record *out, bool *more, ost_error *err)
+{
+    for (;;) {
+        while (s->record < s->records)
+            if (ost_session_record_decode(s->payload + (size_t)s->record++ * SESSION_RECORD, out)) {
+                *more = true;
+                return OST_OK;
+            }
+        *more = false;
+        if (s->next_block == s->block_count)
+            return OST_OK;
+        ost_status status = ost_session_load(s, s->next_block, err);
+        if (status != OST_OK)
+            return status;
+        s->records = s->blocks[s->next_block++].records;
+        s->record = 0;
+    }
+}
+
+static void add(char text[OST_SESSION_MISSING], const char *format, ...) OST_PRINTF(2, 3);
+
+static void add(char text[OST_SESSION_MISSING], const char *format, ...)
+{
+    size_t used = strlen(text);
+    if (used)
+        used += (size_t)snprintf(text + used, OST_SESSION_MISSING - used, "; ");
+    va_list args;
+    va_start(args, format);
+    if (used < OST_SESSION_MISSING)
+        vsnprintf(text + used, OST_SESSION_MISSING - used, format, args);
+    va_end(args);
+}
+
+const char *ost_session_missing(const ost_session *session, char text[OST_SESSION_MISSING])
+{
+    const ost_session_summary *s = &session->summary;
+    text[0] = '\0';
+    if (!s->ended && s->ticks)
+        add(text, "it has no end: the recording was cut off after tick %llu", (unsigned long long)s->last_tick);
+    else if (!s->ended)
+        add(text, "it has no end: the recording was cut off before the first tick");
+    if (s->cut_bytes)
+        add(text, "%llu bytes at the end are no whole block", (unsigned long long)s->cut_bytes);
+    if (s->damaged_bytes)
+        add(text, "%llu bytes are damaged", (unsigned long long)s->damaged_bytes);
+    if (s->missing_records)
+        add(text, "%llu records are missing there", (unsigned long long)s->missing_records);
+    if (s->lost_records)
+        add(text, "%llu records were lost while it was recorded", (unsigned long long)s->lost_records);
+    if (s->whole_ticks < s->ticks)
+        add(text, "only the first %llu of its %llu ticks can be done again", (unsigned long long)s->whole_ticks, (unsigned long long)s->ticks);
+    if (s->header_damaged)
+        add(text, "one of the two copies of its header is damaged");
+    return text;
+}
+
+ost_status ost_session_path(ost_session *session, ost_path *out, ost_error *err)
+{
+    const uint64_t count = session->summary.whole_ticks;
+    *out = (ost_path){0};
+    if (count == 0 || count > OST_PATH_TICKS_MAX)
+        return ost_fail(err, OST_ERR_INPUT, "%s: has %llu ticks that can be done again; 1 to %d are supported", session->path,
+                        (unsigned long long)count, OST_PATH_TICKS_MAX);
+    ost_status status = ost_path_init(out, (size_t)count, err);
+    ost_session_rewind(session);
+    for (size_t i = 0; i < count && status == OST_OK;) {
+        ost_record record;
+        bool more;
+        status = ost_session_next(session, &record, &more, err);
+        if (status == OST_OK && !more)
+            status = ost_fail(err, OST_ERR_IO, "%s: ended before it did when it was opened", session->path);
+        if (status == OST_OK && record.kind == OST_RECORD_TICK)
+            out->ticks[i++] = record.as.tick.tick;
+    }
+    ost_session_rewind(session);
+    if (status != OST_OK)
+        ost_path_free(out);
+    return status;
+}

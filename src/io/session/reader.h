@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* An open session; reader.c fills it. */
+#ifndef OST_IO_SESSION_READER_H
+#define OST_IO_SESSION_READER_H
+
+#include "io/session/layout.h"
+
+typedef struct session_place {
+    uint64_t at, first_record, lost;
+    uint32_t records;
+} session_place;
+
+struct ost_session {
+    int fd;
+    char *path;                 /* owned */
+    ost_session_header *header; /* owned */
+    int header_copies;
+    uint32_t identity;
+    ost_session_summary summary;
+    session_place *blocks;      /* owned; the whole ones with records */
+    size_t block_count, block_room;
+    unsigned char *payload;     /* owned; of one block */
+    /* Where ost_session_next is. */
+    size_t next_block;
+    uint32_t record, records;
+};
+
+/* Block's records into payload, checked again. */
+ost_status ost_session_load(ost_session *session, size_t block, ost_error *err);
+
+#endif

@@ -1,0 +1,361 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The recorder: a ring, and a thread that empties it into the file.
+ *
+ *   put --> ring --every 25 ms: all that waits, as blocks--> file --sync-->
+ *
+ * The thread looks by the clock, since waking it would be a call of the system
+ * in the tick.  25 ms and the time of a write and a sync stay below the 100 ms
+ * that a power cut may cost, on a disk that is not slow; a kill costs 25 ms.
+ *
+ * A failed write is taken back (the file is cut to its last whole block) and
+ * tried again every 250 ms, while the ring takes what comes; what it then has
+ * no room for is counted, in the blocks too.  So a full disk that is emptied
+ * in time costs nothing.
+ */
+#include "io/session/recorder.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdio.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "io/session/ring.h"
+
+enum { ROOM = 65536, ROOM_MAX = 1 << 24, LOOK_MS = 25, RETRY_MS = 250, PATIENCE_MS = 10000 };
+
+struct ost_recorder {
+    session_ring ring;
+    _Atomic uint64_t lost;
+    bool impatient; /* the producer's: the disk has failed for so long that waiting is over */
+
+    char *name;  /* owned */
+    int fd;      /* of the file; -1 with a sink from outside */
+    bool sync;
+    session_writer writer;       /* the thread's */
+    unsigned char *block;        /* owned; SESSION_BLOCK bytes, then records; the thread's */
+    uint64_t in_block;           /* records in block that could not be written yet */
+    uint64_t lost_in_block;      /* as counted when they were taken */
+    pthread_t thread;
+    bool running;
+
+    _Atomic uint64_t put, written, bytes;
+    _Atomic int failing; /* errno of the last attempt, 0 when it went well */
+    _Atomic bool stop;
+    pthread_mutex_t wake_lock; /* of stop; never taken by put */
+    pthread_cond_t wake;
+};
+
+/* ---------------------------------------------------------- a file as sink */
+
+static int file_append(void *user, const void *bytes, size_t size)
+{
+    const ost_recorder *r = user;
+    const char *p = bytes;
+    while (size > 0) {
+        ssize_t n = write(r->fd, p, size);
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n <= 0)
+            return n < 0 ? errno : ENOSPC;
+        p += n;
+        size -= (size_t)n;
+    }
+    return 0;
+}
+
+static int file_cut(void *user, uint64_t size)
+{
+    const ost_recorder *r = user;
+    if (ftruncate(r->fd, (off_t)size) != 0 || lseek(r->fd, (off_t)size, SEEK_SET) < 0)
+        return errno;
+    return 0;
+}
+
+static int file_sync(void *user)
+{
+    const ost_recorder *r = user;
+    /* What cannot be synced, /dev/null for one, is not asked to last. */
+    return fdatasync(r->fd) == 0 || errno == EINVAL || errno == EROFS ? 0 : errno;
+}
+
+static const char *reason_of(int error, char text[160])
+{
+    const char *known = error == ENOSPC ? "the disk is full"
+                        : error == EDQUOT ? "the disk quota is used up"
+                        : error == EFBIG  ? "the limit of a file's size is reached"
+                        : error == EPIPE  ? "the reader has closed the pipe"
+                                          : NULL;
+    char buffer[120];
+    snprintf(text, 160, "%s", known ? known : strerror_r(error, buffer, sizeof buffer));
+    return text;
+}
+
+/* -------------------------------------------------------------- the thread */
+
+/* One block; false when nothing waits or the disk fails. */
+static bool write_block(ost_recorder *r)
+{
+    if (r->in_block == 0) {
+        const uint64_t waiting = ring_waiting(&r->ring);
+        if (waiting == 0)
+            return false;
+        r->in_block = waiting < SESSION_BLOCK_RECORDS ? waiting : SESSION_BLOCK_RECORDS;
+        ring_copy(&r->ring, r->block + SESSION_BLOCK, r->in_block);
+        ring_pop(&r->ring, r->in_block);
+        r->lost_in_block = atomic_load_explicit(&r->lost, memory_order_relaxed);
+    }
+    const int error = ost_session_write_records(&r->writer, r->block + SESSION_BLOCK, (uint32_t)r->in_block, r->lost_in_block);
+    atomic_store_explicit(&r->failing, error, memory_order_release);
+    if (error)
+        return false;
+    atomic_fetch_add_explicit(&r->written, r->in_block, memory_order_relaxed);
+    atomic_store_explicit(&r->bytes, r->writer.bytes, memory_order_relaxed);
+    r->in_block = 0;
+    return true;
+}
+
+static void write_all(ost_recorder *r)
+{
+    bool any = false;
+    while (write_block(r))
+        any = true;
+    if (any && r->sync && !atomic_load(&r->failing)) {
+        const int error = r->writer.sink.sync(r->writer.sink.user);
+        if (error)
+            atomic_store_explicit(&r->failing, error, memory_order_release);
+    }
+}
+
+static void *work(void *user)
+{
+    ost_recorder *r = user;
+    struct timespec next;
+    clock_gettime(CLOCK_MONOTONIC, &next);
+    pthread_mutex_lock(&r->wake_lock);
+    while (!atomic_load(&r->stop)) {
+        struct timespec now;
+        clock_gettime(CLOCK_MONOTONIC, &now);
+        next = now;
+        next.tv_nsec += (atomic_load(&r->failing) ? RETRY_MS : LOOK_MS) * 1000000L;
+        next.tv_sec += next.tv_nsec / 1000000000L;
+        next.tv_nsec %= 1000000000L;
+        while (!atomic_load(&r->stop) && pthread_cond_timedwait(&r->wake, &r->wake_lock, &next) != ETIMEDOUT)
+            ;
+        pthread_mutex_unlock(&r->wake_lock);
+        write_all(r);
+        pthread_mutex_lock(&r->wake_lock);
+    }
+    pthread_mutex_unlock(&r->wake_lock);
+    write_all(r);
+    return NULL;
+}
+
+/* A thread of plain priority that no signal is delivered to. */
+static int begin_thread(ost_recorder *r)
+{
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_condattr_t clock;
+    int error = pthread_condattr_init(&clock);
+    if (error)
+        return error;
+    pthread_condattr_setclock(&clock, CLOCK_MONOTONIC);
+    error = pthread_cond_init(&r->wake, &clock);
+    pthread_condattr_destroy(&clock);
+    if (error)
+        return error;
+    pthread_mutex_init(&r->wake_lock, NULL);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    error = pthread_create(&r->thread, NULL, work, r);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    r->running = error == 0;
+    if (error) {
+        pthread_cond_destroy(&r->wake);
+        pthread_mutex_destroy(&r->wake_lock);
+    }
+    return error;
+}
+
+/* -------------------------------------------------------------- the border */
+
+static void recorder_free(ost_recorder *r)
+{
+    if (r->running) {
+        pthread_cond_destroy(&r->wake);
+        pthread_mutex_destroy(&r->wake_lock);
+    }
+    if (r->fd >= 0)
+        close(r->fd);
+    ring_close(&r->ring);
+    free(r->block);
+    free(r->name);
+    free(r);
+}
+
+/* All but the sink. */
+static ost_status recorder_make(const char *name, const ost_recorder_options *options, ost_recorder **out, ost_error *err)
+{
+    const ost_recorder_options chosen = options ? *options : (ost_recorder_options){0};
+    const uint32_t room = chosen.room ? chosen.room : ROOM;
+    *out = NULL;
+    if (room > ROOM_MAX || (room & (room - 1)) != 0)
+        return ost_fail(err, OST_ERR_USAGE, "a recorder's room of %u records; a power of two up to %d is needed", (unsigned)room, ROOM_MAX);
+    /* The ring's numbers have cache lines of their own, and calloc knows no alignment. */
+    const size_t size = (sizeof(ost_recorder) + RING_LINE - 1) / RING_LINE * RING_LINE;
+    ost_recorder *r = aligned_alloc(RING_LINE, size);
+    if (!r)
+        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a recorder", name);
+    memset(r, 0, size);
+    r->fd = -1;
+    r->sync = !chosen.no_sync;
+    r->name = strdup(name);
+    r->block = malloc(SESSION_BLOCK + SESSION_PAYLOAD_MAX);
+    if (!r->name || !r->block || !ring_open(&r->ring, room)) {
+        recorder_free(r);
+        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a recorder of %u records", name, (unsigned)room);
+    }
+    *out = r;
+    return OST_OK;
+}
+
+static ost_status begin(ost_recorder *r, const ost_session_header *header, ost_error *err)
+{
+    unsigned char *payload = NULL;
+    uint32_t size;
+    char text[160];
+    ost_status status = ost_session_header_encode(header, &payload, &size, err);
+    if (status != OST_OK)
+        return status;
+    int error = ost_session_write_header(&r->writer, payload, size);
+    free(payload);
+    if (!error && r->sync)
+        error = r->writer.sink.sync(r->writer.sink.user);
+    atomic_store(&r->bytes, r->writer.bytes);
+    if (error)
+        return ost_fail(err, OST_ERR_IO, "%s: recording cannot begin: %s", r->name, reason_of(error, text));
+    error = begin_thread(r);
+    if (error)
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "%s: no thread for recording: %s", r->name, strerror(error));
+    return OST_OK;
+}
+
+ost_status ost_recorder_open_sink(const char *name, const session_sink *sink, const ost_session_header *header,
+                                  const ost_recorder_options *options, ost_recorder **out, ost_error *err)
+{
+    ost_recorder *r;
+    *out = NULL;
+    ost_status status = recorder_make(name, options, &r, err);
+    if (status != OST_OK)
+        return status;
+    r->writer.sink = *sink;
+    status = begin(r, header, err);
+    if (status == OST_OK)
+        *out = r;
+    else
+        recorder_free(r);
+    return status;
+}
+
+/* A new file of that name; what had the name before is gone, unless somebody is recording into it. */
+static ost_status create_file(ost_recorder *r, const char *path, ost_error *err)
+{
+    r->fd = open(path, O_WRONLY | O_CREAT | O_CLOEXEC | O_NOCTTY, 0666);
+    if (r->fd < 0)
+        return ost_fail(err, OST_ERR_IO, "%s: cannot be recorded into: %s", path, strerror(errno));
+    if (flock(r->fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+        return ost_fail(err, OST_ERR_IO, "%s: another recording is being written there", path);
+    struct stat st;
+    if (fstat(r->fd, &st) == 0 && S_ISREG(st.st_mode) && ftruncate(r->fd, 0) != 0)
+        return ost_fail(err, OST_ERR_IO, "%s: cannot be recorded into: %s", path, strerror(errno));
+    return OST_OK;
+}
+
+ost_status ost_recorder_open(const char *path, const ost_session_header *header, const ost_recorder_options *options,
+                             ost_recorder **out, ost_error *err)
+{
+    ost_recorder *r;
+    *out = NULL;
+    ost_status status = recorder_make(path, options, &r, err);
+    if (status != OST_OK)
+        return status;
+    r->writer.sink = (session_sink){.user = r, .append = file_append, .cut = file_cut, .sync = file_sync};
+    status = create_file(r, path, err);
+    if (status == OST_OK)
+        status = begin(r, header, err);
+    if (status == OST_OK)
+        *out = r;
+    else
+        recorder_free(r);
+    return status;
+}
+
+bool ost_recorder_put(ost_recorder *recorder, const ost_record *record)
+{
+    unsigned char *slot = ring_slot(&recorder->ring);
+    if (!slot) {
+        atomic_fetch_add_explicit(&recorder->lost, 1, memory_order_relaxed);
+        return false;
+    }
+    ost_session_record_encode(record, slot);
+    ring_push(&recorder->ring);
+    atomic_fetch_add_explicit(&recorder->put, 1, memory_order_relaxed);
+    return true;
+}
+
+bool ost_recorder_put_patiently(ost_recorder *recorder, const ost_record *record)
+{
+    const struct timespec pause = {.tv_nsec = 1000000};
+    for (int ms = 0; !ring_slot(&recorder->ring) && !recorder->impatient; ms++) {
+        recorder->impatient = ms >= PATIENCE_MS && atomic_load(&recorder->failing);
+        nanosleep(&pause, NULL);
+    }
+    return ost_recorder_put(recorder, record);
+}
+
+void ost_recorder_state_get(ost_recorder *recorder, ost_recorder_state *out)
+{
+    const int failing = atomic_load_explicit(&recorder->failing, memory_order_acquire);
+    *out = (ost_recorder_state){
+        .written = atomic_load_explicit(&recorder->written, memory_order_relaxed),
+        .put = atomic_load_explicit(&recorder->put, memory_order_relaxed),
+        .lost = atomic_load_explicit(&recorder->lost, memory_order_relaxed),
+        .written_bytes = atomic_load_explicit(&recorder->bytes, memory_order_relaxed),
+        .failing = failing != 0,
+    };
+    if (failing)
+        reason_of(failing, out->reason);
+}
+
+ost_status ost_recorder_close(ost_recorder *recorder, const ost_session_end *end, ost_error *err)
+{
+    if (!recorder)
+        return OST_OK;
+    pthread_mutex_lock(&recorder->wake_lock);
+    atomic_store(&recorder->stop, true);
+    pthread_cond_signal(&recorder->wake);
+    pthread_mutex_unlock(&recorder->wake_lock);
+    pthread_join(recorder->thread, NULL);
+    if (end && !atomic_load(&recorder->failing)) {
+        /* The ring is empty and its thread gone: there is room. */
+        const ost_record record = {.kind = OST_RECORD_END, .as.end = *end};
+        ost_recorder_put(recorder, &record);
+        write_all(recorder);
+    }
+    ost_recorder_state state;
+    ost_recorder_state_get(recorder, &state);
+    ost_status status = OST_OK;
+    if (state.failing)
+        status = ost_fail(err, OST_ERR_IO, "%s: recording failed: %s; %llu records are in the file, %llu are not", recorder->name, state.reason,
+                          (unsigned long long)state.written, (unsigned long long)(state.put - state.written + state.lost));
+    else if (state.lost)
+        status = ost_fail(err, OST_ERR_IO, "%s: %llu of %llu records were lost: the disk was too slow", recorder->name,
+                          (unsigned long long)state.lost, (unsigned long long)(state.put + state.lost));
+    recorder_free(recorder);
+    return status;
+}

@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Records from the one thread that puts to the one that writes.
+ *
+ *         tail                head
+ *   ...|  waiting, tail..head  |  free  ...      slot of number n: n % room
+ *
+ * Both numbers only grow.  The producer writes a slot and then head (release),
+ * the consumer reads head (acquire) and the slots and then writes tail
+ * (release), which the producer reads (acquire) before it uses a slot again.
+ * Neither waits for the other; each keeps what it knows of the other's number
+ * and looks again only when that is not enough, so that a put touches no cache
+ * line that the writer writes but once a round.
+ */
+#ifndef OST_IO_SESSION_RING_H
+#define OST_IO_SESSION_RING_H
+
+#include <stdatomic.h>
+#include <stdlib.h>
+
+#include "io/session/layout.h"
+
+enum { RING_LINE = 64 };
+
+typedef struct session_ring {
+    unsigned char *slots; /* owned; room records */
+    uint64_t room;        /* a power of two */
+    _Alignas(RING_LINE) _Atomic uint64_t head;
+    uint64_t tail_known; /* by the producer */
+    _Alignas(RING_LINE) _Atomic uint64_t tail;
+} session_ring;
+
+/* Every page is touched here and not in a tick. */
+static inline bool ring_open(session_ring *ring, uint64_t room)
+{
+    ring->slots = malloc(room * SESSION_RECORD);
+    if (!ring->slots)
+        return false;
+    memset(ring->slots, 0xff, room * SESSION_RECORD);
+    ring->room = room;
+    return true;
+}
+
+static inline void ring_close(session_ring *ring)
+{
+    free(ring->slots);
+}
+
+/* The producer's: the next slot, or NULL without room. ring_push gives it away. */
+static inline unsigned char *ring_slot(session_ring *ring)
+{
+    const uint64_t head = atomic_load_explicit(&ring->head, memory_order_relaxed);
+    if (head - ring->tail_known == ring->room) {
+        ring->tail_known = atomic_load_explicit(&ring->tail, memory_order_acquire);
+        if (head - ring->tail_known == ring->room)
+            return NULL;
+    }
+    return ring->slots + (head & (ring->room - 1)) * SESSION_RECORD;
+}
+
+static inline void ring_push(session_ring *ring)
+{
+    atomic_store_explicit(&ring->head, atomic_load_explicit(&ring->head, memory_order_relaxed) + 1, memory_order_release);
+}
+
+/* The consumer's: how many wait; copies of up to count of them; and that so many are done with. */
+static inline uint64_t ring_waiting(session_ring *ring)
+{
+    return atomic_load_explicit(&ring->head, memory_order_acquire) - atomic_load_explicit(&ring->tail, memory_order_relaxed);
+}
+
+static inline void ring_copy(const session_ring *ring, unsigned char *out, uint64_t count)
+{
+    const uint64_t at = atomic_load_explicit(&ring->tail, memory_order_relaxed) & (ring->room - 1);
+    const uint64_t first = count < ring->room - at ? count : ring->room - at;
+    memcpy(out, ring->slots + at * SESSION_RECORD, first * SESSION_RECORD);
+    memcpy(out + first * SESSION_RECORD, ring->slots, (count - first) * SESSION_RECORD);
+}
+
+static inline void ring_pop(session_ring *ring, uint64_t count)
+{
+    atomic_store_explicit(&ring->tail, atomic_load_explicit(&ring->tail, memory_order_relaxed) + count, memory_order_release);
+}
+
+#endif

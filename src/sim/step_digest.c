@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A step's digest: words of 64 bits, each mixed in by
+ *
+ *   h <- mix(h ^ word),   mix the bijection that SplitMix64 ends with
+ *
+ * (Steele, Lea, Flood 2014).  A bijection keeps what differs different: two
+ * sequences of words meet again only by chance, 2^-64.  It is arithmetic on
+ * integers and no library's, so that a session can be checked anywhere, and it
+ * takes a few words a chunk in a tick that has no time for SHA-256.
+ */
+#include <osteon/sim.h>
+
+static uint64_t mix(uint64_t x)
+{
+    x += UINT64_C(0x9e3779b97f4a7c15);
+    x = (x ^ x >> 30) * UINT64_C(0xbf58476d1ce4e5b9);
+    x = (x ^ x >> 27) * UINT64_C(0x94d049bb133111eb);
+    return x ^ x >> 31;
+}
+
+uint64_t ost_step_digest(const ost_step_result *result, int classes)
+{
+    uint64_t h = mix((uint64_t)result->removal | (uint64_t)result->boxes_meet << 1 | (uint64_t)(uint32_t)result->pose_count << 32);
+    const ost_report *report = result->report;
+    if (!report)
+        return h;
+    h = mix(h ^ report->total_voxels);
+    h = mix(h ^ report->touched_voxels);
+    for (size_t i = 0; i < report->count; i++) {
+        const ost_chunk_report *chunk = &report->chunks[i];
+        h = mix(h ^ (uint64_t)(uint32_t)chunk->chunk);
+        for (int c = 0; c < classes; c++) {
+            h = mix(h ^ chunk->voxels[c]);
+            h = mix(h ^ (uint64_t)chunk->density[c]);
+        }
+    }
+    return h;
+}
