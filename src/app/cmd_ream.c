@@ -7,6 +7,7 @@
  *   --path --ream_path_make--> ticks --> ost_world_step, a tick at a time
  *                                              |
  *                  --out <--ost_bone_write--- bone
+ *               --record <--ost_recorder_put- tick, digest
  *
  * When an OpenCL device fails in the middle, the backend cpu goes on from the
  * last whole tick (ost_world_rescue), to the same grid, unless that is forbidden.
@@ -21,6 +22,7 @@
 #include "app/ream_path.h"
 #include "app/result.h"
 #include "app/say.h"
+#include "app/session_keys.h"
 
 typedef struct ream_args {
     const char *bone, *out, *record, *classes_text;
@@ -48,6 +50,7 @@ typedef struct job {
     ost_tool *tools[OPTION_LIST_MAX];
     ost_path path;
     ost_world *world;
+    ost_recorder *recorder; /* NULL: nothing is recorded */
     uint32_t *tick_ns; /* how long each step took */
     double run_ms;
     bool met;          /* the boxes of bone and tool met at some tick */
@@ -57,6 +60,8 @@ typedef struct job {
 static void job_free(job *j)
 {
     free(j->tick_ns);
+    /* Still open when something else has failed: what was done until then stays recorded. */
+    ost_recorder_close(j->recorder, NULL, NULL);
     ost_world_free(j->world);
     ost_path_free(&j->path);
     for (int i = 0; i < OPTION_LIST_MAX; i++)
@@ -104,6 +109,81 @@ static ost_status load_all(const app_state *app, const ream_args *args, job *j, 
     return status;
 }
 
+/* Only now, when the first tick is next: a mistake before leaves an old session of that name as it was. */
+static ost_status record_begin(const ream_args *args, job *j, ost_error *err)
+{
+    if (!args->record)
+        return OST_OK;
+    const session_setup setup = {
+        .bone = args->bone,
+        .tools = args->tools,
+        .ct = args->ct,
+        .how = args->how,
+        .sweep_off = args->sweep == 0,
+        .removal_period_ns = args->period_ns,
+        .classes = *ost_world_classes(j->world),
+    };
+    ost_session_header *header;
+    ost_status status = session_keys_make(&setup, j->backend, j->bone, j->tools, "path", &header, err);
+    if (status != OST_OK)
+        return status;
+    status = ost_recorder_open(args->record, header, NULL, &j->recorder, err);
+    ost_session_header_free(header);
+    return status;
+}
+
+static uint32_t at_most_32(uint64_t n)
+{
+    return n < UINT32_MAX ? (uint32_t)n : UINT32_MAX;
+}
+
+/* What could not be recorded is said when the recorder is closed. */
+static void record_tick(const job *j, size_t number, const ost_step_result *step)
+{
+    if (!j->recorder)
+        return;
+    const ost_record record = {
+        .kind = OST_RECORD_TICK,
+        .as.tick = {.number = number,
+                    .tick = j->path.ticks[number],
+                    .flags = (step->removal ? OST_TICK_REMOVAL : 0) | (step->boxes_meet ? OST_TICK_MET : 0),
+                    .digest = ost_step_digest(step, ost_world_classes(j->world)->count),
+                    .removed = step->report ? at_most_32(step->report->total_voxels) : 0,
+                    .touched = step->report ? at_most_32(step->report->touched_voxels) : 0,
+                    .poses = (uint16_t)step->pose_count},
+    };
+    ost_recorder_put_patiently(j->recorder, &record);
+}
+
+static void record_note(const job *j, size_t tick, const char *text)
+{
+    if (!j->recorder)
+        return;
+    ost_record record = {.kind = OST_RECORD_NOTE, .as.note.t_ns = tick < j->path.count ? j->path.ticks[tick].t_ns : 0};
+    snprintf(record.as.note.text, sizeof record.as.note.text, "%s", text);
+    ost_recorder_put_patiently(j->recorder, &record);
+}
+
+static ost_status record_end(const app_state *app, const ream_args *args, job *j, ost_error *err)
+{
+    if (!j->recorder)
+        return OST_OK;
+    ost_world_totals totals;
+    ost_world_totals_get(j->world, &totals);
+    const ost_session_end end = {
+        .ticks = totals.ticks, .removals = totals.removals, .removed_voxels = totals.removed_voxels, .has_root = true, .root = j->root};
+    ost_recorder *recorder = j->recorder;
+    j->recorder = NULL;
+    ost_status status = ost_recorder_close(recorder, &end, err);
+    if (status != OST_OK) {
+        ost_fail_context(err, "%s is whole, but the recording is not", args->out);
+        return status;
+    }
+    put_text(app->result, "session", args->record);
+    say(app, "  recorded in %s", args->record);
+    return OST_OK;
+}
+
 /* Whether a device may be to blame: what else gives these would give them again. */
 static bool may_fail_over(const app_state *app, const ream_args *args, const job *j, ost_status status)
 {
@@ -141,6 +221,7 @@ static ost_status fail_over(const app_state *app, job *j, size_t ticks, ost_erro
     j->failed_over = true;
     progress_clear();
     warn(app, "%s; backend cpu goes on after %zu whole ticks, to the same grid", err->text, ticks);
+    record_note(j, ticks, "the device failed; backend cpu goes on");
     put(app->result, "failover", json_pack("{s:I,s:s}", "ticks", (json_int_t)ticks, "reason", err->text));
     *err = (ost_error){0};
     return OST_OK;
@@ -167,6 +248,7 @@ static ost_status run(const app_state *app, const ream_args *args, job *j, ost_e
             break;
         }
         j->tick_ns[i] = ns < 4e9 ? (uint32_t)ns : UINT32_MAX;
+        record_tick(j, i, &step);
         j->met |= step.removal && step.boxes_meet;
         if (i % 16 == 0)
             progress_show(NULL, "reaming", (double)i / (double)j->path.count);
@@ -289,8 +371,6 @@ static ost_status check_args(app_state *app, ream_args *args, ost_error *err)
         ost_fail_context(err, "--classes");
     if (status != OST_OK)
         return status;
-    if (args->record)
-        return ost_fail(err, OST_ERR_UNAVAILABLE, "--record: this version of osteon cannot write sessions; a path file does the same again");
     if (!args->tools.count)
         return usage_error(app, err, "--tool TOOL is missing");
     if (!args->paths.count)
@@ -298,6 +378,8 @@ static ost_status check_args(app_state *app, ream_args *args, ost_error *err)
     if (args->tools.count > 1 && args->paths.count > args->tools.count)
         return usage_error(app, err, "%d paths and %d tools: give one tool for all, or a tool for each path, in the same order",
                            args->paths.count, args->tools.count);
+    if (args->record && (status = out_check(app, args->record, "session", err)) != OST_OK)
+        return status;
     return out_check(app, args->out, "nrrd|nii|nii.gz|txt", err);
 }
 
@@ -311,7 +393,7 @@ ost_status cmd_ream(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "tool", .kind = OPTION_LIST, .out = &args.tools, .value = "TOOL",
          .help = "a tool that voxelize wrote, a mesh, or builtin:reamer; may repeat"},
         {.name = "path", .kind = OPTION_LIST, .out = &args.paths, .value = "PATH",
-         .help = "a CSV, builtin:peg-hole or builtin:glenoid-ream; may repeat, path after path, each with its tool in the same order"},
+         .help = "a CSV, a session, builtin:peg-hole or builtin:glenoid-ream; may repeat, path after path, each with its tool in the same order"},
         {.name = "out", .kind = OPTION_TEXT, .out = &args.out, .value = "FILE", .required = true,
          .help = "the reamed bone: .nrrd, or .nii, .nii.gz, .txt"},
         {.name = "at", .kind = OPTION_POINT, .out = &t->at, .given = &t->at_given, .value = "X,Y,Z",
@@ -331,7 +413,7 @@ ost_status cmd_ream(app_state *app, int argc, char **argv, ost_error *err)
          .help = "with --backend cl: stop when the device fails; else cpu goes on\nfrom the last whole tick, to the same grid"},
         {.name = "compress", .kind = OPTION_FLAG, .out = &args.compress, .help = "gzip a .nrrd"},
         {.name = "record", .kind = OPTION_TEXT, .out = &args.record, .value = "SESSION",
-         .help = "not available: this version cannot write sessions"},
+         .help = "write down every tick: osteon replay does it again, osteon info and\nexport read it; the name ends in .session"},
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "--bone BONE --tool TOOL --path PATH --out FILE [options]",
@@ -355,6 +437,8 @@ ost_status cmd_ream(app_state *app, int argc, char **argv, ost_error *err)
     if (status == OST_OK)
         status = world_make(app, &args, &j, err);
     if (status == OST_OK)
+        status = record_begin(&args, &j, err);
+    if (status == OST_OK)
         status = run(app, &args, &j, err);
     if (status == OST_OK) {
         status = take_results(&args, &j, err);
@@ -363,6 +447,8 @@ ost_status cmd_ream(app_state *app, int argc, char **argv, ost_error *err)
     }
     if (status == OST_OK)
         status = report(app, &args, &j, err);
+    if (status == OST_OK)
+        status = record_end(app, &args, &j, err);
     job_free(&j);
     return status;
 }

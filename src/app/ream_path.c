@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "app/say.h"
+
 enum { GAP_NS = 1000000 };
 
 ost_status target_find(const app_state *app, const target_options *options, const ost_meta *meta, const char *bone, ost_glenoid *out,
@@ -48,9 +50,28 @@ static ost_status builtin_path(const app_state *app, const char *name, const tar
     return usage_error(app, err, "--path builtin:%s: there is no such path; did you mean builtin:%s?", name, near ? near : names[0]);
 }
 
-static ost_status csv_path(const char *name, int32_t index, int tool_count, ost_path *out, ost_error *err)
+/* The ticks of a session, as far as nothing is missing. */
+static ost_status session_path(const app_state *app, const char *name, ost_path *out, ost_error *err)
 {
-    ost_status status = ost_path_read_csv(name, out, err);
+    ost_session *session;
+    char missing[OST_SESSION_MISSING];
+    ost_status status = ost_session_open(name, &session, err);
+    if (status != OST_OK)
+        return status;
+    if (ost_session_missing(session, missing)[0])
+        warn(app, "%s: %s", name, missing);
+    status = ost_session_path(session, out, err);
+    ost_session_close(session);
+    return status;
+}
+
+/* A file of ticks, each with the tool it says. */
+static ost_status file_path(const app_state *app, const char *name, int32_t index, int tool_count, ost_path *out, ost_error *err)
+{
+    /* What has no kind, a pipe for one, is read as text. */
+    ost_file_kind kind;
+    const bool known = ost_file_kind_find(name, &kind, NULL) == OST_OK;
+    ost_status status = known && kind == OST_FILE_SESSION ? session_path(app, name, out, err) : ost_path_read_csv(name, out, err);
     if (status != OST_OK)
         return status;
     int32_t last = 0;
@@ -96,7 +117,7 @@ ost_status ream_path_make(const app_state *app, const option_list *paths, const 
         if (strncmp(name, "builtin:", 8) == 0)
             status = builtin_path(app, name + 8, target, meta, bone, tools[index], index, &part, err);
         else
-            status = csv_path(name, index, tool_count, &part, err);
+            status = file_path(app, name, index, tool_count, &part, err);
         if (status == OST_OK && part.count)
             status = join(out, &part, err);
         ost_path_free(&part);

@@ -5,7 +5,7 @@
 # Covers: REQ-CLI-STATUS, REQ-CLI-HELP
 . "${srcdir:-.}/tests/app/lib.sh"
 
-verbs="phantom tool import voxelize ream diff export info validate verify devices"
+verbs="phantom tool import voxelize ream replay diff export info validate verify devices"
 
 # Every verb: help with usage and example, within 80 columns, and a man page that names the same options.
 run 0 --help
@@ -62,7 +62,7 @@ refuse 2 '--tool TOOL is missing' ream --bone a --out b.nrrd --path p
 refuse 2 '--path PATH is missing' ream --bone a --out b.nrrd --tool t
 refuse 2 '3 paths and 2 tools' ream --bone a --out b.nrrd --tool t --tool t --path p --path p --path p
 refuse 2 '--rate 0' ream --bone builtin:glenoid --out b.nrrd --tool builtin:peg --path builtin:peg-hole --rate 0
-refuse 3 '--record' ream --bone a --out b.nrrd --tool t --path p --record s
+refuse 2 's: the name must end in .session' ream --bone a --out b.nrrd --tool t --path p --record s
 refuse 2 'did you mean scapula?' phantom scapla --out b.nrrd
 refuse 2 'did you mean reamer?' tool remer --out b.stl
 refuse 2 'builtin:nothing' voxelize builtin:nothing --out b.nrrd

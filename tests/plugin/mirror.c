@@ -17,6 +17,7 @@ struct ost_plugin_instance {
     ost_backend *ref;
     const ost_plugin_host *host;
     char broken[24];
+    int events; /* removals that were asked for */
 };
 
 static ost_plugin_instance *current; /* one at a time is enough for tests */
@@ -283,6 +284,20 @@ static int32_t run_event(ost_bone *bone, const ost_tool *tool, const ost_plugin_
     return said;
 }
 
+/* Voxel (1, 2, 3) turns to bone, which no report says. */
+static void slip(ost_bone *bone)
+{
+    ost_bone_info info;
+    if (ost_bone_info_get(bone, &info, NULL) != OST_OK)
+        return;
+    int16_t *slice = malloc((size_t)info.geometry.dims.x * (size_t)info.geometry.dims.y * sizeof *slice);
+    if (slice && ost_bone_download(bone, 3, 1, slice, NULL) == OST_OK) {
+        slice[1 + 2 * info.geometry.dims.x] = 777;
+        (void)ost_bone_upload(bone, 3, 1, slice, NULL);
+    }
+    free(slice);
+}
+
 static int32_t m_remove(ost_plugin_bone *bone, const ost_plugin_tool *tool, const ost_plugin_event *event, ost_plugin_report *report, ost_plugin_error *error)
 {
     if (broken("crash"))
@@ -293,7 +308,13 @@ static int32_t m_remove(ost_plugin_bone *bone, const ost_plugin_tool *tool, cons
         snprintf(error->text, error->text_size, "the device\nwent away");
         return OST_PLUGIN_LOST;
     }
-    return run_event((ost_bone *)bone, (const ost_tool *)tool, event, 1, report, error);
+    const int number = current ? ++current->events : 0;
+    if (number == 62 && broken("forgets"))
+        return OST_PLUGIN_OK; /* nothing is removed, and nothing reported */
+    const int32_t status = run_event((ost_bone *)bone, (const ost_tool *)tool, event, 1, report, error);
+    if (number == 20 && broken("slips"))
+        slip((ost_bone *)bone);
+    return status;
 }
 
 static int32_t m_collide(const ost_plugin_bone *bone, const ost_plugin_tool *tool, const ost_plugin_event *event, ost_plugin_report *report, ost_plugin_error *error)

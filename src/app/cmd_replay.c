@@ -1,0 +1,344 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * osteon replay: a recorded session again, on any backend.
+ *
+ * Every tick's digest is compared with the recorded one, and at the end the
+ * counts and the bone's digest.  With --verify what differs is also found: at
+ * the first tick that differs the same is done on a second backend, the
+ * reference, and the two bones are laid side by side, which names chunk and
+ * voxel.  Who is right follows from whom the reference agrees with.
+ */
+#include <string.h>
+
+#include "app/backend_choice.h"
+#include "app/progress.h"
+#include "app/replay.h"
+#include "app/result.h"
+#include "app/say.h"
+#include "app/session_info.h"
+
+typedef struct replay_args {
+    const char *session, *bone, *out;
+    option_list tools;
+    int64_t ticks;
+    bool ticks_given, verify, compress;
+} replay_args;
+
+/* Of the end: what the session says and what came out. */
+typedef struct ending {
+    bool recorded; /* the session says how it ended, and all of it was done */
+    ost_session_end end;
+    ost_world_totals totals;
+    ost_digest root;
+} ending;
+
+static ost_status find_end(ost_session *session, ending *e, ost_error *err)
+{
+    ost_session_rewind(session);
+    for (bool more = true; more;) {
+        ost_record record;
+        ost_status status = ost_session_next(session, &record, &more, err);
+        if (status != OST_OK)
+            return status;
+        if (more && record.kind == OST_RECORD_END) {
+            e->recorded = true;
+            e->end = record.as.end;
+        }
+    }
+    return OST_OK;
+}
+
+static bool end_differs(const ending *e)
+{
+    return e->recorded && (e->end.ticks != e->totals.ticks || e->end.removals != e->totals.removals ||
+                           e->end.removed_voxels != e->totals.removed_voxels ||
+                           (e->end.has_root && !ost_digest_equal(&e->end.root, &e->root)));
+}
+
+/* The same ticks on another backend: the reference, or where that is in doubt the cpu's. */
+static ost_status open_other(const app_state *app, const replay *here, replay *other, ost_error *err)
+{
+    app_state second = *app;
+    second.backend = strcmp(ost_backend_name(here->backend), "ref") == 0 ? "cpu" : "ref";
+    second.threads = 0;
+    ost_status status = replay_open(&second, here->session, here->name, &here->setup, other, err);
+    if (status != OST_OK)
+        ost_fail_context(err, "looking for where it differs");
+    return status;
+}
+
+/* Whether the two bones differ after so many ticks: both from the beginning. */
+static ost_status differ_after(const app_state *app, const replay *model, uint64_t ticks, replay_place *place, ost_error *err)
+{
+    replay here = {0}, other = {0};
+    ost_status status = replay_open(app, model->session, model->name, &model->setup, &here, err);
+    if (status == OST_OK)
+        status = open_other(app, &here, &other, err);
+    if (status == OST_OK)
+        status = replay_run(&here, ticks, false, err);
+    if (status == OST_OK)
+        status = replay_run(&other, ticks, false, err);
+    if (status == OST_OK)
+        status = replay_compare_bones(&here, &other, place, err);
+    replay_close(&other);
+    replay_close(&here);
+    return status;
+}
+
+/* Every digest was equal and the bone is not: halving finds the first tick after which the two backends differ. */
+static ost_status find_by_halving(const app_state *app, const replay *here, uint64_t *tick, replay_place *place, ost_error *err)
+{
+    uint64_t equal = 0, unequal = here->done;
+    ost_status status = differ_after(app, here, unequal, place, err);
+    while (status == OST_OK && place->found && unequal - equal > 1) {
+        replay_place middle;
+        const uint64_t half = equal + (unequal - equal) / 2;
+        status = differ_after(app, here, half, &middle, err);
+        if (middle.found) {
+            unequal = half;
+            *place = middle;
+        } else {
+            equal = half;
+        }
+    }
+    *tick = unequal - 1;
+    return status;
+}
+
+static void put_place(json_t *o, const replay_place *place)
+{
+    put_integer(o, "chunk", place->chunk);
+    put(o, "voxel", json_pack("[i,i,i]", place->voxel[0], place->voxel[1], place->voxel[2]));
+    put_integer(o, "density_here", place->here);
+    put_integer(o, "density_there", place->there);
+    put_integer(o, "different_voxels", (int64_t)place->voxels);
+}
+
+/* What is known of a tick that only the recording has otherwise: the chunks that lost voxels in it. */
+static void put_chunks(json_t *o, const replay *r)
+{
+    json_t *array = json_array();
+    for (size_t i = 0; r->step.report && i < r->step.report->count; i++)
+        append(array, json_integer(r->step.report->chunks[i].chunk));
+    put(o, "chunks", array);
+}
+
+static void put_hex(json_t *o, const char *key, uint64_t value)
+{
+    char text[20];
+    snprintf(text, sizeof text, "%016llx", (unsigned long long)value);
+    put_text(o, key, text);
+}
+
+static ost_status tell_tick(const app_state *app, replay *here, ost_error *err)
+{
+    replay other = {0};
+    replay_place place = {0};
+    const ost_session_tick *t = &here->recorded;
+    ost_status status = open_other(app, here, &other, err);
+    if (status == OST_OK)
+        status = replay_run(&other, here->done, false, err);
+    if (status == OST_OK)
+        status = replay_compare_bones(here, &other, &place, err);
+    if (status != OST_OK) {
+        replay_close(&other);
+        return status;
+    }
+    const char *name = ost_backend_name(here->backend), *second = ost_backend_name(other.backend);
+    const bool recording_right = replay_as_recorded(&other, t);
+    const uint64_t removed = here->step.report ? here->step.report->total_voxels : 0;
+    json_t *o = json_object();
+    put_integer(o, "tick", (int64_t)t->number);
+    put_real(o, "t_s", (double)t->tick.t_ns * 1e-9);
+    put_integer(o, "tool", t->tick.tool);
+    put_integer(o, "removed_voxels", (int64_t)removed);
+    put_integer(o, "recorded_removed_voxels", t->removed);
+    put_hex(o, "digest", here->digest);
+    put_hex(o, "recorded_digest", t->digest);
+    put_text(o, "other_backend", second);
+    put_bool(o, "other_agrees_with_recording", recording_right);
+    if (place.found)
+        put_place(o, &place);
+    else
+        put_chunks(o, here);
+    put(app->result, "first_difference", o);
+    if (place.found)
+        ost_fail(err, OST_ERR_DIFFER,
+                 "%s: differs from tick %llu on: %s removed %llu voxels there, recorded are %u; chunk %lld, voxel (%d, %d, %d) is %d with %s and %d "
+                 "with %s, which %s with the recording",
+                 here->name, (unsigned long long)t->number, name, (unsigned long long)removed, (unsigned)t->removed, (long long)place.chunk,
+                 place.voxel[0], place.voxel[1], place.voxel[2], place.here, name, place.there, second, recording_right ? "agrees" : "does not agree either");
+    else
+        ost_fail(err, OST_ERR_DIFFER,
+                 "%s: differs from tick %llu on: removed were %llu voxels, recorded are %u; %s and %s agree on every voxel, so it is the recording "
+                 "that went another way",
+                 here->name, (unsigned long long)t->number, (unsigned long long)removed, (unsigned)t->removed, name, second);
+    replay_close(&other);
+    return OST_ERR_DIFFER;
+}
+
+static ost_status tell_end(const app_state *app, replay *here, const ending *e, ost_error *err)
+{
+    uint64_t tick = 0;
+    replay_place place = {0};
+    ost_status status = OST_OK;
+    const bool counts = e->end.ticks != e->totals.ticks || e->end.removals != e->totals.removals || e->end.removed_voxels != e->totals.removed_voxels;
+    if (!counts)
+        status = find_by_halving(app, here, &tick, &place, err);
+    if (status != OST_OK)
+        return status;
+    json_t *o = json_object();
+    put_text(o, "at", "end");
+    if (place.found) {
+        put_integer(o, "tick", (int64_t)tick);
+        put_place(o, &place);
+        ost_fail(err, OST_ERR_DIFFER,
+                 "%s: every tick removed as many voxels as recorded, but not the same: from tick %llu on, chunk %lld, voxel (%d, %d, %d) is %d and "
+                 "should be %d",
+                 here->name, (unsigned long long)tick, (long long)place.chunk, place.voxel[0], place.voxel[1], place.voxel[2], place.here,
+                 place.there);
+    } else if (counts) {
+        ost_fail(err, OST_ERR_DIFFER, "%s: every tick is as recorded, but at the end %llu ticks and %llu voxels were counted, recorded are %llu and %llu",
+                 here->name, (unsigned long long)e->totals.ticks, (unsigned long long)e->totals.removed_voxels, (unsigned long long)e->end.ticks,
+                 (unsigned long long)e->end.removed_voxels);
+    } else {
+        ost_fail(err, OST_ERR_DIFFER, "%s: every tick is as recorded, but the bone at the end is not; two backends agree on it, so it is the recording "
+                 "that went another way", here->name);
+    }
+    put(app->result, "first_difference", o);
+    return OST_ERR_DIFFER;
+}
+
+/* Without --verify: when, not where. */
+static ost_status tell_briefly(const app_state *app, const replay *here, ost_error *err)
+{
+    json_t *o = json_object();
+    if (here->differs)
+        put_integer(o, "tick", (int64_t)here->recorded.number);
+    else
+        put_text(o, "at", "end");
+    put(app->result, "first_difference", o);
+    if (here->differs)
+        return ost_fail(err, OST_ERR_DIFFER, "%s: differs from what was recorded from tick %llu on; --verify says where", here->name,
+                        (unsigned long long)here->recorded.number);
+    return ost_fail(err, OST_ERR_DIFFER, "%s: every tick is as recorded, but the end is not; --verify says where", here->name);
+}
+
+static ost_status report(const app_state *app, const replay_args *args, replay *r, const ending *e, ost_error *err)
+{
+    char a[SAY_TEXT], b[SAY_TEXT], hex[OST_DIGEST_HEX];
+    const ost_session_summary *s = ost_session_summary_of(r->session);
+    const bool differs = r->differs || end_differs(e);
+    json_t *o = app->result;
+    put_text(o, "session", args->session);
+    put_text(o, "backend", ost_backend_name(r->backend));
+    put_integer(o, "ticks", (int64_t)r->done);
+    put_integer(o, "recorded_ticks", (int64_t)s->ticks);
+    put_bool(o, "equal", !differs);
+    put_bool(o, "end_compared", e->recorded);
+    put_integer(o, "removed_voxels", (int64_t)e->totals.removed_voxels);
+    put_digest(o, "sha256", &e->root);
+    if (!differs)
+        put(o, "first_difference", json_null());
+    say(app, "%s: %s ticks done again with %s, %s voxels removed", args->session, say_count(a, (int64_t)r->done),
+        ost_backend_name(r->backend), say_count(b, (int64_t)e->totals.removed_voxels));
+    say(app, "  grid %s", ost_digest_hex(&e->root, hex));
+    if (!differs) {
+        say(app, e->recorded ? "  every tick and the bone at the end are as recorded" : "  every tick is as recorded");
+        return OST_OK;
+    }
+    ost_status status = !args->verify ? tell_briefly(app, r, err) : r->differs ? tell_tick(app, r, err) : tell_end(app, r, e, err);
+    if (status == OST_ERR_DIFFER)
+        say(app, "%s", err->text);
+    return status;
+}
+
+static ost_status run(const app_state *app, const replay_args *args, replay *r, ost_error *err)
+{
+    ending e = {0};
+    const ost_session_summary *s = ost_session_summary_of(r->session);
+    uint64_t count = s->whole_ticks;
+    if (args->ticks_given && (uint64_t)args->ticks < count)
+        count = (uint64_t)args->ticks;
+    ost_status status = replay_run(r, count, true, err);
+    if (status == OST_OK)
+        status = ost_bone_digest(r->bone, NULL, &e.root, err);
+    if (status != OST_OK)
+        return status;
+    ost_world_totals_get(r->world, &e.totals);
+    if (!r->differs && r->done == s->ticks && (status = find_end(r->session, &e, err)) != OST_OK)
+        return status;
+    /* Of what went another way no bone is written. */
+    if (args->out && !r->differs && !end_differs(&e)) {
+        const ost_write_options write = {.compress = args->compress};
+        ost_digest file;
+        status = ost_bone_write(args->out, r->bone, &r->imported.meta, &write, err);
+        if (status == OST_OK && (status = file_digest(args->out, &file, err)) == OST_OK) {
+            put_text(app->result, "out", args->out);
+            put_digest(app->result, "file_sha256", &file);
+        }
+        if (status != OST_OK)
+            return status;
+    }
+    return report(app, args, r, &e, err);
+}
+
+ost_status cmd_replay(app_state *app, int argc, char **argv, ost_error *err)
+{
+    replay_args args = {0};
+    const operand operands[] = {{"SESSION", &args.session, "which session?"}, {0}};
+    const option options[] = {
+        {.name = "verify", .kind = OPTION_FLAG, .out = &args.verify,
+         .help = "where something differs from what was recorded, find tick, chunk\nand voxel with a second backend"},
+        {.name = "out", .kind = OPTION_TEXT, .out = &args.out, .value = "FILE", .help = "the bone then: .nrrd, or .nii, .nii.gz, .txt"},
+        {.name = "ticks", .kind = OPTION_INTEGER, .out = &args.ticks, .given = &args.ticks_given, .value = "N", .min = 1, .max = INT64_MAX,
+         .help = "only the first N: the bone in the middle of the operation"},
+        {.name = "bone", .kind = OPTION_TEXT, .out = &args.bone, .value = "BONE", .help = "where the bone is now (default: where it was)"},
+        {.name = "tool", .kind = OPTION_LIST, .out = &args.tools, .value = "TOOL", .help = "where the tools are now, in order (default: where they were)"},
+        {.name = "compress", .kind = OPTION_FLAG, .out = &args.compress, .help = "gzip a .nrrd"},
+        {.name = NULL}};
+    const usage_text usage = {
+        .synopsis = "SESSION [--verify] [--out FILE] [options]",
+        .about = "Does a recorded session again, tick by tick, on any backend, and compares what comes\n"
+                 "of each with what was recorded. Status 1 when something differs.",
+        .operands = operands,
+        .options = options,
+        .notes = "A session that was cut off or damaged is done again as far as no tick is missing.",
+        .example = "  osteon ream --bone builtin:glenoid --tool builtin:reamer --path builtin:glenoid-ream \\\n"
+                   "    --out reamed.nrrd --record today.session\n"
+                   "  osteon replay today.session --verify --backend ref\n"
+                   "  osteon replay today.session --ticks 2000 --out halfway.nrrd",
+    };
+    ost_status status;
+    if (!options_parse(app, &usage, argc, argv, &status, err))
+        return status;
+    if (args.out && (status = out_check(app, args.out, "nrrd|nii|nii.gz|txt", err)) != OST_OK)
+        return status;
+    ost_session *session;
+    status = ost_session_open(args.session, &session, err);
+    if (status != OST_OK)
+        return status;
+    session_setup setup;
+    replay r = {0};
+    char missing[OST_SESSION_MISSING];
+    if (ost_session_missing(session, missing)[0])
+        warn(app, "%s: %s", args.session, missing);
+    put_text(app->result, "missing", missing);
+    if (ost_session_summary_of(session)->whole_ticks == 0)
+        status = ost_fail(err, OST_ERR_INPUT, "%s: has no tick that could be done again", args.session);
+    if (status == OST_OK)
+        status = session_keys_read(args.session, ost_session_header_of(session), &setup, err);
+    if (status == OST_OK && args.tools.count && args.tools.count != setup.tools.count)
+        status = usage_error(app, err, "%d tools are given, the session has %d", args.tools.count, setup.tools.count);
+    if (status == OST_OK) {
+        setup.bone = args.bone ? args.bone : setup.bone;
+        setup.tools = args.tools.count ? args.tools : setup.tools;
+        progress_begin(app);
+        status = replay_open(app, session, args.session, &setup, &r, err);
+    }
+    if (status == OST_OK)
+        status = run(app, &args, &r, err);
+    replay_close(&r);
+    ost_session_close(session);
+    return status;
+}

@@ -1,0 +1,171 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# Sessions by the command: recorded, done again on every backend, cut off,
+# damaged, repaired, and when something differs, where.
+# Covers: REQ-REPLAY, REQ-SESSION-FILE
+. "${srcdir:-.}/tests/app/lib.sh"
+long=${OST_TEST_LONG:-0}
+
+run 0 phantom glenoid --out ct.nrrd
+run 0 import ct.nrrd --out bone.nrrd
+
+# 7,652 ticks in one go: two tools, from a built-in bone to a session that ends.
+run 0 ream --bone bone.nrrd --tool builtin:peg --path builtin:peg-hole --tool builtin:reamer --path builtin:glenoid-ream --out whole.nrrd \
+    --record whole.session --json
+check "the session is named" "$(value session)" whole.session
+whole=$(value sha256)
+ticks=$(value ticks)
+run 0 replay whole.session --verify --out again.nrrd --json
+has ticks equal end_compared removed_voxels sha256 file_sha256
+check "ticks done again" "$(value ticks)" "$ticks"
+check "equal" "$(value equal) $(value end_compared) $(value sha256)" "true true $whole"
+cmp -s whole.nrrd again.nrrd || fail "the bone of a replay is another file than that of the recording"
+run 0 info whole.session --json
+has kind header.bone_sha256 header.config_sha256 header.build
+check "info" "$(value kind) $(value ticks) $(value replayable_ticks) $(value ended) '$(value missing)'" "session $ticks $ticks true ''"
+run 0 info whole.session
+grep -q "a session of 7,652 ticks in 7.651 s" out || fail "info says: $(head -1 out)"
+
+# A table, whose first columns are a path: the last part of the hole and the reamer's first contact.
+run 0 export whole.session --out whole.csv --json
+check "lines of the table" "$(wc -l <whole.csv | tr -d ' ')" $((ticks + 1))
+cut -d, -f1-9 <whole.csv >path.csv
+sed -n '1p;2600,2660p;5000,5060p' whole.csv | cut -d, -f1-9 >short.csv
+
+# The same digests on every backend, instruction set and number of threads.
+run 0 ream --bone bone.nrrd --tool builtin:peg --tool builtin:reamer --path short.csv --out short.nrrd --record short.session --backend ref --json
+short=$(value sha256)
+isas=$("$osteon" devices --json | tee devices.json >/dev/null; i=0; while isa=$("$json_get" backends.0.isas.$i <devices.json 2>/dev/null); do echo "$isa"; i=$((i + 1)); done)
+[ -n "$isas" ] || fail "devices names no instruction set"
+tried=0
+for isa in $isas; do
+    for threads in 1 2 3; do
+        [ "$long" = 1 ] || [ $((tried % 2)) -eq 0 ] || { tried=$((tried + 1)); continue; }
+        run 0 replay short.session --verify --backend "cpu:isa=$isa,threads=$threads" --json
+        check "cpu:isa=$isa,threads=$threads" "$(value equal) $(value ticks) $(value sha256)" "true 122 $short"
+        tried=$((tried + 1))
+    done
+done
+run 0 replay short.session --verify --backend ref --json
+check "ref" "$(value equal) $(value sha256)" "true $short"
+run 0 ream --bone bone.nrrd --tool builtin:peg --tool builtin:reamer --path short.session --out short2.nrrd --json
+check "a session as a path" "$(value sha256)" "$short"
+if [ "$long" = 1 ]; then
+    run 0 replay whole.session --verify --backend ref --json
+    check "all of it on ref" "$(value equal) $(value sha256)" "true $whole"
+fi
+
+# Other chunks, no sweep, a rate and classes of one's own: the session knows.
+run 0 ream --bone ct.nrrd --chunk 16 --threshold 150 --sweep off --rate 333 --classes 'soft:150,hard:600' --tool builtin:peg --tool builtin:reamer \
+    --voxel 0.75 --path short.csv --out other.nrrd --record other.session
+run 0 replay other.session --verify --json
+check "other options" "$(value equal)" true
+run 0 replay other.session --verify --backend cpu:isa=scalar --ticks 61 --out half.nrrd --json
+check "half of it" "$(value ticks) $(value end_compared)" "61 false"
+
+# Not these: another bone, another tool, no bone, what is no session.
+run 0 phantom glenoid --seed 2 --out ct2.nrrd
+refuse 2 "is not the bone of this session" replay short.session --bone ct2.nrrd
+refuse 2 "is not the tool 0 of this session" replay short.session --tool builtin:reamer --tool builtin:peg
+refuse 2 "1 tools are given, the session has 2" replay short.session --tool builtin:peg
+mkdir moved && cp short.session moved/
+(cd moved && "$osteon" replay short.session 2>../err >/dev/null) && fail "a bone that is not there"
+(cd moved && "$osteon" replay short.session --bone ../bone.nrrd >/dev/null) || fail "a bone that was moved"
+refuse 2 "is no session" replay bone.nrrd
+refuse 2 "No such file" replay nothing.session
+refuse 2 "--repair is for sessions" info bone.nrrd --repair x.session
+refuse 2 "must end in .session" ream --bone bone.nrrd --tool builtin:peg --path builtin:peg-hole --out x.nrrd --record x.log
+refuse 2 "is a session, not a CT" import short.session --out x.nrrd
+
+# Cut off and damaged: it says so, does again what is whole, and can be repaired.
+size=$(wc -c <whole.session | tr -d ' ')
+head -c $((size / 2)) whole.session >cut.session
+run 0 replay cut.session --verify --json
+check "cut: equal" "$(value equal) $(value end_compared)" "true false"
+[ "$(value ticks)" -gt 1000 ] || fail "half of a session has $(value ticks) ticks"
+grep -q "the recording was cut off after tick" err || fail "cut: $(cat err)"
+run 0 info cut.session --repair repaired.session --json
+whole_ticks=$(value replayable_ticks)
+run 0 info repaired.session --json
+check "repaired" "$(value replayable_ticks) $(value cut_bytes) $(value damaged_bytes)" "$whole_ticks 0 0"
+cp short.session damaged.session
+printf 'x' | dd of=damaged.session bs=1 seek=$(($(wc -c <short.session) - 100)) conv=notrunc 2>/dev/null
+run 0 info damaged.session
+grep -q "bytes" err || fail "damaged: $(cat err)"
+
+# No disk: the bone is not begun, and the file's name stays free.
+if [ -w /dev/full ]; then
+    ln -s /dev/full full.session
+    refuse 2 "the disk is full" ream --bone bone.nrrd --tool builtin:peg --tool builtin:reamer --path short.csv --out x.nrrd --record full.session
+    [ ! -e x.nrrd ] || fail "a bone without its recording"
+fi
+# A disk that fills up while it is recorded: the bone is whole and the command says what is not.
+(
+    ulimit -f 600 # blocks of 512 or 1024 bytes: less than the session, more than the bone
+    "$osteon" ream --bone bone.nrrd --tool builtin:peg --tool builtin:reamer --path path.csv --out limited.nrrd --compress \
+        --record limited.session >/dev/null 2>err
+)
+check "status of a recording that met a limit" $? 2
+grep -q "limit of a file's size is reached" err || fail "a limit: $(cat err)"
+run 0 info limited.nrrd
+run 0 info limited.session --json
+[ "$(value replayable_ticks)" -gt 0 ] || fail "nothing is left of a recording that met a limit"
+
+# The file by another program, from docs/session.md alone; and a recording that says something else.
+if [ -n "${PYTHON3:-}" ] && [ "$PYTHON3" != no ]; then
+    tool="$PYTHON3 $source_folder/tests/app/session_tool.py"
+    check "read by another program" "$($tool check whole.session)" "$ticks ended"
+    check "cut and repaired, by another program" "$($tool check repaired.session)" "$whole_ticks cut off"
+    for field in digest removed tool; do
+        $tool change short.session changed.session 70 $field -1
+        "$osteon" replay changed.session --verify --json >out 2>err
+        status=$?
+        if [ $field = tool ]; then
+            check "tick 70 with another tool: ticks as recorded" "$status $(value first_difference.tick)" "1 70"
+        else
+            check "tick 70, $field changed" "$status $(value equal) $(value first_difference.tick) $(value first_difference.other_agrees_with_recording)" \
+                "1 false 70 false"
+            has first_difference.chunks.0
+        fi
+    done
+    run 1 replay changed.session
+    grep -q "differs from what was recorded from tick 70 on; --verify says where" out || fail "without --verify: $(cat out)"
+fi
+
+# A backend that is wrong: which tick, chunk and voxel.
+LD_LIBRARY_PATH=$build/.libs${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
+export LD_LIBRARY_PATH
+if cp "$build/.libs/mirror.so" . 2>/dev/null; then
+    run 0 replay short.session --verify --backend plugin:./mirror.so --json
+    # Its 62nd removal, the first with the reamer, is forgotten.
+    run 1 replay short.session --verify --backend plugin:./mirror.so,break=forgets --json
+    check "forgotten" "$(value equal) $(value first_difference.tick) $(value first_difference.other_backend) $(value first_difference.other_agrees_with_recording)" \
+        "false 61 ref true"
+    [ "$(value first_difference.density_here)" -ge 120 ] || fail "forgotten: $(value first_difference.density_here)"
+    check "the reference removed it" "$(value first_difference.density_there)" 0
+    # After the 20th a voxel far away turns to bone, which no tick's digest can say.
+    run 1 replay short.session --verify --backend plugin:./mirror.so,break=slips --json
+    check "slipped" "$(value first_difference.at) $(value first_difference.tick) $(value first_difference.chunk) \
+$(value first_difference.voxel.0) $(value first_difference.voxel.1) $(value first_difference.voxel.2)" "end 19 0 1 2 3"
+    check "slipped: densities" "$(value first_difference.density_here) $(value first_difference.different_voxels)" "777 1"
+fi
+
+# Killed while it reams: what is there is done again, to the bit.
+kills=2
+[ "$long" = 1 ] && kills=20
+k=0
+while [ $k -lt $kills ]; do
+    rm -f killed.session
+    "$osteon" ream --bone bone.nrrd --tool builtin:peg --tool builtin:reamer --path path.csv --out killed.nrrd --record killed.session \
+        --backend ref >/dev/null 2>&1 &
+    while [ ! -s killed.session ] && kill -0 $! 2>/dev/null; do sleep 0.05; done
+    sleep "0.$((1 + k % 5))"
+    kill -9 $! 2>/dev/null
+    wait $! 2>/dev/null
+    k=$((k + 1))
+    run 0 info killed.session --json || continue
+    [ "$(value replayable_ticks)" -gt 0 ] || continue
+    run 0 replay killed.session --verify --json
+    check "killed: equal" "$(value equal)" true
+done
+finish
