@@ -11,6 +11,7 @@
  *   tool.h     tool grids                      path.h     a tool over time
  *   digest.h   SHA-256 of grids                event.h    sweep, map, report
  *   plugin.h   somebody else's backend        session.h  what happened, to be done again
+ *   haptics.h  devices and their loop         operation.h  a world that a device moves
  */
 #ifndef OSTEON_H
 #define OSTEON_H
@@ -19,9 +20,11 @@
 #include <osteon/digest.h>
 #include <osteon/event.h>
 #include <osteon/grid.h>
+#include <osteon/haptics.h>
 #include <osteon/io.h>
 #include <osteon/length.h>
 #include <osteon/mesh.h>
+#include <osteon/operation.h>
 #include <osteon/path.h>
 #include <osteon/phantom.h>
 #include <osteon/picture.h>

@@ -104,8 +104,8 @@ typedef struct ost_glenoid {
 /* From OST_META_*; OST_ERR_USAGE naming the missing key. */
 OST_API ost_status ost_glenoid_from_meta(const ost_meta *meta, ost_glenoid *out, ost_error *err);
 
-typedef enum ost_builtin { OST_BUILTIN_PEG_HOLE, OST_BUILTIN_GLENOID_REAM, OST_BUILTIN_COUNT } ost_builtin;
-OST_API const char *ost_builtin_name(ost_builtin which); /* "peg-hole", "glenoid-ream" */
+typedef enum ost_builtin { OST_BUILTIN_PEG_HOLE, OST_BUILTIN_GLENOID_REAM, OST_BUILTIN_GLENOID_SLOW, OST_BUILTIN_COUNT } ost_builtin;
+OST_API const char *ost_builtin_name(ost_builtin which); /* "peg-hole", "glenoid-ream", "glenoid-slow" */
 
 /*
  * 1 kHz ticks: approach, advance along the axis with the tool turning, dwell,

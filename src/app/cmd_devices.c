@@ -158,6 +158,25 @@ static void list_instruction_sets(const app_state *app)
     say(app, "\ninstruction sets of this processor\n  %s", count ? text : "none that osteon looks for");
 }
 
+static void list_haptics(const app_state *app)
+{
+    json_t *array = json_array();
+    say(app, "\nhaptic devices");
+    for (int i = 0; i < ost_haptic_count(); i++) {
+        ost_haptic_info info;
+        if (ost_haptic_describe(i, &info, NULL) != OST_OK)
+            continue;
+        one(app, array, info.name, info.available, info.available ? info.description : info.reason);
+        json_t *row = json_array_get(array, json_array_size(array) - 1);
+        put_bool(row, "force", info.caps & OST_HAPTIC_FORCE);
+        put_bool(row, "torque", info.caps & OST_HAPTIC_TORQUE);
+        put_bool(row, "orientation", info.caps & OST_HAPTIC_ORIENTATION);
+        put_real(row, "max_force_n", info.max_force_n);
+        put_real(row, "max_stiffness_n_m", info.max_stiffness_n_m);
+    }
+    put(app->result, "haptics", array);
+}
+
 static void list_libraries(const app_state *app)
 {
     json_t *array = json_array();
@@ -190,9 +209,9 @@ ost_status cmd_devices(app_state *app, int argc, char **argv, ost_error *err)
     const option options[] = {{.name = NULL}};
     const usage_text usage = {
         .synopsis = "[--json]",
-        .about = "Says which backends, instruction sets and optional parts work here, and for what\n"
-                 "does not the reason and what to install. OSTEON_ISA, OMP_NUM_THREADS, --backend\n"
-                 "and --threads count as they would for any other verb.",
+        .about = "Says which backends, instruction sets, haptic devices and optional parts work here,\n"
+                 "and for what does not the reason and what to install. OSTEON_ISA, OMP_NUM_THREADS,\n"
+                 "--backend and --threads count as they would for any other verb.",
         .options = options,
         .example = "  osteon devices\n  osteon devices --backend cpu:isa=avx2 --threads 1",
     };
@@ -207,6 +226,7 @@ ost_status cmd_devices(app_state *app, int argc, char **argv, ost_error *err)
     if (status != OST_OK)
         return status;
     list_instruction_sets(app);
+    list_haptics(app);
     list_libraries(app);
     return OST_OK;
 }

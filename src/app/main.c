@@ -31,6 +31,7 @@ static const app_verb verbs[] = {
     {"voxelize", "turn a mesh into a tool grid", cmd_voxelize},
     {"ream", "move tools along a path and remove bone: the main job", cmd_ream},
     {"replay", "do a recorded session again, on any backend, and compare", cmd_replay},
+    {"sim", "the simulator: a device moves the tool, a thousand times a second", cmd_sim},
     {"diff", "say what differs between two grids, and show it", cmd_diff},
     {"export", "write a bone as a volume, a surface or a picture", cmd_export},
     {"info", "say what a file is", cmd_info},

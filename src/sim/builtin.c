@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The two built-in paths: the peg hole, then reaming (thesis 2.5).
+ * The built-in paths: the peg hole, then reaming (thesis 2.5).
  *
  *        approach            advance        dwell     retreat
  *   -8 mm -------> 0 (face) --------> depth ----> depth -------> -8 mm
@@ -14,6 +14,9 @@
  *   glenoid-ream  3 mm deep at 1.5 mm/s: the cartilage, 2 mm, and into the
  *                 subchondral plate behind it, 1.2 to 2.9 mm, whose rest is left
  *                 to carry the implant (facts and sources: docs/arithmetic.md, AR-CLS)
+ *
+ *   glenoid-slow  the same depth in a minute, from the face on: a tool that is in contact
+ *                 throughout, for the servo loop and for devices
  *
  * Depths are integers.  The turning is a recurrence of unit quaternions:
  *
@@ -48,6 +51,7 @@ typedef struct plan {
 static const plan plans[OST_BUILTIN_COUNT] = {
     [OST_BUILTIN_PEG_HOLE] = {"peg-hole", -8000 * UM, 20 * UM, 22000 * UM, 10 * UM, 200, 20 * UM},
     [OST_BUILTIN_GLENOID_REAM] = {"glenoid-ream", -8000 * UM, 20 * UM, 3000 * UM, 3 * UM / 2, 400, 20 * UM},
+    [OST_BUILTIN_GLENOID_SLOW] = {"glenoid-slow", 0, 20 * UM, 3000 * UM, UM / 20, 400, 20 * UM},
 };
 
 const char *ost_builtin_name(ost_builtin which)

@@ -5,7 +5,7 @@
 # Covers: REQ-CLI-STATUS, REQ-CLI-HELP
 . "${srcdir:-.}/tests/app/lib.sh"
 
-verbs="phantom tool import voxelize ream replay diff export info validate verify devices"
+verbs="phantom tool import voxelize ream replay sim diff export info validate verify devices"
 
 # Every verb: help with usage and example, within 80 columns, and a man page that names the same options.
 run 0 --help
@@ -32,7 +32,8 @@ done
 refuse 2 'which verb?'
 refuse 2 'did you mean ream?' reem --bone x
 refuse 2 'did you mean voxelize?' voxelise
-refuse 2 'not a verb' sim
+refuse 2 'not a verb' operate
+refuse 3 'has no window' sim
 refuse 2 'not a verb' ''
 refuse 2 'did you mean --version?' --versoin
 refuse 2 'which CT?' import

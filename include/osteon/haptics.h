@@ -1,0 +1,168 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Devices that move a tool, and the loop that serves them a thousand times a
+ * second.
+ *
+ *   device --pose--> ost_servo --tick--> what the program does with it
+ *      ^                                        |
+ *      '---------------- wrench ----------------'
+ *
+ * A device gives a pose in the bone's frame, quantised once (pose.h), and
+ * takes a wrench.  Some are asked by our loop; those with a clock of their own
+ * call the tick from their thread.  osteon devices lists them all.
+ *
+ * Threads: a device is used by one thread at a time; ost_servo_run is that
+ * thread while it runs.
+ */
+#ifndef OSTEON_HAPTICS_H
+#define OSTEON_HAPTICS_H
+
+#include <osteon/path.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* --------------------------------------------------------------- devices */
+
+enum {
+    OST_HAPTIC_FORCE = 1,       /* renders forces */
+    OST_HAPTIC_TORQUE = 2,      /* renders torques */
+    OST_HAPTIC_ORIENTATION = 4, /* senses orientation, not only position */
+    OST_HAPTIC_TOOL = 8,        /* says which tool is in the hand */
+    OST_HAPTIC_OWN_CLOCK = 16,  /* its own thread calls the tick */
+    OST_HAPTIC_LOGICAL = 32     /* knows ticks and no time: the same however fast it is asked */
+};
+
+typedef struct ost_haptic_info {
+    const char *name;        /* "sim" */
+    const char *description; /* a sentence */
+    uint32_t caps;
+    bool available;
+    char reason[256];        /* when not available: why, and what to do about it */
+    double max_force_n;      /* 0 without force */
+    double max_stiffness_n_m;
+} ost_haptic_info;
+
+/* All devices that this library knows, in a fixed order. */
+OST_API int ost_haptic_count(void);
+OST_API ost_status ost_haptic_describe(int index, ost_haptic_info *out, ost_error *err);
+
+typedef struct ost_haptic ost_haptic;
+
+/* What a device may need; everything is borrowed until ost_haptic_open returns. */
+typedef struct ost_haptic_setup {
+    const ost_path *path; /* script: where the tool goes; sim: where the hand goes */
+    const char *session;  /* replay: a session's file */
+    ost_pose start;       /* null: where the tool stays */
+} ost_haptic_setup;
+
+/*
+ * "name" or "name:key=value,key=value".
+ *
+ *   null              stays where it is
+ *   script            a path, a row a tick
+ *   replay            the ticks of a session
+ *   sim               a device of 60 g with friction and encoders in a hand that follows a path:
+ *                     grip=light|normal|firm (normal), seed=N (1), tremor=UM (0), friction=MN (260)
+ *
+ * OST_ERR_USAGE on an unknown name, key or value, or when the setup lacks what it needs.
+ */
+OST_API ost_status ost_haptic_open(const char *spec, const ost_haptic_setup *setup, ost_haptic **out, ost_error *err);
+OST_API void ost_haptic_close(ost_haptic *device); /* NULL is allowed */
+OST_API const char *ost_haptic_name(const ost_haptic *device);
+
+typedef enum ost_haptic_answer {
+    OST_HAPTIC_FRESH, /* a new pose */
+    OST_HAPTIC_STALE, /* none this time; the state is as it was */
+    OST_HAPTIC_ENDED, /* there will be none any more, as planned */
+    OST_HAPTIC_LOST   /* there will be none any more: unplugged, failed */
+} ost_haptic_answer;
+
+typedef struct ost_haptic_state {
+    ost_pose pose;
+    int32_t tool; /* -1: it does not say */
+    uint32_t buttons;
+} ost_haptic_state;
+
+/* On the hand, in the bone's frame; the torque about the tool's origin. */
+typedef struct ost_wrench {
+    double force_n[3], torque_nm[3];
+} ost_wrench;
+
+/* For devices without a clock of their own, once a tick each. */
+OST_API ost_haptic_answer ost_haptic_read(ost_haptic *device, ost_haptic_state *state);
+OST_API void ost_haptic_write(ost_haptic *device, const ost_wrench *wrench);
+
+/* ------------------------------------------------------------- histograms */
+
+/* Times in bins of a microsecond up to 4096 us, and what is beyond in milliseconds up to 4096. */
+enum { OST_TIMES_BINS = 4096 };
+typedef struct ost_times {
+    uint64_t count, max_ns;
+    uint64_t us[OST_TIMES_BINS], ms[OST_TIMES_BINS];
+} ost_times;
+
+OST_API void ost_times_add(ost_times *times, uint64_t ns);
+/* The upper end of the bin in which share (0 to 1) of all are reached, in us, but never above the greatest; 0 when empty. */
+OST_API double ost_times_share_us(const ost_times *times, double share);
+
+/* ------------------------------------------------------------------ servo */
+
+/* What the system allowed, for the record. */
+typedef struct ost_realtime {
+    char scheduling[120]; /* "SCHED_FIFO 80", or the next best, and why */
+    char memory[120];     /* "locked", or why not */
+} ost_realtime;
+
+typedef struct ost_servo_sample {
+    uint64_t number;      /* of the tick, from 0 */
+    int64_t t_ns;         /* number times the period: what the world's clock says */
+    ost_haptic_state state;
+    bool declared;        /* no new pose: the last one */
+    uint32_t wake_ns;     /* how late the tick began */
+    uint32_t missed;      /* ticks that were skipped before this one */
+} ost_servo_sample;
+
+/* False ends the loop. wrench is zero before and goes to the device after. Nothing here may wait. */
+typedef bool ost_servo_tick(void *user, const ost_servo_sample *sample, ost_wrench *wrench);
+/* After the wrench was given: what the tick took in all, for whoever keeps a record. May be NULL. */
+typedef void ost_servo_done(void *user, uint64_t number, uint32_t exec_ns);
+
+typedef struct ost_servo_options {
+    int64_t period_ns;    /* 0: 1,000,000 */
+    uint64_t ticks;       /* 0: until the device ends or tick returns false */
+    uint64_t idle_ticks;  /* of a loop that does nothing, half of them before and half after, for comparison */
+    bool no_clock;        /* one tick after the other, as fast as they go: for devices that know no time */
+    bool no_realtime;     /* ask the system for nothing */
+} ost_servo_options;
+
+typedef enum ost_servo_end { OST_SERVO_TICKS, OST_SERVO_ASKED, OST_SERVO_DEVICE_ENDED, OST_SERVO_DEVICE_LOST, OST_SERVO_WATCHDOG } ost_servo_end;
+
+typedef struct ost_servo_report {
+    ost_servo_end end;
+    uint64_t ticks;
+    uint64_t missed;           /* deadlines: ticks that ended after the next one was due, and those skipped for it */
+    uint64_t longest_miss;     /* the most ticks skipped at once */
+    uint64_t stale;            /* ticks without a new pose */
+    uint64_t idle_ticks, idle_missed;
+    int64_t stolen_ms;         /* by the hypervisor, of all cores together, while the loops ran; -1: unknown */
+    ost_times wake, exec, completion, idle_wake;
+    ost_realtime realtime;
+} ost_servo_report;
+
+/* Five ticks without a new pose end the loop: a device that is silent gets no force (facts: a watchdog of 5 ms). */
+enum { OST_SERVO_WATCHDOG_TICKS = 5 };
+
+/*
+ * Serves the device by this thread until an end.  Ticks are due at absolute
+ * times; one that is late is done at once, those that went by are skipped and
+ * counted, never caught up on.  report is filled in any case.
+ */
+OST_API ost_status ost_servo_run(ost_haptic *device, const ost_servo_options *options, ost_servo_tick *tick, ost_servo_done *done, void *user,
+                                 ost_servo_report *report, ost_error *err);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * An operation: a world that a device moves the tools of, recorded as it goes.
+ *
+ *   ost_servo_run --sample--> pose guard --> ost_world_step --> digest
+ *                                 |                               |
+ *                               faults ------------------> record, put
+ *
+ * It is what to give to ost_servo_run: ost_operation_tick and
+ * ost_operation_done, with the operation as user.  Live, scripted and
+ * simulated operations are this one.
+ */
+#ifndef OSTEON_OPERATION_H
+#define OSTEON_OPERATION_H
+
+#include <osteon/haptics.h>
+#include <osteon/session.h>
+#include <osteon/sim.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum ost_fault {
+    OST_FAULT_NONE,
+    OST_FAULT_JUMP, /* the pose moved more than 5 mm in a tick */
+    OST_FAULT_TURN, /* the pose turned more than the sweep can follow, or is none */
+    OST_FAULT_TOOL  /* the device names a tool that the world does not have */
+} ost_fault;
+
+typedef struct ost_operation ost_operation;
+
+typedef struct ost_operation_options {
+    int32_t tool;            /* where the device does not say */
+    ost_recorder *recorder;  /* borrowed; NULL: nothing is recorded */
+} ost_operation_options;
+
+/* The world is borrowed, and used by the servo's thread alone while it runs. */
+OST_API ost_status ost_operation_create(ost_world *world, const ost_operation_options *options, ost_operation **out, ost_error *err);
+OST_API void ost_operation_free(ost_operation *operation); /* NULL is allowed */
+
+/*
+ * A pose that cannot be the hand's is a fault: the tool stays where it was,
+ * nothing is removed and no force is given, until the device comes back to
+ * within 5 mm of there.  A backend that fails ends the loop.
+ */
+OST_API bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wrench *wrench);
+OST_API void ost_operation_done(void *operation, uint64_t number, uint32_t exec_ns);
+
+typedef struct ost_operation_report {
+    uint64_t steps;        /* ticks that the world took */
+    uint64_t faults;       /* how often one began */
+    uint64_t fault_ticks;  /* ticks in one */
+    ost_fault last_fault;  /* the last that began */
+    ost_status status;     /* not OST_OK: the world failed, with the text in error */
+    ost_error error;
+} ost_operation_report;
+OST_API void ost_operation_report_get(const ost_operation *operation, ost_operation_report *out);
+/* A few words, "the pose jumped". */
+OST_API const char *ost_fault_text(ost_fault fault);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

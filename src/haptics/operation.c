@@ -1,0 +1,176 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What a tick does. Nothing here waits, allocates beyond what a step of the world does, or asks the system for anything. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <osteon/operation.h>
+
+#define JUMP_PM (5 * OST_PM_PER_MM)
+
+struct ost_operation {
+    ost_world *world;
+    ost_operation_options options;
+    int classes;
+    bool moved;        /* a tick was taken: last is where the tool is */
+    ost_pose last;
+    int32_t last_tool;
+    ost_fault fault;   /* now */
+    ost_operation_report report;
+    ost_record pending; /* of the tick whose time is not known yet */
+    bool has_pending;
+};
+
+const char *ost_fault_text(ost_fault fault)
+{
+    switch (fault) {
+    case OST_FAULT_NONE: return "none";
+    case OST_FAULT_JUMP: return "the pose jumped";
+    case OST_FAULT_TURN: return "the pose turned too far, or is none";
+    case OST_FAULT_TOOL: return "there is no such tool";
+    }
+    return "unknown";
+}
+
+ost_status ost_operation_create(ost_world *world, const ost_operation_options *options, ost_operation **out, ost_error *err)
+{
+    *out = NULL;
+    if (!world)
+        return ost_fail(err, OST_ERR_USAGE, "an operation needs a world");
+    ost_operation *o = calloc(1, sizeof *o);
+    if (!o)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for an operation");
+    o->world = world;
+    if (options)
+        o->options = *options;
+    o->classes = ost_world_classes(world)->count;
+    *out = o;
+    return OST_OK;
+}
+
+void ost_operation_free(ost_operation *operation)
+{
+    free(operation);
+}
+
+static uint32_t at_most_32(uint64_t n)
+{
+    return n < UINT32_MAX ? (uint32_t)n : UINT32_MAX;
+}
+
+static void put(ost_operation *o, const ost_record *record)
+{
+    if (o->options.recorder)
+        ost_recorder_put(o->options.recorder, record); /* what is lost is counted there */
+}
+
+static void note(ost_operation *o, int64_t t_ns, const char *text)
+{
+    ost_record record = {.kind = OST_RECORD_NOTE, .as.note.t_ns = t_ns};
+    size_t length = strlen(text);
+    length = length < OST_SESSION_TEXT - 1 ? length : OST_SESSION_TEXT - 1;
+    memcpy(record.as.note.text, text, length);
+    put(o, &record);
+}
+
+/* Poses are within 8 m when they are any, so a difference is below 2^44 and its square below 2^88. */
+static bool is_far(const ost_pose *a, const ost_pose *b)
+{
+    const int64_t d[3] = {a->t.x - b->t.x, a->t.y - b->t.y, a->t.z - b->t.z};
+    ost_int128 square = 0;
+    for (int i = 0; i < 3; i++)
+        square += (ost_int128)d[i] * d[i];
+    return square > (ost_int128)JUMP_PM * JUMP_PM;
+}
+
+static ost_fault judge(const ost_operation *o, const ost_tick *tick)
+{
+    if (ost_pose_check(&tick->pose, NULL) != OST_OK)
+        return OST_FAULT_TURN;
+    /* A tool that is taken up begins where it is: nothing is swept. */
+    if (o->moved && tick->tool == o->last_tool && is_far(&tick->pose, &o->last))
+        return OST_FAULT_JUMP;
+    return OST_FAULT_NONE;
+}
+
+static void set_fault(ost_operation *o, ost_fault fault, int64_t t_ns)
+{
+    if (fault != OST_FAULT_NONE) {
+        o->report.fault_ticks++;
+        if (o->fault == OST_FAULT_NONE)
+            o->report.faults++;
+        o->report.last_fault = fault;
+    }
+    if (fault != o->fault)
+        note(o, t_ns, fault == OST_FAULT_NONE ? "the fault is over" : ost_fault_text(fault));
+    o->fault = fault;
+}
+
+static void remember(ost_operation *o, const ost_servo_sample *sample, const ost_tick *tick, const ost_step_result *step)
+{
+    o->pending = (ost_record){
+        .kind = OST_RECORD_TICK,
+        .as.tick = {.number = o->report.steps,
+                    .tick = *tick,
+                    .flags = (step->removal ? OST_TICK_REMOVAL : 0) | (step->boxes_meet ? OST_TICK_MET : 0) |
+                             (sample->declared ? OST_TICK_DECLARED : 0),
+                    .buttons = sample->state.buttons,
+                    .digest = ost_step_digest(step, o->classes),
+                    .removed = step->report ? at_most_32(step->report->total_voxels) : 0,
+                    .touched = step->report ? at_most_32(step->report->touched_voxels) : 0,
+                    .poses = (uint16_t)step->pose_count,
+                    .wake_ns = sample->wake_ns,
+                    .missed = sample->missed},
+    };
+    o->has_pending = true;
+}
+
+bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wrench *wrench)
+{
+    ost_operation *o = operation;
+    (void)wrench; /* zero: removal alone */
+    const ost_tick tick = {
+        .t_ns = sample->t_ns,
+        .tool = sample->state.tool >= 0 ? sample->state.tool : o->options.tool,
+        .pose = sample->state.pose,
+    };
+    ost_fault fault = judge(o, &tick);
+    ost_step_result step;
+    if (fault == OST_FAULT_NONE) {
+        o->report.status = ost_world_step(o->world, &tick, &step, &o->report.error);
+        if (o->report.status == OST_ERR_RANGE)
+            fault = OST_FAULT_TURN;
+        else if (o->report.status == OST_ERR_USAGE)
+            fault = OST_FAULT_TOOL;
+        else if (o->report.status != OST_OK)
+            return false;
+    }
+    set_fault(o, fault, sample->t_ns);
+    if (fault != OST_FAULT_NONE) {
+        /* The world is as it was; so it may go on. */
+        o->report.status = OST_OK;
+        return true;
+    }
+    remember(o, sample, &tick, &step);
+    o->report.steps++;
+    o->moved = true;
+    o->last = tick.pose;
+    o->last_tool = tick.tool;
+    return true;
+}
+
+void ost_operation_done(void *operation, uint64_t number, uint32_t exec_ns)
+{
+    ost_operation *o = operation;
+    (void)number;
+    if (!o->has_pending)
+        return;
+    o->pending.as.tick.exec_ns = exec_ns;
+    put(o, &o->pending);
+    o->has_pending = false;
+}
+
+void ost_operation_report_get(const ost_operation *operation, ost_operation_report *out)
+{
+    *out = operation->report;
+}

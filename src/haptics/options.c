@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* "key=value,key=value" behind a device's name. */
+#include <string.h>
+
+#include "haptics/driver.h"
+
+enum { KEY = 24, VALUE = 80 };
+
+ost_status haptic_options(const char *device, const char *options, haptic_option *take, void *user, ost_error *err)
+{
+    for (const char *p = options; *p;) {
+        char key[KEY], value[VALUE];
+        const size_t k = strcspn(p, "=,"), v = p[k] == '=' ? strcspn(p + k + 1, ",") : 0;
+        if (p[k] != '=' || k == 0 || k >= KEY || v == 0 || v >= VALUE)
+            return ost_fail(err, OST_ERR_USAGE, "device %s: '%.60s' is not key=value", device, p);
+        memcpy(key, p, k);
+        key[k] = '\0';
+        memcpy(value, p + k + 1, v);
+        value[v] = '\0';
+        ost_status status = take(user, key, value, err);
+        if (status != OST_OK)
+            return status;
+        p += k + 1 + v;
+        if (*p == ',' && !*++p)
+            return ost_fail(err, OST_ERR_USAGE, "device %s: nothing follows the last ','", device);
+    }
+    return OST_OK;
+}
+
+ost_status haptic_integer(const char *device, const char *key, const char *value, int64_t lo, int64_t hi, int64_t *out, ost_error *err)
+{
+    ost_decimal d;
+    bool exact = false;
+    const char *end = value + strlen(value);
+    if (ost_decimal_read(value, end, &d) != end || !ost_decimal_scale(&d, 1, out, &exact) || !exact || *out < lo || *out > hi)
+        return ost_fail(err, OST_ERR_USAGE, "device %s: %s=%.40s: must be a whole number from %lld to %lld", device, key, value, (long long)lo,
+                        (long long)hi);
+    return OST_OK;
+}

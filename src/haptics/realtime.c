@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * In this order: SCHED_FIFO 80, SCHED_FIFO as high as the limit allows,
+ * nice -11, nothing; and always the shortest timer slack.  Children and
+ * threads that are made meanwhile are plain (SCHED_RESET_ON_FORK): workers of
+ * OpenMP and drivers must not outrank what they serve.
+ *
+ * Memory is locked, so that no tick waits for a page.  What will be allocated
+ * later is locked only where the limit cannot make an allocation fail for it.
+ */
+#include "haptics/realtime.h"
+
+#include <errno.h>
+#include <sched.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+enum { PRIORITY = 80, NICE = -11, STACK = 256 * 1024 };
+
+static bool fifo(int priority)
+{
+    const struct sched_param param = {.sched_priority = priority};
+    return sched_setscheduler(0, SCHED_FIFO | SCHED_RESET_ON_FORK, &param) == 0;
+}
+
+static void schedule(realtime_before *before, ost_realtime *out)
+{
+    struct sched_param param;
+    struct rlimit limit;
+    const id_t thread = (id_t)syscall(SYS_gettid);
+    before->policy = sched_getscheduler(0);
+    before->priority = sched_getparam(0, &param) == 0 ? param.sched_priority : 0;
+    errno = 0;
+    before->nice = getpriority(PRIO_PROCESS, thread);
+    if (fifo(PRIORITY)) {
+        before->scheduled = true;
+        snprintf(out->scheduling, sizeof out->scheduling, "SCHED_FIFO %d", PRIORITY);
+        return;
+    }
+    const int refused = errno;
+    if (getrlimit(RLIMIT_RTPRIO, &limit) == 0 && limit.rlim_cur > 0) {
+        const int allowed = limit.rlim_cur < PRIORITY ? (int)limit.rlim_cur : PRIORITY;
+        if (fifo(allowed)) {
+            before->scheduled = true;
+            snprintf(out->scheduling, sizeof out->scheduling, "SCHED_FIFO %d, which is the limit (rtprio)", allowed);
+            return;
+        }
+    }
+    if (setpriority(PRIO_PROCESS, thread, NICE) == 0) {
+        before->niced = true;
+        snprintf(out->scheduling, sizeof out->scheduling, "nice %d; no SCHED_FIFO: %s", NICE, strerror(refused));
+        return;
+    }
+    snprintf(out->scheduling, sizeof out->scheduling, "plain; no SCHED_FIFO: %s (limits.d: rtprio 80)", strerror(refused));
+}
+
+static void lock_memory(realtime_before *before, ost_realtime *out)
+{
+    struct rlimit limit;
+    const bool unlimited = geteuid() == 0 || (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY);
+    before->locked = mlockall(unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) == 0;
+    if (before->locked)
+        snprintf(out->memory, sizeof out->memory, "locked");
+    else
+        snprintf(out->memory, sizeof out->memory, "not locked: %s (limits.d: memlock unlimited)", strerror(errno));
+}
+
+/* The stack's pages are there before the first tick. */
+static void touch_stack(void)
+{
+    volatile unsigned char stack[STACK];
+    for (size_t i = 0; i < STACK; i += 4096)
+        stack[i] = 1;
+    (void)stack[0];
+}
+
+void realtime_enter(bool ask, realtime_before *before, ost_realtime *out)
+{
+    *before = (realtime_before){0};
+    if (!ask) {
+        snprintf(out->scheduling, sizeof out->scheduling, "as it was");
+        snprintf(out->memory, sizeof out->memory, "as it was");
+        return;
+    }
+    schedule(before, out);
+    const int slack = prctl(PR_GET_TIMERSLACK);
+    before->slack_ns = slack > 0 ? (unsigned long)slack : 0;
+    before->slack = prctl(PR_SET_TIMERSLACK, 1UL) == 0;
+    lock_memory(before, out);
+    touch_stack();
+}
+
+void realtime_leave(const realtime_before *before)
+{
+    if (before->scheduled) {
+        const struct sched_param param = {.sched_priority = before->priority};
+        sched_setscheduler(0, before->policy < 0 ? SCHED_OTHER : before->policy, &param);
+    }
+    if (before->niced)
+        setpriority(PRIO_PROCESS, (id_t)syscall(SYS_gettid), before->nice);
+    if (before->slack)
+        prctl(PR_SET_TIMERSLACK, before->slack_ns);
+    if (before->locked)
+        munlockall();
+}

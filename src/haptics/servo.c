@@ -1,0 +1,238 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The servo loop.
+ *
+ *   due 0      due 1      due 2      due 3      due 4
+ *    |--wake--[read, tick, write]--| . . .      |         every tick in time
+ *    |--wake--[read, tick,   write]-----|       |         done after 1 was due:
+ *                  missed:   tick 0, 1 skipped  ^ next    two deadlines missed
+ *
+ *   wake        from when a tick was due to when it began
+ *   exec        from there to when the wrench was given
+ *   completion  from when it was due; more than a period is a deadline missed
+ *
+ * Due times are absolute and never move; the world's clock counts the ticks
+ * that were done.  The same loop without a device, before and after, shows
+ * what the machine alone misses.
+ */
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "haptics/driver.h"
+#include "haptics/realtime.h"
+
+enum { PERIOD_NS = 1000000 };
+
+typedef struct servo {
+    ost_haptic *device;
+    ost_servo_options options;
+    ost_servo_tick *tick;
+    ost_servo_done *done;
+    void *user;
+    ost_servo_report *report;
+    ost_servo_sample sample;
+    int64_t due;
+    bool has_pose;
+    int silent; /* ticks without a pose, in a row */
+} servo;
+
+static int64_t now_ns(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return t.tv_sec * INT64_C(1000000000) + t.tv_nsec;
+}
+
+static void sleep_until(int64_t ns)
+{
+    const struct timespec t = {.tv_sec = ns / 1000000000, .tv_nsec = ns % 1000000000};
+    while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, NULL) == EINTR)
+        ;
+}
+
+static uint32_t ns32(int64_t ns)
+{
+    return ns < 0 ? 0 : ns < UINT32_MAX ? (uint32_t)ns : UINT32_MAX;
+}
+
+/* A tick that was due and has ended: how many after it are skipped. */
+static int64_t skipped_after(int64_t due, int64_t end, int64_t period)
+{
+    return end > due ? (end - due) / period : 0;
+}
+
+static bool end_with(servo *s, ost_servo_end end)
+{
+    s->report->end = end;
+    return false;
+}
+
+/* The device's answer into the sample; false when the loop is over. */
+static bool take_pose(servo *s)
+{
+    switch (ost_haptic_read(s->device, &s->sample.state)) {
+    case OST_HAPTIC_FRESH:
+        s->has_pose = true;
+        s->silent = 0;
+        s->sample.declared = false;
+        return true;
+    case OST_HAPTIC_STALE:
+        s->report->stale++;
+        s->sample.declared = true;
+        return ++s->silent < OST_SERVO_WATCHDOG_TICKS || end_with(s, OST_SERVO_WATCHDOG);
+    case OST_HAPTIC_ENDED:
+        return end_with(s, OST_SERVO_DEVICE_ENDED);
+    case OST_HAPTIC_LOST:
+        break;
+    }
+    return end_with(s, OST_SERVO_DEVICE_LOST);
+}
+
+/* One tick that was due at s->due and began at begin. */
+static bool serve(servo *s, int64_t begin)
+{
+    ost_wrench wrench = {{0}, {0}};
+    s->sample.wake_ns = ns32(begin - s->due);
+    if (!take_pose(s))
+        return false;
+    /* Before its first pose a device is waited for, with the watchdog's patience. */
+    if (!s->has_pose)
+        return true;
+    const bool more = s->tick(s->user, &s->sample, &wrench);
+    ost_haptic_write(s->device, &wrench);
+    const int64_t end = now_ns();
+    if (s->done)
+        s->done(s->user, s->sample.number, ns32(end - begin));
+    ost_servo_report *r = s->report;
+    r->ticks++;
+    ost_times_add(&r->wake, begin > s->due ? (uint64_t)(begin - s->due) : 0);
+    ost_times_add(&r->exec, (uint64_t)(end - begin));
+    ost_times_add(&r->completion, end > s->due ? (uint64_t)(end - s->due) : 0);
+    s->sample.number++;
+    s->sample.t_ns += s->options.period_ns;
+    if (!more)
+        return end_with(s, OST_SERVO_ASKED);
+    return !s->options.ticks || r->ticks < s->options.ticks || end_with(s, OST_SERVO_TICKS);
+}
+
+/* Of the tick just done, which was due at s->due: misses are counted, and s->due goes on. */
+static void go_on(servo *s)
+{
+    const int64_t skipped = skipped_after(s->due, now_ns(), s->options.period_ns);
+    ost_servo_report *r = s->report;
+    r->missed += skipped > 0 ? (uint64_t)skipped + 1 : 0;
+    r->longest_miss = (uint64_t)skipped > r->longest_miss ? (uint64_t)skipped : r->longest_miss;
+    s->sample.missed = ns32(skipped);
+    s->due += s->options.period_ns * (skipped + 1);
+}
+
+static void run_clock(servo *s)
+{
+    s->due = now_ns() + s->options.period_ns;
+    for (;;) {
+        sleep_until(s->due);
+        if (!serve(s, now_ns()))
+            break;
+        go_on(s);
+    }
+}
+
+static void run_without_clock(servo *s)
+{
+    do
+        s->due = now_ns();
+    while (serve(s, s->due));
+}
+
+/* Called by a device's own thread: its clock says when, ours how late that was. */
+static bool beat(void *user)
+{
+    servo *s = user;
+    const int64_t begin = now_ns();
+    if (s->due == 0)
+        s->due = begin;
+    if (!serve(s, begin))
+        return false;
+    /* A device that runs early sets the clock anew: its next beat is a period after this one. */
+    if (begin < s->due)
+        s->due = begin;
+    go_on(s);
+    return true;
+}
+
+static void run_idle(servo *s, uint64_t ticks)
+{
+    ost_servo_report *r = s->report;
+    const int64_t period = s->options.period_ns;
+    int64_t due = now_ns() + period;
+    for (uint64_t i = 0; i < ticks; i++) {
+        sleep_until(due);
+        const int64_t begin = now_ns(), skipped = skipped_after(due, begin, period);
+        ost_times_add(&r->idle_wake, (uint64_t)(begin - due));
+        r->idle_missed += skipped > 0 ? (uint64_t)skipped + 1 : 0;
+        due += period * (skipped + 1);
+    }
+    r->idle_ticks += ticks;
+}
+
+/* Steal of all cores since the machine began, in ms; -1 where the system does not say. */
+static int64_t stolen_ms(void)
+{
+    long long field[8];
+    FILE *file = fopen("/proc/stat", "re");
+    char line[512];
+    if (!file)
+        return -1;
+    int count = 0;
+    if (fgets(line, sizeof line, file) && strncmp(line, "cpu ", 4) == 0) {
+        const char *p = line + 4;
+        for (; count < 8; count++) {
+            p += strspn(p, " ");
+            if (*p < '0' || *p > '9')
+                break;
+            for (field[count] = 0; *p >= '0' && *p <= '9'; p++)
+                field[count] = field[count] * 10 + (*p - '0');
+        }
+    }
+    fclose(file);
+    return count == 8 ? field[7] * 10 : -1; /* hundredths of a second */
+}
+
+ost_status ost_servo_run(ost_haptic *device, const ost_servo_options *options, ost_servo_tick *tick, ost_servo_done *done, void *user,
+                         ost_servo_report *report, ost_error *err)
+{
+    servo s = {.device = device, .tick = tick, .done = done, .user = user, .report = report};
+    const haptic_driver *driver = device->driver;
+    if (options)
+        s.options = *options;
+    memset(report, 0, sizeof *report);
+    if (s.options.period_ns == 0)
+        s.options.period_ns = PERIOD_NS;
+    if (s.options.period_ns < 10000 || s.options.period_ns > INT64_C(1000000000))
+        return ost_fail(err, OST_ERR_USAGE, "a period of %lld ns; 10,000 to 1,000,000,000 are supported", (long long)s.options.period_ns);
+    if (s.options.no_clock && !(driver->caps & OST_HAPTIC_LOGICAL))
+        return ost_fail(err, OST_ERR_USAGE, "device %s knows time: it cannot be served without a clock", driver->name);
+
+    realtime_before before;
+    realtime_enter(!s.options.no_realtime, &before, &report->realtime);
+    const int64_t stolen = stolen_ms();
+    run_idle(&s, s.options.idle_ticks / 2);
+    ost_status status = OST_OK;
+    if (driver->caps & OST_HAPTIC_OWN_CLOCK)
+        status = driver->run(device->instance, beat, &s, err);
+    else if (s.options.no_clock)
+        run_without_clock(&s);
+    else
+        run_clock(&s);
+    /* Whatever the end was, the hand is left alone. */
+    const ost_wrench nothing = {{0}, {0}};
+    ost_haptic_write(device, &nothing);
+    run_idle(&s, s.options.idle_ticks - s.options.idle_ticks / 2);
+    const int64_t after = stolen_ms();
+    report->stolen_ms = stolen < 0 || after < 0 ? -1 : after - stolen;
+    realtime_leave(&before);
+    return status;
+}

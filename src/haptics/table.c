@@ -1,0 +1,90 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The list of drivers, and the border that programs call. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "haptics/driver.h"
+
+static const haptic_driver *const drivers[] = {&haptic_null, &haptic_script, &haptic_replay, &haptic_sim};
+
+enum { DRIVERS = sizeof drivers / sizeof drivers[0] };
+
+int ost_haptic_count(void)
+{
+    return DRIVERS;
+}
+
+ost_status ost_haptic_describe(int index, ost_haptic_info *out, ost_error *err)
+{
+    if (index < 0 || index >= DRIVERS)
+        return ost_fail(err, OST_ERR_USAGE, "there is no device number %d; %d are known", index, DRIVERS);
+    const haptic_driver *d = drivers[index];
+    *out = (ost_haptic_info){.name = d->name,
+                             .description = d->description,
+                             .caps = d->caps,
+                             .max_force_n = d->max_force_n,
+                             .max_stiffness_n_m = d->max_stiffness_n_m};
+    out->available = !d->usable || d->usable(out->reason);
+    return OST_OK;
+}
+
+ost_status ost_haptic_open_driver(const haptic_driver *driver, const char *options, const ost_haptic_setup *setup, ost_haptic **out,
+                                  ost_error *err)
+{
+    static const ost_haptic_setup nothing = {.start = {.qw = OST_Q30_ONE}};
+    char reason[256] = "";
+    *out = NULL;
+    if (driver->usable && !driver->usable(reason))
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "device %s: %s", driver->name, reason);
+    ost_haptic *device = calloc(1, sizeof *device);
+    if (!device)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for device %s", driver->name);
+    device->driver = driver;
+    ost_status status = driver->open(options, setup ? setup : &nothing, &device->instance, err);
+    if (status != OST_OK) {
+        free(device);
+        return status;
+    }
+    *out = device;
+    return OST_OK;
+}
+
+ost_status ost_haptic_open(const char *spec, const ost_haptic_setup *setup, ost_haptic **out, ost_error *err)
+{
+    *out = NULL;
+    if (!spec)
+        return ost_fail(err, OST_ERR_USAGE, "which device?");
+    const size_t length = strcspn(spec, ":");
+    for (int i = 0; i < DRIVERS; i++)
+        if (strlen(drivers[i]->name) == length && memcmp(drivers[i]->name, spec, length) == 0)
+            return ost_haptic_open_driver(drivers[i], spec[length] ? spec + length + 1 : "", setup, out, err);
+    char names[120] = "";
+    for (int i = 0, used = 0; i < DRIVERS; i++)
+        used += snprintf(names + used, sizeof names - (size_t)used, "%s%s", i ? ", " : "", drivers[i]->name);
+    return ost_fail(err, OST_ERR_USAGE, "'%.60s' is no device; known are %s", spec, names);
+}
+
+void ost_haptic_close(ost_haptic *device)
+{
+    if (!device)
+        return;
+    device->driver->close(device->instance);
+    free(device);
+}
+
+const char *ost_haptic_name(const ost_haptic *device)
+{
+    return device->driver->name;
+}
+
+ost_haptic_answer ost_haptic_read(ost_haptic *device, ost_haptic_state *state)
+{
+    return device->driver->read(device->instance, state);
+}
+
+void ost_haptic_write(ost_haptic *device, const ost_wrench *wrench)
+{
+    if (device->driver->write)
+        device->driver->write(device->instance, wrench);
+}

@@ -1,0 +1,55 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# osteon sim without a window: what it must say, and that an operation is the
+# same with a clock and without, live and replayed. No time is tested.
+# Covers: REQ-HAPTICS, REQ-REPLAY
+. "${srcdir:-.}/tests/app/lib.sh"
+
+run 0 devices --json
+has haptics.0.name haptics.0.available haptics.0.reason haptics.3.max_force_n
+check "the simulated device" "$(value haptics.3.name) $(value haptics.3.available) $(value haptics.3.force)" "sim true true"
+
+run 0 phantom glenoid --out ct.nrrd
+run 0 import ct.nrrd --out bone.nrrd
+run 0 sim --headless --bone bone.nrrd --seconds 0.5 --idle 0.1 --record live.session --out live.nrrd --json
+has ticks missed exec_us.p50 exec_us.p99 exec_us.p99_9 exec_us.max wake_us.p50 wake_us.p99_9 completion_us.max idle_wake_us.p50 idle_wake_us.max \
+    idle_missed removed_voxels sha256 scheduling memory stolen_ms
+check "ticks" "$(value ticks) $(value idle_ticks) $(value faults) $(value stale)" "500 100 0 0"
+[ "$(value removed_voxels)" -gt 0 ] || fail "the simulated hand removed nothing"
+live=$(value sha256)
+run 0 replay live.session --verify --backend ref --json
+check "live, and again on ref" "$(value equal) $(value ticks) $(value end_compared) $(value sha256)" "true 500 true $live"
+run 0 info live.session --json
+check "what drove it" "$(value header.device) $(value header.tick_ns)" "sim 1000000"
+
+# Without a clock, on other threads: the same operation. With another hand: another one.
+run 0 sim --headless --bone bone.nrrd --seconds 0.5 --no-clock --threads 2 --json
+check "without a clock" "$(value ticks) $(value missed) $(value sha256)" "500 0 $live"
+run 0 sim --headless --bone bone.nrrd --device sim:grip=light,friction=20,tremor=300,seed=4 --seconds 2 --no-clock --json
+shaking=$(value sha256)
+run 0 sim --headless --bone bone.nrrd --device sim:grip=light,friction=20,tremor=300,seed=4 --seconds 2 --no-clock --json
+check "the same hand" "$(value sha256)" "$shaking"
+run 0 sim --headless --bone bone.nrrd --device sim:grip=light,friction=20,tremor=300,seed=5 --seconds 2 --no-clock --json
+[ "$(value sha256)" != "$shaking" ] || fail "another seed shakes alike"
+
+# Scripts and sessions as devices; they end before the time does.
+run 0 sim --headless --bone bone.nrrd --device replay --path live.session --no-clock --json
+check "a session as a device" "$(value ticks) $(value sha256)" "500 $live"
+grep -q "nothing more to give" out || fail "a session's end: $(cat out)"
+run 0 ream --bone bone.nrrd --tool builtin:peg --path builtin:peg-hole --out hole.nrrd --json
+hole=$(value sha256)
+run 0 sim --headless --bone bone.nrrd --device script --tool builtin:peg --path builtin:peg-hole --no-clock --seconds 60 --json
+check "a script is what ream does" "$(value sha256)" "$hole"
+run 0 sim --headless --bone bone.nrrd --device null --seconds 0.05 --no-realtime --idle 0 --json
+check "a tool that stays" "$(value ticks) $(value scheduling) $(value idle_ticks)" "50 as it was 0"
+run 0 sim --headless --bone bone.nrrd --device null --seconds 0.05
+grep -q "deadlines missed" out || fail "people read: $(cat out)"
+
+refuse 3 "has no window" sim
+refuse 2 "'omni' is no device" sim --headless --bone bone.nrrd --device omni
+refuse 2 "must be light, normal or firm" sim --headless --bone bone.nrrd --device sim:grip=iron
+refuse 2 "--seconds 0 is no time" sim --headless --seconds 0
+refuse 2 "--seconds -1: must be from 0" sim --headless --seconds -1
+refuse 2 "needs one --path SESSION" sim --headless --device replay
+refuse 2 "must end in .session" sim --headless --record x.log
+finish

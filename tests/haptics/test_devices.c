@@ -1,0 +1,295 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The devices that are always there: the list, what a wrong spec is told,
+ * scripts and sessions row by row, and the simulated device against what its
+ * own mechanics must give.
+ * Covers: REQ-DEVICES
+ */
+#include "harness.h"
+
+#include <math.h>
+#include <unistd.h>
+
+#include <osteon/haptics.h>
+#include <osteon/session.h>
+
+#include "io/scratch_group.h"
+
+#define MM OST_PM_PER_MM
+
+static ost_path straight(size_t count, ost_pm step)
+{
+    ost_error err = {0};
+    ost_path path;
+    assert_ok(ost_path_init(&path, count, &err));
+    for (size_t i = 0; i < count; i++)
+        path.ticks[i] = (ost_tick){.t_ns = (int64_t)i * 1000000, .pose = {.t = {(int64_t)i * step, MM, -MM}, .qw = OST_Q30_ONE}};
+    return path;
+}
+
+static void the_list(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_haptic_info info;
+    assert_int_equal(ost_haptic_count(), 4);
+    for (int i = 0; i < ost_haptic_count(); i++) {
+        assert_ok(ost_haptic_describe(i, &info, &err));
+        assert_true(info.available && info.name[0] && info.description[0]);
+        assert_int_equal((info.caps & OST_HAPTIC_FORCE) != 0, info.max_force_n > 0);
+    }
+    assert_int_equal(ost_haptic_describe(4, &info, &err), OST_ERR_USAGE);
+    assert_int_equal(ost_haptic_describe(-1, &info, &err), OST_ERR_USAGE);
+}
+
+static void a_wrong_spec_is_told_what_is_wrong(void **state)
+{
+    (void)state;
+    ost_path path = straight(2, MM);
+    const ost_haptic_setup setup = {.path = &path, .start = ost_pose_identity()};
+    static const struct {
+        const char *spec, *says;
+    } cases[] = {
+        {"omni", "'omni' is no device; known are null, script, replay, sim"},
+        {"", "'' is no device"},
+        {"si", "is no device"},
+        {"null:x=1", "no option 'x'"},
+        {"sim:grip", "'grip' is not key=value"},
+        {"sim:grip=weak", "must be light, normal or firm"},
+        {"sim:seed=-1", "must be a whole number from 0"},
+        {"sim:seed=1.5", "whole number"},
+        {"sim:tremor=5001", "from 0 to 5000"},
+        {"sim:seed=1,", "nothing follows the last ','"},
+        {"sim:=1", "is not key=value"},
+        {"script:a=b", "no option 'a'"},
+        {"replay", "needs a session"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        ost_error err = {0};
+        ost_haptic *device = (ost_haptic *)&path;
+        assert_int_equal(ost_haptic_open(cases[i].spec, &setup, &device, &err), OST_ERR_USAGE);
+        assert_null(device);
+        if (!strstr(err.text, cases[i].says))
+            fail_msg("'%s' is told: %s", cases[i].spec, err.text);
+    }
+    ost_error err = {0};
+    ost_haptic *device;
+    assert_int_equal(ost_haptic_open("script", NULL, &device, &err), OST_ERR_USAGE);
+    assert_int_equal(ost_haptic_open("sim", NULL, &device, &err), OST_ERR_USAGE);
+    assert_ok(ost_haptic_open("null", NULL, &device, &err));
+    assert_string_equal(ost_haptic_name(device), "null");
+    ost_haptic_close(device);
+    ost_path_free(&path);
+}
+
+static void scripts_and_sessions_row_by_row(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_path path = straight(50, MM / 10);
+    path.ticks[20].tool = 3;
+    char name[4200];
+    snprintf(name, sizeof name, "%s/d.session", folder);
+    ost_session_header *header;
+    ost_recorder *recorder;
+    assert_ok(ost_session_header_create(&header, &err));
+    assert_ok(ost_recorder_open(name, header, NULL, &recorder, &err));
+    ost_session_header_free(header);
+    for (size_t i = 0; i < path.count; i++) {
+        const ost_record record = {.kind = OST_RECORD_TICK, .as.tick = {.number = i, .tick = path.ticks[i]}};
+        assert_true(ost_recorder_put(recorder, &record));
+    }
+    assert_ok(ost_recorder_close(recorder, NULL, &err));
+    const ost_haptic_setup setup = {.path = &path, .session = name, .start = path.ticks[0].pose};
+    static const char *const specs[] = {"script", "replay"};
+    for (int d = 0; d < 2; d++) {
+        ost_haptic *device;
+        assert_ok(ost_haptic_open(specs[d], &setup, &device, &err));
+        for (size_t i = 0; i < path.count; i++) {
+            ost_haptic_state s;
+            assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_FRESH);
+            assert_memory_equal(&s.pose, &path.ticks[i].pose, sizeof s.pose);
+            assert_int_equal(s.tool, path.ticks[i].tool);
+            ost_haptic_write(device, &(ost_wrench){{1, 2, 3}, {0}}); /* goes nowhere */
+        }
+        ost_haptic_state s;
+        assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_ENDED);
+        assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_ENDED);
+        ost_haptic_close(device);
+    }
+    ost_path_free(&path);
+}
+
+/* -------------------------------------------------------------------- sim */
+
+static ost_haptic *open_sim(const char *spec, const ost_path *path)
+{
+    ost_error err = {0};
+    ost_haptic *device;
+    assert_ok(ost_haptic_open(spec, &(ost_haptic_setup){.path = path}, &device, &err));
+    return device;
+}
+
+static double read_x_mm(ost_haptic *device)
+{
+    ost_haptic_state s;
+    assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_FRESH);
+    /* What encoders give. */
+    assert_int_equal(s.pose.t.x % (55 * (MM / 1000)), 0);
+    assert_int_equal(s.pose.t.y % (55 * (MM / 1000)), 0);
+    return ost_pm_to_mm(s.pose.t.x);
+}
+
+/* A constant force against a hand at rest: F = k x, less what friction holds, on either side. */
+static void a_force_meets_the_hands_spring(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *spec;
+        double k;
+    } hands[] = {{"sim:grip=light", 100}, {"sim", 150}, {"sim:grip=firm", 400}};
+    ost_path path = straight(1, 0);
+    for (int h = 0; h < 3; h++)
+        for (int sign = -1; sign <= 1; sign += 2) {
+            ost_haptic *device = open_sim(hands[h].spec, &path);
+            double x = 0;
+            for (int i = 0; i < 2000; i++) {
+                x = read_x_mm(device);
+                ost_haptic_write(device, &(ost_wrench){{sign * 1.0, 0, 0}, {0}});
+            }
+            assert_true(fabs(x) >= (1.0 - 0.26) / hands[h].k * 1000 - 0.0275);
+            assert_true(fabs(x) <= (1.0 + 0.26) / hands[h].k * 1000 + 0.0275);
+            assert_true(sign * x > 0);
+            /* At rest, and at rest it stays: friction holds it. */
+            assert_true(read_x_mm(device) == x);
+            /* More than the motors can give is what they can give; what is no number is nothing. */
+            for (int i = 0; i < 2000; i++) {
+                ost_haptic_write(device, &(ost_wrench){{sign * 1e9, 0, 0}, {0}});
+                x = read_x_mm(device);
+            }
+            assert_true(fabs(x) <= (3.3 + 0.26) / hands[h].k * 1000 + 0.0275);
+            for (int i = 0; i < 2000; i++) {
+                ost_haptic_write(device, &(ost_wrench){{NAN, 0, 0}, {0}});
+                x = read_x_mm(device);
+            }
+            assert_true(fabs(x) <= 0.26 / hands[h].k * 1000 + 0.0275);
+            ost_haptic_close(device);
+        }
+    ost_path_free(&path);
+}
+
+/* Less than friction moves nothing. */
+static void what_sticks_sticks(void **state)
+{
+    (void)state;
+    ost_path path = straight(1, 0);
+    ost_haptic *device = open_sim("sim:grip=light", &path);
+    for (int i = 0; i < 100; i++) {
+        ost_haptic_write(device, &(ost_wrench){{0.25, 0, 0}, {0}});
+        assert_true(read_x_mm(device) == 0);
+    }
+    ost_haptic_close(device);
+    ost_path_free(&path);
+}
+
+/* A hand that moves at 50 mm/s is followed, behind by what viscosity and friction take: (0.2 v + 0.26) / k. */
+static void it_follows_the_hand(void **state)
+{
+    (void)state;
+    ost_path path = straight(1000, MM / 20);
+    ost_haptic *device = open_sim("sim", &path);
+    double x = 0;
+    for (int i = 0; i < 999; i++)
+        x = read_x_mm(device);
+    const double behind = (0.2 * 0.05 + 0.26) / 150 * 1000;
+    assert_true(fabs(999 * 0.05 - x - behind) < 0.0275 + 0.05);
+    /* The plan is over: it comes to rest near its end. */
+    for (int i = 0; i < 2000; i++)
+        x = read_x_mm(device);
+    assert_true(fabs(999 * 0.05 - x) <= 0.26 / 150 * 1000 + 0.0275);
+    ost_haptic_close(device);
+    ost_path_free(&path);
+}
+
+/* A wall of stiffness k at x = 0, pressed 3 mm deep: how far it still moves after a second, in mm, between its ends. */
+static double unrest(const char *spec, double k)
+{
+    ost_path path = straight(1, 0);
+    path.ticks[0].pose.t.x = 3 * MM;
+    ost_haptic *device = open_sim(spec, &path);
+    double lo = 1e9, hi = -1e9;
+    for (int i = 0; i < 3000; i++) {
+        const double x = read_x_mm(device);
+        ost_haptic_write(device, &(ost_wrench){{x > 0 ? -k * x * 1e-3 : 0, 0, 0}, {0}});
+        if (i >= 1000) {
+            lo = x < lo ? x : lo;
+            hi = x > hi ? x : hi;
+        }
+    }
+    ost_haptic_close(device);
+    ost_path_free(&path);
+    return hi - lo;
+}
+
+/*
+ * The loop that is closed here is one that can swing.  Friction makes it rest
+ * at least up to 2 f / (encoder's step) = 2 * 0.26 N / 55 um = 9.5 kN/m
+ * (Diolaiti and others 2006).  Without, what the hand damps decides: a light
+ * grip swings first.  Two steps of the encoder are rest.
+ */
+static void stiff_walls_swing_and_soft_ones_rest(void **state)
+{
+    (void)state;
+    static const double stiffness[] = {150, 300, 600, 1200, 2400, 5000, 20000};
+    for (int i = 0; i < 7; i++)
+        printf("# wall of %5.0f N/m, without friction: light %6.3f, normal %6.3f, firm %6.3f mm\n", stiffness[i],
+               unrest("sim:grip=light,friction=0", stiffness[i]), unrest("sim:friction=0", stiffness[i]),
+               unrest("sim:grip=firm,friction=0", stiffness[i]));
+    /* The literature's defaults for a device like this: 300 N/m for a light grip, 400 for a normal one. */
+    const double rest = 0.111, swing = 0.3;
+    assert_true(unrest("sim:grip=light", 300) <= rest && unrest("sim:grip=light,friction=0", 300) <= rest);
+    assert_true(unrest("sim", 400) <= rest && unrest("sim:friction=0", 400) <= rest);
+    assert_true(unrest("sim:grip=firm", 400) <= rest && unrest("sim:grip=firm,friction=0", 2400) <= rest);
+    assert_true(unrest("sim:grip=light", 9000) <= rest && unrest("sim", 9000) <= rest && unrest("sim:grip=firm", 9000) <= rest);
+    assert_true(unrest("sim:grip=light,friction=0", 2400) > swing);
+    assert_true(unrest("sim:friction=0", 5000) > swing);
+}
+
+static void the_same_seed_is_the_same_hand(void **state)
+{
+    (void)state;
+    ost_path path = straight(500, MM / 50);
+    ost_haptic *a = open_sim("sim:tremor=300,seed=7", &path), *b = open_sim("sim:tremor=300,seed=7", &path),
+               *c = open_sim("sim:tremor=300,seed=8", &path), *still = open_sim("sim", &path);
+    int other = 0;
+    double most = 0;
+    for (int i = 0; i < 2000; i++) {
+        const double x = read_x_mm(a);
+        assert_true(read_x_mm(b) == x);
+        other += read_x_mm(c) != x;
+        const double away = fabs(read_x_mm(still) - x);
+        most = away > most ? away : most;
+    }
+    assert_true(other > 100);
+    assert_true(most > 0.05 && most < 1.5);
+    ost_haptic_close(a);
+    ost_haptic_close(b);
+    ost_haptic_close(c);
+    ost_haptic_close(still);
+    ost_path_free(&path);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_list),
+        cmocka_unit_test(a_wrong_spec_is_told_what_is_wrong),
+        cmocka_unit_test(scripts_and_sessions_row_by_row),
+        cmocka_unit_test(a_force_meets_the_hands_spring),
+        cmocka_unit_test(what_sticks_sticks),
+        cmocka_unit_test(it_follows_the_hand),
+        cmocka_unit_test(stiff_walls_swing_and_soft_ones_rest),
+        cmocka_unit_test(the_same_seed_is_the_same_hand),
+    };
+    return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);
+}

@@ -1,0 +1,220 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * An operation: what a device does to a world is what its path does without a
+ * device; what cannot be a hand's changes nothing; and all of it is recorded.
+ * Covers: REQ-OPERATION
+ */
+#include "ref/scene.h"
+
+#include <osteon/operation.h>
+
+#include "io/io_scratch.h"
+
+#define MM OST_PM_PER_MM
+
+typedef struct room {
+    ost_geometry g;
+    ost_bone *bone;
+    ost_tool *tool;
+    ost_world *world;
+} room;
+
+/* 40 x 20 x 20 mm of bone at 1 mm and a peg of 2 x 2 x 6 mm. */
+static room make_room(ost_backend *backend)
+{
+    ost_error err = {0};
+    room r = {.g = cubic_geometry(40, 20, 20, MM, (ost_pm3){0, 0, 0})};
+    int16_t *full = malloc(voxel_count(&r.g) * sizeof *full);
+    assert_non_null(full);
+    for (size_t i = 0; i < voxel_count(&r.g); i++)
+        full[i] = (int16_t)(120 + i % 1000);
+    r.bone = bone_of(backend, &r.g, 16, full);
+    free(full);
+    r.tool = solid_tool(backend, (ost_tool_geometry){{4, 4, 12}, 500 * UM, {-MM, -MM, 0}}, OST_TOOL_CUTTING);
+    assert_ok(ost_world_create(r.bone, NULL, &r.world, &err));
+    assert_ok(ost_world_add_tool(r.world, "peg", r.tool, NULL, &err));
+    return r;
+}
+
+static void free_room(room *r)
+{
+    ost_world_free(r->world);
+    ost_tool_free(r->tool);
+    ost_bone_free(r->bone);
+}
+
+/* Into the bone along x, 0.1 mm a tick. */
+static ost_path into_bone(size_t count)
+{
+    ost_error err = {0};
+    ost_path path;
+    assert_ok(ost_path_init(&path, count, &err));
+    for (size_t i = 0; i < count; i++)
+        path.ticks[i] = (ost_tick){.t_ns = (int64_t)i * 1000000, .pose = {.t = {-5 * MM + (int64_t)i * MM / 10, 10 * MM, 5 * MM}, .qw = OST_Q30_ONE}};
+    return path;
+}
+
+static ost_servo_report report;
+
+static ost_operation_report operate(room *r, const char *device_spec, const ost_path *path, ost_recorder *recorder)
+{
+    ost_error err = {0};
+    ost_haptic *device;
+    ost_operation *operation;
+    ost_operation_report done;
+    assert_ok(ost_haptic_open(device_spec, &(ost_haptic_setup){.path = path}, &device, &err));
+    assert_ok(ost_operation_create(r->world, &(ost_operation_options){.recorder = recorder}, &operation, &err));
+    const ost_servo_options options = {.no_clock = true, .no_realtime = true};
+    assert_ok(ost_servo_run(device, &options, ost_operation_tick, ost_operation_done, operation, &report, &err));
+    ost_operation_report_get(operation, &done);
+    ost_operation_free(operation);
+    ost_haptic_close(device);
+    return done;
+}
+
+static void a_script_is_its_path(void **state)
+{
+    ost_error err = {0};
+    room by_hand = make_room(*state), by_device = make_room(*state);
+    ost_path path = into_bone(200);
+    for (size_t i = 0; i < path.count; i++)
+        assert_ok(ost_world_step(by_hand.world, &path.ticks[i], NULL, &err));
+    const ost_operation_report done = operate(&by_device, "script", &path, NULL);
+    assert_int_equal(done.steps, 200);
+    assert_int_equal(done.faults, 0);
+    assert_int_equal(report.end, OST_SERVO_DEVICE_ENDED);
+    const ost_digest a = digest_of(by_hand.bone), b = digest_of(by_device.bone);
+    assert_true(ost_digest_equal(&a, &b));
+    ost_world_totals totals;
+    ost_world_totals_get(by_device.world, &totals);
+    assert_true(totals.removed_voxels > 100);
+    ost_path_free(&path);
+    free_room(&by_hand);
+    free_room(&by_device);
+}
+
+/* The path without some rows is what the bone must look like. */
+static void what_is_no_hands_is_left_out(void **state)
+{
+    ost_error err = {0};
+    static const struct {
+        ost_fault fault;
+        size_t from, to;
+        ost_pose pose;
+        int32_t tool;
+    } cases[] = {
+        /* Away and back. */
+        {OST_FAULT_JUMP, 100, 105, {{-100 * MM, 10 * MM, 5 * MM}, OST_Q30_ONE, 0, 0, 0}, 0},
+        /* Half a turn within a tick, where it is. */
+        {OST_FAULT_TURN, 100, 101, {{-5 * MM + 100 * MM / 10, 10 * MM, 5 * MM}, 0, OST_Q30_ONE, 0, 0}, 0},
+        /* No rotation at all. */
+        {OST_FAULT_TURN, 50, 60, {{0, 0, 0}, 0, 0, 0, 0}, 0},
+        {OST_FAULT_TOOL, 30, 33, {{-5 * MM + 30 * MM / 10, 10 * MM, 5 * MM}, OST_Q30_ONE, 0, 0, 0}, 9},
+    };
+    for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++) {
+        room expected = make_room(*state), got = make_room(*state);
+        ost_path path = into_bone(200);
+        for (size_t i = 0; i < path.count; i++)
+            if (i < cases[c].from || i >= cases[c].to)
+                assert_ok(ost_world_step(expected.world, &path.ticks[i], NULL, &err));
+        for (size_t i = cases[c].from; i < cases[c].to; i++) {
+            path.ticks[i].pose = cases[c].pose;
+            path.ticks[i].tool = cases[c].tool;
+        }
+        const ost_operation_report done = operate(&got, "script", &path, NULL);
+        assert_int_equal(done.faults, 1);
+        assert_int_equal(done.fault_ticks, cases[c].to - cases[c].from);
+        assert_int_equal(done.last_fault, cases[c].fault);
+        assert_int_equal(done.steps, 200 - (cases[c].to - cases[c].from));
+        assert_int_equal(done.status, OST_OK);
+        const ost_digest a = digest_of(expected.bone), b = digest_of(got.bone);
+        assert_true(ost_digest_equal(&a, &b));
+        ost_path_free(&path);
+        free_room(&expected);
+        free_room(&got);
+    }
+}
+
+/* A tool that stays away stays where it was: from 10 mm on, the bone is as it is. */
+static void a_tool_that_jumps_does_not_cut_on_its_way(void **state)
+{
+    room r = make_room(*state);
+    ost_path path = into_bone(60);
+    /* Through all of the bone in one tick: the sweep could follow, and must not. */
+    for (size_t i = 50; i < 60; i++)
+        path.ticks[i].pose.t.x = 45 * MM;
+    const ost_operation_report done = operate(&r, "script", &path, NULL);
+    assert_int_equal(done.fault_ticks, 10);
+    assert_int_equal(done.steps, 50);
+    ost_world_totals totals;
+    ost_world_totals_get(r.world, &totals);
+    assert_int_equal(totals.ticks, 50);
+    assert_true(totals.removed_voxels < 50);
+    assert_string_equal(ost_fault_text(OST_FAULT_JUMP), "the pose jumped");
+    ost_path_free(&path);
+    free_room(&r);
+}
+
+static void a_session_of_it_does_it_again(void **state)
+{
+    ost_error err = {0};
+    char *folder = scratch_folder(), path_name[4200];
+    snprintf(path_name, sizeof path_name, "%s/o.session", folder);
+    room r = make_room(*state);
+    ost_path path = into_bone(300);
+    path.ticks[80].pose.t.y = -100 * MM; /* a fault of one tick */
+    ost_session_header *header;
+    ost_recorder *recorder;
+    assert_ok(ost_session_header_create(&header, &err));
+    assert_ok(ost_recorder_open(path_name, header, NULL, &recorder, &err));
+    ost_session_header_free(header);
+    /* The first pose, and from there the hand. */
+    const ost_operation_report done = operate(&r, "script", &path, recorder);
+    assert_int_equal(done.steps, 299);
+    assert_ok(ost_recorder_close(recorder, &(ost_session_end){.ticks = done.steps}, &err));
+
+    room again = make_room(*state);
+    ost_session *session;
+    assert_ok(ost_session_open(path_name, &session, &err));
+    assert_int_equal(ost_session_summary_of(session)->whole_ticks, 299);
+    int notes = 0;
+    uint64_t ticks = 0;
+    for (;;) {
+        ost_record record;
+        bool more;
+        ost_step_result step;
+        assert_ok(ost_session_next(session, &record, &more, &err));
+        if (!more)
+            break;
+        notes += record.kind == OST_RECORD_NOTE;
+        if (record.kind != OST_RECORD_TICK)
+            continue;
+        const ost_session_tick *t = &record.as.tick;
+        assert_int_equal(t->number, ticks++);
+        assert_ok(ost_world_step(again.world, &t->tick, &step, &err));
+        assert_true(ost_step_digest(&step, ost_world_classes(again.world)->count) == t->digest);
+        assert_int_equal(t->removed, step.report->total_voxels);
+        /* The skipped tick's time went by all the same. */
+        assert_int_equal(t->tick.t_ns, (int64_t)(t->number + (t->number >= 80)) * 1000000);
+    }
+    assert_int_equal(ticks, 299);
+    assert_int_equal(notes, 2);
+    const ost_digest a = digest_of(r.bone), b = digest_of(again.bone);
+    assert_true(ost_digest_equal(&a, &b));
+    ost_session_close(session);
+    ost_path_free(&path);
+    free_room(&r);
+    free_room(&again);
+    scratch_remove(folder);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_script_is_its_path),
+        cmocka_unit_test(what_is_no_hands_is_left_out),
+        cmocka_unit_test(a_tool_that_jumps_does_not_cut_on_its_way),
+        cmocka_unit_test(a_session_of_it_does_it_again),
+    };
+    return run_on_backends(tests, open_test_backend, close_test_backend);
+}

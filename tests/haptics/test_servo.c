@@ -1,0 +1,281 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The servo loop with devices made for it: silent, lost, late, with a clock of
+ * their own.  No test holds a time; what is held is what was counted, and that
+ * a tick that certainly took too long was seen.
+ * Covers: REQ-SERVO
+ */
+#include "harness.h"
+
+#include <pthread.h>
+#include <sched.h>
+#include <time.h>
+
+#include "haptics/driver.h"
+
+/* What the device answers, one letter a read: Fresh, Stale, Ended, Lost; the last one for ever. */
+static struct haptic_instance {
+    const char *answers;
+    int reads, writes;
+    ost_wrench last;
+} fake;
+
+static ost_status fake_open(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err)
+{
+    (void)options;
+    (void)setup;
+    (void)err;
+    *out = &fake;
+    return OST_OK;
+}
+
+static void fake_close(haptic_instance *instance)
+{
+    (void)instance;
+}
+
+static ost_haptic_answer fake_read(haptic_instance *f, ost_haptic_state *state)
+{
+    const char answer = *f->answers;
+    if (f->answers[1])
+        f->answers++;
+    f->reads++;
+    if (answer == 'F')
+        *state = (ost_haptic_state){.pose = {.t = {f->reads, 0, 0}, .qw = OST_Q30_ONE}, .tool = -1, .buttons = 5};
+    return answer == 'F' ? OST_HAPTIC_FRESH : answer == 'S' ? OST_HAPTIC_STALE : answer == 'E' ? OST_HAPTIC_ENDED : OST_HAPTIC_LOST;
+}
+
+static void fake_write(haptic_instance *f, const ost_wrench *wrench)
+{
+    f->writes++;
+    f->last = *wrench;
+}
+
+/* Its own thread beats until it is told to stop, and run waits for it. */
+typedef struct own_clock {
+    haptic_beat *beat;
+    void *user;
+    int beats;
+} own_clock;
+
+static void *own_thread(void *user)
+{
+    own_clock *c = user;
+    const struct timespec pause = {.tv_nsec = 100000};
+    do {
+        c->beats++;
+        nanosleep(&pause, NULL);
+    } while (c->beat(c->user));
+    return NULL;
+}
+
+static int own_beats;
+
+static ost_status fake_run(haptic_instance *instance, haptic_beat *beat, void *user, ost_error *err)
+{
+    (void)instance;
+    (void)err;
+    own_clock c = {beat, user, 0};
+    pthread_t thread;
+    assert_int_equal(pthread_create(&thread, NULL, own_thread, &c), 0);
+    assert_int_equal(pthread_join(thread, NULL), 0);
+    own_beats = c.beats;
+    return OST_OK;
+}
+
+static const haptic_driver polled = {.name = "polled", .caps = OST_HAPTIC_FORCE | OST_HAPTIC_LOGICAL, .open = fake_open, .close = fake_close,
+                                     .read = fake_read, .write = fake_write};
+static const haptic_driver timed = {.name = "timed", .caps = OST_HAPTIC_FORCE, .open = fake_open, .close = fake_close, .read = fake_read,
+                                    .write = fake_write};
+static const haptic_driver own = {.name = "own", .caps = OST_HAPTIC_FORCE | OST_HAPTIC_OWN_CLOCK, .open = fake_open, .close = fake_close,
+                                  .read = fake_read, .write = fake_write, .run = fake_run};
+
+static bool never(char reason[256])
+{
+    snprintf(reason, 256, "its library is not here");
+    return false;
+}
+static const haptic_driver absent = {.name = "absent", .usable = never, .open = fake_open, .close = fake_close};
+
+typedef struct seen {
+    uint64_t ticks, declared, done, missed;
+    uint64_t stop_at;  /* 0: never */
+    uint64_t sleep_at; /* then it takes 12 ms */
+    ost_haptic_state last;
+    int64_t t_ns;
+} seen;
+
+static bool on_tick(void *user, const ost_servo_sample *sample, ost_wrench *wrench)
+{
+    seen *s = user;
+    assert_int_equal(sample->number, s->ticks);
+    assert_int_equal(sample->t_ns, (int64_t)s->ticks * 1000000);
+    assert_true(wrench->force_n[0] == 0);
+    s->ticks++;
+    s->declared += sample->declared;
+    s->missed += sample->missed;
+    s->last = sample->state;
+    wrench->force_n[0] = 2;
+    if (s->ticks == s->sleep_at) {
+        const struct timespec long_time = {.tv_nsec = 12000000};
+        nanosleep(&long_time, NULL);
+    }
+    return s->ticks != s->stop_at;
+}
+
+static void on_done(void *user, uint64_t number, uint32_t exec_ns)
+{
+    seen *s = user;
+    (void)exec_ns;
+    assert_int_equal(number, s->done);
+    s->done++;
+    assert_true(fake.last.force_n[0] == 2); /* the wrench was given before */
+}
+
+static ost_servo_report report;
+
+static seen serve_with(const haptic_driver *driver, const char *answers, const ost_servo_options *options, seen s)
+{
+    ost_error err = {0};
+    ost_haptic *device;
+    fake = (struct haptic_instance){.answers = answers};
+    assert_ok(ost_haptic_open_driver(driver, "", NULL, &device, &err));
+    assert_ok(ost_servo_run(device, options, on_tick, on_done, &s, &report, &err));
+    assert_int_equal(report.ticks, s.ticks);
+    assert_int_equal(s.done, s.ticks);
+    assert_int_equal(report.exec.count, s.ticks);
+    assert_int_equal(report.wake.count, s.ticks);
+    assert_int_equal(report.completion.count, s.ticks);
+    /* However it ended, the hand is left alone. */
+    assert_true(fake.last.force_n[0] == 0);
+    assert_int_equal(fake.writes, (int)s.ticks + 1);
+    ost_haptic_close(device);
+    return s;
+}
+
+static void a_loop_ends_as_it_says(void **state)
+{
+    (void)state;
+    const ost_servo_options fast = {.no_clock = true, .no_realtime = true}, hundred = {.no_clock = true, .no_realtime = true, .ticks = 100};
+    assert_int_equal(serve_with(&polled, "F", &hundred, (seen){0}).ticks, 100);
+    assert_int_equal(report.end, OST_SERVO_TICKS);
+    assert_string_equal(report.realtime.scheduling, "as it was");
+    assert_int_equal(serve_with(&polled, "F", &fast, (seen){.stop_at = 7}).ticks, 7);
+    assert_int_equal(report.end, OST_SERVO_ASKED);
+    assert_int_equal(serve_with(&polled, "FFFE", &fast, (seen){0}).ticks, 3);
+    assert_int_equal(report.end, OST_SERVO_DEVICE_ENDED);
+    assert_int_equal(serve_with(&polled, "FFL", &fast, (seen){0}).ticks, 2);
+    assert_int_equal(report.end, OST_SERVO_DEVICE_LOST);
+    assert_int_equal(serve_with(&polled, "E", &fast, (seen){0}).ticks, 0);
+}
+
+static void a_silent_device_gets_no_force(void **state)
+{
+    (void)state;
+    const ost_servo_options fast = {.no_clock = true, .no_realtime = true};
+    /* Four ticks without a pose are bridged by the last one; the fifth in a row ends the loop. */
+    seen s = serve_with(&polled, "FFSSSSFSSSSFE", &fast, (seen){0});
+    assert_int_equal(s.ticks, 12);
+    assert_int_equal(s.declared, 8);
+    assert_int_equal(s.last.buttons, 5);
+    assert_int_equal(report.stale, 8);
+    assert_int_equal(report.end, OST_SERVO_DEVICE_ENDED);
+    s = serve_with(&polled, "FSSSSS", &fast, (seen){0});
+    assert_int_equal(s.ticks, 5);
+    assert_int_equal(report.end, OST_SERVO_WATCHDOG);
+    /* One that never begins is not served with a pose that is none. */
+    s = serve_with(&polled, "S", &fast, (seen){0});
+    assert_int_equal(s.ticks, 0);
+    assert_int_equal(report.end, OST_SERVO_WATCHDOG);
+}
+
+static void a_tick_that_takes_too_long_is_counted_and_not_caught_up_on(void **state)
+{
+    (void)state;
+    const ost_servo_options options = {.ticks = 30, .no_realtime = true};
+    const seen s = serve_with(&timed, "F", &options, (seen){.sleep_at = 10});
+    assert_int_equal(s.ticks, 30);
+    /* 12 ms, of which at least 11 whole ones went by after its own. */
+    assert_true(report.longest_miss >= 11);
+    assert_true(report.missed >= 12);
+    assert_true(s.missed >= 11);
+    assert_true(report.exec.max_ns >= 12000000);
+    assert_true(report.completion.max_ns >= 12000000);
+    assert_true(ost_times_share_us(&report.exec, 1) >= 12000);
+}
+
+static void a_device_with_a_clock_of_its_own(void **state)
+{
+    (void)state;
+    const ost_servo_options options = {.ticks = 50, .idle_ticks = 3, .no_realtime = true};
+    seen s = serve_with(&own, "F", &options, (seen){0});
+    assert_int_equal(s.ticks, 50);
+    assert_int_equal(own_beats, 50);
+    assert_int_equal(report.end, OST_SERVO_TICKS);
+    assert_int_equal(report.idle_ticks, 3);
+    assert_int_equal(report.idle_wake.count, 3);
+    s = serve_with(&own, "FFL", &options, (seen){0});
+    assert_int_equal(s.ticks, 2);
+    assert_int_equal(report.end, OST_SERVO_DEVICE_LOST);
+}
+
+static void what_cannot_be_is_refused(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_haptic *device;
+    seen s = {0};
+    assert_int_equal(ost_haptic_open_driver(&absent, "", NULL, &device, &err), OST_ERR_UNAVAILABLE);
+    assert_string_equal(err.text, "device absent: its library is not here");
+    fake = (struct haptic_instance){.answers = "F"};
+    assert_ok(ost_haptic_open_driver(&timed, "", NULL, &device, &err));
+    assert_int_equal(ost_servo_run(device, &(ost_servo_options){.no_clock = true}, on_tick, NULL, &s, &report, &err), OST_ERR_USAGE);
+    assert_int_equal(ost_servo_run(device, &(ost_servo_options){.period_ns = 9999}, on_tick, NULL, &s, &report, &err), OST_ERR_USAGE);
+    assert_int_equal(s.ticks, 0);
+    ost_haptic_close(device);
+}
+
+/* Whatever the system allows is given back. */
+static void the_thread_is_afterwards_as_it_was(void **state)
+{
+    (void)state;
+    const int policy = sched_getscheduler(0);
+    const ost_servo_options options = {.ticks = 3};
+    serve_with(&timed, "F", &options, (seen){0});
+    assert_int_equal(sched_getscheduler(0), policy);
+    assert_true(report.realtime.scheduling[0] && report.realtime.memory[0]);
+    printf("# %s; memory %s\n", report.realtime.scheduling, report.realtime.memory);
+}
+
+static void times_are_found_again(void **state)
+{
+    (void)state;
+    static ost_times t;
+    memset(&t, 0, sizeof t);
+    assert_true(ost_times_share_us(&t, 0.5) == 0);
+    for (uint64_t us = 1; us <= 1000; us++)
+        ost_times_add(&t, us * 1000 - 1);
+    assert_true(ost_times_share_us(&t, 0.5) == 500);
+    assert_true(ost_times_share_us(&t, 0.99) == 990);
+    assert_true(ost_times_share_us(&t, 0.999) == 999);
+    assert_true(ost_times_share_us(&t, 1) == 999.999);
+    ost_times_add(&t, UINT64_C(17500000));
+    assert_true(ost_times_share_us(&t, 1) == 17500);
+    ost_times_add(&t, UINT64_C(99000000000)); /* beyond the last bin */
+    assert_true(ost_times_share_us(&t, 1) <= 99000000);
+    assert_int_equal(t.count, 1002);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_loop_ends_as_it_says),
+        cmocka_unit_test(a_silent_device_gets_no_force),
+        cmocka_unit_test(a_tick_that_takes_too_long_is_counted_and_not_caught_up_on),
+        cmocka_unit_test(a_device_with_a_clock_of_its_own),
+        cmocka_unit_test(what_cannot_be_is_refused),
+        cmocka_unit_test(the_thread_is_afterwards_as_it_was),
+        cmocka_unit_test(times_are_found_again),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
