@@ -37,6 +37,13 @@ OST_API ost_status ost_world_create(ost_bone *bone, const ost_world_options *opt
 OST_API void ost_world_free(ost_world *world); /* NULL is allowed */
 OST_API ost_status ost_world_add_tool(ost_world *world, const char *name, const ost_tool *tool, int *index, ost_error *err);
 
+/*
+ * Room for every sweep and report that a tick of this world can have, 1 MB and
+ * 104 bytes a chunk, so that no tick asks for memory.  For loops that must be on
+ * time; a backend may have made the same of its own when it was opened.
+ */
+OST_API ost_status ost_world_reserve(ost_world *world, ost_error *err);
+
 typedef struct ost_step_result {
     bool removal;               /* this tick ran a removal event */
     bool boxes_meet;            /* the oriented boxes met at one of its poses */

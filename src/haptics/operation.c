@@ -44,6 +44,11 @@ ost_status ost_operation_create(ost_world *world, const ost_operation_options *o
     if (options)
         o->options = *options;
     o->classes = ost_world_classes(world)->count;
+    ost_status status = ost_world_reserve(world, err);
+    if (status != OST_OK) {
+        free(o);
+        return status;
+    }
     *out = o;
     return OST_OK;
 }

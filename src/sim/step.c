@@ -49,22 +49,6 @@ static ost_status count_poses(const ost_world *world, const ost_entity *tool, co
                            count, err);
 }
 
-static ost_status make_room(ost_world *world, int count, ost_error *err)
-{
-    if (count <= world->capacity)
-        return OST_OK;
-    ost_map *maps = realloc(world->maps, (size_t)count * sizeof *maps);
-    if (maps)
-        world->maps = maps;
-    ost_voxel_box *boxes = realloc(world->boxes, (size_t)count * sizeof *boxes);
-    if (boxes)
-        world->boxes = boxes;
-    if (!maps || !boxes)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a sweep of %d poses", count);
-    world->capacity = count;
-    return OST_OK;
-}
-
 /* The voxels that the tool can hit at this pose; empty when its box does not meet the bone's. */
 static ost_voxel_box reach(const ost_world *world, const ost_entity *tool, const ost_pose *pose)
 {
@@ -79,7 +63,7 @@ static ost_voxel_box reach(const ost_world *world, const ost_entity *tool, const
 /* Maps and boxes of the poses that can hit anything, in the sweep's order. */
 static ost_status prepare(ost_world *world, const ost_entity *tool, const ost_tick *tick, int count, ost_event *event, ost_error *err)
 {
-    ost_status status = make_room(world, count, err);
+    ost_status status = ost_world_make_room(world, count, err);
     int used = 0;
     for (int k = 1; k <= count && status == OST_OK; k++) {
         ost_pose pose = count == 1 ? tick->pose : ost_sweep_pose(&tool->input.event, &tick->pose, k, count);

@@ -104,6 +104,47 @@ ost_status ost_world_add_tool(ost_world *world, const char *name, const ost_tool
     return OST_OK;
 }
 
+ost_status ost_world_make_room(ost_world *world, int count, ost_error *err)
+{
+    if (count <= world->capacity)
+        return OST_OK;
+    ost_map *maps = realloc(world->maps, (size_t)count * sizeof *maps);
+    if (maps)
+        world->maps = maps;
+    ost_voxel_box *boxes = realloc(world->boxes, (size_t)count * sizeof *boxes);
+    if (boxes)
+        world->boxes = boxes;
+    if (!maps || !boxes)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a sweep of %d poses", count);
+    world->capacity = count;
+    return OST_OK;
+}
+
+ost_status ost_world_reserve(ost_world *world, ost_error *err)
+{
+    const ost_dims d = world->geometry.dims;
+    const int n = world->chunk_size;
+    const size_t chunks = (size_t)((d.x + n - 1) / n) * (size_t)((d.y + n - 1) / n) * (size_t)((d.z + n - 1) / n);
+    ost_status status = ost_world_make_room(world, OST_SWEEP_MAX, err);
+    /* Whatever a backend makes room for in an event it makes for one that may meet every chunk. */
+    const ost_voxel_box whole = {{0, 0, 0}, {d.x, d.y, d.z}};
+    for (int t = 0; t < world->tool_count && status == OST_OK; t++) {
+        const ost_event event = {.pose_count = 1, .maps = world->maps, .boxes = &whole, .classes = &world->options.classes};
+        const ost_pose identity = ost_pose_identity();
+        status = ost_map_make(&identity, &world->geometry, ost_tool_geometry_get(world->tools[t].voxels.tool), &world->maps[0], err);
+        if (status == OST_OK)
+            status = ost_bone_collide(world->bone.voxels.bone, world->tools[t].voxels.tool, &event, &world->report, err);
+    }
+    if (status != OST_OK || world->report.capacity >= chunks)
+        return status;
+    ost_chunk_report *grown = realloc(world->report.chunks, chunks * sizeof *grown);
+    if (!grown)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a report of %zu chunks", chunks);
+    world->report.chunks = grown;
+    world->report.capacity = chunks;
+    return OST_OK;
+}
+
 void ost_world_totals_get(const ost_world *world, ost_world_totals *out)
 {
     *out = world->totals;

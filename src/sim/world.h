@@ -52,6 +52,11 @@ ost_status ost_world_keep(ost_world *world, ost_error *err);
 /* After a whole tick; cannot fail. */
 void ost_world_keep_tick(ost_world *world, const ost_tick *tick);
 
+/* -------------------------------------------------------------------- world.c */
+
+/* Scratch for an event of count poses. */
+ost_status ost_world_make_room(ost_world *world, int count, ost_error *err);
+
 /* -------------------------------------------------------------------- step.c */
 
 /* ost_world_step without keeping; result is not NULL. */
