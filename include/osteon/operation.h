@@ -33,11 +33,19 @@ typedef struct ost_operation ost_operation;
 typedef struct ost_operation_options {
     int32_t tool;            /* where the device does not say */
     ost_recorder *recorder;  /* borrowed; NULL: nothing is recorded */
+    /* Of an operation that goes on: how many ticks the world took before, and the last of them; 0 and NULL else. */
+    uint64_t steps_before;
+    const ost_tick *last;    /* read when the operation is created */
 } ost_operation_options;
 
 /* The world is borrowed, and used by the servo's thread alone while it runs. */
 OST_API ost_status ost_operation_create(ost_world *world, const ost_operation_options *options, ost_operation **out, ost_error *err);
 OST_API void ost_operation_free(ost_operation *operation); /* NULL is allowed */
+
+/*
+ * One that goes on begins a millisecond after its last tick, where the tool
+ * was: a device that is elsewhere is in a fault until it comes there.
+ */
 
 /*
  * A pose that cannot be the hand's is a fault: the tool stays where it was,

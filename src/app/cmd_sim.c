@@ -5,11 +5,15 @@
  *   bone, tools --> world --> operation <--ticks-- ost_servo_run <--poses-- device
  *                                 '--> session
  *
+ * With --resume a session's ticks are done first, and the operation goes on
+ * from there; a new recording holds both.
+ *
  * Without a window so far: --headless.
  */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "app/backend_choice.h"
 #include "app/load.h"
@@ -20,7 +24,7 @@
 #include "app/session_keys.h"
 
 typedef struct sim_args {
-    const char *device, *bone, *out, *record, *classes_text, *session;
+    const char *device, *bone, *out, *record, *classes_text, *session, *resume;
     option_list tools, paths;
     ct_options ct;
     tool_options how;
@@ -29,7 +33,7 @@ typedef struct sim_args {
     int64_t period_ns;
     uint64_t ticks, idle_ticks;
     ost_density_classes classes;
-    bool headless, no_clock, no_realtime, compress;
+    bool headless, no_clock, no_realtime, compress, sweep_off, bone_given, tools_given;
 } sim_args;
 
 typedef struct simulation {
@@ -44,6 +48,9 @@ typedef struct simulation {
     ost_operation *operation;
     ost_servo_report *loop;
     ost_operation_report done;
+    ost_session *resumed; /* NULL: it begins */
+    ost_tick last;        /* of it */
+    uint64_t before;      /* its ticks */
 } simulation;
 
 static void simulation_free(simulation *s)
@@ -52,6 +59,7 @@ static void simulation_free(simulation *s)
     ost_operation_free(s->operation);
     ost_haptic_close(s->device);
     ost_recorder_close(s->recorder, NULL, NULL);
+    ost_session_close(s->resumed);
     ost_world_free(s->world);
     ost_path_free(&s->path);
     for (int i = 0; i < OPTION_LIST_MAX; i++)
@@ -78,7 +86,7 @@ static ost_status load_all(const app_state *app, sim_args *args, simulation *s, 
         grids[i] = ost_tool_geometry_get(s->tools[i]);
     if (status == OST_OK && !device_is(args, "replay"))
         status = ream_path_make(app, &args->paths, &args->target, &s->imported.meta, args->bone, grids, args->tools.count, &s->path, err);
-    const ost_world_options options = {.removal_period_ns = args->period_ns, .classes = args->classes};
+    const ost_world_options options = {.sweep_off = args->sweep_off, .removal_period_ns = args->period_ns, .classes = args->classes};
     if (status == OST_OK)
         status = ost_world_create(s->bone, &options, &s->world, err);
     for (int i = 0; i < args->tools.count && status == OST_OK; i++)
@@ -102,6 +110,7 @@ static ost_status record_begin(const sim_args *args, simulation *s, ost_error *e
         .tools = args->tools,
         .ct = args->ct,
         .how = args->how,
+        .sweep_off = args->sweep_off,
         .removal_period_ns = args->period_ns,
         .classes = *ost_world_classes(s->world),
     };
@@ -116,12 +125,76 @@ static ost_status record_begin(const sim_args *args, simulation *s, ost_error *e
     return status;
 }
 
+/* What the session says of bone, tools and world goes before what is usual; files may have been moved. */
+static ost_status resume_open(const app_state *app, sim_args *args, simulation *s, ost_error *err)
+{
+    session_setup setup;
+    char missing[OST_SESSION_MISSING];
+    struct stat a, b;
+    if (args->record && stat(args->record, &a) == 0 && stat(args->resume, &b) == 0 && a.st_dev == b.st_dev && a.st_ino == b.st_ino)
+        return usage_error(app, err, "--record %s: it is what is resumed; record into another file, which will hold both", args->record);
+    ost_status status = ost_session_open(args->resume, &s->resumed, err);
+    if (status != OST_OK)
+        return status;
+    if (ost_session_summary_of(s->resumed)->whole_ticks == 0)
+        return ost_fail(err, OST_ERR_INPUT, "%s: has no tick that could be done again", args->resume);
+    const ost_session_summary *sum = ost_session_summary_of(s->resumed);
+    if (sum->whole_ticks < sum->ticks && ost_session_missing(s->resumed, missing)[0])
+        warn(app, "%s: %s", args->resume, missing);
+    status = session_keys_read(args->resume, ost_session_header_of(s->resumed), &setup, err);
+    if (status != OST_OK)
+        return status;
+    args->bone = args->bone_given ? args->bone : setup.bone;
+    args->tools = args->tools_given ? args->tools : setup.tools;
+    args->ct = setup.ct;
+    args->how = setup.how;
+    args->sweep_off = setup.sweep_off;
+    args->period_ns = setup.removal_period_ns;
+    args->classes = setup.classes;
+    return OST_OK;
+}
+
+/* Its ticks, each as recorded, into the world and into the new recording. */
+static ost_status resume_run(const sim_args *args, simulation *s, ost_error *err)
+{
+    const session_setup names = {.bone = args->bone, .tools = args->tools};
+    const uint64_t count = ost_session_summary_of(s->resumed)->whole_ticks;
+    ost_status status = session_keys_check(args->resume, ost_session_header_of(s->resumed), &names, s->bone, s->tools, err);
+    while (status == OST_OK && s->before < count) {
+        ost_record record;
+        ost_step_result step;
+        bool more;
+        status = ost_session_next(s->resumed, &record, &more, err);
+        if (status != OST_OK || !more)
+            break;
+        if (record.kind == OST_RECORD_TICK) {
+            status = ost_world_step(s->world, &record.as.tick.tick, &step, err);
+            if (status == OST_OK && ost_step_digest(&step, ost_world_classes(s->world)->count) != record.as.tick.digest)
+                status = ost_fail(err, OST_ERR_INPUT, "%s: tick %llu comes out otherwise than recorded; osteon replay --verify says where",
+                                  args->resume, (unsigned long long)record.as.tick.number);
+            s->last = record.as.tick.tick;
+            s->before++;
+        }
+        if (status == OST_OK && s->recorder && record.kind != OST_RECORD_END)
+            ost_recorder_put_patiently(s->recorder, &record);
+        if (s->before % 16 == 0)
+            progress_show(NULL, "resuming", (double)s->before / (double)count);
+    }
+    progress_clear();
+    return status;
+}
+
 static ost_status run(const app_state *app, const sim_args *args, simulation *s, ost_error *err)
 {
     s->loop = malloc(sizeof *s->loop);
     if (!s->loop)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for the times of a run");
-    const ost_operation_options what = {.recorder = s->recorder};
+    const ost_operation_options what = {
+        .recorder = s->recorder,
+        .tool = s->resumed ? s->last.tool : 0,
+        .steps_before = s->before,
+        .last = s->resumed ? &s->last : NULL,
+    };
     ost_status status = ost_operation_create(s->world, &what, &s->operation, err);
     if (status != OST_OK)
         return status;
@@ -168,6 +241,11 @@ static void report_loop(const app_state *app, const sim_args *args, const simula
     char a[SAY_TEXT];
     json_t *o = app->result;
     put_text(o, "device", args->device);
+    if (s->resumed) {
+        put_text(o, "resumed", args->resume);
+        put_integer(o, "ticks_before", (int64_t)s->before);
+        say(app, "%s: %s ticks done again, and on", args->resume, say_count(a, (int64_t)s->before));
+    }
     put_text(o, "end", end_text(r->end));
     put_integer(o, "ticks", (int64_t)r->ticks);
     put_integer(o, "missed", (int64_t)r->missed);
@@ -268,11 +346,12 @@ static ost_status check_args(app_state *app, sim_args *args, ost_error *err)
         args->session = args->paths.value[0];
     }
     /* What a session records must be what a replay reads again. */
-    if (!args->tools.count)
+    args->tools_given = args->tools.count > 0;
+    if (!args->tools.count && !args->resume)
         args->tools = (option_list){1, {"builtin:reamer"}};
     if (!args->paths.count)
         args->paths = (option_list){1, {"builtin:glenoid-slow"}};
-    if (args->tools.count > 1 && args->paths.count > args->tools.count)
+    if (!args->resume && args->tools.count > 1 && args->paths.count > args->tools.count)
         return usage_error(app, err, "%d paths and %d tools: give one tool for all, or a tool for each path, in the same order",
                            args->paths.count, args->tools.count);
     /* One thread serves the device; the other cores are for whoever records and looks on. */
@@ -294,7 +373,9 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "seconds", .kind = OPTION_DECIMAL, .out = &args.seconds, .value = "N", .help = "how long (default: 10)"},
         {.name = "idle", .kind = OPTION_DECIMAL, .out = &args.idle, .value = "N",
          .help = "seconds of a loop that does nothing, half before and half after,\nfor comparison (default: as --seconds, at most 10)"},
-        {.name = "bone", .kind = OPTION_TEXT, .out = &args.bone, .value = "BONE", .help = "a bone, a CT, or a built-in one (default: builtin:scapula)"},
+        {.name = "resume", .kind = OPTION_TEXT, .out = &args.resume, .value = "SESSION",
+         .help = "go on with the operation of a session: its bone, tools, options"},
+        {.name = "bone", .kind = OPTION_TEXT, .out = &args.bone, .given = &args.bone_given, .value = "BONE", .help = "a bone, a CT, or a built-in one (default: builtin:scapula)"},
         {.name = "tool", .kind = OPTION_LIST, .out = &args.tools, .value = "TOOL", .help = "a tool; may repeat (default: builtin:reamer)"},
         {.name = "path", .kind = OPTION_LIST, .out = &args.paths, .value = "PATH",
          .help = "where the tool or the simulated hand goes: as for osteon ream\n(default: builtin:glenoid-slow); of --device replay a session"},
@@ -322,15 +403,22 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
         .notes = "Tool and bone as for osteon ream. The loop asks for SCHED_FIFO and locked memory and says\n"
                  "what it got. One thread works unless --threads says otherwise.",
         .example = "  osteon sim --headless --device sim --seconds 60 --record today.session\n"
-                   "  osteon replay today.session --verify --backend ref",
+                   "  osteon replay today.session --verify --backend ref\n"
+                   "  osteon sim --headless --resume today.session --record tomorrow.session",
     };
     ost_status status;
     if (!options_parse(app, &usage, argc, argv, &status, err) || (status = check_args(app, &args, err)) != OST_OK)
         return status;
     simulation s = {0};
-    status = load_all(app, &args, &s, err);
+    progress_begin(app);
+    if (args.resume)
+        status = resume_open(app, &args, &s, err);
+    if (status == OST_OK)
+        status = load_all(app, &args, &s, err);
     if (status == OST_OK)
         status = record_begin(&args, &s, err);
+    if (status == OST_OK && s.resumed)
+        status = resume_run(&args, &s, err);
     if (status == OST_OK)
         status = run(app, &args, &s, err);
     if (status == OST_OK) {

@@ -6,12 +6,14 @@
 
 #include <osteon/operation.h>
 
+enum { AFTER_NS = 1000000 };
 #define JUMP_PM (5 * OST_PM_PER_MM)
 
 struct ost_operation {
     ost_world *world;
     ost_operation_options options;
     int classes;
+    int64_t t_ns;      /* of the loop's first tick */
     bool moved;        /* a tick was taken: last is where the tool is */
     ost_pose last;
     int32_t last_tool;
@@ -44,6 +46,13 @@ ost_status ost_operation_create(ost_world *world, const ost_operation_options *o
     if (options)
         o->options = *options;
     o->classes = ost_world_classes(world)->count;
+    if (o->options.last) {
+        o->moved = true;
+        o->last = o->options.last->pose;
+        o->last_tool = o->options.last->tool;
+        o->t_ns = o->options.last->t_ns + AFTER_NS;
+        o->options.last = NULL;
+    }
     ost_status status = ost_world_reserve(world, err);
     if (status != OST_OK) {
         free(o);
@@ -115,7 +124,7 @@ static void remember(ost_operation *o, const ost_servo_sample *sample, const ost
 {
     o->pending = (ost_record){
         .kind = OST_RECORD_TICK,
-        .as.tick = {.number = o->report.steps,
+        .as.tick = {.number = o->options.steps_before + o->report.steps,
                     .tick = *tick,
                     .flags = (step->removal ? OST_TICK_REMOVAL : 0) | (step->boxes_meet ? OST_TICK_MET : 0) |
                              (sample->declared ? OST_TICK_DECLARED : 0),
@@ -135,7 +144,7 @@ bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wre
     ost_operation *o = operation;
     (void)wrench; /* zero: removal alone */
     const ost_tick tick = {
-        .t_ns = sample->t_ns,
+        .t_ns = o->t_ns + sample->t_ns,
         .tool = sample->state.tool >= 0 ? sample->state.tool : o->options.tool,
         .pose = sample->state.pose,
     };
@@ -150,7 +159,7 @@ bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wre
         else if (o->report.status != OST_OK)
             return false;
     }
-    set_fault(o, fault, sample->t_ns);
+    set_fault(o, fault, tick.t_ns);
     if (fault != OST_FAULT_NONE) {
         /* The world is as it was; so it may go on. */
         o->report.status = OST_OK;

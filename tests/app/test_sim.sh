@@ -45,6 +45,30 @@ check "a tool that stays" "$(value ticks) $(value scheduling) $(value idle_ticks
 run 0 sim --headless --bone bone.nrrd --device null --seconds 0.05
 grep -q "deadlines missed" out || fail "people read: $(cat out)"
 
+# Stopped in the middle, killed even, and gone on with: the same bone as in one go.
+"$osteon" ream --bone bone.nrrd --tool builtin:peg --tool builtin:reamer --path builtin:peg-hole --path builtin:glenoid-ream --out all.nrrd \
+    --record all.session >/dev/null || fail "a recording to cut"
+"$osteon" export all.session --out all.csv >/dev/null || fail "a table to cut"
+{ head -n 1 all.csv; sed -n '4800,5100p' all.csv; } | cut -d, -f1-9 >one.csv
+{ head -n 1 all.csv; sed -n '4800,4950p' all.csv; } | cut -d, -f1-9 >first.csv
+{ head -n 1 all.csv; sed -n '4951,5100p' all.csv; } | cut -d, -f1-9 >second.csv
+run 0 ream --bone bone.nrrd --tool builtin:peg --tool builtin:reamer --path one.csv --out one.nrrd --json
+one=$(value sha256)
+run 0 sim --headless --no-clock --device script --bone bone.nrrd --tool builtin:peg --tool builtin:reamer --path first.csv --record first.session
+head -c $(($(wc -c <first.session) - 128)) first.session >killed.session
+cut=$("$osteon" info killed.session --json 2>/dev/null | "$json_get" replayable_ticks)
+{ head -n 1 one.csv; tail -n +$((cut + 2)) one.csv; } >rest.csv
+run 0 sim --headless --no-clock --device script --resume first.session --path second.csv --record both.session --json
+check "gone on with" "$(value ticks_before) $(value ticks) $(value faults) $(value sha256)" "151 150 0 $one"
+run 0 replay both.session --verify --backend ref --json
+check "both in one session" "$(value ticks) $(value equal)" "301 true"
+run 0 sim --headless --no-clock --device script --resume killed.session --path rest.csv --json
+check "gone on with after a kill" "$(($(value ticks_before) + $(value ticks))) $(value sha256)" "301 $one"
+run 0 sim --headless --no-clock --device null --resume first.session --path builtin:peg-hole --seconds 0.02 --json
+check "a device that is elsewhere" "$(value faults) $(value fault_ticks)" "1 20"
+refuse 2 "it is what is resumed" sim --headless --resume first.session --record first.session
+refuse 2 "is not the bone of this session" sim --headless --resume first.session --bone all.nrrd
+
 refuse 3 "has no window" sim
 refuse 2 "'omni' is no device" sim --headless --bone bone.nrrd --device omni
 refuse 2 "must be light, normal or firm" sim --headless --bone bone.nrrd --device sim:grip=iron
