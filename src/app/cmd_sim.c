@@ -16,12 +16,16 @@
 #include <sys/stat.h>
 
 #include "app/backend_choice.h"
+#include "app/interrupt.h"
 #include "app/load.h"
 #include "app/progress.h"
 #include "app/ream_path.h"
 #include "app/result.h"
 #include "app/say.h"
 #include "app/session_keys.h"
+#include "app/sim_watch.h"
+
+enum { ROOM = 65536 }; /* records that wait for the disk: 65 s */
 
 typedef struct sim_args {
     const char *device, *bone, *out, *record, *classes_text, *session, *resume;
@@ -120,7 +124,7 @@ static ost_status record_begin(const sim_args *args, simulation *s, ost_error *e
         return status;
     status = ost_session_header_set(header, "tick_ns", "1000000", err);
     if (status == OST_OK)
-        status = ost_recorder_open(args->record, header, NULL, &s->recorder, err);
+        status = ost_recorder_open(args->record, header, &(ost_recorder_options){.room = ROOM}, &s->recorder, err);
     ost_session_header_free(header);
     return status;
 }
@@ -184,6 +188,27 @@ static ost_status resume_run(const sim_args *args, simulation *s, ost_error *err
     return status;
 }
 
+/* Ends the loop as a user asks for it, so that what was recorded is whole. */
+static bool tick(void *operation, const ost_servo_sample *sample, ost_wrench *wrench)
+{
+    return ost_operation_tick(operation, sample, wrench) && !interrupt_asked();
+}
+
+/* The loop, with somebody who tells people meanwhile, and a signal as a wish to end. */
+static ost_status serve(const app_state *app, const sim_args *args, const ost_servo_options *how, simulation *s, ost_error *err)
+{
+    sim_watch *watch;
+    ost_status status = sim_watch_begin(app, s->recorder, args->record, ROOM, args->no_clock ? 0 : (double)(how->ticks + how->idle_ticks) * 1e-3,
+                                        &watch, err);
+    if (status != OST_OK)
+        return status;
+    interrupt_begin();
+    status = ost_servo_run(s->device, how, tick, ost_operation_done, s->operation, s->loop, err);
+    interrupt_end();
+    sim_watch_end(watch);
+    return status;
+}
+
 static ost_status run(const app_state *app, const sim_args *args, simulation *s, ost_error *err)
 {
     s->loop = malloc(sizeof *s->loop);
@@ -207,7 +232,7 @@ static ost_status run(const app_state *app, const sim_args *args, simulation *s,
     if (!app->json && !app->quiet && !args->no_clock && args->ticks)
         say(app, "%s moves %s in %s for %.4g s%s", args->device, args->tools.value[0], args->bone, (double)args->ticks * 1e-3,
             how.idle_ticks ? ", with as quiet a loop before and after for comparison" : "");
-    status = ost_servo_run(s->device, &how, ost_operation_tick, ost_operation_done, s->operation, s->loop, err);
+    status = serve(app, args, &how, s, err);
     ost_operation_report_get(s->operation, &s->done);
     if (status == OST_OK && s->done.status != OST_OK)
         status = ost_fail(err, s->done.status, "tick %llu: %.500s", (unsigned long long)s->loop->ticks, s->done.error.text);
@@ -227,7 +252,7 @@ static const char *end_text(ost_servo_end end)
 {
     switch (end) {
     case OST_SERVO_TICKS: return "the time was over";
-    case OST_SERVO_ASKED: return "the world failed";
+    case OST_SERVO_ASKED: return interrupt_asked() ? "it was asked to end" : "the world failed";
     case OST_SERVO_DEVICE_ENDED: return "the device had nothing more to give";
     case OST_SERVO_DEVICE_LOST: return "the device was lost";
     case OST_SERVO_WATCHDOG: return "the device was silent for 5 ticks";

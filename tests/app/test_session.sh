@@ -40,7 +40,7 @@ isas=$("$osteon" devices --json | tee devices.json >/dev/null; i=0; while isa=$(
 tried=0
 for isa in $isas; do
     for threads in 1 2 3; do
-        [ "$long" = 1 ] || [ $((tried % 2)) -eq 0 ] || { tried=$((tried + 1)); continue; }
+        [ "$long" = 1 ] || [ $((tried % 4)) -eq 0 ] || { tried=$((tried + 1)); continue; }
         run 0 replay short.session --verify --backend "cpu:isa=$isa,threads=$threads" --json
         check "cpu:isa=$isa,threads=$threads" "$(value equal) $(value ticks) $(value sha256)" "true 122 $short"
         tried=$((tried + 1))
@@ -64,8 +64,7 @@ run 0 replay other.session --verify --backend cpu:isa=scalar --ticks 61 --out ha
 check "half of it" "$(value ticks) $(value end_compared)" "61 false"
 
 # Not these: another bone, another tool, no bone, what is no session.
-run 0 phantom glenoid --seed 2 --out ct2.nrrd
-refuse 2 "is not the bone of this session" replay short.session --bone ct2.nrrd
+refuse 2 "is not the bone of this session" replay short.session --bone whole.nrrd
 refuse 2 "is not the tool 0 of this session" replay short.session --tool builtin:reamer --tool builtin:peg
 refuse 2 "1 tools are given, the session has 2" replay short.session --tool builtin:peg
 mkdir moved && cp short.session moved/
@@ -116,7 +115,9 @@ if [ -n "${PYTHON3:-}" ] && [ "$PYTHON3" != no ]; then
     tool="$PYTHON3 $source_folder/tests/app/session_tool.py"
     check "read by another program" "$($tool check whole.session)" "$ticks ended"
     check "cut and repaired, by another program" "$($tool check repaired.session)" "$whole_ticks cut off"
-    for field in digest removed tool; do
+    fields='digest tool'
+    [ "$long" = 1 ] && fields='digest removed tool'
+    for field in $fields; do
         $tool change short.session changed.session 70 $field -1
         "$osteon" replay changed.session --verify --json >out 2>err
         status=$?
@@ -143,6 +144,8 @@ if cp "$build/.libs/mirror.so" . 2>/dev/null; then
         "false 61 ref true"
     [ "$(value first_difference.density_here)" -ge 120 ] || fail "forgotten: $(value first_difference.density_here)"
     check "the reference removed it" "$(value first_difference.density_there)" 0
+fi
+if [ -e mirror.so ] && [ "$long" = 1 ]; then
     # After the 20th a voxel far away turns to bone, which no tick's digest can say.
     run 1 replay short.session --verify --backend plugin:./mirror.so,break=slips --json
     check "slipped" "$(value first_difference.at) $(value first_difference.tick) $(value first_difference.chunk) \
@@ -151,7 +154,7 @@ $(value first_difference.voxel.0) $(value first_difference.voxel.1) $(value firs
 fi
 
 # Killed while it reams: what is there is done again, to the bit.
-kills=2
+kills=1
 [ "$long" = 1 ] && kills=20
 k=0
 while [ $k -lt $kills ]; do

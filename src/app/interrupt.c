@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "app/interrupt.h"
+
+#include <signal.h>
+#include <stddef.h>
+
+enum { SIGNALS = 3 };
+static const int signals[SIGNALS] = {SIGINT, SIGTERM, SIGHUP};
+static struct sigaction usual[SIGNALS];
+static volatile sig_atomic_t asked;
+
+static void on_signal(int number)
+{
+    asked = 1;
+    /* The next one is for whoever had them before. */
+    for (int i = 0; i < SIGNALS; i++)
+        if (signals[i] == number)
+            sigaction(number, &usual[i], NULL);
+}
+
+void interrupt_begin(void)
+{
+    struct sigaction action = {.sa_handler = on_signal};
+    sigemptyset(&action.sa_mask);
+    asked = 0;
+    for (int i = 0; i < SIGNALS; i++)
+        /* A job that nohup started keeps ignoring. */
+        if (sigaction(signals[i], NULL, &usual[i]) == 0 && usual[i].sa_handler != SIG_IGN)
+            sigaction(signals[i], &action, NULL);
+}
+
+void interrupt_end(void)
+{
+    for (int i = 0; i < SIGNALS; i++)
+        sigaction(signals[i], &usual[i], NULL);
+}
+
+bool interrupt_asked(void)
+{
+    return asked != 0;
+}

@@ -1,0 +1,91 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What people are told of a recorder in trouble: once when it begins, once when
+ * it is over, and nothing of a disk that is well.
+ * Covers: REQ-SESSION-FILE
+ */
+#include "harness.h"
+
+#include "app/recorder_watch.h"
+
+enum { ROOM = 65536 };
+
+typedef struct moment {
+    double ms;
+    uint64_t put, written, lost;
+    bool failing;
+    const char *says; /* NULL: nothing */
+} moment;
+
+static void assert_says(const moment *moments, size_t count)
+{
+    recorder_watch watch = {0};
+    char text[RECORDER_WATCH_TEXT];
+    for (size_t i = 0; i < count; i++) {
+        const moment *m = &moments[i];
+        const ost_recorder_state state = {.put = m->put, .written = m->written, .lost = m->lost, .failing = m->failing, .reason = "the disk is full"};
+        const char *line = recorder_watch_look(&watch, "a.session", &state, ROOM, m->ms, text);
+        if (!m->says)
+            assert_null(line);
+        else {
+            assert_non_null(line);
+            if (!strstr(line, m->says))
+                fail_msg("moment %zu says '%s', not '%s'", i, line, m->says);
+        }
+    }
+}
+#define ASSERT_SAYS(m) assert_says(m, sizeof(m) / sizeof(m)[0])
+
+static void nothing_of_a_disk_that_is_well(void **state)
+{
+    (void)state;
+    static const moment m[] = {{100, 0, 0, 0, false, NULL}, {200, 100, 75, 0, false, NULL}, {5000, 4900, 4875, 0, false, NULL},
+                               /* A pause of the disk, and nothing to write for long. */
+                               {6900, 6800, 4875, 0, false, NULL}, {7000, 6900, 6900, 0, false, NULL}, {60000, 6900, 6900, 0, false, NULL}};
+    ASSERT_SAYS(m);
+}
+
+static void a_full_disk(void **state)
+{
+    (void)state;
+    static const moment m[] = {{100, 100, 75, 0, false, NULL},
+                               {200, 200, 75, 0, true, "a.session: the disk is full; the operation goes on, and the recording waits: there is room for 65 s"},
+                               {300, 300, 75, 0, true, NULL},
+                               {9000, 9000, 75, 0, true, NULL},
+                               {9100, 9100, 9100, 0, false, "recording goes on; nothing was lost"},
+                               {9200, 9200, 9175, 0, false, NULL}};
+    ASSERT_SAYS(m);
+}
+
+static void a_disk_that_stays_full(void **state)
+{
+    (void)state;
+    static const moment m[] = {{100, 100, 75, 0, true, "the disk is full"},
+                               {66000, 65611, 75, 30, true, "there is no room left"},
+                               {66100, 65611, 75, 130, true, NULL},
+                               {66200, 65611, 65611, 130, false, "recording goes on; 130 ticks were lost"}};
+    ASSERT_SAYS(m);
+}
+
+/* A writer that hangs in a write says nothing itself. */
+static void a_recorder_that_stands_still(void **state)
+{
+    (void)state;
+    static const moment m[] = {{100, 100, 75, 0, false, NULL},
+                               {2050, 2000, 75, 0, false, NULL},
+                               {2150, 2100, 75, 0, false, "nothing could be written for 2 s: the disk is slow, or the recorder was stopped"},
+                               {2250, 2200, 75, 0, false, NULL},
+                               {3000, 3000, 2900, 0, false, "recording goes on; nothing was lost"}};
+    ASSERT_SAYS(m);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(nothing_of_a_disk_that_is_well),
+        cmocka_unit_test(a_full_disk),
+        cmocka_unit_test(a_disk_that_stays_full),
+        cmocka_unit_test(a_recorder_that_stands_still),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
