@@ -63,6 +63,9 @@ static bool believable(const ost_cl_cache *cache, const entry_head *head, const 
            ost_digest_bytes(binary, head->length, &checksum, NULL) == OST_OK && ost_digest_equal(&checksum, &head->checksum);
 }
 
+/* Zeros behind the binary: PoCL (3.1) reads all of its head, and then how long it was. */
+enum { SLACK = 256 };
+
 unsigned char *ost_cl_cache_load(const ost_cl_cache *cache, size_t *size)
 {
     *size = 0;
@@ -73,7 +76,7 @@ unsigned char *ost_cl_cache_load(const ost_cl_cache *cache, size_t *size)
     unsigned char *binary = NULL;
     if (fread(&head, sizeof head, 1, f) == 1 && memcmp(head.magic, magic, sizeof magic) == 0 && head.length > 0 &&
         head.length <= ENTRY_MAX)
-        binary = malloc(head.length);
+        binary = calloc(head.length + SLACK, 1);
     if (binary &&
         (fread(binary, 1, head.length, f) != head.length || fgetc(f) != EOF || !believable(cache, &head, binary))) {
         free(binary);

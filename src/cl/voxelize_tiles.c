@@ -29,8 +29,10 @@ typedef struct mesh_bins {
     const ost_snapped_mesh *mesh; /* NULL: none */
     uint8_t tool_class;
     uint64_t entries; /* of all lists */
-    centres *vertex;  /* owned, as are the next three */
-    centres *range;   /* of the triangles */
+    size_t count;     /* triangles whose bounds hold a centre */
+    uint32_t *number; /* of these; owned, as are the next four */
+    centres *range;   /* the same triangles' */
+    centres *vertex;
     uint32_t *start;  /* lists + 1 */
     uint32_t *list;
 } mesh_bins;
@@ -51,7 +53,7 @@ static int16_t greatest(int16_t a, int16_t b)
     return a > b ? a : b;
 }
 
-/* Centres are (i + 1/2) 2^f. */
+/* Centres are (i + 1/2) 2^f. No branch on what a triangle holds, which nothing foresees. */
 static void find_ranges(mesh_bins *bins, int f)
 {
     const ost_snapped_mesh *mesh = bins->mesh;
@@ -61,11 +63,15 @@ static void find_ranges(mesh_bins *bins, int f)
         bins->vertex[v] = (centres){(int16_t)((y + half - 1) >> f), (int16_t)((z + half - 1) >> f), (int16_t)(((y + half) >> f) - 1),
                                     (int16_t)(((z + half) >> f) - 1)};
     }
+    bins->count = 0;
     for (size_t t = 0; t < mesh->triangle_count; t++) {
         const uint32_t *of = mesh->triangles[t];
         const centres a = bins->vertex[of[0]], b = bins->vertex[of[1]], c = bins->vertex[of[2]];
-        bins->range[t] = (centres){least(least(a.y0, b.y0), c.y0), least(least(a.z0, b.z0), c.z0),
-                                   greatest(greatest(a.y1, b.y1), c.y1), greatest(greatest(a.z1, b.z1), c.z1)};
+        const centres r = {least(least(a.y0, b.y0), c.y0), least(least(a.z0, b.z0), c.z0), greatest(greatest(a.y1, b.y1), c.y1),
+                           greatest(greatest(a.z1, b.z1), c.z1)};
+        bins->range[bins->count] = r;
+        bins->number[bins->count] = (uint32_t)t;
+        bins->count += (size_t)((r.y0 <= r.y1) & (r.z0 <= r.z1));
     }
 }
 
@@ -76,7 +82,8 @@ static ost_status bins_start(mesh_bins *bins, int f, ost_error *err)
         return OST_OK;
     bins->vertex = malloc(((size_t)mesh->vertex_count + 1) * sizeof *bins->vertex);
     bins->range = malloc(((size_t)mesh->triangle_count + 1) * sizeof *bins->range);
-    if (!bins->vertex || !bins->range)
+    bins->number = malloc(((size_t)mesh->triangle_count + 1) * sizeof *bins->number);
+    if (!bins->vertex || !bins->range || !bins->number)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for the tiles of %zu triangles", (size_t)mesh->triangle_count);
     find_ranges(bins, f);
     return OST_OK;
@@ -85,16 +92,14 @@ static ost_status bins_start(mesh_bins *bins, int f, ost_error *err)
 /* False when the lists grow out of hand, which is less than four times the triangles and a million. */
 static bool count_entries(mesh_bins *bins, const tile_size *size)
 {
-    const size_t triangles = bins->mesh ? bins->mesh->triangle_count : 0;
     uint64_t entries = 0;
-    for (size_t t = 0; t < triangles; t++) {
-        const centres r = bins->range[t];
-        const uint64_t lists = (uint64_t)((r.y1 >> size->height) - (r.y0 >> size->height) + 1) *
-                               (uint64_t)((r.z1 >> size->layer) - (r.z0 >> size->layer) + 1);
-        entries += r.y0 <= r.y1 && r.z0 <= r.z1 ? lists : 0;
+    for (size_t n = 0; n < bins->count; n++) {
+        const centres r = bins->range[n];
+        entries += (uint64_t)((r.y1 >> size->height) - (r.y0 >> size->height) + 1) *
+                   (uint64_t)((r.z1 >> size->layer) - (r.z0 >> size->layer) + 1);
     }
     bins->entries = entries;
-    return entries <= LISTED * (uint64_t)triangles + (1 << 20);
+    return entries <= LISTED * (uint64_t)bins->count + (1 << 20);
 }
 
 static size_t tile_steps(const ost_cl_tiles *tiles)
@@ -157,31 +162,52 @@ static tile_size choose_size(ost_cl_tiles *tiles, mesh_bins bins[2])
     }
 }
 
+/*
+ * How many triangles each list has, at next[list + 1]: first what changes from
+ * a list to the next, along y and z, at four corners of a triangle's lists;
+ * summed up along both these are the counts.  Modulo 2^32 on the way.
+ */
+static void count_lists(const mesh_bins *bins, uint32_t *change, size_t wide, size_t high, const tile_size *size, uint32_t *next)
+{
+    const size_t row = wide + 1;
+    for (size_t n = 0; n < bins->count; n++) {
+        const centres r = bins->range[n];
+        const size_t y0 = (size_t)(r.y0 >> size->height), y1 = (size_t)(r.y1 >> size->height) + 1;
+        const size_t z0 = (size_t)(r.z0 >> size->layer) * row, z1 = ((size_t)(r.z1 >> size->layer) + 1) * row;
+        change[z0 + y0]++;
+        change[z0 + y1]--;
+        change[z1 + y0]--;
+        change[z1 + y1]++;
+    }
+    for (size_t z = 0; z < high; z++)
+        for (size_t y = 0, along = 0; y < wide; y++) {
+            along += change[z * row + y];
+            next[z * wide + y + 1] = (uint32_t)along + (z ? next[(z - 1) * wide + y + 1] : 0);
+        }
+}
+
 static ost_status bins_make(mesh_bins *bins, const ost_cl_tiles *tiles, const tile_size *size, ost_error *err)
 {
-    const size_t count = list_count(tiles);
+    const size_t count = list_count(tiles), wide = (size_t)tiles->count[0], high = count / wide;
+    uint32_t *change = calloc((wide + 1) * (high + 1), sizeof *change);
     bins->start = calloc(count + 2, sizeof *bins->start);
     bins->list = malloc(((size_t)bins->entries + 1) * sizeof *bins->list);
-    if (!bins->start || !bins->list)
+    if (!change || !bins->start || !bins->list) {
+        free(change);
         return ost_fail(err, OST_ERR_MEMORY, "no memory for lists of %llu triangles", (unsigned long long)bins->entries);
-    /* next[t + 1] counts list t, next[t] then is where it begins and, when all are in, where it ends. */
+    }
+    /* next[l + 1] counts list l, next[l] then is where it begins and, when all are in, where it ends. */
     uint32_t *next = bins->start + 1;
-    for (int place = 0; place < 2; place++) {
-        for (size_t t = 0; t < bins->mesh->triangle_count; t++) {
-            const centres r = bins->range[t];
-            if (r.y0 > r.y1 || r.z0 > r.z1)
-                continue;
-            for (int32_t z = r.z0 >> size->layer; z <= r.z1 >> size->layer; z++)
-                for (int32_t y = r.y0 >> size->height; y <= r.y1 >> size->height; y++) {
-                    const size_t list = (size_t)y + (size_t)tiles->count[0] * (size_t)z;
-                    if (place)
-                        bins->list[next[list]++] = (uint32_t)t;
-                    else
-                        next[list + 1]++;
-                }
-        }
-        for (size_t t = 0; t < count && !place; t++)
-            next[t + 1] += next[t];
+    count_lists(bins, change, wide, high, size, next);
+    free(change);
+    for (size_t l = 0; l < count; l++)
+        next[l + 1] += next[l];
+    for (size_t n = 0; n < bins->count; n++) {
+        const centres r = bins->range[n];
+        const size_t y0 = (size_t)(r.y0 >> size->height), y1 = (size_t)(r.y1 >> size->height);
+        for (size_t z = (size_t)(r.z0 >> size->layer); z <= (size_t)(r.z1 >> size->layer); z++)
+            for (size_t list = y0 + wide * z; list <= y1 + wide * z; list++)
+                bins->list[next[list]++] = bins->number[n];
     }
     return OST_OK;
 }
@@ -277,6 +303,7 @@ ost_status ost_cl_voxelize_tiles(ost_backend *backend, const ost_snapped_mesh *c
     for (int m = 0; m < 2; m++) {
         free(bins[m].vertex);
         free(bins[m].range);
+        free(bins[m].number);
         free(bins[m].start);
         free(bins[m].list);
     }

@@ -5,6 +5,7 @@
  * the build folder.  OST_TEST_CL chooses the device:
  *
  *   OST_TEST_CL=cl:platform=rusticl RUSTICL_ENABLE=llvmpipe tests/cl/test_cl_stages
+ *   OST_TEST_ONLY='cache_*' tests/cl/test_cl_open
  */
 #ifndef OST_TESTS_CL_ON_DEVICE_H
 #define OST_TESTS_CL_ON_DEVICE_H
@@ -48,6 +49,7 @@ static inline void spec_with(char *out, size_t size, const char *option)
 static inline int device_missing(void)
 {
     char folder[4096];
+    cmocka_set_test_filter(getenv("OST_TEST_ONLY"));
     if (!getcwd(folder, sizeof folder - 32))
         return SKIPPED;
     strcat(folder, "/tests/cl/cache");

@@ -176,6 +176,41 @@ static void no_platform(void **state)
     assert_true(strlen(reason) > 20);
 }
 
+static cl_int no_devices(cl_platform_id platform, cl_device_type type, cl_uint room, cl_device_id *ids, cl_uint *count)
+{
+    (void)platform;
+    (void)type;
+    (void)room;
+    (void)ids;
+    if (count)
+        *count = 0;
+    return CL_DEVICE_NOT_FOUND;
+}
+
+static void spec_says_why(const ost_device_info *device, void *user)
+{
+    ++*(int *)user;
+    assert_false(device->available);
+    assert_non_null(strstr(device->reason, "has no device"));
+}
+
+/* The loader finds drivers, and they find nothing to drive. */
+static void no_device(void **state)
+{
+    (void)state;
+    int platforms = 0;
+    ost_error err = {0};
+    char reason[256];
+    ost_cl_api api = ost_cl_loader;
+    api.clGetDeviceIDs = no_devices;
+    assert_int_equal(try_open(&api, "", &err), OST_ERR_UNAVAILABLE);
+    assert_non_null(strstr(err.text, "no device"));
+    assert_false(ost_cl_available_with(&api, reason, sizeof reason));
+    assert_non_null(strstr(reason, "no device"));
+    assert_ok(ost_cl_visit_with(&api, spec_says_why, &platforms, &err));
+    assert_true(platforms > 0);
+}
+
 static size_t flip_size, flip_at;
 
 /* One bit of one result, as a driver that miscompiles would give. */
@@ -550,6 +585,7 @@ int main(void)
         cmocka_unit_test(refused_for_what_it_says),
         cmocka_unit_test(refused_without_int64),
         cmocka_unit_test(no_platform),
+        cmocka_unit_test(no_device),
         cmocka_unit_test(refused_for_what_it_computes),
         cmocka_unit_test(ends_loops),
         cmocka_unit_test(too_many_poses),
