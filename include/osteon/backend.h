@@ -164,6 +164,11 @@ OST_API ost_status ost_bone_info_get(const ost_bone *bone, ost_bone_info *out, o
 /* Densities in slices z0 <= k < z0 + count of the grid without its padding. Upload applies the threshold. */
 OST_API ost_status ost_bone_upload(ost_bone *bone, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
 OST_API ost_status ost_bone_download(const ost_bone *bone, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
+/*
+ * Densities of count single voxels, 0 for those that are not active or beyond the grid: what a force is made of.  Fit for
+ * a tick: no memory is asked for.  OST_ERR_UNAVAILABLE on a backend whose voxels are not in the host's memory.
+ */
+OST_API ost_status ost_bone_sample(const ost_bone *bone, size_t count, const ost_dims *voxels, int16_t *densities, ost_error *err);
 /* Leaves in x-fastest order (leaves may be NULL, else room for all of ost_leaf_dims), and the grid's digest. */
 OST_API ost_status ost_bone_digest(const ost_bone *bone, ost_digest *leaves, ost_digest *root, ost_error *err);
 

@@ -261,6 +261,22 @@ ost_status ost_bone_download(const ost_bone *bone, int32_t z0, int32_t count, in
     return status == OST_OK ? bone->backend->ops->bone_download(bone, z0, count, voxels, err) : status;
 }
 
+ost_status ost_no_sample(const ost_bone *bone, size_t count, const ost_dims *voxels, int16_t *densities, ost_error *err)
+{
+    (void)count;
+    (void)voxels;
+    (void)densities;
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "backend %s keeps its voxels where a tick cannot look at them; a force needs backend cpu or ref",
+                    bone->backend->ops->name);
+}
+
+ost_status ost_bone_sample(const ost_bone *bone, size_t count, const ost_dims *voxels, int16_t *densities, ost_error *err)
+{
+    if (!bone || (count > 0 && (!voxels || !densities)))
+        return ost_fail(err, OST_ERR_USAGE, "sampling needs a bone, voxels and room for their densities");
+    return bone->backend->ops->bone_sample(bone, count, voxels, densities, err);
+}
+
 ost_status ost_bone_digest(const ost_bone *bone, ost_digest *leaves, ost_digest *root, ost_error *err)
 {
     size_t count = (size_t)ost_dims_count(ost_leaf_dims(bone->geometry.dims));

@@ -79,6 +79,8 @@ struct ost_backend_ops {
     ost_status (*bone_stats)(const ost_bone *bone, ost_bone_info *info, ost_error *err);
     ost_status (*bone_upload)(ost_bone *bone, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
     ost_status (*bone_download)(const ost_bone *bone, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
+    /* Densities of single voxels, 0 beyond the grid. For ticks: asks for no memory. UNAVAILABLE where voxels are far from the host. */
+    ost_status (*bone_sample)(const ost_bone *bone, size_t count, const ost_dims *voxels, int16_t *densities, ost_error *err);
     /* AR-DIG-2 leaves of 32^3, whatever the chunk size; leaves has room for all. */
     ost_status (*bone_leaves)(const ost_bone *bone, ost_digest *leaves, ost_error *err);
 
@@ -102,5 +104,7 @@ extern const ost_backend_ops ost_backend_plugin;
 
 /* The slot devices of a backend that has none to choose from. */
 ost_status ost_no_devices(ost_device_visit *visit, void *user, ost_error *err);
+/* The slot bone_sample of a backend whose voxels are far from the host. */
+ost_status ost_no_sample(const ost_bone *bone, size_t count, const ost_dims *voxels, int16_t *densities, ost_error *err);
 
 #endif
