@@ -2,9 +2,9 @@
 /*
  * An operation: a world that a device moves the tools of, recorded as it goes.
  *
- *   ost_servo_run --sample--> pose guard --> ost_world_step --> digest
- *                                 |                               |
- *                               faults ------------------> record, put
+ *   ost_servo_run --sample--> pose guard --> force: tool's pose --> ost_world_step --> digest
+ *         ^                       |            |                                        |
+ *         '-------- wrench ---- safety <-------'   faults --------------------> record, put
  *
  * It is what to give to ost_servo_run: ost_operation_tick and
  * ost_operation_done, with the operation as user.  Live, scripted and
@@ -13,6 +13,7 @@
 #ifndef OSTEON_OPERATION_H
 #define OSTEON_OPERATION_H
 
+#include <osteon/force.h>
 #include <osteon/haptics.h>
 #include <osteon/session.h>
 #include <osteon/sim.h>
@@ -25,7 +26,8 @@ typedef enum ost_fault {
     OST_FAULT_NONE,
     OST_FAULT_JUMP, /* the pose moved more than 5 mm in a tick */
     OST_FAULT_TURN, /* the pose turned more than the sweep can follow, or is none */
-    OST_FAULT_TOOL  /* the device names a tool that the world does not have */
+    OST_FAULT_TOOL, /* the device names a tool that the world does not have */
+    OST_FAULT_FORCE /* the force is no number */
 } ost_fault;
 
 typedef struct ost_operation ost_operation;
@@ -33,6 +35,8 @@ typedef struct ost_operation ost_operation;
 typedef struct ost_operation_options {
     int32_t tool;            /* where the device does not say */
     ost_recorder *recorder;  /* borrowed; NULL: nothing is recorded */
+    ost_force *force;        /* borrowed, with the world's tools in their order; NULL: none is given, and the tool is where the device is */
+    const ost_safety_params *safety; /* read when the operation is created; NULL: the defaults */
     /* Of an operation that goes on: how many ticks the world took before, and the last of them; 0 and NULL else. */
     uint64_t steps_before;
     const ost_tick *last;    /* read when the operation is created */
@@ -60,6 +64,9 @@ typedef struct ost_operation_report {
     uint64_t faults;       /* how often one began */
     uint64_t fault_ticks;  /* ticks in one */
     ost_fault last_fault;  /* the last that began */
+    double peak_n;         /* the greatest force given */
+    double peak_axial_n, energy_j; /* real: along the axis, and the work of cutting */
+    uint64_t touching_ticks, damped_ticks; /* in contact; in which the passivity controller took something */
     ost_status status;     /* not OST_OK: the world failed, with the text in error */
     ost_error error;
 } ost_operation_report;

@@ -12,6 +12,7 @@
  *   digest.h   SHA-256 of grids                event.h    sweep, map, report
  *   plugin.h   somebody else's backend        session.h  what happened, to be done again
  *   haptics.h  devices and their loop         operation.h  a world that a device moves
+ *   force.h    what the hand feels
  */
 #ifndef OSTEON_H
 #define OSTEON_H
@@ -19,6 +20,7 @@
 #include <osteon/backend.h>
 #include <osteon/digest.h>
 #include <osteon/event.h>
+#include <osteon/force.h>
 #include <osteon/grid.h>
 #include <osteon/haptics.h>
 #include <osteon/io.h>

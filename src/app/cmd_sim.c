@@ -37,8 +37,11 @@ typedef struct sim_args {
     int64_t period_ns;
     uint64_t ticks, idle_ticks;
     ost_density_classes classes;
-    bool headless, no_clock, no_realtime, compress, sweep_off, bone_given, tools_given;
+    int64_t force; /* of force_names */
+    bool force_given, headless, no_clock, no_realtime, compress, sweep_off, bone_given, tools_given;
 } sim_args;
+
+static const char *const force_names[] = {"off", "energy", "instant"};
 
 typedef struct simulation {
     ost_backend *backend;
@@ -49,6 +52,7 @@ typedef struct simulation {
     ost_world *world;
     ost_recorder *recorder;
     ost_haptic *device;
+    ost_force *force;   /* NULL: none is given */
     ost_operation *operation;
     ost_servo_report *loop;
     ost_operation_report done;
@@ -61,6 +65,7 @@ static void simulation_free(simulation *s)
 {
     free(s->loop);
     ost_operation_free(s->operation);
+    ost_force_free(s->force);
     ost_haptic_close(s->device);
     ost_recorder_close(s->recorder, NULL, NULL);
     ost_session_close(s->resumed);
@@ -105,6 +110,34 @@ static ost_status load_all(const app_state *app, sim_args *args, simulation *s, 
     return ost_haptic_open(args->device, &setup, &s->device, err);
 }
 
+/* A device that renders forces gets one unless --force off; one that does not has none to be asked for. */
+static ost_status force_make(const app_state *app, sim_args *args, simulation *s, ost_error *err)
+{
+    ost_haptic_info info = {0};
+    for (int i = 0; i < ost_haptic_count(); i++)
+        if (ost_haptic_describe(i, &info, err) == OST_OK && device_is(args, info.name))
+            break;
+    const bool renders = info.name && device_is(args, info.name) && (info.caps & OST_HAPTIC_FORCE);
+    if (!args->force_given)
+        args->force = renders;
+    if (args->force && !renders)
+        return usage_error(app, err, "--force %s: device %s renders no force", force_names[args->force], args->device);
+    if (!args->force)
+        return OST_OK;
+    ost_force_params params = ost_force_defaults();
+    params.mode = args->force == 2 ? OST_FORCE_INSTANT : OST_FORCE_ENERGY;
+    ost_status status = ost_force_create(s->bone, &params, &s->force, err);
+    if (status == OST_ERR_UNAVAILABLE && !args->force_given) {
+        warn(app, "%s; none is given", err->text);
+        args->force = 0;
+        *err = (ost_error){0};
+        return OST_OK;
+    }
+    for (int i = 0; i < args->tools.count && status == OST_OK; i++)
+        status = ost_force_add_tool(s->force, s->tools[i], err);
+    return status;
+}
+
 static ost_status record_begin(const sim_args *args, simulation *s, ost_error *err)
 {
     if (!args->record)
@@ -123,6 +156,8 @@ static ost_status record_begin(const sim_args *args, simulation *s, ost_error *e
     if (status != OST_OK)
         return status;
     status = ost_session_header_set(header, "tick_ns", "1000000", err);
+    if (status == OST_OK)
+        status = ost_session_header_set(header, "force", force_names[args->force], err);
     if (status == OST_OK)
         status = ost_recorder_open(args->record, header, &(ost_recorder_options){.room = ROOM}, &s->recorder, err);
     ost_session_header_free(header);
@@ -216,6 +251,7 @@ static ost_status run(const app_state *app, const sim_args *args, simulation *s,
         return ost_fail(err, OST_ERR_MEMORY, "no memory for the times of a run");
     const ost_operation_options what = {
         .recorder = s->recorder,
+        .force = s->force,
         .tool = s->resumed ? s->last.tool : 0,
         .steps_before = s->before,
         .last = s->resumed ? &s->last : NULL,
@@ -295,6 +331,16 @@ static void report_loop(const app_state *app, const sim_args *args, const simula
         say(app, "  scheduling: %s; memory: %s", r->realtime.scheduling, r->realtime.memory);
         if (r->stolen_ms > 0)
             say(app, "  the machine is a virtual one: %lld ms of its cores went elsewhere meanwhile", (long long)r->stolen_ms);
+    }
+    put_text(o, "force", force_names[args->force]);
+    if (s->force) {
+        put_real(o, "peak_force_n", s->done.peak_n);
+        put_real(o, "peak_axial_n", s->done.peak_axial_n);
+        put_real(o, "cutting_j", s->done.energy_j);
+        put_integer(o, "contact_ticks", (int64_t)s->done.touching_ticks);
+        put_integer(o, "damped_ticks", (int64_t)s->done.damped_ticks);
+        say(app, "  force: %.2f N at most on the hand, which stands for %.0f N on the bone; %.1f J of cutting in %.1f s of contact",
+            s->done.peak_n, s->done.peak_axial_n, s->done.energy_j, (double)s->done.touching_ticks * 1e-3);
     }
     if (s->done.faults)
         warn(app, "%s: %llu faults, %llu ticks long; the last: %s", args->device, (unsigned long long)s->done.faults,
@@ -412,6 +458,8 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
          .help = "direction into the bone there (default: the file's)"},
         {.name = "side", .kind = OPTION_CHOICE, .out = &t->side, .given = &t->side_given, .value = "left|right",
          .help = "of the body (default: the file's, else right)"},
+        {.name = "force", .kind = OPTION_CHOICE, .out = &args.force, .given = &args.force_given, .value = "off|energy|instant",
+         .help = "what the hand feels: energy, bone gives way as it is cut;\ninstant, it is gone at once (default: energy if the device\nrenders forces)"},
         {.name = "rate", .kind = OPTION_DECIMAL, .out = &args.rate, .value = "HZ", .help = "remove so many times a second (default: every tick)"},
         {.name = "classes", .kind = OPTION_TEXT, .out = &args.classes_text, .value = "NAME:HU,...", .help = "density classes to count by, each from its HU up"},
         {.name = "no-clock", .kind = OPTION_FLAG, .out = &args.no_clock, .help = "one tick after the other, as fast as they go: the same operation"},
@@ -440,6 +488,8 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
         status = resume_open(app, &args, &s, err);
     if (status == OST_OK)
         status = load_all(app, &args, &s, err);
+    if (status == OST_OK)
+        status = force_make(app, &args, &s, err);
     if (status == OST_OK)
         status = record_begin(&args, &s, err);
     if (status == OST_OK && s.resumed)

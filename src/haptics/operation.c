@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a tick does. Nothing here waits, allocates beyond what a step of the world does, or asks the system for anything. */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,8 +16,10 @@ struct ost_operation {
     int classes;
     int64_t t_ns;      /* of the loop's first tick */
     bool moved;        /* a tick was taken: last is where the tool is */
-    ost_pose last;
+    ost_pose last;     /* of the device */
     int32_t last_tool;
+    ost_safety safety;
+    bool given;        /* a force, in this tick */
     ost_fault fault;   /* now */
     ost_operation_report report;
     ost_record pending; /* of the tick whose time is not known yet */
@@ -30,6 +33,7 @@ const char *ost_fault_text(ost_fault fault)
     case OST_FAULT_JUMP: return "the pose jumped";
     case OST_FAULT_TURN: return "the pose turned too far, or is none";
     case OST_FAULT_TOOL: return "there is no such tool";
+    case OST_FAULT_FORCE: return "the force is no number";
     }
     return "unknown";
 }
@@ -46,11 +50,15 @@ ost_status ost_operation_create(ost_world *world, const ost_operation_options *o
     if (options)
         o->options = *options;
     o->classes = ost_world_classes(world)->count;
+    ost_safety_begin(&o->safety, o->options.safety);
+    o->options.safety = NULL;
     if (o->options.last) {
         o->moved = true;
         o->last = o->options.last->pose;
         o->last_tool = o->options.last->tool;
         o->t_ns = o->options.last->t_ns + AFTER_NS;
+        if (o->options.force)
+            ost_force_place(o->options.force, o->last_tool, &o->last);
         o->options.last = NULL;
     }
     ost_status status = ost_world_reserve(world, err);
@@ -120,14 +128,48 @@ static void set_fault(ost_operation *o, ost_fault fault, int64_t t_ns)
     o->fault = fault;
 }
 
-static void remember(ost_operation *o, const ost_servo_sample *sample, const ost_tick *tick, const ost_step_result *step)
+static int32_t millionths(double value)
+{
+    return (int32_t)rint(fmax(-2e9, fmin(2e9, value * 1e6)));
+}
+
+/* Where the tool is for a device that is at tick's pose, and what the hand is to feel; false when the force is no number. */
+static ost_status feel(ost_operation *o, const ost_servo_sample *sample, int64_t period_ns, ost_tick *tick, ost_wrench *wrench, ost_fault *fault)
+{
+    ost_force_result felt;
+    const double period_s = (double)period_ns * 1e-9;
+    const ost_pose device = tick->pose;
+    ost_status status = ost_force_step(o->options.force, tick->tool, &device, period_s, &felt, &o->report.error);
+    if (status != OST_OK)
+        return status;
+    memcpy(wrench->force_n, felt.force_n, sizeof felt.force_n);
+    memcpy(wrench->torque_nm, felt.torque_nm, sizeof felt.torque_nm);
+    const ost_safety_answer answer =
+        ost_safety_step(&o->safety, &device, !sample->declared, sample->state.buttons, period_s, wrench->force_n, wrench->torque_nm);
+    if (answer == OST_SAFETY_FAULT || ost_pose_check(&felt.tool, NULL) != OST_OK) {
+        *fault = OST_FAULT_FORCE;
+        return OST_OK;
+    }
+    tick->pose = felt.tool;
+    o->given = answer == OST_SAFETY_GIVEN;
+    ost_operation_report *r = &o->report;
+    const double *f = wrench->force_n;
+    r->peak_n = fmax(r->peak_n, sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]));
+    r->peak_axial_n = fmax(r->peak_axial_n, felt.axial_n);
+    r->energy_j += felt.power_w * period_s;
+    r->touching_ticks += felt.touching > 0;
+    r->damped_ticks = o->safety.damped_ticks;
+    return OST_OK;
+}
+
+static void remember(ost_operation *o, const ost_servo_sample *sample, const ost_tick *tick, const ost_step_result *step, const ost_wrench *wrench)
 {
     o->pending = (ost_record){
         .kind = OST_RECORD_TICK,
         .as.tick = {.number = o->options.steps_before + o->report.steps,
                     .tick = *tick,
                     .flags = (step->removal ? OST_TICK_REMOVAL : 0) | (step->boxes_meet ? OST_TICK_MET : 0) |
-                             (sample->declared ? OST_TICK_DECLARED : 0),
+                             (o->given ? OST_TICK_FORCE : 0) | (sample->declared ? OST_TICK_DECLARED : 0),
                     .buttons = sample->state.buttons,
                     .digest = ost_step_digest(step, o->classes),
                     .removed = step->report ? at_most_32(step->report->total_voxels) : 0,
@@ -136,20 +178,31 @@ static void remember(ost_operation *o, const ost_servo_sample *sample, const ost
                     .wake_ns = sample->wake_ns,
                     .missed = sample->missed},
     };
+    for (int a = 0; a < 3; a++) {
+        o->pending.as.tick.force_un[a] = millionths(wrench->force_n[a]);
+        o->pending.as.tick.torque_unm[a] = millionths(wrench->torque_nm[a]);
+    }
     o->has_pending = true;
 }
 
 bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wrench *wrench)
 {
     ost_operation *o = operation;
-    (void)wrench; /* zero: removal alone */
-    const ost_tick tick = {
+    ost_tick tick = {
         .t_ns = o->t_ns + sample->t_ns,
         .tool = sample->state.tool >= 0 ? sample->state.tool : o->options.tool,
         .pose = sample->state.pose,
     };
     ost_fault fault = judge(o, &tick);
     ost_step_result step;
+    o->given = false;
+    if (fault == OST_FAULT_NONE && o->options.force) {
+        o->report.status = feel(o, sample, AFTER_NS, &tick, wrench, &fault);
+        if (o->report.status == OST_ERR_USAGE)
+            fault = OST_FAULT_TOOL;
+        else if (o->report.status != OST_OK)
+            return false;
+    }
     if (fault == OST_FAULT_NONE) {
         o->report.status = ost_world_step(o->world, &tick, &step, &o->report.error);
         if (o->report.status == OST_ERR_RANGE)
@@ -161,14 +214,16 @@ bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wre
     }
     set_fault(o, fault, tick.t_ns);
     if (fault != OST_FAULT_NONE) {
-        /* The world is as it was; so it may go on. */
+        /* The world is as it was; so it may go on. The hand is left alone. */
         o->report.status = OST_OK;
+        *wrench = (ost_wrench){{0}, {0}};
+        ost_safety_stop(&o->safety);
         return true;
     }
-    remember(o, sample, &tick, &step);
+    remember(o, sample, &tick, &step, wrench);
     o->report.steps++;
     o->moved = true;
-    o->last = tick.pose;
+    o->last = sample->state.pose;
     o->last_tool = tick.tool;
     return true;
 }

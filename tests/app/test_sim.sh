@@ -34,6 +34,22 @@ check "the same hand" "$(value sha256)" "$shaking"
 run 0 sim --headless --bone bone.nrrd --device sim:grip=light,friction=20,tremor=300,seed=5 --seconds 2 --no-clock --json
 [ "$(value sha256)" != "$shaking" ] || fail "another seed shakes alike"
 
+# With a force less goes than without, and what the hand felt is recorded; the session replays all the same.
+run 0 sim --headless --bone bone.nrrd --path builtin:glenoid-ream --seconds 2.5 --no-clock --force off --json
+free=$(value removed_voxels)
+run 0 sim --headless --bone bone.nrrd --path builtin:glenoid-ream --seconds 2.5 --no-clock --record felt.session --json
+has peak_force_n peak_axial_n cutting_j contact_ticks damped_ticks
+check "the force of a device that renders one" "$(value force)" energy
+[ "$(value removed_voxels)" -lt "$free" ] || fail "bone does not resist: $(value removed_voxels) voxels of $free"
+felt=$(value sha256)
+run 0 replay felt.session --verify --backend cpu:isa=scalar --json
+check "felt, and again" "$(value equal) $(value sha256)" "true $felt"
+run 0 export felt.session --out felt.csv
+awk -F, 'NR > 1 && $21 != 0 { n++ } END { exit n < 100 }' felt.csv || fail "no force is recorded"
+run 0 sim --headless --bone bone.nrrd --path builtin:glenoid-ream --seconds 2.5 --no-clock --force instant --json
+check "instant" "$(value force)" instant
+refuse 2 "device null renders no force" sim --headless --bone bone.nrrd --device null --force energy
+
 # Scripts and sessions as devices; they end before the time does.
 run 0 sim --headless --bone bone.nrrd --device replay --path live.session --no-clock --json
 check "a session as a device" "$(value ticks) $(value sha256)" "500 $live"

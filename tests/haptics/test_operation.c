@@ -2,7 +2,7 @@
 /*
  * An operation: what a device does to a world is what its path does without a
  * device; what cannot be a hand's changes nothing; and all of it is recorded.
- * Covers: REQ-OPERATION
+ * Covers: REQ-OPERATION, REQ-SAFETY
  */
 #include "ref/scene.h"
 
@@ -155,6 +155,57 @@ static void a_tool_that_jumps_does_not_cut_on_its_way(void **state)
     free_room(&r);
 }
 
+/* A tool of rigid points in bone is felt; a pose that jumps is a fault, and then the hand feels nothing, and softly again. */
+typedef struct felt {
+    ost_operation *operation;
+    double n[400];
+    size_t count;
+} felt;
+
+static bool feeling(void *user, const ost_servo_sample *sample, ost_wrench *wrench)
+{
+    felt *f = user;
+    const bool more = ost_operation_tick(f->operation, sample, wrench);
+    f->n[f->count++] = wrench->force_n[0];
+    return more;
+}
+
+static void a_fault_lets_the_hand_alone(void **state)
+{
+    ost_error err = {0};
+    room r = make_room(*state);
+    ost_force_params params = ost_force_defaults();
+    ost_safety_params safety = ost_safety_defaults();
+    ost_force *force;
+    ost_haptic *device;
+    static felt f;
+    params.speed = 0;
+    safety.ramp_s = 0.05;
+    f = (felt){0};
+    ost_path path = into_bone(400);
+    for (size_t i = 0; i < path.count; i++) /* 4 mm/s into the bone's side, to 2 mm deep */
+        path.ticks[i].pose.t.x = -2 * MM + (ost_pm)(i < 200 ? i : 200) * MM / 100;
+    path.ticks[300].pose.t.y += 50 * MM;
+    assert_ok(ost_force_create(r.bone, &params, &force, &err));
+    assert_ok(ost_force_add_tool(force, r.tool, &err));
+    assert_ok(ost_haptic_open("script", &(ost_haptic_setup){.path = &path}, &device, &err));
+    assert_ok(ost_operation_create(r.world, &(ost_operation_options){.force = force, .safety = &safety}, &f.operation, &err));
+    assert_ok(ost_servo_run(device, &(ost_servo_options){.no_clock = true, .no_realtime = true}, feeling, NULL, &f, &report, &err));
+    ost_operation_report done;
+    ost_operation_report_get(f.operation, &done);
+    assert_int_equal(done.faults, 1);
+    assert_int_equal(f.count, 400);
+    assert_true(f.n[0] == 0 && f.n[299] < -0.1);
+    assert_true(f.n[300] == 0);
+    assert_true(f.n[301] > 0.1 * f.n[299] && f.n[399] < 0.9 * f.n[299]);
+    assert_true(done.peak_n >= -f.n[299]);
+    ost_operation_free(f.operation);
+    ost_haptic_close(device);
+    ost_force_free(force);
+    ost_path_free(&path);
+    free_room(&r);
+}
+
 static void a_session_of_it_does_it_again(void **state)
 {
     ost_error err = {0};
@@ -214,6 +265,7 @@ int main(void)
         cmocka_unit_test(a_script_is_its_path),
         cmocka_unit_test(what_is_no_hands_is_left_out),
         cmocka_unit_test(a_tool_that_jumps_does_not_cut_on_its_way),
+        cmocka_unit_test(a_fault_lets_the_hand_alone),
         cmocka_unit_test(a_session_of_it_does_it_again),
     };
     return run_on_backends(tests, open_test_backend, close_test_backend);

@@ -109,7 +109,10 @@ static void a_tick_allocates_nothing(void **state)
     assert_ok(ost_session_header_create(&header, &err));
     assert_ok(ost_recorder_open(name, header, NULL, &recorder, &err));
     assert_ok(ost_haptic_open("sim", &(ost_haptic_setup){.path = &path}, &device, &err));
-    assert_ok(ost_operation_create(world, &(ost_operation_options){.recorder = recorder}, &operation, &err));
+    ost_force *force;
+    assert_ok(ost_force_create(bone, NULL, &force, &err));
+    assert_ok(ost_force_add_tool(force, tool, &err));
+    assert_ok(ost_operation_create(world, &(ost_operation_options){.recorder = recorder, .force = force}, &operation, &err));
     calls = 0;
     assert_ok(ost_servo_run(device, &(ost_servo_options){.ticks = 400, .no_clock = true, .no_realtime = true}, watched_tick, watched_done, operation,
                             &report, &err));
@@ -119,7 +122,7 @@ static void a_tick_allocates_nothing(void **state)
     assert_int_equal(done.steps, 400);
     ost_world_totals totals;
     ost_world_totals_get(world, &totals);
-    assert_true(totals.removed_voxels > 10000);
+    assert_true(totals.removed_voxels > 10000 && done.touching_ticks > 300);
     assert_int_equal(counted, 0);
     /* And the counter counts. */
     watching = true;
@@ -128,6 +131,7 @@ static void a_tick_allocates_nothing(void **state)
     free(some);
     assert_int_equal(calls, counted + 1);
     ost_operation_free(operation);
+    ost_force_free(force);
     ost_haptic_close(device);
     assert_ok(ost_recorder_close(recorder, NULL, &err));
     ost_session_header_free(header);

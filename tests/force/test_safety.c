@@ -1,0 +1,212 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Every rule between a force and a hand, alone with all others off: so a rule
+ * that is taken out fails its test.
+ * Covers: REQ-SAFETY
+ */
+#include "harness.h"
+
+#include <math.h>
+
+#include <osteon/force.h>
+
+#define T 1e-3
+
+static ost_pose at_mm(double z)
+{
+    return (ost_pose){.t = {0, 0, (ost_pm)(z * 1e9)}, .qw = OST_Q30_ONE};
+}
+
+/* All rules off. */
+static ost_safety_params open_params(void)
+{
+    return (ost_safety_params){.max_n = 1e6, .max_nm = 1e6, .slew_n = 1e6, .ramp_s = 0, .stale_ticks = 1 << 30, .stored_j = 1};
+}
+
+static ost_safety_answer give(ost_safety *s, double z_mm, bool fresh, uint32_t buttons, double n, double *out)
+{
+    double force[3] = {0, 0, n}, torque[3] = {0, 0, n / 100};
+    const ost_pose pose = at_mm(z_mm);
+    const ost_safety_answer answer = ost_safety_step(s, &pose, fresh, buttons, T, force, torque);
+    *out = force[2];
+    return answer;
+}
+
+static void without_rules_it_passes(void **state)
+{
+    (void)state;
+    const ost_safety_params p = open_params();
+    ost_safety s;
+    double f;
+    ost_safety_begin(&s, &p);
+    assert_int_equal(give(&s, 0, true, 0, 500, &f), OST_SAFETY_GIVEN);
+    assert_true(fabs(f - 500) < 1e-3);
+}
+
+static void no_number_is_a_fault(void **state)
+{
+    (void)state;
+    static const double none[] = {NAN, INFINITY, -INFINITY};
+    for (int i = 0; i < 3; i++) {
+        ost_safety s;
+        double f = 0;
+        ost_safety_begin(&s, NULL);
+        for (int k = 0; k < 1000; k++)
+            give(&s, 0, true, 0, 1, &f);
+        assert_true(f > 0.9);
+        assert_int_equal(give(&s, 0, true, 0, none[i], &f), OST_SAFETY_FAULT);
+        assert_true(f == 0);
+        /* And afterwards it begins softly. */
+        assert_int_equal(give(&s, 0, true, 0, 1, &f), OST_SAFETY_GIVEN);
+        assert_true(f > 0 && f < 0.01);
+    }
+}
+
+static void force_and_torque_saturate(void **state)
+{
+    (void)state;
+    ost_safety_params p = open_params();
+    p.max_n = 3;
+    p.max_nm = 0.1;
+    ost_safety s;
+    ost_safety_begin(&s, &p);
+    double last = 0;
+    for (double n = 0.1; n < 1e4; n *= 1.5) {
+        double f[3] = {n, n, 0}, t[3] = {0, n, n};
+        const ost_pose pose = at_mm(0);
+        ost_safety_step(&s, &pose, true, 0, T, f, t);
+        const double size = sqrt(f[0] * f[0] + f[1] * f[1]);
+        assert_true(size <= 3 && size > last && sqrt(t[1] * t[1] + t[2] * t[2]) <= 0.1);
+        assert_true(fabs(f[0] - f[1]) < 1e-6);
+        last = size;
+    }
+    assert_true(last > 2.99);
+}
+
+static void force_changes_slowly(void **state)
+{
+    (void)state;
+    ost_safety_params p = open_params();
+    p.slew_n = 0.3;
+    ost_safety s;
+    double f = 0, before = 0;
+    ost_safety_begin(&s, &p);
+    for (int i = 0; i < 40; i++) {
+        give(&s, 0, true, 0, i < 20 ? 2 : -2, &f);
+        assert_true(fabs(f - before) <= 0.3 + 1e-9);
+        before = f;
+    }
+    assert_true(fabs(f + 2) < 1e-6);
+}
+
+static void force_begins_softly(void **state)
+{
+    (void)state;
+    ost_safety_params p = open_params();
+    p.ramp_s = 0.5;
+    ost_safety s;
+    double f;
+    ost_safety_begin(&s, &p);
+    for (int i = 1; i <= 600; i++) {
+        give(&s, 0, true, 0, 1, &f);
+        assert_true(fabs(f - (i < 500 ? i / 500.0 : 1)) < 1e-5);
+    }
+    ost_safety_stop(&s);
+    give(&s, 0, true, 0, 1, &f);
+    assert_true(fabs(f - 0.002) < 1e-5);
+}
+
+static void who_lets_go_feels_nothing(void **state)
+{
+    (void)state;
+    ost_safety_params p = open_params();
+    p.dead_man = 5;
+    ost_safety s;
+    double f;
+    ost_safety_begin(&s, &p);
+    assert_int_equal(give(&s, 0, true, 4, 1, &f), OST_SAFETY_GIVEN);
+    assert_true(f > 0.9);
+    assert_int_equal(give(&s, 0, true, 2, 1, &f), OST_SAFETY_WITHHELD);
+    assert_true(f == 0);
+}
+
+static void a_silent_device_gets_nothing(void **state)
+{
+    (void)state;
+    ost_safety_params p = open_params();
+    p.stale_ticks = 2;
+    ost_safety s;
+    double f;
+    ost_safety_begin(&s, &p);
+    give(&s, 0, true, 0, 1, &f);
+    assert_int_equal(give(&s, 0, false, 0, 1, &f), OST_SAFETY_GIVEN); /* one is bridged */
+    assert_true(f > 0.9);
+    assert_int_equal(give(&s, 0, false, 0, 1, &f), OST_SAFETY_WITHHELD);
+    assert_true(f == 0);
+    assert_int_equal(give(&s, 0, true, 0, 1, &f), OST_SAFETY_GIVEN);
+}
+
+/* A spring that lags makes energy at every stroke: a mass on it swings ever more. How far, after 2 s of 3. */
+static double swing(double max_damping, uint64_t *damped)
+{
+    ost_safety_params p = open_params();
+    p.stored_j = 1e-3;
+    p.max_damping = max_damping;
+    ost_safety s;
+    ost_safety_begin(&s, &p);
+    double z = 1e-3, v = 0, lag[3] = {z, z, z}, peak = 0, f = 0;
+    for (int i = 0; i < 3000; i++) {
+        for (int k = 0; k < 10; k++) {
+            v += (f - 0.1 * v) / 0.06 * T / 10;
+            z += v * T / 10;
+        }
+        lag[2] = lag[1];
+        lag[1] = lag[0];
+        lag[0] = z;
+        give(&s, z * 1e3, true, 0, -400 * lag[2], &f);
+        if (i > 2000 && fabs(z) > peak)
+            peak = fabs(z);
+    }
+    *damped = s.damped_ticks;
+    return peak;
+}
+
+static void passivity_takes_back_what_was_made(void **state)
+{
+    (void)state;
+    uint64_t damped;
+    const double free_swing = swing(0, &damped);
+    assert_int_equal(damped, 0);
+    const double held = swing(2, &damped);
+    print_message("swing of a lagging spring: %.3g m without, %.3g m with the controller\n", free_swing, held);
+    assert_true(free_swing > 20e-3 && held < 4e-3 && damped > 10);
+}
+
+/* A wall that makes no energy is left alone. */
+static void a_passive_wall_is_left_alone(void **state)
+{
+    (void)state;
+    ost_safety_params p = open_params();
+    p.max_damping = 2;
+    ost_safety s;
+    double f;
+    ost_safety_begin(&s, &p);
+    for (int i = 0; i < 1000; i++) {
+        const double z = 1e-3 * sin(i * 0.01), next = 1e-3 * sin((i + 1) * 0.01);
+        /* Over the step from z to next the force of its middle: exactly the spring's energy, and a damper. */
+        give(&s, z * 1e3, true, 0, -300 * (z + next) / 2 - 0.01 * (next - z) / T, &f);
+    }
+    assert_int_equal(s.damped_ticks, 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(without_rules_it_passes),      cmocka_unit_test(no_number_is_a_fault),
+        cmocka_unit_test(force_and_torque_saturate),    cmocka_unit_test(force_changes_slowly),
+        cmocka_unit_test(force_begins_softly),          cmocka_unit_test(who_lets_go_feels_nothing),
+        cmocka_unit_test(a_silent_device_gets_nothing), cmocka_unit_test(passivity_takes_back_what_was_made),
+        cmocka_unit_test(a_passive_wall_is_left_alone),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
