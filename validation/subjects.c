@@ -55,6 +55,7 @@ typedef struct device_visit {
     subject_list *list;
     ost_error *err;
     ost_status status;
+    subject *named; /* the one whose device is looked for; NULL: all are added */
 } device_visit;
 
 static void add_device(const ost_device_info *device, void *user)
@@ -63,16 +64,38 @@ static void add_device(const ost_device_info *device, void *user)
     char what[SUBJECT_REASON];
     const bool named = device->name && *device->name; /* a platform without devices has none */
     snprintf(what, sizeof what, "OpenCL, %.140s%s%.140s", named ? device->name : "", named ? ", " : "", device->platform);
+    if (v->named) {
+        if (strcmp(v->named->device, device->spec) == 0)
+            memcpy(v->named->what, what, sizeof what);
+        return;
+    }
     subject *s = v->status == OST_OK ? add(v->list, device->spec, what, v->err) : NULL;
     if (!s) {
         v->status = OST_ERR_MEMORY;
         return;
     }
     s->available = device->available;
+    snprintf(s->device, sizeof s->device, "%s", device->spec);
     if (device->available)
         v->list->opencl = true;
     else
         snprintf(s->reason, sizeof s->reason, "%.300s", device->reason ? device->reason : "");
+}
+
+/* A user's words, as "cl:platform=portable", may mean any device; a report names the one that it was. */
+static ost_status name_device(int platform, int device, subject *s, ost_error *err)
+{
+    device_visit v = {.status = OST_OK, .named = s};
+    snprintf(s->device, sizeof s->device, "cl:platform=%d,device=%d", platform, device);
+    for (int i = 0; i < ost_backend_count(); i++) {
+        ost_backend_info info;
+        ost_status status = ost_backend_describe(i, &info, err);
+        if (status == OST_OK && strcmp(info.name, "cl") == 0)
+            status = ost_backend_devices(i, add_device, &v, err);
+        if (status != OST_OK)
+            return status;
+    }
+    return OST_OK;
 }
 
 static ost_status add_cl(subject_list *list, ost_error *err)
@@ -86,7 +109,7 @@ static ost_status add_cl(subject_list *list, ost_error *err)
             continue;
         snprintf(list->no_opencl, sizeof list->no_opencl, "%s", info.available ? "no device is usable" : info.reason);
         if (info.available) {
-            device_visit v = {list, err, OST_OK};
+            device_visit v = {.list = list, .err = err};
             status = ost_backend_devices(i, add_device, &v, err);
             if (status == OST_OK)
                 status = v.status;
@@ -144,6 +167,7 @@ static ost_status add_wanted(plan_tier tier, const char *spec, subject_list *lis
     ost_status status = strncmp(spec, "plugin", 6) == 0 ? try_apart(spec, err) : ost_backend_open(spec, &backend, err);
     if (status != OST_OK && status != OST_ERR_UNAVAILABLE)
         return status;
+    const ost_backend_settings on = backend ? ost_backend_settings_get(backend) : (ost_backend_settings){.device = -1};
     ost_backend_close(backend);
     subject *s = add(list, spec, spec, err);
     if (!s)
@@ -153,7 +177,7 @@ static ost_status add_wanted(plan_tier tier, const char *spec, subject_list *lis
         snprintf(s->reason, sizeof s->reason, "%.300s", err->text);
     } else if (strncmp(spec, "cl", 2) == 0)
         list->opencl = true;
-    return OST_OK;
+    return on.device >= 0 ? name_device(on.platform, on.device, s, err) : OST_OK;
 }
 
 ost_status subjects_find(plan_tier tier, const char *wanted, subject_list *out, ost_error *err)

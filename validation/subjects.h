@@ -25,6 +25,7 @@ enum { SUBJECT_SPEC = 512, SUBJECT_REASON = 320 };
 typedef struct subject {
     char spec[SUBJECT_SPEC];
     char what[SUBJECT_REASON]; /* for people: device and driver, instruction set */
+    char device[64];           /* of OpenCL, as ost_backend_devices lists it, whatever words chose it; "": none */
     bool available;
     char reason[SUBJECT_REASON]; /* when not */
 } subject;

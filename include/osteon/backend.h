@@ -80,6 +80,7 @@ OST_API const char *ost_backend_name(const ost_backend *backend);
 typedef struct ost_backend_settings {
     const char *isa; /* the instruction set it chose, "avx2"; "" where there is no choice */
     int threads;     /* the most it uses, >= 1 */
+    int platform, device; /* of the device that it is on, whose spec is "cl:platform=0,device=1"; -1: it has none to choose */
 } ost_backend_settings;
 
 OST_API ost_backend_settings ost_backend_settings_get(const ost_backend *backend);

@@ -141,8 +141,8 @@ static void close_cl(ost_backend *backend)
 /* The device has instructions and threads of its own; the host's thread only asks. */
 static ost_backend_settings settings(const ost_backend *base)
 {
-    (void)base;
-    return (ost_backend_settings){.isa = "", .threads = 1};
+    const ost_cl_device *on = &((const cl_backend *)base)->device;
+    return (ost_backend_settings){.isa = "", .threads = 1, .platform = on->platform_index, .device = on->device_index};
 }
 
 static ost_status finish(ost_backend *base, ost_error *err)

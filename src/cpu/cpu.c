@@ -150,7 +150,7 @@ static void close_cpu(ost_backend *base)
 static ost_backend_settings settings(const ost_backend *base)
 {
     const cpu_backend *backend = (const cpu_backend *)base;
-    return (ost_backend_settings){.isa = ost_isa_name(backend->isa), .threads = backend->threads};
+    return (ost_backend_settings){.isa = ost_isa_name(backend->isa), .threads = backend->threads, .platform = -1, .device = -1};
 }
 
 /* Every call has done its work when it returns. */

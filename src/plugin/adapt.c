@@ -107,7 +107,7 @@ static void close_plugin(ost_backend *backend)
 static ost_backend_settings settings(const ost_backend *backend)
 {
     (void)backend;
-    return (ost_backend_settings){.isa = "", .threads = 1};
+    return (ost_backend_settings){.isa = "", .threads = 1, .platform = -1, .device = -1};
 }
 
 static ost_status finish(ost_backend *backend, ost_error *err)

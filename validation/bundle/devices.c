@@ -33,7 +33,7 @@ static void add_device(const ost_device_info *device, void *user)
     device_visit *v = user;
     bool compared = false;
     for (int s = 0; s < v->subjects->count; s++)
-        compared |= v->subjects->subjects[s].available && strcmp(v->subjects->subjects[s].spec, device->spec) == 0;
+        compared |= v->subjects->subjects[s].available && strcmp(v->subjects->subjects[s].device, device->spec) == 0;
     json_array_append_new(v->list, json_pack("{s:s,s:s,s:s,s:b,s:s,s:b,s:s,s:o}", "backend", device->spec, "platform", device->platform, "name", device->name, "usable",
                                              device->available, "reason", device->reason ? device->reason : "", "compared", compared, "fingerprint",
                                              device->available && device->notes ? device->notes : "", "driver_says", facts_of(device->facts ? device->facts : "")));

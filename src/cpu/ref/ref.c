@@ -40,7 +40,7 @@ static void close_ref(ost_backend *backend)
 static ost_backend_settings settings(const ost_backend *backend)
 {
     (void)backend;
-    return (ost_backend_settings){.isa = "", .threads = 1};
+    return (ost_backend_settings){.isa = "", .threads = 1, .platform = -1, .device = -1};
 }
 
 /* Everything has happened when its call returns. */
