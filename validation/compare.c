@@ -139,17 +139,17 @@ static bool compare_blocks(const trace *ref, compare_range in_ref, const trace *
     return paired;
 }
 
-/* Words of a report before its chunks' lines, and of such a line: number, then two a class. */
+/* The words of a chunk's line in a report, which are its number and two a class; 0: it has no lines. */
+static uint64_t words_of_line(const trace_record *r, const uint8_t *words, uint64_t count)
+{
+    const uint64_t head = trace_report_head(r->stage), lines = head && count > head ? trace_word_at(words, head - 1) : 0;
+    return lines && (count - head) % lines == 0 ? (count - head) / lines : 0;
+}
+
 static int64_t chunk_of_word(const trace_record *r, const uint8_t *words, uint64_t count, uint64_t word)
 {
-    const uint64_t head = r->stage == TRACE_TICK ? 13 : r->stage == TRACE_COLLIDE ? 3 : UINT64_MAX;
-    if (count <= head || word < head)
-        return -1;
-    const uint64_t lines = trace_word_at(words, head - 1);
-    if (lines == 0 || (count - head) % lines != 0)
-        return -1;
-    const uint64_t stride = (count - head) / lines, line = (word - head) / stride;
-    return line < lines ? (int64_t)trace_word_at(words, head + line * stride) : -1;
+    const uint64_t head = trace_report_head(r->stage), stride = words_of_line(r, words, count);
+    return stride && word >= head && word < count ? (int64_t)trace_word_at(words, head + (word - head) / stride * stride) : -1;
 }
 
 static bool compare_words(const trace_record *ref, const trace_record *got, compare_difference *out)
@@ -159,6 +159,7 @@ static bool compare_words(const trace_record *ref, const trace_record *got, comp
     bool differ = false;
     if (!trace_words(ref, &n, &a) || !trace_words(got, &m, &b))
         return true;
+    out->line_words = words_of_line(ref, a, n);
     /* The first word of all is what is shown; the first in a chunk's line says where. */
     for (; i < n && i < m; i++) {
         if (trace_word_at(a, i) == trace_word_at(b, i))

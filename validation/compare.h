@@ -28,6 +28,7 @@ typedef struct compare_difference {
     trace_stage stage;
     uint32_t item;         /* tool or tick */
     size_t word;           /* of COMPARE_WORD */
+    uint64_t line_words;   /* in a chunk's line of this record's report; 0 where it has no lines */
     uint64_t word_ref, word_got;
     int32_t voxel[3];      /* of COMPARE_VOXEL: the first in x-fastest order over the whole grid */
     int32_t voxel_ref, voxel_got;

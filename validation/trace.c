@@ -25,7 +25,21 @@ const char *trace_stage_name(trace_stage stage)
     return stage < TRACE_STAGES ? stage_names[stage] : "unknown";
 }
 
-const char *trace_word_name(trace_stage stage, size_t word, char text[40])
+size_t trace_report_head(trace_stage stage)
+{
+    return stage == TRACE_TICK ? 13 : stage == TRACE_COLLIDE ? 3 : 0;
+}
+
+/* A chunk's line: its number, then of each class voxels and the sum of their densities. */
+static void name_in_line(uint64_t at, char text[TRACE_WORD])
+{
+    if (at == 0)
+        snprintf(text, TRACE_WORD, "number of a chunk");
+    else
+        snprintf(text, TRACE_WORD, "%s of class %u in a chunk", at % 2 ? "voxels" : "sum of densities", (unsigned)((at - 1) / 2 % 100 + 1));
+}
+
+const char *trace_word_name(trace_stage stage, size_t word, uint64_t line_words, char text[TRACE_WORD])
 {
     static const char *const input[] = {"digest of the input", "digest of the input", "digest of the input", "digest of the input"};
     static const char *const rect[] = {"samples", "duplicates", "off lattice", "worst offset", "worst line", "rejected line", "conflict line", "density had", "density has"};
@@ -42,7 +56,11 @@ const char *trace_word_name(trace_stage stage, size_t word, char text[40])
                           [TRACE_TICK] = {tick, 13}, [TRACE_COLLIDE] = {tick + 10, 3}, [TRACE_FINAL] = {chunks, 3}, [TRACE_FAILED] = {failed, 1}};
     if (stage < TRACE_STAGES && word < of[stage].count)
         return of[stage].names[word];
-    snprintf(text, 40, "report word %zu", word);
+    const size_t head = trace_report_head(stage);
+    if (head && line_words && word >= head)
+        name_in_line((word - head) % line_words, text);
+    else
+        snprintf(text, TRACE_WORD, "report word %zu", word);
     return text;
 }
 

@@ -40,8 +40,11 @@ typedef enum trace_stage {
 } trace_stage;
 
 const char *trace_stage_name(trace_stage stage);
-/* "active voxels"; words beyond the named ones are "report word 7". */
-const char *trace_word_name(trace_stage stage, size_t word, char text[40]);
+/* How many words a report has before its chunks' lines, the last of them the number of lines; 0: the stage has none. */
+size_t trace_report_head(trace_stage stage);
+/* "active voxels"; of a chunk's line of so many words (0: not known) "voxels of class 2 in a chunk"; others "report word 7". */
+enum { TRACE_WORD = 48 };
+const char *trace_word_name(trace_stage stage, size_t word, uint64_t line_words, char text[TRACE_WORD]);
 
 /* ------------------------------------------------------------------ writing */
 

@@ -76,9 +76,9 @@ static void say_case(const app_state *app, const plan_case *c, const case_result
         say(app, "  %s differs first at %s %u: %llu voxel%s, the first (%d, %d, %d): %d, the reference has %d", c->id, trace_stage_name(d->stage), d->item,
             (unsigned long long)d->voxels, d->voxels == 1 ? "" : "s", d->voxel[0], d->voxel[1], d->voxel[2], d->voxel_got, d->voxel_ref);
     else if (r->verdict == CASE_DIFFERS) {
-        char word[40];
+        char word[TRACE_WORD];
         say(app, "  %s differs first at %s %u: %s", c->id, trace_stage_name(d->stage), d->item,
-            d->kind == COMPARE_WORD ? trace_word_name(d->stage, d->word, word) : "the record has another shape");
+            d->kind == COMPARE_WORD ? trace_word_name(d->stage, d->word, d->line_words, word) : "the record has another shape");
     } else
         say(app, "  %s: %s%s%s", c->id, case_verdict_name(r->verdict), r->text[0] ? ": " : "", r->text);
 }

@@ -112,7 +112,7 @@ static const case_result *result_at(const campaign *c, int i, int s)
 static void say_difference(const app_state *app, const plan_case *c, const subject *s, const case_result *r)
 {
     const compare_difference *d = &r->difference;
-    char where[64] = "", name[40];
+    char where[64] = "", name[TRACE_WORD];
     if (d->stage == TRACE_TICK || d->stage == TRACE_COLLIDE || d->stage == TRACE_TOOL)
         snprintf(where, sizeof where, " %u", d->item);
     if (r->verdict != CASE_DIFFERS)
@@ -123,7 +123,7 @@ static void say_difference(const app_state *app, const plan_case *c, const subje
             d->voxel_got, d->voxel_ref);
     else if (d->kind == COMPARE_WORD)
         say(app, "  %s on %s: %s%s: %s is %lld, the reference has %lld", c->id, s->spec, trace_stage_name(d->stage), where,
-            trace_word_name(d->stage, d->word, name), (long long)d->word_got, (long long)d->word_ref);
+            trace_word_name(d->stage, d->word, d->line_words, name), (long long)d->word_got, (long long)d->word_ref);
     else
         say(app, "  %s on %s: %s%s: %s", c->id, s->spec, trace_stage_name(d->stage), where,
             d->kind == COMPARE_MISSING ? "the backend failed there, the reference did not" : "its blocks are not those of the reference");

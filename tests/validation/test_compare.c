@@ -196,6 +196,45 @@ static void lone_leaves(void **state)
     assert_int_equal(d.voxel_got, 9);
 }
 
+/* A tick's report of two chunks with three classes each; the second has `voxels` of class 2. */
+static void write_report(const char *path, uint64_t voxels)
+{
+    static bone_trace b;
+    ost_error err = {0};
+    const uint64_t lines[2][7] = {{4, 1, 130, 0, 0, 2, 1400}, {9, 0, 0, voxels, 900, 0, 0}};
+    begin(&b, path);
+    trace_begin(b.w, TRACE_TICK, 0, 0);
+    for (size_t i = 0; i + 1 < trace_report_head(TRACE_TICK); i++)
+        trace_word(b.w, i);
+    trace_word(b.w, 2);
+    for (int l = 0; l < 2; l++)
+        for (int i = 0; i < 7; i++)
+            trace_word(b.w, lines[l][i]);
+    assert_ok(trace_end(b.w, &err));
+    put_end(&b);
+}
+
+/* A figure of a report is named in words, with its chunk. */
+static void reports(void **state)
+{
+    char ref[PATH], got[PATH], name[TRACE_WORD];
+    (void)state;
+    write_report(scratch_path("ref", ref), 3);
+    write_report(scratch_path("got", got), 4);
+    const compare_difference d = compared(ref, got);
+    assert_int_equal(d.kind, COMPARE_WORD);
+    assert_int_equal(d.chunk, 9);
+    assert_int_equal(d.word_ref, 3);
+    assert_int_equal(d.word_got, 4);
+    assert_int_equal(d.line_words, 7);
+    assert_string_equal(trace_word_name(d.stage, d.word, d.line_words, name), "voxels of class 2 in a chunk");
+    assert_string_equal(trace_word_name(d.stage, d.word + 1, d.line_words, name), "sum of densities of class 2 in a chunk");
+    assert_string_equal(trace_word_name(d.stage, d.word - 3, d.line_words, name), "number of a chunk");
+    assert_string_equal(trace_word_name(d.stage, 1, d.line_words, name), "removal");
+    assert_string_equal(trace_word_name(TRACE_RECT, 20, 0, name), "report word 20");
+}
+
+
 /* What ends early, and what is no trace. */
 static void broken(void **state)
 {
@@ -258,6 +297,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(equal_and_not),
         cmocka_unit_test(lone_leaves),
+        cmocka_unit_test(reports),
         cmocka_unit_test(broken),
     };
     return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);

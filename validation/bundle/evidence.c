@@ -71,7 +71,7 @@ static void put_finding(json_t *o, const finding *f)
 static json_t *result_json(const case_result *r)
 {
     const compare_difference *d = &r->difference;
-    char name[40];
+    char name[TRACE_WORD];
     json_t *o = json_pack("{s:s}", "verdict", case_verdict_name(r->verdict));
     if (r->text[0])
         json_object_set_new(o, "text", json_string(r->text));
@@ -85,7 +85,7 @@ static json_t *result_json(const case_result *r)
         json_object_set_new(o, "reference", json_integer(d->voxel_ref));
         json_object_set_new(o, "got", json_integer(d->voxel_got));
     } else if (d->kind == COMPARE_WORD) {
-        json_object_set_new(o, "word", json_string(trace_word_name(d->stage, d->word, name)));
+        json_object_set_new(o, "word", json_string(trace_word_name(d->stage, d->word, d->line_words, name)));
         json_object_set_new(o, "reference", json_integer((json_int_t)d->word_ref));
         json_object_set_new(o, "got", json_integer((json_int_t)d->word_got));
     } else

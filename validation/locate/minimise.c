@@ -196,24 +196,31 @@ static ost_status cut_stages(job *j, const scene *s, const compare_difference *d
 }
 
 /* The rect voxel that voxel v of the bone comes from. */
-static void source_of(const scene *s, const compare_difference *d, int32_t at[3])
+static void source_of(const scene *s, trace_stage stage, const int32_t voxel[3], int32_t at[3])
 {
     const ost_pm spacing[3] = {s->rect.spacing.x, s->rect.spacing.y, s->rect.spacing.z};
     for (int a = 0; a < 3; a++)
-        at[a] = d->stage == TRACE_RECT ? d->voxel[a] : (int32_t)ost_floor_div(d->voxel[a] * s->cubic, spacing[a]);
+        at[a] = stage == TRACE_RECT ? voxel[a] : (int32_t)ost_floor_div(voxel[a] * s->cubic, spacing[a]);
 }
 
-/* A part of the grid about the first voxel: the least that shows the same, then each side by itself. */
+/* A part of the grid about the first voxel or chunk: the least that shows the same, then each side by itself. */
 static ost_status cut_grid(job *j, const scene *s, ost_error *err)
 {
     const compare_difference *d = &j->best->difference;
+    const finding *f = &j->best->found;
     const int32_t n[3] = {s->rect.dims.x, s->rect.dims.y, s->rect.dims.z}, align = d->stage == TRACE_TICK ? OST_MAP_BLOCK : 1;
     candidates list = {.count = 0};
     int32_t at[3];
     bool found;
-    if (d->kind != COMPARE_VOXEL || j->best->cut.no_ct)
+    if (j->best->cut.no_ct)
         return OST_OK;
-    source_of(s, d, at);
+    if (d->kind == COMPARE_VOXEL)
+        source_of(s, d->stage, d->voxel, at);
+    else if (d->kind == COMPARE_WORD && f->chunk_size) { /* about the middle of the chunk that was reported otherwise */
+        const int32_t middle[3] = {f->chunk[0] * f->chunk_size + f->chunk_size / 2, f->chunk[1] * f->chunk_size + f->chunk_size / 2, f->chunk[2] * f->chunk_size + f->chunk_size / 2};
+        source_of(s, d->stage, middle, at);
+    } else
+        return OST_OK;
     for (int32_t radius = 0; radius <= 64 && list.count < BATCH; radius = radius ? 2 * radius : 1) {
         scene_cut cut = j->best->cut;
         bool less = false;

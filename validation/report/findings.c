@@ -174,7 +174,7 @@ void section_differences(const page *p)
     fputs("<p>", p->to);
     page_count(p, found);
     fprintf(p->to, " result%s came out otherwise than the reference's. Of each case the first difference in the order of the stages is shown; what comes "
-                   "after it may be its consequence.</p>\n<table><thead><tr><th class=\"n\">No.</th><th>Case, backend</th><th>Verdict</th><th>Where</th>"
+                   "after it may be its consequence. What the whole of a difference looks like is a fact about its voxels (A is the reference's grid, B the other's) and a hint about the cause.</p>\n<table><thead><tr><th class=\"n\">No.</th><th>Case, backend</th><th>Verdict</th><th>Where</th>"
                    "<th>What</th></tr></thead>\n", found == 1 ? "" : "s");
     const int listed = each_finding(p, false).found;
     fputs("</table>\n", p->to);

@@ -1,0 +1,48 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+#
+# The whole smoke tier on every backend that is here, twice, and in three
+# shards that are merged: the same bundle each time, byte for byte, but for the
+# files that say when and where (README.md of a bundle lists them).
+#
+#   one run == another run == shards 1/3, 2/3, 3/3 --merge-->
+#
+# test_bundle.sh does the same with a few cases; this takes minutes and is done
+# with OST_TEST_LONG=1 alone.  OST_TEST_TIER is another tier.
+# Covers: REQ-EVIDENCE REQ-SHARDS
+. "${srcdir:-.}/tests/app/lib.sh"
+[ -n "${OST_TEST_LONG:-}" ] || { echo "only with OST_TEST_LONG"; exit 77; }
+tier=${OST_TEST_TIER:-smoke} only=
+"$osteon" devices --json >out 2>err
+"$osteon" validate --backends cl --only mesh/0 >out 2>err || only=--cpu-only
+
+# Files that may differ, by the bundle's own words.
+varying() {
+    sed -n '/^## What differs/,$s/^| \([a-z.]*\) |.*/\1/p' "$1/README.md" | grep '\.'
+}
+# shellcheck disable=SC2086 # no word or one
+{
+    run 0 validate --tier "$tier" $only --out one --quiet
+    run 0 validate --tier "$tier" $only --out two --quiet
+    mkdir shards
+    for i in 1 2 3; do run 0 validate --tier "$tier" $only --shard $i/3 --out shards/$i --quiet; done
+}
+run 0 validate --merge shards --out merged --quiet
+check "what may differ" "$(varying one | tr '\n' ' ')" "audit.log times.json environment.json manifest.json "
+for other in two merged; do
+    check "files of $other" "$(cd $other && find . -type f | sort)" "$(cd one && find . -type f | sort)"
+    same=0 bytes=0
+    for file in $(cd one && find . -type f | sed 's,^\./,,' | sort); do
+        varying one | grep -qx "$file" && continue
+        checks=$((checks + 1))
+        if cmp -s "one/$file" "$other/$file"; then
+            same=$((same + 1)) bytes=$((bytes + $(wc -c <"one/$file")))
+        else
+            fail "$other/$file is not that of the first run"
+        fi
+    done
+    check "results_root of $other" "$("$json_get" results_root <$other/manifest.json)" "$("$json_get" results_root <one/manifest.json)"
+    run 0 verify $other --quiet
+    echo "$other: $same files of $bytes bytes are those of the first run; results_root $("$json_get" results_root <$other/manifest.json)"
+done
+finish
