@@ -124,9 +124,8 @@ static ost_status add_files(const user_files *u, json_t *files, ost_error *err)
 /* What was read is what has the digest. */
 static ost_status still_the_same(const user_files *u, const json_t *files, ost_error *err)
 {
-    ost_status status = OST_OK;
     json_t *again = json_array();
-    status = add_files(u, again, err);
+    ost_status status = add_files(u, again, err);
     for (size_t i = 0; i < json_array_size(files) && status == OST_OK; i++) {
         const json_t *was = json_object_get(json_array_get(files, i), "sha256"), *is = json_object_get(json_array_get(again, i), "sha256");
         if (was && !json_equal(was, is))

@@ -50,6 +50,22 @@ tick[3]["sha256"] = "0" * 64'
     site short 'del records[-1]'
     run 1 diff a b
     grep -q 'no such record' out || fail "short: $(cat out)"
+    # Of somebody's own files the protocol has the grids, so that the chunk is known without them.
+    ct_text 40 36 34 1 'i * 20 + j + k' >ct.txt
+    run 0 validate --only user --backends "$one" --ct ct.txt --cubic 0.5 --tool builtin:burr --out own
+    mv a generated
+    mkdir a
+    cp own/protocol.json own/cases.jsonl a/
+    cp own/protocol.json b/
+    site own '[r for r in records if r["stage"] == "cubic"][0].update(sha256="0" * 64, leaves=[r for r in records if r["stage"] == "cubic"][0]["leaves"][:18] + ["3" * 64])'
+    run 1 diff a b --json
+    check "chunk of an own case" "$(value differences.0.case) $(value differences.0.leaf): $(value differences.0.chunk.0) $(value differences.0.chunk.1) $(value differences.0.chunk.2)" "user/1 18: 0 0 2"
+    site own-tool '[r for r in records if r["stage"] == "tool"][0].update(sha256="0" * 64, leaves=["3" * 64])'
+    run 1 diff a b --json
+    check "chunk of an own tool" "$(value differences.0.stage) $(value differences.0.chunk.0)" "tool 0"
+    rm -r a
+    mv generated a
+    cp a/protocol.json b/
     # What no bundle has: other types everywhere.
     for value in '7' 'null' '[[1,[2]],"x",{}]' '{"leaves":3}' '"x"'; do
         site odd "rows[0]['reference'] = json.loads('''$value''')"

@@ -186,6 +186,27 @@ static void of_tools(void **state)
         for (int x = 0; x < N; x++)
             p->b[at(x, y, 16)] |= p->b[at(x, y - 1, 16)];
     looks_like(&v, PATTERN_CARRIED_ROWS, "rows that are carried on");
+    for (int x = 0; x < N; x++) /* by parity, where both rows are solid it is void */
+        p->b[at(x, 16, 16)] = (int16_t)(p->a[at(x, 16, 16)] ^ p->b[at(x, 15, 16)]);
+    for (int y = 17; y < N; y++)
+        for (int x = 0; x < N; x++)
+            p->b[at(x, y, 16)] = (int16_t)(p->a[at(x, y, 16)] ^ p->b[at(x, y - 1, 16)]);
+    looks_like(&v, PATTERN_CARRIED_ROWS, "rows that are carried on by parity");
+    memcpy(p->b, p->a, sizeof p->b);
+    for (int z = 12; z < 16; z++)
+        for (int y = 12; y < 16; y++)
+            for (int x = 12; x < 20; x++) { /* a part that does not cut, too long in b */
+                p->b[at(x, y, z)] = 2;
+                p->a[at(x, y, z)] = x < 16 ? 1 : 2;
+            }
+    looks_like(&v, PATTERN_TOOL_CLASS, "solid and not cutting");
+    /* A part that does not cut lies in the ball; without the ball's row it shows. */
+    for (int i = 0; i < N * N * N; i++)
+        p->a[i] = p->b[i] = p->a[i] != 0;
+    for (int y = 12; y < 14; y++)
+        for (int x = 0; x < N; x++)
+            p->b[at(x, y, 15)] = x >= 10 && x < 14 ? 2 : 0;
+    looks_like(&v, PATTERN_COLUMN_PARITY, "rows of one mesh void where another is");
     memcpy(p->b, p->a, sizeof p->b);
     for (int z = 0; z < N; z++)
         for (int y = 0; y < N; y++)

@@ -81,8 +81,35 @@ static json_int_t first_leaf(const json_t *a, const json_t *b)
     }
 }
 
-/* Leaves of the stage's grid along each axis, as the generated case has it; false when this program makes another case of that name. */
-static bool leaf_dims(const json_t *protocol, const json_t *one, const char *stage, json_int_t item, ost_dims *out)
+/* [x, y, z] of a protocol; false when it is none. */
+static bool dims_in(const json_t *list, ost_dims *out)
+{
+    json_int_t n[3];
+    for (size_t a = 0; a < 3; a++) {
+        n[a] = json_integer_value(json_array_get(list, a));
+        if (n[a] < 1 || n[a] > OST_DIM_MAX)
+            return false;
+    }
+    *out = (ost_dims){(int32_t)n[0], (int32_t)n[1], (int32_t)n[2]};
+    return true;
+}
+
+/* Of a case of somebody's own files, whose grids the protocol has; of a part of one (--case) nobody knows them. */
+static bool own_dims(const json_t *protocol, const char *id, const char *stage, json_int_t item, ost_dims *out)
+{
+    const json_t *user = json_object_get(protocol, "user"), *cases = json_object_get(user, "cases");
+    if (json_object_get(protocol, "case"))
+        return false;
+    if (strcmp(stage, trace_stage_name(TRACE_TOOL)) == 0)
+        return item >= 0 && dims_in(json_object_get(json_array_get(json_object_get(user, "tools"), (size_t)item), "dims"), out);
+    for (size_t i = 0; i < json_array_size(cases); i++)
+        if (strcmp(evidence_text(json_array_get(cases, i), "id"), id) == 0)
+            return dims_in(json_object_get(json_array_get(cases, i), strcmp(stage, trace_stage_name(TRACE_RECT)) == 0 ? "rect_dims" : "cubic_dims"), out);
+    return false;
+}
+
+/* Of a case that is generated; false when this program makes another case of that name. */
+static bool generated_dims(const json_t *protocol, const json_t *one, const char *stage, json_int_t item, ost_dims *out)
 {
     const char *tier = evidence_text(protocol, "tier");
     plan_case c;
@@ -97,19 +124,27 @@ static bool leaf_dims(const json_t *protocol, const json_t *one, const char *sta
         scene_make(&c, &s, &none) != OST_OK)
         return false;
     bool known = scene_digest(&s, &digest, &none) == OST_OK && strcmp(ost_digest_hex(&digest, hex), evidence_text(one, "input_sha256")) == 0;
+    *out = s.rect.dims;
     if (strcmp(stage, trace_stage_name(TRACE_TOOL)) == 0) {
         known &= item >= 0 && item < s.tool_count;
-        *out = known ? ost_leaf_dims(s.tools[item].cutting.grid.dims) : (ost_dims){0, 0, 0};
-    } else if (known) {
-        ost_dims d = s.rect.dims;
-        if (strcmp(stage, trace_stage_name(TRACE_RECT)) != 0 && s.cubic > 0) {
-            d.x = (int32_t)((d.x * s.rect.spacing.x + s.cubic - 1) / s.cubic);
-            d.y = (int32_t)((d.y * s.rect.spacing.y + s.cubic - 1) / s.cubic);
-            d.z = (int32_t)((d.z * s.rect.spacing.z + s.cubic - 1) / s.cubic);
-        }
-        *out = ost_leaf_dims(d);
+        *out = known ? s.tools[item].cutting.grid.dims : *out;
+    } else if (strcmp(stage, trace_stage_name(TRACE_RECT)) != 0 && s.cubic > 0) {
+        out->x = (int32_t)((out->x * s.rect.spacing.x + s.cubic - 1) / s.cubic);
+        out->y = (int32_t)((out->y * s.rect.spacing.y + s.cubic - 1) / s.cubic);
+        out->z = (int32_t)((out->z * s.rect.spacing.z + s.cubic - 1) / s.cubic);
     }
     scene_free(&s);
+    return known;
+}
+
+/* Leaves of the stage's grid along each axis; false when they are not known. */
+static bool leaf_dims(const json_t *protocol, const json_t *one, const char *stage, json_int_t item, ost_dims *out)
+{
+    const char *id = evidence_text(one, "id");
+    ost_dims grid;
+    const bool known = strncmp(id, "user/", 5) == 0 ? own_dims(protocol, id, stage, item, &grid) : generated_dims(protocol, one, stage, item, &grid);
+    if (known)
+        *out = ost_leaf_dims(grid);
     return known;
 }
 

@@ -8,7 +8,7 @@
 const char *pattern_name(pattern p)
 {
     static const char *const names[PATTERNS] = {"byte-order",  "axis-swap", "shift",      "row-pitch",     "offset",         "threshold",
-                                                "stale-chunk", "lost-tail", "lost-chunk", "column-parity", "boundary-layer", "carried-rows",
+                                                "stale-chunk", "lost-tail", "lost-chunk", "column-parity", "tool-class", "boundary-layer", "carried-rows",
                                                 "speckle",     "unclassified"};
     return names[p];
 }
@@ -150,6 +150,7 @@ void pattern_find(const pattern_view *view, pattern_list *out)
         [PATTERN_LOST_TAIL] = pattern_lost_tail,
         [PATTERN_LOST_CHUNK] = pattern_lost_chunk,
         [PATTERN_COLUMN_PARITY] = pattern_column_parity,
+        [PATTERN_TOOL_CLASS] = pattern_tool_class,
         [PATTERN_BOUNDARY_LAYER] = pattern_boundary_layer,
         [PATTERN_CARRIED_ROWS] = pattern_carried_rows,
         [PATTERN_SPECKLE] = pattern_speckle,

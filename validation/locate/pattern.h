@@ -20,8 +20,9 @@
  *   lost-tail       D is the end of what was to be done, and undone: samples, voxels or chunks
  *   lost-chunk      every chunk with a difference is void or undone as a whole
  *   column-parity   D are whole runs of voxels along x, from one crossing of the surface to another
+ *   tool-class      every voxel of D is solid in both: one has it cutting, the other not
  *   boundary-layer  D lies on the surface, one voxel deep
- *   carried-rows    D is solid, as the row before it is there: what a row had went on into the next
+ *   carried-rows    every row of D is what the row before it and its own make together: what a row had went on into the next
  *   speckle         most voxels of D have no neighbour in D
  *   unclassified    none of these
  *
@@ -44,6 +45,7 @@ typedef enum pattern {
     PATTERN_LOST_TAIL,
     PATTERN_LOST_CHUNK,
     PATTERN_COLUMN_PARITY,
+    PATTERN_TOOL_CLASS,
     PATTERN_BOUNDARY_LAYER,
     PATTERN_CARRIED_ROWS,
     PATTERN_SPECKLE,

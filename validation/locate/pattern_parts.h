@@ -27,7 +27,7 @@ typedef bool pattern_rule(const pattern_scan *s, char *text);
 
 pattern_rule pattern_axis_swap, pattern_shift, pattern_row_pitch;                                  /* pattern_place.c */
 pattern_rule pattern_stale_chunk, pattern_lost_tail, pattern_lost_chunk;                           /* pattern_chunk.c */
-pattern_rule pattern_column_parity, pattern_boundary_layer, pattern_carried_rows, pattern_speckle; /* pattern_shape.c */
+pattern_rule pattern_column_parity, pattern_tool_class, pattern_boundary_layer, pattern_carried_rows, pattern_speckle; /* pattern_shape.c */
 
 /* Writes text; true. */
 bool pattern_say(char *text, const char *format, ...) OST_PRINTF(2, 3);

@@ -1,21 +1,42 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Rules on rows, on the surface, and on neighbours. */
+#include <osteon/mesh.h>
+
 #include "validation/locate/pattern_parts.h"
 
-/* Voxels x0 <= x < x1 of the row are one run of g. */
-static bool whole_run(const int16_t *row, int32_t n, int32_t x0, int32_t x1)
+/* Where the whole run of g that begins at x ends; x when none begins there, or when it goes on beyond `end`. */
+static int32_t run_from(const int16_t *g, int32_t n, int32_t x, int32_t end)
 {
-    for (int32_t x = x0; x + 1 < x1; x++)
-        if (row[x] != row[x + 1])
-            return false;
-    return (x0 == 0 || row[x0 - 1] != row[x0]) && (x1 == n || row[x1] != row[x1 - 1]);
+    int32_t to = x + 1;
+    if (x > 0 && g[x - 1] == g[x])
+        return x;
+    while (to < end && g[to] == g[x])
+        to++;
+    return to == n || g[to] != g[x] ? to : x;
+}
+
+/* The least number of whole runs of a or b that voxels from <= x < end are made of; 0: they are not. */
+static int32_t runs_between(const int16_t *a, const int16_t *b, int32_t n, int32_t from, int32_t end)
+{
+    int32_t least[OST_TOOL_DIM_MAX + 1] = {0}; /* to come as far as x, and one */
+    least[from] = 1;
+    for (int32_t x = from; x < end; x++) {
+        if (!least[x])
+            continue;
+        for (int g = 0; g < 2; g++) {
+            const int32_t to = run_from(g ? b : a, n, x, end);
+            if (to > x && (!least[to] || least[to] > least[x] + 1))
+                least[to] = least[x] + 1;
+        }
+    }
+    return least[end] ? least[end] - 1 : 0;
 }
 
 bool pattern_column_parity(const pattern_scan *s, char *text)
 {
     const pattern_view *v = s->v;
     int64_t runs = 0, rows = 0;
-    if (!v->tool)
+    if (!v->tool || v->dims.x > OST_TOOL_DIM_MAX)
         return false;
     for (int32_t z = s->lo[2]; z < s->hi[2]; z++)
         for (int32_t y = s->lo[1]; y < s->hi[1]; y++) {
@@ -23,13 +44,14 @@ bool pattern_column_parity(const pattern_scan *s, char *text)
             const int64_t before = runs;
             for (int32_t x = 0; x < v->dims.x; x++) {
                 int32_t end = x;
-                while (end < v->dims.x && a[end] != b[end] && a[end] == a[x] && b[end] == b[x])
+                while (end < v->dims.x && a[end] != b[end])
                     end++;
                 if (end == x)
                     continue;
-                if (!whole_run(a, v->dims.x, x, end) && !whole_run(b, v->dims.x, x, end))
+                const int32_t these = runs_between(a, b, v->dims.x, x, end);
+                if (!these)
                     return false;
-                runs++;
+                runs += these;
                 x = end - 1;
             }
             rows += runs > before;
@@ -37,11 +59,24 @@ bool pattern_column_parity(const pattern_scan *s, char *text)
     return s->count >= 2 * runs && pattern_say(text, "whole runs of voxels along x, between crossings of the surface, in %lld row%s", (long long)rows, rows == 1 ? "" : "s");
 }
 
+bool pattern_tool_class(const pattern_scan *s, char *text)
+{
+    const pattern_view *v = s->v;
+    if (!v->tool)
+        return false;
+    PATTERN_EACH(s, p, i)
+        if (v->a[i] < v->solid_a || v->b[i] < v->solid_b)
+            return false;
+    return pattern_say(text, "every voxel that differs is solid in both: one has it cutting, the other not");
+}
+
 static const int ways[6][3] = {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}};
 
-/* Which side of the surface a voxel of A is on: 1 or 0; -1 where there is no bone to say. */
+/* Which side of the surface a voxel of A is on: 1 or 0, of a tool its class; -1 where there is no bone to say. */
 static int side_of(const pattern_view *v, int64_t i)
 {
+    if (v->tool)
+        return v->a[i];
     if (v->input == PATTERN_BEFORE)
         return v->in[i] == 0 ? -1 : v->a[i] == 0;
     return v->a[i] >= v->solid_a;
@@ -72,7 +107,7 @@ bool pattern_boundary_layer(const pattern_scan *s, char *text)
     int64_t known = 0;
     PATTERN_EACH(s, p, i) {
         bool can;
-        if (cut ? v->in[i] == 0 || (v->a[i] != 0 && v->b[i] != 0) : (v->a[i] >= v->solid_a) == (v->b[i] >= v->solid_b))
+        if (cut ? v->in[i] == 0 || (v->a[i] != 0 && v->b[i] != 0) : !v->tool && (v->a[i] >= v->solid_a) == (v->b[i] >= v->solid_b))
             return false;
         const bool on = on_surface(v, p, i, &can);
         if (can && !on)
@@ -87,7 +122,7 @@ bool pattern_boundary_layer(const pattern_scan *s, char *text)
             for (p[0] = s->lo[0]; p[0] < s->hi[0]; p[0]++) {
                 const int64_t i = pattern_at(v->dims, p[0], p[1], p[2]);
                 bool can;
-                if (side_of(v, i) != 1 || v->a[i] != v->b[i])
+                if (side_of(v, i) <= 0 || v->a[i] != v->b[i])
                     continue;
                 solid++;
                 surface += on_surface(v, p, i, &can);
@@ -97,15 +132,36 @@ bool pattern_boundary_layer(const pattern_scan *s, char *text)
     return pattern_say(text, cut ? "every difference lies on the border of what is cut, one voxel deep" : "every difference lies on A's surface, one voxel deep");
 }
 
+/*
+ * What row i of B is if the counts of the row before were not cleared: solid
+ * where either row is (winding), or where one of them is (parity).  *told: of
+ * its voxels that differ, those that became solid or void.
+ */
+static bool is_carried(const pattern_view *v, int64_t row, int64_t *told)
+{
+    bool differs = false, either = true, one = true, known = true;
+    for (int64_t i = row; i < row + v->dims.x; i++) {
+        const bool a = v->a[i] != 0, b = v->b[i] != 0, before = row > 0 && v->b[i - v->dims.x] != 0;
+        differs |= v->a[i] != v->b[i];
+        *told += a != b;
+        either &= b == (a || before);
+        one &= b == (a != before);
+        known &= v->a[i] == v->b[i] || before;
+    }
+    return !differs || (known && (either || one));
+}
+
 bool pattern_carried_rows(const pattern_scan *s, char *text)
 {
     const pattern_view *v = s->v;
-    if (!v->tool || s->count < PATTERN_TELLING)
+    int64_t told = 0;
+    if (!v->tool)
         return false;
-    PATTERN_EACH(s, p, i)
-        if (v->a[i] != 0 || i < v->dims.x || v->b[i - v->dims.x] == 0)
-            return false;
-    return pattern_say(text, "every voxel that differs is solid, and so is the one in the row before it");
+    for (int32_t z = s->lo[2]; z < s->hi[2]; z++)
+        for (int32_t y = s->lo[1]; y < s->hi[1]; y++)
+            if (!is_carried(v, pattern_at(v->dims, 0, y, z), &told))
+                return false;
+    return told >= PATTERN_TELLING && pattern_say(text, "every row that differs is what the row before it and its own make together");
 }
 
 bool pattern_speckle(const pattern_scan *s, char *text)
