@@ -18,6 +18,7 @@
 #include "app/progress.h"
 #include "app/result.h"
 #include "app/say.h"
+#include "app/user_files.h"
 #include "validation/campaign.h"
 #include "validation/dump.h"
 
@@ -26,6 +27,7 @@ typedef struct compare_args {
     int tier;
     int64_t seed, limit_s;
     bool apart, tier_given, seed_given;
+    user_files own;
 } compare_args;
 
 static void show(void *user, const char *what, double share)
@@ -169,7 +171,7 @@ static ost_status find_whom(const app_state *app, compare_args *args, char spec[
 
 ost_status cmd_compare(app_state *app, int argc, char **argv, ost_error *err)
 {
-    compare_args args = {.seed = 1, .limit_s = 3600};
+    compare_args args = {.seed = 1, .limit_s = 3600, .own = USER_FILES_DEFAULT};
     const operand names[] = {{"DUMPS", &args.whom, "which dumps, or which backend?"}, {NULL, NULL, NULL}};
     const option options[] = {
         {.name = "only", .kind = OPTION_TEXT, .out = &args.only, .value = "CASE", .help = "cases whose name begins so: import, static/2, operation"},
@@ -177,6 +179,9 @@ ost_status cmd_compare(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "tier", .kind = OPTION_CHOICE, .out = &args.tier, .given = &args.tier_given, .value = "smoke|standard|full", .help = "of the cases (default: smoke; a dump says its own)"},
         {.name = "seed", .kind = OPTION_INTEGER, .out = &args.seed, .given = &args.seed_given, .value = "N", .min = 1, .max = INT64_MAX, .help = "of the cases (default: 1; a dump says its own)"},
         {.name = "limit", .kind = OPTION_INTEGER, .out = &args.limit_s, .value = "S", .min = 1, .max = 1000000, .help = "seconds after which a backend is stopped (default: 3600)"},
+        USER_FILES(args.own, "a CT of your own: case user/1, as for validate; may repeat", "a mesh of your own, or builtin:reamer; may repeat",
+                   "a CSV, builtin:peg-hole or builtin:glenoid-ream, as for ream; may repeat"),
+        USER_FILES_HOW(args.own),
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "DUMPS | BACKEND [options]",
@@ -191,7 +196,8 @@ ost_status cmd_compare(app_state *app, int argc, char **argv, ost_error *err)
                  "as margins near 0; what no border explains is no rounding.",
         .example = "  osteon validate --export-cases cases --only import/0   # inputs, for your program\n"
                    "  osteon compare my-dumps\n"
-                   "  osteon compare plugin:./thesis_f32.so --only static --apart",
+                   "  osteon compare plugin:./thesis_f32.so --only static --apart\n"
+                   "  osteon compare my-dumps --only user --ct shoulder.nii.gz --tool reamer.stl",
     };
     char spec[SUBJECT_SPEC], only[PLAN_ID], program[1024];
     ost_status status;
@@ -204,7 +210,12 @@ ost_status cmd_compare(app_state *app, int argc, char **argv, ost_error *err)
     if (n < 0)
         return ost_fail(err, OST_ERR_IO, "/proc/self/exe cannot be read");
     program[n] = '\0';
-    status = plan_make((plan_tier)args.tier, (uint64_t)args.seed, 1, 1, args.only, NULL, &p, err);
+    user_store *store = NULL;
+    json_t *record = NULL;
+    status = user_files_of(app, &args.own, argc, argv, &store, &record, err);
+    const plan_user own = {.count = user_store_count(store), .store = store};
+    if (status == OST_OK)
+        status = plan_make((plan_tier)args.tier, (uint64_t)args.seed, 1, 1, args.only, &own, &p, err);
     if (status == OST_OK)
         status = subjects_find(p.tier, spec, &subjects, err);
     if (status == OST_OK && subjects.count > 1 && !subjects.subjects[1].available)
@@ -221,5 +232,7 @@ ost_status cmd_compare(app_state *app, int argc, char **argv, ost_error *err)
         campaign_free(&run);
     subjects_free(&subjects);
     plan_free(&p);
+    json_decref(record);
+    user_store_free(store);
     return status;
 }

@@ -369,6 +369,20 @@ ost_status user_files_read(const app_state *app, const user_files *u, json_t *ho
     return status;
 }
 
+ost_status user_files_of(const app_state *app, const user_files *u, int argc, char **argv, user_store **store, json_t **record, ost_error *err)
+{
+    json_t *how = user_files_how(argc, argv);
+    ost_status status = OST_OK;
+    *store = NULL;
+    *record = NULL;
+    if (user_files_given(u))
+        status = user_files_read(app, u, how, store, record, err);
+    else if (json_array_size(how))
+        status = usage_error(app, err, "%s is for files of your own: give them with --ct, --tool and --path", json_string_value(json_array_get(how, 0)));
+    json_decref(how);
+    return status;
+}
+
 /* ------------------------------------------------------------------- again */
 
 /* "1 CT and 2 tools" */

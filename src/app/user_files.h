@@ -54,6 +54,9 @@ json_t *user_files_how(int argc, char **argv);
 /* how: as above. Both results are the caller's. */
 ost_status user_files_read(const app_state *app, const user_files *u, json_t *how, user_store **store, json_t **record, ost_error *err);
 
+/* The same for a verb's command line; neither store nor record (NULL) where no file is given. */
+ost_status user_files_of(const app_state *app, const user_files *u, int argc, char **argv, user_store **store, json_t **record, ost_error *err);
+
 /* The files of a bundle's record, found among those given by size and digest, read as they were then; again: the record of that. */
 ost_status user_files_again(app_state *app, const user_files *given, const json_t *record, user_store **store, json_t **again, ost_error *err);
 

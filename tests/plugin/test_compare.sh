@@ -31,6 +31,19 @@ sums >plugged
 checks=$((checks + 1))
 cmp -s dumped plugged || fail "by the dump: $(tr '\n' ' ' <dumped), by the plugin: $(tr '\n' ' ' <plugged)"
 
+# A user's own files, as for validate: by the plugin and by dumps of them.
+ct_text 20 18 12 0.5 'i * 40 + j - k * 3' >ct.txt
+own="--only user --ct ct.txt --cubic 0.7 --tool builtin:peg"
+# shellcheck disable=SC2086 # words
+{
+    run 0 validate --worker ref --dump own $own
+    run 0 compare own --ct ct.txt --cubic 0.7 --tool builtin:peg --json
+    check "own files" "$(value cases.0.case) $(value cases.0.verdict)" "user/1 equal"
+    run 1 compare plugin:./thesis_f32.so $own --json
+    check "own files, the plugin" "$(value cases.0.case) $(value cases.0.verdict) $(value margins.0.stages.0.stage)" "user/1 differs rect"
+}
+refuse 2 "give them with --ct" compare own --cubic 0.7
+
 # As evidence: the margins are in the bundle, and follow from its cases.
 run 1 validate --only import/1 --backends dump:theirs --out b
 grep -q '^import/1,"dump:theirs",rect,1,' b/margins.csv || fail "no margins in the bundle: $(cat b/margins.csv)"

@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The parts of osteon validate.
+ *
+ *   cmd_validate.c     options, and which of these is meant; workers
+ *   validate_run.c     a campaign, and the bundle of what came of it
+ *   validate_merge.c   shards' bundles put together
+ *   validate_say.c     what is printed, and the exit status
+ */
+#ifndef OST_APP_VALIDATE_H
+#define OST_APP_VALIDATE_H
+
+#include "app/user_files.h"
+#include "validation/bundle/bundle.h"
+#include "validation/campaign.h"
+#include "validation/sensitivity.h"
+
+typedef struct validate_args {
+    const char *out, *backends, *shard, *only, *merge, *worker, *trace, *given, *dump, *export_to, *case_file;
+    int tier; /* place in "smoke|standard|full" */
+    int64_t seed, from, to, limit_s, jobs;
+    int64_t faults;
+    bool cpu_only, faults_only, from_parent;
+    user_files own;
+    json_t *record; /* of them; NULL: there are none */
+} validate_args;
+
+/* ------------------------------------------------------------ validate_run.c */
+
+/* from_file: what --case gave, or NULL; the caller's. */
+ost_status validate_run(app_state *app, const validate_args *args, const plan *p, json_t *from_file, ost_error *err);
+ost_status validate_faults(app_state *app, const validate_args *args, ost_error *err);
+
+/* The protocol and its hash, written before anything runs. */
+ost_status validate_freeze(bundle *b, const json_t *protocol, ost_error *err);
+/* An evidence_sink: user is a bundle. */
+ost_status validate_into_bundle(void *user, const char *name, const void *bytes, size_t size, ost_error *err);
+
+/* ---------------------------------------------------------- validate_merge.c */
+
+ost_status validate_merge(app_state *app, const validate_args *args, ost_error *err);
+
+/* ------------------------------------------------------------ validate_say.c */
+
+/* All of a campaign; the status is the verb's. proof: NULL without one. */
+ost_status validate_say(app_state *app, const validate_args *args, const campaign *c, json_t *summary, const sensitivity *proof, const json_t *common, ost_error *err);
+/* The last lines: what checks it, the verdict, the picture, the report. */
+void validate_say_last(app_state *app, const char *out, const json_t *summary);
+/* What was never triggered or never changed anything is named: a proof says what it is no proof of. */
+void validate_say_faults(const app_state *app, const sensitivity *s);
+/* Not a difference: there was nothing to differ. */
+ost_status validate_nothing(ost_error *err);
+
+#endif

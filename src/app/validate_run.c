@@ -1,0 +1,223 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A campaign and its bundle.
+ *
+ *   plan, subjects --protocol frozen--> campaign --> cases --> bundle, table, exit status
+ */
+#include "app/validate.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "app/progress.h"
+#include "app/result.h"
+#include "validation/bundle/environment.h"
+#include "validation/bundle/evidence.h"
+#include "validation/bundle/faults.h"
+#include "validation/bundle/record.h"
+#include "validation/bundle/reproduce.h"
+#include "validation/common/common.h"
+#include "validation/report/pictures.h"
+#include "validation/report/report.h"
+#include "validation/scratch.h"
+
+/* This program's own file, for workers. */
+static ost_status own_file(char path[], size_t size, ost_error *err)
+{
+    const ssize_t n = readlink("/proc/self/exe", path, size - 1);
+    if (n < 0)
+        return ost_fail(err, OST_ERR_IO, "/proc/self/exe: %s", strerror(errno));
+    path[n] = '\0';
+    return OST_OK;
+}
+
+static void show(void *user, const char *what, double share)
+{
+    (void)user;
+    progress_show(NULL, what, share);
+}
+
+ost_status validate_into_bundle(void *user, const char *name, const void *bytes, size_t size, ost_error *err)
+{
+    return bundle_put(user, name, bytes, size, err);
+}
+
+ost_status validate_freeze(bundle *b, const json_t *protocol, ost_error *err)
+{
+    char *bytes, hex[OST_DIGEST_HEX];
+    size_t size;
+    ost_digest digest;
+    ost_status status = bundle_log(b, "begun", err, "osteon %s", ost_version());
+    if (status == OST_OK)
+        status = bundle_put_json(b, EVIDENCE_PROTOCOL, protocol, err);
+    if (status == OST_OK)
+        status = bundle_read(bundle_folder(b), EVIDENCE_PROTOCOL, &bytes, &size, err);
+    if (status != OST_OK)
+        return status;
+    status = ost_digest_bytes(bytes, size, &digest, err);
+    free(bytes);
+    return status == OST_OK ? bundle_log(b, "protocol frozen", err, "%s", ost_digest_hex(&digest, hex)) : status;
+}
+
+static ost_status put_machine(bundle *b, const campaign *c, const char *program, ost_error *err)
+{
+    json_t *machine, *times = json_object();
+    for (int s = 0; s < c->subjects->count; s++)
+        put_real(times, c->subjects->subjects[s].spec, c->seconds[s]);
+    ost_status status = environment_of(program, &machine, err);
+    if (status == OST_OK)
+        status = bundle_put_json(b, "environment.json", machine, err);
+    if (status == OST_OK)
+        status = bundle_put_json(b, "times.json", times, err);
+    json_decref(times);
+    json_decref(machine);
+    return status;
+}
+
+static ost_status put_evidence(bundle *b, const campaign *c, const json_t *protocol, const json_t *cases, const json_t *faults, const json_t *common,
+                               const char *program, ost_error *err)
+{
+    ost_status status = bundle_log(b, "results", err, "%d equal, %d differ, %d failed, %d crashed, %d timed out, %d not run", c->counts[CASE_EQUAL],
+                                   c->counts[CASE_DIFFERS], c->counts[CASE_FAILED], c->counts[CASE_CRASHED], c->counts[CASE_LATE], c->counts[CASE_NOT_RUN]);
+    if (status == OST_OK)
+        status = evidence_write(protocol, cases, validate_into_bundle, b, err);
+    if (status == OST_OK && faults)
+        status = bundle_put_json(b, FAULTS_FILE, faults, err);
+    if (status == OST_OK)
+        status = record_put(program, c->subjects, common, validate_into_bundle, b, err);
+    if (status == OST_OK)
+        status = record_derive(bundle_folder(b), cases, validate_into_bundle, b, err);
+    if (status == OST_OK)
+        status = put_machine(b, c, program, err);
+    if (status == OST_OK)
+        status = report_write(bundle_folder(b), protocol, cases, validate_into_bundle, b, err);
+    if (status == OST_OK)
+        status = bundle_log(b, "ended", err, "files written");
+    return status;
+}
+
+/* Everything that must be freed, in one place. */
+typedef struct job {
+    char program[1024];
+    subject_list subjects;
+    campaign run;
+    bundle *b;
+    json_t *protocol, *cases, *summary, *faults, *common;
+    sensitivity proof; /* where faults is not NULL */
+} job;
+
+static void job_free(job *j)
+{
+    campaign_free(&j->run);
+    subjects_free(&j->subjects);
+    bundle_abandon(j->b);
+    json_decref(j->protocol);
+    json_decref(j->cases);
+    json_decref(j->summary);
+    json_decref(j->faults);
+    json_decref(j->common);
+}
+
+/* A batch's cases, while the reference's trace of them is there. */
+static ost_status take_batch(void *user, const campaign *c, int first, int count, ost_error *err)
+{
+    job *j = user;
+    ost_status status = OST_OK;
+    for (int i = first; i < first + count && status == OST_OK; i++) {
+        json_t *row;
+        status = evidence_case(c, i, &row, err);
+        if (status == OST_OK && json_array_append_new(j->cases, row) != 0)
+            status = ost_fail(err, OST_ERR_MEMORY, "no memory for the evidence");
+    }
+    return status == OST_OK && j->b ? pictures_of_operation(c, validate_into_bundle, j->b, err) : status;
+}
+
+static ost_status run_all(job *j, const validate_args *args, const plan *p, ost_error *err)
+{
+    picture_keeper keeper = {.sink = validate_into_bundle, .user = j->b};
+    const campaign_options how = {.program = j->program, .jobs = (int)args->jobs, .limit_s = (double)args->limit_s, .show = show,
+                                  .differs = j->b ? pictures_of_difference : NULL, .keeper = &keeper, .done = take_batch, .done_keeper = j};
+    ost_status status = campaign_run(p, &j->subjects, &how, &j->run, err);
+    if (status == OST_OK && j->b && j->run.counts[CASE_DIFFERS]) {
+        char folder[SCRATCH_PATH];
+        status = scratch_make(folder, err);
+        if (status == OST_OK)
+            status = reproduce(&j->run, j->program, folder, show, NULL, validate_into_bundle, j->b, err);
+        scratch_remove(folder);
+    }
+    if (status == OST_OK)
+        status = evidence_results(&j->run, j->cases, err);
+    /* The first of several shards makes it for all. */
+    if (status == OST_OK && p->shard == 1 && !p->only && !p->file) {
+        status = sensitivity_run(p->seed, sensitivity_injections(p->tier), j->run.jobs, show, NULL, &j->proof, err);
+        if (status == OST_OK)
+            status = faults_json(&j->proof, &j->faults, err);
+    }
+    if (status == OST_OK && keeper.err.status != OST_OK) {
+        *err = keeper.err;
+        status = err->status;
+    }
+    return status;
+}
+
+ost_status validate_run(app_state *app, const validate_args *args, const plan *p, json_t *from_file, ost_error *err)
+{
+    job j = {.cases = json_array()};
+    ost_status status = own_file(j.program, sizeof j.program, err);
+    if (status == OST_OK && args->out)
+        status = bundle_begin(args->out, &j.b, err);
+    if (status == OST_OK)
+        status = subjects_find(p->tier, args->backends ? args->backends : args->cpu_only ? "cpu" : NULL, &j.subjects, err);
+    if (status == OST_OK)
+        status = evidence_protocol(p, &j.subjects, args->backends ? args->backends : "", args->cpu_only, &j.protocol, err);
+    if (status == OST_OK && from_file)
+        json_object_set(j.protocol, "case", from_file);
+    if (status == OST_OK && args->record)
+        json_object_set(j.protocol, "user", args->record);
+    if (status == OST_OK && j.b)
+        status = validate_freeze(j.b, j.protocol, err);
+    if (status == OST_OK && j.b && from_file)
+        status = bundle_put_json(j.b, "case.json", from_file, err);
+    if (status == OST_OK) {
+        progress_begin(app);
+        status = run_all(&j, args, p, err);
+        progress_clear();
+    }
+    if (status == OST_OK)
+        status = common_check(p->seed, &j.common, err);
+    if (status == OST_OK)
+        status = evidence_summary(j.protocol, j.cases, &j.summary, err);
+    if (status == OST_OK && j.b)
+        status = put_evidence(j.b, &j.run, j.protocol, j.cases, j.faults, j.common, j.program, err);
+    if (status == OST_OK && j.b) {
+        status = bundle_end(j.b, err);
+        j.b = NULL;
+    }
+    if (status == OST_OK) {
+        if (j.faults)
+            put(app->result, "faults", json_incref(j.faults));
+        put(app->result, "common_mistakes", json_incref(j.common));
+        status = validate_say(app, args, &j.run, j.summary, j.faults ? &j.proof : NULL, j.common, err);
+    }
+    job_free(&j);
+    return status;
+}
+
+ost_status validate_faults(app_state *app, const validate_args *args, ost_error *err)
+{
+    sensitivity s;
+    json_t *faults;
+    progress_begin(app);
+    ost_status status = sensitivity_run((uint64_t)args->seed, args->faults ? (uint64_t)args->faults : sensitivity_injections((plan_tier)args->tier),
+                                        args->jobs ? (int)args->jobs : campaign_cores(), show, NULL, &s, err);
+    progress_clear();
+    if (status == OST_OK)
+        status = faults_json(&s, &faults, err);
+    if (status != OST_OK)
+        return status;
+    put(app->result, "faults", faults);
+    validate_say_faults(app, &s);
+    return faults_proved(&s) ? OST_OK : ost_fail(err, OST_ERR_DIFFER, "the sensitivity proof failed: %s", s.first_problem[0] ? s.first_problem : "nothing was changed");
+}

@@ -1,0 +1,174 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What osteon validate prints and ends with. */
+#include "app/validate.h"
+
+#include <stdio.h>
+#include <sys/stat.h>
+
+#include "app/result.h"
+#include "app/say.h"
+#include "validation/bundle/evidence.h"
+#include "validation/bundle/faults.h"
+#include "validation/common/common.h"
+#include "validation/report/pictures.h"
+#include "validation/report/report.h"
+
+void validate_say_faults(const app_state *app, const sensitivity *s)
+{
+    char a[SAY_TEXT], b[SAY_TEXT], c[SAY_TEXT];
+    int silent = 0;
+    say(app, "SENSITIVITY %s: %s mistakes made on purpose, %s changed a result, %s of them were found, %llu not where they are; %llu false alarms in %llu right runs",
+        faults_proved(s) ? "PROVED" : "NOT PROVED", say_count(a, (int64_t)s->all.injected), say_count(b, (int64_t)s->all.changed),
+        say_count(c, (int64_t)(s->all.changed - s->all.not_detected)), (unsigned long long)s->all.not_located, (unsigned long long)s->false_alarms,
+        (unsigned long long)s->clean_runs);
+    if (s->first_problem[0])
+        say(app, "  %s", s->first_problem);
+    for (int k = DEVIATION_NONE + 1; k < DEVIATION_KINDS; k++)
+        silent += !s->of[k].changed;
+    if (silent)
+        say(app, "  %d of %d kinds changed nothing in this run; sensitivity.json and --json say which, and when a kind survives", silent, DEVIATION_KINDS - 1);
+}
+
+static const case_result *result_at(const campaign *c, int i, int s)
+{
+    return &c->results[(size_t)i * (size_t)c->subjects->count + (size_t)s];
+}
+
+static void say_difference(const app_state *app, const plan_case *c, const subject *s, const case_result *r)
+{
+    const compare_difference *d = &r->difference;
+    char where[64] = "", name[TRACE_WORD];
+    if (d->stage == TRACE_TICK || d->stage == TRACE_COLLIDE || d->stage == TRACE_TOOL)
+        snprintf(where, sizeof where, " %u", d->item);
+    if (r->verdict != CASE_DIFFERS)
+        say(app, "  %s on %s: %s: %s", c->id, s->spec, case_verdict_name(r->verdict), r->text);
+    else if (d->kind == COMPARE_VOXEL)
+        say(app, "  %s on %s: %s%s: %llu voxel%s, the first at (%d, %d, %d): %d, the reference has %d", c->id, s->spec,
+            trace_stage_name(d->stage), where, (unsigned long long)d->voxels, d->voxels == 1 ? "" : "s", d->voxel[0], d->voxel[1], d->voxel[2],
+            d->voxel_got, d->voxel_ref);
+    else if (d->kind == COMPARE_WORD)
+        say(app, "  %s on %s: %s%s: %s is %lld, the reference has %lld", c->id, s->spec, trace_stage_name(d->stage), where,
+            trace_word_name(d->stage, d->word, d->line_words, name), (long long)d->word_got, (long long)d->word_ref);
+    else
+        say(app, "  %s on %s: %s%s: %s", c->id, s->spec, trace_stage_name(d->stage), where,
+            d->kind == COMPARE_MISSING ? "the backend failed there, the reference did not" : "its blocks are not those of the reference");
+    if (r->verdict == CASE_DIFFERS && r->found && r->found->class)
+        say(app, "    looks like %s: %s", r->found->class, r->found->text);
+    if (r->verdict == CASE_DIFFERS && r->found && r->found->reproduce[0])
+        say(app, "    made small: %s: osteon validate --case BUNDLE/%s --backends '%s'%s", r->found->small, r->found->reproduce, s->spec,
+            c->family == PLAN_USER ? " and the files that you gave" : "");
+}
+
+static void say_backends(app_state *app, const campaign *c)
+{
+    json_t *array = json_array();
+    char time[SAY_TEXT];
+    for (int s = 0; s < c->subjects->count; s++) {
+        const subject *one = &c->subjects->subjects[s];
+        int equal = 0, refused = 0;
+        for (int i = 0; i < c->plan->count; i++) {
+            const bool shown = result_at(c, i, 0)->verdict == CASE_EQUAL, same = result_at(c, i, s)->verdict == CASE_EQUAL;
+            equal += same && shown;
+            refused += s > 0 && same && !shown;
+        }
+        json_t *o = json_object();
+        put_text(o, "name", one->spec);
+        put_text(o, "what", one->what);
+        put_bool(o, "available", one->available);
+        if (!one->available)
+            put_text(o, "reason", one->reason);
+        put_integer(o, "equal", one->available ? equal : 0);
+        put_real(o, "time_s", c->seconds[s]);
+        append(array, o);
+        if (!one->available)
+            say(app, "  %-32s not run: %s", one->spec, one->reason);
+        else if (s == 0)
+            say(app, "  %-32s the reference, %s", one->spec, say_time(time, 1e3 * c->seconds[s]));
+        else
+            say(app, "  %-32s %d of %d equal%s, %s", one->spec, equal, c->plan->count, refused ? ", others refused as by the reference" : "",
+                say_time(time, 1e3 * c->seconds[s]));
+    }
+    put(app->result, "backends", array);
+}
+
+static json_t *stages_of(const campaign *c)
+{
+    json_t *stages = json_array();
+    for (int i = TRACE_RECT; i <= TRACE_FINAL; i++) {
+        json_t *o = json_object();
+        put_text(o, "name", trace_stage_name((trace_stage)i));
+        put_integer(o, "records", (int64_t)c->stage_records[i]);
+        append(stages, o);
+    }
+    return stages;
+}
+
+void validate_say_last(app_state *app, const char *out, const json_t *summary)
+{
+    char path[1200];
+    struct stat info;
+    snprintf(path, sizeof path, "%s/%s", out, PICTURE_AFTER);
+    const bool picture = stat(path, &info) == 0;
+    say(app, "  check it   osteon verify %s", out);
+    say(app, "  verdict    %s%s", evidence_text(summary, "verdict"),
+        json_is_true(json_object_get(summary, "evidence")) ? "" : " (a reduced run: no evidence)");
+    if (picture) {
+        say(app, "  picture    %s", path);
+        put_text(app->result, "picture", path);
+    }
+    snprintf(path, sizeof path, "%s/%s", out, REPORT_FILE);
+    say(app, "  report     %s", path);
+    put_text(app->result, "report", path);
+}
+
+ost_status validate_nothing(ost_error *err)
+{
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "nothing was compared: no backend but the reference ran a case that the reference did not refuse");
+}
+
+/* Of --json only what the summary does not have: the rest is the bundle's own. */
+ost_status validate_say(app_state *app, const validate_args *args, const campaign *c, json_t *summary, const sensitivity *proof, const json_t *common,
+                         ost_error *err)
+{
+    char records[SAY_TEXT], bytes[SAY_TEXT];
+    const json_t *list = json_object_get(summary, "not_shown");
+    json_object_update(app->result, summary);
+    put_text(app->result, "tier", plan_tier_name(c->plan->tier));
+    put_integer(app->result, "seed", (int64_t)c->plan->seed);
+    put_integer(app->result, "bytes_equal", (int64_t)c->bytes);
+    put(app->result, "stages", stages_of(c));
+    if (args->out)
+        put_text(app->result, "out", args->out);
+    const bool equal = json_is_true(json_object_get(summary, "equal")), something = json_integer_value(json_object_get(summary, "compared")) > 0;
+    say(app, "%s: %d case%s on %d backend%s, tier %s, seed %llu%s", evidence_text(summary, "verdict"), c->plan->count, c->plan->count == 1 ? "" : "s",
+        c->subjects->count, c->subjects->count == 1 ? "" : "s", plan_tier_name(c->plan->tier), (unsigned long long)c->plan->seed,
+        json_is_true(json_object_get(summary, "evidence")) ? "" : " (a reduced run: no evidence)");
+    say_backends(app, c);
+    for (int i = 0; i < c->plan->count; i++)
+        for (int s = 1; s < c->subjects->count; s++)
+            if (result_at(c, i, s)->verdict != CASE_EQUAL && result_at(c, i, s)->verdict != CASE_NOT_RUN)
+                say_difference(app, &c->plan->cases[i], &c->subjects->subjects[s], result_at(c, i, s));
+    say(app, equal ? "  %s records, %s of results, compared byte by byte and found equal" : "  %s records compared byte by byte; the cases that are equal: %s of results",
+        say_count(records, (int64_t)c->records), say_bytes(bytes, (int64_t)c->bytes));
+    for (size_t i = 0; i < json_array_size(list); i++)
+        say(app, "%s%s", i ? "             " : "  not shown: ", json_string_value(json_array_get(list, i)));
+    say(app, "COMMON MISTAKES %s: %lld of %lld checks by hand, by volume and by law passed on the reference", common_proved(common) ? "NONE FOUND" : "FOUND",
+        (long long)json_integer_value(json_object_get(common, "passed")), (long long)json_array_size(json_object_get(common, "checks")));
+    if (proof)
+        validate_say_faults(app, proof);
+    if (args->out)
+        validate_say_last(app, args->out, summary);
+    if (!something)
+        return validate_nothing(err);
+    if (!equal)
+        return ost_fail(err, OST_ERR_DIFFER, "%d results differ from the reference's, %d failed, %d crashed, %d took too long",
+                        c->counts[CASE_DIFFERS], c->counts[CASE_FAILED], c->counts[CASE_CRASHED], c->counts[CASE_LATE]);
+    if (proof && !faults_proved(proof))
+        return ost_fail(err, OST_ERR_DIFFER, "the sensitivity proof failed: %s", proof->first_problem[0] ? proof->first_problem : "nothing was changed");
+    if (!common_proved(common))
+        return ost_fail(err, OST_ERR_DIFFER, "%lld of the checks of common mistakes failed; common.json and the report say which",
+                        (long long)json_integer_value(json_object_get(common, "failed")));
+    if (!c->subjects->opencl && !args->cpu_only && !args->backends)
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "OpenCL was not compared: %s; --cpu-only says that this is meant", c->subjects->no_opencl);
+    return OST_OK;
+}
