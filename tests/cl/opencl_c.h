@@ -34,7 +34,9 @@ static inline long as_long(ulong x) { return (long)x; }
 static inline short as_short(ushort x) { return (short)x; }
 static inline signed char as_char(uchar x) { return (signed char)x; }
 
-/* Vectors, of GCC's and clang's kind: operators are those of OpenCL C, comparisons give 0 or -1. They are only ever inlined. */
+/* Vectors, of GCC's and clang's kind: operators are those of OpenCL C, comparisons give 0 or -1. They are only ever inlined.
+   No sanitizer looks for overflow in their lanes: what bounds them stands beside the kernels, and meshes and poses at the ends of
+   the ranges are among those compared. */
 #pragma GCC diagnostic ignored "-Wpsabi"
 typedef uchar uchar8 __attribute__((vector_size(8)));
 typedef short short16 __attribute__((vector_size(32)));
