@@ -12,7 +12,7 @@
  *   digest.h   SHA-256 of grids                event.h    sweep, map, report
  *   plugin.h   somebody else's backend        session.h  what happened, to be done again
  *   haptics.h  devices and their loop         operation.h  a world that a device moves
- *   force.h    what the hand feels
+ *   force.h    what the hand feels              metrics.h  what an operation has come to
  */
 #ifndef OSTEON_H
 #define OSTEON_H
@@ -26,6 +26,7 @@
 #include <osteon/io.h>
 #include <osteon/length.h>
 #include <osteon/mesh.h>
+#include <osteon/metrics.h>
 #include <osteon/operation.h>
 #include <osteon/path.h>
 #include <osteon/phantom.h>

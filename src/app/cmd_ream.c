@@ -17,6 +17,7 @@
 #include <string.h>
 
 #include "app/backend_choice.h"
+#include "app/debrief.h"
 #include "app/load.h"
 #include "app/progress.h"
 #include "app/ream_path.h"
@@ -30,6 +31,8 @@ typedef struct ream_args {
     ct_options ct;
     tool_options how;
     target_options target;
+    const char *debrief;
+    option_decimal planned;
     option_decimal rate;
     int64_t period_ns; /* from rate; 0: every tick */
     ost_density_classes classes; /* from classes_text; count 0: the default ones */
@@ -54,6 +57,7 @@ typedef struct job {
     uint32_t *tick_ns; /* how long each step took */
     double run_ms;
     bool met;          /* the boxes of bone and tool met at some tick */
+    debrief debrief;   /* empty without --debrief */
     bool failed_over;  /* the backend is another than was asked for */
 } job;
 
@@ -62,6 +66,7 @@ static void job_free(job *j)
     free(j->tick_ns);
     /* Still open when something else has failed: what was done until then stays recorded. */
     ost_recorder_close(j->recorder, NULL, NULL);
+    debrief_free(&j->debrief);
     ost_world_free(j->world);
     ost_path_free(&j->path);
     for (int i = 0; i < OPTION_LIST_MAX; i++)
@@ -107,6 +112,19 @@ static ost_status load_all(const app_state *app, const ream_args *args, job *j, 
     if (status == OST_OK)
         status = ream_path_make(app, &args->paths, &args->target, &j->imported.meta, args->bone, grids, args->tools.count, &j->path, err);
     return status;
+}
+
+/* The bone as it was, for who asks afterwards. */
+static ost_status debrief_take(const app_state *app, const ream_args *args, job *j, ost_error *err)
+{
+    ost_glenoid glenoid;
+    if (!args->debrief)
+        return OST_OK;
+    int64_t um = 3000;
+    if (args->planned.text && (!ost_decimal_scale(&args->planned.value, 1000, &um, NULL) || um < 0 || um > 20000))
+        return usage_error(app, err, "--planned %s: must be from 0 to 20", args->planned.text);
+    ost_status status = target_find(app, &args->target, &j->imported.meta, args->bone, &glenoid, err);
+    return status == OST_OK ? debrief_begin(j->bone, &glenoid, (double)um * 1e-3, &j->debrief, err) : status;
 }
 
 /* Only now, when the first tick is next: a mistake before leaves an old session of that name as it was. */
@@ -380,6 +398,8 @@ static ost_status check_args(app_state *app, ream_args *args, ost_error *err)
                            args->paths.count, args->tools.count);
     if (args->record && (status = out_check(app, args->record, "session", err)) != OST_OK)
         return status;
+    if (args->debrief && (status = out_check(app, args->debrief, "html", err)) != OST_OK)
+        return status;
     return out_check(app, args->out, "nrrd|nii|nii.gz|txt", err);
 }
 
@@ -412,6 +432,9 @@ ost_status cmd_ream(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "no-failover", .kind = OPTION_FLAG, .out = &args.no_failover,
          .help = "with --backend cl: stop when the device fails; else cpu goes on\nfrom the last whole tick, to the same grid"},
         {.name = "compress", .kind = OPTION_FLAG, .out = &args.compress, .help = "gzip a .nrrd"},
+        {.name = "debrief", .kind = OPTION_TEXT, .out = &args.debrief, .value = "FILE.html",
+         .help = "what it has come to, against the plan: angles, depths, hole, seat;\na page with pictures"},
+        {.name = "planned", .kind = OPTION_DECIMAL, .out = &args.planned, .value = "MM", .help = "planned depth at the glenoid's centre (default: 3)"},
         {.name = "record", .kind = OPTION_TEXT, .out = &args.record, .value = "SESSION",
          .help = "write down every tick: osteon replay does it again, osteon info and\nexport read it; the name ends in .session"},
         {.name = NULL}};
@@ -437,6 +460,8 @@ ost_status cmd_ream(app_state *app, int argc, char **argv, ost_error *err)
     if (status == OST_OK)
         status = world_make(app, &args, &j, err);
     if (status == OST_OK)
+        status = debrief_take(app, &args, &j, err);
+    if (status == OST_OK)
         status = record_begin(&args, &j, err);
     if (status == OST_OK)
         status = run(app, &args, &j, err);
@@ -447,6 +472,8 @@ ost_status cmd_ream(app_state *app, int argc, char **argv, ost_error *err)
     }
     if (status == OST_OK)
         status = report(app, &args, &j, err);
+    if (status == OST_OK && args.debrief)
+        status = debrief_end(app, &j.debrief, j.bone, ost_world_classes(j.world), args.bone, args.debrief, err);
     if (status == OST_OK)
         status = record_end(app, &args, &j, err);
     job_free(&j);

@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "metrics/fit.h"
+
+#include <math.h>
+
+/* Gauss with pivots; m is n x (n + 1). */
+static bool eliminate(double m[4][5], int n, double x[4])
+{
+    for (int c = 0; c < n; c++) {
+        int pivot = c;
+        for (int r = c + 1; r < n; r++)
+            pivot = fabs(m[r][c]) > fabs(m[pivot][c]) ? r : pivot;
+        if (fabs(m[pivot][c]) < 1e-9)
+            return false;
+        for (int k = 0; k <= n; k++) {
+            const double swap = m[c][k];
+            m[c][k] = m[pivot][k];
+            m[pivot][k] = swap;
+        }
+        for (int r = 0; r < n; r++) {
+            const double share = m[r][c] / m[c][c];
+            for (int k = c; k <= n && r != c; k++)
+                m[r][k] -= share * m[c][k];
+        }
+    }
+    for (int c = 0; c < n; c++)
+        x[c] = m[c][n] / m[c][c];
+    return true;
+}
+
+bool ost_fit_sphere(const double (*points)[3], size_t count, double centre[3], double *radius)
+{
+    double mean[3] = {0}, m[4][5] = {{0}}, x[4];
+    if (count < 4)
+        return false;
+    for (size_t i = 0; i < count; i++)
+        for (int a = 0; a < 3; a++)
+            mean[a] += points[i][a] / (double)count;
+    for (size_t i = 0; i < count; i++) {
+        const double p[3] = {points[i][0] - mean[0], points[i][1] - mean[1], points[i][2] - mean[2]};
+        const double row[5] = {2 * p[0], 2 * p[1], 2 * p[2], 1, p[0] * p[0] + p[1] * p[1] + p[2] * p[2]};
+        for (int r = 0; r < 4; r++)
+            for (int c = 0; c < 5; c++)
+                m[r][c] += row[r] * row[c] / (double)count;
+    }
+    if (!eliminate(m, 4, x))
+        return false;
+    const double square = x[3] + x[0] * x[0] + x[1] * x[1] + x[2] * x[2];
+    for (int a = 0; a < 3; a++)
+        centre[a] = x[a] + mean[a];
+    *radius = square > 0 ? sqrt(square) : 0;
+    return square > 0;
+}
+
+bool ost_fit_line(const double *x, const double *value, const double *weight, size_t count, double *at_0, double *slope)
+{
+    double w = 0, sx = 0, sv = 0, sxx = 0, sxv = 0;
+    for (size_t i = 0; i < count; i++) {
+        w += weight[i];
+        sx += weight[i] * x[i];
+        sv += weight[i] * value[i];
+        sxx += weight[i] * x[i] * x[i];
+        sxv += weight[i] * x[i] * value[i];
+    }
+    const double spread = w * sxx - sx * sx;
+    if (!(spread > 1e-12 * w * w))
+        return false;
+    *slope = (w * sxv - sx * sv) / spread;
+    *at_0 = (sv - *slope * sx) / w;
+    return true;
+}

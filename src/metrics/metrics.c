@@ -1,0 +1,358 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The numbers of metrics.h, in the order in which they need each other. Lengths in millimetres. */
+#include <osteon/metrics.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "metrics/fit.h"
+
+enum { MAP = OST_METRICS_MAP, CELLS = MAP * MAP, SLABS = 64, HARD_HU = 650, FLOOR_MIN = 200, RIM = 2 };
+#define OUTSIDE_MM 12.0 /* a ray begins so far outside the face */
+#define INSIDE_MM 45.0
+#define PLATE_MM 4.5
+#define MARGIN_MM 1.0
+#define HOLE_MM 3.0     /* so much deeper than planned is no floor but a hole */
+#define ENTRY_MM 5.0
+#define WALL_MM 6.0
+#define DEG (180 / 3.14159265358979323846)
+
+typedef struct work {
+    const ost_volume *before, *after;
+    int threshold;
+    const ost_metrics_plan *plan;
+    ost_metrics *out;
+    double spacing, origin[3], at[3], u[3], v[3], w[3];
+    int32_t dims[3];
+    double bottom; /* below it, along w, a removed voxel is the hole's */
+    double (*floor)[3]; /* owned; points of the floor, in u, v, w */
+    size_t floor_count;
+} work;
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void unit(double v[3])
+{
+    const double size = sqrt(dot(v, v));
+    for (int a = 0; a < 3; a++)
+        v[a] /= size;
+}
+
+static void cross(const double a[3], const double b[3], double out[3])
+{
+    out[0] = a[1] * b[2] - a[2] * b[1];
+    out[1] = a[2] * b[0] - a[0] * b[2];
+    out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+static ost_status set_up(work *k, ost_error *err)
+{
+    const ost_geometry *g = &k->before->geometry, *h = &k->after->geometry;
+    if (memcmp(&g->dims, &h->dims, sizeof g->dims) != 0 || memcmp(&g->spacing, &h->spacing, sizeof g->spacing) != 0 ||
+        memcmp(&g->origin, &h->origin, sizeof g->origin) != 0)
+        return ost_fail(err, OST_ERR_USAGE, "metrics need the same grid before and after");
+    if (g->spacing.x != g->spacing.y || g->spacing.x != g->spacing.z)
+        return ost_fail(err, OST_ERR_USAGE, "metrics need a grid of cubic voxels");
+    if (!(dot(k->plan->axis, k->plan->axis) > 0) || !isfinite(dot(k->plan->axis, k->plan->axis)) || !(k->plan->depth_mm >= 0))
+        return ost_fail(err, OST_ERR_USAGE, "a plan needs an axis and a depth");
+    k->spacing = ost_pm_to_mm(g->spacing.x);
+    const ost_pm origin[3] = {g->origin.x, g->origin.y, g->origin.z}, at[3] = {k->plan->at.x, k->plan->at.y, k->plan->at.z};
+    const int32_t dims[3] = {g->dims.x, g->dims.y, g->dims.z};
+    for (int a = 0; a < 3; a++) {
+        k->origin[a] = ost_pm_to_mm(origin[a]);
+        k->at[a] = ost_pm_to_mm(at[a]);
+        k->dims[a] = dims[a];
+        k->w[a] = k->plan->axis[a];
+    }
+    unit(k->w);
+    /* v as far up as it can be, or forward where the axis is upright. */
+    const double up[3] = {0, fabs(k->w[2]) > 0.9 ? -1 : 0, fabs(k->w[2]) > 0.9 ? 0 : 1};
+    cross(up, k->w, k->u);
+    unit(k->u);
+    cross(k->w, k->u, k->v);
+    k->bottom = k->plan->depth_mm + HOLE_MM;
+    k->floor = malloc(CELLS * sizeof *k->floor);
+    return k->floor ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for metrics");
+}
+
+static int64_t index_of(const work *k, const int32_t v[3])
+{
+    return v[0] + k->dims[0] * (v[1] + (int64_t)k->dims[1] * v[2]);
+}
+
+/* Density at (u, v, w); void beyond the grid. */
+static int density_at(const work *k, const ost_volume *volume, double u, double v, double w)
+{
+    int32_t at[3];
+    for (int a = 0; a < 3; a++) {
+        const double i = floor((k->at[a] + u * k->u[a] + v * k->v[a] + w * k->w[a] - k->origin[a]) / k->spacing + 0.5);
+        if (!(i >= 0 && i < k->dims[a]))
+            return 0;
+        at[a] = (int32_t)i;
+    }
+    return volume->voxels[index_of(k, at)];
+}
+
+/* Where a ray along w meets bone first, to half a step; NAN when it does not. */
+static double ray(const work *k, const ost_volume *volume, double u, double v, double from)
+{
+    const double step = fmax(k->spacing / 4, 0.05);
+    for (double w = from; w < INSIDE_MM; w += step)
+        if (density_at(k, volume, u, v, w) >= k->threshold)
+            return w - step / 2;
+    return NAN;
+}
+
+/* The mean of four rays: a cell on the border of two voxels sees both. NAN when most meet nothing. */
+static double surface(const work *k, const ost_volume *volume, double u, double v)
+{
+    double sum = 0;
+    int met = 0;
+    for (int i = 0; i < 4; i++) {
+        const double w = ray(k, volume, u + (i % 2 - 0.5) * OST_METRICS_PITCH_MM / 2, v + (i / 2 - 0.5) * OST_METRICS_PITCH_MM / 2, -OUTSIDE_MM);
+        sum += isnan(w) ? 0 : w;
+        met += !isnan(w);
+    }
+    return met >= 2 ? sum / met : NAN;
+}
+
+static double at_cell(int i)
+{
+    return (i - MAP / 2) * OST_METRICS_PITCH_MM;
+}
+
+static int ascending(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static bool is_floor(const work *k, int i)
+{
+    return !isnan(k->out->depth_mm[i]) && (double)k->out->after_mm[i] <= k->bottom;
+}
+
+/* Keeps what has floor for RIM cells around: at the rim only cells show that happen to lie deep, and a fit would lean on them. */
+static void leave_rim(work *k)
+{
+    k->floor_count = 0;
+    for (int y = RIM; y < MAP - RIM; y++)
+        for (int x = RIM; x < MAP - RIM; x++) {
+            bool within = true;
+            for (int dy = -RIM; dy <= RIM && within; dy++)
+                for (int dx = -RIM; dx <= RIM && within; dx++)
+                    within = is_floor(k, x + dx + MAP * (y + dy));
+            if (within)
+                memcpy(k->floor[k->floor_count++], (double[3]){at_cell(x), at_cell(y), (double)k->out->after_mm[x + MAP * y]}, sizeof k->floor[0]);
+        }
+}
+
+/* The maps, and the floor: cells that were bared and are no hole. */
+static void look(work *k)
+{
+    ost_metrics *o = k->out;
+    double depth[CELLS], sum = 0;
+    for (int i = 0; i < CELLS; i++) {
+        const double u = at_cell(i % MAP), v = at_cell(i / MAP);
+        const double old = surface(k, k->before, u, v), now = isnan(old) ? NAN : surface(k, k->after, u, v);
+        o->before_mm[i] = (float)old;
+        o->after_mm[i] = (float)now;
+        o->depth_mm[i] = NAN;
+        if (isnan(old) || !(isnan(now) || now - old > k->spacing / 8))
+            continue;
+        o->depth_mm[i] = (float)((isnan(now) ? INSIDE_MM : now) - old);
+        if (isnan(now) || now > k->bottom)
+            continue;
+        depth[k->floor_count++] = now - old;
+        sum += now - old;
+    }
+    if (k->floor_count == 0)
+        return;
+    const size_t cells = k->floor_count;
+    qsort(depth, cells, sizeof depth[0], ascending);
+    leave_rim(k);
+    o->floor_mm2 = (double)cells * OST_METRICS_PITCH_MM * OST_METRICS_PITCH_MM;
+    o->depth_mean_mm = sum / (double)cells;
+    o->depth_p95_mm = depth[(cells - 1) * 95 / 100];
+    o->depth_max_mm = depth[cells - 1];
+}
+
+/* Degrees outward of an inward direction, in the CT's planes: toward the back, toward the head. */
+static void angles(const work *k, const double inward[3], double *back, double *up)
+{
+    const double lateral = k->plan->left ? -inward[0] : inward[0];
+    *back = atan2(-inward[1], lateral) * DEG;
+    *up = atan2(-inward[2], lateral) * DEG;
+}
+
+static void fit_floor(work *k)
+{
+    ost_metrics *o = k->out;
+    double c[3], radius;
+    if (k->floor_count < FLOOR_MIN || !ost_fit_sphere((const double (*)[3])k->floor, k->floor_count, c, &radius) || c[2] > 0)
+        return;
+    double square = 0, contact = 0;
+    for (size_t i = 0; i < k->floor_count; i++) {
+        const double *p = k->floor[i], d[3] = {p[0] - c[0], p[1] - c[1], p[2] - c[2]}, gap = sqrt(dot(d, d)) - radius;
+        square += gap * gap;
+        contact += fabs(gap) <= OST_METRICS_CONTACT_UM * 1e-3;
+        o->gap_max_mm = fmax(o->gap_max_mm, gap);
+    }
+    o->sphere = true;
+    o->sphere_mm = radius;
+    o->fit_rms_mm = sqrt(square / (double)k->floor_count);
+    o->contact_percent = 100 * contact / (double)k->floor_count;
+    o->centre_depth_mm = c[2] + sqrt(fmax(0, radius * radius - c[0] * c[0] - c[1] * c[1]));
+    /* From the sphere's centre to the plan's. */
+    double got[3], planned[2], found[2];
+    for (int a = 0; a < 3; a++)
+        got[a] = -(c[0] * k->u[a] + c[1] * k->v[a] + c[2] * k->w[a]);
+    unit(got);
+    o->angle_deg = acos(fmin(1, dot(got, k->w))) * DEG;
+    angles(k, k->w, &planned[0], &planned[1]);
+    angles(k, got, &found[0], &found[1]);
+    o->retroversion_deg = found[0] - planned[0];
+    o->superior_deg = found[1] - planned[1];
+}
+
+typedef struct slab {
+    double weight, u, v, w;
+} slab;
+
+/* All voxels that went, by class and place; slabs of a millimetre of what lies deeper than the floor. */
+static ost_status count_voxels(work *k, const ost_density_classes *classes, slab slabs[SLABS], ost_error *err)
+{
+    ost_metrics *o = k->out;
+    const double mm3 = k->spacing * k->spacing * k->spacing, reach = MAP / 2 * OST_METRICS_PITCH_MM;
+    double plate = 0, kept = 0;
+    int64_t i = 0, removed = 0;
+    for (int32_t z = 0; z < k->dims[2]; z++)
+        for (int32_t y = 0; y < k->dims[1]; y++)
+            for (int32_t x = 0; x < k->dims[0]; x++, i++) {
+                const int was = k->before->voxels[i];
+                if (was < k->threshold)
+                    continue;
+                const bool gone = k->after->voxels[i] < k->threshold;
+                if (!gone && was < HARD_HU)
+                    continue;
+                const double p[3] = {k->origin[0] + x * k->spacing - k->at[0], k->origin[1] + y * k->spacing - k->at[1],
+                                     k->origin[2] + z * k->spacing - k->at[2]};
+                const double u = dot(p, k->u), v = dot(p, k->v), w = dot(p, k->w);
+                const bool on_map = fabs(u) <= reach && fabs(v) <= reach;
+                const int cell = on_map ? (int)lrint(u / OST_METRICS_PITCH_MM) + MAP / 2 + MAP * ((int)lrint(v / OST_METRICS_PITCH_MM) + MAP / 2) : 0;
+                if (on_map && was >= HARD_HU) {
+                    const double below = w - (double)o->before_mm[cell];
+                    if (is_floor(k, cell) && below >= -k->spacing && below <= PLATE_MM) {
+                        plate += mm3;
+                        kept += gone ? 0 : mm3;
+                    }
+                }
+                if (!gone)
+                    continue;
+                int c = classes->count - 1;
+                while (c > 0 && was < classes->border[c])
+                    c--;
+                o->removed_by_class_mm3[c] += mm3;
+                removed++;
+                if (w > k->bottom && (int)w < SLABS) {
+                    slab *s = &slabs[(int)w];
+                    s->weight += 1;
+                    s->u += u;
+                    s->v += v;
+                    s->w += w;
+                    o->hole_depth_mm = fmax(o->hole_depth_mm, w + k->spacing / 2);
+                } else if (w > k->plan->depth_mm + MARGIN_MM && (!on_map || is_floor(k, cell)))
+                    o->over_mm3 += mm3;
+            }
+    o->removed_mm3 = (double)removed * mm3;
+    o->plate_mm3 = plate;
+    o->plate_kept_percent = plate > 0 ? 100 * kept / plate : 0;
+    return removed ? OST_OK : ost_fail(err, OST_ERR_INPUT, "nothing was removed: there is nothing to measure");
+}
+
+/* The nearest voxel that was outside already, from those of the hole; WALL_MM when there is none so near. */
+static double wall_of(const work *k)
+{
+    const int reach = (int)ceil(WALL_MM / k->spacing);
+    double nearest = WALL_MM * WALL_MM;
+    int64_t i = 0;
+    for (int32_t z = 0; z < k->dims[2]; z++)
+        for (int32_t y = 0; y < k->dims[1]; y++)
+            for (int32_t x = 0; x < k->dims[0]; x++, i++) {
+                if (k->before->voxels[i] < k->threshold || k->after->voxels[i] >= k->threshold)
+                    continue;
+                const double p[3] = {k->origin[0] + x * k->spacing - k->at[0], k->origin[1] + y * k->spacing - k->at[1],
+                                     k->origin[2] + z * k->spacing - k->at[2]};
+                if (dot(p, k->w) < fmax(k->bottom, ENTRY_MM))
+                    continue;
+                for (int dz = -reach; dz <= reach; dz++)
+                    for (int dy = -reach; dy <= reach; dy++)
+                        for (int dx = -reach; dx <= reach; dx++) {
+                            const double square = (double)(dx * dx + dy * dy + dz * dz) * k->spacing * k->spacing;
+                            const int32_t v[3] = {x + dx, y + dy, z + dz};
+                            if (square >= nearest)
+                                continue;
+                            const bool inside = v[0] >= 0 && v[1] >= 0 && v[2] >= 0 && v[0] < k->dims[0] && v[1] < k->dims[1] && v[2] < k->dims[2];
+                            /* Beyond the grid nobody knows: a scan may end in bone. */
+                            if (inside && k->before->voxels[index_of(k, v)] < k->threshold)
+                                nearest = square;
+                        }
+            }
+    return sqrt(nearest);
+}
+
+static void measure_hole(work *k, const slab slabs[SLABS])
+{
+    ost_metrics *o = k->out;
+    double w[SLABS], u[SLABS], v[SLABS], weight[SLABS], area = 0, at[2], slope[2], most = 0;
+    size_t count = 0, whole = 0;
+    for (int i = 0; i < SLABS; i++)
+        most = fmax(most, slabs[i].weight);
+    for (int i = 0; i < SLABS; i++) {
+        const slab *s = &slabs[i];
+        /* Slabs that are whole: the first and the last may not be, nor where the hole leaves the bone or the scan. */
+        if (s->weight <= 0.9 * most || i < k->bottom || i + 1 > o->hole_depth_mm)
+            continue;
+        w[count] = s->w / s->weight;
+        u[count] = s->u / s->weight;
+        v[count] = s->v / s->weight;
+        weight[count++] = s->weight;
+        area += s->weight * k->spacing * k->spacing * k->spacing;
+        whole++;
+    }
+    if (whole < 3 || !ost_fit_line(w, u, weight, count, &at[0], &slope[0]) || !ost_fit_line(w, v, weight, count, &at[1], &slope[1])) {
+        o->hole_depth_mm = 0;
+        return;
+    }
+    const double tilt = sqrt(slope[0] * slope[0] + slope[1] * slope[1]);
+    o->hole = true;
+    o->hole_angle_deg = atan(tilt) * DEG;
+    o->hole_entry_mm = sqrt(at[0] * at[0] + at[1] * at[1]);
+    o->hole_diameter_mm = 2 * sqrt(area / (double)whole / sqrt(1 + tilt * tilt) / 3.14159265358979323846);
+    o->hole_wall_mm = wall_of(k);
+    /* A neighbour of the hole that never was bone. */
+    o->hole_breach = o->hole_wall_mm < 1.01 * k->spacing;
+}
+
+ost_status ost_metrics_make(const ost_volume *before, const ost_volume *after, int threshold, const ost_density_classes *classes,
+                            const ost_metrics_plan *plan, ost_metrics *out, ost_error *err)
+{
+    work k = {.before = before, .after = after, .threshold = threshold, .plan = plan, .out = out};
+    slab slabs[SLABS] = {{0}};
+    *out = (ost_metrics){0};
+    ost_status status = set_up(&k, err);
+    if (status == OST_OK) {
+        look(&k);
+        status = count_voxels(&k, classes, slabs, err);
+    }
+    if (status == OST_OK) {
+        fit_floor(&k);
+        measure_hole(&k, slabs);
+    }
+    free(k.floor);
+    return status;
+}

@@ -1,0 +1,50 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# The debrief of the built-in operation: its path goes 22 mm in with the peg and
+# 3 mm with the reamer, both along the phantom's own axis, and so must it say;
+# and the page is whole and needs nothing from elsewhere.
+# Covers: REQ-METRICS, REQ-DEBRIEF
+. "${srcdir:-.}/tests/app/lib.sh"
+
+# near WHAT VALUE LO HI
+near() {
+    checks=$((checks + 1))
+    awk -v x="$2" -v lo="$3" -v hi="$4" 'BEGIN { exit !(x != "" && x >= lo && x <= hi) }' || fail "$1 is '$2', expected $3 to $4"
+}
+
+# A whole scapula: the glenoid's own scan ends before the hole does.
+run 0 phantom scapula --spacing 1 --out ct.nrrd
+run 0 import ct.nrrd --out bone.nrrd
+run 0 ream --bone bone.nrrd --tool builtin:peg --path builtin:peg-hole --tool builtin:reamer --path builtin:glenoid-ream --out reamed.nrrd \
+    --record o.session --debrief o.html --json
+cp out ream.json
+check "all of it is measured" "$(awk -v a="$(value metrics.removed_mm3)" -v b="$(value removed_mm3)" 'BEGIN { print (a - b < 0.01 && b - a < 0.01) }')" 1
+near "direction, degrees" "$(value metrics.angle_deg)" 0 2
+near "depth at the centre, mm" "$(value metrics.centre_depth_mm)" 2.4 3.6
+near "sphere, mm" "$(value metrics.sphere_mm)" 25 29
+near "mean depth, mm" "$(value metrics.depth_mean_mm)" 1 3.5
+near "contact, percent" "$(value metrics.contact_percent)" 85 100
+check "a hole" "$(value metrics.hole)" true
+near "hole's depth, mm" "$(value metrics.hole_depth_mm)" 21.5 22.5
+near "hole's angle, degrees" "$(value metrics.hole_angle_deg)" 0 1
+near "hole's entry, mm" "$(value metrics.hole_entry_mm)" 0 0.5
+check "the page ends" "$(tail -n 1 o.html)" "</body></html>"
+grep -q "<h2>Peg hole</h2>" o.html || fail "no hole on the page"
+grep -Eq '(src|href)="(http|/|[a-z]+\.)' o.html && fail "the page needs something else"
+
+# A replay says the same.
+run 0 replay o.session --debrief r.html --json
+for key in angle_deg depth_mean_mm hole_depth_mm removed_mm3; do
+    check "replay: $key" "$(value metrics.$key)" "$("$json_get" metrics.$key <ream.json)"
+done
+# With a force the page has its course.
+if [ "${OST_TEST_LONG:-0}" = 1 ]; then
+    run 0 sim --headless --bone bone.nrrd --path builtin:glenoid-ream --seconds 2.5 --no-clock --record felt.session
+    run 0 replay felt.session --debrief felt.html --planned 2
+    grep -q "Force on the hand" felt.html || fail "no force on the page"
+    grep -q "direction\|floor" out || fail "people read: $(cat out)"
+fi
+refuse 2 "must end in .html" replay o.session --debrief o.txt
+refuse 2 "--planned 30: must be from 0 to 20" replay o.session --debrief x.html --planned 30
+[ ! -e x.html ] || fail "a page of nothing"
+finish
