@@ -1,0 +1,39 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# Five minutes of a simulated operation with a force, recorded, and done again
+# on the reference, with every instruction set and 1 to 3 threads, and on every
+# OpenCL device: each tick and the bone are equal.
+#
+#   OST_SESSION_SECONDS=N   shorter (default 300)
+#
+# Takes minutes: without OST_TEST_LONG=1 it is skipped.
+# Covers: REQ-REPLAY
+[ "${OST_TEST_LONG:-0}" = 1 ] || { echo "only with OST_TEST_LONG=1"; exit 77; }
+. "${srcdir:-.}/tests/app/lib.sh"
+seconds=${OST_SESSION_SECONDS:-300}
+
+run 0 phantom glenoid --out ct.nrrd
+run 0 import ct.nrrd --out bone.nrrd
+# The hole, the reaming, and then as long as it takes: the slow path is a minute, and the hand stays where it ends.
+run 0 sim --headless --no-clock --bone bone.nrrd --device sim:tremor=300,friction=60 --tool builtin:peg --path builtin:peg-hole \
+    --tool builtin:reamer --path builtin:glenoid-ream --seconds "$seconds" --record long.session --json
+check "ticks" "$(value ticks)" $((seconds * 1000))
+[ "$(value removed_voxels)" -gt 1000 ] || [ "$seconds" -lt 10 ] || fail "little was removed: $(value removed_voxels)"
+grid=$(value sha256)
+
+again() {
+    run 0 replay long.session --verify --backend "$1" --json || return
+    check "$1" "$(value equal) $(value ticks) $(value sha256)" "true $((seconds * 1000)) $grid"
+}
+again ref
+"$osteon" devices --json >devices.json 2>/dev/null
+i=0
+while isa=$("$json_get" backends.0.isas.$i <devices.json 2>/dev/null); do
+    for threads in 1 2 3; do
+        again "cpu:isa=$isa,threads=$threads"
+    done
+    i=$((i + 1))
+done
+[ $i -gt 0 ] || fail "devices names no instruction set"
+"$osteon" devices | grep -q "^  cl *yes" && again cl
+finish
