@@ -10,9 +10,10 @@
  *   mesh.h     triangles                       picture.h  pictures without a display
  *   tool.h     tool grids                      path.h     a tool over time
  *   digest.h   SHA-256 of grids                event.h    sweep, map, report
- *   plugin.h   somebody else's backend        session.h  what happened, to be done again
- *   haptics.h  devices and their loop         operation.h  a world that a device moves
- *   force.h    what the hand feels              metrics.h  what an operation has come to
+ *   plugin.h   somebody else's backend         session.h  what happened, to be done again
+ *   haptics.h  devices and their loop          operation.h  a world that a device moves
+ *   force.h    what the hand feels             metrics.h  what an operation has come to
+ *   render.h   voxels as points
  */
 #ifndef OSTEON_H
 #define OSTEON_H
@@ -33,6 +34,7 @@
 #include <osteon/picture.h>
 #include <osteon/plugin.h>
 #include <osteon/pose.h>
+#include <osteon/render.h>
 #include <osteon/session.h>
 #include <osteon/sim.h>
 #include <osteon/status.h>

@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "config.h"
+
+#include "render/points/splat.h"
+
+ost_splat_kernels ost_splat_kernels_of(ost_isa isa)
+{
+    ost_splat_kernels k = {ost_facing_scalar, ost_splat_scalar, ost_resolve_scalar};
+#if HAVE_AVX2_BUILD
+    if (isa == OST_ISA_AVX2 || isa == OST_ISA_AVX512 || isa == OST_ISA_AVX512VBMI)
+        k = (ost_splat_kernels){ost_facing_scalar, ost_splat_avx2, ost_resolve_avx2};
+#endif
+#if HAVE_AVX512_BUILD
+    if (isa == OST_ISA_AVX512 || isa == OST_ISA_AVX512VBMI)
+        k = (ost_splat_kernels){ost_facing_avx512, ost_splat_avx512, ost_resolve_avx512};
+#endif
+    (void)isa;
+    return k;
+}

@@ -1,0 +1,183 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "render/points/extract.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { ROWS = OST_BLOCK_ROWS, SIDE = OST_BLOCK };
+
+ost_status ost_surface_init(ost_surface *surface, const ost_geometry *geometry, ost_error *err)
+{
+    memset(surface, 0, sizeof *surface);
+    ost_status status = ost_geometry_check(geometry, "a surface's grid", err);
+    if (status != OST_OK)
+        return status;
+    const ost_pm3 *s = &geometry->spacing;
+    if (s->x != s->y || s->x != s->z)
+        return ost_fail(err, OST_ERR_RANGE, "a surface needs cubic voxels, not %lld x %lld x %lld pm", (long long)s->x, (long long)s->y,
+                        (long long)s->z);
+    surface->geometry = *geometry;
+    surface->blocks[0] = (geometry->dims.x + SIDE - 1) / SIDE;
+    surface->blocks[1] = (geometry->dims.y + SIDE - 1) / SIDE;
+    surface->blocks[2] = (geometry->dims.z + SIDE - 1) / SIDE;
+    const size_t all = (size_t)surface->blocks[0] * (size_t)surface->blocks[1] * (size_t)surface->blocks[2];
+    surface->slot_of = malloc(all * sizeof *surface->slot_of);
+    if (!surface->slot_of)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a surface of %zu blocks", all);
+    memset(surface->slot_of, 0xff, all * sizeof *surface->slot_of);
+    return OST_OK;
+}
+
+void ost_surface_free(ost_surface *surface)
+{
+    for (int32_t i = 0; i < surface->used; i++) {
+        free(surface->slot[i]->points);
+        free(surface->slot[i]->looks);
+        free(surface->slot[i]);
+    }
+    free(surface->slot);
+    free(surface->slot_of);
+    memset(surface, 0, sizeof *surface);
+}
+
+static int32_t *slot_at(const ost_surface *s, int32_t x, int32_t y, int32_t z)
+{
+    return s->slot_of + (x + (size_t)s->blocks[0] * ((size_t)y + (size_t)s->blocks[1] * (size_t)z));
+}
+
+ost_surface_block *ost_surface_block_at(const ost_surface *s, int32_t x, int32_t y, int32_t z)
+{
+    if (x < 0 || y < 0 || z < 0 || x >= s->blocks[0] || y >= s->blocks[1] || z >= s->blocks[2])
+        return NULL;
+    const int32_t slot = *slot_at(s, x, y, z);
+    return slot < 0 ? NULL : s->slot[slot];
+}
+
+static ost_status new_block(ost_surface *s, const int32_t at[3], ost_surface_block **out, ost_error *err)
+{
+    if (s->used == OST_BLOCKS_MAX)
+        return ost_fail(err, OST_ERR_RANGE, "the bone has more than %d blocks of 32^3 voxels to draw", OST_BLOCKS_MAX);
+    if (s->used == s->room) {
+        const int32_t room = s->room ? 2 * s->room : 64;
+        ost_surface_block **slot = realloc(s->slot, (size_t)room * sizeof(ost_surface_block *));
+        if (!slot)
+            return ost_fail(err, OST_ERR_MEMORY, "no memory for %d blocks of a surface", (int)room);
+        s->slot = slot;
+        s->room = room;
+    }
+    ost_surface_block *b = calloc(1, sizeof *b);
+    if (!b)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a block of a surface");
+    memcpy(b->at, at, sizeof b->at);
+    *slot_at(s, at[0], at[1], at[2]) = s->used;
+    s->slot[s->used++] = b;
+    *out = b;
+    return OST_OK;
+}
+
+/* The least box of local coordinates that holds all bits that differ; false when none does. */
+static bool changed_box(const uint32_t *was, const uint32_t *is, int lo[3], int hi[3])
+{
+    uint32_t x = 0, y = 0, z = 0;
+    for (int row = 0; row < ROWS; row++) {
+        const uint32_t differs = was[row] ^ is[row];
+        x |= differs;
+        y |= (uint32_t)(differs != 0) << (row % SIDE);
+        z |= (uint32_t)(differs != 0) << (row / SIDE);
+    }
+    const uint32_t axis[3] = {x, y, z};
+    for (int a = 0; a < 3 && x; a++) {
+        lo[a] = __builtin_ctz(axis[a]);
+        hi[a] = SIDE - 1 - __builtin_clz(axis[a]);
+    }
+    return x != 0;
+}
+
+/* The blocks that see the change, the block itself among them. */
+static void mark(const ost_surface *s, const int32_t at[3], const int lo[3], const int hi[3])
+{
+    int from[3], to[3];
+    for (int a = 0; a < 3; a++) {
+        from[a] = lo[a] < OST_LOOK_REACH ? -1 : 0;
+        to[a] = hi[a] >= SIDE - OST_LOOK_REACH ? 1 : 0;
+    }
+    for (int z = from[2]; z <= to[2]; z++)
+        for (int y = from[1]; y <= to[1]; y++)
+            for (int x = from[0]; x <= to[0]; x++) {
+                ost_surface_block *b = ost_surface_block_at(s, at[0] + x, at[1] + y, at[2] + z);
+                if (b)
+                    b->dirty = true;
+            }
+}
+
+ost_status ost_surface_set(ost_surface *surface, const int32_t at[3], const uint32_t occupancy[OST_BLOCK_ROWS], ost_error *err)
+{
+    static const uint32_t nothing[ROWS];
+    ost_surface_block *b = ost_surface_block_at(surface, at[0], at[1], at[2]);
+    int lo[3], hi[3];
+    if (!changed_box(b ? b->occupancy : nothing, occupancy, lo, hi))
+        return OST_OK;
+    if (!b) {
+        ost_status status = new_block(surface, at, &b, err);
+        if (!b)
+            return status;
+    }
+    memcpy(b->occupancy, occupancy, sizeof b->occupancy);
+    mark(surface, at, lo, hi);
+    return OST_OK;
+}
+
+ost_status ost_surface_update(ost_surface *surface, ost_error *err)
+{
+    ost_status status = OST_OK;
+    surface->points = 0;
+    for (int32_t i = 0; i < surface->used; i++) {
+        ost_surface_block *b = surface->slot[i];
+        if (b->dirty && status == OST_OK) {
+            status = ost_surface_list(surface, b, err);
+            b->dirty = status != OST_OK;
+        }
+        surface->points += b->count;
+    }
+    return status;
+}
+
+/* ------------------------------------------------------------ from volumes */
+
+/* Active voxels among count of a row, count <= 32. */
+static uint32_t row_word(const int16_t *voxels, int count, int32_t threshold)
+{
+    uint32_t word = 0;
+    for (int i = 0; i < count; i++)
+        word |= (uint32_t)(voxels[i] >= threshold) << i;
+    return word;
+}
+
+static void block_of_volume(const ost_volume *v, const int32_t at[3], int32_t threshold, uint32_t occupancy[OST_BLOCK_ROWS])
+{
+    const ost_dims d = v->geometry.dims;
+    const int x = at[0] * SIDE, count = d.x - x < SIDE ? d.x - x : SIDE;
+    memset(occupancy, 0, ROWS * sizeof *occupancy);
+    for (int k = 0; k < SIDE && at[2] * SIDE + k < d.z; k++)
+        for (int j = 0; j < SIDE && at[1] * SIDE + j < d.y; j++) {
+            const size_t row = (size_t)(at[1] * SIDE + j) + (size_t)d.y * (size_t)(at[2] * SIDE + k);
+            occupancy[j + SIDE * k] = row_word(v->voxels + row * (size_t)d.x + x, count, threshold);
+        }
+}
+
+ost_status ost_surface_set_volume(ost_surface *surface, const ost_volume *volume, int32_t threshold, ost_error *err)
+{
+    if (!ost_geometry_equal(&surface->geometry, &volume->geometry))
+        return ost_fail(err, OST_ERR_USAGE, "the volume's grid is not the surface's");
+    uint32_t occupancy[ROWS];
+    int32_t at[3];
+    for (at[2] = 0; at[2] < surface->blocks[2]; at[2]++)
+        for (at[1] = 0; at[1] < surface->blocks[1]; at[1]++)
+            for (at[0] = 0; at[0] < surface->blocks[0]; at[0]++) {
+                block_of_volume(volume, at, threshold, occupancy);
+                ost_status status = ost_surface_set(surface, at, occupancy, err);
+                if (status != OST_OK)
+                    return status;
+            }
+    return OST_OK;
+}

@@ -1,0 +1,425 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Points through a camera: the surface against a walk over all voxels, the
+ * picture against a ray through every pixel and every voxel, instruction sets
+ * and threads against the scalar one.
+ */
+#include <math.h>
+#include <stdlib.h>
+
+#include "harness.h"
+#include "render/points/frame.h"
+#include "render/points/octahedral.h"
+
+static ost_geometry grid(int x, int y, int z)
+{
+    return (ost_geometry){{x, y, z}, {OST_PM_PER_MM, OST_PM_PER_MM, OST_PM_PER_MM}, {-3 * OST_PM_PER_MM, 0, 7 * OST_PM_PER_MM}};
+}
+
+/* A ball with holes in it: surfaces within, and blocks that meet in all ways. */
+static ost_volume pitted_ball(test_rng *rng, int x, int y, int z)
+{
+    ost_error err = {0};
+    ost_volume v;
+    const ost_geometry g = grid(x, y, z);
+    assert_ok(ost_volume_init(&v, &g, &err));
+    const double r = 0.48 * (x < y ? (x < z ? x : z) : (y < z ? y : z));
+    for (int k = 0; k < z; k++)
+        for (int j = 0; j < y; j++)
+            for (int i = 0; i < x; i++) {
+                const double a = i - 0.5 * (x - 1), b = j - 0.5 * (y - 1), c = k - 0.5 * (z - 1);
+                v.voxels[i + (size_t)x * (size_t)(j + y * k)] = a * a + b * b + c * c < r * r && rng_range(rng, 0, 39) != 0 ? 700 : 0;
+            }
+    return v;
+}
+
+static bool active(const ost_volume *v, int i, int j, int k)
+{
+    const ost_dims d = v->geometry.dims;
+    return i >= 0 && j >= 0 && k >= 0 && i < d.x && j < d.y && k < d.z && v->voxels[i + (size_t)d.x * ((size_t)j + (size_t)d.y * (size_t)k)] >= 120;
+}
+
+static uint32_t faces(const ost_volume *v, int i, int j, int k)
+{
+    static const int step[6][3] = {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}};
+    uint32_t mask = 0;
+    for (int f = 0; f < 6; f++)
+        mask |= (uint32_t)!active(v, i + step[f][0], j + step[f][1], k + step[f][2]) << f;
+    return mask;
+}
+
+/* The moments by walking through the neighbourhood. */
+static uint32_t look(const ost_volume *v, int i, int j, int k)
+{
+    static const int weight[5] = {2, 3, 4, 3, 2};
+    int bone = 0, m[3] = {0, 0, 0};
+    for (int c = -2; c <= 2; c++)
+        for (int b = -2; b <= 2; b++)
+            for (int a = -2; a <= 2; a++) {
+                const int w = active(v, i + a, j + b, k + c) ? weight[a + 2] * weight[b + 2] * weight[c + 2] : 0;
+                bone += w;
+                m[0] += a * w;
+                m[1] += b * w;
+                m[2] += c * w;
+            }
+    const int pit = bone - 2744 / 2 - 2744 / 16, open = pit <= 0 ? 255 : 255 - pit * 510 / 2744;
+    const float out[3] = {(float)-m[0], (float)-m[1], (float)-m[2]};
+    return ost_octahedral_of(out) | (uint32_t)(open < 0 ? 0 : open) << OST_OPEN_SHIFT;
+}
+
+static void assert_surface(const ost_surface *s, const ost_volume *v)
+{
+    uint64_t count = 0, found = 0;
+    for (int k = 0; k < v->geometry.dims.z; k++)
+        for (int j = 0; j < v->geometry.dims.y; j++)
+            for (int i = 0; i < v->geometry.dims.x; i++)
+                count += active(v, i, j, k) && faces(v, i, j, k);
+    for (int32_t b = 0; b < s->used; b++) {
+        const ost_surface_block *block = s->slot[b];
+        for (uint32_t p = 0; p < block->count; p++, found++) {
+            const uint32_t w = block->points[p];
+            const int i = 32 * block->at[0] + (int)(w & 31), j = 32 * block->at[1] + (int)(w >> 5 & 31), k = 32 * block->at[2] + (int)(w >> 10 & 31);
+            assert_true(active(v, i, j, k));
+            assert_int_equal(w >> OST_FACES_SHIFT, faces(v, i, j, k));
+            assert_int_equal(block->looks[p], look(v, i, j, k));
+            assert_true(p == 0 || (block->points[p - 1] & 0x7fff) < (w & 0x7fff));
+        }
+    }
+    assert_int_equal(found, count);
+    assert_int_equal(s->points, count);
+}
+
+static void test_surface(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    test_rng rng = rng_seeded("surface");
+    ost_volume v = pitted_ball(&rng, 70, 64, 41);
+    ost_surface s;
+    assert_ok(ost_surface_init(&s, &v.geometry, &err));
+    assert_ok(ost_surface_set_volume(&s, &v, 120, &err));
+    assert_ok(ost_surface_update(&s, &err));
+    assert_surface(&s, &v);
+    /* Whole faces of blocks go and come: the neighbours must follow. */
+    for (int round = 0; round < 12; round++) {
+        const int axis = (int)rng_range(&rng, 0, 2), at = (int)rng_range(&rng, 0, 63);
+        const int16_t value = rng_range(&rng, 0, 2) ? 0 : 500;
+        for (int k = 0; k < 41; k++)
+            for (int j = 0; j < 64; j++)
+                for (int i = 0; i < 70; i++)
+                    if ((axis == 0 ? i : axis == 1 ? j : k) == at)
+                        v.voxels[i + 70 * (j + 64 * k)] = value;
+        assert_ok(ost_surface_set_volume(&s, &v, 120, &err));
+        assert_ok(ost_surface_update(&s, &err));
+        assert_surface(&s, &v);
+    }
+    ost_surface_free(&s);
+    ost_volume_free(&v);
+}
+
+/* Every direction comes back within four degrees. */
+static void test_octahedral(void **state)
+{
+    (void)state;
+    test_rng rng = rng_seeded("octahedral");
+    for (int i = 0; i < 20000; i++) {
+        float v[3], w[3], length = 0, cosine = 0;
+        for (int a = 0; a < 3; a++) {
+            v[a] = (float)rng_range(&rng, -1000, 1000);
+            length += v[a] * v[a];
+        }
+        if (length == 0)
+            continue;
+        ost_octahedral_vector(ost_octahedral_of(v), w);
+        for (int a = 0; a < 3; a++)
+            cosine += v[a] * w[a] / sqrtf(length);
+        assert_true(cosine > 0.9975f);
+    }
+}
+
+static void test_not_cubic(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_geometry g = grid(8, 8, 8);
+    ost_surface s;
+    g.spacing.z *= 2;
+    assert_int_equal(ost_surface_init(&s, &g, &err), OST_ERR_RANGE);
+    assert_non_null(strstr(err.text, "cubic"));
+    ost_surface_free(&s);
+}
+
+/* ---------------------------------------------------------------- pictures */
+
+typedef struct scene {
+    ost_volume volume;
+    ost_surface surface;
+} scene;
+
+static void make_scene(scene *s, test_rng *rng, int x, int y, int z)
+{
+    ost_error err = {0};
+    s->volume = pitted_ball(rng, x, y, z);
+    assert_ok(ost_surface_init(&s->surface, &s->volume.geometry, &err));
+    assert_ok(ost_surface_set_volume(&s->surface, &s->volume, 120, &err));
+    assert_ok(ost_surface_update(&s->surface, &err));
+}
+
+static void free_scene(scene *s)
+{
+    ost_surface_free(&s->surface);
+    ost_volume_free(&s->volume);
+}
+
+static ost_camera camera_at(const ost_volume *v, test_rng *rng, double distance, int width, int height, int32_t focal_milli)
+{
+    ost_error err = {0};
+    ost_camera c = {.focal_milli = focal_milli, .width = width, .height = height};
+    const ost_dims d = v->geometry.dims;
+    const double centre[3] = {0.5 * d.x - 3, 0.5 * d.y, 0.5 * d.z + 7};
+    double from[3], up[3];
+    for (int a = 0; a < 3; a++) {
+        from[a] = centre[a] + distance * ((double)rng_range(rng, 0, 2000) / 1000.0 - 1);
+        up[a] = (double)rng_range(rng, 0, 2000) / 1000.0 - 1;
+    }
+    from[0] += distance;
+    assert_ok(ost_camera_look(from, centre, up, &c, &err));
+    assert_ok(ost_camera_check(&c, &err));
+    return c;
+}
+
+/* Whether all of the cube about voxel v lies beyond the near plane, by a little: those are drawn. */
+static bool beyond_near(const ost_eye *e, const int v[3], double by)
+{
+    double z = -(double)e->near;
+    for (int a = 0; a < 3; a++)
+        z += (v[a] - (double)e->at[a]) * (double)e->forward[a] - 0.5 * fabs((double)e->forward[a]);
+    return z > by;
+}
+
+/* In double: whether the ray of a pixel meets the cube about voxel v, grown by `grow`. */
+static bool meets(const ost_eye *e, double x, double y, const int v[3], double grow)
+{
+    double in = -1e300, out = 1e300;
+    for (int a = 0; a < 3; a++) {
+        const double d = (double)e->focal * (double)e->forward[a] + (x + 0.5 - (double)e->half_w) * (double)e->right[a] -
+                         (y + 0.5 - (double)e->half_h) * (double)e->up[a];
+        const double o = v[a] - (double)e->at[a], t0 = (o - 0.5 - grow) / d, t1 = (o + 0.5 + grow) / d;
+        in = fmax(in, fmin(t0, t1));
+        out = fmin(out, fmax(t0, t1));
+    }
+    return in <= out;
+}
+
+/* Whether the ray enters the cube well inside a face: at an edge either face is right. */
+static bool clear_of_edges(const ost_eye *e, double x, double y, const int v[3])
+{
+    double best = -1e300, second = -1e300, square = 0;
+    for (int a = 0; a < 3; a++) {
+        const double d = (double)e->focal * (double)e->forward[a] + (x + 0.5 - (double)e->half_w) * (double)e->right[a] -
+                         (y + 0.5 - (double)e->half_h) * (double)e->up[a];
+        const double in = (v[a] - (double)e->at[a]) / d - 0.5 / fabs(d);
+        second = in > best ? best : fmax(second, in);
+        best = fmax(best, in);
+        square += d * d;
+    }
+    return (best - second) * sqrt(square) > 1e-2;
+}
+
+/*
+ * Each pixel by itself: the nearest voxel that its ray meets.  Cubes a little
+ * smaller and a little larger must agree, else the pixel is a matter of
+ * rounding; those are few.
+ */
+static void assert_picture(const scene *s, const ost_frame *f, const ost_eye *e, int *checked, int *doubtful)
+{
+    for (int y = 0; y < f->height; y++)
+        for (int x = 0; x < f->width; x++) {
+            double best[2] = {1e300, 1e300};
+            int who[2][3] = {{-1, -1, -1}, {-1, -1, -1}};
+            for (int32_t b = 0; b < s->surface.used; b++)
+                for (uint32_t p = 0; p < s->surface.slot[b]->count; p++) {
+                    const uint32_t w = s->surface.slot[b]->points[p];
+                    const int32_t *at = s->surface.slot[b]->at;
+                    const int v[3] = {32 * at[0] + (int)(w & 31), 32 * at[1] + (int)(w >> 5 & 31), 32 * at[2] + (int)(w >> 10 & 31)};
+                    double square = 0;
+                    for (int a = 0; a < 3; a++)
+                        square += (v[a] - (double)e->at[a]) * (v[a] - (double)e->at[a]);
+                    for (int grown = 0; grown < 2; grown++)
+                        if (square < best[grown] && beyond_near(e, v, grown ? -1e-3 : 1e-3) && meets(e, x, y, v, grown ? 2e-3 : -2e-3)) {
+                            best[grown] = square;
+                            memcpy(who[grown], v, sizeof v);
+                        }
+                }
+            if (memcmp(who[0], who[1], sizeof who[0]) != 0) {
+                ++*doubtful;
+                continue;
+            }
+            const size_t at = (size_t)y * (size_t)f->planes.stride + (size_t)x;
+            const uint32_t index = f->planes.index[at], id = index == OST_NO_VOXEL ? OST_NO_VOXEL : f->visible.id[index];
+            if (who[0][0] < 0) {
+                assert_int_equal(id, OST_NO_VOXEL);
+                assert_int_equal(f->planes.face[at], OST_NO_FACE);
+                continue;
+            }
+            ++*checked;
+            assert_int_not_equal(id, OST_NO_VOXEL);
+            const int32_t *block = s->surface.slot[id >> OST_LOCAL_BITS]->at;
+            assert_int_equal(32 * block[0] + (int)(id & 31), who[0][0]);
+            assert_int_equal(32 * block[1] + (int)(id >> 5 & 31), who[0][1]);
+            assert_int_equal(32 * block[2] + (int)(id >> 10 & 31), who[0][2]);
+            /* The face is one to the air, and depth lies on it. */
+            const int face = f->planes.face[at];
+            assert_in_range(face, 0, 5);
+            if (clear_of_edges(e, x, y, who[0]))
+                assert_true(faces(&s->volume, who[0][0], who[0][1], who[0][2]) >> face & 1);
+            const double along = (double)f->planes.depth[at] / (double)e->focal;
+            const double d = (double)e->focal * (double)e->forward[face / 2] + (x + 0.5 - (double)e->half_w) * (double)e->right[face / 2] -
+                             (y + 0.5 - (double)e->half_h) * (double)e->up[face / 2];
+            assert_float_equal((float)((double)e->at[face / 2] + along * d), (float)(who[0][face / 2] + (face % 2 ? 0.5 : -0.5)), 2e-3f);
+        }
+}
+
+static void test_against_rays(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    test_rng rng = rng_seeded("rays");
+    scene s;
+    int checked = 0, doubtful = 0;
+    make_scene(&s, &rng, 37, 34, 40);
+    for (int round = 0; round < 5; round++) {
+        static const double distance[5] = {60, 30, 22, 300, 16};
+        ost_camera c;
+        ost_eye e;
+        /* Outside: what the near plane takes away bares faces that are not to the air. */
+        do {
+            c = camera_at(&s.volume, &rng, distance[round], 33 + 7 * round, 29, round == 3 ? 300000 : 30000);
+            e = ost_eye_make(&c, &s.volume.geometry);
+        } while (hypotf(e.at[0] - 18, hypotf(e.at[1] - 17, e.at[2] - 20)) < 22);
+        ost_frame f;
+        assert_ok(ost_frame_init(&f, c.width, c.height, OST_STYLE_SMOOTH, OST_ISA_SCALAR, 1, &err));
+        assert_ok(ost_frame_draw(&f, &s.surface, &e, &err));
+        assert_picture(&s, &f, &e, &checked, &doubtful);
+        ost_frame_free(&f);
+    }
+    assert_true(checked > 300);
+    assert_true(doubtful * 10 < checked);
+    free_scene(&s);
+}
+
+static void assert_same(const ost_frame *a, const ost_frame *b)
+{
+    for (int y = 0; y < a->height; y++) {
+        const size_t at = (size_t)y * (size_t)a->planes.stride, n = (size_t)a->width;
+        assert_memory_equal(a->planes.index + at, b->planes.index + at, n * sizeof *a->planes.index);
+        assert_memory_equal(a->planes.colour + at, b->planes.colour + at, n * sizeof *a->planes.colour);
+        assert_memory_equal(a->planes.distance + at, b->planes.distance + at, n * sizeof *a->planes.distance);
+        assert_memory_equal(a->planes.face + at, b->planes.face + at, n);
+        for (size_t x = 0; x < n; x++)
+            if (a->planes.face[at + x] != OST_NO_FACE)
+                assert_memory_equal(a->planes.depth + at + x, b->planes.depth + at + x, sizeof(float));
+    }
+}
+
+/* From far away, close up, at the edge, from within. */
+static void test_sets_and_threads(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    test_rng rng = rng_seeded("sets");
+    scene s;
+    make_scene(&s, &rng, 90, 75, 101);
+    for (int round = 0; round < 24; round++) {
+        const double distance = round % 4 == 0 ? 400 : round % 4 == 1 ? 120 : round % 4 == 2 ? 40 : 8;
+        const ost_camera c = camera_at(&s.volume, &rng, distance, 17 + (int)rng_range(&rng, 0, 299), 11 + (int)rng_range(&rng, 0, 199),
+                                       20000 + (int)rng_range(&rng, 0, 399999));
+        const ost_eye e = ost_eye_make(&c, &s.volume.geometry);
+        const ost_style style = round % 5 ? OST_STYLE_SMOOTH : OST_STYLE_FACES;
+        ost_frame scalar;
+        assert_ok(ost_frame_init(&scalar, c.width, c.height, style, OST_ISA_SCALAR, 1, &err));
+        assert_ok(ost_frame_draw(&scalar, &s.surface, &e, &err));
+        for (int isa = 0; isa < OST_ISA_COUNT; isa++) {
+            if (!ost_isa_available((ost_isa)isa))
+                continue;
+            ost_frame f;
+            assert_ok(ost_frame_init(&f, c.width, c.height, style, (ost_isa)isa, 1 + round % 3, &err));
+            for (int again = 0; again < 2; again++)
+                assert_ok(ost_frame_draw(&f, &s.surface, &e, &err));
+            assert_same(&scalar, &f);
+            ost_frame_free(&f);
+        }
+        ost_frame_free(&scalar);
+    }
+    free_scene(&s);
+}
+
+static void test_camera(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_camera c = {.focal_milli = 1000000, .width = 100, .height = 100};
+    const double origin[3] = {0, 0, 0}, up[3] = {0, 0, 1};
+    assert_ok(ost_camera_look((double[3]){0, -10, 0}, origin, up, &c, &err));
+    const ost_geometry g = {{4, 4, 4}, {OST_PM_PER_MM / 2, OST_PM_PER_MM / 2, OST_PM_PER_MM / 2}, {0, 0, 0}};
+    const ost_eye e = ost_eye_make(&c, &g);
+    const float at[3] = {0, -20, 0}, right[3] = {1, 0, 0}, above[3] = {0, 0, 1}, forward[3] = {0, 1, 0};
+    for (int a = 0; a < 3; a++) {
+        assert_float_equal(e.at[a], at[a], 0);
+        assert_float_equal(e.right[a], right[a], 1e-6f);
+        assert_float_equal(e.up[a], above[a], 1e-6f);
+        assert_float_equal(e.forward[a], forward[a], 1e-6f);
+    }
+    assert_int_equal(ost_camera_look(origin, origin, up, &c, &err), OST_ERR_RANGE);
+    assert_int_equal(ost_camera_look((double[3]){0, 0, 5}, origin, up, &c, &err), OST_ERR_RANGE);
+    c.focal_milli = 999;
+    assert_int_equal(ost_camera_check(&c, &err), OST_ERR_RANGE);
+    c.focal_milli = 1000;
+    c.width = OST_FRAME_MAX + 1;
+    assert_int_equal(ost_camera_check(&c, &err), OST_ERR_RANGE);
+}
+
+static void test_picture(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    test_rng rng = rng_seeded("picture");
+    ost_volume v = pitted_ball(&rng, 40, 40, 40);
+    ost_camera c = {.focal_milli = 100000, .width = 64, .height = 48};
+    ost_picture smooth, faces;
+    ost_points_options options = {.style = OST_STYLE_FACES, .threads = 2};
+    assert_ok(ost_camera_look((double[3]){17, -60, 27}, (double[3]){17, 20, 27}, (double[3]){0, 0, 1}, &c, &err));
+    assert_ok(ost_picture_points(&v, &c, NULL, &smooth, &err));
+    assert_ok(ost_picture_points(&v, &c, &options, &faces, &err));
+    /* The ball is in the middle and nothing in the corners; the light comes from the upper left. */
+    const size_t middle = 3 * (24 * 64 + 32), corner = 0, lit = 3 * (16 * 64 + 24), dark = 3 * (34 * 64 + 42);
+    assert_memory_equal(smooth.rgb + corner, ((uint8_t[3]){0x16, 0x18, 0x1c}), 3);
+    assert_true(smooth.rgb[middle] > 90 && faces.rgb[middle] > 90);
+    assert_true(smooth.rgb[lit] > smooth.rgb[dark]);
+    assert_memory_not_equal(smooth.rgb, faces.rgb, (size_t)3 * 64 * 48);
+    ost_picture_free(&smooth);
+    ost_picture_free(&faces);
+    /* Nothing at or above the threshold: background alone. */
+    options.threshold = 2000;
+    assert_ok(ost_picture_points(&v, &c, &options, &faces, &err));
+    for (size_t i = 0; i < (size_t)64 * 48; i++)
+        assert_memory_equal(faces.rgb + 3 * i, ((uint8_t[3]){0x16, 0x18, 0x1c}), 3);
+    ost_picture_free(&faces);
+    options.isa = "mmx";
+    assert_int_equal(ost_picture_points(&v, &c, &options, &faces, &err), OST_ERR_USAGE);
+    assert_null(faces.rgb);
+    c.pose.t.x = 4000 * OST_PM_PER_MM;
+    v.geometry.spacing = (ost_pm3){OST_PM_PER_MM / 20, OST_PM_PER_MM / 20, OST_PM_PER_MM / 20};
+    assert_int_equal(ost_picture_points(&v, &c, NULL, &faces, &err), OST_ERR_RANGE);
+    assert_non_null(strstr(err.text, "voxels away"));
+    ost_volume_free(&v);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_surface),      cmocka_unit_test(test_not_cubic),        cmocka_unit_test(test_camera), cmocka_unit_test(test_octahedral),
+        cmocka_unit_test(test_picture), cmocka_unit_test(test_against_rays), cmocka_unit_test(test_sets_and_threads),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
