@@ -241,5 +241,5 @@ ost_status bench_backend(const bench_options *options, int threads, ost_backend 
 
 const bench_suite bench_suites[] = {
     {"removal", bench_removal}, {"tick", bench_tick},         {"transfer", bench_transfer},
-    {"parse", bench_parse},     {"voxelize", bench_voxelize}, {"opencl", bench_opencl},     {NULL, NULL},
+    {"parse", bench_parse},     {"voxelize", bench_voxelize}, {"opencl", bench_opencl},     {"render", bench_render}, {NULL, NULL},
 };

@@ -96,6 +96,9 @@ else
     check "OpenCL removes the same" "$(value "rows.$at.removed_voxels")" 77108
 fi
 
+run 0 bench --suite render --filter glenoid/1 --quick --repeat 1 --json
+row_has render/scapula/glenoid/1 p50_ms p99_ms fps surface_voxels active_voxels covered_pixels baseline_is
+
 # For people: a table no wider than 100 columns, and Markdown.
 run 0 bench --suite removal --filter peg/32 --quick
 check "columns" "$(awk 'length > 100' out | grep -v '^  baseline' | wc -l | tr -d ' ')" 0

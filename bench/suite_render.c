@@ -1,0 +1,287 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Frames of the scapula, 1280 x 720, drawn by the processor: from a list of
+ * surface voxels to colours.  The baseline is what the thesis draws, every
+ * active voxel of every active chunk as a point (Fig. 3.3), by the same inner
+ * loops; before anything is timed both give the scalar loops' picture.
+ */
+#include "bench/bench.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <osteon/phantom.h>
+#include <osteon/sim.h>
+
+#include "render/points/frame.h"
+
+enum { REPEAT = 101, WIDTH = 1280, HEIGHT = 720, THRESHOLD = 120, DIRTY = 20 };
+
+typedef struct view {
+    const char *name;
+    double distance_mm; /* from the glenoid's face, or from the middle of the bone */
+    bool glenoid;
+} view;
+
+static const view views[] = {{"whole", 420, false}, {"glenoid", 90, true}, {"close", 38, true}};
+
+typedef struct show {
+    const bench_options *options;
+    ost_error *err;
+    ost_volume bone;
+    ost_glenoid glenoid;
+    ost_surface surface, all; /* all: every active voxel is a point of it */
+    ost_isa isa;
+} show;
+
+static ost_status make_bone(show *s)
+{
+    const ost_phantom_options options = {.scale = s->options->quick ? 0.25 : 1};
+    ost_volume ct = {0};
+    ost_backend *backend = NULL;
+    ost_grid *rect = NULL, *cubic = NULL;
+    ost_status status = ost_phantom_make(OST_PHANTOM_SCAPULA, &options, &ct, s->err);
+    if (status == OST_OK)
+        status = ost_glenoid_from_meta(&ct.meta, &s->glenoid, s->err);
+    if (status == OST_OK)
+        status = ost_backend_open("ref", &backend, s->err);
+    if (status == OST_OK)
+        status = ost_grid_create(backend, &ct.geometry, &rect, s->err);
+    if (status == OST_OK)
+        status = ost_grid_upload(rect, 0, ct.geometry.dims.z, ct.voxels, s->err);
+    if (status == OST_OK)
+        status = ost_rect_to_cubic(rect, ct.geometry.spacing.x, OST_RESAMPLE_FLOOR, &cubic, s->err);
+    if (status == OST_OK)
+        status = ost_volume_init(&s->bone, ost_grid_geometry(cubic), s->err);
+    if (status == OST_OK)
+        status = ost_grid_download(cubic, 0, s->bone.geometry.dims.z, s->bone.voxels, s->err);
+    ost_grid_free(cubic);
+    ost_grid_free(rect);
+    ost_backend_close(backend);
+    ost_volume_free(&ct);
+    return status;
+}
+
+/* Every active voxel with six faces to the air: the thesis' points. */
+static ost_status take_all(ost_surface *s, ost_error *err)
+{
+    s->points = 0;
+    for (int32_t i = 0; i < s->used; i++) {
+        ost_surface_block *b = s->slot[i];
+        uint32_t count = 0;
+        for (int row = 0; row < OST_BLOCK_ROWS; row++)
+            count += (uint32_t)__builtin_popcount(b->occupancy[row]);
+        uint32_t *points = realloc(b->points, ((size_t)count + 1) * sizeof *points);
+        if (!points)
+            return ost_fail(err, OST_ERR_MEMORY, "no memory for %u points", (unsigned)count);
+        uint32_t *looks = realloc(b->looks, ((size_t)count + 1) * sizeof *looks);
+        if (looks)
+            b->looks = looks;
+        b->points = points;
+        if (!looks)
+            return ost_fail(err, OST_ERR_MEMORY, "no memory for %u points", (unsigned)count);
+        memset(looks, 0, ((size_t)count + 1) * sizeof *looks);
+        b->count = b->room = count;
+        s->points += count;
+        for (uint32_t row = 0; row < OST_BLOCK_ROWS; row++)
+            for (uint32_t left = b->occupancy[row]; left; left &= left - 1)
+                *points++ = (uint32_t)__builtin_ctz(left) | row << 5 | 63u << OST_FACES_SHIFT;
+    }
+    return OST_OK;
+}
+
+static ost_status make_surface(show *s, ost_surface *surface)
+{
+    ost_status status = ost_surface_init(surface, &s->bone.geometry, s->err);
+    if (status == OST_OK)
+        status = ost_surface_set_volume(surface, &s->bone, THRESHOLD, s->err);
+    return status == OST_OK ? ost_surface_update(surface, s->err) : status;
+}
+
+static ost_status camera_of(const show *s, const view *v, ost_camera *camera)
+{
+    const ost_geometry *g = &s->bone.geometry;
+    const ost_pm3 *at = &s->glenoid.at;
+    const double scale = s->options->quick ? 0.25 : 1, up[3] = {0, 0, 1};
+    const double middle[3] = {1e-9 * ((double)g->origin.x + 0.5 * (double)(g->dims.x * g->spacing.x)),
+                              1e-9 * ((double)g->origin.y + 0.5 * (double)(g->dims.y * g->spacing.y)),
+                              1e-9 * ((double)g->origin.z + 0.5 * (double)(g->dims.z * g->spacing.z))};
+    const double face[3] = {1e-9 * (double)at->x, 1e-9 * (double)at->y, 1e-9 * (double)at->z};
+    const double *axis = s->glenoid.axis, length = sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]);
+    double from[3];
+    for (int a = 0; a < 3; a++)
+        from[a] = (v->glenoid ? face : middle)[a] - scale * v->distance_mm * axis[a] / length;
+    *camera = (ost_camera){.focal_milli = 869117, .width = WIDTH, .height = HEIGHT}; /* 45 degrees high */
+    return ost_camera_look(from, v->glenoid ? face : middle, up, camera, s->err);
+}
+
+static bool same(const ost_frame *a, const ost_frame *b)
+{
+    for (int y = 0; y < HEIGHT; y++) {
+        const size_t at = (size_t)y * (size_t)a->planes.stride;
+        if (memcmp(a->planes.face + at, b->planes.face + at, WIDTH) != 0)
+            return false;
+    }
+    return true;
+}
+
+static size_t covered(const ost_frame *f)
+{
+    size_t count = 0;
+    for (int y = 0; y < HEIGHT; y++)
+        for (int x = 0; x < WIDTH; x++)
+            count += f->planes.face[(size_t)y * (size_t)f->planes.stride + (size_t)x] != OST_NO_FACE;
+    return count;
+}
+
+typedef struct frames {
+    ost_frame ours, thesis, scalar;
+    ost_picture picture;
+    bench_series drawn, baseline;
+} frames;
+
+static void free_frames(frames *f)
+{
+    ost_frame_free(&f->ours);
+    ost_frame_free(&f->thesis);
+    ost_frame_free(&f->scalar);
+    ost_picture_free(&f->picture);
+    bench_series_free(&f->drawn);
+    bench_series_free(&f->baseline);
+}
+
+static ost_status open_frames(show *s, frames *f, int threads)
+{
+    ost_status status = ost_frame_init(&f->ours, WIDTH, HEIGHT, OST_STYLE_SMOOTH, s->isa, threads, s->err);
+    if (status == OST_OK)
+        status = ost_frame_init(&f->thesis, WIDTH, HEIGHT, OST_STYLE_FACES, s->isa, threads, s->err);
+    if (status == OST_OK)
+        status = ost_frame_init(&f->scalar, WIDTH, HEIGHT, OST_STYLE_SMOOTH, OST_ISA_SCALAR, threads, s->err);
+    if (status == OST_OK)
+        status = ost_picture_init(&f->picture, WIDTH, HEIGHT, s->err);
+    return status;
+}
+
+static ost_status draw(ost_frame *frame, const ost_surface *surface, const ost_eye *eye, ost_picture *picture, bench_series *series, ost_error *err)
+{
+    const int64_t begin = bench_now();
+    ost_status status = ost_frame_draw(frame, surface, eye, err);
+    if (status == OST_OK)
+        ost_frame_copy(frame, picture);
+    const int64_t end = bench_now();
+    if (series)
+        bench_series_add(series, (double)(end - begin));
+    return status;
+}
+
+static ost_status measure(show *s, frames *f, const ost_eye *eye, bool *equal)
+{
+    ost_status status = draw(&f->ours, &s->surface, eye, &f->picture, NULL, s->err);
+    if (status == OST_OK)
+        status = draw(&f->scalar, &s->surface, eye, &f->picture, NULL, s->err);
+    if (status == OST_OK)
+        status = draw(&f->thesis, &s->all, eye, &f->picture, NULL, s->err);
+    *equal = status == OST_OK && same(&f->ours, &f->scalar) && same(&f->ours, &f->thesis);
+    const int count = bench_repeat(s->options, REPEAT);
+    for (int i = 0; i < count && status == OST_OK && *equal; i++) {
+        status = draw(&f->ours, &s->surface, eye, &f->picture, &f->drawn, s->err);
+        if (status == OST_OK && i % 4 == 0)
+            status = draw(&f->thesis, &s->all, eye, &f->picture, &f->baseline, s->err);
+    }
+    return status;
+}
+
+static ost_status add_view(show *s, bench_table *table, const view *v, int threads, const char *suffix)
+{
+    char name[BENCH_NAME];
+    snprintf(name, sizeof name, "render/scapula/%s%s", v->name, suffix);
+    if (!bench_wanted(s->options, name))
+        return OST_OK;
+    frames f = {0};
+    ost_camera camera;
+    bool equal = false;
+    ost_status status = camera_of(s, v, &camera);
+    if (status == OST_OK)
+        status = open_frames(s, &f, threads);
+    if (status == OST_OK) {
+        const ost_eye eye = ost_eye_make(&camera, &s->bone.geometry);
+        status = measure(s, &f, &eye, &equal);
+    }
+    bench_row *row = status == OST_OK ? bench_row_add(table, name, "ms", threads) : NULL;
+    if (row) {
+        row->equal = equal;
+        if (equal) {
+            bench_row_ours(row, &f.drawn);
+            bench_row_baseline(row, &f.baseline, "every active voxel as a point, as in the thesis, by the same inner loops");
+            bench_row_extra(row, "p50_ms", bench_series_at(&f.drawn, 0.5) / 1e6);
+            bench_row_extra(row, "p99_ms", bench_series_at(&f.drawn, 0.99) / 1e6);
+            bench_row_extra(row, "fps", 1e9 / bench_series_at(&f.drawn, 0.5));
+            bench_row_extra(row, "surface_voxels", (double)s->surface.points);
+            bench_row_extra(row, "active_voxels", (double)s->all.points);
+            bench_row_extra(row, "covered_pixels", (double)covered(&f.ours));
+        }
+    } else if (status == OST_OK) {
+        status = ost_fail(s->err, OST_ERR_MEMORY, "no memory for a row");
+    }
+    free_frames(&f);
+    return status;
+}
+
+/* The lists of DIRTY blocks are made anew. */
+static ost_status add_extraction(show *s, bench_table *table)
+{
+    static const char name[] = "render/scapula/extract";
+    bench_series series = {0};
+    ost_status status = OST_OK;
+    if (!bench_wanted(s->options, name))
+        return OST_OK;
+    const int count = bench_repeat(s->options, REPEAT), step = s->surface.used > DIRTY ? s->surface.used / DIRTY : 1;
+    uint64_t blocks = 0;
+    for (int i = -1; i < count && status == OST_OK; i++) {
+        for (int32_t b = 0; b < s->surface.used; b += step)
+            s->surface.slot[b]->dirty = true;
+        const int64_t begin = bench_now();
+        status = ost_surface_update(&s->surface, s->err);
+        if (i >= 0)
+            bench_series_add(&series, (double)(bench_now() - begin));
+        for (int32_t b = 0; i < 0 && b < s->surface.used; b += step)
+            blocks++;
+    }
+    bench_row *row = status == OST_OK ? bench_row_add(table, name, "us", 1) : NULL;
+    if (row) {
+        bench_row_ours(row, &series);
+        snprintf(row->baseline_reason, sizeof row->baseline_reason, "lists of changed blocks: nothing else makes them");
+        bench_row_extra(row, "changed_blocks", (double)blocks);
+    }
+    bench_series_free(&series);
+    return status;
+}
+
+ost_status bench_render(const bench_options *options, bench_table *table, ost_error *err)
+{
+    show s = {.options = options, .err = err};
+    if (options->filter && !strstr("render/scapula/extract render/scapula/whole/1 render/scapula/glenoid/1 render/scapula/close/1", options->filter))
+        return OST_OK;
+    ost_status status = ost_isa_choose(bench_isa(options), &s.isa, err);
+    if (status == OST_OK)
+        status = make_bone(&s);
+    if (status == OST_OK)
+        status = make_surface(&s, &s.surface);
+    if (status == OST_OK)
+        status = make_surface(&s, &s.all);
+    if (status == OST_OK)
+        status = take_all(&s.all, err);
+    for (size_t v = 0; v < sizeof views / sizeof *views && status == OST_OK; v++) {
+        status = add_view(&s, table, &views[v], options->threads, "");
+        if (status == OST_OK)
+            status = add_view(&s, table, &views[v], 1, "/1");
+    }
+    if (status == OST_OK)
+        status = add_extraction(&s, table);
+    ost_surface_free(&s.surface);
+    ost_surface_free(&s.all);
+    ost_volume_free(&s.bone);
+    return status;
+}
