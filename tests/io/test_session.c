@@ -433,6 +433,7 @@ typedef struct disk {
     pthread_mutex_t held;
     _Atomic int fails;
     _Atomic bool half;  /* a failing write leaves half of itself */
+    size_t room;        /* bytes that it takes in all; 0: any number */
     _Atomic int appends;
 } disk;
 
@@ -441,7 +442,8 @@ static int disk_append(void *user, const void *p, size_t size)
     disk *d = user;
     atomic_fetch_add(&d->appends, 1);
     pthread_mutex_lock(&d->held);
-    const int error = atomic_load(&d->fails);
+    const bool full = d->room && d->b.size + size > d->room;
+    const int error = full ? ENOSPC : atomic_load(&d->fails);
     if (!error)
         bytes_append(&d->b, p, size);
     else if (atomic_load(&d->half))
@@ -595,6 +597,26 @@ static void a_full_disk_that_is_emptied_in_time_costs_nothing(void **state)
     ost_session_close(session);
 }
 
+/* All that waits is more than there is room for: as much as fits is kept, and it is the beginning. */
+static void a_nearly_full_disk_takes_what_fits(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    static disk d;
+    ost_recorder *recorder = record_on(&d, 1024);
+    pthread_mutex_lock(&d.held);
+    put_ticks(recorder, 0, 400, true);
+    d.room = d.b.size + 20 * 64 + 200 * 128;
+    pthread_mutex_unlock(&d.held);
+    assert_int_equal(ost_recorder_close(recorder, NULL, &err), OST_ERR_IO);
+    assert_non_null(strstr(err.text, "the disk is full"));
+    ost_session *session;
+    assert_ok(open_bytes(d.b.data, d.b.size, &session, &err));
+    const ost_session_summary *sum = ost_session_summary_of(session);
+    assert_in_range(sum->whole_ticks, 190, 210);
+    ost_session_close(session);
+}
+
 static void a_disk_that_stays_full_is_an_error_at_the_end(void **state)
 {
     (void)state;
@@ -636,6 +658,7 @@ int main(void)
         cmocka_unit_test(a_recording_is_a_session),
         cmocka_unit_test(a_full_ring_is_counted_and_said),
         cmocka_unit_test(a_full_disk_that_is_emptied_in_time_costs_nothing),
+        cmocka_unit_test(a_nearly_full_disk_takes_what_fits),
         cmocka_unit_test(a_disk_that_stays_full_is_an_error_at_the_end),
     };
     return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);

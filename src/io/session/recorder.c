@@ -110,13 +110,19 @@ static bool write_block(ost_recorder *r)
         ring_pop(&r->ring, r->in_block);
         r->lost_in_block = atomic_load_explicit(&r->lost, memory_order_relaxed);
     }
-    const int error = ost_session_write_records(&r->writer, r->block + SESSION_BLOCK, (uint32_t)r->in_block, r->lost_in_block);
+    unsigned char *records = r->block + SESSION_BLOCK;
+    uint64_t count = r->in_block;
+    int error;
+    /* A disk that is nearly full may have room for some of them. */
+    while ((error = ost_session_write_records(&r->writer, records, (uint32_t)count, r->lost_in_block)) != 0 && count > 1)
+        count /= 2;
     atomic_store_explicit(&r->failing, error, memory_order_release);
     if (error)
         return false;
-    atomic_fetch_add_explicit(&r->written, r->in_block, memory_order_relaxed);
+    atomic_fetch_add_explicit(&r->written, count, memory_order_relaxed);
     atomic_store_explicit(&r->bytes, r->writer.bytes, memory_order_relaxed);
-    r->in_block = 0;
+    r->in_block -= count;
+    memmove(records, records + count * SESSION_RECORD, r->in_block * SESSION_RECORD);
     return true;
 }
 
