@@ -71,6 +71,7 @@ static void assert_near(const char *what, double got, double expected, double sh
 /* Densities of voxels are those of a download; beyond the grid there is nothing. */
 static void a_sample_is_what_is_there(void **state)
 {
+    skip_without_samples(*state);
     enum { COUNT = 500 };
     ost_error err = {0};
     for (int chunk = 16; chunk <= 64; chunk *= 2) {
@@ -103,6 +104,7 @@ static void a_sample_is_what_is_there(void **state)
  */
 static void a_sphere_in_a_plane(void **state)
 {
+    skip_without_samples(*state);
     enum { PLACES = 40 };
     ost_error err = {0};
     const double radius = 8e-3, layer = 2e-3, k = 1e7, top = (60 - 0.5) * 0.2e-3, deep = 1.6e-3;
@@ -138,6 +140,7 @@ static void a_sphere_in_a_plane(void **state)
 /* The sum of the points' stiffness is never above the coupling's. */
 static void stiffness_is_bounded(void **state)
 {
+    skip_without_samples(*state);
     ost_error err = {0};
     ost_bone *bone = half_space(*state, 60, 60, MM / 2, 50, REFERENCE_HU);
     sphere_points(5e-3, 1);
@@ -166,6 +169,7 @@ static double speed_of(const ost_pose *before, const ost_force_result *after)
  */
 static void planar_reaming(void **state)
 {
+    skip_without_samples(*state);
     enum { SPOKES = 32, RINGS = OST_SHELL_MAX / SPOKES };
     ost_error err = {0};
     const double radius = 10e-3, r0 = 1e-3;
@@ -212,6 +216,7 @@ static void planar_reaming(void **state)
 /* A half sphere: F = (2 pi u R v / mu w) (integral of cos^2 from t0 on + R/r0 (1 - cos^3 t0) / 3), sin t0 = r0 / R. */
 static void hemispherical_reaming(void **state)
 {
+    skip_without_samples(*state);
     ost_error err = {0};
     const double radius = 8e-3, r0 = 1e-3, t0 = asin(r0 / radius);
     ost_bone *bone = half_space(*state, 60, 60, MM / 2, 60, REFERENCE_HU);
@@ -235,6 +240,7 @@ static void hemispherical_reaming(void **state)
 /* What does not turn, or is no blade, does not cut: it stops at the bone, and slides along it. */
 static void what_does_not_cut_stops(void **state)
 {
+    skip_without_samples(*state);
     ost_error err = {0};
     ost_bone *bone = half_space(*state, 60, 60, MM / 2, 40, 300);
     sphere_points(5e-3, 1);
@@ -265,6 +271,7 @@ static void what_does_not_cut_stops(void **state)
 /* A hand that goes through a plate of 1 mm in a tick does not take the tool along. */
 static void nothing_is_tunnelled_through(void **state)
 {
+    skip_without_samples(*state);
     ost_error err = {0};
     ost_bone *bone = half_space(*state, 60, 60, MM / 2, 2, 300);
     sphere_points(5e-3, 1);
@@ -331,6 +338,7 @@ static void a_shell_is_its_surface(void **state)
 
 static void what_makes_no_sense_is_refused(void **state)
 {
+    skip_without_samples(*state);
     ost_error err = {0};
     ost_force *force;
     ost_bone *bone = half_space(*state, 16, 16, MM, 8, 300);
