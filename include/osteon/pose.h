@@ -44,6 +44,13 @@ OST_API ost_status ost_pose_check(const ost_pose *pose, ost_error *err);
 /* Nearest doubles, for pictures and forces only. */
 OST_API void ost_pose_to_doubles(const ost_pose *pose, double t_mm[3], double q[4]);
 
+/*
+ * The quaternion, w x y z, of the rotation whose columns these are; for what
+ * gives matrices, devices and cameras.  They are taken to be unit and upright
+ * to each other: of others a quaternion comes whose length is not 1.
+ */
+OST_API void ost_quaternion_of_columns(const double columns[3][3], double q[4]);
+
 #ifdef __cplusplus
 }
 #endif

@@ -69,33 +69,6 @@ static bool unit(double v[3])
     return true;
 }
 
-/* The quaternion of the rotation with these columns (Shepperd 1978: the largest component first). */
-static void quaternion(const double c[3][3], double q[4])
-{
-    const double trace = c[0][0] + c[1][1] + c[2][2];
-    int large = 3;
-    double most = trace;
-    for (int a = 0; a < 3; a++)
-        if (c[a][a] > most) {
-            most = c[a][a];
-            large = a;
-        }
-    if (large == 3) {
-        const double w = 0.5 * sqrt(1 + trace);
-        q[0] = w;
-        q[1] = (c[1][2] - c[2][1]) / (4 * w);
-        q[2] = (c[2][0] - c[0][2]) / (4 * w);
-        q[3] = (c[0][1] - c[1][0]) / (4 * w);
-        return;
-    }
-    const int i = large, j = (i + 1) % 3, k = (i + 2) % 3;
-    const double v = 0.5 * sqrt(1 + c[i][i] - c[j][j] - c[k][k]);
-    q[1 + i] = v;
-    q[0] = (c[j][k] - c[k][j]) / (4 * v);
-    q[1 + j] = (c[i][j] + c[j][i]) / (4 * v);
-    q[1 + k] = (c[k][i] + c[i][k]) / (4 * v);
-}
-
 ost_status ost_camera_look(const double from_mm[3], const double at_mm[3], const double up[3], ost_camera *camera, ost_error *err)
 {
     double back[3], right[3], above[3], q[4];
@@ -106,6 +79,6 @@ ost_status ost_camera_look(const double from_mm[3], const double at_mm[3], const
         return ost_fail(err, OST_ERR_RANGE, "a camera needs two different points, and an up that does not point along its view");
     cross(back, right, above);
     const double columns[3][3] = {{right[0], right[1], right[2]}, {above[0], above[1], above[2]}, {back[0], back[1], back[2]}};
-    quaternion(columns, q);
+    ost_quaternion_of_columns(columns, q);
     return ost_pose_from_doubles(from_mm, q, &camera->pose, err);
 }
