@@ -54,7 +54,7 @@ typedef struct ost_haptic ost_haptic;
 typedef struct ost_haptic_setup {
     const ost_path *path; /* script: where the tool goes; sim: where the hand goes */
     const char *session;  /* replay: a session's file */
-    ost_pose start;       /* null: where the tool stays */
+    ost_pose start;       /* null: where the tool stays; real devices: where it is when the handle is at its centre */
 } ost_haptic_setup;
 
 /*
@@ -65,6 +65,8 @@ typedef struct ost_haptic_setup {
  *   replay            the ticks of a session
  *   sim               a device of 60 g with friction and encoders in a hand that follows a path:
  *                     grip=light|normal|firm (normal), seed=N (1), tremor=UM (0), friction=MN (260)
+ *   openhaptics       Touch, Touch X, Phantom Omni: name=TEXT, scale=PERCENT (100)
+ *   dhd               Force Dimension, Falcon: scale=PERCENT (100)
  *
  * OST_ERR_USAGE on an unknown name, key or value, or when the setup lacks what it needs.
  */

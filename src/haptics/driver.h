@@ -47,6 +47,6 @@ ost_status haptic_options(const char *device, const char *options, haptic_option
 /* lo <= whole number <= hi, or OST_ERR_USAGE that names device and key. */
 ost_status haptic_integer(const char *device, const char *key, const char *value, int64_t lo, int64_t hi, int64_t *out, ost_error *err);
 
-extern const haptic_driver haptic_null, haptic_script, haptic_replay, haptic_sim;
+extern const haptic_driver haptic_null, haptic_script, haptic_replay, haptic_sim, haptic_openhaptics, haptic_dhd;
 
 #endif

@@ -6,7 +6,8 @@
 
 #include "haptics/driver.h"
 
-static const haptic_driver *const drivers[] = {&haptic_null, &haptic_script, &haptic_replay, &haptic_sim};
+static const haptic_driver *const drivers[] = {&haptic_null, &haptic_script,      &haptic_replay,
+                                              &haptic_sim,  &haptic_openhaptics, &haptic_dhd};
 
 enum { DRIVERS = sizeof drivers / sizeof drivers[0] };
 
@@ -59,7 +60,7 @@ ost_status ost_haptic_open(const char *spec, const ost_haptic_setup *setup, ost_
     for (int i = 0; i < DRIVERS; i++)
         if (strlen(drivers[i]->name) == length && memcmp(drivers[i]->name, spec, length) == 0)
             return ost_haptic_open_driver(drivers[i], spec[length] ? spec + length + 1 : "", setup, out, err);
-    char names[120] = "";
+    char names[160] = "";
     for (int i = 0, used = 0; i < DRIVERS; i++)
         used += snprintf(names + used, sizeof names - (size_t)used, "%s%s", i ? ", " : "", drivers[i]->name);
     return ost_fail(err, OST_ERR_USAGE, "'%.60s' is no device; known are %s", spec, names);

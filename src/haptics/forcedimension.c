@@ -1,0 +1,131 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * dhd: devices of Force Dimension (delta, omega, sigma, lambda) and Novint's
+ * Falcon, by the library of the vendor's SDK.
+ *
+ * Its calls are made by the thread that wants something; they are in SI units,
+ * x toward who holds the handle, y to his right, z up.  -1 as identity is the
+ * device that was opened last.  1 (asked again too soon) and 2 (a motor at its
+ * limit) are answers and no failures.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "haptics/driver.h"
+#include "haptics/vendor.h"
+#include "haptics/workspace.h"
+
+typedef struct dhd_calls {
+    int (*open)(void);
+    int (*close)(char id);
+    int (*get_pose)(double *x, double *y, double *z, double matrix[3][3], char id);
+    int (*get_buttons)(char id);
+    int (*enable_force)(unsigned char on, char id);
+    int (*set_force)(double fx, double fy, double fz, double tx, double ty, double tz, double gripper, char id);
+    const char *(*last_error)(void);
+} dhd_calls;
+
+static const vendor_symbol symbols[] = {
+    {"dhdOpen", offsetof(dhd_calls, open)},
+    {"dhdClose", offsetof(dhd_calls, close)},
+    {"dhdGetPositionAndOrientationFrame", offsetof(dhd_calls, get_pose)},
+    {"dhdGetButtonMask", offsetof(dhd_calls, get_buttons)},
+    {"dhdEnableForce", offsetof(dhd_calls, enable_force)},
+    {"dhdSetForceAndTorqueAndGripperForce", offsetof(dhd_calls, set_force)},
+    {"dhdErrorGetLastStr", offsetof(dhd_calls, last_error)},
+};
+static const char *const names[] = {"libdhd.so.3", "libdhd.so", NULL};
+static const vendor_library library = {"OSTEON_DHD_LIBRARY", names, "Force Dimension's SDK", symbols, sizeof symbols / sizeof symbols[0]};
+
+enum { LAST_OPENED = -1, MOST_SCALE_PERCENT = 1000 };
+
+struct haptic_instance {
+    dhd_calls dhd;
+    haptic_workspace workspace;
+    bool lost;
+};
+
+static bool dhd_usable(char reason[256])
+{
+    dhd_calls calls;
+    return vendor_load(&library, &calls, reason);
+}
+
+static ost_status take(void *user, const char *key, const char *value, ost_error *err)
+{
+    if (strcmp(key, "scale") == 0)
+        return haptic_integer("dhd", key, value, 1, MOST_SCALE_PERCENT, user, err);
+    return ost_fail(err, OST_ERR_USAGE, "device dhd: it has no option '%s'; known is scale, per cent", key);
+}
+
+static ost_status dhd_open(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err)
+{
+    static const int axes[3] = {1, 2, 0}; /* right y, up z, toward the hand x */
+    int64_t percent = 100;
+    char reason[256];
+    ost_status status = haptic_options("dhd", options, take, &percent, err);
+    if (status != OST_OK)
+        return status;
+    haptic_instance *d = calloc(1, sizeof *d);
+    if (!d)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for device dhd");
+    if (!vendor_load(&library, &d->dhd, reason)) {
+        free(d);
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "device dhd: %s", reason);
+    }
+    d->workspace = haptic_workspace_make(&setup->start, axes, (double)percent / 100);
+    if (d->dhd.open() < 0) {
+        status = ost_fail(err, OST_ERR_UNAVAILABLE, "device dhd: it cannot be opened: %.160s", d->dhd.last_error());
+    } else if (d->dhd.enable_force(1, LAST_OPENED) < 0) {
+        status = ost_fail(err, OST_ERR_UNAVAILABLE, "device dhd: its force cannot be switched on: %.160s", d->dhd.last_error());
+        d->dhd.close(LAST_OPENED);
+    }
+    if (status != OST_OK)
+        free(d);
+    else
+        *out = d;
+    return status;
+}
+
+static void dhd_close(haptic_instance *d)
+{
+    d->dhd.set_force(0, 0, 0, 0, 0, 0, 0, LAST_OPENED);
+    d->dhd.enable_force(0, LAST_OPENED);
+    d->dhd.close(LAST_OPENED);
+    free(d);
+}
+
+static ost_haptic_answer dhd_read(haptic_instance *d, ost_haptic_state *state)
+{
+    double at[3] = {NAN, NAN, NAN}, frame[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    if (d->lost || d->dhd.get_pose(&at[0], &at[1], &at[2], frame, LAST_OPENED) < 0)
+        return OST_HAPTIC_LOST;
+    const int buttons = d->dhd.get_buttons(LAST_OPENED);
+    if (buttons < 0)
+        return OST_HAPTIC_LOST;
+    *state = (ost_haptic_state){haptic_workspace_pose(&d->workspace, at, frame), -1, (uint32_t)buttons};
+    return OST_HAPTIC_FRESH;
+}
+
+static void dhd_write(haptic_instance *d, const ost_wrench *wrench)
+{
+    double f[3], t[3];
+    haptic_workspace_vector(&d->workspace, wrench->force_n, f);
+    haptic_workspace_vector(&d->workspace, wrench->torque_nm, t);
+    d->lost = d->lost || d->dhd.set_force(f[0], f[1], f[2], t[0], t[1], t[2], 0, LAST_OPENED) < 0;
+}
+
+const haptic_driver haptic_dhd = {
+    .name = "dhd",
+    .description = "Force Dimension's delta, omega, sigma and lambda, and Novint's Falcon",
+    .caps = OST_HAPTIC_FORCE | OST_HAPTIC_TORQUE | OST_HAPTIC_ORIENTATION,
+    .max_force_n = 8, /* the weakest of them, a Falcon */
+    .max_stiffness_n_m = 3000,
+    .usable = dhd_usable,
+    .open = dhd_open,
+    .close = dhd_close,
+    .read = dhd_read,
+    .write = dhd_write,
+};

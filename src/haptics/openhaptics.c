@@ -1,0 +1,259 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * openhaptics: 3D Systems' Touch and Touch X, and the Phantom Omni of the
+ * thesis, by the HD interface of OpenHaptics.
+ *
+ *   vendor's thread, a thousand times a second
+ *     frame begins --transform, buttons--> beat: read, tick, write --force--> frame ends
+ *
+ * All of a tick runs within the vendor's frame, so a force answers the pose of
+ * its own millisecond.  The thread that asked waits meanwhile, and looks
+ * whether the vendor's still calls.  Millimetres and newtons; x to the right,
+ * y up, z toward who holds the stylus.  It senses six degrees of freedom and
+ * renders three.
+ */
+#include <errno.h>
+#include <math.h>
+#include <semaphore.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "haptics/driver.h"
+#include "haptics/vendor.h"
+#include "haptics/workspace.h"
+
+/* As the vendor's interface has them. */
+typedef struct hd_error {
+    unsigned code;
+    int internal;
+    unsigned device;
+} hd_error;
+_Static_assert(sizeof(hd_error) == 12, "an HDErrorInfo");
+
+enum {
+    HD_BUTTONS = 0x2000, HD_TRANSFORM = 0x2052, HD_FORCE = 0x2700, HD_FORCE_OUTPUT = 0x4000,
+    HD_WARM_MOTORS = 0x0200, HD_EXCEEDED_FORCE = 0x0201,
+    HD_DONE = 0, HD_CONTINUE = 1, HD_PRIORITY = 32767
+};
+#define HD_NO_DEVICE 0xffffffffu
+
+typedef struct hd_calls {
+    unsigned (*init)(const char *name);
+    void (*disable)(unsigned device);
+    void (*make_current)(unsigned device);
+    void (*begin)(unsigned device);
+    void (*end)(unsigned device);
+    void (*get_doubles)(unsigned what, double *values);
+    void (*get_integers)(unsigned what, int *values);
+    void (*set_doubles)(unsigned what, const double *values);
+    void (*enable)(unsigned what);
+    hd_error (*error)(void);
+    const char *(*error_text)(unsigned code);
+    unsigned long (*schedule)(unsigned (*call)(void *), void *user, unsigned short priority);
+    void (*unschedule)(unsigned long handle);
+    void (*start)(void);
+    void (*stop)(void);
+} hd_calls;
+
+static const vendor_symbol symbols[] = {
+    {"hdInitDevice", offsetof(hd_calls, init)},
+    {"hdDisableDevice", offsetof(hd_calls, disable)},
+    {"hdMakeCurrentDevice", offsetof(hd_calls, make_current)},
+    {"hdBeginFrame", offsetof(hd_calls, begin)},
+    {"hdEndFrame", offsetof(hd_calls, end)},
+    {"hdGetDoublev", offsetof(hd_calls, get_doubles)},
+    {"hdGetIntegerv", offsetof(hd_calls, get_integers)},
+    {"hdSetDoublev", offsetof(hd_calls, set_doubles)},
+    {"hdEnable", offsetof(hd_calls, enable)},
+    {"hdGetError", offsetof(hd_calls, error)},
+    {"hdGetErrorString", offsetof(hd_calls, error_text)},
+    {"hdScheduleAsynchronous", offsetof(hd_calls, schedule)},
+    {"hdUnschedule", offsetof(hd_calls, unschedule)},
+    {"hdStartScheduler", offsetof(hd_calls, start)},
+    {"hdStopScheduler", offsetof(hd_calls, stop)},
+};
+static const char *const names[] = {"libHD.so", "libHD.so.3.4", NULL};
+static const vendor_library library = {"OSTEON_OPENHAPTICS_LIBRARY", names, "OpenHaptics and the device's driver", symbols,
+                                       sizeof symbols / sizeof symbols[0]};
+
+enum { COOL_TICKS = 1000, LOOK_MS = 500, NAME = 64 };
+
+struct haptic_instance {
+    hd_calls hd;
+    unsigned device;
+    haptic_workspace workspace;
+    /* Of the vendor's thread while it runs. */
+    haptic_beat *beat;
+    void *user;
+    ost_haptic_state state;
+    double force[3];
+    int cooling; /* ticks for which no force is given */
+    bool lost;
+    _Atomic uint64_t frames;
+    sem_t over;
+};
+
+typedef struct choice {
+    int64_t percent;
+    char name[NAME];
+} choice;
+
+static bool openhaptics_usable(char reason[256])
+{
+    hd_calls calls;
+    return vendor_load(&library, &calls, reason);
+}
+
+static ost_status take(void *user, const char *key, const char *value, ost_error *err)
+{
+    choice *c = user;
+    if (strcmp(key, "scale") == 0)
+        return haptic_integer("openhaptics", key, value, 1, 1000, &c->percent, err);
+    if (strcmp(key, "name") != 0)
+        return ost_fail(err, OST_ERR_USAGE, "device openhaptics: it has no option '%s'; known are name and scale", key);
+    if (strlen(value) >= NAME)
+        return ost_fail(err, OST_ERR_USAGE, "device openhaptics: name=%.60s...: longer than %d bytes", value, NAME - 1);
+    strcpy(c->name, value);
+    return OST_OK;
+}
+
+static ost_status openhaptics_open(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err)
+{
+    static const int axes[3] = {0, 1, 2};
+    choice c = {.percent = 100};
+    char reason[256];
+    ost_status status = haptic_options("openhaptics", options, take, &c, err);
+    if (status != OST_OK)
+        return status;
+    haptic_instance *h = calloc(1, sizeof *h);
+    if (!h)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for device openhaptics");
+    if (!vendor_load(&library, &h->hd, reason)) {
+        free(h);
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "device openhaptics: %s", reason);
+    }
+    h->workspace = haptic_workspace_make(&setup->start, axes, (double)c.percent / 100);
+    h->state.tool = -1;
+    h->device = h->hd.init(c.name[0] ? c.name : NULL);
+    const hd_error error = h->hd.error();
+    if (h->device == HD_NO_DEVICE || error.code != 0) {
+        status = ost_fail(err, OST_ERR_UNAVAILABLE, "device openhaptics: '%s' cannot be opened: %.120s", c.name[0] ? c.name : "default",
+                          h->hd.error_text(error.code));
+        free(h);
+        return status;
+    }
+    h->hd.enable(HD_FORCE_OUTPUT);
+    sem_init(&h->over, 0, 0);
+    *out = h;
+    return OST_OK;
+}
+
+static void openhaptics_close(haptic_instance *h)
+{
+    h->hd.disable(h->device);
+    sem_destroy(&h->over);
+    free(h);
+}
+
+static ost_haptic_answer openhaptics_read(haptic_instance *h, ost_haptic_state *state)
+{
+    if (h->lost)
+        return OST_HAPTIC_LOST;
+    *state = h->state;
+    return OST_HAPTIC_FRESH;
+}
+
+static void openhaptics_write(haptic_instance *h, const ost_wrench *wrench)
+{
+    haptic_workspace_vector(&h->workspace, wrench->force_n, h->force);
+}
+
+/* Warm motors are left without force for a second; anything but that and a force that was cut is a lost device. */
+static void judge(haptic_instance *h)
+{
+    const hd_error error = h->hd.error();
+    if (error.code == HD_WARM_MOTORS)
+        h->cooling = COOL_TICKS;
+    else if (error.code != 0 && error.code != HD_EXCEEDED_FORCE)
+        h->lost = true;
+}
+
+static unsigned frame(void *user)
+{
+    static const double nothing[3];
+    haptic_instance *h = user;
+    double m[16];
+    int buttons = 0;
+    for (int i = 0; i < 16; i++)
+        m[i] = NAN;
+    h->hd.make_current(h->device);
+    h->hd.begin(h->device);
+    h->hd.get_doubles(HD_TRANSFORM, m);
+    h->hd.get_integers(HD_BUTTONS, &buttons);
+    judge(h);
+    /* Column after column. */
+    const double at[3] = {m[12] / 1000, m[13] / 1000, m[14] / 1000};
+    const double turned[3][3] = {{m[0], m[4], m[8]}, {m[1], m[5], m[9]}, {m[2], m[6], m[10]}};
+    h->state.pose = haptic_workspace_pose(&h->workspace, at, turned);
+    h->state.buttons = (uint32_t)buttons;
+    memset(h->force, 0, sizeof h->force);
+    const bool more = h->beat(h->user);
+    h->cooling -= h->cooling > 0;
+    h->hd.set_doubles(HD_FORCE, more && !h->cooling && !h->lost ? h->force : nothing);
+    h->hd.end(h->device);
+    judge(h);
+    atomic_fetch_add(&h->frames, 1);
+    if (!more)
+        sem_post(&h->over);
+    return more ? HD_CONTINUE : HD_DONE;
+}
+
+/* True when the frames are over, false when they have stopped coming. */
+static bool wait_for(haptic_instance *h)
+{
+    for (uint64_t before = 0, now;; before = now) {
+        struct timespec until;
+        clock_gettime(CLOCK_REALTIME, &until);
+        until.tv_nsec += LOOK_MS * 1000000L;
+        until.tv_sec += until.tv_nsec / 1000000000L;
+        until.tv_nsec %= 1000000000L;
+        int waited;
+        do
+            waited = sem_timedwait(&h->over, &until);
+        while (waited != 0 && errno == EINTR);
+        now = atomic_load(&h->frames);
+        if (waited == 0)
+            return true;
+        if (now == before)
+            return false;
+    }
+}
+
+static ost_status openhaptics_run(haptic_instance *h, haptic_beat *beat, void *user, ost_error *err)
+{
+    h->beat = beat;
+    h->user = user;
+    const unsigned long handle = h->hd.schedule(frame, h, HD_PRIORITY);
+    h->hd.start();
+    const bool over = wait_for(h);
+    h->hd.stop();
+    h->hd.unschedule(handle);
+    return over ? OST_OK : ost_fail(err, OST_ERR_UNAVAILABLE, "device openhaptics: its thread has not called for %d ms", LOOK_MS);
+}
+
+const haptic_driver haptic_openhaptics = {
+    .name = "openhaptics",
+    .description = "3D Systems' Touch and Touch X, and the Phantom Omni",
+    .caps = OST_HAPTIC_FORCE | OST_HAPTIC_ORIENTATION | OST_HAPTIC_OWN_CLOCK,
+    .max_force_n = 3.3,
+    .max_stiffness_n_m = 400,
+    .usable = openhaptics_usable,
+    .open = openhaptics_open,
+    .close = openhaptics_close,
+    .read = openhaptics_read,
+    .write = openhaptics_write,
+    .run = openhaptics_run,
+};

@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "haptics/vendor.h"
+
+#include <dlfcn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void *load(const vendor_library *library, const char **name, char reason[256])
+{
+    const char *given = getenv(library->variable);
+    if (given && given[0]) {
+        *name = given;
+        void *handle = dlopen(given, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+        const char *why = handle ? NULL : dlerror();
+        if (!handle)
+            snprintf(reason, 256, "%s names no library that can be loaded: %.180s", library->variable, why ? why : given);
+        return handle;
+    }
+    for (const char *const *n = library->names; *n; n++) {
+        *name = *n;
+        void *handle = dlopen(*n, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+        if (handle)
+            return handle;
+    }
+    snprintf(reason, 256, "no %s here: install %s, or let %s name its file", library->names[0], library->product, library->variable);
+    return NULL;
+}
+
+bool vendor_load(const vendor_library *library, void *table, char reason[256])
+{
+    const char *name = "";
+    void *handle = load(library, &name, reason);
+    if (!handle)
+        return false;
+    for (size_t i = 0; i < library->count; i++) {
+        void *symbol = dlsym(handle, library->symbols[i].name);
+        if (!symbol) {
+            snprintf(reason, 256, "%.120s lacks %s: it is not the library that this osteon knows", name, library->symbols[i].name);
+            return false;
+        }
+        /* POSIX: a function's address fits a pointer to an object. */
+        memcpy((char *)table + library->symbols[i].offset, &symbol, sizeof symbol);
+    }
+    return true;
+}

@@ -1,0 +1,276 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Drivers of vendors' devices against libraries that stand in for the
+ * vendors': what is called and in which order, frames and forces by hand, and
+ * what the loop makes of a library that is absent or lacks a function, of a
+ * device that is not there, goes away, gets warm, hangs or gives no number.
+ * Covers: REQ-DEVICES
+ */
+#include "harness.h"
+
+#include <dlfcn.h>
+#include <math.h>
+#include <unistd.h>
+
+#include <osteon/haptics.h>
+
+#include "haptics/fake/fake.h"
+
+#define MM OST_PM_PER_MM
+#define DHD "OSTEON_DHD_LIBRARY"
+#define HD "OSTEON_OPENHAPTICS_LIBRARY"
+
+/* The file of a stand-in, which is where make check and its shell have them. */
+static const char *fake_file(const char *name)
+{
+    static char path[4096];
+    const char *build = getenv("top_builddir");
+    snprintf(path, sizeof path, "%s/.libs/%s.so", build ? build : ".", name);
+    return path;
+}
+
+/* The stand-in takes the library's place; its note is as new. Skips where there are no shared objects. */
+static fake_note *take_place(const char *variable, const char *name, const char *note_name)
+{
+    const char *file = fake_file(name);
+    if (access(file, R_OK) != 0) {
+        printf("# %s: built without shared objects\n", file);
+        skip();
+    }
+    assert_int_equal(setenv(variable, file, 1), 0);
+    void *handle = dlopen(file, RTLD_NOW | RTLD_LOCAL);
+    assert_non_null(handle);
+    fake_note *note = dlsym(handle, note_name);
+    assert_non_null(note);
+    memset(note, 0, sizeof *note);
+    for (int a = 0; a < 3; a++)
+        note->column[a][a] = 1;
+    return note;
+}
+
+static int index_of(const char *name)
+{
+    ost_haptic_info info;
+    for (int i = 0; i < ost_haptic_count(); i++)
+        if (ost_haptic_describe(i, &info, NULL) == OST_OK && strcmp(info.name, name) == 0)
+            return i;
+    return -1;
+}
+
+static void absent_and_short_libraries(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *device, *variable, *file, *says;
+    } cases[] = {
+        {"dhd", DHD, "/nowhere/libdhd.so", "OSTEON_DHD_LIBRARY names no library that can be loaded"},
+        {"openhaptics", HD, "/nowhere/libHD.so", "OSTEON_OPENHAPTICS_LIBRARY names no library"},
+        {"dhd", DHD, "fake_dhd_short", "lacks dhdSetForceAndTorqueAndGripperForce"},
+        {"openhaptics", HD, "fake_dhd", "lacks hdInitDevice"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const char *file = cases[i].file[0] == '/' ? cases[i].file : fake_file(cases[i].file);
+        if (cases[i].file[0] != '/' && access(file, R_OK) != 0)
+            continue;
+        setenv(cases[i].variable, file, 1);
+        ost_error err = {0};
+        ost_haptic_info info;
+        ost_haptic *device;
+        assert_ok(ost_haptic_describe(index_of(cases[i].device), &info, &err));
+        assert_false(info.available);
+        assert_non_null(strstr(info.reason, cases[i].says));
+        assert_int_equal(ost_haptic_open(cases[i].device, NULL, &device, &err), OST_ERR_UNAVAILABLE);
+        assert_null(device);
+        assert_non_null(strstr(err.text, cases[i].says));
+    }
+}
+
+static ost_haptic_setup at_start(void)
+{
+    /* The tool lies along the bone's x: a quarter turn about y takes its z there. */
+    const int32_t c = 759250125;
+    return (ost_haptic_setup){.start = {.t = {10 * MM, 20 * MM, 30 * MM}, .qw = c, .qy = c}};
+}
+
+static void dhd_frames_and_forces(void **state)
+{
+    (void)state;
+    fake_note *note = take_place(DHD, "fake_dhd", "fake_dhd");
+    const ost_haptic_setup setup = at_start();
+    ost_error err = {0};
+    ost_haptic *device;
+    ost_haptic_state s;
+    assert_ok(ost_haptic_open("dhd:scale=200", &setup, &device, &err));
+    assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_FRESH);
+    assert_memory_equal(&s.pose.t, &setup.start.t, sizeof s.pose.t);
+    for (int i = 0; i < 4; i++)
+        assert_true(abs((&s.pose.qw)[i] - (&setup.start.qw)[i]) <= 2);
+    assert_int_equal(s.tool, -1);
+    /*
+     * 1 mm away from the hand (x -1), 2 mm to the right (y), 3 mm up (z): the
+     * tool's z, x and y.  The tool's x is the bone's -z, its y y, its z x.
+     */
+    note->position[0] = -0.001;
+    note->position[1] = 0.002;
+    note->position[2] = 0.003;
+    note->buttons = 5;
+    assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_FRESH);
+    assert_true(llabs(s.pose.t.x - (10 - 2) * MM) < 100 && llabs(s.pose.t.y - (20 + 6) * MM) < 100 && llabs(s.pose.t.z - (30 - 4) * MM) < 100);
+    assert_int_equal(s.buttons, 5);
+    /* A force along the bone's x pulls the hand toward who holds it. */
+    const ost_wrench wrench = {{1, 2, 3}, {0.1, 0.2, 0.3}};
+    ost_haptic_write(device, &wrench);
+    assert_true(fabs(note->force[0] - 1) < 1e-8 && fabs(note->force[1] + 3) < 1e-8 && fabs(note->force[2] - 2) < 1e-8);
+    assert_true(fabs(note->torque[0] - 0.1) < 1e-9 && fabs(note->torque[1] + 0.3) < 1e-9 && fabs(note->torque[2] - 0.2) < 1e-9);
+    ost_haptic_close(device);
+    assert_string_equal(note->calls, "oeppffdc");
+    assert_int_equal(note->forces_on, 0);
+    assert_true(note->force[0] == 0 && note->force[1] == 0 && note->force[2] == 0);
+}
+
+static void dhd_turns(void **state)
+{
+    (void)state;
+    fake_note *note = take_place(DHD, "fake_dhd", "fake_dhd");
+    const ost_haptic_setup setup = {.start = {.qw = OST_Q30_ONE}};
+    ost_error err = {0};
+    ost_haptic *device;
+    ost_haptic_state s;
+    assert_ok(ost_haptic_open("dhd", &setup, &device, &err));
+    /* A quarter turn of the handle about the device's x, which is the tool's z. */
+    static const double turned[3][3] = {{1, 0, 0}, {0, 0, 1}, {0, -1, 0}};
+    memcpy(note->column, turned, sizeof turned);
+    assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_FRESH);
+    const int32_t c = 759250125;
+    assert_true(abs(s.pose.qw - c) <= 2 && abs(s.pose.qz - c) <= 2 && abs(s.pose.qx) <= 2 && abs(s.pose.qy) <= 2);
+    ost_haptic_close(device);
+}
+
+static void dhd_fails(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_haptic *device;
+    ost_haptic_state s;
+    fake_note *note = take_place(DHD, "fake_dhd", "fake_dhd");
+    note->fail_open = 1;
+    assert_int_equal(ost_haptic_open("dhd", NULL, &device, &err), OST_ERR_UNAVAILABLE);
+    assert_non_null(strstr(err.text, "no device found"));
+    note->fail_open = 0;
+    assert_int_equal(ost_haptic_open("dhd:scale=0", NULL, &device, &err), OST_ERR_USAGE);
+    assert_int_equal(ost_haptic_open("dhd:size=3", NULL, &device, &err), OST_ERR_USAGE);
+    /* No number: a pose that is none, and the device goes on. */
+    note->no_number_at = 2;
+    note->fail_read_at = 4;
+    assert_ok(ost_haptic_open("dhd", NULL, &device, &err));
+    for (int frame = 1; frame <= 3; frame++) {
+        assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_FRESH);
+        assert_int_equal(ost_pose_check(&s.pose, &err), frame == 2 ? OST_ERR_RANGE : OST_OK);
+    }
+    assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_LOST);
+    ost_haptic_close(device);
+    /* A force that cannot be given: the device is lost at the next tick. */
+    note = take_place(DHD, "fake_dhd", "fake_dhd");
+    note->fail_write_at = 1;
+    assert_ok(ost_haptic_open("dhd", NULL, &device, &err));
+    assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_FRESH);
+    ost_haptic_write(device, &(ost_wrench){{1, 0, 0}, {0}});
+    assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_LOST);
+    ost_haptic_close(device);
+}
+
+/* ------------------------------------------------------------- openhaptics */
+
+typedef struct seen {
+    uint64_t ticks;
+    ost_haptic_state last;
+    int faults; /* poses that are none */
+} seen;
+
+static bool push(void *user, const ost_servo_sample *sample, ost_wrench *wrench)
+{
+    seen *s = user;
+    s->ticks++;
+    s->last = sample->state;
+    s->faults += ost_pose_check(&sample->state.pose, NULL) != OST_OK;
+    wrench->force_n[0] = 1.5;
+    return true;
+}
+
+static ost_status run(seen *s, uint64_t ticks, ost_servo_report *report, ost_error *err)
+{
+    const ost_servo_options options = {.ticks = ticks, .no_realtime = true};
+    const ost_haptic_setup setup = {.start = {.t = {MM, 0, 0}, .qw = OST_Q30_ONE}};
+    ost_haptic *device;
+    *s = (seen){0};
+    ost_status status = ost_haptic_open("openhaptics", &setup, &device, err);
+    if (status == OST_OK)
+        status = ost_servo_run(device, &options, push, NULL, s, report, err);
+    ost_haptic_close(device);
+    return status;
+}
+
+static void openhaptics_frames(void **state)
+{
+    (void)state;
+    fake_note *note = take_place(HD, "fake_hd", "fake_hd");
+    ost_error err = {0};
+    ost_servo_report report;
+    seen s;
+    note->position[2] = -4; /* mm */
+    note->buttons = 2;
+    assert_ok(run(&s, 3, &report, &err));
+    assert_int_equal(report.end, OST_SERVO_TICKS);
+    assert_int_equal(s.ticks, 3);
+    assert_int_equal(s.last.buttons, 2);
+    assert_true(s.last.pose.t.x == MM && s.last.pose.t.z == -4 * MM && s.last.pose.qw == OST_Q30_ONE);
+    assert_string_equal(note->calls, "is<m(f)m(f)m(f)>ud");
+    assert_true(note->most_force > 1.49 && note->most_force < 1.51);
+    /* The frame that ends the loop gives nothing. */
+    assert_true(note->force[0] == 0 && note->force[1] == 0 && note->force[2] == 0);
+}
+
+static void openhaptics_fails(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_servo_report report;
+    seen s;
+    fake_note *note = take_place(HD, "fake_hd", "fake_hd");
+    note->fail_open = 1;
+    assert_int_equal(run(&s, 3, &report, &err), OST_ERR_UNAVAILABLE);
+    assert_non_null(strstr(err.text, "no connection to the device"));
+    /* Unplugged. */
+    note = take_place(HD, "fake_hd", "fake_hd");
+    note->fail_read_at = 4;
+    assert_ok(run(&s, 100, &report, &err));
+    assert_int_equal(report.end, OST_SERVO_DEVICE_LOST);
+    assert_int_equal(s.ticks, 3);
+    assert_true(note->force[0] == 0);
+    /* Warm from its first frame: no force at all within these ticks, but poses. */
+    note = take_place(HD, "fake_hd", "fake_hd");
+    note->warm_at = 1;
+    assert_ok(run(&s, 20, &report, &err));
+    assert_int_equal(s.ticks, 20);
+    assert_true(note->most_force == 0);
+    /* No number: a pose that is none, for that tick. */
+    note = take_place(HD, "fake_hd", "fake_hd");
+    note->no_number_at = 2;
+    assert_ok(run(&s, 5, &report, &err));
+    assert_int_equal(s.faults, 1);
+    /* The vendor's thread hangs. */
+    note = take_place(HD, "fake_hd", "fake_hd");
+    note->hang_at = 3;
+    assert_int_equal(run(&s, 100, &report, &err), OST_ERR_UNAVAILABLE);
+    assert_non_null(strstr(err.text, "has not called"));
+    assert_int_equal(s.ticks, 2);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(absent_and_short_libraries), cmocka_unit_test(dhd_frames_and_forces), cmocka_unit_test(dhd_turns),
+        cmocka_unit_test(dhd_fails),                  cmocka_unit_test(openhaptics_frames),    cmocka_unit_test(openhaptics_fails),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
