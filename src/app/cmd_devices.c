@@ -24,7 +24,7 @@ static void one(const app_state *app, json_t *array, const char *name, bool avai
     put_bool(row, "available", available);
     put_text(row, "reason", reason);
     append(array, row);
-    say(app, "  %-9s %-4s %s", name, available ? "yes" : "no", reason);
+    say(app, "  %-11s %-4s %s", name, available ? "yes" : "no", reason);
 }
 
 /* What ost_backend_devices calls; user is the verb's state and list. */
@@ -80,7 +80,7 @@ static void list_choices(const app_state *app, json_t *row, const ost_backend_se
     }
     put_text(row, "isa", settings->isa);
     put(row, "isas", array);
-    say(app, "  %-14s works with %s on %d thread%s; there are %s", "", settings->isa, settings->threads,
+    say(app, "  %-16s works with %s on %d thread%s; there are %s", "", settings->isa, settings->threads,
         settings->threads == 1 ? "" : "s", text);
 }
 
