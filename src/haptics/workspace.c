@@ -3,6 +3,8 @@
 
 #include <math.h>
 
+#include "core/rotation.h"
+
 #define PM_PER_M (1000.0 * (double)OST_PM_PER_MM)
 
 static void multiply(const double a[3][3], const double b[3][3], double out[3][3])
@@ -14,15 +16,10 @@ static void multiply(const double a[3][3], const double b[3][3], double out[3][3
 
 static void rotation_of(const ost_pose *pose, double r[3][3])
 {
-    double t[3], q[4];
-    ost_pose_to_doubles(pose, t, q);
-    const double w = q[0], x = q[1], y = q[2], z = q[3], n = w * w + x * x + y * y + z * z;
-    const double m[3][3] = {{w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)},
-                            {2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)},
-                            {2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z}};
+    const ost_rotation exact = ost_rotation_of(pose);
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
-            r[i][j] = m[i][j] / n;
+            r[i][j] = (double)exact.m[i][j] / (double)exact.n;
 }
 
 haptic_workspace haptic_workspace_make(const ost_pose *start, const int axes[3], double scale)
