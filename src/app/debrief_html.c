@@ -12,33 +12,7 @@
 
 #include <osteon/picture.h>
 
-#include "io/outfile.h"
-
-typedef struct page {
-    ost_outfile *file;
-    ost_status status;
-    ost_error *err;
-} page;
-
-static void text(page *p, const char *bytes)
-{
-    if (p->status == OST_OK)
-        p->status = ost_outfile_write(p->file, bytes, strlen(bytes), p->err);
-}
-
-#define print(p, ...)                                                           \
-    do {                                                                        \
-        if ((p)->status == OST_OK)                                              \
-            (p)->status = ost_outfile_printf((p)->file, (p)->err, __VA_ARGS__); \
-    } while (0)
-
-static void escaped(page *p, const char *s)
-{
-    for (; *s; s++) {
-        const char one[2] = {*s, '\0'};
-        text(p, *s == '<' ? "&lt;" : *s == '>' ? "&gt;" : *s == '&' ? "&amp;" : *s == '"' ? "&quot;" : one);
-    }
-}
+#include "app/html.h"
 
 static const char head[] =
     "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Debrief</title>\n<style>\n"
@@ -53,9 +27,8 @@ static const char head[] =
     "*{-webkit-print-color-adjust:exact;print-color-adjust:exact}}\n"
     "</style></head><body>\n";
 
-static void picture(page *p, const ost_picture *picture, const char *caption)
+static void picture(html_page *p, const ost_picture *picture, const char *caption)
 {
-    static const char digit[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     uint8_t *bytes = NULL;
     size_t size = 0;
     ost_error why = {0};
@@ -64,35 +37,30 @@ static void picture(page *p, const ost_picture *picture, const char *caption)
         return; /* built without libpng: the page has its tables and maps */
     if (status != OST_OK && p->status == OST_OK)
         p->status = ost_fail(p->err, status, "%s", why.text);
-    text(p, "<figure><img alt=\"\" src=\"data:image/png;base64,");
-    for (size_t i = 0; i < size && p->status == OST_OK; i += 3) {
-        const size_t left = size - i;
-        const uint32_t three = (uint32_t)bytes[i] << 16 | (left > 1 ? (uint32_t)bytes[i + 1] << 8 : 0) | (left > 2 ? bytes[i + 2] : 0u);
-        const char four[5] = {digit[three >> 18], digit[three >> 12 & 63], left > 1 ? digit[three >> 6 & 63] : '=', left > 2 ? digit[three & 63] : '=', 0};
-        text(p, four);
-    }
-    print(p, "\"><figcaption>%s</figcaption></figure>\n", caption);
+    html_text(p, "<figure><img alt=\"\" src=\"data:image/png;base64,");
+    html_base64(p, bytes, size);
+    html_print(p, "\"><figcaption>%s</figcaption></figure>\n", caption);
     free(bytes);
 }
 
 /* ------------------------------------------------------------------ tables */
 
 /* A row with a verdict: good up to good, watch up to watch. */
-static void judged(page *p, const char *what, double value, const char *unit, double good, double watch, const char *aim)
+static void judged(html_page *p, const char *what, double value, const char *unit, double good, double watch, const char *aim)
 {
     const double size = fabs(value);
-    print(p, "<tr><td>%s</td><td class=\"n %s\">%.1f %s</td><td><small>%s</small></td></tr>\n", what,
+    html_print(p, "<tr><td>%s</td><td class=\"n %s\">%.1f %s</td><td><small>%s</small></td></tr>\n", what,
           size <= good ? "good" : size <= watch ? "watch" : "bad", value, unit, aim);
 }
 
-static void plain(page *p, const char *what, double value, const char *unit, const char *remark)
+static void plain(html_page *p, const char *what, double value, const char *unit, const char *remark)
 {
-    print(p, "<tr><td>%s</td><td class=\"n\">%.1f %s</td><td><small>%s</small></td></tr>\n", what, value, unit, remark);
+    html_print(p, "<tr><td>%s</td><td class=\"n\">%.1f %s</td><td><small>%s</small></td></tr>\n", what, value, unit, remark);
 }
 
-static void tables(page *p, const debrief *d, const ost_density_classes *classes, const ost_metrics *m)
+static void tables(html_page *p, const debrief *d, const ost_density_classes *classes, const ost_metrics *m)
 {
-    text(p, "<h2>Reaming</h2><table>\n");
+    html_text(p, "<h2>Reaming</h2><table>\n");
     if (m->sphere) {
         judged(p, "Direction off the plan", m->angle_deg, "&deg;", 2, 5, "aim: 2&deg; or less");
         judged(p, "&nbsp; toward retroversion", m->retroversion_deg, "&deg;", 2, 5, "in the CT's axial plane; negative: anteversion");
@@ -104,40 +72,40 @@ static void tables(page *p, const debrief *d, const ost_density_classes *classes
     plain(p, "Depth at most", m->depth_max_mm, "mm", "");
     judged(p, "Removed deeper than planned", m->over_mm3, "mm&sup3;", 20, 100, "beyond the planned depth and 1 mm");
     if (m->plate_mm3 > 0)
-        print(p, "<tr><td>Hard bone kept under the floor</td><td class=\"n %s\">%.0f %%</td><td><small>650 HU or more, within 4.5 mm</small></td></tr>\n",
+        html_print(p, "<tr><td>Hard bone kept under the floor</td><td class=\"n %s\">%.0f %%</td><td><small>650 HU or more, within 4.5 mm</small></td></tr>\n",
               m->plate_kept_percent >= 50 ? "good" : m->plate_kept_percent >= 25 ? "watch" : "bad", m->plate_kept_percent);
     if (m->sphere) {
-        print(p, "<tr><td>Seat: contact</td><td class=\"n %s\">%.0f %%</td><td><small>gap up to 0.5 mm to a back of radius %.1f mm</small></td></tr>\n",
+        html_print(p, "<tr><td>Seat: contact</td><td class=\"n %s\">%.0f %%</td><td><small>gap up to 0.5 mm to a back of radius %.1f mm</small></td></tr>\n",
               m->contact_percent >= 90 ? "good" : m->contact_percent >= 75 ? "watch" : "bad", m->contact_percent, m->sphere_mm);
         judged(p, "Seat: widest gap", m->gap_max_mm, "mm", 1, 2, "");
     }
-    text(p, "</table>\n<h2>Peg hole</h2>\n");
+    html_text(p, "</table>\n<h2>Peg hole</h2>\n");
     if (m->hole) {
-        text(p, "<table>\n");
+        html_text(p, "<table>\n");
         judged(p, "Direction off the plan", m->hole_angle_deg, "&deg;", 2, 5, "");
         judged(p, "Entry off the plan", m->hole_entry_mm, "mm", 1, 2, "on the old face");
         plain(p, "Depth", m->hole_depth_mm, "mm", "from the old face");
         plain(p, "Width", m->hole_diameter_mm, "mm", "");
-        print(p, "<tr><td>Wall of the vault</td><td class=\"n %s\">%s</td><td><small>thinnest: %.1f mm%s</small></td></tr>\n</table>\n",
+        html_print(p, "<tr><td>Wall of the vault</td><td class=\"n %s\">%s</td><td><small>thinnest: %.1f mm%s</small></td></tr>\n</table>\n",
               m->hole_breach ? "bad" : m->hole_wall_mm < 2 ? "watch" : "good", m->hole_breach ? "perforated" : "whole", m->hole_wall_mm,
               m->hole_wall_mm > 5.99 ? " or more" : "");
     } else
-        text(p, "<p>None was found.</p>\n");
-    text(p, "<h2>What was removed</h2><table>\n");
+        html_text(p, "<p>None was found.</p>\n");
+    html_text(p, "<h2>What was removed</h2><table>\n");
     for (int c = 0; c < classes->count; c++) {
-        text(p, "<tr><td>");
-        escaped(p, classes->name[c]);
-        print(p, "</td><td class=\"n\">%.0f mm&sup3;</td><td><small>from %d HU</small></td></tr>\n", m->removed_by_class_mm3[c], classes->border[c]);
+        html_text(p, "<tr><td>");
+        html_escaped(p, classes->name[c]);
+        html_print(p, "</td><td class=\"n\">%.0f mm&sup3;</td><td><small>from %d HU</small></td></tr>\n", m->removed_by_class_mm3[c], classes->border[c]);
     }
-    print(p, "<tr><td>together</td><td class=\"n\">%.0f mm&sup3;</td><td></td></tr></table>\n", m->removed_mm3);
+    html_print(p, "<tr><td>together</td><td class=\"n\">%.0f mm&sup3;</td><td></td></tr></table>\n", m->removed_mm3);
 }
 
 /* -------------------------------------------------------------------- maps */
 
-static void depth_map(page *p, const debrief *d, const ost_metrics *m)
+static void depth_map(html_page *p, const debrief *d, const ost_metrics *m)
 {
     const double deepest = d->plan.depth_mm + 2;
-    text(p, "<figure><svg width=\"324\" height=\"324\" viewBox=\"0 0 81 81\" shape-rendering=\"crispEdges\">\n"
+    html_text(p, "<figure><svg width=\"324\" height=\"324\" viewBox=\"0 0 81 81\" shape-rendering=\"crispEdges\">\n"
             "<rect width=\"81\" height=\"81\" fill=\"#f3f3f3\"/>\n");
     for (int i = 0; i < OST_METRICS_MAP * OST_METRICS_MAP; i++) {
         const double depth = (double)m->depth_mm[i];
@@ -146,16 +114,16 @@ static void depth_map(page *p, const debrief *d, const ost_metrics *m)
         /* Pale where little went, blue to the plan, red beyond it. */
         const bool beyond = (double)m->after_mm[i] > d->plan.depth_mm + 1 || isnan(m->after_mm[i]);
         const double share = fmin(1, depth / deepest);
-        print(p, "<rect x=\"%d\" y=\"%d\" width=\"1\" height=\"1\" fill=\"rgb(%d,%d,%d)\"/>\n", i % OST_METRICS_MAP,
+        html_print(p, "<rect x=\"%d\" y=\"%d\" width=\"1\" height=\"1\" fill=\"rgb(%d,%d,%d)\"/>\n", i % OST_METRICS_MAP,
               OST_METRICS_MAP - 1 - i / OST_METRICS_MAP, beyond ? 200 : (int)(215 - 185 * share), beyond ? 60 : (int)(232 - 130 * share),
               beyond ? 50 : (int)(245 - 70 * share));
     }
-    text(p, "<path d=\"M40.5 0V81M0 40.5H81\" stroke=\"#000\" stroke-width=\".2\"/></svg>\n"
+    html_text(p, "<path d=\"M40.5 0V81M0 40.5H81\" stroke=\"#000\" stroke-width=\".2\"/></svg>\n"
             "<figcaption>Depth below the old surface, seen along the planned axis; 40 mm wide, up is toward the head. The darker the "
             "deeper; red is deeper than the plan and 1 mm, the hole among it.</figcaption></figure>\n");
 }
 
-static void force_plot(page *p, const debrief *d)
+static void force_plot(html_page *p, const debrief *d)
 {
     enum { W = 700, H = 160, COLUMNS = 700 };
     double most = 0.1;
@@ -164,7 +132,7 @@ static void force_plot(page *p, const debrief *d)
     for (size_t i = 0; i < d->count; i++)
         most = fmax(most, d->force_n[i]);
     const double from = d->t_s[0], span = fmax(1e-3, d->t_s[d->count - 1] - from);
-    text(p, "<h2>Force on the hand</h2><figure><svg width=\"700\" height=\"160\" viewBox=\"0 0 700 160\"><rect width=\"700\" height=\"160\" fill=\"#f3f3f3\"/>"
+    html_text(p, "<h2>Force on the hand</h2><figure><svg width=\"700\" height=\"160\" viewBox=\"0 0 700 160\"><rect width=\"700\" height=\"160\" fill=\"#f3f3f3\"/>"
             "<path fill=\"none\" stroke=\"#2a5da8\" d=\"");
     /* A column a pixel: from its least to its greatest. */
     size_t i = 0;
@@ -175,13 +143,13 @@ static void force_plot(page *p, const debrief *d)
             hi = fmax(hi, d->force_n[i]);
         }
         if (isfinite(lo))
-            print(p, "M%d %.1fV%.1f", x, H - 5 - lo / most * (H - 10), H - 5 - hi / most * (H - 10) - 0.5);
+            html_print(p, "M%d %.1fV%.1f", x, H - 5 - lo / most * (H - 10), H - 5 - hi / most * (H - 10) - 0.5);
     }
-    print(p, "\"/></svg><figcaption>From 0 to %.2f N over %.1f s.</figcaption></figure>\n", most, span);
+    html_print(p, "\"/></svg><figcaption>From 0 to %.2f N over %.1f s.</figcaption></figure>\n", most, span);
 }
 
 /* Slices through the plan's centre at half the depth, and a view along its axis. */
-static void pictures(page *p, const debrief *d, const ost_volume *after, int threshold)
+static void pictures(html_page *p, const debrief *d, const ost_volume *after, int threshold)
 {
     ost_picture image = {0};
     ost_slices_options slices = {.threshold = threshold, .pixels = 420};
@@ -197,7 +165,7 @@ static void pictures(page *p, const debrief *d, const ost_volume *after, int thr
         const double voxel = rint(mm / ost_pm_to_mm(g->spacing.x));
         slices.at[a] = voxel < 0 ? 0 : voxel >= dims[a] ? dims[a] - 1 : (int32_t)voxel;
     }
-    text(p, "<h2>Pictures</h2>\n");
+    html_text(p, "<h2>Pictures</h2>\n");
     ost_status status = ost_picture_slices(after, &d->before, &slices, &image, p->err);
     if (status == OST_OK)
         picture(p, &image, "Axial, coronal and sagittal slice through the plan's centre; what was removed is coloured.");
@@ -212,24 +180,24 @@ static void pictures(page *p, const debrief *d, const ost_volume *after, int thr
 ost_status debrief_page(const char *file, const char *name, const debrief *d, const ost_volume *after, const ost_density_classes *classes,
                         int threshold, const ost_metrics *m, ost_error *err)
 {
-    page p = {.err = err};
+    html_page p = {.err = err};
     p.status = ost_outfile_open(file, &p.file, err);
     if (p.status != OST_OK)
         return p.status;
-    text(&p, head);
-    text(&p, "<h1>Debrief: ");
-    escaped(&p, name);
-    print(&p, "</h1>\n<p>A glenoid of the %s shoulder, planned %.1f mm deep at its centre. Green is within the aim, amber is to be looked at, "
+    html_text(&p, head);
+    html_text(&p, "<h1>Debrief: ");
+    html_escaped(&p, name);
+    html_print(&p, "</h1>\n<p>A glenoid of the %s shoulder, planned %.1f mm deep at its centre. Green is within the aim, amber is to be looked at, "
               "red is beyond.</p>\n<div class=\"two\"><div>\n",
           d->plan.left ? "left" : "right", d->plan.depth_mm);
     tables(&p, d, classes, m);
-    text(&p, "</div><div>\n");
+    html_text(&p, "</div><div>\n");
     depth_map(&p, d, m);
-    text(&p, "</div></div>\n");
+    html_text(&p, "</div></div>\n");
     force_plot(&p, d);
     if (p.status == OST_OK)
         pictures(&p, d, after, threshold);
-    text(&p, "<h2>How to read this</h2><p><small>Direction is that from the centre of the sphere fitted to the bared floor to the planned centre. Angles "
+    html_text(&p, "<h2>How to read this</h2><p><small>Direction is that from the centre of the sphere fitted to the bared floor to the planned centre. Angles "
              "are in the CT's planes, not in the scapula's. Numbers hold to about a voxel and half a degree. For training; it is no medical "
              "device.</small></p>\n</body></html>\n");
     if (p.status == OST_OK)

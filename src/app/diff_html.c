@@ -9,41 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "app/html.h"
 #include "app/say.h"
-#include "io/outfile.h"
-
-typedef struct page {
-    ost_outfile *file;
-    ost_status status;
-    ost_error *err;
-} page;
-
-static void text(page *p, const char *bytes)
-{
-    if (p->status == OST_OK)
-        p->status = ost_outfile_write(p->file, bytes, strlen(bytes), p->err);
-}
-
-#define print(p, ...)                                                             \
-    do {                                                                          \
-        if ((p)->status == OST_OK)                                                \
-            (p)->status = ost_outfile_printf((p)->file, (p)->err, __VA_ARGS__);   \
-    } while (0)
-
-static void escaped(page *p, const char *s)
-{
-    for (; *s; s++)
-        switch (*s) {
-        case '<': text(p, "&lt;"); break;
-        case '>': text(p, "&gt;"); break;
-        case '&': text(p, "&amp;"); break;
-        case '"': text(p, "&quot;"); break;
-        default: {
-            const char one[2] = {*s, '\0'};
-            text(p, one);
-        }
-        }
-}
 
 static const char head[] =
     "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>osteon diff</title>\n<style>\n"
@@ -62,41 +29,21 @@ static const char head[] =
 
 /* ---------------------------------------------------------------- pictures */
 
-static void base64(page *p, const uint8_t *bytes, size_t size)
-{
-    static const char digit[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    char block[4097];
-    size_t used = 0;
-    for (size_t i = 0; i < size; i += 3) {
-        size_t left = size - i;
-        uint32_t three = (uint32_t)bytes[i] << 16 | (left > 1 ? (uint32_t)bytes[i + 1] << 8 : 0) | (left > 2 ? bytes[i + 2] : 0u);
-        block[used++] = digit[three >> 18];
-        block[used++] = digit[three >> 12 & 63];
-        block[used++] = left > 1 ? digit[three >> 6 & 63] : '=';
-        block[used++] = left > 2 ? digit[three & 63] : '=';
-        if (used == 4096 || i + 3 >= size) {
-            block[used] = '\0';
-            text(p, block);
-            used = 0;
-        }
-    }
-}
-
-static void figure(page *p, const ost_picture *picture, const char *caption)
+static void figure(html_page *p, const ost_picture *picture, const char *caption)
 {
     uint8_t *png = NULL;
     size_t size = 0;
     if (p->status != OST_OK)
         return;
     p->status = ost_picture_encode_png(picture, &png, &size, p->err);
-    print(p, "<figure><figcaption>%s</figcaption><img alt=\"%s\" width=\"%d\" src=\"data:image/png;base64,", caption, caption, picture->width);
-    base64(p, png, size);
-    text(p, "\"></figure>\n");
+    html_print(p, "<figure><figcaption>%s</figcaption><img alt=\"%s\" width=\"%d\" src=\"data:image/png;base64,", caption, caption, picture->width);
+    html_base64(p, png, size);
+    html_text(p, "\"></figure>\n");
     free(png);
 }
 
 /* A tool's voxels are 0, 1, 2: spread to where the window shows them. */
-static void slices(page *p, const loaded_volume *in, const diff_result *r, const char *caption)
+static void slices(html_page *p, const loaded_volume *in, const diff_result *r, const char *caption)
 {
     ost_picture picture = {0};
     const ost_slices_options options = {
@@ -109,12 +56,12 @@ static void slices(page *p, const loaded_volume *in, const diff_result *r, const
     ost_picture_free(&picture);
 }
 
-static void pictures(page *p, const loaded_volume *a, const loaded_volume *b, const diff_result *r)
+static void pictures(html_page *p, const loaded_volume *a, const loaded_volume *b, const diff_result *r)
 {
     if (!r->same_dims || p->status != OST_OK)
         return;
-    text(p, "<h2>Slices</h2>\n");
-    print(p, "<p>Axial, coronal and sagittal, through voxel (%d, %d, %d), where most differs.</p>\n", r->busiest[0], r->busiest[1], r->busiest[2]);
+    html_text(p, "<h2>Slices</h2>\n");
+    html_print(p, "<p>Axial, coronal and sagittal, through voxel (%d, %d, %d), where most differs.</p>\n", r->busiest[0], r->busiest[1], r->busiest[2]);
     ost_picture picture = {0};
     p->status = diff_picture(a, b, r, &picture, p->err);
     if (p->status == OST_OK) {
@@ -124,9 +71,9 @@ static void pictures(page *p, const loaded_volume *a, const loaded_volume *b, co
         bool none = ost_picture_encode_png(&picture, &png, &size, NULL) == OST_ERR_UNAVAILABLE;
         free(png);
         if (none) {
-            text(p, "<p>This osteon was built without libpng, so there are no pictures here.</p>\n");
+            html_text(p, "<p>This osteon was built without libpng, so there are no pictures here.</p>\n");
         } else {
-            text(p, "<p class=\"key\"><i style=\"background:#d63c34\"></i>removed<i style=\"background:#2678d6\"></i>added"
+            html_text(p, "<p class=\"key\"><i style=\"background:#d63c34\"></i>removed<i style=\"background:#2678d6\"></i>added"
                     "<i style=\"background:#e6a01e\"></i>changed<i style=\"background:#965abe\"></i>below the threshold</p>\n");
             figure(p, &picture, "Difference");
             slices(p, a, r, "A");
@@ -138,7 +85,7 @@ static void pictures(page *p, const loaded_volume *a, const loaded_volume *b, co
 
 /* --------------------------------------------------------------- chunk map */
 
-static void chunk_map(page *p, const diff_result *r)
+static void chunk_map(html_page *p, const diff_result *r)
 {
     enum { CELL = 14 };
     if (!r->chunk_count)
@@ -146,106 +93,106 @@ static void chunk_map(page *p, const diff_result *r)
     int64_t greatest = 1;
     for (size_t c = 0; c < r->chunk_count; c++)
         greatest = r->chunks[c].different > greatest ? r->chunks[c].different : greatest;
-    print(p, "<h2>Chunks</h2>\n<p>%zu of %lld chunks of %d<sup>3</sup> differ; one square a chunk, one map a layer from the feet up, "
+    html_print(p, "<h2>Chunks</h2>\n<p>%zu of %lld chunks of %d<sup>3</sup> differ; one square a chunk, one map a layer from the feet up, "
              "darker for more. x to the right, y down.</p>\n",
           r->chunk_count, (long long)ost_dims_count(r->chunk_dims), r->chunk_size);
     size_t c = 0;
     for (int32_t z = 0; z < r->chunk_dims.z; z++) {
         int w = r->chunk_dims.x * CELL, h = r->chunk_dims.y * CELL;
-        print(p, "<svg width=\"%d\" height=\"%d\"><rect width=\"%d\" height=\"%d\" fill=\"#f4f4f4\"/>"
+        html_print(p, "<svg width=\"%d\" height=\"%d\"><rect width=\"%d\" height=\"%d\" fill=\"#f4f4f4\"/>"
                  "<text x=\"0\" y=\"%d\" font-size=\"11\" fill=\"#555\">z = %d</text>",
               w + 1, h + 16, w, h, h + 13, z);
         for (; c < r->chunk_count && r->chunks[c].at[2] == z; c++) {
             const diff_chunk *k = &r->chunks[c];
             double share = log1p((double)k->different) / log1p((double)greatest);
-            print(p, "<rect x=\"%d\" y=\"%d\" width=\"%d\" height=\"%d\" fill=\"#c8402f\" fill-opacity=\"%.2f\">"
+            html_print(p, "<rect x=\"%d\" y=\"%d\" width=\"%d\" height=\"%d\" fill=\"#c8402f\" fill-opacity=\"%.2f\">"
                      "<title>chunk (%d, %d, %d): %lld voxels</title></rect>",
                   k->at[0] * CELL, k->at[1] * CELL, CELL - 1, CELL - 1, 0.2 + 0.8 * share, k->at[0], k->at[1], k->at[2], (long long)k->different);
         }
-        text(p, "</svg>\n");
+        html_text(p, "</svg>\n");
     }
 }
 
 /* ------------------------------------------------------------------ tables */
 
-static void grids_table(page *p, const char *name_a, const char *name_b, const loaded_volume *a, const loaded_volume *b)
+static void grids_table(html_page *p, const char *name_a, const char *name_b, const loaded_volume *a, const loaded_volume *b)
 {
     static const char *const kind[] = {"CT", "bone", "tool"};
     const char *names[2] = {name_a, name_b};
     const loaded_volume *in[2] = {a, b};
     char d[SAY_TEXT], s[SAY_TEXT], o[SAY_TEXT];
-    text(p, "<table><tr><th></th><th>file</th><th>kind</th><th>voxels</th><th>spacing</th><th>first voxel</th></tr>\n");
+    html_text(p, "<table><tr><th></th><th>file</th><th>kind</th><th>voxels</th><th>spacing</th><th>first voxel</th></tr>\n");
     for (int i = 0; i < 2; i++) {
         const ost_geometry *g = &in[i]->volume.geometry;
-        print(p, "<tr><th>%c</th><td><code>", 'A' + i);
-        escaped(p, names[i]);
-        print(p, "</code></td><td>%s</td><td>%s</td><td>%s</td><td>%s</td></tr>\n", kind[in[i]->kind], say_dims(d, g->dims),
+        html_print(p, "<tr><th>%c</th><td><code>", 'A' + i);
+        html_escaped(p, names[i]);
+        html_print(p, "</code></td><td>%s</td><td>%s</td><td>%s</td><td>%s</td></tr>\n", kind[in[i]->kind], say_dims(d, g->dims),
               say_spacing(s, g->spacing), say_point(o, g->origin));
     }
-    text(p, "</table>\n");
+    html_text(p, "</table>\n");
 }
 
-static void kinds_table(page *p, const diff_result *r)
+static void kinds_table(html_page *p, const diff_result *r)
 {
     char n[SAY_TEXT];
     if (!r->different)
         return;
-    text(p, "<h2>Kinds</h2>\n<table>\n");
+    html_text(p, "<h2>Kinds</h2>\n<table>\n");
     for (int k = 0; k < DIFF_KIND_COUNT; k++)
-        print(p, "<tr><td>%s</td><td class=\"n\">%s</td><td>%s</td></tr>\n", diff_kind_name((diff_kind)k), say_count(n, r->count[k]),
+        html_print(p, "<tr><td>%s</td><td class=\"n\">%s</td><td>%s</td></tr>\n", diff_kind_name((diff_kind)k), say_count(n, r->count[k]),
               diff_kind_text((diff_kind)k));
-    text(p, "</table>\n");
+    html_text(p, "</table>\n");
 }
 
-static void voxels_table(page *p, const loaded_volume *a, const loaded_volume *b, const diff_result *r)
+static void voxels_table(html_page *p, const loaded_volume *a, const loaded_volume *b, const diff_result *r)
 {
     const ost_geometry *g = &a->volume.geometry;
     if (!r->first_count)
         return;
-    print(p, "<h2>The first %zu voxels</h2>\n<table><tr><th class=\"n\">i</th><th class=\"n\">j</th><th class=\"n\">k</th><th>mm</th>"
+    html_print(p, "<h2>The first %zu voxels</h2>\n<table><tr><th class=\"n\">i</th><th class=\"n\">j</th><th class=\"n\">k</th><th>mm</th>"
              "<th class=\"n\">A</th><th class=\"n\">B</th><th>kind</th></tr>\n",
           r->first_count);
     for (size_t v = 0; v < r->first_count; v++) {
         const diff_voxel *x = &r->first[v];
         char point[SAY_TEXT];
         const ost_pm3 at = {g->origin.x + x->at[0] * g->spacing.x, g->origin.y + x->at[1] * g->spacing.y, g->origin.z + x->at[2] * g->spacing.z};
-        print(p, "<tr><td class=\"n\">%d</td><td class=\"n\">%d</td><td class=\"n\">%d</td><td>%s</td><td class=\"n\">%d</td><td class=\"n\">%d</td>"
+        html_print(p, "<tr><td class=\"n\">%d</td><td class=\"n\">%d</td><td class=\"n\">%d</td><td>%s</td><td class=\"n\">%d</td><td class=\"n\">%d</td>"
                  "<td>%s</td></tr>\n",
               x->at[0], x->at[1], x->at[2], say_point(point, at), x->a, x->b,
               diff_kind_name(diff_kind_of(x->a, x->b, a->threshold, b->threshold)));
     }
-    text(p, "</table>\n");
+    html_text(p, "</table>\n");
 }
 
 ost_status diff_html(const char *path, const char *name_a, const char *name_b, const loaded_volume *a, const loaded_volume *b,
                      const diff_result *r, ost_error *err)
 {
-    page p = {.err = err};
+    html_page p = {.err = err};
     char n[SAY_TEXT];
     p.status = ost_outfile_open(path, &p.file, err);
     if (p.status != OST_OK)
         return p.status;
-    text(&p, head);
-    print(&p, "<h1>What differs between two grids</h1>\n<p class=\"verdict %s\">", r->equal ? "equal" : "differ");
+    html_text(&p, head);
+    html_print(&p, "<h1>What differs between two grids</h1>\n<p class=\"verdict %s\">", r->equal ? "equal" : "differ");
     if (r->equal)
-        text(&p, "Equal: the same geometry, and every voxel the same.");
+        html_text(&p, "Equal: the same geometry, and every voxel the same.");
     else if (!r->same_dims)
-        text(&p, "They differ: the grids have other dims, so no voxel was compared.");
+        html_text(&p, "They differ: the grids have other dims, so no voxel was compared.");
     else
-        print(&p, "They differ in %s voxels.", say_count(n, r->different));
-    text(&p, "</p>\n");
+        html_print(&p, "They differ in %s voxels.", say_count(n, r->different));
+    html_text(&p, "</p>\n");
     grids_table(&p, name_a, name_b, a, b);
     if (r->pattern_count) {
-        text(&p, "<h2>What it looks like</h2>\n<ul>\n");
+        html_text(&p, "<h2>What it looks like</h2>\n<ul>\n");
         for (int i = 0; i < r->pattern_count; i++)
-            print(&p, "<li><b>%s</b>: %s</li>\n", r->patterns[i].name, r->patterns[i].text);
-        text(&p, "</ul>\n");
+            html_print(&p, "<li><b>%s</b>: %s</li>\n", r->patterns[i].name, r->patterns[i].text);
+        html_text(&p, "</ul>\n");
     }
     kinds_table(&p, r);
     pictures(&p, a, b, r);
     chunk_map(&p, r);
     voxels_table(&p, a, b, r);
-    text(&p, "</body></html>\n");
+    html_text(&p, "</body></html>\n");
     if (p.status == OST_OK)
         return ost_outfile_commit(p.file, err);
     ost_outfile_discard(p.file);

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A page for people, written as it is made: whole or not at all (io/outfile.h).
+ * The first failure stays in status, and what follows it writes nothing.
+ */
+#ifndef OST_APP_HTML_H
+#define OST_APP_HTML_H
+
+#include "io/outfile.h"
+
+typedef struct html_page {
+    ost_outfile *file;
+    ost_status status;
+    ost_error *err;
+} html_page;
+
+void html_text(html_page *p, const char *bytes);
+/* With < > & and " as entities. */
+void html_escaped(html_page *p, const char *text);
+void html_base64(html_page *p, const uint8_t *bytes, size_t size);
+
+#define html_print(p, ...)                                                      \
+    do {                                                                        \
+        if ((p)->status == OST_OK)                                              \
+            (p)->status = ost_outfile_printf((p)->file, (p)->err, __VA_ARGS__); \
+    } while (0)
+
+#endif
