@@ -25,6 +25,12 @@ typedef struct ost_eye {
     int width, height;
 } ost_eye;
 
+/* Rounded in this order everywhere. */
+static inline float ost_eye_dot(const float a[3], const float b[3])
+{
+    return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
+}
+
 /* camera was checked. */
 ost_eye ost_eye_make(const ost_camera *camera, const ost_geometry *bone);
 

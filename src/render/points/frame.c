@@ -92,11 +92,6 @@ static ost_status make_room(ost_frame *f, const ost_surface *s, ost_error *err)
     return OST_OK;
 }
 
-static float dot(const float a[3], const float b[3])
-{
-    return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
-}
-
 /*
  * Whether the block about o (from the eye) may be seen, and in which rows.
  * Its box is taken as one large voxel of half side 16: splat_scalar.c has the
@@ -106,7 +101,7 @@ static bool cull(const ost_splat_eye *s, const float o[3], ost_frame_block *b)
 {
     const ost_eye *e = &s->eye;
     const float half = (float)OST_BLOCK; /* times reach, which has a half in it */
-    const float x = dot(e->right, o), y = dot(e->up, o), z = dot(e->forward, o);
+    const float x = ost_eye_dot(e->right, o), y = ost_eye_dot(e->up, o), z = ost_eye_dot(e->forward, o);
     const float reach = half * s->reach[2], far = z + reach, nearest = z - reach;
     if (!(far > e->near))
         return false;
@@ -160,7 +155,7 @@ static void choose_blocks(ost_frame *f, const ost_surface *s)
         }
         if (block->count == 0 || !cull(&f->eye, middle, &b))
             continue;
-        b.distance = dot(middle, middle);
+        b.distance = ost_eye_dot(middle, middle);
         f->blocks[f->count++] = b;
     }
     if (f->count > 0)

@@ -7,18 +7,13 @@
 /* Bone is #e3dac9 (thesis 3.3.2). */
 enum { RED = 0xe3, GREEN = 0xda, BLUE = 0xc9 };
 
-static float dot(const float a[3], const float b[3])
-{
-    return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
-}
-
 /* Unit; r, u and f along the picture's right, up and into it. */
 static void toward(const ost_eye *eye, float r, float u, float f, float out[3])
 {
     float square = 0;
     for (int a = 0; a < 3; a++)
         out[a] = (r * eye->right[a] + u * eye->up[a]) + f * eye->forward[a];
-    square = dot(out, out);
+    square = ost_eye_dot(out, out);
     for (int a = 0; a < 3; a++)
         out[a] /= sqrtf(square);
 }
@@ -43,9 +38,9 @@ void ost_light_make(ost_light *light, const ost_eye *eye, ost_style style)
     light->style = style;
     for (uint32_t cell = 0; cell < OST_OCTAHEDRAL_COUNT; cell++) {
         ost_octahedral_vector(cell, n);
-        const float sky = 0.5f + 0.5f * dot(n, eye->up);
-        const float bright = ((0.20f + 0.10f * sky) + 0.68f * positive(dot(n, key))) + 0.16f * positive(dot(n, fill));
-        float gloss = positive(dot(n, half));
+        const float sky = 0.5f + 0.5f * ost_eye_dot(n, eye->up);
+        const float bright = ((0.20f + 0.10f * sky) + 0.68f * positive(ost_eye_dot(n, key))) + 0.16f * positive(ost_eye_dot(n, fill));
+        float gloss = positive(ost_eye_dot(n, half));
         for (int i = 0; i < 5; i++)
             gloss *= gloss; /* to the 32nd power */
         light->bright[cell] = (uint16_t)rounded(256.0f * bright, 288);

@@ -45,11 +45,6 @@ uint32_t ost_facing_scalar(const ost_surface_block *block, uint32_t slot, const 
     return n;
 }
 
-static float dot(const float a[3], const float b[3])
-{
-    return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
-}
-
 typedef struct rectangle {
     int x0, x1, y0, y1; /* pixels, x1 and y1 among them */
 } rectangle;
@@ -71,7 +66,7 @@ static float spread(const float axis[3], float t, const float forward[3])
 static bool rectangle_of(const ost_splat_eye *s, const float o[3], int y0, int y1, rectangle *r)
 {
     const ost_eye *e = &s->eye;
-    const float x = dot(e->right, o), y = dot(e->up, o), z = dot(e->forward, o);
+    const float x = ost_eye_dot(e->right, o), y = ost_eye_dot(e->up, o), z = ost_eye_dot(e->forward, o);
     const float nearest = z - s->reach[2];
     if (!(nearest > e->near))
         return false;
@@ -99,7 +94,7 @@ static bool covers(const float n[3], const float d[3])
 
 static void fill(const ost_splat_eye *s, const float o[3], uint32_t index, const rectangle *r, const ost_planes *planes)
 {
-    const float distance = dot(o, o);
+    const float distance = ost_eye_dot(o, o);
     float n[3][3]; /* o x each of the axes that d is made of */
     for (int i = 0; i < 3; i++)
         cross(o, s->axis[i], n[i]);
