@@ -23,7 +23,7 @@
 #include "app/ream_path.h"
 #include "app/result.h"
 #include "app/say.h"
-#include "app/session_keys.h"
+#include "app/session_record.h"
 
 typedef struct ream_args {
     const char *bone, *out, *record, *classes_text;
@@ -127,7 +127,6 @@ static ost_status debrief_take(const app_state *app, const ream_args *args, job 
     return status == OST_OK ? debrief_begin(j->bone, &glenoid, (double)um * 1e-3, &j->debrief, err) : status;
 }
 
-/* Only now, when the first tick is next: a mistake before leaves an old session of that name as it was. */
 static ost_status record_begin(const ream_args *args, job *j, ost_error *err)
 {
     if (!args->record)
@@ -141,13 +140,7 @@ static ost_status record_begin(const ream_args *args, job *j, ost_error *err)
         .removal_period_ns = args->period_ns,
         .classes = *ost_world_classes(j->world),
     };
-    ost_session_header *header;
-    ost_status status = session_keys_make(&setup, j->backend, j->bone, j->tools, "path", &header, err);
-    if (status != OST_OK)
-        return status;
-    status = ost_recorder_open(args->record, header, NULL, &j->recorder, err);
-    ost_session_header_free(header);
-    return status;
+    return session_record(args->record, &setup, j->backend, j->bone, j->tools, "path", NULL, NULL, &j->recorder, err);
 }
 
 static uint32_t at_most_32(uint64_t n)

@@ -1,0 +1,77 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * osteon sim in pieces.
+ *
+ *   sim_args.c     what was asked for
+ *   sim_load.c     bone, tools, world, device, force
+ *   sim_resume.c   the ticks of a session that is gone on with
+ *   sim_run.c      the loop
+ *   sim_report.c   what is said afterwards, and what is written
+ */
+#ifndef OST_APP_SIM_H
+#define OST_APP_SIM_H
+
+#include "app/load.h"
+#include "app/ream_path.h"
+
+enum { SIM_ROOM = 65536 }; /* records that wait for the disk: 65 s */
+
+typedef struct sim_args {
+    const char *device, *bone, *out, *record, *classes_text, *session, *resume;
+    option_list tools, paths;
+    ct_options ct;
+    tool_options how;
+    target_options target;
+    option_decimal rate, seconds, idle;
+    int64_t period_ns;
+    uint64_t ticks, idle_ticks;
+    ost_density_classes classes;
+    int64_t force; /* of sim_force_names */
+    bool force_given, headless, no_clock, no_realtime, compress, sweep_off, bone_given, tools_given;
+} sim_args;
+
+/* By args.force: "off", "energy", "instant". */
+extern const char *const sim_force_names[];
+
+typedef struct simulation {
+    ost_backend *backend;
+    ost_bone *bone;
+    ost_import_result imported;
+    ost_tool *tools[OPTION_LIST_MAX];
+    ost_path path;
+    ost_world *world;
+    ost_recorder *recorder;
+    ost_haptic *device;
+    ost_force *force;   /* NULL: none is given */
+    ost_operation *operation;
+    ost_servo_report *loop;
+    ost_operation_report done;
+    ost_session *resumed; /* NULL: it begins */
+    ost_tick last;        /* of it */
+    uint64_t before;      /* its ticks */
+} simulation;
+
+void simulation_free(simulation *s);
+
+bool sim_device_is(const sim_args *args, const char *name);
+/* All that can be said before anything is read. */
+ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err);
+
+ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
+/* A device that renders forces gets one unless --force off; one that does not has none to be asked for. */
+ost_status sim_force_make(const app_state *app, sim_args *args, simulation *s, ost_error *err);
+/* With --record. */
+ost_status sim_record_begin(const sim_args *args, simulation *s, ost_error *err);
+
+/* What the session says of bone, tools and world goes before what is usual; files may have been moved. */
+ost_status sim_resume_open(const app_state *app, sim_args *args, simulation *s, ost_error *err);
+/* Its ticks, each as recorded, into the world and into the new recording. */
+ost_status sim_resume_run(const sim_args *args, simulation *s, ost_error *err);
+
+ost_status sim_run(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
+
+void sim_report_loop(const app_state *app, const sim_args *args, const simulation *s);
+/* The bone and the session, to the disk. */
+ost_status sim_finish(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
+
+#endif

@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "app/sim.h"
+
+#include <string.h>
+
+#include "app/result.h"
+#include "app/say.h"
+
+const char *const sim_force_names[] = {"off", "energy", "instant"};
+
+bool sim_device_is(const sim_args *args, const char *name)
+{
+    const size_t length = strcspn(args->device, ":");
+    return strlen(name) == length && memcmp(args->device, name, length) == 0;
+}
+
+/* Seconds as ticks of a millisecond. */
+static ost_status ticks_of(const app_state *app, const char *name, const option_decimal *seconds, uint64_t *ticks, ost_error *err)
+{
+    int64_t ms;
+    if (!ost_decimal_scale(&seconds->value, 1000, &ms, NULL) || ms < 0 || ms > INT64_C(86400000))
+        return usage_error(app, err, "--%s %s: must be from 0 to 86400", name, seconds->text);
+    *ticks = (uint64_t)ms;
+    return OST_OK;
+}
+
+ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err)
+{
+    ost_status status = ream_period(app, &args->rate, &args->period_ns, err);
+    if (!args->headless)
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "this version of osteon has no window; --headless runs without one");
+    if (status == OST_OK && args->classes_text && (status = ost_density_classes_parse(args->classes_text, &args->classes, err)) != OST_OK)
+        ost_fail_context(err, "--classes");
+    args->ticks = 10000;
+    if (status == OST_OK && args->seconds.text)
+        status = ticks_of(app, "seconds", &args->seconds, &args->ticks, err);
+    args->idle_ticks = args->ticks < 10000 ? args->ticks : 10000;
+    if (status == OST_OK && args->idle.text)
+        status = ticks_of(app, "idle", &args->idle, &args->idle_ticks, err);
+    if (status != OST_OK)
+        return status;
+    if (args->ticks == 0)
+        return usage_error(app, err, "--seconds 0 is no time at all");
+    if (sim_device_is(args, "replay")) {
+        if (args->paths.count != 1)
+            return usage_error(app, err, "--device replay needs one --path SESSION");
+        args->session = args->paths.value[0];
+    }
+    /* What a session records must be what a replay reads again. */
+    args->tools_given = args->tools.count > 0;
+    if (!args->tools.count && !args->resume)
+        args->tools = (option_list){1, {"builtin:reamer"}};
+    if (!args->paths.count)
+        args->paths = (option_list){1, {"builtin:glenoid-slow"}};
+    if (!args->resume && args->tools.count > 1 && args->paths.count > args->tools.count)
+        return usage_error(app, err, "%d paths and %d tools: give one tool for all, or a tool for each path, in the same order",
+                           args->paths.count, args->tools.count);
+    /* One thread serves the device; the other cores are for whoever records and looks on. */
+    if (!app->threads && strcmp(app->backend, "cpu") == 0)
+        app->threads = 1;
+    if (args->record && (status = out_check(app, args->record, "session", err)) != OST_OK)
+        return status;
+    return args->out ? out_check(app, args->out, "nrrd|nii|nii.gz|txt", err) : OST_OK;
+}

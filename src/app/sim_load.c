@@ -1,0 +1,97 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* All that must be there before the first tick, in the order in which a mistake costs least. */
+#include "app/sim.h"
+
+#include <stdlib.h>
+
+#include "app/backend_choice.h"
+#include "app/say.h"
+#include "app/session_record.h"
+
+void simulation_free(simulation *s)
+{
+    free(s->loop);
+    ost_operation_free(s->operation);
+    ost_force_free(s->force);
+    ost_haptic_close(s->device);
+    ost_recorder_close(s->recorder, NULL, NULL);
+    ost_session_close(s->resumed);
+    ost_world_free(s->world);
+    ost_path_free(&s->path);
+    for (int i = 0; i < OPTION_LIST_MAX; i++)
+        ost_tool_free(s->tools[i]);
+    ost_bone_free(s->bone);
+    ost_backend_close(s->backend);
+}
+
+ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, ost_error *err)
+{
+    ost_status status = backend_choose(app, &s->backend, err);
+    for (int i = 0; i < args->tools.count && status == OST_OK; i++)
+        status = load_tool(app, s->backend, args->tools.value[i], NULL, &args->how, &s->tools[i], NULL, err);
+    if (status == OST_OK)
+        status = load_bone(app, s->backend, args->bone, &args->ct, false, &s->bone, &s->imported, err);
+    const ost_tool_geometry *grids[OPTION_LIST_MAX] = {NULL};
+    for (int i = 0; i < args->tools.count && status == OST_OK; i++)
+        grids[i] = ost_tool_geometry_get(s->tools[i]);
+    if (status == OST_OK && !sim_device_is(args, "replay"))
+        status = ream_path_make(app, &args->paths, &args->target, &s->imported.meta, args->bone, grids, args->tools.count, &s->path, err);
+    const ost_world_options options = {.sweep_off = args->sweep_off, .removal_period_ns = args->period_ns, .classes = args->classes};
+    if (status == OST_OK)
+        status = ost_world_create(s->bone, &options, &s->world, err);
+    for (int i = 0; i < args->tools.count && status == OST_OK; i++)
+        status = ost_world_add_tool(s->world, args->tools.value[i], s->tools[i], NULL, err);
+    if (status != OST_OK)
+        return status;
+    const ost_haptic_setup setup = {
+        .path = &s->path,
+        .session = args->session,
+        .start = s->path.count ? s->path.ticks[0].pose : ost_pose_identity(),
+    };
+    return ost_haptic_open(args->device, &setup, &s->device, err);
+}
+
+ost_status sim_force_make(const app_state *app, sim_args *args, simulation *s, ost_error *err)
+{
+    ost_haptic_info info = {0};
+    for (int i = 0; i < ost_haptic_count(); i++)
+        if (ost_haptic_describe(i, &info, err) == OST_OK && sim_device_is(args, info.name))
+            break;
+    const bool renders = info.name && sim_device_is(args, info.name) && (info.caps & OST_HAPTIC_FORCE);
+    if (!args->force_given)
+        args->force = renders;
+    if (args->force && !renders)
+        return usage_error(app, err, "--force %s: device %s renders no force", sim_force_names[args->force], args->device);
+    if (!args->force)
+        return OST_OK;
+    ost_force_params params = ost_force_defaults();
+    params.mode = args->force == 2 ? OST_FORCE_INSTANT : OST_FORCE_ENERGY;
+    ost_status status = ost_force_create(s->bone, &params, &s->force, err);
+    if (status == OST_ERR_UNAVAILABLE && !args->force_given) {
+        warn(app, "%s; none is given", err->text);
+        args->force = 0;
+        *err = (ost_error){0};
+        return OST_OK;
+    }
+    for (int i = 0; i < args->tools.count && status == OST_OK; i++)
+        status = ost_force_add_tool(s->force, s->tools[i], err);
+    return status;
+}
+
+ost_status sim_record_begin(const sim_args *args, simulation *s, ost_error *err)
+{
+    if (!args->record)
+        return OST_OK;
+    const session_setup setup = {
+        .bone = args->bone,
+        .tools = args->tools,
+        .ct = args->ct,
+        .how = args->how,
+        .sweep_off = args->sweep_off,
+        .removal_period_ns = args->period_ns,
+        .classes = *ost_world_classes(s->world),
+    };
+    const session_key more[] = {{"tick_ns", "1000000"}, {"force", sim_force_names[args->force]}, {NULL, NULL}};
+    const ost_recorder_options options = {.room = SIM_ROOM};
+    return session_record(args->record, &setup, s->backend, s->bone, s->tools, args->device, more, &options, &s->recorder, err);
+}

@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "app/sim.h"
+
+#include "app/interrupt.h"
+#include "app/result.h"
+#include "app/say.h"
+
+static void put_times(const app_state *app, const char *key, const char *what, const ost_times *times)
+{
+    const double p50 = ost_times_share_us(times, 0.5), p99 = ost_times_share_us(times, 0.99), p999 = ost_times_share_us(times, 0.999);
+    const double max = (double)times->max_ns * 1e-3;
+    put(app->result, key, json_pack("{s:f,s:f,s:f,s:f,s:I}", "p50", p50, "p99", p99, "p99_9", p999, "max", max, "count", (json_int_t)times->count));
+    if (times->count)
+        say(app, "  %-22s %8.0f %8.0f %8.0f %10.0f us", what, p50, p99, p999, max);
+}
+
+static const char *end_text(ost_servo_end end)
+{
+    switch (end) {
+    case OST_SERVO_TICKS: return "the time was over";
+    case OST_SERVO_ASKED: return interrupt_asked() ? "it was asked to end" : "the world failed";
+    case OST_SERVO_DEVICE_ENDED: return "the device had nothing more to give";
+    case OST_SERVO_DEVICE_LOST: return "the device was lost";
+    case OST_SERVO_WATCHDOG: return "the device was silent for 5 ticks";
+    }
+    return "unknown";
+}
+
+void sim_report_loop(const app_state *app, const sim_args *args, const simulation *s)
+{
+    const ost_servo_report *r = s->loop;
+    char a[SAY_TEXT];
+    json_t *o = app->result;
+    put_text(o, "device", args->device);
+    if (s->resumed) {
+        put_text(o, "resumed", args->resume);
+        put_integer(o, "ticks_before", (int64_t)s->before);
+        say(app, "%s: %s ticks done again, and on", args->resume, say_count(a, (int64_t)s->before));
+    }
+    put_text(o, "end", end_text(r->end));
+    put_integer(o, "ticks", (int64_t)r->ticks);
+    put_integer(o, "missed", (int64_t)r->missed);
+    put_integer(o, "longest_miss", (int64_t)r->longest_miss);
+    put_integer(o, "stale", (int64_t)r->stale);
+    put_integer(o, "idle_ticks", (int64_t)r->idle_ticks);
+    put_integer(o, "idle_missed", (int64_t)r->idle_missed);
+    put_integer(o, "stolen_ms", r->stolen_ms);
+    put_integer(o, "faults", (int64_t)s->done.faults);
+    put_integer(o, "fault_ticks", (int64_t)s->done.fault_ticks);
+    put_text(o, "scheduling", r->realtime.scheduling);
+    put_text(o, "memory", r->realtime.memory);
+    say(app, "%s ticks: %s", say_count(a, (int64_t)r->ticks), end_text(r->end));
+    say(app, "  %-22s %8s %8s %8s %10s", "", "median", "99 %", "99.9 %", "max");
+    put_times(app, "wake_us", "late by", &r->wake);
+    put_times(app, "exec_us", "a tick takes", &r->exec);
+    put_times(app, "completion_us", "done after", &r->completion);
+    put_times(app, "idle_wake_us", "a quiet loop, late by", &r->idle_wake);
+    if (!args->no_clock) {
+        say(app, "  deadlines missed: %llu of %llu; by the quiet loop %llu of %llu", (unsigned long long)r->missed, (unsigned long long)r->ticks,
+            (unsigned long long)r->idle_missed, (unsigned long long)r->idle_ticks);
+        say(app, "  scheduling: %s; memory: %s", r->realtime.scheduling, r->realtime.memory);
+        if (r->stolen_ms > 0)
+            say(app, "  the machine is a virtual one: %lld ms of its cores went elsewhere meanwhile", (long long)r->stolen_ms);
+    }
+    put_text(o, "force", sim_force_names[args->force]);
+    if (s->force) {
+        put_real(o, "peak_force_n", s->done.peak_n);
+        put_real(o, "peak_axial_n", s->done.peak_axial_n);
+        put_real(o, "cutting_j", s->done.energy_j);
+        put_integer(o, "contact_ticks", (int64_t)s->done.touching_ticks);
+        put_integer(o, "damped_ticks", (int64_t)s->done.damped_ticks);
+        say(app, "  force: %.2f N at most on the hand, which stands for %.0f N on the bone; %.1f J of cutting in %.1f s of contact",
+            s->done.peak_n, s->done.peak_axial_n, s->done.energy_j, (double)s->done.touching_ticks * 1e-3);
+    }
+    if (s->done.faults)
+        warn(app, "%s: %llu faults, %llu ticks long; the last: %s", args->device, (unsigned long long)s->done.faults,
+             (unsigned long long)s->done.fault_ticks, ost_fault_text(s->done.last_fault));
+}
+
+ost_status sim_finish(const app_state *app, const sim_args *args, simulation *s, ost_error *err)
+{
+    ost_world_totals totals;
+    ost_digest root, file;
+    char a[SAY_TEXT], hex[OST_DIGEST_HEX];
+    json_t *o = app->result;
+    ost_world_totals_get(s->world, &totals);
+    ost_status status = ost_bone_digest(s->bone, NULL, &root, err);
+    if (status != OST_OK)
+        return status;
+    put_integer(o, "removals", (int64_t)totals.removals);
+    put_integer(o, "removed_voxels", (int64_t)totals.removed_voxels);
+    put_digest(o, "sha256", &root);
+    say(app, "  %s voxels removed\n  grid %s", say_count(a, (int64_t)totals.removed_voxels), ost_digest_hex(&root, hex));
+    if (args->out) {
+        const ost_write_options write = {.compress = args->compress};
+        status = ost_bone_write(args->out, s->bone, &s->imported.meta, &write, err);
+        if (status == OST_OK && (status = file_digest(args->out, &file, err)) == OST_OK) {
+            put_text(o, "out", args->out);
+            put_digest(o, "file_sha256", &file);
+            say(app, "  written to %s", args->out);
+        }
+    }
+    if (status == OST_OK && s->recorder) {
+        const ost_session_end end = {
+            .ticks = totals.ticks, .removals = totals.removals, .removed_voxels = totals.removed_voxels, .has_root = true, .root = root};
+        ost_recorder *recorder = s->recorder;
+        s->recorder = NULL;
+        status = ost_recorder_close(recorder, &end, err);
+        if (status == OST_OK) {
+            put_text(o, "session", args->record);
+            say(app, "  recorded in %s", args->record);
+        }
+    }
+    return status;
+}

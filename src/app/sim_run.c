@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "app/sim.h"
+
+#include <stdlib.h>
+
+#include "app/interrupt.h"
+#include "app/say.h"
+#include "app/sim_watch.h"
+
+/* Ends the loop as a user asks for it, so that what was recorded is whole. */
+static bool tick(void *operation, const ost_servo_sample *sample, ost_wrench *wrench)
+{
+    return ost_operation_tick(operation, sample, wrench) && !interrupt_asked();
+}
+
+/* The loop, with somebody who tells people meanwhile, and a signal as a wish to end. */
+static ost_status serve(const app_state *app, const sim_args *args, const ost_servo_options *how, simulation *s, ost_error *err)
+{
+    sim_watch *watch;
+    ost_status status = sim_watch_begin(app, s->recorder, args->record, SIM_ROOM, args->no_clock ? 0 : (double)(how->ticks + how->idle_ticks) * 1e-3,
+                                        &watch, err);
+    if (status != OST_OK)
+        return status;
+    interrupt_begin();
+    status = ost_servo_run(s->device, how, tick, ost_operation_done, s->operation, s->loop, err);
+    interrupt_end();
+    sim_watch_end(watch);
+    return status;
+}
+
+ost_status sim_run(const app_state *app, const sim_args *args, simulation *s, ost_error *err)
+{
+    s->loop = malloc(sizeof *s->loop);
+    if (!s->loop)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for the times of a run");
+    const ost_operation_options what = {
+        .recorder = s->recorder,
+        .force = s->force,
+        .tool = s->resumed ? s->last.tool : 0,
+        .steps_before = s->before,
+        .last = s->resumed ? &s->last : NULL,
+    };
+    ost_status status = ost_operation_create(s->world, &what, &s->operation, err);
+    if (status != OST_OK)
+        return status;
+    const ost_servo_options how = {
+        .ticks = args->ticks,
+        .idle_ticks = args->no_clock ? 0 : args->idle_ticks,
+        .no_clock = args->no_clock,
+        .no_realtime = args->no_realtime || args->no_clock,
+    };
+    if (!app->json && !app->quiet && !args->no_clock && args->ticks)
+        say(app, "%s moves %s in %s for %.4g s%s", args->device, args->tools.value[0], args->bone, (double)args->ticks * 1e-3,
+            how.idle_ticks ? ", with as quiet a loop before and after for comparison" : "");
+    status = serve(app, args, &how, s, err);
+    ost_operation_report_get(s->operation, &s->done);
+    if (status == OST_OK && s->done.status != OST_OK)
+        status = ost_fail(err, s->done.status, "tick %llu: %.500s", (unsigned long long)s->loop->ticks, s->done.error.text);
+    return status == OST_OK ? ost_backend_finish(s->backend, err) : status;
+}
