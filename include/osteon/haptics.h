@@ -111,10 +111,21 @@ OST_API double ost_times_share_us(const ost_times *times, double share);
 
 /* ------------------------------------------------------------------ servo */
 
+/*
+ * The loop on a core of its own, everybody else on the others: a renderer that
+ * may use all of two cores costs the loop deadlines, one that leaves it a core
+ * does not.  The last core that the calling thread may use, or -1 when there
+ * is but one or the system does not say.  To be asked before a thread leaves it.
+ */
+OST_API int ost_servo_core(void);
+/* The calling thread, and those that it makes from then on, leave the core to the loop; false when that cannot be. */
+OST_API bool ost_servo_core_leave(int core);
+
 /* What the system allowed, for the record. */
 typedef struct ost_realtime {
     char scheduling[120]; /* "SCHED_FIFO 80", or the next best, and why */
     char memory[120];     /* "locked", or why not */
+    char core[120];       /* "core 1 alone", or why not */
 } ost_realtime;
 
 typedef struct ost_servo_sample {
@@ -136,7 +147,9 @@ typedef struct ost_servo_options {
     uint64_t ticks;       /* 0: until the device ends or tick returns false */
     uint64_t idle_ticks;  /* of a loop that does nothing, half of them before and half after, for comparison */
     bool no_clock;        /* one tick after the other, as fast as they go: for devices that know no time */
-    bool no_realtime;     /* ask the system for nothing */
+    bool no_realtime;     /* ask the system for no priority and no locked memory */
+    bool pinned;          /* the loop keeps to core; back to where it was afterwards */
+    int core;
 } ost_servo_options;
 
 typedef enum ost_servo_end { OST_SERVO_TICKS, OST_SERVO_ASKED, OST_SERVO_DEVICE_ENDED, OST_SERVO_DEVICE_LOST, OST_SERVO_WATCHDOG } ost_servo_end;

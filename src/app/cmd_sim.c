@@ -45,6 +45,7 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "classes", .kind = OPTION_TEXT, .out = &args.classes_text, .value = "NAME:HU,...", .help = "density classes to count by, each from its HU up"},
         {.name = "no-clock", .kind = OPTION_FLAG, .out = &args.no_clock, .help = "one tick after the other, as fast as they go: the same operation"},
         {.name = "no-realtime", .kind = OPTION_FLAG, .out = &args.no_realtime, .help = "ask the system for no priority and no locked memory"},
+        {.name = "no-pin", .kind = OPTION_FLAG, .out = &args.no_pin, .help = "let the loop share its core; of two or more it has one to itself else"},
         TOOL_OPTIONS(args.how),
         CT_OPTIONS(args.ct),
         {.name = "compress", .kind = OPTION_FLAG, .out = &args.compress, .help = "gzip a .nrrd"},
@@ -55,7 +56,8 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
                  "tick, and how punctual that was is said, beside a loop that does nothing.",
         .options = options,
         .notes = "Tool and bone as for osteon ream. The loop asks for SCHED_FIFO and locked memory and says\n"
-                 "what it got. One thread works unless --threads says otherwise.",
+                 "what it got; of two or more cores it has one to itself. One thread works unless --threads\n"
+                 "says otherwise.",
         .example = "  osteon sim --headless --device sim --seconds 60 --record today.session\n"
                    "  osteon replay today.session --verify --backend ref\n"
                    "  osteon sim --headless --resume today.session --record tomorrow.session",
@@ -71,6 +73,8 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
         status = sim_load(app, &args, &s, err);
     if (status == OST_OK)
         status = sim_force_make(app, &args, &s, err);
+    if (status == OST_OK)
+        sim_pin(&args, &s);
     if (status == OST_OK)
         status = sim_record_begin(&args, &s, err);
     if (status == OST_OK && s.resumed)

@@ -27,7 +27,7 @@ typedef struct sim_args {
     uint64_t ticks, idle_ticks;
     ost_density_classes classes;
     int64_t force; /* of sim_force_names */
-    bool force_given, headless, no_clock, no_realtime, compress, sweep_off, bone_given, tools_given;
+    bool force_given, headless, no_clock, no_realtime, no_pin, compress, sweep_off, bone_given, tools_given;
 } sim_args;
 
 /* By args.force: "off", "energy", "instant". */
@@ -49,6 +49,7 @@ typedef struct simulation {
     ost_session *resumed; /* NULL: it begins */
     ost_tick last;        /* of it */
     uint64_t before;      /* its ticks */
+    int core;             /* that the loop has to itself; -1: none */
 } simulation;
 
 void simulation_free(simulation *s);
@@ -60,6 +61,8 @@ ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err);
 ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
 /* A device that renders forces gets one unless --force off; one that does not has none to be asked for. */
 ost_status sim_force_make(const app_state *app, sim_args *args, simulation *s, ost_error *err);
+/* A core for the loop: from here on this thread, and those it makes, keep off it. */
+void sim_pin(const sim_args *args, simulation *s);
 /* With --record. */
 ost_status sim_record_begin(const sim_args *args, simulation *s, ost_error *err);
 

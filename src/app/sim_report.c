@@ -49,6 +49,7 @@ void sim_report_loop(const app_state *app, const sim_args *args, const simulatio
     put_integer(o, "fault_ticks", (int64_t)s->done.fault_ticks);
     put_text(o, "scheduling", r->realtime.scheduling);
     put_text(o, "memory", r->realtime.memory);
+    put_text(o, "core", r->realtime.core);
     say(app, "%s ticks: %s", say_count(a, (int64_t)r->ticks), end_text(r->end));
     say(app, "  %-22s %8s %8s %8s %10s", "", "median", "99 %", "99.9 %", "max");
     put_times(app, "wake_us", "late by", &r->wake);
@@ -58,7 +59,8 @@ void sim_report_loop(const app_state *app, const sim_args *args, const simulatio
     if (!args->no_clock) {
         say(app, "  deadlines missed: %llu of %llu; by the quiet loop %llu of %llu", (unsigned long long)r->missed, (unsigned long long)r->ticks,
             (unsigned long long)r->idle_missed, (unsigned long long)r->idle_ticks);
-        say(app, "  scheduling: %s; memory: %s", r->realtime.scheduling, r->realtime.memory);
+        say(app, "  scheduling: %s; memory: %s; the loop on %s%s", r->realtime.scheduling, r->realtime.memory, r->realtime.core,
+            s->core >= 0 ? ", all else on the others" : " core");
         if (r->stolen_ms > 0)
             say(app, "  the machine is a virtual one: %lld ms of its cores went elsewhere meanwhile", (long long)r->stolen_ms);
     }

@@ -7,6 +7,13 @@
 #include "app/say.h"
 #include "app/sim_watch.h"
 
+void sim_pin(const sim_args *args, simulation *s)
+{
+    s->core = args->no_pin || args->no_clock ? -1 : ost_servo_core();
+    if (s->core >= 0 && !ost_servo_core_leave(s->core))
+        s->core = -1;
+}
+
 /* Ends the loop as a user asks for it, so that what was recorded is whole. */
 static bool tick(void *operation, const ost_servo_sample *sample, ost_wrench *wrench)
 {
@@ -48,6 +55,8 @@ ost_status sim_run(const app_state *app, const sim_args *args, simulation *s, os
         .idle_ticks = args->no_clock ? 0 : args->idle_ticks,
         .no_clock = args->no_clock,
         .no_realtime = args->no_realtime || args->no_clock,
+        .pinned = s->core >= 0,
+        .core = s->core,
     };
     if (!app->json && !app->quiet && !args->no_clock && args->ticks)
         say(app, "%s moves %s in %s for %.4g s%s", args->device, args->tools.value[0], args->bone, (double)args->ticks * 1e-3,

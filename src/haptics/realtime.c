@@ -7,6 +7,8 @@
  *
  * Memory is locked, so that no tick waits for a page.  What will be allocated
  * later is locked only where the limit cannot make an allocation fail for it.
+ *
+ * Cores: the loop takes the last one, since interrupts like the first.
  */
 #include "haptics/realtime.h"
 
@@ -79,9 +81,48 @@ static void touch_stack(void)
     (void)stack[0];
 }
 
-void realtime_enter(bool ask, realtime_before *before, ost_realtime *out)
+int ost_servo_core(void)
+{
+    cpu_set_t set;
+    if (sched_getaffinity(0, sizeof set, &set) != 0 || CPU_COUNT(&set) < 2)
+        return -1;
+    int last = CPU_SETSIZE - 1;
+    while (!CPU_ISSET(last, &set))
+        last--;
+    return last;
+}
+
+bool ost_servo_core_leave(int core)
+{
+    cpu_set_t set;
+    if (core < 0 || core >= CPU_SETSIZE || sched_getaffinity(0, sizeof set, &set) != 0)
+        return false;
+    CPU_CLR(core, &set);
+    return CPU_COUNT(&set) > 0 && sched_setaffinity(0, sizeof set, &set) == 0;
+}
+
+static void pin(int core, realtime_before *before, ost_realtime *out)
+{
+    cpu_set_t own;
+    if (core < 0) {
+        snprintf(out->core, sizeof out->core, "any");
+        return;
+    }
+    CPU_ZERO(&own);
+    if (core < CPU_SETSIZE)
+        CPU_SET(core, &own);
+    if (sched_getaffinity(0, sizeof before->cores, &before->cores) == 0 && sched_setaffinity(0, sizeof own, &own) == 0) {
+        before->pinned = true;
+        snprintf(out->core, sizeof out->core, "core %d", core);
+    } else {
+        snprintf(out->core, sizeof out->core, "any, not core %d alone: %s", core, strerror(errno));
+    }
+}
+
+void realtime_enter(bool ask, int core, realtime_before *before, ost_realtime *out)
 {
     *before = (realtime_before){0};
+    pin(core, before, out);
     if (!ask) {
         snprintf(out->scheduling, sizeof out->scheduling, "as it was");
         snprintf(out->memory, sizeof out->memory, "as it was");
@@ -107,4 +148,6 @@ void realtime_leave(const realtime_before *before)
         prctl(PR_SET_TIMERSLACK, before->slack_ns);
     if (before->locked)
         munlockall();
+    if (before->pinned)
+        sched_setaffinity(0, sizeof before->cores, &before->cores);
 }

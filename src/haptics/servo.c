@@ -217,7 +217,7 @@ ost_status ost_servo_run(ost_haptic *device, const ost_servo_options *options, o
         return ost_fail(err, OST_ERR_USAGE, "device %s knows time: it cannot be served without a clock", driver->name);
 
     realtime_before before;
-    realtime_enter(!s.options.no_realtime, &before, &report->realtime);
+    realtime_enter(!s.options.no_realtime, s.options.pinned ? s.options.core : -1, &before, &report->realtime);
     const int64_t stolen = stolen_ms();
     run_idle(&s, s.options.idle_ticks / 2);
     ost_status status = OST_OK;

@@ -247,6 +247,70 @@ static void the_thread_is_afterwards_as_it_was(void **state)
     printf("# %s; memory %s\n", report.realtime.scheduling, report.realtime.memory);
 }
 
+typedef struct placed {
+    int core;   /* of the loop */
+    int away;   /* ticks that ran elsewhere */
+    bool apart; /* a thread made while it ran may not run there */
+} placed;
+
+static void *where_am_i(void *user)
+{
+    placed *p = user;
+    cpu_set_t set;
+    p->apart = sched_getaffinity(0, sizeof set, &set) == 0 && !CPU_ISSET(p->core, &set);
+    return NULL;
+}
+
+static bool on_placed_tick(void *user, const ost_servo_sample *sample, ost_wrench *wrench)
+{
+    placed *p = user;
+    (void)sample;
+    (void)wrench;
+    p->away += sched_getcpu() != p->core;
+    return true;
+}
+
+/* The loop has its core, a thread made by who left it has not, and afterwards the loop's thread is among the others again. */
+static void the_loop_has_a_core_of_its_own(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    cpu_set_t before, set;
+    ost_haptic *device;
+    pthread_t thread;
+    placed p = {.core = ost_servo_core()};
+    if (p.core < 0)
+        skip();
+    assert_int_equal(sched_getaffinity(0, sizeof before, &before), 0);
+    assert_true(CPU_ISSET(p.core, &before));
+    assert_true(ost_servo_core_leave(p.core));
+    assert_int_equal(pthread_create(&thread, NULL, where_am_i, &p), 0);
+    pthread_join(thread, NULL);
+    assert_true(p.apart);
+    fake = (struct haptic_instance){.answers = "F"};
+    assert_ok(ost_haptic_open_driver(&polled, "", NULL, &device, &err));
+    const ost_servo_options options = {.ticks = 20, .no_clock = true, .no_realtime = true, .pinned = true, .core = p.core};
+    assert_ok(ost_servo_run(device, &options, on_placed_tick, NULL, &p, &report, &err));
+    assert_int_equal(p.away, 0);
+    assert_int_equal(sched_getaffinity(0, sizeof set, &set), 0);
+    assert_false(CPU_ISSET(p.core, &set));
+    printf("# on %s\n", report.realtime.core);
+    /* One that is not there is no reason not to run. */
+    const ost_servo_options elsewhere = {.ticks = 2, .no_clock = true, .no_realtime = true, .pinned = true, .core = CPU_SETSIZE};
+    assert_ok(ost_servo_run(device, &elsewhere, on_placed_tick, NULL, &p, &report, &err));
+    assert_non_null(strstr(report.realtime.core, "any, not core"));
+    assert_false(ost_servo_core_leave(-1));
+    ost_haptic_close(device);
+    assert_int_equal(sched_setaffinity(0, sizeof before, &before), 0);
+    /* Of one core alone there is none to be had. */
+    CPU_ZERO(&set);
+    CPU_SET(p.core, &set);
+    assert_int_equal(sched_setaffinity(0, sizeof set, &set), 0);
+    assert_int_equal(ost_servo_core(), -1);
+    assert_false(ost_servo_core_leave(p.core));
+    assert_int_equal(sched_setaffinity(0, sizeof before, &before), 0);
+}
+
 static void times_are_found_again(void **state)
 {
     (void)state;
@@ -275,6 +339,7 @@ int main(void)
         cmocka_unit_test(a_device_with_a_clock_of_its_own),
         cmocka_unit_test(what_cannot_be_is_refused),
         cmocka_unit_test(the_thread_is_afterwards_as_it_was),
+        cmocka_unit_test(the_loop_has_a_core_of_its_own),
         cmocka_unit_test(times_are_found_again),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
