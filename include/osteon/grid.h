@@ -64,6 +64,8 @@ OST_API ost_status ost_meta_set(ost_meta *meta, const char *key, const char *val
 #define OST_META_GLENOID_AT "glenoid_at_mm"    /* centre of the glenoid's face */
 #define OST_META_GLENOID_AXIS "glenoid_axis"   /* inward direction, need not be unit */
 #define OST_META_SIDE "side"                   /* "left" or "right" */
+#define OST_META_TRIGONUM "trigonum_mm"       /* where the scapular spine meets the medial border */
+#define OST_META_INFERIOR_ANGLE "inferior_angle_mm" /* the scapula's lowest point */
 #define OST_META_TOOL_CORNER "tool_corner_mm"  /* MinVoxelCoords of Alg. 2.1, exact */
 
 typedef struct ost_volume {

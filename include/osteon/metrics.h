@@ -27,6 +27,9 @@ typedef struct ost_metrics_plan {
     double axis[3];  /* inward; need not be unit */
     bool left;
     double depth_mm; /* of the reaming, at the centre */
+    /* Of the whole scapula, for angles in its own frame. */
+    bool landmarks;
+    ost_pm3 trigonum, inferior; /* where its spine meets the medial border; its lowest point */
 } ost_metrics_plan;
 
 /* The map's cells, MAP x MAP about the axis, PITCH mm apart; NAN where nothing was bared. */

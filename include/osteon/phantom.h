@@ -6,7 +6,8 @@
  * of the thesis' Table 3.1, with noise and partial volume, from a seed.  The
  * same seed gives the same grid on every machine: integer noise, no libm
  * beyond sqrt.  meta carries where the glenoid is (OST_META_GLENOID_AT,
- * OST_META_GLENOID_AXIS, OST_META_SIDE).
+ * OST_META_GLENOID_AXIS, OST_META_SIDE), and the scapula's landmarks
+ * (OST_META_TRIGONUM, OST_META_INFERIOR_ANGLE).
  */
 #ifndef OSTEON_PHANTOM_H
 #define OSTEON_PHANTOM_H

@@ -108,6 +108,8 @@ typedef struct ost_glenoid {
     bool left;
 } ost_glenoid;
 
+/* A point of three decimals, by its key; *there is false without it. OST_ERR_INPUT or OST_ERR_RANGE naming key and value. */
+OST_API ost_status ost_point_from_meta(const ost_meta *meta, const char *key, ost_pm3 *out, bool *there, ost_error *err);
 /* From OST_META_*; OST_ERR_USAGE naming the missing key. */
 OST_API ost_status ost_glenoid_from_meta(const ost_meta *meta, ost_glenoid *out, ost_error *err);
 

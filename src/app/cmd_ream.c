@@ -18,9 +18,9 @@
 
 #include "app/backend_choice.h"
 #include "app/debrief.h"
+#include "app/glenoid_plan.h"
 #include "app/load.h"
 #include "app/progress.h"
-#include "app/ream_path.h"
 #include "app/result.h"
 #include "app/say.h"
 #include "app/session_record.h"
@@ -30,9 +30,8 @@ typedef struct ream_args {
     option_list tools, paths;
     ct_options ct;
     tool_options how;
-    target_options target;
+    glenoid_plan_options plan;
     const char *debrief;
-    option_decimal planned;
     option_decimal rate;
     int64_t period_ns; /* from rate; 0: every tick */
     ost_density_classes classes; /* from classes_text; count 0: the default ones */
@@ -57,6 +56,8 @@ typedef struct job {
     uint32_t *tick_ns; /* how long each step took */
     double run_ms;
     bool met;          /* the boxes of bone and tool met at some tick */
+    ost_metrics_plan plan;
+    bool planned;      /* it is known */
     debrief debrief;   /* empty without --debrief */
     bool failed_over;  /* the backend is another than was asked for */
 } job;
@@ -110,21 +111,15 @@ static ost_status load_all(const app_state *app, const ream_args *args, job *j, 
     for (int i = 0; i < args->tools.count && status == OST_OK; i++)
         grids[i] = ost_tool_geometry_get(j->tools[i]);
     if (status == OST_OK)
-        status = ream_path_make(app, &args->paths, &args->target, &j->imported.meta, args->bone, grids, args->tools.count, &j->path, err);
+        status = ream_path_make(app, &args->paths, &args->plan.target, &j->imported.meta, args->bone, grids, args->tools.count, &j->path, err);
     return status;
 }
 
-/* The bone as it was, for who asks afterwards. */
-static ost_status debrief_take(const app_state *app, const ream_args *args, job *j, ost_error *err)
+/* The plan, and the bone as it was for who asks afterwards. */
+static ost_status plan_take(const app_state *app, const ream_args *args, job *j, ost_error *err)
 {
-    ost_glenoid glenoid;
-    if (!args->debrief)
-        return OST_OK;
-    int64_t um = 3000;
-    if (args->planned.text && (!ost_decimal_scale(&args->planned.value, 1000, &um, NULL) || um < 0 || um > 20000))
-        return usage_error(app, err, "--planned %s: must be from 0 to 20", args->planned.text);
-    ost_status status = target_find(app, &args->target, &j->imported.meta, args->bone, &glenoid, err);
-    return status == OST_OK ? debrief_begin(j->bone, &glenoid, (double)um * 1e-3, &j->debrief, err) : status;
+    ost_status status = glenoid_plan_find(app, &args->plan, NULL, NULL, &j->imported.meta, args->bone, args->debrief != NULL, &j->plan, &j->planned, err);
+    return status == OST_OK && args->debrief ? debrief_begin(j->bone, &j->plan, &j->debrief, err) : status;
 }
 
 static ost_status record_begin(const ream_args *args, job *j, ost_error *err)
@@ -139,6 +134,7 @@ static ost_status record_begin(const ream_args *args, job *j, ost_error *err)
         .sweep_off = args->sweep == 0,
         .removal_period_ns = args->period_ns,
         .classes = *ost_world_classes(j->world),
+        .plan = j->planned ? &j->plan : NULL,
     };
     return session_record(args->record, &setup, j->backend, j->bone, j->tools, "path", NULL, NULL, &j->recorder, err);
 }
@@ -399,7 +395,7 @@ static ost_status check_args(app_state *app, ream_args *args, ost_error *err)
 ost_status cmd_ream(app_state *app, int argc, char **argv, ost_error *err)
 {
     ream_args args = {.ct = CT_OPTIONS_DEFAULT, .how = TOOL_OPTIONS_DEFAULT, .sweep = 1};
-    target_options *t = &args.target;
+    target_options *t = &args.plan.target;
     const option options[] = {
         {.name = "bone", .kind = OPTION_TEXT, .out = &args.bone, .value = "BONE", .required = true,
          .help = "a bone that import wrote, a CT, or builtin:scapula"},
@@ -427,7 +423,7 @@ ost_status cmd_ream(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "compress", .kind = OPTION_FLAG, .out = &args.compress, .help = "gzip a .nrrd"},
         {.name = "debrief", .kind = OPTION_TEXT, .out = &args.debrief, .value = "FILE.html",
          .help = "what it has come to, against the plan: angles, depths, hole, seat;\na page with pictures"},
-        {.name = "planned", .kind = OPTION_DECIMAL, .out = &args.planned, .value = "MM", .help = "planned depth at the glenoid's centre (default: 3)"},
+        GLENOID_PLAN_OPTIONS(args.plan),
         {.name = "record", .kind = OPTION_TEXT, .out = &args.record, .value = "SESSION",
          .help = "write down every tick: osteon replay does it again, osteon info and\nexport read it; the name ends in .session"},
         {.name = NULL}};
@@ -453,7 +449,7 @@ ost_status cmd_ream(app_state *app, int argc, char **argv, ost_error *err)
     if (status == OST_OK)
         status = world_make(app, &args, &j, err);
     if (status == OST_OK)
-        status = debrief_take(app, &args, &j, err);
+        status = plan_take(app, &args, &j, err);
     if (status == OST_OK)
         status = record_begin(&args, &j, err);
     if (status == OST_OK)

@@ -8,13 +8,12 @@
  * reference, and the two bones are laid side by side, which names chunk and
  * voxel.  Who is right follows from whom the reference agrees with.
  */
-#include <math.h>
 #include <string.h>
 
 #include "app/backend_choice.h"
 #include "app/debrief.h"
+#include "app/glenoid_plan.h"
 #include "app/progress.h"
-#include "app/ream_path.h"
 #include "app/replay.h"
 #include "app/result.h"
 #include "app/say.h"
@@ -23,8 +22,7 @@
 typedef struct replay_args {
     const char *session, *bone, *out, *debrief;
     option_list tools;
-    target_options target; /* of a debrief */
-    option_decimal planned;
+    glenoid_plan_options plan; /* of a debrief */
     int64_t ticks;
     bool ticks_given, verify, compress;
 } replay_args;
@@ -258,41 +256,15 @@ static ost_status report(const app_state *app, const replay_args *args, replay *
     return status;
 }
 
-/* What the hand felt, as recorded; nothing when nobody felt anything. */
-static ost_status take_forces(replay *r, debrief *d, ost_error *err)
-{
-    bool more = true, felt = false;
-    ost_status status = OST_OK;
-    ost_session_rewind(r->session);
-    for (uint64_t i = 0; i < r->done && status == OST_OK;) {
-        ost_record record;
-        status = ost_session_next(r->session, &record, &more, err);
-        if (status != OST_OK || !more)
-            break;
-        if (record.kind != OST_RECORD_TICK)
-            continue;
-        const int32_t *f = record.as.tick.force_un;
-        const double n[3] = {f[0] * 1e-6, f[1] * 1e-6, f[2] * 1e-6}, size = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-        status = debrief_force(d, (double)record.as.tick.tick.t_ns * 1e-9, size, err);
-        felt |= size > 0;
-        i++;
-    }
-    if (!felt)
-        d->count = 0;
-    return status;
-}
-
 static ost_status debrief_take(const app_state *app, const replay_args *args, replay *r, debrief *d, ost_error *err)
 {
-    ost_glenoid glenoid;
+    ost_metrics_plan plan;
+    bool known;
     if (!args->debrief)
         return OST_OK;
-    int64_t um = 3000;
-    if (args->planned.text && (!ost_decimal_scale(&args->planned.value, 1000, &um, NULL) || um < 0 || um > 20000))
-        return usage_error(app, err, "--planned %s: must be from 0 to 20", args->planned.text);
-    const target_options *t = &args->target;
-    ost_status status = target_find(app, t, &r->imported.meta, r->setup.bone, &glenoid, err);
-    return status == OST_OK ? debrief_begin(r->bone, &glenoid, (double)um * 1e-3, d, err) : status;
+    ost_status status = glenoid_plan_find(app, &args->plan, args->session, ost_session_header_of(r->session), &r->imported.meta, r->setup.bone, true, &plan,
+                                  &known, err);
+    return status == OST_OK ? debrief_begin(r->bone, &plan, d, err) : status;
 }
 
 static ost_status run(const app_state *app, const replay_args *args, replay *r, debrief *d, ost_error *err)
@@ -324,7 +296,7 @@ static ost_status run(const app_state *app, const replay_args *args, replay *r, 
     }
     status = report(app, args, r, &e, err);
     if (status == OST_OK && args->debrief) {
-        status = take_forces(r, d, err);
+        status = debrief_session(d, r->session, r->done, err);
         if (status == OST_OK)
             status = debrief_end(app, d, r->bone, ost_world_classes(r->world), args->session, args->debrief, err);
     }
@@ -334,6 +306,7 @@ static ost_status run(const app_state *app, const replay_args *args, replay *r, 
 ost_status cmd_replay(app_state *app, int argc, char **argv, ost_error *err)
 {
     replay_args args = {0};
+    target_options *t = &args.plan.target;
     const operand operands[] = {{"SESSION", &args.session, "which session?"}, {0}};
     const option options[] = {
         {.name = "verify", .kind = OPTION_FLAG, .out = &args.verify,
@@ -345,13 +318,13 @@ ost_status cmd_replay(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "tool", .kind = OPTION_LIST, .out = &args.tools, .value = "TOOL", .help = "where the tools are now, in order (default: where they were)"},
         {.name = "debrief", .kind = OPTION_TEXT, .out = &args.debrief, .value = "FILE.html",
          .help = "what it has come to, against the plan: angles, depths, hole, seat,\nforce; a page with pictures"},
-        {.name = "planned", .kind = OPTION_DECIMAL, .out = &args.planned, .value = "MM", .help = "planned depth at the glenoid's centre (default: 3)"},
-        {.name = "at", .kind = OPTION_POINT, .out = &args.target.at, .given = &args.target.at_given, .value = "X,Y,Z",
-         .help = "for --debrief: centre of the glenoid's face (default: the bone's file)"},
-        {.name = "axis", .kind = OPTION_VECTOR, .out = args.target.axis, .given = &args.target.axis_given, .value = "X,Y,Z",
-         .help = "direction into the bone there (default: the file's)"},
-        {.name = "side", .kind = OPTION_CHOICE, .out = &args.target.side, .given = &args.target.side_given, .value = "left|right",
-         .help = "of the body (default: the file's, else right)"},
+        {.name = "at", .kind = OPTION_POINT, .out = &t->at, .given = &t->at_given, .value = "X,Y,Z",
+         .help = "for --debrief: centre of the glenoid's face (default: the session's,\nelse the bone's file)"},
+        {.name = "axis", .kind = OPTION_VECTOR, .out = t->axis, .given = &t->axis_given, .value = "X,Y,Z",
+         .help = "direction into the bone there (default: likewise)"},
+        {.name = "side", .kind = OPTION_CHOICE, .out = &t->side, .given = &t->side_given, .value = "left|right",
+         .help = "of the body (default: likewise, else right)"},
+        GLENOID_PLAN_OPTIONS(args.plan),
         {.name = "compress", .kind = OPTION_FLAG, .out = &args.compress, .help = "gzip a .nrrd"},
         {.name = NULL}};
     const usage_text usage = {

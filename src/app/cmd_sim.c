@@ -17,7 +17,7 @@
 ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
 {
     sim_args args = {.device = "sim", .bone = "builtin:scapula", .ct = CT_OPTIONS_DEFAULT, .how = TOOL_OPTIONS_DEFAULT};
-    target_options *t = &args.target;
+    target_options *t = &args.plan.target;
     const option options[] = {
         {.name = "device", .kind = OPTION_TEXT, .out = &args.device, .value = "NAME",
          .help = "null, script, replay, sim (default), openhaptics or dhd,\nwith options as in\nsim:grip=light,seed=2,tremor=200 (micrometres)"},
@@ -39,6 +39,9 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
          .help = "direction into the bone there (default: the file's)"},
         {.name = "side", .kind = OPTION_CHOICE, .out = &t->side, .given = &t->side_given, .value = "left|right",
          .help = "of the body (default: the file's, else right)"},
+        {.name = "debrief", .kind = OPTION_TEXT, .out = &args.debrief, .value = "FILE.html",
+         .help = "with --record: what it has come to, against the plan; a page with\npictures, as of osteon replay"},
+        GLENOID_PLAN_OPTIONS(args.plan),
         {.name = "force", .kind = OPTION_CHOICE, .out = &args.force, .given = &args.force_given, .value = "off|energy|instant",
          .help = "what the hand feels: energy, bone gives way as it is cut;\ninstant, it is gone at once (default: energy if the device\nrenders forces)"},
         {.name = "rate", .kind = OPTION_DECIMAL, .out = &args.rate, .value = "HZ", .help = "remove so many times a second (default: every tick)"},
@@ -58,7 +61,8 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
         .notes = "Tool and bone as for osteon ream. The loop asks for SCHED_FIFO and locked memory and says\n"
                  "what it got; of two or more cores it has one to itself. One thread works unless --threads\n"
                  "says otherwise.",
-        .example = "  osteon sim --headless --device sim --seconds 60 --record today.session\n"
+        .example = "  osteon sim --headless --device sim --seconds 60 --record today.session \\\n"
+                   "    --debrief today.html\n"
                    "  osteon replay today.session --verify --backend ref\n"
                    "  osteon sim --headless --resume today.session --record tomorrow.session",
     };

@@ -17,10 +17,9 @@ static ost_status take_bone(const ost_bone *bone, ost_volume *out, ost_error *er
     return status == OST_OK ? ost_bone_download(bone, 0, info.geometry.dims.z, out->voxels, err) : status;
 }
 
-ost_status debrief_begin(const ost_bone *bone, const ost_glenoid *glenoid, double depth_mm, debrief *out, ost_error *err)
+ost_status debrief_begin(const ost_bone *bone, const ost_metrics_plan *plan, debrief *out, ost_error *err)
 {
-    out->plan = (ost_metrics_plan){.at = glenoid->at, .left = glenoid->left, .depth_mm = depth_mm};
-    memcpy(out->plan.axis, glenoid->axis, sizeof out->plan.axis);
+    out->plan = *plan;
     return take_bone(bone, &out->before, err);
 }
 
@@ -31,7 +30,7 @@ void debrief_free(debrief *d)
     free(d->t_s);
 }
 
-ost_status debrief_force(debrief *d, double t_s, double n, ost_error *err)
+static ost_status add_force(debrief *d, double t_s, double n, ost_error *err)
 {
     if (d->count == d->room) {
         const size_t room = d->room ? 2 * d->room : 4096;
@@ -48,9 +47,33 @@ ost_status debrief_force(debrief *d, double t_s, double n, ost_error *err)
     return OST_OK;
 }
 
-static void put_json(const app_state *app, const ost_metrics *m, const ost_density_classes *classes)
+ost_status debrief_session(debrief *d, ost_session *session, uint64_t count, ost_error *err)
+{
+    bool more = true, felt = false;
+    ost_status status = OST_OK;
+    ost_session_rewind(session);
+    for (uint64_t i = 0; i < count && status == OST_OK;) {
+        ost_record record;
+        status = ost_session_next(session, &record, &more, err);
+        if (status != OST_OK || !more)
+            break;
+        if (record.kind != OST_RECORD_TICK)
+            continue;
+        const int32_t *f = record.as.tick.force_un;
+        const double n[3] = {f[0] * 1e-6, f[1] * 1e-6, f[2] * 1e-6}, size = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+        status = add_force(d, (double)record.as.tick.tick.t_ns * 1e-9, size, err);
+        felt |= size > 0;
+        i++;
+    }
+    if (!felt)
+        d->count = 0;
+    return status;
+}
+
+static void put_json(const app_state *app, const ost_metrics_plan *plan, const ost_metrics *m, const ost_density_classes *classes)
 {
     json_t *o = json_object(), *by_class = json_object();
+    put_real(o, "planned_mm", plan->depth_mm);
     put_real(o, "removed_mm3", m->removed_mm3);
     for (int c = 0; c < classes->count; c++)
         put_real(by_class, classes->name[c], m->removed_by_class_mm3[c]);
@@ -110,7 +133,7 @@ ost_status debrief_end(const app_state *app, const debrief *d, const ost_bone *b
     if (status == OST_OK)
         status = ost_metrics_make(&d->before, &after, info.threshold, classes, &d->plan, m, err);
     if (status == OST_OK) {
-        put_json(app, m, classes);
+        put_json(app, &d->plan, m, classes);
         say_all(app, d, m);
         status = debrief_page(file, name, d, &after, classes, info.threshold, m, err);
     }

@@ -21,10 +21,9 @@ typedef struct debrief {
     size_t count, room;
 } debrief;
 
-/* What was planned: depth_mm at the centre. glenoid is where and which way. */
-ost_status debrief_begin(const ost_bone *bone, const ost_glenoid *glenoid, double depth_mm, debrief *out, ost_error *err);
-/* A tick's force on the hand, N. */
-ost_status debrief_force(debrief *d, double t_s, double n, ost_error *err);
+ost_status debrief_begin(const ost_bone *bone, const ost_metrics_plan *plan, debrief *out, ost_error *err);
+/* The motion and the forces of a session's first count ticks. */
+ost_status debrief_session(debrief *d, ost_session *session, uint64_t count, ost_error *err);
 /* file: the page. name: of what was done, for its title. */
 ost_status debrief_end(const app_state *app, const debrief *d, const ost_bone *bone, const ost_density_classes *classes, const char *name,
                        const char *file, ost_error *err);

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "app/glenoid_plan.h"
 #include "app/result.h"
 
 /* Gathers the first failure, so that a list of keys reads as one. */
@@ -171,6 +172,8 @@ ost_status session_keys_make(const session_setup *setup, ost_backend *backend, c
     set_choice(&w, "load.clamp", yes_no, setup->ct.clamp);
     set_choice(&w, "load.resample_oblique", yes_no, setup->ct.resample_oblique);
     set(&w, "device", device);
+    if (w.status == OST_OK && setup->plan)
+        w.status = glenoid_plan_set(w.header, setup->plan, err);
     if (w.status != OST_OK) {
         ost_session_header_free(*out);
         *out = NULL;

@@ -9,6 +9,8 @@
 
 #include "app/load.h"
 
+#include <osteon/metrics.h>
+
 /* All that a world needs and that is not a voxel. */
 typedef struct session_setup {
     const char *bone; /* names: borrowed from whoever gave them, or from the header */
@@ -18,6 +20,7 @@ typedef struct session_setup {
     bool sweep_off;
     int64_t removal_period_ns;
     ost_density_classes classes;
+    const ost_metrics_plan *plan; /* NULL: none is known; session_keys_read leaves it so (app/glenoid_plan.h) */
 } session_setup;
 
 /* bone and tools as they are before the first tick; device is "path" or a driver's name. */

@@ -11,17 +11,18 @@
 #ifndef OST_APP_SIM_H
 #define OST_APP_SIM_H
 
+#include "app/debrief.h"
+#include "app/glenoid_plan.h"
 #include "app/load.h"
-#include "app/ream_path.h"
 
 enum { SIM_ROOM = 65536 }; /* records that wait for the disk: 65 s */
 
 typedef struct sim_args {
-    const char *device, *bone, *out, *record, *classes_text, *session, *resume;
+    const char *device, *bone, *out, *record, *classes_text, *session, *resume, *debrief;
     option_list tools, paths;
     ct_options ct;
     tool_options how;
-    target_options target;
+    glenoid_plan_options plan;
     option_decimal rate, seconds, idle;
     int64_t period_ns;
     uint64_t ticks, idle_ticks;
@@ -46,6 +47,9 @@ typedef struct simulation {
     ost_operation *operation;
     ost_servo_report *loop;
     ost_operation_report done;
+    ost_metrics_plan plan;
+    bool planned;         /* it is known */
+    debrief debrief;      /* empty without --debrief */
     ost_session *resumed; /* NULL: it begins */
     ost_tick last;        /* of it */
     uint64_t before;      /* its ticks */
@@ -74,7 +78,7 @@ ost_status sim_resume_run(const sim_args *args, simulation *s, ost_error *err);
 ost_status sim_run(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
 
 void sim_report_loop(const app_state *app, const sim_args *args, const simulation *s);
-/* The bone and the session, to the disk. */
+/* The bone and the session, to the disk; and what it has come to. */
 ost_status sim_finish(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
 
 #endif

@@ -58,6 +58,10 @@ ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err)
     /* One thread serves the device; the other cores are for whoever records and looks on. */
     if (!app->threads && strcmp(app->backend, "cpu") == 0)
         app->threads = 1;
+    if (args->debrief && !args->record)
+        return usage_error(app, err, "--debrief needs --record SESSION: the hand's motion and its forces are read from there");
+    if (args->debrief && (status = out_check(app, args->debrief, "html", err)) != OST_OK)
+        return status;
     if (args->record && (status = out_check(app, args->record, "session", err)) != OST_OK)
         return status;
     return args->out ? out_check(app, args->out, "nrrd|nii|nii.gz|txt", err) : OST_OK;

@@ -3,6 +3,7 @@
 #include "app/sim.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "app/backend_choice.h"
 #include "app/say.h"
@@ -18,10 +19,25 @@ void simulation_free(simulation *s)
     ost_session_close(s->resumed);
     ost_world_free(s->world);
     ost_path_free(&s->path);
+    debrief_free(&s->debrief);
     for (int i = 0; i < OPTION_LIST_MAX; i++)
         ost_tool_free(s->tools[i]);
     ost_bone_free(s->bone);
     ost_backend_close(s->backend);
+}
+
+/* A session that is gone on with knows where paths go. */
+static ost_status take_plan(const app_state *app, const sim_args *args, simulation *s, target_options *target, ost_error *err)
+{
+    const ost_session_header *header = s->resumed ? ost_session_header_of(s->resumed) : NULL;
+    ost_status status = glenoid_plan_find(app, &args->plan, args->resume, header, &s->imported.meta, args->bone, args->debrief != NULL, &s->plan,
+                                          &s->planned, err);
+    *target = args->plan.target;
+    if (status == OST_OK && s->resumed && s->planned) {
+        *target = (target_options){.at = s->plan.at, .at_given = true, .axis_given = true, .side = s->plan.left ? 0 : 1, .side_given = true};
+        memcpy(target->axis, s->plan.axis, sizeof target->axis);
+    }
+    return status == OST_OK && args->debrief ? debrief_begin(s->bone, &s->plan, &s->debrief, err) : status;
 }
 
 ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, ost_error *err)
@@ -34,8 +50,11 @@ ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, o
     const ost_tool_geometry *grids[OPTION_LIST_MAX] = {NULL};
     for (int i = 0; i < args->tools.count && status == OST_OK; i++)
         grids[i] = ost_tool_geometry_get(s->tools[i]);
+    target_options target;
+    if (status == OST_OK)
+        status = take_plan(app, args, s, &target, err);
     if (status == OST_OK && !sim_device_is(args, "replay"))
-        status = ream_path_make(app, &args->paths, &args->target, &s->imported.meta, args->bone, grids, args->tools.count, &s->path, err);
+        status = ream_path_make(app, &args->paths, &target, &s->imported.meta, args->bone, grids, args->tools.count, &s->path, err);
     const ost_world_options options = {.sweep_off = args->sweep_off, .removal_period_ns = args->period_ns, .classes = args->classes};
     if (status == OST_OK)
         status = ost_world_create(s->bone, &options, &s->world, err);
@@ -90,6 +109,7 @@ ost_status sim_record_begin(const sim_args *args, simulation *s, ost_error *err)
         .sweep_off = args->sweep_off,
         .removal_period_ns = args->period_ns,
         .classes = *ost_world_classes(s->world),
+        .plan = s->planned ? &s->plan : NULL,
     };
     const session_key more[] = {{"tick_ns", "1000000"}, {"force", sim_force_names[args->force]}, {NULL, NULL}};
     const ost_recorder_options options = {.room = SIM_ROOM};

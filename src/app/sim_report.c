@@ -79,6 +79,20 @@ void sim_report_loop(const app_state *app, const sim_args *args, const simulatio
              (unsigned long long)s->done.fault_ticks, ost_fault_text(s->done.last_fault));
 }
 
+/* Motion and forces are read from the recording, which is whole by now. */
+static ost_status debrief_make(const app_state *app, const sim_args *args, simulation *s, ost_error *err)
+{
+    ost_session *session;
+    ost_status status = ost_session_open(args->record, &session, err);
+    if (status != OST_OK)
+        return status;
+    status = debrief_session(&s->debrief, session, UINT64_MAX, err);
+    ost_session_close(session);
+    if (status == OST_OK)
+        status = debrief_end(app, &s->debrief, s->bone, ost_world_classes(s->world), args->record, args->debrief, err);
+    return status;
+}
+
 ost_status sim_finish(const app_state *app, const sim_args *args, simulation *s, ost_error *err)
 {
     ost_world_totals totals;
@@ -113,5 +127,5 @@ ost_status sim_finish(const app_state *app, const sim_args *args, simulation *s,
             say(app, "  recorded in %s", args->record);
         }
     }
-    return status;
+    return status == OST_OK && args->debrief ? debrief_make(app, args, s, err) : status;
 }

@@ -190,25 +190,32 @@ static void scan_block(void *user, const int lo[3], const int hi[3])
         }
 }
 
-static ost_status write_meta(const scanner *c, ost_error *err)
+/* Whole micrometres of a point, millionths of a direction: %lld of an explicit rounding is the same everywhere. */
+static ost_status write_three(ost_meta *meta, const char *key, ost_v3 v, int places, ost_error *err)
 {
-    ost_v3 at = to_lps(&c->pose, c->scapula.face);
-    ost_v3 axis = turn_to_lps(&c->pose, c->scapula.out);
-    char text[OST_META_VALUE];
-    /* whole micrometres and millionths: %lld of an explicit rounding is the same everywhere */
-    double v[6] = {at.x, at.y, at.z, -axis.x, -axis.y, -axis.z};
-    char word[6][48];
-    for (int i = 0; i < 6; i++) {
-        int places = i < 3 ? 3 : 6;
-        int64_t unit = i < 3 ? 1000 : 1000000, n = ost_floor64(v[i] * (double)unit + 0.5), m = n < 0 ? -n : n;
-        snprintf(word[i], sizeof word[i], "%s%lld.%0*lld", n < 0 ? "-" : "", (long long)(m / unit), places, (long long)(m % unit));
+    char text[OST_META_VALUE], word[3][48];
+    const double in[3] = {v.x, v.y, v.z};
+    const int64_t unit = places == 3 ? 1000 : 1000000;
+    for (int a = 0; a < 3; a++) {
+        int64_t n = ost_floor64(in[a] * (double)unit + 0.5), m = n < 0 ? -n : n;
+        snprintf(word[a], sizeof word[a], "%s%lld.%0*lld", n < 0 ? "-" : "", (long long)(m / unit), places, (long long)(m % unit));
     }
     snprintf(text, sizeof text, "%s %s %s", word[0], word[1], word[2]);
-    ost_status status = ost_meta_set(&c->scan->volume->meta, OST_META_GLENOID_AT, text, err);
-    if (status != OST_OK)
-        return status;
-    snprintf(text, sizeof text, "%s %s %s", word[3], word[4], word[5]);
-    return ost_meta_set(&c->scan->volume->meta, OST_META_GLENOID_AXIS, text, err);
+    return ost_meta_set(meta, key, text, err);
+}
+
+static ost_status write_meta(const scanner *c, ost_error *err)
+{
+    ost_meta *meta = &c->scan->volume->meta;
+    const ost_v3 axis = turn_to_lps(&c->pose, c->scapula.out);
+    ost_status status = write_three(meta, OST_META_GLENOID_AT, to_lps(&c->pose, c->scapula.face), 3, err);
+    if (status == OST_OK)
+        status = write_three(meta, OST_META_GLENOID_AXIS, (ost_v3){-axis.x, -axis.y, -axis.z}, 6, err);
+    if (status == OST_OK)
+        status = write_three(meta, OST_META_TRIGONUM, to_lps(&c->pose, c->scapula.trigonum), 3, err);
+    if (status == OST_OK)
+        status = write_three(meta, OST_META_INFERIOR_ANGLE, to_lps(&c->pose, c->scapula.inferior), 3, err);
+    return status;
 }
 
 ost_status ost_scan_scapula(const ost_scan *scan, ost_error *err)

@@ -155,9 +155,9 @@ ost_status ost_phantom_make(ost_phantom_kind kind, const ost_phantom_options *op
         status = sided ? ost_scan_scapula(&scan, err) : ost_scan_core(&scan, kind, err);
     if (status == OST_OK && o->left) {
         mirror(out);
-        status = mirror_vector(&out->meta, OST_META_GLENOID_AT, err);
-        if (status == OST_OK)
-            status = mirror_vector(&out->meta, OST_META_GLENOID_AXIS, err);
+        static const char *const vectors[] = {OST_META_GLENOID_AT, OST_META_GLENOID_AXIS, OST_META_TRIGONUM, OST_META_INFERIOR_ANGLE};
+        for (int i = 0; i < 4 && status == OST_OK; i++)
+            status = mirror_vector(&out->meta, vectors[i], err);
     }
     if (status != OST_OK)
         ost_volume_free(out);

@@ -244,6 +244,8 @@ ost_status ost_scapula_init(ost_scapula *s, uint64_t seed, ost_error *err)
         ost_scapula_free(s);
         return status;
     }
+    s->trigonum = (ost_v3){0, body_sheet(s, 0, 0), 0};
+    s->inferior = (ost_v3){12, body_sheet(s, 12, -112.5), -112.5};
     ost_bar_init(&s->crest, CREST, COUNT(CREST), 3);
     ost_bar_init(&s->pillar, PILLAR, COUNT(PILLAR), 3);
     ost_bar_init(&s->coracoid, CORACOID, COUNT(CORACOID), 4);

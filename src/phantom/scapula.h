@@ -23,6 +23,7 @@
 typedef struct ost_scapula {
     uint64_t seed;
     double size;  /* mm of this bone per mm of the mean shape, whose frame is used throughout */
+    ost_v3 trigonum, inferior; /* landmarks: the root of the spine on the medial border, the inferior angle */
     ost_v3 face;  /* centre of the glenoid's face, on the cartilage */
     ost_v3 out, ahead, above; /* glenoid's frame: outward, anterior and superior along its face; unit */
     ost_v3 dish, pad; /* centres of the spheres of the bony dish and of the cartilage's face */

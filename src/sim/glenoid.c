@@ -34,6 +34,24 @@ static bool direction(const ost_decimal *value, double *out)
     return true;
 }
 
+static ost_status point(const char *key, const char *text, ost_pm3 *out, ost_error *err)
+{
+    ost_decimal p[3];
+    ost_status status = three_decimals(key, text, p, err);
+    if (status != OST_OK)
+        return status;
+    if (!ost_decimal_to_pm(&p[0], &out->x, NULL) || !ost_decimal_to_pm(&p[1], &out->y, NULL) || !ost_decimal_to_pm(&p[2], &out->z, NULL))
+        return ost_fail(err, OST_ERR_RANGE, "%s: '%s' is beyond 8 m", key, text);
+    return OST_OK;
+}
+
+ost_status ost_point_from_meta(const ost_meta *meta, const char *key, ost_pm3 *out, bool *there, ost_error *err)
+{
+    const char *text = ost_meta_get(meta, key);
+    *there = text != NULL;
+    return text ? point(key, text, out, err) : OST_OK;
+}
+
 ost_status ost_glenoid_from_meta(const ost_meta *meta, ost_glenoid *out, ost_error *err)
 {
     const char *at = ost_meta_get(meta, OST_META_GLENOID_AT);
@@ -46,16 +64,13 @@ ost_status ost_glenoid_from_meta(const ost_meta *meta, ost_glenoid *out, ost_err
     if (!side)
         return missing(OST_META_SIDE, err);
 
-    ost_decimal p[3], d[3];
+    ost_decimal d[3];
     ost_glenoid glenoid;
-    ost_status status = three_decimals(OST_META_GLENOID_AT, at, p, err);
+    ost_status status = point(OST_META_GLENOID_AT, at, &glenoid.at, err);
     if (status == OST_OK)
         status = three_decimals(OST_META_GLENOID_AXIS, axis, d, err);
     if (status != OST_OK)
         return status;
-    if (!ost_decimal_to_pm(&p[0], &glenoid.at.x, NULL) || !ost_decimal_to_pm(&p[1], &glenoid.at.y, NULL) ||
-        !ost_decimal_to_pm(&p[2], &glenoid.at.z, NULL))
-        return ost_fail(err, OST_ERR_RANGE, "%s: '%s' is beyond 8 m", OST_META_GLENOID_AT, at);
     if (!direction(&d[0], &glenoid.axis[0]) || !direction(&d[1], &glenoid.axis[1]) || !direction(&d[2], &glenoid.axis[2]) ||
         (glenoid.axis[0] == 0 && glenoid.axis[1] == 0 && glenoid.axis[2] == 0))
         return ost_fail(err, OST_ERR_INPUT, "%s: '%s' is not a direction", OST_META_GLENOID_AXIS, axis);

@@ -37,6 +37,26 @@ run 0 replay o.session --debrief r.html --json
 for key in angle_deg depth_mean_mm hole_depth_mm removed_mm3; do
     check "replay: $key" "$(value metrics.$key)" "$("$json_get" metrics.$key <ream.json)"
 done
+# The plan is in the session: no option, and no word of the bone's file, is needed to measure it again.
+run 0 info o.session
+check "keys of the plan" "$(grep -c '^  plan\.\(at_mm\|axis\|side\|depth_mm\|trigonum_mm\|inferior_angle_mm\): ' out)" 6
+LC_ALL=C sed '/^osteon_\(glenoid\|trigonum\|inferior\|side\)/d' bone.nrrd >plain.nrrd
+path='--tool builtin:peg --path builtin:peg-hole --at -148.723,-18.868,54.133 --axis 0.817462,0.406924,-0.407639 --side right'
+run 0 ream --bone plain.nrrd $path --planned 2.5 --out h.nrrd --record plain.session
+run 0 replay plain.session --debrief r.html --json
+check "the session's plan: a hole" "$(value metrics.hole) $(value metrics.planned_mm)" "true 2.5"
+run 0 replay plain.session --debrief r.html --planned 1 --json
+check "an option goes before" "$(value metrics.planned_mm)" 1
+# One without a plan, as recorded of a path of one's own on a bone that says nothing: it opens, and asks.
+run 0 export plain.session --out plain.csv
+cut -d, -f1-9 <plain.csv >path.csv
+run 0 ream --bone plain.nrrd --tool builtin:peg --path path.csv --out h.nrrd --record bare.session
+run 0 info bare.session
+grep -q plan out && fail "a plan out of nothing"
+refuse 2 "does not say where its glenoid is" replay bare.session --debrief x.html
+run 0 replay bare.session --debrief r.html --at -148.723,-18.868,54.133 --axis 0.817462,0.406924,-0.407639 --side right
+refuse 2 "--trigonum needs --inferior-angle as well" replay plain.session --debrief x.html --trigonum 1,2,3
+
 # With a force the page has its course.
 if [ "${OST_TEST_LONG:-0}" = 1 ]; then
     run 0 sim --headless --bone bone.nrrd --path builtin:glenoid-ream --seconds 2.5 --no-clock --record felt.session
@@ -44,6 +64,14 @@ if [ "${OST_TEST_LONG:-0}" = 1 ]; then
     grep -q "Force on the hand" felt.html || fail "no force on the page"
     grep -q "direction\|floor" out || fail "people read: $(cat out)"
 fi
+# At the end of osteon sim, and of one that goes on with a session: the plan is the first one's.
+run 0 sim --headless --no-clock --device script --bone plain.nrrd $path --planned 2 --seconds 3 --record first.session
+run 0 sim --headless --no-clock --device null --resume first.session --path builtin:peg-hole --seconds 0.01 --record second.session --debrief s.html --json
+check "sim: against its plan" "$(value metrics.planned_mm) $(value debrief)" "2 s.html"
+seen=$(value metrics.removed_mm3)
+run 0 replay second.session --debrief r.html --json
+check "sim and replay" "$(value metrics.removed_mm3) $(value metrics.planned_mm)" "$seen 2"
+refuse 2 "--debrief needs --record" sim --headless --bone plain.nrrd --debrief s.html
 refuse 2 "must end in .html" replay o.session --debrief o.txt
 refuse 2 "--planned 30: must be from 0 to 20" replay o.session --debrief x.html --planned 30
 [ ! -e x.html ] || fail "a page of nothing"
