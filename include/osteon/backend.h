@@ -170,6 +170,13 @@ OST_API ost_status ost_bone_download(const ost_bone *bone, int32_t z0, int32_t c
  * a tick: no memory is asked for.  OST_ERR_UNAVAILABLE on a backend whose voxels are not in the host's memory.
  */
 OST_API ost_status ost_bone_sample(const ost_bone *bone, size_t count, const ost_dims *voxels, int16_t *densities, ost_error *err);
+/*
+ * Which voxels of count chunks are active, as bits: voxel (x, y, z) of a chunk of n^3 is number v = x + n (y + n z), bit v % 32
+ * of word v / 32; words has room for n^3 / 32 of them a chunk.  Chunk (cx, cy, cz) is number cx + chunk_dims.x * (cy +
+ * chunk_dims.y * cz).  Fit for a tick, as sampling is; a device is read and waited for.  OST_ERR_UNAVAILABLE on a backend that
+ * gives slices alone (plugin).
+ */
+OST_API ost_status ost_bone_occupancy(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words, ost_error *err);
 /* Leaves in x-fastest order (leaves may be NULL, else room for all of ost_leaf_dims), and the grid's digest. */
 OST_API ost_status ost_bone_digest(const ost_bone *bone, ost_digest *leaves, ost_digest *root, ost_error *err);
 

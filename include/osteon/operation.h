@@ -15,6 +15,7 @@
 
 #include <osteon/force.h>
 #include <osteon/haptics.h>
+#include <osteon/live.h>
 #include <osteon/session.h>
 #include <osteon/sim.h>
 
@@ -36,6 +37,7 @@ typedef struct ost_operation_options {
     int32_t tool;            /* where the device does not say */
     ost_recorder *recorder;  /* borrowed; NULL: nothing is recorded */
     ost_force *force;        /* borrowed, with the world's tools in their order; NULL: none is given, and the tool is where the device is */
+    ost_live *live;          /* borrowed, of the world's bone; NULL: nobody looks on */
     const ost_safety_params *safety; /* read when the operation is created; NULL: the defaults */
     /* Of an operation that goes on: how many ticks the world took before, and the last of them; 0 and NULL else. */
     uint64_t steps_before;
@@ -67,6 +69,7 @@ typedef struct ost_operation_report {
     double peak_n;         /* the greatest force given */
     double peak_axial_n, energy_j; /* real: along the axis, and the work of cutting */
     uint64_t touching_ticks, damped_ticks; /* in contact; in which the passivity controller took something */
+    ost_status shown;      /* not OST_OK: what others see stopped there, as the backend gave nothing to see */
     ost_status status;     /* not OST_OK: the world failed, with the text in error */
     ost_error error;
 } ost_operation_report;

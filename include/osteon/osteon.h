@@ -13,7 +13,7 @@
  *   plugin.h   somebody else's backend         session.h  what happened, to be done again
  *   haptics.h  devices and their loop          operation.h  a world that a device moves
  *   force.h    what the hand feels             metrics.h  what an operation has come to
- *   render.h   voxels as points
+ *   render.h   voxels as points                live.h     what others see of a running operation
  */
 #ifndef OSTEON_H
 #define OSTEON_H
@@ -26,6 +26,7 @@
 #include <osteon/haptics.h>
 #include <osteon/io.h>
 #include <osteon/length.h>
+#include <osteon/live.h>
 #include <osteon/mesh.h>
 #include <osteon/metrics.h>
 #include <osteon/operation.h>

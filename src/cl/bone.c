@@ -417,6 +417,21 @@ ost_status ost_cl_bone_download(const ost_bone *base, int32_t z0, int32_t count,
     return status;
 }
 
+ost_status ost_cl_bone_occupancy(const ost_bone *base, size_t count, const int32_t *chunks, uint32_t *words, ost_error *err)
+{
+    const cl_bone *bone = (const cl_bone *)base;
+    const size_t bytes = bone->chunk_voxels / 8;
+    ost_status status = ost_cl_alive(base->backend, bone->lost, "bone", err);
+    for (size_t i = 0; i < count && status == OST_OK; i++, words += bytes / sizeof *words) {
+        const uint32_t slot = bone->slot[chunks[i]];
+        if (slot != OST_CL_NONE)
+            status = ost_cl_read(backend_of(bone), bone->words, slot * bytes, bytes, words, err);
+        else
+            memset(words, 0, bytes);
+    }
+    return status;
+}
+
 /* --------------------------------------------------------------- digests */
 
 /* Leaf (x, y) of slices that hold its layer, count of them; false when it is all zeros. */

@@ -172,6 +172,7 @@ const ost_backend_ops ost_backend_cl = {
     .bone_upload = ost_cl_held_bone_upload,
     .bone_download = ost_cl_bone_download,
     .bone_sample = ost_no_sample,
+    .bone_occupancy = ost_cl_bone_occupancy,
     .bone_leaves = ost_cl_bone_leaves,
     .voxelize = ost_cl_voxelize,
     .tool_upload = ost_cl_tool_upload,

@@ -277,6 +277,28 @@ ost_status ost_bone_sample(const ost_bone *bone, size_t count, const ost_dims *v
     return bone->backend->ops->bone_sample(bone, count, voxels, densities, err);
 }
 
+ost_status ost_no_occupancy(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words, ost_error *err)
+{
+    (void)count;
+    (void)chunks;
+    (void)words;
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "backend %s gives its voxels slice by slice; to be looked at while it changes a bone needs backend cpu, ref or cl",
+                    bone->backend->ops->name);
+}
+
+ost_status ost_bone_occupancy(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words, ost_error *err)
+{
+    if (!bone || (count > 0 && (!chunks || !words)))
+        return ost_fail(err, OST_ERR_USAGE, "occupancy needs a bone, chunks and room for their words");
+    const int32_t n = bone->chunk_size;
+    const ost_dims d = bone->geometry.dims;
+    const int64_t all = (int64_t)((d.x + n - 1) / n) * ((d.y + n - 1) / n) * ((d.z + n - 1) / n);
+    for (size_t i = 0; i < count; i++)
+        if (chunks[i] < 0 || chunks[i] >= all)
+            return ost_fail(err, OST_ERR_USAGE, "there is no chunk %d; the bone has %lld", (int)chunks[i], (long long)all);
+    return bone->backend->ops->bone_occupancy(bone, count, chunks, words, err);
+}
+
 ost_status ost_bone_digest(const ost_bone *bone, ost_digest *leaves, ost_digest *root, ost_error *err)
 {
     size_t count = (size_t)ost_dims_count(ost_leaf_dims(bone->geometry.dims));

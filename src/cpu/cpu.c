@@ -183,6 +183,7 @@ const ost_backend_ops ost_backend_cpu = {
     .bone_upload = ost_cpu_bone_upload,
     .bone_download = ost_cpu_bone_download,
     .bone_sample = ost_cpu_bone_sample,
+    .bone_occupancy = ost_cpu_bone_occupancy,
     .bone_leaves = ost_cpu_bone_leaves,
     .voxelize = ost_cpu_voxelize_tool,
     .tool_upload = ost_cpu_tool_upload,

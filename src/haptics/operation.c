@@ -24,6 +24,7 @@ struct ost_operation {
     ost_operation_report report;
     ost_record pending; /* of the tick whose time is not known yet */
     bool has_pending;
+    ost_live_state seen; /* by who looks on */
 };
 
 const char *ost_fault_text(ost_fault fault)
@@ -185,6 +186,32 @@ static void remember(ost_operation *o, const ost_servo_sample *sample, const ost
     o->has_pending = true;
 }
 
+/* A tick in a fault changes neither tool nor bone; step is NULL then. */
+static void show(ost_operation *o, const ost_servo_sample *sample, const ost_tick *tick, const ost_step_result *step, const ost_wrench *wrench)
+{
+    ost_live_state *s = &o->seen;
+    s->device = sample->state.pose;
+    s->fault = (int32_t)o->fault;
+    s->declared = sample->declared;
+    s->wake_ns = sample->wake_ns;
+    s->missed += sample->missed;
+    memcpy(s->force_n, wrench->force_n, sizeof s->force_n);
+    memcpy(s->torque_nm, wrench->torque_nm, sizeof s->torque_nm);
+    s->touching = 0;
+    if (!step)
+        return;
+    s->ticks++;
+    s->t_ns = tick->t_ns;
+    s->tool = tick->tool;
+    s->pose = tick->pose;
+    if (!step->report)
+        return;
+    s->removals++;
+    s->removed_voxels += step->report->total_voxels;
+    s->touching = at_most_32(step->report->total_voxels + step->report->touched_voxels);
+    ost_live_changed(o->options.live, step->report);
+}
+
 bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wrench *wrench)
 {
     ost_operation *o = operation;
@@ -218,8 +245,12 @@ bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wre
         o->report.status = OST_OK;
         *wrench = (ost_wrench){{0}, {0}};
         ost_safety_stop(&o->safety);
+        if (o->options.live)
+            show(o, sample, &tick, NULL, wrench);
         return true;
     }
+    if (o->options.live)
+        show(o, sample, &tick, &step, wrench);
     remember(o, sample, &tick, &step, wrench);
     o->report.steps++;
     o->moved = true;
@@ -232,6 +263,11 @@ void ost_operation_done(void *operation, uint64_t number, uint32_t exec_ns)
 {
     ost_operation *o = operation;
     (void)number;
+    /* After the wrench was given: who looks on never delays the hand. */
+    if (o->options.live && o->report.shown == OST_OK) {
+        o->seen.exec_ns = exec_ns;
+        o->report.shown = ost_live_publish(o->options.live, &o->seen, NULL);
+    }
     if (!o->has_pending)
         return;
     o->pending.as.tick.exec_ns = exec_ns;

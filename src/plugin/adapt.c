@@ -147,6 +147,7 @@ const ost_backend_ops ost_backend_plugin = {
     .bone_upload = ost_adapt_bone_upload,
     .bone_download = ost_adapt_bone_download,
     .bone_sample = ost_no_sample,
+    .bone_occupancy = ost_no_occupancy,
     .bone_leaves = ost_adapt_bone_leaves,
     .voxelize = ost_adapt_voxelize,
     .tool_upload = ost_adapt_tool_upload,

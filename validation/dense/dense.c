@@ -58,6 +58,7 @@ static const ost_backend_ops table = {
     .bone_upload = dense_bone_upload,
     .bone_download = dense_bone_download,
     .bone_sample = ost_no_sample,
+    .bone_occupancy = ost_no_occupancy,
     .bone_leaves = dense_bone_leaves,
     .voxelize = dense_voxelize,
     .tool_upload = dense_tool_upload,

@@ -333,6 +333,79 @@ ost_status ost_cpu_bone_sample(const ost_bone *base, size_t count, const ost_dim
     return OST_OK;
 }
 
+/*
+ * Eight bricks side by side to sixteen rows of 32 voxels: row (y, z) of brick b
+ * is its bits 4 (y + 4 z) to 4 (y + 4 z) + 3, and becomes bits 4b to 4b + 3.
+ * Neighbours are put together, nibbles to bytes, to halves, to words:
+ *
+ *   pair[p][odd]     byte k: rows 2k + odd of bricks 2p, 2p + 1
+ *   four[p][odd][l]  half k: rows 4k + 2l + odd of bricks 4p ...
+ *   the rest         word k: rows 8k + 4h + 2l + odd of all
+ */
+static void rows_of_bricks(const uint64_t brick[8], uint32_t row[16])
+{
+    const uint64_t nibbles = UINT64_C(0x0f0f0f0f0f0f0f0f), bytes = UINT64_C(0x00ff00ff00ff00ff), halves = UINT64_C(0x0000ffff0000ffff);
+    uint64_t pair[4][2], four[2][2][2];
+    for (int p = 0; p < 4; p++) {
+        const uint64_t a = brick[2 * p], b = brick[2 * p + 1];
+        pair[p][0] = (a & nibbles) | (b & nibbles) << 4;
+        pair[p][1] = (a >> 4 & nibbles) | (b & ~nibbles);
+    }
+    for (int p = 0; p < 2; p++)
+        for (int odd = 0; odd < 2; odd++) {
+            const uint64_t a = pair[2 * p][odd], b = pair[2 * p + 1][odd];
+            four[p][odd][0] = (a & bytes) | (b & bytes) << 8;
+            four[p][odd][1] = (a >> 8 & bytes) | (b & ~bytes);
+        }
+    for (int odd = 0; odd < 2; odd++)
+        for (int l = 0; l < 2; l++) {
+            const uint64_t a = four[0][odd][l], b = four[1][odd][l];
+            const uint64_t low = (a & halves) | (b & halves) << 16, high = (a >> 16 & halves) | (b & ~halves);
+            row[2 * l + odd] = (uint32_t)low;
+            row[2 * l + odd + 4] = (uint32_t)high;
+            row[2 * l + odd + 8] = (uint32_t)(low >> 32);
+            row[2 * l + odd + 12] = (uint32_t)(high >> 32);
+        }
+}
+
+/* Words of 32 voxels along x; a chunk of 16^3 has two rows in each. */
+static void occupancy_rows(const uint64_t *occupancy, int32_t n, uint32_t *words)
+{
+    const int32_t bricks = min32(n / 4, 8);
+    for (int32_t z = 0; z < n; z += 4)
+        for (int32_t y = 0; y < n; y += 4)
+            for (int32_t x = 0; x < n; x += 32) {
+                uint64_t brick[8] = {0};
+                uint32_t row[16];
+                for (int32_t b = 0; b < bricks; b++)
+                    brick[b] = occupancy[ost_brick_number(x / 4 + b, y / 4, z / 4)];
+                rows_of_bricks(brick, row);
+                for (int32_t r = 0; r < 16; r++) {
+                    const int32_t at = n * (y + r % 4 + n * (z + r / 4)) + x;
+                    if (n >= 32)
+                        words[at / 32] = row[r];
+                    else if (r % 2 == 0)
+                        words[at / 32] = row[r] | row[r + 1] << 16;
+                }
+            }
+}
+
+ost_status ost_cpu_bone_occupancy(const ost_bone *base, size_t count, const int32_t *chunks, uint32_t *words, ost_error *err)
+{
+    (void)err;
+    const cpu_bone *bone = (const cpu_bone *)base;
+    const int32_t n = base->chunk_size;
+    const size_t size = (size_t)n * (size_t)n * (size_t)n / 32;
+    for (size_t i = 0; i < count; i++, words += size) {
+        const cpu_chunk *chunk = &bone->chunks[chunks[i]];
+        if (chunk->density)
+            occupancy_rows(chunk->occupancy, n, words);
+        else
+            memset(words, 0, size * sizeof *words);
+    }
+    return OST_OK;
+}
+
 ost_status ost_cpu_bone_leaves(const ost_bone *base, ost_digest *leaves, ost_error *err)
 {
     const cpu_bone *bone = (const cpu_bone *)base;

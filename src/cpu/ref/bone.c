@@ -7,6 +7,7 @@
 #include "cpu/ref/ref.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "core/conditions.h"
 
@@ -85,6 +86,21 @@ ost_status ost_ref_bone_sample(const ost_bone *base, size_t count, const ost_dim
         const ost_chunk *chunk = &grid->chunks[v.x / n + grid->chunk_dims.x * row];
         if (chunk->density)
             densities[i] = chunk->density[v.x % n + n * (v.y % n + n * (v.z % n))];
+    }
+    return OST_OK;
+}
+
+ost_status ost_ref_bone_occupancy(const ost_bone *base, size_t count, const int32_t *chunks, uint32_t *words, ost_error *err)
+{
+    (void)err;
+    const ost_chunk_grid *grid = &((const ref_bone *)base)->chunks;
+    const size_t size = (size_t)grid->size * (size_t)grid->size * (size_t)grid->size / 32;
+    for (size_t i = 0; i < count; i++, words += size) {
+        const ost_chunk *chunk = &grid->chunks[chunks[i]];
+        if (chunk->density)
+            memcpy(words, chunk->occupancy, size * sizeof *words);
+        else
+            memset(words, 0, size * sizeof *words);
     }
     return OST_OK;
 }

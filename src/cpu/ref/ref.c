@@ -73,6 +73,7 @@ const ost_backend_ops ost_backend_ref = {
     .bone_upload = ost_ref_bone_upload,
     .bone_download = ost_ref_bone_download,
     .bone_sample = ost_ref_bone_sample,
+    .bone_occupancy = ost_ref_bone_occupancy,
     .bone_leaves = ost_ref_bone_leaves,
     .voxelize = ost_ref_voxelize_tool,
     .tool_upload = ost_ref_tool_upload,

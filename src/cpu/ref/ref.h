@@ -55,6 +55,7 @@ ost_status ost_ref_bone_stats(const ost_bone *bone, ost_bone_info *info, ost_err
 ost_status ost_ref_bone_upload(ost_bone *bone, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
 ost_status ost_ref_bone_download(const ost_bone *bone, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
 ost_status ost_ref_bone_sample(const ost_bone *bone, size_t count, const ost_dims *voxels, int16_t *densities, ost_error *err);
+ost_status ost_ref_bone_occupancy(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words, ost_error *err);
 ost_status ost_ref_bone_leaves(const ost_bone *bone, ost_digest *leaves, ost_error *err);
 
 /* Void tool of this geometry: what upload and voxelize fill. */

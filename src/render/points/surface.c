@@ -127,6 +127,46 @@ ost_status ost_surface_set(ost_surface *surface, const int32_t at[3], const uint
     return OST_OK;
 }
 
+/* One of the eight chunks of 16^3 in a block: two rows a word. */
+static ost_status set_eighth(ost_surface *surface, const int32_t at[3], const uint32_t *words, ost_error *err)
+{
+    enum { HALF = SIDE / 2 };
+    const int32_t block[3] = {at[0] / 2, at[1] / 2, at[2] / 2};
+    const int shift = HALF * (at[0] % 2), y0 = HALF * (at[1] % 2), z0 = HALF * (at[2] % 2);
+    const ost_surface_block *b = ost_surface_block_at(surface, block[0], block[1], block[2]);
+    uint32_t occupancy[ROWS] = {0};
+    if (b)
+        memcpy(occupancy, b->occupancy, sizeof occupancy);
+    for (int z = 0; z < HALF; z++)
+        for (int y = 0; y < HALF; y++) {
+            uint32_t *row = &occupancy[y0 + y + SIDE * (z0 + z)];
+            const int v = HALF * (y + HALF * z);
+            *row = (*row & ~(UINT32_C(0xffff) << shift)) | (words[v / 32] >> (v % 32) & 0xffff) << shift;
+        }
+    return ost_surface_set(surface, block, occupancy, err);
+}
+
+ost_status ost_surface_set_chunk(ost_surface *surface, const int32_t at[3], int n, const uint32_t *words, ost_error *err)
+{
+    if (n == SIDE)
+        return ost_surface_set(surface, at, words, err);
+    if (n < SIDE)
+        return set_eighth(surface, at, words, err);
+    ost_status status = OST_OK;
+    for (int part = 0; part < 8 && status == OST_OK; part++) {
+        const int p[3] = {part & 1, part >> 1 & 1, part >> 2};
+        const int32_t block[3] = {2 * at[0] + p[0], 2 * at[1] + p[1], 2 * at[2] + p[2]};
+        uint32_t occupancy[ROWS];
+        for (int row = 0; row < ROWS; row++) {
+            const int y = SIDE * p[1] + row % SIDE, z = SIDE * p[2] + row / SIDE;
+            occupancy[row] = words[(n * (y + n * z)) / 32 + p[0]];
+        }
+        if (block[0] < surface->blocks[0] && block[1] < surface->blocks[1] && block[2] < surface->blocks[2])
+            status = ost_surface_set(surface, block, occupancy, err);
+    }
+    return status;
+}
+
 ost_status ost_surface_update(ost_surface *surface, ost_error *err)
 {
     ost_status status = OST_OK;

@@ -61,6 +61,11 @@ void ost_surface_free(ost_surface *surface); /* also of a zeroed one */
 
 /* The block's voxels from now on; bits outside the grid must be 0. OST_ERR_RANGE beyond OST_BLOCKS_MAX blocks. */
 ost_status ost_surface_set(ost_surface *surface, const int32_t at[3], const uint32_t occupancy[OST_BLOCK_ROWS], ost_error *err);
+/*
+ * The same from a chunk of n^3 voxels, at[] in chunks: n is 16, 32 or 64, bit v % 32 of word v / 32 is voxel v = x + n (y + n z).
+ * Blocks that were never active and are not now are left out.
+ */
+ost_status ost_surface_set_chunk(ost_surface *surface, const int32_t at[3], int n, const uint32_t *words, ost_error *err);
 /* The same for all blocks: a voxel at or above the threshold is active. */
 ost_status ost_surface_set_volume(ost_surface *surface, const ost_volume *volume, int32_t threshold, ost_error *err);
 

@@ -1,0 +1,277 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Two ways from the tick to the looker.
+ *
+ * The state is three buffers: one that the tick writes, one that the looker
+ * reads, one between.  Each exchanges its own with the one between, so neither
+ * ever has a buffer that the other has.
+ *
+ *        tick                         looker
+ *     state[back]  <--> middle <-->  state[front]        middle: a number, and whether it is new
+ *
+ * The bone's words lie in memory that both have, each word atomic.  The tick
+ * writes a chunk's words and then sets its bit (release); the looker clears
+ * bits (acquire) and then reads words.  What is written while it reads has its
+ * bit set afterwards, so the looker comes again: words that it saw too early
+ * are seen once more, and none is missed.
+ *
+ *     waiting: slots in their order, each once        words[slot]     dirty
+ *     changed --> [ 7 | 3 | 12 |   |   ] --publish--> 1 0 1 1 ...     bit of slot
+ */
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <osteon/live.h>
+
+enum { LINE = 64, BUDGET_WORDS = 2048, FRESH = 4, NONE = -1, STATES = 3 };
+
+struct ost_live {
+    const ost_bone *bone;
+    ost_geometry geometry;
+    int n;
+    ost_dims chunk_dims;
+    size_t chunk_words;    /* of 32 bits */
+    int32_t *slot_of;      /* owned; of each chunk, NONE for those that were empty from the start */
+    int32_t *chunk_of;     /* owned; of each slot */
+    int32_t slots;
+    _Atomic uint32_t *words; /* owned; chunk_words a slot */
+    _Atomic uint64_t *dirty; /* owned; a bit a slot */
+
+    ost_live_state state[STATES];
+    _Alignas(LINE) _Atomic unsigned middle;
+    _Alignas(LINE) unsigned front; /* the looker's */
+    bool any;              /* the looker's: front has been written */
+    uint32_t *seen;        /* owned; the looker's; a chunk's words */
+
+    _Alignas(LINE) unsigned back; /* from here on the tick's */
+    int32_t *waiting;      /* owned; a ring of slots numbers */
+    bool *waits;           /* owned; of each slot, whether it is in the ring */
+    int32_t first, count;
+    uint32_t *fresh;       /* owned; words of the chunks that are published at once */
+    int32_t at_once;
+};
+
+static size_t dirty_words(const ost_live *live)
+{
+    return ((size_t)live->slots + 63) / 64;
+}
+
+static ost_status no_memory(ost_error *err)
+{
+    return ost_fail(err, OST_ERR_MEMORY, "no memory for what others see of a bone");
+}
+
+/* Every chunk's words once, into visit; chunk numbers ascend. */
+static ost_status for_chunks(ost_live *live, int64_t chunks, void (*visit)(ost_live *live, int32_t chunk, const uint32_t *words), ost_error *err)
+{
+    uint32_t *words = malloc(live->chunk_words * sizeof *words);
+    ost_status status = words ? OST_OK : no_memory(err);
+    for (int32_t c = 0; c < chunks && status == OST_OK; c++) {
+        status = ost_bone_occupancy(live->bone, 1, &c, words, err);
+        if (status == OST_OK)
+            visit(live, c, words);
+    }
+    free(words);
+    return status;
+}
+
+static void number(ost_live *live, int32_t chunk, const uint32_t *words)
+{
+    bool any = false;
+    for (size_t i = 0; i < live->chunk_words && !any; i++)
+        any = words[i] != 0;
+    live->slot_of[chunk] = any ? live->slots++ : NONE;
+}
+
+static void store(ost_live *live, int32_t slot, const uint32_t *words)
+{
+    _Atomic uint32_t *to = live->words + (size_t)slot * live->chunk_words;
+    for (size_t i = 0; i < live->chunk_words; i++)
+        atomic_store_explicit(&to[i], words[i], memory_order_relaxed);
+    atomic_fetch_or_explicit(&live->dirty[slot / 64], UINT64_C(1) << (slot % 64), memory_order_release);
+}
+
+static void fill(ost_live *live, int32_t chunk, const uint32_t *words)
+{
+    const int32_t slot = live->slot_of[chunk];
+    if (slot != NONE) {
+        live->chunk_of[slot] = chunk;
+        store(live, slot, words);
+    }
+}
+
+static ost_status make(ost_live *live, ost_error *err)
+{
+    ost_bone_info info;
+    ost_status status = ost_bone_info_get(live->bone, &info, err);
+    if (status != OST_OK)
+        return status;
+    live->geometry = info.geometry;
+    live->n = info.chunk_size;
+    live->chunk_dims = info.chunk_dims;
+    live->chunk_words = (size_t)live->n * (size_t)live->n * (size_t)live->n / 32;
+    live->at_once = (int32_t)(BUDGET_WORDS / live->chunk_words);
+    live->at_once = live->at_once ? live->at_once : 1;
+    live->slot_of = malloc((size_t)info.chunks * sizeof *live->slot_of);
+    if (!live->slot_of)
+        return no_memory(err);
+    status = for_chunks(live, info.chunks, number, err);
+    if (status != OST_OK)
+        return status;
+    const size_t room = (size_t)live->slots + 1; /* never nothing */
+    live->chunk_of = malloc(room * sizeof *live->chunk_of);
+    live->words = malloc(room * live->chunk_words * sizeof(_Atomic uint32_t));
+    live->dirty = calloc(dirty_words(live) + 1, sizeof(_Atomic uint64_t));
+    live->waiting = malloc(room * sizeof *live->waiting);
+    live->waits = calloc(room, sizeof *live->waits);
+    live->fresh = malloc((size_t)live->at_once * live->chunk_words * sizeof *live->fresh);
+    live->seen = malloc(live->chunk_words * sizeof *live->seen);
+    if (!live->chunk_of || !live->words || !live->dirty || !live->waiting || !live->waits || !live->fresh || !live->seen)
+        return no_memory(err);
+    atomic_init(&live->middle, 1);
+    live->front = 0;
+    live->back = 2;
+    return for_chunks(live, info.chunks, fill, err);
+}
+
+ost_status ost_live_create(const ost_bone *bone, ost_live **out, ost_error *err)
+{
+    *out = NULL;
+    if (!bone)
+        return ost_fail(err, OST_ERR_USAGE, "which bone is to be seen?");
+    ost_live *live = aligned_alloc(LINE, (sizeof *live + LINE - 1) / LINE * LINE);
+    if (!live)
+        return no_memory(err);
+    memset(live, 0, sizeof *live);
+    live->bone = bone;
+    ost_status status = make(live, err);
+    if (status != OST_OK) {
+        ost_live_free(live);
+        return status;
+    }
+    *out = live;
+    return OST_OK;
+}
+
+void ost_live_free(ost_live *live)
+{
+    if (!live)
+        return;
+    free(live->slot_of);
+    free(live->chunk_of);
+    free(live->words);
+    free(live->dirty);
+    free(live->waiting);
+    free(live->waits);
+    free(live->fresh);
+    free(live->seen);
+    free(live);
+}
+
+const ost_geometry *ost_live_geometry(const ost_live *live)
+{
+    return &live->geometry;
+}
+
+int ost_live_chunk_size(const ost_live *live)
+{
+    return live->n;
+}
+
+/* ------------------------------------------------------------------- tick */
+
+void ost_live_changed(ost_live *live, const ost_report *report)
+{
+    for (size_t i = 0; report && i < report->count; i++) {
+        const int32_t slot = live->slot_of[report->chunks[i].chunk];
+        if (slot == NONE || live->waits[slot])
+            continue;
+        int32_t last = live->first + live->count; /* slots < 2^30, chunks of a grid of at most 2^14 a side */
+        last = last < live->slots ? last : last - live->slots;
+        live->waiting[last] = slot;
+        live->waits[slot] = true;
+        live->count++;
+    }
+}
+
+/* Up to at_once of those that wait. */
+static ost_status publish_some(ost_live *live, ost_error *err)
+{
+    int32_t chunk[BUDGET_WORDS / 128] = {0}, slot[BUDGET_WORDS / 128]; /* 128: of a chunk of 16^3 */
+    const int32_t some = live->count < live->at_once ? live->count : live->at_once;
+    for (int32_t i = 0; i < some; i++) {
+        const int32_t at = live->first + i;
+        slot[i] = live->waiting[at < live->slots ? at : at - live->slots];
+        chunk[i] = live->chunk_of[slot[i]];
+    }
+    ost_status status = ost_bone_occupancy(live->bone, (size_t)some, chunk, live->fresh, err);
+    if (status != OST_OK)
+        return status;
+    for (int32_t i = 0; i < some; i++) {
+        store(live, slot[i], live->fresh + (size_t)i * live->chunk_words);
+        live->waits[slot[i]] = false;
+    }
+    live->first += some;
+    live->first = live->first < live->slots ? live->first : live->first - live->slots;
+    live->count -= some;
+    return OST_OK;
+}
+
+ost_status ost_live_publish(ost_live *live, const ost_live_state *state, ost_error *err)
+{
+    live->state[live->back] = *state;
+    live->back = atomic_exchange_explicit(&live->middle, live->back | FRESH, memory_order_acq_rel) & ~(unsigned)FRESH;
+    return live->count ? publish_some(live, err) : OST_OK;
+}
+
+ost_status ost_live_flush(ost_live *live, ost_error *err)
+{
+    ost_status status = OST_OK;
+    while (live->count && status == OST_OK)
+        status = publish_some(live, err);
+    return status;
+}
+
+/* ----------------------------------------------------------------- looker */
+
+bool ost_live_state_get(ost_live *live, ost_live_state *out)
+{
+    if (atomic_load_explicit(&live->middle, memory_order_relaxed) & FRESH) {
+        live->front = atomic_exchange_explicit(&live->middle, live->front, memory_order_acq_rel) & ~(unsigned)FRESH;
+        live->any = true;
+    }
+    if (live->any)
+        *out = live->state[live->front];
+    return live->any;
+}
+
+static ost_status show(ost_live *live, int32_t slot, ost_live_visit *visit, void *user, ost_error *err)
+{
+    const _Atomic uint32_t *from = live->words + (size_t)slot * live->chunk_words;
+    const int32_t chunk = live->chunk_of[slot];
+    const ost_dims d = live->chunk_dims;
+    const int32_t at[3] = {chunk % d.x, chunk / d.x % d.y, chunk / d.x / d.y};
+    for (size_t i = 0; i < live->chunk_words; i++)
+        live->seen[i] = atomic_load_explicit(&from[i], memory_order_relaxed);
+    return visit(user, at, live->seen, err);
+}
+
+ost_status ost_live_take(ost_live *live, ost_live_visit *visit, void *user, ost_error *err)
+{
+    ost_status status = OST_OK;
+    for (size_t w = 0; w < dirty_words(live) && status == OST_OK; w++) {
+        if (!atomic_load_explicit(&live->dirty[w], memory_order_relaxed))
+            continue;
+        uint64_t left = atomic_exchange_explicit(&live->dirty[w], 0, memory_order_acquire);
+        for (; left && status == OST_OK; left &= left - 1) {
+            status = show(live, (int32_t)(w * 64) + __builtin_ctzll(left), visit, user, err);
+            if (status != OST_OK)
+                break;
+        }
+        /* Those that were not shown are as they were. */
+        if (left)
+            atomic_fetch_or_explicit(&live->dirty[w], left, memory_order_relaxed);
+    }
+    return status;
+}
