@@ -54,7 +54,7 @@ typedef struct ost_haptic ost_haptic;
 typedef struct ost_haptic_setup {
     const ost_path *path; /* script: where the tool goes; sim: where the hand goes */
     const char *session;  /* replay: a session's file */
-    ost_pose start;       /* null: where the tool stays; real devices: where it is when the handle is at its centre */
+    ost_pose start;       /* null: where the tool stays; motion: where it begins; real devices: where it is when the handle is at its centre */
 } ost_haptic_setup;
 
 /*
@@ -65,6 +65,7 @@ typedef struct ost_haptic_setup {
  *   replay            the ticks of a session
  *   sim               a device of 60 g with friction and encoders in a hand that follows a path:
  *                     grip=light|normal|firm (normal), seed=N (1), tremor=UM (0), friction=MN (260)
+ *   motion:FILE       a tracked hand (docs/haptics.md), plain or gzip: scale=PERCENT (5), gap=MS (50)
  *   openhaptics       Touch, Touch X, Phantom Omni: name=TEXT, scale=PERCENT (100)
  *   dhd               Force Dimension, Falcon: scale=PERCENT (100)
  *
@@ -77,6 +78,7 @@ OST_API const char *ost_haptic_name(const ost_haptic *device);
 typedef enum ost_haptic_answer {
     OST_HAPTIC_FRESH, /* a new pose */
     OST_HAPTIC_STALE, /* none this time; the state is as it was */
+    OST_HAPTIC_UNSEEN, /* it works and says that it does not see the hand; later it goes on from where it was */
     OST_HAPTIC_ENDED, /* there will be none any more, as planned */
     OST_HAPTIC_LOST   /* there will be none any more: unplugged, failed */
 } ost_haptic_answer;
@@ -133,6 +135,7 @@ typedef struct ost_servo_sample {
     int64_t t_ns;         /* number times the period: what the world's clock says */
     ost_haptic_state state;
     bool declared;        /* no new pose: the last one */
+    bool unseen;          /* the device says that it does not see the hand: the state is the last one, or none (a zero quaternion) */
     uint32_t wake_ns;     /* how late the tick began */
     uint32_t missed;      /* ticks that were skipped before this one */
 } ost_servo_sample;
@@ -160,13 +163,17 @@ typedef struct ost_servo_report {
     uint64_t missed;           /* deadlines: ticks that ended after the next one was due, and those skipped for it */
     uint64_t longest_miss;     /* the most ticks skipped at once */
     uint64_t stale;            /* ticks without a new pose */
+    uint64_t unseen;           /* ticks in which the device did not see the hand */
     uint64_t idle_ticks, idle_missed;
     int64_t stolen_ms;         /* by the hypervisor, of all cores together, while the loops ran; -1: unknown */
     ost_times wake, exec, completion, idle_wake;
     ost_realtime realtime;
 } ost_servo_report;
 
-/* Five ticks without a new pose end the loop: a device that is silent gets no force (facts: a watchdog of 5 ms). */
+/*
+ * Five ticks without a new pose end the loop: a device that is silent gets no force (facts: a watchdog of 5 ms).
+ * One that says that it does not see the hand is not silent.
+ */
 enum { OST_SERVO_WATCHDOG_TICKS = 5 };
 
 /*

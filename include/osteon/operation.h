@@ -56,7 +56,9 @@ OST_API void ost_operation_free(ost_operation *operation); /* NULL is allowed */
 /*
  * A pose that cannot be the hand's is a fault: the tool stays where it was,
  * nothing is removed and no force is given, until the device comes back to
- * within 5 mm of there.  A backend that fails ends the loop.
+ * within 5 mm of there.  The same while a device says that it does not see the
+ * hand, which is no fault: a drop-out, noted and counted.  A backend that
+ * fails ends the loop.
  */
 OST_API bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wrench *wrench);
 OST_API void ost_operation_done(void *operation, uint64_t number, uint32_t exec_ns);
@@ -66,6 +68,7 @@ typedef struct ost_operation_report {
     uint64_t faults;       /* how often one began */
     uint64_t fault_ticks;  /* ticks in one */
     ost_fault last_fault;  /* the last that began */
+    uint64_t dropouts, dropout_ticks, longest_dropout; /* times in which the device did not see the hand; ticks in all, and of the longest */
     double peak_n;         /* the greatest force given */
     double peak_axial_n, energy_j; /* real: along the axis, and the work of cutting */
     uint64_t touching_ticks, damped_ticks; /* in contact; in which the passivity controller took something */

@@ -20,7 +20,7 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
     target_options *t = &args.plan.target;
     const option options[] = {
         {.name = "device", .kind = OPTION_TEXT, .out = &args.device, .value = "NAME",
-         .help = "null, script, replay, sim (default), openhaptics or dhd,\nwith options as in\nsim:grip=light,seed=2,tremor=200 (micrometres)"},
+         .help = "null, script, replay, sim (default), motion, openhaptics\nor dhd, with options as in\nsim:grip=light,seed=2,tremor=200 (micrometres) or\nmotion:hand.csv.gz,scale=5 (per cent)"},
         {.name = "headless", .kind = OPTION_FLAG, .out = &args.headless, .help = "without a window, which this version does not have"},
         {.name = "seconds", .kind = OPTION_DECIMAL, .out = &args.seconds, .value = "N", .help = "how long (default: 10)"},
         {.name = "idle", .kind = OPTION_DECIMAL, .out = &args.idle, .value = "N",

@@ -74,6 +74,13 @@ void sim_report_loop(const app_state *app, const sim_args *args, const simulatio
         say(app, "  force: %.2f N at most on the hand, which stands for %.0f N on the bone; %.1f J of cutting in %.1f s of contact",
             s->done.peak_n, s->done.peak_axial_n, s->done.energy_j, (double)s->done.touching_ticks * 1e-3);
     }
+    put_integer(o, "dropouts", (int64_t)s->done.dropouts);
+    put_real(o, "dropout_s", (double)s->done.dropout_ticks * 1e-3);
+    put_real(o, "longest_dropout_s", (double)s->done.longest_dropout * 1e-3);
+    if (s->done.dropouts)
+        say(app, "  the device did not see the hand %llu time%s, %.3f s in all, at most %.3f s; the tool stayed where it was",
+            (unsigned long long)s->done.dropouts, s->done.dropouts == 1 ? "" : "s", (double)s->done.dropout_ticks * 1e-3,
+            (double)s->done.longest_dropout * 1e-3);
     if (s->done.faults)
         warn(app, "%s: %llu faults, %llu ticks long; the last: %s", args->device, (unsigned long long)s->done.faults,
              (unsigned long long)s->done.fault_ticks, ost_fault_text(s->done.last_fault));

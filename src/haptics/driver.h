@@ -4,7 +4,8 @@
  *
  *   usable   may it be opened here?  else reason says why
  *   open     with the part of the spec behind the colon, "" without one
- *   read     polled devices: the pose of this tick; no lock, no allocation, no waiting
+ *   read     polled devices: the pose of this tick; no lock, no allocation, no waiting;
+ *            one that says UNSEEN goes on afterwards from where it was (clutch.h)
  *   write    the wrench of this tick, likewise
  *   run      devices with a clock of their own: calls tick from their thread
  *            until it returns false, and then returns; read and write serve
@@ -44,9 +45,11 @@ ost_status ost_haptic_open_driver(const haptic_driver *driver, const char *optio
 /* Called for each key=value of options; OST_ERR_USAGE of its own for what it does not know. */
 typedef ost_status haptic_option(void *user, const char *key, const char *value, ost_error *err);
 ost_status haptic_options(const char *device, const char *options, haptic_option *take, void *user, ost_error *err);
+/* lo <= number <= hi, likewise. */
+ost_status haptic_number(const char *device, const char *key, const char *value, double lo, double hi, double *out, ost_error *err);
 /* lo <= whole number <= hi, or OST_ERR_USAGE that names device and key. */
 ost_status haptic_integer(const char *device, const char *key, const char *value, int64_t lo, int64_t hi, int64_t *out, ost_error *err);
 
-extern const haptic_driver haptic_null, haptic_script, haptic_replay, haptic_sim, haptic_openhaptics, haptic_dhd;
+extern const haptic_driver haptic_null, haptic_script, haptic_replay, haptic_sim, haptic_motion, haptic_openhaptics, haptic_dhd;
 
 #endif

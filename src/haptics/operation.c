@@ -21,6 +21,7 @@ struct ost_operation {
     ost_safety safety;
     bool given;        /* a force, in this tick */
     ost_fault fault;   /* now */
+    uint64_t dropout;  /* ticks of the one that lasts; 0: the hand is seen */
     ost_operation_report report;
     ost_record pending; /* of the tick whose time is not known yet */
     bool has_pending;
@@ -129,6 +130,28 @@ static void set_fault(ost_operation *o, ost_fault fault, int64_t t_ns)
     o->fault = fault;
 }
 
+/* The hand is left alone while the device does not see it: as in a fault, but nothing is wrong. */
+static void drop_out(ost_operation *o, int64_t t_ns)
+{
+    ost_operation_report *r = &o->report;
+    if (o->dropout++ == 0) {
+        r->dropouts++;
+        note(o, t_ns, "the device does not see the hand: the tool stays where it is");
+        ost_safety_stop(&o->safety);
+    }
+    r->dropout_ticks++;
+    if (o->dropout > r->longest_dropout)
+        r->longest_dropout = o->dropout;
+}
+
+static void drop_out_over(ost_operation *o, int64_t t_ns)
+{
+    char text[OST_SESSION_TEXT];
+    snprintf(text, sizeof text, "the device sees the hand again after %llu ms", (unsigned long long)(o->dropout * AFTER_NS / 1000000));
+    note(o, t_ns, text);
+    o->dropout = 0;
+}
+
 static int32_t millionths(double value)
 {
     return (int32_t)rint(fmax(-2e9, fmin(2e9, value * 1e6)));
@@ -220,9 +243,15 @@ bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wre
         .tool = sample->state.tool >= 0 ? sample->state.tool : o->options.tool,
         .pose = sample->state.pose,
     };
-    ost_fault fault = judge(o, &tick);
     ost_step_result step;
     o->given = false;
+    if (sample->unseen) {
+        drop_out(o, tick.t_ns);
+        return true;
+    }
+    if (o->dropout)
+        drop_out_over(o, tick.t_ns);
+    ost_fault fault = judge(o, &tick);
     if (fault == OST_FAULT_NONE && o->options.force) {
         o->report.status = feel(o, sample, AFTER_NS, &tick, wrench, &fault);
         if (o->report.status == OST_ERR_USAGE)

@@ -27,6 +27,18 @@ ost_status haptic_options(const char *device, const char *options, haptic_option
     return OST_OK;
 }
 
+ost_status haptic_number(const char *device, const char *key, const char *value, double lo, double hi, double *out, ost_error *err)
+{
+    ost_decimal d;
+    int64_t millionths = 0;
+    const char *end = value + strlen(value);
+    const bool read = ost_decimal_read(value, end, &d) == end && ost_decimal_scale(&d, 1000000, &millionths, NULL);
+    *out = (double)millionths / 1e6;
+    if (!read || !(*out >= lo && *out <= hi))
+        return ost_fail(err, OST_ERR_USAGE, "device %s: %s=%.40s: must be a number from %g to %g", device, key, value, lo, hi);
+    return OST_OK;
+}
+
 ost_status haptic_integer(const char *device, const char *key, const char *value, int64_t lo, int64_t hi, int64_t *out, ost_error *err)
 {
     ost_decimal d;

@@ -77,12 +77,18 @@ static bool take_pose(servo *s)
     case OST_HAPTIC_FRESH:
         s->has_pose = true;
         s->silent = 0;
-        s->sample.declared = false;
+        s->sample.declared = s->sample.unseen = false;
         return true;
     case OST_HAPTIC_STALE:
         s->report->stale++;
         s->sample.declared = true;
+        s->sample.unseen = false;
         return ++s->silent < OST_SERVO_WATCHDOG_TICKS || end_with(s, OST_SERVO_WATCHDOG);
+    case OST_HAPTIC_UNSEEN:
+        s->report->unseen++;
+        s->silent = 0;
+        s->sample.declared = s->sample.unseen = true;
+        return true;
     case OST_HAPTIC_ENDED:
         return end_with(s, OST_SERVO_DEVICE_ENDED);
     case OST_HAPTIC_LOST:
@@ -99,7 +105,7 @@ static bool serve(servo *s, int64_t begin)
     if (!take_pose(s))
         return false;
     /* Before its first pose a device is waited for, with the watchdog's patience. */
-    if (!s->has_pose)
+    if (!s->has_pose && !s->sample.unseen)
         return true;
     const bool more = s->tick(s->user, &s->sample, &wrench);
     ost_haptic_write(s->device, &wrench);

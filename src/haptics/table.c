@@ -6,8 +6,8 @@
 
 #include "haptics/driver.h"
 
-static const haptic_driver *const drivers[] = {&haptic_null, &haptic_script,      &haptic_replay,
-                                              &haptic_sim,  &haptic_openhaptics, &haptic_dhd};
+static const haptic_driver *const drivers[] = {&haptic_null,   &haptic_script,      &haptic_replay, &haptic_sim,
+                                              &haptic_motion, &haptic_openhaptics, &haptic_dhd};
 
 enum { DRIVERS = sizeof drivers / sizeof drivers[0] };
 

@@ -47,24 +47,31 @@ static bool quantise(double value, double unit, double most, int64_t *out)
     return true;
 }
 
-ost_pose haptic_workspace_pose(const haptic_workspace *w, const double position[3], const double frame[3][3])
+ost_pose haptic_pose_quantise(const double at[3], const double q[4])
 {
-    double turned[3][3], m[3][3], columns[3][3], q[4];
     int64_t t[3], r[4];
-    multiply(w->turn, frame, turned);
-    multiply(turned, w->rest, m);
-    for (int i = 0; i < 3; i++) {
-        const double moved = w->turn[i][0] * position[0] + w->turn[i][1] * position[1] + w->turn[i][2] * position[2];
-        if (!quantise(w->at[i] + w->scale * moved, PM_PER_M, (double)OST_LENGTH_MAX, &t[i]))
+    for (int i = 0; i < 3; i++)
+        if (!quantise(at[i], PM_PER_M, (double)OST_LENGTH_MAX, &t[i]))
             return NO_POSE;
-        for (int j = 0; j < 3; j++)
-            columns[j][i] = m[i][j];
-    }
-    ost_quaternion_of_columns(columns, q);
     for (int i = 0; i < 4; i++)
         if (!quantise(q[i], OST_Q30_ONE, 1.001 * OST_Q30_ONE, &r[i]))
             return NO_POSE;
     return (ost_pose){{t[0], t[1], t[2]}, (int32_t)r[0], (int32_t)r[1], (int32_t)r[2], (int32_t)r[3]};
+}
+
+ost_pose haptic_workspace_pose(const haptic_workspace *w, const double position[3], const double frame[3][3])
+{
+    double turned[3][3], m[3][3], columns[3][3], at[3], q[4];
+    multiply(w->turn, frame, turned);
+    multiply(turned, w->rest, m);
+    for (int i = 0; i < 3; i++) {
+        const double moved = w->turn[i][0] * position[0] + w->turn[i][1] * position[1] + w->turn[i][2] * position[2];
+        at[i] = w->at[i] + w->scale * moved;
+        for (int j = 0; j < 3; j++)
+            columns[j][i] = m[i][j];
+    }
+    ost_quaternion_of_columns(columns, q);
+    return haptic_pose_quantise(at, q);
 }
 
 void haptic_workspace_vector(const haptic_workspace *w, const double bone[3], double device[3])

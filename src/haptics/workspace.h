@@ -26,6 +26,9 @@ haptic_workspace haptic_workspace_make(const ost_pose *start, const int axes[3],
 /* position in m, frame[row][column] takes the handle's frame to the device's. A pose that is none when one of them is no number or far away. */
 ost_pose haptic_workspace_pose(const haptic_workspace *workspace, const double position[3], const double frame[3][3]);
 
+/* m and w x y z as a pose of integers; none when one of them is no number or far away. */
+ost_pose haptic_pose_quantise(const double at[3], const double q[4]);
+
 /* A vector of the bone's frame in the device's: forces and torques. */
 void haptic_workspace_vector(const haptic_workspace *workspace, const double bone[3], double device[3]);
 

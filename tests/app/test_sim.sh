@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # osteon sim without a window: what it must say, and that an operation is the
 # same with a clock and without, live and replayed. No time is tested.
-# Covers: REQ-HAPTICS, REQ-REPLAY
+# Covers: REQ-HAPTICS, REQ-REPLAY, REQ-MOTION
 . "${srcdir:-.}/tests/app/lib.sh"
 other=cpu:isa=scalar,threads=2
 [ "${OST_TEST_LONG:-0}" = 1 ] && other=ref
@@ -62,6 +62,24 @@ run 0 sim --headless --bone bone.nrrd --device null --seconds 0.05 --no-realtime
 check "a tool that stays" "$(value ticks) $(value scheduling) $(value idle_ticks)" "50 as it was 0"
 run 0 sim --headless --bone bone.nrrd --device null --seconds 0.05
 grep -q "deadlines missed" out || fail "people read: $(cat out)"
+
+# A tracked hand that is not seen for 0.2 s in the middle, and away for half a second at the end of the table.
+awk 'BEGIN {
+    print "t_s,x_m,y_m,z_m,qw,qx,qy,qz"
+    for (i = 0; i <= 300; i++) {
+        w = (i > 100 && i < 150) || i > 250 ? "nan" : "1"
+        printf "%.4f,1,2,%.6f,%s,0,0,0\n", i * 0.004, -0.05 * i * 0.004, w
+    }
+}' >hand.csv
+run 0 sim --headless --bone bone.nrrd --device motion:hand.csv,scale=20 --no-clock --record hand.session --seconds 60 --json
+check "a tracked hand" "$(value ticks) $(value dropouts) $(value dropout_s) $(value longest_dropout_s) $(value faults)" "1001 1 0.199 0.199 0"
+hand=$(value sha256)
+run 0 replay hand.session --verify --backend $other --json
+check "seen, and again" "$(value ticks) $(value equal) $(value sha256)" "802 true $hand"
+run 0 sim --headless --bone bone.nrrd --device motion:hand.csv,scale=20 --no-clock
+grep -q "did not see the hand 1 time, 0.199 s in all" out || fail "a drop-out: $(cat out)"
+refuse 2 "nowhere.csv: cannot be opened" sim --headless --bone bone.nrrd --device motion:nowhere.csv
+refuse 2 "bone.nrrd:1: " sim --headless --bone bone.nrrd --device motion:bone.nrrd
 
 # Stopped in the middle, killed even, and gone on with: the same bone as in one go.
 "$osteon" ream --bone bone.nrrd --tool builtin:peg --tool builtin:reamer --path builtin:peg-hole --path builtin:glenoid-ream --out all.nrrd \

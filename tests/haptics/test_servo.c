@@ -13,7 +13,7 @@
 
 #include "haptics/driver.h"
 
-/* What the device answers, one letter a read: Fresh, Stale, Ended, Lost; the last one for ever. */
+/* What the device answers, one letter a read: Fresh, Stale, Unseen, Ended, Lost; the last one for ever. */
 static struct haptic_instance {
     const char *answers;
     int reads, writes;
@@ -42,7 +42,11 @@ static ost_haptic_answer fake_read(haptic_instance *f, ost_haptic_state *state)
     f->reads++;
     if (answer == 'F')
         *state = (ost_haptic_state){.pose = {.t = {f->reads, 0, 0}, .qw = OST_Q30_ONE}, .tool = -1, .buttons = 5};
-    return answer == 'F' ? OST_HAPTIC_FRESH : answer == 'S' ? OST_HAPTIC_STALE : answer == 'E' ? OST_HAPTIC_ENDED : OST_HAPTIC_LOST;
+    return answer == 'F'   ? OST_HAPTIC_FRESH
+           : answer == 'S' ? OST_HAPTIC_STALE
+           : answer == 'U' ? OST_HAPTIC_UNSEEN
+           : answer == 'E' ? OST_HAPTIC_ENDED
+                           : OST_HAPTIC_LOST;
 }
 
 static void fake_write(haptic_instance *f, const ost_wrench *wrench)
@@ -98,7 +102,7 @@ static bool never(char reason[256])
 static const haptic_driver absent = {.name = "absent", .usable = never, .open = fake_open, .close = fake_close};
 
 typedef struct seen {
-    uint64_t ticks, declared, done, missed;
+    uint64_t ticks, declared, unseen, done, missed;
     uint64_t stop_at;  /* 0: never */
     uint64_t sleep_at; /* then it takes 12 ms */
     ost_haptic_state last;
@@ -113,6 +117,7 @@ static bool on_tick(void *user, const ost_servo_sample *sample, ost_wrench *wren
     assert_true(wrench->force_n[0] == 0);
     s->ticks++;
     s->declared += sample->declared;
+    s->unseen += sample->unseen;
     s->missed += sample->missed;
     s->last = sample->state;
     wrench->force_n[0] = 2;
@@ -186,6 +191,27 @@ static void a_silent_device_gets_no_force(void **state)
     /* One that never begins is not served with a pose that is none. */
     s = serve_with(&polled, "S", &fast, (seen){0});
     assert_int_equal(s.ticks, 0);
+    assert_int_equal(report.end, OST_SERVO_WATCHDOG);
+}
+
+static void a_device_that_does_not_see_the_hand_is_not_silent(void **state)
+{
+    (void)state;
+    const ost_servo_options fast = {.no_clock = true, .no_realtime = true}, hundred = {.no_clock = true, .no_realtime = true, .ticks = 100};
+    seen s = serve_with(&polled, "FUUUUUUUUUUFSSSSUSSSSFE", &fast, (seen){0});
+    assert_int_equal(s.ticks, 22);
+    assert_int_equal(s.unseen, 11);
+    assert_int_equal(s.declared, 19);
+    assert_int_equal(report.unseen, 11);
+    assert_int_equal(report.stale, 8);
+    assert_int_equal(report.end, OST_SERVO_DEVICE_ENDED);
+    /* It may begin so: time goes by, and the tick knows that there is no pose. */
+    s = serve_with(&polled, "U", &hundred, (seen){0});
+    assert_int_equal(s.unseen, 100);
+    assert_int_equal(s.last.pose.qw, 0);
+    assert_int_equal(report.end, OST_SERVO_TICKS);
+    s = serve_with(&polled, "UUSSSSS", &fast, (seen){0});
+    assert_int_equal(s.ticks, 2);
     assert_int_equal(report.end, OST_SERVO_WATCHDOG);
 }
 
@@ -335,6 +361,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_loop_ends_as_it_says),
         cmocka_unit_test(a_silent_device_gets_no_force),
+        cmocka_unit_test(a_device_that_does_not_see_the_hand_is_not_silent),
         cmocka_unit_test(a_tick_that_takes_too_long_is_counted_and_not_caught_up_on),
         cmocka_unit_test(a_device_with_a_clock_of_its_own),
         cmocka_unit_test(what_cannot_be_is_refused),

@@ -1,0 +1,472 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A hand that was tracked, as a device: what lies between two rows, where the
+ * tool is while the hand is not seen and afterwards, and files that are none.
+ * The motions are made here, so every pose is known from a formula.
+ * Covers: REQ-MOTION
+ */
+#include "ref/scene.h"
+
+#include <math.h>
+#include <zlib.h>
+
+#include <osteon/operation.h>
+
+#include "haptics/driver.h"
+#include "io/io_scratch.h"
+
+#define MM OST_PM_PER_MM
+enum { ROW_US = 3500, ROWS = 400 };
+
+static char *folder;
+
+static int make_folder(void **state)
+{
+    (void)state;
+    folder = scratch_folder();
+    return 0;
+}
+
+static int remove_folder(void **state)
+{
+    (void)state;
+    scratch_remove(folder);
+    return 0;
+}
+
+/*
+ * A body at 0.2 m/s along (0, 1, 0) that turns about (0, 0, 1) at 2 rad/s,
+ * begun at (5, 6, 7) and a quarter turn about x. Not seen before row 20, from
+ * row 120 to 219, between rows 300 and 330 (no rows at all), nor at the end.
+ */
+static bool is_seen(int row)
+{
+    return row >= 20 && row < ROWS - 10 && !(row >= 120 && row < 220);
+}
+
+static double row_time(int row)
+{
+    return row * ROW_US * 1e-6;
+}
+
+static void body_at(double t, double at[3], double q[4])
+{
+    const double c = sqrt(0.5), half = t; /* 2 rad/s */
+    at[0] = 5;
+    at[1] = 6 + 0.2 * t;
+    at[2] = 7;
+    q[0] = cos(half) * c;
+    q[1] = cos(half) * c;
+    q[2] = sin(half) * c;
+    q[3] = sin(half) * c;
+}
+
+static size_t write_motion(char *text, size_t room)
+{
+    size_t used = (size_t)snprintf(text, room, "t_s,x_m,y_m,z_m,qw,qx,qy,qz,movement\n");
+    for (int row = 0; row < ROWS; row++) {
+        double at[3], q[4];
+        body_at(row_time(row), at, q);
+        if (row > 300 && row < 330)
+            continue;
+        used += (size_t)snprintf(text + used, room - used, "%.4f,%.6f,%.6f,%.6f,", row_time(row), at[0], at[1], at[2]);
+        if (is_seen(row))
+            used += (size_t)snprintf(text + used, room - used, "%.8f,%.8f,%.8f,%.8f,1\n", q[0], q[1], q[2], q[3]);
+        else
+            used += (size_t)snprintf(text + used, room - used, "nan,nan,NaN,nan,0\n");
+    }
+    return used;
+}
+
+static ost_haptic *open_motion(const char *file, const char *options, const ost_pose *start)
+{
+    char spec[4300];
+    ost_error err = {0};
+    ost_haptic *device;
+    snprintf(spec, sizeof spec, "motion:%s%s", file, options);
+    assert_ok(ost_haptic_open(spec, &(ost_haptic_setup){.start = *start}, &device, &err));
+    return device;
+}
+
+static double length_of(const double v[3])
+{
+    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+static double angle_between(const ost_pose *a, const ost_pose *b)
+{
+    /* By the chord: a cosine near 1 forgets small angles. */
+    double apart = 0, together = 0;
+    for (int i = 0; i < 4; i++) {
+        const double p = (double)(&a->qw)[i] / OST_Q30_ONE, q = (double)(&b->qw)[i] / OST_Q30_ONE;
+        apart += (p - q) * (p - q);
+        together += (p + q) * (p + q);
+    }
+    return 4 * asin(fmin(1, sqrt(fmin(apart, together)) / 2));
+}
+
+static void check_motion(const char *file)
+{
+    const int32_t c = 759250125;
+    const ost_pose start = {.t = {10 * MM, 20 * MM, 30 * MM}, .qw = c, .qz = c};
+    ost_haptic *device = open_motion(file, ",scale=10", &start);
+    ost_haptic_state s = {.tool = 5}, last = {.pose = start};
+    ost_haptic_answer answer;
+    int fresh = 0, unseen = 0, dropouts = 0, in_segment = 0;
+    bool was_unseen = false;
+    ost_pose base = start;
+    while ((answer = ost_haptic_read(device, &s)) != OST_HAPTIC_ENDED) {
+        if (answer == OST_HAPTIC_UNSEEN) {
+            dropouts += !was_unseen;
+            unseen++;
+            was_unseen = true;
+            continue;
+        }
+        assert_int_equal(answer, OST_HAPTIC_FRESH);
+        assert_int_equal(s.tool, -1);
+        if (was_unseen || fresh == 0) {
+            /* It takes hold where the tool is, to the rounding of a pose. */
+            base = last.pose;
+            in_segment = 0;
+            assert_true(llabs(s.pose.t.x - base.t.x) <= 2 && llabs(s.pose.t.y - base.t.y) <= 2 && llabs(s.pose.t.z - base.t.z) <= 2);
+            assert_true(angle_between(&s.pose, &base) < 1e-6);
+        }
+        /* A tenth of the body's way, all of its turning. */
+        const double moved[3] = {(double)(s.pose.t.x - base.t.x) * 1e-12, (double)(s.pose.t.y - base.t.y) * 1e-12,
+                                 (double)(s.pose.t.z - base.t.z) * 1e-12};
+        const double way = 0.1 * 0.2 * in_segment * 1e-3, turned = 2 * in_segment * 1e-3;
+        assert_true(fabs(length_of(moved) - way) < 2e-6 * 0.1 + 1e-9);
+        assert_true(fabs(angle_between(&s.pose, &base) - turned) < 1e-5);
+        /* Which way: the body's, as it lay in its own frame when it was first seen, turned as the tool was at the start. After the drop-outs too. */
+        double at[3], q[4];
+        body_at(row_time(20), at, q);
+        const double x = 2 * (q[1] * q[2] + q[0] * q[3]), y = 1 - 2 * (q[1] * q[1] + q[3] * q[3]), z = 2 * (q[2] * q[3] - q[0] * q[1]);
+        const double expected[3] = {-y, x, z}; /* the start turns x to y */
+        for (int a = 0; a < 3; a++)
+            assert_true(fabs(moved[a] - way * expected[a]) < 1e-6);
+        was_unseen = false;
+        last = s;
+        fresh++;
+        in_segment++;
+    }
+    ost_haptic_close(device);
+    /* Rows 20 to 389 are 1.2915 s; from row 119 to 220 0.3535 s are dark, between 300 and 330 0.105 s. */
+    assert_int_equal(fresh + unseen, 1 + 1291);
+    assert_int_equal(dropouts, 2);
+    assert_true(abs(unseen - (353 + 104)) <= 2);
+}
+
+static void a_hand_as_it_was_seen(void **state)
+{
+    (void)state;
+    static char text[100000];
+    const size_t size = write_motion(text, sizeof text);
+    check_motion(scratch_write(folder, "hand.csv", text, size));
+    /* Packed, it is the same. */
+    char packed[4200];
+    snprintf(packed, sizeof packed, "%s/hand.csv.gz", folder);
+    gzFile gz = gzopen(packed, "wb");
+    assert_non_null(gz);
+    assert_int_equal(gzwrite(gz, text, (unsigned)size), (int)size);
+    assert_int_equal(gzclose(gz), Z_OK);
+    check_motion(packed);
+    /* Cut off, it is none. */
+    size_t whole;
+    char *bytes = scratch_read(packed, &whole);
+    const char *cut = scratch_write(folder, "cut.csv.gz", bytes, whole / 2);
+    free(bytes);
+    char spec[4300];
+    ost_error err = {0};
+    ost_haptic *device;
+    snprintf(spec, sizeof spec, "motion:%s", cut);
+    assert_int_equal(ost_haptic_open(spec, NULL, &device, &err), OST_ERR_INPUT);
+    assert_non_null(strstr(err.text, "cut.csv.gz: the gzip data are damaged or cut off after line"));
+}
+
+static void with_longer_gaps_allowed(void **state)
+{
+    (void)state;
+    static char text[100000];
+    const char *file = scratch_write(folder, "gaps.csv", text, write_motion(text, sizeof text));
+    const ost_pose start = {.qw = OST_Q30_ONE};
+    ost_haptic *device = open_motion(file, ",gap=200", &start);
+    ost_haptic_state s;
+    ost_haptic_answer answer;
+    int unseen = 0;
+    while ((answer = ost_haptic_read(device, &s)) != OST_HAPTIC_ENDED)
+        unseen += answer == OST_HAPTIC_UNSEEN;
+    assert_true(abs(unseen - 353) <= 1); /* the rows that are not there are bridged, those that say so are not */
+    ost_haptic_close(device);
+}
+
+static void files_that_are_no_motion(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text, *options, *says;
+        ost_status status;
+    } cases[] = {
+        {"", "", "bad.csv: 0 rows in 0 lines, and in none is the body seen", OST_ERR_INPUT},
+        {"t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,nan,0,0,0\n", "", "1 rows in 2 lines, and in none", OST_ERR_INPUT},
+        {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n", "", "bad.csv:1: column 2 (x_m) is 'x_mm'", OST_ERR_INPUT},
+        {"0,0,0,0,1,0,0\n", "", "bad.csv:1: 7 columns", OST_ERR_INPUT},
+        {"0,0,0,0,1,0,0,0\n0,0,0,0,1,0,0,0\n", "", "bad.csv:2: t_s is 0.000000000, not after", OST_ERR_INPUT},
+        {"nan,0,0,0,1,0,0,0\n", "", "bad.csv:1: column 1 (t_s) is 'nan'", OST_ERR_INPUT},
+        {"0,0,1e9,0,1,0,0,0\n", "", "column 3 (y_m) is '1e9'; expected metres within 100 m", OST_ERR_INPUT},
+        {"0,0,0,0,0.5,0,0,0\n", "", "the quaternion's length is 0.5000", OST_ERR_INPUT},
+        {"0,0,0,0,1,0,0,inf\n", "", "column 8 (qz) is 'inf'", OST_ERR_INPUT},
+        {"0,0,0,0,1,0,0,99999999999999999999\n", "", "a number from -1 to 1", OST_ERR_INPUT},
+        {"0,0,0,0,1,0,0,0x1\n", "", "column 8 (qz) is '0x1'", OST_ERR_INPUT},
+        {"90000,0,0,0,1,0,0,0\n", "", "seconds within a day", OST_ERR_INPUT},
+        {"\x01\x02\x03\n", "", "bad.csv:1: binary bytes", OST_ERR_INPUT},
+        {"0,0,0,0,1,0,0,0\n", ",scale=0", "scale=0: must be a number from 0.1 to 1000", OST_ERR_USAGE},
+        {"0,0,0,0,1,0,0,0\n", ",scale=nan", "scale=nan", OST_ERR_USAGE},
+        {"0,0,0,0,1,0,0,0\n", ",speed=2", "no option 'speed'", OST_ERR_USAGE},
+    };
+    char spec[4300];
+    ost_error err = {0};
+    ost_haptic *device;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const char *file = scratch_write(folder, "bad.csv", cases[i].text, strlen(cases[i].text));
+        snprintf(spec, sizeof spec, "motion:%s%s", file, cases[i].options);
+        assert_int_equal(ost_haptic_open(spec, NULL, &device, &err), cases[i].status);
+        assert_null(device);
+        if (!strstr(err.text, cases[i].says))
+            fail_msg("%s: says %s", cases[i].text, err.text);
+    }
+    static char long_line[10000];
+    memset(long_line, '1', sizeof long_line - 1);
+    snprintf(spec, sizeof spec, "motion:%s", scratch_write(folder, "long.csv", long_line, sizeof long_line - 1));
+    assert_int_equal(ost_haptic_open(spec, NULL, &device, &err), OST_ERR_INPUT);
+    assert_non_null(strstr(err.text, "long.csv:1: longer than 4094 bytes"));
+    snprintf(spec, sizeof spec, "motion:%s", scratch_write(folder, "zero.csv", "0,0,0\0,1\n", 9));
+    assert_int_equal(ost_haptic_open(spec, NULL, &device, &err), OST_ERR_INPUT);
+    assert_non_null(strstr(err.text, "zero.csv:1: "));
+    assert_int_equal(ost_haptic_open("motion", NULL, &device, &err), OST_ERR_USAGE);
+    assert_non_null(strstr(err.text, "needs the file of a motion"));
+    assert_int_equal(ost_haptic_open("motion:nowhere.csv", NULL, &device, &err), OST_ERR_IO);
+    snprintf(spec, sizeof spec, "motion:%s", folder);
+    assert_int_equal(ost_haptic_open(spec, NULL, &device, &err), OST_ERR_IO);
+    /* One pose is a motion of one tick. */
+    const char *file = scratch_write(folder, "one.csv", "# a comment\r\n\r\n0 0 0 0 1 0 0 0\r\n", 32);
+    device = open_motion(file, "", &(ost_pose){.qw = OST_Q30_ONE});
+    ost_haptic_state s;
+    assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_FRESH);
+    assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_ENDED);
+    ost_haptic_close(device);
+}
+
+/* ----------------------------------------------------------- in a world */
+
+static ost_servo_report report;
+
+static void what_is_not_seen_removes_nothing_and_is_declared(void **state)
+{
+    ost_error err = {0};
+    static char text[100000];
+    const char *written = scratch_write(folder, "operate.csv", text, write_motion(text, sizeof text));
+    char file[4200], session_name[4200];
+    snprintf(file, sizeof file, "%s", written);
+    snprintf(session_name, sizeof session_name, "%s/m.session", folder);
+
+    const ost_geometry g = cubic_geometry(40, 40, 40, MM, (ost_pm3){0, 0, 0});
+    int16_t *full = malloc(voxel_count(&g) * sizeof *full);
+    assert_non_null(full);
+    for (size_t i = 0; i < voxel_count(&g); i++)
+        full[i] = 500;
+    ost_bone *bones[2];
+    ost_world *worlds[2];
+    ost_tool *tool = solid_tool(*state, (ost_tool_geometry){{4, 4, 12}, 500 * UM, {-MM, -MM, 0}}, OST_TOOL_CUTTING);
+    for (int i = 0; i < 2; i++) {
+        bones[i] = bone_of(*state, &g, 16, full);
+        assert_ok(ost_world_create(bones[i], NULL, &worlds[i], &err));
+        assert_ok(ost_world_add_tool(worlds[i], "peg", tool, NULL, &err));
+    }
+    free(full);
+
+    ost_session_header *header;
+    ost_recorder *recorder;
+    ost_operation *operation;
+    ost_operation_report done;
+    assert_ok(ost_session_header_create(&header, &err));
+    assert_ok(ost_recorder_open(session_name, header, NULL, &recorder, &err));
+    ost_session_header_free(header);
+    ost_haptic *device = open_motion(file, "", &(ost_pose){.t = {20 * MM, 20 * MM, 20 * MM}, .qw = OST_Q30_ONE});
+    assert_ok(ost_operation_create(worlds[0], &(ost_operation_options){.recorder = recorder}, &operation, &err));
+    assert_ok(ost_servo_run(device, &(ost_servo_options){.no_clock = true, .no_realtime = true}, ost_operation_tick, ost_operation_done, operation,
+                            &report, &err));
+    ost_operation_report_get(operation, &done);
+    ost_operation_free(operation);
+    ost_haptic_close(device);
+    assert_ok(ost_recorder_close(recorder, &(ost_session_end){.ticks = done.steps}, &err));
+
+    assert_int_equal(report.end, OST_SERVO_DEVICE_ENDED);
+    assert_int_equal(report.ticks, 1292);
+    assert_int_equal(report.unseen, done.dropout_ticks);
+    assert_int_equal(report.stale, 0);
+    assert_int_equal(done.faults, 0);
+    assert_int_equal(done.dropouts, 2);
+    assert_true(done.dropout_ticks >= 455 && done.dropout_ticks <= 459);
+    assert_true(done.longest_dropout >= 352 && done.longest_dropout <= 354);
+    assert_int_equal(done.steps, 1292 - done.dropout_ticks);
+    ost_world_totals totals;
+    ost_world_totals_get(worlds[0], &totals);
+    assert_true(totals.removed_voxels > 20);
+
+    /* Again from the session: the same bone; the drop-outs stand in it as times without ticks, noted at their ends. */
+    ost_session *session;
+    assert_ok(ost_session_open(session_name, &session, &err));
+    int notes = 0;
+    int64_t last_t = -1000000, dark = 0;
+    ost_pose last = {0};
+    for (;;) {
+        ost_record record;
+        bool more;
+        ost_step_result step;
+        assert_ok(ost_session_next(session, &record, &more, &err));
+        if (!more)
+            break;
+        if (record.kind == OST_RECORD_NOTE)
+            assert_non_null(strstr(record.as.note.text, notes++ % 2 ? "sees the hand again after" : "does not see the hand"));
+        if (record.kind != OST_RECORD_TICK)
+            continue;
+        const ost_tick *t = &record.as.tick.tick;
+        if (t->t_ns - last_t > 1000000) {
+            dark += t->t_ns - last_t - 1000000;
+            assert_true(llabs(t->pose.t.x - last.t.x) <= 2 && llabs(t->pose.t.y - last.t.y) <= 2 && llabs(t->pose.t.z - last.t.z) <= 2);
+        }
+        last_t = t->t_ns;
+        last = t->pose;
+        assert_ok(ost_world_step(worlds[1], t, &step, &err));
+        assert_true(ost_step_digest(&step, ost_world_classes(worlds[1])->count) == record.as.tick.digest);
+    }
+    ost_session_close(session);
+    assert_int_equal(notes, 4);
+    assert_int_equal(dark, (int64_t)done.dropout_ticks * 1000000);
+    const ost_digest a = digest_of(bones[0]), b = digest_of(bones[1]);
+    assert_true(ost_digest_equal(&a, &b));
+    for (int i = 0; i < 2; i++) {
+        ost_world_free(worlds[i]);
+        ost_bone_free(bones[i]);
+    }
+    ost_tool_free(tool);
+}
+
+/* ------------------------------------- a device that renders, unseen for a while */
+
+static struct haptic_instance {
+    int at;
+} blinking;
+
+enum { PRESS = 300, DARK = 100, TICKS = 700 };
+
+static ost_status blinking_open(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err)
+{
+    (void)options;
+    (void)setup;
+    (void)err;
+    blinking.at = 0;
+    *out = &blinking;
+    return OST_OK;
+}
+
+static void blinking_close(haptic_instance *instance)
+{
+    (void)instance;
+}
+
+static ost_haptic_answer blinking_read(haptic_instance *b, ost_haptic_state *state)
+{
+    const int t = b->at++;
+    if (t >= PRESS && t < PRESS + DARK)
+        return OST_HAPTIC_UNSEEN;
+    /* 2 mm into the bone's side, and there it stays. */
+    *state = (ost_haptic_state){.pose = {.t = {-2 * MM + (t < 200 ? t : 200) * MM / 100, 20 * MM, 20 * MM}, .qw = OST_Q30_ONE}, .tool = -1};
+    return OST_HAPTIC_FRESH;
+}
+
+static void blinking_write(haptic_instance *b, const ost_wrench *wrench)
+{
+    (void)b;
+    (void)wrench;
+}
+
+static const haptic_driver blinker = {.name = "blinker", .caps = OST_HAPTIC_FORCE | OST_HAPTIC_LOGICAL, .open = blinking_open,
+                                      .close = blinking_close, .read = blinking_read, .write = blinking_write};
+
+typedef struct felt {
+    ost_operation *operation;
+    double n[TICKS];
+    int count;
+} felt;
+
+static bool feeling(void *user, const ost_servo_sample *sample, ost_wrench *wrench)
+{
+    felt *f = user;
+    const bool more = ost_operation_tick(f->operation, sample, wrench);
+    f->n[f->count++] = -wrench->force_n[0];
+    return more;
+}
+
+static void the_force_goes_with_the_hand_and_comes_back_softly(void **state)
+{
+    skip_without_samples(*state);
+    ost_error err = {0};
+    const ost_geometry g = cubic_geometry(40, 40, 40, MM, (ost_pm3){0, 0, 0});
+    int16_t *full = malloc(voxel_count(&g) * sizeof *full);
+    assert_non_null(full);
+    for (size_t i = 0; i < voxel_count(&g); i++)
+        full[i] = 500;
+    ost_bone *bone = bone_of(*state, &g, 16, full);
+    free(full);
+    ost_tool *tool = solid_tool(*state, (ost_tool_geometry){{4, 4, 12}, 500 * UM, {-MM, -MM, 0}}, OST_TOOL_CUTTING);
+    ost_world *world;
+    ost_force *force;
+    ost_haptic *device;
+    static felt f;
+    f = (felt){0};
+    ost_force_params params = ost_force_defaults();
+    params.speed = 0;
+    ost_safety_params safety = ost_safety_defaults();
+    safety.ramp_s = 0.1;
+    assert_ok(ost_world_create(bone, NULL, &world, &err));
+    assert_ok(ost_world_add_tool(world, "peg", tool, NULL, &err));
+    assert_ok(ost_force_create(bone, &params, &force, &err));
+    assert_ok(ost_force_add_tool(force, tool, &err));
+    assert_ok(ost_haptic_open_driver(&blinker, "", NULL, &device, &err));
+    assert_ok(ost_operation_create(world, &(ost_operation_options){.force = force, .safety = &safety}, &f.operation, &err));
+    assert_ok(ost_servo_run(device, &(ost_servo_options){.no_clock = true, .no_realtime = true, .ticks = TICKS}, feeling, NULL, &f, &report, &err));
+    assert_int_equal(f.count, TICKS);
+    const double full_n = f.n[PRESS - 1];
+    assert_true(full_n > 0.1);
+    for (int t = PRESS; t < PRESS + DARK; t++)
+        assert_true(f.n[t] == 0);
+    assert_true(f.n[PRESS + DARK] < 0.05 * full_n);
+    for (int t = PRESS + DARK; t < PRESS + DARK + 90; t++)
+        assert_true(f.n[t + 1] >= f.n[t] && f.n[t + 1] - f.n[t] < 0.05 * full_n);
+    assert_true(fabs(f.n[TICKS - 1] - full_n) < 0.02 * full_n);
+    ost_operation_free(f.operation);
+    ost_haptic_close(device);
+    ost_force_free(force);
+    ost_world_free(world);
+    ost_tool_free(tool);
+    ost_bone_free(bone);
+}
+
+int main(void)
+{
+    const struct CMUnitTest files[] = {
+        cmocka_unit_test(a_hand_as_it_was_seen),
+        cmocka_unit_test(with_longer_gaps_allowed),
+        cmocka_unit_test(files_that_are_no_motion),
+    };
+    const struct CMUnitTest worlds[] = {
+        cmocka_unit_test(what_is_not_seen_removes_nothing_and_is_declared),
+        cmocka_unit_test(the_force_goes_with_the_hand_and_comes_back_softly),
+    };
+    int failed = cmocka_run_group_tests(files, make_folder, remove_folder);
+    folder = scratch_folder();
+    failed += run_on_backends(worlds, open_test_backend, close_test_backend);
+    scratch_remove(folder);
+    return failed;
+}
