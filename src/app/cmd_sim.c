@@ -12,16 +12,25 @@
  */
 #include "app/progress.h"
 #include "app/say.h"
-#include "app/sim.h"
+#include "app/sim_show.h"
 
 ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
 {
-    sim_args args = {.device = "sim", .bone = "builtin:scapula", .ct = CT_OPTIONS_DEFAULT, .how = TOOL_OPTIONS_DEFAULT};
+    sim_args args = {.device = "sim", .bone = "builtin:scapula", .fps = 60, .ct = CT_OPTIONS_DEFAULT, .how = TOOL_OPTIONS_DEFAULT};
     target_options *t = &args.plan.target;
     const option options[] = {
         {.name = "device", .kind = OPTION_TEXT, .out = &args.device, .value = "NAME",
          .help = "null, script, replay, sim (default), motion, openhaptics\nor dhd, with options as in\nsim:grip=light,seed=2,tremor=200 (micrometres) or\nmotion:hand.csv.gz,scale=5 (per cent)"},
         {.name = "headless", .kind = OPTION_FLAG, .out = &args.headless, .help = "without a window, which this version does not have"},
+        {.name = "renderer", .kind = OPTION_CHOICE, .out = &args.renderer, .given = &args.renderer_given, .value = "none|null|points",
+         .help = "who draws meanwhile: points, the bone's surface by the processor;\nnull, follows the bone and draws nothing (default: none)"},
+        {.name = "view", .kind = OPTION_CHOICE, .out = &args.view, .value = "operator|en-face|lateral|anterior|posterior|superior|tool|whole",
+         .help = "where it looks from (default: operator)"},
+        {.name = "size", .kind = OPTION_TEXT, .out = &args.size, .value = "WxH", .help = "of its frames, in pixels (default: 1280x720)"},
+        {.name = "fps", .kind = OPTION_INTEGER, .out = &args.fps, .min = 0, .max = 1000, .value = "N",
+         .help = "frames a second at most (default: 60; 0: as many as there can be)"},
+        {.name = "style", .kind = OPTION_CHOICE, .out = &args.style, .value = "smooth|faces", .help = "lit by the surface's normals (default), or the thesis' flat faces"},
+        {.name = "picture", .kind = OPTION_TEXT, .out = &args.picture, .value = "FILE.png", .help = "the last frame, with --renderer points"},
         {.name = "seconds", .kind = OPTION_DECIMAL, .out = &args.seconds, .value = "N", .help = "how long (default: 10)"},
         {.name = "idle", .kind = OPTION_DECIMAL, .out = &args.idle, .value = "N",
          .help = "seconds of a loop that does nothing, half before and half after,\nfor comparison (default: as --seconds, at most 10)"},
@@ -84,9 +93,13 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
     if (status == OST_OK && s.resumed)
         status = sim_resume_run(&args, &s, err);
     if (status == OST_OK)
+        status = sim_show_make(app, &args, &s, err);
+    if (status == OST_OK)
         status = sim_run(app, &args, &s, err);
     if (status == OST_OK) {
         sim_report_loop(app, &args, &s);
+        if (s.show)
+            sim_show_report(app, s.show);
         status = sim_finish(app, &args, &s, err);
     }
     simulation_free(&s);

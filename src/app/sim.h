@@ -28,6 +28,11 @@ typedef struct sim_args {
     uint64_t ticks, idle_ticks;
     ost_density_classes classes;
     int64_t force; /* of sim_force_names */
+    const char *picture, *size;
+    int renderer; /* a sim_renderer */
+    int view, style, width, height;
+    int64_t fps;
+    bool renderer_given;
     bool force_given, headless, no_clock, no_realtime, no_pin, compress, sweep_off, bone_given, tools_given;
 } sim_args;
 
@@ -53,6 +58,7 @@ typedef struct simulation {
     ost_session *resumed; /* NULL: it begins */
     ost_tick last;        /* of it */
     uint64_t before;      /* its ticks */
+    struct sim_show *show; /* NULL: nobody looks on */
     int core;             /* that the loop has to itself; -1: none */
 } simulation;
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "app/sim.h"
+#include "app/sim_show.h"
 
 #include <string.h>
 
@@ -24,6 +24,34 @@ static ost_status ticks_of(const app_state *app, const char *name, const option_
     return OST_OK;
 }
 
+/* "1280x720" */
+static ost_status size_of(const app_state *app, sim_args *args, ost_error *err)
+{
+    int *out[2] = {&args->width, &args->height};
+    const char *p = args->size ? args->size : "1280x720";
+    for (int i = 0; i < 2; i++) {
+        int n = 0;
+        const char *begin = p;
+        while (*p >= '0' && *p <= '9' && n <= OST_FRAME_MAX)
+            n = 10 * n + (*p++ - '0');
+        if (p == begin || n < 1 || n > OST_FRAME_MAX || *p != (i == 0 ? 'x' : '\0'))
+            return usage_error(app, err, "--size %s: expected WIDTHxHEIGHT, each from 1 to %d", args->size, OST_FRAME_MAX);
+        *out[i] = n;
+        p++;
+    }
+    return OST_OK;
+}
+
+static ost_status check_show(const app_state *app, sim_args *args, ost_error *err)
+{
+    ost_status status = size_of(app, args, err);
+    if (status == OST_OK && args->picture && !args->renderer_given)
+        args->renderer = SIM_RENDERER_POINTS;
+    if (status == OST_OK && args->picture && args->renderer != SIM_RENDERER_POINTS)
+        return usage_error(app, err, "--picture %s: needs --renderer points, who draws it", args->picture);
+    return status;
+}
+
 ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err)
 {
     ost_status status = ream_period(app, &args->rate, &args->period_ns, err);
@@ -38,6 +66,10 @@ ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err)
     if (status == OST_OK && args->idle.text)
         status = ticks_of(app, "idle", &args->idle, &args->idle_ticks, err);
     if (status != OST_OK)
+        return status;
+    if ((status = check_show(app, args, err)) != OST_OK)
+        return status;
+    if (args->picture && (status = out_check(app, args->picture, "png", err)) != OST_OK)
         return status;
     if (args->ticks == 0)
         return usage_error(app, err, "--seconds 0 is no time at all");

@@ -8,12 +8,14 @@
 #include "app/backend_choice.h"
 #include "app/say.h"
 #include "app/session_record.h"
+#include "app/sim_show.h"
 
 void simulation_free(simulation *s)
 {
     free(s->loop);
     ost_operation_free(s->operation);
     ost_force_free(s->force);
+    sim_show_free(s->show);
     ost_haptic_close(s->device);
     ost_recorder_close(s->recorder, NULL, NULL);
     ost_session_close(s->resumed);

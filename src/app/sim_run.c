@@ -5,6 +5,7 @@
 
 #include "app/interrupt.h"
 #include "app/say.h"
+#include "app/sim_show.h"
 #include "app/sim_watch.h"
 
 void sim_pin(const sim_args *args, simulation *s)
@@ -28,9 +29,17 @@ static ost_status serve(const app_state *app, const sim_args *args, const ost_se
                                         &watch, err);
     if (status != OST_OK)
         return status;
+    if (s->show && (status = sim_show_begin(s->show, err)) != OST_OK) {
+        sim_watch_end(watch);
+        return status;
+    }
     interrupt_begin();
     status = ost_servo_run(s->device, how, tick, ost_operation_done, s->operation, s->loop, err);
     interrupt_end();
+    if (s->show) {
+        const ost_status shown = sim_show_end(s->show, status == OST_OK ? err : NULL);
+        status = status == OST_OK ? shown : status;
+    }
     sim_watch_end(watch);
     return status;
 }
@@ -43,6 +52,7 @@ ost_status sim_run(const app_state *app, const sim_args *args, simulation *s, os
     const ost_operation_options what = {
         .recorder = s->recorder,
         .force = s->force,
+        .live = s->show ? s->show->live : NULL,
         .tool = s->resumed ? s->last.tool : 0,
         .steps_before = s->before,
         .last = s->resumed ? &s->last : NULL,

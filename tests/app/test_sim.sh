@@ -34,6 +34,23 @@ check "the same hand" "$(value sha256)" "$shaking"
 run 0 sim --headless --bone bone.nrrd --device sim:grip=light,friction=20,tremor=300,seed=5 --seconds 2 --no-clock --json
 [ "$(value sha256)" != "$shaking" ] || fail "another seed shakes alike"
 
+# A renderer beside it changes nothing, and its picture is the same on every instruction set.
+if "$osteon" devices | grep -q '^  png *yes'; then
+    run 0 sim --headless --bone bone.nrrd --seconds 0.3 --no-clock --size 320x200 --picture seen.png --json
+    has renderer.frames renderer.fps renderer.frame_ms.p50 renderer.frame_ms.p99 renderer.changed_chunks
+    check "a renderer" "$(value renderer.name) $(value renderer.width) $(value renderer.height)" "points 320 200"
+    seen=$(value sha256)
+    export OSTEON_ISA=scalar
+    run 0 sim --headless --bone bone.nrrd --seconds 0.3 --no-clock --size 320x200 --picture scalar.png --json
+    unset OSTEON_ISA
+    check "the same bone" "$(value sha256)" "$seen"
+    cmp seen.png scalar.png || fail "the picture depends on the instruction set"
+fi
+run 0 sim --headless --bone bone.nrrd --seconds 0.2 --idle 0 --renderer null --json
+check "a renderer that draws nothing" "$(value renderer.name) $(value renderer.width)" "null 0"
+refuse 2 "--size 12x: expected" sim --headless --bone bone.nrrd --size 12x
+refuse 2 "needs --renderer points" sim --headless --bone bone.nrrd --renderer null --picture a.png
+
 # With a force less goes than without, and what the hand felt is recorded; the session replays all the same.
 run 0 sim --headless --bone bone.nrrd --path builtin:glenoid-ream --seconds 2.5 --no-clock --force off --json
 free=$(value removed_voxels)

@@ -256,7 +256,7 @@ static void assert_picture(const scene *s, const ost_frame *f, const ost_eye *e,
                 continue;
             }
             const size_t at = (size_t)y * (size_t)f->planes.stride + (size_t)x;
-            const uint32_t index = f->planes.index[at], id = index == OST_NO_VOXEL ? OST_NO_VOXEL : f->visible.id[index];
+            const uint32_t index = f->planes.index[at], id = index == OST_NO_VOXEL ? OST_NO_VOXEL : f->layer[0].visible.id[index];
             if (who[0][0] < 0) {
                 assert_int_equal(id, OST_NO_VOXEL);
                 assert_int_equal(f->planes.face[at], OST_NO_FACE);

@@ -22,19 +22,26 @@ ost_status ost_camera_check(const ost_camera *camera, ost_error *err)
     return OST_OK;
 }
 
-/* Component a of a column of the rotation, whose entries are exact. */
-static float direction(const ost_rotation *r, int a, int column)
+typedef struct matrix {
+    double m[3][3]; /* [row][column] */
+} matrix;
+
+static matrix matrix_of(const ost_pose *pose)
 {
-    return (float)((double)r->m[a][column] / (double)r->n);
+    const ost_rotation r = ost_rotation_of(pose);
+    matrix out;
+    for (int i = 0; i < 9; i++)
+        out.m[i / 3][i % 3] = (double)r.m[i / 3][i % 3] / (double)r.n;
+    return out;
 }
 
-ost_eye ost_eye_make(const ost_camera *camera, const ost_geometry *bone)
+/* at: where the eye is from the grid's frame, in picometres; r: from the camera's frame to the grid's. */
+static ost_eye make_eye(const ost_camera *camera, const ost_geometry *grid, const double at[3], const matrix *r)
 {
-    const ost_rotation r = ost_rotation_of(&camera->pose);
-    const double s = (double)bone->spacing.x;
+    const double s = (double)grid->spacing.x;
     ost_eye eye = {
-        .at = {(float)((double)(camera->pose.t.x - bone->origin.x) / s), (float)((double)(camera->pose.t.y - bone->origin.y) / s),
-               (float)((double)(camera->pose.t.z - bone->origin.z) / s)},
+        .at = {(float)((at[0] - (double)grid->origin.x) / s), (float)((at[1] - (double)grid->origin.y) / s),
+               (float)((at[2] - (double)grid->origin.z) / s)},
         .focal = (float)((double)camera->focal_milli / 1000.0),
         .half_w = 0.5f * (float)camera->width,
         .half_h = 0.5f * (float)camera->height,
@@ -43,11 +50,33 @@ ost_eye ost_eye_make(const ost_camera *camera, const ost_geometry *bone)
         .height = camera->height,
     };
     for (int a = 0; a < 3; a++) {
-        eye.right[a] = direction(&r, a, 0);
-        eye.up[a] = direction(&r, a, 1);
-        eye.forward[a] = -direction(&r, a, 2);
+        eye.right[a] = (float)r->m[a][0];
+        eye.up[a] = (float)r->m[a][1];
+        eye.forward[a] = (float)-r->m[a][2];
     }
     return eye;
+}
+
+/* Picometres are below 2^43 and so exact in doubles, as their differences are. */
+ost_eye ost_eye_make(const ost_camera *camera, const ost_geometry *bone)
+{
+    const matrix r = matrix_of(&camera->pose);
+    const double at[3] = {(double)camera->pose.t.x, (double)camera->pose.t.y, (double)camera->pose.t.z};
+    return make_eye(camera, bone, at, &r);
+}
+
+ost_eye ost_eye_make_from(const ost_camera *camera, const ost_geometry *grid, const ost_pose *pose)
+{
+    const matrix c = matrix_of(&camera->pose), p = matrix_of(pose);
+    const double d[3] = {(double)(camera->pose.t.x - pose->t.x), (double)(camera->pose.t.y - pose->t.y), (double)(camera->pose.t.z - pose->t.z)};
+    double at[3];
+    matrix r;
+    for (int a = 0; a < 3; a++) {
+        at[a] = (p.m[0][a] * d[0] + p.m[1][a] * d[1]) + p.m[2][a] * d[2];
+        for (int b = 0; b < 3; b++)
+            r.m[a][b] = (p.m[0][a] * c.m[0][b] + p.m[1][a] * c.m[1][b]) + p.m[2][a] * c.m[2][b];
+    }
+    return make_eye(camera, grid, at, &r);
 }
 
 /* ------------------------------------------------------------------- aim */

@@ -33,5 +33,7 @@ static inline float ost_eye_dot(const float a[3], const float b[3])
 
 /* camera was checked. */
 ost_eye ost_eye_make(const ost_camera *camera, const ost_geometry *bone);
+/* The same from what is at a pose: its grid is in its own frame, which the pose takes into the bone's. */
+ost_eye ost_eye_make_from(const ost_camera *camera, const ost_geometry *grid, const ost_pose *pose);
 
 #endif

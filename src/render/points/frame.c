@@ -13,9 +13,39 @@
 
 static const float FARTHEST = 32768.0f; /* voxels from the eye: squares of distances keep whole voxels apart near the eye's axis */
 
-static void *planes_alloc(size_t count, size_t size)
+static void *plane_alloc(size_t count, size_t size)
 {
     return aligned_alloc(64, (count * size + 63) / 64 * 64);
+}
+
+static bool planes_init(ost_planes *p, int width, int height)
+{
+    p->stride = (width + OST_LANES - 1) / OST_LANES * OST_LANES;
+    const size_t count = (size_t)p->stride * (size_t)height;
+    p->distance = plane_alloc(count, sizeof *p->distance);
+    p->index = plane_alloc(count, sizeof *p->index);
+    p->depth = plane_alloc(count, sizeof *p->depth);
+    p->face = plane_alloc(count, sizeof *p->face);
+    p->colour = plane_alloc(count, sizeof *p->colour);
+    if (!p->distance || !p->index || !p->depth || !p->face || !p->colour)
+        return false;
+    memset(p->depth, 0, count * sizeof *p->depth);
+    return true;
+}
+
+static void planes_free(ost_planes *p)
+{
+    free(p->distance);
+    free(p->index);
+    free(p->depth);
+    free(p->face);
+    free(p->colour);
+    *p = (ost_planes){0};
+}
+
+static ost_status no_memory(const ost_frame *f, ost_error *err)
+{
+    return ost_fail(err, OST_ERR_MEMORY, "no memory for a frame of %d x %d pixels", f->width, f->height);
 }
 
 ost_status ost_frame_init(ost_frame *frame, int width, int height, ost_style style, ost_isa isa, int threads, ost_error *err)
@@ -32,39 +62,35 @@ ost_status ost_frame_init(ost_frame *frame, int width, int height, ost_style sty
 #else
     frame->threads = 1;
 #endif
-    ost_planes *p = &frame->planes;
-    p->stride = (width + OST_LANES - 1) / OST_LANES * OST_LANES;
-    const size_t count = (size_t)p->stride * (size_t)height;
-    p->distance = planes_alloc(count, sizeof *p->distance);
-    p->index = planes_alloc(count, sizeof *p->index);
-    p->depth = planes_alloc(count, sizeof *p->depth);
-    p->face = planes_alloc(count, sizeof *p->face);
-    p->colour = planes_alloc(count, sizeof *p->colour);
-    if (!p->distance || !p->index || !p->depth || !p->face || !p->colour) {
+    if (!planes_init(&frame->planes, width, height)) {
+        ost_status status = no_memory(frame, err);
         ost_frame_free(frame);
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a frame of %d x %d pixels", width, height);
+        return status;
     }
-    memset(p->depth, 0, count * sizeof *p->depth);
     return OST_OK;
+}
+
+static void layer_free(ost_frame_layer *layer)
+{
+    free(layer->blocks);
+    free(layer->visible.id);
+    free(layer->visible.look);
+    free(layer->visible.tint);
+    free(layer->bases);
 }
 
 void ost_frame_free(ost_frame *frame)
 {
-    free(frame->planes.distance);
-    free(frame->planes.index);
-    free(frame->planes.depth);
-    free(frame->planes.face);
-    free(frame->planes.colour);
-    free(frame->blocks);
-    free(frame->visible.id);
-    free(frame->visible.look);
-    free(frame->visible.tint);
-    free(frame->bases);
+    planes_free(&frame->planes);
+    planes_free(&frame->over);
+    for (int i = 0; i < OST_FRAME_LAYERS; i++)
+        layer_free(&frame->layer[i]);
     memset(frame, 0, sizeof *frame);
 }
 
-static ost_status make_room(ost_frame *f, const ost_surface *s, ost_error *err)
+static ost_status make_room(ost_frame_layer *f, ost_error *err)
 {
+    const ost_surface *s = f->surface;
     if (s->used > f->block_room) {
         free(f->blocks);
         free(f->bases);
@@ -141,10 +167,12 @@ static void turn(float base, int axis, uint8_t turned[OST_BLOCK])
     }
 }
 
-static void choose_blocks(ost_frame *f, const ost_surface *s)
+static void choose_blocks(ost_frame_layer *f)
 {
+    const ost_surface *s = f->surface;
     const ost_eye *e = &f->eye.eye;
     f->count = 0;
+    f->y0 = f->y1 = 0;
     for (int32_t i = 0; i < s->used; i++) {
         const ost_surface_block *block = s->slot[i];
         ost_frame_block b = {.slot = i, .count = block->count};
@@ -157,6 +185,8 @@ static void choose_blocks(ost_frame *f, const ost_surface *s)
             continue;
         b.distance = ost_eye_dot(middle, middle);
         f->blocks[f->count++] = b;
+        f->y0 = f->count == 1 || b.y0 < f->y0 ? b.y0 : f->y0;
+        f->y1 = f->count == 1 || b.y1 > f->y1 ? b.y1 : f->y1;
     }
     if (f->count > 0)
         qsort(f->blocks, (size_t)f->count, sizeof *f->blocks, by_distance);
@@ -167,61 +197,124 @@ static void choose_blocks(ost_frame *f, const ost_surface *s)
     }
 }
 
-static void choose_points(const ost_frame *f, const ost_surface *s, const ost_light *light, ost_frame_block *b)
+static void choose_points(const ost_frame *frame, const ost_frame_layer *f, ost_frame_block *b)
 {
-    const ost_surface_block *block = s->slot[b->slot];
+    const ost_surface_block *block = f->surface->slot[b->slot];
     uint8_t turned[3][OST_BLOCK];
     for (int a = 0; a < 3; a++)
         turn(f->bases[4 * b->slot + a], a, turned[a]);
     const ost_visible *v = &f->visible;
-    b->count = f->kernels.facing(block, (uint32_t)b->slot, turned, v->id + b->begin, v->look + b->begin);
-    ost_light_tint(light, v->look + b->begin, b->count, v->tint + b->begin);
+    b->count = frame->kernels.facing(block, (uint32_t)b->slot, turned, v->id + b->begin, v->look + b->begin);
+    ost_light_tint(&f->light, v->look + b->begin, b->count, v->tint + b->begin);
+}
+
+static void draw_layer(const ost_frame *f, const ost_frame_layer *layer, const ost_planes *planes, int y0, int y1)
+{
+    const size_t at = (size_t)y0 * (size_t)planes->stride, count = (size_t)(y1 - y0) * (size_t)planes->stride;
+    for (size_t i = 0; i < count; i++)
+        planes->distance[at + i] = INFINITY;
+    memset(planes->index + at, 0xff, count * sizeof *planes->index);
+    for (int32_t i = 0; i < layer->count; i++) {
+        const ost_frame_block *b = &layer->blocks[i];
+        if (b->y0 < y1 && b->y1 > y0)
+            f->kernels.splat(&layer->eye, &layer->visible, b->begin, b->count, planes, y0, y1);
+    }
+    for (int y = y0; y < y1; y++)
+        f->kernels.resolve(&layer->eye, &layer->visible, planes, y);
+}
+
+/* Of each pixel what is nearer; of the same depth what was there. */
+static void merge(const ost_planes *to, const ost_planes *from, float scale, int y0, int y1)
+{
+    const size_t at = (size_t)y0 * (size_t)to->stride, end = (size_t)y1 * (size_t)to->stride;
+    for (size_t i = at; i < end; i++) {
+        const float depth = from->depth[i] * scale;
+        if (from->face[i] == OST_NO_FACE || (to->face[i] != OST_NO_FACE && !(depth < to->depth[i])))
+            continue;
+        to->depth[i] = depth;
+        to->face[i] = from->face[i];
+        to->colour[i] = from->colour[i];
+        to->index[i] = OST_NO_VOXEL;
+    }
 }
 
 static void draw_band(const ost_frame *f, int band)
 {
     const int y0 = band * OST_BAND, y1 = y0 + OST_BAND < f->height ? y0 + OST_BAND : f->height;
-    const size_t at = (size_t)y0 * (size_t)f->planes.stride, count = (size_t)(y1 - y0) * (size_t)f->planes.stride;
-    for (size_t i = 0; i < count; i++)
-        f->planes.distance[at + i] = INFINITY;
-    memset(f->planes.index + at, 0xff, count * sizeof *f->planes.index);
-    for (int32_t i = 0; i < f->count; i++) {
-        const ost_frame_block *b = &f->blocks[i];
-        if (b->y0 < y1 && b->y1 > y0)
-            f->kernels.splat(&f->eye, &f->visible, b->begin, b->count, &f->planes, y0, y1);
+    draw_layer(f, &f->layer[0], &f->planes, y0, y1);
+    for (int i = 1; i < f->layers; i++) {
+        const ost_frame_layer *layer = &f->layer[i];
+        const int from = layer->y0 > y0 ? layer->y0 : y0, to = layer->y1 < y1 ? layer->y1 : y1;
+        if (from >= to)
+            continue;
+        draw_layer(f, layer, &f->over, from, to);
+        merge(&f->planes, &f->over, layer->scale, from, to);
     }
-    for (int y = y0; y < y1; y++)
-        f->kernels.resolve(&f->eye, &f->visible, &f->planes, y);
 }
 
-ost_status ost_frame_draw(ost_frame *frame, const ost_surface *surface, const ost_eye *eye, ost_error *err)
+static ost_status check_thing(const ost_frame_thing *thing, ost_error *err)
 {
-    const ost_dims d = surface->geometry.dims;
+    const ost_dims d = thing->surface->geometry.dims;
     const float size[3] = {(float)d.x, (float)d.y, (float)d.z};
     for (int a = 0; a < 3; a++)
-        if (!(fabsf(eye->at[a]) < FARTHEST) || !(fabsf(eye->at[a] - size[a]) < FARTHEST))
-            return ost_fail(err, OST_ERR_RANGE, "the camera is more than %d voxels away from the bone's grid", (int)FARTHEST);
-    ost_status status = make_room(frame, surface, err);
+        if (!(fabsf(thing->eye.at[a]) < FARTHEST) || !(fabsf(thing->eye.at[a] - size[a]) < FARTHEST))
+            return ost_fail(err, OST_ERR_RANGE, "the camera is more than %d voxels away from what it is to see", (int)FARTHEST);
+    return OST_OK;
+}
+
+static ost_status prepare(ost_frame *frame, const ost_frame_thing *thing, int number, ost_error *err)
+{
+    ost_frame_layer *layer = &frame->layer[number];
+    layer->surface = thing->surface;
+    ost_status status = check_thing(thing, err);
+    if (status == OST_OK)
+        status = make_room(layer, err);
     if (status != OST_OK)
         return status;
-    frame->eye = ost_splat_prepare(eye);
-    choose_blocks(frame, surface);
-    ost_light light;
-    ost_light_make(&light, eye, frame->style);
-    frame->visible.bases = frame->bases;
-    frame->visible.background = OST_BACKGROUND;
-    memcpy(frame->visible.light, light.face, sizeof light.face);
+    layer->eye = ost_splat_prepare(&thing->eye);
+    layer->scale = (float)((double)thing->surface->geometry.spacing.x / (double)frame->layer[0].surface->geometry.spacing.x);
+    choose_blocks(layer);
+    ost_light_make(&layer->light, &thing->eye, frame->style, thing->paint);
+    layer->visible.bases = layer->bases;
+    layer->visible.background = OST_BACKGROUND;
+    memcpy(layer->visible.light, layer->light.face, sizeof layer->light.face);
+    return OST_OK;
+}
+
+ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things, int count, ost_error *err)
+{
+    ost_status status = OST_OK;
+    if (count < 1 || count > OST_FRAME_LAYERS)
+        return ost_fail(err, OST_ERR_USAGE, "%d things to draw; 1 to %d are supported", count, OST_FRAME_LAYERS);
+    if (count > 1 && !frame->over.colour && !planes_init(&frame->over, frame->width, frame->height)) {
+        planes_free(&frame->over);
+        return no_memory(frame, err);
+    }
+    for (int i = 0; i < count && status == OST_OK; i++)
+        status = prepare(frame, &things[i], i, err);
+    if (status != OST_OK)
+        return status;
+    frame->layers = count;
     const int bands = (frame->height + OST_BAND - 1) / OST_BAND;
 #pragma omp parallel num_threads(frame->threads)
     {
+        for (int l = 0; l < count; l++) {
+            ost_frame_layer *layer = &frame->layer[l];
 #pragma omp for schedule(dynamic, 4)
-        for (int32_t i = 0; i < frame->count; i++)
-            choose_points(frame, surface, &light, &frame->blocks[i]);
+            for (int32_t i = 0; i < layer->count; i++)
+                choose_points(frame, layer, &layer->blocks[i]);
+        }
 #pragma omp for schedule(dynamic, 1)
         for (int band = 0; band < bands; band++)
             draw_band(frame, band);
     }
     return OST_OK;
+}
+
+ost_status ost_frame_draw(ost_frame *frame, const ost_surface *surface, const ost_eye *eye, ost_error *err)
+{
+    const ost_frame_thing bone = {surface, *eye, OST_PAINT_BONE};
+    return ost_frame_draw_things(frame, &bone, 1, err);
 }
 
 void ost_frame_copy(const ost_frame *frame, ost_picture *picture)

@@ -4,9 +4,6 @@
 
 #include "render/points/surface.h"
 
-/* Bone is #e3dac9 (thesis 3.3.2). */
-enum { RED = 0xe3, GREEN = 0xda, BLUE = 0xc9 };
-
 /* Unit; r, u and f along the picture's right, up and into it. */
 static void toward(const ost_eye *eye, float r, float u, float f, float out[3])
 {
@@ -29,13 +26,14 @@ static uint32_t rounded(float v, uint32_t most)
     return n < most ? n : most;
 }
 
-void ost_light_make(ost_light *light, const ost_eye *eye, ost_style style)
+void ost_light_make(ost_light *light, const ost_eye *eye, ost_style style, ost_paint paint)
 {
     float key[3], fill[3], half[3], n[3];
     toward(eye, -0.40f, 0.55f, -0.73f, key);
     toward(eye, 0.85f, -0.10f, -0.50f, fill);
     toward(eye, -0.40f, 0.55f, -1.73f, half); /* half-way between the key light and the eye */
     light->style = style;
+    light->paint = paint;
     for (uint32_t cell = 0; cell < OST_OCTAHEDRAL_COUNT; cell++) {
         ost_octahedral_vector(cell, n);
         const float sky = 0.5f + 0.5f * ost_eye_dot(n, eye->up);
@@ -44,7 +42,7 @@ void ost_light_make(ost_light *light, const ost_eye *eye, ost_style style)
         for (int i = 0; i < 5; i++)
             gloss *= gloss; /* to the 32nd power */
         light->bright[cell] = (uint16_t)rounded(256.0f * bright, 288);
-        light->gloss[cell] = (uint8_t)rounded(26.0f * gloss, 255);
+        light->gloss[cell] = (uint8_t)rounded((float)paint.gloss * gloss, 255);
     }
     for (int face = 0; face < 8; face++) {
         const float cosine = face < 6 ? positive(face % 2 ? key[face / 2] : -key[face / 2]) : 0;
@@ -52,22 +50,23 @@ void ost_light_make(ost_light *light, const ost_eye *eye, ost_style style)
     }
 }
 
-static uint32_t channel(uint32_t bone, uint32_t bright, uint32_t gloss)
+static uint32_t channel(uint32_t full, uint32_t bright, uint32_t gloss)
 {
-    const uint32_t v = (bone * bright >> 8) + gloss;
+    const uint32_t v = (full * bright >> 8) + gloss;
     return v < 255 ? v : 255;
 }
 
 void ost_light_tint(const ost_light *light, const uint32_t *look, uint32_t count, uint32_t *tint)
 {
+    const ost_paint p = light->paint;
     if (light->style == OST_STYLE_FACES) {
         for (uint32_t i = 0; i < count; i++)
-            tint[i] = RED | GREEN << 8 | BLUE << 16;
+            tint[i] = p.red | (uint32_t)p.green << 8 | (uint32_t)p.blue << 16;
         return;
     }
     for (uint32_t i = 0; i < count; i++) {
         const uint32_t cell = look[i] % OST_OCTAHEDRAL_COUNT, open = (look[i] >> OST_OPEN_SHIFT & 255) + 1;
         const uint32_t bright = light->bright[cell] * open >> 8, gloss = light->gloss[cell] * open >> 8;
-        tint[i] = channel(RED, bright, gloss) | channel(GREEN, bright, gloss) << 8 | channel(BLUE, bright, gloss) << 16;
+        tint[i] = channel(p.red, bright, gloss) | channel(p.green, bright, gloss) << 8 | channel(p.blue, bright, gloss) << 16;
     }
 }

@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "app/frame_times.h"
+
+#include <math.h>
+#include <time.h>
+
+int64_t frame_now_ns(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return t.tv_sec * INT64_C(1000000000) + t.tv_nsec;
+}
+
+void frame_times_add(frame_times *times, int64_t ns)
+{
+    const int64_t bin = ns / FRAME_BIN_NS;
+    times->count++;
+    times->max_ns = ns > times->max_ns ? ns : times->max_ns;
+    times->bin[bin < 0 ? 0 : bin < FRAME_BINS ? bin : FRAME_BINS - 1]++;
+}
+
+double frame_times_ms(const frame_times *times, double share)
+{
+    const double want = share * (double)times->count;
+    uint64_t seen = 0;
+    for (int i = 0; i < FRAME_BINS && times->count; i++) {
+        seen += times->bin[i];
+        if (seen && (double)seen >= want)
+            return fmin((i + 0.5) * FRAME_BIN_NS, (double)times->max_ns) * 1e-6;
+    }
+    return 0;
+}

@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* How long frames take, and how often they come: in bins of 10 us up to a second. */
+#ifndef OST_APP_FRAME_TIMES_H
+#define OST_APP_FRAME_TIMES_H
+
+#include "app/app.h"
+
+enum { FRAME_BINS = 100000, FRAME_BIN_NS = 10000 };
+
+typedef struct frame_times {
+    uint64_t count;
+    int64_t max_ns;
+    uint32_t bin[FRAME_BINS];
+} frame_times;
+
+int64_t frame_now_ns(void);
+void frame_times_add(frame_times *times, int64_t ns);
+/* The middle of the bin in which share (0 to 1) of all are reached, never above the greatest; 0 when empty. */
+double frame_times_ms(const frame_times *times, double share);
+
+#endif

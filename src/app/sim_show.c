@@ -1,0 +1,194 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "app/sim_show.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <sched.h>
+#include <signal.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "app/result.h"
+#include "app/say.h"
+
+enum { THREADS_MAX = 4 };
+
+const char *const sim_renderer_names[] = {"none", "null", "points"};
+
+typedef struct drawer {
+    pthread_t thread;
+    _Atomic bool stop;
+} drawer;
+
+/* The processors that are left to this thread. */
+static int cores_here(void)
+{
+    cpu_set_t set;
+    const int count = sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
+    return count < THREADS_MAX ? count : THREADS_MAX;
+}
+
+static ost_status add_tools(sim_show *show, const simulation *s, ost_error *err)
+{
+    ost_status status = OST_OK;
+    for (int i = 0; i < show->args->tools.count && status == OST_OK; i++) {
+        ost_tool_volume volume = {0};
+        status = ost_tool_download(s->tools[i], &volume, err);
+        if (status == OST_OK)
+            status = ost_viewer_add_tool(&show->viewer, &volume, err);
+        ost_tool_volume_free(&volume);
+    }
+    return status;
+}
+
+ost_status sim_show_make(const app_state *app, const sim_args *args, simulation *s, ost_error *err)
+{
+    ost_glenoid glenoid;
+    if (args->renderer == SIM_RENDERER_NONE)
+        return OST_OK;
+    sim_show *show = calloc(1, sizeof *show);
+    if (!show)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a renderer");
+    s->show = show;
+    show->app = app;
+    show->args = args;
+    ost_status status = ost_live_create(s->bone, &show->live, err);
+    if (status != OST_OK)
+        return status;
+    const ost_geometry *g = ost_live_geometry(show->live);
+    status = ost_viewer_init(&show->viewer, g, args->style ? OST_STYLE_FACES : OST_STYLE_SMOOTH, NULL, cores_here(), err);
+    if (status == OST_OK)
+        status = add_tools(show, s, err);
+    if (status != OST_OK)
+        return status;
+    ost_viewer_follow(&show->viewer, show->live);
+    const bool known = target_find(app, &args->plan.target, &s->imported.meta, args->bone, &glenoid, NULL) == OST_OK;
+    show->subject = ost_view_subject_make(g, &glenoid.at, known ? glenoid.axis : NULL, known && glenoid.left);
+    show->orbit = ost_view_orbit((ost_view_name)args->view, &show->subject, NULL);
+    return OST_OK;
+}
+
+void sim_show_free(sim_show *show)
+{
+    if (!show)
+        return;
+    ost_viewer_free(&show->viewer);
+    ost_live_free(show->live);
+    free(show);
+}
+
+ost_status sim_show_frame(sim_show *show, int width, int height, ost_error *err)
+{
+    ost_camera camera;
+    const int64_t begin = frame_now_ns();
+    if (show->last_ns)
+        frame_times_add(&show->apart, begin - show->last_ns);
+    show->last_ns = begin;
+    ost_status status = ost_viewer_update(&show->viewer, err);
+    if (status == OST_OK && show->args->renderer == SIM_RENDERER_POINTS) {
+        status = ost_orbit_camera(&show->orbit, width, height, &camera, err);
+        if (status == OST_OK)
+            status = ost_viewer_draw(&show->viewer, &camera, err);
+    }
+    frame_times_add(&show->drawn, frame_now_ns() - begin);
+    return status;
+}
+
+/* ----------------------------------------------------------- without a window */
+
+static ost_status write_picture(const sim_show *show, ost_error *err)
+{
+    ost_picture picture;
+    const ost_frame *f = &show->viewer.frame;
+    ost_status status = ost_picture_init(&picture, f->width, f->height, err);
+    if (status != OST_OK)
+        return status;
+    ost_frame_copy(f, &picture);
+    status = ost_picture_write_png(show->args->picture, &picture, err);
+    ost_picture_free(&picture);
+    return status;
+}
+
+static void *work(void *user)
+{
+    sim_show *show = user;
+    drawer *d = show->thread;
+    const int64_t period = show->args->fps > 0 ? INT64_C(1000000000) / show->args->fps : 0;
+    int64_t due = frame_now_ns();
+    while (!atomic_load(&d->stop) && show->status == OST_OK) {
+        show->status = sim_show_frame(show, show->args->width, show->args->height, &show->err);
+        const int64_t now = frame_now_ns();
+        due = due + period > now ? due + period : now; /* what is late is not caught up on */
+        const struct timespec t = {.tv_sec = due / 1000000000, .tv_nsec = due % 1000000000};
+        if (due > now)
+            clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, NULL);
+    }
+    return NULL;
+}
+
+ost_status sim_show_begin(sim_show *show, ost_error *err)
+{
+    sigset_t all, before;
+    drawer *d = calloc(1, sizeof *d);
+    if (!d)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a renderer's thread");
+    show->thread = d;
+    /* Signals are for the thread that can end the loop. */
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    const int error = pthread_create(&d->thread, NULL, work, show);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    if (!error)
+        return OST_OK;
+    free(d);
+    show->thread = NULL;
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "no thread for a renderer: %s", strerror(error));
+}
+
+ost_status sim_show_end(sim_show *show, ost_error *err)
+{
+    drawer *d = show->thread;
+    if (d) {
+        atomic_store(&d->stop, true);
+        pthread_join(d->thread, NULL);
+        free(d);
+        show->thread = NULL;
+    }
+    if (show->status != OST_OK)
+        return ost_fail(err, show->status, "the renderer: %.500s", show->err.text);
+    ost_status status = ost_live_flush(show->live, err);
+    if (status == OST_OK && show->args->picture) {
+        show->last_ns = 0;
+        status = sim_show_frame(show, show->args->width, show->args->height, err);
+        if (status == OST_OK)
+            status = write_picture(show, err);
+    }
+    return status;
+}
+
+void sim_show_report(const app_state *app, const sim_show *show)
+{
+    const frame_times *drawn = &show->drawn, *apart = &show->apart;
+    const double p50 = frame_times_ms(apart, 0.5), worst = frame_times_ms(apart, 0.99);
+    const double work50 = frame_times_ms(drawn, 0.5), work99 = frame_times_ms(drawn, 0.99);
+    json_t *o = json_object();
+    char a[SAY_TEXT];
+    put_text(o, "name", sim_renderer_names[show->args->renderer]);
+    put_integer(o, "frames", (int64_t)drawn->count);
+    put_integer(o, "width", show->viewer.frame.width);
+    put_integer(o, "height", show->viewer.frame.height);
+    put_real(o, "fps", p50 > 0 ? 1000 / p50 : 0);
+    put_real(o, "fps_worst_1_percent", worst > 0 ? 1000 / worst : 0);
+    put(o, "frame_ms", json_pack("{s:f,s:f,s:f}", "p50", work50, "p99", work99, "max", (double)drawn->max_ns * 1e-6));
+    put_integer(o, "changed_chunks", (int64_t)show->viewer.changed);
+    put_integer(o, "surface_voxels", (int64_t)show->viewer.bone.points);
+    put(app->result, "renderer", o);
+    if (apart->count == 0)
+        return;
+    say(app, "  %s frames beside it, %.0f a second at median, %.0f in the worst hundredth; one takes %.1f ms, %.1f ms at 99 %%",
+        say_count(a, (int64_t)drawn->count), 1000 / p50, 1000 / worst, work50, work99);
+    if (show->args->picture)
+        say(app, "  %s: the last of them", show->args->picture);
+}

@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What is seen while the loop runs: a renderer at work beside it.
+ *
+ *   operation --ost_live--> viewer --camera--> frames      in a window, or in a thread of its own without one
+ *
+ * It takes the bone as it is when it is made, and follows from there.
+ */
+#ifndef OST_APP_SIM_SHOW_H
+#define OST_APP_SIM_SHOW_H
+
+#include "app/frame_times.h"
+#include "app/sim.h"
+#include "render/viewer.h"
+#include "render/views.h"
+
+typedef enum sim_renderer { SIM_RENDERER_NONE, SIM_RENDERER_NULL, SIM_RENDERER_POINTS } sim_renderer;
+extern const char *const sim_renderer_names[]; /* "none", "null", "points" */
+
+typedef struct sim_show {
+    const app_state *app;
+    const sim_args *args;
+    ost_live *live;
+    ost_viewer viewer;
+    ost_view_subject subject;
+    ost_orbit orbit;
+    frame_times drawn, apart; /* a frame's work; from one frame to the next */
+    int64_t last_ns;          /* when the last frame began; 0 before the first */
+    void *thread;             /* NULL: none */
+    ost_status status;        /* of the thread */
+    ost_error err;
+} sim_show;
+
+/* NULL with no renderer. */
+ost_status sim_show_make(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
+void sim_show_free(sim_show *show);
+
+/* What changed, and a frame of this size; nothing is drawn by the renderer null. */
+ost_status sim_show_frame(sim_show *show, int width, int height, ost_error *err);
+
+/* Frames by a thread, until the end. */
+ost_status sim_show_begin(sim_show *show, ost_error *err);
+/* Waits for the thread; the picture that was asked for. The loop is over. */
+ost_status sim_show_end(sim_show *show, ost_error *err);
+void sim_show_report(const app_state *app, const sim_show *show);
+
+#endif

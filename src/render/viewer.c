@@ -1,0 +1,93 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "render/viewer.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+ost_status ost_viewer_init(ost_viewer *viewer, const ost_geometry *bone, ost_style style, const char *isa, int threads, ost_error *err)
+{
+    memset(viewer, 0, sizeof *viewer);
+    viewer->style = style;
+    viewer->threads = threads;
+    ost_status status = ost_isa_choose(isa, &viewer->isa, err);
+    return status == OST_OK ? ost_surface_init(&viewer->bone, bone, err) : status;
+}
+
+void ost_viewer_free(ost_viewer *viewer)
+{
+    ost_surface_free(&viewer->bone);
+    for (int i = 0; i < viewer->tools; i++)
+        ost_surface_free(&viewer->tool[i]);
+    ost_frame_free(&viewer->frame);
+    memset(viewer, 0, sizeof *viewer);
+}
+
+/* A tool's grid begins at its corner, a bone's at the middle of its first voxel; half a picometre is nothing to see. */
+static ost_geometry grid_of(const ost_tool_geometry *t)
+{
+    const ost_pm s = t->voxel, half = s / 2;
+    return (ost_geometry){t->dims, {s, s, s}, {t->corner.x + half, t->corner.y + half, t->corner.z + half}};
+}
+
+ost_status ost_viewer_add_tool(ost_viewer *viewer, const ost_tool_volume *volume, ost_error *err)
+{
+    if (viewer->tools == OST_VIEWER_TOOLS)
+        return ost_fail(err, OST_ERR_USAGE, "a viewer has up to %d tools", OST_VIEWER_TOOLS);
+    const ost_geometry g = grid_of(&volume->geometry);
+    ost_surface *surface = &viewer->tool[viewer->tools];
+    ost_volume solid = {0};
+    ost_status status = ost_surface_init(surface, &g, err);
+    if (status == OST_OK)
+        status = ost_volume_init(&solid, &g, err);
+    for (int64_t i = 0; status == OST_OK && i < ost_dims_count(g.dims); i++)
+        solid.voxels[i] = volume->voxels[i];
+    if (status == OST_OK)
+        status = ost_surface_set_volume(surface, &solid, 1, err);
+    if (status == OST_OK)
+        status = ost_surface_update(surface, err);
+    ost_volume_free(&solid);
+    if (status == OST_OK)
+        viewer->tools++;
+    else
+        ost_surface_free(surface);
+    return status;
+}
+
+void ost_viewer_follow(ost_viewer *viewer, ost_live *live)
+{
+    viewer->live = live;
+}
+
+static ost_status take(void *user, const int32_t at[3], const uint32_t *words, ost_error *err)
+{
+    ost_viewer *viewer = user;
+    viewer->changed++;
+    return ost_surface_set_chunk(&viewer->bone, at, ost_live_chunk_size(viewer->live), words, err);
+}
+
+ost_status ost_viewer_update(ost_viewer *viewer, ost_error *err)
+{
+    ost_status status = OST_OK;
+    if (viewer->live) {
+        viewer->has_state = ost_live_state_get(viewer->live, &viewer->state);
+        status = ost_live_take(viewer->live, take, viewer, err);
+    }
+    return status == OST_OK ? ost_surface_update(&viewer->bone, err) : status;
+}
+
+ost_status ost_viewer_draw(ost_viewer *viewer, const ost_camera *camera, ost_error *err)
+{
+    ost_status status = OST_OK;
+    if (viewer->frame.width != camera->width || viewer->frame.height != camera->height) {
+        ost_frame_free(&viewer->frame);
+        status = ost_frame_init(&viewer->frame, camera->width, camera->height, viewer->style, viewer->isa, viewer->threads, err);
+    }
+    ost_frame_thing things[2] = {{&viewer->bone, ost_eye_make(camera, &viewer->bone.geometry), OST_PAINT_BONE}};
+    int count = 1;
+    const ost_live_state *s = &viewer->state;
+    if (viewer->has_state && s->ticks > 0 && s->tool >= 0 && s->tool < viewer->tools) {
+        const ost_surface *tool = &viewer->tool[s->tool];
+        things[count++] = (ost_frame_thing){tool, ost_eye_make_from(camera, &tool->geometry, &s->pose), OST_PAINT_STEEL};
+    }
+    return status == OST_OK ? ost_frame_draw_things(&viewer->frame, things, count, err) : status;
+}

@@ -1,0 +1,128 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "render/views.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double STEEPEST = 1.55;            /* radians: up stays up */
+static const double FOCAL = 1.2071067811865475; /* of the height: half of it over tan(45 degrees / 2) */
+static const double NEAREST = 4, FARTHEST = 3000; /* mm */
+
+const char *const ost_view_names[OST_VIEW_COUNT] = {"operator", "en-face", "lateral", "anterior", "posterior", "superior", "tool", "whole"};
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void unit(double v[3])
+{
+    const double length = sqrt(dot(v, v));
+    for (int a = 0; a < 3; a++)
+        v[a] = length > 0 ? v[a] / length : a == 2;
+}
+
+ost_view_subject ost_view_subject_make(const ost_geometry *g, const ost_pm3 *at, const double *axis, bool left)
+{
+    const double origin[3] = {1e-9 * (double)g->origin.x, 1e-9 * (double)g->origin.y, 1e-9 * (double)g->origin.z};
+    const double side[3] = {1e-9 * (double)(g->dims.x * g->spacing.x), 1e-9 * (double)(g->dims.y * g->spacing.y),
+                            1e-9 * (double)(g->dims.z * g->spacing.z)};
+    ost_view_subject s = {.size = fmax(side[0], fmax(side[1], side[2])), .has_face = axis != NULL, .left = left};
+    for (int a = 0; a < 3; a++)
+        s.middle[a] = origin[a] + 0.5 * side[a];
+    if (axis) {
+        memcpy(s.inward, axis, sizeof s.inward);
+        unit(s.inward);
+        s.face[0] = 1e-9 * (double)at->x;
+        s.face[1] = 1e-9 * (double)at->y;
+        s.face[2] = 1e-9 * (double)at->z;
+    }
+    return s;
+}
+
+/* Looks from where `back` points. LPS: x to the patient's left, y to the back, z up. */
+static ost_orbit from(const double at[3], const double back[3], double distance)
+{
+    double b[3] = {back[0], back[1], back[2]};
+    unit(b);
+    ost_orbit o = {.azimuth = atan2(b[0], -b[1]), .elevation = asin(fmax(-1, fmin(1, b[2]))), .distance = distance};
+    o.elevation = fmax(-STEEPEST, fmin(STEEPEST, o.elevation));
+    memcpy(o.at, at, sizeof o.at);
+    return o;
+}
+
+ost_orbit ost_view_orbit(ost_view_name view, const ost_view_subject *s, const ost_pose *tool)
+{
+    const double *at = s->has_face ? s->face : s->middle;
+    const double near = s->has_face ? fmin(100, 0.9 * s->size) : 1.5 * s->size;
+    const double side = s->left ? 1 : -1;
+    double back[3] = {side, 0, 0};
+    if (s->has_face)
+        for (int a = 0; a < 3; a++)
+            back[a] = -s->inward[a];
+    switch (view) {
+    case OST_VIEW_EN_FACE: break;
+    case OST_VIEW_LATERAL: return from(at, (double[3]){side, 0, 0}, near);
+    case OST_VIEW_ANTERIOR: return from(at, (double[3]){0, -1, 0}, near);
+    case OST_VIEW_POSTERIOR: return from(at, (double[3]){0, 1, 0}, near);
+    case OST_VIEW_SUPERIOR: return from(at, (double[3]){0, 0, 1}, near);
+    case OST_VIEW_WHOLE: return from(s->middle, (double[3]){back[0], back[1] - 0.7, back[2] + 0.25}, 1.5 * s->size);
+    case OST_VIEW_TOOL:
+        if (tool) {
+            double t[3], q[4];
+            ost_pose_to_doubles(tool, t, q);
+            const double w = q[0], x = q[1], y = q[2], z = q[3];
+            /* The tool works toward its -z. */
+            return from(t, (double[3]){2 * (x * z + w * y), 2 * (y * z - w * x), w * w - x * x - y * y + z * z}, 1.4 * near);
+        }
+        /* fallthrough */
+    case OST_VIEW_OPERATOR:
+    case OST_VIEW_COUNT: {
+        ost_orbit o = from(at, back, near);
+        o.azimuth -= side * 0.75;
+        o.elevation += 0.38;
+        return o;
+    }
+    }
+    return from(at, back, near);
+}
+
+void ost_orbit_frame(const ost_orbit *o, double right[3], double up[3], double back[3])
+{
+    const double ca = cos(o->azimuth), sa = sin(o->azimuth), ce = cos(o->elevation), se = sin(o->elevation);
+    const double b[3] = {sa * ce, -ca * ce, se}, r[3] = {ca, sa, 0}, u[3] = {-sa * se, ca * se, ce};
+    memcpy(back, b, sizeof b);
+    memcpy(right, r, sizeof r);
+    memcpy(up, u, sizeof u);
+}
+
+void ost_orbit_turn(ost_orbit *o, double dx, double dy, int height)
+{
+    const double a_picture = 2.5; /* radians */
+    o->azimuth -= a_picture * dx / height;
+    o->elevation = fmax(-STEEPEST, fmin(STEEPEST, o->elevation + a_picture * dy / height));
+}
+
+void ost_orbit_shift(ost_orbit *o, double dx, double dy, int height)
+{
+    double right[3], up[3], back[3];
+    const double mm = o->distance / (FOCAL * height);
+    ost_orbit_frame(o, right, up, back);
+    for (int a = 0; a < 3; a++)
+        o->at[a] += mm * (dy * up[a] - dx * right[a]);
+}
+
+void ost_orbit_near(ost_orbit *o, double steps)
+{
+    o->distance = fmax(NEAREST, fmin(FARTHEST, o->distance * exp2(-steps / 8)));
+}
+
+ost_status ost_orbit_camera(const ost_orbit *o, int width, int height, ost_camera *out, ost_error *err)
+{
+    double right[3], up[3], back[3], eye[3];
+    *out = (ost_camera){.focal_milli = (int32_t)(FOCAL * 1000 * height), .width = width, .height = height};
+    ost_orbit_frame(o, right, up, back);
+    for (int a = 0; a < 3; a++)
+        eye[a] = o->at[a] + o->distance * back[a];
+    return ost_camera_look(eye, o->at, up, out, err);
+}
