@@ -135,6 +135,11 @@ OST_API ost_status ost_session_repair(ost_session *session, const char *out, ost
 /* A table for other programs, a tick a line: the columns of a path, then the rest (docs/session.md). */
 OST_API ost_status ost_session_write_csv(ost_session *session, const char *out, ost_error *err);
 
+/* For Foxglove and whatever else reads MCAP: poses, ticks, forces, notes. */
+OST_API ost_status ost_session_write_mcap(ost_session *session, const char *out, ost_error *err);
+/* For the tools of volumetric_drilling: its recordings' layout, version 3, without pictures and voxels. */
+OST_API ost_status ost_session_write_hdf5(ost_session *session, const char *out, ost_error *err);
+
 /* -------------------------------------------------------------- recording */
 
 /*

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "app/session_info.h"
 
+#include "app/load.h"
 #include "app/result.h"
 #include "app/say.h"
 
@@ -72,9 +73,10 @@ ost_status export_session(const app_state *app, const char *name, const char *ou
     put_text(app->result, "in", name);
     put_text(app->result, "out", out);
     put_session_summary(app, name, session);
-    status = ost_session_write_csv(session, out, err);
+    const bool mcap = ends_with(out, "mcap"), table = ends_with(out, "csv");
+    status = (mcap ? ost_session_write_mcap : table ? ost_session_write_csv : ost_session_write_hdf5)(session, out, err);
     if (status == OST_OK)
-        say(app, "%s: a table of %s ticks", out, say_count(a, (int64_t)ost_session_summary_of(session)->ticks));
+        say(app, "%s: %s of %s ticks", out, mcap ? "MCAP" : table ? "a table" : "HDF5", say_count(a, (int64_t)ost_session_summary_of(session)->ticks));
     ost_session_close(session);
     return status;
 }
