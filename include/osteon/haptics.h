@@ -68,12 +68,24 @@ typedef struct ost_haptic_setup {
  *   motion:FILE       a tracked hand (docs/haptics.md), plain or gzip: scale=PERCENT (5), gap=MS (50)
  *   openhaptics       Touch, Touch X, Phantom Omni: name=TEXT, scale=PERCENT (100)
  *   dhd               Force Dimension, Falcon: scale=PERCENT (100)
+ *   udp               a device on another machine, by osteon bridge: key=FILE, port=N (4707), bind=ADDRESS (127.0.0.1), lost=MS (5000)
  *
  * OST_ERR_USAGE on an unknown name, key or value, or when the setup lacks what it needs.
  */
 OST_API ost_status ost_haptic_open(const char *spec, const ost_haptic_setup *setup, ost_haptic **out, ost_error *err);
 OST_API void ost_haptic_close(ost_haptic *device); /* NULL is allowed */
 OST_API const char *ost_haptic_name(const ost_haptic *device);
+
+/* What there is to say of an open device, as where it listens: a few words, or "". Returns text. */
+enum { OST_HAPTIC_TEXT = 160 };
+OST_API const char *ost_haptic_about(const ost_haptic *device, char text[OST_HAPTIC_TEXT]);
+/* What a device has counted since it was opened. Returns how many there are; from any thread. */
+enum { OST_HAPTIC_COUNTS = 12 };
+typedef struct ost_haptic_tally {
+    const char *name; /* "wrong_key" */
+    uint64_t value;
+} ost_haptic_tally;
+OST_API int ost_haptic_counts(const ost_haptic *device, ost_haptic_tally out[OST_HAPTIC_COUNTS]);
 
 typedef enum ost_haptic_answer {
     OST_HAPTIC_FRESH, /* a new pose */

@@ -34,6 +34,7 @@ typedef struct app_verb {
     ost_status (*run)(app_state *app, int argc, char **argv, ost_error *err);
 } app_verb;
 
+ost_status cmd_bridge(app_state *app, int argc, char **argv, ost_error *err);
 ost_status cmd_compare(app_state *app, int argc, char **argv, ost_error *err);
 ost_status cmd_bench(app_state *app, int argc, char **argv, ost_error *err);
 ost_status cmd_devices(app_state *app, int argc, char **argv, ost_error *err);

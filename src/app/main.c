@@ -32,6 +32,7 @@ static const app_verb verbs[] = {
     {"ream", "move tools along a path and remove bone: the main job", cmd_ream},
     {"replay", "do a recorded session again, on any backend, and compare", cmd_replay},
     {"sim", "the simulator: a device moves the tool, a thousand times a second", cmd_sim},
+    {"bridge", "a device of this machine, for a simulation on another", cmd_bridge},
     {"diff", "say what differs between two grids, and show it", cmd_diff},
     {"export", "write a bone as a volume, a surface or a picture", cmd_export},
     {"info", "say what a file is", cmd_info},

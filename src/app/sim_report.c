@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "app/sim.h"
 
+#include <string.h>
+
 #include "app/interrupt.h"
 #include "app/result.h"
 #include "app/say.h"
@@ -24,6 +26,28 @@ static const char *end_text(ost_servo_end end)
     case OST_SERVO_WATCHDOG: return "the device was silent for 5 ticks";
     }
     return "unknown";
+}
+
+/* What the device counted: good packets and bad ones, say. */
+static void report_counts(const app_state *app, const simulation *s)
+{
+    ost_haptic_tally counts[OST_HAPTIC_COUNTS];
+    const int count = ost_haptic_counts(s->device, counts);
+    char text[320] = "", name[40], number[SAY_TEXT];
+    if (count == 0)
+        return;
+    json_t *o = json_object();
+    for (int i = 0; i < count; i++) {
+        put_integer(o, counts[i].name, (int64_t)counts[i].value);
+        snprintf(name, sizeof name, "%s", counts[i].name);
+        for (char *p = name; (p = strchr(p, '_'));)
+            *p = ' ';
+        const size_t used = strlen(text);
+        if (counts[i].value)
+            snprintf(text + used, sizeof text - used, "%s%s %s", used ? ", " : "", name, say_count(number, (int64_t)counts[i].value));
+    }
+    put(app->result, "device_counts", o);
+    say(app, "  device %s counted: %s", ost_haptic_name(s->device), text[0] ? text : "nothing");
 }
 
 void sim_report_loop(const app_state *app, const sim_args *args, const simulation *s)
@@ -81,6 +105,7 @@ void sim_report_loop(const app_state *app, const sim_args *args, const simulatio
         say(app, "  the device did not see the hand %llu time%s, %.3f s in all, at most %.3f s; the tool stayed where it was",
             (unsigned long long)s->done.dropouts, s->done.dropouts == 1 ? "" : "s", (double)s->done.dropout_ticks * 1e-3,
             (double)s->done.longest_dropout * 1e-3);
+    report_counts(app, s);
     if (s->done.faults)
         warn(app, "%s: %llu faults, %llu ticks long; the last: %s", args->device, (unsigned long long)s->done.faults,
              (unsigned long long)s->done.fault_ticks, ost_fault_text(s->done.last_fault));

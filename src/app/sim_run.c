@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "app/sim.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 
 #include "app/interrupt.h"
@@ -71,6 +72,9 @@ ost_status sim_run(const app_state *app, const sim_args *args, simulation *s, os
     if (!app->json && !app->quiet && !args->no_clock && args->ticks)
         say(app, "%s moves %s in %s for %.4g s%s", args->device, args->tools.value[0], args->bone, (double)args->ticks * 1e-3,
             how.idle_ticks ? ", with as quiet a loop before and after for comparison" : "");
+    char about[OST_HAPTIC_TEXT];
+    if (!app->quiet && ost_haptic_about(s->device, about)[0])
+        fprintf(stderr, "osteon sim: device %s %s\n", ost_haptic_name(s->device), about);
     status = serve(app, args, &how, s, err);
     ost_operation_report_get(s->operation, &s->done);
     if (status == OST_OK && s->done.status != OST_OK)

@@ -28,6 +28,8 @@ typedef struct haptic_driver {
     void (*close)(haptic_instance *instance);
     ost_haptic_answer (*read)(haptic_instance *instance, ost_haptic_state *state);
     void (*write)(haptic_instance *instance, const ost_wrench *wrench); /* NULL without OST_HAPTIC_FORCE */
+    void (*about)(haptic_instance *instance, char text[OST_HAPTIC_TEXT]);          /* NULL: nothing to say */
+    int (*counts)(haptic_instance *instance, ost_haptic_tally out[OST_HAPTIC_COUNTS]); /* NULL: nothing counted */
     ost_status (*run)(haptic_instance *instance, haptic_beat *beat, void *user, ost_error *err); /* with OST_HAPTIC_OWN_CLOCK alone */
 } haptic_driver;
 
@@ -50,6 +52,6 @@ ost_status haptic_number(const char *device, const char *key, const char *value,
 /* lo <= whole number <= hi, or OST_ERR_USAGE that names device and key. */
 ost_status haptic_integer(const char *device, const char *key, const char *value, int64_t lo, int64_t hi, int64_t *out, ost_error *err);
 
-extern const haptic_driver haptic_null, haptic_script, haptic_replay, haptic_sim, haptic_motion, haptic_openhaptics, haptic_dhd;
+extern const haptic_driver haptic_null, haptic_script, haptic_replay, haptic_sim, haptic_motion, haptic_openhaptics, haptic_dhd, haptic_udp;
 
 #endif

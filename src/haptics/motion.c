@@ -7,9 +7,9 @@
  *                      ----------                 UNSEEN: the tool stays
  *                                 ^ takes hold anew where the tool is
  *
- * It begins and ends where the body is seen.  Between two rows positions go
- * straight and orientations along their arc.  Rows that lie further apart than
- * gap= are a time in which it was not seen.
+ * It is as long as its table, and may begin and end unseen.  Between two rows
+ * positions go straight and orientations along their arc.  Rows that lie
+ * further apart than gap= are a time in which it was not seen.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -25,7 +25,6 @@ enum { TICK_NS = 1000000, GAP_MS = 50, FILE_NAME = 4096 };
 struct haptic_instance {
     motion motion;
     size_t row;      /* the last at or before t_ns */
-    size_t last;     /* the last in which it is seen */
     int64_t t_ns, gap_ns;
     haptic_clutch clutch;
 };
@@ -73,12 +72,7 @@ static ost_status motion_open(const char *options, const ost_haptic_setup *setup
         free(m);
         return status;
     }
-    while (!motion_seen(&m->motion.rows[m->row]))
-        m->row++;
-    m->last = m->motion.count - 1;
-    while (!motion_seen(&m->motion.rows[m->last]))
-        m->last--;
-    m->t_ns = m->motion.rows[m->row].t_ns;
+    m->t_ns = m->motion.rows[0].t_ns;
     m->gap_ns = c.gap_ms * 1000000;
     m->clutch = haptic_clutch_make(&setup->start, c.percent / 100);
     *out = m;
@@ -106,13 +100,14 @@ static void slerp(const double a[4], const double b[4], double share, double out
 static ost_haptic_answer motion_read(haptic_instance *m, ost_haptic_state *state)
 {
     const motion_row *rows = m->motion.rows;
+    const size_t last = m->motion.count - 1;
     const int64_t t = m->t_ns;
-    if (t > rows[m->last].t_ns)
+    if (t > rows[last].t_ns)
         return OST_HAPTIC_ENDED;
     m->t_ns += TICK_NS;
-    while (m->row < m->last && rows[m->row + 1].t_ns <= t)
+    while (m->row < last && rows[m->row + 1].t_ns <= t)
         m->row++;
-    const motion_row *a = &rows[m->row], *b = m->row < m->last ? a + 1 : a;
+    const motion_row *a = &rows[m->row], *b = m->row < last ? a + 1 : a;
     if (!motion_seen(a) || (t > a->t_ns && (!motion_seen(b) || b->t_ns - a->t_ns > m->gap_ns))) {
         haptic_clutch_release(&m->clutch);
         return OST_HAPTIC_UNSEEN;

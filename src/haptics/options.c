@@ -4,7 +4,7 @@
 
 #include "haptics/driver.h"
 
-enum { KEY = 24, VALUE = 80 };
+enum { KEY = 24, VALUE = 600 };
 
 ost_status haptic_options(const char *device, const char *options, haptic_option *take, void *user, ost_error *err)
 {

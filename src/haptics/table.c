@@ -7,7 +7,7 @@
 #include "haptics/driver.h"
 
 static const haptic_driver *const drivers[] = {&haptic_null,   &haptic_script,      &haptic_replay, &haptic_sim,
-                                              &haptic_motion, &haptic_openhaptics, &haptic_dhd};
+                                              &haptic_motion, &haptic_openhaptics, &haptic_dhd, &haptic_udp};
 
 enum { DRIVERS = sizeof drivers / sizeof drivers[0] };
 
@@ -77,6 +77,19 @@ void ost_haptic_close(ost_haptic *device)
 const char *ost_haptic_name(const ost_haptic *device)
 {
     return device->driver->name;
+}
+
+const char *ost_haptic_about(const ost_haptic *device, char text[OST_HAPTIC_TEXT])
+{
+    text[0] = '\0';
+    if (device->driver->about)
+        device->driver->about(device->instance, text);
+    return text;
+}
+
+int ost_haptic_counts(const ost_haptic *device, ost_haptic_tally out[OST_HAPTIC_COUNTS])
+{
+    return device->driver->counts ? device->driver->counts(device->instance, out) : 0;
 }
 
 ost_haptic_answer ost_haptic_read(ost_haptic *device, ost_haptic_state *state)

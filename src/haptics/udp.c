@@ -1,0 +1,431 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * udp: a device on another machine, by osteon bridge there.
+ *
+ *   bridge --pose--> thread --newest--> read, in the tick
+ *   bridge <--state- thread <--newest-- write, in the tick
+ *
+ * A thread of its own has the socket: it judges what comes, and answers each
+ * good packet with the newest state, so that the bridge's clock drives the
+ * link.  The tick takes no lock, calls nothing of the system and allocates
+ * nothing.
+ *
+ * What the hand feels is made at the bridge, from the pose that was answered,
+ * the force at it and the stiffness along it (bridge.c): the delay of the link
+ * is in no loop.  What a bridge may send is bounded here: a pose that is
+ * further than a hand could have gone since the last is not taken, and the
+ * bridge is told to take hold anew.
+ */
+#include <arpa/inet.h>
+#include <errno.h>
+#include <math.h>
+#include <netdb.h>
+#include <poll.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <osteon/force.h>
+
+#include "haptics/clutch.h"
+#include "haptics/driver.h"
+#include "haptics/link.h"
+#include "haptics/newest.h"
+
+enum {
+    PORT = 4707,
+    LOST_MS = 5000,
+    OWNER_MS = 1000,     /* so long silent, and another bridge may have it */
+    PATIENT_TICKS = 4,   /* without a packet, of which the last pose is kept */
+    BRIDGED_TICKS = 50,  /* without one, after which a pose near enough is still taken */
+    DRAIN = 64,          /* packets between two looks at whether to stop */
+    NAME = 512,
+    FAREWELLS = 3
+};
+#define FAR_M 0.004     /* in a tick, less than what an operation takes for a jump */
+#define FAR_RAD 0.7
+
+enum { GOOD, MALFORMED, WRONG_KEY, REPLAYED, LATE, MISSING, OTHERS, AGAIN, COUNTS };
+static const char *const count_names[COUNTS] = {"good", "malformed", "wrong_key", "replayed", "late", "missing", "of_other_bridges", "too_far"};
+
+typedef struct came {
+    ost_pose pose;
+    uint32_t buttons;
+    int32_t tool;
+    uint16_t flags;
+} came;
+
+typedef struct goes {
+    ost_pose pose;
+    ost_wrench wrench;
+    bool again;
+} goes;
+
+struct haptic_instance {
+    int socket, stop;      /* stop: an eventfd */
+    pthread_t thread;
+    link_key *key;
+    char where[OST_HAPTIC_TEXT];
+    _Atomic uint64_t counts[COUNTS];
+    newest in, out;
+    came came[NEWEST_SLOTS];
+    goes goes[NEWEST_SLOTS];
+    uint32_t stiffness, damping;
+    /* Of the thread. */
+    uint64_t simulation, owner, sequence;
+    int64_t owner_ns;
+    link_window window;
+    struct sockaddr_storage peer;
+    socklen_t peer_size;
+    bool has_peer;
+    goes answer;
+    /* Of the tick. */
+    ost_pose given;
+    int64_t silent, lost_ticks;
+    bool met, unseen, again;
+};
+
+typedef struct choice {
+    int64_t port, lost_ms;
+    char bind[NAME], key[NAME];
+} choice;
+
+static int64_t now_ns(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return t.tv_sec * INT64_C(1000000000) + t.tv_nsec;
+}
+
+static void count(haptic_instance *u, int what, uint64_t n)
+{
+    atomic_fetch_add_explicit(&u->counts[what], n, memory_order_relaxed);
+}
+
+/* ------------------------------------------------------------- the thread */
+
+static void answer(haptic_instance *u, const struct sockaddr_storage *to, socklen_t size, uint64_t bridge, uint16_t flags)
+{
+    uint8_t bytes[LINK_STATE_BYTES];
+    if (newest_take(&u->out))
+        u->answer = u->goes[u->out.front];
+    const goes *g = &u->answer;
+    link_packet p = {.type = LINK_STATE,
+                     .flags = (uint16_t)(flags | (g->again ? LINK_AGAIN : 0)),
+                     .bridge = bridge,
+                     .simulation = u->simulation,
+                     .sequence = ++u->sequence,
+                     .answers = u->window.last,
+                     .pose = g->pose,
+                     .stiffness = u->stiffness,
+                     .damping = u->damping};
+    for (int a = 0; a < 3; a++) {
+        p.force_un[a] = (int32_t)rint(fmax(-1e9, fmin(1e9, g->wrench.force_n[a] * 1e6)));
+        p.torque_unm[a] = (int32_t)rint(fmax(-1e9, fmin(1e9, g->wrench.torque_nm[a] * 1e6)));
+    }
+    const size_t length = link_seal(u->key, &p, bytes);
+    /* What cannot be sent now is late already. */
+    if (length && sendto(u->socket, bytes, length, MSG_DONTWAIT | MSG_NOSIGNAL, (const struct sockaddr *)to, size) < 0)
+        return;
+}
+
+/* A packet that is the bridge's; true when it is to be answered. */
+static bool take_pose(haptic_instance *u, const link_packet *p)
+{
+    uint64_t missing;
+    if (p->simulation != u->simulation) {
+        count(u, REPLAYED, 1); /* of another run */
+        return false;
+    }
+    const int64_t now = now_ns();
+    if (u->owner && u->owner != p->bridge && now - u->owner_ns < OWNER_MS * INT64_C(1000000)) {
+        count(u, OTHERS, 1);
+        return false;
+    }
+    switch (link_window_add(&u->window, p->sequence, &missing)) {
+    case LINK_NEW: break;
+    case LINK_LATE: count(u, LATE, 1); return false;
+    case LINK_REPLAYED: count(u, REPLAYED, 1); return false;
+    }
+    count(u, GOOD, 1);
+    count(u, MISSING, u->owner ? missing : 0);
+    u->owner = p->bridge;
+    u->owner_ns = now;
+    u->came[u->in.back] = (came){p->pose, p->buttons, p->tool, p->flags};
+    newest_put(&u->in);
+    return true;
+}
+
+static void take_packet(haptic_instance *u, const uint8_t *bytes, size_t size, const struct sockaddr_storage *from, socklen_t from_size)
+{
+    link_packet p;
+    const link_verdict verdict = link_unseal(u->key, bytes, size, &p);
+    if (verdict != LINK_GOOD || p.type == LINK_STATE) {
+        count(u, verdict == LINK_WRONG_KEY ? WRONG_KEY : MALFORMED, 1);
+        return;
+    }
+    if (p.type == LINK_HELLO) {
+        const bool busy = u->owner && u->owner != p.bridge && now_ns() - u->owner_ns < OWNER_MS * INT64_C(1000000);
+        count(u, busy ? OTHERS : GOOD, 1);
+        answer(u, from, from_size, p.bridge, busy ? LINK_BUSY : 0);
+    } else if (take_pose(u, &p)) {
+        u->peer = *from;
+        u->peer_size = from_size;
+        u->has_peer = true;
+        answer(u, from, from_size, p.bridge, 0);
+    }
+}
+
+static void *serve(void *user)
+{
+    haptic_instance *u = user;
+    struct pollfd wait[2] = {{.fd = u->socket, .events = POLLIN}, {.fd = u->stop, .events = POLLIN}};
+    while (!(wait[1].revents & POLLIN)) {
+        if (poll(wait, 2, -1) < 0 && errno != EINTR)
+            break;
+        for (int i = 0; i < DRAIN; i++) {
+            uint8_t bytes[LINK_ROOM];
+            struct sockaddr_storage from;
+            socklen_t from_size = sizeof from;
+            /* MSG_TRUNC: the length that it had, so that a long one is none of ours. */
+            const ssize_t size =
+                recvfrom(u->socket, bytes, sizeof bytes, MSG_DONTWAIT | MSG_TRUNC, (struct sockaddr *)&from, &from_size);
+            if (size < 0)
+                break;
+            if ((size_t)size > sizeof bytes)
+                count(u, MALFORMED, 1);
+            else
+                take_packet(u, bytes, (size_t)size, &from, from_size);
+        }
+    }
+    for (int i = 0; i < FAREWELLS && u->has_peer; i++)
+        answer(u, &u->peer, u->peer_size, u->owner, LINK_ENDED);
+    return NULL;
+}
+
+/* ---------------------------------------------------------------- opening */
+
+static ost_status take(void *user, const char *key, const char *value, ost_error *err)
+{
+    choice *c = user;
+    if (strcmp(key, "port") == 0)
+        return haptic_integer("udp", key, value, 0, 65535, &c->port, err);
+    if (strcmp(key, "lost") == 0)
+        return haptic_integer("udp", key, value, 100, 3600000, &c->lost_ms, err);
+    char *text = strcmp(key, "bind") == 0 ? c->bind : strcmp(key, "key") == 0 ? c->key : NULL;
+    if (!text)
+        return ost_fail(err, OST_ERR_USAGE, "device udp: it has no option '%s'; known are key, port, bind and lost", key);
+    if (strlen(value) >= NAME)
+        return ost_fail(err, OST_ERR_USAGE, "device udp: %s=%.60s...: longer than %d bytes", key, value, NAME - 1);
+    strcpy(text, value);
+    return OST_OK;
+}
+
+static ost_status open_socket(haptic_instance *u, const choice *c, ost_error *err)
+{
+    const struct addrinfo hints = {.ai_flags = AI_PASSIVE | AI_NUMERICHOST | AI_NUMERICSERV, .ai_socktype = SOCK_DGRAM};
+    struct addrinfo *found = NULL;
+    struct sockaddr_storage own = {0};
+    socklen_t size = sizeof own;
+    char port[8], host[64] = "";
+    snprintf(port, sizeof port, "%d", (int)c->port);
+    if (getaddrinfo(c->bind, port, &hints, &found) != 0)
+        return ost_fail(err, OST_ERR_USAGE, "device udp: bind=%.60s: is no address in numbers, as 127.0.0.1 or ::1", c->bind);
+    ost_status status = OST_OK;
+    u->socket = socket(found->ai_family, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    if (u->socket < 0 || bind(u->socket, found->ai_addr, found->ai_addrlen) != 0 || getsockname(u->socket, (struct sockaddr *)&own, &size) != 0 ||
+        getnameinfo((struct sockaddr *)&own, size, host, sizeof host, port, sizeof port, NI_NUMERICHOST | NI_NUMERICSERV) != 0)
+        status = ost_fail(err, OST_ERR_UNAVAILABLE, "device udp: cannot listen at %.60s port %s: %s", c->bind, port, strerror(errno));
+    freeaddrinfo(found);
+    if (status == OST_OK)
+        snprintf(u->where, sizeof u->where, strchr(host, ':') ? "waits for a bridge at [%s]:%s" : "waits for a bridge at %s:%s", host, port);
+    return status;
+}
+
+static ost_status start_thread(haptic_instance *u, ost_error *err)
+{
+    sigset_t all, before;
+    /* Signals are for the thread that can end the loop. */
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    const int error = pthread_create(&u->thread, NULL, serve, u);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    return error ? ost_fail(err, OST_ERR_UNAVAILABLE, "device udp: no thread for its socket: %s", strerror(error)) : OST_OK;
+}
+
+static void forget(haptic_instance *u)
+{
+    if (u->socket >= 0)
+        close(u->socket);
+    if (u->stop >= 0)
+        close(u->stop);
+    link_key_free(u->key);
+    free(u);
+}
+
+static ost_status udp_open(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err)
+{
+    choice c = {.port = PORT, .lost_ms = LOST_MS, .bind = "127.0.0.1"};
+    ost_status status = haptic_options("udp", options, take, &c, err);
+    if (status == OST_OK && !c.key[0])
+        status = ost_fail(err, OST_ERR_USAGE, "device udp: needs key=FILE, the key that the bridge has too; to make one: "
+                                              "(umask 077; head -c 32 /dev/urandom >FILE)");
+    if (status == OST_OK)
+        status = ost_pose_check(&setup->start, err);
+    if (status != OST_OK)
+        return status;
+    haptic_instance *u = calloc(1, sizeof *u);
+    if (!u)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for device udp");
+    const ost_force_params force = ost_force_defaults();
+    u->socket = -1;
+    u->stiffness = (uint32_t)(force.stiffness * 1e3);
+    u->damping = (uint32_t)(force.damping * 1e3);
+    u->lost_ticks = c.lost_ms;
+    u->given = u->answer.pose = setup->start;
+    u->unseen = true;
+    newest_begin(&u->in);
+    newest_begin(&u->out);
+    u->stop = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    if (u->stop < 0 || !link_random(&u->simulation))
+        status = ost_fail(err, OST_ERR_UNAVAILABLE, "device udp: the system gives no eventfd or no random number: %s", strerror(errno));
+    if (status == OST_OK)
+        status = link_key_read(c.key, &u->key, err);
+    if (status == OST_OK)
+        status = open_socket(u, &c, err);
+    if (status == OST_OK)
+        status = start_thread(u, err);
+    if (status != OST_OK) {
+        forget(u);
+        return status;
+    }
+    *out = u;
+    return OST_OK;
+}
+
+static void udp_close(haptic_instance *u)
+{
+    const uint64_t one = 1;
+    /* An eventfd that is at 0 takes it. */
+    if (write(u->stop, &one, sizeof one) == (ssize_t)sizeof one)
+        pthread_join(u->thread, NULL);
+    forget(u);
+}
+
+/* --------------------------------------------------------------- the tick */
+
+/*
+ * Toward where the hand is, as far as a tick may go.  False when no hand gets
+ * there in the time that went by.
+ */
+static bool follow(haptic_instance *u, const ost_pose *to)
+{
+    double a[3], b[3], p[4], q[4], square = 0, dot = 0;
+    ost_pose_to_doubles(&u->given, a, p);
+    ost_pose_to_doubles(to, b, q);
+    for (int i = 0; i < 3; i++)
+        square += (b[i] - a[i]) * (b[i] - a[i]) * 1e-6;
+    for (int i = 0; i < 4; i++)
+        dot += p[i] * q[i];
+    const double way = sqrt(square), angle = 2 * acos(fmin(1, fabs(dot))), ticks = (double)u->silent + 1;
+    if (u->silent > BRIDGED_TICKS || way > FAR_M * ticks || angle > FAR_RAD * fmin(ticks, 4))
+        return false;
+    if (way <= FAR_M && angle <= FAR_RAD) {
+        u->given = *to;
+        return true;
+    }
+    const double share = fmin(way > FAR_M ? FAR_M / way : 1, angle > FAR_RAD ? FAR_RAD / angle : 1), side = dot < 0 ? -1 : 1;
+    double at[3], turned[4], length = 0;
+    for (int i = 0; i < 3; i++)
+        at[i] = (a[i] + share * (b[i] - a[i])) * 1e-3;
+    for (int i = 0; i < 4; i++) {
+        turned[i] = (1 - share) * p[i] + share * side * q[i];
+        length += turned[i] * turned[i];
+    }
+    for (int i = 0; i < 4; i++)
+        turned[i] /= sqrt(length);
+    u->given = haptic_pose_quantise(at, turned);
+    return true;
+}
+
+static ost_haptic_answer unseen(haptic_instance *u)
+{
+    u->unseen = true;
+    return OST_HAPTIC_UNSEEN;
+}
+
+static ost_haptic_answer silence(haptic_instance *u)
+{
+    if (!u->met)
+        return OST_HAPTIC_UNSEEN;
+    u->silent++;
+    if (u->silent > u->lost_ticks)
+        return OST_HAPTIC_LOST;
+    return u->unseen || u->silent > PATIENT_TICKS ? unseen(u) : OST_HAPTIC_STALE;
+}
+
+static ost_haptic_answer udp_read(haptic_instance *u, ost_haptic_state *state)
+{
+    if (!newest_take(&u->in))
+        return silence(u);
+    const came *c = &u->came[u->in.front];
+    u->met = true;
+    if (c->flags & LINK_ENDED)
+        return OST_HAPTIC_ENDED;
+    if (!(c->flags & LINK_SEEN)) {
+        /* The bridge has let go; what it sends when it takes hold begins here. */
+        u->again = false;
+        u->silent = 0;
+        return unseen(u);
+    }
+    if (u->again || !follow(u, &c->pose)) {
+        if (!u->again)
+            count(u, AGAIN, 1);
+        u->again = true;
+        u->silent = 0;
+        return unseen(u);
+    }
+    u->silent = 0;
+    u->unseen = false;
+    *state = (ost_haptic_state){u->given, c->tool, c->buttons};
+    return OST_HAPTIC_FRESH;
+}
+
+static void udp_write(haptic_instance *u, const ost_wrench *wrench)
+{
+    u->goes[u->out.back] = (goes){u->given, *wrench, u->again};
+    newest_put(&u->out);
+}
+
+static void udp_about(haptic_instance *u, char text[OST_HAPTIC_TEXT])
+{
+    memcpy(text, u->where, OST_HAPTIC_TEXT);
+}
+
+static int udp_counts(haptic_instance *u, ost_haptic_tally out[OST_HAPTIC_COUNTS])
+{
+    for (int i = 0; i < COUNTS; i++)
+        out[i] = (ost_haptic_tally){count_names[i], atomic_load_explicit(&u->counts[i], memory_order_relaxed)};
+    return COUNTS;
+}
+
+const haptic_driver haptic_udp = {
+    .name = "udp",
+    .description = "a device on another machine, by osteon bridge there: udp:key=FILE",
+    .caps = OST_HAPTIC_FORCE | OST_HAPTIC_ORIENTATION | OST_HAPTIC_TOOL,
+    .max_force_n = 3.3,
+    .max_stiffness_n_m = 300,
+    .open = udp_open,
+    .close = udp_close,
+    .read = udp_read,
+    .write = udp_write,
+    .about = udp_about,
+    .counts = udp_counts,
+};

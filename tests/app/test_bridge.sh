@@ -1,0 +1,55 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# osteon sim with a device on "another machine", by osteon bridge over
+# loopback: an operation that replays equal. No time is tested.
+# Covers: REQ-LINK
+. "${srcdir:-.}/tests/app/lib.sh"
+
+(umask 077; printf 'a key of sixteen bytes, or more' >key)
+run 0 phantom glenoid --out ct.nrrd
+run 0 import ct.nrrd --out bone.nrrd
+awk 'BEGIN {
+    print "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz"
+    for (i = 0; i < 4000; i++)
+        printf "%.3f,300,0,%.4f,1,0,0,0\n", i * 0.001, 100 - i * 0.01
+}' >press.csv
+
+# simulate ARGS...: in the background, until it says where it waits
+simulate() {
+    rm -f sim.out sim.err
+    : >sim.err
+    "$osteon" sim --headless --bone bone.nrrd --device "udp:port=0,key=key" --seconds 300 --idle 0 "$@" >sim.out 2>sim.err &
+    simulator=$!
+    while ! grep -q "waits for a bridge at" sim.err && kill -0 $simulator 2>/dev/null; do sleep 0.05; done
+    to=$(sed -n 's/.*waits for a bridge at //p' sim.err)
+}
+# of FILE KEY
+of() { "$json_get" "$2" <"$1"; }
+
+simulate --record far.session --json
+run 0 bridge --to "$to" --key key --device sim --path press.csv --seconds 1.5 --no-realtime --json
+has ticks sent states bad late replayed limps limp_s peak_force_n round_trip_us.p50
+check "the bridge" "$(value ticks) $(value end) $(value bad)" "1500 the time was over 0"
+wait $simulator
+check "status of the simulation" $? 0
+check "its end" "$(of sim.out end)" "the device had nothing more to give"
+check "nothing wrong was seen" "$(of sim.out device_counts.malformed) $(of sim.out device_counts.wrong_key) $(of sim.out faults)" "0 0 0"
+[ "$(of sim.out removed_voxels)" -gt 0 ] || fail "nothing was removed"
+run 0 replay far.session --verify --backend cpu:isa=scalar,threads=2 --json
+check "far, and again" "$(value equal) $(value sha256)" "true $(of sim.out sha256)"
+
+# Nobody came: it is asked to end, and says what it counted.
+simulate
+sleep 0.2
+kill -TERM $simulator
+wait $simulator
+check "status when nobody came" $? 0
+grep -q "device udp counted: nothing" sim.out || fail "people read: $(cat sim.out)"
+
+refuse 2 "needs key=FILE" sim --headless --bone bone.nrrd --device udp
+refuse 2 "others may read this key" sim --headless --bone bone.nrrd --device udp:key=bone.nrrd
+refuse 2 "'nowhere' is not HOST:PORT" bridge --to nowhere --key key --device null
+refuse 2 "hand needs a path" bridge --to 127.0.0.1:9 --key key --device sim
+refuse 2 "is no device" bridge --to 127.0.0.1:9 --key key --device omni
+refuse 2 "--seconds 0: must be" bridge --to 127.0.0.1:9 --key key --device null --seconds 0
+finish

@@ -1,0 +1,534 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The device udp and the bridge over loopback, at ports that the system
+ * chooses: what passes and what is dropped and counted, silence, poses that no
+ * hand reaches, two bridges at once.  Answers are waited for; no time is
+ * tested.
+ * Covers: REQ-LINK
+ */
+#include "harness.h"
+
+#include <arpa/inet.h>
+#include <errno.h>
+#include <poll.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <sys/socket.h>
+
+#include "haptics/bridge.h"
+#include "haptics/driver.h"
+#include "io/io_scratch.h"
+
+#define MM OST_PM_PER_MM
+enum { ANSWER_MS = 20000 };
+
+static char *folder;
+static char key_file[4200], other_file[4200];
+static link_key *key, *other;
+
+static int begin(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    uint8_t bytes[32];
+    folder = scratch_folder();
+    memset(bytes, 7, sizeof bytes);
+    snprintf(key_file, sizeof key_file, "%s", scratch_write(folder, "k", bytes, sizeof bytes));
+    assert_ok(link_key_make(bytes, sizeof bytes, &key, &err));
+    memset(bytes, 8, sizeof bytes);
+    snprintf(other_file, sizeof other_file, "%s", scratch_write(folder, "o", bytes, sizeof bytes));
+    assert_ok(link_key_make(bytes, sizeof bytes, &other, &err));
+    assert_int_equal(chmod(key_file, 0600), 0);
+    assert_int_equal(chmod(other_file, 0600), 0);
+    return 0;
+}
+
+static int end(void **state)
+{
+    (void)state;
+    link_key_free(key);
+    link_key_free(other);
+    scratch_remove(folder);
+    return 0;
+}
+
+static ost_haptic *listen_at(char where[64], const char *options)
+{
+    char spec[4400], text[OST_HAPTIC_TEXT];
+    ost_error err = {0};
+    ost_haptic *device;
+    snprintf(spec, sizeof spec, "udp:port=0,key=%s%s", key_file, options);
+    assert_ok(ost_haptic_open(spec, &(ost_haptic_setup){.start = {.t = {MM, 2 * MM, 3 * MM}, .qw = OST_Q30_ONE}}, &device, &err));
+    assert_int_equal(strncmp(ost_haptic_about(device, text), "waits for a bridge at 127.0.0.1:", 32), 0);
+    snprintf(where, 64, "%s", strrchr(text, ' ') + 1);
+    return device;
+}
+
+static uint64_t counted(const ost_haptic *device, const char *name)
+{
+    ost_haptic_tally tally[OST_HAPTIC_COUNTS];
+    const int count = ost_haptic_counts(device, tally);
+    for (int i = 0; i < count; i++)
+        if (strcmp(tally[i].name, name) == 0)
+            return tally[i].value;
+    fail_msg("nothing is called %s", name);
+    return 0;
+}
+
+/* Waits until so many are counted. */
+static void await_count(const ost_haptic *device, const char *name, uint64_t value)
+{
+    const struct timespec pause = {.tv_nsec = 1000000};
+    for (int i = 0; i < ANSWER_MS && counted(device, name) < value; i++)
+        nanosleep(&pause, NULL);
+    assert_int_equal(counted(device, name), value);
+}
+
+static int connect_to(const char *where)
+{
+    struct sockaddr_in to = {.sin_family = AF_INET, .sin_port = htons((uint16_t)atoi(strrchr(where, ':') + 1)), .sin_addr = {htonl(INADDR_LOOPBACK)}};
+    const int s = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    assert_true(s >= 0);
+    assert_int_equal(connect(s, (struct sockaddr *)&to, sizeof to), 0);
+    return s;
+}
+
+static void send_sealed(int s, link_key *with, const link_packet *p)
+{
+    uint8_t bytes[LINK_STATE_BYTES];
+    const size_t size = link_seal(with, p, bytes);
+    assert_int_equal(send(s, bytes, size, 0), size);
+}
+
+static link_packet answer(int s)
+{
+    uint8_t bytes[LINK_ROOM];
+    link_packet p = {0};
+    struct pollfd wait = {.fd = s, .events = POLLIN};
+    assert_int_equal(poll(&wait, 1, ANSWER_MS), 1);
+    const ssize_t size = recv(s, bytes, sizeof bytes, 0);
+    assert_int_equal(link_unseal(key, bytes, (size_t)size, &p), LINK_GOOD);
+    assert_int_equal(p.type, LINK_STATE);
+    return p;
+}
+
+/* A bridge's half, by hand. */
+typedef struct client {
+    int socket;
+    link_packet pose;
+} client;
+
+static client greet(const char *where, uint64_t number)
+{
+    client c = {.socket = connect_to(where), .pose = {.type = LINK_POSE, .bridge = number, .tool = -1, .pose = {.qw = OST_Q30_ONE}}};
+    send_sealed(c.socket, key, &(link_packet){.type = LINK_HELLO, .bridge = number, .sequence = 1, .tool = -1});
+    const link_packet state = answer(c.socket);
+    assert_int_equal(state.bridge, number);
+    assert_true(state.simulation != 0);
+    c.pose.simulation = state.simulation;
+    c.pose.sequence = state.answers;
+    c.pose.pose = state.pose;
+    return c;
+}
+
+static link_packet say_pose(client *c, ost_pm x, uint16_t flags)
+{
+    c->pose.sequence++;
+    c->pose.pose.t.x = x;
+    c->pose.flags = flags;
+    send_sealed(c->socket, key, &c->pose);
+    const link_packet state = answer(c->socket);
+    assert_int_equal(state.answers, c->pose.sequence);
+    return state;
+}
+
+static void poses_in_and_states_out(void **state)
+{
+    (void)state;
+    char where[64];
+    ost_haptic_state hand;
+    ost_haptic *device = listen_at(where, "");
+    /* Nobody there yet: it is waited for. */
+    for (int i = 0; i < 20; i++)
+        assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_UNSEEN);
+    client c = greet(where, 77);
+    assert_true(c.pose.pose.t.x == MM && c.pose.pose.t.z == 3 * MM); /* the tool's start */
+    say_pose(&c, MM, 0);
+    assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_UNSEEN);
+    c.pose.buttons = 6;
+    c.pose.tool = 1;
+    say_pose(&c, MM + 1000, LINK_SEEN);
+    assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
+    assert_true(hand.pose.t.x == MM + 1000 && hand.pose.t.y == 2 * MM && hand.buttons == 6 && hand.tool == 1);
+    ost_haptic_write(device, &(ost_wrench){{0, -1.25, 2e-6}, {0, 0, 0.5}});
+    const link_packet s = say_pose(&c, MM + 2000, LINK_SEEN);
+    assert_true(s.pose.t.x == MM + 1000 && s.force_un[1] == -1250000 && s.force_un[2] == 2 && s.torque_unm[2] == 500000);
+    assert_true(s.stiffness == 300000 && s.damping == 500 && s.flags == 0);
+    assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
+    /* The last that a bridge says. */
+    say_pose(&c, MM, LINK_ENDED);
+    assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_ENDED);
+    ost_haptic_close(device);
+    assert_true(answer(c.socket).flags & LINK_ENDED); /* the last that a simulation says */
+    close(c.socket);
+}
+
+static void what_is_dropped_is_counted(void **state)
+{
+    (void)state;
+    char where[64];
+    ost_haptic_state hand;
+    test_rng rng = rng_seeded("garbage");
+    ost_haptic *device = listen_at(where, "");
+    client c = greet(where, 5);
+    say_pose(&c, MM, LINK_SEEN);
+    assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
+    const uint64_t good = counted(device, "good");
+    assert_int_equal(good, 2);
+    link_packet p = c.pose;
+    /* Another key. */
+    p.sequence = 100;
+    send_sealed(c.socket, other, &p);
+    await_count(device, "wrong_key", 1);
+    /* The same again; one of another run of the simulation. */
+    send_sealed(c.socket, key, &c.pose);
+    await_count(device, "replayed", 1);
+    p.simulation++;
+    send_sealed(c.socket, key, &p);
+    await_count(device, "replayed", 2);
+    /* Two in the wrong order: the newer one counts, and one between them is missing. */
+    p = c.pose;
+    p.sequence = c.pose.sequence + 3;
+    p.pose.t.x = MM + 300;
+    send_sealed(c.socket, key, &p);
+    answer(c.socket);
+    p.sequence = c.pose.sequence + 2;
+    p.pose.t.x = MM + 200;
+    send_sealed(c.socket, key, &p);
+    await_count(device, "late", 1);
+    assert_int_equal(counted(device, "missing"), 2);
+    assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
+    assert_true(hand.pose.t.x == MM + 300);
+    /* Truncated, empty, a state, too long, and a flood of noise among which a good one passes. */
+    uint8_t bytes[2000];
+    const size_t size = link_seal(key, &p, bytes);
+    uint64_t malformed = 0;
+    for (size_t n = 0; n < size; n += 13, malformed++)
+        assert_int_equal(send(c.socket, bytes, n, 0), n);
+    send_sealed(c.socket, key, &(link_packet){.type = LINK_STATE, .bridge = 5, .sequence = 900, .pose = p.pose});
+    malformed++;
+    memset(bytes, 'O', sizeof bytes);
+    assert_int_equal(send(c.socket, bytes, sizeof bytes, 0), sizeof bytes);
+    malformed++;
+    await_count(device, "malformed", malformed);
+    for (int i = 0; i < 2000; i++) {
+        const size_t n = rng_next(&rng) % 300;
+        for (size_t b = 0; b < n; b++)
+            bytes[b] = (uint8_t)rng_next(&rng);
+        if (i % 3 == 0)
+            link_encode(&p, bytes);
+        if (send(c.socket, bytes, n, 0) < 0)
+            assert_int_equal(errno, ENOBUFS);
+        if (i % 50 == 0) { /* not more than a socket holds */
+            c.pose.sequence = 1000 + (uint64_t)i;
+            say_pose(&c, MM + i, LINK_SEEN);
+            assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
+            assert_true(hand.pose.t.x == MM + i);
+        }
+    }
+    ost_haptic_close(device);
+    close(c.socket);
+}
+
+static void silence_is_declared_and_then_the_device_is_lost(void **state)
+{
+    (void)state;
+    char where[64];
+    ost_haptic_state hand;
+    ost_haptic *device = listen_at(where, ",lost=100");
+    client c = greet(where, 5);
+    say_pose(&c, MM, LINK_SEEN);
+    assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
+    for (int i = 0; i < 4; i++)
+        assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_STALE);
+    for (int i = 0; i < 16; i++)
+        assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_UNSEEN);
+    /* 20 ticks of silence and the hand 20 mm on: it was there, and the tool follows by no more than a jump. */
+    say_pose(&c, MM + 20 * MM, LINK_SEEN);
+    assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
+    assert_true(llabs(hand.pose.t.x - (MM + 4 * MM)) < 1000);
+    say_pose(&c, MM + 6 * MM, LINK_SEEN);
+    assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
+    assert_true(hand.pose.t.x == MM + 6 * MM);
+    for (int i = 0; i < 100; i++)
+        assert_int_equal(ost_haptic_read(device, &hand), i < 4 ? OST_HAPTIC_STALE : OST_HAPTIC_UNSEEN);
+    assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_LOST);
+    ost_haptic_close(device);
+    close(c.socket);
+}
+
+static void a_pose_that_no_hand_reaches_is_let_go_of(void **state)
+{
+    (void)state;
+    char where[64];
+    ost_haptic_state hand;
+    ost_haptic *device = listen_at(where, "");
+    client c = greet(where, 5);
+    say_pose(&c, MM, LINK_SEEN);
+    assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
+    say_pose(&c, 50 * MM, LINK_SEEN);
+    assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_UNSEEN);
+    ost_haptic_write(device, &(ost_wrench){{0}, {0}});
+    /* As long as the bridge does not let go, nothing it says is taken, not even what is near. */
+    link_packet s = say_pose(&c, MM, LINK_SEEN);
+    assert_true((s.flags & LINK_AGAIN) && s.pose.t.x == MM);
+    assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_UNSEEN);
+    say_pose(&c, 50 * MM, 0);
+    assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_UNSEEN);
+    ost_haptic_write(device, &(ost_wrench){{0}, {0}});
+    s = say_pose(&c, MM + 5, LINK_SEEN);
+    assert_int_equal(s.flags, 0);
+    assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
+    /* A turn that no hand makes is none either. */
+    c.pose.pose.qw = 0;
+    c.pose.pose.qx = OST_Q30_ONE;
+    say_pose(&c, MM + 5, LINK_SEEN);
+    assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_UNSEEN);
+    assert_int_equal(counted(device, "too_far"), 2);
+    ost_haptic_close(device);
+    close(c.socket);
+}
+
+static void one_bridge_at_a_time(void **state)
+{
+    (void)state;
+    char where[64];
+    ost_haptic_state hand;
+    ost_haptic *device = listen_at(where, "");
+    client a = greet(where, 1);
+    say_pose(&a, MM, LINK_SEEN);
+    /* Within a second of its last packet a second one is told so. A slow machine may take that second: then it is not. */
+    const int s = connect_to(where);
+    send_sealed(s, key, &(link_packet){.type = LINK_HELLO, .bridge = 2, .sequence = 1, .tool = -1});
+    const link_packet told = answer(s);
+    if (told.flags & LINK_BUSY) {
+        link_packet p = a.pose;
+        p.bridge = 2;
+        p.sequence++;
+        send_sealed(s, key, &p);
+        const struct timespec pause = {.tv_nsec = 1000000};
+        for (int i = 0; i < ANSWER_MS && counted(device, "of_other_bridges") + counted(device, "good") < 4; i++)
+            nanosleep(&pause, NULL);
+        assert_true(counted(device, "of_other_bridges") >= 1);
+    }
+    assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
+    ost_haptic_close(device);
+    close(s);
+    close(a.socket);
+}
+
+static void what_cannot_be_opened(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_haptic *device;
+    char spec[4400];
+    static const struct {
+        const char *options, *says;
+        ost_status status;
+    } cases[] = {
+        {"udp", "needs key=FILE", OST_ERR_USAGE},
+        {"udp:key=/nowhere/k", "/nowhere/k: cannot be opened", OST_ERR_IO},
+        {"udp:port=70000,key=x", "port=70000: must be a whole number from 0 to 65535", OST_ERR_USAGE},
+        {"udp:size=3", "no option 'size'; known are key, port, bind and lost", OST_ERR_USAGE},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        assert_int_equal(ost_haptic_open(cases[i].options, NULL, &device, &err), cases[i].status);
+        assert_null(device);
+        if (!strstr(err.text, cases[i].says))
+            fail_msg("%s: says %s", cases[i].options, err.text);
+    }
+    snprintf(spec, sizeof spec, "udp:bind=somewhere,key=%s", key_file);
+    assert_int_equal(ost_haptic_open(spec, NULL, &device, &err), OST_ERR_USAGE);
+    assert_non_null(strstr(err.text, "is no address in numbers"));
+    char where[64];
+    ost_haptic *first = listen_at(where, "");
+    snprintf(spec, sizeof spec, "udp:port=%s,key=%s", strrchr(where, ':') + 1, key_file);
+    assert_int_equal(ost_haptic_open(spec, NULL, &device, &err), OST_ERR_UNAVAILABLE);
+    assert_non_null(strstr(err.text, "cannot listen at 127.0.0.1"));
+    ost_haptic_close(first);
+}
+
+/* --------------------------------------------------------------- the bridge */
+
+/* A simulation that answers as it is told. */
+typedef struct stand_in {
+    int socket;
+    pthread_t thread;
+    char to[64];
+    int silent_from, silent_to; /* poses that are not answered */
+    int end_at;                 /* says then that it is over */
+    _Atomic bool stop;
+    int poses, seen, let_go, jumps;
+    int64_t worst;              /* the longest step between two poses in which the tool was held */
+} stand_in;
+
+static void *stand_in_serves(void *user)
+{
+    stand_in *s = user;
+    ost_pose tool = {.t = {0, 0, 10 * MM}, .qw = OST_Q30_ONE}, last = tool;
+    uint64_t sequence = 40, answers = 0;
+    bool held = false;
+    while (!atomic_load(&s->stop)) {
+        uint8_t bytes[LINK_ROOM];
+        struct sockaddr_in from;
+        socklen_t from_size = sizeof from;
+        struct pollfd wait = {.fd = s->socket, .events = POLLIN};
+        link_packet p;
+        if (poll(&wait, 1, 20) != 1)
+            continue;
+        const ssize_t size = recvfrom(s->socket, bytes, sizeof bytes, 0, (struct sockaddr *)&from, &from_size);
+        if (size < 0 || link_unseal(key, bytes, (size_t)size, &p) != LINK_GOOD)
+            continue;
+        if (p.type == LINK_POSE) {
+            s->poses++;
+            answers = p.sequence;
+            if (p.flags & LINK_SEEN) {
+                const int64_t way = llabs(p.pose.t.z - last.t.z);
+                s->worst = held && way > s->worst ? way : s->worst;
+                s->jumps += way > 2 * MM;
+                s->seen++;
+                tool = last = p.pose;
+            } else {
+                s->let_go++;
+            }
+            held = p.flags & LINK_SEEN;
+        }
+        if (s->silent_from && s->poses >= s->silent_from && s->poses < s->silent_to)
+            continue;
+        const bool over = s->end_at && s->poses >= s->end_at;
+        link_packet state = {.type = LINK_STATE, .flags = over ? LINK_ENDED : 0, .bridge = p.bridge, .simulation = 99, .sequence = ++sequence,
+                             .answers = answers, .pose = tool, .force_un = {0, 0, 1500000}, .stiffness = 300000, .damping = 500};
+        const size_t length = link_seal(key, &state, bytes);
+        if (sendto(s->socket, bytes, length, 0, (struct sockaddr *)&from, from_size) < 0)
+            break;
+    }
+    return NULL;
+}
+
+static stand_in *stand(void)
+{
+    stand_in *s = calloc(1, sizeof *s);
+    struct sockaddr_in own = {.sin_family = AF_INET, .sin_addr = {htonl(INADDR_LOOPBACK)}};
+    socklen_t size = sizeof own;
+    assert_non_null(s);
+    s->socket = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    assert_int_equal(bind(s->socket, (struct sockaddr *)&own, sizeof own), 0);
+    assert_int_equal(getsockname(s->socket, (struct sockaddr *)&own, &size), 0);
+    snprintf(s->to, sizeof s->to, "127.0.0.1:%d", ntohs(own.sin_port));
+    return s;
+}
+
+static void start(stand_in *s)
+{
+    assert_int_equal(pthread_create(&s->thread, NULL, stand_in_serves, s), 0);
+}
+
+static void leave(stand_in *s)
+{
+    atomic_store(&s->stop, true);
+    pthread_join(s->thread, NULL);
+    close(s->socket);
+    free(s);
+}
+
+static ost_haptic *a_hand(ost_path *path)
+{
+    ost_error err = {0};
+    ost_haptic *device;
+    assert_ok(ost_path_init(path, 100000, &err));
+    for (size_t i = 0; i < path->count; i++) /* 0.1 m/s down, from far away */
+        path->ticks[i] = (ost_tick){.t_ns = (int64_t)i * 1000000, .pose = {.t = {500 * MM, 0, 500 * MM - (int64_t)i * MM / 10}, .qw = OST_Q30_ONE}};
+    assert_ok(ost_haptic_open("sim", &(ost_haptic_setup){.path = path}, &device, &err));
+    return device;
+}
+
+static bridge_report report;
+
+static ost_status cross(const char *to, const char *with, uint64_t ticks, ost_error *err)
+{
+    ost_path path;
+    ost_haptic *device = a_hand(&path);
+    const bridge_options options = {.to = to, .key = with, .ticks = ticks, .patience_ms = with == key_file ? 0 : 300, .no_realtime = true};
+    const ost_status status = bridge_run(device, &options, &report, err);
+    ost_haptic_close(device);
+    ost_path_free(&path);
+    return status;
+}
+
+static void a_bridge_holds_and_presses(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    stand_in *s = stand();
+    start(s);
+    assert_ok(cross(s->to, key_file, 1000, &err));
+    assert_true(report.met && !report.ended);
+    assert_int_equal(report.loop.ticks, 1000);
+    assert_int_equal(report.loop.end, OST_SERVO_TICKS);
+    assert_string_equal(report.to, s->to);
+    assert_true(report.peak_n > 0.5 && report.peak_n <= 3);
+    assert_true(report.states > 0 && report.round_trip.count > 0);
+    assert_int_equal(report.bad, 0);
+    leave(s);
+}
+
+static void when_it_is_silent_the_hand_is_let_alone_and_the_tool_taken_again(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    stand_in *s = stand();
+    s->silent_from = 200;
+    s->silent_to = 600;
+    s->end_at = 1000;
+    start(s);
+    assert_ok(cross(s->to, key_file, 0, &err));
+    assert_true(report.ended);
+    assert_int_equal(report.loop.end, OST_SERVO_ASKED);
+    assert_true(report.limps >= 1);
+    assert_true(report.limp_ticks >= 100);
+    /* While it is silent the bridge says that nobody holds the tool, and later it goes on where the tool was: 40 mm went by meanwhile. */
+    assert_true(s->let_go >= 100);
+    assert_int_equal(s->jumps, 0);
+    leave(s);
+}
+
+static void where_nobody_answers(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    stand_in *s = stand();
+    start(s);
+    /* The stand-in drops what is signed by another key. */
+    assert_int_equal(cross(s->to, other_file, 0, &err), OST_ERR_UNAVAILABLE);
+    assert_non_null(strstr(err.text, "no simulation answers at 127.0.0.1"));
+    assert_int_equal(cross("nowhere", key_file, 10, &err), OST_ERR_USAGE);
+    assert_int_equal(cross("127.0.0.1:", key_file, 10, &err), OST_ERR_USAGE);
+    leave(s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(poses_in_and_states_out),
+        cmocka_unit_test(what_is_dropped_is_counted),
+        cmocka_unit_test(silence_is_declared_and_then_the_device_is_lost),
+        cmocka_unit_test(a_pose_that_no_hand_reaches_is_let_go_of),
+        cmocka_unit_test(one_bridge_at_a_time),
+        cmocka_unit_test(what_cannot_be_opened),
+        cmocka_unit_test(a_bridge_holds_and_presses),
+        cmocka_unit_test(when_it_is_silent_the_hand_is_let_alone_and_the_tool_taken_again),
+        cmocka_unit_test(where_nobody_answers),
+    };
+    return cmocka_run_group_tests(tests, begin, end);
+}
