@@ -145,10 +145,8 @@ static uint32_t at_most_32(uint64_t n)
 }
 
 /* What could not be recorded is said when the recorder is closed. */
-static void record_tick(const job *j, size_t number, const ost_step_result *step)
+static ost_status record_tick(job *j, size_t number, const ost_step_result *step, ost_error *err)
 {
-    if (!j->recorder)
-        return;
     const ost_record record = {
         .kind = OST_RECORD_TICK,
         .as.tick = {.number = number,
@@ -159,7 +157,9 @@ static void record_tick(const job *j, size_t number, const ost_step_result *step
                     .touched = step->report ? at_most_32(step->report->touched_voxels) : 0,
                     .poses = (uint16_t)step->pose_count},
     };
-    ost_recorder_put_patiently(j->recorder, &record);
+    if (j->recorder)
+        ost_recorder_put_patiently(j->recorder, &record);
+    return j->debrief.before.voxels ? debrief_tick(&j->debrief, &record.as.tick, err) : OST_OK;
 }
 
 static void record_note(const job *j, size_t tick, const char *text)
@@ -255,7 +255,8 @@ static ost_status run(const app_state *app, const ream_args *args, job *j, ost_e
             break;
         }
         j->tick_ns[i] = ns < 4e9 ? (uint32_t)ns : UINT32_MAX;
-        record_tick(j, i, &step);
+        if ((j->recorder || args->debrief) && (status = record_tick(j, i, &step, err)) != OST_OK)
+            break;
         j->met |= step.removal && step.boxes_meet;
         if (i % 16 == 0)
             progress_show(NULL, "reaming", (double)i / (double)j->path.count);

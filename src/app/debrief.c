@@ -26,30 +26,37 @@ ost_status debrief_begin(const ost_bone *bone, const ost_metrics_plan *plan, deb
 void debrief_free(debrief *d)
 {
     ost_volume_free(&d->before);
-    free(d->force_n);
-    free(d->t_s);
+    free(d->motion);
 }
 
-static ost_status add_force(debrief *d, double t_s, double n, ost_error *err)
+ost_status debrief_tick(debrief *d, const ost_session_tick *t, ost_error *err)
 {
     if (d->count == d->room) {
         const size_t room = d->room ? 2 * d->room : 4096;
-        double *force = realloc(d->force_n, room * sizeof *force), *t = NULL;
-        d->force_n = force ? force : d->force_n;
-        t = realloc(d->t_s, room * sizeof *t);
-        d->t_s = t ? t : d->t_s;
-        if (!force || !t)
-            return ost_fail(err, OST_ERR_MEMORY, "no memory for the forces of %zu ticks", room);
+        ost_motion *grown = realloc(d->motion, room * sizeof *grown);
+        if (!grown)
+            return ost_fail(err, OST_ERR_MEMORY, "no memory for the motion of %zu ticks", room);
+        d->motion = grown;
         d->room = room;
     }
-    d->force_n[d->count] = n;
-    d->t_s[d->count++] = t_s;
+    const ost_pose *p = &t->tick.pose;
+    const double w = p->qw / (double)OST_Q30_ONE, x = p->qx / (double)OST_Q30_ONE, y = p->qy / (double)OST_Q30_ONE, z = p->qz / (double)OST_Q30_ONE;
+    const double n[3] = {t->force_un[0] * 1e-6, t->force_un[1] * 1e-6, t->force_un[2] * 1e-6};
+    d->motion[d->count++] = (ost_motion){
+        .t_s = (double)t->tick.t_ns * 1e-9,
+        .mm = {ost_pm_to_mm(p->t.x), ost_pm_to_mm(p->t.y), ost_pm_to_mm(p->t.z)},
+        .axis = {-2 * (x * z + w * y), -2 * (y * z - w * x), -(1 - 2 * (x * x + y * y))},
+        .force_n = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]),
+        .removed = t->removed,
+        .touched = t->touched,
+        .tool = t->tick.tool,
+    };
     return OST_OK;
 }
 
 ost_status debrief_session(debrief *d, ost_session *session, uint64_t count, ost_error *err)
 {
-    bool more = true, felt = false;
+    bool more = true;
     ost_status status = OST_OK;
     ost_session_rewind(session);
     for (uint64_t i = 0; i < count && status == OST_OK;) {
@@ -59,21 +66,56 @@ ost_status debrief_session(debrief *d, ost_session *session, uint64_t count, ost
             break;
         if (record.kind != OST_RECORD_TICK)
             continue;
-        const int32_t *f = record.as.tick.force_un;
-        const double n[3] = {f[0] * 1e-6, f[1] * 1e-6, f[2] * 1e-6}, size = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-        status = add_force(d, (double)record.as.tick.tick.t_ns * 1e-9, size, err);
-        felt |= size > 0;
+        status = debrief_tick(d, &record.as.tick, err);
         i++;
     }
-    if (!felt)
-        d->count = 0;
     return status;
 }
 
-static void put_json(const app_state *app, const ost_metrics_plan *plan, const ost_metrics *m, const ost_density_classes *classes)
+static void put_technique(json_t *o, const ost_technique *t)
+{
+    json_t *p = json_object();
+    put_real(p, "seconds", t->seconds);
+    put_real(p, "path_mm", t->path_mm);
+    put_integer(p, "contacts", t->contacts);
+    put_real(p, "contact_s", t->contact_s);
+    put_real(p, "contact_path_mm", t->contact_path_mm);
+    put_integer(p, "passes", t->passes);
+    put_real(p, "cutting_s", t->cutting_s);
+    put_real(p, "tilt_mean_deg", t->tilt_mean_deg);
+    put_real(p, "tilt_max_deg", t->tilt_max_deg);
+    put_real(p, "inward_max_mm_s", t->inward_max_mm_s);
+    put_integer(p, "plunges", t->plunges);
+    put_real(p, "plunge_mm", t->plunge_mm);
+    if (t->felt) {
+        put_real(p, "force_mean_n", t->force_mean_n);
+        put_real(p, "force_p95_n", t->force_p95_n);
+        put_real(p, "force_max_n", t->force_max_n);
+    }
+    put(o, "technique", p);
+}
+
+static void put_rim(json_t *o, const ost_metrics *m)
+{
+    put_real(o, "rim_seen_percent", m->rim_seen_percent);
+    if (m->rim_seen_percent > 0) {
+        put_real(o, "rim_lowered_percent", m->rim_lowered_percent);
+        put_real(o, "rim_lowered_mm", m->rim_lowered_mm);
+    }
+    if (!isnan(m->width_before_mm))
+        put_real(o, "width_before_mm", m->width_before_mm);
+    if (!isnan(m->width_after_mm))
+        put_real(o, "width_after_mm", m->width_after_mm);
+    if (!isnan(m->height_before_mm))
+        put_real(o, "height_before_mm", m->height_before_mm);
+    if (!isnan(m->height_after_mm))
+        put_real(o, "height_after_mm", m->height_after_mm);
+}
+
+static void put_json(const app_state *app, const debrief *d, const ost_metrics *m, const ost_density_classes *classes)
 {
     json_t *o = json_object(), *by_class = json_object();
-    put_real(o, "planned_mm", plan->depth_mm);
+    put_real(o, "planned_mm", d->plan.depth_mm);
     put_real(o, "removed_mm3", m->removed_mm3);
     for (int c = 0; c < classes->count; c++)
         put_real(by_class, classes->name[c], m->removed_by_class_mm3[c]);
@@ -83,7 +125,21 @@ static void put_json(const app_state *app, const ost_metrics_plan *plan, const o
     put_real(o, "depth_p95_mm", m->depth_p95_mm);
     put_real(o, "depth_max_mm", m->depth_max_mm);
     put_real(o, "over_mm3", m->over_mm3);
+    put_real(o, "over_percent", m->over_percent);
+    put_real(o, "over_max_mm", m->over_max_mm);
     put_real(o, "plate_kept_percent", m->plate_kept_percent);
+    put_rim(o, m);
+    put_bool(o, "scapular", m->scapular);
+    if (m->scapular) {
+        put_real(o, "version_planned_deg", m->version_planned_deg);
+        put_real(o, "inclination_planned_deg", m->inclination_planned_deg);
+    }
+    if (m->scapular && m->sphere) {
+        put_real(o, "version_deg", m->version_deg);
+        put_real(o, "inclination_deg", m->inclination_deg);
+    }
+    if (d->count)
+        put_technique(o, &d->technique);
     if (m->sphere) {
         put_real(o, "centre_depth_mm", m->centre_depth_mm);
         put_real(o, "sphere_mm", m->sphere_mm);
@@ -114,6 +170,11 @@ static void say_all(const app_state *app, const debrief *d, const ost_metrics *m
     if (m->sphere)
         say(app, "  direction: %.1f degrees off the plan (retroversion %+.1f, superior %+.1f); seat: %.0f %% contact, gap up to %.1f mm", m->angle_deg,
             m->retroversion_deg, m->superior_deg, m->contact_percent, m->gap_max_mm);
+    if (m->sphere && m->scapular)
+        say(app, "  in the scapula's frame: version %.1f degrees and inclination %.1f, planned were %.1f and %.1f (retroversion and superior are positive)",
+            m->version_deg, m->inclination_deg, m->version_planned_deg, m->inclination_planned_deg);
+    if (m->rim_seen_percent > 0)
+        say(app, "  rim: lowered by more than 1 mm on %.0f %% of what is seen of it", m->rim_lowered_percent);
     if (m->plate_mm3 > 0)
         say(app, "  hard bone under the floor: %.0f %% kept", m->plate_kept_percent);
     if (m->hole)
@@ -121,7 +182,7 @@ static void say_all(const app_state *app, const debrief *d, const ost_metrics *m
             m->hole_angle_deg, m->hole_entry_mm, m->hole_breach ? "IT IS OPEN TO THE OUTSIDE" : m->hole_wall_mm < 5.9 ? "its wall holds" : "6 mm of bone around it, or more");
 }
 
-ost_status debrief_end(const app_state *app, const debrief *d, const ost_bone *bone, const ost_density_classes *classes, const char *name,
+ost_status debrief_end(const app_state *app, debrief *d, const ost_bone *bone, const ost_density_classes *classes, const char *name,
                        const char *file, ost_error *err)
 {
     ost_bone_info info;
@@ -132,8 +193,10 @@ ost_status debrief_end(const app_state *app, const debrief *d, const ost_bone *b
         status = take_bone(bone, &after, err);
     if (status == OST_OK)
         status = ost_metrics_make(&d->before, &after, info.threshold, classes, &d->plan, m, err);
+    if (status == OST_OK)
+        status = ost_technique_make(d->motion, d->count, &d->plan, &d->technique, err);
     if (status == OST_OK) {
-        put_json(app, &d->plan, m, classes);
+        put_json(app, d, m, classes);
         say_all(app, d, m);
         status = debrief_page(file, name, d, &after, classes, info.threshold, m, err);
     }

@@ -16,16 +16,18 @@
 typedef struct debrief {
     ost_volume before;
     ost_metrics_plan plan;
-    double *force_n; /* owned; of each tick, as felt; NULL when nobody felt any */
-    double *t_s;     /* owned */
+    ost_motion *motion; /* owned; of each tick */
     size_t count, room;
+    ost_technique technique;
 } debrief;
 
 ost_status debrief_begin(const ost_bone *bone, const ost_metrics_plan *plan, debrief *out, ost_error *err);
-/* The motion and the forces of a session's first count ticks. */
+/* What a tick was, in order. */
+ost_status debrief_tick(debrief *d, const ost_session_tick *tick, ost_error *err);
+/* Those of a session's first count ticks. */
 ost_status debrief_session(debrief *d, ost_session *session, uint64_t count, ost_error *err);
 /* file: the page. name: of what was done, for its title. */
-ost_status debrief_end(const app_state *app, const debrief *d, const ost_bone *bone, const ost_density_classes *classes, const char *name,
+ost_status debrief_end(const app_state *app, debrief *d, const ost_bone *bone, const ost_density_classes *classes, const char *name,
                        const char *file, ost_error *err);
 void debrief_free(debrief *d);
 

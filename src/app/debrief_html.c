@@ -127,20 +127,20 @@ static void force_plot(html_page *p, const debrief *d)
 {
     enum { W = 700, H = 160, COLUMNS = 700 };
     double most = 0.1;
-    if (d->count < 2)
+    if (d->count < 2 || !d->technique.felt)
         return;
     for (size_t i = 0; i < d->count; i++)
-        most = fmax(most, d->force_n[i]);
-    const double from = d->t_s[0], span = fmax(1e-3, d->t_s[d->count - 1] - from);
+        most = fmax(most, d->motion[i].force_n);
+    const double from = d->motion[0].t_s, span = fmax(1e-3, d->motion[d->count - 1].t_s - from);
     html_text(p, "<h2>Force on the hand</h2><figure><svg width=\"700\" height=\"160\" viewBox=\"0 0 700 160\"><rect width=\"700\" height=\"160\" fill=\"#f3f3f3\"/>"
             "<path fill=\"none\" stroke=\"#2a5da8\" d=\"");
     /* A column a pixel: from its least to its greatest. */
     size_t i = 0;
     for (int x = 0; x < COLUMNS && i < d->count; x++) {
         double lo = INFINITY, hi = 0;
-        for (; i < d->count && (d->t_s[i] - from) / span * (COLUMNS - 1) < x + 1; i++) {
-            lo = fmin(lo, d->force_n[i]);
-            hi = fmax(hi, d->force_n[i]);
+        for (; i < d->count && (d->motion[i].t_s - from) / span * (COLUMNS - 1) < x + 1; i++) {
+            lo = fmin(lo, d->motion[i].force_n);
+            hi = fmax(hi, d->motion[i].force_n);
         }
         if (isfinite(lo))
             html_print(p, "M%d %.1fV%.1f", x, H - 5 - lo / most * (H - 10), H - 5 - hi / most * (H - 10) - 0.5);

@@ -7,6 +7,8 @@
 #include <string.h>
 
 #include "metrics/fit.h"
+#include "metrics/frame.h"
+#include "metrics/rim.h"
 
 enum { MAP = OST_METRICS_MAP, CELLS = MAP * MAP, SLABS = 64, HARD_HU = 650, FLOOR_MIN = 200, RIM = 2 };
 #define OUTSIDE_MM 12.0 /* a ray begins so far outside the face */
@@ -25,6 +27,7 @@ typedef struct work {
     ost_metrics *out;
     double spacing, origin[3], at[3], u[3], v[3], w[3];
     int32_t dims[3];
+    ost_scapular frame; /* when out->scapular */
     double bottom; /* below it, along w, a removed voxel is the hole's */
     double (*floor)[3]; /* owned; points of the floor, in u, v, w */
     size_t floor_count;
@@ -169,10 +172,13 @@ static void look(work *k)
             continue;
         depth[k->floor_count++] = now - old;
         sum += now - old;
+        o->over_percent += now > k->plan->depth_mm + MARGIN_MM;
+        o->over_max_mm = fmax(o->over_max_mm, now - k->plan->depth_mm);
     }
     if (k->floor_count == 0)
         return;
     const size_t cells = k->floor_count;
+    o->over_percent *= 100.0 / (double)cells;
     qsort(depth, cells, sizeof depth[0], ascending);
     leave_rim(k);
     o->floor_mm2 = (double)cells * OST_METRICS_PITCH_MM * OST_METRICS_PITCH_MM;
@@ -215,6 +221,8 @@ static void fit_floor(work *k)
     o->angle_deg = acos(fmin(1, dot(got, k->w))) * DEG;
     angles(k, k->w, &planned[0], &planned[1]);
     angles(k, got, &found[0], &found[1]);
+    if (o->scapular)
+        ost_scapular_angles(&k->frame, got, &o->version_deg, &o->inclination_deg);
     o->retroversion_deg = found[0] - planned[0];
     o->superior_deg = found[1] - planned[1];
 }
@@ -350,8 +358,12 @@ ost_status ost_metrics_make(const ost_volume *before, const ost_volume *after, i
         status = count_voxels(&k, classes, slabs, err);
     }
     if (status == OST_OK) {
+        out->scapular = ost_scapular_frame(plan, &k.frame);
+        if (out->scapular)
+            ost_scapular_angles(&k.frame, k.w, &out->version_planned_deg, &out->inclination_planned_deg);
         fit_floor(&k);
         measure_hole(&k, slabs);
+        ost_metrics_rim(out);
     }
     free(k.floor);
     return status;

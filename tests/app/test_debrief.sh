@@ -28,6 +28,16 @@ check "a hole" "$(value metrics.hole)" true
 near "hole's depth, mm" "$(value metrics.hole_depth_mm)" 21.5 22.5
 near "hole's angle, degrees" "$(value metrics.hole_angle_deg)" 0 1
 near "hole's entry, mm" "$(value metrics.hole_entry_mm)" 0 0.5
+# 2 degrees backward and 5 upward is the phantom's face, each 2 more or less by its seed, in a frame whose landmarks lie a millimetre off the ideal.
+near "version, degrees" "$(value metrics.version_planned_deg)" -1 5
+near "inclination, degrees" "$(value metrics.inclination_planned_deg)" 2 9
+near "version got" "$(awk -v a="$(value metrics.version_deg)" -v b="$(value metrics.version_planned_deg)" 'BEGIN { print a - b }')" -2 2
+near "the pear's width, mm" "$(value metrics.width_before_mm)" 26 30
+near "the pear's height, mm" "$(value metrics.height_before_mm)" 35 41
+# 8 + 22 + 30 mm with the peg, 8 + 3 + 11 with the reamer; of these 22 and 3 in bone.
+near "path, mm" "$(value metrics.technique.path_mm)" 81.9 82.1
+near "path in contact, mm" "$(value metrics.technique.contact_path_mm)" 24 25.6
+check "contacts, passes, plunges" "$(value metrics.technique.contacts) $(value metrics.technique.passes) $(value metrics.technique.plunges)" "2 2 0"
 check "the page ends" "$(tail -n 1 o.html)" "</body></html>"
 grep -q "<h2>Peg hole</h2>" o.html || fail "no hole on the page"
 grep -Eq '(src|href)="(http|/|[a-z]+\.)' o.html && fail "the page needs something else"

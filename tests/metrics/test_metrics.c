@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Metrics against a bone whose cuts are known: a block with a flat face, a
- * sphere reamed into it along a tilted axis, and a hole drilled along another.
+ * sphere reamed into it along a tilted axis, and a hole drilled along another;
+ * landmarks, a rim and a hand's way with closed forms of their own.
  * Covers: REQ-METRICS
  */
 #include "harness.h"
@@ -141,12 +142,171 @@ static void too_deep(void **state)
     const ost_metrics_plan plan = {.axis = {1, 0, 0}, .depth_mm = 3};
     make(&deep, &before, &after);
     assert_ok(ost_metrics_make(&before, &after, 120, &classes, &plan, &m, &err));
+    NEAR(m.over_max_mm, 2.5, 0.3);
+    NEAR(m.over_percent, 100 * (2 * 27 * 1.5 - 1.5 * 1.5) / (2 * 27 * 5.5 - 5.5 * 5.5), 4);
     /* The cap below plan and margin is one of 1.5 mm. */
     NEAR(m.over_mm3, PI * 1.5 * 1.5 * (27 - 0.5), 0.12 * PI * 1.5 * 1.5 * 26.5);
     NEAR(m.centre_depth_mm, 5.5, 0.25);
     assert_int_equal(ost_metrics_make(&before, &before, 120, &classes, &plan, &m, &err), OST_ERR_INPUT);
     ost_volume_free(&before);
     ost_volume_free(&after);
+}
+
+/* Landmarks that turn the scapula's lateral by a known angle: so much is the planned face's version, or its inclination. */
+static void in_the_scapulas_frame(void **state)
+{
+    (void)state;
+    const double turn = 5 * PI / 180, c = 100 * cos(turn), s = 100 * sin(turn);
+    const cuts cut = {.radius = 27, .depth = 3, .back_deg = 8, .up_deg = -4};
+    ost_error err = {0};
+    static ost_metrics m;
+    ost_volume before, after;
+    const ost_density_classes classes = ost_density_classes_default();
+    make(&cut, &before, &after);
+    ost_metrics_plan plan = {.axis = {1, 0, 0}, .depth_mm = 3};
+    assert_ok(ost_metrics_make(&before, &after, 120, &classes, &plan, &m, &err));
+    assert_false(m.scapular);
+    plan.landmarks = true;
+    plan.trigonum = (ost_pm3){(ost_pm)(c * MM), (ost_pm)(s * MM), 0};
+    plan.inferior = (ost_pm3){(ost_pm)(0.8 * c * MM), (ost_pm)(0.8 * s * MM), -110 * MM};
+    assert_ok(ost_metrics_make(&before, &after, 120, &classes, &plan, &m, &err));
+    assert_true(m.scapular);
+    NEAR(m.version_planned_deg, 5, 1e-6);
+    NEAR(m.inclination_planned_deg, 0, 1e-6);
+    NEAR(m.version_deg, 13, 0.5);
+    NEAR(m.inclination_deg, -4, 0.5);
+    plan.trigonum = (ost_pm3){(ost_pm)(c * MM), 0, (ost_pm)(s * MM)};
+    plan.inferior = (ost_pm3){(ost_pm)(c * MM) - 20 * MM, 0, -110 * MM};
+    assert_ok(ost_metrics_make(&before, &after, 120, &classes, &plan, &m, &err));
+    NEAR(m.version_planned_deg, 0, 1e-6);
+    NEAR(m.inclination_planned_deg, 5, 1e-6);
+    NEAR(m.version_deg, 8, 0.5);
+    NEAR(m.inclination_deg, 1, 0.5);
+    /* A left shoulder: inward is -x, and the back stays the back. */
+    plan = (ost_metrics_plan){.axis = {-1, 0, 0}, .left = true, .depth_mm = 3, .landmarks = true,
+                              .trigonum = {(ost_pm)(-c * MM), (ost_pm)(s * MM), 0}, .inferior = {(ost_pm)(-c * MM), (ost_pm)(s * MM), -110 * MM}};
+    assert_ok(ost_metrics_make(&before, &after, 120, &classes, &plan, &m, &err));
+    NEAR(m.version_planned_deg, 5, 1e-6);
+    /* Landmarks on one line say nothing. */
+    plan.inferior = (ost_pm3){2 * plan.trigonum.x, 2 * plan.trigonum.y, 0};
+    assert_ok(ost_metrics_make(&before, &after, 120, &classes, &plan, &m, &err));
+    assert_false(m.scapular);
+    ost_volume_free(&before);
+    ost_volume_free(&after);
+}
+
+/* A stump that tapers: an oval face of 26 x 34 mm that loses 0.4 mm of its half axes a millimetre; cut by a sphere off its middle. */
+static void the_rim(void **state)
+{
+    (void)state;
+    enum { SIZE = 96 };
+    const double a = 13, b = 17, taper = 0.4, radius = 27, depth = 3, off_y = 5;
+    ost_error err = {0};
+    static ost_metrics m;
+    ost_volume before, after;
+    const ost_density_classes classes = ost_density_classes_default();
+    const ost_geometry g = {{40, SIZE, SIZE}, {MM / 2, MM / 2, MM / 2}, {-4 * MM + MM / 4, -24 * MM + MM / 4, -24 * MM + MM / 4}};
+    assert_ok(ost_volume_init(&before, &g, &err));
+    assert_ok(ost_volume_init(&after, &g, &err));
+    for (int z = 0, i = 0; z < SIZE; z++)
+        for (int y = 0; y < SIZE; y++)
+            for (int x = 0; x < 40; x++, i++) {
+                const double p[3] = {-3.75 + 0.5 * x, -23.75 + 0.5 * y, -23.75 + 0.5 * z}, u = p[1] / (a - taper * p[0]), v = p[2] / (b - taper * p[0]);
+                const double d[3] = {p[0] + radius - depth, p[1] - off_y, p[2]};
+                before.voxels[i] = p[0] >= 0 && u * u + v * v <= 1 ? 500 : 0;
+                after.voxels[i] = d[0] * d[0] + d[1] * d[1] + d[2] * d[2] < radius * radius ? 0 : before.voxels[i];
+            }
+    const ost_metrics_plan plan = {.axis = {1, 0, 0}, .depth_mm = depth};
+    assert_ok(ost_metrics_make(&before, &after, 120, &classes, &plan, &m, &err));
+    /* In each direction the stump's side, as far in as the sphere is there: a fixed point. */
+    int lowered = 0;
+    double most = 0, side[2] = {0, 0};
+    for (int k = 0; k < 7200; k++) {
+        const double y = cos(k * PI / 3600), z = sin(k * PI / 3600);
+        double down = 0, r = 0;
+        for (int i = 0; i < 50; i++) {
+            const double p = a - taper * down, q = b - taper * down;
+            r = 1 / sqrt(y * y / (p * p) + z * z / (q * q));
+            down = fmax(0, sqrt(radius * radius - (r * y - off_y) * (r * y - off_y) - r * z * r * z) - (radius - depth));
+        }
+        lowered += down > 1;
+        most = fmax(most, down);
+        if (k % 3600 == 0)
+            side[k / 3600] = r;
+    }
+    NEAR(m.rim_seen_percent, 100, 0.1);
+    NEAR(m.rim_lowered_percent, 100 * lowered / 7200.0, 5);
+    NEAR(m.rim_lowered_mm, most, 0.5);
+    NEAR(m.width_before_mm, 2 * a, 0.75);
+    NEAR(m.height_before_mm, 2 * b, 0.75);
+    NEAR(m.width_after_mm, side[0] + side[1], 0.75);
+    /* Nothing cut near the rim: nothing lowered. */
+    ost_volume_free(&after);
+    assert_ok(ost_volume_init(&after, &g, &err));
+    for (int i = 0; i < 40 * SIZE * SIZE; i++) {
+        const int y = i / 40 % SIZE - SIZE / 2, z = i / 40 / SIZE - SIZE / 2;
+        after.voxels[i] = y * y + z * z < 100 && i % 40 < 10 ? 0 : before.voxels[i];
+    }
+    assert_ok(ost_metrics_make(&before, &after, 120, &classes, &plan, &m, &err));
+    NEAR(m.rim_lowered_percent, 0, 1e-9);
+    NEAR(m.width_after_mm, m.width_before_mm, 1e-9);
+    ost_volume_free(&before);
+    ost_volume_free(&after);
+}
+
+/* 8 mm through air, 3 mm into bone at 1.5 mm/s, two turns of 5 mm about the axis, a plunge of 2 mm at 40 mm/s, and out. */
+static void the_technique(void **state)
+{
+    (void)state;
+    enum { AIR = 400, ADVANCE = 2000, TURNS = 4000, PLUNGE = 50, OUT = 650, ALL = AIR + ADVANCE + TURNS + PLUNGE + OUT };
+    static ost_motion m[ALL + 1];
+    const ost_metrics_plan plan = {.axis = {0, 0, -2}, .depth_mm = 3};
+    ost_technique t;
+    ost_error err = {0};
+    for (int i = 0; i <= ALL; i++) {
+        const double advance = fmin(fmax(i - AIR, 0), ADVANCE) * 1.5e-3, plunge = fmin(fmax(i - AIR - ADVANCE - TURNS, 0), PLUNGE) * 0.04;
+        const double out = fmax(i - AIR - ADVANCE - TURNS - PLUNGE, 0) * 0.02, turn = fmin(fmax(i - AIR - ADVANCE, 0), TURNS) * 4 * PI / TURNS;
+        const double depth = -8 + fmin(i, AIR) * 0.02 + advance + plunge - out;
+        const bool in = i >= AIR && i <= AIR + ADVANCE + TURNS + PLUNGE;
+        m[i] = (ost_motion){.t_s = i * 1e-3,
+                            .mm = {5 * cos(turn), 5 * sin(turn), -depth},
+                            .axis = {sin(PI / 18), 0, -cos(PI / 18)},
+                            .force_n = in ? i % 2 ? 1.5 : 2.5 : 0,
+                            .removed = in && i % 3 == 0 ? 10u : 0u};
+    }
+    m[AIR + 1000].force_n = 4;
+    assert_ok(ost_technique_make(m, ALL + 1, &plan, &t, &err));
+    NEAR(t.seconds, ALL * 1e-3, 1e-9);
+    /* Where it turns back between two places 20 ms apart, up to twice the way of half of them is missed. */
+    NEAR(t.path_mm, 8 + 3 + 2 * 2 * PI * 5 + 2 + 13, 0.8);
+    NEAR(t.contact_s, (ADVANCE + TURNS + PLUNGE) * 1e-3, 1e-9);
+    NEAR(t.contact_path_mm, 3 + 2 * 2 * PI * 5 + 2, 0.5);
+    NEAR(t.cutting_s, t.contact_s, 0.004);
+    assert_int_equal(t.contacts, 1);
+    assert_int_equal(t.passes, 1);
+    assert_true(t.felt);
+    NEAR(t.force_mean_n, 2, 0.01);
+    NEAR(t.force_p95_n, 2.5, 1e-9);
+    NEAR(t.force_max_n, 4, 1e-9);
+    NEAR(t.tilt_mean_deg, 10, 1e-6);
+    NEAR(t.tilt_max_deg, 10, 1e-6);
+    NEAR(t.inward_max_mm_s, 40, 1e-6);
+    assert_int_equal(t.plunges, 1);
+    NEAR(t.plunge_mm, 2, 0.05);
+    /* Lifted off for 0.3 s in the middle: two contacts, one pass; for 0.6 s: two of both. And no force at all. */
+    for (int lift = 300; lift <= 600; lift += 300) {
+        for (int i = 0; i <= ALL; i++) {
+            m[i].force_n = 0;
+            m[i].removed = i >= AIR && i < AIR + ADVANCE && !(i > 1000 && i < 1000 + lift) ? 1 : 0;
+        }
+        assert_ok(ost_technique_make(m, ALL + 1, &plan, &t, &err));
+        assert_int_equal(t.contacts, 2);
+        assert_int_equal(t.passes, lift / 300);
+        assert_false(t.felt);
+        assert_int_equal(t.plunges, 0);
+    }
+    assert_ok(ost_technique_make(m, 0, &plan, &t, &err));
+    assert_true(t.contacts == 0 && t.path_mm == 0);
 }
 
 int main(void)
@@ -156,6 +316,9 @@ int main(void)
         cmocka_unit_test(tilted_ones),
         cmocka_unit_test(a_crooked_hole),
         cmocka_unit_test(too_deep),
+        cmocka_unit_test(in_the_scapulas_frame),
+        cmocka_unit_test(the_rim),
+        cmocka_unit_test(the_technique),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

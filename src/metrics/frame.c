@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The scapula's own frame, after Friedman's line in three dimensions:
+ *
+ *        GC--------> lateral = GC - TS        TS  trigonum: the spine's root on the medial border
+ *        /|                                   GC  centre of the glenoid's face, the plan's
+ *       / superior, in the plane of the three IA  inferior angle
+ *     TS  |
+ *      \  IA          posterior = across that plane
+ */
+#include "metrics/frame.h"
+
+#include <math.h>
+
+#define DEG (180 / 3.14159265358979323846)
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static bool unit(double v[3])
+{
+    const double size = sqrt(dot(v, v));
+    for (int a = 0; a < 3; a++)
+        v[a] /= size;
+    return size > 1;
+}
+
+bool ost_scapular_frame(const ost_metrics_plan *plan, ost_scapular *out)
+{
+    const ost_pm3 *from = &plan->trigonum, *to = &plan->at, *low = &plan->inferior;
+    const double lateral[3] = {ost_pm_to_mm(to->x - from->x), ost_pm_to_mm(to->y - from->y), ost_pm_to_mm(to->z - from->z)};
+    const double down[3] = {ost_pm_to_mm(low->x - from->x), ost_pm_to_mm(low->y - from->y), ost_pm_to_mm(low->z - from->z)};
+    for (int a = 0; a < 3; a++)
+        out->lateral[a] = lateral[a];
+    if (!plan->landmarks || !unit(out->lateral))
+        return false;
+    const double along = dot(down, out->lateral);
+    for (int a = 0; a < 3; a++)
+        out->superior[a] = along * out->lateral[a] - down[a];
+    if (!unit(out->superior))
+        return false;
+    /* Lateral and superior are right-handed with the back on a left shoulder. */
+    const double side = plan->left ? -1 : 1, *l = out->lateral, *s = out->superior;
+    for (int a = 0; a < 3; a++)
+        out->posterior[a] = side * (l[(a + 1) % 3] * s[(a + 2) % 3] - l[(a + 2) % 3] * s[(a + 1) % 3]);
+    return true;
+}
+
+void ost_scapular_angles(const ost_scapular *frame, const double inward[3], double *retroversion_deg, double *superior_deg)
+{
+    const double lateral = -dot(inward, frame->lateral);
+    *retroversion_deg = atan2(-dot(inward, frame->posterior), lateral) * DEG;
+    *superior_deg = atan2(-dot(inward, frame->superior), lateral) * DEG;
+}

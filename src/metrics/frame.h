@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#ifndef OST_METRICS_FRAME_H
+#define OST_METRICS_FRAME_H
+
+#include <osteon/metrics.h>
+
+/* Unit vectors, each across the others. */
+typedef struct ost_scapular {
+    double lateral[3], superior[3], posterior[3];
+} ost_scapular;
+
+/* False without landmarks, or when they lie on a line. */
+bool ost_scapular_frame(const ost_metrics_plan *plan, ost_scapular *out);
+/* Of the face whose inward direction is given: toward the back and toward the top from the frame's lateral. */
+void ost_scapular_angles(const ost_scapular *frame, const double inward[3], double *retroversion_deg, double *superior_deg);
+
+#endif
