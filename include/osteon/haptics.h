@@ -31,7 +31,8 @@ enum {
     OST_HAPTIC_ORIENTATION = 4, /* senses orientation, not only position */
     OST_HAPTIC_TOOL = 8,        /* says which tool is in the hand */
     OST_HAPTIC_OWN_CLOCK = 16,  /* its own thread calls the tick */
-    OST_HAPTIC_LOGICAL = 32     /* knows ticks and no time: the same however fast it is asked */
+    OST_HAPTIC_LOGICAL = 32,    /* knows ticks and no time: the same however fast it is asked */
+    OST_HAPTIC_SHOWN = 64       /* takes forces, which nobody feels, for people to see */
 };
 
 typedef struct ost_haptic_info {
@@ -49,11 +50,13 @@ OST_API int ost_haptic_count(void);
 OST_API ost_status ost_haptic_describe(int index, ost_haptic_info *out, ost_error *err);
 
 typedef struct ost_haptic ost_haptic;
+typedef struct ost_hand ost_hand;
 
 /* What a device may need; everything is borrowed until ost_haptic_open returns. */
 typedef struct ost_haptic_setup {
     const ost_path *path; /* script: where the tool goes; sim: where the hand goes */
     const char *session;  /* replay: a session's file */
+    ost_hand *hand;       /* mouse: where a window puts it; borrowed until ost_haptic_close */
     ost_pose start;       /* null: where the tool stays; motion: where it begins; real devices: where it is when the handle is at its centre */
 } ost_haptic_setup;
 
@@ -66,6 +69,7 @@ typedef struct ost_haptic_setup {
  *   sim               a device of 60 g with friction and encoders in a hand that follows a path:
  *                     grip=light|normal|firm (normal), seed=N (1), tremor=UM (0), friction=MN (260)
  *   motion:FILE       a tracked hand (docs/haptics.md), plain or gzip: scale=PERCENT (5), gap=MS (50)
+ *   mouse             the mouse of a window, by setup.hand: spin=RPM with the pedal down (120)
  *   openhaptics       Touch, Touch X, Phantom Omni: name=TEXT, scale=PERCENT (100)
  *   dhd               Force Dimension, Falcon: scale=PERCENT (100)
  *   udp               a device on another machine, by osteon bridge: key=FILE, port=N (4707), bind=ADDRESS (127.0.0.1), lost=MS (5000)
@@ -109,6 +113,16 @@ typedef struct ost_wrench {
 /* For devices without a clock of their own, once a tick each. */
 OST_API ost_haptic_answer ost_haptic_read(ost_haptic *device, ost_haptic_state *state);
 OST_API void ost_haptic_write(ost_haptic *device, const ost_wrench *wrench);
+
+/*
+ * The hand of the device mouse: a window's thread puts it somewhere, and the
+ * device's thread follows, smoothly and no faster than the operation allows.
+ * Wait-free on both sides; put is for one thread.
+ */
+enum { OST_HAND_PEDAL = 1 }; /* a button: the tool turns about its axis */
+OST_API ost_status ost_hand_create(const ost_haptic_state *start, ost_hand **out, ost_error *err);
+OST_API void ost_hand_free(ost_hand *hand); /* NULL is allowed */
+OST_API void ost_hand_put(ost_hand *hand, const ost_haptic_state *state);
 
 /* ------------------------------------------------------------- histograms */
 

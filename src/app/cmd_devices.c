@@ -15,6 +15,7 @@
 #include "app/options.h"
 #include "app/result.h"
 #include "app/say.h"
+#include "window/window.h"
 #include "core/isa.h"
 
 static void one(const app_state *app, json_t *array, const char *name, bool available, const char *reason)
@@ -196,6 +197,8 @@ static void list_libraries(const app_state *app)
 #else
     one(app, array, "png", false, "no pictures; install libpng-dev and build again");
 #endif
+    const char *missing = ost_window_missing();
+    one(app, array, "window", missing == NULL, missing ? missing : "the simulator's window: osteon sim");
 #if defined HAVE_EMBREE4 || defined HAVE_EMBREE3
     one(app, array, "embree", true, "--backend cpu:voxelizer=embree, and Embree's rows in osteon bench");
 #else

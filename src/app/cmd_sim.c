@@ -8,38 +8,39 @@
  * With --resume a session's ticks are done first, and the operation goes on
  * from there; a new recording holds both.
  *
- * Without a window so far: --headless.
+ * In a window, whose mouse is the device when no other is given; without one
+ * by --headless.
  */
 #include "app/progress.h"
 #include "app/say.h"
-#include "app/sim_show.h"
+#include "app/sim_window.h"
 
 ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
 {
-    sim_args args = {.device = "sim", .bone = "builtin:scapula", .fps = 60, .ct = CT_OPTIONS_DEFAULT, .how = TOOL_OPTIONS_DEFAULT};
+    sim_args args = {.bone = "builtin:scapula", .fps = 60, .ct = CT_OPTIONS_DEFAULT, .how = TOOL_OPTIONS_DEFAULT};
     target_options *t = &args.plan.target;
     const option options[] = {
         {.name = "device", .kind = OPTION_TEXT, .out = &args.device, .value = "NAME",
-         .help = "null, script, replay, sim (default), motion, openhaptics,\ndhd or udp, with options as in\nsim:grip=light,seed=2,tremor=200 (micrometres) or\nmotion:hand.csv.gz,scale=5 (per cent)"},
-        {.name = "headless", .kind = OPTION_FLAG, .out = &args.headless, .help = "without a window, which this version does not have"},
+         .help = "mouse (default in a window), sim (default without one), null,\nscript, replay, motion, openhaptics, dhd or udp, with options as in\nsim:grip=light,seed=2,tremor=200 (micrometres) or\nmotion:hand.csv.gz,scale=5 (per cent)"},
+        {.name = "headless", .kind = OPTION_FLAG, .out = &args.headless, .help = "without a window"},
         {.name = "renderer", .kind = OPTION_CHOICE, .out = &args.renderer, .given = &args.renderer_given, .value = "none|null|points",
-         .help = "who draws meanwhile: points, the bone's surface by the processor;\nnull, follows the bone and draws nothing (default: none)"},
+         .help = "who draws meanwhile: points, the bone's surface by the processor;\nnull, follows the bone and draws nothing (default: points in a window, else none)"},
         {.name = "view", .kind = OPTION_CHOICE, .out = &args.view, .value = "operator|en-face|lateral|anterior|posterior|superior|tool|whole",
          .help = "where it looks from (default: operator)"},
-        {.name = "size", .kind = OPTION_TEXT, .out = &args.size, .value = "WxH", .help = "of its frames, in pixels (default: 1280x720)"},
+        {.name = "size", .kind = OPTION_TEXT, .out = &args.size, .value = "WxH", .help = "of the window or the frames, in pixels (default: 1280x720)"},
         {.name = "fps", .kind = OPTION_INTEGER, .out = &args.fps, .min = 0, .max = 1000, .value = "N",
          .help = "frames a second at most (default: 60; 0: as many as there can be)"},
         {.name = "style", .kind = OPTION_CHOICE, .out = &args.style, .value = "smooth|faces", .help = "lit by the surface's normals (default), or the thesis' flat faces"},
         {.name = "picture", .kind = OPTION_TEXT, .out = &args.picture, .value = "FILE.png", .help = "the last frame, with --renderer points"},
-        {.name = "seconds", .kind = OPTION_DECIMAL, .out = &args.seconds, .value = "N", .help = "how long (default: 10)"},
+        {.name = "seconds", .kind = OPTION_DECIMAL, .out = &args.seconds, .value = "N", .help = "how long (default: until the window is closed; 10 without one)"},
         {.name = "idle", .kind = OPTION_DECIMAL, .out = &args.idle, .value = "N",
-         .help = "seconds of a loop that does nothing, half before and half after,\nfor comparison (default: as --seconds, at most 10)"},
+         .help = "seconds of a loop that does nothing, half before and half after,\nfor comparison (default: none in a window, else as --seconds, at most 10)"},
         {.name = "resume", .kind = OPTION_TEXT, .out = &args.resume, .value = "SESSION",
          .help = "go on with the operation of a session: its bone, tools, options"},
         {.name = "bone", .kind = OPTION_TEXT, .out = &args.bone, .given = &args.bone_given, .value = "BONE", .help = "a bone, a CT, or a built-in one (default: builtin:scapula)"},
-        {.name = "tool", .kind = OPTION_LIST, .out = &args.tools, .value = "TOOL", .help = "a tool; may repeat (default: builtin:reamer)"},
+        {.name = "tool", .kind = OPTION_LIST, .out = &args.tools, .value = "TOOL", .help = "a tool; may repeat (default: builtin:reamer; with the mouse\nbuiltin:peg and builtin:burr too)"},
         {.name = "path", .kind = OPTION_LIST, .out = &args.paths, .value = "PATH",
-         .help = "where the tool or the simulated hand goes: as for osteon ream\n(default: builtin:glenoid-slow); of --device replay a session"},
+         .help = "where the tool or the simulated hand goes, or the mouse's begins: as for osteon ream\n(default: builtin:glenoid-slow); of --device replay a session"},
         {.name = "out", .kind = OPTION_TEXT, .out = &args.out, .value = "FILE", .help = "the bone afterwards: .nrrd, or .nii, .nii.gz, .txt"},
         {.name = "record", .kind = OPTION_TEXT, .out = &args.record, .value = "SESSION", .help = "write down every tick; the name ends in .session"},
         {.name = "at", .kind = OPTION_POINT, .out = &t->at, .given = &t->at_given, .value = "X,Y,Z",
@@ -63,14 +64,15 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "compress", .kind = OPTION_FLAG, .out = &args.compress, .help = "gzip a .nrrd"},
         {.name = NULL}};
     const usage_text usage = {
-        .synopsis = "--headless [--device NAME] [--seconds N] [options]",
+        .synopsis = "[--headless] [--device NAME] [--seconds N] [options]",
         .about = "The simulator: a device moves the tool a thousand times a second, bone goes in every\n"
                  "tick, and how punctual that was is said, beside a loop that does nothing.",
         .options = options,
         .notes = "Tool and bone as for osteon ream. The loop asks for SCHED_FIFO and locked memory and says\n"
                  "what it got; of two or more cores it has one to itself. One thread works unless --threads\n"
                  "says otherwise.",
-        .example = "  osteon sim --headless --device sim --seconds 60 --record today.session \\\n"
+        .example = "  osteon sim\n"
+                   "  osteon sim --headless --device sim --seconds 60 --record today.session \\\n"
                    "    --debrief today.html\n"
                    "  osteon replay today.session --verify --backend ref\n"
                    "  osteon sim --headless --resume today.session --record tomorrow.session",
@@ -80,7 +82,9 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
         return status;
     simulation s = {0};
     progress_begin(app);
-    if (args.resume)
+    if (!args.headless)
+        status = sim_window_open(app, &args, &s, err);
+    if (status == OST_OK && args.resume)
         status = sim_resume_open(app, &args, &s, err);
     if (status == OST_OK)
         status = sim_load(app, &args, &s, err);

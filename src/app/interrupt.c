@@ -35,6 +35,11 @@ void interrupt_end(void)
         sigaction(signals[i], &usual[i], NULL);
 }
 
+void interrupt_ask(void)
+{
+    asked = 1;
+}
+
 bool interrupt_asked(void)
 {
     return asked != 0;

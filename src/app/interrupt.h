@@ -14,4 +14,7 @@ void interrupt_end(void);
 /* A signal came since begin; a load, fit for a tick. Stays true after end. */
 bool interrupt_asked(void);
 
+/* The same wish from the program itself: its window was closed. */
+void interrupt_ask(void);
+
 #endif

@@ -32,7 +32,7 @@ typedef struct sim_args {
     int renderer; /* a sim_renderer */
     int view, style, width, height;
     int64_t fps;
-    bool renderer_given;
+    bool renderer_given, paths_given;
     bool force_given, headless, no_clock, no_realtime, no_pin, compress, sweep_off, bone_given, tools_given;
 } sim_args;
 
@@ -59,6 +59,7 @@ typedef struct simulation {
     ost_tick last;        /* of it */
     uint64_t before;      /* its ticks */
     struct sim_show *show; /* NULL: nobody looks on */
+    struct sim_window *window; /* NULL: --headless */
     int core;             /* that the loop has to itself; -1: none */
 } simulation;
 

@@ -45,8 +45,12 @@ static ost_status size_of(const app_state *app, sim_args *args, ost_error *err)
 static ost_status check_show(const app_state *app, sim_args *args, ost_error *err)
 {
     ost_status status = size_of(app, args, err);
-    if (status == OST_OK && args->picture && !args->renderer_given)
+    if (status == OST_OK && (args->picture || !args->headless) && !args->renderer_given)
         args->renderer = SIM_RENDERER_POINTS;
+    if (status == OST_OK && !args->headless && args->renderer != SIM_RENDERER_POINTS)
+        return usage_error(app, err, "--renderer %s: a window shows what points draws; add --headless", sim_renderer_names[args->renderer]);
+    if (status == OST_OK && !args->headless && args->no_clock)
+        return usage_error(app, err, "--no-clock: a window goes by the clock; add --headless");
     if (status == OST_OK && args->picture && args->renderer != SIM_RENDERER_POINTS)
         return usage_error(app, err, "--picture %s: needs --renderer points, who draws it", args->picture);
     return status;
@@ -55,14 +59,14 @@ static ost_status check_show(const app_state *app, sim_args *args, ost_error *er
 ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err)
 {
     ost_status status = ream_period(app, &args->rate, &args->period_ns, err);
-    if (!args->headless)
-        return ost_fail(err, OST_ERR_UNAVAILABLE, "this version of osteon has no window; --headless runs without one");
+    if (!args->device)
+        args->device = args->headless ? "sim" : "mouse";
     if (status == OST_OK && args->classes_text && (status = ost_density_classes_parse(args->classes_text, &args->classes, err)) != OST_OK)
         ost_fail_context(err, "--classes");
-    args->ticks = 10000;
+    args->ticks = args->headless ? 10000 : 0;
     if (status == OST_OK && args->seconds.text)
         status = ticks_of(app, "seconds", &args->seconds, &args->ticks, err);
-    args->idle_ticks = args->ticks < 10000 ? args->ticks : 10000;
+    args->idle_ticks = !args->headless ? 0 : args->ticks < 10000 ? args->ticks : 10000;
     if (status == OST_OK && args->idle.text)
         status = ticks_of(app, "idle", &args->idle, &args->idle_ticks, err);
     if (status != OST_OK)
@@ -71,7 +75,7 @@ ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err)
         return status;
     if (args->picture && (status = out_check(app, args->picture, "png", err)) != OST_OK)
         return status;
-    if (args->ticks == 0)
+    if (args->ticks == 0 && args->seconds.text)
         return usage_error(app, err, "--seconds 0 is no time at all");
     if (sim_device_is(args, "replay")) {
         if (args->paths.count != 1)
@@ -81,7 +85,9 @@ ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err)
     /* What a session records must be what a replay reads again. */
     args->tools_given = args->tools.count > 0;
     if (!args->tools.count && !args->resume)
-        args->tools = (option_list){1, {"builtin:reamer"}};
+        args->tools = sim_device_is(args, "mouse") ? (option_list){3, {"builtin:reamer", "builtin:peg", "builtin:burr"}}
+                                                   : (option_list){1, {"builtin:reamer"}};
+    args->paths_given = args->paths.count > 0;
     if (!args->paths.count)
         args->paths = (option_list){1, {"builtin:glenoid-slow"}};
     if (!args->resume && args->tools.count > 1 && args->paths.count > args->tools.count)

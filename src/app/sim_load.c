@@ -8,7 +8,7 @@
 #include "app/backend_choice.h"
 #include "app/say.h"
 #include "app/session_record.h"
-#include "app/sim_show.h"
+#include "app/sim_window.h"
 
 void simulation_free(simulation *s)
 {
@@ -17,6 +17,7 @@ void simulation_free(simulation *s)
     ost_force_free(s->force);
     sim_show_free(s->show);
     ost_haptic_close(s->device);
+    sim_window_close(s->window);
     ost_recorder_close(s->recorder, NULL, NULL);
     ost_session_close(s->resumed);
     ost_world_free(s->world);
@@ -42,6 +43,19 @@ static ost_status take_plan(const app_state *app, const sim_args *args, simulati
     return status == OST_OK && args->debrief ? debrief_begin(s->bone, &s->plan, &s->debrief, err) : status;
 }
 
+/* Some way above the middle of its top, pointing down. */
+static ost_pose over_the_bone(const ost_bone *bone)
+{
+    ost_pose pose = ost_pose_identity();
+    ost_bone_info info;
+    if (ost_bone_info_get(bone, &info, NULL) != OST_OK)
+        return pose;
+    const ost_geometry *g = &info.geometry;
+    pose.t = (ost_pm3){g->origin.x + g->dims.x * g->spacing.x / 2, g->origin.y + g->dims.y * g->spacing.y / 2,
+                       g->origin.z + g->dims.z * g->spacing.z + 20 * OST_PM_PER_MM};
+    return pose;
+}
+
 ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, ost_error *err)
 {
     ost_status status = backend_choose(app, &s->backend, err);
@@ -57,6 +71,11 @@ ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, o
         status = take_plan(app, args, s, &target, err);
     if (status == OST_OK && !sim_device_is(args, "replay"))
         status = ream_path_make(app, &args->paths, &target, &s->imported.meta, args->bone, grids, args->tools.count, &s->path, err);
+    if (status == OST_ERR_USAGE && sim_device_is(args, "mouse") && !args->paths_given) {
+        /* A bone without a glenoid: a mouse needs no path, only a place to begin. */
+        status = OST_OK;
+        *err = (ost_error){0};
+    }
     const ost_world_options options = {.sweep_off = args->sweep_off, .removal_period_ns = args->period_ns, .classes = args->classes};
     if (status == OST_OK)
         status = ost_world_create(s->bone, &options, &s->world, err);
@@ -64,10 +83,14 @@ ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, o
         status = ost_world_add_tool(s->world, args->tools.value[i], s->tools[i], NULL, err);
     if (status != OST_OK)
         return status;
+    const ost_pose start = s->path.count ? s->path.ticks[0].pose : over_the_bone(s->bone);
+    if (s->window && sim_device_is(args, "mouse") && (status = sim_window_hand(s, &start, err)) != OST_OK)
+        return status;
     const ost_haptic_setup setup = {
         .path = &s->path,
         .session = args->session,
-        .start = s->path.count ? s->path.ticks[0].pose : ost_pose_identity(),
+        .hand = sim_window_hand_get(s),
+        .start = start,
     };
     return ost_haptic_open(args->device, &setup, &s->device, err);
 }
@@ -78,7 +101,7 @@ ost_status sim_force_make(const app_state *app, sim_args *args, simulation *s, o
     for (int i = 0; i < ost_haptic_count(); i++)
         if (ost_haptic_describe(i, &info, err) == OST_OK && sim_device_is(args, info.name))
             break;
-    const bool renders = info.name && sim_device_is(args, info.name) && (info.caps & OST_HAPTIC_FORCE);
+    const bool renders = info.name && sim_device_is(args, info.name) && (info.caps & (OST_HAPTIC_FORCE | OST_HAPTIC_SHOWN));
     if (!args->force_given)
         args->force = renders;
     if (args->force && !renders)

@@ -6,7 +6,7 @@
 
 #include "app/interrupt.h"
 #include "app/say.h"
-#include "app/sim_show.h"
+#include "app/sim_window.h"
 #include "app/sim_watch.h"
 
 void sim_pin(const sim_args *args, simulation *s)
@@ -30,12 +30,13 @@ static ost_status serve(const app_state *app, const sim_args *args, const ost_se
                                         &watch, err);
     if (status != OST_OK)
         return status;
-    if (s->show && (status = sim_show_begin(s->show, err)) != OST_OK) {
+    if (s->show && !s->window && (status = sim_show_begin(s->show, err)) != OST_OK) {
         sim_watch_end(watch);
         return status;
     }
     interrupt_begin();
-    status = ost_servo_run(s->device, how, tick, ost_operation_done, s->operation, s->loop, err);
+    status = s->window ? sim_window_serve(s, how, tick, err)
+                       : ost_servo_run(s->device, how, tick, ost_operation_done, s->operation, s->loop, err);
     interrupt_end();
     if (s->show) {
         const ost_status shown = sim_show_end(s->show, status == OST_OK ? err : NULL);

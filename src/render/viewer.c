@@ -82,6 +82,7 @@ ost_status ost_viewer_draw(ost_viewer *viewer, const ost_camera *camera, ost_err
         ost_frame_free(&viewer->frame);
         status = ost_frame_init(&viewer->frame, camera->width, camera->height, viewer->style, viewer->isa, viewer->threads, err);
     }
+    viewer->frame.style = viewer->style;
     ost_frame_thing things[2] = {{&viewer->bone, ost_eye_make(camera, &viewer->bone.geometry), OST_PAINT_BONE}};
     int count = 1;
     const ost_live_state *s = &viewer->state;

@@ -153,7 +153,6 @@ if [ "${OST_TEST_LONG:-0}" = 1 ] && mkfifo slow.session; then
     check "through a slow pipe" "$(value ticks) $(value equal)" "5000 true"
 fi
 
-refuse 3 "has no window" sim
 refuse 2 "'omni' is no device" sim --headless --bone bone.nrrd --device omni
 refuse 2 "must be light, normal or firm" sim --headless --bone bone.nrrd --device sim:grip=iron
 refuse 2 "--seconds 0 is no time" sim --headless --seconds 0

@@ -33,7 +33,6 @@ refuse 2 'which verb?'
 refuse 2 'did you mean ream?' reem --bone x
 refuse 2 'did you mean voxelize?' voxelise
 refuse 2 'not a verb' operate
-refuse 3 'has no window' sim
 refuse 2 'not a verb' ''
 refuse 2 'did you mean --version?' --versoin
 refuse 2 'which CT?' import

@@ -32,12 +32,12 @@ static void the_list(void **state)
     (void)state;
     ost_error err = {0};
     ost_haptic_info info;
-    assert_int_equal(ost_haptic_count(), 8);
+    assert_int_equal(ost_haptic_count(), 9);
     for (int i = 0; i < ost_haptic_count(); i++) {
         assert_ok(ost_haptic_describe(i, &info, &err));
         assert_true(info.name[0] && info.description[0]);
-        /* The first five are always there; of the others it is said what is missing. */
-        assert_true(i < 5 ? info.available : info.available || info.reason[0]);
+        /* The first six are always there; of the others it is said what is missing. */
+        assert_true(i < 6 ? info.available : info.available || info.reason[0]);
         assert_int_equal((info.caps & OST_HAPTIC_FORCE) != 0, info.max_force_n > 0);
     }
     assert_int_equal(ost_haptic_describe(ost_haptic_count(), &info, &err), OST_ERR_USAGE);
@@ -52,7 +52,7 @@ static void a_wrong_spec_is_told_what_is_wrong(void **state)
     static const struct {
         const char *spec, *says;
     } cases[] = {
-        {"omni", "'omni' is no device; known are null, script, replay, sim, motion, openhaptics, dhd, udp"},
+        {"omni", "'omni' is no device; known are null, script, replay, sim, motion, mouse, openhaptics, dhd, udp"},
         {"", "'' is no device"},
         {"si", "is no device"},
         {"null:x=1", "no option 'x'"},

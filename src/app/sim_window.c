@@ -1,0 +1,482 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "app/sim_window.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "app/interrupt.h"
+#include "app/say.h"
+#include "app/sim_hand.h"
+#include "app/sim_hud.h"
+#include "window/window.h"
+
+enum { MESSAGE = 160, DISTANCE_KEY_MM_S = 12 };
+static const double MESSAGE_S = 6, WHEEL_MM = 0.5, FINE = 0.2, TURN_KEY = 0.9, TWIST_KEY = 1.2;
+static const double DEG = 57.29577951308232;
+
+typedef struct rates {
+    double since; /* s */
+    uint64_t ticks, frames;
+    double ticks_s, frames_s, takes_us;
+} rates;
+
+struct sim_window {
+    const app_state *app;
+    const sim_args *args;
+    ost_window *window;
+    sim_hud *hud;
+    double hud_scale;
+    uint32_t *blank;   /* owned; for what is shown before there are frames */
+    ost_hand *hand;    /* NULL: another device */
+    sim_hand now, home;
+    bool held[512];    /* keys by their number */
+    bool button[3];
+    unsigned mods;
+    double x, y;       /* of the pointer */
+    bool help, quit;
+    char message[MESSAGE];
+    double message_until;
+    int pictures;
+    uint64_t frames;
+    rates rates;
+    simulation *s;
+};
+
+static double now_s(void)
+{
+    return (double)frame_now_ns() * 1e-9;
+}
+
+static void tell(sim_window *w, const char *text)
+{
+    snprintf(w->message, sizeof w->message, "%.*s", (int)sizeof w->message - 1, text);
+    w->message_until = now_s() + MESSAGE_S;
+}
+
+/* ------------------------------------------------------------- open, close */
+
+static ost_status hud_for(sim_window *w, double scale, ost_error *err)
+{
+    if (w->hud && scale == w->hud_scale)
+        return OST_OK;
+    sim_hud_free(w->hud);
+    w->hud_scale = scale;
+    return sim_hud_create(scale, &w->hud, err);
+}
+
+static ost_status say_loading(sim_window *w, ost_error *err)
+{
+    int width, height;
+    double scale;
+    ost_window_poll(w->window, 0);
+    ost_window_size(w->window, &width, &height, &scale);
+    if (width == 0 || height == 0)
+        return OST_OK;
+    ost_status status = hud_for(w, scale, err);
+    if (status != OST_OK)
+        return status;
+    w->blank = calloc((size_t)width * (size_t)height, sizeof *w->blank);
+    if (!w->blank)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a frame of %d x %d pixels", width, height);
+    const ost_sheet sheet = {w->blank, width, width, height};
+    char text[MESSAGE];
+    snprintf(text, sizeof text, "%.100s: a moment", w->args->bone);
+    sim_hud_say(w->hud, &sheet, text);
+    ost_window_present(w->window, w->blank, width, width, height, false);
+    ost_window_poll(w->window, 0);
+    return OST_OK;
+}
+
+ost_status sim_window_open(const app_state *app, const sim_args *args, simulation *s, ost_error *err)
+{
+    sim_window *w = calloc(1, sizeof *w);
+    if (!w)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a window");
+    s->window = w;
+    w->app = app;
+    w->args = args;
+    w->s = s;
+    char title[MESSAGE];
+    snprintf(title, sizeof title, "osteon sim: %.100s", args->bone);
+    ost_status status = ost_window_open(title, args->width, args->height, &w->window, err);
+    if (status != OST_OK)
+        return status;
+    const ost_window_info info = ost_window_info_get(w->window);
+    if (info.software) {
+        char text[MESSAGE];
+        snprintf(text, sizeof text, "OpenGL here is software (%.60s): the processor draws, and OpenGL only shows it", info.renderer);
+        tell(w, text);
+        say(app, "%s", text);
+    }
+    return say_loading(w, err);
+}
+
+void sim_window_close(sim_window *window)
+{
+    if (!window)
+        return;
+    ost_window_close(window->window);
+    sim_hud_free(window->hud);
+    ost_hand_free(window->hand);
+    free(window->blank);
+    free(window);
+}
+
+ost_status sim_window_hand(simulation *s, const ost_pose *start, ost_error *err)
+{
+    sim_window *w = s->window;
+    ost_haptic_state state = {.pose = *start};
+    w->now = w->home = sim_hand_at(start, 0);
+    return ost_hand_create(&state, &w->hand, err);
+}
+
+ost_hand *sim_window_hand_get(const simulation *s)
+{
+    return s->window ? s->window->hand : NULL;
+}
+
+/* ------------------------------------------------------------------ events */
+
+static void screenshot(sim_window *w, const ost_sheet *sheet)
+{
+    ost_picture picture;
+    ost_error err = {0};
+    char name[64], text[MESSAGE + 64];
+    do /* never over one that is there */
+        snprintf(name, sizeof name, "osteon-%03d.png", ++w->pictures);
+    while (access(name, F_OK) == 0 && w->pictures < 999);
+    if (ost_picture_init(&picture, sheet->width, sheet->height, &err) != OST_OK) {
+        tell(w, err.text);
+        return;
+    }
+    for (int y = 0; y < sheet->height; y++)
+        for (int x = 0; x < sheet->width; x++) {
+            const uint32_t c = sheet->pixels[(size_t)y * (size_t)sheet->stride + (size_t)x];
+            uint8_t *p = picture.rgb + 3 * ((size_t)y * (size_t)sheet->width + (size_t)x);
+            p[0] = (uint8_t)c;
+            p[1] = (uint8_t)(c >> 8);
+            p[2] = (uint8_t)(c >> 16);
+        }
+    if (ost_picture_write_png(name, &picture, &err) == OST_OK)
+        snprintf(text, sizeof text, "saved: %s", name);
+    else
+        snprintf(text, sizeof text, "no picture: %.120s", err.text);
+    ost_picture_free(&picture);
+    tell(w, text);
+}
+
+/* From its origin to its lowest point, in mm; the grid begins one to two voxels below that (Alg. 2.1). */
+static double tip_of(const sim_window *w, int number)
+{
+    const ost_tool_geometry *g = ost_tool_geometry_get(w->s->tools[number]);
+    return -1e-9 * (double)(g->corner.z + 3 * g->voxel / 2);
+}
+
+/* With its point where the last one's was, and back from there: what is taken up must not begin within the bone. */
+static void take_tool(sim_window *w, int number)
+{
+    const double clear_mm = 10;
+    if (number >= w->args->tools.count || !w->hand || number == w->now.tool)
+        return;
+    sim_hand_push(&w->now, tip_of(w, w->now.tool) - tip_of(w, number) - clear_mm);
+    w->now.tool = number;
+}
+
+static void look_from(sim_window *w, ost_view_name view)
+{
+    sim_show *show = w->s->show;
+    show->orbit = ost_view_orbit(view, &show->subject, show->viewer.has_state ? &show->viewer.state.pose : NULL);
+}
+
+static void on_key(sim_window *w, int key, bool *shoot)
+{
+    static const ost_view_name views[] = {OST_VIEW_OPERATOR, OST_VIEW_EN_FACE, OST_VIEW_LATERAL, OST_VIEW_ANTERIOR,
+                                          OST_VIEW_POSTERIOR, OST_VIEW_SUPERIOR, OST_VIEW_TOOL, OST_VIEW_WHOLE};
+    if (key == OST_KEY_F1)
+        w->help = !w->help;
+    else if (key >= OST_KEY_F1 + 1 && key <= OST_KEY_F1 + 8)
+        look_from(w, views[key - OST_KEY_F1 - 1]);
+    else if (key == OST_KEY_F1 + 9)
+        w->s->show->viewer.style = w->s->show->viewer.style == OST_STYLE_SMOOTH ? OST_STYLE_FACES : OST_STYLE_SMOOTH;
+    else if (key == OST_KEY_F1 + 10)
+        ost_window_full_screen(w->window, !ost_window_is_full_screen(w->window));
+    else if (key == OST_KEY_F1 + 11)
+        *shoot = true;
+    else if (key == OST_KEY_ESCAPE)
+        w->help = false;
+    else if (key == 'Q' && (w->mods & OST_WINDOW_CONTROL))
+        w->quit = true;
+    else if (key == OST_KEY_TAB)
+        take_tool(w, (w->now.tool + 1) % w->args->tools.count);
+    else if (key >= '1' && key <= '9')
+        take_tool(w, key - '1');
+    else if (key == OST_KEY_HOME) {
+        const int32_t tool = w->now.tool;
+        w->now = w->home;
+        w->now.tool = tool;
+    }
+}
+
+static void on_move(sim_window *w, double dx, double dy, int height)
+{
+    sim_show *show = w->s->show;
+    if (w->button[0] && w->hand && (w->mods & OST_WINDOW_SHIFT))
+        sim_hand_turn(&w->now, &show->orbit, dx, dy);
+    else if (w->button[0] && w->hand)
+        sim_hand_drag(&w->now, &show->orbit, dx, dy, height);
+    else if (w->button[1] || w->button[0])
+        ost_orbit_turn(&show->orbit, dx, dy, height);
+    else if (w->button[2])
+        ost_orbit_shift(&show->orbit, dx, dy, height);
+}
+
+static void on_wheel(sim_window *w, double steps)
+{
+    if ((w->mods & OST_WINDOW_CONTROL) || !w->hand)
+        ost_orbit_near(&w->s->show->orbit, steps);
+    else
+        sim_hand_push(&w->now, steps * WHEEL_MM * (w->mods & OST_WINDOW_SHIFT ? FINE : 1));
+}
+
+/* True when a picture is asked for. */
+static bool take_events(sim_window *w, int height)
+{
+    bool shoot = false;
+    ost_window_event e;
+    while (ost_window_next(w->window, &e)) {
+        w->mods = e.mods;
+        switch (e.kind) {
+        case OST_WINDOW_KEY:
+            if (e.key > 0 && e.key < (int)sizeof w->held)
+                w->held[e.key] = e.pressed;
+            if (e.pressed)
+                on_key(w, e.key, &shoot);
+            break;
+        case OST_WINDOW_BUTTON:
+            if (e.button >= 0 && e.button < 3)
+                w->button[e.button] = e.pressed;
+            break;
+        case OST_WINDOW_MOVE:
+            on_move(w, e.x - w->x, e.y - w->y, height > 0 ? height : 1);
+            w->x = e.x;
+            w->y = e.y;
+            break;
+        case OST_WINDOW_WHEEL:
+            on_wheel(w, e.y);
+            break;
+        }
+    }
+    return shoot;
+}
+
+/* Keys that work while they are down. */
+static void hold_keys(sim_window *w, double dt, int height)
+{
+    sim_show *show = w->s->show;
+    const bool *k = w->held;
+    const double turn = TURN_KEY * dt * height / 2.5;
+    ost_orbit_turn(&show->orbit, turn * (k[OST_KEY_LEFT] - k[OST_KEY_RIGHT]), turn * (k[OST_KEY_UP] - k[OST_KEY_DOWN]), height);
+    ost_orbit_near(&show->orbit, 12 * dt * (k[OST_KEY_PLUS] - k[OST_KEY_MINUS]));
+    if (!w->hand)
+        return;
+    if (!(w->mods & OST_WINDOW_CONTROL))
+        sim_hand_twist(&w->now, TWIST_KEY * dt * (k['Q'] - k['E']));
+    sim_hand_push(&w->now, DISTANCE_KEY_MM_S * (w->mods & OST_WINDOW_SHIFT ? FINE : 1) * dt * (k['W'] - k['S']));
+    w->now.pedal = k[' '];
+}
+
+/* A hand beyond what poses can be stays where it was. */
+static void put_hand(sim_window *w, const sim_hand *before)
+{
+    ost_haptic_state state;
+    if (!w->hand)
+        return;
+    if (!sim_hand_state(&w->now, &state)) {
+        w->now = *before;
+        return;
+    }
+    ost_hand_put(w->hand, &state);
+}
+
+/* ------------------------------------------------------------------- frames */
+
+static void count_rates(sim_window *w, double now)
+{
+    rates *r = &w->rates;
+    const ost_live_state *state = &w->s->show->viewer.state;
+    r->takes_us += ((double)state->exec_ns * 1e-3 - r->takes_us) * 0.05;
+    if (now - r->since < 0.5)
+        return;
+    r->ticks_s = r->since > 0 ? (double)(state->ticks - r->ticks) / (now - r->since) : 0;
+    r->frames_s = r->since > 0 ? (double)(w->frames - r->frames) / (now - r->since) : 0;
+    r->since = now;
+    r->ticks = state->ticks;
+    r->frames = w->frames;
+}
+
+/* Degrees outward of an inward direction, toward the back and toward the head, as the debrief has them. */
+static void angles(const double inward[3], bool left, double out[2])
+{
+    const double lateral = left ? -inward[0] : inward[0];
+    out[0] = atan2(-inward[1], lateral) * DEG;
+    out[1] = atan2(-inward[2], lateral) * DEG;
+}
+
+static void stand_to_plan(const sim_window *w, const ost_live_state *state, sim_hud_facts *f)
+{
+    const ost_view_subject *subject = &w->s->show->subject;
+    const sim_hand tool = sim_hand_at(&state->pose, state->tool);
+    double axis[3], got[2], planned[2];
+    sim_hand_axis(&tool, axis);
+    const double tip = tip_of(w, state->tool);
+    for (int a = 0; a < 3; a++)
+        f->depth_mm += (tool.at[a] + tip * axis[a] - subject->face[a]) * subject->inward[a];
+    angles(axis, subject->left, got);
+    angles(subject->inward, subject->left, planned);
+    f->back_deg = got[0] - planned[0];
+    f->up_deg = got[1] - planned[1];
+    f->planned = true;
+}
+
+static const char *short_name(const char *name)
+{
+    const char *slash = strrchr(name, '/');
+    name = slash ? slash + 1 : name;
+    return strncmp(name, "builtin:", 8) == 0 ? name + 8 : name;
+}
+
+static sim_hud_facts facts_of(const sim_window *w, int height, double now)
+{
+    const sim_show *show = w->s->show;
+    const ost_live_state *state = &show->viewer.state;
+    const bool running = show->viewer.has_state && state->ticks > 0;
+    const int tool = running && state->tool >= 0 && state->tool < w->args->tools.count ? state->tool : 0;
+    const double mm = 1e-9 * (double)ost_live_geometry(show->live)->spacing.x, *n = state->force_n;
+    sim_hud_facts f = {
+        .tool = short_name(w->args->tools.value[tool]),
+        .device = w->args->device,
+        .number = tool + 1,
+        .tools = w->args->tools.count,
+        .running = running,
+        .force_given = w->s->force != NULL,
+        .force_n = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]),
+        .removed_mm3 = (double)state->removed_voxels * mm * mm * mm,
+        .touching = state->touching > 0,
+        .pedal = w->now.pedal,
+        .fault = state->fault ? ost_fault_text((ost_fault)state->fault) : NULL,
+        .ticks_s = w->rates.ticks_s,
+        .frames_s = w->rates.frames_s,
+        .takes_us = w->rates.takes_us,
+        .missed = state->missed,
+        .recording = w->s->recorder != NULL,
+        .help = w->help,
+        .message = now < w->message_until ? w->message : NULL,
+        .mm_per_pixel = show->orbit.distance / (1.2071 * height),
+    };
+    if (running && show->subject.has_face)
+        stand_to_plan(w, state, &f);
+    return f;
+}
+
+static ost_status frame(sim_window *w, double dt, ost_error *err)
+{
+    int width, height;
+    double scale;
+    sim_show *show = w->s->show;
+    ost_window_size(w->window, &width, &height, &scale);
+    const sim_hand before = w->now;
+    const bool shoot = take_events(w, height);
+    hold_keys(w, dt, height > 0 ? height : 1);
+    put_hand(w, &before);
+    if (width == 0 || height == 0 || width > OST_FRAME_MAX || height > OST_FRAME_MAX)
+        return ost_viewer_update(&show->viewer, err); /* nobody sees it */
+    ost_status status = hud_for(w, scale, err);
+    if (status == OST_OK)
+        status = sim_show_frame(show, width, height, err);
+    if (status != OST_OK)
+        return status;
+    const double now = now_s();
+    const ost_sheet sheet = {show->viewer.frame.planes.colour, show->viewer.frame.planes.stride, width, height};
+    count_rates(w, now);
+    const sim_hud_facts facts = facts_of(w, height, now);
+    sim_hud_draw(w->hud, &sheet, &facts);
+    if (shoot)
+        screenshot(w, &sheet);
+    ost_window_present(w->window, sheet.pixels, sheet.stride, width, height, w->args->fps > 0);
+    w->frames++;
+    return OST_OK;
+}
+
+/* ----------------------------------------------------------------- the loop */
+
+typedef struct server {
+    simulation *s;
+    const ost_servo_options *how;
+    ost_servo_tick *tick;
+    ost_status status;
+    ost_error err;
+    _Atomic bool done;
+} server;
+
+static void *serve(void *user)
+{
+    server *v = user;
+    v->status = ost_servo_run(v->s->device, v->how, v->tick, ost_operation_done, v->s->operation, v->s->loop, &v->err);
+    atomic_store(&v->done, true);
+    return NULL;
+}
+
+static void wait_until(int64_t due)
+{
+    const struct timespec t = {.tv_sec = due / 1000000000, .tv_nsec = due % 1000000000};
+    clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, NULL);
+}
+
+static ost_status show_frames(sim_window *w, server *v, ost_error *err)
+{
+    const int64_t period = w->args->fps > 0 ? INT64_C(1000000000) / w->args->fps : 0;
+    int64_t due = frame_now_ns(), last = due;
+    ost_status status = OST_OK;
+    while (status == OST_OK && !atomic_load(&v->done)) {
+        ost_window_poll(w->window, 0);
+        if (w->quit || ost_window_closing(w->window) || interrupt_asked())
+            break;
+        const int64_t begin = frame_now_ns();
+        status = frame(w, fmin(0.1, (double)(begin - last) * 1e-9), err);
+        last = begin;
+        const int64_t now = frame_now_ns();
+        due = due + period > now ? due + period : now;
+        if (due > now)
+            wait_until(due);
+    }
+    return status;
+}
+
+ost_status sim_window_serve(simulation *s, const ost_servo_options *how, ost_servo_tick *tick, ost_error *err)
+{
+    server v = {.s = s, .how = how, .tick = tick};
+    sigset_t all, before;
+    pthread_t thread;
+    /* Signals are for this thread, which ends the loop for them. */
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    const int error = pthread_create(&thread, NULL, serve, &v);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    if (error)
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "no thread for the loop: %s", strerror(error));
+    ost_status status = show_frames(s->window, &v, err);
+    interrupt_ask();
+    pthread_join(thread, NULL);
+    if (status == OST_OK && v.status != OST_OK) {
+        status = v.status;
+        *err = v.err;
+    }
+    return status;
+}

@@ -1,0 +1,198 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * mouse: a hand that a window's thread puts somewhere, a thousand times a
+ * second.
+ *
+ *   window, 60 times a second --ost_hand_put--> three buffers --read--> where the hand is to be
+ *                                                                  |  low pass, at most so far a tick
+ *                                                                  '--> where it is
+ *
+ * A mouse jumps by pixels; the hand follows with a time constant of 15 ms and
+ * never faster than 250 mm and three turns a second, which the pose guard and
+ * the sweep can follow.  With the pedal down the tool turns about its axis.
+ *
+ * Forces are shown, not felt: a write is for whoever looks.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "haptics/driver.h"
+#include "haptics/newest.h"
+#include "haptics/workspace.h"
+
+static const double FOLLOW = 0.0645;          /* of what is left, a tick: 1 - exp(-1 ms / 15 ms) */
+static const double STEP_M = 0.25e-3;         /* at most, a tick */
+static const double TURN = 0.0188;            /* radians, likewise: three turns a second */
+enum { SPIN_RPM = 120 };
+
+struct ost_hand {
+    newest newest; /* from the window to the device */
+    ost_haptic_state state[NEWEST_SLOTS];
+};
+
+ost_status ost_hand_create(const ost_haptic_state *start, ost_hand **out, ost_error *err)
+{
+    *out = NULL;
+    ost_status status = ost_pose_check(&start->pose, err);
+    if (status != OST_OK)
+        return status;
+    ost_hand *hand = calloc(1, sizeof *hand);
+    if (!hand)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a hand");
+    for (int i = 0; i < NEWEST_SLOTS; i++)
+        hand->state[i] = *start;
+    newest_begin(&hand->newest);
+    *out = hand;
+    return OST_OK;
+}
+
+void ost_hand_free(ost_hand *hand)
+{
+    free(hand);
+}
+
+void ost_hand_put(ost_hand *hand, const ost_haptic_state *state)
+{
+    hand->state[hand->newest.back] = *state;
+    newest_put(&hand->newest);
+}
+
+static const ost_haptic_state *latest(ost_hand *hand)
+{
+    newest_take(&hand->newest);
+    return &hand->state[hand->newest.front];
+}
+
+/* ----------------------------------------------------------------- driver */
+
+struct haptic_instance {
+    ost_hand *hand; /* borrowed */
+    double at[3];   /* m */
+    double q[4];    /* unit */
+    double spin;    /* radians about the tool's axis */
+    double spin_tick;
+    int32_t tool;
+};
+
+static void take_pose(const ost_pose *pose, double at[3], double q[4])
+{
+    double mm[3], n = 0;
+    ost_pose_to_doubles(pose, mm, q);
+    for (int i = 0; i < 4; i++)
+        n += q[i] * q[i];
+    for (int i = 0; i < 4; i++)
+        q[i] /= sqrt(n);
+    for (int i = 0; i < 3; i++)
+        at[i] = mm[i] * 1e-3;
+}
+
+static ost_status take(void *user, const char *key, const char *value, ost_error *err)
+{
+    int64_t rpm;
+    haptic_instance *m = user;
+    if (strcmp(key, "spin") != 0)
+        return ost_fail(err, OST_ERR_USAGE, "device mouse: it has no option '%s'; it has spin", key);
+    ost_status status = haptic_integer("mouse", key, value, 0, 1000, &rpm, err);
+    if (status == OST_OK)
+        m->spin_tick = 6.283185307179586 * (double)rpm / 60000;
+    return status;
+}
+
+static ost_status mouse_open(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err)
+{
+    haptic_instance m = {.hand = setup->hand, .spin_tick = 6.283185307179586 * SPIN_RPM / 60000};
+    ost_status status = haptic_options("mouse", options, take, &m, err);
+    if (status != OST_OK)
+        return status;
+    if (!m.hand)
+        return ost_fail(err, OST_ERR_USAGE, "device mouse: needs a window, whose mouse it is");
+    const ost_haptic_state *start = latest(m.hand);
+    take_pose(&start->pose, m.at, m.q);
+    m.tool = start->tool;
+    *out = malloc(sizeof **out);
+    if (!*out)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for device mouse");
+    **out = m;
+    return OST_OK;
+}
+
+static void mouse_close(haptic_instance *instance)
+{
+    free(instance);
+}
+
+static void approach_place(haptic_instance *m, const double to[3])
+{
+    double d[3], length = 0;
+    for (int a = 0; a < 3; a++) {
+        d[a] = (to[a] - m->at[a]) * FOLLOW;
+        length += d[a] * d[a];
+    }
+    length = sqrt(length);
+    for (int a = 0; a < 3; a++)
+        m->at[a] += length > STEP_M ? d[a] * STEP_M / length : d[a];
+}
+
+/* Along the shorter way, q and -q being the same. */
+static void approach_turn(haptic_instance *m, const double to[4])
+{
+    double cosine = 0, n = 0;
+    for (int i = 0; i < 4; i++)
+        cosine += m->q[i] * to[i];
+    const double sign = cosine < 0 ? -1 : 1, angle = 2 * acos(fmin(1, fabs(cosine)));
+    const double share = angle * FOLLOW > TURN ? TURN / angle : FOLLOW;
+    for (int i = 0; i < 4; i++) {
+        m->q[i] += (sign * to[i] - m->q[i]) * share;
+        n += m->q[i] * m->q[i];
+    }
+    for (int i = 0; i < 4; i++)
+        m->q[i] /= sqrt(n);
+}
+
+/* q times a turn about z. */
+static void spun(const double q[4], double angle, double out[4])
+{
+    const double c = cos(angle / 2), s = sin(angle / 2);
+    out[0] = q[0] * c - q[3] * s;
+    out[1] = q[1] * c + q[2] * s;
+    out[2] = q[2] * c - q[1] * s;
+    out[3] = q[3] * c + q[0] * s;
+}
+
+static ost_haptic_answer mouse_read(haptic_instance *m, ost_haptic_state *state)
+{
+    const ost_haptic_state *hand = latest(m->hand);
+    double to[3], toward[4], q[4];
+    take_pose(&hand->pose, to, toward);
+    if (hand->tool != m->tool) {
+        /* A tool that is taken up is in the hand at once. */
+        memcpy(m->at, to, sizeof m->at);
+        memcpy(m->q, toward, sizeof m->q);
+        m->tool = hand->tool;
+    }
+    approach_place(m, to);
+    approach_turn(m, toward);
+    if (hand->buttons & OST_HAND_PEDAL)
+        m->spin = fmod(m->spin + m->spin_tick, 6.283185307179586);
+    spun(m->q, m->spin, q);
+    *state = (ost_haptic_state){.pose = haptic_pose_quantise(m->at, q), .tool = hand->tool, .buttons = hand->buttons};
+    return OST_HAPTIC_FRESH;
+}
+
+/* Who looks reads it from ost_live. */
+static void mouse_write(haptic_instance *instance, const ost_wrench *wrench)
+{
+    (void)instance;
+    (void)wrench;
+}
+
+const haptic_driver haptic_mouse = {
+    .name = "mouse",
+    .description = "the mouse and keys of the simulator's window; forces are shown",
+    .caps = OST_HAPTIC_SHOWN | OST_HAPTIC_ORIENTATION | OST_HAPTIC_TOOL,
+    .open = mouse_open,
+    .close = mouse_close,
+    .read = mouse_read,
+    .write = mouse_write,
+};

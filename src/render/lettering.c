@@ -1,0 +1,329 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A letter is strokes on a grid: x as a digit, y as a letter, 'd' the line it
+ * stands on, 'j' the top of a small letter, 'm' that of a capital.
+ *
+ *     m  3          "0d3m6d 1g5g"      two strokes of straight lines
+ *       / \
+ *     g 1---5       ~  a curve from its first point to its last, pulled by those between
+ *     d 0   6       @  a closed one
+ *
+ * The curves are quadratic B-splines: parabolas between the middles of the
+ * sides, the corners being what pulls.
+ */
+#include "render/lettering.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { FIRST = 32, LAST = 126, DEGREE = 127, GLYPHS = 128 - FIRST, POINTS = 16, SEGMENTS = 128, PIECES = 6, CAPITAL = 9 };
+static const double GAP = 2.7, WEIGHT = 0.62; /* between letters; half a stroke's width; both in units of the grid */
+
+typedef struct drawing {
+    char c;
+    signed char width;
+    const char *strokes;
+} drawing;
+
+static const drawing drawings[] = {
+    {' ', 2, ""},
+    {'!', 1, "0m0g 0d0d"},
+    {'"', 2, "0m0k 2m2k"},
+    {'\'', 1, "0m0k"},
+    {'%', 8, "1d7m @0i0m3m3i @5d5h8h8d"},
+    {'&', 6, "~6g5d2d0d0g2i4j4m1m1k1j6d"},
+    {'(', 2, "~2n0j0f2b"},
+    {')', 2, "~0n2j2f0b"},
+    {'*', 4, "0i4i 1k3g 3k1g"},
+    {'+', 4, "0g4g 2e2i"},
+    {',', 1, "1d0b"},
+    {'-', 3, "0g3g"},
+    {'.', 0, "0d0d"},
+    {'/', 4, "0c4m"},
+    {'0', 5, "@0d0m5m5d"},
+    {'1', 5, "1k3m3d"},
+    {'2', 5, "~0k0m5m5i3g0d 0d5d"},
+    {'3', 5, "~0k0m5m5i2i ~2i5i5d0d0f"},
+    {'4', 5, "4d4m0f5f"},
+    {'5', 5, "5m1m0i ~0i2j5j5d0d0f"},
+    {'6', 5, "~4m0j0d5d5i0i0f"},
+    {'7', 5, "0m5m2d"},
+    {'8', 5, "@0i0m5m5i @0i0d5d5i"},
+    {'9', 5, "~1d5g5m0m0h5h5k"},
+    {':', 0, "0d0d 0i0i"},
+    {';', 1, "1d0b 1i1i"},
+    {'<', 4, "4j0g4d"},
+    {'=', 4, "0f4f 0i4i"},
+    {'>', 4, "0j4g0d"},
+    {'?', 4, "~0k0m4m4i2i2g 2d2d"},
+    {'A', 6, "0d3m6d 1g5g"},
+    {'B', 6, "0d0m ~0m3m5m5i3i0i ~0i4i6i6d4d0d"},
+    {'C', 6, "~6k5m3m0m0h0d3d5d6f"},
+    {'D', 6, "0d0m ~0m3m6m6h6d3d0d"},
+    {'E', 5, "5m0m0d5d 0i4i"},
+    {'F', 5, "5m0m0d 0i4i"},
+    {'G', 6, "~6k5m3m0m0h0d3d6d6f6h 6h3h"},
+    {'H', 6, "0d0m 6d6m 0i6i"},
+    {'I', 0, "0d0m"},
+    {'J', 4, "~4m4h4f4d2d0d0f"},
+    {'K', 6, "0d0m 6m0g 2i6d"},
+    {'L', 5, "0m0d5d"},
+    {'M', 8, "0d0m4f8m8d"},
+    {'N', 6, "0d0m6d6m"},
+    {'O', 7, "@0d0m7m7d"},
+    {'P', 5, "0d0m ~0m3m5m5h3h0h"},
+    {'Q', 7, "@0d0m7m7d 5f7c"},
+    {'R', 6, "0d0m ~0m3m5m5h3h0h 3h6d"},
+    {'S', 5, "~5k5m2m0m0i5i5d3d0d0f"},
+    {'T', 6, "0m6m 3m3d"},
+    {'U', 6, "~0m0h0d3d6d6h6m"},
+    {'V', 6, "0m3d6m"},
+    {'W', 8, "0m2d4k6d8m"},
+    {'X', 6, "0d6m 0m6d"},
+    {'Y', 6, "0m3h6m 3h3d"},
+    {'Z', 6, "0m6m0d6d"},
+    {'[', 2, "2n0n0b2b"},
+    {'\\', 4, "0m4c"},
+    {']', 2, "0n2n2b0b"},
+    {'_', 5, "0c5c"},
+    {'a', 5, "@0d0j5j5d 5j5d"},
+    {'b', 5, "0m0d @0d0j5j5d"},
+    {'c', 4, "~4i4j0j0d4d4e"},
+    {'d', 5, "5m5d @0d0j5j5d"},
+    {'e', 5, "0g5g ~5g5j0j0d5d5e"},
+    {'f', 3, "~3m1m1j1d 0j3j"},
+    {'g', 5, "@0d0j5j5d ~5j5d5a0a0b"},
+    {'h', 5, "0m0d ~0g0j5j5g5d"},
+    {'i', 0, "0j0d 0m0m"},
+    {'j', 1, "~1j1d1a0a 1m1m"},
+    {'k', 4, "0m0d 4j0f 1g4d"},
+    {'l', 1, "~0m0f0d1d"},
+    {'m', 8, "0d0j ~0g0j4j4g4d ~4g4j8j8g8d"},
+    {'n', 5, "0d0j ~0g0j5j5g5d"},
+    {'o', 5, "@0d0j5j5d"},
+    {'p', 5, "0j0a @0d0j5j5d"},
+    {'q', 5, "5j5a @0d0j5j5d"},
+    {'r', 3, "0d0j ~0g0j3j"},
+    {'s', 4, "~4i4j0j0g4g4d0d0e"},
+    {'t', 3, "~1l1g1d3d 0j3j"},
+    {'u', 5, "~0j0g0d5d5g 5j5d"},
+    {'v', 4, "0j2d4j"},
+    {'w', 8, "0j2d4i6d8j"},
+    {'x', 4, "0d4j 0j4d"},
+    {'y', 4, "4j1a 0j2d"},
+    {'z', 4, "0j4j0d4d"},
+    {'|', 0, "0n0b"},
+    {(char)DEGREE, 2, "@0k0m2m2k"},
+};
+
+typedef struct glyph {
+    int x, y, width, height; /* of its picture, from the letter's place on the line; y down */
+    double advance;
+    uint8_t *cover; /* owned */
+} glyph;
+
+struct ost_lettering {
+    double height;
+    glyph glyph[GLYPHS];
+};
+
+typedef struct segment {
+    double ax, ay, bx, by;
+} segment;
+
+typedef struct outline {
+    segment segment[SEGMENTS];
+    int count;
+    double x0, y0, x1, y1;
+} outline;
+
+static void add(outline *o, double ax, double ay, double bx, double by)
+{
+    if (o->count == SEGMENTS)
+        return;
+    o->segment[o->count++] = (segment){ax, ay, bx, by};
+    o->x0 = fmin(o->x0, fmin(ax, bx));
+    o->x1 = fmax(o->x1, fmax(ax, bx));
+    o->y0 = fmin(o->y0, fmin(ay, by));
+    o->y1 = fmax(o->y1, fmax(ay, by));
+}
+
+static void parabola(outline *o, const double a[2], const double pull[2], const double b[2])
+{
+    double x = a[0], y = a[1];
+    for (int i = 1; i <= PIECES; i++) {
+        const double t = (double)i / PIECES, u = 1 - t;
+        const double nx = u * u * a[0] + 2 * u * t * pull[0] + t * t * b[0], ny = u * u * a[1] + 2 * u * t * pull[1] + t * t * b[1];
+        add(o, x, y, nx, ny);
+        x = nx;
+        y = ny;
+    }
+}
+
+static void middle(const double a[2], const double b[2], double out[2])
+{
+    out[0] = 0.5 * (a[0] + b[0]);
+    out[1] = 0.5 * (a[1] + b[1]);
+}
+
+static void stroke(outline *o, char kind, double p[POINTS][2], int n)
+{
+    double a[2], b[2];
+    if (kind == '@') {
+        for (int i = 0; i < n; i++) {
+            middle(p[i], p[(i + 1) % n], a);
+            middle(p[(i + 1) % n], p[(i + 2) % n], b);
+            parabola(o, a, p[(i + 1) % n], b);
+        }
+        return;
+    }
+    if (kind == '~') {
+        memcpy(a, p[0], sizeof a);
+        for (int i = 1; i < n - 1; i++) {
+            if (i == n - 2)
+                memcpy(b, p[n - 1], sizeof b);
+            else
+                middle(p[i], p[i + 1], b);
+            parabola(o, a, p[i], b);
+            memcpy(a, b, sizeof a);
+        }
+        return;
+    }
+    for (int i = 1; i < n; i++)
+        add(o, p[i - 1][0], p[i - 1][1], p[i][0], p[i][1]);
+}
+
+/* y upward from the line, in pixels. */
+static void trace(const drawing *d, double unit, outline *o)
+{
+    *o = (outline){.x0 = 1e9, .y0 = 1e9, .x1 = -1e9, .y1 = -1e9};
+    for (const char *s = d->strokes; *s;) {
+        double p[POINTS][2];
+        int n = 0;
+        const char kind = *s == '~' || *s == '@' ? *s++ : ' ';
+        for (; *s && *s != ' ' && n < POINTS; s += 2, n++) {
+            p[n][0] = (s[0] - '0') * unit;
+            p[n][1] = (s[1] - 'd') * unit;
+        }
+        stroke(o, kind, p, n);
+        s += *s == ' ';
+    }
+}
+
+static double distance(const segment *s, double x, double y)
+{
+    const double dx = s->bx - s->ax, dy = s->by - s->ay, length = dx * dx + dy * dy;
+    double t = length > 0 ? ((x - s->ax) * dx + (y - s->ay) * dy) / length : 0;
+    t = fmax(0, fmin(1, t));
+    const double ex = x - s->ax - t * dx, ey = y - s->ay - t * dy;
+    return sqrt(ex * ex + ey * ey);
+}
+
+static bool draw_glyph(const drawing *d, double unit, glyph *g)
+{
+    outline o;
+    const double r = fmax(WEIGHT * unit, 0.55);
+    trace(d, unit, &o);
+    g->advance = (d->width + GAP) * unit;
+    if (!o.count)
+        return true;
+    g->x = (int)floor(o.x0 - r - 1);
+    g->y = (int)floor(-o.y1 - r - 1);
+    g->width = (int)ceil(o.x1 + r + 1) - g->x;
+    g->height = (int)ceil(-o.y0 + r + 1) - g->y;
+    g->cover = malloc((size_t)g->width * (size_t)g->height);
+    if (!g->cover)
+        return false;
+    for (int y = 0; y < g->height; y++)
+        for (int x = 0; x < g->width; x++) {
+            double nearest = 1e9;
+            for (int i = 0; i < o.count; i++)
+                nearest = fmin(nearest, distance(&o.segment[i], g->x + x + 0.5, -(g->y + y + 0.5)));
+            g->cover[x + g->width * y] = (uint8_t)(255 * fmax(0, fmin(1, r - nearest + 0.5)) + 0.5);
+        }
+    return true;
+}
+
+ost_status ost_lettering_create(double height, ost_lettering **out, ost_error *err)
+{
+    *out = NULL;
+    if (!(height >= 5 && height <= 200))
+        return ost_fail(err, OST_ERR_RANGE, "letters of %.3g pixels; 5 to 200 are supported", height);
+    ost_lettering *l = calloc(1, sizeof *l);
+    bool whole = l != NULL;
+    for (size_t i = 0; whole && i < sizeof drawings / sizeof *drawings; i++)
+        whole = draw_glyph(&drawings[i], height / CAPITAL, &l->glyph[(unsigned char)drawings[i].c - FIRST]);
+    if (!whole) {
+        ost_lettering_free(l);
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for letters");
+    }
+    l->height = height;
+    *out = l;
+    return OST_OK;
+}
+
+void ost_lettering_free(ost_lettering *lettering)
+{
+    for (int i = 0; lettering && i < GLYPHS; i++)
+        free(lettering->glyph[i].cover);
+    free(lettering);
+}
+
+double ost_lettering_height(const ost_lettering *lettering)
+{
+    return lettering->height;
+}
+
+/* The next letter of a text in UTF-8; NULL at its end. */
+static const glyph *next(const ost_lettering *l, const char **text)
+{
+    const unsigned char c = (unsigned char)**text;
+    if (!c)
+        return NULL;
+    ++*text;
+    if (c == 0xc2 && (unsigned char)**text == 0xb0) {
+        ++*text;
+        return &l->glyph[DEGREE - FIRST];
+    }
+    return &l->glyph[(c >= FIRST && c <= LAST ? c : ' ') - FIRST];
+}
+
+int ost_lettering_width(const ost_lettering *lettering, const char *text)
+{
+    double width = 0;
+    for (const glyph *g; (g = next(lettering, &text)) != NULL;)
+        width += g->advance;
+    return (int)ceil(width);
+}
+
+static uint32_t mixed(uint32_t a, uint32_t b, unsigned share)
+{
+    const uint32_t rb = (((a & 0xff00ff) * (256 - share) + (b & 0xff00ff) * share) >> 8) & 0xff00ff;
+    const uint32_t g = (((a & 0xff00) * (256 - share) + (b & 0xff00) * share) >> 8) & 0xff00;
+    return rb | g;
+}
+
+void ost_lettering_draw(const ost_lettering *lettering, const ost_sheet *sheet, int x, int y, const char *text, uint32_t colour)
+{
+    double at = x;
+    for (const glyph *g; (g = next(lettering, &text)) != NULL; at += g->advance) {
+        const int left = (int)floor(at + 0.5) + g->x, top = y + g->y;
+        for (int j = top < 0 ? -top : 0; j < g->height && top + j < sheet->height; j++)
+            for (int i = left < 0 ? -left : 0; i < g->width && left + i < sheet->width; i++) {
+                const unsigned cover = g->cover[i + g->width * j];
+                uint32_t *p = sheet->pixels + (size_t)(top + j) * (size_t)sheet->stride + (size_t)(left + i);
+                if (cover)
+                    *p = mixed(*p, colour, cover + (cover >> 7));
+            }
+    }
+}
+
+void ost_sheet_box(const ost_sheet *sheet, int x, int y, int width, int height, uint32_t colour, unsigned alpha)
+{
+    for (int j = y < 0 ? 0 : y; j < y + height && j < sheet->height; j++)
+        for (int i = x < 0 ? 0 : x; i < x + width && i < sheet->width; i++) {
+            uint32_t *p = sheet->pixels + (size_t)j * (size_t)sheet->stride + (size_t)i;
+            *p = mixed(*p, colour, alpha);
+        }
+}

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Letters over a frame, at any size: strokes of one width with round ends,
+ * drawn once a size into small pictures of how much of a pixel they cover.
+ * ASCII and the degree sign; anything else is left blank.
+ */
+#ifndef OST_RENDER_LETTERING_H
+#define OST_RENDER_LETTERING_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include <osteon/status.h>
+
+typedef struct ost_lettering ost_lettering;
+
+/* Pixels that are drawn on: 0x..BBGGRR, rows from the top. */
+typedef struct ost_sheet {
+    uint32_t *pixels;
+    int stride, width, height;
+} ost_sheet;
+
+/* height: of a capital, in pixels, 5 to 200. */
+ost_status ost_lettering_create(double height, ost_lettering **out, ost_error *err);
+void ost_lettering_free(ost_lettering *lettering); /* NULL is allowed */
+double ost_lettering_height(const ost_lettering *lettering);
+
+int ost_lettering_width(const ost_lettering *lettering, const char *text);
+/* x: left end, y: foot of the line. Clips. */
+void ost_lettering_draw(const ost_lettering *lettering, const ost_sheet *sheet, int x, int y, const char *text, uint32_t colour);
+
+/* A box mixed with what is there: alpha in 256ths. */
+void ost_sheet_box(const ost_sheet *sheet, int x, int y, int width, int height, uint32_t colour, unsigned alpha);
+
+#endif

@@ -1,0 +1,182 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The device mouse: a hand that is put somewhere far away is followed by steps
+ * that the operation's pose guard allows, and reached; a tool that is taken up
+ * is in the hand at once; with the pedal down it turns about its axis; two
+ * threads never see half a state.
+ * Covers: REQ-MOUSE
+ */
+#include <math.h>
+#include <pthread.h>
+#include <stdatomic.h>
+
+#include <osteon/haptics.h>
+
+#include "harness.h"
+
+#define MM OST_PM_PER_MM
+
+static ost_haptic_state at(double x, double y, double z, int32_t tool)
+{
+    ost_haptic_state s = {.pose = ost_pose_identity(), .tool = tool};
+    s.pose.t = (ost_pm3){(ost_pm)(x * (double)MM), (ost_pm)(y * (double)MM), (ost_pm)(z * (double)MM)};
+    return s;
+}
+
+static ost_haptic *open_mouse(const char *spec, ost_hand **hand)
+{
+    ost_error err = {0};
+    ost_haptic *device;
+    const ost_haptic_state start = at(1, 2, 3, 0);
+    assert_ok(ost_hand_create(&start, hand, &err));
+    assert_ok(ost_haptic_open(spec, &(ost_haptic_setup){.hand = *hand}, &device, &err));
+    return device;
+}
+
+static double distance_mm(const ost_pose *a, const ost_pose *b)
+{
+    const double x = (double)(a->t.x - b->t.x), y = (double)(a->t.y - b->t.y), z = (double)(a->t.z - b->t.z);
+    return sqrt(x * x + y * y + z * z) / (double)MM;
+}
+
+static double angle(const ost_pose *a, const ost_pose *b)
+{
+    const double one = (double)OST_Q30_ONE;
+    const double c = ((double)a->qw * b->qw + (double)a->qx * b->qx + (double)a->qy * b->qy + (double)a->qz * b->qz) / (one * one);
+    return 2 * acos(fmin(1, fabs(c)));
+}
+
+static void a_hand_is_followed(void **state)
+{
+    ost_hand *hand;
+    ost_haptic *device = open_mouse("mouse", &hand);
+    ost_haptic_state now, last;
+    (void)state;
+    assert_int_equal(ost_haptic_read(device, &last), OST_HAPTIC_FRESH);
+    assert_int_equal(last.pose.t.y, 2 * MM);
+    assert_int_equal(last.tool, 0);
+    ost_haptic_state far = at(81, -40, 23, 0);
+    far.pose.qw = far.pose.qy = 759250125; /* a quarter turn */
+    ost_hand_put(hand, &far);
+    for (int tick = 0; tick < 1500; tick++, last = now) {
+        assert_int_equal(ost_haptic_read(device, &now), OST_HAPTIC_FRESH);
+        assert_int_equal(ost_pose_check(&now.pose, NULL), OST_OK);
+        assert_true(distance_mm(&now.pose, &last.pose) < 0.2501);
+        assert_true(angle(&now.pose, &last.pose) < 0.03);
+    }
+    assert_true(distance_mm(&now.pose, &far.pose) < 0.001);
+    assert_true(angle(&now.pose, &far.pose) < 0.001);
+    ost_haptic_close(device);
+    ost_hand_free(hand);
+}
+
+static void a_tool_taken_up_is_there_at_once(void **state)
+{
+    ost_hand *hand;
+    ost_haptic *device = open_mouse("mouse", &hand);
+    ost_haptic_state now, far = at(50, 50, 50, 2);
+    (void)state;
+    ost_haptic_read(device, &now);
+    ost_hand_put(hand, &far);
+    ost_haptic_read(device, &now);
+    assert_int_equal(now.tool, 2);
+    assert_true(distance_mm(&now.pose, &far.pose) < 0.001);
+    ost_haptic_close(device);
+    ost_hand_free(hand);
+}
+
+static void the_pedal_turns_the_tool(void **state)
+{
+    ost_hand *hand;
+    ost_haptic *device = open_mouse("mouse:spin=60", &hand);
+    ost_haptic_state first, now, put = at(1, 2, 3, 0);
+    (void)state;
+    ost_haptic_read(device, &first);
+    put.buttons = OST_HAND_PEDAL;
+    ost_hand_put(hand, &put);
+    for (int tick = 0; tick < 250; tick++)
+        ost_haptic_read(device, &now);
+    /* A quarter of a turn in a quarter of a second, about z. */
+    assert_true(fabs(angle(&first.pose, &now.pose) - 1.5708) < 0.001);
+    assert_true(abs(now.pose.qx) < 10 && abs(now.pose.qy) < 10);
+    assert_int_equal(now.buttons, OST_HAND_PEDAL);
+    put.buttons = 0;
+    ost_hand_put(hand, &put);
+    ost_haptic_read(device, &first);
+    ost_haptic_read(device, &now);
+    assert_true(angle(&first.pose, &now.pose) < 1e-6);
+    ost_haptic_close(device);
+    ost_hand_free(hand);
+}
+
+static void what_is_wrong_is_said(void **state)
+{
+    ost_error err = {0};
+    ost_haptic *device;
+    ost_hand *hand;
+    const ost_haptic_state start = at(0, 0, 0, 0), none = {.tool = 0};
+    (void)state;
+    assert_int_equal(ost_haptic_open("mouse", NULL, &device, &err), OST_ERR_USAGE);
+    assert_non_null(strstr(err.text, "needs a window"));
+    assert_ok(ost_hand_create(&start, &hand, &err));
+    assert_int_equal(ost_haptic_open("mouse:speed=3", &(ost_haptic_setup){.hand = hand}, &device, &err), OST_ERR_USAGE);
+    assert_int_equal(ost_haptic_open("mouse:spin=-1", &(ost_haptic_setup){.hand = hand}, &device, &err), OST_ERR_USAGE);
+    ost_hand_free(hand);
+    assert_int_equal(ost_hand_create(&none, &hand, &err), OST_ERR_RANGE);
+    ost_hand_free(NULL);
+}
+
+/* A tool's number says where the hand is: half a state would be elsewhere. */
+typedef struct putter {
+    ost_hand *hand;
+    _Atomic bool stop;
+} putter;
+
+static void *put_on(void *user)
+{
+    putter *p = user;
+    for (int i = 0; !atomic_load(&p->stop); i++) {
+        const ost_haptic_state s = at(i % 1000, -(i % 1000), 2 * (i % 1000), i % 1000);
+        ost_hand_put(p->hand, &s);
+    }
+    return NULL;
+}
+
+static void states_are_whole(void **state)
+{
+    putter p = {0};
+    ost_haptic *device = open_mouse("mouse", &p.hand);
+    pthread_t thread;
+    int seen = 0;
+    (void)state;
+    assert_int_equal(pthread_create(&thread, NULL, put_on, &p), 0);
+    for (int32_t last = -1, tick = 0; tick < 200000 && seen < 2000; tick++) {
+        ost_haptic_state now;
+        ost_haptic_read(device, &now);
+        if (now.tool == last)
+            continue;
+        last = now.tool;
+        seen++;
+        const ost_haptic_state whole = at(now.tool, -now.tool, 2 * now.tool, now.tool);
+        if (tick > 0 && now.tool > 3 && distance_mm(&now.pose, &whole.pose) > 0.001)
+            fail_msg("tool %d is at %g, %g, %g mm", (int)now.tool, (double)now.pose.t.x * 1e-9, (double)now.pose.t.y * 1e-9,
+                     (double)now.pose.t.z * 1e-9);
+    }
+    atomic_store(&p.stop, true);
+    pthread_join(thread, NULL);
+    assert_true(seen > 1);
+    ost_haptic_close(device);
+    ost_hand_free(p.hand);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_hand_is_followed),
+        cmocka_unit_test(a_tool_taken_up_is_there_at_once),
+        cmocka_unit_test(the_pedal_turns_the_tool),
+        cmocka_unit_test(what_is_wrong_is_said),
+        cmocka_unit_test(states_are_whole),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
