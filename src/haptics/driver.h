@@ -52,6 +52,7 @@ ost_status haptic_number(const char *device, const char *key, const char *value,
 /* lo <= whole number <= hi, or OST_ERR_USAGE that names device and key. */
 ost_status haptic_integer(const char *device, const char *key, const char *value, int64_t lo, int64_t hi, int64_t *out, ost_error *err);
 
-extern const haptic_driver haptic_null, haptic_script, haptic_replay, haptic_sim, haptic_motion, haptic_mouse, haptic_openhaptics, haptic_dhd, haptic_udp;
+extern const haptic_driver haptic_null, haptic_script, haptic_replay, haptic_sim, haptic_motion, haptic_mouse,
+    haptic_openhaptics, haptic_dhd, haptic_spnav, haptic_udp;
 
 #endif

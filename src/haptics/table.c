@@ -6,8 +6,9 @@
 
 #include "haptics/driver.h"
 
-static const haptic_driver *const drivers[] = {&haptic_null,   &haptic_script,      &haptic_replay, &haptic_sim,
-                                              &haptic_motion, &haptic_mouse,  &haptic_openhaptics, &haptic_dhd, &haptic_udp};
+static const haptic_driver *const drivers[] = {
+    &haptic_null, &haptic_script, &haptic_replay, &haptic_sim, &haptic_motion, &haptic_mouse, &haptic_openhaptics, &haptic_dhd, &haptic_spnav, &haptic_udp,
+};
 
 enum { DRIVERS = sizeof drivers / sizeof drivers[0] };
 

@@ -19,6 +19,7 @@
 #define MM OST_PM_PER_MM
 #define DHD "OSTEON_DHD_LIBRARY"
 #define HD "OSTEON_OPENHAPTICS_LIBRARY"
+#define SPNAV "OSTEON_SPNAV_LIBRARY"
 
 /* The file of a stand-in, which is where make check and its shell have them. */
 static const char *fake_file(const char *name)
@@ -67,6 +68,8 @@ static void absent_and_short_libraries(void **state)
         {"openhaptics", HD, "/nowhere/libHD.so", "OSTEON_OPENHAPTICS_LIBRARY names no library"},
         {"dhd", DHD, "fake_dhd_short", "lacks dhdSetForceAndTorqueAndGripperForce"},
         {"openhaptics", HD, "fake_dhd", "lacks hdInitDevice"},
+        {"spnav", SPNAV, "/nowhere/libspnav.so", "OSTEON_SPNAV_LIBRARY names no library"},
+        {"spnav", SPNAV, "fake_spnav_short", "lacks spnav_poll_event"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         const char *file = cases[i].file[0] == '/' ? cases[i].file : fake_file(cases[i].file);
@@ -266,11 +269,125 @@ static void openhaptics_fails(void **state)
     assert_int_equal(s.ticks, 2);
 }
 
+/* ------------------------------------------------------------------- spnav */
+
+static fake_feed *feed_of(void)
+{
+    void *handle = dlopen(fake_file("fake_spnav"), RTLD_NOW | RTLD_LOCAL);
+    assert_non_null(handle);
+    fake_feed *feed = dlsym(handle, "fake_spnav_feed");
+    assert_non_null(feed);
+    memset(feed, 0, sizeof *feed);
+    return feed;
+}
+
+static void say_event(fake_feed *feed, int type, int a, int b, int c, int d, int e, int f)
+{
+    const int event[8] = {type, a, b, c, d, e, f, 16};
+    memcpy(feed->event[feed->count++], event, sizeof event);
+}
+
+static void read_on(ost_haptic *device, int ticks, ost_haptic_state *s)
+{
+    for (int i = 0; i < ticks; i++)
+        assert_int_equal(ost_haptic_read(device, s), OST_HAPTIC_FRESH);
+}
+
+static void spnav_moves_while_it_is_pushed(void **state)
+{
+    (void)state;
+    fake_note *note = take_place(SPNAV, "fake_spnav", "fake_spnav");
+    fake_feed *feed = feed_of();
+    const ost_haptic_setup setup = at_start(); /* the tool's x is the bone's -z, its y y, its z x */
+    ost_error err = {0};
+    ost_haptic *device;
+    ost_haptic_state s;
+    assert_ok(ost_haptic_open("spnav:speed=10,turn=90,tools=3", &setup, &device, &err));
+    read_on(device, 50, &s);
+    assert_memory_equal(&s.pose.t, &setup.start.t, sizeof s.pose.t);
+    assert_int_equal(s.tool, 0);
+    /* Fully pushed away (libspnav's z), and more than that: 10 mm/s along the tool's -z. It speaks once and is heard on. */
+    say_event(feed, 1, 5, -9, 500, 0, 0, 0);
+    read_on(device, 1000, &s);
+    assert_true(llabs(s.pose.t.x - 0) < 1000 && s.pose.t.y == 20 * MM && s.pose.t.z == 30 * MM);
+    /* Half of what is beyond the dead zone to the left: 5 mm/s. */
+    say_event(feed, 1, -180, 0, 0, 0, 0, 0);
+    read_on(device, 200, &s);
+    assert_true(llabs(s.pose.t.z - 31 * MM) < 1000 && llabs(s.pose.t.x) < 1000);
+    /* Let go of, it stays. */
+    say_event(feed, 1, 0, 0, 0, 0, 0, 0);
+    read_on(device, 100, &s);
+    assert_true(llabs(s.pose.t.z - 31 * MM) < 1000);
+    /* Turned about its y for a second: a quarter turn more about the bone's y. */
+    say_event(feed, 1, 0, 0, 0, 0, 350, 0);
+    read_on(device, 1000, &s);
+    assert_true(abs(s.pose.qw) < 1 << 10 && abs(s.pose.qy - OST_Q30_ONE) < 1 << 10 && abs(s.pose.qx) < 1 << 10 && abs(s.pose.qz) < 1 << 10);
+    /* Its second button takes up the next tool, once a press; others are said. */
+    say_event(feed, 1, 0, 0, 0, 0, 0, 0);
+    say_event(feed, 2, 1, 1, 0, 0, 0, 0);
+    say_event(feed, 2, 1, 1, 0, 0, 0, 0);
+    say_event(feed, 2, 1, 5, 0, 0, 0, 0);
+    say_event(feed, 2, 1, 40, 0, 0, 0, 0);
+    read_on(device, 1, &s);
+    assert_int_equal(s.tool, 1);
+    assert_int_equal(s.buttons, 1 << 1 | 1 << 5);
+    say_event(feed, 2, 0, 1, 0, 0, 0, 0);
+    say_event(feed, 2, 1, 1, 0, 0, 0, 0);
+    say_event(feed, 2, 0, 1, 0, 0, 0, 0);
+    say_event(feed, 2, 1, 1, 0, 0, 0, 0);
+    read_on(device, 1, &s);
+    assert_int_equal(s.tool, 0);
+    ost_haptic_close(device);
+    assert_string_equal(note->calls, "oc");
+}
+
+static void spnav_only_while_held_and_lost(void **state)
+{
+    (void)state;
+    fake_note *note = take_place(SPNAV, "fake_spnav", "fake_spnav");
+    fake_feed *feed = feed_of();
+    const ost_haptic_setup setup = {.start = {.qw = OST_Q30_ONE}};
+    ost_error err = {0};
+    ost_haptic *device;
+    ost_haptic_state s;
+    assert_ok(ost_haptic_open("spnav:hold=1", &setup, &device, &err));
+    say_event(feed, 1, 350, 0, 0, 0, 0, 0);
+    read_on(device, 100, &s);
+    assert_true(s.pose.t.x == 0);
+    assert_int_equal(s.tool, -1);
+    say_event(feed, 2, 1, 0, 0, 0, 0, 0);
+    read_on(device, 100, &s);
+    assert_true(llabs(s.pose.t.x - 2 * MM) < 1000);
+    say_event(feed, 2, 0, 0, 0, 0, 0, 0);
+    read_on(device, 100, &s);
+    assert_true(llabs(s.pose.t.x - 2 * MM) < 1000);
+    /* Unplugged. */
+    say_event(feed, 3, 1, 0, 0, 0, 0, 0);
+    assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_LOST);
+    ost_haptic_close(device);
+    /* The daemon ends. */
+    note = take_place(SPNAV, "fake_spnav", "fake_spnav");
+    feed_of();
+    note->hang_at = 3;
+    assert_ok(ost_haptic_open("spnav", &setup, &device, &err));
+    read_on(device, 2, &s);
+    assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_LOST);
+    ost_haptic_close(device);
+    /* It is not there. */
+    note = take_place(SPNAV, "fake_spnav", "fake_spnav");
+    note->fail_open = 1;
+    assert_int_equal(ost_haptic_open("spnav", &setup, &device, &err), OST_ERR_UNAVAILABLE);
+    assert_non_null(strstr(err.text, "spacenavd does not answer"));
+    assert_int_equal(ost_haptic_open("spnav:speed=0", &setup, &device, &err), OST_ERR_USAGE);
+    assert_int_equal(ost_haptic_open("spnav:size=3", &setup, &device, &err), OST_ERR_USAGE);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(absent_and_short_libraries), cmocka_unit_test(dhd_frames_and_forces), cmocka_unit_test(dhd_turns),
         cmocka_unit_test(dhd_fails),                  cmocka_unit_test(openhaptics_frames),    cmocka_unit_test(openhaptics_fails),
+        cmocka_unit_test(spnav_moves_while_it_is_pushed), cmocka_unit_test(spnav_only_while_held_and_lost),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -8,7 +8,7 @@
 
 #include <stdatomic.h>
 
-enum { FAKE_CALLS = 4096 };
+enum { FAKE_CALLS = 4096, FAKE_EVENTS = 64 };
 
 /* Written before a device is opened, but for what is atomic. */
 typedef struct fake_note {
@@ -23,6 +23,12 @@ typedef struct fake_note {
     _Atomic int fail_open, fail_read_at, fail_write_at, warm_at, hang_at, no_number_at; /* 0: never; else the number of the frame */
     _Atomic int frames;
 } fake_note;
+
+/* Events that a test gives, as the library has them: type, then its numbers. */
+typedef struct fake_feed {
+    int event[FAKE_EVENTS][8];
+    int count, taken;
+} fake_feed;
 
 static inline void fake_call(fake_note *note, char letter)
 {

@@ -1,0 +1,206 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * spnav: 3Dconnexion's SpaceMouse and its like, by libspnav and spacenavd.
+ *
+ *   cap pushed by c counts of 350 --> a speed --> integrated, a tick at a time --> pose
+ *
+ * The cap says how fast, not where: it has no end to its way and comes back by
+ * itself.  Fully pushed it moves the tool by speed= and turns it by turn=, in
+ * proportion below that, nothing within the dead zone; x to the right, y up,
+ * and z toward who holds it, against libspnav's.  What it said last counts
+ * until it says something else: it speaks when it changes.
+ *
+ * With hold=1 the tool moves only while button 1 is pressed.  With tools=N
+ * button 2 takes up the next of so many.  It renders nothing.
+ */
+#include <math.h>
+#include <poll.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "haptics/driver.h"
+#include "haptics/vendor.h"
+#include "haptics/workspace.h"
+
+/* As libspnav has them; the greatest of its events is 40 bytes. */
+enum { EVENT_MOTION = 1, EVENT_BUTTON = 2, EVENT_DEVICE = 3, DEVICE_REMOVED = 1 };
+typedef union spnav_event {
+    int type;
+    struct {
+        int type, x, y, z, rx, ry, rz;
+        unsigned period;
+        int *data;
+    } motion;
+    struct {
+        int type, press, number;
+    } button;
+    struct {
+        int type, operation, id, kind, usb[2];
+    } device;
+    char room[128]; /* for what a later version may add */
+} spnav_event;
+
+typedef struct spnav_calls {
+    int (*open)(void);
+    int (*close)(void);
+    int (*fd)(void);
+    int (*poll)(spnav_event *event);
+} spnav_calls;
+
+static const vendor_symbol symbols[] = {
+    {"spnav_open", offsetof(spnav_calls, open)},
+    {"spnav_close", offsetof(spnav_calls, close)},
+    {"spnav_fd", offsetof(spnav_calls, fd)},
+    {"spnav_poll_event", offsetof(spnav_calls, poll)},
+};
+static const char *const names[] = {"libspnav.so.0", "libspnav.so", NULL};
+static const vendor_library library = {"OSTEON_SPNAV_LIBRARY", names, "libspnav0 and spacenavd", symbols, sizeof symbols / sizeof symbols[0]};
+
+enum { FULL = 350, DEAD = 10, EVENTS = 32, SPEED_MM = 20, TURN_DEGREES = 30, HOLD_BUTTON = 0, TOOL_BUTTON = 1, BUTTONS = 32 };
+#define TICK_S 1e-3
+
+typedef struct choice {
+    double speed_mm, turn_degrees;
+    int64_t tools, hold;
+} choice;
+
+struct haptic_instance {
+    spnav_calls spnav;
+    haptic_workspace workspace;
+    choice how;
+    int push[6];             /* as said last: x y z, about x y z */
+    double at[3], q[4];      /* from the start, in its frame */
+    uint32_t buttons;
+    int32_t tool;
+    bool lost;
+};
+
+static bool spnav_usable(char reason[256])
+{
+    spnav_calls calls;
+    return vendor_load(&library, &calls, reason);
+}
+
+static ost_status take(void *user, const char *key, const char *value, ost_error *err)
+{
+    choice *c = user;
+    if (strcmp(key, "speed") == 0)
+        return haptic_number("spnav", key, value, 0.1, 500, &c->speed_mm, err);
+    if (strcmp(key, "turn") == 0)
+        return haptic_number("spnav", key, value, 0, 720, &c->turn_degrees, err);
+    if (strcmp(key, "tools") == 0)
+        return haptic_integer("spnav", key, value, 1, 16, &c->tools, err);
+    if (strcmp(key, "hold") == 0)
+        return haptic_integer("spnav", key, value, 0, 1, &c->hold, err);
+    return ost_fail(err, OST_ERR_USAGE, "device spnav: it has no option '%s'; known are speed, turn, tools and hold", key);
+}
+
+static ost_status spnav_begin(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err)
+{
+    static const int axes[3] = {0, 1, 2};
+    choice c = {.speed_mm = SPEED_MM, .turn_degrees = TURN_DEGREES, .tools = 1};
+    char reason[256];
+    ost_status status = haptic_options("spnav", options, take, &c, err);
+    if (status != OST_OK)
+        return status;
+    haptic_instance *s = calloc(1, sizeof *s);
+    if (!s)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for device spnav");
+    s->how = c;
+    s->q[0] = 1;
+    s->workspace = haptic_workspace_make(&setup->start, axes, 1);
+    if (!vendor_load(&library, &s->spnav, reason))
+        status = ost_fail(err, OST_ERR_UNAVAILABLE, "device spnav: %s", reason);
+    else if (s->spnav.open() < 0)
+        status = ost_fail(err, OST_ERR_UNAVAILABLE, "device spnav: spacenavd does not answer; is it started?");
+    if (status != OST_OK)
+        free(s);
+    else
+        *out = s;
+    return status;
+}
+
+static void spnav_end(haptic_instance *s)
+{
+    s->spnav.close();
+    free(s);
+}
+
+static void press(haptic_instance *s, int number, bool down)
+{
+    if (number < 0 || number >= BUTTONS)
+        return;
+    if (down && number == TOOL_BUTTON && !(s->buttons >> TOOL_BUTTON & 1))
+        s->tool = (int32_t)((s->tool + 1) % s->how.tools);
+    s->buttons = down ? s->buttons | UINT32_C(1) << number : s->buttons & ~(UINT32_C(1) << number);
+}
+
+static void take_event(haptic_instance *s, const spnav_event *e)
+{
+    if (e->type == EVENT_MOTION) {
+        const int push[6] = {e->motion.x, e->motion.y, -e->motion.z, e->motion.rx, e->motion.ry, -e->motion.rz};
+        memcpy(s->push, push, sizeof push);
+    } else if (e->type == EVENT_BUTTON) {
+        press(s, e->button.number, e->button.press);
+    } else if (e->type == EVENT_DEVICE && e->device.operation == DEVICE_REMOVED) {
+        s->lost = true;
+    }
+}
+
+/* From -1 to 1. */
+static double share_of(int counts)
+{
+    const double beyond = fmin(FULL, fabs((double)counts)) - DEAD;
+    return beyond <= 0 ? 0 : copysign(beyond / (FULL - DEAD), counts);
+}
+
+/* A tick of turning: by at most 0.72 degrees about each axis, so that the small quaternion is (1, w / 2) made unit. */
+static void turn_on(double q[4], const double by[3])
+{
+    const double s = by[0] / 2, t = by[1] / 2, u = by[2] / 2;
+    const double r[4] = {q[0] - s * q[1] - t * q[2] - u * q[3], q[1] + s * q[0] + t * q[3] - u * q[2], q[2] + t * q[0] + u * q[1] - s * q[3],
+                         q[3] + u * q[0] + s * q[2] - t * q[1]};
+    const double length = sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3]);
+    for (int i = 0; i < 4; i++)
+        q[i] = r[i] / length;
+}
+
+static void frame_of(const double q[4], double m[3][3])
+{
+    const double w = q[0], x = q[1], y = q[2], z = q[3];
+    const double r[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
+                            {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
+                            {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}};
+    memcpy(m, r, sizeof r);
+}
+
+static ost_haptic_answer spnav_read(haptic_instance *s, ost_haptic_state *state)
+{
+    struct pollfd daemon = {.fd = s->spnav.fd(), .events = POLLIN};
+    spnav_event event;
+    for (int i = 0; i < EVENTS && s->spnav.poll(&event); i++)
+        take_event(s, &event);
+    /* libspnav does not say that its daemon went away; the socket does. */
+    if (s->lost || daemon.fd < 0 || (poll(&daemon, 1, 0) > 0 && (daemon.revents & (POLLHUP | POLLERR | POLLNVAL))))
+        return OST_HAPTIC_LOST;
+    const bool moves = !s->how.hold || (s->buttons >> HOLD_BUTTON & 1);
+    double by[3], frame[3][3];
+    for (int a = 0; a < 3; a++) {
+        s->at[a] += moves ? share_of(s->push[a]) * s->how.speed_mm * 1e-3 * TICK_S : 0;
+        by[a] = moves ? share_of(s->push[3 + a]) * s->how.turn_degrees * (M_PI / 180) * TICK_S : 0;
+    }
+    turn_on(s->q, by);
+    frame_of(s->q, frame);
+    *state = (ost_haptic_state){haptic_workspace_pose(&s->workspace, s->at, frame), s->how.tools > 1 ? s->tool : -1, s->buttons};
+    return OST_HAPTIC_FRESH;
+}
+
+const haptic_driver haptic_spnav = {
+    .name = "spnav",
+    .description = "3Dconnexion's SpaceMouse, by libspnav: its cap says how fast",
+    .caps = OST_HAPTIC_ORIENTATION | OST_HAPTIC_TOOL,
+    .usable = spnav_usable,
+    .open = spnav_begin,
+    .close = spnav_end,
+    .read = spnav_read,
+};
