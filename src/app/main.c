@@ -34,6 +34,7 @@ static const app_verb verbs[] = {
     {"sim", "the simulator: a device moves the tool, a thousand times a second", cmd_sim},
     {"bridge", "a device of this machine, for a simulation on another", cmd_bridge},
     {"diff", "say what differs between two grids, and show it", cmd_diff},
+    {"render", "draw a bone and a tool, without a display", cmd_render},
     {"export", "write a bone as a volume, a surface or a picture", cmd_export},
     {"info", "say what a file is", cmd_info},
     {"validate", "compare backends stage by stage, and leave evidence", cmd_validate},

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "app/frame_size.h"
 #include "app/sim_show.h"
 
 #include <string.h>
@@ -24,27 +25,9 @@ static ost_status ticks_of(const app_state *app, const char *name, const option_
     return OST_OK;
 }
 
-/* "1280x720" */
-static ost_status size_of(const app_state *app, sim_args *args, ost_error *err)
-{
-    int *out[2] = {&args->width, &args->height};
-    const char *p = args->size ? args->size : "1280x720";
-    for (int i = 0; i < 2; i++) {
-        int n = 0;
-        const char *begin = p;
-        while (*p >= '0' && *p <= '9' && n <= OST_FRAME_MAX)
-            n = 10 * n + (*p++ - '0');
-        if (p == begin || n < 1 || n > OST_FRAME_MAX || *p != (i == 0 ? 'x' : '\0'))
-            return usage_error(app, err, "--size %s: expected WIDTHxHEIGHT, each from 1 to %d", args->size, OST_FRAME_MAX);
-        *out[i] = n;
-        p++;
-    }
-    return OST_OK;
-}
-
 static ost_status check_show(const app_state *app, sim_args *args, ost_error *err)
 {
-    ost_status status = size_of(app, args, err);
+    ost_status status = frame_size(app, args->size, &args->width, &args->height, err);
     if (status == OST_OK && (args->picture || !args->headless) && !args->renderer_given)
         args->renderer = SIM_RENDERER_POINTS;
     if (status == OST_OK && !args->headless && args->renderer != SIM_RENDERER_POINTS)

@@ -5,7 +5,7 @@
 # Covers: REQ-CLI-STATUS, REQ-CLI-HELP
 . "${srcdir:-.}/tests/app/lib.sh"
 
-verbs="phantom tool import voxelize ream replay sim diff export info validate verify devices"
+verbs="phantom tool import voxelize ream replay sim render diff export info validate verify devices"
 
 # Every verb: help with usage and example, within 80 columns, and a man page that names the same options.
 run 0 --help

@@ -1,0 +1,199 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * osteon render: a picture of a bone and a tool, without a display.
+ *
+ *   bone --ost_live--> surface voxels --.
+ *   tool, --pose ---------------------- +--camera--> frame --> .png
+ *
+ * The same renderer as the simulator's, and the same bytes on every machine.
+ */
+#include <string.h>
+
+#include "app/backend_choice.h"
+#include "app/frame_size.h"
+#include "app/frame_times.h"
+#include "app/load.h"
+#include "app/progress.h"
+#include "app/ream_path.h"
+#include "app/result.h"
+#include "app/say.h"
+#include "render/viewer.h"
+#include "render/views.h"
+
+typedef struct render_args {
+    const char *bone, *tool, *pose_text, *size, *out;
+    int view, style, width, height;
+    ost_pose pose;
+    ct_options ct;
+    tool_options how;
+    target_options target;
+} render_args;
+
+typedef struct drawing {
+    ost_backend *backend;
+    ost_bone *bone;
+    ost_tool *tool;
+    ost_import_result imported;
+    ost_live *live;
+    ost_viewer viewer;
+    ost_view_subject subject;
+    ost_picture picture;
+    double draw_ms;
+} drawing;
+
+/* "x,y,z,qw,qx,qy,qz", as a line of a path has them. */
+static ost_status parse_pose(const app_state *app, render_args *args, ost_error *err)
+{
+    ost_decimal number[7];
+    const char *p = args->pose_text, *end = p + strlen(p);
+    for (int i = 0; i < 7; i++) {
+        const char *after = ost_decimal_read(p, end, &number[i]);
+        if (!after || after == p || (i < 6 ? after == end || *after != ',' : after != end))
+            return usage_error(app, err, "--pose %s: expected x,y,z,qw,qx,qy,qz in millimetres", args->pose_text);
+        p = after + 1;
+    }
+    ost_status status = ost_pose_from_decimals(number, number + 3, &args->pose, err);
+    return status == OST_OK ? status : ost_fail_context(err, "--pose %s", args->pose_text);
+}
+
+static ost_status check_args(app_state *app, render_args *args, ost_error *err)
+{
+    ost_status status = frame_size(app, args->size, &args->width, &args->height, err);
+    if (status == OST_OK && args->pose_text && !args->tool)
+        return usage_error(app, err, "--pose %s: of which --tool?", args->pose_text);
+    if (status == OST_OK && args->pose_text)
+        status = parse_pose(app, args, err);
+    return status == OST_OK ? out_check(app, args->out, "png", err) : status;
+}
+
+/* Without --pose a tool stands where the built-in reaming begins. */
+static ost_status add_tool(const render_args *args, drawing *d, const ost_glenoid *glenoid, bool known, ost_error *err)
+{
+    ost_tool_volume volume = {0};
+    ost_path path = {0};
+    ost_pose pose = args->pose;
+    ost_status status = ost_tool_download(d->tool, &volume, err);
+    if (status == OST_OK)
+        status = ost_viewer_add_tool(&d->viewer, &volume, err);
+    if (status == OST_OK && !args->pose_text && !known)
+        status = ost_fail(err, OST_ERR_USAGE, "%s does not say where its glenoid is: give --pose x,y,z,qw,qx,qy,qz", args->bone);
+    if (status == OST_OK && !args->pose_text) {
+        status = ost_builtin_path(OST_BUILTIN_GLENOID_REAM, glenoid, ost_tool_geometry_get(d->tool), 0, &path, err);
+        if (status == OST_OK)
+            pose = path.ticks[0].pose;
+    }
+    if (status == OST_OK) {
+        d->viewer.has_state = true;
+        d->viewer.state = (ost_live_state){.ticks = 1, .pose = pose};
+    }
+    ost_path_free(&path);
+    ost_tool_volume_free(&volume);
+    return status;
+}
+
+static ost_status draw(const app_state *app, const render_args *args, drawing *d, ost_error *err)
+{
+    ost_glenoid glenoid;
+    ost_camera camera;
+    const bool known = target_find(app, &args->target, &d->imported.meta, args->bone, &glenoid, NULL) == OST_OK;
+    ost_status status = ost_live_create(d->bone, &d->live, err);
+    if (status != OST_OK)
+        return status;
+    const ost_geometry *g = ost_live_geometry(d->live);
+    status = ost_viewer_init(&d->viewer, g, args->style ? OST_STYLE_FACES : OST_STYLE_SMOOTH, NULL, (int)app->threads, err);
+    if (status != OST_OK)
+        return status;
+    ost_viewer_follow(&d->viewer, d->live);
+    status = ost_viewer_update(&d->viewer, err);
+    if (status == OST_OK && d->tool)
+        status = add_tool(args, d, &glenoid, known, err);
+    d->subject = ost_view_subject_make(g, &glenoid.at, known ? glenoid.axis : NULL, known && glenoid.left);
+    const ost_orbit orbit = ost_view_orbit((ost_view_name)args->view, &d->subject, d->tool ? &d->viewer.state.pose : NULL);
+    if (status == OST_OK)
+        status = ost_orbit_camera(&orbit, args->width, args->height, &camera, err);
+    const int64_t begin = frame_now_ns();
+    if (status == OST_OK)
+        status = ost_viewer_draw(&d->viewer, &camera, err);
+    d->draw_ms = (double)(frame_now_ns() - begin) * 1e-6;
+    if (status == OST_OK)
+        status = ost_picture_init(&d->picture, args->width, args->height, err);
+    if (status != OST_OK)
+        return status;
+    ost_frame_copy(&d->viewer.frame, &d->picture);
+    return ost_picture_write_png(args->out, &d->picture, err);
+}
+
+static void free_drawing(drawing *d)
+{
+    ost_picture_free(&d->picture);
+    ost_viewer_free(&d->viewer);
+    ost_live_free(d->live);
+    ost_tool_free(d->tool);
+    ost_bone_free(d->bone);
+    ost_backend_close(d->backend);
+}
+
+ost_status cmd_render(app_state *app, int argc, char **argv, ost_error *err)
+{
+    render_args args = {.ct = CT_OPTIONS_DEFAULT, .how = TOOL_OPTIONS_DEFAULT};
+    target_options *t = &args.target;
+    const option options[] = {
+        {.name = "out", .kind = OPTION_TEXT, .out = &args.out, .value = "FILE.png", .help = "the picture", .required = true},
+        {.name = "view", .kind = OPTION_CHOICE, .out = &args.view, .value = "operator|en-face|lateral|anterior|posterior|superior|tool|whole",
+         .help = "where to look from (default: operator)"},
+        {.name = "size", .kind = OPTION_TEXT, .out = &args.size, .value = "WxH", .help = "in pixels (default: 1280x720)"},
+        {.name = "style", .kind = OPTION_CHOICE, .out = &args.style, .value = "smooth|faces",
+         .help = "lit by the surface's normals (default), or the thesis' flat\nfaces"},
+        {.name = "tool", .kind = OPTION_TEXT, .out = &args.tool, .value = "TOOL", .help = "a tool to be seen with it: a mesh, a tool grid, builtin:reamer"},
+        {.name = "pose", .kind = OPTION_TEXT, .out = &args.pose_text, .value = "X,Y,Z,QW,QX,QY,QZ",
+         .help = "where it is, as in a path (default: where the built-in reaming\nbegins)"},
+        {.name = "at", .kind = OPTION_POINT, .out = &t->at, .given = &t->at_given, .value = "X,Y,Z",
+         .help = "centre of the glenoid's face (default: what the bone's file says)"},
+        {.name = "axis", .kind = OPTION_VECTOR, .out = t->axis, .given = &t->axis_given, .value = "X,Y,Z",
+         .help = "direction into the bone there (default: the file's)"},
+        {.name = "side", .kind = OPTION_CHOICE, .out = &t->side, .given = &t->side_given, .value = "left|right",
+         .help = "of the body (default: the file's, else right)"},
+        TOOL_OPTIONS(args.how),
+        CT_OPTIONS(args.ct),
+        {.name = NULL}};
+    const operand operands[] = {{"BONE", &args.bone, "which bone?"}, {NULL, NULL, NULL}};
+    const usage_text usage = {
+        .synopsis = "BONE --out FILE.png [options]",
+        .about = "A picture of a bone, and of a tool in its place, without a display: the simulator's\n"
+                 "renderer, and the same picture to the bit on every machine.",
+        .operands = operands,
+        .options = options,
+        .notes = "Bone and tool as for osteon ream.",
+        .example = "  osteon render builtin:scapula --view en-face --out face.png\n"
+                   "  osteon render reamed.nrrd --tool builtin:reamer --size 1920x1080 --out reamer.png",
+    };
+    ost_status status;
+    char a[SAY_TEXT], n[SAY_TEXT];
+    ost_digest file;
+    if (!options_parse(app, &usage, argc, argv, &status, err) || (status = check_args(app, &args, err)) != OST_OK)
+        return status;
+    drawing d = {0};
+    progress_begin(app);
+    status = backend_choose(app, &d.backend, err);
+    if (status == OST_OK && args.tool)
+        status = load_tool(app, d.backend, args.tool, NULL, &args.how, &d.tool, NULL, err);
+    if (status == OST_OK)
+        status = load_bone(app, d.backend, args.bone, &args.ct, false, &d.bone, &d.imported, err);
+    if (status == OST_OK)
+        status = draw(app, &args, &d, err);
+    if (status == OST_OK)
+        status = file_digest(args.out, &file, err);
+    if (status == OST_OK) {
+        put_text(app->result, "out", args.out);
+        put_digest(app->result, "file_sha256", &file);
+        put_text(app->result, "renderer", "points");
+        put_integer(app->result, "width", args.width);
+        put_integer(app->result, "height", args.height);
+        put_integer(app->result, "surface_voxels", (int64_t)d.viewer.bone.points);
+        put_real(app->result, "time_ms", d.draw_ms);
+        say(app, "%s: %d x %d pixels of %s surface voxels, drawn in %s", args.out, args.width, args.height,
+            say_count(n, (int64_t)d.viewer.bone.points), say_time(a, d.draw_ms));
+    }
+    free_drawing(&d);
+    return status;
+}

@@ -1,0 +1,35 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# osteon render: pictures without a display, the same bytes by every backend,
+# instruction set and number of threads, and of a bone however it is given.
+# Covers: REQ-RENDER-SAME
+. "${srcdir:-.}/tests/app/lib.sh"
+
+run 0 phantom glenoid --out ct.nrrd
+run 0 import ct.nrrd --out bone.nrrd
+refuse 2 "--size 0x5: expected" render bone.nrrd --out a.png --size 0x5
+refuse 2 "of which --tool" render bone.nrrd --out a.png --pose 0,0,0,1,0,0,0
+refuse 2 "--pose 1,2: expected" render bone.nrrd --out a.png --tool builtin:peg --pose 1,2
+refuse 2 "must end in .png" render bone.nrrd --out a.jpg
+if ! "$osteon" devices | grep -q '^  png *yes'; then
+    refuse 3 "without libpng" render bone.nrrd --out a.png
+    finish
+fi
+pose=10,20,30,0.5,0.5,0.5,0.5
+for view in operator en-face lateral anterior posterior superior tool whole; do
+    run 0 render bone.nrrd --tool builtin:reamer --view $view --size 240x160 --out $view.png --threads 1 --json
+    has renderer width height surface_voxels time_ms file_sha256
+    first=$(value file_sha256)
+    export OSTEON_ISA=scalar
+    run 0 render ct.nrrd --tool builtin:reamer --view $view --size 240x160 --out again.png --threads 3 --json
+    unset OSTEON_ISA
+    check "$view, by the scalar loops" "$(value file_sha256)" "$first"
+done
+check "views that differ" "$(for v in operator en-face lateral anterior posterior superior whole; do cat $v.png | cksum; done | sort -u | wc -l | tr -d ' ')" 7
+run 0 render bone.nrrd --size 240x160 --backend ref --chunk 64 --style faces --out ref.png --json
+first=$(value file_sha256)
+run 0 render bone.nrrd --size 240x160 --chunk 16 --style faces --out cpu.png --json
+check "by the reference, by other chunks" "$(value file_sha256)" "$first"
+run 0 render bone.nrrd --size 240x160 --tool builtin:peg --pose "$pose" --out posed.png --json
+[ "$(value file_sha256)" != "$first" ] || fail "a tool at a pose is not seen"
+finish
