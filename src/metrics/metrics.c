@@ -154,11 +154,28 @@ static void leave_rim(work *k)
         }
 }
 
+static bool is_hole(const work *k, int i)
+{
+    return !isnan(k->out->depth_mm[i]) && !is_floor(k, i);
+}
+
+/* Some of its rays go down the hole, so that its mean is the depth of neither. */
+static bool at_hole(const work *k, int i)
+{
+    const int x = i % MAP, y = i / MAP;
+    for (int dy = -1; dy <= 1; dy++)
+        for (int dx = -1; dx <= 1; dx++)
+            if (x + dx >= 0 && x + dx < MAP && y + dy >= 0 && y + dy < MAP && is_hole(k, x + dx + MAP * (y + dy)))
+                return true;
+    return false;
+}
+
 /* The maps, and the floor: cells that were bared and are no hole. */
 static void look(work *k)
 {
     ost_metrics *o = k->out;
     double depth[CELLS], sum = 0;
+    size_t cells = 0;
     for (int i = 0; i < CELLS; i++) {
         const double u = at_cell(i % MAP), v = at_cell(i / MAP);
         const double old = surface(k, k->before, u, v), now = isnan(old) ? NAN : surface(k, k->after, u, v);
@@ -168,16 +185,18 @@ static void look(work *k)
         if (isnan(old) || !(isnan(now) || now - old > k->spacing / 8))
             continue;
         o->depth_mm[i] = (float)((isnan(now) ? INSIDE_MM : now) - old);
-        if (isnan(now) || now > k->bottom)
-            continue;
-        depth[k->floor_count++] = now - old;
-        sum += now - old;
-        o->over_percent += now > k->plan->depth_mm + MARGIN_MM;
-        o->over_max_mm = fmax(o->over_max_mm, now - k->plan->depth_mm);
     }
-    if (k->floor_count == 0)
+    for (int i = 0; i < CELLS; i++) {
+        if (!is_floor(k, i) || at_hole(k, i))
+            continue;
+        const double below = (double)o->after_mm[i] - k->plan->depth_mm;
+        depth[cells++] = (double)o->depth_mm[i];
+        sum += (double)o->depth_mm[i];
+        o->over_percent += below > MARGIN_MM;
+        o->over_max_mm = fmax(o->over_max_mm, below);
+    }
+    if (cells == 0)
         return;
-    const size_t cells = k->floor_count;
     o->over_percent *= 100.0 / (double)cells;
     qsort(depth, cells, sizeof depth[0], ascending);
     leave_rim(k);

@@ -39,7 +39,14 @@ near "path, mm" "$(value metrics.technique.path_mm)" 81.9 82.1
 near "path in contact, mm" "$(value metrics.technique.contact_path_mm)" 24 25.6
 check "contacts, passes, plunges" "$(value metrics.technique.contacts) $(value metrics.technique.passes) $(value metrics.technique.plunges)" "2 2 0"
 check "the page ends" "$(tail -n 1 o.html)" "</body></html>"
-grep -q "<h2>Peg hole</h2>" o.html || fail "no hole on the page"
+grep -q "Peg hole: depth" o.html || fail "no hole on the page"
+# The verdict is first and says what the numbers say; letters and legend say which way up the map is.
+off=$(awk -v a="$(value metrics.centre_depth_mm)" 'BEGIN { printf "%.1f", (a > 3 ? a - 3 : 3 - a) }')
+said=$(printf 'Reamed %.1f&deg; and %s mm off the plan; subchondral bone %.0f %% kept; peg hole inside the bone' "$(value metrics.angle_deg)" "$off" \
+    "$(value metrics.plate_kept_percent)")
+grep -qF "$said" o.html || fail "the verdict is not: $said"
+check "the verdict before all tables" "$(grep -n 'class="verdict\|<table' o.html | head -n 1 | grep -c 'verdict good')" 1
+grep -q '>P</text>.*>A</text>' o.html || fail "a right shoulder's front is on the right"
 grep -Eq '(src|href)="(http|/|[a-z]+\.)' o.html && fail "the page needs something else"
 
 # A replay says the same.
@@ -57,6 +64,9 @@ run 0 replay plain.session --debrief r.html --json
 check "the session's plan: a hole" "$(value metrics.hole) $(value metrics.planned_mm)" "true 2.5"
 run 0 replay plain.session --debrief r.html --planned 1 --json
 check "an option goes before" "$(value metrics.planned_mm)" 1
+run 0 replay o.session --debrief r.html --planned 1
+grep -q "<b>&#10007; Not as planned.</b>" r.html || fail "2 mm too deep is as planned"
+grep -q "mm deeper than planned; the aim is 0.5 mm" r.html || fail "nobody says how much too deep"
 # One without a plan, as recorded of a path of one's own on a bone that says nothing: it opens, and asks.
 run 0 export plain.session --out plain.csv
 cut -d, -f1-9 <plain.csv >path.csv

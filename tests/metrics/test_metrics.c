@@ -79,7 +79,7 @@ static void a_straight_one(void **state)
     NEAR(m.floor_mm2, PI * rim - PI * 9, 0.1 * PI * rim); /* what is shallower than half a voxel does not show */
     NEAR(m.sphere_mm, 27, 1);
     NEAR(m.centre_depth_mm, 3, 0.25);
-    NEAR(m.depth_max_mm, 3, 0.3);
+    NEAR(m.depth_max_mm, 3 - 3.75 * 3.75 / (2 * 27), 0.3); /* beside the hole and the cells that have a part of it */
     NEAR(m.depth_mean_mm, (cap - PI * 9 * 3) / (PI * rim - PI * 9), 0.2);
     NEAR(m.angle_deg, 0, 0.3);
     assert_true(m.fit_rms_mm < 0.3 && m.contact_percent > 95);
