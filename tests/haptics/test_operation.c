@@ -2,13 +2,19 @@
 /*
  * An operation: what a device does to a world is what its path does without a
  * device; what cannot be a hand's changes nothing; and all of it is recorded.
- * Covers: REQ-OPERATION, REQ-SAFETY
+ * Covers: REQ-OPERATION, REQ-SAFETY, REQ-RECORDER
  */
 #include "ref/scene.h"
 
 #include <osteon/operation.h>
 
+#include <errno.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <unistd.h>
+
 #include "io/io_scratch.h"
+#include "io/session/recorder.h"
 
 #define MM OST_PM_PER_MM
 
@@ -260,6 +266,100 @@ static void a_session_of_it_does_it_again(void **state)
     scratch_remove(folder);
 }
 
+/* A disk in memory. Who holds it lets its writer stand still, in the middle of a write; or it is full. */
+typedef struct disk {
+    unsigned char bytes[1 << 17];
+    size_t size;
+    pthread_mutex_t held;
+    _Atomic bool full;
+} disk;
+
+static int disk_append(void *user, const void *p, size_t size)
+{
+    disk *d = user;
+    pthread_mutex_lock(&d->held);
+    const int error = atomic_load(&d->full) || size > sizeof d->bytes - d->size ? ENOSPC : 0;
+    if (!error) {
+        memcpy(d->bytes + d->size, p, size);
+        d->size += size;
+    }
+    pthread_mutex_unlock(&d->held);
+    return error;
+}
+
+static int disk_cut(void *user, uint64_t size)
+{
+    ((disk *)user)->size = (size_t)size;
+    return 0;
+}
+
+static int disk_sync(void *user)
+{
+    (void)user;
+    return 0;
+}
+
+/*
+ * A disk that does not answer, a writer that stands still, a disk that is full:
+ * every tick is done, to the same bone, and the recorder says what is not
+ * written.  A tick that waited would wait for ever, since nobody lets go of the
+ * disk before the operation is over; the alarm ends that.
+ */
+static void it_does_not_wait_for_its_recorder(void **state)
+{
+    static const struct {
+        uint32_t room;
+        bool full;
+        bool all; /* of it is written in the end */
+    } cases[] = {{1024, false, true}, {64, false, false}, {1024, true, false}};
+    enum { TICKS = 200 };
+    ost_error err = {0};
+    room alone = make_room(*state);
+    ost_path path = into_bone(TICKS);
+    operate(&alone, "script", &path, NULL);
+    const ost_digest expected = digest_of(alone.bone);
+    alarm(120);
+    for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++) {
+        static disk d;
+        ost_session_header *header;
+        ost_recorder *recorder;
+        ost_recorder_state now;
+        d = (disk){.size = 0};
+        pthread_mutex_init(&d.held, NULL);
+        const session_sink sink = {.user = &d, .append = disk_append, .cut = disk_cut, .sync = disk_sync};
+        room r = make_room(*state);
+        assert_ok(ost_session_header_create(&header, &err));
+        assert_ok(ost_session_header_set(header, "format", "osteon session 1", &err));
+        assert_ok(ost_recorder_open_sink("disk", &sink, header, &(ost_recorder_options){.room = cases[c].room}, &recorder, &err));
+        atomic_store(&d.full, cases[c].full);
+        pthread_mutex_lock(&d.held);
+        const ost_operation_report done = operate(&r, "script", &path, recorder);
+        assert_int_equal(done.steps, TICKS);
+        assert_int_equal(done.status, OST_OK);
+        const ost_digest got = digest_of(r.bone);
+        assert_true(ost_digest_equal(&expected, &got));
+        ost_recorder_state_get(recorder, &now);
+        assert_int_equal(now.written, 0);
+        assert_int_equal(now.put + now.lost, TICKS);
+        assert_int_equal(now.lost > 0, cases[c].room < TICKS);
+        pthread_mutex_unlock(&d.held);
+        const ost_status closed = ost_recorder_close(recorder, &(ost_session_end){.ticks = TICKS}, &err);
+        assert_int_equal(closed, cases[c].all ? OST_OK : OST_ERR_IO);
+        if (cases[c].full)
+            assert_non_null(strstr(err.text, "the disk is full; 0 records are in the file, 200 are not"));
+        else if (!cases[c].all)
+            assert_non_null(strstr(err.text, "were lost: the disk was too slow"));
+        /* Two headers, and all that there was room for. */
+        assert_int_equal(d.size > (now.put + 1) * SESSION_RECORD, !cases[c].full);
+        ost_session_header_free(header);
+        pthread_mutex_destroy(&d.held);
+        free_room(&r);
+    }
+    alarm(0);
+    ost_path_free(&path);
+    free_room(&alone);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -268,6 +368,7 @@ int main(void)
         cmocka_unit_test(a_tool_that_jumps_does_not_cut_on_its_way),
         cmocka_unit_test(a_fault_lets_the_hand_alone),
         cmocka_unit_test(a_session_of_it_does_it_again),
+        cmocka_unit_test(it_does_not_wait_for_its_recorder),
     };
     return run_on_backends(tests, open_test_backend, close_test_backend);
 }
