@@ -113,16 +113,20 @@ OST_API ost_status ost_point_from_meta(const ost_meta *meta, const char *key, os
 /* From OST_META_*; OST_ERR_USAGE naming the missing key. */
 OST_API ost_status ost_glenoid_from_meta(const ost_meta *meta, ost_glenoid *out, ost_error *err);
 
-typedef enum ost_builtin { OST_BUILTIN_PEG_HOLE, OST_BUILTIN_GLENOID_REAM, OST_BUILTIN_GLENOID_SLOW, OST_BUILTIN_COUNT } ost_builtin;
-OST_API const char *ost_builtin_name(ost_builtin which); /* "peg-hole", "glenoid-ream", "glenoid-slow" */
+typedef enum ost_builtin { OST_BUILTIN_PEG_HOLE, OST_BUILTIN_GLENOID_REAM, OST_BUILTIN_GLENOID_SLOW, OST_BUILTIN_GLENOID_PRESS, OST_BUILTIN_COUNT } ost_builtin;
+OST_API const char *ost_builtin_name(ost_builtin which); /* "peg-hole", "glenoid-ream", "glenoid-slow", "glenoid-press" */
 
 /*
  * 1 kHz ticks: approach, advance along the axis with the tool turning, dwell,
- * retreat.  tool is the index the ticks carry; geometry is the tool's grid,
+ * retreat; glenoid-press is a hand that presses, and is ost_builtin_press for
+ * a minute.  tool is the index the ticks carry; geometry is the tool's grid,
  * whose working face is toward -z.
  */
 OST_API ost_status ost_builtin_path(ost_builtin which, const ost_glenoid *glenoid, const ost_tool_geometry *geometry, int32_t tool,
                                     ost_path *out, ost_error *err);
+/* What a hand wants that presses the tool into the face, sweeps over it and wobbles, for so many ticks, OST_PATH_TICKS_MAX at most. */
+OST_API ost_status ost_builtin_press(const ost_glenoid *glenoid, const ost_tool_geometry *geometry, int32_t tool, size_t ticks, ost_path *out,
+                                     ost_error *err);
 
 #ifdef __cplusplus
 }

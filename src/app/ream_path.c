@@ -43,6 +43,8 @@ static ost_status builtin_path(const app_state *app, const char *name, const tar
             ost_status status = target_find(app, target, meta, bone, &glenoid, err);
             if (status != OST_OK)
                 return status;
+            if (b == OST_BUILTIN_GLENOID_PRESS && target->press_ticks)
+                return ost_builtin_press(&glenoid, tool, index, target->press_ticks, out, err);
             return ost_builtin_path((ost_builtin)b, &glenoid, tool, index, out, err);
         }
     }

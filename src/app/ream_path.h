@@ -20,6 +20,7 @@ typedef struct target_options {
     bool axis_given;
     int side; /* place in "left|right" */
     bool side_given;
+    size_t press_ticks; /* of builtin:glenoid-press; 0: a minute */
 } target_options;
 
 /* The built-in paths' target: the options, and for what they leave out the bone's own. */

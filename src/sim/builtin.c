@@ -17,6 +17,8 @@
  *
  *   glenoid-slow  the same depth in a minute, from the face on: a tool that is in contact
  *                 throughout, for the servo loop and for devices
+ *   glenoid-press a hand that presses, sweeps and wobbles for a minute or as long as it is
+ *                 asked to, with the force that takes (press.h)
  *
  * Depths are integers.  The turning is a recurrence of unit quaternions:
  *
@@ -34,10 +36,13 @@
 #include <math.h>
 #include <string.h>
 
-enum { TICK_NS = 1000000 };
+#include "sim/press.h"
+
+enum { TICK_NS = 1000000, PRESS_TICKS = 60000 };
 
 #define UM (OST_PM_PER_MM / 1000)
 #define TURN_PER_TICK (150 * UM)
+#define TURN_PRESSING (100 * UM) /* with all else that a hand does there less than half of 0.3 mm */
 
 /* Distances from the glenoid's face along the inward axis; speeds a tick. */
 typedef struct plan {
@@ -48,7 +53,7 @@ typedef struct plan {
     ost_pm retreat;
 } plan;
 
-static const plan plans[OST_BUILTIN_COUNT] = {
+static const plan plans[OST_BUILTIN_GLENOID_PRESS] = {
     [OST_BUILTIN_PEG_HOLE] = {"peg-hole", -8000 * UM, 20 * UM, 22000 * UM, 10 * UM, 200, 20 * UM},
     [OST_BUILTIN_GLENOID_REAM] = {"glenoid-ream", -8000 * UM, 20 * UM, 3000 * UM, 3 * UM / 2, 400, 20 * UM},
     [OST_BUILTIN_GLENOID_SLOW] = {"glenoid-slow", 0, 20 * UM, 3000 * UM, UM / 20, 400, 20 * UM},
@@ -56,6 +61,8 @@ static const plan plans[OST_BUILTIN_COUNT] = {
 
 const char *ost_builtin_name(ost_builtin which)
 {
+    if (which == OST_BUILTIN_GLENOID_PRESS)
+        return "glenoid-press";
     return (unsigned)which < OST_BUILTIN_COUNT ? plans[which].name : "unknown";
 }
 
@@ -123,12 +130,12 @@ static vec working_point(const ost_tool_geometry *g)
 }
 
 /* One tick's turn about z. A corner at radius r moves by less than 2 r / p. */
-static quat turn_step(const ost_tool_geometry *g, vec axis)
+static quat turn_step(const ost_tool_geometry *g, vec axis, ost_pm turn)
 {
     double lo_x = mm(g->corner.x) - axis.x, hi_x = lo_x + mm(g->dims.x * g->voxel);
     double lo_y = mm(g->corner.y) - axis.y, hi_y = lo_y + mm(g->dims.y * g->voxel);
     double x = -lo_x > hi_x ? -lo_x : hi_x, y = -lo_y > hi_y ? -lo_y : hi_y;
-    double p = ceil(2 * sqrt(x * x + y * y) / mm(TURN_PER_TICK));
+    double p = ceil(2 * sqrt(x * x + y * y) / mm(turn));
     return normalised((quat){p > 16 ? p : 16, 0, 0, 1});
 }
 
@@ -183,34 +190,78 @@ static ost_status quantised(vec t, quat q, ost_pose *out, ost_error *err)
     return ost_pose_check(out, err);
 }
 
-ost_status ost_builtin_path(ost_builtin which, const ost_glenoid *glenoid, const ost_tool_geometry *geometry, int32_t tool,
-                            ost_path *out, ost_error *err)
+/* What every path begins with. */
+typedef struct start {
+    vec at, axis, tip;
+    quat face, step; /* toward the axis; a tick's turn */
+} start;
+
+static ost_status begin(const ost_glenoid *glenoid, const ost_tool_geometry *geometry, ost_pm turn, size_t ticks, start *s, ost_path *out,
+                        ost_error *err)
 {
-    *out = (ost_path){0};
-    if ((unsigned)which >= OST_BUILTIN_COUNT)
-        return ost_fail(err, OST_ERR_USAGE, "no built-in path %d; there are %d", (int)which, OST_BUILTIN_COUNT);
-    const plan *p = &plans[which];
-    vec axis = {0, 0, -1};
-    ost_status status = unit_axis(glenoid, &axis, err);
+    ost_status status = unit_axis(glenoid, &s->axis, err);
     if (status == OST_OK)
         status = ost_tool_geometry_check(geometry, err);
     if (status == OST_OK)
-        status = ost_path_init(out, (size_t)tick_count(p), err);
+        status = ost_path_init(out, ticks, err);
     if (status != OST_OK)
         return status;
+    s->at = (vec){mm(glenoid->at.x), mm(glenoid->at.y), mm(glenoid->at.z)};
+    s->tip = working_point(geometry);
+    s->face = facing(s->axis);
+    s->step = turn_step(geometry, s->tip, turn);
+    return OST_OK;
+}
 
-    const vec at = {mm(glenoid->at.x), mm(glenoid->at.y), mm(glenoid->at.z)};
-    const vec tip = working_point(geometry);
-    const quat face = facing(axis), step = turn_step(geometry, tip);
+/* The tool's tip at a depth along the axis and beside it, turned by q. */
+static ost_status place(const start *s, quat q, double depth, vec beside, ost_pose *out, ost_error *err)
+{
+    const vec r = turned(q, s->tip);
+    const vec t = {s->at.x + depth * s->axis.x + beside.x - r.x, s->at.y + depth * s->axis.y + beside.y - r.y,
+                   s->at.z + depth * s->axis.z + beside.z - r.z};
+    return quantised(t, q, out, err);
+}
+
+ost_status ost_builtin_press(const ost_glenoid *glenoid, const ost_tool_geometry *geometry, int32_t tool, size_t ticks, ost_path *out,
+                             ost_error *err)
+{
+    start s;
+    press_hand hand;
     quat turn = {1, 0, 0, 0};
-    for (size_t k = 0; k < out->count && status == OST_OK; k++) {
-        quat q = normalised(product(face, turn));
-        vec r = turned(q, tip);
-        double depth = mm(depth_at(p, (int64_t)k));
-        const vec t = {at.x + depth * axis.x - r.x, at.y + depth * axis.y - r.y, at.z + depth * axis.z - r.z};
+    *out = (ost_path){0};
+    if (ticks == 0 || ticks > OST_PATH_TICKS_MAX)
+        return ost_fail(err, OST_ERR_USAGE, "a path of %zu ticks; 1 to %d are supported", ticks, OST_PATH_TICKS_MAX);
+    ost_status status = begin(glenoid, geometry, TURN_PRESSING, ticks, &s, out, err);
+    press_begin(&hand);
+    for (size_t k = 0; k < ticks && status == OST_OK; k++) {
+        press_go_on(&hand, (int64_t)k);
+        const vec beside = turned(s.face, (vec){hand.across[0], hand.across[1], 0});
+        const quat lean = normalised((quat){1, hand.lean[0], hand.lean[1], 0});
         out->ticks[k] = (ost_tick){.t_ns = (int64_t)k * TICK_NS, .tool = tool};
-        status = quantised(t, q, &out->ticks[k].pose, err);
-        turn = normalised(product(turn, step));
+        status = place(&s, normalised(product(product(s.face, lean), turn)), hand.depth, beside, &out->ticks[k].pose, err);
+        turn = normalised(product(turn, s.step));
+    }
+    if (status != OST_OK)
+        ost_path_free(out);
+    return status;
+}
+
+ost_status ost_builtin_path(ost_builtin which, const ost_glenoid *glenoid, const ost_tool_geometry *geometry, int32_t tool,
+                            ost_path *out, ost_error *err)
+{
+    start s;
+    quat turn = {1, 0, 0, 0};
+    *out = (ost_path){0};
+    if ((unsigned)which >= OST_BUILTIN_COUNT)
+        return ost_fail(err, OST_ERR_USAGE, "no built-in path %d; there are %d", (int)which, OST_BUILTIN_COUNT);
+    if (which == OST_BUILTIN_GLENOID_PRESS)
+        return ost_builtin_press(glenoid, geometry, tool, PRESS_TICKS, out, err);
+    const plan *p = &plans[which];
+    ost_status status = begin(glenoid, geometry, TURN_PER_TICK, (size_t)tick_count(p), &s, out, err);
+    for (size_t k = 0; status == OST_OK && k < out->count; k++) {
+        out->ticks[k] = (ost_tick){.t_ns = (int64_t)k * TICK_NS, .tool = tool};
+        status = place(&s, normalised(product(s.face, turn)), mm(depth_at(p, (int64_t)k)), (vec){0, 0, 0}, &out->ticks[k].pose, err);
+        turn = normalised(product(turn, s.step));
     }
     if (status != OST_OK)
         ost_path_free(out);

@@ -23,7 +23,7 @@ static void it_runs_along_the_axis(void **state)
     static const double axes[][3] = {{0, 0, 1},   {0, 0, -1},      {1, 0, 0},  {0, -1, 0},         {-3, 4, 0},
                                      {1, 1, 1},   {-1, 1e-9, 1e3}, {-1, -2, -3}, {1e-300, 0, 1e-300}, {5, -7, 0.001}};
     for (size_t i = 0; i < sizeof axes / sizeof axes[0]; i++)
-        for (int which = 0; which < OST_BUILTIN_COUNT; which++) {
+        for (int which = 0; which < OST_BUILTIN_GLENOID_PRESS; which++) {
             ost_glenoid glenoid = {.at = {-117800 * UM, 196500 * UM, -159000 * UM}, .axis = {axes[i][0], axes[i][1], axes[i][2]}};
             ost_path path;
             assert_ok(ost_builtin_path((ost_builtin)which, &glenoid, &reamer, 3, &path, &err));
@@ -62,6 +62,49 @@ static void it_runs_along_the_axis(void **state)
             assert_true(which == OST_BUILTIN_PEG_HOLE ? deepest > 19.99 && deepest < 25.01 : deepest > 1.99 && deepest < 3.2);
             ost_path_free(&path);
         }
+}
+
+/*
+ * The hand that presses: 12 mm in half a second, then 0.15 mm a second deeper
+ * to 24 mm, 1.5 mm up and down; the tip at most 6 mm beside the axis, and the
+ * tool's own axis at most 3 degrees from it.  It comes from the face softly,
+ * goes all the way round, and is the same however long it lasts.
+ */
+static void a_hand_presses(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    const ost_glenoid glenoid = {.at = {10 * OST_PM_PER_MM, 0, 0}, .axis = {0, 0, -1}};
+    ost_path path, longer;
+    assert_ok(ost_builtin_path(OST_BUILTIN_GLENOID_PRESS, &glenoid, &reamer, 2, &path, &err));
+    assert_int_equal(path.count, 60000);
+    assert_ok(ost_builtin_press(&glenoid, &reamer, 2, 100000, &longer, &err));
+    assert_memory_equal(path.ticks, longer.ticks, path.count * sizeof *path.ticks);
+    double deepest = 0, leaned = 0, beside[4] = {0};
+    for (size_t k = 0; k < longer.count; k++) {
+        double t[3], q[4], down[3];
+        assert_int_equal(longer.ticks[k].tool, 2);
+        ost_pose_to_doubles(&longer.ticks[k].pose, t, q);
+        rotate(q, (double[3]){0, 0, -1}, down);
+        const double depth = -t[2], x = t[0] - 10, y = t[1], wish = k < 500 ? 12.0 * (double)k / 500 : fmin(24, 12 + 1.5e-4 * (double)(k - 500));
+        assert_true(fabs(depth - wish) <= 1.5 + 1e-6);
+        assert_true(sqrt(x * x + y * y) <= 6 + 1e-6);
+        assert_true(down[2] <= -cos(3.01 * 3.14159265 / 180));
+        if (k < 500)
+            assert_true(fabs(depth - wish) < 1e-6 && fabs(x) + fabs(y) < 1e-6 && down[2] < -1 + 1e-9);
+        deepest = fmax(deepest, depth);
+        leaned = fmax(leaned, 1 + down[2]);
+        beside[0] = fmax(beside[0], x);
+        beside[1] = fmax(beside[1], -x);
+        beside[2] = fmax(beside[2], y);
+        beside[3] = fmax(beside[3], -y);
+    }
+    assert_true(deepest > 25.4 && leaned > 1 - cos(2.9 * 3.14159265 / 180));
+    assert_true(beside[0] > 3.9 && beside[1] > 3.9 && beside[2] > 5.9 && beside[3] > 5.9);
+    ost_path_free(&path);
+    ost_path_free(&longer);
+    assert_int_equal(ost_builtin_press(&glenoid, &reamer, 0, 0, &path, &err), OST_ERR_USAGE);
+    assert_int_equal(ost_builtin_press(&glenoid, &reamer, 0, (size_t)OST_PATH_TICKS_MAX + 1, &path, &err), OST_ERR_USAGE);
 }
 
 static void ticks_are_gentle(void **state)
@@ -171,6 +214,7 @@ static void what_a_path_refuses(void **state)
     assert_string_equal(ost_builtin_name(OST_BUILTIN_PEG_HOLE), "peg-hole");
     assert_string_equal(ost_builtin_name(OST_BUILTIN_GLENOID_REAM), "glenoid-ream");
     assert_string_equal(ost_builtin_name(OST_BUILTIN_GLENOID_SLOW), "glenoid-slow");
+    assert_string_equal(ost_builtin_name(OST_BUILTIN_GLENOID_PRESS), "glenoid-press");
 }
 
 static ost_meta *meta_of(const char *at, const char *axis, const char *side)
@@ -225,7 +269,7 @@ static void the_grid_says_where(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(it_runs_along_the_axis), cmocka_unit_test(ticks_are_gentle),
+        cmocka_unit_test(it_runs_along_the_axis), cmocka_unit_test(a_hand_presses), cmocka_unit_test(ticks_are_gentle),
         cmocka_unit_test(a_reamer_leaves_the_spongy_bone), cmocka_unit_test(what_a_path_refuses),
         cmocka_unit_test(the_grid_says_where),
     };

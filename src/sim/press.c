@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "core/conditions.h"
+
+#include "sim/press.h"
+
+#include <math.h>
+
+/* Ticks of a millisecond; a wheel with p turns by atan(1/p), so once in 2 pi p ticks. */
+enum { PRESS_TICKS = 500, SOFT_TICKS = 2000, BREATH_P = 637, SWEEP_P = 955, WOBBLE_P = 398 };
+
+#define PRESSED 12.0  /* mm, after PRESS_TICKS */
+#define CREEP 1.5e-4   /* mm a tick */
+#define DEEPEST 24.0
+#define BREATH 1.5    /* mm */
+#define SWEEP_X 4.0   /* mm */
+#define SWEEP_Y 6.0
+#define LEAN 0.0262   /* half of 3 degrees, in radians */
+
+static press_wheel wheel(double p)
+{
+    const double length = sqrt(p * p + 1);
+    return (press_wheel){1, 0, {p / length, 1 / length}};
+}
+
+static void turn(press_wheel *w)
+{
+    const double c = w->c * w->step[0] - w->s * w->step[1], s = w->c * w->step[1] + w->s * w->step[0], length = sqrt(c * c + s * s);
+    w->c = c / length;
+    w->s = s / length;
+}
+
+void press_begin(press_hand *hand)
+{
+    *hand = (press_hand){.breath = wheel(BREATH_P), .sweep = wheel(SWEEP_P), .wobble = wheel(WOBBLE_P)};
+}
+
+void press_go_on(press_hand *hand, int64_t k)
+{
+    hand->depth = k < PRESS_TICKS ? PRESSED * (double)k / PRESS_TICKS : PRESSED + CREEP * (double)(k - PRESS_TICKS);
+    if (k < PRESS_TICKS)
+        return;
+    if (hand->depth > DEEPEST)
+        hand->depth = DEEPEST;
+    /* Down first, from where pressing ended. */
+    turn(&hand->breath);
+    turn(&hand->sweep);
+    turn(&hand->wobble);
+    hand->share = k < SOFT_TICKS ? (double)(k - PRESS_TICKS) / (SOFT_TICKS - PRESS_TICKS) : 1;
+    hand->depth += hand->share * BREATH * hand->breath.s;
+    hand->across[0] = hand->share * SWEEP_X * hand->sweep.c;
+    hand->across[1] = hand->share * SWEEP_Y * hand->sweep.s;
+    hand->lean[0] = hand->share * LEAN * hand->wobble.c;
+    hand->lean[1] = hand->share * LEAN * hand->wobble.s;
+}
