@@ -43,12 +43,12 @@ static inline int close_test_backend(void **state)
 static inline void skip_without_samples(ost_backend *backend)
 {
     const ost_geometry one = {{1, 1, 1}, {OST_PM_PER_MM, OST_PM_PER_MM, OST_PM_PER_MM}, {0, 0, 0}};
-    const ost_dims at = {0, 0, 0};
+    const int32_t first = 0, *const at[3] = {&first, &first, &first};
     ost_error err = {0};
     ost_bone *bone;
     int16_t density;
     assert_ok(ost_bone_create(backend, &one, 32, 120, &bone, &err));
-    const ost_status status = ost_bone_sample(bone, 1, &at, &density, &err);
+    const ost_status status = ost_bone_sample(bone, 1, at, &density, &err);
     ost_bone_free(bone);
     if (status == OST_ERR_UNAVAILABLE) {
         print_message("# %s\n", err.text);

@@ -166,10 +166,10 @@ OST_API ost_status ost_bone_info_get(const ost_bone *bone, ost_bone_info *out, o
 OST_API ost_status ost_bone_upload(ost_bone *bone, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
 OST_API ost_status ost_bone_download(const ost_bone *bone, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
 /*
- * Densities of count single voxels, 0 for those that are not active or beyond the grid: what a force is made of.  Fit for
+ * Densities of count single voxels, x, y and z in at[0], [1] and [2], 0 for those that are not active or beyond the grid: what a force is made of.  Fit for
  * a tick: no memory is asked for.  OST_ERR_UNAVAILABLE on a backend whose voxels are not in the host's memory.
  */
-OST_API ost_status ost_bone_sample(const ost_bone *bone, size_t count, const ost_dims *voxels, int16_t *densities, ost_error *err);
+OST_API ost_status ost_bone_sample(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities, ost_error *err);
 /*
  * Which voxels of count chunks are active, as bits: voxel (x, y, z) of a chunk of n^3 is number v = x + n (y + n z), bit v % 32
  * of word v / 32; words has room for n^3 / 32 of them a chunk.  Chunk (cx, cy, cz) is number cx + chunk_dims.x * (cy +

@@ -47,10 +47,17 @@ typedef struct ost_force_params {
     double density_per_hu;     /* and for each HU more */
     double layer;              /* m, that is pressed together (instant) */
     double layer_stiffness;    /* N/m^3, per area and depth, of bone of reference density (instant) */
+    double turn_stiffness;     /* N m/rad, of the coupling's turn as the hand feels it; 0: the tool's direction is the hand's (energy) */
+    double turn_damping;       /* N m s/rad, likewise */
+    double vibration;          /* of teeth that pass: its amplitude over the felt force of what cuts reference bone; 0: none */
+    double runout;             /* likewise, once a turn and across the axis */
+    double teeth;              /* that pass in a turn */
 } ost_force_params;
 
 OST_API ost_force_params ost_force_defaults(void);
 /* J/m^3 to cut bone of that many HU: energy * (density / reference)^2. */
+/* g/cm^3 of that many HU. */
+OST_API double ost_force_density(const ost_force_params *params, int hu);
 OST_API double ost_force_energy(const ost_force_params *params, int hu);
 
 /* ------------------------------------------------------------------ shells */
@@ -91,6 +98,7 @@ typedef struct ost_force_result {
     double off_axis_n;    /* real, across it */
     double cutting_nm;    /* real torque about the axis */
     double power_w;       /* real, that goes into cutting */
+    double shaking_n;     /* felt force of what cuts, by its density: what vibration and runout are shares of */
     int touching;         /* points that touch bone */
 } ost_force_result;
 
@@ -117,6 +125,27 @@ typedef struct ost_safety_params {
 } ost_safety_params;
 
 OST_API ost_safety_params ost_safety_defaults(void);
+
+/* ----------------------------------------------------------- a file of them */
+
+/* The parameters of both by name: "stiffness", "N/m", a sentence with its source, and what is supported. */
+typedef struct ost_force_key {
+    const char *name, *unit, *about;
+    double lo, hi;
+} ost_force_key;
+
+OST_API int ost_force_key_count(void);
+OST_API const ost_force_key *ost_force_key_at(int index); /* NULL beyond the last */
+OST_API double ost_force_key_value(int index, const ost_force_params *force, const ost_safety_params *safety);
+enum { OST_FORCE_VALUE = 32 };
+OST_API char *ost_force_value_text(double value, char text[OST_FORCE_VALUE]); /* as a file has it */
+
+/*
+ * Lines "key: number" and comments after #; keys that are not there stay as
+ * they are.  On an error, which names file, line, key, value and what was
+ * expected, nothing is changed.
+ */
+OST_API ost_status ost_force_params_read(const char *file, ost_force_params *force, ost_safety_params *safety, ost_error *err);
 
 typedef struct ost_safety {
     ost_safety_params params;

@@ -40,7 +40,7 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "bone", .kind = OPTION_TEXT, .out = &args.bone, .given = &args.bone_given, .value = "BONE", .help = "a bone, a CT, or a built-in one (default: builtin:scapula)"},
         {.name = "tool", .kind = OPTION_LIST, .out = &args.tools, .value = "TOOL", .help = "a tool; may repeat (default: builtin:reamer; with the mouse\nbuiltin:peg and builtin:burr too)"},
         {.name = "path", .kind = OPTION_LIST, .out = &args.paths, .value = "PATH",
-         .help = "where the tool or the simulated hand goes, or the mouse's begins: as for osteon ream\n(default: builtin:glenoid-slow); of --device replay a session"},
+         .help = "where the tool or the simulated hand goes, or the mouse's begins:\nas for osteon ream\n(default: builtin:glenoid-press with --device sim and a force,\nfor as long as --seconds says, else builtin:glenoid-slow);\nof --device replay a session"},
         {.name = "out", .kind = OPTION_TEXT, .out = &args.out, .value = "FILE", .help = "the bone afterwards: .nrrd, or .nii, .nii.gz, .txt"},
         {.name = "record", .kind = OPTION_TEXT, .out = &args.record, .value = "SESSION", .help = "write down every tick; the name ends in .session"},
         {.name = "at", .kind = OPTION_POINT, .out = &t->at, .given = &t->at_given, .value = "X,Y,Z",
@@ -54,6 +54,10 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
         GLENOID_PLAN_OPTIONS(args.plan),
         {.name = "force", .kind = OPTION_CHOICE, .out = &args.force, .given = &args.force_given, .value = "off|energy|instant",
          .help = "what the hand feels: energy, bone gives way as it is cut;\ninstant, it is gone at once (default: energy if the device\nrenders forces)"},
+        {.name = "force-params", .kind = OPTION_TEXT, .out = &args.force_file, .value = "FILE",
+         .help = "parameters of the force and of what stands before the hand:\nlines of key: number (docs/force.md)"},
+        {.name = "print-force-params", .kind = OPTION_FLAG, .out = &args.print_force,
+         .help = "print those parameters with their units and sources, and end"},
         {.name = "rate", .kind = OPTION_DECIMAL, .out = &args.rate, .value = "HZ", .help = "remove so many times a second (default: every tick)"},
         {.name = "classes", .kind = OPTION_TEXT, .out = &args.classes_text, .value = "NAME:HU,...", .help = "density classes to count by, each from its HU up"},
         {.name = "no-clock", .kind = OPTION_FLAG, .out = &args.no_clock, .help = "one tick after the other, as fast as they go: the same operation"},
@@ -80,6 +84,10 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
     ost_status status;
     if (!options_parse(app, &usage, argc, argv, &status, err) || (status = sim_args_check(app, &args, err)) != OST_OK)
         return status;
+    if (args.print_force) {
+        sim_force_print(app, &args);
+        return OST_OK;
+    }
     simulation s = {0};
     progress_begin(app);
     if (!args.headless)

@@ -4,6 +4,7 @@
  *
  *   sim_args.c     what was asked for
  *   sim_load.c     bone, tools, world, device, force
+ *   sim_force.c    which force, with which parameters
  *   sim_resume.c   the ticks of a session that is gone on with
  *   sim_run.c      the loop
  *   sim_report.c   what is said afterwards, and what is written
@@ -14,11 +15,13 @@
 #include "app/debrief.h"
 #include "app/glenoid_plan.h"
 #include "app/load.h"
+#include "app/ream_path.h"
+#include "app/session_record.h"
 
 enum { SIM_ROOM = 65536 }; /* records that wait for the disk: 65 s */
 
 typedef struct sim_args {
-    const char *device, *bone, *out, *record, *classes_text, *session, *resume, *debrief;
+    const char *device, *bone, *out, *record, *classes_text, *session, *resume, *debrief, *force_file;
     option_list tools, paths;
     ct_options ct;
     tool_options how;
@@ -33,7 +36,9 @@ typedef struct sim_args {
     int view, style, width, height;
     int64_t fps;
     bool renderer_given, paths_given;
-    bool force_given, headless, no_clock, no_realtime, no_pin, compress, sweep_off, bone_given, tools_given;
+    ost_force_params force_params;
+    ost_safety_params safety;
+    bool force_given, headless, no_clock, no_realtime, no_pin, print_force, compress, sweep_off, bone_given, tools_given;
 } sim_args;
 
 /* By args.force: "off", "energy", "instant". */
@@ -70,10 +75,19 @@ bool sim_device_is(const sim_args *args, const char *name);
 ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err);
 
 ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
+/* The defaults for the device, and what --force-params says. */
+ost_status sim_force_params(const app_state *app, sim_args *args, ost_error *err);
+void sim_force_print(const app_state *app, const sim_args *args);
 /* A device that renders forces gets one unless --force off; one that does not has none to be asked for. */
 ost_status sim_force_make(const app_state *app, sim_args *args, simulation *s, ost_error *err);
 /* A core for the loop: from here on this thread, and those it makes, keep off it. */
 void sim_pin(const sim_args *args, simulation *s);
+enum { SIM_FORCE_KEYS = 32 };
+typedef struct sim_force_texts {
+    char key[SIM_FORCE_KEYS][40], value[SIM_FORCE_KEYS][OST_FORCE_VALUE];
+} sim_force_texts;
+/* The parameters as keys of a session, up to one that is NULL: at most SIM_FORCE_KEYS + 1. */
+void sim_force_session(const sim_args *args, sim_force_texts *texts, session_key *keys);
 /* With --record. */
 ost_status sim_record_begin(const sim_args *args, simulation *s, ost_error *err);
 

@@ -7,6 +7,8 @@
 #include "app/result.h"
 #include "app/say.h"
 
+enum { PRESS_TICKS_MAX = 600000 }; /* ten minutes; then the simulated hand stays where it is */
+
 const char *const sim_force_names[] = {"off", "energy", "instant"};
 
 bool sim_device_is(const sim_args *args, const char *name)
@@ -44,6 +46,8 @@ ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err)
     ost_status status = ream_period(app, &args->rate, &args->period_ns, err);
     if (!args->device)
         args->device = args->headless ? "sim" : "mouse";
+    if (args->print_force)
+        return sim_force_params(app, args, err);
     if (status == OST_OK && args->classes_text && (status = ost_density_classes_parse(args->classes_text, &args->classes, err)) != OST_OK)
         ost_fail_context(err, "--classes");
     args->ticks = args->headless ? 10000 : 0;
@@ -53,6 +57,8 @@ ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err)
     if (status == OST_OK && args->idle.text)
         status = ticks_of(app, "idle", &args->idle, &args->idle_ticks, err);
     if (status != OST_OK)
+        return status;
+    if ((status = sim_force_params(app, args, err)) != OST_OK)
         return status;
     if ((status = check_show(app, args, err)) != OST_OK)
         return status;
@@ -71,8 +77,11 @@ ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err)
         args->tools = sim_device_is(args, "mouse") ? (option_list){3, {"builtin:reamer", "builtin:peg", "builtin:burr"}}
                                                    : (option_list){1, {"builtin:reamer"}};
     args->paths_given = args->paths.count > 0;
+    /* A hand that is held back may press; what nothing holds back would go straight in. */
+    const bool pressing = sim_device_is(args, "sim") && !(args->force_given && !args->force);
     if (!args->paths.count)
-        args->paths = (option_list){1, {"builtin:glenoid-slow"}};
+        args->paths = (option_list){1, {pressing ? "builtin:glenoid-press" : "builtin:glenoid-slow"}};
+    args->plan.target.press_ticks = args->ticks && args->ticks < PRESS_TICKS_MAX ? (size_t)args->ticks : PRESS_TICKS_MAX;
     if (!args->resume && args->tools.count > 1 && args->paths.count > args->tools.count)
         return usage_error(app, err, "%d paths and %d tools: give one tool for all, or a tool for each path, in the same order",
                            args->paths.count, args->tools.count);

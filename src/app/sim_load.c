@@ -37,7 +37,8 @@ static ost_status take_plan(const app_state *app, const sim_args *args, simulati
                                           &s->planned, err);
     *target = args->plan.target;
     if (status == OST_OK && s->resumed && s->planned) {
-        *target = (target_options){.at = s->plan.at, .at_given = true, .axis_given = true, .side = s->plan.left ? 0 : 1, .side_given = true};
+        *target = (target_options){.at = s->plan.at, .at_given = true, .axis_given = true, .side = s->plan.left ? 0 : 1, .side_given = true,
+                                    .press_ticks = args->plan.target.press_ticks};
         memcpy(target->axis, s->plan.axis, sizeof target->axis);
     }
     return status == OST_OK && args->debrief ? debrief_begin(s->bone, &s->plan, &s->debrief, err) : status;
@@ -95,33 +96,6 @@ ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, o
     return ost_haptic_open(args->device, &setup, &s->device, err);
 }
 
-ost_status sim_force_make(const app_state *app, sim_args *args, simulation *s, ost_error *err)
-{
-    ost_haptic_info info = {0};
-    for (int i = 0; i < ost_haptic_count(); i++)
-        if (ost_haptic_describe(i, &info, err) == OST_OK && sim_device_is(args, info.name))
-            break;
-    const bool renders = info.name && sim_device_is(args, info.name) && (info.caps & (OST_HAPTIC_FORCE | OST_HAPTIC_SHOWN));
-    if (!args->force_given)
-        args->force = renders;
-    if (args->force && !renders)
-        return usage_error(app, err, "--force %s: device %s renders no force", sim_force_names[args->force], args->device);
-    if (!args->force)
-        return OST_OK;
-    ost_force_params params = ost_force_defaults();
-    params.mode = args->force == 2 ? OST_FORCE_INSTANT : OST_FORCE_ENERGY;
-    ost_status status = ost_force_create(s->bone, &params, &s->force, err);
-    if (status == OST_ERR_UNAVAILABLE && !args->force_given) {
-        warn(app, "%s; none is given", err->text);
-        args->force = 0;
-        *err = (ost_error){0};
-        return OST_OK;
-    }
-    for (int i = 0; i < args->tools.count && status == OST_OK; i++)
-        status = ost_force_add_tool(s->force, s->tools[i], err);
-    return status;
-}
-
 ost_status sim_record_begin(const sim_args *args, simulation *s, ost_error *err)
 {
     if (!args->record)
@@ -136,7 +110,9 @@ ost_status sim_record_begin(const sim_args *args, simulation *s, ost_error *err)
         .classes = *ost_world_classes(s->world),
         .plan = s->planned ? &s->plan : NULL,
     };
-    const session_key more[] = {{"tick_ns", "1000000"}, {"force", sim_force_names[args->force]}, {NULL, NULL}};
+    session_key more[SIM_FORCE_KEYS + 3] = {{"tick_ns", "1000000"}, {"force", sim_force_names[args->force]}};
+    sim_force_texts texts;
+    sim_force_session(args, &texts, more + 2);
     const ost_recorder_options options = {.room = SIM_ROOM};
     return session_record(args->record, &setup, s->backend, s->bone, s->tools, args->device, more, &options, &s->recorder, err);
 }

@@ -55,6 +55,7 @@ ost_status sim_run(const app_state *app, const sim_args *args, simulation *s, os
         .recorder = s->recorder,
         .force = s->force,
         .live = s->show ? s->show->live : NULL,
+        .safety = &args->safety,
         .tool = s->resumed ? s->last.tool : 0,
         .steps_before = s->before,
         .last = s->resumed ? &s->last : NULL,

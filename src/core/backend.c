@@ -261,20 +261,20 @@ ost_status ost_bone_download(const ost_bone *bone, int32_t z0, int32_t count, in
     return status == OST_OK ? bone->backend->ops->bone_download(bone, z0, count, voxels, err) : status;
 }
 
-ost_status ost_no_sample(const ost_bone *bone, size_t count, const ost_dims *voxels, int16_t *densities, ost_error *err)
+ost_status ost_no_sample(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities, ost_error *err)
 {
     (void)count;
-    (void)voxels;
+    (void)at;
     (void)densities;
     return ost_fail(err, OST_ERR_UNAVAILABLE, "backend %s keeps its voxels where a tick cannot look at them; a force needs backend cpu or ref",
                     bone->backend->ops->name);
 }
 
-ost_status ost_bone_sample(const ost_bone *bone, size_t count, const ost_dims *voxels, int16_t *densities, ost_error *err)
+ost_status ost_bone_sample(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities, ost_error *err)
 {
-    if (!bone || (count > 0 && (!voxels || !densities)))
+    if (!bone || (count > 0 && (!at || !densities)))
         return ost_fail(err, OST_ERR_USAGE, "sampling needs a bone, voxels and room for their densities");
-    return bone->backend->ops->bone_sample(bone, count, voxels, densities, err);
+    return bone->backend->ops->bone_sample(bone, count, at, densities, err);
 }
 
 ost_status ost_no_occupancy(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words, ost_error *err)

@@ -80,7 +80,7 @@ struct ost_backend_ops {
     ost_status (*bone_upload)(ost_bone *bone, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
     ost_status (*bone_download)(const ost_bone *bone, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
     /* Densities of single voxels, 0 beyond the grid. For ticks: asks for no memory. UNAVAILABLE where voxels are far from the host. */
-    ost_status (*bone_sample)(const ost_bone *bone, size_t count, const ost_dims *voxels, int16_t *densities, ost_error *err);
+    ost_status (*bone_sample)(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities, ost_error *err);
     /*
      * Occupancy of whole chunks, n^3/32 words each, as chunk_grid.h has them. For ticks: asks for no memory and waits for no
      * other thread; where voxels are on a device it waits for that. UNAVAILABLE where they cannot be had but slice by slice.
@@ -110,7 +110,7 @@ extern const ost_backend_ops ost_backend_plugin;
 /* The slot devices of a backend that has none to choose from. */
 ost_status ost_no_devices(ost_device_visit *visit, void *user, ost_error *err);
 /* The slot bone_sample of a backend whose voxels are far from the host. */
-ost_status ost_no_sample(const ost_bone *bone, size_t count, const ost_dims *voxels, int16_t *densities, ost_error *err);
+ost_status ost_no_sample(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities, ost_error *err);
 /* The slot bone_occupancy of a backend that gives slices alone. */
 ost_status ost_no_occupancy(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words, ost_error *err);
 

@@ -14,6 +14,7 @@ static void fill_scalar(ost_cpu_kernels *k)
     k->brick_row = ost_brick_row_scalar;
     k->any_active = ost_any_active_scalar;
     k->drain = ost_drain_scalar;
+    k->sample = ost_sample_scalar;
     k->blocks = ost_blocks_scalar;
     k->split = ost_split_scalar;
     k->match = ost_match_scalar;
@@ -46,6 +47,7 @@ static void fill_avx512(ost_cpu_kernels *k)
     k->gather_row = ost_gather_row_avx512;
     k->brick_row = ost_brick_row_avx512;
     k->any_active = ost_any_active_avx512;
+    k->sample = ost_sample_avx512;
     k->blocks = ost_blocks_avx512;
     k->split = ost_split_avx512;
     k->match = ost_match_avx512;

@@ -41,6 +41,7 @@ typedef void ost_gather_row_fn(const int16_t *from, const int32_t *map, int coun
  * between those bricks is not written.  Returns how many voxels are active and the highest density (0 when none is).
  * stream asks for stores past the caches; drain must follow before another thread reads.
  */
+struct cpu_bone;
 typedef struct ost_brick_sums {
     int32_t active, highest;
 } ost_brick_sums;
@@ -49,6 +50,13 @@ typedef ost_brick_sums ost_brick_row_fn(const int16_t *const rows[16], size_t br
 
 /* Whether one of the first `width` elements (1 to 64) of the `count` (>= 1) rows base + row[i] is at least threshold (>= 1). */
 typedef bool ost_any_active_fn(const int16_t *base, const size_t *row, int count, int width, int16_t threshold);
+
+/*
+ * densities[i] of voxel (at[0][i], at[1][i], at[2][i]), any numbers: 0 beyond the grid and for what is not active.  Of the
+ * voxels in the grid the chunks' entries are read, of those in chunks with memory the words of occupancy, of the active ones the density
+ * and the two bytes behind it, which lie in the chunk's block.  Only pointers, dims and chunk_size of bone are looked at.
+ */
+typedef void ost_sample_fn(const struct cpu_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities);
 
 /* Orders streamed stores of this thread before what it stores next. */
 typedef void ost_drain_fn(void);
@@ -154,6 +162,7 @@ typedef struct ost_cpu_kernels {
     ost_brick_row_fn *brick_row;
     ost_any_active_fn *any_active;
     ost_drain_fn *drain;
+    ost_sample_fn *sample;
     ost_blocks_fn *blocks;
     ost_split_fn *split;
     ost_match_fn *match;
@@ -171,6 +180,7 @@ ost_gather_row_fn ost_gather_row_scalar, ost_gather_row_avx512;
 ost_brick_row_fn ost_brick_row_scalar, ost_brick_row_avx2, ost_brick_row_avx512, ost_brick_row_neon;
 ost_any_active_fn ost_any_active_scalar, ost_any_active_avx2, ost_any_active_avx512, ost_any_active_neon;
 ost_drain_fn ost_drain_scalar, ost_drain_avx2;
+ost_sample_fn ost_sample_scalar, ost_sample_avx512;
 ost_blocks_fn ost_blocks_scalar, ost_blocks_avx512;
 ost_split_fn ost_split_scalar, ost_split_avx2, ost_split_avx512, ost_split_neon;
 ost_match_fn ost_match_scalar, ost_match_avx2, ost_match_avx512, ost_match_neon;

@@ -15,8 +15,18 @@
 #include "force/contact.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "core/backend.h"
+
+#define NEAR_AXIS 1e-3 /* m: what is nearer to the axis cuts as if it were so far from it */
+
+/* Four at once, in whatever registers there are. */
+typedef float four __attribute__((vector_size(16)));
+typedef int32_t four_integers __attribute__((vector_size(16)));
+
+/* Voxels that a tool may reach: beyond them a place in floats would be too coarse. */
+#define REACH_MAX 32768.0
 
 double ost_dot(const double a[3], const double b[3])
 {
@@ -30,94 +40,194 @@ void ost_cross(const double a[3], const double b[3], double out[3])
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-void ost_contact_turn(const ost_shell *shell, const ost_pose *pose, contact *out)
+void ost_turn_of(const double q[4], double turn[3][3])
 {
-    double w = pose->qw, x = pose->qx, y = pose->qy, z = pose->qz;
-    const double n = w * w + x * x + y * y + z * z;
+    const double w = q[0], x = q[1], y = q[2], z = q[3], n = w * w + x * x + y * y + z * z;
     const double m[3][3] = {{(w * w + x * x - y * y - z * z) / n, 2 * (x * y - w * z) / n, 2 * (x * z + w * y) / n},
                             {2 * (x * y + w * z) / n, (w * w - x * x + y * y - z * z) / n, 2 * (y * z - w * x) / n},
                             {2 * (x * z - w * y) / n, 2 * (y * z + w * x) / n, (w * w - x * x - y * y + z * z) / n}};
-    out->count = shell->count;
+    memcpy(turn, m, sizeof m);
+}
+
+void ost_into_bone(const contact_pose *pose, const double v[3], double out[3])
+{
     for (int a = 0; a < 3; a++)
-        out->axis[a] = m[a][2];
+        out[a] = ost_dot(pose->turn[a], v);
+}
+
+void ost_into_tool(const contact_pose *pose, const double v[3], double out[3])
+{
+    for (int a = 0; a < 3; a++)
+        out[a] = pose->turn[0][a] * v[0] + pose->turn[1][a] * v[1] + pose->turn[2][a] * v[2];
+}
+
+void ost_contact_shell_make(const ost_shell *shell, const ost_force_params *params, double spacing, contact_shell *out)
+{
+    memset(out, 0, sizeof *out);
+    out->count = shell->count;
     for (size_t i = 0; i < shell->count; i++) {
-        const ost_shell_point *from = &shell->points[i];
-        contact_point *p = &out->points[i];
-        *p = (contact_point){.area = from->area, .cutting = from->cutting};
+        const ost_shell_point *p = &shell->points[i];
+        const double radius = sqrt(p->at[0] * p->at[0] + p->at[1] * p->at[1]);
+        const double spin = params->speed * (radius > NEAR_AXIS ? radius : NEAR_AXIS), rigid = p->area * OST_RIGID;
+        const double give = p->cutting && spin > 0 ? p->area * params->energy / (params->cutting_ratio * spin) : rigid;
         for (int a = 0; a < 3; a++) {
-            p->r[a] = ost_dot(m[a], from->at);
-            p->inward[a] = ost_dot(m[a], from->inward);
+            out->at[a][i] = (float)p->at[a];
+            out->inward[a][i] = (float)p->inward[a];
+            out->outside[a][i] = (float)(p->at[a] - spacing * p->inward[a]);
+        }
+        out->against[0][i] = radius > 0 ? (float)(p->at[1] / radius) : 0;
+        out->against[1][i] = radius > 0 ? (float)(-p->at[0] / radius) : 0;
+        out->spin[i] = (float)spin;
+        out->area[i] = (float)p->area;
+        out->give[i] = (float)(give < rigid ? give : rigid);
+        out->cutting[i] = p->cutting && spin > 0;
+        const double away = sqrt(ost_dot(p->at, p->at)) + spacing;
+        out->reach = away > out->reach ? away : out->reach;
+    }
+}
+
+/* The bone's voxels from the tool's frame: origin + floor(to[a] . p + part[a]). Floats, but for the part that is large. */
+typedef struct to_voxels {
+    float to[3][3], part[3]; /* part: 0 to 1 */
+    int32_t origin[3];
+} to_voxels;
+
+/* False when no point of the tool, nor what is farther out by more, can be in the grid: nor when the pose is no number. */
+static bool map_make(const ost_bone *bone, const contact_shell *shell, const contact_pose *pose, double more, to_voxels *map)
+{
+    const ost_geometry *g = &bone->geometry;
+    const double s = (double)g->spacing.x * OST_M_PER_PM, reach = (shell->reach + more) / s + 2;
+    const ost_pm origin[3] = {g->origin.x, g->origin.y, g->origin.z};
+    const int32_t dims[3] = {g->dims.x, g->dims.y, g->dims.z};
+    if (!(reach < REACH_MAX))
+        return false;
+    for (int a = 0; a < 3; a++) {
+        const double base = (pose->at[a] - (double)origin[a] * OST_M_PER_PM) / s + 0.5;
+        if (!(base + reach > 0 && base - reach < dims[a]))
+            return false;
+        map->origin[a] = (int32_t)(base + REACH_MAX) - (int32_t)REACH_MAX;
+        map->part[a] = (float)(base - map->origin[a]);
+        for (int b = 0; b < 3; b++)
+            map->to[a][b] = (float)(pose->turn[a][b] / s);
+    }
+    return true;
+}
+
+/* Places in voxels from map->origin, a row of the map at a time; behind the last point those of the tool's origin. */
+static void places(const to_voxels *map, const float (*at)[OST_SHELL_MAX], size_t count, contact *c)
+{
+    for (int a = 0; a < 3; a++) {
+        const float x = map->to[a][0], y = map->to[a][1], z = map->to[a][2], part = map->part[a];
+        for (size_t i = 0; i < count; i += 4) {
+            four p[3];
+            memcpy(&p[0], &at[0][i], sizeof p[0]);
+            memcpy(&p[1], &at[1][i], sizeof p[1]);
+            memcpy(&p[2], &at[2][i], sizeof p[2]);
+            const four place = p[0] * x + p[1] * y + p[2] * z + part;
+            memcpy(&c->place[a][i], &place, sizeof place);
         }
     }
 }
 
-/* The voxel that at + r + inward * step lies in. Far away is beyond every grid and fits an int. */
-static ost_dims voxel_at(const ost_geometry *g, const double at[3], const contact_point *p, double step)
+/* Rounded down: what is cut off toward 0 is one too high where it lies above. */
+static void voxels_at(const to_voxels *map, size_t count, contact *c)
 {
-    const int64_t origin[3] = {g->origin.x, g->origin.y, g->origin.z};
-    const double s = (double)g->spacing.x * OST_M_PER_PM;
-    int32_t v[3];
-    for (int a = 0; a < 3; a++) {
-        const double index = floor((at[a] + p->r[a] + p->inward[a] * step - (double)origin[a] * OST_M_PER_PM) / s + 0.5);
-        v[a] = index > -1e6 && index < 1e6 ? (int32_t)index : -1;
-    }
-    return (ost_dims){v[0], v[1], v[2]};
+    for (int a = 0; a < 3; a++)
+        for (size_t i = 0; i < count; i += 4) {
+            four place;
+            memcpy(&place, &c->place[a][i], sizeof place);
+            const four_integers cut = __builtin_convertvector(place, four_integers);
+            const four_integers v = cut + (four_integers)(__builtin_convertvector(cut, four) > place) + map->origin[a];
+            memcpy(&c->voxel[a][i], &v, sizeof v);
+        }
 }
 
-ost_status ost_contact_touch(const ost_bone *bone, const double at[3], contact *c, int *touching, ost_error *err)
+static ost_status ask(const ost_bone *bone, size_t count, contact *c, ost_error *err)
+{
+    const int32_t *const at[3] = {c->voxel[0], c->voxel[1], c->voxel[2]};
+    return ost_bone_sample(bone, count, at, c->found, err);
+}
+
+ost_status ost_contact_touch(const ost_bone *bone, const contact_shell *shell, const contact_pose *pose, contact *c, ost_error *err)
+{
+    to_voxels map;
+    c->count = 0;
+    if (!map_make(bone, shell, pose, 0, &map))
+        return OST_OK;
+    places(&map, shell->outside, shell->count, c);
+    voxels_at(&map, shell->count, c);
+    ost_status status = ask(bone, shell->count, c, err);
+    if (status != OST_OK)
+        return status;
+    size_t n = 0;
+    for (size_t i = 0; i < shell->count; i++) {
+        c->which[n] = (uint16_t)i;
+        c->density[n] = c->found[i];
+        n += c->found[i] != 0;
+    }
+    c->count = n;
+    return OST_OK;
+}
+
+/* The inward normal of a point, in voxels for a metre. */
+static void inward_in_voxels(const to_voxels *map, const contact_shell *shell, size_t i, double out[3])
+{
+    for (int a = 0; a < 3; a++)
+        out[a] = (double)map->to[a][0] * shell->inward[0][i] + (double)map->to[a][1] * shell->inward[1][i] + (double)map->to[a][2] * shell->inward[2][i];
+}
+
+ost_status ost_contact_press(const ost_bone *bone, const contact_shell *shell, const contact_pose *pose, double layer, contact *c, ost_error *err)
 {
     const double s = (double)bone->geometry.spacing.x * OST_M_PER_PM;
-    *touching = 0;
-    for (size_t i = 0; i < c->count; i++)
-        c->voxels[i] = voxel_at(&bone->geometry, at, &c->points[i], -s);
-    ost_status status = ost_bone_sample(bone, c->count, c->voxels, c->densities, err);
-    for (size_t i = 0; i < c->count && status == OST_OK; i++) {
-        c->points[i].density = c->densities[i];
-        *touching += c->densities[i] != 0;
-    }
-    return status;
-}
-
-ost_status ost_contact_press(const ost_bone *bone, const double at[3], double layer, contact *c, int *touching, ost_error *err)
-{
-    const ost_geometry *g = &bone->geometry;
-    const int64_t origin[3] = {g->origin.x, g->origin.y, g->origin.z};
-    const double s = (double)g->spacing.x * OST_M_PER_PM;
-    ost_status status = OST_OK;
-    size_t left = c->count;
-    *touching = 0;
+    uint16_t walking[OST_SHELL_MAX], slot[OST_SHELL_MAX]; /* point; its place among those that touch */
+    to_voxels map;
+    c->count = 0;
+    if (!map_make(bone, shell, pose, layer, &map))
+        return OST_OK;
+    places(&map, shell->at, shell->count, c);
+    size_t left = shell->count;
     for (size_t i = 0; i < left; i++)
-        c->which[i] = (uint16_t)i;
-    /* Step by step inward, all points that are still in bone at once. before: the plane of the last active voxel. */
-    for (double step = -layer; left > 0 && step < layer; step += s / 2) {
-        for (size_t k = 0; k < left; k++)
-            c->voxels[k] = voxel_at(g, at, &c->points[c->which[k]], step);
-        status = ost_bone_sample(bone, left, c->voxels, c->densities, err);
+        walking[i] = (uint16_t)i;
+    /* Step by step inward, all points that are still in bone at once; the first step says which touch. */
+    bool first = true;
+    for (double step = -layer; left > 0 && step < layer; step += s / 2, first = false) {
+        for (size_t k = 0; k < left; k++) {
+            double along[3];
+            inward_in_voxels(&map, shell, walking[k], along);
+            for (int a = 0; a < 3; a++)
+                c->voxel[a][k] = (int32_t)floor(c->place[a][walking[k]] + step * along[a]) + map.origin[a];
+        }
+        ost_status status = ask(bone, left, c, err);
         if (status != OST_OK)
             return status;
         size_t kept = 0;
         for (size_t k = 0; k < left; k++) {
-            contact_point *p = &c->points[c->which[k]];
-            const int32_t v[3] = {c->voxels[k].x, c->voxels[k].y, c->voxels[k].z};
-            double plane = 0;
+            const size_t i = walking[k];
+            /* From the point to the voxel's centre, along the normal. */
+            double along[3], plane = 0;
+            inward_in_voxels(&map, shell, i, along);
             for (int a = 0; a < 3; a++)
-                plane += ((double)origin[a] * OST_M_PER_PM + v[a] * s - at[a] - p->r[a]) * p->inward[a];
-            if (c->densities[k] == 0) {
+                plane += (c->voxel[a][k] - map.origin[a] + 0.5 - c->place[a][i]) * along[a] * s * s;
+            if (c->found[k] == 0) {
                 /* Out of the bone; one that never was in it touches nothing. */
-                if (p->density)
-                    p->depth = (p->depth + plane) / 2 + layer;
+                if (!first)
+                    c->depth[slot[k]] = (c->depth[slot[k]] + plane) / 2 + layer;
                 continue;
             }
-            *touching += p->density == 0;
-            p->density = p->density ? p->density : c->densities[k];
-            p->depth = plane;
-            c->which[kept++] = c->which[k];
+            const size_t to = first ? c->count++ : slot[k];
+            if (first) {
+                c->which[to] = (uint16_t)i;
+                c->density[to] = c->found[k];
+            }
+            c->depth[to] = plane;
+            slot[kept] = (uint16_t)to;
+            walking[kept++] = (uint16_t)i;
         }
         left = kept;
     }
     for (size_t k = 0; k < left; k++)
-        c->points[c->which[k]].depth = 2 * layer;
-    for (size_t i = 0; i < c->count; i++)
-        c->points[i].depth = c->points[i].density == 0 || c->points[i].depth < 0 ? 0 : c->points[i].depth;
+        c->depth[slot[k]] = 2 * layer;
+    for (size_t k = 0; k < c->count; k++)
+        c->depth[k] = c->depth[k] < 0 ? 0 : c->depth[k];
     return OST_OK;
 }

@@ -10,76 +10,68 @@
  *   Who presses a point into bone at speed v cuts area * v * energy watts; the
  *   cutting friction, ratio * f at the point's speed, gives them.  So contact
  *   is a damper and never a spring: nothing of it can swing.  The equation is
- *   solved for the end of the tick, and the set of points that press is found
- *   by trying: each solution says which do.
+ *   solved for the end of the tick (balance.h).
+ *
+ *   With a turn stiffness the tool's direction hangs on the device's by such
+ *   a spring, too, and the same equation has three more rows: torques.
  *
  *   instant   f = layer stiffness * (density / reference)^2 * area * depth
  *
  *   The sum of the points' stiffness is at most the coupling's.
+ *
+ * All of it in the tool's frame (contact.h); results are turned back.
  */
+#include "core/conditions.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "core/backend.h"
+#include "force/balance.h"
 #include "force/contact.h"
+#include "force/params.h"
+#include "force/vibration.h"
 
-enum { TOOLS_MAX = 16, SETS = 8, PARTS = 8 };
-#define RIGID 1e12     /* N s/m^3: of a point that does not cut */
-#define NEAR_AXIS 1e-3 /* m: what is nearer to the axis cuts as if it were so far from it */
+enum { TOOLS_MAX = 16, PARTS = 8 };
 #define VELOCITY_HZ 50.0
 #define DRAG_S 0.1
+#define PI 3.14159265358979323846
 
 struct ost_force {
     const ost_bone *bone;
     ost_force_params params;
+    double spacing; /* m, of the bone */
     int tools;
-    ost_shell shells[TOOLS_MAX];
+    contact_shell *shells[TOOLS_MAX];
     bool held;          /* a tool is in the hand: the rest is of it */
     int tool;
-    double at[3];       /* m: the tool's origin */
+    contact_pose pose;  /* of the tool */
+    double facing[4];   /* the same turn as a quaternion */
     ost_pose device;    /* of the last tick */
     double velocity[3]; /* m/s: the device's, filtered */
+    double turning[3];  /* rad/s, likewise */
     double drag[3];     /* N: what cutting pulls sideways, as felt: slowly */
+    double drag_nm[3];
+    double spun;        /* rad: how far the tool has turned */
     contact contact;
+    balance balance;
+    double size[OST_SHELL_MAX]; /* N: of each point that touches */
 };
 
 /* ------------------------------------------------------------------ making */
 
-static ost_status check(const ost_force_params *p, ost_error *err)
-{
-    const struct {
-        const char *name;
-        double value, lo, hi;
-    } bounds[] = {{"scale", p->scale, 1e-6, 1},
-                  {"stiffness", p->stiffness, 1, 1e6},
-                  {"damping", p->damping, 0, 1e3},
-                  {"speed", p->speed, 0, 1e5},
-                  {"cutting ratio", p->cutting_ratio, 1e-3, 10},
-                  {"energy", p->energy, 1, 1e12},
-                  {"reference density", p->reference_density, 1e-3, 1e3},
-                  {"density at 0 HU", p->density_at_0, -1e3, 1e3},
-                  {"density per HU", p->density_per_hu, -1, 1},
-                  {"layer", p->layer, 1e-6, 1},
-                  {"layer stiffness", p->layer_stiffness, 0, 1e15}};
-    for (size_t i = 0; i < sizeof bounds / sizeof bounds[0]; i++)
-        if (!(bounds[i].value >= bounds[i].lo && bounds[i].value <= bounds[i].hi))
-            return ost_fail(err, OST_ERR_RANGE, "force: %s is %g; %g to %g is supported", bounds[i].name, bounds[i].value, bounds[i].lo,
-                            bounds[i].hi);
-    return OST_OK;
-}
-
 ost_status ost_force_create(const ost_bone *bone, const ost_force_params *params, ost_force **out, ost_error *err)
 {
     const ost_force_params chosen = params ? *params : ost_force_defaults();
-    const ost_dims first = {0, 0, 0};
+    const int32_t first = 0, *const at[3] = {&first, &first, &first};
     int16_t density;
     *out = NULL;
     if (!bone)
         return ost_fail(err, OST_ERR_USAGE, "a force needs a bone");
-    ost_status status = check(&chosen, err);
+    ost_status status = ost_force_params_check(&chosen, err);
     if (status == OST_OK)
-        status = ost_bone_sample(bone, 1, &first, &density, err);
+        status = ost_bone_sample(bone, 1, at, &density, err);
     if (status != OST_OK)
         return status;
     ost_force *f = calloc(1, sizeof *f);
@@ -87,6 +79,7 @@ ost_status ost_force_create(const ost_bone *bone, const ost_force_params *params
         return ost_fail(err, OST_ERR_MEMORY, "no memory for a force");
     f->bone = bone;
     f->params = chosen;
+    f->spacing = (double)bone->geometry.spacing.x * OST_M_PER_PM;
     *out = f;
     return OST_OK;
 }
@@ -96,7 +89,7 @@ void ost_force_free(ost_force *force)
     if (!force)
         return;
     for (int i = 0; i < force->tools; i++)
-        ost_shell_free(&force->shells[i]);
+        free(force->shells[i]);
     free(force);
 }
 
@@ -104,12 +97,11 @@ ost_status ost_force_add_shell(ost_force *force, const ost_shell *shell, ost_err
 {
     if (force->tools == TOOLS_MAX || shell->count > OST_SHELL_MAX)
         return ost_fail(err, OST_ERR_USAGE, "a force takes up to %d tools of up to %d points", TOOLS_MAX, OST_SHELL_MAX);
-    ost_shell_point *points = malloc((shell->count ? shell->count : 1) * sizeof *points);
+    contact_shell *points = malloc(sizeof *points);
     if (!points)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for a tool's shell");
-    if (shell->count)
-        memcpy(points, shell->points, shell->count * sizeof *points);
-    force->shells[force->tools++] = (ost_shell){shell->count, points};
+    ost_contact_shell_make(shell, &force->params, force->spacing, points);
+    force->shells[force->tools++] = points;
     return OST_OK;
 }
 
@@ -129,113 +121,70 @@ ost_status ost_force_add_tool(ost_force *force, const ost_tool *tool, ost_error 
     return status;
 }
 
+static void take_direction(ost_force *f, const ost_pose *pose)
+{
+    const double q[4] = {pose->qw, pose->qx, pose->qy, pose->qz}, length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    for (int i = 0; i < 4; i++)
+        f->facing[i] = q[i] / length;
+    ost_turn_of(f->facing, f->pose.turn);
+}
+
+static void place_of(const ost_pose *pose, double at[3])
+{
+    at[0] = (double)pose->t.x * OST_M_PER_PM;
+    at[1] = (double)pose->t.y * OST_M_PER_PM;
+    at[2] = (double)pose->t.z * OST_M_PER_PM;
+}
+
 void ost_force_place(ost_force *force, int tool, const ost_pose *pose)
 {
     force->held = true;
     force->tool = tool;
     force->device = *pose;
-    force->at[0] = (double)pose->t.x * OST_M_PER_PM;
-    force->at[1] = (double)pose->t.y * OST_M_PER_PM;
-    force->at[2] = (double)pose->t.z * OST_M_PER_PM;
+    place_of(pose, force->pose.at);
+    take_direction(force, pose);
     memset(force->velocity, 0, sizeof force->velocity);
+    memset(force->turning, 0, sizeof force->turning);
     memset(force->drag, 0, sizeof force->drag);
+    memset(force->drag_nm, 0, sizeof force->drag_nm);
+    force->spun = 0;
 }
 
-/* ------------------------------------------------------------------ energy */
+/* ------------------------------------------------------------------- turns */
 
-/* m x = b with m symmetric and positive definite. */
-static void solve(const double m[3][3], const double b[3], double x[3])
+/* The turn that takes a to b, as twice the sine of half its angle along its axis, in the bone's frame. */
+static void turn_between(const double a[4], const double b[4], double out[3])
 {
-    double c[3][3];
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
-            c[i][j] = m[(i + 1) % 3][(j + 1) % 3] * m[(i + 2) % 3][(j + 2) % 3] - m[(i + 1) % 3][(j + 2) % 3] * m[(i + 2) % 3][(j + 1) % 3];
-    const double det = m[0][0] * c[0][0] + m[0][1] * c[0][1] + m[0][2] * c[0][2];
-    for (int i = 0; i < 3; i++)
-        x[i] = (c[0][i] * b[0] + c[1][i] * b[1] + c[2][i] * b[2]) / det;
-}
-
-/* How fast the tool's spin moves a point; direction against it, of length 1, in drag. */
-static double spin_at(const ost_force *f, const contact_point *p, double drag[3])
-{
-    double along[3];
-    ost_cross(f->contact.axis, p->r, along);
-    const double radius = sqrt(ost_dot(along, along));
-    for (int a = 0; a < 3; a++)
-        drag[a] = radius > 0 ? -along[a] / radius : 0;
-    return f->params.speed * (radius > NEAR_AXIS ? radius : NEAR_AXIS);
-}
-
-/* N s/m: what a touching point answers to its advance. */
-static double resistance(const ost_force *f, const contact_point *p)
-{
-    double drag[3];
-    const double speed = spin_at(f, p, drag);
-    if (!p->cutting || speed <= 0)
-        return p->area * RIGID;
-    const double b = p->area * ost_force_energy(&f->params, p->density) / (f->params.cutting_ratio * speed);
-    return b < p->area * RIGID ? b : p->area * RIGID;
-}
-
-typedef struct balance {
-    double k, d;                   /* real: of the coupling */
-    double turn[3];                /* rad/s, without the spin */
-    double b[OST_SHELL_MAX];       /* of each point; 0: touches nothing */
-    double by_turn[OST_SHELL_MAX]; /* m/s: its advance by the turn alone */
-    bool pressing[OST_SHELL_MAX];
-} balance;
-
-static double advance(const contact_point *p, double by_turn, const double v[3])
-{
-    return by_turn - ost_dot(p->inward, v);
-}
-
-/* The tool's speed over dt toward a device that is away, with the points that touch now. */
-static void find_speed(const contact *c, balance *e, const double away[3], const double velocity[3], double dt, double v[3])
-{
-    for (size_t i = 0; i < c->count; i++)
-        e->pressing[i] = e->b[i] > 0;
-    for (int set = 0; set < SETS; set++) {
-        double m[3][3] = {{0}}, rhs[3];
-        bool same = true;
-        for (int a = 0; a < 3; a++) {
-            m[a][a] = e->k * dt + e->d;
-            rhs[a] = e->k * away[a] + e->d * velocity[a];
-        }
-        for (size_t i = 0; i < c->count; i++) {
-            const double *n = c->points[i].inward;
-            for (int a = 0; a < 3 && e->pressing[i]; a++) {
-                rhs[a] += e->b[i] * e->by_turn[i] * n[a];
-                for (int k = 0; k < 3; k++)
-                    m[a][k] += e->b[i] * n[a] * n[k];
-            }
-        }
-        solve(m, rhs, v);
-        for (size_t i = 0; i < c->count; i++) {
-            const bool presses = e->b[i] > 0 && advance(&c->points[i], e->by_turn[i], v) > 0;
-            same &= presses == e->pressing[i];
-            e->pressing[i] = presses;
-        }
-        if (same)
-            return;
-    }
-}
-
-/* Turn from the last device pose to this one, rad/s, across the tool's axis; small angles. */
-static void turn_of(const ost_force *f, const ost_pose *device, double period, double out[3])
-{
-    const ost_pose *a = &f->device;
-    const double w = a->qw, x = -(double)a->qx, y = -(double)a->qy, z = -(double)a->qz; /* conjugate */
-    const double W = device->qw, X = device->qx, Y = device->qy, Z = device->qz;
-    const double real = W * w - X * x - Y * y - Z * z;
-    const double imaginary[3] = {W * x + X * w + Y * z - Z * y, W * y - X * z + Y * w + Z * x, W * z + X * y - Y * x + Z * w};
+    const double w = a[0], x = -a[1], y = -a[2], z = -a[3]; /* conjugate */
+    const double real = b[0] * w - b[1] * x - b[2] * y - b[3] * z;
+    const double imaginary[3] = {b[0] * x + b[1] * w + b[2] * z - b[3] * y, b[0] * y - b[1] * z + b[2] * w + b[3] * x,
+                                 b[0] * z + b[1] * y - b[2] * x + b[3] * w};
     const double n = sqrt(real * real + ost_dot(imaginary, imaginary));
     for (int i = 0; i < 3; i++)
-        out[i] = (real < 0 ? -2 : 2) * imaginary[i] / n / period;
-    const double spin = ost_dot(out, f->contact.axis);
-    for (int i = 0; i < 3; i++)
-        out[i] -= spin * f->contact.axis[i];
+        out[i] = (real < 0 ? -2 : 2) * imaginary[i] / n;
 }
+
+static void quaternion_of(const ost_pose *pose, double q[4])
+{
+    q[0] = pose->qw;
+    q[1] = pose->qx;
+    q[2] = pose->qy;
+    q[3] = pose->qz;
+}
+
+/* The tool's direction after it has turned by w for dt; w in its own frame. */
+static void turn_tool(ost_force *f, const double w[3], double dt)
+{
+    const double *q = f->facing, h[3] = {w[0] * dt / 2, w[1] * dt / 2, w[2] * dt / 2};
+    const double next[4] = {q[0] - q[1] * h[0] - q[2] * h[1] - q[3] * h[2], q[1] + q[0] * h[0] + q[2] * h[2] - q[3] * h[1],
+                            q[2] + q[0] * h[1] + q[3] * h[0] - q[1] * h[2], q[3] + q[0] * h[2] + q[1] * h[1] - q[2] * h[0]};
+    const double length = sqrt(next[0] * next[0] + next[1] * next[1] + next[2] * next[2] + next[3] * next[3]);
+    for (int i = 0; i < 4; i++)
+        f->facing[i] = next[i] / length;
+    ost_turn_of(f->facing, f->pose.turn);
+}
+
+/* ------------------------------------------------------------------ results */
 
 /*
  * Forces of the points on the tool: along the normals, and what cutting adds.
@@ -243,95 +192,186 @@ static void turn_of(const ost_force *f, const ost_pose *device, double period, d
  * stiffness without a potential, that makes a light hand whirl at the
  * frequency of its own swing.  So the pull is felt slower than that.
  */
-static void sum_up(ost_force *f, const double size[], double period, ost_force_result *out)
+static void sum_up(ost_force *f, double period, ost_force_result *out)
 {
-    double normal[3] = {0}, drag_sum[3] = {0};
-    for (size_t i = 0; i < f->contact.count; i++) {
-        const contact_point *p = &f->contact.points[i];
-        double drag[3], force[3], torque[3];
-        if (size[i] <= 0)
+    const contact_shell *shell = f->shells[f->tool];
+    const contact *c = &f->contact;
+    double normal[3] = {0}, pull[3] = {0}, normal_nm[3] = {0}, pull_nm[3] = {0}, shaking = 0, bone[3];
+    for (size_t k = 0; k < c->count; k++) {
+        const size_t i = c->which[k];
+        const double size = f->size[k];
+        if (size <= 0)
             continue;
-        const double speed = spin_at(f, p, drag);
-        const double cutting = p->cutting && f->params.speed > 0 ? f->params.cutting_ratio * size[i] : 0;
-        for (int a = 0; a < 3; a++) {
-            normal[a] += size[i] * p->inward[a];
-            drag_sum[a] += cutting * drag[a];
-            force[a] = size[i] * p->inward[a] + cutting * drag[a];
+        const double r[3] = {shell->at[0][i], shell->at[1][i], shell->at[2][i]};
+        const double cutting = shell->cutting[i] ? f->params.cutting_ratio * size : 0;
+        const double push[3] = {size * shell->inward[0][i], size * shell->inward[1][i], size * shell->inward[2][i]};
+        const double across[3] = {cutting * shell->against[0][i], cutting * shell->against[1][i], 0};
+        double a[3], b[3];
+        ost_cross(r, push, a);
+        ost_cross(r, across, b);
+        for (int d = 0; d < 3; d++) {
+            normal[d] += push[d];
+            pull[d] += across[d];
+            normal_nm[d] += a[d];
+            pull_nm[d] += b[d];
         }
-        ost_cross(p->r, force, torque);
-        for (int a = 0; a < 3; a++)
-            out->torque_nm[a] += f->params.scale * torque[a];
-        out->power_w += cutting * speed;
-        out->cutting_nm += f->params.speed > 0 ? cutting * speed / f->params.speed : 0;
+        out->power_w += cutting * shell->spin[i];
+        shaking += shell->cutting[i] ? size * ost_force_density(&f->params, c->density[k]) / f->params.reference_density : 0;
     }
-    out->axial_n = ost_dot(normal, f->contact.axis);
-    double across[3];
-    for (int a = 0; a < 3; a++)
-        across[a] = normal[a] - out->axial_n * f->contact.axis[a];
-    out->off_axis_n = sqrt(ost_dot(across, across));
-    for (int a = 0; a < 3; a++) {
-        f->drag[a] += (drag_sum[a] - f->drag[a]) * period / (period + DRAG_S);
-        out->force_n[a] = f->params.scale * (normal[a] + f->drag[a]);
+    out->cutting_nm = f->params.speed > 0 ? out->power_w / f->params.speed : 0;
+    out->axial_n = normal[2];
+    out->off_axis_n = sqrt(normal[0] * normal[0] + normal[1] * normal[1]);
+    out->shaking_n = f->params.scale * shaking;
+    const double slow = period / (period + DRAG_S);
+    ost_into_bone(&f->pose, pull, bone);
+    for (int d = 0; d < 3; d++)
+        f->drag[d] += (bone[d] - f->drag[d]) * slow;
+    ost_into_bone(&f->pose, pull_nm, bone);
+    for (int d = 0; d < 3; d++) {
+        f->drag_nm[d] += (bone[d] - f->drag_nm[d]) * slow;
+        normal_nm[d] += pull_nm[d];
+    }
+    ost_into_bone(&f->pose, normal, out->force_n);
+    ost_into_bone(&f->pose, normal_nm, out->torque_nm);
+    for (int d = 0; d < 3; d++) {
+        out->force_n[d] = f->params.scale * (out->force_n[d] + f->drag[d]);
+        out->torque_nm[d] *= f->params.scale;
     }
 }
 
-static ost_status by_energy(ost_force *f, const double to[3], const double turn[3], double period, ost_force_result *out, ost_error *err)
+/* vibration.h */
+static void shake(ost_force *f, double period, ost_force_result *out)
 {
-    balance e = {.k = f->params.stiffness / f->params.scale, .d = f->params.damping / f->params.scale};
-    const double half_voxel = (double)f->bone->geometry.spacing.x * OST_M_PER_PM / 2;
-    contact *c = &f->contact;
-    double v[3] = {0}, left = period, size[OST_SHELL_MAX] = {0};
+    const ost_force_params *p = &f->params;
+    double once[2], teeth[2], felt[3];
+    if (p->vibration <= 0 && p->runout <= 0)
+        return;
+    f->spun += p->speed * period;
+    f->spun -= f->spun > 2 * PI * 64 ? 2 * PI * 64 : 0; /* whole turns, however many teeth */
+    ost_sin_cos(f->spun, &once[0], &once[1]);
+    ost_sin_cos(f->spun * p->teeth, &teeth[0], &teeth[1]);
+    const double own[3] = {p->runout * once[1], p->runout * once[0], p->vibration * teeth[0]};
+    ost_into_bone(&f->pose, own, felt);
+    for (int d = 0; d < 3; d++)
+        out->force_n[d] += out->shaking_n * felt[d];
+}
+
+/* ------------------------------------------------------------------ energy */
+
+/* The points that touch, as the balance takes them. turn is what turns the tool beside it, in its frame. */
+static void gather(ost_force *f, int axes, const double turn[3])
+{
+    const contact_shell *shell = f->shells[f->tool];
+    const contact *c = &f->contact;
+    balance *e = &f->balance;
+    e->axes = axes;
+    e->count = c->count;
+    for (size_t k = 0; k < c->count; k++) {
+        const size_t i = c->which[k];
+        const double r[3] = {shell->at[0][i], shell->at[1][i], shell->at[2][i]};
+        const double n[3] = {-(double)shell->inward[0][i], -(double)shell->inward[1][i], -(double)shell->inward[2][i]};
+        double arm[3];
+        ost_cross(r, n, arm);
+        const double share = ost_force_density(&f->params, c->density[k]) / f->params.reference_density, most = shell->area[i] * OST_RIGID;
+        const double b = shell->cutting[i] ? shell->give[i] * share * share : shell->give[i];
+        e->b[k] = share <= 0 && shell->cutting[i] ? 0 : b < most ? b : most;
+        e->given[k] = ost_dot(turn, arm);
+        for (int a = 0; a < 3; a++) {
+            e->j[a][k] = n[a];
+            e->j[3 + a][k] = arm[a];
+        }
+    }
+}
+
+/* Springs and dampers of the coupling; away and velocity of the device in the tool's frame. */
+static void pull(balance *e, int first, double k, double d, double dt, const double away[3], const double velocity[3])
+{
+    for (int a = 0; a < 3; a++) {
+        e->spring[first + a] = k * dt + d;
+        e->pull[first + a] = k * away[a] + d * velocity[a];
+    }
+}
+
+static ost_status by_energy(ost_force *f, const ost_pose *device, const double turn[3], double period, ost_force_result *out, ost_error *err)
+{
+    static const double nothing[3] = {0};
+    const ost_force_params *p = &f->params;
+    const double k = p->stiffness / p->scale, d = p->damping / p->scale, turn_k = p->turn_stiffness / p->scale, turn_d = p->turn_damping / p->scale;
+    const bool turns = p->turn_stiffness > 0;
+    const contact_shell *shell = f->shells[f->tool];
+    double to[3], facing[4], away[3], lean[3] = {0}, own[3], u[6] = {0}, left = period;
+    place_of(device, to);
+    quaternion_of(device, facing);
     for (int part = 0; part < PARTS && left > period * 1e-6; part++) {
-        double away[3], across[3];
-        ost_status status = ost_contact_touch(f->bone, f->at, c, &out->touching, err);
+        ost_status status = ost_contact_touch(f->bone, shell, &f->pose, &f->contact, err);
         if (status != OST_OK)
             return status;
-        for (size_t i = 0; i < c->count; i++) {
-            e.b[i] = c->points[i].density ? resistance(f, &c->points[i]) : 0;
-            ost_cross(turn, c->points[i].r, across);
-            e.by_turn[i] = -ost_dot(c->points[i].inward, across);
+        for (int a = 0; a < 3; a++)
+            away[a] = to[a] - f->pose.at[a];
+        double far_own[3], speed_own[3];
+        ost_into_tool(&f->pose, away, far_own);
+        ost_into_tool(&f->pose, f->velocity, speed_own);
+        pull(&f->balance, 0, k, d, left, far_own, speed_own);
+        ost_into_tool(&f->pose, turn, own);
+        own[2] = 0; /* about its own axis it turns anyway */
+        if (turns) {
+            turn_between(f->facing, facing, lean);
+            ost_into_tool(&f->pose, lean, far_own);
+            ost_into_tool(&f->pose, f->turning, speed_own);
+            pull(&f->balance, 3, turn_k, turn_d, left, far_own, speed_own);
         }
-        for (int a = 0; a < 3; a++)
-            away[a] = to[a] - f->at[a];
-        find_speed(c, &e, away, f->velocity, left, v);
+        gather(f, turns ? 6 : 3, turns ? nothing : own);
+        ost_balance_solve(&f->balance, u);
         /* Half a voxel at once: bone is looked for no farther than a voxel ahead. */
-        const double far = sqrt(ost_dot(v, v)) * left, share = far > half_voxel ? half_voxel / far : 1;
+        const double turned = turns ? sqrt(ost_dot(u + 3, u + 3)) * shell->reach : 0, far = (sqrt(ost_dot(u, u)) + turned) * left;
+        const double share = far > f->spacing / 2 ? f->spacing / 2 / far : 1;
+        double v[3];
+        ost_into_bone(&f->pose, u, v);
         for (int a = 0; a < 3; a++)
-            f->at[a] += v[a] * left * share;
+            f->pose.at[a] += v[a] * left * share;
+        if (turns)
+            turn_tool(f, u + 3, left * share);
         left -= left * share;
     }
-    for (size_t i = 0; i < c->count; i++) {
-        const double speed = e.b[i] > 0 ? advance(&c->points[i], e.by_turn[i], v) : 0;
-        size[i] = speed > 0 ? e.b[i] * speed : 0;
-    }
-    sum_up(f, size, period, out);
+    out->touching = (int)f->contact.count;
+    for (size_t i = 0; i < f->contact.count; i++)
+        f->size[i] = f->balance.advance[i] > 0 ? f->balance.b[i] * f->balance.advance[i] : 0;
+    sum_up(f, period, out);
     /* What holds the tool is what the hand feels. */
+    double v[3], w[3];
+    ost_into_bone(&f->pose, u, v);
     for (int a = 0; a < 3; a++)
-        out->force_n[a] = f->params.scale * (f->drag[a] - e.k * (to[a] - f->at[a]) - e.d * (f->velocity[a] - v[a]));
+        out->force_n[a] = p->scale * (f->drag[a] - k * (to[a] - f->pose.at[a]) - d * (f->velocity[a] - v[a]));
+    if (turns) {
+        ost_into_bone(&f->pose, u + 3, w);
+        turn_between(f->facing, facing, lean);
+        for (int a = 0; a < 3; a++)
+            out->torque_nm[a] = p->scale * (f->drag_nm[a] - turn_k * lean[a] - turn_d * (f->turning[a] - w[a]));
+    }
     return OST_OK;
 }
 
 /* ----------------------------------------------------------------- instant */
 
-static ost_status at_once(ost_force *f, const double to[3], double period, ost_force_result *out, ost_error *err)
+static ost_status at_once(ost_force *f, double period, ost_force_result *out, ost_error *err)
 {
-    double size[OST_SHELL_MAX] = {0}, sum = 0;
-    memcpy(f->at, to, sizeof f->at);
-    ost_status status = ost_contact_press(f->bone, f->at, f->params.layer, &f->contact, &out->touching, err);
-    for (size_t i = 0; i < f->contact.count && status == OST_OK; i++) {
-        const contact_point *p = &f->contact.points[i];
-        if (p->depth <= 0)
-            continue;
-        const double k = f->params.layer_stiffness * p->area * ost_force_energy(&f->params, p->density) / f->params.energy;
-        size[i] = k * p->depth;
-        sum += k;
+    const contact_shell *shell = f->shells[f->tool];
+    const contact *c = &f->contact;
+    double sum = 0;
+    ost_status status = ost_contact_press(f->bone, shell, &f->pose, f->params.layer, &f->contact, err);
+    if (status != OST_OK)
+        return status;
+    out->touching = (int)c->count;
+    for (size_t i = 0; i < c->count; i++) {
+        const double k = f->params.layer_stiffness * shell->area[c->which[i]] * ost_force_energy(&f->params, c->density[i]) / f->params.energy;
+        f->size[i] = k * c->depth[i];
+        sum += c->depth[i] > 0 ? k : 0;
     }
     const double most = f->params.stiffness / f->params.scale;
-    for (size_t i = 0; i < f->contact.count && sum > most; i++)
-        size[i] *= most / sum;
-    if (status == OST_OK)
-        sum_up(f, size, period, out);
-    return status;
+    for (size_t i = 0; i < c->count && sum > most; i++)
+        f->size[i] *= most / sum;
+    sum_up(f, period, out);
+    return OST_OK;
 }
 
 /* -------------------------------------------------------------------- step */
@@ -341,6 +381,24 @@ static ost_pm picometres(double m)
     return (ost_pm)rint(m / OST_M_PER_PM);
 }
 
+/* How fast the device moves and turns, below VELOCITY_HZ; and its turn of this tick as it is. */
+static void follow(ost_force *f, const ost_pose *device, double period, double turn[3])
+{
+    const double share = period / (period + 1 / (2 * PI * VELOCITY_HZ));
+    double to[3], before[3], a[4], b[4];
+    place_of(device, to);
+    place_of(&f->device, before);
+    quaternion_of(&f->device, a);
+    quaternion_of(device, b);
+    turn_between(a, b, turn);
+    for (int i = 0; i < 3; i++) {
+        turn[i] /= period;
+        f->velocity[i] += share * ((to[i] - before[i]) / period - f->velocity[i]);
+        f->turning[i] += share * (turn[i] - f->turning[i]);
+    }
+    f->device = *device;
+}
+
 ost_status ost_force_step(ost_force *force, int tool, const ost_pose *device, double period_s, ost_force_result *out, ost_error *err)
 {
     *out = (ost_force_result){.tool = *device};
@@ -348,20 +406,26 @@ ost_status ost_force_step(ost_force *force, int tool, const ost_pose *device, do
         return ost_fail(err, OST_ERR_USAGE, "force: there is no tool %d", tool);
     if (!(period_s > 0))
         return ost_fail(err, OST_ERR_USAGE, "force: a period of %g s", period_s);
-    const double to[3] = {(double)device->t.x * OST_M_PER_PM, (double)device->t.y * OST_M_PER_PM, (double)device->t.z * OST_M_PER_PM};
     if (!force->held || force->tool != tool)
         ost_force_place(force, tool, device);
-    ost_contact_turn(&force->shells[tool], device, &force->contact);
-    const double before[3] = {(double)force->device.t.x * OST_M_PER_PM, (double)force->device.t.y * OST_M_PER_PM,
-                              (double)force->device.t.z * OST_M_PER_PM};
-    const double share = period_s / (period_s + 1 / (2 * 3.14159265358979 * VELOCITY_HZ));
-    for (int a = 0; a < 3; a++)
-        force->velocity[a] += share * ((to[a] - before[a]) / period_s - force->velocity[a]);
     double turn[3];
-    turn_of(force, device, period_s, turn);
-    ost_status status = force->params.mode == OST_FORCE_INSTANT ? at_once(force, to, period_s, out, err) : by_energy(force, to, turn, period_s, out, err);
-    force->device = *device;
-    if (force->params.mode == OST_FORCE_ENERGY)
-        out->tool.t = (ost_pm3){picometres(force->at[0]), picometres(force->at[1]), picometres(force->at[2])};
-    return status;
+    follow(force, device, period_s, turn);
+    const bool energy = force->params.mode == OST_FORCE_ENERGY, turns = energy && force->params.turn_stiffness > 0;
+    if (!energy)
+        place_of(device, force->pose.at);
+    if (!turns)
+        take_direction(force, device);
+    ost_status status = energy ? by_energy(force, device, turn, period_s, out, err) : at_once(force, period_s, out, err);
+    if (status != OST_OK)
+        return status;
+    shake(force, period_s, out);
+    if (energy)
+        out->tool.t = (ost_pm3){picometres(force->pose.at[0]), picometres(force->pose.at[1]), picometres(force->pose.at[2])};
+    if (turns) {
+        out->tool.qw = (int32_t)rint(force->facing[0] * OST_Q30_ONE);
+        out->tool.qx = (int32_t)rint(force->facing[1] * OST_Q30_ONE);
+        out->tool.qy = (int32_t)rint(force->facing[2] * OST_Q30_ONE);
+        out->tool.qz = (int32_t)rint(force->facing[3] * OST_Q30_ONE);
+    }
+    return OST_OK;
 }

@@ -1,6 +1,23 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Where each number comes from is in docs/force.md. */
-#include <osteon/force.h>
+/*
+ * The parameters, by name: what a file may set, within which bounds, and where
+ * each default is from.  docs/force.md says what they do.
+ *
+ *   # lines and blank ones are passed over
+ *   stiffness: 250        # so is what follows
+ */
+#include "core/conditions.h"
+
+#include "force/params.h"
+
+#include <errno.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <osteon/length.h>
+
+#include "core/shortest.h"
 
 ost_force_params ost_force_defaults(void)
 {
@@ -17,12 +34,22 @@ ost_force_params ost_force_defaults(void)
         .density_per_hu = 1.067e-3,
         .layer = 2e-3,
         .layer_stiffness = 5e7,
+        .turn_stiffness = 0,
+        .turn_damping = 2e-3,
+        .vibration = 0,
+        .runout = 0,
+        .teeth = 20,
     };
+}
+
+double ost_force_density(const ost_force_params *params, int hu)
+{
+    return params->density_at_0 + params->density_per_hu * hu;
 }
 
 double ost_force_energy(const ost_force_params *params, int hu)
 {
-    const double density = params->density_at_0 + params->density_per_hu * hu, share = density / params->reference_density;
+    const double density = ost_force_density(params, hu), share = density / params->reference_density;
     return density > 0 ? params->energy * share * share : 0;
 }
 
@@ -38,4 +65,188 @@ ost_safety_params ost_safety_defaults(void)
         .stored_j = 0.015,
         .max_damping = 2,
     };
+}
+
+/* ------------------------------------------------------------------ by name */
+
+typedef enum kind { REAL, TICKS, BUTTONS } kind;
+
+typedef struct place {
+    ost_force_key key;
+    bool safety;   /* of ost_safety_params */
+    kind kind;
+    size_t offset;
+} place;
+
+#define FORCE(field, unit, lo, hi, about) {{#field, unit, about, lo, hi}, false, REAL, offsetof(ost_force_params, field)}
+#define SAFETY(name, kind, field, unit, lo, hi, about) {{name, unit, about, lo, hi}, true, kind, offsetof(ost_safety_params, field)}
+
+static const place places[] = {
+    FORCE(scale, "1", 1e-6, 1, "felt over real force: a reamer is pressed with about 40 N, an Omni gives 3.3 N"),
+    FORCE(stiffness, "N/m", 1, 1e6, "of the coupling, as felt: at 1 kHz with 60 g and a light grip swinging begins at 250 to 300 without friction"),
+    FORCE(damping, "N s/m", 0, 1e3, "of the coupling, as felt: an Omni takes less than 2 (data sheet)"),
+    FORCE(speed, "rad/s", 0, 1e4, "of the tool about its own axis: 300 turns a minute; 0: it does not cut"),
+    FORCE(cutting_ratio, "1", 1e-3, 10, "tangential over normal force of what cuts: of the order of bone cutting; to calibrate"),
+    FORCE(energy, "J/m3", 1, 1e12, "to cut bone of reference density: cortical 30e6 to 150e6, trabecular 2e6 to 15e6; to calibrate"),
+    FORCE(reference_density, "g/cm3", 1e-3, 1e3, "that energy is for; it goes as density squared, as strength (Carter, Hayes 1977)"),
+    FORCE(density_at_0, "g/cm3", -1e3, 1e3, "of 0 HU (Rho, Hobatho, Ashman 1995)"),
+    FORCE(density_per_hu, "g/cm3", -1, 1, "for each HU more (the same)"),
+    FORCE(layer, "m", 1e-6, 1, "of bone around the tool that is pressed together (--force instant)"),
+    FORCE(layer_stiffness, "N/m3", 0, 1e15, "of that layer, per area and depth, in bone of reference density (instant)"),
+    FORCE(turn_stiffness, "N m/rad", 0, 1e3, "of the coupling's turn, as felt; 0: the tool's direction is the hand's. For devices that render torques"),
+    FORCE(turn_damping, "N m s/rad", 0, 1e2, "of the coupling's turn, as felt"),
+    FORCE(vibration, "1", 0, 1, "of teeth that pass: amplitude over the felt force of what cuts reference bone; 0: none. To calibrate"),
+    FORCE(runout, "1", 0, 1, "the same once a turn, across the axis"),
+    FORCE(teeth, "1", 1, 1000, "that pass in a turn; teeth times turns a second must be below 500"),
+    SAFETY("max_force", REAL, max_n, "N", 1e-3, 1e3, "saturation, smooth: below the Omni's 3.3 N peak"),
+    SAFETY("max_torque", REAL, max_nm, "N m", 1e-6, 1e2, "the same for torques: half of what a sigma.7 gives"),
+    SAFETY("slew", REAL, slew_n, "N a tick", 1e-6, 1e3, "the most that a force changes in a tick"),
+    SAFETY("ramp", REAL, ramp_s, "s", 0, 60, "from nothing to all of it, after a start and after every fault"),
+    SAFETY("stale_ticks", TICKS, stale_ticks, "ticks", 1, 1000, "so many without a new pose and the force goes; one is bridged"),
+    SAFETY("dead_man", BUTTONS, dead_man, "buttons", 0, 4294967295.0, "of which one must be held, as a sum of 1, 2, 4, ...; 0: none"),
+    SAFETY("stored_energy", REAL, stored_j, "J", 0, 10, "that the coupling may hold back: 300 N/m at 3 N; passivity counts from there"),
+    SAFETY("max_damping", REAL, max_damping, "N s/m", 0, 1e3, "the most that the passivity controller adds (Hannaford, Ryu 2002); 0: none"),
+};
+
+enum { COUNT = sizeof places / sizeof places[0] };
+
+int ost_force_key_count(void)
+{
+    return COUNT;
+}
+
+const ost_force_key *ost_force_key_at(int index)
+{
+    return index >= 0 && index < COUNT ? &places[index].key : NULL;
+}
+
+double ost_force_key_value(int index, const ost_force_params *force, const ost_safety_params *safety)
+{
+    if (index < 0 || index >= COUNT)
+        return 0;
+    const place *p = &places[index];
+    const char *at = (p->safety ? (const char *)safety : (const char *)force) + p->offset;
+    if (p->kind == REAL)
+        return *(const double *)(const void *)at;
+    return p->kind == TICKS ? (double)*(const int *)(const void *)at : (double)*(const uint32_t *)(const void *)at;
+}
+
+static void put(const place *p, double value, ost_force_params *force, ost_safety_params *safety)
+{
+    char *at = (p->safety ? (char *)safety : (char *)force) + p->offset;
+    if (p->kind == REAL)
+        *(double *)(void *)at = value;
+    else if (p->kind == TICKS)
+        *(int *)(void *)at = (int)value;
+    else
+        *(uint32_t *)(void *)at = (uint32_t)value;
+}
+
+char *ost_force_value_text(double value, char text[OST_FORCE_VALUE])
+{
+    snprintf(text, OST_FORCE_VALUE, "%.15g", value);
+    ost_point_put_back(text);
+    return text;
+}
+
+/* Teeth that pass faster than half the ticks would be felt as something else. */
+static bool passes_too_fast(const ost_force_params *p)
+{
+    return p->vibration > 0 && p->speed * p->teeth >= 500 * 6.283185307179586;
+}
+
+static const char too_fast[] = "speed and teeth: more than 500 teeth a second cannot be felt at 1 kHz";
+
+ost_status ost_force_params_check(const ost_force_params *params, ost_error *err)
+{
+    for (int i = 0; i < COUNT && !places[i].safety; i++) {
+        const double value = ost_force_key_value(i, params, NULL);
+        if (!(value >= places[i].key.lo && value <= places[i].key.hi))
+            return ost_fail(err, OST_ERR_RANGE, "force: %s is %g; %g to %g is supported", places[i].key.name, value, places[i].key.lo, places[i].key.hi);
+    }
+    return passes_too_fast(params) ? ost_fail(err, OST_ERR_RANGE, "force: %s", too_fast) : OST_OK;
+}
+
+/* ------------------------------------------------------------------- a file */
+
+enum { LINE = 400 };
+
+static const char *end_of(const char *text)
+{
+    const char *end = text + strcspn(text, "#\r\n");
+    while (end > text && (end[-1] == ' ' || end[-1] == '\t'))
+        end--;
+    return end;
+}
+
+/* Nearest double; of up to 15 digits the one that was meant. */
+static double real_of(const ost_decimal *d)
+{
+    double value = (double)d->mantissa, ten = 1;
+    int32_t e = d->exponent < 0 ? -d->exponent : d->exponent;
+    for (e = e < 400 ? e : 400; e > 0; e--)
+        ten *= 10;
+    return d->exponent < 0 ? value / ten : value * ten;
+}
+
+static ost_status take(const char *file, int line, const char *text, ost_force_params *force, ost_safety_params *safety, bool seen[], ost_error *err)
+{
+    text += strspn(text, " \t");
+    const char *end = end_of(text), *colon = memchr(text, ':', (size_t)(end - text));
+    const size_t length = colon ? (size_t)(colon - text) : 0;
+    if (end == text)
+        return OST_OK;
+    if (!colon)
+        return ost_fail(err, OST_ERR_INPUT, "%s:%d: '%.*s': expected 'key: number'", file, line, (int)(end - text < 60 ? end - text : 60), text);
+    int i = 0;
+    while (i < COUNT && (strlen(places[i].key.name) != length || memcmp(places[i].key.name, text, length) != 0))
+        i++;
+    if (i == COUNT)
+        return ost_fail(err, OST_ERR_INPUT, "%s:%d: '%.*s' is no parameter; osteon sim --print-force-params lists them", file, line,
+                        (int)(length < 60 ? length : 60), text);
+    if (seen[i])
+        return ost_fail(err, OST_ERR_INPUT, "%s:%d: %s is set a second time", file, line, places[i].key.name);
+    seen[i] = true;
+    const ost_force_key *key = &places[i].key;
+    const char *value = colon + 1 + strspn(colon + 1, " \t"), *after;
+    ost_decimal d;
+    const int shown = end - value < 0 ? 0 : end - value < 60 ? (int)(end - value) : 60;
+    after = value <= end ? ost_decimal_read(value, end, &d) : NULL;
+    if (!after || after != end)
+        return ost_fail(err, OST_ERR_INPUT, "%s:%d: %s is '%.*s': expected a number in %s", file, line, key->name, shown, value, key->unit);
+    const double number = real_of(&d);
+    const bool whole = places[i].kind == REAL || number == (double)(int64_t)number;
+    if (!(number >= key->lo && number <= key->hi) || !whole)
+        return ost_fail(err, OST_ERR_RANGE, "%s:%d: %s is '%.*s': expected %s%g to %g %s", file, line, key->name, shown, value,
+                        places[i].kind == REAL ? "" : "a whole number, ", key->lo, key->hi, key->unit);
+    put(&places[i], number, force, safety);
+    return OST_OK;
+}
+
+ost_status ost_force_params_read(const char *file, ost_force_params *force, ost_safety_params *safety, ost_error *err)
+{
+    ost_force_params f = *force;
+    ost_safety_params s = *safety;
+    bool seen[COUNT] = {false};
+    char text[LINE];
+    ost_status status = OST_OK;
+    FILE *in = fopen(file, "re");
+    if (!in)
+        return ost_fail(err, OST_ERR_IO, "%s: cannot be opened: %s", file, strerror(errno));
+    for (int line = 1; status == OST_OK && fgets(text, sizeof text, in); line++) {
+        if (!strchr(text, '\n') && !feof(in))
+            status = ost_fail(err, OST_ERR_INPUT, "%s:%d: longer than %d bytes, or binary; expected 'key: number'", file, line, LINE - 2);
+        else
+            status = take(file, line, text, &f, &s, seen, err);
+    }
+    if (status == OST_OK && ferror(in))
+        status = ost_fail(err, OST_ERR_INPUT, "%s: cannot be read", file);
+    fclose(in);
+    if (status == OST_OK && passes_too_fast(&f))
+        status = ost_fail(err, OST_ERR_RANGE, "%s: %s", file, too_fast);
+    if (status != OST_OK)
+        return status;
+    *force = f;
+    *safety = s;
+    return OST_OK;
 }

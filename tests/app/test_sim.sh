@@ -18,6 +18,8 @@ has ticks missed exec_us.p50 exec_us.p99 exec_us.p99_9 exec_us.max wake_us.p50 w
     idle_missed removed_voxels sha256 scheduling memory stolen_ms
 check "ticks" "$(value ticks) $(value idle_ticks) $(value faults) $(value stale)" "500 100 0 0"
 [ "$(value removed_voxels)" -gt 0 ] || fail "the simulated hand removed nothing"
+awk "BEGIN { exit !($(value peak_force_n) > 0.4 && $(value contact_ticks) >= 490) }" ||
+    fail "the simulated hand does not press: $(value peak_force_n) N, $(value contact_ticks) ticks of contact"
 live=$(value sha256)
 run 0 replay live.session --verify --backend $other --json
 check "live, and again" "$(value equal) $(value ticks) $(value end_compared) $(value sha256)" "true 500 true $live"
@@ -63,6 +65,32 @@ run 0 replay felt.session --verify --backend cpu:isa=scalar --json
 check "felt, and again" "$(value equal) $(value sha256)" "true $felt"
 run 0 export felt.session --out felt.csv
 awk -F, 'NR > 1 && $21 != 0 { n++ } END { exit n < 100 }' felt.csv || fail "no force is recorded"
+# Removal in some ticks only, force in all: the thesis' 333 Hz, a divisor, and none of the loop's; each replays.
+for rate in 333:200 250:150 70:42; do
+    run 0 sim --headless --bone bone.nrrd --seconds 0.6 --no-clock --rate "${rate%:*}" --record rate.session --json
+    check "removals at ${rate%:*} Hz" "$(value removals)" "${rate#*:}"
+    [ "$(value contact_ticks)" -gt 500 ] || fail "at ${rate%:*} Hz the tool lost the bone: $(value contact_ticks) ticks of contact"
+    at_rate=$(value sha256)
+    run 0 replay rate.session --verify --json
+    check "again at ${rate%:*} Hz" "$(value equal) $(value sha256)" "true $at_rate"
+done
+
+# Parameters from a file: printed, changed, recorded; a mistake is one line.
+"$osteon" sim --print-force-params >force.params || fail "--print-force-params"
+run 0 sim --headless --bone bone.nrrd --seconds 0.5 --no-clock --force-params force.params --record params.session --json
+check "the printed parameters are the defaults" "$(value sha256)" "$live"
+run 0 info params.session --json
+grep -q '"force.stiffness": "300"' out || fail "the session does not say the parameters: $(cat out)"
+echo "max_force: 0.2" >weak.params
+run 0 sim --headless --bone bone.nrrd --seconds 0.5 --no-clock --force-params weak.params --json
+awk "BEGIN { exit !($(value peak_force_n) <= 0.2 && $(value peak_force_n) > 0.1) }" || fail "a force of at most 0.2 N is $(value peak_force_n)"
+echo "stiffness: 1e9" >wrong.params
+refuse 2 "wrong.params:1: stiffness is '1e9': expected 1 to 1e+06 N/m" sim --headless --force-params wrong.params
+refuse 2 "nothing.params: cannot be opened" sim --headless --force-params nothing.params
+echo "turn_stiffness: 1" >turn.params
+run 0 sim --headless --bone bone.nrrd --seconds 0.05 --no-clock --force-params turn.params
+grep -q "device sim does not, so the tool's direction is the hand's" err || fail "a torque that nobody renders: $(cat err)"
+
 run 0 sim --headless --bone bone.nrrd --path builtin:glenoid-ream --seconds 2.5 --no-clock --force instant --json
 check "instant" "$(value force)" instant
 refuse 2 "device null renders no force" sim --headless --bone bone.nrrd --device null --force energy

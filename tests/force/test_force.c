@@ -81,13 +81,17 @@ static void a_sample_is_what_is_there(void **state)
         ost_bone *bone = bone_of(*state, &g, chunk, voxels);
         free(voxels);
         int16_t *expected = content(bone, &g), got[COUNT];
-        ost_dims at[COUNT];
+        int32_t x[COUNT], y[COUNT], z[COUNT];
+        const int32_t *const at[3] = {x, y, z};
         for (int round = 0; round < 40; round++) {
-            for (int i = 0; i < COUNT; i++)
-                at[i] = (ost_dims){(int32_t)rng_range(&rng, -3, 72), (int32_t)rng_range(&rng, -3, 40), (int32_t)rng_range(&rng, -3, 44)};
+            for (int i = 0; i < COUNT; i++) {
+                x[i] = (int32_t)rng_range(&rng, -3, 72);
+                y[i] = (int32_t)rng_range(&rng, -3, 40);
+                z[i] = (int32_t)rng_range(&rng, -3, 44);
+            }
             assert_ok(ost_bone_sample(bone, COUNT, at, got, &err));
             for (int i = 0; i < COUNT; i++) {
-                const ost_dims v = at[i];
+                const ost_dims v = {x[i], y[i], z[i]};
                 const bool inside = v.x >= 0 && v.y >= 0 && v.z >= 0 && v.x < g.dims.x && v.y < g.dims.y && v.z < g.dims.z;
                 assert_int_equal(got[i], inside ? expected[v.x + g.dims.x * (v.y + (int64_t)g.dims.y * v.z)] : 0);
             }

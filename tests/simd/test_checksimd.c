@@ -22,7 +22,7 @@
 #include <xmmintrin.h>
 #endif
 
-extern const check_kernel check_gather_row, check_brick_row, check_any_active, check_drain, check_blocks, check_split, check_match, check_take,
+extern const check_kernel check_gather_row, check_brick_row, check_any_active, check_drain, check_sample, check_blocks, check_split, check_match, check_take,
     check_vox_mark, check_vox_keys, check_vox_fill, check_vox_expand, check_text_match;
 
 /* Reads it, whatever the compiler thinks of that. */
@@ -38,6 +38,19 @@ static void *writable(const void *p)
 }
 
 /* ------------------------------------------------------------------ grids */
+
+static void sample_counts_one_less(const struct cpu_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities)
+{
+    ost_sample_scalar(bone, count, at, densities);
+    if (count > 20)
+        densities[count - 1] ^= 1;
+}
+
+static void sample_writes_beyond(const struct cpu_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities)
+{
+    ost_sample_scalar(bone, count, at, densities);
+    densities[count] = 7;
+}
 
 static void gather_last_of_64(const int16_t *from, const int32_t *map, int count, int16_t *to)
 {
@@ -497,6 +510,8 @@ static const struct wrong {
 #elif defined __aarch64__
     WRONG(drain, drain_rounds_down, STATE),
 #endif
+    WRONG(sample, sample_counts_one_less, DIFFERS),
+    WRONG(sample, sample_writes_beyond, BEYOND),
     WRONG(blocks, blocks_never_divides, DIFFERS),
     WRONG(blocks, blocks_reach_one_less, DIFFERS),
     WRONG(blocks, blocks_number_from_the_first, DIFFERS),

@@ -312,27 +312,6 @@ static bool read_leaf(const cpu_bone *bone, ost_dims leaf, int16_t *voxels)
     return found;
 }
 
-ost_status ost_cpu_bone_sample(const ost_bone *base, size_t count, const ost_dims *voxels, int16_t *densities, ost_error *err)
-{
-    (void)err;
-    const cpu_bone *bone = (const cpu_bone *)base;
-    const ost_dims d = base->geometry.dims;
-    const int n = base->chunk_size, shift = n == 16 ? 4 : n == 32 ? 5 : 6;
-    for (size_t i = 0; i < count; i++) {
-        const ost_dims v = voxels[i];
-        densities[i] = 0;
-        if (v.x < 0 || v.y < 0 || v.z < 0 || v.x >= d.x || v.y >= d.y || v.z >= d.z)
-            continue;
-        const int64_t row = (v.y >> shift) + (int64_t)bone->chunk_dims.y * (v.z >> shift);
-        const cpu_chunk *chunk = &bone->chunks[(v.x >> shift) + bone->chunk_dims.x * row];
-        if (!chunk->density)
-            continue;
-        const int32_t x = v.x & (n - 1), y = v.y & (n - 1), z = v.z & (n - 1);
-        densities[i] = chunk->density[(size_t)ost_brick_number(x >> 2, y >> 2, z >> 2) * OST_BRICK_VOXELS + (x & 3) + (y & 3) * 4 + (z & 3) * 16];
-    }
-    return OST_OK;
-}
-
 /*
  * Eight bricks side by side to sixteen rows of 32 voxels: row (y, z) of brick b
  * is its bits 4 (y + 4 z) to 4 (y + 4 z) + 3, and becomes bits 4b to 4b + 3.

@@ -72,13 +72,13 @@ ost_status ost_ref_bone_download(const ost_bone *base, int32_t z0, int32_t count
     return OST_OK;
 }
 
-ost_status ost_ref_bone_sample(const ost_bone *base, size_t count, const ost_dims *voxels, int16_t *densities, ost_error *err)
+ost_status ost_ref_bone_sample(const ost_bone *base, size_t count, const int32_t *const at[3], int16_t *densities, ost_error *err)
 {
     (void)err;
     const ost_chunk_grid *grid = &((const ref_bone *)base)->chunks;
     const int n = grid->size;
     for (size_t i = 0; i < count; i++) {
-        const ost_dims v = voxels[i];
+        const ost_dims v = {at[0][i], at[1][i], at[2][i]};
         densities[i] = 0;
         if (v.x < 0 || v.y < 0 || v.z < 0 || v.x >= grid->dims.x || v.y >= grid->dims.y || v.z >= grid->dims.z)
             continue;

@@ -1,0 +1,86 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Which force, with which parameters: from the device, --force and --force-params; and what a session says of them. */
+#include "app/sim.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "app/result.h"
+#include "app/say.h"
+
+/* N m/rad: of a device that renders torques, unless a file says otherwise. A handle of 60 g turns like 0.15 g m2; a hand damps 10 mN m s. */
+#define TURN_STIFFNESS 0.5
+
+static uint32_t caps_of(const sim_args *args)
+{
+    ost_haptic_info info;
+    for (int i = 0; i < ost_haptic_count(); i++)
+        if (ost_haptic_describe(i, &info, NULL) == OST_OK && sim_device_is(args, info.name))
+            return info.caps;
+    return 0;
+}
+
+ost_status sim_force_params(const app_state *app, sim_args *args, ost_error *err)
+{
+    const uint32_t caps = caps_of(args);
+    args->force_params = ost_force_defaults();
+    args->safety = ost_safety_defaults();
+    if (caps & OST_HAPTIC_TORQUE)
+        args->force_params.turn_stiffness = TURN_STIFFNESS;
+    if (!args->force_file)
+        return OST_OK;
+    ost_status status = ost_force_params_read(args->force_file, &args->force_params, &args->safety, err);
+    if (status == OST_OK && args->force_params.turn_stiffness > 0 && !(caps & OST_HAPTIC_TORQUE)) {
+        warn(app, "%s: turn_stiffness is for devices that render torques; device %s does not, so the tool's direction is the hand's",
+             args->force_file, args->device);
+        args->force_params.turn_stiffness = 0;
+    }
+    return status;
+}
+
+void sim_force_print(const app_state *app, const sim_args *args)
+{
+    json_t *o = json_object();
+    char text[OST_FORCE_VALUE];
+    say(app, "# osteon sim --force-params FILE: what is left out is as here");
+    for (int i = 0; i < ost_force_key_count(); i++) {
+        const ost_force_key *key = ost_force_key_at(i);
+        const double value = ost_force_key_value(i, &args->force_params, &args->safety);
+        say(app, "\n# %s\n%s: %s   # %s, %g to %g", key->about, key->name, ost_force_value_text(value, text), key->unit, key->lo, key->hi);
+        put_real(o, key->name, value);
+    }
+    put(app->result, "force_params", o);
+}
+
+ost_status sim_force_make(const app_state *app, sim_args *args, simulation *s, ost_error *err)
+{
+    const bool renders = caps_of(args) & (OST_HAPTIC_FORCE | OST_HAPTIC_SHOWN);
+    if (!args->force_given)
+        args->force = renders;
+    if (args->force && !renders)
+        return usage_error(app, err, "--force %s: device %s renders no force", sim_force_names[args->force], args->device);
+    if (!args->force)
+        return OST_OK;
+    args->force_params.mode = args->force == 2 ? OST_FORCE_INSTANT : OST_FORCE_ENERGY;
+    ost_status status = ost_force_create(s->bone, &args->force_params, &s->force, err);
+    if (status == OST_ERR_UNAVAILABLE && !args->force_given) {
+        warn(app, "%s; none is given", err->text);
+        args->force = 0;
+        *err = (ost_error){0};
+        return OST_OK;
+    }
+    for (int i = 0; i < args->tools.count && status == OST_OK; i++)
+        status = ost_force_add_tool(s->force, s->tools[i], err);
+    return status;
+}
+
+void sim_force_session(const sim_args *args, sim_force_texts *texts, session_key *keys)
+{
+    int i = 0;
+    for (; args->force && i < ost_force_key_count() && i < SIM_FORCE_KEYS; i++) {
+        snprintf(texts->key[i], sizeof texts->key[i], "force.%s", ost_force_key_at(i)->name);
+        ost_force_value_text(ost_force_key_value(i, &args->force_params, &args->safety), texts->value[i]);
+        keys[i] = (session_key){texts->key[i], texts->value[i]};
+    }
+    keys[i] = (session_key){NULL, NULL};
+}

@@ -1,0 +1,10 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#ifndef OST_FORCE_PARAMS_H
+#define OST_FORCE_PARAMS_H
+
+#include <osteon/force.h>
+
+/* OST_ERR_RANGE, naming the first that is out of its bounds. */
+ost_status ost_force_params_check(const ost_force_params *params, ost_error *err);
+
+#endif
