@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Sixteen voxels at a time find their rectangles, then one voxel at a time
- * fills sixteen pixels of a row.
+ * Sixteen voxels at a time find their rectangles and what a ray's test needs of
+ * them, then one voxel at a time fills sixteen pixels: 4 x 4, or of a row.
  */
 #include "core/conditions.h"
 #include "render/points/splat.h"
@@ -81,53 +81,96 @@ uint32_t ost_facing_avx512(const ost_surface_block *block, uint32_t slot, const 
     return n;
 }
 
-/* o x the axes that a pixel's ray is made of, of one voxel. */
-static inline void fill(const ost_splat_eye *s, const float o[3], float distance, uint32_t index, int x0, int x1, int y0, int y1,
-                        const ost_planes *planes)
+typedef struct sixteen {
+    _Alignas(64) float n[3][3][OST_LANES]; /* o x the axes that a pixel's ray is made of */
+    _Alignas(64) float distance[OST_LANES];
+    _Alignas(64) int32_t x0[OST_LANES], x1[OST_LANES], y0[OST_LANES], y1[OST_LANES];
+} sixteen;
+
+static inline void crosses(const ost_splat_eye *s, lanes3 o, sixteen *out)
 {
-    float n[3][3];
-    for (int i = 0; i < 3; i++) {
-        const float *b = s->axis[i];
-        n[i][0] = o[1] * b[2] - o[2] * b[1];
-        n[i][1] = o[2] * b[0] - o[0] * b[2];
-        n[i][2] = o[0] * b[1] - o[1] * b[0];
+    for (int i = 0; i < 3; i++)
+        for (int a = 0; a < 3; a++) {
+            const int b = (a + 1) % 3, c = (a + 2) % 3;
+            const lanes left = _mm512_mul_ps(o.v[b], all(s->axis[i][c])), right = _mm512_mul_ps(o.v[c], all(s->axis[i][b]));
+            _mm512_store_ps(out->n[i][a], _mm512_sub_ps(left, right));
+        }
+}
+
+/* Which of sixteen rays meet the voxel: u and v are the pixels' places from the middle of the frame. */
+static inline __mmask16 covers(const ost_splat_eye *s, const sixteen *r, int k, lanes u, lanes v, __mmask16 live)
+{
+    const lanes wide = all(OST_HALF_WIDE);
+    lanes n[3], m[3];
+    for (int a = 0; a < 3; a++) {
+        const lanes row_n = _mm512_sub_ps(all(r->n[0][a][k]), _mm512_mul_ps(v, all(r->n[2][a][k])));
+        const lanes row_d = _mm512_sub_ps(all(s->axis[0][a]), _mm512_mul_ps(v, all(s->axis[2][a])));
+        n[a] = _mm512_abs_ps(_mm512_add_ps(row_n, _mm512_mul_ps(u, all(r->n[1][a][k]))));
+        m[a] = _mm512_abs_ps(_mm512_add_ps(row_d, _mm512_mul_ps(u, all(s->axis[1][a]))));
     }
-    const lanes wide = all(OST_HALF_WIDE), far = all(distance);
+    live = _mm512_mask_cmp_ps_mask(live, n[0], _mm512_mul_ps(wide, _mm512_add_ps(m[1], m[2])), _CMP_LE_OQ);
+    live = _mm512_mask_cmp_ps_mask(live, n[1], _mm512_mul_ps(wide, _mm512_add_ps(m[2], m[0])), _CMP_LE_OQ);
+    return _mm512_mask_cmp_ps_mask(live, n[2], _mm512_mul_ps(wide, _mm512_add_ps(m[0], m[1])), _CMP_LE_OQ);
+}
+
+/* A rectangle of up to 4 x 4 pixels: a row of it a quarter of the register. */
+static inline void fill_small(const ost_splat_eye *s, const sixteen *r, int k, uint32_t index, const ost_planes *planes)
+{
+    const __m512i column = _mm512_set_epi32(3, 2, 1, 0, 3, 2, 1, 0, 3, 2, 1, 0, 3, 2, 1, 0);
+    const __m512i line = _mm512_set_epi32(3, 3, 3, 3, 2, 2, 2, 2, 1, 1, 1, 1, 0, 0, 0, 0);
+    const int x = r->x0[k], y = r->y0[k], rows = r->y1[k] - y + 1;
+    const unsigned across = (2u << (r->x1[k] - x)) - 1;
+    const __mmask8 part = (__mmask8)across;
+    const __mmask16 live = (__mmask16)(across * 0x1111u & ((1u << (4 * rows)) - 1));
+    const size_t stride = (size_t)planes->stride, at = (size_t)y * stride + (size_t)x;
+    /* Rows that are not in it are the first once more, and change nothing. */
+    const size_t at1 = rows > 1 ? at + stride : at, at2 = rows > 2 ? at + 2 * stride : at, at3 = rows > 3 ? at + 3 * stride : at;
+    lanes was = _mm512_castps128_ps512(_mm_maskz_loadu_ps(part, planes->distance + at));
+    was = _mm512_insertf32x4(was, _mm_maskz_loadu_ps(part, planes->distance + at1), 1);
+    was = _mm512_insertf32x4(was, _mm_maskz_loadu_ps(part, planes->distance + at2), 2);
+    was = _mm512_insertf32x4(was, _mm_maskz_loadu_ps(part, planes->distance + at3), 3);
+    const lanes far = all(r->distance[k]);
+    __mmask16 hit = _mm512_mask_cmp_ps_mask(live, far, was, _CMP_LT_OQ);
+    if (!hit)
+        return;
+    const lanes px = _mm512_cvtepi32_ps(_mm512_add_epi32(_mm512_set1_epi32(x), column));
+    const lanes py = _mm512_cvtepi32_ps(_mm512_add_epi32(_mm512_set1_epi32(y), line));
+    const lanes u = _mm512_sub_ps(_mm512_add_ps(px, all(0.5f)), all(s->eye.half_w));
+    const lanes v = _mm512_sub_ps(_mm512_add_ps(py, all(0.5f)), all(s->eye.half_h));
+    hit = covers(s, r, k, u, v, hit);
+    const __m128 far4 = _mm512_castps512_ps128(far);
+    const __m128i ids = _mm_set1_epi32((int)index);
+    const size_t place[4] = {at, at1, at2, at3};
+    for (int i = 0; i < 4; i++) {
+        const __mmask8 here = (__mmask8)(hit >> (4 * i) & 15);
+        if (here) {
+            _mm_mask_storeu_ps(planes->distance + place[i], here, far4);
+            _mm_mask_storeu_epi32(planes->index + place[i], here, ids);
+        }
+    }
+}
+
+/* A larger one: sixteen pixels of a row at a time. */
+static inline void fill(const ost_splat_eye *s, const sixteen *r, int k, uint32_t index, const ost_planes *planes)
+{
+    const lanes far = all(r->distance[k]);
     const __m512i ids = _mm512_set1_epi32((int)index);
     const __m512 step = _mm512_set_ps(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0);
-    for (int x = x0; x <= x1; x += OST_LANES) {
+    const int x1 = r->x1[k];
+    for (int x = r->x0[k]; x <= x1; x += OST_LANES) {
         const __mmask16 live = x1 - x < OST_LANES - 1 ? (__mmask16)((2u << (x1 - x)) - 1) : (__mmask16)0xffff;
         const lanes u = _mm512_sub_ps(_mm512_add_ps(_mm512_add_ps(all((float)x), step), all(0.5f)), all(s->eye.half_w));
-        lanes un[3], ud[3];
-        for (int a = 0; a < 3; a++) {
-            un[a] = _mm512_mul_ps(u, all(n[1][a]));
-            ud[a] = _mm512_mul_ps(u, all(s->axis[1][a]));
-        }
-        for (int y = y0; y <= y1; y++) {
-            const float v = ((float)y + 0.5f) - s->eye.half_h;
+        for (int y = r->y0[k]; y <= r->y1[k]; y++) {
             float *row = planes->distance + (size_t)y * (size_t)planes->stride + (size_t)x;
             const __mmask16 nearer = _mm512_mask_cmp_ps_mask(live, far, _mm512_maskz_loadu_ps(live, row), _CMP_LT_OQ);
             if (!nearer)
                 continue;
-            lanes here_n[3], m[3];
-            for (int a = 0; a < 3; a++) {
-                here_n[a] = _mm512_abs_ps(_mm512_add_ps(all(n[0][a] - v * n[2][a]), un[a]));
-                m[a] = _mm512_abs_ps(_mm512_add_ps(all(s->axis[0][a] - v * s->axis[2][a]), ud[a]));
-            }
-            __mmask16 hit = _mm512_mask_cmp_ps_mask(nearer, here_n[0], _mm512_mul_ps(wide, _mm512_add_ps(m[1], m[2])), _CMP_LE_OQ);
-            hit = _mm512_mask_cmp_ps_mask(hit, here_n[1], _mm512_mul_ps(wide, _mm512_add_ps(m[2], m[0])), _CMP_LE_OQ);
-            hit = _mm512_mask_cmp_ps_mask(hit, here_n[2], _mm512_mul_ps(wide, _mm512_add_ps(m[0], m[1])), _CMP_LE_OQ);
+            const __mmask16 hit = covers(s, r, k, u, all(((float)y + 0.5f) - s->eye.half_h), nearer);
             _mm512_mask_storeu_ps(row, hit, far);
             _mm512_mask_storeu_epi32(planes->index + (row - planes->distance), hit, ids);
         }
     }
 }
-
-typedef struct sixteen {
-    _Alignas(64) float o[3][OST_LANES];
-    _Alignas(64) float distance[OST_LANES];
-    _Alignas(64) int32_t x0[OST_LANES], x1[OST_LANES], y0[OST_LANES], y1[OST_LANES];
-} sixteen;
 
 /* Which of sixteen voxels may be seen, and where. */
 static inline __mmask16 rectangles(const ost_splat_eye *s, lanes3 o, __mmask16 live, int y0, int y1, sixteen *out)
@@ -167,14 +210,18 @@ void ost_splat_avx512(const ost_splat_eye *eye, const ost_visible *visible, uint
         for (int a = 0; a < 3; a++) {
             const __m512i at = _mm512_and_si512(_mm512_srl_epi32(p, _mm_cvtsi32_si128(5 * a)), low);
             o.v[a] = _mm512_add_ps(all(base[a]), _mm512_cvtepi32_ps(at));
-            _mm512_store_ps(r.o[a], o.v[a]);
         }
         const lanes xy = _mm512_add_ps(_mm512_mul_ps(o.v[0], o.v[0]), _mm512_mul_ps(o.v[1], o.v[1]));
         _mm512_store_ps(r.distance, _mm512_add_ps(xy, _mm512_mul_ps(o.v[2], o.v[2])));
-        for (unsigned left = rectangles(eye, o, live, y0, y1, &r); left; left &= left - 1) {
+        unsigned left = rectangles(eye, o, live, y0, y1, &r);
+        if (left)
+            crosses(eye, o, &r);
+        for (; left; left &= left - 1) {
             const int k = __builtin_ctz(left);
-            const float at[3] = {r.o[0][k], r.o[1][k], r.o[2][k]};
-            fill(eye, at, r.distance[k], first + i + (uint32_t)k, r.x0[k], r.x1[k], r.y0[k], r.y1[k], planes);
+            if (r.x1[k] - r.x0[k] < 4 && r.y1[k] - r.y0[k] < 4)
+                fill_small(eye, &r, k, first + i + (uint32_t)k, planes);
+            else
+                fill(eye, &r, k, first + i + (uint32_t)k, planes);
         }
     }
 }
