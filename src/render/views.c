@@ -60,6 +60,13 @@ ost_orbit ost_view_orbit(ost_view_name view, const ost_view_subject *s, const os
     if (s->has_face)
         for (int a = 0; a < 3; a++)
             back[a] = -s->inward[a];
+    if (view == OST_VIEW_TOOL && tool) {
+        double t[3], q[4];
+        ost_pose_to_doubles(tool, t, q);
+        const double w = q[0], x = q[1], y = q[2], z = q[3];
+        /* The tool works toward its -z. */
+        return from(t, (double[3]){2 * (x * z + w * y), 2 * (y * z - w * x), w * w - x * x - y * y + z * z}, 1.4 * near);
+    }
     switch (view) {
     case OST_VIEW_EN_FACE: break;
     case OST_VIEW_LATERAL: return from(at, (double[3]){side, 0, 0}, near);
@@ -68,14 +75,6 @@ ost_orbit ost_view_orbit(ost_view_name view, const ost_view_subject *s, const os
     case OST_VIEW_SUPERIOR: return from(at, (double[3]){0, 0, 1}, near);
     case OST_VIEW_WHOLE: return from(s->middle, (double[3]){back[0], back[1] - 0.7, back[2] + 0.25}, 1.5 * s->size);
     case OST_VIEW_TOOL:
-        if (tool) {
-            double t[3], q[4];
-            ost_pose_to_doubles(tool, t, q);
-            const double w = q[0], x = q[1], y = q[2], z = q[3];
-            /* The tool works toward its -z. */
-            return from(t, (double[3]){2 * (x * z + w * y), 2 * (y * z - w * x), w * w - x * x - y * y + z * z}, 1.4 * near);
-        }
-        /* fallthrough */
     case OST_VIEW_OPERATOR:
     case OST_VIEW_COUNT: {
         ost_orbit o = from(at, back, near);

@@ -13,6 +13,7 @@
 #define OST_WINDOW_WINDOW_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include <osteon/status.h>
