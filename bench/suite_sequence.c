@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * 2,000 ticks of a tool at work, by removal events alone (removal/sequence/1)
- * and by whole ticks of the world (tick/sequence/1): one thread, chunks of
+ * 2,000 ticks of a tool at work, by removal events alone (removal/sequence/1),
+ * by whole ticks of the world (tick/sequence/1), and with the force before each, which
+ * says where the tool is for a hand that goes the same way (tick/force/1): one thread, chunks of
  * 32^3, every tick timed on its own.  Maps and boxes are made beforehand for
  * the first and inside the timed step for the second.
  *
@@ -10,6 +11,8 @@
  * in them, and all ticks of it would take a minute.
  */
 #include "bench/path.h"
+
+#include <osteon/force.h>
 
 #include <stdlib.h>
 #include <string.h>
@@ -104,43 +107,58 @@ static ost_status run_events(sequence_run *s, machine *m, ost_report *report)
     return status;
 }
 
-static ost_status run_ticks(sequence_run *s, machine *m)
+typedef enum sequence_kind { EVENTS, TICKS, TICKS_WITH_FORCE } sequence_kind;
+
+static ost_status run_ticks(sequence_run *s, machine *m, bool felt)
 {
     ost_world *world = NULL;
+    ost_force *force = NULL;
     ost_status status = ost_world_create(m->bone, NULL, &world, s->err);
     if (status == OST_OK)
         status = ost_world_add_tool(world, s->scene.tool_name, m->tool, NULL, s->err);
+    if (status == OST_OK && felt)
+        status = ost_force_create(m->bone, NULL, &force, s->err);
+    if (status == OST_OK && felt)
+        status = ost_force_add_tool(force, m->tool, s->err);
     for (int i = 0; i < s->count && status == OST_OK; i++) {
         ost_step_result result;
+        ost_force_result hand;
+        ost_tick tick = s->ticks[i];
         int64_t begin = bench_now();
-        status = ost_world_step(world, &s->ticks[i], &result, s->err);
+        if (felt) {
+            status = ost_force_step(force, 0, &s->ticks[i].pose, 1e-3, &hand, s->err);
+            tick.pose = hand.tool;
+        }
+        if (status == OST_OK)
+            status = ost_world_step(world, &tick, &result, s->err);
         s->ns[i] = (double)(bench_now() - begin);
     }
+    ost_force_free(force);
     ost_world_free(world);
     return status;
 }
 
-static ost_status run(sequence_run *s, machine *m, bool whole_ticks)
+static ost_status run(sequence_run *s, machine *m, sequence_kind kind)
 {
     ost_report report = {0};
     ost_status status = ost_bone_upload(m->bone, 0, s->scene.bone.dims.z, s->full, s->err);
     if (status == OST_OK)
-        status = whole_ticks ? run_ticks(s, m) : run_events(s, m, &report);
+        status = kind == EVENTS ? run_events(s, m, &report) : run_ticks(s, m, kind == TICKS_WITH_FORCE);
     ost_report_free(&report);
     return status;
 }
 
-static ost_status verify(sequence_run *s, machine *ours, bool whole_ticks, bool *equal)
+static ost_status verify(sequence_run *s, machine *ours, sequence_kind kind, bool *equal)
 {
     machine ref = {0};
     const int32_t slices = s->scene.bone.dims.z;
     ost_status status = open_machine(s, "ref", &ref);
     if (status == OST_OK)
-        status = run(s, &ref, whole_ticks);
+        status = run(s, &ref, kind);
     if (status == OST_OK)
         status = ost_bone_download(ref.bone, 0, slices, s->expected, s->err);
     if (status == OST_OK)
-        status = run(s, ours, whole_ticks);
+        status = run(s, ours, kind);
     if (status == OST_OK)
         status = ost_bone_download(ours->bone, 0, slices, s->ours, s->err);
     if (status == OST_OK)
@@ -176,7 +194,7 @@ static ost_status run_thesis(sequence_run *s, bench_series *means, double *chunk
     return status;
 }
 
-static ost_status sequence(const bench_options *options, bench_table *table, const char *name, bool whole_ticks, ost_error *err)
+static ost_status sequence(const bench_options *options, bench_table *table, const char *name, sequence_kind kind, ost_error *err)
 {
     sequence_run s = {.options = options, .err = err};
     machine ours = {0};
@@ -195,9 +213,9 @@ static ost_status sequence(const bench_options *options, bench_table *table, con
     if (status == OST_OK)
         status = open_machine(&s, NULL, &ours);
     if (status == OST_OK)
-        status = verify(&s, &ours, whole_ticks, &equal);
+        status = verify(&s, &ours, kind, &equal);
     for (int i = 0; i < repeat && status == OST_OK && equal; i++) {
-        status = run(&s, &ours, whole_ticks);
+        status = run(&s, &ours, kind);
         if (status == OST_OK)
             bench_sequence_add(&times, s.ns);
         if (status == OST_OK && baseline && i < 3)
@@ -224,10 +242,11 @@ static ost_status sequence(const bench_options *options, bench_table *table, con
 
 ost_status bench_removal_sequence(const bench_options *options, bench_table *table, ost_error *err)
 {
-    return sequence(options, table, "removal/sequence/1", false, err);
+    return sequence(options, table, "removal/sequence/1", EVENTS, err);
 }
 
 ost_status bench_tick_sequence(const bench_options *options, bench_table *table, ost_error *err)
 {
-    return sequence(options, table, "tick/sequence/1", true, err);
+    ost_status status = sequence(options, table, "tick/sequence/1", TICKS, err);
+    return status == OST_OK ? sequence(options, table, "tick/force/1", TICKS_WITH_FORCE, err) : status;
 }

@@ -7,9 +7,9 @@
  * stays below 10 mm/s rms, where a limit cycle shows.  The same operation
  * without force goes through the bone; a stiffness eight times too high swings.
  *
- * OST_TEST_LONG=1 tries the instant law and every hand without friction too.
+ * OST_TEST_LONG=1 tries the burr, the instant law and every hand without friction too.
  *
- *   OST_FORCE_CSV=FOLDER   writes each run as grip-tool-way.csv: t, where the
+ *   OST_FORCE_CSV=FOLDER   tries the burr, and writes each run as grip-tool-way.csv: t, where the
  *                          hand wants the device, where it is, the force
  * Covers: REQ-FORCE-STABLE
  */
@@ -171,13 +171,14 @@ static void no_hand_swings(void **state)
     static const struct {
         const char *name;
         ost_tool_kind kind;
-    } tools[] = {{"peg", OST_TOOL_PEG}, {"reamer", OST_TOOL_REAMER}};
+    } tools[] = {{"peg", OST_TOOL_PEG}, {"reamer", OST_TOOL_REAMER}, {"burr", OST_TOOL_BURR}};
     static run r;
     double worst = 0;
     int unstable = 0;
     const char *lengthy = getenv("OST_TEST_LONG");
     const bool all = lengthy && strcmp(lengthy, "1") == 0;
-    for (int t = 0; t < 2; t++) {
+    const int tool_count = all || getenv("OST_FORCE_CSV") ? 3 : 2;
+    for (int t = 0; t < tool_count; t++) {
         ost_tool *tool = builtin_tool(*state, tools[t].kind);
         for (int k = 0; k < 24; k++) {
             const int grip = k % 3, drag = k / 3 % 2, mode = k / 6 % 2, friction = k / 12;

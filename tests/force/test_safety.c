@@ -99,6 +99,27 @@ static void force_changes_slowly(void **state)
     assert_true(fabs(f + 2) < 1e-6);
 }
 
+/* As fast as the force may, in its own measure: 0.3 N of 3 N, so 10 mN m of 0.1 N m. */
+static void torque_changes_slowly(void **state)
+{
+    (void)state;
+    ost_safety_params p = open_params();
+    p.max_n = 3;
+    p.max_nm = 0.1;
+    p.slew_n = 0.3;
+    ost_safety s;
+    double before = 0;
+    ost_safety_begin(&s, &p);
+    for (int i = 0; i < 40; i++) {
+        double force[3] = {0}, torque[3] = {0, 0, i < 20 ? 0.05 : -0.05};
+        const ost_pose pose = at_mm(0);
+        assert_int_equal(ost_safety_step(&s, &pose, true, 0, T, force, torque), OST_SAFETY_GIVEN);
+        assert_true(fabs(torque[2] - before) <= 0.01 + 1e-12);
+        before = torque[2];
+    }
+    assert_true(fabs(before + 0.05 / sqrt(1.25)) < 1e-6);
+}
+
 static void force_begins_softly(void **state)
 {
     (void)state;
@@ -199,6 +220,43 @@ static void a_passive_wall_is_left_alone(void **state)
     assert_int_equal(s.damped_ticks, 0);
 }
 
+/* A coupling cannot hold more than stored_j, so 0.1 J put in by the hand are no excuse for giving back more than that. */
+static void no_more_is_given_back_than_was_held(void **state)
+{
+    (void)state;
+    ost_safety_params p = open_params();
+    p.max_damping = 2;
+    p.stored_j = 0.015;
+    ost_safety s;
+    double z = 0, f;
+    ost_safety_begin(&s, &p);
+    for (int i = 0; i < 100; i++)
+        give(&s, z -= 1, true, 0, 1, &f);
+    for (int i = 0; i < 10; i++)
+        give(&s, z += 1, true, 0, 1, &f);
+    assert_int_equal(s.damped_ticks, 0);
+    for (int i = 0; i < 20; i++)
+        give(&s, z += 1, true, 0, 1, &f);
+    assert_true(s.damped_ticks > 5);
+}
+
+/* Nor is what the controller adds ever more than the hand may get. */
+static void the_controller_saturates_too(void **state)
+{
+    (void)state;
+    ost_safety_params p = open_params();
+    p.max_n = 3;
+    p.max_damping = 100;
+    p.stored_j = 0;
+    ost_safety s;
+    double f;
+    ost_safety_begin(&s, &p);
+    give(&s, 0, true, 0, 3, &f);
+    give(&s, 4.9, true, 0, 3, &f);
+    give(&s, 5.9, true, 0, 3, &f);
+    assert_true(s.damped_ticks == 2 && f < -2.9 && f >= -3 - 1e-12);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -207,6 +265,9 @@ int main(void)
         cmocka_unit_test(force_begins_softly),          cmocka_unit_test(who_lets_go_feels_nothing),
         cmocka_unit_test(a_silent_device_gets_nothing), cmocka_unit_test(passivity_takes_back_what_was_made),
         cmocka_unit_test(a_passive_wall_is_left_alone),
+        cmocka_unit_test(torque_changes_slowly),
+        cmocka_unit_test(no_more_is_given_back_than_was_held),
+        cmocka_unit_test(the_controller_saturates_too),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
