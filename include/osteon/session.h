@@ -137,8 +137,20 @@ OST_API ost_status ost_session_write_csv(ost_session *session, const char *out, 
 
 /* For Foxglove and whatever else reads MCAP: poses, ticks, forces, notes. */
 OST_API ost_status ost_session_write_mcap(ost_session *session, const char *out, ost_error *err);
-/* For the tools of volumetric_drilling: its recordings' layout, version 3, without pictures and voxels. */
-OST_API ost_status ost_session_write_hdf5(ost_session *session, const char *out, ost_error *err);
+/* Which voxels went, in groups that went together: a session says how many, and a replay which. */
+typedef struct ost_session_voxel {
+    int32_t at[3];
+    uint32_t group; /* ascending */
+    int16_t density;
+} ost_session_voxel;
+typedef struct ost_session_voxels {
+    size_t groups, count;
+    double *t_s; /* of each group */
+    ost_session_voxel *voxels;
+} ost_session_voxels;
+
+/* For the tools of volumetric_drilling: its recordings' layout, version 3, without pictures. voxels may be NULL: they are not known. */
+OST_API ost_status ost_session_write_hdf5(ost_session *session, const char *out, const ost_session_voxels *voxels, ost_error *err);
 
 /* -------------------------------------------------------------- recording */
 

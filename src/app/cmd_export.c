@@ -21,7 +21,7 @@
 
 typedef struct export_args {
     const char *bone, *out, *before;
-    bool slices, compress;
+    bool slices, compress, voxels;
     int view; /* place in VIEWS */
     bool view_given;
     int64_t size, threshold, decimals;
@@ -177,6 +177,8 @@ static ost_status check_args(app_state *app, const export_args *args, ost_error 
         return usage_error(app, err, "--slices or --view, not both");
     if (args->decimals && !ends_with(args->out, "txt"))
         return usage_error(app, err, "--decimals is for .txt, not for %s", args->out);
+    if (args->voxels && !ends_with(args->out, "h5") && !ends_with(args->out, "hdf5"))
+        return usage_error(app, err, "--voxels is for .h5, not for %s", args->out);
     return out_check(app, args->out, "nrrd|nii|nii.gz|txt|stl|ply|png|csv|mcap|h5|hdf5", err);
 }
 
@@ -203,6 +205,8 @@ ost_status cmd_export(app_state *app, int argc, char **argv, ost_error *err)
          .help = ".png: side of a view (default: 800) or of a slice (default: 480)"},
         {.name = "decimals", .kind = OPTION_INTEGER, .out = &args.decimals, .value = "N", .min = 1, .max = 9,
          .help = "digits after the point in a .txt (default: as many as it takes)"},
+        {.name = "voxels", .kind = OPTION_FLAG, .out = &args.voxels,
+         .help = "a session to .h5: also which voxels went, by doing it again"},
         {.name = "compress", .kind = OPTION_FLAG, .out = &args.compress, .help = "gzip a .nrrd"},
         {.name = NULL}};
     const usage_text usage = {
@@ -223,7 +227,7 @@ ost_status cmd_export(app_state *app, int argc, char **argv, ost_error *err)
         return status;
     ost_digest file;
     if (ends_with(args.out, "csv") || ends_with(args.out, "mcap") || ends_with(args.out, "h5") || ends_with(args.out, "hdf5")) {
-        status = export_session(app, args.bone, args.out, err);
+        status = export_session(app, args.bone, args.out, args.voxels, err);
         if (status == OST_OK && (status = file_digest(args.out, &file, err)) == OST_OK)
             put_digest(app->result, "file_sha256", &file);
         return status;

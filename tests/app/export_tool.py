@@ -4,6 +4,7 @@
 
   export_tool.py mcap FILE TABLE.csv     MCAP (mcap.dev/spec): records, CRCs, indexes, statistics, messages
   export_tool.py hdf5 FILE TABLE.csv     HDF5 (File Format Specification 3.0): superblock 0, object headers 1, links, arrays in one piece
+  export_tool.py voxels FILE BEFORE.nrrd AFTER.nrrd   the voxels that went, by HDF5, against two bones
 """
 import csv
 import json
@@ -285,7 +286,41 @@ def check_hdf5(name, rows):
     print(len(rows), "ticks,", len(forces), "forces")
 
 
+def bone(name):
+    head, data = open(name, "rb").read().split(b"\n\n", 1)
+    fields = dict(line.split(": ", 1) for line in head.decode().split("\n") if ": " in line)
+    assert fields["encoding"] == "raw" and fields["type"] == "int16" and fields["endian"] == "little"
+    dims = [int(n) for n in fields["sizes"].split()]
+    return dims, struct.unpack(f"<{dims[0] * dims[1] * dims[2]}h", data)
+
+
+def check_voxels(name, before, after):
+    h = hdf5(name)
+    (nx, ny, _), old = bone(before)
+    new = bone(after)[1]
+    group = "/physics_data/intermittent_data/voxels_removed/"
+    (count, four), rows = h[group + "voxel_removed"]
+    times, each = h[group + "voxel_time_stamp"][1], h[group + "voxel_count"][1]
+    assert four == 4 and h[group + "voxel_color"][0] == (count, 5) and len(times) == len(each)
+    colours = h[group + "voxel_color"][1]
+    went = {}
+    for i in range(count):
+        g, x, y, z = (int(v) for v in rows[4 * i:4 * i + 4])
+        at = x + nx * (y + ny * z)
+        assert at not in went and 0 <= g < len(times)
+        went[at] = g
+        grey = min(max(old[at] // 8, 0), 255)
+        assert [int(v) for v in colours[5 * i:5 * i + 5]] == [g, grey, grey, grey, 255]
+    assert set(went) == {i for i in range(len(old)) if old[i] != new[i]}
+    assert list(each) == [sum(1 for v in went.values() if v == g) for g in range(len(times))]
+    assert all(b > a for a, b in zip(times, times[1:]))
+    print(count, "voxels")
+
+
 def main():
+    if sys.argv[1] == "voxels":
+        check_voxels(*sys.argv[2:5])
+        return
     what, name, rows = sys.argv[1], sys.argv[2], table(sys.argv[3])
     {"mcap": check_mcap, "hdf5": check_hdf5}[what](name, rows)
 

@@ -30,6 +30,14 @@ felt=$(awk -F, 'NR > 1 && ($17 == 1 || $21 != 0 || $22 != 0 || $23 != 0 || $24 !
 check "MCAP" "$($tool mcap felt.mcap felt.csv)" "2000 ticks, $felt forces"
 check "HDF5" "$($tool hdf5 felt.h5 felt.csv)" "2000 ticks, $felt forces"
 
+# Which voxels went: those in which the two bones differ, each once.
+run 0 export felt.session --voxels --out voxels.h5 --json
+voxels=$(value removed_voxels)
+run 0 replay felt.session --out reamed.nrrd --json
+check "as many as a replay removes" "$(value removed_voxels)" "$voxels"
+check "which went" "$($tool voxels voxels.h5 bone.nrrd reamed.nrrd)" "$voxels voxels"
+refuse 2 "--voxels is for .h5" export felt.session --voxels --out x.csv
+
 run 0 export early.session --out early.csv
 run 0 export early.session --out early.hdf5
 check "HDF5 without a force" "$($tool hdf5 early.hdf5 early.csv)" "3 ticks, 0 forces"

@@ -29,7 +29,7 @@ enum {
     ROOT,
     METADATA, METADATA_README, METADATA_VOLUME, METADATA_SESSION,
     VISION, VISION_EVENTS, VISION_SERIES, VISION_TIME, VISION_DRILL, VISION_ANATOMY,
-    PHYSICS, EVENTS, VOXELS, VOXELS_README, VOXELS_TIME, VOXELS_COUNT, BURR, BURR_TIME, BURR_TOOL, WRENCH, WRENCH_VALUE, WRENCH_TIME,
+    PHYSICS, EVENTS, VOXELS, VOXELS_README, VOXELS_TIME, VOXELS_COUNT, VOXELS_REMOVED, VOXELS_COLOR, BURR, BURR_TIME, BURR_TOOL, WRENCH, WRENCH_VALUE, WRENCH_TIME,
     SERIES, POSES, DRILL, DRILL_TIME, DRILL_POSE, ANATOMY, ANATOMY_TIME, ANATOMY_POSE,
     NODES
 };
@@ -58,6 +58,8 @@ static const struct {
     [VOXELS_README] = {VOXELS, "README", CHARACTERS, 0},
     [VOXELS_TIME] = {VOXELS, "voxel_time_stamp", REALS, 1},
     [VOXELS_COUNT] = {VOXELS, "voxel_count", WHOLES, 1},
+    [VOXELS_REMOVED] = {VOXELS, "voxel_removed", REALS, 4},
+    [VOXELS_COLOR] = {VOXELS, "voxel_color", REALS, 5},
     [BURR] = {EVENTS, "burr_change", GROUP, 0},
     [BURR_TIME] = {BURR, "time_stamp", REALS, 1},
     [BURR_TOOL] = {BURR, "tool", WHOLES, 1},
@@ -81,8 +83,9 @@ static const char readme[] =
     "A wrench is the force (N) and the torque (N m, about the tool's origin) on the hand, in the world's frame.\n"
     "There are no cameras: no pictures, no depth, no segmentation, no camera poses. osteon_session holds the session's header.\n";
 static const char voxels_readme[] =
-    "A group for each tick that removed bone: voxel_time_stamp says when, voxel_count how many voxels went. Which they were is not in a\n"
-    "session; osteon replay SESSION --ticks N makes the bone at any time.\n";
+    "Groups of voxels that went together: voxel_time_stamp says when, voxel_count how many. A row of voxel_removed is a voxel: its group,\n"
+    "and its x, y, z in the bone's grid; voxel_color has the same rows with its group and its density as a grey, red, green, blue, alpha from\n"
+    "0 to 255: a 255th for each 8 HU. Both have no rows where nobody has asked which voxels went, and then a group is a tick; else 20 ms.\n";
 static const char volume_units[] = "mm^3, millimeters cubed";
 
 typedef struct h5 {
@@ -90,6 +93,7 @@ typedef struct h5 {
     ost_error *err;
     ost_status status;
     ost_session *session;
+    const ost_session_voxels *voxels; /* NULL: not known */
     char *session_text; /* owned; the header, a key a line */
     double volume_mm3;
     uint64_t rows[NODES], header_at[NODES], data_at[NODES];
@@ -396,6 +400,47 @@ static void add_row(h5 *f, int node, const ost_session_tick *t)
     }
 }
 
+/* Rows of what a replay has found, when it was asked. */
+static bool add_voxels(h5 *f, int node)
+{
+    const ost_session_voxels *v = f->voxels;
+    if (tree[node].parent != VOXELS || !v)
+        return false;
+    size_t next = 0;
+    for (size_t g = 0; g < v->groups && (node == VOXELS_TIME || node == VOXELS_COUNT); g++) {
+        const size_t first = next;
+        while (next < v->count && v->voxels[next].group == g)
+            next++;
+        if (node == VOXELS_TIME)
+            add_real(f, v->t_s[g]);
+        else
+            add_number(f, next - first, 8);
+    }
+    for (size_t i = 0; i < v->count && (node == VOXELS_REMOVED || node == VOXELS_COLOR); i++) {
+        const ost_session_voxel *x = &v->voxels[i];
+        const double grey = fmin(fmax(floor(x->density / 8.0), 0), 255);
+        add_real(f, x->group);
+        for (int a = 0; a < 3; a++)
+            add_real(f, node == VOXELS_REMOVED ? x->at[a] : grey);
+        if (node == VOXELS_COLOR)
+            add_real(f, 255);
+    }
+    return true;
+}
+
+static uint64_t walk_ticks(h5 *f, int node, bool write);
+
+static uint64_t rows_of(h5 *f, int node)
+{
+    if (node == METADATA_VOLUME)
+        return 1;
+    if (node == VOXELS_REMOVED || node == VOXELS_COLOR)
+        return f->voxels ? f->voxels->count : 0;
+    if (f->voxels && tree[node].parent == VOXELS)
+        return f->voxels->groups;
+    return walk_ticks(f, node, false);
+}
+
 /* Every tick, for one array: its rows are counted, or written as well. */
 static uint64_t walk_ticks(h5 *f, int node, bool write)
 {
@@ -423,7 +468,7 @@ static void add_data(h5 *f, int node)
         add(f, text_of(f, node), bytes);
     else if (node == METADATA_VOLUME)
         add_real(f, f->volume_mm3);
-    else if (walk_ticks(f, node, true) != f->rows[node] && f->status == OST_OK)
+    else if (f->rows[node] > 0 && !add_voxels(f, node) && walk_ticks(f, node, true) != f->rows[node] && f->status == OST_OK)
         f->status = ost_fail(f->err, OST_ERR_IO, "%s: changed while it was read", f->session->path);
     add_zeros(f, padded(bytes) - bytes);
 }
@@ -477,7 +522,7 @@ static void lay_out(h5 *f, uint64_t *end)
 {
     for (int n = 0; n < NODES; n++)
         if (tree[n].kind == REALS || tree[n].kind == WHOLES)
-            f->rows[n] = n == METADATA_VOLUME ? 1 : walk_ticks(f, n, false);
+            f->rows[n] = rows_of(f, n);
     uint64_t at = SUPERBLOCK;
     for (int n = 0; n < NODES; n++) {
         f->header_at[n] = at;
@@ -490,13 +535,13 @@ static void lay_out(h5 *f, uint64_t *end)
     *end = at;
 }
 
-ost_status ost_session_write_hdf5(ost_session *session, const char *path, ost_error *err)
+ost_status ost_session_write_hdf5(ost_session *session, const char *path, const ost_session_voxels *voxels, ost_error *err)
 {
     uint64_t end = 0;
     h5 *f = calloc(1, sizeof *f);
     if (!f)
         return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for writing HDF5", path);
-    *f = (h5){.err = err, .session = session, .volume_mm3 = voxel_volume(session->header), .session_text = header_text(session->header)};
+    *f = (h5){.err = err, .session = session, .voxels = voxels, .volume_mm3 = voxel_volume(session->header), .session_text = header_text(session->header)};
     f->status = f->session_text ? ost_outfile_open(path, &f->out, err) : ost_fail(err, OST_ERR_MEMORY, "%s: no memory for writing HDF5", path);
     if (f->status == OST_OK)
         lay_out(f, &end);
