@@ -87,8 +87,13 @@ static void plunges(const ost_motion *m, size_t count, const bool *in, const dou
     bool fast = false;
     double begun = 0;
     for (size_t i = 0; i < count; i++) {
-        if (!in[i] || (i > 0 && m[i].tool != m[i - 1].tool))
-            broken = in[i] ? i : i + 1;
+        if (!in[i]) {
+            broken = i + 1;
+            fast = false;
+            continue;
+        }
+        if (i > 0 && m[i].tool != m[i - 1].tool)
+            broken = i;
         from = from < broken ? broken : from;
         while (from < i && m[i].t_s - m[from + 1].t_s >= WINDOW_S - 1e-9)
             from++;
@@ -98,7 +103,7 @@ static void plunges(const ost_motion *m, size_t count, const bool *in, const dou
             depth[0] += m[from].mm[a] * w[a];
             depth[1] += m[i].mm[a] * w[a];
         }
-        if (in[i] && span >= WINDOW_S - 1e-9)
+        if (span >= WINDOW_S - 1e-9)
             speed = (depth[1] - depth[0]) / span;
         out->inward_max_mm_s = fmax(out->inward_max_mm_s, speed);
         if (speed > OST_PLUNGE_MM_S && !fast) {
