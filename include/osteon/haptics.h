@@ -73,6 +73,7 @@ typedef struct ost_haptic_setup {
  *   openhaptics       Touch, Touch X, Phantom Omni: name=TEXT, scale=PERCENT (100)
  *   dhd               Force Dimension, Falcon: scale=PERCENT (100)
  *   spnav             SpaceMouse: speed=MM/S (20), turn=DEGREES/S (30), tools=N (1), hold=0|1 (0)
+ *   inverse3          Haply's Inverse3 and VerseGrip: id=TEXT (the first), port=N (10001), scale=PERCENT (100)
  *   udp               a device on another machine, by osteon bridge: key=FILE, port=N (4707), bind=ADDRESS (127.0.0.1), lost=MS (5000)
  *
  * OST_ERR_USAGE on an unknown name, key or value, or when the setup lacks what it needs.

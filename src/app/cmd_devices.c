@@ -199,6 +199,11 @@ static void list_libraries(const app_state *app)
 #endif
     const char *missing = ost_window_missing();
     one(app, array, "window", missing == NULL, missing ? missing : "the simulator's window: osteon sim");
+#ifdef HAVE_LIBWEBSOCKETS
+    one(app, array, "websockets", true, "--device inverse3: Haply's service");
+#else
+    one(app, array, "websockets", false, "no --device inverse3; install libwebsockets-dev and build again");
+#endif
 #if defined HAVE_EMBREE4 || defined HAVE_EMBREE3
     one(app, array, "embree", true, "--backend cpu:voxelizer=embree, and Embree's rows in osteon bench");
 #else

@@ -21,7 +21,7 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
     target_options *t = &args.plan.target;
     const option options[] = {
         {.name = "device", .kind = OPTION_TEXT, .out = &args.device, .value = "NAME",
-         .help = "mouse (default in a window), sim (default without one), null,\nscript, replay, motion, openhaptics, dhd, spnav or udp,\nwith options as in\nsim:grip=light,seed=2,tremor=200 (micrometres) or\nmotion:hand.csv.gz,scale=5 (per cent)"},
+         .help = "mouse (default in a window), sim (default without one), null,\nscript, replay, motion, openhaptics, dhd, spnav, inverse3\nor udp, with options as in\nsim:grip=light,seed=2,tremor=200 (micrometres) or\nmotion:hand.csv.gz,scale=5 (per cent)"},
         {.name = "headless", .kind = OPTION_FLAG, .out = &args.headless, .help = "without a window"},
         {.name = "renderer", .kind = OPTION_CHOICE, .out = &args.renderer, .given = &args.renderer_given, .value = "none|null|points",
          .help = "who draws meanwhile: points, the bone's surface by the processor;\nnull, follows the bone and draws nothing (default: points in a window, else none)"},

@@ -48,6 +48,12 @@ haptic_clutch haptic_clutch_make(const ost_pose *start, double scale)
     return c;
 }
 
+void haptic_clutch_lay(haptic_clutch *c)
+{
+    memcpy(c->world, c->given_q, sizeof c->world);
+    c->laid = true;
+}
+
 void haptic_clutch_release(haptic_clutch *c)
 {
     c->held = false;

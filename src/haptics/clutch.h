@@ -24,6 +24,8 @@ typedef struct haptic_clutch {
 } haptic_clutch;
 
 haptic_clutch haptic_clutch_make(const ost_pose *start, double scale);
+/* The body's frame is the tool's at the start, however the body lies when it is first seen: for devices with a right and an up. */
+void haptic_clutch_lay(haptic_clutch *clutch);
 /* The next pose takes hold where the tool is. */
 void haptic_clutch_release(haptic_clutch *clutch);
 /* The same, and the tool is elsewhere. */

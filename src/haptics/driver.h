@@ -53,6 +53,6 @@ ost_status haptic_number(const char *device, const char *key, const char *value,
 ost_status haptic_integer(const char *device, const char *key, const char *value, int64_t lo, int64_t hi, int64_t *out, ost_error *err);
 
 extern const haptic_driver haptic_null, haptic_script, haptic_replay, haptic_sim, haptic_motion, haptic_mouse,
-    haptic_openhaptics, haptic_dhd, haptic_spnav, haptic_udp;
+    haptic_openhaptics, haptic_dhd, haptic_spnav, haptic_inverse3, haptic_udp;
 
 #endif

@@ -7,7 +7,8 @@
 #include "haptics/driver.h"
 
 static const haptic_driver *const drivers[] = {
-    &haptic_null, &haptic_script, &haptic_replay, &haptic_sim, &haptic_motion, &haptic_mouse, &haptic_openhaptics, &haptic_dhd, &haptic_spnav, &haptic_udp,
+    &haptic_null, &haptic_script, &haptic_replay, &haptic_sim, &haptic_motion, &haptic_mouse, &haptic_openhaptics, &haptic_dhd, &haptic_spnav,
+    &haptic_inverse3, &haptic_udp,
 };
 
 enum { DRIVERS = sizeof drivers / sizeof drivers[0] };

@@ -32,7 +32,7 @@ static void the_list(void **state)
     (void)state;
     ost_error err = {0};
     ost_haptic_info info;
-    assert_int_equal(ost_haptic_count(), 10);
+    assert_int_equal(ost_haptic_count(), 11);
     for (int i = 0; i < ost_haptic_count(); i++) {
         assert_ok(ost_haptic_describe(i, &info, &err));
         assert_true(info.name[0] && info.description[0]);
@@ -52,7 +52,7 @@ static void a_wrong_spec_is_told_what_is_wrong(void **state)
     static const struct {
         const char *spec, *says;
     } cases[] = {
-        {"omni", "'omni' is no device; known are null, script, replay, sim, motion, mouse, openhaptics, dhd, spnav, udp"},
+        {"omni", "'omni' is no device; known are null, script, replay, sim, motion, mouse, openhaptics, dhd, spnav, inverse3, udp"},
         {"", "'' is no device"},
         {"si", "is no device"},
         {"null:x=1", "no option 'x'"},
