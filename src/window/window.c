@@ -193,16 +193,33 @@ static ost_status no_window(ost_error *err)
 {
     const char *why = NULL;
     glfwGetError(&why);
-    const char *display = getenv("DISPLAY"), *wayland = getenv("WAYLAND_DISPLAY");
-    if ((!display || !*display) && (!wayland || !*wayland))
-        return ost_fail(err, OST_ERR_UNAVAILABLE, "there is no display to open a window on (DISPLAY is not set); --headless runs without one");
     return ost_fail(err, OST_ERR_UNAVAILABLE, "no window could be opened: %.300s; --headless runs without one", why ? why : "the system does not say why");
+}
+
+static bool is_set(const char *variable)
+{
+    const char *value = getenv(variable);
+    return value && *value;
+}
+
+/* What is asked for a display that nobody named may write to standard error by itself, as libwayland does. */
+static ost_status begin(ost_error *err)
+{
+    const bool wayland = is_set("WAYLAND_DISPLAY");
+    if (!wayland && !is_set("DISPLAY"))
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "there is no display to open a window on (DISPLAY is not set); --headless runs without one");
+#ifdef GLFW_PLATFORM /* from 3.4 on; before it a build has one platform */
+    if (!wayland)
+        glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);
+#endif
+    return glfwInit() ? OST_OK : no_window(err);
 }
 
 static ost_status make(ost_window *w, const char *title, int width, int height, ost_error *err)
 {
-    if (!glfwInit())
-        return no_window(err);
+    const ost_status status = begin(err);
+    if (status != OST_OK)
+        return status;
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
