@@ -90,6 +90,7 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
     }
     simulation s = {0};
     progress_begin(app);
+    sim_pin(&args, &s);
     if (!args.headless)
         status = sim_window_open(app, &args, &s, err);
     if (status == OST_OK && args.resume)
@@ -98,8 +99,6 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
         status = sim_load(app, &args, &s, err);
     if (status == OST_OK)
         status = sim_force_make(app, &args, &s, err);
-    if (status == OST_OK)
-        sim_pin(&args, &s);
     if (status == OST_OK)
         status = sim_record_begin(&args, &s, err);
     if (status == OST_OK && s.resumed)

@@ -80,7 +80,8 @@ ost_status sim_force_params(const app_state *app, sim_args *args, ost_error *err
 void sim_force_print(const app_state *app, const sim_args *args);
 /* A device that renders forces gets one unless --force off; one that does not has none to be asked for. */
 ost_status sim_force_make(const app_state *app, sim_args *args, simulation *s, ost_error *err);
-/* A core for the loop: from here on this thread, and those it makes, keep off it. */
+/* A core for the loop: from here on this thread, and those it makes, keep off it. First of all, since OpenGL's drivers and
+   devices make threads as well. */
 void sim_pin(const sim_args *args, simulation *s);
 enum { SIM_FORCE_KEYS = 32 };
 typedef struct sim_force_texts {
