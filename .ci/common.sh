@@ -91,12 +91,27 @@ packages() {
 		>"$logs/packages.log" 2>&1 || { tail -n 5 "$logs/packages.log"; echo "not installed: their gates are skipped"; }
 }
 
+# listed FOLDER VARIABLE: what the Makefile of a configured folder has in it
+listed() {
+	printf 'include Makefile\nlist:\n\t@echo $(%s)\n' "$2" | make -s -C "$1" -f - list
+}
+
 # tests_but FOLDER EXCEPT: the tests of a configured folder less those that match the pattern
 tests_but() {
 	local test
-	for test in $(printf 'include Makefile\nlist-tests:\n\t@echo $(TESTS)\n' | make -s -C "$1" -f - list-tests); do
+	for test in $(listed "$1" TESTS); do
 		# shellcheck disable=SC2254 # a pattern
 		case $test in $2) ;; *) printf '%s ' "$test" ;; esac
+	done
+}
+
+# programs_but FOLDER EXCEPT: what these tests need built: they, and the programs that are no tests
+programs_but() {
+	local program all kept
+	all=" $(listed "$1" TESTS) "
+	kept=" $(tests_but "$1" "$2") "
+	for program in $(listed "$1" check_PROGRAMS); do
+		[[ $all == *" $program "* && $kept != *" $program "* ]] || printf '%s ' "$program"
 	done
 }
 
@@ -108,9 +123,9 @@ build_and_check() {
 	mkdir -p "$folder"
 	(cd "$folder" && "$source/configure" -q --enable-werror "$@") &&
 		make -C "$folder" -s -j "$(nproc)" &&
-		make -C "$folder" -s -j "$(nproc)" check TESTS="$(tests_but "$folder" "$except")"
+		make -C "$folder" -s -j "$(nproc)" check TESTS="$(tests_but "$folder" "$except")" check_PROGRAMS="$(programs_but "$folder" "$except")"
 }
-export -f tests_but build_and_check
+export -f listed tests_but programs_but build_and_check
 
 # check NAME LIMIT EXCEPT CONFIGURE_ARGUMENT...: EXCEPT is a pattern, @(A|B), of
 # tests that cannot come out otherwise in this variant than in the first gate
