@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "app/sim.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include "app/interrupt.h"
@@ -81,8 +82,10 @@ void sim_report_loop(const app_state *app, const sim_args *args, const simulatio
     put_times(app, "completion_us", "done after", &r->completion);
     put_times(app, "idle_wake_us", "a quiet loop, late by", &r->idle_wake);
     if (!args->no_clock) {
-        say(app, "  deadlines missed: %llu of %llu; by the quiet loop %llu of %llu", (unsigned long long)r->missed, (unsigned long long)r->ticks,
-            (unsigned long long)r->idle_missed, (unsigned long long)r->idle_ticks);
+        char beside[SAY_TEXT] = "";
+        if (r->idle_ticks)
+            snprintf(beside, sizeof beside, "; by the quiet loop %llu of %llu", (unsigned long long)r->idle_missed, (unsigned long long)r->idle_ticks);
+        say(app, "  deadlines missed: %llu of %llu%s", (unsigned long long)r->missed, (unsigned long long)r->ticks, beside);
         say(app, "  scheduling: %s; memory: %s; the loop on %s%s", r->realtime.scheduling, r->realtime.memory, r->realtime.core,
             s->core >= 0 ? ", all else on the others" : " core");
         if (r->stolen_ms > 0)
