@@ -5,35 +5,13 @@
  * what a backend says of single voxels against what it downloads.
  * Covers: REQ-FORCE
  */
-#include "ref/scene.h"
-
-#include <math.h>
-
-#include <osteon/force.h>
-
-#define MM OST_PM_PER_MM
-#define PI 3.14159265358979323846
-
-enum { REFERENCE_HU = 1705 }; /* 1.95 g/cm3 with the default map, to a ten-thousandth */
+#include "force/press.h"
 
 static ost_shell_point points[OST_SHELL_MAX];
 
 static ost_pose at_mm(double x, double y, double z)
 {
     return (ost_pose){.t = {(ost_pm)(x * 1e9), (ost_pm)(y * 1e9), (ost_pm)(z * 1e9)}, .qw = OST_Q30_ONE};
-}
-
-/* Bone of one density in the lowest layers; the grid's first centre is at 0. */
-static ost_bone *half_space(ost_backend *backend, int32_t nx, int32_t nz, ost_pm s, int32_t solid_layers, int16_t hu)
-{
-    const ost_geometry g = cubic_geometry(nx, nx, nz, s, (ost_pm3){0, 0, 0});
-    int16_t *voxels = calloc(voxel_count(&g), sizeof *voxels);
-    assert_non_null(voxels);
-    for (size_t i = 0; i < (size_t)nx * (size_t)nx * (size_t)solid_layers; i++)
-        voxels[i] = hu;
-    ost_bone *bone = bone_of(backend, &g, 32, voxels);
-    free(voxels);
-    return bone;
 }
 
 /* Points of equal area on the part of a sphere with z below top radii, by the golden angle; its centre is the origin. */
@@ -49,23 +27,6 @@ static void sphere_points(double radius, double top)
             points[i].inward[a] = -n[a];
         }
     }
-}
-
-static ost_force *force_of(const ost_bone *bone, const ost_force_params *params)
-{
-    ost_error err = {0};
-    ost_force *force;
-    const ost_shell shell = {OST_SHELL_MAX, points};
-    assert_ok(ost_force_create(bone, params, &force, &err));
-    assert_ok(ost_force_add_shell(force, &shell, &err));
-    return force;
-}
-
-static void assert_near(const char *what, double got, double expected, double share)
-{
-    print_message("%s: %.6g, %.6g expected\n", what, got, expected);
-    if (!(fabs(got - expected) <= share * fabs(expected)))
-        fail_msg("%s is %.6g, expected %.6g to %.1f %%", what, got, expected, share * 100);
 }
 
 /* Densities of voxels are those of a download; beyond the grid there is nothing. */
@@ -120,7 +81,7 @@ static void a_sphere_in_a_plane(void **state)
     params.stiffness = 1e6;
     params.layer = layer;
     params.layer_stiffness = k;
-    ost_force *force = force_of(bone, &params);
+    ost_force *force = force_of(bone, &params, points, OST_SHELL_MAX);
     double sum = 0, across = 0;
     ost_force_result r;
     for (int i = 0; i < PLACES; i++) {
@@ -151,7 +112,7 @@ static void stiffness_is_bounded(void **state)
     ost_force_params params = ost_force_defaults();
     params.mode = OST_FORCE_INSTANT;
     params.layer_stiffness = 1e12;
-    ost_force *force = force_of(bone, &params);
+    ost_force *force = force_of(bone, &params, points, OST_SHELL_MAX);
     ost_force_result a, b;
     const ost_pose first = at_mm(15, 15, 24.75 + 6), second = at_mm(15, 15, 24.75 + 5.5);
     assert_ok(ost_force_step(force, 0, &first, 1e-3, &a, &err));
@@ -187,7 +148,7 @@ static void planar_reaming(void **state)
     const ost_force_params params = ost_force_defaults();
     const double u = ost_force_energy(&params, REFERENCE_HU);
     assert_near("energy of reference bone", u, 30e6, 1e-3);
-    ost_force *force = force_of(bone, &params);
+    ost_force *force = force_of(bone, &params, points, OST_SHELL_MAX);
     /* On the surface, then pulled down 5 mm: the tool goes as fast as the formula says. */
     const ost_pose start = at_mm(15, 15, 24.75), down = at_mm(15, 15, 24.75 - 5);
     ost_force_result r;
@@ -206,7 +167,7 @@ static void planar_reaming(void **state)
 
     /* Half the density is cut four times as fast by the same force. */
     ost_bone *soft = half_space(*state, 60, 60, MM / 2, 50, (int16_t)lrint((0.975 - 0.131) / 1.067e-3));
-    ost_force *easy = force_of(soft, &params);
+    ost_force *easy = force_of(soft, &params, points, OST_SHELL_MAX);
     ost_force_result s;
     assert_ok(ost_force_step(easy, 0, &start, 1e-3, &s, &err));
     assert_ok(ost_force_step(easy, 0, &down, 1e-3, &s, &err));
@@ -227,7 +188,7 @@ static void hemispherical_reaming(void **state)
     sphere_points(radius, 0);
     const ost_force_params params = ost_force_defaults();
     const double u = ost_force_energy(&params, REFERENCE_HU);
-    ost_force *force = force_of(bone, &params);
+    ost_force *force = force_of(bone, &params, points, OST_SHELL_MAX);
     const ost_pose start = at_mm(15, 15, 15), down = at_mm(15, 15, 10);
     ost_force_result r;
     assert_ok(ost_force_step(force, 0, &start, 1e-3, &r, &err));
@@ -253,7 +214,7 @@ static void what_does_not_cut_stops(void **state)
         params.speed = blunt ? params.speed : 0;
         for (size_t i = 0; i < OST_SHELL_MAX; i++)
             points[i].cutting = !blunt;
-        ost_force *force = force_of(bone, &params);
+        ost_force *force = force_of(bone, &params, points, OST_SHELL_MAX);
         ost_force_result r;
         const double held = 19.75 + 5;
         for (int i = 0; i < 400; i++) {
@@ -281,7 +242,7 @@ static void nothing_is_tunnelled_through(void **state)
     sphere_points(5e-3, 1);
     ost_force_params params = ost_force_defaults();
     params.speed = 0;
-    ost_force *force = force_of(bone, &params);
+    ost_force *force = force_of(bone, &params, points, OST_SHELL_MAX);
     ost_force_result r;
     for (int i = 0; i < 20; i++) {
         const ost_pose pose = at_mm(15, 15, 20 - 4.5 * i > -10 ? 20 - 4.5 * i : -10);

@@ -5,17 +5,9 @@
  * vibration against its formula; and a file of parameters.
  * Covers: REQ-FORCE
  */
-#include "ref/scene.h"
+#include "force/press.h"
 
-#include <math.h>
 #include <unistd.h>
-
-#include <osteon/force.h>
-
-#define MM OST_PM_PER_MM
-#define PI 3.14159265358979323846
-
-enum { REFERENCE_HU = 1705 };
 
 static ost_pose turned_mm(double x, double y, double z, double about_y)
 {
@@ -25,34 +17,10 @@ static ost_pose turned_mm(double x, double y, double z, double about_y)
                       .qy = (int32_t)lrint(q[2] * OST_Q30_ONE)};
 }
 
-/* Bone in the layers below z = 19.75 mm, 30 x 30 mm wide, 0.5 mm a voxel; the grid's first centre is at 0. */
-static ost_bone *half_space(ost_backend *backend, int16_t hu)
+/* 30 mm wide, 0.5 mm a voxel, below z = 19.75 mm. */
+static ost_bone *half_space_30mm(ost_backend *backend, int16_t hu)
 {
-    const ost_geometry g = cubic_geometry(60, 60, 60, MM / 2, (ost_pm3){0, 0, 0});
-    int16_t *voxels = calloc(voxel_count(&g), sizeof *voxels);
-    assert_non_null(voxels);
-    for (size_t i = 0; i < (size_t)60 * 60 * 40; i++)
-        voxels[i] = hu;
-    ost_bone *bone = bone_of(backend, &g, 32, voxels);
-    free(voxels);
-    return bone;
-}
-
-static ost_force *force_of(const ost_bone *bone, const ost_force_params *params, ost_shell_point *points, size_t count)
-{
-    ost_error err = {0};
-    ost_force *force;
-    const ost_shell shell = {count, points};
-    assert_ok(ost_force_create(bone, params, &force, &err));
-    assert_ok(ost_force_add_shell(force, &shell, &err));
-    return force;
-}
-
-static void assert_near(const char *what, double got, double expected, double share)
-{
-    print_message("%s: %.6g, %.6g expected\n", what, got, expected);
-    if (!(fabs(got - expected) <= share * fabs(expected)))
-        fail_msg("%s is %.6g, expected %.6g to %.1f %%", what, got, expected, share * 100);
+    return half_space(backend, 60, 60, MM / 2, 40, hu);
 }
 
 /*
@@ -65,7 +33,7 @@ static void a_torque_turns_the_tool(void **state)
 {
     skip_without_samples(*state);
     ost_error err = {0};
-    ost_bone *bone = half_space(*state, 800);
+    ost_bone *bone = half_space_30mm(*state, 800);
     const double r = 4e-3, h = 1e-3, top = 19.75;
     ost_shell_point point = {.at = {r, 0, 0}, .inward = {0, 0, 1}, .area = 1e-4};
     ost_force_params params = ost_force_defaults();
@@ -103,7 +71,7 @@ static void in_air_the_tool_follows(void **state)
 {
     skip_without_samples(*state);
     ost_error err = {0};
-    ost_bone *bone = half_space(*state, 800);
+    ost_bone *bone = half_space_30mm(*state, 800);
     ost_shell_point point = {.at = {4e-3, 0, 0}, .inward = {0, 0, 1}, .area = 1e-6};
     ost_force_params params = ost_force_defaults();
     params.turn_stiffness = 0.5;
@@ -131,7 +99,7 @@ static void a_turning_handle_rests(void **state)
 {
     skip_without_samples(*state);
     ost_error err = {0};
-    ost_bone *bone = half_space(*state, 800);
+    ost_bone *bone = half_space_30mm(*state, 800);
     ost_shell_point points[2] = {{.at = {8e-3, 0, 0}, .inward = {0, 0, 1}, .area = 1e-6}, {.at = {-8e-3, 0, 0}, .inward = {0, 0, 1}, .area = 1e-6}};
     for (int grip = 0; grip < 3; grip++) {
         const double inertia = 1.5e-4, hand_k = (double[]){0.2, 0.3, 0.8}[grip], hand_d = (double[]){1e-3, 3e-3, 8e-3}[grip], wish = 0.2;
@@ -176,7 +144,7 @@ static void vibration_is_its_formula(void **state)
     }
     for (int soft = 0; soft < 2; soft++) {
         const int hu = soft ? 500 : REFERENCE_HU;
-        ost_bone *bone = half_space(*state, (int16_t)hu);
+        ost_bone *bone = half_space_30mm(*state, (int16_t)hu);
         ost_force_params quiet = ost_force_defaults(), loud = quiet;
         loud.vibration = 0.2;
         loud.runout = 0.1;
@@ -207,7 +175,7 @@ static void vibration_is_its_formula(void **state)
     assert_true(p.vibration == 0 && p.runout == 0 && p.turn_stiffness == 0);
     p.vibration = 0.1;
     p.teeth = 120;
-    ost_bone *bone = half_space(*state, 500);
+    ost_bone *bone = half_space_30mm(*state, 500);
     ost_force *force;
     assert_int_equal(ost_force_create(bone, &p, &force, &err), OST_ERR_RANGE);
     ost_bone_free(bone);
