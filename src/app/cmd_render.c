@@ -17,6 +17,7 @@
 #include "app/ream_path.h"
 #include "app/result.h"
 #include "app/say.h"
+#include "core/clock.h"
 #include "render/viewer.h"
 #include "render/views.h"
 
@@ -111,10 +112,10 @@ static ost_status draw(const app_state *app, const render_args *args, drawing *d
     const ost_orbit orbit = ost_view_orbit((ost_view_name)args->view, &d->subject, d->tool ? &d->viewer.state.pose : NULL);
     if (status == OST_OK)
         status = ost_orbit_camera(&orbit, args->width, args->height, &camera, err);
-    const int64_t begin = frame_now_ns();
+    const int64_t begin = ost_clock_ns();
     if (status == OST_OK)
         status = ost_viewer_draw(&d->viewer, &camera, err);
-    d->draw_ms = (double)(frame_now_ns() - begin) * 1e-6;
+    d->draw_ms = (double)(ost_clock_ns() - begin) * 1e-6;
     if (status == OST_OK)
         status = ost_picture_init(&d->picture, args->width, args->height, err);
     if (status != OST_OK)

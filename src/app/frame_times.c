@@ -2,14 +2,6 @@
 #include "app/frame_times.h"
 
 #include <math.h>
-#include <time.h>
-
-int64_t frame_now_ns(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return t.tv_sec * INT64_C(1000000000) + t.tv_nsec;
-}
 
 void frame_times_add(frame_times *times, int64_t ns)
 {

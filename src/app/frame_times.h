@@ -13,7 +13,6 @@ typedef struct frame_times {
     uint32_t bin[FRAME_BINS];
 } frame_times;
 
-int64_t frame_now_ns(void);
 void frame_times_add(frame_times *times, int64_t ns);
 /* The middle of the bin in which share (0 to 1) of all are reached, never above the greatest; 0 when empty. */
 double frame_times_ms(const frame_times *times, double share);

@@ -3,8 +3,9 @@
 
 #include <stdio.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
+
+#include "core/clock.h"
 
 static struct {
     bool on, drawn;
@@ -14,9 +15,7 @@ static struct {
 
 double now_ms(void)
 {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
+    return (double)ost_clock_ns() * 1e-6;
 }
 
 void progress_begin(const app_state *app)

@@ -12,6 +12,7 @@
 
 #include "app/result.h"
 #include "app/say.h"
+#include "core/clock.h"
 
 enum { THREADS_MAX = 4 };
 
@@ -82,7 +83,7 @@ void sim_show_free(sim_show *show)
 ost_status sim_show_frame(sim_show *show, int width, int height, ost_error *err)
 {
     ost_camera camera;
-    const int64_t begin = frame_now_ns();
+    const int64_t begin = ost_clock_ns();
     if (show->last_ns)
         frame_times_add(&show->apart, begin - show->last_ns);
     show->last_ns = begin;
@@ -92,7 +93,7 @@ ost_status sim_show_frame(sim_show *show, int width, int height, ost_error *err)
         if (status == OST_OK)
             status = ost_viewer_draw(&show->viewer, &camera, err);
     }
-    frame_times_add(&show->drawn, frame_now_ns() - begin);
+    frame_times_add(&show->drawn, ost_clock_ns() - begin);
     return status;
 }
 
@@ -116,10 +117,10 @@ static void *work(void *user)
     sim_show *show = user;
     drawer *d = show->thread;
     const int64_t period = show->args->fps > 0 ? INT64_C(1000000000) / show->args->fps : 0;
-    int64_t due = frame_now_ns();
+    int64_t due = ost_clock_ns();
     while (!atomic_load(&d->stop) && show->status == OST_OK) {
         show->status = sim_show_frame(show, show->args->width, show->args->height, &show->err);
-        const int64_t now = frame_now_ns();
+        const int64_t now = ost_clock_ns();
         due = due + period > now ? due + period : now; /* what is late is not caught up on */
         const struct timespec t = {.tv_sec = due / 1000000000, .tv_nsec = due % 1000000000};
         if (due > now)

@@ -15,6 +15,7 @@
 #include "app/say.h"
 #include "app/sim_hand.h"
 #include "app/sim_hud.h"
+#include "core/clock.h"
 #include "window/window.h"
 
 enum { MESSAGE = 160, DISTANCE_KEY_MM_S = 12 };
@@ -51,7 +52,7 @@ struct sim_window {
 
 static double now_s(void)
 {
-    return (double)frame_now_ns() * 1e-9;
+    return (double)ost_clock_ns() * 1e-9;
 }
 
 static void tell(sim_window *w, const char *text)
@@ -442,16 +443,16 @@ static void wait_until(int64_t due)
 static ost_status show_frames(sim_window *w, server *v, ost_error *err)
 {
     const int64_t period = w->args->fps > 0 ? INT64_C(1000000000) / w->args->fps : 0;
-    int64_t due = frame_now_ns(), last = due;
+    int64_t due = ost_clock_ns(), last = due;
     ost_status status = OST_OK;
     while (status == OST_OK && !atomic_load(&v->done)) {
         ost_window_poll(w->window, 0);
         if (w->quit || ost_window_closing(w->window) || interrupt_asked())
             break;
-        const int64_t begin = frame_now_ns();
+        const int64_t begin = ost_clock_ns();
         status = frame(w, fmin(0.1, (double)(begin - last) * 1e-9), err);
         last = begin;
-        const int64_t now = frame_now_ns();
+        const int64_t now = ost_clock_ns();
         due = due + period > now ? due + period : now;
         if (due > now)
             wait_until(due);

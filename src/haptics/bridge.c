@@ -16,6 +16,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "core/clock.h"
 #include "haptics/clutch.h"
 #include "haptics/driver.h"
 #include "haptics/newest.h"
@@ -63,13 +64,6 @@ typedef struct bridge {
     bool has_at;
 } bridge;
 
-static int64_t now_ns(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return t.tv_sec * INT64_C(1000000000) + t.tv_nsec;
-}
-
 /* ------------------------------------------------------------- the thread */
 
 static void send_packet(bridge *b, const link_packet *p)
@@ -83,7 +77,7 @@ static void send_packet(bridge *b, const link_packet *p)
 
 static void send_pose(bridge *b, const says *s, uint16_t flags)
 {
-    const int64_t now = now_ns();
+    const int64_t now = ost_clock_ns();
     const link_packet p = {.type = LINK_POSE, .flags = (uint16_t)(s->flags | flags), .bridge = b->number, .simulation = b->simulation,
                            .sequence = ++b->sequence, .t_ns = now, .pose = s->pose, .buttons = s->buttons, .tool = s->tool};
     b->sent_ns[p.sequence % FLIGHTS] = now;
@@ -92,7 +86,7 @@ static void send_pose(bridge *b, const says *s, uint16_t flags)
 
 static void hello(bridge *b)
 {
-    const int64_t now = now_ns();
+    const int64_t now = ost_clock_ns();
     if (now - b->hello_ns < HELLO_MS * MS)
         return;
     b->hello_ns = now;
@@ -103,7 +97,7 @@ static void hello(bridge *b)
 static void take_state(bridge *b, const link_packet *p)
 {
     uint64_t missing;
-    const int64_t now = now_ns();
+    const int64_t now = ost_clock_ns();
     if (p->type != LINK_STATE || p->bridge != b->number || (b->simulation && p->simulation != b->simulation)) {
         b->report->bad++;
         return;
@@ -167,7 +161,7 @@ static void *serve(void *user)
         if (read(b->wake, &ignored, sizeof ignored) < 0 && errno != EAGAIN)
             break;
         /* One that began anew has another number: it is greeted as the first time. */
-        if (b->simulation && now_ns() - b->heard_ns > FORGET_MS * MS)
+        if (b->simulation && ost_clock_ns() - b->heard_ns > FORGET_MS * MS)
             b->simulation = 0;
         const bool fresh = newest_take(&b->out);
         if (fresh)
@@ -244,7 +238,7 @@ static bool is_live(bridge *b)
         b->last = b->heard[b->in.front];
         b->has_state = true;
     }
-    return b->has_state && !(b->last.state.flags & (LINK_AGAIN | LINK_ENDED)) && now_ns() - b->last.at_ns < BRIDGE_LIMP_MS * MS;
+    return b->has_state && !(b->last.state.flags & (LINK_AGAIN | LINK_ENDED)) && ost_clock_ns() - b->last.at_ns < BRIDGE_LIMP_MS * MS;
 }
 
 static void hold(bridge *b, const ost_servo_sample *sample, ost_wrench *wrench)
@@ -277,7 +271,7 @@ static bool tick(void *user, const ost_servo_sample *sample, ost_wrench *wrench)
     bridge_report *r = b->report;
     if ((b->options->asked && b->options->asked()) || atomic_load(&b->ended))
         return false;
-    if (!atomic_load(&b->met) && (now_ns() - b->begin_ns > b->patience_ns || atomic_load(&b->busy)))
+    if (!atomic_load(&b->met) && (ost_clock_ns() - b->begin_ns > b->patience_ns || atomic_load(&b->busy)))
         return false;
     const bool posed = !sample->unseen && ost_pose_check(&sample->state.pose, NULL) == OST_OK;
     const bool live = is_live(b);
@@ -331,7 +325,7 @@ static ost_status run_thread(bridge *b, ost_haptic *device, ost_error *err)
     if (error)
         return ost_fail(err, OST_ERR_UNAVAILABLE, "no thread for the link: %s", strerror(error));
     const ost_servo_options how = {.ticks = b->options->ticks, .no_realtime = b->options->no_realtime};
-    b->begin_ns = now_ns();
+    b->begin_ns = ost_clock_ns();
     ost_status status = ost_servo_run(device, &how, tick, NULL, b, &b->report->loop, err);
     atomic_store(&b->stop, true);
     if (write(b->wake, &one, sizeof one) < 0) {

@@ -35,6 +35,7 @@
 #include <stdlib.h>
 #include <time.h>
 
+#include "core/clock.h"
 #include "haptics/clutch.h"
 #include "haptics/newest.h"
 
@@ -80,13 +81,6 @@ struct haptic_instance {
     int silent;
     bool unseen;
 };
-
-static int64_t now_ns(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return t.tv_sec * INT64_C(1000000000) + t.tv_nsec;
-}
 
 static void meet(haptic_instance *h)
 {
@@ -220,12 +214,12 @@ static int send_command(haptic_instance *h, struct lws *wsi)
 {
     unsigned char room[LWS_PRE + 512];
     const bool last = atomic_load(&h->stop);
-    const int64_t rest = h->sent_ns + PACE_NS - now_ns();
+    const int64_t rest = h->sent_ns + PACE_NS - ost_clock_ns();
     if (rest > 0 && rest <= PACE_NS)
         nanosleep(&(struct timespec){.tv_nsec = rest}, NULL);
     const int length = write_command(h, last, (char *)room + LWS_PRE, 512);
     h->has_greeted = true;
-    h->sent_ns = now_ns();
+    h->sent_ns = ost_clock_ns();
     const int written = lws_write(wsi, room + LWS_PRE, (size_t)length, LWS_WRITE_TEXT);
     h->said_farewell = last;
     return last || written < length ? -1 : 0; /* -1 closes */
@@ -292,8 +286,8 @@ static void *serve(void *user)
         }
         if (!atomic_load(&h->stop))
             continue;
-        h->stop_ns = h->stop_ns ? h->stop_ns : now_ns();
-        if (!h->wsi || h->said_farewell || !h->has_greeted || now_ns() - h->stop_ns > CLOSE_MS * INT64_C(1000000))
+        h->stop_ns = h->stop_ns ? h->stop_ns : ost_clock_ns();
+        if (!h->wsi || h->said_farewell || !h->has_greeted || ost_clock_ns() - h->stop_ns > CLOSE_MS * INT64_C(1000000))
             break;
     }
     sem_post(&h->over);

@@ -21,6 +21,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "core/clock.h"
 #include "haptics/driver.h"
 #include "haptics/realtime.h"
 
@@ -38,13 +39,6 @@ typedef struct servo {
     bool has_pose;
     int silent; /* ticks without a pose, in a row */
 } servo;
-
-static int64_t now_ns(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return t.tv_sec * INT64_C(1000000000) + t.tv_nsec;
-}
 
 static void sleep_until(int64_t ns)
 {
@@ -109,7 +103,7 @@ static bool serve(servo *s, int64_t begin)
         return true;
     const bool more = s->tick(s->user, &s->sample, &wrench);
     ost_haptic_write(s->device, &wrench);
-    const int64_t end = now_ns();
+    const int64_t end = ost_clock_ns();
     if (s->done)
         s->done(s->user, s->sample.number, ns32(end - begin));
     ost_servo_report *r = s->report;
@@ -127,7 +121,7 @@ static bool serve(servo *s, int64_t begin)
 /* Of the tick just done, which was due at s->due: misses are counted, and s->due goes on. */
 static void go_on(servo *s)
 {
-    const int64_t skipped = skipped_after(s->due, now_ns(), s->options.period_ns);
+    const int64_t skipped = skipped_after(s->due, ost_clock_ns(), s->options.period_ns);
     ost_servo_report *r = s->report;
     r->missed += skipped > 0 ? (uint64_t)skipped + 1 : 0;
     r->longest_miss = (uint64_t)skipped > r->longest_miss ? (uint64_t)skipped : r->longest_miss;
@@ -137,10 +131,10 @@ static void go_on(servo *s)
 
 static void run_clock(servo *s)
 {
-    s->due = now_ns() + s->options.period_ns;
+    s->due = ost_clock_ns() + s->options.period_ns;
     for (;;) {
         sleep_until(s->due);
-        if (!serve(s, now_ns()))
+        if (!serve(s, ost_clock_ns()))
             break;
         go_on(s);
     }
@@ -149,7 +143,7 @@ static void run_clock(servo *s)
 static void run_without_clock(servo *s)
 {
     do
-        s->due = now_ns();
+        s->due = ost_clock_ns();
     while (serve(s, s->due));
 }
 
@@ -157,7 +151,7 @@ static void run_without_clock(servo *s)
 static bool beat(void *user)
 {
     servo *s = user;
-    const int64_t begin = now_ns();
+    const int64_t begin = ost_clock_ns();
     if (s->due == 0)
         s->due = begin;
     if (!serve(s, begin))
@@ -173,10 +167,10 @@ static void run_idle(servo *s, uint64_t ticks)
 {
     ost_servo_report *r = s->report;
     const int64_t period = s->options.period_ns;
-    int64_t due = now_ns() + period;
+    int64_t due = ost_clock_ns() + period;
     for (uint64_t i = 0; i < ticks; i++) {
         sleep_until(due);
-        const int64_t begin = now_ns(), skipped = skipped_after(due, begin, period);
+        const int64_t begin = ost_clock_ns(), skipped = skipped_after(due, begin, period);
         ost_times_add(&r->idle_wake, (uint64_t)(begin - due));
         r->idle_missed += skipped > 0 ? (uint64_t)skipped + 1 : 0;
         due += period * (skipped + 1);

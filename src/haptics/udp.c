@@ -34,6 +34,7 @@
 
 #include <osteon/force.h>
 
+#include "core/clock.h"
 #include "haptics/clutch.h"
 #include "haptics/driver.h"
 #include "haptics/link.h"
@@ -97,13 +98,6 @@ typedef struct choice {
     char bind[NAME], key[NAME];
 } choice;
 
-static int64_t now_ns(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return t.tv_sec * INT64_C(1000000000) + t.tv_nsec;
-}
-
 static void count(haptic_instance *u, int what, uint64_t n)
 {
     atomic_fetch_add_explicit(&u->counts[what], n, memory_order_relaxed);
@@ -144,7 +138,7 @@ static bool take_pose(haptic_instance *u, const link_packet *p)
         count(u, REPLAYED, 1); /* of another run */
         return false;
     }
-    const int64_t now = now_ns();
+    const int64_t now = ost_clock_ns();
     if (u->owner && u->owner != p->bridge && now - u->owner_ns < OWNER_MS * INT64_C(1000000)) {
         count(u, OTHERS, 1);
         return false;
@@ -172,7 +166,7 @@ static void take_packet(haptic_instance *u, const uint8_t *bytes, size_t size, c
         return;
     }
     if (p.type == LINK_HELLO) {
-        const bool busy = u->owner && u->owner != p.bridge && now_ns() - u->owner_ns < OWNER_MS * INT64_C(1000000);
+        const bool busy = u->owner && u->owner != p.bridge && ost_clock_ns() - u->owner_ns < OWNER_MS * INT64_C(1000000);
         count(u, busy ? OTHERS : GOOD, 1);
         answer(u, from, from_size, p.bridge, busy ? LINK_BUSY : 0);
     } else if (take_pose(u, &p)) {

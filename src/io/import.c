@@ -18,9 +18,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
+#include "core/clock.h"
 #include "io/text/raster.h"
 
 enum { THRESHOLD = 120, CHUNK = 32 };
@@ -46,13 +46,6 @@ typedef struct job {
 
 /* --------------------------------------------------------------------- stages */
 
-static int64_t now_ns(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return t.tv_sec * INT64_C(1000000000) + t.tv_nsec;
-}
-
 static ost_status progress(const job *j, const char *stage, double share, ost_error *err)
 {
     if (j->options->progress && !j->options->progress(j->options->progress_user, stage, share))
@@ -62,7 +55,7 @@ static ost_status progress(const job *j, const char *stage, double share, ost_er
 
 static ost_status stage_begin(job *j, const char *name, ost_error *err)
 {
-    j->stage_start = now_ns();
+    j->stage_start = ost_clock_ns();
     return progress(j, name, 0, err);
 }
 
@@ -71,7 +64,7 @@ static ost_status stage_end(job *j, const char *name, ost_stage **stage, ost_err
 {
     ost_status status = ost_backend_finish(j->backend, err);
     *stage = &j->result->stages[j->result->stage_count++];
-    **stage = (ost_stage){.time_ms = (double)(now_ns() - j->stage_start) * 1e-6, .has_digest = j->options->digests};
+    **stage = (ost_stage){.time_ms = (double)(ost_clock_ns() - j->stage_start) * 1e-6, .has_digest = j->options->digests};
     snprintf((*stage)->name, sizeof (*stage)->name, "%s", name);
     return status;
 }
