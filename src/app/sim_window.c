@@ -157,14 +157,7 @@ static void screenshot(sim_window *w, const ost_sheet *sheet)
         tell(w, err.text);
         return;
     }
-    for (int y = 0; y < sheet->height; y++)
-        for (int x = 0; x < sheet->width; x++) {
-            const uint32_t c = sheet->pixels[(size_t)y * (size_t)sheet->stride + (size_t)x];
-            uint8_t *p = picture.rgb + 3 * ((size_t)y * (size_t)sheet->width + (size_t)x);
-            p[0] = (uint8_t)c;
-            p[1] = (uint8_t)(c >> 8);
-            p[2] = (uint8_t)(c >> 16);
-        }
+    ost_colours_copy(sheet->pixels, sheet->stride, &picture);
     if (ost_picture_write_png(name, &picture, &err) == OST_OK)
         snprintf(text, sizeof text, "saved: %s", name);
     else

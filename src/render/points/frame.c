@@ -317,15 +317,20 @@ ost_status ost_frame_draw(ost_frame *frame, const ost_surface *surface, const os
     return ost_frame_draw_things(frame, &bone, 1, err);
 }
 
-void ost_frame_copy(const ost_frame *frame, ost_picture *picture)
+void ost_colours_copy(const uint32_t *colours, int stride, ost_picture *picture)
 {
-    for (int y = 0; y < frame->height; y++) {
-        const uint32_t *colour = frame->planes.colour + (size_t)y * (size_t)frame->planes.stride;
-        uint8_t *rgb = picture->rgb + 3 * (size_t)y * (size_t)frame->width;
-        for (int x = 0; x < frame->width; x++) {
+    for (int y = 0; y < picture->height; y++) {
+        const uint32_t *colour = colours + (size_t)y * (size_t)stride;
+        uint8_t *rgb = picture->rgb + 3 * (size_t)y * (size_t)picture->width;
+        for (int x = 0; x < picture->width; x++) {
             rgb[3 * x] = (uint8_t)colour[x];
             rgb[3 * x + 1] = (uint8_t)(colour[x] >> 8);
             rgb[3 * x + 2] = (uint8_t)(colour[x] >> 16);
         }
     }
+}
+
+void ost_frame_copy(const ost_frame *frame, ost_picture *picture)
+{
+    ost_colours_copy(frame->planes.colour, frame->planes.stride, picture);
 }

@@ -70,5 +70,7 @@ ost_status ost_frame_draw(ost_frame *frame, const ost_surface *surface, const os
 
 /* The colours of the last frame; picture has the frame's size. */
 void ost_frame_copy(const ost_frame *frame, ost_picture *picture);
+/* The same of colours as a frame has them, r in the lowest byte, stride a row. */
+void ost_colours_copy(const uint32_t *colours, int stride, ost_picture *picture);
 
 #endif
