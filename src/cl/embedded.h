@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The kernels' sources, carried in the library; each begins with #line. Made by src/cl/embed. */
+/* The kernels' sources, carried in the library; each begins with #line. Made by build-aux/source-strings. */
 #ifndef OST_CL_EMBEDDED_H
 #define OST_CL_EMBEDDED_H
 

@@ -29,7 +29,7 @@ broken() {
     shift 4
     rm -rf kernels
     mkdir -p kernels/src/cl cache pocl
-    cp -R "$source_folder/src/cl/kernels" "$source_folder/src/cl/embed" kernels/src/cl/
+    cp -R "$source_folder/src/cl/kernels" kernels/src/cl/
     chmod -R u+w kernels
     while [ $# -gt 0 ]; do
         check "$name: lines that are changed in $1" "$(grep -cF -- "$2" "kernels/src/cl/kernels/$1")" 1
