@@ -4,7 +4,6 @@
 #include <math.h>
 #include <pthread.h>
 #include <sched.h>
-#include <signal.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,6 +12,7 @@
 #include "app/result.h"
 #include "app/say.h"
 #include "core/clock.h"
+#include "io/thread.h"
 
 enum { THREADS_MAX = 4 };
 
@@ -131,16 +131,11 @@ static void *work(void *user)
 
 ost_status sim_show_begin(sim_show *show, ost_error *err)
 {
-    sigset_t all, before;
     drawer *d = calloc(1, sizeof *d);
     if (!d)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for a renderer's thread");
     show->thread = d;
-    /* Signals are for the thread that can end the loop. */
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    const int error = pthread_create(&d->thread, NULL, work, show);
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    const int error = ost_thread_begin(&d->thread, work, show);
     if (!error)
         return OST_OK;
     free(d);

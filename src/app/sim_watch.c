@@ -2,7 +2,6 @@
 #include "app/sim_watch.h"
 
 #include <pthread.h>
-#include <signal.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,6 +10,7 @@
 #include "app/progress.h"
 #include "app/recorder_watch.h"
 #include "app/say.h"
+#include "io/thread.h"
 
 enum { LOOK_NS = 100000000 };
 
@@ -57,7 +57,6 @@ static void *work(void *user)
 ost_status sim_watch_begin(const app_state *app, ost_recorder *recorder, const char *name, uint64_t room, double seconds, sim_watch **out,
                            ost_error *err)
 {
-    sigset_t all, before;
     sim_watch *w = calloc(1, sizeof *w);
     *out = NULL;
     if (!w)
@@ -67,11 +66,7 @@ ost_status sim_watch_begin(const app_state *app, ost_recorder *recorder, const c
     w->name = name;
     w->room = room;
     w->seconds = seconds;
-    /* Signals are for the thread that can end the loop. */
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    const int error = pthread_create(&w->thread, NULL, work, w);
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    const int error = ost_thread_begin(&w->thread, work, w);
     if (error) {
         free(w);
         return ost_fail(err, OST_ERR_UNAVAILABLE, "no thread for watching a run: %s", strerror(error));

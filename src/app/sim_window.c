@@ -3,7 +3,6 @@
 
 #include <math.h>
 #include <pthread.h>
-#include <signal.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,6 +15,7 @@
 #include "app/sim_hand.h"
 #include "app/sim_hud.h"
 #include "core/clock.h"
+#include "io/thread.h"
 #include "window/window.h"
 
 enum { MESSAGE = 160, DISTANCE_KEY_MM_S = 12 };
@@ -456,13 +456,8 @@ static ost_status show_frames(sim_window *w, server *v, ost_error *err)
 ost_status sim_window_serve(simulation *s, const ost_servo_options *how, ost_servo_tick *tick, ost_error *err)
 {
     server v = {.s = s, .how = how, .tick = tick};
-    sigset_t all, before;
     pthread_t thread;
-    /* Signals are for this thread, which ends the loop for them. */
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    const int error = pthread_create(&thread, NULL, serve, &v);
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    const int error = ost_thread_begin(&thread, serve, &v);
     if (error)
         return ost_fail(err, OST_ERR_UNAVAILABLE, "no thread for the loop: %s", strerror(error));
     ost_status status = show_frames(s->window, &v, err);

@@ -6,7 +6,6 @@
 #include <netdb.h>
 #include <poll.h>
 #include <pthread.h>
-#include <signal.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,6 +19,7 @@
 #include "haptics/clutch.h"
 #include "haptics/driver.h"
 #include "haptics/newest.h"
+#include "io/thread.h"
 
 enum { HELLO_MS = 100, FORGET_MS = 1000, FLIGHTS = 1024, FAREWELLS = 3, DRAIN = 64 };
 #define MS INT64_C(1000000)
@@ -316,12 +316,8 @@ static ost_status open_socket(bridge *b, ost_error *err)
 
 static ost_status run_thread(bridge *b, ost_haptic *device, ost_error *err)
 {
-    sigset_t all, before;
     const uint64_t one = 1;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    const int error = pthread_create(&b->thread, NULL, serve, b);
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    const int error = ost_thread_begin(&b->thread, serve, b);
     if (error)
         return ost_fail(err, OST_ERR_UNAVAILABLE, "no thread for the link: %s", strerror(error));
     const ost_servo_options how = {.ticks = b->options->ticks, .no_realtime = b->options->no_realtime};

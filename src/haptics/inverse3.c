@@ -29,7 +29,6 @@
 #include <math.h>
 #include <pthread.h>
 #include <semaphore.h>
-#include <signal.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -38,6 +37,7 @@
 #include "core/clock.h"
 #include "haptics/clutch.h"
 #include "haptics/newest.h"
+#include "io/thread.h"
 
 enum {
     PORT = 10001,
@@ -354,7 +354,6 @@ static ost_status connect_to(haptic_instance *h, const choice *c, ost_error *err
 {
     const struct lws_context_creation_info info = {.port = CONTEXT_PORT_NO_LISTEN, .protocols = protocols, .gid = (gid_t)-1, .uid = (uid_t)-1,
                                                    .fd_limit_per_thread = 16, .user = h};
-    sigset_t all, before;
     lws_set_log_level(0, NULL);
     h->context = lws_create_context(&info);
     if (!h->context)
@@ -363,10 +362,7 @@ static ost_status connect_to(haptic_instance *h, const choice *c, ost_error *err
                                                .origin = "localhost", .local_protocol_name = protocols[0].name, .pwsi = &h->wsi};
     if (!lws_client_connect_via_info(&to))
         return ost_fail(err, OST_ERR_UNAVAILABLE, "device inverse3: Haply's service does not answer at 127.0.0.1:%d", (int)c->port);
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    const int error = pthread_create(&h->thread, NULL, serve, h);
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    const int error = ost_thread_begin(&h->thread, serve, h);
     if (error)
         return ost_fail(err, OST_ERR_UNAVAILABLE, "device inverse3: no thread for its connection: %s", strerror(error));
     const bool met = wait_for(&h->met, OPEN_MS) && !atomic_load(&h->lost);

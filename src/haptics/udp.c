@@ -22,7 +22,6 @@
 #include <netdb.h>
 #include <poll.h>
 #include <pthread.h>
-#include <signal.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -39,6 +38,7 @@
 #include "haptics/driver.h"
 #include "haptics/link.h"
 #include "haptics/newest.h"
+#include "io/thread.h"
 
 enum {
     PORT = 4707,
@@ -245,12 +245,7 @@ static ost_status open_socket(haptic_instance *u, const choice *c, ost_error *er
 
 static ost_status start_thread(haptic_instance *u, ost_error *err)
 {
-    sigset_t all, before;
-    /* Signals are for the thread that can end the loop. */
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    const int error = pthread_create(&u->thread, NULL, serve, u);
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    const int error = ost_thread_begin(&u->thread, serve, u);
     return error ? ost_fail(err, OST_ERR_UNAVAILABLE, "device udp: no thread for its socket: %s", strerror(error)) : OST_OK;
 }
 

@@ -26,6 +26,7 @@
 #include <unistd.h>
 
 #include "io/session/ring.h"
+#include "io/thread.h"
 
 enum { ROOM = 65536, ROOM_MAX = 1 << 24, LOOK_MS = 25, RETRY_MS = 250, PATIENCE_MS = 10000 };
 
@@ -165,8 +166,6 @@ static void *work(void *user)
 /* A thread of plain priority that no signal is delivered to. */
 static int begin_thread(ost_recorder *r)
 {
-    sigset_t all, before;
-    sigfillset(&all);
     pthread_condattr_t clock;
     int error = pthread_condattr_init(&clock);
     if (error)
@@ -177,9 +176,7 @@ static int begin_thread(ost_recorder *r)
     if (error)
         return error;
     pthread_mutex_init(&r->wake_lock, NULL);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    error = pthread_create(&r->thread, NULL, work, r);
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    error = ost_thread_begin(&r->thread, work, r);
     r->running = error == 0;
     if (error) {
         pthread_cond_destroy(&r->wake);
