@@ -4,23 +4,13 @@
 #include <math.h>
 #include <string.h>
 
+#include "render/vector.h"
+
 static const double STEEPEST = 1.55;            /* radians: up stays up */
 static const double FOCAL = 1.2071067811865475; /* of the height: half of it over tan(45 degrees / 2) */
 static const double NEAREST = 4, FARTHEST = 3000; /* mm */
 
 const char *const ost_view_names[OST_VIEW_COUNT] = {"operator", "en-face", "lateral", "anterior", "posterior", "superior", "tool", "whole"};
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void unit(double v[3])
-{
-    const double length = sqrt(dot(v, v));
-    for (int a = 0; a < 3; a++)
-        v[a] = length > 0 ? v[a] / length : a == 2;
-}
 
 ost_view_subject ost_view_subject_make(const ost_geometry *g, const ost_pm3 *at, const double *axis, bool left)
 {
@@ -32,7 +22,7 @@ ost_view_subject ost_view_subject_make(const ost_geometry *g, const ost_pm3 *at,
         s.middle[a] = origin[a] + 0.5 * side[a];
     if (axis) {
         memcpy(s.inward, axis, sizeof s.inward);
-        unit(s.inward);
+        ost_vector_unit(s.inward, 2);
         s.face[0] = 1e-9 * (double)at->x;
         s.face[1] = 1e-9 * (double)at->y;
         s.face[2] = 1e-9 * (double)at->z;
@@ -44,7 +34,7 @@ ost_view_subject ost_view_subject_make(const ost_geometry *g, const ost_pm3 *at,
 static ost_orbit from(const double at[3], const double back[3], double distance)
 {
     double b[3] = {back[0], back[1], back[2]};
-    unit(b);
+    ost_vector_unit(b, 2);
     ost_orbit o = {.azimuth = atan2(b[0], -b[1]), .elevation = asin(fmax(-1, fmin(1, b[2]))), .distance = distance};
     o.elevation = fmax(-STEEPEST, fmin(STEEPEST, o.elevation));
     memcpy(o.at, at, sizeof o.at);

@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "core/rotation.h"
+#include "render/vector.h"
 
 /* Of a voxel: nothing of the bone is as small as that. */
 static const float NEAR = 0.25f;
@@ -81,13 +82,6 @@ ost_eye ost_eye_make_from(const ost_camera *camera, const ost_geometry *grid, co
 
 /* ------------------------------------------------------------------- aim */
 
-static void cross(const double a[3], const double b[3], double out[3])
-{
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
 static bool unit(double v[3])
 {
     const double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
@@ -103,10 +97,10 @@ ost_status ost_camera_look(const double from_mm[3], const double at_mm[3], const
     double back[3], right[3], above[3], q[4];
     for (int a = 0; a < 3; a++)
         back[a] = from_mm[a] - at_mm[a];
-    cross(up, back, right);
+    ost_vector_cross(up, back, right);
     if (!unit(back) || !unit(right))
         return ost_fail(err, OST_ERR_RANGE, "a camera needs two different points, and an up that does not point along its view");
-    cross(back, right, above);
+    ost_vector_cross(back, right, above);
     const double columns[3][3] = {{right[0], right[1], right[2]}, {above[0], above[1], above[2]}, {back[0], back[1], back[2]}};
     ost_quaternion_of_columns(columns, q);
     return ost_pose_from_doubles(from_mm, q, &camera->pose, err);
