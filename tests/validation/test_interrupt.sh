@@ -32,8 +32,8 @@ nothing_left() {
 }
 
 for signal in INT:2 TERM:15 HUP:1; do
-    # A shell's background jobs ignore SIGINT, and so would what they start: exec through env makes it the default again.
-    env --default-signal=INT "$osteon" validate --tier standard --only session --cpu-only --seed $seed --out b --quiet >out 2>err &
+    # A shell's background jobs ignore SIGINT, and all that nohup started SIGHUP: env makes them the default again.
+    env --default-signal=INT,TERM,HUP "$osteon" validate --tier standard --only session --cpu-only --seed $seed --out b --quiet >out 2>err &
     pid=$!
     await working
     kill -"${signal%:*}" $pid
