@@ -6,7 +6,7 @@
 
 enum { COLUMN = 26, WIDTH = 80 };
 
-/* The text from COLUMN on, broken at blanks; a newline breaks as well. */
+/* The text from COLUMN on, broken at blanks, of which a newline is one. */
 static void wrapped(const char *text)
 {
     int at = COLUMN;
@@ -22,10 +22,6 @@ static void wrapped(const char *text)
         printf("%.*s", (int)word, text);
         at += (int)word;
         text += word;
-        if (*text == '\n') {
-            printf("\n%*s", COLUMN, "");
-            at = COLUMN;
-        }
         text += *text != '\0';
     }
     putchar('\n');
