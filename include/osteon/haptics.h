@@ -176,7 +176,7 @@ typedef void ost_servo_done(void *user, uint64_t number, uint32_t exec_ns);
 typedef struct ost_servo_options {
     int64_t period_ns;    /* 0: 1,000,000 */
     uint64_t ticks;       /* 0: until the device ends or tick returns false */
-    uint64_t idle_ticks;  /* of a loop that does nothing, half of them before and half after, for comparison */
+    uint64_t idle_ticks;  /* of a loop that does nothing, half of them before and half after; and as many of one that only spends time */
     bool no_clock;        /* one tick after the other, as fast as they go: for devices that know no time */
     bool no_realtime;     /* ask the system for no priority and no locked memory */
     bool pinned;          /* the loop keeps to core; back to where it was afterwards */
@@ -185,16 +185,29 @@ typedef struct ost_servo_options {
 
 typedef enum ost_servo_end { OST_SERVO_TICKS, OST_SERVO_ASKED, OST_SERVO_DEVICE_ENDED, OST_SERVO_DEVICE_LOST, OST_SERVO_WATCHDOG } ost_servo_end;
 
+/* A loop without a device, for comparison: what the machine alone misses. */
+typedef struct ost_servo_control {
+    uint64_t ticks, missed;
+} ost_servo_control;
+
 typedef struct ost_servo_report {
     ost_servo_end end;
     uint64_t ticks;
     uint64_t missed;           /* deadlines: ticks that ended after the next one was due, and those skipped for it */
+    /*
+     * Why: a tick's own work took more than half a period; else the loop was woken a period late or more, as one that does
+     * nothing would have been; else its core was taken away.  Together they are missed.
+     */
+    uint64_t missed_by_work, missed_woken_late, missed_taken;
     uint64_t longest_miss;     /* the most ticks skipped at once */
     uint64_t stale;            /* ticks without a new pose */
     uint64_t unseen;           /* ticks in which the device did not see the hand */
-    uint64_t idle_ticks, idle_missed;
+    ost_servo_control idle;    /* a loop that does nothing, half before and half after */
+    ost_servo_control busy;    /* afterwards, one that spends busy_ns of each period and nothing else: the median tick */
+    int64_t busy_ns;
     int64_t stolen_ms;         /* by the hypervisor, of all cores together, while the loops ran; -1: unknown */
-    ost_times wake, exec, completion, idle_wake;
+    ost_times wake, exec, completion, idle_wake, busy_wake;
+    ost_times own;             /* of exec, what the tick did itself: without what other threads or a hypervisor took */
     ost_realtime realtime;
 } ost_servo_report;
 

@@ -65,10 +65,16 @@ void sim_report_loop(const app_state *app, const sim_args *args, const simulatio
     put_text(o, "end", end_text(r->end));
     put_integer(o, "ticks", (int64_t)r->ticks);
     put_integer(o, "missed", (int64_t)r->missed);
+    put_integer(o, "missed_by_work", (int64_t)r->missed_by_work);
+    put_integer(o, "missed_woken_late", (int64_t)r->missed_woken_late);
+    put_integer(o, "missed_taken", (int64_t)r->missed_taken);
     put_integer(o, "longest_miss", (int64_t)r->longest_miss);
     put_integer(o, "stale", (int64_t)r->stale);
-    put_integer(o, "idle_ticks", (int64_t)r->idle_ticks);
-    put_integer(o, "idle_missed", (int64_t)r->idle_missed);
+    put_integer(o, "idle_ticks", (int64_t)r->idle.ticks);
+    put_integer(o, "idle_missed", (int64_t)r->idle.missed);
+    put_integer(o, "busy_ticks", (int64_t)r->busy.ticks);
+    put_integer(o, "busy_missed", (int64_t)r->busy.missed);
+    put_integer(o, "busy_us", r->busy_ns / 1000);
     put_integer(o, "stolen_ms", r->stolen_ms);
     put_integer(o, "faults", (int64_t)s->done.faults);
     put_integer(o, "fault_ticks", (int64_t)s->done.fault_ticks);
@@ -79,15 +85,24 @@ void sim_report_loop(const app_state *app, const sim_args *args, const simulatio
     say(app, "  %-22s %8s %8s %8s %10s", "", "median", "99 %", "99.9 %", "max");
     put_times(app, "wake_us", "late by", &r->wake);
     put_times(app, "exec_us", "a tick takes", &r->exec);
+    put_times(app, "own_us", "  its own work in that", &r->own);
     put_times(app, "completion_us", "done after", &r->completion);
     put_times(app, "idle_wake_us", "a quiet loop, late by", &r->idle_wake);
+    put_times(app, "busy_wake_us", "a busy one, late by", &r->busy_wake);
     if (!args->no_clock) {
-        char beside[SAY_TEXT] = "";
-        if (r->idle_ticks)
-            snprintf(beside, sizeof beside, "; by the quiet loop %llu of %llu", (unsigned long long)r->idle_missed, (unsigned long long)r->idle_ticks);
+        char beside[2 * SAY_TEXT] = "";
+        if (r->idle.ticks)
+            snprintf(beside, sizeof beside, "; by the quiet loop %llu of %llu, by the busy one %llu of %llu", (unsigned long long)r->idle.missed,
+                     (unsigned long long)r->idle.ticks, (unsigned long long)r->busy.missed, (unsigned long long)r->busy.ticks);
         say(app, "  deadlines missed: %llu of %llu%s", (unsigned long long)r->missed, (unsigned long long)r->ticks, beside);
+        if (r->missed)
+            say(app, "    why: %llu as the loop was woken a period late or more, %llu as its core was taken away, %llu by a tick's own work",
+                (unsigned long long)r->missed_woken_late, (unsigned long long)r->missed_taken, (unsigned long long)r->missed_by_work);
         say(app, "  scheduling: %s; memory: %s; the loop on %s%s", r->realtime.scheduling, r->realtime.memory, r->realtime.core,
             s->core >= 0 ? ", all else on the others" : " core");
+        if (r->busy.ticks)
+            say(app, "  the quiet loop does nothing; the busy one spends %lld us of each tick, as this did, and does nothing else",
+                (long long)r->busy_ns / 1000);
         if (r->stolen_ms > 0)
             say(app, "  the machine is a virtual one: %lld ms of its cores went elsewhere meanwhile", (long long)r->stolen_ms);
     }

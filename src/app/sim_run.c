@@ -26,7 +26,7 @@ static bool tick(void *operation, const ost_servo_sample *sample, ost_wrench *wr
 static ost_status serve(const app_state *app, const sim_args *args, const ost_servo_options *how, simulation *s, ost_error *err)
 {
     sim_watch *watch;
-    ost_status status = sim_watch_begin(app, s->recorder, args->record, SIM_ROOM, args->no_clock ? 0 : (double)(how->ticks + how->idle_ticks) * 1e-3,
+    ost_status status = sim_watch_begin(app, s->recorder, args->record, SIM_ROOM, args->no_clock ? 0 : (double)(how->ticks + 2 * how->idle_ticks) * 1e-3,
                                         &watch, err);
     if (status != OST_OK)
         return status;
@@ -73,7 +73,7 @@ ost_status sim_run(const app_state *app, const sim_args *args, simulation *s, os
     };
     if (!app->json && !app->quiet && !args->no_clock && args->ticks)
         say(app, "%s moves %s in %s for %.4g s%s", args->device, args->tools.value[0], args->bone, (double)args->ticks * 1e-3,
-            how.idle_ticks ? ", with as quiet a loop before and after for comparison" : "");
+            how.idle_ticks ? ", with a quiet loop and a busy one before and after for comparison" : "");
     char about[OST_HAPTIC_TEXT];
     if (!app->quiet && ost_haptic_about(s->device, about)[0])
         fprintf(stderr, "osteon sim: device %s %s\n", ost_haptic_name(s->device), about);

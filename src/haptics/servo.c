@@ -9,6 +9,7 @@
  *
  *   wake        from when a tick was due to when it began
  *   exec        from there to when the wrench was given
+ *   own         of exec, what the tick did itself (own_work.h)
  *   completion  from when it was due; more than a period is a deadline missed
  *
  * Due times are absolute and never move; the world's clock counts the ticks
@@ -23,6 +24,7 @@
 
 #include "core/clock.h"
 #include "haptics/driver.h"
+#include "haptics/own_work.h"
 #include "haptics/realtime.h"
 
 enum { PERIOD_NS = 1000000 };
@@ -35,7 +37,8 @@ typedef struct servo {
     void *user;
     ost_servo_report *report;
     ost_servo_sample sample;
-    int64_t due;
+    int64_t due, wake_ns;
+    own_work begin; /* when the tick began */
     bool has_pose;
     int silent; /* ticks without a pose, in a row */
 } servo;
@@ -91,11 +94,13 @@ static bool take_pose(servo *s)
     return end_with(s, OST_SERVO_DEVICE_LOST);
 }
 
-/* One tick that was due at s->due and began at begin. */
-static bool serve(servo *s, int64_t begin)
+/* One tick that was due at s->due and begins now. */
+static bool serve(servo *s)
 {
     ost_wrench wrench = {{0}, {0}};
-    s->sample.wake_ns = ns32(begin - s->due);
+    s->begin = own_work_now();
+    s->wake_ns = s->begin.wall_ns - s->due;
+    s->sample.wake_ns = ns32(s->wake_ns);
     if (!take_pose(s))
         return false;
     /* Before its first pose a device is waited for, with the watchdog's patience. */
@@ -103,14 +108,16 @@ static bool serve(servo *s, int64_t begin)
         return true;
     const bool more = s->tick(s->user, &s->sample, &wrench);
     ost_haptic_write(s->device, &wrench);
-    const int64_t end = ost_clock_ns();
+    const own_work end = own_work_now();
+    const int64_t exec = end.wall_ns - s->begin.wall_ns;
     if (s->done)
-        s->done(s->user, s->sample.number, ns32(end - begin));
+        s->done(s->user, s->sample.number, ns32(exec));
     ost_servo_report *r = s->report;
     r->ticks++;
-    ost_times_add(&r->wake, begin > s->due ? (uint64_t)(begin - s->due) : 0);
-    ost_times_add(&r->exec, (uint64_t)(end - begin));
-    ost_times_add(&r->completion, end > s->due ? (uint64_t)(end - s->due) : 0);
+    ost_times_add(&r->wake, s->wake_ns > 0 ? (uint64_t)s->wake_ns : 0);
+    ost_times_add(&r->exec, (uint64_t)exec);
+    ost_times_add(&r->own, (uint64_t)own_work_between(&s->begin, &end));
+    ost_times_add(&r->completion, end.wall_ns > s->due ? (uint64_t)(end.wall_ns - s->due) : 0);
     s->sample.number++;
     s->sample.t_ns += s->options.period_ns;
     if (!more)
@@ -118,12 +125,25 @@ static bool serve(servo *s, int64_t begin)
     return !s->options.ticks || r->ticks < s->options.ticks || end_with(s, OST_SERVO_TICKS);
 }
 
+static void blame(servo *s, uint64_t missed)
+{
+    const own_work now = own_work_now();
+    ost_servo_report *r = s->report;
+    switch (own_work_blame(own_work_between(&s->begin, &now), s->wake_ns, s->options.period_ns)) {
+    case OWN_BLAME_WORK: r->missed_by_work += missed; break;
+    case OWN_BLAME_WOKEN_LATE: r->missed_woken_late += missed; break;
+    case OWN_BLAME_TAKEN: r->missed_taken += missed; break;
+    }
+    r->missed += missed;
+}
+
 /* Of the tick just done, which was due at s->due: misses are counted, and s->due goes on. */
 static void go_on(servo *s)
 {
     const int64_t skipped = skipped_after(s->due, ost_clock_ns(), s->options.period_ns);
     ost_servo_report *r = s->report;
-    r->missed += skipped > 0 ? (uint64_t)skipped + 1 : 0;
+    if (skipped > 0)
+        blame(s, (uint64_t)skipped + 1);
     r->longest_miss = (uint64_t)skipped > r->longest_miss ? (uint64_t)skipped : r->longest_miss;
     s->sample.missed = ns32(skipped);
     s->due += s->options.period_ns * (skipped + 1);
@@ -134,7 +154,7 @@ static void run_clock(servo *s)
     s->due = ost_clock_ns() + s->options.period_ns;
     for (;;) {
         sleep_until(s->due);
-        if (!serve(s, ost_clock_ns()))
+        if (!serve(s))
             break;
         go_on(s);
     }
@@ -144,7 +164,7 @@ static void run_without_clock(servo *s)
 {
     do
         s->due = ost_clock_ns();
-    while (serve(s, s->due));
+    while (serve(s));
 }
 
 /* Called by a device's own thread: its clock says when, ours how late that was. */
@@ -154,7 +174,7 @@ static bool beat(void *user)
     const int64_t begin = ost_clock_ns();
     if (s->due == 0)
         s->due = begin;
-    if (!serve(s, begin))
+    if (!serve(s))
         return false;
     /* A device that runs early sets the clock anew: its next beat is a period after this one. */
     if (begin < s->due)
@@ -163,19 +183,39 @@ static bool beat(void *user)
     return true;
 }
 
-static void run_idle(servo *s, uint64_t ticks)
+/* A loop that does nothing, or nothing but spend work_ns of each period. */
+static ost_servo_control run_control(int64_t period, uint64_t ticks, int64_t work_ns, ost_times *wake)
 {
-    ost_servo_report *r = s->report;
-    const int64_t period = s->options.period_ns;
+    ost_servo_control done = {.ticks = ticks};
     int64_t due = ost_clock_ns() + period;
     for (uint64_t i = 0; i < ticks; i++) {
         sleep_until(due);
-        const int64_t begin = ost_clock_ns(), skipped = skipped_after(due, begin, period);
-        ost_times_add(&r->idle_wake, (uint64_t)(begin - due));
-        r->idle_missed += skipped > 0 ? (uint64_t)skipped + 1 : 0;
+        const int64_t begin = ost_clock_ns();
+        int64_t end = begin;
+        while (end - begin < work_ns)
+            end = ost_clock_ns();
+        const int64_t skipped = skipped_after(due, end, period);
+        ost_times_add(wake, (uint64_t)(begin - due));
+        done.missed += skipped > 0 ? (uint64_t)skipped + 1 : 0;
         due += period * (skipped + 1);
     }
-    r->idle_ticks += ticks;
+    return done;
+}
+
+static void run_idle(servo *s, uint64_t ticks)
+{
+    ost_servo_report *r = s->report;
+    const ost_servo_control done = run_control(s->options.period_ns, ticks, 0, &r->idle_wake);
+    r->idle.ticks += done.ticks;
+    r->idle.missed += done.missed;
+}
+
+/* As long a tick as the ones that were served, at their median. */
+static void run_busy(servo *s, uint64_t ticks)
+{
+    ost_servo_report *r = s->report;
+    r->busy_ns = (int64_t)(ost_times_share_us(&r->exec, 0.5) * 1e3);
+    r->busy = run_control(s->options.period_ns, ticks, r->busy_ns, &r->busy_wake);
 }
 
 /* Steal of all cores since the machine began, in ms; -1 where the system does not say. */
@@ -230,6 +270,7 @@ ost_status ost_servo_run(ost_haptic *device, const ost_servo_options *options, o
     /* Whatever the end was, the hand is left alone. */
     const ost_wrench nothing = {{0}, {0}};
     ost_haptic_write(device, &nothing);
+    run_busy(&s, s.options.idle_ticks);
     run_idle(&s, s.options.idle_ticks - s.options.idle_ticks / 2);
     const int64_t after = stolen_ms();
     report->stolen_ms = stolen < 0 || after < 0 ? -1 : after - stolen;

@@ -10,8 +10,10 @@
 #include <pthread.h>
 #include <sched.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "haptics/driver.h"
+#include "haptics/own_work.h"
 
 /* What the device answers, one letter a read: Fresh, Stale, Unseen, Ended, Lost; the last one for ever. */
 static struct haptic_instance {
@@ -177,6 +179,7 @@ static void a_loop_ends_as_it_says(void **state)
 static void a_silent_device_gets_no_force(void **state)
 {
     (void)state;
+    alarm(60); /* a loop without its watchdog would not end */
     const ost_servo_options fast = {.no_clock = true, .no_realtime = true};
     /* Four ticks without a pose are bridged by the last one; the fifth in a row ends the loop. */
     seen s = serve_with(&polled, "FFSSSSFSSSSFE", &fast, (seen){0});
@@ -192,6 +195,7 @@ static void a_silent_device_gets_no_force(void **state)
     s = serve_with(&polled, "S", &fast, (seen){0});
     assert_int_equal(s.ticks, 0);
     assert_int_equal(report.end, OST_SERVO_WATCHDOG);
+    alarm(0);
 }
 
 static void a_device_that_does_not_see_the_hand_is_not_silent(void **state)
@@ -228,6 +232,40 @@ static void a_tick_that_takes_too_long_is_counted_and_not_caught_up_on(void **st
     assert_true(report.exec.max_ns >= 12000000);
     assert_true(report.completion.max_ns >= 12000000);
     assert_true(ost_times_share_us(&report.exec, 1) >= 12000);
+    /* It waited, and used no processor: that is its own work all the same. */
+    assert_true(report.own.max_ns >= 12000000);
+    assert_true(report.missed_by_work >= 12);
+    assert_int_equal(report.missed_by_work + report.missed_woken_late + report.missed_taken, report.missed);
+}
+
+static void who_is_to_blame(void **state)
+{
+    (void)state;
+    const own_work from = {.wall_ns = 5000, .cpu_ns = 700, .waits = 3}, taken = {.wall_ns = 9000, .cpu_ns = 800, .waits = 3},
+                   waited = {.wall_ns = 9000, .cpu_ns = 800, .waits = 4}, coarse = {.wall_ns = 9000, .cpu_ns = 9700, .waits = 3};
+    assert_int_equal(own_work_between(&from, &taken), 100);
+    assert_int_equal(own_work_between(&from, &waited), 4000);
+    assert_int_equal(own_work_between(&from, &coarse), 4000); /* processor time comes from another clock than wall time */
+    assert_int_equal(own_work_blame(501, 0, 1000), OWN_BLAME_WORK);
+    assert_int_equal(own_work_blame(501, 5000, 1000), OWN_BLAME_WORK); /* in doubt it was the tick */
+    assert_int_equal(own_work_blame(500, 1000, 1000), OWN_BLAME_WOKEN_LATE);
+    assert_int_equal(own_work_blame(500, 999, 1000), OWN_BLAME_TAKEN);
+}
+
+/* A thread's own work and its waiting, as this machine tells them. */
+static void own_work_is_what_was_done(void **state)
+{
+    (void)state;
+    const own_work begin = own_work_now();
+    own_work now = begin;
+    while (now.cpu_ns - begin.cpu_ns < 2000000 || now.wall_ns - begin.wall_ns < 2000000)
+        now = own_work_now();
+    assert_true(own_work_between(&begin, &now) >= 2000000);
+    assert_true(now.wall_ns - begin.wall_ns >= own_work_between(&begin, &now));
+    const struct timespec pause = {.tv_nsec = 3000000};
+    nanosleep(&pause, NULL);
+    const own_work later = own_work_now();
+    assert_true(own_work_between(&now, &later) >= 3000000);
 }
 
 static void a_device_with_a_clock_of_its_own(void **state)
@@ -238,8 +276,11 @@ static void a_device_with_a_clock_of_its_own(void **state)
     assert_int_equal(s.ticks, 50);
     assert_int_equal(own_beats, 50);
     assert_int_equal(report.end, OST_SERVO_TICKS);
-    assert_int_equal(report.idle_ticks, 3);
+    assert_int_equal(report.idle.ticks, 3);
     assert_int_equal(report.idle_wake.count, 3);
+    assert_int_equal(report.busy.ticks, 3);
+    assert_int_equal(report.busy_wake.count, 3);
+    assert_true(report.busy_ns > 0);
     s = serve_with(&own, "FFL", &options, (seen){0});
     assert_int_equal(s.ticks, 2);
     assert_int_equal(report.end, OST_SERVO_DEVICE_LOST);
@@ -363,6 +404,8 @@ int main(void)
         cmocka_unit_test(a_silent_device_gets_no_force),
         cmocka_unit_test(a_device_that_does_not_see_the_hand_is_not_silent),
         cmocka_unit_test(a_tick_that_takes_too_long_is_counted_and_not_caught_up_on),
+        cmocka_unit_test(who_is_to_blame),
+        cmocka_unit_test(own_work_is_what_was_done),
         cmocka_unit_test(a_device_with_a_clock_of_its_own),
         cmocka_unit_test(what_cannot_be_is_refused),
         cmocka_unit_test(the_thread_is_afterwards_as_it_was),
