@@ -108,6 +108,9 @@ typedef struct ost_force_result {
  * that was not placed puts it where the device is.
  */
 OST_API ost_status ost_force_step(ost_force *force, int tool, const ost_pose *device, double period_s, ost_force_result *out, ost_error *err);
+/* The same, and then as if it had not been: what a tick from here would do (see ost_world_rehearse). */
+OST_API ost_status ost_force_rehearse(ost_force *force, int tool, const ost_pose *device, double period_s, ost_force_result *out,
+                                      ost_error *err);
 /* The tool is in the hand, and at a pose that may not be the device's. */
 OST_API void ost_force_place(ost_force *force, int tool, const ost_pose *pose);
 

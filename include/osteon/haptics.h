@@ -173,6 +173,9 @@ typedef bool ost_servo_tick(void *user, const ost_servo_sample *sample, ost_wren
 /* After the wrench was given: what the tick took in all, for whoever keeps a record. May be NULL. */
 typedef void ost_servo_done(void *user, uint64_t number, uint32_t exec_ns);
 
+/* Before a tick is due, when nothing of it is known yet. May take a while; must not wait. */
+typedef void ost_servo_rehearse(void *user);
+
 typedef struct ost_servo_options {
     int64_t period_ns;    /* 0: 1,000,000 */
     uint64_t ticks;       /* 0: until the device ends or tick returns false */
@@ -181,6 +184,12 @@ typedef struct ost_servo_options {
     bool no_realtime;     /* ask the system for no priority and no locked memory */
     bool pinned;          /* the loop keeps to core; back to where it was afterwards */
     int core;
+    /*
+     * So long before each tick is due the loop is awake, rehearses, and then waits without sleep: the tick finds its core
+     * awake and its memory near.  0 to half a period; 0, NULL, or a device with a clock of its own: none of it.
+     */
+    int64_t lead_ns;
+    ost_servo_rehearse *rehearse;
 } ost_servo_options;
 
 typedef enum ost_servo_end { OST_SERVO_TICKS, OST_SERVO_ASKED, OST_SERVO_DEVICE_ENDED, OST_SERVO_DEVICE_LOST, OST_SERVO_WATCHDOG } ost_servo_end;
@@ -199,11 +208,12 @@ typedef struct ost_servo_report {
      * nothing would have been; else its core was taken away.  Together they are missed.
      */
     uint64_t missed_by_work, missed_woken_late, missed_taken;
+    int64_t lead_ns;           /* of the rehearsals; 0: there were none */
     uint64_t longest_miss;     /* the most ticks skipped at once */
     uint64_t stale;            /* ticks without a new pose */
     uint64_t unseen;           /* ticks in which the device did not see the hand */
     ost_servo_control idle;    /* a loop that does nothing, half before and half after */
-    ost_servo_control busy;    /* afterwards, one that spends busy_ns of each period and nothing else: the median tick */
+    ost_servo_control busy;    /* afterwards, one that spends busy_ns of each period and nothing else: lead and median tick */
     int64_t busy_ns;
     int64_t stolen_ms;         /* by the hypervisor, of all cores together, while the loops ran; -1: unknown */
     ost_times wake, exec, completion, idle_wake, busy_wake;

@@ -61,6 +61,8 @@ OST_API void ost_operation_free(ost_operation *operation); /* NULL is allowed */
  * fails ends the loop.
  */
 OST_API bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wrench *wrench);
+/* Between two ticks: bone, tables and code of the next into the caches. Changes nothing that a tick or a record depends on. */
+OST_API void ost_operation_rehearse(void *operation);
 OST_API void ost_operation_done(void *operation, uint64_t number, uint32_t exec_ns);
 
 typedef struct ost_operation_report {

@@ -59,6 +59,12 @@ typedef struct ost_step_result {
  * and the bone may be lost (backend.h): ost_world_rescue brings it back.
  */
 OST_API ost_status ost_world_step(ost_world *world, const ost_tick *tick, ost_step_result *result, ost_error *err);
+/*
+ * All that a step with the tool at this pose would look at, and no change: so
+ * that code, tables and bone are in the caches when the tick comes.  What the
+ * last step reported is no longer valid.
+ */
+OST_API ost_status ost_world_rehearse(ost_world *world, int tool, const ost_pose *pose, ost_error *err);
 
 /*
  * What a step did, in 64 bits: equal steps have equal ones on every backend,

@@ -63,6 +63,8 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "no-clock", .kind = OPTION_FLAG, .out = &args.no_clock, .help = "one tick after the other, as fast as they go: the same operation"},
         {.name = "no-realtime", .kind = OPTION_FLAG, .out = &args.no_realtime, .help = "ask the system for no priority and no locked memory"},
         {.name = "no-pin", .kind = OPTION_FLAG, .out = &args.no_pin, .help = "let the loop share its core; of two or more it has one to itself else"},
+        {.name = "rehearse", .kind = OPTION_INTEGER, .out = &args.rehearse_us, .given = &args.rehearse_given, .value = "US", .min = 0, .max = 500,
+         .help = "so long before each tick look at what it will need\n(default: 250 on a core of its own with backend cpu; 0: never)"},
         TOOL_OPTIONS(args.how),
         CT_OPTIONS(args.ct),
         {.name = "compress", .kind = OPTION_FLAG, .out = &args.compress, .help = "gzip a .nrrd"},

@@ -34,8 +34,8 @@ typedef struct sim_args {
     const char *picture, *size;
     int renderer; /* a sim_renderer */
     int view, style, width, height;
-    int64_t fps;
-    bool renderer_given, paths_given;
+    int64_t fps, rehearse_us;
+    bool renderer_given, paths_given, rehearse_given;
     ost_force_params force_params;
     ost_safety_params safety;
     bool force_given, headless, no_clock, no_realtime, no_pin, print_force, compress, sweep_off, bone_given, tools_given;

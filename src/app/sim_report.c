@@ -68,6 +68,7 @@ void sim_report_loop(const app_state *app, const sim_args *args, const simulatio
     put_integer(o, "missed_by_work", (int64_t)r->missed_by_work);
     put_integer(o, "missed_woken_late", (int64_t)r->missed_woken_late);
     put_integer(o, "missed_taken", (int64_t)r->missed_taken);
+    put_integer(o, "rehearsed_us", r->lead_ns / 1000);
     put_integer(o, "longest_miss", (int64_t)r->longest_miss);
     put_integer(o, "stale", (int64_t)r->stale);
     put_integer(o, "idle_ticks", (int64_t)r->idle.ticks);
@@ -100,6 +101,8 @@ void sim_report_loop(const app_state *app, const sim_args *args, const simulatio
                 (unsigned long long)r->missed_woken_late, (unsigned long long)r->missed_taken, (unsigned long long)r->missed_by_work);
         say(app, "  scheduling: %s; memory: %s; the loop on %s%s", r->realtime.scheduling, r->realtime.memory, r->realtime.core,
             s->core >= 0 ? ", all else on the others" : " core");
+        if (r->lead_ns)
+            say(app, "  each tick rehearsed, %lld us before it was due", (long long)r->lead_ns / 1000);
         if (r->busy.ticks)
             say(app, "  the quiet loop does nothing; the busy one spends %lld us of each tick, as this did, and does nothing else",
                 (long long)r->busy_ns / 1000);

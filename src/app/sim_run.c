@@ -3,11 +3,15 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "app/interrupt.h"
 #include "app/say.h"
 #include "app/sim_window.h"
 #include "app/sim_watch.h"
+
+/* A tick of the reamer rehearsed after a millisecond's pause takes 60 to 150 us (docs/performance.md). */
+enum { REHEARSE_US = 250 };
 
 void sim_pin(const sim_args *args, simulation *s)
 {
@@ -20,6 +24,13 @@ void sim_pin(const sim_args *args, simulation *s)
 static bool tick(void *operation, const ost_servo_sample *sample, ost_wrench *wrench)
 {
     return ost_operation_tick(operation, sample, wrench) && !interrupt_asked();
+}
+
+/* Elsewhere than on processors a rehearsal is one more launch; on a core that is shared it takes time from others. */
+static int64_t lead_ns(const sim_args *args, const simulation *s)
+{
+    const bool pays = s->core >= 0 && strncmp(ost_backend_name(s->backend), "cpu", 3) == 0;
+    return 1000 * (args->rehearse_given ? args->rehearse_us : pays ? REHEARSE_US : 0);
 }
 
 /* The loop, with somebody who tells people meanwhile, and a signal as a wish to end. */
@@ -70,6 +81,8 @@ ost_status sim_run(const app_state *app, const sim_args *args, simulation *s, os
         .no_realtime = args->no_realtime || args->no_clock,
         .pinned = s->core >= 0,
         .core = s->core,
+        .lead_ns = lead_ns(args, s),
+        .rehearse = ost_operation_rehearse,
     };
     if (!app->json && !app->quiet && !args->no_clock && args->ticks)
         say(app, "%s moves %s in %s for %.4g s%s", args->device, args->tools.value[0], args->bone, (double)args->ticks * 1e-3,

@@ -38,12 +38,8 @@ enum { TOOLS_MAX = 16, PARTS = 8 };
 #define DRAG_S 0.1
 #define PI 3.14159265358979323846
 
-struct ost_force {
-    const ost_bone *bone;
-    ost_force_params params;
-    double spacing; /* m, of the bone */
-    int tools;
-    contact_shell *shells[TOOLS_MAX];
+/* The tool in the hand: all that one tick leaves to the next. */
+typedef struct grip {
     bool held;          /* a tool is in the hand: the rest is of it */
     int tool;
     contact_pose pose;  /* of the tool */
@@ -54,6 +50,16 @@ struct ost_force {
     double drag[3];     /* N: what cutting pulls sideways, as felt: slowly */
     double drag_nm[3];
     double spun;        /* rad: how far the tool has turned */
+} grip;
+
+struct ost_force {
+    const ost_bone *bone;
+    ost_force_params params;
+    double spacing; /* m, of the bone */
+    int tools;
+    contact_shell *shells[TOOLS_MAX];
+    grip grip;
+    /* Scratch of a tick. */
     contact contact;
     balance balance;
     double size[OST_SHELL_MAX]; /* N: of each point that touches */
@@ -125,8 +131,8 @@ static void take_direction(ost_force *f, const ost_pose *pose)
 {
     const double q[4] = {pose->qw, pose->qx, pose->qy, pose->qz}, length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
     for (int i = 0; i < 4; i++)
-        f->facing[i] = q[i] / length;
-    ost_turn_of(f->facing, f->pose.turn);
+        f->grip.facing[i] = q[i] / length;
+    ost_turn_of(f->grip.facing, f->grip.pose.turn);
 }
 
 static void place_of(const ost_pose *pose, double at[3])
@@ -138,16 +144,16 @@ static void place_of(const ost_pose *pose, double at[3])
 
 void ost_force_place(ost_force *force, int tool, const ost_pose *pose)
 {
-    force->held = true;
-    force->tool = tool;
-    force->device = *pose;
-    place_of(pose, force->pose.at);
+    force->grip.held = true;
+    force->grip.tool = tool;
+    force->grip.device = *pose;
+    place_of(pose, force->grip.pose.at);
     take_direction(force, pose);
-    memset(force->velocity, 0, sizeof force->velocity);
-    memset(force->turning, 0, sizeof force->turning);
-    memset(force->drag, 0, sizeof force->drag);
-    memset(force->drag_nm, 0, sizeof force->drag_nm);
-    force->spun = 0;
+    memset(force->grip.velocity, 0, sizeof force->grip.velocity);
+    memset(force->grip.turning, 0, sizeof force->grip.turning);
+    memset(force->grip.drag, 0, sizeof force->grip.drag);
+    memset(force->grip.drag_nm, 0, sizeof force->grip.drag_nm);
+    force->grip.spun = 0;
 }
 
 /* ------------------------------------------------------------------- turns */
@@ -175,13 +181,13 @@ static void quaternion_of(const ost_pose *pose, double q[4])
 /* The tool's direction after it has turned by w for dt; w in its own frame. */
 static void turn_tool(ost_force *f, const double w[3], double dt)
 {
-    const double *q = f->facing, h[3] = {w[0] * dt / 2, w[1] * dt / 2, w[2] * dt / 2};
+    const double *q = f->grip.facing, h[3] = {w[0] * dt / 2, w[1] * dt / 2, w[2] * dt / 2};
     const double next[4] = {q[0] - q[1] * h[0] - q[2] * h[1] - q[3] * h[2], q[1] + q[0] * h[0] + q[2] * h[2] - q[3] * h[1],
                             q[2] + q[0] * h[1] + q[3] * h[0] - q[1] * h[2], q[3] + q[0] * h[2] + q[1] * h[1] - q[2] * h[0]};
     const double length = sqrt(next[0] * next[0] + next[1] * next[1] + next[2] * next[2] + next[3] * next[3]);
     for (int i = 0; i < 4; i++)
-        f->facing[i] = next[i] / length;
-    ost_turn_of(f->facing, f->pose.turn);
+        f->grip.facing[i] = next[i] / length;
+    ost_turn_of(f->grip.facing, f->grip.pose.turn);
 }
 
 /* ------------------------------------------------------------------ results */
@@ -194,7 +200,7 @@ static void turn_tool(ost_force *f, const double w[3], double dt)
  */
 static void sum_up(ost_force *f, double period, ost_force_result *out)
 {
-    const contact_shell *shell = f->shells[f->tool];
+    const contact_shell *shell = f->shells[f->grip.tool];
     const contact *c = &f->contact;
     double normal[3] = {0}, pull[3] = {0}, normal_nm[3] = {0}, pull_nm[3] = {0}, shaking = 0, bone[3];
     for (size_t k = 0; k < c->count; k++) {
@@ -223,18 +229,18 @@ static void sum_up(ost_force *f, double period, ost_force_result *out)
     out->off_axis_n = sqrt(normal[0] * normal[0] + normal[1] * normal[1]);
     out->shaking_n = f->params.scale * shaking;
     const double slow = period / (period + DRAG_S);
-    ost_into_bone(&f->pose, pull, bone);
+    ost_into_bone(&f->grip.pose, pull, bone);
     for (int d = 0; d < 3; d++)
-        f->drag[d] += (bone[d] - f->drag[d]) * slow;
-    ost_into_bone(&f->pose, pull_nm, bone);
+        f->grip.drag[d] += (bone[d] - f->grip.drag[d]) * slow;
+    ost_into_bone(&f->grip.pose, pull_nm, bone);
     for (int d = 0; d < 3; d++) {
-        f->drag_nm[d] += (bone[d] - f->drag_nm[d]) * slow;
+        f->grip.drag_nm[d] += (bone[d] - f->grip.drag_nm[d]) * slow;
         normal_nm[d] += pull_nm[d];
     }
-    ost_into_bone(&f->pose, normal, out->force_n);
-    ost_into_bone(&f->pose, normal_nm, out->torque_nm);
+    ost_into_bone(&f->grip.pose, normal, out->force_n);
+    ost_into_bone(&f->grip.pose, normal_nm, out->torque_nm);
     for (int d = 0; d < 3; d++) {
-        out->force_n[d] = f->params.scale * (out->force_n[d] + f->drag[d]);
+        out->force_n[d] = f->params.scale * (out->force_n[d] + f->grip.drag[d]);
         out->torque_nm[d] *= f->params.scale;
     }
 }
@@ -246,12 +252,12 @@ static void shake(ost_force *f, double period, ost_force_result *out)
     double once[2], teeth[2], felt[3];
     if (p->vibration <= 0 && p->runout <= 0)
         return;
-    f->spun += p->speed * period;
-    f->spun -= f->spun > 2 * PI * 64 ? 2 * PI * 64 : 0; /* whole turns, however many teeth */
-    ost_sin_cos(f->spun, &once[0], &once[1]);
-    ost_sin_cos(f->spun * p->teeth, &teeth[0], &teeth[1]);
+    f->grip.spun += p->speed * period;
+    f->grip.spun -= f->grip.spun > 2 * PI * 64 ? 2 * PI * 64 : 0; /* whole turns, however many teeth */
+    ost_sin_cos(f->grip.spun, &once[0], &once[1]);
+    ost_sin_cos(f->grip.spun * p->teeth, &teeth[0], &teeth[1]);
     const double own[3] = {p->runout * once[1], p->runout * once[0], p->vibration * teeth[0]};
-    ost_into_bone(&f->pose, own, felt);
+    ost_into_bone(&f->grip.pose, own, felt);
     for (int d = 0; d < 3; d++)
         out->force_n[d] += out->shaking_n * felt[d];
 }
@@ -261,7 +267,7 @@ static void shake(ost_force *f, double period, ost_force_result *out)
 /* The points that touch, as the balance takes them. turn is what turns the tool beside it, in its frame. */
 static void gather(ost_force *f, int axes, const double turn[3])
 {
-    const contact_shell *shell = f->shells[f->tool];
+    const contact_shell *shell = f->shells[f->grip.tool];
     const contact *c = &f->contact;
     balance *e = &f->balance;
     e->axes = axes;
@@ -298,26 +304,26 @@ static ost_status by_energy(ost_force *f, const ost_pose *device, const double t
     const ost_force_params *p = &f->params;
     const double k = p->stiffness / p->scale, d = p->damping / p->scale, turn_k = p->turn_stiffness / p->scale, turn_d = p->turn_damping / p->scale;
     const bool turns = p->turn_stiffness > 0;
-    const contact_shell *shell = f->shells[f->tool];
+    const contact_shell *shell = f->shells[f->grip.tool];
     double to[3], facing[4], away[3], lean[3] = {0}, own[3], u[6] = {0}, left = period;
     place_of(device, to);
     quaternion_of(device, facing);
     for (int part = 0; part < PARTS && left > period * 1e-6; part++) {
-        ost_status status = ost_contact_touch(f->bone, shell, &f->pose, &f->contact, err);
+        ost_status status = ost_contact_touch(f->bone, shell, &f->grip.pose, &f->contact, err);
         if (status != OST_OK)
             return status;
         for (int a = 0; a < 3; a++)
-            away[a] = to[a] - f->pose.at[a];
+            away[a] = to[a] - f->grip.pose.at[a];
         double far_own[3], speed_own[3];
-        ost_into_tool(&f->pose, away, far_own);
-        ost_into_tool(&f->pose, f->velocity, speed_own);
+        ost_into_tool(&f->grip.pose, away, far_own);
+        ost_into_tool(&f->grip.pose, f->grip.velocity, speed_own);
         pull(&f->balance, 0, k, d, left, far_own, speed_own);
-        ost_into_tool(&f->pose, turn, own);
+        ost_into_tool(&f->grip.pose, turn, own);
         own[2] = 0; /* about its own axis it turns anyway */
         if (turns) {
-            turn_between(f->facing, facing, lean);
-            ost_into_tool(&f->pose, lean, far_own);
-            ost_into_tool(&f->pose, f->turning, speed_own);
+            turn_between(f->grip.facing, facing, lean);
+            ost_into_tool(&f->grip.pose, lean, far_own);
+            ost_into_tool(&f->grip.pose, f->grip.turning, speed_own);
             pull(&f->balance, 3, turn_k, turn_d, left, far_own, speed_own);
         }
         gather(f, turns ? 6 : 3, turns ? nothing : own);
@@ -326,9 +332,9 @@ static ost_status by_energy(ost_force *f, const ost_pose *device, const double t
         const double turned = turns ? sqrt(ost_dot(u + 3, u + 3)) * shell->reach : 0, far = (sqrt(ost_dot(u, u)) + turned) * left;
         const double share = far > f->spacing / 2 ? f->spacing / 2 / far : 1;
         double v[3];
-        ost_into_bone(&f->pose, u, v);
+        ost_into_bone(&f->grip.pose, u, v);
         for (int a = 0; a < 3; a++)
-            f->pose.at[a] += v[a] * left * share;
+            f->grip.pose.at[a] += v[a] * left * share;
         if (turns)
             turn_tool(f, u + 3, left * share);
         left -= left * share;
@@ -339,14 +345,14 @@ static ost_status by_energy(ost_force *f, const ost_pose *device, const double t
     sum_up(f, period, out);
     /* What holds the tool is what the hand feels. */
     double v[3], w[3];
-    ost_into_bone(&f->pose, u, v);
+    ost_into_bone(&f->grip.pose, u, v);
     for (int a = 0; a < 3; a++)
-        out->force_n[a] = p->scale * (f->drag[a] - k * (to[a] - f->pose.at[a]) - d * (f->velocity[a] - v[a]));
+        out->force_n[a] = p->scale * (f->grip.drag[a] - k * (to[a] - f->grip.pose.at[a]) - d * (f->grip.velocity[a] - v[a]));
     if (turns) {
-        ost_into_bone(&f->pose, u + 3, w);
-        turn_between(f->facing, facing, lean);
+        ost_into_bone(&f->grip.pose, u + 3, w);
+        turn_between(f->grip.facing, facing, lean);
         for (int a = 0; a < 3; a++)
-            out->torque_nm[a] = p->scale * (f->drag_nm[a] - turn_k * lean[a] - turn_d * (f->turning[a] - w[a]));
+            out->torque_nm[a] = p->scale * (f->grip.drag_nm[a] - turn_k * lean[a] - turn_d * (f->grip.turning[a] - w[a]));
     }
     return OST_OK;
 }
@@ -355,10 +361,10 @@ static ost_status by_energy(ost_force *f, const ost_pose *device, const double t
 
 static ost_status at_once(ost_force *f, double period, ost_force_result *out, ost_error *err)
 {
-    const contact_shell *shell = f->shells[f->tool];
+    const contact_shell *shell = f->shells[f->grip.tool];
     const contact *c = &f->contact;
     double sum = 0;
-    ost_status status = ost_contact_press(f->bone, shell, &f->pose, f->params.layer, &f->contact, err);
+    ost_status status = ost_contact_press(f->bone, shell, &f->grip.pose, f->params.layer, &f->contact, err);
     if (status != OST_OK)
         return status;
     out->touching = (int)c->count;
@@ -387,16 +393,16 @@ static void follow(ost_force *f, const ost_pose *device, double period, double t
     const double share = period / (period + 1 / (2 * PI * VELOCITY_HZ));
     double to[3], before[3], a[4], b[4];
     place_of(device, to);
-    place_of(&f->device, before);
-    quaternion_of(&f->device, a);
+    place_of(&f->grip.device, before);
+    quaternion_of(&f->grip.device, a);
     quaternion_of(device, b);
     turn_between(a, b, turn);
     for (int i = 0; i < 3; i++) {
         turn[i] /= period;
-        f->velocity[i] += share * ((to[i] - before[i]) / period - f->velocity[i]);
-        f->turning[i] += share * (turn[i] - f->turning[i]);
+        f->grip.velocity[i] += share * ((to[i] - before[i]) / period - f->grip.velocity[i]);
+        f->grip.turning[i] += share * (turn[i] - f->grip.turning[i]);
     }
-    f->device = *device;
+    f->grip.device = *device;
 }
 
 ost_status ost_force_step(ost_force *force, int tool, const ost_pose *device, double period_s, ost_force_result *out, ost_error *err)
@@ -406,13 +412,13 @@ ost_status ost_force_step(ost_force *force, int tool, const ost_pose *device, do
         return ost_fail(err, OST_ERR_USAGE, "force: there is no tool %d", tool);
     if (!(period_s > 0))
         return ost_fail(err, OST_ERR_USAGE, "force: a period of %g s", period_s);
-    if (!force->held || force->tool != tool)
+    if (!force->grip.held || force->grip.tool != tool)
         ost_force_place(force, tool, device);
     double turn[3];
     follow(force, device, period_s, turn);
     const bool energy = force->params.mode == OST_FORCE_ENERGY, turns = energy && force->params.turn_stiffness > 0;
     if (!energy)
-        place_of(device, force->pose.at);
+        place_of(device, force->grip.pose.at);
     if (!turns)
         take_direction(force, device);
     ost_status status = energy ? by_energy(force, device, turn, period_s, out, err) : at_once(force, period_s, out, err);
@@ -420,12 +426,20 @@ ost_status ost_force_step(ost_force *force, int tool, const ost_pose *device, do
         return status;
     shake(force, period_s, out);
     if (energy)
-        out->tool.t = (ost_pm3){picometres(force->pose.at[0]), picometres(force->pose.at[1]), picometres(force->pose.at[2])};
+        out->tool.t = (ost_pm3){picometres(force->grip.pose.at[0]), picometres(force->grip.pose.at[1]), picometres(force->grip.pose.at[2])};
     if (turns) {
-        out->tool.qw = (int32_t)rint(force->facing[0] * OST_Q30_ONE);
-        out->tool.qx = (int32_t)rint(force->facing[1] * OST_Q30_ONE);
-        out->tool.qy = (int32_t)rint(force->facing[2] * OST_Q30_ONE);
-        out->tool.qz = (int32_t)rint(force->facing[3] * OST_Q30_ONE);
+        out->tool.qw = (int32_t)rint(force->grip.facing[0] * OST_Q30_ONE);
+        out->tool.qx = (int32_t)rint(force->grip.facing[1] * OST_Q30_ONE);
+        out->tool.qy = (int32_t)rint(force->grip.facing[2] * OST_Q30_ONE);
+        out->tool.qz = (int32_t)rint(force->grip.facing[3] * OST_Q30_ONE);
     }
     return OST_OK;
+}
+
+ost_status ost_force_rehearse(ost_force *force, int tool, const ost_pose *device, double period_s, ost_force_result *out, ost_error *err)
+{
+    const grip now = force->grip;
+    ost_status status = ost_force_step(force, tool, device, period_s, out, err);
+    force->grip = now;
+    return status;
 }

@@ -288,6 +288,18 @@ bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wre
     return true;
 }
 
+/* The hand is thought to stay where it is; a tool that it holds by a force goes on all the same. */
+void ost_operation_rehearse(void *operation)
+{
+    ost_operation *o = operation;
+    if (!o->moved || o->dropout || o->fault != OST_FAULT_NONE)
+        return;
+    ost_force_result felt = {.tool = o->last};
+    /* What cannot be done will say so in its tick. */
+    if (!o->options.force || ost_force_rehearse(o->options.force, o->last_tool, &o->last, (double)AFTER_NS * 1e-9, &felt, NULL) == OST_OK)
+        (void)ost_world_rehearse(o->world, o->last_tool, &felt.tool, NULL);
+}
+
 void ost_operation_done(void *operation, uint64_t number, uint32_t exec_ns)
 {
     ost_operation *o = operation;

@@ -7,6 +7,8 @@
  *    |--wake--[read, tick,   write]-----|       |         done after 1 was due:
  *                  missed:   tick 0, 1 skipped  ^ next    two deadlines missed
  *
+ *   due 1 - lead: awake, rehearse, wait without sleep until due 1
+ *
  *   wake        from when a tick was due to when it began
  *   exec        from there to when the wrench was given
  *   own         of exec, what the tick did itself (own_work.h)
@@ -38,7 +40,7 @@ typedef struct servo {
     ost_servo_report *report;
     ost_servo_sample sample;
     int64_t due, wake_ns;
-    own_work begin; /* when the tick began */
+    own_work ready, begin; /* when the loop was awake for the tick; when the tick began */
     bool has_pose;
     int silent; /* ticks without a pose, in a row */
 } servo;
@@ -99,6 +101,8 @@ static bool serve(servo *s)
 {
     ost_wrench wrench = {{0}, {0}};
     s->begin = own_work_now();
+    if (s->options.lead_ns == 0)
+        s->ready = s->begin;
     s->wake_ns = s->begin.wall_ns - s->due;
     s->sample.wake_ns = ns32(s->wake_ns);
     if (!take_pose(s))
@@ -125,11 +129,13 @@ static bool serve(servo *s)
     return !s->options.ticks || r->ticks < s->options.ticks || end_with(s, OST_SERVO_TICKS);
 }
 
+/* Of the rehearsals and the wait after them only what is more than they were given is work. */
 static void blame(servo *s, uint64_t missed)
 {
     const own_work now = own_work_now();
     ost_servo_report *r = s->report;
-    switch (own_work_blame(own_work_between(&s->begin, &now), s->wake_ns, s->options.period_ns)) {
+    const int64_t own = own_work_between(&s->ready, &now) - s->options.lead_ns;
+    switch (own_work_blame(own, s->wake_ns, s->options.period_ns)) {
     case OWN_BLAME_WORK: r->missed_by_work += missed; break;
     case OWN_BLAME_WOKEN_LATE: r->missed_woken_late += missed; break;
     case OWN_BLAME_TAKEN: r->missed_taken += missed; break;
@@ -149,11 +155,34 @@ static void go_on(servo *s)
     s->due += s->options.period_ns * (skipped + 1);
 }
 
+/*
+ * After most of a period without work the caches hold less of what a tick
+ * needs, wide registers are powered down, and a core that sleeps has to wake:
+ * that costs a tick as much again as its work.  So the rest of the time before
+ * it is due is rehearsals, as many as fit, and a wait without sleep.
+ */
+static void get_ready(servo *s)
+{
+    const ost_servo_options *o = &s->options;
+    sleep_until(s->due - o->lead_ns);
+    if (o->lead_ns == 0)
+        return;
+    s->ready = own_work_now();
+    int64_t before, now = s->ready.wall_ns;
+    do {
+        o->rehearse(s->user);
+        before = now;
+        now = ost_clock_ns();
+    } while (now + (now - before) < s->due);
+    while (ost_clock_ns() < s->due)
+        ;
+}
+
 static void run_clock(servo *s)
 {
     s->due = ost_clock_ns() + s->options.period_ns;
     for (;;) {
-        sleep_until(s->due);
+        get_ready(s);
         if (!serve(s))
             break;
         go_on(s);
@@ -214,7 +243,7 @@ static void run_idle(servo *s, uint64_t ticks)
 static void run_busy(servo *s, uint64_t ticks)
 {
     ost_servo_report *r = s->report;
-    r->busy_ns = (int64_t)(ost_times_share_us(&r->exec, 0.5) * 1e3);
+    r->busy_ns = s->options.lead_ns + (int64_t)(ost_times_share_us(&r->exec, 0.5) * 1e3);
     r->busy = run_control(s->options.period_ns, ticks, r->busy_ns, &r->busy_wake);
 }
 
@@ -253,8 +282,13 @@ ost_status ost_servo_run(ost_haptic *device, const ost_servo_options *options, o
         s.options.period_ns = PERIOD_NS;
     if (s.options.period_ns < 10000 || s.options.period_ns > INT64_C(1000000000))
         return ost_fail(err, OST_ERR_USAGE, "a period of %lld ns; 10,000 to 1,000,000,000 are supported", (long long)s.options.period_ns);
+    if (s.options.lead_ns < 0 || s.options.lead_ns > s.options.period_ns / 2)
+        return ost_fail(err, OST_ERR_USAGE, "a rehearsal %lld ns before a tick; 0 to half a period are supported", (long long)s.options.lead_ns);
     if (s.options.no_clock && !(driver->caps & OST_HAPTIC_LOGICAL))
         return ost_fail(err, OST_ERR_USAGE, "device %s knows time: it cannot be served without a clock", driver->name);
+
+    const bool rehearses = s.options.rehearse && !s.options.no_clock && !(driver->caps & OST_HAPTIC_OWN_CLOCK);
+    report->lead_ns = s.options.lead_ns = rehearses ? s.options.lead_ns : 0;
 
     realtime_before before;
     realtime_enter(!s.options.no_realtime, s.options.pinned ? s.options.core : -1, &before, &report->realtime);

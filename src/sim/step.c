@@ -147,6 +147,20 @@ ost_status ost_world_advance(ost_world *world, const ost_tick *tick, ost_step_re
     return OST_OK;
 }
 
+ost_status ost_world_rehearse(ost_world *world, int index, const ost_pose *pose, ost_error *err)
+{
+    const ost_tick tick = {.tool = index, .pose = *pose, .t_ns = world->t_ns + 1};
+    ost_event event;
+    ost_status status = check_tick(world, &tick, err);
+    if (status != OST_OK)
+        return status;
+    const ost_entity *tool = &world->tools[index];
+    status = prepare(world, tool, &tick, 1, &event, err);
+    if (status == OST_OK && event.pose_count > 0)
+        status = ost_bone_collide(world->bone.voxels.bone, tool->voxels.tool, &event, &world->report, err);
+    return status;
+}
+
 ost_status ost_world_step(ost_world *world, const ost_tick *tick, ost_step_result *result, ost_error *err)
 {
     ost_step_result ignored;

@@ -193,24 +193,81 @@ static void a_fault_lets_the_hand_alone(void **state)
     for (size_t i = 0; i < path.count; i++) /* 4 mm/s into the bone's side, to 2 mm deep */
         path.ticks[i].pose.t.x = -2 * MM + (ost_pm)(i < 200 ? i : 200) * MM / 100;
     path.ticks[300].pose.t.y += 50 * MM;
+    /* A tool that the force knows and the world does not: a force is made, and must not be given. */
+    for (size_t i = 360; i < 370; i++) {
+        path.ticks[i].tool = 1;
+        path.ticks[i].pose.t.x += (ost_pm)(i - 359) * MM / 10;
+    }
     assert_ok(ost_force_create(r.bone, &params, &force, &err));
+    assert_ok(ost_force_add_tool(force, r.tool, &err));
     assert_ok(ost_force_add_tool(force, r.tool, &err));
     assert_ok(ost_haptic_open("script", &(ost_haptic_setup){.path = &path}, &device, &err));
     assert_ok(ost_operation_create(r.world, &(ost_operation_options){.force = force, .safety = &safety}, &f.operation, &err));
     assert_ok(ost_servo_run(device, &(ost_servo_options){.no_clock = true, .no_realtime = true}, feeling, NULL, &f, &report, &err));
     ost_operation_report done;
     ost_operation_report_get(f.operation, &done);
-    assert_int_equal(done.faults, 1);
+    assert_int_equal(done.faults, 2);
     assert_int_equal(f.count, 400);
     assert_true(f.n[0] == 0 && f.n[299] < -0.1);
     assert_true(f.n[300] == 0);
-    assert_true(f.n[301] > 0.1 * f.n[299] && f.n[399] < 0.9 * f.n[299]);
+    assert_true(f.n[301] > 0.1 * f.n[299] && f.n[359] < 0.9 * f.n[299]);
+    for (size_t i = 360; i < 370; i++)
+        assert_true(f.n[i] == 0);
     assert_true(done.peak_n >= -f.n[299]);
     ost_operation_free(f.operation);
     ost_haptic_close(device);
     ost_force_free(force);
     ost_path_free(&path);
     free_room(&r);
+}
+
+/* Every tick rehearsed, some of them more than once: forces and bone are those of an operation without. */
+static void a_rehearsal_leaves_no_trace(void **state)
+{
+    skip_without_samples(*state);
+    enum { TICKS = 200 };
+    static ost_wrench wrenches[2][TICKS];
+    ost_error err = {0};
+    ost_digest digests[2];
+    ost_operation_report done[2];
+    ost_force_params params = ost_force_defaults();
+    params.vibration = params.runout = 0.2;
+    params.turn_stiffness = 0.5;
+    params.turn_damping = 0.001;
+    ost_path path = into_bone(TICKS);
+    for (size_t i = 0; i < TICKS; i++) { /* 20 mm/s, and with a pose that is none */
+        path.ticks[i].pose.t.x = -2 * MM + (ost_pm)i * MM / 50;
+        path.ticks[i].pose.t.y += (ost_pm)(i * i % 7) * MM / 10;
+    }
+    path.ticks[120].pose.qw = 0;
+    for (int r = 0; r < 2; r++) {
+        room it = make_room(*state);
+        ost_force *force;
+        ost_operation *operation;
+        assert_ok(ost_force_create(it.bone, &params, &force, &err));
+        assert_ok(ost_force_add_tool(force, it.tool, &err));
+        assert_ok(ost_operation_create(it.world, &(ost_operation_options){.force = force}, &operation, &err));
+        for (size_t i = 0; i < TICKS; i++) {
+            const ost_servo_sample sample = {.number = i, .t_ns = path.ticks[i].t_ns, .state = {.pose = path.ticks[i].pose, .tool = -1}};
+            wrenches[r][i] = (ost_wrench){{0}, {0}};
+            for (size_t n = 0; r == 1 && n < i % 3 + 1; n++)
+                ost_operation_rehearse(operation);
+            assert_true(ost_operation_tick(operation, &sample, &wrenches[r][i]));
+            ost_operation_done(operation, i, 0);
+        }
+        ost_operation_report_get(operation, &done[r]);
+        digests[r] = digest_of(it.bone);
+        ost_operation_free(operation);
+        ost_force_free(force);
+        free_room(&it);
+    }
+    assert_memory_equal(wrenches[0], wrenches[1], sizeof wrenches[0]);
+    assert_true(ost_digest_equal(&digests[0], &digests[1]));
+    assert_int_equal(done[0].steps, TICKS - 1);
+    assert_int_equal(done[1].steps, TICKS - 1);
+    assert_true(done[0].energy_j > 0 && done[0].energy_j == done[1].energy_j);
+    assert_int_equal(done[0].touching_ticks, done[1].touching_ticks);
+    ost_path_free(&path);
 }
 
 static void a_session_of_it_does_it_again(void **state)
@@ -367,6 +424,7 @@ int main(void)
         cmocka_unit_test(what_is_no_hands_is_left_out),
         cmocka_unit_test(a_tool_that_jumps_does_not_cut_on_its_way),
         cmocka_unit_test(a_fault_lets_the_hand_alone),
+        cmocka_unit_test(a_rehearsal_leaves_no_trace),
         cmocka_unit_test(a_session_of_it_does_it_again),
         cmocka_unit_test(it_does_not_wait_for_its_recorder),
     };

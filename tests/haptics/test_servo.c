@@ -107,6 +107,8 @@ typedef struct seen {
     uint64_t ticks, declared, unseen, done, missed;
     uint64_t stop_at;  /* 0: never */
     uint64_t sleep_at; /* then it takes 12 ms */
+    uint64_t rehearsals, rehearsed; /* in all; ticks with one before them */
+    uint64_t rehearsals_before;
     ost_haptic_state last;
     int64_t t_ns;
 } seen;
@@ -123,6 +125,8 @@ static bool on_tick(void *user, const ost_servo_sample *sample, ost_wrench *wren
     s->missed += sample->missed;
     s->last = sample->state;
     wrench->force_n[0] = 2;
+    s->rehearsed += s->rehearsals > s->rehearsals_before;
+    s->rehearsals_before = s->rehearsals;
     if (s->ticks == s->sleep_at) {
         const struct timespec long_time = {.tv_nsec = 12000000};
         nanosleep(&long_time, NULL);
@@ -286,6 +290,31 @@ static void a_device_with_a_clock_of_its_own(void **state)
     assert_int_equal(report.end, OST_SERVO_DEVICE_LOST);
 }
 
+static void on_rehearsal(void *user)
+{
+    ((seen *)user)->rehearsals++;
+}
+
+/* Before every tick at least one, of a loop that has a clock; never for a device whose own thread calls. */
+static void every_tick_is_rehearsed(void **state)
+{
+    (void)state;
+    const ost_servo_options options = {.ticks = 20, .no_realtime = true, .lead_ns = 250000, .rehearse = on_rehearsal};
+    seen s = serve_with(&timed, "F", &options, (seen){0});
+    assert_int_equal(s.rehearsed, 20);
+    assert_int_equal(report.lead_ns, 250000);
+    s = serve_with(&own, "F", &options, (seen){0});
+    assert_int_equal(s.rehearsals, 0);
+    assert_int_equal(report.lead_ns, 0);
+    const ost_servo_options at_once = {.ticks = 20, .no_realtime = true, .no_clock = true, .lead_ns = 250000, .rehearse = on_rehearsal},
+                            never = {.ticks = 20, .no_realtime = true, .rehearse = on_rehearsal},
+                            nothing = {.ticks = 20, .no_realtime = true, .lead_ns = 250000};
+    assert_int_equal(serve_with(&polled, "F", &at_once, (seen){0}).rehearsals, 0);
+    assert_int_equal(serve_with(&timed, "F", &never, (seen){0}).rehearsals, 0);
+    assert_int_equal(serve_with(&timed, "F", &nothing, (seen){0}).ticks, 20);
+    assert_int_equal(report.lead_ns, 0);
+}
+
 static void what_cannot_be_is_refused(void **state)
 {
     (void)state;
@@ -298,6 +327,8 @@ static void what_cannot_be_is_refused(void **state)
     assert_ok(ost_haptic_open_driver(&timed, "", NULL, &device, &err));
     assert_int_equal(ost_servo_run(device, &(ost_servo_options){.no_clock = true}, on_tick, NULL, &s, &report, &err), OST_ERR_USAGE);
     assert_int_equal(ost_servo_run(device, &(ost_servo_options){.period_ns = 9999}, on_tick, NULL, &s, &report, &err), OST_ERR_USAGE);
+    assert_int_equal(ost_servo_run(device, &(ost_servo_options){.lead_ns = 500001}, on_tick, NULL, &s, &report, &err), OST_ERR_USAGE);
+    assert_int_equal(ost_servo_run(device, &(ost_servo_options){.lead_ns = -1}, on_tick, NULL, &s, &report, &err), OST_ERR_USAGE);
     assert_int_equal(s.ticks, 0);
     ost_haptic_close(device);
 }
@@ -407,6 +438,7 @@ int main(void)
         cmocka_unit_test(who_is_to_blame),
         cmocka_unit_test(own_work_is_what_was_done),
         cmocka_unit_test(a_device_with_a_clock_of_its_own),
+        cmocka_unit_test(every_tick_is_rehearsed),
         cmocka_unit_test(what_cannot_be_is_refused),
         cmocka_unit_test(the_thread_is_afterwards_as_it_was),
         cmocka_unit_test(the_loop_has_a_core_of_its_own),
