@@ -23,9 +23,10 @@ typedef struct view {
     const char *name;
     double distance_mm; /* from the glenoid's face, or from the middle of the bone */
     bool glenoid;
+    double side;        /* how far it looks from the side, against along the glenoid's axis */
 } view;
 
-static const view views[] = {{"whole", 420, false}, {"glenoid", 90, true}, {"close", 38, true}};
+static const view views[] = {{"whole", 420, false, 0}, {"oblique", 300, false, 2}, {"glenoid", 90, true, 0}, {"close", 38, true, 0}};
 
 typedef struct show {
     const bench_options *options;
@@ -109,7 +110,8 @@ static ost_status camera_of(const show *s, const view *v, ost_camera *camera)
                               1e-9 * ((double)g->origin.y + 0.5 * (double)(g->dims.y * g->spacing.y)),
                               1e-9 * ((double)g->origin.z + 0.5 * (double)(g->dims.z * g->spacing.z))};
     const double face[3] = {1e-9 * (double)at->x, 1e-9 * (double)at->y, 1e-9 * (double)at->z};
-    const double *axis = s->glenoid.axis, length = sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]);
+    const double *inward = s->glenoid.axis, axis[3] = {inward[0] - v->side * inward[1], inward[1] + v->side * inward[0], inward[2]};
+    const double length = sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]);
     double from[3];
     for (int a = 0; a < 3; a++)
         from[a] = (v->glenoid ? face : middle)[a] - scale * v->distance_mm * axis[a] / length;
@@ -137,17 +139,18 @@ static size_t covered(const ost_frame *f)
 }
 
 typedef struct frames {
-    ost_frame ours, thesis, scalar;
-    ost_picture picture;
-    bench_series drawn, baseline;
+    ost_frame ours, thesis, set[OST_ISA_COUNT]; /* set: of each instruction set that there is */
+    bench_series drawn, baseline, by_set[OST_ISA_COUNT];
 } frames;
 
 static void free_frames(frames *f)
 {
     ost_frame_free(&f->ours);
     ost_frame_free(&f->thesis);
-    ost_frame_free(&f->scalar);
-    ost_picture_free(&f->picture);
+    for (int isa = 0; isa < OST_ISA_COUNT; isa++) {
+        ost_frame_free(&f->set[isa]);
+        bench_series_free(&f->by_set[isa]);
+    }
     bench_series_free(&f->drawn);
     bench_series_free(&f->baseline);
 }
@@ -157,19 +160,16 @@ static ost_status open_frames(show *s, frames *f, int threads)
     ost_status status = ost_frame_init(&f->ours, WIDTH, HEIGHT, OST_STYLE_SMOOTH, s->isa, threads, s->err);
     if (status == OST_OK)
         status = ost_frame_init(&f->thesis, WIDTH, HEIGHT, OST_STYLE_FACES, s->isa, threads, s->err);
-    if (status == OST_OK)
-        status = ost_frame_init(&f->scalar, WIDTH, HEIGHT, OST_STYLE_SMOOTH, OST_ISA_SCALAR, threads, s->err);
-    if (status == OST_OK)
-        status = ost_picture_init(&f->picture, WIDTH, HEIGHT, s->err);
+    for (int isa = 0; isa < OST_ISA_COUNT && status == OST_OK; isa++)
+        if (ost_isa_available((ost_isa)isa))
+            status = ost_frame_init(&f->set[isa], WIDTH, HEIGHT, OST_STYLE_SMOOTH, (ost_isa)isa, threads, s->err);
     return status;
 }
 
-static ost_status draw(ost_frame *frame, const ost_surface *surface, const ost_eye *eye, ost_picture *picture, bench_series *series, ost_error *err)
+static ost_status draw(ost_frame *frame, const ost_surface *surface, const ost_eye *eye, bench_series *series, ost_error *err)
 {
     const int64_t begin = bench_now();
     ost_status status = ost_frame_draw(frame, surface, eye, err);
-    if (status == OST_OK)
-        ost_frame_copy(frame, picture);
     const int64_t end = bench_now();
     if (series)
         bench_series_add(series, (double)(end - begin));
@@ -178,19 +178,37 @@ static ost_status draw(ost_frame *frame, const ost_surface *surface, const ost_e
 
 static ost_status measure(show *s, frames *f, const ost_eye *eye, bool *equal)
 {
-    ost_status status = draw(&f->ours, &s->surface, eye, &f->picture, NULL, s->err);
+    enum { SETS_EVERY = 8 };
+    ost_status status = draw(&f->ours, &s->surface, eye, NULL, s->err);
     if (status == OST_OK)
-        status = draw(&f->scalar, &s->surface, eye, &f->picture, NULL, s->err);
-    if (status == OST_OK)
-        status = draw(&f->thesis, &s->all, eye, &f->picture, NULL, s->err);
-    *equal = status == OST_OK && same(&f->ours, &f->scalar) && same(&f->ours, &f->thesis);
+        status = draw(&f->thesis, &s->all, eye, NULL, s->err);
+    *equal = status == OST_OK && same(&f->ours, &f->thesis);
+    for (int isa = 0; isa < OST_ISA_COUNT && status == OST_OK; isa++)
+        if (f->set[isa].width) {
+            status = draw(&f->set[isa], &s->surface, eye, NULL, s->err);
+            *equal &= status == OST_OK && same(&f->ours, &f->set[isa]);
+        }
     const int count = bench_repeat(s->options, REPEAT);
     for (int i = 0; i < count && status == OST_OK && *equal; i++) {
-        status = draw(&f->ours, &s->surface, eye, &f->picture, &f->drawn, s->err);
+        status = draw(&f->ours, &s->surface, eye, &f->drawn, s->err);
         if (status == OST_OK && i % 4 == 0)
-            status = draw(&f->thesis, &s->all, eye, &f->picture, &f->baseline, s->err);
+            status = draw(&f->thesis, &s->all, eye, &f->baseline, s->err);
+        for (int isa = 0; isa < OST_ISA_COUNT && status == OST_OK && i % SETS_EVERY == 0; isa++)
+            if (f->set[isa].width)
+                status = draw(&f->set[isa], &s->surface, eye, &f->by_set[isa], s->err);
     }
     return status;
+}
+
+/* The least time of each instruction set. */
+static void add_sets(bench_row *row, frames *f)
+{
+    char name[32];
+    for (int isa = 0; isa < OST_ISA_COUNT; isa++)
+        if (f->set[isa].width) {
+            snprintf(name, sizeof name, "%s_min_ms", ost_isa_name((ost_isa)isa));
+            bench_row_extra(row, name, bench_series_at(&f->by_set[isa], 0) / 1e6);
+        }
 }
 
 static ost_status add_view(show *s, bench_table *table, const view *v, int threads, const char *suffix)
@@ -218,6 +236,7 @@ static ost_status add_view(show *s, bench_table *table, const view *v, int threa
             bench_row_extra(row, "p50_ms", bench_series_at(&f.drawn, 0.5) / 1e6);
             bench_row_extra(row, "p99_ms", bench_series_at(&f.drawn, 0.99) / 1e6);
             bench_row_extra(row, "fps", 1e9 / bench_series_at(&f.drawn, 0.5));
+            add_sets(row, &f);
             bench_row_extra(row, "surface_voxels", (double)s->surface.points);
             bench_row_extra(row, "active_voxels", (double)s->all.points);
             bench_row_extra(row, "covered_pixels", (double)covered(&f.ours));
@@ -262,7 +281,7 @@ static ost_status add_extraction(show *s, bench_table *table)
 ost_status bench_render(const bench_options *options, bench_table *table, ost_error *err)
 {
     show s = {.options = options, .err = err};
-    if (options->filter && !strstr("render/scapula/extract render/scapula/whole/1 render/scapula/glenoid/1 render/scapula/close/1", options->filter))
+    if (options->filter && !strstr("render/scapula/extract render/scapula/whole/1 render/scapula/oblique/1 render/scapula/glenoid/1 render/scapula/close/1", options->filter))
         return OST_OK;
     ost_status status = ost_isa_choose(bench_isa(options), &s.isa, err);
     if (status == OST_OK)

@@ -226,6 +226,12 @@ static bool clear_of_edges(const ost_eye *e, double x, double y, const int v[3])
     return (best - second) * sqrt(square) > 1e-2;
 }
 
+/* In the list; keys are known where there is a face. */
+static uint32_t number_at(const ost_frame *f, size_t at)
+{
+    return f->planes.face[at] == OST_NO_FACE ? OST_NO_VOXEL : (uint32_t)f->planes.key[at];
+}
+
 /*
  * Each pixel by itself: the nearest voxel that its ray meets.  Cubes a little
  * smaller and a little larger must agree, else the pixel is a matter of
@@ -256,7 +262,7 @@ static void assert_picture(const scene *s, const ost_frame *f, const ost_eye *e,
                 continue;
             }
             const size_t at = (size_t)y * (size_t)f->planes.stride + (size_t)x;
-            const uint32_t index = f->planes.index[at], id = index == OST_NO_VOXEL ? OST_NO_VOXEL : f->layer[0].visible.id[index];
+            const uint32_t id = number_at(f, at) == OST_NO_VOXEL ? OST_NO_VOXEL : f->layer[0].visible.id[number_at(f, at)];
             if (who[0][0] < 0) {
                 assert_int_equal(id, OST_NO_VOXEL);
                 assert_int_equal(f->planes.face[at], OST_NO_FACE);
@@ -299,6 +305,7 @@ static void test_against_rays(void **state)
         } while (hypotf(e.at[0] - 18, hypotf(e.at[1] - 17, e.at[2] - 20)) < 22);
         ost_frame f;
         assert_ok(ost_frame_init(&f, c.width, c.height, OST_STYLE_SMOOTH, OST_ISA_SCALAR, 1, &err));
+        assert_ok(ost_frame_keep_keys(&f, &err));
         assert_ok(ost_frame_draw(&f, &s.surface, &e, &err));
         assert_picture(&s, &f, &e, &checked, &doubtful);
         ost_frame_free(&f);
@@ -312,13 +319,14 @@ static void assert_same(const ost_frame *a, const ost_frame *b)
 {
     for (int y = 0; y < a->height; y++) {
         const size_t at = (size_t)y * (size_t)a->planes.stride, n = (size_t)a->width;
-        assert_memory_equal(a->planes.index + at, b->planes.index + at, n * sizeof *a->planes.index);
         assert_memory_equal(a->planes.colour + at, b->planes.colour + at, n * sizeof *a->planes.colour);
-        assert_memory_equal(a->planes.distance + at, b->planes.distance + at, n * sizeof *a->planes.distance);
         assert_memory_equal(a->planes.face + at, b->planes.face + at, n);
         for (size_t x = 0; x < n; x++)
-            if (a->planes.face[at + x] != OST_NO_FACE)
+            if (a->planes.face[at + x] != OST_NO_FACE) {
+                if (a->planes.key && b->planes.key)
+                    assert_memory_equal(a->planes.key + at + x, b->planes.key + at + x, sizeof(uint64_t));
                 assert_memory_equal(a->planes.depth + at + x, b->planes.depth + at + x, sizeof(float));
+            }
     }
 }
 
@@ -338,14 +346,20 @@ static void test_sets_and_threads(void **state)
         const ost_style style = round % 5 ? OST_STYLE_SMOOTH : OST_STYLE_FACES;
         ost_frame scalar;
         assert_ok(ost_frame_init(&scalar, c.width, c.height, style, OST_ISA_SCALAR, 1, &err));
+        assert_ok(ost_frame_keep_keys(&scalar, &err));
         assert_ok(ost_frame_draw(&scalar, &s.surface, &e, &err));
         for (int isa = 0; isa < OST_ISA_COUNT; isa++) {
             if (!ost_isa_available((ost_isa)isa))
                 continue;
             ost_frame f;
             assert_ok(ost_frame_init(&f, c.width, c.height, style, (ost_isa)isa, 1 + round % 3, &err));
-            for (int again = 0; again < 2; again++)
+            for (int again = 0; again < 2; again++) {
                 assert_ok(ost_frame_draw(&f, &s.surface, &e, &err));
+                if (again == 0) {
+                    assert_same(&scalar, &f);
+                    assert_ok(ost_frame_keep_keys(&f, &err));
+                }
+            }
             assert_same(&scalar, &f);
             ost_frame_free(&f);
         }

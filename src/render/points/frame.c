@@ -11,8 +11,6 @@
 #include <omp.h>
 #endif
 
-static const float FARTHEST = 32768.0f; /* voxels from the eye: squares of distances keep whole voxels apart near the eye's axis */
-
 static void *plane_alloc(size_t count, size_t size)
 {
     return aligned_alloc(64, (count * size + 63) / 64 * 64);
@@ -22,21 +20,27 @@ static bool planes_init(ost_planes *p, int width, int height)
 {
     p->stride = (width + OST_LANES - 1) / OST_LANES * OST_LANES;
     const size_t count = (size_t)p->stride * (size_t)height;
-    p->distance = plane_alloc(count, sizeof *p->distance);
-    p->index = plane_alloc(count, sizeof *p->index);
     p->depth = plane_alloc(count, sizeof *p->depth);
     p->face = plane_alloc(count, sizeof *p->face);
     p->colour = plane_alloc(count, sizeof *p->colour);
-    if (!p->distance || !p->index || !p->depth || !p->face || !p->colour)
+    if (!p->depth || !p->face || !p->colour)
         return false;
     memset(p->depth, 0, count * sizeof *p->depth);
     return true;
 }
 
+static bool keys_init(ost_planes *p, int height)
+{
+    const size_t size = (size_t)p->stride * (size_t)height * sizeof *p->key;
+    p->key = plane_alloc(size, 1);
+    if (p->key)
+        memset(p->key, OST_EMPTY_BYTE, size);
+    return p->key != NULL;
+}
+
 static void planes_free(ost_planes *p)
 {
-    free(p->distance);
-    free(p->index);
+    free(p->key);
     free(p->depth);
     free(p->face);
     free(p->colour);
@@ -48,6 +52,28 @@ static ost_status no_memory(const ost_frame *f, ost_error *err)
     return ost_fail(err, OST_ERR_MEMORY, "no memory for a frame of %d x %d pixels", f->width, f->height);
 }
 
+static bool benches_init(ost_frame *f)
+{
+    const size_t tiles = (size_t)f->tiles_across * (size_t)(f->band / OST_TILE);
+    f->bench = calloc((size_t)f->threads, sizeof *f->bench);
+    for (int i = 0; f->bench && i < f->threads; i++) {
+        ost_frame_bench *b = &f->bench[i];
+        b->tiles = malloc(tiles * sizeof *b->tiles);
+        if (!planes_init(&b->over, f->width, f->band) || !keys_init(&b->over, f->band) || !b->tiles)
+            return false;
+    }
+    return f->bench != NULL;
+}
+
+static void benches_free(ost_frame *f)
+{
+    for (int i = 0; f->bench && i < f->threads; i++) {
+        planes_free(&f->bench[i].over);
+        free(f->bench[i].tiles);
+    }
+    free(f->bench);
+}
+
 ost_status ost_frame_init(ost_frame *frame, int width, int height, ost_style style, ost_isa isa, int threads, ost_error *err)
 {
     memset(frame, 0, sizeof *frame);
@@ -56,18 +82,29 @@ ost_status ost_frame_init(ost_frame *frame, int width, int height, ost_style sty
     frame->width = width;
     frame->height = height;
     frame->style = style;
+    frame->band = OST_BAND;
     frame->kernels = ost_splat_kernels_of(isa);
 #ifdef _OPENMP
     frame->threads = threads ? threads : omp_get_num_procs();
 #else
     frame->threads = 1;
 #endif
-    if (!planes_init(&frame->planes, width, height)) {
+    const bool planes = planes_init(&frame->planes, width, height);
+    frame->blank = malloc((size_t)frame->planes.stride * sizeof *frame->blank);
+    frame->tiles_across = frame->planes.stride / OST_TILE;
+    if (!planes || !frame->blank || !benches_init(frame)) {
         ost_status status = no_memory(frame, err);
         ost_frame_free(frame);
         return status;
     }
+    for (int x = 0; x < frame->planes.stride; x++)
+        frame->blank[x] = OST_BACKGROUND;
     return OST_OK;
+}
+
+ost_status ost_frame_keep_keys(ost_frame *frame, ost_error *err)
+{
+    return frame->planes.key || keys_init(&frame->planes, frame->height) ? OST_OK : no_memory(frame, err);
 }
 
 static void layer_free(ost_frame_layer *layer)
@@ -76,13 +113,16 @@ static void layer_free(ost_frame_layer *layer)
     free(layer->visible.id);
     free(layer->visible.look);
     free(layer->visible.tint);
+    free(layer->visible.only);
+    free(layer->visible.rows);
     free(layer->bases);
 }
 
 void ost_frame_free(ost_frame *frame)
 {
     planes_free(&frame->planes);
-    planes_free(&frame->over);
+    benches_free(frame);
+    free(frame->blank);
     for (int i = 0; i < OST_FRAME_LAYERS; i++)
         layer_free(&frame->layer[i]);
     memset(frame, 0, sizeof *frame);
@@ -100,17 +140,21 @@ static ost_status make_room(ost_frame_layer *f, ost_error *err)
     }
     /* Every block's list has room for whole vectors. */
     const size_t need = s->points + (size_t)s->used * OST_LANES;
+    ost_visible *v = &f->visible;
     if (need > f->visible_room) {
-        ost_visible *v = &f->visible;
         free(v->id);
         free(v->look);
         free(v->tint);
+        free(v->only);
+        free(v->rows);
         f->visible_room = need + need / 4;
         v->id = malloc(f->visible_room * sizeof *v->id);
         v->look = malloc(f->visible_room * sizeof *v->look);
         v->tint = malloc(f->visible_room * sizeof *v->tint);
+        v->only = malloc(f->visible_room * sizeof *v->only);
+        v->rows = malloc((f->visible_room / OST_LANES + 1) * sizeof(_Atomic uint32_t));
     }
-    if ((s->used && (!f->blocks || !f->bases)) || (need && (!f->visible.id || !f->visible.look || !f->visible.tint))) {
+    if ((s->used && (!f->blocks || !f->bases)) || (need && (!v->id || !v->look || !v->tint || !v->only || !v->rows))) {
         f->block_room = 0;
         f->visible_room = 0;
         return ost_fail(err, OST_ERR_MEMORY, "no memory to draw %llu surface voxels", (unsigned long long)s->points);
@@ -118,83 +162,21 @@ static ost_status make_room(ost_frame_layer *f, ost_error *err)
     return OST_OK;
 }
 
-/*
- * Whether the block about o (from the eye) may be seen, and in which rows.
- * Its box is taken as one large voxel of half side 16: splat_scalar.c has the
- * reasoning for the slopes; a pixel is added on each side for rounding.
- */
-static bool cull(const ost_splat_eye *s, const float o[3], ost_frame_block *b)
+static void widen_spans(ost_frame_layer *f, const ost_frame_block *b)
 {
-    const ost_eye *e = &s->eye;
-    const float half = (float)OST_BLOCK; /* times reach, which has a half in it */
-    const float x = ost_eye_dot(e->right, o), y = ost_eye_dot(e->up, o), z = ost_eye_dot(e->forward, o);
-    const float reach = half * s->reach[2], far = z + reach, nearest = z - reach;
-    if (!(far > e->near))
-        return false;
-    b->y0 = 0;
-    b->y1 = e->height;
-    if (!(nearest > e->near))
-        return true;
-    const float tx = x / z, ty = y / z;
-    float sx = 0, sy = 0;
-    for (int a = 0; a < 3; a++) {
-        sx += fabsf(e->right[a] - tx * e->forward[a]);
-        sy += fabsf(e->up[a] - ty * e->forward[a]);
-    }
-    const float k = 0.5f * half * e->focal / nearest;
-    const float px = e->half_w + tx * e->focal, py = e->half_h - ty * e->focal, hx = sx * k + 1, hy = sy * k + 1;
-    if (px + hx < 0 || px - hx > (float)e->width || py + hy < 0 || py - hy > (float)e->height)
-        return false;
-    b->y0 = py - hy > 0 ? (int)(py - hy) : 0;
-    b->y1 = py + hy < (float)(e->height - 1) ? (int)(py + hy) + 1 : e->height;
-    return true;
-}
-
-static int by_distance(const void *a, const void *b)
-{
-    const ost_frame_block *x = a, *y = b;
-    if (x->distance != y->distance)
-        return x->distance < y->distance ? -1 : 1;
-    return x->slot - y->slot;
-}
-
-/* For coordinate i of an axis whose voxel 0 is base from the eye: the faces turned to it, a bit each. */
-static void turn(float base, int axis, uint8_t turned[OST_BLOCK])
-{
-    for (int i = 0; i < OST_BLOCK; i++) {
-        const float o = base + (float)i;
-        turned[i] = (uint8_t)((o > OST_HALF) << (2 * axis) | (o < -OST_HALF) << (2 * axis + 1));
+    const int from = b->x0 / OST_LANES * OST_LANES, to = (b->x1 + OST_LANES - 1) / OST_LANES * OST_LANES;
+    for (int i = b->y0 / OST_SPAN_ROWS; i <= (b->y1 - 1) / OST_SPAN_ROWS; i++) {
+        ost_frame_span *s = &f->span[i];
+        *s = s->from == s->to ? (ost_frame_span){from, to} : (ost_frame_span){from < s->from ? from : s->from, to > s->to ? to : s->to};
     }
 }
 
-static void choose_blocks(ost_frame_layer *f)
+static void find_spans(ost_frame_layer *f)
 {
-    const ost_surface *s = f->surface;
-    const ost_eye *e = &f->eye.eye;
-    f->count = 0;
-    f->y0 = f->y1 = 0;
-    for (int32_t i = 0; i < s->used; i++) {
-        const ost_surface_block *block = s->slot[i];
-        ost_frame_block b = {.slot = i, .count = block->count};
-        float middle[3];
-        for (int a = 0; a < 3; a++) {
-            f->bases[4 * i + a] = (float)(OST_BLOCK * block->at[a]) - e->at[a];
-            middle[a] = f->bases[4 * i + a] + 15.5f;
-        }
-        if (block->count == 0 || !cull(&f->eye, middle, &b))
-            continue;
-        b.distance = ost_eye_dot(middle, middle);
-        f->blocks[f->count++] = b;
-        f->y0 = f->count == 1 || b.y0 < f->y0 ? b.y0 : f->y0;
-        f->y1 = f->count == 1 || b.y1 > f->y1 ? b.y1 : f->y1;
-    }
-    if (f->count > 0)
-        qsort(f->blocks, (size_t)f->count, sizeof *f->blocks, by_distance);
-    uint32_t begin = 0;
-    for (int32_t i = 0; i < f->count; i++) {
-        f->blocks[i].begin = begin;
-        begin += (f->blocks[i].count + OST_LANES - 1) / OST_LANES * OST_LANES;
-    }
+    for (int i = 0; i <= (f->eye.eye.height - 1) / OST_SPAN_ROWS; i++)
+        f->span[i] = (ost_frame_span){0, 0};
+    for (int32_t i = 0; i < f->count; i++)
+        widen_spans(f, &f->blocks[i]);
 }
 
 static void choose_points(const ost_frame *frame, const ost_frame_layer *f, ost_frame_block *b)
@@ -202,78 +184,186 @@ static void choose_points(const ost_frame *frame, const ost_frame_layer *f, ost_
     const ost_surface_block *block = f->surface->slot[b->slot];
     uint8_t turned[3][OST_BLOCK];
     for (int a = 0; a < 3; a++)
-        turn(f->bases[4 * b->slot + a], a, turned[a]);
+        ost_blocks_turned(f->bases[4 * b->slot + a], a, turned[a]);
     const ost_visible *v = &f->visible;
-    b->count = frame->kernels.facing(block, (uint32_t)b->slot, turned, v->id + b->begin, v->look + b->begin);
+    b->count = frame->kernels.facing(block, (uint32_t)b->slot, turned, v, b->begin);
+    if (f->within)
+        memset(v->only + b->begin, OST_SEVERAL, b->count);
+    for (uint32_t i = b->begin / OST_LANES; i < (b->begin + b->count + OST_LANES - 1) / OST_LANES; i++)
+        atomic_store_explicit(&v->rows[i], OST_ROWS_UNKNOWN, memory_order_relaxed);
     ost_light_tint(&f->light, v->look + b->begin, b->count, v->tint + b->begin);
+    b->listed = true;
 }
 
-static void draw_layer(const ost_frame *f, const ost_frame_layer *layer, const ost_planes *planes, int y0, int y1)
+static ost_frame_span span_of(const ost_frame_layer *layer, int y)
 {
-    const size_t at = (size_t)y0 * (size_t)planes->stride, count = (size_t)(y1 - y0) * (size_t)planes->stride;
-    for (size_t i = 0; i < count; i++)
-        planes->distance[at + i] = INFINITY;
-    memset(planes->index + at, 0xff, count * sizeof *planes->index);
+    return layer->span[y / OST_SPAN_ROWS];
+}
+
+static void clear(const ost_planes *planes, int y, ost_frame_span s)
+{
+    memset(ost_key_row(planes, y) + s.from, OST_EMPTY_BYTE, (size_t)(s.to - s.from) * sizeof *planes->key);
+}
+
+/* No face where nothing can be. */
+static void bare(const ost_planes *planes, int y, ost_frame_span s)
+{
+    uint8_t *row = planes->face + ost_row(planes, y);
+    memset(row, OST_NO_FACE, (size_t)s.from);
+    memset(row + s.to, OST_NO_FACE, (size_t)(planes->stride - s.to));
+}
+
+/* And background. */
+static void blank(const ost_frame *f, int y, ost_frame_span s)
+{
+    uint32_t *row = f->planes.colour + ost_row(&f->planes, y);
+    memcpy(row, f->blank, (size_t)s.from * sizeof *row);
+    memcpy(row + s.to, f->blank, (size_t)(f->planes.stride - s.to) * sizeof *row);
+}
+
+/* A band's rows, y0 <= y < y1, and where it is drawn. */
+typedef struct band {
+    int y0, y1;
+    ost_frame_bench *bench;
+} band;
+
+/* The tiles of a band that a block may cover, half-open; rows from the band's first on. */
+typedef struct tile_range {
+    int x0, x1, y0, y1;
+} tile_range;
+
+static tile_range tiles_of(const ost_frame_block *b, const band *at)
+{
+    const int top = b->y0 > at->y0 ? b->y0 : at->y0, end = b->y1 < at->y1 ? b->y1 : at->y1;
+    return (tile_range){b->x0 / OST_TILE, (b->x1 + OST_TILE - 1) / OST_TILE, (top - at->y0) / OST_TILE, (end - at->y0 + OST_TILE - 1) / OST_TILE};
+}
+
+/* Whether all of the tiles are covered by what is nearer than key. */
+static bool hidden(const ost_frame *f, const band *at, const ost_planes *planes, tile_range r, uint64_t key)
+{
+    for (int y = r.y0; y < r.y1; y++)
+        for (int x = r.x0; x < r.x1; x++) {
+            ost_frame_tile *t = &at->bench->tiles[y * f->tiles_across + x];
+            const int top = at->y0 + y * OST_TILE, rows = at->y1 - top < OST_TILE ? at->y1 - top : OST_TILE;
+            if (t->farthest < key)
+                continue;
+            if (!t->stale)
+                return false;
+            *t = (ost_frame_tile){f->kernels.farthest(planes, x * OST_TILE, top, rows), false};
+            if (t->farthest >= key)
+                return false;
+        }
+    return true;
+}
+
+static void drawn(const ost_frame *f, const band *at, tile_range r)
+{
+    for (int y = r.y0; y < r.y1; y++)
+        for (int x = r.x0; x < r.x1; x++)
+            at->bench->tiles[y * f->tiles_across + x].stale = true;
+}
+
+static void draw_layer(const ost_frame *f, const ost_frame_layer *layer, const band *at, const ost_planes *planes)
+{
+    for (int y = at->y0; y < at->y1; y++)
+        clear(planes, y, span_of(layer, y));
+    for (int i = 0; i < f->tiles_across * (f->band / OST_TILE); i++)
+        at->bench->tiles[i] = (ost_frame_tile){OST_EMPTY_KEY, false};
     for (int32_t i = 0; i < layer->count; i++) {
-        const ost_frame_block *b = &layer->blocks[i];
-        if (b->y0 < y1 && b->y1 > y0)
-            f->kernels.splat(&layer->eye, &layer->visible, b->begin, b->count, planes, y0, y1);
-    }
-    for (int y = y0; y < y1; y++)
-        f->kernels.resolve(&layer->eye, &layer->visible, planes, y);
-}
-
-/* Of each pixel what is nearer; of the same depth what was there. */
-static void merge(const ost_planes *to, const ost_planes *from, float scale, int y0, int y1)
-{
-    const size_t at = (size_t)y0 * (size_t)to->stride, end = (size_t)y1 * (size_t)to->stride;
-    for (size_t i = at; i < end; i++) {
-        const float depth = from->depth[i] * scale;
-        if (from->face[i] == OST_NO_FACE || (to->face[i] != OST_NO_FACE && !(depth < to->depth[i])))
+        ost_frame_block *b = &layer->blocks[i];
+        if (b->y0 >= at->y1 || b->y1 <= at->y0)
             continue;
-        to->depth[i] = depth;
-        to->face[i] = from->face[i];
-        to->colour[i] = from->colour[i];
-        to->index[i] = OST_NO_VOXEL;
+        const tile_range r = tiles_of(b, at);
+        if (hidden(f, at, planes, r, b->nearest))
+            continue;
+        if (!b->listed)
+            choose_points(f, layer, b);
+        f->kernels.splat(&layer->eye, &layer->visible, b->begin, b->count, planes, at->y0, at->y1);
+        drawn(f, at, r);
+    }
+    for (int y = at->y0; y < at->y1; y++) {
+        const ost_frame_span s = span_of(layer, y);
+        f->kernels.resolve(&layer->eye, &layer->visible, planes, y, s.from, s.to);
+        bare(planes, y, s);
     }
 }
 
-static void draw_band(const ost_frame *f, int band)
+static int thread_number(void)
 {
-    const int y0 = band * OST_BAND, y1 = y0 + OST_BAND < f->height ? y0 + OST_BAND : f->height;
-    draw_layer(f, &f->layer[0], &f->planes, y0, y1);
+#ifdef _OPENMP
+    return omp_get_thread_num();
+#else
+    return 0;
+#endif
+}
+
+/* A band of rows, and a copy of the planes with its keys where none are kept. */
+static band band_of(const ost_frame *f, int number, ost_planes *planes)
+{
+    const int y0 = number * f->band;
+    const band at = {y0, y0 + f->band < f->height ? y0 + f->band : f->height, &f->bench[thread_number()]};
+    if (!planes->key) {
+        planes->key = at.bench->over.key;
+        planes->key_top = y0;
+    }
+    return at;
+}
+
+static void draw_band(const ost_frame *f, int number)
+{
+    ost_planes planes = f->planes;
+    const band at = band_of(f, number, &planes);
+    ost_planes over = at.bench->over;
+    over.top = over.key_top = at.y0;
+    draw_layer(f, &f->layer[0], &at, &planes);
+    for (int y = at.y0; y < at.y1; y++)
+        blank(f, y, span_of(&f->layer[0], y));
     for (int i = 1; i < f->layers; i++) {
         const ost_frame_layer *layer = &f->layer[i];
-        const int from = layer->y0 > y0 ? layer->y0 : y0, to = layer->y1 < y1 ? layer->y1 : y1;
-        if (from >= to)
+        if (layer->y0 >= at.y1 || layer->y1 <= at.y0)
             continue;
-        draw_layer(f, layer, &f->over, from, to);
-        merge(&f->planes, &f->over, layer->scale, from, to);
+        draw_layer(f, layer, &at, &over);
+        for (int y = at.y0; y < at.y1; y++)
+            f->kernels.merge(&planes, &over, layer->scale, y, span_of(layer, y).from, span_of(layer, y).to);
     }
 }
 
-static ost_status check_thing(const ost_frame_thing *thing, ost_error *err)
+/*
+ * Whether a ray may come upon a voxel by a face that is not to the air: it
+ * begins in a voxel, or it has passed one that the near plane takes away.
+ * Such a voxel's middle is within near + sqrt(3) of the eye along forward, so
+ * its corners are within near + 2 sqrt(3), and along a ray that is c times as
+ * far, c = 1 / cosine of the angle to the frame's corner.
+ */
+static bool is_within(const ost_surface *surface, const ost_eye *e)
 {
-    const ost_dims d = thing->surface->geometry.dims;
-    const float size[3] = {(float)d.x, (float)d.y, (float)d.z};
-    for (int a = 0; a < 3; a++)
-        if (!(fabsf(thing->eye.at[a]) < FARTHEST) || !(fabsf(thing->eye.at[a] - size[a]) < FARTHEST))
-            return ost_fail(err, OST_ERR_RANGE, "the camera is more than %d voxels away from what it is to see", (int)FARTHEST);
-    return OST_OK;
+    enum { MOST = 24 };
+    const float corner = sqrtf((e->focal * e->focal + e->half_w * e->half_w) + e->half_h * e->half_h) / e->focal;
+    const float reach = (e->near + 3.5f) * corner + 1;
+    int32_t lo[3], hi[3];
+    if (!(reach < (float)MOST))
+        return true;
+    for (int a = 0; a < 3; a++) {
+        lo[a] = (int32_t)floorf(e->at[a] - reach);
+        hi[a] = (int32_t)ceilf(e->at[a] + reach);
+    }
+    return !ost_surface_is_bare(surface, lo, hi);
 }
 
-static ost_status prepare(ost_frame *frame, const ost_frame_thing *thing, int number, ost_error *err)
+static ost_status prepare(ost_frame *frame, const ost_frame_thing *thing, int number, ost_pm spacing, ost_error *err)
 {
     ost_frame_layer *layer = &frame->layer[number];
     layer->surface = thing->surface;
-    ost_status status = check_thing(thing, err);
+    ost_status status = ost_blocks_check(thing->surface, &thing->eye, err);
     if (status == OST_OK)
         status = make_room(layer, err);
     if (status != OST_OK)
         return status;
     layer->eye = ost_splat_prepare(&thing->eye);
-    layer->scale = (float)((double)thing->surface->geometry.spacing.x / (double)frame->layer[0].surface->geometry.spacing.x);
-    choose_blocks(layer);
+    layer->scale = (float)((double)thing->surface->geometry.spacing.x / (double)spacing);
+    ost_blocks_choose(layer->surface, &layer->eye, layer->blocks, layer->bases, &layer->count, &layer->y0, &layer->y1);
+    find_spans(layer);
+    layer->within = is_within(thing->surface, &thing->eye);
     ost_light_make(&layer->light, &thing->eye, frame->style, thing->paint);
     layer->visible.bases = layer->bases;
     layer->visible.background = OST_BACKGROUND;
@@ -286,34 +376,31 @@ ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things
     ost_status status = OST_OK;
     if (count < 1 || count > OST_FRAME_LAYERS)
         return ost_fail(err, OST_ERR_USAGE, "%d things to draw; 1 to %d are supported", count, OST_FRAME_LAYERS);
-    if (count > 1 && !frame->over.colour && !planes_init(&frame->over, frame->width, frame->height)) {
-        planes_free(&frame->over);
-        return no_memory(frame, err);
-    }
     for (int i = 0; i < count && status == OST_OK; i++)
-        status = prepare(frame, &things[i], i, err);
+        status = prepare(frame, &things[i], i, things[0].surface->geometry.spacing.x, err);
     if (status != OST_OK)
         return status;
     frame->layers = count;
-    const int bands = (frame->height + OST_BAND - 1) / OST_BAND;
+    const int bands = (frame->height + frame->band - 1) / frame->band;
 #pragma omp parallel num_threads(frame->threads)
     {
-        for (int l = 0; l < count; l++) {
+        /* One thread alone makes a block's list when the first band draws it: those of hidden blocks are never made. */
+        for (int l = 0; l < count && frame->threads > 1; l++) {
             ost_frame_layer *layer = &frame->layer[l];
 #pragma omp for schedule(dynamic, 4)
             for (int32_t i = 0; i < layer->count; i++)
                 choose_points(frame, layer, &layer->blocks[i]);
         }
 #pragma omp for schedule(dynamic, 1)
-        for (int band = 0; band < bands; band++)
-            draw_band(frame, band);
+        for (int i = 0; i < bands; i++)
+            draw_band(frame, i);
     }
     return OST_OK;
 }
 
 ost_status ost_frame_draw(ost_frame *frame, const ost_surface *surface, const ost_eye *eye, ost_error *err)
 {
-    const ost_frame_thing bone = {surface, *eye, OST_PAINT_BONE};
+    const ost_frame_thing bone = {.surface = surface, .eye = *eye, .paint = OST_PAINT_BONE};
     return ost_frame_draw_things(frame, &bone, 1, err);
 }
 

@@ -5,25 +5,42 @@
  *   blocks --frustum, order--> near ones first --facing, tint--> a list --bands of rows, by threads--> planes
  *
  * A second thing, a tool with voxels of its own that stands at an angle, is
- * drawn the same way into planes beside these, and of each pixel the nearer
- * one stays.
+ * drawn the same way into planes of a band beside these, and of each pixel the
+ * nearer one stays.
+ *
+ * A block is left out where nearer ones already cover all pixels that it could
+ * reach: of each tile of 8 x 8 pixels the farthest key is kept, found anew only
+ * when it is asked for and something was drawn since.  It changes no picture.
  *
  * Its memory is kept from frame to frame.
  */
 #ifndef OST_RENDER_FRAME_H
 #define OST_RENDER_FRAME_H
 
+#include "render/points/blocks.h"
 #include "render/points/light.h"
-#include "render/points/splat.h"
 
-enum { OST_BAND = 40 }; /* rows: 1280 of 8 bytes of these stay in a second-level cache */
+enum {
+    OST_BAND = 64,     /* rows that a thread draws at once: keys of 1280 pixels of these stay in a second-level cache */
+    OST_SPAN_ROWS = OST_TILE, /* rows that share a span; a divisor of OST_BAND */
+};
 
-typedef struct ost_frame_block {
-    int32_t slot;
-    float distance;      /* squared, of its centre: the order */
-    int y0, y1;          /* rows that it may cover, half-open */
-    uint32_t begin, count; /* in the list */
-} ost_frame_block;
+/* The farthest key of a tile, or one beyond it where stale. */
+typedef struct ost_frame_tile {
+    uint64_t farthest;
+    bool stale;
+} ost_frame_tile;
+
+/* What a thread needs while it draws a band: its memory stays in a cache from band to band, and from layer to layer. */
+typedef struct ost_frame_bench {
+    ost_planes over;        /* owned; a layer but the first; its keys are the first's too */
+    ost_frame_tile *tiles;  /* owned; rows of tiles_across */
+} ost_frame_bench;
+
+/* Columns, half-open, in multiples of OST_LANES. */
+typedef struct ost_frame_span {
+    int from, to;
+} ost_frame_span;
 
 /* One thing that is drawn, and its list. */
 typedef struct ost_frame_layer {
@@ -36,17 +53,22 @@ typedef struct ost_frame_layer {
     ost_splat_eye eye;
     ost_light light;
     float scale;            /* its voxels in voxels of the first */
+    bool within;            /* the eye is in it or close to it: faces that are not to the air may be seen */
     int y0, y1;             /* rows that it may cover, half-open */
+    ost_frame_span span[OST_FRAME_MAX / OST_SPAN_ROWS]; /* what it may cover, for each OST_SPAN_ROWS rows */
 } ost_frame_layer;
 
 enum { OST_FRAME_LAYERS = 4 };
 
 typedef struct ost_frame {
     int width, height;
-    ost_planes planes;      /* owned */
-    ost_planes over;        /* owned; where layers but the first are drawn; NULL before there was one */
+    ost_planes planes;      /* owned; key only after ost_frame_keep_keys */
+    ost_frame_bench *bench; /* owned; of each thread */
+    int tiles_across;
+    uint32_t *blank;        /* owned; a row of background */
     ost_splat_kernels kernels;
     int threads;
+    int band;               /* rows that a thread draws at once, a multiple of OST_TILE */
     ost_frame_layer layer[OST_FRAME_LAYERS];
     int layers;             /* of the last frame */
     ost_style style;
@@ -62,6 +84,9 @@ typedef struct ost_frame_thing {
 /* threads 0: all processors. */
 ost_status ost_frame_init(ost_frame *frame, int width, int height, ost_style style, ost_isa isa, int threads, ost_error *err);
 void ost_frame_free(ost_frame *frame); /* also of a zeroed one */
+
+/* Keys of the first layer are kept in the planes from now on, for who wants to know which voxel a pixel shows. */
+ost_status ost_frame_keep_keys(ost_frame *frame, ost_error *err);
 
 /* Fills the planes; depth is in voxels of the first. OST_ERR_RANGE when the eye is more than 2^15 of its voxels away from a thing. */
 ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things, int count, ost_error *err);

@@ -11,49 +11,85 @@
  * A pixel belongs to one band, and a band takes blocks in one order: so the
  * number of threads shows nowhere.
  *
- * Depth is the squared distance from the eye to the voxel's centre.  On a
- * regular grid that orders voxels along every ray: where a ray goes from voxel
- * A to its neighbour across +x, it has d_x > 0 and passes the shared face at
- * x = A_x + 1/2, so (A - E)_x + 1/2 > 0, and the distance grows by
- * (A_x + 1 - E_x)^2 - (A_x - E_x)^2 = 2 (A_x - E_x) + 1 > 0; so for all axes.
+ * What a pixel keeps is one word, its key: the squared distance from the eye to
+ * the voxel's centre, as the bits of a float, above the voxel's number in the
+ * list.  The least key stays, so the order in which voxels come shows nowhere
+ * either.  On a regular grid that distance orders voxels along every ray: where
+ * a ray goes from voxel A to its neighbour across +x, it has d_x > 0 and passes
+ * the shared face at x = A_x + 1/2, so (A - E)_x + 1/2 > 0, and the distance
+ * grows by (A_x + 1 - E_x)^2 - (A_x - E_x)^2 = 2 (A_x - E_x) + 1 > 0; so for
+ * all axes.
  *
  * Ranges: the eye within 2^15 voxels of every voxel, frames up to 2^13 pixels
- * a side, lists of fewer than 2^32 - 1; an id is slot << 15 | z << 10 | y << 5 | x.
+ * a side, lists of fewer than 2^31 - 2^23; an id is slot << 15 | z << 10 | y << 5 | x.
  */
 #ifndef OST_RENDER_SPLAT_H
 #define OST_RENDER_SPLAT_H
+
+#include <stdatomic.h>
+#include <string.h>
 
 #include "core/isa.h"
 #include "render/points/camera.h"
 #include "render/points/surface.h"
 
-#define OST_NO_VOXEL UINT32_MAX
-enum { OST_NO_FACE = 6, OST_LOCAL_BITS = 15, OST_LANES = 16 };
+/* Of a pixel without a voxel: each byte of its key is OST_EMPTY_BYTE, which as a distance is beyond all of them. */
+#define OST_EMPTY_BYTE 0x7f
+#define OST_NO_VOXEL UINT32_C(0x7f7f7f7f)
+enum { OST_NO_FACE = 6, OST_LOCAL_BITS = 15, OST_LANES = 16, OST_TILE = 8, OST_SEVERAL = 3 };
 
-/* A frame's planes; rows begin at multiples of stride, which is one of OST_LANES; 64-byte aligned. */
+/*
+ * What is known of pixels; rows begin at multiples of stride, which is one of
+ * OST_LANES; 64-byte aligned.  Planes may begin below the frame's first row, so
+ * that a band's keys stay in a cache: row `top` of the frame is their first,
+ * key_top that of the keys.
+ */
 typedef struct ost_planes {
-    float *distance;
-    uint32_t *index;  /* in the list; OST_NO_VOXEL */
+    uint64_t *key;    /* distance << 32 | number in the list; known where something may have been drawn */
     float *depth;     /* along forward, in voxels; of pixels with a face */
     uint8_t *face;    /* ost_face, OST_NO_FACE where there is no voxel */
     uint32_t *colour; /* 0xBBGGRR */
     int stride;
+    int top, key_top;
 } ost_planes;
+
+static inline size_t ost_row(const ost_planes *planes, int y)
+{
+    return (size_t)(y - planes->top) * (size_t)planes->stride;
+}
+
+static inline uint64_t *ost_key_row(const ost_planes *planes, int y)
+{
+    return planes->key + (size_t)(y - planes->key_top) * (size_t)planes->stride;
+}
 
 /* What a frame knows beforehand: all by ost_splat_prepare. */
 typedef struct ost_splat_eye {
     ost_eye eye;
-    float axis[3][3];     /* focal * forward, right, up */
+    float axis[3][3];     /* focal * forward, right, up: a pixel's ray is [0] + u [1] + v [2] */
+    float wide[3][3];     /* the same, times OST_HALF_WIDE */
     float reach[3];       /* half the width of a voxel along right, up, forward */
 } ost_splat_eye;
 
 /* A half side, and one that closes the cracks which rounding leaves between neighbours. */
 #define OST_HALF 0.5f
 #define OST_HALF_WIDE 0.50005f
+/* An axis on which the eye is no farther than this from a voxel's middle is one along which rays to it go both ways. */
+#define OST_BESIDE 0.501f
+
+#define OST_ROWS_UNKNOWN 0u
+#define OST_ROWS_NONE UINT32_C(0xffff0000)
 
 /* What is to be drawn, and how it looks from here. */
 typedef struct ost_visible {
     uint32_t *id, *look, *tint; /* owned by the frame; tint: colour in full light of the face */
+    uint8_t *only;              /* likewise: the axis of the one face that is to the air and turned to the eye, OST_SEVERAL */
+    /*
+     * Of OST_LANES entries the rows that they cover, first << 16 | last + 1, or
+     * OST_ROWS_UNKNOWN until they have been drawn once.  Whoever draws them finds
+     * the same, so threads need not wait for each other.
+     */
+    _Atomic uint32_t *rows;
     const float *bases;         /* 4 * slot + a: the block's voxel (0, 0, 0) less the eye */
     uint32_t light[8];          /* of a face, in 256ths, at most 256 */
     uint32_t background;
@@ -61,17 +97,24 @@ typedef struct ost_visible {
 
 typedef struct ost_splat_kernels {
     /*
-     * Points that have a face toward the eye, in their order: slot and place
-     * into id, and their looks.  turned[a][i]: the faces of axis a that are
-     * turned to the eye at coordinate i, as bits of ost_face.  Both outputs
-     * have room for count rounded up to OST_LANES.  Returns how many.
+     * Points that have a face toward the eye, in their order, into id, look and
+     * only from `first` on.  turned[a][i]: the faces of axis a that are turned to
+     * the eye at coordinate i, as bits of ost_face.  There is room for count
+     * rounded up to OST_LANES.  Returns how many.
      */
-    uint32_t (*facing)(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK], uint32_t *id, uint32_t *look);
-    /* Entries first to first + count of the list, all of one block, into rows y0 <= y < y1 of distance and index. */
+    uint32_t (*facing)(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK], const ost_visible *out, uint32_t first);
+    /* Entries first to first + count of the list, all of one block, into the keys of rows y0 <= y < y1. */
     void (*splat)(const ost_splat_eye *eye, const ost_visible *visible, uint32_t first, uint32_t count, const ost_planes *planes, int y0,
                   int y1);
-    /* Face, depth and colour of a row's pixels, up to the next multiple of OST_LANES. */
-    void (*resolve)(const ost_splat_eye *eye, const ost_visible *visible, const ost_planes *planes, int y);
+    /* Face, depth and colour of pixels x0 <= x < x1 of a row, both multiples of OST_LANES. */
+    void (*resolve)(const ost_splat_eye *eye, const ost_visible *visible, const ost_planes *planes, int y, int x0, int x1);
+    /* The greatest key of rows y to y + rows - 1, up to OST_TILE of them, in the OST_TILE columns from x on, a multiple of it. */
+    uint64_t (*farthest)(const ost_planes *planes, int x, int y, int rows);
+    /*
+     * Of each of those pixels what is nearer, into `to`; of the same depth what
+     * was there.  from's depths are times scale.  Keys stay.
+     */
+    void (*merge)(const ost_planes *to, const ost_planes *from, float scale, int y, int x0, int x1);
 } ost_splat_kernels;
 
 ost_splat_eye ost_splat_prepare(const ost_eye *eye);
@@ -79,14 +122,31 @@ ost_splat_eye ost_splat_prepare(const ost_eye *eye);
 ost_splat_kernels ost_splat_kernels_of(ost_isa isa);
 
 #define OST_SPLAT_DECLARE(SET)                                                                                                      \
-    uint32_t ost_facing_##SET(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK], uint32_t *id,      \
-                              uint32_t *look);                                                                                     \
+    uint32_t ost_facing_##SET(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK],                     \
+                              const ost_visible *out, uint32_t first);                                                              \
     void ost_splat_##SET(const ost_splat_eye *eye, const ost_visible *visible, uint32_t first, uint32_t count,                     \
                          const ost_planes *planes, int y0, int y1);                                                                \
-    void ost_resolve_##SET(const ost_splat_eye *eye, const ost_visible *visible, const ost_planes *planes, int y);
+    void ost_resolve_##SET(const ost_splat_eye *eye, const ost_visible *visible, const ost_planes *planes, int y, int x0, int x1);                \
+    uint64_t ost_farthest_##SET(const ost_planes *planes, int x, int y, int rows);                                                  \
+    void ost_merge_##SET(const ost_planes *to, const ost_planes *from, float scale, int y, int x0, int x1);
 OST_SPLAT_DECLARE(scalar)
 OST_SPLAT_DECLARE(avx2) /* facing is the scalar one */
 OST_SPLAT_DECLARE(avx512)
+
+static inline uint64_t ost_key(float distance, uint32_t number)
+{
+    uint32_t bits;
+    memcpy(&bits, &distance, sizeof bits);
+    return (uint64_t)bits << 32 | number;
+}
+
+/* Whether rows, as in ost_visible, are known to miss y0 to y1 - 1. */
+static inline bool ost_rows_miss(uint32_t rows, int y0, int y1)
+{
+    return rows != OST_ROWS_UNKNOWN && ((int)(rows >> 16) >= y1 || (int)(rows & 0xffff) <= y0);
+}
+
+#define OST_EMPTY_KEY (UINT64_C(0x0101010101010101) * OST_EMPTY_BYTE)
 
 /* Each channel of a colour times light / 256, rounded down. */
 static inline uint32_t ost_lit(uint32_t colour, uint32_t light)

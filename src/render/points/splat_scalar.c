@@ -8,11 +8,28 @@
  *                            since x' - t z' = (x - t z) + (their half widths) <= 0
  *                            holds for all corners once t - tx >= s / (nearest z)
  *   rectangle                from those slopes, a hundredth of a pixel wider
- *   covered                  |o x d|_x <= 1/2 (|d_y| + |d_z|), and so for y and z:
- *                            the line along d meets the cube about o
+ *   covered                  |o x d|_a <= h (|d_b| + |d_c|) for the three axes a,
+ *                            h half a side: the line along d meets the cube about o
  *
- * o x d is linear in the pixel's coordinates.  A voxel of which a corner is not
- * beyond the near plane is not drawn: then lines are rays.
+ * A line that meets the cube has d_a of the sign of o_a wherever |o_a| is more
+ * than h.  With those signs s the test is six inequalities that are linear in
+ * the pixel's place, an edge of the outline each:
+ *
+ *   h (s_b d_b + s_c d_c) -+ (o x d)_a >= 0        d = focal forward + u right + v up
+ *
+ * Where |o_a| is not more than h, both signs are tried, and either will do: the
+ * wrong one asks for more, as s d <= |d|.
+ *
+ * A voxel of which one face alone is to the air and turned to the eye needs no
+ * more than that face: through another face that is turned to the eye a ray
+ * comes from the neighbour there, and that or one before it is nearer (frame.c
+ * asks for the whole voxel where the eye is so close that this fails).  Its
+ * rectangle is the face's.  Two of the edges of face a run along its borders
+ * within the outline: with j the other axis that an edge has in its sum, that
+ * is the sign of h s_j d_j turned in one of the two that have it.
+ *
+ * A voxel of which a corner is not beyond the near plane is not drawn: then
+ * lines are rays.
  */
 #include "core/conditions.h"
 #include "render/points/splat.h"
@@ -28,21 +45,25 @@ ost_splat_eye ost_splat_prepare(const ost_eye *eye)
         s.axis[1][a] = eye->right[a];
         s.axis[2][a] = eye->up[a];
         s.reach[a] = OST_HALF * ((fabsf(frame[a][0]) + fabsf(frame[a][1])) + fabsf(frame[a][2]));
+        for (int i = 0; i < 3; i++)
+            s.wide[i][a] = OST_HALF_WIDE * s.axis[i][a];
     }
     return s;
 }
 
-uint32_t ost_facing_scalar(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK], uint32_t *id, uint32_t *look)
+uint32_t ost_facing_scalar(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK], const ost_visible *out,
+                           uint32_t first)
 {
-    uint32_t n = 0;
+    uint32_t n = first;
     for (uint32_t i = 0; i < block->count; i++) {
         const uint32_t p = block->points[i];
-        const uint32_t seen = (uint32_t)(turned[0][p & 31] | turned[1][p >> 5 & 31] | turned[2][p >> 10 & 31]);
-        id[n] = slot << OST_LOCAL_BITS | (p & ((1u << OST_LOCAL_BITS) - 1));
-        look[n] = block->looks[i];
-        n += (p >> OST_FACES_SHIFT & seen) != 0;
+        const uint32_t seen = p >> OST_FACES_SHIFT & (uint32_t)(turned[0][p & 31] | turned[1][p >> 5 & 31] | turned[2][p >> 10 & 31]);
+        out->id[n] = slot << OST_LOCAL_BITS | (p & ((1u << OST_LOCAL_BITS) - 1));
+        out->look[n] = block->looks[i];
+        out->only[n] = (uint8_t)(seen & (seen - 1) ? OST_SEVERAL : seen > 15 ? 2 : seen > 3);
+        n += seen != 0;
     }
-    return n;
+    return n - first;
 }
 
 typedef struct rectangle {
@@ -56,25 +77,32 @@ static int within(float v, int lo, int hi)
     return (int)v;
 }
 
-/* 1/2 sum |axis - t forward| */
-static float spread(const float axis[3], float t, const float forward[3])
+/* 1/2 sum |axis - t forward|, without what lies along `only` */
+static float spread(const float axis[3], float t, const float forward[3], unsigned only)
 {
-    return OST_HALF * ((fabsf(axis[0] - t * forward[0]) + fabsf(axis[1] - t * forward[1])) + fabsf(axis[2] - t * forward[2]));
+    float part[3];
+    for (unsigned a = 0; a < 3; a++)
+        part[a] = a == only ? 0 : fabsf(axis[a] - t * forward[a]);
+    return OST_HALF * ((part[0] + part[1]) + part[2]);
 }
 
 /* False when the voxel cannot be seen. */
-static bool rectangle_of(const ost_splat_eye *s, const float o[3], int y0, int y1, rectangle *r)
+static bool rectangle_of(const ost_splat_eye *s, const float o[3], unsigned only, rectangle *r)
 {
+    static const float origin[3];
     const ost_eye *e = &s->eye;
-    const float x = ost_eye_dot(e->right, o), y = ost_eye_dot(e->up, o), z = ost_eye_dot(e->forward, o);
-    const float nearest = z - s->reach[2];
-    if (!(nearest > e->near))
+    float middle[3];
+    if (!(ost_eye_dot(e->forward, o) - s->reach[2] > e->near))
         return false;
+    for (unsigned a = 0; a < 3; a++)
+        middle[a] = a != only ? o[a] : o[a] < 0 ? o[a] + OST_HALF : o[a] - OST_HALF;
+    const float x = ost_eye_dot(e->right, middle), y = ost_eye_dot(e->up, middle), z = ost_eye_dot(e->forward, middle);
+    const float nearest = z - spread(e->forward, 0, origin, only);
     const float inverse = 1.0f / z, tx = x * inverse, ty = y * inverse, k = e->focal / nearest;
-    const float hx = spread(e->right, tx, e->forward) * k + 0.01f, hy = spread(e->up, ty, e->forward) * k + 0.01f;
+    const float hx = spread(e->right, tx, e->forward, only) * k + 0.01f, hy = spread(e->up, ty, e->forward, only) * k + 0.01f;
     const float px = tx * e->focal + (e->half_w - 0.5f), py = (e->half_h - 0.5f) - ty * e->focal;
-    *r = (rectangle){within(ceilf(px - hx), 0, e->width), within(floorf(px + hx), -1, e->width - 1), within(ceilf(py - hy), y0, y1),
-                     within(floorf(py + hy), y0 - 1, y1 - 1)};
+    *r = (rectangle){within(ceilf(px - hx), 0, e->width), within(floorf(px + hx), -1, e->width - 1), within(ceilf(py - hy), 0, e->height),
+                     within(floorf(py + hy), -1, e->height - 1)};
     return r->x0 <= r->x1 && r->y0 <= r->y1;
 }
 
@@ -85,35 +113,50 @@ static void cross(const float a[3], const float b[3], float out[3])
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-static bool covers(const float n[3], const float d[3])
+/* Positive within, as a + v c + u b: the edges of the outline. */
+typedef struct edge {
+    float a, b, c;
+} edge;
+
+/* negative: bit a for an axis whose rays go down it. only: the axis of the one face that matters, OST_SEVERAL. */
+static void edges_of(const ost_splat_eye *s, const float o[3], unsigned negative, unsigned only, edge out[6])
 {
-    const float m[3] = {fabsf(d[0]), fabsf(d[1]), fabsf(d[2])};
-    return fabsf(n[0]) <= OST_HALF_WIDE * (m[1] + m[2]) && fabsf(n[1]) <= OST_HALF_WIDE * (m[2] + m[0]) &&
-           fabsf(n[2]) <= OST_HALF_WIDE * (m[0] + m[1]);
+    float n[3][3], m[3][3]; /* of each of the axes that d is made of: o x it, and h s it */
+    for (int i = 0; i < 3; i++) {
+        cross(o, s->axis[i], n[i]);
+        for (int a = 0; a < 3; a++)
+            m[i][a] = negative >> a & 1 ? -s->wide[i][a] : s->wide[i][a];
+    }
+    for (unsigned a = 0; a < 3; a++) {
+        const unsigned b = (a + 1) % 3, c = (a + 2) % 3;
+        const bool same = (negative >> b & 1) == (negative >> c & 1);
+        const bool turn_first = only == (same ? c : b), turn_second = only == (same ? b : c);
+        float first[3], second[3];
+        for (int i = 0; i < 3; i++) {
+            const float both = m[i][b] + m[i][c], turned = only == b ? m[i][b] - m[i][c] : m[i][c] - m[i][b];
+            first[i] = (turn_first ? turned : both) - n[i][a];
+            second[i] = (turn_second ? turned : both) + n[i][a];
+        }
+        out[2 * a] = (edge){first[0], first[1], first[2]};
+        out[2 * a + 1] = (edge){second[0], second[1], second[2]};
+    }
 }
 
-static void fill(const ost_splat_eye *s, const float o[3], uint32_t index, const rectangle *r, const ost_planes *planes)
+static void fill(const ost_splat_eye *s, const edge e[6], uint64_t key, const rectangle *r, const ost_planes *planes)
 {
-    const float distance = ost_eye_dot(o, o);
-    float n[3][3]; /* o x each of the axes that d is made of */
-    for (int i = 0; i < 3; i++)
-        cross(o, s->axis[i], n[i]);
     for (int y = r->y0; y <= r->y1; y++) {
-        const float v = ((float)y + 0.5f) - s->eye.half_h;
-        float row_n[3], row_d[3];
-        for (int a = 0; a < 3; a++) {
-            row_n[a] = n[0][a] - v * n[2][a];
-            row_d[a] = s->axis[0][a] - v * s->axis[2][a];
-        }
+        const float v = s->eye.half_h - ((float)y + 0.5f);
+        float row[6];
+        for (int i = 0; i < 6; i++)
+            row[i] = e[i].a + v * e[i].c;
         for (int x = r->x0; x <= r->x1; x++) {
             const float u = ((float)x + 0.5f) - s->eye.half_w;
-            const size_t at = (size_t)y * (size_t)planes->stride + (size_t)x;
-            const float here_n[3] = {row_n[0] + u * n[1][0], row_n[1] + u * n[1][1], row_n[2] + u * n[1][2]};
-            const float here_d[3] = {row_d[0] + u * s->axis[1][0], row_d[1] + u * s->axis[1][1], row_d[2] + u * s->axis[1][2]};
-            if (distance < planes->distance[at] && covers(here_n, here_d)) {
-                planes->distance[at] = distance;
-                planes->index[at] = index;
-            }
+            uint64_t *was = &ost_key_row(planes, y)[x];
+            bool within = key < *was;
+            for (int i = 0; i < 6 && within; i++)
+                within = !signbit(row[i] + u * e[i].b);
+            if (within)
+                *was = key;
         }
     }
 }
@@ -127,52 +170,116 @@ static void place(const float *bases, uint32_t id, float o[3])
     o[2] = base[2] + (float)(id >> 10 & 31);
 }
 
-void ost_splat_scalar(const ost_splat_eye *eye, const ost_visible *visible, uint32_t first, uint32_t count, const ost_planes *planes, int y0,
-                      int y1)
+static void splat(const ost_splat_eye *eye, const float o[3], unsigned only, uint64_t key, const rectangle *r, const ost_planes *planes)
 {
+    unsigned negative = 0, beside = 0;
+    for (int a = 0; a < 3; a++) {
+        negative |= (unsigned)(o[a] < 0) << a;
+        beside |= (unsigned)(fabsf(o[a]) <= OST_BESIDE) << a;
+    }
+    for (unsigned turned = 0; turned < 8; turned++) {
+        edge e[6];
+        if (turned & ~beside)
+            continue;
+        edges_of(eye, o, negative ^ turned, only, e);
+        fill(eye, e, key, r, planes);
+    }
+}
+
+/* Entries first to first + count, which have their rows in common; those rows. */
+static uint32_t splat_some(const ost_splat_eye *eye, const ost_visible *visible, uint32_t first, uint32_t count, const ost_planes *planes,
+                           int y0, int y1)
+{
+    int top = eye->eye.height, end = 0;
     for (uint32_t i = first; i < first + count; i++) {
         float o[3];
         rectangle r;
         place(visible->bases, visible->id[i], o);
-        if (rectangle_of(eye, o, y0, y1, &r))
-            fill(eye, o, i, &r, planes);
+        if (!rectangle_of(eye, o, visible->only[i], &r))
+            continue;
+        top = r.y0 < top ? r.y0 : top;
+        end = r.y1 + 1 > end ? r.y1 + 1 : end;
+        r.y0 = r.y0 > y0 ? r.y0 : y0;
+        r.y1 = r.y1 < y1 ? r.y1 : y1 - 1;
+        splat(eye, o, visible->only[i], ost_key(ost_eye_dot(o, o), i), &r, planes);
+    }
+    return top < end ? (uint32_t)top << 16 | (uint32_t)end : OST_ROWS_NONE;
+}
+
+void ost_splat_scalar(const ost_splat_eye *eye, const ost_visible *visible, uint32_t first, uint32_t count, const ost_planes *planes, int y0,
+                      int y1)
+{
+    for (uint32_t i = 0; i < count; i += OST_LANES) {
+        _Atomic uint32_t *rows = &visible->rows[(first + i) / OST_LANES];
+        const uint32_t known = atomic_load_explicit(rows, memory_order_relaxed);
+        if (ost_rows_miss(known, y0, y1))
+            continue;
+        const uint32_t found = splat_some(eye, visible, first + i, count - i < OST_LANES ? count - i : OST_LANES, planes, y0, y1);
+        if (known == OST_ROWS_UNKNOWN)
+            atomic_store_explicit(rows, found, memory_order_relaxed);
     }
 }
 
-/* The plane of the box that the ray passes last on its way in: of each axis the one that it meets first, of those the farthest. */
-static unsigned enter(const ost_splat_eye *eye, const float o[3], float u, float v, float *t)
+/*
+ * The plane of the box that the ray passes last on its way in.  It meets the
+ * near plane of axis a at (|o_a| - 1/2) / |d_a|; the greatest of the three is
+ * found by products, so that one division is left.
+ */
+static unsigned enter(const ost_splat_eye *eye, const float o[3], float u, float v, float *depth)
 {
-    unsigned face = 0;
-    for (unsigned a = 0; a < 3; a++) {
-        float d = (eye->axis[0][a] - v * eye->axis[2][a]) + u * eye->axis[1][a];
-        d = d == 0 ? 1e-20f : d;
-        const float inverse = 1.0f / d;
-        const float in = o[a] * inverse - OST_HALF * fabsf(inverse);
-        if (a == 0 || in > *t) {
-            *t = in;
-            face = 2 * a + (d < 0);
-        }
+    float near[3], d[3];
+    for (int a = 0; a < 3; a++) {
+        near[a] = fabsf(o[a]) - OST_HALF;
+        d[a] = fabsf((eye->axis[0][a] + v * eye->axis[2][a]) + u * eye->axis[1][a]);
     }
-    return face;
+    unsigned best = near[1] * d[0] > near[0] * d[1] ? 1 : 0;
+    if (near[2] * d[best] > near[best] * d[2])
+        best = 2;
+    const float least = 1e-20f;
+    *depth = (near[best] / (d[best] > least ? d[best] : least)) * eye->eye.focal;
+    return 2 * best + (o[best] < 0);
 }
 
-void ost_resolve_scalar(const ost_splat_eye *eye, const ost_visible *visible, const ost_planes *planes, int y)
+void ost_resolve_scalar(const ost_splat_eye *eye, const ost_visible *visible, const ost_planes *planes, int y, int x0, int x1)
 {
-    const float v = ((float)y + 0.5f) - eye->eye.half_h;
-    for (int x = 0; x < planes->stride; x++) {
-        const size_t at = (size_t)y * (size_t)planes->stride + (size_t)x;
-        const uint32_t index = planes->index[at];
+    const float v = eye->eye.half_h - ((float)y + 0.5f);
+    for (int x = x0; x < x1; x++) {
+        const size_t at = ost_row(planes, y) + (size_t)x;
+        const uint32_t index = (uint32_t)ost_key_row(planes, y)[x];
         if (index == OST_NO_VOXEL) {
             planes->face[at] = OST_NO_FACE;
             planes->colour[at] = visible->background;
             continue;
         }
         const float u = ((float)x + 0.5f) - eye->eye.half_w;
-        float o[3], t = 0;
+        float o[3];
         place(visible->bases, visible->id[index], o);
-        const unsigned face = enter(eye, o, u, v, &t);
+        const unsigned face = enter(eye, o, u, v, &planes->depth[at]);
         planes->face[at] = (uint8_t)face;
-        planes->depth[at] = t * eye->eye.focal;
         planes->colour[at] = ost_lit(visible->tint[index], visible->light[face]);
+    }
+}
+
+uint64_t ost_farthest_scalar(const ost_planes *planes, int x, int y, int rows)
+{
+    uint64_t most = 0;
+    for (int j = y; j < y + rows; j++)
+        for (int i = x; i < x + OST_TILE; i++) {
+            const uint64_t key = ost_key_row(planes, j)[i];
+            most = key > most ? key : most;
+        }
+    return most;
+}
+
+void ost_merge_scalar(const ost_planes *to, const ost_planes *from, float scale, int y, int x0, int x1)
+{
+    for (int x = x0; x < x1; x++) {
+        const size_t i = ost_row(from, y) + (size_t)x, at = ost_row(to, y) + (size_t)x;
+        const float depth = from->depth[i] * scale;
+        if (from->face[i] == OST_NO_FACE || (to->face[at] != OST_NO_FACE && !(depth < to->depth[at])))
+            continue;
+        to->depth[at] = depth;
+        to->face[at] = from->face[i];
+        to->colour[at] = from->colour[i];
     }
 }

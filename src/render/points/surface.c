@@ -53,6 +53,43 @@ ost_surface_block *ost_surface_block_at(const ost_surface *s, int32_t x, int32_t
     return slot < 0 ? NULL : s->slot[slot];
 }
 
+/* Of a block: voxels lo to hi in its own coordinates, which may go beyond it. */
+static bool block_is_bare(const ost_surface_block *b, const int32_t lo[3], const int32_t hi[3])
+{
+    int32_t from[3], to[3];
+    for (int a = 0; a < 3; a++) {
+        from[a] = lo[a] > 0 ? lo[a] : 0;
+        to[a] = hi[a] < SIDE - 1 ? hi[a] : SIDE - 1;
+    }
+    const uint32_t mask = UINT32_MAX << from[0] & UINT32_MAX >> (SIDE - 1 - to[0]);
+    for (int32_t z = from[2]; z <= to[2]; z++)
+        for (int32_t y = from[1]; y <= to[1]; y++)
+            if (b->occupancy[y + SIDE * z] & mask)
+                return false;
+    return true;
+}
+
+bool ost_surface_is_bare(const ost_surface *surface, const int32_t lo[3], const int32_t hi[3])
+{
+    int32_t from[3], to[3];
+    for (int a = 0; a < 3; a++) {
+        from[a] = lo[a] > 0 ? lo[a] / SIDE : 0;
+        to[a] = hi[a] < SIDE * surface->blocks[a] ? hi[a] / SIDE : surface->blocks[a] - 1;
+        if (hi[a] < 0)
+            return true;
+    }
+    for (int32_t z = from[2]; z <= to[2]; z++)
+        for (int32_t y = from[1]; y <= to[1]; y++)
+            for (int32_t x = from[0]; x <= to[0]; x++) {
+                const ost_surface_block *b = ost_surface_block_at(surface, x, y, z);
+                const int32_t at[3] = {SIDE * x, SIDE * y, SIDE * z};
+                const int32_t l[3] = {lo[0] - at[0], lo[1] - at[1], lo[2] - at[2]}, h[3] = {hi[0] - at[0], hi[1] - at[1], hi[2] - at[2]};
+                if (b && !block_is_bare(b, l, h))
+                    return false;
+            }
+    return true;
+}
+
 static ost_status new_block(ost_surface *s, const int32_t at[3], ost_surface_block **out, ost_error *err)
 {
     if (s->used == OST_BLOCKS_MAX)

@@ -72,4 +72,7 @@ ost_status ost_surface_set_volume(ost_surface *surface, const ost_volume *volume
 /* Points of every block that was set since the last update, and of the neighbours that it touches. */
 ost_status ost_surface_update(ost_surface *surface, ost_error *err);
 
+/* Whether voxels lo to hi, both among them, hold nothing; those outside the grid do not. */
+bool ost_surface_is_bare(const ost_surface *surface, const int32_t lo[3], const int32_t hi[3]);
+
 #endif

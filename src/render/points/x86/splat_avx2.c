@@ -5,7 +5,7 @@
 
 #include <immintrin.h>
 
-enum { EIGHT = 8 };
+enum { EIGHT = 8, SMALL = 4 }; /* SMALL: a small rectangle's sides at most */
 
 typedef __m256 lanes;
 typedef struct lanes3 {
@@ -28,11 +28,12 @@ static inline lanes dot(const float axis[3], lanes3 o)
     return _mm256_add_ps(xy, _mm256_mul_ps(all(axis[2]), o.v[2]));
 }
 
-static inline lanes spread(const float axis[3], lanes t, const float forward[3])
+/* Without what lies along axis a in lanes single[a]. */
+static inline lanes spread(const float axis[3], lanes t, const float forward[3], const lanes single[3])
 {
     lanes part[3];
     for (int a = 0; a < 3; a++)
-        part[a] = absolute(_mm256_sub_ps(all(axis[a]), _mm256_mul_ps(t, all(forward[a]))));
+        part[a] = _mm256_andnot_ps(single[a], absolute(_mm256_sub_ps(all(axis[a]), _mm256_mul_ps(t, all(forward[a])))));
     return _mm256_mul_ps(all(OST_HALF), _mm256_add_ps(_mm256_add_ps(part[0], part[1]), part[2]));
 }
 
@@ -47,51 +48,10 @@ static inline __m256i below(int n)
     return _mm256_cmpgt_epi32(_mm256_set1_epi32(n), _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
 }
 
-static inline void fill(const ost_splat_eye *s, const float o[3], float distance, uint32_t index, int x0, int x1, int y0, int y1,
-                        const ost_planes *planes)
-{
-    float n[3][3];
-    for (int i = 0; i < 3; i++) {
-        const float *b = s->axis[i];
-        n[i][0] = o[1] * b[2] - o[2] * b[1];
-        n[i][1] = o[2] * b[0] - o[0] * b[2];
-        n[i][2] = o[0] * b[1] - o[1] * b[0];
-    }
-    const lanes wide = all(OST_HALF_WIDE), far = all(distance), step = _mm256_setr_ps(0, 1, 2, 3, 4, 5, 6, 7);
-    for (int x = x0; x <= x1; x += EIGHT) {
-        const lanes live = _mm256_castsi256_ps(below(x1 - x + 1));
-        const lanes u = _mm256_sub_ps(_mm256_add_ps(_mm256_add_ps(all((float)x), step), all(0.5f)), all(s->eye.half_w));
-        lanes un[3], ud[3];
-        for (int a = 0; a < 3; a++) {
-            un[a] = _mm256_mul_ps(u, all(n[1][a]));
-            ud[a] = _mm256_mul_ps(u, all(s->axis[1][a]));
-        }
-        for (int y = y0; y <= y1; y++) {
-            const float v = ((float)y + 0.5f) - s->eye.half_h;
-            float *row = planes->distance + (size_t)y * (size_t)planes->stride + (size_t)x;
-            const lanes was = _mm256_maskload_ps(row, _mm256_castps_si256(live));
-            const lanes nearer = _mm256_and_ps(live, _mm256_cmp_ps(far, was, _CMP_LT_OQ));
-            if (_mm256_testz_ps(nearer, nearer))
-                continue;
-            lanes here_n[3], m[3];
-            for (int a = 0; a < 3; a++) {
-                here_n[a] = absolute(_mm256_add_ps(all(n[0][a] - v * n[2][a]), un[a]));
-                m[a] = absolute(_mm256_add_ps(all(s->axis[0][a] - v * s->axis[2][a]), ud[a]));
-            }
-            const lanes hit0 = _mm256_cmp_ps(here_n[0], _mm256_mul_ps(wide, _mm256_add_ps(m[1], m[2])), _CMP_LE_OQ);
-            const lanes hit1 = _mm256_cmp_ps(here_n[1], _mm256_mul_ps(wide, _mm256_add_ps(m[2], m[0])), _CMP_LE_OQ);
-            const lanes hit2 = _mm256_cmp_ps(here_n[2], _mm256_mul_ps(wide, _mm256_add_ps(m[0], m[1])), _CMP_LE_OQ);
-            const __m256i hit = _mm256_castps_si256(_mm256_and_ps(_mm256_and_ps(nearer, hit0), _mm256_and_ps(hit1, hit2)));
-            _mm256_maskstore_ps(row, hit, far);
-            _mm256_maskstore_epi32((int *)planes->index + (row - planes->distance), hit, _mm256_set1_epi32((int)index));
-        }
-    }
-}
-
 typedef struct eight {
-    _Alignas(32) float o[3][EIGHT];
-    _Alignas(32) float distance[EIGHT];
+    _Alignas(32) float edge[6][3][EIGHT]; /* a, b, c: splat_scalar.c */
     _Alignas(32) int32_t x0[EIGHT], x1[EIGHT], y0[EIGHT], y1[EIGHT];
+    _Alignas(32) uint64_t key[EIGHT];
 } eight;
 
 static inline unsigned bits(lanes mask)
@@ -105,22 +65,27 @@ static inline unsigned greater(__m256i a, __m256i b)
 }
 
 /* Which of eight voxels may be seen, and where. */
-static inline unsigned rectangles(const ost_splat_eye *s, lanes3 o, unsigned live, int y0, int y1, eight *out)
+static inline unsigned rectangles(const ost_splat_eye *s, lanes3 o, const lanes single[3], unsigned live, eight *out)
 {
+    static const float origin[3];
     const ost_eye *e = &s->eye;
+    live &= bits(_mm256_cmp_ps(_mm256_sub_ps(dot(e->forward, o), all(s->reach[2])), all(e->near), _CMP_GT_OQ));
+    for (int a = 0; a < 3; a++) {
+        const lanes half = _mm256_or_ps(_mm256_and_ps(o.v[a], all(-0.0f)), all(OST_HALF));
+        o.v[a] = _mm256_blendv_ps(o.v[a], _mm256_sub_ps(o.v[a], half), single[a]);
+    }
     const lanes x = dot(e->right, o), y = dot(e->up, o), z = dot(e->forward, o);
-    const lanes nearest = _mm256_sub_ps(z, all(s->reach[2]));
-    live &= bits(_mm256_cmp_ps(nearest, all(e->near), _CMP_GT_OQ));
+    const lanes nearest = _mm256_sub_ps(z, spread(e->forward, _mm256_setzero_ps(), origin, single));
     const lanes inverse = _mm256_div_ps(all(1.0f), z), tx = _mm256_mul_ps(x, inverse), ty = _mm256_mul_ps(y, inverse);
     const lanes k = _mm256_div_ps(all(e->focal), nearest);
-    const lanes hx = _mm256_add_ps(_mm256_mul_ps(spread(e->right, tx, e->forward), k), all(0.01f));
-    const lanes hy = _mm256_add_ps(_mm256_mul_ps(spread(e->up, ty, e->forward), k), all(0.01f));
+    const lanes hx = _mm256_add_ps(_mm256_mul_ps(spread(e->right, tx, e->forward, single), k), all(0.01f));
+    const lanes hy = _mm256_add_ps(_mm256_mul_ps(spread(e->up, ty, e->forward, single), k), all(0.01f));
     const lanes px = _mm256_add_ps(_mm256_mul_ps(tx, all(e->focal)), all(e->half_w - 0.5f));
     const lanes py = _mm256_sub_ps(all(e->half_h - 0.5f), _mm256_mul_ps(ty, all(e->focal)));
     const __m256i left = within(_mm256_ceil_ps(_mm256_sub_ps(px, hx)), 0, e->width);
     const __m256i right = within(_mm256_floor_ps(_mm256_add_ps(px, hx)), -1, e->width - 1);
-    const __m256i top = within(_mm256_ceil_ps(_mm256_sub_ps(py, hy)), y0, y1);
-    const __m256i bottom = within(_mm256_floor_ps(_mm256_add_ps(py, hy)), y0 - 1, y1 - 1);
+    const __m256i top = within(_mm256_ceil_ps(_mm256_sub_ps(py, hy)), 0, e->height);
+    const __m256i bottom = within(_mm256_floor_ps(_mm256_add_ps(py, hy)), -1, e->height - 1);
     _mm256_store_si256((void *)out->x0, left);
     _mm256_store_si256((void *)out->x1, right);
     _mm256_store_si256((void *)out->y0, top);
@@ -128,30 +93,247 @@ static inline unsigned rectangles(const ost_splat_eye *s, lanes3 o, unsigned liv
     return live & ~greater(left, right) & ~greater(top, bottom);
 }
 
+/* negative[a]: the sign bit where rays go down axis a. single[a]: where that of axis a is the one face that matters. */
+static inline void edges_of(const ost_splat_eye *s, lanes3 o, const lanes negative[3], const lanes single[3], eight *out)
+{
+    lanes turn_first[3], turn_second[3];
+    for (int a = 0; a < 3; a++) {
+        const int b = (a + 1) % 3, c = (a + 2) % 3;
+        const lanes same = _mm256_castsi256_ps(_mm256_cmpeq_epi32(_mm256_castps_si256(negative[b]), _mm256_castps_si256(negative[c])));
+        turn_first[a] = _mm256_or_ps(_mm256_and_ps(single[c], same), _mm256_andnot_ps(same, single[b]));
+        turn_second[a] = _mm256_or_ps(_mm256_and_ps(single[b], same), _mm256_andnot_ps(same, single[c]));
+    }
+    for (int i = 0; i < 3; i++) { /* focal, u, v: a, b, c of an edge */
+        lanes m[3];
+        for (int a = 0; a < 3; a++)
+            m[a] = _mm256_xor_ps(all(s->wide[i][a]), negative[a]);
+        for (int a = 0; a < 3; a++) {
+            const int b = (a + 1) % 3, c = (a + 2) % 3;
+            const lanes n = _mm256_sub_ps(_mm256_mul_ps(o.v[b], all(s->axis[i][c])), _mm256_mul_ps(o.v[c], all(s->axis[i][b])));
+            const lanes both = _mm256_add_ps(m[b], m[c]);
+            const lanes turned = _mm256_blendv_ps(_mm256_sub_ps(m[c], m[b]), _mm256_sub_ps(m[b], m[c]), single[b]);
+            _mm256_store_ps(out->edge[2 * a][i], _mm256_sub_ps(_mm256_blendv_ps(both, turned, turn_first[a]), n));
+            _mm256_store_ps(out->edge[2 * a + 1][i], _mm256_add_ps(_mm256_blendv_ps(both, turned, turn_second[a]), n));
+        }
+    }
+}
+
+/* Which of eight have no negative value among six. */
+static inline unsigned none_negative(const lanes f[6])
+{
+    const lanes first = _mm256_or_ps(_mm256_or_ps(f[0], f[1]), f[2]), second = _mm256_or_ps(_mm256_or_ps(f[3], f[4]), f[5]);
+    return ~bits(_mm256_or_ps(first, second)) & 0xff;
+}
+
+/* From the middle of the frame to the middles of the pixels of a column, and of a row. */
+static inline lanes across(const ost_splat_eye *s, __m256i x)
+{
+    return _mm256_sub_ps(_mm256_add_ps(_mm256_cvtepi32_ps(x), all(0.5f)), all(s->eye.half_w));
+}
+
+static inline lanes upward(const ost_splat_eye *s, __m256i y)
+{
+    return _mm256_sub_ps(all(s->eye.half_h), _mm256_add_ps(_mm256_cvtepi32_ps(y), all(0.5f)));
+}
+
+static inline unsigned at_least(__m256i a, int b)
+{
+    return greater(a, _mm256_set1_epi32(b - 1));
+}
+
+/* Voxels `which`, whose rectangles are of at most SMALL x SMALL pixels; what is covered is noted as place << 3 | lane. */
+static inline void fill_small(const ost_splat_eye *s, const eight *r, unsigned which, const ost_planes *planes)
+{
+    uint32_t covered[EIGHT * SMALL * SMALL], n = 0;
+    const __m256i x0 = _mm256_load_si256((const void *)r->x0), y0 = _mm256_load_si256((const void *)r->y0);
+    const __m256i width = _mm256_sub_epi32(_mm256_load_si256((const void *)r->x1), x0);
+    const __m256i height = _mm256_sub_epi32(_mm256_load_si256((const void *)r->y1), y0);
+    const __m256i place = _mm256_add_epi32(_mm256_mullo_epi32(_mm256_sub_epi32(y0, _mm256_set1_epi32(planes->key_top)), _mm256_set1_epi32(planes->stride)), x0);
+    _Alignas(32) uint32_t first[EIGHT];
+    _mm256_store_si256((void *)first, place);
+    lanes ub[SMALL][6];
+    unsigned column[SMALL];
+    int columns = 0;
+    for (; columns < SMALL; columns++) {
+        column[columns] = which & at_least(width, columns);
+        if (!column[columns])
+            break;
+        const lanes u = across(s, _mm256_add_epi32(x0, _mm256_set1_epi32(columns)));
+        for (int f = 0; f < 6; f++)
+            ub[columns][f] = _mm256_mul_ps(u, _mm256_load_ps(r->edge[f][1]));
+    }
+    for (int j = 0; j < SMALL; j++) {
+        const unsigned row = which & at_least(height, j);
+        if (!row)
+            break;
+        const lanes v = upward(s, _mm256_add_epi32(y0, _mm256_set1_epi32(j)));
+        lanes start[6];
+        for (int f = 0; f < 6; f++)
+            start[f] = _mm256_add_ps(_mm256_load_ps(r->edge[f][0]), _mm256_mul_ps(v, _mm256_load_ps(r->edge[f][2])));
+        for (int i = 0; i < columns; i++) {
+            lanes value[6];
+            for (int f = 0; f < 6; f++)
+                value[f] = _mm256_add_ps(start[f], ub[i][f]);
+            for (unsigned in = row & column[i] & none_negative(value); in; in &= in - 1) {
+                const unsigned k = (unsigned)__builtin_ctz(in);
+                covered[n++] = (first[k] + (uint32_t)(j * planes->stride + i)) << 3 | k;
+            }
+        }
+    }
+    for (uint32_t i = 0; i < n; i++) {
+        uint64_t *was = planes->key + (covered[i] >> 3);
+        const uint64_t key = r->key[covered[i] & 7], old = *was;
+        *was = key < old ? key : old;
+    }
+}
+
+/* Four pixels of a row, of which those with a sign bit in `in` are covered. */
+static inline void settle(uint64_t *row, __m128i in, __m256i key)
+{
+    const __m256i mask = _mm256_cvtepi32_epi64(in), was = _mm256_maskload_epi64((const long long *)row, mask);
+    _mm256_maskstore_epi64((long long *)row, _mm256_and_si256(mask, _mm256_cmpgt_epi64(was, key)), key);
+}
+
+/* A larger one: eight pixels of a row at a time. Keys are positive as signed words too. */
+static inline void fill(const ost_splat_eye *s, const eight *r, int k, const ost_planes *planes)
+{
+    const __m256i step = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7), key = _mm256_set1_epi64x((long long)r->key[k]);
+    const int x1 = r->x1[k];
+    for (int x = r->x0[k]; x <= x1; x += EIGHT) {
+        const lanes u = across(s, _mm256_add_epi32(_mm256_set1_epi32(x), step));
+        const __m256i live = below(x1 - x + 1);
+        lanes ub[6], c[6], a[6];
+        for (int f = 0; f < 6; f++) {
+            ub[f] = _mm256_mul_ps(u, all(r->edge[f][1][k]));
+            a[f] = all(r->edge[f][0][k]);
+            c[f] = all(r->edge[f][2][k]);
+        }
+        for (int y = r->y0[k]; y <= r->y1[k]; y++) {
+            const lanes v = upward(s, _mm256_set1_epi32(y));
+            lanes value[6];
+            for (int f = 0; f < 6; f++)
+                value[f] = _mm256_add_ps(_mm256_add_ps(a[f], _mm256_mul_ps(v, c[f])), ub[f]);
+            const lanes out = _mm256_or_ps(_mm256_or_ps(_mm256_or_ps(value[0], value[1]), _mm256_or_ps(value[2], value[3])),
+                                           _mm256_or_ps(value[4], value[5]));
+            const __m256i in = _mm256_andnot_si256(_mm256_srai_epi32(_mm256_castps_si256(out), 31), live);
+            if (_mm256_testz_si256(in, in))
+                continue;
+            uint64_t *row = ost_key_row(planes, y) + x;
+            settle(row, _mm256_castsi256_si128(in), key);
+            if (x1 - x >= 4)
+                settle(row + 4, _mm256_extracti128_si256(in, 1), key);
+        }
+    }
+}
+
+static inline void fill_all(const ost_splat_eye *s, const eight *r, unsigned which, const ost_planes *planes)
+{
+    const __m256i wide = _mm256_sub_epi32(_mm256_load_si256((const void *)r->x1), _mm256_load_si256((const void *)r->x0));
+    const __m256i high = _mm256_sub_epi32(_mm256_load_si256((const void *)r->y1), _mm256_load_si256((const void *)r->y0));
+    const unsigned small = which & ~at_least(_mm256_max_epi32(wide, high), SMALL);
+    if (small)
+        fill_small(s, r, small, planes);
+    for (unsigned left = which & ~small; left; left &= left - 1)
+        fill(s, r, __builtin_ctz(left), planes);
+}
+
+static inline void keys_of(lanes3 o, uint32_t first, eight *out)
+{
+    const lanes xy = _mm256_add_ps(_mm256_mul_ps(o.v[0], o.v[0]), _mm256_mul_ps(o.v[1], o.v[1]));
+    const __m256i distance = _mm256_castps_si256(_mm256_add_ps(xy, _mm256_mul_ps(o.v[2], o.v[2])));
+    const __m256i number = _mm256_add_epi32(_mm256_set1_epi32((int)first), _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
+    const __m256i a = _mm256_unpacklo_epi32(number, distance), b = _mm256_unpackhi_epi32(number, distance);
+    _mm256_store_si256((void *)out->key, _mm256_permute2x128_si256(a, b, 0x20));
+    _mm256_store_si256((void *)(out->key + 4), _mm256_permute2x128_si256(a, b, 0x31));
+}
+
+/* A voxel beside the eye once more for each other way that its rays may go. */
+static inline void fill_beside(const ost_splat_eye *s, lanes3 o, const unsigned beside[3], const lanes single[3], unsigned live, eight *r, const ost_planes *planes)
+{
+    for (unsigned turned = 1; turned < 8; turned++) {
+        unsigned which = live;
+        lanes negative[3];
+        for (int a = 0; a < 3; a++) {
+            const bool turn = turned >> a & 1;
+            const lanes down = _mm256_and_ps(o.v[a], all(-0.0f));
+            negative[a] = turn ? _mm256_xor_ps(down, all(-0.0f)) : down;
+            which = turn ? which & beside[a] : which;
+        }
+        if (which) {
+            edges_of(s, o, negative, single, r);
+            fill_all(s, r, which, planes);
+        }
+    }
+}
+
+/* Leaves of rectangles what lies in rows y0 to y1 - 1; which have something there. */
+static inline unsigned into_band(eight *r, unsigned live, int y0, int y1)
+{
+    const __m256i top = _mm256_max_epi32(_mm256_load_si256((const void *)r->y0), _mm256_set1_epi32(y0));
+    const __m256i bottom = _mm256_min_epi32(_mm256_load_si256((const void *)r->y1), _mm256_set1_epi32(y1 - 1));
+    _mm256_store_si256((void *)r->y0, top);
+    _mm256_store_si256((void *)r->y1, bottom);
+    return live & ~greater(top, bottom);
+}
+
+/* The rows of those that live, into what others had. */
+static inline uint32_t rows_of(const eight *r, unsigned live, uint32_t rows)
+{
+    uint32_t top = rows >> 16, end = rows & 0xffff;
+    for (; live; live &= live - 1) {
+        const int k = __builtin_ctz(live);
+        top = (uint32_t)r->y0[k] < top ? (uint32_t)r->y0[k] : top;
+        end = (uint32_t)r->y1[k] + 1 > end ? (uint32_t)r->y1[k] + 1 : end;
+    }
+    return top << 16 | end;
+}
+
+/* Up to eight entries from first on; the rows of those before and of these. */
+static inline uint32_t splat_some(const ost_splat_eye *eye, const ost_visible *visible, uint32_t first, int count, const float *base,
+                                  const ost_planes *planes, int y0, int y1, uint32_t rows)
+{
+    const __m256i p = _mm256_maskload_epi32((const int *)visible->id + first, below(count));
+    const __m256i only = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const void *)(visible->only + first)));
+    eight r;
+    lanes3 o;
+    lanes negative[3], single[3];
+    unsigned beside[3];
+    for (int a = 0; a < 3; a++) {
+        const __m256i at = _mm256_and_si256(_mm256_srl_epi32(p, _mm_cvtsi32_si128(5 * a)), _mm256_set1_epi32(31));
+        o.v[a] = _mm256_add_ps(all(base[a]), _mm256_cvtepi32_ps(at));
+        negative[a] = _mm256_and_ps(o.v[a], all(-0.0f));
+        beside[a] = bits(_mm256_cmp_ps(absolute(o.v[a]), all(OST_BESIDE), _CMP_LE_OQ));
+        single[a] = _mm256_castsi256_ps(_mm256_cmpeq_epi32(only, _mm256_set1_epi32(a)));
+    }
+    unsigned live = rectangles(eye, o, single, (1u << count) - 1, &r);
+    rows = rows_of(&r, live, rows);
+    live = into_band(&r, live, y0, y1);
+    if (!live)
+        return rows;
+    keys_of(o, first, &r);
+    edges_of(eye, o, negative, single, &r);
+    fill_all(eye, &r, live, planes);
+    if (live & (beside[0] | beside[1] | beside[2]))
+        fill_beside(eye, o, beside, single, live, &r, planes);
+    return rows;
+}
+
 void ost_splat_avx2(const ost_splat_eye *eye, const ost_visible *visible, uint32_t first, uint32_t count, const ost_planes *planes, int y0,
                     int y1)
 {
-    const uint32_t *points = visible->id + first;
     if (count == 0)
         return;
-    const float *base = visible->bases + 4 * (size_t)(points[0] >> OST_LOCAL_BITS);
-    for (uint32_t i = 0; i < count; i += EIGHT) {
-        const int n = count - i < EIGHT ? (int)(count - i) : EIGHT;
-        const __m256i p = _mm256_maskload_epi32((const int *)points + i, below(n));
-        eight r;
-        lanes3 o;
-        for (int a = 0; a < 3; a++) {
-            const __m256i at = _mm256_and_si256(_mm256_srl_epi32(p, _mm_cvtsi32_si128(5 * a)), _mm256_set1_epi32(31));
-            o.v[a] = _mm256_add_ps(all(base[a]), _mm256_cvtepi32_ps(at));
-            _mm256_store_ps(r.o[a], o.v[a]);
-        }
-        const lanes xy = _mm256_add_ps(_mm256_mul_ps(o.v[0], o.v[0]), _mm256_mul_ps(o.v[1], o.v[1]));
-        _mm256_store_ps(r.distance, _mm256_add_ps(xy, _mm256_mul_ps(o.v[2], o.v[2])));
-        for (unsigned left = rectangles(eye, o, (1u << n) - 1, y0, y1, &r); left; left &= left - 1) {
-            const int k = __builtin_ctz(left);
-            const float at[3] = {r.o[0][k], r.o[1][k], r.o[2][k]};
-            fill(eye, at, r.distance[k], first + i + (uint32_t)k, r.x0[k], r.x1[k], r.y0[k], r.y1[k], planes);
-        }
+    const float *base = visible->bases + 4 * (size_t)(visible->id[first] >> OST_LOCAL_BITS);
+    for (uint32_t i = 0; i < count; i += OST_LANES) {
+        _Atomic uint32_t *rows = &visible->rows[(first + i) / OST_LANES];
+        const uint32_t known = atomic_load_explicit(rows, memory_order_relaxed);
+        uint32_t found = OST_ROWS_NONE;
+        if (ost_rows_miss(known, y0, y1))
+            continue;
+        for (uint32_t j = i; j < i + OST_LANES && j < count; j += EIGHT)
+            found = splat_some(eye, visible, first + j, count - j < EIGHT ? (int)(count - j) : EIGHT, base, planes, y0, y1, found);
+        if (known == OST_ROWS_UNKNOWN)
+            atomic_store_explicit(rows, found, memory_order_relaxed);
     }
 }
 
@@ -163,46 +345,65 @@ static inline __m256i lit(__m256i colour, __m256i light)
     return _mm256_or_si256(a, b);
 }
 
-/* The face by which the ray of each pixel enters, and where. */
-static inline __m256i enter(const ost_splat_eye *eye, const ost_visible *visible, __m256i id, __m256i any, lanes u, float v, lanes *depth)
+/* From the eye to the voxel of each pixel. */
+static inline lanes3 places(const ost_visible *visible, __m256i id, __m256i any)
 {
-    const __m256i slot = _mm256_slli_epi32(_mm256_srli_epi32(id, OST_LOCAL_BITS), 2), five = _mm256_set1_epi32(31);
-    const lanes zero = _mm256_setzero_ps();
-    __m256i face = _mm256_setzero_si256();
-    lanes t = zero;
-    for (int a = 0; a < 3; a++) {
-        const __m256i local = _mm256_and_si256(_mm256_srl_epi32(id, _mm_cvtsi32_si128(5 * a)), five);
-        const lanes base = _mm256_mask_i32gather_ps(zero, visible->bases + a, slot, _mm256_castsi256_ps(any), 4);
-        const lanes o = _mm256_add_ps(base, _mm256_cvtepi32_ps(local));
-        lanes d = _mm256_add_ps(all(eye->axis[0][a] - v * eye->axis[2][a]), _mm256_mul_ps(u, all(eye->axis[1][a])));
-        d = _mm256_blendv_ps(d, all(1e-20f), _mm256_cmp_ps(d, zero, _CMP_EQ_OQ));
-        const lanes inverse = _mm256_div_ps(all(1.0f), d);
-        const lanes in = _mm256_sub_ps(_mm256_mul_ps(o, inverse), _mm256_mul_ps(all(OST_HALF), absolute(inverse)));
-        const lanes later = a == 0 ? _mm256_castsi256_ps(_mm256_set1_epi32(-1)) : _mm256_cmp_ps(in, t, _CMP_GT_OQ);
-        const __m256i back = _mm256_castps_si256(_mm256_cmp_ps(d, zero, _CMP_LT_OQ));
-        t = _mm256_blendv_ps(t, in, later);
-        face = _mm256_blendv_epi8(face, _mm256_sub_epi32(_mm256_set1_epi32(2 * a), back), _mm256_castps_si256(later));
+    const __m256i slot = _mm256_srli_epi32(id, OST_LOCAL_BITS), five = _mm256_set1_epi32(31);
+    lanes3 o = {{_mm256_setzero_ps(), _mm256_setzero_ps(), _mm256_setzero_ps()}};
+    _Alignas(32) uint32_t slots[EIGHT];
+    _mm256_store_si256((void *)slots, slot);
+    for (unsigned left = bits(_mm256_castsi256_ps(any)); left;) {
+        const uint32_t number = slots[__builtin_ctz(left)];
+        const lanes here = _mm256_castsi256_ps(_mm256_cmpeq_epi32(slot, _mm256_set1_epi32((int)number)));
+        for (int a = 0; a < 3; a++)
+            o.v[a] = _mm256_blendv_ps(o.v[a], all(visible->bases[4 * (size_t)number + (size_t)a]), here);
+        left &= ~bits(here);
     }
-    *depth = _mm256_mul_ps(t, all(eye->eye.focal));
-    return face;
+    for (int a = 0; a < 3; a++)
+        o.v[a] = _mm256_add_ps(o.v[a], _mm256_cvtepi32_ps(_mm256_and_si256(_mm256_srl_epi32(id, _mm_cvtsi32_si128(5 * a)), five)));
+    return o;
 }
 
-void ost_resolve_avx2(const ost_splat_eye *eye, const ost_visible *visible, const ost_planes *planes, int y)
+/* The face by which the ray of each pixel enters, and where. */
+static inline __m256i enter(const ost_splat_eye *eye, lanes3 o, lanes u, float v, lanes *depth)
 {
-    const float v = ((float)y + 0.5f) - eye->eye.half_h;
-    const lanes step = _mm256_setr_ps(0, 1, 2, 3, 4, 5, 6, 7);
+    lanes near[3], d[3];
+    for (int a = 0; a < 3; a++) {
+        near[a] = _mm256_sub_ps(absolute(o.v[a]), all(OST_HALF));
+        d[a] = absolute(_mm256_add_ps(all(eye->axis[0][a] + v * eye->axis[2][a]), _mm256_mul_ps(u, all(eye->axis[1][a]))));
+    }
+    lanes best_near = near[0], best_d = d[0], best_o = o.v[0];
+    __m256i best = _mm256_setzero_si256();
+    for (int a = 1; a < 3; a++) {
+        const lanes later = _mm256_cmp_ps(_mm256_mul_ps(near[a], best_d), _mm256_mul_ps(best_near, d[a]), _CMP_GT_OQ);
+        best_near = _mm256_blendv_ps(best_near, near[a], later);
+        best_d = _mm256_blendv_ps(best_d, d[a], later);
+        best_o = _mm256_blendv_ps(best_o, o.v[a], later);
+        best = _mm256_blendv_epi8(best, _mm256_set1_epi32(2 * a), _mm256_castps_si256(later));
+    }
+    *depth = _mm256_mul_ps(_mm256_div_ps(best_near, _mm256_max_ps(best_d, all(1e-20f))), all(eye->eye.focal));
+    return _mm256_or_si256(best, _mm256_srli_epi32(_mm256_castps_si256(best_o), 31));
+}
+
+void ost_resolve_avx2(const ost_splat_eye *eye, const ost_visible *visible, const ost_planes *planes, int y, int x0, int x1)
+{
+    const float v = eye->eye.half_h - ((float)y + 0.5f);
+    const __m256i step = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7), even = _mm256_setr_epi32(0, 2, 4, 6, 0, 2, 4, 6);
     const __m256i lights = _mm256_loadu_si256((const void *)visible->light), zero = _mm256_setzero_si256();
-    for (int x = 0; x < planes->stride; x += EIGHT) {
-        const size_t at = (size_t)y * (size_t)planes->stride + (size_t)x;
-        const __m256i index = _mm256_load_si256((const void *)(planes->index + at));
-        const __m256i any = _mm256_xor_si256(_mm256_cmpeq_epi32(index, _mm256_set1_epi32(-1)), _mm256_set1_epi32(-1));
+    for (int x = x0; x < x1; x += EIGHT) {
+        const size_t at = ost_row(planes, y) + (size_t)x;
+        const uint64_t *key = ost_key_row(planes, y) + x;
+        const __m256i low = _mm256_permutevar8x32_epi32(_mm256_load_si256((const void *)key), even);
+        const __m256i high = _mm256_permutevar8x32_epi32(_mm256_load_si256((const void *)(key + 4)), even);
+        const __m256i index = _mm256_blend_epi32(low, high, 0xf0);
+        const __m256i any = _mm256_xor_si256(_mm256_cmpeq_epi32(index, _mm256_set1_epi32((int)OST_NO_VOXEL)), _mm256_set1_epi32(-1));
         __m256i face = _mm256_set1_epi32(OST_NO_FACE), colour = _mm256_set1_epi32((int)visible->background);
         if (!_mm256_testz_si256(any, any)) {
-            const lanes u = _mm256_sub_ps(_mm256_add_ps(_mm256_add_ps(all((float)x), step), all(0.5f)), all(eye->eye.half_w));
+            const lanes u = across(eye, _mm256_add_epi32(_mm256_set1_epi32(x), step));
             const __m256i id = _mm256_mask_i32gather_epi32(zero, (const int *)visible->id, index, any, 4);
             const __m256i tint = _mm256_mask_i32gather_epi32(zero, (const int *)visible->tint, index, any, 4);
             lanes depth;
-            const __m256i entered = enter(eye, visible, id, any, u, v, &depth);
+            const __m256i entered = enter(eye, places(visible, id, any), u, v, &depth);
             face = _mm256_blendv_epi8(face, entered, any);
             colour = _mm256_blendv_epi8(colour, lit(tint, _mm256_permutevar8x32_epi32(lights, entered)), any);
             _mm256_maskstore_ps(planes->depth + at, any, depth);
@@ -210,5 +411,43 @@ void ost_resolve_avx2(const ost_splat_eye *eye, const ost_visible *visible, cons
         _mm256_store_si256((void *)(planes->colour + at), colour);
         const __m128i half = _mm_packus_epi32(_mm256_castsi256_si128(face), _mm256_extracti128_si256(face, 1));
         _mm_storel_epi64((void *)(planes->face + at), _mm_packus_epi16(half, half));
+    }
+}
+
+static inline __m256i greater_key(__m256i a, __m256i b)
+{
+    return _mm256_blendv_epi8(a, b, _mm256_cmpgt_epi64(b, a));
+}
+
+uint64_t ost_farthest_avx2(const ost_planes *planes, int x, int y, int rows)
+{
+    const uint64_t *row = ost_key_row(planes, y) + x;
+    __m256i most = _mm256_setzero_si256();
+    _Alignas(32) uint64_t part[4];
+    for (int j = 0; j < rows; j++, row += planes->stride)
+        most = greater_key(most, greater_key(_mm256_load_si256((const void *)row), _mm256_load_si256((const void *)(row + 4))));
+    _mm256_store_si256((void *)part, most);
+    const uint64_t a = part[0] > part[1] ? part[0] : part[1], b = part[2] > part[3] ? part[2] : part[3];
+    return a > b ? a : b;
+}
+
+void ost_merge_avx2(const ost_planes *to, const ost_planes *from, float scale, int y, int x0, int x1)
+{
+    const __m256i none = _mm256_set1_epi32(OST_NO_FACE);
+    for (int x = x0; x < x1; x += EIGHT) {
+        const size_t i = ost_row(from, y) + (size_t)x, at = ost_row(to, y) + (size_t)x;
+        const __m256i theirs = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const void *)(from->face + i)));
+        const __m256i missing = _mm256_cmpeq_epi32(theirs, none);
+        if (_mm256_movemask_epi8(missing) == -1)
+            continue;
+        const __m256i ours = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const void *)(to->face + at)));
+        const lanes depth = _mm256_mul_ps(_mm256_load_ps(from->depth + i), all(scale));
+        const __m256i nearer = _mm256_castps_si256(_mm256_cmp_ps(depth, _mm256_load_ps(to->depth + at), _CMP_LT_OQ));
+        const __m256i take = _mm256_andnot_si256(missing, _mm256_or_si256(nearer, _mm256_cmpeq_epi32(ours, none)));
+        const __m256i face = _mm256_blendv_epi8(ours, theirs, take);
+        const __m128i half = _mm_packus_epi32(_mm256_castsi256_si128(face), _mm256_extracti128_si256(face, 1));
+        _mm256_maskstore_ps(to->depth + at, take, depth);
+        _mm_storel_epi64((void *)(to->face + at), _mm_packus_epi16(half, half));
+        _mm256_maskstore_epi32((int *)to->colour + at, take, _mm256_load_si256((const void *)(from->colour + i)));
     }
 }

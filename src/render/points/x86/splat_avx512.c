@@ -1,7 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Sixteen voxels at a time find their rectangles and what a ray's test needs of
- * them, then one voxel at a time fills sixteen pixels: 4 x 4, or of a row.
+ * Sixteen voxels at a time find their rectangles and the edges of their
+ * outlines.  Then those that are small on screen are tried sixteen at once,
+ * pixel by pixel of their rectangles, and what they cover is written down and
+ * settled one by one: words that are stored and loaded whole follow each other
+ * without a stall, which rows of a register that overlap do not.  The others
+ * fill sixteen pixels at a time, of two rows or of one.
  */
 #include "core/conditions.h"
 #include "render/points/splat.h"
@@ -24,11 +28,14 @@ static inline lanes dot(const float axis[3], lanes3 o)
     return _mm512_add_ps(xy, _mm512_mul_ps(all(axis[2]), o.v[2]));
 }
 
-static inline lanes spread(const float axis[3], lanes t, const float forward[3])
+/* Without what lies along axis a in lanes single[a]. */
+static inline lanes spread(const float axis[3], lanes t, const float forward[3], const __mmask16 single[3])
 {
     lanes part[3];
-    for (int a = 0; a < 3; a++)
-        part[a] = _mm512_abs_ps(_mm512_sub_ps(all(axis[a]), _mm512_mul_ps(t, all(forward[a]))));
+    for (int a = 0; a < 3; a++) {
+        const lanes off = _mm512_sub_ps(all(axis[a]), _mm512_mul_ps(t, all(forward[a])));
+        part[a] = _mm512_maskz_mov_ps((__mmask16)~single[a], _mm512_abs_ps(off));
+    }
     return _mm512_mul_ps(all(OST_HALF), _mm512_add_ps(_mm512_add_ps(part[0], part[1]), part[2]));
 }
 
@@ -61,10 +68,12 @@ static inline __m512i turned_of(const uint8_t turned[OST_BLOCK], __m512i index)
     return _mm512_mask_blend_epi32(upper, turned_at(low, index), turned_at(high, index));
 }
 
-uint32_t ost_facing_avx512(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK], uint32_t *id, uint32_t *look)
+uint32_t ost_facing_avx512(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK], const ost_visible *out,
+                           uint32_t first)
 {
+    const __m512i one = _mm512_set1_epi32(1);
     const __m512i local = _mm512_set1_epi32((1 << OST_LOCAL_BITS) - 1), high = _mm512_set1_epi32((int)(slot << OST_LOCAL_BITS));
-    uint32_t n = 0;
+    uint32_t n = first;
     for (uint32_t i = 0; i < block->count; i += OST_LANES) {
         const uint32_t left = block->count - i;
         const __mmask16 live = left < OST_LANES ? (__mmask16)((1u << left) - 1) : (__mmask16)0xffff;
@@ -72,126 +81,275 @@ uint32_t ost_facing_avx512(const ost_surface_block *block, uint32_t slot, const 
         const __m512i x = turned_of(turned[0], p);
         const __m512i y = turned_of(turned[1], _mm512_srli_epi32(p, 5));
         const __m512i z = turned_of(turned[2], _mm512_srli_epi32(p, 10));
-        const __m512i seen = _mm512_or_si512(_mm512_or_si512(x, y), z);
-        const __mmask16 take = _mm512_test_epi32_mask(_mm512_srli_epi32(p, OST_FACES_SHIFT), seen);
-        _mm512_storeu_si512(id + n, _mm512_maskz_compress_epi32(take, _mm512_or_si512(_mm512_and_si512(p, local), high)));
-        _mm512_storeu_si512(look + n, _mm512_maskz_compress_epi32(take, l));
+        const __m512i seen = _mm512_and_si512(_mm512_srli_epi32(p, OST_FACES_SHIFT), _mm512_or_si512(_mm512_or_si512(x, y), z));
+        const __mmask16 take = _mm512_test_epi32_mask(seen, seen), several = _mm512_test_epi32_mask(seen, _mm512_sub_epi32(seen, one));
+        __m512i only = _mm512_maskz_mov_epi32(_mm512_cmpgt_epi32_mask(seen, _mm512_set1_epi32(3)), one);
+        only = _mm512_mask_add_epi32(only, _mm512_cmpgt_epi32_mask(seen, _mm512_set1_epi32(15)), only, one);
+        only = _mm512_mask_mov_epi32(only, several, _mm512_set1_epi32(OST_SEVERAL));
+        _mm512_storeu_si512(out->id + n, _mm512_maskz_compress_epi32(take, _mm512_or_si512(_mm512_and_si512(p, local), high)));
+        _mm512_storeu_si512(out->look + n, _mm512_maskz_compress_epi32(take, l));
+        _mm_storeu_si128((void *)(out->only + n), _mm512_cvtepi32_epi8(_mm512_maskz_compress_epi32(take, only)));
         n += (uint32_t)__builtin_popcount(take);
     }
-    return n;
+    return n - first;
 }
+
+enum { SMALL = 4, TALL = 16 }; /* a small rectangle's sides at most; rows whose edges are found at once */
 
 typedef struct sixteen {
-    _Alignas(64) float n[3][3][OST_LANES]; /* o x the axes that a pixel's ray is made of */
-    _Alignas(64) float distance[OST_LANES];
+    _Alignas(64) float edge[6][3][OST_LANES]; /* a, b, c: splat_scalar.c */
     _Alignas(64) int32_t x0[OST_LANES], x1[OST_LANES], y0[OST_LANES], y1[OST_LANES];
+    _Alignas(64) uint64_t key[OST_LANES];
 } sixteen;
 
-static inline void crosses(const ost_splat_eye *s, lanes3 o, sixteen *out)
+/* negative[a]: the sign bit where rays go down axis a. single[a]: where that of axis a is the one face that matters. */
+static inline void edges_of(const ost_splat_eye *s, lanes3 o, const __m512i negative[3], const __mmask16 single[3], sixteen *out)
 {
-    for (int i = 0; i < 3; i++)
+    __mmask16 turn_first[3], turn_second[3];
+    for (int a = 0; a < 3; a++) {
+        const int b = (a + 1) % 3, c = (a + 2) % 3;
+        const unsigned same = _mm512_cmpeq_epi32_mask(negative[b], negative[c]);
+        turn_first[a] = (__mmask16)((single[c] & same) | (single[b] & ~same));
+        turn_second[a] = (__mmask16)((single[b] & same) | (single[c] & ~same));
+    }
+    for (int i = 0; i < 3; i++) { /* focal, u, v: a, b, c of an edge */
+        lanes m[3];
+        for (int a = 0; a < 3; a++)
+            m[a] = _mm512_castsi512_ps(_mm512_xor_si512(_mm512_castps_si512(all(s->wide[i][a])), negative[a]));
         for (int a = 0; a < 3; a++) {
             const int b = (a + 1) % 3, c = (a + 2) % 3;
-            const lanes left = _mm512_mul_ps(o.v[b], all(s->axis[i][c])), right = _mm512_mul_ps(o.v[c], all(s->axis[i][b]));
-            _mm512_store_ps(out->n[i][a], _mm512_sub_ps(left, right));
-        }
-}
-
-/* Which of sixteen rays meet the voxel: u and v are the pixels' places from the middle of the frame. */
-static inline __mmask16 covers(const ost_splat_eye *s, const sixteen *r, int k, lanes u, lanes v, __mmask16 live)
-{
-    const lanes wide = all(OST_HALF_WIDE);
-    lanes n[3], m[3];
-    for (int a = 0; a < 3; a++) {
-        const lanes row_n = _mm512_sub_ps(all(r->n[0][a][k]), _mm512_mul_ps(v, all(r->n[2][a][k])));
-        const lanes row_d = _mm512_sub_ps(all(s->axis[0][a]), _mm512_mul_ps(v, all(s->axis[2][a])));
-        n[a] = _mm512_abs_ps(_mm512_add_ps(row_n, _mm512_mul_ps(u, all(r->n[1][a][k]))));
-        m[a] = _mm512_abs_ps(_mm512_add_ps(row_d, _mm512_mul_ps(u, all(s->axis[1][a]))));
-    }
-    live = _mm512_mask_cmp_ps_mask(live, n[0], _mm512_mul_ps(wide, _mm512_add_ps(m[1], m[2])), _CMP_LE_OQ);
-    live = _mm512_mask_cmp_ps_mask(live, n[1], _mm512_mul_ps(wide, _mm512_add_ps(m[2], m[0])), _CMP_LE_OQ);
-    return _mm512_mask_cmp_ps_mask(live, n[2], _mm512_mul_ps(wide, _mm512_add_ps(m[0], m[1])), _CMP_LE_OQ);
-}
-
-/* A rectangle of up to 4 x 4 pixels: a row of it a quarter of the register. */
-static inline void fill_small(const ost_splat_eye *s, const sixteen *r, int k, uint32_t index, const ost_planes *planes)
-{
-    const __m512i column = _mm512_set_epi32(3, 2, 1, 0, 3, 2, 1, 0, 3, 2, 1, 0, 3, 2, 1, 0);
-    const __m512i line = _mm512_set_epi32(3, 3, 3, 3, 2, 2, 2, 2, 1, 1, 1, 1, 0, 0, 0, 0);
-    const int x = r->x0[k], y = r->y0[k], rows = r->y1[k] - y + 1;
-    const unsigned across = (2u << (r->x1[k] - x)) - 1;
-    const __mmask8 part = (__mmask8)across;
-    const __mmask16 live = (__mmask16)(across * 0x1111u & ((1u << (4 * rows)) - 1));
-    const size_t stride = (size_t)planes->stride, at = (size_t)y * stride + (size_t)x;
-    /* Rows that are not in it are the first once more, and change nothing. */
-    const size_t at1 = rows > 1 ? at + stride : at, at2 = rows > 2 ? at + 2 * stride : at, at3 = rows > 3 ? at + 3 * stride : at;
-    lanes was = _mm512_castps128_ps512(_mm_maskz_loadu_ps(part, planes->distance + at));
-    was = _mm512_insertf32x4(was, _mm_maskz_loadu_ps(part, planes->distance + at1), 1);
-    was = _mm512_insertf32x4(was, _mm_maskz_loadu_ps(part, planes->distance + at2), 2);
-    was = _mm512_insertf32x4(was, _mm_maskz_loadu_ps(part, planes->distance + at3), 3);
-    const lanes far = all(r->distance[k]);
-    __mmask16 hit = _mm512_mask_cmp_ps_mask(live, far, was, _CMP_LT_OQ);
-    if (!hit)
-        return;
-    const lanes px = _mm512_cvtepi32_ps(_mm512_add_epi32(_mm512_set1_epi32(x), column));
-    const lanes py = _mm512_cvtepi32_ps(_mm512_add_epi32(_mm512_set1_epi32(y), line));
-    const lanes u = _mm512_sub_ps(_mm512_add_ps(px, all(0.5f)), all(s->eye.half_w));
-    const lanes v = _mm512_sub_ps(_mm512_add_ps(py, all(0.5f)), all(s->eye.half_h));
-    hit = covers(s, r, k, u, v, hit);
-    const __m128 far4 = _mm512_castps512_ps128(far);
-    const __m128i ids = _mm_set1_epi32((int)index);
-    const size_t place[4] = {at, at1, at2, at3};
-    for (int i = 0; i < 4; i++) {
-        const __mmask8 here = (__mmask8)(hit >> (4 * i) & 15);
-        if (here) {
-            _mm_mask_storeu_ps(planes->distance + place[i], here, far4);
-            _mm_mask_storeu_epi32(planes->index + place[i], here, ids);
+            const lanes n = _mm512_sub_ps(_mm512_mul_ps(o.v[b], all(s->axis[i][c])), _mm512_mul_ps(o.v[c], all(s->axis[i][b])));
+            const lanes both = _mm512_add_ps(m[b], m[c]), turned = _mm512_mask_sub_ps(_mm512_sub_ps(m[c], m[b]), single[b], m[b], m[c]);
+            _mm512_store_ps(out->edge[2 * a][i], _mm512_sub_ps(_mm512_mask_mov_ps(both, turn_first[a], turned), n));
+            _mm512_store_ps(out->edge[2 * a + 1][i], _mm512_add_ps(_mm512_mask_mov_ps(both, turn_second[a], turned), n));
         }
     }
 }
 
-/* A larger one: sixteen pixels of a row at a time. */
-static inline void fill(const ost_splat_eye *s, const sixteen *r, int k, uint32_t index, const ost_planes *planes)
+/* The sign bit where one of six values is negative. */
+static inline __m512i any_negative(const lanes f[6])
 {
-    const lanes far = all(r->distance[k]);
-    const __m512i ids = _mm512_set1_epi32((int)index);
-    const __m512 step = _mm512_set_ps(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0);
+    __m512i v[6];
+    for (int i = 0; i < 6; i++)
+        v[i] = _mm512_castps_si512(f[i]);
+    const __m512i first = _mm512_ternarylogic_epi32(v[0], v[1], v[2], 0xfe), second = _mm512_ternarylogic_epi32(v[3], v[4], v[5], 0xfe);
+    return _mm512_or_si512(first, second);
+}
+
+/* From the middle of the frame to the middles of the pixels of a column, and of a row. */
+static inline lanes across(const ost_splat_eye *s, __m512i x)
+{
+    return _mm512_sub_ps(_mm512_add_ps(_mm512_cvtepi32_ps(x), all(0.5f)), all(s->eye.half_w));
+}
+
+static inline lanes upward(const ost_splat_eye *s, __m512i y)
+{
+    return _mm512_sub_ps(all(s->eye.half_h), _mm512_add_ps(_mm512_cvtepi32_ps(y), all(0.5f)));
+}
+
+/*
+ * Voxels `which`, whose rectangles are of at most SMALL x SMALL pixels.  What is
+ * covered is noted as place << 4 | lane: frames have at most 2^26 pixels.
+ */
+static __attribute__((noinline)) void fill_small(const ost_splat_eye *s, const sixteen *r, __mmask16 which, const ost_planes *planes)
+{
+    uint32_t covered[OST_LANES * SMALL * SMALL + OST_LANES], n = 0;
+    const __m512i x0 = _mm512_load_si512(r->x0), y0 = _mm512_load_si512(r->y0);
+    const __m512i width = _mm512_sub_epi32(_mm512_load_si512(r->x1), x0), height = _mm512_sub_epi32(_mm512_load_si512(r->y1), y0);
+    const __m512i lane = _mm512_set_epi32(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0);
+    const __m512i place = _mm512_add_epi32(_mm512_mullo_epi32(_mm512_sub_epi32(y0, _mm512_set1_epi32(planes->key_top)), _mm512_set1_epi32(planes->stride)), x0);
+    const __m512i first = _mm512_or_si512(_mm512_slli_epi32(place, 4), lane);
+    lanes ub[SMALL][6];
+    __mmask16 column[SMALL];
+    int columns = 0;
+    for (; columns < SMALL; columns++) {
+        column[columns] = _mm512_mask_cmpge_epi32_mask(which, width, _mm512_set1_epi32(columns));
+        if (!column[columns])
+            break;
+        const lanes u = across(s, _mm512_add_epi32(x0, _mm512_set1_epi32(columns)));
+        for (int f = 0; f < 6; f++)
+            ub[columns][f] = _mm512_mul_ps(u, _mm512_load_ps(r->edge[f][1]));
+    }
+    for (int j = 0; j < SMALL; j++) {
+        const __mmask16 row = _mm512_mask_cmpge_epi32_mask(which, height, _mm512_set1_epi32(j));
+        if (!row)
+            break;
+        const lanes v = upward(s, _mm512_add_epi32(y0, _mm512_set1_epi32(j)));
+        lanes start[6];
+        for (int f = 0; f < 6; f++)
+            start[f] = _mm512_add_ps(_mm512_load_ps(r->edge[f][0]), _mm512_mul_ps(v, _mm512_load_ps(r->edge[f][2])));
+        for (int i = 0; i < columns; i++) {
+            lanes value[6];
+            for (int f = 0; f < 6; f++)
+                value[f] = _mm512_add_ps(start[f], ub[i][f]);
+            const __mmask16 out = _mm512_movepi32_mask(any_negative(value)), in = (__mmask16)(row & column[i] & ~out);
+            const __m512i here = _mm512_add_epi32(first, _mm512_set1_epi32((j * planes->stride + i) << 4));
+            _mm512_storeu_si512(covered + n, _mm512_maskz_compress_epi32(in, here));
+            n += (uint32_t)__builtin_popcount(in);
+        }
+    }
+    for (uint32_t i = 0; i < n; i++) {
+        uint64_t *was = planes->key + (covered[i] >> 4);
+        const uint64_t key = r->key[covered[i] & 15], old = *was;
+        *was = key < old ? key : old;
+    }
+}
+
+/* Eight pixels of a row, of which `in` are covered. */
+static inline void settle(uint64_t *row, __mmask8 in, __m512i key)
+{
+    const __mmask8 nearer = _mm512_mask_cmplt_epu64_mask(in, key, _mm512_maskz_loadu_epi64(in, row));
+    _mm512_mask_storeu_epi64(row, nearer, key);
+}
+
+/* Up to eight columns: two rows at a time, one in the even lanes and one in the odd. */
+static __attribute__((noinline)) void fill_pairs(const ost_splat_eye *s, const sixteen *r, int k, int y, int rows, float start[6][TALL], const ost_planes *planes)
+{
+    const __m512i step = _mm512_set_epi32(7, 7, 6, 6, 5, 5, 4, 4, 3, 3, 2, 2, 1, 1, 0, 0), key = _mm512_set1_epi64((long long)r->key[k]);
+    const lanes u = across(s, _mm512_add_epi32(_mm512_set1_epi32(r->x0[k]), step));
+    const unsigned live = (2u << (r->x1[k] - r->x0[k])) - 1;
+    uint64_t *row = ost_key_row(planes, y) + r->x0[k];
+    lanes ub[6];
+    for (int f = 0; f < 6; f++)
+        ub[f] = _mm512_mul_ps(u, all(r->edge[f][1][k]));
+    for (int j = 0; j < rows; j += 2, row += 2 * (size_t)planes->stride) {
+        lanes value[6];
+        for (int f = 0; f < 6; f++)
+            value[f] = _mm512_add_ps(_mm512_broadcast_f32x2(_mm_castsi128_ps(_mm_loadl_epi64((const void *)&start[f][j]))), ub[f]);
+        const unsigned in = ~(unsigned)_mm512_movepi32_mask(any_negative(value));
+        settle(row, (__mmask8)(_pext_u32(in, 0x5555) & live), key);
+        if (j + 1 < rows)
+            settle(row + planes->stride, (__mmask8)(_pext_u32(in, 0xaaaa) & live), key);
+    }
+}
+
+/* Sixteen columns at a time, a row at a time. */
+static __attribute__((noinline)) void fill_rows(const ost_splat_eye *s, const sixteen *r, int k, int y, int rows, float start[6][TALL], const ost_planes *planes)
+{
+    const __m512i step = _mm512_set_epi32(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0), key = _mm512_set1_epi64((long long)r->key[k]);
     const int x1 = r->x1[k];
     for (int x = r->x0[k]; x <= x1; x += OST_LANES) {
-        const __mmask16 live = x1 - x < OST_LANES - 1 ? (__mmask16)((2u << (x1 - x)) - 1) : (__mmask16)0xffff;
-        const lanes u = _mm512_sub_ps(_mm512_add_ps(_mm512_add_ps(all((float)x), step), all(0.5f)), all(s->eye.half_w));
-        for (int y = r->y0[k]; y <= r->y1[k]; y++) {
-            float *row = planes->distance + (size_t)y * (size_t)planes->stride + (size_t)x;
-            const __mmask16 nearer = _mm512_mask_cmp_ps_mask(live, far, _mm512_maskz_loadu_ps(live, row), _CMP_LT_OQ);
-            if (!nearer)
-                continue;
-            const __mmask16 hit = covers(s, r, k, u, all(((float)y + 0.5f) - s->eye.half_h), nearer);
-            _mm512_mask_storeu_ps(row, hit, far);
-            _mm512_mask_storeu_epi32(planes->index + (row - planes->distance), hit, ids);
+        const lanes u = across(s, _mm512_add_epi32(_mm512_set1_epi32(x), step));
+        const unsigned live = x1 - x < OST_LANES - 1 ? (2u << (x1 - x)) - 1 : 0xffff;
+        uint64_t *row = ost_key_row(planes, y) + x;
+        lanes ub[6];
+        for (int f = 0; f < 6; f++)
+            ub[f] = _mm512_mul_ps(u, all(r->edge[f][1][k]));
+        for (int j = 0; j < rows; j++, row += planes->stride) {
+            lanes value[6];
+            for (int f = 0; f < 6; f++)
+                value[f] = _mm512_add_ps(all(start[f][j]), ub[f]);
+            const unsigned in = ~(unsigned)_mm512_movepi32_mask(any_negative(value)) & live;
+            if (in & 0xff)
+                settle(row, (__mmask8)in, key);
+            if (in >> 8)
+                settle(row + 8, (__mmask8)(in >> 8), key);
         }
     }
+}
+
+static inline void fill(const ost_splat_eye *s, const sixteen *r, int k, const ost_planes *planes)
+{
+    const __m512i step = _mm512_set_epi32(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0);
+    const int y1 = r->y1[k];
+    for (int y = r->y0[k]; y <= y1; y += TALL) {
+        _Alignas(64) float start[6][TALL];
+        const int rows = y1 - y + 1 < TALL ? y1 - y + 1 : TALL;
+        const lanes v = upward(s, _mm512_add_epi32(_mm512_set1_epi32(y), step));
+        for (int f = 0; f < 6; f++)
+            _mm512_store_ps(start[f], _mm512_add_ps(all(r->edge[f][0][k]), _mm512_mul_ps(v, all(r->edge[f][2][k]))));
+        if (r->x1[k] - r->x0[k] < 8)
+            fill_pairs(s, r, k, y, rows, start, planes);
+        else
+            fill_rows(s, r, k, y, rows, start, planes);
+    }
+}
+
+static inline void fill_all(const ost_splat_eye *s, const sixteen *r, __mmask16 which, const ost_planes *planes)
+{
+    const __m512i wide = _mm512_sub_epi32(_mm512_load_si512(r->x1), _mm512_load_si512(r->x0));
+    const __m512i high = _mm512_sub_epi32(_mm512_load_si512(r->y1), _mm512_load_si512(r->y0));
+    const __mmask16 small = _mm512_mask_cmplt_epi32_mask(which, _mm512_max_epi32(wide, high), _mm512_set1_epi32(SMALL));
+    if (small)
+        fill_small(s, r, small, planes);
+    for (unsigned left = which & ~(unsigned)small; left; left &= left - 1)
+        fill(s, r, __builtin_ctz(left), planes);
 }
 
 /* Which of sixteen voxels may be seen, and where. */
-static inline __mmask16 rectangles(const ost_splat_eye *s, lanes3 o, __mmask16 live, int y0, int y1, sixteen *out)
+static inline __mmask16 rectangles(const ost_splat_eye *s, lanes3 o, const __mmask16 single[3], __mmask16 live, sixteen *out)
 {
+    static const float origin[3];
     const ost_eye *e = &s->eye;
+    const __m512i sign = _mm512_set1_epi32(INT32_MIN);
+    live = _mm512_mask_cmp_ps_mask(live, _mm512_sub_ps(dot(e->forward, o), all(s->reach[2])), all(e->near), _CMP_GT_OQ);
+    for (int a = 0; a < 3; a++) {
+        const __m512i half = _mm512_or_si512(_mm512_and_si512(_mm512_castps_si512(o.v[a]), sign), _mm512_castps_si512(all(OST_HALF)));
+        o.v[a] = _mm512_mask_sub_ps(o.v[a], single[a], o.v[a], _mm512_castsi512_ps(half));
+    }
     const lanes x = dot(e->right, o), y = dot(e->up, o), z = dot(e->forward, o);
-    const lanes nearest = _mm512_sub_ps(z, all(s->reach[2]));
-    live = _mm512_mask_cmp_ps_mask(live, nearest, all(e->near), _CMP_GT_OQ);
+    const lanes nearest = _mm512_sub_ps(z, spread(e->forward, _mm512_setzero_ps(), origin, single));
     const lanes inverse = _mm512_div_ps(all(1.0f), z), tx = _mm512_mul_ps(x, inverse), ty = _mm512_mul_ps(y, inverse);
     const lanes k = _mm512_div_ps(all(e->focal), nearest);
-    const lanes hx = _mm512_add_ps(_mm512_mul_ps(spread(e->right, tx, e->forward), k), all(0.01f));
-    const lanes hy = _mm512_add_ps(_mm512_mul_ps(spread(e->up, ty, e->forward), k), all(0.01f));
+    const lanes hx = _mm512_add_ps(_mm512_mul_ps(spread(e->right, tx, e->forward, single), k), all(0.01f));
+    const lanes hy = _mm512_add_ps(_mm512_mul_ps(spread(e->up, ty, e->forward, single), k), all(0.01f));
     const lanes px = _mm512_add_ps(_mm512_mul_ps(tx, all(e->focal)), all(e->half_w - 0.5f));
     const lanes py = _mm512_sub_ps(all(e->half_h - 0.5f), _mm512_mul_ps(ty, all(e->focal)));
     const __m512i left = within(up(_mm512_sub_ps(px, hx)), 0, e->width), right = within(down(_mm512_add_ps(px, hx)), -1, e->width - 1);
-    const __m512i top = within(up(_mm512_sub_ps(py, hy)), y0, y1), bottom = within(down(_mm512_add_ps(py, hy)), y0 - 1, y1 - 1);
+    const __m512i top = within(up(_mm512_sub_ps(py, hy)), 0, e->height), bottom = within(down(_mm512_add_ps(py, hy)), -1, e->height - 1);
     _mm512_store_si512(out->x0, left);
     _mm512_store_si512(out->x1, right);
     _mm512_store_si512(out->y0, top);
     _mm512_store_si512(out->y1, bottom);
     return _mm512_mask_cmple_epi32_mask(_mm512_mask_cmple_epi32_mask(live, left, right), top, bottom);
+}
+
+static inline void keys_of(lanes3 o, uint32_t first, sixteen *out)
+{
+    const __m512i step = _mm512_set_epi32(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0);
+    const __m512i low = _mm512_set_epi32(23, 7, 22, 6, 21, 5, 20, 4, 19, 3, 18, 2, 17, 1, 16, 0), high = _mm512_add_epi32(low, _mm512_set1_epi32(8));
+    const lanes xy = _mm512_add_ps(_mm512_mul_ps(o.v[0], o.v[0]), _mm512_mul_ps(o.v[1], o.v[1]));
+    const __m512i distance = _mm512_castps_si512(_mm512_add_ps(xy, _mm512_mul_ps(o.v[2], o.v[2])));
+    const __m512i number = _mm512_add_epi32(_mm512_set1_epi32((int)first), step);
+    _mm512_store_si512(out->key, _mm512_permutex2var_epi32(number, low, distance));
+    _mm512_store_si512(out->key + 8, _mm512_permutex2var_epi32(number, high, distance));
+}
+
+/* A voxel beside the eye once more for each other way that its rays may go. */
+static inline void fill_beside(const ost_splat_eye *s, lanes3 o, const __mmask16 beside[3], const __mmask16 single[3], __mmask16 live, sixteen *r, const ost_planes *planes)
+{
+    for (unsigned turned = 1; turned < 8; turned++) {
+        __mmask16 which = live;
+        __m512i negative[3];
+        for (int a = 0; a < 3; a++) {
+            const bool turn = turned >> a & 1;
+            const __m512i sign = _mm512_set1_epi32(INT32_MIN), down = _mm512_and_si512(_mm512_castps_si512(o.v[a]), sign);
+            negative[a] = turn ? _mm512_xor_si512(down, sign) : down;
+            which = (__mmask16)(turn ? which & beside[a] : which);
+        }
+        if (which) {
+            edges_of(s, o, negative, single, r);
+            fill_all(s, r, which, planes);
+        }
+    }
+}
+
+/* Leaves of rectangles what lies in rows y0 to y1 - 1; which have something there. */
+static inline __mmask16 into_band(sixteen *r, __mmask16 live, int y0, int y1)
+{
+    const __m512i top = _mm512_max_epi32(_mm512_load_si512(r->y0), _mm512_set1_epi32(y0));
+    const __m512i bottom = _mm512_min_epi32(_mm512_load_si512(r->y1), _mm512_set1_epi32(y1 - 1));
+    _mm512_store_si512(r->y0, top);
+    _mm512_store_si512(r->y1, bottom);
+    return _mm512_mask_cmple_epi32_mask(live, top, bottom);
+}
+
+static inline uint32_t rows_of(const sixteen *r, __mmask16 live)
+{
+    if (!live)
+        return OST_ROWS_NONE;
+    const int top = _mm512_mask_reduce_min_epi32(live, _mm512_load_si512(r->y0)), last = _mm512_mask_reduce_max_epi32(live, _mm512_load_si512(r->y1));
+    return (uint32_t)top << 16 | (uint32_t)(last + 1);
 }
 
 void ost_splat_avx512(const ost_splat_eye *eye, const ost_visible *visible, uint32_t first, uint32_t count, const ost_planes *planes, int y0,
@@ -201,28 +359,37 @@ void ost_splat_avx512(const ost_splat_eye *eye, const ost_visible *visible, uint
     if (count == 0)
         return;
     const float *base = visible->bases + 4 * (size_t)(points[0] >> OST_LOCAL_BITS);
-    const __m512i low = _mm512_set1_epi32(31);
+    const __m512i low = _mm512_set1_epi32(31), sign = _mm512_set1_epi32(INT32_MIN);
     for (uint32_t i = 0; i < count; i += OST_LANES) {
-        const __mmask16 live = count - i < OST_LANES ? (__mmask16)((1u << (count - i)) - 1) : (__mmask16)0xffff;
+        _Atomic uint32_t *rows = &visible->rows[(first + i) / OST_LANES];
+        const uint32_t known = atomic_load_explicit(rows, memory_order_relaxed);
+        if (ost_rows_miss(known, y0, y1))
+            continue;
+        __mmask16 live = count - i < OST_LANES ? (__mmask16)((1u << (count - i)) - 1) : (__mmask16)0xffff, beside[3];
         const __m512i p = _mm512_maskz_loadu_epi32(live, points + i);
+        const __m512i only = _mm512_cvtepu8_epi32(_mm_loadu_si128((const void *)(visible->only + first + i)));
         sixteen r;
         lanes3 o;
+        __m512i negative[3];
+        __mmask16 single[3];
         for (int a = 0; a < 3; a++) {
             const __m512i at = _mm512_and_si512(_mm512_srl_epi32(p, _mm_cvtsi32_si128(5 * a)), low);
             o.v[a] = _mm512_add_ps(all(base[a]), _mm512_cvtepi32_ps(at));
+            negative[a] = _mm512_and_si512(_mm512_castps_si512(o.v[a]), sign);
+            beside[a] = _mm512_cmp_ps_mask(_mm512_abs_ps(o.v[a]), all(OST_BESIDE), _CMP_LE_OQ);
+            single[a] = _mm512_cmpeq_epi32_mask(only, _mm512_set1_epi32(a));
         }
-        const lanes xy = _mm512_add_ps(_mm512_mul_ps(o.v[0], o.v[0]), _mm512_mul_ps(o.v[1], o.v[1]));
-        _mm512_store_ps(r.distance, _mm512_add_ps(xy, _mm512_mul_ps(o.v[2], o.v[2])));
-        unsigned left = rectangles(eye, o, live, y0, y1, &r);
-        if (left)
-            crosses(eye, o, &r);
-        for (; left; left &= left - 1) {
-            const int k = __builtin_ctz(left);
-            if (r.x1[k] - r.x0[k] < 4 && r.y1[k] - r.y0[k] < 4)
-                fill_small(eye, &r, k, first + i + (uint32_t)k, planes);
-            else
-                fill(eye, &r, k, first + i + (uint32_t)k, planes);
-        }
+        live = rectangles(eye, o, single, live, &r);
+        if (known == OST_ROWS_UNKNOWN)
+            atomic_store_explicit(rows, rows_of(&r, live), memory_order_relaxed);
+        live = into_band(&r, live, y0, y1);
+        if (!live)
+            continue;
+        keys_of(o, first + i, &r);
+        edges_of(eye, o, negative, single, &r);
+        fill_all(eye, &r, live, planes);
+        if (live & (beside[0] | beside[1] | beside[2]))
+            fill_beside(eye, o, beside, single, live, &r, planes);
     }
 }
 
@@ -234,51 +401,98 @@ static inline __m512i lit(__m512i colour, __m512i light)
     return _mm512_or_si512(a, b);
 }
 
-/* The face by which the ray of each pixel enters, and where. */
-static inline __m512i enter(const ost_splat_eye *eye, const ost_visible *visible, __m512i id, __mmask16 any, lanes u, float v, lanes *depth)
+/* From the eye to the voxel of each pixel: few blocks share a register, so bases are found block by block. */
+static inline lanes3 places(const ost_visible *visible, __m512i id, __mmask16 any)
 {
-    const __m512i slot = _mm512_slli_epi32(_mm512_srli_epi32(id, OST_LOCAL_BITS), 2), five = _mm512_set1_epi32(31);
-    const lanes zero = _mm512_setzero_ps();
-    __m512i face = _mm512_setzero_si512();
-    lanes t = zero;
-    for (int a = 0; a < 3; a++) {
-        const __m512i local = _mm512_and_si512(_mm512_srl_epi32(id, _mm_cvtsi32_si128(5 * a)), five);
-        const lanes o = _mm512_add_ps(_mm512_mask_i32gather_ps(zero, any, slot, visible->bases + a, 4), _mm512_cvtepi32_ps(local));
-        lanes d = _mm512_add_ps(all(eye->axis[0][a] - v * eye->axis[2][a]), _mm512_mul_ps(u, all(eye->axis[1][a])));
-        d = _mm512_mask_mov_ps(d, _mm512_cmp_ps_mask(d, zero, _CMP_EQ_OQ), all(1e-20f));
-        const lanes inverse = _mm512_div_ps(all(1.0f), d);
-        const lanes in = _mm512_sub_ps(_mm512_mul_ps(o, inverse), _mm512_mul_ps(all(OST_HALF), _mm512_abs_ps(inverse)));
-        const __mmask16 later = a == 0 ? (__mmask16)0xffff : _mm512_cmp_ps_mask(in, t, _CMP_GT_OQ);
-        const __mmask16 back = _mm512_cmp_ps_mask(d, zero, _CMP_LT_OQ);
-        t = _mm512_mask_mov_ps(t, later, in);
-        face = _mm512_mask_mov_epi32(face, later, _mm512_mask_blend_epi32(back, _mm512_set1_epi32(2 * a), _mm512_set1_epi32(2 * a + 1)));
+    const __m512i slot = _mm512_srli_epi32(id, OST_LOCAL_BITS), five = _mm512_set1_epi32(31);
+    lanes3 o = {{_mm512_setzero_ps(), _mm512_setzero_ps(), _mm512_setzero_ps()}};
+    for (unsigned left = any; left;) {
+        const __m512i one = _mm512_maskz_compress_epi32((__mmask16)left, slot);
+        const uint32_t number = (uint32_t)_mm512_cvtsi512_si32(one);
+        const __mmask16 here = _mm512_mask_cmpeq_epi32_mask((__mmask16)left, slot, _mm512_set1_epi32((int)number));
+        for (int a = 0; a < 3; a++)
+            o.v[a] = _mm512_mask_mov_ps(o.v[a], here, all(visible->bases[4 * (size_t)number + (size_t)a]));
+        left &= ~(unsigned)here;
     }
-    *depth = _mm512_mul_ps(t, all(eye->eye.focal));
-    return face;
+    for (int a = 0; a < 3; a++)
+        o.v[a] = _mm512_add_ps(o.v[a], _mm512_cvtepi32_ps(_mm512_and_si512(_mm512_srl_epi32(id, _mm_cvtsi32_si128(5 * a)), five)));
+    return o;
 }
 
-void ost_resolve_avx512(const ost_splat_eye *eye, const ost_visible *visible, const ost_planes *planes, int y)
+/* The face by which the ray of each pixel enters, and where. */
+static inline __m512i enter(const ost_splat_eye *eye, lanes3 o, lanes u, float v, lanes *depth)
 {
-    const float v = ((float)y + 0.5f) - eye->eye.half_h;
-    const __m512 step = _mm512_set_ps(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0);
+    lanes near[3], d[3];
+    for (int a = 0; a < 3; a++) {
+        near[a] = _mm512_sub_ps(_mm512_abs_ps(o.v[a]), all(OST_HALF));
+        d[a] = _mm512_abs_ps(_mm512_add_ps(all(eye->axis[0][a] + v * eye->axis[2][a]), _mm512_mul_ps(u, all(eye->axis[1][a]))));
+    }
+    const __m512i two = _mm512_set1_epi32(2);
+    lanes best_near = near[0], best_d = d[0], best_o = o.v[0];
+    __m512i best = _mm512_setzero_si512();
+    for (int a = 1; a < 3; a++) {
+        const __mmask16 later = _mm512_cmp_ps_mask(_mm512_mul_ps(near[a], best_d), _mm512_mul_ps(best_near, d[a]), _CMP_GT_OQ);
+        best_near = _mm512_mask_mov_ps(best_near, later, near[a]);
+        best_d = _mm512_mask_mov_ps(best_d, later, d[a]);
+        best_o = _mm512_mask_mov_ps(best_o, later, o.v[a]);
+        best = _mm512_mask_mov_epi32(best, later, a == 1 ? two : _mm512_set1_epi32(4));
+    }
+    *depth = _mm512_mul_ps(_mm512_div_ps(best_near, _mm512_max_ps(best_d, all(1e-20f))), all(eye->eye.focal));
+    return _mm512_or_si512(best, _mm512_srli_epi32(_mm512_castps_si512(best_o), 31));
+}
+
+void ost_resolve_avx512(const ost_splat_eye *eye, const ost_visible *visible, const ost_planes *planes, int y, int x0, int x1)
+{
+    const float v = eye->eye.half_h - ((float)y + 0.5f);
+    const __m512i step = _mm512_set_epi32(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0);
+    const __m512i even = _mm512_add_epi32(step, step);
     const __m512i lights = _mm512_castsi256_si512(_mm256_loadu_si256((const void *)visible->light));
-    for (int x = 0; x < planes->stride; x += OST_LANES) {
-        const size_t at = (size_t)y * (size_t)planes->stride + (size_t)x;
-        const __m512i index = _mm512_load_si512(planes->index + at);
-        const __mmask16 any = _mm512_cmpneq_epi32_mask(index, _mm512_set1_epi32(-1));
+    for (int x = x0; x < x1; x += OST_LANES) {
+        const size_t at = ost_row(planes, y) + (size_t)x;
+        const uint64_t *key = ost_key_row(planes, y) + x;
+        const __m512i index = _mm512_permutex2var_epi32(_mm512_load_si512(key), even, _mm512_load_si512(key + 8));
+        const __mmask16 any = _mm512_cmpneq_epi32_mask(index, _mm512_set1_epi32((int)OST_NO_VOXEL));
         __m512i face = _mm512_set1_epi32(OST_NO_FACE), colour = _mm512_set1_epi32((int)visible->background);
         if (any) {
-            const lanes u = _mm512_sub_ps(_mm512_add_ps(_mm512_add_ps(all((float)x), step), all(0.5f)), all(eye->eye.half_w));
+            const lanes u = across(eye, _mm512_add_epi32(_mm512_set1_epi32(x), step));
             /* Gathers take their index as signed, and their scale of 4 makes bytes of it: 2^31 entries are far beyond any list. */
             const __m512i id = _mm512_mask_i32gather_epi32(_mm512_setzero_si512(), any, index, visible->id, 4);
             const __m512i tint = _mm512_mask_i32gather_epi32(_mm512_setzero_si512(), any, index, visible->tint, 4);
             lanes depth;
-            const __m512i entered = enter(eye, visible, id, any, u, v, &depth);
+            const __m512i entered = enter(eye, places(visible, id, any), u, v, &depth);
             face = _mm512_mask_mov_epi32(face, any, entered);
             colour = _mm512_mask_mov_epi32(colour, any, lit(tint, _mm512_permutexvar_epi32(entered, lights)));
             _mm512_mask_store_ps(planes->depth + at, any, depth);
         }
         _mm512_store_si512(planes->colour + at, colour);
         _mm_store_si128((void *)(planes->face + at), _mm512_cvtepi32_epi8(face));
+    }
+}
+
+uint64_t ost_farthest_avx512(const ost_planes *planes, int x, int y, int rows)
+{
+    const uint64_t *row = ost_key_row(planes, y) + x;
+    __m512i most = _mm512_load_si512(row);
+    for (int j = 1; j < rows; j++)
+        most = _mm512_max_epu64(most, _mm512_load_si512(row += planes->stride));
+    return _mm512_reduce_max_epu64(most);
+}
+
+void ost_merge_avx512(const ost_planes *to, const ost_planes *from, float scale, int y, int x0, int x1)
+{
+    const __m128i none = _mm_set1_epi8(OST_NO_FACE);
+    for (int x = x0; x < x1; x += OST_LANES) {
+        const size_t i = ost_row(from, y) + (size_t)x, at = ost_row(to, y) + (size_t)x;
+        const __m128i face = _mm_load_si128((const void *)(from->face + i));
+        const __mmask16 any = _mm_cmpneq_epi8_mask(face, none);
+        if (!any)
+            continue;
+        const __mmask16 bare = _mm_cmpeq_epi8_mask(_mm_load_si128((const void *)(to->face + at)), none);
+        const lanes depth = _mm512_mul_ps(_mm512_load_ps(from->depth + i), all(scale));
+        const __mmask16 nearer = _mm512_cmp_ps_mask(depth, _mm512_load_ps(to->depth + at), _CMP_LT_OQ);
+        const __mmask16 take = (__mmask16)(any & (bare | nearer));
+        _mm512_mask_store_ps(to->depth + at, take, depth);
+        _mm_mask_storeu_epi8(to->face + at, take, face);
+        _mm512_mask_store_epi32(to->colour + at, take, _mm512_load_si512(from->colour + i));
     }
 }

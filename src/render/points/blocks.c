@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "core/conditions.h"
+#include "render/points/blocks.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const float FARTHEST = 32768.0f; /* voxels from the eye: squares of distances keep whole voxels apart near the eye's axis */
+
+ost_status ost_blocks_check(const ost_surface *surface, const ost_eye *eye, ost_error *err)
+{
+    const ost_dims d = surface->geometry.dims;
+    const float size[3] = {(float)d.x, (float)d.y, (float)d.z};
+    for (int a = 0; a < 3; a++)
+        if (!(fabsf(eye->at[a]) < FARTHEST) || !(fabsf(eye->at[a] - size[a]) < FARTHEST))
+            return ost_fail(err, OST_ERR_RANGE, "the camera is more than %d voxels away from what it is to see", (int)FARTHEST);
+    return OST_OK;
+}
+
+/* Pixels of 0 to count that p - h to p + h meets, half-open. */
+static void range(float p, float h, int count, int *from, int *to)
+{
+    *from = p - h > 0 ? (int)(p - h) : 0;
+    *to = p + h < (float)(count - 1) ? (int)(p + h) + 1 : count;
+}
+
+/*
+ * Whether the block about o (from the eye) may be seen, and in which pixels.
+ * Its box is taken as one large voxel of half side 16: splat_scalar.c has the
+ * reasoning for the slopes; a pixel is added on each side for rounding.
+ */
+static bool cull(const ost_splat_eye *s, const float o[3], ost_frame_block *b)
+{
+    const ost_eye *e = &s->eye;
+    const float half = (float)OST_BLOCK; /* times reach, which has a half in it */
+    const float x = ost_eye_dot(e->right, o), y = ost_eye_dot(e->up, o), z = ost_eye_dot(e->forward, o);
+    const float reach = half * s->reach[2], far = z + reach, nearest = z - reach;
+    if (!(far > e->near))
+        return false;
+    b->x0 = b->y0 = 0;
+    b->x1 = e->width;
+    b->y1 = e->height;
+    if (!(nearest > e->near))
+        return true;
+    const float tx = x / z, ty = y / z;
+    float sx = 0, sy = 0;
+    for (int a = 0; a < 3; a++) {
+        sx += fabsf(e->right[a] - tx * e->forward[a]);
+        sy += fabsf(e->up[a] - ty * e->forward[a]);
+    }
+    const float k = 0.5f * half * e->focal / nearest;
+    const float px = e->half_w + tx * e->focal, py = e->half_h - ty * e->focal, hx = sx * k + 1, hy = sy * k + 1;
+    if (px + hx < 0 || px - hx > (float)e->width || py + hy < 0 || py - hy > (float)e->height)
+        return false;
+    range(px, hx, e->width, &b->x0, &b->x1);
+    range(py, hy, e->height, &b->y0, &b->y1);
+    return true;
+}
+
+/* The least key of a voxel of the block whose voxel (0, 0, 0) is base from the eye, with room for rounding. */
+static uint64_t nearest_key(const float base[3])
+{
+    float square = 0;
+    for (int a = 0; a < 3; a++) {
+        const float before = base[a], behind = -(base[a] + (float)(OST_BLOCK - 1)), off = before > behind ? before : behind;
+        square += off > 0 ? off * off : 0;
+    }
+    return ost_key(0.9999f * square, 0);
+}
+
+static int by_distance(const void *a, const void *b)
+{
+    const ost_frame_block *x = a, *y = b;
+    if (x->distance != y->distance)
+        return x->distance < y->distance ? -1 : 1;
+    return x->slot - y->slot;
+}
+
+void ost_blocks_choose(const ost_surface *s, const ost_splat_eye *eye, ost_frame_block *blocks, float *bases, int32_t *count, int *y0,
+                       int *y1)
+{
+    const ost_eye *e = &eye->eye;
+    int32_t n = 0;
+    *y0 = *y1 = 0;
+    for (int32_t i = 0; i < s->used; i++) {
+        const ost_surface_block *block = s->slot[i];
+        ost_frame_block b = {.slot = i, .count = block->count};
+        float middle[3];
+        for (int a = 0; a < 3; a++) {
+            bases[4 * i + a] = (float)(OST_BLOCK * block->at[a]) - e->at[a];
+            middle[a] = bases[4 * i + a] + 15.5f;
+        }
+        if (block->count == 0 || !cull(eye, middle, &b))
+            continue;
+        b.distance = ost_eye_dot(middle, middle);
+        b.nearest = nearest_key(&bases[4 * i]);
+        blocks[n++] = b;
+        *y0 = n == 1 || b.y0 < *y0 ? b.y0 : *y0;
+        *y1 = n == 1 || b.y1 > *y1 ? b.y1 : *y1;
+    }
+    if (n > 0)
+        qsort(blocks, (size_t)n, sizeof *blocks, by_distance);
+    uint32_t begin = 0;
+    for (int32_t i = 0; i < n; i++) {
+        blocks[i].begin = begin;
+        begin += (blocks[i].count + OST_LANES - 1) / OST_LANES * OST_LANES;
+    }
+    *count = n;
+}
+
+void ost_blocks_turned(float base, int axis, uint8_t turned[OST_BLOCK])
+{
+    for (int i = 0; i < OST_BLOCK; i++) {
+        const float o = base + (float)i;
+        turned[i] = (uint8_t)((o > OST_HALF) << (2 * axis) | (o < -OST_HALF) << (2 * axis + 1));
+    }
+}
