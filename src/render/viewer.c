@@ -10,12 +10,14 @@ ost_status ost_viewer_init(ost_viewer *viewer, const ost_geometry *bone, ost_sty
     viewer->style = style;
     viewer->threads = threads;
     ost_status status = ost_isa_choose(isa, &viewer->isa, err);
+    ost_palette_make(OST_COLOUR_BONE, viewer->palette);
     return status == OST_OK ? ost_surface_init(&viewer->bone, bone, err) : status;
 }
 
 void ost_viewer_free(ost_viewer *viewer)
 {
     ost_surface_free(&viewer->bone);
+    ost_ground_free(&viewer->ground);
     for (int i = 0; i < viewer->tools; i++)
         ost_surface_free(&viewer->tool[i]);
     ost_frame_free(&viewer->frame);
@@ -53,6 +55,36 @@ ost_status ost_viewer_add_tool(ost_viewer *viewer, const ost_tool_volume *volume
     return status;
 }
 
+ost_status ost_viewer_set_ground(ost_viewer *viewer, ost_volume *before, int32_t threshold, const ost_density_classes *classes,
+                                 const ost_pm3 *at, const double *axis, ost_error *err)
+{
+    ost_surface_set_ground(&viewer->bone, NULL, NULL);
+    ost_ground_free(&viewer->ground);
+    ost_status status = ost_ground_init(&viewer->ground, before, threshold, classes, at, axis, err);
+    viewer->has_ground = status == OST_OK;
+    return status == OST_OK ? ost_surface_set_ground(&viewer->bone, &viewer->ground, err) : status;
+}
+
+void ost_viewer_set_colouring(ost_viewer *viewer, ost_colouring colouring)
+{
+    ost_surface_set_colouring(&viewer->bone, colouring);
+    ost_palette_make(colouring, viewer->palette);
+}
+
+void ost_viewer_set_clip(ost_viewer *viewer, const ost_clip *clip)
+{
+    ost_surface_clip(&viewer->bone, clip);
+}
+
+void ost_viewer_set_contact(ost_viewer *viewer, bool shown)
+{
+    viewer->bone.keep_fresh = shown;
+    if (!shown) {
+        ost_surface_age(&viewer->bone);
+        ost_surface_age(&viewer->bone);
+    }
+}
+
 void ost_viewer_follow(ost_viewer *viewer, ost_live *live)
 {
     viewer->live = live;
@@ -70,6 +102,11 @@ ost_status ost_viewer_update(ost_viewer *viewer, ost_error *err)
     ost_status status = OST_OK;
     if (viewer->live) {
         viewer->has_state = ost_live_state_get(viewer->live, &viewer->state);
+        const int64_t now = viewer->has_state ? viewer->state.t_ns : 0;
+        if (now < viewer->aged_ns || now - viewer->aged_ns >= OST_VIEWER_FRESH_NS) {
+            ost_surface_age(&viewer->bone);
+            viewer->aged_ns = now;
+        }
         status = ost_live_take(viewer->live, take, viewer, err);
     }
     return status == OST_OK ? ost_surface_update(&viewer->bone, err) : status;
@@ -82,13 +119,16 @@ ost_status ost_viewer_draw(ost_viewer *viewer, const ost_camera *camera, ost_err
         ost_frame_free(&viewer->frame);
         status = ost_frame_init(&viewer->frame, camera->width, camera->height, viewer->style, viewer->isa, viewer->threads, err);
     }
+    if (status != OST_OK)
+        return status;
     viewer->frame.style = viewer->style;
-    ost_frame_thing things[2] = {{&viewer->bone, ost_eye_make(camera, &viewer->bone.geometry), OST_PAINT_BONE}};
+    const ost_eye eye = ost_eye_make(camera, &viewer->bone.geometry);
+    ost_frame_thing things[2] = {{.surface = &viewer->bone, .eye = eye, .paint = OST_PAINT_BONE, .palette = viewer->palette}};
     int count = 1;
     const ost_live_state *s = &viewer->state;
     if (viewer->has_state && s->ticks > 0 && s->tool >= 0 && s->tool < viewer->tools) {
         const ost_surface *tool = &viewer->tool[s->tool];
-        things[count++] = (ost_frame_thing){tool, ost_eye_make_from(camera, &tool->geometry, &s->pose), OST_PAINT_STEEL};
+        things[count++] = (ost_frame_thing){.surface = tool, .eye = ost_eye_make_from(camera, &tool->geometry, &s->pose), .paint = OST_PAINT_STEEL};
     }
-    return status == OST_OK ? ost_frame_draw_things(&viewer->frame, things, count, err) : status;
+    return ost_frame_draw_things(&viewer->frame, things, count, err);
 }

@@ -6,6 +6,9 @@
  *   tool volumes ----> surfaces of tools ----+--camera--> frame
  *   ost_live --state--> the tool's pose -----'
  *
+ *   ground (what was before) ---> colours of what was cut
+ *   clip plane ----------------> seen with it
+ *
  * One thread at a time.  A viewer that follows nothing shows what was set.
  */
 #ifndef OST_RENDER_VIEWER_H
@@ -14,9 +17,12 @@
 #include <osteon/live.h>
 #include <osteon/tool.h>
 
+#include "render/points/clip.h"
 #include "render/points/frame.h"
+#include "render/points/ground.h"
 
 enum { OST_VIEWER_TOOLS = 16 };
+#define OST_VIEWER_FRESH_NS INT64_C(150000000) /* of the operation's time: bone that went is shown for one to two of these */
 
 typedef struct ost_viewer {
     ost_live *live;      /* borrowed; NULL: it follows nothing */
@@ -30,6 +36,10 @@ typedef struct ost_viewer {
     ost_live_state state;
     bool has_state;      /* the tool is drawn where state says */
     uint64_t changed;    /* chunks that were taken */
+    ost_ground ground;   /* with has_ground */
+    bool has_ground;
+    uint32_t palette[OST_PAINTS];
+    int64_t aged_ns;
 } ost_viewer;
 
 /* isa and threads as ost_points_options has them. */
@@ -38,6 +48,16 @@ void ost_viewer_free(ost_viewer *viewer); /* also of a zeroed one */
 
 /* In the order of the world's. */
 ost_status ost_viewer_add_tool(ost_viewer *viewer, const ost_tool_volume *volume, ost_error *err);
+/* What the bone was before anything was cut: takes the volume. As ost_ground_init. Before the bone is first set or taken. */
+ost_status ost_viewer_set_ground(ost_viewer *viewer, ost_volume *before, int32_t threshold, const ost_density_classes *classes,
+                                 const ost_pm3 *at, const double *axis, ost_error *err);
+/* All but OST_COLOUR_BONE need a ground. */
+void ost_viewer_set_colouring(ost_viewer *viewer, ost_colouring colouring);
+/* NULL: all is shown. */
+void ost_viewer_set_clip(ost_viewer *viewer, const ost_clip *clip);
+/* Where bone goes is shown for a moment. */
+void ost_viewer_set_contact(ost_viewer *viewer, bool shown);
+
 /* From now on the bone is what live shows. */
 void ost_viewer_follow(ost_viewer *viewer, ost_live *live);
 /* What has changed since the last time. */

@@ -2,24 +2,20 @@
 /*
  * A block and what lies about it, as words of 64 voxels:
  *
- *    bit   0 .. 15    16 .. 47     48 .. 63          rows y, z from -2 to 33
+ *    bit   0 .. 15    16 .. 47     48 .. 63          rows y, z from -1 to 32
  *        block at x-1   its own   block at x+1
  *
  * A face of voxel x is to the air where its bit is set and the neighbour's is
  * not: one shift or the next row, and a mask, for 32 voxels at a time.
- *
- * The normal is the first moment of the 5^3 voxels about a voxel, taken
- * negative, with weights that fall from the middle; how open the voxel lies is
- * how many of them are air.  Five bits of a row are looked up at once.
+ * How they look comes after (dress.h).
  */
 #include "render/points/extract.h"
 
 #include <stdlib.h>
 
 #include "core/conditions.h"
-#include "render/points/octahedral.h"
 
-enum { SIDE = OST_BLOCK, REACH = OST_LOOK_REACH, WIDE = SIDE + 2 * REACH, OWN = 16, WINDOW = 2 * REACH + 1 };
+enum { SIDE = OST_BLOCK, REACH = 1, WIDE = SIDE + 2 * REACH, OWN = 16 };
 
 typedef struct around {
     uint64_t row[WIDE][WIDE]; /* [z + REACH][y + REACH] */
@@ -57,43 +53,6 @@ static inline uint32_t faces_of_row(const around *a, int y, int z, uint32_t face
     return any;
 }
 
-/* Of five bits: their weights' sum, and their first moment; the weights of a row's offset from the middle are the same. */
-static const int8_t WEIGHT[WINDOW] = {2, 3, 4, 3, 2};
-#define BIT(b, i) (((b) >> (i)) & 1)
-#define SUM(b) (2 * BIT(b, 0) + 3 * BIT(b, 1) + 4 * BIT(b, 2) + 3 * BIT(b, 3) + 2 * BIT(b, 4))
-#define MOMENT(b) (-4 * BIT(b, 0) - 3 * BIT(b, 1) + 3 * BIT(b, 3) + 4 * BIT(b, 4))
-#define EIGHT(f, b) f(b), f(b + 1), f(b + 2), f(b + 3), f(b + 4), f(b + 5), f(b + 6), f(b + 7)
-static const int8_t SUMS[32] = {EIGHT(SUM, 0), EIGHT(SUM, 8), EIGHT(SUM, 16), EIGHT(SUM, 24)};
-static const int8_t MOMENTS[32] = {EIGHT(MOMENT, 0), EIGHT(MOMENT, 8), EIGHT(MOMENT, 16), EIGHT(MOMENT, 24)};
-enum { ALL = 14 * 14 * 14 }; /* the sum over a full neighbourhood */
-
-/*
- * Half of the neighbourhood is air where the surface is flat, and that is as
- * open as need be; a pit of three quarters bone is half as bright.
- */
-static uint32_t openness(int bone)
-{
-    const int pit = bone - ALL / 2 - ALL / 16; /* the voxel itself and its layer count as bone */
-    const int open = pit <= 0 ? 255 : 255 - pit * 510 / ALL;
-    return (uint32_t)(open < 0 ? 0 : open);
-}
-
-static uint32_t look(const around *a, int x, int y, int z)
-{
-    int bone = 0, m[3] = {0, 0, 0};
-    for (int dz = -REACH; dz <= REACH; dz++)
-        for (int dy = -REACH; dy <= REACH; dy++) {
-            const unsigned bits = a->row[z + dz + REACH][y + dy + REACH] >> (OWN + x - REACH) & 31;
-            const int weight = WEIGHT[dz + REACH] * WEIGHT[dy + REACH], sum = weight * SUMS[bits];
-            bone += sum;
-            m[0] += weight * MOMENTS[bits];
-            m[1] += dy * sum;
-            m[2] += dz * sum;
-        }
-    const float out[3] = {(float)-m[0], (float)-m[1], (float)-m[2]};
-    return ost_octahedral_of(out) | openness(bone) << OST_OPEN_SHIFT;
-}
-
 static bool make_room(ost_surface_block *b, uint32_t count)
 {
     if (count <= b->room)
@@ -125,15 +84,13 @@ ost_status ost_surface_list(const ost_surface *surface, ost_surface_block *block
     for (uint32_t row = 0; row < OST_BLOCK_ROWS; row++) {
         if (!any[row])
             continue;
-        const int y = (int)(row % SIDE), z = (int)(row / SIDE);
-        faces_of_row(&a, y, z, face);
+        faces_of_row(&a, (int)(row % SIDE), (int)(row / SIDE), face);
         for (uint32_t left = any[row]; left; left &= left - 1, n++) {
             const int x = __builtin_ctz(left);
             uint32_t mask = 0;
             for (int f = 0; f < 6; f++)
                 mask |= (face[f] >> x & 1) << f;
             block->points[n] = (uint32_t)x | row << 5 | mask << OST_FACES_SHIFT;
-            block->looks[n] = look(&a, x, y, z);
         }
     }
     block->count = count;

@@ -84,6 +84,7 @@ ost_status ost_frame_init(ost_frame *frame, int width, int height, ost_style sty
     frame->style = style;
     frame->band = OST_BAND;
     frame->kernels = ost_splat_kernels_of(isa);
+    frame->tint = ost_light_tint_for(isa);
 #ifdef _OPENMP
     frame->threads = threads ? threads : omp_get_num_procs();
 #else
@@ -92,7 +93,10 @@ ost_status ost_frame_init(ost_frame *frame, int width, int height, ost_style sty
     const bool planes = planes_init(&frame->planes, width, height);
     frame->blank = malloc((size_t)frame->planes.stride * sizeof *frame->blank);
     frame->tiles_across = frame->planes.stride / OST_TILE;
-    if (!planes || !frame->blank || !benches_init(frame)) {
+    frame->directions = malloc(sizeof *frame->directions);
+    if (frame->directions)
+        ost_directions_make(frame->directions);
+    if (!planes || !frame->directions || !frame->blank || !benches_init(frame)) {
         ost_status status = no_memory(frame, err);
         ost_frame_free(frame);
         return status;
@@ -123,6 +127,7 @@ void ost_frame_free(ost_frame *frame)
     planes_free(&frame->planes);
     benches_free(frame);
     free(frame->blank);
+    free(frame->directions);
     for (int i = 0; i < OST_FRAME_LAYERS; i++)
         layer_free(&frame->layer[i]);
     memset(frame, 0, sizeof *frame);
@@ -191,7 +196,7 @@ static void choose_points(const ost_frame *frame, const ost_frame_layer *f, ost_
         memset(v->only + b->begin, OST_SEVERAL, b->count);
     for (uint32_t i = b->begin / OST_LANES; i < (b->begin + b->count + OST_LANES - 1) / OST_LANES; i++)
         atomic_store_explicit(&v->rows[i], OST_ROWS_UNKNOWN, memory_order_relaxed);
-    ost_light_tint(&f->light, v->look + b->begin, b->count, v->tint + b->begin);
+    frame->tint(&f->light, v->look + b->begin, b->count, v->tint + b->begin);
     b->listed = true;
 }
 
@@ -364,7 +369,7 @@ static ost_status prepare(ost_frame *frame, const ost_frame_thing *thing, int nu
     ost_blocks_choose(layer->surface, &layer->eye, layer->blocks, layer->bases, &layer->count, &layer->y0, &layer->y1);
     find_spans(layer);
     layer->within = is_within(thing->surface, &thing->eye);
-    ost_light_make(&layer->light, &thing->eye, frame->style, thing->paint);
+    ost_light_make(&layer->light, frame->directions, &thing->eye, frame->style, thing->paint, thing->palette);
     layer->visible.bases = layer->bases;
     layer->visible.background = OST_BACKGROUND;
     memcpy(layer->visible.light, layer->light.face, sizeof layer->light.face);

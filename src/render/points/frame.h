@@ -67,11 +67,13 @@ typedef struct ost_frame {
     int tiles_across;
     uint32_t *blank;        /* owned; a row of background */
     ost_splat_kernels kernels;
+    ost_light_tint_of *tint;
     int threads;
     int band;               /* rows that a thread draws at once, a multiple of OST_TILE */
     ost_frame_layer layer[OST_FRAME_LAYERS];
     int layers;             /* of the last frame */
     ost_style style;
+    ost_directions *directions; /* owned */
 } ost_frame;
 
 /* A thing in front of the camera. */
@@ -79,6 +81,7 @@ typedef struct ost_frame_thing {
     const ost_surface *surface;
     ost_eye eye;            /* in its voxels; its size is the frame's */
     ost_paint paint;
+    const uint32_t *palette; /* borrowed; NULL: all of it has its own paint */
 } ost_frame_thing;
 
 /* threads 0: all processors. */

@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "config.h"
+
 #include "core/conditions.h"
 #include "render/points/light.h"
 
@@ -26,27 +28,80 @@ static uint32_t rounded(float v, uint32_t most)
     return n < most ? n : most;
 }
 
-void ost_light_make(ost_light *light, const ost_eye *eye, ost_style style, ost_paint paint)
+void ost_directions_make(ost_directions *d)
 {
-    float key[3], fill[3], half[3], n[3];
-    toward(eye, -0.40f, 0.55f, -0.73f, key);
-    toward(eye, 0.85f, -0.10f, -0.50f, fill);
-    toward(eye, -0.40f, 0.55f, -1.73f, half); /* half-way between the key light and the eye */
-    light->style = style;
-    light->paint = paint;
     for (uint32_t cell = 0; cell < OST_OCTAHEDRAL_COUNT; cell++) {
+        float n[3];
         ost_octahedral_vector(cell, n);
-        const float sky = 0.5f + 0.5f * ost_eye_dot(n, eye->up);
-        const float bright = ((0.20f + 0.10f * sky) + 0.68f * positive(ost_eye_dot(n, key))) + 0.16f * positive(ost_eye_dot(n, fill));
-        float gloss = positive(ost_eye_dot(n, half));
-        for (int i = 0; i < 5; i++)
-            gloss *= gloss; /* to the 32nd power */
-        light->bright[cell] = (uint16_t)rounded(256.0f * bright, 288);
-        light->gloss[cell] = (uint8_t)rounded((float)paint.gloss * gloss, 255);
+        d->x[cell] = n[0];
+        d->y[cell] = n[1];
+        d->z[cell] = n[2];
     }
+}
+
+typedef struct lamps {
+    float key[3], fill[3], half[3], back[3], up[3];
+} lamps;
+
+static inline float along(const ost_directions *d, int i, const float v[3])
+{
+    return (d->x[i] * v[0] + d->y[i] * v[1]) + d->z[i] * v[2];
+}
+
+static void shade_all(uint16_t *restrict shade, const ost_directions *restrict d, const lamps *restrict l, float gloss)
+{
+    for (int i = 0; i < OST_OCTAHEDRAL_COUNT; i++) {
+        const float sky = 0.5f + 0.5f * along(d, i, l->up), key = positive(along(d, i, l->key)), fill = positive(along(d, i, l->fill));
+        const float back = positive(along(d, i, l->back));
+        float mirror = positive(along(d, i, l->half));
+        mirror *= mirror;
+        mirror *= mirror;
+        mirror *= mirror;
+        mirror *= mirror; /* to the 16th power */
+        const float bright = ((0.20f + 0.17f * sky) + (0.74f * key + 0.20f * fill)) + 0.10f * back;
+        const int whole = (int)(256.0f * bright + 0.5f), added = (int)(gloss * mirror + 0.5f);
+        shade[i] = (uint16_t)((whole < 320 ? whole : 320) | added << OST_BRIGHT_BITS);
+    }
+}
+
+static void keep(float to[3], const float from[3])
+{
+    for (int a = 0; a < 3; a++)
+        to[a] = from[a];
+}
+
+static bool is_made(const ost_light *light, const ost_eye *eye, uint8_t gloss)
+{
+    bool same = light->made && light->gloss == gloss;
+    for (int a = 0; a < 3; a++)
+        same &= light->right[a] == eye->right[a] && light->up[a] == eye->up[a] && light->forward[a] == eye->forward[a];
+    return same;
+}
+
+void ost_light_make(ost_light *light, const ost_directions *directions, const ost_eye *eye, ost_style style, ost_paint paint,
+                    const uint32_t *palette)
+{
+    lamps l;
+    toward(eye, -0.40f, 0.55f, -0.73f, l.key);
+    toward(eye, 0.85f, -0.10f, -0.50f, l.fill);
+    toward(eye, 0.10f, -0.60f, 0.55f, l.back);
+    toward(eye, -0.40f, 0.55f, -1.73f, l.half); /* half-way between the key light and the eye */
+    keep(l.up, eye->up);
+    if (!is_made(light, eye, paint.gloss)) {
+        shade_all(light->shade, directions, &l, (float)paint.gloss);
+        keep(light->right, eye->right);
+        keep(light->up, eye->up);
+        keep(light->forward, eye->forward);
+        light->gloss = paint.gloss;
+        light->made = true;
+    }
+    light->style = style;
+    light->colour[0] = paint.red | (uint32_t)paint.green << 8 | (uint32_t)paint.blue << 16;
+    for (int i = 1; i < OST_PAINTS; i++)
+        light->colour[i] = palette ? palette[i] : light->colour[0];
     for (int face = 0; face < 8; face++) {
-        const float cosine = face < 6 ? positive(face % 2 ? key[face / 2] : -key[face / 2]) : 0;
-        light->face[face] = style == OST_STYLE_FACES ? rounded(256.0f * (0.32f + 0.68f * cosine), 256) : rounded(236.0f + 20.0f * cosine, 256);
+        const float cosine = face < 6 ? positive(face % 2 ? l.key[face / 2] : -l.key[face / 2]) : 0;
+        light->face[face] = style == OST_STYLE_FACES ? rounded(256.0f * (0.32f + 0.68f * cosine), 256) : 256;
     }
 }
 
@@ -56,17 +111,35 @@ static uint32_t channel(uint32_t full, uint32_t bright, uint32_t gloss)
     return v < 255 ? v : 255;
 }
 
+/* Three eighths of one colour and five of another. */
+static uint32_t mixed(uint32_t a, uint32_t b)
+{
+    return (((a & 0xff00ff) * 3 + (b & 0xff00ff) * 5) >> 3 & 0xff00ff) | (((a & 0xff00) * 3 + (b & 0xff00) * 5) >> 3 & 0xff00);
+}
+
 void ost_light_tint(const ost_light *light, const uint32_t *look, uint32_t count, uint32_t *tint)
 {
-    const ost_paint p = light->paint;
-    if (light->style == OST_STYLE_FACES) {
-        for (uint32_t i = 0; i < count; i++)
-            tint[i] = p.red | (uint32_t)p.green << 8 | (uint32_t)p.blue << 16;
-        return;
-    }
     for (uint32_t i = 0; i < count; i++) {
-        const uint32_t cell = look[i] % OST_OCTAHEDRAL_COUNT, open = (look[i] >> OST_OPEN_SHIFT & 255) + 1;
-        const uint32_t bright = light->bright[cell] * open >> 8, gloss = light->gloss[cell] * open >> 8;
-        tint[i] = channel(p.red, bright, gloss) | channel(p.green, bright, gloss) << 8 | channel(p.blue, bright, gloss) << 16;
+        const uint32_t paint = look[i] >> OST_PAINT_SHIFT & (OST_PAINTS - 1);
+        uint32_t c = light->colour[paint];
+        if (look[i] & OST_LOOK_CONTACT)
+            c = mixed(c, OST_CONTACT);
+        if (light->style == OST_STYLE_FACES || paint >= OST_PAINT_FLAT) {
+            tint[i] = c;
+            continue;
+        }
+        const uint32_t shade = light->shade[look[i] % OST_OCTAHEDRAL_COUNT], open = (look[i] >> OST_OPEN_SHIFT & 255) + 1;
+        const uint32_t bright = (shade & ((1u << OST_BRIGHT_BITS) - 1)) * open >> 8, gloss = (shade >> OST_BRIGHT_BITS) * open >> 8;
+        tint[i] = channel(c & 255, bright, gloss) | channel(c >> 8 & 255, bright, gloss) << 8 | channel(c >> 16, bright, gloss) << 16;
     }
+}
+
+ost_light_tint_of *ost_light_tint_for(ost_isa isa)
+{
+#if HAVE_AVX512_BUILD
+    if (isa == OST_ISA_AVX512 || isa == OST_ISA_AVX512VBMI)
+        return ost_light_tint_avx512;
+#endif
+    (void)isa;
+    return ost_light_tint;
 }

@@ -3,6 +3,7 @@
  * Colours of voxels: a palette of all directions, made once a frame.
  *
  *   look --normal--> brightness, gloss        tint = paint * brightness * openness + gloss
+ *        --paint---> colour; of flat paints that is the tint
  *
  * The key light comes from over the left shoulder of who looks, a weaker one
  * from the right.  All is rounded to integers in the palette, so a tint is a
@@ -11,29 +12,50 @@
 #ifndef OST_RENDER_LIGHT_H
 #define OST_RENDER_LIGHT_H
 
+#include "core/isa.h"
 #include "render/points/camera.h"
 #include "render/points/octahedral.h"
+#include "render/points/palette.h"
 
+#define OST_CONTACT 0x30a0ffu /* 0xBBGGRR: mixed in where bone went just now */
 #define OST_BACKGROUND 0x1c1816u /* 0xBBGGRR */
 
 /* What a thing is made of. */
 typedef struct ost_paint {
     uint8_t red, green, blue;
-    uint8_t gloss; /* added to each channel where the key light is mirrored */
+    uint8_t gloss; /* up to 127; added to each channel where the key light is mirrored */
 } ost_paint;
 
 #define OST_PAINT_BONE ((ost_paint){0xe3, 0xda, 0xc9, 26}) /* thesis 3.3.2 */
 #define OST_PAINT_STEEL ((ost_paint){0xa4, 0xad, 0xb8, 110})
 
+enum { OST_BRIGHT_BITS = 9 };
+
 typedef struct ost_light {
-    uint16_t bright[OST_OCTAHEDRAL_COUNT]; /* in 256ths, at most 288 */
-    uint8_t gloss[OST_OCTAHEDRAL_COUNT];   /* added to each channel */
-    uint32_t face[8];                      /* of a face, in 256ths; 6 and 7 unused */
+    uint16_t shade[OST_OCTAHEDRAL_COUNT]; /* of a direction: brightness in 256ths, at most 320; above OST_BRIGHT_BITS what is added to each channel */
+    uint32_t face[8];                     /* of a face, in 256ths; 6 and 7 unused */
+    uint32_t colour[OST_PAINTS];          /* of a paint, 0xBBGGRR */
     ost_style style;
-    ost_paint paint;
+    /* What shade was made for: it is kept while this stays. */
+    float right[3], up[3], forward[3];
+    uint8_t gloss;
+    bool made;
 } ost_light;
 
-void ost_light_make(ost_light *light, const ost_eye *eye, ost_style style, ost_paint paint);
+/* Unit vectors of all cells: three arrays of OST_OCTAHEDRAL_COUNT. */
+typedef struct ost_directions {
+    float x[OST_OCTAHEDRAL_COUNT], y[OST_OCTAHEDRAL_COUNT], z[OST_OCTAHEDRAL_COUNT];
+} ost_directions;
+void ost_directions_make(ost_directions *directions);
+
+/* palette: of ost_palette_make; NULL: every paint is the thing's own. The light was zeroed before its first use. */
+void ost_light_make(ost_light *light, const ost_directions *directions, const ost_eye *eye, ost_style style, ost_paint paint,
+                    const uint32_t *palette);
+/* The colour in full light of a face. Both have room for count rounded up to sixteen. */
 void ost_light_tint(const ost_light *light, const uint32_t *look, uint32_t count, uint32_t *tint);
+/* The same to the bit, where there is AVX-512. */
+void ost_light_tint_avx512(const ost_light *light, const uint32_t *look, uint32_t count, uint32_t *tint);
+typedef void ost_light_tint_of(const ost_light *light, const uint32_t *look, uint32_t count, uint32_t *tint);
+ost_light_tint_of *ost_light_tint_for(ost_isa isa);
 
 #endif

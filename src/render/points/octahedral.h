@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Directions in twelve bits: the octahedron |x| + |y| + |z| = 1 unfolded into
- * a square of 64 x 64 (Cigolle et al. 2014); a direction is within four degrees of
+ * Directions in fourteen bits: the octahedron |x| + |y| + |z| = 1 unfolded into
+ * a square of 128 x 128 (Cigolle et al. 2014); a direction is within two degrees of
  * the middle of its cell.
  *
  *      upper half: u = x, v = y             the lower half's corners are
@@ -14,7 +14,7 @@
 #include <math.h>
 #include <stdint.h>
 
-enum { OST_OCTAHEDRAL_SIDE = 64, OST_OCTAHEDRAL_COUNT = 64 * 64 };
+enum { OST_OCTAHEDRAL_SIDE = 128, OST_OCTAHEDRAL_COUNT = 128 * 128 };
 
 /* v need not be unit; of a zero vector: +z. */
 static inline uint32_t ost_octahedral_of(const float v[3])

@@ -1,6 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "render/points/extract.h"
 
+#include "render/points/clip.h"
+#include "render/points/dress.h"
+#include "render/points/ground.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -31,10 +35,16 @@ ost_status ost_surface_init(ost_surface *surface, const ost_geometry *geometry, 
 void ost_surface_free(ost_surface *surface)
 {
     for (int32_t i = 0; i < surface->used; i++) {
-        free(surface->slot[i]->points);
-        free(surface->slot[i]->looks);
-        free(surface->slot[i]);
+        ost_surface_block *b = surface->slot[i];
+        free(b->points);
+        free(b->looks);
+        free(b->before);
+        free(b->fresh);
+        free(b->recent);
+        free(b->depth);
+        free(b);
     }
+    free(surface->scratch);
     free(surface->slot);
     free(surface->slot_of);
     memset(surface, 0, sizeof *surface);
@@ -90,6 +100,22 @@ bool ost_surface_is_bare(const ost_surface *surface, const int32_t lo[3], const 
     return true;
 }
 
+static ost_status remember(const ost_surface *s, ost_surface_block *b, ost_error *err)
+{
+    free(b->depth);
+    free(b->before);
+    b->depth = NULL;
+    b->before = NULL;
+    b->dirty = true;
+    if (!s->ground)
+        return OST_OK;
+    b->before = malloc(ROWS * sizeof *b->before);
+    if (!b->before)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a block of what was before");
+    ost_ground_words(s->ground, b->at, b->before);
+    return OST_OK;
+}
+
 static ost_status new_block(ost_surface *s, const int32_t at[3], ost_surface_block **out, ost_error *err)
 {
     if (s->used == OST_BLOCKS_MAX)
@@ -109,7 +135,7 @@ static ost_status new_block(ost_surface *s, const int32_t at[3], ost_surface_blo
     *slot_at(s, at[0], at[1], at[2]) = s->used;
     s->slot[s->used++] = b;
     *out = b;
-    return OST_OK;
+    return remember(s, b, err);
 }
 
 /* The least box of local coordinates that holds all bits that differ; false when none does. */
@@ -130,13 +156,13 @@ static bool changed_box(const uint32_t *was, const uint32_t *is, int lo[3], int 
     return x != 0;
 }
 
-/* The blocks that see the change, the block itself among them. */
-static void mark(const ost_surface *s, const int32_t at[3], const int lo[3], const int hi[3])
+/* The blocks that see the change from `reach` voxels away, the block itself among them. */
+static void mark(const ost_surface *s, const int32_t at[3], const int lo[3], const int hi[3], int reach)
 {
     int from[3], to[3];
     for (int a = 0; a < 3; a++) {
-        from[a] = lo[a] < OST_LOOK_REACH ? -1 : 0;
-        to[a] = hi[a] >= SIDE - OST_LOOK_REACH ? 1 : 0;
+        from[a] = lo[a] < reach ? -1 : 0;
+        to[a] = hi[a] >= SIDE - reach ? 1 : 0;
     }
     for (int z = from[2]; z <= to[2]; z++)
         for (int y = from[1]; y <= to[1]; y++)
@@ -147,21 +173,101 @@ static void mark(const ost_surface *s, const int32_t at[3], const int lo[3], con
             }
 }
 
+static ost_status note_fresh(ost_surface *s, ost_surface_block *b, const uint32_t occupancy[ROWS], ost_error *err)
+{
+    uint32_t any = 0;
+    for (int row = 0; row < ROWS; row++)
+        any |= b->whole[row] & ~occupancy[row];
+    if (!any)
+        return OST_OK;
+    if (!b->fresh)
+        b->fresh = calloc(ROWS, sizeof *b->fresh);
+    if (!b->fresh)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for what was cut just now");
+    for (int row = 0; row < ROWS; row++)
+        b->fresh[row] |= b->whole[row] & ~occupancy[row];
+    s->any_fresh = true;
+    return OST_OK;
+}
+
 ost_status ost_surface_set(ost_surface *surface, const int32_t at[3], const uint32_t occupancy[OST_BLOCK_ROWS], ost_error *err)
 {
     static const uint32_t nothing[ROWS];
     ost_surface_block *b = ost_surface_block_at(surface, at[0], at[1], at[2]);
     int lo[3], hi[3];
-    if (!changed_box(b ? b->occupancy : nothing, occupancy, lo, hi))
+    if (!changed_box(b ? b->whole : nothing, occupancy, lo, hi))
         return OST_OK;
-    if (!b) {
-        ost_status status = new_block(surface, at, &b, err);
-        if (!b)
-            return status;
-    }
-    memcpy(b->occupancy, occupancy, sizeof b->occupancy);
-    mark(surface, at, lo, hi);
+    ost_status status = b ? OST_OK : new_block(surface, at, &b, err);
+    if (status == OST_OK && surface->keep_fresh)
+        status = note_fresh(surface, b, occupancy, err);
+    if (status != OST_OK)
+        return status;
+    memcpy(b->whole, occupancy, sizeof b->whole);
+    if (surface->clipped)
+        ost_clip_words(&surface->clip, at, b->whole, b->occupancy);
+    else
+        memcpy(b->occupancy, occupancy, sizeof b->occupancy);
+    mark(surface, at, lo, hi, OST_LOOK_REACH);
     return OST_OK;
+}
+
+/* ------------------------------------------------------ what is seen of it */
+
+void ost_surface_clip(ost_surface *surface, const ost_clip *clip)
+{
+    surface->clipped = clip != NULL;
+    if (clip)
+        surface->clip = *clip;
+    for (int32_t i = 0; i < surface->used; i++) {
+        ost_surface_block *b = surface->slot[i];
+        uint32_t shown[ROWS];
+        int lo[3], hi[3];
+        if (clip)
+            ost_clip_words(clip, b->at, b->whole, shown);
+        else
+            memcpy(shown, b->whole, sizeof shown);
+        if (!changed_box(b->occupancy, shown, lo, hi))
+            continue;
+        memcpy(b->occupancy, shown, sizeof shown);
+        mark(surface, b->at, lo, hi, OST_LOOK_REACH);
+    }
+}
+
+ost_status ost_surface_set_ground(ost_surface *surface, ost_ground *ground, ost_error *err)
+{
+    ost_status status = OST_OK;
+    if (ground && !ost_geometry_equal(&surface->geometry, &ground->volume.geometry))
+        return ost_fail(err, OST_ERR_USAGE, "the bone before has another grid");
+    surface->ground = ground;
+    for (int32_t i = 0; i < surface->used && status == OST_OK; i++)
+        status = remember(surface, surface->slot[i], err);
+    return status;
+}
+
+void ost_surface_set_colouring(ost_surface *surface, int colouring)
+{
+    for (int32_t i = 0; i < surface->used && colouring != surface->colouring; i++)
+        surface->slot[i]->dirty = true;
+    surface->colouring = colouring;
+}
+
+void ost_surface_age(ost_surface *surface)
+{
+    static const uint32_t nothing[ROWS];
+    if (!surface->any_fresh && !surface->any_recent)
+        return;
+    for (int32_t i = 0; i < surface->used; i++) {
+        ost_surface_block *b = surface->slot[i];
+        int lo[3], hi[3];
+        /* What stays to be seen as it was, as fresh and now as recent, changes nothing. */
+        if (b->recent && changed_box(b->fresh ? b->fresh : nothing, b->recent, lo, hi))
+            mark(surface, b->at, lo, hi, 1);
+        free(b->recent);
+        b->recent = b->fresh;
+        b->fresh = NULL;
+    }
+    surface->any_recent = surface->any_fresh;
+    surface->any_fresh = false;
 }
 
 /* One of the eight chunks of 16^3 in a block: two rows a word. */
@@ -173,7 +279,7 @@ static ost_status set_eighth(ost_surface *surface, const int32_t at[3], const ui
     const ost_surface_block *b = ost_surface_block_at(surface, block[0], block[1], block[2]);
     uint32_t occupancy[ROWS] = {0};
     if (b)
-        memcpy(occupancy, b->occupancy, sizeof occupancy);
+        memcpy(occupancy, b->whole, sizeof occupancy);
     for (int z = 0; z < HALF; z++)
         for (int y = 0; y < HALF; y++) {
             uint32_t *row = &occupancy[y0 + y + SIDE * (z0 + z)];
@@ -212,6 +318,8 @@ ost_status ost_surface_update(ost_surface *surface, ost_error *err)
         ost_surface_block *b = surface->slot[i];
         if (b->dirty && status == OST_OK) {
             status = ost_surface_list(surface, b, err);
+            if (status == OST_OK)
+                status = ost_surface_dress(surface, b, err);
             b->dirty = status != OST_OK;
         }
         surface->points += b->count;

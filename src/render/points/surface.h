@@ -14,11 +14,16 @@
  *
  *   where   bits   0..4   5..9   10..14   15..20
  *                   x      y       z      which faces are to the air: -x +x -y +y -z +z
- *   look    bits   0..11                  12..19
- *                  normal (octahedral.h)  how open it lies: 255 to all sides, less in a pit
+ *   look    bits   0..13                  14..21             22..29    30
+ *                  normal (octahedral.h)  how open it lies:  paint     bone went
+ *                                         255 on an edge,    (ground.h) there just
+ *                                         225 on a plane,              now
+ *                                         less in a pit
  *
- * The normal is the way out of the bone within two voxels of it.  Both come
- * from the bits alone, so a cut is as smooth as what was there before.
+ * Normal and openness come from the bits alone (dress.h), so a cut is as
+ * smooth as what was there before.
+ *
+ *   whole: what is there --clip plane (clip.h)--> occupancy: what is shown of it, and listed
  *
  * One thread at a time; a frame reads and changes nothing.
  */
@@ -32,19 +37,31 @@ enum {
     OST_BLOCK_ROWS = 32 * 32,        /* row y + 32 z; bit x of it is voxel (x, y, z) */
     OST_BLOCKS_MAX = (1 << 17) - 1,  /* that hold something: an id has 17 bits for the block, and one is "nothing" */
     OST_FACES_SHIFT = 15,
-    OST_OPEN_SHIFT = 12,
-    OST_LOOK_REACH = 2,              /* voxels about one that its look depends on */
+    OST_OPEN_SHIFT = 14,
+    OST_PAINT_SHIFT = 22,
+    OST_LOOK_REACH = 8,              /* voxels about one that its look depends on */
 };
+#define OST_LOOK_CONTACT (UINT32_C(1) << 30)
 
 typedef enum ost_face { OST_FACE_X0, OST_FACE_X1, OST_FACE_Y0, OST_FACE_Y1, OST_FACE_Z0, OST_FACE_Z1 } ost_face;
 
 typedef struct ost_surface_block {
     int32_t at[3];             /* in blocks */
     bool dirty;
-    uint32_t occupancy[OST_BLOCK_ROWS];
+    uint32_t occupancy[OST_BLOCK_ROWS]; /* shown */
+    uint32_t whole[OST_BLOCK_ROWS];
+    uint32_t *before;          /* owned; as the surface's ground has it; NULL without one */
+    uint32_t *fresh, *recent;  /* owned; voxels that went: since the last ost_surface_age, and before that; NULL: none */
+    uint16_t *depth;           /* owned; squared distances (ground.h); NULL until one is asked for */
     uint32_t count, room;
     uint32_t *points, *looks;  /* owned; count surface points, rows ascending */
 } ost_surface_block;
+
+/* Shown is a voxel v with n . v <= d (clip.h). */
+typedef struct ost_clip {
+    int32_t n[3];
+    int64_t d;
+} ost_clip;
 
 typedef struct ost_surface {
     ost_geometry geometry;     /* of the bone; equal spacing on its axes */
@@ -53,6 +70,13 @@ typedef struct ost_surface {
     ost_surface_block **slot;  /* owned; used of them */
     int32_t used, room;
     uint64_t points;           /* of all blocks, after an update */
+    struct ost_ground *ground; /* borrowed; NULL: what was before is not known */
+    int colouring;             /* an ost_colouring (palette.h) */
+    ost_clip clip;
+    bool clipped;              /* by it */
+    bool keep_fresh;           /* voxels that go are remembered */
+    bool any_fresh, any_recent;
+    struct ost_dress_scratch *scratch; /* owned */
 } ost_surface;
 
 /* No voxel is active yet. OST_ERR_RANGE when the spacing differs between axes. */
@@ -68,6 +92,12 @@ ost_status ost_surface_set(ost_surface *surface, const int32_t at[3], const uint
 ost_status ost_surface_set_chunk(ost_surface *surface, const int32_t at[3], int n, const uint32_t *words, ost_error *err);
 /* The same for all blocks: a voxel at or above the threshold is active. */
 ost_status ost_surface_set_volume(ost_surface *surface, const ost_volume *volume, int32_t threshold, ost_error *err);
+
+/* What was there before, of the same grid; and how it is to be painted. All looks are made anew by the next update. */
+ost_status ost_surface_set_ground(ost_surface *surface, struct ost_ground *ground, ost_error *err);
+void ost_surface_set_colouring(ost_surface *surface, int colouring);
+/* With keep_fresh: what is fresh becomes recent, what is recent is forgotten. */
+void ost_surface_age(ost_surface *surface);
 
 /* Points of every block that was set since the last update, and of the neighbours that it touches. */
 ost_status ost_surface_update(ost_surface *surface, ost_error *err);

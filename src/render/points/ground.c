@@ -1,0 +1,367 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "render/points/ground.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/conditions.h"
+
+enum { SIDE = OST_BLOCK, ROWS = OST_BLOCK_ROWS };
+static const double PLATE_MM = 4.5, PLATE_CLEAR_MM = 7.5, PLATE_RADIUS_MM = 20; /* docs/metrics.md has the first */
+
+static double voxel_mm(const ost_ground *g)
+{
+    return 1e-9 * (double)g->volume.geometry.spacing.x;
+}
+
+/* The greatest 1, 2 or 5 times a power of ten that is at most `most`; most is 1e-3 or more. */
+static double round_down(double most)
+{
+    double out = 1e-3;
+    for (double decade = 1e-3; decade <= most; decade *= 10)
+        for (int step = 1; step <= 5; step += step == 1 ? 1 : 3)
+            out = step * decade <= most * (1 + 1e-9) ? step * decade : out;
+    return out;
+}
+
+static void make_levels(ost_ground *g)
+{
+    g->scale_mm = round_down((OST_DEPTH_REACH - 0.5) * voxel_mm(g));
+    for (int i = 0; i <= OST_DEPTH_FAR; i++) {
+        const int step = (int)((sqrt(i) - 0.5) * voxel_mm(g) / g->scale_mm * (OST_SCALE - 1) + 0.5);
+        g->level[i] = (uint8_t)(OST_PAINT_LIT + (step < 0 ? 0 : step > OST_SCALE - 1 ? OST_SCALE - 1 : step));
+    }
+}
+
+ost_status ost_ground_init(ost_ground *ground, ost_volume *volume, int32_t threshold, const ost_density_classes *classes, const ost_pm3 *at,
+                           const double *axis, ost_error *err)
+{
+    *ground = (ost_ground){.threshold = threshold};
+    const ost_geometry *g = &volume->geometry;
+    if (g->spacing.x != g->spacing.y || g->spacing.x != g->spacing.z)
+        return ost_fail(err, OST_ERR_RANGE, "the bone before needs cubic voxels");
+    ground->volume = *volume;
+    *volume = (ost_volume){.voxels = NULL};
+    g = &ground->volume.geometry;
+    ground->classes = classes->count;
+    for (int c = 0; c < classes->count; c++)
+        ground->border[c] = classes->border[c];
+    if (at && axis) {
+        const double s = (double)g->spacing.x, length = sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]);
+        const ost_pm p[3] = {at->x - g->origin.x, at->y - g->origin.y, at->z - g->origin.z};
+        ground->has_face = length > 0;
+        for (int a = 0; a < 3 && ground->has_face; a++) {
+            ground->face[a] = (double)p[a] / s;
+            ground->inward[a] = axis[a] / length;
+        }
+    }
+    make_levels(ground);
+    return OST_OK;
+}
+
+void ost_ground_free(ost_ground *ground)
+{
+    ost_volume_free(&ground->volume);
+    free(ground->outside);
+    memset(ground, 0, sizeof *ground);
+}
+
+/* ------------------------------------------------------------------- paint */
+
+static bool inside(const ost_ground *g, const int32_t at[3])
+{
+    const ost_dims d = g->volume.geometry.dims;
+    return at[0] >= 0 && at[1] >= 0 && at[2] >= 0 && at[0] < d.x && at[1] < d.y && at[2] < d.z;
+}
+
+static int density_at(const ost_ground *g, const int32_t at[3])
+{
+    const ost_dims d = g->volume.geometry.dims;
+    return inside(g, at) ? g->volume.voxels[at[0] + (size_t)d.x * ((size_t)at[1] + (size_t)d.y * (size_t)at[2])] : INT16_MIN;
+}
+
+void ost_ground_words(const ost_ground *ground, const int32_t block[3], uint32_t words[OST_BLOCK_ROWS])
+{
+    const ost_dims d = ground->volume.geometry.dims;
+    memset(words, 0, ROWS * sizeof *words);
+    for (int z = 0; z < SIDE && SIDE * block[2] + z < d.z; z++)
+        for (int y = 0; y < SIDE && SIDE * block[1] + y < d.y; y++) {
+            const size_t row = (size_t)(SIDE * block[1] + y) + (size_t)d.y * (size_t)(SIDE * block[2] + z);
+            const int16_t *v = ground->volume.voxels + row * (size_t)d.x + SIDE * block[0];
+            const int count = d.x - SIDE * block[0] < SIDE ? d.x - SIDE * block[0] : SIDE;
+            for (int x = 0; x < count; x++)
+                words[y + SIDE * z] |= (uint32_t)(v[x] >= ground->threshold) << x;
+        }
+}
+
+/* Under the face, and less than so much below it: from there outward is nothing. */
+static bool in_plate(const ost_ground *g, const int32_t at[3])
+{
+    if (!g->has_face)
+        return false;
+    double off[3], along = 0, square = 0;
+    const double mm = voxel_mm(g);
+    for (int a = 0; a < 3; a++) {
+        off[a] = at[a] - g->face[a];
+        along += off[a] * g->inward[a];
+        square += off[a] * off[a];
+    }
+    if ((square - along * along) * mm * mm > PLATE_RADIUS_MM * PLATE_RADIUS_MM || fabs(along * mm) > 2 * PLATE_CLEAR_MM)
+        return false;
+    for (double out = PLATE_MM / mm; out <= PLATE_CLEAR_MM / mm; out += 1) {
+        int32_t p[3];
+        for (int a = 0; a < 3; a++)
+            p[a] = (int32_t)floor(at[a] - out * g->inward[a] + 0.5);
+        if (density_at(g, p) >= g->threshold)
+            return false;
+    }
+    return true;
+}
+
+/* Whether one of the voxels up to two steps away along the axes is as dense as from .. to. */
+static bool near(const ost_ground *g, const int32_t at[3], int from, int to)
+{
+    for (int i = 0; i < 12; i++) {
+        int32_t p[3] = {at[0], at[1], at[2]};
+        p[i % 3] += (i / 6 + 1) * (i / 3 % 2 ? 1 : -1);
+        const int density = density_at(g, p);
+        if (density >= from && density < to)
+            return true;
+    }
+    return false;
+}
+
+/*
+ * By class, but for two effects of voxels that hold two things at once: where
+ * hard bone meets what is soft or nothing, what lies between is hard bone's
+ * edge and not cancellous; and what is as dense as cartilage is cartilage only
+ * at the face, when it is known where that is.
+ */
+static uint32_t tissue_at(const ost_ground *g, const int32_t at[3], int density)
+{
+    const int hard = g->border[g->classes - 1], soft = g->classes > 1 ? g->border[1] : hard;
+    const uint32_t shell = in_plate(g, at) ? OST_TISSUE_PLATE : OST_TISSUE_CORTICAL;
+    if (density >= hard)
+        return shell;
+    if (density < soft && (!g->has_face || shell == OST_TISSUE_PLATE))
+        return OST_TISSUE_CARTILAGE;
+    return near(g, at, hard, INT16_MAX) && near(g, at, INT16_MIN, soft) ? shell : OST_TISSUE_CANCELLOUS;
+}
+
+uint32_t ost_ground_paint(const ost_ground *ground, ost_colouring colouring, const int32_t at[3], uint32_t depth)
+{
+    const int density = density_at(ground, at);
+    switch (colouring) {
+    case OST_COLOUR_CLASS: return OST_PAINT_LIT + tissue_at(ground, at, density);
+    case OST_COLOUR_DEPTH: return ground->level[depth];
+    case OST_COLOUR_DENSITY: return (uint32_t)(OST_PAINT_LIT + OST_SCALE - 1 - ost_window_step(density)); /* dense is light */
+    case OST_COLOUR_BONE:
+    case OST_COLOUR_COUNT: break;
+    }
+    return 0;
+}
+
+uint32_t ost_ground_cap(const ost_ground *ground, ost_colouring colouring, const int32_t at[3])
+{
+    if (!ground)
+        return OST_PAINT_FLAT + OST_SCALE * 3 / 4;
+    const int density = density_at(ground, at);
+    return OST_PAINT_FLAT + (colouring == OST_COLOUR_CLASS ? tissue_at(ground, at, density) : (uint32_t)ost_window_step(density));
+}
+
+/* ----------------------------------------------------------------- outside */
+
+typedef struct cells {
+    int32_t x, y, z;
+} cells;
+
+static cells cells_of(const ost_ground *g)
+{
+    const ost_dims d = g->volume.geometry.dims;
+    return (cells){(d.x + 1) / 2, (d.y + 1) / 2, (d.z + 1) / 2};
+}
+
+static bool empty_cell(const ost_ground *g, int32_t x, int32_t y, int32_t z)
+{
+    for (int i = 0; i < 8; i++) {
+        const int32_t at[3] = {2 * x + (i & 1), 2 * y + (i >> 1 & 1), 2 * z + (i >> 2)};
+        if (density_at(g, at) >= g->threshold)
+            return false;
+    }
+    return true;
+}
+
+/* 0: not looked at. From the border inwards through empty cells. */
+static bool flood(const ost_ground *g, uint8_t *mark)
+{
+    enum { OPEN = 1 };
+    const cells c = cells_of(g);
+    const int64_t step[6] = {-1, 1, -c.x, c.x, -(int64_t)c.x * c.y, (int64_t)c.x * c.y};
+    size_t count = 0, room = 4096;
+    int64_t *stack = malloc(room * sizeof *stack);
+    for (int32_t z = 0; z < c.z && stack; z++)
+        for (int32_t y = 0; y < c.y && stack; y++)
+            for (int32_t x = 0; x < c.x && stack; x++) {
+                const int64_t seed = x + c.x * (y + (int64_t)c.y * z);
+                if ((x > 0 && y > 0 && z > 0 && x < c.x - 1 && y < c.y - 1 && z < c.z - 1) || mark[seed] || !empty_cell(g, x, y, z))
+                    continue;
+                mark[seed] = OPEN;
+                stack[count++] = seed;
+                while (count > 0) {
+                    const int64_t at = stack[--count];
+                    const int32_t p[3] = {(int32_t)(at % c.x), (int32_t)(at / c.x % c.y), (int32_t)(at / c.x / c.y)};
+                    const bool can[6] = {p[0] > 0, p[0] < c.x - 1, p[1] > 0, p[1] < c.y - 1, p[2] > 0, p[2] < c.z - 1};
+                    if (count + 6 > room) {
+                        int64_t *grown = realloc(stack, 2 * room * sizeof *stack);
+                        if (!grown) {
+                            free(stack);
+                            return false;
+                        }
+                        stack = grown;
+                        room *= 2;
+                    }
+                    for (int f = 0; f < 6; f++) {
+                        const int64_t next = at + step[f];
+                        if (!can[f] || mark[next])
+                            continue;
+                        if (!empty_cell(g, (int32_t)(next % c.x), (int32_t)(next / c.x % c.y), (int32_t)(next / c.x / c.y)))
+                            continue;
+                        mark[next] = OPEN;
+                        stack[count++] = next;
+                    }
+                }
+            }
+    free(stack);
+    return stack != NULL;
+}
+
+/* A cell on each side along an axis, whose cells are `step` apart, `size` of them. */
+static void widen(uint8_t *mark, int64_t begin, int64_t step, int32_t size)
+{
+    uint8_t before = 0;
+    for (int32_t i = 0; i < size; i++) {
+        uint8_t *at = &mark[begin + i * step];
+        const uint8_t here = *at & 1;
+        if (before | here | (i + 1 < size ? at[step] & 1 : 0))
+            *at |= 2;
+        before = here;
+    }
+    for (int32_t i = 0; i < size; i++)
+        mark[begin + i * step] = mark[begin + i * step] ? 1 : 0;
+}
+
+static ost_status find_outside(ost_ground *g, ost_error *err)
+{
+    const cells c = cells_of(g);
+    uint8_t *mark = calloc((size_t)c.x * (size_t)c.y * (size_t)c.z, 1);
+    if (!mark || !flood(g, mark)) {
+        free(mark);
+        return ost_fail(err, OST_ERR_MEMORY, "no memory to find what is outside the bone");
+    }
+    for (int64_t i = 0; i < (int64_t)c.y * c.z; i++)
+        widen(mark, i * c.x, 1, c.x);
+    for (int32_t z = 0; z < c.z; z++)
+        for (int32_t x = 0; x < c.x; x++)
+            widen(mark, x + (int64_t)c.x * c.y * z, c.x, c.y);
+    for (int64_t i = 0; i < (int64_t)c.x * c.y; i++)
+        widen(mark, i, (int64_t)c.x * c.y, c.z);
+    g->outside = mark;
+    return OST_OK;
+}
+
+/* ------------------------------------------------------------------- depth */
+
+enum { WIDE = 3 * SIDE, FAR = OST_DEPTH_FAR };
+
+typedef struct distances {
+    uint32_t outside[3][3][3][ROWS]; /* z, y, x */
+    int16_t x[WIDE][WIDE][SIDE], y[WIDE][SIDE][SIDE];
+} distances;
+
+static void outside_words(const ost_ground *g, const int32_t block[3], uint32_t words[ROWS])
+{
+    const ost_dims d = g->volume.geometry.dims;
+    const cells c = cells_of(g);
+    memset(words, 0, ROWS * sizeof *words);
+    for (int a = 0; a < 3; a++)
+        if (block[a] < 0 || SIDE * block[a] >= (a == 0 ? d.x : a == 1 ? d.y : d.z))
+            return;
+    ost_ground_words(g, block, words);
+    for (int z = 0; z < SIDE; z++)
+        for (int y = 0; y < SIDE; y++) {
+            const int32_t row[2] = {SIDE * block[1] + y, SIDE * block[2] + z};
+            uint32_t open = 0;
+            for (int x = 0; x < SIDE && row[0] < d.y && row[1] < d.z && SIDE * block[0] + x < d.x; x++)
+                open |= (uint32_t)g->outside[(SIDE * block[0] + x) / 2 + c.x * (row[0] / 2 + (int64_t)c.y * (row[1] / 2))] << x;
+            words[y + SIDE * z] = ~words[y + SIDE * z] & open;
+        }
+}
+
+/* Of each voxel of a row the squared distance to the nearest bit of three words. */
+static void along_row(uint32_t left, uint32_t own, uint32_t right, int16_t out[SIDE])
+{
+    int since = left ? __builtin_clz(left) : SIDE;
+    for (int x = 0; x < SIDE; x++) {
+        since = own >> x & 1 ? 0 : since + 1;
+        out[x] = (int16_t)(since < SIDE ? since * since : FAR);
+    }
+    since = right ? __builtin_ctz(right) : SIDE;
+    for (int x = SIDE - 1; x >= 0; x--) {
+        since = own >> x & 1 ? 0 : since + 1;
+        const int square = since < SIDE ? since * since : FAR;
+        out[x] = (int16_t)(square < out[x] ? square : out[x]);
+    }
+}
+
+/* The least of line[i + k] + k^2 over all |k| < 32, of `count` numbers a line, lines `count` apart. */
+static inline void least(const int16_t *restrict line, int16_t *restrict out, int count)
+{
+    for (int i = 0; i < count; i++)
+        out[i] = FAR;
+    for (int k = 1 - SIDE; k < SIDE; k++) {
+        const int16_t *restrict from = line + (ptrdiff_t)k * count;
+        const int16_t square = (int16_t)(k * k);
+        for (int i = 0; i < count; i++) {
+            const int16_t far = (int16_t)(from[i] + square);
+            out[i] = far < out[i] ? far : out[i];
+        }
+    }
+}
+
+ost_status ost_ground_depth(ost_surface *surface, ost_surface_block *block, ost_error *err)
+{
+    ost_ground *g = surface->ground;
+    ost_status status = g->outside ? OST_OK : find_outside(g, err);
+    if (status != OST_OK)
+        return status;
+    distances *d = malloc(sizeof *d);
+    block->depth = malloc((size_t)SIDE * ROWS * sizeof *block->depth);
+    if (!d || !block->depth) {
+        free(d);
+        free(block->depth);
+        block->depth = NULL;
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for depths");
+    }
+    for (int i = 0; i < 27; i++) {
+        const int32_t at[3] = {block->at[0] + i % 3 - 1, block->at[1] + i / 3 % 3 - 1, block->at[2] + i / 9 - 1};
+        outside_words(g, at, d->outside[i / 9][i / 3 % 3][i % 3]);
+    }
+    for (int z = 0; z < WIDE; z++)
+        for (int y = 0; y < WIDE; y++) {
+            const uint32_t(*const w)[ROWS] = d->outside[z / SIDE][y / SIDE];
+            const int row = y % SIDE + SIDE * (z % SIDE);
+            along_row(w[0][row], w[1][row], w[2][row], d->x[z][y]);
+        }
+    for (int z = 0; z < WIDE; z++)
+        for (int y = 0; y < SIDE; y++)
+            least(d->x[z][y + SIDE], d->y[z][y], SIDE);
+    for (int z = 0; z < SIDE; z++) {
+        int16_t out[SIDE * SIDE];
+        least(d->y[z + SIDE][0], out, SIDE * SIDE);
+        for (int i = 0; i < SIDE * SIDE; i++)
+            block->depth[i + SIDE * SIDE * z] = (uint16_t)out[i];
+    }
+    free(d);
+    return OST_OK;
+}

@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Colours by number.
+ *
+ *   1 .. 127     a scale, or a class each, lit as the surface is
+ *   128 .. 255   the same, or the grey window of a CT, as they are
+ *
+ * The scale goes from light to dark, so that it is in order for every eye and
+ * in print: yellow, green, blue, violet.  Classes differ in lightness as well
+ * as in hue.
+ */
+#ifndef OST_RENDER_PALETTE_H
+#define OST_RENDER_PALETTE_H
+
+#include <stdint.h>
+
+typedef enum ost_colouring { OST_COLOUR_BONE, OST_COLOUR_CLASS, OST_COLOUR_DEPTH, OST_COLOUR_DENSITY, OST_COLOUR_COUNT } ost_colouring;
+extern const char *const ost_colouring_names[OST_COLOUR_COUNT]; /* "bone", ... */
+
+enum {
+    OST_PAINTS = 256,
+    OST_PAINT_LIT = 1,      /* the first of them */
+    OST_PAINT_FLAT = 128,
+    OST_SCALE = 127,        /* steps of a scale, 0 .. 126 */
+};
+
+/* Of bone, by its density and place; the first three as the default classes are, soft to hard. */
+typedef enum ost_tissue { OST_TISSUE_CARTILAGE, OST_TISSUE_CANCELLOUS, OST_TISSUE_CORTICAL, OST_TISSUE_PLATE, OST_TISSUES } ost_tissue;
+extern const char *const ost_tissue_names[OST_TISSUES];
+extern const uint32_t ost_tissue_colours[OST_TISSUES]; /* 0xBBGGRR */
+
+/* HU that the CT's window shows as black and as white; and the scale of densities, from its first colour to its last. */
+enum { OST_WINDOW_BLACK = -100, OST_WINDOW_WHITE = 1300 };
+
+/* Step 0 .. 126 of the scale. */
+uint32_t ost_scale_colour(int step);
+uint32_t ost_window_grey(int step);
+/* Of a density, 0 .. 126. */
+int ost_window_step(int density);
+
+/* Colour 0 is left to the thing. */
+void ost_palette_make(ost_colouring colouring, uint32_t palette[OST_PAINTS]);
+
+#endif

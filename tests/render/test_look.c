@@ -1,0 +1,434 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What a picture shows besides the shape: each feature against a definition of
+ * its own, written down here once more by walking through all voxels.
+ * Covers: REQ-LOOK
+ */
+#include <math.h>
+#include <stdlib.h>
+
+#include "harness.h"
+#include "render/points/extract.h"
+#include "render/viewer.h"
+
+#define MM OST_PM_PER_MM
+enum { NX = 70, NY = 41, NZ = 38, COUNT = NX * NY * NZ };
+
+static ost_geometry grid(void)
+{
+    return (ost_geometry){{NX, NY, NZ}, {MM / 2, MM / 2, MM / 2}, {5 * MM, -3 * MM, 0}};
+}
+
+static size_t index_of(int i, int j, int k)
+{
+    return (size_t)i + (size_t)NX * ((size_t)j + (size_t)NY * (size_t)k);
+}
+
+/* A bone of many densities, rounded at its corners, with pores; a rod's way out of it in after. */
+static void make_bone(test_rng *rng, ost_volume *before, ost_volume *after)
+{
+    ost_error err = {0};
+    const ost_geometry g = grid();
+    assert_ok(ost_volume_init(before, &g, &err));
+    assert_ok(ost_volume_init(after, &g, &err));
+    for (int k = 0; k < NZ; k++)
+        for (int j = 0; j < NY; j++)
+            for (int i = 0; i < NX; i++) {
+                const double a = (i - 34) / 32.0, b = (j - 20) / 17.0, c = (k - 19) / 16.0, e = (j - 20.0) * (j - 20.0) + (k - 17.0) * (k - 17.0);
+                const double shell = a * a * a * a + b * b * b * b + c * c * c * c;
+                const bool bone = shell < 0.3 ? rng_range(rng, 0, 200) != 0 : shell < 1; /* pores, four voxels deep and more */
+                const int16_t v = bone ? (int16_t)rng_range(rng, 120, 1500) : 0;
+                before->voxels[index_of(i, j, k)] = v;
+                after->voxels[index_of(i, j, k)] = i > 45 && e < 36 ? 0 : v;
+            }
+}
+
+static int at(const ost_volume *v, int i, int j, int k)
+{
+    return i >= 0 && j >= 0 && k >= 0 && i < NX && j < NY && k < NZ ? v->voxels[index_of(i, j, k)] : 0;
+}
+
+static void set_bone(ost_viewer *v, const ost_volume *before, const ost_volume *now)
+{
+    ost_error err = {0};
+    const ost_geometry g = grid();
+    const ost_density_classes classes = ost_density_classes_default();
+    ost_volume copy;
+    assert_ok(ost_viewer_init(v, &g, OST_STYLE_SMOOTH, NULL, 1, &err));
+    assert_ok(ost_volume_init(&copy, &g, &err));
+    memcpy(copy.voxels, before->voxels, COUNT * sizeof *copy.voxels);
+    assert_ok(ost_viewer_set_ground(v, &copy, 120, &classes, NULL, NULL, &err));
+    assert_ok(ost_surface_set_volume(&v->bone, now, 120, &err));
+    assert_ok(ost_surface_update(&v->bone, &err));
+}
+
+typedef void each_point(void *user, const int v[3], uint32_t point, uint32_t look, const ost_surface_block *block);
+
+static void for_points(const ost_surface *s, each_point *visit, void *user)
+{
+    for (int32_t b = 0; b < s->used; b++)
+        for (uint32_t p = 0; p < s->slot[b]->count; p++) {
+            const uint32_t w = s->slot[b]->points[p];
+            const int v[3] = {32 * s->slot[b]->at[0] + (int)(w & 31), 32 * s->slot[b]->at[1] + (int)(w >> 5 & 31), 32 * s->slot[b]->at[2] + (int)(w >> 10 & 31)};
+            visit(user, v, w, s->slot[b]->looks[p], s->slot[b]);
+        }
+}
+
+static void assert_same_looks(const ost_surface *a, const ost_surface *b)
+{
+    assert_int_equal(a->points, b->points);
+    for (int32_t i = 0; i < b->used; i++) {
+        const int32_t *at = b->slot[i]->at;
+        const ost_surface_block *same = ost_surface_block_at(a, at[0], at[1], at[2]);
+        assert_non_null(same);
+        assert_int_equal(same->count, b->slot[i]->count);
+        assert_memory_equal(same->looks, b->slot[i]->looks, same->count * sizeof(uint32_t));
+    }
+}
+
+typedef struct check {
+    const ost_volume *before, *now;
+    const ost_clip *clip;
+    int seen, painted;
+} check;
+
+static uint32_t paint_of(uint32_t look)
+{
+    return look >> OST_PAINT_SHIFT & 255;
+}
+
+/* ------------------------------------------------------------------- clip */
+
+static bool shown(const ost_clip *c, const int v[3])
+{
+    return (int64_t)c->n[0] * v[0] + (int64_t)c->n[1] * v[1] + (int64_t)c->n[2] * v[2] <= c->d;
+}
+
+/* Of a plane it is the voxels beside it that show the CT, each its own density: -100 HU is black, 1300 white, in 126 steps. */
+static void check_clip(void *user, const int v[3], uint32_t point, uint32_t look, const ost_surface_block *block)
+{
+    check *c = user;
+    bool cap = false;
+    (void)block;
+    assert_true(shown(c->clip, v));
+    for (int f = 0; f < 6; f++) {
+        int n[3] = {v[0], v[1], v[2]};
+        n[f / 2] += f % 2 ? 1 : -1;
+        const bool there = at(c->now, n[0], n[1], n[2]) >= 120;
+        assert_int_equal(point >> (OST_FACES_SHIFT + f) & 1, !there || !shown(c->clip, n));
+        cap |= there && !shown(c->clip, n);
+    }
+    const double share = (at(c->now, v[0], v[1], v[2]) + 100) / 1400.0;
+    const int step = (int)floor((share > 1 ? 1 : share) * 126 + 0.5);
+    assert_int_equal(paint_of(look), cap ? 128 + step : 0);
+    c->seen++;
+    c->painted += cap;
+}
+
+static void a_plane_shows_the_ct(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    test_rng rng = rng_seeded("clip");
+    ost_volume before, after;
+    ost_viewer v;
+    make_bone(&rng, &before, &after);
+    set_bone(&v, &after, &after);
+    for (int round = 0; round < 12; round++) {
+        ost_clip clip;
+        double normal[3], middle[3] = {5 + NX / 4.0, -3 + NY / 4.0, NZ / 4.0};
+        for (int a = 0; a < 3; a++) {
+            normal[a] = round < 6 ? (round / 2 == a) * (round % 2 ? 1 : -1) : (double)rng_range(&rng, -100, 100);
+            middle[a] += (double)rng_range(&rng, -40, 40) * 0.1;
+        }
+        assert_ok(ost_clip_make(&v.bone.geometry, middle, normal, &clip, &err));
+        /* The plane is where it was asked for: to 2^-14 in its direction over 80 voxels, and one of rounding. */
+        double away = 0, length = 0;
+        for (int a = 0; a < 3; a++) {
+            away += clip.n[a] * (middle[a] * 2 - (a == 0 ? 10 : a == 1 ? -6 : 0));
+            length += (double)clip.n[a] * clip.n[a];
+        }
+        assert_true(fabs(away - (double)clip.d) <= 1 && fabs(sqrt(length) / 16384 - 1) < 1e-4);
+        ost_viewer_set_clip(&v, &clip);
+        assert_ok(ost_surface_update(&v.bone, &err));
+        check c = {&after, &after, &clip, 0, 0};
+        for_points(&v.bone, check_clip, &c);
+        assert_true(c.seen > 500 && c.painted > 50);
+    }
+    /* A picture has these greys, whatever the light: looking along x at a plane across it. */
+    const ost_clip across = {{-OST_CLIP_UNIT, 0, 0}, -(INT64_C(40) << 14)};
+    ost_camera camera = {.focal_milli = 100000, .width = 64, .height = 64};
+    assert_ok(ost_camera_look((double[3]){-10, -3 + 10, 9}, (double[3]){40, -3 + 10, 9}, (double[3]){0, 0, 1}, &camera, &err));
+    ost_viewer_set_clip(&v, &across);
+    assert_ok(ost_viewer_update(&v, &err));
+    assert_ok(ost_viewer_draw(&v, &camera, &err));
+    assert_ok(ost_frame_keep_keys(&v.frame, &err));
+    assert_ok(ost_viewer_draw(&v, &camera, &err));
+    const ost_planes *p = &v.frame.planes;
+    int pixels = 0;
+    for (int y = 0; y < 64; y++)
+        for (int x = 0; x < 64; x++) {
+            const size_t i = (size_t)y * (size_t)p->stride + (size_t)x;
+            if (p->face[i] != OST_FACE_X0)
+                continue;
+            const uint32_t id = v.frame.layer[0].visible.id[(uint32_t)p->key[i]];
+            const int32_t *b = v.bone.slot[id >> OST_LOCAL_BITS]->at;
+            const int j = 32 * b[1] + (int)(id >> 5 & 31), k = 32 * b[2] + (int)(id >> 10 & 31);
+            if (32 * b[0] + (int)(id & 31) != 40 || at(&after, 39, j, k) < 120)
+                continue;
+            const double share = (at(&after, 40, j, k) + 100) / 1400.0;
+            const int grey = (int)(p->colour[i] & 255);
+            assert_int_equal(p->colour[i], grey * 0x010101);
+            assert_true(fabs(grey - 255 * (share > 1 ? 1 : share)) <= 1.6);
+            pixels++;
+        }
+    assert_true(pixels > 300);
+    /* Without it all is as it was before there was one. */
+    ost_viewer fresh;
+    set_bone(&fresh, &after, &after);
+    ost_viewer_set_clip(&v, NULL);
+    assert_ok(ost_surface_update(&v.bone, &err));
+    assert_same_looks(&v.bone, &fresh.bone);
+    ost_viewer_free(&fresh);
+    ost_viewer_free(&v);
+    ost_volume_free(&before);
+    ost_volume_free(&after);
+}
+
+/* ----------------------------------------------------------------- colours */
+
+static bool bared(const check *c, const int v[3])
+{
+    for (int f = 0; f < 6; f++) {
+        int n[3] = {v[0], v[1], v[2]};
+        n[f / 2] += f % 2 ? 1 : -1;
+        if (at(c->now, n[0], n[1], n[2]) < 120 && at(c->before, n[0], n[1], n[2]) >= 120)
+            return true;
+    }
+    return false;
+}
+
+static void check_density(void *user, const int v[3], uint32_t point, uint32_t look, const ost_surface_block *block)
+{
+    check *c = user;
+    (void)point;
+    (void)block;
+    const double share = (at(c->before, v[0], v[1], v[2]) + 100) / 1400.0;
+    const int step = (int)floor((share > 1 ? 1 : share) * 126 + 0.5);
+    assert_int_equal(paint_of(look), bared(c, v) ? 1 + 126 - step : 0);
+    c->painted += bared(c, v);
+}
+
+/* Squared, to the nearest voxel that is no bone and no pore: pores here are single voxels, and the bone is far from the border. */
+static int distance(const ost_volume *v, const int from[3])
+{
+    int best = 1024;
+    for (int k = 0; k < NZ; k++)
+        for (int j = 0; j < NY; j++)
+            for (int i = 0; i < NX; i++) {
+                const int square = (i - from[0]) * (i - from[0]) + (j - from[1]) * (j - from[1]) + (k - from[2]) * (k - from[2]);
+                const double a = (i - 34) / 32.0, b = (j - 20) / 17.0, c = (k - 19) / 16.0;
+                if (square < best && at(v, i, j, k) < 120 && a * a * a * a + b * b * b * b + c * c * c * c >= 1)
+                    best = square;
+            }
+    return best;
+}
+
+static void check_depth(void *user, const int v[3], uint32_t point, uint32_t look, const ost_surface_block *block)
+{
+    check *c = user;
+    if (!bared(c, v)) {
+        assert_int_equal(paint_of(look), 0);
+        return;
+    }
+    if (++c->painted % 5 != 0)
+        return;
+    const int exact = distance(c->before, v), got = block->depth[point & 0x7fff];
+    assert_int_equal(got, exact);
+    /* Half-millimetre voxels: the scale ends at 10 mm; half a voxel lies between the centre and its edge. */
+    assert_int_equal(paint_of(look), 1 + (int)floor((sqrt(got) - 0.5) * 0.5 / 10 * 126 + 0.5));
+}
+
+static void colours_are_what_the_ct_says(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    test_rng rng = rng_seeded("colours");
+    ost_volume before, after;
+    ost_viewer v;
+    make_bone(&rng, &before, &after);
+    set_bone(&v, &before, &before);
+    check c = {&before, &after, NULL, 0, 0};
+    assert_ok(ost_surface_set_volume(&v.bone, &after, 120, &err));
+    ost_viewer_set_colouring(&v, OST_COLOUR_DENSITY);
+    assert_ok(ost_surface_update(&v.bone, &err));
+    for_points(&v.bone, check_density, &c);
+    assert_true(c.painted > 400);
+    /* A bone that was cut before anybody looked has the same looks. */
+    ost_viewer late;
+    set_bone(&late, &before, &after);
+    ost_viewer_set_colouring(&late, OST_COLOUR_DENSITY);
+    assert_ok(ost_surface_update(&late.bone, &err));
+    assert_same_looks(&v.bone, &late.bone);
+    ost_viewer_free(&late);
+    c.painted = 0;
+    ost_viewer_set_colouring(&v, OST_COLOUR_DEPTH);
+    assert_ok(ost_surface_update(&v.bone, &err));
+    for_points(&v.bone, check_depth, &c);
+    assert_true(c.painted > 400);
+    ost_viewer_free(&v);
+    ost_volume_free(&before);
+    ost_volume_free(&after);
+}
+
+/* Layers under a face: 2 mm of cartilage, 2 mm of hard bone, cancellous bone; and hard bone far from it. */
+static void tissues_by_class_and_place(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    const ost_geometry g = grid();
+    const ost_density_classes classes = ost_density_classes_default();
+    ost_volume v;
+    ost_ground ground;
+    assert_ok(ost_volume_init(&v, &g, &err));
+    for (int k = 4; k < 34; k++)
+        for (int j = 4; j < 37; j++)
+            for (int i = 10; i < 60; i++)
+                v.voxels[index_of(i, j, k)] = i < 14 ? 130 : i == 14 ? 400 : i < 18 ? 1100 : i < 55 ? 300 : 1000;
+    const ost_pm3 at_pm = {g.origin.x + 10 * (MM / 2), g.origin.y + 20 * (MM / 2), g.origin.z + 19 * (MM / 2)};
+    assert_ok(ost_ground_init(&ground, &v, 120, &classes, &at_pm, (double[3]){2, 0, 0}, &err));
+    static const struct {
+        int i;
+        ost_tissue tissue;
+    } wanted[] = {{11, OST_TISSUE_CARTILAGE}, {13, OST_TISSUE_CARTILAGE}, {14, OST_TISSUE_PLATE}, {15, OST_TISSUE_PLATE}, {17, OST_TISSUE_PLATE},
+                  {18, OST_TISSUE_CANCELLOUS}, {40, OST_TISSUE_CANCELLOUS}, {57, OST_TISSUE_CORTICAL}};
+    for (size_t w = 0; w < sizeof wanted / sizeof *wanted; w++) {
+        const int32_t p[3] = {wanted[w].i, 20, 19};
+        assert_int_equal(ost_ground_paint(&ground, OST_COLOUR_CLASS, p, 0), OST_PAINT_LIT + wanted[w].tissue);
+        assert_int_equal(ost_ground_cap(&ground, OST_COLOUR_CLASS, p), OST_PAINT_FLAT + wanted[w].tissue);
+    }
+    ost_ground_free(&ground);
+}
+
+static double luminance(uint32_t colour)
+{
+    double out = 0;
+    static const double weight[3] = {0.2126, 0.7152, 0.0722};
+    for (int c = 0; c < 3; c++) {
+        const double v = (colour >> (8 * c) & 255) / 255.0;
+        out += weight[c] * (v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4));
+    }
+    return out;
+}
+
+/* In order for every eye: each step is darker; and classes differ in lightness. */
+static void colours_can_be_told_apart(void **state)
+{
+    (void)state;
+    for (int i = 1; i < OST_SCALE; i++)
+        assert_true(luminance(ost_scale_colour(i)) < luminance(ost_scale_colour(i - 1)));
+    assert_true(luminance(ost_scale_colour(0)) > 0.7 && luminance(ost_scale_colour(OST_SCALE - 1)) < 0.03);
+    for (int a = 0; a < OST_TISSUES; a++)
+        for (int b = 0; b < a; b++) {
+            const double x = luminance(ost_tissue_colours[a]) + 0.05, y = luminance(ost_tissue_colours[b]) + 0.05;
+            const int red = abs((int)(ost_tissue_colours[a] & 255) - (int)(ost_tissue_colours[b] & 255));
+            const int blue = abs((int)(ost_tissue_colours[a] >> 16) - (int)(ost_tissue_colours[b] >> 16));
+            assert_true((x > y ? x / y : y / x) > 1.2 || red + blue > 120);
+        }
+}
+
+/* ----------------------------------------------------------------- contact */
+
+static void count_contact(void *user, const int v[3], uint32_t point, uint32_t look, const ost_surface_block *block)
+{
+    check *c = user;
+    (void)point;
+    (void)block;
+    const bool hot = look & OST_LOOK_CONTACT;
+    if (c->before)
+        assert_int_equal(hot, bared(c, v));
+    c->painted += hot;
+}
+
+static void what_went_just_now_is_shown(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    test_rng rng = rng_seeded("contact");
+    ost_volume before, after;
+    ost_viewer v;
+    make_bone(&rng, &before, &after);
+    set_bone(&v, &before, &before);
+    ost_viewer_set_contact(&v, true);
+    assert_ok(ost_surface_set_volume(&v.bone, &after, 120, &err));
+    for (int aged = 0; aged < 3; aged++) {
+        assert_ok(ost_surface_update(&v.bone, &err));
+        check c = {aged < 2 ? &before : NULL, &after, NULL, 0, 0};
+        for_points(&v.bone, count_contact, &c);
+        assert_true(aged < 2 ? c.painted > 400 : c.painted == 0);
+        ost_surface_age(&v.bone);
+        /* What stays to be seen needs no new lists. */
+        for (int32_t b = 0; b < v.bone.used && aged == 0; b++)
+            assert_false(v.bone.slot[b]->dirty);
+    }
+    ost_viewer_free(&v);
+    ost_volume_free(&before);
+    ost_volume_free(&after);
+}
+
+/* All of it together, by every instruction set and by threads. */
+static void all_sets_show_the_same(void **state)
+{
+    (void)state;
+    enum { W = 150, H = 110 };
+    static const char *const sets[] = {"scalar", "avx2", "avx512"};
+    ost_error err = {0};
+    test_rng rng = rng_seeded("sets");
+    ost_volume before, after;
+    ost_viewer v[3];
+    bool have[3];
+    make_bone(&rng, &before, &after);
+    for (int i = 0; i < 3; i++) {
+        ost_isa isa;
+        have[i] = ost_isa_choose(sets[i], &isa, NULL) == OST_OK;
+        if (!have[i])
+            continue;
+        set_bone(&v[i], &before, &after);
+        v[i].isa = isa;
+        v[i].threads = 1 + i;
+    }
+    for (int round = 0; round < 8; round++) {
+        ost_camera camera = {.focal_milli = 150000, .width = W, .height = H};
+        ost_clip clip;
+        const double to[3] = {22, 7, 9}, from[3] = {(double)rng_range(&rng, -30, 70), (double)rng_range(&rng, -60, -20), (double)rng_range(&rng, -30, 50)};
+        const double normal[3] = {from[0] - to[0] + (double)rng_range(&rng, -20, 20), from[1] - to[1], from[2] - to[2]};
+        assert_ok(ost_camera_look(from, to, (double[3]){0, 0, 1}, &camera, &err));
+        assert_ok(ost_clip_make(&v[0].bone.geometry, to, normal, &clip, &err));
+        for (int i = 0; i < 3; i++) {
+            if (!have[i])
+                continue;
+            ost_viewer_set_colouring(&v[i], (ost_colouring)(round % OST_COLOUR_COUNT));
+            ost_viewer_set_clip(&v[i], round % 3 ? &clip : NULL);
+            assert_ok(ost_viewer_update(&v[i], &err));
+            assert_ok(ost_viewer_draw(&v[i], &camera, &err));
+            for (int y = 0; y < H; y++)
+                assert_memory_equal(v[i].frame.planes.colour + (size_t)y * (size_t)v[i].frame.planes.stride,
+                                    v[0].frame.planes.colour + (size_t)y * (size_t)v[0].frame.planes.stride, W * sizeof(uint32_t));
+        }
+    }
+    for (int i = 0; i < 3; i++)
+        if (have[i])
+            ost_viewer_free(&v[i]);
+    ost_volume_free(&before);
+    ost_volume_free(&after);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_plane_shows_the_ct),      cmocka_unit_test(colours_are_what_the_ct_says), cmocka_unit_test(tissues_by_class_and_place),
+        cmocka_unit_test(colours_can_be_told_apart), cmocka_unit_test(what_went_just_now_is_shown),
+        cmocka_unit_test(all_sets_show_the_same),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
