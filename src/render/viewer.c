@@ -17,6 +17,7 @@ ost_status ost_viewer_init(ost_viewer *viewer, const ost_geometry *bone, ost_sty
 void ost_viewer_free(ost_viewer *viewer)
 {
     ost_surface_free(&viewer->bone);
+    ost_surface_free(&viewer->ghost);
     ost_ground_free(&viewer->ground);
     for (int i = 0; i < viewer->tools; i++)
         ost_surface_free(&viewer->tool[i]);
@@ -31,12 +32,10 @@ static ost_geometry grid_of(const ost_tool_geometry *t)
     return (ost_geometry){t->dims, {s, s, s}, {t->corner.x + half, t->corner.y + half, t->corner.z + half}};
 }
 
-ost_status ost_viewer_add_tool(ost_viewer *viewer, const ost_tool_volume *volume, ost_error *err)
+/* On an error the surface is empty. */
+static ost_status surface_of(const ost_tool_volume *volume, ost_surface *surface, ost_error *err)
 {
-    if (viewer->tools == OST_VIEWER_TOOLS)
-        return ost_fail(err, OST_ERR_USAGE, "a viewer has up to %d tools", OST_VIEWER_TOOLS);
     const ost_geometry g = grid_of(&volume->geometry);
-    ost_surface *surface = &viewer->tool[viewer->tools];
     ost_volume solid = {0};
     ost_status status = ost_surface_init(surface, &g, err);
     if (status == OST_OK)
@@ -48,10 +47,18 @@ ost_status ost_viewer_add_tool(ost_viewer *viewer, const ost_tool_volume *volume
     if (status == OST_OK)
         status = ost_surface_update(surface, err);
     ost_volume_free(&solid);
-    if (status == OST_OK)
-        viewer->tools++;
-    else
+    if (status != OST_OK)
         ost_surface_free(surface);
+    return status;
+}
+
+ost_status ost_viewer_add_tool(ost_viewer *viewer, const ost_tool_volume *volume, ost_error *err)
+{
+    if (viewer->tools == OST_VIEWER_TOOLS)
+        return ost_fail(err, OST_ERR_USAGE, "a viewer has up to %d tools", OST_VIEWER_TOOLS);
+    ost_status status = surface_of(volume, &viewer->tool[viewer->tools], err);
+    if (status == OST_OK)
+        viewer->tool_grid[viewer->tools++] = volume->geometry;
     return status;
 }
 
@@ -76,6 +83,15 @@ void ost_viewer_set_clip(ost_viewer *viewer, const ost_clip *clip)
     ost_surface_clip(&viewer->bone, clip);
 }
 
+ost_status ost_viewer_set_ghost(ost_viewer *viewer, const ost_tool_volume *volume, const ost_pose *pose, ost_error *err)
+{
+    ost_surface_free(&viewer->ghost);
+    ost_status status = surface_of(volume, &viewer->ghost, err);
+    viewer->has_ghost = viewer->show_ghost = status == OST_OK;
+    viewer->ghost_pose = *pose;
+    return status;
+}
+
 void ost_viewer_set_contact(ost_viewer *viewer, bool shown)
 {
     viewer->bone.keep_fresh = shown;
@@ -94,6 +110,8 @@ static ost_status take(void *user, const int32_t at[3], const uint32_t *words, o
 {
     ost_viewer *viewer = user;
     viewer->changed++;
+    if (viewer->scene.changed < OST_OVERLAY_CHANGED)
+        memcpy(viewer->scene.changed_at[viewer->scene.changed++], at, sizeof(int32_t[3]));
     return ost_surface_set_chunk(&viewer->bone, at, ost_live_chunk_size(viewer->live), words, err);
 }
 
@@ -101,6 +119,7 @@ ost_status ost_viewer_update(ost_viewer *viewer, ost_error *err)
 {
     ost_status status = OST_OK;
     if (viewer->live) {
+        viewer->scene.changed = 0;
         viewer->has_state = ost_live_state_get(viewer->live, &viewer->state);
         const int64_t now = viewer->has_state ? viewer->state.t_ns : 0;
         if (now < viewer->aged_ns || now - viewer->aged_ns >= OST_VIEWER_FRESH_NS) {
@@ -122,13 +141,29 @@ ost_status ost_viewer_draw(ost_viewer *viewer, const ost_camera *camera, ost_err
     if (status != OST_OK)
         return status;
     viewer->frame.style = viewer->style;
+    ost_overlay_scene *scene = &viewer->scene;
     const ost_eye eye = ost_eye_make(camera, &viewer->bone.geometry);
     ost_frame_thing things[2] = {{.surface = &viewer->bone, .eye = eye, .paint = OST_PAINT_BONE, .palette = viewer->palette}};
     int count = 1;
     const ost_live_state *s = &viewer->state;
+    scene->bone = &viewer->bone;
+    scene->tool = NULL;
+    scene->chunk = viewer->live ? ost_live_chunk_size(viewer->live) : OST_BLOCK;
     if (viewer->has_state && s->ticks > 0 && s->tool >= 0 && s->tool < viewer->tools) {
-        const ost_surface *tool = &viewer->tool[s->tool];
-        things[count++] = (ost_frame_thing){.surface = tool, .eye = ost_eye_make_from(camera, &tool->geometry, &s->pose), .paint = OST_PAINT_STEEL};
+        scene->tool = &viewer->tool[s->tool];
+        scene->tool_grid = viewer->tool_grid[s->tool];
+        scene->pose = s->pose;
+        things[count++] = (ost_frame_thing){
+            .surface = scene->tool, .eye = ost_eye_make_from(camera, &scene->tool->geometry, &s->pose), .paint = OST_PAINT_STEEL};
     }
-    return ost_frame_draw_things(&viewer->frame, things, count, err);
+    status = ost_frame_draw_things(&viewer->frame, things, count, err);
+    if (status == OST_OK && viewer->has_ghost && viewer->show_ghost) {
+        const ost_frame_thing ghost = {.surface = &viewer->ghost,
+                                       .eye = ost_eye_make_from(camera, &viewer->ghost.geometry, &viewer->ghost_pose),
+                                       .paint = OST_PAINT_GHOST};
+        status = ost_frame_draw_ghost(&viewer->frame, &ghost, OST_GHOST, viewer->bone.geometry.spacing.x, err);
+    }
+    if (status == OST_OK && viewer->overlays)
+        ost_overlay_draw(&viewer->frame, &eye, viewer->overlays, scene);
+    return status;
 }

@@ -7,7 +7,7 @@
  *   ost_live --state--> the tool's pose -----'
  *
  *   ground (what was before) ---> colours of what was cut
- *   clip plane ----------------> seen with it
+ *   clip plane, ghost, overlays -> seen with it
  *
  * One thread at a time.  A viewer that follows nothing shows what was set.
  */
@@ -17,17 +17,19 @@
 #include <osteon/live.h>
 #include <osteon/tool.h>
 
+#include "render/overlay.h"
 #include "render/points/clip.h"
 #include "render/points/frame.h"
 #include "render/points/ground.h"
 
-enum { OST_VIEWER_TOOLS = 16 };
+enum { OST_VIEWER_TOOLS = 16, OST_GHOST = 120 };
 #define OST_VIEWER_FRESH_NS INT64_C(150000000) /* of the operation's time: bone that went is shown for one to two of these */
 
 typedef struct ost_viewer {
     ost_live *live;      /* borrowed; NULL: it follows nothing */
     ost_surface bone;
     ost_surface tool[OST_VIEWER_TOOLS];
+    ost_tool_geometry tool_grid[OST_VIEWER_TOOLS];
     int tools;
     ost_isa isa;
     int threads;
@@ -39,6 +41,11 @@ typedef struct ost_viewer {
     ost_ground ground;   /* with has_ground */
     bool has_ground;
     uint32_t palette[OST_PAINTS];
+    ost_surface ghost;   /* with has_ghost; shown with show_ghost */
+    ost_pose ghost_pose;
+    bool has_ghost, show_ghost;
+    unsigned overlays;   /* bits of ost_overlay */
+    ost_overlay_scene scene;
     int64_t aged_ns;
 } ost_viewer;
 
@@ -55,6 +62,8 @@ ost_status ost_viewer_set_ground(ost_viewer *viewer, ost_volume *before, int32_t
 void ost_viewer_set_colouring(ost_viewer *viewer, ost_colouring colouring);
 /* NULL: all is shown. */
 void ost_viewer_set_clip(ost_viewer *viewer, const ost_clip *clip);
+/* A shape that can be seen through. */
+ost_status ost_viewer_set_ghost(ost_viewer *viewer, const ost_tool_volume *volume, const ost_pose *pose, ost_error *err);
 /* Where bone goes is shown for a moment. */
 void ost_viewer_set_contact(ost_viewer *viewer, bool shown);
 

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 
 #include "harness.h"
+#include "render/legend.h"
 #include "render/points/extract.h"
 #include "render/viewer.h"
 
@@ -335,6 +336,23 @@ static void colours_can_be_told_apart(void **state)
             const int blue = abs((int)(ost_tissue_colours[a] >> 16) - (int)(ost_tissue_colours[b] >> 16));
             assert_true((x > y ? x / y : y / x) > 1.2 || red + blue > 120);
         }
+    /* A legend writes into its corner and nowhere else. */
+    static uint32_t pixels[300 * 200];
+    const ost_sheet sheet = {pixels, 300, 300, 200};
+    ost_error err = {0};
+    ost_lettering *letters;
+    assert_ok(ost_lettering_create(9.5, &letters, &err));
+    ost_legend_draw(&(ost_legend){OST_COLOUR_BONE, 10, true, false}, letters, &sheet, 0, 200, 1);
+    for (int i = 0; i < 300 * 200; i++)
+        assert_int_equal(pixels[i], 0);
+    ost_legend_draw(&(ost_legend){OST_COLOUR_DEPTH, 10, true, false}, letters, &sheet, 0, 200, 1);
+    int drawn = 0;
+    for (int i = 0; i < 300 * 200; i++)
+        drawn += pixels[i] != 0;
+    assert_true(drawn > 10000);
+    assert_int_equal(pixels[0], 0);
+    assert_int_equal(pixels[300 * 199 + 299], 0);
+    ost_lettering_free(letters);
 }
 
 /* ----------------------------------------------------------------- contact */
@@ -376,6 +394,130 @@ static void what_went_just_now_is_shown(void **state)
     ost_volume_free(&after);
 }
 
+/* ---------------------------------------------------------- ghost and lines */
+
+static ost_tool_volume rod(void)
+{
+    ost_error err = {0};
+    ost_tool_volume t;
+    const ost_tool_geometry g = {{8, 8, 60}, MM / 2, {-2 * MM, -2 * MM, 0}};
+    assert_ok(ost_tool_volume_init(&t, &g, &err));
+    memset(t.voxels, OST_TOOL_CUTTING, 8 * 8 * 60);
+    return t;
+}
+
+static void see_through_and_lines(void **state)
+{
+    (void)state;
+    enum { W = 160, H = 120 };
+    ost_error err = {0};
+    test_rng rng = rng_seeded("ghost");
+    ost_volume before, after;
+    ost_viewer v;
+    ost_tool_volume t = rod();
+    ost_camera camera = {.focal_milli = 180000, .width = W, .height = H};
+    make_bone(&rng, &before, &after);
+    set_bone(&v, &before, &after);
+    assert_ok(ost_camera_look((double[3]){22, -50, 9}, (double[3]){22, 7, 9}, (double[3]){0, 0, 1}, &camera, &err));
+    assert_ok(ost_viewer_draw(&v, &camera, &err));
+    const size_t count = (size_t)v.frame.planes.stride * H;
+    uint32_t *plain = malloc(count * sizeof *plain);
+    uint8_t *face = malloc(count);
+    assert_non_null(plain);
+    assert_non_null(face);
+    memcpy(plain, v.frame.planes.colour, count * sizeof *plain);
+    memcpy(face, v.frame.planes.face, count);
+    /* Behind the bone it is seen faintly, before it more: 4 mm wide at 180 pixels. */
+    double change[2] = {0, 0};
+    for (int near = 0; near < 2; near++) {
+        const ost_pose pose = {.t = {22 * MM, near ? -10 * MM : 20 * MM, -5 * MM}, .qw = OST_Q30_ONE};
+        assert_ok(ost_viewer_set_ghost(&v, &t, &pose, &err));
+        assert_ok(ost_viewer_draw(&v, &camera, &err));
+        int inside = 0;
+        for (int y = 0; y < H; y++)
+            for (int x = 0; x < W; x++) {
+                const size_t i = (size_t)y * (size_t)v.frame.planes.stride + (size_t)x;
+                assert_int_equal(v.frame.planes.face[i], face[i]);
+                if (fabs(x - 80.0) > 20)
+                    assert_int_equal(v.frame.planes.colour[i], plain[i]);
+                else if (fabs(x - 80.0) < 4 && face[i] != OST_NO_FACE) {
+                    change[near] += fabs((double)(v.frame.planes.colour[i] & 255) - (double)(plain[i] & 255));
+                    inside++;
+                }
+            }
+        assert_true(inside > 100);
+        change[near] /= inside;
+    }
+    assert_true(change[0] > 8 && change[1] > 1.4 * change[0]);
+    v.show_ghost = false;
+    assert_ok(ost_viewer_draw(&v, &camera, &err));
+    assert_memory_equal(v.frame.planes.colour, plain, count * sizeof *plain);
+    int columns = 0, hidden = 0;
+    /* A line across the picture: at every column one row's worth of it, where it should be; behind the bone a fifth. */
+    for (int near = 0; near < 2; near++) {
+        const ost_eye eye = ost_eye_make(&camera, &v.bone.geometry);
+        const float y = near ? -20 : 45, from[3] = {-60, y, 18}, to[3] = {140, y, 18};
+        memcpy(v.frame.planes.colour, plain, count * sizeof *plain);
+        ost_overlay_line(&v.frame, &eye, from, to, 0xffffff, 256, 1);
+        for (int x = 0; x < W; x++) {
+            double change_here = 0;
+            int behind = 0, bright = 0;
+            for (int row = 0; row < H; row++) {
+                const size_t i = (size_t)row * (size_t)v.frame.planes.stride + (size_t)x;
+                const double was = plain[i] & 255, more = (double)(v.frame.planes.colour[i] & 255) - was;
+                assert_true(more == 0 || abs(row - 60) <= 1);
+                change_here += was < 255 ? more / (255 - was) : 0;
+                behind += abs(row - 60) <= 1 && face[i] != OST_NO_FACE;
+                bright += abs(row - 60) <= 1 && was > 235;
+            }
+            if ((behind > 0 && behind < 3) || bright)
+                continue;
+            columns++;
+            hidden += behind == 3 && !near;
+            assert_true(fabs(change_here - (behind && !near ? 0.2 : 1)) < 0.06);
+        }
+    }
+    assert_true(columns > W && hidden > 30);
+    /* The chunks a tool's box meets: by its corners in exact halves of millimetres. */
+    const ost_overlay_scene scene = {.bone = &v.bone, .tool = &v.ghost, .tool_grid = t.geometry, .pose = {.t = {13 * MM, 7 * MM, -40 * MM}, .qw = OST_Q30_ONE}, .chunk = 16};
+    int32_t lo[3], hi[3];
+    ost_overlay_hit_range(&scene, lo, hi);
+    for (int a = 0; a < 3; a++)
+        assert_int_equal(hi[a] - lo[a], 0);
+    ost_overlay_scene meets = scene;
+    meets.pose.t.z = 0; /* x: voxels 12 to 20, y: 16 to 24, z: 0 to 38 of the bone */
+    ost_overlay_hit_range(&meets, lo, hi);
+    assert_int_equal(lo[0], 0);
+    assert_int_equal(hi[0], 2);
+    assert_int_equal(lo[1], 1);
+    assert_int_equal(hi[1], 2);
+    assert_int_equal(lo[2], 0);
+    assert_int_equal(hi[2], 3);
+    /* Every overlay draws something. */
+    v.has_state = true;
+    v.state = (ost_live_state){.ticks = 1, .pose = meets.pose};
+    assert_ok(ost_viewer_add_tool(&v, &t, &err));
+    v.scene.planned = true;
+    v.scene.inward[1] = 1;
+    v.scene.face_mm[0] = 22;
+    v.scene.face_mm[1] = -2;
+    v.scene.face_mm[2] = 9;
+    v.scene.depth_mm = 3;
+    assert_ok(ost_viewer_draw(&v, &camera, &err));
+    memcpy(plain, v.frame.planes.colour, count * sizeof *plain);
+    for (int o = 0; o < OST_OVERLAY_COUNT; o++) {
+        v.overlays = 1u << o;
+        assert_ok(ost_viewer_draw(&v, &camera, &err));
+        assert_memory_not_equal(v.frame.planes.colour, plain, count * sizeof *plain);
+    }
+    free(plain);
+    free(face);
+    ost_tool_volume_free(&t);
+    ost_viewer_free(&v);
+    ost_volume_free(&before);
+    ost_volume_free(&after);
+}
+
 /* All of it together, by every instruction set and by threads. */
 static void all_sets_show_the_same(void **state)
 {
@@ -387,6 +529,7 @@ static void all_sets_show_the_same(void **state)
     ost_volume before, after;
     ost_viewer v[3];
     bool have[3];
+    ost_tool_volume t = rod();
     make_bone(&rng, &before, &after);
     for (int i = 0; i < 3; i++) {
         ost_isa isa;
@@ -396,6 +539,9 @@ static void all_sets_show_the_same(void **state)
         set_bone(&v[i], &before, &after);
         v[i].isa = isa;
         v[i].threads = 1 + i;
+        const ost_pose pose = {.t = {20 * MM, 2 * MM, 0}, .qw = OST_Q30_ONE};
+        assert_ok(ost_viewer_set_ghost(&v[i], &t, &pose, &err));
+        v[i].overlays = 1u << OST_OVERLAY_CHUNKS;
     }
     for (int round = 0; round < 8; round++) {
         ost_camera camera = {.focal_milli = 150000, .width = W, .height = H};
@@ -419,6 +565,7 @@ static void all_sets_show_the_same(void **state)
     for (int i = 0; i < 3; i++)
         if (have[i])
             ost_viewer_free(&v[i]);
+    ost_tool_volume_free(&t);
     ost_volume_free(&before);
     ost_volume_free(&after);
 }
@@ -427,7 +574,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_plane_shows_the_ct),      cmocka_unit_test(colours_are_what_the_ct_says), cmocka_unit_test(tissues_by_class_and_place),
-        cmocka_unit_test(colours_can_be_told_apart), cmocka_unit_test(what_went_just_now_is_shown),
+        cmocka_unit_test(colours_can_be_told_apart), cmocka_unit_test(what_went_just_now_is_shown),  cmocka_unit_test(see_through_and_lines),
         cmocka_unit_test(all_sets_show_the_same),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

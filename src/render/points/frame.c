@@ -125,6 +125,7 @@ static void layer_free(ost_frame_layer *layer)
 void ost_frame_free(ost_frame *frame)
 {
     planes_free(&frame->planes);
+    planes_free(&frame->ghost);
     benches_free(frame);
     free(frame->blank);
     free(frame->directions);
@@ -293,6 +294,37 @@ static void draw_layer(const ost_frame *f, const ost_frame_layer *layer, const b
     }
 }
 
+static uint32_t mixed(uint32_t under, uint32_t over, uint32_t share)
+{
+    const uint32_t rest = 256 - share;
+    return (((under & 0xff00ff) * rest + (over & 0xff00ff) * share) >> 8 & 0xff00ff) | (((under & 0xff00) * rest + (over & 0xff00) * share) >> 8 & 0xff00);
+}
+
+/* Whether a layer has something at a pixel of the planes that it was drawn into. */
+static bool is_there(const ost_frame *f, const ost_frame_layer *layer, int x, int y)
+{
+    const ost_frame_span span = span_of(layer, y);
+    return x >= span.from && x < span.to && f->ghost.face[ost_row(&f->ghost, y) + (size_t)x] != OST_NO_FACE;
+}
+
+/* What can be seen through, with its outline, in row y: it leaves all but the colour as it was. */
+static void merge_ghost(const ost_frame *f, const ost_frame_layer *layer, unsigned ghost, int y)
+{
+    enum { LINE = 100 };
+    const ost_frame_span span = span_of(layer, y);
+    const ost_planes *to = &f->planes, *from = &f->ghost;
+    for (int x = span.from; x < span.to && x < f->width; x++) {
+        const size_t i = ost_row(to, y) + (size_t)x;
+        if (from->face[i] == OST_NO_FACE)
+            continue;
+        const bool before = to->face[i] == OST_NO_FACE || from->depth[i] * layer->scale < to->depth[i];
+        const bool edge = (x > 0 && !is_there(f, layer, x - 1, y)) || (x + 1 < f->width && !is_there(f, layer, x + 1, y)) ||
+                          (y > 0 && !is_there(f, layer, x, y - 1)) || (y + 1 < f->height && !is_there(f, layer, x, y + 1));
+        const uint32_t share = (before ? ghost : ghost / 2) + (edge ? LINE : 0);
+        to->colour[i] = mixed(to->colour[i], edge ? layer->light.colour[0] : from->colour[i], share < 256 ? share : 256);
+    }
+}
+
 static int thread_number(void)
 {
 #ifdef _OPENMP
@@ -376,6 +408,14 @@ static ost_status prepare(ost_frame *frame, const ost_frame_thing *thing, int nu
     return OST_OK;
 }
 
+static ost_status room_over(ost_frame *frame, ost_error *err)
+{
+    if (frame->ghost.colour || planes_init(&frame->ghost, frame->width, frame->height))
+        return OST_OK;
+    planes_free(&frame->ghost);
+    return no_memory(frame, err);
+}
+
 ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things, int count, ost_error *err)
 {
     ost_status status = OST_OK;
@@ -399,6 +439,34 @@ ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things
 #pragma omp for schedule(dynamic, 1)
         for (int i = 0; i < bands; i++)
             draw_band(frame, i);
+    }
+    return OST_OK;
+}
+
+ost_status ost_frame_draw_ghost(ost_frame *frame, const ost_frame_thing *thing, unsigned share, ost_pm spacing, ost_error *err)
+{
+    enum { NUMBER = OST_FRAME_LAYERS - 1 };
+    ost_frame_layer *layer = &frame->layer[NUMBER];
+    ost_status status = room_over(frame, err);
+    if (status == OST_OK)
+        status = prepare(frame, thing, NUMBER, spacing, err);
+    if (status != OST_OK)
+        return status;
+    const int bands = (frame->height + frame->band - 1) / frame->band;
+#pragma omp parallel num_threads(frame->threads)
+    {
+#pragma omp for schedule(dynamic, 4)
+        for (int32_t i = 0; i < (frame->threads > 1 ? layer->count : 0); i++)
+            choose_points(frame, layer, &layer->blocks[i]);
+#pragma omp for schedule(dynamic, 1)
+        for (int i = 0; i < bands; i++) {
+            ost_planes planes = frame->ghost;
+            const band at = band_of(frame, i, &planes);
+            draw_layer(frame, layer, &at, &planes);
+        }
+#pragma omp for schedule(static, 16)
+        for (int y = 0; y < frame->height; y++)
+            merge_ghost(frame, layer, share, y);
     }
     return OST_OK;
 }

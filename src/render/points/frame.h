@@ -63,6 +63,7 @@ enum { OST_FRAME_LAYERS = 4 };
 typedef struct ost_frame {
     int width, height;
     ost_planes planes;      /* owned; key only after ost_frame_keep_keys */
+    ost_planes ghost;       /* owned; where a ghost is drawn; NULL before there was one; no keys */
     ost_frame_bench *bench; /* owned; of each thread */
     int tiles_across;
     uint32_t *blank;        /* owned; a row of background */
@@ -93,6 +94,12 @@ ost_status ost_frame_keep_keys(ost_frame *frame, ost_error *err);
 
 /* Fills the planes; depth is in voxels of the first. OST_ERR_RANGE when the eye is more than 2^15 of its voxels away from a thing. */
 ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things, int count, ost_error *err);
+/*
+ * One thing more, over a frame that was drawn, by whom ever: it is seen before
+ * other things by `share` 256ths, behind them by half of that, and changes
+ * colours alone.  spacing: of the first thing's voxels, which depth is in.
+ */
+ost_status ost_frame_draw_ghost(ost_frame *frame, const ost_frame_thing *thing, unsigned share, ost_pm spacing, ost_error *err);
 /* Of bone alone. */
 ost_status ost_frame_draw(ost_frame *frame, const ost_surface *surface, const ost_eye *eye, ost_error *err);
 

@@ -27,6 +27,7 @@ typedef struct ost_paint {
 } ost_paint;
 
 #define OST_PAINT_BONE ((ost_paint){0xe3, 0xda, 0xc9, 26}) /* thesis 3.3.2 */
+#define OST_PAINT_GHOST ((ost_paint){0x58, 0xd8, 0xc8, 40})
 #define OST_PAINT_STEEL ((ost_paint){0xa4, 0xad, 0xb8, 110})
 
 enum { OST_BRIGHT_BITS = 9 };

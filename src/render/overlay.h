@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Lines over a frame, for understanding: where they lie behind what was drawn
+ * they are faint.
+ *
+ *   chunks        the grid of chunks: active ones red, others grey (thesis, Figs. 2.1, 3.1)
+ *   boxes         the bone's box, the tool's at its angle, where they meet (Fig. 2.3)
+ *   hits          active chunks that the tool's box meets (Figs. 2.3, 3.3); bright where one has just changed
+ *   tool-voxels   edges of the tool's voxels (Fig. 3.4)
+ *   bone-voxels   those of the bone's within the tool's box (Fig. 3.3)
+ *   axis          the planned axis, with a tick a millimetre down to the planned depth
+ */
+#ifndef OST_RENDER_OVERLAY_H
+#define OST_RENDER_OVERLAY_H
+
+#include <osteon/tool.h>
+
+#include "render/points/frame.h"
+
+typedef enum ost_overlay {
+    OST_OVERLAY_CHUNKS,
+    OST_OVERLAY_BOXES,
+    OST_OVERLAY_HITS,
+    OST_OVERLAY_TOOL_VOXELS,
+    OST_OVERLAY_BONE_VOXELS,
+    OST_OVERLAY_AXIS,
+    OST_OVERLAY_COUNT
+} ost_overlay;
+extern const char *const ost_overlay_names[OST_OVERLAY_COUNT]; /* "chunks", ... */
+
+enum { OST_OVERLAY_CHANGED = 64 };
+
+typedef struct ost_overlay_scene {
+    const ost_surface *bone, *tool; /* borrowed; tool NULL: there is none */
+    ost_tool_geometry tool_grid;
+    ost_pose pose;                  /* the tool's */
+    int chunk;                      /* voxels on a side */
+    int changed;                    /* chunks that have just changed */
+    int32_t changed_at[OST_OVERLAY_CHANGED][3];
+    bool planned;
+    double face_mm[3], inward[3], depth_mm;
+} ost_overlay_scene;
+
+/* which: a bit for each. eye: the frame's, in the bone's voxels. */
+void ost_overlay_draw(const ost_frame *frame, const ost_eye *eye, unsigned which, const ost_overlay_scene *scene);
+
+/* Range of chunks that the tool's box may meet, half-open; empty when it meets none. */
+void ost_overlay_hit_range(const ost_overlay_scene *scene, int32_t lo[3], int32_t hi[3]);
+
+/* A line between two places in the bone's voxels. strength: of 256; width: in pixels, 1 or more. */
+void ost_overlay_line(const ost_frame *frame, const ost_eye *eye, const float from[3], const float to[3], uint32_t colour, unsigned strength,
+                      int width);
+
+#endif
