@@ -3,12 +3,15 @@
  * osteon render: a picture of a bone and a tool, without a display.
  *
  *   bone --ost_live--> surface voxels --.
- *   tool, --pose ---------------------- +--camera--> frame --> .png
+ *   bone before (--before) -> colours --+
+ *   tool, --pose ---------------------- +--camera--> frame --> legend --> .png
+ *   clip plane, ghost, lines -----------'
  *
  * The same renderer as the simulator's, and the same bytes on every machine.
  */
 #include <string.h>
 
+#include "app/appearance.h"
 #include "app/backend_choice.h"
 #include "app/frame_size.h"
 #include "app/frame_times.h"
@@ -21,9 +24,14 @@
 #include "render/viewer.h"
 #include "render/views.h"
 
+enum { PLANNED_UM = 3000, PLANNED_UM_MAX = 20000 };
+
 typedef struct render_args {
-    const char *bone, *tool, *pose_text, *size, *out;
+    const char *bone, *before, *tool, *pose_text, *size, *out;
     int view, style, width, height;
+    double depth_mm;
+    option_decimal depth;
+    appearance_options look;
     ost_pose pose;
     ct_options ct;
     tool_options how;
@@ -38,6 +46,9 @@ typedef struct drawing {
     ost_live *live;
     ost_viewer viewer;
     ost_view_subject subject;
+    ost_volume before;
+    ost_tool_volume tool_volume;
+    appearance look;
     ost_picture picture;
     double draw_ms;
 } drawing;
@@ -64,18 +75,25 @@ static ost_status check_args(app_state *app, render_args *args, ost_error *err)
         return usage_error(app, err, "--pose %s: of which --tool?", args->pose_text);
     if (status == OST_OK && args->pose_text)
         status = parse_pose(app, args, err);
+    if (status == OST_OK)
+        status = appearance_check(app, &args->look, err);
+    if (status == OST_OK && args->look.colour == OST_COLOUR_DEPTH && !args->before)
+        return usage_error(app, err, "--colour depth: below which surface? give the bone as it was with --before");
+    int64_t um = PLANNED_UM;
+    if (args->depth.text && (!ost_decimal_scale(&args->depth.value, 1000, &um, NULL) || um < 0 || um > PLANNED_UM_MAX))
+        return usage_error(app, err, "--planned %s: must be from 0 to %d", args->depth.text, PLANNED_UM_MAX / 1000);
+    args->depth_mm = (double)um * 1e-3;
     return status == OST_OK ? out_check(app, args->out, "png", err) : status;
 }
 
 /* Without --pose a tool stands where the built-in reaming begins. */
 static ost_status add_tool(const render_args *args, drawing *d, const ost_glenoid *glenoid, bool known, ost_error *err)
 {
-    ost_tool_volume volume = {0};
     ost_path path = {0};
     ost_pose pose = args->pose;
-    ost_status status = ost_tool_download(d->tool, &volume, err);
+    ost_status status = ost_tool_download(d->tool, &d->tool_volume, err);
     if (status == OST_OK)
-        status = ost_viewer_add_tool(&d->viewer, &volume, err);
+        status = ost_viewer_add_tool(&d->viewer, &d->tool_volume, err);
     if (status == OST_OK && !args->pose_text && !known)
         status = ost_fail(err, OST_ERR_USAGE, "%s does not say where its glenoid is: give --pose x,y,z,qw,qx,qy,qz", args->bone);
     if (status == OST_OK && !args->pose_text) {
@@ -88,7 +106,28 @@ static ost_status add_tool(const render_args *args, drawing *d, const ost_glenoi
         d->viewer.state = (ost_live_state){.ticks = 1, .pose = pose};
     }
     ost_path_free(&path);
-    ost_tool_volume_free(&volume);
+    return status;
+}
+
+/* Of the bone before, or without one of the bone as it is. */
+static ost_status add_ground(const app_state *app, const render_args *args, drawing *d, const ost_glenoid *glenoid, bool known, ost_error *err)
+{
+    const ost_density_classes classes = ost_density_classes_default();
+    ost_bone_info info;
+    ost_bone *bone = NULL;
+    ost_import_result imported;
+    ost_status status = args->before ? load_bone(app, d->backend, args->before, &args->ct, false, &bone, &imported, err) : OST_OK;
+    if (status == OST_OK)
+        status = ost_bone_info_get(args->before ? bone : d->bone, &info, err);
+    if (status == OST_OK && !ost_geometry_equal(&info.geometry, &d->viewer.bone.geometry))
+        status = ost_fail(err, OST_ERR_INPUT, "%s: is on another grid than %s", args->before, args->bone);
+    if (status == OST_OK)
+        status = bone_to_volume(args->before ? bone : d->bone, NULL, &d->before, err);
+    if (status == OST_OK)
+        status = ost_viewer_set_ground(&d->viewer, &d->before, info.threshold, &classes, known ? &glenoid->at : NULL,
+                                       known ? glenoid->axis : NULL, err);
+    d->viewer.ground.uncut = !args->before;
+    ost_bone_free(bone);
     return status;
 }
 
@@ -105,17 +144,32 @@ static ost_status draw(const app_state *app, const render_args *args, drawing *d
     if (status != OST_OK)
         return status;
     ost_viewer_follow(&d->viewer, d->live);
-    status = ost_viewer_update(&d->viewer, err);
+    status = add_ground(app, args, d, &glenoid, known, err);
     if (status == OST_OK && d->tool)
         status = add_tool(args, d, &glenoid, known, err);
+    if (status != OST_OK)
+        return status;
     d->subject = ost_view_subject_make(g, &glenoid.at, known ? glenoid.axis : NULL, known && glenoid.left);
     const ost_orbit orbit = ost_view_orbit((ost_view_name)args->view, &d->subject, d->tool ? &d->viewer.state.pose : NULL);
+    double eye[3], q[4];
+    status = ost_orbit_camera(&orbit, args->width, args->height, &camera, err);
+    if (status != OST_OK)
+        return status;
+    ost_pose_to_doubles(&camera.pose, eye, q);
+    const ost_live_state state = d->viewer.state;
+    const bool has_state = d->viewer.has_state;
+    status = appearance_begin(&d->look, &d->viewer, &d->subject, args->depth_mm, d->tool ? &d->tool_volume : NULL, &args->look, eye, err);
     if (status == OST_OK)
-        status = ost_orbit_camera(&orbit, args->width, args->height, &camera, err);
+        status = ost_viewer_update(&d->viewer, err);
+    d->viewer.state = state;
+    d->viewer.has_state = has_state;
+    d->viewer.scene.changed = 0;
     const int64_t begin = ost_clock_ns();
     if (status == OST_OK)
         status = ost_viewer_draw(&d->viewer, &camera, err);
     d->draw_ms = (double)(ost_clock_ns() - begin) * 1e-6;
+    if (status == OST_OK && !args->look.no_legend)
+        status = appearance_legend(&d->look, err);
     if (status == OST_OK)
         status = ost_picture_init(&d->picture, args->width, args->height, err);
     if (status != OST_OK)
@@ -127,6 +181,9 @@ static ost_status draw(const app_state *app, const render_args *args, drawing *d
 static void free_drawing(drawing *d)
 {
     ost_picture_free(&d->picture);
+    appearance_free(&d->look);
+    ost_volume_free(&d->before);
+    ost_tool_volume_free(&d->tool_volume);
     ost_viewer_free(&d->viewer);
     ost_live_free(d->live);
     ost_tool_free(d->tool);
@@ -145,6 +202,10 @@ ost_status cmd_render(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "size", .kind = OPTION_TEXT, .out = &args.size, .value = "WxH", .help = "in pixels (default: 1280x720)"},
         {.name = "style", .kind = OPTION_CHOICE, .out = &args.style, .value = "smooth|faces",
          .help = "lit by the surface's normals (default), or the thesis' flat\nfaces"},
+        {.name = "before", .kind = OPTION_TEXT, .out = &args.before, .value = "BONE",
+         .help = "the bone as it was: what is missing since then is what was cut\n(default: not known, and all of the surface is coloured)"},
+        APPEARANCE_OPTIONS(args.look),
+        {.name = "planned", .kind = OPTION_DECIMAL, .out = &args.depth, .value = "MM", .help = "planned depth at the glenoid's centre (default: 3)"},
         {.name = "tool", .kind = OPTION_TEXT, .out = &args.tool, .value = "TOOL", .help = "a tool to be seen with it: a mesh, a tool grid, builtin:reamer"},
         {.name = "pose", .kind = OPTION_TEXT, .out = &args.pose_text, .value = "X,Y,Z,QW,QX,QY,QZ",
          .help = "where it is, as in a path (default: where the built-in reaming\nbegins)"},
@@ -166,6 +227,7 @@ ost_status cmd_render(app_state *app, int argc, char **argv, ost_error *err)
         .options = options,
         .notes = "Bone and tool as for osteon ream.",
         .example = "  osteon render builtin:scapula --view en-face --out face.png\n"
+                   "  osteon render cut.nrrd --before bone.nrrd --colour class --clip plan --out cut.png\n"
                    "  osteon render reamed.nrrd --tool builtin:reamer --size 1920x1080 --out reamer.png",
     };
     ost_status status;

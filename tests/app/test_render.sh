@@ -32,4 +32,28 @@ run 0 render bone.nrrd --size 240x160 --chunk 16 --style faces --out cpu.png --j
 check "by the reference, by other chunks" "$(value file_sha256)" "$first"
 run 0 render bone.nrrd --size 240x160 --tool builtin:peg --pose "$pose" --out posed.png --json
 [ "$(value file_sha256)" != "$first" ] || fail "a tool at a pose is not seen"
+
+# What was cut, planes, ghosts, lines: each is seen, and again the same on other instruction sets.
+refuse 2 "below which surface" render bone.nrrd --out a.png --colour depth
+refuse 2 "expected plan, across" render bone.nrrd --out a.png --clip sideways
+refuse 2 "no direction" render bone.nrrd --out a.png --clip 1,2,3,0,0,0
+refuse 2 "need --clip" render bone.nrrd --out a.png --clip-shift 2
+refuse 2 "goes with --clip plan" render bone.nrrd --out a.png --clip axial --clip-turn 2
+refuse 2 "did you mean chunks" render bone.nrrd --out a.png --overlay chunk
+refuse 2 "of which --tool" render bone.nrrd --out a.png --ghost tool
+run 0 ream --bone bone.nrrd --tool builtin:reamer --path builtin:glenoid-ream --out cut.nrrd
+run 0 render cut.nrrd --before bone.nrrd --size 240x160 --out plain.png --json
+plain=$(cksum <plain.png)
+for shown in "--colour class" "--colour depth" "--colour density" "--clip plan --clip-turn 30" "--clip across --colour class --clip-shift 1.5" \
+    "--clip -147.5,-18,54,1,0,0.5" "--ghost implant" "--overlay axis" "--overlay chunks --overlay boxes"; do
+    # shellcheck disable=SC2086
+    run 0 render cut.nrrd --before bone.nrrd --size 240x160 $shown --out shown.png --json
+    first=$(value file_sha256)
+    [ "$(cksum <shown.png)" != "$plain" ] || fail "$shown is not seen"
+    export OSTEON_ISA=scalar
+    # shellcheck disable=SC2086
+    run 0 render cut.nrrd --before bone.nrrd --size 240x160 --threads 1 $shown --out shown.png --json
+    unset OSTEON_ISA
+    check "$shown, by the scalar loops" "$(value file_sha256)" "$first"
+done
 finish

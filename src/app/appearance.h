@@ -1,0 +1,83 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What a picture shows besides the bone and the tool: colours of what was cut,
+ * a clip plane, the planned implant as a ghost, lines for understanding.  For
+ * osteon render by options, in the window of osteon sim by keys.
+ *
+ *   options --.
+ *   keys -----+--> appearance --> viewer, and a legend over its frame
+ */
+#ifndef OST_APP_APPEARANCE_H
+#define OST_APP_APPEARANCE_H
+
+#include "app/options.h"
+#include "render/legend.h"
+#include "render/lettering.h"
+#include "render/viewer.h"
+#include "render/views.h"
+
+typedef enum clip_kind { CLIP_NONE, CLIP_PLAN, CLIP_ACROSS, CLIP_AXIAL, CLIP_CORONAL, CLIP_SAGITTAL, CLIP_NAMES, CLIP_FREE = CLIP_NAMES } clip_kind;
+typedef enum ghost_kind { GHOST_NONE, GHOST_IMPLANT, GHOST_TOOL } ghost_kind;
+
+typedef struct appearance_options {
+    int colour;             /* an ost_colouring */
+    int ghost;              /* a ghost_kind */
+    const char *clip_text;
+    option_decimal shift, turn;
+    option_list overlays;
+    bool no_legend;
+    /* By appearance_check: */
+    int clip;               /* a clip_kind */
+    double clip_at[3], clip_normal[3]; /* of CLIP_FREE */
+    double shift_mm, turn_deg;
+    unsigned overlay_bits;
+} appearance_options;
+
+#define APPEARANCE_OPTIONS(a)                                                                                                             \
+    {.name = "colour", .kind = OPTION_CHOICE, .out = &(a).colour, .value = "bone|class|depth|density",                                    \
+     .help = "what was cut, by its density class, by how deep it lay, by\nits density (default: as bone)"},                               \
+    {.name = "clip", .kind = OPTION_TEXT, .out = &(a).clip_text, .value = "plan|across|axial|coronal|sagittal|X,Y,Z,NX,NY,NZ",            \
+     .help = "a plane with the CT's densities, what lies before it taken away:\nalong the glenoid's axis upright or across, through its face's\n" \
+             "centre, or through a point (the side that N points to goes)"},                                                              \
+    {.name = "clip-shift", .kind = OPTION_DECIMAL, .out = &(a).shift, .value = "MM", .help = "the plane so much farther away from who looks"}, \
+    {.name = "clip-turn", .kind = OPTION_DECIMAL, .out = &(a).turn, .value = "DEG", .help = "plan and across: turned about the axis"},     \
+    {.name = "ghost", .kind = OPTION_CHOICE, .out = &(a).ghost, .value = "none|implant|tool",                                             \
+     .help = "to be seen through: an implant, or the tool, at the planned depth"},                                                        \
+    {.name = "overlay", .kind = OPTION_LIST, .out = &(a).overlays, .value = "chunks|boxes|hits|tool-voxels|bone-voxels|axis",             \
+     .help = "lines for understanding; may repeat"},                                                                                      \
+    {.name = "no-legend", .kind = OPTION_FLAG, .out = &(a).no_legend, .help = "no legend of the colours"}
+
+ost_status appearance_check(const app_state *app, appearance_options *options, ost_error *err);
+
+typedef struct appearance {
+    ost_viewer *viewer;              /* borrowed, as the next is */
+    const ost_view_subject *subject;
+    double depth_mm;                 /* planned */
+    ost_colouring colouring;
+    int clip, overlay_step;
+    double clip_at[3], clip_normal[3], shift_mm, turn_deg;
+    bool flipped;
+    int ghost;
+    const ost_tool_volume *tool;     /* borrowed; of the tool's ghost; NULL: there is none */
+    ost_lettering *lettering;        /* owned; of the legend */
+    double unit;
+} appearance;
+
+/* The viewer has its ground, if there is any. eye_mm: where the camera is, so that what lies before a plane goes. */
+ost_status appearance_begin(appearance *a, ost_viewer *viewer, const ost_view_subject *subject, double depth_mm, const ost_tool_volume *tool,
+                            const appearance_options *options, const double eye_mm[3], ost_error *err);
+void appearance_free(appearance *a); /* also of a zeroed one */
+
+ost_legend appearance_legend_of(const appearance *a);
+/* Over the viewer's frame, at its lower left, where that is wide enough; above a line of text there. */
+ost_status appearance_legend(appearance *a, ost_error *err);
+
+/*
+ * C colours, X clip plane, Shift X its other side, G ghost, O overlays, K what was touched; page up and down move the plane, with
+ * shift they turn it.  True when the key was one of these: then text (of 160) says what it did.
+ */
+bool appearance_key(appearance *a, int key, bool shift, const double eye_mm[3], char *text);
+/* Of the wheel: moves the plane. False when there is none. */
+bool appearance_wheel(appearance *a, double steps, bool fine);
+
+#endif
