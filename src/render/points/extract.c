@@ -11,6 +11,7 @@
  */
 #include "render/points/extract.h"
 
+#include <stdatomic.h>
 #include <stdlib.h>
 
 #include "core/conditions.h"
@@ -69,6 +70,9 @@ static bool make_room(ost_surface_block *b, uint32_t count)
     return points && looks;
 }
 
+/* What a renderer has a copy of is known by it, wherever a surface lies in memory. */
+static _Atomic uint64_t versions;
+
 ost_status ost_surface_list(const ost_surface *surface, ost_surface_block *block, ost_error *err)
 {
     around a;
@@ -94,5 +98,6 @@ ost_status ost_surface_list(const ost_surface *surface, ost_surface_block *block
         }
     }
     block->count = count;
+    block->version = 1 + atomic_fetch_add(&versions, 1);
     return OST_OK;
 }

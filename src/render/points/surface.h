@@ -48,6 +48,7 @@ typedef enum ost_face { OST_FACE_X0, OST_FACE_X1, OST_FACE_Y0, OST_FACE_Y1, OST_
 typedef struct ost_surface_block {
     int32_t at[3];             /* in blocks */
     bool dirty;
+    uint64_t version;          /* of its lists: no two lists of a process have the same; 0 before the first */
     uint32_t occupancy[OST_BLOCK_ROWS]; /* shown */
     uint32_t whole[OST_BLOCK_ROWS];
     uint32_t *before;          /* owned; as the surface's ground has it; NULL without one */

@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Without libepoxy: OpenGL is never there. */
+#include "render/gl/gl.h"
+
+const ost_gl_variant ost_gl_ours, ost_gl_thesis;
+
+const char *ost_gl_missing(void)
+{
+    return "no --renderer gl; install libepoxy-dev and build again";
+}
+
+ost_status ost_gl_open(const ost_gl_options *options, ost_gl **out, ost_error *err)
+{
+    (void)options;
+    *out = NULL;
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "this osteon was built without OpenGL; Debian: install libepoxy-dev and build again");
+}
+
+void ost_gl_close(ost_gl *gl)
+{
+    (void)gl;
+}
+
+ost_gl_info ost_gl_info_get(const ost_gl *gl)
+{
+    (void)gl;
+    return (ost_gl_info){.version = ""};
+}
+
+ost_status ost_gl_draw(ost_gl *gl, const ost_gl_variant *variant, const ost_frame_thing *things, int count, ost_style style, ost_error *err)
+{
+    (void)gl;
+    (void)variant;
+    (void)things;
+    (void)count;
+    (void)style;
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "%s", ost_gl_missing());
+}
+
+ost_status ost_gl_finish(ost_gl *gl, ost_error *err)
+{
+    (void)gl;
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "%s", ost_gl_missing());
+}
+
+ost_status ost_gl_read(ost_gl *gl, ost_frame *frame, bool depth, ost_error *err)
+{
+    (void)gl;
+    (void)frame;
+    (void)depth;
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "%s", ost_gl_missing());
+}
+
+ost_gl_counts ost_gl_counts_get(const ost_gl *gl)
+{
+    (void)gl;
+    return (ost_gl_counts){0};
+}

@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The shaders' sources, carried in the library; each part begins with #line. Made by build-aux/source-strings. */
+#ifndef OST_RENDER_GL_EMBEDDED_H
+#define OST_RENDER_GL_EMBEDDED_H
+
+#include <stddef.h>
+
+#define OST_GL_EMBEDDED(NAME)                \
+    extern const char *const ost_gl_##NAME[]; \
+    extern const size_t ost_gl_##NAME##_count
+OST_GL_EMBEDDED(point_vert);
+OST_GL_EMBEDDED(point_frag);
+OST_GL_EMBEDDED(brick_vert);
+OST_GL_EMBEDDED(brick_frag);
+OST_GL_EMBEDDED(mesh_vert);
+OST_GL_EMBEDDED(mesh_frag);
+OST_GL_EMBEDDED(whole_vert);
+OST_GL_EMBEDDED(composite_frag);
+OST_GL_EMBEDDED(composite_wide_frag);
+
+#endif

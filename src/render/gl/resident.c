@@ -1,0 +1,256 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "render/gl/resident.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { BLOCK_VOXELS = OST_BLOCK * OST_BLOCK * OST_BLOCK, BRICKS = 512, ACTIVE = 1000 };
+
+typedef struct brick {
+    uint32_t place, low, high, first;
+} brick;
+
+void ost_gl_store_init(ost_gl_store *store)
+{
+    memset(store, 0, sizeof *store);
+    ost_gl_pool_init(&store->points, "surface voxels", 2 * sizeof(uint32_t), 8, GL_RG32UI);
+    ost_gl_pool_init(&store->bricks, "bricks", sizeof(brick), 5, 0);
+    ost_gl_pool_init(&store->looks, "surface voxels", sizeof(uint32_t), 8, GL_R32UI);
+    ost_gl_pool_init(&store->voxels, "voxels", sizeof(int16_t), 15, 0);
+}
+
+static void forget(ost_gl_store *store, ost_gl_resident *r)
+{
+    for (int form = 0; form < OST_GL_FORMS; form++) {
+        for (int32_t i = 0; i < r->runs[form]; i++) {
+            const ost_gl_run *run = &r->run[form][i];
+            if (run->granules)
+                ost_gl_pool_give(ost_gl_store_pool(store, (ost_gl_form)form), run->first, run->granules);
+            if (run->look_granules)
+                ost_gl_pool_give(&store->looks, run->look_first, run->look_granules);
+        }
+        free(r->run[form]);
+    }
+    if (r->mesh)
+        glDeleteBuffers(1, &r->mesh);
+    *r = (ost_gl_resident){0};
+}
+
+void ost_gl_store_free(ost_gl_store *store)
+{
+    for (int i = 0; i < OST_GL_RESIDENTS; i++)
+        forget(store, &store->resident[i]);
+    ost_gl_pool_free(&store->points);
+    ost_gl_pool_free(&store->bricks);
+    ost_gl_pool_free(&store->looks);
+    ost_gl_pool_free(&store->voxels);
+}
+
+ost_gl_pool *ost_gl_store_pool(ost_gl_store *store, ost_gl_form form)
+{
+    return form == OST_GL_POINTS ? &store->points : form == OST_GL_BRICKS ? &store->bricks : &store->voxels;
+}
+
+/* Its own, a free one, or that which was asked for longest ago. */
+static ost_gl_resident *resident_of(ost_gl_store *store, const ost_surface *surface)
+{
+    ost_gl_resident *oldest = &store->resident[0];
+    for (int i = 0; i < OST_GL_RESIDENTS; i++) {
+        ost_gl_resident *r = &store->resident[i];
+        if (r->surface == surface) {
+            r->last = store->frame;
+            return r;
+        }
+        if (!r->surface ? oldest->surface != NULL : oldest->surface && r->last < oldest->last)
+            oldest = r;
+    }
+    forget(store, oldest);
+    oldest->surface = surface;
+    oldest->last = store->frame;
+    return oldest;
+}
+
+/* ------------------------------------------------------------------- forms */
+
+/* A run for so many elements, the old one if it is large enough. */
+static ost_status room_for(ost_gl_context *c, ost_gl_pool *pool, uint32_t count, uint32_t *first, uint32_t *granules, ost_error *err)
+{
+    if ((uint64_t)*granules << pool->bits >= count)
+        return OST_OK;
+    if (*granules)
+        ost_gl_pool_give(pool, *first, *granules);
+    *granules = 0;
+    return ost_gl_pool_take(c, pool, count, first, granules, err);
+}
+
+static ost_status bring_points(ost_gl_context *c, ost_gl_store *store, const ost_surface_block *b, ost_gl_run *run, ost_error *err)
+{
+    uint32_t pair[2 * 256];
+    ost_status status = room_for(c, &store->points, b->count, &run->first, &run->granules, err);
+    for (uint32_t i = 0; i < b->count && status == OST_OK; i += 256) {
+        const uint32_t count = b->count - i < 256 ? b->count - i : 256;
+        for (uint32_t k = 0; k < count; k++) {
+            pair[2 * k] = b->points[i + k];
+            pair[2 * k + 1] = b->looks[i + k];
+        }
+        ost_gl_pool_write(&store->points, run->first + i, pair, count);
+    }
+    run->count = b->count;
+    store->uploaded += b->count * sizeof(uint64_t);
+    return status;
+}
+
+/* Of a point: its brick in the block, and its place in that. */
+static uint32_t brick_of(uint32_t p)
+{
+    return (p >> 2 & 7) | (p >> 7 & 7) << 3 | (p >> 12 & 7) << 6;
+}
+
+static uint32_t cell_of(uint32_t p)
+{
+    return (p & 3) | (p >> 5 & 3) << 2 | (p >> 10 & 3) << 4;
+}
+
+static ost_status bring_bricks(ost_gl_context *c, ost_gl_store *store, const ost_surface_block *b, ost_gl_run *run, ost_error *err)
+{
+    uint64_t mask[BRICKS] = {0};
+    uint32_t first[BRICKS], used = 0, looks = 0;
+    brick list[BRICKS];
+    uint32_t *sorted = malloc((b->count + 1) * sizeof *sorted);
+    if (!sorted)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for the bricks of %u voxels", (unsigned)b->count);
+    for (uint32_t i = 0; i < b->count; i++)
+        mask[brick_of(b->points[i])] |= UINT64_C(1) << cell_of(b->points[i]);
+    ost_status status = room_for(c, &store->looks, b->count, &run->look_first, &run->look_granules, err);
+    for (uint32_t k = 0; k < BRICKS; k++) {
+        first[k] = looks;
+        if (mask[k])
+            list[used++] = (brick){k, (uint32_t)mask[k], (uint32_t)(mask[k] >> 32), run->look_first + looks};
+        looks += (uint32_t)__builtin_popcountll(mask[k]);
+    }
+    for (uint32_t i = 0; i < b->count; i++) {
+        const uint32_t k = brick_of(b->points[i]), cell = cell_of(b->points[i]);
+        sorted[first[k] + (uint32_t)__builtin_popcountll(mask[k] & ((UINT64_C(1) << cell) - 1))] = b->looks[i];
+    }
+    if (status == OST_OK)
+        status = room_for(c, &store->bricks, used, &run->first, &run->granules, err);
+    if (status == OST_OK) {
+        ost_gl_pool_write(&store->looks, run->look_first, sorted, b->count);
+        ost_gl_pool_write(&store->bricks, run->first, list, used);
+    }
+    run->count = used;
+    store->uploaded += b->count * sizeof *sorted + used * sizeof *list;
+    free(sorted);
+    return status;
+}
+
+static ost_status bring_voxels(ost_gl_context *c, ost_gl_store *store, const ost_surface_block *b, ost_gl_run *run, ost_error *err)
+{
+    ost_status status = room_for(c, &store->voxels, BLOCK_VOXELS, &run->first, &run->granules, err);
+    for (uint32_t row = 0; row < OST_BLOCK_ROWS && status == OST_OK; row++) {
+        int16_t density[OST_BLOCK];
+        for (uint32_t x = 0; x < OST_BLOCK; x++)
+            density[x] = b->occupancy[row] >> x & 1 ? ACTIVE : 0;
+        ost_gl_pool_write(&store->voxels, run->first + OST_BLOCK * row, density, OST_BLOCK);
+    }
+    run->count = BLOCK_VOXELS;
+    store->uploaded += BLOCK_VOXELS * sizeof(int16_t);
+    return status;
+}
+
+static ost_status room_for_slots(ost_gl_resident *r, ost_gl_form form, int32_t slots, ost_error *err)
+{
+    if (slots <= r->runs[form])
+        return OST_OK;
+    ost_gl_run *run = realloc(r->run[form], (size_t)slots * sizeof *run);
+    if (!run)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for %d blocks of a surface", (int)slots);
+    memset(run + r->runs[form], 0, (size_t)(slots - r->runs[form]) * sizeof *run);
+    r->run[form] = run;
+    r->runs[form] = slots;
+    return OST_OK;
+}
+
+ost_status ost_gl_store_bring(ost_gl_context *context, ost_gl_store *store, const ost_surface *surface, ost_gl_form form,
+                              ost_gl_resident **out, ost_error *err)
+{
+    ost_gl_resident *r = *out = resident_of(store, surface);
+    ost_gl_pool *pool = ost_gl_store_pool(store, form);
+    ost_status status = room_for_slots(r, form, surface->used, err);
+    for (int32_t i = 0; i < surface->used && status == OST_OK; i++) {
+        const ost_surface_block *b = surface->slot[i];
+        ost_gl_run *run = &r->run[form][i];
+        if (run->version == b->version)
+            continue;
+        status = form == OST_GL_POINTS   ? bring_points(context, store, b, run, err)
+                 : form == OST_GL_BRICKS ? bring_bricks(context, store, b, run, err)
+                                         : bring_voxels(context, store, b, run, err);
+        const int32_t voxel[3] = {OST_BLOCK * b->at[0], OST_BLOCK * b->at[1], OST_BLOCK * b->at[2]};
+        if (status == OST_OK)
+            ost_gl_pool_place(pool, run->first, run->granules, voxel);
+        run->version = status == OST_OK ? b->version : 0;
+    }
+    return status;
+}
+
+/* -------------------------------------------------------------------- mesh */
+
+typedef struct vertex {
+    float at[3], out[3];
+} vertex;
+
+/* Two triangles of a face of the voxel about (x, y, z). */
+static void add_face(vertex *v, const float at[3], unsigned face)
+{
+    static const int corner[6][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, -1}, {1, 1}, {-1, 1}};
+    const unsigned axis = face / 2, j = (axis + 1) % 3, k = (axis + 2) % 3;
+    for (int i = 0; i < 6; i++) {
+        v[i] = (vertex){{at[0], at[1], at[2]}, {0, 0, 0}};
+        v[i].out[axis] = face % 2 ? 1 : -1;
+        v[i].at[axis] += 0.5f * v[i].out[axis];
+        v[i].at[j] += 0.5f * (float)corner[i][0];
+        v[i].at[k] += 0.5f * (float)corner[i][1];
+    }
+}
+
+ost_status ost_gl_store_bring_mesh(ost_gl_context *context, ost_gl_store *store, const ost_surface *surface, ost_gl_resident **out,
+                                   ost_error *err)
+{
+    ost_gl_resident *r = *out = resident_of(store, surface);
+    uint64_t version = 1;
+    size_t faces = 0;
+    for (int32_t i = 0; i < surface->used; i++) {
+        const ost_surface_block *b = surface->slot[i];
+        version += b->version;
+        for (uint32_t p = 0; p < b->count; p++)
+            faces += (size_t)__builtin_popcount(b->points[p] >> OST_FACES_SHIFT & 63);
+    }
+    if (r->mesh && r->mesh_version == version)
+        return OST_OK;
+    vertex *list = malloc((6 * faces + 1) * sizeof *list);
+    if (!list)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for the %zu faces of a tool", faces);
+    size_t n = 0;
+    for (int32_t i = 0; i < surface->used; i++) {
+        const ost_surface_block *b = surface->slot[i];
+        for (uint32_t p = 0; p < b->count; p++) {
+            const uint32_t w = b->points[p];
+            const float at[3] = {(float)(OST_BLOCK * b->at[0] + (int)(w & 31)), (float)(OST_BLOCK * b->at[1] + (int)(w >> 5 & 31)),
+                                 (float)(OST_BLOCK * b->at[2] + (int)(w >> 10 & 31))};
+            for (unsigned face = 0; face < 6; face++)
+                if (w >> (OST_FACES_SHIFT + face) & 1) {
+                    add_face(list + n, at, face);
+                    n += 6;
+                }
+        }
+    }
+    if (!r->mesh)
+        glGenBuffers(1, &r->mesh);
+    glBindBuffer(GL_ARRAY_BUFFER, r->mesh);
+    glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(n * sizeof *list), list, GL_STATIC_DRAW);
+    free(list);
+    r->mesh_version = version;
+    r->mesh_vertices = (uint32_t)n;
+    store->uploaded += n * sizeof *list;
+    return ost_gl_context_check(context, "takes a tool's triangles", err);
+}

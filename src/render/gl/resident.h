@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What OpenGL has of a surface: of each block a copy of its points, and of
+ * their looks, in the forms that were asked for; known by the block's version.
+ *
+ *   points   where, look             a surface point (points/surface.h)
+ *   bricks   place, 64 bits, first   4^3 voxels that have a face to the air among them; looks: theirs, brick by brick
+ *   voxels   a density               all of a block: the thesis' vertices
+ *   mesh     corner, normal          a tool's faces as triangles
+ */
+#ifndef OST_RENDER_GL_RESIDENT_H
+#define OST_RENDER_GL_RESIDENT_H
+
+#include "render/gl/pool.h"
+#include "render/points/surface.h"
+
+typedef enum ost_gl_form { OST_GL_POINTS, OST_GL_BRICKS, OST_GL_VOXELS, OST_GL_FORMS } ost_gl_form;
+
+typedef struct ost_gl_run {
+    uint64_t version;
+    uint32_t first, count, granules;
+    uint32_t look_first, look_granules; /* of bricks */
+} ost_gl_run;
+
+typedef struct ost_gl_resident {
+    const ost_surface *surface; /* an address, never followed: who is there is known by versions */
+    uint64_t last;              /* frame that asked for it */
+    ost_gl_run *run[OST_GL_FORMS]; /* owned; of every slot */
+    int32_t runs[OST_GL_FORMS];
+    GLuint mesh;
+    uint64_t mesh_version;      /* the sum of its blocks' */
+    uint32_t mesh_vertices;
+} ost_gl_resident;
+
+enum { OST_GL_RESIDENTS = 24 };
+
+typedef struct ost_gl_store {
+    ost_gl_pool points, bricks, looks, voxels;
+    ost_gl_resident resident[OST_GL_RESIDENTS];
+    uint64_t frame;
+    uint64_t uploaded; /* bytes, since the frame began */
+} ost_gl_store;
+
+void ost_gl_store_init(ost_gl_store *store);
+void ost_gl_store_free(ost_gl_store *store);
+ost_gl_pool *ost_gl_store_pool(ost_gl_store *store, ost_gl_form form);
+
+/* The surface as it is now, in that form. The frame before has been drawn. */
+ost_status ost_gl_store_bring(ost_gl_context *context, ost_gl_store *store, const ost_surface *surface, ost_gl_form form,
+                              ost_gl_resident **out, ost_error *err);
+ost_status ost_gl_store_bring_mesh(ost_gl_context *context, ost_gl_store *store, const ost_surface *surface, ost_gl_resident **out,
+                                   ost_error *err);
+
+#endif

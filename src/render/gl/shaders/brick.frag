@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A walk from cell to cell of a brick, to the first that has a face to the air
+ * (Amanatides and Woo 1987).  A regular grid of bricks is in order by the
+ * distance of their middles, as voxels are.
+ *
+ * A voxel drawn by itself is a little wider than a cell.  So where the ray
+ * passes an edge of the cells, and only there, every voxel of the brick is
+ * asked as point.frag asks it, and the nearest is kept.
+ */
+flat in uvec4 what;
+flat in vec3 o;
+flat in vec3 base;
+uniform usamplerBuffer looks;
+#if TARGET == FORWARD
+out vec4 kept;
+#else
+out uvec2 kept; /* colour, face << 24; depth */
+#endif
+
+const float CLOSE = 4e-4; /* of a voxel: more than what a voxel is wider, and rounding */
+
+uint ones(uint v)
+{
+    v = v - (v >> 1 & 0x55555555u);
+    v = (v & 0x33333333u) + (v >> 2 & 0x33333333u);
+    return ((v + (v >> 4)) & 0x0f0f0f0fu) * 0x01010101u >> 24;
+}
+
+bool holds(uint bit)
+{
+    return ((bit < 32u ? what.y : what.z) >> (bit & 31u) & 1u) != 0u;
+}
+
+vec3 voxel(uint bit)
+{
+    uvec3 at = uvec3((what.x & 7u) << 2 | (bit & 3u), (what.x >> 3 & 7u) << 2 | (bit >> 2 & 3u), (what.x >> 6 & 7u) << 2 | bit >> 4);
+    PRECISE vec3 c = base + vec3(at);
+    return c;
+}
+
+bool nearest_of_all(vec3 d, out uint best)
+{
+    vec3 m = abs(d);
+    PRECISE vec3 reach = layer.z * (m.yzx + m.zxy);
+    float least = 1e30;
+    best = 0u;
+    for (uint bit = 0u; bit < 64u; bit++) {
+        vec3 c = voxel(bit);
+        float distance = dot3(c, c);
+        if (!holds(bit) || !(distance < least))
+            continue;
+        if (all(lessThanEqual(abs(cross3(c, d)), reach))) {
+            least = distance;
+            best = bit;
+        }
+    }
+    return least < 1e30;
+}
+
+void main()
+{
+    vec3 ray_d = ray(slope(gl_FragCoord.xy)), d = mix(ray_d, vec3(1e-20), equal(ray_d, vec3(0.0)));
+    vec3 inverse = 1.0 / d, width = abs(inverse), wide = (2.0 + CLOSE) * width;
+    vec3 near = o * inverse - wide, far = o * inverse + wide;
+    float t = max(max(near.x, near.y), near.z);
+    if (t > min(min(far.x, far.y), far.z))
+        discard;
+    /* Cells from 0 to 3 on each axis; the next plane of each is a cell's width farther. */
+    vec3 at = d * t - o + 2.0;
+    ivec3 direction = ivec3(sign(d));
+    ivec3 cell = clamp(ivec3(floor(at)), ivec3(0), ivec3(3));
+    vec3 next = (vec3(cell + max(direction, ivec3(0))) + o - 2.0) * inverse;
+    vec3 off = abs(at - floor(at + 0.5));
+    bvec3 along = lessThan(near, vec3(t));
+    bool edge = any(lessThan(mix(vec3(1.0), off, along), vec3(2.0 * CLOSE)));
+    uint bit = 0u;
+    bool found = false;
+    for (int i = 0; i < 10 && !edge; i++) {
+        bit = uint(cell.x | cell.y << 2 | cell.z << 4);
+        found = holds(bit);
+        if (found)
+            break;
+        float first = min(min(next.x, next.y), next.z);
+        bvec3 least = equal(next, vec3(first));
+        /* Two planes at once: the slower axis is how far its plane is off. */
+        float slow = max(max(least.x ? width.x : 0.0, least.y ? width.y : 0.0), least.z ? width.z : 0.0);
+        vec3 apart = (next - first) / max(width, vec3(slow));
+        edge = any(lessThan(mix(apart, vec3(1.0), least), vec3(CLOSE))) || (int(least.x) + int(least.y) + int(least.z) > 1);
+        cell += direction * ivec3(least);
+        if (any(lessThan(cell, ivec3(0))) || any(greaterThan(cell, ivec3(3))))
+            break;
+        next += width * vec3(least);
+    }
+    if (edge)
+        found = nearest_of_all(ray_d, bit);
+    if (!found)
+        discard;
+    uint below = bit < 32u ? ones(what.y & ((1u << bit) - 1u)) : ones(what.y) + ones(what.z & ((1u << (bit - 32u)) - 1u));
+    uint tint = tint_of(texelFetch(looks, int(what.w + below)).r);
+    float depth;
+    uint face = enter(voxel(bit), ray_d, depth);
+#if TARGET == FORWARD
+    kept = lit(tint, face);
+#else
+    PRECISE float in_voxels = depth * eye_at.w;
+    PRECISE float scaled = in_voxels * layer.x * DEPTH_SCALE;
+    kept = uvec2(tint | face << 24, floatBitsToUint(scaled));
+#endif
+}

@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Pixels that a cube may cover.
+ *
+ * rectangle_of: the cube's own, by the slopes of its corners (splat_scalar.c
+ * has the reasoning), in whole pixels and cut to the frame; the point is put
+ * in the middle of what is left.  So OpenGL, which drops a point whose middle
+ * is outside, drops none that can be seen.
+ *
+ * square_of: about the cube's bounding sphere, as the thesis has it (Sigg et
+ * al. 2006): with the camera's rows as planes, t_i = (R m_i, m_i . c), and
+ * <a, b> = a.xyz b.xyz - a.w b.w, a plane touches the sphere where
+ * <t_x - X t_w, t_x - X t_w> = 0: a quadratic in X, whose solutions lie about
+ * <t_x, t_w> / <t_w, t_w>.
+ */
+float spread(vec3 axis, float t)
+{
+    vec3 m = abs(axis - t * eye_forward.xyz);
+    return 0.5 * ((m.x + m.y) + m.z);
+}
+
+/* First and last column, first and last row; false when it covers none. side: of the cube, in voxels. */
+bool rectangle_of(vec3 o, float side, out vec4 r)
+{
+    float x = dot3(eye_right.xyz, o), y = dot3(eye_up.xyz, o), z = dot3(eye_forward.xyz, o);
+    float nearest = z - side * eye_forward.w;
+    r = vec4(0.0);
+    if (!(nearest > axis_2.w))
+        return false;
+    float focal = eye_at.w, inverse = 1.0 / z, tx = x * inverse, ty = y * inverse, k = side * focal / nearest;
+    float hx = spread(eye_right.xyz, tx) * k + 0.01, hy = spread(eye_up.xyz, ty) * k + 0.01;
+    float px = tx * focal + (axis_0.w - 0.5), py = (axis_1.w - 0.5) - ty * focal;
+    r = vec4(clamp(ceil(px - hx), 0.0, frame.x), clamp(floor(px + hx), -1.0, frame.x - 1.0), clamp(ceil(py - hy), 0.0, frame.y),
+             clamp(floor(py + hy), -1.0, frame.y - 1.0));
+    return r.x <= r.y && r.z <= r.w;
+}
+
+float sphere(vec4 a, vec4 b)
+{
+    return dot(a.xyz, b.xyz) - a.w * b.w;
+}
+
+/* Middle and size in pixels; false when the sphere is not wholly in front. */
+bool square_of(vec3 o, out vec2 middle, out float size)
+{
+    const float R = 0.8660254; /* half the diagonal of a voxel */
+    vec4 tx = vec4(R * eye_right.xyz, dot(eye_right.xyz, o)), ty = vec4(R * eye_up.xyz, dot(eye_up.xyz, o));
+    vec4 tw = vec4(R * eye_forward.xyz, dot(eye_forward.xyz, o));
+    float q = sphere(tw, tw);
+    middle = vec2(0.0);
+    size = 0.0;
+    if (!(q < 0.0 && tw.w > R))
+        return false;
+    vec2 c = vec2(sphere(tx, tw), sphere(ty, tw)) / q;
+    vec2 h = sqrt(max(c * c - vec2(sphere(tx, tx), sphere(ty, ty)) / q, 0.0));
+    middle = vec2(axis_0.w + c.x * eye_at.w, axis_1.w - c.y * eye_at.w);
+    size = 2.0 * eye_at.w * max(h.x, h.y);
+    return true;
+}

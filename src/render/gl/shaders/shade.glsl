@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A voxel's colour in full light, 0xBBGGRR: points/light.c in the same integers. */
+uniform usamplerBuffer palette; /* of a direction: brightness in 256ths, gloss << 9; then of a paint its colour */
+
+uint tint_of(uint look)
+{
+    uint number = look >> 22 & 255u, bgr = texelFetch(palette, 16384 + int(number)).r;
+    uvec3 c = uvec3(bgr, bgr >> 8, bgr >> 16) & 255u;
+    if ((look >> 30 & 1u) != 0u)
+        c = c * 3u + uvec3(255u, 160u, 48u) * 5u >> 3;
+    if (layer.y < 0.5 && number < 128u) {
+        uint entry = texelFetch(palette, int(look & 16383u)).r, open = (look >> 14 & 255u) + 1u;
+        uint bright = (entry & 511u) * open >> 8, gloss = (entry >> 9) * open >> 8;
+        c = min((c * bright >> 8) + gloss, uvec3(255u));
+    }
+    return c.x | c.y << 8 | c.z << 16;
+}

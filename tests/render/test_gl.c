@@ -1,0 +1,278 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * OpenGL's picture against the processor's: the same voxels in the same
+ * pixels, but for a handful where a driver rounds otherwise.  30 of 921,600
+ * may differ (1280 x 720), in proportion in smaller frames but no fewer than 5;
+ * how many did is printed.  Skipped where there is no OpenGL without a display.
+ *
+ * OST_TEST_LONG=1: frames of 1280 x 720, and all once more with no more than
+ * OpenGL 3.3 has.
+ * Covers: REQ-GL-SAME
+ */
+#include <math.h>
+#include <stdlib.h>
+
+#include "harness.h"
+#include "render/gl/gl.h"
+
+enum { SMALL_W = 480, SMALL_H = 270, LARGE_W = 1280, LARGE_H = 720 };
+
+static ost_gl *gl;
+static int version; /* as ost_gl_options has it */
+static char reason[OST_ERROR_TEXT];
+
+static ost_geometry grid(int x, int y, int z, ost_pm spacing)
+{
+    return (ost_geometry){{x, y, z}, {spacing, spacing, spacing}, {-3 * OST_PM_PER_MM, 0, 7 * OST_PM_PER_MM}};
+}
+
+/* A body of three lobes with a bowl and holes in it. */
+static ost_volume body(test_rng *rng, int n, ost_pm spacing)
+{
+    ost_error err = {0};
+    ost_volume v;
+    const ost_geometry g = grid(n, n, n, spacing);
+    assert_ok(ost_volume_init(&v, &g, &err));
+    const double lobe[3][4] = {{0.38, 0.5, 0.55, 0.26}, {0.62, 0.45, 0.4, 0.28}, {0.5, 0.62, 0.7, 0.2}};
+    for (int k = 0; k < n; k++)
+        for (int j = 0; j < n; j++)
+            for (int i = 0; i < n; i++) {
+                bool in = false;
+                for (int l = 0; l < 3; l++)
+                    in = in || hypot(hypot(i - lobe[l][0] * n, j - lobe[l][1] * n), k - lobe[l][2] * n) < lobe[l][3] * n;
+                in = in && hypot(hypot(i - 0.62 * n, j - 0.1 * n), k - 0.4 * n) > 0.16 * n;
+                v.voxels[i + (size_t)n * (size_t)(j + n * k)] = in && rng_range(rng, 0, 60) != 0 ? 700 : 0;
+            }
+    return v;
+}
+
+static ost_surface surface_of(const ost_volume *v)
+{
+    ost_error err = {0};
+    ost_surface s;
+    assert_ok(ost_surface_init(&s, &v->geometry, &err));
+    assert_ok(ost_surface_set_volume(&s, v, 120, &err));
+    assert_ok(ost_surface_update(&s, &err));
+    return s;
+}
+
+/* From a place around the middle, in voxels of the body; aside: where it looks at, off the middle. */
+static ost_camera look(const ost_geometry *g, double x, double y, double z, double distance, double aside, int width, int height)
+{
+    ost_error err = {0};
+    ost_camera c = {.focal_milli = (int32_t)(1207.10678 * height), .width = width, .height = height};
+    const double mm = 1e-9 * (double)g->spacing.x, length = sqrt(x * x + y * y + z * z), up[3] = {0, 0, 1};
+    const double at[3] = {-3 + mm * (0.5 * g->dims.x + aside), mm * 0.5 * g->dims.y, 7 + mm * 0.5 * g->dims.z};
+    const double from[3] = {at[0] + mm * distance * x / length, at[1] + mm * distance * y / length, at[2] + mm * distance * z / length};
+    assert_ok(ost_camera_look(from, at, up, &c, &err));
+    return c;
+}
+
+typedef struct difference {
+    int colour, face, depth; /* pixels */
+} difference;
+
+static difference compare(const ost_frame *a, const ost_frame *b)
+{
+    difference d = {0};
+    for (int y = 0; y < a->height; y++)
+        for (int x = 0; x < a->width; x++) {
+            const size_t at = (size_t)y * (size_t)a->planes.stride + (size_t)x;
+            const bool face = a->planes.face[at] != b->planes.face[at];
+            d.colour += a->planes.colour[at] != b->planes.colour[at];
+            d.face += face;
+            if (!face && a->planes.face[at] != OST_NO_FACE)
+                d.depth += !(fabsf(a->planes.depth[at] - b->planes.depth[at]) <= 1e-5f * a->planes.depth[at]);
+        }
+    return d;
+}
+
+static void check(const char *name, const ost_gl_variant *variant, const ost_frame_thing *things, int count, ost_style style)
+{
+    ost_error err = {0};
+    const int width = things[0].eye.width, height = things[0].eye.height;
+    ost_frame ours, theirs;
+    assert_ok(ost_frame_init(&ours, width, height, style, OST_ISA_SCALAR, 0, &err));
+    assert_ok(ost_frame_init(&theirs, width, height, style, OST_ISA_SCALAR, 0, &err));
+    assert_ok(ost_frame_draw_things(&ours, things, count, &err));
+    assert_ok(ost_gl_draw(gl, variant, things, count, style, &err));
+    assert_ok(ost_gl_read(gl, &theirs, variant->target != OST_GL_FORWARD, &err));
+    const difference d = compare(&ours, &theirs);
+    size_t covered = 0;
+    for (size_t i = 0; i < (size_t)ours.planes.stride * (size_t)height; i++)
+        covered += ours.planes.face[i] != OST_NO_FACE;
+    const double share = 30.0 * width * height / (1280 * 720);
+    const int most = share > 5 ? (int)share : 5;
+    printf("# %-36s %dx%d, %7zu covered: %d pixels differ (face %d, depth %d; %d may)%s\n", name, width, height, covered, d.colour, d.face, d.depth, most,
+           ost_gl_counts_get(gl).bricks ? ", bricks" : "");
+    assert_in_range(d.colour, 0, most);
+    if (variant->target != OST_GL_FORWARD)
+        assert_in_range(d.depth, 0, most);
+    ost_frame_free(&ours);
+    ost_frame_free(&theirs);
+}
+
+static void skip_without_gl(void)
+{
+    if (!gl) {
+        printf("# skipped: %s\n", reason);
+        skip();
+    }
+}
+
+typedef struct place {
+    const char *name;
+    double x, y, z, distance, aside; /* distances in sides of the body */
+} place;
+
+static const place places[] = {
+    {"whole", 0.2, -1, 0.3, 2.1, 0},      {"oblique", 1, -0.7, 0.6, 2.3, 0},   {"far", -0.3, 1, -0.2, 6, 0},        {"bowl", 0.25, -1, 0.0, 0.75, 0.12},
+    {"at the frame's edge", 0, -1, 0.1, 1.2, 0.45}, {"close up", 0.3, -1, 0.2, 0.5, 0.1}, {"from within", 0.1, -0.3, 1, 0.08, 0},
+};
+
+static void check_views(int width, int height, int side)
+{
+    test_rng rng = rng_seeded("views");
+    ost_error err = {0};
+    ost_volume v = body(&rng, side, OST_PM_PER_MM / 2);
+    ost_volume t = body(&rng, 40, OST_PM_PER_MM / 3);
+    ost_surface bone = surface_of(&v), tool = surface_of(&t);
+    const double q[4] = {0.8, 0.3, -0.4, 0.33};
+    ost_gl_variant ours = ost_gl_ours, points = ost_gl_ours, bricks = ost_gl_ours;
+    points.choose = bricks.choose = false;
+    bricks.bricks = true;
+    for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
+        const place *p = &places[i];
+        const ost_camera c = look(&v.geometry, p->x, p->y, p->z, p->distance * side, p->aside * side, width, height);
+        const double mm = 0.5 * side, at[3] = {-3 + mm * (0.55 + 0.2 * p->x), mm * (0.45 + 0.5 * p->y), 7 + mm * (0.5 + 0.3 * p->z)};
+        ost_pose pose;
+        char name[80];
+        assert_ok(ost_pose_from_doubles(at, q, &pose, &err));
+        const ost_frame_thing things[2] = {{.surface = &bone, .eye = ost_eye_make(&c, &v.geometry), .paint = OST_PAINT_BONE},
+                                           {.surface = &tool, .eye = ost_eye_make_from(&c, &t.geometry, &pose), .paint = OST_PAINT_STEEL}};
+        check(p->name, &points, things, 1, OST_STYLE_SMOOTH);
+        snprintf(name, sizeof name, "%s, with a tool", p->name);
+        check(name, &ours, things, 2, i % 2 ? OST_STYLE_SMOOTH : OST_STYLE_FACES);
+        if (p->distance > 1) {
+            snprintf(name, sizeof name, "%s, as bricks", p->name);
+            check(name, &bricks, things, 1, OST_STYLE_SMOOTH);
+        }
+    }
+    ost_surface_free(&bone);
+    ost_surface_free(&tool);
+    ost_volume_free(&v);
+    ost_volume_free(&t);
+}
+
+static void test_views(void **state)
+{
+    (void)state;
+    skip_without_gl();
+    if (getenv("OST_TEST_LONG"))
+        check_views(LARGE_W, LARGE_H, 256);
+    else
+        check_views(SMALL_W, SMALL_H, 96);
+}
+
+/* What changes in a surface is brought over, and nothing else. */
+static void test_changes(void **state)
+{
+    (void)state;
+    skip_without_gl();
+    ost_error err = {0};
+    test_rng rng = rng_seeded("changes");
+    ost_volume v = body(&rng, 70, OST_PM_PER_MM);
+    ost_surface s = surface_of(&v);
+    const ost_camera c = look(&v.geometry, 0.3, -1, 0.3, 140, 0, 160, 90);
+    const ost_frame_thing thing = {.surface = &s, .eye = ost_eye_make(&c, &v.geometry), .paint = OST_PAINT_BONE};
+    ost_gl_variant bricks = ost_gl_ours, points = ost_gl_ours;
+    points.choose = bricks.choose = false;
+    bricks.bricks = true;
+    check("before", &points, &thing, 1, OST_STYLE_SMOOTH);
+    check("before, as bricks", &bricks, &thing, 1, OST_STYLE_SMOOTH);
+    check("again", &points, &thing, 1, OST_STYLE_SMOOTH);
+    assert_int_equal(ost_gl_counts_get(gl).uploaded, 0);
+    for (int round = 0; round < 4; round++) {
+        for (int i = 0; i < 9 * 9 * 9; i++) {
+            const int x = 12 * round + 10 + i % 9, y = 14 + i / 9 % 9, z = 30 + i / 81;
+            v.voxels[x + 70 * (y + 70 * z)] = round == 2 ? 700 : 0;
+        }
+        assert_ok(ost_surface_set_volume(&s, &v, 120, &err));
+        assert_ok(ost_surface_update(&s, &err));
+        check("after a change", &points, &thing, 1, OST_STYLE_SMOOTH);
+        assert_true(ost_gl_counts_get(gl).uploaded > 0 && ost_gl_counts_get(gl).uploaded < 8 * s.points);
+        check("after a change, as bricks", &bricks, &thing, 1, OST_STYLE_SMOOTH);
+    }
+    /* Another surface at the same address. */
+    ost_surface_free(&s);
+    ost_volume_free(&v);
+    v = body(&rng, 50, OST_PM_PER_MM);
+    s = surface_of(&v);
+    const ost_camera d = look(&v.geometry, 0.3, -1, 0.3, 100, 0, 160, 90);
+    const ost_frame_thing other = {.surface = &s, .eye = ost_eye_make(&d, &v.geometry), .paint = OST_PAINT_BONE};
+    check("another", &points, &other, 1, OST_STYLE_SMOOTH);
+    ost_surface_free(&s);
+    ost_volume_free(&v);
+}
+
+/* The variants that are there to be compared draw the same voxels; those without the cut at the frame's edge where nothing is cut. */
+static void test_variants(void **state)
+{
+    (void)state;
+    skip_without_gl();
+    test_rng rng = rng_seeded("variants");
+    ost_volume v = body(&rng, 70, OST_PM_PER_MM);
+    ost_surface s = surface_of(&v);
+    const ost_camera c = look(&v.geometry, 0.3, -1, 0.3, 170, 0, 320, 180);
+    const ost_frame_thing thing = {.surface = &s, .eye = ost_eye_make(&c, &v.geometry), .paint = OST_PAINT_BONE};
+    const struct {
+        const char *name;
+        ost_gl_variant variant;
+    } list[] = {
+        {"thesis", ost_gl_thesis},
+        {"surface voxels, G-buffer as in the thesis", {.true_depth = true, .target = OST_GL_WIDE}},
+        {"the same in 8 bits", {.frustum = true, .facing = true, .true_depth = true, .target = OST_GL_SMALL}},
+        {"compact, slabs", {.frustum = true, .facing = true, .order = true, .true_depth = true}},
+        {"tight, slabs", {.frustum = true, .facing = true, .order = true, .tight = true}},
+        {"forward", {.frustum = true, .facing = true, .order = true, .tight = true, .lines = true, .target = OST_GL_FORWARD}},
+        {"bricks, forward", {.frustum = true, .order = true, .tight = true, .bricks = true, .target = OST_GL_FORWARD}},
+    };
+    for (size_t i = 0; i < sizeof list / sizeof *list; i++)
+        check(list[i].name, &list[i].variant, &thing, 1, OST_STYLE_FACES);
+    ost_surface_free(&s);
+    ost_volume_free(&v);
+}
+
+static int begin(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    const ost_gl_options options = {.debug = true, .version = version};
+    if (getenv("OST_UNDER_VALGRIND"))
+        snprintf(reason, sizeof reason, "valgrind does not know a driver's own code");
+    else if (ost_gl_open(&options, &gl, &err) != OST_OK)
+        memcpy(reason, err.text, sizeof reason);
+    if (gl) {
+        const ost_gl_info info = ost_gl_info_get(gl);
+        printf("# OpenGL %s, %s; %s; points of up to %g pixels\n", info.version, info.driver, info.way, (double)info.largest);
+    }
+    return 0;
+}
+
+static int end(void **state)
+{
+    (void)state;
+    ost_gl_close(gl);
+    gl = NULL;
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_views), cmocka_unit_test(test_changes), cmocka_unit_test(test_variants)};
+    int failed = cmocka_run_group_tests(tests, begin, end);
+    version = 33;
+    if (getenv("OST_TEST_LONG") && !failed && !*reason)
+        failed = cmocka_run_group_tests_name("OpenGL 3.3", tests, begin, end);
+    return failed ? failed : *reason ? 77 : 0;
+}
