@@ -15,8 +15,9 @@
 #include "app/options.h"
 #include "app/result.h"
 #include "app/say.h"
-#include "window/window.h"
 #include "core/isa.h"
+#include "render/gl/gl.h"
+#include "window/window.h"
 
 static void one(const app_state *app, json_t *array, const char *name, bool available, const char *reason)
 {
@@ -178,6 +179,24 @@ static void list_haptics(const app_state *app)
     put(app->result, "haptics", array);
 }
 
+/* Opened for a moment: what it would draw with, or why it cannot. */
+static void list_gl(const app_state *app, json_t *array)
+{
+    ost_gl *gl = NULL;
+    ost_error why = {0};
+    char text[OST_ERROR_TEXT];
+    const bool there = !ost_gl_missing() && ost_gl_open(NULL, &gl, &why) == OST_OK;
+    if (there) {
+        const ost_gl_info info = ost_gl_info_get(gl);
+        snprintf(text, sizeof text, "--renderer gl: OpenGL %s, %s, %s%s", info.version, info.driver, info.way,
+                 info.software ? "; software: --renderer points is faster" : "");
+    } else {
+        snprintf(text, sizeof text, "%s", ost_gl_missing() ? ost_gl_missing() : why.text);
+    }
+    one(app, array, "gl", there, text);
+    ost_gl_close(gl);
+}
+
 static void list_libraries(const app_state *app)
 {
     json_t *array = json_array();
@@ -197,6 +216,7 @@ static void list_libraries(const app_state *app)
 #else
     one(app, array, "png", false, "no pictures; install libpng-dev and build again");
 #endif
+    list_gl(app, array);
     const char *missing = ost_window_missing();
     one(app, array, "window", missing == NULL, missing ? missing : "the simulator's window: osteon sim");
 #ifdef HAVE_LIBWEBSOCKETS

@@ -28,7 +28,7 @@ enum { PLANNED_UM = 3000, PLANNED_UM_MAX = 20000 };
 
 typedef struct render_args {
     const char *bone, *before, *tool, *pose_text, *size, *out;
-    int view, style, width, height;
+    int view, style, renderer, width, height;
     double depth_mm;
     option_decimal depth;
     appearance_options look;
@@ -37,6 +37,9 @@ typedef struct render_args {
     tool_options how;
     target_options target;
 } render_args;
+
+enum { RENDERER_POINTS, RENDERER_GL, RENDERER_THESIS };
+static const char *const renderer_names[] = {"points", "gl", "thesis"};
 
 typedef struct drawing {
     ost_backend *backend;
@@ -143,8 +146,11 @@ static ost_status draw(const app_state *app, const render_args *args, drawing *d
     status = ost_viewer_init(&d->viewer, g, args->style ? OST_STYLE_FACES : OST_STYLE_SMOOTH, NULL, (int)app->threads, err);
     if (status != OST_OK)
         return status;
+    if (args->renderer != RENDERER_POINTS)
+        status = ost_viewer_use_gl(&d->viewer, args->renderer == RENDERER_GL ? &ost_gl_ours : &ost_gl_thesis, err);
     ost_viewer_follow(&d->viewer, d->live);
-    status = add_ground(app, args, d, &glenoid, known, err);
+    if (status == OST_OK)
+        status = add_ground(app, args, d, &glenoid, known, err);
     if (status == OST_OK && d->tool)
         status = add_tool(args, d, &glenoid, known, err);
     if (status != OST_OK)
@@ -191,6 +197,18 @@ static void free_drawing(drawing *d)
     ost_backend_close(d->backend);
 }
 
+static void say_gl(const app_state *app, const ost_gl *gl)
+{
+    const ost_gl_info info = ost_gl_info_get(gl);
+    json_t *o = json_object();
+    put_text(o, "version", info.version);
+    put_text(o, "driver", info.driver);
+    put_text(o, "way", info.way);
+    put_bool(o, "software", info.software);
+    put(app->result, "opengl", o);
+    say(app, "  by OpenGL %s, %s, %s", info.version, info.driver, info.way);
+}
+
 ost_status cmd_render(app_state *app, int argc, char **argv, ost_error *err)
 {
     render_args args = {.ct = CT_OPTIONS_DEFAULT, .how = TOOL_OPTIONS_DEFAULT};
@@ -202,6 +220,8 @@ ost_status cmd_render(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "size", .kind = OPTION_TEXT, .out = &args.size, .value = "WxH", .help = "in pixels (default: 1280x720)"},
         {.name = "style", .kind = OPTION_CHOICE, .out = &args.style, .value = "smooth|faces",
          .help = "lit by the surface's normals (default), or the thesis' flat\nfaces"},
+        {.name = "renderer", .kind = OPTION_CHOICE, .out = &args.renderer, .value = "points|gl|thesis",
+         .help = "the processor (default), OpenGL, or the thesis' way of using it,\nevery voxel a point: docs/rendering.md"},
         {.name = "before", .kind = OPTION_TEXT, .out = &args.before, .value = "BONE",
          .help = "the bone as it was: what is missing since then is what was cut\n(default: not known, and all of the surface is coloured)"},
         APPEARANCE_OPTIONS(args.look),
@@ -222,7 +242,8 @@ ost_status cmd_render(app_state *app, int argc, char **argv, ost_error *err)
     const usage_text usage = {
         .synopsis = "BONE --out FILE.png [options]",
         .about = "A picture of a bone, and of a tool in its place, without a display: the simulator's\n"
-                 "renderer, and the same picture to the bit on every machine.",
+                 "renderer, and the same picture to the bit on every machine. OpenGL's, where it is\n"
+                 "asked for, is the same but for a few pixels.",
         .operands = operands,
         .options = options,
         .notes = "Bone and tool as for osteon ream.",
@@ -249,13 +270,15 @@ ost_status cmd_render(app_state *app, int argc, char **argv, ost_error *err)
     if (status == OST_OK) {
         put_text(app->result, "out", args.out);
         put_digest(app->result, "file_sha256", &file);
-        put_text(app->result, "renderer", "points");
+        put_text(app->result, "renderer", renderer_names[args.renderer]);
         put_integer(app->result, "width", args.width);
         put_integer(app->result, "height", args.height);
         put_integer(app->result, "surface_voxels", (int64_t)d.viewer.bone.points);
         put_real(app->result, "time_ms", d.draw_ms);
         say(app, "%s: %d x %d pixels of %s surface voxels, drawn in %s", args.out, args.width, args.height,
             say_count(n, (int64_t)d.viewer.bone.points), say_time(a, d.draw_ms));
+        if (d.viewer.gl)
+            say_gl(app, d.viewer.gl);
     }
     free_drawing(&d);
     return status;

@@ -22,7 +22,14 @@ void ost_viewer_free(ost_viewer *viewer)
     for (int i = 0; i < viewer->tools; i++)
         ost_surface_free(&viewer->tool[i]);
     ost_frame_free(&viewer->frame);
+    ost_gl_close(viewer->gl);
     memset(viewer, 0, sizeof *viewer);
+}
+
+ost_status ost_viewer_use_gl(ost_viewer *viewer, const ost_gl_variant *variant, ost_error *err)
+{
+    viewer->variant = variant;
+    return viewer->gl ? OST_OK : ost_gl_open(NULL, &viewer->gl, err);
 }
 
 /* A tool's grid begins at its corner, a bone's at the middle of its first voxel; half a picometre is nothing to see. */
@@ -131,6 +138,23 @@ ost_status ost_viewer_update(ost_viewer *viewer, ost_error *err)
     return status == OST_OK ? ost_surface_update(&viewer->bone, err) : status;
 }
 
+/* False when the processor has to. What the camera is refused for, it refuses as well. */
+static bool draw_gl(ost_viewer *viewer, const ost_frame_thing *things, int count)
+{
+    ost_error why = {0};
+    if (!viewer->gl)
+        return false;
+    ost_status status = ost_gl_draw(viewer->gl, viewer->variant, things, count, viewer->style, &why);
+    if (status == OST_OK)
+        status = ost_gl_read(viewer->gl, &viewer->frame, true, &why);
+    if (status == OST_OK || status == OST_ERR_RANGE)
+        return status == OST_OK;
+    memcpy(viewer->lost, why.text, sizeof viewer->lost);
+    ost_gl_close(viewer->gl);
+    viewer->gl = NULL;
+    return false;
+}
+
 ost_status ost_viewer_draw(ost_viewer *viewer, const ost_camera *camera, ost_error *err)
 {
     ost_status status = OST_OK;
@@ -156,7 +180,8 @@ ost_status ost_viewer_draw(ost_viewer *viewer, const ost_camera *camera, ost_err
         things[count++] = (ost_frame_thing){
             .surface = scene->tool, .eye = ost_eye_make_from(camera, &scene->tool->geometry, &s->pose), .paint = OST_PAINT_STEEL};
     }
-    status = ost_frame_draw_things(&viewer->frame, things, count, err);
+    if (!draw_gl(viewer, things, count))
+        status = ost_frame_draw_things(&viewer->frame, things, count, err);
     if (status == OST_OK && viewer->has_ghost && viewer->show_ghost) {
         const ost_frame_thing ghost = {.surface = &viewer->ghost,
                                        .eye = ost_eye_make_from(camera, &viewer->ghost.geometry, &viewer->ghost_pose),

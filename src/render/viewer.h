@@ -17,6 +17,7 @@
 #include <osteon/live.h>
 #include <osteon/tool.h>
 
+#include "render/gl/gl.h"
 #include "render/overlay.h"
 #include "render/points/clip.h"
 #include "render/points/frame.h"
@@ -47,11 +48,17 @@ typedef struct ost_viewer {
     unsigned overlays;   /* bits of ost_overlay */
     ost_overlay_scene scene;
     int64_t aged_ns;
+    ost_gl *gl;          /* owned; NULL: the processor draws */
+    const ost_gl_variant *variant;
+    char lost[OST_ERROR_TEXT]; /* why it is the processor again; "" */
 } ost_viewer;
 
 /* isa and threads as ost_points_options has them. */
 ost_status ost_viewer_init(ost_viewer *viewer, const ost_geometry *bone, ost_style style, const char *isa, int threads, ost_error *err);
 void ost_viewer_free(ost_viewer *viewer); /* also of a zeroed one */
+
+/* Frames are OpenGL's from now on, until it fails: then the processor's again, and lost says why. OST_ERR_UNAVAILABLE as ost_gl_open. */
+ost_status ost_viewer_use_gl(ost_viewer *viewer, const ost_gl_variant *variant, ost_error *err);
 
 /* In the order of the world's. */
 ost_status ost_viewer_add_tool(ost_viewer *viewer, const ost_tool_volume *volume, ost_error *err);

@@ -32,6 +32,16 @@ run 0 render bone.nrrd --size 240x160 --chunk 16 --style faces --out cpu.png --j
 check "by the reference, by other chunks" "$(value file_sha256)" "$first"
 run 0 render bone.nrrd --size 240x160 --tool builtin:peg --pose "$pose" --out posed.png --json
 [ "$(value file_sha256)" != "$first" ] || fail "a tool at a pose is not seen"
+# OpenGL's picture is the processor's but for a few pixels, which tests/render/test_gl counts: here only who drew it.
+if "$osteon" devices | grep -q '^  gl *yes'; then
+    run 0 render bone.nrrd --size 240x160 --style faces --renderer gl --out gl.png --json
+    has opengl.version opengl.driver opengl.way opengl.software
+    check "who drew" "$(value renderer)" "gl"
+    run 0 render bone.nrrd --size 240x160 --tool builtin:reamer --renderer thesis --out thesis.png --json
+    check "who drew" "$(value renderer)" "thesis"
+else
+    refuse 3 "" render bone.nrrd --size 240x160 --renderer gl --out gl.png
+fi
 
 # What was cut, planes, ghosts, lines: each is seen, and again the same on other instruction sets.
 refuse 2 "below which surface" render bone.nrrd --out a.png --colour depth
