@@ -6,6 +6,7 @@
  * loops; before anything is timed both give the scalar loops' picture.
  */
 #include "bench/bench.h"
+#include "bench/render_gl.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -281,7 +282,9 @@ static ost_status add_extraction(show *s, bench_table *table)
 ost_status bench_render(const bench_options *options, bench_table *table, ost_error *err)
 {
     show s = {.options = options, .err = err};
-    if (options->filter && !strstr("render/scapula/extract render/scapula/whole/1 render/scapula/oblique/1 render/scapula/glenoid/1 render/scapula/close/1", options->filter))
+    const bool gl_wanted = bench_gl_wanted(options->filter);
+    bench_gl *gl = NULL;
+    if (!gl_wanted && options->filter && !strstr("render/scapula/extract render/scapula/whole/1 render/scapula/oblique/1 render/scapula/glenoid/1 render/scapula/close/1", options->filter))
         return OST_OK;
     ost_status status = ost_isa_choose(bench_isa(options), &s.isa, err);
     if (status == OST_OK)
@@ -297,6 +300,17 @@ ost_status bench_render(const bench_options *options, bench_table *table, ost_er
         if (status == OST_OK)
             status = add_view(&s, table, &views[v], 1, "/1");
     }
+    if (status == OST_OK && gl_wanted)
+        status = bench_gl_open(&gl, err);
+    for (size_t v = 0; v < sizeof views / sizeof *views && status == OST_OK && gl; v++) {
+        if (views[v].side > 0)
+            continue;
+        ost_camera camera;
+        status = camera_of(&s, &views[v], &camera);
+        if (status == OST_OK)
+            status = bench_gl_view(gl, options, table, views[v].name, &s.surface, &camera, s.isa, err);
+    }
+    bench_gl_close(gl);
     if (status == OST_OK)
         status = add_extraction(&s, table);
     ost_surface_free(&s.surface);

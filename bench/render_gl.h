@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* OpenGL's rows of the suite render: the thesis' frame, ours, and the steps between them. */
+#ifndef OST_BENCH_RENDER_GL_H
+#define OST_BENCH_RENDER_GL_H
+
+#include "bench/bench.h"
+#include "render/points/frame.h"
+
+typedef struct bench_gl bench_gl;
+
+/* Whether the filter may want one of its rows. */
+bool bench_gl_wanted(const char *filter);
+/* Never fails for want of OpenGL: then every row says why. */
+ost_status bench_gl_open(bench_gl **out, ost_error *err);
+void bench_gl_close(bench_gl *gl); /* NULL is allowed */
+/* The rows of a view: render/gl/VIEW/... */
+ost_status bench_gl_view(bench_gl *gl, const bench_options *options, bench_table *table, const char *view, const ost_surface *surface,
+                         const ost_camera *camera, ost_isa isa, ost_error *err);
+
+#endif
