@@ -32,6 +32,7 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
          .help = "frames a second at most (default: 60; 0: as many as there can be)"},
         {.name = "style", .kind = OPTION_CHOICE, .out = &args.style, .value = "smooth|faces", .help = "lit by the surface's normals (default), or the thesis' flat faces"},
         {.name = "picture", .kind = OPTION_TEXT, .out = &args.picture, .value = "FILE.png", .help = "the last frame, with --renderer points"},
+        {.name = "hud", .kind = OPTION_FLAG, .out = &args.hud, .help = "write over frames without a window what a window has over them"},
         {.name = "seconds", .kind = OPTION_DECIMAL, .out = &args.seconds, .value = "N", .help = "how long (default: until the window is closed; 10 without one)"},
         {.name = "idle", .kind = OPTION_DECIMAL, .out = &args.idle, .value = "N",
          .help = "seconds of a loop that does nothing, half before and half after, and of one that only spends time, for comparison (default: none in a window, else as --seconds, at most 10)"},

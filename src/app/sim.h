@@ -35,6 +35,7 @@ typedef struct sim_args {
     int renderer; /* a sim_renderer */
     int view, style, width, height;
     int64_t fps, rehearse_us;
+    bool hud;
     bool renderer_given, paths_given, rehearse_given;
     ost_force_params force_params;
     ost_safety_params safety;

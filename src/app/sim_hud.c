@@ -7,25 +7,39 @@
 #include <string.h>
 
 #include "app/say.h"
+#include "render/canvas.h"
 
 enum { WHITE = 0xf4f1ee, PALE = 0xb9b2aa, GREEN = 0x8fce7a, AMBER = 0x4fb4f2, RED = 0x5a5af0, PANEL = 0x0e0c0a, BACK = 0x1c1816, BAR = 0x4a423a };
 enum { SHADE = 150, LINE = 220 };
+enum { ROWS = 8, ROW_TEXT = 64, FOOT_LINES = 4, FOOT_TEXT = 200 };
+static const double PLAIN = 9.5, LARGE = 13, LEAST = 0.75, MOST = 4; /* capitals in units; a unit in pixels of 96 to the inch */
 
 struct sim_hud {
     ost_lettering *plain, *large;
-    double unit; /* pixels of one at 96 to the inch */
+    double unit; /* pixels */
 };
 
-ost_status sim_hud_create(double scale, sim_hud **out, ost_error *err)
+/* ------------------------------------------------------------ how large */
+
+/* 720 high and 1000 wide is the size it is made for; larger frames are looked at from farther away, but not quite so. In sixteenths, not to be
+   made anew for every pixel. */
+static double unit_for(int width, int height, double scale)
+{
+    const double dense = fmax(1, scale), room = fmin(height / 720.0, width / 1000.0) / dense;
+    const double grown = room > 1 ? 1 + 0.7 * (room - 1) : room;
+    return dense * floor(16 * fmax(LEAST, fmin(MOST, grown)) + 0.5) / 16;
+}
+
+ost_status sim_hud_create(int width, int height, double scale, sim_hud **out, ost_error *err)
 {
     *out = NULL;
     sim_hud *h = calloc(1, sizeof *h);
     if (!h)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for what is written over a frame");
-    h->unit = scale;
-    ost_status status = ost_lettering_create(9.5 * scale, &h->plain, err);
+    h->unit = unit_for(width, height, scale);
+    ost_status status = ost_lettering_create(PLAIN * h->unit, &h->plain, err);
     if (status == OST_OK)
-        status = ost_lettering_create(13 * scale, &h->large, err);
+        status = ost_lettering_create(LARGE * h->unit, &h->large, err);
     if (status != OST_OK) {
         sim_hud_free(h);
         return status;
@@ -43,79 +57,132 @@ void sim_hud_free(sim_hud *hud)
     free(hud);
 }
 
+bool sim_hud_suits(const sim_hud *hud, int width, int height, double scale)
+{
+    return hud && hud->unit == unit_for(width, height, scale);
+}
+
 static int px(const sim_hud *h, double units)
 {
     return (int)(units * h->unit + 0.5);
 }
 
-/* A name at the left, its value at the right end of a column. */
-static void row(const sim_hud *h, const ost_sheet *s, int x, int y, int width, const char *name, const char *value, uint32_t colour)
+/* ---------------------------------------------------------------- panels */
+
+/* Lines of a name and its value. */
+typedef struct table {
+    int rows;
+    struct {
+        const char *name;
+        char value[ROW_TEXT];
+        uint32_t colour;
+        double share; /* of a bar under it; below 0: none */
+    } row[ROWS];
+} table;
+
+static void add(table *t, const char *name, uint32_t colour, const char *value)
 {
-    ost_lettering_draw(h->plain, s, x, y, name, PALE);
-    ost_lettering_draw(h->plain, s, x + width - ost_lettering_width(h->plain, value), y, value, colour);
+    t->row[t->rows].name = name;
+    t->row[t->rows].colour = colour;
+    t->row[t->rows].share = -1;
+    snprintf(t->row[t->rows++].value, ROW_TEXT, "%s", value);
 }
 
-static void draw_hand(const sim_hud *h, const ost_sheet *s, const sim_hud_facts *f)
+static void add_angle(table *t, const char *name, double degrees, const char *more, const char *less)
 {
-    enum { WIDTH = 236, STEP = 21 };
-    const int x = px(h, 26), width = px(h, WIDTH);
-    int lines = 2 + (f->force_given ? 1 : 0) + (f->planned ? 3 : 0);
-    char text[SAY_TEXT];
-    ost_sheet_box(s, px(h, 12), px(h, 12), width + px(h, 28), px(h, 46 + STEP * lines + (f->force_given ? 10 : 0)), PANEL, SHADE);
-    int y = px(h, 38);
-    ost_lettering_draw(h->large, s, x, y, f->tool, WHITE);
-    if (f->tools > 1) {
-        snprintf(text, sizeof text, "%d of %d", f->number, f->tools);
-        ost_lettering_draw(h->plain, s, x + width - ost_lettering_width(h->plain, text), y, text, PALE);
-    }
-    y += px(h, 26);
-    row(h, s, x, y, width, "tool", f->fault ? f->fault : f->touching ? "in the bone" : "free", f->fault ? RED : f->touching ? AMBER : GREEN);
-    y += px(h, STEP);
+    char text[ROW_TEXT];
+    const double size = fabs(degrees);
+    snprintf(text, sizeof text, "%.1f\xc2\xb0%s%s", size, size < 0.05 ? "" : " ", size < 0.05 ? "" : degrees > 0 ? more : less);
+    add(t, name, size < 3 ? GREEN : size < 8 ? AMBER : RED, text);
+}
+
+static table hand_table(const sim_hud_facts *f)
+{
+    table t = {0};
+    char text[ROW_TEXT];
+    add(&t, "tool", f->fault ? RED : f->touching ? AMBER : GREEN, f->fault ? f->fault : f->touching ? "in the bone" : "free");
     if (f->force_given) {
-        const double most = 10, share = fmin(1, f->force_n / most);
+        const double share = fmin(1, f->force_n / 10);
         snprintf(text, sizeof text, "%.1f N", f->force_n);
-        row(h, s, x, y, width, "force on the hand", text, share < 0.8 ? WHITE : RED);
+        add(&t, "force on the hand", share < 0.8 ? WHITE : RED, text);
+        t.row[t.rows - 1].share = share;
+    }
+    snprintf(text, sizeof text, "%.1f mm\xc2\xb3", f->removed_mm3);
+    add(&t, "removed", WHITE, text);
+    if (!f->planned)
+        return t;
+    if (f->planned_mm > 0)
+        snprintf(text, sizeof text, "%.1f of %.1f mm", f->depth_mm, f->planned_mm);
+    else
+        snprintf(text, sizeof text, "%.1f mm", f->depth_mm);
+    add(&t, "depth below the face", f->planned_mm > 0 && f->depth_mm > f->planned_mm + 1 ? RED : WHITE, text);
+    add_angle(&t, "version error", f->back_deg, "retro", "ante");
+    add_angle(&t, "inclination error", f->up_deg, "superior", "inferior");
+    return t;
+}
+
+static table rates_table(const sim_hud_facts *f)
+{
+    table t = {0};
+    char text[ROW_TEXT], count[SAY_TEXT];
+    if (f->rates) {
+        snprintf(text, sizeof text, "%.0f a second", f->ticks_s);
+        add(&t, "ticks", f->ticks_s > 990 ? WHITE : AMBER, text);
+        snprintf(text, sizeof text, "%.0f us", f->takes_us);
+        add(&t, "one takes", WHITE, text);
+    }
+    add(&t, "deadlines missed", f->missed ? AMBER : WHITE, say_count(count, (int64_t)f->missed));
+    if (f->rates) {
+        snprintf(text, sizeof text, "%.0f a second, %.1f ms", f->frames_s, f->frame_ms);
+        add(&t, "frames", WHITE, text);
+    }
+    snprintf(text, sizeof text, "%d:%02d%s", (int)(f->seconds / 60), (int)f->seconds % 60, f->recording ? ", recorded" : "");
+    add(&t, "operation", f->recording ? GREEN : PALE, text);
+    if (f->filming) {
+        snprintf(text, sizeof text, "%s left out", say_count(count, (int64_t)f->dropped));
+        add(&t, "video", f->dropped ? AMBER : GREEN, text);
+    }
+    return t;
+}
+
+static double bar_units(const table *t)
+{
+    double units = 0;
+    for (int i = 0; i < t->rows; i++)
+        units += t->row[i].share >= 0 ? 10 : 0;
+    return units;
+}
+
+enum { STEP = 21, MARGIN = 12, INSIDE = 14, GAP = 18 };
+
+/* As wide as its widest row. */
+static sim_hud_box table_box(const sim_hud *h, const table *t, int least, bool title)
+{
+    int width = px(h, least);
+    for (int i = 0; i < t->rows; i++) {
+        const int w = ost_lettering_width(h->plain, t->row[i].name) + px(h, GAP) + ost_lettering_width(h->plain, t->row[i].value);
+        width = w > width ? w : width;
+    }
+    return (sim_hud_box){0, 0, width + px(h, 2 * INSIDE), px(h, (title ? 26 : 0) + STEP * t->rows + 12 + bar_units(t))};
+}
+
+static void draw_table(const sim_hud *h, const ost_sheet *s, const sim_hud_box *box, const table *t, int y)
+{
+    const int x = box->x + px(h, INSIDE), width = box->width - 2 * px(h, INSIDE);
+    for (int i = 0; i < t->rows; i++, y += px(h, STEP)) {
+        ost_lettering_draw(h->plain, s, x, y, t->row[i].name, PALE);
+        ost_lettering_draw(h->plain, s, x + width - ost_lettering_width(h->plain, t->row[i].value), y, t->row[i].value, t->row[i].colour);
+        const double share = t->row[i].share;
+        if (share < 0)
+            continue;
         y += px(h, 7);
         ost_sheet_box(s, x, y, width, px(h, 4), BAR, 256);
         ost_sheet_box(s, x, y, (int)(width * share), px(h, 4), share < 0.5 ? GREEN : share < 0.8 ? AMBER : RED, 256);
-        y += px(h, STEP + 3);
-    }
-    snprintf(text, sizeof text, "%.1f mm3", f->removed_mm3);
-    row(h, s, x, y, width, "removed", text, WHITE);
-    if (!f->planned)
-        return;
-    y += px(h, STEP);
-    snprintf(text, sizeof text, "%+.1f mm", f->depth_mm);
-    row(h, s, x, y, width, "depth below the face", text, WHITE);
-    const double angle[2] = {f->back_deg, f->up_deg};
-    const char *const name[2] = {"retroversion to the plan", "upward tilt to the plan"};
-    for (int i = 0; i < 2; i++) {
-        y += px(h, STEP);
-        snprintf(text, sizeof text, "%+.1f\xc2\xb0", fabs(angle[i]) < 0.05 ? 0 : angle[i]);
-        row(h, s, x, y, width, name[i], text, fabs(angle[i]) < 3 ? GREEN : fabs(angle[i]) < 8 ? AMBER : RED);
+        y += px(h, 3);
     }
 }
 
-static void draw_rates(const sim_hud *h, const ost_sheet *s, const sim_hud_facts *f)
-{
-    enum { WIDTH = 178, STEP = 19 };
-    const int width = px(h, WIDTH), x = s->width - width - px(h, 26);
-    char text[SAY_TEXT], count[SAY_TEXT];
-    ost_sheet_box(s, x - px(h, 14), px(h, 12), width + px(h, 28), px(h, 20 + STEP * 5), PANEL, SHADE);
-    int y = px(h, 34);
-    snprintf(text, sizeof text, "%.0f a second", f->ticks_s);
-    row(h, s, x, y, width, "ticks", text, f->ticks_s > 990 ? WHITE : AMBER);
-    y += px(h, STEP);
-    snprintf(text, sizeof text, "%.0f us", f->takes_us);
-    row(h, s, x, y, width, "one takes", text, WHITE);
-    y += px(h, STEP);
-    row(h, s, x, y, width, "skipped", say_count(count, (int64_t)f->missed), f->missed ? AMBER : WHITE);
-    y += px(h, STEP);
-    snprintf(text, sizeof text, "%.0f a second", f->frames_s);
-    row(h, s, x, y, width, "frames", text, WHITE);
-    y += px(h, STEP);
-    row(h, s, x, y, width, "recording", f->recording ? "yes" : "no", f->recording ? GREEN : PALE);
-}
+/* ------------------------------------------------------------------ help */
 
 static const char *const help[][2] = {
     {"left drag", "move the tool in the picture's plane"},
@@ -134,56 +201,216 @@ static const char *const help[][2] = {
     {"F11 F12", "full screen, screenshot"},
     {"F1, Ctrl Q", "this help, the end"},
 };
+enum { HELP_ROWS = sizeof help / sizeof *help, HELP_STEP = 21, HELP_KEYS = 200, HELP_WIDTH = 530, HELP_HEAD = 36 };
 
-static void draw_help(const sim_hud *h, const ost_sheet *s)
+static void draw_help(const sim_hud *h, const ost_sheet *s, const sim_hud_box *box)
 {
-    enum { STEP = 23, WIDTH = 520, KEYS = 165 };
-    const int rows = (int)(sizeof help / sizeof *help), width = px(h, WIDTH), height = px(h, STEP * rows + 66);
-    const int x = (s->width - width) / 2, y = (s->height - height) / 2;
-    ost_sheet_box(s, x, y, width, height, PANEL, LINE);
-    ost_lettering_draw(h->large, s, x + px(h, 26), y + px(h, 36), "Mouse and keys", WHITE);
-    for (int i = 0; i < rows; i++) {
-        ost_lettering_draw(h->plain, s, x + px(h, 26), y + px(h, 68 + STEP * i), help[i][0], AMBER);
-        ost_lettering_draw(h->plain, s, x + px(h, 26 + KEYS), y + px(h, 68 + STEP * i), help[i][1], WHITE);
+    ost_sheet_box(s, box->x, box->y, box->width, box->height, PANEL, LINE);
+    ost_lettering_draw(h->large, s, box->x + px(h, 24), box->y + px(h, HELP_HEAD - 8), "Mouse and keys", WHITE);
+    for (int i = 0; i < HELP_ROWS; i++) {
+        const int y = box->y + px(h, HELP_HEAD + 18 + HELP_STEP * i);
+        ost_lettering_draw(h->plain, s, box->x + px(h, 24), y, help[i][0], AMBER);
+        ost_lettering_draw(h->plain, s, box->x + px(h, 24 + HELP_KEYS), y, help[i][1], WHITE);
     }
 }
 
+/* ------------------------------------------------------------------ foot */
+
+typedef struct foot {
+    int lines;
+    char line[FOOT_LINES][FOOT_TEXT];
+} foot;
+
+/* A sentence in lines that are so wide; what does not fit is cut. */
+static foot foot_of(const sim_hud *h, const char *text, int width)
+{
+    foot f = {0};
+    while (*text && f.lines < FOOT_LINES) {
+        char *line = f.line[f.lines];
+        size_t used = 0, blank = 0;
+        while (text[used] && used < FOOT_TEXT - 1) {
+            line[used] = text[used];
+            line[used + 1] = '\0';
+            if (ost_lettering_width(h->plain, line) > width)
+                break;
+            if (text[used] == ' ')
+                blank = used;
+            used++;
+        }
+        if (used == 0)
+            return (foot){0}; /* not even a letter */
+        const bool broken = text[used] && text[used] != ' ' && blank;
+        const size_t end = broken ? blank : used;
+        line[end] = '\0';
+        text += end;
+        text += *text == ' ';
+        f.lines++;
+    }
+    return f;
+}
+
+static const char *foot_text(const sim_hud_facts *f)
+{
+    return f->message ? f->message : f->help || f->plain ? "" : "F1: mouse and keys";
+}
+
+/* ------------------------------------------------------------- scale, edges */
+
 /* The greatest 1, 2 or 5 times a power of ten of millimetres that fits. */
-static void draw_scale(const sim_hud *h, const ost_sheet *s, double mm_per_pixel)
+static double scale_length(const sim_hud *h, double mm_per_pixel)
 {
     const double room = px(h, 150) * mm_per_pixel;
     double length = 0;
-    char text[SAY_TEXT];
     for (double decade = 0.01; decade < 1e4; decade *= 10)
         for (int step = 1; step <= 5; step += step == 1 ? 1 : 3)
             length = step * decade <= room ? step * decade : length;
+    return length;
+}
+
+static void draw_scale(const sim_hud *h, const ost_sheet *s, const sim_hud_box *box, double mm_per_pixel)
+{
+    const double length = scale_length(h, mm_per_pixel);
+    char text[SAY_TEXT];
     if (!(length > 0))
         return;
-    const int width = (int)(length / mm_per_pixel), x = s->width - width - px(h, 26), y = s->height - px(h, 24);
+    const int width = (int)(length / mm_per_pixel), x = box->x + box->width - width - px(h, 4), y = box->y + box->height - px(h, 6);
+    snprintf(text, sizeof text, "%g mm", length);
+    const int letters = ost_lettering_width(h->plain, text), at = x + (width - letters) / 2;
     ost_sheet_box(s, x, y, width, px(h, 2), PALE, 256);
     ost_sheet_box(s, x, y - px(h, 5), px(h, 2), px(h, 7), PALE, 256);
     ost_sheet_box(s, x + width - px(h, 2), y - px(h, 5), px(h, 2), px(h, 7), PALE, 256);
-    snprintf(text, sizeof text, "%g mm", length);
-    ost_lettering_draw(h->plain, s, x + (width - ost_lettering_width(h->plain, text)) / 2, y - px(h, 10), text, PALE);
+    ost_lettering_draw(h->plain, s, at + letters > box->x + box->width ? box->x + box->width - letters : at, y - px(h, 10), text, PALE);
+}
+
+/* At its left, right, upper and lower edge: where that is in the patient, as on a radiograph. */
+static void edge_letters(const sim_hud_facts *f, int edge, char letters[4])
+{
+    double d[3];
+    for (int a = 0; a < 3; a++)
+        d[a] = edge == 0 ? -f->right[a] : edge == 1 ? f->right[a] : edge == 2 ? f->up[a] : -f->up[a];
+    letters[0] = '\0';
+    if (d[0] != 0 || d[1] != 0 || d[2] != 0)
+        ost_orientation_letters(d, letters);
+}
+
+/* -------------------------------------------------------------- where what is */
+
+static bool apart(const sim_hud_box *a, const sim_hud_box *b)
+{
+    return !a->width || !b->width || a->x >= b->x + b->width || b->x >= a->x + a->width || a->y >= b->y + b->height || b->y >= a->y + a->height;
+}
+
+/* Kept when it is within the frame and apart from all that came before. */
+static sim_hud_box placed(sim_hud_box box, int width, int height, const sim_hud_box *const *before, int count)
+{
+    bool room = box.width > 0 && box.height > 0 && box.x >= 0 && box.y >= 0 && box.x + box.width <= width && box.y + box.height <= height;
+    for (int i = 0; i < count && room; i++)
+        room = apart(&box, before[i]);
+    return room ? box : (sim_hud_box){0};
+}
+
+sim_hud_layout sim_hud_arrange(const sim_hud *h, int width, int height, const sim_hud_facts *f)
+{
+    sim_hud_layout l = {0};
+    const sim_hud_box *all[] = {&l.help, &l.hand, &l.scale, &l.foot, &l.legend, &l.rates, &l.edge[0], &l.edge[1], &l.edge[2]};
+    const table hand = hand_table(f), rates = rates_table(f);
+    const int margin = px(h, MARGIN);
+    if (f->help) {
+        const int w = px(h, HELP_WIDTH), t = px(h, HELP_HEAD + HELP_STEP * HELP_ROWS + 14);
+        l.help = placed((sim_hud_box){(width - w) / 2, (height - t) / 2, w, t}, width, height, all, 0);
+    }
+    sim_hud_box box = table_box(h, &hand, 208, true);
+    box.x = box.y = margin;
+    l.hand = placed(box, width, height, all, 1);
+    box = (sim_hud_box){width - margin - px(h, 158), height - margin - px(h, 34), px(h, 158), px(h, 34)};
+    l.scale = placed(box, width, height, all, 2);
+    const foot lines = foot_of(h, foot_text(f), (l.scale.width ? l.scale.x : width) - 3 * margin - px(h, 2 * INSIDE));
+    if (lines.lines) {
+        int widest = 0;
+        for (int i = 0; i < lines.lines; i++) {
+            const int w = ost_lettering_width(h->plain, lines.line[i]);
+            widest = w > widest ? w : widest;
+        }
+        const int t = px(h, 10 + 20 * lines.lines);
+        l.foot = placed((sim_hud_box){margin, height - margin - t, widest + px(h, 2 * INSIDE), t}, width, height, all, 3);
+    }
+    ost_legend_size(&f->legend, h->unit, &box.width, &box.height);
+    box.x = margin;
+    box.y = (l.foot.width ? l.foot.y - margin / 2 : height - margin) - box.height;
+    l.legend = placed(box, width, height, all, 4);
+    if (!l.legend.width) {
+        box.x = width - margin - box.width;
+        box.y = (l.scale.width ? l.scale.y - margin / 2 : height - margin) - box.height;
+        l.legend = placed(box, width, height, all, 4);
+    }
+    box = table_box(h, &rates, 178, false);
+    box.x = width - margin - box.width;
+    box.y = margin;
+    l.rates = placed(box, width, height, all, 5);
+    if (!l.rates.width && l.hand.width) { /* a frame that is high and narrow */
+        box.x = margin;
+        box.y = l.hand.y + l.hand.height + margin / 2;
+        l.rates = placed(box, width, height, all, 5);
+    }
+    for (int e = 0; e < 4; e++) {
+        char letters[4];
+        edge_letters(f, e, letters);
+        if (!letters[0])
+            continue;
+        const int w = ost_lettering_width(h->plain, letters) + px(h, 8), t = px(h, PLAIN + 10);
+        box = (sim_hud_box){e == 0 ? margin : e == 1 ? width - margin - w : (width - w) / 2, e == 2 ? margin : e == 3 ? height - margin - t : (height - t) / 2, w, t};
+        l.edge[e] = placed(box, width, height, all, 6 + e);
+    }
+    return l;
 }
 
 void sim_hud_draw(const sim_hud *hud, const ost_sheet *sheet, const sim_hud_facts *facts)
 {
-    draw_hand(hud, sheet, facts);
-    draw_rates(hud, sheet, facts);
-    draw_scale(hud, sheet, facts->mm_per_pixel);
-    const char *foot = facts->message ? facts->message : facts->help ? "" : "F1: mouse and keys";
-    if (*foot) {
-        const int width = ost_lettering_width(hud->plain, foot);
-        ost_sheet_box(sheet, px(hud, 12), sheet->height - px(hud, 42), width + px(hud, 26), px(hud, 30), PANEL, SHADE);
-        ost_lettering_draw(hud->plain, sheet, px(hud, 25), sheet->height - px(hud, 22), foot, facts->message ? WHITE : PALE);
+    const sim_hud_layout l = sim_hud_arrange(hud, sheet->width, sheet->height, facts);
+    if (l.hand.width) {
+        const table t = hand_table(facts);
+        char text[SAY_TEXT];
+        ost_sheet_box(sheet, l.hand.x, l.hand.y, l.hand.width, l.hand.height, PANEL, SHADE);
+        ost_lettering_draw(hud->large, sheet, l.hand.x + px(hud, INSIDE), l.hand.y + px(hud, 26), facts->tool, WHITE);
+        if (facts->tools > 1) {
+            snprintf(text, sizeof text, "%d of %d", facts->number, facts->tools);
+            ost_lettering_draw(hud->plain, sheet, l.hand.x + l.hand.width - px(hud, INSIDE) - ost_lettering_width(hud->plain, text),
+                               l.hand.y + px(hud, 26), text, PALE);
+        }
+        draw_table(hud, sheet, &l.hand, &t, l.hand.y + px(hud, 26 + STEP + 3));
     }
-    if (facts->help)
-        draw_help(hud, sheet);
+    if (l.rates.width) {
+        const table t = rates_table(facts);
+        ost_sheet_box(sheet, l.rates.x, l.rates.y, l.rates.width, l.rates.height, PANEL, SHADE);
+        draw_table(hud, sheet, &l.rates, &t, l.rates.y + px(hud, STEP + 1));
+    }
+    if (l.legend.width)
+        ost_legend_draw(&facts->legend, hud->plain, sheet, l.legend.x, l.legend.y + l.legend.height, hud->unit);
+    if (l.scale.width)
+        draw_scale(hud, sheet, &l.scale, facts->mm_per_pixel);
+    for (int e = 0; e < 4; e++)
+        if (l.edge[e].width) {
+            char letters[4];
+            edge_letters(facts, e, letters);
+            ost_sheet_box(sheet, l.edge[e].x, l.edge[e].y, l.edge[e].width, l.edge[e].height, PANEL, SHADE);
+            ost_lettering_draw(hud->plain, sheet, l.edge[e].x + px(hud, 5), l.edge[e].y + l.edge[e].height - px(hud, 5), letters, PALE);
+        }
+    if (l.foot.width) {
+        const foot lines = foot_of(hud, foot_text(facts), l.foot.width - px(hud, 2 * INSIDE));
+        ost_sheet_box(sheet, l.foot.x, l.foot.y, l.foot.width, l.foot.height, PANEL, SHADE);
+        for (int i = 0; i < lines.lines; i++)
+            ost_lettering_draw(hud->plain, sheet, l.foot.x + px(hud, INSIDE), l.foot.y + px(hud, 20 * (i + 1)), lines.line[i],
+                               facts->message ? WHITE : PALE);
+    }
+    if (l.help.width)
+        draw_help(hud, sheet, &l.help);
 }
 
 void sim_hud_say(const sim_hud *hud, const ost_sheet *sheet, const char *sentence)
 {
     ost_sheet_box(sheet, 0, 0, sheet->width, sheet->height, BACK, 256);
-    ost_lettering_draw(hud->large, sheet, (sheet->width - ost_lettering_width(hud->large, sentence)) / 2, sheet->height / 2, sentence, PALE);
+    const foot lines = foot_of(hud, sentence, sheet->width - 2 * px(hud, MARGIN));
+    for (int i = 0; i < lines.lines; i++)
+        ost_lettering_draw(hud->plain, sheet, (sheet->width - ost_lettering_width(hud->plain, lines.line[i])) / 2,
+                           sheet->height / 2 + px(hud, 20 * i), lines.line[i], PALE);
 }

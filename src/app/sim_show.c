@@ -68,6 +68,10 @@ ost_status sim_show_make(const app_state *app, const sim_args *args, simulation 
     const bool known = target_find(app, &args->plan.target, &s->imported.meta, args->bone, &glenoid, NULL) == OST_OK;
     show->subject = ost_view_subject_make(g, &glenoid.at, known ? glenoid.axis : NULL, known && glenoid.left);
     show->orbit = ost_view_orbit((ost_view_name)args->view, &show->subject, NULL);
+    sim_scene_make(&show->scene, &args->tools, s->tools, g, s->planned ? &s->plan : NULL);
+    show->scene.device = args->device;
+    show->scene.force_given = s->force != NULL;
+    show->scene.recording = s->recorder != NULL;
     return OST_OK;
 }
 
@@ -75,6 +79,7 @@ void sim_show_free(sim_show *show)
 {
     if (!show)
         return;
+    sim_hud_free(show->hud);
     ost_viewer_free(&show->viewer);
     ost_live_free(show->live);
     free(show);
@@ -88,7 +93,7 @@ ost_status sim_show_frame(sim_show *show, int width, int height, ost_error *err)
         frame_times_add(&show->apart, begin - show->last_ns);
     show->last_ns = begin;
     ost_status status = ost_viewer_update(&show->viewer, err);
-    if (status == OST_OK && show->args->renderer == SIM_RENDERER_POINTS) {
+    if (status == OST_OK && show->args->renderer >= SIM_RENDERER_POINTS) {
         status = ost_orbit_camera(&show->orbit, width, height, &camera, err);
         if (status == OST_OK)
             status = ost_viewer_draw(&show->viewer, &camera, err);
@@ -98,6 +103,31 @@ ost_status sim_show_frame(sim_show *show, int width, int height, ost_error *err)
 }
 
 /* ----------------------------------------------------------- without a window */
+
+/* What a window writes over its frames, but for what only a window knows. */
+static ost_status write_over(sim_show *show, ost_error *err)
+{
+    const ost_planes *p = &show->viewer.frame.planes;
+    const ost_sheet sheet = {p->colour, p->stride, show->args->width, show->args->height};
+    double back[3];
+    ost_status status = show->hud ? OST_OK : sim_hud_create(sheet.width, sheet.height, 1, &show->hud, err);
+    if (status != OST_OK)
+        return status;
+    sim_hud_facts f = sim_facts_make(&show->scene, &show->viewer.state, show->viewer.has_state);
+    f.plain = true;
+    f.mm_per_pixel = show->orbit.distance / (1.2071 * sheet.height);
+    ost_orbit_frame(&show->orbit, f.right, f.up, back);
+    sim_hud_draw(show->hud, &sheet, &f);
+    return OST_OK;
+}
+
+static ost_status frame_of_thread(sim_show *show, ost_error *err)
+{
+    ost_status status = sim_show_frame(show, show->args->width, show->args->height, err);
+    if (status == OST_OK && show->args->hud)
+        status = write_over(show, err);
+    return status;
+}
 
 static ost_status write_picture(const sim_show *show, ost_error *err)
 {
@@ -119,7 +149,7 @@ static void *work(void *user)
     const int64_t period = show->args->fps > 0 ? INT64_C(1000000000) / show->args->fps : 0;
     int64_t due = ost_clock_ns();
     while (!atomic_load(&d->stop) && show->status == OST_OK) {
-        show->status = sim_show_frame(show, show->args->width, show->args->height, &show->err);
+        show->status = frame_of_thread(show, &show->err);
         const int64_t now = ost_clock_ns();
         due = due + period > now ? due + period : now; /* what is late is not caught up on */
         const struct timespec t = {.tv_sec = due / 1000000000, .tv_nsec = due % 1000000000};
@@ -158,6 +188,8 @@ ost_status sim_show_end(sim_show *show, ost_error *err)
     if (status == OST_OK && show->args->picture) {
         show->last_ns = 0;
         status = sim_show_frame(show, show->args->width, show->args->height, err);
+        if (status == OST_OK && show->args->hud)
+            status = write_over(show, err);
         if (status == OST_OK)
             status = write_picture(show, err);
     }

@@ -11,6 +11,7 @@
 
 #include "app/frame_times.h"
 #include "app/sim.h"
+#include "app/sim_facts.h"
 #include "render/viewer.h"
 #include "render/views.h"
 
@@ -24,6 +25,8 @@ typedef struct sim_show {
     ost_viewer viewer;
     ost_view_subject subject;
     ost_orbit orbit;
+    sim_scene scene;
+    sim_hud *hud;             /* of frames without a window; owned */
     frame_times drawn, apart; /* a frame's work; from one frame to the next */
     int64_t last_ns;          /* when the last frame began; 0 before the first */
     void *thread;             /* NULL: none */

@@ -12,20 +12,19 @@
 
 #include "app/interrupt.h"
 #include "app/say.h"
+#include "app/sim_facts.h"
 #include "app/sim_hand.h"
-#include "app/sim_hud.h"
 #include "core/clock.h"
 #include "io/thread.h"
 #include "window/window.h"
 
 enum { MESSAGE = 160, DISTANCE_KEY_MM_S = 12 };
 static const double MESSAGE_S = 6, WHEEL_MM = 0.5, FINE = 0.2, TURN_KEY = 0.9, TWIST_KEY = 1.2;
-static const double DEG = 57.29577951308232;
 
 typedef struct rates {
     double since; /* s */
     uint64_t ticks, frames;
-    double ticks_s, frames_s, takes_us;
+    double ticks_s, frames_s, takes_us, frame_ms;
 } rates;
 
 struct sim_window {
@@ -33,7 +32,6 @@ struct sim_window {
     const sim_args *args;
     ost_window *window;
     sim_hud *hud;
-    double hud_scale;
     uint32_t *blank;   /* owned; for what is shown before there are frames */
     ost_hand *hand;    /* NULL: another device */
     sim_hand now, home;
@@ -63,13 +61,12 @@ static void tell(sim_window *w, const char *text)
 
 /* ------------------------------------------------------------- open, close */
 
-static ost_status hud_for(sim_window *w, double scale, ost_error *err)
+static ost_status hud_for(sim_window *w, int width, int height, double scale, ost_error *err)
 {
-    if (w->hud && scale == w->hud_scale)
+    if (sim_hud_suits(w->hud, width, height, scale))
         return OST_OK;
     sim_hud_free(w->hud);
-    w->hud_scale = scale;
-    return sim_hud_create(scale, &w->hud, err);
+    return sim_hud_create(width, height, scale, &w->hud, err);
 }
 
 static ost_status say_loading(sim_window *w, ost_error *err)
@@ -80,7 +77,7 @@ static ost_status say_loading(sim_window *w, ost_error *err)
     ost_window_size(w->window, &width, &height, &scale);
     if (width == 0 || height == 0)
         return OST_OK;
-    ost_status status = hud_for(w, scale, err);
+    ost_status status = hud_for(w, width, height, scale, err);
     if (status != OST_OK)
         return status;
     w->blank = calloc((size_t)width * (size_t)height, sizeof *w->blank);
@@ -166,20 +163,13 @@ static void screenshot(sim_window *w, const ost_sheet *sheet)
     tell(w, text);
 }
 
-/* From its origin to its lowest point, in mm; the grid begins one to two voxels below that (Alg. 2.1). */
-static double tip_of(const sim_window *w, int number)
-{
-    const ost_tool_geometry *g = ost_tool_geometry_get(w->s->tools[number]);
-    return -1e-9 * (double)(g->corner.z + 3 * g->voxel / 2);
-}
-
 /* With its point where the last one's was, and back from there: what is taken up must not begin within the bone. */
 static void take_tool(sim_window *w, int number)
 {
     const double clear_mm = 10;
     if (number >= w->args->tools.count || !w->hand || number == w->now.tool)
         return;
-    sim_hand_push(&w->now, tip_of(w, w->now.tool) - tip_of(w, number) - clear_mm);
+    sim_hand_push(&w->now, w->s->show->scene.tip_mm[w->now.tool] - w->s->show->scene.tip_mm[number] - clear_mm);
     w->now.tool = number;
 }
 
@@ -315,67 +305,21 @@ static void count_rates(sim_window *w, double now)
     r->frames = w->frames;
 }
 
-/* Degrees outward of an inward direction, toward the back and toward the head, as the debrief has them. */
-static void angles(const double inward[3], bool left, double out[2])
-{
-    const double lateral = left ? -inward[0] : inward[0];
-    out[0] = atan2(-inward[1], lateral) * DEG;
-    out[1] = atan2(-inward[2], lateral) * DEG;
-}
-
-static void stand_to_plan(const sim_window *w, const ost_live_state *state, sim_hud_facts *f)
-{
-    const ost_view_subject *subject = &w->s->show->subject;
-    const sim_hand tool = sim_hand_at(&state->pose, state->tool);
-    double axis[3], got[2], planned[2];
-    sim_hand_axis(&tool, axis);
-    const double tip = tip_of(w, state->tool);
-    for (int a = 0; a < 3; a++)
-        f->depth_mm += (tool.at[a] + tip * axis[a] - subject->face[a]) * subject->inward[a];
-    angles(axis, subject->left, got);
-    angles(subject->inward, subject->left, planned);
-    f->back_deg = got[0] - planned[0];
-    f->up_deg = got[1] - planned[1];
-    f->planned = true;
-}
-
-static const char *short_name(const char *name)
-{
-    const char *slash = strrchr(name, '/');
-    name = slash ? slash + 1 : name;
-    return strncmp(name, "builtin:", 8) == 0 ? name + 8 : name;
-}
-
 static sim_hud_facts facts_of(const sim_window *w, int height, double now)
 {
     const sim_show *show = w->s->show;
-    const ost_live_state *state = &show->viewer.state;
-    const bool running = show->viewer.has_state && state->ticks > 0;
-    const int tool = running && state->tool >= 0 && state->tool < w->args->tools.count ? state->tool : 0;
-    const double mm = 1e-9 * (double)ost_live_geometry(show->live)->spacing.x, *n = state->force_n;
-    sim_hud_facts f = {
-        .tool = short_name(w->args->tools.value[tool]),
-        .device = w->args->device,
-        .number = tool + 1,
-        .tools = w->args->tools.count,
-        .running = running,
-        .force_given = w->s->force != NULL,
-        .force_n = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]),
-        .removed_mm3 = (double)state->removed_voxels * mm * mm * mm,
-        .touching = state->touching > 0,
-        .pedal = w->now.pedal,
-        .fault = state->fault ? ost_fault_text((ost_fault)state->fault) : NULL,
-        .ticks_s = w->rates.ticks_s,
-        .frames_s = w->rates.frames_s,
-        .takes_us = w->rates.takes_us,
-        .missed = state->missed,
-        .recording = w->s->recorder != NULL,
-        .help = w->help,
-        .message = now < w->message_until ? w->message : NULL,
-        .mm_per_pixel = show->orbit.distance / (1.2071 * height),
-    };
-    if (running && show->subject.has_face)
-        stand_to_plan(w, state, &f);
+    double back[3];
+    sim_hud_facts f = sim_facts_make(&show->scene, &show->viewer.state, show->viewer.has_state);
+    f.rates = true;
+    f.ticks_s = w->rates.ticks_s;
+    f.frames_s = w->rates.frames_s;
+    f.takes_us = w->rates.takes_us;
+    f.frame_ms = w->rates.frame_ms;
+    f.help = w->help;
+    f.pedal = w->now.pedal;
+    f.message = now < w->message_until ? w->message : NULL;
+    f.mm_per_pixel = show->orbit.distance / (1.2071 * height);
+    ost_orbit_frame(&show->orbit, f.right, f.up, back);
     return f;
 }
 
@@ -391,7 +335,8 @@ static ost_status frame(sim_window *w, double dt, ost_error *err)
     put_hand(w, &before);
     if (width == 0 || height == 0 || width > OST_FRAME_MAX || height > OST_FRAME_MAX)
         return ost_viewer_update(&show->viewer, err); /* nobody sees it */
-    ost_status status = hud_for(w, scale, err);
+    const int64_t begin = ost_clock_ns();
+    ost_status status = hud_for(w, width, height, scale, err);
     if (status == OST_OK)
         status = sim_show_frame(show, width, height, err);
     if (status != OST_OK)
@@ -401,6 +346,7 @@ static ost_status frame(sim_window *w, double dt, ost_error *err)
     count_rates(w, now);
     const sim_hud_facts facts = facts_of(w, height, now);
     sim_hud_draw(w->hud, &sheet, &facts);
+    w->rates.frame_ms += ((double)(ost_clock_ns() - begin) * 1e-6 - w->rates.frame_ms) * 0.1;
     if (shoot)
         screenshot(w, &sheet);
     ost_window_present(w->window, sheet.pixels, sheet.stride, width, height, w->args->fps > 0);

@@ -17,11 +17,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FIRST = 32, LAST = 126, DEGREE = 127, GLYPHS = 128 - FIRST, POINTS = 16, SEGMENTS = 128, PIECES = 6, CAPITAL = 9 };
+enum { FIRST = 32, LAST = 126, DEGREE = 127, CUBED, GLYPHS = 129 - FIRST, POINTS = 16, SEGMENTS = 128, PIECES = 6, CAPITAL = 9 };
 static const double GAP = 2.7, WEIGHT = 0.62; /* between letters; half a stroke's width; both in units of the grid */
 
 typedef struct drawing {
-    char c;
+    unsigned char c;
     signed char width;
     const char *strokes;
 } drawing;
@@ -114,7 +114,8 @@ static const drawing drawings[] = {
     {'y', 4, "4j1a 0j2d"},
     {'z', 4, "0j4j0d4d"},
     {'|', 0, "0n0b"},
-    {(char)DEGREE, 2, "@0k0m2m2k"},
+    {DEGREE, 2, "@0k0m2m2k"},
+    {CUBED, 3, "~0m3m3k1k ~1k3k3h0h"},
 };
 
 typedef struct glyph {
@@ -232,16 +233,21 @@ static bool draw_glyph(const drawing *d, double unit, glyph *g)
     g->y = (int)floor(-o.y1 - r - 1);
     g->width = (int)ceil(o.x1 + r + 1) - g->x;
     g->height = (int)ceil(-o.y0 + r + 1) - g->y;
-    g->cover = malloc((size_t)g->width * (size_t)g->height);
+    g->cover = calloc((size_t)g->width, (size_t)g->height);
     if (!g->cover)
         return false;
-    for (int y = 0; y < g->height; y++)
-        for (int x = 0; x < g->width; x++) {
-            double nearest = 1e9;
-            for (int i = 0; i < o.count; i++)
-                nearest = fmin(nearest, distance(&o.segment[i], g->x + x + 0.5, -(g->y + y + 0.5)));
-            g->cover[x + g->width * y] = (uint8_t)(255 * fmax(0, fmin(1, r - nearest + 0.5)) + 0.5);
-        }
+    /* Only pixels that a segment may reach are asked how far it is. */
+    for (int i = 0; i < o.count; i++) {
+        const segment *e = &o.segment[i];
+        const int x0 = (int)floor(fmin(e->ax, e->bx) - r - 1) - g->x, x1 = (int)ceil(fmax(e->ax, e->bx) + r + 1) - g->x;
+        const int y0 = (int)floor(-fmax(e->ay, e->by) - r - 1) - g->y, y1 = (int)ceil(-fmin(e->ay, e->by) + r + 1) - g->y;
+        for (int y = y0; y < y1; y++)
+            for (int x = x0; x < x1; x++) {
+                const double cover = fmax(0, fmin(1, r - distance(e, g->x + x + 0.5, -(g->y + y + 0.5)) + 0.5));
+                uint8_t *at = &g->cover[x + g->width * y], mine = (uint8_t)(255 * cover + 0.5);
+                *at = mine > *at ? mine : *at;
+            }
+    }
     return true;
 }
 
@@ -253,7 +259,7 @@ ost_status ost_lettering_create(double height, ost_lettering **out, ost_error *e
     ost_lettering *l = calloc(1, sizeof *l);
     bool whole = l != NULL;
     for (size_t i = 0; whole && i < sizeof drawings / sizeof *drawings; i++)
-        whole = draw_glyph(&drawings[i], height / CAPITAL, &l->glyph[(unsigned char)drawings[i].c - FIRST]);
+        whole = draw_glyph(&drawings[i], height / CAPITAL, &l->glyph[drawings[i].c - FIRST]);
     if (!whole) {
         ost_lettering_free(l);
         return ost_fail(err, OST_ERR_MEMORY, "no memory for letters");
@@ -282,10 +288,8 @@ static const glyph *next(const ost_lettering *l, const char **text)
     if (!c)
         return NULL;
     ++*text;
-    if (c == 0xc2 && (unsigned char)**text == 0xb0) {
-        ++*text;
-        return &l->glyph[DEGREE - FIRST];
-    }
+    if (c == 0xc2 && ((unsigned char)**text == 0xb0 || (unsigned char)**text == 0xb3))
+        return &l->glyph[(*(*text)++ == '\xb0' ? DEGREE : CUBED) - FIRST];
     return &l->glyph[(c >= FIRST && c <= LAST ? c : ' ') - FIRST];
 }
 

@@ -2,7 +2,7 @@
 /*
  * Letters over a frame, at any size: strokes of one width with round ends,
  * drawn once a size into small pictures of how much of a pixel they cover.
- * ASCII and the degree sign; anything else is left blank.
+ * ASCII, the degree sign and the raised three; anything else is left blank.
  */
 #ifndef OST_RENDER_LETTERING_H
 #define OST_RENDER_LETTERING_H

@@ -50,6 +50,7 @@ if "$osteon" devices | grep -q '^  png *yes'; then
 fi
 run 0 sim --headless --bone bone.nrrd --seconds 0.2 --idle 0 --renderer null --json
 check "a renderer that draws nothing" "$(value renderer.name) $(value renderer.width)" "null 0"
+refuse 2 "needs --renderer points" sim --headless --bone bone.nrrd --renderer null --hud
 refuse 2 "--size 12x: expected" sim --headless --bone bone.nrrd --size 12x
 refuse 2 "needs --renderer points" sim --headless --bone bone.nrrd --renderer null --picture a.png
 
