@@ -32,14 +32,14 @@ static ost_status check_show(const app_state *app, sim_args *args, ost_error *er
     ost_status status = frame_size(app, args->size, &args->width, &args->height, err);
     if (status == OST_OK && (args->picture || !args->headless) && !args->renderer_given)
         args->renderer = SIM_RENDERER_POINTS;
-    if (status == OST_OK && !args->headless && args->renderer != SIM_RENDERER_POINTS)
-        return usage_error(app, err, "--renderer %s: a window shows what points draws; add --headless", sim_renderer_names[args->renderer]);
+    if (status == OST_OK && !args->headless && args->renderer < SIM_RENDERER_POINTS)
+        return usage_error(app, err, "--renderer %s: a window shows what points or gl draws; add --headless", sim_renderer_names[args->renderer]);
     if (status == OST_OK && !args->headless && args->no_clock)
         return usage_error(app, err, "--no-clock: a window goes by the clock; add --headless");
     if (status == OST_OK && args->hud && args->renderer < SIM_RENDERER_POINTS)
-        return usage_error(app, err, "--hud: needs --renderer points, who draws it");
-    if (status == OST_OK && args->picture && args->renderer != SIM_RENDERER_POINTS)
-        return usage_error(app, err, "--picture %s: needs --renderer points, who draws it", args->picture);
+        return usage_error(app, err, "--hud: needs --renderer points or gl, who draw it");
+    if (status == OST_OK && args->picture && args->renderer < SIM_RENDERER_POINTS)
+        return usage_error(app, err, "--picture %s: needs --renderer points or gl, who draw it", args->picture);
     return status;
 }
 

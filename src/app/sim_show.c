@@ -16,7 +16,7 @@
 
 enum { THREADS_MAX = 4 };
 
-const char *const sim_renderer_names[] = {"none", "null", "points"};
+const char *const sim_renderer_names[] = {"none", "null", "points", "gl"};
 
 typedef struct drawer {
     pthread_t thread;
@@ -60,6 +60,8 @@ ost_status sim_show_make(const app_state *app, const sim_args *args, simulation 
         return status;
     const ost_geometry *g = ost_live_geometry(show->live);
     status = ost_viewer_init(&show->viewer, g, args->style ? OST_STYLE_FACES : OST_STYLE_SMOOTH, NULL, cores_here(), err);
+    if (status == OST_OK && args->renderer == SIM_RENDERER_GL)
+        status = ost_viewer_use_gl(&show->viewer, &ost_gl_ours, err);
     if (status == OST_OK)
         status = add_tools(show, s, err);
     if (status != OST_OK)
@@ -196,6 +198,20 @@ ost_status sim_show_end(sim_show *show, ost_error *err)
     return status;
 }
 
+/* Who drew, where it was OpenGL. */
+static void say_gl(const app_state *app, const sim_show *show, json_t *row)
+{
+    if (show->viewer.gl) {
+        const ost_gl_info info = ost_gl_info_get(show->viewer.gl);
+        put_text(row, "opengl", info.version);
+        put_text(row, "driver", info.driver);
+        say(app, "  drawn by OpenGL %s, %s%s", info.version, info.driver, info.software ? ": software, which --renderer points beats" : "");
+    } else if (*show->viewer.lost) {
+        put_text(row, "lost", show->viewer.lost);
+        say(app, "  drawn by the processor in the end: %s", show->viewer.lost);
+    }
+}
+
 void sim_show_report(const app_state *app, const sim_show *show)
 {
     const frame_times *drawn = &show->drawn, *apart = &show->apart;
@@ -213,6 +229,7 @@ void sim_show_report(const app_state *app, const sim_show *show)
     put_integer(o, "changed_chunks", (int64_t)show->viewer.changed);
     put_integer(o, "surface_voxels", (int64_t)show->viewer.bone.points);
     put(app->result, "renderer", o);
+    say_gl(app, show, o);
     if (apart->count == 0)
         return;
     say(app, "  %s frames beside it, %.0f a second at median, %.0f in the worst hundredth; one takes %.1f ms, %.1f ms at 99 %%",

@@ -15,8 +15,8 @@
 #include "render/viewer.h"
 #include "render/views.h"
 
-typedef enum sim_renderer { SIM_RENDERER_NONE, SIM_RENDERER_NULL, SIM_RENDERER_POINTS } sim_renderer;
-extern const char *const sim_renderer_names[]; /* "none", "null", "points" */
+typedef enum sim_renderer { SIM_RENDERER_NONE, SIM_RENDERER_NULL, SIM_RENDERER_POINTS, SIM_RENDERER_GL } sim_renderer;
+extern const char *const sim_renderer_names[]; /* "none", "null", "points", "gl" */
 
 typedef struct sim_show {
     const app_state *app;

@@ -47,6 +47,11 @@ if "$osteon" devices | grep -q '^  png *yes'; then
     unset OSTEON_ISA
     check "the same bone" "$(value sha256)" "$seen"
     cmp seen.png scalar.png || fail "the picture depends on the instruction set"
+    if "$osteon" devices | grep -q '^  gl *yes'; then
+        run 0 sim --headless --bone bone.nrrd --seconds 0.3 --no-clock --size 320x200 --renderer gl --picture gl.png --json
+        has renderer.opengl renderer.driver
+        check "OpenGL beside it" "$(value renderer.name) $(value renderer.width) $(value sha256)" "gl 320 $seen"
+    fi
 fi
 run 0 sim --headless --bone bone.nrrd --seconds 0.2 --idle 0 --renderer null --json
 check "a renderer that draws nothing" "$(value renderer.name) $(value renderer.width)" "null 0"
