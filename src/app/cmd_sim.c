@@ -13,6 +13,7 @@
  */
 #include "app/progress.h"
 #include "app/say.h"
+#include "app/sim_look.h"
 #include "app/sim_window.h"
 
 ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
@@ -33,6 +34,8 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "style", .kind = OPTION_CHOICE, .out = &args.style, .value = "smooth|faces", .help = "lit by the surface's normals (default), or the thesis' flat faces"},
         {.name = "picture", .kind = OPTION_TEXT, .out = &args.picture, .value = "FILE.png", .help = "the last frame, with --renderer points or gl"},
         {.name = "hud", .kind = OPTION_FLAG, .out = &args.hud, .help = "write over frames without a window what a window has over them"},
+        APPEARANCE_OPTIONS(args.look),
+        {.name = "contact", .kind = OPTION_FLAG, .out = &args.contact, .help = "show where bone went just now (in a window it is shown)"},
         {.name = "seconds", .kind = OPTION_DECIMAL, .out = &args.seconds, .value = "N", .help = "how long (default: until the window is closed; 10 without one)"},
         {.name = "idle", .kind = OPTION_DECIMAL, .out = &args.idle, .value = "N",
          .help = "seconds of a loop that does nothing, half before and half after, and of one that only spends time, for comparison (default: none in a window, else as --seconds, at most 10)"},
@@ -104,6 +107,8 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
         status = sim_force_make(app, &args, &s, err);
     if (status == OST_OK)
         status = sim_record_begin(&args, &s, err);
+    if (status == OST_OK)
+        status = sim_look_remember(&args, &s, err);
     if (status == OST_OK && s.resumed)
         status = sim_resume_run(&args, &s, err);
     if (status == OST_OK)

@@ -12,6 +12,7 @@
 #ifndef OST_APP_SIM_H
 #define OST_APP_SIM_H
 
+#include "app/appearance.h"
 #include "app/debrief.h"
 #include "app/glenoid_plan.h"
 #include "app/load.h"
@@ -37,6 +38,8 @@ typedef struct sim_args {
     int64_t fps, rehearse_us;
     bool hud;
     bool renderer_given, paths_given, rehearse_given;
+    appearance_options look;
+    bool contact;         /* what went just now is shown, without a window too */
     ost_force_params force_params;
     ost_safety_params safety;
     bool force_given, headless, no_clock, no_realtime, no_pin, print_force, compress, sweep_off, bone_given, tools_given;
@@ -61,6 +64,7 @@ typedef struct simulation {
     ost_metrics_plan plan;
     bool planned;         /* it is known */
     debrief debrief;      /* empty without --debrief */
+    ost_volume uncut;     /* owned until its show has it: the bone before anything was cut */
     ost_session *resumed; /* NULL: it begins */
     ost_tick last;        /* of it */
     uint64_t before;      /* its ticks */

@@ -40,7 +40,7 @@ static ost_status check_show(const app_state *app, sim_args *args, ost_error *er
         return usage_error(app, err, "--hud: needs --renderer points or gl, who draw it");
     if (status == OST_OK && args->picture && args->renderer < SIM_RENDERER_POINTS)
         return usage_error(app, err, "--picture %s: needs --renderer points or gl, who draw it", args->picture);
-    return status;
+    return status == OST_OK ? appearance_check(app, &args->look, err) : status;
 }
 
 ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err)

@@ -16,6 +16,7 @@ void simulation_free(simulation *s)
     ost_operation_free(s->operation);
     ost_force_free(s->force);
     sim_show_free(s->show);
+    ost_volume_free(&s->uncut);
     ost_haptic_close(s->device);
     sim_window_close(s->window);
     ost_recorder_close(s->recorder, NULL, NULL);

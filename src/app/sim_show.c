@@ -11,6 +11,7 @@
 
 #include "app/result.h"
 #include "app/say.h"
+#include "app/sim_look.h"
 #include "core/clock.h"
 #include "io/thread.h"
 
@@ -74,6 +75,8 @@ ost_status sim_show_make(const app_state *app, const sim_args *args, simulation 
     show->scene.device = args->device;
     show->scene.force_given = s->force != NULL;
     show->scene.recording = s->recorder != NULL;
+    if ((status = sim_look_make(args, s, known ? &glenoid : NULL, err)) != OST_OK)
+        return status;
     return OST_OK;
 }
 
@@ -82,6 +85,7 @@ void sim_show_free(sim_show *show)
     if (!show)
         return;
     sim_hud_free(show->hud);
+    sim_look_free(show);
     ost_viewer_free(&show->viewer);
     ost_live_free(show->live);
     free(show);
@@ -99,6 +103,8 @@ ost_status sim_show_frame(sim_show *show, int width, int height, ost_error *err)
         status = ost_orbit_camera(&show->orbit, width, height, &camera, err);
         if (status == OST_OK)
             status = ost_viewer_draw(&show->viewer, &camera, err);
+        if (status == OST_OK && show->args->headless && !show->args->hud && !show->args->look.no_legend)
+            status = appearance_legend(&show->look, err);
     }
     frame_times_add(&show->drawn, ost_clock_ns() - begin);
     return status;
@@ -117,6 +123,8 @@ static ost_status write_over(sim_show *show, ost_error *err)
         return status;
     sim_hud_facts f = sim_facts_make(&show->scene, &show->viewer.state, show->viewer.has_state);
     f.plain = true;
+    if (!show->args->look.no_legend)
+        f.legend = appearance_legend_of(&show->look);
     f.mm_per_pixel = show->orbit.distance / (1.2071 * sheet.height);
     ost_orbit_frame(&show->orbit, f.right, f.up, back);
     sim_hud_draw(show->hud, &sheet, &f);

@@ -9,6 +9,7 @@
 #ifndef OST_APP_SIM_SHOW_H
 #define OST_APP_SIM_SHOW_H
 
+#include "app/appearance.h"
 #include "app/frame_times.h"
 #include "app/sim.h"
 #include "app/sim_facts.h"
@@ -27,6 +28,8 @@ typedef struct sim_show {
     ost_orbit orbit;
     sim_scene scene;
     sim_hud *hud;             /* of frames without a window; owned */
+    appearance look;
+    ost_tool_volume ghost_tool; /* the first; what its ghost is made of */
     frame_times drawn, apart; /* a frame's work; from one frame to the next */
     int64_t last_ns;          /* when the last frame began; 0 before the first */
     void *thread;             /* NULL: none */

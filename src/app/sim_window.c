@@ -316,6 +316,8 @@ static sim_hud_facts facts_of(const sim_window *w, int height, double now)
     f.takes_us = w->rates.takes_us;
     f.frame_ms = w->rates.frame_ms;
     f.help = w->help;
+    if (!w->args->look.no_legend)
+        f.legend = appearance_legend_of(&show->look);
     f.pedal = w->now.pedal;
     f.message = now < w->message_until ? w->message : NULL;
     f.mm_per_pixel = show->orbit.distance / (1.2071 * height);
