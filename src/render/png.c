@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <osteon/picture.h>
+#include "render/png.h"
 
 #ifdef HAVE_CONFIG_H
 #include "config.h"
@@ -48,13 +48,17 @@ static void sink_flush(png_structp png)
 }
 
 /* libpng leaves a failed call by longjmp; everything it may touch after that lives in *s and the caller's frame. */
-static ost_status encode(png_structp png, png_infop info, const ost_picture *picture, sink *s, ost_error *err)
+static ost_status encode(png_structp png, png_infop info, const ost_picture *picture, ost_png_effort effort, sink *s, ost_error *err)
 {
     if (setjmp(png_jmpbuf(png)))
         return ost_fail(err, OST_ERR_MEMORY, "a picture of %d x %d pixels could not be encoded", picture->width, picture->height);
     png_set_write_fn(png, s, sink_write, sink_flush);
     png_set_IHDR(png, info, (png_uint_32)picture->width, (png_uint_32)picture->height, 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
                  PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    if (effort == OST_PNG_FAST) {
+        png_set_compression_level(png, 1);
+        png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
+    }
     png_write_info(png, info);
     for (int y = 0; y < picture->height; y++)
         png_write_row(png, picture->rgb + 3 * (size_t)picture->width * (size_t)y);
@@ -62,7 +66,7 @@ static ost_status encode(png_structp png, png_infop info, const ost_picture *pic
     return OST_OK;
 }
 
-ost_status ost_picture_encode_png(const ost_picture *picture, uint8_t **bytes, size_t *size, ost_error *err)
+ost_status ost_png_encode(const ost_picture *picture, ost_png_effort effort, uint8_t **bytes, size_t *size, ost_error *err)
 {
     *bytes = NULL;
     *size = 0;
@@ -73,7 +77,7 @@ ost_status ost_picture_encode_png(const ost_picture *picture, uint8_t **bytes, s
     png_infop info = png ? png_create_info_struct(png) : NULL;
     ost_status status;
     if (info)
-        status = encode(png, info, picture, &s, err);
+        status = encode(png, info, picture, effort, &s, err);
     else
         status = ost_fail(err, OST_ERR_MEMORY, "no memory for libpng");
     png_destroy_write_struct(&png, &info);
@@ -84,6 +88,11 @@ ost_status ost_picture_encode_png(const ost_picture *picture, uint8_t **bytes, s
     *bytes = s.bytes;
     *size = s.size;
     return OST_OK;
+}
+
+ost_status ost_picture_encode_png(const ost_picture *picture, uint8_t **bytes, size_t *size, ost_error *err)
+{
+    return ost_png_encode(picture, OST_PNG_SMALL, bytes, size, err);
 }
 
 static ost_status write_whole(const char *path, const uint8_t *bytes, size_t size, ost_error *err)
@@ -117,12 +126,18 @@ static ost_status without_png(ost_error *err)
                                               "and build again");
 }
 
-ost_status ost_picture_encode_png(const ost_picture *picture, uint8_t **bytes, size_t *size, ost_error *err)
+ost_status ost_png_encode(const ost_picture *picture, ost_png_effort effort, uint8_t **bytes, size_t *size, ost_error *err)
 {
     (void)picture;
+    (void)effort;
     *bytes = NULL;
     *size = 0;
     return without_png(err);
+}
+
+ost_status ost_picture_encode_png(const ost_picture *picture, uint8_t **bytes, size_t *size, ost_error *err)
+{
+    return ost_png_encode(picture, OST_PNG_SMALL, bytes, size, err);
 }
 
 ost_status ost_picture_write_png(const char *path, const ost_picture *picture, ost_error *err)

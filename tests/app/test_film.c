@@ -1,0 +1,314 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Pictures and videos that are written beside a loop: by the clock, the last
+ * frame again where there was none; left out and counted where the writer is
+ * slow; whole under names that were free, or not there.
+ * Covers: REQ-FILM
+ */
+#include <dirent.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <osteon/picture.h>
+
+#include "app/film.h"
+#include "harness.h"
+
+enum { WIDTH = 7, HEIGHT = 5 };
+static char folder[] = "/tmp/osteon-film-XXXXXX";
+
+/* All of it has one grey. */
+static const uint32_t *grey(uint32_t level)
+{
+    static uint32_t pixels[HEIGHT * (WIDTH + 3)];
+    for (size_t i = 0; i < sizeof pixels / sizeof *pixels; i++)
+        pixels[i] = level * 0x010101;
+    return pixels;
+}
+
+/* Without libpng there are none. */
+static void need_pictures(void)
+{
+    uint8_t rgb[3] = {0}, *bytes = NULL;
+    size_t size;
+    const ost_picture one = {1, 1, rgb};
+    const ost_status status = ost_picture_encode_png(&one, &bytes, &size, NULL);
+    free(bytes);
+    if (status != OST_OK)
+        skip();
+}
+
+static film *made(film_options options)
+{
+    ost_error err = {0};
+    film *f;
+    assert_ok(film_open(&options, &f, &err));
+    return f;
+}
+
+static void show(film *f, double seconds, uint32_t level)
+{
+    film_frame(f, (int64_t)(seconds * 1e9), grey(level), WIDTH + 3, WIDTH, HEIGHT);
+}
+
+static void pause_ms(int ms)
+{
+    nanosleep(&(struct timespec){.tv_nsec = 1000000L * ms}, NULL);
+}
+
+static int files_that_contain(const char *where, const char *text)
+{
+    int count = 0;
+    DIR *d = opendir(where);
+    assert_non_null(d);
+    for (struct dirent *e; (e = readdir(d)) != NULL;)
+        count += strstr(e->d_name, text) != NULL;
+    closedir(d);
+    return count;
+}
+
+/* The luma of each frame of a .y4m, "-" for one of another grey within. */
+static int levels(const char *name, int got[], int room)
+{
+    char line[128];
+    int count = 0;
+    FILE *in = fopen(name, "rb");
+    assert_non_null(in);
+    assert_non_null(fgets(line, sizeof line, in));
+    assert_string_equal(line, "YUV4MPEG2 W7 H5 F10:1 Ip A1:1 C444 XCOLORRANGE=LIMITED\n");
+    while (fgets(line, sizeof line, in)) {
+        uint8_t frame[3 * WIDTH * HEIGHT];
+        assert_string_equal(line, "FRAME\n");
+        assert_int_equal(fread(frame, 1, sizeof frame, in), sizeof frame);
+        for (int i = WIDTH * HEIGHT; i < 3 * WIDTH * HEIGHT; i++)
+            assert_int_equal(frame[i], 128); /* a grey has no colour */
+        assert_true(count < room);
+        got[count++] = frame[0];
+    }
+    fclose(in);
+    return count;
+}
+
+static void a_video_goes_by_the_clock(void **state)
+{
+    ost_error err = {0};
+    film_report r;
+    int got[32];
+    (void)state;
+    film *f = made((film_options){.target = "v.y4m", .fps = 10, .wait = true});
+    assert_true(film_wants(f, 5000000000));
+    show(f, 5.00, 0);
+    assert_false(film_wants(f, 5099000000));
+    show(f, 5.05, 255); /* there is one for this tenth */
+    show(f, 5.10, 255);
+    show(f, 5.42, 85);
+    assert_int_equal(access("v.y4m", F_OK), -1); /* not before it is whole */
+    assert_ok(film_close(f, 5650000000, &r, &err));
+    /* Black is 16 and white 235. */
+    const int expected[] = {16, 235, 235, 235, 89, 89};
+    assert_int_equal(levels("v.y4m", got, 32), 6);
+    assert_memory_equal(got, expected, sizeof expected);
+    assert_int_equal(r.frames, 6);
+    assert_int_equal(r.repeated, 3);
+    assert_int_equal(r.dropped, 0);
+    assert_int_equal(r.width, WIDTH);
+    /* No frame at all is no file. */
+    f = made((film_options){.target = "none.y4m", .fps = 10});
+    assert_ok(film_close(f, 0, &r, &err));
+    assert_int_equal(access("none.y4m", F_OK), -1);
+    assert_ok(film_close(NULL, 0, NULL, NULL));
+}
+
+static void another_size_is_fitted_in(void **state)
+{
+    ost_error err = {0};
+    uint32_t wide[40 * 4];
+    FILE *in;
+    uint8_t frame[3 * WIDTH * HEIGHT];
+    char line[128];
+    (void)state;
+    memset(wide, 255, sizeof wide);
+    film *f = made((film_options){.target = "fit.y4m", .fps = 10, .wait = true});
+    show(f, 0, 255);
+    film_frame(f, 100000000, wide, 40, 40, 4);
+    film_frame(f, 200000000, wide, 4, 4, 40);
+    assert_ok(film_close(f, 0, NULL, &err));
+    in = fopen("fit.y4m", "rb");
+    assert_non_null(in);
+    assert_non_null(fgets(line, sizeof line, in));
+    for (int i = 0; i < 3; i++) {
+        assert_non_null(fgets(line, sizeof line, in));
+        assert_int_equal(fread(frame, 1, sizeof frame, in), sizeof frame);
+        assert_int_equal(frame[WIDTH * (HEIGHT / 2) + WIDTH / 2], 235);
+        assert_int_equal(frame[0], i == 0 ? 235 : 16);
+    }
+    fclose(in);
+}
+
+static void a_folder_of_pictures(void **state)
+{
+    ost_error err = {0};
+    film_report r;
+    struct stat one, two;
+    (void)state;
+    need_pictures();
+    film *f = made((film_options){.target = "frames", .fps = 10, .wait = true});
+    show(f, 0, 10);
+    show(f, 0.3, 20);
+    assert_ok(film_close(f, 310000000, &r, &err));
+    assert_int_equal(r.frames, 4);
+    assert_int_equal(files_that_contain("frames", "frame-00000"), 4);
+    assert_int_equal(files_that_contain("frames", "part"), 0);
+    assert_int_equal(stat("frames/frame-000000.png", &one), 0);
+    assert_int_equal(stat("frames/frame-000002.png", &two), 0);
+    assert_int_equal(one.st_size, two.st_size);
+    /* Nothing is written over. */
+    film_options again = {.target = "frames", .fps = 10};
+    assert_int_equal(film_open(&again, &f, &err), OST_ERR_IO);
+    assert_non_null(strstr(err.text, "has a video already"));
+    again.target = "v.y4m/nothing";
+    assert_int_equal(film_open(&again, &f, &err), OST_ERR_IO);
+    again.target = "v.y4m.txt";
+    assert_int_equal(close(open("v.y4m.txt", O_WRONLY | O_CREAT, 0666)), 0);
+    assert_int_equal(film_open(&again, &f, &err), OST_ERR_USAGE);
+}
+
+/* A folder that fills up while it goes on, here by a name that is taken. */
+static void a_failure_is_said_and_ends_it(void **state)
+{
+    ost_error err = {0};
+    char text[FILM_TEXT] = "";
+    (void)state;
+    need_pictures();
+    assert_int_equal(mkdir("taken", 0777), 0);
+    assert_int_equal(close(open("taken/frame-000001.png", O_WRONLY | O_CREAT, 0666)), 0);
+    film *f = made((film_options){.target = "taken", .fps = 10, .wait = true});
+    for (int i = 0; i < 4; i++)
+        show(f, 0.1 * i, 10);
+    for (int i = 0; i < 500 && !film_said(f, text); i++)
+        pause_ms(2);
+    assert_non_null(strstr(text, "frame-000001.png: File exists"));
+    assert_int_equal(film_close(f, 0, NULL, &err), OST_ERR_IO);
+    assert_non_null(strstr(err.text, "frame-000001.png"));
+    /* An encoder that ends, one that fails, one that is not there. */
+    f = made((film_options){.pipe = "head -c 10 >/dev/null", .fps = 10, .wait = true});
+    pause_ms(50);
+    for (int i = 0; i < 2000; i++)
+        show(f, 0.1 * i, 10);
+    assert_int_equal(film_close(f, 0, NULL, &err), OST_ERR_IO);
+    assert_non_null(strstr(err.text, "ended before the video did"));
+    f = made((film_options){.pipe = "cat >/dev/null; exit 7", .fps = 10, .wait = true});
+    show(f, 0, 10);
+    assert_int_equal(film_close(f, 0, NULL, &err), OST_ERR_IO);
+    assert_non_null(strstr(err.text, "status 7"));
+    char *path = strdup(getenv("PATH"));
+    film_options none = {.target = "v.mp4", .fps = 10};
+    setenv("PATH", "/nowhere", 1);
+    assert_int_equal(film_open(&none, &f, &err), OST_ERR_UNAVAILABLE);
+    assert_non_null(strstr(err.text, "install ffmpeg"));
+    /* One that answers to the name: its file has its own when it is whole. */
+    FILE *out = fopen("ffmpeg", "w");
+    assert_non_null(out);
+    fputs("#!/bin/sh\nPATH=/usr/bin:/bin\nfor last; do :; done\ncat >\"$last\"\nexit ${FILM_FAILS:-0}\n", out);
+    fclose(out);
+    assert_int_equal(chmod("ffmpeg", 0755), 0);
+    setenv("PATH", folder, 1);
+    f = made(none);
+    show(f, 0, 10);
+    assert_ok(film_close(f, 0, NULL, &err));
+    assert_int_equal(access("v.mp4", F_OK), 0);
+    setenv("FILM_FAILS", "1", 1);
+    none.target = "w.mkv";
+    f = made(none);
+    show(f, 0, 10);
+    assert_int_equal(film_close(f, 0, NULL, &err), OST_ERR_IO);
+    assert_int_equal(access("w.mkv", F_OK), -1);
+    assert_int_equal(files_that_contain(".", "part"), 0);
+    setenv("PATH", path, 1);
+    free(path);
+}
+
+/* Nobody waits for a slow encoder, and memory is bounded; what it gets is still by the clock. */
+static void a_slow_writer_holds_nobody_up(void **state)
+{
+    ost_error err = {0};
+    film_report r;
+    struct stat file;
+    (void)state;
+    assert_int_equal(mkfifo("gate", 0600), 0); /* before who waits at it */
+    film *f = made((film_options){.pipe = "read go <gate; cat >slow.y4m", .fps = 10});
+    /* More than a pipe and all that wait can hold. */
+    enum { MANY = 3000 };
+    for (int i = 0; i < MANY; i++)
+        show(f, 0.1 * i, 10);
+    assert_true(film_dropped(f) > 0);
+    const int gate = open("gate", O_WRONLY);
+    assert_true(gate >= 0);
+    assert_int_equal(write(gate, "go\n", 3), 3);
+    close(gate);
+    assert_ok(film_close(f, MANY * INT64_C(100000000), &r, &err));
+    assert_int_equal(r.frames, MANY);
+    assert_int_equal(r.repeated, r.dropped);
+    assert_int_equal(stat("slow.y4m", &file), 0);
+    assert_int_equal((file.st_size - 55) % (6 + 3 * WIDTH * HEIGHT), 0);
+    assert_int_equal((file.st_size - 55) / (6 + 3 * WIDTH * HEIGHT), MANY);
+}
+
+static void pictures_take_free_names(void **state)
+{
+    char text[FILM_TEXT] = "";
+    ost_error err = {0};
+    struct stat st;
+    (void)state;
+    need_pictures();
+    assert_int_equal(close(open("osteon-002.png", O_WRONLY | O_CREAT, 0666)), 0);
+    film *f = made((film_options){.fps = 30, .wait = true});
+    assert_false(film_wants(f, 0));
+    show(f, 0, 10); /* there is no video */
+    for (int i = 0; i < 3; i++)
+        film_still(f, grey(100), WIDTH, WIDTH, HEIGHT);
+    assert_ok(film_close(f, 0, NULL, &err));
+    assert_int_equal(stat("osteon-002.png", &st), 0);
+    assert_int_equal(st.st_size, 0); /* as it was */
+    assert_int_equal(stat("osteon-004.png", &st), 0);
+    assert_true(st.st_size > 60);
+    assert_int_equal(access("osteon-005.png", F_OK), -1);
+    f = made((film_options){.fps = 30, .wait = true});
+    film_still(f, grey(100), WIDTH, WIDTH, HEIGHT);
+    for (int i = 0; i < 500 && !film_said(f, text); i++)
+        pause_ms(2);
+    assert_string_equal(text, "saved: osteon-005.png");
+    assert_null(film_said(f, text));
+    assert_ok(film_close(f, 0, NULL, &err));
+}
+
+static int begin(void **state)
+{
+    (void)state;
+    return mkdtemp(folder) && chdir(folder) == 0 ? 0 : -1;
+}
+
+static int end(void **state)
+{
+    char command[64];
+    (void)state;
+    snprintf(command, sizeof command, "rm -rf %s", folder);
+    return chdir("/") == 0 ? system(command) : -1;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_video_goes_by_the_clock),     cmocka_unit_test(another_size_is_fitted_in),
+        cmocka_unit_test(a_folder_of_pictures),          cmocka_unit_test(a_failure_is_said_and_ends_it),
+        cmocka_unit_test(a_slow_writer_holds_nobody_up), cmocka_unit_test(pictures_take_free_names),
+    };
+    signal(SIGPIPE, SIG_IGN); /* as the program does */
+    return cmocka_run_group_tests(tests, begin, end);
+}
