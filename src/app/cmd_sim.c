@@ -18,7 +18,7 @@
 
 ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
 {
-    sim_args args = {.bone = "builtin:scapula", .fps = 60, .ct = CT_OPTIONS_DEFAULT, .how = TOOL_OPTIONS_DEFAULT};
+    sim_args args = {.bone = "builtin:scapula", .fps = 60, .video.fps = 30, .ct = CT_OPTIONS_DEFAULT, .how = TOOL_OPTIONS_DEFAULT};
     target_options *t = &args.plan.target;
     const option options[] = {
         {.name = "device", .kind = OPTION_TEXT, .out = &args.device, .value = "NAME",
@@ -34,6 +34,7 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "style", .kind = OPTION_CHOICE, .out = &args.style, .value = "smooth|faces", .help = "lit by the surface's normals (default), or the thesis' flat faces"},
         {.name = "picture", .kind = OPTION_TEXT, .out = &args.picture, .value = "FILE.png", .help = "the last frame, with --renderer points or gl"},
         {.name = "hud", .kind = OPTION_FLAG, .out = &args.hud, .help = "write over frames without a window what a window has over them"},
+        VIDEO_OPTIONS(args.video),
         APPEARANCE_OPTIONS(args.look),
         {.name = "contact", .kind = OPTION_FLAG, .out = &args.contact, .help = "show where bone went just now (in a window it is shown)"},
         {.name = "seconds", .kind = OPTION_DECIMAL, .out = &args.seconds, .value = "N", .help = "how long (default: until the window is closed; 10 without one)"},
@@ -114,6 +115,8 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
     if (status == OST_OK)
         status = sim_show_make(app, &args, &s, err);
     if (status == OST_OK)
+        status = sim_film_begin(&args, &s, err);
+    if (status == OST_OK)
         status = sim_run(app, &args, &s, err);
     if (status == OST_OK) {
         sim_report_loop(app, &args, &s);
@@ -121,6 +124,9 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
             sim_show_report(app, s.show);
         status = sim_finish(app, &args, &s, err);
     }
+    /* What was done is saved: now what failed beside it. */
+    if (status == OST_OK)
+        status = sim_film_end(app, &args, &s, err);
     simulation_free(&s);
     return status;
 }

@@ -6,6 +6,7 @@
  *   sim_load.c     bone, tools, world, device, force
  *   sim_force.c    which force, with which parameters
  *   sim_resume.c   the ticks of a session that is gone on with
+ *   sim_film.c     pictures and a video of it
  *   sim_run.c      the loop
  *   sim_report.c   what is said afterwards, and what is written
  */
@@ -14,6 +15,7 @@
 
 #include "app/appearance.h"
 #include "app/debrief.h"
+#include "app/film.h"
 #include "app/glenoid_plan.h"
 #include "app/load.h"
 #include "app/ream_path.h"
@@ -36,6 +38,7 @@ typedef struct sim_args {
     int renderer; /* a sim_renderer */
     int view, style, width, height;
     int64_t fps, rehearse_us;
+    film_options video;
     bool hud;
     bool renderer_given, paths_given, rehearse_given;
     appearance_options look;
@@ -70,6 +73,7 @@ typedef struct simulation {
     uint64_t before;      /* its ticks */
     struct sim_show *show; /* NULL: nobody looks on */
     struct sim_window *window; /* NULL: --headless */
+    film *film;           /* NULL: no picture is to be written meanwhile */
     int core;             /* that the loop has to itself; -1: none */
 } simulation;
 
@@ -101,6 +105,11 @@ ost_status sim_record_begin(const sim_args *args, simulation *s, ost_error *err)
 ost_status sim_resume_open(const app_state *app, sim_args *args, simulation *s, ost_error *err);
 /* Its ticks, each as recorded, into the world and into the new recording. */
 ost_status sim_resume_run(const sim_args *args, simulation *s, ost_error *err);
+
+/* Who writes pictures and a video: in a window, or with a video. */
+ost_status sim_film_begin(const sim_args *args, simulation *s, ost_error *err);
+/* The video is whole; and what is said of it. */
+ost_status sim_film_end(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
 
 ost_status sim_run(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
 

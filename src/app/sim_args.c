@@ -30,14 +30,16 @@ static ost_status ticks_of(const app_state *app, const char *name, const option_
 static ost_status check_show(const app_state *app, sim_args *args, ost_error *err)
 {
     ost_status status = frame_size(app, args->size, &args->width, &args->height, err);
-    if (status == OST_OK && (args->picture || !args->headless) && !args->renderer_given)
+    if (status == OST_OK && (args->picture || args->video.target || args->video.pipe || !args->headless) && !args->renderer_given)
         args->renderer = SIM_RENDERER_POINTS;
     if (status == OST_OK && !args->headless && args->renderer < SIM_RENDERER_POINTS)
         return usage_error(app, err, "--renderer %s: a window shows what points or gl draws; add --headless", sim_renderer_names[args->renderer]);
     if (status == OST_OK && !args->headless && args->no_clock)
         return usage_error(app, err, "--no-clock: a window goes by the clock; add --headless");
-    if (status == OST_OK && args->hud && args->renderer < SIM_RENDERER_POINTS)
-        return usage_error(app, err, "--hud: needs --renderer points or gl, who draw it");
+    if (status == OST_OK && (args->hud || args->video.target || args->video.pipe) && args->renderer < SIM_RENDERER_POINTS)
+        return usage_error(app, err, "%s: needs --renderer points or gl, who draw it", args->hud ? "--hud" : "--video");
+    if (status == OST_OK)
+        status = film_check(app, &args->video, err);
     if (status == OST_OK && args->picture && args->renderer < SIM_RENDERER_POINTS)
         return usage_error(app, err, "--picture %s: needs --renderer points or gl, who draw it", args->picture);
     return status == OST_OK ? appearance_check(app, &args->look, err) : status;

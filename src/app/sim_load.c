@@ -15,6 +15,7 @@ void simulation_free(simulation *s)
     free(s->loop);
     ost_operation_free(s->operation);
     ost_force_free(s->force);
+    film_close(s->film, 0, NULL, NULL);
     sim_show_free(s->show);
     ost_volume_free(&s->uncut);
     ost_haptic_close(s->device);

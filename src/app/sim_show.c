@@ -133,9 +133,12 @@ static ost_status write_over(sim_show *show, ost_error *err)
 
 static ost_status frame_of_thread(sim_show *show, ost_error *err)
 {
+    const ost_planes *p = &show->viewer.frame.planes;
     ost_status status = sim_show_frame(show, show->args->width, show->args->height, err);
     if (status == OST_OK && show->args->hud)
         status = write_over(show, err);
+    if (status == OST_OK && show->film)
+        film_frame(show->film, ost_clock_ns(), p->colour, p->stride, show->args->width, show->args->height);
     return status;
 }
 
@@ -186,6 +189,7 @@ ost_status sim_show_begin(sim_show *show, ost_error *err)
 ost_status sim_show_end(sim_show *show, ost_error *err)
 {
     drawer *d = show->thread;
+    show->end_ns = ost_clock_ns();
     if (d) {
         atomic_store(&d->stop, true);
         pthread_join(d->thread, NULL);

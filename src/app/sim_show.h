@@ -28,10 +28,12 @@ typedef struct sim_show {
     ost_orbit orbit;
     sim_scene scene;
     sim_hud *hud;             /* of frames without a window; owned */
+    film *film;               /* borrowed; NULL: none */
     appearance look;
     ost_tool_volume ghost_tool; /* the first; what its ghost is made of */
     frame_times drawn, apart; /* a frame's work; from one frame to the next */
     int64_t last_ns;          /* when the last frame began; 0 before the first */
+    int64_t end_ns;           /* when the loop was over */
     void *thread;             /* NULL: none */
     ost_status status;        /* of the thread */
     ost_error err;

@@ -8,7 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
-#include <unistd.h>
 
 #include "app/interrupt.h"
 #include "app/say.h"
@@ -18,7 +17,7 @@
 #include "io/thread.h"
 #include "window/window.h"
 
-enum { MESSAGE = 160, DISTANCE_KEY_MM_S = 12 };
+enum { MESSAGE = 200, DISTANCE_KEY_MM_S = 12 };
 static const double MESSAGE_S = 6, WHEEL_MM = 0.5, FINE = 0.2, TURN_KEY = 0.9, TWIST_KEY = 1.2;
 
 typedef struct rates {
@@ -42,7 +41,6 @@ struct sim_window {
     bool help, quit;
     char message[MESSAGE];
     double message_until;
-    int pictures;
     uint64_t frames;
     rates rates;
     simulation *s;
@@ -141,27 +139,6 @@ ost_hand *sim_window_hand_get(const simulation *s)
 }
 
 /* ------------------------------------------------------------------ events */
-
-static void screenshot(sim_window *w, const ost_sheet *sheet)
-{
-    ost_picture picture;
-    ost_error err = {0};
-    char name[64], text[MESSAGE + 64];
-    do /* never over one that is there */
-        snprintf(name, sizeof name, "osteon-%03d.png", ++w->pictures);
-    while (access(name, F_OK) == 0 && w->pictures < 999);
-    if (ost_picture_init(&picture, sheet->width, sheet->height, &err) != OST_OK) {
-        tell(w, err.text);
-        return;
-    }
-    ost_colours_copy(sheet->pixels, sheet->stride, &picture);
-    if (ost_picture_write_png(name, &picture, &err) == OST_OK)
-        snprintf(text, sizeof text, "saved: %s", name);
-    else
-        snprintf(text, sizeof text, "no picture: %.120s", err.text);
-    ost_picture_free(&picture);
-    tell(w, text);
-}
 
 /* With its point where the last one's was, and back from there: what is taken up must not begin within the bone. */
 static void take_tool(sim_window *w, int number)
@@ -315,6 +292,8 @@ static sim_hud_facts facts_of(const sim_window *w, int height, double now)
     f.frames_s = w->rates.frames_s;
     f.takes_us = w->rates.takes_us;
     f.frame_ms = w->rates.frame_ms;
+    f.filming = w->args->video.target || w->args->video.pipe;
+    f.dropped = film_dropped(w->s->film);
     f.help = w->help;
     if (!w->args->look.no_legend)
         f.legend = appearance_legend_of(&show->look);
@@ -343,6 +322,9 @@ static ost_status frame(sim_window *w, double dt, ost_error *err)
         status = sim_show_frame(show, width, height, err);
     if (status != OST_OK)
         return status;
+    char said[FILM_TEXT];
+    if (film_said(w->s->film, said))
+        tell(w, said);
     const double now = now_s();
     const ost_sheet sheet = {show->viewer.frame.planes.colour, show->viewer.frame.planes.stride, width, height};
     count_rates(w, now);
@@ -350,7 +332,8 @@ static ost_status frame(sim_window *w, double dt, ost_error *err)
     sim_hud_draw(w->hud, &sheet, &facts);
     w->rates.frame_ms += ((double)(ost_clock_ns() - begin) * 1e-6 - w->rates.frame_ms) * 0.1;
     if (shoot)
-        screenshot(w, &sheet);
+        film_still(w->s->film, sheet.pixels, sheet.stride, width, height);
+    film_frame(w->s->film, ost_clock_ns(), sheet.pixels, sheet.stride, width, height);
     ost_window_present(w->window, sheet.pixels, sheet.stride, width, height, w->args->fps > 0);
     w->frames++;
     return OST_OK;

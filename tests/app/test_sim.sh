@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # osteon sim without a window: what it must say, and that an operation is the
 # same with a clock and without, live and replayed. No time is tested.
-# Covers: REQ-HAPTICS, REQ-REPLAY, REQ-MOTION
+# Covers: REQ-FILM, REQ-HAPTICS, REQ-REPLAY, REQ-MOTION
 . "${srcdir:-.}/tests/app/lib.sh"
 other=cpu:isa=scalar,threads=2
 [ "${OST_TEST_LONG:-0}" = 1 ] && other=ref
@@ -43,9 +43,10 @@ if "$osteon" devices | grep -q '^  png *yes'; then
     check "a renderer" "$(value renderer.name) $(value renderer.width) $(value renderer.height)" "points 320 200"
     seen=$(value sha256)
     export OSTEON_ISA=scalar
-    run 0 sim --headless --bone bone.nrrd --seconds 0.3 --no-clock --size 320x200 --picture scalar.png --json
+    run 0 sim --headless --bone bone.nrrd --seconds 0.3 --no-clock --size 320x200 --picture scalar.png --video scalar.y4m --json
     unset OSTEON_ISA
     check "the same bone" "$(value sha256)" "$seen"
+    check "a video beside it" "$(($(wc -c <scalar.y4m) / (6 + 3 * 320 * 200)))" "$(value video.frames)"
     cmp seen.png scalar.png || fail "the picture depends on the instruction set"
     if "$osteon" devices | grep -q '^  gl *yes'; then
         run 0 sim --headless --bone bone.nrrd --seconds 0.3 --no-clock --size 320x200 --renderer gl --picture gl.png --json
@@ -56,6 +57,7 @@ fi
 run 0 sim --headless --bone bone.nrrd --seconds 0.2 --idle 0 --renderer null --json
 check "a renderer that draws nothing" "$(value renderer.name) $(value renderer.width)" "null 0"
 refuse 2 "needs --renderer points" sim --headless --bone bone.nrrd --renderer null --hud
+refuse 2 "one video at a time" sim --headless --bone bone.nrrd --video a.y4m --video-pipe cat
 refuse 2 "--size 12x: expected" sim --headless --bone bone.nrrd --size 12x
 refuse 2 "needs --renderer points" sim --headless --bone bone.nrrd --renderer null --picture a.png
 
