@@ -14,7 +14,7 @@
 #include "app/debrief.h"
 #include "app/glenoid_plan.h"
 #include "app/progress.h"
-#include "app/replay.h"
+#include "app/replay_film.h"
 #include "app/result.h"
 #include "app/say.h"
 #include "app/session_info.h"
@@ -23,6 +23,7 @@ typedef struct replay_args {
     const char *session, *bone, *out, *debrief;
     option_list tools;
     glenoid_plan_options plan; /* of a debrief */
+    replay_film_options film;
     int64_t ticks;
     bool ticks_given, verify, compress;
 } replay_args;
@@ -267,6 +268,17 @@ static ost_status debrief_take(const app_state *app, const replay_args *args, re
     return status == OST_OK ? debrief_begin(r->bone, &plan, d, err) : status;
 }
 
+static ost_status film_take(const app_state *app, const replay_args *args, replay *r, replay_film **out, ost_error *err)
+{
+    ost_metrics_plan plan;
+    bool known = false;
+    if (!args->film.video.target && !args->film.video.pipe)
+        return OST_OK;
+    ost_status status = glenoid_plan_find(app, &args->plan, args->session, ost_session_header_of(r->session), &r->imported.meta, r->setup.bone, false, &plan,
+                                          &known, err);
+    return status == OST_OK ? replay_film_begin(app, &args->film, r, known ? &plan : NULL, out, err) : status;
+}
+
 static ost_status run(const app_state *app, const replay_args *args, replay *r, debrief *d, ost_error *err)
 {
     ending e = {0};
@@ -305,7 +317,7 @@ static ost_status run(const app_state *app, const replay_args *args, replay *r, 
 
 ost_status cmd_replay(app_state *app, int argc, char **argv, ost_error *err)
 {
-    replay_args args = {0};
+    replay_args args = {.film.video.fps = 30};
     target_options *t = &args.plan.target;
     const operand operands[] = {{"SESSION", &args.session, "which session?"}, {0}};
     const option options[] = {
@@ -325,6 +337,7 @@ ost_status cmd_replay(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "side", .kind = OPTION_CHOICE, .out = &t->side, .given = &t->side_given, .value = "left|right",
          .help = "of the body (default: likewise, else right)"},
         GLENOID_PLAN_OPTIONS(args.plan),
+        REPLAY_FILM_OPTIONS(args.film),
         {.name = "compress", .kind = OPTION_FLAG, .out = &args.compress, .help = "gzip a .nrrd"},
         {.name = NULL}};
     const usage_text usage = {
@@ -337,7 +350,8 @@ ost_status cmd_replay(app_state *app, int argc, char **argv, ost_error *err)
         .example = "  osteon ream --bone builtin:glenoid --tool builtin:reamer --path builtin:glenoid-ream \\\n"
                    "    --out reamed.nrrd --record today.session\n"
                    "  osteon replay today.session --verify --backend ref\n"
-                   "  osteon replay today.session --ticks 2000 --out halfway.nrrd",
+                   "  osteon replay today.session --ticks 2000 --out halfway.nrrd\n"
+                   "  osteon replay today.session --video today.mp4",
     };
     ost_status status;
     if (!options_parse(app, &usage, argc, argv, &status, err))
@@ -345,6 +359,8 @@ ost_status cmd_replay(app_state *app, int argc, char **argv, ost_error *err)
     if (args.out && (status = out_check(app, args.out, "nrrd|nii|nii.gz|txt", err)) != OST_OK)
         return status;
     if (args.debrief && (status = out_check(app, args.debrief, "html", err)) != OST_OK)
+        return status;
+    if ((status = replay_film_check(app, &args.film, err)) != OST_OK)
         return status;
     ost_session *session;
     status = ost_session_open(args.session, &session, err);
@@ -369,10 +385,16 @@ ost_status cmd_replay(app_state *app, int argc, char **argv, ost_error *err)
         status = replay_open(app, session, args.session, &setup, &r, err);
     }
     debrief d = {0};
+    replay_film *video = NULL;
+    if (status == OST_OK)
+        status = film_take(app, &args, &r, &video, err);
     if (status == OST_OK)
         status = debrief_take(app, &args, &r, &d, err);
     if (status == OST_OK)
         status = run(app, &args, &r, &d, err);
+    if (status == OST_OK)
+        status = replay_film_end(app, video, err);
+    replay_film_free(video);
     debrief_free(&d);
     replay_close(&r);
     ost_session_close(session);

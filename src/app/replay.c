@@ -79,6 +79,8 @@ ost_status replay_run(replay *r, uint64_t count, bool compare, ost_error *err)
         r->digest = ost_step_digest(&r->step, classes);
         r->recorded = record.as.tick;
         r->differs = compare && !replay_as_recorded(r, &r->recorded);
+        if (r->each && (status = r->each(r->each_user, &r->recorded, &r->step, err)) != OST_OK)
+            break;
         if (r->done++ % 16 == 0)
             progress_show(NULL, "replaying", (double)r->done / (double)count);
     }

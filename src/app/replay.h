@@ -27,6 +27,9 @@ typedef struct replay {
     ost_session_tick recorded;
     uint64_t digest;
     ost_step_result step; /* its report lives until the next tick */
+    /* Of every tick, when there is somebody for it: */
+    ost_status (*each)(void *user, const ost_session_tick *tick, const ost_step_result *step, ost_error *err);
+    void *each_user;
 } replay;
 
 /*

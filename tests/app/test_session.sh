@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Sessions by the command: recorded, done again on every backend, cut off,
 # damaged, repaired, and when something differs, where.
-# Covers: REQ-REPLAY, REQ-SESSION-FILE
+# Covers: REQ-FILM, REQ-REPLAY, REQ-SESSION-FILE
 . "${srcdir:-.}/tests/app/lib.sh"
 long=${OST_TEST_LONG:-0}
 
@@ -58,8 +58,10 @@ fi
 # Other chunks, no sweep, a rate and classes of one's own: the session knows.
 run 0 ream --bone ct.nrrd --chunk 16 --threshold 150 --sweep off --rate 333 --classes 'soft:150,hard:600' --tool builtin:peg --tool builtin:reamer \
     --voxel 0.75 --path short.csv --out other.nrrd --record other.session
-run 0 replay other.session --verify --json
+run 0 replay other.session --verify --video other.y4m --video-fps 40 --size 64x36 --json
 check "other options" "$(value equal)" true
+check "a video of it" "$(($(wc -c <other.y4m) / (6 + 3 * 64 * 36))) $(value video.dropped)" "$(value video.frames) 0"
+[ "$(value video.frames)" -gt 1 ] || fail "a video of $(value video.frames) frames"
 run 0 replay other.session --verify --backend cpu:isa=scalar --ticks 61 --out half.nrrd --json
 check "half of it" "$(value ticks) $(value end_compared)" "61 false"
 
