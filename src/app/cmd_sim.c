@@ -127,6 +127,8 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
     /* What was done is saved: now what failed beside it. */
     if (status == OST_OK)
         status = sim_film_end(app, &args, &s, err);
+    if (status == OST_OK)
+        status = sim_window_end(&s, err);
     simulation_free(&s);
     return status;
 }

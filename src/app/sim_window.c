@@ -43,7 +43,10 @@ struct sim_window {
     double message_until;
     uint64_t frames;
     rates rates;
+    int resets;
     simulation *s;
+    ost_status status; /* what ended it, but for a wish */
+    ost_error err;
 };
 
 static double now_s(void)
@@ -85,9 +88,11 @@ static ost_status say_loading(sim_window *w, ost_error *err)
     char text[MESSAGE];
     snprintf(text, sizeof text, "%.100s: a moment", w->args->bone);
     sim_hud_say(w->hud, &sheet, text);
-    ost_window_present(w->window, w->blank, width, width, height, false);
+    status = ost_window_present(w->window, w->blank, width, width, height, false, err);
     ost_window_poll(w->window, 0);
-    return OST_OK;
+    free(w->blank);
+    w->blank = NULL;
+    return status;
 }
 
 ost_status sim_window_open(const app_state *app, const sim_args *args, simulation *s, ost_error *err)
@@ -232,6 +237,10 @@ static bool take_events(sim_window *w, int height)
         case OST_WINDOW_WHEEL:
             on_wheel(w, e.y);
             break;
+        case OST_WINDOW_RELEASE:
+            memset(w->held, 0, sizeof w->held);
+            memset(w->button, 0, sizeof w->button);
+            break;
         }
     }
     return shoot;
@@ -304,6 +313,17 @@ static sim_hud_facts facts_of(const sim_window *w, int height, double now)
     return f;
 }
 
+static ost_status present(sim_window *w, const ost_sheet *sheet, ost_error *err)
+{
+    ost_status status = ost_window_present(w->window, sheet->pixels, sheet->stride, sheet->width, sheet->height, w->args->fps > 0, err);
+    const int resets = ost_window_info_get(w->window).resets;
+    if (status == OST_OK && resets > w->resets) {
+        w->resets = resets;
+        tell(w, "the graphics driver was reset, and the window started anew; the operation went on");
+    }
+    return status;
+}
+
 static ost_status frame(sim_window *w, double dt, ost_error *err)
 {
     int width, height;
@@ -314,7 +334,7 @@ static ost_status frame(sim_window *w, double dt, ost_error *err)
     const bool shoot = take_events(w, height);
     hold_keys(w, dt, height > 0 ? height : 1);
     put_hand(w, &before);
-    if (width == 0 || height == 0 || width > OST_FRAME_MAX || height > OST_FRAME_MAX)
+    if (width == 0 || height == 0)
         return ost_viewer_update(&show->viewer, err); /* nobody sees it */
     const int64_t begin = ost_clock_ns();
     ost_status status = hud_for(w, width, height, scale, err);
@@ -334,9 +354,8 @@ static ost_status frame(sim_window *w, double dt, ost_error *err)
     if (shoot)
         film_still(w->s->film, sheet.pixels, sheet.stride, width, height);
     film_frame(w->s->film, ost_clock_ns(), sheet.pixels, sheet.stride, width, height);
-    ost_window_present(w->window, sheet.pixels, sheet.stride, width, height, w->args->fps > 0);
     w->frames++;
-    return OST_OK;
+    return present(w, &sheet, err);
 }
 
 /* ----------------------------------------------------------------- the loop */
@@ -371,10 +390,14 @@ static ost_status show_frames(sim_window *w, server *v, ost_error *err)
     ost_status status = OST_OK;
     while (status == OST_OK && !atomic_load(&v->done)) {
         ost_window_poll(w->window, 0);
-        if (w->quit || ost_window_closing(w->window) || interrupt_asked())
+        if (w->quit || interrupt_asked())
             break;
         const int64_t begin = ost_clock_ns();
         status = frame(w, fmin(0.1, (double)(begin - last) * 1e-9), err);
+        if (status == OST_OK && ost_window_closing(w->window)) {
+            status = ost_window_check(w->window, err);
+            break;
+        }
         last = begin;
         const int64_t now = ost_clock_ns();
         due = due + period > now ? due + period : now;
@@ -386,17 +409,24 @@ static ost_status show_frames(sim_window *w, server *v, ost_error *err)
 
 ost_status sim_window_serve(simulation *s, const ost_servo_options *how, ost_servo_tick *tick, ost_error *err)
 {
+    sim_window *w = s->window;
     server v = {.s = s, .how = how, .tick = tick};
     pthread_t thread;
     const int error = ost_thread_begin(&thread, serve, &v);
     if (error)
         return ost_fail(err, OST_ERR_UNAVAILABLE, "no thread for the loop: %s", strerror(error));
-    ost_status status = show_frames(s->window, &v, err);
+    w->status = show_frames(w, &v, &w->err);
     interrupt_ask();
     pthread_join(thread, NULL);
-    if (status == OST_OK && v.status != OST_OK) {
-        status = v.status;
+    if (v.status != OST_OK)
         *err = v.err;
-    }
-    return status;
+    return v.status;
+}
+
+ost_status sim_window_end(const simulation *s, ost_error *err)
+{
+    if (!s->window || s->window->status == OST_OK)
+        return OST_OK;
+    *err = s->window->err;
+    return s->window->status;
 }

@@ -22,7 +22,11 @@ void sim_window_close(sim_window *window); /* NULL is allowed */
 ost_status sim_window_hand(simulation *s, const ost_pose *start, ost_error *err);
 ost_hand *sim_window_hand_get(const simulation *s); /* NULL: none */
 
-/* The loop by a thread of its own, the window by this one, until one of them ends. */
+/*
+ * The loop by a thread of its own, the window by this one, until one of them ends.  A window that is lost ends the loop as
+ * a user's wish does, and what was done is reported and saved; sim_window_end says afterwards what it was.
+ */
 ost_status sim_window_serve(simulation *s, const ost_servo_options *how, ost_servo_tick *tick, ost_error *err);
+ost_status sim_window_end(const simulation *s, ost_error *err);
 
 #endif

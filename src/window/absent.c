@@ -72,7 +72,19 @@ bool ost_window_next(ost_window *window, ost_window_event *out)
     return false;
 }
 
-void ost_window_present(ost_window *window, const uint32_t *pixels, int stride, int width, int height, bool sync)
+ost_status ost_window_check(const ost_window *window, ost_error *err)
+{
+    (void)window;
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "this osteon was built without a window");
+}
+
+bool ost_window_damaged(const ost_window *window)
+{
+    (void)window;
+    return false;
+}
+
+ost_status ost_window_present(ost_window *window, const uint32_t *pixels, int stride, int width, int height, bool sync, ost_error *err)
 {
     (void)window;
     (void)pixels;
@@ -80,4 +92,5 @@ void ost_window_present(ost_window *window, const uint32_t *pixels, int stride, 
     (void)width;
     (void)height;
     (void)sync;
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "this osteon was built without a window");
 }

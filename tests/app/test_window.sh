@@ -1,7 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # osteon sim in a window: what it says without one, and a window under Xvfb
-# that is moved, resized, clicked and typed into, whose session replays.
+# that is moved, resized, clicked and typed into, whose session replays; one
+# whose display goes away, and one that somebody else destroys: each ends with
+# one line and its session.  What no test can order here is in tests/window.
 # Covers: REQ-WINDOW
 . "${srcdir:-.}/tests/app/lib.sh"
 
@@ -24,54 +26,23 @@ if ! command -v Xvfb >/dev/null || ! command -v xdotool >/dev/null; then
     exit 77
 fi
 
-Xvfb -displayfd 3 -screen 0 900x700x24 -nolisten tcp 3>display 2>xvfb.log &
-xvfb=$!
-trap 'kill $xvfb 2>/dev/null; rm -rf "$scratch"' EXIT
-for i in $(seq 100); do
-    [ -s display ] && break
-    sleep 0.2
-done
-[ -s display ] || fail "Xvfb does not start: $(cat xvfb.log)"
-DISPLAY=:$(cat display)
-export DISPLAY
+. "$source_folder/tests/app/display.sh"
+MESA_GL_VERSION_OVERRIDE=2.1 refuse 3 "needs OpenGL 3.3, and here is 2.1 Mesa" sim
 run 0 phantom glenoid --out ct.nrrd
 run 0 import ct.nrrd --out bone.nrrd
 
-# Mesa's software driver leaves two small blocks behind when it is unloaded, which LeakSanitizer finds without a name;
-# what stays loaded keeps them.
-preload=
-case ${OST_SAN_CFLAGS:-} in
-*address*)
-    for file in "$(${CC:-cc} -print-file-name=libasan.so)" /usr/lib/*/dri/swrast_dri.so; do
-        [ -e "$file" ] && preload="$preload${preload:+ }$file"
-    done
-    ;;
-esac
-LD_PRELOAD=$preload "$osteon" sim --bone bone.nrrd --size 640x400 --record window.session --json >out 2>err &
-pid=$!
-window=
-for i in $(seq 150); do
-    # It records when the loop begins.
-    [ -s window.session ] && window=$(xdotool search --name '^osteon sim' 2>/dev/null | head -n 1) && [ -n "$window" ] && break
-    kill -0 $pid 2>/dev/null || break
-    sleep 0.2
-done
-if [ -z "$window" ]; then
-    fail "no window opens: $(cat err)"
-    kill $pid
-    finish
-fi
+opened window.session --json
 # Keys and clicks wait for its first frames.
-sleep 0.5
+sleep 0.3
 xdotool mousemove --window "$window" 320 200
 xdotool mousedown 1 mousemove_relative 5 3 mousemove_relative 5 3 mouseup 1
-xdotool keydown w; sleep 0.8; xdotool keyup w
+xdotool keydown w; sleep 0.7; xdotool keyup w
 xdotool click 4 click 4 click 5 keydown space; sleep 0.2; xdotool keyup space
 xdotool keydown shift mousedown 1 mousemove_relative 4 4 mouseup 1 keyup shift
 xdotool mousedown 3 mousemove_relative 20 10 mouseup 3 keydown ctrl click 4 keyup ctrl
-xdotool key F1 key F1 key F3 key F8 key F10 key F10 key Tab key Home key 1
+xdotool key F1 key F1 key F3 key F8 key F10 key F10 key Tab key shift+Tab key Home key 1 key 0 key shift+Left
 xdotool windowsize "$window" 500 333 windowmove "$window" 30 40
-sleep 0.5
+sleep 0.2
 xdotool key F12
 for i in $(seq 50); do
     [ -s osteon-001.png ] && break
@@ -79,16 +50,11 @@ for i in $(seq 50); do
 done
 xdotool windowunmap "$window"
 sleep 0.1
-xdotool windowmap "$window"
+xdotool windowsize "$window" 1 1 windowmap "$window" windowsize "$window" 3000 40 windowsize "$window" 500 333
 sleep 0.1
 xdotool mousemove --window "$window" 250 160 keydown ctrl key q keyup ctrl
-for i in $(seq 100); do
-    kill -0 $pid 2>/dev/null || break
-    sleep 0.2
-done
-kill -0 $pid 2>/dev/null && { fail "Ctrl Q does not end it"; kill $pid; }
-wait $pid
-check "the end's status" $? 0
+ended "Ctrl Q"
+check "the end's status" $status 0
 has renderer.frames renderer.fps ticks sha256
 check "what ended it" "$(value end)" "it was asked to end"
 [ "$(value removed_voxels)" -gt 0 ] || fail "the mouse removed nothing"
@@ -102,4 +68,20 @@ fi
 removed=$(value sha256)
 run 0 replay window.session --verify --json
 check "what was done, again" "$(value equal) $(value sha256)" "true $removed"
+
+# lost TEXT: status 3, one line that says TEXT, and a session that is whole
+lost() {
+    ended "what the test did"
+    check "$1: the status" $status 3
+    check "$1: lines on standard error" "$(grep -vc '^osteon sim: device' err)" 1
+    grep -qF "$1" err || fail "'$(cat err)' does not say '$1'"
+    run 0 info "$recorded" --json
+    check "$1: the session" "$(value ended) $(value missing)" "true "
+}
+opened destroyed.session --quiet --tool builtin:burr
+xdotool windowclose "$window"
+lost "something else destroyed the window"
+opened gone.session --quiet --tool builtin:burr
+kill $xvfb
+lost "the display went away"
 finish

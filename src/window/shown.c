@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "window/shown.h"
+
+#include <stddef.h>
+
+static GLuint shader(GLenum kind, const char *text)
+{
+    const GLuint s = glCreateShader(kind);
+    GLint compiled = 0;
+    glShaderSource(s, 1, &text, NULL);
+    glCompileShader(s);
+    glGetShaderiv(s, GL_COMPILE_STATUS, &compiled);
+    if (compiled)
+        return s;
+    glDeleteShader(s);
+    return 0;
+}
+
+bool ost_shown_make(ost_shown *shown)
+{
+    static const char vertex[] = "#version 330 core\n"
+                                 "out vec2 at;\n"
+                                 "void main() {\n"
+                                 "    vec2 p = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);\n"
+                                 "    at = vec2(0.5 + 0.5 * p.x, 0.5 - 0.5 * p.y);\n"
+                                 "    gl_Position = vec4(p, 0.0, 1.0);\n"
+                                 "}\n";
+    static const char fragment[] = "#version 330 core\n"
+                                   "in vec2 at;\n"
+                                   "out vec4 colour;\n"
+                                   "uniform sampler2D picture;\n"
+                                   "void main() { colour = vec4(texture(picture, at).rgb, 1.0); }\n";
+    const GLuint v = shader(GL_VERTEX_SHADER, vertex), f = shader(GL_FRAGMENT_SHADER, fragment);
+    GLint linked = 0;
+    *shown = (ost_shown){0};
+    if (v && f) {
+        shown->program = glCreateProgram();
+        glAttachShader(shown->program, v);
+        glAttachShader(shown->program, f);
+        glLinkProgram(shown->program);
+        glGetProgramiv(shown->program, GL_LINK_STATUS, &linked);
+    }
+    if (v)
+        glDeleteShader(v);
+    if (f)
+        glDeleteShader(f);
+    glGenVertexArrays(1, &shown->nothing);
+    glGenTextures(1, &shown->texture);
+    glBindTexture(GL_TEXTURE_2D, shown->texture);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    return linked != 0;
+}
+
+void ost_shown_free(ost_shown *shown)
+{
+    if (shown->program)
+        glDeleteProgram(shown->program);
+    if (shown->texture)
+        glDeleteTextures(1, &shown->texture);
+    if (shown->nothing)
+        glDeleteVertexArrays(1, &shown->nothing);
+    *shown = (ost_shown){0};
+}
+
+bool ost_shown_draw(ost_shown *shown, const uint32_t *pixels, int stride, int width, int height, int frame_width, int frame_height)
+{
+    glViewport(0, 0, frame_width, frame_height);
+    glBindTexture(GL_TEXTURE_2D, shown->texture);
+    glPixelStorei(GL_UNPACK_ROW_LENGTH, stride);
+    if (width != shown->width || height != shown->height) {
+        for (int old = 0; old < 16 && glGetError() != GL_NO_ERROR; old++)
+            ; /* a context that is lost may never be without one */
+        glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, pixels);
+        shown->width = shown->height = 0;
+        if (glGetError() != GL_NO_ERROR)
+            return false;
+        shown->width = width;
+        shown->height = height;
+    } else {
+        glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, pixels);
+    }
+    glUseProgram(shown->program);
+    glBindVertexArray(shown->nothing);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    return true;
+}

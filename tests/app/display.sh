@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: Apache-2.0
+# A virtual display, and osteon sim in a window on it, for tests that have
+# Xvfb and xdotool.  Ends with the test.
+
+Xvfb -displayfd 3 -screen 0 900x700x24 -nolisten tcp 3>display 2>xvfb.log &
+xvfb=$!
+trap 'kill $xvfb 2>/dev/null; rm -rf "$scratch"' EXIT
+for i in $(seq 400); do
+    [ -s display ] && break
+    sleep 0.05
+done
+[ -s display ] || fail "Xvfb does not start: $(cat xvfb.log)"
+DISPLAY=:$(cat display)
+export DISPLAY
+
+# Mesa's software driver leaves two small blocks behind when it is unloaded, which LeakSanitizer finds without a name;
+# what stays loaded keeps them.
+preload=
+case ${OST_SAN_CFLAGS:-} in
+*address*)
+    for file in "$(${CC:-cc} -print-file-name=libasan.so)" /usr/lib/*/dri/swrast_dri.so; do
+        [ -e "$file" ] && preload="$preload${preload:+ }$file"
+    done
+    ;;
+esac
+
+# opened SESSION OPTION...: a window of bone.nrrd in $window, once its loop is recording, of process $pid
+opened() {
+    recorded=$1
+    shift
+    LD_PRELOAD=$preload "$osteon" sim --bone bone.nrrd --size 640x400 --record "$recorded" "$@" >out 2>err &
+    pid=$!
+    window=
+    for i in $(seq 600); do
+        [ -s "$recorded" ] && window=$(xdotool search --name '^osteon sim' 2>/dev/null | head -n 1) && [ -n "$window" ] && break
+        kill -0 $pid 2>/dev/null || break
+        sleep 0.05
+    done
+    [ -n "$window" ] && return
+    fail "no window opens: $(cat err)"
+    kill $pid
+    finish
+}
+
+# ended WHAT: it does so within some seconds; its status is then in $status
+ended() {
+    for i in $(seq 400); do
+        kill -0 $pid 2>/dev/null || break
+        sleep 0.05
+    done
+    kill -0 $pid 2>/dev/null && { fail "$1 does not end it"; kill $pid; }
+    wait $pid
+    status=$?
+}

@@ -1,0 +1,397 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The window on systems that nobody can order: drivers that are too old, that
+ * are reset once or again and again, frames of any size and density, screens
+ * that are not there.
+ * Covers: REQ-WINDOW
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "harness.h"
+#include "tests/window/fake.h"
+#include "window/window.h"
+
+static uint32_t pixels[64];
+
+static ost_window *opened(void)
+{
+    ost_error err = {0};
+    ost_window *w;
+    assert_ok(ost_window_open("a title", 640, 400, &w, &err));
+    return w;
+}
+
+static void closed(ost_window *w)
+{
+    ost_window_close(w);
+    assert_int_equal(the_fake.inits, 0);
+    assert_int_equal(the_fake.windows, 0);
+    assert_int_equal(the_fake.objects, 0);
+}
+
+static void refused(const char *words)
+{
+    ost_error err = {0};
+    ost_window *w;
+    assert_int_equal(ost_window_open("a title", 640, 400, &w, &err), OST_ERR_UNAVAILABLE);
+    assert_null(w);
+    if (!strstr(err.text, words))
+        fail_msg("'%s' does not say '%s'", err.text, words);
+    assert_non_null(strstr(err.text, "--headless"));
+    assert_int_equal(the_fake.inits, 0);
+    assert_int_equal(the_fake.windows, 0);
+}
+
+static int present(ost_window *w, ost_error *err)
+{
+    return ost_window_present(w, pixels, 8, 8, 8, true, err);
+}
+
+static void what_is_missing_is_said(void **state)
+{
+    (void)state;
+    fake_begin();
+    unsetenv("DISPLAY");
+    unsetenv("WAYLAND_DISPLAY");
+    refused("DISPLAY is not set");
+    setenv("DISPLAY", ":0", 1);
+    the_fake.no_init = true;
+    the_fake.why = "the display is on strike";
+    refused("on strike");
+    /* A driver that has 2.1 and says that it has no 3.3. */
+    fake_begin();
+    the_fake.version = 0;
+    the_fake.plain_version = 21;
+    refused("needs OpenGL 3.3, and here is 2.1 of a test (a fake)");
+    refused("LIBGL_ALWAYS_SOFTWARE=1");
+    /* One that says something else instead, and has it still. */
+    the_fake.why = "no visual";
+    refused("here is 2.1 of a test");
+    /* It is not the version. */
+    the_fake.plain_version = 45;
+    refused("no visual");
+    the_fake.plain_version = 0;
+    refused("no visual");
+    the_fake.why = NULL;
+    refused("here is none (no renderer)");
+    fake_begin();
+    the_fake.no_compile = true;
+    refused("does not take the window's program");
+}
+
+static void the_newest_context_is_taken(void **state)
+{
+    (void)state;
+    fake_begin();
+    ost_window *w = opened();
+    assert_int_equal(10 * the_fake.asked_major + the_fake.asked_minor, 44);
+    assert_int_equal(the_fake.asked_robustness, GLFW_LOSE_CONTEXT_ON_RESET);
+    assert_string_equal(ost_window_info_get(w).version, "4.5 of a test");
+    assert_string_equal(the_fake.title, "a title");
+    closed(w);
+    the_fake.version = 33;
+    w = opened();
+    assert_int_equal(10 * the_fake.asked_major + the_fake.asked_minor, 33);
+    closed(w);
+}
+
+static void a_reset_makes_a_new_context(void **state)
+{
+    ost_error err = {0};
+    ost_window_event e;
+    (void)state;
+    for (int round = 0; round < 3; round++) {
+        /* By OpenGL 4.5, by either extension. */
+        fake_begin();
+        the_fake.version = round ? 33 : 45;
+        the_fake.khr = round == 1;
+        the_fake.arb = round == 2;
+        ost_window *w = opened();
+        assert_true(ost_window_info_get(w).robust);
+        ost_window_title(w, "another title");
+        fake_place(70, 80);
+        fake_size(500, 300);
+        assert_ok(present(w, &err));
+        assert_int_equal(the_fake.frames, 1);
+        the_fake.reset = GL_UNKNOWN_CONTEXT_RESET;
+        assert_ok(present(w, &err));
+        assert_int_equal(the_fake.frames, 1);
+        assert_int_equal(the_fake.contexts, 2);
+        assert_int_equal(ost_window_info_get(w).resets, 1);
+        assert_string_equal(the_fake.title, "another title");
+        /* What was down came up unseen. */
+        assert_true(ost_window_next(w, &e));
+        assert_int_equal(e.kind, OST_WINDOW_RELEASE);
+        assert_false(ost_window_next(w, &e));
+        int width, height;
+        double scale;
+        ost_window_size(w, &width, &height, &scale);
+        assert_int_equal(width, 500);
+        assert_int_equal(height, 300);
+        assert_true(ost_window_damaged(w));
+        assert_ok(present(w, &err));
+        assert_int_equal(the_fake.frames, 2);
+        /* In the middle of a frame. */
+        the_fake.reset_in_upload = true;
+        assert_ok(ost_window_present(w, pixels, 4, 4, 4, true, &err));
+        assert_int_equal(ost_window_info_get(w).resets, 2);
+        assert_ok(present(w, &err));
+        closed(w);
+    }
+    /* One that never says. */
+    fake_begin();
+    the_fake.version = 33;
+    the_fake.khr = false;
+    ost_window *w = opened();
+    assert_false(ost_window_info_get(w).robust);
+    the_fake.reset = GL_GUILTY_CONTEXT_RESET;
+    assert_ok(present(w, &err));
+    closed(w);
+}
+
+static void resets_without_end_end_it(void **state)
+{
+    ost_error err = {0};
+    (void)state;
+    fake_begin();
+    ost_window *w = opened();
+    the_fake.reset = GL_GUILTY_CONTEXT_RESET;
+    the_fake.reset_stays = true;
+    for (int i = 0; i < 3; i++)
+        assert_ok(present(w, &err));
+    assert_int_equal(present(w, &err), OST_ERR_UNAVAILABLE);
+    assert_non_null(strstr(err.text, "was reset 4 times within 10 s"));
+    closed(w);
+    /* Now and then is no reason. */
+    fake_begin();
+    w = opened();
+    for (int i = 0; i < 20; i++) {
+        the_fake.reset = GL_INNOCENT_CONTEXT_RESET;
+        the_fake.clock_ns += INT64_C(4000000000);
+        assert_ok(present(w, &err));
+        assert_ok(present(w, &err));
+    }
+    assert_int_equal(ost_window_info_get(w).resets, 20);
+    /* There is no context to be had any more: nothing is to be done but to close. */
+    the_fake.reset = GL_GUILTY_CONTEXT_RESET;
+    the_fake.clock_ns += INT64_C(90000000000);
+    the_fake.no_next = true;
+    the_fake.why = "the card fell out";
+    int width, height;
+    double scale;
+    ost_window_event e;
+    assert_int_equal(present(w, &err), OST_ERR_UNAVAILABLE);
+    assert_non_null(strstr(err.text, "reset"));
+    assert_non_null(strstr(err.text, "fell out"));
+    assert_true(ost_window_closing(w));
+    assert_int_equal(ost_window_check(w, &err), OST_ERR_UNAVAILABLE);
+    assert_int_equal(present(w, &err), OST_ERR_UNAVAILABLE);
+    ost_window_poll(w, 1);
+    while (ost_window_next(w, &e))
+        ;
+    ost_window_size(w, &width, &height, &scale);
+    ost_window_title(w, "nothing");
+    ost_window_full_screen(w, true);
+    assert_false(ost_window_is_full_screen(w));
+    closed(w);
+}
+
+static void frames_of_any_size(void **state)
+{
+    static const struct {
+        int frame[2], picture[2], side;
+    } sizes[] = {{{1, 1}, {1, 1}, 16384},           {{8192, 8192}, {8192, 8192}, 16384}, {{16384, 100}, {8192, 50}, 16384},
+                 {{30000, 1}, {8192, 1}, 16384},    {{1, 30000}, {1, 8192}, 16384},      {{6000, 3000}, {4096, 2048}, 4096},
+                 {{1300, 1000}, {1024, 787}, 1024}, {{0, 0}, {0, 0}, 16384},             {{100, 0}, {0, 0}, 16384}};
+    ost_error err = {0};
+    (void)state;
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        int width, height;
+        double scale;
+        fake_begin();
+        the_fake.texture_side = sizes[i].side;
+        ost_window *w = opened();
+        fake_size(sizes[i].frame[0], sizes[i].frame[1]);
+        ost_window_size(w, &width, &height, &scale);
+        assert_int_equal(width, sizes[i].picture[0]);
+        assert_int_equal(height, sizes[i].picture[1]);
+        if (width) {
+            /* The pointer is where the picture is. */
+            ost_window_event e;
+            fake_move(sizes[i].frame[0], sizes[i].frame[1]);
+            assert_true(ost_window_next(w, &e));
+            assert_in_range((int)(e.x + 0.5), width - 1, width + 1);
+            assert_in_range((int)(e.y + 0.5), height - 1, height + 1);
+            assert_ok(ost_window_present(w, pixels, width, width, height, false, &err));
+            assert_int_equal(the_fake.viewport[0], sizes[i].frame[0]);
+            assert_int_equal(the_fake.viewport[1], sizes[i].frame[1]);
+            assert_int_equal(the_fake.swap_interval, 0);
+        }
+        closed(w);
+    }
+    fake_begin();
+    ost_window *w = opened();
+    the_fake.no_texture_memory = true;
+    assert_int_equal(present(w, &err), OST_ERR_UNAVAILABLE);
+    assert_non_null(strstr(err.text, "no memory for a picture of 8 x 8"));
+    closed(w);
+}
+
+static void dense_displays(void **state)
+{
+    int width, height;
+    double scale;
+    ost_window_event e;
+    (void)state;
+    fake_begin();
+    the_fake.scale = 2;
+    the_fake.frame_of_window = 2;
+    ost_window *w = opened();
+    ost_window_size(w, &width, &height, &scale);
+    assert_int_equal(width, 1280);
+    assert_int_equal(height, 800);
+    assert_true(scale == 2);
+    fake_move(320, 100);
+    assert_true(ost_window_next(w, &e));
+    assert_true(e.x == 640 && e.y == 200);
+    ost_error err = {0};
+    assert_ok(present(w, &err));
+    assert_false(ost_window_damaged(w));
+    fake_rescale(1.5f); /* taken to another screen */
+    ost_window_size(w, &width, &height, &scale);
+    assert_true(scale == 1.5);
+    assert_true(ost_window_damaged(w));
+    fake_rescale(0); /* what some systems say for "I do not know" */
+    ost_window_size(w, &width, &height, &scale);
+    assert_true(scale == 1);
+    closed(w);
+}
+
+static void nobody_draws_for_nobody(void **state)
+{
+    int width, height;
+    double scale;
+    ost_error err = {0};
+    (void)state;
+    fake_begin();
+    ost_window *w = opened();
+    fake_minimise(true);
+    ost_window_size(w, &width, &height, &scale);
+    assert_int_equal(width, 0);
+    fake_minimise(false);
+    ost_window_size(w, &width, &height, &scale);
+    assert_int_equal(width, 640);
+    /* Hidden, and no callback that says so. */
+    assert_ok(present(w, &err));
+    fake_hide(true);
+    ost_window_poll(w, 0);
+    ost_window_size(w, &width, &height, &scale);
+    assert_int_equal(width, 640);
+    ost_window_poll(w, 0.3);
+    ost_window_poll(w, 0);
+    ost_window_size(w, &width, &height, &scale);
+    assert_int_equal(width, 0);
+    assert_false(ost_window_damaged(w));
+    fake_hide(false);
+    ost_window_poll(w, 0.3);
+    ost_window_size(w, &width, &height, &scale);
+    assert_int_equal(width, 640);
+    assert_true(ost_window_damaged(w));
+    /* Seen again, and told at once. */
+    fake_hide(true);
+    ost_window_poll(w, 0.3);
+    fake_damage();
+    ost_window_size(w, &width, &height, &scale);
+    assert_int_equal(width, 640);
+    closed(w);
+}
+
+static void full_screen_and_back(void **state)
+{
+    int width, height;
+    double scale;
+    (void)state;
+    fake_begin();
+    ost_window *w = opened();
+    fake_place(1800, 50); /* most of it on the second screen */
+    ost_window_full_screen(w, true);
+    assert_true(ost_window_is_full_screen(w));
+    ost_window_size(w, &width, &height, &scale);
+    assert_int_equal(width, 1280);
+    assert_int_equal(height, 1024);
+    ost_window_full_screen(w, true);
+    ost_window_full_screen(w, false);
+    assert_false(ost_window_is_full_screen(w));
+    ost_window_size(w, &width, &height, &scale);
+    assert_int_equal(width, 640);
+    assert_int_equal(height, 400);
+    /* A reset in between. */
+    ost_error err = {0};
+    ost_window_full_screen(w, true);
+    the_fake.reset = GL_GUILTY_CONTEXT_RESET;
+    assert_ok(present(w, &err));
+    assert_true(ost_window_is_full_screen(w));
+    ost_window_full_screen(w, false);
+    ost_window_size(w, &width, &height, &scale);
+    assert_int_equal(width, 640);
+    /* A screen that is unplugged takes its full window back by itself. */
+    ost_window_full_screen(w, true);
+    fake_unplug_monitor();
+    assert_false(ost_window_is_full_screen(w));
+    the_fake.no_monitor = true;
+    ost_window_full_screen(w, true);
+    assert_false(ost_window_is_full_screen(w));
+    closed(w);
+}
+
+static void nothing_stays_down(void **state)
+{
+    ost_window_event e;
+    (void)state;
+    fake_begin();
+    ost_window *w = opened();
+    fake_key(GLFW_KEY_W, GLFW_PRESS, 0);
+    fake_key(GLFW_KEY_W, GLFW_REPEAT, 0);
+    fake_key(GLFW_KEY_KP_3, GLFW_PRESS, 0);
+    fake_key(GLFW_KEY_F12, GLFW_RELEASE, 0);
+    fake_key(GLFW_KEY_LEFT_CONTROL, GLFW_PRESS, 0); /* comes with the state before it */
+    assert_true(ost_window_next(w, &e) && e.key == 'W' && e.pressed);
+    assert_true(ost_window_next(w, &e) && e.key == '3');
+    assert_true(ost_window_next(w, &e) && e.key == OST_KEY_F1 + 11 && !e.pressed);
+    assert_true(ost_window_next(w, &e) && e.mods == OST_WINDOW_CONTROL);
+    fake_move(1, 1);
+    fake_move(5, 6);
+    fake_wheel(2, 0);
+    assert_true(ost_window_next(w, &e) && e.kind == OST_WINDOW_MOVE && e.x == 5);
+    assert_true(ost_window_next(w, &e) && e.kind == OST_WINDOW_WHEEL && e.y == 2);
+    assert_false(ost_window_next(w, &e));
+    /* More than anybody fetched: the last of them, a key coming up, is lost, and that is said. */
+    int count = 0;
+    fake_key(GLFW_KEY_SPACE, GLFW_PRESS, 0);
+    for (int i = 0; i < 1000; i++)
+        fake_button(i % 2, i % 4 < 2 ? GLFW_PRESS : GLFW_RELEASE, 0);
+    fake_key(GLFW_KEY_SPACE, GLFW_RELEASE, 0);
+    while (ost_window_next(w, &e))
+        count++;
+    assert_in_range(count, 100, 1000);
+    assert_int_equal(e.kind, OST_WINDOW_RELEASE);
+    fake_key(999, GLFW_PRESS, 0);
+    assert_true(ost_window_next(w, &e) && e.key == 0);
+    assert_false(ost_window_closing(w));
+    fake_close();
+    ost_error err = {0};
+    assert_true(ost_window_closing(w));
+    assert_ok(ost_window_check(w, &err));
+    closed(w);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_is_missing_is_said),   cmocka_unit_test(the_newest_context_is_taken), cmocka_unit_test(a_reset_makes_a_new_context),
+        cmocka_unit_test(resets_without_end_end_it), cmocka_unit_test(frames_of_any_size),          cmocka_unit_test(dense_displays),
+        cmocka_unit_test(nobody_draws_for_nobody),   cmocka_unit_test(full_screen_and_back),        cmocka_unit_test(nothing_stays_down),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
