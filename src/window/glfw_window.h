@@ -3,6 +3,7 @@
 #ifndef OST_WINDOW_GLFW_WINDOW_H
 #define OST_WINDOW_GLFW_WINDOW_H
 
+#include "window/shm.h"
 #include "window/shown.h"
 #include "window/window.h"
 
@@ -14,6 +15,7 @@ enum { OST_WINDOW_EVENTS = 256, OST_WINDOW_TITLE = 160, OST_WINDOW_RESETS = 3 };
 struct ost_window {
     GLFWwindow *handle;
     ost_shown shown;
+    ost_shm *shm; /* NULL: OpenGL shows */
     bool synced, sync_set;
     ost_window_event event[OST_WINDOW_EVENTS]; /* a ring */
     int first, count;

@@ -128,6 +128,7 @@ static ost_status make(ost_window *w, int width, int height, ost_error *err)
         return ost_fail(err, OST_ERR_UNAVAILABLE, "OpenGL %s (%s) does not take the window's program; --headless runs without a window", w->version,
                         w->renderer);
     learn(w);
+    w->shm = ost_window_info_get(w).software ? ost_shm_open(w->handle) : NULL;
     ost_window_listen(w);
     glfwSetWindowSizeLimits(w->handle, 160, 120, GLFW_DONT_CARE, GLFW_DONT_CARE);
     return OST_OK;
@@ -156,6 +157,7 @@ void ost_window_close(ost_window *window)
 {
     if (!window)
         return;
+    ost_shm_close(window->shm);
     if (ost_x11_state_get() == OST_X11_FINE) {
         if (window->handle) {
             ost_shown_free(&window->shown);
@@ -250,6 +252,8 @@ static ost_status start_anew(ost_window *w, ost_error *err)
                         OST_WINDOW_RESETS + 1, (int)(RESETS_WITHIN_NS / 1000000000));
     *oldest = now;
     glfwGetWindowPos(w->handle, &x, &y);
+    ost_shm_close(w->shm);
+    w->shm = NULL;
     glfwDestroyWindow(w->handle);
     w->handle = NULL;
     w->shown = (ost_shown){0};
@@ -279,6 +283,18 @@ static bool was_reset(const ost_window *w)
            (w->tells_reset == BY_ARB && glGetGraphicsResetStatusARB() != GL_NO_ERROR);
 }
 
+/* What is not as large as the frame OpenGL makes so. */
+static bool show_by_shm(ost_window *w, const uint32_t *pixels, int stride, int width, int height)
+{
+    if (!w->shm || width != w->frame_width || height != w->frame_height)
+        return false;
+    if (ost_shm_present(w->shm, pixels, stride, width, height))
+        return true;
+    ost_shm_close(w->shm);
+    w->shm = NULL;
+    return false;
+}
+
 ost_status ost_window_present(ost_window *window, const uint32_t *pixels, int stride, int width, int height, bool sync, ost_error *err)
 {
     if (!ost_window_lives(window))
@@ -291,6 +307,11 @@ ost_status ost_window_present(ost_window *window, const uint32_t *pixels, int st
         window->sync_set = true;
     }
     window->damaged = false;
+    const bool shown = show_by_shm(window, pixels, stride, width, height);
+    if (!ost_window_lives(window))
+        return gone(err);
+    if (shown)
+        return OST_OK;
     if (!ost_shown_draw(&window->shown, pixels, stride, width, height, window->frame_width, window->frame_height))
         return was_reset(window) ? start_anew(window, err)
                                  : ost_fail(err, OST_ERR_UNAVAILABLE, "OpenGL (%s) has no memory for a picture of %d x %d pixels", window->renderer,

@@ -79,3 +79,9 @@ ost_x11_state ost_x11_state_get(void)
 {
     return state;
 }
+
+void ost_x11_lost(ost_x11_state how)
+{
+    if (state == OST_X11_FINE)
+        state = how;
+}

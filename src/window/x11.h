@@ -16,5 +16,7 @@ typedef enum ost_x11_state { OST_X11_FINE, OST_X11_NO_SERVER, OST_X11_NO_WINDOW 
 void ost_x11_outlive(void *glfw_window);
 /* Once it is not fine it stays so: then GLFW is to be called no more. */
 ost_x11_state ost_x11_state_get(void);
+/* Who speaks to the server past libX11 found it, or the window, gone. */
+void ost_x11_lost(ost_x11_state how);
 
 #endif
