@@ -91,6 +91,11 @@ void sim_show_free(sim_show *show)
     free(show);
 }
 
+ost_status sim_show_look(sim_show *show, ost_error *err)
+{
+    return ost_viewer_update(&show->viewer, err);
+}
+
 ost_status sim_show_frame(sim_show *show, int width, int height, ost_error *err)
 {
     ost_camera camera;

@@ -32,7 +32,7 @@ typedef struct sim_show {
     appearance look;
     ost_tool_volume ghost_tool; /* the first; what its ghost is made of */
     frame_times drawn, apart; /* a frame's work; from one frame to the next */
-    int64_t last_ns;          /* when the last frame began; 0 before the first */
+    int64_t last_ns;          /* when the last frame began; 0: it was not drawn right before */
     int64_t end_ns;           /* when the loop was over */
     void *thread;             /* NULL: none */
     ost_status status;        /* of the thread */
@@ -43,7 +43,9 @@ typedef struct sim_show {
 ost_status sim_show_make(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
 void sim_show_free(sim_show *show);
 
-/* What changed, and a frame of this size; nothing is drawn by the renderer null. */
+/* What changed since the last time. */
+ost_status sim_show_look(sim_show *show, ost_error *err);
+/* The same, and a frame of this size; nothing is drawn by the renderer null. */
 ost_status sim_show_frame(sim_show *show, int width, int height, ost_error *err);
 
 /* Frames by a thread, until the end. */

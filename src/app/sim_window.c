@@ -11,20 +11,33 @@
 
 #include "app/interrupt.h"
 #include "app/say.h"
+#include "app/sim_look.h"
+#include "app/sim_camera.h"
 #include "app/sim_facts.h"
 #include "app/sim_hand.h"
 #include "core/clock.h"
 #include "io/thread.h"
 #include "window/window.h"
 
-enum { MESSAGE = 200, DISTANCE_KEY_MM_S = 12 };
-static const double MESSAGE_S = 6, WHEEL_MM = 0.5, FINE = 0.2, TURN_KEY = 0.9, TWIST_KEY = 1.2;
+enum { ASTRAY_MAX = 100, MESSAGE = 200, DISTANCE_KEY_MM_S = 12 };
+static const double MESSAGE_S = 6, WHEEL_MM = 0.5, FINE = 0.2, TWIST_KEY = 1.2;
+static const double FACTS_S = 0.1, HIDDEN_S = 0.1; /* how often numbers change; how often a window that nobody sees is looked after */
 
 typedef struct rates {
     double since; /* s */
     uint64_t ticks, frames;
     double ticks_s, frames_s, takes_us, frame_ms;
 } rates;
+
+/* What a frame was drawn of: while it is the same, so is the frame. */
+typedef struct sight {
+    ost_pose pose;
+    ost_orbit orbit;
+    uint64_t changed;
+    int32_t tool;
+    ost_style style;
+    int width, height;
+} sight;
 
 struct sim_window {
     const app_state *app;
@@ -34,16 +47,21 @@ struct sim_window {
     uint32_t *blank;   /* owned; for what is shown before there are frames */
     ost_hand *hand;    /* NULL: another device */
     sim_hand now, home;
+    sim_camera camera;
     bool held[512];    /* keys by their number */
     bool button[3];
     unsigned mods;
     double x, y;       /* of the pointer */
-    bool help, quit;
+    bool help, quit, shoot;
     char message[MESSAGE];
     double message_until;
+    int resets, astray; /* frames in a row that could not be drawn from where the camera is */
     uint64_t frames;
     rates rates;
-    int resets;
+    sim_hud_facts facts;
+    double facts_s;
+    sight seen;
+    bool stale;        /* what is over the frame is another */
     simulation *s;
     ost_status status; /* what ended it, but for a wish */
     ost_error err;
@@ -58,6 +76,7 @@ static void tell(sim_window *w, const char *text)
 {
     snprintf(w->message, sizeof w->message, "%.*s", (int)sizeof w->message - 1, text);
     w->message_until = now_s() + MESSAGE_S;
+    w->stale = true;
 }
 
 /* ------------------------------------------------------------- open, close */
@@ -106,13 +125,15 @@ ost_status sim_window_open(const app_state *app, const sim_args *args, simulatio
     w->s = s;
     char title[MESSAGE];
     snprintf(title, sizeof title, "osteon sim: %.100s", args->bone);
+    /* Mesa's software: its threads would be as many as there are processors, on those that the loop leaves. */
+    setenv("LP_NUM_THREADS", "0", 0);
     ost_status status = ost_window_open(title, args->width, args->height, &w->window, err);
     if (status != OST_OK)
         return status;
     const ost_window_info info = ost_window_info_get(w->window);
-    if (info.software) {
+    if (info.software && args->renderer == SIM_RENDERER_POINTS) {
         char text[MESSAGE];
-        snprintf(text, sizeof text, "OpenGL here is software (%.60s): the processor draws, and OpenGL only shows it", info.renderer);
+        snprintf(text, sizeof text, "OpenGL here is software (%.60s): the processor draws", info.renderer);
         tell(w, text);
         say(app, "%s", text);
     }
@@ -149,7 +170,7 @@ ost_hand *sim_window_hand_get(const simulation *s)
 static void take_tool(sim_window *w, int number)
 {
     const double clear_mm = 10;
-    if (number >= w->args->tools.count || !w->hand || number == w->now.tool)
+    if (number < 0 || number >= w->args->tools.count || !w->hand || number == w->now.tool)
         return;
     sim_hand_push(&w->now, w->s->show->scene.tip_mm[w->now.tool] - w->s->show->scene.tip_mm[number] - clear_mm);
     w->now.tool = number;
@@ -157,73 +178,82 @@ static void take_tool(sim_window *w, int number)
 
 static void look_from(sim_window *w, ost_view_name view)
 {
-    sim_show *show = w->s->show;
-    show->orbit = ost_view_orbit(view, &show->subject, show->viewer.has_state ? &show->viewer.state.pose : NULL);
+    const ost_viewer *viewer = &w->s->show->viewer;
+    sim_camera_fly(&w->camera, view, viewer->has_state ? &viewer->state.pose : NULL, now_s());
 }
 
-static void on_key(sim_window *w, int key, bool *shoot)
+static void on_key(sim_window *w, int key)
 {
     static const ost_view_name views[] = {OST_VIEW_OPERATOR, OST_VIEW_EN_FACE, OST_VIEW_LATERAL, OST_VIEW_ANTERIOR,
                                           OST_VIEW_POSTERIOR, OST_VIEW_SUPERIOR, OST_VIEW_TOOL, OST_VIEW_WHOLE};
+    const int tools = w->args->tools.count;
     if (key == OST_KEY_F1)
         w->help = !w->help;
+    else if (key >= '1' && key <= '8')
+        look_from(w, views[key - '1']);
     else if (key >= OST_KEY_F1 + 1 && key <= OST_KEY_F1 + 8)
         look_from(w, views[key - OST_KEY_F1 - 1]);
+    else if (key == '0')
+        look_from(w, w->camera.home);
     else if (key == OST_KEY_F1 + 9)
         w->s->show->viewer.style = w->s->show->viewer.style == OST_STYLE_SMOOTH ? OST_STYLE_FACES : OST_STYLE_SMOOTH;
     else if (key == OST_KEY_F1 + 10)
         ost_window_full_screen(w->window, !ost_window_is_full_screen(w->window));
     else if (key == OST_KEY_F1 + 11)
-        *shoot = true;
+        w->shoot = true;
     else if (key == OST_KEY_ESCAPE)
         w->help = false;
     else if (key == 'Q' && (w->mods & OST_WINDOW_CONTROL))
         w->quit = true;
     else if (key == OST_KEY_TAB)
-        take_tool(w, (w->now.tool + 1) % w->args->tools.count);
-    else if (key >= '1' && key <= '9')
-        take_tool(w, key - '1');
+        take_tool(w, (w->now.tool + (w->mods & OST_WINDOW_SHIFT ? tools - 1 : 1)) % tools);
     else if (key == OST_KEY_HOME) {
         const int32_t tool = w->now.tool;
         w->now = w->home;
         w->now.tool = tool;
+    } else {
+        char text[160];
+        double eye[3];
+        sim_look_eye(w->s->show, eye);
+        if (appearance_key(&w->s->show->look, key, w->mods & OST_WINDOW_SHIFT, eye, text) && text[0])
+            tell(w, text);
     }
 }
 
 static void on_move(sim_window *w, double dx, double dy, int height)
 {
-    sim_show *show = w->s->show;
     if (w->button[0] && w->hand && (w->mods & OST_WINDOW_SHIFT))
-        sim_hand_turn(&w->now, &show->orbit, dx, dy);
+        sim_hand_turn(&w->now, &w->camera.orbit, dx, dy);
     else if (w->button[0] && w->hand)
-        sim_hand_drag(&w->now, &show->orbit, dx, dy, height);
+        sim_hand_drag(&w->now, &w->camera.orbit, dx, dy, height);
+    else if (w->button[2] || ((w->button[1] || w->button[0]) && (w->mods & OST_WINDOW_SHIFT)))
+        sim_camera_shift(&w->camera, dx, dy, height);
     else if (w->button[1] || w->button[0])
-        ost_orbit_turn(&show->orbit, dx, dy, height);
-    else if (w->button[2])
-        ost_orbit_shift(&show->orbit, dx, dy, height);
+        sim_camera_turn(&w->camera, dx, dy, height);
 }
 
 static void on_wheel(sim_window *w, double steps)
 {
+    if ((w->mods & OST_WINDOW_ALT) && appearance_wheel(&w->s->show->look, steps, w->mods & OST_WINDOW_SHIFT))
+        return;
     if ((w->mods & OST_WINDOW_CONTROL) || !w->hand)
-        ost_orbit_near(&w->s->show->orbit, steps);
+        sim_camera_near(&w->camera, steps);
     else
         sim_hand_push(&w->now, steps * WHEEL_MM * (w->mods & OST_WINDOW_SHIFT ? FINE : 1));
 }
 
-/* True when a picture is asked for. */
-static bool take_events(sim_window *w, int height)
+static void take_events(sim_window *w, int height)
 {
-    bool shoot = false;
     ost_window_event e;
     while (ost_window_next(w->window, &e)) {
         w->mods = e.mods;
+        w->stale = w->stale || e.kind != OST_WINDOW_MOVE;
         switch (e.kind) {
         case OST_WINDOW_KEY:
             if (e.key > 0 && e.key < (int)sizeof w->held)
                 w->held[e.key] = e.pressed;
             if (e.pressed)
-                on_key(w, e.key, &shoot);
+                on_key(w, e.key);
             break;
         case OST_WINDOW_BUTTON:
             if (e.button >= 0 && e.button < 3)
@@ -243,17 +273,14 @@ static bool take_events(sim_window *w, int height)
             break;
         }
     }
-    return shoot;
 }
 
 /* Keys that work while they are down. */
-static void hold_keys(sim_window *w, double dt, int height)
+static void hold_keys(sim_window *w, double dt)
 {
-    sim_show *show = w->s->show;
     const bool *k = w->held;
-    const double turn = TURN_KEY * dt * height / 2.5;
-    ost_orbit_turn(&show->orbit, turn * (k[OST_KEY_LEFT] - k[OST_KEY_RIGHT]), turn * (k[OST_KEY_UP] - k[OST_KEY_DOWN]), height);
-    ost_orbit_near(&show->orbit, 12 * dt * (k[OST_KEY_PLUS] - k[OST_KEY_MINUS]));
+    sim_camera_hold(&w->camera, k[OST_KEY_RIGHT] - k[OST_KEY_LEFT], k[OST_KEY_UP] - k[OST_KEY_DOWN], k[OST_KEY_PLUS] - k[OST_KEY_MINUS],
+                    w->mods & OST_WINDOW_SHIFT, dt);
     if (!w->hand)
         return;
     if (!(w->mods & OST_WINDOW_CONTROL))
@@ -262,13 +289,17 @@ static void hold_keys(sim_window *w, double dt, int height)
     w->now.pedal = k[' '];
 }
 
-/* A hand beyond what poses can be stays where it was. */
+/* A hand beyond what poses can be stays where it was; so does one that a drag in a window of a few pixels would put out of reach. */
 static void put_hand(sim_window *w, const sim_hand *before)
 {
     ost_haptic_state state;
+    const ost_view_subject *subject = &w->camera.subject;
+    double away = 0;
     if (!w->hand)
         return;
-    if (!sim_hand_state(&w->now, &state)) {
+    for (int a = 0; a < 3; a++)
+        away = fmax(away, fabs(w->now.at[a] - subject->middle[a]));
+    if (away > fmax(subject->size, 500) || !sim_hand_state(&w->now, &state)) {
         w->now = *before;
         return;
     }
@@ -291,26 +322,48 @@ static void count_rates(sim_window *w, double now)
     r->frames = w->frames;
 }
 
-static sim_hud_facts facts_of(const sim_window *w, int height, double now)
+/* Numbers that change faster than ten times a second are not read by anybody. */
+static void take_facts(sim_window *w, int height, double now)
 {
-    const sim_show *show = w->s->show;
+    const ost_viewer *viewer = &w->s->show->viewer;
     double back[3];
-    sim_hud_facts f = sim_facts_make(&show->scene, &show->viewer.state, show->viewer.has_state);
-    f.rates = true;
-    f.ticks_s = w->rates.ticks_s;
-    f.frames_s = w->rates.frames_s;
-    f.takes_us = w->rates.takes_us;
-    f.frame_ms = w->rates.frame_ms;
-    f.filming = w->args->video.target || w->args->video.pipe;
-    f.dropped = film_dropped(w->s->film);
-    f.help = w->help;
+    count_rates(w, now);
+    if (now - w->facts_s >= FACTS_S || w->stale) {
+        const sim_hud_facts before = w->facts;
+        w->facts = sim_facts_make(&w->s->show->scene, &viewer->state, viewer->has_state);
+        w->facts.rates = true;
+        w->facts.ticks_s = w->rates.ticks_s;
+        w->facts.frames_s = w->rates.frames_s;
+        w->facts.takes_us = w->rates.takes_us;
+        w->facts.frame_ms = w->rates.frame_ms;
+        w->facts.filming = w->args->video.target || w->args->video.pipe;
+        w->facts.dropped = film_dropped(w->s->film);
+        w->facts.message = before.message;
+        w->facts_s = now;
+        w->stale = true;
+    }
+    sim_hud_facts *f = &w->facts;
+    f->help = w->help;
     if (!w->args->look.no_legend)
-        f.legend = appearance_legend_of(&show->look);
-    f.pedal = w->now.pedal;
-    f.message = now < w->message_until ? w->message : NULL;
-    f.mm_per_pixel = show->orbit.distance / (1.2071 * height);
-    ost_orbit_frame(&show->orbit, f.right, f.up, back);
-    return f;
+        f->legend = appearance_legend_of(&w->s->show->look);
+    f->pedal = w->now.pedal;
+    w->stale = w->stale || (f->message && now >= w->message_until);
+    f->message = now < w->message_until ? w->message : NULL;
+    f->mm_per_pixel = w->camera.orbit.distance / (1.2071 * height);
+    ost_orbit_frame(&w->camera.orbit, f->right, f->up, back);
+}
+
+static bool same_sight(const sight *a, const sight *b)
+{
+    return memcmp(&a->pose, &b->pose, sizeof a->pose) == 0 && memcmp(&a->orbit, &b->orbit, sizeof a->orbit) == 0 && a->changed == b->changed &&
+           a->tool == b->tool && a->style == b->style && a->width == b->width && a->height == b->height;
+}
+
+static sight sight_of(const sim_window *w, int width, int height)
+{
+    const ost_viewer *v = &w->s->show->viewer;
+    return (sight){.pose = v->state.pose, .orbit = w->camera.orbit, .changed = v->changed, .tool = v->has_state ? v->state.tool : -1, .style = v->style,
+                   .width = width, .height = height};
 }
 
 static ost_status present(sim_window *w, const ost_sheet *sheet, ost_error *err)
@@ -324,37 +377,55 @@ static ost_status present(sim_window *w, const ost_sheet *sheet, ost_error *err)
     return status;
 }
 
-static ost_status frame(sim_window *w, double dt, ost_error *err)
+/* *drawn: there was something to draw. */
+static ost_status frame(sim_window *w, double dt, bool *drawn, ost_error *err)
 {
     int width, height;
     double scale;
     sim_show *show = w->s->show;
+    *drawn = false;
     ost_window_size(w->window, &width, &height, &scale);
     const sim_hand before = w->now;
-    const bool shoot = take_events(w, height);
-    hold_keys(w, dt, height > 0 ? height : 1);
+    take_events(w, height);
+    hold_keys(w, dt);
     put_hand(w, &before);
-    if (width == 0 || height == 0)
-        return ost_viewer_update(&show->viewer, err); /* nobody sees it */
-    const int64_t begin = ost_clock_ns();
-    ost_status status = hud_for(w, width, height, scale, err);
-    if (status == OST_OK)
-        status = sim_show_frame(show, width, height, err);
-    if (status != OST_OK)
-        return status;
+    const double now = now_s();
+    sim_camera_step(&w->camera, now);
+    show->orbit = w->camera.orbit;
+    ost_status status = sim_show_look(show, err);
+    if (status != OST_OK || width == 0 || height == 0)
+        return status; /* nobody sees it */
     char said[FILM_TEXT];
     if (film_said(w->s->film, said))
         tell(w, said);
-    const double now = now_s();
+    take_facts(w, height, now);
+    const sight seen = sight_of(w, width, height);
+    if (w->args->fps > 0 && !w->stale && !w->shoot && !ost_window_damaged(w->window) && same_sight(&seen, &w->seen)) {
+        show->last_ns = 0;
+        return OST_OK;
+    }
+    const int64_t begin = ost_clock_ns();
+    status = hud_for(w, width, height, scale, err);
+    if (status == OST_OK)
+        status = sim_show_frame(show, width, height, err);
+    if (status == OST_ERR_RANGE && w->astray++ < ASTRAY_MAX) {
+        tell(w, "that was too far away to be drawn: back to where it began");
+        look_from(w, w->camera.home);
+        return OST_OK;
+    }
+    if (status != OST_OK)
+        return status;
+    w->astray = 0;
     const ost_sheet sheet = {show->viewer.frame.planes.colour, show->viewer.frame.planes.stride, width, height};
-    count_rates(w, now);
-    const sim_hud_facts facts = facts_of(w, height, now);
-    sim_hud_draw(w->hud, &sheet, &facts);
-    w->rates.frame_ms += ((double)(ost_clock_ns() - begin) * 1e-6 - w->rates.frame_ms) * 0.1;
-    if (shoot)
+    sim_hud_draw(w->hud, &sheet, &w->facts);
+    if (w->shoot)
         film_still(w->s->film, sheet.pixels, sheet.stride, width, height);
     film_frame(w->s->film, ost_clock_ns(), sheet.pixels, sheet.stride, width, height);
+    w->shoot = w->stale = false;
+    w->seen = seen;
+    w->rates.frame_ms += ((double)(ost_clock_ns() - begin) * 1e-6 - w->rates.frame_ms) * 0.1;
     w->frames++;
+    *drawn = true;
     return present(w, &sheet, err);
 }
 
@@ -383,17 +454,22 @@ static void wait_until(int64_t due)
     clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, NULL);
 }
 
+/* As often as asked for while something changes; else it waits for somebody to do something. */
 static ost_status show_frames(sim_window *w, server *v, ost_error *err)
 {
     const int64_t period = w->args->fps > 0 ? INT64_C(1000000000) / w->args->fps : 0;
     int64_t due = ost_clock_ns(), last = due;
+    double wait = 0;
     ost_status status = OST_OK;
     while (status == OST_OK && !atomic_load(&v->done)) {
-        ost_window_poll(w->window, 0);
+        int width, height;
+        double scale;
+        bool drawn;
+        ost_window_poll(w->window, wait);
         if (w->quit || interrupt_asked())
             break;
         const int64_t begin = ost_clock_ns();
-        status = frame(w, fmin(0.1, (double)(begin - last) * 1e-9), err);
+        status = frame(w, fmin(0.1, (double)(begin - last) * 1e-9), &drawn, err);
         if (status == OST_OK && ost_window_closing(w->window)) {
             status = ost_window_check(w->window, err);
             break;
@@ -401,7 +477,9 @@ static ost_status show_frames(sim_window *w, server *v, ost_error *err)
         last = begin;
         const int64_t now = ost_clock_ns();
         due = due + period > now ? due + period : now;
-        if (due > now)
+        ost_window_size(w->window, &width, &height, &scale);
+        wait = width == 0 ? HIDDEN_S : drawn ? 0 : (double)period * 1e-9;
+        if (drawn && due > now)
             wait_until(due);
     }
     return status;
@@ -412,6 +490,7 @@ ost_status sim_window_serve(simulation *s, const ost_servo_options *how, ost_ser
     sim_window *w = s->window;
     server v = {.s = s, .how = how, .tick = tick};
     pthread_t thread;
+    w->camera = sim_camera_at((ost_view_name)w->args->view, &s->show->subject, 1e-9 * (double)ost_live_geometry(s->show->live)->spacing.x);
     const int error = ost_thread_begin(&thread, serve, &v);
     if (error)
         return ost_fail(err, OST_ERR_UNAVAILABLE, "no thread for the loop: %s", strerror(error));
