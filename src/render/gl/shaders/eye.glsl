@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What every stage knows of the camera; struct eye_block in internal.h is the
+ * What every stage knows of the camera; ost_gl_eye_block in eye.h is the
  * same.  All of it in voxels of what is drawn, from its grid's first voxel.
  *
  * PRECISE is `precise` where the language has it: products and sums are then

@@ -1,0 +1,120 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "core/conditions.h"
+#include "render/gl/choose.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+ost_status ost_gl_room_for_blocks(ost_gl *gl, int32_t count, ost_error *err)
+{
+    if (count <= gl->block_room)
+        return OST_OK;
+    free(gl->blocks);
+    free(gl->bases);
+    free(gl->firsts);
+    free(gl->counts);
+    gl->blocks = malloc((size_t)count * sizeof *gl->blocks);
+    gl->bases = malloc((size_t)count * 4 * sizeof *gl->bases);
+    gl->firsts = malloc((size_t)count * sizeof *gl->firsts);
+    gl->counts = malloc((size_t)count * sizeof *gl->counts);
+    gl->block_room = gl->blocks && gl->bases && gl->firsts && gl->counts ? count : 0;
+    return gl->block_room ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory to draw %d blocks", (int)count);
+}
+
+ost_status ost_gl_room_for_list(ost_gl *gl, uint64_t count, ost_error *err)
+{
+    GLint limit = 0;
+    const uint64_t room = count + count / 4 + 1024;
+    if (count <= gl->list_room)
+        return OST_OK;
+    glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &limit);
+    if (room > (uint64_t)limit)
+        return ost_fail(err, OST_ERR_RANGE, "OpenGL (%s) draws lists of up to %d voxels; here are more: --renderer points draws them",
+                        gl->context.info.driver, (int)limit);
+    free(gl->numbers);
+    gl->list_room = 0;
+    gl->numbers = malloc(room * sizeof *gl->numbers);
+    if (!gl->numbers)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory to draw %llu voxels", (unsigned long long)count);
+    glDeleteBuffers(1, &gl->list);
+    glDeleteTextures(1, &gl->list_texture);
+    gl->list = ost_gl_buffer_make(&gl->context, GL_COPY_WRITE_BUFFER, room * sizeof *gl->numbers, &gl->list_mapped);
+    gl->list_texture = ost_gl_buffer_texture(gl->list, GL_R32UI);
+    ost_status status = ost_gl_context_check(&gl->context, "makes room for a list", err);
+    gl->list_room = status == OST_OK ? (uint32_t)room : 0;
+    return status;
+}
+
+static int by_slot(const void *a, const void *b)
+{
+    return ((const ost_frame_block *)a)->slot - ((const ost_frame_block *)b)->slot;
+}
+
+void ost_gl_choose_blocks(ost_gl *gl, const ost_gl_variant *v, ost_gl_layer *l)
+{
+    const ost_surface *s = l->thing->surface;
+    ost_blocks_choose(s, &l->eye, gl->blocks, gl->bases, &l->blocks, &l->y0, &l->y1);
+    if (!v->frustum) {
+        l->blocks = 0;
+        l->y0 = 0;
+        l->y1 = l->thing->eye.height;
+        for (int32_t i = 0; i < s->used; i++)
+            if (s->slot[i]->count)
+                gl->blocks[l->blocks++] = (ost_frame_block){.slot = i, .count = s->slot[i]->count};
+    } else if (!v->order && l->blocks) {
+        qsort(gl->blocks, (size_t)l->blocks, sizeof *gl->blocks, by_slot);
+    }
+}
+
+/* Numbers of a block's points that have a face toward the eye. */
+static uint32_t list_points(const ost_surface_block *b, const float base[3], uint32_t first, uint32_t *out)
+{
+    uint8_t turned[3][OST_BLOCK];
+    uint32_t n = 0;
+    for (int a = 0; a < 3; a++)
+        ost_blocks_turned(base[a], a, turned[a]);
+    for (uint32_t i = 0; i < b->count; i++) {
+        const uint32_t p = b->points[i], seen = (uint32_t)(turned[0][p & 31] | turned[1][p >> 5 & 31] | turned[2][p >> 10 & 31]);
+        out[n] = first + i;
+        n += (p >> OST_FACES_SHIFT & seen) != 0;
+    }
+    return n;
+}
+
+/* The most pixels that a voxel of the block may be wide: splat_scalar.c's slopes at the frame's corner. */
+static float largest_voxel(const ost_splat_eye *s, const float base[3])
+{
+    const ost_eye *e = &s->eye;
+    const float middle[3] = {base[0] + 15.5f, base[1] + 15.5f, base[2] + 15.5f};
+    const float nearest = ost_eye_dot(e->forward, middle) - (float)OST_BLOCK * s->reach[2];
+    const float slope = hypotf(e->half_w, e->half_h) / e->focal, wide = 1.7320508f * sqrtf(1 + slope * slope);
+    return wide * e->focal / (nearest > e->near ? nearest : e->near) + 2;
+}
+
+void ost_gl_list_blocks(ost_gl *gl, ost_gl_layer *l)
+{
+    const ost_surface *s = l->thing->surface;
+    uint32_t n = gl->list_used;
+    l->begin = n;
+    l->near = 0;
+    for (int32_t i = 0; i < l->blocks; i++) {
+        const int32_t slot = gl->blocks[i].slot;
+        n += list_points(s->slot[slot], gl->bases + 4 * slot, l->resident->run[OST_GL_POINTS][slot].first, gl->numbers + n);
+        if (largest_voxel(&l->eye, gl->bases + 4 * slot) > gl->context.info.largest)
+            l->near = n - l->begin;
+    }
+    l->count = n - l->begin;
+    gl->list_used = n;
+}
+
+/* Where a voxel is less than this wide, a brick is the cheaper point. */
+static const float SMALL_VOXEL = 3.0f;
+
+bool ost_gl_are_small(const ost_gl *gl, const ost_gl_layer *l)
+{
+    if (l->blocks == 0)
+        return false;
+    const float half = 27.8f; /* of a block's diagonal */
+    const float nearest = sqrtf(gl->blocks[0].distance) - half;
+    return nearest > 2 * OST_BLOCK && l->thing->eye.focal < SMALL_VOXEL * nearest;
+}
