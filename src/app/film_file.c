@@ -77,7 +77,23 @@ int film_put_new(const char *name, const void *bytes, size_t size)
 
 /* --------------------------------------------------------------- programs */
 
-static ost_status start(film_file *f, const char **argv, const char *missing, ost_error *err)
+/* Where PATH has it, looked for here: to start what is not there looks like a success where fork stands for vfork. */
+static bool find_program(const char *name, char path[NAME])
+{
+    const char *from = getenv("PATH");
+    struct stat st;
+    for (const char *p = from ? from : "/usr/bin:/bin";; p++) {
+        const size_t n = strcspn(p, ":");
+        const int length = snprintf(path, NAME, "%.*s%s%s", (int)n, p, n ? "/" : "", name); /* nothing is the folder one is in */
+        if (length < NAME && stat(path, &st) == 0 && S_ISREG(st.st_mode) && access(path, X_OK) == 0)
+            return true;
+        p += n;
+        if (!*p)
+            return false;
+    }
+}
+
+static ost_status start(film_file *f, const char **argv, ost_error *err)
 {
     int ends_of[2];
     posix_spawn_file_actions_t files;
@@ -97,7 +113,7 @@ static ost_status start(film_file *f, const char **argv, const char *missing, os
     posix_spawnattr_setsigdefault(&how, &usual);
     posix_spawnattr_setpgroup(&how, 0); /* Ctrl-C ends the simulator, which then ends the video */
     posix_spawnattr_setflags(&how, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
-    const int error = posix_spawnp(&f->encoder, argv[0], &files, &how, (char *const *)(void *)argv, environ);
+    const int error = posix_spawn(&f->encoder, argv[0], &files, &how, (char *const *)(void *)argv, environ);
     posix_spawnattr_destroy(&how);
     posix_spawn_file_actions_destroy(&files);
     close(ends_of[0]);
@@ -105,7 +121,7 @@ static ost_status start(film_file *f, const char **argv, const char *missing, os
     if (!error)
         return OST_OK;
     f->encoder = 0;
-    return ost_fail(err, OST_ERR_UNAVAILABLE, "%s: %s%s", argv[0], strerror(error), missing);
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "%s: %s", argv[0], strerror(error));
 }
 
 static ost_status start_ffmpeg(film_file *f, ost_error *err)
@@ -113,10 +129,13 @@ static ost_status start_ffmpeg(film_file *f, ost_error *err)
     static const char *const x264[] = {"-c:v", "libx264", "-preset", "veryfast", "-crf", "18", NULL};
     static const char *const vp9[] = {"-c:v", "libvpx-vp9", "-deadline", "realtime", "-cpu-used", "7", "-crf", "24", "-b:v", "0", NULL};
     /* Colours and even sides that every player takes. */
-    const char *argv[40] = {"ffmpeg", "-hide_banner", "-loglevel", "error", "-f", "yuv4mpegpipe", "-i", "-", "-vf", "crop=trunc(iw/2)*2:trunc(ih/2)*2,format=yuv420p", "-colorspace", "bt709",
+    char program[NAME];
+    const char *argv[40] = {program, "-hide_banner", "-loglevel", "error", "-f", "yuv4mpegpipe", "-i", "-", "-vf", "crop=trunc(iw/2)*2:trunc(ih/2)*2,format=yuv420p", "-colorspace", "bt709",
                       "-color_primaries", "bt709", "-color_trc", "bt709"};
     int count = 16;
     const char *slash = strrchr(f->target, '/'), *dot = strrchr(f->target, '.');
+    if (!find_program("ffmpeg", program))
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "%s: no ffmpeg in PATH to make it; Debian: install ffmpeg, or name a folder or a .y4m instead", f->target);
     f->part = malloc(strlen(f->target) + 64);
     if (!f->part)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for a video");
@@ -125,13 +144,13 @@ static ost_status start_ffmpeg(film_file *f, ost_error *err)
         argv[count++] = *more;
     argv[count++] = "-y";
     argv[count++] = f->part;
-    return start(f, argv, "; Debian: install ffmpeg, or name a folder or a .y4m instead", err);
+    return start(f, argv, err);
 }
 
 static ost_status start_shell(film_file *f, const char *command, ost_error *err)
 {
     const char *argv[] = {"/bin/sh", "-c", command, NULL};
-    return start(f, argv, "", err);
+    return start(f, argv, err);
 }
 
 static ost_status finish(film_file *f, ost_error *err)

@@ -207,13 +207,22 @@ static void a_failure_is_said_and_ends_it(void **state)
     show(f, 0, 10);
     assert_int_equal(film_close(f, 0, NULL, &err), OST_ERR_IO);
     assert_non_null(strstr(err.text, "status 7"));
+    FILE *out;
     char *path = strdup(getenv("PATH"));
     film_options none = {.target = "v.mp4", .fps = 10};
     setenv("PATH", "/nowhere", 1);
     assert_int_equal(film_open(&none, &f, &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "install ffmpeg"));
+    /* A folder of that name, and a file that cannot be run, are none. */
+    assert_int_equal(mkdir("folder", 0777), 0);
+    assert_int_equal(mkdir("folder/ffmpeg", 0777), 0);
+    out = fopen("ffmpeg", "w");
+    assert_non_null(out);
+    fclose(out);
+    setenv("PATH", "folder:", 1);
+    assert_int_equal(film_open(&none, &f, &err), OST_ERR_UNAVAILABLE);
     /* One that answers to the name: its file has its own when it is whole. */
-    FILE *out = fopen("ffmpeg", "w");
+    out = fopen("ffmpeg", "w");
     assert_non_null(out);
     fputs("#!/bin/sh\nPATH=/usr/bin:/bin\nfor last; do :; done\ncat >\"$last\"\nexit ${FILM_FAILS:-0}\n", out);
     fclose(out);
