@@ -176,10 +176,21 @@ typedef void ost_servo_done(void *user, uint64_t number, uint32_t exec_ns);
 /* Before a tick is due, when nothing of it is known yet. May take a while; must not wait. */
 typedef void ost_servo_rehearse(void *user);
 
+/* What the loop is at: the ticks, or a loop that they are compared with. */
+typedef enum ost_servo_stage {
+    OST_SERVO_TICKING,
+    OST_SERVO_BUSY,       /* a loop that only spends time, as much as the ticks did */
+    OST_SERVO_QUIET,      /* one that does nothing */
+    OST_SERVO_RESTED      /* the busy one again, while whoever works beside the loop rests */
+} ost_servo_stage;
+/* When a stage begins, and before each turn of a loop for comparison: false ends that loop. Nothing here may wait. */
+typedef bool ost_servo_beside(void *user, ost_servo_stage stage);
+
 typedef struct ost_servo_options {
     int64_t period_ns;    /* 0: 1,000,000 */
     uint64_t ticks;       /* 0: until the device ends or tick returns false */
     uint64_t idle_ticks;  /* of a loop that does nothing, half of them before and half after; and as many of one that only spends time */
+    uint64_t rest_ticks;  /* of OST_SERVO_RESTED; with any, the quiet loop is all after: what works beside it has by then seen the ticks */
     bool no_clock;        /* one tick after the other, as fast as they go: for devices that know no time */
     bool no_realtime;     /* ask the system for no priority and no locked memory */
     bool pinned;          /* the loop keeps to core; back to where it was afterwards */
@@ -190,6 +201,8 @@ typedef struct ost_servo_options {
      */
     int64_t lead_ns;
     ost_servo_rehearse *rehearse;
+    ost_servo_beside *beside; /* NULL: nobody asks */
+    void *beside_user;
 } ost_servo_options;
 
 typedef enum ost_servo_end { OST_SERVO_TICKS, OST_SERVO_ASKED, OST_SERVO_DEVICE_ENDED, OST_SERVO_DEVICE_LOST, OST_SERVO_WATCHDOG } ost_servo_end;
@@ -215,8 +228,9 @@ typedef struct ost_servo_report {
     ost_servo_control idle;    /* a loop that does nothing, half before and half after */
     ost_servo_control busy;    /* afterwards, one that spends busy_ns of each period and nothing else: lead and median tick */
     int64_t busy_ns;
+    ost_servo_control rested;  /* the busy one, with rest_ticks */
     int64_t stolen_ms;         /* by the hypervisor, of all cores together, while the loops ran; -1: unknown */
-    ost_times wake, exec, completion, idle_wake, busy_wake;
+    ost_times wake, exec, completion, idle_wake, busy_wake, rested_wake;
     ost_times own;             /* of exec, what the tick did itself: without what other threads or a hypervisor took */
     ost_realtime realtime;
 } ost_servo_report;

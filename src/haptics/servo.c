@@ -212,12 +212,18 @@ static bool beat(void *user)
     return true;
 }
 
-/* A loop that does nothing, or nothing but spend work_ns of each period. */
-static ost_servo_control run_control(int64_t period, uint64_t ticks, int64_t work_ns, ost_times *wake)
+/* Whether whoever works beside the loop lets it go on. */
+static bool goes_on(const servo *s, ost_servo_stage stage)
 {
-    ost_servo_control done = {.ticks = ticks};
+    return !s->options.beside || s->options.beside(s->options.beside_user, stage);
+}
+
+/* A loop that does nothing, or nothing but spend work_ns of each period, until ticks of them are done in all or it is ended. */
+static void run_control(const servo *s, ost_servo_stage stage, uint64_t ticks, int64_t work_ns, ost_servo_control *done, ost_times *wake)
+{
+    const int64_t period = s->options.period_ns;
     int64_t due = ost_clock_ns() + period;
-    for (uint64_t i = 0; i < ticks; i++) {
+    while (done->ticks < ticks && goes_on(s, stage)) {
         sleep_until(due);
         const int64_t begin = ost_clock_ns();
         int64_t end = begin;
@@ -225,26 +231,27 @@ static ost_servo_control run_control(int64_t period, uint64_t ticks, int64_t wor
             end = ost_clock_ns();
         const int64_t skipped = skipped_after(due, end, period);
         ost_times_add(wake, (uint64_t)(begin - due));
-        done.missed += skipped > 0 ? (uint64_t)skipped + 1 : 0;
+        done->ticks++;
+        done->missed += skipped > 0 ? (uint64_t)skipped + 1 : 0;
         due += period * (skipped + 1);
     }
-    return done;
 }
 
-static void run_idle(servo *s, uint64_t ticks)
+static void run_before(servo *s)
 {
-    ost_servo_report *r = s->report;
-    const ost_servo_control done = run_control(s->options.period_ns, ticks, 0, &r->idle_wake);
-    r->idle.ticks += done.ticks;
-    r->idle.missed += done.missed;
+    if (s->options.rest_ticks == 0)
+        run_control(s, OST_SERVO_QUIET, s->options.idle_ticks / 2, 0, &s->report->idle, &s->report->idle_wake);
 }
 
-/* As long a tick as the ones that were served, at their median. */
-static void run_busy(servo *s, uint64_t ticks)
+/* A busy loop's tick is as long as the ones that were served, at their median. */
+static void run_after(servo *s)
 {
     ost_servo_report *r = s->report;
-    r->busy_ns = s->options.lead_ns + (int64_t)(ost_times_share_us(&r->exec, 0.5) * 1e3);
-    r->busy = run_control(s->options.period_ns, ticks, r->busy_ns, &r->busy_wake);
+    const ost_servo_options *o = &s->options;
+    r->busy_ns = o->lead_ns + (int64_t)(ost_times_share_us(&r->exec, 0.5) * 1e3);
+    run_control(s, OST_SERVO_BUSY, o->idle_ticks, r->busy_ns, &r->busy, &r->busy_wake);
+    run_control(s, OST_SERVO_QUIET, o->idle_ticks, 0, &r->idle, &r->idle_wake);
+    run_control(s, OST_SERVO_RESTED, o->rest_ticks, r->busy_ns, &r->rested, &r->rested_wake);
 }
 
 /* Steal of all cores since the machine began, in ms; -1 where the system does not say. */
@@ -293,7 +300,8 @@ ost_status ost_servo_run(ost_haptic *device, const ost_servo_options *options, o
     realtime_before before;
     realtime_enter(!s.options.no_realtime, s.options.pinned ? s.options.core : -1, &before, &report->realtime);
     const int64_t stolen = stolen_ms();
-    run_idle(&s, s.options.idle_ticks / 2);
+    run_before(&s);
+    goes_on(&s, OST_SERVO_TICKING);
     ost_status status = OST_OK;
     if (driver->caps & OST_HAPTIC_OWN_CLOCK)
         status = driver->run(device->instance, beat, &s, err);
@@ -304,8 +312,7 @@ ost_status ost_servo_run(ost_haptic *device, const ost_servo_options *options, o
     /* Whatever the end was, the hand is left alone. */
     const ost_wrench nothing = {{0}, {0}};
     ost_haptic_write(device, &nothing);
-    run_busy(&s, s.options.idle_ticks);
-    run_idle(&s, s.options.idle_ticks - s.options.idle_ticks / 2);
+    run_after(&s);
     const int64_t after = stolen_ms();
     report->stolen_ms = stolen < 0 || after < 0 ? -1 : after - stolen;
     realtime_leave(&before);

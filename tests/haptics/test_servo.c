@@ -290,6 +290,47 @@ static void a_device_with_a_clock_of_its_own(void **state)
     assert_int_equal(report.end, OST_SERVO_DEVICE_LOST);
 }
 
+/* t: the ticks begin; b, q, r: a turn of a loop for comparison. */
+typedef struct stages {
+    char text[64];
+    size_t count;
+    char stop; /* the stage that goes on no more */
+    size_t stop_at; /* from then on */
+} stages;
+
+static bool on_stage(void *user, ost_servo_stage stage)
+{
+    stages *s = user;
+    const char c = "tbqr"[stage];
+    assert_true(s->count < sizeof s->text - 1);
+    s->text[s->count++] = c;
+    return c != s->stop || s->count < s->stop_at;
+}
+
+/* Who works beside the loop is told what it is at, in order, and may end what is only for comparison. */
+static void what_is_beside_knows_the_stage(void **state)
+{
+    (void)state;
+    stages all = {.stop = 0};
+    ost_servo_options options = {.ticks = 5, .idle_ticks = 4, .no_realtime = true, .beside = on_stage, .beside_user = &all};
+    serve_with(&timed, "F", &options, (seen){0});
+    assert_string_equal(all.text, "qqtbbbbqq");
+    assert_int_equal(report.rested.ticks, 0);
+    all = (stages){.stop = 0};
+    options.rest_ticks = 3;
+    serve_with(&timed, "F", &options, (seen){0});
+    assert_string_equal(all.text, "tbbbbqqqqrrr");
+    assert_int_equal(report.idle.ticks, 4);
+    assert_int_equal(report.busy.ticks, 4);
+    assert_int_equal(report.rested.ticks, 3);
+    assert_int_equal(report.rested_wake.count, 3);
+    all = (stages){.stop = 'b', .stop_at = 3};
+    serve_with(&timed, "F", &options, (seen){0});
+    assert_string_equal(all.text, "tbbqqqqrrr");
+    assert_int_equal(report.busy.ticks, 1);
+    assert_int_equal(report.busy_wake.count, 1);
+}
+
 static void on_rehearsal(void *user)
 {
     ((seen *)user)->rehearsals++;
@@ -438,6 +479,7 @@ int main(void)
         cmocka_unit_test(who_is_to_blame),
         cmocka_unit_test(own_work_is_what_was_done),
         cmocka_unit_test(a_device_with_a_clock_of_its_own),
+        cmocka_unit_test(what_is_beside_knows_the_stage),
         cmocka_unit_test(every_tick_is_rehearsed),
         cmocka_unit_test(what_cannot_be_is_refused),
         cmocka_unit_test(the_thread_is_afterwards_as_it_was),
