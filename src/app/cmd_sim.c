@@ -39,7 +39,7 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "contact", .kind = OPTION_FLAG, .out = &args.contact, .help = "show where bone went just now (in a window it is shown)"},
         {.name = "seconds", .kind = OPTION_DECIMAL, .out = &args.seconds, .value = "N", .help = "how long (default: until the window is closed; 10 without one)"},
         {.name = "idle", .kind = OPTION_DECIMAL, .out = &args.idle, .value = "N",
-         .help = "seconds of a loop that does nothing, half before and half after, and of one that only spends time, for comparison (default: none in a window, else as --seconds, at most 10)"},
+         .help = "seconds of a loop that does nothing, half before and half after, and of one that only spends time, for comparison; both after, beside the same frames again, where some are drawn (default: none in a window, else as --seconds, at most 10)"},
         {.name = "resume", .kind = OPTION_TEXT, .out = &args.resume, .value = "SESSION",
          .help = "go on with the operation of a session: its bone, tools, options"},
         {.name = "bone", .kind = OPTION_TEXT, .out = &args.bone, .given = &args.bone_given, .value = "BONE", .help = "a bone, a CT, or a built-in one (default: builtin:scapula)"},

@@ -111,6 +111,8 @@ ost_status sim_film_begin(const sim_args *args, simulation *s, ost_error *err);
 /* The video is whole; and what is said of it. */
 ost_status sim_film_end(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
 
+/* Whether the frames are compared too, with what the machine makes of them. */
+bool sim_rests(const sim_args *args);
 ost_status sim_run(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
 
 void sim_report_loop(const app_state *app, const sim_args *args, const simulation *s);

@@ -76,6 +76,10 @@ void sim_report_loop(const app_state *app, const sim_args *args, const simulatio
     put_integer(o, "busy_ticks", (int64_t)r->busy.ticks);
     put_integer(o, "busy_missed", (int64_t)r->busy.missed);
     put_integer(o, "busy_us", r->busy_ns / 1000);
+    if (r->rested.ticks) {
+        put_integer(o, "rested_ticks", (int64_t)r->rested.ticks);
+        put_integer(o, "rested_missed", (int64_t)r->rested.missed);
+    }
     put_integer(o, "stolen_ms", r->stolen_ms);
     put_integer(o, "faults", (int64_t)s->done.faults);
     put_integer(o, "fault_ticks", (int64_t)s->done.fault_ticks);
@@ -90,12 +94,17 @@ void sim_report_loop(const app_state *app, const sim_args *args, const simulatio
     put_times(app, "completion_us", "done after", &r->completion);
     put_times(app, "idle_wake_us", "a quiet loop, late by", &r->idle_wake);
     put_times(app, "busy_wake_us", "a busy one, late by", &r->busy_wake);
+    if (r->rested.ticks)
+        put_times(app, "rested_wake_us", "  and without frames", &r->rested_wake);
     if (!args->no_clock) {
         char beside[2 * SAY_TEXT] = "";
         if (r->idle.ticks)
             snprintf(beside, sizeof beside, "; by the quiet loop %llu of %llu, by the busy one %llu of %llu", (unsigned long long)r->idle.missed,
                      (unsigned long long)r->idle.ticks, (unsigned long long)r->busy.missed, (unsigned long long)r->busy.ticks);
         say(app, "  deadlines missed: %llu of %llu%s", (unsigned long long)r->missed, (unsigned long long)r->ticks, beside);
+        if (r->rested.ticks)
+            say(app, "    these two beside the same frames; without frames the busy one %llu of %llu", (unsigned long long)r->rested.missed,
+                (unsigned long long)r->rested.ticks);
         if (r->missed)
             say(app, "    why: %llu as the loop was woken a period late or more, %llu as its core was taken away, %llu by a tick's own work",
                 (unsigned long long)r->missed_woken_late, (unsigned long long)r->missed_taken, (unsigned long long)r->missed_by_work);

@@ -26,6 +26,18 @@ static bool tick(void *operation, const ost_servo_sample *sample, ost_wrench *wr
     return ost_operation_tick(operation, sample, wrench) && !interrupt_asked();
 }
 
+/* Who asked for the end waits for no comparison. */
+static bool beside(void *user, ost_servo_stage stage)
+{
+    simulation *s = user;
+    return (s->show ? sim_show_stage(s->show, stage) : true) && !interrupt_asked();
+}
+
+bool sim_rests(const sim_args *args)
+{
+    return args->renderer >= SIM_RENDERER_POINTS && args->fps > 0 && !args->no_clock;
+}
+
 /* Elsewhere than on processors a rehearsal is one more launch; on a core that is shared it takes time from others. */
 static int64_t lead_ns(const sim_args *args, const simulation *s)
 {
@@ -37,8 +49,8 @@ static int64_t lead_ns(const sim_args *args, const simulation *s)
 static ost_status serve(const app_state *app, const sim_args *args, const ost_servo_options *how, simulation *s, ost_error *err)
 {
     sim_watch *watch;
-    ost_status status = sim_watch_begin(app, s->recorder, args->record, SIM_ROOM, args->no_clock ? 0 : (double)(how->ticks + 2 * how->idle_ticks) * 1e-3,
-                                        &watch, err);
+    const double seconds = args->no_clock || !how->ticks ? 0 : (double)(how->ticks + 2 * how->idle_ticks + how->rest_ticks) * 1e-3;
+    ost_status status = sim_watch_begin(app, s->recorder, args->record, SIM_ROOM, seconds, &watch, err);
     if (status != OST_OK)
         return status;
     if (s->show && !s->window && (status = sim_show_begin(s->show, err)) != OST_OK) {
@@ -77,16 +89,21 @@ ost_status sim_run(const app_state *app, const sim_args *args, simulation *s, os
     const ost_servo_options how = {
         .ticks = args->ticks,
         .idle_ticks = args->no_clock ? 0 : args->idle_ticks,
+        .rest_ticks = sim_rests(args) ? args->idle_ticks : 0,
         .no_clock = args->no_clock,
         .no_realtime = args->no_realtime || args->no_clock,
         .pinned = s->core >= 0,
         .core = s->core,
         .lead_ns = lead_ns(args, s),
         .rehearse = ost_operation_rehearse,
+        .beside = beside,
+        .beside_user = s,
     };
     if (!app->json && !app->quiet && !args->no_clock && args->ticks)
         say(app, "%s moves %s in %s for %.4g s%s", args->device, args->tools.value[0], args->bone, (double)args->ticks * 1e-3,
-            how.idle_ticks ? ", with a quiet loop and a busy one before and after for comparison" : "");
+            how.rest_ticks   ? ", with a busy loop and a quiet one after it for comparison"
+            : how.idle_ticks ? ", with a quiet loop and a busy one before and after for comparison"
+                             : "");
     char about[OST_HAPTIC_TEXT];
     if (!app->quiet && ost_haptic_about(s->device, about)[0])
         fprintf(stderr, "osteon sim: device %s %s\n", ost_haptic_name(s->device), about);

@@ -9,6 +9,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "app/interrupt.h"
 #include "app/result.h"
 #include "app/say.h"
 #include "app/sim_look.h"
@@ -56,6 +57,8 @@ ost_status sim_show_make(const app_state *app, const sim_args *args, simulation 
     s->show = show;
     show->app = app;
     show->args = args;
+    show->beside.stage = SIM_BESIDE_NOT_BEGUN;
+    show->beside.wanted = sim_rests(args);
     ost_status status = ost_live_create(s->bone, &show->live, err);
     if (status != OST_OK)
         return status;
@@ -91,28 +94,44 @@ void sim_show_free(sim_show *show)
     free(show);
 }
 
+bool sim_show_stage(void *user, ost_servo_stage stage)
+{
+    sim_show *show = user;
+    const int before = atomic_exchange(&show->beside.stage, (int)stage);
+    if (before == OST_SERVO_TICKING && stage != OST_SERVO_TICKING)
+        show->end_ns = ost_clock_ns();
+    return !interrupt_asked();
+}
+
 ost_status sim_show_look(sim_show *show, ost_error *err)
 {
-    return ost_viewer_update(&show->viewer, err);
+    show->look_ns = ost_clock_ns();
+    ost_status status = ost_viewer_update(&show->viewer, err);
+    return status == OST_OK ? sim_beside_update(&show->beside, &show->viewer, err) : status;
 }
 
 ost_status sim_show_frame(sim_show *show, int width, int height, ost_error *err)
 {
     ost_camera camera;
-    const int64_t begin = ost_clock_ns();
-    if (show->last_ns)
-        frame_times_add(&show->apart, begin - show->last_ns);
-    show->last_ns = begin;
-    ost_status status = ost_viewer_update(&show->viewer, err);
-    if (status == OST_OK && show->args->renderer >= SIM_RENDERER_POINTS) {
+    ost_status status = OST_OK;
+    const bool counts = sim_beside_ticks(&show->beside);
+    if (show->last_ns && counts)
+        frame_times_add(&show->apart, show->look_ns - show->last_ns);
+    show->last_ns = counts ? show->look_ns : 0;
+    if (show->args->renderer >= SIM_RENDERER_POINTS) {
         status = ost_orbit_camera(&show->orbit, width, height, &camera, err);
         if (status == OST_OK)
             status = ost_viewer_draw(&show->viewer, &camera, err);
         if (status == OST_OK && show->args->headless && !show->args->hud && !show->args->look.no_legend)
             status = appearance_legend(&show->look, err);
     }
-    frame_times_add(&show->drawn, ost_clock_ns() - begin);
     return status;
+}
+
+void sim_show_done(sim_show *show)
+{
+    if (show->last_ns)
+        frame_times_add(&show->drawn, ost_clock_ns() - show->look_ns);
 }
 
 /* ----------------------------------------------------------- without a window */
@@ -139,11 +158,14 @@ static ost_status write_over(sim_show *show, ost_error *err)
 static ost_status frame_of_thread(sim_show *show, ost_error *err)
 {
     const ost_planes *p = &show->viewer.frame.planes;
-    ost_status status = sim_show_frame(show, show->args->width, show->args->height, err);
+    ost_status status = sim_show_look(show, err);
+    if (status == OST_OK)
+        status = sim_show_frame(show, show->args->width, show->args->height, err);
     if (status == OST_OK && show->args->hud)
         status = write_over(show, err);
-    if (status == OST_OK && show->film)
+    if (status == OST_OK && show->film && sim_beside_ticks(&show->beside))
         film_frame(show->film, ost_clock_ns(), p->colour, p->stride, show->args->width, show->args->height);
+    sim_show_done(show);
     return status;
 }
 
@@ -167,7 +189,8 @@ static void *work(void *user)
     const int64_t period = show->args->fps > 0 ? INT64_C(1000000000) / show->args->fps : 0;
     int64_t due = ost_clock_ns();
     while (!atomic_load(&d->stop) && show->status == OST_OK) {
-        show->status = frame_of_thread(show, &show->err);
+        if (!sim_beside_rests(&show->beside, &show->drawn))
+            show->status = frame_of_thread(show, &show->err);
         const int64_t now = ost_clock_ns();
         due = due + period > now ? due + period : now; /* what is late is not caught up on */
         const struct timespec t = {.tv_sec = due / 1000000000, .tv_nsec = due % 1000000000};
@@ -194,25 +217,42 @@ ost_status sim_show_begin(sim_show *show, ost_error *err)
 ost_status sim_show_end(sim_show *show, ost_error *err)
 {
     drawer *d = show->thread;
-    show->end_ns = ost_clock_ns();
+    if (!show->end_ns)
+        show->end_ns = ost_clock_ns();
     if (d) {
         atomic_store(&d->stop, true);
         pthread_join(d->thread, NULL);
         free(d);
         show->thread = NULL;
     }
+    atomic_store(&show->beside.stage, SIM_BESIDE_NOT_BEGUN); /* what is drawn now is the bone as it is */
     if (show->status != OST_OK)
         return ost_fail(err, show->status, "the renderer: %.500s", show->err.text);
     ost_status status = ost_live_flush(show->live, err);
     if (status == OST_OK && show->args->picture) {
-        show->last_ns = 0;
-        status = sim_show_frame(show, show->args->width, show->args->height, err);
+        status = sim_show_look(show, err);
+        if (status == OST_OK)
+            status = sim_show_frame(show, show->args->width, show->args->height, err);
         if (status == OST_OK && show->args->hud)
             status = write_over(show, err);
         if (status == OST_OK)
             status = write_picture(show, err);
     }
     return status;
+}
+
+/* What the machine makes of frames that come as often, whoever draws them. */
+static void report_floor(const app_state *app, const sim_show *show, json_t *row)
+{
+    const frame_times *woken = &show->beside.woken, *spent = &show->beside.spent;
+    if (woken->count == 0 || spent->count == 0)
+        return;
+    const double w50 = 1000 / frame_times_ms(woken, 0.5), w99 = 1000 / frame_times_ms(woken, 0.99);
+    const double s50 = 1000 / frame_times_ms(spent, 0.5), s99 = 1000 / frame_times_ms(spent, 0.99);
+    put(row, "floor", json_pack("{s:f,s:f,s:f,s:f,s:I}", "fps", w50, "fps_worst_1_percent", w99, "busy_fps", s50, "busy_fps_worst_1_percent", s99,
+                                "frames", (json_int_t)(woken->count + spent->count)));
+    say(app, "  nothing drawn beside the same loop: frames that only wake come %.0f a second at median, %.0f in the worst hundredth; that spend as long, %.0f and %.0f",
+        w50, w99, s50, s99);
 }
 
 /* Who drew, where it was OpenGL. */
@@ -251,6 +291,7 @@ void sim_show_report(const app_state *app, const sim_show *show)
         return;
     say(app, "  %s frames beside it, %.0f a second at median, %.0f in the worst hundredth; one takes %.1f ms, %.1f ms at 99 %%",
         say_count(a, (int64_t)drawn->count), 1000 / p50, 1000 / worst, work50, work99);
+    report_floor(app, show, o);
     if (show->args->picture)
         say(app, "  %s: the last of them", show->args->picture);
 }

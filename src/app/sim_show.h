@@ -12,6 +12,7 @@
 #include "app/appearance.h"
 #include "app/frame_times.h"
 #include "app/sim.h"
+#include "app/sim_beside.h"
 #include "app/sim_facts.h"
 #include "render/viewer.h"
 #include "render/views.h"
@@ -31,9 +32,11 @@ typedef struct sim_show {
     film *film;               /* borrowed; NULL: none */
     appearance look;
     ost_tool_volume ghost_tool; /* the first; what its ghost is made of */
-    frame_times drawn, apart; /* a frame's work; from one frame to the next */
-    int64_t last_ns;          /* when the last frame began; 0: it was not drawn right before */
-    int64_t end_ns;           /* when the loop was over */
+    frame_times drawn, apart; /* a frame's work; from one frame to the next; while the operation went on */
+    int64_t look_ns;          /* when this frame began */
+    int64_t last_ns;          /* when the last one did; 0: it was not drawn right before */
+    int64_t end_ns;           /* when the operation was over */
+    sim_beside beside;
     void *thread;             /* NULL: none */
     ost_status status;        /* of the thread */
     ost_error err;
@@ -43,10 +46,14 @@ typedef struct sim_show {
 ost_status sim_show_make(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
 void sim_show_free(sim_show *show);
 
-/* What changed since the last time. */
+/* Of the loop's thread: what it is at. False: it is not to go on. */
+bool sim_show_stage(void *show, ost_servo_stage stage);
+/* What changed since the last time: a frame begins. */
 ost_status sim_show_look(sim_show *show, ost_error *err);
-/* The same, and a frame of this size; nothing is drawn by the renderer null. */
+/* Drawn in this size; nothing is drawn by the renderer null. */
 ost_status sim_show_frame(sim_show *show, int width, int height, ost_error *err);
+/* All that belongs to it is done. */
+void sim_show_done(sim_show *show);
 
 /* Frames by a thread, until the end. */
 ost_status sim_show_begin(sim_show *show, ost_error *err);

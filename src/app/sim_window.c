@@ -62,6 +62,7 @@ struct sim_window {
     double facts_s;
     sight seen;
     bool stale;        /* what is over the frame is another */
+    bool compared;     /* frames are those of before, again */
     simulation *s;
     ost_status status; /* what ended it, but for a wish */
     ost_error err;
@@ -377,6 +378,15 @@ static ost_status present(sim_window *w, const ost_sheet *sheet, ost_error *err)
     return status;
 }
 
+/* That the tool moves on and nothing goes is not to be taken for the operation. */
+static void tell_stage(sim_window *w)
+{
+    const bool again = sim_beside_again(&w->s->show->beside);
+    if (again && !w->compared)
+        tell(w, "the time is over: the same frames again, beside a loop for comparison");
+    w->compared = again;
+}
+
 /* *drawn: there was something to draw. */
 static ost_status frame(sim_window *w, double dt, bool *drawn, ost_error *err)
 {
@@ -398,9 +408,11 @@ static ost_status frame(sim_window *w, double dt, bool *drawn, ost_error *err)
     char said[FILM_TEXT];
     if (film_said(w->s->film, said))
         tell(w, said);
+    tell_stage(w);
     take_facts(w, height, now);
     const sight seen = sight_of(w, width, height);
-    if (w->args->fps > 0 && !w->stale && !w->shoot && !ost_window_damaged(w->window) && same_sight(&seen, &w->seen)) {
+    if (w->args->fps > 0 && !w->stale && !w->shoot && !ost_window_damaged(w->window) && !sim_beside_again(&show->beside) &&
+        same_sight(&seen, &w->seen)) {
         show->last_ns = 0;
         return OST_OK;
     }
@@ -420,13 +432,16 @@ static ost_status frame(sim_window *w, double dt, bool *drawn, ost_error *err)
     sim_hud_draw(w->hud, &sheet, &w->facts);
     if (w->shoot)
         film_still(w->s->film, sheet.pixels, sheet.stride, width, height);
-    film_frame(w->s->film, ost_clock_ns(), sheet.pixels, sheet.stride, width, height);
+    if (sim_beside_ticks(&show->beside))
+        film_frame(w->s->film, ost_clock_ns(), sheet.pixels, sheet.stride, width, height);
     w->shoot = w->stale = false;
     w->seen = seen;
     w->rates.frame_ms += ((double)(ost_clock_ns() - begin) * 1e-6 - w->rates.frame_ms) * 0.1;
     w->frames++;
     *drawn = true;
-    return present(w, &sheet, err);
+    status = present(w, &sheet, err);
+    sim_show_done(show);
+    return status;
 }
 
 /* ----------------------------------------------------------------- the loop */
@@ -469,7 +484,9 @@ static ost_status show_frames(sim_window *w, server *v, ost_error *err)
         if (w->quit || interrupt_asked())
             break;
         const int64_t begin = ost_clock_ns();
-        status = frame(w, fmin(0.1, (double)(begin - last) * 1e-9), &drawn, err);
+        drawn = sim_beside_rests(&w->s->show->beside, &w->s->show->drawn);
+        if (!drawn)
+            status = frame(w, fmin(0.1, (double)(begin - last) * 1e-9), &drawn, err);
         if (status == OST_OK && ost_window_closing(w->window)) {
             status = ost_window_check(w->window, err);
             break;

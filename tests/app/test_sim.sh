@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # osteon sim without a window: what it must say, and that an operation is the
 # same with a clock and without, live and replayed. No time is tested.
-# Covers: REQ-FILM, REQ-HAPTICS, REQ-REPLAY, REQ-MOTION
+# Covers: REQ-BESIDE, REQ-FILM, REQ-HAPTICS, REQ-REPLAY, REQ-MOTION
 . "${srcdir:-.}/tests/app/lib.sh"
 other=cpu:isa=scalar,threads=2
 [ "${OST_TEST_LONG:-0}" = 1 ] && other=ref
@@ -54,6 +54,11 @@ if "$osteon" devices | grep -q '^  png *yes'; then
         check "OpenGL beside it" "$(value renderer.name) $(value renderer.width) $(value sha256)" "gl 320 $seen"
     fi
 fi
+# Loops for comparison beside the same frames, and what comes of frames where nothing is drawn.
+run 0 sim --headless --bone bone.nrrd --seconds 0.3 --idle 0.5 --size 64x48 --renderer points --json
+has renderer.fps_worst_1_percent renderer.floor.fps renderer.floor.fps_worst_1_percent renderer.floor.busy_fps_worst_1_percent rested_missed rested_wake_us.max
+check "the loops beside it" "$(value idle_ticks) $(value busy_ticks) $(value rested_ticks)" "500 500 500"
+[ "$(value renderer.frames)" -le 19 ] || fail "frames of a comparison were counted: $(value renderer.frames) in 0.3 s"
 run 0 sim --headless --bone bone.nrrd --seconds 0.2 --idle 0 --renderer null --json
 check "a renderer that draws nothing" "$(value renderer.name) $(value renderer.width)" "null 0"
 refuse 2 "needs --renderer points" sim --headless --bone bone.nrrd --renderer null --hud
