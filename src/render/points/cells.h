@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Part of a picture: cells of 16 x 8 pixels, a bit each.
+ *
+ * What is drawn again, what has to be put back, what a layer may cover: all
+ * are such parts, and are gone through run by run.
+ */
+#ifndef OST_RENDER_CELLS_H
+#define OST_RENDER_CELLS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum { OST_CELL_WIDTH = 16, OST_CELL_HEIGHT = 8, OST_CELL_WORDS = 8 }; /* words of a row at most: 8192 pixels */
+
+typedef struct ost_cells {
+    uint64_t *bit; /* owned; `words` for each row of cells */
+    int words, across, rows;
+    int width, height; /* of the picture */
+} ost_cells;
+
+/* Empty. False without memory. Pictures up to 8192 pixels a side. */
+bool ost_cells_init(ost_cells *cells, int width, int height);
+void ost_cells_free(ost_cells *cells); /* also of zeroed ones */
+
+void ost_cells_clear(const ost_cells *cells);
+void ost_cells_fill(const ost_cells *cells);
+/* All that pixels x0 <= x < x1, y0 <= y < y1 lie in; what is outside of the picture is left out. */
+void ost_cells_add(const ost_cells *cells, int x0, int x1, int y0, int y1);
+/* Those of another of the same size. */
+void ost_cells_join(const ost_cells *cells, const ost_cells *other);
+
+static inline const uint64_t *ost_cells_row(const ost_cells *cells, int row)
+{
+    return cells->bit + (int64_t)row * cells->words;
+}
+
+/* A pixel of the picture. */
+static inline bool ost_cells_has(const ost_cells *cells, int x, int y)
+{
+    const int column = x / OST_CELL_WIDTH;
+    return ost_cells_row(cells, y / OST_CELL_HEIGHT)[column / 64] >> (column % 64) & 1;
+}
+
+static inline void ost_cells_dot(const ost_cells *cells, int x, int y)
+{
+    const int column = x / OST_CELL_WIDTH;
+    cells->bit[(int64_t)(y / OST_CELL_HEIGHT) * cells->words + column / 64] |= UINT64_C(1) << (column % 64);
+}
+
+/* Bits of words, half-open: the next run at or after *to. False when there is none. */
+static inline bool ost_cells_run(const uint64_t *word, int words, int *from, int *to)
+{
+    int i = *to;
+    for (; i < 64 * words; i = (i / 64 + 1) * 64) {
+        const uint64_t left = word[i / 64] >> (i % 64);
+        if (left) {
+            i += __builtin_ctzll(left);
+            break;
+        }
+    }
+    *from = i;
+    for (; i < 64 * words; i = (i / 64 + 1) * 64) {
+        const uint64_t left = ~word[i / 64] >> (i % 64);
+        if (left) {
+            i += __builtin_ctzll(left);
+            break;
+        }
+    }
+    *to = i < 64 * words ? i : 64 * words;
+    return *from < 64 * words;
+}
+
+#endif
