@@ -230,7 +230,7 @@ ost_status appearance_legend(appearance *a, ost_error *err)
     const ost_frame *f = &a->viewer->frame;
     const double unit = f->height > 540 ? (double)f->height / 720 : 0.75;
     const ost_legend legend = appearance_legend_of(a);
-    const ost_sheet sheet = {f->planes.colour, f->planes.stride, f->width, f->height};
+    const ost_sheet sheet = ost_frame_sheet(f);
     if (f->width < NARROW || (a->colouring == OST_COLOUR_BONE && a->clip == CLIP_NONE))
         return OST_OK;
     if (!a->lettering || unit != a->unit) {

@@ -43,7 +43,7 @@ static ost_status draw(replay_film *f, ost_error *err)
         status = ost_viewer_draw(&f->viewer, &camera, err);
     if (status != OST_OK)
         return status;
-    const ost_sheet sheet = {f->viewer.frame.planes.colour, f->viewer.frame.planes.stride, width, height};
+    const ost_sheet sheet = ost_frame_sheet(&f->viewer.frame);
     double back[3];
     sim_hud_facts facts = sim_facts_make(&f->scene, &f->viewer.state, true);
     facts.plain = true;

@@ -139,8 +139,7 @@ void sim_show_done(sim_show *show)
 /* What a window writes over its frames, but for what only a window knows. */
 static ost_status write_over(sim_show *show, ost_error *err)
 {
-    const ost_planes *p = &show->viewer.frame.planes;
-    const ost_sheet sheet = {p->colour, p->stride, show->args->width, show->args->height};
+    const ost_sheet sheet = ost_frame_sheet(&show->viewer.frame);
     double back[3];
     ost_status status = show->hud ? OST_OK : sim_hud_create(sheet.width, sheet.height, 1, &show->hud, err);
     if (status != OST_OK)

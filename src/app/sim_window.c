@@ -104,7 +104,7 @@ static ost_status say_loading(sim_window *w, ost_error *err)
     w->blank = calloc((size_t)width * (size_t)height, sizeof *w->blank);
     if (!w->blank)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for a frame of %d x %d pixels", width, height);
-    const ost_sheet sheet = {w->blank, width, width, height};
+    const ost_sheet sheet = {.pixels = w->blank, .stride = width, .width = width, .height = height};
     char text[MESSAGE];
     snprintf(text, sizeof text, "%.100s: a moment", w->args->bone);
     sim_hud_say(w->hud, &sheet, text);
@@ -428,7 +428,7 @@ static ost_status frame(sim_window *w, double dt, bool *drawn, ost_error *err)
     if (status != OST_OK)
         return status;
     w->astray = 0;
-    const ost_sheet sheet = {show->viewer.frame.planes.colour, show->viewer.frame.planes.stride, width, height};
+    const ost_sheet sheet = ost_frame_sheet(&show->viewer.frame);
     sim_hud_draw(w->hud, &sheet, &w->facts);
     if (w->shoot)
         film_still(w->s->film, sheet.pixels, sheet.stride, width, height);

@@ -313,6 +313,8 @@ void ost_lettering_draw(const ost_lettering *lettering, const ost_sheet *sheet, 
     double at = x;
     for (const glyph *g; (g = next(lettering, &text)) != NULL; at += g->advance) {
         const int left = (int)floor(at + 0.5) + g->x, top = y + g->y;
+        if (sheet->written)
+            ost_cells_add(sheet->written, left, left + g->width, top, top + g->height);
         for (int j = top < 0 ? -top : 0; j < g->height && top + j < sheet->height; j++)
             for (int i = left < 0 ? -left : 0; i < g->width && left + i < sheet->width; i++) {
                 const unsigned cover = g->cover[i + g->width * j];
@@ -325,6 +327,8 @@ void ost_lettering_draw(const ost_lettering *lettering, const ost_sheet *sheet, 
 
 void ost_sheet_box(const ost_sheet *sheet, int x, int y, int width, int height, uint32_t colour, unsigned alpha)
 {
+    if (sheet->written)
+        ost_cells_add(sheet->written, x, x + width, y, y + height);
     for (int j = y < 0 ? 0 : y; j < y + height && j < sheet->height; j++)
         for (int i = x < 0 ? 0 : x; i < x + width && i < sheet->width; i++) {
             uint32_t *p = sheet->pixels + (size_t)j * (size_t)sheet->stride + (size_t)i;

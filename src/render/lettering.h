@@ -12,12 +12,15 @@
 
 #include <osteon/status.h>
 
+#include "render/points/cells.h"
+
 typedef struct ost_lettering ost_lettering;
 
 /* Pixels that are drawn on: 0x..BBGGRR, rows from the top. */
 typedef struct ost_sheet {
     uint32_t *pixels;
     int stride, width, height;
+    const ost_cells *written; /* what is drawn on is added; NULL: nobody asks */
 } ost_sheet;
 
 /* height: of a capital, in pixels, 5 to 200. */

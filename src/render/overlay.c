@@ -38,6 +38,7 @@ static void dot(const ost_frame *f, int x, int y, float depth, uint32_t colour, 
     if (p->face[at] != OST_NO_FACE && depth > p->depth[at] + BEHIND)
         share /= 5;
     p->colour[at] = mixed(p->colour[at], colour, share);
+    ost_cells_dot(&f->over, x, y);
 }
 
 /* The part of from .. to, 0 .. 1, where v0 + t dv lies within lo .. hi. */

@@ -161,6 +161,8 @@ ost_status ost_viewer_draw(ost_viewer *viewer, const ost_camera *camera, ost_err
     if (viewer->frame.width != camera->width || viewer->frame.height != camera->height) {
         ost_frame_free(&viewer->frame);
         status = ost_frame_init(&viewer->frame, camera->width, camera->height, viewer->style, viewer->isa, viewer->threads, err);
+        if (status == OST_OK)
+            status = ost_frame_keep(&viewer->frame, err);
     }
     if (status != OST_OK)
         return status;
@@ -180,7 +182,9 @@ ost_status ost_viewer_draw(ost_viewer *viewer, const ost_camera *camera, ost_err
         things[count++] = (ost_frame_thing){
             .surface = scene->tool, .eye = ost_eye_make_from(camera, &scene->tool->geometry, &s->pose), .paint = OST_PAINT_STEEL};
     }
-    if (!draw_gl(viewer, things, count))
+    if (draw_gl(viewer, things, count))
+        ost_frame_overwritten(&viewer->frame);
+    else
         status = ost_frame_draw_things(&viewer->frame, things, count, err);
     if (status == OST_OK && viewer->has_ghost && viewer->show_ghost) {
         const ost_frame_thing ghost = {.surface = &viewer->ghost,

@@ -73,7 +73,7 @@ static void look(int width, int height, double scale, const sim_hud_facts *f, bo
         assert_non_null(pixels);
         for (int i = 0; i < width * height; i++)
             pixels[i] = blank;
-        const ost_sheet sheet = {pixels, width, width, height};
+        const ost_sheet sheet = {.pixels = pixels, .stride = width, .width = width, .height = height};
         sim_hud_draw(hud, &sheet, f);
         for (int y = 0; y < height; y++)
             for (int x = 0; x < width; x++) {

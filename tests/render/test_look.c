@@ -172,7 +172,7 @@ static void a_plane_shows_the_ct(void **state)
             const size_t i = (size_t)y * (size_t)p->stride + (size_t)x;
             if (p->face[i] != OST_FACE_X0)
                 continue;
-            const uint32_t id = v.frame.layer[0].visible.id[(uint32_t)p->key[i]];
+            const uint32_t id = v.frame.layer[0].visible.id[ost_visible_index(&v.frame.layer[0].visible, (uint32_t)p->key[i])];
             const int32_t *b = v.bone.slot[id >> OST_LOCAL_BITS]->at;
             const int j = 32 * b[1] + (int)(id >> 5 & 31), k = 32 * b[2] + (int)(id >> 10 & 31);
             if (32 * b[0] + (int)(id & 31) != 40 || at(&after, 39, j, k) < 120)
@@ -338,7 +338,7 @@ static void colours_can_be_told_apart(void **state)
         }
     /* A legend writes into its corner and nowhere else. */
     static uint32_t pixels[300 * 200];
-    const ost_sheet sheet = {pixels, 300, 300, 200};
+    const ost_sheet sheet = {.pixels = pixels, .stride = 300, .width = 300, .height = 200};
     ost_error err = {0};
     ost_lettering *letters;
     assert_ok(ost_lettering_create(9.5, &letters, &err));

@@ -234,10 +234,13 @@ static bool clear_of_edges(const ost_eye *e, double x, double y, const int v[3])
     return (best - second) * sqrt(square) > 1e-2;
 }
 
-/* In the list; keys are known where there is a face. */
-static uint32_t number_at(const ost_frame *f, size_t at)
+enum { NO_VOXEL = 0x7fffffff };
+
+/* Keys are known where there is a face. */
+static uint32_t id_at(const ost_frame *f, size_t at)
 {
-    return f->planes.face[at] == OST_NO_FACE ? OST_NO_VOXEL : (uint32_t)f->planes.key[at];
+    const ost_visible *v = &f->layer[0].visible;
+    return f->planes.face[at] == OST_NO_FACE ? NO_VOXEL : v->id[ost_visible_index(v, (uint32_t)f->planes.key[at])];
 }
 
 /*
@@ -270,14 +273,14 @@ static void assert_picture(const scene *s, const ost_frame *f, const ost_eye *e,
                 continue;
             }
             const size_t at = (size_t)y * (size_t)f->planes.stride + (size_t)x;
-            const uint32_t id = number_at(f, at) == OST_NO_VOXEL ? OST_NO_VOXEL : f->layer[0].visible.id[number_at(f, at)];
+            const uint32_t id = id_at(f, at);
             if (who[0][0] < 0) {
-                assert_int_equal(id, OST_NO_VOXEL);
+                assert_int_equal(id, NO_VOXEL);
                 assert_int_equal(f->planes.face[at], OST_NO_FACE);
                 continue;
             }
             ++*checked;
-            assert_int_not_equal(id, OST_NO_VOXEL);
+            assert_int_not_equal(id, NO_VOXEL);
             const int32_t *block = s->surface.slot[id >> OST_LOCAL_BITS]->at;
             assert_int_equal(32 * block[0] + (int)(id & 31), who[0][0]);
             assert_int_equal(32 * block[1] + (int)(id >> 5 & 31), who[0][1]);

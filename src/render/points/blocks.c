@@ -25,21 +25,18 @@ static void range(float p, float h, int count, int *from, int *to)
 }
 
 /*
- * Whether the block about o (from the eye) may be seen, and in which pixels.
- * Its box is taken as one large voxel of half side 16: splat_scalar.c has the
- * reasoning for the slopes; a pixel is added on each side for rounding.
+ * The cube is taken as one large voxel: splat_scalar.c has the reasoning for
+ * the slopes; a pixel is added on each side for rounding.
  */
-static bool cull(const ost_splat_eye *s, const float o[3], ost_frame_block *b)
+bool ost_blocks_pixels(const ost_splat_eye *s, const float o[3], int side, ost_extent *out)
 {
     const ost_eye *e = &s->eye;
-    const float half = (float)OST_BLOCK; /* times reach, which has a half in it */
+    const float half = (float)side; /* times reach, which has a half in it */
     const float x = ost_eye_dot(e->right, o), y = ost_eye_dot(e->up, o), z = ost_eye_dot(e->forward, o);
     const float reach = half * s->reach[2], far = z + reach, nearest = z - reach;
     if (!(far > e->near))
         return false;
-    b->x0 = b->y0 = 0;
-    b->x1 = e->width;
-    b->y1 = e->height;
+    *out = (ost_extent){0, e->width, 0, e->height};
     if (!(nearest > e->near))
         return true;
     const float tx = x / z, ty = y / z;
@@ -52,8 +49,8 @@ static bool cull(const ost_splat_eye *s, const float o[3], ost_frame_block *b)
     const float px = e->half_w + tx * e->focal, py = e->half_h - ty * e->focal, hx = sx * k + 1, hy = sy * k + 1;
     if (px + hx < 0 || px - hx > (float)e->width || py + hy < 0 || py - hy > (float)e->height)
         return false;
-    range(px, hx, e->width, &b->x0, &b->x1);
-    range(py, hy, e->height, &b->y0, &b->y1);
+    range(px, hx, e->width, &out->x0, &out->x1);
+    range(py, hy, e->height, &out->y0, &out->y1);
     return true;
 }
 
@@ -90,21 +87,16 @@ void ost_blocks_choose(const ost_surface *s, const ost_splat_eye *eye, ost_frame
             bases[4 * i + a] = (float)(OST_BLOCK * block->at[a]) - e->at[a];
             middle[a] = bases[4 * i + a] + 15.5f;
         }
-        if (block->count == 0 || !cull(eye, middle, &b))
+        if (block->count == 0 || !ost_blocks_pixels(eye, middle, OST_BLOCK, &b.pixels))
             continue;
         b.distance = ost_eye_dot(middle, middle);
         b.nearest = nearest_key(&bases[4 * i]);
         blocks[n++] = b;
-        *y0 = n == 1 || b.y0 < *y0 ? b.y0 : *y0;
-        *y1 = n == 1 || b.y1 > *y1 ? b.y1 : *y1;
+        *y0 = n == 1 || b.pixels.y0 < *y0 ? b.pixels.y0 : *y0;
+        *y1 = n == 1 || b.pixels.y1 > *y1 ? b.pixels.y1 : *y1;
     }
     if (n > 0)
         qsort(blocks, (size_t)n, sizeof *blocks, by_distance);
-    uint32_t begin = 0;
-    for (int32_t i = 0; i < n; i++) {
-        blocks[i].begin = begin;
-        begin += (blocks[i].count + OST_LANES - 1) / OST_LANES * OST_LANES;
-    }
     *count = n;
 }
 

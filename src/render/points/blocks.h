@@ -14,9 +14,8 @@ typedef struct ost_frame_block {
     int32_t slot;
     float distance;      /* squared, of its centre: the order */
     uint64_t nearest;    /* no key of a voxel of it is less (splat.h) */
-    int x0, x1, y0, y1;  /* pixels that it may cover, half-open */
-    uint32_t begin, count; /* in the list */
-    bool listed;         /* the frame's */
+    ost_extent pixels;   /* that it may cover */
+    uint32_t count;      /* of its points */
 } ost_frame_block;
 
 /* OST_ERR_RANGE when the eye is more than 2^15 voxels away from the surface's grid. */
@@ -24,11 +23,16 @@ ost_status ost_blocks_check(const ost_surface *surface, const ost_eye *eye, ost_
 
 /*
  * blocks and bases, 4 floats a slot, have room for surface->used; bases is of
- * all slots.  *y0 to *y1: rows that the chosen ones may cover, half-open.  An
- * entry's begin leaves every one before it room for whole vectors.
+ * all slots.  *y0 to *y1: rows that the chosen ones may cover, half-open.
  */
 void ost_blocks_choose(const ost_surface *surface, const ost_splat_eye *eye, ost_frame_block *blocks, float *bases, int32_t *count, int *y0,
                        int *y1);
+
+/*
+ * Pixels, half-open, that a cube of `side` voxels on a side about `middle`, from
+ * the eye, may cover.  False when it is not seen.
+ */
+bool ost_blocks_pixels(const ost_splat_eye *eye, const float middle[3], int side, ost_extent *out);
 
 /* For coordinate i of an axis whose voxel 0 is base from the eye: the faces turned to it, as bits of ost_face. */
 void ost_blocks_turned(float base, int axis, uint8_t turned[OST_BLOCK]);

@@ -52,6 +52,12 @@ static ost_status no_memory(const ost_frame *f, ost_error *err)
     return ost_fail(err, OST_ERR_MEMORY, "no memory for a frame of %d x %d pixels", f->width, f->height);
 }
 
+/* A list as it was: what a picture has of it. */
+typedef struct ost_frame_old {
+    uint32_t id[OST_BLOCK_POINTS], tint[OST_BLOCK_POINTS];
+    uint8_t only[OST_BLOCK_POINTS];
+} ost_frame_old;
+
 static bool benches_init(ost_frame *f)
 {
     const size_t tiles = (size_t)f->tiles_across * (size_t)(f->band / OST_TILE);
@@ -70,8 +76,18 @@ static void benches_free(ost_frame *f)
     for (int i = 0; f->bench && i < f->threads; i++) {
         planes_free(&f->bench[i].over);
         free(f->bench[i].tiles);
+        free(f->bench[i].old);
     }
     free(f->bench);
+}
+
+static bool cells_init(ost_frame *f)
+{
+    bool made = ost_cells_init(&f->part, f->width, f->height) && ost_cells_init(&f->stale, f->width, f->height) &&
+                ost_cells_init(&f->over, f->width, f->height);
+    for (int i = 0; i < OST_FRAME_LAYERS && made; i++)
+        made = ost_cells_init(&f->layer[i].cells, f->width, f->height);
+    return made;
 }
 
 ost_status ost_frame_init(ost_frame *frame, int width, int height, ost_style style, ost_isa isa, int threads, ost_error *err)
@@ -96,7 +112,7 @@ ost_status ost_frame_init(ost_frame *frame, int width, int height, ost_style sty
     frame->directions = malloc(sizeof *frame->directions);
     if (frame->directions)
         ost_directions_make(frame->directions);
-    if (!planes || !frame->directions || !frame->blank || !benches_init(frame)) {
+    if (!planes || !frame->directions || !frame->blank || !benches_init(frame) || !cells_init(frame)) {
         ost_status status = no_memory(frame, err);
         ost_frame_free(frame);
         return status;
@@ -111,22 +127,58 @@ ost_status ost_frame_keep_keys(ost_frame *frame, ost_error *err)
     return frame->planes.key || keys_init(&frame->planes, frame->height) ? OST_OK : no_memory(frame, err);
 }
 
+ost_status ost_frame_keep(ost_frame *frame, ost_error *err)
+{
+    bool made = frame->kept.colour || planes_init(&frame->kept, frame->width, frame->height);
+    for (int i = 0; i < frame->threads && made; i++) {
+        ost_frame_bench *b = &frame->bench[i];
+        b->old = b->old ? b->old : malloc(sizeof *b->old);
+        made = b->old != NULL;
+    }
+    if (made)
+        return OST_OK;
+    planes_free(&frame->kept);
+    return no_memory(frame, err);
+}
+
+void ost_frame_overwritten(ost_frame *frame)
+{
+    ost_cells_fill(&frame->over);
+}
+
+ost_sheet ost_frame_sheet(const ost_frame *frame)
+{
+    return (ost_sheet){frame->planes.colour, frame->planes.stride, frame->width, frame->height, &frame->over};
+}
+
+static void lists_free(ost_visible *v)
+{
+    free(v->id);
+    free(v->look);
+    free(v->tint);
+    free(v->only);
+    free(v->extent);
+}
+
 static void layer_free(ost_frame_layer *layer)
 {
+    lists_free(&layer->visible);
+    free(layer->visible.begin);
     free(layer->blocks);
-    free(layer->visible.id);
-    free(layer->visible.look);
-    free(layer->visible.tint);
-    free(layer->visible.only);
-    free(layer->visible.rows);
     free(layer->bases);
+    free(layer->list);
+    ost_cells_free(&layer->cells);
 }
 
 void ost_frame_free(ost_frame *frame)
 {
     planes_free(&frame->planes);
     planes_free(&frame->ghost);
+    planes_free(&frame->kept);
     benches_free(frame);
+    ost_cells_free(&frame->part);
+    ost_cells_free(&frame->stale);
+    ost_cells_free(&frame->over);
     free(frame->blank);
     free(frame->directions);
     for (int i = 0; i < OST_FRAME_LAYERS; i++)
@@ -134,98 +186,247 @@ void ost_frame_free(ost_frame *frame)
     memset(frame, 0, sizeof *frame);
 }
 
-static ost_status make_room(ost_frame_layer *f, ost_error *err)
+static ost_status no_room(const ost_frame_layer *layer, ost_error *err)
 {
-    const ost_surface *s = f->surface;
-    if (s->used > f->block_room) {
-        free(f->blocks);
-        free(f->bases);
-        f->block_room = s->used;
-        f->blocks = malloc((size_t)s->used * sizeof *f->blocks);
-        f->bases = malloc((size_t)s->used * 4 * sizeof *f->bases);
+    return ost_fail(err, OST_ERR_MEMORY, "no memory to draw %llu surface voxels", (unsigned long long)layer->surface->points);
+}
+
+static ost_status make_slots(ost_frame_layer *layer, ost_error *err)
+{
+    const int32_t used = layer->surface->used;
+    if (used <= layer->slot_room)
+        return OST_OK;
+    const size_t room = (size_t)used + (size_t)used / 4;
+    ost_frame_list *list = realloc(layer->list, room * sizeof *list);
+    layer->list = list ? list : layer->list;
+    uint32_t *begin = realloc(layer->visible.begin, room * sizeof *begin);
+    layer->visible.begin = begin ? begin : layer->visible.begin;
+    free(layer->blocks);
+    free(layer->bases);
+    layer->blocks = malloc(room * sizeof *layer->blocks);
+    layer->bases = malloc(room * 4 * sizeof *layer->bases);
+    if (!list || !begin || !layer->blocks || !layer->bases) {
+        layer->slot_room = layer->slots = 0;
+        return no_room(layer, err);
     }
-    /* Every block's list has room for whole vectors. */
-    const size_t need = s->points + (size_t)s->used * OST_LANES;
-    ost_visible *v = &f->visible;
-    if (need > f->visible_room) {
-        free(v->id);
-        free(v->look);
-        free(v->tint);
-        free(v->only);
-        free(v->rows);
-        f->visible_room = need + need / 4;
-        v->id = malloc(f->visible_room * sizeof *v->id);
-        v->look = malloc(f->visible_room * sizeof *v->look);
-        v->tint = malloc(f->visible_room * sizeof *v->tint);
-        v->only = malloc(f->visible_room * sizeof *v->only);
-        v->rows = malloc((f->visible_room / OST_LANES + 1) * sizeof(_Atomic uint32_t));
-    }
-    if ((s->used && (!f->blocks || !f->bases)) || (need && (!v->id || !v->look || !v->tint || !v->only || !v->rows))) {
-        f->block_room = 0;
-        f->visible_room = 0;
-        return ost_fail(err, OST_ERR_MEMORY, "no memory to draw %llu surface voxels", (unsigned long long)s->points);
-    }
+    layer->slot_room = (int32_t)room;
     return OST_OK;
 }
 
-static void widen_spans(ost_frame_layer *f, const ost_frame_block *b)
+/* Of whole vectors, and some to grow. */
+static uint32_t room_for(uint32_t count)
 {
-    const int from = b->x0 / OST_LANES * OST_LANES, to = (b->x1 + OST_LANES - 1) / OST_LANES * OST_LANES;
-    for (int i = b->y0 / OST_SPAN_ROWS; i <= (b->y1 - 1) / OST_SPAN_ROWS; i++) {
-        ost_frame_span *s = &f->span[i];
-        *s = s->from == s->to ? (ost_frame_span){from, to} : (ost_frame_span){from < s->from ? from : s->from, to > s->to ? to : s->to};
+    return (count + count / 8 + OST_LANES - 1) / OST_LANES * OST_LANES;
+}
+
+/* All lists are lost. */
+static ost_status make_lists(ost_frame_layer *layer, ost_error *err)
+{
+    const ost_surface *s = layer->surface;
+    ost_visible *v = &layer->visible;
+    size_t need = 0;
+    for (int32_t i = 0; i < s->used; i++)
+        need += room_for(s->slot[i]->count);
+    lists_free(v);
+    layer->visible_room = need + need / 4 + OST_LANES;
+    v->id = malloc(layer->visible_room * sizeof *v->id);
+    v->look = malloc(layer->visible_room * sizeof *v->look);
+    v->tint = malloc(layer->visible_room * sizeof *v->tint);
+    v->only = malloc(layer->visible_room * sizeof *v->only);
+    v->extent = malloc((layer->visible_room / OST_LANES + 1) * sizeof(_Atomic uint64_t));
+    layer->visible_used = 0;
+    layer->slots = 0;
+    if (v->id && v->look && v->tint && v->only && v->extent)
+        return OST_OK;
+    lists_free(v);
+    v->id = v->look = v->tint = NULL;
+    v->only = NULL;
+    v->extent = NULL;
+    layer->visible_room = 0;
+    return no_room(layer, err);
+}
+
+/* A place for the list of every block. False when there is no more. */
+static bool place_lists(ost_frame_layer *layer)
+{
+    const ost_surface *s = layer->surface;
+    for (int32_t i = 0; i < s->used; i++) {
+        ost_frame_list *l = &layer->list[i];
+        const uint32_t room = room_for(s->slot[i]->count);
+        if (i >= layer->slots)
+            *l = (ost_frame_list){0};
+        if (s->slot[i]->count <= l->room)
+            continue;
+        if (layer->visible_used + room > layer->visible_room)
+            return false;
+        l->place = (uint32_t)layer->visible_used;
+        l->room = room;
+        layer->visible_used += room;
+    }
+    return true;
+}
+
+/* layer->slots becomes the surface's; layer->same false when lists were lost, or are of other blocks. */
+static ost_status make_room(ost_frame_layer *layer, ost_error *err)
+{
+    const ost_surface *s = layer->surface;
+    ost_status status = make_slots(layer, err);
+    layer->same = layer->same && layer->slots > 0 && layer->slots <= s->used;
+    if (status == OST_OK && !place_lists(layer)) {
+        layer->same = false;
+        status = make_lists(layer, err);
+        if (status == OST_OK)
+            place_lists(layer);
+    }
+    if (status != OST_OK)
+        return status;
+    for (int32_t i = 0; i < s->used; i++) {
+        ost_frame_list *l = &layer->list[i];
+        layer->same = layer->same && (i >= layer->slots || memcmp(l->at, s->slot[i]->at, sizeof l->at) == 0);
+        memcpy(l->at, s->slot[i]->at, sizeof l->at);
+    }
+    layer->slots = s->used;
+    return OST_OK;
+}
+
+static void find_cells(ost_frame_layer *layer)
+{
+    ost_cells_clear(&layer->cells);
+    for (int32_t i = 0; i < layer->count; i++) {
+        const ost_extent *e = &layer->blocks[i].pixels;
+        ost_cells_add(&layer->cells, e->x0, e->x1, e->y0, e->y1);
     }
 }
 
-static void find_spans(ost_frame_layer *f)
+static void choose_points(const ost_frame *frame, const ost_frame_layer *layer, int32_t slot)
 {
-    for (int i = 0; i <= (f->eye.eye.height - 1) / OST_SPAN_ROWS; i++)
-        f->span[i] = (ost_frame_span){0, 0};
-    for (int32_t i = 0; i < f->count; i++)
-        widen_spans(f, &f->blocks[i]);
-}
-
-static void choose_points(const ost_frame *frame, const ost_frame_layer *f, ost_frame_block *b)
-{
-    const ost_surface_block *block = f->surface->slot[b->slot];
+    const ost_surface_block *block = layer->surface->slot[slot];
+    ost_frame_list *list = &layer->list[slot];
+    const ost_visible *v = &layer->visible;
+    const uint32_t begin = list->place;
     uint8_t turned[3][OST_BLOCK];
     for (int a = 0; a < 3; a++)
-        ost_blocks_turned(f->bases[4 * b->slot + a], a, turned[a]);
-    const ost_visible *v = &f->visible;
-    b->count = frame->kernels.facing(block, (uint32_t)b->slot, turned, v, b->begin);
-    if (f->within)
-        memset(v->only + b->begin, OST_SEVERAL, b->count);
-    for (uint32_t i = b->begin / OST_LANES; i < (b->begin + b->count + OST_LANES - 1) / OST_LANES; i++)
-        atomic_store_explicit(&v->rows[i], OST_ROWS_UNKNOWN, memory_order_relaxed);
-    frame->tint(&f->light, v->look + b->begin, b->count, v->tint + b->begin);
-    b->listed = true;
+        ost_blocks_turned(layer->bases[4 * slot + a], a, turned[a]);
+    list->count = frame->kernels.facing(block, (uint32_t)slot, turned, v, begin);
+    if (layer->within)
+        memset(v->only + begin, OST_SEVERAL, list->count);
+    for (uint32_t i = begin / OST_LANES; i < (begin + list->count + OST_LANES - 1) / OST_LANES; i++)
+        atomic_store_explicit(&v->extent[i], OST_EXTENT_UNKNOWN, memory_order_relaxed);
+    frame->tint(&layer->light, v->look + begin, list->count, v->tint + begin);
+    v->begin[slot] = begin;
+    list->version = block->version;
+    list->listed = true;
 }
 
-static ost_frame_span span_of(const ost_frame_layer *layer, int y)
+/* ------------------------------------------------------- what has changed */
+
+/* Parts of a block that look different: cubes of 4 voxels on a side, a bit each. */
+enum { PART = 4, PARTS = OST_BLOCK / PART };
+
+typedef struct parts {
+    uint64_t bit[PARTS]; /* of each z: x + 8 y */
+} parts;
+
+static void differs(parts *p, uint32_t id)
 {
-    return layer->span[y / OST_SPAN_ROWS];
+    p->bit[(id >> 10 & 31) / PART] |= UINT64_C(1) << ((id & 31) / PART + PARTS * ((id >> 5 & 31) / PART));
 }
 
-static void clear(const ost_planes *planes, int y, ost_frame_span s)
+/* The list anew; where it has other voxels than before, or others to look at. Both are in order. */
+static void choose_again(const ost_frame *frame, const ost_frame_layer *layer, int32_t slot, ost_frame_old *old, parts *out)
 {
-    memset(ost_key_row(planes, y) + s.from, OST_EMPTY_BYTE, (size_t)(s.to - s.from) * sizeof *planes->key);
+    const ost_frame_list *list = &layer->list[slot];
+    const ost_visible *v = &layer->visible;
+    const uint32_t was = list->count, from = v->begin[slot];
+    memcpy(old->id, v->id + from, was * sizeof *old->id);
+    memcpy(old->tint, v->tint + from, was * sizeof *old->tint);
+    memcpy(old->only, v->only + from, was * sizeof *old->only);
+    choose_points(frame, layer, slot);
+    const uint32_t *id = v->id + v->begin[slot], *tint = v->tint + v->begin[slot];
+    const uint8_t *only = v->only + v->begin[slot];
+    uint32_t i = 0, j = 0;
+    while (i < was && j < list->count) {
+        if (old->id[i] == id[j]) {
+            if (old->tint[i] != tint[j] || old->only[i] != only[j])
+                differs(out, id[j]);
+            i++;
+            j++;
+        } else {
+            differs(out, old->id[i] < id[j] ? old->id[i++] : id[j++]);
+        }
+    }
+    while (i < was)
+        differs(out, old->id[i++]);
+    while (j < list->count)
+        differs(out, id[j++]);
 }
 
-/* No face where nothing can be. */
-static void bare(const ost_planes *planes, int y, ost_frame_span s)
+static void add_parts(const ost_cells *cells, const ost_frame_layer *layer, int32_t slot, const parts *p)
 {
-    uint8_t *row = planes->face + ost_row(planes, y);
-    memset(row, OST_NO_FACE, (size_t)s.from);
-    memset(row + s.to, OST_NO_FACE, (size_t)(planes->stride - s.to));
+    for (int z = 0; z < PARTS; z++)
+        for (uint64_t left = p->bit[z]; left; left &= left - 1) {
+            const int i = __builtin_ctzll(left), at[3] = {i % PARTS, i / PARTS, z};
+            float middle[3];
+            ost_extent e;
+            for (int a = 0; a < 3; a++)
+                middle[a] = layer->bases[4 * slot + a] + (float)(PART * at[a]) + 0.5f * (PART - 1);
+            if (ost_blocks_pixels(&layer->eye, middle, PART, &e))
+                ost_cells_add(cells, e.x0, e.x1, e.y0, e.y1);
+        }
 }
 
-/* And background. */
-static void blank(const ost_frame *f, int y, ost_frame_span s)
+static int thread_number(void)
 {
-    uint32_t *row = f->planes.colour + ost_row(&f->planes, y);
-    memcpy(row, f->blank, (size_t)s.from * sizeof *row);
-    memcpy(row + s.to, f->blank, (size_t)(f->planes.stride - s.to) * sizeof *row);
+#ifdef _OPENMP
+    return omp_get_thread_num();
+#else
+    return 0;
+#endif
 }
+
+/*
+ * frame->part: what blocks that changed may cover, before or after.  Of a block
+ * that was hidden, and so has no list, nothing was seen; what hid it is there
+ * still, or was itself in the part.
+ */
+static void find_part(ost_frame *frame, const ost_frame_layer *layer)
+{
+    ost_cells_clear(&frame->part);
+    for (int32_t i = 0; i < layer->count; i++) {
+        const ost_frame_block *b = &layer->blocks[i];
+        const ost_frame_list *list = &layer->list[b->slot];
+        if (!list->there && !list->listed)
+            ost_cells_add(&frame->part, b->pixels.x0, b->pixels.x1, b->pixels.y0, b->pixels.y1);
+    }
+#pragma omp parallel for num_threads(frame->threads) schedule(dynamic, 16)
+    for (int32_t slot = 0; slot < layer->slots; slot++) {
+        const ost_frame_list *list = &layer->list[slot];
+        if (!list->listed || list->version == layer->surface->slot[slot]->version)
+            continue;
+        parts p = {0};
+        choose_again(frame, layer, slot, frame->bench[thread_number()].old, &p);
+#pragma omp critical(ost_frame_part)
+        add_parts(&frame->part, layer, slot, &p);
+    }
+}
+
+static void forget_old(const ost_frame_layer *layer)
+{
+    for (int32_t slot = 0; slot < layer->slots; slot++) {
+        ost_frame_list *list = &layer->list[slot];
+        list->listed = list->listed && layer->same && list->version == layer->surface->slot[slot]->version;
+    }
+}
+
+static void remember_sight(const ost_frame_layer *layer)
+{
+    for (int32_t slot = 0; slot < layer->slots; slot++)
+        layer->list[slot].there = false;
+    for (int32_t i = 0; i < layer->count; i++)
+        layer->list[layer->blocks[i].slot].there = true;
+}
+
+/* ------------------------------------------------------------------ a band */
 
 /* A band's rows, y0 <= y < y1, and where it is drawn. */
 typedef struct band {
@@ -240,8 +441,9 @@ typedef struct tile_range {
 
 static tile_range tiles_of(const ost_frame_block *b, const band *at)
 {
-    const int top = b->y0 > at->y0 ? b->y0 : at->y0, end = b->y1 < at->y1 ? b->y1 : at->y1;
-    return (tile_range){b->x0 / OST_TILE, (b->x1 + OST_TILE - 1) / OST_TILE, (top - at->y0) / OST_TILE, (end - at->y0 + OST_TILE - 1) / OST_TILE};
+    const ost_extent *e = &b->pixels;
+    const int top = e->y0 > at->y0 ? e->y0 : at->y0, end = e->y1 < at->y1 ? e->y1 : at->y1;
+    return (tile_range){e->x0 / OST_TILE, (e->x1 + OST_TILE - 1) / OST_TILE, (top - at->y0) / OST_TILE, (end - at->y0 + OST_TILE - 1) / OST_TILE};
 }
 
 /* Whether all of the tiles are covered by what is nearer than key. */
@@ -265,32 +467,111 @@ static bool hidden(const ost_frame *f, const band *at, const ost_planes *planes,
 static void drawn(const ost_frame *f, const band *at, tile_range r)
 {
     for (int y = r.y0; y < r.y1; y++)
-        for (int x = r.x0; x < r.x1; x++)
-            at->bench->tiles[y * f->tiles_across + x].stale = true;
+        for (int x = r.x0; x < r.x1; x++) {
+            ost_frame_tile *t = &at->bench->tiles[y * f->tiles_across + x];
+            t->stale = t->farthest > 0;
+        }
 }
 
-static void draw_layer(const ost_frame *f, const ost_frame_layer *layer, const band *at, const ost_planes *planes)
+/* A row of cells of a band. */
+typedef struct cell_row {
+    uint64_t bit[OST_CELL_WORDS];
+    int words, y0, y1; /* y0 <= y < y1: its pixels */
+} cell_row;
+
+/* What two parts have in common, or of one what the other has not. */
+static cell_row row_of(const ost_cells *a, const ost_cells *b, bool without, const band *at, int y)
 {
-    for (int y = at->y0; y < at->y1; y++)
-        clear(planes, y, span_of(layer, y));
-    for (int i = 0; i < f->tiles_across * (f->band / OST_TILE); i++)
-        at->bench->tiles[i] = (ost_frame_tile){OST_EMPTY_KEY, false};
-    for (int32_t i = 0; i < layer->count; i++) {
-        ost_frame_block *b = &layer->blocks[i];
-        if (b->y0 >= at->y1 || b->y1 <= at->y0)
+    const uint64_t *x = ost_cells_row(a, y / OST_CELL_HEIGHT), *z = ost_cells_row(b, y / OST_CELL_HEIGHT);
+    cell_row row = {.words = a->words, .y0 = y, .y1 = y + OST_CELL_HEIGHT < at->y1 ? y + OST_CELL_HEIGHT : at->y1};
+    for (int i = 0; i < a->words; i++)
+        row.bit[i] = x[i] & (without ? ~z[i] : z[i]);
+    return row;
+}
+
+/* The next run of columns, in pixels; *to was 0 or where the last one ended. */
+static bool next_run(const cell_row *row, int *from, int *to)
+{
+    int a, b = *to / OST_CELL_WIDTH;
+    const bool found = ost_cells_run(row->bit, row->words, &a, &b);
+    *from = a * OST_CELL_WIDTH;
+    *to = b * OST_CELL_WIDTH;
+    return found;
+}
+
+/* No voxel yet where it is to be drawn; everywhere else nothing may be seen. Returns what is to be drawn. */
+static ost_extent begin(const ost_frame *f, const ost_frame_layer *layer, const ost_cells *part, const band *at, const ost_planes *planes)
+{
+    ost_extent e = {f->width, 0, at->y1, at->y0};
+    for (int y = at->y0; y < at->y1; y += OST_CELL_HEIGHT) {
+        const cell_row row = row_of(&layer->cells, part, false, at, y);
+        ost_frame_tile *tiles = &at->bench->tiles[(y - at->y0) / OST_TILE * f->tiles_across];
+        for (int i = 0; i < f->tiles_across; i++)
+            tiles[i] = (ost_frame_tile){0, false};
+        for (int from, to = 0; next_run(&row, &from, &to);) {
+            for (int j = row.y0; j < row.y1; j++)
+                memset(ost_key_row(planes, j) + from, OST_EMPTY_BYTE, (size_t)(to - from) * sizeof *planes->key);
+            for (int i = from / OST_TILE; i < to / OST_TILE; i++)
+                tiles[i].farthest = OST_EMPTY_KEY;
+            e.x0 = from < e.x0 ? from : e.x0;
+            e.x1 = to > e.x1 ? to : e.x1;
+            e.y0 = row.y0 < e.y0 ? row.y0 : e.y0;
+            e.y1 = row.y1;
+        }
+    }
+    return e;
+}
+
+/* What of a layer lies in `part`. */
+static void draw_layer(const ost_frame *f, const ost_frame_layer *layer, const ost_cells *part, const band *at, const ost_planes *planes)
+{
+    const ost_extent e = begin(f, layer, part, at, planes);
+    for (int32_t i = 0; i < layer->count && e.y0 < e.y1; i++) {
+        const ost_frame_block *b = &layer->blocks[i];
+        if (b->pixels.y0 >= e.y1 || b->pixels.y1 <= e.y0 || b->pixels.x0 >= e.x1 || b->pixels.x1 <= e.x0)
             continue;
         const tile_range r = tiles_of(b, at);
         if (hidden(f, at, planes, r, b->nearest))
             continue;
-        if (!b->listed)
-            choose_points(f, layer, b);
-        f->kernels.splat(&layer->eye, &layer->visible, b->begin, b->count, planes, at->y0, at->y1);
+        if (!layer->list[b->slot].listed)
+            choose_points(f, layer, b->slot);
+        f->kernels.splat(&layer->eye, &layer->visible, (uint32_t)b->slot, layer->list[b->slot].count, planes, &e);
         drawn(f, at, r);
     }
-    for (int y = at->y0; y < at->y1; y++) {
-        const ost_frame_span s = span_of(layer, y);
-        f->kernels.resolve(&layer->eye, &layer->visible, planes, y, s.from, s.to);
-        bare(planes, y, s);
+    for (int y = at->y0; y < at->y1; y += OST_CELL_HEIGHT) {
+        const cell_row row = row_of(&layer->cells, part, false, at, y);
+        for (int from, to = 0; next_run(&row, &from, &to);)
+            for (int j = row.y0; j < row.y1; j++)
+                f->kernels.resolve(&layer->eye, &layer->visible, planes, j, from, to);
+    }
+}
+
+/* Background where the first layer cannot be. */
+static void blank(const ost_frame *f, const band *at, const ost_planes *planes)
+{
+    for (int y = at->y0; y < at->y1; y += OST_CELL_HEIGHT) {
+        const cell_row row = row_of(&f->part, &f->layer[0].cells, true, at, y);
+        for (int from, to = 0; next_run(&row, &from, &to);)
+            for (int j = row.y0; j < row.y1; j++) {
+                const size_t i = ost_row(planes, j) + (size_t)from, count = (size_t)(to - from);
+                memset(planes->face + i, OST_NO_FACE, count);
+                memcpy(planes->colour + i, f->blank, count * sizeof *planes->colour);
+            }
+    }
+}
+
+static void put_back(const ost_frame *f, const band *at)
+{
+    const ost_planes *to = &f->planes, *kept = &f->kept;
+    for (int y = at->y0; y < at->y1; y += OST_CELL_HEIGHT) {
+        const cell_row row = row_of(&f->stale, &f->stale, false, at, y);
+        for (int x, end = 0; next_run(&row, &x, &end);)
+            for (int j = row.y0; j < row.y1; j++) {
+                const size_t i = ost_row(to, j) + (size_t)x, count = (size_t)(end - x);
+                memcpy(to->depth + i, kept->depth + i, count * sizeof *to->depth);
+                memcpy(to->face + i, kept->face + i, count);
+                memcpy(to->colour + i, kept->colour + i, count * sizeof *to->colour);
+            }
     }
 }
 
@@ -303,17 +584,15 @@ static uint32_t mixed(uint32_t under, uint32_t over, uint32_t share)
 /* Whether a layer has something at a pixel of the planes that it was drawn into. */
 static bool is_there(const ost_frame *f, const ost_frame_layer *layer, int x, int y)
 {
-    const ost_frame_span span = span_of(layer, y);
-    return x >= span.from && x < span.to && f->ghost.face[ost_row(&f->ghost, y) + (size_t)x] != OST_NO_FACE;
+    return ost_cells_has(&layer->cells, x, y) && f->ghost.face[ost_row(&f->ghost, y) + (size_t)x] != OST_NO_FACE;
 }
 
-/* What can be seen through, with its outline, in row y: it leaves all but the colour as it was. */
-static void merge_ghost(const ost_frame *f, const ost_frame_layer *layer, unsigned ghost, int y)
+/* What can be seen through, with its outline, in row y, columns from to to - 1: it leaves all but the colour as it was. */
+static void merge_ghost(const ost_frame *f, const ost_frame_layer *layer, unsigned ghost, int y, int first, int end)
 {
     enum { LINE = 100 };
-    const ost_frame_span span = span_of(layer, y);
     const ost_planes *to = &f->planes, *from = &f->ghost;
-    for (int x = span.from; x < span.to && x < f->width; x++) {
+    for (int x = first; x < end && x < f->width; x++) {
         const size_t i = ost_row(to, y) + (size_t)x;
         if (from->face[i] == OST_NO_FACE)
             continue;
@@ -325,13 +604,12 @@ static void merge_ghost(const ost_frame *f, const ost_frame_layer *layer, unsign
     }
 }
 
-static int thread_number(void)
+static void merge_ghost_row(const ost_frame *f, const ost_frame_layer *layer, unsigned ghost, int y)
 {
-#ifdef _OPENMP
-    return omp_get_thread_num();
-#else
-    return 0;
-#endif
+    const band at = {.y1 = f->height};
+    const cell_row row = row_of(&layer->cells, &layer->cells, false, &at, y / OST_CELL_HEIGHT * OST_CELL_HEIGHT);
+    for (int from, to = 0; next_run(&row, &from, &to);)
+        merge_ghost(f, layer, ghost, y, from, to);
 }
 
 /* A band of rows, and a copy of the planes with its keys where none are kept. */
@@ -346,22 +624,29 @@ static band band_of(const ost_frame *f, int number, ost_planes *planes)
     return at;
 }
 
-static void draw_band(const ost_frame *f, int number)
+/* base: planes of the first layer alone, the frame's own unless they are kept. */
+static void draw_band(const ost_frame *f, int number, const ost_planes *base)
 {
-    ost_planes planes = f->planes;
+    ost_planes planes = *base;
+    planes.key = f->planes.key;
     const band at = band_of(f, number, &planes);
     ost_planes over = at.bench->over;
     over.top = over.key_top = at.y0;
-    draw_layer(f, &f->layer[0], &at, &planes);
-    for (int y = at.y0; y < at.y1; y++)
-        blank(f, y, span_of(&f->layer[0], y));
+    draw_layer(f, &f->layer[0], &f->part, &at, &planes);
+    blank(f, &at, &planes);
+    if (base != &f->planes)
+        put_back(f, &at);
     for (int i = 1; i < f->layers; i++) {
         const ost_frame_layer *layer = &f->layer[i];
         if (layer->y0 >= at.y1 || layer->y1 <= at.y0)
             continue;
-        draw_layer(f, layer, &at, &over);
-        for (int y = at.y0; y < at.y1; y++)
-            f->kernels.merge(&planes, &over, layer->scale, y, span_of(layer, y).from, span_of(layer, y).to);
+        draw_layer(f, layer, &layer->cells, &at, &over);
+        for (int y = at.y0; y < at.y1; y += OST_CELL_HEIGHT) {
+            const cell_row row = row_of(&layer->cells, &layer->cells, false, &at, y);
+            for (int from, to = 0; next_run(&row, &from, &to);)
+                for (int j = row.y0; j < row.y1; j++)
+                    f->kernels.merge(&f->planes, &over, layer->scale, j, from, to);
+        }
     }
 }
 
@@ -387,21 +672,37 @@ static bool is_within(const ost_surface *surface, const ost_eye *e)
     return !ost_surface_is_bare(surface, lo, hi);
 }
 
+/* Makes the light; whether it is as it was. */
+static bool make_light(const ost_frame *frame, ost_frame_layer *layer, const ost_frame_thing *thing)
+{
+    uint32_t colour[OST_PAINTS], face[8];
+    ost_light *l = &layer->light;
+    const uint8_t gloss = l->gloss;
+    const ost_style style = l->style;
+    memcpy(colour, l->colour, sizeof colour);
+    memcpy(face, l->face, sizeof face);
+    ost_light_make(l, frame->directions, &thing->eye, frame->style, thing->paint, thing->palette);
+    return gloss == l->gloss && style == l->style && memcmp(colour, l->colour, sizeof colour) == 0 && memcmp(face, l->face, sizeof face) == 0;
+}
+
 static ost_status prepare(ost_frame *frame, const ost_frame_thing *thing, int number, ost_pm spacing, ost_error *err)
 {
     ost_frame_layer *layer = &frame->layer[number];
-    layer->surface = thing->surface;
     ost_status status = ost_blocks_check(thing->surface, &thing->eye, err);
-    if (status == OST_OK)
-        status = make_room(layer, err);
     if (status != OST_OK)
         return status;
+    const bool within = is_within(thing->surface, &thing->eye), lit = make_light(frame, layer, thing);
+    layer->same = lit && within == layer->within && layer->surface == thing->surface &&
+                  memcmp(&layer->eye.eye, &thing->eye, sizeof thing->eye) == 0;
+    layer->surface = thing->surface;
+    layer->within = within;
     layer->eye = ost_splat_prepare(&thing->eye);
+    status = make_room(layer, err);
+    if (status != OST_OK)
+        return status;
     layer->scale = (float)((double)thing->surface->geometry.spacing.x / (double)spacing);
     ost_blocks_choose(layer->surface, &layer->eye, layer->blocks, layer->bases, &layer->count, &layer->y0, &layer->y1);
-    find_spans(layer);
-    layer->within = is_within(thing->surface, &thing->eye);
-    ost_light_make(&layer->light, frame->directions, &thing->eye, frame->style, thing->paint, thing->palette);
+    find_cells(layer);
     layer->visible.bases = layer->bases;
     layer->visible.background = OST_BACKGROUND;
     memcpy(layer->visible.light, layer->light.face, sizeof layer->light.face);
@@ -416,6 +717,45 @@ static ost_status room_over(ost_frame *frame, ost_error *err)
     return no_memory(frame, err);
 }
 
+/* By all threads of a team. */
+static void list_all(const ost_frame *frame, const ost_frame_layer *layer)
+{
+#pragma omp for schedule(dynamic, 4)
+    for (int32_t i = 0; i < layer->count; i++)
+        if (!layer->list[layer->blocks[i].slot].listed)
+            choose_points(frame, layer, layer->blocks[i].slot);
+}
+
+/*
+ * What is drawn of the first layer, and into which planes.  Those that are kept
+ * are drawn whole by the second of two frames that are alike, so that an eye
+ * that moves pays nothing for them.  Numbers change with a list, so whoever
+ * wants keys gets all of them anew.
+ */
+static const ost_planes *choose_part(ost_frame *frame)
+{
+    const ost_frame_layer *first = &frame->layer[0];
+    const bool still = first->same && frame->kept.colour;
+    if (still && frame->is_kept && !frame->planes.key) {
+        find_part(frame, first);
+        ost_cells_clear(&frame->stale);
+        ost_cells_join(&frame->stale, &frame->part);
+        ost_cells_join(&frame->stale, &frame->over);
+    } else {
+        ost_cells_fill(&frame->part);
+        ost_cells_fill(&frame->stale);
+        forget_old(first);
+    }
+    frame->is_kept = still;
+    remember_sight(first);
+    ost_cells_clear(&frame->over);
+    for (int i = 1; i < frame->layers; i++) {
+        forget_old(&frame->layer[i]);
+        ost_cells_join(&frame->over, &frame->layer[i].cells);
+    }
+    return still ? &frame->kept : &frame->planes;
+}
+
 ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things, int count, ost_error *err)
 {
     ost_status status = OST_OK;
@@ -423,22 +763,22 @@ ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things
         return ost_fail(err, OST_ERR_USAGE, "%d things to draw; 1 to %d are supported", count, OST_FRAME_LAYERS);
     for (int i = 0; i < count && status == OST_OK; i++)
         status = prepare(frame, &things[i], i, things[0].surface->geometry.spacing.x, err);
-    if (status != OST_OK)
+    if (status != OST_OK) {
+        for (int i = 0; i < count; i++)
+            frame->layer[i].surface = NULL; /* no frame was drawn of what they have now */
         return status;
+    }
     frame->layers = count;
+    const ost_planes *base = choose_part(frame);
     const int bands = (frame->height + frame->band - 1) / frame->band;
 #pragma omp parallel num_threads(frame->threads)
     {
         /* One thread alone makes a block's list when the first band draws it: those of hidden blocks are never made. */
-        for (int l = 0; l < count && frame->threads > 1; l++) {
-            ost_frame_layer *layer = &frame->layer[l];
-#pragma omp for schedule(dynamic, 4)
-            for (int32_t i = 0; i < layer->count; i++)
-                choose_points(frame, layer, &layer->blocks[i]);
-        }
+        for (int l = 0; l < count && frame->threads > 1; l++)
+            list_all(frame, &frame->layer[l]);
 #pragma omp for schedule(dynamic, 1)
         for (int i = 0; i < bands; i++)
-            draw_band(frame, i);
+            draw_band(frame, i, base);
     }
     return OST_OK;
 }
@@ -450,23 +790,26 @@ ost_status ost_frame_draw_ghost(ost_frame *frame, const ost_frame_thing *thing, 
     ost_status status = room_over(frame, err);
     if (status == OST_OK)
         status = prepare(frame, thing, NUMBER, spacing, err);
-    if (status != OST_OK)
+    if (status != OST_OK) {
+        layer->surface = NULL;
         return status;
+    }
+    forget_old(layer);
+    ost_cells_join(&frame->over, &layer->cells);
     const int bands = (frame->height + frame->band - 1) / frame->band;
 #pragma omp parallel num_threads(frame->threads)
     {
-#pragma omp for schedule(dynamic, 4)
-        for (int32_t i = 0; i < (frame->threads > 1 ? layer->count : 0); i++)
-            choose_points(frame, layer, &layer->blocks[i]);
+        if (frame->threads > 1)
+            list_all(frame, layer);
 #pragma omp for schedule(dynamic, 1)
         for (int i = 0; i < bands; i++) {
             ost_planes planes = frame->ghost;
             const band at = band_of(frame, i, &planes);
-            draw_layer(frame, layer, &at, &planes);
+            draw_layer(frame, layer, &layer->cells, &at, &planes);
         }
 #pragma omp for schedule(static, 16)
         for (int y = 0; y < frame->height; y++)
-            merge_ghost(frame, layer, share, y);
+            merge_ghost_row(frame, layer, share, y);
     }
     return OST_OK;
 }

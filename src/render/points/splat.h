@@ -12,16 +12,16 @@
  * number of threads shows nowhere.
  *
  * What a pixel keeps is one word, its key: the squared distance from the eye to
- * the voxel's centre, as the bits of a float, above the voxel's number in the
- * list.  The least key stays, so the order in which voxels come shows nowhere
- * either.  On a regular grid that distance orders voxels along every ray: where
+ * the voxel's centre, as the bits of a float, above the voxel's number: its
+ * block's slot << 15 | its place in that block's list.  The least key stays, so
+ * neither the order in which voxels come shows anywhere nor where lists lie.  On a regular grid that distance orders voxels along every ray: where
  * a ray goes from voxel A to its neighbour across +x, it has d_x > 0 and passes
  * the shared face at x = A_x + 1/2, so (A - E)_x + 1/2 > 0, and the distance
  * grows by (A_x + 1 - E_x)^2 - (A_x - E_x)^2 = 2 (A_x - E_x) + 1 > 0; so for
  * all axes.
  *
  * Ranges: the eye within 2^15 voxels of every voxel, frames up to 2^13 pixels
- * a side, lists of fewer than 2^31 - 2^23; an id is slot << 15 | z << 10 | y << 5 | x.
+ * a side, lists of fewer than 2^31 in all; an id is slot << 15 | z << 10 | y << 5 | x.
  */
 #ifndef OST_RENDER_SPLAT_H
 #define OST_RENDER_SPLAT_H
@@ -35,7 +35,7 @@
 
 /* Of a pixel without a voxel: each byte of its key is OST_EMPTY_BYTE, which as a distance is beyond all of them. */
 #define OST_EMPTY_BYTE 0x7f
-#define OST_NO_VOXEL UINT32_C(0x7f7f7f7f)
+#define OST_NO_DISTANCE UINT32_C(0x7f7f7f7f)
 enum { OST_NO_FACE = 6, OST_LOCAL_BITS = 15, OST_LANES = 16, OST_TILE = 8, OST_SEVERAL = 3 };
 
 /*
@@ -45,7 +45,7 @@ enum { OST_NO_FACE = 6, OST_LOCAL_BITS = 15, OST_LANES = 16, OST_TILE = 8, OST_S
  * key_top that of the keys.
  */
 typedef struct ost_planes {
-    uint64_t *key;    /* distance << 32 | number in the list; known where something may have been drawn */
+    uint64_t *key;    /* distance << 32 | number; known where something may have been drawn */
     float *depth;     /* along forward, in voxels; of pixels with a face */
     uint8_t *face;    /* ost_face, OST_NO_FACE where there is no voxel */
     uint32_t *colour; /* 0xBBGGRR */
@@ -77,19 +77,26 @@ typedef struct ost_splat_eye {
 /* An axis on which the eye is no farther than this from a voxel's middle is one along which rays to it go both ways. */
 #define OST_BESIDE 0.501f
 
-#define OST_ROWS_UNKNOWN 0u
-#define OST_ROWS_NONE UINT32_C(0xffff0000)
+/* Pixels x0 <= x < x1, y0 <= y < y1. */
+typedef struct ost_extent {
+    int x0, x1, y0, y1;
+} ost_extent;
+
+/* The same in a word. */
+#define OST_EXTENT_UNKNOWN UINT64_C(0)
+#define OST_EXTENT_NONE UINT64_C(0xffff0000ffff0000)
 
 /* What is to be drawn, and how it looks from here. */
 typedef struct ost_visible {
     uint32_t *id, *look, *tint; /* owned by the frame; tint: colour in full light of the face */
     uint8_t *only;              /* likewise: the axis of the one face that is to the air and turned to the eye, OST_SEVERAL */
     /*
-     * Of OST_LANES entries the rows that they cover, first << 16 | last + 1, or
-     * OST_ROWS_UNKNOWN until they have been drawn once.  Whoever draws them finds
-     * the same, so threads need not wait for each other.
+     * Of OST_LANES entries what they cover, as ost_extent_word has it, or
+     * OST_EXTENT_UNKNOWN until they have been drawn once.  Whoever draws them
+     * finds the same, so threads need not wait for each other.
      */
-    _Atomic uint32_t *rows;
+    _Atomic uint64_t *extent;
+    uint32_t *begin;            /* owned by the frame; of each slot, where the block's list begins */
     const float *bases;         /* 4 * slot + a: the block's voxel (0, 0, 0) less the eye */
     uint32_t light[8];          /* of a face, in 256ths, at most 256 */
     uint32_t background;
@@ -103,9 +110,9 @@ typedef struct ost_splat_kernels {
      * rounded up to OST_LANES.  Returns how many.
      */
     uint32_t (*facing)(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK], const ost_visible *out, uint32_t first);
-    /* Entries first to first + count of the list, all of one block, into the keys of rows y0 <= y < y1. */
-    void (*splat)(const ost_splat_eye *eye, const ost_visible *visible, uint32_t first, uint32_t count, const ost_planes *planes, int y0,
-                  int y1);
+    /* The list of a block, into the keys of part; of its rows also into others, if any, that hold nothing worth knowing. */
+    void (*splat)(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t count, const ost_planes *planes,
+                  const ost_extent *part);
     /* Face, depth and colour of pixels x0 <= x < x1 of a row, both multiples of OST_LANES. */
     void (*resolve)(const ost_splat_eye *eye, const ost_visible *visible, const ost_planes *planes, int y, int x0, int x1);
     /* The greatest key of rows y to y + rows - 1, up to OST_TILE of them, in the OST_TILE columns from x on, a multiple of it. */
@@ -124,8 +131,8 @@ ost_splat_kernels ost_splat_kernels_of(ost_isa isa);
 #define OST_SPLAT_DECLARE(SET)                                                                                                      \
     uint32_t ost_facing_##SET(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK],                     \
                               const ost_visible *out, uint32_t first);                                                              \
-    void ost_splat_##SET(const ost_splat_eye *eye, const ost_visible *visible, uint32_t first, uint32_t count,                     \
-                         const ost_planes *planes, int y0, int y1);                                                                \
+    void ost_splat_##SET(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t count,                      \
+                         const ost_planes *planes, const ost_extent *part);                                                        \
     void ost_resolve_##SET(const ost_splat_eye *eye, const ost_visible *visible, const ost_planes *planes, int y, int x0, int x1);                \
     uint64_t ost_farthest_##SET(const ost_planes *planes, int x, int y, int rows);                                                  \
     void ost_merge_##SET(const ost_planes *to, const ost_planes *from, float scale, int y, int x0, int x1);
@@ -140,10 +147,28 @@ static inline uint64_t ost_key(float distance, uint32_t number)
     return (uint64_t)bits << 32 | number;
 }
 
-/* Whether rows, as in ost_visible, are known to miss y0 to y1 - 1. */
-static inline bool ost_rows_miss(uint32_t rows, int y0, int y1)
+static inline uint32_t ost_number(uint32_t slot, uint32_t place)
 {
-    return rows != OST_ROWS_UNKNOWN && ((int)(rows >> 16) >= y1 || (int)(rows & 0xffff) <= y0);
+    return slot << OST_LOCAL_BITS | place;
+}
+
+/* Where a number's entry is. */
+static inline uint32_t ost_visible_index(const ost_visible *visible, uint32_t number)
+{
+    return visible->begin[number >> OST_LOCAL_BITS] + (number & ((1u << OST_LOCAL_BITS) - 1));
+}
+
+/* Frames have at most 2^13 pixels a side. */
+static inline uint64_t ost_extent_word(int x0, int x1, int y0, int y1)
+{
+    return (uint64_t)(uint32_t)x0 << 48 | (uint64_t)(uint32_t)x1 << 32 | (uint64_t)(uint32_t)y0 << 16 | (uint64_t)(uint32_t)y1;
+}
+
+/* Whether it is known to miss part. */
+static inline bool ost_extent_misses(uint64_t word, const ost_extent *part)
+{
+    return word != OST_EXTENT_UNKNOWN && ((int)(word >> 16 & 0xffff) >= part->y1 || (int)(word & 0xffff) <= part->y0 ||
+                                          (int)(word >> 48) >= part->x1 || (int)(word >> 32 & 0xffff) <= part->x0);
 }
 
 #define OST_EMPTY_KEY (UINT64_C(0x0101010101010101) * OST_EMPTY_BYTE)

@@ -186,37 +186,47 @@ static void splat(const ost_splat_eye *eye, const float o[3], unsigned only, uin
     }
 }
 
-/* Entries first to first + count, which have their rows in common; those rows. */
-static uint32_t splat_some(const ost_splat_eye *eye, const ost_visible *visible, uint32_t first, uint32_t count, const ost_planes *planes,
-                           int y0, int y1)
+static void widen(ost_extent *e, const rectangle *r)
 {
-    int top = eye->eye.height, end = 0;
-    for (uint32_t i = first; i < first + count; i++) {
-        float o[3];
-        rectangle r;
-        place(visible->bases, visible->id[i], o);
-        if (!rectangle_of(eye, o, visible->only[i], &r))
-            continue;
-        top = r.y0 < top ? r.y0 : top;
-        end = r.y1 + 1 > end ? r.y1 + 1 : end;
-        r.y0 = r.y0 > y0 ? r.y0 : y0;
-        r.y1 = r.y1 < y1 ? r.y1 : y1 - 1;
-        splat(eye, o, visible->only[i], ost_key(ost_eye_dot(o, o), i), &r, planes);
-    }
-    return top < end ? (uint32_t)top << 16 | (uint32_t)end : OST_ROWS_NONE;
+    e->x0 = r->x0 < e->x0 ? r->x0 : e->x0;
+    e->x1 = r->x1 + 1 > e->x1 ? r->x1 + 1 : e->x1;
+    e->y0 = r->y0 < e->y0 ? r->y0 : e->y0;
+    e->y1 = r->y1 + 1 > e->y1 ? r->y1 + 1 : e->y1;
 }
 
-void ost_splat_scalar(const ost_splat_eye *eye, const ost_visible *visible, uint32_t first, uint32_t count, const ost_planes *planes, int y0,
-                      int y1)
+/* Places from to to - 1 of a list, which have their extent in common; that. */
+static uint64_t splat_some(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t from, uint32_t to,
+                           const ost_planes *planes, const ost_extent *part)
+{
+    ost_extent all = {eye->eye.width, 0, eye->eye.height, 0};
+    for (uint32_t i = from; i < to; i++) {
+        const uint32_t at = visible->begin[slot] + i;
+        float o[3];
+        rectangle r;
+        place(visible->bases, visible->id[at], o);
+        if (!rectangle_of(eye, o, visible->only[at], &r))
+            continue;
+        widen(&all, &r);
+        if (r.x0 >= part->x1 || r.x1 < part->x0)
+            continue;
+        r.y0 = r.y0 > part->y0 ? r.y0 : part->y0;
+        r.y1 = r.y1 < part->y1 ? r.y1 : part->y1 - 1;
+        splat(eye, o, visible->only[at], ost_key(ost_eye_dot(o, o), ost_number(slot, i)), &r, planes);
+    }
+    return all.y0 < all.y1 ? ost_extent_word(all.x0, all.x1, all.y0, all.y1) : OST_EXTENT_NONE;
+}
+
+void ost_splat_scalar(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t count, const ost_planes *planes,
+                      const ost_extent *part)
 {
     for (uint32_t i = 0; i < count; i += OST_LANES) {
-        _Atomic uint32_t *rows = &visible->rows[(first + i) / OST_LANES];
-        const uint32_t known = atomic_load_explicit(rows, memory_order_relaxed);
-        if (ost_rows_miss(known, y0, y1))
+        _Atomic uint64_t *extent = &visible->extent[(visible->begin[slot] + i) / OST_LANES];
+        const uint64_t known = atomic_load_explicit(extent, memory_order_relaxed);
+        if (ost_extent_misses(known, part))
             continue;
-        const uint32_t found = splat_some(eye, visible, first + i, count - i < OST_LANES ? count - i : OST_LANES, planes, y0, y1);
-        if (known == OST_ROWS_UNKNOWN)
-            atomic_store_explicit(rows, found, memory_order_relaxed);
+        const uint64_t found = splat_some(eye, visible, slot, i, count - i < OST_LANES ? count : i + OST_LANES, planes, part);
+        if (known == OST_EXTENT_UNKNOWN)
+            atomic_store_explicit(extent, found, memory_order_relaxed);
     }
 }
 
@@ -245,12 +255,13 @@ void ost_resolve_scalar(const ost_splat_eye *eye, const ost_visible *visible, co
     const float v = eye->eye.half_h - ((float)y + 0.5f);
     for (int x = x0; x < x1; x++) {
         const size_t at = ost_row(planes, y) + (size_t)x;
-        const uint32_t index = (uint32_t)ost_key_row(planes, y)[x];
-        if (index == OST_NO_VOXEL) {
+        const uint64_t key = ost_key_row(planes, y)[x];
+        if (key >> 32 == OST_NO_DISTANCE) {
             planes->face[at] = OST_NO_FACE;
             planes->colour[at] = visible->background;
             continue;
         }
+        const uint32_t index = ost_visible_index(visible, (uint32_t)key);
         const float u = ((float)x + 0.5f) - eye->eye.half_w;
         float o[3];
         place(visible->bases, visible->id[index], o);

@@ -35,6 +35,7 @@
 enum {
     OST_BLOCK = 32,                  /* voxels on a side */
     OST_BLOCK_ROWS = 32 * 32,        /* row y + 32 z; bit x of it is voxel (x, y, z) */
+    OST_BLOCK_POINTS = OST_BLOCK * OST_BLOCK_ROWS, /* at most */
     OST_BLOCKS_MAX = (1 << 17) - 1,  /* that hold something: an id has 17 bits for the block, and one is "nothing" */
     OST_FACES_SHIFT = 15,
     OST_OPEN_SHIFT = 14,

@@ -266,32 +266,35 @@ static inline void fill_beside(const ost_splat_eye *s, lanes3 o, const unsigned 
     }
 }
 
-/* Leaves of rectangles what lies in rows y0 to y1 - 1; which have something there. */
-static inline unsigned into_band(eight *r, unsigned live, int y0, int y1)
+/* Leaves of rectangles what lies in the rows of part; which have something there and in its columns. */
+static inline unsigned into_part(eight *r, unsigned live, const ost_extent *part)
 {
-    const __m256i top = _mm256_max_epi32(_mm256_load_si256((const void *)r->y0), _mm256_set1_epi32(y0));
-    const __m256i bottom = _mm256_min_epi32(_mm256_load_si256((const void *)r->y1), _mm256_set1_epi32(y1 - 1));
+    const __m256i top = _mm256_max_epi32(_mm256_load_si256((const void *)r->y0), _mm256_set1_epi32(part->y0));
+    const __m256i bottom = _mm256_min_epi32(_mm256_load_si256((const void *)r->y1), _mm256_set1_epi32(part->y1 - 1));
     _mm256_store_si256((void *)r->y0, top);
     _mm256_store_si256((void *)r->y1, bottom);
+    live &= ~at_least(_mm256_load_si256((const void *)r->x0), part->x1) & at_least(_mm256_load_si256((const void *)r->x1), part->x0);
     return live & ~greater(top, bottom);
 }
 
-/* The rows of those that live, into what others had. */
-static inline uint32_t rows_of(const eight *r, unsigned live, uint32_t rows)
+/* What those that live cover, too. */
+static inline void widen(const eight *r, unsigned live, ost_extent *e)
 {
-    uint32_t top = rows >> 16, end = rows & 0xffff;
     for (; live; live &= live - 1) {
         const int k = __builtin_ctz(live);
-        top = (uint32_t)r->y0[k] < top ? (uint32_t)r->y0[k] : top;
-        end = (uint32_t)r->y1[k] + 1 > end ? (uint32_t)r->y1[k] + 1 : end;
+        e->x0 = r->x0[k] < e->x0 ? r->x0[k] : e->x0;
+        e->x1 = r->x1[k] + 1 > e->x1 ? r->x1[k] + 1 : e->x1;
+        e->y0 = r->y0[k] < e->y0 ? r->y0[k] : e->y0;
+        e->y1 = r->y1[k] + 1 > e->y1 ? r->y1[k] + 1 : e->y1;
     }
-    return top << 16 | end;
 }
 
-/* Up to eight entries from first on; the rows of those before and of these. */
-static inline uint32_t splat_some(const ost_splat_eye *eye, const ost_visible *visible, uint32_t first, int count, const float *base,
-                                  const ost_planes *planes, int y0, int y1, uint32_t rows)
+/* Up to eight entries from place on; *extent becomes theirs too. */
+static inline void splat_some(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t place, int count,
+                              const ost_planes *planes, const ost_extent *part, ost_extent *extent)
 {
+    const uint32_t first = visible->begin[slot] + place;
+    const float *base = visible->bases + 4 * (size_t)slot;
     const __m256i p = _mm256_maskload_epi32((const int *)visible->id + first, below(count));
     const __m256i only = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const void *)(visible->only + first)));
     eight r;
@@ -306,34 +309,30 @@ static inline uint32_t splat_some(const ost_splat_eye *eye, const ost_visible *v
         single[a] = _mm256_castsi256_ps(_mm256_cmpeq_epi32(only, _mm256_set1_epi32(a)));
     }
     unsigned live = rectangles(eye, o, single, (1u << count) - 1, &r);
-    rows = rows_of(&r, live, rows);
-    live = into_band(&r, live, y0, y1);
+    widen(&r, live, extent);
+    live = into_part(&r, live, part);
     if (!live)
-        return rows;
-    keys_of(o, first, &r);
+        return;
+    keys_of(o, ost_number(slot, place), &r);
     edges_of(eye, o, negative, single, &r);
     fill_all(eye, &r, live, planes);
     if (live & (beside[0] | beside[1] | beside[2]))
         fill_beside(eye, o, beside, single, live, &r, planes);
-    return rows;
 }
 
-void ost_splat_avx2(const ost_splat_eye *eye, const ost_visible *visible, uint32_t first, uint32_t count, const ost_planes *planes, int y0,
-                    int y1)
+void ost_splat_avx2(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t count, const ost_planes *planes,
+                    const ost_extent *part)
 {
-    if (count == 0)
-        return;
-    const float *base = visible->bases + 4 * (size_t)(visible->id[first] >> OST_LOCAL_BITS);
     for (uint32_t i = 0; i < count; i += OST_LANES) {
-        _Atomic uint32_t *rows = &visible->rows[(first + i) / OST_LANES];
-        const uint32_t known = atomic_load_explicit(rows, memory_order_relaxed);
-        uint32_t found = OST_ROWS_NONE;
-        if (ost_rows_miss(known, y0, y1))
+        _Atomic uint64_t *extent = &visible->extent[(visible->begin[slot] + i) / OST_LANES];
+        const uint64_t known = atomic_load_explicit(extent, memory_order_relaxed);
+        ost_extent e = {eye->eye.width, 0, eye->eye.height, 0};
+        if (ost_extent_misses(known, part))
             continue;
         for (uint32_t j = i; j < i + OST_LANES && j < count; j += EIGHT)
-            found = splat_some(eye, visible, first + j, count - j < EIGHT ? (int)(count - j) : EIGHT, base, planes, y0, y1, found);
-        if (known == OST_ROWS_UNKNOWN)
-            atomic_store_explicit(rows, found, memory_order_relaxed);
+            splat_some(eye, visible, slot, j, count - j < EIGHT ? (int)(count - j) : EIGHT, planes, part, &e);
+        if (known == OST_EXTENT_UNKNOWN)
+            atomic_store_explicit(extent, e.y0 < e.y1 ? ost_extent_word(e.x0, e.x1, e.y0, e.y1) : OST_EXTENT_NONE, memory_order_relaxed);
     }
 }
 
@@ -345,20 +344,29 @@ static inline __m256i lit(__m256i colour, __m256i light)
     return _mm256_or_si256(a, b);
 }
 
-/* From the eye to the voxel of each pixel. */
-static inline lanes3 places(const ost_visible *visible, __m256i id, __m256i any)
+/* From the eye to the blocks of the pixels' voxels, and where in the list those are. */
+static inline __m256i look_up(const ost_visible *visible, __m256i number, __m256i any, lanes3 *o)
 {
-    const __m256i slot = _mm256_srli_epi32(id, OST_LOCAL_BITS), five = _mm256_set1_epi32(31);
-    lanes3 o = {{_mm256_setzero_ps(), _mm256_setzero_ps(), _mm256_setzero_ps()}};
+    const __m256i slot = _mm256_srli_epi32(number, OST_LOCAL_BITS);
+    __m256i begin = _mm256_setzero_si256();
     _Alignas(32) uint32_t slots[EIGHT];
+    *o = (lanes3){{_mm256_setzero_ps(), _mm256_setzero_ps(), _mm256_setzero_ps()}};
     _mm256_store_si256((void *)slots, slot);
     for (unsigned left = bits(_mm256_castsi256_ps(any)); left;) {
-        const uint32_t number = slots[__builtin_ctz(left)];
-        const lanes here = _mm256_castsi256_ps(_mm256_cmpeq_epi32(slot, _mm256_set1_epi32((int)number)));
+        const uint32_t one = slots[__builtin_ctz(left)];
+        const __m256i here = _mm256_cmpeq_epi32(slot, _mm256_set1_epi32((int)one));
         for (int a = 0; a < 3; a++)
-            o.v[a] = _mm256_blendv_ps(o.v[a], all(visible->bases[4 * (size_t)number + (size_t)a]), here);
-        left &= ~bits(here);
+            o->v[a] = _mm256_blendv_ps(o->v[a], all(visible->bases[4 * (size_t)one + (size_t)a]), _mm256_castsi256_ps(here));
+        begin = _mm256_blendv_epi8(begin, _mm256_set1_epi32((int)visible->begin[one]), here);
+        left &= ~bits(_mm256_castsi256_ps(here));
     }
+    return _mm256_add_epi32(begin, _mm256_and_si256(number, _mm256_set1_epi32((1 << OST_LOCAL_BITS) - 1)));
+}
+
+/* From the eye to the voxels. */
+static inline lanes3 places(lanes3 o, __m256i id)
+{
+    const __m256i five = _mm256_set1_epi32(31);
     for (int a = 0; a < 3; a++)
         o.v[a] = _mm256_add_ps(o.v[a], _mm256_cvtepi32_ps(_mm256_and_si256(_mm256_srl_epi32(id, _mm_cvtsi32_si128(5 * a)), five)));
     return o;
@@ -389,21 +397,24 @@ void ost_resolve_avx2(const ost_splat_eye *eye, const ost_visible *visible, cons
 {
     const float v = eye->eye.half_h - ((float)y + 0.5f);
     const __m256i step = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7), even = _mm256_setr_epi32(0, 2, 4, 6, 0, 2, 4, 6);
+    const __m256i odd = _mm256_setr_epi32(1, 3, 5, 7, 1, 3, 5, 7);
     const __m256i lights = _mm256_loadu_si256((const void *)visible->light), zero = _mm256_setzero_si256();
     for (int x = x0; x < x1; x += EIGHT) {
         const size_t at = ost_row(planes, y) + (size_t)x;
         const uint64_t *key = ost_key_row(planes, y) + x;
-        const __m256i low = _mm256_permutevar8x32_epi32(_mm256_load_si256((const void *)key), even);
-        const __m256i high = _mm256_permutevar8x32_epi32(_mm256_load_si256((const void *)(key + 4)), even);
-        const __m256i index = _mm256_blend_epi32(low, high, 0xf0);
-        const __m256i any = _mm256_xor_si256(_mm256_cmpeq_epi32(index, _mm256_set1_epi32((int)OST_NO_VOXEL)), _mm256_set1_epi32(-1));
+        const __m256i low = _mm256_load_si256((const void *)key), high = _mm256_load_si256((const void *)(key + 4));
+        const __m256i distance = _mm256_blend_epi32(_mm256_permutevar8x32_epi32(low, odd), _mm256_permutevar8x32_epi32(high, odd), 0xf0);
+        const __m256i any = _mm256_xor_si256(_mm256_cmpeq_epi32(distance, _mm256_set1_epi32((int)OST_NO_DISTANCE)), _mm256_set1_epi32(-1));
         __m256i face = _mm256_set1_epi32(OST_NO_FACE), colour = _mm256_set1_epi32((int)visible->background);
         if (!_mm256_testz_si256(any, any)) {
             const lanes u = across(eye, _mm256_add_epi32(_mm256_set1_epi32(x), step));
+            const __m256i number = _mm256_blend_epi32(_mm256_permutevar8x32_epi32(low, even), _mm256_permutevar8x32_epi32(high, even), 0xf0);
+            lanes3 o;
+            const __m256i index = look_up(visible, number, any, &o);
             const __m256i id = _mm256_mask_i32gather_epi32(zero, (const int *)visible->id, index, any, 4);
             const __m256i tint = _mm256_mask_i32gather_epi32(zero, (const int *)visible->tint, index, any, 4);
             lanes depth;
-            const __m256i entered = enter(eye, places(visible, id, any), u, v, &depth);
+            const __m256i entered = enter(eye, places(o, id), u, v, &depth);
             face = _mm256_blendv_epi8(face, entered, any);
             colour = _mm256_blendv_epi8(colour, lit(tint, _mm256_permutevar8x32_epi32(lights, entered)), any);
             _mm256_maskstore_ps(planes->depth + at, any, depth);

@@ -334,36 +334,36 @@ static inline void fill_beside(const ost_splat_eye *s, lanes3 o, const __mmask16
     }
 }
 
-/* Leaves of rectangles what lies in rows y0 to y1 - 1; which have something there. */
-static inline __mmask16 into_band(sixteen *r, __mmask16 live, int y0, int y1)
+/* Leaves of rectangles what lies in the rows of part; which have something there and in its columns. */
+static inline __mmask16 into_part(sixteen *r, __mmask16 live, const ost_extent *part)
 {
-    const __m512i top = _mm512_max_epi32(_mm512_load_si512(r->y0), _mm512_set1_epi32(y0));
-    const __m512i bottom = _mm512_min_epi32(_mm512_load_si512(r->y1), _mm512_set1_epi32(y1 - 1));
+    const __m512i top = _mm512_max_epi32(_mm512_load_si512(r->y0), _mm512_set1_epi32(part->y0));
+    const __m512i bottom = _mm512_min_epi32(_mm512_load_si512(r->y1), _mm512_set1_epi32(part->y1 - 1));
     _mm512_store_si512(r->y0, top);
     _mm512_store_si512(r->y1, bottom);
+    live = _mm512_mask_cmplt_epi32_mask(live, _mm512_load_si512(r->x0), _mm512_set1_epi32(part->x1));
+    live = _mm512_mask_cmpge_epi32_mask(live, _mm512_load_si512(r->x1), _mm512_set1_epi32(part->x0));
     return _mm512_mask_cmple_epi32_mask(live, top, bottom);
 }
 
-static inline uint32_t rows_of(const sixteen *r, __mmask16 live)
+static inline uint64_t extent_of(const sixteen *r, __mmask16 live)
 {
     if (!live)
-        return OST_ROWS_NONE;
-    const int top = _mm512_mask_reduce_min_epi32(live, _mm512_load_si512(r->y0)), last = _mm512_mask_reduce_max_epi32(live, _mm512_load_si512(r->y1));
-    return (uint32_t)top << 16 | (uint32_t)(last + 1);
+        return OST_EXTENT_NONE;
+    return ost_extent_word(_mm512_mask_reduce_min_epi32(live, _mm512_load_si512(r->x0)), _mm512_mask_reduce_max_epi32(live, _mm512_load_si512(r->x1)) + 1,
+                           _mm512_mask_reduce_min_epi32(live, _mm512_load_si512(r->y0)), _mm512_mask_reduce_max_epi32(live, _mm512_load_si512(r->y1)) + 1);
 }
 
-void ost_splat_avx512(const ost_splat_eye *eye, const ost_visible *visible, uint32_t first, uint32_t count, const ost_planes *planes, int y0,
-                      int y1)
+void ost_splat_avx512(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t count, const ost_planes *planes,
+                      const ost_extent *part)
 {
-    const uint32_t *points = visible->id + first;
-    if (count == 0)
-        return;
-    const float *base = visible->bases + 4 * (size_t)(points[0] >> OST_LOCAL_BITS);
+    const uint32_t first = visible->begin[slot], *points = visible->id + first;
+    const float *base = visible->bases + 4 * (size_t)slot;
     const __m512i low = _mm512_set1_epi32(31), sign = _mm512_set1_epi32(INT32_MIN);
     for (uint32_t i = 0; i < count; i += OST_LANES) {
-        _Atomic uint32_t *rows = &visible->rows[(first + i) / OST_LANES];
-        const uint32_t known = atomic_load_explicit(rows, memory_order_relaxed);
-        if (ost_rows_miss(known, y0, y1))
+        _Atomic uint64_t *extent = &visible->extent[(first + i) / OST_LANES];
+        const uint64_t known = atomic_load_explicit(extent, memory_order_relaxed);
+        if (ost_extent_misses(known, part))
             continue;
         __mmask16 live = count - i < OST_LANES ? (__mmask16)((1u << (count - i)) - 1) : (__mmask16)0xffff, beside[3];
         const __m512i p = _mm512_maskz_loadu_epi32(live, points + i);
@@ -380,12 +380,12 @@ void ost_splat_avx512(const ost_splat_eye *eye, const ost_visible *visible, uint
             single[a] = _mm512_cmpeq_epi32_mask(only, _mm512_set1_epi32(a));
         }
         live = rectangles(eye, o, single, live, &r);
-        if (known == OST_ROWS_UNKNOWN)
-            atomic_store_explicit(rows, rows_of(&r, live), memory_order_relaxed);
-        live = into_band(&r, live, y0, y1);
+        if (known == OST_EXTENT_UNKNOWN)
+            atomic_store_explicit(extent, extent_of(&r, live), memory_order_relaxed);
+        live = into_part(&r, live, part);
         if (!live)
             continue;
-        keys_of(o, first + i, &r);
+        keys_of(o, ost_number(slot, i), &r);
         edges_of(eye, o, negative, single, &r);
         fill_all(eye, &r, live, planes);
         if (live & (beside[0] | beside[1] | beside[2]))
@@ -401,19 +401,31 @@ static inline __m512i lit(__m512i colour, __m512i light)
     return _mm512_or_si512(a, b);
 }
 
-/* From the eye to the voxel of each pixel: few blocks share a register, so bases are found block by block. */
-static inline lanes3 places(const ost_visible *visible, __m512i id, __mmask16 any)
+/*
+ * From the eye to the blocks of the pixels' voxels, and where in the list those
+ * are: few blocks share a register, so both are found block by block.
+ */
+static inline __m512i look_up(const ost_visible *visible, __m512i number, __mmask16 any, lanes3 *o)
 {
-    const __m512i slot = _mm512_srli_epi32(id, OST_LOCAL_BITS), five = _mm512_set1_epi32(31);
-    lanes3 o = {{_mm512_setzero_ps(), _mm512_setzero_ps(), _mm512_setzero_ps()}};
+    const __m512i slots = _mm512_srli_epi32(number, OST_LOCAL_BITS);
+    __m512i begin = _mm512_setzero_si512();
+    *o = (lanes3){{_mm512_setzero_ps(), _mm512_setzero_ps(), _mm512_setzero_ps()}};
     for (unsigned left = any; left;) {
-        const __m512i one = _mm512_maskz_compress_epi32((__mmask16)left, slot);
-        const uint32_t number = (uint32_t)_mm512_cvtsi512_si32(one);
-        const __mmask16 here = _mm512_mask_cmpeq_epi32_mask((__mmask16)left, slot, _mm512_set1_epi32((int)number));
+        const __m512i one = _mm512_maskz_compress_epi32((__mmask16)left, slots);
+        const uint32_t slot = (uint32_t)_mm512_cvtsi512_si32(one);
+        const __mmask16 here = _mm512_mask_cmpeq_epi32_mask((__mmask16)left, slots, _mm512_set1_epi32((int)slot));
         for (int a = 0; a < 3; a++)
-            o.v[a] = _mm512_mask_mov_ps(o.v[a], here, all(visible->bases[4 * (size_t)number + (size_t)a]));
+            o->v[a] = _mm512_mask_mov_ps(o->v[a], here, all(visible->bases[4 * (size_t)slot + (size_t)a]));
+        begin = _mm512_mask_mov_epi32(begin, here, _mm512_set1_epi32((int)visible->begin[slot]));
         left &= ~(unsigned)here;
     }
+    return _mm512_add_epi32(begin, _mm512_and_si512(number, _mm512_set1_epi32((1 << OST_LOCAL_BITS) - 1)));
+}
+
+/* From the eye to the voxels. */
+static inline lanes3 places(lanes3 o, __m512i id)
+{
+    const __m512i five = _mm512_set1_epi32(31);
     for (int a = 0; a < 3; a++)
         o.v[a] = _mm512_add_ps(o.v[a], _mm512_cvtepi32_ps(_mm512_and_si512(_mm512_srl_epi32(id, _mm_cvtsi32_si128(5 * a)), five)));
     return o;
@@ -445,21 +457,23 @@ void ost_resolve_avx512(const ost_splat_eye *eye, const ost_visible *visible, co
 {
     const float v = eye->eye.half_h - ((float)y + 0.5f);
     const __m512i step = _mm512_set_epi32(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0);
-    const __m512i even = _mm512_add_epi32(step, step);
+    const __m512i even = _mm512_add_epi32(step, step), odd = _mm512_add_epi32(even, _mm512_set1_epi32(1));
     const __m512i lights = _mm512_castsi256_si512(_mm256_loadu_si256((const void *)visible->light));
     for (int x = x0; x < x1; x += OST_LANES) {
         const size_t at = ost_row(planes, y) + (size_t)x;
         const uint64_t *key = ost_key_row(planes, y) + x;
-        const __m512i index = _mm512_permutex2var_epi32(_mm512_load_si512(key), even, _mm512_load_si512(key + 8));
-        const __mmask16 any = _mm512_cmpneq_epi32_mask(index, _mm512_set1_epi32((int)OST_NO_VOXEL));
+        const __m512i low = _mm512_load_si512(key), high = _mm512_load_si512(key + 8);
+        const __mmask16 any = _mm512_cmpneq_epi32_mask(_mm512_permutex2var_epi32(low, odd, high), _mm512_set1_epi32((int)OST_NO_DISTANCE));
         __m512i face = _mm512_set1_epi32(OST_NO_FACE), colour = _mm512_set1_epi32((int)visible->background);
         if (any) {
             const lanes u = across(eye, _mm512_add_epi32(_mm512_set1_epi32(x), step));
+            lanes3 o;
+            const __m512i index = look_up(visible, _mm512_permutex2var_epi32(low, even, high), any, &o);
             /* Gathers take their index as signed, and their scale of 4 makes bytes of it: 2^31 entries are far beyond any list. */
             const __m512i id = _mm512_mask_i32gather_epi32(_mm512_setzero_si512(), any, index, visible->id, 4);
             const __m512i tint = _mm512_mask_i32gather_epi32(_mm512_setzero_si512(), any, index, visible->tint, 4);
             lanes depth;
-            const __m512i entered = enter(eye, places(visible, id, any), u, v, &depth);
+            const __m512i entered = enter(eye, places(o, id), u, v, &depth);
             face = _mm512_mask_mov_epi32(face, any, entered);
             colour = _mm512_mask_mov_epi32(colour, any, lit(tint, _mm512_permutexvar_epi32(entered, lights)));
             _mm512_mask_store_ps(planes->depth + at, any, depth);
