@@ -19,7 +19,11 @@ enum { NORMAL = 31, SLOW = 7, MAY_DIFFER = 30 };
 typedef struct step {
     const char *name, *is;
     ost_gl_variant variant;
-    bool read; /* the picture comes back, as people get it */
+    enum {
+        STILL,
+        MOVING, /* the eye goes aside by a voxel and a half a frame, to and fro */
+        READ    /* the picture comes back, as people get it */
+    } how;
 } step;
 
 #define SURFACE .true_depth = true, .target = OST_GL_WIDE
@@ -27,21 +31,26 @@ typedef struct step {
 #define TIGHT TURNED, .order = true, .tight = true
 
 static const step steps[] = {
-    {"thesis", "every voxel of the blocks in use, G-buffer of 2 x 128 bits and depth", {.every_voxel = true, SURFACE}, false},
-    {"surface", "surface voxels alone", {SURFACE}, false},
-    {"frustum", "and only blocks in sight", {.frustum = true, SURFACE}, false},
-    {"facing", "and only points turned to the eye", {TURNED, SURFACE}, false},
-    {"order", "and near blocks first", {TURNED, .order = true, SURFACE}, false},
-    {"small", "G-buffer of 2 x 32 bits", {TURNED, .order = true, .true_depth = true, .target = OST_GL_SMALL}, false},
-    {"compact", "G-buffer of 64 bits: colour, face, depth", {TURNED, .order = true, .true_depth = true}, false},
-    {"tight", "the cube's own rectangle", {TIGHT, .true_depth = true}, false},
-    {"distance", "depth by the distance of the voxel's centre", {TIGHT}, false},
-    {"lines", "coverage by lines, not slabs", {TIGHT, .lines = true}, false},
-    {"forward", "the same without a G-buffer", {TIGHT, .lines = true, .target = OST_GL_FORWARD}, false},
-    {"bricks", "a point for 4^3 voxels", {.frustum = true, .order = true, .tight = true, .bricks = true}, false},
-    {"bricks-forward", "the same without a G-buffer", {.frustum = true, .order = true, .tight = true, .bricks = true, .target = OST_GL_FORWARD}, false},
-    {"ours", "points or bricks, whichever suits: --renderer gl", {TIGHT, .lines = true, .choose = true}, false},
-    {"ours-read", "the same, and the picture read back", {TIGHT, .lines = true, .choose = true}, true},
+    {"thesis", "every voxel of the blocks in use, G-buffer of 2 x 128 bits and depth", {.every_voxel = true, SURFACE}, STILL},
+    {"surface", "surface voxels alone", {SURFACE}, STILL},
+    {"frustum", "and only blocks in sight", {.frustum = true, SURFACE}, STILL},
+    {"facing", "and only points turned to the eye", {TURNED, SURFACE}, STILL},
+    {"order", "and near blocks first", {TURNED, .order = true, SURFACE}, STILL},
+    {"small", "G-buffer of 2 x 32 bits", {TURNED, .order = true, .true_depth = true, .target = OST_GL_SMALL}, STILL},
+    {"compact", "G-buffer of 64 bits: colour, face, depth", {TURNED, .order = true, .true_depth = true}, STILL},
+    {"tight", "the cube's own rectangle", {TIGHT, .true_depth = true}, STILL},
+    {"distance", "depth by the distance of the voxel's centre", {TIGHT}, STILL},
+    {"lines", "coverage by lines, not slabs", {TIGHT, .lines = true}, STILL},
+    {"occlusion", "and only blocks that no others hide", {TIGHT, .lines = true, .occlusion = true}, STILL},
+    {"tiles", "the same, and a shader finds what hides, as on a graphics card", {TIGHT, .lines = true, .occlusion = true, .tiles = true}, STILL},
+    {"moving", "lines, from an eye that moves", {TIGHT, .lines = true}, MOVING},
+    {"moving-occlusion", "the same, and only blocks that no others hide", {TIGHT, .lines = true, .occlusion = true}, MOVING},
+    {"forward", "lines without a G-buffer", {TIGHT, .lines = true, .target = OST_GL_FORWARD}, STILL},
+    {"bricks", "a point for 4^3 voxels", {.frustum = true, .order = true, .tight = true, .bricks = true}, STILL},
+    {"bricks-occlusion", "the same of blocks that no others hide", {.frustum = true, .order = true, .tight = true, .bricks = true, .occlusion = true}, STILL},
+    {"bricks-forward", "bricks without a G-buffer", {.frustum = true, .order = true, .tight = true, .bricks = true, .target = OST_GL_FORWARD}, STILL},
+    {"ours", "points or bricks, whichever suits: --renderer gl", {TIGHT, .lines = true, .occlusion = true, .choose = true}, STILL},
+    {"ours-read", "the same, and the picture read back", {TIGHT, .lines = true, .occlusion = true, .choose = true}, READ},
 };
 enum { STEPS = sizeof steps / sizeof *steps };
 
@@ -98,12 +107,19 @@ static int differing(const ost_frame *a, const ost_frame *b)
     return count;
 }
 
-static ost_status draw(ost_gl *gl, const step *s, const ost_frame_thing *thing, ost_frame *frame, bench_series *series, ost_error *err)
+/* number: of the frame; the eye of frame 0 is where the view has it. */
+static ost_status draw(ost_gl *gl, const step *s, const ost_frame_thing *still, int number, ost_frame *frame, bench_series *series, ost_error *err)
 {
+    enum { PERIOD = 32 };
+    const int along = number % PERIOD < PERIOD / 2 ? number % PERIOD : PERIOD - number % PERIOD;
+    ost_frame_thing moved = *still;
+    for (int a = 0; a < 3 && s->how == MOVING; a++)
+        moved.eye.at[a] += 1.5f * (float)along * still->eye.right[a];
+    const ost_frame_thing *thing = &moved;
     const int64_t begin = bench_now();
     ost_status status = ost_gl_draw(gl, &s->variant, thing, 1, OST_STYLE_FACES, err);
     if (status == OST_OK)
-        status = s->read ? ost_gl_read(gl, frame, false, err) : ost_gl_finish(gl, err);
+        status = s->how == READ ? ost_gl_read(gl, frame, false, err) : ost_gl_finish(gl, err);
     if (series)
         bench_series_add(series, (double)(bench_now() - begin));
     return status;
@@ -117,7 +133,9 @@ static ost_status add(bench_gl *b, const bench_options *options, bench_table *ta
     int differ = 0;
     ost_status status = OST_OK;
     if (b->gl) {
-        status = draw(b->gl, s, thing, frame, NULL, err);
+        /* A frame leaves out what the one before saw to be hidden, from another place where the eye moves. */
+        for (int i = 2; i >= 0 && status == OST_OK; i--)
+            status = draw(b->gl, s, thing, i, frame, NULL, err);
         if (status == OST_OK)
             status = ost_gl_read(b->gl, frame, false, err);
         differ = status == OST_OK ? differing(frame, reference) : 0;
@@ -126,9 +144,9 @@ static ost_status add(bench_gl *b, const bench_options *options, bench_table *ta
     const bool equal = differ <= MAY_DIFFER || !s->variant.lines;
     const int repeat = bench_repeat(options, slow ? SLOW : NORMAL);
     for (int i = 0; b->gl && equal && i < repeat && status == OST_OK; i++) {
-        status = draw(b->gl, s, thing, frame, &series, err);
+        status = draw(b->gl, s, thing, i, frame, &series, err);
         if (status == OST_OK && is_ours && i % 8 == 0)
-            status = draw(b->gl, &steps[0], thing, frame, &thesis, err);
+            status = draw(b->gl, &steps[0], thing, 0, frame, &thesis, err);
     }
     bench_row *row = status == OST_OK ? bench_row_add(table, name, "ms", 0) : NULL;
     if (row && !b->gl) {
@@ -146,6 +164,7 @@ static ost_status add(bench_gl *b, const bench_options *options, bench_table *ta
         bench_row_extra(row, "fps", series.count ? 1e9 / bench_series_at(&series, 0.5) : 0);
         bench_row_extra(row, "points", (double)counts.points);
         bench_row_extra(row, "bricks", counts.bricks);
+        bench_row_extra(row, "hidden_blocks", counts.hidden);
         bench_row_extra(row, "pixels_that_differ", differ);
     } else if (status == OST_OK) {
         status = ost_fail(err, OST_ERR_MEMORY, "no memory for a row");

@@ -7,7 +7,7 @@
  *
  * OST_TEST_LONG=1: frames of 1280 x 720, and all once more with no more than
  * OpenGL 3.3 has.
- * Covers: REQ-GL-SAME
+ * Covers: REQ-GL-SAME, REQ-GL-HIDDEN
  */
 #include <math.h>
 #include <stdlib.h>
@@ -243,6 +243,103 @@ static void test_variants(void **state)
     ost_volume_free(&v);
 }
 
+/* A body behind a wall, which has a window while open. */
+static void build(ost_volume *v, const ost_volume *shape, bool open)
+{
+    const int n = v->geometry.dims.x;
+    for (int k = 0; k < n; k++)
+        for (int j = 0; j < n; j++)
+            for (int i = 0; i < n; i++) {
+                const size_t at = (size_t)i + (size_t)n * (size_t)(j + n * k);
+                const bool window = open && i > n / 3 && i < n / 2 && k > n / 3 && k < n / 2;
+                v->voxels[at] = j < 12 ? window ? 0 : 700 : j < 40 ? 0 : shape->voxels[at];
+            }
+}
+
+/* Draws with and without, which must be the same to the bit; returns how many blocks were left out. */
+static int same_without(const char *name, const ost_gl_variant *variant, const ost_frame_thing *things, int count)
+{
+    ost_error err = {0};
+    ost_gl_variant without = *variant;
+    without.occlusion = false;
+    const int width = things[0].eye.width, height = things[0].eye.height;
+    ost_frame a, b;
+    assert_ok(ost_frame_init(&a, width, height, OST_STYLE_SMOOTH, OST_ISA_SCALAR, 1, &err));
+    assert_ok(ost_frame_init(&b, width, height, OST_STYLE_SMOOTH, OST_ISA_SCALAR, 1, &err));
+    assert_ok(ost_gl_draw(gl, &without, things, count, OST_STYLE_SMOOTH, &err));
+    assert_int_equal(ost_gl_counts_get(gl).hidden, 0);
+    const uint64_t points = ost_gl_counts_get(gl).points;
+    assert_ok(ost_gl_read(gl, &a, true, &err));
+    assert_ok(ost_gl_draw(gl, variant, things, count, OST_STYLE_SMOOTH, &err));
+    const ost_gl_counts did = ost_gl_counts_get(gl);
+    assert_ok(ost_gl_read(gl, &b, true, &err));
+    assert_true(did.hidden ? did.points < points : did.points == points);
+    const difference d = compare(&a, &b);
+    if (d.colour || d.face || d.depth)
+        printf("# %s: %d pixels differ (face %d, depth %d), %d blocks hidden\n", name, d.colour, d.face, d.depth, (int)did.hidden);
+    assert_int_equal(d.colour + d.face + d.depth, 0);
+    ost_frame_free(&a);
+    ost_frame_free(&b);
+    return did.hidden;
+}
+
+/*
+ * Blocks that others hide are left out, and no pixel of any frame changes by
+ * it: not as the eye goes around in steps that bring others to the front, not
+ * when a window is cut into what hid them.
+ */
+static void test_occlusion(void **state)
+{
+    (void)state;
+    skip_without_gl();
+    enum { N = 128, STEPS = 12, REST = 10, W = 283, H = 163 };
+    test_rng rng = rng_seeded("occlusion");
+    ost_error err = {0};
+    ost_volume shape = body(&rng, N, OST_PM_PER_MM), v, t = body(&rng, 40, OST_PM_PER_MM / 3);
+    ost_surface tool = surface_of(&t);
+    assert_ok(ost_volume_init(&v, &shape.geometry, &err));
+    ost_gl_variant list[3] = {ost_gl_ours, ost_gl_ours, ost_gl_ours};
+    static const char *const names[] = {"points", "points, tiles by OpenGL", "bricks"};
+    assert_true(ost_gl_ours.occlusion);
+    for (int i = 0; i < 3; i++) {
+        list[i].choose = false;
+        list[i].tiles = i == 1;
+        list[i].bricks = i == 2;
+        int hidden = 0;
+        build(&v, &shape, false);
+        ost_surface s = surface_of(&v);
+        for (int step = 0; step < STEPS; step++) {
+            const double turn = 6.2831853 * step / STEPS, away = step < STEPS / 2 ? 1.4 : 0.8;
+            const ost_camera c = look(&v.geometry, sin(turn), -cos(turn), 0.2, away * N, 0, W, H);
+            const double q[4] = {0.8, 0.3, -0.4, 0.33}, at[3] = {60, 40, 60};
+            ost_pose pose;
+            assert_ok(ost_pose_from_doubles(at, q, &pose, &err));
+            const ost_frame_thing things[2] = {{.surface = &s, .eye = ost_eye_make(&c, &v.geometry), .paint = OST_PAINT_BONE},
+                                               {.surface = &tool, .eye = ost_eye_make_from(&c, &t.geometry, &pose), .paint = OST_PAINT_STEEL}};
+            hidden += same_without(names[i], &list[i], things, 1 + step % 2);
+        }
+        /* The eye rests before the wall: most of what is behind is left out, until the wall opens, at once. */
+        const ost_camera c = look(&v.geometry, 0.05, -1, 0.0, 0.9 * N, 0, W, H);
+        const ost_frame_thing thing = {.surface = &s, .eye = ost_eye_make(&c, &v.geometry), .paint = OST_PAINT_BONE};
+        int before = 0, after = 0;
+        for (int k = 0; k < REST; k++)
+            before = same_without(names[i], &list[i], &thing, 1);
+        build(&v, &shape, true);
+        assert_ok(ost_surface_set_volume(&s, &v, 120, &err));
+        assert_ok(ost_surface_update(&s, &err));
+        after = same_without(names[i], &list[i], &thing, 1);
+        printf("# %-36s %d hidden as the eye goes around, %d behind the wall, %d when it opens\n", names[i], hidden, before, after);
+        assert_in_range(hidden, 10, STEPS * N);
+        assert_in_range(before, 20, N);
+        assert_in_range(after, 1, before - 1);
+        ost_surface_free(&s);
+    }
+    ost_surface_free(&tool);
+    ost_volume_free(&shape);
+    ost_volume_free(&v);
+    ost_volume_free(&t);
+}
+
 static int begin(void **state)
 {
     (void)state;
@@ -269,7 +366,7 @@ static int end(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_views), cmocka_unit_test(test_changes), cmocka_unit_test(test_variants)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_views), cmocka_unit_test(test_changes), cmocka_unit_test(test_variants), cmocka_unit_test(test_occlusion)};
     int failed = cmocka_run_group_tests(tests, begin, end);
     version = 33;
     if (getenv("OST_TEST_LONG") && !failed && !*reason)

@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 ost_status ost_gl_room_for_blocks(ost_gl *gl, int32_t count, ost_error *err)
 {
@@ -13,11 +14,13 @@ ost_status ost_gl_room_for_blocks(ost_gl *gl, int32_t count, ost_error *err)
     free(gl->bases);
     free(gl->firsts);
     free(gl->counts);
+    free(gl->behind);
     gl->blocks = malloc((size_t)count * sizeof *gl->blocks);
     gl->bases = malloc((size_t)count * 4 * sizeof *gl->bases);
     gl->firsts = malloc((size_t)count * sizeof *gl->firsts);
     gl->counts = malloc((size_t)count * sizeof *gl->counts);
-    gl->block_room = gl->blocks && gl->bases && gl->firsts && gl->counts ? count : 0;
+    gl->behind = malloc((size_t)count * sizeof *gl->behind);
+    gl->block_room = gl->blocks && gl->bases && gl->firsts && gl->counts && gl->behind ? count : 0;
     return gl->block_room ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory to draw %d blocks", (int)count);
 }
 
@@ -64,6 +67,8 @@ void ost_gl_choose_blocks(ost_gl *gl, const ost_gl_variant *v, ost_gl_layer *l)
     } else if (!v->order && l->blocks) {
         qsort(gl->blocks, (size_t)l->blocks, sizeof *gl->blocks, by_slot);
     }
+    l->from = 0;
+    l->to = l->blocks;
 }
 
 /* Numbers of a block's points that have a face toward the eye. */
@@ -97,7 +102,7 @@ void ost_gl_list_blocks(ost_gl *gl, ost_gl_layer *l)
     uint32_t n = gl->list_used;
     l->begin = n;
     l->near = 0;
-    for (int32_t i = 0; i < l->blocks; i++) {
+    for (int32_t i = l->from; i < l->to; i++) {
         const int32_t slot = gl->blocks[i].slot;
         n += list_points(s->slot[slot], gl->bases + 4 * slot, l->resident->run[OST_GL_POINTS][slot].first, gl->numbers + n);
         if (largest_voxel(&l->eye, gl->bases + 4 * slot) > gl->context.info.largest)
@@ -105,6 +110,13 @@ void ost_gl_list_blocks(ost_gl *gl, ost_gl_layer *l)
     }
     l->count = n - l->begin;
     gl->list_used = n;
+    if (gl->list_mapped) {
+        memcpy((uint32_t *)gl->list_mapped + l->begin, gl->numbers + l->begin, l->count * sizeof *gl->numbers);
+    } else if (l->count) {
+        glBindBuffer(GL_COPY_WRITE_BUFFER, gl->list);
+        glBufferSubData(GL_COPY_WRITE_BUFFER, (GLintptr)(l->begin * sizeof *gl->numbers), (GLsizeiptr)(l->count * sizeof *gl->numbers),
+                        gl->numbers + l->begin);
+    }
 }
 
 /* Where a voxel is less than this wide, a brick is the cheaper point. */

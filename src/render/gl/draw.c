@@ -6,6 +6,7 @@
  *   blocks in sight, near first       (points/blocks.h)
  *   points turned to the eye          --> list of vertices (choose.c)
  *   G-buffer cleared, points drawn, composite over what is there (pass.c)
+ *       between two halves of the points: who is hidden (hide.c)
  *
  * The distance of a voxel's centre, squared, is exact as a depth where depth
  * goes from 0 to 1 (4.5): a power of two times the float that the processor's
@@ -19,9 +20,10 @@
 
 #include "render/gl/choose.h"
 #include "render/gl/eye.h"
+#include "render/gl/hide.h"
 #include "render/gl/pass.h"
 
-const ost_gl_variant ost_gl_ours = {.frustum = true, .facing = true, .order = true, .tight = true, .lines = true, .choose = true};
+const ost_gl_variant ost_gl_ours = {.frustum = true, .facing = true, .order = true, .occlusion = true, .tight = true, .lines = true, .choose = true};
 const ost_gl_variant ost_gl_thesis = {.every_voxel = true, .true_depth = true, .target = OST_GL_WIDE};
 
 /* ------------------------------------------------------------- open, close */
@@ -113,6 +115,7 @@ void ost_gl_close(ost_gl *gl)
     free(gl->bases);
     free(gl->firsts);
     free(gl->counts);
+    free(gl->behind);
     free(gl);
 }
 
@@ -139,6 +142,29 @@ static ost_status wait_for_last(ost_gl *gl, ost_error *err)
     gl->fence = NULL;
     return ost_gl_context_check(&gl->context, "ends a frame", err);
 }
+
+/* ------------------------------------------------------------------ layers */
+
+static bool is_listed(const ost_gl_variant *v, const ost_gl_layer *l)
+{
+    return l->form == OST_GL_POINTS && v->facing;
+}
+
+/* What may be seen after all behind what was drawn first. */
+static ost_status draw_missing(ost_gl *gl, const ost_gl_variant *v, int number, ost_error *err)
+{
+    ost_gl_layer *l = &gl->layer[number];
+    ost_status status = ost_gl_hide_look(gl, v, l, err);
+    ost_gl_set_state(gl);
+    if (status != OST_OK || l->from >= l->to)
+        return status;
+    if (is_listed(v, l))
+        ost_gl_list_blocks(gl, l);
+    glBindFramebuffer(GL_FRAMEBUFFER, gl->targets.gbuffer);
+    ost_gl_bind_layer(gl, number, l->form);
+    return ost_gl_draw_points(gl, v, l, err);
+}
+
 /* A layer by itself, then of each pixel what is nearer. */
 static ost_status draw_layer(ost_gl *gl, const ost_gl_variant *v, int number, ost_error *err)
 {
@@ -154,7 +180,9 @@ static ost_status draw_layer(ost_gl *gl, const ost_gl_variant *v, int number, os
     ost_gl_clear_gbuffer(v->target);
     ost_gl_bind_layer(gl, number, l->form);
     glDepthFunc(GL_LESS);
-    ost_status status = l->blocks ? ost_gl_draw_points(gl, v, l, err) : OST_OK;
+    ost_status status = l->from < l->to ? ost_gl_draw_points(gl, v, l, err) : OST_OK;
+    if (status == OST_OK && ost_gl_hide_wanted(v, l, number))
+        status = draw_missing(gl, v, number, err);
     if (status == OST_OK)
         status = ost_gl_composite(gl, &key, number == 0, err);
     glDisable(GL_SCISSOR_TEST);
@@ -178,6 +206,7 @@ static ost_status draw_together(ost_gl *gl, const ost_gl_variant *v, int count, 
     ost_gl_bind_layer(gl, 0, gl->layer[0].form);
     return status == OST_OK && v->target != OST_GL_FORWARD ? ost_gl_composite(gl, &key, true, err) : status;
 }
+
 /* ------------------------------------------------------------------- frame */
 
 static ost_status prepare(ost_gl *gl, const ost_gl_variant *v, int number, ost_error *err)
@@ -212,16 +241,10 @@ static ost_status draw_all(ost_gl *gl, const ost_gl_variant *v, int count, ost_s
     for (int i = 0; i < count && status == OST_OK; i++) {
         ost_gl_layer *l = &gl->layer[i];
         ost_gl_choose_blocks(gl, v, l);
-        if (l->form == OST_GL_POINTS && v->facing) {
+        if (ost_gl_hide_wanted(v, l, i))
+            ost_gl_hide_order(gl, l);
+        if (is_listed(v, l))
             ost_gl_list_blocks(gl, l);
-            if (gl->list_mapped) {
-                memcpy((uint32_t *)gl->list_mapped + l->begin, gl->numbers + l->begin, l->count * sizeof *gl->numbers);
-            } else if (l->count) {
-                glBindBuffer(GL_COPY_WRITE_BUFFER, gl->list);
-                glBufferSubData(GL_COPY_WRITE_BUFFER, (GLintptr)(l->begin * sizeof *gl->numbers), (GLsizeiptr)(l->count * sizeof *gl->numbers),
-                                gl->numbers + l->begin);
-            }
-        }
         ost_gl_put_eye(gl, i, style);
         if (!together)
             status = draw_layer(gl, v, i, err);

@@ -29,7 +29,7 @@ static float farthest(const ost_gl *gl, const ost_gl_layer *l)
 
 void ost_gl_put_eye(ost_gl *gl, int number, ost_style style)
 {
-    const ost_gl_layer *l = &gl->layer[number];
+    ost_gl_layer *l = &gl->layer[number];
     const ost_eye *e = &l->thing->eye;
     const ost_paint *p = &l->thing->paint;
     const ost_pm s = l->thing->surface->geometry.spacing.x, first = gl->layer[0].thing->surface->geometry.spacing.x;
@@ -40,9 +40,13 @@ void ost_gl_put_eye(ost_gl *gl, int number, ost_style style)
     };
     int exponent;
     frexpf(farthest(gl, l), &exponent);
+    l->depth_scale = b.frame[2];
+    l->depth_slack = 0;
     if (!gl->context.zero_to_one) {
         b.frame[2] = ldexpf(1, 1 - exponent);
         b.frame[3] = -1;
+        l->depth_scale = ldexpf(1, -exponent);
+        l->depth_slack = 0x1p-22f;
     }
     copy3(b.at, e->at, e->focal);
     copy3(b.right, e->right, l->eye.reach[0]);

@@ -33,11 +33,11 @@ static void attribute(GLuint buffer, ost_gl_form form)
         glVertexAttribIPointer(0, 2, GL_UNSIGNED_INT, 2 * sizeof(uint32_t), NULL);
 }
 
-/* All of the chosen blocks. */
+/* All points of the blocks. */
 static void draw_runs(ost_gl *gl, const ost_gl_layer *l)
 {
     GLsizei n = 0;
-    for (int32_t i = 0; i < l->blocks; i++) {
+    for (int32_t i = l->from; i < l->to; i++) {
         const ost_gl_run *run = &l->resident->run[l->form][gl->blocks[i].slot];
         gl->firsts[n] = (GLint)run->first;
         gl->counts[n++] = (GLsizei)run->count;
@@ -133,6 +133,27 @@ ost_status ost_gl_composite(ost_gl *gl, const ost_gl_program_key *key, bool firs
     glDepthFunc(first ? GL_ALWAYS : GL_LESS);
     glDrawArrays(GL_TRIANGLES, 0, 3);
     return OST_OK;
+}
+
+ost_status ost_gl_read_tiles(ost_gl *gl, ost_error *err)
+{
+    const ost_gl_targets *t = &gl->targets;
+    const ost_gl_program_key key = {.stage = OST_GL_STAGE_TILES};
+    ost_status status = ost_gl_programs_use(&gl->context, &gl->programs, &key, NULL, err);
+    if (status != OST_OK)
+        return status;
+    glBindFramebuffer(GL_FRAMEBUFFER, t->tiles);
+    glViewport(0, 0, t->across, t->down);
+    bind(OST_GL_UNIT_DEPTHS, GL_TEXTURE_2D, t->gbuffer_depth);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    glReadPixels(0, 0, t->across, t->down, GL_RED, GL_FLOAT, t->farthest);
+    return ost_gl_context_check(&gl->context, "reads depths", err);
+}
+
+ost_status ost_gl_read_depths(ost_gl *gl, float *depths, ost_error *err)
+{
+    glReadPixels(0, 0, gl->targets.width, gl->targets.height, GL_DEPTH_COMPONENT, GL_FLOAT, depths);
+    return ost_gl_context_check(&gl->context, "reads depths", err);
 }
 
 void ost_gl_set_state(const ost_gl *gl)

@@ -32,6 +32,8 @@ static ost_status make(ost_gl_context *c, const ost_gl_program_key *key, GLuint 
                                     {"composite.frag", ost_gl_composite_frag, ost_gl_composite_frag_count}},
         [OST_GL_STAGE_WIDE] = {{"whole.vert", ost_gl_whole_vert, ost_gl_whole_vert_count},
                                {"composite_wide.frag", ost_gl_composite_wide_frag, ost_gl_composite_wide_frag_count}},
+        [OST_GL_STAGE_TILES] = {{"whole.vert", ost_gl_whole_vert, ost_gl_whole_vert_count},
+                                {"tiles.frag", ost_gl_tiles_frag, ost_gl_tiles_frag_count}},
     };
     static const char *const point[] = {"point", NULL}, *const density[] = {"density", NULL}, *const brick[] = {"brick", NULL};
     static const char *const mesh[] = {"corner", "out_of_it", NULL}, *const none[] = {NULL};

@@ -5,7 +5,7 @@
 
 #include "render/gl/program.h"
 
-typedef enum ost_gl_stage { OST_GL_STAGE_POINTS, OST_GL_STAGE_BRICKS, OST_GL_STAGE_MESH, OST_GL_STAGE_COMPOSITE, OST_GL_STAGE_WIDE } ost_gl_stage;
+typedef enum ost_gl_stage { OST_GL_STAGE_POINTS, OST_GL_STAGE_BRICKS, OST_GL_STAGE_MESH, OST_GL_STAGE_COMPOSITE, OST_GL_STAGE_WIDE, OST_GL_STAGE_TILES } ost_gl_stage;
 
 /* What a sampler reads stands at its own unit in every program. */
 typedef enum ost_gl_unit {

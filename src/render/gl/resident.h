@@ -20,6 +20,8 @@ typedef struct ost_gl_run {
     uint64_t version;
     uint32_t first, count, granules;
     uint32_t look_first, look_granules; /* of bricks */
+    uint8_t lo[3], hi[3]; /* first and last voxel of its points on each axis */
+    bool hidden;          /* by other blocks, when it was last looked (hide.h) */
 } ost_gl_run;
 
 typedef struct ost_gl_resident {
@@ -27,6 +29,7 @@ typedef struct ost_gl_resident {
     uint64_t last;              /* frame that asked for it */
     ost_gl_run *run[OST_GL_FORMS]; /* owned; of every slot */
     int32_t runs[OST_GL_FORMS];
+    int pause;                  /* frames that do not look who is hidden (hide.c) */
     GLuint mesh;
     uint64_t mesh_version;      /* the sum of its blocks' */
     uint32_t mesh_vertices;

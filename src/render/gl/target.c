@@ -1,6 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "render/gl/target.h"
 
+#include <stdlib.h>
+
+#include "render/points/splat.h"
+
 static GLuint texture(GLenum internal, GLenum format, GLenum type, int width, int height)
 {
     GLuint t = 0;
@@ -37,18 +41,20 @@ static GLuint framebuffer(GLuint depth, GLuint colour, GLuint colour_1, GLenum *
 
 void ost_gl_targets_free(ost_gl_targets *t)
 {
-    const GLuint frames[2] = {t->gbuffer, t->picture};
-    const GLuint textures[5] = {t->gbuffer_depth, t->gbuffer_0, t->gbuffer_1, t->picture_depth, t->picture_colour};
+    const GLuint frames[3] = {t->gbuffer, t->tiles, t->picture};
+    const GLuint textures[6] = {t->gbuffer_depth, t->gbuffer_0, t->gbuffer_1, t->tiles_depth, t->picture_depth, t->picture_colour};
     if (t->width) {
-        glDeleteFramebuffers(2, frames);
-        glDeleteTextures(5, textures);
+        glDeleteFramebuffers(3, frames);
+        glDeleteTextures(6, textures);
     }
+    free(t->farthest);
+    free(t->depths);
     *t = (ost_gl_targets){0};
 }
 
 ost_status ost_gl_targets_make(ost_gl_context *context, ost_gl_targets *t, int width, int height, ost_gl_target kind, ost_error *err)
 {
-    GLenum gbuffer = GL_FRAMEBUFFER_COMPLETE, picture;
+    GLenum gbuffer = GL_FRAMEBUFFER_COMPLETE, tiles = GL_FRAMEBUFFER_COMPLETE, picture;
     GLint largest = 0;
     if (t->width == width && t->height == height && t->kind == kind)
         return OST_OK;
@@ -67,6 +73,11 @@ ost_status ost_gl_targets_make(ost_gl_context *context, ost_gl_targets *t, int w
         t->gbuffer_depth = depth_texture(width, height);
         if (kind == OST_GL_COMPACT) {
             t->gbuffer_0 = texture(GL_RG32UI, GL_RG_INTEGER, GL_UNSIGNED_INT, width, height);
+            t->across = (width + OST_TILE - 1) / OST_TILE;
+            t->down = (height + OST_TILE - 1) / OST_TILE;
+            t->tiles_depth = texture(GL_R32F, GL_RED, GL_FLOAT, t->across, t->down);
+            t->tiles = framebuffer(0, t->tiles_depth, 0, &tiles);
+            t->farthest = malloc((size_t)t->across * (size_t)t->down * sizeof *t->farthest);
         } else {
             const GLenum internal = kind == OST_GL_WIDE ? GL_RGBA32F : GL_RGBA8, type = kind == OST_GL_WIDE ? GL_FLOAT : GL_UNSIGNED_BYTE;
             t->gbuffer_0 = texture(internal, GL_RGBA, type, width, height);
@@ -75,9 +86,11 @@ ost_status ost_gl_targets_make(ost_gl_context *context, ost_gl_targets *t, int w
         t->gbuffer = framebuffer(t->gbuffer_depth, t->gbuffer_0, t->gbuffer_1, &gbuffer);
     }
     ost_status status = ost_gl_context_check(context, "makes a frame's buffers", err);
-    if (status == OST_OK && (gbuffer != GL_FRAMEBUFFER_COMPLETE || picture != GL_FRAMEBUFFER_COMPLETE))
-        status = ost_fail(err, OST_ERR_UNAVAILABLE, "OpenGL (%s) does not draw into such a buffer (0x%x)", context->info.driver,
-                          gbuffer != GL_FRAMEBUFFER_COMPLETE ? gbuffer : picture);
+    const GLenum wrong = gbuffer != GL_FRAMEBUFFER_COMPLETE ? gbuffer : tiles != GL_FRAMEBUFFER_COMPLETE ? tiles : picture;
+    if (status == OST_OK && wrong != GL_FRAMEBUFFER_COMPLETE)
+        status = ost_fail(err, OST_ERR_UNAVAILABLE, "OpenGL (%s) does not draw into such a buffer (0x%x)", context->info.driver, wrong);
+    if (status == OST_OK && kind == OST_GL_COMPACT && !t->farthest)
+        status = ost_fail(err, OST_ERR_MEMORY, "no memory for a frame of %d x %d pixels", width, height);
     if (status != OST_OK)
         ost_gl_targets_free(t);
     return status;
