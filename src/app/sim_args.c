@@ -33,15 +33,15 @@ static ost_status check_show(const app_state *app, sim_args *args, ost_error *er
     if (status == OST_OK && (args->picture || args->video.target || args->video.pipe || !args->headless) && !args->renderer_given)
         args->renderer = SIM_RENDERER_POINTS;
     if (status == OST_OK && !args->headless && args->renderer < SIM_RENDERER_POINTS)
-        return usage_error(app, err, "--renderer %s: a window shows what points or gl draws; add --headless", sim_renderer_names[args->renderer]);
+        return usage_error(app, err, "--renderer %s: a window shows what points, gl or thesis draws; add --headless", sim_renderer_names[args->renderer]);
     if (status == OST_OK && !args->headless && args->no_clock)
         return usage_error(app, err, "--no-clock: a window goes by the clock; add --headless");
     if (status == OST_OK && (args->hud || args->video.target || args->video.pipe) && args->renderer < SIM_RENDERER_POINTS)
-        return usage_error(app, err, "%s: needs --renderer points or gl, who draw it", args->hud ? "--hud" : "--video");
+        return usage_error(app, err, "%s: needs --renderer points, gl or thesis, who draw it", args->hud ? "--hud" : "--video");
     if (status == OST_OK)
         status = film_check(app, &args->video, err);
     if (status == OST_OK && args->picture && args->renderer < SIM_RENDERER_POINTS)
-        return usage_error(app, err, "--picture %s: needs --renderer points or gl, who draw it", args->picture);
+        return usage_error(app, err, "--picture %s: needs --renderer points, gl or thesis, who draw it", args->picture);
     return status == OST_OK ? appearance_check(app, &args->look, err) : status;
 }
 

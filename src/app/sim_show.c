@@ -18,7 +18,7 @@
 
 enum { THREADS_MAX = 4 };
 
-const char *const sim_renderer_names[] = {"none", "null", "points", "gl"};
+const char *const sim_renderer_names[] = {"none", "null", "points", "gl", "thesis"};
 
 typedef struct drawer {
     pthread_t thread;
@@ -64,8 +64,8 @@ ost_status sim_show_make(const app_state *app, const sim_args *args, simulation 
         return status;
     const ost_geometry *g = ost_live_geometry(show->live);
     status = ost_viewer_init(&show->viewer, g, args->style ? OST_STYLE_FACES : OST_STYLE_SMOOTH, NULL, cores_here(), err);
-    if (status == OST_OK && args->renderer == SIM_RENDERER_GL)
-        status = ost_viewer_use_gl(&show->viewer, &ost_gl_ours, err);
+    if (status == OST_OK && args->renderer >= SIM_RENDERER_GL)
+        status = ost_viewer_use_gl(&show->viewer, args->renderer == SIM_RENDERER_GL ? &ost_gl_ours : &ost_gl_thesis, err);
     if (status == OST_OK)
         status = add_tools(show, s, err);
     if (status != OST_OK)

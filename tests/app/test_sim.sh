@@ -52,6 +52,9 @@ if "$osteon" devices | grep -q '^  png *yes'; then
         run 0 sim --headless --bone bone.nrrd --seconds 0.3 --no-clock --size 320x200 --renderer gl --picture gl.png --json
         has renderer.opengl renderer.driver
         check "OpenGL beside it" "$(value renderer.name) $(value renderer.width) $(value sha256)" "gl 320 $seen"
+        run 0 sim --headless --bone bone.nrrd --seconds 0.3 --no-clock --size 320x200 --renderer thesis --picture thesis.png --json
+        check "the thesis' OpenGL beside it" "$(value renderer.name) $(value renderer.width) $(value sha256)" "thesis 320 $seen"
+        ! cmp -s gl.png thesis.png || fail "the thesis' frame is ours"
     fi
 fi
 # Loops for comparison beside the same frames, and what comes of frames where nothing is drawn.
