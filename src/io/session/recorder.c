@@ -28,6 +28,10 @@
 #include "io/session/ring.h"
 #include "io/thread.h"
 
+/* Records of a block: a second of ticks, so that no damage loses more, however fast they came. */
+enum { MOST = 1000 };
+_Static_assert(MOST <= (int)SESSION_BLOCK_RECORDS, "readers have room for a block");
+
 enum { ROOM = 65536, ROOM_MAX = 1 << 24, LOOK_MS = 25, RETRY_MS = 250, PATIENCE_MS = 10000 };
 
 struct ost_recorder {
@@ -106,7 +110,7 @@ static bool write_block(ost_recorder *r)
         const uint64_t waiting = ring_waiting(&r->ring);
         if (waiting == 0)
             return false;
-        r->in_block = waiting < SESSION_BLOCK_RECORDS ? waiting : SESSION_BLOCK_RECORDS;
+        r->in_block = waiting < MOST ? waiting : MOST;
         ring_copy(&r->ring, r->block + SESSION_BLOCK, r->in_block);
         ring_pop(&r->ring, r->in_block);
         r->lost_in_block = atomic_load_explicit(&r->lost, memory_order_relaxed);
