@@ -308,6 +308,15 @@ static uint32_t mixed(uint32_t a, uint32_t b, unsigned share)
     return rb | g;
 }
 
+typedef uint32_t four __attribute__((vector_size(16)));
+
+static four mixed_four(four a, uint32_t b, unsigned share)
+{
+    const four rb = (((a & 0xff00ff) * (256 - share) + (b & 0xff00ff) * share) >> 8) & 0xff00ff;
+    const four g = (((a & 0xff00) * (256 - share) + (b & 0xff00) * share) >> 8) & 0xff00;
+    return rb | g;
+}
+
 void ost_lettering_draw(const ost_lettering *lettering, const ost_sheet *sheet, int x, int y, const char *text, uint32_t colour)
 {
     double at = x;
@@ -329,9 +338,17 @@ void ost_sheet_box(const ost_sheet *sheet, int x, int y, int width, int height, 
 {
     if (sheet->written)
         ost_cells_add(sheet->written, x, x + width, y, y + height);
-    for (int j = y < 0 ? 0 : y; j < y + height && j < sheet->height; j++)
-        for (int i = x < 0 ? 0 : x; i < x + width && i < sheet->width; i++) {
-            uint32_t *p = sheet->pixels + (size_t)j * (size_t)sheet->stride + (size_t)i;
-            *p = mixed(*p, colour, alpha);
+    for (int j = y < 0 ? 0 : y; j < y + height && j < sheet->height; j++) {
+        uint32_t *row = sheet->pixels + (size_t)j * (size_t)sheet->stride;
+        int i = x < 0 ? 0 : x;
+        const int end = x + width < sheet->width ? x + width : sheet->width;
+        for (; i + 4 <= end; i += 4) {
+            four v;
+            memcpy(&v, row + i, sizeof v);
+            v = mixed_four(v, colour, alpha);
+            memcpy(row + i, &v, sizeof v);
         }
+        for (; i < end; i++)
+            row[i] = mixed(row[i], colour, alpha);
+    }
 }
