@@ -429,17 +429,21 @@ static void test_tints(void **state)
     enum { COUNT = 16 * 64 };
     ost_error err = {0};
     test_rng rng = rng_seeded("tints");
-    static ost_light light;
+    static ost_light light, other;
     static ost_directions directions;
     uint32_t palette[OST_PAINTS], look[COUNT], one[COUNT], many[COUNT];
     ost_camera c = {.focal_milli = 100000, .width = 64, .height = 64};
     const ost_geometry g = grid(8, 8, 8);
-    assert_ok(ost_camera_look((double[3]){-40, 20, 30}, (double[3]){0, 0, 0}, (double[3]){0, 0, 1}, &c, &err));
-    const ost_eye eye = ost_eye_make(&c, &g);
+    ost_eye eye;
     ost_directions_make(&directions);
+    ost_light_shade_of *const plain = directions.shade;
     for (int i = 0; i < OST_PAINTS; i++)
         palette[i] = (uint32_t)rng_range(&rng, 0, 0xffffff);
     for (int round = 0; round < 40; round++) {
+        const double from[3] = {(double)rng_range(&rng, 10, 90), (double)rng_range(&rng, -90, 90), (double)rng_range(&rng, -90, 90)};
+        assert_ok(ost_camera_look(from, (double[3]){0, 0, 0}, (double[3]){0, 0, 1}, &c, &err));
+        eye = ost_eye_make(&c, &g);
+        directions.shade = plain;
         ost_light_make(&light, &directions, &eye, round % 5 ? OST_STYLE_SMOOTH : OST_STYLE_FACES, round % 2 ? OST_PAINT_STEEL : OST_PAINT_BONE,
                        round % 3 ? palette : NULL);
         for (int i = 0; i < COUNT; i++)
@@ -447,6 +451,10 @@ static void test_tints(void **state)
         ost_light_tint(&light, look, COUNT, one);
         for (int isa = 0; isa < OST_ISA_COUNT; isa++)
             if (ost_isa_available((ost_isa)isa)) {
+                directions.shade = ost_light_shade_for((ost_isa)isa);
+                other.made = false;
+                ost_light_make(&other, &directions, &eye, OST_STYLE_SMOOTH, round % 2 ? OST_PAINT_STEEL : OST_PAINT_BONE, NULL);
+                assert_memory_equal(light.shade, other.shade, sizeof light.shade);
                 ost_light_tint_for((ost_isa)isa)(&light, look, COUNT, many);
                 assert_memory_equal(one, many, sizeof one);
             }

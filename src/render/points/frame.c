@@ -110,8 +110,10 @@ ost_status ost_frame_init(ost_frame *frame, int width, int height, ost_style sty
     frame->blank = malloc((size_t)frame->planes.stride * sizeof *frame->blank);
     frame->tiles_across = frame->planes.stride / OST_TILE;
     frame->directions = malloc(sizeof *frame->directions);
-    if (frame->directions)
+    if (frame->directions) {
         ost_directions_make(frame->directions);
+        frame->directions->shade = ost_light_shade_for(isa);
+    }
     if (!planes || !frame->directions || !frame->blank || !benches_init(frame) || !cells_init(frame)) {
         ost_status status = no_memory(frame, err);
         ost_frame_free(frame);

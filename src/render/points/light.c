@@ -28,27 +28,12 @@ static uint32_t rounded(float v, uint32_t most)
     return n < most ? n : most;
 }
 
-void ost_directions_make(ost_directions *d)
-{
-    for (uint32_t cell = 0; cell < OST_OCTAHEDRAL_COUNT; cell++) {
-        float n[3];
-        ost_octahedral_vector(cell, n);
-        d->x[cell] = n[0];
-        d->y[cell] = n[1];
-        d->z[cell] = n[2];
-    }
-}
-
-typedef struct lamps {
-    float key[3], fill[3], half[3], back[3], up[3];
-} lamps;
-
 static inline float along(const ost_directions *d, int i, const float v[3])
 {
     return (d->x[i] * v[0] + d->y[i] * v[1]) + d->z[i] * v[2];
 }
 
-static void shade_all(uint16_t *restrict shade, const ost_directions *restrict d, const lamps *restrict l, float gloss)
+static void shade_all(uint16_t *restrict shade, const ost_directions *restrict d, const ost_lamps *restrict l, float gloss)
 {
     for (int i = 0; i < OST_OCTAHEDRAL_COUNT; i++) {
         const float sky = 0.5f + 0.5f * along(d, i, l->up), key = positive(along(d, i, l->key)), fill = positive(along(d, i, l->fill));
@@ -62,6 +47,18 @@ static void shade_all(uint16_t *restrict shade, const ost_directions *restrict d
         const int whole = (int)(256.0f * bright + 0.5f), added = (int)(gloss * mirror + 0.5f);
         shade[i] = (uint16_t)((whole < 320 ? whole : 320) | added << OST_BRIGHT_BITS);
     }
+}
+
+void ost_directions_make(ost_directions *d)
+{
+    for (uint32_t cell = 0; cell < OST_OCTAHEDRAL_COUNT; cell++) {
+        float n[3];
+        ost_octahedral_vector(cell, n);
+        d->x[cell] = n[0];
+        d->y[cell] = n[1];
+        d->z[cell] = n[2];
+    }
+    d->shade = shade_all;
 }
 
 static void keep(float to[3], const float from[3])
@@ -81,14 +78,14 @@ static bool is_made(const ost_light *light, const ost_eye *eye, uint8_t gloss)
 void ost_light_make(ost_light *light, const ost_directions *directions, const ost_eye *eye, ost_style style, ost_paint paint,
                     const uint32_t *palette)
 {
-    lamps l;
+    ost_lamps l;
     toward(eye, -0.40f, 0.55f, -0.73f, l.key);
     toward(eye, 0.85f, -0.10f, -0.50f, l.fill);
     toward(eye, 0.10f, -0.60f, 0.55f, l.back);
-    toward(eye, -0.40f, 0.55f, -1.73f, l.half); /* half-way between the key light and the eye */
+    toward(eye, -0.40f, 0.55f, -1.73f, l.half);
     keep(l.up, eye->up);
     if (!is_made(light, eye, paint.gloss)) {
-        shade_all(light->shade, directions, &l, (float)paint.gloss);
+        directions->shade(light->shade, directions, &l, (float)paint.gloss);
         keep(light->right, eye->right);
         keep(light->up, eye->up);
         keep(light->forward, eye->forward);
@@ -142,4 +139,14 @@ ost_light_tint_of *ost_light_tint_for(ost_isa isa)
 #endif
     (void)isa;
     return ost_light_tint;
+}
+
+ost_light_shade_of *ost_light_shade_for(ost_isa isa)
+{
+#if HAVE_AVX512_BUILD
+    if (isa == OST_ISA_AVX512 || isa == OST_ISA_AVX512VBMI)
+        return ost_light_shade_avx512;
+#endif
+    (void)isa;
+    return shade_all;
 }

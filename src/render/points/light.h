@@ -43,20 +43,31 @@ typedef struct ost_light {
     bool made;
 } ost_light;
 
-/* Unit vectors of all cells: three arrays of OST_OCTAHEDRAL_COUNT. */
+/* Where light comes from, unit vectors; half: half-way between the key light and the eye. */
+typedef struct ost_lamps {
+    float key[3], fill[3], half[3], back[3], up[3];
+} ost_lamps;
+
+struct ost_directions;
+typedef void ost_light_shade_of(uint16_t *shade, const struct ost_directions *directions, const ost_lamps *lamps, float gloss);
+
+/* Unit vectors of all cells, and who goes through them: light.c's loop unless it is set to ost_light_shade_for. */
 typedef struct ost_directions {
     float x[OST_OCTAHEDRAL_COUNT], y[OST_OCTAHEDRAL_COUNT], z[OST_OCTAHEDRAL_COUNT];
+    ost_light_shade_of *shade;
 } ost_directions;
 void ost_directions_make(ost_directions *directions);
+ost_light_shade_of *ost_light_shade_for(ost_isa isa);
 
 /* palette: of ost_palette_make; NULL: every paint is the thing's own. The light was zeroed before its first use. */
 void ost_light_make(ost_light *light, const ost_directions *directions, const ost_eye *eye, ost_style style, ost_paint paint,
                     const uint32_t *palette);
 /* The colour in full light of a face. Both have room for count rounded up to sixteen. */
 void ost_light_tint(const ost_light *light, const uint32_t *look, uint32_t count, uint32_t *tint);
-/* The same to the bit, where there is AVX-512. */
-void ost_light_tint_avx512(const ost_light *light, const uint32_t *look, uint32_t count, uint32_t *tint);
 typedef void ost_light_tint_of(const ost_light *light, const uint32_t *look, uint32_t count, uint32_t *tint);
 ost_light_tint_of *ost_light_tint_for(ost_isa isa);
 
+/* The same to the bit, where there is AVX-512. */
+void ost_light_shade_avx512(uint16_t *shade, const ost_directions *directions, const ost_lamps *lamps, float gloss);
+void ost_light_tint_avx512(const ost_light *light, const uint32_t *look, uint32_t count, uint32_t *tint);
 #endif

@@ -62,3 +62,41 @@ void ost_light_tint_avx512(const ost_light *light, const uint32_t *look, uint32_
         _mm512_storeu_si512(tint + i, _mm512_mask_mov_epi32(lit, flat, c));
     }
 }
+
+static inline __m512 along(__m512 x, __m512 y, __m512 z, const float v[3])
+{
+    const __m512 xy = _mm512_add_ps(_mm512_mul_ps(x, _mm512_set1_ps(v[0])), _mm512_mul_ps(y, _mm512_set1_ps(v[1])));
+    return _mm512_add_ps(xy, _mm512_mul_ps(z, _mm512_set1_ps(v[2])));
+}
+
+static inline __m512 positive(__m512 v)
+{
+    return _mm512_max_ps(v, _mm512_setzero_ps());
+}
+
+static inline __m512 scaled(float by, __m512 v)
+{
+    return _mm512_mul_ps(_mm512_set1_ps(by), v);
+}
+
+static inline __m512i rounded(__m512 v)
+{
+    return _mm512_cvttps_epi32(_mm512_add_ps(v, _mm512_set1_ps(0.5f)));
+}
+
+void ost_light_shade_avx512(uint16_t *shade, const ost_directions *d, const ost_lamps *l, float gloss)
+{
+    for (int i = 0; i < OST_OCTAHEDRAL_COUNT; i += LANES) {
+        const __m512 x = _mm512_loadu_ps(d->x + i), y = _mm512_loadu_ps(d->y + i), z = _mm512_loadu_ps(d->z + i);
+        const __m512 sky = _mm512_add_ps(_mm512_set1_ps(0.5f), scaled(0.5f, along(x, y, z, l->up)));
+        const __m512 key = positive(along(x, y, z, l->key)), fill = positive(along(x, y, z, l->fill)), back = positive(along(x, y, z, l->back));
+        __m512 mirror = positive(along(x, y, z, l->half));
+        for (int k = 0; k < 4; k++)
+            mirror = _mm512_mul_ps(mirror, mirror);
+        const __m512 ambient = _mm512_add_ps(_mm512_set1_ps(0.20f), scaled(0.17f, sky));
+        const __m512 lamps = _mm512_add_ps(ambient, _mm512_add_ps(scaled(0.74f, key), scaled(0.20f, fill)));
+        const __m512i whole = rounded(scaled(256.0f, _mm512_add_ps(lamps, scaled(0.10f, back)))), added = rounded(scaled(gloss, mirror));
+        const __m512i word = _mm512_or_si512(_mm512_min_epi32(whole, all(320)), _mm512_slli_epi32(added, OST_BRIGHT_BITS));
+        _mm256_storeu_si256((void *)(shade + i), _mm512_cvtepi32_epi16(word));
+    }
+}
