@@ -647,7 +647,7 @@ static void draw_band(const ost_frame *f, int number, const ost_planes *base)
             const cell_row row = row_of(&layer->cells, &layer->cells, false, &at, y);
             for (int from, to = 0; next_run(&row, &from, &to);)
                 for (int j = row.y0; j < row.y1; j++)
-                    f->kernels.merge(&f->planes, &over, layer->scale, j, from, to);
+                    f->kernels.merge(&f->planes, &over, layer->scale, j, from, to, f->over.bit + (ptrdiff_t)(y / OST_CELL_HEIGHT) * f->over.words);
         }
     }
 }
@@ -751,10 +751,8 @@ static const ost_planes *choose_part(ost_frame *frame)
     frame->is_kept = still;
     remember_sight(first);
     ost_cells_clear(&frame->over);
-    for (int i = 1; i < frame->layers; i++) {
+    for (int i = 1; i < frame->layers; i++)
         forget_old(&frame->layer[i]);
-        ost_cells_join(&frame->over, &frame->layer[i].cells);
-    }
     return still ? &frame->kept : &frame->planes;
 }
 

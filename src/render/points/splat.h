@@ -119,9 +119,10 @@ typedef struct ost_splat_kernels {
     uint64_t (*farthest)(const ost_planes *planes, int x, int y, int rows);
     /*
      * Of each of those pixels what is nearer, into `to`; of the same depth what
-     * was there.  from's depths are times scale.  Keys stay.
+     * was there.  from's depths are times scale.  Keys stay.  Where one of the
+     * OST_LANES pixels from x on is from's, bit x / OST_LANES of taken is set.
      */
-    void (*merge)(const ost_planes *to, const ost_planes *from, float scale, int y, int x0, int x1);
+    void (*merge)(const ost_planes *to, const ost_planes *from, float scale, int y, int x0, int x1, uint64_t *taken);
 } ost_splat_kernels;
 
 ost_splat_eye ost_splat_prepare(const ost_eye *eye);
@@ -135,7 +136,7 @@ ost_splat_kernels ost_splat_kernels_of(ost_isa isa);
                          const ost_planes *planes, const ost_extent *part);                                                        \
     void ost_resolve_##SET(const ost_splat_eye *eye, const ost_visible *visible, const ost_planes *planes, int y, int x0, int x1);                \
     uint64_t ost_farthest_##SET(const ost_planes *planes, int x, int y, int rows);                                                  \
-    void ost_merge_##SET(const ost_planes *to, const ost_planes *from, float scale, int y, int x0, int x1);
+    void ost_merge_##SET(const ost_planes *to, const ost_planes *from, float scale, int y, int x0, int x1, uint64_t *taken);
 OST_SPLAT_DECLARE(scalar)
 OST_SPLAT_DECLARE(avx2) /* facing is the scalar one */
 OST_SPLAT_DECLARE(avx512)
@@ -145,6 +146,11 @@ static inline uint64_t ost_key(float distance, uint32_t number)
     uint32_t bits;
     memcpy(&bits, &distance, sizeof bits);
     return (uint64_t)bits << 32 | number;
+}
+
+static inline void ost_taken(uint64_t *taken, int x)
+{
+    taken[x / OST_LANES / 64] |= UINT64_C(1) << (x / OST_LANES % 64);
 }
 
 static inline uint32_t ost_number(uint32_t slot, uint32_t place)

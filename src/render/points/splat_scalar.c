@@ -282,7 +282,7 @@ uint64_t ost_farthest_scalar(const ost_planes *planes, int x, int y, int rows)
     return most;
 }
 
-void ost_merge_scalar(const ost_planes *to, const ost_planes *from, float scale, int y, int x0, int x1)
+void ost_merge_scalar(const ost_planes *to, const ost_planes *from, float scale, int y, int x0, int x1, uint64_t *taken)
 {
     for (int x = x0; x < x1; x++) {
         const size_t i = ost_row(from, y) + (size_t)x, at = ost_row(to, y) + (size_t)x;
@@ -292,5 +292,6 @@ void ost_merge_scalar(const ost_planes *to, const ost_planes *from, float scale,
         to->depth[at] = depth;
         to->face[at] = from->face[i];
         to->colour[at] = from->colour[i];
+        ost_taken(taken, x);
     }
 }

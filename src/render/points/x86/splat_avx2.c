@@ -442,7 +442,7 @@ uint64_t ost_farthest_avx2(const ost_planes *planes, int x, int y, int rows)
     return a > b ? a : b;
 }
 
-void ost_merge_avx2(const ost_planes *to, const ost_planes *from, float scale, int y, int x0, int x1)
+void ost_merge_avx2(const ost_planes *to, const ost_planes *from, float scale, int y, int x0, int x1, uint64_t *taken)
 {
     const __m256i none = _mm256_set1_epi32(OST_NO_FACE);
     for (int x = x0; x < x1; x += EIGHT) {
@@ -455,6 +455,9 @@ void ost_merge_avx2(const ost_planes *to, const ost_planes *from, float scale, i
         const lanes depth = _mm256_mul_ps(_mm256_load_ps(from->depth + i), all(scale));
         const __m256i nearer = _mm256_castps_si256(_mm256_cmp_ps(depth, _mm256_load_ps(to->depth + at), _CMP_LT_OQ));
         const __m256i take = _mm256_andnot_si256(missing, _mm256_or_si256(nearer, _mm256_cmpeq_epi32(ours, none)));
+        if (_mm256_testz_si256(take, take))
+            continue;
+        ost_taken(taken, x);
         const __m256i face = _mm256_blendv_epi8(ours, theirs, take);
         const __m128i half = _mm_packus_epi32(_mm256_castsi256_si128(face), _mm256_extracti128_si256(face, 1));
         _mm256_maskstore_ps(to->depth + at, take, depth);

@@ -492,7 +492,7 @@ uint64_t ost_farthest_avx512(const ost_planes *planes, int x, int y, int rows)
     return _mm512_reduce_max_epu64(most);
 }
 
-void ost_merge_avx512(const ost_planes *to, const ost_planes *from, float scale, int y, int x0, int x1)
+void ost_merge_avx512(const ost_planes *to, const ost_planes *from, float scale, int y, int x0, int x1, uint64_t *taken)
 {
     const __m128i none = _mm_set1_epi8(OST_NO_FACE);
     for (int x = x0; x < x1; x += OST_LANES) {
@@ -505,6 +505,9 @@ void ost_merge_avx512(const ost_planes *to, const ost_planes *from, float scale,
         const lanes depth = _mm512_mul_ps(_mm512_load_ps(from->depth + i), all(scale));
         const __mmask16 nearer = _mm512_cmp_ps_mask(depth, _mm512_load_ps(to->depth + at), _CMP_LT_OQ);
         const __mmask16 take = (__mmask16)(any & (bare | nearer));
+        if (!take)
+            continue;
+        ost_taken(taken, x);
         _mm512_mask_store_ps(to->depth + at, take, depth);
         _mm_mask_storeu_epi8(to->face + at, take, face);
         _mm512_mask_store_epi32(to->colour + at, take, _mm512_load_si512(from->colour + i));
