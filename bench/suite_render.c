@@ -7,6 +7,7 @@
  */
 #include "bench/bench.h"
 #include "bench/render_gl.h"
+#include "bench/render_kept.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -282,9 +283,9 @@ static ost_status add_extraction(show *s, bench_table *table)
 ost_status bench_render(const bench_options *options, bench_table *table, ost_error *err)
 {
     show s = {.options = options, .err = err};
-    const bool gl_wanted = bench_gl_wanted(options->filter);
+    const bool gl_wanted = bench_gl_wanted(options->filter), kept_wanted = bench_kept_wanted(options->filter);
     bench_gl *gl = NULL;
-    if (!gl_wanted && options->filter && !strstr("render/scapula/extract render/scapula/whole/1 render/scapula/oblique/1 render/scapula/glenoid/1 render/scapula/close/1", options->filter))
+    if (!gl_wanted && !kept_wanted && options->filter && !strstr("render/scapula/extract render/scapula/whole/1 render/scapula/oblique/1 render/scapula/glenoid/1 render/scapula/close/1", options->filter))
         return OST_OK;
     ost_status status = ost_isa_choose(bench_isa(options), &s.isa, err);
     if (status == OST_OK)
@@ -313,6 +314,8 @@ ost_status bench_render(const bench_options *options, bench_table *table, ost_er
     bench_gl_close(gl);
     if (status == OST_OK)
         status = add_extraction(&s, table);
+    if (status == OST_OK && kept_wanted)
+        status = bench_kept(options, table, &s.bone, &s.glenoid, THRESHOLD, s.isa, err);
     ost_surface_free(&s.surface);
     ost_surface_free(&s.all);
     ost_volume_free(&s.bone);

@@ -1,0 +1,325 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ *   world --16 ticks of the reamer, some 60 a second--> ost_live --> viewer --> the frame that keeps
+ *                                                                         '--> the frame drawn whole
+ *
+ * Both are drawn of the same things, in turns, and must be the same to the bit
+ * every time.  What a frame is made of is measured in frames of their own, by
+ * a clock about every inner loop.
+ */
+#include "bench/render_kept.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bench/scene.h"
+#include "render/viewer.h"
+#include "render/views.h"
+
+enum { FRAMES = 200, QUICK = 6, WIDTH = 1280, HEIGHT = 720, TICKS = 16, CHUNK = 32, STAGES_EVERY = 4 };
+
+static const ost_view_name views[] = {OST_VIEW_WHOLE, OST_VIEW_EN_FACE, OST_VIEW_OPERATOR};
+
+/* ------------------------------------------------------------------- stages */
+
+typedef enum stage { POINTS, TINTS, SPLAT, HIDDEN, RESOLVE, MERGE, STAGES } stage;
+
+/* Of one thread. */
+static struct {
+    ost_splat_kernels kernels;
+    ost_light_tint_of *tint;
+    int64_t ns[STAGES];
+} clocked;
+
+static uint32_t facing(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK], const ost_visible *out, uint32_t first)
+{
+    const int64_t begin = bench_now();
+    const uint32_t count = clocked.kernels.facing(block, slot, turned, out, first);
+    clocked.ns[POINTS] += bench_now() - begin;
+    return count;
+}
+
+static void tint(const ost_light *light, const uint32_t *look, uint32_t count, uint32_t *out)
+{
+    const int64_t begin = bench_now();
+    clocked.tint(light, look, count, out);
+    clocked.ns[TINTS] += bench_now() - begin;
+}
+
+static void splat(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t count, const ost_planes *planes,
+                  const ost_extent *part)
+{
+    const int64_t begin = bench_now();
+    clocked.kernels.splat(eye, visible, slot, count, planes, part);
+    clocked.ns[SPLAT] += bench_now() - begin;
+}
+
+static void resolve(const ost_splat_eye *eye, const ost_visible *visible, const ost_planes *planes, int y, int x0, int x1)
+{
+    const int64_t begin = bench_now();
+    clocked.kernels.resolve(eye, visible, planes, y, x0, x1);
+    clocked.ns[RESOLVE] += bench_now() - begin;
+}
+
+static uint64_t farthest(const ost_planes *planes, int x, int y, int rows)
+{
+    const int64_t begin = bench_now();
+    const uint64_t key = clocked.kernels.farthest(planes, x, y, rows);
+    clocked.ns[HIDDEN] += bench_now() - begin;
+    return key;
+}
+
+static void merge(const ost_planes *to, const ost_planes *from, float scale, int y, int x0, int x1, uint64_t *taken)
+{
+    const int64_t begin = bench_now();
+    clocked.kernels.merge(to, from, scale, y, x0, x1, taken);
+    clocked.ns[MERGE] += bench_now() - begin;
+}
+
+/* ------------------------------------------------------------------ a cut */
+
+typedef struct cut {
+    const bench_options *options;
+    ost_error *err;
+    ost_backend *backend;
+    bench_scene scene; /* its tool */
+    ost_bone *bone;
+    ost_tool *tool;
+    ost_world *world;
+    ost_live *live;
+    ost_viewer viewer; /* its frame is the one that keeps */
+    ost_frame whole;
+    ost_path path;
+    size_t at;         /* in the path */
+    ost_view_subject subject;
+} cut;
+
+static void close_cut(cut *c)
+{
+    ost_viewer_free(&c->viewer);
+    ost_frame_free(&c->whole);
+    ost_path_free(&c->path);
+    ost_live_free(c->live);
+    ost_world_free(c->world);
+    ost_tool_free(c->tool);
+    ost_bone_free(c->bone);
+    ost_backend_close(c->backend);
+    bench_scene_free(&c->scene);
+}
+
+static ost_status open_cut(cut *c, const ost_volume *bone, const ost_glenoid *glenoid, int32_t threshold, ost_isa isa)
+{
+    const ost_geometry *g = &bone->geometry;
+    ost_status status = bench_scene_init(&c->scene, OST_TOOL_REAMER, OST_PM_PER_MM / 2, SCENE_SIDE, c->err);
+    if (status == OST_OK)
+        status = ost_backend_open("cpu:threads=1", &c->backend, c->err);
+    if (status == OST_OK)
+        status = ost_tool_upload(c->backend, &c->scene.tool, &c->tool, c->err);
+    if (status == OST_OK)
+        status = ost_bone_create(c->backend, g, CHUNK, threshold, &c->bone, c->err);
+    if (status == OST_OK)
+        status = ost_bone_upload(c->bone, 0, g->dims.z, bone->voxels, c->err);
+    if (status == OST_OK)
+        status = ost_world_create(c->bone, NULL, &c->world, c->err);
+    if (status == OST_OK)
+        status = ost_world_add_tool(c->world, c->scene.tool_name, c->tool, NULL, c->err);
+    if (status == OST_OK)
+        status = ost_builtin_path(OST_BUILTIN_GLENOID_SLOW, glenoid, &c->scene.tool.geometry, 0, &c->path, c->err);
+    if (status == OST_OK)
+        status = ost_live_create(c->bone, &c->live, c->err);
+    if (status == OST_OK)
+        status = ost_viewer_init(&c->viewer, g, OST_STYLE_SMOOTH, ost_isa_name(isa), 1, c->err);
+    if (status == OST_OK)
+        status = ost_viewer_add_tool(&c->viewer, &c->scene.tool, c->err);
+    if (status == OST_OK)
+        status = ost_frame_init(&c->whole, WIDTH, HEIGHT, OST_STYLE_SMOOTH, isa, 1, c->err);
+    ost_viewer_follow(&c->viewer, c->live);
+    c->subject = ost_view_subject_make(g, &glenoid->at, glenoid->axis, glenoid->left);
+    return status;
+}
+
+/* Ticks until the next frame; *removed: any of them removed something. */
+static ost_status go_on(cut *c, bool *removed)
+{
+    ost_status status = OST_OK;
+    *removed = false;
+    for (int i = 0; i < TICKS && c->at < c->path.count && status == OST_OK; i++, c->at++) {
+        ost_step_result result = {0};
+        const ost_tick *tick = &c->path.ticks[c->at];
+        status = ost_world_step(c->world, tick, &result, c->err);
+        if (status != OST_OK)
+            break;
+        ost_world_totals totals;
+        ost_world_totals_get(c->world, &totals);
+        *removed = totals.removed_voxels > 0;
+        ost_live_changed(c->live, result.report);
+        const ost_live_state state = {.ticks = c->at + 1, .t_ns = tick->t_ns, .pose = tick->pose, .device = tick->pose};
+        status = ost_live_publish(c->live, &state, c->err);
+    }
+    return status == OST_OK ? ost_viewer_update(&c->viewer, c->err) : status;
+}
+
+static void exchange(cut *c)
+{
+    const ost_frame other = c->viewer.frame;
+    c->viewer.frame = c->whole;
+    c->whole = other;
+}
+
+/* The frame of the viewer; with stages by a clock of its own. */
+static ost_status draw(cut *c, const ost_camera *camera, bool stages, bench_series *series)
+{
+    ost_frame *f = &c->viewer.frame;
+    if (stages && f->width) {
+        clocked.kernels = f->kernels;
+        clocked.tint = f->tint;
+        f->kernels = (ost_splat_kernels){facing, splat, resolve, farthest, merge};
+        f->tint = tint;
+    }
+    const int64_t begin = bench_now();
+    ost_status status = ost_viewer_draw(&c->viewer, camera, c->err);
+    bench_series_add(series, (double)(bench_now() - begin));
+    if (stages && f->kernels.splat == splat) {
+        f->kernels = clocked.kernels;
+        f->tint = clocked.tint;
+    }
+    return status;
+}
+
+static bool same(const ost_frame *a, const ost_frame *b)
+{
+    bool equal = true;
+    for (int y = 0; y < HEIGHT && equal; y++) {
+        const size_t at = (size_t)y * (size_t)a->planes.stride;
+        equal = memcmp(a->planes.face + at, b->planes.face + at, WIDTH) == 0 &&
+                memcmp(a->planes.colour + at, b->planes.colour + at, WIDTH * sizeof(uint32_t)) == 0;
+    }
+    return equal;
+}
+
+typedef struct figures {
+    bench_series kept, whole, other;
+    double stages[2][STAGES]; /* of the kept and the whole, ms */
+    int staged, frames;
+    uint64_t cells, stale, chunks;
+    bool equal;
+} figures;
+
+static uint64_t cells_in(const ost_cells *cells)
+{
+    uint64_t count = 0;
+    for (int i = 0; i < cells->words * cells->rows; i++)
+        count += (uint64_t)__builtin_popcountll(cells->bit[i]);
+    return count;
+}
+
+/* Both frames of what is there now. */
+static ost_status draw_both(cut *c, const ost_camera *camera, figures *f, bool stages)
+{
+    memset(clocked.ns, 0, sizeof clocked.ns);
+    ost_status status = draw(c, camera, stages, stages ? &f->other : &f->kept);
+    for (int i = 0; i < STAGES && stages; i++)
+        f->stages[0][i] += (double)clocked.ns[i] / 1e6;
+    if (status != OST_OK)
+        return status;
+    f->cells += cells_in(&c->viewer.frame.part);
+    f->stale += cells_in(&c->viewer.frame.stale);
+    memset(clocked.ns, 0, sizeof clocked.ns);
+    exchange(c);
+    status = draw(c, camera, stages, stages ? &f->other : &f->whole);
+    exchange(c);
+    for (int i = 0; i < STAGES && stages; i++)
+        f->stages[1][i] += (double)clocked.ns[i] / 1e6;
+    f->staged += stages;
+    f->frames++;
+    f->equal = f->equal && same(&c->viewer.frame, &c->whole);
+    return status;
+}
+
+/* From where the reamer first takes something. */
+static ost_status measure(cut *c, ost_view_name view, figures *f)
+{
+    const ost_orbit orbit = ost_view_orbit(view, &c->subject, NULL);
+    const int count = c->options->quick ? QUICK : bench_repeat(c->options, FRAMES);
+    ost_camera camera;
+    bool removed = false;
+    ost_status status = ost_orbit_camera(&orbit, WIDTH, HEIGHT, &camera, c->err);
+    while (status == OST_OK && !removed && c->at < c->path.count)
+        status = go_on(c, &removed);
+    for (int i = 0; i < 2 && status == OST_OK; i++) { /* the second fills what is kept */
+        status = ost_viewer_draw(&c->viewer, &camera, c->err);
+        exchange(c);
+        if (status == OST_OK)
+            status = ost_viewer_draw(&c->viewer, &camera, c->err);
+        exchange(c);
+    }
+    f->equal = status == OST_OK;
+    const uint64_t before = c->viewer.changed;
+    for (int i = 0; i < count && status == OST_OK && f->equal; i++) {
+        status = go_on(c, &removed);
+        if (status == OST_OK)
+            status = draw_both(c, &camera, f, i % STAGES_EVERY == 1);
+    }
+    f->chunks = c->viewer.changed - before;
+    return status;
+}
+
+static void add_row(bench_row *row, figures *f)
+{
+    static const char *const names[2][STAGES] = {
+        {"kept_points_ms", "kept_tints_ms", "kept_splat_ms", "kept_hidden_ms", "kept_resolve_ms", "kept_merge_ms"},
+        {"whole_points_ms", "whole_tints_ms", "whole_splat_ms", "whole_hidden_ms", "whole_resolve_ms", "whole_merge_ms"}};
+    bench_row_ours(row, &f->kept);
+    bench_row_baseline(row, &f->whole, "the same frame drawn whole");
+    bench_row_extra(row, "p99_ms", bench_series_at(&f->kept, 0.99) / 1e6);
+    bench_row_extra(row, "drawn_share", (double)f->cells / f->frames / (WIDTH / OST_CELL_WIDTH * HEIGHT / OST_CELL_HEIGHT));
+    bench_row_extra(row, "put_back_share", (double)f->stale / f->frames / (WIDTH / OST_CELL_WIDTH * HEIGHT / OST_CELL_HEIGHT));
+    bench_row_extra(row, "changed_chunks", (double)f->chunks / f->frames);
+    for (int i = 0; i < 2; i++)
+        for (int j = 0; j < STAGES && f->staged; j++)
+            bench_row_extra(row, names[i][j], f->stages[i][j] / f->staged);
+}
+
+static const char *name_of(ost_view_name view, char text[BENCH_NAME])
+{
+    snprintf(text, BENCH_NAME, "render/frame/%s/1", ost_view_names[view]);
+    return text;
+}
+
+bool bench_kept_wanted(const char *filter)
+{
+    char name[BENCH_NAME];
+    bool wanted = !filter;
+    for (size_t i = 0; i < sizeof views / sizeof *views && !wanted; i++)
+        wanted = strstr(name_of(views[i], name), filter) != NULL;
+    return wanted;
+}
+
+ost_status bench_kept(const bench_options *options, bench_table *table, const ost_volume *bone, const ost_glenoid *glenoid, int32_t threshold,
+                      ost_isa isa, ost_error *err)
+{
+    char name[BENCH_NAME];
+    ost_status status = OST_OK;
+    for (size_t i = 0; i < sizeof views / sizeof *views && status == OST_OK; i++) {
+        if (!bench_wanted(options, name_of(views[i], name)))
+            continue;
+        cut c = {.options = options, .err = err};
+        figures f = {0};
+        status = open_cut(&c, bone, glenoid, threshold, isa);
+        if (status == OST_OK)
+            status = measure(&c, views[i], &f);
+        close_cut(&c);
+        bench_row *row = status == OST_OK ? bench_row_add(table, name, "ms", 1) : NULL;
+        if (row)
+            row->equal = f.equal;
+        else if (status == OST_OK)
+            status = ost_fail(err, OST_ERR_MEMORY, "no memory for a row");
+        if (row && f.equal)
+            add_row(row, &f);
+        bench_series_free(&f.kept);
+        bench_series_free(&f.whole);
+        bench_series_free(&f.other);
+    }
+    return status;
+}
