@@ -262,7 +262,7 @@ static ost_status add_extraction(show *s, bench_table *table)
     uint64_t blocks = 0;
     for (int i = -1; i < count && status == OST_OK; i++) {
         for (int32_t b = 0; b < s->surface.used; b += step)
-            s->surface.slot[b]->dirty = true;
+            s->surface.slot[b]->dirty = s->surface.slot[b]->anew = s->surface.slot[b]->unlisted = true;
         const int64_t begin = bench_now();
         status = ost_surface_update(&s->surface, s->err);
         if (i >= 0)

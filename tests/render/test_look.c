@@ -10,6 +10,7 @@
 #include "harness.h"
 #include "render/legend.h"
 #include "render/points/extract.h"
+#include "render/points/renew.h"
 #include "render/viewer.h"
 
 #define MM OST_PM_PER_MM
@@ -83,6 +84,9 @@ static void assert_same_looks(const ost_surface *a, const ost_surface *b)
         const ost_surface_block *same = ost_surface_block_at(a, at[0], at[1], at[2]);
         assert_non_null(same);
         assert_int_equal(same->count, b->slot[i]->count);
+        if (same->count == 0)
+            continue;
+        assert_memory_equal(same->points, b->slot[i]->points, same->count * sizeof(uint32_t));
         assert_memory_equal(same->looks, b->slot[i]->looks, same->count * sizeof(uint32_t));
     }
 }
@@ -394,6 +398,101 @@ static void what_went_just_now_is_shown(void **state)
     ost_volume_free(&after);
 }
 
+/* ------------------------------------------------------ what is made anew */
+
+/* A ball of bone goes, or all that there was comes back. */
+static void bite(test_rng *rng, const ost_volume *before, ost_volume *now)
+{
+    const int c[3] = {(int)rng_range(rng, -2, NX), (int)rng_range(rng, -2, NY), (int)rng_range(rng, -2, NZ)}, r = (int)rng_range(rng, 0, 6);
+    const bool back = rng_range(rng, 0, 7) == 0;
+    for (int k = c[2] - r; k <= c[2] + r; k++)
+        for (int j = c[1] - r; j <= c[1] + r; j++)
+            for (int i = c[0] - r; i <= c[0] + r; i++) {
+                const int a[3] = {i - c[0], j - c[1], k - c[2]};
+                if (i >= 0 && j >= 0 && k >= 0 && i < NX && j < NY && k < NZ && a[0] * a[0] + a[1] * a[1] + a[2] * a[2] <= r * r)
+                    now->voxels[index_of(i, j, k)] = back ? before->voxels[index_of(i, j, k)] : 0;
+            }
+}
+
+/* What is known of a block is the same whether it was made from what it was, or from nothing, by whatever instruction set. */
+static void only_what_changed_is_made_anew(void **state)
+{
+    (void)state;
+    enum { ROUNDS = 40, SLOTS = 64 };
+    ost_error err = {0};
+    test_rng rng = rng_seeded("anew");
+    ost_volume before, now;
+    make_bone(&rng, &before, &now);
+    for (int isa = 0; isa < OST_ISA_COUNT; isa++) {
+        if (!ost_isa_available((ost_isa)isa))
+            continue;
+        for (int known = 0; known < 2; known++) {
+            ost_viewer v[2];
+            int looked_at = 0, made = 0, kept = 0;
+            memcpy(now.voxels, before.voxels, COUNT * sizeof *now.voxels);
+            for (int i = 0; i < 2; i++) {
+                set_bone(&v[i], &before, &before);
+                if (!known)
+                    assert_ok(ost_surface_set_ground(&v[i].bone, NULL, &err));
+                assert_ok(ost_surface_use(&v[i].bone, i ? OST_ISA_SCALAR : (ost_isa)isa, &err));
+                ost_viewer_set_contact(&v[i], true);
+            }
+            for (int round = 0; round < ROUNDS; round++) {
+                const ost_clip plane = {{(int32_t)rng_range(&rng, -9000, 9000), 8192, 4096}, rng_range(&rng, 100000, 400000)};
+                const int what = (int)rng_range(&rng, 0, 11), colour = (int)rng_range(&rng, 0, OST_COLOUR_COUNT - 1);
+                uint64_t version[SLOTS] = {0};
+                for (int more = (int)rng_range(&rng, 1, 3); more > 0 && what > 1; more--)
+                    bite(&rng, &before, &now);
+                for (int32_t b = 0; b < v[0].bone.used; b++)
+                    version[b] = v[0].bone.slot[b]->version;
+                for (int i = 0; i < 2; i++) {
+                    ost_surface *s = &v[i].bone;
+                    if (what == 0)
+                        ost_viewer_set_colouring(&v[i], (ost_colouring)colour);
+                    else if (what == 1)
+                        ost_viewer_set_clip(&v[i], colour ? &plane : NULL);
+                    else if (what < 5)
+                        ost_surface_age(s);
+                    assert_ok(ost_surface_set_volume(s, &now, 120, &err));
+                    for (int32_t b = 0; b < s->used; b++)
+                        if (i)
+                            s->slot[b]->dirty = s->slot[b]->anew = s->slot[b]->unlisted = true;
+                        else
+                            looked_at += s->slot[b]->dirty;
+                    assert_ok(ost_surface_update(s, &err));
+                }
+                assert_same_looks(&v[0].bone, &v[1].bone);
+                /* Those that are other ones are named, and no more. */
+                int named = 0;
+                for (int32_t b = 0; b < v[0].bone.used; b++)
+                    named += v[0].bone.slot[b]->version != version[b];
+                assert_int_equal(named, v[0].bone.renewals);
+                for (int32_t b = 0; b < v[0].bone.renewals; b++)
+                    assert_true(v[0].bone.slot[v[0].bone.renewed[b]]->version != version[v[0].bone.renewed[b]]);
+                made += named;
+                kept += v[0].bone.used - named;
+            }
+            assert_true(made > ROUNDS && kept > ROUNDS && looked_at > made);
+            /* Nor does it hang on how the bone came to be what it is. */
+            ost_viewer fresh;
+            set_bone(&fresh, &before, &now);
+            if (!known)
+                assert_ok(ost_surface_set_ground(&fresh.bone, NULL, &err));
+            ost_viewer_set_colouring(&fresh, (ost_colouring)v[0].bone.colouring);
+            ost_viewer_set_clip(&v[0], NULL);
+            ost_viewer_set_contact(&v[0], false);
+            assert_ok(ost_surface_update(&v[0].bone, &err));
+            assert_ok(ost_surface_update(&fresh.bone, &err));
+            assert_same_looks(&v[0].bone, &fresh.bone);
+            ost_viewer_free(&fresh);
+            ost_viewer_free(&v[0]);
+            ost_viewer_free(&v[1]);
+        }
+    }
+    ost_volume_free(&before);
+    ost_volume_free(&now);
+}
+
 /* ---------------------------------------------------------- ghost and lines */
 
 static ost_tool_volume rod(void)
@@ -625,7 +724,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_plane_shows_the_ct),      cmocka_unit_test(colours_are_what_the_ct_says), cmocka_unit_test(tissues_by_class_and_place),
-        cmocka_unit_test(colours_can_be_told_apart), cmocka_unit_test(what_went_just_now_is_shown),  cmocka_unit_test(see_through_and_lines),
+        cmocka_unit_test(colours_can_be_told_apart), cmocka_unit_test(what_went_just_now_is_shown), cmocka_unit_test(only_what_changed_is_made_anew),  cmocka_unit_test(see_through_and_lines),
         cmocka_unit_test(all_sets_show_the_same),    cmocka_unit_test(opengl_shows_the_same),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -10,6 +10,7 @@
 #include "harness.h"
 #include "render/points/frame.h"
 #include "render/points/octahedral.h"
+#include "render/points/rows.h"
 #include "render/points/smooth.h"
 
 static ost_geometry grid(int x, int y, int z)
@@ -380,46 +381,200 @@ static void test_sets_and_threads(void **state)
 }
 
 /* The arithmetic of the looks: words of all sizes, every instruction set, beside sums by weights. */
+typedef struct words {
+    uint16_t bone[OST_FIELD_BONE + 2][OST_FIELD_LINE], down[OST_FIELD_ROWS][OST_FIELD_LINE], line[OST_FIELD_LINE];
+    ost_field_slice y[9], field[3];
+    uint64_t row[OST_FIELD_BONE];
+    int16_t density[OST_FIELD_LINE];
+} words;
+
+static void fill(test_rng *rng, void *at, size_t count, int most)
+{
+    uint16_t *v = at;
+    for (size_t i = 0; i < count; i++)
+        v[i] = (uint16_t)rng_range(rng, 0, most);
+}
+
+static const int weight[9] = {1, 2, 3, 4, 5, 4, 3, 2, 1};
+
+static void assert_sums(test_rng *rng, const ost_smooth_kernels *k, words *w)
+{
+    const int first = (int)rng_range(rng, 0, OST_FIELD_ROWS - 1), count = (int)rng_range(rng, 1, OST_FIELD_ROWS - first);
+    fill(rng, w->bone, sizeof w->bone / 2, 2600);
+    k->down((const uint16_t(*)[OST_FIELD_LINE])w->bone + first, w->down + first, count);
+    for (int y = first; y < first + count; y++)
+        for (int x = 0; x < OST_FIELD_LINE; x++) {
+            int sum = 0;
+            for (int j = 0; j < 9; j++)
+                sum += weight[j] * w->bone[y + j][x];
+            assert_int_equal(w->down[y][x], sum);
+        }
+    const ost_field_slice *y[9];
+    const uint64_t rows = (uint64_t)rng_range(rng, 0, (INT64_C(1) << OST_FIELD_ROWS) - 1);
+    for (int z = 0; z < 9; z++)
+        y[z] = &w->y[(z + first) % 9];
+    fill(rng, w->y, sizeof w->y / 2, 1575);
+    memset(w->field[0], 0xff, sizeof w->field[0]);
+    k->slice(y, rows, &w->field[0]);
+    for (int j = 0; j < OST_FIELD_ROWS; j++)
+        for (int x = 0; x < OST_FIELD_ROWS; x++) {
+            int sum = 0;
+            for (int i = 0; i < 9; i++) {
+                int slice = 0;
+                for (int z = 0; z < 9; z++)
+                    slice += weight[z] * (*y[z])[j][x + 3 + i];
+                sum += weight[i] * ((slice + 8) / 16);
+            }
+            assert_int_equal(w->field[0][j][x], rows >> j & 1 ? sum : 0xffff);
+        }
+}
+
+static void assert_bone(test_rng *rng, const ost_smooth_kernels *k, words *w, bool wild)
+{
+    for (int i = 0; i < OST_FIELD_BONE; i++)
+        w->row[i] = (uint64_t)rng_range(rng, 0, INT64_MAX) << 1;
+    k->bits(w->row, OST_FIELD_BONE, w->bone);
+    for (int i = 0; i < OST_FIELD_BONE; i++)
+        for (int x = 0; x < OST_FIELD_LINE; x++)
+            assert_int_equal(w->bone[i][x], w->row[i] >> (x + 8) & 1 ? 63 : 0);
+    const uint64_t row = w->row[0], near = w->row[1] & row << 3;
+    for (int i = 0; i < OST_FIELD_LINE; i++)
+        w->density[i] = (int16_t)rng_range(rng, wild ? INT16_MIN : -40, wild ? INT16_MAX : 800);
+    k->densities(row, near, w->density, w->line);
+    for (int i = 0; i < OST_FIELD_LINE; i++) {
+        const int v = w->density[i], some = v < 0 ? 15 : v / 16 < 48 ? 15 + v / 16 : 63;
+        assert_int_equal(w->line[i], row >> (i + 8) & 1 ? (near >> (i + 8) & 1 ? 63 : some) : 0);
+    }
+}
+
+/* Slopes of all sizes, and none; as many points as there may be in a run. */
+static void assert_looks(test_rng *rng, const ost_smooth_kernels *k, words *w, int flat)
+{
+    enum { COUNT = 53 };
+    uint32_t points[COUNT], looks[COUNT + OST_LOOKS_ROOM];
+    const ost_field_slice *const slice[3] = {&w->field[0], &w->field[1], &w->field[2]};
+    const int count = (int)rng_range(rng, 1, COUNT);
+    fill(rng, w->field, sizeof w->field / 2, flat ? flat : 61525);
+    for (int i = 0; i < count; i++)
+        points[i] = (uint32_t)rng_range(rng, 0, (1 << 21) - 1);
+    k->looks(points, count, slice, looks);
+    for (int i = 0; i < count; i++) {
+        const int x = 1 + (int)(points[i] & 31), y = 1 + (int)(points[i] >> 5 & 31), f = (int)(points[i] >> OST_FACES_SHIFT);
+        const float out[3] = {(float)(w->field[1][y][x - 1] - w->field[1][y][x + 1] + 160 * ((f >> 1 & 1) - (f & 1))),
+                              (float)(w->field[1][y - 1][x] - w->field[1][y + 1][x] + 160 * ((f >> 3 & 1) - (f >> 2 & 1))),
+                              (float)(w->field[0][y][x] - w->field[2][y][x] + 160 * ((f >> 5 & 1) - (f >> 4 & 1)))};
+        const int beyond = w->field[1][y][x] - 36915, bright = 225 - beyond * (beyond > 0 ? 470 : 120) / 61525;
+        assert_int_equal(looks[i], ost_octahedral_of(out) | (uint32_t)(bright < 40 ? 40 : bright > 255 ? 255 : bright) << OST_OPEN_SHIFT);
+    }
+}
+
 static void test_smooth(void **state)
 {
     (void)state;
-    enum { COUNT = 10 * OST_FIELD_LANES, STEPS = 3, LONGEST = 1632 };
-    static const int steps[STEPS] = {1, OST_FIELD_LINE, LONGEST}, weight[9] = {1, 2, 3, 4, 5, 4, 3, 2, 1};
     test_rng rng = rng_seeded("smooth");
-    uint16_t *in = malloc((COUNT + 8 * LONGEST) * sizeof *in), out[COUNT], bits[OST_FIELD_LINE];
-    int16_t density[OST_FIELD_LINE];
-    assert_non_null(in);
+    words *w = calloc(1, sizeof *w);
+    assert_non_null(w);
     for (int isa = 0; isa < OST_ISA_COUNT; isa++) {
         if (!ost_isa_available((ost_isa)isa))
             continue;
         const ost_smooth_kernels k = ost_smooth_kernels_of((ost_isa)isa);
-        for (int round = 0; round < 2 * STEPS; round++) {
-            const int step = steps[round % STEPS];
-            const bool sixteenth = round < STEPS;
-            for (int i = 0; i < COUNT + 8 * step; i++)
-                in[i] = (uint16_t)rng_range(&rng, 0, 2600);
-            k.nine(in, out, COUNT, step, sixteenth);
-            for (int i = 0; i < COUNT; i++) {
-                int sum = 0;
-                for (int j = 0; j < 9; j++)
-                    sum += weight[j] * in[i + j * step];
-                assert_int_equal(out[i], sixteenth ? (sum + 8) / 16 : sum);
-            }
-        }
-        for (int round = 0; round < 200; round++) {
-            const uint64_t row = (uint64_t)rng_range(&rng, 0, INT64_MAX) << 1, near = (uint64_t)rng_range(&rng, 0, INT64_MAX) & row << 3;
-            for (int i = 0; i < OST_FIELD_LINE; i++)
-                density[i] = (int16_t)rng_range(&rng, round % 2 ? -40 : INT16_MIN, round % 2 ? 800 : INT16_MAX);
-            k.bits(row, bits);
-            k.densities(row, near, density, out);
-            for (int i = 0; i < OST_FIELD_LINE; i++) {
-                const int v = density[i], some = v < 0 ? 15 : v / 16 < 48 ? 15 + v / 16 : 63;
-                assert_int_equal(bits[i], row >> i & 1 ? 63 : 0);
-                assert_int_equal(out[i], row >> i & 1 ? (near >> i & 1 ? 63 : some) : 0);
-            }
+        for (int round = 0; round < 60; round++) {
+            assert_sums(&rng, &k, w);
+            assert_bone(&rng, &k, w, round % 2);
+            assert_looks(&rng, &k, w, round % 3 ? 0 : round % 2 ? 300 : 1);
         }
     }
-    free(in);
+    free(w);
+}
+
+/* Bits of a block and about it, one by one. */
+static bool bit_at(uint32_t block[3][3][3][OST_BLOCK_ROWS], int x, int y, int z)
+{
+    return block[(z + 32) / 32][(y + 32) / 32][(x + 32) / 32][(y & 31) + 32 * (z & 31)] >> (x & 31) & 1;
+}
+
+static void test_rows(void **state)
+{
+    (void)state;
+    static const int reaches[] = {1, 3, 5, 8}, step[6][3] = {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}};
+    static uint32_t block[3][3][3][OST_BLOCK_ROWS], points[32 * OST_BLOCK_ROWS + OST_POINT_ROOM], behind[OST_BLOCK_ROWS];
+    static ost_rows rows, other, first;
+    static ost_faces faces;
+    static ost_rim rim;
+    test_rng rng = rng_seeded("rows");
+    for (int round = 0; round < 4; round++) {
+        for (int i = 0; i < 27; i++)
+            for (int row = 0; row < OST_BLOCK_ROWS; row++) { /* full of holes, nearly solid, nearly empty */
+                uint32_t w = (uint32_t)rng_range(&rng, 0, UINT32_MAX);
+                for (int more = 0; more < 4; more++)
+                    w = round == 1 ? w | (uint32_t)rng_range(&rng, 0, UINT32_MAX) : round > 1 ? w & (uint32_t)rng_range(&rng, 0, UINT32_MAX) : w;
+                block[i / 9][i / 3 % 3][i % 3][row] = round == 3 && rng_range(&rng, 0, 60) ? 0 : w;
+            }
+        rim.left = block[1][1][0];
+        rim.right = block[1][1][2];
+        for (int z = -1; z <= 32; z++)
+            for (int y = -1; y <= 32; y++)
+                rim.row[z + 1][y + 1] = block[(z + 32) / 32][(y + 32) / 32][1][(y & 31) + 32 * (z & 31)];
+        for (int isa = 0; isa < OST_ISA_COUNT; isa++) {
+            if (!ost_isa_available((ost_isa)isa))
+                continue;
+            const ost_row_kernels k = ost_row_kernels_of((ost_isa)isa);
+            k.faces(&rim, &faces);
+            k.behind(&rim, &faces, behind);
+            k.points(&faces, points);
+            uint32_t count = 0;
+            for (int row = 0; row < OST_BLOCK_ROWS; row++) {
+                assert_int_equal(faces.begin[row], count);
+                for (int x = 0; x < 32; x++) {
+                    uint32_t mask = 0;
+                    for (int f = 0; f < 6 && bit_at(block, x, row % 32, row / 32); f++)
+                        mask |= (uint32_t)!bit_at(block, x + step[f][0], row % 32 + step[f][1], row / 32 + step[f][2]) << f;
+                    if (mask)
+                        assert_int_equal(points[count++], (uint32_t)x | (uint32_t)row << 5 | mask << OST_FACES_SHIFT);
+                    assert_int_equal(faces.any[row] >> x & 1, mask != 0);
+                }
+                assert_int_equal(behind[row], 0);
+            }
+            assert_int_equal(faces.begin[OST_BLOCK_ROWS], count);
+            /* The same bits behind faces that all are open. */
+            memset(faces.face, 0xff, sizeof faces.face);
+            k.behind(&rim, &faces, behind);
+            for (int cell = 0; cell < 32 * OST_BLOCK_ROWS; cell += 5) {
+                const int x = cell % 32, y = cell / 32 % 32, z = cell / 1024;
+                bool any = false;
+                for (int f = 0; f < 6; f++)
+                    any |= bit_at(block, x + step[f][0], y + step[f][1], z + step[f][2]);
+                assert_int_equal(behind[y + 32 * z] >> x & 1, any);
+            }
+            for (int z = -8; z < 40; z++)
+                for (int y = -8; y < 40; y += 8) {
+                    const uint32_t(*const n)[OST_BLOCK_ROWS] = (const uint32_t(*)[OST_BLOCK_ROWS])block[(z + 32) / 32][(y + 32) / 32];
+                    const int row = (y & 31) + 32 * (z & 31);
+                    k.join(n[0] + row, n[1] + row, n[2] + row, rows.row[z + 8] + y + 8, 8);
+                }
+            for (int i = 0; i < 2000; i++) {
+                const int x = (int)rng_range(&rng, -16, 47), y = (int)rng_range(&rng, -8, 39), z = (int)rng_range(&rng, -8, 39);
+                assert_int_equal(rows.row[z + 8][y + 8] >> (x + 16) & 1, bit_at(block, x, y, z));
+            }
+            const int reach = reaches[(round + isa) % 4];
+            memset(&rows, 0, sizeof rows);
+            for (int i = 0; i < 30 << 2 * round; i++)
+                rows.row[rng_range(&rng, 0, 47)][rng_range(&rng, 0, 47)] |= UINT64_C(1) << rng_range(&rng, 0, 63);
+            first = rows;
+            k.spread(&rows, &other, reach);
+            for (int z = reach; z < OST_SEEN - reach; z++)
+                for (int y = reach; y < OST_SEEN - reach; y++) {
+                    uint64_t near = 0;
+                    for (int i = -reach; i <= reach; i++)
+                        for (int j = -reach; j <= reach; j++)
+                            near |= first.row[z + i][y + j];
+                    uint64_t wide = near;
+                    for (int x = 1; x <= reach; x++)
+                        wide |= near << x | near >> x;
+                    assert_true(rows.row[z][y] << reach >> 2 * reach == wide << reach >> 2 * reach);
+                }
+        }
+    }
 }
 
 /* Colours of all looks there can be, sixteen at a time and one by one. */
@@ -525,7 +680,7 @@ static void test_picture(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_surface),      cmocka_unit_test(test_not_cubic),        cmocka_unit_test(test_camera), cmocka_unit_test(test_octahedral), cmocka_unit_test(test_smooth), cmocka_unit_test(test_tints),
+        cmocka_unit_test(test_surface),      cmocka_unit_test(test_not_cubic),        cmocka_unit_test(test_camera), cmocka_unit_test(test_octahedral), cmocka_unit_test(test_smooth), cmocka_unit_test(test_rows), cmocka_unit_test(test_tints),
         cmocka_unit_test(test_picture), cmocka_unit_test(test_against_rays), cmocka_unit_test(test_sets_and_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,12 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The smoothing is a sum of nine neighbours an axis (smooth.h).
+ * The smoothing is a sum of nine neighbours an axis (smooth.h), slice by slice,
+ * so that all of it stays in the first-level cache:
  *
  *            z, y: -5 .. 36      x: -8 .. 39, of which the first and last few serve only as neighbours
  *   bone    [42][42][48]   0 .. 63
  *     y     [42][34][48]   0 .. 63 * 25
  *     z     [34][34][48]   0 .. 63 * 625 = 39375, then a sixteenth of it, rounded
  *     x     [34][34][34]   0 .. 2461 * 25 = 61525
+ *
+ * Of these only the rows are made that stale points ask for.
  *
  * How much bone a voxel is: none, or all of it where nothing is known but the
  * bits.  Where the CT is known it is from a quarter to all of it, by density:
@@ -20,90 +23,38 @@
 #include <string.h>
 
 #include "core/conditions.h"
-#include "render/points/extract.h"
 #include "render/points/ground.h"
-#include "render/points/octahedral.h"
-#include "render/points/smooth.h"
 
 enum {
     SIDE = OST_BLOCK,
-    REACH = 5,                  /* of the smoothing, and one more for a gradient */
+    REACH = OST_FIELD_REACH,
     NEAR = 3,                   /* what is so near to a cut counts as bone, whatever its density */
-    WIDE = SIDE + 2 * REACH,    /* rows and slices that are looked at */
-    INNER = WIDE - 8,           /* after a sum: the block and one voxel about it */
-    SEEN = WIDE + 2 * NEAR,     /* rows and slices of bits */
+    WIDE = OST_FIELD_BONE,      /* rows and slices of bone */
+    INNER = OST_FIELD_ROWS,     /* of the field */
     LINE = OST_FIELD_LINE, LEFT = 8, /* a row begins at x = -LEFT */
-    FLAT = OST_FIELD_FULL / 5 * 3, /* of a plane */
+    NINE = 9, THREE = 3,
 };
 
-_Static_assert(INNER == SIDE + 2, "a gradient needs one voxel on each side");
 _Static_assert(REACH + NEAR == OST_LOOK_REACH, "blocks so far from a change are made anew");
-_Static_assert(INNER * LINE % OST_FIELD_LANES == 0, "slices are whole vectors");
-
-struct ost_dress_scratch {
-    /* [z][y], from -REACH - NEAR on: bits x = -16 .. 47; what is there, what went, what is near that. */
-    uint64_t row[SEEN][SEEN], cut[SEEN][SEEN], near[SEEN][SEEN];
-    uint16_t bone[WIDE * WIDE * LINE], y[WIDE * INNER * LINE];
-    uint16_t z[INNER * INNER * LINE + 2 * LINE], field[INNER * INNER * LINE]; /* z: sums along x look beyond its last line */
-    ost_smooth_kernels kernels;
-};
-
-/* ------------------------------------------------------------------- field */
-
-typedef const uint32_t *words_of(const ost_surface_block *block);
 
 static const uint32_t *before_of(const ost_surface_block *b) { return b->before; }
 static const uint32_t *whole_of(const ost_surface_block *b) { return b->whole; }
 static const uint32_t *fresh_of(const ost_surface_block *b) { return b->fresh; }
 static const uint32_t *recent_of(const ost_surface_block *b) { return b->recent; }
 
-static void gather(const ost_surface *s, const ost_surface_block *b, words_of *which, uint64_t out[SEEN][SEEN])
-{
-    static const uint32_t nothing[OST_BLOCK_ROWS];
-    const uint32_t *near[3][3][3]; /* z, y, x */
-    for (int i = 0; i < 27; i++) {
-        const ost_surface_block *n = ost_surface_block_at(s, b->at[0] + i % 3 - 1, b->at[1] + i / 3 % 3 - 1, b->at[2] + i / 9 - 1);
-        const uint32_t *words = n ? which(n) : NULL;
-        near[i / 9][i / 3 % 3][i % 3] = words ? words : nothing;
-    }
-    for (int k = 0; k < SEEN; k++)
-        for (int j = 0; j < SEEN; j++) {
-            const int y = j - OST_LOOK_REACH, z = k - OST_LOOK_REACH;
-            const uint32_t *const *n = near[(z >= 0) + (z >= SIDE)][(y >= 0) + (y >= SIDE)];
-            const int row = (y & (SIDE - 1)) + SIDE * (z & (SIDE - 1));
-            out[k][j] = n[0][row] >> 16 | (uint64_t)n[1][row] << 16 | (uint64_t)n[2][row] << 48;
-        }
-}
+/* ------------------------------------------------------------------- field */
 
-/* False when nothing went: then near is not made; else it is, of all rows but the outer NEAR. */
-static bool find_near(const ost_surface *s, const ost_surface_block *b, struct ost_dress_scratch *k)
+/* Makes near. False when nothing went; then near is anything. */
+static bool find_near(const ost_surface *s, const ost_surface_block *b, ost_dress_scratch *k)
 {
     uint64_t any = 0;
-    gather(s, b, before_of, k->cut);
-    for (int z = 0; z < SEEN; z++)
-        for (int y = 0; y < SEEN; y++)
-            any |= k->cut[z][y] &= ~k->row[z][y];
-    for (int z = 0; z < SEEN && any; z++)
-        for (int y = 0; y < SEEN; y++) {
-            uint64_t w = k->cut[z][y];
-            w |= w << 1 | w >> 1;
-            w |= w << 2 | w >> 2;
-            k->near[z][y] = w;
-        }
-    for (int z = 0; z < SEEN && any; z++)
-        for (int y = NEAR; y < SEEN - NEAR; y++) {
-            uint64_t w = 0;
-            for (int i = -NEAR; i <= NEAR; i++)
-                w |= k->near[z][y + i];
-            k->cut[z][y] = w;
-        }
-    for (int z = NEAR; z < SEEN - NEAR && any; z++)
-        for (int y = NEAR; y < SEEN - NEAR; y++) {
-            uint64_t w = 0;
-            for (int i = -NEAR; i <= NEAR; i++)
-                w |= k->cut[z + i][y];
-            k->near[z][y] = w;
-        }
+    if (!ost_surface_rows(s, b, before_of, &k->rows, &k->near))
+        return false;
+    for (int z = 0; z < OST_SEEN; z++)
+        for (int y = 0; y < OST_SEEN; y++)
+            any |= k->near.row[z][y] &= ~k->whole.row[z][y];
+    if (any)
+        k->rows.spread(&k->near, &k->other, NEAR);
     return any != 0;
 }
 
@@ -117,142 +68,158 @@ static const int16_t *line_of(const int16_t *voxels, int first, int size, int16_
     return copy;
 }
 
-static void measure(const ost_surface *s, const ost_surface_block *b, struct ost_dress_scratch *k)
+/* Rows first to last of slice z, both from -REACH on. Densities are looked up where they count, since they are far away in memory. */
+static void measure(const ost_surface *s, const ost_surface_block *b, ost_dress_scratch *k, bool cut, int z, int first, int last)
 {
-    gather(s, b, whole_of, k->row);
+    const uint64_t line = ((UINT64_C(1) << LINE) - 1) << LEFT;
     const ost_ground *g = s->ground;
-    const bool cut = g && find_near(s, b, k);
     const ost_dims d = s->geometry.dims;
-    for (int z = 0; z < WIDE; z++)
-        for (int y = 0; y < WIDE; y++) {
-            const uint64_t row = k->row[z + NEAR][y + NEAR] >> (16 - LEFT);
-            uint16_t *out = k->bone + (z * WIDE + y) * LINE;
-            const int32_t at[2] = {SIDE * b->at[1] + y - REACH, SIDE * b->at[2] + z - REACH};
-            int16_t copy[LINE];
-            if (g && at[0] >= 0 && at[1] >= 0 && at[0] < d.y && at[1] < d.z)
-                k->kernels.densities(row, cut ? k->near[z + NEAR][y + NEAR] >> (16 - LEFT) : 0,
-                                     line_of(g->volume.voxels + (size_t)d.x * ((size_t)at[0] + (size_t)d.y * (size_t)at[1]),
-                                             SIDE * b->at[0] - LEFT, d.x, copy),
-                                     out);
-            else
-                k->kernels.bits(row, out);
-        }
+    const uint64_t *whole = k->whole.row[z + NEAR] + NEAR;
+    const int32_t at_z = SIDE * b->at[2] + z - REACH;
+    k->smooth.bits(whole + first, last - first + 1, k->bone + first);
+    for (int y = first; y <= last && g && at_z >= 0 && at_z < d.z; y++) {
+        const int32_t at_y = SIDE * b->at[1] + y - REACH;
+        const uint64_t near = cut ? k->near.row[z + NEAR][y + NEAR] : 0;
+        int16_t copy[LINE];
+        if (whole[y] & ~near & line && at_y >= 0 && at_y < d.y)
+            k->smooth.densities(whole[y], near,
+                                line_of(g->volume.voxels + (size_t)d.x * ((size_t)at_y + (size_t)d.y * (size_t)at_z), SIDE * b->at[0] - LEFT, d.x, copy),
+                                k->bone[y]);
+    }
 }
 
-static void smooth(struct ost_dress_scratch *k)
+/* Rows of the field that are asked for: bits y + 1 of slices z + 1. */
+static void find_needed(const uint32_t stale[SIDE], uint64_t needed[INNER])
 {
-    enum { SLICE = INNER * LINE };
-    for (int z = 0; z < WIDE; z++)
-        k->kernels.nine(k->bone + z * WIDE * LINE, k->y + z * SLICE, SLICE, LINE, false);
-    for (int z = 0; z < INNER; z++)
-        k->kernels.nine(k->y + z * SLICE, k->z + z * SLICE, SLICE, SLICE, true);
-    /* Place i of a line is then x = i - 1: it began at -8, and the sum took four on the left. What is beyond INNER nobody asks for. */
-    k->kernels.nine(k->z + LEFT - REACH, k->field, INNER * SLICE, 1, false);
+    memset(needed, 0, INNER * sizeof *needed);
+    for (int z = 0; z < SIDE; z++) {
+        const uint64_t rows = (uint64_t)stale[z] << 1;
+        needed[z] |= rows;
+        needed[z + 1] |= rows | rows << 1 | rows >> 1;
+        needed[z + 2] |= rows;
+    }
 }
 
-uint32_t ost_openness(int field)
+/* Sums along y of slice z, from -REACH on, as far as a field's slice asks for them. */
+static void add_slice(const ost_surface *s, const ost_surface_block *b, ost_dress_scratch *k, bool cut, int z, const uint64_t needed[INNER])
 {
-    const int beyond = field - FLAT;
-    const int open = beyond > 0 ? 225 - beyond * 470 / OST_FIELD_FULL : 225 - beyond * 120 / OST_FIELD_FULL;
-    return (uint32_t)(open < 40 ? 40 : open > 255 ? 255 : open);
+    uint64_t rows = 0;
+    for (int i = z - (NINE - 1) < 0 ? 0 : z - (NINE - 1); i <= z && i < INNER; i++)
+        rows |= needed[i];
+    const int first = __builtin_ctzll(rows), last = 63 - __builtin_clzll(rows);
+    measure(s, b, k, cut, z, first, last + NINE - 1);
+    k->smooth.down((const uint16_t(*)[LINE])k->bone + first, k->y[z % NINE] + first, last - first + 1);
 }
 
-/* In the middle of a plate as thin as a voxel the field has no slope; there the open faces decide. */
-static inline uint32_t look(const struct ost_dress_scratch *k, uint32_t point)
+/* Looks of the points of slice z in stale rows. */
+static void look_at(const uint32_t *points, ost_dress_scratch *k, int z)
 {
-    enum { Y = LINE, Z = INNER * LINE, BY_FACES = 160 };
-    const uint16_t *at = k->field + ((point >> 10 & 31) + 1) * Z + ((point >> 5 & 31) + 1) * Y + (point & 31) + 1;
-    const int faces = (int)(point >> OST_FACES_SHIFT);
-    const float out[3] = {(float)(at[-1] - at[1] + BY_FACES * ((faces >> 1 & 1) - (faces & 1))),
-                          (float)(at[-Y] - at[Y] + BY_FACES * ((faces >> 3 & 1) - (faces >> 2 & 1))),
-                          (float)(at[-Z] - at[Z] + BY_FACES * ((faces >> 5 & 1) - (faces >> 4 & 1)))};
-    return ost_octahedral_of(out) | ost_openness(at[0]) << OST_OPEN_SHIFT;
+    const ost_field_slice *const slice[3] = {&k->field[z % THREE], &k->field[(z + 1) % THREE], &k->field[(z + 2) % THREE]};
+    const uint16_t *begin = k->faces.begin + SIDE * z;
+    for (uint64_t left = k->stale[z]; left;) {
+        const int from = __builtin_ctzll(left), to = from + __builtin_ctzll(~(left >> from));
+        k->smooth.looks(points + begin[from], begin[to] - begin[from], slice, k->looks + begin[from]);
+        left = to < SIDE ? left >> to << to : 0;
+    }
+}
+
+static void look(const ost_surface *s, const ost_surface_block *b, const uint32_t *points, ost_dress_scratch *k)
+{
+    uint64_t needed[INNER];
+    int made = 0; /* sums along y of slices before it, as far as they are needed */
+    ost_surface_rows(s, b, whole_of, &k->rows, &k->whole);
+    const bool cut = s->ground && find_near(s, b, k);
+    find_needed(k->stale, needed);
+    for (int z = 0; z < INNER; z++) {
+        if (!needed[z])
+            continue;
+        const ost_field_slice *y[NINE];
+        for (made = made > z ? made : z; made < z + NINE; made++)
+            add_slice(s, b, k, cut, made, needed);
+        for (int i = 0; i < NINE; i++)
+            y[i] = &k->y[(z + i) % NINE];
+        k->smooth.slice(y, needed[z], &k->field[z % THREE]);
+        if (z >= 2 && k->stale[z - 2])
+            look_at(points, k, z - 2);
+    }
 }
 
 /* ------------------------------------------------------------------- paint */
 
-static bool any_bit(const uint32_t *words, int x, int y, int z)
+/* Voxels with a face to the air and beyond it one of the set. */
+static bool find_beyond(const ost_surface *s, const ost_surface_block *b, ost_words_of *which, ost_dress_scratch *k, uint32_t out[OST_BLOCK_ROWS])
 {
-    return words && words[y + SIDE * z] >> x & 1;
+    const bool any = ost_surface_rim(s, b, which, &k->rim);
+    if (any)
+        k->rows.behind(&k->rim, &k->faces, out);
+    else
+        memset(out, 0, OST_BLOCK_ROWS * sizeof *out);
+    return any;
 }
 
-/* Of the voxel beyond a face of voxel x, y, z. */
-static bool beyond(const ost_surface *s, const ost_surface_block *b, int x, int y, int z, int face, words_of *which)
+static uint32_t any_of(const uint32_t words[OST_BLOCK_ROWS])
 {
-    const int step = face % 2 ? 1 : -1;
-    const int at[3] = {x + (face / 2 == 0 ? step : 0), y + (face / 2 == 1 ? step : 0), z + (face / 2 == 2 ? step : 0)};
-    const int32_t block[3] = {at[0] < 0 ? -1 : at[0] >= SIDE, at[1] < 0 ? -1 : at[1] >= SIDE, at[2] < 0 ? -1 : at[2] >= SIDE};
-    if (block[0] | block[1] | block[2])
-        b = ost_surface_block_at(s, b->at[0] + block[0], b->at[1] + block[1], b->at[2] + block[2]);
-    return b && any_bit(which(b), at[0] & (SIDE - 1), at[1] & (SIDE - 1), at[2] & (SIDE - 1));
+    uint32_t any = 0;
+    for (int row = 0; row < OST_BLOCK_ROWS; row++)
+        any |= words[row];
+    return any;
 }
 
-static bool any_beyond(const ost_surface *s, const ost_surface_block *b, uint32_t point, words_of *which)
+void ost_surface_find_marked(const ost_surface *s, const ost_surface_block *b, ost_dress_scratch *k)
 {
-    for (uint32_t left = point >> OST_FACES_SHIFT; left; left &= left - 1)
-        if (beyond(s, b, (int)(point & 31), (int)(point >> 5 & 31), (int)(point >> 10 & 31), __builtin_ctz(left), which))
-            return true;
-    return false;
+    uint32_t recent[OST_BLOCK_ROWS];
+    memset(k->cap, 0, sizeof k->cap);
+    memset(k->contact, 0, sizeof k->contact);
+    if (s->clipped)
+        find_beyond(s, b, whole_of, k, k->cap);
+    if (s->any_fresh)
+        find_beyond(s, b, fresh_of, k, k->contact);
+    if (s->any_recent && find_beyond(s, b, recent_of, k, recent))
+        for (int row = 0; row < OST_BLOCK_ROWS; row++)
+            k->contact[row] |= recent[row];
+    if (s->clipped) /* it shows what was there all the time */
+        for (int row = 0; row < OST_BLOCK_ROWS; row++)
+            k->contact[row] &= ~k->cap[row];
 }
 
-static uint32_t paint(const ost_surface *s, const ost_surface_block *b, uint32_t point)
+/* Makes bared. A depth is needed where something was cut at the block's points. */
+static ost_status find_bared(ost_surface *s, ost_surface_block *b, ost_dress_scratch *k, ost_error *err)
 {
-    const int32_t at[3] = {SIDE * b->at[0] + (int32_t)(point & 31), SIDE * b->at[1] + (int32_t)(point >> 5 & 31),
-                           SIDE * b->at[2] + (int32_t)(point >> 10 & 31)};
-    uint32_t bits = 0;
-    if ((s->any_fresh && any_beyond(s, b, point, fresh_of)) || (s->any_recent && any_beyond(s, b, point, recent_of)))
-        bits = OST_LOOK_CONTACT;
-    if (s->clipped && any_beyond(s, b, point, whole_of))
-        return ost_ground_cap(s->ground, s->colouring, at) << OST_PAINT_SHIFT;
-    if (s->ground && s->colouring != OST_COLOUR_BONE && (s->ground->uncut || any_beyond(s, b, point, before_of)))
-        bits |= ost_ground_paint(s->ground, s->colouring, at, b->depth ? b->depth[point & 0x7fff] : 0) << OST_PAINT_SHIFT;
-    return bits;
+    if (!s->ground || s->colouring == OST_COLOUR_BONE) {
+        memset(k->bared, 0, sizeof k->bared);
+        return OST_OK;
+    }
+    find_beyond(s, b, before_of, k, k->bared);
+    ost_status status = OST_OK;
+    if (s->colouring == OST_COLOUR_DEPTH && !b->depth && any_of(k->bared))
+        status = ost_ground_depth(s, b, err);
+    if (s->ground->uncut)
+        memcpy(k->bared, k->faces.any, sizeof k->bared);
+    return status;
 }
 
+static void paint_row(const ost_surface *s, const ost_surface_block *b, const uint32_t *points, ost_dress_scratch *k, int row)
+{
+    for (uint32_t i = k->faces.begin[row]; i < k->faces.begin[row + 1]; i++) {
+        const uint32_t x = points[i] & (SIDE - 1), cell = x | (uint32_t)row << 5;
+        const int32_t at[3] = {SIDE * b->at[0] + (int32_t)x, SIDE * b->at[1] + row % SIDE, SIDE * b->at[2] + row / SIDE};
+        if (k->cap[row] >> x & 1)
+            k->looks[i] |= ost_ground_cap(s->ground, (ost_colouring)s->colouring, at) << OST_PAINT_SHIFT;
+        else if (k->bared[row] >> x & 1)
+            k->looks[i] |= ost_ground_paint(s->ground, (ost_colouring)s->colouring, at, b->depth ? b->depth[cell] : 0) << OST_PAINT_SHIFT;
+    }
+}
 
 /* ------------------------------------------------------------------- block */
 
-/* A depth is needed where something was cut at the block's points. */
-static ost_status need_depth(ost_surface *s, ost_surface_block *b, ost_error *err)
+ost_status ost_surface_dress(ost_surface *surface, ost_surface_block *block, const uint32_t *points, ost_dress_scratch *scratch, ost_error *err)
 {
-    if (s->colouring != OST_COLOUR_DEPTH || !s->ground || b->depth)
-        return OST_OK;
-    bool cut = false;
-    for (uint32_t i = 0; i < b->count && !cut; i++)
-        cut = any_beyond(s, b, b->points[i], before_of);
-    return cut ? ost_ground_depth(s, b, err) : OST_OK;
-}
-
-static ost_status make_scratch(ost_surface *s, ost_error *err)
-{
-    ost_isa isa;
-    if (s->scratch)
-        return OST_OK;
-    ost_status status = ost_isa_choose(NULL, &isa, err);
+    ost_status status = find_bared(surface, block, scratch, err);
     if (status != OST_OK)
         return status;
-    s->scratch = calloc(1, sizeof *s->scratch);
-    if (!s->scratch)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory to light a surface");
-    s->scratch->kernels = ost_smooth_kernels_of(isa);
-    return OST_OK;
-}
-
-ost_status ost_surface_dress(ost_surface *surface, ost_surface_block *block, ost_error *err)
-{
-    ost_status status = make_scratch(surface, err);
-    if (status != OST_OK || block->count == 0)
-        return status;
-    status = need_depth(surface, block, err);
-    if (status != OST_OK)
-        return status;
-    struct ost_dress_scratch *k = surface->scratch;
-    measure(surface, block, k);
-    smooth(k);
-    for (uint32_t i = 0; i < block->count; i++)
-        block->looks[i] = look(k, block->points[i]);
-    if (surface->clipped || surface->any_fresh || surface->any_recent || (surface->ground && surface->colouring != OST_COLOUR_BONE))
-        for (uint32_t i = 0; i < block->count; i++)
-            block->looks[i] |= paint(surface, block, block->points[i]);
+    look(surface, block, points, scratch);
+    for (int row = 0; row < OST_BLOCK_ROWS; row++)
+        if (scratch->stale[row / SIDE] >> row % SIDE & 1 && (scratch->cap[row] | scratch->bared[row]))
+            paint_row(surface, block, points, scratch, row);
     return OST_OK;
 }

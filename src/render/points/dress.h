@@ -14,13 +14,26 @@
 #ifndef OST_RENDER_DRESS_H
 #define OST_RENDER_DRESS_H
 
-#include "render/points/surface.h"
+#include "render/points/extract.h"
+#include "render/points/smooth.h"
 
-/* The looks of a block's points, which were listed. The surface has its scratch. */
-ost_status ost_surface_dress(ost_surface *surface, ost_surface_block *block, ost_error *err);
+/* What a block is made anew with. */
+typedef struct ost_dress_scratch {
+    ost_row_kernels rows;
+    ost_smooth_kernels smooth;
+    ost_faces faces;             /* of the block's voxels that are shown */
+    uint32_t stale[OST_BLOCK];   /* [z], bits y: rows whose looks are to be made */
+    uint32_t points[OST_BLOCK_POINTS + OST_POINT_ROOM], looks[OST_BLOCK_POINTS + OST_LOOKS_ROOM];
+    uint32_t cap[OST_BLOCK_ROWS], bared[OST_BLOCK_ROWS], contact[OST_BLOCK_ROWS]; /* voxels that are painted for it */
+    ost_rim rim;
+    ost_rows whole, near, other; /* what is there; what is near to what went */
+    uint16_t bone[OST_FIELD_BONE + 2][OST_FIELD_LINE]; /* a slice */
+    ost_field_slice y[9], field[3];                    /* slices z at z modulo nine, or three */
+} ost_dress_scratch;
 
-/* Of a field value, 0 to about OST_FIELD_FULL. */
-enum { OST_FIELD_FULL = 61525 };
-uint32_t ost_openness(int field);
+/* Of a block whose faces and points the scratch has: the looks of all points in stale rows. */
+ost_status ost_surface_dress(ost_surface *surface, ost_surface_block *block, const uint32_t *points, ost_dress_scratch *scratch, ost_error *err);
+/* Makes the scratch's cap and contact, of all the block's rows. */
+void ost_surface_find_marked(const ost_surface *surface, const ost_surface_block *block, ost_dress_scratch *scratch);
 
 #endif

@@ -3,12 +3,16 @@
 #ifndef OST_RENDER_EXTRACT_H
 #define OST_RENDER_EXTRACT_H
 
-#include "render/points/surface.h"
+#include "render/points/rows.h"
 
 /* NULL where there has never been anything, outside the grid too. */
 ost_surface_block *ost_surface_block_at(const ost_surface *surface, int32_t x, int32_t y, int32_t z);
 
-/* Makes the block's list anew; its looks are to be made after it. */
-ost_status ost_surface_list(const ost_surface *surface, ost_surface_block *block, ost_error *err);
+/* One of the sets of bits that a block has: NULL when it has none of it. */
+typedef const uint32_t *ost_words_of(const ost_surface_block *block);
+
+/* That set of the block and of what lies about it. False when there is none in them all; then the rest is not made. */
+bool ost_surface_rim(const ost_surface *surface, const ost_surface_block *block, ost_words_of *which, ost_rim *out);
+bool ost_surface_rows(const ost_surface *surface, const ost_surface_block *block, ost_words_of *which, const ost_row_kernels *kernels, ost_rows *out);
 
 #endif

@@ -2,8 +2,9 @@
 #include "render/points/extract.h"
 
 #include "render/points/clip.h"
-#include "render/points/dress.h"
 #include "render/points/ground.h"
+#include "render/points/renew.h"
+#include "render/points/smooth.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -38,6 +39,7 @@ void ost_surface_free(ost_surface *surface)
         ost_surface_block *b = surface->slot[i];
         free(b->points);
         free(b->looks);
+        free(b->changed);
         free(b->before);
         free(b->fresh);
         free(b->recent);
@@ -45,6 +47,7 @@ void ost_surface_free(ost_surface *surface)
         free(b);
     }
     free(surface->scratch);
+    free(surface->renewed);
     free(surface->slot);
     free(surface->slot_of);
     memset(surface, 0, sizeof *surface);
@@ -106,7 +109,7 @@ static ost_status remember(const ost_surface *s, ost_surface_block *b, ost_error
     free(b->before);
     b->depth = NULL;
     b->before = NULL;
-    b->dirty = true;
+    b->dirty = b->anew = true;
     if (!s->ground)
         return OST_OK;
     b->before = malloc(ROWS * sizeof *b->before);
@@ -132,6 +135,7 @@ static ost_status new_block(ost_surface *s, const int32_t at[3], ost_surface_blo
     if (!b)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for a block of a surface");
     memcpy(b->at, at, sizeof b->at);
+    b->unlisted = true;
     *slot_at(s, at[0], at[1], at[2]) = s->used;
     s->slot[s->used++] = b;
     *out = b;
@@ -156,8 +160,8 @@ static bool changed_box(const uint32_t *was, const uint32_t *is, int lo[3], int 
     return x != 0;
 }
 
-/* The blocks that see the change from `reach` voxels away, the block itself among them. */
-static void mark(const ost_surface *s, const int32_t at[3], const int lo[3], const int hi[3], int reach)
+/* The blocks that see the change from `reach` voxels away, the block itself among them; perhaps it changes their points. */
+static void mark(const ost_surface *s, const int32_t at[3], const int lo[3], const int hi[3], int reach, bool points)
 {
     int from[3], to[3];
     for (int a = 0; a < 3; a++) {
@@ -168,9 +172,22 @@ static void mark(const ost_surface *s, const int32_t at[3], const int lo[3], con
         for (int y = from[1]; y <= to[1]; y++)
             for (int x = from[0]; x <= to[0]; x++) {
                 ost_surface_block *b = ost_surface_block_at(s, at[0] + x, at[1] + y, at[2] + z);
-                if (b)
+                if (b) {
                     b->dirty = true;
+                    b->unlisted |= points;
+                }
             }
+}
+
+static ost_status note_changed(ost_surface_block *b, const uint32_t occupancy[ROWS], ost_error *err)
+{
+    if (!b->changed)
+        b->changed = calloc(ROWS, sizeof *b->changed);
+    if (!b->changed)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for what changed");
+    for (int row = 0; row < ROWS; row++)
+        b->changed[row] |= b->whole[row] ^ occupancy[row];
+    return OST_OK;
 }
 
 static ost_status note_fresh(ost_surface *s, ost_surface_block *b, const uint32_t occupancy[ROWS], ost_error *err)
@@ -198,6 +215,8 @@ ost_status ost_surface_set(ost_surface *surface, const int32_t at[3], const uint
     if (!changed_box(b ? b->whole : nothing, occupancy, lo, hi))
         return OST_OK;
     ost_status status = b ? OST_OK : new_block(surface, at, &b, err);
+    if (status == OST_OK)
+        status = note_changed(b, occupancy, err);
     if (status == OST_OK && surface->keep_fresh)
         status = note_fresh(surface, b, occupancy, err);
     if (status != OST_OK)
@@ -207,7 +226,8 @@ ost_status ost_surface_set(ost_surface *surface, const int32_t at[3], const uint
         ost_clip_words(&surface->clip, at, b->whole, b->occupancy);
     else
         memcpy(b->occupancy, occupancy, sizeof b->occupancy);
-    mark(surface, at, lo, hi, OST_LOOK_REACH);
+    mark(surface, at, lo, hi, 1, true);
+    mark(surface, at, lo, hi, surface->ground ? OST_LOOK_REACH : OST_FIELD_REACH, false);
     return OST_OK;
 }
 
@@ -229,7 +249,7 @@ void ost_surface_clip(ost_surface *surface, const ost_clip *clip)
         if (!changed_box(b->occupancy, shown, lo, hi))
             continue;
         memcpy(b->occupancy, shown, sizeof shown);
-        mark(surface, b->at, lo, hi, OST_LOOK_REACH);
+        mark(surface, b->at, lo, hi, 1, true);
     }
 }
 
@@ -247,7 +267,7 @@ ost_status ost_surface_set_ground(ost_surface *surface, ost_ground *ground, ost_
 void ost_surface_set_colouring(ost_surface *surface, int colouring)
 {
     for (int32_t i = 0; i < surface->used && colouring != surface->colouring; i++)
-        surface->slot[i]->dirty = true;
+        surface->slot[i]->dirty = surface->slot[i]->anew = true;
     surface->colouring = colouring;
 }
 
@@ -261,7 +281,7 @@ void ost_surface_age(ost_surface *surface)
         int lo[3], hi[3];
         /* What stays to be seen as it was, as fresh and now as recent, changes nothing. */
         if (b->recent && changed_box(b->fresh ? b->fresh : nothing, b->recent, lo, hi))
-            mark(surface, b->at, lo, hi, 1);
+            mark(surface, b->at, lo, hi, 1, false);
         free(b->recent);
         b->recent = b->fresh;
         b->fresh = NULL;
@@ -312,17 +332,22 @@ ost_status ost_surface_set_chunk(ost_surface *surface, const int32_t at[3], int 
 
 ost_status ost_surface_update(ost_surface *surface, ost_error *err)
 {
-    ost_status status = OST_OK;
+    const size_t room = (size_t)surface->used + 1;
+    int32_t *renewed = realloc(surface->renewed, room * sizeof *renewed);
+    if (!renewed)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu blocks of a surface", room);
+    surface->renewed = renewed;
+    surface->renewals = 0;
     surface->points = 0;
+    ost_status status = OST_OK;
     for (int32_t i = 0; i < surface->used; i++) {
-        ost_surface_block *b = surface->slot[i];
-        if (b->dirty && status == OST_OK) {
-            status = ost_surface_list(surface, b, err);
-            if (status == OST_OK)
-                status = ost_surface_dress(surface, b, err);
-            b->dirty = status != OST_OK;
-        }
-        surface->points += b->count;
+        if (surface->slot[i]->dirty && status == OST_OK)
+            status = ost_surface_renew(surface, i, err);
+        surface->points += surface->slot[i]->count;
+    }
+    for (int32_t i = 0; i < surface->used && status == OST_OK; i++) { /* not before all their neighbours have seen it */
+        free(surface->slot[i]->changed);
+        surface->slot[i]->changed = NULL;
     }
     return status;
 }

@@ -40,7 +40,7 @@ enum {
     OST_FACES_SHIFT = 15,
     OST_OPEN_SHIFT = 14,
     OST_PAINT_SHIFT = 22,
-    OST_LOOK_REACH = 8,              /* voxels about one that its look depends on */
+    OST_LOOK_REACH = 8,              /* voxels about one that its look depends on, at most (renew.c) */
 };
 #define OST_LOOK_CONTACT (UINT32_C(1) << 30)
 
@@ -48,15 +48,20 @@ typedef enum ost_face { OST_FACE_X0, OST_FACE_X1, OST_FACE_Y0, OST_FACE_Y1, OST_
 
 typedef struct ost_surface_block {
     int32_t at[3];             /* in blocks */
-    bool dirty;
+    bool dirty;                /* to be looked at by the next update: */
+    bool unlisted;             /* its points may be others */
+    bool anew;                 /* all its looks may be */
+    bool contact;              /* some look has it */
     uint64_t version;          /* of its lists: no two lists of a process have the same; 0 before the first */
     uint32_t occupancy[OST_BLOCK_ROWS]; /* shown */
     uint32_t whole[OST_BLOCK_ROWS];
+    uint32_t *changed;         /* owned; of whole, since the last update; NULL: nothing */
     uint32_t *before;          /* owned; as the surface's ground has it; NULL without one */
     uint32_t *fresh, *recent;  /* owned; voxels that went: since the last ost_surface_age, and before that; NULL: none */
     uint16_t *depth;           /* owned; squared distances (ground.h); NULL until one is asked for */
     uint32_t count, room;
     uint32_t *points, *looks;  /* owned; count surface points, rows ascending */
+    uint16_t begin[OST_BLOCK_ROWS + 1]; /* of each row its first */
 } ost_surface_block;
 
 /* Shown is a voxel v with n . v <= d (clip.h). */
@@ -72,6 +77,7 @@ typedef struct ost_surface {
     ost_surface_block **slot;  /* owned; used of them */
     int32_t used, room;
     uint64_t points;           /* of all blocks, after an update */
+    int32_t renewals, *renewed; /* owned; slots whose lists the last update made other ones */
     struct ost_ground *ground; /* borrowed; NULL: what was before is not known */
     int colouring;             /* an ost_colouring (palette.h) */
     ost_clip clip;
@@ -101,7 +107,7 @@ void ost_surface_set_colouring(ost_surface *surface, int colouring);
 /* With keep_fresh: what is fresh becomes recent, what is recent is forgotten. */
 void ost_surface_age(ost_surface *surface);
 
-/* Points of every block that was set since the last update, and of the neighbours that it touches. */
+/* Points and looks that are not what they were at the last update; renewed says of which blocks. */
 ost_status ost_surface_update(ost_surface *surface, ost_error *err);
 
 /* Whether voxels lo to hi, both among them, hold nothing; those outside the grid do not. */

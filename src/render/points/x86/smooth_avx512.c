@@ -1,43 +1,184 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "core/conditions.h"
-#include "render/points/smooth.h"
+#include "render/points/slopes.h"
 
 #include <immintrin.h>
+
+/* A line is a register of 32 words and half of one. */
+enum { LINE = OST_FIELD_LINE, FIRST = 32 };
 
 static inline __m512i load(const uint16_t *at)
 {
     return _mm512_loadu_si512(at);
 }
 
-void ost_nine_avx512(const uint16_t *in, uint16_t *out, int count, int step, bool sixteenth)
+static inline __m256i load_half(const uint16_t *at)
 {
-    const __m512i eight = _mm512_set1_epi16(8), three = _mm512_set1_epi16(3), five = _mm512_set1_epi16(5);
-    for (int i = 0; i < count; i += OST_FIELD_LANES) {
-        const uint16_t *a = in + i;
-        const __m512i one = _mm512_add_epi16(load(a), load(a + 8 * step)), two = _mm512_add_epi16(load(a + step), load(a + 7 * step));
-        const __m512i third = _mm512_add_epi16(load(a + 2 * step), load(a + 6 * step)), fourth = _mm512_add_epi16(load(a + 3 * step), load(a + 5 * step));
-        const __m512i outer = _mm512_add_epi16(_mm512_add_epi16(one, _mm512_add_epi16(two, two)), _mm512_slli_epi16(fourth, 2));
-        const __m512i inner = _mm512_add_epi16(_mm512_mullo_epi16(third, three), _mm512_mullo_epi16(load(a + 4 * step), five));
-        const __m512i sum = _mm512_add_epi16(outer, inner);
-        _mm512_storeu_si512(out + i, sixteenth ? _mm512_srli_epi16(_mm512_add_epi16(sum, eight), 4) : sum);
+    return _mm256_loadu_si256((const void *)at);
+}
+
+void ost_field_bits_avx512(const uint64_t *rows, int count, uint16_t (*out)[LINE])
+{
+    const __m512i all = _mm512_set1_epi16(OST_FIELD_ALL);
+    for (int i = 0; i < count; i++) {
+        const uint64_t row = rows[i] >> OST_LINE_SHIFT;
+        _mm512_storeu_si512(out[i], _mm512_maskz_mov_epi16((__mmask32)row, all));
+        _mm256_storeu_si256((void *)(out[i] + FIRST), _mm256_maskz_mov_epi16((__mmask16)(row >> FIRST), _mm512_castsi512_si256(all)));
     }
 }
 
-void ost_field_bits_avx512(uint64_t row, uint16_t out[OST_FIELD_LINE])
-{
-    const __m512i all = _mm512_set1_epi16(OST_FIELD_ALL);
-    _mm512_storeu_si512(out, _mm512_maskz_mov_epi16((__mmask32)row, all));
-    _mm256_storeu_si256((void *)(out + 32), _mm256_maskz_mov_epi16((__mmask16)(row >> 32), _mm512_castsi512_si256(all)));
-}
-
-void ost_field_densities_avx512(uint64_t row, uint64_t near, const int16_t density[OST_FIELD_LINE], uint16_t out[OST_FIELD_LINE])
+void ost_field_densities_avx512(uint64_t row, uint64_t near, const int16_t density[LINE], uint16_t out[LINE])
 {
     const __m512i all = _mm512_set1_epi16(OST_FIELD_ALL), least = _mm512_set1_epi16(OST_FIELD_LEAST), dense = _mm512_set1_epi16(OST_FIELD_DENSE);
-    for (int i = 0; i < OST_FIELD_LINE; i += OST_FIELD_LANES) {
+    for (int i = 0; i < LINE; i += FIRST) {
+        const int bit = i + OST_LINE_SHIFT;
         const __mmask32 line = i ? 0xffff : 0xffffffff;
         const __m512i v = _mm512_maskz_loadu_epi16(line, density + i);
         const __m512i some = _mm512_add_epi16(_mm512_srli_epi16(_mm512_max_epi16(v, _mm512_setzero_si512()), 4), least);
-        const __mmask32 full = _mm512_cmpge_epi16_mask(v, dense) | (__mmask32)(near >> i);
-        _mm512_mask_storeu_epi16(out + i, line, _mm512_maskz_mov_epi16((__mmask32)(row >> i), _mm512_mask_mov_epi16(some, full, all)));
+        const __mmask32 full = _mm512_cmpge_epi16_mask(v, dense) | (__mmask32)(near >> bit);
+        _mm512_mask_storeu_epi16(out + i, line, _mm512_maskz_mov_epi16((__mmask32)(row >> bit), _mm512_mask_mov_epi16(some, full, all)));
+    }
+}
+
+/* one + three + five, 2 (two + three), 4 (four + five): weights 1 2 3 4 5 from the ends to the middle. */
+#define SUM(TYPE, PREFIX, LOAD, AT)                                                                                                 \
+    const TYPE one = PREFIX##_add_epi16(LOAD(AT(0)), LOAD(AT(8))), two = PREFIX##_add_epi16(LOAD(AT(1)), LOAD(AT(7)));              \
+    const TYPE three = PREFIX##_add_epi16(LOAD(AT(2)), LOAD(AT(6))), four = PREFIX##_add_epi16(LOAD(AT(3)), LOAD(AT(5)));           \
+    const TYPE five = LOAD(AT(4)), odd = PREFIX##_add_epi16(one, three), even = PREFIX##_add_epi16(two, three);                     \
+    const TYPE quads = PREFIX##_slli_epi16(PREFIX##_add_epi16(four, five), 2);                                                      \
+    const TYPE sum = PREFIX##_add_epi16(PREFIX##_add_epi16(odd, five), PREFIX##_add_epi16(PREFIX##_add_epi16(even, even), quads))
+
+static inline __m512i nine(const uint16_t *in, ptrdiff_t step)
+{
+#define AT(k) (in + (k) * step)
+    SUM(__m512i, _mm512, load, AT);
+    return sum;
+}
+
+static inline __m256i nine_half(const uint16_t *in, ptrdiff_t step)
+{
+    SUM(__m256i, _mm256, load_half, AT);
+    return sum;
+#undef AT
+}
+
+void ost_field_down_avx512(const uint16_t (*in)[LINE], uint16_t (*out)[LINE], int count)
+{
+    __m512i sum = nine(in[0], LINE), slope = _mm512_setzero_si512();
+    __m256i sum_half = nine_half(in[0] + FIRST, LINE), slope_half = _mm256_setzero_si256();
+    for (int k = 0; k < 5; k++) {
+        slope = _mm512_add_epi16(slope, _mm512_sub_epi16(load(in[k + 5]), load(in[k])));
+        slope_half = _mm256_add_epi16(slope_half, _mm256_sub_epi16(load_half(in[k + 5] + FIRST), load_half(in[k] + FIRST)));
+    }
+    for (int i = 0;; i++) {
+        _mm512_storeu_si512(out[i], sum);
+        _mm256_storeu_si256((void *)(out[i] + FIRST), sum_half);
+        if (i == count - 1)
+            return;
+        sum = _mm512_add_epi16(sum, slope);
+        sum_half = _mm256_add_epi16(sum_half, slope_half);
+        const __m512i five = load(in[i + 5]);
+        const __m256i five_half = load_half(in[i + 5] + FIRST);
+        const __m512i ends = _mm512_add_epi16(load(in[i]), load(in[i + 10]));
+        const __m256i ends_half = _mm256_add_epi16(load_half(in[i] + FIRST), load_half(in[i + 10] + FIRST));
+        slope = _mm512_add_epi16(slope, _mm512_sub_epi16(ends, _mm512_add_epi16(five, five)));
+        slope_half = _mm256_add_epi16(slope_half, _mm256_sub_epi16(ends_half, _mm256_add_epi16(five_half, five_half)));
+    }
+}
+
+static inline __m512i along_z(const ost_field_slice *const y[9], int row)
+{
+#define AT(k) ((*y[k])[row])
+    SUM(__m512i, _mm512, load, AT);
+#undef AT
+    return _mm512_srli_epi16(_mm512_add_epi16(sum, _mm512_set1_epi16(8)), 4);
+}
+
+static inline __m256i along_z_half(const ost_field_slice *const y[9], int row)
+{
+#define AT(k) ((*y[k])[row] + FIRST)
+    SUM(__m256i, _mm256, load_half, AT);
+#undef AT
+    return _mm256_srli_epi16(_mm256_add_epi16(sum, _mm256_set1_epi16(8)), 4);
+}
+
+void ost_field_slice_avx512(const ost_field_slice *const y[9], uint64_t rows, ost_field_slice *out)
+{
+    uint16_t z[OST_FIELD_ROWS + 1][LINE] __attribute__((aligned(64)));
+    for (uint64_t left = rows; left; left &= left - 1) {
+        const int row = __builtin_ctzll(left);
+        _mm512_storeu_si512(z[row], along_z(y, row));
+        _mm256_storeu_si256((void *)(z[row] + FIRST), along_z_half(y, row));
+    }
+    for (uint64_t left = rows; left; left &= left - 1) {
+        const int row = __builtin_ctzll(left);
+        const uint16_t *in = z[row] + OST_LINE_SKIP;
+        _mm512_storeu_si512((*out)[row], nine(in, 1));
+        _mm256_storeu_si256((void *)((*out)[row] + FIRST), nine_half(in + FIRST, 1));
+    }
+}
+
+static inline __m512i load_all(const int32_t *at)
+{
+    return _mm512_loadu_si512(at);
+}
+
+static inline __m512 slope(const ost_slopes *s, __m512i faces, int axis)
+{
+    const __m512i by = _mm512_set1_epi32(OST_FIELD_BY_FACES), v = load_all(s->out[axis]);
+    const __mmask16 before = _mm512_test_epi32_mask(faces, _mm512_set1_epi32(1 << (2 * axis)));
+    const __mmask16 behind = _mm512_test_epi32_mask(faces, _mm512_set1_epi32(2 << (2 * axis)));
+    return _mm512_cvtepi32_ps(_mm512_mask_sub_epi32(_mm512_mask_add_epi32(v, behind, v, by), before, _mm512_mask_add_epi32(v, behind, v, by), by));
+}
+
+/* 1 - |beside|, with the sign of a number that is not -0. */
+static inline __m512 folded(__m512 beside, __m512 sign)
+{
+    const __m512 one = _mm512_set1_ps(1), away = _mm512_sub_ps(one, _mm512_abs_ps(beside)), zero = _mm512_setzero_ps();
+    return _mm512_mask_sub_ps(away, _mm512_cmp_ps_mask(sign, zero, _CMP_LT_OQ), _mm512_abs_ps(beside), one);
+}
+
+static inline __m512i cell(__m512 p)
+{
+    const __m512 scaled = _mm512_mul_ps(_mm512_add_ps(p, _mm512_set1_ps(1)), _mm512_set1_ps(OST_OCTAHEDRAL_SIDE / 2));
+    const __m512i c = _mm512_max_epi32(_mm512_cvttps_epi32(scaled), _mm512_setzero_si512());
+    return _mm512_min_epi32(c, _mm512_set1_epi32(OST_OCTAHEDRAL_SIDE - 1));
+}
+
+/* The quotient by OST_FIELD_FULL of what is below 2^25 in size: that by a float is within 2^-14 of it, and where it
+   crosses an integer that is put right; rounded to zero, as C does. */
+static inline __m512i by_full(__m512i v)
+{
+    const __m512i full = _mm512_set1_epi32(OST_FIELD_FULL), size = _mm512_abs_epi32(v);
+    const __m512i q = _mm512_cvttps_epi32(_mm512_div_ps(_mm512_cvtepi32_ps(size), _mm512_set1_ps(OST_FIELD_FULL)));
+    const __m512i rest = _mm512_sub_epi32(size, _mm512_mullo_epi32(q, full)), one = _mm512_set1_epi32(1);
+    const __m512i less = _mm512_mask_sub_epi32(q, _mm512_cmplt_epi32_mask(rest, _mm512_setzero_si512()), q, one);
+    const __m512i right = _mm512_mask_add_epi32(less, _mm512_cmpge_epi32_mask(rest, full), less, one);
+    return _mm512_mask_sub_epi32(right, _mm512_cmplt_epi32_mask(v, _mm512_setzero_si512()), _mm512_setzero_si512(), right);
+}
+
+static inline __m512i openness(__m512i field)
+{
+    const __m512i beyond = _mm512_sub_epi32(field, _mm512_set1_epi32(OST_FIELD_FLAT));
+    const __m512i by = _mm512_mask_mov_epi32(_mm512_set1_epi32(OST_OPEN_EDGE), _mm512_cmpgt_epi32_mask(beyond, _mm512_setzero_si512()),
+                                             _mm512_set1_epi32(OST_OPEN_PIT));
+    const __m512i open = _mm512_sub_epi32(_mm512_set1_epi32(OST_OPEN_PLANE), by_full(_mm512_mullo_epi32(beyond, by)));
+    return _mm512_min_epi32(_mm512_max_epi32(open, _mm512_set1_epi32(OST_OPEN_LEAST)), _mm512_set1_epi32(255));
+}
+
+void ost_field_looks_avx512(const uint32_t *points, int count, const ost_field_slice *const slice[3], uint32_t *looks)
+{
+    ost_slopes s = {.faces = {0}};
+    for (int first = 0; first < count; first += OST_SLOPES) {
+        ost_slopes_at(points + first, count - first, slice, &s);
+        const __m512i faces = load_all(s.faces);
+        const __m512 a = slope(&s, faces, 0), b = slope(&s, faces, 1), c = slope(&s, faces, 2), zero = _mm512_setzero_ps();
+        const __m512 sum = _mm512_add_ps(_mm512_add_ps(_mm512_abs_ps(a), _mm512_abs_ps(b)), _mm512_abs_ps(c));
+        const __m512 by = _mm512_max_ps(sum, _mm512_set1_ps(1)); /* 0, or 1 and more */
+        const __m512 p = _mm512_div_ps(a, by), q = _mm512_div_ps(b, by);
+        const __mmask16 below = _mm512_cmp_ps_mask(c, zero, _CMP_LT_OQ);
+        const __m512i u = cell(_mm512_mask_mov_ps(p, below, folded(q, a))), v = cell(_mm512_mask_mov_ps(q, below, folded(p, b)));
+        const __m512i normal = _mm512_add_epi32(u, _mm512_mullo_epi32(v, _mm512_set1_epi32(OST_OCTAHEDRAL_SIDE)));
+        _mm512_storeu_si512(looks + first, _mm512_or_si512(normal, _mm512_slli_epi32(openness(load_all(s.field)), OST_OPEN_SHIFT)));
     }
 }

@@ -1,0 +1,174 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A tool takes a few dozen voxels of a block between two frames, and of its
+ * neighbours none.  What a look depends on is at most OST_LOOK_REACH voxels
+ * away, so most rows of points keep the looks that they have:
+ *
+ *   bits shown --faces--> rows of points; another list? --.
+ *   bits that changed --spread--> rows within reach ------+--> stale rows --dress--> looks
+ *   looks as they were --------------------- other rows --'                        '--> contact
+ *
+ * A row's looks are made together.  What contact paints changes with time, not
+ * only where bone went, so it is put on all points each time.
+ */
+#include "render/points/renew.h"
+
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/conditions.h"
+#include "render/points/dress.h"
+
+enum { SIDE = OST_BLOCK, ROWS = OST_BLOCK_ROWS };
+
+ost_status ost_surface_use(ost_surface *surface, ost_isa isa, ost_error *err)
+{
+    enum { LINE = 64, SIZE = (sizeof(ost_dress_scratch) + LINE - 1) / LINE * LINE };
+    if (!surface->scratch)
+        surface->scratch = aligned_alloc(LINE, SIZE);
+    if (!surface->scratch)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory to light a surface");
+    memset(surface->scratch, 0, SIZE);
+    surface->scratch->rows = ost_row_kernels_of(isa);
+    surface->scratch->smooth = ost_smooth_kernels_of(isa);
+    return OST_OK;
+}
+
+static ost_status make_scratch(ost_surface *s, ost_error *err)
+{
+    ost_isa isa;
+    if (s->scratch)
+        return OST_OK;
+    ost_status status = ost_isa_choose(NULL, &isa, err);
+    return status == OST_OK ? ost_surface_use(s, isa, err) : status;
+}
+
+static const uint32_t *shown_of(const ost_surface_block *b) { return b->occupancy; }
+static const uint32_t *changed_of(const ost_surface_block *b) { return b->changed; }
+
+/* ------------------------------------------------------------------- stale */
+
+static bool same_points(const ost_surface_block *b, const uint32_t *points, const ost_dress_scratch *k, int row)
+{
+    const uint32_t *was = b->points + b->begin[row], *is = points + k->faces.begin[row];
+    for (int i = 0, count = k->faces.begin[row + 1] - k->faces.begin[row]; i < count; i++)
+        if (was[i] != is[i])
+            return false;
+    return true;
+}
+
+/* Rows whose points are not what they were, or have a look that may not be. False when there is none. */
+static bool find_stale(const ost_surface *s, const ost_surface_block *b, const uint32_t *points, ost_dress_scratch *k)
+{
+    const ost_faces *f = &k->faces;
+    const bool changes = !b->anew && ost_surface_rows(s, b, changed_of, &k->rows, &k->near);
+    if (changes)
+        k->rows.spread(&k->near, &k->other, s->ground ? OST_LOOK_REACH : OST_FIELD_REACH);
+    uint32_t any = 0;
+    memset(k->stale, 0, sizeof k->stale);
+    for (int row = 0; row < ROWS; row++) {
+        const int z = row / SIDE, y = row % SIDE;
+        if (!f->any[row])
+            continue;
+        bool stale = b->anew || f->begin[row + 1] - f->begin[row] != b->begin[row + 1] - b->begin[row];
+        if (!stale)
+            stale = (changes && f->any[row] & (uint32_t)(k->near.row[z + OST_LOOK_REACH][y + OST_LOOK_REACH] >> 16)) ||
+                    (b->unlisted && !same_points(b, points, k, row));
+        k->stale[z] |= (uint32_t)stale << y;
+        any |= stale;
+    }
+    return any != 0;
+}
+
+/* Takes over the looks of all other rows. */
+static void keep_looks(const ost_surface_block *b, ost_dress_scratch *k)
+{
+    const uint16_t *begin = k->faces.begin;
+    for (int row = 0; row < ROWS; row++)
+        if (!(k->stale[row / SIDE] >> row % SIDE & 1))
+            for (uint32_t i = begin[row], was = b->begin[row]; i < begin[row + 1]; i++, was++)
+                k->looks[i] = b->looks[was];
+}
+
+/* ----------------------------------------------------------------- contact */
+
+static void mark_contact(ost_surface_block *b, const uint32_t *points, ost_dress_scratch *k)
+{
+    uint32_t any = 0;
+    for (int row = 0; row < ROWS; row++)
+        any |= k->contact[row];
+    if (!any && !b->contact)
+        return;
+    for (uint32_t i = 0, count = k->faces.begin[ROWS]; i < count; i++) {
+        const uint32_t hot = k->contact[points[i] >> 5 & (ROWS - 1)] >> (points[i] & (SIDE - 1)) & 1;
+        k->looks[i] = (k->looks[i] & ~OST_LOOK_CONTACT) | (hot ? OST_LOOK_CONTACT : 0);
+    }
+    b->contact = any != 0;
+}
+
+/* ------------------------------------------------------------------- block */
+
+static bool make_room(ost_surface_block *b, uint32_t count)
+{
+    if (count <= b->room)
+        return true;
+    const uint32_t room = count + count / 4;
+    uint32_t *points = realloc(b->points, room * sizeof *points);
+    if (points)
+        b->points = points;
+    uint32_t *looks = realloc(b->looks, room * sizeof *looks);
+    if (looks)
+        b->looks = looks;
+    if (points && looks)
+        b->room = room;
+    return points && looks;
+}
+
+/* What a renderer has a copy of is known by it, wherever a surface lies in memory. */
+static _Atomic uint64_t versions;
+
+static ost_status take(ost_surface *s, int32_t slot, const uint32_t *points, const ost_dress_scratch *k, ost_error *err)
+{
+    ost_surface_block *b = s->slot[slot];
+    const uint32_t count = k->faces.begin[ROWS];
+    const size_t size = count * sizeof *points;
+    if (b->version && count == b->count && (count == 0 || (memcmp(points, b->points, size) == 0 && memcmp(k->looks, b->looks, size) == 0)))
+        return OST_OK;
+    if (!make_room(b, count))
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for %u surface voxels", (unsigned)count);
+    if (points != b->points && count > 0)
+        memcpy(b->points, points, size);
+    if (count > 0)
+        memcpy(b->looks, k->looks, size);
+    memcpy(b->begin, k->faces.begin, sizeof b->begin);
+    b->count = count;
+    b->version = 1 + atomic_fetch_add(&versions, 1);
+    s->renewed[s->renewals++] = slot;
+    return OST_OK;
+}
+
+ost_status ost_surface_renew(ost_surface *surface, int32_t slot, ost_error *err)
+{
+    ost_surface_block *b = surface->slot[slot];
+    ost_status status = make_scratch(surface, err);
+    if (status != OST_OK)
+        return status;
+    ost_dress_scratch *k = surface->scratch;
+    ost_surface_rim(surface, b, shown_of, &k->rim);
+    k->rows.faces(&k->rim, &k->faces);
+    if (b->unlisted)
+        k->rows.points(&k->faces, k->points);
+    const uint32_t *points = b->unlisted ? k->points : b->points;
+    ost_surface_find_marked(surface, b, k);
+    if (find_stale(surface, b, points, k))
+        status = ost_surface_dress(surface, b, points, k, err);
+    if (status == OST_OK) {
+        keep_looks(b, k); /* last: before it stale rows may be written beyond their ends */
+        mark_contact(b, points, k);
+        status = take(surface, slot, points, k, err);
+    }
+    if (status == OST_OK)
+        b->dirty = b->anew = b->unlisted = false;
+    return status;
+}

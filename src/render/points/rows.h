@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Rows of bits of a block and of what lies about it: what lists (extract.c) and
+ * looks (dress.c) begin with, all integers, a word a row.
+ *
+ *   words of a block, of six neighbours --faces--> of each row six words: faces to the air
+ *                                       --points--> surface points
+ *   words of 27 blocks --join--> rows of 64 voxels --spread--> voxels near one of them
+ */
+#ifndef OST_RENDER_ROWS_H
+#define OST_RENDER_ROWS_H
+
+#include "core/isa.h"
+#include "render/points/surface.h"
+
+enum {
+    OST_SEEN = OST_BLOCK + 2 * OST_LOOK_REACH, /* rows and slices that a look may depend on */
+    OST_RIM = OST_BLOCK + 2,
+    OST_POINT_ROOM = 16,                       /* words behind the last point that may be written */
+};
+
+/* [z][y], both from -OST_LOOK_REACH on: bits x = -16 .. 47. */
+typedef struct ost_rows {
+    uint64_t row[OST_SEEN][OST_SEEN];
+} ost_rows;
+
+/* A block's words with one about them, [z + 1][y + 1], and those of the blocks before and behind along x. */
+typedef struct ost_rim {
+    uint32_t row[OST_RIM][OST_RIM];
+    const uint32_t *left, *right;
+} ost_rim;
+
+typedef struct ost_faces {
+    uint32_t face[6][OST_BLOCK_ROWS]; /* by ost_face: voxels that have it to the air */
+    uint32_t any[OST_BLOCK_ROWS];
+    uint16_t begin[OST_BLOCK_ROWS + 1]; /* of each row its first point */
+} ost_faces;
+
+typedef struct ost_row_kernels {
+    /* out[i]: bits 16 .. 31 of left[i], all of own[i], bits 0 .. 15 of right[i]; count is a multiple of eight. */
+    void (*join)(const uint32_t *left, const uint32_t *own, const uint32_t *right, uint64_t *out, int count);
+    /* Sets what is up to reach away along each axis; the outer `reach` rows, slices and bits may be anything after it. */
+    void (*spread)(ost_rows *rows, ost_rows *other, int reach);
+    void (*faces)(const ost_rim *rim, ost_faces *out);
+    /* Of each row the voxels that have a face to the air and a bit of the rim behind it. */
+    void (*behind)(const ost_rim *rim, const ost_faces *faces, uint32_t out[OST_BLOCK_ROWS]);
+    /* faces->begin[OST_BLOCK_ROWS] of them, rows ascending. */
+    void (*points)(const ost_faces *faces, uint32_t *points);
+} ost_row_kernels;
+
+ost_row_kernels ost_row_kernels_of(ost_isa isa);
+
+#define OST_ROWS_DECLARE(SET)                                                                                                       \
+    void ost_rows_join_##SET(const uint32_t *left, const uint32_t *own, const uint32_t *right, uint64_t *out, int count);           \
+    void ost_rows_spread_##SET(ost_rows *rows, ost_rows *other, int reach);                                                         \
+    void ost_rows_faces_##SET(const ost_rim *rim, ost_faces *out);                                                                  \
+    void ost_rows_behind_##SET(const ost_rim *rim, const ost_faces *faces, uint32_t out[OST_BLOCK_ROWS]);                           \
+    void ost_rows_points_##SET(const ost_faces *faces, uint32_t *points);
+OST_ROWS_DECLARE(scalar)
+OST_ROWS_DECLARE(avx2)
+OST_ROWS_DECLARE(avx512)
+
+#endif
