@@ -61,7 +61,7 @@ typedef struct bench_row {
     bench_figures ours, baseline;
     int extra_count;
     struct {
-        const char *key;
+        char key[32];
         double value;
     } extra[BENCH_EXTRA_MAX];
 } bench_row;

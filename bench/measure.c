@@ -126,7 +126,7 @@ void bench_row_extra(bench_row *row, const char *key, double value)
 {
     if (row->extra_count == BENCH_EXTRA_MAX)
         return;
-    row->extra[row->extra_count].key = key;
+    snprintf(row->extra[row->extra_count].key, sizeof row->extra->key, "%s", key);
     row->extra[row->extra_count++].value = value;
 }
 

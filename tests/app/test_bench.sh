@@ -97,7 +97,7 @@ else
 fi
 
 run 0 bench --suite render --filter glenoid/1 --quick --repeat 1 --json
-row_has render/scapula/glenoid/1 p50_ms p99_ms fps surface_voxels active_voxels covered_pixels baseline_is
+row_has render/scapula/glenoid/1 p50_ms p99_ms fps scalar_min_ms surface_voxels active_voxels covered_pixels baseline_is
 run 0 bench --suite render --filter render/frame/whole --quick --repeat 1 --json
 row_has render/frame/whole/1 p99_ms drawn_share put_back_share kept_splat_ms whole_merge_ms baseline_is
 
