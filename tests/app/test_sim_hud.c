@@ -9,6 +9,7 @@
 
 #include "app/sim_hud.h"
 #include "harness.h"
+#include "render/lettering.h"
 
 static sim_hud_facts facts(bool much)
 {
@@ -141,12 +142,74 @@ static void letters_grow(void **state)
     hud = NULL;
 }
 
+static uint32_t mixed(uint32_t a, uint32_t b, unsigned share)
+{
+    uint32_t v = 0;
+    for (int c = 0; c < 24; c += 8)
+        v |= ((a >> c & 255) * (256 - share) + (b >> c & 255) * share) / 256 << c;
+    return v;
+}
+
+/* However many pixels are mixed at once, and wherever they begin: each is what it would be alone, and no other is touched. */
+static void every_pixel_is_mixed_alone(void **state)
+{
+    enum { W = 37, H = 3 };
+    uint32_t pixels[W * H];
+    unsigned seed = 5;
+    (void)state;
+    for (int round = 0; round < 3000; round++) {
+        uint32_t before[W * H], colour, alpha;
+        for (int i = 0; i < W * H; i++)
+            before[i] = pixels[i] = (seed = seed * 1664525 + 1013904223) >> 8 & 0xffffff;
+        colour = (seed = seed * 1664525 + 1013904223) >> 8;
+        alpha = round % 257;
+        const int x = round % 41 - 2, width = round / 41 % 40;
+        const ost_sheet sheet = {.pixels = pixels, .stride = W, .width = W, .height = H};
+        ost_sheet_box(&sheet, x, 1, width, 1, colour, alpha);
+        for (int i = 0; i < W * H; i++) {
+            const bool in = i / W == 1 && i % W >= x && i % W < x + width;
+            assert_int_equal(pixels[i], in ? mixed(before[i], colour, alpha) : before[i]);
+        }
+    }
+}
+
+/* Letters are the same wherever they stand, and what is outside is not drawn. */
+static void letters_are_the_same_anywhere(void **state)
+{
+    enum { W = 120, H = 24 };
+    static uint32_t first[W * H], pixels[W * H];
+    ost_error err = {0};
+    ost_lettering *l;
+    (void)state;
+    assert_ok(ost_lettering_create(9.5, &l, &err));
+    for (int shift = -60; shift < 60; shift++) {
+        for (int i = 0; i < W * H; i++)
+            first[i] = pixels[i] = 0x406080;
+        const ost_sheet a = {.pixels = first, .stride = W, .width = W, .height = H}, b = {.pixels = pixels, .stride = W, .width = W, .height = H};
+        ost_lettering_draw(l, &a, 0, 15, "Wg%8.", 0xf0e0d0);
+        ost_lettering_draw(l, &b, shift, 15, "Wg%8.", 0xf0e0d0);
+        int drawn = 0;
+        for (int y = 0; y < H; y++)
+            for (int x = 0; x < W; x++) {
+                drawn += first[y * W + x] != 0x406080;
+                const int from = x - shift;
+                /* The first one is cut at its left edge. */
+                if (from >= 2 && from < W)
+                    assert_int_equal(pixels[y * W + x], first[y * W + from]);
+            }
+        assert_true(drawn > 100);
+    }
+    ost_lettering_free(l);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(nothing_overlaps_anywhere),
         cmocka_unit_test(all_of_it_at_usual_sizes),
         cmocka_unit_test(letters_grow),
+        cmocka_unit_test(every_pixel_is_mixed_alone),
+        cmocka_unit_test(letters_are_the_same_anywhere),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
