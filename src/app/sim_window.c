@@ -62,6 +62,8 @@ struct sim_window {
     double facts_s;
     sight seen;
     bool stale;        /* what is over the frame is another */
+    bool follows;      /* the frame that was drawn last was presented */
+    ost_cells changed; /* owned; between the two */
     bool compared;     /* frames are those of before, again */
     simulation *s;
     ost_status status; /* what ended it, but for a wish */
@@ -108,7 +110,7 @@ static ost_status say_loading(sim_window *w, ost_error *err)
     char text[MESSAGE];
     snprintf(text, sizeof text, "%.100s: a moment", w->args->bone);
     sim_hud_say(w->hud, &sheet, text);
-    status = ost_window_present(w->window, w->blank, width, width, height, false, err);
+    status = ost_window_present(w->window, &(ost_window_picture){.pixels = w->blank, .stride = width, .width = width, .height = height}, false, err);
     ost_window_poll(w->window, 0);
     free(w->blank);
     w->blank = NULL;
@@ -149,6 +151,7 @@ void sim_window_close(sim_window *window)
     sim_hud_free(window->hud);
     ost_hand_free(window->hand);
     free(window->blank);
+    ost_cells_free(&window->changed);
     free(window);
 }
 
@@ -367,9 +370,35 @@ static sight sight_of(const sim_window *w, int width, int height)
                    .width = width, .height = height};
 }
 
-static ost_status present(sim_window *w, const ost_sheet *sheet, ost_error *err)
+/* Where the frame may differ from the one before; NULL: anywhere. */
+static const ost_cells *changed_of(sim_window *w)
 {
-    ost_status status = ost_window_present(w->window, sheet->pixels, sheet->stride, sheet->width, sheet->height, w->args->fps > 0, err);
+    const ost_frame *f = &w->s->show->viewer.frame;
+    ost_cells *c = &w->changed;
+    if (c->width != f->width || c->height != f->height) {
+        ost_cells_free(c);
+        if (!ost_cells_init(c, f->width, f->height))
+            ost_cells_free(c);
+    }
+    if (!c->bit)
+        return NULL;
+    ost_cells_clear(c);
+    ost_cells_join(c, &f->stale);
+    ost_cells_join(c, &f->over);
+    return c;
+}
+
+/* follows: the frame drawn before this one was presented. */
+static ost_status present(sim_window *w, const ost_sheet *sheet, bool follows, ost_error *err)
+{
+    ost_window_picture picture = {.pixels = sheet->pixels, .stride = sheet->stride, .width = sheet->width, .height = sheet->height};
+    const ost_cells *changed = follows ? changed_of(w) : NULL;
+    if (changed) {
+        picture.changed = changed->bit;
+        picture.changed_words = changed->words;
+    }
+    ost_status status = ost_window_present(w->window, &picture, w->args->fps > 0, err);
+    w->follows = status == OST_OK;
     const int resets = ost_window_info_get(w->window).resets;
     if (status == OST_OK && resets > w->resets) {
         w->resets = resets;
@@ -417,6 +446,8 @@ static ost_status frame(sim_window *w, double dt, bool *drawn, ost_error *err)
         return OST_OK;
     }
     const int64_t begin = ost_clock_ns();
+    const bool follows = w->follows;
+    w->follows = false;
     status = hud_for(w, width, height, scale, err);
     if (status == OST_OK)
         status = sim_show_frame(show, width, height, err);
@@ -439,7 +470,7 @@ static ost_status frame(sim_window *w, double dt, bool *drawn, ost_error *err)
     w->rates.frame_ms += ((double)(ost_clock_ns() - begin) * 1e-6 - w->rates.frame_ms) * 0.1;
     w->frames++;
     *drawn = true;
-    status = present(w, &sheet, err);
+    status = present(w, &sheet, follows, err);
     sim_show_done(show);
     return status;
 }

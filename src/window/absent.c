@@ -84,13 +84,10 @@ bool ost_window_damaged(const ost_window *window)
     return false;
 }
 
-ost_status ost_window_present(ost_window *window, const uint32_t *pixels, int stride, int width, int height, bool sync, ost_error *err)
+ost_status ost_window_present(ost_window *window, const ost_window_picture *picture, bool sync, ost_error *err)
 {
     (void)window;
-    (void)pixels;
-    (void)stride;
-    (void)width;
-    (void)height;
+    (void)picture;
     (void)sync;
     return ost_fail(err, OST_ERR_UNAVAILABLE, "this osteon was built without a window");
 }

@@ -8,6 +8,7 @@
 #include <sys/ipc.h>
 #include <sys/shm.h>
 
+#include "window/changed.h"
 #include "window/x11.h"
 
 /* ------------------------------------- what libX11 and libxcb are, in binary */
@@ -72,6 +73,7 @@ struct ost_shm {
     uint8_t depth;
     uint32_t *pixels; /* shared */
     size_t room;      /* of them */
+    int width, height; /* of the picture that is in them and shown; 0: none is */
     bool asked;       /* the last picture's copy is under way */
     xcb_cookie copied;
 };
@@ -134,6 +136,7 @@ static void give_back(ost_shm *s)
     shmdt(s->pixels);
     s->pixels = NULL;
     s->room = 0;
+    s->width = s->height = 0;
 }
 
 /* What nobody is attached to any more goes by itself, whatever becomes of this process. */
@@ -194,21 +197,6 @@ void ost_shm_close(ost_shm *shm)
 
 /* ------------------------------------------------------------------ picture */
 
-typedef uint32_t four __attribute__((vector_size(16)));
-
-static void turn_colours(const uint32_t *from, uint32_t *to, int count)
-{
-    int i = 0;
-    for (; i + 4 <= count; i += 4) {
-        four v;
-        memcpy(&v, from + i, sizeof v);
-        v = (v & 0xff00) | (v >> 16 & 0xff) | (v & 0xff) << 16;
-        memcpy(to + i, &v, sizeof v);
-    }
-    for (; i < count; i++)
-        to[i] = (from[i] & 0xff00) | (from[i] >> 16 & 0xff) | (from[i] & 0xff) << 16;
-}
-
 static bool lost(const ost_shm *s)
 {
     if (s->x.has_error(s->connection))
@@ -216,8 +204,16 @@ static bool lost(const ost_shm *s)
     return false;
 }
 
-bool ost_shm_present(ost_shm *shm, const uint32_t *pixels, int stride, int width, int height)
+void ost_shm_forget(ost_shm *shm)
 {
+    if (shm)
+        shm->width = shm->height = 0;
+}
+
+bool ost_shm_present(ost_shm *shm, const ost_window_picture *picture)
+{
+    const int width = picture->width, height = picture->height;
+    ost_changed_box box[OST_CHANGED_BOXES];
     if (shm->asked) {
         attributes *a = wait_for(shm, shm->copied);
         shm->asked = false;
@@ -230,10 +226,17 @@ bool ost_shm_present(ost_shm *shm, const uint32_t *pixels, int stride, int width
     }
     if (!make_room(shm, (size_t)width * (size_t)height))
         return lost(shm);
-    for (int y = 0; y < height; y++)
-        turn_colours(pixels + (size_t)y * (size_t)stride, shm->pixels + (size_t)y * (size_t)width, width);
-    const uint16_t w = (uint16_t)width, h = (uint16_t)height;
-    shm->x.put(shm->connection, shm->window, shm->gc, w, h, 0, 0, w, h, 0, 0, shm->depth, Z_PIXMAP, 0, shm->segment, 0);
+    const bool whole = width != shm->width || height != shm->height;
+    const int count = ost_changed_copy(picture, whole, shm->pixels, box);
+    shm->width = width;
+    shm->height = height;
+    if (count == 0)
+        return true;
+    for (int i = 0; i < count; i++) {
+        const uint16_t x = (uint16_t)box[i].x, y = (uint16_t)box[i].y, w = (uint16_t)box[i].width, h = (uint16_t)box[i].height;
+        shm->x.put(shm->connection, shm->window, shm->gc, (uint16_t)width, (uint16_t)height, x, y, w, h, (int16_t)x, (int16_t)y, shm->depth, Z_PIXMAP, 0,
+                   shm->segment, 0);
+    }
     shm->copied = shm->x.get_attributes(shm->connection, shm->window);
     shm->asked = true;
     /* libxcb keeps requests until it is asked for an answer or its buffer is full. */

@@ -284,19 +284,25 @@ static bool was_reset(const ost_window *w)
 }
 
 /* What is not as large as the frame OpenGL makes so. */
-static bool show_by_shm(ost_window *w, const uint32_t *pixels, int stride, int width, int height)
+static bool show_by_shm(ost_window *w, const ost_window_picture *picture, bool damaged)
 {
-    if (!w->shm || width != w->frame_width || height != w->frame_height)
+    if (!w->shm)
         return false;
-    if (ost_shm_present(w->shm, pixels, stride, width, height))
+    const bool fits = picture->width == w->frame_width && picture->height == w->frame_height;
+    if (damaged || !fits)
+        ost_shm_forget(w->shm);
+    if (!fits)
+        return false;
+    if (ost_shm_present(w->shm, picture))
         return true;
     ost_shm_close(w->shm);
     w->shm = NULL;
     return false;
 }
 
-ost_status ost_window_present(ost_window *window, const uint32_t *pixels, int stride, int width, int height, bool sync, ost_error *err)
+ost_status ost_window_present(ost_window *window, const ost_window_picture *picture, bool sync, ost_error *err)
 {
+    const int width = picture->width, height = picture->height;
     if (!ost_window_lives(window))
         return gone(err);
     if (was_reset(window))
@@ -306,13 +312,14 @@ ost_status ost_window_present(ost_window *window, const uint32_t *pixels, int st
         window->synced = sync;
         window->sync_set = true;
     }
+    const bool damaged = window->damaged;
     window->damaged = false;
-    const bool shown = show_by_shm(window, pixels, stride, width, height);
+    const bool shown = show_by_shm(window, picture, damaged);
     if (!ost_window_lives(window))
         return gone(err);
     if (shown)
         return OST_OK;
-    if (!ost_shown_draw(&window->shown, pixels, stride, width, height, window->frame_width, window->frame_height))
+    if (!ost_shown_draw(&window->shown, picture->pixels, picture->stride, width, height, window->frame_width, window->frame_height))
         return was_reset(window) ? start_anew(window, err)
                                  : ost_fail(err, OST_ERR_UNAVAILABLE, "OpenGL (%s) has no memory for a picture of %d x %d pixels", window->renderer,
                                             width, height);

@@ -84,11 +84,23 @@ bool ost_window_damaged(const ost_window *window);
 void ost_window_poll(ost_window *window, double timeout_s);
 bool ost_window_next(ost_window *window, ost_window_event *out);
 
+enum { OST_WINDOW_CELL_WIDTH = 16, OST_WINDOW_CELL_HEIGHT = 8 };
+typedef struct ost_window_picture {
+    const uint32_t *pixels; /* 0x..BBGGRR, rows of stride from the top */
+    int stride, width, height;
+    /*
+     * What may differ from the picture that was presented last, which had this size: cells of 16 x 8 pixels, a bit each, in
+     * rows of changed_words.  NULL: anything.
+     */
+    const uint64_t *changed;
+    int changed_words;
+} ost_window_picture;
+
 /*
- * pixels: 0x..BBGGRR, rows of stride from the top; the size that was asked for last. sync: with the screen, where it has
- * a clock.  A driver that was reset gets a new context, and the picture the next time.  OST_ERR_UNAVAILABLE when that
- * fails or happens again and again, or when the display is gone: there is nothing to do then but to close.
+ * In the size that was asked for last. sync: with the screen, where it has a clock.  A driver that was reset gets a new
+ * context, and the picture the next time.  OST_ERR_UNAVAILABLE when that fails or happens again and again, or when the
+ * display is gone: there is nothing to do then but to close.
  */
-ost_status ost_window_present(ost_window *window, const uint32_t *pixels, int stride, int width, int height, bool sync, ost_error *err);
+ost_status ost_window_present(ost_window *window, const ost_window_picture *picture, bool sync, ost_error *err);
 
 #endif

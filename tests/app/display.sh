@@ -2,7 +2,7 @@
 # A virtual display, and osteon sim in a window on it, for tests that have
 # Xvfb and xdotool.  Ends with the test.
 
-Xvfb -displayfd 3 -screen 0 900x700x24 -nolisten tcp 3>display 2>xvfb.log &
+Xvfb -displayfd 3 -screen 0 900x700x24 -fbdir . -nolisten tcp 3>display 2>xvfb.log &
 xvfb=$!
 trap 'kill $xvfb 2>/dev/null; rm -rf "$scratch"' EXIT
 for i in $(seq 400); do

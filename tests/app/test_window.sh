@@ -49,8 +49,22 @@ for i in $(seq 50); do
     [ -s osteon-001.png ] && break
     sleep 0.1
 done
+# The picture is what the window shows, also once the screen has lost it.
+on_screen() {
+    [ -e osteon-001.png ] && command -v python3 >/dev/null || return
+    set -- "$1" $(xdotool getwindowgeometry "$window" | sed -n 's/.*Position: \([-0-9]*\),\([-0-9]*\).*/\1 \2/p')
+    for try in $(seq 20); do
+        python3 "$source_folder/tests/app/same_screen.py" Xvfb_screen0 $2 $3 osteon-001.png 2>differs && return
+        sleep 0.1
+    done
+    fail "$1: $(cat differs)"
+}
+on_screen "the window"
 xdotool windowunmap "$window"
 sleep 0.1
+xdotool windowmap "$window"
+on_screen "the window, shown again"
+xdotool windowunmap "$window"
 xdotool windowsize "$window" 1 1 windowmap "$window" windowsize "$window" 3000 40 windowsize "$window" 500 333
 sleep 0.1
 xdotool mousemove --window "$window" 250 160 keydown ctrl key q keyup ctrl

@@ -45,7 +45,7 @@ static void refused(const char *words)
 
 static int present(ost_window *w, ost_error *err)
 {
-    return ost_window_present(w, pixels, 8, 8, 8, true, err);
+    return ost_window_present(w, &(ost_window_picture){.pixels = pixels, .stride = 8, .width = 8, .height = 8}, true, err);
 }
 
 static void what_is_missing_is_said(void **state)
@@ -134,7 +134,7 @@ static void a_reset_makes_a_new_context(void **state)
         assert_int_equal(the_fake.frames, 2);
         /* In the middle of a frame. */
         the_fake.reset_in_upload = true;
-        assert_ok(ost_window_present(w, pixels, 4, 4, 4, true, &err));
+        assert_ok(ost_window_present(w, &(ost_window_picture){.pixels = pixels, .stride = 4, .width = 4, .height = 4}, true, &err));
         assert_int_equal(ost_window_info_get(w).resets, 2);
         assert_ok(present(w, &err));
         closed(w);
@@ -223,7 +223,7 @@ static void frames_of_any_size(void **state)
             assert_true(ost_window_next(w, &e));
             assert_in_range((int)(e.x + 0.5), width - 1, width + 1);
             assert_in_range((int)(e.y + 0.5), height - 1, height + 1);
-            assert_ok(ost_window_present(w, pixels, width, width, height, false, &err));
+            assert_ok(ost_window_present(w, &(ost_window_picture){.pixels = pixels, .stride = width, .width = width, .height = height}, false, &err));
             assert_int_equal(the_fake.viewport[0], sizes[i].frame[0]);
             assert_int_equal(the_fake.viewport[1], sizes[i].frame[1]);
             assert_int_equal(the_fake.swap_interval, 0);
