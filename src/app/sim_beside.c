@@ -2,6 +2,8 @@
 #include "app/sim_beside.h"
 
 #include <osteon/haptics.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "core/clock.h"
 
@@ -22,46 +24,109 @@ bool sim_beside_again(const sim_beside *beside)
     return beside->count > 0 && (stage_of(beside) == OST_SERVO_BUSY || stage_of(beside) == OST_SERVO_QUIET);
 }
 
-/* Lists that are newer than those of the frame before; no two have the same version. */
-static void keep(sim_beside *b, const ost_viewer *viewer)
+void sim_beside_free(sim_beside *beside)
 {
-    sim_beside_frame *f = &b->kept[b->next];
-    uint64_t newest = b->version;
-    *f = (sim_beside_frame){.pose = viewer->state.pose};
-    for (int32_t i = 0; i < viewer->bone.used; i++) {
-        const uint64_t version = viewer->bone.slot[i]->version;
-        if (version <= b->version)
-            continue;
-        newest = version > newest ? version : newest;
-        if (f->count < SIM_BESIDE_BLOCKS)
-            f->block[f->count++] = i;
-    }
-    /* The first that is seen is all of the bone; before the first tick the tool is nowhere. */
-    if (b->version > 0 && viewer->has_state && viewer->state.ticks > 0) {
-        b->next = (b->next + 1) % SIM_BESIDE_FRAMES;
-        b->count += b->count < SIM_BESIDE_FRAMES;
-    }
-    b->version = newest;
+    free(beside->kept);
+    free(beside->bone);
+    beside->kept = NULL;
+    beside->bone = NULL;
 }
 
-/* Back to the oldest and forward to the newest, so that the tool never jumps. */
-static ost_status put(sim_beside *b, ost_viewer *viewer, ost_error *err)
+static sim_beside_frame *frame_at(const sim_beside *b, int back)
 {
-    const int way = b->count > 1 ? 2 * (b->count - 1) : 1, at = b->turn++ % way, back = at < b->count ? at : way - at;
-    const sim_beside_frame *f = &b->kept[(b->next + SIM_BESIDE_FRAMES - 1 - back) % SIM_BESIDE_FRAMES];
-    viewer->state.pose = f->pose;
-    for (int i = 0; i < f->count; i++)
-        viewer->bone.slot[f->block[i]]->dirty = true;
-    return ost_surface_update(&viewer->bone, err);
+    return &b->kept[(b->next + SIM_BESIDE_FRAMES - 1 - back) % SIM_BESIDE_FRAMES];
+}
+
+/* The bone as it is when frames begin to be kept. Without memory none is. */
+static bool begin(sim_beside *b, const ost_surface *bone)
+{
+    b->slots = bone->used;
+    b->kept = calloc(SIM_BESIDE_FRAMES, sizeof *b->kept);
+    b->bone = malloc(((size_t)b->slots + 1) * sizeof *b->bone);
+    for (int32_t i = 0; b->bone && i < b->slots; i++)
+        memcpy(b->bone[i], bone->slot[i]->whole, sizeof b->bone[i]);
+    b->wanted = b->kept && b->bone;
+    return b->wanted;
+}
+
+/* What went of a block; what has no room goes with the next frame. */
+static void keep_block(sim_beside *b, sim_beside_frame *f, const ost_surface *bone, int32_t slot)
+{
+    const uint32_t *is = bone->slot[slot]->whole;
+    uint32_t *was = b->bone[slot];
+    for (int row = 0; row < OST_BLOCK_ROWS && f->count < SIM_BESIDE_ROWS; row++) {
+        if (was[row] == is[row])
+            continue;
+        f->row[f->count++] = (sim_beside_row){slot, row, was[row] ^ is[row]};
+        was[row] = is[row];
+    }
+}
+
+static void keep(sim_beside *b, const ost_viewer *viewer)
+{
+    const ost_surface *bone = &viewer->bone;
+    if (!b->kept && !begin(b, bone))
+        return;
+    /* Before the first tick the tool is nowhere. */
+    if (!viewer->has_state || viewer->state.ticks == 0)
+        return;
+    sim_beside_frame *f = &b->kept[b->next];
+    f->pose = viewer->state.pose;
+    f->count = 0;
+    for (int32_t i = 0; i < bone->renewals; i++)
+        if (bone->renewed[i] < b->slots)
+            keep_block(b, f, bone, bone->renewed[i]);
+    b->next = (b->next + 1) % SIM_BESIDE_FRAMES;
+    b->count += b->count < SIM_BESIDE_FRAMES;
+}
+
+/* What went comes, what came goes. Rows of a block stand together. */
+static ost_status turn(const sim_beside_frame *f, ost_surface *bone, ost_error *err)
+{
+    ost_status status = OST_OK;
+    for (int i = 0; i < f->count && status == OST_OK;) {
+        const int32_t slot = f->row[i].slot;
+        uint32_t words[OST_BLOCK_ROWS];
+        memcpy(words, bone->slot[slot]->whole, sizeof words);
+        for (; i < f->count && f->row[i].slot == slot; i++)
+            words[f->row[i].row] ^= f->row[i].went;
+        status = ost_surface_set(bone, bone->slot[slot]->at, words, err);
+    }
+    return status;
+}
+
+/* A frame back until the oldest, a frame forward until the newest: the tool never jumps. */
+static ost_status step(sim_beside *b, ost_surface *bone, ost_error *err)
+{
+    if (b->back == 0 || b->back == b->count - 1)
+        b->forward = b->back > 0;
+    if (b->count == 1)
+        return OST_OK;
+    const ost_status status = turn(frame_at(b, b->forward ? b->back - 1 : b->back), bone, err);
+    b->back += b->forward ? -1 : 1;
+    return status;
 }
 
 ost_status sim_beside_update(sim_beside *beside, ost_viewer *viewer, ost_error *err)
 {
-    if (sim_beside_again(beside))
-        return put(beside, viewer, err);
-    if (beside->wanted && sim_beside_ticks(beside))
+    const bool again = sim_beside_again(beside);
+    ost_status status = OST_OK;
+    beside->forward = beside->forward || !again;
+    while (!again && beside->back > 0 && status == OST_OK)
+        status = step(beside, &viewer->bone, err);
+    if (status == OST_OK)
+        status = ost_viewer_update(viewer, err);
+    if (status != OST_OK)
+        return status;
+    /* What the last tick did may come with the first frame after it. */
+    if (beside->wanted && (sim_beside_ticks(beside) || (again && !beside->begun)))
         keep(beside, viewer);
-    return OST_OK;
+    if (!again)
+        return OST_OK;
+    beside->begun = true;
+    status = step(beside, &viewer->bone, err);
+    viewer->state.pose = frame_at(beside, beside->back)->pose;
+    return status == OST_OK ? ost_surface_update(&viewer->bone, err) : status;
 }
 
 /* By turns, since what a machine takes it takes in bursts. */

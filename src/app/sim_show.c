@@ -89,6 +89,7 @@ void sim_show_free(sim_show *show)
         return;
     sim_hud_free(show->hud);
     sim_look_free(show);
+    sim_beside_free(&show->beside);
     ost_viewer_free(&show->viewer);
     ost_live_free(show->live);
     free(show);
@@ -106,8 +107,7 @@ bool sim_show_stage(void *user, ost_servo_stage stage)
 ost_status sim_show_look(sim_show *show, ost_error *err)
 {
     show->look_ns = ost_clock_ns();
-    ost_status status = ost_viewer_update(&show->viewer, err);
-    return status == OST_OK ? sim_beside_update(&show->beside, &show->viewer, err) : status;
+    return sim_beside_update(&show->beside, &show->viewer, err);
 }
 
 ost_status sim_show_frame(sim_show *show, int width, int height, ost_error *err)

@@ -6,6 +6,7 @@
  * Covers: REQ-BESIDE
  */
 #include <osteon/haptics.h>
+#include <string.h>
 #include <time.h>
 
 #include "app/sim_beside.h"
@@ -16,6 +17,7 @@ enum { BLOCKS = 4, FRAMES = 5 };
 
 static sim_beside b;
 static ost_viewer v;
+static int gone[BLOCKS];
 
 static ost_pose pose_of(int frame)
 {
@@ -24,114 +26,155 @@ static ost_pose pose_of(int frame)
     return pose;
 }
 
-/* Four blocks in a row, each with something in it. */
+/* Four blocks in a row, full of bone. */
 static void begin(void)
 {
     const ost_geometry g = {{32 * BLOCKS, 32, 32}, {MM, MM, MM}, {0, 0, 0}};
     ost_error err = {0};
     ost_volume volume;
     b = (sim_beside){.stage = SIM_BESIDE_NOT_BEGUN, .wanted = true};
+    memset(gone, 0, sizeof gone);
     assert_ok(ost_volume_init(&volume, &g, &err));
-    for (size_t i = 0; i < BLOCKS; i++)
-        volume.voxels[32 * i + 16 + 32 * BLOCKS * (16 + 32 * 16)] = 700;
+    for (size_t i = 0; i < 32 * 32 * 32 * BLOCKS; i++)
+        volume.voxels[i] = 700;
     assert_ok(ost_viewer_init(&v, &g, OST_STYLE_SMOOTH, "scalar", 1, &err));
     assert_ok(ost_surface_set_volume(&v.bone, &volume, 120, &err));
     assert_ok(ost_viewer_update(&v, &err));
     assert_int_equal(v.bone.used, BLOCKS);
+    v.has_state = true;
+    v.state.ticks = 1;
     ost_volume_free(&volume);
 }
 
 static void end(void)
 {
+    sim_beside_free(&b);
     ost_viewer_free(&v);
 }
 
-/* A frame in which these blocks were listed, as bits. */
-static void frame(int number, unsigned blocks)
+/* Of these blocks, as bits, `count` voxels more go, row by row. */
+static void take(unsigned blocks, int count)
+{
+    ost_error err = {0};
+    for (int i = 0; i < BLOCKS; i++) {
+        uint32_t words[OST_BLOCK_ROWS];
+        if (!(blocks >> i & 1))
+            continue;
+        memcpy(words, v.bone.slot[i]->whole, sizeof words);
+        for (int n = 0; n < count; n++, gone[i]++)
+            words[gone[i] % OST_BLOCK_ROWS] &= ~(UINT32_C(1) << gone[i] / OST_BLOCK_ROWS);
+        assert_ok(ost_surface_set(&v.bone, v.bone.slot[i]->at, words, &err));
+    }
+}
+
+/* Voxels that are there, of each block. */
+static void count_voxels(int out[BLOCKS])
+{
+    for (int i = 0; i < BLOCKS; i++) {
+        out[i] = 0;
+        for (int row = 0; row < OST_BLOCK_ROWS; row++)
+            out[i] += __builtin_popcount(v.bone.slot[i]->whole[row]);
+    }
+}
+
+static void frame(int number)
 {
     ost_error err = {0};
     v.state.pose = pose_of(number);
-    for (int i = 0; i < BLOCKS; i++)
-        v.bone.slot[i]->dirty = blocks >> i & 1;
-    assert_ok(ost_surface_update(&v.bone, &err));
     assert_ok(sim_beside_update(&b, &v, &err));
 }
 
-/* A frame in which nothing happened; which blocks were listed for it. */
-static unsigned again(void)
+static void is_as_at(int number, const int there[BLOCKS])
 {
-    ost_error err = {0};
-    uint64_t before[BLOCKS];
-    unsigned listed = 0;
-    v.state.pose = pose_of(99);
+    int now[BLOCKS];
+    count_voxels(now);
     for (int i = 0; i < BLOCKS; i++)
-        before[i] = v.bone.slot[i]->version;
-    assert_ok(ost_viewer_update(&v, &err));
-    assert_ok(sim_beside_update(&b, &v, &err));
-    for (int i = 0; i < BLOCKS; i++)
-        listed |= (unsigned)(v.bone.slot[i]->version != before[i]) << i;
-    return listed;
+        assert_int_equal(now[i], there[i]);
+    assert_int_equal(v.state.pose.t.x, number * MM);
 }
 
 static void the_same_frames_again(void **state)
 {
     static const unsigned blocks[FRAMES] = {15, 1, 0, 6, 8};
+    int there[FRAMES][BLOCKS], last[BLOCKS];
     (void)state;
     begin();
     /* Before the ticks nothing is kept. */
-    frame(7, 3);
+    take(3, 1);
+    frame(7);
     assert_false(sim_beside_ticks(&b));
     b.stage = OST_SERVO_TICKING;
     assert_true(sim_beside_ticks(&b));
-    assert_int_equal(again(), 0); /* what is listed by then is no frame's */
     /* Nor is what was drawn before there was a tool to draw. */
     v.has_state = false;
-    frame(90, 5);
+    frame(90);
     v.has_state = true;
     v.state.ticks = 0;
-    frame(91, 5);
+    frame(91);
     v.state.ticks = 1;
-    for (int i = 0; i < FRAMES; i++)
-        frame(i, blocks[i]);
+    for (int i = 0; i < FRAMES; i++) {
+        take(blocks[i], 3 + i);
+        frame(i);
+        count_voxels(there[i]);
+    }
     assert_false(sim_beside_again(&b));
+    /* What the last tick took comes with the first frame after it. */
     b.stage = OST_SERVO_BUSY;
     assert_true(sim_beside_again(&b));
-    static const int order[] = {4, 3, 2, 1, 0, 1, 2, 3, 4, 3};
+    take(2, 5);
+    count_voxels(last);
+    static const int order[] = {4, 3, 2, 1, 0, 1, 2, 3, 4, 5, 4, 3};
     for (size_t i = 0; i < sizeof order / sizeof *order; i++) {
-        assert_int_equal(again(), blocks[order[i]]);
-        const ost_pose pose = pose_of(order[i]);
-        assert_int_equal(v.state.pose.t.x, pose.t.x);
+        frame(5);
+        is_as_at(order[i], order[i] == 5 ? last : there[order[i]]);
         b.stage = OST_SERVO_QUIET; /* goes on in it */
     }
+    /* All that is drawn afterwards is the bone as it is. */
     b.stage = OST_SERVO_RESTED;
     assert_false(sim_beside_again(&b));
+    b.stage = SIM_BESIDE_NOT_BEGUN;
+    frame(5);
+    is_as_at(5, last);
     end();
 }
 
-/* More frames than are kept: the last of them. More blocks in one than are kept: some of them, and nothing beyond. */
+/* More frames than are kept: the last of them. More in one than is kept: it goes with the next. */
 static void as_many_as_there_is_room_for(void **state)
 {
+    static int there[SIM_BESIDE_FRAMES + 10][BLOCKS];
+    int most = 0;
     (void)state;
     begin();
-    v.has_state = true;
-    v.state.ticks = 1;
     b.stage = OST_SERVO_TICKING;
-    for (int i = 0; i < SIM_BESIDE_FRAMES + 10; i++)
-        frame(i, 1u << i % BLOCKS);
-    b.stage = OST_SERVO_QUIET;
-    for (int i = 0; i < SIM_BESIDE_FRAMES; i++) {
-        assert_int_equal(again(), 1u << (SIM_BESIDE_FRAMES + 9 - i) % BLOCKS);
-        assert_int_equal(v.state.pose.t.x, (SIM_BESIDE_FRAMES + 9 - i) * MM);
+    for (int i = 0; i < SIM_BESIDE_FRAMES + 10; i++) {
+        take(1u << i % BLOCKS, i % 50 == 49 ? SIM_BESIDE_ROWS + 100 : 2);
+        frame(i);
+        count_voxels(there[i]);
     }
-    again();
-    assert_int_equal(v.state.pose.t.x, 11 * MM); /* the oldest was 10: forward again */
+    b.stage = OST_SERVO_QUIET;
+    const int newest = SIM_BESIDE_FRAMES + 9;
+    for (int i = 0; i < 2 * SIM_BESIDE_FRAMES; i++) {
+        frame(newest);
+        const int at = (int)(v.state.pose.t.x / MM);
+        int now[BLOCKS];
+        count_voxels(now);
+        most = newest - at > most ? newest - at : most;
+        for (int k = 0; k < BLOCKS; k++)
+            assert_in_range(now[k], there[at][k], there[at][k] + 2 * (SIM_BESIDE_ROWS + 100));
+    }
+    assert_int_equal(most, SIM_BESIDE_FRAMES - 2); /* the frame after the last tick is one of them */
+    b.stage = SIM_BESIDE_NOT_BEGUN;
+    frame(newest);
+    is_as_at(newest, there[newest]);
+    end();
     /* None wanted: nothing is kept, nothing done again. */
-    b = (sim_beside){.stage = OST_SERVO_TICKING};
-    frame(0, 15);
-    frame(1, 15);
+    begin();
+    b.wanted = false;
+    b.stage = OST_SERVO_TICKING;
+    frame(0);
+    frame(1);
     b.stage = OST_SERVO_BUSY;
     assert_false(sim_beside_again(&b));
-    assert_int_equal(again(), 0);
     end();
 }
 
