@@ -9,11 +9,15 @@
 #include "render/viewer.h"
 #include "render/views.h"
 
+enum { PLANNED_MM = 3 }; /* where no session and no option says */
+
 struct replay_film {
     const replay_film_options *options;
     film *film;
     ost_live *live;
     ost_viewer viewer;
+    appearance look;
+    ost_tool_volume ghost_tool; /* the first; what its ghost is made of */
     sim_hud *hud;
     sim_scene scene;
     ost_orbit orbit;
@@ -26,6 +30,8 @@ ost_status replay_film_check(const app_state *app, replay_film_options *options,
 {
     options->video.wait = true;
     ost_status status = film_check(app, &options->video, err);
+    if (status == OST_OK)
+        status = appearance_check(app, &options->look, err);
     return status == OST_OK ? frame_size(app, options->size, &options->width, &options->height, err) : status;
 }
 
@@ -47,6 +53,8 @@ static ost_status draw(replay_film *f, ost_error *err)
     double back[3];
     sim_hud_facts facts = sim_facts_make(&f->scene, &f->viewer.state, true);
     facts.plain = true;
+    if (!f->options->look.no_legend)
+        facts.legend = appearance_legend_of(&f->look);
     facts.mm_per_pixel = orbit.distance / (1.2071 * height);
     ost_orbit_frame(&orbit, facts.right, facts.up, back);
     sim_hud_draw(f->hud, &sheet, &facts);
@@ -72,6 +80,29 @@ static ost_status on_tick(void *user, const ost_session_tick *tick, const ost_st
     ost_live_changed(f->live, step->report);
     ost_status status = ost_live_publish(f->live, &state, err);
     return status == OST_OK && film_wants(f->film, f->t_ns) ? draw(f, err) : status;
+}
+
+/* As in osteon sim: what was there before anything was cut, and what is shown of it. */
+static ost_status make_look(replay_film *f, const replay *r, const ost_metrics_plan *plan, ost_error *err)
+{
+    ost_bone_info info;
+    ost_volume uncut = {0};
+    double right[3], up[3], eye[3];
+    ost_status status = ost_bone_info_get(r->bone, &info, err);
+    if (status == OST_OK)
+        status = bone_to_volume(r->bone, NULL, &uncut, err);
+    if (status == OST_OK)
+        status = ost_viewer_set_ground(&f->viewer, &uncut, info.threshold, ost_world_classes(r->world), plan ? &plan->at : NULL, plan ? plan->axis : NULL, err);
+    ost_volume_free(&uncut);
+    if (status == OST_OK)
+        status = ost_tool_download(r->tools[0], &f->ghost_tool, err);
+    if (status != OST_OK)
+        return status;
+    ost_viewer_set_contact(&f->viewer, f->options->contact);
+    ost_orbit_frame(&f->orbit, right, up, eye);
+    for (int a = 0; a < 3; a++)
+        eye[a] = f->orbit.at[a] + f->orbit.distance * eye[a];
+    return appearance_begin(&f->look, &f->viewer, &f->subject, plan ? plan->depth_mm : PLANNED_MM, &f->ghost_tool, &f->options->look, eye, err);
 }
 
 static ost_status add_tools(replay_film *f, const replay *r, ost_error *err)
@@ -102,6 +133,12 @@ ost_status replay_film_begin(const app_state *app, const replay_film_options *op
         status = ost_viewer_init(&f->viewer, ost_live_geometry(f->live), options->style ? OST_STYLE_FACES : OST_STYLE_SMOOTH, NULL, (int)app->threads, err);
     if (status == OST_OK)
         status = add_tools(f, r, err);
+    const ost_geometry *g = status == OST_OK ? ost_live_geometry(f->live) : NULL;
+    if (status == OST_OK) {
+        f->subject = ost_view_subject_make(g, plan ? &plan->at : NULL, plan ? plan->axis : NULL, plan && plan->left);
+        f->orbit = ost_view_orbit((ost_view_name)options->view, &f->subject, NULL);
+        status = make_look(f, r, plan, err);
+    }
     if (status == OST_OK)
         status = sim_hud_create(options->width, options->height, 1, &f->hud, err);
     if (status == OST_OK)
@@ -110,10 +147,7 @@ ost_status replay_film_begin(const app_state *app, const replay_film_options *op
         replay_film_free(f);
         return status;
     }
-    const ost_geometry *g = ost_live_geometry(f->live);
     ost_viewer_follow(&f->viewer, f->live);
-    f->subject = ost_view_subject_make(g, plan ? &plan->at : NULL, plan ? plan->axis : NULL, plan && plan->left);
-    f->orbit = ost_view_orbit((ost_view_name)options->view, &f->subject, NULL);
     sim_scene_make(&f->scene, &r->setup.tools, r->tools, g, plan);
     f->scene.device = "";
     f->scene.recording = true;
@@ -142,6 +176,8 @@ void replay_film_free(replay_film *f)
         return;
     film_close(f->film, 0, NULL, NULL);
     sim_hud_free(f->hud);
+    appearance_free(&f->look);
+    ost_tool_volume_free(&f->ghost_tool);
     ost_viewer_free(&f->viewer);
     ost_live_free(f->live);
     free(f);

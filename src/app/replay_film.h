@@ -6,6 +6,7 @@
 #ifndef OST_APP_REPLAY_FILM_H
 #define OST_APP_REPLAY_FILM_H
 
+#include "app/appearance.h"
 #include "app/film.h"
 #include "app/replay.h"
 
@@ -13,6 +14,8 @@ typedef struct replay_film_options {
     film_options video;
     const char *size;
     int view, style, width, height;
+    appearance_options look;
+    bool contact; /* where bone went just then is shown */
 } replay_film_options;
 
 /* Rows for a verb's table of options. */
@@ -22,7 +25,9 @@ typedef struct replay_film_options {
      .help = "of the video: where it looks from (default: operator)"},                                                                   \
     {.name = "size", .kind = OPTION_TEXT, .out = &(f).size, .value = "WxH", .help = "of the video, in pixels (default: 1280x720)"},        \
     {.name = "style", .kind = OPTION_CHOICE, .out = &(f).style, .value = "smooth|faces",                                                  \
-     .help = "of the video: lit by the surface's normals (default), or the thesis'\nflat faces"}
+     .help = "of the video: lit by the surface's normals (default), or the thesis'\nflat faces"},                                        \
+    APPEARANCE_OPTIONS((f).look),                                                                                                         \
+    {.name = "contact", .kind = OPTION_FLAG, .out = &(f).contact, .help = "of the video: show where bone went just then"}
 
 typedef struct replay_film replay_film;
 

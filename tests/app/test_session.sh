@@ -61,7 +61,17 @@ run 0 ream --bone ct.nrrd --chunk 16 --threshold 150 --sweep off --rate 333 --cl
 run 0 replay other.session --verify --video other.y4m --video-fps 40 --size 64x36 --json
 check "other options" "$(value equal)" true
 check "a video of it" "$(($(wc -c <other.y4m) / (6 + 3 * 64 * 36))) $(value video.dropped)" "$(value video.frames) 0"
-[ "$(value video.frames)" -gt 1 ] || fail "a video of $(value video.frames) frames"
+frames=$(value video.frames)
+[ "$frames" -gt 1 ] || fail "a video of $frames frames"
+# What it shows is to be chosen as in osteon sim: other pictures each, as many of them.
+run 0 replay other.session --video plain.y4m --video-fps 40 --size 320x180
+for look in "--colour depth" "--clip axial" "--ghost implant" "--overlay chunks" "--contact"; do
+    run 0 replay other.session --video other2.y4m --video-fps 40 --size 320x180 $look --json
+    check "a video with $look" "$(value video.frames) $(value equal)" "$frames true"
+    cmp -s other2.y4m plain.y4m && fail "$look is not to be seen"
+    rm other2.y4m
+done
+refuse 2 "there is no such overlay" replay other.session --video other2.y4m --overlay chunk
 run 0 replay other.session --verify --backend cpu:isa=scalar --ticks 61 --out half.nrrd --json
 check "half of it" "$(value ticks) $(value end_compared)" "61 false"
 
