@@ -3,6 +3,7 @@
  * A driver is a const table, a file each, and a line in table.c.
  *
  *   usable   may it be opened here?  else reason says why
+ *   answers  asked by who lists devices alone: what only an attempt to open it tells
  *   open     with the part of the spec behind the colon, "" without one
  *   read     polled devices: the pose of this tick; no lock, no allocation, no waiting;
  *            one that says UNSEEN goes on afterwards from where it was (clutch.h)
@@ -24,6 +25,7 @@ typedef struct haptic_driver {
     uint32_t caps;
     double max_force_n, max_stiffness_n_m;
     bool (*usable)(char reason[256]); /* NULL: always */
+    bool (*answers)(char reason[256]); /* NULL: it does */
     ost_status (*open)(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err);
     void (*close)(haptic_instance *instance);
     ost_haptic_answer (*read)(haptic_instance *instance, ost_haptic_state *state);

@@ -15,6 +15,8 @@
  */
 #include <math.h>
 #include <poll.h>
+#include <stdatomic.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -81,6 +83,25 @@ static bool spnav_usable(char reason[256])
     return vendor_load(&library, &calls, reason);
 }
 
+/* Those that are open; libspnav has one connection. */
+static _Atomic int in_use;
+
+/* The library without its daemon is no device. */
+static bool spnav_answers(char reason[256])
+{
+    spnav_calls calls;
+    if (atomic_load(&in_use) > 0)
+        return true;
+    if (!vendor_load(&library, &calls, reason))
+        return false;
+    const bool answers = calls.open() >= 0;
+    if (answers)
+        calls.close();
+    else
+        snprintf(reason, 256, "libspnav is here, but spacenavd does not answer; is it started?");
+    return answers;
+}
+
 static ost_status take(void *user, const char *key, const char *value, ost_error *err)
 {
     choice *c = user;
@@ -113,16 +134,19 @@ static ost_status spnav_begin(const char *options, const ost_haptic_setup *setup
         status = ost_fail(err, OST_ERR_UNAVAILABLE, "device spnav: %s", reason);
     else if (s->spnav.open() < 0)
         status = ost_fail(err, OST_ERR_UNAVAILABLE, "device spnav: spacenavd does not answer; is it started?");
-    if (status != OST_OK)
+    if (status != OST_OK) {
         free(s);
-    else
-        *out = s;
-    return status;
+        return status;
+    }
+    atomic_fetch_add(&in_use, 1);
+    *out = s;
+    return OST_OK;
 }
 
 static void spnav_end(haptic_instance *s)
 {
     s->spnav.close();
+    atomic_fetch_sub(&in_use, 1);
     free(s);
 }
 
@@ -200,6 +224,7 @@ const haptic_driver haptic_spnav = {
     .description = "3Dconnexion's SpaceMouse, by libspnav: its cap says how fast",
     .caps = OST_HAPTIC_ORIENTATION | OST_HAPTIC_TOOL,
     .usable = spnav_usable,
+    .answers = spnav_answers,
     .open = spnav_begin,
     .close = spnav_end,
     .read = spnav_read,

@@ -28,7 +28,7 @@ ost_status ost_haptic_describe(int index, ost_haptic_info *out, ost_error *err)
                              .caps = d->caps,
                              .max_force_n = d->max_force_n,
                              .max_stiffness_n_m = d->max_stiffness_n_m};
-    out->available = !d->usable || d->usable(out->reason);
+    out->available = (!d->usable || d->usable(out->reason)) && (!d->answers || d->answers(out->reason));
     return OST_OK;
 }
 

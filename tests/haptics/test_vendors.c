@@ -344,13 +344,23 @@ static void spnav_moves_while_it_is_pushed(void **state)
 static void spnav_only_while_held_and_lost(void **state)
 {
     (void)state;
+    const int spnav = index_of("spnav");
     fake_note *note = take_place(SPNAV, "fake_spnav", "fake_spnav");
     fake_feed *feed = feed_of();
     const ost_haptic_setup setup = {.start = {.qw = OST_Q30_ONE}};
     ost_error err = {0};
     ost_haptic *device;
+    ost_haptic_info info;
     ost_haptic_state s;
+    assert_ok(ost_haptic_describe(spnav, &info, &err));
+    assert_true(info.available);
+    assert_string_equal(note->calls, "oc");
+    note = take_place(SPNAV, "fake_spnav", "fake_spnav");
     assert_ok(ost_haptic_open("spnav:hold=1", &setup, &device, &err));
+    /* Its one connection is let alone by who asks what there is. */
+    assert_ok(ost_haptic_describe(spnav, &info, &err));
+    assert_true(info.available);
+    assert_string_equal(note->calls, "o");
     say_event(feed, 1, 350, 0, 0, 0, 0, 0);
     read_on(device, 100, &s);
     assert_true(s.pose.t.x == 0);
@@ -378,6 +388,10 @@ static void spnav_only_while_held_and_lost(void **state)
     note->fail_open = 1;
     assert_int_equal(ost_haptic_open("spnav", &setup, &device, &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "spacenavd does not answer"));
+    assert_ok(ost_haptic_describe(spnav, &info, &err));
+    assert_false(info.available);
+    assert_non_null(strstr(info.reason, "spacenavd does not answer"));
+    assert_string_equal(note->calls, "oo");
     assert_int_equal(ost_haptic_open("spnav:speed=0", &setup, &device, &err), OST_ERR_USAGE);
     assert_int_equal(ost_haptic_open("spnav:size=3", &setup, &device, &err), OST_ERR_USAGE);
 }
