@@ -41,13 +41,13 @@ static const step steps[] = {
     {"tight", "the cube's own rectangle", {TIGHT, .true_depth = true}, STILL},
     {"distance", "depth by the distance of the voxel's centre", {TIGHT}, STILL},
     {"lines", "coverage by lines, not slabs", {TIGHT, .lines = true}, STILL},
-    {"occlusion", "and only blocks that no others hide", {TIGHT, .lines = true, .occlusion = true}, STILL},
+    {"occlusion", "and only cells of 8^3 voxels that no others hide", {TIGHT, .lines = true, .occlusion = true}, STILL},
     {"tiles", "the same, and a shader finds what hides, as on a graphics card", {TIGHT, .lines = true, .occlusion = true, .tiles = true}, STILL},
     {"moving", "lines, from an eye that moves", {TIGHT, .lines = true}, MOVING},
-    {"moving-occlusion", "the same, and only blocks that no others hide", {TIGHT, .lines = true, .occlusion = true}, MOVING},
+    {"moving-occlusion", "the same, and only cells that no others hide", {TIGHT, .lines = true, .occlusion = true}, MOVING},
     {"forward", "lines without a G-buffer", {TIGHT, .lines = true, .target = OST_GL_FORWARD}, STILL},
     {"bricks", "a point for 4^3 voxels", {.frustum = true, .order = true, .tight = true, .bricks = true}, STILL},
-    {"bricks-occlusion", "the same of blocks that no others hide", {.frustum = true, .order = true, .tight = true, .bricks = true, .occlusion = true}, STILL},
+    {"bricks-occlusion", "the same of cells that no others hide", {.frustum = true, .order = true, .tight = true, .bricks = true, .occlusion = true}, STILL},
     {"bricks-forward", "bricks without a G-buffer", {.frustum = true, .order = true, .tight = true, .bricks = true, .target = OST_GL_FORWARD}, STILL},
     {"ours", "points or bricks, whichever suits: --renderer gl", {TIGHT, .lines = true, .occlusion = true, .choose = true}, STILL},
     {"ours-read", "the same, and the picture read back", {TIGHT, .lines = true, .occlusion = true, .choose = true}, READ},
@@ -164,7 +164,7 @@ static ost_status add(bench_gl *b, const bench_options *options, bench_table *ta
         bench_row_extra(row, "fps", series.count ? 1e9 / bench_series_at(&series, 0.5) : 0);
         bench_row_extra(row, "points", (double)counts.points);
         bench_row_extra(row, "bricks", counts.bricks);
-        bench_row_extra(row, "hidden_blocks", counts.hidden);
+        bench_row_extra(row, "hidden_cells", counts.hidden);
         bench_row_extra(row, "pixels_that_differ", differ);
     } else if (status == OST_OK) {
         status = ost_fail(err, OST_ERR_MEMORY, "no memory for a row");

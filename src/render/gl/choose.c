@@ -14,13 +14,13 @@ ost_status ost_gl_room_for_blocks(ost_gl *gl, int32_t count, ost_error *err)
     free(gl->bases);
     free(gl->firsts);
     free(gl->counts);
-    free(gl->behind);
+    free(gl->wanted);
     gl->blocks = malloc((size_t)count * sizeof *gl->blocks);
     gl->bases = malloc((size_t)count * 4 * sizeof *gl->bases);
     gl->firsts = malloc((size_t)count * sizeof *gl->firsts);
     gl->counts = malloc((size_t)count * sizeof *gl->counts);
-    gl->behind = malloc((size_t)count * sizeof *gl->behind);
-    gl->block_room = gl->blocks && gl->bases && gl->firsts && gl->counts && gl->behind ? count : 0;
+    gl->wanted = malloc((size_t)count * sizeof *gl->wanted);
+    gl->block_room = gl->blocks && gl->bases && gl->firsts && gl->counts && gl->wanted ? count : 0;
     return gl->block_room ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory to draw %d blocks", (int)count);
 }
 
@@ -67,12 +67,12 @@ void ost_gl_choose_blocks(ost_gl *gl, const ost_gl_variant *v, ost_gl_layer *l)
     } else if (!v->order && l->blocks) {
         qsort(gl->blocks, (size_t)l->blocks, sizeof *gl->blocks, by_slot);
     }
-    l->from = 0;
-    l->to = l->blocks;
+    for (int32_t i = 0; i < l->blocks; i++)
+        gl->wanted[i] = UINT64_MAX;
 }
 
-/* Numbers of a block's points that have a face toward the eye. */
-static uint32_t list_points(const ost_surface_block *b, const float base[3], uint32_t first, uint32_t *out)
+/* Numbers of a block's points that have a face toward the eye, of the cells that are wanted. */
+static uint32_t list_points(const ost_surface_block *b, const float base[3], uint64_t wanted, uint32_t first, uint32_t *out)
 {
     uint8_t turned[3][OST_BLOCK];
     uint32_t n = 0;
@@ -80,9 +80,22 @@ static uint32_t list_points(const ost_surface_block *b, const float base[3], uin
         ost_blocks_turned(base[a], a, turned[a]);
     for (uint32_t i = 0; i < b->count; i++) {
         const uint32_t p = b->points[i], seen = (uint32_t)(turned[0][p & 31] | turned[1][p >> 5 & 31] | turned[2][p >> 10 & 31]);
+        const uint32_t cell = (p >> 3 & 3) | (p >> 6 & 12) | (p >> 9 & 48);
         out[n] = first + i;
-        n += (p >> OST_FACES_SHIFT & seen) != 0;
+        n += (p >> OST_FACES_SHIFT & seen) != 0 && (wanted >> cell & 1);
     }
+    return n;
+}
+
+/* Numbers of its bricks: a run has them in the order of their bits. */
+static uint32_t list_bricks(const ost_gl_run *run, uint64_t wanted, uint32_t *out)
+{
+    uint32_t n = 0, number = run->first;
+    for (uint32_t z = 0; z < 8; z++)
+        for (uint64_t left = run->bricks[z]; left; left &= left - 1) {
+            out[n] = number++;
+            n += wanted >> ost_gl_cell_of_brick(z << 6 | (uint32_t)__builtin_ctzll(left)) & 1;
+        }
     return n;
 }
 
@@ -102,9 +115,16 @@ void ost_gl_list_blocks(ost_gl *gl, ost_gl_layer *l)
     uint32_t n = gl->list_used;
     l->begin = n;
     l->near = 0;
-    for (int32_t i = l->from; i < l->to; i++) {
+    for (int32_t i = 0; i < l->blocks; i++) {
         const int32_t slot = gl->blocks[i].slot;
-        n += list_points(s->slot[slot], gl->bases + 4 * slot, l->resident->run[OST_GL_POINTS][slot].first, gl->numbers + n);
+        const ost_gl_run *run = &l->resident->run[l->form][slot];
+        if (!(gl->wanted[i] & run->cells))
+            continue;
+        if (l->form == OST_GL_BRICKS) {
+            n += list_bricks(run, gl->wanted[i], gl->numbers + n);
+            continue;
+        }
+        n += list_points(s->slot[slot], gl->bases + 4 * slot, gl->wanted[i], run->first, gl->numbers + n);
         if (largest_voxel(&l->eye, gl->bases + 4 * slot) > gl->context.info.largest)
             l->near = n - l->begin;
     }

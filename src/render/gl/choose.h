@@ -8,11 +8,11 @@
 ost_status ost_gl_room_for_blocks(ost_gl *gl, int32_t count, ost_error *err);
 ost_status ost_gl_room_for_list(ost_gl *gl, uint64_t count, ost_error *err);
 
-/* Into gl->blocks, all of which are to be drawn; l->eye is known. */
+/* Into gl->blocks, all cells of which are wanted; l->eye is known. */
 void ost_gl_choose_blocks(ost_gl *gl, const ost_gl_variant *v, ost_gl_layer *l);
 /* Whether a brick is the cheaper point for what was chosen. */
 bool ost_gl_are_small(const ost_gl *gl, const ost_gl_layer *l);
-/* Numbers of the points of blocks l->from to l->to, behind those that OpenGL's list has. */
+/* Numbers of the points or bricks of wanted cells, behind those that OpenGL's list has. */
 void ost_gl_list_blocks(ost_gl *gl, ost_gl_layer *l);
 
 #endif

@@ -115,7 +115,7 @@ void ost_gl_close(ost_gl *gl)
     free(gl->bases);
     free(gl->firsts);
     free(gl->counts);
-    free(gl->behind);
+    free(gl->wanted);
     free(gl);
 }
 
@@ -145,21 +145,16 @@ static ost_status wait_for_last(ost_gl *gl, ost_error *err)
 
 /* ------------------------------------------------------------------ layers */
 
-static bool is_listed(const ost_gl_variant *v, const ost_gl_layer *l)
-{
-    return l->form == OST_GL_POINTS && v->facing;
-}
-
 /* What may be seen after all behind what was drawn first. */
 static ost_status draw_missing(ost_gl *gl, const ost_gl_variant *v, int number, ost_error *err)
 {
     ost_gl_layer *l = &gl->layer[number];
-    ost_status status = ost_gl_hide_look(gl, v, l, err);
+    bool missing = false;
+    ost_status status = ost_gl_hide_look(gl, v, l, &missing, err);
     ost_gl_set_state(gl);
-    if (status != OST_OK || l->from >= l->to)
+    if (status != OST_OK || !missing)
         return status;
-    if (is_listed(v, l))
-        ost_gl_list_blocks(gl, l);
+    ost_gl_list_blocks(gl, l);
     glBindFramebuffer(GL_FRAMEBUFFER, gl->targets.gbuffer);
     ost_gl_bind_layer(gl, number, l->form);
     return ost_gl_draw_points(gl, v, l, err);
@@ -180,7 +175,7 @@ static ost_status draw_layer(ost_gl *gl, const ost_gl_variant *v, int number, os
     ost_gl_clear_gbuffer(v->target);
     ost_gl_bind_layer(gl, number, l->form);
     glDepthFunc(GL_LESS);
-    ost_status status = l->from < l->to ? ost_gl_draw_points(gl, v, l, err) : OST_OK;
+    ost_status status = l->blocks ? ost_gl_draw_points(gl, v, l, err) : OST_OK;
     if (status == OST_OK && ost_gl_hide_wanted(v, l, number))
         status = draw_missing(gl, v, number, err);
     if (status == OST_OK)
@@ -234,16 +229,18 @@ static ost_status draw_all(ost_gl *gl, const ost_gl_variant *v, int count, ost_s
     ost_status status = OST_OK;
     for (int i = 0; i < count; i++)
         points += gl->layer[i].thing->surface->points;
-    if (v->facing)
+    if (v->facing || v->occlusion)
         status = ost_gl_room_for_list(gl, points + 1, err);
     gl->list_used = 0;
     const bool together = v->target != OST_GL_COMPACT;
     for (int i = 0; i < count && status == OST_OK; i++) {
         ost_gl_layer *l = &gl->layer[i];
         ost_gl_choose_blocks(gl, v, l);
-        if (ost_gl_hide_wanted(v, l, i))
-            ost_gl_hide_order(gl, l);
-        if (is_listed(v, l))
+        const bool hide = ost_gl_hide_wanted(v, l, i);
+        l->listed = hide || (l->form == OST_GL_POINTS && v->facing);
+        if (hide)
+            ost_gl_hide_guess(gl, l);
+        if (l->listed)
             ost_gl_list_blocks(gl, l);
         ost_gl_put_eye(gl, i, style);
         if (!together)

@@ -32,7 +32,7 @@ typedef struct ost_gl_variant {
     bool frustum;     /* only blocks in sight */
     bool facing;      /* only points with a face toward the eye */
     bool order;       /* near blocks first */
-    bool occlusion;   /* only blocks that no others hide; asks for frustum, no true_depth, OST_GL_COMPACT */
+    bool occlusion;   /* only cells of 8^3 voxels that no others hide; asks for frustum, no true_depth, OST_GL_COMPACT */
     bool tiles;       /* what that asks of depths is found by OpenGL, though it be software: as on a graphics card */
     bool tight;       /* the cube's own rectangle, cut to the frame; else the square about its bounding sphere */
     bool lines;       /* coverage by three linear inequalities; else the slabs of the thesis */
@@ -83,7 +83,7 @@ typedef struct ost_gl_counts {
     uint64_t points;   /* vertices given to OpenGL */
     uint64_t uploaded; /* bytes of surfaces brought to it */
     bool bricks;       /* the first thing went as bricks */
-    int32_t hidden;    /* blocks of it that were in sight and left out behind others */
+    uint32_t hidden;   /* cells of 8^3 voxels of it, in blocks in sight, that were left out behind others */
 } ost_gl_counts;
 ost_gl_counts ost_gl_counts_get(const ost_gl *gl);
 

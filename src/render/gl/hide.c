@@ -9,7 +9,7 @@
 #include "render/gl/pass.h"
 
 enum {
-    WORTH = 8,  /* of so many points one must be hidden for the look to be worth its time */
+    WORTH = 8,  /* of so many cells one must be hidden for the look to be worth its time */
     PAUSE = 8, /* frames until it is looked again where none was worth it */
 };
 
@@ -23,84 +23,74 @@ static ost_gl_run *run_of(const ost_gl *gl, const ost_gl_layer *l, int32_t i)
     return &l->resident->run[l->form][gl->blocks[i].slot];
 }
 
-/* Blocks from..l->blocks that are hidden go behind those that are not, each in their order; returns where they begin. */
-static int32_t part(ost_gl *gl, const ost_gl_layer *l, int32_t from)
+void ost_gl_hide_guess(ost_gl *gl, const ost_gl_layer *l)
 {
-    int32_t n = from, behind = 0;
-    for (int32_t i = from; i < l->blocks; i++)
-        if (run_of(gl, l, i)->hidden)
-            gl->behind[behind++] = gl->blocks[i];
-        else
-            gl->blocks[n++] = gl->blocks[i];
-    memcpy(gl->blocks + n, gl->behind, (size_t)behind * sizeof *gl->behind);
-    return n;
-}
-
-void ost_gl_hide_order(ost_gl *gl, ost_gl_layer *l)
-{
-    l->from = 0;
-    l->to = part(gl, l, 0);
-    gl->look = l->to < l->blocks || l->resident->pause == 0;
+    bool any = false;
+    for (int32_t i = 0; i < l->blocks; i++) {
+        gl->wanted[i] = ~run_of(gl, l, i)->hidden;
+        any = any || run_of(gl, l, i)->hidden;
+    }
+    gl->look = any || l->resident->pause == 0;
     l->resident->pause -= !gl->look;
 }
 
-/* Tiles that a box may cover, half-open, and the least depth in it. */
-typedef struct sight {
-    int x0, x1, y0, y1;
-    float depth;
-} sight;
-
-static void range(float lo, float hi, int count, int *from, int *to)
+static void range(float p, float h, int count, int *from, int *to)
 {
-    const float first = floorf(lo) - 1, last = floorf(hi) + 1;
+    const float first = floorf(p - h) - 1, last = floorf(p + h) + 1;
     *from = first > 0 ? first < (float)count ? (int)first : count : 0;
     *to = last < (float)count ? last > 0 ? (int)last + 1 : 0 : count;
     *from /= OST_TILE;
     *to = (*to + OST_TILE - 1) / OST_TILE;
 }
 
-/* The projection of a box in front of the eye lies within that of its corners; false where it is not in front. */
-static bool sight_of(const ost_gl_layer *l, const ost_gl_run *run, const float base[3], sight *out)
+/*
+ * Whether a cube of so many voxels a side about o (from the eye) is behind all
+ * that its pixels show: splat_scalar.c has the reasoning for the slopes.
+ */
+static bool is_hidden(const ost_gl *gl, const ost_gl_layer *l, const float o[3], int side)
 {
     const ost_eye *e = &l->eye.eye;
-    const bool bricks = l->form == OST_GL_BRICKS;
-    float side[2][3], square = 0, px[2] = {INFINITY, -INFINITY}, py[2] = {INFINITY, -INFINITY};
+    const float half = 0.5f * (float)side + 0.01f, z = ost_eye_dot(e->forward, o), nearest = z - 2 * half * l->eye.reach[2];
+    /* Of points the depth is their centre's, of bricks that of 4^3 voxels. */
+    const float centres = 0.5f * (float)(side - (l->form == OST_GL_BRICKS ? 4 : 1));
+    float square = 0, sx = 0, sy = 0;
+    int x0, x1, y0, y1;
+    if (!(nearest > e->near))
+        return false;
+    const float tx = ost_eye_dot(e->right, o) / z, ty = ost_eye_dot(e->up, o) / z, k = half * e->focal / nearest;
     for (int a = 0; a < 3; a++) {
-        /* Of points the depth is their centre's, of bricks that of 4^3 voxels. */
-        const float lo = base[a] + (bricks ? (float)(run->lo[a] & ~3) + 1.5f : (float)run->lo[a]);
-        const float hi = base[a] + (bricks ? (float)(run->hi[a] & ~3) + 1.5f : (float)run->hi[a]);
-        const float off = lo > -hi ? lo : -hi;
+        const float off = fabsf(o[a]) - centres;
         square += off > 0 ? off * off : 0;
-        side[0][a] = base[a] + (float)run->lo[a] - 0.51f;
-        side[1][a] = base[a] + (float)run->hi[a] + 0.51f;
+        sx += fabsf(e->right[a] - tx * e->forward[a]);
+        sy += fabsf(e->up[a] - ty * e->forward[a]);
     }
-    for (int i = 0; i < 8; i++) {
-        const float corner[3] = {side[i & 1][0], side[i >> 1 & 1][1], side[i >> 2][2]};
-        const float z = ost_eye_dot(e->forward, corner);
-        if (!(z > e->near))
-            return false;
-        const float x = e->half_w + ost_eye_dot(e->right, corner) / z * e->focal, y = e->half_h - ost_eye_dot(e->up, corner) / z * e->focal;
-        px[0] = fminf(px[0], x);
-        px[1] = fmaxf(px[1], x);
-        py[0] = fminf(py[0], y);
-        py[1] = fmaxf(py[1], y);
-    }
-    range(px[0], px[1], e->width, &out->x0, &out->x1);
-    range(py[0], py[1], e->height, &out->y0, &out->y1);
-    out->depth = 0.9999f * square * l->depth_scale - l->depth_slack;
+    range(e->half_w + tx * e->focal, sx * k, e->width, &x0, &x1);
+    range(e->half_h - ty * e->focal, sy * k, e->height, &y0, &y1);
+    const float depth = 0.9999f * square * l->depth_scale - l->depth_slack;
+    for (int y = y0; y < y1; y++)
+        for (int x = x0; x < x1; x++)
+            if (gl->targets.farthest[y * gl->targets.across + x] > depth)
+                return false;
     return true;
 }
 
-static bool is_hidden(const ost_gl *gl, const ost_gl_layer *l, const ost_gl_run *run, const float base[3])
+/* Of a block, where base is its first voxel from the eye. */
+static uint64_t hidden_cells(const ost_gl *gl, const ost_gl_layer *l, const ost_gl_run *run, const float base[3])
 {
-    sight s;
-    if (!sight_of(l, run, base, &s))
-        return false;
-    for (int y = s.y0; y < s.y1; y++)
-        for (int x = s.x0; x < s.x1; x++)
-            if (gl->targets.farthest[y * gl->targets.across + x] > s.depth)
-                return false;
-    return true;
+    enum { CELL = 8 };
+    uint64_t hidden = 0;
+    float o[3];
+    for (int a = 0; a < 3; a++)
+        o[a] = base[a] + 0.5f * (float)(OST_BLOCK - 1);
+    if (is_hidden(gl, l, o, OST_BLOCK))
+        return run->cells;
+    for (uint64_t left = run->cells; left; left &= left - 1) {
+        const int cell = __builtin_ctzll(left);
+        for (int a = 0; a < 3; a++)
+            o[a] = base[a] + (float)(CELL * (cell >> (2 * a) & 3)) + 0.5f * (float)(CELL - 1);
+        hidden |= (uint64_t)is_hidden(gl, l, o, CELL) << cell;
+    }
+    return hidden;
 }
 
 /* The greatest of each tile's depths. Depths are no less than 0: as integers they are in the same order. */
@@ -141,11 +131,10 @@ static ost_status look_at_depths(ost_gl *gl, const ost_gl_variant *v, ost_error 
     return status;
 }
 
-ost_status ost_gl_hide_look(ost_gl *gl, const ost_gl_variant *v, ost_gl_layer *l, ost_error *err)
+ost_status ost_gl_hide_look(ost_gl *gl, const ost_gl_variant *v, const ost_gl_layer *l, bool *missing, ost_error *err)
 {
-    uint64_t all = 0, hidden = 0;
-    const int32_t drawn = l->to;
-    l->from = l->to;
+    uint32_t all = 0, hidden = 0;
+    *missing = false;
     if (!gl->look)
         return OST_OK;
     ost_status status = look_at_depths(gl, v, err);
@@ -153,16 +142,18 @@ ost_status ost_gl_hide_look(ost_gl *gl, const ost_gl_variant *v, ost_gl_layer *l
         return status;
     for (int32_t i = 0; i < l->blocks; i++) {
         ost_gl_run *run = run_of(gl, l, i);
-        run->hidden = is_hidden(gl, l, run, gl->bases + 4 * gl->blocks[i].slot);
-        all += run->count;
-        hidden += run->hidden ? run->count : 0;
+        const uint64_t before = run->hidden;
+        run->hidden = hidden_cells(gl, l, run, gl->bases + 4 * gl->blocks[i].slot);
+        gl->wanted[i] = before & ~run->hidden;
+        *missing = *missing || gl->wanted[i];
+        all += (uint32_t)__builtin_popcountll(run->cells);
+        hidden += (uint32_t)__builtin_popcountll(run->hidden);
+        gl->did.hidden += (uint32_t)__builtin_popcountll(before & run->hidden);
     }
-    l->to = part(gl, l, drawn);
-    gl->did.hidden = l->blocks - l->to;
     if (WORTH * hidden >= all)
         return OST_OK;
     for (int32_t i = 0; i < l->blocks; i++)
-        run_of(gl, l, i)->hidden = false;
+        run_of(gl, l, i)->hidden = 0;
     l->resident->pause = PAUSE;
     return OST_OK;
 }

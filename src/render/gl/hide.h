@@ -1,16 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Blocks that other blocks hide are left out, and no pixel changes by it:
+ * Cells of 8^3 voxels that others hide are left out, and no pixel changes by it:
  *
- *   blocks seen in the last frame --drawn--> depth --the farthest of each 8 x 8 pixels--> tiles, read back
- *   every block: its box's pixels and nearest depth --against the tiles--> whether it may be seen in this frame
+ *   cells seen in the last frame --drawn--> depth --the farthest of each 8 x 8 pixels--> tiles, read back
+ *   every cell: its pixels and nearest depth --against the tiles--> whether it may be seen in this frame
  *   those that may and were not drawn --drawn--> depth
  *
  * What was seen last is a guess as to who hides the others, and costs time
- * alone where it is wrong.  A block is left out when all tiles that its box
- * may cover are filled by what is nearer than all of it; later points only
- * make a tile nearer.  Depth is the squared distance of centres, so the nearest
- * is that of the box's point nearest to the eye, with room for rounding.
+ * alone where it is wrong.  A cell is left out when all tiles that it may
+ * cover are filled by what is nearer than all of it; later points only make a
+ * tile nearer.  Depth is the squared distance of centres, so the nearest is
+ * that of the centre nearest to the eye, with room for rounding.
+ *
+ * Cells, not blocks of 32^3: bone is thin, and the box about a piece of a
+ * block hides behind another where the block's own box looks out.
  *
  * A shader finds the tiles, and a few kilobytes come back; where OpenGL is
  * software all depths do, which takes it less time than the shader.
@@ -22,9 +25,9 @@
 
 /* Whether that is done to this layer. */
 bool ost_gl_hide_wanted(const ost_gl_variant *v, const ost_gl_layer *l, int number);
-/* Of gl->blocks, those to draw first come first: l->from to l->to. */
-void ost_gl_hide_order(ost_gl *gl, ost_gl_layer *l);
-/* They are drawn: l->from to l->to are those that are missing. Another framebuffer, viewport and program may be set afterwards. */
-ost_status ost_gl_hide_look(ost_gl *gl, const ost_gl_variant *v, ost_gl_layer *l, ost_error *err);
+/* Wanted are the cells that were seen last. */
+void ost_gl_hide_guess(ost_gl *gl, const ost_gl_layer *l);
+/* They are drawn: wanted are those that are missing. Another framebuffer, viewport and program may be set afterwards. */
+ost_status ost_gl_hide_look(ost_gl *gl, const ost_gl_variant *v, const ost_gl_layer *l, bool *missing, ost_error *err);
 
 #endif

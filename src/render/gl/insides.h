@@ -18,7 +18,7 @@ typedef struct ost_gl_layer {
     GLuint palette, palette_texture;
     uint32_t begin, near, count; /* in the list: its first entry, how many of them as quads, how many in all */
     int32_t blocks;              /* chosen */
-    int32_t from, to;            /* of them those that are listed and drawn next */
+    bool listed;                 /* what is drawn of them stands in the list; else all of it is drawn */
     float depth_scale, depth_slack; /* of a squared distance in a buffer of depths, and how far rounding may be from it */
     int y0, y1;
 } ost_gl_layer;
@@ -40,7 +40,7 @@ struct ost_gl {
     float *bases;           /* owned; 4 a block */
     GLint *firsts;          /* owned; of block_room, and counts */
     GLsizei *counts;
-    ost_frame_block *behind; /* likewise: while blocks are put into another order */
+    uint64_t *wanted;       /* likewise: of each of blocks the cells that are listed next, as ost_gl_run has them */
     int32_t block_room;
     bool look;              /* this frame looks who is hidden (hide.c) */
     ost_light light;

@@ -33,11 +33,11 @@ static void attribute(GLuint buffer, ost_gl_form form)
         glVertexAttribIPointer(0, 2, GL_UNSIGNED_INT, 2 * sizeof(uint32_t), NULL);
 }
 
-/* All points of the blocks. */
+/* All of the chosen blocks. */
 static void draw_runs(ost_gl *gl, const ost_gl_layer *l)
 {
     GLsizei n = 0;
-    for (int32_t i = l->from; i < l->to; i++) {
+    for (int32_t i = 0; i < l->blocks; i++) {
         const ost_gl_run *run = &l->resident->run[l->form][gl->blocks[i].slot];
         gl->firsts[n] = (GLint)run->first;
         gl->counts[n++] = (GLsizei)run->count;
@@ -77,8 +77,7 @@ ost_status ost_gl_draw_points(ost_gl *gl, const ost_gl_variant *v, ost_gl_layer 
     ost_status status = OST_OK;
     if (l->mesh)
         return draw_mesh(gl, l, v->target, err);
-    const bool listed = l->form == OST_GL_POINTS && v->facing;
-    if (listed && l->near && v->tight) {
+    if (l->listed && l->near && v->tight) {
         key.quads = true;
         status = ost_gl_programs_use(&gl->context, &gl->programs, &key, &first, err);
         if (status != OST_OK)
@@ -95,7 +94,7 @@ ost_status ost_gl_draw_points(ost_gl *gl, const ost_gl_variant *v, ost_gl_layer 
     if (status != OST_OK)
         return status;
     attribute(ost_gl_store_pool(&gl->store, l->form)->buffer, l->form);
-    if (!listed) {
+    if (!l->listed) {
         draw_runs(gl, l);
         return OST_OK;
     }

@@ -10,7 +10,7 @@ void ost_gl_set_state(const ost_gl *gl);
 void ost_gl_clear_gbuffer(ost_gl_target kind);
 /* Of the layer of that number, for what is drawn next. */
 void ost_gl_bind_layer(ost_gl *gl, int number, ost_gl_form form);
-/* Of blocks l->from to l->to, by the list where there is one. */
+/* Of the chosen blocks, by the list where there is one. */
 ost_status ost_gl_draw_points(ost_gl *gl, const ost_gl_variant *v, ost_gl_layer *l, ost_error *err);
 /* The farthest depth of each tile of the G-buffer, into gl->targets.farthest; set_state and a framebuffer come after it. */
 ost_status ost_gl_read_tiles(ost_gl *gl, ost_error *err);

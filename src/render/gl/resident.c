@@ -158,16 +158,14 @@ static ost_status bring_voxels(ost_gl_context *c, ost_gl_store *store, const ost
     return status;
 }
 
-/* count > 0 */
-static void find_bounds(const ost_surface_block *b, ost_gl_run *run)
+static void find_cells(const ost_surface_block *b, ost_gl_run *run)
 {
-    uint32_t used[3] = {0, 0, 0};
-    for (uint32_t i = 0; i < b->count; i++)
-        for (int a = 0; a < 3; a++)
-            used[a] |= UINT32_C(1) << (b->points[i] >> (5 * a) & 31);
-    for (int a = 0; a < 3; a++) {
-        run->lo[a] = (uint8_t)__builtin_ctz(used[a]);
-        run->hi[a] = (uint8_t)(31 - __builtin_clz(used[a]));
+    memset(run->bricks, 0, sizeof run->bricks);
+    run->cells = 0;
+    for (uint32_t i = 0; i < b->count; i++) {
+        const uint32_t k = brick_of(b->points[i]);
+        run->bricks[k >> 6] |= UINT64_C(1) << (k & 63);
+        run->cells |= UINT64_C(1) << ost_gl_cell_of_brick(k);
     }
 }
 
@@ -199,11 +197,10 @@ ost_status ost_gl_store_bring(ost_gl_context *context, ost_gl_store *store, cons
                  : form == OST_GL_BRICKS ? bring_bricks(context, store, b, run, err)
                                          : bring_voxels(context, store, b, run, err);
         const int32_t voxel[3] = {OST_BLOCK * b->at[0], OST_BLOCK * b->at[1], OST_BLOCK * b->at[2]};
-        if (b->count > 0)
-            find_bounds(b, run);
+        find_cells(b, run);
         if (status == OST_OK)
             ost_gl_pool_place(pool, run->first, run->granules, voxel);
-        run->hidden = false;
+        run->hidden = 0;
         run->version = status == OST_OK ? b->version : 0;
     }
     return status;

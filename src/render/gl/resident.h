@@ -20,8 +20,9 @@ typedef struct ost_gl_run {
     uint64_t version;
     uint32_t first, count, granules;
     uint32_t look_first, look_granules; /* of bricks */
-    uint8_t lo[3], hi[3]; /* first and last voxel of its points on each axis */
-    bool hidden;          /* by other blocks, when it was last looked (hide.h) */
+    uint64_t bricks[8];   /* which 4^3 voxels have a point: bit x | y << 3 of word z */
+    uint64_t cells;       /* which 8^3: bit x | y << 2 | z << 4 */
+    uint64_t hidden;      /* cells that others hid when it was last looked (hide.h) */
 } ost_gl_run;
 
 typedef struct ost_gl_resident {
@@ -43,6 +44,12 @@ typedef struct ost_gl_store {
     uint64_t frame;
     uint64_t uploaded; /* bytes, since the frame began */
 } ost_gl_store;
+
+/* Of brick x | y << 3 | z << 6 of a block the cell. */
+static inline uint32_t ost_gl_cell_of_brick(uint32_t brick)
+{
+    return (brick >> 1 & 3) | (brick >> 2 & 12) | (brick >> 3 & 48);
+}
 
 void ost_gl_store_init(ost_gl_store *store);
 void ost_gl_store_free(ost_gl_store *store);
