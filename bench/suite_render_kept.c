@@ -32,10 +32,10 @@ static struct {
     int64_t ns[STAGES];
 } clocked;
 
-static uint32_t facing(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK], const ost_visible *out, uint32_t first)
+static uint32_t facing(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK], ost_chosen *out)
 {
     const int64_t begin = bench_now();
-    const uint32_t count = clocked.kernels.facing(block, slot, turned, out, first);
+    const uint32_t count = clocked.kernels.facing(block, slot, turned, out);
     clocked.ns[POINTS] += bench_now() - begin;
     return count;
 }

@@ -188,7 +188,7 @@ static uint64_t hash_of(const ost_frame *f, const ost_surface *s, const golden *
             const size_t at = (size_t)y * (size_t)f->planes.stride + (size_t)x;
             long voxel = -1;
             if (f->planes.face[at] != OST_NO_FACE && f->layers == 1) {
-                const uint32_t id = f->layer[0].visible.id[ost_visible_index(&f->layer[0].visible, (uint32_t)f->planes.key[at])];
+                const uint32_t id = (uint32_t)f->layer[0].visible.seen[ost_visible_index(&f->layer[0].visible, (uint32_t)f->planes.key[at])];
                 const int32_t *b = s->slot[id >> OST_LOCAL_BITS]->at;
                 voxel = 32 * b[0] + (long)(id & 31) + (long)d.x * (32 * b[1] + (long)(id >> 5 & 31) + (long)d.y * (32 * b[2] + (long)(id >> 10 & 31)));
             }

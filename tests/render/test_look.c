@@ -176,7 +176,7 @@ static void a_plane_shows_the_ct(void **state)
             const size_t i = (size_t)y * (size_t)p->stride + (size_t)x;
             if (p->face[i] != OST_FACE_X0)
                 continue;
-            const uint32_t id = v.frame.layer[0].visible.id[ost_visible_index(&v.frame.layer[0].visible, (uint32_t)p->key[i])];
+            const uint32_t id = (uint32_t)v.frame.layer[0].visible.seen[ost_visible_index(&v.frame.layer[0].visible, (uint32_t)p->key[i])];
             const int32_t *b = v.bone.slot[id >> OST_LOCAL_BITS]->at;
             const int j = 32 * b[1] + (int)(id >> 5 & 31), k = 32 * b[2] + (int)(id >> 10 & 31);
             if (32 * b[0] + (int)(id & 31) != 40 || at(&after, 39, j, k) < 120)

@@ -241,7 +241,7 @@ enum { NO_VOXEL = 0x7fffffff };
 static uint32_t id_at(const ost_frame *f, size_t at)
 {
     const ost_visible *v = &f->layer[0].visible;
-    return f->planes.face[at] == OST_NO_FACE ? NO_VOXEL : v->id[ost_visible_index(v, (uint32_t)f->planes.key[at])];
+    return f->planes.face[at] == OST_NO_FACE ? NO_VOXEL : (uint32_t)v->seen[ost_visible_index(v, (uint32_t)f->planes.key[at])];
 }
 
 /*

@@ -52,11 +52,13 @@ static ost_status no_memory(const ost_frame *f, ost_error *err)
     return ost_fail(err, OST_ERR_MEMORY, "no memory for a frame of %d x %d pixels", f->width, f->height);
 }
 
-/* A list as it was: what a picture has of it. */
-typedef struct ost_frame_old {
-    uint32_t id[OST_BLOCK_POINTS], tint[OST_BLOCK_POINTS];
+/* A list that is made, and one as it was. */
+typedef struct ost_frame_lists {
+    ost_chosen chosen;
+    uint32_t tint[OST_BLOCK_POINTS + OST_LANES];
+    uint64_t seen[OST_BLOCK_POINTS];
     uint8_t only[OST_BLOCK_POINTS];
-} ost_frame_old;
+} ost_frame_lists;
 
 static bool benches_init(ost_frame *f)
 {
@@ -65,7 +67,8 @@ static bool benches_init(ost_frame *f)
     for (int i = 0; f->bench && i < f->threads; i++) {
         ost_frame_bench *b = &f->bench[i];
         b->tiles = malloc(tiles * sizeof *b->tiles);
-        if (!planes_init(&b->over, f->width, f->band) || !keys_init(&b->over, f->band) || !b->tiles)
+        b->lists = malloc(sizeof *b->lists);
+        if (!planes_init(&b->over, f->width, f->band) || !keys_init(&b->over, f->band) || !b->tiles || !b->lists)
             return false;
     }
     return f->bench != NULL;
@@ -76,7 +79,7 @@ static void benches_free(ost_frame *f)
     for (int i = 0; f->bench && i < f->threads; i++) {
         planes_free(&f->bench[i].over);
         free(f->bench[i].tiles);
-        free(f->bench[i].old);
+        free(f->bench[i].lists);
     }
     free(f->bench);
 }
@@ -131,13 +134,7 @@ ost_status ost_frame_keep_keys(ost_frame *frame, ost_error *err)
 
 ost_status ost_frame_keep(ost_frame *frame, ost_error *err)
 {
-    bool made = frame->kept.colour || planes_init(&frame->kept, frame->width, frame->height);
-    for (int i = 0; i < frame->threads && made; i++) {
-        ost_frame_bench *b = &frame->bench[i];
-        b->old = b->old ? b->old : malloc(sizeof *b->old);
-        made = b->old != NULL;
-    }
-    if (made)
+    if (frame->kept.colour || planes_init(&frame->kept, frame->width, frame->height))
         return OST_OK;
     planes_free(&frame->kept);
     return no_memory(frame, err);
@@ -155,9 +152,7 @@ ost_sheet ost_frame_sheet(const ost_frame *frame)
 
 static void lists_free(ost_visible *v)
 {
-    free(v->id);
-    free(v->look);
-    free(v->tint);
+    free(v->seen);
     free(v->only);
     free(v->extent);
 }
@@ -231,17 +226,15 @@ static ost_status make_lists(ost_frame_layer *layer, ost_error *err)
         need += room_for(s->slot[i]->count);
     lists_free(v);
     layer->visible_room = need + need / 4 + OST_LANES;
-    v->id = malloc(layer->visible_room * sizeof *v->id);
-    v->look = malloc(layer->visible_room * sizeof *v->look);
-    v->tint = malloc(layer->visible_room * sizeof *v->tint);
+    v->seen = malloc(layer->visible_room * sizeof *v->seen);
     v->only = malloc(layer->visible_room * sizeof *v->only);
     v->extent = malloc((layer->visible_room / OST_LANES + 1) * sizeof(_Atomic uint64_t));
     layer->visible_used = 0;
     layer->slots = 0;
-    if (v->id && v->look && v->tint && v->only && v->extent)
+    if (v->seen && v->only && v->extent)
         return OST_OK;
     lists_free(v);
-    v->id = v->look = v->tint = NULL;
+    v->seen = NULL;
     v->only = NULL;
     v->extent = NULL;
     layer->visible_room = 0;
@@ -300,7 +293,7 @@ static void find_cells(ost_frame_layer *layer)
     }
 }
 
-static void choose_points(const ost_frame *frame, const ost_frame_layer *layer, int32_t slot)
+static void choose_points(const ost_frame *frame, const ost_frame_layer *layer, int32_t slot, ost_frame_lists *with)
 {
     const ost_surface_block *block = layer->surface->slot[slot];
     ost_frame_list *list = &layer->list[slot];
@@ -309,12 +302,17 @@ static void choose_points(const ost_frame *frame, const ost_frame_layer *layer, 
     uint8_t turned[3][OST_BLOCK];
     for (int a = 0; a < 3; a++)
         ost_blocks_turned(layer->bases[4 * slot + a], a, turned[a]);
-    list->count = frame->kernels.facing(block, (uint32_t)slot, turned, v, begin);
+    ost_chosen *chosen = &with->chosen;
+    list->count = frame->kernels.facing(block, (uint32_t)slot, turned, chosen);
+    frame->tint(&layer->light, chosen->look, list->count, with->tint);
+    for (uint32_t i = 0; i < list->count; i++)
+        v->seen[begin + i] = (uint64_t)with->tint[i] << 32 | chosen->id[i];
     if (layer->within)
         memset(v->only + begin, OST_SEVERAL, list->count);
+    else
+        memcpy(v->only + begin, chosen->only, list->count);
     for (uint32_t i = begin / OST_LANES; i < (begin + list->count + OST_LANES - 1) / OST_LANES; i++)
         atomic_store_explicit(&v->extent[i], OST_EXTENT_UNKNOWN, memory_order_relaxed);
-    frame->tint(&layer->light, v->look + begin, list->count, v->tint + begin);
     v->begin[slot] = begin;
     list->version = block->version;
     list->listed = true;
@@ -335,32 +333,28 @@ static void differs(parts *p, uint32_t id)
 }
 
 /* The list anew; where it has other voxels than before, or others to look at. Both are in order. */
-static void choose_again(const ost_frame *frame, const ost_frame_layer *layer, int32_t slot, ost_frame_old *old, parts *out)
+static void choose_again(const ost_frame *frame, const ost_frame_layer *layer, int32_t slot, ost_frame_lists *old, parts *out)
 {
     const ost_frame_list *list = &layer->list[slot];
     const ost_visible *v = &layer->visible;
     const uint32_t was = list->count, from = v->begin[slot];
-    memcpy(old->id, v->id + from, was * sizeof *old->id);
-    memcpy(old->tint, v->tint + from, was * sizeof *old->tint);
+    memcpy(old->seen, v->seen + from, was * sizeof *old->seen);
     memcpy(old->only, v->only + from, was * sizeof *old->only);
-    choose_points(frame, layer, slot);
-    const uint32_t *id = v->id + v->begin[slot], *tint = v->tint + v->begin[slot];
+    choose_points(frame, layer, slot, old);
+    const uint64_t *seen = v->seen + v->begin[slot];
     const uint8_t *only = v->only + v->begin[slot];
     uint32_t i = 0, j = 0;
     while (i < was && j < list->count) {
-        if (old->id[i] == id[j]) {
-            if (old->tint[i] != tint[j] || old->only[i] != only[j])
-                differs(out, id[j]);
-            i++;
-            j++;
-        } else {
-            differs(out, old->id[i] < id[j] ? old->id[i++] : id[j++]);
-        }
+        const uint32_t a = (uint32_t)old->seen[i], b = (uint32_t)seen[j];
+        if (old->seen[i] != seen[j] || old->only[i] != only[j])
+            differs(out, a < b ? a : b);
+        i += a <= b;
+        j += b <= a;
     }
     while (i < was)
-        differs(out, old->id[i++]);
+        differs(out, (uint32_t)old->seen[i++]);
     while (j < list->count)
-        differs(out, id[j++]);
+        differs(out, (uint32_t)seen[j++]);
 }
 
 static void add_parts(const ost_cells *cells, const ost_frame_layer *layer, int32_t slot, const parts *p)
@@ -406,7 +400,7 @@ static void find_part(ost_frame *frame, const ost_frame_layer *layer)
         if (!list->listed || list->version == layer->surface->slot[slot]->version)
             continue;
         parts p = {0};
-        choose_again(frame, layer, slot, frame->bench[thread_number()].old, &p);
+        choose_again(frame, layer, slot, frame->bench[thread_number()].lists, &p);
 #pragma omp critical(ost_frame_part)
         add_parts(&frame->part, layer, slot, &p);
     }
@@ -536,7 +530,7 @@ static void draw_layer(const ost_frame *f, const ost_frame_layer *layer, const o
         if (hidden(f, at, planes, r, b->nearest))
             continue;
         if (!layer->list[b->slot].listed)
-            choose_points(f, layer, b->slot);
+            choose_points(f, layer, b->slot, at->bench->lists);
         f->kernels.splat(&layer->eye, &layer->visible, (uint32_t)b->slot, layer->list[b->slot].count, planes, &e);
         drawn(f, at, r);
     }
@@ -725,7 +719,7 @@ static void list_all(const ost_frame *frame, const ost_frame_layer *layer)
 #pragma omp for schedule(dynamic, 4)
     for (int32_t i = 0; i < layer->count; i++)
         if (!layer->list[layer->blocks[i].slot].listed)
-            choose_points(frame, layer, layer->blocks[i].slot);
+            choose_points(frame, layer, layer->blocks[i].slot, frame->bench[thread_number()].lists);
 }
 
 /*

@@ -50,7 +50,7 @@ _Static_assert(OST_BAND % OST_CELL_HEIGHT == 0 && (int)OST_CELL_HEIGHT == OST_TI
 typedef struct ost_frame_bench {
     ost_planes over;        /* owned; a layer but the first; its keys are the first's too */
     ost_frame_tile *tiles;  /* owned; rows of tiles_across */
-    struct ost_frame_old *old; /* owned; a list as it was; NULL unless frames are kept */
+    struct ost_frame_lists *lists; /* owned; what lists are made with */
 } ost_frame_bench;
 
 /* The list of a block, for the layer's eye. */

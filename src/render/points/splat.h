@@ -86,10 +86,16 @@ typedef struct ost_extent {
 #define OST_EXTENT_UNKNOWN UINT64_C(0)
 #define OST_EXTENT_NONE UINT64_C(0xffff0000ffff0000)
 
+/* Points of a block that have a face toward the eye: one that a thread makes lists with. */
+typedef struct ost_chosen {
+    uint32_t id[OST_BLOCK_POINTS + OST_LANES], look[OST_BLOCK_POINTS + OST_LANES];
+    uint8_t only[OST_BLOCK_POINTS + OST_LANES]; /* the axis of the one face that is to the air and turned to the eye, OST_SEVERAL */
+} ost_chosen;
+
 /* What is to be drawn, and how it looks from here. */
 typedef struct ost_visible {
-    uint32_t *id, *look, *tint; /* owned by the frame; tint: colour in full light of the face */
-    uint8_t *only;              /* likewise: the axis of the one face that is to the air and turned to the eye, OST_SEVERAL */
+    uint64_t *seen;             /* owned by the frame; tint << 32 | id: a pixel finds both at once. tint: colour in full light of the face */
+    uint8_t *only;              /* likewise; as above */
     /*
      * Of OST_LANES entries what they cover, as ost_extent_word has it, or
      * OST_EXTENT_UNKNOWN until they have been drawn once.  Whoever draws them
@@ -104,12 +110,11 @@ typedef struct ost_visible {
 
 typedef struct ost_splat_kernels {
     /*
-     * Points that have a face toward the eye, in their order, into id, look and
-     * only from `first` on.  turned[a][i]: the faces of axis a that are turned to
-     * the eye at coordinate i, as bits of ost_face.  There is room for count
-     * rounded up to OST_LANES.  Returns how many.
+     * Points that have a face toward the eye, in their order.  turned[a][i]: the
+     * faces of axis a that are turned to the eye at coordinate i, as bits of
+     * ost_face.  Returns how many.
      */
-    uint32_t (*facing)(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK], const ost_visible *out, uint32_t first);
+    uint32_t (*facing)(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK], ost_chosen *out);
     /* The list of a block, into the keys of part; of its rows also into others, if any, that hold nothing worth knowing. */
     void (*splat)(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t count, const ost_planes *planes,
                   const ost_extent *part);
@@ -130,8 +135,7 @@ ost_splat_eye ost_splat_prepare(const ost_eye *eye);
 ost_splat_kernels ost_splat_kernels_of(ost_isa isa);
 
 #define OST_SPLAT_DECLARE(SET)                                                                                                      \
-    uint32_t ost_facing_##SET(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK],                     \
-                              const ost_visible *out, uint32_t first);                                                              \
+    uint32_t ost_facing_##SET(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK], ost_chosen *out);  \
     void ost_splat_##SET(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t count,                      \
                          const ost_planes *planes, const ost_extent *part);                                                        \
     void ost_resolve_##SET(const ost_splat_eye *eye, const ost_visible *visible, const ost_planes *planes, int y, int x0, int x1);                \

@@ -51,10 +51,9 @@ ost_splat_eye ost_splat_prepare(const ost_eye *eye)
     return s;
 }
 
-uint32_t ost_facing_scalar(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK], const ost_visible *out,
-                           uint32_t first)
+uint32_t ost_facing_scalar(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK], ost_chosen *out)
 {
-    uint32_t n = first;
+    uint32_t n = 0;
     for (uint32_t i = 0; i < block->count; i++) {
         const uint32_t p = block->points[i];
         const uint32_t seen = p >> OST_FACES_SHIFT & (uint32_t)(turned[0][p & 31] | turned[1][p >> 5 & 31] | turned[2][p >> 10 & 31]);
@@ -63,7 +62,7 @@ uint32_t ost_facing_scalar(const ost_surface_block *block, uint32_t slot, const 
         out->only[n] = (uint8_t)(seen & (seen - 1) ? OST_SEVERAL : seen > 15 ? 2 : seen > 3);
         n += seen != 0;
     }
-    return n - first;
+    return n;
 }
 
 typedef struct rectangle {
@@ -203,7 +202,7 @@ static uint64_t splat_some(const ost_splat_eye *eye, const ost_visible *visible,
         const uint32_t at = visible->begin[slot] + i;
         float o[3];
         rectangle r;
-        place(visible->bases, visible->id[at], o);
+        place(visible->bases, (uint32_t)visible->seen[at], o);
         if (!rectangle_of(eye, o, visible->only[at], &r))
             continue;
         widen(&all, &r);
@@ -264,10 +263,10 @@ void ost_resolve_scalar(const ost_splat_eye *eye, const ost_visible *visible, co
         const uint32_t index = ost_visible_index(visible, (uint32_t)key);
         const float u = ((float)x + 0.5f) - eye->eye.half_w;
         float o[3];
-        place(visible->bases, visible->id[index], o);
+        place(visible->bases, (uint32_t)visible->seen[index], o);
         const unsigned face = enter(eye, o, u, v, &planes->depth[at]);
         planes->face[at] = (uint8_t)face;
-        planes->colour[at] = ost_lit(visible->tint[index], visible->light[face]);
+        planes->colour[at] = ost_lit((uint32_t)(visible->seen[index] >> 32), visible->light[face]);
     }
 }
 

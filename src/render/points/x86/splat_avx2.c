@@ -295,7 +295,10 @@ static inline void splat_some(const ost_splat_eye *eye, const ost_visible *visib
 {
     const uint32_t first = visible->begin[slot] + place;
     const float *base = visible->bases + 4 * (size_t)slot;
-    const __m256i p = _mm256_maskload_epi32((const int *)visible->id + first, below(count));
+    const __m256i even = _mm256_setr_epi32(0, 2, 4, 6, 0, 2, 4, 6);
+    const __m256i start = _mm256_permutevar8x32_epi32(_mm256_loadu_si256((const void *)(visible->seen + first)), even);
+    const __m256i end = _mm256_permutevar8x32_epi32(_mm256_loadu_si256((const void *)(visible->seen + first + 4)), even);
+    const __m256i p = _mm256_blend_epi32(start, end, 0xf0);
     const __m256i only = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const void *)(visible->only + first)));
     eight r;
     lanes3 o;
@@ -363,6 +366,13 @@ static inline __m256i look_up(const ost_visible *visible, __m256i number, __m256
     return _mm256_add_epi32(begin, _mm256_and_si256(number, _mm256_set1_epi32((1 << OST_LOCAL_BITS) - 1)));
 }
 
+static inline __m256i four(const uint64_t *from, const uint32_t at[4])
+{
+    const __m128d low = _mm_loadh_pd(_mm_castsi128_pd(_mm_loadl_epi64((const void *)(from + at[0]))), (const void *)(from + at[1]));
+    const __m128d high = _mm_loadh_pd(_mm_castsi128_pd(_mm_loadl_epi64((const void *)(from + at[2]))), (const void *)(from + at[3]));
+    return _mm256_castpd_si256(_mm256_insertf128_pd(_mm256_castpd128_pd256(low), high, 1));
+}
+
 /* From the eye to the voxels. */
 static inline lanes3 places(lanes3 o, __m256i id)
 {
@@ -398,7 +408,7 @@ void ost_resolve_avx2(const ost_splat_eye *eye, const ost_visible *visible, cons
     const float v = eye->eye.half_h - ((float)y + 0.5f);
     const __m256i step = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7), even = _mm256_setr_epi32(0, 2, 4, 6, 0, 2, 4, 6);
     const __m256i odd = _mm256_setr_epi32(1, 3, 5, 7, 1, 3, 5, 7);
-    const __m256i lights = _mm256_loadu_si256((const void *)visible->light), zero = _mm256_setzero_si256();
+    const __m256i lights = _mm256_loadu_si256((const void *)visible->light);
     for (int x = x0; x < x1; x += EIGHT) {
         const size_t at = ost_row(planes, y) + (size_t)x;
         const uint64_t *key = ost_key_row(planes, y) + x;
@@ -411,8 +421,11 @@ void ost_resolve_avx2(const ost_splat_eye *eye, const ost_visible *visible, cons
             const __m256i number = _mm256_blend_epi32(_mm256_permutevar8x32_epi32(low, even), _mm256_permutevar8x32_epi32(high, even), 0xf0);
             lanes3 o;
             const __m256i index = look_up(visible, number, any, &o);
-            const __m256i id = _mm256_mask_i32gather_epi32(zero, (const int *)visible->id, index, any, 4);
-            const __m256i tint = _mm256_mask_i32gather_epi32(zero, (const int *)visible->tint, index, any, 4);
+            _Alignas(32) uint32_t at_list[EIGHT];
+            _mm256_store_si256((void *)at_list, _mm256_and_si256(any, index));
+            const __m256i first = four(visible->seen, at_list), second = four(visible->seen, at_list + 4);
+            const __m256i id = _mm256_blend_epi32(_mm256_permutevar8x32_epi32(first, even), _mm256_permutevar8x32_epi32(second, even), 0xf0);
+            const __m256i tint = _mm256_blend_epi32(_mm256_permutevar8x32_epi32(first, odd), _mm256_permutevar8x32_epi32(second, odd), 0xf0);
             lanes depth;
             const __m256i entered = enter(eye, places(o, id), u, v, &depth);
             face = _mm256_blendv_epi8(face, entered, any);

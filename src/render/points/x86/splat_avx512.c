@@ -68,12 +68,11 @@ static inline __m512i turned_of(const uint8_t turned[OST_BLOCK], __m512i index)
     return _mm512_mask_blend_epi32(upper, turned_at(low, index), turned_at(high, index));
 }
 
-uint32_t ost_facing_avx512(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK], const ost_visible *out,
-                           uint32_t first)
+uint32_t ost_facing_avx512(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK], ost_chosen *out)
 {
     const __m512i one = _mm512_set1_epi32(1);
     const __m512i local = _mm512_set1_epi32((1 << OST_LOCAL_BITS) - 1), high = _mm512_set1_epi32((int)(slot << OST_LOCAL_BITS));
-    uint32_t n = first;
+    uint32_t n = 0;
     for (uint32_t i = 0; i < block->count; i += OST_LANES) {
         const uint32_t left = block->count - i;
         const __mmask16 live = left < OST_LANES ? (__mmask16)((1u << left) - 1) : (__mmask16)0xffff;
@@ -91,7 +90,7 @@ uint32_t ost_facing_avx512(const ost_surface_block *block, uint32_t slot, const 
         _mm_storeu_si128((void *)(out->only + n), _mm512_cvtepi32_epi8(_mm512_maskz_compress_epi32(take, only)));
         n += (uint32_t)__builtin_popcount(take);
     }
-    return n - first;
+    return n;
 }
 
 enum { SMALL = 4, TALL = 16 }; /* a small rectangle's sides at most; rows whose edges are found at once */
@@ -357,16 +356,18 @@ static inline uint64_t extent_of(const sixteen *r, __mmask16 live)
 void ost_splat_avx512(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t count, const ost_planes *planes,
                       const ost_extent *part)
 {
-    const uint32_t first = visible->begin[slot], *points = visible->id + first;
+    const uint32_t first = visible->begin[slot];
+    const uint64_t *points = visible->seen + first;
     const float *base = visible->bases + 4 * (size_t)slot;
     const __m512i low = _mm512_set1_epi32(31), sign = _mm512_set1_epi32(INT32_MIN);
+    const __m512i even = _mm512_set_epi32(30, 28, 26, 24, 22, 20, 18, 16, 14, 12, 10, 8, 6, 4, 2, 0);
     for (uint32_t i = 0; i < count; i += OST_LANES) {
         _Atomic uint64_t *extent = &visible->extent[(first + i) / OST_LANES];
         const uint64_t known = atomic_load_explicit(extent, memory_order_relaxed);
         if (ost_extent_misses(known, part))
             continue;
         __mmask16 live = count - i < OST_LANES ? (__mmask16)((1u << (count - i)) - 1) : (__mmask16)0xffff, beside[3];
-        const __m512i p = _mm512_maskz_loadu_epi32(live, points + i);
+        const __m512i p = _mm512_permutex2var_epi32(_mm512_loadu_si512(points + i), even, _mm512_loadu_si512(points + i + 8));
         const __m512i only = _mm512_cvtepu8_epi32(_mm_loadu_si128((const void *)(visible->only + first + i)));
         sixteen r;
         lanes3 o;
@@ -422,6 +423,21 @@ static inline __m512i look_up(const ost_visible *visible, __m512i number, __mmas
     return _mm512_add_epi32(begin, _mm512_and_si512(number, _mm512_set1_epi32((1 << OST_LOCAL_BITS) - 1)));
 }
 
+static inline __m128i two(const uint64_t *from, uint32_t a, uint32_t b)
+{
+    return _mm_castpd_si128(_mm_loadh_pd(_mm_castsi128_pd(_mm_loadl_epi64((const void *)(from + a))), (const void *)(from + b)));
+}
+
+static inline __m256i four(const uint64_t *from, const uint32_t at[4])
+{
+    return _mm256_inserti128_si256(_mm256_castsi128_si256(two(from, at[0], at[1])), two(from, at[2], at[3]), 1);
+}
+
+static inline __m512i eight(const uint64_t *from, const uint32_t at[8])
+{
+    return _mm512_inserti64x4(_mm512_castsi256_si512(four(from, at)), four(from, at + 4), 1);
+}
+
 /* From the eye to the voxels. */
 static inline lanes3 places(lanes3 o, __m512i id)
 {
@@ -469,9 +485,12 @@ void ost_resolve_avx512(const ost_splat_eye *eye, const ost_visible *visible, co
             const lanes u = across(eye, _mm512_add_epi32(_mm512_set1_epi32(x), step));
             lanes3 o;
             const __m512i index = look_up(visible, _mm512_permutex2var_epi32(low, even, high), any, &o);
-            /* Gathers take their index as signed, and their scale of 4 makes bytes of it: 2^31 entries are far beyond any list. */
-            const __m512i id = _mm512_mask_i32gather_epi32(_mm512_setzero_si512(), any, index, visible->id, 4);
-            const __m512i tint = _mm512_mask_i32gather_epi32(_mm512_setzero_si512(), any, index, visible->tint, 4);
+            /* Loads one by one are faster than gathers, but not from words that the compiler takes out of a register again. */
+            _Alignas(64) uint32_t at_list[OST_LANES];
+            _mm512_store_si512(at_list, _mm512_maskz_mov_epi32(any, index));
+            __asm__("" : "+m"(at_list));
+            const __m512i first = eight(visible->seen, at_list), second = eight(visible->seen, at_list + 8);
+            const __m512i id = _mm512_permutex2var_epi32(first, even, second), tint = _mm512_permutex2var_epi32(first, odd, second);
             lanes depth;
             const __m512i entered = enter(eye, places(o, id), u, v, &depth);
             face = _mm512_mask_mov_epi32(face, any, entered);
