@@ -2,16 +2,19 @@
 #include "app/interrupt.h"
 
 #include <signal.h>
+#include <stdatomic.h>
 #include <stddef.h>
 
 enum { SIGNALS = 3 };
 static const int signals[SIGNALS] = {SIGINT, SIGTERM, SIGHUP};
 static struct sigaction usual[SIGNALS];
-static volatile sig_atomic_t asked;
+/* Set by a handler or a window's thread, read by the loop's. */
+static atomic_int asked;
+_Static_assert(ATOMIC_INT_LOCK_FREE == 2, "a handler may set it");
 
 static void on_signal(int number)
 {
-    asked = 1;
+    atomic_store(&asked, 1);
     /* The next one is for whoever had them before. */
     for (int i = 0; i < SIGNALS; i++)
         if (signals[i] == number)
@@ -22,7 +25,7 @@ void interrupt_begin(void)
 {
     struct sigaction action = {.sa_handler = on_signal};
     sigemptyset(&action.sa_mask);
-    asked = 0;
+    atomic_store(&asked, 0);
     for (int i = 0; i < SIGNALS; i++)
         /* A job that nohup started keeps ignoring. */
         if (sigaction(signals[i], NULL, &usual[i]) == 0 && usual[i].sa_handler != SIG_IGN)
@@ -37,10 +40,10 @@ void interrupt_end(void)
 
 void interrupt_ask(void)
 {
-    asked = 1;
+    atomic_store(&asked, 1);
 }
 
 bool interrupt_asked(void)
 {
-    return asked != 0;
+    return atomic_load(&asked) != 0;
 }
