@@ -688,7 +688,7 @@ static ost_status prepare(ost_frame *frame, const ost_frame_thing *thing, int nu
     if (status != OST_OK)
         return status;
     const bool within = is_within(thing->surface, &thing->eye), lit = make_light(frame, layer, thing);
-    layer->same = lit && within == layer->within && layer->surface == thing->surface &&
+    layer->same = frame->kept.colour && lit && within == layer->within && layer->surface == thing->surface &&
                   memcmp(&layer->eye.eye, &thing->eye, sizeof thing->eye) == 0;
     layer->surface = thing->surface;
     layer->within = within;

@@ -77,7 +77,7 @@ typedef struct ost_frame_layer {
     ost_light light;
     float scale;            /* its voxels in voxels of the first */
     bool within;            /* the eye is in it or close to it: faces that are not to the air may be seen */
-    bool same;              /* eye and light as in the frame before */
+    bool same;              /* eye and light as in the frame before, and frames are kept */
     int y0, y1;             /* rows that it may cover, half-open */
     ost_cells cells;        /* what it may cover */
 } ost_frame_layer;
