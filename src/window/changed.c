@@ -32,15 +32,15 @@ static void copy_row(const uint32_t *from, uint32_t *to, int begin, int end, int
         __builtin_prefetch(from + i + ahead_from);
         __builtin_prefetch(to + i + ahead_to, 1);
         const bool any = (differs[0] | differs[1] | differs[2] | differs[3]) != 0;
-        first = any & (i < first) ? i : first;
-        last = any & (i + RUN > last) ? i + RUN : last;
+        first = (any & (i < first)) ? i : first;
+        last = (any & (i + RUN > last)) ? i + RUN : last;
     }
     for (; i < end; i++) {
         const uint32_t v = turned(from[i]);
         const bool any = v != to[i];
         to[i] = v;
-        first = any & (i < first) ? i : first;
-        last = any & (i + 1 > last) ? i + 1 : last;
+        first = (any & (i < first)) ? i : first;
+        last = (any & (i + 1 > last)) ? i + 1 : last;
     }
     *r = (range){first, last};
 }
