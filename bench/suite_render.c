@@ -18,6 +18,8 @@
 #include <osteon/sim.h>
 
 #include "render/points/frame.h"
+#include "render/points/ground.h"
+#include "render/points/renew.h"
 
 enum { REPEAT = 101, WIDTH = 1280, HEIGHT = 720, THRESHOLD = 120, DIRTY = 20 };
 
@@ -250,33 +252,137 @@ static ost_status add_view(show *s, bench_table *table, const view *v, int threa
     return status;
 }
 
-/* The lists of DIRTY blocks are made anew. */
-static ost_status add_extraction(show *s, bench_table *table)
+/* ------------------------------------------------------- lists and looks */
+
+/* What of a block is to be made anew. */
+typedef enum renewal { RENEW_LIST, RENEW_LOOKS, RENEW_ALL, RENEWALS } renewal;
+
+static int32_t spoil(ost_surface *s, renewal what)
 {
-    static const char name[] = "render/scapula/extract";
+    const int32_t step = s->used > DIRTY ? s->used / DIRTY : 1;
+    int32_t count = 0;
+    for (int32_t i = 0; i < s->used; i += step, count++) {
+        ost_surface_block *b = s->slot[i];
+        b->dirty = true;
+        b->unlisted = what != RENEW_LOOKS;
+        b->anew = what != RENEW_LIST;
+        b->unmeasured = what == RENEW_ALL;
+    }
+    return count;
+}
+
+/* Blocks spread over the bone: their lists alone, their looks alone, both. */
+static ost_status add_renewal(show *s, bench_table *table, renewal what)
+{
+    static const char *const name[RENEWALS] = {"render/scapula/list", "render/scapula/looks", "render/scapula/extract"};
     bench_series series = {0};
-    ost_status status = OST_OK;
-    if (!bench_wanted(s->options, name))
-        return OST_OK;
-    const int count = bench_repeat(s->options, REPEAT), step = s->surface.used > DIRTY ? s->surface.used / DIRTY : 1;
-    uint64_t blocks = 0;
+    ost_status status = ost_surface_use(&s->surface, s->isa, s->err);
+    if (status != OST_OK || !bench_wanted(s->options, name[what]))
+        return status;
+    const int count = bench_repeat(s->options, REPEAT);
+    int32_t blocks = 0;
     for (int i = -1; i < count && status == OST_OK; i++) {
-        for (int32_t b = 0; b < s->surface.used; b += step)
-            s->surface.slot[b]->dirty = s->surface.slot[b]->anew = s->surface.slot[b]->unlisted = true;
+        blocks = spoil(&s->surface, what);
         const int64_t begin = bench_now();
         status = ost_surface_update(&s->surface, s->err);
         if (i >= 0)
             bench_series_add(&series, (double)(bench_now() - begin));
-        for (int32_t b = 0; i < 0 && b < s->surface.used; b += step)
-            blocks++;
+    }
+    bench_row *row = status == OST_OK ? bench_row_add(table, name[what], "us", 1) : NULL;
+    if (row) {
+        bench_row_ours(row, &series);
+        snprintf(row->baseline_reason, sizeof row->baseline_reason, "lists of changed blocks: nothing else makes them");
+        bench_row_extra(row, "changed_blocks", (double)blocks);
+        bench_row_extra(row, "us_a_block", bench_series_at(&series, 0.5) / 1e3 / blocks);
+    }
+    bench_series_free(&series);
+    return status;
+}
+
+/* Bone within a ball about a point in voxels, of a block, goes. */
+static bool ream_block(const ost_surface_block *b, const double at[3], double radius, uint32_t words[OST_BLOCK_ROWS])
+{
+    bool any = false;
+    for (int row = 0; row < OST_BLOCK_ROWS; row++) {
+        const double y = OST_BLOCK * b->at[1] + row % OST_BLOCK - at[1], z = OST_BLOCK * b->at[2] + row / OST_BLOCK - at[2];
+        const double left = radius * radius - y * y - z * z, first = OST_BLOCK * b->at[0] - at[0];
+        uint32_t gone = 0;
+        for (int x = 0; x < OST_BLOCK && left >= 0 && b->whole[row]; x++)
+            gone |= (uint32_t)((first + x) * (first + x) <= left) << x;
+        words[row] = b->whole[row] & ~gone;
+        any |= words[row] != b->whole[row];
+    }
+    return any;
+}
+
+/* A ball of 20 mm goes into the glenoid at 1.5 mm/s, 60 pictures a second: what changes for one, and what the update then costs. */
+static ost_status add_reaming(show *s, bench_table *table)
+{
+    enum { PICTURES = 120, BEGIN = 40 }; /* from 1 mm deep on */
+    static const double RADIUS_MM = 20, STEP_MM = 1.5 / 60;
+    static const char name[] = "render/scapula/ream";
+    ost_surface surface = {0};
+    ost_ground ground = {0};
+    ost_volume before = {0};
+    bench_series series = {0};
+    uint64_t blocks = 0, changed = 0;
+    if (!bench_wanted(s->options, name))
+        return OST_OK;
+    const ost_geometry *g = &s->bone.geometry;
+    const ost_density_classes classes = ost_density_classes_default();
+    ost_status status = ost_volume_init(&before, g, s->err);
+    if (status == OST_OK) {
+        memcpy(before.voxels, s->bone.voxels, (size_t)g->dims.x * (size_t)g->dims.y * (size_t)g->dims.z * sizeof *before.voxels);
+        status = ost_ground_init(&ground, &before, THRESHOLD, &classes, NULL, NULL, s->err);
+    }
+    if (status == OST_OK)
+        status = ost_surface_init(&surface, g, s->err);
+    if (status == OST_OK)
+        status = ost_surface_use(&surface, s->isa, s->err);
+    if (status == OST_OK)
+        status = ost_surface_set_volume(&surface, &s->bone, THRESHOLD, s->err);
+    if (status == OST_OK)
+        status = ost_surface_set_ground(&surface, &ground, s->err);
+    surface.keep_fresh = true;
+    const ost_pm at[3] = {s->glenoid.at.x - g->origin.x, s->glenoid.at.y - g->origin.y, s->glenoid.at.z - g->origin.z};
+    const double mm = 1e-9 * (double)g->spacing.x, scale = s->options->quick ? 0.25 : 1;
+    const int pictures = bench_repeat(s->options, PICTURES);
+    for (int i = -1; i < pictures && status == OST_OK; i++) {
+        double middle[3];
+        for (int a = 0; a < 3; a++)
+            middle[a] = (double)at[a] / (double)g->spacing.x + (STEP_MM * (BEGIN + i) - RADIUS_MM * scale) / mm * s->glenoid.axis[a];
+        if (i >= 0 && i % 9 == 0)
+            ost_surface_age(&surface);
+        for (int32_t b = 0; b < surface.used && status == OST_OK; b++) {
+            uint32_t words[OST_BLOCK_ROWS];
+            const ost_surface_block *block = surface.slot[b];
+            double away = 0;
+            for (int a = 0; a < 3; a++)
+                away += pow(fmax(fabs(OST_BLOCK * block->at[a] + 15.5 - middle[a]) - 16, 0), 2);
+            if (away * mm * mm > RADIUS_MM * RADIUS_MM * scale * scale || !ream_block(block, middle, RADIUS_MM * scale / mm, words))
+                continue;
+            status = ost_surface_set(&surface, block->at, words, s->err);
+            changed += i >= 0;
+        }
+        const int64_t begin = bench_now();
+        if (status == OST_OK)
+            status = ost_surface_update(&surface, s->err);
+        if (i >= 0)
+            bench_series_add(&series, (double)(bench_now() - begin));
+        blocks += i >= 0 ? (uint64_t)surface.renewals : 0;
     }
     bench_row *row = status == OST_OK ? bench_row_add(table, name, "us", 1) : NULL;
     if (row) {
         bench_row_ours(row, &series);
         snprintf(row->baseline_reason, sizeof row->baseline_reason, "lists of changed blocks: nothing else makes them");
-        bench_row_extra(row, "changed_blocks", (double)blocks);
+        bench_row_extra(row, "p99_us", bench_series_at(&series, 0.99) / 1e3);
+        bench_row_extra(row, "changed_blocks", (double)changed / pictures);
+        bench_row_extra(row, "renewed_blocks", (double)blocks / pictures);
     }
     bench_series_free(&series);
+    ost_surface_free(&surface);
+    ost_ground_free(&ground);
+    ost_volume_free(&before);
     return status;
 }
 
@@ -285,7 +391,7 @@ ost_status bench_render(const bench_options *options, bench_table *table, ost_er
     show s = {.options = options, .err = err};
     const bool gl_wanted = bench_gl_wanted(options->filter), kept_wanted = bench_kept_wanted(options->filter);
     bench_gl *gl = NULL;
-    if (!gl_wanted && !kept_wanted && options->filter && !strstr("render/scapula/extract render/scapula/whole/1 render/scapula/oblique/1 render/scapula/glenoid/1 render/scapula/close/1", options->filter))
+    if (!gl_wanted && !kept_wanted && options->filter && !strstr("render/scapula/list render/scapula/looks render/scapula/extract render/scapula/ream render/scapula/whole/1 render/scapula/oblique/1 render/scapula/glenoid/1 render/scapula/close/1", options->filter))
         return OST_OK;
     ost_status status = ost_isa_choose(bench_isa(options), &s.isa, err);
     if (status == OST_OK)
@@ -313,7 +419,13 @@ ost_status bench_render(const bench_options *options, bench_table *table, ost_er
     }
     bench_gl_close(gl);
     if (status == OST_OK)
-        status = add_extraction(&s, table);
+        status = add_renewal(&s, table, RENEW_LIST);
+    if (status == OST_OK)
+        status = add_renewal(&s, table, RENEW_LOOKS);
+    if (status == OST_OK)
+        status = add_renewal(&s, table, RENEW_ALL);
+    if (status == OST_OK)
+        status = add_reaming(&s, table);
     if (status == OST_OK && kept_wanted)
         status = bench_kept(options, table, &s.bone, &s.glenoid, THRESHOLD, s.isa, err);
     ost_surface_free(&s.surface);

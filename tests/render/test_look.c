@@ -457,7 +457,7 @@ static void only_what_changed_is_made_anew(void **state)
                     assert_ok(ost_surface_set_volume(s, &now, 120, &err));
                     for (int32_t b = 0; b < s->used; b++)
                         if (i)
-                            s->slot[b]->dirty = s->slot[b]->anew = s->slot[b]->unlisted = true;
+                            s->slot[b]->dirty = s->slot[b]->anew = s->slot[b]->unlisted = s->slot[b]->unmeasured = true;
                         else
                             looked_at += s->slot[b]->dirty;
                     assert_ok(ost_surface_update(s, &err));

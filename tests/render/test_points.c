@@ -65,14 +65,73 @@ static int field(const ost_volume *v, int i, int j, int k)
     return sum;
 }
 
+/* The same of means of 2^3 voxels, which are counted from (0, 0, 0) as well. */
+static int cell(const ost_volume *v, int i, int j, int k)
+{
+    int sum = 0;
+    for (int n = 0; n < 8; n++)
+        sum += active(v, 2 * i + (n & 1), 2 * j + (n >> 1 & 1), 2 * k + (n >> 2)) ? 63 : 0;
+    return (sum + 4) / 8;
+}
+
+static int field_of_cells(const ost_volume *v, int i, int j, int k)
+{
+    static const int weight[9] = {1, 2, 3, 4, 5, 4, 3, 2, 1};
+    int sum = 0;
+    for (int a = -4; a <= 4; a++) {
+        int slice = 0;
+        for (int c = -4; c <= 4; c++)
+            for (int b = -4; b <= 4; b++)
+                slice += cell(v, i + a, j + b, k + c) * weight[b + 4] * weight[c + 4];
+        sum += (slice + 8) / 16 * weight[a + 4];
+    }
+    return sum;
+}
+
+/* Between the cells about a voxel, first along z, then y, then x, rounded each time; a quarter of the field. */
+static int wide(const ost_volume *v, int i, int j, int k)
+{
+    const int c[3] = {i >> 1, j >> 1, k >> 1}, far[3] = {i & 1 ? 1 : -1, j & 1 ? 1 : -1, k & 1 ? 1 : -1};
+    int x[2];
+    for (int a = 0; a < 2; a++) {
+        int y[2];
+        for (int b = 0; b < 2; b++) {
+            const int at[2] = {c[0] + a * far[0], c[1] + b * far[1]};
+            y[b] = (3 * ((field_of_cells(v, at[0], at[1], c[2]) + 2) / 4) + (field_of_cells(v, at[0], at[1], c[2] + far[2]) + 2) / 4 + 2) / 4;
+        }
+        x[a] = (3 * y[0] + y[1] + 2) / 4;
+    }
+    return (3 * x[0] + x[1] + 2) / 4;
+}
+
+static int openness(int value)
+{
+    const int beyond = value - 36915, bright = 225 - beyond * (beyond > 0 ? 470 : 120) / 61525;
+    return bright < 40 ? 40 : bright > 255 ? 255 : bright;
+}
+
+/* By the wide slope where it points as the fine one does to within 45 degrees, by the fine one where they are 53 apart. */
+static uint32_t look_of(const float f[3], const float w[3], int fine, int wide_value)
+{
+    const float a = sqrtf((f[0] * f[0] + f[1] * f[1]) + f[2] * f[2]), b = sqrtf((w[0] * w[0] + w[1] * w[1]) + w[2] * w[2]);
+    const float along = (f[0] * w[0] + f[1] * w[1]) + f[2] * w[2];
+    float t = b < 120 ? 0 : (along / (a * b > 1 ? a * b : 1) - 0.6f) * 10.0f, out[3];
+    t = t > 1 ? 1 : t > 0 ? t : 0;
+    for (int i = 0; i < 3; i++)
+        out[i] = t > 0 ? f[i] * ((1 - t) * b) + w[i] * (t * a) : f[i];
+    const int open = openness(fine), both = openness(8 * wide_value - fine + 6152);
+    return ost_octahedral_of(out) | (uint32_t)((float)open + (float)(both - open) * t + 0.5f) << OST_OPEN_SHIFT;
+}
+
 static uint32_t look(const ost_volume *v, int i, int j, int k)
 {
     const uint32_t open = faces(v, i, j, k);
-    const float out[3] = {(float)(field(v, i - 1, j, k) - field(v, i + 1, j, k) + 160 * ((int)(open >> 1 & 1) - (int)(open & 1))),
-                          (float)(field(v, i, j - 1, k) - field(v, i, j + 1, k) + 160 * ((int)(open >> 3 & 1) - (int)(open >> 2 & 1))),
-                          (float)(field(v, i, j, k - 1) - field(v, i, j, k + 1) + 160 * ((int)(open >> 5 & 1) - (int)(open >> 4 & 1)))};
-    const int beyond = field(v, i, j, k) - 36915, bright = 225 - beyond * (beyond > 0 ? 470 : 120) / 61525;
-    return ost_octahedral_of(out) | (uint32_t)(bright < 40 ? 40 : bright > 255 ? 255 : bright) << OST_OPEN_SHIFT;
+    const float f[3] = {(float)(field(v, i - 1, j, k) - field(v, i + 1, j, k) + 160 * ((int)(open >> 1 & 1) - (int)(open & 1))),
+                        (float)(field(v, i, j - 1, k) - field(v, i, j + 1, k) + 160 * ((int)(open >> 3 & 1) - (int)(open >> 2 & 1))),
+                        (float)(field(v, i, j, k - 1) - field(v, i, j, k + 1) + 160 * ((int)(open >> 5 & 1) - (int)(open >> 4 & 1)))};
+    const float w[3] = {(float)(wide(v, i - 1, j, k) - wide(v, i + 1, j, k)), (float)(wide(v, i, j - 1, k) - wide(v, i, j + 1, k)),
+                        (float)(wide(v, i, j, k - 1) - wide(v, i, j, k + 1))};
+    return look_of(f, w, field(v, i, j, k), wide(v, i, j, k));
 }
 
 static void assert_surface(const ost_surface *s, const ost_volume *v)
@@ -89,7 +148,7 @@ static void assert_surface(const ost_surface *s, const ost_volume *v)
             const int i = 32 * block->at[0] + (int)(w & 31), j = 32 * block->at[1] + (int)(w >> 5 & 31), k = 32 * block->at[2] + (int)(w >> 10 & 31);
             assert_true(active(v, i, j, k));
             assert_int_equal(w >> OST_FACES_SHIFT, faces(v, i, j, k));
-            if (p % 41 == 0)
+            if (p % 199 == 0)
                 assert_int_equal(block->looks[p], look(v, i, j, k));
             assert_true(p == 0 || (block->points[p - 1] & 0x7fff) < (w & 0x7fff));
         }
@@ -382,8 +441,9 @@ static void test_sets_and_threads(void **state)
 
 /* The arithmetic of the looks: words of all sizes, every instruction set, beside sums by weights. */
 typedef struct words {
+    uint8_t cells[3][28 * OST_CELLS], mean[OST_CELLS];
     uint16_t bone[OST_FIELD_BONE + 2][OST_FIELD_LINE], down[OST_FIELD_ROWS][OST_FIELD_LINE], line[OST_FIELD_LINE];
-    ost_field_slice y[9], field[3];
+    ost_field_slice y[9], field[3], wide[3];
     uint64_t row[OST_FIELD_BONE];
     int16_t density[OST_FIELD_LINE];
 } words;
@@ -447,24 +507,67 @@ static void assert_bone(test_rng *rng, const ost_smooth_kernels *k, words *w, bo
     }
 }
 
-/* Slopes of all sizes, and none; as many points as there may be in a run. */
+/* Means of 2^3 words; lines of three blocks; and back, between two slices. */
+static void assert_cells(test_rng *rng, const ost_smooth_kernels *k, words *w)
+{
+    const int count = (int)rng_range(rng, 1, 26), odd = (int)rng_range(rng, 0, 1);
+    fill(rng, w->bone, sizeof w->bone / 2, 63);
+    k->cells((const uint16_t(*)[OST_FIELD_LINE])w->bone, (const uint16_t(*)[OST_FIELD_LINE])w->bone + 7, w->mean);
+    for (int x = 0; x < OST_CELLS; x++) {
+        int sum = 0;
+        for (int i = 0; i < 8; i++)
+            sum += w->bone[(i & 1) + 7 * (i >> 1 & 1)][8 + 2 * x + (i >> 2)];
+        assert_int_equal(w->mean[x], (sum + 4) / 8);
+    }
+    for (int i = 0; i < 3; i++)
+        for (int c = 0; c < 28 * OST_CELLS; c++)
+            w->cells[i][c] = (uint8_t)rng_range(rng, 0, 63);
+    k->lines(w->cells[0], w->cells[1], w->cells[2], count, w->bone);
+    for (int row = 0; row < count; row++)
+        for (int x = -5; x < OST_CELLS + 5; x++)
+            assert_int_equal(w->bone[row][x + 8], w->cells[(x + 16) / 16][OST_CELLS * row + (x & 15)]);
+    const ost_field_slice *const both[2] = {&w->y[4], &w->y[2]};
+    const uint64_t rows = (uint64_t)rng_range(rng, 1, (INT64_C(1) << OST_FIELD_ROWS) - 1);
+    fill(rng, w->y, sizeof w->y / 2, 61525);
+    memset(w->field[0], 0xff, sizeof w->field[0]);
+    k->finer(both, odd, rows, &w->field[0]);
+    for (int y = 0; y < OST_FIELD_ROWS; y++)
+        for (int x = 0; x < OST_FIELD_ROWS; x++) {
+            int value[2][2][2]; /* x, y, z; the nearer first */
+            for (int i = 0; i < 8; i++)
+                value[i & 1][i >> 1 & 1][i >> 2] = ((*both[(i >> 2) ^ odd])[y / 2 + ((i >> 1 & 1) ^ (y & 1))][x / 2 + ((i & 1) ^ (x & 1))] + 2) / 4;
+            int along_x[2];
+            for (int i = 0; i < 2; i++) {
+                const int along_z[2] = {(3 * value[i][0][0] + value[i][0][1] + 2) / 4, (3 * value[i][1][0] + value[i][1][1] + 2) / 4};
+                along_x[i] = (3 * along_z[0] + along_z[1] + 2) / 4;
+            }
+            assert_int_equal(w->field[0][y][x], rows >> y & 1 ? (3 * along_x[0] + along_x[1] + 2) / 4 : 0xffff);
+        }
+}
+
+/* Slopes of all sizes, and none, that agree and that do not; as many points as there may be in a run. */
 static void assert_looks(test_rng *rng, const ost_smooth_kernels *k, words *w, int flat)
 {
     enum { COUNT = 53 };
     uint32_t points[COUNT], looks[COUNT + OST_LOOKS_ROOM];
-    const ost_field_slice *const slice[3] = {&w->field[0], &w->field[1], &w->field[2]};
+    const ost_field_slice *const fine[3] = {&w->field[0], &w->field[1], &w->field[2]}, *const coarse[3] = {&w->wide[0], &w->wide[1], &w->wide[2]};
     const int count = (int)rng_range(rng, 1, COUNT);
     fill(rng, w->field, sizeof w->field / 2, flat ? flat : 61525);
+    for (size_t i = 0; i < sizeof w->wide / 2; i++) {
+        const uint16_t *from = &w->field[0][0][0];
+        ((uint16_t *)w->wide)[i] = (uint16_t)(from[i] / 4 * (flat > 1 ? 0.5 : 0.7) + (double)rng_range(rng, 0, flat > 1 ? 40 : 4000));
+    }
     for (int i = 0; i < count; i++)
         points[i] = (uint32_t)rng_range(rng, 0, (1 << 21) - 1);
-    k->looks(points, count, slice, looks);
+    k->looks(points, count, fine, coarse, looks);
     for (int i = 0; i < count; i++) {
         const int x = 1 + (int)(points[i] & 31), y = 1 + (int)(points[i] >> 5 & 31), f = (int)(points[i] >> OST_FACES_SHIFT);
         const float out[3] = {(float)(w->field[1][y][x - 1] - w->field[1][y][x + 1] + 160 * ((f >> 1 & 1) - (f & 1))),
                               (float)(w->field[1][y - 1][x] - w->field[1][y + 1][x] + 160 * ((f >> 3 & 1) - (f >> 2 & 1))),
                               (float)(w->field[0][y][x] - w->field[2][y][x] + 160 * ((f >> 5 & 1) - (f >> 4 & 1)))};
-        const int beyond = w->field[1][y][x] - 36915, bright = 225 - beyond * (beyond > 0 ? 470 : 120) / 61525;
-        assert_int_equal(looks[i], ost_octahedral_of(out) | (uint32_t)(bright < 40 ? 40 : bright > 255 ? 255 : bright) << OST_OPEN_SHIFT);
+        const float broad[3] = {(float)(w->wide[1][y][x - 1] - w->wide[1][y][x + 1]), (float)(w->wide[1][y - 1][x] - w->wide[1][y + 1][x]),
+                                (float)(w->wide[0][y][x] - w->wide[2][y][x])};
+        assert_int_equal(looks[i], look_of(out, broad, w->field[1][y][x], w->wide[1][y][x]));
     }
 }
 
@@ -481,6 +584,7 @@ static void test_smooth(void **state)
         for (int round = 0; round < 60; round++) {
             assert_sums(&rng, &k, w);
             assert_bone(&rng, &k, w, round % 2);
+            assert_cells(&rng, &k, w);
             assert_looks(&rng, &k, w, round % 3 ? 0 : round % 2 ? 300 : 1);
         }
     }
@@ -496,7 +600,7 @@ static bool bit_at(uint32_t block[3][3][3][OST_BLOCK_ROWS], int x, int y, int z)
 static void test_rows(void **state)
 {
     (void)state;
-    static const int reaches[] = {1, 3, 5, 8}, step[6][3] = {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}};
+    static const int reaches[] = {1, 3, 11, 14}, step[6][3] = {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}};
     static uint32_t block[3][3][3][OST_BLOCK_ROWS], points[32 * OST_BLOCK_ROWS + OST_POINT_ROOM], behind[OST_BLOCK_ROWS];
     static ost_rows rows, other, first;
     static ost_faces faces;
@@ -550,16 +654,16 @@ static void test_rows(void **state)
                 for (int y = -8; y < 40; y += 8) {
                     const uint32_t(*const n)[OST_BLOCK_ROWS] = (const uint32_t(*)[OST_BLOCK_ROWS])block[(z + 32) / 32][(y + 32) / 32];
                     const int row = (y & 31) + 32 * (z & 31);
-                    k.join(n[0] + row, n[1] + row, n[2] + row, rows.row[z + 8] + y + 8, 8);
+                    k.join(n[0] + row, n[1] + row, n[2] + row, rows.row[z + OST_LOOK_REACH] + y + OST_LOOK_REACH, 8);
                 }
             for (int i = 0; i < 2000; i++) {
                 const int x = (int)rng_range(&rng, -16, 47), y = (int)rng_range(&rng, -8, 39), z = (int)rng_range(&rng, -8, 39);
-                assert_int_equal(rows.row[z + 8][y + 8] >> (x + 16) & 1, bit_at(block, x, y, z));
+                assert_int_equal(rows.row[z + OST_LOOK_REACH][y + OST_LOOK_REACH] >> (x + 16) & 1, bit_at(block, x, y, z));
             }
             const int reach = reaches[(round + isa) % 4];
             memset(&rows, 0, sizeof rows);
             for (int i = 0; i < 30 << 2 * round; i++)
-                rows.row[rng_range(&rng, 0, 47)][rng_range(&rng, 0, 47)] |= UINT64_C(1) << rng_range(&rng, 0, 63);
+                rows.row[rng_range(&rng, 0, OST_SEEN - 1)][rng_range(&rng, 0, OST_SEEN - 1)] |= UINT64_C(1) << rng_range(&rng, 0, 63);
             first = rows;
             k.spread(&rows, &other, reach);
             for (int z = reach; z < OST_SEEN - reach; z++)

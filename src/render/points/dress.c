@@ -9,12 +9,16 @@
  *     z     [34][34][48]   0 .. 63 * 625 = 39375, then a sixteenth of it, rounded
  *     x     [34][34][34]   0 .. 2461 * 25 = 61525
  *
- * Of these only the rows are made that stale points ask for.
+ * Of these only the rows are made that stale points ask for.  The wide field
+ * is the same of cells of 2^3 voxels, from -5 to 20, and then goes back to
+ * voxels by thirds to one (cell_loops.h).  A block keeps its cells, so that what
+ * lies about a block need not be measured again.
+ *
+ *    reach: a slope 1, to a cell's middle and on to the next 2, four cells 8
  *
  * How much bone a voxel is: none, or all of it where nothing is known but the
  * bits.  Where the CT is known it is from a quarter to all of it, by density:
- * a voxel at the border that is bone by half is half as dense, and so the
- * normal of a gentle slope does not see its steps.  Within three voxels of
+ * a voxel at the border that is bone by half is half as dense.  Within three voxels of
  * what was cut it is all again: inside, density is not how much bone there is.
  */
 #include "render/points/dress.h"
@@ -28,14 +32,15 @@
 enum {
     SIDE = OST_BLOCK,
     REACH = OST_FIELD_REACH,
-    NEAR = 3,                   /* what is so near to a cut counts as bone, whatever its density */
-    WIDE = OST_FIELD_BONE,      /* rows and slices of bone */
+    NEAR = OST_NEAR_REACH,
     INNER = OST_FIELD_ROWS,     /* of the field */
     LINE = OST_FIELD_LINE, LEFT = 8, /* a row begins at x = -LEFT */
     NINE = 9, THREE = 3,
+    CELLS = OST_CELLS,
+    ROWS_BEFORE = OST_LOOK_REACH, /* in what is seen, before voxel 0 */
 };
 
-_Static_assert(REACH + NEAR == OST_LOOK_REACH, "blocks so far from a change are made anew");
+_Static_assert((int)OST_WIDE_REACH + (int)NEAR == (int)OST_LOOK_REACH, "blocks so far from a change are made anew");
 
 static const uint32_t *before_of(const ost_surface_block *b) { return b->before; }
 static const uint32_t *whole_of(const ost_surface_block *b) { return b->whole; }
@@ -69,23 +74,82 @@ static const int16_t *line_of(const int16_t *voxels, int first, int size, int16_
 }
 
 /* Rows first to last of slice z, both from -REACH on. Densities are looked up where they count, since they are far away in memory. */
-static void measure(const ost_surface *s, const ost_surface_block *b, ost_dress_scratch *k, bool cut, int z, int first, int last)
+static void measure(const ost_surface *s, const ost_surface_block *b, ost_dress_scratch *k, bool cut, int z, int first, int last,
+                    uint16_t (*out)[LINE])
 {
+    enum { MORE = ROWS_BEFORE - REACH };
     const uint64_t line = ((UINT64_C(1) << LINE) - 1) << LEFT;
     const ost_ground *g = s->ground;
     const ost_dims d = s->geometry.dims;
-    const uint64_t *whole = k->whole.row[z + NEAR] + NEAR;
+    const uint64_t *whole = k->whole.row[z + MORE] + MORE;
     const int32_t at_z = SIDE * b->at[2] + z - REACH;
-    k->smooth.bits(whole + first, last - first + 1, k->bone + first);
+    k->smooth.bits(whole + first, last - first + 1, out);
     for (int y = first; y <= last && g && at_z >= 0 && at_z < d.z; y++) {
         const int32_t at_y = SIDE * b->at[1] + y - REACH;
-        const uint64_t near = cut ? k->near.row[z + NEAR][y + NEAR] : 0;
+        const uint64_t near = cut ? k->near.row[z + MORE][y + MORE] : 0;
         int16_t copy[LINE];
         if (whole[y] & ~near & line && at_y >= 0 && at_y < d.y)
             k->smooth.densities(whole[y], near,
                                 line_of(g->volume.voxels + (size_t)d.x * ((size_t)at_y + (size_t)d.y * (size_t)at_z), SIDE * b->at[0] - LEFT, d.x, copy),
-                                k->bone[y]);
+                                out[y - first]);
     }
+}
+
+/* ------------------------------------------------------------------- cells */
+
+/* Rows of cells that may be others now: bit y of slice z. */
+static void find_unmeasured(const ost_surface *s, const ost_surface_block *b, uint32_t rows[CELLS])
+{
+    uint64_t changes[OST_SEEN];
+    const bool changed = !b->anew && ost_surface_changes(s, b, NEAR, changes);
+    memset(rows, b->anew ? 0xff : 0, CELLS * sizeof *rows);
+    for (int z = 0; z < SIDE && changed; z++)
+        for (int y = 0; y < SIDE; y++)
+            rows[z / 2] |= (uint32_t)(changes[z + ROWS_BEFORE] >> (y + ROWS_BEFORE) & 1) << y / 2;
+}
+
+void ost_surface_measure(const ost_surface *s, ost_surface_block *b, ost_dress_scratch *k)
+{
+    enum { PAIR = 2 };
+    uint32_t rows[CELLS];
+    uint16_t(*below)[LINE] = k->bone, (*above)[LINE] = k->y[0];
+    find_unmeasured(s, b, rows);
+    ost_surface_rows(s, b, whole_of, &k->rows, &k->whole);
+    const bool cut = s->ground && find_near(s, b, k);
+    for (int z = 0; z < CELLS; z++)
+        for (int y = 0; y < CELLS; y++) {
+            if (!(rows[z] >> y & 1))
+                continue;
+            const int first = REACH + PAIR * y;
+            measure(s, b, k, cut, REACH + PAIR * z, first, first + 1, below);
+            measure(s, b, k, cut, REACH + PAIR * z + 1, first, first + 1, above);
+            k->smooth.cells((const uint16_t(*)[LINE])below, (const uint16_t(*)[LINE])above, b->cells + CELLS * (y + CELLS * z));
+        }
+    b->unmeasured = false;
+}
+
+/* Cells of 27 blocks: z, y, x. */
+typedef const uint8_t *cells_about[3][3][3];
+
+static void find_cells(const ost_surface *s, const ost_surface_block *b, cells_about out)
+{
+    static const uint8_t none[sizeof b->cells];
+    for (int i = 0; i < 27; i++) {
+        const ost_surface_block *n = ost_surface_block_at(s, b->at[0] + i % 3 - 1, b->at[1] + i / 3 % 3 - 1, b->at[2] + i / 9 - 1);
+        out[i / 9][i / 3 % 3][i % 3] = n ? n->cells : none;
+    }
+}
+
+/* Rows of the field of cells that are asked for: those on both sides of a needed one. */
+static void find_needed_cells(const uint64_t needed[INNER], uint64_t cells[INNER])
+{
+    memset(cells, 0, INNER * sizeof *cells);
+    for (int z = 0; z < INNER; z++)
+        for (uint64_t left = needed[z]; left; left &= left - 1) {
+            const uint64_t both = UINT64_C(3) << __builtin_ctzll(left) / 2;
+            cells[z / 2] |= both;
+            cells[z / 2 + 1] |= both;
+        }
 }
 
 /* Rows of the field that are asked for: bits y + 1 of slices z + 1. */
@@ -100,36 +164,79 @@ static void find_needed(const uint32_t stale[SIDE], uint64_t needed[INNER])
     }
 }
 
-/* Sums along y of slice z, from -REACH on, as far as a field's slice asks for them. */
-static void add_slice(const ost_surface *s, const ost_surface_block *b, ost_dress_scratch *k, bool cut, int z, const uint64_t needed[INNER])
+/* Of slice z, from -REACH on, the rows of sums along y that the field's slices ask for. */
+static void rows_asked_for(int z, const uint64_t needed[INNER], int *first, int *last)
 {
     uint64_t rows = 0;
     for (int i = z - (NINE - 1) < 0 ? 0 : z - (NINE - 1); i <= z && i < INNER; i++)
         rows |= needed[i];
-    const int first = __builtin_ctzll(rows), last = 63 - __builtin_clzll(rows);
-    measure(s, b, k, cut, z, first, last + NINE - 1);
+    *first = __builtin_ctzll(rows);
+    *last = 63 - __builtin_clzll(rows);
+}
+
+static void add_slice(const ost_surface *s, const ost_surface_block *b, ost_dress_scratch *k, bool cut, int z, const uint64_t needed[INNER])
+{
+    int first, last;
+    rows_asked_for(z, needed, &first, &last);
+    measure(s, b, k, cut, z, first, last + NINE - 1, k->bone + first);
     k->smooth.down((const uint16_t(*)[LINE])k->bone + first, k->y[z % NINE] + first, last - first + 1);
+}
+
+/* The same of cells. */
+static void add_cells(cells_about about, ost_dress_scratch *k, int z, const uint64_t needed[INNER])
+{
+    int first, last;
+    const int at = z - REACH, slice = CELLS * CELLS * (at & (CELLS - 1));
+    const uint8_t *const(*n)[3] = about[(at >= 0) + (at >= CELLS)];
+    rows_asked_for(z, needed, &first, &last);
+    for (int y = first; y < last + NINE;) {
+        const int row = y - REACH, end = row < 0 ? REACH : row < CELLS ? REACH + CELLS : CELLS + 2 * REACH, stop = end < last + NINE ? end : last + NINE;
+        const int from = slice + CELLS * (row & (CELLS - 1)), which = (row >= 0) + (row >= CELLS);
+        k->smooth.lines(n[which][0] + from, n[which][1] + from, n[which][2] + from, stop - y, k->cells + y);
+        y = stop;
+    }
+    k->smooth.down((const uint16_t(*)[LINE])k->cells + first, k->cells_y[z % NINE] + first, last - first + 1);
+}
+
+/* Slice z of the wide field; *made, *smoothed: slices of cells, and of their field, before it, as far as they are needed. */
+static void widen(cells_about about, ost_dress_scratch *k, int z, const uint64_t needed[INNER], const uint64_t cells[INNER], int *made, int *smoothed)
+{
+    for (int c = *smoothed > z / 2 ? *smoothed : z / 2; c <= z / 2 + 1; c++) {
+        const ost_field_slice *y[NINE];
+        for (*made = *made > c ? *made : c; *made < c + NINE; ++*made)
+            add_cells(about, k, *made, cells);
+        for (int i = 0; i < NINE; i++)
+            y[i] = &k->cells_y[(c + i) % NINE];
+        k->smooth.slice(y, cells[c], &k->cells_field[c % THREE]);
+        *smoothed = c + 1;
+    }
+    const ost_field_slice *const both[2] = {&k->cells_field[z / 2 % THREE], &k->cells_field[(z / 2 + 1) % THREE]};
+    k->smooth.finer(both, z % 2, needed[z], &k->wide[z % THREE]);
 }
 
 /* Looks of the points of slice z in stale rows. */
 static void look_at(const uint32_t *points, ost_dress_scratch *k, int z)
 {
-    const ost_field_slice *const slice[3] = {&k->field[z % THREE], &k->field[(z + 1) % THREE], &k->field[(z + 2) % THREE]};
+    const ost_field_slice *const fine[3] = {&k->field[z % THREE], &k->field[(z + 1) % THREE], &k->field[(z + 2) % THREE]};
+    const ost_field_slice *const wide[3] = {&k->wide[z % THREE], &k->wide[(z + 1) % THREE], &k->wide[(z + 2) % THREE]};
     const uint16_t *begin = k->faces.begin + SIDE * z;
     for (uint64_t left = k->stale[z]; left;) {
         const int from = __builtin_ctzll(left), to = from + __builtin_ctzll(~(left >> from));
-        k->smooth.looks(points + begin[from], begin[to] - begin[from], slice, k->looks + begin[from]);
+        k->smooth.looks(points + begin[from], begin[to] - begin[from], fine, wide, k->looks + begin[from]);
         left = to < SIDE ? left >> to << to : 0;
     }
 }
 
 static void look(const ost_surface *s, const ost_surface_block *b, const uint32_t *points, ost_dress_scratch *k)
 {
-    uint64_t needed[INNER];
-    int made = 0; /* sums along y of slices before it, as far as they are needed */
+    uint64_t needed[INNER], cells[INNER];
+    cells_about about;
+    int made = 0, cells_made = 0, cells_smoothed = 0; /* slices before it, as far as they are needed */
     ost_surface_rows(s, b, whole_of, &k->rows, &k->whole);
     const bool cut = s->ground && find_near(s, b, k);
     find_needed(k->stale, needed);
+    find_needed_cells(needed, cells);
+    find_cells(s, b, about);
     for (int z = 0; z < INNER; z++) {
         if (!needed[z])
             continue;
@@ -139,6 +246,7 @@ static void look(const ost_surface *s, const ost_surface_block *b, const uint32_
         for (int i = 0; i < NINE; i++)
             y[i] = &k->y[(z + i) % NINE];
         k->smooth.slice(y, needed[z], &k->field[z % THREE]);
+        widen(about, k, z, needed, cells, &cells_made, &cells_smoothed);
         if (z >= 2 && k->stale[z - 2])
             look_at(points, k, z - 2);
     }

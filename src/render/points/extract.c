@@ -56,3 +56,45 @@ bool ost_surface_rows(const ost_surface *surface, const ost_surface_block *block
     }
     return true;
 }
+
+/* ----------------------------------------------------------------- changes */
+
+/* Rows of one block of the 27, by its place among them, that have a bit where the block in the middle sees it. */
+static void add_changes(const uint32_t *words, const int at[3], int reach, uint64_t rows[OST_SEEN])
+{
+    const uint32_t all = UINT32_MAX, seen = at[0] < 0 ? all << (SIDE - reach) : at[0] > 0 ? all >> (SIDE - reach) : all;
+    int first[3], last[3];
+    for (int a = 1; a < 3; a++) {
+        first[a] = at[a] < 0 ? SIDE - reach : 0;
+        last[a] = at[a] > 0 ? reach - 1 : LAST;
+    }
+    for (int z = first[2]; z <= last[2]; z++) {
+        uint64_t any = 0;
+        for (int y = first[1]; y <= last[1]; y++)
+            any |= (uint64_t)((words[y + SIDE * z] & seen) != 0) << (y + SIDE * at[1] + REACH);
+        rows[z + SIDE * at[2] + REACH] |= any;
+    }
+}
+
+static const uint32_t *changed_of(const ost_surface_block *b) { return b->changed; }
+
+bool ost_surface_changes(const ost_surface *surface, const ost_surface_block *block, int reach, uint64_t rows[OST_SEEN])
+{
+    nearby near;
+    if (!look_around(surface, block, changed_of, near))
+        return false;
+    memset(rows, 0, OST_SEEN * sizeof *rows);
+    for (int i = 0; i < 27; i++)
+        if (near[i / 9][i / 3 % 3][i % 3] != nothing)
+            add_changes(near[i / 9][i / 3 % 3][i % 3], (const int[]){i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1}, reach, rows);
+    /* Widened by up to one more than twice what it has been widened by, no gap is left. */
+    for (int done = 0, step; done < reach; done += step) {
+        uint64_t was[OST_SEEN];
+        step = reach - done < 2 * done + 1 ? reach - done : 2 * done + 1;
+        for (int z = 0; z < OST_SEEN; z++)
+            was[z] = rows[z] | rows[z] << step | rows[z] >> step;
+        for (int z = 0; z < OST_SEEN; z++)
+            rows[z] = was[z] | (z >= step ? was[z - step] : 0) | (z + step < OST_SEEN ? was[z + step] : 0);
+    }
+    return true;
+}

@@ -15,4 +15,11 @@ typedef const uint32_t *ost_words_of(const ost_surface_block *block);
 bool ost_surface_rim(const ost_surface *surface, const ost_surface_block *block, ost_words_of *which, ost_rim *out);
 bool ost_surface_rows(const ost_surface *surface, const ost_surface_block *block, ost_words_of *which, const ost_row_kernels *kernels, ost_rows *out);
 
+/*
+ * Rows that lie up to reach voxels from a change, along each axis: bit y of
+ * slice z, both from -OST_LOOK_REACH on, right for the block's own.  Of a row
+ * it is not said where in it.  False when nothing about the block changed.
+ */
+bool ost_surface_changes(const ost_surface *surface, const ost_surface_block *block, int reach, uint64_t rows[OST_SEEN]);
+
 #endif

@@ -5,7 +5,7 @@
  * away, so most rows of points keep the looks that they have:
  *
  *   bits shown --faces--> rows of points; another list? --.
- *   bits that changed --spread--> rows within reach ------+--> stale rows --dress--> looks
+ *   bits that changed --> rows within reach --------------+--> stale rows --dress--> looks
  *   looks as they were --------------------- other rows --'                        '--> contact
  *
  * A row's looks are made together.  What contact paints changes with time, not
@@ -45,7 +45,6 @@ static ost_status make_scratch(ost_surface *s, ost_error *err)
 }
 
 static const uint32_t *shown_of(const ost_surface_block *b) { return b->occupancy; }
-static const uint32_t *changed_of(const ost_surface_block *b) { return b->changed; }
 
 /* ------------------------------------------------------------------- stale */
 
@@ -62,9 +61,8 @@ static bool same_points(const ost_surface_block *b, const uint32_t *points, cons
 static bool find_stale(const ost_surface *s, const ost_surface_block *b, const uint32_t *points, ost_dress_scratch *k)
 {
     const ost_faces *f = &k->faces;
-    const bool changes = !b->anew && ost_surface_rows(s, b, changed_of, &k->rows, &k->near);
-    if (changes)
-        k->rows.spread(&k->near, &k->other, s->ground ? OST_LOOK_REACH : OST_FIELD_REACH);
+    uint64_t changes[OST_SEEN];
+    const bool changed = !b->anew && ost_surface_changes(s, b, s->ground ? OST_LOOK_REACH : OST_WIDE_REACH, changes);
     uint32_t any = 0;
     memset(k->stale, 0, sizeof k->stale);
     for (int row = 0; row < ROWS; row++) {
@@ -73,8 +71,7 @@ static bool find_stale(const ost_surface *s, const ost_surface_block *b, const u
             continue;
         bool stale = b->anew || f->begin[row + 1] - f->begin[row] != b->begin[row + 1] - b->begin[row];
         if (!stale)
-            stale = (changes && f->any[row] & (uint32_t)(k->near.row[z + OST_LOOK_REACH][y + OST_LOOK_REACH] >> 16)) ||
-                    (b->unlisted && !same_points(b, points, k, row));
+            stale = (changed && changes[z + OST_LOOK_REACH] >> (y + OST_LOOK_REACH) & 1) || (b->unlisted && !same_points(b, points, k, row));
         k->stale[z] |= (uint32_t)stale << y;
         any |= stale;
     }
@@ -148,12 +145,19 @@ static ost_status take(ost_surface *s, int32_t slot, const uint32_t *points, con
     return OST_OK;
 }
 
+ost_status ost_surface_measure_all(ost_surface *surface, ost_error *err)
+{
+    ost_status status = make_scratch(surface, err);
+    for (int32_t i = 0; i < surface->used && status == OST_OK; i++)
+        if (surface->slot[i]->unmeasured)
+            ost_surface_measure(surface, surface->slot[i], surface->scratch);
+    return status;
+}
+
 ost_status ost_surface_renew(ost_surface *surface, int32_t slot, ost_error *err)
 {
     ost_surface_block *b = surface->slot[slot];
-    ost_status status = make_scratch(surface, err);
-    if (status != OST_OK)
-        return status;
+    ost_status status = OST_OK;
     ost_dress_scratch *k = surface->scratch;
     ost_surface_rim(surface, b, shown_of, &k->rim);
     k->rows.faces(&k->rim, &k->faces);

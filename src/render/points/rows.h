@@ -37,7 +37,7 @@ typedef struct ost_faces {
 } ost_faces;
 
 typedef struct ost_row_kernels {
-    /* out[i]: bits 16 .. 31 of left[i], all of own[i], bits 0 .. 15 of right[i]; count is a multiple of eight. */
+    /* out[i]: bits 16 .. 31 of left[i], all of own[i], bits 0 .. 15 of right[i]. */
     void (*join)(const uint32_t *left, const uint32_t *own, const uint32_t *right, uint64_t *out, int count);
     /* Sets what is up to reach away along each axis; the outer `reach` rows, slices and bits may be anything after it. */
     void (*spread)(ost_rows *rows, ost_rows *other, int reach);

@@ -2,6 +2,7 @@
 #include "config.h"
 
 #include "core/conditions.h"
+#include "render/points/cell_loops.h"
 #include "render/points/slopes.h"
 
 enum { LINE = OST_FIELD_LINE };
@@ -52,28 +53,86 @@ void ost_field_slice_scalar(const ost_field_slice *const y[9], uint64_t rows, os
     }
 }
 
-void ost_field_looks_scalar(const uint32_t *points, int count, const ost_field_slice *const slice[3], uint32_t *looks)
+OST_CELLS_DEFINE(scalar)
+
+/* Of words below 2^14. */
+static inline uint16_t between(uint16_t near, uint16_t far)
 {
-    for (int i = 0; i < count; i++) {
-        ost_slopes s;
-        float out[3];
-        ost_slope_at(points[i], slice, &s, 0);
-        for (int a = 0; a < 3; a++)
-            out[a] = (float)ost_slope_with_faces(s.out[a][0], s.faces[0], a);
-        looks[i] = ost_octahedral_of(out) | ost_openness(s.field[0]) << OST_OPEN_SHIFT;
+    return (uint16_t)((3 * near + far + 2) >> 2);
+}
+
+/*
+ *    cell m - 1  |    cell m     |  cell m + 1        places of a field: 2 m and 2 m + 1 lie between
+ *                    o   |   o                        cells m and m + 1 (counted from -1, as all rows of a
+ *                  3 : 1 | 1 : 3                      field are), a quarter and three quarters of the way
+ */
+void ost_field_finer_scalar(const ost_field_slice *const cells[2], bool odd, uint64_t rows, ost_field_slice *out)
+{
+    enum { LANES = 32, PAIRS = OST_FIELD_ROWS / 2 };
+    const ost_field_slice *restrict near = cells[odd], *restrict far = cells[!odd];
+    uint16_t z[OST_FIELD_ROWS / 2 + 1][LANES], y[LANES];
+    for (int row = __builtin_ctzll(rows) / 2, last = (63 - __builtin_clzll(rows)) / 2 + 1; row <= last; row++)
+        for (int i = 0; i < LANES; i++)
+            z[row][i] = between((uint16_t)(((*near)[row][i] + 2) >> 2), (uint16_t)(((*far)[row][i] + 2) >> 2));
+    for (; rows; rows &= rows - 1) {
+        const int row = __builtin_ctzll(rows);
+        const uint16_t *restrict a = z[row / 2 + row % 2], *restrict b = z[row / 2 + !(row % 2)];
+        for (int i = 0; i < LANES; i++)
+            y[i] = between(a[i], b[i]);
+        for (int i = 0; i < PAIRS; i++) {
+            (*out)[row][2 * i] = between(y[i], y[i + 1]);
+            (*out)[row][2 * i + 1] = between(y[i + 1], y[i]);
+        }
     }
 }
 
+static inline float size_of(const float v[3])
+{
+    return sqrtf((v[0] * v[0] + v[1] * v[1]) + v[2] * v[2]);
+}
+
+/* How much the wide slope counts. */
+static inline float share_of(const float fine[3], const float wide[3], float fine_size, float wide_size)
+{
+    const float both = fine_size * wide_size, dot = (fine[0] * wide[0] + fine[1] * wide[1]) + fine[2] * wide[2];
+    const float t = (dot / (both > 1 ? both : 1) - OST_AGREE_LEAST) * OST_AGREE_STEEP;
+    return wide_size < OST_WIDE_LEAST || !(t > 0) ? 0 : t < 1 ? t : 1;
+}
+
+void ost_field_looks_scalar(const uint32_t *points, int count, const ost_field_slice *const fine[3], const ost_field_slice *const wide[3], uint32_t *looks)
+{
+    for (int i = 0; i < count; i++) {
+        ost_slopes s;
+        float f[3], w[3], out[3];
+        ost_slope_at(points[i], fine, wide, &s, 0);
+        for (int a = 0; a < 3; a++) {
+            f[a] = (float)ost_slope_with_faces(s.fine[a][0], s.faces[0], a);
+            w[a] = (float)s.wide[a][0];
+        }
+        const float fine_size = size_of(f), wide_size = size_of(w), t = share_of(f, w, fine_size, wide_size);
+        const float of_fine = t > 0 ? (1 - t) * wide_size : 1, of_wide = t * fine_size;
+        for (int a = 0; a < 3; a++)
+            out[a] = f[a] * of_fine + w[a] * of_wide;
+        const int open = ost_openness(s.value[0][0]), both = ost_openness(2 * OST_WIDE_PART * s.value[1][0] - s.value[0][0] + OST_WIDE_PLANE);
+        const float mixed = (float)open + (float)(both - open) * t;
+        looks[i] = ost_octahedral_of(out) | (uint32_t)(int)(mixed + 0.5f) << OST_OPEN_SHIFT;
+    }
+}
+
+#define OF(SET, FINER)                                                                                                                     \
+    {ost_field_bits_##SET, ost_field_densities_##SET, ost_field_down_##SET, ost_field_slice_##SET, ost_field_cells_##SET,            \
+     ost_field_lines_##SET, FINER, ost_field_looks_##SET}
+
 ost_smooth_kernels ost_smooth_kernels_of(ost_isa isa)
 {
-    ost_smooth_kernels k = {ost_field_bits_scalar, ost_field_densities_scalar, ost_field_down_scalar, ost_field_slice_scalar, ost_field_looks_scalar};
+    ost_smooth_kernels k = OF(scalar, ost_field_finer_scalar);
 #if HAVE_AVX2_BUILD
     if (isa == OST_ISA_AVX2 || isa == OST_ISA_AVX512 || isa == OST_ISA_AVX512VBMI)
-        k = (ost_smooth_kernels){ost_field_bits_avx2, ost_field_densities_avx2, ost_field_down_avx2, ost_field_slice_avx2, ost_field_looks_avx2};
+        k = (ost_smooth_kernels)OF(avx2, ost_field_finer_avx2);
 #endif
 #if HAVE_AVX512_BUILD
     if (isa == OST_ISA_AVX512 || isa == OST_ISA_AVX512VBMI)
-        k = (ost_smooth_kernels){ost_field_bits_avx512, ost_field_densities_avx512, ost_field_down_avx512, ost_field_slice_avx512, ost_field_looks_avx512};
+        k = (ost_smooth_kernels)OF(avx512, k.finer);
 #endif
     (void)isa;
     return k;

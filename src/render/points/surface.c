@@ -109,7 +109,7 @@ static ost_status remember(const ost_surface *s, ost_surface_block *b, ost_error
     free(b->before);
     b->depth = NULL;
     b->before = NULL;
-    b->dirty = b->anew = true;
+    b->dirty = b->anew = b->unmeasured = true;
     if (!s->ground)
         return OST_OK;
     b->before = malloc(ROWS * sizeof *b->before);
@@ -160,8 +160,11 @@ static bool changed_box(const uint32_t *was, const uint32_t *is, int lo[3], int 
     return x != 0;
 }
 
-/* The blocks that see the change from `reach` voxels away, the block itself among them; perhaps it changes their points. */
-static void mark(const ost_surface *s, const int32_t at[3], const int lo[3], const int hi[3], int reach, bool points)
+/* What may be other in a block that sees a change. */
+typedef enum sees { SEES_LOOKS, SEES_POINTS, SEES_CELLS, SEES_GROUND } sees;
+
+/* The blocks that see the change from `reach` voxels away, the block itself among them. */
+static void mark(const ost_surface *s, const int32_t at[3], const int lo[3], const int hi[3], int reach, sees what)
 {
     int from[3], to[3];
     for (int a = 0; a < 3; a++) {
@@ -172,10 +175,12 @@ static void mark(const ost_surface *s, const int32_t at[3], const int lo[3], con
         for (int y = from[1]; y <= to[1]; y++)
             for (int x = from[0]; x <= to[0]; x++) {
                 ost_surface_block *b = ost_surface_block_at(s, at[0] + x, at[1] + y, at[2] + z);
-                if (b) {
-                    b->dirty = true;
-                    b->unlisted |= points;
-                }
+                if (!b)
+                    continue;
+                b->dirty = true;
+                b->unlisted |= what == SEES_POINTS;
+                b->unmeasured |= what == SEES_CELLS || what == SEES_GROUND;
+                b->anew |= what == SEES_GROUND;
             }
 }
 
@@ -214,7 +219,12 @@ ost_status ost_surface_set(ost_surface *surface, const int32_t at[3], const uint
     int lo[3], hi[3];
     if (!changed_box(b ? b->whole : nothing, occupancy, lo, hi))
         return OST_OK;
-    ost_status status = b ? OST_OK : new_block(surface, at, &b, err);
+    ost_status status = OST_OK;
+    if (!b) {
+        static const int first[3] = {0, 0, 0}, last[3] = {SIDE - 1, SIDE - 1, SIDE - 1};
+        status = new_block(surface, at, &b, err);
+        mark(surface, at, first, last, 1, SEES_GROUND); /* what of it was cut is known from now on */
+    }
     if (status == OST_OK)
         status = note_changed(b, occupancy, err);
     if (status == OST_OK && surface->keep_fresh)
@@ -226,8 +236,9 @@ ost_status ost_surface_set(ost_surface *surface, const int32_t at[3], const uint
         ost_clip_words(&surface->clip, at, b->whole, b->occupancy);
     else
         memcpy(b->occupancy, occupancy, sizeof b->occupancy);
-    mark(surface, at, lo, hi, 1, true);
-    mark(surface, at, lo, hi, surface->ground ? OST_LOOK_REACH : OST_FIELD_REACH, false);
+    mark(surface, at, lo, hi, 1, SEES_POINTS);
+    mark(surface, at, lo, hi, surface->ground ? OST_NEAR_REACH : 0, SEES_CELLS);
+    mark(surface, at, lo, hi, surface->ground ? OST_LOOK_REACH : OST_WIDE_REACH, SEES_LOOKS);
     return OST_OK;
 }
 
@@ -249,7 +260,7 @@ void ost_surface_clip(ost_surface *surface, const ost_clip *clip)
         if (!changed_box(b->occupancy, shown, lo, hi))
             continue;
         memcpy(b->occupancy, shown, sizeof shown);
-        mark(surface, b->at, lo, hi, 1, true);
+        mark(surface, b->at, lo, hi, 1, SEES_POINTS);
     }
 }
 
@@ -281,7 +292,7 @@ void ost_surface_age(ost_surface *surface)
         int lo[3], hi[3];
         /* What stays to be seen as it was, as fresh and now as recent, changes nothing. */
         if (b->recent && changed_box(b->fresh ? b->fresh : nothing, b->recent, lo, hi))
-            mark(surface, b->at, lo, hi, 1, false);
+            mark(surface, b->at, lo, hi, 1, SEES_LOOKS);
         free(b->recent);
         b->recent = b->fresh;
         b->fresh = NULL;
@@ -339,7 +350,7 @@ ost_status ost_surface_update(ost_surface *surface, ost_error *err)
     surface->renewed = renewed;
     surface->renewals = 0;
     surface->points = 0;
-    ost_status status = OST_OK;
+    ost_status status = ost_surface_measure_all(surface, err);
     for (int32_t i = 0; i < surface->used; i++) {
         if (surface->slot[i]->dirty && status == OST_OK)
             status = ost_surface_renew(surface, i, err);

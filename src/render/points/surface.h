@@ -40,7 +40,7 @@ enum {
     OST_FACES_SHIFT = 15,
     OST_OPEN_SHIFT = 14,
     OST_PAINT_SHIFT = 22,
-    OST_LOOK_REACH = 8,              /* voxels about one that its look depends on, at most (renew.c) */
+    OST_LOOK_REACH = 14,             /* voxels about one that its look depends on, at most (renew.c) */
 };
 #define OST_LOOK_CONTACT (UINT32_C(1) << 30)
 
@@ -51,6 +51,7 @@ typedef struct ost_surface_block {
     bool dirty;                /* to be looked at by the next update: */
     bool unlisted;             /* its points may be others */
     bool anew;                 /* all its looks may be */
+    bool unmeasured;           /* its cells may be */
     bool contact;              /* some look has it */
     uint64_t version;          /* of its lists: no two lists of a process have the same; 0 before the first */
     uint32_t occupancy[OST_BLOCK_ROWS]; /* shown */
@@ -60,6 +61,7 @@ typedef struct ost_surface_block {
     uint32_t *fresh, *recent;  /* owned; voxels that went: since the last ost_surface_age, and before that; NULL: none */
     uint16_t *depth;           /* owned; squared distances (ground.h); NULL until one is asked for */
     uint32_t count, room;
+    uint8_t cells[OST_BLOCK_ROWS * OST_BLOCK / 8]; /* how much bone is in 2^3 voxels: x, y, z (dress.h) */
     uint32_t *points, *looks;  /* owned; count surface points, rows ascending */
     uint16_t begin[OST_BLOCK_ROWS + 1]; /* of each row its first */
 } ost_surface_block;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "core/conditions.h"
+#include "render/points/cell_loops.h"
 #include "render/points/slopes.h"
 
 #include <immintrin.h>
@@ -103,6 +104,45 @@ void ost_field_slice_avx2(const ost_field_slice *const y[9], uint64_t rows, ost_
     }
 }
 
+OST_CELLS_DEFINE(avx2)
+
+/* Three quarters of a and one of b, of words below 2^14. */
+static inline __m256i between(__m256i a, __m256i b)
+{
+    return _mm256_srli_epi16(plus(plus(plus(a, a), plus(a, b)), _mm256_set1_epi16(2)), 2);
+}
+
+static inline __m256i quarter_of(const uint16_t *at)
+{
+    return _mm256_srli_epi16(plus(load(at), _mm256_set1_epi16(2)), 2);
+}
+
+void ost_field_finer_avx2(const ost_field_slice *const cells[2], bool odd, uint64_t rows, ost_field_slice *out)
+{
+    enum { LANES = 32, LAST = 32 };
+    const ost_field_slice *near = cells[odd], *far = cells[!odd];
+    uint16_t z[OST_FIELD_ROWS / 2 + 1][LANES], y[OST_FIELD_ROWS][LANES];
+    for (int row = __builtin_ctzll(rows) / 2, last = (63 - __builtin_clzll(rows)) / 2 + 1; row <= last; row++)
+        for (int i = 0; i < LANES; i += SIXTEEN)
+            store(z[row] + i, between(quarter_of((*near)[row] + i), quarter_of((*far)[row] + i)));
+    for (uint64_t left = rows; left; left &= left - 1) {
+        const int row = __builtin_ctzll(left);
+        for (int i = 0; i < LANES; i += SIXTEEN)
+            store(y[row] + i, between(load(z[row / 2 + row % 2] + i), load(z[row / 2 + !(row % 2)] + i)));
+    }
+    for (uint64_t left = rows; left; left &= left - 1) {
+        const int row = __builtin_ctzll(left);
+        const __m256i a = load(y[row]), b = load(y[row] + 1), first = between(a, b), second = between(b, a);
+        const __m256i low = _mm256_unpacklo_epi16(first, second), high = _mm256_unpackhi_epi16(first, second);
+        store((*out)[row], _mm256_permute2x128_si256(low, high, 0x20));
+        store((*out)[row] + SIXTEEN, _mm256_permute2x128_si256(low, high, 0x31));
+        const int c = y[row][LAST / 2], d = y[row][LAST / 2 + 1];
+        (*out)[row][LAST] = (uint16_t)((3 * c + d + 2) >> 2);
+        (*out)[row][LAST + 1] = (uint16_t)((3 * d + c + 2) >> 2);
+    }
+}
+
+/* As x86/smooth_avx512.c has it, where the reasons stand. */
 enum { EIGHT = 8 };
 
 static inline __m256i all(int v)
@@ -110,9 +150,14 @@ static inline __m256i all(int v)
     return _mm256_set1_epi32(v);
 }
 
-static inline __m256 size_of(__m256 v)
+static inline __m256 one(float v)
 {
-    return _mm256_andnot_ps(_mm256_set1_ps(-0.0f), v);
+    return _mm256_set1_ps(v);
+}
+
+static inline __m256 abs_of(__m256 v)
+{
+    return _mm256_andnot_ps(one(-0.0f), v);
 }
 
 static inline __m256i load_eight(const int32_t *at)
@@ -120,31 +165,51 @@ static inline __m256i load_eight(const int32_t *at)
     return _mm256_loadu_si256((const void *)at);
 }
 
-static inline __m256 slope(const ost_slopes *s, int i, int axis)
+static inline __m256 with_faces(const ost_slopes *s, int i, int axis)
 {
-    const __m256i faces = load_eight(s->faces + i), one = all(1);
-    const __m256i before = _mm256_and_si256(_mm256_srli_epi32(faces, 2 * axis), one), behind = _mm256_and_si256(_mm256_srli_epi32(faces, 2 * axis + 1), one);
+    const __m256i faces = load_eight(s->faces + i);
+    const __m256i before = _mm256_and_si256(_mm256_srli_epi32(faces, 2 * axis), all(1)), behind = _mm256_and_si256(_mm256_srli_epi32(faces, 2 * axis + 1), all(1));
     const __m256i more = _mm256_mullo_epi32(_mm256_sub_epi32(behind, before), all(OST_FIELD_BY_FACES));
-    return _mm256_cvtepi32_ps(_mm256_add_epi32(load_eight(s->out[axis] + i), more));
+    return _mm256_cvtepi32_ps(_mm256_add_epi32(load_eight(s->fine[axis] + i), more));
 }
 
-/* 1 - |beside|, with the sign of a number that is not -0. */
+static inline __m256 dot(const __m256 a[3], const __m256 b[3])
+{
+    return _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(a[0], b[0]), _mm256_mul_ps(a[1], b[1])), _mm256_mul_ps(a[2], b[2]));
+}
+
+static inline __m256 share(const __m256 fine[3], const __m256 wide[3], __m256 fine_size, __m256 wide_size)
+{
+    const __m256 both = _mm256_max_ps(_mm256_mul_ps(fine_size, wide_size), one(1));
+    const __m256 t = _mm256_mul_ps(_mm256_sub_ps(_mm256_div_ps(dot(fine, wide), both), one(OST_AGREE_LEAST)), one(OST_AGREE_STEEP));
+    const __m256 says = _mm256_cmp_ps(wide_size, one(OST_WIDE_LEAST), _CMP_GE_OQ);
+    return _mm256_and_ps(says, _mm256_min_ps(_mm256_max_ps(t, one(0)), one(1)));
+}
+
 static inline __m256 folded(__m256 beside, __m256 sign)
 {
-    return _mm256_or_ps(_mm256_sub_ps(_mm256_set1_ps(1), size_of(beside)), _mm256_and_ps(_mm256_set1_ps(-0.0f), sign));
+    return _mm256_or_ps(_mm256_sub_ps(one(1), abs_of(beside)), _mm256_and_ps(one(-0.0f), sign));
 }
 
 static inline __m256i cell(__m256 p)
 {
-    const __m256 scaled = _mm256_mul_ps(_mm256_add_ps(p, _mm256_set1_ps(1)), _mm256_set1_ps(OST_OCTAHEDRAL_SIDE / 2));
+    const __m256 scaled = _mm256_mul_ps(_mm256_add_ps(p, one(1)), one(OST_OCTAHEDRAL_SIDE / 2));
     return _mm256_min_epi32(_mm256_max_epi32(_mm256_cvttps_epi32(scaled), _mm256_setzero_si256()), all(OST_OCTAHEDRAL_SIDE - 1));
 }
 
-/* As x86/smooth_avx512.c has it. */
+/* blendv looks at the sign of v[2], which is not -0. */
+static inline __m256i octahedral(const __m256 v[3])
+{
+    const __m256 sum = _mm256_add_ps(_mm256_add_ps(abs_of(v[0]), abs_of(v[1])), abs_of(v[2])), by = _mm256_max_ps(sum, one(1));
+    const __m256 p = _mm256_div_ps(v[0], by), q = _mm256_div_ps(v[1], by);
+    const __m256i u = cell(_mm256_blendv_ps(p, folded(q, v[0]), v[2])), w = cell(_mm256_blendv_ps(q, folded(p, v[1]), v[2]));
+    return _mm256_add_epi32(u, _mm256_mullo_epi32(w, all(OST_OCTAHEDRAL_SIDE)));
+}
+
 static inline __m256i by_full(__m256i v)
 {
     const __m256i full = all(OST_FIELD_FULL), size = _mm256_abs_epi32(v);
-    const __m256i q = _mm256_cvttps_epi32(_mm256_div_ps(_mm256_cvtepi32_ps(size), _mm256_set1_ps(OST_FIELD_FULL)));
+    const __m256i q = _mm256_cvttps_epi32(_mm256_div_ps(_mm256_cvtepi32_ps(size), one(OST_FIELD_FULL)));
     const __m256i rest = _mm256_sub_epi32(size, _mm256_mullo_epi32(q, full));
     const __m256i less = _mm256_add_epi32(q, _mm256_cmpgt_epi32(_mm256_setzero_si256(), rest));
     return _mm256_sign_epi32(_mm256_sub_epi32(less, _mm256_cmpgt_epi32(rest, all(OST_FIELD_FULL - 1))), v);
@@ -158,21 +223,35 @@ static inline __m256i openness(__m256i field)
     return _mm256_min_epi32(_mm256_max_epi32(open, all(OST_OPEN_LEAST)), all(255));
 }
 
-static inline __m256i look(const ost_slopes *s, int i)
+static inline __m256i mixed_openness(__m256i fine, __m256i wide, __m256 t)
 {
-    const __m256 a = slope(s, i, 0), b = slope(s, i, 1), c = slope(s, i, 2);
-    const __m256 sum = _mm256_add_ps(_mm256_add_ps(size_of(a), size_of(b)), size_of(c)), by = _mm256_max_ps(sum, _mm256_set1_ps(1)); /* 0, or 1 and more */
-    const __m256 p = _mm256_div_ps(a, by), q = _mm256_div_ps(b, by); /* blendv looks at the sign of c, which is not -0 */
-    const __m256i u = cell(_mm256_blendv_ps(p, folded(q, a), c)), v = cell(_mm256_blendv_ps(q, folded(p, b), c));
-    const __m256i normal = _mm256_add_epi32(u, _mm256_mullo_epi32(v, all(OST_OCTAHEDRAL_SIDE)));
-    return _mm256_or_si256(normal, _mm256_slli_epi32(openness(load_eight(s->field + i)), OST_OPEN_SHIFT));
+    const __m256i twice = _mm256_mullo_epi32(wide, all(2 * OST_WIDE_PART));
+    const __m256i open = openness(fine), both = openness(_mm256_add_epi32(_mm256_sub_epi32(twice, fine), all(OST_WIDE_PLANE)));
+    const __m256 mixed = _mm256_add_ps(_mm256_cvtepi32_ps(open), _mm256_mul_ps(_mm256_cvtepi32_ps(_mm256_sub_epi32(both, open)), t));
+    return _mm256_cvttps_epi32(_mm256_add_ps(mixed, one(0.5f)));
 }
 
-void ost_field_looks_avx2(const uint32_t *points, int count, const ost_field_slice *const slice[3], uint32_t *looks)
+static inline __m256i look(const ost_slopes *s, int i)
+{
+    __m256 f[3], w[3], out[3];
+    for (int a = 0; a < 3; a++) {
+        f[a] = with_faces(s, i, a);
+        w[a] = _mm256_cvtepi32_ps(load_eight(s->wide[a] + i));
+    }
+    const __m256 fine_size = _mm256_sqrt_ps(dot(f, f)), wide_size = _mm256_sqrt_ps(dot(w, w)), t = share(f, w, fine_size, wide_size);
+    const __m256 some = _mm256_cmp_ps(t, one(0), _CMP_GT_OQ);
+    const __m256 of_fine = _mm256_blendv_ps(one(1), _mm256_mul_ps(_mm256_sub_ps(one(1), t), wide_size), some), of_wide = _mm256_mul_ps(t, fine_size);
+    for (int a = 0; a < 3; a++)
+        out[a] = _mm256_add_ps(_mm256_mul_ps(f[a], of_fine), _mm256_mul_ps(w[a], of_wide));
+    const __m256i open = mixed_openness(load_eight(s->value[0] + i), load_eight(s->value[1] + i), t);
+    return _mm256_or_si256(octahedral(out), _mm256_slli_epi32(open, OST_OPEN_SHIFT));
+}
+
+void ost_field_looks_avx2(const uint32_t *points, int count, const ost_field_slice *const fine[3], const ost_field_slice *const wide[3], uint32_t *looks)
 {
     ost_slopes s = {.faces = {0}};
     for (int first = 0; first < count; first += OST_SLOPES) {
-        ost_slopes_at(points + first, count - first, slice, &s);
+        ost_slopes_at(points + first, count - first, fine, wide, &s);
         for (int i = 0; i < OST_SLOPES; i += EIGHT)
             _mm256_storeu_si256((void *)(looks + first + i), look(&s, i));
     }

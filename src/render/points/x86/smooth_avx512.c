@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "core/conditions.h"
+#include "render/points/cell_loops.h"
 #include "render/points/slopes.h"
 
 #include <immintrin.h>
@@ -118,42 +119,75 @@ void ost_field_slice_avx512(const ost_field_slice *const y[9], uint64_t rows, os
     }
 }
 
+OST_CELLS_DEFINE(avx512)
+
 static inline __m512i load_all(const int32_t *at)
 {
     return _mm512_loadu_si512(at);
 }
 
-static inline __m512 slope(const ost_slopes *s, __m512i faces, int axis)
+static inline __m512 one(float v)
 {
-    const __m512i by = _mm512_set1_epi32(OST_FIELD_BY_FACES), v = load_all(s->out[axis]);
+    return _mm512_set1_ps(v);
+}
+
+static inline __m512 with_faces(const ost_slopes *s, __m512i faces, int axis)
+{
+    const __m512i by = _mm512_set1_epi32(OST_FIELD_BY_FACES), v = load_all(s->fine[axis]);
     const __mmask16 before = _mm512_test_epi32_mask(faces, _mm512_set1_epi32(1 << (2 * axis)));
     const __mmask16 behind = _mm512_test_epi32_mask(faces, _mm512_set1_epi32(2 << (2 * axis)));
-    return _mm512_cvtepi32_ps(_mm512_mask_sub_epi32(_mm512_mask_add_epi32(v, behind, v, by), before, _mm512_mask_add_epi32(v, behind, v, by), by));
+    const __m512i more = _mm512_mask_add_epi32(v, behind, v, by);
+    return _mm512_cvtepi32_ps(_mm512_mask_sub_epi32(more, before, more, by));
+}
+
+static inline __m512 dot(const __m512 a[3], const __m512 b[3])
+{
+    return _mm512_add_ps(_mm512_add_ps(_mm512_mul_ps(a[0], b[0]), _mm512_mul_ps(a[1], b[1])), _mm512_mul_ps(a[2], b[2]));
+}
+
+static inline __m512 share(const __m512 fine[3], const __m512 wide[3], __m512 fine_size, __m512 wide_size)
+{
+    const __m512 both = _mm512_max_ps(_mm512_mul_ps(fine_size, wide_size), one(1));
+    const __m512 t = _mm512_mul_ps(_mm512_sub_ps(_mm512_div_ps(dot(fine, wide), both), one(OST_AGREE_LEAST)), one(OST_AGREE_STEEP));
+    const __mmask16 says = _mm512_cmp_ps_mask(wide_size, one(OST_WIDE_LEAST), _CMP_GE_OQ);
+    return _mm512_maskz_min_ps(says, _mm512_max_ps(t, one(0)), one(1));
 }
 
 /* 1 - |beside|, with the sign of a number that is not -0. */
 static inline __m512 folded(__m512 beside, __m512 sign)
 {
-    const __m512 one = _mm512_set1_ps(1), away = _mm512_sub_ps(one, _mm512_abs_ps(beside)), zero = _mm512_setzero_ps();
-    return _mm512_mask_sub_ps(away, _mm512_cmp_ps_mask(sign, zero, _CMP_LT_OQ), _mm512_abs_ps(beside), one);
+    const __m512 away = _mm512_sub_ps(one(1), _mm512_abs_ps(beside));
+    return _mm512_mask_sub_ps(away, _mm512_cmp_ps_mask(sign, one(0), _CMP_LT_OQ), _mm512_abs_ps(beside), one(1));
 }
 
 static inline __m512i cell(__m512 p)
 {
-    const __m512 scaled = _mm512_mul_ps(_mm512_add_ps(p, _mm512_set1_ps(1)), _mm512_set1_ps(OST_OCTAHEDRAL_SIDE / 2));
+    const __m512 scaled = _mm512_mul_ps(_mm512_add_ps(p, one(1)), one(OST_OCTAHEDRAL_SIDE / 2));
     const __m512i c = _mm512_max_epi32(_mm512_cvttps_epi32(scaled), _mm512_setzero_si512());
     return _mm512_min_epi32(c, _mm512_set1_epi32(OST_OCTAHEDRAL_SIDE - 1));
 }
 
-/* The quotient by OST_FIELD_FULL of what is below 2^25 in size: that by a float is within 2^-14 of it, and where it
-   crosses an integer that is put right; rounded to zero, as C does. */
+/* No part of v is -0: of v[a] fine + w[a] wide no sum is. Nor is v less than 1 in sum, but for 0. */
+static inline __m512i octahedral(const __m512 v[3])
+{
+    const __m512 sum = _mm512_add_ps(_mm512_add_ps(_mm512_abs_ps(v[0]), _mm512_abs_ps(v[1])), _mm512_abs_ps(v[2])), by = _mm512_max_ps(sum, one(1));
+    const __m512 p = _mm512_div_ps(v[0], by), q = _mm512_div_ps(v[1], by);
+    const __mmask16 below = _mm512_cmp_ps_mask(v[2], one(0), _CMP_LT_OQ);
+    const __m512i u = cell(_mm512_mask_mov_ps(p, below, folded(q, v[0]))), w = cell(_mm512_mask_mov_ps(q, below, folded(p, v[1])));
+    return _mm512_add_epi32(u, _mm512_mullo_epi32(w, _mm512_set1_epi32(OST_OCTAHEDRAL_SIDE)));
+}
+
+/*
+ * The quotient by OST_FIELD_FULL of what is below 2^26 in size, rounded to zero
+ * as C does.  That of floats is less than 1 off, and put right by what is left.
+ */
 static inline __m512i by_full(__m512i v)
 {
-    const __m512i full = _mm512_set1_epi32(OST_FIELD_FULL), size = _mm512_abs_epi32(v);
-    const __m512i q = _mm512_cvttps_epi32(_mm512_div_ps(_mm512_cvtepi32_ps(size), _mm512_set1_ps(OST_FIELD_FULL)));
-    const __m512i rest = _mm512_sub_epi32(size, _mm512_mullo_epi32(q, full)), one = _mm512_set1_epi32(1);
-    const __m512i less = _mm512_mask_sub_epi32(q, _mm512_cmplt_epi32_mask(rest, _mm512_setzero_si512()), q, one);
-    const __m512i right = _mm512_mask_add_epi32(less, _mm512_cmpge_epi32_mask(rest, full), less, one);
+    const __m512i full = _mm512_set1_epi32(OST_FIELD_FULL), size = _mm512_abs_epi32(v), step = _mm512_set1_epi32(1);
+    const __m512i q = _mm512_cvttps_epi32(_mm512_div_ps(_mm512_cvtepi32_ps(size), one(OST_FIELD_FULL)));
+    const __m512i rest = _mm512_sub_epi32(size, _mm512_mullo_epi32(q, full));
+    const __m512i less = _mm512_mask_sub_epi32(q, _mm512_cmplt_epi32_mask(rest, _mm512_setzero_si512()), q, step);
+    const __m512i right = _mm512_mask_add_epi32(less, _mm512_cmpge_epi32_mask(rest, full), less, step);
     return _mm512_mask_sub_epi32(right, _mm512_cmplt_epi32_mask(v, _mm512_setzero_si512()), _mm512_setzero_si512(), right);
 }
 
@@ -166,19 +200,31 @@ static inline __m512i openness(__m512i field)
     return _mm512_min_epi32(_mm512_max_epi32(open, _mm512_set1_epi32(OST_OPEN_LEAST)), _mm512_set1_epi32(255));
 }
 
-void ost_field_looks_avx512(const uint32_t *points, int count, const ost_field_slice *const slice[3], uint32_t *looks)
+static inline __m512i mixed_openness(__m512i fine, __m512i wide, __m512 t)
+{
+    const __m512i twice = _mm512_mullo_epi32(wide, _mm512_set1_epi32(2 * OST_WIDE_PART));
+    const __m512i open = openness(fine), both = openness(_mm512_add_epi32(_mm512_sub_epi32(twice, fine), _mm512_set1_epi32(OST_WIDE_PLANE)));
+    const __m512 mixed = _mm512_add_ps(_mm512_cvtepi32_ps(open), _mm512_mul_ps(_mm512_cvtepi32_ps(_mm512_sub_epi32(both, open)), t));
+    return _mm512_cvttps_epi32(_mm512_add_ps(mixed, one(0.5f)));
+}
+
+void ost_field_looks_avx512(const uint32_t *points, int count, const ost_field_slice *const fine[3], const ost_field_slice *const wide[3], uint32_t *looks)
 {
     ost_slopes s = {.faces = {0}};
     for (int first = 0; first < count; first += OST_SLOPES) {
-        ost_slopes_at(points + first, count - first, slice, &s);
+        ost_slopes_at(points + first, count - first, fine, wide, &s);
         const __m512i faces = load_all(s.faces);
-        const __m512 a = slope(&s, faces, 0), b = slope(&s, faces, 1), c = slope(&s, faces, 2), zero = _mm512_setzero_ps();
-        const __m512 sum = _mm512_add_ps(_mm512_add_ps(_mm512_abs_ps(a), _mm512_abs_ps(b)), _mm512_abs_ps(c));
-        const __m512 by = _mm512_max_ps(sum, _mm512_set1_ps(1)); /* 0, or 1 and more */
-        const __m512 p = _mm512_div_ps(a, by), q = _mm512_div_ps(b, by);
-        const __mmask16 below = _mm512_cmp_ps_mask(c, zero, _CMP_LT_OQ);
-        const __m512i u = cell(_mm512_mask_mov_ps(p, below, folded(q, a))), v = cell(_mm512_mask_mov_ps(q, below, folded(p, b)));
-        const __m512i normal = _mm512_add_epi32(u, _mm512_mullo_epi32(v, _mm512_set1_epi32(OST_OCTAHEDRAL_SIDE)));
-        _mm512_storeu_si512(looks + first, _mm512_or_si512(normal, _mm512_slli_epi32(openness(load_all(s.field)), OST_OPEN_SHIFT)));
+        __m512 f[3], w[3], out[3];
+        for (int a = 0; a < 3; a++) {
+            f[a] = with_faces(&s, faces, a);
+            w[a] = _mm512_cvtepi32_ps(load_all(s.wide[a]));
+        }
+        const __m512 fine_size = _mm512_sqrt_ps(dot(f, f)), wide_size = _mm512_sqrt_ps(dot(w, w)), t = share(f, w, fine_size, wide_size);
+        const __mmask16 some = _mm512_cmp_ps_mask(t, one(0), _CMP_GT_OQ);
+        const __m512 of_fine = _mm512_mask_mul_ps(one(1), some, _mm512_sub_ps(one(1), t), wide_size), of_wide = _mm512_mul_ps(t, fine_size);
+        for (int a = 0; a < 3; a++)
+            out[a] = _mm512_add_ps(_mm512_mul_ps(f[a], of_fine), _mm512_mul_ps(w[a], of_wide));
+        const __m512i open = mixed_openness(load_all(s.value[0]), load_all(s.value[1]), t);
+        _mm512_storeu_si512(looks + first, _mm512_or_si512(octahedral(out), _mm512_slli_epi32(open, OST_OPEN_SHIFT)));
     }
 }
