@@ -78,9 +78,9 @@ ost_status sim_show_make(const app_state *app, const sim_args *args, simulation 
     show->scene.device = args->device;
     show->scene.force_given = s->force != NULL;
     show->scene.recording = s->recorder != NULL;
-    if ((status = sim_look_make(args, s, known ? &glenoid : NULL, err)) != OST_OK)
-        return status;
-    return OST_OK;
+    status = sim_look_make(args, s, known ? &glenoid : NULL, err);
+    /* All of the bone's lists and looks, once, before a loop waits for nobody. */
+    return status == OST_OK ? ost_viewer_update(&show->viewer, err) : status;
 }
 
 void sim_show_free(sim_show *show)
