@@ -245,25 +245,37 @@ static void plan_pose(ost_pose_plan *plan, const ost_map *map, const ost_voxel_b
     ost_block_bases_make(&plan->bases, map, lo, hi);
 }
 
+static void run_listed(const cpu_backend *backend, ost_event_scratch *scratch, int32_t n, size_t i, bool apply, const ost_density_classes *classes)
+{
+    ost_event_chunk *chunk = &scratch->chunks[i];
+    run_chunk(&backend->kernels, &scratch->plan, n, chunk, apply, classes, classes ? &chunk->tally : &chunk->touched);
+}
+
+/* Apart from the plain loop: a team of one thread still makes a call of the system at its end, in every tick. */
+static void run_shared(const cpu_backend *backend, ost_event_scratch *scratch, int32_t n, bool apply, const ost_density_classes *classes)
+{
+#pragma omp parallel for schedule(dynamic, 4) num_threads(backend->threads)
+    for (size_t i = 0; i < scratch->count; i++)
+        run_listed(backend, scratch, n, i, apply, classes);
+}
+
 /* All poses on all chunks of the list. classes is NULL when hits are those of touching voxels: counted only. */
 static void run_poses(const cpu_bone *bone, const ost_shape *shape, const ost_event *event, ost_event_scratch *scratch,
                       const ost_density_classes *classes, bool apply)
 {
     const cpu_backend *backend = (const cpu_backend *)bone->base.backend;
     const int32_t n = bone->base.chunk_size;
-    const ptrdiff_t count = (ptrdiff_t)scratch->count;
-    const bool many = backend->threads > 1 && (size_t)count * (size_t)n * (size_t)n * (size_t)n >= backend->event_threaded;
-    (void)many;
+    const bool many = backend->threads > 1 && scratch->count * (size_t)n * (size_t)n * (size_t)n >= backend->event_threaded;
     for (int p = 0; p < event->pose_count; p++) {
         ost_voxel_box box;
         if (!clip_box(&event->boxes[p], bone->base.geometry.dims, &box))
             continue;
         plan_pose(&scratch->plan, &event->maps[p], &box, shape);
-#pragma omp parallel for schedule(dynamic, 4) num_threads(backend->threads) if (many)
-        for (ptrdiff_t i = 0; i < count; i++) {
-            ost_event_chunk *chunk = &scratch->chunks[i];
-            run_chunk(&backend->kernels, &scratch->plan, n, chunk, apply, classes, classes ? &chunk->tally : &chunk->touched);
-        }
+        if (many)
+            run_shared(backend, scratch, n, apply, classes);
+        else
+            for (size_t i = 0; i < scratch->count; i++)
+                run_listed(backend, scratch, n, i, apply, classes);
     }
 }
 
