@@ -87,7 +87,8 @@ packages() {
 	[ ${#missing[@]} -gt 0 ] || return 0
 	[ "$(id -u)" -eq 0 ] || prefix=(sudo -n)
 	printf '\n== packages\n$ apt-get install %s\n' "${missing[*]}"
-	"${prefix[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${missing[@]}" \
+	{ "${prefix[@]}" apt-get update -q &&
+		"${prefix[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${missing[@]}"; } \
 		>"$logs/packages.log" 2>&1 || { tail -n 5 "$logs/packages.log"; echo "not installed: their gates are skipped"; }
 }
 
