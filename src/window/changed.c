@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#include "core/bits_run.h"
+
 enum { BAND = OST_WINDOW_CELL_HEIGHT, RUN = OST_WINDOW_CELL_WIDTH, SLACK = 8192 }; /* pixels that a box is worth */
 
 typedef uint32_t four __attribute__((vector_size(16)));
@@ -45,26 +47,13 @@ static void copy_row(const uint32_t *from, uint32_t *to, int begin, int end, int
     *r = (range){first, last};
 }
 
-/* Cells of a row: the next ones in a row at or after *end. False when there are none. */
-static bool next_cells(const uint64_t *word, int cells, int *begin, int *end)
-{
-    int i = *end;
-    while (i < cells && !(word[i / 64] >> (i % 64) & 1))
-        i = word[i / 64] >> (i % 64) ? i + 1 : (i / 64 + 1) * 64;
-    *begin = i;
-    while (i < cells && word[i / 64] >> (i % 64) & 1)
-        i++;
-    *end = i;
-    return *begin < cells;
-}
-
 static range copy_band(const ost_window_picture *p, bool whole, int y, int rows, uint32_t *shared)
 {
     const int cells = (p->width + RUN - 1) / RUN;
     const uint64_t *word = whole || !p->changed ? NULL : p->changed + (size_t)(y / BAND) * (size_t)p->changed_words;
     range r = {p->width, 0};
     int begin = 0, end = word ? 0 : cells;
-    while (!word || next_cells(word, cells, &begin, &end)) {
+    while (!word || ost_bits_run(word, p->changed_words, &begin, &end)) {
         const int right = end * RUN < p->width ? end * RUN : p->width;
         for (int k = y; k < y + rows; k++)
             copy_row(p->pixels + (size_t)k * (size_t)p->stride, shared + (size_t)k * (size_t)p->width, begin * RUN, right, k + 1 < y + rows ? p->stride : 0, k + 1 < y + rows ? p->width : 0, &r);

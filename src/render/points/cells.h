@@ -48,27 +48,4 @@ static inline void ost_cells_dot(const ost_cells *cells, int x, int y)
     cells->bit[(int64_t)(y / OST_CELL_HEIGHT) * cells->words + column / 64] |= UINT64_C(1) << (column % 64);
 }
 
-/* Bits of words, half-open: the next run at or after *to. False when there is none. */
-static inline bool ost_cells_run(const uint64_t *word, int words, int *from, int *to)
-{
-    int i = *to;
-    for (; i < 64 * words; i = (i / 64 + 1) * 64) {
-        const uint64_t left = word[i / 64] >> (i % 64);
-        if (left) {
-            i += __builtin_ctzll(left);
-            break;
-        }
-    }
-    *from = i;
-    for (; i < 64 * words; i = (i / 64 + 1) * 64) {
-        const uint64_t left = ~word[i / 64] >> (i % 64);
-        if (left) {
-            i += __builtin_ctzll(left);
-            break;
-        }
-    }
-    *to = i < 64 * words ? i : 64 * words;
-    return *from < 64 * words;
-}
-
 #endif

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "core/bits_run.h"
 #include "core/conditions.h"
 #include "render/points/frame.h"
 #include "render/points/light.h"
@@ -489,7 +490,7 @@ static cell_row row_of(const ost_cells *a, const ost_cells *b, bool without, con
 static bool next_run(const cell_row *row, int *from, int *to)
 {
     int a, b = *to / OST_CELL_WIDTH;
-    const bool found = ost_cells_run(row->bit, row->words, &a, &b);
+    const bool found = ost_bits_run(row->bit, row->words, &a, &b);
     *from = a * OST_CELL_WIDTH;
     *to = b * OST_CELL_WIDTH;
     return found;

@@ -67,7 +67,7 @@ typedef struct ost_frame_list {
 typedef struct ost_frame_layer {
     const ost_surface *surface; /* borrowed for a frame */
     ost_frame_block *blocks; /* owned; count of them after the cull */
-    int32_t count, block_room;
+    int32_t count;
     ost_visible visible;    /* the lists */
     size_t visible_room, visible_used;
     ost_frame_list *list;   /* owned; of each slot */

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Runs of set bits in a row of words, the lowest bit of the first word first:
+ * how parts of a picture are gone through (render/points/cells.h, window/changed.h).
+ */
+#ifndef OST_CORE_BITS_RUN_H
+#define OST_CORE_BITS_RUN_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/* Bits of words, half-open: the next run at or after *to. False when there is none. */
+static inline bool ost_bits_run(const uint64_t *word, int words, int *from, int *to)
+{
+    int i = *to;
+    for (; i < 64 * words; i = (i / 64 + 1) * 64) {
+        const uint64_t left = word[i / 64] >> (i % 64);
+        if (left) {
+            i += __builtin_ctzll(left);
+            break;
+        }
+    }
+    *from = i;
+    for (; i < 64 * words; i = (i / 64 + 1) * 64) {
+        const uint64_t left = ~word[i / 64] >> (i % 64);
+        if (left) {
+            i += __builtin_ctzll(left);
+            break;
+        }
+    }
+    *to = i < 64 * words ? i : 64 * words;
+    return *from < 64 * words;
+}
+
+#endif
