@@ -6,6 +6,8 @@
 #ifndef OSTEON_PATH_H
 #define OSTEON_PATH_H
 
+#include <stdbool.h>
+
 #include <osteon/pose.h>
 
 #ifdef __cplusplus
@@ -16,6 +18,7 @@ typedef struct ost_tick {
     int64_t t_ns; /* nanoseconds */
     int32_t tool; /* index into the world's tools */
     ost_pose pose;
+    bool lifted;  /* the tool was lifted before this tick: nothing is swept from the tick before (AR-SWEEP-5) */
 } ost_tick;
 
 typedef struct ost_path {

@@ -51,7 +51,8 @@ enum {
     OST_TICK_REMOVAL = 1,   /* it ran a removal event */
     OST_TICK_MET = 2,       /* the boxes of bone and tool met */
     OST_TICK_FORCE = 4,     /* the force was given to the device */
-    OST_TICK_DECLARED = 8   /* the device had no new pose: the last one was taken */
+    OST_TICK_DECLARED = 8,  /* the device had no new pose: the last one was taken */
+    OST_TICK_LIFTED = 16    /* the tool was lifted before this tick (path.h); written from tick.lifted and read into it */
 };
 
 typedef struct ost_session_tick {

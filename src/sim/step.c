@@ -32,7 +32,7 @@ static ost_status check_tick(const ost_world *world, const ost_tick *tick, ost_e
     return ost_pose_check(&tick->pose, err);
 }
 
-/* The world's first for this tool selection, and then the first tick of every period. */
+/* Returns true for the first tick after the tool was selected or lifted, and then for the first one of every period. */
 static bool removal_is_due(const ost_world *world, const ost_tick *tick, bool taken_up)
 {
     const int64_t period = world->options.removal_period_ns;
@@ -132,7 +132,7 @@ ost_status ost_world_advance(ost_world *world, const ost_tick *tick, ost_step_re
         return status;
 
     ost_entity *tool = &world->tools[tick->tool];
-    const bool taken_up = tick->tool != world->tool;
+    const bool taken_up = tick->tool != world->tool || tick->lifted || world->lifted;
     if (removal_is_due(world, tick, taken_up)) {
         status = run_event(world, tool, tick, taken_up, result, err);
         if (status != OST_OK) {
@@ -142,6 +142,7 @@ ost_status ost_world_advance(ost_world *world, const ost_tick *tick, ost_step_re
     }
     tool->input.pose = tick->pose;
     world->tool = tick->tool;
+    world->lifted = taken_up && !result->removal;
     world->t_ns = tick->t_ns;
     world->totals.ticks++;
     return OST_OK;

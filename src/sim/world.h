@@ -14,6 +14,7 @@ typedef struct ost_world_kept {
     /* The world's state before the first of ticks. */
     ost_input_component inputs[OST_WORLD_TOOLS_MAX];
     int tool;
+    bool lifted;
     int64_t t_ns, removal_t;
     ost_world_totals totals;
 } ost_world_kept;
@@ -28,6 +29,7 @@ struct ost_world {
 
     /* Between ticks. */
     int tool;          /* in use; -1 before the first tick */
+    bool lifted;       /* the tool was lifted, and no event ran since */
     int64_t t_ns;      /* of the last tick */
     int64_t removal_t; /* of the last removal event of this tool selection */
     ost_world_totals totals;

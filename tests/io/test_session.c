@@ -55,7 +55,8 @@ static ost_record tick_record(uint64_t number)
         .as.tick = {.number = number,
                     .tick = {.t_ns = -5 + (int64_t)number * 1000000,
                              .tool = n % 3,
-                             .pose = {.t = {-1 - n, INT64_C(7999999999999), n}, .qw = OST_Q30_ONE, .qx = -n, .qy = n + 1, .qz = INT32_MIN + n}},
+                             .pose = {.t = {-1 - n, INT64_C(7999999999999), n}, .qw = OST_Q30_ONE, .qx = -n, .qy = n + 1, .qz = INT32_MIN + n},
+                             .lifted = n % 2 == 0},
                     .flags = OST_TICK_REMOVAL | OST_TICK_DECLARED,
                     .buttons = 0x80000001u,
                     .digest = UINT64_C(0xfedcba9876543210) + number,
@@ -191,6 +192,7 @@ static void what_is_put_is_read(void **state)
     assert_ok(ost_session_path(session, &path, &err));
     assert_int_equal(path.count, 10);
     assert_int_equal(path.ticks[9].pose.qx, -9);
+    assert_true(path.ticks[8].lifted && !path.ticks[9].lifted);
     ost_path_free(&path);
     ost_session_close(session);
 }
@@ -202,7 +204,7 @@ static void bytes_are_as_documented(void **state)
     const ost_record record = tick_record(258);
     unsigned char r[SESSION_RECORD];
     ost_session_record_encode(&record, r);
-    static const unsigned char first[24] = {1, 0, 3, 0, 9, 0, 0, 0, 2, 1, 0, 0, 0, 0, 0, 0, 0x7b, 0xc4, 0x60, 0x0f, 0, 0, 0, 0};
+    static const unsigned char first[24] = {1, 0, 3, 0, 25, 0, 0, 0, 2, 1, 0, 0, 0, 0, 0, 0, 0x7b, 0xc4, 0x60, 0x0f, 0, 0, 0, 0};
     assert_memory_equal(r, first, sizeof first);
     static const unsigned char pose_y[8] = {0xff, 0x7f, 0x28, 0xa5, 0x46, 0x07, 0, 0}; /* 7,999,999,999,999 is 0x746a5287fff */
     assert_memory_equal(r + 32, pose_y, 8);
@@ -421,7 +423,7 @@ static void a_table_for_others(void **state)
     char *second = strchr(text, '\n') + 1;
     *strchr(second, '\n') = '\0';
     assert_string_equal(second, "-0.000000005,-0.000000001,7999.999999999,0,1,0,0.0000000009,-2,0,0,1,0,4096,4000000000,7,fedcba9876543210,"
-                                "0,1,2147483649,3,-2147483648,0,2147483647,1,-2,3,11,12,13");
+                                "0,1,2147483649,3,-2147483648,0,2147483647,1,-2,3,11,12,13,1");
     free(text);
 }
 

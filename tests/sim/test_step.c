@@ -122,6 +122,31 @@ static void a_tool_taken_up_does_not_sweep(void **state)
     free_lab(&l);
 }
 
+/* 20 mm between two rows with the tool in bone: nothing between them goes, at any rate; what it meets where it comes down does. */
+static void a_lifted_tool_does_not_sweep(void **state)
+{
+    for (int period_ms = 0; period_ms <= 3; period_ms += 3) {
+        lab l = make_lab(*state, &(ost_world_options){.removal_period_ns = period_ms * 1000000});
+        step(&l, tick_at(3, 0, 5000, 10000, 5000));
+        ost_tick far = tick_at(4, 0, 25000, 10000, 5000);
+        far.lifted = true;
+        ost_step_result r = step(&l, far);
+        assert_true(r.removal);
+        assert_int_equal(r.pose_count, 1);
+        assert_int_equal(r.report->total_voxels, 2 * 2 * 6);
+        /* The next one sweeps again, from there. */
+        r = step(&l, tick_at(6, 0, 26000, 10000, 5000));
+        assert_int_equal(r.pose_count, 2);
+        /* A turn of 180 degrees, which no sweep can span, is none either. */
+        far = tick_at(7, 0, 25000, 10000, 5000);
+        far.pose.qw = 0;
+        far.pose.qx = OST_Q30_ONE;
+        far.lifted = true;
+        assert_int_equal(step(&l, far).pose_count, 1);
+        free_lab(&l);
+    }
+}
+
 static void the_period_decides_which_ticks_remove(void **state)
 {
     /* 3 ms at 1 kHz from t = 1 ms: 1 (first), 3, 6, 9; the switch at 10 is a first again, then 12. */
@@ -246,6 +271,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_sweep_leaves_no_gap),          cmocka_unit_test(without_the_sweep_there_is_one),
+        cmocka_unit_test(a_lifted_tool_does_not_sweep),
         cmocka_unit_test(a_tool_taken_up_does_not_sweep), cmocka_unit_test(the_period_decides_which_ticks_remove),
         cmocka_unit_test(negative_times_have_periods_too), cmocka_unit_test(a_failed_step_changes_nothing),
         cmocka_unit_test(far_from_the_bone_nothing_is_asked), cmocka_unit_test(an_event_is_in_its_chunks),

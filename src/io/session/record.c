@@ -19,7 +19,7 @@ static void encode_tick(const ost_session_tick *tick, unsigned char *out)
 {
     const ost_pose *pose = &tick->tick.pose;
     put16(out + 2, tick->fault);
-    put32(out + 4, tick->flags);
+    put32(out + 4, (tick->flags & ~(uint32_t)OST_TICK_LIFTED) | (tick->tick.lifted ? OST_TICK_LIFTED : 0));
     put64(out + 8, tick->number);
     put64(out + 16, (uint64_t)tick->tick.t_ns);
     put64(out + 24, (uint64_t)pose->t.x);
@@ -48,7 +48,7 @@ static void decode_tick(const unsigned char *in, ost_session_tick *out)
 {
     *out = (ost_session_tick){
         .fault = get16(in + 2),
-        .flags = get32(in + 4),
+        .flags = get32(in + 4) & ~(uint32_t)OST_TICK_LIFTED,
         .number = get64(in + 8),
         .tick = {.t_ns = (int64_t)get64(in + 16),
                  .tool = (int32_t)get32(in + 64),
@@ -56,7 +56,8 @@ static void decode_tick(const unsigned char *in, ost_session_tick *out)
                           .qw = (int32_t)get32(in + 48),
                           .qx = (int32_t)get32(in + 52),
                           .qy = (int32_t)get32(in + 56),
-                          .qz = (int32_t)get32(in + 60)}},
+                          .qz = (int32_t)get32(in + 60)},
+                 .lifted = (get32(in + 4) & OST_TICK_LIFTED) != 0},
         .buttons = get32(in + 68),
         .digest = get64(in + 72),
         .removed = get32(in + 80),
