@@ -39,7 +39,7 @@ ost_status bench_path_make(const bench_scene *scene, int count, ost_tick **out, 
         const double s = feed * i - depth / 2;
         const double t[3] = {middle[0] + s * down.x, middle[1] + s * down.y, middle[2] + s * down.z};
         const quat q = normalised(product(tilt, turn));
-        ticks[i] = (ost_tick){.t_ns = (int64_t)i * 1000000, .tool = 0};
+        ticks[i] = (ost_tick){.t_ns = (int64_t)i * 1000000, .tool = 0, .rpm = OST_RPM_ON};
         status = ost_pose_from_doubles(t, (const double[4]){q.w, q.x, q.y, q.z}, &ticks[i].pose, err);
         turn = normalised(product(turn, step));
     }

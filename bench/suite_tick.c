@@ -43,7 +43,7 @@ static void close_ticker(ticker *t)
 static ost_status step(const bench_scene *scene, ticker *t, bench_series *series, ost_error *err)
 {
     ost_step_result result;
-    const ost_tick tick = {.t_ns = t->t_ns += 1000000, .tool = 0, .pose = scene->pose};
+    const ost_tick tick = {.t_ns = t->t_ns += 1000000, .tool = 0, .rpm = OST_RPM_ON, .pose = scene->pose};
     int64_t begin = bench_now();
     ost_status status = ost_world_step(t->world, &tick, &result, err);
     int64_t end = bench_now();

@@ -22,7 +22,7 @@ typedef struct margin_walk {
     trace_block_view rect[2], cubic[2], tool[2][SCENE_TOOLS_MAX];
     ost_dims dims;
     int16_t *bone[2];
-    int64_t event_tick; /* the last tick that ran an event, -1: none */
+    int64_t event_tick; /* where the next sweep begins: the last tick that ran an event or had its motor off, -1: none */
 } margin_walk;
 
 /* The reference's record and the other's, of one stage and item; a and b are their grids. */

@@ -210,7 +210,7 @@ ost_status margin_tick(margin_walk *w, const trace_record *a, const trace_record
         w->bone[1][changes[i].at] = w->bone[0][changes[i].at];
     free(changes);
     free(maps);
-    if (word_of(a, 1))
+    if (word_of(a, 1) || w->s->path.ticks[tick].rpm == 0)
         w->event_tick = tick;
     return OST_OK;
 }

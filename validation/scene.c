@@ -326,8 +326,9 @@ static ost_status add_path(ost_hasher *h, const scene *s, ost_error *err)
     ost_status status = add_ints(h, head, sizeof head / sizeof head[0], err);
     for (size_t i = 0; i < s->path.count && status == OST_OK; i++) {
         const ost_tick *t = &s->path.ticks[i];
-        const int64_t row[] = {t->t_ns, t->tool, t->pose.t.x, t->pose.t.y, t->pose.t.z, t->pose.qw, t->pose.qx, t->pose.qy, t->pose.qz};
-        status = add_ints(h, row, sizeof row / sizeof row[0], err);
+        const int64_t row[] = {t->t_ns, t->tool, t->pose.t.x, t->pose.t.y, t->pose.t.z, t->pose.qw, t->pose.qx, t->pose.qy, t->pose.qz, t->rpm};
+        /* Cases whose motors are on at a speed that is not known have the digest that they had before there were speeds. */
+        status = add_ints(h, row, sizeof row / sizeof row[0] - (t->rpm == OST_RPM_ON), err);
     }
     return status;
 }

@@ -66,7 +66,7 @@ ost_status scene_unrelated_poses(scene *s, draw *d, size_t count, ost_error *err
         double q[4];
         ost_tick *tick = &s->path.ticks[i];
         drawn_turn(d, q);
-        *tick = (ost_tick){.t_ns = (int64_t)(i + 1) * TICK_NS, .tool = (int32_t)draw_between(d, 0, s->tool_count - 1)};
+        *tick = (ost_tick){.t_ns = (int64_t)(i + 1) * TICK_NS, .tool = (int32_t)draw_between(d, 0, s->tool_count - 1), .rpm = OST_RPM_ON};
         status = ost_pose_from_doubles(none, q, &tick->pose, err);
         tick->pose.t = at;
     }
@@ -84,7 +84,7 @@ static ost_tick *another(scene *s, ost_error *err)
     }
     s->path.ticks = ticks;
     s->path.count = i + 1;
-    ticks[i] = (ost_tick){.t_ns = (int64_t)(i + 1) * TICK_NS, .tool = s->tool_count - 1, .pose = ost_pose_identity()};
+    ticks[i] = (ost_tick){.t_ns = (int64_t)(i + 1) * TICK_NS, .tool = s->tool_count - 1, .rpm = OST_RPM_ON, .pose = ost_pose_identity()};
     return &ticks[i];
 }
 
@@ -213,7 +213,7 @@ ost_status scene_drive(scene *s, draw *d, size_t count, ost_pm speed, double tur
             q[c] = n[c] / length;
         const double none[3] = {0, 0, 0};
         ost_tick *tick = &s->path.ticks[i];
-        *tick = (ost_tick){.t_ns = (int64_t)(i + 1) * TICK_NS, .tool = tool};
+        *tick = (ost_tick){.t_ns = (int64_t)(i + 1) * TICK_NS, .tool = tool, .rpm = OST_RPM_ON};
         status = ost_pose_from_doubles(none, q, &tick->pose, err);
         tick->pose.t = at;
     }

@@ -73,7 +73,7 @@ ost_status scene_static(scene *s, int number, ost_error *err)
     if (status == OST_OK)
         status = ost_path_init(&s->path, 1, err);
     if (status == OST_OK)
-        s->path.ticks[0] = (ost_tick){.t_ns = 0, .tool = 0, .pose = pose_of(kind)};
+        s->path.ticks[0] = (ost_tick){.t_ns = 0, .tool = 0, .rpm = OST_RPM_ON, .pose = pose_of(kind)};
     ost_mesh_free(&mesh);
     return status;
 }

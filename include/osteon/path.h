@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * A path: what a tool does over time.  A row is a tick; t strictly increases.
- * Rows carry the index of the tool in use, so that a path may switch tools.
+ * Rows carry the index of the tool in use, so that a path may switch tools, and
+ * the speed of its motor (docs/arithmetic.md, AR-MOTOR).
  */
 #ifndef OSTEON_PATH_H
 #define OSTEON_PATH_H
@@ -14,9 +15,16 @@
 extern "C" {
 #endif
 
+/* OST_RPM_ON: the motor is on at a speed that is not known; the pose has the tool's turn already. */
+enum { OST_RPM_ON = -1, OST_RPM_MAX = 3000 };
+
+/* A turn of the motor in turns a minute times nanoseconds: angles are integers of this unit. */
+#define OST_MOTOR_TURN INT64_C(60000000000)
+
 typedef struct ost_tick {
     int64_t t_ns; /* nanoseconds */
     int32_t tool; /* index into the world's tools */
+    int32_t rpm;  /* of the motor, 0 to OST_RPM_MAX; 0: off, the tool removes nothing; OST_RPM_ON */
     ost_pose pose;
     bool lifted;  /* the tool was lifted before this tick: nothing is swept from the tick before (AR-SWEEP-5) */
 } ost_tick;

@@ -47,7 +47,8 @@ ost_status info_session(const app_state *app, const char *name, const char *repa
     const ost_session_summary *s = ost_session_summary_of(session);
     char a[SAY_TEXT], b[SAY_TEXT];
     put_text(app->result, "kind", "session");
-    put_text(app->result, "format", "osteon session 1");
+    const char *format = ost_session_header_get(ost_session_header_of(session), "format");
+    put_text(app->result, "format", format ? format : "osteon session");
     put(app->result, "dims", json_pack("[I]", (json_int_t)s->ticks));
     say(app, "%s: a session of %s ticks in %.3f s, %s", name, say_count(a, (int64_t)s->ticks),
         s->ticks ? (double)(s->last_t_ns - s->first_t_ns) * 1e-9 : 0.0, say_bytes(b, (int64_t)s->file_bytes));

@@ -97,7 +97,7 @@ static void set_build(writer *w)
 {
     ost_digest digest;
     char text[200];
-    set(w, "format", "osteon session 1");
+    set(w, "format", "osteon session 2");
     set(w, "osteon", ost_version());
     set_integer(w, "arithmetic", OST_ARITHMETIC_VERSION);
 #if defined __clang__

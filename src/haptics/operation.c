@@ -241,6 +241,7 @@ bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wre
     ost_tick tick = {
         .t_ns = o->t_ns + sample->t_ns,
         .tool = sample->state.tool >= 0 ? sample->state.tool : o->options.tool,
+        .rpm = OST_RPM_ON,
         .pose = sample->state.pose,
     };
     ost_step_result step;

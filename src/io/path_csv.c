@@ -135,6 +135,7 @@ static ost_status read_row(reader *r, const char *p, const char *end, ost_error 
     if (column == COLUMNS_MAX && (!ost_decimal_scale(&value[8], 1, &tool, &exact) || !exact || tool < 0 || tool > INT32_MAX))
         return fail_field(r, 8, field[8], end, "a tool's number from 0", err);
     tick->tool = (int32_t)tool;
+    tick->rpm = OST_RPM_ON;
     status = ost_pose_from_decimals(&value[1], &value[4], &tick->pose, err);
     if (status != OST_OK) {
         (void)ost_fail_context(err, "%s:%lld", r->path, (long long)r->line);

@@ -237,7 +237,7 @@ ost_status ost_builtin_press(const ost_glenoid *glenoid, const ost_tool_geometry
         press_go_on(&hand, (int64_t)k);
         const vec beside = turned(s.face, (vec){hand.across[0], hand.across[1], 0});
         const quat lean = normalised((quat){1, hand.lean[0], hand.lean[1], 0});
-        out->ticks[k] = (ost_tick){.t_ns = (int64_t)k * TICK_NS, .tool = tool};
+        out->ticks[k] = (ost_tick){.t_ns = (int64_t)k * TICK_NS, .tool = tool, .rpm = OST_RPM_ON};
         status = place(&s, normalised(product(product(s.face, lean), turn)), hand.depth, beside, &out->ticks[k].pose, err);
         turn = normalised(product(turn, s.step));
     }
@@ -259,7 +259,7 @@ ost_status ost_builtin_path(ost_builtin which, const ost_glenoid *glenoid, const
     const plan *p = &plans[which];
     ost_status status = begin(glenoid, geometry, TURN_PER_TICK, (size_t)tick_count(p), &s, out, err);
     for (size_t k = 0; status == OST_OK && k < out->count; k++) {
-        out->ticks[k] = (ost_tick){.t_ns = (int64_t)k * TICK_NS, .tool = tool};
+        out->ticks[k] = (ost_tick){.t_ns = (int64_t)k * TICK_NS, .tool = tool, .rpm = OST_RPM_ON};
         status = place(&s, normalised(product(s.face, turn)), mm(depth_at(p, (int64_t)k)), (vec){0, 0, 0}, &out->ticks[k].pose, err);
         turn = normalised(product(turn, s.step));
     }

@@ -24,7 +24,7 @@ typedef struct ost_box {
 
 typedef struct ost_input_component {
     ost_pose pose;  /* of the last tick */
-    ost_pose event; /* of the last tick that ran a removal event: where the next sweep begins */
+    ost_pose event; /* where the next sweep begins: of the last event's tick, or of the last tick with the motor off */
 } ost_input_component;
 
 typedef struct ost_mesh_component {

@@ -36,11 +36,7 @@ static ost_status copy_bone(ost_world *world, ost_error *err)
     kept->count = 0;
     for (int i = 0; i < OST_WORLD_TOOLS_MAX; i++)
         kept->inputs[i] = world->tools[i].input;
-    kept->tool = world->tool;
-    kept->lifted = world->lifted;
-    kept->t_ns = world->t_ns;
-    kept->removal_t = world->removal_t;
-    kept->totals = world->totals;
+    kept->clock = world->clock;
     return OST_OK;
 }
 
@@ -133,11 +129,7 @@ static ost_status repeat_ticks(ost_world *world, ost_bone *bone, ost_tool *const
         world->tools[i].voxels.tool = tools[i];
         world->tools[i].input = kept->inputs[i];
     }
-    world->tool = kept->tool;
-    world->lifted = kept->lifted;
-    world->t_ns = kept->t_ns;
-    world->removal_t = kept->removal_t;
-    world->totals = kept->totals;
+    world->clock = kept->clock;
     ost_status status = OST_OK;
     for (int32_t i = 0; i < kept->count && status == OST_OK; i++) {
         ost_step_result ignored;
@@ -149,21 +141,14 @@ static ost_status repeat_ticks(ost_world *world, ost_bone *bone, ost_tool *const
 /* What repeat_ticks changes. */
 typedef struct world_state {
     ost_entity bone, tools[OST_WORLD_TOOLS_MAX];
-    int tool;
-    bool lifted;
-    int64_t t_ns, removal_t;
-    ost_world_totals totals;
+    ost_world_clock clock;
 } world_state;
 
 static void put_back(ost_world *world, const world_state *before)
 {
     world->bone = before->bone;
     memcpy(world->tools, before->tools, sizeof world->tools);
-    world->tool = before->tool;
-    world->lifted = before->lifted;
-    world->t_ns = before->t_ns;
-    world->removal_t = before->removal_t;
-    world->totals = before->totals;
+    world->clock = before->clock;
 }
 
 ost_status ost_world_rescue(ost_world *world, ost_backend *backend, ost_bone **bone, ost_tool **tools, ost_error *err)
@@ -173,7 +158,7 @@ ost_status ost_world_rescue(ost_world *world, ost_backend *backend, ost_bone **b
         tools[i] = NULL;
     if (!world->kept)
         return ost_fail(err, OST_ERR_USAGE, "this world keeps nothing to go on from (keep_ticks)");
-    world_state before = {.bone = world->bone, .tool = world->tool, .lifted = world->lifted, .t_ns = world->t_ns, .removal_t = world->removal_t, .totals = world->totals};
+    world_state before = {.bone = world->bone, .clock = world->clock};
     memcpy(before.tools, world->tools, sizeof before.tools);
     ost_status status = make_bone(world, backend, bone, err);
     if (status == OST_OK)

@@ -2,8 +2,8 @@
 /*
  * One tick (thesis, Algs. 2.7-2.10).
  *
- *   tick: which tool, which pose
- *     is a removal due?          no: the tool has moved, that is all
+ *   tick: which tool, which pose, how fast its motor
+ *     is the motor on, and a removal due?                    no: the tool has moved, that is all
  *     n poses from the last event's pose to this one         AR-SWEEP
  *     for each: do the boxes meet? which voxels can it hit?  Algs. 2.7-2.9
  *     backend.remove with those that can hit any             Alg. 2.10
@@ -26,17 +26,31 @@ static ost_status check_tick(const ost_world *world, const ost_tick *tick, ost_e
     if (tick->tool < 0 || tick->tool >= world->tool_count)
         return ost_fail(err, OST_ERR_USAGE, "a tick at %lld ns uses tool %d; the world has %d", (long long)tick->t_ns, tick->tool,
                         world->tool_count);
-    if (world->totals.ticks > 0 && tick->t_ns <= world->t_ns)
+    if (world->clock.totals.ticks > 0 && tick->t_ns <= world->clock.t_ns)
         return ost_fail(err, OST_ERR_USAGE, "a tick at %lld ns after one at %lld ns; time must increase", (long long)tick->t_ns,
-                        (long long)world->t_ns);
+                        (long long)world->clock.t_ns);
+    if (tick->rpm < OST_RPM_ON || tick->rpm > OST_RPM_MAX)
+        return ost_fail(err, OST_ERR_USAGE, "a tick at %lld ns has a motor speed of %d rpm; 0 to %d are supported", (long long)tick->t_ns,
+                        tick->rpm, OST_RPM_MAX);
     return ost_pose_check(&tick->pose, err);
 }
 
-/* Returns true for the first tick after the tool was selected or lifted, and then for the first one of every period. */
+/* Returns true for the first tick after the tool was selected or lifted or its motor switched on, and then for the first one of every period. */
 static bool removal_is_due(const ost_world *world, const ost_tick *tick, bool taken_up)
 {
     const int64_t period = world->options.removal_period_ns;
-    return taken_up || period == 0 || ost_floor_div(tick->t_ns, period) != ost_floor_div(world->removal_t, period);
+    return taken_up || !world->clock.running || period == 0 || ost_floor_div(tick->t_ns, period) != ost_floor_div(world->clock.removal_t, period);
+}
+
+/* AR-MOTOR-6: how far the motor has turned, with this tick, since the next sweep's first pose. */
+static int64_t turned_by(const ost_world *world, const ost_tick *tick, bool taken_up)
+{
+    if (taken_up || world->clock.totals.ticks == 0 || tick->rpm <= 0)
+        return world->clock.turned;
+    /* Time increases, so the difference is right modulo 2^64; a turn is at least as long as 1/3000 of OST_MOTOR_TURN. */
+    const uint64_t ns = (uint64_t)tick->t_ns - (uint64_t)world->clock.t_ns;
+    const int64_t left = OST_MOTOR_TURN - world->clock.turned;
+    return ns > (uint64_t)(left / tick->rpm) ? OST_MOTOR_TURN : world->clock.turned + (int64_t)ns * tick->rpm;
 }
 
 static ost_status count_poses(const ost_world *world, const ost_entity *tool, const ost_tick *tick, bool taken_up, int *count,
@@ -45,6 +59,9 @@ static ost_status count_poses(const ost_world *world, const ost_entity *tool, co
     *count = 1;
     if (taken_up || world->options.sweep_off)
         return OST_OK;
+    if (turned_by(world, tick, taken_up) > OST_MOTOR_TURN / 4)
+        return ost_fail(err, OST_ERR_RANGE, "the motor turns the tool by more than 90 degrees between two removals: %d rpm needs shorter ticks, a higher rate or a lower speed",
+                        tick->rpm);
     return ost_sweep_count(&tool->input.event, &tick->pose, ost_tool_geometry_get(tool->voxels.tool), world->geometry.spacing.x,
                            count, err);
 }
@@ -118,9 +135,8 @@ static ost_status run_event(ost_world *world, ost_entity *tool, const ost_tick *
     result->pose_count = count;
     result->report = &world->report;
     bound_chunks(world, &event, result);
-    add_totals(&world->totals, &world->report, count);
-    tool->input.event = tick->pose;
-    world->removal_t = tick->t_ns;
+    add_totals(&world->clock.totals, &world->report, count);
+    world->clock.removal_t = tick->t_ns;
     return OST_OK;
 }
 
@@ -132,25 +148,29 @@ ost_status ost_world_advance(ost_world *world, const ost_tick *tick, ost_step_re
         return status;
 
     ost_entity *tool = &world->tools[tick->tool];
-    const bool taken_up = tick->tool != world->tool || tick->lifted || world->lifted;
-    if (removal_is_due(world, tick, taken_up)) {
+    const bool taken_up = tick->tool != world->clock.tool || tick->lifted, on = tick->rpm != 0;
+    const bool due = on && removal_is_due(world, tick, taken_up);
+    if (due) {
         status = run_event(world, tool, tick, taken_up, result, err);
         if (status != OST_OK) {
             *result = (ost_step_result){0};
             return status;
         }
     }
+    world->clock.turned = due || !on ? 0 : turned_by(world, tick, taken_up);
+    if (due || !on)
+        tool->input.event = tick->pose;
     tool->input.pose = tick->pose;
-    world->tool = tick->tool;
-    world->lifted = taken_up && !result->removal;
-    world->t_ns = tick->t_ns;
-    world->totals.ticks++;
+    world->clock.running = on;
+    world->clock.tool = tick->tool;
+    world->clock.t_ns = tick->t_ns;
+    world->clock.totals.ticks++;
     return OST_OK;
 }
 
 ost_status ost_world_rehearse(ost_world *world, int index, const ost_pose *pose, ost_error *err)
 {
-    const ost_tick tick = {.tool = index, .pose = *pose, .t_ns = world->t_ns + 1};
+    const ost_tick tick = {.tool = index, .rpm = OST_RPM_ON, .pose = *pose, .t_ns = world->clock.t_ns + 1};
     ost_event event;
     ost_status status = check_tick(world, &tick, err);
     if (status != OST_OK)

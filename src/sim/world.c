@@ -48,7 +48,7 @@ ost_status ost_world_create(ost_bone *bone, const ost_world_options *options, os
         .input = {.pose = ost_pose_identity(), .event = ost_pose_identity()},
         .voxels = {.bone = bone},
     };
-    world->tool = -1;
+    world->clock.tool = -1;
     status = ost_world_kept_make(world, err);
     if (status != OST_OK) {
         ost_world_free(world);
@@ -147,7 +147,7 @@ ost_status ost_world_reserve(ost_world *world, ost_error *err)
 
 void ost_world_totals_get(const ost_world *world, ost_world_totals *out)
 {
-    *out = world->totals;
+    *out = world->clock.totals;
 }
 
 const ost_density_classes *ost_world_classes(const ost_world *world)

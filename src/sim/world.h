@@ -5,6 +5,16 @@
 
 #include "sim/entity.h"
 
+/* What one tick leaves to the next, apart from the tools' poses. */
+typedef struct ost_world_clock {
+    int tool;          /* in use; -1 before the first tick */
+    bool running;      /* the motor was on in the last tick */
+    int64_t t_ns;      /* of the last tick */
+    int64_t removal_t; /* of the last removal event while this tool is in use */
+    int64_t turned;    /* by the motor since the last event or stop, in rpm ns; at most OST_MOTOR_TURN */
+    ost_world_totals totals;
+} ost_world_clock;
+
 /* What a rescue begins with (rescue.c). */
 typedef struct ost_world_kept {
     int16_t *voxels; /* owned; of the bone, before the first of ticks */
@@ -13,10 +23,7 @@ typedef struct ost_world_kept {
     int32_t count;
     /* The world's state before the first of ticks. */
     ost_input_component inputs[OST_WORLD_TOOLS_MAX];
-    int tool;
-    bool lifted;
-    int64_t t_ns, removal_t;
-    ost_world_totals totals;
+    ost_world_clock clock;
 } ost_world_kept;
 
 struct ost_world {
@@ -27,12 +34,7 @@ struct ost_world {
     ost_entity tools[OST_WORLD_TOOLS_MAX];
     int tool_count;
 
-    /* Between ticks. */
-    int tool;          /* in use; -1 before the first tick */
-    bool lifted;       /* the tool was lifted, and no event ran since */
-    int64_t t_ns;      /* of the last tick */
-    int64_t removal_t; /* of the last removal event of this tool selection */
-    ost_world_totals totals;
+    ost_world_clock clock;
 
     ost_world_kept *kept; /* owned; NULL with keep_ticks 0 */
 

@@ -174,7 +174,7 @@ def check_mcap(name, rows):
     by_topic = {c["topic"]: [(t, v) for k, t, v in messages if k == i] for i, c in channels.items()}
     names = {c["topic"]: schemas[c["schema"]]["name"] for c in channels.values()}
     assert names["/tool/pose"] == "foxglove.PoseInFrame" and names["/note"] == "foxglove.Log"
-    assert metadata["format"] == "osteon session 1" and metadata["mcap.time_shift_ns"] == "0"
+    assert metadata["format"] == "osteon session 2" and metadata["mcap.time_shift_ns"] == "0"
     assert len(by_topic["/tool/pose"]) == len(by_topic["/tick"]) == len(rows)
     felt = [r for r in rows if r["force_given"] == "1" or any(r[f"{w}_{a}_{u}"] != "0" for w, u in (("force", "un"), ("torque", "unm")) for a in "xyz")]
     assert len(by_topic["/hand/wrench"]) == len(felt)
@@ -256,7 +256,7 @@ def check_hdf5(name, rows):
                   "/physics_data/intermittent_data/burr_change", "/physics_data/intermittent_data/drill_force_feedback",
                   "/physics_data/continuous_data/high_frequency_poses/drill_pose"):
         assert h[group] is None, group
-    assert "metres" in h["/metadata_v3/README"][1] and "format: osteon session 1" in h["/metadata_v3/osteon_session"][1]
+    assert "metres" in h["/metadata_v3/README"][1] and "format: osteon session 2" in h["/metadata_v3/osteon_session"][1]
     drill = "/physics_data/continuous_data/high_frequency_poses/drill_pose/"
     dims, poses = h[drill + "pose"]
     times = h[drill + "time_stamp"][1]

@@ -37,7 +37,7 @@ static plan make_plan(test_rng *rng)
         at.x += rng_range(rng, -800, 800) * UM;
         at.y += rng_range(rng, -800, 800) * UM;
         at.z += rng_range(rng, -800, 800) * UM;
-        p.ticks[i] = (ost_tick){.t_ns = i * INT64_C(1000000), .tool = i / 15 % 2, .pose = ost_pose_identity()};
+        p.ticks[i] = (ost_tick){.t_ns = i * INT64_C(1000000), .tool = i / 15 % 2, .rpm = OST_RPM_ON, .pose = ost_pose_identity()};
         p.ticks[i].pose.t = at;
     }
     return p;

@@ -69,7 +69,7 @@ static ost_path plan(double lowest_mm, bool drag)
     assert_ok(ost_path_init(&path, TICKS, &err));
     for (int i = 0; i < TICKS; i++) {
         const double down = i < REACH_MS ? 3 - 8.0 * i / REACH_MS : -5, along = drag && i > REACH_MS ? 6.0 * (i - REACH_MS) / HOLD_MS : 0;
-        path.ticks[i] = (ost_tick){.t_ns = (int64_t)i * 1000000,
+        path.ticks[i] = (ost_tick){.t_ns = (int64_t)i * 1000000, .rpm = OST_RPM_ON,
                                    .pose = {.t = {(ost_pm)(along * 1e9), 0, (ost_pm)((down - lowest_mm) * 1e9)}, .qw = OST_Q30_ONE}};
     }
     return path;

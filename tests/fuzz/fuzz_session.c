@@ -121,7 +121,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     return 0;
 }
 
-const char *const fuzz_words[] = {"\x89OSTSES\n", "format: osteon session 1\n", "bone: ", "\\x0a", "\\x", ": ", "\n", "plan.axis: 0,0,1\n",
+const char *const fuzz_words[] = {"\x89OSTSES\n", "format: osteon session 2\n", "bone: ", "\\x0a", "\\x", ": ", "\n", "plan.axis: 0,0,1\n",
                                   "bone_spacing_mm: 0.47,0.47,0.47\n", "\x01", "\x02", "\x03", "\xff\xff\xff\xff\xff\xff\xff\x7f", NULL};
 
 size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t room)
@@ -134,7 +134,7 @@ size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t room)
     ost_recorder *recorder;
     snprintf(path, sizeof path, "%s/seed.session", fuzz_folder());
     fuzz_require(ost_session_header_create(&header, &err) == OST_OK);
-    fuzz_require(ost_session_header_set(header, "format", "osteon session 1", &err) == OST_OK);
+    fuzz_require(ost_session_header_set(header, "format", "osteon session 2", &err) == OST_OK);
     fuzz_require(ost_session_header_set(header, "bone", index ? "a\\b\n\xc3\xa4.nrrd" : "builtin:scapula", &err) == OST_OK);
     fuzz_require(ost_session_header_set(header, "bone_spacing_mm", "0.47,0.47,1", &err) == OST_OK);
     fuzz_require(ost_recorder_open(path, header, &(ost_recorder_options){.no_sync = true, .room = 1024}, &recorder, &err) == OST_OK);

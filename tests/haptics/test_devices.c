@@ -23,7 +23,7 @@ static ost_path straight(size_t count, ost_pm step)
     ost_path path;
     assert_ok(ost_path_init(&path, count, &err));
     for (size_t i = 0; i < count; i++)
-        path.ticks[i] = (ost_tick){.t_ns = (int64_t)i * 1000000, .pose = {.t = {(int64_t)i * step, MM, -MM}, .qw = OST_Q30_ONE}};
+        path.ticks[i] = (ost_tick){.t_ns = (int64_t)i * 1000000, .rpm = OST_RPM_ON, .pose = {.t = {(int64_t)i * step, MM, -MM}, .qw = OST_Q30_ONE}};
     return path;
 }
 

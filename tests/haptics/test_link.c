@@ -207,7 +207,7 @@ static double swing_with(int delay, bool plane)
     memset(states, 0, sizeof states);
     assert_ok(ost_path_init(&path, TICKS, &err));
     for (int i = 0; i < TICKS; i++) /* 5 mm into the wall at z = 0, within a second */
-        path.ticks[i] = (ost_tick){.t_ns = (int64_t)i * 1000000, .pose = {.t = {0, 0, 2 * OST_PM_PER_MM - (i < 1000 ? i : 1000) * 7 * OST_PM_PER_MM / 1000}, .qw = OST_Q30_ONE}};
+        path.ticks[i] = (ost_tick){.t_ns = (int64_t)i * 1000000, .rpm = OST_RPM_ON, .pose = {.t = {0, 0, 2 * OST_PM_PER_MM - (i < 1000 ? i : 1000) * 7 * OST_PM_PER_MM / 1000}, .qw = OST_Q30_ONE}};
     assert_ok(ost_haptic_open("sim:grip=light,friction=0", &(ost_haptic_setup){.path = &path}, &device, &err));
     ost_safety_begin(&safety, NULL);
     double last = 0, speed = 0, low = 1, high = -1;

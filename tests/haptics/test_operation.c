@@ -56,7 +56,7 @@ static ost_path into_bone(size_t count)
     ost_path path;
     assert_ok(ost_path_init(&path, count, &err));
     for (size_t i = 0; i < count; i++)
-        path.ticks[i] = (ost_tick){.t_ns = (int64_t)i * 1000000, .pose = {.t = {-5 * MM + (int64_t)i * MM / 10, 10 * MM, 5 * MM}, .qw = OST_Q30_ONE}};
+        path.ticks[i] = (ost_tick){.t_ns = (int64_t)i * 1000000, .rpm = OST_RPM_ON, .pose = {.t = {-5 * MM + (int64_t)i * MM / 10, 10 * MM, 5 * MM}, .qw = OST_Q30_ONE}};
     return path;
 }
 
@@ -386,7 +386,7 @@ static void it_does_not_wait_for_its_recorder(void **state)
         const session_sink sink = {.user = &d, .append = disk_append, .cut = disk_cut, .sync = disk_sync};
         room r = make_room(*state);
         assert_ok(ost_session_header_create(&header, &err));
-        assert_ok(ost_session_header_set(header, "format", "osteon session 1", &err));
+        assert_ok(ost_session_header_set(header, "format", "osteon session 2", &err));
         assert_ok(ost_recorder_open_sink("disk", &sink, header, &(ost_recorder_options){.room = cases[c].room}, &recorder, &err));
         atomic_store(&d.full, cases[c].full);
         pthread_mutex_lock(&d.held);

@@ -127,7 +127,7 @@ static scene make_scene(ost_backend *backend)
     assert_ok(ost_world_add_tool(s.world, "tool", s.tool, NULL, &err));
     assert_ok(ost_path_init(&s.path, TICKS, &err));
     for (size_t i = 0; i < s.path.count; i++)
-        s.path.ticks[i] = (ost_tick){.pose = {.t = {(int64_t)(10000 + 50 * i) * UM, 20000 * UM, 15000 * UM}, .qw = OST_Q30_ONE, .qz = (int32_t)i * 20000}};
+        s.path.ticks[i] = (ost_tick){.rpm = OST_RPM_ON, .pose = {.t = {(int64_t)(10000 + 50 * i) * UM, 20000 * UM, 15000 * UM}, .qw = OST_Q30_ONE, .qz = (int32_t)i * 20000}};
     assert_ok(ost_force_create(s.bone, NULL, &s.force, &err));
     assert_ok(ost_force_add_tool(s.force, s.tool, &err));
     return s;

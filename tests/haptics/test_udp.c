@@ -448,7 +448,7 @@ static ost_haptic *a_hand(ost_path *path)
     ost_haptic *device;
     assert_ok(ost_path_init(path, 100000, &err));
     for (size_t i = 0; i < path->count; i++) /* 0.1 m/s down, from far away */
-        path->ticks[i] = (ost_tick){.t_ns = (int64_t)i * 1000000, .pose = {.t = {500 * MM, 0, 500 * MM - (int64_t)i * MM / 10}, .qw = OST_Q30_ONE}};
+        path->ticks[i] = (ost_tick){.t_ns = (int64_t)i * 1000000, .rpm = OST_RPM_ON, .pose = {.t = {500 * MM, 0, 500 * MM - (int64_t)i * MM / 10}, .qw = OST_Q30_ONE}};
     assert_ok(ost_haptic_open("sim", &(ost_haptic_setup){.path = path}, &device, &err));
     return device;
 }

@@ -55,6 +55,7 @@ static ost_record tick_record(uint64_t number)
         .as.tick = {.number = number,
                     .tick = {.t_ns = -5 + (int64_t)number * 1000000,
                              .tool = n % 3,
+                             .rpm = n - 1,
                              .pose = {.t = {-1 - n, INT64_C(7999999999999), n}, .qw = OST_Q30_ONE, .qx = -n, .qy = n + 1, .qz = INT32_MIN + n},
                              .lifted = n % 2 == 0},
                     .flags = OST_TICK_REMOVAL | OST_TICK_DECLARED,
@@ -193,6 +194,38 @@ static void what_is_put_is_read(void **state)
     assert_int_equal(path.count, 10);
     assert_int_equal(path.ticks[9].pose.qx, -9);
     assert_true(path.ticks[8].lifted && !path.ticks[9].lifted);
+    assert_int_equal(path.ticks[0].rpm, OST_RPM_ON);
+    assert_int_equal(path.ticks[1].rpm, 0);
+    assert_int_equal(path.ticks[9].rpm, 8);
+    ost_path_free(&path);
+    ost_session_close(session);
+}
+
+/* Version 1: every block says so, and a tick's two bytes of the motor are 0. */
+static void version_1_is_read(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    static sample s;
+    make_sample(&s);
+    for (int b = 0; b < 2 + BLOCKS; b++) {
+        unsigned char *own = s.b.data + s.begin[b];
+        const uint32_t size = get32(own + 12);
+        for (uint32_t at = 0; b >= 2 && at < size; at += SESSION_RECORD)
+            if (get16(own + SESSION_BLOCK + at) == OST_RECORD_TICK)
+                put16(own + SESSION_BLOCK + at + 90, 0);
+        put32(own + 36, ost_session_crc(own + SESSION_BLOCK, size));
+        put32(own + 44, 1);
+        put32(own + 60, ost_session_crc(own, 60));
+    }
+    ost_session *session;
+    ost_path path;
+    assert_ok(open_bytes(s.b.data, s.b.size, &session, &err));
+    assert_string_equal(ost_session_missing(session, (char[OST_SESSION_MISSING]){0}), "");
+    assert_ok(ost_session_path(session, &path, &err));
+    assert_int_equal(path.count, 10);
+    for (size_t i = 0; i < path.count; i++)
+        assert_int_equal(path.ticks[i].rpm, OST_RPM_ON);
     ost_path_free(&path);
     ost_session_close(session);
 }
@@ -423,7 +456,7 @@ static void a_table_for_others(void **state)
     char *second = strchr(text, '\n') + 1;
     *strchr(second, '\n') = '\0';
     assert_string_equal(second, "-0.000000005,-0.000000001,7999.999999999,0,1,0,0.0000000009,-2,0,0,1,0,4096,4000000000,7,fedcba9876543210,"
-                                "0,1,2147483649,3,-2147483648,0,2147483647,1,-2,3,11,12,13,1");
+                                "0,1,2147483649,3,-2147483648,0,2147483647,1,-2,3,11,12,13,1,-1");
     free(text);
 }
 
@@ -650,6 +683,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_put_is_read),
+        cmocka_unit_test(version_1_is_read),
         cmocka_unit_test(bytes_are_as_documented),
         cmocka_unit_test(any_damaged_byte_costs_one_block),
         cmocka_unit_test(cut_anywhere_it_keeps_its_whole_blocks),

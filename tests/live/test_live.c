@@ -298,7 +298,7 @@ static void an_operation_shows_itself(void **state)
     assert_ok(ost_live_create(bone, &live, &err));
     assert_ok(ost_path_init(&path, 300, &err));
     for (size_t i = 0; i < path.count; i++)
-        path.ticks[i] = (ost_tick){.t_ns = (int64_t)i * 1000000, .pose = {.t = {30 * MM, 30 * MM, (55 - (int64_t)i / 6) * MM}, .qw = OST_Q30_ONE}};
+        path.ticks[i] = (ost_tick){.t_ns = (int64_t)i * 1000000, .rpm = OST_RPM_ON, .pose = {.t = {30 * MM, 30 * MM, (55 - (int64_t)i / 6) * MM}, .qw = OST_Q30_ONE}};
     assert_ok(ost_haptic_open("script", &(ost_haptic_setup){.path = &path}, &device, &err));
     assert_ok(ost_operation_create(world, &(ost_operation_options){.live = live}, &operation, &err));
     const ost_servo_options options = {.no_clock = true, .no_realtime = true};

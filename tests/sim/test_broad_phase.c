@@ -35,7 +35,7 @@ static ost_step_result step_both(twin *w, const ost_pose *pose)
 {
     ost_error err = {0};
     ost_step_result r[2];
-    ost_tick tick = {.t_ns = ++w->t, .pose = *pose};
+    ost_tick tick = {.t_ns = ++w->t, .rpm = OST_RPM_ON, .pose = *pose};
     for (int i = 0; i < 2; i++)
         assert_ok(ost_world_step(w->world[i], &tick, &r[i], &err));
     if (r[0].report->total_voxels != r[1].report->total_voxels || r[0].report->touched_voxels != r[1].report->touched_voxels)

@@ -29,7 +29,7 @@ static plan make_plan(test_rng *rng)
         at.y += rng_range(rng, -900, 900) * UM;
         at.z += rng_range(rng, -900, 900) * UM;
         tool = rng_range(rng, 0, 9) == 0 ? 1 - tool : tool;
-        p.ticks[i] = (ost_tick){.t_ns = i * INT64_C(1000000), .tool = tool, .pose = ost_pose_identity()};
+        p.ticks[i] = (ost_tick){.t_ns = i * INT64_C(1000000), .tool = tool, .rpm = OST_RPM_ON, .pose = ost_pose_identity()};
         p.ticks[i].pose.t = at;
     }
     return p;

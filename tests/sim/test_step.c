@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The world's step: sweep, tool switching, removal period, errors, totals.
- * Covers: AR-SWEEP-5, AR-SWEEP-6, AR-REM-7
+ * The world's step: sweep, tool switching, motor, removal period, errors, totals.
+ * Covers: AR-SWEEP-5, AR-SWEEP-6, AR-REM-7, AR-MOTOR-1, AR-MOTOR-5, AR-MOTOR-6
  */
 #include "ref/scene.h"
 
@@ -45,7 +45,7 @@ static void free_lab(lab *l)
 
 static ost_tick tick_at(int64_t t_ms, int32_t tool, int64_t x_um, int64_t y_um, int64_t z_um)
 {
-    ost_tick tick = {.t_ns = t_ms * 1000000, .tool = tool, .pose = ost_pose_identity()};
+    ost_tick tick = {.t_ns = t_ms * 1000000, .tool = tool, .rpm = OST_RPM_ON, .pose = ost_pose_identity()};
     tick.pose.t = (ost_pm3){x_um * UM, y_um * UM, z_um * UM};
     return tick;
 }
@@ -177,6 +177,90 @@ static void negative_times_have_periods_too(void **state)
     free_lab(&l);
 }
 
+static ost_tick motor_at(int64_t t_ms, int32_t rpm, int64_t x_um)
+{
+    ost_tick tick = tick_at(t_ms, 0, x_um, 10000, 5000);
+    tick.rpm = rpm;
+    return tick;
+}
+
+/* The peg goes through all of the bone and turns as it likes; no sweep limits apply either. */
+static void a_motor_that_is_off_removes_nothing(void **state)
+{
+    lab l = make_lab(*state, NULL);
+    const ost_digest before = digest_of(l.bone);
+    for (int t = 0; t < 40; t++) {
+        ost_tick tick = motor_at(t, 0, t % 2 ? 7000000 : 1000 * t);
+        tick.pose.qw = t % 3 ? OST_Q30_ONE : 0;
+        tick.pose.qz = t % 3 ? 0 : OST_Q30_ONE;
+        const ost_step_result r = step(&l, tick);
+        assert_false(r.removal || r.boxes_meet || r.report || r.pose_count);
+    }
+    ost_world_totals totals;
+    ost_world_totals_get(l.world, &totals);
+    assert_int_equal(totals.ticks, 40);
+    assert_int_equal(totals.removals + totals.removed_voxels, 0);
+    const ost_digest after = digest_of(l.bone);
+    assert_true(ost_digest_equal(&before, &after));
+    free_lab(&l);
+}
+
+/* On at 5 mm, by hand with the motor off to 30 mm, on again: 2 mm from there are 4 poses; the way between stays bone. */
+static void a_sweep_begins_where_the_motor_was_off(void **state)
+{
+    for (int period = 0; period <= 1; period++) {
+        lab l = make_lab(*state, &(ost_world_options){.removal_period_ns = period * 1000000000});
+        step(&l, motor_at(0, 200, 5000));
+        step(&l, motor_at(1, 0, 15000));
+        step(&l, motor_at(2, 0, 30000));
+        const ost_step_result r = step(&l, motor_at(3, 200, 32000));
+        assert_true(r.removal); /* the first of its motor, whatever the period */
+        assert_int_equal(r.pose_count, 4);
+        /* A peg of 2 x 2 x 6 mm about x = 30.5, 31, 31.5 and 32: centres with 29.5 <= x < 33. */
+        assert_int_equal(r.report->total_voxels, 3 * 2 * 6);
+        assert_int_equal(step(&l, motor_at(4, 200, 32000)).removal, !period);
+        /* A tool that is taken up with its motor off begins there, too. */
+        ost_tick other = tick_at(5, 1, 20000, 10000, 5000);
+        other.rpm = 0;
+        assert_false(step(&l, other).removal);
+        other.t_ns += 1000000;
+        other.pose.t.x += 1000 * UM;
+        other.rpm = 200;
+        assert_int_equal(step(&l, other).pose_count, 2);
+        free_lab(&l);
+    }
+}
+
+/* 3000 turns a minute are a quarter turn in 5 ms: what more than one is would be swept the wrong way round. */
+static void a_motor_turns_a_quarter_at_most(void **state)
+{
+    ost_error err = {0};
+    lab l = make_lab(*state, NULL);
+    ost_tick tick = motor_at(0, 3000, 20000);
+    step(&l, tick);
+    tick.t_ns += 5000000;
+    assert_true(step(&l, tick).removal);
+    tick.t_ns += 5000001;
+    assert_int_equal(ost_world_step(l.world, &tick, NULL, &err), OST_ERR_RANGE);
+    assert_non_null(strstr(err.text, "3000 rpm"));
+    tick.t_ns = INT64_MAX;
+    assert_int_equal(ost_world_step(l.world, &tick, NULL, &err), OST_ERR_RANGE);
+    tick.rpm = 0;
+    tick.t_ns = 100000000;
+    assert_false(step(&l, tick).removal);
+    tick.rpm = 3001;
+    tick.t_ns++;
+    assert_int_equal(ost_world_step(l.world, &tick, NULL, &err), OST_ERR_USAGE);
+    free_lab(&l);
+    /* Ticks between two events count together: 2 + 2 + 2 ms. */
+    l = make_lab(*state, &(ost_world_options){.removal_period_ns = 6000000});
+    for (int t = 0; t < 6; t += 2)
+        assert_int_equal(step(&l, motor_at(t, 3000, 20000)).removal, t == 0);
+    tick = motor_at(6, 3000, 20000);
+    assert_int_equal(ost_world_step(l.world, &tick, NULL, &err), OST_ERR_RANGE);
+    free_lab(&l);
+}
+
 static void a_failed_step_changes_nothing(void **state)
 {
     ost_error err = {0};
@@ -274,6 +358,8 @@ int main(void)
         cmocka_unit_test(a_lifted_tool_does_not_sweep),
         cmocka_unit_test(a_tool_taken_up_does_not_sweep), cmocka_unit_test(the_period_decides_which_ticks_remove),
         cmocka_unit_test(negative_times_have_periods_too), cmocka_unit_test(a_failed_step_changes_nothing),
+        cmocka_unit_test(a_motor_that_is_off_removes_nothing), cmocka_unit_test(a_sweep_begins_where_the_motor_was_off),
+        cmocka_unit_test(a_motor_turns_a_quarter_at_most),
         cmocka_unit_test(far_from_the_bone_nothing_is_asked), cmocka_unit_test(an_event_is_in_its_chunks),
         cmocka_unit_test(what_a_world_refuses),
     };

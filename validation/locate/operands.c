@@ -174,6 +174,7 @@ static event_poses poses_at(const scene *s, size_t tick, ost_pm voxel)
     ost_pose last[SCENE_TOOLS_MAX];
     int64_t since[SCENE_TOOLS_MAX], removal_t = 0;
     int held = -1;
+    bool running = false;
     event_poses e = {.count = 0};
     for (size_t i = 0; i <= tick && i < s->path.count; i++) {
         const ost_tick *t = &s->path.ticks[i];
@@ -181,8 +182,11 @@ static event_poses poses_at(const scene *s, size_t tick, ost_pm voxel)
         e = (event_poses){.count = 0, .since = -1};
         if (t->tool < 0 || t->tool >= s->tool_count)
             continue;
-        const bool taken_up = t->tool != held;
-        if (taken_up || period == 0 || ost_floor_div(t->t_ns, period) != ost_floor_div(removal_t, period)) {
+        const bool taken_up = t->tool != held || t->lifted;
+        if (t->rpm == 0) {
+            last[t->tool] = t->pose;
+            since[t->tool] = (int64_t)i;
+        } else if (taken_up || !running || period == 0 || ost_floor_div(t->t_ns, period) != ost_floor_div(removal_t, period)) {
             ost_error refused = {0};
             e = (event_poses){true, t->pose, t->pose, 1, -1};
             if (!taken_up && !s->world.sweep_off) {
@@ -198,6 +202,7 @@ static event_poses poses_at(const scene *s, size_t tick, ost_pm voxel)
             removal_t = t->t_ns;
         }
         held = t->tool;
+        running = t->rpm != 0;
     }
     return e;
 }

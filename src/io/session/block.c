@@ -39,7 +39,8 @@ bool ost_session_block_decode(const unsigned char in[SESSION_BLOCK], session_blo
         .identity = get32(in + 40),
         .lost = get64(in + 48),
     };
-    if (get32(in + 44) != SESSION_VERSION || get32(in + 56) != 0 || out->payload % SESSION_ALIGN != 0)
+    const uint32_t version = get32(in + 44);
+    if (version < SESSION_VERSION_MIN || version > SESSION_VERSION || get32(in + 56) != 0 || out->payload % SESSION_ALIGN != 0)
         return false;
     switch (out->kind) {
     case SESSION_KIND_HEADER:

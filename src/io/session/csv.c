@@ -13,11 +13,12 @@ static ost_status put_tick_line(ost_outfile *out, const ost_session_tick *t, ost
         return status;
     return ost_outfile_printf(out, err,
                               ",%" PRIu64 ",%d,%d,%u,%u,%u,%016" PRIx64 ",%d,%d,%" PRIu32 ",%u,%" PRId32 ",%" PRId32 ",%" PRId32 ",%" PRId32
-                              ",%" PRId32 ",%" PRId32 ",%" PRIu32 ",%" PRIu32 ",%" PRIu32 ",%d\n",
+                              ",%" PRId32 ",%" PRId32 ",%" PRIu32 ",%" PRIu32 ",%" PRIu32 ",%d,%" PRId32 "\n",
                               t->number, (t->flags & OST_TICK_REMOVAL) != 0, (t->flags & OST_TICK_MET) != 0, (unsigned)t->poses,
                               (unsigned)t->removed, (unsigned)t->touched, t->digest, (t->flags & OST_TICK_FORCE) != 0,
                               (t->flags & OST_TICK_DECLARED) != 0, t->buttons, (unsigned)t->fault, t->force_un[0], t->force_un[1],
-                              t->force_un[2], t->torque_unm[0], t->torque_unm[1], t->torque_unm[2], t->wake_ns, t->exec_ns, t->missed, t->tick.lifted);
+                              t->force_un[2], t->torque_unm[0], t->torque_unm[1], t->torque_unm[2], t->wake_ns, t->exec_ns, t->missed, t->tick.lifted,
+                              t->tick.rpm);
 }
 
 /* A comment line; what would end it or hide something is a blank. */
@@ -41,7 +42,7 @@ ost_status ost_session_write_csv(ost_session *session, const char *path, ost_err
     status = ost_outfile_printf(out, err,
                                 "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,tool,tick,removal,met,poses,removed_voxels,touched_voxels,digest,"
                                 "force_given,declared,buttons,fault,force_x_un,force_y_un,force_z_un,torque_x_unm,torque_y_unm,torque_z_unm,"
-                                "wake_ns,exec_ns,missed,lifted\n");
+                                "wake_ns,exec_ns,missed,lifted,rpm\n");
     ost_session_rewind(session);
     for (bool more = true; status == OST_OK;) {
         ost_record record;

@@ -23,7 +23,8 @@
 #include <osteon/session.h>
 
 enum {
-    SESSION_VERSION = 1,
+    SESSION_VERSION = 2, /* written; 1 is read as well: its ticks have no motor speed */
+    SESSION_VERSION_MIN = 1,
     SESSION_ALIGN = 64,
     SESSION_BLOCK = 64,   /* a block's own bytes */
     SESSION_RECORD = 128,
