@@ -286,6 +286,7 @@ static ost_status rect_from_text(job *j, ost_error *err)
             .full = &full,
             .crop = j->options->crop ? &j->options->crop_box : NULL,
             .expected = summary->fingerprint,
+            .dims_line = summary->own_dims.line,
             .progress = j->options->progress,
             .user = j->options->progress_user,
         };

@@ -473,6 +473,10 @@ static void other_files_are_refused(void **state)
         {"tool.txt", "# osteon kind: tool\n0 0 0 1\n1 1 1 1\n", "is a tool, not a CT", OST_ERR_INPUT},
         {"bone.txt", "# osteon kind: bone\n# osteon threshold: 0\n0 0 0 1\n1 1 1 1\n", "its threshold is '0'", OST_ERR_INPUT},
         {"layer.txt", "0 0 5 1\n1 1 5 2\n", "all samples lie in one layer, z = 5", OST_ERR_INPUT},
+        {"twice.txt", "# osteon dims: 2 1 1\n# osteon spacing_mm: 1 1 1\n0 0 0 7\n0 0 0 7\n# osteon dims: 2 1 1\n",
+         "the text's own dims are 2 voxels along x, but its positions make 1", OST_ERR_INPUT},
+        {"twice.txt", "# osteon dims: 2 2 1\n# osteon spacing_mm: 1 1 1\n0 0 0 7\n1 1 0 7\n1 0 0 7\n1 0 0 7\n",
+         "twice.txt:1: the text's own dims say one sample for each voxel, but 1 samples lie in a voxel that has one", OST_ERR_INPUT},
         {"dims.txt", "# osteon dims: 1 2 1\n0 0 0 1\n1 1 1 2\n", "the text's own dims are 1 voxels along x", OST_ERR_INPUT},
         {"origin.txt", "# osteon origin_mm: 0.5 0 0\n0 0 0 1\n1 1 1 2\n", "origin.txt:1: the text's own origin is x = 0.5", OST_ERR_INPUT},
     };

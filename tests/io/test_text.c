@@ -2,7 +2,7 @@
 /*
  * CT text: what is read, and how each kind of broken file is refused.
  *
- * Covers: AR-CT-1, AR-CT-2
+ * Covers: AR-CT-1, AR-CT-2, AR-CT-8
  */
 #include "harness.h"
 
@@ -163,6 +163,10 @@ static void broken_texts_are_refused(void **state)
         {"# osteon dims: 2 1 1\n1 2 3 4\n", ":2: ends after 1 samples; line 1 says 2 x 1 x 1, which are 2"},
         {"# osteon dims: 1 1 1\n1 2 3 4", ":2: the last line has no end: the file is cut short"},
         {"# osteon KIND: bone\n1 2 3 4\n", ":1: 'KIND' is not a key"},
+        {"# osteon dims: 1 1 1\n1 2 3 4\n# osteon dims: 1 1 2\n", ":3: the text's own 'dims' is '1 1 2', but line 1 gives another"},
+        {"# osteon spacing_mm: 1 1 1\n# osteon spacing_mm: 1 1 1.000000001\n1 2 3 4\n",
+         ":2: the text's own 'spacing_mm' is '1 1 1.000000001', but line 1 gives another"},
+        {"# osteon origin_mm: 1 2 3\n#osteon\torigin_mm: 1 2 3.5\n1 2 3 4\n", ":2: the text's own 'origin_mm' is '1 2 3.5', but line 1"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         ost_error err = {0};
@@ -176,6 +180,53 @@ static void broken_texts_are_refused(void **state)
         const char *said = strstr(err.text, "ct.txt");
         if (status != OST_ERR_INPUT || !said || strncmp(said + 6, cases[i].says, strlen(cases[i].says)) != 0)
             fail_msg("case %zu: %s '%s', expected '...ct.txt%s'", i, ost_status_name(status), err.text, cases[i].says);
+    }
+}
+
+/* AR-CT-8: a deciding key may be given again with equal values, in whatever spelling; the values of the others are the last. */
+static void facts_may_be_repeated(void **state)
+{
+    (void)state;
+    static const char text[] = "# osteon dims: 1 1 1\n# osteon spacing_mm: 0.5 1 2\n# osteon note: first\n# osteon made: 1998\n"
+                               "#osteon dims:\t1.0,10e-1;1 \n1 2 3 4\n\t# osteon spacing_mm: 0.50 1.0,2e0\n# osteon origin_mm: 1 2 3\n"
+                               "# osteon note: last\n# osteon origin_mm: 1.0 2.0 3.0\n# osteon was here: 1998\n# osteon ab : 3\n";
+    ost_error err = {0};
+    ost_text_source source;
+    ost_text_summary summary;
+    ost_geometry g;
+    bool inferred[3];
+    const char *path = scratch_write(folder, "ct.txt", text, sizeof text - 1);
+    assert_ok(ost_text_source_open(&source, path, &err));
+    assert_ok(ost_text_scan(&source, (ost_pm3){0, 0, 0}, NULL, NULL, NULL, &summary, &err));
+    assert_ok(ost_text_geometry(path, &summary, &g, inferred, &err));
+    assert_true(g.spacing.x == 500000000 && g.spacing.y == 1000000000 && g.spacing.z == 2000000000);
+    assert_int_equal(summary.meta.count, 2);
+    assert_string_equal(summary.meta.entry[0].key, "note");
+    assert_string_equal(summary.meta.entry[0].value, "last");
+    assert_string_equal(summary.meta.entry[1].key, "made");
+    ost_text_summary_free(&summary);
+    ost_text_source_close(&source);
+}
+
+/* What is too long for a fact is refused, and never cut to a number that was not written. */
+static void long_facts_are_refused(void **state)
+{
+    (void)state;
+    static const char *const keys[] = {"spacing_mm", "origin_mm", "dims", "note"};
+    for (size_t k = 0; k < sizeof keys / sizeof keys[0]; k++) {
+        for (int digits = 190; digits < 400; digits += 15) {
+            ost_error err = {0};
+            ost_text_source source;
+            ost_text_summary summary;
+            char text[512];
+            int size = snprintf(text, sizeof text, "# osteon %s: 1 1 1.%0*d\n1 1 1 4\n", keys[k], digits, 0);
+            bool fits = 4 + 2 + digits <= 200; /* "1 1 ", "1.", the zeros */
+            assert_ok(ost_text_source_open(&source, scratch_write(folder, "ct.txt", text, (size_t)size), &err));
+            ost_status status = ost_text_scan(&source, (ost_pm3){0, 0, 0}, NULL, NULL, NULL, &summary, &err);
+            assert_int_equal(status, fits ? OST_OK : OST_ERR_INPUT);
+            ost_text_summary_free(&summary);
+            ost_text_source_close(&source);
+        }
     }
 }
 
@@ -270,6 +321,8 @@ int main(void)
         cmocka_unit_test(values_are_exact),
         cmocka_unit_test(lines_around_samples_are_skipped),
         cmocka_unit_test(broken_texts_are_refused),
+        cmocka_unit_test(facts_may_be_repeated),
+        cmocka_unit_test(long_facts_are_refused),
         cmocka_unit_test(zero_bytes_are_refused),
         cmocka_unit_test(lines_without_end_are_refused),
         cmocka_unit_test(blocks_do_not_show),

@@ -14,6 +14,7 @@ where they differ one of the two (or the text) is wrong.
 Run as a program it checks itself against the worked numbers of the text.
 """
 
+import collections
 import functools
 import hashlib
 import re
@@ -119,6 +120,22 @@ def nearest_float(value, bits):
 # -------------------------------------------------------------------- grids
 
 
+Geometry = collections.namedtuple("Geometry", "dims spacing origin")
+
+
+def check_limits(dims, spacing, origin):
+    """AR-GRID-3"""
+    nx, ny, nz = dims
+    if not all(1 <= n <= 16384 for n in dims) or nx * ny * nz > 2**36:
+        raise Refused(f"dims {dims}")
+    if not all(10**6 <= s <= 10**11 for s in spacing):
+        raise Refused(f"spacing {spacing}")
+    for n, s, o in zip(dims, spacing, origin):
+        if max(abs(o), abs(o + (n - 1) * s)) > LENGTH_MAX:
+            raise Refused("a voxel beyond 8 m")
+    return Geometry(tuple(dims), tuple(spacing), tuple(origin))
+
+
 class Grid:
     """AR-GRID-1, AR-GRID-2: dims, spacing, origin and a list of values, x fastest."""
 
@@ -133,14 +150,7 @@ class Grid:
 
     def check(self):
         """AR-GRID-3"""
-        nx, ny, nz = self.dims
-        if not all(1 <= n <= 16384 for n in self.dims) or nx * ny * nz > 2**36:
-            raise Refused(f"dims {self.dims}")
-        if not all(10**6 <= s <= 10**11 for s in self.spacing):
-            raise Refused(f"spacing {self.spacing}")
-        for n, s, o in zip(self.dims, self.spacing, self.origin):
-            if max(abs(o), abs(o + (n - 1) * s)) > LENGTH_MAX:
-                raise Refused("a voxel beyond 8 m")
+        check_limits(self.dims, self.spacing, self.origin)
         return self
 
 
@@ -151,7 +161,8 @@ class Text:
     """The samples of a CT text, what AR-CT-3 asks of each axis' coordinates, and the facts in its comments."""
 
     def __init__(self, content):
-        self.samples, self.meta = [], {}
+        self.samples, self.meta, self.own = [], {}, {}
+        self.terminated = content.endswith("\n")
         self.units, self.rounded = [set(), set(), set()], [0, 0, 0]
         may_be_header = True
         lines = content.split("\n")
@@ -159,7 +170,7 @@ class Text:
             line = line[:-1] if line.endswith("\r") else line
             line, hash_sign, comment = line.partition("#")
             if hash_sign and not line.strip(" \t"):
-                self._fact(comment)
+                self._fact(comment, number)
             fields = self._fields(line)
             if not fields:
                 continue
@@ -175,11 +186,31 @@ class Text:
         line = line.strip(" \t")
         return re.split(r"[ \t]*[,;][ \t]*|[ \t]+", line) if line else []
 
-    def _fact(self, comment):
+    def _fact(self, comment, number):
         """AR-CT-8"""
-        match = re.fullmatch(r"[ \t]*osteon[ \t]+([a-z0-9_]{1,40}):(.*)", comment)
-        if match:
-            self.meta[match.group(1)] = match.group(2).strip()
+        match = re.fullmatch(r"[ \t]*osteon[ \t]+([^ \t:]+):(.*)", comment, re.S)
+        if not match:
+            return
+        key, value = match.group(1), match.group(2).strip(" \t")
+        if len(value.encode()) > 200:
+            raise Refused(f"line {number}: a value of more than 200 bytes")
+        if key in ("spacing_mm", "origin_mm", "dims"):
+            numbers = [decimal(field) for field in self._fields(value)]
+            if len(numbers) != 3 or None in numbers:
+                raise Refused(f"line {number}: {key} '{value}'")
+            three = tuple(n[0] if key == "dims" else length(n[0]) for n in numbers)
+            if key == "dims" and not all(n.denominator == 1 and 1 <= n <= 16384 for n in three):
+                raise Refused(f"line {number}: dims '{value}'")
+            if key == "spacing_mm" and not all(s > 0 for s in three):
+                raise Refused(f"line {number}: spacing_mm '{value}'")
+            if self.own.setdefault(key, three) != three:
+                raise Refused(f"line {number}: another {key}")
+            return
+        if not re.fullmatch("[a-z0-9_]{1,40}", key) or re.search("[\x00-\x1f\x7f]", value):
+            raise Refused(f"line {number}: '{key}' or its value is no fact")
+        self.meta[key] = value
+        if len(self.meta) > 32:
+            raise Refused("more than 32 facts")
 
     def _sample(self, fields, number):
         """AR-CT-2"""
@@ -248,7 +279,7 @@ class Axis:
 
     def feasible(self):
         """Step 4: the least and the greatest feasible spacing, from all pairs of coordinates."""
-        low, high = Fraction(1), Fraction(10**11)
+        low, high = Fraction(1), Fraction(self.c[-1] - self.c[0] + self.unit)
         for i, (c, k) in enumerate(zip(self.c, self.steps)):
             for c2, k2 in zip(self.c[i + 1:], self.steps[i + 1:]):
                 if k2 > k:
@@ -293,32 +324,41 @@ def infer_spacing(text):
     return tuple(spacing)
 
 
-def fact_lengths(text, key):
+def given_spacing(text):
     """AR-CT-8"""
-    return tuple(length(decimal(word)[0]) for word in text.meta[key].split())
+    return text.own.get("spacing_mm")
+
+
+def rect_geometry(text, spacing):
+    """AR-CT-4 and AR-CT-8: the rect grid, without voxels."""
+    if not text.samples:
+        raise Refused("no sample")
+    low = [min(s[a] for s in text.samples) for a in range(3)]
+    high = [max(s[a] for s in text.samples) for a in range(3)]
+    if "origin_mm" in text.own:
+        origin = text.own["origin_mm"]
+        if any(8 * abs(l - o) > s for l, o, s in zip(low, origin, spacing)):
+            raise Refused("the text's own origin is not where its samples start")
+        low = origin
+    dims = tuple(rhe(Fraction(h - l, s)) + 1 for l, h, s in zip(low, high, spacing))
+    if "dims" in text.own:
+        if text.own["dims"] != dims:
+            raise Refused("the text's own dims are others")
+        if len(text.samples) != dims[0] * dims[1] * dims[2] or not text.terminated:
+            raise Refused("the text's own dims say that it has another end")
+    return check_limits(dims, spacing, low)
 
 
 def text_to_rect(text, spacing=None, duplicates="error"):
     """AR-CT-4..6. Returns the rect grid and a report."""
     if not text.samples:
         raise Refused("no sample")
-    if spacing is None and "spacing_mm" in text.meta:
-        spacing = fact_lengths(text, "spacing_mm")
-    if spacing is None:
-        spacing = infer_spacing(text)
-    low = [min(s[a] for s in text.samples) for a in range(3)]
-    high = [max(s[a] for s in text.samples) for a in range(3)]
-    if "origin_mm" in text.meta:
-        origin = fact_lengths(text, "origin_mm")
-        if any(8 * abs(l - o) > s for l, o, s in zip(low, origin, spacing)):
-            raise Refused("the text's own origin is not where its samples start")
-        low = origin
-    dims = [rhe(Fraction(h - l, s)) + 1 for l, h, s in zip(low, high, spacing)]
-    if "dims" in text.meta and [int(n) for n in text.meta["dims"].split()] != dims:
-        raise Refused("the text's own dims are others")
+    spacing = spacing or given_spacing(text) or infer_spacing(text)
+    geometry = rect_geometry(text, spacing)
+    dims, low = geometry.dims, geometry.origin
     if dims[0] * dims[1] * dims[2] > max(2**24, 256 * len(text.samples)):
         raise Refused("the samples are too sparse")
-    rect = Grid(dims, spacing, low).check()
+    rect = Grid(dims, spacing, low)
     seen, report = set(), {"samples": 0, "duplicates": 0, "off_lattice": 0, "worst_offset_ppm": 0}
     for *position, density in text.samples:
         report["samples"] += 1
@@ -341,6 +381,8 @@ def text_to_rect(text, spacing=None, duplicates="error"):
             density = {"error": had, "first": had, "last": density, "max": max(had, density)}[duplicates]
         seen.add(at)
         rect.voxels[at] = density
+    if "dims" in text.own and report["duplicates"]:
+        raise Refused("a text with dims gives a voxel twice")
     return rect, report
 
 

@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include <osteon/grid.h>
 #include <osteon/length.h>
 
 const char *ost_text_quote(const char *field, const char *end, char quote[OST_TEXT_QUOTE])
@@ -69,6 +70,9 @@ bool ost_text_is_header(const char *p, const char *end)
     }
 }
 
+_Static_assert(sizeof((ost_text_fact *)0)->key > OST_META_KEY && sizeof((ost_text_fact *)0)->value > OST_META_VALUE,
+               "a fact that was cut is too long");
+
 bool ost_text_fact_read(const char *comment, const char *end, ost_text_fact *fact)
 {
     static const char word[] = "osteon";
@@ -81,15 +85,19 @@ bool ost_text_fact_read(const char *comment, const char *end, ost_text_fact *fac
     if (p == end || !ost_text_is_blank(*p))
         return false;
     p = ost_text_skip_blanks(p, end);
-    const char *colon = memchr(p, ':', (size_t)(end - p));
-    if (!colon || colon == p || memchr(p, ' ', (size_t)(colon - p)) || (size_t)(colon - p) >= sizeof fact->key)
+    const char *colon = p;
+    while (colon < end && *colon != ':' && !ost_text_is_blank(*colon))
+        colon++;
+    if (colon == p || colon == end || *colon != ':')
         return false;
     const char *value = ost_text_skip_blanks(colon + 1, end);
     while (end > value && ost_text_is_blank(end[-1]))
         end--;
     size_t key_length = (size_t)(colon - p), length = (size_t)(end - value);
-    if (length >= sizeof fact->value || memchr(value, 0, length) || memchr(p, 0, key_length))
+    if (memchr(value, 0, length) || memchr(p, 0, key_length))
         return false;
+    key_length = key_length < sizeof fact->key ? key_length : sizeof fact->key - 1;
+    length = length < sizeof fact->value ? length : sizeof fact->value - 1;
     memcpy(fact->key, p, key_length);
     fact->key[key_length] = 0;
     memcpy(fact->value, value, length);

@@ -65,8 +65,10 @@ bool ost_text_is_binary(const char *p, const char *end);
 bool ost_text_is_header(const char *p, const char *end);
 
 /*
- * A comment "# osteon KEY: VALUE": puts key and value, trimmed, and returns
- * true.  Other comments are for people.
+ * Reads a comment "# osteon KEY: VALUE" (AR-CT-8), KEY a word without blanks,
+ * VALUE trimmed, and returns true.  Other comments are for people.  What is
+ * too long for the fields is cut, and is then still too long for a fact:
+ * OST_META_KEY and OST_META_VALUE are less.
  */
 typedef struct ost_text_fact {
     char key[48];

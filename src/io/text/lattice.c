@@ -33,7 +33,9 @@
  * all of them, found the same way, so that an isotropic grid stays so.
  *
  * Ranges.  |c_i - c_0| <= 1.6 * 10^13, u <= 10^12, k <= 16383 < 2^14, so
- * (c_i - c_0 + u) * k < 2.8 * 10^17; s <= 10^11, so k s < 1.7 * 10^15.
+ * (c_i - c_0 + u) * k < 2.8 * 10^17; a feasible s has s <= k_(m-1) s <=
+ * c_(m-1) - c_0 + u <= 1.7 * 10^13, so k s < 2.8 * 10^17.  A spacing above
+ * 100 mm is found as any other and then refused as a grid's (AR-GRID-3).
  */
 #include "core/conditions.h"
 
@@ -45,6 +47,7 @@
 #include "core/integer.h"
 
 enum { STEPS_MAX = OST_DIM_MAX - 1 };
+static const int64_t FEASIBLE_MAX = INT64_C(17000000000000); /* 1.7 * 10^13: see the ranges above */
 
 /* An axis with its steps. */
 typedef struct fit {
@@ -236,7 +239,7 @@ static int64_t nearest_multiple(const fit *const *fits, int count, int64_t q, in
     if (below != above)
         return 0; /* the interval lies between two multiples */
     int64_t step = above == ABOVE ? 1 : -1;
-    int64_t near = step > 0 ? m + between : m, far = step > 0 ? OST_SPACING_MAX / q + 1 : 0;
+    int64_t near = step > 0 ? m + between : m, far = step > 0 ? FEASIBLE_MAX / q + 1 : 0;
     while ((far - near) * step > 1) {
         int64_t middle = near + (far - near) / 2;
         side at = probe(fits, count, middle * q);
@@ -247,8 +250,7 @@ static int64_t nearest_multiple(const fit *const *fits, int count, int64_t q, in
         else
             far = middle;
     }
-    bool in_range = far > 0 && far * q <= OST_SPACING_MAX;
-    return in_range && probe(fits, count, far * q) == HERE ? far * q : 0;
+    return far > 0 && probe(fits, count, far * q) == HERE ? far * q : 0;
 }
 
 /* 0 when no decimal with up to nine digits is feasible for all. */

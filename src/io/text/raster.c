@@ -514,7 +514,8 @@ void ost_text_raster_free(ost_text_raster *raster)
 /* The text says how many voxels it has, and whether it is whole can be seen. */
 static bool is_whole(const ost_text_summary *summary, int64_t voxels, bool terminated)
 {
-    return !summary->has_dims || (terminated && summary->dims[0] * summary->dims[1] * summary->dims[2] == voxels);
+    const ost_text_own *dims = &summary->own_dims;
+    return dims->line == 0 || (terminated && dims->value[0] * dims->value[1] * dims->value[2] == voxels);
 }
 
 /* Whether two passes would have succeeded: geometry, and a voxel for every sample. */

@@ -146,6 +146,11 @@ ost_status ost_text_to_rect(ost_text_source *source, const ost_text_rect_options
         status = flush(&p, err);
     if (status == OST_OK && (fingerprint.rows != options->expected.rows || fingerprint.hash != options->expected.hash))
         status = changed(p.path, err);
+    if (status == OST_OK && options->dims_line && report->duplicates > 0)
+        status = ost_fail(err, OST_ERR_INPUT,
+                          "%s:%lld: the text's own dims say one sample for each voxel, but %llu samples lie in a voxel that has one; "
+                          "remove that line or the repeated ones",
+                          p.path, (long long)options->dims_line, (unsigned long long)report->duplicates);
     free(rows);
     free(p.samples);
     return status;

@@ -13,6 +13,7 @@ typedef struct ost_text_rect_options {
     const ost_geometry *full;      /* the text's whole grid */
     const ost_voxel_box *crop;     /* NULL: rect is the whole grid; else rect is this part of it */
     ost_text_fingerprint expected; /* what the first pass saw */
+    int64_t dims_line;             /* of the text's own dims, by which every voxel has one sample; 0 when it gives none */
     ost_progress *progress;        /* may be NULL */
     void *user;
 } ost_text_rect_options;

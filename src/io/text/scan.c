@@ -52,34 +52,22 @@ static void set_sort(ost_text_axis *axis)
 
 /* ---------------------------------------------------------------------- facts */
 
-/* "0.47 0.47 1" */
-static bool read_lengths(const char *text, ost_pm out[3])
+/* "0.47 0.47 1" as lengths in mm, or "256 234 201" as numbers of voxels. */
+static bool read_three(const char *text, bool lengths, int64_t out[3])
 {
     const char *end = text + strlen(text);
-    for (int a = 0; a < 3; a++) {
-        ost_decimal value;
-        if (ost_text_field_start(&text, end, a) != OST_TEXT_FIELD)
-            return false;
-        text = ost_decimal_read(text, end, &value);
-        if (!text || (text < end && !ost_text_ends_field(*text)) || !ost_decimal_to_pm(&value, &out[a], NULL))
-            return false;
-    }
-    return ost_text_skip_blanks(text, end) == end;
-}
-
-/* "256 234 201" */
-static bool read_dims(const char *text, int64_t out[3])
-{
-    const char *end = text + strlen(text);
+    if (end - text >= OST_META_VALUE)
+        return false;
     for (int a = 0; a < 3; a++) {
         ost_decimal value;
         bool exact;
         if (ost_text_field_start(&text, end, a) != OST_TEXT_FIELD)
             return false;
         text = ost_decimal_read(text, end, &value);
-        if (!text || (text < end && !ost_text_ends_field(*text)) || !ost_decimal_scale(&value, 1, &out[a], &exact))
+        if (!text || (text < end && !ost_text_ends_field(*text)))
             return false;
-        if (!exact || out[a] < 1 || out[a] > OST_DIM_MAX)
+        if (lengths ? !ost_decimal_to_pm(&value, &out[a], NULL)
+                    : !ost_decimal_scale(&value, 1, &out[a], &exact) || !exact || out[a] < 1 || out[a] > OST_DIM_MAX)
             return false;
     }
     return ost_text_skip_blanks(text, end) == end;
@@ -91,36 +79,54 @@ static ost_status bad_fact(const ost_text_parser *parser, const ost_text_fact *f
                     fact->key, fact->value, expected);
 }
 
-ost_status ost_text_fact_take(void *facts, const ost_text_parser *parser, const ost_text_fact *fact, ost_error *err)
+/* Enters three values; a second fact of the same key must have the values of the first. */
+static ost_status take_own(const ost_text_parser *parser, const ost_text_fact *fact, const int64_t value[3], ost_text_own *own,
+                           ost_error *err)
 {
-    const ost_text_facts *s = facts;
-    ost_text_summary *summary = s->summary;
-    if (strcmp(fact->key, "spacing_mm") == 0) {
-        const ost_pm given[3] = {s->given.x, s->given.y, s->given.z};
-        ost_pm spacing[3];
-        if (!read_lengths(fact->value, spacing) || spacing[0] <= 0 || spacing[1] <= 0 || spacing[2] <= 0)
-            return bad_fact(parser, fact, "three lengths above 0 in mm", err);
-        for (int a = 0; a < 3; a++)
-            summary->axis[a].given = given[a] ? given[a] : spacing[a];
-        return OST_OK;
-    }
-    if (strcmp(fact->key, "origin_mm") == 0) {
-        summary->has_origin = true;
-        summary->origin_line = parser->line;
-        return read_lengths(fact->value, summary->origin) ? OST_OK : bad_fact(parser, fact, "three lengths in mm", err);
-    }
-    if (strcmp(fact->key, "dims") == 0) {
-        summary->has_dims = true;
-        summary->dims_line = parser->line;
-        return read_dims(fact->value, summary->dims) ? OST_OK : bad_fact(parser, fact, "three numbers of voxels from 1 to 16384", err);
-    }
-    ost_status status = ost_meta_set(&summary->meta, fact->key, fact->value, err);
+    if (own->line != 0 && memcmp(own->value, value, sizeof own->value) != 0)
+        return ost_fail(err, OST_ERR_INPUT, "%s:%lld: the text's own '%s' is '%.60s', but line %lld gives another; remove one of them",
+                        parser->path, (long long)parser->line, fact->key, fact->value, (long long)own->line);
+    own->line = own->line ? own->line : parser->line;
+    memcpy(own->value, value, sizeof own->value);
+    return OST_OK;
+}
+
+static ost_status take_spacing(const ost_text_facts *facts, const ost_text_parser *parser, const ost_text_fact *fact, ost_error *err)
+{
+    ost_text_summary *summary = facts->summary;
+    const ost_pm given[3] = {facts->given.x, facts->given.y, facts->given.z};
+    ost_pm spacing[3];
+    if (!read_three(fact->value, true, spacing) || spacing[0] <= 0 || spacing[1] <= 0 || spacing[2] <= 0)
+        return bad_fact(parser, fact, "three lengths above 0 in mm", err);
+    for (int a = 0; a < 3; a++)
+        summary->axis[a].given = given[a] ? given[a] : spacing[a];
+    return take_own(parser, fact, spacing, &summary->own_spacing, err);
+}
+
+static ost_status take_other(const ost_text_facts *facts, const ost_text_parser *parser, const ost_text_fact *fact, ost_error *err)
+{
+    ost_status status = ost_meta_set(&facts->summary->meta, fact->key, fact->value, err);
     if (status == OST_OK)
         return OST_OK;
     (void)ost_fail_context(err, "%s:%lld", parser->path, (long long)parser->line);
     if (err)
         err->status = OST_ERR_INPUT;
     return OST_ERR_INPUT;
+}
+
+ost_status ost_text_fact_take(void *facts, const ost_text_parser *parser, const ost_text_fact *fact, ost_error *err)
+{
+    const ost_text_facts *s = facts;
+    int64_t value[3];
+    if (strcmp(fact->key, "spacing_mm") == 0)
+        return take_spacing(s, parser, fact, err);
+    if (strcmp(fact->key, "origin_mm") == 0)
+        return read_three(fact->value, true, value) ? take_own(parser, fact, value, &s->summary->own_origin, err)
+                                                    : bad_fact(parser, fact, "three lengths in mm", err);
+    if (strcmp(fact->key, "dims") == 0)
+        return read_three(fact->value, false, value) ? take_own(parser, fact, value, &s->summary->own_dims, err)
+                                                     : bad_fact(parser, fact, "three numbers of voxels from 1 to 16384", err);
+    return take_other(s, parser, fact, err);
 }
 
 /* ----------------------------------------------------------------------- pass */
@@ -176,14 +182,15 @@ static ost_status check_whole(const ost_text_source *source, const ost_text_summ
     int64_t lines = source->parser.line;
     if (summary->fingerprint.rows == 0)
         return ost_fail(err, OST_ERR_INPUT, "%s: holds no sample in %lld lines; expected lines of x y z density", path, (long long)lines);
-    if (!summary->has_dims)
+    const ost_text_own *dims = &summary->own_dims;
+    if (dims->line == 0)
         return OST_OK;
     /* At most (2^14)^3. */
-    int64_t expected = summary->dims[0] * summary->dims[1] * summary->dims[2];
+    int64_t expected = dims->value[0] * dims->value[1] * dims->value[2];
     if ((uint64_t)expected != summary->fingerprint.rows)
         return ost_fail(err, OST_ERR_INPUT, "%s:%lld: ends after %llu samples; line %lld says %lld x %lld x %lld, which are %lld", path,
-                        (long long)lines, (unsigned long long)summary->fingerprint.rows, (long long)summary->dims_line,
-                        (long long)summary->dims[0], (long long)summary->dims[1], (long long)summary->dims[2], (long long)expected);
+                        (long long)lines, (unsigned long long)summary->fingerprint.rows, (long long)dims->line,
+                        (long long)dims->value[0], (long long)dims->value[1], (long long)dims->value[2], (long long)expected);
     if (!ost_text_lines_terminated(source->lines))
         return ost_fail(err, OST_ERR_INPUT, "%s:%lld: the last line has no end: the file is cut short", path, (long long)lines);
     return OST_OK;
@@ -285,12 +292,12 @@ static ost_status find_spacing(const char *path, const ost_text_summary *summary
 /* The text's own origin holds when the lowest positions are it, to within what their digits can say: an eighth of a voxel. */
 static ost_status check_origin(const char *path, const ost_text_summary *summary, int a, ost_pm spacing, ost_error *err)
 {
-    int64_t off = summary->axis[a].min - summary->origin[a];
+    int64_t off = summary->axis[a].min - summary->own_origin.value[a];
     if (8 * (off < 0 ? -off : off) <= spacing)
         return OST_OK;
     char said[OST_PM_TEXT], is[OST_PM_TEXT];
     return ost_fail(err, OST_ERR_INPUT, "%s:%lld: the text's own origin is %c = %s mm, but its lowest is %s mm", path,
-                    (long long)summary->origin_line, "xyz"[a], ost_pm_format(summary->origin[a], said),
+                    (long long)summary->own_origin.line, "xyz"[a], ost_pm_format(summary->own_origin.value[a], said),
                     ost_pm_format(summary->axis[a].min, is));
 }
 
@@ -308,15 +315,15 @@ ost_status ost_text_geometry(const char *path, const ost_text_summary *summary, 
     ost_status status = find_spacing(path, summary, spacing, err);
     for (int a = 0; a < 3 && status == OST_OK; a++) {
         const ost_text_axis *axis = &summary->axis[a];
-        origin[a] = summary->has_origin ? summary->origin[a] : axis->min;
-        if (summary->has_origin)
+        origin[a] = summary->own_origin.line ? summary->own_origin.value[a] : axis->min;
+        if (summary->own_origin.line)
             status = check_origin(path, summary, a, spacing[a], err);
         /* (max - origin) / spacing < 1.7 * 10^13 / 1 when a found spacing is below its bound: clamp, then it is refused. */
         int64_t steps = ost_rhe_div(axis->max - origin[a], spacing[a]);
         dims[a] = (int32_t)(steps < 0 ? 0 : steps > INT32_MAX - 1 ? INT32_MAX - 1 : steps) + 1;
-        if (status == OST_OK && summary->has_dims && dims[a] != summary->dims[a])
+        if (status == OST_OK && summary->own_dims.line && dims[a] != summary->own_dims.value[a])
             status = ost_fail(err, OST_ERR_INPUT, "%s:%lld: the text's own dims are %lld voxels along %c, but its positions make %d", path,
-                              (long long)summary->dims_line, (long long)summary->dims[a], "xyz"[a], (int)dims[a]);
+                              (long long)summary->own_dims.line, (long long)summary->own_dims.value[a], "xyz"[a], (int)dims[a]);
     }
     if (status != OST_OK)
         return status;

@@ -55,15 +55,19 @@ typedef struct ost_text_axis {
     ost_text_coordinate *set;
 } ost_text_axis;
 
+/* Three values that the text itself gives (AR-CT-8). */
+typedef struct ost_text_own {
+    int64_t line; /* the first that gives them; 0 when none does */
+    int64_t value[3];
+} ost_text_own;
+
 typedef struct ost_text_summary {
     ost_text_axis axis[3];
     ost_text_fingerprint fingerprint;
     uint64_t rounded_positions;
     ost_meta meta;
-    bool has_origin, has_dims;
-    int64_t origin_line, dims_line;
-    ost_pm origin[3];  /* fact "origin_mm" */
-    int64_t dims[3];   /* fact "dims": every voxel has its line */
+    ost_text_own own_spacing, own_origin; /* facts "spacing_mm" and "origin_mm", in picometres */
+    ost_text_own own_dims;                /* fact "dims": every voxel has one line */
 } ost_text_summary;
 
 /* An empty summary with the spacings by option; free is safe from here on. */
