@@ -44,14 +44,20 @@ typedef struct ost_volume_report {
     char encoding[24];         /* "raw", "gzip", "text" */
     char orientation[16];      /* as the file had it, e.g. "LPS", "RAS"; "" when it said nothing */
     bool reoriented;           /* axes flipped or permuted to LPS+ */
+    bool assumed;              /* the file does not state where its axes point: they were taken as LPS */
     bool resampled;            /* an oblique grid, resampled because it was asked for */
     uint64_t rounded_values;   /* non-integer densities rounded RHE */
     uint64_t clamped_values;   /* densities beyond int16: saturated only when allowed, else an error */
 } ost_volume_report;
 
+/* Which of a NIfTI's two transforms places the grid. AUTO: by their codes; an error where they disagree by more than a voxel. */
+typedef enum ost_nifti_form { OST_FORM_AUTO, OST_FORM_QFORM, OST_FORM_SFORM } ost_nifti_form;
+
 typedef struct ost_volume_options {
     bool clamp;             /* saturate densities beyond int16 instead of refusing */
     bool resample_oblique;  /* resample an oblique NIfTI or NRRD (nearest) instead of refusing */
+    char orientation[4];    /* where the axes of a file without orientation point, e.g. "RAS"; "": not stated */
+    ost_nifti_form form;
 } ost_volume_options;
 
 /* NRRD or NIfTI, to int16 with axes to LPS+. options may be NULL (all false), report may be NULL. */

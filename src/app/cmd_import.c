@@ -49,6 +49,7 @@ static void put_result(const app_state *app, const ost_import_result *r, const o
         put_text(o, "element_type", r->volume.type);
         put_text(o, "encoding", r->volume.encoding);
         put_text(o, "orientation", r->volume.orientation);
+        put_bool(o, "orientation_assumed", r->volume.assumed);
         put_bool(o, "reoriented", r->volume.reoriented);
         put_bool(o, "resampled", r->volume.resampled);
         put_integer(o, "rounded_values", (int64_t)r->volume.rounded_values);

@@ -50,8 +50,11 @@ static ost_status info_volume(const app_state *app, const char *name, const char
     put_text(app->result, "orientation", report.orientation);
     say(app, "%s: a %s in %s, %s, %s%s%s", name, strcmp(kind, "ct") == 0 ? "CT" : kind, format, report.type, report.encoding,
         report.orientation[0] ? ", axes to " : "", report.orientation);
+    put_bool(app->result, "orientation_assumed", report.assumed);
     put_geometry(app, &geometry);
     say_meta(app, &meta);
+    if (!digest)
+        load_warn_orientation(app, name, &meta);
     if (!digest)
         return OST_OK;
 

@@ -101,6 +101,11 @@ ost_status load_import_options(const app_state *app, const ct_options *ct, bool 
         .digests = digests,
         .progress = progress_show,
     };
+    out->volume.form = (ost_nifti_form)ct->form;
+    if (ct->orientation && strlen(ct->orientation) != 3)
+        return usage_error(app, err, "--orientation '%s': expected three letters, such as LPS or RAS", ct->orientation);
+    if (ct->orientation)
+        memcpy(out->volume.orientation, ct->orientation, sizeof out->volume.orientation);
     if (ct->crop) {
         out->crop = true;
         ost_status status = parse_crop(app, ct->crop, &out->crop_box, err);
@@ -141,10 +146,19 @@ static ost_status volume_to_bone(ost_backend *backend, const ost_volume *volume,
     return status;
 }
 
+void load_warn_orientation(const app_state *app, const char *name, const ost_meta *meta)
+{
+    const char *fact = ost_meta_get(meta, OST_META_ORIENTATION);
+    if (fact && strcmp(fact, "assumed LPS") == 0)
+        warn(app, "%s: its orientation is assumed to be LPS: the CT does not state where its axes point, so left may be right and front may be "
+             "back; import the CT with --orientation XYZ, such as LPS or RAS", name);
+}
+
 void load_warn_import(const app_state *app, const char *name, const ost_import_result *r)
 {
     char text[SAY_TEXT];
     const ost_scatter_report *s = &r->scatter;
+    load_warn_orientation(app, name, &r->meta);
     if (s->off_lattice)
         warn(app, "%s: %s positions lie more than 1/8 of a voxel off the lattice; the worst, %.3f of a voxel, in line %lld", name,
              say_count(text, (int64_t)s->off_lattice), (double)s->worst_offset_ppm * 1e-6, (long long)s->worst_line);
@@ -171,8 +185,8 @@ ost_status load_bone(const app_state *app, ost_backend *backend, const char *nam
     progress_begin(app);
     const char *kind = builtin_name(name);
     if (kind) {
-        if (ct->crop || ct->spacing.x)
-            return usage_error(app, err, "--crop and --spacing are for files; write %s with osteon phantom first", name);
+        if (ct->crop || ct->spacing.x || ct->orientation || ct->form)
+            return usage_error(app, err, "--crop, --spacing, --orientation and --form are for files; write %s with osteon phantom first", name);
         ost_volume volume = {0};
         status = phantom_volume(kind, &volume, err);
         if (status == OST_OK)
@@ -385,6 +399,8 @@ ost_status load_volume(const app_state *app, const char *name, loaded_volume *ou
     if (what && strcmp(what, "tool") == 0)
         return load_tool_volume(name, out, err);
     status = ost_volume_read(name, NULL, &out->volume, NULL, err);
+    if (status == OST_OK)
+        load_warn_orientation(app, name, &out->volume.meta);
     if (status == OST_OK && what && strcmp(what, "bone") == 0) {
         out->kind = LOAD_BONE;
         out->threshold = threshold_of(&out->volume.meta);

@@ -22,6 +22,8 @@ typedef struct ct_options {
     bool nearest;
     int duplicates; /* place in "error|first|last|max" = ost_duplicates */
     bool clamp, resample_oblique;
+    const char *orientation; /* NULL: not stated */
+    int form;                /* place in "auto|qform|sform" = ost_nifti_form */
 } ct_options;
 
 #define CT_OPTIONS_DEFAULT {.chunk = 1}
@@ -44,6 +46,10 @@ typedef struct ct_options {
      .help = "cut densities beyond int16 to its ends instead of refusing"},                                                  \
     {.name = "resample-oblique", .kind = OPTION_FLAG, .out = &(c).resample_oblique,                                          \
      .help = "resample a tilted CT onto straight axes instead of refusing"},                                                 \
+    {.name = "orientation", .kind = OPTION_TEXT, .out = &(c).orientation, .value = "XYZ",                                    \
+     .help = "where the axes of a CT without orientation point, such as LPS or RAS\n(default: LPS, with a warning)"},        \
+    {.name = "form", .kind = OPTION_CHOICE, .out = &(c).form, .value = "auto|qform|sform",                                   \
+     .help = "which transform of a NIfTI places the CT (default: auto; needed where\nthe two disagree)"},                    \
     {.name = "chunk", .kind = OPTION_CHOICE, .out = &(c).chunk, .value = "16|32|64",                                         \
      .help = "voxels on a side of a chunk (default: 32); changes no voxel"}
 
@@ -78,6 +84,8 @@ ost_status load_bone(const app_state *app, ost_backend *backend, const char *nam
 
 /* From the options to what ost_import takes. */
 ost_status load_import_options(const app_state *app, const ct_options *ct, bool digests, ost_import_options *out, ost_error *err);
+/* Warns if the orientation of a file was assumed, now or when it was imported. */
+void load_warn_orientation(const app_state *app, const char *name, const ost_meta *meta);
 /* What an import did that the user may not expect. */
 void load_warn_import(const app_state *app, const char *name, const ost_import_result *r);
 

@@ -59,7 +59,7 @@ static void set_choice(writer *w, const char *key, const char *choices, int inde
 }
 
 static const char yes_no[] = "no|yes", units[] = "auto|mm|cm|m|inch|um", rules[] = "winding|parity", duplicates[] = "error|first|last|max",
-                  sweeps[] = "off|on";
+                  sweeps[] = "off|on", forms[] = "auto|qform|sform";
 
 static void set_classes(writer *w, const ost_density_classes *classes)
 {
@@ -171,6 +171,10 @@ ost_status session_keys_make(const session_setup *setup, ost_backend *backend, c
     set_choice(&w, "load.duplicates", duplicates, setup->ct.duplicates);
     set_choice(&w, "load.clamp", yes_no, setup->ct.clamp);
     set_choice(&w, "load.resample_oblique", yes_no, setup->ct.resample_oblique);
+    if (setup->ct.orientation)
+        set(&w, "load.orientation", setup->ct.orientation);
+    if (setup->ct.form)
+        set_choice(&w, "load.form", forms, setup->ct.form);
     set(&w, "device", device);
     if (w.status == OST_OK && setup->plan)
         w.status = glenoid_plan_set(w.header, setup->plan, err);
@@ -301,6 +305,8 @@ ost_status session_keys_read(const char *session, const ost_session_header *head
     out->ct.duplicates = get_choice(&r, "load.duplicates", duplicates);
     out->ct.clamp = get_choice(&r, "load.clamp", yes_no) == 1;
     out->ct.resample_oblique = get_choice(&r, "load.resample_oblique", yes_no) == 1;
+    out->ct.orientation = get(&r, "load.orientation", false);
+    out->ct.form = get(&r, "load.form", false) ? get_choice(&r, "load.form", forms) : 0;
     return r.status;
 }
 

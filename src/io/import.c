@@ -258,6 +258,8 @@ static ost_status rect_from_text(job *j, ost_error *err)
     text_job text = {.is_raster = false};
     const ost_text_summary *summary = &text.summary;
     ost_geometry full;
+    if (j->options->volume.orientation[0] || j->options->volume.form != OST_FORM_AUTO)
+        return ost_fail(err, OST_ERR_USAGE, "%s: the positions of a text are LPS; --orientation and --form are for NIfTI and NRRD", j->path);
     ost_status status = ost_text_source_open(&text.source, j->path, err);
     if (status != OST_OK)
         return status;

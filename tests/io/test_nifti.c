@@ -145,7 +145,12 @@ static void sform_qform_or_pixdim(void **state)
             write_nifti("o.nii", &s, eight, 8);
             ost_volume v;
             ost_volume_report report;
-            read_it("o.nii", &v, &report);
+            ost_error err = {0};
+            /* Both lead to the patient and disagree: one must be chosen, which the next test is about. */
+            const bool both = cases[i].expected == 1 && cases[i].qform > 0;
+            const ost_volume_options by_sform = {.form = both ? OST_FORM_SFORM : OST_FORM_AUTO};
+            assert_ok(ost_volume_read(at("o.nii"), &by_sform, &v, &report, &err));
+            assert_int_equal(report.assumed, cases[i].expected == 3);
             if (cases[i].expected == 1) {
                 assert_grid(&v, 3 * mm, 3 * mm, 3 * mm, -23 * mm, -3 * mm, 0);
                 assert_string_equal(report.orientation, "RAS");
@@ -161,6 +166,103 @@ static void sform_qform_or_pixdim(void **state)
             ost_volume_free(&v);
         }
     }
+}
+
+/*
+ * A grid of 2 x 2 x 2 voxels of 1 mm.  The forms are equal but for the sform's
+ * origin, moved along R, and its z step: the farthest corner is moved by the
+ * sum.  Up to a voxel is agreement; beyond it a form must be chosen.
+ */
+static void forms_that_disagree(void **state)
+{
+    (void)state;
+    static const struct {
+        double moved, z_step;
+        bool refused;
+    } cases[] = {{0, 1, false}, {1, 1, false}, {1.001, 1, true}, {-1.001, 1, true}, {0, 2, false}, {0, 2.001, true}, {-4, 1, true}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        nifti_spec s = nifti_plain(1 + (int)(i % 2));
+        s.qform_code = 1;
+        s.sform_code = 1 + (int)(i / 2 % 2);
+        for (int w = 0; w < 3; w++)
+            s.srow[w][w] = 1;
+        s.srow[0][3] = cases[i].moved;
+        s.srow[2][2] = cases[i].z_step;
+        write_nifti("f.nii", &s, eight, 8);
+        ost_volume v;
+        ost_error err = {0};
+        if (cases[i].refused) {
+            assert_refused(at("f.nii"), NULL, OST_ERR_INPUT, "its qform and its sform place the same voxel up to");
+        } else {
+            assert_ok(ost_volume_read(at("f.nii"), NULL, &v, NULL, &err));
+            ost_volume_free(&v);
+        }
+        const ost_pm mm = OST_PM_PER_MM, moved = llround(cases[i].moved * 1000) * (mm / 1000), z = llround(cases[i].z_step * 1000) * (mm / 1000);
+        assert_ok(ost_volume_read(at("f.nii"), &(ost_volume_options){.form = OST_FORM_SFORM}, &v, NULL, &err));
+        assert_grid(&v, mm, mm, z, -moved - mm, -mm, 0);
+        ost_volume_free(&v);
+        assert_ok(ost_volume_read(at("f.nii"), &(ost_volume_options){.form = OST_FORM_QFORM}, &v, NULL, &err));
+        assert_grid(&v, mm, mm, mm, -mm, -mm, 0);
+        ost_volume_free(&v);
+        s.qform_code = 0;
+        write_nifti("f.nii", &s, eight, 8);
+        assert_ok(ost_volume_read(at("f.nii"), NULL, &v, NULL, &err));
+        ost_volume_free(&v);
+        assert_refused(at("f.nii"), &(ost_volume_options){.form = OST_FORM_QFORM}, OST_ERR_USAGE, "--form qform: its header has none");
+    }
+}
+
+/* Without forms the letters say where i, j and k run. All 48 codes; voxel (0, 0, 0) stays at the origin. */
+static void without_forms(void **state)
+{
+    (void)state;
+    static const char letters[3][3] = {"LR", "PA", "SI"};
+    static const int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+    const ost_pm mm = OST_PM_PER_MM;
+    nifti_spec s = nifti_plain(1);
+    ost_error err = {0};
+    ost_volume v;
+    ost_volume_report report;
+    for (int a = 0; a < 3; a++)
+        s.pixdim[a + 1] = a + 1;
+    write_nifti("n.nii", &s, eight, 8);
+    for (int code = 0; code < 48; code++) {
+        ost_volume_options options = {.form = OST_FORM_AUTO};
+        const int *order = orders[code / 8];
+        ost_pm spacing[3], origin[3];
+        int first = 0;
+        for (int a = 0; a < 3; a++) {
+            const int back = code >> a & 1;
+            options.orientation[a] = letters[order[a]][back];
+            spacing[order[a]] = (a + 1) * mm;
+            origin[order[a]] = back ? -(a + 1) * mm : 0;
+            first += back << a;
+        }
+        assert_ok(ost_volume_read(at("n.nii"), &options, &v, &report, &err));
+        assert_grid(&v, spacing[0], spacing[1], spacing[2], origin[0], origin[1], origin[2]);
+        assert_int_equal(v.voxels[0], first);
+        assert_string_equal(report.orientation, options.orientation);
+        assert_false(report.assumed);
+        assert_string_equal(ost_meta_get(&v.meta, OST_META_ORIENTATION) + strlen("stated "), options.orientation);
+        ost_volume_free(&v);
+    }
+    assert_ok(ost_volume_read(at("n.nii"), NULL, &v, &report, &err));
+    assert_true(report.assumed);
+    assert_string_equal(report.orientation, "");
+    assert_string_equal(ost_meta_get(&v.meta, OST_META_ORIENTATION), "assumed LPS");
+    ost_volume_free(&v);
+    static const char *const bad[] = {"LLS", "LP", "lps", "XYZ", "L S"};
+    for (size_t b = 0; b < sizeof bad / sizeof bad[0]; b++) {
+        ost_volume_options options = {.form = OST_FORM_AUTO};
+        strcpy(options.orientation, bad[b]);
+        assert_int_equal(ost_volume_read(at("n.nii"), &options, &v, &report, &err), OST_ERR_USAGE);
+        assert_non_null(strstr(err.text, "expected three letters"));
+    }
+    s.sform_code = 1;
+    for (int w = 0; w < 3; w++)
+        s.srow[w][w] = w + 1;
+    write_nifti("n.nii", &s, eight, 8);
+    assert_refused(at("n.nii"), &(ost_volume_options){.orientation = "RAS"}, OST_ERR_USAGE, "its header states where its axes point");
 }
 
 /* Quaternions of quarter turns, also with the noise of float32's sqrt(1/2): spacing stays pixdim's. */
@@ -292,6 +394,7 @@ int main(void)
         cmocka_unit_test(every_type_version_and_order), cmocka_unit_test(pairs),         cmocka_unit_test(slope_and_intercept),
         cmocka_unit_test(sform_qform_or_pixdim),        cmocka_unit_test(quarter_turns), cmocka_unit_test(units_and_float32),
         cmocka_unit_test(four_axes_and_more),           cmocka_unit_test(oblique),
+        cmocka_unit_test(forms_that_disagree),          cmocka_unit_test(without_forms),
     };
     return cmocka_run_group_tests(tests, make_scratch, drop_scratch);
 }

@@ -336,6 +336,44 @@ static void spaces_and_units(void **state)
     assert_grid(&g, mm, mm, mm, 0, 0, 0);
 }
 
+/* Coordinates of a space that names no patient point to the letters: directions and origin turn together. */
+static void a_space_without_a_patient(void **state)
+{
+    (void)state;
+    static const char *const spaces[] = {"space: scanner-xyz\n", "space: 3D-right-handed\n", "space: 3D-left-handed\n", "space dimension: 3\n"};
+    static bytes file;
+    const ost_pm mm = OST_PM_PER_MM;
+    for (size_t i = 0; i < sizeof spaces / sizeof spaces[0]; i++) {
+        ost_error err = {0};
+        ost_volume v;
+        ost_volume_report report;
+        file.size = 0;
+        put_text(&file, "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: raw\n");
+        put_text(&file, spaces[i]);
+        put_text(&file, "space directions: (1,0,0) (0,2,0) (0,0,3)\nspace origin: (10,20,30)\n\n");
+        put_bytes(&file, "\0\1\2\3\4\5\6\7", 8);
+        write_file("space.nrrd", file.data, file.size);
+        assert_ok(ost_volume_read(at("space.nrrd"), NULL, &v, &report, &err));
+        assert_true(report.assumed);
+        assert_string_equal(ost_meta_get(&v.meta, OST_META_ORIENTATION), "assumed LPS");
+        assert_grid(&v.geometry, mm, 2 * mm, 3 * mm, 10 * mm, 20 * mm, 30 * mm);
+        /* Written and read again, the fact stays, and cannot be talked over. */
+        assert_ok(ost_volume_write(at("again.nrrd"), &v, NULL, &err));
+        ost_volume_free(&v);
+        assert_ok(ost_volume_read(at("again.nrrd"), NULL, &v, &report, &err));
+        assert_true(report.assumed);
+        ost_volume_free(&v);
+        assert_refused(at("again.nrrd"), &(ost_volume_options){.orientation = "RAS"}, OST_ERR_USAGE, "import the CT itself with --orientation RAS");
+        /* RAS, as in spaces_and_units. */
+        assert_ok(ost_volume_read(at("space.nrrd"), &(ost_volume_options){.orientation = "RAS"}, &v, &report, &err));
+        assert_false(report.assumed);
+        assert_grid(&v.geometry, mm, 2 * mm, 3 * mm, -11 * mm, -22 * mm, 30 * mm);
+        assert_string_equal(ost_meta_get(&v.meta, OST_META_ORIENTATION), "stated RAS");
+        assert_int_equal(v.voxels[0], 3);
+        ost_volume_free(&v);
+    }
+}
+
 static void an_oblique_grid_is_refused_or_resampled(void **state)
 {
     (void)state;
@@ -367,7 +405,7 @@ static void keys_become_meta(void **state)
                     "osteon_side:=right\nDICOM:0008,0060:=CT\nosteon_note:=back\\\\slash: and\\nline\n\nx");
     write_file("m.nrrd", file.data, file.size);
     assert_ok(ost_volume_read_header(at("m.nrrd"), &g, &meta, NULL, &err));
-    assert_int_equal(meta.count, 2);
+    assert_int_equal(meta.count, 3); /* the third: its orientation was assumed */
     assert_string_equal(ost_meta_get(&meta, "side"), "right");
     assert_string_equal(ost_meta_get(&meta, "note"), "back\\slash: and line");
 }
@@ -381,7 +419,7 @@ int main(void)
         cmocka_unit_test(detached_in_one_file),
         cmocka_unit_test(detached_in_many_files),
         cmocka_unit_test(data_files_stay_in_the_folder),
-        cmocka_unit_test(spaces_and_units),
+        cmocka_unit_test(spaces_and_units), cmocka_unit_test(a_space_without_a_patient),
         cmocka_unit_test(an_oblique_grid_is_refused_or_resampled),
         cmocka_unit_test(keys_become_meta),
     };

@@ -129,6 +129,7 @@ static void a_changed_nifti_header_counts(void **state)
     char *file = read_all(at("n.nii"), &size);
     const float moved = -5.5f;
     memcpy(file + 280 + 12, &moved, 4); /* srow_x[3] */
+    memcpy(file + 268, &moved, 4);      /* qoffset_x */
     write_file("n.nii", file, size);
     free(file);
     assert_ok(ost_volume_read(at("n.nii"), NULL, &back, NULL, &err));

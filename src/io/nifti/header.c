@@ -158,50 +158,110 @@ static void settle_spacing(ost_pm column[3], ost_pm pixdim)
     column[major] = column[major] < 0 ? -pixdim : pixdim;
 }
 
-/* pixdim is the header's own: libnifti would make 1 of a 0. */
-static ost_status find_affine(const char *path, const nifti_image *nim, const double pixdim[3], const scale *s, ost_nifti_header *out,
-                              ost_error *err)
+typedef enum form { FORM_SFORM, FORM_QFORM, FORM_NONE } form;
+
+/* One of the two transforms, in LPS. spacing is pixdim's, 0 where that is no length. */
+static ost_status read_form(const char *path, const nifti_image *nim, form which, const double pixdim[3], const ost_pm spacing[3],
+                            const scale *s, ost_affine *out, ost_error *err)
 {
-    static const char *const names[] = {"sform", "qform", "pixdim"};
-    bool sform = nim->sform_code == NIFTI_XFORM_SCANNER_ANAT || nim->sform_code == NIFTI_XFORM_ALIGNED_ANAT ||
-                 (nim->sform_code > 0 && nim->qform_code <= 0);
-    int method = sform ? 0 : nim->qform_code > 0 ? 1 : 2;
-    ost_pm spacing[3] = {0, 0, 0};
-    for (int a = 0; a < 3; a++)
-        if ((!to_pm(s, pixdim[a], &spacing[a]) || spacing[a] <= 0) && method > 0)
-            return ost_fail(err, OST_ERR_INPUT, "%s: pixdim[%d] is %.9g; a length greater than 0, within 8 m, was expected", path, a + 1,
-                            pixdim[a]);
+    static const char *const names[] = {"sform", "qform"};
     double ras[3][4] = {{0}};
-    if (method == 0) {
+    if (which == FORM_SFORM) {
         for (int w = 0; w < 3; w++)
             for (int c = 0; c < 4; c++)
                 ras[w][c] = nim->sto_xyz.m[w][c];
-    } else if (method == 1) {
+    } else {
         double squares = nim->quatern_b * nim->quatern_b + nim->quatern_c * nim->quatern_c + nim->quatern_d * nim->quatern_d;
         if (!(squares <= 1.001))
             return ost_fail(err, OST_ERR_INPUT, "%s: its qform's quaternion (%.6g, %.6g, %.6g) is longer than 1", path, nim->quatern_b,
                             nim->quatern_c, nim->quatern_d);
         from_quaternion(nim, pixdim, ras);
-    } else {
-        for (int a = 0; a < 3; a++)
-            out->affine.column[a][a] = spacing[a];
-        return OST_OK;
     }
     for (int w = 0; w < 3; w++) {
         for (int c = 0; c < 4; c++) {
             /* RAS to LPS: x and y turn. */
             double value = w < 2 ? -ras[w][c] : ras[w][c];
-            ost_pm *to = c < 3 ? &out->affine.column[c][w] : &out->affine.origin[w];
+            ost_pm *to = c < 3 ? &out->column[c][w] : &out->origin[w];
             if (!to_pm(s, value, to))
-                return ost_fail(err, OST_ERR_INPUT, "%s: its %s has %.9g for %s %d; a length within 8 m was expected", path, names[method],
+                return ost_fail(err, OST_ERR_INPUT, "%s: its %s has %.9g for %s %d; a length within 8 m was expected", path, names[which],
                                 ras[w][c], c < 3 ? "axis" : "the origin, coordinate", (c < 3 ? c : w) + 1);
         }
     }
     for (int a = 0; a < 3; a++)
         if (spacing[a] > 0)
-            settle_spacing(out->affine.column[a], spacing[a]);
-    out->oriented = true;
+            settle_spacing(out->column[a], spacing[a]);
     return OST_OK;
+}
+
+/*
+ * Returns an error if the forms place some voxel centre more than a voxel (the
+ * shortest of pixdim) apart along an axis. Their difference is affine, so that
+ * a corner of the grid has the greatest.  |sum| <= 2 * 8e12 * (1 + 3 * 16383) < 2^60.
+ */
+static ost_status check_agreement(const char *path, const ost_affine *a, const ost_affine *b, const int32_t sizes[3], const ost_pm spacing[3],
+                                  ost_error *err)
+{
+    ost_pm voxel = spacing[0], greatest = 0;
+    for (int i = 1; i < 3; i++)
+        voxel = spacing[i] < voxel ? spacing[i] : voxel;
+    for (int corner = 0; corner < 8; corner++) {
+        for (int w = 0; w < 3; w++) {
+            ost_pm apart = a->origin[w] - b->origin[w];
+            for (int i = 0; i < 3; i++)
+                apart += corner >> i & 1 ? (a->column[i][w] - b->column[i][w]) * (sizes[i] - 1) : 0;
+            apart = apart < 0 ? -apart : apart;
+            greatest = apart > greatest ? apart : greatest;
+        }
+    }
+    if (greatest <= voxel)
+        return OST_OK;
+    return ost_fail(err, OST_ERR_INPUT,
+                    "%s: its qform and its sform place the same voxel up to %.4g mm apart, and a voxel is %.4g mm; choose one with "
+                    "'osteon import --form qform' or '--form sform'",
+                    path, ost_pm_to_mm(greatest), ost_pm_to_mm(voxel));
+}
+
+static bool leads_to_patient(int code)
+{
+    return code == NIFTI_XFORM_SCANNER_ANAT || code == NIFTI_XFORM_ALIGNED_ANAT;
+}
+
+/* pixdim is the header's own: libnifti would make 1 of a 0. */
+static ost_status find_affine(const char *path, const nifti_image *nim, const double pixdim[3], const scale *s, ost_nifti_form chosen,
+                              ost_nifti_header *out, ost_error *err)
+{
+    form which = leads_to_patient(nim->sform_code) || (nim->sform_code > 0 && nim->qform_code <= 0) ? FORM_SFORM
+                 : nim->qform_code > 0                                                              ? FORM_QFORM
+                                                                                                    : FORM_NONE;
+    if (chosen != OST_FORM_AUTO) {
+        which = chosen == OST_FORM_SFORM ? FORM_SFORM : FORM_QFORM;
+        if ((which == FORM_SFORM ? nim->sform_code : nim->qform_code) <= 0)
+            return ost_fail(err, OST_ERR_USAGE, "%s: --form %s: its header has none (the code is %d)", path,
+                            which == FORM_SFORM ? "sform" : "qform", which == FORM_SFORM ? nim->sform_code : nim->qform_code);
+    }
+    ost_pm spacing[3] = {0, 0, 0};
+    bool sized = true;
+    for (int a = 0; a < 3; a++) {
+        if (to_pm(s, pixdim[a], &spacing[a]) && spacing[a] > 0)
+            continue;
+        sized = false;
+        if (which != FORM_SFORM)
+            return ost_fail(err, OST_ERR_INPUT, "%s: pixdim[%d] is %.9g; a length greater than 0, within 8 m, was expected", path, a + 1,
+                            pixdim[a]);
+    }
+    out->oriented = which != FORM_NONE;
+    if (which == FORM_NONE) {
+        for (int a = 0; a < 3; a++)
+            out->affine.column[a][a] = spacing[a];
+        return OST_OK;
+    }
+    ost_status status = read_form(path, nim, which, pixdim, spacing, s, &out->affine, err);
+    if (status != OST_OK || chosen != OST_FORM_AUTO || !sized || !leads_to_patient(nim->sform_code) || !leads_to_patient(nim->qform_code))
+        return status;
+    ost_affine other = {{{0}}, {0}};
+    return read_form(path, nim, FORM_QFORM, pixdim, spacing, s, &other, NULL) == OST_OK
+               ? check_agreement(path, &out->affine, &other, out->sizes, spacing, err)
+               : OST_OK;
 }
 
 /* ---------------------------------------------------------- exact geometry */
@@ -345,7 +405,7 @@ static void find_scaling(const nifti_image *nim, ost_nifti_header *out)
                   ost_binary_from_double(intercept, &out->intercept);
 }
 
-ost_status ost_nifti_header_read(ost_input *input, ost_nifti_header *out, ost_error *err)
+ost_status ost_nifti_header_read(ost_input *input, ost_nifti_form chosen, ost_nifti_header *out, ost_error *err)
 {
     const char *path = ost_input_path(input);
     raw_header raw;
@@ -367,7 +427,7 @@ ost_status ost_nifti_header_read(ost_input *input, ost_nifti_header *out, ost_er
     status = find_scale(path, out->version, nim->xyz_units, &lengths, err);
     find_scaling(nim, out);
     if (status == OST_OK)
-        status = find_affine(path, nim, pixdim, &lengths, out, err);
+        status = find_affine(path, nim, pixdim, &lengths, chosen, out, err);
     nifti_image_free(nim);
     if (status == OST_OK)
         status = ost_nifti_extensions_read(input, out->pair ? UINT64_MAX : out->image_at, out->swap, &out->meta, err);

@@ -8,8 +8,10 @@
  *
  *   orientation   sform when its code is 1 (scanner) or 2 (aligned), else
  *                 qform when its code is > 0, else sform when its code is > 2,
- *                 else pixdim alone, axes as they stand, origin 0.  (Codes
- *                 above 2 lead into a template brain, not the patient's size.)
+ *                 else pixdim alone, origin 0: a file without orientation.
+ *                 (Codes above 2 lead into a template brain, not the patient's
+ *                 size.)  A sform and a qform that both lead to the patient
+ *                 must agree to a voxel, unless the caller chooses one
  *   lengths       xyzt_units m, mm or um; none means mm.  A float32 stands for
  *                 the shortest decimal that reads back as it (of its value in mm)
  *   spacing       of an axis that runs exactly along R, A or S by sform: that
@@ -45,7 +47,7 @@ typedef struct ost_nifti_header {
 } ost_nifti_header;
 
 /* From an input at the (unpacked) start. Takes bytes up to the extensions' end. */
-ost_status ost_nifti_header_read(ost_input *input, ost_nifti_header *out, ost_error *err);
+ost_status ost_nifti_header_read(ost_input *input, ost_nifti_form chosen, ost_nifti_header *out, ost_error *err);
 
 /* Lines that our own writer adds: exact lengths, believed when the header's floats are theirs. */
 #define OST_NIFTI_SPACING "spacing_mm"

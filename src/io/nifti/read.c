@@ -111,13 +111,17 @@ ost_status ost_nifti_read(ost_input *input, const ost_volume_options *options, o
     ost_placement placement;
     if (out)
         memset(out, 0, sizeof *out);
-    ost_status status = ost_nifti_header_read(input, &header, err);
+    const ost_nifti_form form = options ? options->form : OST_FORM_AUTO;
+    ost_status status = ost_nifti_header_read(input, form, &header, err);
     if (status != OST_OK)
         return status;
     snprintf(report->type, sizeof report->type, "%s", ost_element_name(header.element));
     snprintf(report->encoding, sizeof report->encoding, "%s", ost_input_is_packed(input) ? "gzip" : "raw");
     *element = header.element;
     *meta = header.meta;
+    status = ost_volume_orientation(ost_input_path(input), options, &header.affine, &header.oriented, meta, report, err);
+    if (status != OST_OK)
+        return status;
     status = ost_volume_settle(ost_input_path(input), &header.affine, header.sizes, options, header.oriented, &placement, geometry,
                                report, err);
     if (status == OST_OK && out) {

@@ -40,6 +40,8 @@ ost_status ost_nrrd_read(ost_input *input, const ost_volume_options *options, os
     ost_placement placement;
     if (out)
         memset(out, 0, sizeof *out);
+    if (options && options->form != OST_FORM_AUTO)
+        return ost_fail(err, OST_ERR_USAGE, "%s: is a NRRD; --form is for NIfTI", path);
     ost_status status = ost_nrrd_text_read(input, &text, err);
     uint64_t header_end = ost_input_offset(input);
     if (status == OST_OK)
@@ -49,8 +51,10 @@ ost_status ost_nrrd_read(ost_input *input, const ost_volume_options *options, os
         snprintf(report->encoding, sizeof report->encoding, "%s", encoding_names[header.encoding]);
         *element = header.element;
         *meta = text.meta;
-        status = ost_volume_settle(path, &header.affine, header.sizes, options, header.oriented, &placement, geometry, report, err);
+        status = ost_volume_orientation(path, options, &header.affine, &header.oriented, meta, report, err);
     }
+    if (status == OST_OK)
+        status = ost_volume_settle(path, &header.affine, header.sizes, options, header.oriented, &placement, geometry, report, err);
     if (status == OST_OK && out) {
         status = read_voxels(path, &text, &header, header_end, options, &placement, geometry, out, report, err);
         if (status == OST_OK)

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "core/conditions.h"
 #include "core/integer.h"
@@ -83,6 +84,30 @@ static double greatest_angle(const ost_affine *affine, const int to[3])
             greatest = degrees;
     }
     return greatest;
+}
+
+bool ost_affine_restate(ost_affine *affine, const char code[4])
+{
+    static const char letters[] = "LPSRAI"; /* the axis is the place modulo 3; the last three point backwards */
+    const ost_affine from = *affine;
+    ost_affine to = {{{0}}, {0}};
+    bool seen[3] = {false, false, false};
+    if (strlen(code) != 3)
+        return false;
+    for (int c = 0; c < 3; c++) {
+        const char *letter = strchr(letters, code[c]);
+        if (!letter)
+            return false;
+        const int w = (int)(letter - letters) % 3, sign = letter - letters < 3 ? 1 : -1;
+        if (seen[w])
+            return false;
+        seen[w] = true;
+        to.origin[w] = sign * from.origin[c];
+        for (int a = 0; a < 3; a++)
+            to.column[a][w] = sign * from.column[a][c];
+    }
+    *affine = to;
+    return true;
 }
 
 ost_status ost_orient(const ost_affine *affine, const int32_t sizes[3], ost_placement *out, ost_error *err)

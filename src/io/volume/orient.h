@@ -40,6 +40,13 @@ typedef struct ost_placement {
     int64_t stride[3];     /* and how it moves along the file's axes */
 } ost_placement;
 
+/*
+ * Takes an affine whose three coordinates point to the letters of code, one of
+ * L R, one of P A and one of S I in any order, to LPS. Returns false, with
+ * the affine unchanged, if code is anything else.
+ */
+bool ost_affine_restate(ost_affine *affine, const char code[4]);
+
 /* sizes as in the file. OST_ERR_INPUT when the columns do not span space; OST_ERR_RANGE by ost_geometry_check when straight. */
 ost_status ost_orient(const ost_affine *affine, const int32_t sizes[3], ost_placement *out, ost_error *err);
 

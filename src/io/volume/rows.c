@@ -24,6 +24,35 @@ ost_status ost_rows_sizes(const char *path, const int64_t sizes[3], int32_t out[
     return OST_OK;
 }
 
+ost_status ost_volume_orientation(const char *path, const ost_volume_options *options, ost_affine *affine, bool *oriented, ost_meta *meta,
+                                  ost_volume_report *report, ost_error *err)
+{
+    static const char assumed[] = "assumed LPS";
+    const char *code = options ? options->orientation : "";
+    const char *recorded = ost_meta_get(meta, OST_META_ORIENTATION);
+    char stated[12];
+    if (*oriented) {
+        report->assumed = recorded && strcmp(recorded, assumed) == 0;
+        if (!code[0])
+            return OST_OK;
+        if (report->assumed)
+            return ost_fail(err, OST_ERR_USAGE, "%s: its orientation was assumed when the CT was imported; import the CT itself with "
+                            "--orientation %s", path, code);
+        return ost_fail(err, OST_ERR_USAGE, "%s: its header states where its axes point; --orientation %s is for files that do not", path,
+                        code);
+    }
+    if (code[0] && !ost_affine_restate(affine, code))
+        return ost_fail(err, OST_ERR_USAGE, "--orientation %s: expected three letters, one of L R, one of P A, one of S I, such as LPS or RAS",
+                        code);
+    *oriented = code[0] != 0;
+    report->assumed = !*oriented;
+    snprintf(stated, sizeof stated, "stated %s", code);
+    ost_status status = ost_meta_set(meta, OST_META_ORIENTATION, report->assumed ? assumed : stated, err);
+    if (status != OST_OK)
+        ost_fail_context(err, "%s", path);
+    return status;
+}
+
 ost_status ost_volume_settle(const char *path, const ost_affine *affine, const int32_t sizes[3], const ost_volume_options *options,
                              bool oriented, ost_placement *placement, ost_geometry *geometry, ost_volume_report *report,
                              ost_error *err)

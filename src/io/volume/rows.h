@@ -36,6 +36,16 @@ ost_status ost_rows_bad(const ost_rows *rows, int64_t number, const char *file, 
 /* sizes from a header: 1..OST_DIM_MAX an axis and at most 2^36 in all. */
 ost_status ost_rows_sizes(const char *path, const int64_t sizes[3], int32_t out[3], ost_error *err);
 
+/*
+ * Settles where the file's axes point, before ost_volume_settle. *oriented is
+ * true when the file states it. If it does not, the affine is taken to LPS by
+ * options->orientation, or is assumed to be LPS (report->assumed); the fact is
+ * added to meta as OST_META_ORIENTATION. A file that states its orientation
+ * and an option that does so too are an error.
+ */
+ost_status ost_volume_orientation(const char *path, const ost_volume_options *options, ost_affine *affine, bool *oriented, ost_meta *meta,
+                                  ost_volume_report *report, ost_error *err);
+
 /* The grid that results, once options were heard about an oblique one; report is filled as far as geometry goes. */
 ost_status ost_volume_settle(const char *path, const ost_affine *affine, const int32_t sizes[3], const ost_volume_options *options,
                              bool oriented, ost_placement *placement, ost_geometry *geometry, ost_volume_report *report,
