@@ -58,6 +58,7 @@ typedef struct ost_haptic_setup {
     const char *session;  /* replay: a session's file */
     ost_hand *hand;       /* mouse: where a window puts it; borrowed until ost_haptic_close */
     ost_pose start;       /* null: where the tool stays; motion: where it begins; real devices: where it is when the handle is at its centre */
+    ost_path_options gaps; /* motion: of its file */
 } ost_haptic_setup;
 
 /*
@@ -68,7 +69,7 @@ typedef struct ost_haptic_setup {
  *   replay            the ticks of a session
  *   sim               a device of 60 g with friction and encoders in a hand that follows a path:
  *                     grip=light|normal|firm (normal), seed=N (1), tremor=UM (0), friction=MN (260)
- *   motion:FILE       a tracked hand (docs/haptics.md), plain or gzip: scale=PERCENT (5), gap=MS (50)
+ *   motion:FILE       a tracked hand (docs/haptics.md), plain or gzip: scale=PERCENT (5), gap=MS, jump=MM (both found from its rows)
  *   mouse             the mouse of a window, by setup.hand: spin=RPM with the pedal down (120)
  *   openhaptics       Touch, Touch X, Phantom Omni: name=TEXT, scale=PERCENT (100)
  *   dhd               Force Dimension, Falcon: scale=PERCENT (100)
@@ -105,6 +106,7 @@ typedef struct ost_haptic_state {
     ost_pose pose;
     int32_t tool; /* -1: it does not say */
     uint32_t buttons;
+    bool lifted;  /* the tool was lifted before this pose (path.h) */
 } ost_haptic_state;
 
 /* On the hand, in the bone's frame; the torque about the tool's origin. */

@@ -101,8 +101,22 @@ OST_API ost_status ost_mesh_write_stl(const char *path, const ost_mesh *mesh, os
 
 /* ----------------------------------------------------------------- paths */
 
-/* CSV `t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz[,tool]`, decimals exact, `#` comments; t strictly increasing. */
+/*
+ * Text `t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz[,tool][,lifted][,rpm]`, or with x_m,y_m,z_m in
+ * metres; plain or gzip; decimals exact; t strictly increasing (AR-PATH-1 to 3).
+ * A row with nan in its pose is no tick, and the tick after it begins lifted.
+ */
+typedef struct ost_path_report {
+    size_t rows, lost_rows;   /* all, and those without a pose */
+    size_t gaps;              /* ticks that begin lifted */
+    int64_t begin_ns, end_ns; /* of the first and the last row, with a pose or without */
+} ost_path_report;
+
+/* options and report may be NULL. */
+OST_API ost_status ost_path_read(const char *path, const ost_path_options *options, ost_path *out, ost_path_report *report, ost_error *err);
+/* ost_path_read with neither. */
 OST_API ost_status ost_path_read_csv(const char *path, ost_path *out, ost_error *err);
+/* With columns tool, where one is not 0, lifted and rpm. */
 OST_API ost_status ost_path_write_csv(const char *path, const ost_path *in, ost_error *err);
 
 /* ---------------------------------------------------------------- import */

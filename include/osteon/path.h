@@ -35,6 +35,14 @@ typedef struct ost_path {
 } ost_path;
 
 enum { OST_PATH_TICKS_MAX = 100000000 };
+#define OST_PATH_TIME_MAX_NS INT64_C(4000000000000000000)
+
+enum { OST_PATH_NO_GAPS = -1 };
+/* Two rows farther apart than this are a gap, and the second begins lifted; 0: found from the rows (AR-PATH-5); OST_PATH_NO_GAPS. */
+typedef struct ost_path_options {
+    int64_t max_gap_ns;
+    ost_pm max_jump_pm;
+} ost_path_options;
 
 /* Uninitialised rows. */
 OST_API ost_status ost_path_init(ost_path *path, size_t count, ost_error *err);

@@ -161,7 +161,8 @@ static ost_status info_mesh(const app_state *app, const char *name, ost_error *e
 static ost_status info_path(const app_state *app, const char *name, ost_error *err)
 {
     ost_path path = {0};
-    ost_status status = ost_path_read_csv(name, &path, err);
+    ost_path_report report;
+    ost_status status = ost_path_read(name, NULL, &path, &report, err);
     if (status != OST_OK)
         return status;
     int32_t tools = 0;
@@ -175,7 +176,11 @@ static ost_status info_path(const app_state *app, const char *name, ost_error *e
     put_integer(app->result, "ticks", (int64_t)path.count);
     put_real(app->result, "seconds", seconds);
     put_integer(app->result, "tools", tools);
+    put_integer(app->result, "gaps", (int64_t)report.gaps);
+    put_integer(app->result, "lost_rows", (int64_t)report.lost_rows);
     say(app, "%s: a path of %s ticks in %.3f s, for %d tool%s", name, say_count(a, (int64_t)path.count), seconds, tools, tools == 1 ? "" : "s");
+    if (report.gaps || report.lost_rows)
+        say(app, "  %zu rows without a pose; the tool is lifted %zu time%s on its way", report.lost_rows, report.gaps, report.gaps == 1 ? "" : "s");
     ost_path_free(&path);
     return OST_OK;
 }

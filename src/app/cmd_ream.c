@@ -31,7 +31,8 @@ typedef struct ream_args {
     ct_options ct;
     tool_options how;
     glenoid_plan_options plan;
-    const char *debrief;
+    const char *debrief, *max_gap;
+    ost_path_options gaps; /* from max_gap */
     option_decimal rate;
     int64_t period_ns; /* from rate; 0: every tick */
     ost_density_classes classes; /* from classes_text; count 0: the default ones */
@@ -51,6 +52,7 @@ typedef struct job {
     ost_digest root;   /* of the end */
     ost_tool *tools[OPTION_LIST_MAX];
     ost_path path;
+    ream_gaps gaps;    /* of path */
     ost_world *world;
     ost_recorder *recorder; /* NULL: nothing is recorded */
     uint32_t *tick_ns; /* how long each step took */
@@ -111,7 +113,8 @@ static ost_status load_all(const app_state *app, const ream_args *args, job *j, 
     for (int i = 0; i < args->tools.count && status == OST_OK; i++)
         grids[i] = ost_tool_geometry_get(j->tools[i]);
     if (status == OST_OK)
-        status = ream_path_make(app, &args->paths, &args->plan.target, &j->imported.meta, args->bone, grids, args->tools.count, &j->path, err);
+        status = ream_path_make(app, &args->paths, &args->plan.target, &j->imported.meta, args->bone, grids, args->tools.count, &args->gaps, &j->path,
+                                &j->gaps, err);
     return status;
 }
 
@@ -363,6 +366,7 @@ static ost_status report(const app_state *app, const ream_args *args, job *j, os
     put_classes(app, &totals, ost_world_classes(j->world), mm3);
     say(app, "  %s ticks, %s removals, in %s", say_count(a, (int64_t)totals.ticks), say_count(b, (int64_t)totals.removals),
         say_time(c, j->run_ms));
+    ream_say_gaps(app, &j->gaps);
     put_tick_times(app, j);
     put_digest(o, "sha256", &j->root);
     put_digest(o, "file_sha256", &file);
@@ -375,6 +379,8 @@ static ost_status report(const app_state *app, const ream_args *args, job *j, os
 static ost_status check_args(app_state *app, ream_args *args, ost_error *err)
 {
     ost_status status = ream_period(app, &args->rate, &args->period_ns, err);
+    if (status == OST_OK)
+        status = ream_max_gap(app, args->max_gap, &args->gaps, err);
     if (status == OST_OK && args->classes_text && (status = ost_density_classes_parse(args->classes_text, &args->classes, err)) != OST_OK)
         ost_fail_context(err, "--classes");
     if (status != OST_OK)
@@ -413,6 +419,7 @@ ost_status cmd_ream(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "side", .kind = OPTION_CHOICE, .out = &t->side, .given = &t->side_given, .value = "left|right",
          .help = "of the body (default: the file's, else right)"},
         {.name = "rate", .kind = OPTION_DECIMAL, .out = &args.rate, .value = "HZ", .help = "remove so many times a second (default: every tick)"},
+        MAX_GAP_OPTION(args.max_gap),
         {.name = "sweep", .kind = OPTION_CHOICE, .out = &args.sweep, .value = "off|on",
          .help = "fill in between two ticks (default: on)"},
         {.name = "classes", .kind = OPTION_TEXT, .out = &args.classes_text, .value = "NAME:HU,...",
@@ -433,8 +440,9 @@ ost_status cmd_ream(app_state *app, int argc, char **argv, ost_error *err)
         .about = "Moves tools along a path and removes the bone they meet: the main job.",
         .options = options,
         .notes = "Lengths are in millimetres, densities in HU. A path file has lines\n"
-                 "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz[,tool]: a row is a tick, and its pose takes the\n"
-                 "tool's frame into the bone's. The bone's frame is the CT's: x to the patient's\n"
+                 "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz[,tool][,lifted][,rpm] (or x_m,y_m,z_m; plain or gzip):\n"
+                 "a row is a tick, and its pose takes the tool's frame into the bone's; a row of nan\n"
+                 "lifts the tool. The bone's frame is the CT's: x to the patient's\n"
                  "left, y to the back, z to the head (LPS).",
         .example = "  osteon ream --bone builtin:scapula --out reamed.nrrd \\\n"
                    "    --tool builtin:peg --path builtin:peg-hole \\\n"

@@ -64,6 +64,7 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "print-force-params", .kind = OPTION_FLAG, .out = &args.print_force,
          .help = "print those parameters with their units and sources, and end"},
         {.name = "rate", .kind = OPTION_DECIMAL, .out = &args.rate, .value = "HZ", .help = "remove so many times a second (default: every tick)"},
+        MAX_GAP_OPTION(args.max_gap),
         {.name = "classes", .kind = OPTION_TEXT, .out = &args.classes_text, .value = "NAME:HU,...", .help = "density classes to count by, each from its HU up"},
         {.name = "no-clock", .kind = OPTION_FLAG, .out = &args.no_clock, .help = "one tick after the other, as fast as they go: the same operation"},
         {.name = "no-realtime", .kind = OPTION_FLAG, .out = &args.no_realtime, .help = "ask the system for no priority and no locked memory"},

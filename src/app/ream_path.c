@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "app/result.h"
 #include "app/say.h"
 
 enum { GAP_NS = 1000000 };
@@ -67,13 +68,15 @@ static ost_status session_path(const app_state *app, const char *name, ost_path 
     return status;
 }
 
-/* A file of ticks, each with the tool it says. */
-static ost_status file_path(const app_state *app, const char *name, int32_t index, int tool_count, ost_path *out, ost_error *err)
+/* Reads a file of ticks; those that all say tool 0 move tool index (AR-PATH-6). */
+static ost_status file_path(const app_state *app, const char *name, int32_t index, int tool_count, const ost_path_options *gaps, ost_path *out,
+                            ream_gaps *counted, ost_error *err)
 {
     /* What has no kind, a pipe for one, is read as text. */
     ost_file_kind kind;
     const bool known = ost_file_kind_find(name, &kind, NULL) == OST_OK;
-    ost_status status = known && kind == OST_FILE_SESSION ? session_path(app, name, out, err) : ost_path_read_csv(name, out, err);
+    ost_path_report report = {0};
+    ost_status status = known && kind == OST_FILE_SESSION ? session_path(app, name, out, err) : ost_path_read(name, gaps, out, &report, err);
     if (status != OST_OK)
         return status;
     int32_t last = 0;
@@ -84,33 +87,43 @@ static ost_status file_path(const app_state *app, const char *name, int32_t inde
         return ost_fail(err, OST_ERR_INPUT, "%s: asks for tool %d, counted from 0, but %d tool%s given with --tool", name, last, tool_count,
                         tool_count == 1 ? " is" : "s are");
     }
-    if (last == 0)
-        for (size_t i = 0; i < out->count; i++)
-            out->ticks[i].tool = index;
+    for (size_t i = 0; i < out->count; i++) {
+        out->ticks[i].tool = last == 0 ? index : out->ticks[i].tool;
+        counted->gaps += i > 0 && out->ticks[i].lifted;
+    }
+    counted->lost_rows += report.lost_rows;
     return OST_OK;
 }
 
-static ost_status join(ost_path *whole, const ost_path *part, ost_error *err)
+/* Appends a path behind another one, GAP_NS after its last tick and lifted (AR-PATH-6). */
+static ost_status join(ost_path *all, const ost_path *part, ost_error *err)
 {
-    if (part->count > OST_PATH_TICKS_MAX - whole->count)
+    if (part->count > OST_PATH_TICKS_MAX - all->count)
         return ost_fail(err, OST_ERR_RANGE, "the paths together have more than %d ticks", OST_PATH_TICKS_MAX);
-    ost_tick *ticks = realloc(whole->ticks, (whole->count + part->count) * sizeof *ticks);
+    const ost_int128 shift = all->count ? (ost_int128)all->ticks[all->count - 1].t_ns + GAP_NS - part->ticks[0].t_ns : 0;
+    const ost_int128 end = part->ticks[part->count - 1].t_ns + shift;
+    if (all->count && end > OST_PATH_TIME_MAX_NS)
+        return ost_fail(err, OST_ERR_RANGE, "the paths together last until %.9g s; times up to 4 * 10^9 s are supported", (double)end * 1e-9);
+    ost_tick *ticks = realloc(all->ticks, (all->count + part->count) * sizeof *ticks);
     if (!ticks)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu ticks", whole->count + part->count);
-    whole->ticks = ticks;
-    int64_t shift = whole->count ? ticks[whole->count - 1].t_ns + GAP_NS - part->ticks[0].t_ns : 0;
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu ticks", all->count + part->count);
+    all->ticks = ticks;
     for (size_t i = 0; i < part->count; i++) {
-        ticks[whole->count + i] = part->ticks[i];
-        ticks[whole->count + i].t_ns += shift;
+        ost_tick *tick = &ticks[all->count + i];
+        *tick = part->ticks[i];
+        tick->t_ns = (int64_t)(part->ticks[i].t_ns + shift);
+        tick->lifted |= i == 0 && all->count > 0;
     }
-    whole->count += part->count;
+    all->count += part->count;
     return OST_OK;
 }
 
 ost_status ream_path_make(const app_state *app, const option_list *paths, const target_options *target, const ost_meta *meta, const char *bone,
-                          const ost_tool_geometry *const *tools, int tool_count, ost_path *out, ost_error *err)
+                          const ost_tool_geometry *const *tools, int tool_count, const ost_path_options *gaps, ost_path *out, ream_gaps *counted,
+                          ost_error *err)
 {
     *out = (ost_path){0};
+    *counted = (ream_gaps){0};
     ost_status status = OST_OK;
     for (int k = 0; k < paths->count && status == OST_OK; k++) {
         ost_path part = {0};
@@ -119,7 +132,7 @@ ost_status ream_path_make(const app_state *app, const option_list *paths, const 
         if (strncmp(name, "builtin:", 8) == 0)
             status = builtin_path(app, name + 8, target, meta, bone, tools[index], index, &part, err);
         else
-            status = file_path(app, name, index, tool_count, &part, err);
+            status = file_path(app, name, index, tool_count, gaps, &part, counted, err);
         if (status == OST_OK && part.count)
             status = join(out, &part, err);
         ost_path_free(&part);
@@ -142,4 +155,36 @@ ost_status ream_period(const app_state *app, const option_decimal *rate, int64_t
         return usage_error(app, err, "--rate %s: must be from 0.001 to 1000000 Hz", rate->text);
     *period_ns = INT64_C(1000000000000000) / micro;
     return OST_OK;
+}
+
+/* The greatest that can be said: an hour, and 8 m. */
+enum { GAP_MS_MAX = 3600000, JUMP_UM_MAX = 8000000 };
+
+ost_status ream_max_gap(const app_state *app, const char *text, ost_path_options *out, ost_error *err)
+{
+    ost_decimal ms, mm;
+    *out = (ost_path_options){0};
+    if (!text)
+        return OST_OK;
+    if (strcmp(text, "off") == 0) {
+        *out = (ost_path_options){OST_PATH_NO_GAPS, OST_PATH_NO_GAPS};
+        return OST_OK;
+    }
+    const char *end = text + strlen(text), *p = ost_decimal_read(text, end, &ms);
+    bool right = p && ost_decimal_scale(&ms, 1000000, &out->max_gap_ns, NULL) && out->max_gap_ns > 0 && out->max_gap_ns <= GAP_MS_MAX * INT64_C(1000000);
+    if (right && *p == ',')
+        right = (p = ost_decimal_read(p + 1, end, &mm)) && ost_decimal_to_pm(&mm, &out->max_jump_pm, NULL) && out->max_jump_pm > 0 &&
+                out->max_jump_pm <= JUMP_UM_MAX * (OST_PM_PER_MM / 1000);
+    if (!right || p != end)
+        return usage_error(app, err, "--max-gap %s: must be MS or MS,MM, up to %d ms and %d mm, or off", text, GAP_MS_MAX, JUMP_UM_MAX / 1000);
+    return OST_OK;
+}
+
+void ream_say_gaps(const app_state *app, const ream_gaps *gaps)
+{
+    char a[SAY_TEXT];
+    put_integer(app->result, "gaps", (int64_t)gaps->gaps);
+    put_integer(app->result, "lost_rows", (int64_t)gaps->lost_rows);
+    if (gaps->gaps)
+        say(app, "  %s gap%s in the path, across which nothing was cut", say_count(a, (int64_t)gaps->gaps), gaps->gaps == 1 ? "" : "s");
 }

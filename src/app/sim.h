@@ -34,7 +34,8 @@ typedef struct sim_args {
     uint64_t ticks, idle_ticks;
     ost_density_classes classes;
     int64_t force; /* of sim_force_names */
-    const char *picture, *size;
+    const char *picture, *size, *max_gap;
+    ost_path_options gaps; /* from max_gap */
     int renderer; /* a sim_renderer */
     int view, style, width, height;
     int64_t fps, rehearse_us;
@@ -57,6 +58,7 @@ typedef struct simulation {
     ost_import_result imported;
     ost_tool *tools[OPTION_LIST_MAX];
     ost_path path;
+    ream_gaps gaps;       /* of path */
     ost_world *world;
     ost_recorder *recorder;
     ost_haptic *device;

@@ -48,6 +48,8 @@ static ost_status check_show(const app_state *app, sim_args *args, ost_error *er
 ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err)
 {
     ost_status status = ream_period(app, &args->rate, &args->period_ns, err);
+    if (status == OST_OK)
+        status = ream_max_gap(app, args->max_gap, &args->gaps, err);
     if (!args->device)
         args->device = args->headless ? "sim" : "mouse";
     if (args->print_force)

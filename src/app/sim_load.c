@@ -73,7 +73,8 @@ ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, o
     if (status == OST_OK)
         status = take_plan(app, args, s, &target, err);
     if (status == OST_OK && !sim_device_is(args, "replay"))
-        status = ream_path_make(app, &args->paths, &target, &s->imported.meta, args->bone, grids, args->tools.count, &s->path, err);
+        status = ream_path_make(app, &args->paths, &target, &s->imported.meta, args->bone, grids, args->tools.count, &args->gaps, &s->path,
+                                &s->gaps, err);
     if (status == OST_ERR_USAGE && sim_device_is(args, "mouse") && !args->paths_given) {
         /* A bone without a glenoid: a mouse needs no path, only a place to begin. */
         status = OST_OK;
@@ -94,6 +95,7 @@ ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, o
         .session = args->session,
         .hand = sim_window_hand_get(s),
         .start = start,
+        .gaps = args->gaps,
     };
     return ost_haptic_open(args->device, &setup, &s->device, err);
 }

@@ -128,6 +128,7 @@ void sim_report_loop(const app_state *app, const sim_args *args, const simulatio
         say(app, "  force: %.2f N at most on the hand, which stands for %.0f N on the bone; %.1f J of cutting in %.1f s of contact",
             s->done.peak_n, s->done.peak_axial_n, s->done.energy_j, (double)s->done.touching_ticks * 1e-3);
     }
+    put_integer(o, "gaps", (int64_t)s->gaps.gaps);
     put_integer(o, "dropouts", (int64_t)s->done.dropouts);
     put_real(o, "dropout_s", (double)s->done.dropout_ticks * 1e-3);
     put_real(o, "longest_dropout_s", (double)s->done.longest_dropout * 1e-3);

@@ -311,15 +311,17 @@ static ost_status check_counts(const app_state *app, const user_files *u, ost_er
 static ost_status add_case(const app_state *app, const user_files *u, int ct, const scene *tools, user_store *store, json_t *one, ost_error *err)
 {
     scene head = *tools; /* its tools stay with the caller */
+    ream_gaps counted = {0};
     ost_meta meta = {0};
     const ost_tool_geometry *grids[SCENE_TOOLS_MAX] = {NULL};
     ost_status status = ct < u->cts.count ? put_ct(app, u, u->cts.value[ct], store, &head, &meta, one, err) : OST_OK;
     for (int t = 0; t < head.tool_count; t++)
         grids[t] = &head.tools[t].cutting.grid;
     if (status == OST_OK && u->paths.count)
-        status = ream_path_make(app, &u->paths, &u->target, &meta, u->cts.value[ct], grids, head.tool_count, &head.path, err);
+        status = ream_path_make(app, &u->paths, &u->target, &meta, u->cts.value[ct], grids, head.tool_count, NULL, &head.path, &counted, err);
     if (status == OST_OK) {
         put_integer(one, "ticks", (int64_t)head.path.count);
+        put_integer(one, "gaps", (int64_t)counted.gaps);
         status = user_case_end(store, &head, err);
     }
     ost_path_free(&head.path);

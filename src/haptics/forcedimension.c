@@ -105,7 +105,7 @@ static ost_haptic_answer dhd_read(haptic_instance *d, ost_haptic_state *state)
     const int buttons = d->dhd.get_buttons(LAST_OPENED);
     if (buttons < 0)
         return OST_HAPTIC_LOST;
-    *state = (ost_haptic_state){haptic_workspace_pose(&d->workspace, at, frame), -1, (uint32_t)buttons};
+    *state = (ost_haptic_state){haptic_workspace_pose(&d->workspace, at, frame), -1, (uint32_t)buttons, false};
     return OST_HAPTIC_FRESH;
 }
 

@@ -422,7 +422,7 @@ static ost_haptic_answer inverse3_read(haptic_instance *h, ost_haptic_state *sta
     const came *c = &h->came[h->in.front];
     h->silent = 0;
     h->unseen = false;
-    *state = (ost_haptic_state){haptic_clutch_pose(&h->clutch, c->at, c->q), -1, c->buttons};
+    *state = (ost_haptic_state){haptic_clutch_pose(&h->clutch, c->at, c->q), -1, c->buttons, false};
     return OST_HAPTIC_FRESH;
 }
 

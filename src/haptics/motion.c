@@ -1,36 +1,38 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * motion: what a tracker saw of a hand, as a hand.
+ * motion: a tracked hand, played from a path's text (io/path_csv.c).
  *
- *   rows   *  *  *  *  .  .  .  .  *  *  *        . not seen
+ *   rows   *  *  *  *  .  .  .  .  *  *  *        . no pose
  *   ticks  ||||||||||||            ||||||||       a pose each
  *                      ----------                 UNSEEN: the tool stays
- *                                 ^ takes hold anew where the tool is
+ *                                 ^ begins lifted; the clutch takes hold where the tool is
  *
- * It is as long as its table, and may begin and end unseen.  Between two rows
- * positions go straight and orientations along their arc.  Rows that lie
- * further apart than gap= are a time in which it was not seen.
+ * The motion is as long as its table, and may begin and end unseen.  Between
+ * two rows positions go straight and orientations along their arc; before a row
+ * that begins lifted (AR-PATH-4, AR-PATH-5) the hand is unseen.
  */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include <osteon/io.h>
+
 #include "haptics/clutch.h"
 #include "haptics/driver.h"
-#include "io/motion_csv.h"
 
-enum { TICK_NS = 1000000, GAP_MS = 50, FILE_NAME = 4096 };
+enum { TICK_NS = 1000000, FILE_NAME = 4096 };
+#define SECONDS_MAX INT64_C(86400)
 #define SCALE_PERCENT 5.0
 
 struct haptic_instance {
-    motion motion;
-    size_t row;      /* the last at or before t_ns */
-    int64_t t_ns, gap_ns;
+    ost_path path;   /* owned */
+    size_t row;      /* the last at or before t_ns, or the first */
+    int64_t t_ns, end_ns;
     haptic_clutch clutch;
 };
 
 typedef struct choice {
-    double percent;
+    double percent, jump_mm;
     int64_t gap_ms;
 } choice;
 
@@ -41,18 +43,20 @@ static ost_status take(void *user, const char *key, const char *value, ost_error
         return haptic_number("motion", key, value, 0.1, 1000, &c->percent, err);
     if (strcmp(key, "gap") == 0)
         return haptic_integer("motion", key, value, 1, 60000, &c->gap_ms, err);
-    return ost_fail(err, OST_ERR_USAGE, "device motion: it has no option '%s'; known are scale, per cent, and gap, ms", key);
+    if (strcmp(key, "jump") == 0)
+        return haptic_number("motion", key, value, 0.1, 1000, &c->jump_mm, err);
+    return ost_fail(err, OST_ERR_USAGE, "device motion: it has no option '%s'; known are scale, per cent, gap, ms, and jump, mm", key);
 }
 
 static void motion_close(haptic_instance *m)
 {
-    motion_free(&m->motion);
+    ost_path_free(&m->path);
     free(m);
 }
 
 static ost_status motion_open(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err)
 {
-    choice c = {.percent = SCALE_PERCENT, .gap_ms = GAP_MS};
+    choice c = {.percent = SCALE_PERCENT, .jump_mm = 0};
     char file[FILE_NAME];
     const size_t length = strcspn(options, ",");
     if (length == 0 || length >= sizeof file)
@@ -67,13 +71,19 @@ static ost_status motion_open(const char *options, const ost_haptic_setup *setup
     haptic_instance *m = calloc(1, sizeof *m);
     if (!m)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for device motion");
-    status = motion_read_csv(file, &m->motion, err);
+    const ost_path_options gaps = {c.gap_ms ? c.gap_ms * 1000000 : setup->gaps.max_gap_ns,
+                                   c.jump_mm > 0 ? (ost_pm)(c.jump_mm * (double)OST_PM_PER_MM) : setup->gaps.max_jump_pm};
+    ost_path_report table;
+    status = ost_path_read(file, &gaps, &m->path, &table, err);
+    if (status == OST_OK && table.end_ns - table.begin_ns > SECONDS_MAX * 1000000000)
+        status = ost_fail(err, OST_ERR_RANGE, "%s: lasts from %.9g to %.9g s; device motion plays a day at most", file, (double)table.begin_ns * 1e-9,
+                          (double)table.end_ns * 1e-9);
     if (status != OST_OK) {
-        free(m);
+        motion_close(m);
         return status;
     }
-    m->t_ns = m->motion.rows[0].t_ns;
-    m->gap_ns = c.gap_ms * 1000000;
+    m->t_ns = table.begin_ns;
+    m->end_ns = table.end_ns;
     m->clutch = haptic_clutch_make(&setup->start, c.percent / 100);
     *out = m;
     return OST_OK;
@@ -97,26 +107,40 @@ static void slerp(const double a[4], const double b[4], double share, double out
         out[i] /= sqrt(length);
 }
 
+static void metres_of(const ost_pose *pose, double at[3], double q[4])
+{
+    double length = 0;
+    ost_pose_to_doubles(pose, at, q);
+    for (int i = 0; i < 4; i++)
+        length += q[i] * q[i];
+    for (int i = 0; i < 4; i++)
+        q[i] /= sqrt(length);
+    for (int i = 0; i < 3; i++)
+        at[i] *= 1e-3;
+}
+
 static ost_haptic_answer motion_read(haptic_instance *m, ost_haptic_state *state)
 {
-    const motion_row *rows = m->motion.rows;
-    const size_t last = m->motion.count - 1;
+    const ost_tick *ticks = m->path.ticks;
+    const size_t last = m->path.count - 1;
     const int64_t t = m->t_ns;
-    if (t > rows[last].t_ns)
+    if (t > m->end_ns)
         return OST_HAPTIC_ENDED;
     m->t_ns += TICK_NS;
-    while (m->row < last && rows[m->row + 1].t_ns <= t)
+    while (m->row < last && ticks[m->row + 1].t_ns <= t)
         m->row++;
-    const motion_row *a = &rows[m->row], *b = m->row < last ? a + 1 : a;
-    if (!motion_seen(a) || (t > a->t_ns && (!motion_seen(b) || b->t_ns - a->t_ns > m->gap_ns))) {
+    const ost_tick *a = &ticks[m->row], *b = m->row < last ? a + 1 : a;
+    if (t < a->t_ns || (t > a->t_ns && (b == a || b->lifted))) {
         haptic_clutch_release(&m->clutch);
         return OST_HAPTIC_UNSEEN;
     }
-    const double share = b == a || !motion_seen(b) ? 0 : (double)(t - a->t_ns) / (double)(b->t_ns - a->t_ns);
-    double at[3], q[4];
+    const double share = b == a ? 0 : (double)(t - a->t_ns) / (double)(b->t_ns - a->t_ns);
+    double at[3], to[3], from_q[4], to_q[4], q[4];
+    metres_of(&a->pose, at, from_q);
+    metres_of(&b->pose, to, to_q);
     for (int i = 0; i < 3; i++)
-        at[i] = a->at[i] + share * (b->at[i] - a->at[i]);
-    slerp(a->q, motion_seen(b) ? b->q : a->q, share, q);
+        at[i] += share * (to[i] - at[i]);
+    slerp(from_q, to_q, share, q);
     *state = (ost_haptic_state){.pose = haptic_clutch_pose(&m->clutch, at, q), .tool = -1};
     return OST_HAPTIC_FRESH;
 }

@@ -22,6 +22,7 @@ struct ost_operation {
     bool given;        /* a force, in this tick */
     ost_fault fault;   /* now */
     uint64_t dropout;  /* ticks of the one that lasts; 0: the hand is seen */
+    bool lifted;       /* the tool was lifted, and no tick was taken since */
     ost_operation_report report;
     ost_record pending; /* of the tick whose time is not known yet */
     bool has_pending;
@@ -107,12 +108,12 @@ static bool is_far(const ost_pose *a, const ost_pose *b)
     return square > (ost_int128)JUMP_PM * JUMP_PM;
 }
 
-static ost_fault judge(const ost_operation *o, const ost_tick *tick)
+static ost_fault judge(const ost_operation *o, const ost_tick *tick, bool lifted)
 {
     if (ost_pose_check(&tick->pose, NULL) != OST_OK)
         return OST_FAULT_TURN;
-    /* A tool that is taken up begins where it is: nothing is swept. */
-    if (o->moved && tick->tool == o->last_tool && is_far(&tick->pose, &o->last))
+    /* A tool that is taken up or put down elsewhere begins where it is: nothing is swept. */
+    if (o->moved && !lifted && tick->tool == o->last_tool && is_far(&tick->pose, &o->last))
         return OST_FAULT_JUMP;
     return OST_FAULT_NONE;
 }
@@ -250,9 +251,15 @@ bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wre
         drop_out(o, tick.t_ns);
         return true;
     }
+    /* After a drop-out nothing is cut on the way, but a device that is found far away is a fault as before it. */
+    const bool lifted = !sample->declared && sample->state.lifted;
+    o->lifted |= lifted || o->dropout;
+    tick.lifted = o->lifted && o->moved;
     if (o->dropout)
         drop_out_over(o, tick.t_ns);
-    ost_fault fault = judge(o, &tick);
+    ost_fault fault = judge(o, &tick, lifted);
+    if (fault == OST_FAULT_NONE && lifted && o->options.force)
+        ost_force_place(o->options.force, tick.tool, &tick.pose);
     if (fault == OST_FAULT_NONE && o->options.force) {
         o->report.status = feel(o, sample, AFTER_NS, &tick, wrench, &fault);
         if (o->report.status == OST_ERR_USAGE)
@@ -284,6 +291,7 @@ bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wre
     remember(o, sample, &tick, &step, wrench);
     o->report.steps++;
     o->moved = true;
+    o->lifted = false;
     o->last = sample->state.pose;
     o->last_tool = tick.tool;
     return true;

@@ -215,7 +215,7 @@ static ost_haptic_answer spnav_read(haptic_instance *s, ost_haptic_state *state)
     }
     turn_on(s->q, by);
     frame_of(s->q, frame);
-    *state = (ost_haptic_state){haptic_workspace_pose(&s->workspace, s->at, frame), s->how.tools > 1 ? s->tool : -1, s->buttons};
+    *state = (ost_haptic_state){haptic_workspace_pose(&s->workspace, s->at, frame), s->how.tools > 1 ? s->tool : -1, s->buttons, false};
     return OST_HAPTIC_FRESH;
 }
 

@@ -383,7 +383,7 @@ static ost_haptic_answer udp_read(haptic_instance *u, ost_haptic_state *state)
     }
     u->silent = 0;
     u->unseen = false;
-    *state = (ost_haptic_state){u->given, c->tool, c->buttons};
+    *state = (ost_haptic_state){u->given, c->tool, c->buttons, false};
     return OST_HAPTIC_FRESH;
 }
 

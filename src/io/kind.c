@@ -7,7 +7,7 @@
  *   "ply", 4D 4D, "solid ... facet",
  *   84 + 50 n bytes                          meshes
  *   89 "OSTSES" 0A at a multiple of 64       a session, whose first block may be damaged
- *   a first line of numbers                  4 columns: CT text; 8 or 9: a path
+ *   a first line of numbers                  4 columns: CT text; 8 or 9: a path; also a path inside gzip
  */
 #include <osteon/io.h>
 
@@ -155,7 +155,12 @@ static ost_file_kind kind_by_content(int fd, const unsigned char *head, size_t s
         return OST_FILE_NIFTI;
     if (is_gzip(head, size)) {
         unsigned char inner[GZIP_HEAD];
-        return is_nifti(inner, gzip_head(fd, inner)) ? OST_FILE_NIFTI : OST_FILE_UNKNOWN;
+        const size_t filled = gzip_head(fd, inner);
+        bool path_header = false;
+        if (is_nifti(inner, filled))
+            return OST_FILE_NIFTI;
+        (void)text_columns(inner, filled, &path_header);
+        return path_header ? OST_FILE_PATH_CSV : OST_FILE_UNKNOWN;
     }
     if (is_mesh(head, size, file_size))
         return OST_FILE_MESH;

@@ -180,7 +180,7 @@ static void a_hand_as_it_was_seen(void **state)
     ost_haptic *device;
     snprintf(spec, sizeof spec, "motion:%s", cut);
     assert_int_equal(ost_haptic_open(spec, NULL, &device, &err), OST_ERR_INPUT);
-    assert_non_null(strstr(err.text, "cut.csv.gz: the gzip data are damaged or cut off after line"));
+    assert_non_null(strstr(err.text, "cut.csv.gz: the gzip data are damaged or cut off after"));
 }
 
 static void with_longer_gaps_allowed(void **state)
@@ -189,7 +189,7 @@ static void with_longer_gaps_allowed(void **state)
     static char text[100000];
     const char *file = scratch_write(folder, "gaps.csv", text, write_motion(text, sizeof text));
     const ost_pose start = {.qw = OST_Q30_ONE};
-    ost_haptic *device = open_motion(file, ",gap=200", &start);
+    ost_haptic *device = open_motion(file, ",gap=200,jump=50", &start);
     ost_haptic_state s;
     ost_haptic_answer answer;
     int unseen = 0;
@@ -199,6 +199,33 @@ static void with_longer_gaps_allowed(void **state)
     ost_haptic_close(device);
 }
 
+/* A hand at 1 kHz that is found 20 mm away from one row to the next: unseen in between, unless that much is allowed; millimetres. */
+static void a_jump_is_a_gap(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *options;
+        ost_path_options gaps;
+        int unseen;
+    } cases[] = {{"", {0}, 1}, {",jump=30", {0}, 0}, {"", {0, 30 * MM}, 0}, {"", {OST_PATH_NO_GAPS, OST_PATH_NO_GAPS}, 0}, {",jump=1", {0, 30 * MM}, 1}};
+    static const char text[] = "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n0.001,0.1,0,0,1,0,0,0\n0.0025,20.1,0,0,1,0,0,0\n0.003,20.2,0,0,1,0,0,0\n";
+    const char *file = scratch_write(folder, "jump.csv", text, sizeof text - 1);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char spec[4300];
+        ost_error err = {0};
+        ost_haptic *device;
+        ost_haptic_state s;
+        ost_haptic_answer answer;
+        int unseen = 0;
+        snprintf(spec, sizeof spec, "motion:%s%s", file, cases[i].options);
+        assert_ok(ost_haptic_open(spec, &(ost_haptic_setup){.start = ost_pose_identity(), .gaps = cases[i].gaps}, &device, &err));
+        while ((answer = ost_haptic_read(device, &s)) != OST_HAPTIC_ENDED)
+            unseen += answer == OST_HAPTIC_UNSEEN;
+        assert_int_equal(unseen, cases[i].unseen);
+        ost_haptic_close(device);
+    }
+}
+
 static void files_that_are_no_motion(void **state)
 {
     (void)state;
@@ -206,21 +233,22 @@ static void files_that_are_no_motion(void **state)
         const char *text, *options, *says;
         ost_status status;
     } cases[] = {
-        {"", "", "bad.csv: 0 rows in 0 lines, and in none is the body seen", OST_ERR_INPUT},
-        {"t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,nan,0,0,0\n", "", "1 rows in 2 lines, and in none", OST_ERR_INPUT},
-        {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n", "", "bad.csv:1: column 2 (x_m) is 'x_mm'", OST_ERR_INPUT},
+        {"", "", "bad.csv: holds no row in 0 lines", OST_ERR_INPUT},
+        {"t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,nan,0,0,0\n", "", "bad.csv: holds 1 rows and no pose", OST_ERR_INPUT},
+        {"t_s,x_cm,y_cm,z_cm,qw,qx,qy,qz\n", "", "bad.csv:1: column 2 is called 'x_cm'", OST_ERR_INPUT},
         {"0,0,0,0,1,0,0\n", "", "bad.csv:1: 7 columns", OST_ERR_INPUT},
         {"0,0,0,0,1,0,0,0\n0,0,0,0,1,0,0,0\n", "", "bad.csv:2: t_s is 0.000000000, not after", OST_ERR_INPUT},
         {"nan,0,0,0,1,0,0,0\n", "", "bad.csv:1: column 1 (t_s) is 'nan'", OST_ERR_INPUT},
-        {"0,0,1e9,0,1,0,0,0\n", "", "column 3 (y_m) is '1e9'; expected metres within 100 m", OST_ERR_INPUT},
-        {"0,0,0,0,0.5,0,0,0\n", "", "the quaternion's length is 0.5000", OST_ERR_INPUT},
+        {"0,0,1e9,0,1,0,0,0\n", "", "bad.csv:1: position y is beyond 8000 mm", OST_ERR_RANGE},
+        {"0,0,0,0,0.5,0,0,0\n", "", "bad.csv:1: quaternion", OST_ERR_RANGE},
         {"0,0,0,0,1,0,0,inf\n", "", "column 8 (qz) is 'inf'", OST_ERR_INPUT},
-        {"0,0,0,0,1,0,0,99999999999999999999\n", "", "a number from -1 to 1", OST_ERR_INPUT},
+        {"0,0,0,0,1,0,0,99999999999999999999\n", "", "bad.csv:1: quaternion component 3", OST_ERR_RANGE},
         {"0,0,0,0,1,0,0,0x1\n", "", "column 8 (qz) is '0x1'", OST_ERR_INPUT},
-        {"90000,0,0,0,1,0,0,0\n", "", "seconds within a day", OST_ERR_INPUT},
+        {"0,0,0,0,1,0,0,0\n86400.1,0,0,0,1,0,0,0\n", "", "bad.csv: lasts from 0 to 86400.1 s; device motion plays a day at most", OST_ERR_RANGE},
         {"\x01\x02\x03\n", "", "bad.csv:1: binary bytes", OST_ERR_INPUT},
         {"0,0,0,0,1,0,0,0\n", ",scale=0", "scale=0: must be a number from 0.1 to 1000", OST_ERR_USAGE},
         {"0,0,0,0,1,0,0,0\n", ",scale=nan", "scale=nan", OST_ERR_USAGE},
+        {"0,0,0,0,1,0,0,0\n", ",jump=0", "jump=0: must be a number from 0.1 to 1000", OST_ERR_USAGE},
         {"0,0,0,0,1,0,0,0\n", ",speed=2", "no option 'speed'", OST_ERR_USAGE},
     };
     char spec[4300];
@@ -238,7 +266,7 @@ static void files_that_are_no_motion(void **state)
     memset(long_line, '1', sizeof long_line - 1);
     snprintf(spec, sizeof spec, "motion:%s", scratch_write(folder, "long.csv", long_line, sizeof long_line - 1));
     assert_int_equal(ost_haptic_open(spec, NULL, &device, &err), OST_ERR_INPUT);
-    assert_non_null(strstr(err.text, "long.csv:1: longer than 4094 bytes"));
+    assert_non_null(strstr(err.text, "long.csv:1: the line is longer than 4096 bytes"));
     snprintf(spec, sizeof spec, "motion:%s", scratch_write(folder, "zero.csv", "0,0,0\0,1\n", 9));
     assert_int_equal(ost_haptic_open(spec, NULL, &device, &err), OST_ERR_INPUT);
     assert_non_null(strstr(err.text, "zero.csv:1: "));
@@ -458,6 +486,7 @@ int main(void)
     const struct CMUnitTest files[] = {
         cmocka_unit_test(a_hand_as_it_was_seen),
         cmocka_unit_test(with_longer_gaps_allowed),
+        cmocka_unit_test(a_jump_is_a_gap),
         cmocka_unit_test(files_that_are_no_motion),
     };
     const struct CMUnitTest worlds[] = {

@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Paths as CSV: exact integers, the way back, each kind of broken file.
+ * Paths as text: exact integers, the way back, metres and gzip, rows without a
+ * pose, gaps in time and space, each kind of broken file.
  *
- * Covers: AR-POSE-2
+ * Covers: AR-POSE-2, AR-PATH-1, AR-PATH-2, AR-PATH-3, AR-PATH-4, AR-PATH-5
  */
 #include "harness.h"
+
+#include <zlib.h>
 
 #include <osteon/io.h>
 
@@ -62,6 +65,8 @@ static void what_is_written_reads_back(void **state)
             path.ticks[i] = (ost_tick){
                 .t_ns = t += rng_range(&rng, 1, 3000000),
                 .tool = round ? (int32_t)rng_range(&rng, 0, 3) : 0,
+                .rpm = (int32_t)rng_range(&rng, OST_RPM_ON, OST_RPM_MAX),
+                .lifted = i > 0 && rng_range(&rng, 0, 9) == 0,
                 .pose = {{rng_range(&rng, -OST_LENGTH_MAX, OST_LENGTH_MAX), rng_range(&rng, -1000, 1000), rng_range(&rng, -1000000000, 1000000000)},
                          (int32_t)(q[0] / root * OST_Q30_ONE),
                          (int32_t)(q[1] / root * OST_Q30_ONE),
@@ -74,16 +79,137 @@ static void what_is_written_reads_back(void **state)
         assert_int_equal(back.count, path.count);
         for (size_t i = 0; i < path.count; i++) {
             const ost_tick *a = &path.ticks[i], *b = &back.ticks[i];
-            assert_true(a->t_ns == b->t_ns && a->tool == b->tool);
+            assert_true(a->t_ns == b->t_ns && a->tool == b->tool && a->lifted == b->lifted && a->rpm == b->rpm);
             assert_true(a->pose.t.x == b->pose.t.x && a->pose.t.y == b->pose.t.y && a->pose.t.z == b->pose.t.z);
             assert_true(a->pose.qw == b->pose.qw && a->pose.qx == b->pose.qx && a->pose.qy == b->pose.qy && a->pose.qz == b->pose.qz);
         }
         char *text = scratch_read(name, NULL);
-        assert_int_equal(strncmp(text, round ? "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,tool\n" : "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n", 31 + (round ? 5 : 0)), 0);
+        assert_int_equal(strncmp(text, round ? "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,tool,lifted,rpm\n" : "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,lifted,rpm\n", 42 + (round ? 5 : 0)), 0);
         free(text);
         ost_path_free(&path);
         ost_path_free(&back);
     }
+}
+
+static void a_tools_number_and_the_longest_times(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_path path;
+    assert_ok(read_text("-4e9 0 0 0 1 0 0 0 0.0\n-1 0 0 0 1 0 0 0 +0\n0 0 0 0 1 0 0 0 -0\n1 0 0 0 1 0 0 0 1e0\n"
+                        "4000000000 0 0 0 1 0 0 0 2147483647\n", &path, &err));
+    static const int32_t tools[] = {0, 0, 0, 1, INT32_MAX};
+    assert_int_equal(path.count, 5);
+    for (int i = 0; i < 5; i++)
+        assert_int_equal(path.ticks[i].tool, tools[i]);
+    assert_true(path.ticks[0].t_ns == INT64_C(-4000000000000000000) && path.ticks[4].t_ns == INT64_C(4000000000000000000));
+    ost_path_free(&path);
+}
+
+/* The same rows in metres, packed, with columns that are not read, and by hand. */
+static void a_trackers_file_is_a_path(void **state)
+{
+    (void)state;
+    static const char rows[] = "t_s,x_m,y_m,z_m,qw,qx,qy,qz,movement,lifted,tool,note\n"
+                               "0,nan,0,0,1,0,0,0,0,0,0,a\n"
+                               "0.0035,0.0947715,-0.562,1.2237091234567,1,0,0,0,0,0,+3\n"
+                               "0.007,0,0,0,nan,NaN,nan,NAN,0,0,0,;,;\n"
+                               "0.0105,0.0947715,-0.562,1.2,1,0,0,0,1,0,3,x y z # seen again\n"
+                               "0.0140,0.0947715,-0.562,1.2,1,0,0,0,1,0,3,\n"
+                               "0.0175,0.0947715,-0.562,1.2,1,0,0,0,1,1,3,\n"
+                               "0.021,1,nan,1,1,0,0,0,1,0,3,\n";
+    ost_error err = {0};
+    char name[600];
+    snprintf(name, sizeof name, "%s/t.csv.gz", folder);
+    gzFile gz = gzopen(name, "wb");
+    assert_non_null(gz);
+    assert_int_equal(gzwrite(gz, rows, sizeof rows - 1), (int)sizeof rows - 1);
+    assert_int_equal(gzclose(gz), Z_OK);
+    ost_file_kind kind;
+    assert_ok(ost_file_kind_find(name, &kind, &err));
+    assert_int_equal(kind, OST_FILE_PATH_CSV);
+    for (int packed = 0; packed < 2; packed++) {
+        ost_path path;
+        ost_path_report report;
+        assert_ok(ost_path_read(packed ? name : scratch_write(folder, "t.csv", rows, sizeof rows - 1), NULL, &path, &report, &err));
+        assert_int_equal(path.count, 4);
+        static const bool lifted[] = {false, true, false, true};
+        for (int i = 0; i < 4; i++) {
+            assert_int_equal(path.ticks[i].tool, 3);
+            assert_int_equal(path.ticks[i].lifted, lifted[i]);
+        }
+        assert_true(path.ticks[0].pose.t.x == INT64_C(94771500000) && path.ticks[0].pose.t.y == INT64_C(-562000000000));
+        assert_true(path.ticks[0].pose.t.z == INT64_C(1223709123457)); /* to the picometre, rounded */
+        assert_true(report.rows == 7 && report.lost_rows == 3 && report.gaps == 2);
+        assert_true(report.begin_ns == 0 && report.end_ns == 21000000);
+        ost_path_free(&path);
+    }
+    /* Cut off, it is none. */
+    size_t size;
+    char *bytes = scratch_read(name, &size);
+    ost_path path;
+    assert_int_equal(ost_path_read_csv(scratch_write(folder, "cut.csv.gz", bytes, size - 12), &path, &err), OST_ERR_INPUT);
+    assert_non_null(strstr(err.text, "cut.csv.gz: the gzip data are damaged or cut off"));
+    free(bytes);
+}
+
+/* Rows at these times (ms) and places (um): which of them are lifted. */
+typedef struct gap_case {
+    const char *header;
+    ost_path_options options;
+    int count;
+    double ms[8], mm[8];
+    bool lifted[8];
+} gap_case;
+
+static void rows_far_apart_are_a_gap(void **state)
+{
+    (void)state;
+    static const gap_case cases[] = {
+        /* The example of docs/arithmetic.md: 3.5 ms and once 98. */
+        {"", {0}, 6, {0, 3.5, 7, 10.5, 108.5, 112}, {0}, {[4] = true}},
+        /* A second each is as it was written; ten times that is a gap, and no less. */
+        {"", {0}, 5, {0, 1000, 2000, 3000, 13000}, {0}, {false}},
+        {"", {0}, 5, {0, 1000, 2000, 3000, 13000.001}, {0}, {[4] = true}},
+        {"", {0}, 2, {0, 60000}, {0, 300}, {false}},
+        /* 50 ms are never one by themselves. */
+        {"", {0}, 5, {0, 1, 2, 52, 102.001}, {0}, {[4] = true}},
+        /* In space: 5 mm, and ten times what is usual. */
+        {"", {0}, 5, {0, 1, 2, 3, 4}, {0, 0.01, 0.02, 5.02, 10.021}, {[4] = true}},
+        {"", {0}, 5, {0, 1, 2, 3, 4}, {0, 1, 2, 12, 22.001}, {[4] = true}},
+        {"", {0}, 4, {0, 1, 2, 3}, {0, 20, 40, 60}, {false}},
+        /* Said: in time, in both, none. */
+        {"", {10000000, 0}, 4, {0, 10, 20.001, 30}, {0, 1, 2, 3}, {[2] = true}},
+        {"", {10000000, OST_PM_PER_MM / 2}, 4, {0, 1, 2, 13}, {0, 0.5, 1.001, 1}, {[2] = true, [3] = true}},
+        {"", {OST_PATH_NO_GAPS, OST_PATH_NO_GAPS}, 4, {0, 1, 2, 900}, {0, 1, 2, 3000}, {false}},
+        /* A file that says itself where the tool is lifted. */
+        {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,tool,lifted\n", {0}, 4, {0, 1, 2, 900}, {0, 1, 2, 3000}, {false}},
+        {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,tool,lifted\n", {100000000, 0}, 4, {0, 1, 2, 900}, {0, 1, 2, 3000}, {[3] = true}},
+    };
+    for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++) {
+        const gap_case *g = &cases[c];
+        char text[1000];
+        size_t used = (size_t)snprintf(text, sizeof text, "%s", g->header), gaps = 0;
+        for (int i = 0; i < g->count; i++)
+            used += (size_t)snprintf(text + used, sizeof text - used, "%.6f,%.4f,0,0,1,0,0,0%s\n", g->ms[i] * 1e-3, g->mm[i], *g->header ? ",0,0" : "");
+        ost_error err = {0};
+        ost_path path;
+        ost_path_report report;
+        assert_ok(ost_path_read(scratch_write(folder, "g.csv", text, used), &g->options, &path, &report, &err));
+        for (int i = 0; i < g->count; i++) {
+            gaps += g->lifted[i];
+            if (path.ticks[i].lifted != g->lifted[i])
+                fail_msg("case %zu: row %d is %slifted", c, i, path.ticks[i].lifted ? "" : "not ");
+        }
+        assert_int_equal(report.gaps, gaps);
+        ost_path_free(&path);
+    }
+    /* What another tool did is no neighbour. */
+    ost_error err = {0};
+    ost_path path;
+    assert_ok(read_text("0 0 0 0 1 0 0 0 0\n0.001 0 0 0 1 0 0 0 0\n0.002 99 0 0 1 0 0 0 1\n", &path, &err));
+    assert_false(path.ticks[2].lifted);
+    ost_path_free(&path);
 }
 
 static void broken_paths_are_refused(void **state)
@@ -101,10 +227,22 @@ static void broken_paths_are_refused(void **state)
         {"0,0,0,0,1,0,0,0\n1,0,0,0,1,0,0\n", ":2: 7 columns, or an empty one; the rows above have 8", OST_ERR_INPUT},
         {"0,0,,0,1,0,0,0\n", ":1: 2 columns", OST_ERR_INPUT},
         {"t_s,x_mm,y_mm,z_mm,qx,qy,qz,qw\n0,0,0,0,0,0,0,1\n", ":1: column 5 is called 'qx'; expected t_s,x_mm,y_mm,z_mm,qw", OST_ERR_INPUT},
+        {"t_s,x_m,y_mm,z_mm,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n", ":1: column 3 is called 'y_mm'; expected t_s", OST_ERR_INPUT},
+        {"T_S,X_MM,Y_MM,Z_MM,QW,QX,QY,QZ\n0,0,0,0,1,0,0,0\n", ":1: column 1 is called 'T_S'; expected t_s", OST_ERR_INPUT},
+        {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,tool,more,tool\n0,0,0,0,1,0,0,0,1,2,3\n", ":1: column 11 is a second 'tool'", OST_ERR_INPUT},
+        {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,more,tool\n0,0,0,0,1,0,0,0,1\n", ":2: 9 columns, or an empty one; the header has 10", OST_ERR_INPUT},
+        {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,lifted\n0,0,0,0,1,0,0,0,2\n", ":2: column 9 (lifted) is '2'; expected 0 or 1", OST_ERR_INPUT},
+        {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,lifted\n0,0,0,0,1,0,0,0,0.5\n", ":2: column 9 (lifted) is '0.5'; expected 0 or 1", OST_ERR_INPUT},
+        {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,rpm\n0,0,0,0,1,0,0,0,3001\n", ":2: column 9 (rpm) is '3001'; expected turns a minute", OST_ERR_INPUT},
+        {"t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,8.0001,0,0,1,0,0,0\n", ":2: position x", OST_ERR_RANGE},
+        {"nan,0,0,0,1,0,0,0\n", ":1: column 1 (t_s) is 'nan'; expected a decimal number", OST_ERR_INPUT},
+        {"0,nan,0,0,1,0,0,0\n1,0,0,0,nan,0,0,0\n", ": holds 2 rows and no pose", OST_ERR_INPUT},
+        {"1,nan,0,0,1,0,0,0\n1,0,0,0,1,0,0,0\n", ":2: t_s is 1.000000000, not after the row above", OST_ERR_INPUT},
+        {"0,-nan,0,0,1,0,0,0\n", ":1: column 2 (x_mm) is '-nan'; expected a decimal number or nan", OST_ERR_INPUT},
+        {"4000000000.000000001,0,0,0,1,0,0,0\n", ":1: column 1 (t_s) is '4000000000.000000001'; expected a time", OST_ERR_INPUT},
+        {"9223372036.854775807,0,0,0,1,0,0,0\n", ":1: column 1 (t_s) is '9223372036.854775807'; expected a time", OST_ERR_INPUT},
+        {"-9223372036.854775808,0,0,0,1,0,0,0\n", ":1: column 1 (t_s) is '-9223372036.854775808'; expected a time", OST_ERR_INPUT},
         {"t_s,x_mm,y_mm,z_mm,qw,qx,qy\n", ":1: the header has not the columns", OST_ERR_INPUT},
-        {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,tool,more\n", ":1: the header has not the columns", OST_ERR_INPUT},
-        {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n0,0,0,0,1,0,0,0,0\n", ":2: 9 columns, or an empty one; the rows above have 8", OST_ERR_INPUT},
-        {"0,nan,0,0,1,0,0,0\n", ":1: column 2 (x_mm) is 'nan'; expected a decimal number", OST_ERR_INPUT},
         {"0,0,0,0,1,0,0,0\n1,0,0,0,inf,0,0,0\n", ":2: column 5 (qw) is 'inf'", OST_ERR_INPUT},
         {"0,0,0,0,1,0,0,0\n1,0,0,0,1,0,0,1e\n", ":2: column 8 (qz) is '1e'", OST_ERR_INPUT},
         {"1e10,0,0,0,1,0,0,0\n", ":1: column 1 (t_s) is '1e10'; expected a time", OST_ERR_INPUT},
@@ -151,6 +289,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rows_are_exact),
         cmocka_unit_test(what_is_written_reads_back),
+        cmocka_unit_test(a_tools_number_and_the_longest_times),
+        cmocka_unit_test(a_trackers_file_is_a_path),
+        cmocka_unit_test(rows_far_apart_are_a_gap),
         cmocka_unit_test(broken_paths_are_refused),
         cmocka_unit_test(a_row_cut_anywhere),
     };

@@ -6,7 +6,8 @@
     STL -------osteon voxelize---> TOOL.nrrd           |  what docs/arithmetic.md alone
     path CSV --osteon ream-------> BONE2.nrrd, report  |  says (osteon_oracle*.py)
 
-Covers: AR-LEN-2, AR-LEN-3, AR-LEN-5, AR-GRID-2, AR-POSE-2, AR-POSE-5, AR-POSE-6, AR-CT-1, AR-CT-2, AR-CT-3, AR-CT-4,
+Covers: AR-LEN-2, AR-LEN-3, AR-LEN-5, AR-GRID-2, AR-POSE-2, AR-POSE-5, AR-POSE-6, AR-PATH-1, AR-PATH-2, AR-PATH-3,
+AR-PATH-4, AR-PATH-5, AR-PATH-6, AR-PATH-7, AR-CT-1, AR-CT-2, AR-CT-3, AR-CT-4,
 AR-CT-5, AR-CT-6, AR-CT-7, AR-CT-8, AR-CUB-1, AR-CUB-2, AR-CHK-1, AR-CHK-2, AR-CHK-3, AR-CHK-4, AR-MESH-2, AR-MESH-3,
 AR-MESH-4, AR-MESH-5, AR-TOOL-2, AR-TOOL-3, AR-TOOL-4, AR-VOX-1, AR-VOX-2, AR-VOX-3, AR-VOX-4, AR-VOX-5, AR-VOX-6, AR-VOX-7,
 AR-SWEEP-1, AR-SWEEP-2, AR-SWEEP-4, AR-SWEEP-5, AR-SWEEP-6, AR-MAP-1, AR-MAP-3, AR-MAP-4, AR-REM-1, AR-REM-2, AR-REM-6,
@@ -19,6 +20,7 @@ runs on each of them, and all must print the same object, which holds the file's
 nothing to run.
 """
 
+import gzip
 import json
 import os
 import random
@@ -341,14 +343,43 @@ def path(rng, bone, ticks, step_mm, tool_count, any_turn):
     return "\n".join(rows) + "\n"
 
 
-def check_ream(runner, name, bone, bone_file, shapes, ticks, options=(), **how):
+def tracked_path(rng, bone, rows, metres):
+    """What a tracker saw: rows of 3.5 ms, some lost, some left out, with a jump; other columns among those that are read."""
+    unit, places = ("m", 12) if metres else ("mm", 9)
+    at = [Fraction(o + s * n // 2, MM) for o, s, n in zip(bone.origin, bone.spacing, bone.dims)]
+    text, missing = [f"t_s,x_{unit},y_{unit},z_{unit},qw,qx,qy,qz,movement,tool" + (",lifted" if metres else "")], rng.randrange(3, rows)
+    for row in range(rows):
+        at = [c + Fraction(rng.randrange(-400, 401), 1000) for c in at]
+        if row == missing and not metres:
+            at[0] += 6 * rng.choice((1, -1))
+        if rng.random() < 0.15 and not metres:
+            continue
+        pose = [decimal_of(c / (1000 if metres else 1), places) for c in at] + list(turned(rng, False))
+        if rng.random() < 0.2:
+            pose[rng.randrange(7)] = rng.choice(("nan", "NaN"))
+        text.append(",".join([decimal_of(Fraction(row * (35 if row < rows // 2 else 400), 10000), 6), *pose, "a", rng.choice(("0", "+0", "0.0"))]
+                             + [str(int(rng.random() < 0.3))] * metres))
+    return "\n".join(text) + "\n"
+
+
+def check_ream(runner, name, bone, bone_file, shapes, ticks, options=(), contents=None, max_gap=None, rate=None, **how):
     """osteon ream against the oracle, on a copy of the bone."""
     left = oracle.Bone(bone, bone.threshold)
+    if rate:
+        how["period_ns"], options = events.period(rate), (*options, "--rate", rate)
     session = events.Session(left, [tool for tool, _ in shapes], **how)
-    content = path(runner.rng, bone, ticks, Fraction(6, 10), len(shapes), not session.sweep)
-    for t_ns, pose, tool in events.read_path(content):
-        session.tick(t_ns, pose, tool)
-    arguments = ["ream", "--bone", bone_file, "--path", runner.write(name + ".csv", content)]
+    contents = contents or [path(runner.rng, bone, ticks, Fraction(6, 10), len(shapes), not session.sweep)]
+    paths, arguments = [events.read_path(content, max_gap) for content in contents], ["ream", "--bone", bone_file]
+    gaps = sum(row.lifted for part in paths for row in part)
+    for row in events.join(paths, len(shapes)):
+        session.tick(row.t_ns, row.pose, row.tool, row.lifted)
+    for k, content in enumerate(contents):
+        packed = content.startswith("t_s,x_m,")
+        file = runner.write(f"{name}-{k}.csv", content)
+        if packed:
+            with open(file, "rb") as plain, gzip.open(file + ".gz", "wb") as out:
+                out.write(plain.read())
+        arguments += ["--path", file + ".gz" * packed]
     for _, tool_file in shapes:
         arguments += ["--tool", tool_file]
     expected = oracle.grid_digest(left, oracle.KIND_BONE)
@@ -359,6 +390,7 @@ def check_ream(runner, name, bone, bone_file, shapes, ticks, options=(), **how):
         for key in ("ticks", "removals", "poses"):
             if key in got:
                 equal(f"{name}: {key}", got[key], getattr(session, key))
+        equal(f"{name}: gaps", got["gaps"], gaps)
         equal(f"{name}: removed_voxels", got["removed_voxels"], session.removed)
         equal(f"{name}: removed_by_class", [(row["voxels"], row["density_sum"]) for row in got["removed_by_class"]],
               list(zip(session.by_class, session.density_by_class)))
@@ -382,7 +414,12 @@ def reams(runner):
     check_ream(runner, "swept", bone, bone_file, [first], 5)
     check_ream(runner, "thesis", bone, bone_file, [second], 8, ("--sweep", "off"), sweep=False)
     check_ream(runner, "two-tools", bone, bone_file, [first, second], 6)
-    check_ream(runner, "rated", bone, bone_file, [second], 9, ("--rate", "400"), period_ns=2500000)
+    check_ream(runner, "rated", bone, bone_file, [second], 9, rate=rng.choice(("400", "333.3", "1e2")))
+    tracked = [tracked_path(rng, bone, 12, metres) for metres in (False, True)]
+    check_ream(runner, "tracked", bone, bone_file, [second], 0, contents=tracked)
+    check_ream(runner, "tracked-two", bone, bone_file, [first, second], 0, contents=tracked, rate="250")
+    check_ream(runner, "tracked-off", bone, bone_file, [second], 0, ("--max-gap", "off"), contents=tracked, max_gap=(None, None))
+    check_ream(runner, "tracked-given", bone, bone_file, [second], 0, ("--max-gap", "5,0.3"), contents=tracked, max_gap=(5 * 10**6, 3 * 10**8))
 
 
 def main():

@@ -123,9 +123,9 @@ class Session:
         self.by_class = [0] * len(classes)
         self.density_by_class = [0] * len(classes)
 
-    def tick(self, t_ns, pose, tool=0):
+    def tick(self, t_ns, pose, tool=0, lifted=False):
         self.ticks += 1
-        selected = tool != self.tool
+        selected = tool != self.tool or lifted
         if not selected and self.period and t_ns // self.period == self.last_time // self.period:  # AR-REM-7
             return
         shape = self.tools[tool]
@@ -159,25 +159,107 @@ class Session:
         return hit, touched
 
 
-def read_path(content):
-    """AR-POSE-5, AR-POSE-6: [(t_ns, pose, tool)]"""
-    ticks, may_be_header = [], True
+class Row:
+    def __init__(self, t_ns, tool, lifted, pose):
+        self.t_ns, self.tool, self.lifted, self.pose = t_ns, tool, lifted, pose  # pose is None: it has none
+
+
+def integer(text, least, most):
+    value = decimal(text)
+    if value is None or value[0].denominator != 1 or not least <= value[0] <= most:
+        raise Refused(f"'{text}' is no integer from {least} to {most}")
+    return int(value[0])
+
+
+def read_rows(content):
+    """AR-PATH-1 to AR-PATH-3: the rows, and whether a column is called lifted."""
+    names, rows, first = None, [], True
     for line in content.splitlines():
         fields = line.partition("#")[0].replace(",", " ").replace(";", " ").split()
         if not fields:
             continue
-        if may_be_header and decimal(fields[0]) is None:
-            may_be_header = False
+        if first and all(decimal(f) is None and f.lower() != "nan" for f in fields):
+            names = fields
+            if names[:8] not in [["t_s", *(f"{a}_{unit}" for a in "xyz"), "qw", "qx", "qy", "qz"] for unit in ("mm", "m")]:
+                raise Refused("columns of a path")
+            first = False
             continue
-        may_be_header = False
-        ticks.append((rhe(decimal(fields[0])[0] * 10**9), Pose.from_decimals(fields[1:8]), int(fields[8]) if len(fields) > 8 else 0))
-        assert len(ticks) < 2 or ticks[-1][0] > ticks[-2][0]
+        first = False
+        if names is None:
+            if len(fields) not in (8, 9) or rows and len(fields) != columns:
+                raise Refused("a row without a header has eight or nine fields")
+            columns = len(fields)
+        read = names or ["t_s", "x_mm", "y_mm", "z_mm", "qw", "qx", "qy", "qz", "tool"][:columns]
+        value = dict(zip(read, fields))
+        lost = any(f.lower() == "nan" for f in fields[1:8])
+        t_ns = rhe(decimal(fields[0])[0] * 10**9)
+        if abs(t_ns) > 4 * 10**18 or rows and t_ns <= rows[-1].t_ns:
+            raise Refused("a time")
+        at = fields[1:4] if read[1] == "x_mm" else [f + "e3" if "e" not in f.lower() else None for f in fields[1:4]]
+        rows.append(Row(t_ns, integer(value.get("tool", "0"), 0, 2**31 - 1), integer(value.get("lifted", "0"), 0, 1) == 1,
+                        None if lost else Pose.from_decimals([*at, *fields[4:8]])))
+    return rows, names is not None and "lifted" in names
+
+
+def read_path(content, max_gap=None):
+    """AR-PATH-4, AR-PATH-5: [Row], each with a pose. max_gap: None, or (T in ns, D in pm), each None when it is off."""
+    rows, says = read_rows(content)
+    ticks, lost = [], False
+    for row in rows:
+        if row.pose is not None:
+            row.lifted = bool(ticks) and (row.lifted or lost)
+            ticks.append(row)
+        lost = row.pose is None
+    pairs = [(a, b) for a, b in zip(ticks, ticks[1:]) if a.tool == b.tool and not b.lifted]
+    times = [b.t_ns - a.t_ns for a, b in pairs]
+    ways = [sum((p - q)**2 for p, q in zip(a.pose.t, b.pose.t)) for a, b in pairs]
+    if max_gap is None and (says or not pairs):
+        return ticks
+    if max_gap is None:
+        middle = (len(pairs) - 1) // 2
+        longest, farthest = max(50 * 10**6, 10 * sorted(times)[middle]), max((5 * 10**9)**2, 100 * sorted(ways)[middle])
+    else:
+        longest, farthest = max_gap[0], None if max_gap[1] is None else max_gap[1]**2
+    for (_, b), time, way in zip(pairs, times, ways):
+        b.lifted = longest is not None and time > longest or farthest is not None and way > farthest
     return ticks
+
+
+def join(paths, tool_count):
+    """AR-PATH-6"""
+    ticks = []
+    for k, path in enumerate(paths):
+        if all(row.tool == 0 for row in path):
+            for row in path:
+                row.tool = k if tool_count > 1 else 0
+        if any(row.tool >= tool_count for row in path):
+            raise Refused("a tool that is not there")
+        if ticks:
+            shift = ticks[-1].t_ns + 10**6 - path[0].t_ns
+            path[0].lifted = True
+            for row in path:
+                row.t_ns += shift
+        ticks += path
+    return ticks
+
+
+def period(rate):
+    """AR-PATH-7, of a decimal in hertz."""
+    u = rhe(decimal(rate)[0] * 10**6)
+    if not 10**3 <= u <= 10**12:
+        raise Refused(f"rate {rate}")
+    return 10**15 // u
 
 
 def self_check():
     """The worked numbers of docs/arithmetic.md, sections 5 and 11 to 14."""
     from osteon_oracle import Bone, Grid
+
+    def lifted(times):
+        return [row.lifted for row in read_path("".join(f"{t} 0 0 0 1 0 0 0\n" for t in times))]
+    assert lifted(["0", "0.0035", "0.007", "0.0105", "0.1085", "0.112"]) == [False] * 4 + [True, False]
+    assert not any(lifted(["0", "1", "2", "3"]))
+    assert period("400") == 2500000 and period("30") == 33333333
 
     quarter = Pose.from_decimals(["0"] * 3 + ["0.707107", "0", "0", "0.707107"])
     assert quarter.q == (759250360, 0, 0, 759250360) and quarter.norm == 1152922218320259200

@@ -7,12 +7,14 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <zlib.h>
 
 #include "io/text/fields.h"
 
 struct ost_text_lines {
     char *path;
     int fd;
+    gzFile packed; /* reads fd's file; NULL when it is plain */
     int64_t file_size;
     int64_t read_bytes;
     bool at_start, ended, terminated;
@@ -28,6 +30,7 @@ ost_status ost_text_lines_open(const char *path, ost_text_lines **out, ost_error
         return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a read buffer of %zu bytes", path, sizeof *lines);
     lines->path = strdup(path);
     lines->fd = -1;
+    lines->packed = NULL;
     lines->read_bytes = 0;
     lines->at_start = true;
     lines->ended = false;
@@ -60,17 +63,55 @@ void ost_text_lines_close(ost_text_lines *lines)
 {
     if (!lines)
         return;
+    if (lines->packed)
+        gzclose(lines->packed);
     if (lines->fd >= 0)
         close(lines->fd);
     free(lines->path);
     free(lines);
 }
 
+ost_status ost_text_lines_unpack(ost_text_lines *lines, bool *packed, ost_error *err)
+{
+    unsigned char magic[2];
+    *packed = pread(lines->fd, magic, 2, 0) == 2 && magic[0] == 0x1f && magic[1] == 0x8b;
+    if (!*packed)
+        return OST_OK;
+    const int fd = fcntl(lines->fd, F_DUPFD_CLOEXEC, 0);
+    lines->packed = fd < 0 ? NULL : gzdopen(fd, "rb");
+    if (lines->packed)
+        return OST_OK;
+    if (fd >= 0)
+        close(fd);
+    return fd < 0 ? ost_fail(err, OST_ERR_IO, "%s: cannot be opened: %s", lines->path, strerror(errno))
+                  : ost_fail(err, OST_ERR_MEMORY, "%s: no memory to unpack it", lines->path);
+}
+
+/* Reads up to size bytes. Returns 0 at the end of the file, and -1 with *status set when it is damaged. */
+static ssize_t unpack(ost_text_lines *lines, char *to, size_t size, ost_status *status, ost_error *err)
+{
+    const int n = gzread(lines->packed, to, (unsigned)size);
+    int number = Z_OK;
+    const char *why = gzerror(lines->packed, &number);
+    if (n >= 0 && number != Z_BUF_ERROR)
+        return n;
+    *status = number == Z_ERRNO ? ost_fail(err, OST_ERR_IO, "%s: reading failed after %lld bytes: %s", lines->path,
+                                           (long long)lines->read_bytes, strerror(errno))
+              : number == Z_MEM_ERROR ? ost_fail(err, OST_ERR_MEMORY, "%s: no memory to unpack it", lines->path)
+                                      : ost_fail(err, OST_ERR_INPUT, "%s: the gzip data are damaged or cut off after %lld bytes of text: %.80s",
+                                                 lines->path, (long long)lines->read_bytes, why);
+    return -1;
+}
+
 /* Fills the buffer behind `used` as far as the file goes. */
 static ost_status fill(ost_text_lines *lines, ost_error *err)
 {
     while (!lines->ended && lines->used < OST_TEXT_BUFFER) {
-        ssize_t n = read(lines->fd, lines->buffer + lines->used, OST_TEXT_BUFFER - lines->used);
+        ost_status status = OST_OK;
+        ssize_t n = lines->packed ? unpack(lines, lines->buffer + lines->used, OST_TEXT_BUFFER - lines->used, &status, err)
+                                  : read(lines->fd, lines->buffer + lines->used, OST_TEXT_BUFFER - lines->used);
+        if (status != OST_OK)
+            return status;
         if (n < 0 && errno == EINTR)
             continue;
         if (n < 0)
@@ -131,7 +172,7 @@ ost_status ost_text_lines_next(ost_text_lines *lines, int64_t line_number, ost_t
 
 ost_status ost_text_lines_rewind(ost_text_lines *lines, ost_error *err)
 {
-    if (lseek(lines->fd, 0, SEEK_SET) != 0)
+    if (lines->packed ? gzrewind(lines->packed) != 0 : lseek(lines->fd, 0, SEEK_SET) != 0)
         return ost_fail(err, OST_ERR_IO, "%s: cannot be read a second time: %s", lines->path, strerror(errno));
     lines->read_bytes = 0;
     lines->at_start = true;

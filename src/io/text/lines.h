@@ -34,6 +34,8 @@ typedef struct ost_text_block {
  * is read twice, which a pipe cannot be.
  */
 ost_status ost_text_lines_open(const char *path, ost_text_lines **out, ost_error *err);
+/* Called before the first block: a file that is packed by gzip is unpacked as it is read; a plain one stays as it is. */
+ost_status ost_text_lines_unpack(ost_text_lines *lines, bool *packed, ost_error *err);
 void ost_text_lines_close(ost_text_lines *lines); /* NULL is allowed */
 
 /* The block stays as it is until the next call. line_number is for the message about a line without end. */
