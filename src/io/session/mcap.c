@@ -69,24 +69,26 @@ static const struct {
 typedef struct bytes {
     unsigned char *p; /* owned */
     size_t size, room;
-    bool failed; /* for want of memory */
+    bool *failed;     /* set when there is no memory; one flag for all buffers of a file, so that no failure is passed over */
 } bytes;
 
+/* Appends; does nothing after a failure. */
 static void add(bytes *b, const void *what, size_t size)
 {
-    if (!b->failed && b->size + size > b->room) {
+    if (*b->failed || size == 0)
+        return;
+    if (b->size + size > b->room) {
         const size_t room = 2 * (b->size + size);
         unsigned char *p = realloc(b->p, room);
-        b->failed = !p;
-        if (p) {
-            b->p = p;
-            b->room = room;
+        if (!p) {
+            *b->failed = true;
+            return;
         }
+        b->p = p;
+        b->room = room;
     }
-    if (!b->failed && size > 0) {
-        memcpy(b->p + b->size, what, size);
-        b->size += size;
-    }
+    memcpy(b->p + b->size, what, size);
+    b->size += size;
 }
 
 static void add8(bytes *b, uint8_t v)
@@ -131,7 +133,7 @@ static size_t begin_record(bytes *b, int op)
 
 static void end_record(bytes *b, size_t from)
 {
-    if (!b->failed)
+    if (!*b->failed)
         put64(b->p + from - 8, b->size - from);
 }
 
@@ -144,7 +146,7 @@ static size_t begin_array(bytes *b)
 
 static void end_array(bytes *b, size_t from)
 {
-    if (!b->failed)
+    if (!*b->failed)
         put32(b->p + from - 4, (uint32_t)(b->size - from));
 }
 
@@ -154,6 +156,7 @@ typedef struct mcap {
     ost_outfile *out;
     ost_error *err;
     ost_status status;
+    bool failed; /* there was no memory for a part of the file */
     const ost_session_header *header;
     uint64_t shift;           /* ns that are added to every time: it has no sign there */
     uint32_t crc;             /* of all that is written so far */
@@ -166,7 +169,7 @@ typedef struct mcap {
 /* Empties b into the file. */
 static void flush(mcap *m, bytes *b)
 {
-    if (m->status == OST_OK && b->failed)
+    if (m->status == OST_OK && m->failed)
         m->status = ost_fail(m->err, OST_ERR_MEMORY, "%s: no memory for a chunk of messages", ost_outfile_path(m->out));
     if (m->status == OST_OK) {
         m->crc = (uint32_t)crc32_z(m->crc, b->p, b->size);
@@ -177,7 +180,7 @@ static void flush(mcap *m, bytes *b)
 
 static void end_chunk(mcap *m)
 {
-    bytes b = {0};
+    bytes b = {.failed = &m->failed};
     if (m->chunk.size == 0)
         return;
     const uint64_t at = ost_outfile_size(m->out), content = 8 + 8 + 8 + 4 + 4 + 8 + m->chunk.size;
@@ -186,7 +189,7 @@ static void end_chunk(mcap *m)
     add64(&b, m->chunk_from);
     add64(&b, m->chunk_to);
     add64(&b, m->chunk.size);
-    add32(&b, m->chunk.failed ? 0 : (uint32_t)crc32_z(0, m->chunk.p, m->chunk.size));
+    add32(&b, (uint32_t)crc32_z(0, m->chunk.p, m->chunk.size));
     add_text(&b, "");
     add64(&b, m->chunk.size);
     flush(m, &b);
@@ -209,7 +212,6 @@ static void end_chunk(mcap *m)
         add32(&b, (uint32_t)m->index[t].size);
         add(&b, m->index[t].p, m->index[t].size);
         end_record(&b, from);
-        b.failed |= m->index[t].failed;
         m->index[t].size = 0;
     }
     end_array(x, map);
@@ -374,7 +376,7 @@ static void add_value(bytes *b, const char *value)
 
 static void write_head(mcap *m)
 {
-    bytes b = {0};
+    bytes b = {.failed = &m->failed};
     char shift[24];
     add(&b, magic, sizeof magic);
     size_t from = begin_record(&b, OP_HEADER);
@@ -429,7 +431,7 @@ static void add_statistics(const mcap *m, bytes *b)
 static void write_tail(mcap *m)
 {
     enum { GROUPS = 5 };
-    bytes b = {0};
+    bytes b = {.failed = &m->failed};
     size_t from = begin_record(&b, OP_DATA_END);
     add32(&b, m->crc);
     end_record(&b, from);
@@ -445,7 +447,6 @@ static void write_tail(mcap *m)
     add_statistics(m, &b);
     end[2] = b.size;
     add(&b, m->chunk_indexes.p, m->chunk_indexes.size);
-    b.failed |= m->chunk_indexes.failed;
     end[3] = b.size;
     from = begin_record(&b, OP_METADATA_INDEX);
     add64(&b, m->metadata_at);
@@ -470,7 +471,7 @@ static void write_tail(mcap *m)
     add32(&b, 0);
     end_record(&b, from);
     add(&b, magic, sizeof magic);
-    if (!b.failed) {
+    if (!m->failed) {
         const size_t crc_at = b.size - sizeof magic - 4;
         put32(b.p + crc_at, (uint32_t)crc32_z(0, b.p, crc_at));
     }
@@ -481,6 +482,9 @@ static void write_tail(mcap *m)
 ost_status ost_session_write_mcap(ost_session *session, const char *path, ost_error *err)
 {
     mcap m = {.err = err, .header = session->header};
+    m.chunk.failed = m.chunk_indexes.failed = &m.failed;
+    for (int t = 0; t < TOPICS; t++)
+        m.index[t].failed = &m.failed;
     m.status = ost_outfile_open(path, &m.out, err);
     if (m.status != OST_OK)
         return m.status;
@@ -488,7 +492,7 @@ ost_status ost_session_write_mcap(ost_session *session, const char *path, ost_er
     m.shift = sum->ticks && sum->first_t_ns < 0 ? -(uint64_t)sum->first_t_ns : 0;
     write_head(&m);
     ost_session_rewind(session);
-    for (bool more = true; m.status == OST_OK;) {
+    for (bool more = true; m.status == OST_OK && !m.failed;) {
         ost_record record;
         m.status = ost_session_next(session, &record, &more, err);
         if (m.status != OST_OK || !more)
