@@ -136,6 +136,23 @@ static void on_exit_within_verb(void)
     _exit(2);
 }
 
+/*
+ * jansson's functions return NULL or -1 without memory, in hundreds of calls.
+ * None of them is to go on with an incomplete object: the command ends here.
+ */
+static void *json_memory(size_t size)
+{
+    void *p = malloc(size ? size : 1);
+    if (p)
+        return p;
+    ost_outfile_unlink_pending();
+    leftover_end();
+    static const char text[] = "osteon: no memory for a JSON object; nothing more was written\n";
+    ssize_t ignored = write(STDERR_FILENO, text, sizeof text - 1);
+    (void)ignored;
+    _exit(2);
+}
+
 /* Ends standard output. A reader that closed the pipe ends us as it ends everybody: by SIGPIPE, without a word. */
 static ost_status finish_output(ost_error *err)
 {
@@ -161,17 +178,20 @@ static int run_verb(const app_verb *which, int argc, char **argv)
 {
     ost_error err = {0};
     app_state app = {.verb = which->name, .backend = "cpu", .result = json_object()};
-    ost_status status = OST_ERR_MEMORY;
     within_verb = true;
-    if (app.result)
-        status = which->run(&app, argc, argv, &err);
+    ost_status status = which->run(&app, argc, argv, &err);
     within_verb = false;
     progress_clear();
     bool verdict = status == OST_OK || status == OST_ERR_DIFFER;
     if (verdict && app.json) {
         /* 15 digits: every picometre within 8 m, and 0.47 stays 0.47. */
-        if (json_dumpf(app.result, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(15)) == 0)
-            putchar('\n');
+        char *text = json_dumps(app.result, JSON_INDENT(2) | JSON_REAL_PRECISION(15));
+        if (text)
+            puts(text);
+        else
+            status = ost_fail(&err, OST_ERR_INTERNAL, "the result cannot be written as JSON");
+        free(text);
+        verdict = text;
     }
     json_decref(app.result);
     if (verdict) {
@@ -189,6 +209,7 @@ int main(int argc, char **argv)
     keep_standard_streams();
     catch_signals();
     atexit(on_exit_within_verb);
+    json_set_alloc_funcs(json_memory, free);
     ost_error err = {0};
     if (argc < 2) {
         ost_fail(&err, OST_ERR_USAGE, "which verb? See osteon --help");
