@@ -10,6 +10,7 @@
 #include <sys/stat.h>
 
 #include "validation/dump.h"
+#include "validation/leftover.h"
 #include "validation/scene.h"
 
 enum { PATH = 4096 };
@@ -39,9 +40,10 @@ static ost_status put_json(const char *folder, const char *name, json_t *value, 
     FILE *f = NULL;
     ost_status status = value ? open_file(folder, name, path, &f, err) : ost_fail(err, OST_ERR_MEMORY, "no memory for %s", name);
     if (status == OST_OK) {
-        json_dumpf(value, f, JSON_INDENT(1) | JSON_SORT_KEYS);
-        fputc('\n', f);
+        const bool dumped = json_dumpf(value, f, JSON_INDENT(1) | JSON_SORT_KEYS) == 0 && fputc('\n', f) != EOF;
         status = close_file(f, path, err);
+        if (status == OST_OK && !dumped)
+            status = ost_fail(err, OST_ERR_MEMORY, "no memory for %s", path);
     }
     json_decref(value);
     return status;
@@ -176,6 +178,7 @@ ost_status export_cases(const char *folder, const plan *p, ost_error *err)
     char seed[32];
     if (mkdir(folder, 0777) != 0)
         return ost_fail(err, OST_ERR_IO, "%s: %s", folder, strerror(errno));
+    leftover_folder(folder);
     json_t *list = json_array();
     ost_status status = OST_OK;
     for (int i = 0; i < p->count && status == OST_OK; i++)
@@ -187,5 +190,9 @@ ost_status export_cases(const char *folder, const plan *p, ost_error *err)
                                     seed, "only", p->only ? p->only : "", "cases", list),
                           err);
     json_decref(list);
+    if (status == OST_OK)
+        leftover_folder_gone(folder);
+    else
+        leftover_folder_remove(folder);
     return status;
 }

@@ -83,6 +83,26 @@ static void empty_folder(int folder, int depth)
         }
 }
 
+static void remove_folder(const char *path)
+{
+    /* Another thread may have put one more file there: again, then. */
+    for (int tries = 0; tries < TRIES; tries++) {
+        const int folder = open(path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+        if (folder < 0)
+            break;
+        empty_folder(folder, DEPTH);
+        close(folder);
+        if (rmdir(path) == 0)
+            break;
+    }
+}
+
+void leftover_folder_remove(const char *path)
+{
+    remove_folder(path);
+    leftover_folder_gone(path);
+}
+
 void leftover_end(void)
 {
     const int saved = errno;
@@ -91,19 +111,8 @@ void leftover_end(void)
         if (pid > 0 && kill(pid, SIGKILL) == 0)
             waitpid(pid, NULL, 0);
     }
-    for (int i = 0; i < FOLDERS; i++) {
-        if (atomic_load(&folders[i].state) != LISTED)
-            continue;
-        /* Another thread may have put one more file there: again, then. */
-        for (int tries = 0; tries < TRIES; tries++) {
-            const int folder = open(folders[i].path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-            if (folder < 0)
-                break;
-            empty_folder(folder, DEPTH);
-            close(folder);
-            if (rmdir(folders[i].path) == 0)
-                break;
-        }
-    }
+    for (int i = 0; i < FOLDERS; i++)
+        if (atomic_load(&folders[i].state) == LISTED)
+            remove_folder(folders[i].path);
     errno = saved;
 }

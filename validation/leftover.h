@@ -18,6 +18,8 @@
 /* Of more than a few nothing is noted: they stay. path is copied. */
 void leftover_folder(const char *path);
 void leftover_folder_gone(const char *path);
+/* Removes a listed folder with all that is in it. */
+void leftover_folder_remove(const char *path);
 void leftover_worker(pid_t pid);
 void leftover_worker_gone(pid_t pid);
 
