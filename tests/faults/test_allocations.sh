@@ -1,0 +1,91 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# One allocation of a command fails, for every verb: the command ends by itself with the status
+# that it has without the fault, or with 2 or 3 and a message; its files are right or absent, and
+# nothing else is left.  Here some allocations fail, drawn with the printed seed; all of them with
+# OST_TEST_LONG=1.  OST_TEST_ONLY=TEXT walks the commands that contain TEXT alone.
+#
+# Allocations within libcrypto (4,700 when it starts) are a walk of their own.  Those within
+# assimp and the drivers of OpenGL and OpenCL are left out: they crash on their own.
+# Covers: REQ-OUT-OF-MEMORY
+. "${srcdir:-.}/tests/app/lib.sh"
+
+skip() {
+    echo "skipped: $*"
+    exit 77
+}
+library=$build/.libs/fault_inject.so
+walk=$build/tests/faults/walk
+[ -r "$library" ] || skip "built without shared libraries"
+[ -z "${OST_SAN_CFLAGS:-}" ] || skip "a sanitizer's runtime wants to be the first library"
+runs=10
+long=
+[ -z "${OST_TEST_LONG:-}" ] || { runs=0; long=yes; }
+seed=${OST_TEST_SEED:-$(od -An -N4 -tu4 /dev/urandom | tr -d ' ')}
+echo "# seed $seed"
+drivers=libassimp:_dri:libEGL:libGL:libglapi:libepoxy:libgallium:libLLVM
+# No device of OpenCL: its libraries are C++.
+export OCL_ICD_VENDORS="$scratch/none" XDG_CACHE_HOME="$scratch/cache" OST_FAIL_EXCEPT=$drivers:libcrypto
+mkdir "$OCL_ICD_VENDORS" "$XDG_CACHE_HOME" in
+
+# walk_over [OPTION...] -- ARGUMENT...: walks one command of osteon
+walk_over() {
+    options=
+    while [ "$1" != -- ]; do
+        options="$options $1"
+        shift
+    done
+    shift
+    case "$*" in *"${OST_TEST_ONLY:-}"*) ;; *) return ;; esac
+    checks=$((checks + 1))
+    echo "# osteon $*"
+    "$walk" --runs $runs --seed "$seed" $options "$library" "$osteon" "$@" || fail "osteon $*"
+}
+
+in=$scratch/in
+run 0 phantom glenoid --spacing 1.5 --out in/ct.nrrd
+run 0 phantom glenoid --spacing 1.5 --out in/ct.nii.gz
+run 0 phantom glenoid --spacing 1.5 --out in/ct.txt
+run 0 import in/ct.nrrd --out in/bone.nrrd
+run 0 tool peg --out in/peg.ply
+run 0 voxelize builtin:reamer --voxel 2 --out in/reamer.nrrd
+run 0 ream --bone in/bone.nrrd --tool "$in/reamer.nrrd" --path builtin:glenoid-ream --out in/reamed.nrrd
+run 0 ream --bone "$in/bone.nrrd" --tool "$in/reamer.nrrd" --path builtin:glenoid-ream --rate 100 --out in/reamed.nrrd --record in/today.session
+run 0 info in/today.session
+ream="--bone $in/bone.nrrd --tool $in/reamer.nrrd --path builtin:glenoid-ream --rate 100 --threads 2"
+
+walk_over -- phantom glenoid --spacing 1.5 --out o.nrrd
+walk_over -- phantom glenoid --spacing 1.5 --out o.txt
+walk_over -- tool reamer --out o.stl
+walk_over -- tool burr --out o.ply
+walk_over -- import "$in/ct.nrrd" --out o.nrrd --json
+walk_over -- import "$in/ct.nii.gz" --out o.nii.gz
+walk_over -- import "$in/ct.txt" --out o.txt
+walk_over -- voxelize builtin:peg --voxel 1 --out o.nrrd
+walk_over -- voxelize "$in/peg.ply" --voxel 1 --out o.nrrd
+walk_over -- ream $ream --out o.nrrd --json
+walk_over --loose .session -- ream $ream --out o.nrrd --record o.session
+walk_over -- replay "$in/today.session" --verify --out o.nrrd
+walk_over -- replay "$in/today.session" --debrief o.html
+walk_over --loose .session -- sim --headless --device script --no-clock --no-pin --seconds 0.05 --bone "$in/bone.nrrd" \
+    --tool "$in/reamer.nrrd" --out o.nrrd --record o.session
+walk_over -- diff "$in/bone.nrrd" "$in/reamed.nrrd" --json
+walk_over -- diff "$in/bone.nrrd" "$in/reamed.nrrd" --html o.html
+walk_over -- render "$in/bone.nrrd" --tool "$in/reamer.nrrd" --size 64x48 --out o.png
+for kind in mcap csv h5; do
+    walk_over -- export "$in/today.session" --out o.$kind
+done
+for kind in nrrd nii.gz txt stl ply png; do
+    walk_over -- export "$in/bone.nrrd" --out o.$kind
+done
+for file in ct.txt ct.nii.gz bone.nrrd reamer.nrrd peg.ply today.session; do
+    walk_over -- info "$in/$file" --digest --json
+done
+walk_over -- info "$in/today.session" --repair o.session
+walk_over --loose-output -- devices --json
+walk_over --loose bundle -- validate --cpu-only --only mesh --jobs 1 --out bundle
+walk_over -- validate --export-cases cases --only import/0
+walk_over -- bench --quick --suite tick --filter tick
+OST_FAIL_EXCEPT=$drivers
+walk_over -- info "$in/bone.nrrd" --digest
+finish
