@@ -18,7 +18,7 @@ library=$build/.libs/fault_inject.so
 walk=$build/tests/faults/walk
 [ -r "$library" ] || skip "built without shared libraries"
 [ -z "${OST_SAN_CFLAGS:-}" ] || skip "a sanitizer's runtime wants to be the first library"
-runs=10
+runs=6
 long=
 [ -z "${OST_TEST_LONG:-}" ] || { runs=0; long=yes; }
 seed=${OST_TEST_SEED:-$(od -An -N4 -tu4 /dev/urandom | tr -d ' ')}
