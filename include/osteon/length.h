@@ -74,6 +74,9 @@ OST_API const char *ost_decimal_read(const char *text, const char *end, ost_deci
  */
 OST_API bool ost_decimal_scale(const ost_decimal *value, uint64_t factor, int64_t *out, bool *exact);
 
+/* True when the value is an integer of a magnitude below 2^64, which *magnitude receives; the sign is value->negative. */
+OST_API bool ost_decimal_integer(const ost_decimal *value, uint64_t *magnitude);
+
 /* The decimal in millimetres as picometres, RHE; false outside +-OST_LENGTH_MAX. */
 OST_API bool ost_decimal_to_pm(const ost_decimal *value, ost_pm *out, bool *exact);
 

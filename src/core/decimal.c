@@ -157,3 +157,22 @@ bool ost_decimal_scale(const ost_decimal *value, uint64_t factor, int64_t *out, 
         *exact = none_rounded;
     return true;
 }
+
+/* With at most 36 digits kept, an integer below 2^64 < 10^20 has all its digits in the mantissa and the first two of the tail. */
+bool ost_decimal_integer(const ost_decimal *value, uint64_t *magnitude)
+{
+    ost_i128 digits = (ost_i128)(value->mantissa < 0 ? -value->mantissa : value->mantissa) * TEN_TO_18 + value->tail; /* < 10^36 */
+    int32_t exponent = value->exponent - PART_DIGITS;
+    if (value->more)
+        return false;
+    while (exponent < 0 && digits % 10 == 0 && digits > 0) {
+        digits /= 10;
+        exponent++;
+    }
+    for (; exponent > 0 && digits > 0 && digits <= UINT64_MAX; exponent--)
+        digits *= 10;
+    if (digits == 0)
+        exponent = 0;
+    *magnitude = (uint64_t)digits;
+    return exponent == 0 && digits <= UINT64_MAX;
+}

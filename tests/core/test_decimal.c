@@ -48,6 +48,33 @@ static void halves_go_to_even(void **state)
     assert_int_equal(ost_ceil_div(-7, 2), -3);
 }
 
+/* An integer by value, however it is written; 2^64 - 1 is the greatest. */
+static void integers_are_found_by_value(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        uint64_t magnitude;
+        bool is;
+    } row[] = {
+        {"0", 0, true}, {"-0.000", 0, true}, {"0e9999", 0, true}, {"0e-9999", 0, true}, {"7", 7, true}, {"-7.0", 7, true},
+        {"1.2e2", 120, true}, {"1200e-2", 12, true}, {"1205e-2", 0, false}, {"0.5", 0, false}, {"1e-1", 0, false},
+        {"9223372036854775807", INT64_MAX, true}, {"-9223372036854775808", UINT64_C(1) << 63, true},
+        {"18446744073709551615", UINT64_MAX, true}, {"18446744073709551616", 0, false}, {"184467440737095516150e-1", UINT64_MAX, true},
+        {"18446744073709551615.000000000000000000000000000000000", UINT64_MAX, true},
+        {"18446744073709551615.000000000000000000000000000000001", 0, false},
+        {"1e19", UINT64_C(10000000000000000000), true}, {"1e20", 0, false}, {"1e9999", 0, false}, {"1e-9999", 0, false},
+        {"0.00000000000000000000000000000000000000000000000000012e53", 12, true},
+        {"99999999999999999999999999999999999999999999", 0, false},
+    };
+    for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
+        const ost_decimal d = decimal(row[i].text);
+        uint64_t magnitude = 99;
+        if (ost_decimal_integer(&d, &magnitude) != row[i].is || (row[i].is && magnitude != row[i].magnitude))
+            fail_msg("%s", row[i].text);
+    }
+}
+
 static void decimals_are_read_as_written(void **state)
 {
     (void)state;
@@ -260,6 +287,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(halves_go_to_even),
+        cmocka_unit_test(integers_are_found_by_value),
         cmocka_unit_test(decimals_are_read_as_written),
         cmocka_unit_test(what_is_no_decimal_is_none),
         cmocka_unit_test(picometres_round_half_to_even),

@@ -301,7 +301,15 @@ static void nrrd_values(void **state)
         {"float", "1 2 3 4 5 6 7 inf", "no density"},
         {"float", "1 2 3 4 5 6 7 1e30", "beyond int16"},
         {"double", "1 2 3 4 -32768.6 6 7 8", "voxel (0, 0, 1)"},
-        {"uint64", "1 2 3 4 5 6 7 99999999999999999999", "beyond int16"},
+        {"uint64", "1 2 3 4 5 6 7 18446744073709551615", "beyond int16"},
+        {"uint64", "1 2 3 4 5 6 7 18446744073709551616", "is no uint64"},
+        {"uint64", "1 2 3 4 5 6 7 1e9999", "is no uint64"},
+        {"uint64", "1 2 3 4 5 6 7 -1", "is no uint64"},
+        {"int64", "1 2 3 4 5 6 7 -9223372036854775808", "-9223372036854775808 is beyond int16"},
+        {"int64", "1 2 3 4 5 6 7 -9223372036854775809", "is no int64"},
+        {"int64", "1 2 3 4 5 6 7 9223372036854775808", "is no int64"},
+        {"int32", "1 2 3 4 5 6 7 2147483648", "is no int32"},
+        {"int8", "1 2 3 4 5 6 7 -129", "is no int8"},
     };
     char fields[200];
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {

@@ -166,6 +166,34 @@ static void beyond_int16_is_said_or_clamped(void **state)
     }
 }
 
+/* The ends of every integer type are its values in text as they are in raw: AR-FILE-4. */
+static void ends_of_types_are_values(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *type, *least, *greatest;
+        int16_t low, high;
+    } cases[] = {
+        {"int8", "-128", "127", -128, 127}, {"uint8", "-0", "255.0", 0, 255},
+        {"int16", "-32768", "32767", INT16_MIN, INT16_MAX}, {"uint16", "0", "65535", 0, INT16_MAX},
+        {"int32", "-2147483648", "2147483647", INT16_MIN, INT16_MAX}, {"uint32", "0", "4294967295", 0, INT16_MAX},
+        {"int64", "-9223372036854775808", "9223372036854775807", INT16_MIN, INT16_MAX},
+        {"uint64", "0", "18446744073709551615", 0, INT16_MAX},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        ost_error err = {0};
+        ost_volume v;
+        char text[256];
+        int size = snprintf(text, sizeof text, "NRRD0004\ntype: %s\ndimension: 3\nsizes: 2 1 1\nspacings: 1 1 1\nencoding: text\n\n%s %s\n",
+                            cases[i].type, cases[i].least, cases[i].greatest);
+        write_file("e.nrrd", text, (size_t)size);
+        assert_ok(ost_volume_read(at("e.nrrd"), &(ost_volume_options){.clamp = true}, &v, NULL, &err));
+        assert_int_equal(v.voxels[0], cases[i].low);
+        assert_int_equal(v.voxels[1], cases[i].high);
+        ost_volume_free(&v);
+    }
+}
+
 /* ---------------------------------------------------------------- detached */
 
 static void write_header(const char *name, const char *fields)
@@ -416,6 +444,7 @@ int main(void)
         cmocka_unit_test(every_type_order_and_encoding),
         cmocka_unit_test(floats_are_rounded_and_counted),
         cmocka_unit_test(beyond_int16_is_said_or_clamped),
+        cmocka_unit_test(ends_of_types_are_values),
         cmocka_unit_test(detached_in_one_file),
         cmocka_unit_test(detached_in_many_files),
         cmocka_unit_test(data_files_stay_in_the_folder),

@@ -35,22 +35,17 @@ static ost_status read_word(ost_input *input, char word[WORD_MAX + 1], size_t *l
     return status;
 }
 
-static bool type_holds(ost_element element, int64_t value)
+/* AR-FILE-4: a decimal that is an integer by value, from the type's least to its greatest. */
+static bool type_holds(ost_element element, const ost_decimal *d)
 {
-    switch (element) {
-    case OST_ELEMENT_INT8: return value >= INT8_MIN && value <= INT8_MAX;
-    case OST_ELEMENT_UINT8: return value >= 0 && value <= UINT8_MAX;
-    case OST_ELEMENT_INT16: return value >= INT16_MIN && value <= INT16_MAX;
-    case OST_ELEMENT_UINT16: return value >= 0 && value <= UINT16_MAX;
-    case OST_ELEMENT_INT32: return value >= INT32_MIN && value <= INT32_MAX;
-    case OST_ELEMENT_UINT32: return value >= 0 && value <= UINT32_MAX;
-    case OST_ELEMENT_UINT64: return value >= 0;
-    case OST_ELEMENT_INT64:
-    case OST_ELEMENT_FLOAT32:
-    case OST_ELEMENT_FLOAT64:
-    case OST_ELEMENT_NONE: break;
-    }
-    return true;
+    uint64_t magnitude;
+    if (ost_element_is_float(element))
+        return true;
+    if (!ost_decimal_integer(d, &magnitude))
+        return false;
+    bool is_signed = element == OST_ELEMENT_INT8 || element == OST_ELEMENT_INT16 || element == OST_ELEMENT_INT32 || element == OST_ELEMENT_INT64;
+    uint64_t most = UINT64_MAX >> (64 - 8 * ost_element_bytes(element) + is_signed);
+    return d->negative ? magnitude <= (is_signed ? most + 1 : 0) : magnitude <= most;
 }
 
 static ost_status read_value(ost_rows *rows, int64_t number, int16_t *out, ost_error *err)
@@ -75,8 +70,7 @@ static ost_status read_value(ost_rows *rows, int64_t number, int16_t *out, ost_e
     int64_t value;
     bool exact = true;
     bool fits = ost_decimal_scale(&d, 1, &value, &exact);
-    if (!ost_element_is_float(c->element) && (!exact || !fits || !type_holds(c->element, value)) &&
-        !(c->element == OST_ELEMENT_UINT64 && !fits && !d.negative))
+    if (!type_holds(c->element, &d))
         return ost_fail(err, OST_ERR_INPUT, "%s: at %s: %.30s is no %s", ost_input_path(input), place, word, ost_element_name(c->element));
     if (!fits || value < INT16_MIN || value > INT16_MAX) {
         bad.kind = OST_BAD_RANGE;
