@@ -56,6 +56,46 @@ static void all_48_ways(void **state)
     }
 }
 
+/*
+ * Axes that are tilted by less than the border: the grid's origin is the place
+ * of the file's voxel that becomes its first, in all components, and a volume
+ * that is stored backwards along an axis is the same grid.
+ */
+static void tilted_axes_flip_about_their_ends(void **state)
+{
+    (void)state;
+    test_rng rng = rng_seeded("tilted axes");
+    for (int round = 0; round < 500; round++) {
+        const int *to = orders[rng_range(&rng, 0, 5)];
+        int32_t sizes[3];
+        ost_affine affine;
+        for (int a = 0; a < 3; a++) {
+            sizes[a] = (int32_t)rng_range(&rng, 1, 60);
+            affine.origin[a] = rng_range(&rng, -100000000000, 100000000000);
+            for (int w = 0; w < 3; w++) /* 2 * 64 * 500,000 is below an eighth of 0.6 mm */
+                affine.column[a][w] = w == to[a] ? rng_range(&rng, 600000000, 900000000) * (rng_range(&rng, 0, 1) ? 1 : -1)
+                                                 : rng_range(&rng, -500000, 500000);
+        }
+        ost_error err = {0};
+        ost_placement p, again;
+        assert_ok(ost_orient(&affine, sizes, &p, &err));
+        assert_false(p.oblique);
+        for (int w = 0; w < 3; w++) {
+            ost_pm first = affine.origin[w];
+            for (int a = 0; a < 3; a++)
+                first += p.flip[a] ? (sizes[a] - 1) * affine.column[a][w] : 0;
+            assert_int_equal(at_axis(p.geometry.origin, w), first);
+        }
+        int back = (int)rng_range(&rng, 0, 2);
+        for (int w = 0; w < 3; w++) {
+            affine.origin[w] += (sizes[back] - 1) * affine.column[back][w];
+            affine.column[back][w] = -affine.column[back][w];
+        }
+        assert_ok(ost_orient(&affine, sizes, &again, &err));
+        assert_true(ost_geometry_equal(&p.geometry, &again.geometry));
+    }
+}
+
 /* A tilt whose farthest voxel is 1/8 of a voxel off is still straight, one picometre more is not; short axes count as 65 voxels. */
 static void an_eighth_of_a_voxel_is_the_border(void **state)
 {
@@ -179,6 +219,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(all_48_ways),
+        cmocka_unit_test(tilted_axes_flip_about_their_ends),
         cmocka_unit_test(an_eighth_of_a_voxel_is_the_border),
         cmocka_unit_test(angles_and_flat_axes),
         cmocka_unit_test(resampling_finds_the_nearest),

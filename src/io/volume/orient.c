@@ -124,7 +124,7 @@ ost_status ost_orient(const ost_affine *affine, const int32_t sizes[3], ost_plac
         out->degrees = greatest_angle(affine, out->to);
 
     int32_t dims[3];
-    ost_pm spacing[3], origin[3];
+    ost_pm spacing[3], origin[3] = {affine->origin[0], affine->origin[1], affine->origin[2]};
     for (int a = 0; a < 3; a++) {
         int w = out->to[a];
         ost_pm step = affine->column[a][w];
@@ -133,7 +133,9 @@ ost_status ost_orient(const ost_affine *affine, const int32_t sizes[3], ost_plac
         out->reoriented |= w != a || step < 0;
         dims[w] = sizes[a];
         spacing[w] = llabs(step);
-        origin[w] = affine->origin[w] + (step < 0 ? step * (sizes[a] - 1) : 0);
+        /* The last voxel's centre, in all components: a tilted axis moves the others too. < 2^43 + 3 * 2^37 * 2^14. */
+        for (int v = 0; v < 3 && step < 0; v++)
+            origin[v] += affine->column[a][v] * (sizes[a] - 1);
     }
     out->geometry = (ost_geometry){
         .dims = {dims[0], dims[1], dims[2]},
