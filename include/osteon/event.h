@@ -89,12 +89,14 @@ typedef struct ost_voxel_box {
 enum { OST_CLASS_MAX = 8, OST_CLASS_NAME = 24 };
 typedef struct ost_density_classes {
     int count;                    /* 1..OST_CLASS_MAX */
-    int16_t border[OST_CLASS_MAX]; /* strictly increasing; voxels below border[0] belong to class 0 */
+    int16_t border[OST_CLASS_MAX]; /* from 1, strictly increasing; voxels below border[0] belong to class 0 */
     char name[OST_CLASS_MAX][OST_CLASS_NAME];
 } ost_density_classes;
 
 /* cartilage [threshold, 150), cancellous [150, 650), cortical [650, ...): facts and sources in docs/arithmetic.md, AR-CLS. */
 OST_API ost_density_classes ost_density_classes_default(void);
+/* OST_ERR_USAGE when the classes are not 1 to OST_CLASS_MAX with borders from 1 that strictly increase (AR-CLS-1). */
+OST_API ost_status ost_density_classes_check(const ost_density_classes *classes, ost_error *err);
 /* "name:border,name:border,..." as the command line has it. */
 OST_API ost_status ost_density_classes_parse(const char *text, ost_density_classes *out, ost_error *err);
 

@@ -399,14 +399,8 @@ static ost_status check_event(const ost_bone *bone, const ost_tool *tool, const 
     if (d.x > OST_TOOL_DIM_REMOVE_MAX || d.y > OST_TOOL_DIM_REMOVE_MAX || d.z > OST_TOOL_DIM_REMOVE_MAX)
         return ost_fail(err, OST_ERR_RANGE, "a tool of %d x %d x %d voxels; removal takes at most %d along an axis", (int)d.x, (int)d.y,
                         (int)d.z, OST_TOOL_DIM_REMOVE_MAX);
-    if (event->classes->count < 1 || event->classes->count > OST_CLASS_MAX)
-        return ost_fail(err, OST_ERR_USAGE, "%d density classes; 1 to %d are needed", event->classes->count, OST_CLASS_MAX);
     /* Backends look for a voxel's class from either end of the borders. */
-    for (int c = 1; c < event->classes->count; c++)
-        if (event->classes->border[c] <= event->classes->border[c - 1])
-            return ost_fail(err, OST_ERR_USAGE, "density class %d begins at %d, which is not above %d", c, event->classes->border[c],
-                            event->classes->border[c - 1]);
-    return OST_OK;
+    return ost_density_classes_check(event->classes, err);
 }
 
 ost_status ost_bone_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err)

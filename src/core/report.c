@@ -51,6 +51,19 @@ ost_density_classes ost_density_classes_default(void)
     };
 }
 
+ost_status ost_density_classes_check(const ost_density_classes *classes, ost_error *err)
+{
+    if (classes->count < 1 || classes->count > OST_CLASS_MAX)
+        return ost_fail(err, OST_ERR_USAGE, "%d density classes; 1 to %d are supported", classes->count, OST_CLASS_MAX);
+    if (classes->border[0] < 1)
+        return ost_fail(err, OST_ERR_USAGE, "density class 0 begins at %d; an active voxel has 1 or more", classes->border[0]);
+    for (int c = 1; c < classes->count; c++)
+        if (classes->border[c] <= classes->border[c - 1])
+            return ost_fail(err, OST_ERR_USAGE, "density class %d begins at %d, which is not above %d", c, classes->border[c],
+                            classes->border[c - 1]);
+    return OST_OK;
+}
+
 static bool name_is_good(const char *name, size_t length)
 {
     return length >= 1 && length < OST_CLASS_NAME && strspn(name, "abcdefghijklmnopqrstuvwxyz0123456789_-") >= length;

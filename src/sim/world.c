@@ -9,17 +9,6 @@
 #include "core/backend.h"
 #include "sim/box.h"
 
-static ost_status check_classes(const ost_density_classes *classes, ost_error *err)
-{
-    if (classes->count < 1 || classes->count > OST_CLASS_MAX)
-        return ost_fail(err, OST_ERR_USAGE, "%d density classes; 1 to %d are supported", classes->count, OST_CLASS_MAX);
-    for (int c = 1; c < classes->count; c++)
-        if (classes->border[c] <= classes->border[c - 1])
-            return ost_fail(err, OST_ERR_USAGE, "density class %d begins at %d, which is not above %d", c, classes->border[c],
-                            classes->border[c - 1]);
-    return OST_OK;
-}
-
 ost_status ost_world_create(ost_bone *bone, const ost_world_options *options, ost_world **out, ost_error *err)
 {
     *out = NULL;
@@ -32,7 +21,7 @@ ost_status ost_world_create(ost_bone *bone, const ost_world_options *options, os
         return ost_fail(err, OST_ERR_USAGE, "%d ticks to keep; 0 to %d are supported", (int)chosen.keep_ticks, OST_WORLD_KEEP_MAX);
     if (chosen.classes.count == 0)
         chosen.classes = ost_density_classes_default();
-    ost_status status = check_classes(&chosen.classes, err);
+    ost_status status = ost_density_classes_check(&chosen.classes, err);
     if (status != OST_OK)
         return status;
 

@@ -314,7 +314,7 @@ static void removal_round(machine *m, test_rng *rng, ost_backend *ref)
     if (rng_range(rng, 0, 2) == 0) {
         scene.classes.count = (int)rng_range(rng, 1, OST_CLASS_MAX);
         for (int c = 0; c < scene.classes.count; c++)
-            scene.classes.border[c] = (int16_t)(rng_range(rng, -200, 700) + 1000 * c); /* strictly increasing */
+            scene.classes.border[c] = (int16_t)(rng_range(rng, 1, 900) + 1000 * c); /* strictly increasing */
     }
     scene.event = (ost_event){.pose_count = poses, .maps = scene.maps, .boxes = scene.boxes, .classes = &scene.classes};
 

@@ -88,6 +88,26 @@ static void classes_are_parsed(void **state)
     assert_string_equal(c.name[2], "cortical");
 }
 
+/* AR-CLS-1: an active voxel has 1 or more, so a class below 1 would never have a voxel. */
+static void borders_begin_at_one(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_density_classes c = {.count = 2, .border = {1, 2}};
+    assert_ok(ost_density_classes_check(&c, &err));
+    for (int16_t border = 0; border >= -1; border--) {
+        c.border[0] = border;
+        assert_int_equal(ost_density_classes_check(&c, &err), OST_ERR_USAGE);
+        assert_non_null(strstr(err.text, "an active voxel has 1 or more"));
+    }
+    c.border[0] = 2;
+    assert_int_equal(ost_density_classes_check(&c, &err), OST_ERR_USAGE);
+    c.count = 0;
+    assert_int_equal(ost_density_classes_check(&c, &err), OST_ERR_USAGE);
+    c.count = OST_CLASS_MAX + 1;
+    assert_int_equal(ost_density_classes_check(&c, &err), OST_ERR_USAGE);
+}
+
 /* Each limit is met, and refused one beyond; what is refused changes nothing. */
 static void limits_of_classes_are_where_they_are_said(void **state)
 {
@@ -120,6 +140,7 @@ int main(void)
         cmocka_unit_test(totals_are_sums),
         cmocka_unit_test(every_class_has_its_own_sum),
         cmocka_unit_test(classes_are_parsed),
+        cmocka_unit_test(borders_begin_at_one),
         cmocka_unit_test(limits_of_classes_are_where_they_are_said),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -505,6 +505,9 @@ static void classes_that_do_not_rise_are_refused(void **state)
     assert_int_equal(ost_bone_collide(bone, tool, event, &report, NULL), OST_ERR_USAGE);
     assert_int_equal(ost_bone_remove(bone, tool, event, &report, &err), OST_ERR_USAGE);
     assert_string_equal(err.text, "density class 2 begins at 150, which is not above 150");
+    e->classes.border[2] = 650;
+    e->classes.border[0] = 0;
+    assert_int_equal(ost_bone_collide(bone, tool, event, &report, NULL), OST_ERR_USAGE);
     free(e);
     ost_report_free(&report);
     ost_tool_free(tool);

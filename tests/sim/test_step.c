@@ -336,6 +336,8 @@ static void what_a_world_refuses(void **state)
     assert_int_equal(ost_world_create(l.bone, &(ost_world_options){.removal_period_ns = -1}, &world, &err), OST_ERR_USAGE);
     ost_world_options options = {.classes = {.count = 2, .border = {200, 200}}};
     assert_int_equal(ost_world_create(l.bone, &options, &world, &err), OST_ERR_USAGE);
+    options.classes.border[0] = 0;
+    assert_int_equal(ost_world_create(l.bone, &options, &world, &err), OST_ERR_USAGE);
     ost_backend *other;
     assert_ok(ost_backend_open(test_backend, &other, &err));
     ost_tool *foreign = solid_tool(other, (ost_tool_geometry){{1, 1, 1}, OST_PM_PER_MM, {0, 0, 0}}, OST_TOOL_CUTTING);
