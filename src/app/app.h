@@ -26,6 +26,7 @@ typedef struct app_state {
     const char *backend; /* as given, default "cpu" */
     int64_t threads;     /* 0: not given */
     json_t *result;      /* owned by main */
+    bool answered;       /* result is complete, although the status is an error: --json prints it before the error's line */
 } app_state;
 
 typedef struct app_verb {

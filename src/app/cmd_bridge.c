@@ -86,7 +86,7 @@ static void report(const app_state *app, const bridge_args *args, const bridge_r
         r->limps == 1 ? "" : "s", (double)r->limp_ticks * 1e-3);
 }
 
-static ost_status run(const app_state *app, const bridge_args *args, uint64_t ticks, ost_error *err)
+static ost_status run(app_state *app, const bridge_args *args, uint64_t ticks, ost_error *err)
 {
     ost_path path = {0};
     ost_haptic *device = NULL;
@@ -107,6 +107,10 @@ static ost_status run(const app_state *app, const bridge_args *args, uint64_t ti
     }
     if (status == OST_OK)
         report(app, args, r);
+    if (status == OST_OK && (r->loop.end == OST_SERVO_DEVICE_LOST || r->loop.end == OST_SERVO_WATCHDOG)) {
+        app->answered = true;
+        status = ost_fail(err, OST_ERR_UNAVAILABLE, "device %s: %s after %llu ticks", args->device, end_text(r), (unsigned long long)r->loop.ticks);
+    }
     ost_haptic_close(device);
     ost_path_free(&path);
     free(r);

@@ -28,9 +28,12 @@ typedef struct replay_args {
     bool ticks_given, verify, compress;
 } replay_args;
 
-/* Of the end: what the session says and what came out. */
+/* The end of a session, as recorded and as replayed. */
 typedef struct ending {
-    bool recorded; /* the session says how it ended, and all of it was done */
+    bool found;     /* the session has its end record */
+    bool complete;  /* that and all ticks are in the file */
+    bool compared;  /* all ticks were replayed and the end is compared too */
+    uint64_t ticks; /* recorded, as far as the file shows: the end record, or the last tick that can be read */
     ost_session_end end;
     ost_world_totals totals;
     ost_digest root;
@@ -45,16 +48,23 @@ static ost_status find_end(ost_session *session, ending *e, ost_error *err)
         if (status != OST_OK)
             return status;
         if (more && record.kind == OST_RECORD_END) {
-            e->recorded = true;
+            e->found = true;
             e->end = record.as.end;
         }
     }
+    const ost_session_summary *s = ost_session_summary_of(session);
+    const bool missing = s->missing_records || s->lost_records || s->damaged_bytes || s->cut_bytes;
+    e->ticks = s->ticks ? s->last_tick + 1 : 0;
+    e->ticks = s->ticks > e->ticks ? s->ticks : e->ticks;
+    if (missing && e->found && e->end.ticks > e->ticks)
+        e->ticks = e->end.ticks;
+    e->complete = e->found && s->whole_ticks == e->ticks;
     return OST_OK;
 }
 
 static bool end_differs(const ending *e)
 {
-    return e->recorded && (e->end.ticks != e->totals.ticks || e->end.removals != e->totals.removals ||
+    return e->compared && (e->end.ticks != e->totals.ticks || e->end.removals != e->totals.removals ||
                            e->end.removed_voxels != e->totals.removed_voxels ||
                            (e->end.has_root && !ost_digest_equal(&e->end.root, &e->root)));
 }
@@ -228,18 +238,26 @@ static ost_status tell_briefly(const app_state *app, const replay *here, ost_err
     return ost_fail(err, OST_ERR_DIFFER, "%s: every tick is as recorded, but the end is not; --verify says where", here->name);
 }
 
-static ost_status report(const app_state *app, const replay_args *args, replay *r, const ending *e, ost_error *err)
+/* Returns true if --verify has compared all that can be, and that is less than it was to compare. */
+static bool verified_in_part(const replay_args *args, const replay *r, const ending *e)
 {
-    char a[SAY_TEXT], b[SAY_TEXT], hex[OST_DIGEST_HEX];
-    const ost_session_summary *s = ost_session_summary_of(r->session);
+    const bool enough = args->ticks_given && (uint64_t)args->ticks <= r->done;
+    return args->verify && !r->differs && !e->complete && !enough;
+}
+
+static ost_status report(app_state *app, const replay_args *args, replay *r, const ending *e, ost_error *err)
+{
+    char a[SAY_TEXT], b[SAY_TEXT], hex[OST_DIGEST_HEX], missing[OST_SESSION_MISSING];
     const bool differs = r->differs || end_differs(e);
     json_t *o = app->result;
     put_text(o, "session", args->session);
     put_text(o, "backend", ost_backend_name(r->backend));
     put_integer(o, "ticks", (int64_t)r->done);
-    put_integer(o, "recorded_ticks", (int64_t)s->ticks);
+    put_integer(o, "verified_ticks", (int64_t)(r->differs ? r->done - 1 : r->done));
+    put_integer(o, "recorded_ticks", (int64_t)e->ticks);
+    put_bool(o, "complete", e->complete);
     put_bool(o, "equal", !differs);
-    put_bool(o, "end_compared", e->recorded);
+    put_bool(o, "end_compared", e->compared);
     put_integer(o, "removed_voxels", (int64_t)e->totals.removed_voxels);
     put_digest(o, "sha256", &e->root);
     if (!differs)
@@ -247,8 +265,13 @@ static ost_status report(const app_state *app, const replay_args *args, replay *
     say(app, "%s: %s ticks done again with %s, %s voxels removed", args->session, say_count(a, (int64_t)r->done),
         ost_backend_name(r->backend), say_count(b, (int64_t)e->totals.removed_voxels));
     say(app, "  grid %s", ost_digest_hex(&e->root, hex));
+    if (verified_in_part(args, r, e)) {
+        app->answered = true;
+        return ost_fail(err, OST_ERR_INPUT, "%s: verified only up to tick %llu of %s%llu; these are equal, the rest is not in the file: %.300s", args->session,
+                        (unsigned long long)r->done, e->found ? "" : "at least ", (unsigned long long)e->ticks, ost_session_missing(r->session, missing));
+    }
     if (!differs) {
-        say(app, e->recorded ? "  every tick and the bone at the end are as recorded" : "  every tick is as recorded");
+        say(app, e->compared ? "  every tick and the bone at the end are as recorded" : "  every tick is as recorded");
         return OST_OK;
     }
     ost_status status = !args->verify ? tell_briefly(app, r, err) : r->differs ? tell_tick(app, r, err) : tell_end(app, r, e, err);
@@ -279,7 +302,7 @@ static ost_status film_take(const app_state *app, const replay_args *args, repla
     return status == OST_OK ? replay_film_begin(app, &args->film, r, known ? &plan : NULL, out, err) : status;
 }
 
-static ost_status run(const app_state *app, const replay_args *args, replay *r, debrief *d, ost_error *err)
+static ost_status run(app_state *app, const replay_args *args, replay *r, debrief *d, ost_error *err)
 {
     ending e = {0};
     const ost_session_summary *s = ost_session_summary_of(r->session);
@@ -292,10 +315,12 @@ static ost_status run(const app_state *app, const replay_args *args, replay *r, 
     if (status != OST_OK)
         return status;
     ost_world_totals_get(r->world, &e.totals);
-    if (!r->differs && r->done == s->ticks && (status = find_end(r->session, &e, err)) != OST_OK)
+    status = find_end(r->session, &e, err);
+    if (status != OST_OK)
         return status;
-    /* Of what went another way no bone is written. */
-    if (args->out && !r->differs && !end_differs(&e)) {
+    e.compared = e.complete && !r->differs && r->done == s->ticks;
+    /* A bone that differs, or that was to be verified and is not, is not written. */
+    if (args->out && !r->differs && !end_differs(&e) && !verified_in_part(args, r, &e)) {
         const ost_write_options write = {.compress = args->compress};
         ost_digest file;
         status = ost_bone_write(args->out, r->bone, &r->imported.meta, &write, err);
@@ -322,7 +347,7 @@ ost_status cmd_replay(app_state *app, int argc, char **argv, ost_error *err)
     const operand operands[] = {{"SESSION", &args.session, "which session?"}, {0}};
     const option options[] = {
         {.name = "verify", .kind = OPTION_FLAG, .out = &args.verify,
-         .help = "where something differs from what was recorded, find tick, chunk\nand voxel with a second backend"},
+         .help = "compare to the end of the recording, or say up to which tick of how\nmany; where something differs, find tick, chunk and voxel with a\nsecond backend"},
         {.name = "out", .kind = OPTION_TEXT, .out = &args.out, .value = "FILE", .help = "the bone then: .nrrd, or .nii, .nii.gz, .txt"},
         {.name = "ticks", .kind = OPTION_INTEGER, .out = &args.ticks, .given = &args.ticks_given, .value = "N", .min = 1, .max = INT64_MAX,
          .help = "only the first N: the bone in the middle of the operation"},
@@ -343,7 +368,8 @@ ost_status cmd_replay(app_state *app, int argc, char **argv, ost_error *err)
     const usage_text usage = {
         .synopsis = "SESSION [--verify] [--out FILE] [options]",
         .about = "Does a recorded session again, tick by tick, on any backend, and compares what comes\n"
-                 "of each with what was recorded. Status 1 when something differs.",
+                 "of each with what was recorded. Status 1 when something differs; with --verify status 2\n"
+                 "when all that is in the file is equal, but ticks or the end are missing in it.",
         .operands = operands,
         .options = options,
         .notes = "A session that was cut off or damaged is done again as far as no tick is missing.",

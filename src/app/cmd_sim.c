@@ -82,7 +82,8 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
         .options = options,
         .notes = "Tool and bone as for osteon ream. The loop asks for SCHED_FIFO and locked memory and says\n"
                  "what it got; of two or more cores it has one to itself. One thread works unless --threads\n"
-                 "says otherwise.",
+                 "says otherwise. Status 3 when the device is lost: outputs and session are complete up\n"
+                 "to then.",
         .example = "  osteon sim\n"
                    "  osteon sim --headless --device sim --seconds 60 --record today.session \\\n"
                    "    --debrief today.html\n"
@@ -125,11 +126,13 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
             sim_show_report(app, s.show);
         status = sim_finish(app, &args, &s, err);
     }
-    /* What was done is saved: now what failed beside it. */
+    /* The outputs are saved; what failed in other parts is reported now. */
     if (status == OST_OK)
         status = sim_film_end(app, &args, &s, err);
     if (status == OST_OK)
         status = sim_window_end(&s, err);
+    if (status == OST_OK)
+        status = sim_device_end(app, &args, &s, err);
     simulation_free(&s);
     return status;
 }

@@ -182,7 +182,8 @@ static int run_verb(const app_verb *which, int argc, char **argv)
     ost_status status = which->run(&app, argc, argv, &err);
     within_verb = false;
     progress_clear();
-    bool verdict = status == OST_OK || status == OST_ERR_DIFFER;
+    const bool failed = status != OST_OK && status != OST_ERR_DIFFER;
+    bool verdict = !failed || app.answered;
     if (verdict && app.json) {
         /* 15 digits: every picometre within 8 m, and 0.47 stays 0.47. */
         char *text = json_dumps(app.result, JSON_INDENT(2) | JSON_REAL_PRECISION(15));
@@ -195,10 +196,10 @@ static int run_verb(const app_verb *which, int argc, char **argv)
     }
     json_decref(app.result);
     if (verdict) {
-        ost_status flushed = finish_output(&err);
-        if (flushed != OST_OK)
-            status = flushed;
-        else
+        ost_error unwritten = {0};
+        if (finish_output(&unwritten) != OST_OK)
+            return fail(which->name, &unwritten, OST_ERR_IO);
+        if (!failed)
             return ost_status_exit(status);
     }
     return fail(which->name, &err, status);

@@ -120,5 +120,7 @@ ost_status sim_run(const app_state *app, const sim_args *args, simulation *s, os
 void sim_report_loop(const app_state *app, const sim_args *args, const simulation *s);
 /* The bone and the session, to the disk; and what it has come to. */
 ost_status sim_finish(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
+/* Fails with OST_ERR_UNAVAILABLE, and lets the result be printed, if the loop ended because the device was lost. */
+ost_status sim_device_end(app_state *app, const sim_args *args, const simulation *s, ost_error *err);
 
 #endif

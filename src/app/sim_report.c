@@ -142,6 +142,17 @@ void sim_report_loop(const app_state *app, const sim_args *args, const simulatio
              (unsigned long long)s->done.fault_ticks, ost_fault_text(s->done.last_fault));
 }
 
+ost_status sim_device_end(app_state *app, const sim_args *args, const simulation *s, ost_error *err)
+{
+    char a[SAY_TEXT];
+    if (s->loop->end != OST_SERVO_DEVICE_LOST && s->loop->end != OST_SERVO_WATCHDOG)
+        return OST_OK;
+    app->answered = true;
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "device %s: %s after %s ticks, before the end of the operation%s%s%s", ost_haptic_name(s->device),
+                    end_text(s->loop->end), say_count(a, (int64_t)s->loop->ticks), args->record ? "; the ticks before are in " : "",
+                    args->record ? args->record : "", args->record ? ", which --resume continues" : "");
+}
+
 /* Motion and forces are read from the recording, which is whole by now. */
 static ost_status debrief_make(const app_state *app, const sim_args *args, simulation *s, ost_error *err)
 {

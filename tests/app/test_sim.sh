@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # osteon sim without a window: what it must say, and that an operation is the
 # same with a clock and without, live and replayed. No time is tested.
-# Covers: REQ-BESIDE, REQ-FILM, REQ-HAPTICS, REQ-REPLAY, REQ-MOTION
+# Covers: REQ-BESIDE, REQ-FILM, REQ-HAPTICS, REQ-REPLAY, REQ-MOTION, REQ-DEVICE-LOST
 . "${srcdir:-.}/tests/app/lib.sh"
 other=cpu:isa=scalar,threads=2
 [ "${OST_TEST_LONG:-0}" = 1 ] && other=ref
@@ -203,4 +203,17 @@ refuse 2 "--seconds 0 is no time" sim --headless --seconds 0
 refuse 2 "--seconds -1: must be from 0" sim --headless --seconds -1
 refuse 2 "needs one --path SESSION" sim --headless --device replay
 refuse 2 "must end in .session" sim --headless --record x.log
+# A device that is lost: status 3, all outputs are written, and the session can be replayed and continued.
+if [ -e "$build/.libs/fake_hd.so" ] && [ -z "${OST_SAN_CFLAGS:-}" ]; then
+    OSTEON_OPENHAPTICS_LIBRARY=$build/.libs/fake_hd.so FAKE_HD_FAIL_READ_AT=200
+    export OSTEON_OPENHAPTICS_LIBRARY FAKE_HD_FAIL_READ_AT
+    run 3 sim --headless --bone bone.nrrd --device openhaptics --seconds 60 --idle 0 --record lost.session --out lost.nrrd --json
+    check "lost: the end" "$(value end)" "the device was lost"
+    grep -q "device openhaptics: the device was lost after [0-9]* ticks, before the end of the operation" err || fail "lost: $(cat err)"
+    lost_ticks=$(value ticks)
+    check "lost: the bone" "$(value file_sha256)" "$(sha256sum lost.nrrd | cut -d' ' -f1)"
+    run 0 replay lost.session --verify --json
+    check "lost, and again" "$(value complete) $(value verified_ticks)" "true $lost_ticks"
+    unset FAKE_HD_FAIL_READ_AT
+fi
 finish

@@ -2,6 +2,7 @@
 /* OpenHaptics' HD library, as far as the driver asks it, with a thread of its own that calls a thousand times a second. */
 #include <math.h>
 #include <pthread.h>
+#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
@@ -39,6 +40,14 @@ EXPORT unsigned long hdScheduleAsynchronous(unsigned (*call)(void *), void *user
 EXPORT void hdUnschedule(unsigned long handle);
 EXPORT void hdStartScheduler(void);
 EXPORT void hdStopScheduler(void);
+
+/* For tests of the command: the frame from which on nothing can be read. */
+__attribute__((constructor)) static void read_environment(void)
+{
+    const char *at = getenv("FAKE_HD_FAIL_READ_AT");
+    if (at)
+        fake_hd.fail_read_at = atoi(at);
+}
 
 static char of_device(unsigned device, char letter)
 {
