@@ -4,9 +4,12 @@
 
 #include <stdio.h>
 
+#include "core/file.h"
+
 size_t bench_fscanf_lines(const char *path, float *positions, int16_t *densities, size_t room)
 {
-    FILE *file = fopen(path, "r");
+    FILE *file;
+    (void)ost_file_stream(path, &file, NULL);
     size_t count = 0;
     int density;
     if (!file)

@@ -9,6 +9,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "core/file.h"
 #include "core/isa.h"
 
 int64_t bench_now(void)
@@ -174,7 +175,8 @@ static bool proc_line(const char *path, const char *key, char *text, size_t size
 {
     char line[512];
     bool found = false;
-    FILE *file = fopen(path, "r");
+    FILE *file;
+    (void)ost_file_stream(path, &file, NULL);
     if (!file)
         return false;
     while (!found && fgets(line, sizeof line, file)) {

@@ -10,6 +10,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "core/file.h"
+
 enum { PATH = 4096, FORMAT = 1 };
 
 void dump_case_folder(const char *id, char name[PLAN_ID])
@@ -54,17 +56,20 @@ static bool decimal(const char *text, uint64_t *out)
 ost_status dump_read_head(const char *folder, dump_head *out, ost_error *err)
 {
     char path[PATH];
+    char *bytes;
+    size_t size;
+    bool absent;
     json_error_t where;
-    struct stat info;
+    ost_error why = {0};
     ost_status status = join(path, folder, "dump.json", err);
     *out = (dump_head){.seed = 1};
     if (status != OST_OK)
         return status;
-    if (stat(path, &info) != 0)
-        return ost_fail(err, OST_ERR_IO, "%s: %s; a dump has this file, see docs/dumps.md", path, strerror(errno));
-    if (!S_ISREG(info.st_mode) || info.st_size > 1 << 20)
-        return bad_head(path, "not a file of at most 1 MiB", err);
-    json_t *o = json_load_file(path, JSON_REJECT_DUPLICATES, &where);
+    status = ost_file_read(path, 1 << 20, &bytes, &size, &absent, &why);
+    if (status != OST_OK)
+        return ost_fail(err, status, "%s%s", why.text, absent ? "; a dump has this file, see docs/dumps.md" : "");
+    json_t *o = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, &where);
+    free(bytes);
     if (!o)
         return ost_fail(err, OST_ERR_INPUT, "%s:%d: %s", path, where.line, where.text);
     const json_t *format = json_object_get(o, "osteon_dump"), *tier = json_object_get(o, "tier"), *seed = json_object_get(o, "seed"),
@@ -102,22 +107,15 @@ ost_status dump_read_head(const char *folder, dump_head *out, ost_error *err)
 /* Raw voxels as they lie in memory; the size must be that of the reference's grid. */
 static ost_status read_raw(const char *path, uint64_t bytes, void *to, ost_error *err)
 {
-    struct stat info;
-    FILE *f = fopen(path, "rb");
-    if (!f || fstat(fileno(f), &info) != 0) {
-        ost_status status = ost_fail(err, OST_ERR_IO, "%s: %s", path, strerror(errno));
-        if (f)
-            fclose(f);
+    ost_file file;
+    ost_status status = ost_file_open(path, &file, err);
+    if (status != OST_OK)
         return status;
-    }
-    ost_status status = OST_OK;
-    if (!S_ISREG(info.st_mode))
-        status = ost_fail(err, OST_ERR_INPUT, "%s: not a file", path);
-    else if ((uint64_t)info.st_size != bytes)
-        status = ost_fail(err, OST_ERR_INPUT, "%s: %lld bytes; the grid of this case and stage has %llu", path, (long long)info.st_size, (unsigned long long)bytes);
-    else if (fread(to, 1, bytes, f) != bytes)
-        status = ost_fail(err, OST_ERR_IO, "%s: could not be read to its end", path);
-    fclose(f);
+    if ((uint64_t)file.size != bytes)
+        status = ost_fail(err, OST_ERR_INPUT, "%s: %lld bytes; the grid of this case and stage has %llu", path, (long long)file.size, (unsigned long long)bytes);
+    else
+        status = ost_file_fill(path, &file, to, err);
+    close(file.fd);
     return status;
 }
 
@@ -170,7 +168,7 @@ static ost_status read_grid(const char *folder, const char *name, ost_dims dims,
         ost_status status = join(path, folder, file, err);
         if (status != OST_OK)
             return status;
-        if (access(path, F_OK) != 0)
+        if (access(path, F_OK) != 0 && (errno == ENOENT || errno == ENOTDIR))
             continue;
         if (*there)
             return ost_fail(err, OST_ERR_INPUT, "%s: there is also a .raw of this stage", path);

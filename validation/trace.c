@@ -10,6 +10,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "core/file.h"
+
 #if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
 #error "traces are written as they lie in memory, on little-endian machines"
 #endif
@@ -234,27 +236,23 @@ static ost_status index_records(const char *path, trace *t, ost_error *err)
 
 ost_status trace_open(const char *path, trace *out, ost_error *err)
 {
-    struct stat info;
+    ost_file file;
     *out = (trace){0};
-    int fd = open(path, O_RDONLY | O_CLOEXEC);
-    if (fd < 0 || fstat(fd, &info) != 0) {
-        ost_status status = ost_fail(err, OST_ERR_IO, "%s: %s", path, strerror(errno));
-        if (fd >= 0)
-            close(fd);
+    ost_status status = ost_file_open(path, &file, err);
+    if (status != OST_OK)
         return status;
-    }
-    out->size = (size_t)info.st_size;
-    if (out->size > 0) {
-        void *bytes = mmap(NULL, out->size, PROT_READ, MAP_PRIVATE, fd, 0);
+    if (file.size > 0) {
+        void *bytes = mmap(NULL, (size_t)file.size, PROT_READ, MAP_PRIVATE, file.fd, 0);
         if (bytes == MAP_FAILED) {
-            ost_status status = ost_fail(err, OST_ERR_IO, "%s: %s", path, strerror(errno));
-            close(fd);
-            return status;
+            status = ost_fail(err, OST_ERR_IO, "%s: %s", path, strerror(errno));
+        } else {
+            out->bytes = bytes;
+            out->size = (size_t)file.size;
         }
-        out->bytes = bytes;
     }
-    close(fd);
-    ost_status status = index_records(path, out, err);
+    close(file.fd);
+    if (status == OST_OK)
+        status = index_records(path, out, err);
     if (status != OST_OK)
         trace_free(out);
     return status;

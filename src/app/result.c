@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/file.h"
+
 static void check(int failed)
 {
     if (failed) {
@@ -80,10 +82,11 @@ void put_meta(json_t *object, const char *key, const ost_meta *meta)
 ost_status file_digest(const char *path, ost_digest *out, ost_error *err)
 {
     ost_hasher *hasher = NULL;
-    FILE *file = fopen(path, "rb");
-    if (!file)
-        return ost_fail(err, OST_ERR_IO, "%s: cannot open: %s", path, strerror(errno));
-    ost_status status = ost_hasher_open(&hasher, err);
+    FILE *file;
+    ost_status status = ost_file_stream(path, &file, err);
+    if (status != OST_OK)
+        return status;
+    status = ost_hasher_open(&hasher, err);
     static unsigned char block[1 << 16];
     size_t n;
     while (status == OST_OK && (n = fread(block, 1, sizeof block, file)) > 0)

@@ -13,6 +13,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/file.h"
+
 static bool ends_with(const char *text, const char *end)
 {
     size_t length = strlen(text), tail = strlen(end);
@@ -23,7 +25,8 @@ static bool ends_with(const char *text, const char *end)
 static bool broken(const char *path, const char *file, char *reason, size_t size)
 {
     char line[512] = "";
-    FILE *f = fopen(path, "r");
+    FILE *f;
+    (void)ost_file_stream(path, &f, NULL);
     if (!f || !fgets(line, sizeof line, f))
         line[0] = 0;
     if (f)

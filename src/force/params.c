@@ -10,13 +10,13 @@
 
 #include "force/params.h"
 
-#include <errno.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
 #include <osteon/length.h>
 
+#include "core/file.h"
 #include "core/shortest.h"
 
 ost_force_params ost_force_defaults(void)
@@ -229,10 +229,10 @@ ost_status ost_force_params_read(const char *file, ost_force_params *force, ost_
     ost_safety_params s = *safety;
     bool seen[COUNT] = {false};
     char text[LINE];
-    ost_status status = OST_OK;
-    FILE *in = fopen(file, "re");
-    if (!in)
-        return ost_fail(err, OST_ERR_IO, "%s: cannot be opened: %s", file, strerror(errno));
+    FILE *in;
+    ost_status status = ost_file_stream(file, &in, err);
+    if (status != OST_OK)
+        return status;
     for (int line = 1; status == OST_OK && fgets(text, sizeof text, in); line++) {
         if (!strchr(text, '\n') && !feof(in))
             status = ost_fail(err, OST_ERR_INPUT, "%s:%d: longer than %d bytes, or binary; expected 'key: number'", file, line, LINE - 2);

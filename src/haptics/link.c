@@ -2,7 +2,6 @@
 #include "haptics/link.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <openssl/core_names.h>
 #include <openssl/crypto.h>
 #include <openssl/evp.h>
@@ -12,6 +11,8 @@
 #include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include "core/file.h"
 
 /* ------------------------------------------------------------------ bytes */
 
@@ -156,15 +157,16 @@ ost_status link_key_read(const char *path, link_key **out, ost_error *err)
 {
     uint8_t bytes[LINK_KEY_MAX + 1];
     struct stat st;
+    ost_file file;
+    ost_error why = {0};
     *out = NULL;
-    const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK);
-    if (fd < 0)
-        return ost_fail(err, OST_ERR_IO, "%s: cannot be opened: %s; to make a key: (umask 077; head -c 32 /dev/urandom >%s)", path, strerror(errno),
-                        path);
+    ost_status status = ost_file_open(path, &file, &why);
+    if (status != OST_OK)
+        return ost_fail(err, status, file.absent ? "%s; to make a key: (umask 077; head -c 32 /dev/urandom >%s)" : "%s", why.text, path);
+    const int fd = file.fd;
     ssize_t size = -1;
-    ost_status status = OST_OK;
-    if (fstat(fd, &st) != 0 || !S_ISREG(st.st_mode))
-        status = ost_fail(err, OST_ERR_INPUT, "%s: is no file", path);
+    if (fstat(fd, &st) != 0)
+        status = ost_fail(err, OST_ERR_IO, "%s: cannot be read: %s", path, strerror(errno));
     else if (st.st_mode & (S_IRWXG | S_IRWXO))
         status = ost_fail(err, OST_ERR_USAGE, "%s: others may read this key, so it is none; chmod 600 %s", path, path);
     else if ((size = read(fd, bytes, sizeof bytes)) < 0)

@@ -25,6 +25,7 @@
 #include <time.h>
 
 #include "core/clock.h"
+#include "core/file.h"
 #include "haptics/driver.h"
 #include "haptics/own_work.h"
 #include "haptics/realtime.h"
@@ -258,7 +259,8 @@ static void run_after(servo *s)
 static int64_t stolen_ms(void)
 {
     long long field[8];
-    FILE *file = fopen("/proc/stat", "re");
+    FILE *file;
+    (void)ost_file_stream("/proc/stat", &file, NULL);
     char line[512];
     if (!file)
         return -1;

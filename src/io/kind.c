@@ -15,10 +15,10 @@
 #include <fcntl.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
 
+#include "core/file.h"
 #include "io/session/layout.h"
 #include "io/text/fields.h"
 
@@ -67,20 +67,28 @@ static bool is_gzip(const unsigned char *head, size_t size)
     return size >= 2 && head[0] == 0x1f && head[1] == 0x8b;
 }
 
-/* The first bytes of what a gzip file holds; 0 when it holds none. */
-static size_t gzip_head(int fd, unsigned char head[GZIP_HEAD])
+/* Unpacks the first bytes of a gzip file; *size is 0 when its data are damaged. */
+static ost_status gzip_head(const char *path, int fd, unsigned char head[GZIP_HEAD], size_t *size, ost_error *err)
 {
-    int own = dup(fd);
+    const int own = fcntl(fd, F_DUPFD_CLOEXEC, 0);
     if (own < 0)
-        return 0;
-    gzFile gz = lseek(own, 0, SEEK_SET) == 0 ? gzdopen(own, "rb") : NULL;
+        return ost_fail(err, OST_ERR_IO, "%s: cannot be read: %s", path, strerror(errno));
+    gzFile gz = gzdopen(own, "rb");
     if (!gz) {
         close(own);
-        return 0;
+        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory to unpack it", path);
     }
-    int n = gzread(gz, head, GZIP_HEAD);
+    const int n = gzread(gz, head, GZIP_HEAD);
+    int number = Z_OK;
+    gzerror(gz, &number);
+    const int error = errno;
     gzclose(gz);
-    return n > 0 ? (size_t)n : 0;
+    *size = n > 0 ? (size_t)n : 0;
+    if (number == Z_MEM_ERROR)
+        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory to unpack it", path);
+    if (number == Z_ERRNO)
+        return ost_fail(err, OST_ERR_IO, "%s: cannot be read: %s", path, strerror(error));
+    return OST_OK;
 }
 
 static bool is_mesh(const unsigned char *head, size_t size, off_t file_size)
@@ -145,7 +153,7 @@ static ost_file_kind kind_by_name(const char *path)
     return OST_FILE_UNKNOWN;
 }
 
-static ost_file_kind kind_by_content(int fd, const unsigned char *head, size_t size, off_t file_size, ost_file_kind by_name)
+static ost_file_kind plain_kind(const unsigned char *head, size_t size, off_t file_size, ost_file_kind by_name)
 {
     if (is_nrrd(head, size))
         return OST_FILE_NRRD;
@@ -153,15 +161,6 @@ static ost_file_kind kind_by_content(int fd, const unsigned char *head, size_t s
         return OST_FILE_SESSION;
     if (is_nifti(head, size))
         return OST_FILE_NIFTI;
-    if (is_gzip(head, size)) {
-        unsigned char inner[GZIP_HEAD];
-        const size_t filled = gzip_head(fd, inner);
-        bool path_header = false;
-        if (is_nifti(inner, filled))
-            return OST_FILE_NIFTI;
-        (void)text_columns(inner, filled, &path_header);
-        return path_header ? OST_FILE_PATH_CSV : OST_FILE_UNKNOWN;
-    }
     if (is_mesh(head, size, file_size))
         return OST_FILE_MESH;
     if (by_name == OST_FILE_UNKNOWN || by_name == OST_FILE_PATH_CSV) {
@@ -175,33 +174,45 @@ static ost_file_kind kind_by_content(int fd, const unsigned char *head, size_t s
     return OST_FILE_UNKNOWN;
 }
 
+static ost_status kind_by_content(const char *path, int fd, const unsigned char *head, size_t size, off_t file_size, ost_file_kind by_name,
+                                  ost_file_kind *out, ost_error *err)
+{
+    if (!is_gzip(head, size)) {
+        *out = plain_kind(head, size, file_size, by_name);
+        return OST_OK;
+    }
+    unsigned char inner[GZIP_HEAD];
+    size_t inner_size = 0;
+    ost_status status = gzip_head(path, fd, inner, &inner_size, err);
+    bool path_header = false;
+    const bool nifti = status == OST_OK && is_nifti(inner, inner_size);
+    if (status == OST_OK && !nifti)
+        (void)text_columns(inner, inner_size, &path_header);
+    *out = nifti ? OST_FILE_NIFTI : path_header ? OST_FILE_PATH_CSV : OST_FILE_UNKNOWN;
+    return status;
+}
+
 ost_status ost_file_kind_find(const char *path, ost_file_kind *out, ost_error *err)
 {
     *out = OST_FILE_UNKNOWN;
-    struct stat st;
-    if (stat(path, &st) != 0)
-        return ost_fail(err, OST_ERR_IO, "%s: cannot be opened: %s", path, strerror(errno));
-    if (S_ISDIR(st.st_mode))
-        return ost_fail(err, OST_ERR_IO, "%s: is a folder; a file is needed", path);
-    if (!S_ISREG(st.st_mode))
-        return ost_fail(err, OST_ERR_IO, "%s: is a pipe or a device; files are read more than once, so save it to a file first", path);
-    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY);
-    if (fd < 0)
-        return ost_fail(err, OST_ERR_IO, "%s: cannot be opened: %s", path, strerror(errno));
+    ost_file file;
+    ost_status status = ost_file_open(path, &file, err);
+    if (status != OST_OK)
+        return status;
     unsigned char head[HEAD];
     size_t size = 0;
     for (ssize_t n = 1; n > 0 && size < HEAD; size += (size_t)(n > 0 ? n : 0)) {
-        n = pread(fd, head + size, HEAD - size, (off_t)size);
+        n = pread(file.fd, head + size, HEAD - size, (off_t)size);
         if (n < 0) {
-            ost_status status = ost_fail(err, OST_ERR_IO, "%s: cannot be read: %s", path, strerror(errno));
-            close(fd);
+            status = ost_fail(err, OST_ERR_IO, "%s: cannot be read: %s", path, strerror(errno));
+            close(file.fd);
             return status;
         }
     }
     ost_file_kind by_name = kind_by_name(path);
-    *out = kind_by_content(fd, head, size, st.st_size, by_name);
-    close(fd);
-    if (*out == OST_FILE_UNKNOWN)
+    status = kind_by_content(path, file.fd, head, size, file.size, by_name, out, err);
+    close(file.fd);
+    if (status == OST_OK && *out == OST_FILE_UNKNOWN)
         *out = by_name;
-    return OST_OK;
+    return status;
 }

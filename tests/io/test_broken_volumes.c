@@ -112,7 +112,7 @@ static void nrrd_fields(void **state)
         {"#", "byte skip: 17\n", "to be skipped", OST_ERR_INPUT},
         {"#", "byte skip: 1\n", "need 16", OST_ERR_INPUT},
         {"encoding", "encoding: gzip\nbyte skip: -1\n", "only raw", OST_ERR_INPUT},
-        {"#", "data file: absent.raw\n", "cannot be read", OST_ERR_IO},
+        {"#", "data file: absent.raw\n", "cannot be opened", OST_ERR_IO},
         {"#", "data file: b.%d 1 3 1\n", "do not fit", OST_ERR_INPUT},
         {"#", "data file: b.%d 1 2 0\n", "leads from one to the other", OST_ERR_INPUT},
         {"#", "data file: b.%d 2 1 1\n", "leads from one to the other", OST_ERR_INPUT},
@@ -157,10 +157,10 @@ static void nrrd_starts(void **state)
     }
     write_file("s.nrrd", "NRRD0005\nty\0pe: x\n\n", 19);
     assert_refused(at("s.nrrd"), NULL, OST_ERR_INPUT, "a NUL");
-    assert_refused(at(""), NULL, OST_ERR_INPUT, "is a folder");
-    assert_refused(at("absent.nrrd"), NULL, OST_ERR_IO, "cannot be read");
+    assert_refused(at(""), NULL, OST_ERR_IO, "is a folder");
+    assert_refused(at("absent.nrrd"), NULL, OST_ERR_IO, "cannot be opened");
     assert_int_equal(mkfifo(at("pipe.nrrd"), 0600), 0);
-    assert_refused(at("pipe.nrrd"), NULL, OST_ERR_INPUT, "not a regular file");
+    assert_refused(at("pipe.nrrd"), NULL, OST_ERR_IO, "is a pipe or a device");
 }
 
 /* A header without end must stop at its limit, not at the end of memory. */

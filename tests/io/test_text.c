@@ -312,7 +312,7 @@ static void files_that_cannot_be_read(void **state)
     snprintf(path, sizeof path, "%s/pipe", folder);
     assert_int_equal(mkfifo(path, 0600), 0);
     assert_int_equal(ost_text_source_open(&source, path, &err), OST_ERR_IO);
-    assert_non_null(strstr(err.text, "a text is read twice"));
+    assert_non_null(strstr(err.text, "save it to a file first"));
 }
 
 int main(void)

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/file.h"
 #include "core/isa.h"
 
 typedef struct device_visit {
@@ -61,7 +62,8 @@ static json_t *drivers(void)
     for (size_t i = 0; i < count; i++) {
         char path[1024], line[512] = "";
         snprintf(path, sizeof path, "%s/%s", folder, names[i]);
-        FILE *file = fopen(path, "r");
+        FILE *file;
+        (void)ost_file_stream(path, &file, NULL);
         if (file && !fgets(line, sizeof line, file))
             line[0] = '\0';
         if (file)

@@ -11,6 +11,7 @@
 
 #include "config.h"
 
+#include "core/file.h"
 #include "validation/bundle/libraries.h"
 
 extern char **environ;
@@ -25,7 +26,8 @@ extern char **environ;
 static void line_of(const char *path, const char *name, char text[], size_t size)
 {
     char line[4096];
-    FILE *file = fopen(path, "r");
+    FILE *file;
+    (void)ost_file_stream(path, &file, NULL);
     text[0] = '\0';
     while (file && fgets(line, sizeof line, file)) {
         const size_t length = strlen(name);

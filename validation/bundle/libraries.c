@@ -13,6 +13,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "core/file.h"
+
 extern char **environ;
 
 enum { PROGRAM_TEXT = 1 << 20, PATHS_MAX = 1024 };
@@ -22,11 +24,12 @@ ost_status libraries_digest(const char *path, char hex[OST_DIGEST_HEX], int64_t 
     static unsigned char block[1 << 16];
     ost_hasher *hasher = NULL;
     ost_digest digest = {{0}};
-    FILE *file = fopen(path, "rb");
+    FILE *file;
     *size = 0;
-    if (!file)
-        return ost_fail(err, OST_ERR_IO, "%s: cannot be read", path);
-    ost_status status = ost_hasher_open(&hasher, err);
+    ost_status status = ost_file_stream(path, &file, err);
+    if (status != OST_OK)
+        return status;
+    status = ost_hasher_open(&hasher, err);
     for (size_t n; status == OST_OK && (n = fread(block, 1, sizeof block, file)) > 0; *size += (int64_t)n)
         status = ost_hasher_add(hasher, block, n, err);
     if (status == OST_OK && ferror(file))

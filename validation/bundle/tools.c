@@ -6,6 +6,7 @@
 
 #include "config.h"
 
+#include "core/file.h"
 #include "validation/bundle/built.h"
 #include "validation/bundle/libraries.h"
 
@@ -34,7 +35,8 @@ const char *tools_commit(void)
 static void distribution_of(char name[32])
 {
     char line[256];
-    FILE *file = fopen("/etc/os-release", "r");
+    FILE *file;
+    (void)ost_file_stream("/etc/os-release", &file, NULL);
     name[0] = '\0';
     while (file && fgets(line, sizeof line, file))
         if (strncmp(line, "ID=", 3) == 0) {

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/file.h"
+
 /* A file of more is no case; cases of one file. */
 enum { FILE_MAX = 1 << 22, CASES_MAX = 1024 };
 
@@ -200,22 +202,13 @@ json_t *case_to_json(const plan_case *c, const scene_cut *cut)
 static ost_status load(const char *path, json_t **out, ost_error *err)
 {
     json_error_t where;
-    FILE *file = fopen(path, "rb");
-    char *bytes = file ? malloc(FILE_MAX + 1) : NULL;
-    const size_t size = bytes ? fread(bytes, 1, FILE_MAX + 1, file) : 0;
-    ost_status status = OST_OK;
+    char *bytes;
+    size_t size;
     *out = NULL;
-    if (!file || ferror(file))
-        status = ost_fail(err, OST_ERR_INPUT, "%.200s: %s", path, strerror(errno));
-    else if (!bytes)
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for a case");
-    else if (size > FILE_MAX)
-        status = bad(path, err, "too long for a case");
-    else if (!(*out = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, &where)))
+    ost_status status = ost_file_read(path, FILE_MAX, &bytes, &size, NULL, err);
+    if (status == OST_OK && !(*out = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, &where)))
         status = ost_fail(err, OST_ERR_INPUT, "%.200s:%d: %.100s", path, where.line, where.text);
     free(bytes);
-    if (file)
-        fclose(file);
     return status;
 }
 

@@ -2,47 +2,15 @@
 /* A mesh file in memory, its kind, and the words of the text kinds. */
 #include "io/mesh/input.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
-#include <unistd.h>
+
+#include "core/file.h"
 
 /* More than a binary STL with OST_MESH_TRIANGLES_MAX triangles needs. */
-#define FILE_MAX (INT64_C(4) << 30)
-
-static ost_status read_all(int fd, const char *path, mesh_input *in, ost_error *err)
-{
-    struct stat st;
-    if (fstat(fd, &st) != 0)
-        return ost_fail(err, OST_ERR_IO, "%s: %s", path, strerror(errno));
-    if (!S_ISREG(st.st_mode))
-        return ost_fail(err, OST_ERR_IO, "%s: not a regular file; a mesh must be one", path);
-    if (st.st_size == 0)
-        return ost_fail(err, OST_ERR_INPUT, "%s: the file is empty", path);
-    if (st.st_size > FILE_MAX)
-        return ost_fail(err, OST_ERR_RANGE, "%s: %lld bytes; a mesh file may have at most %lld", path, (long long)st.st_size,
-                        (long long)FILE_MAX);
-    in->size = (size_t)st.st_size;
-    in->bytes = malloc(in->size + 1);
-    if (!in->bytes)
-        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for its %zu bytes", path, in->size);
-    for (size_t done = 0; done < in->size;) {
-        ssize_t got = read(fd, in->bytes + done, in->size - done);
-        if (got < 0 && errno == EINTR)
-            continue;
-        if (got < 0)
-            return ost_fail(err, OST_ERR_IO, "%s: byte %zu: %s", path, done, strerror(errno));
-        if (got == 0)
-            return ost_fail(err, OST_ERR_IO, "%s: ends at byte %zu, but had %zu when it was opened", path, done, in->size);
-        done += (size_t)got;
-    }
-    in->bytes[in->size] = 0;
-    return OST_OK;
-}
+#define FILE_MAX ((size_t)4 << 30)
 
 static uint32_t stl_count(const mesh_input *in)
 {
@@ -92,11 +60,11 @@ static ost_status find_kind(const char *path, mesh_input *in, ost_error *err)
 ost_status ost_mesh_input_load(const char *path, mesh_input *in, ost_error *err)
 {
     *in = (mesh_input){.path = path, .bodies = 1};
-    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    if (fd < 0)
-        return ost_fail(err, OST_ERR_IO, "%s: %s", path, strerror(errno));
-    ost_status status = read_all(fd, path, in, err);
-    close(fd);
+    char *bytes;
+    ost_status status = ost_file_read(path, FILE_MAX, &bytes, &in->size, NULL, err);
+    in->bytes = (uint8_t *)bytes;
+    if (status == OST_OK && in->size == 0)
+        status = ost_fail(err, OST_ERR_INPUT, "%s: the file is empty", path);
     if (status == OST_OK)
         status = find_kind(path, in, err);
     if (status != OST_OK)

@@ -14,12 +14,12 @@
 #include "io/session/reader.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <sys/stat.h>
 #include <unistd.h>
+
+#include "core/file.h"
 
 /* ------------------------------------------------------------------ scan */
 
@@ -206,16 +206,16 @@ ost_status ost_session_open(const char *path, ost_session **out, ost_error *err)
     s->fd = -1;
     s->path = strdup(path);
     s->payload = malloc(SESSION_PAYLOAD_MAX);
-    struct stat st;
+    ost_file file;
     ost_status status = OST_OK;
     if (!s->path || !s->payload)
         status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a block of %d bytes", path, SESSION_PAYLOAD_MAX);
-    else if ((s->fd = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK)) < 0 || fstat(s->fd, &st) != 0)
-        status = ost_fail(err, OST_ERR_IO, "%s: cannot be opened: %s", path, strerror(errno));
-    else if (!S_ISREG(st.st_mode))
-        status = ost_fail(err, OST_ERR_IO, "%s: is no regular file", path);
     else
-        status = scan_all(s, (uint64_t)st.st_size, err);
+        status = ost_file_open(path, &file, err);
+    if (status == OST_OK) {
+        s->fd = file.fd;
+        status = scan_all(s, (uint64_t)file.size, err);
+    }
     if (status != OST_OK) {
         ost_session_close(s);
         return status;

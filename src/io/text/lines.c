@@ -5,10 +5,10 @@
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
 
+#include "core/file.h"
 #include "io/text/fields.h"
 
 struct ost_text_lines {
@@ -38,22 +38,17 @@ ost_status ost_text_lines_open(const char *path, ost_text_lines **out, ost_error
     lines->used = lines->rest = 0;
 
     ost_status status = OST_OK;
-    struct stat st;
+    ost_file file;
     if (!lines->path)
         status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a file name", path);
-    else if (stat(path, &st) != 0)
-        status = ost_fail(err, OST_ERR_IO, "%s: cannot be opened: %s", path, strerror(errno));
-    else if (S_ISDIR(st.st_mode))
-        status = ost_fail(err, OST_ERR_IO, "%s: is a folder; a text file is needed", path);
-    else if (!S_ISREG(st.st_mode))
-        status = ost_fail(err, OST_ERR_IO, "%s: is a pipe or a device; a text is read twice, so save it to a file first", path);
-    else if ((lines->fd = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY)) < 0)
-        status = ost_fail(err, OST_ERR_IO, "%s: cannot be opened: %s", path, strerror(errno));
+    else
+        status = ost_file_open(path, &file, err);
     if (status != OST_OK) {
         ost_text_lines_close(lines);
         return status;
     }
-    lines->file_size = st.st_size;
+    lines->fd = file.fd;
+    lines->file_size = file.size;
     (void)posix_fadvise(lines->fd, 0, 0, POSIX_FADV_SEQUENTIAL);
     *out = lines;
     return OST_OK;

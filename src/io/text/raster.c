@@ -14,18 +14,16 @@
 #include "io/text/raster.h"
 
 #include <assert.h>
-#include <errno.h>
-#include <fcntl.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
-#include <sys/stat.h>
 #include <unistd.h>
 #if defined _OPENMP
 #include <omp.h>
 #endif
 
+#include "core/file.h"
 #include "core/integer.h"
 #include "io/text/lattice.h"
 #include "io/text/walk.h"
@@ -534,7 +532,7 @@ static bool is_sound(const reading *r)
 ost_status ost_text_raster_read(const char *path, const ost_text_raster_options *options, ost_text_summary *summary,
                                 ost_text_raster *raster, bool *found, ost_error *err)
 {
-    struct stat st;
+    ost_file file;
     bool terminated = false, cancelled = false;
     ost_isa isa;
     *found = false;
@@ -544,13 +542,12 @@ ost_status ost_text_raster_read(const char *path, const ost_text_raster_options 
     if (ost_isa_choose(NULL, &isa, NULL) != OST_OK)
         isa = OST_ISA_SCALAR;
     r.plan.match = ost_text_match_for(isa);
-    if (stat(path, &st) != 0 || !S_ISREG(st.st_mode) || st.st_size == 0)
-        return OST_OK;
-    r.plan.fd = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY);
-    if (r.plan.fd < 0)
-        return OST_OK;
-    r.plan.end = st.st_size;
-    bool good = learn(&r, &terminated);
+    ost_status status = ost_file_open(path, &file, err);
+    if (status != OST_OK)
+        return status;
+    r.plan.fd = file.fd;
+    r.plan.end = file.size;
+    bool good = file.size > 0 && learn(&r, &terminated);
     if (good) {
         int64_t voxels = (int64_t)raster->count[0] * raster->count[1] * raster->count[2];
         good = voxels <= (r.plan.end - r.plan.begin + 1) / LINE_MIN && is_whole(summary, voxels, terminated) && map_voxels(raster, voxels) &&

@@ -3,14 +3,14 @@
 
 #include <assert.h>
 #include <errno.h>
-#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <zlib.h>
+
+#include "core/file.h"
 
 enum { BUFFER_BYTES = 1 << 16, DEFLATE_LIMIT = 1032 };
 
@@ -36,30 +36,20 @@ struct ost_input {
 ost_status ost_input_open(const char *path, ost_input **out, ost_error *err)
 {
     *out = NULL;
-    struct stat st;
-    /* Looked at first: opening a pipe would wait for its writer. */
-    if (stat(path, &st) != 0)
-        return ost_fail(err, OST_ERR_IO, "%s: cannot be read: %s", path, strerror(errno));
-    if (S_ISDIR(st.st_mode))
-        return ost_fail(err, OST_ERR_INPUT, "%s: is a folder; a file was expected", path);
-    if (!S_ISREG(st.st_mode))
-        return ost_fail(err, OST_ERR_INPUT, "%s: is not a regular file; a volume is read from one, since its size is checked first", path);
     ost_input *input = malloc(sizeof *input);
     if (!input)
         return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for input buffers of %d bytes", path, 2 * BUFFER_BYTES);
     memset(input, 0, offsetof(ost_input, raw));
     input->fd = -1;
     input->path = strdup(path);
-    ost_status status = OST_OK;
-    if (!input->path)
-        status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a file name", path);
-    else if ((input->fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK)) < 0 || fstat(input->fd, &st) != 0)
-        status = ost_fail(err, OST_ERR_IO, "%s: cannot be read: %s", path, strerror(errno));
+    ost_file file;
+    ost_status status = input->path ? ost_file_open(path, &file, err) : ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a file name", path);
     if (status != OST_OK) {
         ost_input_close(input);
         return status;
     }
-    input->file_bytes = (uint64_t)st.st_size;
+    input->fd = file.fd;
+    input->file_bytes = (uint64_t)file.size;
     *out = input;
     return OST_OK;
 }
