@@ -1,12 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Entries of the cache: keys, reading with every doubt, writing by rename. */
+/* Entries of the cache: keys, checked reading, writing by rename. */
 #include "cl/cache.h"
 
+#include <fcntl.h>
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include "core/file.h"
 
 typedef struct entry_head {
     char magic[8];
@@ -52,8 +57,26 @@ ost_status ost_cl_cache_key(ost_cl_cache *cache, const char *const *parts, size_
         return status;
     char hex[OST_DIGEST_HEX];
     find_folder(cache->folder, sizeof cache->folder);
-    snprintf(cache->path, sizeof cache->path, "%s/cl-%s.bin", cache->folder, ost_digest_hex(&cache->key, hex));
+    snprintf(cache->entry, sizeof cache->entry, "cl-%s.bin", ost_digest_hex(&cache->key, hex));
     return OST_OK;
+}
+
+/* Returns true if only the effective user can have written what fd stands for. An access list shows in the group's bits. */
+static bool is_private(int fd)
+{
+    struct stat info;
+    return fstat(fd, &info) == 0 && info.st_uid == geteuid() && (info.st_mode & (S_IWGRP | S_IWOTH)) == 0;
+}
+
+/* Opens the cache's folder; -1 when there is none or it is not private. */
+static int open_folder(const ost_cl_cache *cache)
+{
+    const int folder = cache->folder[0] ? open(cache->folder, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC) : -1;
+    if (folder >= 0 && !is_private(folder)) {
+        close(folder);
+        return -1;
+    }
+    return folder;
 }
 
 static bool believable(const ost_cl_cache *cache, const entry_head *head, const unsigned char *binary)
@@ -66,26 +89,61 @@ static bool believable(const ost_cl_cache *cache, const entry_head *head, const 
 /* Zeros behind the binary: PoCL (3.1) reads all of its head, and then how long it was. */
 enum { SLACK = 256 };
 
-unsigned char *ost_cl_cache_load(const ost_cl_cache *cache, size_t *size)
+/* Reads an entry of file->size bytes; NULL when it is not sound. */
+static unsigned char *read_entry(const ost_cl_cache *cache, const ost_file *file, size_t *size)
 {
-    *size = 0;
-    FILE *f = cache->folder[0] ? fopen(cache->path, "rb") : NULL;
-    if (!f)
+    if (file->size <= (int64_t)sizeof(entry_head) || file->size > (int64_t)sizeof(entry_head) + ENTRY_MAX || !is_private(file->fd))
         return NULL;
     entry_head head;
-    unsigned char *binary = NULL;
-    if (fread(&head, sizeof head, 1, f) == 1 && memcmp(head.magic, magic, sizeof magic) == 0 && head.length > 0 &&
-        head.length <= ENTRY_MAX)
-        binary = calloc(head.length + SLACK, 1);
-    if (binary &&
-        (fread(binary, 1, head.length, f) != head.length || fgetc(f) != EOF || !believable(cache, &head, binary))) {
-        free(binary);
-        binary = NULL;
+    const size_t length = (size_t)file->size - sizeof head;
+    unsigned char *entry = calloc((size_t)file->size + SLACK, 1);
+    if (entry && ost_file_fill(cache->entry, file, entry, NULL) == OST_OK) {
+        memcpy(&head, entry, sizeof head);
+        if (memcmp(head.magic, magic, sizeof magic) == 0 && head.length == length && believable(cache, &head, entry + sizeof head)) {
+            memmove(entry, entry + sizeof head, length);
+            memset(entry + length, 0, SLACK);
+            *size = length;
+            return entry;
+        }
     }
-    fclose(f);
-    if (binary)
-        *size = head.length;
+    free(entry);
+    return NULL;
+}
+
+unsigned char *ost_cl_cache_load(const ost_cl_cache *cache, size_t *size)
+{
+    ost_file file;
+    unsigned char *binary = NULL;
+    *size = 0;
+    const int folder = open_folder(cache);
+    if (folder >= 0 && ost_file_open_within(folder, cache->entry, &file, NULL) == OST_OK) {
+        binary = read_entry(cache, &file, size);
+        close(file.fd);
+    }
+    if (folder >= 0)
+        close(folder);
     return binary;
+}
+
+/* Writes an entry under a fresh name in the folder and renames it. */
+static bool write_entry(const ost_cl_cache *cache, int folder, const entry_head *head, const unsigned char *binary)
+{
+    char fresh[sizeof cache->entry + 40];
+    uint64_t random[2];
+    if (getrandom(random, sizeof random, 0) != (ssize_t)sizeof random)
+        return false;
+    snprintf(fresh, sizeof fresh, "%s.%016" PRIx64 "%016" PRIx64, cache->entry, random[0], random[1]);
+    const int fd = openat(folder, fresh, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
+    FILE *f = fd >= 0 ? fdopen(fd, "wb") : NULL;
+    bool complete = f && fwrite(head, sizeof *head, 1, f) == 1 && fwrite(binary, 1, head->length, f) == head->length;
+    if (f)
+        complete = fclose(f) == 0 && complete;
+    else if (fd >= 0)
+        close(fd);
+    complete = complete && renameat(folder, fresh, folder, cache->entry) == 0;
+    if (fd >= 0 && !complete)
+        unlinkat(folder, fresh, 0);
+    return complete;
 }
 
 bool ost_cl_cache_store(const ost_cl_cache *cache, const unsigned char *binary, size_t size)
@@ -95,25 +153,15 @@ bool ost_cl_cache_store(const ost_cl_cache *cache, const unsigned char *binary, 
     if (!cache->folder[0] || size == 0 || size > ENTRY_MAX || ost_digest_bytes(binary, size, &head.checksum, NULL) != OST_OK)
         return false;
 
-    char parent[sizeof cache->folder], fresh[sizeof cache->path + 16];
+    char parent[sizeof cache->folder];
     snprintf(parent, sizeof parent, "%s", cache->folder);
     *strrchr(parent, '/') = 0;
     mkdir(parent, 0700); /* the last two levels; what is above is the user's affair */
     mkdir(cache->folder, 0700);
-    snprintf(fresh, sizeof fresh, "%s.XXXXXX", cache->path);
-    int fd = mkstemp(fresh);
-    FILE *f = fd >= 0 ? fdopen(fd, "wb") : NULL;
-    if (!f) {
-        if (fd >= 0) {
-            close(fd);
-            unlink(fresh);
-        }
+    const int folder = open_folder(cache);
+    if (folder < 0)
         return false;
-    }
-    bool whole = fwrite(&head, sizeof head, 1, f) == 1 && fwrite(binary, 1, size, f) == size;
-    whole = fclose(f) == 0 && whole;
-    whole = whole && rename(fresh, cache->path) == 0;
-    if (!whole)
-        unlink(fresh);
-    return whole;
+    const bool complete = write_entry(cache, folder, &head, binary);
+    close(folder);
+    return complete;
 }

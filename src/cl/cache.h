@@ -9,6 +9,11 @@
  * An entry is believed only if all of it is what it says: one that is cut,
  * changed, or belongs to another key is as good as none, and is written anew.
  * No cache is no failure either: then programs are built each time.
+ *
+ * A binary is code that this process runs, so a cache is used only when nobody
+ * but its user can have written it: folder and entry belong to the effective
+ * user, neither group nor others may write them, and neither is a symbolic
+ * link.  Any other folder is neither read nor written.
  */
 #ifndef OST_CL_CACHE_H
 #define OST_CL_CACHE_H
@@ -17,7 +22,7 @@
 
 typedef struct ost_cl_cache {
     char folder[1024]; /* "" when there is nowhere to keep anything */
-    char path[1200];   /* the entry */
+    char entry[80];    /* its name in the folder */
     ost_digest key;
 } ost_cl_cache;
 

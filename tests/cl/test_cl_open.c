@@ -7,6 +7,7 @@
 #include "cl/on_device.h"
 
 #include <dirent.h>
+#include <sys/stat.h>
 
 #include "cl/cache.h"
 #include "cl/cl.h"
@@ -491,6 +492,75 @@ static void cache_damage(void **state)
     assert_int_equal(system(command), 0);
 }
 
+/* A cache that others could have written is neither read nor written. */
+static void cache_of_others(void **state)
+{
+    (void)state;
+    char before[4096], cache[] = "/tmp/osteon-cache-XXXXXX", folder[64], elsewhere[64], path[5000], moved[5100], command[5100];
+    struct stat info;
+    snprintf(before, sizeof before, "%s", getenv("XDG_CACHE_HOME"));
+    assert_non_null(mkdtemp(cache));
+    setenv("XDG_CACHE_HOME", cache, 1);
+    setenv("POCL_CACHE_DIR", before, 0);
+    snprintf(folder, sizeof folder, "%s/osteon", cache);
+    snprintf(elsewhere, sizeof elsewhere, "%s/elsewhere", cache);
+
+    assert_false(opened_from_cache());
+    assert_int_equal(stat(folder, &info), 0);
+    assert_int_equal(info.st_mode & 0777, 0700);
+    entry_path(cache, path, sizeof path);
+    assert_int_equal(stat(path, &info), 0);
+    assert_int_equal(info.st_mode & 0777, 0600);
+    assert_true(opened_from_cache());
+
+    /* A folder that group or others may write is left as it is. */
+    const mode_t open_modes[] = {0770, 0702};
+    for (size_t i = 0; i < sizeof open_modes / sizeof open_modes[0]; i++) {
+        assert_int_equal(chmod(folder, open_modes[i]), 0);
+        assert_false(opened_from_cache());
+        assert_false(opened_from_cache());
+    }
+    assert_int_equal(chmod(folder, 0700), 0);
+    assert_true(opened_from_cache());
+
+    /* An entry that others may write is replaced by one that they may not. */
+    assert_int_equal(chmod(path, 0620), 0);
+    assert_false(opened_from_cache());
+    assert_int_equal(stat(path, &info), 0);
+    assert_int_equal(info.st_mode & 0777, 0600);
+    assert_true(opened_from_cache());
+
+    /* Symbolic links, to a sound entry and to a sound folder. */
+    snprintf(moved, sizeof moved, "%s/moved", cache);
+    assert_int_equal(rename(path, moved), 0);
+    assert_int_equal(symlink(moved, path), 0);
+    assert_false(opened_from_cache());
+    assert_int_equal(lstat(path, &info), 0);
+    assert_true(S_ISREG(info.st_mode)); /* replaced, not followed */
+    assert_true(opened_from_cache());
+    assert_int_equal(rename(folder, elsewhere), 0);
+    assert_int_equal(symlink(elsewhere, folder), 0);
+    assert_false(opened_from_cache());
+    assert_false(opened_from_cache());
+    assert_int_equal(unlink(folder), 0);
+    assert_int_equal(rename(elsewhere, folder), 0);
+    assert_true(opened_from_cache());
+
+    /* Another user's: only root can make one. */
+    if (geteuid() == 0 && chown(path, 65534, 65534) == 0) {
+        assert_false(opened_from_cache());
+        assert_true(opened_from_cache());
+        assert_int_equal(chown(folder, 65534, 65534), 0);
+        assert_false(opened_from_cache());
+        assert_false(opened_from_cache());
+    } else
+        printf("# not root: a folder of another user is left out\n");
+
+    setenv("XDG_CACHE_HOME", before, 1);
+    snprintf(command, sizeof command, "rm -rf '%s'", cache);
+    assert_int_equal(system(command), 0);
+}
+
 static ost_digest key_now(void)
 {
     const ost_cl_device device = {.platform_name = "P", .platform_version = "OpenCL 1.2", .name = "D", .driver = "1"};
@@ -591,6 +661,7 @@ int main(void)
         cmocka_unit_test(too_many_poses),
         cmocka_unit_test(build_fails),
         cmocka_unit_test(cache_damage),
+        cmocka_unit_test(cache_of_others),
         cmocka_unit_test(key_has_settings),
         cmocka_unit_test(listed),
     };
