@@ -237,6 +237,15 @@ static void count_bytes(runner *r)
         r->c->trace_bytes = bytes;
 }
 
+/* A worker that got no memory, descriptor or file computed nothing, so that nothing is said about its backend. */
+static ost_status resources_left(const char *spec, const worker_result *end, ost_error *err)
+{
+    enum { LOADER_FAILED = 127 }; /* exit status of a program whose libraries could not be opened */
+    if (end->end != WORKER_FAILED || (end->code != WORKER_EXIT_RESOURCES && end->code != LOADER_FAILED))
+        return OST_OK;
+    return ost_fail(err, OST_ERR_IO, "%s was not compared, for lack of memory, descriptors or files: %s; fewer --jobs need less", spec, end->text);
+}
+
 /* A full disk is nobody's difference. */
 static ost_status room_left(const worker_result *end, ost_error *err)
 {
@@ -267,6 +276,10 @@ static ost_status ended(runner *r, int which, const worker_result *end, ost_erro
     if (readable != OST_OK)
         got = (trace){0};
     ost_status status = room_left(end, err);
+    if (status == OST_OK)
+        status = resources_left(r->c->subjects->subjects[s.whom].spec, end, err);
+    if (status == OST_OK && (unread.status == OST_ERR_MEMORY || unread.status == OST_ERR_IO))
+        status = ost_fail(err, unread.status, "%s", unread.text);
     if (status == OST_OK)
         status = s.whom == 0 ? reference_ended(r, b, &got, end, err) : subject_ended(r, b, s.whom, &got, end, err);
     trace_free(&got);

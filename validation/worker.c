@@ -40,7 +40,9 @@ ost_status worker_run(const plan *p, int from, int to, const char *spec, const c
         if (status == OST_OK)
             status = given ? perform_apart(backend, &s, (uint32_t)i, w, &reference, &why, err) : perform(backend, &s, (uint32_t)i, w, NULL, NULL, &why, err);
         scene_free(&s);
-        if (why.status != OST_OK)
+        if (status == OST_OK && (why.status == OST_ERR_MEMORY || why.status == OST_ERR_IO))
+            status = ost_fail(err, why.status, "%s on %s: %s", p->cases[i].id, spec, why.text);
+        else if (why.status != OST_OK)
             fprintf(stderr, "%s on %s: %s\n", p->cases[i].id, spec, why.text);
     }
     if (w && status == OST_OK) {

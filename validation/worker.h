@@ -45,6 +45,8 @@ typedef struct worker {
     char text[512];  /* the last whole line of what it says; only so much is kept */
 } worker;
 
+/* Exit status of a worker that got no memory, descriptor or file: it says nothing about a backend. */
+enum { WORKER_EXIT_RESOURCES = 4 };
 enum { WORKERS_MAX = 128 }; /* waited for together */
 enum { WORKER_TRACE = 3, WORKER_USER = 4 }; /* the worker's descriptors of its trace and of the user's own cases (user_store.h) */
 

@@ -25,6 +25,7 @@ typedef struct app_state {
     bool json, quiet;
     const char *backend; /* as given, default "cpu" */
     int64_t threads;     /* 0: not given */
+    bool worker;         /* a campaign started it: running out of resources has its own exit status (validation/worker.h) */
     json_t *result;      /* owned by main */
     bool answered;       /* result is complete, although the status is an error: --json prints it before the error's line */
 } app_state;

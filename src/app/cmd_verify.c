@@ -17,14 +17,19 @@
 typedef struct listing {
     const app_state *app;
     json_t *problems;
+    int absent;
+    char first[200]; /* name of the first absent file */
 } listing;
 
-static void list_problem(void *user, const char *file, const char *problem)
+static void list_problem(void *user, bundle_problem_kind kind, const char *file, const char *problem)
 {
     listing *l = user;
+    if (kind == BUNDLE_ABSENT && l->absent++ == 0)
+        snprintf(l->first, sizeof l->first, "%s", file);
     json_t *o = json_object();
     put_text(o, "file", file);
     put_text(o, "problem", problem);
+    put_text(o, "kind", kind == BUNDLE_ABSENT ? "absent" : "different");
     append(l->problems, o);
     say(l->app, "  %s %s", file, problem);
 }
@@ -62,7 +67,7 @@ static ost_status rerun_all(app_state *app, const user_files *own, const char *f
     else if (status == OST_OK && user_files_given(own))
         status = ost_fail(err, OST_ERR_USAGE, "%s has no case of its user's own files: no --ct, --tool and --path", folder);
     if (status == OST_OK && record && !json_equal(record, again)) {
-        list_problem(l, PROTOCOL, "says otherwise what became of the user's files than they come out here");
+        list_problem(l, BUNDLE_DIFFERENT, PROTOCOL, "says otherwise what became of the user's files than they come out here");
         ++*found;
     }
     const plan_user user = {.count = user_store_count(store), .store = store};
@@ -96,7 +101,9 @@ ost_status cmd_verify(app_state *app, int argc, char **argv, ost_error *err)
                  "(machine, times, devices, libraries, sensitivity, pictures) the manifest alone holds,\n"
                  "and the manifest a signature in signatures/, which verify does not read.\n"
                  "Needs no network and no device. Cases of somebody's own files are made again from\n"
-                 "those files, which are known by their SHA-256 in whatever order they are given.",
+                 "those files, which are known by their SHA-256 in whatever order they are given.\n"
+                 "Exit status 1: the bundle is not what was written.  2: a file is missing or cannot\n"
+                 "be read, so that there is no verdict.",
         .operands = operands,
         .options = options,
         .example = "  osteon validate --out bundle\n  osteon verify bundle --rerun",
@@ -111,7 +118,7 @@ ost_status cmd_verify(app_state *app, int argc, char **argv, ost_error *err)
         return usage_error(app, err, "--ct, --tool and --path are for --rerun");
     if (stat(folder, &info) != 0 || !S_ISDIR(info.st_mode))
         return ost_fail(err, OST_ERR_INPUT, "%s: no folder; a bundle is one", folder);
-    listing l = {app, json_array()};
+    listing l = {.app = app, .problems = json_array()};
     status = check_bundle(folder, list_problem, &l, &found, &summary, err);
     if (status == OST_OK && rerun && found == 0) {
         status = rerun_all(app, &own, folder, &l, &found, err);
@@ -131,5 +138,8 @@ ost_status cmd_verify(app_state *app, int argc, char **argv, ost_error *err)
             (long long)json_integer_value(json_object_get(summary, "cases")), json_integer_value(json_object_get(summary, "cases")) == 1 ? "" : "s",
             json_is_true(json_object_get(summary, "evidence")) ? "" : " (a reduced run: no evidence)");
     json_decref(summary);
+    if (l.absent)
+        return ost_fail(err, OST_ERR_INPUT, "%s: %s is missing%s: an incomplete bundle cannot be verified", folder, l.first,
+                        found > 1 ? ", and there are more problems" : "");
     return found == 0 ? OST_OK : ost_fail(err, OST_ERR_DIFFER, "%s: %d problem%s: this bundle is not what was written", folder, found, found == 1 ? "" : "s");
 }

@@ -23,6 +23,7 @@
 #include "app/progress.h"
 #include "io/outfile.h"
 #include "validation/leftover.h"
+#include "validation/worker.h"
 
 static const app_verb verbs[] = {
     {"phantom", "make a generated CT: a scapula, its glenoid, trabecular bone, foam", cmd_phantom},
@@ -123,7 +124,7 @@ static void catch_signals(void)
  * A library that gives up ends the process by itself: OpenMP's, without memory
  * for a thread's stack, by exit(1), which would say here that grids differ.
  */
-static bool within_verb;
+static const app_state *within_verb; /* NULL outside */
 
 static void on_exit_within_verb(void)
 {
@@ -133,7 +134,7 @@ static void on_exit_within_verb(void)
     static const char text[] = "osteon: a library that it uses gave up, as said above; what was asked for is not done\n";
     ssize_t ignored = write(STDERR_FILENO, text, sizeof text - 1);
     (void)ignored;
-    _exit(2);
+    _exit(within_verb->worker ? WORKER_EXIT_RESOURCES : 2);
 }
 
 /*
@@ -150,7 +151,7 @@ static void *json_memory(size_t size)
     static const char text[] = "osteon: no memory for a JSON object; nothing more was written\n";
     ssize_t ignored = write(STDERR_FILENO, text, sizeof text - 1);
     (void)ignored;
-    _exit(2);
+    _exit(within_verb && within_verb->worker ? WORKER_EXIT_RESOURCES : 2);
 }
 
 /* Ends standard output. A reader that closed the pipe ends us as it ends everybody: by SIGPIPE, without a word. */
@@ -178,9 +179,9 @@ static int run_verb(const app_verb *which, int argc, char **argv)
 {
     ost_error err = {0};
     app_state app = {.verb = which->name, .backend = "cpu", .result = json_object()};
-    within_verb = true;
+    within_verb = &app;
     ost_status status = which->run(&app, argc, argv, &err);
-    within_verb = false;
+    within_verb = NULL;
     progress_clear();
     const bool failed = status != OST_OK && status != OST_ERR_DIFFER;
     bool verdict = !failed || app.answered;
@@ -202,7 +203,8 @@ static int run_verb(const app_verb *which, int argc, char **argv)
         if (!failed)
             return ost_status_exit(status);
     }
-    return fail(which->name, &err, status);
+    const int exit_status = fail(which->name, &err, status);
+    return app.worker && (status == OST_ERR_MEMORY || status == OST_ERR_IO) ? WORKER_EXIT_RESOURCES : exit_status;
 }
 
 int main(int argc, char **argv)

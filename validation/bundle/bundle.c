@@ -12,6 +12,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "core/file.h"
 #include "io/outfile.h"
 #include "validation/bundle/manifest.h"
 #include "validation/leftover.h"
@@ -196,31 +197,39 @@ void bundle_abandon(bundle *b)
 
 /* ---------------------------------------------------------------- checking */
 
-ost_status bundle_read(const char *folder, const char *name, char **bytes, size_t *size, ost_error *err)
+/* Bounds the memory that a file in a bundle can take. */
+#define FILE_MAX ((size_t)4 << 30)
+
+static ost_status read_file(const char *folder, const char *name, char **bytes, size_t *size, bool *absent, ost_error *err)
 {
     char path[2 * BUNDLE_PATH];
-    struct stat info;
     *bytes = NULL;
     *size = 0;
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    FILE *file = fopen(path, "rb");
-    if (!file || fstat(fileno(file), &info) != 0 || !S_ISREG(info.st_mode)) {
-        ost_status status = ost_fail(err, OST_ERR_INPUT, "%s: %s", path, file ? "no regular file" : strerror(errno));
-        if (file)
-            fclose(file);
-        return status;
-    }
-    *size = (size_t)info.st_size;
-    *bytes = malloc(*size + 1);
-    const bool read = *bytes && fread(*bytes, 1, *size, file) == *size;
-    fclose(file);
-    if (!read) {
-        free(*bytes);
-        *bytes = NULL;
-        return ost_fail(err, OST_ERR_IO, "%s: cannot be read", path);
-    }
-    (*bytes)[*size] = '\0';
-    return OST_OK;
+    if (snprintf(path, sizeof path, "%s/%s", folder, name) >= (int)sizeof path)
+        return ost_fail(err, OST_ERR_INPUT, "%.200s: the name of a file in it is too long", folder);
+    return ost_file_read(path, FILE_MAX, bytes, size, absent, err);
+}
+
+ost_status bundle_read(const char *folder, const char *name, char **bytes, size_t *size, ost_error *err)
+{
+    return read_file(folder, name, bytes, size, NULL, err);
+}
+
+ost_status bundle_find(const char *folder, const char *name, char **bytes, size_t *size, ost_error *err)
+{
+    bool absent = false;
+    ost_error why = {0};
+    const ost_status status = read_file(folder, name, bytes, size, &absent, &why);
+    return status == OST_OK || absent ? OST_OK : ost_fail(err, status, "%s", why.text);
+}
+
+ost_status bundle_next_entry(DIR *dir, const char *folder, struct dirent **entry, ost_error *err)
+{
+    do {
+        errno = 0;
+        *entry = readdir(dir);
+    } while (*entry && (strcmp((*entry)->d_name, ".") == 0 || strcmp((*entry)->d_name, "..") == 0));
+    return *entry || !errno ? OST_OK : ost_fail(err, OST_ERR_IO, "%s: cannot be read: %s", folder, strerror(errno));
 }
 
 static ost_status check_log(const char *folder, bundle_problem *problem, void *user, int *found, ost_error *err)
@@ -228,20 +237,21 @@ static ost_status check_log(const char *folder, bundle_problem *problem, void *u
     char *bytes, hex[OST_DIGEST_HEX], text[128];
     size_t size;
     ost_digest last = {{0}};
-    ost_error missing = {0};
-    if (bundle_read(folder, LOG_FILE, &bytes, &size, &missing) != OST_OK) {
-        problem(user, LOG_FILE, "is missing");
+    ost_status status = bundle_find(folder, LOG_FILE, &bytes, &size, err);
+    if (status != OST_OK)
+        return status;
+    if (!bytes) {
+        problem(user, BUNDLE_ABSENT, LOG_FILE, "is missing");
         ++*found;
         return OST_OK;
     }
-    ost_status status = OST_OK;
     int number = 1;
     for (const char *at = bytes, *end = bytes + size; at < end && status == OST_OK; number++) {
         const char *stop = memchr(at, '\n', (size_t)(end - at));
         ost_digest_hex(&last, hex);
         if (!stop || stop - at < OST_DIGEST_HEX || memcmp(at, hex, OST_DIGEST_HEX - 1) != 0 || at[OST_DIGEST_HEX - 1] != '\t') {
             snprintf(text, sizeof text, "line %d does not follow from the line before it", number);
-            problem(user, LOG_FILE, text);
+            problem(user, BUNDLE_DIFFERENT, LOG_FILE, text);
             ++*found;
             break;
         }

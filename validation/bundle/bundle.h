@@ -15,6 +15,7 @@
 #ifndef OST_VALIDATION_BUNDLE_H
 #define OST_VALIDATION_BUNDLE_H
 
+#include <dirent.h>
 #include <jansson.h>
 #include <osteon/digest.h>
 
@@ -36,12 +37,21 @@ void bundle_abandon(bundle *b); /* NULL is allowed */
 
 /* ---------------------------------------------------------------- checking */
 
-typedef void bundle_problem(void *user, const char *file, const char *problem);
+/* A file that is absent makes a bundle incomplete; a file that is different makes it another one than was written. */
+typedef enum bundle_problem_kind { BUNDLE_ABSENT, BUNDLE_DIFFERENT } bundle_problem_kind;
+
+/* Receives one problem. A file that cannot be read is no problem of a bundle but an error of the check. */
+typedef void bundle_problem(void *user, bundle_problem_kind kind, const char *file, const char *problem);
 
 /* Every problem of the folder's files, of the manifest and of the log's chain; *found counts them. */
 ost_status bundle_check(const char *folder, bundle_problem *problem, void *user, int *found, ost_error *err);
 
-/* A file of a bundle, with a NUL behind it that size does not count; free() it. */
+/* Reads a file of a bundle, with a NUL behind it that size does not count; the caller frees it. */
 ost_status bundle_read(const char *folder, const char *name, char **bytes, size_t *size, ost_error *err);
+/* As bundle_read, but an absent file is OST_OK with *bytes NULL. */
+ost_status bundle_find(const char *folder, const char *name, char **bytes, size_t *size, ost_error *err);
+
+/* Reads the next entry of a folder other than . and ..; *entry is NULL at the end. */
+ost_status bundle_next_entry(DIR *dir, const char *folder, struct dirent **entry, ost_error *err);
 
 #endif

@@ -102,7 +102,7 @@ ost_status check_again(const char *folder, const plan_user *own, bundle_problem 
                 show(show_user, id ? id : "", (double)i / (double)json_array_size(cases));
             status = check_case(ref, protocol, i, line, own, path, &what, err);
             if (status == OST_OK && what) {
-                problem(user, id ? id : EVIDENCE_CASES, what);
+                problem(user, BUNDLE_DIFFERENT, id ? id : EVIDENCE_CASES, what);
                 ++*found;
             }
         }

@@ -62,13 +62,11 @@ static ost_status list_folder(const char *folder, const char *inside, int depth,
     snprintf(path, sizeof path, "%s%s%s", folder, *inside ? "/" : "", inside);
     DIR *dir = opendir(path);
     if (!dir)
-        return ost_fail(err, OST_ERR_INPUT, "%s: %s", path, strerror(errno));
-    ost_status status = OST_OK;
-    for (struct dirent *e; status == OST_OK && (e = readdir(dir));) {
+        return ost_fail(err, OST_ERR_IO, "%s: cannot be opened: %s", path, strerror(errno));
+    ost_status status;
+    for (struct dirent *e; (status = bundle_next_entry(dir, path, &e, err)) == OST_OK && e;) {
         char name[BUNDLE_PATH], full[3 * BUNDLE_PATH];
         struct stat info;
-        if (strcmp(e->d_name, ".") == 0 || strcmp(e->d_name, "..") == 0)
-            continue;
         const int n = snprintf(name, sizeof name, "%s%s%s", inside, *inside ? "/" : "", e->d_name);
         if (n >= (int)sizeof name) {
             status = ost_fail(err, OST_ERR_INPUT, "%s: a name in it is too long", path);
@@ -81,6 +79,8 @@ static ost_status list_folder(const char *folder, const char *inside, int depth,
             status = depth < 4 ? list_folder(folder, name, depth + 1, l, err) : ost_fail(err, OST_ERR_INPUT, "%s: folders too deep", full);
         else
             status = add_name(l, name, err);
+        if (status != OST_OK)
+            break;
     }
     closedir(dir);
     return status;
@@ -214,17 +214,17 @@ static void compare_rows(const json_t *said, const json_t *is, bundle_problem *p
         const char *name = json_string_value(json_object_get(json_array_get(a, i), "name"));
         const json_t *row = name ? row_of(is, name) : NULL;
         if (!name || !row) {
-            problem(user, name ? name : MANIFEST_FILE, name ? "is in the manifest and not in the folder" : "has a row without a name");
+            problem(user, name ? BUNDLE_ABSENT : BUNDLE_DIFFERENT, name ? name : MANIFEST_FILE, name ? "is in the manifest and not in the folder" : "has a row without a name");
             ++*found;
         } else if (!json_equal(json_array_get(a, i), row)) {
-            problem(user, name, "is not the file that the manifest describes");
+            problem(user, BUNDLE_DIFFERENT, name, "is not the file that the manifest describes");
             ++*found;
         }
     }
     for (size_t i = 0; i < json_array_size(b); i++) {
         const char *name = json_string_value(json_object_get(json_array_get(b, i), "name"));
         if (!row_of(said, name)) {
-            problem(user, name, "is in the folder and not in the manifest");
+            problem(user, BUNDLE_DIFFERENT, name, "is in the folder and not in the manifest");
             ++*found;
         }
     }
@@ -236,12 +236,15 @@ ost_status manifest_check(const char *folder, bundle_problem *problem, void *use
     size_t size = 0;
     json_t *is = NULL;
     const int before = *found;
-    ost_error unread = {0};
     ost_status status = manifest_of(folder, &is, err);
-    if (status != OST_OK)
+    if (status == OST_OK)
+        status = bundle_find(folder, MANIFEST_FILE, &bytes, &size, err);
+    if (status != OST_OK) {
+        json_decref(is);
         return status;
-    if (bundle_read(folder, MANIFEST_FILE, &bytes, &size, &unread) != OST_OK) {
-        problem(user, MANIFEST_FILE, "is missing");
+    }
+    if (!bytes) {
+        problem(user, BUNDLE_ABSENT, MANIFEST_FILE, "is missing");
         ++*found;
     } else if (!(text = manifest_text(is)))
         status = ost_fail(err, OST_ERR_MEMORY, "no memory for a manifest");
@@ -250,7 +253,7 @@ ost_status manifest_check(const char *folder, bundle_problem *problem, void *use
         if (said)
             compare_rows(said, is, problem, user, found);
         if (*found == before) { /* the files are as described, so it is the manifest that was changed */
-            problem(user, MANIFEST_FILE, said ? "is not what the files give" : "is not JSON");
+            problem(user, BUNDLE_DIFFERENT, MANIFEST_FILE, said ? "is not what the files give" : "is not JSON");
             ++*found;
         }
         json_decref(said);

@@ -13,23 +13,31 @@
 
 enum { SHARDS_MAX = 4096 };
 
-static ost_status read_json(const char *folder, const char *name, json_t **out, ost_error *err)
+/* *out is NULL when the file is absent. */
+static ost_status find_json(const char *folder, const char *name, json_t **out, ost_error *err)
 {
     char *bytes;
     size_t size;
     json_error_t where;
     *out = NULL;
-    ost_status status = bundle_read(folder, name, &bytes, &size, err);
-    if (status != OST_OK)
+    ost_status status = bundle_find(folder, name, &bytes, &size, err);
+    if (!bytes)
         return status;
     *out = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, &where);
     free(bytes);
     return *out ? OST_OK : ost_fail(err, OST_ERR_INPUT, "%s/%s:%d: %s", folder, name, where.line, where.text);
 }
 
-static void remember_problem(void *user, const char *file, const char *problem)
+static ost_status read_json(const char *folder, const char *name, json_t **out, ost_error *err)
+{
+    const ost_status status = find_json(folder, name, out, err);
+    return status != OST_OK || *out ? status : ost_fail(err, OST_ERR_INPUT, "%s/%s: is missing", folder, name);
+}
+
+static void remember_problem(void *user, bundle_problem_kind kind, const char *file, const char *problem)
 {
     char *first = user;
+    (void)kind;
     if (!first[0])
         snprintf(first, 256, "%.80s %.160s", file, problem);
 }
@@ -81,11 +89,8 @@ static ost_status take_shard(const char *folder, merged *m, json_t *by_id, ost_e
             status = ost_fail(err, OST_ERR_INPUT, "%s: shard %s is there twice", folder, name);
         json_decref(common);
     }
-    if (status == OST_OK && strncmp(name, "1/", 2) == 0) {
-        ost_error none = {0};
-        if (read_json(folder, FAULTS_FILE, &m->faults, &none) != OST_OK)
-            m->faults = NULL; /* what is there was checked by its hash */
-    }
+    if (status == OST_OK && strncmp(name, "1/", 2) == 0)
+        status = find_json(folder, FAULTS_FILE, &m->faults, err); /* a bundle of some cases alone has none */
     if (status == OST_OK) {
         json_object_set(m->environment, name, environment);
         json_object_set(m->times, name, times);
@@ -141,7 +146,7 @@ ost_status merge_read(const char *folder, merged *out, ost_error *err)
     DIR *dir = opendir(folder);
     int count = 0;
     ost_status status = dir ? OST_OK : ost_fail(err, OST_ERR_INPUT, "%s: %s", folder, strerror(errno));
-    for (struct dirent *e; status == OST_OK && (e = readdir(dir));) {
+    for (struct dirent *e; status == OST_OK && (status = bundle_next_entry(dir, folder, &e, err)) == OST_OK && e;) {
         char path[BUNDLE_PATH];
         if (e->d_name[0] == '.' || strstr(e->d_name, ".part-"))
             continue;

@@ -48,26 +48,28 @@ ost_status record_put(const char *program, const subject_list *subjects, const j
     return status;
 }
 
-static json_t *read_json(const char *folder, const char *name)
+/* *out is NULL when the file is absent or no JSON. */
+static ost_status read_json(const char *folder, const char *name, json_t **out, ost_error *err)
 {
     char *bytes;
     size_t size;
-    if (bundle_read(folder, name, &bytes, &size, NULL) != OST_OK)
-        return NULL;
-    json_t *value = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, NULL);
+    const ost_status status = bundle_find(folder, name, &bytes, &size, err);
+    *out = bytes ? json_loadb(bytes, size, JSON_REJECT_DUPLICATES, NULL) : NULL;
     free(bytes);
-    return value;
+    return status;
 }
 
 /* ----------------------------------------------------------------- shards */
 
 /* "2/8" of the bundle's protocol. */
-static void shard_name(const char *folder, char name[32])
+static ost_status shard_name(const char *folder, char name[32], ost_error *err)
 {
-    json_t *protocol = read_json(folder, EVIDENCE_PROTOCOL);
+    json_t *protocol;
+    const ost_status status = read_json(folder, EVIDENCE_PROTOCOL, &protocol, err);
     const json_t *shard = json_object_get(protocol, "shard");
     snprintf(name, 32, "%lld/%lld", (long long)json_integer_value(json_array_get(shard, 0)), (long long)json_integer_value(json_array_get(shard, 1)));
     json_decref(protocol);
+    return status;
 }
 
 /* The file of every shard, by shard's name. */
@@ -76,14 +78,16 @@ static ost_status gather(const char *folder, const char *name, json_t **out, ost
     DIR *dir = opendir(folder);
     *out = json_object();
     ost_status status = dir ? OST_OK : ost_fail(err, OST_ERR_INPUT, "%s: %s", folder, strerror(errno));
-    for (struct dirent *e; status == OST_OK && (e = readdir(dir));) {
+    for (struct dirent *e; status == OST_OK && (status = bundle_next_entry(dir, folder, &e, err)) == OST_OK && e;) {
         char path[BUNDLE_PATH], shard[32], *bytes;
         size_t size;
-        if (e->d_name[0] == '.' || strstr(e->d_name, ".part-") || snprintf(path, sizeof path, "%s/%s", folder, e->d_name) >= (int)sizeof path ||
-            bundle_read(path, name, &bytes, &size, NULL) != OST_OK)
+        if (e->d_name[0] == '.' || strstr(e->d_name, ".part-") || snprintf(path, sizeof path, "%s/%s", folder, e->d_name) >= (int)sizeof path)
             continue;
-        shard_name(path, shard);
-        if (json_object_set_new(*out, shard, json_stringn(bytes, size)) != 0)
+        status = bundle_find(path, name, &bytes, &size, err);
+        if (!bytes)
+            continue;
+        status = shard_name(path, shard, err);
+        if (status == OST_OK && json_object_set_new(*out, shard, json_stringn(bytes, size)) != 0)
             status = ost_fail(err, OST_ERR_INPUT, "%s/%s: not UTF-8", path, name);
         free(bytes);
     }
@@ -129,16 +133,19 @@ ost_status record_merge(const char *folder, evidence_sink *sink, void *user, ost
 
 ost_status record_derive(const char *folder, const json_t *cases, evidence_sink *sink, void *user, ost_error *err)
 {
-    char *requirements;
+    char *requirements = NULL;
     size_t size;
-    ost_status status = OST_OK;
-    json_t *tools = read_json(folder, TOOLS_FILE), *common = read_json(folder, COMMON_FILE);
-    if (json_is_object(tools))
+    json_t *tools = NULL, *common = NULL;
+    ost_status status = read_json(folder, TOOLS_FILE, &tools, err);
+    if (status == OST_OK)
+        status = read_json(folder, COMMON_FILE, &common, err);
+    if (status == OST_OK && json_is_object(tools))
         status = software_write(tools, sink, user, err);
-    if (status == OST_OK && bundle_read(folder, REQUIREMENTS_FILE, &requirements, &size, NULL) == OST_OK) {
+    if (status == OST_OK)
+        status = bundle_find(folder, REQUIREMENTS_FILE, &requirements, &size, err);
+    if (status == OST_OK && requirements)
         status = trace_table_write(requirements, cases, common, sink, user, err);
-        free(requirements);
-    }
+    free(requirements);
     json_decref(common);
     json_decref(tools);
     return status;

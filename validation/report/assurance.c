@@ -16,7 +16,7 @@ static json_t *read_json(const page *p, const char *name)
 {
     char *bytes;
     size_t size;
-    if (!p->folder || bundle_read(p->folder, name, &bytes, &size, NULL) != OST_OK)
+    if (!page_read(p, name, &bytes, &size))
         return NULL;
     json_t *o = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, NULL);
     free(bytes);
@@ -169,7 +169,7 @@ void section_requirements(const page *p)
 {
     char *bytes;
     size_t size;
-    if (!p->folder || bundle_read(p->folder, TRACE_FILE, &bytes, &size, NULL) != OST_OK)
+    if (!page_read(p, TRACE_FILE, &bytes, &size))
         return;
     const size_t tested = rows_that_begin(bytes, "requirement,", NULL), shown = tested - rows_that_begin(bytes, "requirement,", "\"not by this bundle");
     const size_t untested = rows_that_begin(bytes, "orphan requirement,", NULL), tests = rows_that_begin(bytes, "orphan test,", NULL), results = rows_that_begin(bytes, "orphan result,", NULL);

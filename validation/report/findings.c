@@ -304,7 +304,7 @@ void section_sensitivity(const page *p)
     static const char file[] = "sensitivity.json";
     char *bytes;
     size_t size;
-    if (!p->folder || bundle_read(p->folder, file, &bytes, &size, NULL) != OST_OK)
+    if (!page_read(p, file, &bytes, &size))
         return;
     json_t *o = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, NULL);
     const json_t *kinds = json_object_get(o, "kinds");

@@ -46,11 +46,20 @@ void page_link(const page *p, const char *file)
     fputs("</a>", p->to);
 }
 
+bool page_read(const page *p, const char *file, char **bytes, size_t *size)
+{
+    ost_error why = {0};
+    *bytes = NULL;
+    if (p->folder && bundle_find(p->folder, file, bytes, size, &why) != OST_OK && p->unread->status == OST_OK)
+        *p->unread = why;
+    return *bytes;
+}
+
 bool page_has(const page *p, const char *file)
 {
     char *bytes;
     size_t size;
-    const bool has = p->folder && bundle_read(p->folder, file, &bytes, &size, NULL) == OST_OK;
+    const bool has = page_read(p, file, &bytes, &size);
     if (has)
         free(bytes);
     return has;
@@ -73,7 +82,7 @@ bool page_picture(const page *p, const char *file, const char *caption)
 {
     char *bytes;
     size_t size;
-    if (!p->folder || bundle_read(p->folder, file, &bytes, &size, NULL) != OST_OK)
+    if (!page_read(p, file, &bytes, &size))
         return false;
     fputs("<figure><figcaption>", p->to);
     page_text(p, caption);

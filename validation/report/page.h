@@ -20,6 +20,7 @@ typedef struct page {
     FILE *to;
     const char *folder; /* the bundle as it lies */
     const json_t *protocol, *cases, *summary;
+    ost_error *unread; /* the first file of the bundle that could not be read; a page is then not written */
 } page;
 
 /* Escaped for HTML, within text and within quoted attributes; control characters become '?'. */
@@ -32,6 +33,8 @@ void page_many(const page *p, size_t count, const char *one);
 void page_shell_word(const page *p, const char *text);
 /* A link to a file of the bundle. */
 void page_link(const page *p, const char *file);
+/* Reads a file of the bundle, which the caller frees; returns false when it is absent or cannot be read (p->unread). */
+bool page_read(const page *p, const char *file, char **bytes, size_t *size);
 bool page_has(const page *p, const char *file);
 /* The picture in the page, linked to its file, with a caption of ours; nothing when the bundle has none. */
 bool page_picture(const page *p, const char *file, const char *caption);

@@ -104,7 +104,7 @@ static json_int_t number_in(const page *p, const char *file, const char *key)
 {
     char *bytes;
     size_t size;
-    if (!p->folder || bundle_read(p->folder, file, &bytes, &size, NULL) != OST_OK)
+    if (!page_read(p, file, &bytes, &size))
         return -1;
     json_t *o = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, NULL);
     const json_int_t n = json_is_integer(json_object_get(o, key)) ? json_integer_value(json_object_get(o, key)) : -1;
@@ -316,7 +316,8 @@ ost_status report_write(const char *folder, const json_t *protocol, const json_t
         json_decref(summary);
         return ost_fail(err, OST_ERR_MEMORY, "%s: %s", REPORT_FILE, strerror(errno));
     }
-    const page p = {to, folder, protocol, cases, summary};
+    ost_error unread = {0};
+    const page p = {to, folder, protocol, cases, summary, &unread};
     page_begin(&p, TITLE);
     head(&p);
     section_compared(&p);
@@ -339,7 +340,11 @@ ost_status report_write(const char *folder, const json_t *protocol, const json_t
     files(&p);
     page_end(&p);
     const bool failed = ferror(to) != 0;
-    status = fclose(to) != 0 || failed ? ost_fail(err, OST_ERR_MEMORY, "no memory for %s", REPORT_FILE) : sink(user, REPORT_FILE, bytes, size, err);
+    status = fclose(to) != 0 || failed ? ost_fail(err, OST_ERR_MEMORY, "no memory for %s", REPORT_FILE) : OST_OK;
+    if (status == OST_OK && unread.status != OST_OK)
+        status = ost_fail(err, unread.status, "%s", unread.text);
+    if (status == OST_OK)
+        status = sink(user, REPORT_FILE, bytes, size, err);
     free(bytes);
     json_decref(summary);
     return status;

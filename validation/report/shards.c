@@ -16,11 +16,13 @@ static ost_status take(const char *folder, const char *name, bool *taken, eviden
     DIR *dir = opendir(folder);
     ost_status status = dir ? OST_OK : ost_fail(err, OST_ERR_INPUT, "%s: %s", folder, strerror(errno));
     *taken = false;
-    for (struct dirent *e; status == OST_OK && !*taken && (e = readdir(dir));) {
+    for (struct dirent *e; status == OST_OK && !*taken && (status = bundle_next_entry(dir, folder, &e, err)) == OST_OK && e;) {
         char path[BUNDLE_PATH], *bytes;
         size_t size;
-        if (e->d_name[0] == '.' || snprintf(path, sizeof path, "%s/%s", folder, e->d_name) >= (int)sizeof path ||
-            bundle_read(path, name, &bytes, &size, NULL) != OST_OK)
+        if (e->d_name[0] == '.' || snprintf(path, sizeof path, "%s/%s", folder, e->d_name) >= (int)sizeof path)
+            continue;
+        status = bundle_find(path, name, &bytes, &size, err);
+        if (!bytes)
             continue;
         *taken = true;
         status = sink(user, name, bytes, size, err);

@@ -1,0 +1,98 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# Every reader of the command is given what is no regular file: a pipe that nobody writes, a folder,
+# a device without an end, a link to itself and no file at all.  Each ends soon, with status 2 and
+# one line that names the file.
+# Covers: REQ-REGULAR-FILES
+. "${srcdir:-.}/tests/app/lib.sh"
+
+mkfifo pipe
+mkdir folder
+ln -s loop loop
+ln -s /dev/zero zero
+
+run 0 phantom glenoid --spacing 2 --out ct.nrrd
+run 0 import ct.nrrd --out bone.nrrd
+run 0 tool peg --out peg.ply
+run 0 validate --only import/0 --backends 'cpu:isa=scalar,threads=1' --out bundle --quiet
+mkdir dump
+head -c 32 /dev/zero >key && chmod 600 key
+
+# ends_soon FILE ARGUMENT...: status 2, FILE named, nothing waits
+ends_soon() {
+    file=$1
+    shift
+    checks=$((checks + 1))
+    timeout 20 "$osteon" "$@" >out 2>err </dev/null
+    status=$?
+    [ $status -eq 2 ] || fail "osteon $*: status $status, expected 2: $(head -c 300 err)"
+    checks=$((checks + 1))
+    grep -qF -- "$file" err || fail "osteon $*: '$(head -c 300 err)' does not name $file"
+}
+
+# The name stands at the option's place, with the suffix that makes the reader the one that is meant.
+for kind in pipe folder zero loop absent; do
+    for suffix in nrrd nhdr nii nii.gz hdr txt stl obj ply 3ds csv session; do
+        rm -f "it.$suffix"
+        [ $kind = absent ] || ln -s $kind "it.$suffix"
+    done
+    ends_soon it.nrrd import it.nrrd --out o.nrrd
+    ends_soon it.nhdr import it.nhdr --out o.nrrd
+    ends_soon it.nii import it.nii --out o.nrrd
+    ends_soon it.txt import it.txt --out o.nrrd
+    for mesh in stl obj ply 3ds; do ends_soon it.$mesh voxelize it.$mesh --out o.nrrd; done
+    ends_soon it.txt info it.txt --digest
+    ends_soon it.session info it.session
+    ends_soon it.session replay it.session
+    ends_soon it.nrrd render it.nrrd --out o.png
+    ends_soon it.nrrd export it.nrrd --out o.txt
+    ends_soon it.nrrd diff it.nrrd bone.nrrd
+    ends_soon it.nrrd diff bone.nrrd it.nrrd
+    ends_soon it.csv ream --bone bone.nrrd --tool builtin:peg --path it.csv --out o.nrrd
+    ends_soon it.stl ream --bone bone.nrrd --tool it.stl --path builtin:peg-hole --out o.nrrd
+    ends_soon it.nrrd ream --bone it.nrrd --tool builtin:peg --path builtin:peg-hole --out o.nrrd
+    ends_soon it.csv sim --headless --bone bone.nrrd --device motion:it.csv
+    ends_soon $kind sim --headless --bone bone.nrrd --device null --force-params $kind
+    ends_soon $kind sim --headless --bone bone.nrrd --device udp:key=$kind
+    ends_soon $kind validate --case $kind --backends cpu
+    ends_soon it.nrrd validate --only user --cpu-only --ct it.nrrd --tool builtin:peg --path builtin:peg-hole
+    ends_soon $kind verify $kind
+    ends_soon $kind import ct.nrrd --backend plugin:$kind --out o.nrrd
+    # A NRRD whose data lie elsewhere
+    printf 'NRRD0004\ntype: short\ndimension: 3\nsizes: 2 2 2\nencoding: raw\nendian: little\nspacings: 1 1 1\ndata file: %s\n' "$kind" >points.nhdr
+    ends_soon $kind import points.nhdr --out o.nrrd
+    # In place of a file of a bundle, of a shard and of a dump
+    for name in manifest.json audit.log protocol.json cases.jsonl report.html; do
+        rm -rf damaged
+        cp -r bundle damaged
+        rm "damaged/$name"
+        [ $kind = absent ] || cp -PR $kind "damaged/$name"
+        ends_soon damaged verify damaged
+        case $name in
+        protocol.json | cases.jsonl)
+            ends_soon "damaged/$name" diff damaged bundle
+            ends_soon "damaged/$name" diff bundle damaged
+            ;;
+        esac
+        rm -rf some
+        mkdir some
+        mv damaged some/1
+        ends_soon some validate --merge some --out merged
+    done
+    rm -f dump/dump.json
+    [ $kind = absent ] || ln -s "../$kind" dump/dump.json
+    ends_soon dump.json compare dump
+done
+checks=$((checks + 1))
+[ ! -e o.nrrd ] && [ ! -e o.png ] && [ ! -e merged ] || fail "an output was made of no regular file"
+
+# What works: a link to a file, and standard input where the shell redirects it from a file.
+ln -s ct.nrrd link.nrrd
+run 0 import link.nrrd --out again.nrrd
+cmp -s bone.nrrd again.nrrd || fail "a link to a file gives another bone"
+"$osteon" info /dev/stdin <ct.nrrd >out 2>err || fail "info of a redirected file: $(cat err)"
+# A pipe as standard input is refused, with what to do.
+cat ct.nrrd | "$osteon" info /dev/stdin >out 2>err
+check "status of a pipe" $? 2
+grep -q "save it to a file first" err || fail "a pipe: $(cat err)"
+finish
