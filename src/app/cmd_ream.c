@@ -122,7 +122,7 @@ static ost_status load_all(const app_state *app, const ream_args *args, job *j, 
 static ost_status plan_take(const app_state *app, const ream_args *args, job *j, ost_error *err)
 {
     ost_status status = glenoid_plan_find(app, &args->plan, NULL, NULL, &j->imported.meta, args->bone, args->debrief != NULL, &j->plan, &j->planned, err);
-    return status == OST_OK && args->debrief ? debrief_begin(j->bone, &j->plan, &j->debrief, err) : status;
+    return status == OST_OK && args->debrief ? debrief_begin(j->bone, &j->plan, j->tools, args->tools.count, &j->debrief, err) : status;
 }
 
 static ost_status record_begin(const ream_args *args, job *j, ost_error *err)

@@ -284,11 +284,14 @@ static ost_status debrief_take(const app_state *app, const replay_args *args, re
 {
     ost_metrics_plan plan;
     bool known;
+    int tools = 0;
     if (!args->debrief)
         return OST_OK;
     ost_status status = glenoid_plan_find(app, &args->plan, args->session, ost_session_header_of(r->session), &r->imported.meta, r->setup.bone, true, &plan,
                                   &known, err);
-    return status == OST_OK ? debrief_begin(r->bone, &plan, d, err) : status;
+    while (tools < OPTION_LIST_MAX && r->tools[tools])
+        tools++;
+    return status == OST_OK ? debrief_begin(r->bone, &plan, r->tools, tools, d, err) : status;
 }
 
 static ost_status film_take(const app_state *app, const replay_args *args, replay *r, replay_film **out, ost_error *err)

@@ -7,6 +7,7 @@
 
 #include "app/result.h"
 #include "app/say.h"
+#include "app/verdict.h"
 
 static ost_status take_bone(const ost_bone *bone, ost_volume *out, ost_error *err)
 {
@@ -17,10 +18,16 @@ static ost_status take_bone(const ost_bone *bone, ost_volume *out, ost_error *er
     return status == OST_OK ? ost_bone_download(bone, 0, info.geometry.dims.z, out->voxels, err) : status;
 }
 
-ost_status debrief_begin(const ost_bone *bone, const ost_metrics_plan *plan, debrief *out, ost_error *err)
+ost_status debrief_begin(const ost_bone *bone, const ost_metrics_plan *plan, ost_tool *const *tools, int count, debrief *out, ost_error *err)
 {
+    ost_status status = OST_OK;
     out->plan = *plan;
-    return take_bone(bone, &out->before, err);
+    out->tool_count = count < OST_WORLD_TOOLS_MAX ? count : OST_WORLD_TOOLS_MAX;
+    for (int i = 0; i < out->tool_count && status == OST_OK; i++) {
+        status = tool_shape_of(tools[i], &out->shapes[i], err);
+        out->tools[i] = out->shapes[i].is;
+    }
+    return status == OST_OK ? take_bone(bone, &out->before, err) : status;
 }
 
 void debrief_free(debrief *d)
@@ -39,18 +46,18 @@ ost_status debrief_tick(debrief *d, const ost_session_tick *t, ost_error *err)
         d->motion = grown;
         d->room = room;
     }
-    const ost_pose *p = &t->tick.pose;
-    const double w = p->qw / (double)OST_Q30_ONE, x = p->qx / (double)OST_Q30_ONE, y = p->qy / (double)OST_Q30_ONE, z = p->qz / (double)OST_Q30_ONE;
+    static const tool_shape unknown = {.is = {.kind = OST_METRICS_OTHER}};
+    const bool known = t->tick.tool >= 0 && t->tick.tool < d->tool_count;
     const double n[3] = {t->force_un[0] * 1e-6, t->force_un[1] * 1e-6, t->force_un[2] * 1e-6};
-    d->motion[d->count++] = (ost_motion){
+    ost_motion *m = &d->motion[d->count++];
+    *m = (ost_motion){
         .t_s = (double)t->tick.t_ns * 1e-9,
-        .mm = {ost_pm_to_mm(p->t.x), ost_pm_to_mm(p->t.y), ost_pm_to_mm(p->t.z)},
-        .axis = {-2 * (x * z + w * y), -2 * (y * z - w * x), -(1 - 2 * (x * x + y * y))},
         .force_n = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]),
         .removed = t->removed,
         .touched = t->touched,
         .tool = t->tick.tool,
     };
+    tool_shape_at(known ? &d->shapes[t->tick.tool] : &unknown, &t->tick.pose, m->mm, m->axis);
     return OST_OK;
 }
 
@@ -112,9 +119,12 @@ static void put_rim(json_t *o, const ost_metrics *m)
         put_real(o, "height_after_mm", m->height_after_mm);
 }
 
-static void put_json(const app_state *app, const debrief *d, const ost_metrics *m, const ost_density_classes *classes)
+static void put_json(const app_state *app, const debrief *d, const ost_metrics *m, const verdict *v, const ost_density_classes *classes)
 {
     json_t *o = json_object(), *by_class = json_object();
+    put_text(o, "verdict", v->line);
+    put_text(o, "grade", verdict_grades[v->grade]);
+    put_real(o, "times_aim", v->times);
     put_real(o, "planned_mm", d->plan.depth_mm);
     put_real(o, "removed_mm3", m->removed_mm3);
     for (int c = 0; c < classes->count; c++)
@@ -130,13 +140,18 @@ static void put_json(const app_state *app, const debrief *d, const ost_metrics *
     put_real(o, "plate_kept_percent", m->plate_kept_percent);
     put_rim(o, m);
     put_bool(o, "scapular", m->scapular);
-    if (m->scapular) {
-        put_real(o, "version_planned_deg", m->version_planned_deg);
-        put_real(o, "inclination_planned_deg", m->inclination_planned_deg);
-    }
-    if (m->scapular && m->sphere) {
+    put_real(o, "version_planned_deg", m->version_planned_deg);
+    put_real(o, "inclination_planned_deg", m->inclination_planned_deg);
+    put_bool(o, "reamed", m->reamed);
+    if (m->reamed) {
+        put_real(o, "reach_mm", m->reach_mm);
+        put_real(o, "depth_error_mm", m->reach_mm - d->plan.depth_mm);
+        put_real(o, "tilt_deg", m->tilt_deg);
+        put_real(o, "entry_mm", m->entry_mm);
         put_real(o, "version_deg", m->version_deg);
         put_real(o, "inclination_deg", m->inclination_deg);
+        put_real(o, "version_error_deg", m->version_error_deg);
+        put_real(o, "inclination_error_deg", m->inclination_error_deg);
     }
     if (d->count)
         put_technique(o, &d->technique);
@@ -144,16 +159,14 @@ static void put_json(const app_state *app, const debrief *d, const ost_metrics *
         put_real(o, "centre_depth_mm", m->centre_depth_mm);
         put_real(o, "sphere_mm", m->sphere_mm);
         put_real(o, "fit_rms_mm", m->fit_rms_mm);
-        put_real(o, "angle_deg", m->angle_deg);
-        put_real(o, "retroversion_deg", m->retroversion_deg);
-        put_real(o, "superior_deg", m->superior_deg);
         put_real(o, "contact_percent", m->contact_percent);
         put_real(o, "gap_max_mm", m->gap_max_mm);
     }
     put_bool(o, "hole", m->hole);
     if (m->hole) {
         put_real(o, "hole_depth_mm", m->hole_depth_mm);
-        put_real(o, "hole_diameter_mm", m->hole_diameter_mm);
+        if (!isnan(m->hole_diameter_mm))
+            put_real(o, "hole_diameter_mm", m->hole_diameter_mm);
         put_real(o, "hole_angle_deg", m->hole_angle_deg);
         put_real(o, "hole_entry_mm", m->hole_entry_mm);
         put_real(o, "hole_wall_mm", m->hole_wall_mm);
@@ -162,24 +175,22 @@ static void put_json(const app_state *app, const debrief *d, const ost_metrics *
     put(app->result, "metrics", o);
 }
 
-static void say_all(const app_state *app, const debrief *d, const ost_metrics *m)
+static void say_all(const app_state *app, const debrief *d, const ost_metrics *m, const verdict *v)
 {
+    say(app, "  %s", v->line);
     if (m->floor_mm2 > 0)
-        say(app, "  floor: %.0f mm2, %.1f mm deep on average, %.1f at most; %.0f mm3 deeper than planned (%.1f mm and a margin of 1)", m->floor_mm2,
+        say(app, "  floor: %.0f mm2, %.1f mm deep on average, %.1f at most; over-reaming %.0f mm3, deeper than %.1f mm and a margin of 1", m->floor_mm2,
             m->depth_mean_mm, m->depth_max_mm, m->over_mm3, d->plan.depth_mm);
+    if (m->reamed)
+        say(app, "  version %+.1f degrees, planned %+.1f; inclination %+.1f, planned %+.1f (retroversion and superior are positive%s)", m->version_deg,
+            m->version_planned_deg, m->inclination_deg, m->inclination_planned_deg, m->scapular ? "" : "; in the CT's planes");
     if (m->sphere)
-        say(app, "  direction: %.1f degrees off the plan (retroversion %+.1f, superior %+.1f); seat: %.0f %% contact, gap up to %.1f mm", m->angle_deg,
-            m->retroversion_deg, m->superior_deg, m->contact_percent, m->gap_max_mm);
-    if (m->sphere && m->scapular)
-        say(app, "  in the scapula's frame: version %.1f degrees and inclination %.1f, planned were %.1f and %.1f (retroversion and superior are positive)",
-            m->version_deg, m->inclination_deg, m->version_planned_deg, m->inclination_planned_deg);
+        say(app, "  backing contact %.0f %%, gap up to %.1f mm", m->contact_percent, m->gap_max_mm);
     if (m->rim_seen_percent > 0)
         say(app, "  rim: lowered by more than 1 mm on %.0f %% of what is seen of it", m->rim_lowered_percent);
-    if (m->plate_mm3 > 0)
-        say(app, "  hard bone under the floor: %.0f %% kept", m->plate_kept_percent);
     if (m->hole)
-        say(app, "  hole: %.1f mm deep, %.1f mm wide, %.1f degrees and %.1f mm off the plan; %s", m->hole_depth_mm, m->hole_diameter_mm,
-            m->hole_angle_deg, m->hole_entry_mm, m->hole_breach ? "IT IS OPEN TO THE OUTSIDE" : m->hole_wall_mm < 5.9 ? "its wall holds" : "6 mm of bone around it, or more");
+        say(app, "  peg hole: %.1f mm deep, axis tilt %.1f degrees, entry %.1f mm off; %s", m->hole_depth_mm, m->hole_angle_deg, m->hole_entry_mm,
+            m->hole_breach ? "IT IS OPEN TO THE OUTSIDE" : m->hole_wall_mm < 5.9 ? "its wall holds" : "6 mm of bone around it, or more");
 }
 
 ost_status debrief_end(const app_state *app, debrief *d, const ost_bone *bone, const ost_density_classes *classes, const char *name,
@@ -192,13 +203,16 @@ ost_status debrief_end(const app_state *app, debrief *d, const ost_bone *bone, c
     if (status == OST_OK)
         status = take_bone(bone, &after, err);
     if (status == OST_OK)
-        status = ost_metrics_make(&d->before, &after, info.threshold, classes, &d->plan, m, err);
+        status = ost_metrics_make(&d->before, &after, info.threshold, classes, &d->plan,
+                                  &(ost_metrics_motion){d->tools, d->tool_count, d->motion, d->count}, m, err);
     if (status == OST_OK)
         status = ost_technique_make(d->motion, d->count, &d->plan, &d->technique, err);
     if (status == OST_OK) {
-        put_json(app, d, m, classes);
-        say_all(app, d, m);
-        status = debrief_page(file, name, d, &after, classes, info.threshold, m, err);
+        verdict v;
+        verdict_make(d, m, &v);
+        put_json(app, d, m, &v, classes);
+        say_all(app, d, m, &v);
+        status = debrief_page(file, name, d, &after, classes, info.threshold, m, &v, err);
     }
     if (status == OST_OK) {
         put_text(app->result, "debrief", file);

@@ -12,16 +12,22 @@
 
 #include <osteon/metrics.h>
 
+#include "app/tool_shape.h"
+
 /* Zero-initialise; debrief_free in any case. */
 typedef struct debrief {
     ost_volume before;
     ost_metrics_plan plan;
+    tool_shape shapes[OST_WORLD_TOOLS_MAX];
+    ost_metrics_tool tools[OST_WORLD_TOOLS_MAX];
+    int tool_count;
     ost_motion *motion; /* owned; of each tick */
     size_t count, room;
     ost_technique technique;
 } debrief;
 
-ost_status debrief_begin(const ost_bone *bone, const ost_metrics_plan *plan, debrief *out, ost_error *err);
+/* tools: those that ticks will name, as many as count says. */
+ost_status debrief_begin(const ost_bone *bone, const ost_metrics_plan *plan, ost_tool *const *tools, int count, debrief *out, ost_error *err);
 /* What a tick was, in order. */
 ost_status debrief_tick(debrief *d, const ost_session_tick *tick, ost_error *err);
 /* Those of a session's first count ticks. */
@@ -32,7 +38,8 @@ ost_status debrief_end(const app_state *app, debrief *d, const ost_bone *bone, c
 void debrief_free(debrief *d);
 
 /* debrief_html.c */
+struct verdict;
 ost_status debrief_page(const char *file, const char *name, const debrief *d, const ost_volume *after, const ost_density_classes *classes,
-                        int threshold, const ost_metrics *m, ost_error *err);
+                        int threshold, const ost_metrics *m, const struct verdict *v, ost_error *err);
 
 #endif

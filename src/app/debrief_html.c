@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The page, for one sheet of paper: the verdict in words, each figure beside
- * what was planned, what is aimed at and what the literature knows; pictures
+ * The page, for one sheet of paper: the verdict in one line (verdict.c), each
+ * figure beside what was planned, what is aimed at and what the literature knows; pictures
  * (debrief_plots.c); how the hand went; what was not measured.
  *
  * Colours are told apart by people who see red and green alike, and each has a
@@ -15,6 +15,7 @@
 #include <string.h>
 
 #include "app/debrief_plots.h"
+#include "app/verdict.h"
 
 static const char head[] =
     "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\"><title>Debrief</title>\n<style>\n"
@@ -38,122 +39,20 @@ static const char head[] =
     "*{-webkit-print-color-adjust:exact;print-color-adjust:exact}}\n"
     "</style></head><body>\n";
 
-typedef enum level { GOOD, WATCH, BAD, NONE } level;
 static const char *const level_class[] = {"good", "watch", "bad", ""};
 static const char *const level_sign[] = {"&#10003;", "&#9650;", "&#10007;", ""};
 static const char *const level_word[] = {"within the aim", "to be looked at", "beyond the aim", ""};
 
-enum { REMARKS = 12, REMARK = 160 };
-
-/* What the verdict says comes of the rows: they are judged first, and written afterwards. */
-typedef struct verdict {
-    level worst;
-    int count;
-    char remark[REMARKS][REMARK];
-    level of[REMARKS];
-} verdict;
-
-static level judge(double value, double good, double watch)
+static void say_verdict(html_page *p, const verdict *v)
 {
-    return fabs(value) <= good ? GOOD : fabs(value) <= watch ? WATCH : BAD;
-}
-
-static void notice(verdict *v, level l, const char *format, ...) OST_PRINTF(3, 4);
-
-static void notice(verdict *v, level l, const char *format, ...)
-{
-    va_list args;
-    if (l == GOOD || l == NONE)
-        return;
-    v->worst = l > v->worst ? l : v->worst;
-    if (v->count == REMARKS)
-        return;
-    v->of[v->count] = l;
-    va_start(args, format);
-    vsnprintf(v->remark[v->count++], REMARK, format, args);
-    va_end(args);
-}
-
-/* ---------------------------------------------------------------- judgement */
-
-typedef struct levels {
-    level angle, version, inclination, depth, over, plate, contact, gap, hole_angle, hole_entry, wall, plunge;
-} levels;
-
-enum { AIM_DEG = 2, WATCH_DEG = 5, PLATE_GOOD = 50, PLATE_WATCH = 25 };
-
-static levels judge_all(const debrief *d, const ost_metrics *m, verdict *v)
-{
-    levels l = {NONE, NONE, NONE, NONE, NONE, NONE, NONE, NONE, NONE, NONE, NONE, NONE};
-    if (m->sphere) {
-        const double off = m->centre_depth_mm - d->plan.depth_mm;
-        l.angle = judge(m->angle_deg, AIM_DEG, WATCH_DEG);
-        notice(v, l.angle, "The face points %.1f&deg; away from the plan; the aim is %d&deg;.", m->angle_deg, AIM_DEG);
-        if (m->scapular) {
-            l.version = judge(m->version_deg - m->version_planned_deg, AIM_DEG, WATCH_DEG);
-            l.inclination = judge(m->inclination_deg - m->inclination_planned_deg, AIM_DEG, WATCH_DEG);
-        } else {
-            l.version = judge(m->retroversion_deg, AIM_DEG, WATCH_DEG);
-            l.inclination = judge(m->superior_deg, AIM_DEG, WATCH_DEG);
-        }
-        l.depth = judge(off, 0.5, 1);
-        notice(v, l.depth, "At the centre it is %.1f mm %s than planned; the aim is 0.5 mm.", fabs(off), off > 0 ? "deeper" : "shallower");
-        l.contact = m->contact_percent >= 90 ? GOOD : m->contact_percent >= 75 ? WATCH : BAD;
-        notice(v, l.contact, "An implant would touch %.0f %% of its seat; the aim is 90 %%.", m->contact_percent);
-        l.gap = judge(m->gap_max_mm, 1, 2);
-        notice(v, l.gap, "Its widest gap would be %.1f mm; the aim is 1 mm.", m->gap_max_mm);
-    }
-    if (m->floor_mm2 > 0) {
-        l.over = judge(m->over_mm3, 20, 100);
-        notice(v, l.over, "%.0f mm&sup3; were taken more than 1 mm deeper than planned, down to %.1f mm below the plan.", m->over_mm3, m->over_max_mm);
-    }
-    if (m->plate_mm3 > 0) {
-        l.plate = m->plate_kept_percent >= PLATE_GOOD ? GOOD : m->plate_kept_percent >= PLATE_WATCH ? WATCH : BAD;
-        notice(v, l.plate, "Of the subchondral bone only %.0f %% are kept.", m->plate_kept_percent);
-    }
-    if (m->hole) {
-        l.hole_angle = judge(m->hole_angle_deg, AIM_DEG, WATCH_DEG);
-        notice(v, l.hole_angle, "The peg hole is %.1f&deg; off the planned axis; the aim is %d&deg;.", m->hole_angle_deg, AIM_DEG);
-        l.hole_entry = judge(m->hole_entry_mm, 1, 2);
-        notice(v, l.hole_entry, "The peg hole begins %.1f mm off the planned centre; the aim is 1 mm.", m->hole_entry_mm);
-        l.wall = m->hole_breach ? BAD : m->hole_wall_mm < 2 ? WATCH : GOOD;
-        if (m->hole_breach)
-            notice(v, BAD, "The peg hole breaks through the wall of the vault.");
-        else
-            notice(v, l.wall, "Only %.1f mm of bone are left between the peg hole and the wall of the vault.", m->hole_wall_mm);
-    }
-    if (d->count) {
-        l.plunge = d->technique.plunges ? WATCH : GOOD;
-        notice(v, l.plunge, "The tool plunged %d time%s, %.1f mm at the most.", d->technique.plunges, d->technique.plunges == 1 ? "" : "s",
-               d->technique.plunge_mm);
-    }
-    return l;
-}
-
-static void say_verdict(html_page *p, const debrief *d, const ost_metrics *m, const verdict *v)
-{
-    static const char *const heading[] = {"All figures are within their aims.", "Near the plan; some figures are to be looked at.", "Not as planned."};
-    html_print(p, "<div class=\"verdict %s\"><b>%s %s</b>\n<p>", level_class[v->worst], level_sign[v->worst], heading[v->worst]);
-    if (m->sphere) {
-        const double off = m->centre_depth_mm - d->plan.depth_mm;
-        html_print(p, "Reamed %.1f&deg; and %.1f mm off the plan", m->angle_deg, fabs(off));
-    } else if (m->floor_mm2 > 0)
-        html_text(p, "Too little of the face was bared to say which way it points");
-    else
-        html_text(p, "The face was not reamed");
-    if (m->plate_mm3 > 0)
-        html_print(p, "; subchondral bone %.0f %% kept", m->plate_kept_percent);
-    if (m->hole && m->hole_breach)
-        html_text(p, "; peg hole through the wall of the vault");
-    else if (m->hole)
-        html_print(p, "; peg hole inside the bone, %.1f mm%s from its wall", m->hole_wall_mm, m->hole_wall_mm > 5.99 ? " or more" : "");
-    else
-        html_text(p, "; no peg hole");
-    html_text(p, ".</p>");
+    html_print(p, "<div class=\"verdict %s\"><b>%s ", level_class[v->worst], level_sign[v->worst]);
+    html_escaped(p, v->line);
+    html_text(p, "</b>\n");
     if (v->count)
         html_text(p, "<ul>");
     for (int i = 0; i < v->count; i++)
-        html_print(p, "<li><span class=\"%s\">%s</span> %s</li>\n", level_class[v->of[i]], level_sign[v->of[i]], v->remark[i]);
+        html_print(p, "<li><span class=\"%s\">%s</span> %c%s.</li>\n", level_class[v->of[i]], level_sign[v->of[i]], v->remark[i][0] - (v->remark[i][0] >= 'a' ? 32 : 0),
+                   v->remark[i] + 1);
     html_text(p, v->count ? "</ul></div>\n" : "</div>\n");
 }
 
@@ -179,36 +78,42 @@ static const char *number(char text[CELL], const char *format, ...)
     return text;
 }
 
-static void face_table(html_page *p, const debrief *d, const ost_metrics *m, const levels *l)
+/* Without the sign of what is written as zero. */
+static double plain(double value)
+{
+    return fabs(value) < 0.05 ? 0 : value;
+}
+
+static void face_table(html_page *p, const debrief *d, const ost_metrics *m, const verdict *l)
 {
     char a[CELL], b[CELL], text[REMARK];
     html_text(p, "<h2>Against the plan</h2>\n<table><tr><th></th><th class=\"n\">got</th><th class=\"n\">plan</th><th>aim</th><th>known</th></tr>\n");
-    if (m->sphere && m->scapular) {
-        row(p, l->version, "Version, retroversion +", number(a, "%+.1f", m->version_deg), number(b, "%+.1f", m->version_planned_deg), "&deg;", "plan &plusmn; 2",
-            "native: 2.1, from 16.7 retro to 11.6 ante [1]; from 15 on a peg leaves the vault [2]");
-        row(p, l->inclination, "Inclination, superior +", number(a, "%+.1f", m->inclination_deg), number(b, "%+.1f", m->inclination_planned_deg), "&deg;",
-            "plan &plusmn; 2", "elderly donors: 8.4 [3]");
-    } else if (m->sphere) {
-        row(p, l->version, "Toward retroversion", number(a, "%+.1f", m->retroversion_deg), "", "&deg;", "&plusmn; 2", "in the CT's axial plane, off the plan");
-        row(p, l->inclination, "Toward superior", number(a, "%+.1f", m->superior_deg), "", "&deg;", "&plusmn; 2", "in the CT's coronal plane, off the plan");
-    }
-    if (m->sphere) {
-        row(p, l->angle, "Direction, off the plan", number(a, "%.1f", m->angle_deg), "0", "&deg;", "2 or less", "surgeons on a simulator: within 1 [4]");
-        row(p, l->depth, "Depth at the centre", number(a, "%.1f", m->centre_depth_mm), number(b, "%.1f", d->plan.depth_mm), "mm", "plan &plusmn; 0.5", "cartilage 2, subchondral plate 1.2 to 2.9 [5]");
+    if (m->reamed) {
+        const char *frame = m->scapular ? "" : "in the CT's planes, not in the scapula's frame";
+        row(p, l->depth, "Depth of reaming", number(a, "%.1f", m->reach_mm), number(b, "%.1f", d->plan.depth_mm), "mm", "plan &plusmn; 0.5",
+            "cartilage 2, subchondral plate 1.2 to 2.9 [5]");
+        row(p, l->tilt, "Axis tilt", number(a, "%.1f", m->tilt_deg), "0", "&deg;", "2 or less", "surgeons on a simulator: within 1 [4]");
+        row(p, l->entry, "Entry, off the planned centre", number(a, "%.1f", m->entry_mm), "0", "mm", "1 or less", "where the reamer's axis passes through the face");
+        row(p, NONE, "Version, retroversion +", number(a, "%+.1f", plain(m->version_deg)), number(b, "%+.1f", plain(m->version_planned_deg)), "&deg;", "",
+            m->scapular ? "native: 2.1, from 16.7 retro to 11.6 ante [1]; from 15 on a peg leaves the vault [2]" : frame);
+        row(p, l->version, "Version, error", number(a, "%+.1f", plain(m->version_error_deg)), "0", "&deg;", "&plusmn; 2", "");
+        row(p, NONE, "Inclination, superior +", number(a, "%+.1f", plain(m->inclination_deg)), number(b, "%+.1f", plain(m->inclination_planned_deg)), "&deg;", "",
+            m->scapular ? "elderly donors: 8.4 [3]" : frame);
+        row(p, l->inclination, "Inclination, error", number(a, "%+.1f", plain(m->inclination_error_deg)), "0", "&deg;", "&plusmn; 2", "");
     }
     if (m->floor_mm2 > 0) {
         snprintf(text, sizeof text, "%.1f / %.1f", m->depth_mean_mm, m->depth_max_mm);
-        row(p, NONE, "Depth, mean / most", text, "", "mm", "", "below the old surface, along the axis");
-        snprintf(text, sizeof text, "%.1f %% of the floor; down to %.1f mm below the plan", m->over_percent, m->over_max_mm);
-        row(p, l->over, "Over-reamed, by more than 1 mm", number(a, "%.0f", m->over_mm3), "0", "mm&sup3;", "20 or less", text);
+        row(p, NONE, "Depth of the cut, mean / most", text, "", "mm", "", "below the native face, along the planned axis");
     }
+    snprintf(text, sizeof text, "more than 1 mm deeper than planned; %.1f %% of the floor, down to %.1f mm below the plan", m->over_percent, m->over_max_mm);
+    row(p, l->over, "Over-reaming", number(a, "%.0f", m->over_mm3), "0", "mm&sup3;", "20 or less", text);
     if (m->plate_mm3 > 0)
         row(p, l->plate, "Subchondral bone kept", number(a, "%.0f", m->plate_kept_percent), "", "%", "50 or more", "650 HU or more, to 4.5 mm deep; it carries the implant [6]");
     if (m->sphere) {
         snprintf(text, sizeof text, "within 0.5 mm of a back of radius %.1f mm", m->sphere_mm);
-        row(p, l->contact, "Seat: contact", number(a, "%.0f", m->contact_percent), "", "%", "90 or more", text);
+        row(p, l->contact, "Backing contact", number(a, "%.0f", m->contact_percent), "", "%", "90 or more", text);
         snprintf(text, sizeof text, "%.1f / %.2f", m->gap_max_mm, m->fit_rms_mm);
-        row(p, l->gap, "Seat: widest gap / rms", text, "", "mm", "1 or less", "reamed by hand or power: median 0.08 to 0.11 [7]");
+        row(p, l->gap, "Backing: widest gap / rms", text, "", "mm", "1 or less", "reamed by hand or power: median 0.08 to 0.11 [7]");
     }
     if (m->rim_seen_percent > 0) {
         snprintf(text, sizeof text, "most: %.1f mm", m->rim_lowered_mm);
@@ -223,12 +128,15 @@ static void face_table(html_page *p, const debrief *d, const ost_metrics *m, con
         }
     }
     if (m->hole) {
-        row(p, l->hole_angle, "Peg hole: direction, off the plan", number(a, "%.1f", m->hole_angle_deg), "0", "&deg;", "2 or less", "");
-        row(p, l->hole_entry, "Peg hole: entry, off the plan", number(a, "%.1f", m->hole_entry_mm), "0", "mm", "1 or less", "on the old face");
-        snprintf(text, sizeof text, "%.1f / %.1f", m->hole_depth_mm, m->hole_diameter_mm);
-        row(p, NONE, "Peg hole: depth / width", text, "", "mm", "", "from the old face");
+        row(p, l->hole_angle, "Peg hole: axis tilt", number(a, "%.1f", m->hole_angle_deg), "0", "&deg;", "2 or less", "");
+        row(p, l->hole_entry, "Peg hole: entry, off the plan", number(a, "%.1f", m->hole_entry_mm), "0", "mm", "1 or less", "on the native face");
+        if (isnan(m->hole_diameter_mm))
+            snprintf(text, sizeof text, "%.1f / unknown", m->hole_depth_mm);
+        else
+            snprintf(text, sizeof text, "%.1f / %.1f", m->hole_depth_mm, m->hole_diameter_mm);
+        row(p, NONE, "Peg hole: depth / width", text, "", "mm", "", "below the native face");
         row(p, l->wall, "Peg hole: bone to the wall", m->hole_breach ? "perforated" : number(a, "%.1f%s", m->hole_wall_mm, m->hole_wall_mm > 5.99 ? " or more" : ""), "",
-            m->hole_breach ? "" : "mm", "2 or more", "thinnest, 5 mm or more below the face");
+            m->hole_breach ? "" : "mm", "2 or more", "thinnest, 6 mm or more below the face");
     }
     html_text(p, "</table>\n");
 }
@@ -245,7 +153,7 @@ static void fact(html_page *p, level l, const char *what, const char *format, ..
     html_print(p, "<tr><td>%s</td><td class=\"n %s\">%s %s</td></tr>\n", what, level_class[l], level_sign[l], text);
 }
 
-static void technique_table(html_page *p, const debrief *d, const levels *l)
+static void technique_table(html_page *p, const debrief *d, const verdict *l)
 {
     const ost_technique *t = &d->technique;
     html_text(p, "<div><h2>Technique</h2>\n");
@@ -260,12 +168,12 @@ static void technique_table(html_page *p, const debrief *d, const levels *l)
     fact(p, NONE, "Tilt in contact, mean; most", "%.1f&deg;; %.1f&deg;", t->tilt_mean_deg, t->tilt_max_deg);
     fact(p, NONE, "Fastest inward in contact", "%.0f mm/s", t->inward_max_mm_s);
     if (t->plunges)
-        fact(p, l->plunge, "Plunges, faster than 20 mm/s", "%d, to %.1f mm", t->plunges, t->plunge_mm);
+        fact(p, l->plunge, "Plunges, faster than 25 mm/s", "%d, to %.1f mm", t->plunges, t->plunge_mm);
     else
-        fact(p, l->plunge, "Plunges, faster than 20 mm/s", "none");
+        fact(p, l->plunge, "Plunges, faster than 25 mm/s", "none");
     if (t->felt) {
-        fact(p, NONE, "Force on the hand, mean; 95 %", "%.2f N; %.2f N", t->force_mean_n, t->force_p95_n);
-        fact(p, NONE, "Force on the hand, most", "%.2f N", t->force_max_n);
+        fact(p, NONE, "Hand force, mean; 95 %", "%.2f N; %.2f N", t->force_mean_n, t->force_p95_n);
+        fact(p, NONE, "Hand force, most", "%.2f N", t->force_max_n);
     }
     html_text(p, "</table></div>\n");
 }
@@ -284,8 +192,10 @@ static void removed_table(html_page *p, const ost_density_classes *classes, cons
 static void not_measured(html_page *p, const debrief *d, const ost_metrics *m)
 {
     html_text(p, "<p><small><b>Not measured:</b> how the implant is turned about its axis; soft tissue; the bone's strength beyond its HU");
+    if (!m->reamed)
+        html_text(p, "; depth, tilt and entry of reaming, since no reamer removed bone");
     if (!m->sphere)
-        html_text(p, "; the face's direction, since less than 50 mm&sup2; were bared");
+        html_text(p, "; backing contact, since less than 50 mm&sup2; were bared");
     if (!m->scapular)
         html_text(p, "; version and inclination in the scapula's own frame, since its landmarks are not known (--trigonum, --inferior-angle): angles are in the CT's planes");
     if (m->rim_seen_percent < 99.9)
@@ -298,34 +208,32 @@ static void not_measured(html_page *p, const debrief *d, const ost_metrics *m)
 }
 
 static const char sources[] =
-    "<p><small><b>How it is measured:</b> direction is that from the centre of the sphere fitted to the bared floor to the planned centre; version and "
-    "inclination are in the scapula's frame (trigonum, inferior angle, centre of the glenoid). Numbers hold to about a voxel and half a degree; on CT, "
-    "version itself is known to 3 or 4&deg; [9]. For training; this is no medical device.</small></p>\n"
+    "<p><small><b>How it is measured:</b> depth, tilt and entry are of the reamer's axis where it was deepest; version and "
+    "inclination are that axis in the scapula's frame (trigonum, inferior angle, centre of the glenoid). Angles hold to 0.1&deg;, lengths to 0.1 mm and half a "
+    "voxel of the tool, volumes to the bone's voxels; on CT, version itself is known to 3 or 4&deg; [9]. For training; this is no medical device.</small></p>\n"
     "<p><small><b>Known from:</b> [1] 104 shoulders on CT, at mid height, BMC Musculoskelet Disord 2016, 10.1186/s12891-016-1381-4. [2] Clavert et al. 2007: 15&deg; of "
     "retroversion corrected by reaming, the peg left the vault in all five. [3] 19 donors, mean age 81, retroversion 5.2&deg;, BMC Musculoskelet Disord 2021, "
     "10.1186/s12891-021-04660-4. [4] Axford, thesis 2019. [5] Frich: mean 1.9 mm. [6] Stephens et al., review in JBJS: ream 10 to 15&deg; at most, keep subchondral bone. "
     "[7] deviation from a sphere of 40 mm: reamers by hand, power, Marksman (SiftDesk). [8] 501 scapulae, Folia Morphol 2023; 82: 325. [9] Robertson et al. 2022.</small></p>\n";
 
 ost_status debrief_page(const char *file, const char *name, const debrief *d, const ost_volume *after, const ost_density_classes *classes,
-                        int threshold, const ost_metrics *m, ost_error *err)
+                        int threshold, const ost_metrics *m, const verdict *v, ost_error *err)
 {
     html_page p = {.err = err};
-    verdict v = {.worst = GOOD};
     p.status = ost_outfile_open(file, &p.file, err);
     if (p.status != OST_OK)
         return p.status;
-    const levels l = judge_all(d, m, &v);
     html_text(&p, head);
+    say_verdict(&p, v);
     html_text(&p, "<h1>Debrief: ");
     html_escaped(&p, name);
     html_print(&p, "</h1>\n<p class=\"soft\">Glenoid of the %s shoulder; planned: %.1f mm deep at its centre. <span class=\"good\">&#10003; within the aim</span>, "
                    "<span class=\"watch\">&#9650; to be looked at</span>, <span class=\"bad\">&#10007; beyond the aim</span>.</p>\n",
                d->plan.left ? "left" : "right", d->plan.depth_mm);
-    say_verdict(&p, d, m, &v);
     html_text(&p, "<div class=\"cols main\"><div>\n");
-    face_table(&p, d, m, &l);
+    face_table(&p, d, m, v);
     html_text(&p, "<div class=\"cols two\">\n");
-    technique_table(&p, d, &l);
+    technique_table(&p, d, v);
     removed_table(&p, classes, m);
     html_text(&p, "</div></div><div>\n");
     debrief_depth_map(&p, d, m);

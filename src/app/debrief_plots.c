@@ -40,18 +40,13 @@ static const char *left_of(const debrief *d)
 typedef enum shade { NOTHING, SHADED, BEYOND, HOLE } shade;
 enum { STEPS = 24 };
 
-static bool in_hole(const debrief *d, const ost_metrics *m, int i)
-{
-    return !isnan(m->depth_mm[i]) && (isnan(m->after_mm[i]) || (double)m->after_mm[i] > d->plan.depth_mm + 3);
-}
-
 /* Cells beside it have a part of it. */
-static bool at_hole(const debrief *d, const ost_metrics *m, int i)
+static bool at_hole(const ost_metrics *m, int i)
 {
     for (int dy = -1; dy <= 1; dy++)
         for (int dx = -1; dx <= 1; dx++) {
             const int x = i % MAP + dx, y = i / MAP + dy;
-            if (x >= 0 && y >= 0 && x < MAP && y < MAP && in_hole(d, m, x + MAP * y))
+            if (x >= 0 && y >= 0 && x < MAP && y < MAP && m->drilled[x + MAP * y])
                 return true;
         }
     return false;
@@ -64,10 +59,10 @@ static shade shade_of(const debrief *d, const ost_metrics *m, int i, int *step)
     *step = 0;
     if (isnan(depth))
         return NOTHING;
-    if (in_hole(d, m, i))
+    if (m->drilled[i])
         return HOLE;
-    if (after > d->plan.depth_mm + 1)
-        return at_hole(d, m, i) ? HOLE : BEYOND;
+    if (isnan(after) || after > d->plan.depth_mm + 1)
+        return at_hole(m, i) ? HOLE : BEYOND;
     *step = (int)fmin(STEPS - 1, floor(depth / (d->plan.depth_mm + 1) * STEPS));
     return SHADED;
 }

@@ -43,7 +43,7 @@ static ost_status take_plan(const app_state *app, const sim_args *args, simulati
                                     .press_ticks = args->plan.target.press_ticks};
         memcpy(target->axis, s->plan.axis, sizeof target->axis);
     }
-    return status == OST_OK && args->debrief ? debrief_begin(s->bone, &s->plan, &s->debrief, err) : status;
+    return status == OST_OK && args->debrief ? debrief_begin(s->bone, &s->plan, s->tools, args->tools.count, &s->debrief, err) : status;
 }
 
 /* Some way above the middle of its top, pointing down. */

@@ -51,21 +51,3 @@ bool ost_fit_sphere(const double (*points)[3], size_t count, double centre[3], d
     *radius = square > 0 ? sqrt(square) : 0;
     return square > 0;
 }
-
-bool ost_fit_line(const double *x, const double *value, const double *weight, size_t count, double *at_0, double *slope)
-{
-    double w = 0, sx = 0, sv = 0, sxx = 0, sxv = 0;
-    for (size_t i = 0; i < count; i++) {
-        w += weight[i];
-        sx += weight[i] * x[i];
-        sv += weight[i] * value[i];
-        sxx += weight[i] * x[i] * x[i];
-        sxv += weight[i] * x[i] * value[i];
-    }
-    const double spread = w * sxx - sx * sx;
-    if (!(spread > 1e-12 * w * w))
-        return false;
-    *slope = (w * sxv - sx * sv) / spread;
-    *at_0 = (sv - *slope * sx) / w;
-    return true;
-}

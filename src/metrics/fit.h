@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Least squares: a sphere through points, a straight line over a parameter. */
+/* Least squares: a sphere through points. */
 #ifndef OST_METRICS_FIT_H
 #define OST_METRICS_FIT_H
 
@@ -8,7 +8,5 @@
 
 /* Algebraic: |p|^2 = 2 c.p + k is linear in c and k. False when the points do not fix a sphere. */
 bool ost_fit_sphere(const double (*points)[3], size_t count, double centre[3], double *radius);
-/* value = at_0 + slope * x, each point with a weight. False when all x are equal. */
-bool ost_fit_line(const double *x, const double *value, const double *weight, size_t count, double *at_0, double *slope);
 
 #endif

@@ -9,14 +9,15 @@
 #include "metrics/fit.h"
 #include "metrics/frame.h"
 #include "metrics/rim.h"
+#include "metrics/tool_way.h"
 
 enum { MAP = OST_METRICS_MAP, CELLS = MAP * MAP, SLABS = 64, HARD_HU = 650, FLOOR_MIN = 200, RIM = 2 };
 #define OUTSIDE_MM 12.0 /* a ray begins so far outside the face */
 #define INSIDE_MM 45.0
 #define PLATE_MM 4.5
 #define MARGIN_MM 1.0
-#define HOLE_MM 3.0     /* so much deeper than planned is no floor but a hole */
-#define ENTRY_MM 5.0
+#define WINDOW_MM 0.5   /* a reamer's axis is that of its deepest half millimetre */
+#define ENTRY_MM 6.0      /* as WALL_MM: nearer to the face the outside in front would count */
 #define WALL_MM 6.0
 #define DEG (180 / 3.14159265358979323846)
 
@@ -25,10 +26,11 @@ typedef struct work {
     int threshold;
     const ost_metrics_plan *plan;
     ost_metrics *out;
-    double spacing, origin[3], at[3], u[3], v[3], w[3];
+    double spacing, origin[3];
+    ost_plan_frame frame;
     int32_t dims[3];
-    ost_scapular frame; /* when out->scapular */
-    double bottom; /* below it, along w, a removed voxel is the hole's */
+    ost_scapular scapular; /* when out->scapular */
+    uint8_t *mark; /* owned; voxels that a drill could have removed; NULL: no drill */
     double (*floor)[3]; /* owned; points of the floor, in u, v, w */
     size_t floor_count;
 } work;
@@ -52,7 +54,7 @@ static void cross(const double a[3], const double b[3], double out[3])
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-static ost_status set_up(work *k, ost_error *err)
+static ost_status set_up(work *k, const ost_metrics_motion *motion, ost_error *err)
 {
     const ost_geometry *g = &k->before->geometry, *h = &k->after->geometry;
     if (memcmp(&g->dims, &h->dims, sizeof g->dims) != 0 || memcmp(&g->spacing, &h->spacing, sizeof g->spacing) != 0 ||
@@ -67,19 +69,24 @@ static ost_status set_up(work *k, ost_error *err)
     const int32_t dims[3] = {g->dims.x, g->dims.y, g->dims.z};
     for (int a = 0; a < 3; a++) {
         k->origin[a] = ost_pm_to_mm(origin[a]);
-        k->at[a] = ost_pm_to_mm(at[a]);
+        k->frame.at[a] = ost_pm_to_mm(at[a]);
         k->dims[a] = dims[a];
-        k->w[a] = k->plan->axis[a];
+        k->frame.w[a] = k->plan->axis[a];
     }
-    unit(k->w);
+    unit(k->frame.w);
     /* v as far up as it can be, or forward where the axis is upright. */
-    const double up[3] = {0, fabs(k->w[2]) > 0.9 ? -1 : 0, fabs(k->w[2]) > 0.9 ? 0 : 1};
-    cross(up, k->w, k->u);
-    unit(k->u);
-    cross(k->w, k->u, k->v);
-    k->bottom = k->plan->depth_mm + HOLE_MM;
+    const double up[3] = {0, fabs(k->frame.w[2]) > 0.9 ? -1 : 0, fabs(k->frame.w[2]) > 0.9 ? 0 : 1};
+    cross(up, k->frame.w, k->frame.u);
+    unit(k->frame.u);
+    cross(k->frame.w, k->frame.u, k->frame.v);
+    bool drill = false;
+    for (int i = 0; motion && i < motion->tool_count; i++)
+        drill |= motion->tools[i].kind == OST_METRICS_DRILL;
     k->floor = malloc(CELLS * sizeof *k->floor);
-    return k->floor ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for metrics");
+    k->mark = drill ? calloc((size_t)ost_dims_count(g->dims), 1) : NULL;
+    if (k->mark)
+        ost_tool_way_mark(motion, g, k->mark);
+    return k->floor && (k->mark || !drill) ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for metrics");
 }
 
 static int64_t index_of(const work *k, const int32_t v[3])
@@ -92,7 +99,7 @@ static int density_at(const work *k, const ost_volume *volume, double u, double 
 {
     int32_t at[3];
     for (int a = 0; a < 3; a++) {
-        const double i = floor((k->at[a] + u * k->u[a] + v * k->v[a] + w * k->w[a] - k->origin[a]) / k->spacing + 0.5);
+        const double i = floor((k->frame.at[a] + u * k->frame.u[a] + v * k->frame.v[a] + w * k->frame.w[a] - k->origin[a]) / k->spacing + 0.5);
         if (!(i >= 0 && i < k->dims[a]))
             return 0;
         at[a] = (int32_t)i;
@@ -136,7 +143,7 @@ static int ascending(const void *a, const void *b)
 
 static bool is_floor(const work *k, int i)
 {
-    return !isnan(k->out->depth_mm[i]) && (double)k->out->after_mm[i] <= k->bottom;
+    return !isnan(k->out->depth_mm[i]) && !isnan(k->out->after_mm[i]) && !k->out->drilled[i];
 }
 
 /* Keeps what has floor for RIM cells around: at the rim only cells show that happen to lie deep, and a fit would lean on them. */
@@ -154,23 +161,43 @@ static void leave_rim(work *k)
         }
 }
 
-static bool is_hole(const work *k, int i)
-{
-    return !isnan(k->out->depth_mm[i]) && !is_floor(k, i);
-}
-
 /* Some of its rays go down the hole, so that its mean is the depth of neither. */
 static bool at_hole(const work *k, int i)
 {
     const int x = i % MAP, y = i / MAP;
     for (int dy = -1; dy <= 1; dy++)
         for (int dx = -1; dx <= 1; dx++)
-            if (x + dx >= 0 && x + dx < MAP && y + dy >= 0 && y + dy < MAP && is_hole(k, x + dx + MAP * (y + dy)))
+            if (x + dx >= 0 && x + dx < MAP && y + dy >= 0 && y + dy < MAP && k->out->drilled[x + dx + MAP * (y + dy)])
                 return true;
     return false;
 }
 
-/* The maps, and the floor: cells that were bared and are no hole. */
+static bool is_drilled(const work *k, int64_t i)
+{
+    return k->mark && k->mark[i];
+}
+
+/* Cells through which a drill removed bone. */
+static void mark_cells(work *k)
+{
+    int64_t i = 0;
+    for (int32_t z = 0; k->mark && z < k->dims[2]; z++)
+        for (int32_t y = 0; y < k->dims[1]; y++)
+            for (int32_t x = 0; x < k->dims[0]; x++, i++) {
+                if (!k->mark[i] || k->before->voxels[i] < k->threshold || k->after->voxels[i] >= k->threshold)
+                    continue;
+                const double p[3] = {k->origin[0] + x * k->spacing - k->frame.at[0], k->origin[1] + y * k->spacing - k->frame.at[1],
+                                     k->origin[2] + z * k->spacing - k->frame.at[2]};
+                const int half = (int)ceil(k->spacing / OST_METRICS_PITCH_MM / 2);
+                const long u = lrint(dot(p, k->frame.u) / OST_METRICS_PITCH_MM) + MAP / 2, v = lrint(dot(p, k->frame.v) / OST_METRICS_PITCH_MM) + MAP / 2;
+                for (long b = v - half; b <= v + half; b++)
+                    for (long a = u - half; a <= u + half; a++)
+                        if (a >= 0 && b >= 0 && a < MAP && b < MAP)
+                            k->out->drilled[a + MAP * b] = true;
+            }
+}
+
+/* The maps, and the floor: cells that were bared and not by a drill. */
 static void look(work *k)
 {
     ost_metrics *o = k->out;
@@ -217,41 +244,52 @@ static void angles(const work *k, const double inward[3], double *back, double *
 static void fit_floor(work *k)
 {
     ost_metrics *o = k->out;
-    double c[3], radius;
+    double c[3], radius, gaps[CELLS];
     if (k->floor_count < FLOOR_MIN || !ost_fit_sphere((const double (*)[3])k->floor, k->floor_count, c, &radius) || c[2] > 0)
         return;
     double square = 0, contact = 0;
     for (size_t i = 0; i < k->floor_count; i++) {
         const double *p = k->floor[i], d[3] = {p[0] - c[0], p[1] - c[1], p[2] - c[2]}, gap = sqrt(dot(d, d)) - radius;
         square += gap * gap;
-        contact += fabs(gap) <= OST_METRICS_CONTACT_UM * 1e-3;
-        o->gap_max_mm = fmax(o->gap_max_mm, gap);
+        contact += fabs(gap) <= fmax(OST_METRICS_CONTACT_UM * 1e-3, 0.6 * k->spacing);
+        gaps[i] = gap;
     }
+    qsort(gaps, k->floor_count, sizeof gaps[0], ascending);
+    /* One cell in a hundred may show a voxel's edge. */
+    o->gap_max_mm = fmax(0, gaps[(k->floor_count - 1) * 99 / 100]);
     o->sphere = true;
     o->sphere_mm = radius;
     o->fit_rms_mm = sqrt(square / (double)k->floor_count);
     o->contact_percent = 100 * contact / (double)k->floor_count;
     o->centre_depth_mm = c[2] + sqrt(fmax(0, radius * radius - c[0] * c[0] - c[1] * c[1]));
-    /* From the sphere's centre to the plan's. */
-    double got[3], planned[2], found[2];
-    for (int a = 0; a < 3; a++)
-        got[a] = -(c[0] * k->u[a] + c[1] * k->v[a] + c[2] * k->w[a]);
-    unit(got);
-    o->angle_deg = acos(fmin(1, dot(got, k->w))) * DEG;
-    angles(k, k->w, &planned[0], &planned[1]);
-    angles(k, got, &found[0], &found[1]);
-    if (o->scapular)
-        ost_scapular_angles(&k->frame, got, &o->version_deg, &o->inclination_deg);
-    o->retroversion_deg = found[0] - planned[0];
-    o->superior_deg = found[1] - planned[1];
 }
 
-typedef struct slab {
-    double weight, u, v, w;
-} slab;
+/* What the reamer's poses say: depth, tilt and entry, and the directions as values and as errors. */
+static void measure_axis(work *k, const ost_metrics_motion *motion)
+{
+    ost_metrics *o = k->out;
+    const ost_tool_way way = motion ? ost_tool_way_of(motion, OST_METRICS_REAMER, &k->frame, WINDOW_MM) : (ost_tool_way){0};
+    o->scapular = ost_scapular_frame(k->plan, &k->scapular);
+    if (o->scapular)
+        ost_scapular_angles(&k->scapular, k->frame.w, &o->version_planned_deg, &o->inclination_planned_deg);
+    else
+        angles(k, k->frame.w, &o->version_planned_deg, &o->inclination_planned_deg);
+    if (!way.cut)
+        return;
+    o->reamed = true;
+    o->reach_mm = way.reach_mm;
+    o->tilt_deg = way.tilt_deg;
+    o->entry_mm = way.entry_mm;
+    if (o->scapular)
+        ost_scapular_angles(&k->scapular, way.axis, &o->version_deg, &o->inclination_deg);
+    else
+        angles(k, way.axis, &o->version_deg, &o->inclination_deg);
+    o->version_error_deg = o->version_deg - o->version_planned_deg;
+    o->inclination_error_deg = o->inclination_deg - o->inclination_planned_deg;
+}
 
-/* All voxels that went, by class and place; slabs of a millimetre of what lies deeper than the floor. */
-static ost_status count_voxels(work *k, const ost_density_classes *classes, slab slabs[SLABS], ost_error *err)
+/* All voxels that went, by class and place; slabs of a millimetre of what a drill removed. */
+static ost_status count_voxels(work *k, const ost_density_classes *classes, double slabs[SLABS], ost_error *err)
 {
     ost_metrics *o = k->out;
     const double mm3 = k->spacing * k->spacing * k->spacing, reach = MAP / 2 * OST_METRICS_PITCH_MM;
@@ -266,9 +304,9 @@ static ost_status count_voxels(work *k, const ost_density_classes *classes, slab
                 const bool gone = k->after->voxels[i] < k->threshold;
                 if (!gone && was < HARD_HU)
                     continue;
-                const double p[3] = {k->origin[0] + x * k->spacing - k->at[0], k->origin[1] + y * k->spacing - k->at[1],
-                                     k->origin[2] + z * k->spacing - k->at[2]};
-                const double u = dot(p, k->u), v = dot(p, k->v), w = dot(p, k->w);
+                const double p[3] = {k->origin[0] + x * k->spacing - k->frame.at[0], k->origin[1] + y * k->spacing - k->frame.at[1],
+                                     k->origin[2] + z * k->spacing - k->frame.at[2]};
+                const double u = dot(p, k->frame.u), v = dot(p, k->frame.v), w = dot(p, k->frame.w);
                 const bool on_map = fabs(u) <= reach && fabs(v) <= reach;
                 const int cell = on_map ? (int)lrint(u / OST_METRICS_PITCH_MM) + MAP / 2 + MAP * ((int)lrint(v / OST_METRICS_PITCH_MM) + MAP / 2) : 0;
                 if (on_map && was >= HARD_HU) {
@@ -285,14 +323,10 @@ static ost_status count_voxels(work *k, const ost_density_classes *classes, slab
                     c--;
                 o->removed_by_class_mm3[c] += mm3;
                 removed++;
-                if (w > k->bottom && (int)w < SLABS) {
-                    slab *s = &slabs[(int)w];
-                    s->weight += 1;
-                    s->u += u;
-                    s->v += v;
-                    s->w += w;
-                    o->hole_depth_mm = fmax(o->hole_depth_mm, w + k->spacing / 2);
-                } else if (w > k->plan->depth_mm + MARGIN_MM && (!on_map || is_floor(k, cell)))
+                if (is_drilled(k, i)) {
+                    if (w > 0 && (int)w < SLABS)
+                        slabs[(int)w] += mm3;
+                } else if (w > k->plan->depth_mm + MARGIN_MM)
                     o->over_mm3 += mm3;
             }
     o->removed_mm3 = (double)removed * mm3;
@@ -312,9 +346,9 @@ static double wall_of(const work *k)
             for (int32_t x = 0; x < k->dims[0]; x++, i++) {
                 if (k->before->voxels[i] < k->threshold || k->after->voxels[i] >= k->threshold)
                     continue;
-                const double p[3] = {k->origin[0] + x * k->spacing - k->at[0], k->origin[1] + y * k->spacing - k->at[1],
-                                     k->origin[2] + z * k->spacing - k->at[2]};
-                if (dot(p, k->w) < fmax(k->bottom, ENTRY_MM))
+                const double p[3] = {k->origin[0] + x * k->spacing - k->frame.at[0], k->origin[1] + y * k->spacing - k->frame.at[1],
+                                     k->origin[2] + z * k->spacing - k->frame.at[2]};
+                if (!is_drilled(k, i) || dot(p, k->frame.w) < ENTRY_MM)
                     continue;
                 for (int dz = -reach; dz <= reach; dz++)
                     for (int dy = -reach; dy <= reach; dy++)
@@ -332,58 +366,52 @@ static double wall_of(const work *k)
     return sqrt(nearest);
 }
 
-static void measure_hole(work *k, const slab slabs[SLABS])
+static void measure_hole(work *k, const ost_metrics_motion *motion, const double slabs[SLABS])
 {
     ost_metrics *o = k->out;
-    double w[SLABS], u[SLABS], v[SLABS], weight[SLABS], area = 0, at[2], slope[2], most = 0;
-    size_t count = 0, whole = 0;
-    for (int i = 0; i < SLABS; i++)
-        most = fmax(most, slabs[i].weight);
-    for (int i = 0; i < SLABS; i++) {
-        const slab *s = &slabs[i];
-        /* Slabs that are whole: the first and the last may not be, nor where the hole leaves the bone or the scan. */
-        if (s->weight <= 0.9 * most || i < k->bottom || i + 1 > o->hole_depth_mm)
-            continue;
-        w[count] = s->w / s->weight;
-        u[count] = s->u / s->weight;
-        v[count] = s->v / s->weight;
-        weight[count++] = s->weight;
-        area += s->weight * k->spacing * k->spacing * k->spacing;
-        whole++;
-    }
-    if (whole < 3 || !ost_fit_line(w, u, weight, count, &at[0], &slope[0]) || !ost_fit_line(w, v, weight, count, &at[1], &slope[1])) {
-        o->hole_depth_mm = 0;
+    const ost_tool_way way = k->mark ? ost_tool_way_of(motion, OST_METRICS_DRILL, &k->frame, INFINITY) : (ost_tool_way){0};
+    double sum = 0;
+    int complete = 0;
+    if (!way.cut || way.reach_mm <= 0)
         return;
+    /* Slabs below the reamed floor and above the tip; less than 0.9 of the largest is where the hole leaves the bone or the scan. */
+    const double from = fmax(o->reamed ? o->reach_mm : 0, 0) + 1;
+    double most = 0;
+    for (int i = (int)from; i < SLABS; i++)
+        most = fmax(most, slabs[i]);
+    for (int i = (int)from; i < SLABS && i + 1 <= way.reach_mm; i++) {
+        sum += slabs[i] > 0.9 * most ? slabs[i] : 0;
+        complete += slabs[i] > 0.9 * most;
     }
-    const double tilt = sqrt(slope[0] * slope[0] + slope[1] * slope[1]);
     o->hole = true;
-    o->hole_angle_deg = atan(tilt) * DEG;
-    o->hole_entry_mm = sqrt(at[0] * at[0] + at[1] * at[1]);
-    o->hole_diameter_mm = 2 * sqrt(area / (double)whole / sqrt(1 + tilt * tilt) / 3.14159265358979323846);
+    o->hole_depth_mm = way.reach_mm;
+    o->hole_angle_deg = way.tilt_deg;
+    o->hole_entry_mm = way.entry_mm;
+    o->hole_diameter_mm = complete ? 2 * sqrt(sum / complete * cos(way.tilt_deg / DEG) / 3.14159265358979323846) : NAN;
     o->hole_wall_mm = wall_of(k);
     /* A neighbour of the hole that never was bone. */
     o->hole_breach = o->hole_wall_mm < 1.01 * k->spacing;
 }
 
 ost_status ost_metrics_make(const ost_volume *before, const ost_volume *after, int threshold, const ost_density_classes *classes,
-                            const ost_metrics_plan *plan, ost_metrics *out, ost_error *err)
+                            const ost_metrics_plan *plan, const ost_metrics_motion *motion, ost_metrics *out, ost_error *err)
 {
     work k = {.before = before, .after = after, .threshold = threshold, .plan = plan, .out = out};
-    slab slabs[SLABS] = {{0}};
+    double slabs[SLABS] = {0};
     *out = (ost_metrics){0};
-    ost_status status = set_up(&k, err);
+    ost_status status = set_up(&k, motion, err);
     if (status == OST_OK) {
+        mark_cells(&k);
         look(&k);
         status = count_voxels(&k, classes, slabs, err);
     }
     if (status == OST_OK) {
-        out->scapular = ost_scapular_frame(plan, &k.frame);
-        if (out->scapular)
-            ost_scapular_angles(&k.frame, k.w, &out->version_planned_deg, &out->inclination_planned_deg);
+        measure_axis(&k, motion);
         fit_floor(&k);
-        measure_hole(&k, slabs);
+        measure_hole(&k, motion, slabs);
         ost_metrics_rim(out);
     }
     free(k.floor);
+    free(k.mark);
     return status;
 }

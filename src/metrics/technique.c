@@ -110,7 +110,8 @@ static void plunges(const ost_motion *m, size_t count, const bool *in, const dou
             out->plunges++;
             begun = depth[0];
         }
-        fast = speed > OST_PLUNGE_MM_S;
+        /* Ends well below where it begins: a speed that trembles about the limit is one plunge and not hundreds. */
+        fast = speed > (fast ? OST_PLUNGE_END_MM_S : OST_PLUNGE_MM_S);
         if (fast)
             out->plunge_mm = fmax(out->plunge_mm, depth[1] - begun);
     }

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Metrics against a bone whose cuts are known: a block with a flat face, a
- * sphere reamed into it along a tilted axis, and a hole drilled along another;
- * landmarks, a rim and a hand's way with closed forms of their own.
+ * sphere reamed into it along a tilted axis, and a hole drilled along another,
+ * with the poses of the tools that did it; landmarks, a rim and a way of a tool
+ * with closed forms of their own.
  * Covers: REQ-METRICS
  */
 #include "harness.h"
@@ -18,7 +19,9 @@
 typedef struct cuts {
     double radius, depth;       /* of the sphere, pressed along its axis through the face's centre */
     double back_deg, up_deg;    /* how far its axis, outward, is turned toward the back (+y) or the head (+z) */
+    double entry_y, entry_z;    /* where its axis passes through the face */
     double hole_radius, hole_depth, hole_y, hole_up_deg;
+    double planned;             /* depth; 0: as deep as it was cut */
 } cuts;
 
 enum { NX = 88, N = 100 };
@@ -34,6 +37,8 @@ static void make(const cuts *c, ost_volume *before, ost_volume *after)
     double centre[3];
     for (int a = 0; a < 3; a++)
         centre[a] = outward[a] / size * (c->radius - c->depth);
+    centre[1] += c->entry_y;
+    centre[2] += c->entry_z;
     for (int z = 0, i = 0; z < N; z++)
         for (int y = 0; y < N; y++)
             for (int x = 0; x < NX; x++, i++) {
@@ -48,15 +53,43 @@ static void make(const cuts *c, ost_volume *before, ost_volume *after)
             }
 }
 
+/* The tools' poses: the reamer goes in along its axis and the drill along its own, 0.1 mm a tick, and both back without cutting. */
+enum { REAMER, DRILL, TICKS_MAX = 1000 };
+static const ost_metrics_tool tools[] = {{OST_METRICS_REAMER, 18, 20}, {OST_METRICS_DRILL, 3, 30}};
+
+static ost_metrics_motion motion_of(const cuts *c)
+{
+    static ost_motion ticks[TICKS_MAX];
+    const double back = tan(c->back_deg * PI / 180), up = tan(c->up_deg * PI / 180), size = sqrt(1 + back * back + up * up);
+    const double axis[2][3] = {{1 / size, -back / size, -up / size}, {cos(c->hole_up_deg * PI / 180), 0, -sin(c->hole_up_deg * PI / 180)}};
+    const double entry[2][2] = {{c->entry_y, c->entry_z}, {c->hole_y, 0}};
+    /* The drill's tip is as deep along x as the hole; the reamer's goes its depth along its axis. */
+    const double deep[2] = {c->depth, c->hole_depth / axis[DRILL][0]};
+    size_t count = 0;
+    for (int tool = 0; tool < 2; tool++)
+        for (int k = 0; k <= 2 * (int)lrint(deep[tool] * 10); k++) {
+            const int in = (int)lrint(deep[tool] * 10);
+            const double far = k < in ? k * 0.1 : deep[tool] - (k - in) * 0.1;
+            ticks[count] = (ost_motion){.t_s = (double)count * 1e-3, .tool = tool, .removed = k <= in && deep[tool] > 0 ? 5u : 0u};
+            for (int a = 0; a < 3; a++) {
+                ticks[count].axis[a] = axis[tool][a];
+                ticks[count].mm[a] = far * axis[tool][a] + (a ? entry[tool][a - 1] : 0);
+            }
+            count++;
+        }
+    return (ost_metrics_motion){tools, 2, ticks, count};
+}
+
 static ost_metrics measure(const cuts *c, ost_status expected)
 {
     static ost_metrics m;
     ost_error err = {0};
     ost_volume before, after;
     const ost_density_classes classes = ost_density_classes_default();
-    const ost_metrics_plan plan = {.at = {0, 0, 0}, .axis = {2, 0, 0}, .depth_mm = c->depth};
+    const ost_metrics_plan plan = {.at = {0, 0, 0}, .axis = {2, 0, 0}, .depth_mm = c->planned > 0 ? c->planned : c->depth};
+    const ost_metrics_motion motion = motion_of(c);
     make(c, &before, &after);
-    assert_int_equal(ost_metrics_make(&before, &after, 120, &classes, &plan, &m, &err), expected);
+    assert_int_equal(ost_metrics_make(&before, &after, 120, &classes, &plan, &motion, &m, &err), expected);
     ost_volume_free(&before);
     ost_volume_free(&after);
     return m;
@@ -81,14 +114,17 @@ static void a_straight_one(void **state)
     NEAR(m.centre_depth_mm, 3, 0.25);
     NEAR(m.depth_max_mm, 3 - 3.75 * 3.75 / (2 * 27), 0.3); /* beside the hole and the cells that have a part of it */
     NEAR(m.depth_mean_mm, (cap - PI * 9 * 3) / (PI * rim - PI * 9), 0.2);
-    NEAR(m.angle_deg, 0, 0.3);
+    assert_true(m.reamed);
+    NEAR(m.tilt_deg, 0, 1e-6);
+    NEAR(m.entry_mm, 0, 1e-6);
+    NEAR(m.reach_mm, 3, 1e-6);
     assert_true(m.fit_rms_mm < 0.3 && m.contact_percent > 95);
-    NEAR(m.over_mm3, 0, 6); /* of the hole the rim alone, in cells that it shares with the floor */
+    NEAR(m.over_mm3, 0, 0.3);
     assert_true(m.hole && !m.hole_breach);
-    NEAR(m.hole_depth_mm, 22, 0.5);
+    NEAR(m.hole_depth_mm, 22, 1e-6);
     NEAR(m.hole_diameter_mm, 6, 0.2);
-    NEAR(m.hole_angle_deg, 0, 0.3);
-    NEAR(m.hole_entry_mm, 0, 0.2);
+    NEAR(m.hole_angle_deg, 0, 1e-6);
+    NEAR(m.hole_entry_mm, 0, 1e-6);
     NEAR(m.hole_wall_mm, 6, 0.01);
     /* Of the plate, from 2 to 4 mm, the cap took what lies deeper than 2. */
     const double taken = PI * 1 * (27 - 1.0 / 3);
@@ -98,19 +134,22 @@ static void a_straight_one(void **state)
     assert_true(m.removed_by_class_mm3[0] > m.removed_by_class_mm3[2] && m.removed_by_class_mm3[1] > 0);
 }
 
-static void tilted_ones(void **state)
+/* Tilt and entry do not mix: each is what was made, also beside the other. */
+static void tilted_and_displaced_ones(void **state)
 {
     (void)state;
     static const struct {
-        double back, up;
-    } tilts[] = {{8, 0}, {-6, 0}, {0, 7}, {5, -5}};
-    for (int i = 0; i < 4; i++) {
-        const cuts c = {.radius = 27, .depth = 3, .back_deg = tilts[i].back, .up_deg = tilts[i].up};
+        double back, up, y, z;
+    } tilts[] = {{8, 0, 0, 0}, {-6, 0, 0, 0}, {0, 7, 0, 0}, {5, -5, 0, 0}, {0, 0, 3, 0}, {0, 0, -1.5, 2}, {4, 3, 2, -2}};
+    for (size_t i = 0; i < sizeof tilts / sizeof tilts[0]; i++) {
+        const cuts c = {.radius = 27, .depth = 3, .back_deg = tilts[i].back, .up_deg = tilts[i].up, .entry_y = tilts[i].y, .entry_z = tilts[i].z};
         const ost_metrics m = measure(&c, OST_OK);
         const double b = tan(tilts[i].back * PI / 180), u = tan(tilts[i].up * PI / 180);
-        NEAR(m.retroversion_deg, tilts[i].back, 0.5);
-        NEAR(m.superior_deg, tilts[i].up, 0.5);
-        NEAR(m.angle_deg, atan(sqrt(b * b + u * u)) * 180 / PI, 0.5);
+        NEAR(m.version_error_deg, tilts[i].back, 0.1);
+        NEAR(m.inclination_error_deg, tilts[i].up, 0.1);
+        NEAR(m.version_deg - m.version_planned_deg, tilts[i].back, 0.1);
+        NEAR(m.tilt_deg, atan(sqrt(b * b + u * u)) * 180 / PI, 0.1);
+        NEAR(m.entry_mm, sqrt(tilts[i].y * tilts[i].y + tilts[i].z * tilts[i].z), 0.1);
         assert_false(m.hole);
     }
 }
@@ -120,9 +159,9 @@ static void a_crooked_hole(void **state)
     (void)state;
     const cuts c = {.radius = 27, .depth = 3, .hole_radius = 3, .hole_depth = 20, .hole_y = 4, .hole_up_deg = 10};
     const ost_metrics m = measure(&c, OST_OK);
-    NEAR(m.hole_angle_deg, 10, 0.5);
-    NEAR(m.hole_entry_mm, 4, 0.3);
-    NEAR(m.hole_depth_mm, 20, 0.5);
+    NEAR(m.hole_angle_deg, 10, 0.1);
+    NEAR(m.hole_entry_mm, 4, 0.1);
+    NEAR(m.hole_depth_mm, 20, 0.01);
     assert_false(m.hole_breach);
     /* Near the block's side, and through it. */
     const cuts near_side = {.radius = 27, .depth = 3, .hole_radius = 3, .hole_depth = 20, .hole_y = 18};
@@ -141,15 +180,42 @@ static void too_deep(void **state)
     const ost_density_classes classes = ost_density_classes_default();
     const ost_metrics_plan plan = {.axis = {1, 0, 0}, .depth_mm = 3};
     make(&deep, &before, &after);
-    assert_ok(ost_metrics_make(&before, &after, 120, &classes, &plan, &m, &err));
+    assert_ok(ost_metrics_make(&before, &after, 120, &classes, &plan, NULL, &m, &err));
     NEAR(m.over_max_mm, 2.5, 0.3);
     NEAR(m.over_percent, 100 * (2 * 27 * 1.5 - 1.5 * 1.5) / (2 * 27 * 5.5 - 5.5 * 5.5), 4);
     /* The cap below plan and margin is one of 1.5 mm. */
     NEAR(m.over_mm3, PI * 1.5 * 1.5 * (27 - 0.5), 0.12 * PI * 1.5 * 1.5 * 26.5);
     NEAR(m.centre_depth_mm, 5.5, 0.25);
-    assert_int_equal(ost_metrics_make(&before, &before, 120, &classes, &plan, &m, &err), OST_ERR_INPUT);
+    assert_int_equal(ost_metrics_make(&before, &before, 120, &classes, &plan, NULL, &m, &err), OST_ERR_INPUT);
     ost_volume_free(&before);
     ost_volume_free(&after);
+}
+
+/*
+ * Over-reaming grows with the accident.  What is deeper than plan and margin of
+ * a cap of height h is a cap of h - 4 mm, whose volume is pi h^2 (R - h / 3); no
+ * depth makes it a hole, and a drill's hole adds nothing to it.
+ */
+static void the_deeper_the_worse(void **state)
+{
+    (void)state;
+    double last = 0;
+    for (int depth = 4; depth <= 14; depth += 2)
+        for (int drilled = 0; drilled < 2; drilled++) {
+            const cuts c = {.radius = 27, .depth = depth, .planned = 3, .hole_radius = drilled ? 3 : 0, .hole_depth = drilled ? 22 : 0};
+            const ost_metrics m = measure(&c, OST_OK);
+            const double h = depth - 4, cap = PI * h * h * (27 - h / 3);
+            /* A drill comes after the reamer: of the cap below, its cylinder is the hole's. */
+            const double hole = drilled ? PI * 9 * h : 0;
+            NEAR(m.over_mm3, cap - hole, 0.04 * cap + 5 + (drilled ? 0.2 * hole : 0));
+            NEAR(m.over_max_mm, drilled ? fmax(0, m.over_max_mm) : depth - 3, 0.3);
+            NEAR(m.reach_mm, depth, 1e-6);
+            assert_int_equal(m.hole, drilled);
+            if (!drilled) {
+                assert_true(m.over_mm3 >= last);
+                last = m.over_mm3;
+            }
+        }
 }
 
 /* Landmarks that turn the scapula's lateral by a known angle: so much is the planned face's version, or its inclination. */
@@ -162,34 +228,37 @@ static void in_the_scapulas_frame(void **state)
     static ost_metrics m;
     ost_volume before, after;
     const ost_density_classes classes = ost_density_classes_default();
+    const ost_metrics_motion motion = motion_of(&cut);
     make(&cut, &before, &after);
     ost_metrics_plan plan = {.axis = {1, 0, 0}, .depth_mm = 3};
-    assert_ok(ost_metrics_make(&before, &after, 120, &classes, &plan, &m, &err));
+    assert_ok(ost_metrics_make(&before, &after, 120, &classes, &plan, &motion, &m, &err));
     assert_false(m.scapular);
     plan.landmarks = true;
     plan.trigonum = (ost_pm3){(ost_pm)(c * MM), (ost_pm)(s * MM), 0};
     plan.inferior = (ost_pm3){(ost_pm)(0.8 * c * MM), (ost_pm)(0.8 * s * MM), -110 * MM};
-    assert_ok(ost_metrics_make(&before, &after, 120, &classes, &plan, &m, &err));
+    assert_ok(ost_metrics_make(&before, &after, 120, &classes, &plan, &motion, &m, &err));
     assert_true(m.scapular);
     NEAR(m.version_planned_deg, 5, 1e-6);
     NEAR(m.inclination_planned_deg, 0, 1e-6);
-    NEAR(m.version_deg, 13, 0.5);
-    NEAR(m.inclination_deg, -4, 0.5);
+    NEAR(m.version_deg, 13, 0.1);
+    NEAR(m.inclination_deg, -4, 0.1);
+    NEAR(m.version_error_deg, 8, 0.1);
+    NEAR(m.inclination_error_deg, -4, 0.1);
     plan.trigonum = (ost_pm3){(ost_pm)(c * MM), 0, (ost_pm)(s * MM)};
     plan.inferior = (ost_pm3){(ost_pm)(c * MM) - 20 * MM, 0, -110 * MM};
-    assert_ok(ost_metrics_make(&before, &after, 120, &classes, &plan, &m, &err));
+    assert_ok(ost_metrics_make(&before, &after, 120, &classes, &plan, &motion, &m, &err));
     NEAR(m.version_planned_deg, 0, 1e-6);
     NEAR(m.inclination_planned_deg, 5, 1e-6);
-    NEAR(m.version_deg, 8, 0.5);
-    NEAR(m.inclination_deg, 1, 0.5);
+    NEAR(m.version_deg, 8, 0.1);
+    NEAR(m.inclination_deg, 1, 0.1);
     /* A left shoulder: inward is -x, and the back stays the back. */
     plan = (ost_metrics_plan){.axis = {-1, 0, 0}, .left = true, .depth_mm = 3, .landmarks = true,
                               .trigonum = {(ost_pm)(-c * MM), (ost_pm)(s * MM), 0}, .inferior = {(ost_pm)(-c * MM), (ost_pm)(s * MM), -110 * MM}};
-    assert_ok(ost_metrics_make(&before, &after, 120, &classes, &plan, &m, &err));
+    assert_ok(ost_metrics_make(&before, &after, 120, &classes, &plan, &motion, &m, &err));
     NEAR(m.version_planned_deg, 5, 1e-6);
     /* Landmarks on one line say nothing. */
     plan.inferior = (ost_pm3){2 * plan.trigonum.x, 2 * plan.trigonum.y, 0};
-    assert_ok(ost_metrics_make(&before, &after, 120, &classes, &plan, &m, &err));
+    assert_ok(ost_metrics_make(&before, &after, 120, &classes, &plan, &motion, &m, &err));
     assert_false(m.scapular);
     ost_volume_free(&before);
     ost_volume_free(&after);
@@ -217,7 +286,7 @@ static void the_rim(void **state)
                 after.voxels[i] = d[0] * d[0] + d[1] * d[1] + d[2] * d[2] < radius * radius ? 0 : before.voxels[i];
             }
     const ost_metrics_plan plan = {.axis = {1, 0, 0}, .depth_mm = depth};
-    assert_ok(ost_metrics_make(&before, &after, 120, &classes, &plan, &m, &err));
+    assert_ok(ost_metrics_make(&before, &after, 120, &classes, &plan, NULL, &m, &err));
     /* In each direction the stump's side, as far in as the sphere is there: a fixed point. */
     int lowered = 0;
     double most = 0, side[2] = {0, 0};
@@ -247,7 +316,7 @@ static void the_rim(void **state)
         const int y = i / 40 % SIZE - SIZE / 2, z = i / 40 / SIZE - SIZE / 2;
         after.voxels[i] = y * y + z * z < 100 && i % 40 < 10 ? 0 : before.voxels[i];
     }
-    assert_ok(ost_metrics_make(&before, &after, 120, &classes, &plan, &m, &err));
+    assert_ok(ost_metrics_make(&before, &after, 120, &classes, &plan, NULL, &m, &err));
     NEAR(m.rim_lowered_percent, 0, 1e-9);
     NEAR(m.width_after_mm, m.width_before_mm, 1e-9);
     ost_volume_free(&before);
@@ -293,6 +362,25 @@ static void the_technique(void **state)
     NEAR(t.inward_max_mm_s, 40, 1e-6);
     assert_int_equal(t.plunges, 1);
     NEAR(t.plunge_mm, 2, 0.05);
+    /* What the built-in paths call an approach, 20 mm/s in contact, along an axis on which no step is exact: no plunge. */
+    const ost_metrics_plan oblique = {.axis = {0.817462, 0.406924, -0.407639}};
+    for (int i = 0; i <= ALL; i++) {
+        for (int a = 0; a < 3; a++)
+            m[i].mm[a] = rint(i * 0.02 * oblique.axis[a] * 1e9 + (i * 7919 % 13)) / 1e9;
+        m[i].removed = 1;
+    }
+    assert_ok(ost_technique_make(m, ALL + 1, &oblique, &t, &err));
+    NEAR(t.inward_max_mm_s, 20, 0.01);
+    assert_int_equal(t.plunges, 0);
+    /* Faster for a second, and trembling about the limit: one. */
+    for (int i = 0; i <= ALL; i++)
+        for (int a = 0; a < 3; a++)
+            m[i].mm[a] = (fmin(i, 1000) * 0.025 + (i < 1000 ? 0.05 * sin(i * 0.5) : 0)) * oblique.axis[a];
+    assert_ok(ost_technique_make(m, ALL + 1, &oblique, &t, &err));
+    assert_int_equal(t.plunges, 1);
+    for (int i = 0; i <= ALL; i++)
+        for (int a = 0; a < 3; a++)
+            m[i].mm[a] = 0;
     /* Lifted off for 0.3 s in the middle: two contacts, one pass; for 0.6 s: two of both. And no force at all. */
     for (int lift = 300; lift <= 600; lift += 300) {
         for (int i = 0; i <= ALL; i++) {
@@ -313,9 +401,10 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_straight_one),
-        cmocka_unit_test(tilted_ones),
+        cmocka_unit_test(tilted_and_displaced_ones),
         cmocka_unit_test(a_crooked_hole),
         cmocka_unit_test(too_deep),
+        cmocka_unit_test(the_deeper_the_worse),
         cmocka_unit_test(in_the_scapulas_frame),
         cmocka_unit_test(the_rim),
         cmocka_unit_test(the_technique),

@@ -1,0 +1,88 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# A good, a tilted and a too deep reaming of the generated scapula, and one beside
+# its entry: paths made here from a tilt, an offset and a depth, with the tool
+# spinning and not.  The figures are those, and the first line of the debrief
+# puts the operations into their order.
+# Covers: REQ-DEBRIEF-RANK
+. "${srcdir:-.}/tests/app/lib.sh"
+
+# near WHAT VALUE EXPECTED BOUND
+near() {
+    checks=$((checks + 1))
+    awk -v x="$2" -v e="$3" -v b="$4" 'BEGIN { d = x - e; exit !(x != "" && d <= b && d >= -b) }' || fail "$1 is '$2', expected $3 within $4"
+}
+
+# The glenoid as the phantom's file says it.
+at='-148.723 -18.868 54.133'
+axis='0.817462 0.406924 -0.407639'
+run 0 phantom scapula --spacing 1 --out ct.nrrd
+run 0 import ct.nrrd --out bone.nrrd
+grep -aq "osteon_glenoid_at_mm:=$at" bone.nrrd || fail "the phantom's glenoid is elsewhere"
+
+# reaming NAME TILT OFFSET DEPTH RPM: the tool's tip, its z = 0, from 8 mm outside to DEPTH along an axis tilted
+# about the direction that is as far up as it can be, entering OFFSET mm off the centre along that direction.
+reaming() {
+    awk -v at="$at" -v axis="$axis" -v tilt="$2" -v off="$3" -v depth="$4" -v rpm="$5" '
+    BEGIN {
+        pi = atan2(0, -1); split(at, c, " "); split(axis, w, " ")
+        n = sqrt(w[1]^2 + w[2]^2 + w[3]^2); for (i = 1; i <= 3; i++) w[i] /= n
+        n = sqrt(w[1]^2 + w[2]^2); u[1] = -w[2] / n; u[2] = w[1] / n; u[3] = 0      # up x w
+        v[1] = w[2] * u[3] - w[3] * u[2]; v[2] = w[3] * u[1] - w[1] * u[3]; v[3] = w[1] * u[2] - w[2] * u[1]
+        t = tilt * pi / 180; for (i = 1; i <= 3; i++) a[i] = cos(t) * w[i] + sin(t) * u[i]
+        n = sqrt(2 - 2 * a[3]); qw = (1 - a[3]) / n; qx = a[2] / n; qy = -a[1] / n   # takes -z to a
+        print "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz"
+        for (k = 0; k <= (8 + depth) * 50; k++) {
+            d = -8 + k / 50; h = k * 1e-3 * rpm / 60 * pi; s = sin(h); r = cos(h)
+            printf "%.3f", k * 1e-3
+            for (i = 1; i <= 3; i++) printf ",%.9f", c[i] + off * v[i] + d * a[i]
+            printf ",%.10f,%.10f,%.10f,%.10f\n", qw * r, qx * r + qy * s, qy * r - qx * s, qw * s
+        }
+    }' >"$1.csv"
+    run 0 ream --bone bone.nrrd --tool builtin:reamer --path "$1.csv" --out "$1.nrrd" --debrief "$1.html" --json
+    cp out "$1.json"
+}
+
+reaming good 0 0 3 120
+near "good: tilt" "$(value metrics.tilt_deg)" 0 0.1
+near "good: entry" "$(value metrics.entry_mm)" 0 0.1
+near "good: depth" "$(value metrics.reach_mm)" 3 0.1
+near "good: over-reaming" "$(value metrics.over_mm3)" 0 1
+reaming deep 0 0 12 120
+near "deep: depth" "$(value metrics.reach_mm)" 12 0.1
+# 8 mm of the reamer's 36 mm in bone would be 8 cm3; where the vault is narrower it is less. No drill, no hole.
+near "deep: over-reaming, mm3" "$(value metrics.over_mm3)" 4500 2500
+check "deep: a hole" "$(value metrics.hole)" false
+check "deep: plunges" "$(value metrics.technique.plunges)" 0
+reaming beside 0 3 3 120
+near "beside: tilt" "$(value metrics.tilt_deg)" 0 0.1
+near "beside: entry" "$(value metrics.entry_mm)" 3 0.1
+for rpm in 0 120; do
+    reaming tilted 10 0 3 $rpm
+    near "tilted: tilt" "$(value metrics.tilt_deg)" 10 0.1
+    near "tilted: entry" "$(value metrics.entry_mm)" 0 0.1
+    # About an axis across the body's, a tilt is one of version alone, but for how the scapula lies: both errors together are the tilt.
+    near "tilted: errors" "$(awk -v a="$(value metrics.version_error_deg)" -v b="$(value metrics.inclination_error_deg)" 'BEGIN { print sqrt(a * a + b * b) }')" 10 0.5
+    near "tilted: version is plan and error" "$(awk -v a="$(value metrics.version_planned_deg)" -v b="$(value metrics.version_error_deg)" 'BEGIN { print a + b }')" \
+        "$(value metrics.version_deg)" 1e-4
+    reaming both 6 2 3 $rpm
+    near "both: tilt" "$(value metrics.tilt_deg)" 6 0.1
+    near "both: entry" "$(value metrics.entry_mm)" 2 0.1
+done
+
+# The first line of each, on the page and for people, is the same.
+for name in good tilted deep; do
+    first=$("$json_get" metrics.verdict <$name.json)
+    checks=$((checks + 1))
+    [ "$(sed -n '/<body>/,$p' $name.html | sed -n 2p | sed 's/<[^>]*>//g; s/&[^;]*; //')" = "$first" ] ||
+        fail "$name.html begins with: $(sed -n '/<body>/,$p' $name.html | sed -n 2p)"
+    echo "$name: $first"
+done
+check "good" "$("$json_get" metrics.grade <good.json)" "As planned"
+check "tilted" "$("$json_get" metrics.grade <tilted.json)" "Off the plan"
+check "too deep" "$("$json_get" metrics.grade <deep.json)" "Far off the plan"
+"$json_get" metrics.verdict <tilted.json | grep -q "tilted by 10.0 degrees.*5.0 times the aim" || fail "the tilt is not said"
+"$json_get" metrics.verdict <deep.json | grep -q "9.0 mm too deep.*18.0 times the aim" || fail "the depth is not said"
+run 0 ream --bone bone.nrrd --tool builtin:reamer --path deep.csv --out x.nrrd --debrief x.html
+grep -n "Far off the plan\|floor:\|version" out | head -n 1 | grep -q "Far off the plan" || fail "for people the verdict is not first: $(cat out)"
+finish
