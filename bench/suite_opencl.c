@@ -48,7 +48,7 @@ static ost_status convert(opencl *o, const ost_grid *rect, ost_pm spacing, bench
 {
     ost_grid *cubic = NULL;
     const int64_t begin = bench_now();
-    ost_status status = ost_rect_to_cubic(rect, spacing, OST_RESAMPLE_FLOOR, &cubic, o->err);
+    ost_status status = ost_rect_to_cubic(rect, spacing, OST_RESAMPLE_LINEAR, &cubic, o->err);
     if (status == OST_OK)
         status = ost_cubic_to_chunks(cubic, CHUNK, THRESHOLD, bone, o->err);
     if (series)

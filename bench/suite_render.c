@@ -57,7 +57,7 @@ static ost_status make_bone(show *s)
     if (status == OST_OK)
         status = ost_grid_upload(rect, 0, ct.geometry.dims.z, ct.voxels, s->err);
     if (status == OST_OK)
-        status = ost_rect_to_cubic(rect, ct.geometry.spacing.x, OST_RESAMPLE_FLOOR, &cubic, s->err);
+        status = ost_rect_to_cubic(rect, ct.geometry.spacing.x, OST_RESAMPLE_LINEAR, &cubic, s->err);
     if (status == OST_OK)
         status = ost_volume_init(&s->bone, ost_grid_geometry(cubic), s->err);
     if (status == OST_OK)

@@ -49,7 +49,7 @@ static ost_status convert(transfer *t, const ost_grid *rect, bool timed, ost_bon
 {
     ost_grid *cubic = NULL;
     int64_t begin = bench_now(), middle = begin;
-    ost_status status = ost_rect_to_cubic(rect, t->ct.geometry.spacing.x, OST_RESAMPLE_FLOOR, &cubic, t->err);
+    ost_status status = ost_rect_to_cubic(rect, t->ct.geometry.spacing.x, OST_RESAMPLE_LINEAR, &cubic, t->err);
     middle = bench_now();
     if (status == OST_OK)
         status = ost_cubic_to_chunks(cubic, CHUNK, THRESHOLD, bone, t->err);

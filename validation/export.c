@@ -161,7 +161,7 @@ static ost_status put_case(const char *folder, const plan_case *c, json_t *list,
             json_object_set_new(o, "ct", json_pack("{s:o,s:o,s:o,s:s,s:I,s:s,s:i,s:i,s:I}", "dims", three(s.rect.dims.x, s.rect.dims.y, s.rect.dims.z),
                                                   "spacing_pm", three(s.rect.spacing.x, s.rect.spacing.y, s.rect.spacing.z), "origin_pm",
                                                   three(s.rect.origin.x, s.rect.origin.y, s.rect.origin.z), "duplicates", duplicates[s.duplicates], "cubic_pm",
-                                                  (json_int_t)s.cubic, "resample", s.resample == OST_RESAMPLE_NEAREST ? "nearest" : "floor", "chunk_size",
+                                                  (json_int_t)s.cubic, "resample", ost_resample_name(s.resample), "chunk_size",
                                                   s.chunk_size, "threshold", (int)s.threshold, "samples", (json_int_t)s.sample_count));
         if (s.path.count)
             json_object_set_new(o, "world", json_pack("{s:b,s:I}", "sweep", !s.world.sweep_off, "removal_period_ns", (json_int_t)s.world.removal_period_ns));

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "core/integer.h"
+#include "validation/resample.h"
 
 /* ------------------------------------------------------------------- rect */
 
@@ -102,21 +103,40 @@ ost_status margin_rect(margin_walk *w, const trace_block_view *a, const trace_bl
 
 /* ------------------------------------------------------------------ cubic */
 
-/* Along one axis: the source, and how far i cubic / rect (or the middle's) lies from the sources on both sides. */
+/* Along one axis: the source, and how far the quotient lies from the sources on both sides. */
 typedef struct source {
-    int64_t index;
+    resample_tap tap;
     int64_t down, up;
 } source;
 
 static source source_of(int64_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_resample rule)
 {
-    const ost_i128 top = rule == OST_RESAMPLE_FLOOR ? (ost_i128)2 * i * cubic : (ost_i128)(2 * i + 1) * cubic, unit = (ost_i128)2 * rect;
-    int64_t index = (int64_t)(top / unit);
-    const int64_t rest = (int64_t)(top - index * unit);
-    source x = {.index = index, .down = (int64_t)((ost_i128)rest * MARGIN_ONE / unit), .up = (int64_t)((unit - rest) * MARGIN_ONE / unit)};
-    if (x.index > n - 1)
-        x.index = n - 1;
+    source x = {.tap = resample_at(i, cubic, rect, n, rule)};
+    const int64_t rest = x.tap.top - ost_floor_div(x.tap.top, x.tap.bottom) * x.tap.bottom;
+    x.down = (int64_t)((ost_i128)rest * MARGIN_ONE / x.tap.bottom);
+    x.up = (int64_t)((ost_i128)(x.tap.bottom - rest) * MARGIN_ONE / x.tap.bottom);
     return x;
+}
+
+/* The sum that linear rounds, in 2^-45 of a density: |sum| <= 2^60. */
+static int64_t weighted_sum(const trace_block_view *rect, const source s[3])
+{
+    const resample_tap tap[3] = {s[0].tap, s[1].tap, s[2].tap};
+    int64_t sum = 0;
+    for (int corner = 0; corner < 8; corner++) {
+        int64_t at[3];
+        const int64_t weight = resample_corner(tap, corner, at);
+        if (weight > 0)
+            sum += weight * margin_value16(rect, margin_at(rect->dims, (int32_t)at[0], (int32_t)at[1], (int32_t)at[2]));
+    }
+    return sum;
+}
+
+/* How far the mean lies from what rounds to got, in MARGIN_ONE of a density. |sum - got 2^45| < 2^61. */
+static int64_t rounding_gap(int64_t sum, int32_t got)
+{
+    const int64_t one = INT64_C(1) << 45, off = sum > got * one ? sum - got * one : got * one - sum;
+    return off > one / 2 ? (off - one / 2) / (one / MARGIN_ONE) : 0;
 }
 
 void margin_cubic(margin_walk *w, const trace_block_view *a, const trace_block_view *b)
@@ -127,6 +147,7 @@ void margin_cubic(margin_walk *w, const trace_block_view *a, const trace_block_v
     const size_t all = (size_t)ost_dims_count(a->dims);
     const ost_pm rect[3] = {g->spacing.x, g->spacing.y, g->spacing.z};
     const int32_t n[3] = {g->dims.x, g->dims.y, g->dims.z};
+    const int64_t one = INT64_C(1) << 45;
     for (size_t i = 0; i < all; i++) {
         const int32_t got = margin_value16(b, i);
         int32_t at[3];
@@ -137,9 +158,13 @@ void margin_cubic(margin_walk *w, const trace_block_view *a, const trace_block_v
         int64_t best = -1;
         for (int x = 0; x < 3; x++)
             s[x] = source_of(at[x], w->s->cubic, rect[x], n[x], w->s->resample);
-        const size_t here = margin_at(g->dims, (int32_t)s[0].index, (int32_t)s[1].index, (int32_t)s[2].index);
-        if (margin_value16(given, here) == got && margin_value16(from, here) != got) {
+        const int64_t right = weighted_sum(from, s), theirs = weighted_sum(given, s);
+        if (ost_rhe_div(theirs, one) == got && ost_rhe_div(right, one) != got) {
             margin_other(m, &m->inherited);
+            continue;
+        }
+        if (s[0].tap.weight || s[1].tap.weight || s[2].tap.weight) { /* a mean: its border is a density's half */
+            margin_decided(m, (uint64_t)rounding_gap(theirs, got), 0, at);
             continue;
         }
         /* The nearest neighbour that has the other's value. */
@@ -148,7 +173,7 @@ void margin_cubic(margin_walk *w, const trace_block_view *a, const trace_block_v
             int64_t gap = 0, v[3];
             bool inside = step != 13;
             for (int x = 0; x < 3; x++) {
-                v[x] = s[x].index + d[x];
+                v[x] = s[x].tap.index + d[x];
                 inside = inside && v[x] >= 0 && v[x] < n[x];
                 const int64_t away = d[x] < 0 ? s[x].down : d[x] > 0 ? s[x].up : 0;
                 gap = away > gap ? away : gap;

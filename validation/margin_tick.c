@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "core/integer.h"
+#include "validation/resample.h"
 
 static bool is_cutting(const trace_block_view *tool, const int64_t c[3])
 {
@@ -86,7 +87,7 @@ static void mapped(const ost_map *map, const int32_t at[3], int64_t u[3])
 static ost_map *maps_of(const margin_walk *w, size_t tick, uint64_t poses)
 {
     const ost_tick *now = &w->s->path.ticks[tick];
-    const ost_geometry bone = {w->dims, {w->s->cubic, w->s->cubic, w->s->cubic}, w->s->rect.origin};
+    const ost_geometry bone = {w->dims, {w->s->cubic, w->s->cubic, w->s->cubic}, resample_origin(&w->s->rect, w->s->cubic)};
     if (poses < 1 || poses > OST_SWEEP_MAX)
         return NULL;
     ost_map *maps = malloc((size_t)poses * sizeof *maps);

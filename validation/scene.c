@@ -23,7 +23,7 @@ static void draw_lattice(scene *s, draw *d)
     s->rect.spacing = (ost_pm3){x, draw_one_in(d, 4) ? draw_between(d, x / 2, 2 * x) : x, z};
     s->rect.origin = draw_point(d, -200000 * UM, 200000 * UM);
     s->cubic = draw_one_in(d, 2) ? x : draw_between(d, x * 2 / 3, x * 3 / 2);
-    s->resample = draw_one_in(d, 3) ? OST_RESAMPLE_NEAREST : OST_RESAMPLE_FLOOR;
+    s->resample = (ost_resample)draw_between(d, OST_RESAMPLE_LINEAR, OST_RESAMPLE_THESIS);
     s->duplicates = (ost_duplicates)draw_between(d, 0, 3);
 }
 
@@ -32,7 +32,7 @@ static ost_status make_bone(scene *s, draw *d, int32_t side, ost_error *err)
 {
     draw_lattice(s, d);
     s->rect.spacing.y = s->rect.spacing.z = s->cubic = s->rect.spacing.x = draw_one_in(d, 2) ? 470 * UM : draw_between(d, 300 * UM, 700 * UM);
-    s->resample = OST_RESAMPLE_FLOOR;
+    s->resample = OST_RESAMPLE_LINEAR;
     s->threshold = 120;
     return scene_ct(s, d, draw_dims(d, side, side + 15), err);
 }
@@ -51,7 +51,7 @@ static ost_status make_import(const plan_case *c, scene *s, draw *d, ost_error *
     if (c->number % 6 == 0) {
         /* Every index is an exact multiple, where a quotient that comes out a little too small is another layer. */
         s->rect.spacing.y = s->rect.spacing.z = s->cubic = s->rect.spacing.x;
-        s->resample = OST_RESAMPLE_FLOOR;
+        s->resample = draw_one_in(d, 2) ? OST_RESAMPLE_LINEAR : OST_RESAMPLE_THESIS;
         dims = (ost_dims){dims.x < 8 ? 8 : dims.x, dims.y < 8 ? 8 : dims.y, dims.z < 8 ? 8 : dims.z};
     }
     return scene_ct(s, d, dims, err);

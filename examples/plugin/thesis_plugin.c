@@ -202,11 +202,11 @@ static int32_t ct_to_rect(ost_plugin_grid *grid, const ost_plugin_samples *sampl
 }
 
 /* Alg. 2.5: only z is adjusted. */
-static int32_t rect_to_cubic(const ost_plugin_grid *rect, const ost_plugin_geometry *cubic, int32_t nearest, ost_plugin_grid **out,
+static int32_t rect_to_cubic(const ost_plugin_grid *rect, const ost_plugin_geometry *cubic, int32_t rule, ost_plugin_grid **out,
                              ost_plugin_error *error)
 {
     const int32_t *from = rect->geometry.dims, *to = cubic->dims;
-    (void)nearest; /* the thesis has one rule */
+    (void)rule; /* the thesis has one rule, whatever is asked for */
     int32_t status = grid_create(rect->self, cubic, out, error);
     if (status != OST_PLUGIN_OK)
         return status;

@@ -135,9 +135,19 @@ typedef struct ost_scatter_report {
 OST_API ost_status ost_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t count, int64_t first_line,
                                   ost_duplicates duplicates, ost_scatter_report *report, ost_error *err);
 
-typedef enum ost_resample { OST_RESAMPLE_FLOOR, OST_RESAMPLE_NEAREST } ost_resample;
+/*
+ * AR-CUB: what a cubic voxel takes from the rect grid, with t = ((2i + 1) c - s) / (2s) its centre in rect voxels.
+ * LINEAR weights the eight voxels around t, NEAREST takes the voxel that holds t, THESIS is Alg. 2.5's floor(i c / s).
+ */
+typedef enum ost_resample { OST_RESAMPLE_LINEAR, OST_RESAMPLE_NEAREST, OST_RESAMPLE_THESIS } ost_resample;
 
-/* AR-CUB: cubic dims = ceil(dims * rect / cubic), source index = floor(i * cubic / rect) or the nearest. */
+/* "linear", "nearest", "thesis"; NULL for another number. */
+OST_API const char *ost_resample_name(ost_resample rule);
+
+/*
+ * Resamples rect to cubes of `cubic`. Both grids cover the same physical box:
+ * dims = ceil(dims * s / c), origin = rect origin + RHE((c - s) / 2) on each axis (AR-CUB-1).
+ */
 OST_API ost_status ost_rect_to_cubic(const ost_grid *rect, ost_pm cubic, ost_resample rule, ost_grid **out, ost_error *err);
 
 /* AR-CHK: density >= threshold is active, everything else is stored as 0. chunk_size 16, 32 or 64; 1 <= threshold <= 32767. */

@@ -61,6 +61,7 @@ OST_API ost_status ost_meta_set(ost_meta *meta, const char *key, const char *val
 #define OST_META_KIND "kind"                   /* "ct", "bone" or "tool" */
 #define OST_META_ARITHMETIC "arithmetic"       /* version of docs/arithmetic.md */
 #define OST_META_THRESHOLD "threshold"         /* of a bone */
+#define OST_META_RESAMPLE "resample"           /* how the bone's voxels came from a CT: "linear", "nearest" or "thesis" */
 #define OST_META_GLENOID_AT "glenoid_at_mm"    /* centre of the glenoid's face */
 #define OST_META_GLENOID_AXIS "glenoid_axis"   /* inward direction, need not be unit */
 #define OST_META_SIDE "side"                   /* "left" or "right" */

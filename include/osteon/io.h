@@ -46,6 +46,7 @@ typedef struct ost_volume_report {
     bool reoriented;           /* axes flipped or permuted to LPS+ */
     bool assumed;              /* the file does not state where its axes point: they were taken as LPS */
     bool resampled;            /* an oblique grid, resampled because it was asked for */
+    bool labels;               /* a label map: NIfTI intent 1002, or a NRRD with keys Segment0_... (3D Slicer) */
     uint64_t rounded_values;   /* non-integer densities rounded RHE */
     uint64_t clamped_values;   /* densities beyond int16: saturated only when allowed, else an error */
 } ost_volume_report;
@@ -126,7 +127,8 @@ typedef struct ost_import_options {
     ost_pm cubic;             /* 0 = the rect grid's x spacing */
     int32_t threshold;        /* 0 = the file's own when it is a bone, else 120 */
     int chunk_size;           /* 0 = 32 */
-    ost_resample resample;
+    bool has_resample;        /* false: linear, for a label map nearest */
+    ost_resample resample;    /* if has_resample */
     ost_duplicates duplicates;
     ost_volume_options volume;
     bool crop;                /* keep only voxels lo <= (i, j, k) < hi of the rect grid */
@@ -149,7 +151,8 @@ typedef struct ost_import_result {
     ost_file_kind kind;
     ost_geometry rect;
     ost_geometry cubic;
-    ost_meta meta;                 /* carried over from the file, kind and threshold set */
+    ost_meta meta;                 /* carried over from the file; kind, threshold and resample set */
+    ost_resample resample;         /* the rule that was used */
     ost_volume_report volume;      /* for NRRD and NIfTI */
     ost_scatter_report scatter;    /* for text */
     bool spacing_inferred[3];

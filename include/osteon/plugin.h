@@ -56,7 +56,7 @@ extern "C" {
 #define OST_PLUGIN_EXPORT
 #endif
 
-#define OST_PLUGIN_ABI 1
+#define OST_PLUGIN_ABI 2
 
 typedef enum ost_plugin_status {
     OST_PLUGIN_OK = 0,
@@ -180,6 +180,13 @@ typedef struct ost_plugin_bone_stats {
     int64_t active_chunks, active_voxels, chunk_bytes, resident_bytes;
 } ost_plugin_bone_stats;
 
+/* What a cubic voxel takes from the rect grid (AR-CUB-2 to 4); since interface 2. */
+typedef enum ost_plugin_resample {
+    OST_PLUGIN_LINEAR = 0,
+    OST_PLUGIN_NEAREST = 1,
+    OST_PLUGIN_THESIS = 2
+} ost_plugin_resample;
+
 /* ------------------------------------------------------------------ host */
 
 typedef struct ost_plugin_host {
@@ -222,8 +229,8 @@ typedef struct ost_plugin {
 
     /* AR-CT-4 to 6 (thesis, Alg. 2.4) */
     int32_t (*ct_to_rect)(ost_plugin_grid *rect, const ost_plugin_samples *samples, ost_plugin_scatter_report *report, ost_plugin_error *error);
-    /* AR-CUB (Alg. 2.5); nearest: 0 floor, 1 nearest. The new grid has this geometry. */
-    int32_t (*rect_to_cubic)(const ost_plugin_grid *rect, const ost_plugin_geometry *cubic, int32_t nearest, ost_plugin_grid **out,
+    /* AR-CUB (Alg. 2.5); rule: an ost_plugin_resample. The new grid has this geometry. */
+    int32_t (*rect_to_cubic)(const ost_plugin_grid *rect, const ost_plugin_geometry *cubic, int32_t rule, ost_plugin_grid **out,
                              ost_plugin_error *error);
     /* AR-CHK (Alg. 2.6) */
     int32_t (*cubic_to_chunks)(const ost_plugin_grid *cubic, int32_t chunk_size, int32_t threshold, ost_plugin_bone **out, ost_plugin_error *error);

@@ -84,7 +84,7 @@ OST_API ost_status ost_fail_context(ost_error *err, const char *format, ...) OST
 
 /* "0.1.0", and the version of docs/arithmetic.md that this library implements. */
 OST_API const char *ost_version(void);
-enum { OST_ARITHMETIC_VERSION = 1 };
+enum { OST_ARITHMETIC_VERSION = 2 };
 
 #ifdef __cplusplus
 }

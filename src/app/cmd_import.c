@@ -32,6 +32,7 @@ static void put_result(const app_state *app, const ost_import_result *r, const o
     put_dims(o, "cubic_dims", r->cubic.dims);
     put_mm(o, "cubic_spacing_mm", r->cubic.spacing.x);
     put_mm3(o, "origin_mm", r->cubic.origin);
+    put_text(o, "resample", ost_resample_name(r->resample));
     put_integer(o, "threshold", info->threshold);
     put_integer(o, "chunk", info->chunk_size);
     put_dims(o, "chunk_dims", info->chunk_dims);
@@ -52,6 +53,7 @@ static void put_result(const app_state *app, const ost_import_result *r, const o
         put_bool(o, "orientation_assumed", r->volume.assumed);
         put_bool(o, "reoriented", r->volume.reoriented);
         put_bool(o, "resampled", r->volume.resampled);
+        put_bool(o, "labels", r->volume.labels);
         put_integer(o, "rounded_values", (int64_t)r->volume.rounded_values);
         put_integer(o, "clamped_values", (int64_t)r->volume.clamped_values);
     }

@@ -95,7 +95,8 @@ ost_status load_import_options(const app_state *app, const ct_options *ct, bool 
         .cubic = ct->cubic,
         .threshold = (int32_t)ct->threshold, /* 0: the bone's own, else 120 */
         .chunk_size = 16 << ct->chunk,
-        .resample = ct->nearest ? OST_RESAMPLE_NEAREST : OST_RESAMPLE_FLOOR,
+        .has_resample = ct->resample >= 0,
+        .resample = ct->resample >= 0 ? (ost_resample)ct->resample : OST_RESAMPLE_LINEAR,
         .duplicates = (ost_duplicates)ct->duplicates,
         .volume = {.clamp = ct->clamp, .resample_oblique = ct->resample_oblique},
         .digests = digests,
@@ -136,10 +137,13 @@ static ost_status volume_to_bone(ost_backend *backend, const ost_volume *volume,
     if (status == OST_OK)
         status = ost_cubic_to_chunks(cubic, options->chunk_size, threshold, out, err);
     if (status == OST_OK) {
-        *result = (ost_import_result){.kind = OST_FILE_UNKNOWN, .rect = volume->geometry, .cubic = *ost_grid_geometry(cubic), .meta = volume->meta};
+        *result = (ost_import_result){.kind = OST_FILE_UNKNOWN, .rect = volume->geometry, .cubic = *ost_grid_geometry(cubic),
+                                      .meta = volume->meta, .resample = options->resample};
         char text[16];
         snprintf(text, sizeof text, "%d", threshold);
         status = ost_meta_set(&result->meta, OST_META_THRESHOLD, text, err);
+        if (status == OST_OK)
+            status = ost_meta_set(&result->meta, OST_META_RESAMPLE, ost_resample_name(options->resample), err);
     }
     ost_grid_free(cubic);
     ost_grid_free(rect);

@@ -19,14 +19,14 @@ typedef struct ct_options {
     int64_t threshold; /* 0: the bone's own, else 120 */
     const char *crop;
     int chunk; /* place in "16|32|64" */
-    bool nearest;
+    int resample; /* place in "linear|nearest|thesis" = ost_resample; negative: by what the file has */
     int duplicates; /* place in "error|first|last|max" = ost_duplicates */
     bool clamp, resample_oblique;
     const char *orientation; /* NULL: not stated */
     int form;                /* place in "auto|qform|sform" = ost_nifti_form */
 } ct_options;
 
-#define CT_OPTIONS_DEFAULT {.chunk = 1}
+#define CT_OPTIONS_DEFAULT {.chunk = 1, .resample = -1}
 
 /* Rows for a verb's table of options. */
 #define CT_OPTIONS(c)                                                                                                        \
@@ -38,8 +38,8 @@ typedef struct ct_options {
      .help = "size of the cubic voxels (default: the CT's x spacing)"},                                                      \
     {.name = "crop", .kind = OPTION_TEXT, .out = &(c).crop, .value = "I:I,J:J,K:K",                                          \
      .help = "keep CT voxels from:to on each axis, counted from 0, to not included"},                                        \
-    {.name = "nearest", .kind = OPTION_FLAG, .out = &(c).nearest,                                                            \
-     .help = "cubic voxels take the nearest slice (default: the one they begin in)"},                                        \
+    {.name = "resample", .kind = OPTION_CHOICE, .out = &(c).resample, .value = "linear|nearest|thesis",                      \
+     .help = "what a cubic voxel takes from the CT's voxels (default: linear, of a label map nearest)"},                     \
     {.name = "duplicates", .kind = OPTION_CHOICE, .out = &(c).duplicates, .value = "error|first|last|max",                   \
      .help = "a text that gives one voxel two densities (default: error)"},                                                  \
     {.name = "clamp", .kind = OPTION_FLAG, .out = &(c).clamp,                                                                \

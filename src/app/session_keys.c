@@ -59,7 +59,7 @@ static void set_choice(writer *w, const char *key, const char *choices, int inde
 }
 
 static const char yes_no[] = "no|yes", units[] = "auto|mm|cm|m|inch|um", rules[] = "winding|parity", duplicates[] = "error|first|last|max",
-                  sweeps[] = "off|on", forms[] = "auto|qform|sform";
+                  sweeps[] = "off|on", forms[] = "auto|qform|sform", resample_rules[] = "linear|nearest|thesis";
 
 static void set_classes(writer *w, const ost_density_classes *classes)
 {
@@ -167,7 +167,8 @@ ost_status session_keys_make(const session_setup *setup, ost_backend *backend, c
         set_mm(&w, "load.cubic", setup->ct.cubic);
     if (setup->ct.crop)
         set(&w, "load.crop", setup->ct.crop);
-    set_choice(&w, "load.nearest", yes_no, setup->ct.nearest);
+    if (setup->ct.resample >= 0)
+        set(&w, "load.resample", ost_resample_name((ost_resample)setup->ct.resample));
     set_choice(&w, "load.duplicates", duplicates, setup->ct.duplicates);
     set_choice(&w, "load.clamp", yes_no, setup->ct.clamp);
     set_choice(&w, "load.resample_oblique", yes_no, setup->ct.resample_oblique);
@@ -301,7 +302,7 @@ ost_status session_keys_read(const char *session, const ost_session_header *head
     out->ct.spacing = get_mm3(&r, "load.spacing");
     out->ct.cubic = get_mm(&r, "load.cubic", false);
     out->ct.crop = get(&r, "load.crop", false);
-    out->ct.nearest = get_choice(&r, "load.nearest", yes_no) == 1;
+    out->ct.resample = ost_session_header_get(header, "load.resample") ? get_choice(&r, "load.resample", resample_rules) : -1;
     out->ct.duplicates = get_choice(&r, "load.duplicates", duplicates);
     out->ct.clamp = get_choice(&r, "load.clamp", yes_no) == 1;
     out->ct.resample_oblique = get_choice(&r, "load.resample_oblique", yes_no) == 1;

@@ -249,7 +249,7 @@ static ost_status put_ct(const app_state *app, const user_files *u, const char *
     head->rect = result.rect;
     head->duplicates = options.duplicates;
     head->cubic = result.cubic.spacing.x;
-    head->resample = options.resample;
+    head->resample = result.resample;
     head->chunk_size = info.chunk_size;
     head->threshold = info.threshold;
     *meta = result.meta;

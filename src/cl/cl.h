@@ -34,7 +34,7 @@
 #define OST_CL_KERNELS(X) \
     X(ost_layout, 3) X(ost_fingerprint, 3) X(ost_fingerprint_atomics, 3) X(ost_fingerprint_turns, 3) \
     X(ost_ct_claim, 3) X(ost_ct_place, 3) X(ost_ct_check, 3) X(ost_ct_blame, 3) X(ost_ct_had, 3) \
-    X(ost_cubic_sources, 3) X(ost_cubic_gather, 3) \
+    X(ost_cubic_sources, 3) X(ost_cubic_gather, 3) X(ost_cubic_linear, 3) \
     X(ost_chunk_scan, 1) X(ost_chunk_scan_layers, 2) X(ost_chunk_store, 1) X(ost_chunk_store_layers, 2) \
     X(ost_chunk_load, 1) X(ost_chunk_load_rows, 2) X(ost_chunk_count, 3) \
     X(ost_vox_steps, 1) X(ost_vox_fill, 1) X(ost_vox_count, 1) X(ost_vox_tiles, 2) X(ost_tool_reach, 3) X(ost_tool_windows, 2) \

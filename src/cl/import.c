@@ -145,9 +145,9 @@ ost_status ost_cl_rect_to_cubic(const ost_grid *base, const ost_geometry *geomet
         .z0 = 0,
         .z1 = geometry->dims.z,
     };
-    /* Equal spacings: a voxel's source is its own index, by either rule. */
-    const bool z_alone = geometry->spacing.x == r->spacing.x && geometry->spacing.y == r->spacing.y && geometry->dims.x == r->dims.x &&
-                         geometry->dims.y == r->dims.y;
+    /* Equal spacings: a voxel's source is its own index, by any rule, and its weights are 0. */
+    const bool z_alone = geometry->spacing.x == r->spacing.x && geometry->spacing.y == r->spacing.y &&
+                         (rule != OST_RESAMPLE_LINEAR || geometry->spacing.z == r->spacing.z);
     const size_t axes = (size_t)geometry->dims.x + (size_t)geometry->dims.y + (size_t)geometry->dims.z;
     cl_mem cubic_buffer = NULL, sources = NULL;
     ost_grid *to = NULL;
@@ -157,12 +157,16 @@ ost_status ost_cl_rect_to_cubic(const ost_grid *base, const ost_geometry *geomet
     if (status == OST_OK)
         status = ost_cl_buffer(b, sizeof cubic, &cubic, "resampling", &cubic_buffer, err);
     if (status == OST_OK)
-        status = ost_cl_buffer(b, axes * sizeof(int32_t), NULL, "resampling", &sources, err);
+        status = ost_cl_buffer(b, 2 * axes * sizeof(int32_t), NULL, "resampling", &sources, err);
     if (status == OST_OK)
         status = ost_cl_grid_create_raw(base->backend, geometry, z_alone ? rect->store : NULL, &to, err); /* every voxel of it is written */
     if (status == OST_OK)
         status = OST_CL_LAUNCH(b, ost_cubic_sources, axes, 1, 1, err, OST_CL_ARG(cubic_buffer), OST_CL_ARG(sources));
-    if (status == OST_OK && !z_alone)
+    if (status == OST_OK && !z_alone && rule == OST_RESAMPLE_LINEAR)
+        status = OST_CL_LAUNCH(b, ost_cubic_linear, (size_t)geometry->dims.x, (size_t)geometry->dims.y, (size_t)geometry->dims.z, err,
+                               OST_CL_ARG(cubic_buffer), OST_CL_ARG(sources), OST_CL_ARG(rect->store->voxels),
+                               OST_CL_ARG(((cl_grid *)to)->store->voxels));
+    else if (status == OST_OK && !z_alone)
         status = ost_cl_gather(b, geometry->dims, cubic_buffer, sources, rect->store->voxels, ((cl_grid *)to)->store->voxels, err);
     if (status == OST_OK) /* whatever failed there late is heard of here */
         status = ost_cl_finish(b, err);

@@ -38,7 +38,8 @@ _Static_assert(sizeof(ost_sample) == sizeof(ost_cl_sample) && offsetof(ost_sampl
 _Static_assert((int)OST_DUPLICATES_ERROR == (int)OST_CL_DUPLICATES_ERROR && (int)OST_DUPLICATES_FIRST == (int)OST_CL_DUPLICATES_FIRST &&
                    (int)OST_DUPLICATES_LAST == (int)OST_CL_DUPLICATES_LAST && (int)OST_DUPLICATES_MAX == (int)OST_CL_DUPLICATES_MAX,
                "rules for duplicates");
-_Static_assert((int)OST_RESAMPLE_FLOOR == (int)OST_CL_RESAMPLE_FLOOR && (int)OST_RESAMPLE_NEAREST == (int)OST_CL_RESAMPLE_NEAREST,
+_Static_assert((int)OST_RESAMPLE_LINEAR == (int)OST_CL_RESAMPLE_LINEAR && (int)OST_RESAMPLE_NEAREST == (int)OST_CL_RESAMPLE_NEAREST &&
+                   (int)OST_RESAMPLE_THESIS == (int)OST_CL_RESAMPLE_THESIS,
                "rules for resampling");
 _Static_assert((int)OST_FILL_WINDING == (int)OST_CL_FILL_WINDING && (int)OST_FILL_PARITY == (int)OST_CL_FILL_PARITY, "rules for filling");
 _Static_assert(OST_CLASS_MAX == OST_CL_CLASSES, "density classes");

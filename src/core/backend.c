@@ -171,6 +171,22 @@ static int64_t cubic_dim(int32_t dim, ost_pm rect, ost_pm cubic)
     return ost_ceil_div(dim * rect, cubic);
 }
 
+/*
+ * AR-CUB-1: the first centre lies half a cubic voxel inside the box's corner,
+ * which is half a rect voxel before the rect grid's first centre. |origin| <
+ * 2^43 and spacing < 2^37, so the sum fits.
+ */
+static ost_pm cubic_origin(ost_pm origin, ost_pm rect, ost_pm cubic)
+{
+    return origin + ost_rhe_div(cubic - rect, 2);
+}
+
+const char *ost_resample_name(ost_resample rule)
+{
+    static const char *const names[] = {[OST_RESAMPLE_LINEAR] = "linear", [OST_RESAMPLE_NEAREST] = "nearest", [OST_RESAMPLE_THESIS] = "thesis"};
+    return (int)rule >= OST_RESAMPLE_LINEAR && rule <= OST_RESAMPLE_THESIS ? names[rule] : NULL;
+}
+
 ost_status ost_rect_to_cubic(const ost_grid *rect, ost_pm cubic, ost_resample rule, ost_grid **out, ost_error *err)
 {
     *out = NULL;
@@ -178,7 +194,7 @@ ost_status ost_rect_to_cubic(const ost_grid *rect, ost_pm cubic, ost_resample ru
     char text[OST_PM_TEXT];
     if (cubic < OST_SPACING_MIN || cubic > OST_SPACING_MAX)
         return ost_fail(err, OST_ERR_RANGE, "a cubic voxel of %s mm; supported are 0.001 to 100 mm", ost_pm_format(cubic, text));
-    if (rule != OST_RESAMPLE_FLOOR && rule != OST_RESAMPLE_NEAREST)
+    if (!ost_resample_name(rule))
         return ost_fail(err, OST_ERR_USAGE, "unknown rule %d for resampling", (int)rule);
     int64_t dims[3] = {
         cubic_dim(g->dims.x, g->spacing.x, cubic),
@@ -192,7 +208,8 @@ ost_status ost_rect_to_cubic(const ost_grid *rect, ost_pm cubic, ost_resample ru
     ost_geometry geometry = {
         .dims = {(int32_t)dims[0], (int32_t)dims[1], (int32_t)dims[2]},
         .spacing = {cubic, cubic, cubic},
-        .origin = g->origin,
+        .origin = {cubic_origin(g->origin.x, g->spacing.x, cubic), cubic_origin(g->origin.y, g->spacing.y, cubic),
+                   cubic_origin(g->origin.z, g->spacing.z, cubic)},
     };
     ost_status status = ost_geometry_check(&geometry, "cubic grid", err);
     return status == OST_OK ? rect->backend->ops->rect_to_cubic(rect, &geometry, rule, out, err) : status;

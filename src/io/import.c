@@ -372,16 +372,25 @@ static ost_status find_threshold(const job *j, int32_t *out, ost_error *err)
     return OST_OK;
 }
 
-static ost_status set_meta(const job *j, int32_t threshold, ost_error *err)
+/* Returns true for a bone whose voxels are taken as they are: what its header says of its CT stays true. */
+static bool keeps_voxels(const job *j, ost_pm cubic)
+{
+    const ost_pm3 s = j->result->rect.spacing;
+    const char *kind = ost_meta_get(&j->result->meta, OST_META_KIND);
+    return kind && strcmp(kind, "bone") == 0 && s.x == cubic && s.y == cubic && s.z == cubic;
+}
+
+static ost_status set_meta(const job *j, ost_pm cubic, int32_t threshold, ost_error *err)
 {
     ost_meta *meta = &j->result->meta;
     char text[16];
     snprintf(text, sizeof text, "%" PRId32, threshold);
+    const bool kept = keeps_voxels(j, cubic);
     ost_status status = ost_meta_set(meta, OST_META_KIND, "bone", err);
     if (status == OST_OK)
         status = ost_meta_set(meta, OST_META_THRESHOLD, text, err);
-    if (status == OST_OK && j->options->resample == OST_RESAMPLE_NEAREST)
-        status = ost_meta_set(meta, "resample", "nearest", err);
+    if (status == OST_OK && !kept)
+        status = ost_meta_set(meta, OST_META_RESAMPLE, ost_resample_name(j->result->resample), err);
     if (status == OST_OK && j->result->kind == OST_FILE_CT_TEXT && j->options->duplicates != OST_DUPLICATES_ERROR) {
         static const char *const names[] = {"error", "first", "last", "max"};
         status = ost_meta_set(meta, "duplicates", names[j->options->duplicates], err);
@@ -399,15 +408,16 @@ static ost_status bone_from_rect(job *j, ost_error *err)
     ost_stage *stage;
     int32_t threshold;
     const ost_pm spacing = options->cubic ? options->cubic : result->rect.spacing.x;
+    result->resample = options->has_resample ? options->resample : result->volume.labels ? OST_RESAMPLE_NEAREST : OST_RESAMPLE_LINEAR;
     ost_status status = find_threshold(j, &threshold, err);
     if (status == OST_OK)
         status = check_bone_memory(j, spacing, threshold, err);
     if (status == OST_OK)
-        status = set_meta(j, threshold, err);
+        status = set_meta(j, spacing, threshold, err);
     if (status == OST_OK)
         status = stage_begin(j, "cubic", err);
     if (status == OST_OK)
-        status = ost_rect_to_cubic(j->rect, spacing, options->resample, &cubic, err);
+        status = ost_rect_to_cubic(j->rect, spacing, result->resample, &cubic, err);
     if (status == OST_OK)
         status = stage_end_grid(j, "cubic", OST_GRID_CUBIC, cubic, err);
     ost_grid_free(j->rect);
@@ -437,6 +447,8 @@ static ost_status check_options(const ost_import_options *options, const char *p
                             ost_pm_to_mm(lengths[i]));
     if (options->threshold < 0 || options->threshold > INT16_MAX)
         return ost_fail(err, OST_ERR_RANGE, "%s: a threshold of %" PRId32 "; supported are 1 to %d", path, options->threshold, INT16_MAX);
+    if (options->has_resample && !ost_resample_name(options->resample))
+        return ost_fail(err, OST_ERR_USAGE, "%s: unknown rule %d for resampling", path, (int)options->resample);
     return OST_OK;
 }
 

@@ -8,6 +8,10 @@ _Static_assert(sizeof(ost_plugin_sample) == 32 && sizeof(ost_sample) == sizeof(o
 _Static_assert(offsetof(ost_sample, density) == offsetof(ost_plugin_sample, density) && offsetof(ost_sample, line) == offsetof(ost_plugin_sample, line),
                "samples are handed over as they are");
 
+_Static_assert((int)OST_PLUGIN_LINEAR == (int)OST_RESAMPLE_LINEAR && (int)OST_PLUGIN_NEAREST == (int)OST_RESAMPLE_NEAREST &&
+                   (int)OST_PLUGIN_THESIS == (int)OST_RESAMPLE_THESIS,
+               "rules for resampling");
+
 static ost_status new_grid(ost_backend *backend, const ost_geometry *geometry, plugin_grid **out, ost_error *err)
 {
     *out = calloc(1, sizeof **out);
@@ -104,6 +108,6 @@ ost_status ost_adapt_rect_to_cubic(const ost_grid *rect, const ost_geometry *geo
     ost_status status = from->lost ? ost_adapt_is_lost(b, err) : new_grid(rect->backend, geometry, &grid, err);
     if (status != OST_OK)
         return status;
-    status = ost_adapt_heard(b, "rect_to_cubic", b->table.rect_to_cubic(from->own, &g, rule == OST_RESAMPLE_NEAREST, &grid->own, &adapt_listening(&t)->error), &t, NULL, err);
+    status = ost_adapt_heard(b, "rect_to_cubic", b->table.rect_to_cubic(from->own, &g, (int32_t)rule, &grid->own, &adapt_listening(&t)->error), &t, NULL, err);
     return made_grid(grid, "rect_to_cubic", status, out, err);
 }

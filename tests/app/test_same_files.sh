@@ -75,7 +75,7 @@ work() {
     shift
     verb bone import ../ct.txt --out bone.nrrd --chunk "$chunk" "$@"
     verb small import ../shuffled.txt --spacing 0.8 --out small.nrrd --compress --chunk "$chunk" "$@"
-    verb coarse import ../ct.nrrd --cubic 1.1 --nearest --threshold 300 --out coarse.nrrd --chunk "$chunk" "$@"
+    verb coarse import ../ct.nrrd --cubic 1.1 --resample nearest --threshold 300 --out coarse.nrrd --chunk "$chunk" "$@"
     [ $nifti = no ] || verb nii import ../ct.nii.gz --out nii.nrrd --chunk "$chunk" "$@"
     if [ $meshes = yes ]; then
         verb reamer voxelize ../reamer.stl --voxel 0.5 --noncutting ../peg.stl --out reamer.nrrd "$@"

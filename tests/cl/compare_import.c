@@ -187,7 +187,7 @@ void compare_cubic(machine *m, test_rng *rng, int rounds)
             .spacing = {steps[rng_range(rng, 0, 5)], steps[rng_range(rng, 0, 5)], steps[rng_range(rng, 0, 5)]},
         };
         const ost_pm cubic_spacing = steps[rng_range(rng, 0, rng_range(rng, 0, 9) ? 5 : 6)];
-        const ost_resample rule = (ost_resample)rng_range(rng, 0, 1);
+        const ost_resample rule = (ost_resample)rng_range(rng, 0, 2);
         const size_t count = (size_t)ost_dims_count(geometry.dims);
         ost_grid *rect, *expected;
         int16_t *voxels = zeros(count, 2);
@@ -205,9 +205,9 @@ void compare_cubic(machine *m, test_rng *rng, int rounds)
             .dims = {d.x, d.y, d.z},
             .rule = (int)rule,
         };
-        int32_t *sources = zeros((size_t)d.x + (size_t)d.y + (size_t)d.z, 4);
         const size_t axes = (size_t)d.x + (size_t)d.y + (size_t)d.z;
-        LAUNCH(m, ost_cubic_sources, axes, 1, 1, ONE(&cubic), BUFFER(sources, axes));
+        int32_t *sources = zeros(2 * axes, 4);
+        LAUNCH(m, ost_cubic_sources, axes, 1, 1, ONE(&cubic), BUFFER(sources, 2 * axes));
         int16_t *out = zeros(slice * (size_t)d.z, 2);
         const int32_t middle = (int32_t)rng_range(rng, 0, d.z);
         cubic.slab = (int32_t)rng_range(rng, 0, 1);
@@ -216,8 +216,11 @@ void compare_cubic(machine *m, test_rng *rng, int rounds)
             cubic.z1 = part ? d.z : middle;
             const size_t from = cubic.slab ? slice * (size_t)cubic.z0 : 0;
             const size_t size = cubic.slab ? slice * (size_t)(cubic.z1 - cubic.z0) : slice * (size_t)d.z;
-            if (cubic.z1 > cubic.z0)
-                LAUNCH(m, ost_cubic_gather, d.x, d.y, cubic.z1 - cubic.z0, ONE(&cubic), BUFFER(sources, axes), BUFFER(voxels, count),
+            if (cubic.z1 > cubic.z0 && rule == OST_RESAMPLE_LINEAR)
+                LAUNCH(m, ost_cubic_linear, d.x, d.y, cubic.z1 - cubic.z0, ONE(&cubic), BUFFER(sources, 2 * axes), BUFFER(voxels, count),
+                       BUFFER(out + from, size));
+            else if (cubic.z1 > cubic.z0)
+                LAUNCH(m, ost_cubic_gather, d.x, d.y, cubic.z1 - cubic.z0, ONE(&cubic), BUFFER(sources, 2 * axes), BUFFER(voxels, count),
                        BUFFER(out + from, size));
         }
         if (memcmp(out, ((ref_grid *)expected)->voxels, slice * (size_t)d.z * 2) != 0)

@@ -21,6 +21,7 @@
     X(ost_ct_had)            \
     X(ost_cubic_sources)     \
     X(ost_cubic_gather)      \
+    X(ost_cubic_linear)      \
     X(ost_chunk_scan)        \
     X(ost_chunk_scan_layers) \
     X(ost_chunk_slots)       \

@@ -39,6 +39,7 @@ static void call(enum test_kernel kernel, const kernel_arg *args)
     case K_ost_ct_had: ost_ct_had(B(0), B(1), B(2), B(3)); break;
     case K_ost_cubic_sources: ost_cubic_sources(B(0), B(1)); break;
     case K_ost_cubic_gather: ost_cubic_gather(B(0), B(1), B(2), B(3)); break;
+    case K_ost_cubic_linear: ost_cubic_linear(B(0), B(1), B(2), B(3)); break;
     case K_ost_chunk_scan: ost_chunk_scan(B(0), I(1), I(2), I(3), B(4), B(5), B(6)); break;
     case K_ost_chunk_scan_layers: ost_chunk_scan_layers(B(0), I(1), I(2), I(3), B(4), B(5), B(6)); break;
     case K_ost_chunk_slots: ost_chunk_slots(U(0), B(1), B(2), B(3), B(4)); break;

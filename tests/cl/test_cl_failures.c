@@ -164,7 +164,7 @@ static ost_status run_session(const session *s, ost_error *err)
     if (status == OST_OK)
         status = ost_ct_to_rect(rect, s->samples, 50, 1, OST_DUPLICATES_ERROR, &scatter, err);
     if (status == OST_OK)
-        status = ost_rect_to_cubic(rect, 400 * UM, OST_RESAMPLE_FLOOR, &cubic, err);
+        status = ost_rect_to_cubic(rect, 400 * UM, OST_RESAMPLE_LINEAR, &cubic, err);
     if (status == OST_OK)
         status = ost_cubic_to_chunks(cubic, 16, 120, &first, err);
     if (status == OST_OK)

@@ -128,7 +128,7 @@ static void cubic(void **state)
             int16_t *voxels = random_densities(&rng, &g, 5);
             ost_grid *rect[2], *out[2];
             const ost_pm spacing = rng_range(&rng, 90, 1000) * UM;
-            const ost_resample rule = round % 2 ? OST_RESAMPLE_NEAREST : OST_RESAMPLE_FLOOR;
+            const ost_resample rule = (ost_resample)(round % 3);
             for (int b = 0; b < 2; b++) {
                 const int32_t cut = g.dims.z / 2;
                 assert_ok(ost_grid_create(b ? p.cl : p.ref, &g, &rect[b], &err));
@@ -230,7 +230,7 @@ static void shared(void **state)
         };
         int16_t *voxels = random_densities(&rng, &g, 5), *others = random_densities(&rng, &g, 5);
         const ost_pm finer = rng_range(&rng, 0, 1) ? side : (large ? side : rng_range(&rng, 90, 1000) * UM);
-        const ost_resample rule = round % 2 ? OST_RESAMPLE_NEAREST : OST_RESAMPLE_FLOOR;
+        const ost_resample rule = (ost_resample)(round % 3);
         const int order = (int)rng_range(&rng, 0, 3), size = 16 << rng_range(&rng, 0, 2);
         ost_grid *rect[2], *first[2], *second[2];
         ost_bone *bone[2];

@@ -144,7 +144,7 @@ static void rect_to_cubic_to_chunks(void **state)
             .origin = {rng_range(&rng, -mm, mm), 0, 7},
         };
         ost_pm cubic = round % 2 ? g.spacing.x : steps[rng_range(&rng, 0, 4)];
-        ost_resample rule = rng_range(&rng, 0, 1) ? OST_RESAMPLE_NEAREST : OST_RESAMPLE_FLOOR;
+        ost_resample rule = (ost_resample)rng_range(&rng, 0, 2);
         int32_t threshold = round % 5 == 0 ? 1 : round % 5 == 1 ? INT16_MAX : (int32_t)rng_range(&rng, 1, 2000);
         int n = chunk_of[rng_range(&rng, 0, 2)];
         int16_t *voxels = random_voxels(&rng, ost_dims_count(g.dims), threshold);

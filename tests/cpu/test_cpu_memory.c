@@ -51,7 +51,7 @@ static ost_bone *bone_of(ost_backend *backend, const ost_volume *ct)
     ost_bone *bone;
     assert_ok(ost_grid_create(backend, &ct->geometry, &rect, &err));
     assert_ok(ost_grid_upload(rect, 0, ct->geometry.dims.z, ct->voxels, &err));
-    assert_ok(ost_rect_to_cubic(rect, ct->geometry.spacing.x, OST_RESAMPLE_FLOOR, &cubic, &err));
+    assert_ok(ost_rect_to_cubic(rect, ct->geometry.spacing.x, OST_RESAMPLE_THESIS, &cubic, &err));
     ost_grid_free(rect);
     assert_ok(ost_cubic_to_chunks(cubic, CHUNK, 120, &bone, &err));
     ost_grid_free(cubic);

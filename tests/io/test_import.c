@@ -3,7 +3,7 @@
  * From a file to a bone: no layer lost or doubled, the same bone from every
  * format, every wrong file refused, memory bounded by the grid.
  *
- * Covers: AR-CT-3, AR-CT-4, AR-CT-5, AR-CT-6, AR-CT-8, AR-CUB-1, AR-CHK-1
+ * Covers: AR-CT-3, AR-CT-4, AR-CT-5, AR-CT-6, AR-CT-8, AR-CUB-1, AR-CUB-5, AR-CUB-6, AR-CHK-1
  */
 #include "backends.h"
 
@@ -277,9 +277,84 @@ static void the_result_tells_all(void **state)
     ost_bone_info info;
     assert_ok(ost_bone_info_get(bone, &info, &err));
     assert_int_equal(info.chunk_size, 16);
-    /* z layer 0 fills cubic layers 0, 1, 2 (0, 0.47, 0.94 mm), layer 1 the layers 3, 4: 200 thrice, 120 and 3000 twice. */
-    assert_int_equal(info.active_voxels, 3 * 1 + 2 * 2);
+    /*
+     * Five cubic layers at t = 0 (held back), 0.205, 0.675, 1 and 1 (held back) of the two: of 200 above 0 come 200, 159 and 65,
+     * of 0 below 3000 come 0, 615, 2025, 3000, 3000, and of 120 only the last two are active.
+     */
+    assert_int_equal(info.active_voxels, 2 + 4 + 2);
+    assert_string_equal(ost_meta_get(&result.meta, OST_META_RESAMPLE), "linear");
     ost_bone_free(bone);
+}
+
+/* The rule by which a file is resampled, and what its bone's header says of it. */
+static ost_resample rule_of(const char *path, const ost_import_options *options, const char *fact)
+{
+    ost_error err = {0};
+    ost_import_result result;
+    ost_bone *bone;
+    assert_ok(ost_import(backend, path, options, &bone, &result, &err));
+    assert_string_equal(ost_meta_get(&result.meta, OST_META_RESAMPLE), fact);
+    ost_bone_free(bone);
+    return result.resample;
+}
+
+/* Two labels, 200 and 300: a mean of them would be a third. */
+static void labels_take_the_nearest(void **state)
+{
+    (void)state;
+    static const char nrrd[] = "NRRD0004\ntype: short\ndimension: 3\nspace: left-posterior-superior\nsizes: 1 1 2\n"
+                               "space directions: (1,0,0) (0,1,0) (0,0,1.5)\nkinds: domain domain domain\nendian: little\n"
+                               "encoding: text\nspace origin: (0,0,0)\n%s\n200 300\n";
+    const ost_import_options thesis = {.has_resample = true, .resample = OST_RESAMPLE_THESIS}, linear = {.has_resample = true};
+    ost_error err = {0};
+    char text[400];
+    snprintf(text, sizeof text, nrrd, "");
+    const char *plain = scratch_write(folder, "plain.nrrd", text, strlen(text));
+    assert_int_equal(rule_of(plain, NULL, "linear"), OST_RESAMPLE_LINEAR);
+    assert_int_equal(rule_of(plain, &thesis, "thesis"), OST_RESAMPLE_THESIS);
+    snprintf(text, sizeof text, nrrd, "Segment0_Name:=scapula\nSegment0_LabelValue:=200\n");
+    const char *segmented = scratch_write(folder, "segmented.nrrd", text, strlen(text));
+    assert_int_equal(rule_of(segmented, NULL, "nearest"), OST_RESAMPLE_NEAREST);
+    assert_int_equal(rule_of(segmented, &linear, "linear"), OST_RESAMPLE_LINEAR);
+
+    const ost_geometry g = {.dims = {1, 1, 2}, .spacing = {OST_PM_PER_MM, OST_PM_PER_MM, 3 * OST_PM_PER_MM / 2}};
+    ost_volume volume;
+    assert_ok(ost_volume_init(&volume, &g, &err));
+    volume.voxels[0] = 200;
+    volume.voxels[1] = 300;
+    const char *path = in_folder("labels.nii");
+    const ost_status status = ost_volume_write(path, &volume, NULL, &err);
+    ost_volume_free(&volume);
+    if (status == OST_ERR_UNAVAILABLE)
+        return; /* built without libnifti */
+    assert_ok(status);
+    assert_int_equal(rule_of(path, NULL, "linear"), OST_RESAMPLE_LINEAR);
+    /* intent_code: int16 at byte 68 of a NIfTI-1 header; NIFTI_INTENT_LABEL is 1002 = 0x03ea. */
+    static const unsigned char label[2] = {0xea, 0x03};
+    FILE *file = fopen(path, "r+b");
+    assert_non_null(file);
+    assert_int_equal(fseek(file, 68, SEEK_SET), 0);
+    assert_int_equal(fwrite(label, 1, 2, file), 2);
+    assert_int_equal(fclose(file), 0);
+    assert_int_equal(rule_of(path, NULL, "nearest"), OST_RESAMPLE_NEAREST);
+    assert_int_equal(rule_of(path, &linear, "linear"), OST_RESAMPLE_LINEAR);
+}
+
+/* A bone that keeps its voxels keeps what it says of the CT that they came from. */
+static void a_kept_bone_keeps_its_rule(void **state)
+{
+    (void)state;
+    static const char text[] = "0 0 0 200\n0 0 1 300\n0 0 2 300\n0.5 0 0 200\n0 0.5 0 200\n";
+    const ost_import_options nearest = {.has_resample = true, .resample = OST_RESAMPLE_NEAREST}, finer = {.cubic = 400000000};
+    ost_error err = {0};
+    ost_import_result result;
+    ost_bone *bone;
+    assert_ok(ost_import(backend, scratch_write(folder, "ct.txt", text, sizeof text - 1), &nearest, &bone, &result, &err));
+    const char *path = in_folder("kept.nrrd");
+    assert_ok(ost_bone_write(path, bone, &result.meta, NULL, &err));
+    ost_bone_free(bone);
+    rule_of(path, NULL, "nearest");
+    rule_of(path, &finer, "linear");
 }
 
 static void given_spacings_win(void **state)
@@ -601,6 +676,8 @@ int main(int argc, char **argv)
         cmocka_unit_test(every_format_gives_the_same_grid),
         cmocka_unit_test(a_written_bone_reads_back_the_same),
         cmocka_unit_test(the_result_tells_all),
+        cmocka_unit_test(labels_take_the_nearest),
+        cmocka_unit_test(a_kept_bone_keeps_its_rule),
         cmocka_unit_test(given_spacings_win),
         cmocka_unit_test(duplicates_follow_the_option),
         cmocka_unit_test(positions_off_the_lattice),

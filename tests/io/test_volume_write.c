@@ -384,7 +384,7 @@ static void bones_come_down_in_slabs(void **state)
             fail_msg("voxel %lld is %d, from %d", (long long)i, back.voxels[i], v.voxels[i]);
     assert_string_equal(ost_meta_get(&back.meta, OST_META_KIND), "bone");
     assert_string_equal(ost_meta_get(&back.meta, OST_META_THRESHOLD), "150");
-    assert_string_equal(ost_meta_get(&back.meta, OST_META_ARITHMETIC), "1");
+    assert_string_equal(ost_meta_get(&back.meta, OST_META_ARITHMETIC), "2");
     assert_string_equal(ost_meta_get(&back.meta, OST_META_SIDE), "left");
     ost_volume_free(&back);
     ost_bone_free(bone);

@@ -232,7 +232,7 @@ static void the_digest_is_of_these_bytes(void **state)
 {
     (void)state;
     static const uint8_t bytes[] = {
-        'O', 'S', 'T', 'E', 'O', 'N', 'M', '1', 1, 0, 0, 0,                          /* arithmetic 1 */
+        'O', 'S', 'T', 'E', 'O', 'N', 'M', '1', 2, 0, 0, 0,                          /* arithmetic 2 */
         8, 0, 0, 0, 7, 0, 0, 0, 6, 0, 0, 0,                                          /* dims */
         0x00, 0xca, 0x9a, 0x3b, 0, 0, 0, 0,                                          /* voxel: 10^9 */
         0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0, 0, 0, 0, 0, 0, 0, 0, 5, 0, 0, 0, 0, 0, 0, 0, /* corner -1 0 5 */

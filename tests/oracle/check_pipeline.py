@@ -8,7 +8,8 @@
 
 Covers: AR-LEN-2, AR-LEN-3, AR-LEN-5, AR-GRID-2, AR-POSE-2, AR-POSE-5, AR-POSE-6, AR-PATH-1, AR-PATH-2, AR-PATH-3,
 AR-PATH-4, AR-PATH-5, AR-PATH-6, AR-PATH-7, AR-CT-1, AR-CT-2, AR-CT-3, AR-CT-4,
-AR-CT-5, AR-CT-6, AR-CT-7, AR-CT-8, AR-CUB-1, AR-CUB-2, AR-CHK-1, AR-CHK-2, AR-CHK-3, AR-CHK-4, AR-MESH-2, AR-MESH-3,
+AR-CT-5, AR-CT-6, AR-CT-7, AR-CT-8, AR-CUB-1, AR-CUB-2, AR-CUB-3, AR-CUB-4, AR-CUB-5, AR-CHK-1,
+AR-CHK-2, AR-CHK-3, AR-CHK-4, AR-MESH-2, AR-MESH-3,
 AR-MESH-4, AR-MESH-5, AR-TOOL-2, AR-TOOL-3, AR-TOOL-4, AR-VOX-1, AR-VOX-2, AR-VOX-3, AR-VOX-4, AR-VOX-5, AR-VOX-6, AR-VOX-7,
 AR-SWEEP-1, AR-SWEEP-2, AR-SWEEP-4, AR-SWEEP-5, AR-SWEEP-6, AR-MAP-1, AR-MAP-3, AR-MAP-4, AR-REM-1, AR-REM-2, AR-REM-6,
 AR-REM-7, AR-CLS-1, AR-CLS-2, AR-DIG-2, AR-DIG-3, AR-DIG-4, AR-DIG-5, AR-DIG-6, AR-DIG-7, AR-DIG-8, AR-FILE-1,
@@ -142,7 +143,8 @@ def check_import(runner, name, content, options=(), chunk=32, **how):
     """osteon import against text -> rect -> cubic -> bone. Returns the oracle's bone and the file's name."""
     text = oracle.Text(content)
     rect, scatter = oracle.text_to_rect(text, how.get("spacing"))
-    cubic = oracle.rect_to_cubic(rect, how.get("cubic"))
+    rule = how.get("rule", "linear")
+    cubic = oracle.rect_to_cubic(rect, how.get("cubic"), rule)
     bone = oracle.Bone(cubic, how.get("threshold", 120))
     source, out = runner.write(name + ".txt", content), runner.path(name + ".nrrd")
     got = runner.run("import", source, "--out", out, "--chunk", str(chunk), *options)
@@ -158,7 +160,7 @@ def check_import(runner, name, content, options=(), chunk=32, **how):
     digests = {"samples": oracle.samples_digest(text), "rect": oracle.grid_digest(rect, oracle.KIND_RECT),
                "cubic": oracle.grid_digest(cubic, oracle.KIND_CUBIC), "chunks": oracle.grid_digest(bone, oracle.KIND_BONE)}
     equal(f"{name}: stages", {stage["name"]: stage.get("sha256") for stage in got["stages"]}, digests)
-    equal_file(name, out, bone, {"kind": "bone", "arithmetic": "1", "threshold": str(bone.threshold)})
+    equal_file(name, out, bone, {"kind": "bone", "arithmetic": "2", "threshold": str(bone.threshold), "resample": rule})
     return bone, out
 
 
@@ -197,6 +199,9 @@ def imports(runner):
                  spacing=(700000000, 900000000, 1100000000))
     check_import(runner, "coarser", ct_text(rng, (31, 14, 9), ("0.7", "0.9", "1.1"), ("1", "1", "1"), 1),
                  ("--cubic", "0.8", "--threshold", "150"), cubic=800000000, threshold=150)
+    for rule in ("nearest", "thesis"):
+        check_import(runner, rule, ct_text(rng, (23, 11, 9), ("0.7", "0.9", "1.1"), ("1", "1", "1"), 1),
+                     ("--cubic", "0.45", "--resample", rule), cubic=450000000, rule=rule)
 
 
 # ------------------------------------------------------------------- meshes
@@ -257,7 +262,7 @@ def check_voxelize(runner, name, mesh, voxel, rule="winding", noncutting=None):
     equal(f"{name}: leaking_rows", got["leaking_rows"], tool.leaking_rows)
     if "mesh_sha256" in got:
         equal(f"{name}: mesh_sha256", got["mesh_sha256"], tool.snapped[0].digest())
-    equal_file(name, out, tool, {"kind": "tool", "arithmetic": "1"})
+    equal_file(name, out, tool, {"kind": "tool", "arithmetic": "2"})
     equal(f"{name}: sha256", got["sha256"], tool.digest())
     return tool, out
 

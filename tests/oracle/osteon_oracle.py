@@ -21,7 +21,7 @@ import re
 import struct
 from fractions import Fraction
 
-ARITHMETIC_VERSION = 1
+ARITHMETIC_VERSION = 2
 PM_PER_MM = 10**9
 LENGTH_MAX = 8 * 10**12
 
@@ -395,20 +395,36 @@ def samples_digest(text):
 # ------------------------------------------------- rect to cubic, and a bone
 
 
-def rect_to_cubic(rect, cubic=None, rule="floor"):
+def axis_taps(n, s, c, rule):
+    """AR-CUB-2 to 4 along one axis: per cubic voxel the rect voxels that it takes, each with its weight (a Fraction)."""
+    taps = []
+    for i in range(ceil(Fraction(n * s, c))):
+        if rule == "thesis":
+            taps.append([(floor(Fraction(i * c, s)), Fraction(1))])
+        elif rule == "nearest":
+            taps.append([(min(n - 1, floor(Fraction((2 * i + 1) * c, 2 * s))), Fraction(1))])
+        else:
+            t = min(max(Fraction((2 * i + 1) * c - s, 2 * s), Fraction(0)), Fraction(n - 1))
+            k = floor(t)
+            w = Fraction(rhe(2**15 * (t - k)), 2**15)
+            taps.append([(k, 1 - w)] + ([(k + 1, w)] if w else []))
+    return taps
+
+
+def rect_to_cubic(rect, cubic=None, rule="linear"):
     """AR-CUB"""
     c = rect.spacing[0] if cubic is None else cubic
-    dims = [ceil(Fraction(n * s, c)) for n, s in zip(rect.dims, rect.spacing)]
-    out = Grid(dims, (c, c, c), rect.origin).check()
-
-    def source(axis):
-        n, s = rect.dims[axis], rect.spacing[axis]
-        if rule == "floor":
-            return [floor(Fraction(i * c, s)) for i in range(dims[axis])]
-        return [min(n - 1, floor(Fraction((2 * i + 1) * c, 2 * s))) for i in range(dims[axis])]
-
-    xs, ys, zs = source(0), source(1), source(2)
-    out.voxels = [rect.voxels[rect.index(i, j, k)] for k in zs for j in ys for i in xs]
+    xs, ys, zs = (axis_taps(n, s, c, rule) for n, s in zip(rect.dims, rect.spacing))
+    origin = tuple(o + rhe(Fraction(c - s, 2)) for o, s in zip(rect.origin, rect.spacing))
+    out = Grid((len(xs), len(ys), len(zs)), (c, c, c), origin).check()
+    out.voxels = []
+    for z in zs:
+        for y in ys:
+            for x in xs:
+                if len(x) == len(y) == len(z) == 1:
+                    out.voxels.append(rect.voxels[rect.index(x[0][0], y[0][0], z[0][0])])
+                    continue
+                out.voxels.append(rhe(sum(rect.voxels[rect.index(i, j, k)] * u * v * w for i, u in x for j, v in y for k, w in z)))
     return out
 
 
@@ -563,15 +579,27 @@ def self_check():
             ((156, 156, 313), (32000000,) * 3, (156, 156, 313), (5, 5, 10))):
         got = tuple(ceil(Fraction(n * s, spacing[0])) for n, s in zip(dims, spacing))
         assert got == cubic and tuple(ceil(Fraction(n, 32)) for n in got) == chunks
-    layers = rect_to_cubic(Grid((1, 1, 201), (470000000, 470000000, 10**9), (0, 0, 0), list(range(201)))).voxels
-    assert layers[:6] == [0, 0, 0, 1, 1, 2] and layers[427] == 200 and len(layers) == 428
+
+    def layers(densities, rule):
+        return rect_to_cubic(Grid((1, 1, 201), (470000000, 470000000, 10**9), (0, 0, 0), densities), rule=rule).voxels
+
+    assert layers(list(range(201)), "nearest")[:6] == [0, 0, 1, 1, 2, 2]
+    assert layers(list(range(201)), "thesis")[:6] == [0, 0, 0, 1, 1, 2]
+    for rule in ("linear", "nearest", "thesis"):
+        assert layers(list(range(201)), rule)[427] == 200 and len(layers(list(range(201)), rule)) == 428
+    assert layers([100 * k for k in range(201)], "linear")[:6] == [0, 20, 67, 114, 161, 208]
+    assert [[w * 2**15 for _, w in axis_taps(201, 10**9, 470000000, "linear")[i]][1] for i in (1, 5)] == [6717, 2785]
+    moved = rect_to_cubic(Grid((1, 1, 201), (470000000, 470000000, 10**9), (7, 8, 9), [0] * 201))
+    assert moved.origin == (7, 8, 9 - 265000000)
+    pair = rect_to_cubic(Grid((2, 1, 1), (1500000000,) * 3, (0, 0, 0), [2, 3]), 10**9)
+    assert pair.voxels[1] == 2 and pair.dims == (3, 2, 2)
 
     empty16 = sha256(b"\x00" + bytes(65536))
     assert empty16.hex() == "3266304f31be278d06c3bd3eb9aa3e00c59bedec0a890de466568b0b90b0e01f"
     assert tree([empty16] * 2).hex() == "1f3e47490a7d805550cb89ec2820578d5694205fa095cfc6a81150fb21926017"
     assert tree([empty16] * 3).hex() == "20071a418c7b12674fb1c63cb0b733852fed944660b72b3d739dc1f312b5e853"
     row = Grid((33, 1, 1), (470000000,) * 3, (-57340000000, 0, 0), [120] + [0] * 31 + [1000])
-    assert grid_digest(Bone(row), KIND_BONE) == "7b40c798083717603ff59e4bfbb45dd0f6fd64fb27f8b1b8f468db3a6f29e808"
+    assert grid_digest(Bone(row), KIND_BONE) == "08722c4b6c9d76cb5d1320756f78c1bafa96e2e0e8fd360569a8c8dc92935ed4"
     assert samples_digest(Text("-57.34 0 1 120")) == "b4b80266d2bbd065000989d6c08fe41144dbc08469191ee5be880275a23b2959"
 
 

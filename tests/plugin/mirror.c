@@ -132,10 +132,10 @@ static int32_t m_ct_to_rect(ost_plugin_grid *rect, const ost_plugin_samples *s, 
     return told(status, &err, error);
 }
 
-static int32_t m_rect_to_cubic(const ost_plugin_grid *rect, const ost_plugin_geometry *cubic, int32_t nearest, ost_plugin_grid **out, ost_plugin_error *error)
+static int32_t m_rect_to_cubic(const ost_plugin_grid *rect, const ost_plugin_geometry *cubic, int32_t rule, ost_plugin_grid **out, ost_plugin_error *error)
 {
     ost_error err = {0};
-    return told(ost_rect_to_cubic((const ost_grid *)rect, cubic->spacing_pm[0], nearest ? OST_RESAMPLE_NEAREST : OST_RESAMPLE_FLOOR, (ost_grid **)out, &err), &err, error);
+    return told(ost_rect_to_cubic((const ost_grid *)rect, cubic->spacing_pm[0], (ost_resample)rule, (ost_grid **)out, &err), &err, error);
 }
 
 static int32_t m_cubic_to_chunks(const ost_plugin_grid *cubic, int32_t chunk_size, int32_t threshold, ost_plugin_bone **out, ost_plugin_error *error)

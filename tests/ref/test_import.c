@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Samples to rect grid, rect to cubic, on the reference.
- * Covers: AR-CT-4, AR-CT-5, AR-CT-6, AR-CT-9, AR-CUB-1, AR-CUB-2, AR-CUB-3
+ * Covers: AR-CT-4, AR-CT-5, AR-CT-6, AR-CT-9, AR-CUB-1, AR-CUB-2, AR-CUB-3, AR-CUB-4
  *
  * Expected values are worked out by hand, in the comments beside them.
  */
@@ -175,39 +175,53 @@ static ost_grid *line_grid(ost_backend *backend, int axis, int32_t n, ost_pm spa
     (axis == 0 ? &g.dims.x : axis == 1 ? &g.dims.y : &g.dims.z)[0] = n;
     (axis == 0 ? &g.spacing.x : axis == 1 ? &g.spacing.y : &g.spacing.z)[0] = spacing;
     ost_grid *grid;
-    int16_t values[64];
-    assert_true(n <= 64);
+    int16_t values[8];
+    assert_true(n <= 8);
     for (int i = 0; i < n; i++)
-        values[i] = (int16_t)(100 + i);
+        values[i] = (int16_t)(100 + 1000 * i);
     assert_ok(ost_grid_create(backend, &g, &grid, &err));
     assert_ok(ost_grid_upload(grid, 0, g.dims.z, values, &err));
     return grid;
 }
 
+static ost_pm3 origin_of(const ost_grid *grid)
+{
+    return ost_grid_geometry(grid)->origin;
+}
+
 static void filler_voxels(void **state)
 {
     /*
-     * Three layers of 1 mm at 0.47 mm: ceil(3 / 0.47) = 7 layers, whose lower
-     * edges 0, 0.47, 0.94, 1.41, 1.88, 2.35, 2.82 lie in layers 0 0 0 1 1 2 2
-     * and whose centres 0.235, 0.705, 1.175, 1.645, 2.115, 2.585, 3.055 in
-     * layers 0 0 1 1 2 2 and, held back, 2.
+     * Three layers of 1 mm at 0.47 mm: ceil(3 / 0.47) = 7 layers, the first at
+     * (0.47 - 1) / 2 = -0.265 mm. Centres -0.265, 0.205, 0.675, 1.145, 1.615,
+     * 2.085, 2.555 in layers, the ends held back to 0 and 2; in the layers' own
+     * boxes, which begin at -0.5, they lie in 0 0 1 1 2 2 and, held back, 2; the
+     * thesis divides 0, 0.47, 0.94, 1.41, 1.88, 2.35, 2.82 by 1. A layer is 1000
+     * denser than the one before, and 1000 weights of 2^-15 round to the same.
      */
-    static const int floors[] = {0, 0, 0, 1, 1, 2, 2}, nearest[] = {0, 0, 1, 1, 2, 2, 2};
+    static const int expected[3][7] = {
+        [OST_RESAMPLE_LINEAR] = {100, 305, 775, 1245, 1715, 2100, 2100},
+        [OST_RESAMPLE_NEAREST] = {100, 100, 1100, 1100, 2100, 2100, 2100},
+        [OST_RESAMPLE_THESIS] = {100, 100, 100, 1100, 1100, 2100, 2100},
+    };
     ost_error err = {0};
     for (int axis = 0; axis < 3; axis++)
-        for (int rule = 0; rule < 2; rule++) {
+        for (int rule = 0; rule < 3; rule++) {
             ost_grid *rect = line_grid(*state, axis, 3, OST_PM_PER_MM), *cubic;
-            assert_ok(ost_rect_to_cubic(rect, S, rule ? OST_RESAMPLE_NEAREST : OST_RESAMPLE_FLOOR, &cubic, &err));
+            assert_ok(ost_rect_to_cubic(rect, S, (ost_resample)rule, &cubic, &err));
             const ost_geometry *g = ost_grid_geometry(cubic);
             const int32_t dims[3] = {g->dims.x, g->dims.y, g->dims.z};
             /* The other axes have one voxel of 1 mm: ceil(1 / 0.47) = 3 of 0.47 mm. */
             assert_int_equal(dims[axis], 7);
             assert_int_equal(dims[(axis + 1) % 3], 3);
+            assert_int_equal(origin_of(cubic).x, -265 * UM);
+            assert_int_equal(origin_of(cubic).y, -265 * UM);
+            assert_int_equal(origin_of(cubic).z, -265 * UM);
             int16_t voxels[7 * 3 * 3];
             assert_ok(ost_grid_download(cubic, 0, g->dims.z, voxels, &err));
             for (int v = 0; v < 63; v++) {
                 const int at[3] = {v % dims[0], v / dims[0] % dims[1], v / dims[0] / dims[1]};
-                assert_int_equal(voxels[v], 100 + (rule ? nearest : floors)[at[axis]]);
+                assert_int_equal(voxels[v], expected[rule][at[axis]]);
             }
             ost_grid_free(cubic);
             ost_grid_free(rect);
@@ -216,17 +230,108 @@ static void filler_voxels(void **state)
 
 static void coarser_than_the_scan(void **state)
 {
-    /* Seven layers of 0.3 mm at 0.47 mm: ceil(2.1 / 0.47) = 5; 0, 0.47, 0.94, 1.41, 1.88 lie in layers 0 1 3 4 6. */
-    static const int floors[] = {0, 1, 3, 4, 6};
+    /*
+     * Seven layers of 0.3 mm at 0.47 mm: ceil(2.1 / 0.47) = 5, the first at
+     * (0.47 - 0.3) / 2 = 0.085 mm. Centres at 0.2833, 1.85, 3.4167, 4.9833 layers
+     * and 6.55, held back to 6; in boxes that begin half a layer earlier: 0 2 3 5
+     * and 7.05, held back; 0, 0.47, 0.94, 1.41, 1.88 by 0.3: 0 1 3 4 6.
+     */
+    static const int expected[3][5] = {
+        [OST_RESAMPLE_LINEAR] = {383, 1950, 3517, 5083, 6100},
+        [OST_RESAMPLE_NEAREST] = {100, 2100, 3100, 5100, 6100},
+        [OST_RESAMPLE_THESIS] = {100, 1100, 3100, 4100, 6100},
+    };
     ost_error err = {0};
-    ost_grid *rect = line_grid(*state, 2, 7, 300 * UM), *cubic;
-    assert_ok(ost_rect_to_cubic(rect, S, OST_RESAMPLE_FLOOR, &cubic, &err));
-    const ost_geometry *g = ost_grid_geometry(cubic);
-    assert_int_equal(g->dims.z, 5);
-    for (int z = 0; z < 5; z++)
-        assert_int_equal(voxel_at(cubic, 0, 0, z), 100 + floors[z]);
+    for (int rule = 0; rule < 3; rule++) {
+        ost_grid *rect = line_grid(*state, 2, 7, 300 * UM), *cubic;
+        assert_ok(ost_rect_to_cubic(rect, S, (ost_resample)rule, &cubic, &err));
+        assert_int_equal(ost_grid_geometry(cubic)->dims.z, 5);
+        assert_int_equal(origin_of(cubic).z, 85 * UM);
+        for (int z = 0; z < 5; z++)
+            assert_int_equal(voxel_at(cubic, 0, 0, z), expected[rule][z]);
+        ost_grid_free(cubic);
+        ost_grid_free(rect);
+    }
+}
+
+static void origins_round_half_to_even(void **state)
+{
+    /* (c - s) / 2 for c = 1 mm: -1/2, -3/2, 1/2 and 5/2 pm become 0, -2, 0 and 2. */
+    static const struct {
+        ost_pm more, moved;
+    } cases[] = {{1, 0}, {3, -2}, {-1, 0}, {-5, 2}};
+    ost_error err = {0};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        ost_grid *rect = line_grid(*state, 1, 2, OST_PM_PER_MM + cases[i].more), *cubic;
+        assert_ok(ost_rect_to_cubic(rect, OST_PM_PER_MM, OST_RESAMPLE_LINEAR, &cubic, &err));
+        assert_int_equal(origin_of(cubic).y, cases[i].moved);
+        ost_grid_free(cubic);
+        ost_grid_free(rect);
+    }
+}
+
+/* Density of the voxel in the middle of the 3 x 3 x 3 that 2 x 2 x 2 of 1.5 mm become at 1 mm: t = (3 - 1.5) / 3 = 1/2 on every axis. */
+static int16_t mean_of_eight(ost_backend *backend, const int16_t voxels[8])
+{
+    ost_error err = {0};
+    const ost_geometry g = cubic_geometry(2, 2, 2, 3 * OST_PM_PER_MM / 2, (ost_pm3){0, 0, 0});
+    ost_grid *rect, *cubic;
+    assert_ok(ost_grid_create(backend, &g, &rect, &err));
+    assert_ok(ost_grid_upload(rect, 0, 2, voxels, &err));
+    assert_ok(ost_rect_to_cubic(rect, OST_PM_PER_MM, OST_RESAMPLE_LINEAR, &cubic, &err));
+    const int16_t mean = voxel_at(cubic, 1, 1, 1);
     ost_grid_free(cubic);
     ost_grid_free(rect);
+    return mean;
+}
+
+static void means_round_once_and_half_to_even(void **state)
+{
+    /* 5/8, where rounding after each axis gives 2, 1, 0; 12/8 and 20/8, ties; their negatives; the ends of int16. */
+    static const struct {
+        int16_t voxels[8];
+        int mean;
+    } cases[] = {
+        {{5}, 1},
+        {{0, 12}, 2},
+        {{0, 0, 20}, 2},
+        {{0, 0, 0, -5}, -1},
+        {{0, 0, 0, 0, -12}, -2},
+        {{0, 0, 0, 0, 0, -20}, -2},
+        {{32767, 32767, 32767, 32767, 32767, 32767, 32767, 32767}, 32767},
+        {{-32768, -32768, -32768, -32768, -32768, -32768, -32768, -32768}, -32768},
+        {{32767, -32768, 32767, -32768, 32767, -32768, 32767, -32768}, 0}, /* -1/2 */
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
+        assert_int_equal(mean_of_eight(*state, cases[i].voxels), cases[i].mean);
+}
+
+static void means_stay_between_their_neighbours(void **state)
+{
+    /* AR-CUB-2: a density that no rect voxel reaches is reached by no cubic voxel. */
+    ost_error err = {0};
+    test_rng rng = rng_seeded("means");
+    for (int round = 0; round < 20; round++) {
+        const ost_geometry g = {.dims = {(int32_t)rng_range(&rng, 1, 6), (int32_t)rng_range(&rng, 1, 6), (int32_t)rng_range(&rng, 1, 6)},
+                                .spacing = {rng_range(&rng, 200, 3000) * UM + 1, rng_range(&rng, 200, 3000) * UM, rng_range(&rng, 200, 3000) * UM}};
+        const int16_t lo = (int16_t)rng_range(&rng, INT16_MIN, INT16_MAX), hi = (int16_t)rng_range(&rng, lo, INT16_MAX);
+        int16_t voxels[216], *out;
+        ost_grid *rect, *cubic;
+        for (int v = 0; v < 216; v++)
+            voxels[v] = (int16_t)rng_range(&rng, lo, hi);
+        assert_ok(ost_grid_create(*state, &g, &rect, &err));
+        assert_ok(ost_grid_upload(rect, 0, g.dims.z, voxels, &err));
+        assert_ok(ost_rect_to_cubic(rect, rng_range(&rng, 300, 2000) * UM, OST_RESAMPLE_LINEAR, &cubic, &err));
+        const size_t count = voxel_count(ost_grid_geometry(cubic));
+        out = malloc(count * sizeof *out);
+        assert_non_null(out);
+        assert_ok(ost_grid_download(cubic, 0, ost_grid_geometry(cubic)->dims.z, out, &err));
+        for (size_t v = 0; v < count; v++)
+            assert_in_range(out[v] + 32768, lo + 32768, hi + 32768);
+        free(out);
+        ost_grid_free(cubic);
+        ost_grid_free(rect);
+    }
 }
 
 static void equal_spacing_changes_nothing(void **state)
@@ -238,13 +343,15 @@ static void equal_spacing_changes_nothing(void **state)
     ost_grid *rect, *cubic;
     assert_ok(ost_grid_create(*state, &g, &rect, &err));
     assert_ok(ost_grid_upload(rect, 0, 7, voxels, &err));
-    for (int rule = 0; rule < 2; rule++) {
-        assert_ok(ost_rect_to_cubic(rect, 32 * UM, rule ? OST_RESAMPLE_NEAREST : OST_RESAMPLE_FLOOR, &cubic, &err));
+    for (int rule = 0; rule < 3; rule++) {
+        assert_ok(ost_rect_to_cubic(rect, 32 * UM, (ost_resample)rule, &cubic, &err));
         assert_true(ost_geometry_equal(&g, ost_grid_geometry(cubic)));
         assert_ok(ost_grid_download(cubic, 0, 7, back, &err));
         assert_same_voxels(back, voxels, &g);
         ost_grid_free(cubic);
     }
+    assert_int_equal(ost_rect_to_cubic(rect, 32 * UM, (ost_resample)3, &cubic, &err), OST_ERR_USAGE);
+    assert_int_equal(ost_rect_to_cubic(rect, 32 * UM, (ost_resample)-1, &cubic, &err), OST_ERR_USAGE);
     ost_grid_free(rect);
     free(back);
     free(voxels);
@@ -269,7 +376,7 @@ static void the_thesis_tables(void **state)
         ost_geometry g = {.dims = models[i].rect, .spacing = {models[i].in_plane, models[i].in_plane, models[i].between}};
         ost_grid *rect, *cubic;
         assert_ok(ost_grid_create(*state, &g, &rect, &err));
-        assert_ok(ost_rect_to_cubic(rect, models[i].in_plane, OST_RESAMPLE_FLOOR, &cubic, &err));
+        assert_ok(ost_rect_to_cubic(rect, models[i].in_plane, OST_RESAMPLE_LINEAR, &cubic, &err));
         ost_geometry c = *ost_grid_geometry(cubic);
         assert_memory_equal(&c.dims, &models[i].cubic, sizeof c.dims);
         ost_grid_free(cubic);
@@ -303,7 +410,10 @@ int main(void)
         cmocka_unit_test(the_documents_example),      cmocka_unit_test(a_density_beyond_int16_is_refused), cmocka_unit_test(borders_of_the_offsets),
         cmocka_unit_test(a_voxel_met_again),          cmocka_unit_test(a_zero_density_counts_as_seen),
         cmocka_unit_test(every_voxel_finds_its_place), cmocka_unit_test(filler_voxels),
-        cmocka_unit_test(coarser_than_the_scan),      cmocka_unit_test(equal_spacing_changes_nothing),
+        cmocka_unit_test(coarser_than_the_scan),
+        cmocka_unit_test(origins_round_half_to_even),
+        cmocka_unit_test(means_round_once_and_half_to_even),
+        cmocka_unit_test(means_stay_between_their_neighbours),      cmocka_unit_test(equal_spacing_changes_nothing),
         cmocka_unit_test(the_thesis_tables),          cmocka_unit_test(it_takes_no_options),
     };
     return run_on_backends(tests, open_test_backend, close_test_backend);

@@ -361,8 +361,9 @@ static void operands_decide(void **state)
                 const char *text;
                 char expected[64];
                 if (r->stage == TRACE_CUBIC) {
-                    snprintf(expected, sizeof expected, ") has %d", is);
-                    text = value_of(&o, "source");
+                    const bool mean = value_of(&o, "mean");
+                    snprintf(expected, sizeof expected, mean ? ": %d" : ") has %d", is);
+                    text = value_of(&o, mean ? "mean" : "source");
                     assert_non_null(text);
                     assert_string_equal(text + strlen(text) - strlen(expected), expected);
                 } else if (r->stage == TRACE_CHUNKS) {

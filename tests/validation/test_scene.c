@@ -44,14 +44,14 @@ static void campaigns(void **state)
         int most;
         const char *digest;
     } rows[] = {
-        {PLAN_SMOKE, "import", 99, "dded1abba364355f68f2db22bf03653548f83c25b0cc14e05a93bda32e61e713"},
-        {PLAN_SMOKE, "mesh", 99, "3b78b9d28083f06f99a38d7ebdc6a9b39bbebac1925140e79dea977f3f3f7b34"},
-        {PLAN_SMOKE, "poses", 99, "ddf3cd41562f8906f8ce3d939f0060679133a0196593240509f0f1434cea76fe"},
-        {PLAN_SMOKE, "sweep", 99, "983c6bce735821b5ccef1411026f4d75eefe8fcf067def7638f18721e86eeef3"},
-        {PLAN_SMOKE, "session", 99, "4983bed4604e04d051c4f2296cc4cc6a89223f895b7e2196435c58655f2beaa5"},
-        {PLAN_SMOKE, "static/3", 99, "b23b89fd7d827d65c2ebafddffe752e866ab60b37cf80467abac828b5fd63b15"},
-        {PLAN_STANDARD, "mesh", 24, "706360335702dcade442e2bd11e07748409c20ac9aab298b7589f7a5199128fa"},
-        {PLAN_STANDARD, "poses/1", 2, "93d4f2e0812cd5954127a56ce60e3445f593eef11481c4944f6339f7244ed535"},
+        {PLAN_SMOKE, "import", 99, "26c581ddfaefda887415d82ddbdfb611179f9ad09ab737e12468c7a360a48605"},
+        {PLAN_SMOKE, "mesh", 99, "e0382851553eae28b444416d254a92e9df2c634bd5451522f75894491442f8f9"},
+        {PLAN_SMOKE, "poses", 99, "8b022b3f72300c358b762a4a6688c9f564a2b1d739326970d805e9854c560fa9"},
+        {PLAN_SMOKE, "sweep", 99, "f5c208fdd136cb588c8cf49a5fd0726ca00d9e9ca261eb4a1d184e8f44bff8e7"},
+        {PLAN_SMOKE, "session", 99, "869b5fd0f6dc9f6579817553a869f01e8173bfade50f9b44db01916d0dea6d9e"},
+        {PLAN_SMOKE, "static/3", 99, "8db0463087c7a16543e82b2fe420c800a42af2c92c03e79611191d9c4b555b65"},
+        {PLAN_STANDARD, "mesh", 24, "14d92552144aeb693c438efbb0e733dc9458b96dd9b8e5d4ef83b5ac63d8c252"},
+        {PLAN_STANDARD, "poses/1", 2, "397fdd9b0d0a08be0f660c6ce9add1be9e68851001a958047e30ae911d955afd"},
     };
     int wrong = 0;
     (void)state;
@@ -69,8 +69,8 @@ static void campaigns(void **state)
 /* The scenes of the sensitivity proof. */
 static void small_scenes(void **state)
 {
-    static const char *const digests[] = {"b063efb4a0907301", "3d9f44be5f6d3036", "cc8505982f92a250", "9ac3110ddf336aa5",
-                                        "5d83af023938c168", "509ab328e1bae95d"};
+    static const char *const digests[] = {"22fe5164ff0acb9b", "2c827e36481d9fee", "e6a459417cda61eb", "36b3e195c5c59460",
+                                        "b5dd5f9a7b2669eb", "f479dea649ce185e"};
     int wrong = 0;
     (void)state;
     for (int number = 0; number < (int)(sizeof digests / sizeof digests[0]); number++) {

@@ -45,32 +45,51 @@ static void scatter(lab *l)
     say_list(l, "samples", "AR-CT-4 AR-CT-6 AR-GRID-2", "eight samples given backwards and one of them twice lie at x first, then y, then z", expected, got, 8);
 }
 
-/* Layers at 0, 2.5 and 5 mm on a spacing of 1 mm: ceil(3 x 2.5) = 8 layers, layer k from floor(k / 2.5). Then the threshold. */
+/*
+ * Layers at 0, 2.5 and 5 mm on a spacing of 1 mm: ceil(3 x 2.5) = 8 layers, the
+ * first at (1 - 2.5) / 2 = -0.75 mm. Linear: t = (2 k - 1.5) / 5 is below 0, then
+ * 0.1, 0.5, 0.9, 1.3, 1.7, then 2 and beyond: 119.5 is a tie and goes to 120, and
+ * 120 + 180 x 0.3 = 174, 120 + 180 x 0.7 = 246. Nearest: floor((2 k + 1) / 5), at
+ * most 2. Thesis: floor(k / 2.5). Then the threshold.
+ */
 static void layers(lab *l)
 {
-    static const int16_t in[3] = {119, 120, 300}, cubic_expected[8] = {119, 119, 119, 120, 120, 300, 300, 300}, bone_expected[8] = {0, 0, 0, 120, 120, 300, 300, 300};
-    int16_t cubic_got[8] = {0}, bone_got[8] = {0};
-    ost_grid *rect = NULL, *cubic = NULL;
-    ost_bone *bone = NULL;
+    static const struct {
+        ost_resample rule;
+        const char *name, *requirements;
+        int16_t cubic[8];
+    } rules[] = {
+        {OST_RESAMPLE_LINEAR, "layers-linear", "AR-CUB-1 AR-CUB-2", {119, 119, 120, 120, 174, 246, 300, 300}},
+        {OST_RESAMPLE_NEAREST, "layers-nearest", "AR-CUB-1 AR-CUB-3", {119, 119, 120, 120, 120, 300, 300, 300}},
+        {OST_RESAMPLE_THESIS, "layers-thesis", "AR-CUB-1 AR-CUB-4", {119, 119, 119, 120, 120, 300, 300, 300}},
+    };
+    static const int16_t in[3] = {119, 120, 300}, bone_expected[8] = {0, 0, 120, 120, 174, 246, 300, 300};
+    ost_grid *rect = NULL;
     const ost_geometry g = {.dims = {1, 1, 3}, .spacing = {LAB_MM, LAB_MM, 5 * LAB_MM / 2}};
     if (l->status == OST_OK)
         l->status = ost_grid_create(l->backend, &g, &rect, l->err);
     if (l->status == OST_OK)
         l->status = ost_grid_upload(rect, 0, 3, in, l->err);
-    if (l->status == OST_OK)
-        l->status = ost_rect_to_cubic(rect, LAB_MM, OST_RESAMPLE_FLOOR, &cubic, l->err);
-    const bool eight = l->status == OST_OK && ost_grid_geometry(cubic)->dims.z == 8;
-    if (eight)
-        l->status = ost_grid_download(cubic, 0, 8, cubic_got, l->err);
-    if (l->status == OST_OK)
-        l->status = ost_cubic_to_chunks(cubic, 16, 120, &bone, l->err);
-    if (l->status == OST_OK && eight)
-        l->status = ost_bone_download(bone, 0, 8, bone_got, l->err);
-    ost_bone_free(bone);
-    ost_grid_free(cubic);
+    for (int r = 0; r < 3; r++) {
+        int16_t cubic_got[8] = {0}, bone_got[8] = {0};
+        ost_grid *cubic = NULL;
+        ost_bone *bone = NULL;
+        if (l->status == OST_OK)
+            l->status = ost_rect_to_cubic(rect, LAB_MM, rules[r].rule, &cubic, l->err);
+        const bool eight = l->status == OST_OK && ost_grid_geometry(cubic)->dims.z == 8 && ost_grid_geometry(cubic)->origin.z == -3 * LAB_MM / 4;
+        if (eight)
+            l->status = ost_grid_download(cubic, 0, 8, cubic_got, l->err);
+        if (l->status == OST_OK && r == 0)
+            l->status = ost_cubic_to_chunks(cubic, 16, 120, &bone, l->err);
+        if (l->status == OST_OK && r == 0 && eight)
+            l->status = ost_bone_download(bone, 0, 8, bone_got, l->err);
+        ost_bone_free(bone);
+        ost_grid_free(cubic);
+        say_list(l, rules[r].name, rules[r].requirements, "three layers 2.5 mm apart become eight layers of 1 mm that begin 0.75 mm before them", rules[r].cubic, cubic_got, 8);
+        if (r == 0)
+            say_list(l, "threshold", "AR-CHK-1", "119 is no bone, 120 is", bone_expected, bone_got, 8);
+    }
     ost_grid_free(rect);
-    say_list(l, "layers", "AR-CUB-1 AR-CUB-2", "three layers 2.5 mm apart become eight layers of 1 mm: three, two and three of them", cubic_expected, cubic_got, 8);
-    say_list(l, "threshold", "AR-CHK-1", "119 is no bone, 120 is", bone_expected, bone_got, 8);
 }
 
 /*

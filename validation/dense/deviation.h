@@ -75,16 +75,22 @@ typedef enum deviation_stage {
       "P: a counter set where it should be added to",                                                                                \
       "never: the number of samples is in the report")                                                                              \
     /* rect grid to cubic grid */                                                                                                    \
-    X(NEAREST_FOR_FLOOR, "nearest-for-floor", CUBIC, "call", "the nearest source voxel instead of the floor, and the other way round", \
+    X(OTHER_RULE, "other-rule", CUBIC, "call", "the voxel that holds the centre instead of the mean of eight or of the floor, the floor instead of that voxel", \
       "T: Alg. 2.5 can be read as either",                                                                                           \
-      "the layers that change have equal voxels")                                                                                    \
-    X(FLOAT_LAYER, "float-layer", CUBIC, "layer", "floor(i c / s) as a float quotient, cut off",                                     \
+      "the voxels that change are equal")                                                                                            \
+    X(FLOAT_LAYER, "float-layer", CUBIC, "layer", "the position is a float quotient, cut off",                                       \
       "T: Alg. 2.5, convert_int_rtz; an exact quotient comes out a little too small",                                                \
-      "the two neighbouring layers are equal")                                                                                       \
+      "the two neighbouring layers are equal, or the mean rounds to the same")                                                       \
+    X(TEXTURE_WEIGHTS, "texture-weights", CUBIC, "layer", "linear weights have 8 bits",                                              \
+      "F: CUDA C Programming Guide, Texture Fetching: linear filtering uses 9-bit fixed point with 8 bits of fractional value",      \
+      "the weight has 8 bits already, or the mean rounds to the same")                                                               \
+    X(ROUNDED_EACH, "rounded-each", CUBIC, "call", "linear rounds after each axis instead of once",                                  \
+      "P: three passes over int16",                                                                                                  \
+      "one axis alone has weights, or the means round to the same")                                                                  \
     X(LAYER_OFF_BY_ONE, "layer-off-by-one", CUBIC, "layer", "a z layer takes the source layer before its own",                      \
       "T: Alg. 2.5, PrevRectGridIndex",                                                                                              \
       "the two source layers are equal")                                                                                             \
-    X(MULTIPLE_OFF_BY_ONE, "multiple-off-by-one", CUBIC, "layer", "where i c is a multiple of s the layer before is taken",                \
+    X(MULTIPLE_OFF_BY_ONE, "multiple-off-by-one", CUBIC, "layer", "where the position is exactly a layer the one before is taken",   \
       "P: ceil(q) - 1 for floor(q); a reciprocal that comes out a little too small",                                                 \
       "the two neighbouring layers are equal")                                                                                       \
     X(SWAPPED_AXIS, "swapped-axis", CUBIC, "call", "the source is read with x and y exchanged",                                      \

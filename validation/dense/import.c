@@ -304,35 +304,69 @@ void dense_grid_settle(dense_grid *grid)
 
 /* ----------------------------------------------------------------- cubic */
 
-/* AR-CUB-2, AR-CUB-3 */
-static int64_t source(int32_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_resample rule)
+/* Voxel index with ONE - weight and the next with weight, which is not read when that is 0. */
+typedef struct source {
+    int64_t index;
+    int32_t weight;
+} source;
+
+enum { ONE = 1 << 15 };
+
+/* AR-CUB-2 to 4 */
+static source source_of(int32_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_resample rule)
 {
-    if (rule == OST_RESAMPLE_FLOOR)
-        return (int64_t)dense_floor((ost_int128)i * cubic, rect);
-    const int64_t nearest = (int64_t)dense_floor((2 * (ost_int128)i + 1) * cubic, 2 * (ost_int128)rect);
-    return nearest > n - 1 ? n - 1 : nearest;
+    if (rule == OST_RESAMPLE_THESIS)
+        return (source){(int64_t)dense_floor((ost_int128)i * cubic, rect), 0};
+    ost_int128 t = (2 * (ost_int128)i + 1) * cubic; /* over 2 rect */
+    const ost_int128 unit = 2 * (ost_int128)rect;
+    if (rule == OST_RESAMPLE_NEAREST)
+        return (source){(int64_t)(t / unit > n - 1 ? n - 1 : t / unit), 0};
+    t -= rect;
+    if (t < 0)
+        t = 0;
+    if (t > (n - 1) * unit)
+        t = (n - 1) * unit;
+    return (source){(int64_t)(t / unit), (int32_t)dense_nearest(t % unit * ONE, unit)};
+}
+
+/* True where the centre lies on a source voxel's own, or begins with it by thesis, with a voxel before. */
+static bool on_multiple(int32_t i, ost_pm cubic, ost_pm rect, source right, ost_resample rule)
+{
+    const ost_int128 t = rule == OST_RESAMPLE_LINEAR ? (2 * (ost_int128)i + 1) * cubic - rect : 2 * (ost_int128)i * cubic;
+    return right.index > 0 && rule != OST_RESAMPLE_NEAREST && (ost_int128)right.index * 2 * rect == t;
+}
+
+static source float_source(int32_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_resample rule)
+{
+    const float c = (float)((double)cubic / 1e9), s = (float)((double)rect / 1e9), first = rule == OST_RESAMPLE_THESIS ? 0 : 0.5f * c;
+    float t = (first + (float)i * c) / s - (rule == OST_RESAMPLE_LINEAR ? 0.5f : 0);
+    t = t < 0 ? 0 : t > (float)(n - 1) ? (float)(n - 1) : t;
+    const int64_t index = (int64_t)t;
+    return (source){index, rule == OST_RESAMPLE_LINEAR ? (int32_t)((t - (float)index) * ONE) : 0};
 }
 
 /* The same with the kinds that choose another; axis 2 is z. */
-static int64_t chosen(deviant *m, int axis, int32_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_resample rule, bool other_rule)
+static source chosen(deviant *m, int axis, int32_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_resample rule, bool other_rule)
 {
     const uint64_t item = (uint64_t)axis << 32 | (uint64_t)i;
-    const int64_t right = source(i, cubic, rect, n, rule);
-    int64_t made = right;
+    const source right = source_of(i, cubic, rect, n, rule);
+    source made = right;
     bool fused;
     if (other_rule)
-        made = source(i, cubic, rect, n, rule == OST_RESAMPLE_FLOOR ? OST_RESAMPLE_NEAREST : OST_RESAMPLE_FLOOR);
+        made = source_of(i, cubic, rect, n, rule == OST_RESAMPLE_NEAREST ? OST_RESAMPLE_THESIS : OST_RESAMPLE_NEAREST);
     if (deviates(m, DEVIATION_FLOAT_LAYER, item))
-        made = (int64_t)((float)i * (float)((double)cubic / 1e9) / (float)((double)rect / 1e9));
-    if (axis == 2 && right > 0 && deviates(m, DEVIATION_LAYER_OFF_BY_ONE, item))
-        made = right - 1;
-    if (right > 0 && rule == OST_RESAMPLE_FLOOR && (ost_int128)right * rect == (ost_int128)i * cubic && deviates(m, DEVIATION_MULTIPLE_OFF_BY_ONE, item))
-        made = right - 1;
+        made = float_source(i, cubic, rect, n, rule);
+    if (right.weight > 0 && deviates(m, DEVIATION_TEXTURE_WEIGHTS, item))
+        made.weight = (right.weight + ONE / 512) / (ONE / 256) * (ONE / 256);
+    if (axis == 2 && right.index > 0 && deviates(m, DEVIATION_LAYER_OFF_BY_ONE, item))
+        made.index = right.index - 1;
+    if (on_multiple(i, cubic, rect, right, rule) && deviates(m, DEVIATION_MULTIPLE_OFF_BY_ONE, item))
+        made.index = right.index - 1;
     if (deviant_thesis(m, &fused))
-        made = axis == 2 ? dense_thesis_layer(i, cubic, rect, fused) : i;
-    if (made > n - 1)
-        made = n - 1;
-    if (made != right)
+        made = (source){axis == 2 ? dense_thesis_layer(i, cubic, rect, fused) : i, 0};
+    if (made.index > n - 1 || (made.index == n - 1 && made.weight > 0))
+        made = (source){n - 1, 0};
+    if (made.index != right.index || made.weight != right.weight)
         deviant_acted(m, item, NULL);
     return made;
 }
@@ -349,20 +383,48 @@ static int16_t read_source(const dense_grid *rect, int64_t x, int64_t y, int64_t
     return at < ost_dims_count(d) ? rect->made.voxels[at] : 0;
 }
 
+/* a (ONE - w) + b w, 2^15 times as much as a and b; a mean of means along z, y and x is the sum of the eight. */
+static int64_t mixed(int64_t a, int64_t b, int32_t w)
+{
+    return a * (ONE - w) + b * w;
+}
+
+static int16_t mean_of(const dense_grid *rect, const source s[3], bool swapped, bool padded, bool each)
+{
+    int64_t planes[2] = {0, 0};
+    for (int k = 0; k < 2 - (s[2].weight == 0); k++) {
+        int64_t rows[2] = {0, 0};
+        for (int j = 0; j < 2 - (s[1].weight == 0); j++) {
+            const int64_t y = s[1].index + j, z = s[2].index + k;
+            const int64_t lower = read_source(rect, s[0].index, y, z, swapped, padded);
+            const int64_t upper = s[0].weight == 0 ? 0 : read_source(rect, s[0].index + 1, y, z, swapped, padded);
+            rows[j] = mixed(lower, upper, s[0].weight);
+            if (each)
+                rows[j] = (int64_t)dense_nearest(rows[j], ONE);
+        }
+        planes[k] = mixed(rows[0], rows[1], s[1].weight);
+        if (each)
+            planes[k] = (int64_t)dense_nearest(planes[k], ONE);
+    }
+    const int64_t sum = mixed(planes[0], planes[1], s[2].weight);
+    return (int16_t)dense_nearest(sum, each ? (ost_int128)ONE : (ost_int128)ONE * ONE * ONE);
+}
+
 static void resample(deviant *m, const dense_grid *rect, const ost_geometry *c, ost_resample rule, int16_t *to)
 {
     const ost_geometry *r = &rect->base.geometry;
-    const bool other_rule = deviates(m, DEVIATION_NEAREST_FOR_FLOOR, 0), swapped = deviates(m, DEVIATION_SWAPPED_AXIS, 0),
-               padded = r->dims.x % 32 != 0 && deviates(m, DEVIATION_PADDED_PITCH, 0);
-    if (swapped || padded)
+    const bool other_rule = deviates(m, DEVIATION_OTHER_RULE, 0), swapped = deviates(m, DEVIATION_SWAPPED_AXIS, 0),
+               padded = r->dims.x % 32 != 0 && deviates(m, DEVIATION_PADDED_PITCH, 0),
+               each = rule == OST_RESAMPLE_LINEAR && deviates(m, DEVIATION_ROUNDED_EACH, 0);
+    if (swapped || padded || each)
         deviant_acted(m, 0, NULL);
     for (int32_t k = 0; k < c->dims.z; k++) {
-        const int64_t z = chosen(m, 2, k, c->spacing.z, r->spacing.z, r->dims.z, rule, other_rule);
+        const source z = chosen(m, 2, k, c->spacing.z, r->spacing.z, r->dims.z, rule, other_rule);
         for (int32_t j = 0; j < c->dims.y; j++) {
-            const int64_t y = chosen(m, 1, j, c->spacing.y, r->spacing.y, r->dims.y, rule, other_rule);
+            const source y = chosen(m, 1, j, c->spacing.y, r->spacing.y, r->dims.y, rule, other_rule);
             for (int32_t i = 0; i < c->dims.x; i++) {
-                const int64_t x = chosen(m, 0, i, c->spacing.x, r->spacing.x, r->dims.x, rule, other_rule);
-                *to++ = read_source(rect, x, y, z, swapped, padded);
+                const source x = chosen(m, 0, i, c->spacing.x, r->spacing.x, r->dims.x, rule, other_rule);
+                *to++ = mean_of(rect, (source[3]){x, y, z}, swapped, padded, each);
             }
         }
     }

@@ -6,6 +6,7 @@
 
 #include "core/conditions.h"
 #include "core/integer.h"
+#include "validation/resample.h"
 
 int16_t grids_voxel(const trace_block_view *b, size_t i)
 {
@@ -88,15 +89,17 @@ static bool tick_grids(const trace *ref, compare_range in_ref, const trace_recor
     return out->ref && out->got && lay(&ref->records[in_ref.first + at], out->dims, out->ref) && lay(got, out->dims, out->got);
 }
 
-/* AR-CUB */
-static int32_t *sources(int32_t n, ost_pm cubic, ost_pm rect, int32_t rect_n, ost_resample rule)
+/* AR-CUB along an axis: the rect voxel of each cubic voxel, and the weight of the next. */
+static bool find_sources(int32_t n, ost_pm cubic, ost_pm rect, int32_t rect_n, ost_resample rule, int32_t **source, int32_t **weight)
 {
-    int32_t *to = malloc((size_t)n * sizeof *to);
-    for (int32_t i = 0; to && i < n; i++) {
-        const int64_t source = rule == OST_RESAMPLE_FLOOR ? ost_floor_div(i * cubic, rect) : ost_floor_div((2 * (int64_t)i + 1) * cubic, 2 * rect);
-        to[i] = source < rect_n - 1 ? (int32_t)source : rect_n - 1;
+    *source = malloc((size_t)n * sizeof **source);
+    *weight = malloc((size_t)n * sizeof **weight);
+    for (int32_t i = 0; *source && *weight && i < n; i++) {
+        const resample_tap tap = resample_at(i, cubic, rect, rect_n, rule);
+        (*source)[i] = (int32_t)tap.index;
+        (*weight)[i] = (int32_t)tap.weight;
     }
-    return to;
+    return *source && *weight;
 }
 
 /* Per voxel how many samples of its batch come after its last one. */
@@ -132,9 +135,10 @@ static bool with_input(const scene *s, const trace *ref, compare_range in_ref, g
         const int32_t n[3] = {out->dims.x, out->dims.y, out->dims.z}, m[3] = {in.dims.x, in.dims.y, in.dims.z};
         out->before = widened(&in);
         out->before_dims = in.dims;
+        bool found = out->before;
         for (int a = 0; a < 3; a++)
-            out->source[a] = sources(n[a], s->cubic, spacing[a], m[a], s->resample);
-        return out->before && out->source[0] && out->source[1] && out->source[2];
+            found = find_sources(n[a], s->cubic, spacing[a], m[a], s->resample, &out->source[a], &out->weight[a]) && found;
+        return found;
     }
     if (out->stage == TRACE_CHUNKS && grids_block(ref, in_ref, TRACE_CUBIC, 0, &in) && same_dims(in.dims, out->dims)) {
         out->before = widened(&in);
@@ -176,8 +180,10 @@ void grids_free(grids *g)
     free(g->got);
     free(g->before);
     free(g->behind);
-    for (int a = 0; a < 3; a++)
+    for (int a = 0; a < 3; a++) {
         free(g->source[a]);
+        free(g->weight[a]);
+    }
     *g = (grids){.ref = NULL};
 }
 
@@ -191,8 +197,10 @@ pattern_view grids_view(const grids *g, const scene *s, bool reported_too)
         v.input = g->stage == TRACE_CUBIC ? PATTERN_SOURCE : g->stage == TRACE_CHUNKS ? PATTERN_THRESHOLDED : PATTERN_BEFORE;
         v.in = g->before;
         v.in_dims = g->before_dims;
-        for (int a = 0; a < 3; a++)
+        for (int a = 0; a < 3; a++) {
             v.source[a] = g->source[a];
+            v.weight[a] = g->weight[a];
+        }
     }
     return v;
 }

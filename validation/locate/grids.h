@@ -22,6 +22,7 @@ typedef struct grids {
     int16_t *before;     /* owned; of ticks the bone before, of chunks the cubic grid, of cubic the rect grid; or NULL */
     ost_dims before_dims;
     int32_t *source[3];  /* owned; of cubic */
+    int32_t *weight[3];  /* owned; of the next */
     int32_t *behind;     /* owned; of rect */
 } grids;
 

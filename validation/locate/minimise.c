@@ -195,12 +195,16 @@ static ost_status cut_stages(job *j, const scene *s, const compare_difference *d
     return try_all(j, &list, found, err);
 }
 
-/* The rect voxel that voxel v of the bone comes from. */
+/* The rect voxel that holds the centre of the bone's voxel; by the linear rule it takes from that one's neighbours too. */
 static void source_of(const scene *s, trace_stage stage, const int32_t voxel[3], int32_t at[3])
 {
     const ost_pm spacing[3] = {s->rect.spacing.x, s->rect.spacing.y, s->rect.spacing.z};
-    for (int a = 0; a < 3; a++)
-        at[a] = stage == TRACE_RECT ? voxel[a] : (int32_t)ost_floor_div(voxel[a] * s->cubic, spacing[a]);
+    const int32_t n[3] = {s->rect.dims.x, s->rect.dims.y, s->rect.dims.z};
+    for (int a = 0; a < 3; a++) {
+        const int64_t top = s->resample == OST_RESAMPLE_THESIS ? 2 * voxel[a] * s->cubic : (2 * (int64_t)voxel[a] + 1) * s->cubic;
+        const int64_t source = ost_floor_div(top, 2 * spacing[a]);
+        at[a] = stage == TRACE_RECT ? voxel[a] : source < n[a] - 1 ? (int32_t)source : n[a] - 1;
+    }
 }
 
 /* A part of the grid about the first voxel or chunk: the least that shows the same, then each side by itself. */

@@ -8,6 +8,7 @@
 #include "core/conditions.h"
 #include "core/integer.h"
 #include "validation/locate/grids.h"
+#include "validation/resample.h"
 
 static void add(operands *o, const char *name, const char *format, ...) OST_PRINTF(3, 4);
 static void add(operands *o, const char *name, const char *format, ...)
@@ -52,23 +53,37 @@ static void rect_operands(const scene *s, const compare_difference *d, operands 
 
 static void cubic_operands(const scene *s, const trace *ref, compare_range in_ref, const compare_difference *d, operands *o)
 {
+    static const char *const rules[] = {[OST_RESAMPLE_LINEAR] = "linear: t = ((2 i + 1) cubic - rect) / (2 rect), from 0 to the last",
+                                        [OST_RESAMPLE_NEAREST] = "nearest: floor((2 i + 1) cubic / (2 rect)), at most the last",
+                                        [OST_RESAMPLE_THESIS] = "thesis: floor(i cubic / rect)"};
     const ost_pm spacing[3] = {s->rect.spacing.x, s->rect.spacing.y, s->rect.spacing.z};
     const int32_t n[3] = {s->rect.dims.x, s->rect.dims.y, s->rect.dims.z};
-    const bool floor = s->resample == OST_RESAMPLE_FLOOR;
-    int64_t q[3];
+    resample_tap tap[3];
     trace_block_view rect;
-    add(o, "rule", floor ? "floor(i cubic / rect)" : "floor((2 i + 1) cubic / (2 rect)), at most the last");
+    add(o, "rule", "%s", rules[s->resample]);
     for (int a = 0; a < 3; a++) {
-        const int64_t top = floor ? d->voxel[a] * s->cubic : (2 * (int64_t)d->voxel[a] + 1) * s->cubic, bottom = floor ? spacing[a] : 2 * spacing[a];
-        const int64_t whole = ost_floor_div(top, bottom);
+        const resample_tap *t = &tap[a];
         const char name[] = {"xyz"[a], '\0'};
-        q[a] = whole < n[a] - 1 ? whole : n[a] - 1;
-        add(o, name, "%lld / %lld = %lld, remainder %lld: source %lld of %d", (long long)top, (long long)bottom, (long long)whole, (long long)(top - whole * bottom),
-            (long long)q[a], n[a]);
+        tap[a] = resample_at(d->voxel[a], s->cubic, spacing[a], n[a], s->resample);
+        add(o, name, "%lld / %lld: source %lld of %d%s", (long long)t->top, (long long)t->bottom, (long long)t->index, n[a],
+            t->weight ? " and the next" : "");
+        if (t->weight)
+            add(o, "weight", "%lld / 32768 of the next along %s", (long long)t->weight, name);
     }
-    if (grids_block(ref, in_ref, TRACE_RECT, 0, &rect) && rect.dims.x == n[0] && rect.dims.y == n[1] && rect.dims.z == n[2])
-        add(o, "source", "rect voxel (%lld, %lld, %lld) has %d", (long long)q[0], (long long)q[1], (long long)q[2],
-            grids_voxel(&rect, (size_t)(q[0] + n[0] * (q[1] + n[1] * q[2]))));
+    if (!grids_block(ref, in_ref, TRACE_RECT, 0, &rect) || rect.dims.x != n[0] || rect.dims.y != n[1] || rect.dims.z != n[2])
+        return;
+    int64_t sum = 0;
+    for (int corner = 0; corner < 8; corner++) {
+        int64_t q[3];
+        const int64_t weight = resample_corner(tap, corner, q);
+        if (weight == 0)
+            continue;
+        const int density = grids_voxel(&rect, (size_t)(q[0] + n[0] * (q[1] + n[1] * q[2])));
+        sum += weight * density;
+        add(o, "source", "rect voxel (%lld, %lld, %lld) has %d", (long long)q[0], (long long)q[1], (long long)q[2], density);
+    }
+    if (tap[0].weight || tap[1].weight || tap[2].weight)
+        add(o, "mean", "%lld / 2^45, rounded half to even: %lld", (long long)sum, (long long)ost_rhe_div(sum, INT64_C(1) << 45));
 }
 
 /* ----------------------------------------------------------------- chunks */
@@ -275,7 +290,7 @@ static void tick_operands(const scene *s, const trace *ref, compare_range in_ref
     const int32_t *v = d->voxel;
     if (tick->tool < 0 || tick->tool >= s->tool_count || !grids_block(ref, in_ref, TRACE_TOOL, (uint32_t)tick->tool, &tool))
         return;
-    const ost_geometry geometry = {bone.dims, {s->cubic, s->cubic, s->cubic}, s->rect.origin};
+    const ost_geometry geometry = {bone.dims, {s->cubic, s->cubic, s->cubic}, resample_origin(&s->rect, s->cubic)};
     const event_poses e = poses_at(s, d->item, s->cubic);
     const ost_pose *p = &tick->pose;
     add(o, "tool", "%d '%s', %d x %d x %d voxels of %lld pm", tick->tool, s->tools[tick->tool].name, tool.dims.x, tool.dims.y, tool.dims.z,

@@ -58,7 +58,7 @@ const char *pattern_name(pattern p);
 /* What the stage made its grid from, where that is known. */
 typedef enum pattern_input {
     PATTERN_NO_INPUT,
-    PATTERN_SOURCE,      /* in is resampled: voxel (x, y, z) is in's (source[0][x], source[1][y], source[2][z]) */
+    PATTERN_SOURCE,      /* in is resampled: voxel (x, y, z) is in's (source[0][x], source[1][y], source[2][z]), or a mean with the next */
     PATTERN_THRESHOLDED, /* in is the same grid before densities below the threshold became 0 */
     PATTERN_BEFORE       /* in is the bone before the event */
 } pattern_input;
@@ -73,6 +73,7 @@ typedef struct pattern_view {
     const int16_t *in;
     ost_dims in_dims;
     const int32_t *source[3];
+    const int32_t *weight[3]; /* of the next along each axis, in 2^-15; 0: it is not read */
     const int32_t *behind;    /* per voxel: samples after its last one in the batch, -1 without a sample; NULL: not known */
     bool reported_too;        /* the report differs as well */
 } pattern_view;

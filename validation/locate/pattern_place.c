@@ -2,17 +2,52 @@
 /* Rules on places: what lies there instead, and where that is in the reference. */
 #include "validation/locate/pattern_parts.h"
 
+#include "validation/resample.h"
+
+static const int permutations[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+
+/* How the input is read: so many voxels further, as if its axes lay in memory in this order and rows (of x) had this length. */
+typedef struct reading {
+    int step[3];
+    const int *order;
+    int64_t row; /* 0: as they are */
+} reading;
+
+/* What resampling makes of voxel p; false if it read outside of the input's box. Outside of its memory lies 0. */
+static bool resample_as(const pattern_view *v, const int32_t p[3], const reading *how, int16_t *out)
+{
+    const ost_dims d = v->in_dims;
+    const int64_t n[3] = {how->row ? how->row : d.x, d.y, d.z}, all = ost_dims_count(d);
+    int64_t sum = 0;
+    for (int corner = 0; corner < 8; corner++) {
+        int64_t q[3], weight = 1;
+        for (int axis = 0; axis < 3; axis++) {
+            const int next = corner >> axis & 1, w = v->weight[axis] ? v->weight[axis][p[axis]] : 0;
+            q[axis] = v->source[axis][p[axis]] + how->step[axis] + next;
+            weight *= next ? w : RESAMPLE_ONE - w;
+        }
+        if (weight == 0)
+            continue;
+        if (!pattern_inside(d, q[0], q[1], q[2]))
+            return false;
+        const int *order = how->order;
+        const int64_t at = q[order[0]] + n[order[0]] * (q[order[1]] + n[order[1]] * q[order[2]]);
+        sum += weight * (at < all ? v->in[at] : 0);
+    }
+    *out = (int16_t)ost_rhe_div(sum, INT64_C(1) << 45);
+    return true;
+}
+
 /* What the stage would have made of the voxel beside p's own; false outside. */
 static bool beside(const pattern_view *v, const int32_t p[3], int dx, int dy, int dz, int16_t *out)
 {
-    const bool input = v->input == PATTERN_SOURCE || v->input == PATTERN_THRESHOLDED;
+    if (v->input == PATTERN_SOURCE) {
+        const reading how = {.step = {dx, dy, dz}, .order = permutations[0]};
+        return resample_as(v, p, &how, out);
+    }
+    const bool input = v->input == PATTERN_THRESHOLDED;
     const ost_dims d = input ? v->in_dims : v->dims;
-    int64_t q[3] = {p[0], p[1], p[2]};
-    for (int axis = 0; axis < 3 && v->input == PATTERN_SOURCE; axis++)
-        q[axis] = v->source[axis][p[axis]];
-    q[0] += dx;
-    q[1] += dy;
-    q[2] += dz;
+    const int64_t q[3] = {p[0] + dx, p[1] + dy, p[2] + dz};
     if (!pattern_inside(d, q[0], q[1], q[2]))
         return false;
     *out = pattern_stored(v, (input ? v->in : v->a)[pattern_at(d, q[0], q[1], q[2])]);
@@ -56,22 +91,23 @@ static bool arranged(const pattern_view *v, const arrangement *how)
     return arranged_equal(v, how, 7) && arranged_equal(v, how, 1);
 }
 
-static const int permutations[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
-
 /* The input read as if its axes lay in memory in another order, or rows of another length. */
 static bool misread(const pattern_scan *s, const int order[3], int64_t row)
 {
     const pattern_view *v = s->v;
-    const bool resampled = v->input == PATTERN_SOURCE;
-    const ost_dims d = resampled ? v->in_dims : v->dims;
+    const ost_dims d = v->dims;
     const int64_t n[3] = {row ? row : d.x, d.y, d.z}, all = ost_dims_count(d);
-    const int16_t *from = resampled ? v->in : v->a;
+    const reading how = {.order = order, .row = row};
     PATTERN_EACH(s, p, i) {
-        int64_t q[3];
-        for (int axis = 0; axis < 3; axis++)
-            q[axis] = resampled ? v->source[axis][p[axis]] : p[axis];
-        const int64_t w = q[order[0]] + n[order[0]] * (q[order[1]] + n[order[1]] * q[order[2]]);
-        if (v->b[i] != (w < all ? from[w] : 0))
+        int16_t there = 0;
+        if (v->input == PATTERN_SOURCE) {
+            if (!resample_as(v, p, &how, &there))
+                return false;
+        } else {
+            const int64_t w = p[order[0]] + n[order[0]] * (p[order[1]] + n[order[1]] * p[order[2]]);
+            there = w < all ? v->a[w] : 0;
+        }
+        if (v->b[i] != there)
             return false;
     }
     return true;

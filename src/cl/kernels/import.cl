@@ -169,18 +169,32 @@ __kernel void ost_ct_had(__global const ost_cl_scatter *scatter, __global const 
 
 /* ---------------------------------------------------- rect grid to cubic */
 
-/* AR-CUB: (2i + 1) * spacing < 2^15 * 2^37, and the floor stays inside. */
+/*
+ * AR-CUB. (2i + 1) c < 2^15 * 2^37 and 2s < 2^38, and the rest of the division
+ * is below 2s, so 2^15 * rest < 2^53. The floors stay inside; a weight above 0
+ * means t < last, so that the upper neighbour is inside too.
+ */
 __kernel void ost_cubic_sources(__global const ost_cl_cubic *cubic, __global int *sources)
 {
+    const size_t axes = (size_t)cubic->dims[0] + (size_t)cubic->dims[1] + (size_t)cubic->dims[2];
     size_t item = get_global_id(0), to = item;
     for (int a = 0; a < 3; a++) {
         const size_t n = (size_t)cubic->dims[a];
         if (item < n) {
-            const long i = (long)item, c = cubic->cubic_spacing[a], r = cubic->rect_spacing[a];
-            const int last = cubic->rect_dims[a] - 1;
-            const int nearest = cubic->rule == OST_CL_RESAMPLE_NEAREST;
-            const long at = nearest ? ost_floor_div((2 * i + 1) * c, 2 * r) : ost_floor_div(i * c, r);
-            sources[to] = nearest && at > last ? last : (int)at;
+            const long i = (long)item, c = cubic->cubic_spacing[a], s = cubic->rect_spacing[a], last = cubic->rect_dims[a] - 1;
+            long at, weight = 0;
+            if (cubic->rule == OST_CL_RESAMPLE_THESIS) {
+                at = ost_floor_div(i * c, s);
+            } else if (cubic->rule == OST_CL_RESAMPLE_NEAREST) {
+                at = ost_floor_div((2 * i + 1) * c, 2 * s);
+            } else {
+                const long t = (2 * i + 1) * c - s;
+                at = t < 0 ? 0 : ost_floor_div(t, 2 * s);
+                if (t > 0 && at < last)
+                    weight = ost_rhe_div((t - at * 2 * s) * 32768, 2 * s);
+            }
+            sources[to] = (int)(at < last ? at : last);
+            sources[axes + to] = (int)weight;
             return;
         }
         item -= n;
@@ -206,4 +220,35 @@ __kernel void ost_cubic_gather(__global const ost_cl_cubic *cubic, __global cons
         for (int i = 0; i < count; i++)
             to[i] = row[sources[first + (size_t)i]];
     }
+}
+
+/*
+ * The products of weights sum to 2^45, so |sum| <= 2^60; the mean lies between the least and the greatest of the voxels.
+ */
+__kernel void ost_cubic_linear(__global const ost_cl_cubic *cubic, __global const int *sources, __global const short *rect,
+                               __global short *out)
+{
+    const size_t nx = (size_t)cubic->dims[0], ny = (size_t)cubic->dims[1], axes = nx + ny + (size_t)cubic->dims[2];
+    const size_t i = get_global_id(0), j = get_global_id(1), slice = get_global_id(2);
+    if (i >= nx || j >= ny || slice >= (size_t)(cubic->z1 - cubic->z0))
+        return;
+    const size_t k = slice + (size_t)cubic->z0;
+    const size_t at[3] = {i, nx + j, nx + ny + k};
+    const ulong step[3] = {1, (ulong)cubic->rect_dims[0], (ulong)cubic->rect_dims[0] * (ulong)cubic->rect_dims[1]};
+    ulong from = 0;
+    for (int a = 0; a < 3; a++)
+        from += step[a] * (ulong)sources[at[a]];
+    long sum = 0;
+    for (int corner = 0; corner < 8; corner++) {
+        ulong voxel = from;
+        long weight = 1;
+        for (int a = 0; a < 3; a++) {
+            const int upper = corner >> a & 1, w = sources[axes + at[a]];
+            voxel += upper ? step[a] : 0;
+            weight *= upper ? w : 32768 - w;
+        }
+        if (weight > 0)
+            sum += weight * rect[voxel];
+    }
+    out[i + (ulong)nx * (j + (ulong)ny * (cubic->slab ? slice : k))] = (short)ost_rhe_div(sum, 1l << 45);
 }

@@ -125,16 +125,18 @@ typedef struct ost_cl_scatter_report {
  * AR-CUB.
  *
  *   ost_cubic_sources(cubic, sources)            one dimension: sum of cubic dims
- *   ost_cubic_gather(cubic, sources, rect, out)  x, y, z: cubic dims.x / OST_RUN or more, dims.y, z1 - z0
+ *   ost_cubic_gather(cubic, sources, rect, out)  nearest, thesis: cubic dims.x / OST_RUN or more, dims.y, z1 - z0
+ *   ost_cubic_linear(cubic, sources, rect, out)  linear: cubic dims.x, dims.y, z1 - z0
  *
  *   cubic    const ost_cl_cubic[1]
- *   sources  int[dims.x + dims.y + dims.z]   source index of each voxel along x, then y, then z
+ *   sources  int[2 * (dims.x + dims.y + dims.z)]   source index of each voxel along x, then y, then z; then, in the same
+ *                                            order, the weight of its upper neighbour, 0 to 2^15 (0: none is read)
  *   rect     const short[rect voxels]
  *   out      short[...]                      the whole cubic grid, or slices z0 <= k < z1 of it when slab is 1
  *
  * Each item writes its own element.
  */
-enum { OST_CL_RESAMPLE_FLOOR, OST_CL_RESAMPLE_NEAREST };
+enum { OST_CL_RESAMPLE_LINEAR, OST_CL_RESAMPLE_NEAREST, OST_CL_RESAMPLE_THESIS };
 
 typedef struct ost_cl_cubic {
     ost_cl_i64 rect_spacing[3], cubic_spacing[3];

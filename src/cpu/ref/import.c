@@ -8,7 +8,7 @@
  *               |---------|----------|-----|
  *               quiet     counted    rejected                                AR-CT-5
  *
- *   cubic voxel i takes rect voxel floor(i cubic / rect), axis by axis       AR-CUB
+ *   cubic voxel i takes the rect voxels around t = ((2i + 1) c - s) / (2s)   AR-CUB
  */
 #include "cpu/ref/ref.h"
 
@@ -199,13 +199,63 @@ ost_status ost_ref_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t 
 
 /* --------------------------------------------------- rect grid to cubic */
 
-/* i * spacing < 2^14 * 10^11 < 2^51. The floor is below n, as i < ceil(n rect / cubic). */
-static int64_t source_index(int64_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_resample rule)
+enum { WEIGHT_BITS = 15 };
+
+/* One axis of a cubic voxel: (2^15 - weight) of voxel index and weight of voxel index + 1, which is read only if weight > 0. */
+typedef struct tap {
+    int64_t index;
+    int64_t weight; /* 0 to 2^15 */
+} tap;
+
+/*
+ * AR-CUB-2: t = n / d, n = (2i + 1) c - s, d = 2s, clamped to 0 <= t <= last.
+ * (2i + 1) c < 2^15 * 2^37, d < 2^38, and the rest n - index d < d, so
+ * 2^15 * rest < 2^53. If the weight is not 0, then t < last, so index + 1 <= last.
+ */
+static tap linear_tap(int64_t i, ost_pm cubic, ost_pm rect, int64_t last)
 {
-    if (rule == OST_RESAMPLE_FLOOR)
-        return ost_floor_div(i * cubic, rect);
-    int64_t nearest = ost_floor_div((2 * i + 1) * cubic, 2 * rect);
-    return nearest < n - 1 ? nearest : n - 1;
+    const int64_t n = (2 * i + 1) * cubic - rect, d = 2 * rect;
+    if (n <= 0)
+        return (tap){0, 0};
+    const int64_t index = ost_floor_div(n, d);
+    if (index >= last)
+        return (tap){last, 0};
+    return (tap){index, ost_rhe_div((n - index * d) << WEIGHT_BITS, d)};
+}
+
+/* i c < 2^14 * 2^37. AR-CUB-4: floor(i c / s) < dims, as i < ceil(dims s / c). */
+static tap tap_at(int64_t i, ost_pm cubic, ost_pm rect, int32_t dim, ost_resample rule)
+{
+    const int64_t last = dim - 1;
+    if (rule == OST_RESAMPLE_LINEAR)
+        return linear_tap(i, cubic, rect, last);
+    if (rule == OST_RESAMPLE_THESIS)
+        return (tap){ost_floor_div(i * cubic, rect), 0};
+    const int64_t nearest = ost_floor_div((2 * i + 1) * cubic, 2 * rect);
+    return (tap){nearest < last ? nearest : last, 0};
+}
+
+/*
+ * RHE of the weighted mean of eight voxels. The products of weights sum to
+ * 2^45, so |sum| <= 2^45 * 2^15 = 2^60, and the mean lies between the least
+ * and the greatest of the voxels, which are integers; so does its RHE.
+ */
+static int16_t weighted(const ref_grid *grid, tap x, tap y, tap z)
+{
+    const ost_dims dims = grid->base.geometry.dims;
+    const int64_t one = INT64_C(1) << WEIGHT_BITS;
+    int64_t sum = 0;
+    for (int dz = 0; dz < 2; dz++) {
+        for (int dy = 0; dy < 2; dy++) {
+            for (int dx = 0; dx < 2; dx++) {
+                const int64_t weight = (dx ? x.weight : one - x.weight) * (dy ? y.weight : one - y.weight) *
+                                       (dz ? z.weight : one - z.weight);
+                if (weight > 0)
+                    sum += weight * grid->voxels[x.index + dx + dims.x * (y.index + dy + dims.y * (z.index + dz))];
+            }
+        }
+    }
+    return (int16_t)ost_rhe_div(sum, one * one * one);
 }
 
 ost_status ost_ref_rect_to_cubic(const ost_grid *rect_base, const ost_geometry *geometry, ost_resample rule, ost_grid **out,
@@ -218,12 +268,12 @@ ost_status ost_ref_rect_to_cubic(const ost_grid *rect_base, const ost_geometry *
         return status;
     int16_t *to = ((ref_grid *)*out)->voxels;
     for (int32_t k = 0; k < geometry->dims.z; k++) {
-        int64_t z = source_index(k, geometry->spacing.z, r->spacing.z, r->dims.z, rule);
+        const tap z = tap_at(k, geometry->spacing.z, r->spacing.z, r->dims.z, rule);
         for (int32_t j = 0; j < geometry->dims.y; j++) {
-            int64_t y = source_index(j, geometry->spacing.y, r->spacing.y, r->dims.y, rule);
+            const tap y = tap_at(j, geometry->spacing.y, r->spacing.y, r->dims.y, rule);
             for (int32_t i = 0; i < geometry->dims.x; i++) {
-                int64_t x = source_index(i, geometry->spacing.x, r->spacing.x, r->dims.x, rule);
-                *to++ = rect->voxels[x + r->dims.x * (y + r->dims.y * z)];
+                const tap x = tap_at(i, geometry->spacing.x, r->spacing.x, r->dims.x, rule);
+                *to++ = weighted(rect, x, y, z);
             }
         }
     }

@@ -387,6 +387,7 @@ static ost_status check_raw(const char *path, const raw_header *raw, ost_nifti_h
         dim[a] = one ? raw->one.dim[a] : raw->two.dim[a];
     if ((status = check_dims(path, dim, out->sizes, err)) != OST_OK)
         return status;
+    out->labels = (one ? raw->one.intent_code : raw->two.intent_code) == NIFTI_INTENT_LABEL;
     status = one ? check_type(path, raw->one.datatype, raw->one.bitpix, &out->element, err)
                  : check_type(path, raw->two.datatype, raw->two.bitpix, &out->element, err);
     if (status != OST_OK)

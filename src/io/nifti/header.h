@@ -41,6 +41,7 @@ typedef struct ost_nifti_header {
     int32_t sizes[3];
     bool scaled;
     ost_binary slope, intercept;
+    bool labels;       /* its intent is NIFTI_INTENT_LABEL */
     bool oriented;
     ost_affine affine; /* to LPS */
     ost_meta meta;     /* from "osteon KEY: VALUE" lines in comments (extension code 6) */

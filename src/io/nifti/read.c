@@ -117,6 +117,7 @@ ost_status ost_nifti_read(ost_input *input, const ost_volume_options *options, o
         return status;
     snprintf(report->type, sizeof report->type, "%s", ost_element_name(header.element));
     snprintf(report->encoding, sizeof report->encoding, "%s", ost_input_is_packed(input) ? "gzip" : "raw");
+    report->labels = header.labels;
     *element = header.element;
     *meta = header.meta;
     status = ost_volume_orientation(ost_input_path(input), options, &header.affine, &header.oriented, meta, report, err);

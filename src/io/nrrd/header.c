@@ -104,6 +104,8 @@ static ost_status take_line(const char *path, ost_nrrd_text *text, char *line, l
         return ost_fail(err, OST_ERR_INPUT, "%s:%ld: '%.60s' is neither 'field: value' nor 'key:=value'", path, number, line);
     *colon = 0;
     if (colon[1] == '=') {
+        if (strncmp(line, "Segment0_", 9) == 0)
+            text->labels = true;
         if (strncmp(line, prefix, sizeof prefix - 1) != 0)
             return OST_OK;
         unescape(colon + 2);

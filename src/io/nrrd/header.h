@@ -64,6 +64,7 @@ typedef struct ost_nrrd_text {
     size_t list_bytes;
     long list_line;
     ost_meta meta; /* osteon_KEY:=VALUE */
+    bool labels;   /* it has a key Segment0_...: a segmentation of 3D Slicer */
 } ost_nrrd_text;
 
 /* From the start of the file to the first byte after the header. *out is initialised here; free is always safe. */

@@ -49,6 +49,7 @@ ost_status ost_nrrd_read(ost_input *input, const ost_volume_options *options, os
     if (status == OST_OK) {
         snprintf(report->type, sizeof report->type, "%s", ost_element_name(header.element));
         snprintf(report->encoding, sizeof report->encoding, "%s", encoding_names[header.encoding]);
+        report->labels = text.labels;
         *element = header.element;
         *meta = text.meta;
         status = ost_volume_orientation(path, options, &header.affine, &header.oriented, meta, report, err);

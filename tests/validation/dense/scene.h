@@ -92,7 +92,7 @@ static inline void make_samples(scene *s, test_rng *rng, flavour f)
     if (rng_range(rng, 0, 5) == 0)
         s->duplicates = OST_DUPLICATES_ERROR;
     s->cubic = rng_range(rng, 0, 3) ? across : rng_range(rng, 280, 700) * UM;
-    s->rule = rng_range(rng, 0, 3) ? OST_RESAMPLE_FLOOR : OST_RESAMPLE_NEAREST;
+    s->rule = (ost_resample)rng_range(rng, OST_RESAMPLE_LINEAR, OST_RESAMPLE_THESIS);
     s->chunk_size = 16 << rng_range(rng, 0, 2);
 }
 

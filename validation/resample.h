@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * AR-CUB along one axis, for what explains a difference: which rect voxels a
+ * cubic voxel takes, and the division that says so.
+ *
+ *   linear    t = ((2i + 1) c - s) / (2s), clamped; voxel floor(t), and the next with weight RHE(2^15 (t - floor(t)))
+ *   nearest   floor((2i + 1) c / (2s)), at most the last
+ *   thesis    floor(i c / s)
+ */
+#ifndef OST_VALIDATION_RESAMPLE_H
+#define OST_VALIDATION_RESAMPLE_H
+
+#include <osteon/backend.h>
+
+#include "core/integer.h"
+
+enum { RESAMPLE_ONE = 1 << 15 };
+
+typedef struct resample_tap {
+    int64_t top, bottom; /* the fraction, before it is clamped; bottom > 0 */
+    int64_t index;
+    int64_t weight; /* of voxel index + 1, in 1 / RESAMPLE_ONE; 0: that one is not read */
+} resample_tap;
+
+/* i < 2^14, cubic and rect below 2^37: top is below 2^52. */
+static inline resample_tap resample_at(int64_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_resample rule)
+{
+    resample_tap tap = {.top = (2 * i + 1) * cubic, .bottom = 2 * rect};
+    if (rule == OST_RESAMPLE_THESIS)
+        tap.top = 2 * i * cubic;
+    else if (rule == OST_RESAMPLE_LINEAR)
+        tap.top -= rect;
+    tap.index = ost_floor_div(tap.top, tap.bottom);
+    if (tap.index < 0) {
+        tap.index = 0;
+    } else if (tap.index >= n - 1) {
+        tap.index = n - 1;
+    } else if (rule == OST_RESAMPLE_LINEAR) {
+        tap.weight = ost_rhe_div((tap.top - tap.index * tap.bottom) * RESAMPLE_ONE, tap.bottom);
+    }
+    return tap;
+}
+
+/* AR-CUB-1 */
+static inline ost_pm3 resample_origin(const ost_geometry *rect, ost_pm cubic)
+{
+    return (ost_pm3){rect->origin.x + ost_rhe_div(cubic - rect->spacing.x, 2), rect->origin.y + ost_rhe_div(cubic - rect->spacing.y, 2),
+                     rect->origin.z + ost_rhe_div(cubic - rect->spacing.z, 2)};
+}
+
+/* One of the eight voxels about a cubic voxel's centre: bit a of corner takes the next along axis a. Returns its weight in 2^-45. */
+static inline int64_t resample_corner(const resample_tap tap[3], int corner, int64_t at[3])
+{
+    int64_t weight = 1;
+    for (int a = 0; a < 3; a++) {
+        const int next = corner >> a & 1;
+        at[a] = tap[a].index + next;
+        weight *= next ? tap[a].weight : RESAMPLE_ONE - tap[a].weight;
+    }
+    return weight;
+}
+
+#endif
