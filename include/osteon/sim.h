@@ -114,9 +114,26 @@ typedef struct ost_glenoid {
     bool left;
 } ost_glenoid;
 
+/*
+ * A glenoid faces laterally, so its inward axis points to the patient's right
+ * at a left one and to the left at a right one.  Within 15 degrees of the
+ * sagittal plane the axis determines no side.
+ */
+typedef enum ost_side { OST_SIDE_UNKNOWN, OST_SIDE_LEFT, OST_SIDE_RIGHT } ost_side;
+OST_API ost_side ost_side_of_axis(const double axis[3]);
+/*
+ * The side as stated, or by the axis where stated is OST_SIDE_UNKNOWN.
+ * OST_ERR_INPUT when the two contradict each other, OST_ERR_USAGE when
+ * neither determines the side.
+ */
+OST_API ost_status ost_glenoid_side(const double axis[3], ost_side stated, bool *left, ost_error *err);
+/* OST_META_SIDE, unknown when it is not there. OST_ERR_INPUT for any other word than left and right. */
+OST_API ost_status ost_side_from_meta(const ost_meta *meta, ost_side *out, ost_error *err);
+/* OST_META_GLENOID_AXIS; *there is false without it. OST_ERR_INPUT for what is no direction. */
+OST_API ost_status ost_axis_from_meta(const ost_meta *meta, double axis[3], bool *there, ost_error *err);
 /* A point of three decimals, by its key; *there is false without it. OST_ERR_INPUT or OST_ERR_RANGE naming key and value. */
 OST_API ost_status ost_point_from_meta(const ost_meta *meta, const char *key, ost_pm3 *out, bool *there, ost_error *err);
-/* From OST_META_*; OST_ERR_USAGE naming the missing key. */
+/* From OST_META_*; OST_ERR_USAGE naming the missing key. The side may be missing where the axis determines it. */
 OST_API ost_status ost_glenoid_from_meta(const ost_meta *meta, ost_glenoid *out, ost_error *err);
 
 typedef enum ost_builtin { OST_BUILTIN_PEG_HOLE, OST_BUILTIN_GLENOID_REAM, OST_BUILTIN_GLENOID_SLOW, OST_BUILTIN_GLENOID_PRESS, OST_BUILTIN_COUNT } ost_builtin;

@@ -84,8 +84,22 @@ static ost_status view_options(const app_state *app, const export_args *args, co
 {
     /* Into the scene, in LPS, for the right side: its lateral is the patient's right, -x. */
     static const double direction[][3] = {{0, 1, 0}, {0, -1, 0}, {1, 0, 0}, {-1, 0, 0}, {0, 0, -1}, {0, 0, 1}};
-    const char *meta_side = ost_meta_get(&in->volume.meta, OST_META_SIDE);
-    bool left = args->target.side_given ? args->target.side == 0 : meta_side && strcmp(meta_side, "left") == 0;
+    ost_side side;
+    double axis[3];
+    bool has_axis, left = false;
+    ost_status status = target_side(&args->target, &in->volume.meta, args->bone, &side, err);
+    if (status == OST_OK)
+        status = ost_axis_from_meta(&in->volume.meta, axis, &has_axis, err);
+    if (status == OST_OK && (args->view == VIEW_LATERAL || args->view == VIEW_MEDIAL)) {
+        if (has_axis)
+            status = ost_glenoid_side(axis, side, &left, err);
+        else if (side == OST_SIDE_UNKNOWN)
+            return usage_error(app, err, "%s: the side is not set: pass --side left or --side right", args->bone);
+        else
+            left = side == OST_SIDE_LEFT;
+    }
+    if (status != OST_OK)
+        return status;
     int pixels = args->size ? (int)args->size : 800;
     *out = (ost_view_options){.threshold = in->threshold, .width = pixels, .height = pixels};
     out->up[2] = 1;
@@ -106,7 +120,7 @@ static ost_status view_options(const app_state *app, const export_args *args, co
         return OST_OK;
     }
     ost_glenoid glenoid;
-    ost_status status = target_find(app, &args->target, &in->volume.meta, args->bone, &glenoid, err);
+    status = target_find(app, &args->target, &in->volume.meta, args->bone, &glenoid, err);
     if (status != OST_OK)
         return status;
     memcpy(out->direction, glenoid.axis, sizeof out->direction);
@@ -199,7 +213,7 @@ ost_status cmd_export(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "axis", .kind = OPTION_VECTOR, .out = t->axis, .given = &t->axis_given, .value = "X,Y,Z",
          .help = "of --view glenoid: the direction into the bone"},
         {.name = "side", .kind = OPTION_CHOICE, .out = &t->side, .given = &t->side_given, .value = "left|right",
-         .help = "of the body (default: the file's, else right)"},
+         .help = "of the body (default: the file's, else the axis determines it)"},
         {.name = "extent", .kind = OPTION_LENGTH, .out = &args.extent, .value = "MM", .help = "height of a view around a point (default: 60)"},
         {.name = "size", .kind = OPTION_INTEGER, .out = &args.size, .value = "PIXELS", .min = 16, .max = 8192,
          .help = ".png: side of a view (default: 800) or of a slice (default: 480)"},

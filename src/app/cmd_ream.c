@@ -417,7 +417,7 @@ ost_status cmd_ream(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "axis", .kind = OPTION_VECTOR, .out = t->axis, .given = &t->axis_given, .value = "X,Y,Z",
          .help = "direction into the bone there (default: the file's)"},
         {.name = "side", .kind = OPTION_CHOICE, .out = &t->side, .given = &t->side_given, .value = "left|right",
-         .help = "of the body (default: the file's, else right)"},
+         .help = "of the body (default: the file's, else the axis determines it)"},
         {.name = "rate", .kind = OPTION_DECIMAL, .out = &args.rate, .value = "HZ", .help = "remove so many times a second (default: every tick)"},
         MAX_GAP_OPTION(args.max_gap),
         {.name = "sweep", .kind = OPTION_CHOICE, .out = &args.sweep, .value = "off|on",

@@ -98,7 +98,7 @@ static ost_status add_tool(const render_args *args, drawing *d, const ost_glenoi
     if (status == OST_OK)
         status = ost_viewer_add_tool(&d->viewer, &d->tool_volume, err);
     if (status == OST_OK && !args->pose_text && !known)
-        status = ost_fail(err, OST_ERR_USAGE, "%s does not say where its glenoid is: give --pose x,y,z,qw,qx,qy,qz", args->bone);
+        status = ost_fail(err, OST_ERR_USAGE, "%s: the glenoid's position is not set: pass --pose X,Y,Z,QW,QX,QY,QZ, or --at and --axis", args->bone);
     if (status == OST_OK && !args->pose_text) {
         status = ost_builtin_path(OST_BUILTIN_GLENOID_REAM, glenoid, ost_tool_geometry_get(d->tool), 0, &path, err);
         if (status == OST_OK)
@@ -138,8 +138,12 @@ static ost_status draw(const app_state *app, const render_args *args, drawing *d
 {
     ost_glenoid glenoid;
     ost_camera camera;
-    const bool known = target_find(app, &args->target, &d->imported.meta, args->bone, &glenoid, NULL) == OST_OK;
-    ost_status status = ost_live_create(d->bone, &d->live, err);
+    ost_status status = target_find(app, &args->target, &d->imported.meta, args->bone, &glenoid, err);
+    const bool known = status == OST_OK;
+    if (!known && status != OST_ERR_USAGE)
+        return status;
+    *err = (ost_error){0};
+    status = ost_live_create(d->bone, &d->live, err);
     if (status != OST_OK)
         return status;
     const ost_geometry *g = ost_live_geometry(d->live);
@@ -234,7 +238,7 @@ ost_status cmd_render(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "axis", .kind = OPTION_VECTOR, .out = t->axis, .given = &t->axis_given, .value = "X,Y,Z",
          .help = "direction into the bone there (default: the file's)"},
         {.name = "side", .kind = OPTION_CHOICE, .out = &t->side, .given = &t->side_given, .value = "left|right",
-         .help = "of the body (default: the file's, else right)"},
+         .help = "of the body (default: the file's, else the axis determines it)"},
         TOOL_OPTIONS(args.how),
         CT_OPTIONS(args.ct),
         {.name = NULL}};

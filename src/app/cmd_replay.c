@@ -363,7 +363,7 @@ ost_status cmd_replay(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "axis", .kind = OPTION_VECTOR, .out = t->axis, .given = &t->axis_given, .value = "X,Y,Z",
          .help = "direction into the bone there (default: likewise)"},
         {.name = "side", .kind = OPTION_CHOICE, .out = &t->side, .given = &t->side_given, .value = "left|right",
-         .help = "of the body (default: likewise, else right)"},
+         .help = "of the body (default: likewise, else the axis determines it)"},
         GLENOID_PLAN_OPTIONS(args.plan),
         REPLAY_FILM_OPTIONS(args.film),
         {.name = "compress", .kind = OPTION_FLAG, .out = &args.compress, .help = "gzip a .nrrd"},

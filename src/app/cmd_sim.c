@@ -53,7 +53,7 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "axis", .kind = OPTION_VECTOR, .out = t->axis, .given = &t->axis_given, .value = "X,Y,Z",
          .help = "direction into the bone there (default: the file's)"},
         {.name = "side", .kind = OPTION_CHOICE, .out = &t->side, .given = &t->side_given, .value = "left|right",
-         .help = "of the body (default: the file's, else right)"},
+         .help = "of the body (default: the file's, else the axis determines it)"},
         {.name = "debrief", .kind = OPTION_TEXT, .out = &args.debrief, .value = "FILE.html",
          .help = "with --record: what it has come to, against the plan; a page with\npictures, as of osteon replay"},
         GLENOID_PLAN_OPTIONS(args.plan),

@@ -107,9 +107,11 @@ ost_status glenoid_plan_find(const app_state *app, const glenoid_plan_options *o
     if (status != OST_OK)
         return status;
     const target_options *t = &options->target;
-    if (!needed && !(t->at_given && t->axis_given) && ost_glenoid_from_meta(&said, &glenoid, NULL) != OST_OK)
-        return OST_OK;
     status = target_find(app, t, &said, bone, &glenoid, err);
+    if (status == OST_ERR_USAGE && !needed) {
+        *err = (ost_error){0};
+        return OST_OK;
+    }
     if (status == OST_OK)
         status = find_depth(app, options, session, header, &out->depth_mm, err);
     if (status == OST_OK)

@@ -9,28 +9,42 @@
 
 enum { GAP_NS = 1000000 };
 
+ost_status target_side(const target_options *options, const ost_meta *meta, const char *bone, ost_side *out, ost_error *err)
+{
+    const ost_side asked = !options->side_given ? OST_SIDE_UNKNOWN : options->side == 0 ? OST_SIDE_LEFT : OST_SIDE_RIGHT;
+    ost_status status = ost_side_from_meta(meta, out, err);
+    if (status == OST_OK && asked != OST_SIDE_UNKNOWN && *out != OST_SIDE_UNKNOWN && asked != *out) {
+        const char *name = asked == OST_SIDE_LEFT ? "left" : "right";
+        return ost_fail(err, OST_ERR_INPUT, "--side %s contradicts %s, whose header has side %s; 'osteon info %s --set side=%s' corrects it", name,
+                        bone, *out == OST_SIDE_LEFT ? "left" : "right", bone, name);
+    }
+    *out = asked == OST_SIDE_UNKNOWN ? *out : asked;
+    return status;
+}
+
 ost_status target_find(const app_state *app, const target_options *options, const ost_meta *meta, const char *bone, ost_glenoid *out,
                        ost_error *err)
 {
-    ost_glenoid own = {.axis = {0, 0, 0}};
-    bool has = ost_glenoid_from_meta(meta, &own, NULL) == OST_OK;
-    *out = own;
-    if (options->at_given)
-        out->at = options->at;
-    if (options->axis_given)
-        memcpy(out->axis, options->axis, sizeof out->axis);
-    if (options->side_given)
-        out->left = options->side == 0;
-    if (has || (options->at_given && options->axis_given && options->side_given))
-        return OST_OK;
-    /* A side is said by a file alone, too: a CT may know it without knowing the glenoid. */
-    const char *side = ost_meta_get(meta, OST_META_SIDE);
-    if (options->at_given && options->axis_given && !options->side_given) {
-        out->left = side && strcmp(side, "left") == 0;
-        return OST_OK;
+    ost_side side;
+    bool has_at = true, has_axis = true;
+    *out = (ost_glenoid){.at = options->at};
+    memcpy(out->axis, options->axis, sizeof out->axis);
+    ost_status status = options->at_given ? OST_OK : ost_point_from_meta(meta, OST_META_GLENOID_AT, &out->at, &has_at, err);
+    if (status == OST_OK && !options->axis_given)
+        status = ost_axis_from_meta(meta, out->axis, &has_axis, err);
+    if (status != OST_OK) {
+        ost_fail_context(err, "%s", bone);
+        return status;
     }
-    return usage_error(app, err, "%s does not say where its glenoid is: give %s%s%s", bone, options->at_given ? "" : "--at x,y,z",
-                       options->at_given || options->axis_given ? "" : " and ", options->axis_given ? "" : "--axis x,y,z (inward)");
+    if (!has_at || !has_axis)
+        return usage_error(app, err, "%s: the glenoid's %s not set: pass %s%s%s, or import with %s", bone,
+                           has_at ? "axis is" : has_axis ? "position is" : "position and axis are", has_at ? "" : "--at X,Y,Z",
+                           has_at || has_axis ? "" : " and ", has_axis ? "" : "--axis X,Y,Z (into the bone)",
+                           has_at ? "--axis" : "--at or --landmarks");
+    status = target_side(options, meta, bone, &side, err);
+    if (status == OST_OK && (status = ost_glenoid_side(out->axis, side, &out->left, err)) != OST_OK)
+        ost_fail_context(err, "%s", bone);
+    return status;
 }
 
 static ost_status builtin_path(const app_state *app, const char *name, const target_options *target, const ost_meta *meta, const char *bone,

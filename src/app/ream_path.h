@@ -23,9 +23,16 @@ typedef struct target_options {
     size_t press_ticks; /* of builtin:glenoid-press; 0: a minute */
 } target_options;
 
-/* The built-in paths' target: the options, and for what they leave out the bone's own. */
+/*
+ * Finds the glenoid: by the options, and by the bone's header where they are
+ * not given; the side also by the axis.  OST_ERR_USAGE when something is not
+ * set, OST_ERR_INPUT when the side, the axis and the header contradict each other.
+ */
 ost_status target_find(const app_state *app, const target_options *options, const ost_meta *meta, const char *bone, ost_glenoid *out,
                        ost_error *err);
+
+/* The side as stated by --side or else by the header, which must not contradict each other. */
+ost_status target_side(const target_options *options, const ost_meta *meta, const char *bone, ost_side *out, ost_error *err);
 
 /* How often the paths lift a tool on their way, and their rows without a pose. */
 typedef struct ream_gaps {

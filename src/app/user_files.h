@@ -42,7 +42,7 @@ typedef struct user_files {
     {.name = "axis", .kind = OPTION_VECTOR, .out = (u).target.axis, .given = &(u).target.axis_given, .value = "X,Y,Z",                \
      .help = "direction into the bone there"},                                                                                        \
     {.name = "side", .kind = OPTION_CHOICE, .out = &(u).target.side, .given = &(u).target.side_given, .value = "left|right",          \
-     .help = "of the body (default: the file's, else right)"},                                                                        \
+     .help = "of the body (default: the file's, else the axis determines it)"},                                                                        \
     {.name = "rate", .kind = OPTION_DECIMAL, .out = &(u).rate, .value = "HZ", .help = "remove so many times a second (default: every tick)"}, \
     {.name = "sweep", .kind = OPTION_CHOICE, .out = &(u).sweep, .value = "off|on", .help = "fill in between two ticks (default: on)"}
 

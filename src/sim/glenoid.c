@@ -2,11 +2,12 @@
 /* Where a grid says its glenoid is: OST_META_GLENOID_AT, OST_META_GLENOID_AXIS, OST_META_SIDE. */
 #include <osteon/sim.h>
 
+#include <math.h>
 #include <string.h>
 
 static ost_status missing(const char *key, ost_error *err)
 {
-    return ost_fail(err, OST_ERR_USAGE, "the bone does not say where its glenoid is (no '%s'); give the point, axis and side", key);
+    return ost_fail(err, OST_ERR_USAGE, "the glenoid is not set: the bone's header has no '%s'", key);
 }
 
 /* Three decimals, divided by blanks or commas, and nothing else. */
@@ -52,31 +53,71 @@ ost_status ost_point_from_meta(const ost_meta *meta, const char *key, ost_pm3 *o
     return text ? point(key, text, out, err) : OST_OK;
 }
 
-ost_status ost_glenoid_from_meta(const ost_meta *meta, ost_glenoid *out, ost_error *err)
+ost_status ost_axis_from_meta(const ost_meta *meta, double axis[3], bool *there, ost_error *err)
 {
-    const char *at = ost_meta_get(meta, OST_META_GLENOID_AT);
-    const char *axis = ost_meta_get(meta, OST_META_GLENOID_AXIS);
-    const char *side = ost_meta_get(meta, OST_META_SIDE);
-    if (!at)
-        return missing(OST_META_GLENOID_AT, err);
-    if (!axis)
-        return missing(OST_META_GLENOID_AXIS, err);
-    if (!side)
-        return missing(OST_META_SIDE, err);
-
+    const char *text = ost_meta_get(meta, OST_META_GLENOID_AXIS);
     ost_decimal d[3];
-    ost_glenoid glenoid;
-    ost_status status = point(OST_META_GLENOID_AT, at, &glenoid.at, err);
-    if (status == OST_OK)
-        status = three_decimals(OST_META_GLENOID_AXIS, axis, d, err);
+    *there = text != NULL;
+    if (!text)
+        return OST_OK;
+    ost_status status = three_decimals(OST_META_GLENOID_AXIS, text, d, err);
     if (status != OST_OK)
         return status;
-    if (!direction(&d[0], &glenoid.axis[0]) || !direction(&d[1], &glenoid.axis[1]) || !direction(&d[2], &glenoid.axis[2]) ||
-        (glenoid.axis[0] == 0 && glenoid.axis[1] == 0 && glenoid.axis[2] == 0))
-        return ost_fail(err, OST_ERR_INPUT, "%s: '%s' is not a direction", OST_META_GLENOID_AXIS, axis);
-    glenoid.left = strcmp(side, "left") == 0;
-    if (!glenoid.left && strcmp(side, "right") != 0)
-        return ost_fail(err, OST_ERR_INPUT, "%s: '%s' is neither left nor right", OST_META_SIDE, side);
-    *out = glenoid;
+    if (!direction(&d[0], &axis[0]) || !direction(&d[1], &axis[1]) || !direction(&d[2], &axis[2]) ||
+        (axis[0] == 0 && axis[1] == 0 && axis[2] == 0))
+        return ost_fail(err, OST_ERR_INPUT, "%s: '%s' is not a direction", OST_META_GLENOID_AXIS, text);
     return OST_OK;
+}
+
+ost_status ost_side_from_meta(const ost_meta *meta, ost_side *out, ost_error *err)
+{
+    const char *text = ost_meta_get(meta, OST_META_SIDE);
+    *out = !text ? OST_SIDE_UNKNOWN : strcmp(text, "left") == 0 ? OST_SIDE_LEFT : strcmp(text, "right") == 0 ? OST_SIDE_RIGHT : OST_SIDE_UNKNOWN;
+    if (text && *out == OST_SIDE_UNKNOWN)
+        return ost_fail(err, OST_ERR_INPUT, "%s: '%s' is neither left nor right", OST_META_SIDE, text);
+    return OST_OK;
+}
+
+ost_side ost_side_of_axis(const double axis[3])
+{
+    static const double least = 0.258819045; /* sine of 15 degrees */
+    const double length = sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]);
+    if (!(fabs(axis[0]) > least * length))
+        return OST_SIDE_UNKNOWN;
+    return axis[0] < 0 ? OST_SIDE_LEFT : OST_SIDE_RIGHT;
+}
+
+ost_status ost_glenoid_side(const double axis[3], ost_side stated, bool *left, ost_error *err)
+{
+    const ost_side found = ost_side_of_axis(axis);
+    if (stated == OST_SIDE_UNKNOWN && found == OST_SIDE_UNKNOWN)
+        return ost_fail(err, OST_ERR_USAGE, "the side is not set, and the axis (%.4g, %.4g, %.4g) does not determine it: pass --side left or "
+                        "--side right", axis[0], axis[1], axis[2]);
+    if (stated != OST_SIDE_UNKNOWN && found != OST_SIDE_UNKNOWN && stated != found)
+        return ost_fail(err, OST_ERR_INPUT, "the side is %s, but the axis (%.4g, %.4g, %.4g) into the bone is a %s glenoid's, which faces the "
+                        "patient's %s: one of the two is wrong", stated == OST_SIDE_LEFT ? "left" : "right", axis[0], axis[1], axis[2],
+                        found == OST_SIDE_LEFT ? "left" : "right", found == OST_SIDE_LEFT ? "left" : "right");
+    *left = (stated == OST_SIDE_UNKNOWN ? found : stated) == OST_SIDE_LEFT;
+    return OST_OK;
+}
+
+ost_status ost_glenoid_from_meta(const ost_meta *meta, ost_glenoid *out, ost_error *err)
+{
+    ost_glenoid glenoid;
+    ost_side side = OST_SIDE_UNKNOWN;
+    bool has_at, has_axis;
+    ost_status status = ost_point_from_meta(meta, OST_META_GLENOID_AT, &glenoid.at, &has_at, err);
+    if (status == OST_OK && !has_at)
+        return missing(OST_META_GLENOID_AT, err);
+    if (status == OST_OK)
+        status = ost_axis_from_meta(meta, glenoid.axis, &has_axis, err);
+    if (status == OST_OK && !has_axis)
+        return missing(OST_META_GLENOID_AXIS, err);
+    if (status == OST_OK)
+        status = ost_side_from_meta(meta, &side, err);
+    if (status == OST_OK)
+        status = ost_glenoid_side(glenoid.axis, side, &glenoid.left, err);
+    if (status == OST_OK)
+        *out = glenoid;
+    return status;
 }

@@ -79,8 +79,8 @@ X
 
 # A bone without a glenoid needs --at and --axis.
 ct_text 20 20 20 0.5 '(i > 4 && i < 15) ? 500 : 0' >block.txt
-refuse 2 'give --at x,y,z and --axis x,y,z' ream --bone block.txt --tool builtin:peg --path builtin:peg-hole --out x.nrrd
-refuse 2 'give --axis x,y,z' ream --bone block.txt --tool builtin:peg --path builtin:peg-hole --at 2,5,5 --out x.nrrd
+refuse 2 'pass --at X,Y,Z and --axis X,Y,Z' ream --bone block.txt --tool builtin:peg --path builtin:peg-hole --out x.nrrd
+refuse 2 'pass --axis X,Y,Z' ream --bone block.txt --tool builtin:peg --path builtin:peg-hole --at 2,5,5 --out x.nrrd
 run 0 ream --bone block.txt --tool builtin:peg --path builtin:peg-hole --at 2,5,5 --axis 1,0,0 --out x.nrrd --json
 [ "$(value removed_voxels)" -gt 0 ] || fail "the peg made no hole in a block"
 

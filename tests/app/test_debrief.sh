@@ -75,7 +75,7 @@ cut -d, -f1-9 <plain.csv >path.csv
 run 0 ream --bone plain.nrrd --tool builtin:peg --path path.csv --out h.nrrd --record bare.session
 run 0 info bare.session
 grep -q plan out && fail "a plan out of nothing"
-refuse 2 "does not say where its glenoid is" replay bare.session --debrief x.html
+refuse 2 "the glenoid's position and axis are not set" replay bare.session --debrief x.html
 run 0 replay bare.session --debrief r.html --at -148.723,-18.868,54.133 --axis 0.817462,0.406924,-0.407639 --side right
 refuse 2 "--trigonum needs --inferior-angle as well" replay plain.session --debrief x.html --trigonum 1,2,3
 

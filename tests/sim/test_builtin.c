@@ -235,13 +235,13 @@ static void the_grid_says_where(void **state)
     (void)state;
     ost_error err = {0};
     ost_glenoid g;
-    ost_meta *meta = meta_of("-117.8 196.5 -159", "1 0 -0.25", "left");
+    ost_meta *meta = meta_of("-117.8 196.5 -159", "-1 0 -0.25", "left");
     assert_ok(ost_glenoid_from_meta(meta, &g, &err));
     free(meta);
     assert_int_equal(g.at.x, -117800 * UM);
     assert_int_equal(g.at.y, 196500 * UM);
     assert_int_equal(g.at.z, -159000 * UM);
-    assert_true(g.axis[0] == 1 && g.axis[1] == 0 && g.axis[2] == -0.25);
+    assert_true(g.axis[0] == -1 && g.axis[1] == 0 && g.axis[2] == -0.25);
     assert_true(g.left);
     const struct {
         const char *at, *axis, *side, *says;
@@ -249,8 +249,10 @@ static void the_grid_says_where(void **state)
     } cases[] = {
         {NULL, "1 0 0", "left", OST_META_GLENOID_AT, OST_ERR_USAGE},
         {"1 2 3", NULL, "left", OST_META_GLENOID_AXIS, OST_ERR_USAGE},
-        {"1 2 3", "1 0 0", NULL, OST_META_SIDE, OST_ERR_USAGE},
-        {"1 2", "1 0 0", "left", "1 2", OST_ERR_INPUT},
+        {"1 2 3", "0.2 1 0", NULL, "the side is not set", OST_ERR_USAGE},
+        {"1 2 3", "1 0 0", "left", "one of the two is wrong", OST_ERR_INPUT},
+        {"1 2 3", "-0.5 -0.5 0", "right", "which faces the patient's left", OST_ERR_INPUT},
+        {"1 2", "-1 0 0", "left", "1 2", OST_ERR_INPUT},
         {"1 2 3 4", "1 0 0", "left", "1 2 3 4", OST_ERR_INPUT},
         {"1 2 x", "1 0 0", "left", "1 2 x", OST_ERR_INPUT},
         {"1 2 9001", "1 0 0", "left", "9001", OST_ERR_RANGE},
@@ -266,12 +268,39 @@ static void the_grid_says_where(void **state)
     }
 }
 
+/* Outward of a left glenoid is toward the left, +x: the inward axis has x < 0. Within 15 degrees of the sagittal plane nothing is said. */
+static void the_axis_determines_the_side(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    test_rng rng = rng_seeded("sides");
+    for (int n = 0; n < 500; n++) {
+        const double angle = (double)rng_range(&rng, -8999, 8999) / 100, about = (double)rng_range(&rng, 0, 359), size = (double)rng_range(&rng, 1, 1000) / 10;
+        const double pi = 3.14159265358979323846, across = cos(angle * pi / 180) * size;
+        const double axis[3] = {sin(angle * pi / 180) * size, across * cos(about * pi / 180), across * sin(about * pi / 180)};
+        const ost_side expected = fabs(angle) < 15 ? OST_SIDE_UNKNOWN : angle < 0 ? OST_SIDE_LEFT : OST_SIDE_RIGHT;
+        bool left;
+        if (fabs(fabs(angle) - 15) < 0.001)
+            continue;
+        assert_int_equal(ost_side_of_axis(axis), expected);
+        for (int stated = OST_SIDE_UNKNOWN; stated <= OST_SIDE_RIGHT; stated++) {
+            const ost_status status = ost_glenoid_side(axis, (ost_side)stated, &left, &err);
+            if (!stated && !expected)
+                assert_int_equal(status, OST_ERR_USAGE);
+            else if (stated && expected && stated != (int)expected)
+                assert_int_equal(status, OST_ERR_INPUT);
+            else
+                assert_true(status == OST_OK && left == (stated ? stated == OST_SIDE_LEFT : expected == OST_SIDE_LEFT));
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(it_runs_along_the_axis), cmocka_unit_test(a_hand_presses), cmocka_unit_test(ticks_are_gentle),
         cmocka_unit_test(a_reamer_leaves_the_spongy_bone), cmocka_unit_test(what_a_path_refuses),
-        cmocka_unit_test(the_grid_says_where),
+        cmocka_unit_test(the_grid_says_where), cmocka_unit_test(the_axis_determines_the_side),
     };
     return run_on_backends(tests, open_test_backend, close_test_backend);
 }

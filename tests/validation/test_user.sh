@@ -106,7 +106,7 @@ bad "noise" --tool noise
 bad "give the mesh" --tool second.nrrd
 bad "twice.csv:2" --ct $ct --tool $mesh --path twice.csv
 bad "needs --tool and --ct" --tool $mesh --path $path
-bad "does not say where its glenoid is" --ct $ct --tool $mesh --path builtin:peg-hole
+bad "the glenoid's position and axis are not set" --ct $ct --tool $mesh --path builtin:peg-hole
 bad "is for files of your own" --cubic 0.5
 bad "up to 4" --tool $mesh --tool $mesh --tool $mesh --tool $mesh --tool $mesh
 bad "no case of tier smoke begins with 'user'"
