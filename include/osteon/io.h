@@ -120,6 +120,46 @@ OST_API ost_status ost_path_read_csv(const char *path, ost_path *out, ost_error 
 /* With columns tool, where one is not 0, lifted and rpm. */
 OST_API ost_status ost_path_write_csv(const char *path, const ost_path *in, ost_error *err);
 
+/* ------------------------------------------------------------- landmarks */
+
+typedef enum ost_landmark_role {
+    OST_LANDMARK_OTHER,          /* a label without a meaning here */
+    OST_LANDMARK_GLENOID,        /* glenoid, glenoid centre (center), GC: the centre of the face */
+    OST_LANDMARK_AXIS_POINT,     /* axis, axis point, glenoid axis: a point in the bone, straight in from there */
+    OST_LANDMARK_TRIGONUM,       /* trigonum, trigonum spinae (scapulae), root of spine, spine root, TS */
+    OST_LANDMARK_INFERIOR_ANGLE  /* inferior angle, angulus inferior, AI, IA */
+} ost_landmark_role;
+
+/* The meaning of a label; case, blanks, '-' and '_' do not matter. */
+OST_API ost_landmark_role ost_landmark_role_of(const char *label);
+
+enum { OST_LANDMARK_LABEL = 64 };
+typedef struct ost_landmark {
+    char label[OST_LANDMARK_LABEL]; /* cut there; control characters as '?' */
+    ost_landmark_role role;
+    ost_pm3 at;                     /* LPS */
+} ost_landmark;
+
+typedef struct ost_landmarks {
+    int count;
+    ost_landmark *items; /* owned */
+} ost_landmarks;
+
+/*
+ * Reads 3D Slicer's .mrk.json and .fcsv, in the coordinate system that they
+ * state, or a CSV label,x,y,z (LPS, mm).  Two positions of one role are an
+ * error, as is a file without landmarks. *out is empty on failure.
+ */
+OST_API ost_status ost_landmarks_read(const char *path, ost_landmarks *out, ost_error *err);
+OST_API void ost_landmarks_free(ost_landmarks *landmarks);
+
+/*
+ * Replaces the facts of a volume's file by these, whole or not at all, and
+ * leaves its voxels: in a NRRD the osteon_ lines of the header, in a NIfTI that
+ * was written here its comment.  OST_ERR_INPUT for other files.
+ */
+OST_API ost_status ost_volume_write_meta(const char *path, const ost_meta *meta, ost_error *err);
+
 /* ---------------------------------------------------------------- import */
 
 typedef struct ost_import_options {

@@ -4,6 +4,7 @@
  */
 #include "app/backend_choice.h"
 #include "app/load.h"
+#include "app/patient.h"
 #include "app/progress.h"
 #include "app/result.h"
 #include "app/say.h"
@@ -20,6 +21,32 @@ static const char *kind_text(ost_file_kind kind)
     case OST_FILE_UNKNOWN: break;
     }
     return "built in";
+}
+
+/*
+ * Asks about a grid too small or too large for a patient's bone, as the mesh
+ * reader does, with the units that would make it a plausible one.  A micro-CT
+ * is that small; a phantom states what it is.
+ */
+static void warn_size(const app_state *app, const char *name, const ost_import_result *r)
+{
+    static const struct {
+        const char *name;
+        double mm;
+    } units[] = {{"centimetres", 10}, {"inches", 25.4}, {"metres", 1000}, {"micrometres", 0.001}};
+    const ost_geometry *g = &r->rect;
+    const double size[3] = {g->dims.x * ost_pm_to_mm(g->spacing.x), g->dims.y * ost_pm_to_mm(g->spacing.y), g->dims.z * ost_pm_to_mm(g->spacing.z)};
+    double largest = size[0] > size[1] ? size[0] : size[1];
+    char text[200] = "";
+    size_t used = 0;
+    largest = largest > size[2] ? largest : size[2];
+    if ((largest >= 20 && largest <= 3000) || ost_meta_get(&r->meta, "phantom"))
+        return;
+    for (size_t u = 0; u < sizeof units / sizeof units[0]; u++)
+        if (largest * units[u].mm >= 20 && largest * units[u].mm <= 600)
+            used += (size_t)snprintf(text + used, sizeof text - used, "%s%.3g mm if its lengths are %s", used ? ", or " : ": it would be ",
+                                     largest * units[u].mm, units[u].name);
+    warn(app, "%s: the CT is %.3g mm across, too %s for a patient's bone%s", name, largest, largest < 20 ? "small" : "large", text);
 }
 
 static void put_result(const app_state *app, const ost_import_result *r, const ost_bone_info *info)
@@ -88,11 +115,13 @@ ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
 {
     const char *name = NULL, *out = NULL;
     ct_options ct = CT_OPTIONS_DEFAULT;
+    patient_options patient = {.landmarks = NULL};
     bool compress = false;
     const operand operands[] = {{"CT", &name, "which CT?"}, {0}};
     const option options[] = {
         {.name = "out", .kind = OPTION_TEXT, .out = &out, .value = "FILE", .required = true,
          .help = "the bone: .nrrd, or .nii, .nii.gz, .txt"},
+        PATIENT_OPTIONS(patient),
         CT_OPTIONS(ct),
         {.name = "compress", .kind = OPTION_FLAG, .out = &compress, .help = "gzip a .nrrd"},
         {.name = NULL}};
@@ -106,6 +135,7 @@ ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
                  "patient's left, back and head (LPS); a text is taken as it stands. A text's\n"
                  "positions are voxel centres and may stand in any order.",
         .example = "  osteon import shoulder.nii.gz --out shoulder.nrrd\n"
+                   "  osteon import shoulder.nii.gz --landmarks F.mrk.json --out shoulder.nrrd\n"
                    "  osteon import scapula.txt --threshold 150 --cubic 0.5 --out scapula.nrrd",
     };
     ost_status status;
@@ -122,6 +152,8 @@ ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
     if (status == OST_OK)
         status = load_bone(app, backend, name, &ct, true, &bone, &result, err);
     if (status == OST_OK)
+        status = patient_take(app, &patient, name, &result.cubic, &result.meta, err);
+    if (status == OST_OK)
         status = ost_bone_info_get(bone, &info, err);
     if (status == OST_OK)
         status = ost_bone_write(out, bone, &result.meta, &write, err);
@@ -132,6 +164,7 @@ ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
         put_text(app->result, "out", out);
         put_result(app, &result, &info);
         put_digest(app->result, "file_sha256", &file);
+        warn_size(app, name, &result);
         say_result(app, name, out, &result, &info);
     }
     ost_bone_free(bone);

@@ -7,6 +7,7 @@
 
 #include "app/backend_choice.h"
 #include "app/load.h"
+#include "app/patient.h"
 #include "app/progress.h"
 #include "app/result.h"
 #include "app/say.h"
@@ -185,23 +186,39 @@ static ost_status info_path(const app_state *app, const char *name, ost_error *e
     return OST_OK;
 }
 
+static ost_status set_facts(const app_state *app, const char *name, ost_file_kind kind, const option_list *sets, ost_error *err)
+{
+    ost_geometry geometry;
+    ost_meta meta;
+    if (kind != OST_FILE_NRRD && kind != OST_FILE_NIFTI)
+        return ost_fail(err, OST_ERR_INPUT, "%s: --set is for bones and CTs in NRRD or NIfTI; give these facts to 'osteon import'", name);
+    ost_status status = ost_volume_read_header(name, &geometry, &meta, NULL, err);
+    if (status == OST_OK)
+        status = patient_set(app, sets, name, &geometry, &meta, err);
+    return status == OST_OK ? ost_volume_write_meta(name, &meta, err) : status;
+}
+
 ost_status cmd_info(app_state *app, int argc, char **argv, ost_error *err)
 {
     const char *name = NULL, *repaired = NULL;
     bool digest = false;
+    option_list sets = {0};
     const operand operands[] = {{"FILE", &name, "which file?"}, {0}};
     const option options[] = {
         {.name = "digest", .kind = OPTION_FLAG, .out = &digest, .help = "read everything: solid voxels, the SHA-256 of grid and file"},
+        {.name = "set", .kind = OPTION_LIST, .out = &sets, .value = "KEY=VALUE",
+         .help = "set a fact in the header of a bone or CT, whose voxels stay: at=X,Y,Z,\naxis=X,Y,Z, side=left or right, trigonum=X,Y,Z, "
+                 "inferior-angle=X,Y,Z;\nwithout a VALUE the fact is removed; may repeat"},
         {.name = "repair", .kind = OPTION_TEXT, .out = &repaired, .value = "FILE",
          .help = "of a session that was cut off or damaged: what is whole, as a new one"},
         {.name = NULL}};
     const usage_text usage = {
-        .synopsis = "FILE [--digest] [--repair FILE]",
+        .synopsis = "FILE [--digest] [--set KEY=VALUE] [--repair FILE]",
         .about = "Says what a file is: a CT, a bone, a tool grid, a mesh, a path or a session. Of a\n"
                  "volume only the header is read; of a session all, and what is missing is said.",
         .operands = operands,
         .options = options,
-        .example = "  osteon info scapula.nrrd\n  osteon info reamer.stl --json\n"
+        .example = "  osteon info scapula.nrrd\n  osteon info scapula.nrrd --set side=left\n  osteon info reamer.stl --json\n"
                    "  osteon info cut-off.session --repair whole.session",
     };
     ost_status status;
@@ -212,6 +229,8 @@ ost_status cmd_info(app_state *app, int argc, char **argv, ost_error *err)
         return status;
     if (repaired && kind != OST_FILE_SESSION)
         return usage_error(app, err, "--repair is for sessions, and %s is none", name);
+    if (sets.count && (status = set_facts(app, name, kind, &sets, err)) != OST_OK)
+        return status;
     struct stat st;
     put_text(app->result, "file", name);
     if (stat(name, &st) == 0)

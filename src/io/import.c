@@ -356,9 +356,10 @@ static ost_status rect_from_volume(job *j, ost_error *err)
 /* By option; else what the file says it was made with, if it is a bone; else the default. */
 static ost_status find_threshold(const job *j, int32_t *out, ost_error *err)
 {
-    *out = j->options->threshold ? j->options->threshold : THRESHOLD;
+    const int32_t asked = j->options->threshold;
+    *out = asked ? asked : THRESHOLD;
     const char *kind = ost_meta_get(&j->result->meta, OST_META_KIND), *text = ost_meta_get(&j->result->meta, OST_META_THRESHOLD);
-    if (j->options->threshold || !kind || strcmp(kind, "bone") != 0 || !text)
+    if (!kind || strcmp(kind, "bone") != 0 || !text)
         return OST_OK;
     const char *end = text + strlen(text);
     ost_decimal value;
@@ -368,7 +369,10 @@ static ost_status find_threshold(const job *j, int32_t *out, ost_error *err)
         threshold > INT16_MAX)
         return ost_fail(err, OST_ERR_INPUT, "%s: its threshold is '%.40s'; expected a whole number from 1 to %d", j->path, text,
                         INT16_MAX);
-    *out = (int32_t)threshold;
+    if (asked && asked < threshold)
+        return ost_fail(err, OST_ERR_INPUT, "%s: is a bone that was cut at %" PRId64 " HU: what was below is gone, and a threshold of %" PRId32
+                        " cannot bring it back; import the CT again with --threshold %" PRId32, j->path, threshold, asked, asked);
+    *out = asked ? asked : (int32_t)threshold;
     return OST_OK;
 }
 

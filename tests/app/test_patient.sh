@@ -54,4 +54,123 @@ refuse 2 'expected three letters' import plain.nrrd --orientation RAL --out x.nr
 refuse 2 'the positions of a text are LPS' import assumed.txt --orientation RAS --out x.nrrd
 refuse 2 'is a NRRD; --form is for NIfTI' import plain.nrrd --form sform --out x.nrrd
 
+# -------------------------------------------------------------------- side
+# The right phantom without its facts: at, axis and side are asked for or found.
+run 0 phantom glenoid --out phantom.nrrd
+run 0 info phantom.nrrd --json
+at=$(value meta.glenoid_at_mm | tr ' ' ',')
+cp phantom.nrrd bare.nrrd
+run 0 info bare.nrrd --set at= --set axis= --set side= --set trigonum= --set inferior-angle= --json
+check "facts that are gone" "$(value meta.side 2>/dev/null)$(value meta.glenoid_at_mm 2>/dev/null)" ""
+run 0 import bare.nrrd --out bone.nrrd
+quiet "a bone without facts"
+ream="--tool builtin:peg --voxel 1 --path builtin:peg-hole --out reamed.nrrd"
+refuse 2 "the glenoid's position and axis are not set" ream --bone bone.nrrd $ream
+refuse 2 "the glenoid's axis is not set" ream --bone bone.nrrd --at "$at" $ream
+run 0 ream --bone bone.nrrd --at "$at" --axis 1,0,0 $ream
+run 0 ream --bone bone.nrrd --at "$at" --axis 1,0,0 --side right $ream
+refuse 2 'the side is left, but the axis' ream --bone bone.nrrd --at "$at" --axis 1,0,0 --side left $ream
+refuse 2 'the side is not set, and the axis' ream --bone bone.nrrd --at "$at" --axis 0.1,1,0 $ream
+run 0 ream --bone bone.nrrd --at "$at" --axis 0.1,1,0 --side left $ream
+refuse 2 "the side is not set: pass --side" export bone.nrrd --view lateral --size 32 --out x.png
+run 0 export bone.nrrd --view lateral --side left --size 32 --out x.png
+
+# ------------------------------------------------------- stored once, used
+run 0 import bare.nrrd --at "$at" --axis 1,0,0 --trigonum 0,0.5,1 --inferior-angle -5,2.25,-110 --out told.nrrd --json
+check "the axis determines the side" "$(value meta.side)" right
+check "the axis" "$(value meta.glenoid_axis)" "1 0 0"
+check "the trigonum" "$(value meta.trigonum_mm)" "0 0.5 1"
+run 0 ream --bone told.nrrd $ream --record told.session --debrief told.html
+run 0 sim --headless --bone told.nrrd --no-clock --seconds 0.01 --idle 0 --tool builtin:peg
+run 0 render told.nrrd --view en-face --size 32x32 --out x.png
+run 0 replay told.session --debrief again.html
+checks=$((checks + 1))
+grep -q 'right' again.html || fail "the debrief has no side"
+facts='glenoid_at_mm glenoid_axis side trigonum_mm inferior_angle_mm'
+run 0 info told.nrrd --json
+for fact in $facts; do value "meta.$fact"; done >expected
+run 0 import told.nrrd --cubic 1 --out told2.nrrd
+run 0 export told2.nrrd --out told3.nii.gz
+run 0 import told3.nii.gz --out told4.nrrd --compress
+run 0 export told4.nrrd --out told5.txt
+run 0 import told5.txt --out told6.nrrd
+for file in reamed.nrrd told2.nrrd told3.nii.gz told4.nrrd told6.nrrd; do
+    run 0 info $file --json
+    for fact in $facts; do value "meta.$fact"; done >got
+    cmp -s expected got || fail "$file has other facts: $(cat got)"
+done
+# Contradictions and points that are nowhere.
+refuse 2 'contradicts told.nrrd, whose header has side right' ream --bone told.nrrd --side left $ream
+refuse 2 'contradicts told.nrrd, whose header has side right' import told.nrrd --side left --out x.nrrd
+refuse 2 'one of the two is wrong' import bare.nrrd --at "$at" --axis 1,0,0 --side left --out x.nrrd
+refuse 2 'lies outside the grid' import bare.nrrd --at 9,9,900 --axis 1,0,0 --out x.nrrd
+ras=$(echo "$at" | awk -F, '{ printf "%s,%s,%s", -$1, -$2, $3 }')
+refuse 2 'it is probably in RAS' import bare.nrrd --at "$ras" --axis 1,0,0 --out x.nrrd
+
+# ---------------------------------------------------------------- landmarks
+l=$(echo "$at" | awk -F, '{ printf "%s,%s", -$1, -$2 }')
+s=${at##*,}
+axis_ras=$(echo "$at" | awk -F, '{ printf "%s,%s,%s", -$1 - 20, -$2, $3 }')
+{
+    printf '# Markups fiducial file version = 4.11\n# CoordinateSystem = RAS\n'
+    printf '# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID\n'
+    printf '1,%s,0,0,0,1,1,1,0,%s,,\n' "$l,$s" Glenoid "$axis_ras" Axis 0,-0.5,1 TS 5,-2.25,-110 'inferior angle' 1,2,3 'odd one'
+} >f.fcsv
+run 0 import bare.nrrd --landmarks f.fcsv --out told7.nrrd --json
+warned "label 'odd one' has no meaning here"
+for fact in $facts; do value "meta.$fact"; done >got
+cmp -s expected got || fail "landmarks give other facts: $(cat got)"
+printf 'glenoid,%s\n' "$at" >f.csv
+run 0 import bare.nrrd --landmarks f.csv --axis 1,0,0 --out told8.nrrd --json
+check "an option beside landmarks" "$(value meta.side) $(value meta.glenoid_axis)" "right 1 0 0"
+printf 'axis,1,2,3\n' >g.csv
+refuse 2 "which the file does not have" import bare.nrrd --landmarks g.csv --out x.nrrd
+refuse 2 'f.csv:2' import bare.nrrd --landmarks "$(printf 'glenoid,1,2\n' >>f.csv; echo f.csv)" --out x.nrrd
+[ ! -e x.nrrd ] || fail "a refused import left x.nrrd"
+
+# --------------------------------------------------------------- info --set
+run 0 import bare.nrrd --out set.nrrd --compress
+run 0 info set.nrrd --digest --json
+digest=$(value sha256)
+run 0 info set.nrrd --set "at=$at" --set axis=1,0,0 --set "trigonum=0,0.5,1" --set inferior-angle=-5,2.25,-110 --digest --json
+check "--set leaves the voxels" "$(value sha256)" "$digest"
+for fact in $facts; do value "meta.$fact"; done >got
+cmp -s expected got || fail "--set gives other facts: $(cat got)"
+cp set.nrrd kept.nrrd
+refuse 2 'one of the two is wrong' info set.nrrd --set side=left
+refuse 2 "neither left nor right" info set.nrrd --set side=up
+refuse 2 'expected KEY=VALUE' info set.nrrd --set threshold=3
+refuse 2 'expected KEY=VALUE' info set.nrrd --set side
+refuse 2 "not three decimals" info set.nrrd --set at=1,2
+refuse 2 'lies outside the grid' info set.nrrd --set at=1,2,3000
+cmp -s set.nrrd kept.nrrd || fail "a refused --set changed the file"
+run 0 info set.nrrd --set trigonum= --set side= --set axis=0,1,0 --json
+check "removed" "$(value meta.trigonum_mm 2>/dev/null)$(value meta.side 2>/dev/null)" ""
+run 0 export kept.nrrd --out set.nii.gz
+run 0 info set.nii.gz --set trigonum=1,2,3 --json
+check "in a NIfTI" "$(value meta.trigonum_mm) $(value meta.side)" "1 2 3 right"
+refuse 2 "give these facts to 'osteon import'" info told5.txt --set side=right
+ls -a | grep -q '\.part$' && fail "--set left a part file"
+
+# ------------------------------------------------------- thresholds and units
+run 0 import bare.nrrd --threshold 200 --out bone200.nrrd
+refuse 2 'was cut at 200 HU: what was below is gone' import bone200.nrrd --threshold 120 --out x.nrrd
+refuse 2 'was cut at 200 HU: what was below is gone' ream --bone bone200.nrrd --threshold 199 --at "$at" --axis 1,0,0 $ream
+run 0 import bone200.nrrd --threshold 200 --out x.nrrd
+run 0 import bone200.nrrd --threshold 300 --out x.nrrd
+run 0 import bone200.nrrd --out x.nrrd
+check "warnings of what is allowed" "$(wc -c <err | tr -d ' ')" 0
+# 28 voxels of 0.1: 2.8 mm; and one of 4 m.
+sized() {
+    printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 28 2 2\nspace: LPS\nspace directions: (%s,0,0) (0,%s,0) (0,0,%s)\nencoding: text\n\n' "$1" "$1" "$1"
+    awk 'BEGIN { for (i = 0; i < 112; i++) print 200 }'
+}
+sized 0.1 >small.nrrd
+run 0 import small.nrrd --out x.nrrd
+warned '2.8 mm across, too small'
+warned '28 mm if its lengths are centimetres, or 71.1 mm if its lengths are inches'
+sized 99 >fits.nrrd
+run 0 import fits.nrrd --out x.nrrd
+quiet "a CT of 2.8 m"
+
 finish

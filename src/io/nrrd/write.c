@@ -40,6 +40,13 @@ static void escape(const char *value, char out[2 * OST_META_VALUE])
     *out = 0;
 }
 
+void ost_nrrd_fact(const char *key, const char *value, char text[OST_NRRD_FACT])
+{
+    char escaped[2 * OST_META_VALUE];
+    escape(value, escaped);
+    snprintf(text, OST_NRRD_FACT, "osteon_%s:=%s\n", key, escaped);
+}
+
 /* value + 1/2 pm in mm, which ends in the tenth place: value * 10 + 5 units of 10^-10 mm. |value| <= 8 * 10^12. */
 static void format_half(ost_pm value, char text[OST_PM_TEXT])
 {
@@ -51,7 +58,7 @@ static void format_half(ost_pm value, char text[OST_PM_TEXT])
 ost_status ost_nrrd_write_header(ost_volume_writer *writer, const ost_geometry *geometry, const ost_meta *meta, ost_element element,
                                  bool odd_half, bool compress, ost_error *err)
 {
-    char length[6][OST_PM_TEXT], text[1024], value[2 * OST_META_VALUE];
+    char length[6][OST_PM_TEXT], text[1024];
     const ost_pm lengths[6] = {geometry->spacing.x, geometry->spacing.y, geometry->spacing.z,
                                geometry->origin.x,  geometry->origin.y,  geometry->origin.z};
     for (int i = 0; i < 6; i++) {
@@ -76,8 +83,7 @@ ost_status ost_nrrd_write_header(ost_volume_writer *writer, const ost_geometry *
              compress ? "gzip" : "raw", length[3], length[4], length[5]);
     ost_status status = put_text(writer, text, err);
     for (int i = 0; status == OST_OK && i < meta->count; i++) {
-        escape(meta->entry[i].value, value);
-        snprintf(text, sizeof text, "osteon_%s:=%s\n", meta->entry[i].key, value);
+        ost_nrrd_fact(meta->entry[i].key, meta->entry[i].value, text);
         status = put_text(writer, text, err);
     }
     if (status == OST_OK)
