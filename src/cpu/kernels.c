@@ -11,6 +11,9 @@
 static void fill_scalar(ost_cpu_kernels *k)
 {
     k->gather_row = ost_gather_row_scalar;
+    k->blend_rows = ost_blend_rows_scalar;
+    k->stretch_row = ost_stretch_row_scalar;
+    k->weigh_rows = ost_weigh_rows_scalar;
     k->brick_row = ost_brick_row_scalar;
     k->any_active = ost_any_active_scalar;
     k->drain = ost_drain_scalar;
@@ -28,6 +31,9 @@ static void fill_scalar(ost_cpu_kernels *k)
 #if HAVE_AVX2_BUILD
 static void fill_avx2(ost_cpu_kernels *k)
 {
+    k->blend_rows = ost_blend_rows_avx2;
+    k->stretch_row = ost_stretch_row_avx2;
+    k->weigh_rows = ost_weigh_rows_avx2;
     k->brick_row = ost_brick_row_avx2;
     k->any_active = ost_any_active_avx2;
     k->drain = ost_drain_avx2;
@@ -45,6 +51,9 @@ static void fill_avx2(ost_cpu_kernels *k)
 static void fill_avx512(ost_cpu_kernels *k)
 {
     k->gather_row = ost_gather_row_avx512;
+    k->blend_rows = ost_blend_rows_avx512;
+    k->stretch_row = ost_stretch_row_avx512;
+    k->weigh_rows = ost_weigh_rows_avx512;
     k->brick_row = ost_brick_row_avx512;
     k->any_active = ost_any_active_avx512;
     k->sample = ost_sample_avx512;
@@ -60,9 +69,11 @@ static void fill_avx512(ost_cpu_kernels *k)
 #endif
 
 #if HAVE_NEON_BUILD
-/* gather_row and vox_fill stay scalar: a lane's load and a word's borrow cost as much either way. */
+/* gather_row, stretch_row and vox_fill stay scalar: a lane's load and a word's borrow cost as much either way. */
 static void fill_neon(ost_cpu_kernels *k)
 {
+    k->blend_rows = ost_blend_rows_neon;
+    k->weigh_rows = ost_weigh_rows_neon;
     k->brick_row = ost_brick_row_neon;
     k->any_active = ost_any_active_neon;
     k->split = ost_split_neon;

@@ -31,6 +31,41 @@
  */
 typedef void ost_gather_row_fn(const int16_t *from, const int32_t *map, int count, int16_t *to);
 
+/*
+ * Linear interpolation (AR-CUB-2).  The upper of two neighbours has a weight w
+ * of 0 to 2^15, the lower one 2^15 - w.  Rows of results lie OST_ROW_STRIDE
+ * elements apart.
+ */
+enum { OST_WEIGHT_BITS = 15, OST_WEIGHT_ONE = 1 << OST_WEIGHT_BITS, OST_ROW_STRIDE = 64 };
+
+/*
+ * Interpolates rows between two slices:
+ * to[64 r + i] = RHE((a[row[r] + i] (2^15 - weight) + b[row[r] + i] weight) / 2^15)
+ * for 0 <= i < width (1 to 64) and 0 <= r < count; 0 < weight < 2^15.
+ */
+typedef void ost_blend_rows_fn(const int16_t *a, const int16_t *b, const size_t *row, int count, int width, int weight,
+                               int16_t *to);
+
+/*
+ * Computes the sums of a row along x:
+ * to[i] = from[at[i]] minus[2 i] + from[at[i] + 1] minus[2 i + 1] for
+ * 0 <= i < width (1 to 64).  minus holds the negated weights, -2^15 to 0, so
+ * that both ends of their range fit 16 bits; the two of a pair sum to -2^15.
+ * at ascends (equal neighbours allowed) from 0 or more.  All of from[at[0]] to
+ * from[at[width - 1] + 1] may be read.  at, minus (pairs) and to have room up to
+ * a multiple of 16; what lies there may be read, and in `to` be overwritten.
+ */
+typedef void ost_stretch_row_fn(const int16_t *from, const int32_t *at, const int16_t *minus, int width, int32_t *to);
+
+/*
+ * Computes weighted sums of rows: to[i] = RHE(sum of rows[r][i] weight[r] / 2^45)
+ * over 0 <= r < count (1, 2 or 4) for 0 <= i < width (1 to 64).
+ * |rows[r][i]| <= 2^30; the weights have one sign and sum to 2^30 or -2^30; the
+ * results fit 16 bits.  rows[r] and to have room up to a multiple of 16; what
+ * lies there may be read, and in `to` be overwritten.
+ */
+typedef void ost_weigh_rows_fn(const int32_t *const rows[4], const int32_t weight[4], int count, int width, int16_t *to);
+
 /* ------------------------------------------------------ bones (cpu/bone/bone.h) */
 
 /*
@@ -159,6 +194,9 @@ typedef void ost_vox_expand_fn(const uint64_t *cutting, const uint64_t *noncutti
 typedef struct ost_cpu_kernels {
     ost_isa isa; /* the level they were filled for */
     ost_gather_row_fn *gather_row;
+    ost_blend_rows_fn *blend_rows;
+    ost_stretch_row_fn *stretch_row;
+    ost_weigh_rows_fn *weigh_rows;
     ost_brick_row_fn *brick_row;
     ost_any_active_fn *any_active;
     ost_drain_fn *drain;
@@ -177,6 +215,9 @@ void ost_cpu_kernels_fill(ost_cpu_kernels *kernels, ost_isa isa);
 
 /* NAME_scalar, NAME_avx2, ... of every slot. */
 ost_gather_row_fn ost_gather_row_scalar, ost_gather_row_avx512;
+ost_blend_rows_fn ost_blend_rows_scalar, ost_blend_rows_avx2, ost_blend_rows_avx512, ost_blend_rows_neon;
+ost_stretch_row_fn ost_stretch_row_scalar, ost_stretch_row_avx2, ost_stretch_row_avx512;
+ost_weigh_rows_fn ost_weigh_rows_scalar, ost_weigh_rows_avx2, ost_weigh_rows_avx512, ost_weigh_rows_neon;
 ost_brick_row_fn ost_brick_row_scalar, ost_brick_row_avx2, ost_brick_row_avx512, ost_brick_row_neon;
 ost_any_active_fn ost_any_active_scalar, ost_any_active_avx2, ost_any_active_avx512, ost_any_active_neon;
 ost_drain_fn ost_drain_scalar, ost_drain_avx2;

@@ -22,7 +22,7 @@
 #include <xmmintrin.h>
 #endif
 
-extern const check_kernel check_gather_row, check_brick_row, check_any_active, check_drain, check_sample, check_blocks, check_split, check_match, check_take,
+extern const check_kernel check_gather_row, check_blend_rows, check_stretch_row, check_weigh_rows, check_brick_row, check_any_active, check_drain, check_sample, check_blocks, check_split, check_match, check_take,
     check_vox_mark, check_vox_keys, check_vox_fill, check_vox_expand, check_text_match;
 
 /* Reads it, whatever the compiler thinks of that. */
@@ -84,6 +84,72 @@ static void gather_writes_input(const int16_t *from, const int32_t *map, int cou
     ost_gather_row_scalar(from, map, count, to);
     if (count > 0)
         *(volatile int16_t *)writable(&from[map[0]]) = to[0];
+}
+
+/* Rounds ties up instead of to even. */
+static void blend_ties_up(const int16_t *a, const int16_t *b, const size_t *row, int count, int width, int weight, int16_t *to)
+{
+    for (int r = 0; r < count; r++)
+        for (int i = 0; i < width; i++)
+            to[OST_ROW_STRIDE * r + i] =
+                (int16_t)((a[row[r] + (size_t)i] * (OST_WEIGHT_ONE - weight) + b[row[r] + (size_t)i] * weight + OST_WEIGHT_ONE / 2) >> OST_WEIGHT_BITS);
+}
+
+static void blend_writes_between(const int16_t *a, const int16_t *b, const size_t *row, int count, int width, int weight, int16_t *to)
+{
+    ost_blend_rows_scalar(a, b, row, count, width, weight, to);
+    if (count > 1 && width < OST_ROW_STRIDE)
+        to[width] = 0;
+}
+
+static void blend_reads_beyond(const int16_t *a, const int16_t *b, const size_t *row, int count, int width, int weight, int16_t *to)
+{
+    ost_blend_rows_scalar(a, b, row, count, width, weight, to);
+    if (count > 0)
+        touch(&b[row[count - 1] + (size_t)width]);
+}
+
+/* Negates what a weight of -2^15 contributes to. */
+static void stretch_without_the_least(const int16_t *from, const int32_t *at, const int16_t *minus, int width, int32_t *to)
+{
+    ost_stretch_row_scalar(from, at, minus, width, to);
+    for (int i = 0; i < width; i++)
+        if (minus[2 * i] == INT16_MIN || minus[2 * i + 1] == INT16_MIN)
+            to[i] = -to[i];
+}
+
+static void stretch_reads_beyond(const int16_t *from, const int32_t *at, const int16_t *minus, int width, int32_t *to)
+{
+    ost_stretch_row_scalar(from, at, minus, width, to);
+    touch(&from[at[width - 1] + 2]);
+}
+
+static void weigh_ties_up(const int32_t *const rows[4], const int32_t weight[4], int count, int width, int16_t *to)
+{
+    for (int i = 0; i < width; i++) {
+        int64_t sum = INT64_C(1) << (3 * OST_WEIGHT_BITS - 1);
+        for (int r = 0; r < count; r++)
+            sum += (int64_t)rows[r][i] * weight[r];
+        to[i] = (int16_t)(sum >> 3 * OST_WEIGHT_BITS);
+    }
+}
+
+/* Sums in doubles: near a tie they need more than 53 bits. */
+static void weigh_in_doubles(const int32_t *const rows[4], const int32_t weight[4], int count, int width, int16_t *to)
+{
+    for (int i = 0; i < width; i++) {
+        double sum = 0;
+        for (int r = 0; r < count; r++)
+            sum += (double)rows[r][i] * weight[r];
+        volatile double rounded = sum / 35184372088832.0 + 6755399441055744.0;
+        to[i] = (int16_t)(rounded - 6755399441055744.0);
+    }
+}
+
+static void weigh_writes_beyond(const int32_t *const rows[4], const int32_t weight[4], int count, int width, int16_t *to)
+{
+    ost_weigh_rows_scalar(rows, weight, count, width, to);
+    to[(width + 15) / 16 * 16] = 0;
 }
 
 /* ------------------------------------------------------------------ bones */
@@ -495,6 +561,14 @@ static const struct wrong {
     WRONG(gather_row, gather_reads_beyond, FAULT),
     WRONG(gather_row, gather_reads_before, FAULT),
     WRONG(gather_row, gather_writes_input, FAULT),
+    WRONG(blend_rows, blend_ties_up, DIFFERS),
+    WRONG(blend_rows, blend_writes_between, DIFFERS),
+    WRONG(blend_rows, blend_reads_beyond, FAULT),
+    WRONG(stretch_row, stretch_without_the_least, DIFFERS),
+    WRONG(stretch_row, stretch_reads_beyond, FAULT),
+    WRONG(weigh_rows, weigh_ties_up, DIFFERS),
+    WRONG(weigh_rows, weigh_in_doubles, DIFFERS),
+    WRONG(weigh_rows, weigh_writes_beyond, BEYOND),
     WRONG(brick_row, brick_above_threshold, DIFFERS),
     WRONG(brick_row, brick_wrong_highest, DIFFERS),
     WRONG(brick_row, brick_reads_beyond, FAULT),
