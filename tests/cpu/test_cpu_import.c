@@ -187,6 +187,63 @@ static void rect_to_cubic_to_chunks(void **state)
     ost_backend_close(ref);
 }
 
+/* Returns voxels of -1 to 1 with a few at the threshold or at the greatest density, whose means may be active too. */
+static int16_t *lonely_voxels(test_rng *rng, int64_t count, int32_t threshold)
+{
+    int16_t *voxels = malloc((size_t)count * sizeof *voxels);
+    assert_non_null(voxels);
+    const int64_t one_in = rng_range(rng, 1, count + 1);
+    for (int64_t i = 0; i < count; i++)
+        voxels[i] = (int16_t)(rng_range(rng, 1, one_in) > 1 ? rng_range(rng, -1, 1) : rng_range(rng, 0, 1) ? threshold : INT16_MAX);
+    return voxels;
+}
+
+/*
+ * The linear rule along z alone, two axes and three, with spacings that are
+ * nearly equal or far apart, grids of one voxel along an axis, and few active
+ * voxels, so that chunks that may be skipped lie next to chunks that may not.
+ */
+static void interpolated_to_chunks(void **state)
+{
+    (void)state;
+    test_rng rng = rng_seeded("interpolated to chunks");
+    ost_error err = {0};
+    ost_backend *ref = open_ref();
+    unsigned turn = 0;
+    for (int round = 0; round < 160; round++) {
+        const ost_pm x = rng_range(&rng, 300, 1500) * (OST_PM_PER_MM / 1000), nearly = x + rng_range(&rng, -2, 2);
+        const ost_pm any = rng_range(&rng, 300, 3000) * (OST_PM_PER_MM / 1000);
+        ost_geometry g = {
+            .dims = {(int32_t)rng_range(&rng, 1, 70), (int32_t)rng_range(&rng, 1, 70), (int32_t)rng_range(&rng, 1, 30)},
+            .spacing = {x, round % 4 == 3 ? any : round % 4 == 2 ? nearly : x, round % 8 == 0 ? nearly : any},
+        };
+        const ost_pm cubic = round % 2 ? x : round % 4 ? g.spacing.z : rng_range(&rng, 400, 4000) * (OST_PM_PER_MM / 1000);
+        const int32_t threshold = round % 5 == 0 ? 1 : round % 5 == 1 ? INT16_MAX : (int32_t)rng_range(&rng, 1, 2000);
+        const int n = chunk_of[rng_range(&rng, 0, 2)];
+        int16_t *voxels = round % 3 ? lonely_voxels(&rng, ost_dims_count(g.dims), threshold) : random_voxels(&rng, ost_dims_count(g.dims), threshold);
+        ost_backend *backends[2] = {ref, open_next(&turn)};
+        ost_grid *rect[2], *cube[2];
+        ost_bone *bone[2];
+        for (int b = 0; b < 2; b++) {
+            assert_ok(ost_grid_create(backends[b], &g, &rect[b], &err));
+            assert_ok(ost_grid_upload(rect[b], 0, g.dims.z, voxels, &err));
+            assert_ok(ost_rect_to_cubic(rect[b], cubic, OST_RESAMPLE_LINEAR, &cube[b], &err));
+            assert_ok(ost_cubic_to_chunks(cube[b], n, threshold, &bone[b], &err));
+        }
+        assert_equal_bones(bone[0], bone[1]);
+        assert_equal_chunks(bone[1], cube[1]);
+        assert_equal_grids(cube[0], cube[1]);
+        for (int b = 0; b < 2; b++) {
+            ost_grid_free(rect[b]);
+            ost_grid_free(cube[b]);
+            ost_bone_free(bone[b]);
+        }
+        ost_backend_close(backends[1]);
+        free(voxels);
+    }
+    ost_backend_close(ref);
+}
+
 static void slabs_over_slabs(void **state)
 {
     (void)state;
@@ -329,6 +386,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(blocks_keep_their_content),
         cmocka_unit_test(rect_to_cubic_to_chunks),
+        cmocka_unit_test(interpolated_to_chunks),
         cmocka_unit_test(slabs_over_slabs),
         cmocka_unit_test(samples_to_rect),
     };

@@ -1,18 +1,23 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Cubic grid to chunks (AR-CHK), from the rect grid's own rows: a resampled
- * grid is never made.
+ * Cubic grid to chunks (AR-CHK), from the rect grid's own rows: the resampled
+ * grid is never stored.
  *
  *   a task: the chunks of one (y, z) of the chunk grid, side by side
  *
- *     for every layer of bricks    four slices, of which some are the same rows
- *       for every chunk            has one of its rows an active voxel?
- *         for every four rows      sixteen rows into a row of bricks
+ *     for every layer of bricks    four slices, from up to eight source slices
+ *       for every chunk            does one of its rows have an active voxel?
+ *         for every four rows      sixteen rows are written as a row of bricks
  *
  * A chunk takes memory at the first layer with an active voxel; the layers
- * before it are void then, and are written as such.  So a source row comes
- * from memory once, from the nearest cache after that, and an empty chunk is
- * never written.  Tasks write to disjoint chunks.
+ * before it are void then, and are written as such.  So a source row is read
+ * from memory once and from the nearest cache after that, and an empty chunk
+ * is never written.  Tasks write to disjoint chunks.
+ *
+ * Interpolated rows are computed sixteen at a time, just before they are
+ * written.  A weighted mean never exceeds the greatest of its voxels.  So
+ * where the source rows of a layer have no active voxel, the layer has none
+ * either, and nothing is interpolated.
  */
 #include "core/conditions.h"
 
@@ -24,17 +29,18 @@
 #include "cpu/import/grid.h"
 #include "cpu/import/import.h"
 
-/* With more result than this the caches cannot keep it anyway. */
+/* A result of more bytes than this does not fit the caches. */
 #define STREAM_BYTES ((int64_t)8 << 20)
 
-enum { N_MAX = 64, BATCH_CHUNKS = 1 << 14 };
+enum { N_MAX = OST_ROW_STRIDE, BATCH_CHUNKS = 1 << 14, COLUMNS_MAX = OST_DIM_MAX / 16, SLICES = 8 };
 
 typedef struct filling {
     const cpu_bone *bone;
     const ost_cpu_kernels *kernels;
     ost_chunk_pool *pool; /* may be NULL */
     cpu_view view;
-    bool *linear; /* a column of chunks: the x map is a run in it, and all of its width is there */
+    bool linear; /* the view has weights */
+    bool *run; /* per column of chunks: its x indices are consecutive, and the grid covers its full width */
     bool stream;
 } filling;
 
@@ -45,68 +51,163 @@ static int32_t min32(int32_t a, int32_t b)
     return a < b ? a : b;
 }
 
-/* A task's rows. */
+/* The source rows of a task and of its current layer, as offsets: rows within a slice, slices within the store. */
 typedef struct task {
     int32_t height;
-    size_t row[N_MAX];       /* offsets of y in a slice */
-    const int16_t *slice[4]; /* of the layer at hand; NULL beyond the grid */
-    const int16_t *before;   /* the slice before slice[0] */
-    const int16_t *ahead[4]; /* slices of the next layer that this one has not */
-    int ahead_count;
-    const int16_t *rows[N_MAX / 4][16]; /* of every four y of the layer; NULL beyond the grid */
+    cpu_tap y[N_MAX], z[4];
+    int slices; /* slices of the layer that lie in the grid */
+    size_t row[2 * N_MAX]; /* source rows of all y, ascending without repetition */
+    int rows, first[N_MAX / 4]; /* per four y: index of the first row that no earlier y has */
+    /* Source slices of the layer, and those of the next layer that are new; ascending without repetition. */
+    size_t source[SLICES], ahead[SLICES];
+    int sources, aheads;
+    /* With weights, per four y: all source rows of the layer, as offsets in the store. */
+    size_t box[N_MAX / 4][SLICES * SLICES];
+    int boxes[N_MAX / 4];
+    size_t quiet[COLUMNS_MAX]; /* per column: source slices below this offset have no active voxel in the chunk */
 } task;
 
-static const int16_t *slice_at(const filling *f, int32_t z)
+/* Fills the taps of the layer from z on and lists its source slices from offset `above` on. Returns the number of taps. */
+static int list_slices(const filling *f, int32_t z, cpu_tap taps[4], size_t above, size_t list[SLICES], int *count)
 {
-    if (z >= f->bone->base.geometry.dims.z)
-        return NULL;
-    return f->view.voxels + (size_t)(f->view.map[2] ? f->view.map[2][z] : z) * f->view.slice;
+    const int slices = (int)min32(4, f->bone->base.geometry.dims.z - z);
+    *count = 0;
+    for (int k = 0; k < slices; k++) {
+        taps[k] = ost_cpu_view_tap(&f->view, 2, z + k);
+        for (int i = 0; i < taps[k].count; i++)
+            if (taps[k].from[i] >= (*count > 0 ? list[*count - 1] + 1 : above))
+                list[(*count)++] = taps[k].from[i];
+    }
+    return slices > 0 ? slices : 0;
+}
+
+static void enter_task(const filling *f, task *t, int32_t y0, int32_t height)
+{
+    t->height = height;
+    t->rows = 0;
+    memset(t->quiet, 0, (size_t)f->bone->chunk_dims.x * sizeof t->quiet[0]);
+    for (int32_t y = 0; y < t->height; y++) {
+        if (y % 4 == 0)
+            t->first[y / 4] = t->rows;
+        t->y[y] = ost_cpu_view_tap(&f->view, 1, y0 + y);
+        for (int i = 0; i < t->y[y].count; i++)
+            if (t->rows == 0 || t->y[y].from[i] > t->row[t->rows - 1])
+                t->row[t->rows++] = t->y[y].from[i];
+    }
 }
 
 static void enter_layer(const filling *f, task *t, int32_t z, bool last)
 {
-    t->before = t->slice[3];
-    for (int i = 0; i < 4; i++)
-        t->slice[i] = slice_at(f, z + i);
-    t->ahead_count = 0;
-    for (int i = 0; i < 4 && !last; i++) {
-        const int16_t *next = slice_at(f, z + 4 + i), *least = t->ahead_count > 0 ? t->ahead[t->ahead_count - 1] : t->slice[3];
-        if (next && next != least)
-            t->ahead[t->ahead_count++] = next;
+    cpu_tap next[4];
+    t->slices = list_slices(f, z, t->z, 0, t->source, &t->sources);
+    t->aheads = 0;
+    if (!last && t->sources > 0)
+        list_slices(f, z + 4, next, t->source[t->sources - 1] + 1, t->ahead, &t->aheads);
+    for (int32_t y = 0; y < t->height && f->linear; y += 4) {
+        /* Taps ascend, so these four y share at most two rows with those before. */
+        const int begin = t->first[y / 4] > 2 ? t->first[y / 4] - 2 : 0;
+        const int end = y + 4 < t->height ? t->first[y / 4 + 1] : t->rows;
+        int count = 0;
+        for (int i = 0; i < t->sources; i++)
+            for (int r = begin; r < end; r++)
+                if (t->row[r] >= t->y[y].from[0])
+                    t->box[y / 4][count++] = t->source[i] + t->row[r];
+        t->boxes[y / 4] = count;
     }
-    for (int32_t y = 0; y < f->bone->base.chunk_size; y += 4)
-        for (int32_t r = 0; r < 16; r++) {
-            bool there = t->slice[r / 4] && y + r % 4 < t->height;
-            t->rows[y / 4][r] = there ? t->slice[r / 4] + t->row[y + r % 4] : NULL;
-        }
 }
 
-/* Whether the layer has an active voxel in the chunk, which has no memory: its slices so far are known to have none. */
-static bool layer_is_active(const filling *f, const task *t, int32_t x0, int32_t width, bool linear)
+/* -------------------------------------------------------- active voxels */
+
+/* Sets *first to the first source voxel along x of voxels [x0, x0 + width) and returns how many there are. */
+static int32_t span_of(const filling *f, int32_t x0, int32_t width, int32_t *first)
 {
     const int32_t *map = f->view.map[0];
+    *first = map ? map[x0] : x0;
+    return map ? min32(map[x0 + width - 1] + (f->view.minus[0] ? 2 : 1), (int32_t)f->view.row) - *first : width;
+}
+
+/* Returns true if one of the rows has an active voxel among `span` from `first` on. */
+static bool any_in_box(const filling *f, size_t slice, const size_t *row, int rows, int32_t first, int32_t span)
+{
     const int16_t threshold = (int16_t)f->bone->base.threshold;
-    const int16_t *seen = t->before;
-    for (int i = 0; i < 4; i++) {
-        const int16_t *slice = t->slice[i];
-        if (!slice || slice == seen)
-            continue;
-        seen = slice;
-        if (!map || linear) { /* a narrower chunk without a map is a run as well */
-            if (f->kernels->any_active(slice + (map ? map[x0] : x0), t->row, t->height, width, threshold))
-                return true;
-            continue;
-        }
-        int16_t gathered[N_MAX];
-        static const size_t first = 0;
-        for (int32_t y = 0; y < t->height; y++) {
-            f->kernels->gather_row(slice + t->row[y], map + x0, width, gathered);
-            if (f->kernels->any_active(gathered, &first, 1, width, threshold))
-                return true;
-        }
+    for (int32_t x = 0; x < span; x += N_MAX)
+        if (f->kernels->any_active(f->view.voxels + slice + first + x, row, rows, min32(span - x, N_MAX), threshold))
+            return true;
+    return false;
+}
+
+/* The same for the voxels that the x indices select. */
+static bool any_gathered(const filling *f, const task *t, size_t slice, int32_t x0, int32_t width)
+{
+    int16_t gathered[N_MAX];
+    static const size_t first = 0;
+    for (int r = 0; r < t->rows; r++) {
+        f->kernels->gather_row(f->view.voxels + slice + t->row[r], f->view.map[0] + x0, width, gathered);
+        if (f->kernels->any_active(gathered, &first, 1, width, (int16_t)f->bone->base.threshold))
+            return true;
     }
     return false;
 }
+
+/* Returns true if the source rows of the chunk's layer have an active voxel. */
+static bool sources_are_active(const filling *f, task *t, int32_t cx, int32_t x0, int32_t width)
+{
+    int32_t first;
+    const int32_t span = span_of(f, x0, width, &first);
+    for (int i = 0; i < t->sources; i++) {
+        if (t->source[i] < t->quiet[cx])
+            continue;
+        /* Without indices a narrower chunk is consecutive too. */
+        const bool selected = !f->linear && !f->run[cx] && f->view.map[0];
+        if (selected ? any_gathered(f, t, t->source[i], x0, width)
+                     : any_in_box(f, t->source[i], t->row, t->rows, first, span))
+            return true;
+        t->quiet[cx] = t->source[i] + 1;
+    }
+    return false;
+}
+
+/*
+ * Interpolates the rows from y on, up to four in each of the layer's slices.
+ * Returns false, and may write none of them, if none has an active voxel.
+ */
+static bool interpolate(const filling *f, const task *t, int32_t x0, int32_t width, int32_t y,
+                        int16_t (*to)[OST_ROW_STRIDE])
+{
+    const int rows = (int)min32(4, t->height - y);
+    if (rows <= 0 || t->slices == 0)
+        return false;
+    int32_t first;
+    const int32_t span = span_of(f, x0, width, &first);
+    if (!any_in_box(f, 0, t->box[y / 4], t->boxes[y / 4], first, span)) /* costs less than interpolation */
+        return false;
+    ost_cpu_linear_rows(&f->view, f->kernels, x0, width, t->y + y, rows, t->z, t->slices, to);
+    return true;
+}
+
+/* Returns true if the chunk's layer has an active voxel after interpolation. */
+static bool means_are_active(const filling *f, const task *t, int32_t x0, int32_t width)
+{
+    static const size_t rows[4] = {0, OST_ROW_STRIDE, 2 * OST_ROW_STRIDE, 3 * OST_ROW_STRIDE};
+    _Alignas(64) int16_t made[16][OST_ROW_STRIDE];
+    const int16_t threshold = (int16_t)f->bone->base.threshold;
+    for (int32_t y = 0; y < t->height; y += 4) {
+        const int count = (int)min32(4, t->height - y);
+        const int slices = interpolate(f, t, x0, width, y, made) ? t->slices : 0;
+        for (int k = 0; k < slices; k++)
+            if (f->kernels->any_active(made[4 * k], rows, count, width, threshold))
+                return true;
+    }
+    return false;
+}
+
+/* Returns true if the layer has an active voxel in a chunk that has no memory yet. */
+static bool layer_is_active(const filling *f, task *t, int32_t cx, int32_t x0, int32_t width)
+{
+    return sources_are_active(f, t, cx, x0, width) && (!f->linear || means_are_active(f, t, x0, width));
+}
+
+/* ----------------------------------------------------------------- writing */
 
 static void add(cpu_chunk *chunk, ost_brick_sums sums)
 {
@@ -115,11 +216,12 @@ static void add(cpu_chunk *chunk, ost_brick_sums sums)
 }
 
 /* Sixteen rows of bricks of the chunk, numbered from y and z, out of rows of n voxels. */
-static ost_brick_sums write_rows(const filling *f, const cpu_chunk *chunk, const int16_t *const rows[16], int32_t y, int32_t z)
+static ost_brick_sums write_rows(const filling *f, const cpu_chunk *chunk, const int16_t *const rows[16], int32_t y,
+                                 int32_t z)
 {
     const size_t brick = (size_t)ost_brick_number(0, y / 4, z / 4);
-    return f->kernels->brick_row(rows, (size_t)f->bone->base.chunk_size / 4, (int16_t)f->bone->base.threshold, f->stream,
-                                 chunk->density + brick * OST_BRICK_VOXELS, chunk->occupancy + brick);
+    return f->kernels->brick_row(rows, (size_t)f->bone->base.chunk_size / 4, (int16_t)f->bone->base.threshold,
+                                 f->stream, chunk->density + brick * OST_BRICK_VOXELS, chunk->occupancy + brick);
 }
 
 static void write_void_layer(const filling *f, cpu_chunk *chunk, int32_t z)
@@ -131,40 +233,48 @@ static void write_void_layer(const filling *f, cpu_chunk *chunk, int32_t z)
         add(chunk, write_rows(f, chunk, rows, y, z));
 }
 
-/* What the next layer will read from memory comes nearer while this one is written. */
-static void prefetch(const task *t, size_t from, int32_t y)
+/* Prefetches what the next layer will read while this one is written. */
+static void prefetch(const filling *f, const task *t, size_t from, int32_t y)
 {
-    for (int i = 0; i < t->ahead_count; i++)
+    for (int i = 0; i < t->aheads; i++)
         for (int32_t j = y; j < y + 4 && j < t->height; j++)
-            __builtin_prefetch(t->ahead[i] + t->row[j] + from, 0, 3);
+            __builtin_prefetch(f->view.voxels + t->ahead[i] + t->y[j].from[0] + from, 0, 3);
 }
 
-static void write_layer(const filling *f, cpu_chunk *chunk, const task *t, int32_t x0, int32_t width, bool linear, int32_t z)
+/* Finds sixteen rows of n voxels for a row of bricks: in the store if they lie there, else made in spare. */
+static void find_rows(const filling *f, const task *t, int32_t x0, int32_t width, bool run, int32_t y,
+                      int16_t (*spare)[OST_ROW_STRIDE], const int16_t *rows[16])
 {
-    const int32_t n = f->bone->base.chunk_size;
-    const int32_t *map = f->view.map[0];
-    const size_t from = (size_t)(map ? map[x0] : x0);
-    _Alignas(64) int16_t spare[16][N_MAX];
-    for (int32_t y = 0; y < n; y += 4) {
-        const int16_t *const *base = t->rows[y / 4];
-        const int16_t *rows[16];
-        prefetch(t, from, y);
-        if (linear && base[15]) { /* the last of sixteen is there, so all are */
-            for (int r = 0; r < 16; r++)
-                rows[r] = base[r] + from;
-            add(chunk, write_rows(f, chunk, rows, y, z));
+    const int32_t n = f->bone->base.chunk_size, *map = f->view.map[0];
+    const bool made = f->linear && interpolate(f, t, x0, width, y, spare);
+    for (int r = 0; r < 16; r++) {
+        const bool there = r / 4 < t->slices && y + r % 4 < t->height && (made || !f->linear);
+        if (!there) {
+            rows[r] = nothing;
             continue;
         }
-        for (int r = 0; r < 16; r++) {
-            rows[r] = !base[r] ? nothing : linear ? base[r] + from : spare[r];
-            if (rows[r] != spare[r])
-                continue;
-            if (map)
-                f->kernels->gather_row(base[r], map + x0, width, spare[r]);
-            else
-                memcpy(spare[r], base[r] + x0, (size_t)width * sizeof *spare[r]);
-            memset(spare[r] + width, 0, (size_t)(n - width) * sizeof *spare[r]);
-        }
+        const int16_t *const row = f->view.voxels + t->z[r / 4].from[0] + t->y[y + r % 4].from[0];
+        rows[r] = run && !f->linear ? row + (map ? map[x0] : x0) : spare[r];
+        if (rows[r] != spare[r])
+            continue;
+        if (!f->linear && map)
+            f->kernels->gather_row(row, map + x0, width, spare[r]);
+        else if (!f->linear)
+            memcpy(spare[r], row + x0, (size_t)width * sizeof spare[r][0]);
+        if (width < n)
+            memset(spare[r] + width, 0, (size_t)(n - width) * sizeof spare[r][0]);
+    }
+}
+
+static void write_layer(const filling *f, cpu_chunk *chunk, const task *t, int32_t x0, int32_t width, bool run,
+                        int32_t z)
+{
+    const size_t from = (size_t)(f->view.map[0] ? f->view.map[0][x0] : x0);
+    _Alignas(64) int16_t spare[16][OST_ROW_STRIDE];
+    for (int32_t y = 0; y < f->bone->base.chunk_size; y += 4) {
+        const int16_t *rows[16];
+        prefetch(f, t, from, y);
+        find_rows(f, t, x0, width, run, y, spare, rows);
         add(chunk, write_rows(f, chunk, rows, y, z));
     }
 }
@@ -175,23 +285,22 @@ static bool fill_task(const filling *f, int32_t cy, int32_t cz)
     const cpu_bone *bone = f->bone;
     const ost_dims dims = bone->base.geometry.dims;
     const int32_t n = bone->base.chunk_size, columns = bone->chunk_dims.x;
-    task t = {.height = min32(n, dims.y - cy * n)};
-    for (int32_t y = 0; y < t.height; y++)
-        t.row[y] = (size_t)(f->view.map[1] ? f->view.map[1][cy * n + y] : cy * n + y) * f->view.row;
+    task t;
+    enter_task(f, &t, cy * n, min32(n, dims.y - cy * n));
     cpu_chunk *chunks = bone->chunks + (int64_t)columns * (cy + (int64_t)bone->chunk_dims.y * cz);
     for (int32_t z = 0; z < n; z += 4) {
         enter_layer(f, &t, cz * n + z, z + 4 == n);
         for (int32_t cx = 0; cx < columns; cx++) {
             const int32_t width = min32(n, dims.x - cx * n);
             if (!chunks[cx].density) {
-                if (!layer_is_active(f, &t, cx * n, width, f->linear[cx]))
+                if (!layer_is_active(f, &t, cx, cx * n, width))
                     continue;
                 if (!ost_cpu_chunk_take(bone, f->pool, &chunks[cx]))
                     return false;
                 for (int32_t before = 0; before < z; before += 4)
                     write_void_layer(f, &chunks[cx], before);
             }
-            write_layer(f, &chunks[cx], &t, cx * n, width, f->linear[cx], z);
+            write_layer(f, &chunks[cx], &t, cx * n, width, f->run[cx], z);
         }
     }
     return true;
@@ -215,17 +324,17 @@ static bool fill_layers(const cpu_backend *backend, const filling *f, int32_t c0
     return missing == 0;
 }
 
-static bool mark_linear(filling *f)
+static bool mark_runs(filling *f)
 {
     const int32_t n = f->bone->base.chunk_size, columns = f->bone->chunk_dims.x, width = f->bone->base.geometry.dims.x;
     const int32_t *map = f->view.map[0];
-    f->linear = malloc((size_t)columns * sizeof *f->linear);
-    for (int32_t cx = 0; cx < columns && f->linear; cx++) {
-        f->linear[cx] = width - cx * n >= n;
+    f->run = malloc((size_t)columns * sizeof *f->run);
+    for (int32_t cx = 0; cx < columns && f->run; cx++) {
+        f->run[cx] = width - cx * n >= n;
         for (int32_t x = cx * n + 1; map && x < min32(cx * n + n, width); x++)
-            f->linear[cx] = f->linear[cx] && map[x] == map[x - 1] + 1;
+            f->run[cx] = f->run[cx] && map[x] == map[x - 1] + 1;
     }
-    return f->linear != NULL;
+    return f->run != NULL;
 }
 
 static ost_chunk_pool *pool_for(cpu_backend *backend, int n)
@@ -242,7 +351,7 @@ static bool fill_bone(cpu_backend *backend, filling *f)
     const ost_dims dims = f->bone->chunk_dims;
     const int64_t layer = (int64_t)dims.x * dims.y;
     const int32_t step = layer < BATCH_CHUNKS ? (int32_t)(BATCH_CHUNKS / layer) : 1;
-    bool enough = mark_linear(f);
+    bool enough = mark_runs(f);
     f->stream = f->bone->count * (int64_t)ost_chunk_bytes(f->bone->base.chunk_size) > STREAM_BYTES;
     ost_chunk_pool *pool = pool_for(backend, f->bone->base.chunk_size);
     for (int32_t c = 0; c < dims.z && enough; c += step) {
@@ -250,20 +359,23 @@ static bool fill_bone(cpu_backend *backend, filling *f)
         f->pool = pool && ost_chunk_pool_reserve(pool, layer * (end - c)) ? pool : NULL;
         enough = fill_layers(backend, f, c, end);
     }
-    free(f->linear);
+    free(f->run);
     if (pool)
         ost_chunk_pool_trim(pool);
     return enough;
 }
 
-ost_status ost_cpu_cubic_to_chunks(const ost_grid *base, int chunk_size, int32_t threshold, ost_bone **out, ost_error *err)
+ost_status ost_cpu_cubic_to_chunks(const ost_grid *base, int chunk_size, int32_t threshold, ost_bone **out,
+                                   ost_error *err)
 {
     cpu_backend *backend = (cpu_backend *)base->backend;
     ost_bone *bone;
     ost_status status = ost_cpu_bone_create(base->backend, &base->geometry, chunk_size, threshold, &bone, err);
     if (status != OST_OK)
         return status;
-    filling f = {.bone = (cpu_bone *)bone, .kernels = &backend->kernels, .view = ost_cpu_grid_view((const cpu_grid *)base)};
+    filling f = {
+        .bone = (cpu_bone *)bone, .kernels = &backend->kernels, .view = ost_cpu_grid_view((const cpu_grid *)base)};
+    f.linear = ost_cpu_view_linear(&f.view);
     if (!fill_bone(backend, &f)) {
         ost_cpu_bone_free(bone);
         return ost_fail(err, OST_ERR_MEMORY, "no memory for chunks of %zu bytes each", ost_chunk_bytes(chunk_size));

@@ -51,8 +51,8 @@ static void store_drop(cpu_store *store)
 
 static ost_status no_memory(ost_dims dims, ost_error *err)
 {
-    return ost_fail(err, OST_ERR_MEMORY, "no memory for a grid of %d x %d x %d voxels (%lld bytes)", dims.x, dims.y, dims.z,
-                    (long long)ost_dims_count(dims) * 2);
+    return ost_fail(err, OST_ERR_MEMORY, "no memory for a grid of %d x %d x %d voxels (%lld bytes)", dims.x, dims.y,
+                    dims.z, (long long)ost_dims_count(dims) * 2);
 }
 
 /* ----------------------------------------------------------------- views */
@@ -65,20 +65,37 @@ cpu_view ost_cpu_grid_view(const cpu_grid *grid)
         .row = (size_t)store->dims.x,
         .slice = (size_t)store->dims.x * (size_t)store->dims.y,
         .map = {grid->map[0], grid->map[1], grid->map[2]},
+        .minus = {grid->minus[0], grid->minus[1], grid->minus[2]},
     };
 }
 
-void ost_cpu_view_row(const cpu_view *view, const ost_cpu_kernels *kernels, int32_t x0, int32_t width, int32_t y, int32_t z, int16_t *to)
+static void interpolated_row(const cpu_view *view, const ost_cpu_kernels *kernels, int32_t width, int32_t y, int32_t z,
+                             int16_t *to)
 {
-    int32_t from_y = view->map[1] ? view->map[1][y] : y, from_z = view->map[2] ? view->map[2][z] : z;
-    const int16_t *row = view->voxels + (size_t)from_y * view->row + (size_t)from_z * view->slice;
+    int16_t part[1][OST_ROW_STRIDE];
+    const cpu_tap ty = ost_cpu_view_tap(view, 1, y), tz = ost_cpu_view_tap(view, 2, z);
+    for (int32_t i = 0; i < width; i += OST_ROW_STRIDE) {
+        const int32_t count = width - i < OST_ROW_STRIDE ? width - i : OST_ROW_STRIDE;
+        ost_cpu_linear_rows(view, kernels, i, count, &ty, 1, &tz, 1, part);
+        memcpy(to + i, part[0], (size_t)count * sizeof *to);
+    }
+}
+
+void ost_cpu_view_row(const cpu_view *view, const ost_cpu_kernels *kernels, int32_t width, int32_t y, int32_t z,
+                      int16_t *to)
+{
+    if (ost_cpu_view_linear(view)) {
+        interpolated_row(view, kernels, width, y, z, to);
+        return;
+    }
+    const int16_t *row = view->voxels + ost_cpu_view_tap(view, 1, y).from[0] + ost_cpu_view_tap(view, 2, z).from[0];
     const int32_t *map = view->map[0];
     if (!map) {
-        memcpy(to, row + x0, (size_t)width * sizeof *to);
+        memcpy(to, row, (size_t)width * sizeof *to);
         return;
     }
     for (int32_t i = 0; i < width; i += 64)
-        kernels->gather_row(row, map + x0 + i, width - i < 64 ? width - i : 64, to + i);
+        kernels->gather_row(row, map + i, width - i < 64 ? width - i : 64, to + i);
 }
 
 static void copy_slices(const cpu_grid *grid, int32_t z0, int32_t count, int16_t *to)
@@ -87,14 +104,16 @@ static void copy_slices(const cpu_grid *grid, int32_t z0, int32_t count, int16_t
     const ost_dims dims = grid->base.geometry.dims;
     const cpu_view view = ost_cpu_grid_view(grid);
     int64_t rows = (int64_t)count * dims.y;
-#pragma omp parallel for schedule(static) num_threads(ost_cpu_threads(backend, rows * dims.x))
+#pragma omp parallel for schedule(static) num_threads(ost_cpu_threads(backend, rows *dims.x))
     for (int64_t r = 0; r < rows; r++)
-        ost_cpu_view_row(&view, &backend->kernels, 0, dims.x, (int32_t)(r % dims.y), z0 + (int32_t)(r / dims.y), to + r * dims.x);
+        ost_cpu_view_row(&view, &backend->kernels, dims.x, (int32_t)(r % dims.y), z0 + (int32_t)(r / dims.y),
+                         to + r * dims.x);
 }
 
 /* ----------------------------------------------------------------- grids */
 
-static ost_status grid_new(ost_backend *backend, const ost_geometry *geometry, cpu_store *store, cpu_grid **out, ost_error *err)
+static ost_status grid_new(ost_backend *backend, const ost_geometry *geometry, cpu_store *store, cpu_grid **out,
+                           ost_error *err)
 {
     cpu_grid *grid = store ? malloc(sizeof *grid) : NULL;
     if (!grid)
@@ -116,15 +135,19 @@ ost_status ost_cpu_grid_create(ost_backend *backend, const ost_geometry *geometr
     return status;
 }
 
-ost_status ost_cpu_grid_select(const cpu_grid *from, const ost_geometry *geometry, int32_t *map[3], ost_grid **out, ost_error *err)
+ost_status ost_cpu_grid_select(const cpu_grid *from, const ost_geometry *geometry, int32_t *map[3], int16_t *minus[3],
+                               ost_grid **out, ost_error *err)
 {
     cpu_grid *grid;
     ost_status status = grid_new(from->base.backend, geometry, from->store, &grid, err);
     for (int a = 0; a < 3; a++) {
-        if (status == OST_OK)
+        if (status == OST_OK) {
             grid->map[a] = map[a];
-        else
+            grid->minus[a] = minus[a];
+        } else {
             free(map[a]);
+            free(minus[a]);
+        }
     }
     if (status != OST_OK)
         return status;
@@ -145,7 +168,9 @@ ost_status ost_cpu_grid_own(cpu_grid *grid, ost_error *err)
     grid->store = store;
     for (int a = 0; a < 3; a++) {
         free(grid->map[a]);
+        free(grid->minus[a]);
         grid->map[a] = NULL;
+        grid->minus[a] = NULL;
     }
     return OST_OK;
 }
@@ -154,8 +179,10 @@ void ost_cpu_grid_free(ost_grid *base)
 {
     cpu_grid *grid = (cpu_grid *)base;
     store_drop(grid->store);
-    for (int a = 0; a < 3; a++)
+    for (int a = 0; a < 3; a++) {
         free(grid->map[a]);
+        free(grid->minus[a]);
+    }
     free(grid->seen);
     free(grid);
 }
@@ -169,7 +196,7 @@ ost_status ost_cpu_grid_upload(ost_grid *base, int32_t z0, int32_t count, const 
         return status;
     size_t slice = (size_t)base->geometry.dims.x * (size_t)base->geometry.dims.y;
     int16_t *to = grid->store->voxels + slice * (size_t)z0;
-#pragma omp parallel for schedule(static) num_threads(ost_cpu_threads(backend, (int64_t)slice * count))
+#pragma omp parallel for schedule(static) num_threads(ost_cpu_threads(backend, (int64_t)slice *count))
     for (int32_t z = 0; z < count; z++)
         memcpy(to + slice * (size_t)z, voxels + slice * (size_t)z, slice * sizeof *to);
     return OST_OK;

@@ -7,10 +7,11 @@
  *   cubic grid   ----'    256 x 234 x 201
  *    map z: 0 0 1 1 2 3 3 4 ... (428)
  *
- * A resampled grid repeats and leaves out voxels of another and changes none,
- * so it is that grid's store and three ascending lists of indices.  Chunks are
- * made from it straight away; a grid of its own comes to be only when somebody
- * writes to it.  A store with several holders is never written to.
+ * A resampled grid shares the other grid's store and has a list of ascending
+ * indices for each axis, and of weights where it is interpolated.  Chunks are
+ * made from these.  The grid gets a store of its own only when it is written
+ * to, or when an interpolation needs neighbours that do not lie side by side.
+ * A store with several holders is never written to.
  */
 #ifndef OST_CPU_GRID_H
 #define OST_CPU_GRID_H
@@ -29,22 +30,71 @@ typedef struct cpu_grid {
     ost_grid base;
     cpu_store *store; /* held */
     int32_t *map[3];  /* owned; voxel i of an axis is map[i] of the store's; all three NULL: they are the same */
+    int16_t *minus[3]; /* owned; see cpu_view */
     uint8_t *seen;    /* owned; a bit a voxel, NULL before the first scatter */
 } cpu_grid;
 
-/* Voxels as an axis-wise selection of dense rows; what grids and a caller's slices have in common. */
+/*
+ * Voxels as a selection of a store's voxels, axis by axis, or as weighted means.
+ * Voxel i of an axis is voxel map[i] of the store.  With weights it is the mean
+ * of voxels map[i] and map[i] + 1 with the weights -minus[2i] / 2^15 and
+ * -minus[2i + 1] / 2^15.  A neighbour with weight 0 may lie outside the store,
+ * except along x where the store has two voxels or more.
+ * minus[] is NULL for all axes (a selection), or set for z alone (then x and y
+ * are the store's own), or set for x and any others.  Lists along x have room
+ * up to a multiple of 16.
+ */
 typedef struct cpu_view {
     const int16_t *voxels;
     size_t row, slice;     /* elements from one to the next */
-    const int32_t *map[3]; /* each may be NULL: i is i */
+    const int32_t *map[3]; /* all NULL: i is i */
+    const int16_t *minus[3];
 } cpu_view;
 
-cpu_view ost_cpu_grid_view(const cpu_grid *grid);
-/* Copies voxels [x0, x0 + width) of row (y, z), width any. */
-void ost_cpu_view_row(const cpu_view *view, const ost_cpu_kernels *kernels, int32_t x0, int32_t width, int32_t y, int32_t z, int16_t *to);
+/*
+ * The one or two source rows (axis 1) or slices (axis 2) of a row or slice, as
+ * offsets, with negated weights in [-2^15, -1] that sum to -2^15.
+ */
+typedef struct cpu_tap {
+    size_t from[2];
+    int32_t minus[2];
+    int count;
+} cpu_tap;
 
-/* A grid that selects from `from`. maps are taken over, also on failure. */
-ost_status ost_cpu_grid_select(const cpu_grid *from, const ost_geometry *geometry, int32_t *map[3], ost_grid **out, ost_error *err);
+static inline cpu_tap ost_cpu_view_tap(const cpu_view *view, int axis, int32_t i)
+{
+    const size_t step = axis == 1 ? view->row : view->slice;
+    const size_t at = (size_t)(view->map[axis] ? view->map[axis][i] : i) * step;
+    const int16_t *const minus = view->minus[axis] ? view->minus[axis] + 2 * (size_t)i : NULL;
+    if (!minus || minus[1] == 0)
+        return (cpu_tap){{at}, {-OST_WEIGHT_ONE}, 1};
+    if (minus[0] == 0)
+        return (cpu_tap){{at + step}, {-OST_WEIGHT_ONE}, 1};
+    return (cpu_tap){{at, at + step}, {minus[0], minus[1]}, 2};
+}
+
+static inline bool ost_cpu_view_linear(const cpu_view *view)
+{
+    return view->minus[0] || view->minus[2];
+}
+
+/*
+ * Computes voxels [x0, x0 + width) of ny rows in each of nz slices of a view
+ * with weights: to[4 k + j] becomes row j of slice k.  width <= 64, ny <= 4,
+ * nz <= 4; x0 is a multiple of 16; taps ascend.  Elements of `to` behind width
+ * may be overwritten.
+ */
+void ost_cpu_linear_rows(const cpu_view *view, const ost_cpu_kernels *kernels, int32_t x0, int32_t width,
+                         const cpu_tap *y, int ny, const cpu_tap *z, int nz, int16_t (*to)[OST_ROW_STRIDE]);
+
+cpu_view ost_cpu_grid_view(const cpu_grid *grid);
+/* Writes the first `width` voxels of row (y, z) to `to`. */
+void ost_cpu_view_row(const cpu_view *view, const ost_cpu_kernels *kernels, int32_t width, int32_t y, int32_t z,
+                      int16_t *to);
+
+/* Creates a grid that shares the store of `from`. It takes ownership of map and minus, also on failure. */
+ost_status ost_cpu_grid_select(const cpu_grid *from, const ost_geometry *geometry, int32_t *map[3], int16_t *minus[3],
+                               ost_grid **out, ost_error *err);
 /* Gives the grid a store that it alone holds, with its voxels in their places. */
 ost_status ost_cpu_grid_own(cpu_grid *grid, ost_error *err);
 
