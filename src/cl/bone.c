@@ -172,7 +172,7 @@ typedef struct slices {
     const int16_t *voxels; /* NULL: grid, whose slices 0.. these are */
     cl_mem slab;           /* room for step slices, or the grid's store */
     cl_mem layers;         /* which slices of the store these are, from number first on; first < 0: all in their order */
-    int32_t first;
+    int32_t first, weights; /* weights >= 0: where layers has the weights of the slices that follow these */
     int32_t step;
 } slices;
 
@@ -215,8 +215,8 @@ static ost_status scan(cl_bone *bone, int32_t z0, int32_t z1, const slices *s, v
 {
     cl_backend *b = backend_of(bone);
     cl_mem *active = user;
-    const ost_cl_arg args[] = {OST_CL_ARG(bone->shape), OST_CL_ARG(z0),      OST_CL_ARG(z1), OST_CL_ARG(s->first),
-                               OST_CL_ARG(s->layers),   OST_CL_ARG(s->slab), OST_CL_ARG(*active)};
+    const ost_cl_arg args[] = {OST_CL_ARG(bone->shape), OST_CL_ARG(z0),        OST_CL_ARG(z1),      OST_CL_ARG(s->first),
+                               OST_CL_ARG(s->weights),  OST_CL_ARG(s->layers), OST_CL_ARG(s->slab), OST_CL_ARG(*active)};
     enum { ARGS = sizeof args / sizeof args[0] };
     if (b->device.cpu)
         return ost_cl_launch(b, OST_CL_KERNEL_ost_chunk_scan_layers, (size_t)bone->chunk_dims.y, (size_t)bone->chunk_dims.z, 1, args, ARGS,
@@ -229,8 +229,9 @@ static ost_status store(cl_bone *bone, int32_t z0, int32_t z1, const slices *s, 
     cl_backend *b = backend_of(bone);
     const size_t row_words = (size_t)bone->base.chunk_size * (size_t)bone->base.chunk_size / 32;
     const ost_cl_arg args[] = {OST_CL_ARG(bone->shape), OST_CL_ARG(z0),          OST_CL_ARG(z1),
-                               OST_CL_ARG(s->first),    OST_CL_ARG(s->layers),   OST_CL_ARG(s->slab),
-                               OST_CL_ARG(bone->slots), OST_CL_ARG(bone->density), OST_CL_ARG(bone->words)};
+                               OST_CL_ARG(s->first),    OST_CL_ARG(s->weights),  OST_CL_ARG(s->layers),
+                               OST_CL_ARG(s->slab),     OST_CL_ARG(bone->slots), OST_CL_ARG(bone->density),
+                               OST_CL_ARG(bone->words)};
     enum { ARGS = sizeof args / sizeof args[0] };
     (void)user;
     if (b->device.cpu)
@@ -341,7 +342,7 @@ ost_status ost_cl_bone_upload(ost_bone *base, int32_t z0, int32_t count, const i
     ost_status status = ost_cl_alive(base->backend, bone->lost, "bone", err);
     if (status != OST_OK || count == 0)
         return status;
-    slices s = {.z0 = z0, .z1 = z0 + count, .voxels = voxels, .layers = bone->slots, .first = -1, .step = slab_step(bone, count)};
+    slices s = {.z0 = z0, .z1 = z0 + count, .voxels = voxels, .layers = bone->slots, .first = -1, .weights = -1, .step = slab_step(bone, count)};
     size_t room;
     status = ost_cl_room_take(b, slice_voxels(bone) * (size_t)s.step * sizeof *voxels, "slices", &s.slab, &room, err);
     if (status == OST_OK) {
@@ -361,10 +362,12 @@ ost_status ost_cl_cubic_to_chunks(const ost_grid *base, int chunk_size, int32_t 
     if (status != OST_OK)
         return status;
     const int32_t nz = base->geometry.dims.z;
-    slices s = {.z0 = 0, .z1 = nz, .slab = cubic->store->voxels, .layers = ((cl_bone *)bone)->slots, .first = -1, .step = nz};
+    slices s = {
+        .z0 = 0, .z1 = nz, .slab = cubic->store->voxels, .layers = ((cl_bone *)bone)->slots, .first = -1, .weights = -1, .step = nz};
     if (cubic->sources) {
         s.layers = cubic->sources;
         s.first = base->geometry.dims.x + base->geometry.dims.y;
+        s.weights = cubic->linear ? 2 * s.first + nz : -1;
     }
     status = store_slices((cl_bone *)bone, &s, err);
     if (status != OST_OK) {

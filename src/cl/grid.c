@@ -87,7 +87,7 @@ ost_status ost_cl_grid_own(cl_grid *grid, ost_error *err)
     if (status != OST_OK)
         return status;
     if (grid->sources)
-        status = ost_cl_gather(b, grid->base.geometry.dims, grid->cubic, grid->sources, grid->store->voxels, own->voxels, err);
+        status = ost_cl_resample(b, grid->base.geometry.dims, grid->linear, grid->cubic, grid->sources, grid->store->voxels, own->voxels, err);
     else
         status = ost_cl_copy(b, grid->store->voxels, own->voxels, grid_bytes(&grid->base.geometry), err);
     if (status == OST_OK)

@@ -124,11 +124,12 @@ ost_status ost_cl_ct_to_rect(ost_grid *base, const ost_sample *samples, size_t c
     return status;
 }
 
-ost_status ost_cl_gather(cl_backend *b, ost_dims dims, cl_mem cubic, cl_mem sources, cl_mem from, cl_mem to, ost_error *err)
+ost_status ost_cl_resample(cl_backend *b, ost_dims dims, bool linear, cl_mem cubic, cl_mem sources, cl_mem from, cl_mem to, ost_error *err)
 {
-    const size_t run = (size_t)b->run;
-    return OST_CL_LAUNCH(b, ost_cubic_gather, ((size_t)dims.x + run - 1) / run, (size_t)dims.y, (size_t)dims.z, err, OST_CL_ARG(cubic),
-                         OST_CL_ARG(sources), OST_CL_ARG(from), OST_CL_ARG(to));
+    const size_t x = ((size_t)dims.x + (size_t)b->run - 1) / (size_t)b->run, y = (size_t)dims.y, z = (size_t)dims.z;
+    if (linear)
+        return OST_CL_LAUNCH(b, ost_cubic_linear, x, y, z, err, OST_CL_ARG(cubic), OST_CL_ARG(sources), OST_CL_ARG(from), OST_CL_ARG(to));
+    return OST_CL_LAUNCH(b, ost_cubic_gather, x, y, z, err, OST_CL_ARG(cubic), OST_CL_ARG(sources), OST_CL_ARG(from), OST_CL_ARG(to));
 }
 
 ost_status ost_cl_rect_to_cubic(const ost_grid *base, const ost_geometry *geometry, ost_resample rule, ost_grid **out, ost_error *err)
@@ -146,8 +147,8 @@ ost_status ost_cl_rect_to_cubic(const ost_grid *base, const ost_geometry *geomet
         .z1 = geometry->dims.z,
     };
     /* Equal spacings: a voxel's source is its own index, by any rule, and its weights are 0. */
-    const bool z_alone = geometry->spacing.x == r->spacing.x && geometry->spacing.y == r->spacing.y &&
-                         (rule != OST_RESAMPLE_LINEAR || geometry->spacing.z == r->spacing.z);
+    const bool z_alone = geometry->spacing.x == r->spacing.x && geometry->spacing.y == r->spacing.y;
+    const bool linear = rule == OST_RESAMPLE_LINEAR;
     const size_t axes = (size_t)geometry->dims.x + (size_t)geometry->dims.y + (size_t)geometry->dims.z;
     cl_mem cubic_buffer = NULL, sources = NULL;
     ost_grid *to = NULL;
@@ -162,17 +163,14 @@ ost_status ost_cl_rect_to_cubic(const ost_grid *base, const ost_geometry *geomet
         status = ost_cl_grid_create_raw(base->backend, geometry, z_alone ? rect->store : NULL, &to, err); /* every voxel of it is written */
     if (status == OST_OK)
         status = OST_CL_LAUNCH(b, ost_cubic_sources, axes, 1, 1, err, OST_CL_ARG(cubic_buffer), OST_CL_ARG(sources));
-    if (status == OST_OK && !z_alone && rule == OST_RESAMPLE_LINEAR)
-        status = OST_CL_LAUNCH(b, ost_cubic_linear, (size_t)geometry->dims.x, (size_t)geometry->dims.y, (size_t)geometry->dims.z, err,
-                               OST_CL_ARG(cubic_buffer), OST_CL_ARG(sources), OST_CL_ARG(rect->store->voxels),
-                               OST_CL_ARG(((cl_grid *)to)->store->voxels));
-    else if (status == OST_OK && !z_alone)
-        status = ost_cl_gather(b, geometry->dims, cubic_buffer, sources, rect->store->voxels, ((cl_grid *)to)->store->voxels, err);
+    if (status == OST_OK && !z_alone)
+        status = ost_cl_resample(b, geometry->dims, linear, cubic_buffer, sources, rect->store->voxels, ((cl_grid *)to)->store->voxels, err);
     if (status == OST_OK) /* whatever failed there late is heard of here */
         status = ost_cl_finish(b, err);
     if (status == OST_OK && z_alone) {
         ((cl_grid *)to)->cubic = cubic_buffer;
         ((cl_grid *)to)->sources = sources;
+        ((cl_grid *)to)->linear = linear;
         cubic_buffer = sources = NULL;
     }
     ost_cl_buffer_free(b, &sources);

@@ -14,13 +14,15 @@ typedef struct cl_store {
 
 /*
  * Dense int16 grid.  One that was resampled along z alone repeats and leaves
- * out slices of another: it is that grid's store and a list of slices, until
- * somebody writes to it or wants it whole.  Chunks are made from the list.
+ * out slices of another, or consists of weighted means of two of them.  It shares
+ * that grid's store and has lists of slices and weights, until it is written to
+ * or downloaded.  Chunks are made from the lists.
  */
 typedef struct cl_grid {
     ost_grid base;
     cl_store *store;       /* held */
-    cl_mem cubic, sources; /* of ost_cubic_gather, which makes it whole; NULL: the store is as it is */
+    cl_mem cubic, sources; /* of ost_cubic_gather or ost_cubic_linear, which makes it whole; NULL: the store is as it is */
+    bool linear;           /* which of the two */
     cl_mem seen, owner; /* of the scatter (kernels/shared.h); NULL before the first */
     bool lost;
 } cl_grid;
@@ -71,8 +73,8 @@ ost_status ost_cl_grid_create(ost_backend *backend, const ost_geometry *geometry
 ost_status ost_cl_grid_create_raw(ost_backend *backend, const ost_geometry *geometry, cl_store *store, ost_grid **out, ost_error *err);
 /* Makes it whole, in a store that it alone holds. */
 ost_status ost_cl_grid_own(cl_grid *grid, ost_error *err);
-/* ost_cubic_gather of a grid's store. */
-ost_status ost_cl_gather(cl_backend *backend, ost_dims dims, cl_mem cubic, cl_mem sources, cl_mem from, cl_mem to, ost_error *err);
+/* Launches ost_cubic_gather or ost_cubic_linear from one store to another. */
+ost_status ost_cl_resample(cl_backend *backend, ost_dims dims, bool linear, cl_mem cubic, cl_mem sources, cl_mem from, cl_mem to, ost_error *err);
 void ost_cl_grid_free(ost_grid *grid);
 ost_status ost_cl_grid_upload(ost_grid *grid, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
 ost_status ost_cl_grid_download(const ost_grid *grid, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);

@@ -4,6 +4,7 @@
 
 #include "core/backend.h"
 #include "core/chunk_grid.h"
+#include "core/integer.h"
 #include "cpu/ref/ref.h"
 
 static ost_backend *open_ref(void)
@@ -301,7 +302,7 @@ static void compare_surface(machine *m, test_rng *rng, const pool *p, const ost_
 }
 
 typedef struct slab {
-    int32_t z0, z1, first;
+    int32_t z0, z1, first, weights;
     int16_t *voxels; /* owned, as is the next */
     int32_t *layers;
     size_t count, layer_count;
@@ -310,7 +311,7 @@ typedef struct slab {
 /* Slices z0 <= k < z1 of a grid; first >= 0: those that repeat the one before only once, and the list of them. */
 static slab slab_of(const int16_t *voxels, size_t slice, int32_t z0, int32_t z1, int32_t first)
 {
-    slab s = {.z0 = z0, .z1 = z1, .first = first, .layer_count = (size_t)(z1 - z0) + (size_t)(first < 0 ? 1 : first)};
+    slab s = {.z0 = z0, .z1 = z1, .first = first, .weights = -1, .layer_count = (size_t)(z1 - z0) + (size_t)(first < 0 ? 1 : first)};
     s.voxels = zeros(slice * (size_t)(z1 - z0) + 1, 2);
     s.layers = zeros(s.layer_count + 1, 4);
     int32_t kept = 0;
@@ -323,6 +324,35 @@ static slab slab_of(const int16_t *voxels, size_t slice, int32_t z0, int32_t z1,
     }
     s.count = slice * (size_t)kept + (kept == 0);
     s.layer_count += s.layer_count == 0;
+    return s;
+}
+
+/*
+ * Makes a slab with slices of its own, and sets slices z0 <= k < z1 of voxels to
+ * their weighted means (AR-CUB-2).
+ */
+static slab slab_between(test_rng *rng, int16_t *voxels, size_t slice, int32_t z0, int32_t z1, int32_t first)
+{
+    const int32_t count = z1 - z0, own = 2 + count / 2;
+    slab s = {.z0 = z0, .z1 = z1, .first = first, .weights = first + count + 1, .layer_count = (size_t)(first + 2 * count + 2)};
+    s.count = slice * (size_t)own;
+    s.voxels = zeros(s.count, 2);
+    s.layers = zeros(s.layer_count, 4);
+    for (size_t v = 0; v < s.count; v++)
+        s.voxels[v] = voxels[(size_t)rng_range(rng, 0, (int64_t)slice - 1) + slice * (size_t)rng_range(rng, z0, z1 - 1)];
+    int32_t at = 0;
+    for (int32_t k = 0; k < count; k++) {
+        at += (int32_t)rng_range(rng, 0, at + 1 < own);
+        const int32_t choices[] = {0, 1, 16384, 32767, 32768, (int32_t)rng_range(rng, 0, 32768)};
+        const int32_t weight = at + 1 < own ? choices[rng_range(rng, 0, 5)] : 0;
+        s.layers[first + k] = at;
+        s.layers[s.weights + k] = weight;
+        for (size_t v = 0; v < slice; v++) {
+            const int64_t upper = weight > 0 ? s.voxels[slice * (size_t)(at + 1) + v] : 0;
+            const int64_t sum = s.voxels[slice * (size_t)at + v] * (INT64_C(32768) - weight) + upper * weight;
+            voxels[slice * (size_t)(z0 + k) + v] = (int16_t)ost_rhe_div(sum, 32768);
+        }
+    }
     return s;
 }
 
@@ -347,6 +377,14 @@ static void chunks_round(machine *m, test_rng *rng)
     for (int32_t k = 1; k < d.z; k++) /* some slices are those before them */
         if (rng_range(rng, 0, 2) == 0)
             memcpy(voxels + slice * (size_t)k, voxels + slice * (size_t)(k - 1), slice * 2);
+    /* One slab, or two that meet anywhere; slices as they are, or a list that names equal ones once, or means of two. */
+    const int32_t ends[3] = {0, (int32_t)rng_range(rng, 0, d.z), d.z};
+    const int how = (int)rng_range(rng, 0, 2);
+    const int32_t lead = (int32_t)rng_range(rng, 0, 3); /* what stands before the list */
+    slab slabs[2];
+    for (int part = 0; part < 2; part++)
+        slabs[part] = how == 2 && ends[part] < ends[part + 1] ? slab_between(rng, voxels, slice, ends[part], ends[part + 1], lead)
+                                                              : slab_of(voxels, slice, ends[part], ends[part + 1], how ? lead : -1);
     assert_ok(ost_chunk_grid_init(&grid, d, n, threshold, &err));
     assert_ok(ost_chunk_grid_upload(&grid, 0, d.z, voxels, &err));
 
@@ -359,21 +397,15 @@ static void chunks_round(machine *m, test_rng *rng)
     p.chunk_of = zeros(p.chunks, 4);
     uint32_t *active = zeros(p.chunks, 4), total = 0;
     const int32_t columns = grid.chunk_dims.x * grid.chunk_dims.y;
-    /* In one slab, or two that meet anywhere; slices as they are, or picked from such as differ from the one before. */
-    const int32_t ends[3] = {0, (int32_t)rng_range(rng, 0, d.z), d.z};
-    const bool by_items = m->brief || rng_range(rng, 0, 1), picked = rng_range(rng, 0, 1);
-    const int32_t lead = (int32_t)rng_range(rng, 0, 3); /* what stands before the list */
-    slab slabs[2];
-    for (int part = 0; part < 2; part++)
-        slabs[part] = slab_of(voxels, slice, ends[part], ends[part + 1], picked ? lead : -1);
+    const bool by_items = m->brief || rng_range(rng, 0, 1);
     for (int part = 0; part < 2; part++) {
         const slab *s = &slabs[part];
-        const kernel_arg args[] = {ONE(&p.bone), number_arg(s->z0), number_arg(s->z1), number_arg(s->first),
+        const kernel_arg args[] = {ONE(&p.bone), number_arg(s->z0), number_arg(s->z1), number_arg(s->first), number_arg(s->weights),
                                    BUFFER(s->layers, s->layer_count), BUFFER(s->voxels, s->count), BUFFER(active, p.chunks)};
         if (s->z0 < s->z1 && by_items)
-            m->launch(m, K_ost_chunk_scan, args, 7, (const size_t[3]){(size_t)(s->z1 - s->z0), (size_t)columns, 1});
+            m->launch(m, K_ost_chunk_scan, args, 8, (const size_t[3]){(size_t)(s->z1 - s->z0), (size_t)columns, 1});
         else if (s->z0 < s->z1)
-            m->launch(m, K_ost_chunk_scan_layers, args, 7, (const size_t[3]){(size_t)grid.chunk_dims.y, (size_t)grid.chunk_dims.z, 1});
+            m->launch(m, K_ost_chunk_scan_layers, args, 8, (const size_t[3]){(size_t)grid.chunk_dims.y, (size_t)grid.chunk_dims.z, 1});
     }
     LAUNCH(m, ost_chunk_slots, 1, 1, 1, number_arg((int64_t)p.chunks), BUFFER(active, p.chunks), BUFFER(p.slots, p.chunks),
            BUFFER(p.chunk_of, p.chunks), ONE(&total));
@@ -387,13 +419,13 @@ static void chunks_round(machine *m, test_rng *rng)
     }
     for (int part = 0; part < 2; part++) {
         const slab *s = &slabs[part];
-        const kernel_arg args[] = {ONE(&p.bone), number_arg(s->z0), number_arg(s->z1), number_arg(s->first),
+        const kernel_arg args[] = {ONE(&p.bone), number_arg(s->z0), number_arg(s->z1), number_arg(s->first), number_arg(s->weights),
                                    BUFFER(s->layers, s->layer_count), BUFFER(s->voxels, s->count), BUFFER(p.slots, p.chunks),
                                    BUFFER(p.density, room * p.voxels), BUFFER(p.words, room * p.voxels / 32)};
         if (s->z0 < s->z1 && by_items)
-            m->launch(m, K_ost_chunk_store, args, 9, (const size_t[3]){(size_t)(n * n / 32), (size_t)columns, (size_t)(s->z1 - s->z0)});
+            m->launch(m, K_ost_chunk_store, args, 10, (const size_t[3]){(size_t)(n * n / 32), (size_t)columns, (size_t)(s->z1 - s->z0)});
         else if (s->z0 < s->z1)
-            m->launch(m, K_ost_chunk_store_layers, args, 9, (const size_t[3]){(size_t)columns, (size_t)grid.chunk_dims.z, 1});
+            m->launch(m, K_ost_chunk_store_layers, args, 10, (const size_t[3]){(size_t)columns, (size_t)grid.chunk_dims.z, 1});
         free(s->voxels);
         free(s->layers);
     }

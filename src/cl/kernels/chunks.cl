@@ -29,22 +29,35 @@ static int ost_slab_slice(__global const int *layers, int first, int k, int z0)
     return first < 0 ? k - z0 : layers[first + k - z0];
 }
 
+/* The weight that the slice after ost_slab_slice has in slice k of the grid. */
+static int ost_slab_weight(__global const int *layers, int weights, int k, int z0)
+{
+    return weights < 0 ? 0 : layers[weights + k - z0];
+}
+
 #if OST_FOR & 1
-__kernel void ost_chunk_scan(__global const ost_cl_bone *bone, int z0, int z1, int first, __global const int *layers,
+/* Returns an element of a slab, or its mean with the element one plane on. The weights sum to 2^15. */
+static short ost_slab_read(__global const short *from, ulong plane, int weight)
+{
+    return weight > 0 ? ost_mean15(from[0] * (32768 - weight) + from[plane] * weight) : from[0];
+}
+
+__kernel void ost_chunk_scan(__global const ost_cl_bone *bone, int z0, int z1, int first, int weights, __global const int *layers,
                              __global const short *slab, volatile __global uint *active)
 {
     const size_t columns = (size_t)bone->chunk_dims[0] * (size_t)bone->chunk_dims[1];
     if (get_global_id(0) >= (size_t)(z1 - z0) || get_global_id(1) >= columns)
         return;
     const int z = z0 + (int)get_global_id(0), column = (int)get_global_id(1), n = bone->size;
-    const int slice = ost_slab_slice(layers, first, z, z0);
+    const int slice = ost_slab_slice(layers, first, z, z0), weight = ost_slab_weight(layers, weights, z, z0);
+    const ulong plane = (ulong)bone->dims[0] * (ulong)bone->dims[1];
     const int cx = column % bone->chunk_dims[0], cy = column / bone->chunk_dims[0];
     const int x1 = ost_least(cx * n + n, bone->dims[0]), y1 = ost_least(cy * n + n, bone->dims[1]);
     uint count = 0;
     for (int y = cy * n; y < y1; y++) {
         const ulong row = ost_slab_at(bone, 0, y, slice);
         for (int x = cx * n; x < x1; x++)
-            count += slab[row + (ulong)x] >= bone->threshold ? 1u : 0u;
+            count += ost_slab_read(slab + row + (ulong)x, plane, weight) >= bone->threshold ? 1u : 0u;
     }
     if (count > 0)
         atomic_add(&active[(size_t)column + columns * (size_t)(z / n)], count);
@@ -71,7 +84,7 @@ __kernel void ost_chunk_slots(uint count, __global const uint *active, __global 
 #endif
 
 #if OST_FOR & 1
-__kernel void ost_chunk_store(__global const ost_cl_bone *bone, int z0, int z1, int first, __global const int *layers,
+__kernel void ost_chunk_store(__global const ost_cl_bone *bone, int z0, int z1, int first, int weights, __global const int *layers,
                               __global const short *slab, __global const uint *slots, __global short *density, __global uint *words)
 {
     const int n = bone->size;
@@ -82,7 +95,8 @@ __kernel void ost_chunk_store(__global const ost_cl_bone *bone, int z0, int z1, 
     const uint slot = slots[(size_t)column + columns * (size_t)(z / n)];
     if (slot == OST_CL_NONE)
         return;
-    const int slice = ost_slab_slice(layers, first, z, z0);
+    const int slice = ost_slab_slice(layers, first, z, z0), weight = ost_slab_weight(layers, weights, z, z0);
+    const ulong plane = (ulong)bone->dims[0] * (ulong)bone->dims[1];
     const int first_x = column % bone->chunk_dims[0] * n, first_y = column / bone->chunk_dims[0] * n;
     const int v = 32 * (int)get_global_id(0);
     const ulong to = (ulong)slot * ost_chunk_voxels(bone) + (ulong)(z % n) * (ulong)(n * n) + (ulong)v;
@@ -91,7 +105,7 @@ __kernel void ost_chunk_store(__global const ost_cl_bone *bone, int z0, int z1, 
         __global const short *from = slab + ost_slab_at(bone, first_x + v % n, first_y + v / n, slice);
         const short threshold = (short)bone->threshold;
         for (int b = 0; b < 32; b++) {
-            const short read = from[b];
+            const short read = ost_slab_read(from + b, plane, weight);
             density[to + (ulong)b] = read >= threshold ? read : (short)0;
             word |= (read >= threshold ? 1u : 0u) << b;
         }
@@ -102,7 +116,7 @@ __kernel void ost_chunk_store(__global const ost_cl_bone *bone, int z0, int z1, 
         const int x = first_x + (v + b) % n, y = first_y + (v + b) / n;
         short stored = 0;
         if (x < bone->dims[0] && y < bone->dims[1]) {
-            const short read = slab[ost_slab_at(bone, x, y, slice)];
+            const short read = ost_slab_read(slab + ost_slab_at(bone, x, y, slice), plane, weight);
             if (read >= bone->threshold) {
                 stored = read;
                 word |= 1u << b;

@@ -17,7 +17,20 @@ static uint ost_count16(__global const short *from, short threshold)
     return count;
 }
 
-__kernel void ost_chunk_scan_layers(__global const ost_cl_bone *bone, int z0, int z1, int first, __global const int *layers,
+/* The same for the means of 16 voxels of two slices. A mean never exceeds the greater voxel, so most are not computed. */
+static uint ost_count16_between(__global const short *a, __global const short *b, int weight, short threshold)
+{
+    short count = 0, any = 0;
+    for (int i = 0; i < 16; i++)
+        any = (short)(any | (a[i] >= threshold ? 1 : 0) | (b[i] >= threshold ? 1 : 0));
+    if (!any)
+        return 0;
+    for (int i = 0; i < 16; i++)
+        count = (short)(count + (ost_mean15(a[i] * (32768 - weight) + b[i] * weight) >= threshold ? 1 : 0));
+    return (uint)count;
+}
+
+__kernel void ost_chunk_scan_layers(__global const ost_cl_bone *bone, int z0, int z1, int first, int weights, __global const int *layers,
                                     __global const short *slab, __global uint *active)
 {
     const int n = bone->size, nx = bone->dims[0];
@@ -26,11 +39,13 @@ __kernel void ost_chunk_scan_layers(__global const ost_cl_bone *bone, int z0, in
     const int cy = (int)get_global_id(0), cz = (int)get_global_id(1);
     const int k0 = ost_greatest(cz * n, z0), k1 = ost_least(cz * n + n, z1), y1 = ost_least(cy * n + n, bone->dims[1]);
     const short threshold = (short)bone->threshold;
+    const ulong plane = (ulong)nx * (ulong)bone->dims[1];
     __global uint *to = active + (size_t)bone->chunk_dims[0] * ((size_t)cy + (size_t)bone->chunk_dims[1] * (size_t)cz);
     for (int k = k0, same; k < k1; k += same) {
-        const int slice = ost_slab_slice(layers, first, k, z0);
+        const int slice = ost_slab_slice(layers, first, k, z0), weight = ost_slab_weight(layers, weights, k, z0);
         same = 1;
-        while (k + same < k1 && ost_slab_slice(layers, first, k + same, z0) == slice)
+        while (k + same < k1 && ost_slab_slice(layers, first, k + same, z0) == slice &&
+               ost_slab_weight(layers, weights, k + same, z0) == weight)
             same++;
         for (int y = cy * n; y < y1; y++) {
             __global const short *row = slab + ost_slab_at(bone, 0, y, slice);
@@ -38,6 +53,12 @@ __kernel void ost_chunk_scan_layers(__global const ost_cl_bone *bone, int z0, in
                 const int x1 = ost_least(cx * n + n, nx);
                 uint count = 0;
                 int x = cx * n;
+                if (weight > 0) {
+                    for (; x + 16 <= x1; x += 16)
+                        count += ost_count16_between(row + x, row + plane + x, weight, threshold);
+                    for (; x < x1; x++)
+                        count += ost_mean15(row[x] * (32768 - weight) + row[plane + (ulong)x] * weight) >= threshold ? 1u : 0u;
+                }
                 for (; x + 16 <= x1; x += 16)
                     count += ost_count16(row + x, threshold);
                 for (; x < x1; x++)
@@ -60,21 +81,35 @@ static uint ost_keep16(__global const short *from, __global short *to, short thr
     return bits;
 }
 
-/* Half a word: voxels x to x + 15 of a row of width nx. */
-static uint ost_store16(__global const short *row, int x, int nx, __global short *to, short threshold)
+/* The same for the means of 16 voxels of two slices. */
+static uint ost_keep16_between(__global const short *a, __global const short *b, int weight, __global short *to, short threshold)
+{
+    ushort bits = 0;
+    for (int i = 0; i < 16; i++) {
+        const short read = ost_mean15(a[i] * (32768 - weight) + b[i] * weight);
+        to[i] = read >= threshold ? read : (short)0;
+        bits = (ushort)(bits | (read >= threshold ? (ushort)(1u << i) : (ushort)0));
+    }
+    return bits;
+}
+
+/* Half a word: voxels x to x + 15 of a row of width nx, or of its mean with the row one plane on. */
+static uint ost_store16(__global const short *row, ulong plane, int weight, int x, int nx, __global short *to, short threshold)
 {
     if (x + 16 <= nx)
-        return ost_keep16(row + x, to, threshold);
+        return weight > 0 ? ost_keep16_between(row + x, row + plane + x, weight, to, threshold) : ost_keep16(row + x, to, threshold);
     uint bits = 0;
     for (int i = 0; i < 16; i++) {
-        const short read = (short)(x + i < nx ? row[x + i] : 0);
+        short read = 0;
+        if (x + i < nx)
+            read = weight > 0 ? ost_mean15(row[x + i] * (32768 - weight) + row[plane + (ulong)(x + i)] * weight) : row[x + i];
         to[i] = read >= threshold ? read : (short)0; /* a threshold is at least 1 */
         bits |= (read >= threshold ? 1u : 0u) << i;
     }
     return bits;
 }
 
-__kernel void ost_chunk_store_layers(__global const ost_cl_bone *bone, int z0, int z1, int first, __global const int *layers,
+__kernel void ost_chunk_store_layers(__global const ost_cl_bone *bone, int z0, int z1, int first, int weights, __global const int *layers,
                                      __global const short *slab, __global const uint *slots, __global short *density,
                                      __global uint *words)
 {
@@ -89,17 +124,19 @@ __kernel void ost_chunk_store_layers(__global const ost_cl_bone *bone, int z0, i
     const int x0 = column % bone->chunk_dims[0] * n, y0 = column / bone->chunk_dims[0] * n;
     const int k0 = ost_greatest(cz * n, z0), k1 = z1 == bone->dims[2] ? cz * n + n : ost_least(cz * n + n, z1);
     const short threshold = (short)bone->threshold;
+    const ulong plane = (ulong)nx * (ulong)ny;
     const int half_words = n / 16;
     for (int k = k0; k < k1; k++) {
-        const ulong plane = (ulong)slot * ost_chunk_voxels(bone) + (ulong)(k - cz * n) * (ulong)(n * n);
-        __global short *to = density + plane;
-        __global ushort *bits = (__global ushort *)words + plane / 16; /* little-endian, as everywhere (choice.c) */
+        const ulong from = (ulong)slot * ost_chunk_voxels(bone) + (ulong)(k - cz * n) * (ulong)(n * n);
+        __global short *to = density + from;
+        __global ushort *bits = (__global ushort *)words + from / 16; /* little-endian, as everywhere (choice.c) */
         const int slice = k < z1 ? ost_slab_slice(layers, first, k, z0) : 0;
+        const int weight = k < z1 ? ost_slab_weight(layers, weights, k, z0) : 0;
         for (int y = 0; y < n; y++) {
             __global const short *row = slab + ost_slab_at(bone, 0, y0 + y < ny ? y0 + y : 0, slice);
             const int end = k < z1 && y0 + y < ny ? nx : 0;
             for (int h = 0; h < half_words; h++)
-                bits[y * half_words + h] = (ushort)ost_store16(row, x0 + 16 * h, end, to + y * n + 16 * h, threshold);
+                bits[y * half_words + h] = (ushort)ost_store16(row, plane, weight, x0 + 16 * h, end, to + y * n + 16 * h, threshold);
         }
     }
 }

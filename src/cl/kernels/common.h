@@ -36,6 +36,24 @@ static inline long ost_rhe_div(long n, long d)
     return (r > d - r || (r == d - r && q % 2 != 0)) ? q + 1 : q;
 }
 
+/*
+ * Return RHE(sum / 2^15), |sum| <= 2^30, and RHE(sum / 2^45), |sum| <= 2^60: a
+ * weighted mean of densities (AR-CUB-2).  2^15 units are added, which makes the
+ * sum >= 0 and keeps the parity of its quotient; then half a unit less 1, and 1
+ * more if the floor is odd, before the floor is taken.
+ */
+static inline short ost_mean15(int sum)
+{
+    const uint up = (uint)(sum + (1 << 30));
+    return (short)((int)((up + 0x3fffu + (up >> 15 & 1u)) >> 15) - 32768);
+}
+
+static inline short ost_mean45(long sum)
+{
+    const ulong up = (ulong)(sum + (1l << 60));
+    return (short)((int)((up + ((1ul << 44) - 1ul) + (up >> 45 & 1ul)) >> 45) - 32768);
+}
+
 static inline int ost_least(int a, int b)
 {
     return a < b ? a : b;

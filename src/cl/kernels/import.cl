@@ -223,32 +223,33 @@ __kernel void ost_cubic_gather(__global const ost_cl_cubic *cubic, __global cons
 }
 
 /*
- * The products of weights sum to 2^45, so |sum| <= 2^60; the mean lies between the least and the greatest of the voxels.
+ * Adds up the sums along x of four rows, at most 2^30 each, times the products
+ * of the weights along y and z, which sum to 2^30.  A neighbour with weight 0
+ * may lie outside the grid; the voxel itself is then read in its place.
  */
 __kernel void ost_cubic_linear(__global const ost_cl_cubic *cubic, __global const int *sources, __global const short *rect,
                                __global short *out)
 {
     const size_t nx = (size_t)cubic->dims[0], ny = (size_t)cubic->dims[1], axes = nx + ny + (size_t)cubic->dims[2];
-    const size_t i = get_global_id(0), j = get_global_id(1), slice = get_global_id(2);
-    if (i >= nx || j >= ny || slice >= (size_t)(cubic->z1 - cubic->z0))
+    const size_t first = OST_RUN * get_global_id(0), j = get_global_id(1), slice = get_global_id(2);
+    if (first >= nx || j >= ny || slice >= (size_t)(cubic->z1 - cubic->z0))
         return;
     const size_t k = slice + (size_t)cubic->z0;
-    const size_t at[3] = {i, nx + j, nx + ny + k};
-    const ulong step[3] = {1, (ulong)cubic->rect_dims[0], (ulong)cubic->rect_dims[0] * (ulong)cubic->rect_dims[1]};
-    ulong from = 0;
-    for (int a = 0; a < 3; a++)
-        from += step[a] * (ulong)sources[at[a]];
-    long sum = 0;
-    for (int corner = 0; corner < 8; corner++) {
-        ulong voxel = from;
-        long weight = 1;
-        for (int a = 0; a < 3; a++) {
-            const int upper = corner >> a & 1, w = sources[axes + at[a]];
-            voxel += upper ? step[a] : 0;
-            weight *= upper ? w : 32768 - w;
-        }
-        if (weight > 0)
-            sum += weight * rect[voxel];
+    const int count = (int)(nx - first < OST_RUN ? nx - first : OST_RUN);
+    const int y = sources[axes + nx + j], z = sources[axes + nx + ny + k];
+    const ulong row = (ulong)cubic->rect_dims[0], plane = row * (ulong)cubic->rect_dims[1];
+    const ulong down = y > 0 ? row : 0, up = z > 0 ? plane : 0;
+    __global const short *row00 = rect + row * (ulong)sources[nx + j] + plane * (ulong)sources[nx + ny + k];
+    __global const short *row01 = row00 + down, *row10 = row00 + up, *row11 = row10 + down;
+    const int w00 = (32768 - y) * (32768 - z), w01 = y * (32768 - z), w10 = (32768 - y) * z, w11 = y * z;
+    __global const int *at = sources + first, *weights = sources + axes + first;
+    __global short *to = out + (first + (ulong)nx * (j + (ulong)ny * (cubic->slab ? slice : k)));
+    for (int i = 0; i < count; i++) {
+        const int a = at[i], upper = weights[i], b = a + (upper > 0 ? 1 : 0), lower = 32768 - upper;
+        long sum = (long)(row00[a] * lower + row00[b] * upper) * w00;
+        sum += (long)(row01[a] * lower + row01[b] * upper) * w01;
+        sum += (long)(row10[a] * lower + row10[b] * upper) * w10;
+        sum += (long)(row11[a] * lower + row11[b] * upper) * w11;
+        to[i] = ost_mean45(sum);
     }
-    out[i + (ulong)nx * (j + (ulong)ny * (cubic->slab ? slice : k))] = (short)ost_rhe_div(sum, 1l << 45);
 }

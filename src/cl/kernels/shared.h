@@ -34,7 +34,7 @@
  *   - Build option -DOST_ROWS=r, r of 1, 2, 4, 8, 16: rows a work item of
  *     ost_remove takes (1 suits GPUs; 4 when not given).
  *   - Build option -DOST_RUN=v: neighbours along x that a work item of
- *     ost_cubic_gather copies (many suit CPUs, 1 GPUs; 3 when not given).
+ *     ost_cubic_gather and ost_cubic_linear make (many suit CPUs, 1 GPUs; 3 when not given).
  */
 #ifndef OST_CL_SHARED_H
 #define OST_CL_SHARED_H
@@ -126,7 +126,7 @@ typedef struct ost_cl_scatter_report {
  *
  *   ost_cubic_sources(cubic, sources)            one dimension: sum of cubic dims
  *   ost_cubic_gather(cubic, sources, rect, out)  nearest, thesis: cubic dims.x / OST_RUN or more, dims.y, z1 - z0
- *   ost_cubic_linear(cubic, sources, rect, out)  linear: cubic dims.x, dims.y, z1 - z0
+ *   ost_cubic_linear(cubic, sources, rect, out)  linear: the same
  *
  *   cubic    const ost_cl_cubic[1]
  *   sources  int[2 * (dims.x + dims.y + dims.z)]   source index of each voxel along x, then y, then z; then, in the same
@@ -134,7 +134,7 @@ typedef struct ost_cl_scatter_report {
  *   rect     const short[rect voxels]
  *   out      short[...]                      the whole cubic grid, or slices z0 <= k < z1 of it when slab is 1
  *
- * Each item writes its own element.
+ * Each item writes its own OST_RUN elements along x.
  */
 enum { OST_CL_RESAMPLE_LINEAR, OST_CL_RESAMPLE_NEAREST, OST_CL_RESAMPLE_THESIS };
 
@@ -159,16 +159,18 @@ typedef struct ost_cl_cubic {
  *   slab     short[(z1 - z0) dims.y dims.x]  slices z0 <= k < z1 of the grid without padding; z0 and z1 are int arguments
  *
  *   A slab has slice k as its slice layers[first + k - z0], or, when first < 0, k - z0: so a grid that was resampled along z
- *   alone is read where it lies, once for all slices that are the same.  layers is int[first + z1 - z0], ascending, else unused.
+ *   alone is read where it lies, once for all slices that are the same.  With weights >= 0 (and first >= 0), slice k is the
+ *   mean of that slice and the next one of the slab, whose weight is layers[weights + k - z0] / 2^15; with weight 0 the next
+ *   one may not exist.  layers ends with the last of these elements; the slices ascend.  It is unused when first < 0.
  *
- *   ost_chunk_scan(bone, z0, z1, first, layers, slab, active)
+ *   ost_chunk_scan(bone, z0, z1, first, weights, layers, slab, active)
  *       z1 - z0, chunk_dims.x * chunk_dims.y.  Adds to active[chunk] (uint[chunks], zeros at first) the voxels of the slab that
  *       reach the threshold.
  *   ost_chunk_scan_layers(...)
  *       the same for CPUs: chunk_dims.y, chunk_dims.z.  An item has a row of chunks along x.
  *   ost_chunk_slots(count, active, slots, chunks, total)
  *       one item.  Slots in ascending order of the chunks (count of them) with active > 0; *total (uint[1]) of them.
- *   ost_chunk_store(bone, z0, z1, first, layers, slab, slots, density, words)
+ *   ost_chunk_store(bone, z0, z1, first, weights, layers, slab, slots, density, words)
  *       n * n / 32, chunk_dims.x * chunk_dims.y, z1 - z0.  An item writes one word and its 32 densities, where the chunk has a
  *       slot.  Voxels below the threshold become 0; those in the padding beyond dims.x or dims.y too.  Planes of padding beyond
  *       dims.z are never written: a slot is filled with zeros before it is used.
