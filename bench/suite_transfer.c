@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Rect grid to cubic grid to chunks (thesis, Algs. 2.5 and 2.6, Table 2.2), of
- * the scapula: from a rect grid on the backend to a bone with its counts.
+ * Rect grid to cubic grid to chunks (AR-CUB; thesis, Algs. 2.5 and 2.6, Table
+ * 2.2), of the scapula: from a rect grid on the backend to a bone with its
+ * counts, by every rule.  All rows alternate, so that their ratios show what a
+ * rule costs whatever else the machine does.
  *
- * The floor moves the same bytes and does nothing else: it writes as many as
+ * The baseline moves the same bytes and does nothing else: it writes as many as
  * the bone's active chunks hold and reads the rect grid once, or as often as
  * that writing needs.  Its buffers were touched before; ours allocates what it
  * returns, inside the time that is measured.
@@ -19,17 +21,26 @@
 
 enum { REPEAT = 31, CHUNK = 32, THRESHOLD = 120 };
 
+typedef struct variant {
+    const char *name;
+    ost_resample rule;
+    ost_pm cubic; /* 0: the rect grid's x spacing; then z alone is resampled */
+    bool wanted, equal;
+    bench_series both, to_cubic, to_chunks, floor[BENCH_COPY_COUNT];
+    ost_bone_info info;
+} variant;
+
+enum { VARIANTS = 4 };
+
 typedef struct transfer {
     const bench_options *options;
     ost_error *err;
     ost_volume ct;
     ost_backend *backend;
     ost_grid *rect;
-    bench_series both, to_cubic, to_chunks, floor[BENCH_COPY_COUNT];
+    variant variants[VARIANTS];
     uint8_t *in, *out; /* of the floor */
-    size_t in_bytes, out_bytes;
-    ost_bone_info info;
-    bool equal;
+    size_t in_bytes;
 } transfer;
 
 static ost_status make_ct(transfer *t)
@@ -45,25 +56,26 @@ static ost_status make_rect(transfer *t, ost_backend *backend, ost_grid **out)
 }
 
 /* The two calls, as any program makes them; what they return is freed after the clock has stopped. */
-static ost_status convert(transfer *t, const ost_grid *rect, bool timed, ost_bone **bone)
+static ost_status convert(transfer *t, variant *v, const ost_grid *rect, bool timed, ost_bone **bone)
 {
     ost_grid *cubic = NULL;
     int64_t begin = bench_now(), middle = begin;
-    ost_status status = ost_rect_to_cubic(rect, t->ct.geometry.spacing.x, OST_RESAMPLE_LINEAR, &cubic, t->err);
+    ost_status status =
+        ost_rect_to_cubic(rect, v->cubic ? v->cubic : t->ct.geometry.spacing.x, v->rule, &cubic, t->err);
     middle = bench_now();
     if (status == OST_OK)
         status = ost_cubic_to_chunks(cubic, CHUNK, THRESHOLD, bone, t->err);
     int64_t end = bench_now();
     if (timed) {
-        bench_series_add(&t->both, (double)(end - begin));
-        bench_series_add(&t->to_cubic, (double)(middle - begin));
-        bench_series_add(&t->to_chunks, (double)(end - middle));
+        bench_series_add(&v->both, (double)(end - begin));
+        bench_series_add(&v->to_cubic, (double)(middle - begin));
+        bench_series_add(&v->to_chunks, (double)(end - middle));
     }
     ost_grid_free(cubic);
     return status;
 }
 
-static ost_status compare(transfer *t, const ost_bone *a, const ost_bone *b)
+static ost_status compare(transfer *t, variant *v, const ost_bone *a, const ost_bone *b)
 {
     ost_bone_info ia, ib;
     ost_status status = ost_bone_info_get(a, &ia, t->err);
@@ -73,39 +85,47 @@ static ost_status compare(transfer *t, const ost_bone *a, const ost_bone *b)
         return status;
     const ost_dims d = ia.geometry.dims;
     const size_t bytes = (size_t)ost_dims_count(d) * sizeof(int16_t);
-    t->equal = ost_geometry_equal(&ia.geometry, &ib.geometry) && ia.active_chunks == ib.active_chunks &&
+    v->equal = ost_geometry_equal(&ia.geometry, &ib.geometry) && ia.active_chunks == ib.active_chunks &&
                ia.active_voxels == ib.active_voxels && ia.chunk_bytes == ib.chunk_bytes;
-    if (!t->equal)
+    if (!v->equal)
         return OST_OK;
     int16_t *va = malloc(bytes), *vb = malloc(bytes);
-    status = va && vb ? ost_bone_download(a, 0, d.z, va, t->err) : ost_fail(t->err, OST_ERR_MEMORY, "no memory to compare bones");
+    status = va && vb ? ost_bone_download(a, 0, d.z, va, t->err)
+                      : ost_fail(t->err, OST_ERR_MEMORY, "no memory to compare bones");
     if (status == OST_OK)
         status = ost_bone_download(b, 0, d.z, vb, t->err);
     if (status == OST_OK)
-        t->equal = memcmp(va, vb, bytes) == 0;
+        v->equal = memcmp(va, vb, bytes) == 0;
     free(va);
     free(vb);
     return status;
 }
 
-static ost_status verify(transfer *t)
+static ost_status verify(transfer *t, const ost_grid *reference, variant *v)
+{
+    ost_bone *expected = NULL, *bone = NULL;
+    ost_status status = convert(t, v, reference, false, &expected);
+    if (status == OST_OK)
+        status = convert(t, v, t->rect, false, &bone);
+    if (status == OST_OK)
+        status = ost_bone_info_get(bone, &v->info, t->err);
+    if (status == OST_OK)
+        status = compare(t, v, expected, bone);
+    ost_bone_free(bone);
+    ost_bone_free(expected);
+    return status;
+}
+
+static ost_status verify_all(transfer *t)
 {
     ost_backend *ref = NULL;
     ost_grid *rect = NULL;
-    ost_bone *expected = NULL, *bone = NULL;
     ost_status status = ost_backend_open("ref", &ref, t->err);
     if (status == OST_OK)
         status = make_rect(t, ref, &rect);
-    if (status == OST_OK)
-        status = convert(t, rect, false, &expected);
-    if (status == OST_OK)
-        status = convert(t, t->rect, false, &bone);
-    if (status == OST_OK)
-        status = ost_bone_info_get(bone, &t->info, t->err);
-    if (status == OST_OK)
-        status = compare(t, expected, bone);
-    ost_bone_free(bone);
-    ost_bone_free(expected);
+    for (int i = 0; i < VARIANTS && status == OST_OK; i++)
+        if (t->variants[i].wanted)
+            status = verify(t, rect, &t->variants[i]);
     ost_grid_free(rect);
     ost_backend_close(ref);
     return status;
@@ -113,61 +133,99 @@ static ost_status verify(transfer *t)
 
 static ost_status make_floor(transfer *t)
 {
+    size_t out_bytes = 64;
+    for (int i = 0; i < VARIANTS; i++)
+        if ((size_t)t->variants[i].info.chunk_bytes > out_bytes)
+            out_bytes = (size_t)t->variants[i].info.chunk_bytes;
     t->in_bytes = (size_t)ost_dims_count(t->ct.geometry.dims) * sizeof(int16_t);
-    t->out_bytes = (size_t)t->info.chunk_bytes;
     t->in = aligned_alloc(64, (t->in_bytes + 63) / 64 * 64);
-    t->out = aligned_alloc(64, (t->out_bytes + 63) / 64 * 64);
+    t->out = aligned_alloc(64, (out_bytes + 63) / 64 * 64);
     if (!t->in || !t->out)
-        return ost_fail(t->err, OST_ERR_MEMORY, "no memory for a copy of %zu bytes", t->out_bytes);
+        return ost_fail(t->err, OST_ERR_MEMORY, "no memory for a copy of %zu bytes", out_bytes);
     memcpy(t->in, t->ct.voxels, t->in_bytes);
-    memset(t->out, 1, t->out_bytes);
+    memset(t->out, 1, out_bytes);
     return OST_OK;
+}
+
+static ost_status repeat_once(transfer *t, variant *v, bool timed, bool baseline)
+{
+    ost_bone *bone = NULL;
+    ost_status status = convert(t, v, t->rect, timed, &bone);
+    ost_bone_free(bone);
+    for (int how = 0; how < BENCH_COPY_COUNT && baseline; how++) {
+        int64_t begin = bench_now();
+        bench_copy_bytes((bench_copy)how, t->out, (size_t)v->info.chunk_bytes, t->in, t->in_bytes, t->options->threads);
+        int64_t end = bench_now();
+        if (timed)
+            bench_series_add(&v->floor[how], (double)(end - begin));
+    }
+    return status;
 }
 
 static ost_status repeat(transfer *t, bool baseline)
 {
     ost_status status = OST_OK;
     const int count = bench_repeat(t->options, REPEAT);
-    for (int i = -1; i < count && status == OST_OK; i++) {
-        ost_bone *bone = NULL;
-        status = convert(t, t->rect, i >= 0, &bone);
-        ost_bone_free(bone);
-        for (int how = 0; how < BENCH_COPY_COUNT && baseline; how++) {
-            int64_t begin = bench_now();
-            bench_copy_bytes((bench_copy)how, t->out, t->out_bytes, t->in, t->in_bytes, t->options->threads);
-            int64_t end = bench_now();
-            if (i >= 0)
-                bench_series_add(&t->floor[how], (double)(end - begin));
-        }
-    }
+    for (int i = -1; i < count && status == OST_OK; i++)
+        for (int k = 0; k < VARIANTS && status == OST_OK; k++)
+            if (t->variants[k].wanted && t->variants[k].equal)
+                status = repeat_once(t, &t->variants[k], i >= 0, baseline);
     return status;
 }
 
-static void fill_row(transfer *t, bench_row *row)
+static void fill_row(const transfer *t, variant *v, bench_row *row)
 {
-    row->equal = t->equal;
-    if (!t->equal)
+    row->equal = v->equal;
+    if (!v->equal)
         return;
-    const bool stream = bench_series_at(&t->floor[BENCH_COPY_STREAM], 0.5) < bench_series_at(&t->floor[BENCH_COPY_MEMCPY], 0.5);
-    bench_row_ours(row, &t->both);
-    bench_row_baseline(row, &t->floor[stream ? BENCH_COPY_STREAM : BENCH_COPY_MEMCPY],
+    const bool stream =
+        bench_series_at(&v->floor[BENCH_COPY_STREAM], 0.5) < bench_series_at(&v->floor[BENCH_COPY_MEMCPY], 0.5);
+    bench_row_ours(row, &v->both);
+    bench_row_baseline(row, &v->floor[stream ? BENCH_COPY_STREAM : BENCH_COPY_MEMCPY],
                        stream ? "copying the same bytes around the caches" : "copying the same bytes by memcpy");
-    bench_row_extra(row, "rect_to_cubic_ms", bench_series_at(&t->to_cubic, 0.5) / 1e6);
-    bench_row_extra(row, "cubic_to_chunks_ms", bench_series_at(&t->to_chunks, 0.5) / 1e6);
+    bench_row_extra(row, "rect_to_cubic_ms", bench_series_at(&v->to_cubic, 0.5) / 1e6);
+    bench_row_extra(row, "cubic_to_chunks_ms", bench_series_at(&v->to_chunks, 0.5) / 1e6);
     bench_row_extra(row, "rect_bytes", (double)t->in_bytes);
-    bench_row_extra(row, "chunk_bytes", (double)t->out_bytes);
-    bench_row_extra(row, "active_chunks", (double)t->info.active_chunks);
-    bench_row_extra(row, "active_voxels", (double)t->info.active_voxels);
-    bench_row_extra(row, "memcpy_ms", bench_series_at(&t->floor[BENCH_COPY_MEMCPY], 0.5) / 1e6);
-    bench_row_extra(row, "streaming_copy_ms", bench_series_at(&t->floor[BENCH_COPY_STREAM], 0.5) / 1e6);
+    bench_row_extra(row, "chunk_bytes", (double)v->info.chunk_bytes);
+    bench_row_extra(row, "active_chunks", (double)v->info.active_chunks);
+    bench_row_extra(row, "active_voxels", (double)v->info.active_voxels);
+    bench_row_extra(row, "memcpy_ms", bench_series_at(&v->floor[BENCH_COPY_MEMCPY], 0.5) / 1e6);
+    bench_row_extra(row, "streaming_copy_ms", bench_series_at(&v->floor[BENCH_COPY_STREAM], 0.5) / 1e6);
+}
+
+static ost_status add_rows(transfer *t, bench_table *table, const char *reason)
+{
+    for (int i = 0; i < VARIANTS; i++) {
+        variant *v = &t->variants[i];
+        bench_row *row = v->wanted ? bench_row_add(table, v->name, "ms", t->options->threads) : NULL;
+        if (v->wanted && !row)
+            return ost_fail(t->err, OST_ERR_MEMORY, "no memory for a row");
+        if (row) {
+            fill_row(t, v, row);
+            snprintf(row->baseline_reason, sizeof row->baseline_reason, "%s", reason);
+        }
+    }
+    return OST_OK;
 }
 
 ost_status bench_transfer(const bench_options *options, bench_table *table, ost_error *err)
 {
-    static const char name[] = "transfer/scapula";
-    transfer t = {.options = options, .err = err};
+    transfer t = {
+        .options = options,
+        .err = err,
+        .variants =
+            {
+                {.name = "transfer/scapula", .rule = OST_RESAMPLE_LINEAR},
+                {.name = "transfer/scapula/nearest", .rule = OST_RESAMPLE_NEAREST},
+                {.name = "transfer/scapula/thesis", .rule = OST_RESAMPLE_THESIS},
+                {.name = "transfer/scapula/0.6", .rule = OST_RESAMPLE_LINEAR, .cubic = OST_PM_PER_MM * 6 / 10},
+            },
+    };
     char reason[BENCH_TEXT];
-    if (!bench_wanted(options, name))
+    bool any = false;
+    for (int i = 0; i < VARIANTS; i++)
+        any = (t.variants[i].wanted = bench_wanted(options, t.variants[i].name)) || any;
+    if (!any)
         return OST_OK;
     const bool baseline = bench_baseline_runs(reason, sizeof reason);
     ost_status status = make_ct(&t);
@@ -176,23 +234,21 @@ ost_status bench_transfer(const bench_options *options, bench_table *table, ost_
     if (status == OST_OK)
         status = make_rect(&t, t.backend, &t.rect);
     if (status == OST_OK)
-        status = verify(&t);
+        status = verify_all(&t);
     if (status == OST_OK)
         status = make_floor(&t);
-    if (status == OST_OK && t.equal)
+    if (status == OST_OK)
         status = repeat(&t, baseline);
-    bench_row *row = status == OST_OK ? bench_row_add(table, name, "ms", options->threads) : NULL;
-    if (row) {
-        fill_row(&t, row);
-        memcpy(row->baseline_reason, reason, sizeof reason);
-    } else if (status == OST_OK) {
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for a row");
+    if (status == OST_OK)
+        status = add_rows(&t, table, reason);
+    for (int i = 0; i < VARIANTS; i++) {
+        variant *v = &t.variants[i];
+        bench_series_free(&v->both);
+        bench_series_free(&v->to_cubic);
+        bench_series_free(&v->to_chunks);
+        for (int how = 0; how < BENCH_COPY_COUNT; how++)
+            bench_series_free(&v->floor[how]);
     }
-    bench_series_free(&t.both);
-    bench_series_free(&t.to_cubic);
-    bench_series_free(&t.to_chunks);
-    for (int how = 0; how < BENCH_COPY_COUNT; how++)
-        bench_series_free(&t.floor[how]);
     free(t.in);
     free(t.out);
     ost_grid_free(t.rect);

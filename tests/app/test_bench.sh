@@ -77,7 +77,9 @@ row_has parse/text/floor
 check "lines" "$(value rows.0.lines)" 239616
 check "nothing is left in TMPDIR" "$(ls -A "$scratch" | grep -c osteon-bench)" 0
 run 0 bench --suite transfer --quick --repeat 1 --json
-row_has transfer/scapula chunk_bytes active_chunks
+for row in transfer/scapula transfer/scapula/nearest transfer/scapula/thesis transfer/scapula/0.6; do
+    row_has $row chunk_bytes active_chunks
+done
 run 0 bench --suite voxelize --filter /0.5 --quick --repeat 1 --json
 row_has voxelize/reamer/0.5 triangles solid_voxels
 row_has voxelize/peg/0.5
