@@ -25,11 +25,11 @@ AC_DEFUN([OST_WARNINGS], [
 
 # OST_SANITIZE: --enable-sanitize=address,undefined and the like.
 AC_DEFUN([OST_SANITIZE], [
-  AC_ARG_ENABLE([sanitize], [AS_HELP_STRING([--enable-sanitize@<:@=LIST@:>@], [build with these sanitizers (default list: address,undefined)])],
+  AC_ARG_ENABLE([sanitize], [AS_HELP_STRING([--enable-sanitize@<:@=LIST@:>@], [build with these sanitizers (default list: address,undefined,float-cast-overflow)])],
     [], [enable_sanitize=no])
   OST_SAN_CFLAGS=
   ost_summary_SANITIZE="no"
-  AS_IF([test "x$enable_sanitize" = xyes], [enable_sanitize=address,undefined])
+  AS_IF([test "x$enable_sanitize" = xyes], [enable_sanitize=address,undefined,float-cast-overflow])
   AS_IF([test "x$enable_sanitize" != xno], [
     OST_SAN_CFLAGS="-fsanitize=$enable_sanitize -fno-sanitize-recover=all -fno-omit-frame-pointer -g"
     ost_summary_SANITIZE="$enable_sanitize"])

@@ -215,8 +215,8 @@ static ost_status take(const char *file, int line, const char *text, ost_force_p
     if (!after || after != end)
         return ost_fail(err, OST_ERR_INPUT, "%s:%d: %s is '%.*s': expected a number in %s", file, line, key->name, shown, value, key->unit);
     const double number = real_of(&d);
-    const bool whole = places[i].kind == REAL || number == (double)(int64_t)number;
-    if (!(number >= key->lo && number <= key->hi) || !whole)
+    /* The bounds come first: a number beyond int64_t has no conversion. */
+    if (!(number >= key->lo && number <= key->hi) || (places[i].kind != REAL && number != (double)(int64_t)number))
         return ost_fail(err, OST_ERR_RANGE, "%s:%d: %s is '%.*s': expected %s%g to %g %s", file, line, key->name, shown, value,
                         places[i].kind == REAL ? "" : "a whole number, ", key->lo, key->hi, key->unit);
     put(&places[i], number, force, safety);

@@ -251,6 +251,8 @@ static void a_file_says_what_is_other(void **state)
         {"stiffness: 1e9\n", ":1: stiffness is '1e9': expected 1 to 1e+06 N/m", OST_ERR_RANGE},
         {"stiffness: -1\n", "expected 1 to", OST_ERR_RANGE},
         {"stiffness: 1e5000\n", "expected", OST_ERR_RANGE},
+        {"stale_ticks: 1e54\n", "expected a whole number, 1 to 1000 ticks", OST_ERR_RANGE},
+        {"dead_man: -1e300\n", "expected a whole number, 0 to", OST_ERR_RANGE},
         {"stale_ticks: 2.5\n", "expected a whole number, 1 to 1000 ticks", OST_ERR_RANGE},
         {"scale: 0.1\nscale: 0.2\n", ":2: scale is set a second time", OST_ERR_INPUT},
         {"vibration: 0.1\nteeth: 200\n", "500 teeth a second", OST_ERR_RANGE},
