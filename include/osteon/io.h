@@ -91,6 +91,13 @@ typedef struct ost_mesh_report {
 } ost_mesh_report;
 
 /*
+ * The most triangles that are read of a file, and a third of the most vertices.  assimp needs up
+ * to 230 bytes for a triangle of a text format: 2 GB with so many.  Larger files are refused
+ * before that memory is allocated.
+ */
+enum { OST_MESH_FILE_TRIANGLES_MAX = 1 << 23 };
+
+/*
  * By assimp.  AUTO takes the file's numbers as millimetres and refuses an
  * implausible size (largest extent under 1 mm or over 1 m), naming the units
  * that would make sense; a unit given is believed.  NaN, infinity, no

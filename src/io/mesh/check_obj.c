@@ -48,7 +48,9 @@ static ost_status vertex(obj *o, ost_error *err)
     for (int i = 0; i < 3; i++) /* assimp takes no word for a number that begins with its point */
         fprintf(o->plain.out, words[i].text[0] == '.' ? " 0%.*s" : " %.*s", (int)words[i].size, words[i].text);
     putc('\n', o->plain.out);
-    o->vertices++;
+    if (++o->vertices > 3 * (int64_t)OST_MESH_FILE_TRIANGLES_MAX)
+        return ost_fail(err, OST_ERR_RANGE, "%s:%ld: more than %lld vertices; simplify the mesh", o->text.path, o->text.line,
+                        3 * (long long)OST_MESH_FILE_TRIANGLES_MAX);
     return OST_OK;
 }
 

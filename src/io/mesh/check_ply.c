@@ -104,7 +104,7 @@ static ost_status read_element(ply *p, ost_error *err)
     element *e = &p->elements[p->element_count];
     mesh_word name = ost_mesh_text_word(&p->text);
     mesh_word count = ost_mesh_text_word(&p->text);
-    if (!ost_mesh_word_integer(count, &e->count) || e->count < 0 || e->count > 3 * (int64_t)OST_MESH_TRIANGLES_MAX)
+    if (!ost_mesh_word_integer(count, &e->count) || e->count < 0 || e->count > 3 * (int64_t)OST_MESH_FILE_TRIANGLES_MAX)
         return wrong(p, count, "a count of elements", err);
     e->role = ost_mesh_word_is(name, "vertex") ? VERTEX : ost_mesh_word_is(name, "face") ? FACE : OTHER;
     for (int i = 0; i < p->element_count; i++)

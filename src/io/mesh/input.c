@@ -2,22 +2,19 @@
 /* A mesh file in memory, its kind, and the words of the text kinds. */
 #include "io/mesh/input.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <unistd.h>
 
 #include "core/file.h"
 
-/* More than a binary STL with OST_MESH_TRIANGLES_MAX triangles needs. */
-#define FILE_MAX ((size_t)4 << 30)
+/* Twice what a binary STL with OST_MESH_FILE_TRIANGLES_MAX triangles needs, 128 bytes a triangle for text. */
+#define FILE_MAX (INT64_C(1) << 30)
 
-static uint32_t stl_count(const mesh_input *in)
-{
-    uint32_t count;
-    memcpy(&count, in->bytes + 80, sizeof count);
-    return count;
-}
+enum { STL_HEADER = 84, STL_RECORD = 50, STL_LOOK = 4096 };
 
 static bool starts_with(const mesh_input *in, const char *word)
 {
@@ -25,26 +22,64 @@ static bool starts_with(const mesh_input *in, const char *word)
     return ost_mesh_word_is(ost_mesh_text_any_word(&text), word);
 }
 
-/* A binary STL may begin with "solid"; its size tells. Text has no zero byte. */
-static mesh_kind stl_kind(const mesh_input *in)
+static uint64_t stl_count(const mesh_input *in)
 {
-    if (in->size >= 84 && in->size - 84 == (uint64_t)stl_count(in) * 50)
+    const uint8_t *p = in->bytes + 80;
+    return (uint64_t)p[0] | (uint64_t)p[1] << 8 | (uint64_t)p[2] << 16 | (uint64_t)p[3] << 24;
+}
+
+/* A binary STL may begin with "solid"; its size tells. Text has no zero byte. file_size may be more than what is in memory. */
+static mesh_kind stl_kind(const mesh_input *in, uint64_t file_size)
+{
+    if (in->size >= STL_HEADER && file_size - STL_HEADER == stl_count(in) * STL_RECORD)
         return MESH_STL_BINARY;
-    size_t look = in->size < 4096 ? in->size : 4096;
+    size_t look = in->size < STL_LOOK ? in->size : STL_LOOK;
     if (starts_with(in, "solid") && !memchr(in->bytes, 0, look))
         return MESH_STL_ASCII;
     return MESH_STL_BINARY;
 }
 
-static ost_status find_kind(const char *path, mesh_input *in, ost_error *err)
+static const char *extension_of(const char *path)
 {
     const char *slash = strrchr(path, '/');
     const char *dot = strrchr(slash ? slash : path, '.');
-    const char *extension = dot ? dot + 1 : "";
+    return dot ? dot + 1 : "";
+}
+
+/* Refuses a binary STL by its first bytes and its size, before the rest is read. */
+static ost_status check_stl_header(const ost_file *file, const char *path, ost_error *err)
+{
+    uint8_t look[STL_LOOK + 1] = {0};
+    const ssize_t got = pread(file->fd, look, STL_LOOK, 0);
+    if (got < 0)
+        return ost_fail(err, OST_ERR_IO, "%s: cannot be read: %s", path, strerror(errno));
+    const mesh_input in = {.path = path, .bytes = look, .size = (size_t)got};
+    if (in.size < STL_HEADER || memcmp(look, "ply", 3) == 0 || stl_kind(&in, (uint64_t)file->size) != MESH_STL_BINARY)
+        return OST_OK;
+    return ost_mesh_check_stl_count(path, (uint64_t)file->size, stl_count(&in), err);
+}
+
+static ost_status read_all(const ost_file *file, const char *path, mesh_input *in, ost_error *err)
+{
+    if (file->size == 0)
+        return ost_fail(err, OST_ERR_INPUT, "%s: the file is empty", path);
+    if (file->size > FILE_MAX)
+        return ost_fail(err, OST_ERR_RANGE, "%s: %lld bytes; a mesh file may have at most %lld", path, (long long)file->size, (long long)FILE_MAX);
+    in->size = (size_t)file->size;
+    in->bytes = malloc(in->size + 1);
+    if (!in->bytes)
+        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for its %zu bytes", path, in->size);
+    in->bytes[in->size] = 0;
+    return ost_file_fill(path, file, in->bytes, err);
+}
+
+static ost_status find_kind(const char *path, mesh_input *in, ost_error *err)
+{
+    const char *extension = extension_of(path);
     if (in->size >= 4 && memcmp(in->bytes, "ply", 3) == 0 && (in->bytes[3] == '\n' || in->bytes[3] == '\r'))
         in->kind = MESH_PLY;
     else if (strcasecmp(extension, "stl") == 0)
-        in->kind = stl_kind(in);
+        in->kind = stl_kind(in, in->size);
     else if (strcasecmp(extension, "obj") == 0)
         in->kind = MESH_OBJ;
     else if (strcasecmp(extension, "3ds") == 0)
@@ -53,18 +88,22 @@ static ost_status find_kind(const char *path, mesh_input *in, ost_error *err)
         return ost_fail(err, OST_ERR_INPUT, "%s: byte 0: a PLY file begins with a line 'ply'", path);
     else
         return ost_fail(err, OST_ERR_INPUT, "%s: '%.20s' is no mesh format that is read here; expected .stl, .obj, .ply or .3ds", path,
-                        dot ? dot : "no extension");
+                        extension[0] ? extension - 1 : "no extension");
     return OST_OK;
 }
 
 ost_status ost_mesh_input_load(const char *path, mesh_input *in, ost_error *err)
 {
     *in = (mesh_input){.path = path, .bodies = 1};
-    char *bytes;
-    ost_status status = ost_file_read(path, FILE_MAX, &bytes, &in->size, NULL, err);
-    in->bytes = (uint8_t *)bytes;
-    if (status == OST_OK && in->size == 0)
-        status = ost_fail(err, OST_ERR_INPUT, "%s: the file is empty", path);
+    ost_file file;
+    ost_status status = ost_file_open(path, &file, err);
+    if (status != OST_OK)
+        return status;
+    if (strcasecmp(extension_of(path), "stl") == 0)
+        status = check_stl_header(&file, path, err);
+    if (status == OST_OK)
+        status = read_all(&file, path, in, err);
+    close(file.fd);
     if (status == OST_OK)
         status = find_kind(path, in, err);
     if (status != OST_OK)
@@ -83,8 +122,8 @@ ost_status ost_mesh_input_face(mesh_input *in, uint64_t corners, ost_error *err)
     in->faces++;
     if (corners > 2)
         in->triangles += corners - 2;
-    if (in->triangles > OST_MESH_TRIANGLES_MAX)
-        return ost_fail(err, OST_ERR_RANGE, "%s: more than %d triangles", in->path, OST_MESH_TRIANGLES_MAX);
+    if (in->triangles > OST_MESH_FILE_TRIANGLES_MAX)
+        return ost_fail(err, OST_ERR_RANGE, "%s: more than %d triangles; simplify the mesh", in->path, OST_MESH_FILE_TRIANGLES_MAX);
     return OST_OK;
 }
 

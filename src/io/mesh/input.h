@@ -42,7 +42,10 @@ ost_status ost_mesh_check_obj(mesh_input *in, ost_error *err);
 ost_status ost_mesh_check_ply(mesh_input *in, ost_error *err);
 ost_status ost_mesh_check_3ds(mesh_input *in, ost_error *err);
 
-/* Adds a face of this many corners; OST_ERR_RANGE beyond OST_MESH_TRIANGLES_MAX. */
+/* The triangles that a binary STL of this size says it has: there, and not too many. */
+ost_status ost_mesh_check_stl_count(const char *path, uint64_t file_size, uint64_t count, ost_error *err);
+
+/* Adds a face of this many corners; OST_ERR_RANGE beyond OST_MESH_FILE_TRIANGLES_MAX. */
 ost_status ost_mesh_input_face(mesh_input *in, uint64_t corners, ost_error *err);
 
 /* The plain form of a file, on its way into the place of in->bytes. */

@@ -219,6 +219,8 @@ static ost_status import(mesh_input *in, int64_t unit, ost_mesh *out, ost_error 
 {
     struct aiFileIO io = {memory_open, memory_close, (char *)(void *)in};
     const struct aiScene *scene = aiImportFileEx(kinds[in->kind].name, 0, &io);
+    if (!scene && strstr(aiGetErrorString(), "bad_alloc"))
+        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory to read its %llu triangles by assimp", in->path, (unsigned long long)in->triangles);
     if (!scene)
         return ost_fail(err, OST_ERR_INPUT, "%s: assimp: %.200s", in->path, aiGetErrorString());
     ost_status status = convert(in, scene, unit, out, err);

@@ -1,0 +1,48 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# Mesh files beyond the stated number of triangles are refused before the memory for them is
+# allocated: here within 1 GB of addresses, by files that would need 3 GB and more.
+# Covers: REQ-MESH-LIMITS
+. "${srcdir:-.}/tests/app/lib.sh"
+need_part assimp "no meshes without assimp"
+[ -z "${OST_SAN_CFLAGS:-}" ] || {
+    echo "skipped: a sanitizer needs terabytes of addresses"
+    exit 77
+}
+
+# within_limit FILE: "status, message" of osteon info with 1 GB of addresses
+within_limit() {
+    (
+        ulimit -v 1000000 || exit 99
+        "$osteon" info "$1" >out 2>err
+    )
+    echo "$? $(cat err)"
+}
+
+# A binary STL of 80,000,000 triangles (0x04c4b400), of which only the first bytes are on the disk.
+{
+    head -c 80 /dev/zero
+    printf '\000\264\304\004'
+} >huge.stl
+if dd if=/dev/null of=huge.stl bs=1 seek=4000000084 2>/dev/null; then
+    check "80 million triangles" "$(within_limit huge.stl)" \
+        "2 osteon info: huge.stl: byte 80: 80000000 triangles; at most 8388608 are read: simplify the mesh"
+    rm huge.stl
+fi
+# The same number in a file that is shorter: refused by its size alone.
+{
+    head -c 80 /dev/zero
+    printf '\000\264\304\004'
+    head -c 100000 /dev/zero
+} >short.stl
+check "80 million triangles that are not there" "$(within_limit short.stl)" \
+    "2 osteon info: short.stl: byte 80: says 80000000 triangles, which take 4000000084 bytes; the file has 100084 (cut off, or no STL)"
+
+# An OBJ of 19 MB: polygons of 900 corners, two bytes each, make 9,000,000 triangles.
+awk 'BEGIN {
+    for (i = 0; i < 9; i++) printf "v %d %d 0\n", 10 * (i % 3), 10 * int(i / 3)
+    for (i = 0; i < 100; i++) corners = corners " 1 2 3 4 5 6 7 8 9"
+    for (i = 0; i < 10022; i++) print "f" corners
+}' >fan.obj
+check "an OBJ of 9 million triangles" "$(within_limit fan.obj)" "2 osteon info: fan.obj: more than 8388608 triangles; simplify the mesh"
+finish
