@@ -41,19 +41,29 @@ OST_API ost_status ost_phantom_make(ost_phantom_kind kind, const ost_phantom_opt
 /*
  * Closed triangle meshes, working face toward -z (the tool cuts along -z of
  * its own frame), shaft along +z, lengths in picometres; 0 = default.
- *   reamer  hemispherical head with teeth: bounds (-18, -18, 0)..(17.4, 18, 20.3) mm by default
+ *   reamer  hemispherical head with teeth, and a hub that does not cut: bounds (-18, -18, 0)..(17.4, 18, 20.3) mm by default
  *   peg     cylinder
  *   burr    sphere on a shaft
  */
 typedef enum ost_tool_kind { OST_TOOL_REAMER, OST_TOOL_PEG, OST_TOOL_BURR, OST_TOOL_KIND_COUNT } ost_tool_kind;
 
+/*
+ * The complete tool, what of it cuts, or what does not: a reamer's hub behind
+ * its back, a burr's shaft from the middle of its sphere on.  Head and shaft
+ * together fill what the complete tool fills.  A peg has no shaft.
+ */
+typedef enum ost_tool_part { OST_TOOL_COMPLETE, OST_TOOL_HEAD, OST_TOOL_SHAFT } ost_tool_part;
+
 typedef struct ost_tool_options {
     ost_pm diameter; /* reamer 36 mm, peg 6 mm, burr 6 mm */
     ost_pm length;   /* reamer head 20.3 mm, peg 30 mm, burr shaft 20 mm */
     int segments;    /* around the axis; 0 = 96 */
+    ost_tool_part part;
 } ost_tool_options;
 
 OST_API const char *ost_tool_kind_name(ost_tool_kind kind);
+/* Returns true for kinds that have a shaft. */
+OST_API bool ost_tool_has_shaft(ost_tool_kind kind);
 OST_API ost_status ost_tool_make(ost_tool_kind kind, const ost_tool_options *options, ost_mesh *out, ost_error *err);
 
 #ifdef __cplusplus

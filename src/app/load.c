@@ -223,22 +223,35 @@ ost_status bone_to_volume(const ost_bone *bone, const ost_meta *meta, ost_volume
 
 /* ------------------------------------------------------------------ tools */
 
-ost_status load_mesh(const char *name, ost_unit unit, ost_mesh *out, ost_mesh_report *report, ost_error *err)
+/* Finds the kind of a built-in tool; OST_TOOL_KIND_COUNT when the name is of none. */
+static ost_tool_kind builtin_tool(const char *name)
 {
     const char *kind = builtin_name(name);
-    if (!kind)
+    int k = 0;
+    while (k < OST_TOOL_KIND_COUNT && !(kind && strcmp(kind, ost_tool_kind_name((ost_tool_kind)k)) == 0))
+        k++;
+    return (ost_tool_kind)k;
+}
+
+static ost_status load_part(const char *name, ost_unit unit, ost_tool_part part, ost_mesh *out, ost_mesh_report *report, ost_error *err)
+{
+    const ost_tool_kind k = builtin_tool(name);
+    if (!builtin_name(name))
         return ost_mesh_read(name, unit, out, report, err);
-    for (int k = 0; k < OST_TOOL_KIND_COUNT; k++)
-        if (strcmp(kind, ost_tool_kind_name((ost_tool_kind)k)) == 0) {
-            ost_status status = ost_tool_make((ost_tool_kind)k, NULL, out, err);
-            if (status == OST_OK) {
-                snprintf(report->format, sizeof report->format, "built in");
-                report->file_triangles = out->triangle_count;
-                report->bodies = 1;
-            }
-            return status;
-        }
-    return ost_fail(err, OST_ERR_USAGE, "%s: there is no such tool; osteon tool --help lists them", name);
+    if (k == OST_TOOL_KIND_COUNT)
+        return ost_fail(err, OST_ERR_USAGE, "%s: there is no such tool; osteon tool --help lists them", name);
+    ost_status status = ost_tool_make(k, &(ost_tool_options){.part = part}, out, err);
+    if (status == OST_OK) {
+        snprintf(report->format, sizeof report->format, "built in");
+        report->file_triangles = out->triangle_count;
+        report->bodies = 1;
+    }
+    return status;
+}
+
+ost_status load_mesh(const char *name, ost_unit unit, ost_mesh *out, ost_mesh_report *report, ost_error *err)
+{
+    return load_part(name, unit, OST_TOOL_COMPLETE, out, report, err);
 }
 
 static ost_status voxelize_meshes(const app_state *app, ost_backend *backend, const char *name, const char *noncutting,
@@ -251,11 +264,14 @@ static ost_status voxelize_meshes(const app_state *app, ost_backend *backend, co
     ost_pm3 lo, hi, lo2, hi2;
     char text[SAY_TEXT];
 
-    ost_status status = load_mesh(name, (ost_unit)options->unit, &mesh, &report->mesh, err);
+    /* The shaft of a built-in tool touches bone and does not cut it. */
+    const ost_tool_kind kind = builtin_tool(name);
+    const bool two_parts = !noncutting && kind < OST_TOOL_KIND_COUNT && ost_tool_has_shaft(kind);
+    ost_status status = load_part(name, (ost_unit)options->unit, two_parts ? OST_TOOL_HEAD : OST_TOOL_COMPLETE, &mesh, &report->mesh, err);
     if (status == OST_OK)
         status = ost_mesh_bounds(&mesh, &lo, &hi, err);
-    if (status == OST_OK && noncutting) {
-        status = load_mesh(noncutting, (ost_unit)options->unit, &shaft, &shaft_report, err);
+    if (status == OST_OK && (noncutting || two_parts)) {
+        status = load_part(two_parts ? name : noncutting, (ost_unit)options->unit, two_parts ? OST_TOOL_SHAFT : OST_TOOL_COMPLETE, &shaft, &shaft_report, err);
         if (status == OST_OK)
             status = ost_mesh_bounds(&shaft, &lo2, &hi2, err);
         if (status == OST_OK) {
@@ -269,13 +285,13 @@ static ost_status voxelize_meshes(const app_state *app, ost_backend *backend, co
         ost_fail_context(err, "%s", name);
     if (status == OST_OK)
         status = ost_mesh_snap(&mesh, &grid, &snapped, err);
-    if (status == OST_OK && noncutting)
+    if (status == OST_OK && shaft.triangle_count)
         status = ost_mesh_snap(&shaft, &grid, &snapped_shaft, err);
     if (status == OST_OK)
         status = ost_snapped_mesh_digest(&snapped, &report->snapped, err);
     if (status == OST_OK) {
         double start = now_ms();
-        status = ost_voxelize(backend, &snapped, noncutting ? &snapped_shaft : NULL, (ost_fill_rule)options->rule, &report->voxels, out, err);
+        status = ost_voxelize(backend, &snapped, shaft.triangle_count ? &snapped_shaft : NULL, (ost_fill_rule)options->rule, &report->voxels, out, err);
         report->time_ms = now_ms() - start;
     }
     if (status == OST_OK) {

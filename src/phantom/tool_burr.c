@@ -28,21 +28,32 @@ ost_status ost_tool_make_burr(const ost_tool_options *options, ost_mesh *out, os
     const ost_pm top = options->diameter + options->length;
     const int n = options->segments / 2;
     ost_pm radius, z;
+    ost_skin skin;
+    ost_status status;
+    if (options->part == OST_TOOL_SHAFT) {
+        status = ost_skin_init(&skin, out, options->segments, 2, sphere, top, err);
+        if (status != OST_OK)
+            return status;
+        ost_skin_circle(&skin, shaft, sphere);
+        ost_skin_circle(&skin, shaft, top);
+        return OST_OK;
+    }
+    const bool head = options->part == OST_TOOL_HEAD;
     int latitudes = 0;
     for (int k = 1; k < n; k++) {
         latitude(k, n, sphere, &radius, &z);
-        if (z <= sphere || radius > shaft)
+        if (head || z <= sphere || radius > shaft)
             latitudes++;
     }
-
-    ost_skin skin;
-    ost_status status = ost_skin_init(&skin, out, options->segments, latitudes + 2, 0, top, err);
+    status = ost_skin_init(&skin, out, options->segments, latitudes + (head ? 0 : 2), 0, head ? options->diameter : top, err);
     if (status != OST_OK)
         return status;
     for (int k = 1; k <= latitudes; k++) {
         latitude(k, n, sphere, &radius, &z);
         ost_skin_circle(&skin, radius, z);
     }
+    if (head)
+        return OST_OK;
     const ost_pm root = sphere + ost_isqrt((unsigned __int128)((__int128)sphere * sphere - (__int128)shaft * shaft));
     ost_skin_circle(&skin, shaft, root);
     ost_skin_circle(&skin, shaft, top);

@@ -27,12 +27,19 @@ static ost_status check_length(const char *kind, const char *what, ost_pm value,
     return OST_OK;
 }
 
+bool ost_tool_has_shaft(ost_tool_kind kind)
+{
+    return kind == OST_TOOL_REAMER || kind == OST_TOOL_BURR;
+}
+
 ost_status ost_tool_make(ost_tool_kind kind, const ost_tool_options *options, ost_mesh *out, ost_error *err)
 {
     memset(out, 0, sizeof *out);
     if ((unsigned)kind >= OST_TOOL_KIND_COUNT)
         return ost_fail(err, OST_ERR_USAGE, "no tool of kind %d; known are reamer, peg and burr", (int)kind);
     ost_tool_options o = options ? *options : (ost_tool_options){0};
+    if (o.part == OST_TOOL_SHAFT && !ost_tool_has_shaft(kind))
+        return ost_fail(err, OST_ERR_USAGE, "a %s has no shaft", kinds[kind].name);
     if (o.diameter == 0)
         o.diameter = kinds[kind].diameter;
     if (o.length == 0)

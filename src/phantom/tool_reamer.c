@@ -34,7 +34,8 @@ enum {
     FACE_RINGS = 28, /* on the face, from the nose to the rim */
     NOSE_RINGS = 6,  /* of these: without grooves */
     RAMP_RINGS = 6,  /* grooves grow to their full depth */
-    BACK_RINGS = 11
+    BACK_RINGS = 11,
+    BACK_OF_HEAD = 4 /* of these: before the hub */
 };
 
 typedef struct reamer {
@@ -124,11 +125,17 @@ ost_status ost_tool_make_reamer(const ost_tool_options *options, ost_mesh *out, 
     const reamer r = {.radius = d / 2, .sphere = 3 * d / 4, .groove = d / 24, .segments = options->segments};
     const ost_pm rim = dome(&r, r.radius);
 
+    const bool shaft = options->part == OST_TOOL_SHAFT, head = options->part == OST_TOOL_HEAD;
+    const ost_pm seam = rim + d * 54 / 360; /* the flat back from which the hub rises */
+    if (shaft && top - d / 6 <= seam)
+        return ost_fail(err, OST_ERR_USAGE, "a reamer of diameter %s mm and length %s mm has no hub of its own", ost_pm_format(d, a), ost_pm_format(top, b));
+    const int first = shaft ? BACK_OF_HEAD - 1 : 0, last = head ? BACK_OF_HEAD : BACK_RINGS;
+
     ost_skin skin;
-    ost_status status = ost_skin_init(&skin, out, r.segments, FACE_RINGS + BACK_RINGS, 0, top - d / 6, err);
+    ost_status status = ost_skin_init(&skin, out, r.segments, (shaft ? 0 : FACE_RINGS) + last - first, shaft ? seam : 0, head ? seam : top - d / 6, err);
     if (status != OST_OK)
         return status;
-    for (int ring = 1; ring <= FACE_RINGS; ring++)
+    for (int ring = 1; ring <= FACE_RINGS && !shaft; ring++)
         face_ring(&r, &skin, ring);
 
     /* Radii and heights in 360ths of the diameter; 36 mm make that tenths of a millimetre. */
@@ -142,7 +149,7 @@ ost_status ost_tool_make_reamer(const ost_tool_options *options, ost_mesh *out, 
         {66, 58, -1, false},  {62, 64, -1, false},  {62, -1, 8, false},   {54, -1, 0, false},
         {34, -1, 0, false},   {30, -1, 4, false},   {30, -1, 60, false},
     };
-    for (int i = 0; i < BACK_RINGS; i++) {
+    for (int i = first; i < last; i++) {
         ost_pm z = back[i].above_rim >= 0 ? rim + d * back[i].above_rim / 360 : top - d * back[i].below_top / 360;
         back_ring(&r, &skin, d * back[i].radius / 360, z, back[i].outline);
     }

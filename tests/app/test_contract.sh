@@ -40,8 +40,23 @@ check "kind of a tool" "$(value kind)" tool
 check "info --digest is voxelize's digest" "$(value sha256)" "$tool_digest"
 run 0 info reamer.stl --json
 check "kind of a mesh" "$(value kind)" mesh
-run 0 voxelize builtin:reamer --voxel 1 --out reamer2.nrrd --json
-check "a mesh by way of a file and without" "$(value sha256)" "$tool_digest"
+# Shafts of built-in tools do not cut: of the burr the sphere of 6 mm does, 905 voxels of 0.5 mm, of the reamer all but its hub, of the peg all.
+run 0 voxelize builtin:burr --voxel 0.5 --out burr.nrrd --json
+check "a burr's sphere cuts" "$(awk -v n="$(value cutting_voxels)" 'BEGIN { print (n > 880 && n < 930) }')" 1
+check "and its shaft of 2 mm does not" "$(awk -v n="$(value solid_voxels)" -v m="$(value cutting_voxels)" 'BEGIN { print (n - m > 430 && n - m < 560) }')" 1
+run 0 voxelize builtin:peg --voxel 0.5 --out peg.nrrd --json
+check "all of a peg cuts" "$(value cutting_voxels)" "$(value solid_voxels)"
+run 0 tool reamer --out whole.stl
+run 0 voxelize whole.stl --voxel 0.5 --out whole.nrrd --json
+solid=$(value solid_voxels)
+run 0 voxelize builtin:reamer --voxel 0.5 --out parts.nrrd --json
+check "head and hub are the reamer" "$(value solid_voxels)" "$solid"
+check "its hub does not cut" "$(awk -v n="$(value cutting_voxels)" -v m="$solid" 'BEGIN { print (n < 0.95 * m && n > 0.8 * m) }')" 1
+run 0 tool peg --out peg.stl
+run 0 voxelize peg.stl --voxel 0.5 --out peg2.nrrd --json
+peg_digest=$(value sha256)
+run 0 voxelize builtin:peg --voxel 0.5 --out peg.nrrd --json
+check "a mesh by way of a file and without" "$(value sha256)" "$peg_digest"
 
 # The main job: hole, then reaming, in one command.
 run 0 ream --bone bone.nrrd --tool peg.ply --path builtin:peg-hole --tool reamer.nrrd --path builtin:glenoid-ream --out reamed.nrrd --json

@@ -135,6 +135,35 @@ static void every_tool_keeps_its_volume_on_the_grid(void **state)
     ost_mesh_free(&mesh);
 }
 
+/* Head and shaft: closed, on the seam alike, and together as large as the complete tool; a burr's sphere is complete and its shaft begins in it. */
+static void heads_and_shafts_are_the_tool(void **state)
+{
+    (void)state;
+    const double pi = 3.14159265358979;
+    ost_mesh complete, head, shaft;
+    ost_error err = {0};
+    make(OST_TOOL_REAMER, NULL, &complete);
+    make(OST_TOOL_REAMER, &(ost_tool_options){.part = OST_TOOL_HEAD}, &head);
+    make(OST_TOOL_REAMER, &(ost_tool_options){.part = OST_TOOL_SHAFT}, &shaft);
+    assert_true(fabs(ost_mesh_volume_mm3(&head) + ost_mesh_volume_mm3(&shaft) - ost_mesh_volume_mm3(&complete)) < 1e-3);
+    /* The hub is 13.2 to 14.8 mm wide where it is widest, and stands behind the cutting face. */
+    ost_pm3 lo, hi;
+    assert_ok(ost_mesh_bounds(&shaft, &lo, &hi, &err));
+    assert_true(hi.x <= 7400000000 && hi.z == 20300000000 && lo.z > 12000000000);
+    ost_mesh_free(&complete);
+    ost_mesh_free(&head);
+    ost_mesh_free(&shaft);
+    make(OST_TOOL_BURR, &(ost_tool_options){.part = OST_TOOL_HEAD, .segments = 1024}, &head);
+    make(OST_TOOL_BURR, &(ost_tool_options){.part = OST_TOOL_SHAFT, .segments = 1024}, &shaft);
+    assert_true(fabs(ost_mesh_volume_mm3(&head) / (pi * 36) - 1) < 1e-4);
+    assert_true(fabs(ost_mesh_volume_mm3(&shaft) / (pi * 23) - 1) < 1e-4);
+    ost_mesh_free(&head);
+    ost_mesh_free(&shaft);
+    assert_false(ost_tool_has_shaft(OST_TOOL_PEG));
+    assert_int_equal(ost_tool_make(OST_TOOL_PEG, &(ost_tool_options){.part = OST_TOOL_SHAFT}, &shaft, &err), OST_ERR_USAGE);
+    assert_int_equal(ost_tool_make(OST_TOOL_REAMER, &(ost_tool_options){.part = OST_TOOL_SHAFT, .length = 16200000000}, &shaft, &err), OST_ERR_USAGE);
+}
+
 /*
  * What turns sweeps, at each distance from the axis, down to the lowest point
  * of the mesh there.  No vertex of the reamer is below the sphere of 27 mm
@@ -203,6 +232,7 @@ static void sizes_scale_and_limits_are_said(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(heads_and_shafts_are_the_tool),
         cmocka_unit_test(the_reamer_is_the_thesis_head),
         cmocka_unit_test(every_tool_keeps_its_volume_on_the_grid),
         cmocka_unit_test(the_turning_reamer_sweeps_a_smooth_dome),
