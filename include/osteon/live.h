@@ -35,12 +35,16 @@ extern "C" {
 
 typedef struct ost_live ost_live;
 
+enum { OST_LIVE_TOOLS = 16 };
+
 typedef struct ost_live_state {
     uint64_t ticks;         /* that were done, 0: none yet */
     int64_t t_ns;           /* of the last */
     int32_t tool;           /* in use */
     ost_pose device, pose;  /* where the hand is; where the tool is, which a force may hold back */
-    double force_n[3], torque_nm[3]; /* on the hand */
+    double force_n[3], torque_nm[3]; /* hand force and torque: of the device on the hand */
+    double contact_n;       /* contact force: of the tool on the bone */
+    double reached_mm[OST_LIVE_TOOLS]; /* by tool: the deepest that it removed bone, as options.depth_of (operation.h) has it; 0 before */
     uint64_t removals, removed_voxels;
     uint64_t missed;        /* ticks that were skipped */
     uint32_t wake_ns, exec_ns; /* of the last tick: how late it was, what it took */

@@ -42,6 +42,9 @@ typedef struct ost_operation_options {
     /* Of an operation that goes on: how many ticks the world took before, and the last of them; 0 and NULL else. */
     uint64_t steps_before;
     const ost_tick *last;    /* read when the operation is created */
+    /* Returns how deep a tool at a pose is, mm, for the live state; called on the servo thread. NULL: nothing is shown of it. */
+    double (*depth_of)(void *user, int32_t tool, const ost_pose *pose);
+    void *depth_user;
 } ost_operation_options;
 
 /* The world is borrowed, and used by the servo's thread alone while it runs. */

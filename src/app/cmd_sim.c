@@ -33,6 +33,7 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
          .help = "frames a second at most (default: 60; 0: as many as there can be)"},
         {.name = "style", .kind = OPTION_CHOICE, .out = &args.style, .value = "smooth|faces", .help = "lit by the surface's normals (default), or the thesis' flat faces"},
         {.name = "picture", .kind = OPTION_TEXT, .out = &args.picture, .value = "FILE.png", .help = "the last frame, with --renderer points, gl or thesis"},
+        {.name = "timings", .kind = OPTION_FLAG, .out = &args.timings, .help = "show in the HUD how punctual the loop and the frames are (key L)"},
         {.name = "hud", .kind = OPTION_FLAG, .out = &args.hud, .help = "write over frames without a window what a window has over them"},
         VIDEO_OPTIONS(args.video),
         APPEARANCE_OPTIONS(args.look),

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "app/replay_film.h"
 
+#include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "app/frame_size.h"
 #include "app/options.h"
@@ -24,6 +26,7 @@ struct replay_film {
     ost_view_subject subject;
     uint64_t ticks, removals, removed, missed;
     int64_t t_ns;
+    double reached_mm[OST_LIVE_TOOLS];
 };
 
 ost_status replay_film_check(const app_state *app, replay_film_options *options, ost_error *err)
@@ -73,13 +76,32 @@ static ost_status on_tick(void *user, const ost_session_tick *tick, const ost_st
     ost_live_state state = {.ticks = f->ticks, .t_ns = f->t_ns, .tool = tick->tick.tool, .device = tick->tick.pose, .pose = tick->tick.pose,
                             .removals = f->removals, .removed_voxels = f->removed, .missed = f->missed, .wake_ns = tick->wake_ns,
                             .exec_ns = tick->exec_ns, .touching = tick->removed + tick->touched, .fault = tick->fault};
+    double square = 0;
     for (int a = 0; a < 3; a++) {
         state.force_n[a] = tick->force_un[a] * 1e-6;
+        square += state.force_n[a] * state.force_n[a];
         f->scene.force_given = f->scene.force_given || tick->force_un[a] != 0;
     }
+    /* A session has the hand force, which is the contact force times the scale, within what the device gives. */
+    state.contact_n = sqrt(square) * f->scene.contact_full_n / f->scene.hand_full_n;
+    const int32_t tool = tick->tick.tool;
+    if (tool >= 0 && tool < OST_LIVE_TOOLS && step->report && step->report->total_voxels)
+        f->reached_mm[tool] = fmax(f->reached_mm[tool], sim_scene_depth(&f->scene, tool, &tick->tick.pose));
+    memcpy(state.reached_mm, f->reached_mm, sizeof state.reached_mm);
     ost_live_changed(f->live, step->report);
     ost_status status = ost_live_publish(f->live, &state, err);
     return status == OST_OK && film_wants(f->film, f->t_ns) ? draw(f, err) : status;
+}
+
+/* Reads the scales of the forces from the session; one that does not have them has the defaults. */
+static void take_forces(replay_film *f, const ost_session_header *header)
+{
+    const char *max = ost_session_header_get(header, "force.max_force"), *scale = ost_session_header_get(header, "force.scale");
+    ost_decimal a, b;
+    int64_t n, s;
+    if (max && scale && ost_decimal_read(max, max + strlen(max), &a) && ost_decimal_read(scale, scale + strlen(scale), &b) &&
+        ost_decimal_scale(&a, 1000000, &n, NULL) && ost_decimal_scale(&b, 1000000000, &s, NULL) && n > 0 && s > 0)
+        sim_scene_forces(&f->scene, (double)n * 1e-6, (double)s * 1e-9);
 }
 
 /* As in osteon sim: what was there before anything was cut, and what is shown of it. */
@@ -140,6 +162,8 @@ ost_status replay_film_begin(const app_state *app, const replay_film_options *op
         status = make_look(f, r, plan, err);
     }
     if (status == OST_OK)
+        status = sim_scene_make(&f->scene, &r->setup.tools, r->tools, g, plan, err);
+    if (status == OST_OK)
         status = sim_hud_create(options->width, options->height, 1, &f->hud, err);
     if (status == OST_OK)
         status = film_open(&options->video, &f->film, err);
@@ -148,7 +172,7 @@ ost_status replay_film_begin(const app_state *app, const replay_film_options *op
         return status;
     }
     ost_viewer_follow(&f->viewer, f->live);
-    sim_scene_make(&f->scene, &r->setup.tools, r->tools, g, plan);
+    take_forces(f, ost_session_header_of(r->session));
     f->scene.device = "";
     f->scene.recording = true;
     r->each = on_tick;

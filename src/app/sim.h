@@ -40,7 +40,7 @@ typedef struct sim_args {
     int view, style, width, height;
     int64_t fps, rehearse_us;
     film_options video;
-    bool hud;
+    bool hud, timings;
     bool renderer_given, paths_given, rehearse_given;
     appearance_options look;
     bool contact;         /* what went just now is shown, without a window too */

@@ -4,34 +4,49 @@
 #include <math.h>
 #include <string.h>
 
-#include "app/sim_hand.h"
+static const double DEG = 57.29577951308232;
 
-static const double DEG = 57.29577951308232, DRILL_MM = 16;
-
-/* The grid begins one to two voxels below the lowest point (Alg. 2.1). */
-static double tip_of(const ost_tool *tool)
-{
-    const ost_tool_geometry *g = ost_tool_geometry_get(tool);
-    return -1e-9 * (double)(g->corner.z + 3 * g->voxel / 2);
-}
-
-void sim_scene_make(sim_scene *scene, const option_list *names, ost_tool *const *tools, const ost_geometry *bone, const ost_metrics_plan *plan)
+ost_status sim_scene_make(sim_scene *scene, const option_list *names, ost_tool *const *tools, const ost_geometry *bone, const ost_metrics_plan *plan,
+                          ost_error *err)
 {
     const double mm = 1e-9 * (double)bone->spacing.x;
     *scene = (sim_scene){.tools = *names, .voxel_mm3 = mm * mm * mm, .planned = plan != NULL};
+    const ost_force_params force = ost_force_defaults();
+    sim_scene_forces(scene, ost_safety_defaults().max_n, force.scale);
     for (int i = 0; i < names->count; i++) {
-        const ost_tool_geometry *g = ost_tool_geometry_get(tools[i]);
-        scene->tip_mm[i] = tip_of(tools[i]);
-        scene->drill[i] = 1e-9 * (double)(g->dims.x * g->voxel) < DRILL_MM;
+        ost_status status = tool_shape_of(tools[i], &scene->shapes[i], err);
+        if (status != OST_OK)
+            return status;
     }
     if (!plan)
-        return;
+        return OST_OK;
     scene->plan = *plan;
     double length = 0, *axis = scene->plan.axis;
     for (int a = 0; a < 3; a++)
         length += axis[a] * axis[a];
     for (int a = 0; a < 3; a++)
         axis[a] /= length > 0 ? sqrt(length) : 1;
+    return OST_OK;
+}
+
+void sim_scene_forces(sim_scene *scene, double max_n, double scale)
+{
+    scene->hand_full_n = max_n;
+    scene->contact_full_n = max_n / scale;
+}
+
+double sim_scene_depth(void *user, int32_t tool, const ost_pose *pose)
+{
+    const sim_scene *scene = user;
+    double tip[3], axis[3], depth = 0;
+    if (!scene->planned || tool < 0 || tool >= scene->tools.count)
+        return 0;
+    tool_shape_at(&scene->shapes[tool], pose, tip, axis);
+    const ost_pm3 *at = &scene->plan.at;
+    const double centre[3] = {ost_pm_to_mm(at->x), ost_pm_to_mm(at->y), ost_pm_to_mm(at->z)};
+    for (int a = 0; a < 3; a++)
+        depth += (tip[a] - centre[a]) * scene->plan.axis[a];
+    return depth;
 }
 
 /* Degrees outward of an inward direction, toward the back and toward the head, as the debrief has them. */
@@ -45,17 +60,15 @@ static void angles(const double inward[3], bool left, double out[2])
 static void stand_to_plan(const sim_scene *scene, const ost_live_state *state, sim_hud_facts *f)
 {
     const ost_metrics_plan *plan = &scene->plan;
-    const double at[3] = {1e-9 * (double)plan->at.x, 1e-9 * (double)plan->at.y, 1e-9 * (double)plan->at.z};
-    const sim_hand tool = sim_hand_at(&state->pose, state->tool);
-    double axis[3], got[2], planned[2];
-    sim_hand_axis(&tool, axis);
-    for (int a = 0; a < 3; a++)
-        f->depth_mm += (tool.at[a] + scene->tip_mm[f->number - 1] * axis[a] - at[a]) * plan->axis[a];
+    const tool_shape *shape = &scene->shapes[f->number - 1];
+    double tip[3], axis[3], got[2], planned[2];
+    tool_shape_at(shape, &state->pose, tip, axis);
+    f->reached_mm = state->reached_mm[f->number - 1];
     angles(axis, plan->left, got);
     angles(plan->axis, plan->left, planned);
     f->back_deg = got[0] - planned[0];
     f->up_deg = got[1] - planned[1];
-    f->planned_mm = scene->drill[f->number - 1] ? 0 : plan->depth_mm;
+    f->planned_mm = shape->is.kind == OST_METRICS_REAMER ? plan->depth_mm : 0;
     f->planned = true;
 }
 
@@ -83,8 +96,11 @@ sim_hud_facts sim_facts_make(const sim_scene *scene, const ost_live_state *state
     if (!running)
         return f;
     f.force_n = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    f.contact_n = state->contact_n;
+    f.force_full_n = scene->hand_full_n;
+    f.contact_full_n = scene->contact_full_n;
     f.removed_mm3 = (double)state->removed_voxels * scene->voxel_mm3;
-    f.touching = state->touching > 0;
+    f.touching = state->touching > 0 || state->contact_n >= 0.05;
     f.fault = state->fault ? ost_fault_text((ost_fault)state->fault) : NULL;
     f.missed = state->missed;
     f.seconds = (double)state->t_ns * 1e-9;

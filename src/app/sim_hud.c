@@ -11,7 +11,7 @@
 
 enum { WHITE = 0xf4f1ee, PALE = 0xb9b2aa, GREEN = 0x8fce7a, AMBER = 0x4fb4f2, RED = 0x5a5af0, PANEL = 0x0e0c0a, BACK = 0x1c1816, BAR = 0x4a423a };
 enum { SHADE = 150, LINE = 220 };
-enum { ROWS = 8, ROW_TEXT = 64, FOOT_LINES = 4, FOOT_TEXT = 200 };
+enum { ROWS = 9, ROW_TEXT = 64, FOOT_LINES = 4, FOOT_TEXT = 200 };
 static const double PLAIN = 9.5, LARGE = 13, LEAST = 0.75, MOST = 4; /* capitals in units; a unit in pixels of 96 to the inch */
 
 struct sim_hud {
@@ -96,26 +96,46 @@ static void add_angle(table *t, const char *name, double degrees, const char *mo
     add(t, name, size < 3 ? GREEN : size < 8 ? AMBER : RED, text);
 }
 
+/* Without the sign of what is written as zero. */
+static double plain(double value)
+{
+    return fabs(value) < 0.05 ? 0 : value;
+}
+
+/* A force and the end of its scale, which has a bar with marks at its quarters. */
+static void add_force(table *t, const char *name, double n, double full)
+{
+    const double share = full > 0 ? fmax(0, fmin(1, n / full)) : 0;
+    char text[ROW_TEXT];
+    snprintf(text, sizeof text, "%.1f of %.*f N", plain(n), full < 10 ? 1 : 0, full);
+    add(t, name, share < 0.8 ? WHITE : RED, text);
+    t->row[t->rows - 1].share = share;
+}
+
+uint32_t sim_hud_depth_colour(double reached_mm, double planned_mm)
+{
+    return planned_mm <= 0 || reached_mm < planned_mm + 0.05 ? WHITE : reached_mm <= planned_mm + 1 ? AMBER : RED;
+}
+
 static table hand_table(const sim_hud_facts *f)
 {
     table t = {0};
     char text[ROW_TEXT];
     add(&t, "tool", f->fault ? RED : f->touching ? AMBER : GREEN, f->fault ? f->fault : f->touching ? "in the bone" : "free");
     if (f->force_given) {
-        const double share = fmin(1, f->force_n / 10);
-        snprintf(text, sizeof text, "%.1f N", f->force_n);
-        add(&t, "force on the hand", share < 0.8 ? WHITE : RED, text);
-        t.row[t.rows - 1].share = share;
+        add_force(&t, "contact force", f->contact_n, f->contact_full_n);
+        add_force(&t, "hand force", f->force_n, f->force_full_n);
     }
-    snprintf(text, sizeof text, "%.1f mm\xc2\xb3", f->removed_mm3);
+    snprintf(text, sizeof text, "%.1f mm\xc2\xb3", plain(f->removed_mm3));
     add(&t, "removed", WHITE, text);
     if (!f->planned)
         return t;
+    const double reached = plain(f->reached_mm);
     if (f->planned_mm > 0)
-        snprintf(text, sizeof text, "%.1f of %.1f mm", f->depth_mm, f->planned_mm);
+        snprintf(text, sizeof text, "%.1f of %.1f mm", reached, f->planned_mm);
     else
-        snprintf(text, sizeof text, "%.1f mm", f->depth_mm);
-    add(&t, "depth below the face", f->planned_mm > 0 && f->depth_mm > f->planned_mm + 1 ? RED : WHITE, text);
+        snprintf(text, sizeof text, "%.1f mm", reached);
+    add(&t, "depth reached", sim_hud_depth_colour(reached, f->planned_mm), text);
     add_angle(&t, "version error", f->back_deg, "retro", "ante");
     add_angle(&t, "inclination error", f->up_deg, "superior", "inferior");
     return t;
@@ -125,14 +145,15 @@ static table rates_table(const sim_hud_facts *f)
 {
     table t = {0};
     char text[ROW_TEXT], count[SAY_TEXT];
-    if (f->rates) {
+    if (f->rates && f->timings) {
         snprintf(text, sizeof text, "%.0f a second", f->ticks_s);
         add(&t, "ticks", f->ticks_s > 990 ? WHITE : AMBER, text);
         snprintf(text, sizeof text, "%.0f us", f->takes_us);
         add(&t, "one takes", WHITE, text);
     }
-    add(&t, "deadlines missed", f->missed ? AMBER : WHITE, say_count(count, (int64_t)f->missed));
-    if (f->rates) {
+    if (f->timings)
+        add(&t, "deadlines missed", f->missed ? AMBER : WHITE, say_count(count, (int64_t)f->missed));
+    if (f->rates && f->timings) {
         snprintf(text, sizeof text, "%.0f a second, %.1f ms", f->frames_s, f->frame_ms);
         add(&t, "frames", WHITE, text);
     }
@@ -178,6 +199,8 @@ static void draw_table(const sim_hud *h, const ost_sheet *s, const sim_hud_box *
         y += px(h, 7);
         ost_sheet_box(s, x, y, width, px(h, 4), BAR, 256);
         ost_sheet_box(s, x, y, (int)(width * share), px(h, 4), share < 0.5 ? GREEN : share < 0.8 ? AMBER : RED, 256);
+        for (int quarter = 1; quarter < 4; quarter++)
+            ost_sheet_box(s, x + width * quarter / 4, y, px(h, 1), px(h, 4), PALE, 256);
         y += px(h, 3);
     }
 }
@@ -200,6 +223,7 @@ static const char *const help[][2] = {
     {"C, G", "colours of the cut; the planned implant"},
     {"X, page up, down", "clip plane through the bone; move it"},
     {"O, K", "boxes, chunks, axis; where bone goes"},
+    {"L", "how punctual loop and frames are"},
     {"F10", "smooth, or the thesis' flat faces"},
     {"F11", "full screen"},
     {"F12", "a picture into this folder, PNG"},

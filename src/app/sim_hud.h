@@ -24,15 +24,17 @@ typedef struct sim_hud_facts {
     int number, tools;    /* the tool's, from 1 */
     bool running;         /* there was a tick */
     double seconds;       /* of the operation */
-    double force_n;
-    bool force_given;     /* a device that has one, be it only shown */
+    double contact_n, force_n;           /* contact force, on the bone; hand force, on the device */
+    double contact_full_n, force_full_n; /* the ends of their scales */
+    bool force_given;     /* by a device that has one, be it only shown */
     double removed_mm3;
     bool planned;         /* the next four are known */
-    double depth_mm, planned_mm; /* of the tool's point below the face; of the plan, 0: not this tool's */
+    double reached_mm, planned_mm; /* the deepest that this tool removed bone, below the native face; of the plan, 0: not this tool's */
     double back_deg, up_deg; /* of the tool against the plan: how much more to the back and to the head it looks outward */
     bool touching, pedal;
     const char *fault;    /* NULL: none */
     bool plain;           /* nobody has keys */
+    bool timings;         /* of the loop and of frames are asked for */
     bool rates;           /* the next are known */
     double ticks_s, frames_s, late_us, takes_us, frame_ms;
     uint64_t missed;
@@ -63,6 +65,8 @@ void sim_hud_free(sim_hud *hud); /* NULL is allowed */
 bool sim_hud_suits(const sim_hud *hud, int width, int height, double scale);
 /* Where everything goes: within the frame, and no two in the same place. */
 sim_hud_layout sim_hud_arrange(const sim_hud *hud, int width, int height, const sim_hud_facts *facts);
+/* White within the plan, amber beyond it, red more than a millimetre beyond; planned_mm 0: no plan, white. */
+uint32_t sim_hud_depth_colour(double reached_mm, double planned_mm);
 void sim_hud_draw(const sim_hud *hud, const ost_sheet *sheet, const sim_hud_facts *facts);
 /* A sheet with nothing but a sentence in its middle. */
 void sim_hud_say(const sim_hud *hud, const ost_sheet *sheet, const char *sentence);

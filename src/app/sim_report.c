@@ -125,7 +125,7 @@ void sim_report_loop(const app_state *app, const sim_args *args, const simulatio
         put_real(o, "cutting_j", s->done.energy_j);
         put_integer(o, "contact_ticks", (int64_t)s->done.touching_ticks);
         put_integer(o, "damped_ticks", (int64_t)s->done.damped_ticks);
-        say(app, "  force: %.2f N at most on the hand, which stands for %.0f N on the bone; %.1f J of cutting in %.1f s of contact",
+        say(app, "  hand force: %.2f N at most; contact force: %.0f N at most; %.1f J of cutting in %.1f s of contact",
             s->done.peak_n, s->done.peak_axial_n, s->done.energy_j, (double)s->done.touching_ticks * 1e-3);
     }
     put_integer(o, "gaps", (int64_t)s->gaps.gaps);

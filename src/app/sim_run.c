@@ -82,6 +82,8 @@ ost_status sim_run(const app_state *app, const sim_args *args, simulation *s, os
         .tool = s->resumed ? s->last.tool : 0,
         .steps_before = s->before,
         .last = s->resumed ? &s->last : NULL,
+        .depth_of = s->show ? sim_scene_depth : NULL,
+        .depth_user = s->show ? &s->show->scene : NULL,
     };
     ost_status status = ost_operation_create(s->world, &what, &s->operation, err);
     if (status != OST_OK)

@@ -74,7 +74,10 @@ ost_status sim_show_make(const app_state *app, const sim_args *args, simulation 
     const bool known = target_find(app, &args->plan.target, &s->imported.meta, args->bone, &glenoid, NULL) == OST_OK;
     show->subject = ost_view_subject_make(g, &glenoid.at, known ? glenoid.axis : NULL, known && glenoid.left);
     show->orbit = ost_view_orbit((ost_view_name)args->view, &show->subject, NULL);
-    sim_scene_make(&show->scene, &args->tools, s->tools, g, s->planned ? &s->plan : NULL);
+    status = sim_scene_make(&show->scene, &args->tools, s->tools, g, s->planned ? &s->plan : NULL, err);
+    if (status != OST_OK)
+        return status;
+    sim_scene_forces(&show->scene, args->safety.max_n, args->force_params.scale);
     show->scene.device = args->device;
     show->scene.force_given = s->force != NULL;
     show->scene.recording = s->recorder != NULL;
@@ -146,6 +149,7 @@ static ost_status write_over(sim_show *show, ost_error *err)
         return status;
     sim_hud_facts f = sim_facts_make(&show->scene, &show->viewer.state, show->viewer.has_state);
     f.plain = true;
+    f.timings = show->args->timings;
     if (!show->args->look.no_legend)
         f.legend = appearance_legend_of(&show->look);
     f.mm_per_pixel = show->orbit.distance / (1.2071 * sheet.height);

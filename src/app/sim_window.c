@@ -52,7 +52,7 @@ struct sim_window {
     bool button[3];
     unsigned mods;
     double x, y;       /* of the pointer */
-    bool help, quit, shoot;
+    bool help, quit, shoot, timings;
     char message[MESSAGE];
     double message_until;
     int resets, astray; /* frames in a row that could not be drawn from where the camera is */
@@ -176,7 +176,8 @@ static void take_tool(sim_window *w, int number)
     const double clear_mm = 10;
     if (number < 0 || number >= w->args->tools.count || !w->hand || number == w->now.tool)
         return;
-    sim_hand_push(&w->now, w->s->show->scene.tip_mm[w->now.tool] - w->s->show->scene.tip_mm[number] - clear_mm);
+    const tool_shape *shapes = w->s->show->scene.shapes;
+    sim_hand_push(&w->now, shapes[number].tip_mm[2] - shapes[w->now.tool].tip_mm[2] - clear_mm);
     w->now.tool = number;
 }
 
@@ -199,6 +200,8 @@ static void on_key(sim_window *w, int key)
         look_from(w, views[key - OST_KEY_F1 - 1]);
     else if (key == '0')
         look_from(w, w->camera.home);
+    else if (key == 'L')
+        w->timings = !w->timings;
     else if (key == OST_KEY_F1 + 9)
         w->s->show->viewer.style = w->s->show->viewer.style == OST_STYLE_SMOOTH ? OST_STYLE_FACES : OST_STYLE_SMOOTH;
     else if (key == OST_KEY_F1 + 10)
@@ -348,6 +351,7 @@ static void take_facts(sim_window *w, int height, double now)
     }
     sim_hud_facts *f = &w->facts;
     f->help = w->help;
+    f->timings = w->timings;
     if (!w->args->look.no_legend)
         f->legend = appearance_legend_of(&w->s->show->look);
     f->pedal = w->now.pedal;

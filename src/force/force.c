@@ -298,6 +298,22 @@ static void pull(balance *e, int first, double k, double d, double dt, const dou
     }
 }
 
+/* No hand presses harder; where the device is so far from the tool that the coupling would, it gives way. */
+#define HAND_MOST_N 300.0
+
+/* From the tool to the device, at most as far as the coupling of stiffness k holds. */
+static void reach_of(const double to[3], const double at[3], double k, double away[3])
+{
+    double square = 0;
+    for (int a = 0; a < 3; a++) {
+        away[a] = to[a] - at[a];
+        square += away[a] * away[a];
+    }
+    const double most = HAND_MOST_N / k, share = square > most * most ? most / sqrt(square) : 1;
+    for (int a = 0; a < 3; a++)
+        away[a] *= share;
+}
+
 static ost_status by_energy(ost_force *f, const ost_pose *device, const double turn[3], double period, ost_force_result *out, ost_error *err)
 {
     static const double nothing[3] = {0};
@@ -312,8 +328,7 @@ static ost_status by_energy(ost_force *f, const ost_pose *device, const double t
         ost_status status = ost_contact_touch(f->bone, shell, &f->grip.pose, &f->contact, err);
         if (status != OST_OK)
             return status;
-        for (int a = 0; a < 3; a++)
-            away[a] = to[a] - f->grip.pose.at[a];
+        reach_of(to, f->grip.pose.at, k, away);
         double far_own[3], speed_own[3];
         ost_into_tool(&f->grip.pose, away, far_own);
         ost_into_tool(&f->grip.pose, f->grip.velocity, speed_own);
@@ -346,8 +361,9 @@ static ost_status by_energy(ost_force *f, const ost_pose *device, const double t
     /* What holds the tool is what the hand feels. */
     double v[3], w[3];
     ost_into_bone(&f->grip.pose, u, v);
+    reach_of(to, f->grip.pose.at, k, away);
     for (int a = 0; a < 3; a++)
-        out->force_n[a] = p->scale * (f->grip.drag[a] - k * (to[a] - f->grip.pose.at[a]) - d * (f->grip.velocity[a] - v[a]));
+        out->force_n[a] = p->scale * (f->grip.drag[a] - k * away[a] - d * (f->grip.velocity[a] - v[a]));
     if (turns) {
         ost_into_bone(&f->grip.pose, u + 3, w);
         turn_between(f->grip.facing, facing, lean);
@@ -376,6 +392,11 @@ static ost_status at_once(ost_force *f, double period, ost_force_result *out, os
     const double most = f->params.stiffness / f->params.scale;
     for (size_t i = 0; i < c->count && sum > most; i++)
         f->size[i] *= most / sum;
+    double pressed = 0;
+    for (size_t i = 0; i < c->count; i++)
+        pressed += fmax(0, f->size[i]);
+    for (size_t i = 0; i < c->count && pressed > HAND_MOST_N; i++)
+        f->size[i] *= HAND_MOST_N / pressed;
     sum_up(f, period, out);
     return OST_OK;
 }

@@ -82,7 +82,7 @@ typedef struct place {
 #define SAFETY(name, kind, field, unit, lo, hi, about) {{name, unit, about, lo, hi}, true, kind, offsetof(ost_safety_params, field)}
 
 static const place places[] = {
-    FORCE(scale, "1", 1e-6, 1, "felt over real force: a reamer is pressed with about 40 N, an Omni gives 3.3 N"),
+    FORCE(scale, "1", 0.01, 1, "felt over real force: a reamer is pressed with about 40 N, an Omni gives 3.3 N"),
     FORCE(stiffness, "N/m", 1, 1e6, "of the coupling, as felt: at 1 kHz with 60 g and a light grip swinging begins at 250 to 300 without friction"),
     FORCE(damping, "N s/m", 0, 1e3, "of the coupling, as felt: an Omni takes less than 2 (data sheet)"),
     FORCE(speed, "rad/s", 0, 1e4, "of the tool about its own axis: 300 turns a minute; 0: it does not cut"),

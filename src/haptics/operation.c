@@ -20,6 +20,7 @@ struct ost_operation {
     int32_t last_tool;
     ost_safety safety;
     bool given;        /* a force, in this tick */
+    double contact_n;  /* of the tool on the bone, in this tick */
     ost_fault fault;   /* now */
     uint64_t dropout;  /* ticks of the one that lasts; 0: the hand is seen */
     bool lifted;       /* the tool was lifted, and no tick was taken since */
@@ -180,6 +181,7 @@ static ost_status feel(ost_operation *o, const ost_servo_sample *sample, int64_t
     ost_operation_report *r = &o->report;
     const double *f = wrench->force_n;
     r->peak_n = fmax(r->peak_n, sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]));
+    o->contact_n = sqrt(felt.axial_n * felt.axial_n + felt.off_axis_n * felt.off_axis_n);
     r->peak_axial_n = fmax(r->peak_axial_n, felt.axial_n);
     r->energy_j += felt.power_w * period_s;
     r->touching_ticks += felt.touching > 0;
@@ -221,6 +223,7 @@ static void show(ost_operation *o, const ost_servo_sample *sample, const ost_tic
     s->missed += sample->missed;
     memcpy(s->force_n, wrench->force_n, sizeof s->force_n);
     memcpy(s->torque_nm, wrench->torque_nm, sizeof s->torque_nm);
+    s->contact_n = step ? o->contact_n : 0;
     s->touching = 0;
     if (!step)
         return;
@@ -233,6 +236,8 @@ static void show(ost_operation *o, const ost_servo_sample *sample, const ost_tic
     s->removals++;
     s->removed_voxels += step->report->total_voxels;
     s->touching = at_most_32(step->report->total_voxels + step->report->touched_voxels);
+    if (o->options.depth_of && step->report->total_voxels && tick->tool < OST_LIVE_TOOLS)
+        s->reached_mm[tick->tool] = fmax(s->reached_mm[tick->tool], o->options.depth_of(o->options.depth_user, tick->tool, &tick->pose));
     ost_live_changed(o->options.live, step->report);
 }
 
@@ -247,6 +252,7 @@ bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wre
     };
     ost_step_result step;
     o->given = false;
+    o->contact_n = 0;
     if (sample->unseen) {
         drop_out(o, tick.t_ns);
         return true;

@@ -17,10 +17,13 @@ static sim_hud_facts facts(bool much)
     if (!much)
         return f;
     f.legend = (ost_legend){.colouring = OST_COLOUR_CLASS, .plate = true, .window = true};
-    f.force_given = f.planned = f.rates = f.recording = f.filming = true;
+    f.force_given = f.planned = f.rates = f.timings = f.recording = f.filming = true;
     f.force_n = 123.4;
+    f.contact_n = 1234.5;
+    f.force_full_n = 12;
+    f.contact_full_n = 150;
     f.removed_mm3 = 123456.7;
-    f.depth_mm = -123.4;
+    f.reached_mm = 123.4;
     f.planned_mm = 12.5;
     f.back_deg = -178.8;
     f.up_deg = 178.8;
@@ -113,7 +116,7 @@ static void all_of_it_at_usual_sizes(void **state)
     for (size_t i = 0; i < sizeof usual / sizeof *usual; i++) {
         sim_hud_facts f = facts(true);
         f.fault = NULL;
-        f.depth_mm = f.frame_ms = 1.2;
+        f.reached_mm = f.frame_ms = 1.2;
         f.takes_us = 56;
         look(usual[i].width, usual[i].height, usual[i].scale, &f, true);
         sim_hud_layout l = sim_hud_arrange(hud, usual[i].width, usual[i].height, &f);
@@ -124,6 +127,65 @@ static void all_of_it_at_usual_sizes(void **state)
         l = sim_hud_arrange(hud, usual[i].width, usual[i].height, &f);
         assert_true(l.help.width > 0);
     }
+}
+
+/* What a HUD of these facts draws on a grey sheet. */
+static void drawn(const sim_hud_facts *f, uint32_t *pixels, int width, int height)
+{
+    for (int i = 0; i < width * height; i++)
+        pixels[i] = 0x808080;
+    const ost_sheet sheet = {.pixels = pixels, .stride = width, .width = width, .height = height};
+    sim_hud_draw(hud, &sheet, f);
+}
+
+static void what_is_said_of_forces_depth_and_times(void **state)
+{
+    enum { W = 640, H = 360 };
+    static uint32_t a[W * H], b[W * H];
+    ost_error err = {0};
+    (void)state;
+    sim_hud_free(hud);
+    assert_ok(sim_hud_create(W, H, 1, &hud, &err));
+    sim_hud_facts f = facts(true);
+    f.message = f.fault = NULL;
+    f.contact_n = 30;
+    f.contact_full_n = 37.5;
+    f.force_n = 2.4;
+    f.force_full_n = 3;
+    f.reached_mm = f.planned_mm = 3;
+    /* No zero has a sign. */
+    f.reached_mm = f.back_deg = f.up_deg = f.removed_mm3 = f.contact_n = f.force_n = 0;
+    drawn(&f, a, W, H);
+    f.reached_mm = f.removed_mm3 = f.contact_n = f.force_n = -0.04;
+    f.back_deg = f.up_deg = -0.04;
+    drawn(&f, b, W, H);
+    assert_memory_equal(a, b, sizeof a);
+    /* Contact force, hand force and depth are each shown. */
+    double *const shown[] = {&f.contact_n, &f.force_n, &f.reached_mm};
+    for (size_t i = 0; i < sizeof shown / sizeof *shown; i++) {
+        *shown[i] = 1.7;
+        drawn(&f, b, W, H);
+        assert_memory_not_equal(a, b, sizeof a);
+        *shown[i] = 0;
+    }
+    /* Times of loop and frames stand there when they are asked for. */
+    const sim_hud_layout with = sim_hud_arrange(hud, W, H, &f);
+    f.timings = false;
+    const sim_hud_layout without = sim_hud_arrange(hud, W, H, &f);
+    assert_true(without.rates.width > 0 && without.rates.height < with.rates.height);
+    drawn(&f, a, W, H);
+    f.missed = 3;
+    f.ticks_s = 500;
+    f.frame_ms = 99;
+    drawn(&f, b, W, H);
+    assert_memory_equal(a, b, sizeof a);
+    /* The colour turns where the plan is passed. */
+    const uint32_t within_plan = sim_hud_depth_colour(3, 3), beyond = sim_hud_depth_colour(3.1, 3), far = sim_hud_depth_colour(4.1, 3);
+    assert_true(within_plan == sim_hud_depth_colour(0, 3) && beyond == sim_hud_depth_colour(4, 3) && far == sim_hud_depth_colour(40, 3));
+    assert_true(within_plan != beyond && beyond != far && far != within_plan);
+    assert_int_equal(sim_hud_depth_colour(40, 0), within_plan);
+    sim_hud_free(hud);
+    hud = NULL;
 }
 
 /* Larger frames have larger letters, denser ones too; a pixel more or less does not have others. */
@@ -207,6 +269,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(nothing_overlaps_anywhere),
         cmocka_unit_test(all_of_it_at_usual_sizes),
+        cmocka_unit_test(what_is_said_of_forces_depth_and_times),
         cmocka_unit_test(letters_grow),
         cmocka_unit_test(every_pixel_is_mixed_alone),
         cmocka_unit_test(letters_are_the_same_anywhere),

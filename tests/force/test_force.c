@@ -254,6 +254,36 @@ static void nothing_is_tunnelled_through(void **state)
 }
 
 /* A ball of voxels has a ball's surface: area, volume, directions. */
+/* Whatever a file says within its bounds, and however far the device is, no contact force is beyond what a hand can press. */
+static void no_hand_presses_with_tons(void **state)
+{
+    skip_without_samples(*state);
+    ost_error err = {0};
+    ost_bone *bone = half_space(*state, 60, 60, MM / 2, 50, REFERENCE_HU);
+    sphere_points(4e-3, 1);
+    for (int mode = 0; mode < 2; mode++)
+        for (int kind = 0; kind < 4; kind++) {
+            ost_force_params params = ost_force_defaults();
+            params.mode = mode ? OST_FORCE_INSTANT : OST_FORCE_ENERGY;
+            params.scale = kind == 1 ? 0.01 : params.scale;
+            params.energy = kind == 2 ? 1e12 : params.energy;
+            params.stiffness = kind == 3 ? 1e6 : params.stiffness;
+            ost_force *force = force_of(bone, &params, points, OST_SHELL_MAX);
+            ost_force_result r;
+            double most = 0;
+            for (int i = 0; i < 400; i++) {
+                /* Down to 15 mm below the surface, at 0.1 m/s. */
+                const ost_pose pose = at_mm(15, 15, 30 - fmin(i * 0.1, 20));
+                assert_ok(ost_force_step(force, 0, &pose, 1e-3, &r, &err));
+                most = fmax(most, sqrt(r.axial_n * r.axial_n + r.off_axis_n * r.off_axis_n));
+            }
+            print_message("mode %d, kind %d: %.1f N\n", mode, kind, most);
+            assert_true(most > 0 && most < 400);
+            ost_force_free(force);
+        }
+    ost_bone_free(bone);
+}
+
 static void a_shell_is_its_surface(void **state)
 {
     (void)state;
@@ -325,7 +355,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_sample_is_what_is_there),    cmocka_unit_test(a_sphere_in_a_plane),    cmocka_unit_test(stiffness_is_bounded),
         cmocka_unit_test(planar_reaming),               cmocka_unit_test(hemispherical_reaming),  cmocka_unit_test(what_does_not_cut_stops),
-        cmocka_unit_test(nothing_is_tunnelled_through), cmocka_unit_test(a_shell_is_its_surface), cmocka_unit_test(what_makes_no_sense_is_refused),
+        cmocka_unit_test(nothing_is_tunnelled_through), cmocka_unit_test(no_hand_presses_with_tons),
+        cmocka_unit_test(a_shell_is_its_surface), cmocka_unit_test(what_makes_no_sense_is_refused),
     };
     return run_on_backends(tests, open_test_backend, close_test_backend);
 }
