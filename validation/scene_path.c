@@ -8,6 +8,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "validation/resample.h"
+
 enum { TICK_NS = 1000000 };
 
 /* A voxel's centre or a border between two, in the middle half of the CT. */
@@ -117,7 +119,8 @@ typedef struct along {
 static along along_axis(const scene *s, int a)
 {
     const ost_geometry *g = &s->rect;
-    const ost_pm origin[3] = {g->origin.x, g->origin.y, g->origin.z}, size[3] = {g->spacing.x, g->spacing.y, g->spacing.z};
+    const ost_pm3 first = resample_origin(g, s->cubic);
+    const ost_pm origin[3] = {first.x, first.y, first.z}, size[3] = {g->spacing.x, g->spacing.y, g->spacing.z};
     const int32_t dims[3] = {g->dims.x, g->dims.y, g->dims.z};
     const int32_t n = (int32_t)((dims[a] * size[a] + s->cubic - 1) / s->cubic);
     return (along){origin[a], origin[a] + s->cubic * (n / 2), n};

@@ -45,6 +45,7 @@ static void put_result(const app_state *app, const loaded_volume *a, const loade
     put_bool(o, "same_dims", r->same_dims);
     put_bool(o, "same_spacing", r->same_spacing);
     put_bool(o, "same_origin", r->same_origin);
+    put_bool(o, "rounded_geometry", r->rounded_geometry);
     put(o, "pattern", r->class ? json_string(r->class) : json_null());
     put(o, "different_voxels", r->same_dims ? json_integer(r->different) : json_null());
     for (int k = 0; k < DIFF_KIND_COUNT && r->same_dims; k++) {
@@ -104,6 +105,8 @@ static void say_result(const app_state *app, const char *name_a, const char *nam
     char n[SAY_TEXT], m[SAY_TEXT];
     if (r->equal) {
         say(app, "equal: %s and %s, %s voxels", name_a, name_b, say_dims(n, a->volume.geometry.dims));
+        if (r->rounded_geometry)
+            say(app, "  spacing or origin: the same number to the precision of a float32, not to the picometre");
         return;
     }
     if (!r->same_dims)
@@ -145,7 +148,8 @@ ost_status cmd_diff(app_state *app, int argc, char **argv, ost_error *err)
         .operands = operands,
         .options = options,
         .notes = "Exit status 0 when they are equal: the same dims, spacing and origin, and every\n"
-                 "voxel the same; 1 when they differ. Notes in the files decide nothing. A text is\n"
+                 "voxel the same; 1 when they differ. Lengths are the same within 2^-23 of their\n"
+                 "size, the precision of a NIfTI's float32. Notes in the files decide nothing. A text is\n"
                  "taken as the bone that osteon import makes of it. Bundles are equal when every\n"
                  "case of both could be compared and is.",
         .example = "  osteon diff scapula.nrrd reamed.nrrd --html difference.html\n"

@@ -85,16 +85,53 @@ static void compare_voxels(const loaded_volume *a, const loaded_volume *b, size_
         }
 }
 
+static ost_pm magnitude(ost_pm v)
+{
+    return v < 0 ? -v : v;
+}
+
+/* Returns the greatest magnitude of the grid's first and last centre on the axis. */
+static ost_pm farthest(ost_pm origin, ost_pm spacing, int32_t n)
+{
+    const ost_pm first = magnitude(origin), last = magnitude(origin + spacing * (n - 1));
+    return first > last ? first : last;
+}
+
+/*
+ * Compares spacings and origins. Formats differ in how they store a length: a float32 and the decimals that it was
+ * printed with lie 2^-24 of the length apart at most, on either side. So two spacings are the same within 2^-23 of the
+ * greater, and two origins within 2^-23 of the grid's farthest centre. The voxels' sum of both stays far below a voxel.
+ */
+static void compare_geometry(const ost_geometry *a, const ost_geometry *b, diff_result *out)
+{
+    const ost_pm spacing[2][3] = {{a->spacing.x, a->spacing.y, a->spacing.z}, {b->spacing.x, b->spacing.y, b->spacing.z}};
+    const ost_pm origin[2][3] = {{a->origin.x, a->origin.y, a->origin.z}, {b->origin.x, b->origin.y, b->origin.z}};
+    const int32_t dims[3] = {a->dims.x, a->dims.y, a->dims.z};
+    out->same_spacing = out->same_origin = true;
+    bool exact = true;
+    for (int x = 0; x < 3; x++) {
+        const ost_pm apart = magnitude(spacing[0][x] - spacing[1][x]), moved = magnitude(origin[0][x] - origin[1][x]);
+        const ost_pm greater = spacing[0][x] > spacing[1][x] ? spacing[0][x] : spacing[1][x];
+        const ost_pm far = farthest(origin[0][x], greater, dims[x]);
+        out->same_spacing = out->same_spacing && apart <= greater >> 23;
+        out->same_origin = out->same_origin && moved <= far >> 23;
+        exact = exact && apart == 0 && moved == 0;
+    }
+    out->rounded_geometry = !exact && out->same_spacing && out->same_origin;
+}
+
 ost_status diff_compare(const loaded_volume *a, const loaded_volume *b, int chunk_size, size_t limit, diff_result *out, ost_error *err)
 {
     const ost_geometry *ga = &a->volume.geometry, *gb = &b->volume.geometry;
     out->chunk_size = chunk_size;
     out->same_dims = ga->dims.x == gb->dims.x && ga->dims.y == gb->dims.y && ga->dims.z == gb->dims.z;
-    out->same_spacing = ga->spacing.x == gb->spacing.x && ga->spacing.y == gb->spacing.y && ga->spacing.z == gb->spacing.z;
-    out->same_origin = ga->origin.x == gb->origin.x && ga->origin.y == gb->origin.y && ga->origin.z == gb->origin.z;
-    /* A tool's corner is exact where half a voxel is not. */
-    if (a->kind == LOAD_TOOL)
+    compare_geometry(ga, gb, out);
+    /* A tool's corner is exact where half a voxel is not, and only files of our own have tools. */
+    if (a->kind == LOAD_TOOL) {
+        out->same_spacing = a->tool.voxel == b->tool.voxel;
         out->same_origin = memcmp(&a->tool.corner, &b->tool.corner, sizeof a->tool.corner) == 0;
+        out->rounded_geometry = false;
+    }
     if (!out->same_dims) {
         diff_patterns(a, b, out);
         return OST_OK;

@@ -46,6 +46,7 @@ enum { DIFF_PATTERN_MAX = PATTERNS + 3 };
 
 typedef struct diff_result {
     bool same_dims, same_spacing, same_origin;
+    bool rounded_geometry; /* spacing or origin is the same only as a float32 */
     bool equal;
     int64_t count[DIFF_KIND_COUNT], different;
     ost_voxel_box box; /* around all differences */

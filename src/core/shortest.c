@@ -21,11 +21,22 @@ void ost_point_put_back(char *text)
     memmove(point + 1, point + length, strlen(point + length) + 1);
 }
 
+/* 512 v is an integer, and |v| < 2^24: then v is a decimal of at most 8 + 9 digits. */
+static bool is_ninth_binary_place(double v)
+{
+    return v > -16777216.0 && v < 16777216.0 && (double)(int64_t)(v * 512) == v * 512;
+}
+
 bool ost_decimal_shortest(double value, bool single, ost_decimal *out)
 {
-    char text[64]; /* sign, 17 digits, a point of a few bytes, e-308 */
+    enum { NICE = 6 }; /* digits that every float32 can tell apart */
+    char text[64];     /* sign, 17 digits, a point of a few bytes, e-308 */
     const int most = single ? 9 : 17;
     for (int digits = 1; digits <= most; digits++) {
+        if (single && digits > NICE && is_ninth_binary_place(value)) {
+            snprintf(text, sizeof text, "%.16e", value);
+            break;
+        }
         snprintf(text, sizeof text, "%.*e", digits - 1, value);
         if (single ? strtof(text, NULL) == (float)value : strtod(text, NULL) == value)
             break;

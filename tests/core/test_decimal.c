@@ -147,6 +147,17 @@ static void floats_stand_for_their_shortest_decimal(void **state)
     assert_int_equal(value, 488281000);
     assert_true(ost_pm_from_float(-57.34f, &value));
     assert_int_equal(value, INT64_C(-57340000000));
+    /* 431/512 and 101843/512 are floats and have nine places; 0.4882812 is 249.99997/512, and 4.25 has three digits. */
+    assert_true(ost_pm_from_float(0.841796875f, &value));
+    assert_int_equal(value, 841796875);
+    assert_true(ost_pm_from_float(0.8417969f, &value));
+    assert_int_equal(value, 841796875);
+    assert_true(ost_pm_from_float(-198.912109375f, &value));
+    assert_int_equal(value, INT64_C(-198912109375));
+    assert_true(ost_pm_from_float(0.4882812f, &value));
+    assert_int_equal(value, 488281200);
+    assert_true(ost_pm_from_float(4.25f, &value));
+    assert_int_equal(value, INT64_C(4250000000));
     assert_true(ost_pm_from_double(0.1, &value));
     assert_int_equal(value, 100000000);
     /* The binary value of 0.47f is 0.4699999988079071... mm. */

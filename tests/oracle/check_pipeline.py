@@ -6,7 +6,7 @@
     STL -------osteon voxelize---> TOOL.nrrd           |  what docs/arithmetic.md alone
     path CSV --osteon ream-------> BONE2.nrrd, report  |  says (osteon_oracle*.py)
 
-Covers: AR-LEN-2, AR-LEN-3, AR-LEN-5, AR-GRID-2, AR-POSE-2, AR-POSE-5, AR-POSE-6, AR-PATH-1, AR-PATH-2, AR-PATH-3,
+Covers: AR-LEN-2, AR-LEN-3, AR-LEN-4, AR-LEN-5, AR-GRID-2, AR-POSE-2, AR-POSE-5, AR-POSE-6, AR-PATH-1, AR-PATH-2, AR-PATH-3,
 AR-PATH-4, AR-PATH-5, AR-PATH-6, AR-PATH-7, AR-CT-1, AR-CT-2, AR-CT-3, AR-CT-4,
 AR-CT-5, AR-CT-6, AR-CT-7, AR-CT-8, AR-CUB-1, AR-CUB-2, AR-CUB-3, AR-CUB-4, AR-CUB-5, AR-CHK-1,
 AR-CHK-2, AR-CHK-3, AR-CHK-4, AR-MESH-2, AR-MESH-3,
@@ -25,6 +25,7 @@ import gzip
 import json
 import os
 import random
+import struct
 import subprocess
 import sys
 import tempfile
@@ -202,6 +203,63 @@ def imports(runner):
     for rule in ("nearest", "thesis"):
         check_import(runner, rule, ct_text(rng, (23, 11, 9), ("0.7", "0.9", "1.1"), ("1", "1", "1"), 1),
                      ("--cubic", "0.45", "--resample", rule), cubic=450000000, rule=rule)
+
+
+# ------------------------------------------------------------------- floats
+
+
+def nifti(dims, spacing, origin, densities):
+    """A NIfTI-1 with an sform in float32; spacing and origin in LPS, so that x and y are negated."""
+    head = bytearray(352)
+    struct.pack_into("<i", head, 0, 348)
+    struct.pack_into("<8h", head, 40, 3, *dims, 1, 1, 1, 1)
+    struct.pack_into("<2h", head, 70, 4, 16)
+    struct.pack_into("<8f", head, 76, 1, *spacing, 0, 0, 0, 0)
+    struct.pack_into("<f", head, 108, 352)
+    head[123] = 2  # mm
+    struct.pack_into("<2h", head, 252, 0, 1)
+    for a, sign in enumerate((-1, -1, 1)):
+        row = [0.0, 0.0, 0.0, sign * origin[a]]
+        row[a] = sign * spacing[a]
+        struct.pack_into("<4f", head, 280 + 16 * a, *row)
+    head[344:348] = b"n+1\0"
+    return bytes(head) + struct.pack(f"<{len(densities)}h", *densities)
+
+
+def float32(value):
+    return struct.unpack("<f", struct.pack("<f", value))[0]
+
+
+def floats(runner):
+    """A CT as NIfTI, whose lengths are float32, against the oracle and against the NRRD of the same CT."""
+    rng, dims = runner.rng, (7, 6, 5)
+    for name, spacing, origin in (("shoulder", ("0.841796875", "0.841796875", "5"), ("-198.912109375", "-117.8", "-159.03")),
+                                  ("seventh-digit", ("0.4882812", "0.4882813", "0.625"), ("12.3", "-0.1", "431.217"))):
+        densities = blob(rng, dims)
+        exact = oracle.Grid(dims, tuple(oracle.length(Fraction(s)) for s in spacing), tuple(oracle.length(Fraction(o)) for o in origin), densities)
+        read = oracle.Grid(dims, tuple(oracle.length(oracle.shortest_decimal(float32(float(s)), 32)) for s in spacing),
+                           tuple(oracle.length(oracle.shortest_decimal(float32(float(o)), 32)) for o in origin), densities)
+        equal(f"{name}: what float32 says", (read.spacing, read.origin), (exact.spacing, exact.origin))
+        with open(runner.path(name + ".nii"), "wb") as file:
+            file.write(nifti(dims, [float(s) for s in spacing], [float(o) for o in origin], densities))
+        with open(runner.path(name + ".nrrd"), "w", encoding="ascii") as file:
+            file.write(f"NRRD0004\ntype: short\ndimension: 3\nspace: left-posterior-superior\nsizes: {' '.join(map(str, dims))}\n"
+                       f"space directions: ({spacing[0]},0,0) (0,{spacing[1]},0) (0,0,{spacing[2]})\nencoding: text\n"
+                       f"space origin: ({','.join(origin)})\n\n{' '.join(map(str, densities))}\n")
+        bone = oracle.Bone(oracle.rect_to_cubic(exact, oracle.length(Fraction(spacing[0]))))
+        for kind in ("nii", "nrrd"):
+            out = runner.path(f"{name}-{kind}-bone.nrrd")
+            runner.run("import", runner.path(f"{name}.{kind}"), "--cubic", spacing[0], "--out", out)
+            equal_file(f"{name}.{kind}", out, bone, {"resample": "linear"})
+    # The same grid written with other digits of the same float32: equal, and said to be so only as far as a float32 goes.
+    coarse = runner.write("coarse.nrrd", open(runner.path("shoulder.nrrd"), encoding="ascii").read().replace("0.841796875", "0.8417969"))
+    got = runner.run("diff", runner.path("shoulder.nii"), coarse)
+    equal("two spellings of a float32", (got["equal"], got["rounded_geometry"]), (True, True))
+    got = runner.run("diff", runner.path("shoulder.nii"), runner.path("shoulder.nrrd"))
+    equal("one length", (got["equal"], got["rounded_geometry"]), (True, False))
+    moved = runner.write("moved.nrrd", open(runner.path("shoulder.nrrd"), encoding="ascii").read().replace("-117.8", "-117.8001"))
+    done = subprocess.run([runner.program, "diff", coarse, moved], capture_output=True, check=False)
+    equal("an origin that is another", done.returncode, 1)
 
 
 # ------------------------------------------------------------------- meshes
@@ -438,7 +496,7 @@ def main():
     print(f"# check_pipeline: OST_TEST_SEED={seed}")
     status = 0
     with tempfile.TemporaryDirectory() as folder:
-        for part in (imports, meshes, laws, reams):
+        for part in (imports, floats, meshes, laws, reams):
             start = time.monotonic()
             try:
                 part(Runner(os.path.abspath(program), folder, random.Random(seed)))

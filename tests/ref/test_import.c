@@ -334,6 +334,37 @@ static void means_stay_between_their_neighbours(void **state)
     }
 }
 
+static void a_seventh_digit_moves_nothing_by_a_voxel(void **state)
+{
+    /*
+     * 60 layers at 0.4882812 or 0.4882813 mm, each 500 denser than the one before, at cubes of 0.4882812 mm. The last
+     * centre lies 59.5 * 2 * 10^-7 of a layer off, which is 500 * 1.2 * 10^-5 densities: a rounding apart, no more. Thesis
+     * takes another layer from the first on: floor(i c / s) = i - 1.
+     */
+    static const ost_pm near[2] = {488281200, 488281300};
+    ost_error err = {0};
+    int16_t voxels[60], got[3][2][60];
+    for (int i = 0; i < 60; i++)
+        voxels[i] = (int16_t)(500 * i);
+    for (int rule = 0; rule < 3; rule++)
+        for (int s = 0; s < 2; s++) {
+            const ost_geometry g = {.dims = {1, 1, 60}, .spacing = {near[0], near[0], near[s]}};
+            ost_grid *rect, *cubic;
+            assert_ok(ost_grid_create(*state, &g, &rect, &err));
+            assert_ok(ost_grid_upload(rect, 0, 60, voxels, &err));
+            assert_ok(ost_rect_to_cubic(rect, near[0], (ost_resample)rule, &cubic, &err));
+            assert_ok(ost_grid_download(cubic, 0, 60, got[rule][s], &err));
+            assert_in_range(origin_of(cubic).z + 100, 0, 200);
+            ost_grid_free(cubic);
+            ost_grid_free(rect);
+        }
+    for (int i = 0; i < 60; i++) {
+        assert_in_range(got[OST_RESAMPLE_LINEAR][1][i] - got[OST_RESAMPLE_LINEAR][0][i] + 1, 0, 2);
+        assert_int_equal(got[OST_RESAMPLE_NEAREST][1][i], got[OST_RESAMPLE_NEAREST][0][i]);
+        assert_int_equal(got[OST_RESAMPLE_THESIS][1][i], i ? 500 * (i - 1) : 0);
+    }
+}
+
 static void equal_spacing_changes_nothing(void **state)
 {
     ost_error err = {0};
@@ -412,6 +443,7 @@ int main(void)
         cmocka_unit_test(every_voxel_finds_its_place), cmocka_unit_test(filler_voxels),
         cmocka_unit_test(coarser_than_the_scan),
         cmocka_unit_test(origins_round_half_to_even),
+        cmocka_unit_test(a_seventh_digit_moves_nothing_by_a_voxel),
         cmocka_unit_test(means_round_once_and_half_to_even),
         cmocka_unit_test(means_stay_between_their_neighbours),      cmocka_unit_test(equal_spacing_changes_nothing),
         cmocka_unit_test(the_thesis_tables),          cmocka_unit_test(it_takes_no_options),
