@@ -29,6 +29,7 @@
 #include <osteon/live.h>
 #include <osteon/mesh.h>
 #include <osteon/metrics.h>
+#include <osteon/motor.h>
 #include <osteon/operation.h>
 #include <osteon/path.h>
 #include <osteon/phantom.h>

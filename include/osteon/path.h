@@ -15,8 +15,12 @@
 extern "C" {
 #endif
 
-/* OST_RPM_ON: the motor is on at a speed that is not known; the pose has the tool's turn already. */
-enum { OST_RPM_ON = -1, OST_RPM_MAX = 3000 };
+/*
+ * OST_RPM_ON: the motor is on at a speed that is not known; the pose has the
+ * tool's turn already.  OST_RPM_HAND: the pose is the hand's, and the operation
+ * has the motor (motor.h); no world takes such a tick.
+ */
+enum { OST_RPM_ON = -1, OST_RPM_HAND = -2, OST_RPM_MAX = 3000 };
 
 /* A turn of the motor in turns a minute times nanoseconds: angles are integers of this unit. */
 #define OST_MOTOR_TURN INT64_C(60000000000)
@@ -24,7 +28,7 @@ enum { OST_RPM_ON = -1, OST_RPM_MAX = 3000 };
 typedef struct ost_tick {
     int64_t t_ns; /* nanoseconds */
     int32_t tool; /* index into the world's tools */
-    int32_t rpm;  /* of the motor, 0 to OST_RPM_MAX; 0: off, the tool removes nothing; OST_RPM_ON */
+    int32_t rpm;  /* of the motor, 0 to OST_RPM_MAX; 0: off, the tool removes nothing; OST_RPM_ON, OST_RPM_HAND */
     ost_pose pose;
     bool lifted;  /* the tool was lifted before this tick: nothing is swept from the tick before (AR-SWEEP-5) */
 } ost_tick;
