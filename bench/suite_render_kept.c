@@ -13,6 +13,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <osteon/motor.h>
+
 #include "bench/scene.h"
 #include "render/viewer.h"
 #include "render/views.h"
@@ -133,6 +135,9 @@ static ost_status open_cut(cut *c, const ost_volume *bone, const ost_glenoid *gl
         status = ost_world_add_tool(c->world, c->scene.tool_name, c->tool, NULL, c->err);
     if (status == OST_OK)
         status = ost_builtin_path(OST_BUILTIN_GLENOID_SLOW, glenoid, &c->scene.tool.geometry, 0, &c->path, c->err);
+    ost_motor motor = {0};
+    if (status == OST_OK)
+        status = ost_motor_path(&c->path, OST_RPM_REAMER, &motor, c->err);
     if (status == OST_OK)
         status = ost_live_create(c->bone, &c->live, c->err);
     if (status == OST_OK)

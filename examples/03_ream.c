@@ -23,6 +23,7 @@ int main(int argc, char **argv)
     ost_world *world = NULL;
     ost_tool_volume volume;
     ost_path path;
+    ost_motor motor = {0};
     ost_import_result source;
     ost_glenoid glenoid;
     ost_step_result step;
@@ -57,6 +58,9 @@ int main(int argc, char **argv)
         status = ost_glenoid_from_meta(&source.meta, &glenoid, &err);
     if (!status)
         status = ost_builtin_path(OST_BUILTIN_PEG_HOLE, &glenoid, &volume.geometry, index, &path, &err);
+    /* Its poses are a hand's; the motor turns the tool. */
+    if (!status)
+        status = ost_motor_path(&path, OST_RPM_REAMER, &motor, &err);
     for (size_t i = 0; !status && i < path.count; i++)
         status = ost_world_step(world, &path.ticks[i], &step, &err);
 

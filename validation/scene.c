@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <osteon/motor.h>
 #include <osteon/phantom.h>
 
 #include "core/integer.h"
@@ -235,7 +236,8 @@ static ost_status make_operation(const plan_case *c, scene *s, draw *d, ost_erro
         ost_path_free(&path);
         ost_mesh_free(&mesh);
     }
-    return status;
+    ost_motor motor = {0};
+    return status == OST_OK ? ost_motor_path(&s->path, OST_RPM_REAMER, &motor, err) : status;
 }
 
 static ost_status make_static(const plan_case *c, scene *s, draw *d, ost_error *err)

@@ -111,6 +111,13 @@ OST_API ost_status ost_force_step(ost_force *force, int tool, const ost_pose *de
 /* The same, and then as if it had not been: what a tick from here would do (see ost_world_rehearse). */
 OST_API ost_status ost_force_rehearse(ost_force *force, int tool, const ost_pose *device, double period_s, ost_force_result *out,
                                       ost_error *err);
+/*
+ * The motor of the tool in the hand (AR-MOTOR): its speed from here on in rad/s,
+ * 0 being off, when the tool presses and does not cut; and by how many radians
+ * about its own z axis it has turned the tool, and with it the device's pose,
+ * since the last tick.
+ */
+OST_API void ost_force_motor(ost_force *force, double speed, double turned);
 /* The tool is in the hand, and at a pose that may not be the device's. */
 OST_API void ost_force_place(ost_force *force, int tool, const ost_pose *pose);
 

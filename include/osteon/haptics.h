@@ -35,6 +35,27 @@ enum {
     OST_HAPTIC_SHOWN = 64       /* takes forces, which nobody feels, for people to see */
 };
 
+/*
+ * What a button does.  Each device's buttons have actions of their own, which
+ * osteon devices lists and osteon sim --buttons changes.
+ */
+typedef enum ost_action {
+    OST_ACTION_NONE,
+    OST_ACTION_MOTOR,        /* the motor is on while it is held */
+    OST_ACTION_SWITCH,       /* the motor goes on, and at the next press off */
+    OST_ACTION_TOOL,         /* the next tool, where the hand is */
+    OST_ACTION_CLUTCH,       /* while it is held the tool stays, and the device moves freely */
+    OST_ACTION_HOME,         /* the tool goes to where it began, clear of the bone; nothing is cut on the way */
+    OST_ACTION_COUNT
+} ost_action;
+OST_API const char *ost_action_name(ost_action action); /* "none", "motor", "motor-switch", "next-tool", "clutch", "home" */
+
+enum { OST_BUTTONS_MAX = 8 };
+typedef struct ost_button {
+    const char *name; /* "stylus1" */
+    ost_action action;
+} ost_button;
+
 typedef struct ost_haptic_info {
     const char *name;        /* "sim" */
     const char *description; /* a sentence */
@@ -43,7 +64,16 @@ typedef struct ost_haptic_info {
     char reason[256];        /* when not available: why, and what to do about it */
     double max_force_n;      /* 0 without force */
     double max_stiffness_n_m;
+    int button_count;        /* button i is bit i of ost_haptic_state.buttons */
+    ost_button buttons[OST_BUTTONS_MAX];
 } ost_haptic_info;
+
+/*
+ * Fills out with the actions of a device's buttons: its own, or what text says,
+ * "stylus1=next-tool,2=none", a button by its name or by its number from 1.
+ * text may be NULL.  OST_ERR_USAGE naming a button or an action that is unknown.
+ */
+OST_API ost_status ost_buttons_parse(const ost_haptic_info *info, const char *text, ost_action out[OST_BUTTONS_MAX], ost_error *err);
 
 /* All devices that this library knows, in a fixed order. */
 OST_API int ost_haptic_count(void);
@@ -70,10 +100,10 @@ typedef struct ost_haptic_setup {
  *   sim               a device of 60 g with friction and encoders in a hand that follows a path:
  *                     grip=light|normal|firm (normal), seed=N (1), tremor=UM (0), friction=MN (260)
  *   motion:FILE       a tracked hand (docs/haptics.md), plain or gzip: scale=PERCENT (5), gap=MS, jump=MM (both found from its rows)
- *   mouse             the mouse of a window, by setup.hand: spin=RPM with the pedal down (120)
+ *   mouse             the mouse of a window, by setup.hand
  *   openhaptics       Touch, Touch X, Phantom Omni: name=TEXT, scale=PERCENT (100)
  *   dhd               Force Dimension, Falcon: scale=PERCENT (100)
- *   spnav             SpaceMouse: speed=MM/S (20), turn=DEGREES/S (30), tools=N (1), hold=0|1 (0)
+ *   spnav             SpaceMouse: speed=MM/S (20), turn=DEGREES/S (30), hold=0|1 (0)
  *   inverse3          Haply's Inverse3 and VerseGrip: id=TEXT (the first), port=N (10001), scale=PERCENT (100)
  *   udp               a device on another machine, by osteon bridge: key=FILE, port=N (4707), bind=ADDRESS (127.0.0.1), lost=MS (5000)
  *
@@ -107,6 +137,8 @@ typedef struct ost_haptic_state {
     int32_t tool; /* -1: it does not say */
     uint32_t buttons;
     bool lifted;  /* the tool was lifted before this pose (path.h) */
+    bool turned;  /* replay: the pose has the tool's turn already, by a motor of rpm (motor.h) */
+    int32_t rpm;
 } ost_haptic_state;
 
 /* On the hand, in the bone's frame; the torque about the tool's origin. */
@@ -123,9 +155,10 @@ OST_API void ost_haptic_write(ost_haptic *device, const ost_wrench *wrench);
  * device's thread follows, smoothly and no faster than the operation allows.
  * Wait-free on both sides; put is for one thread.
  */
-enum { OST_HAND_PEDAL = 1 }; /* a button: the tool turns about its axis */
+enum { OST_HAND_PEDAL = 1 }; /* the button of device mouse */
 OST_API ost_status ost_hand_create(const ost_haptic_state *start, ost_hand **out, ost_error *err);
 OST_API void ost_hand_free(ost_hand *hand); /* NULL is allowed */
+/* With state->lifted the device is there at once, and says that it was lifted. */
 OST_API void ost_hand_put(ost_hand *hand, const ost_haptic_state *state);
 
 /* ------------------------------------------------------------- histograms */

@@ -41,6 +41,7 @@ typedef struct ost_live_state {
     uint64_t ticks;         /* that were done, 0: none yet */
     int64_t t_ns;           /* of the last */
     int32_t tool;           /* in use */
+    int32_t rpm;            /* of its motor (path.h) */
     ost_pose device, pose;  /* where the hand is; where the tool is, which a force may hold back */
     double force_n[3], torque_nm[3]; /* hand force and torque: of the device on the hand */
     double contact_n;       /* contact force: of the tool on the bone */

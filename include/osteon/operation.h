@@ -2,9 +2,9 @@
 /*
  * An operation: a world that a device moves the tools of, recorded as it goes.
  *
- *   ost_servo_run --sample--> pose guard --> force: tool's pose --> ost_world_step --> digest
- *         ^                       |            |                                        |
- *         '-------- wrench ---- safety <-------'   faults --------------------> record, put
+ *   ost_servo_run --sample--> pose guard --> motor: its turn --> force: tool's pose --> ost_world_step --> digest
+ *         ^                       |                                |                                        |
+ *         '-------- wrench ---- safety <---------------------------'   faults --------------------> record, put
  *
  * It is what to give to ost_servo_run: ost_operation_tick and
  * ost_operation_done, with the operation as user.  Live, scripted and
@@ -16,6 +16,7 @@
 #include <osteon/force.h>
 #include <osteon/haptics.h>
 #include <osteon/live.h>
+#include <osteon/motor.h>
 #include <osteon/session.h>
 #include <osteon/sim.h>
 
@@ -35,13 +36,23 @@ typedef struct ost_operation ost_operation;
 
 typedef struct ost_operation_options {
     int32_t tool;            /* where the device does not say */
+    /*
+     * Turns a minute of the motor when it is on, 0 to OST_RPM_MAX; 0: the tool removes nothing.  OST_RPM_ON: the device's poses
+     * have the tool's turn already, and its motor is on.
+     */
+    int32_t rpm;
+    bool motor_waits;        /* the motor is off until a button or a key switches it on; else it is on from the first tick */
+    ost_action buttons[OST_BUTTONS_MAX]; /* of the device */
+    int32_t tools;           /* that OST_ACTION_TOOL goes through, from `tool` on; 0: none */
+    ost_pose home;           /* where OST_ACTION_HOME puts the hand; a zero quaternion: nowhere */
     ost_recorder *recorder;  /* borrowed; NULL: nothing is recorded */
     ost_force *force;        /* borrowed, with the world's tools in their order; NULL: none is given, and the tool is where the device is */
     ost_live *live;          /* borrowed, of the world's bone; NULL: nobody looks on */
     const ost_safety_params *safety; /* read when the operation is created; NULL: the defaults */
-    /* Of an operation that goes on: how many ticks the world took before, and the last of them; 0 and NULL else. */
+    /* Of an operation that goes on: how many ticks the world took before, the last of them, and its motor then; 0 and NULL else. */
     uint64_t steps_before;
     const ost_tick *last;    /* read when the operation is created */
+    ost_motor motor;
     /* Returns how deep a tool at a pose is, mm, for the live state; called on the servo thread. NULL: nothing is shown of it. */
     double (*depth_of)(void *user, int32_t tool, const ost_pose *pose);
     void *depth_user;
@@ -64,6 +75,8 @@ OST_API void ost_operation_free(ost_operation *operation); /* NULL is allowed */
  * fails ends the loop.
  */
 OST_API bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wrench *wrench);
+/* Keys that do what buttons do, from one other thread at any time: bits 1 << ost_action of those that are held now. */
+OST_API void ost_operation_keys(ost_operation *operation, uint32_t held);
 /* Between two ticks: bone, tables and code of the next into the caches. Changes nothing that a tick or a record depends on. */
 OST_API void ost_operation_rehearse(void *operation);
 OST_API void ost_operation_done(void *operation, uint64_t number, uint32_t exec_ns);

@@ -140,9 +140,9 @@ typedef enum ost_builtin { OST_BUILTIN_PEG_HOLE, OST_BUILTIN_GLENOID_REAM, OST_B
 OST_API const char *ost_builtin_name(ost_builtin which); /* "peg-hole", "glenoid-ream", "glenoid-slow", "glenoid-press" */
 
 /*
- * 1 kHz ticks: approach, advance along the axis with the tool turning, dwell,
+ * 1 kHz ticks of a hand (OST_RPM_HAND): approach, advance along the axis, dwell,
  * retreat; glenoid-press is a hand that presses, and is ost_builtin_press for
- * a minute.  tool is the index the ticks carry; geometry is the tool's grid,
+ * a minute.  ost_motor_path makes ticks of a tool that turns of them.  tool is the index the ticks carry; geometry is the tool's grid,
  * whose working face is toward -z.
  */
 OST_API ost_status ost_builtin_path(ost_builtin which, const ost_glenoid *glenoid, const ost_tool_geometry *geometry, int32_t tool,

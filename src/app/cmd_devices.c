@@ -160,6 +160,21 @@ static void list_instruction_sets(const app_state *app)
     say(app, "\ninstruction sets of this processor\n  %s", count ? text : "none that osteon looks for");
 }
 
+/* Bit by bit, with what each does unless osteon sim --buttons says otherwise. */
+static void list_buttons(const app_state *app, json_t *row, const ost_haptic_info *info)
+{
+    json_t *buttons = json_object();
+    char text[256] = "";
+    for (int i = 0; i < info->button_count; i++) {
+        const size_t used = strlen(text);
+        put_text(buttons, info->buttons[i].name, ost_action_name(info->buttons[i].action));
+        snprintf(text + used, sizeof text - used, "%s%s=%s", used ? "," : "", info->buttons[i].name, ost_action_name(info->buttons[i].action));
+    }
+    put(row, "buttons", buttons);
+    if (*text)
+        say(app, "  %-11s      --buttons %s", "", text);
+}
+
 static void list_haptics(const app_state *app)
 {
     json_t *array = json_array();
@@ -173,6 +188,7 @@ static void list_haptics(const app_state *app)
         put_bool(row, "force", info.caps & OST_HAPTIC_FORCE);
         put_bool(row, "torque", info.caps & OST_HAPTIC_TORQUE);
         put_bool(row, "orientation", info.caps & OST_HAPTIC_ORIENTATION);
+        list_buttons(app, row, &info);
         put_real(row, "max_force_n", info.max_force_n);
         put_real(row, "max_stiffness_n_m", info.max_stiffness_n_m);
     }

@@ -4,7 +4,7 @@
  *
  *   --bone --load_bone--> bone ----------------.
  *   --tool --load_tool--> tools --------------. \
- *   --path --ream_path_make--> ticks --> ost_world_step, a tick at a time
+ *   --path --ream_path_make--> poses of a hand --ost_motor_path--> ticks --> ost_world_step, a tick at a time
  *                                              |
  *                  --out <--ost_bone_write--- bone
  *               --record <--ost_recorder_put- tick, digest
@@ -15,6 +15,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include <osteon/motor.h>
 
 #include "app/backend_choice.h"
 #include "app/debrief.h"
@@ -35,6 +37,8 @@ typedef struct ream_args {
     ost_path_options gaps; /* from max_gap */
     option_decimal rate;
     int64_t period_ns; /* from rate; 0: every tick */
+    int64_t rpm;
+    bool rpm_given;
     ost_density_classes classes; /* from classes_text; count 0: the default ones */
     int sweep; /* place in "off|on" */
     bool compress, no_failover;
@@ -116,6 +120,23 @@ static ost_status load_all(const app_state *app, const ream_args *args, job *j, 
         status = ream_path_make(app, &args->paths, &args->plan.target, &j->imported.meta, args->bone, grids, args->tools.count, &args->gaps, &j->path,
                                 &j->gaps, err);
     return status;
+}
+
+static bool has_hand(const ost_path *path)
+{
+    for (size_t i = 0; i < path->count; i++)
+        if (path->ticks[i].rpm == OST_RPM_HAND)
+            return true;
+    return false;
+}
+
+/* Ticks of tools that the motor turns from the poses of the path. */
+static ost_status motor_run(const app_state *app, const ream_args *args, job *j, ost_error *err)
+{
+    ost_motor motor = {0};
+    if (args->rpm_given && !has_hand(&j->path))
+        return usage_error(app, err, "--rpm %lld: %s has the speeds of its motor in it; leave --rpm out", (long long)args->rpm, args->paths.value[0]);
+    return ost_motor_path(&j->path, (int32_t)args->rpm, &motor, err);
 }
 
 /* The plan, and the bone as it was for who asks afterwards. */
@@ -401,7 +422,7 @@ static ost_status check_args(app_state *app, ream_args *args, ost_error *err)
 
 ost_status cmd_ream(app_state *app, int argc, char **argv, ost_error *err)
 {
-    ream_args args = {.ct = CT_OPTIONS_DEFAULT, .how = TOOL_OPTIONS_DEFAULT, .sweep = 1};
+    ream_args args = {.ct = CT_OPTIONS_DEFAULT, .how = TOOL_OPTIONS_DEFAULT, .sweep = 1, .rpm = OST_RPM_REAMER};
     target_options *t = &args.plan.target;
     const option options[] = {
         {.name = "bone", .kind = OPTION_TEXT, .out = &args.bone, .value = "BONE", .required = true,
@@ -420,6 +441,8 @@ ost_status cmd_ream(app_state *app, int argc, char **argv, ost_error *err)
          .help = "of the body (default: the file's, else the axis determines it)"},
         {.name = "rate", .kind = OPTION_DECIMAL, .out = &args.rate, .value = "HZ", .help = "remove so many times a second (default: every tick)"},
         MAX_GAP_OPTION(args.max_gap),
+        {.name = "rpm", .kind = OPTION_INTEGER, .out = &args.rpm, .given = &args.rpm_given, .min = 0, .max = OST_RPM_MAX, .value = "N",
+         .help = "turns a minute of the tool's motor, clockwise from behind; 0: off, and\nnothing is removed (default: 200)"},
         {.name = "sweep", .kind = OPTION_CHOICE, .out = &args.sweep, .value = "off|on",
          .help = "fill in between two ticks (default: on)"},
         {.name = "classes", .kind = OPTION_TEXT, .out = &args.classes_text, .value = "NAME:HU,...",
@@ -455,6 +478,8 @@ ost_status cmd_ream(app_state *app, int argc, char **argv, ost_error *err)
         return status;
     job j = {0};
     status = load_all(app, &args, &j, err);
+    if (status == OST_OK)
+        status = motor_run(app, &args, &j, err);
     if (status == OST_OK)
         status = world_make(app, &args, &j, err);
     if (status == OST_OK)

@@ -18,7 +18,7 @@
 
 ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
 {
-    sim_args args = {.bone = "builtin:scapula", .fps = 60, .video.fps = 30, .ct = CT_OPTIONS_DEFAULT, .how = TOOL_OPTIONS_DEFAULT};
+    sim_args args = {.bone = "builtin:scapula", .fps = 60, .video.fps = 30, .ct = CT_OPTIONS_DEFAULT, .how = TOOL_OPTIONS_DEFAULT, .rpm = OST_RPM_REAMER};
     target_options *t = &args.plan.target;
     const option options[] = {
         {.name = "device", .kind = OPTION_TEXT, .out = &args.device, .value = "NAME",
@@ -44,7 +44,11 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "resume", .kind = OPTION_TEXT, .out = &args.resume, .value = "SESSION",
          .help = "go on with the operation of a session: its bone, tools, options"},
         {.name = "bone", .kind = OPTION_TEXT, .out = &args.bone, .given = &args.bone_given, .value = "BONE", .help = "a bone, a CT, or a built-in one (default: builtin:scapula)"},
-        {.name = "tool", .kind = OPTION_LIST, .out = &args.tools, .value = "TOOL", .help = "a tool; may repeat (default: builtin:reamer; with the mouse\nbuiltin:peg and builtin:burr too)"},
+        {.name = "tool", .kind = OPTION_LIST, .out = &args.tools, .value = "TOOL", .help = "a tool; may repeat, in the order of next-tool (default: builtin:peg,\nbuiltin:reamer and builtin:burr; builtin:reamer for a device whose\nbuttons switch no motor)"},
+        {.name = "rpm", .kind = OPTION_INTEGER, .out = &args.rpm, .min = 0, .max = OST_RPM_MAX, .value = "N",
+         .help = "turns a minute of the tool's motor, clockwise from behind; 0: off, and\nnothing is removed (default: 200)"},
+        {.name = "buttons", .kind = OPTION_TEXT, .out = &args.buttons_text, .value = "BUTTON=ACTION,...",
+         .help = "what the device's buttons do, as in stylus1=motor,stylus2=next-tool:\nmotor (on while held), motor-switch, next-tool, clutch, home, none;\nosteon devices lists the buttons and what they do by default. A motor\nthat a button switches is off until then, any other on from the start"},
         {.name = "path", .kind = OPTION_LIST, .out = &args.paths, .value = "PATH",
          .help = "where the tool or the simulated hand goes, or the mouse's begins:\nas for osteon ream\n(default: builtin:glenoid-press with --device sim and a force,\nfor as long as --seconds says, else builtin:glenoid-slow);\nof --device replay a session"},
         {.name = "out", .kind = OPTION_TEXT, .out = &args.out, .value = "FILE", .help = "the bone afterwards: .nrrd, or .nii, .nii.gz, .txt"},

@@ -38,7 +38,10 @@ typedef struct sim_args {
     ost_path_options gaps; /* from max_gap */
     int renderer; /* a sim_renderer */
     int view, style, width, height;
-    int64_t fps, rehearse_us;
+    int64_t fps, rehearse_us, rpm;
+    const char *buttons_text;
+    ost_action buttons[OST_BUTTONS_MAX]; /* of the device */
+    bool motor_waits;     /* one of them, or a key, switches the motor on */
     film_options video;
     bool hud, timings;
     bool renderer_given, paths_given, rehearse_given;
@@ -72,6 +75,8 @@ typedef struct simulation {
     ost_volume uncut;     /* owned until its show has it: the bone before anything was cut */
     ost_session *resumed; /* NULL: it begins */
     ost_tick last;        /* of it */
+    ost_motor motor;      /* after it */
+    ost_pose home;        /* where the tool begins, clear of the bone, unless a path says where */
     uint64_t before;      /* its ticks */
     struct sim_show *show; /* NULL: nobody looks on */
     struct sim_window *window; /* NULL: --headless */
@@ -82,6 +87,10 @@ typedef struct simulation {
 void simulation_free(simulation *s);
 
 bool sim_device_is(const sim_args *args, const char *name);
+/* Returns true for a device that goes where a path goes; all others have a hand. */
+bool sim_follows_path(const sim_args *args);
+/* Finds what the library says of the device; false when there is none of that name. */
+bool sim_device_info(const sim_args *args, ost_haptic_info *out);
 /* All that can be said before anything is read. */
 ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err);
 

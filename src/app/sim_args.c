@@ -17,6 +17,36 @@ bool sim_device_is(const sim_args *args, const char *name)
     return strlen(name) == length && memcmp(args->device, name, length) == 0;
 }
 
+bool sim_follows_path(const sim_args *args)
+{
+    return sim_device_is(args, "sim") || sim_device_is(args, "script") || sim_device_is(args, "replay");
+}
+
+bool sim_device_info(const sim_args *args, ost_haptic_info *out)
+{
+    for (int i = 0; i < ost_haptic_count(); i++)
+        if (ost_haptic_describe(i, out, NULL) == OST_OK && sim_device_is(args, out->name))
+            return true;
+    return false;
+}
+
+/* A motor that the hand can switch on waits for that; any other one is on from the first tick. */
+static ost_status check_motor(const app_state *app, sim_args *args, ost_error *err)
+{
+    ost_haptic_info info;
+    if (args->period_ns > OST_MOTOR_TURN / 4 / (args->rpm ? args->rpm : 1) && args->rpm && !args->sweep_off)
+        return usage_error(app, err, "--rate %s: at %lld turns a minute the motor turns by more than 90 degrees between two removals; at least %.3g Hz",
+                           args->rate.text, (long long)args->rpm, (double)args->rpm / 15);
+    if (!sim_device_info(args, &info))
+        return OST_OK; /* said when it is opened */
+    ost_status status = ost_buttons_parse(&info, args->buttons_text, args->buttons, err);
+    for (int i = 0; i < OST_BUTTONS_MAX; i++)
+        args->motor_waits = args->motor_waits || args->buttons[i] == OST_ACTION_MOTOR || args->buttons[i] == OST_ACTION_SWITCH;
+    if (status == OST_ERR_USAGE)
+        ost_fail_context(err, "--buttons");
+    return status;
+}
+
 /* Seconds as ticks of a millisecond. */
 static ost_status ticks_of(const app_state *app, const char *name, const option_decimal *seconds, uint64_t *ticks, ost_error *err)
 {
@@ -64,7 +94,7 @@ ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err)
         status = ticks_of(app, "idle", &args->idle, &args->idle_ticks, err);
     if (status != OST_OK)
         return status;
-    if ((status = sim_force_params(app, args, err)) != OST_OK)
+    if ((status = check_motor(app, args, err)) != OST_OK || (status = sim_force_params(app, args, err)) != OST_OK)
         return status;
     if ((status = check_show(app, args, err)) != OST_OK)
         return status;
@@ -80,8 +110,7 @@ ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err)
     /* What a session records must be what a replay reads again. */
     args->tools_given = args->tools.count > 0;
     if (!args->tools.count && !args->resume)
-        args->tools = sim_device_is(args, "mouse") ? (option_list){3, {"builtin:reamer", "builtin:peg", "builtin:burr"}}
-                                                   : (option_list){1, {"builtin:reamer"}};
+        args->tools = args->motor_waits ? (option_list){3, {"builtin:peg", "builtin:reamer", "builtin:burr"}} : (option_list){1, {"builtin:reamer"}};
     args->paths_given = args->paths.count > 0;
     /* A hand that is held back may press; what nothing holds back would go straight in. */
     const bool pressing = sim_device_is(args, "sim") && !(args->force_given && !args->force);

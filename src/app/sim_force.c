@@ -14,16 +14,14 @@
 static uint32_t caps_of(const sim_args *args)
 {
     ost_haptic_info info;
-    for (int i = 0; i < ost_haptic_count(); i++)
-        if (ost_haptic_describe(i, &info, NULL) == OST_OK && sim_device_is(args, info.name))
-            return info.caps;
-    return 0;
+    return sim_device_info(args, &info) ? info.caps : 0;
 }
 
 ost_status sim_force_params(const app_state *app, sim_args *args, ost_error *err)
 {
     const uint32_t caps = caps_of(args);
     args->force_params = ost_force_defaults();
+    args->force_params.speed = (double)args->rpm * 0.10471975511965977; /* rad/s */
     args->safety = ost_safety_defaults();
     if (caps & OST_HAPTIC_TORQUE)
         args->force_params.turn_stiffness = TURN_STIFFNESS;

@@ -211,7 +211,7 @@ static const char *const help[][2] = {
     {"left drag", "move the tool in the picture's plane"},
     {"wheel, W S", "push the tool along its axis, pull it back"},
     {"shift, left drag", "turn the tool;  Q E about its axis"},
-    {"space", "hold: the tool spins"},
+    {"space", "hold: the motor is on, and the tool cuts"},
     {"Tab, shift Tab", "the next tool, the one before"},
     {"Home", "the tool back to where it began"},
     {"right drag, arrows", "look from elsewhere"},

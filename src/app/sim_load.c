@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "app/backend_choice.h"
+#include "app/sim_hand.h"
 #include "app/say.h"
 #include "app/session_record.h"
 #include "app/sim_window.h"
@@ -46,6 +47,43 @@ static ost_status take_plan(const app_state *app, const sim_args *args, simulati
     return status == OST_OK && args->debrief ? debrief_begin(s->bone, &s->plan, s->tools, args->tools.count, &s->debrief, err) : status;
 }
 
+/* Returns true when a tool, whose frame is at pose, touches no bone. */
+static bool is_clear(const simulation *s, const ost_geometry *bone, const ost_tool *tool, const ost_pose *pose)
+{
+    ost_map map;
+    ost_report report = {0};
+    const ost_density_classes classes = ost_density_classes_default();
+    const ost_voxel_box box = {{0, 0, 0}, {bone->dims.x, bone->dims.y, bone->dims.z}};
+    const ost_event event = {.pose_count = 1, .maps = &map, .boxes = &box, .classes = &classes};
+    const bool found = ost_map_make(pose, bone, ost_tool_geometry_get(tool), &map, NULL) == OST_OK &&
+                       ost_bone_collide(s->bone, tool, &event, &report, NULL) == OST_OK;
+    const uint64_t met = report.total_voxels + report.touched_voxels;
+    ost_report_free(&report);
+    return !found || met == 0;
+}
+
+/* Moves a pose back along the tool's axis, at least CLEAR_MM, until none of the tools touches bone there. */
+static ost_pose back_from_the_bone(const sim_args *args, const simulation *s, const ost_pose *from)
+{
+    enum { CLEAR_MM = 10, STEP_MM = 2, FARTHEST_MM = 600 };
+    ost_bone_info info;
+    if (ost_bone_info_get(s->bone, &info, NULL) != OST_OK)
+        return *from;
+    for (int mm = CLEAR_MM; mm < FARTHEST_MM; mm += STEP_MM) {
+        sim_hand hand = sim_hand_at(from, 0);
+        ost_haptic_state state;
+        sim_hand_push(&hand, -mm);
+        if (!sim_hand_state(&hand, &state))
+            break;
+        bool clear = true;
+        for (int i = 0; i < args->tools.count && clear; i++)
+            clear = is_clear(s, &info.geometry, s->tools[i], &state.pose);
+        if (clear)
+            return state.pose;
+    }
+    return *from;
+}
+
 /* Some way above the middle of its top, pointing down. */
 static ost_pose over_the_bone(const ost_bone *bone)
 {
@@ -75,8 +113,8 @@ ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, o
     if (status == OST_OK && !sim_device_is(args, "replay"))
         status = ream_path_make(app, &args->paths, &target, &s->imported.meta, args->bone, grids, args->tools.count, &args->gaps, &s->path,
                                 &s->gaps, err);
-    if (status == OST_ERR_USAGE && sim_device_is(args, "mouse") && !args->paths_given) {
-        /* A bone without a glenoid: a mouse needs no path, only a place to begin. */
+    if (status == OST_ERR_USAGE && !sim_follows_path(args) && !args->paths_given) {
+        /* A bone without a glenoid: a hand needs no path, only a place to begin. */
         status = OST_OK;
         *err = (ost_error){0};
     }
@@ -87,7 +125,8 @@ ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, o
         status = ost_world_add_tool(s->world, args->tools.value[i], s->tools[i], NULL, err);
     if (status != OST_OK)
         return status;
-    const ost_pose start = s->path.count ? s->path.ticks[0].pose : over_the_bone(s->bone);
+    const ost_pose first = s->path.count ? s->path.ticks[0].pose : over_the_bone(s->bone);
+    const ost_pose start = s->home = sim_follows_path(args) || args->paths_given ? first : back_from_the_bone(args, s, &first);
     if (s->window && sim_device_is(args, "mouse") && (status = sim_window_hand(s, &start, err)) != OST_OK)
         return status;
     const ost_haptic_setup setup = {

@@ -53,6 +53,7 @@ ost_status sim_resume_run(const sim_args *args, simulation *s, ost_error *err)
                 status = ost_fail(err, OST_ERR_INPUT, "%s: tick %llu comes out otherwise than recorded; osteon replay --verify says where",
                                   args->resume, (unsigned long long)record.as.tick.number);
             s->last = record.as.tick.tick;
+            ost_motor_advance(&s->motor, &s->last);
             s->before++;
         }
         if (status == OST_OK && s->recorder && record.kind != OST_RECORD_END)

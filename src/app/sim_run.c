@@ -74,17 +74,23 @@ ost_status sim_run(const app_state *app, const sim_args *args, simulation *s, os
     s->loop = malloc(sizeof *s->loop);
     if (!s->loop)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for the times of a run");
-    const ost_operation_options what = {
+    ost_operation_options what = {
         .recorder = s->recorder,
         .force = s->force,
         .live = s->show ? s->show->live : NULL,
         .safety = &args->safety,
         .tool = s->resumed ? s->last.tool : 0,
+        .tools = args->tools.count,
+        .rpm = (int32_t)args->rpm,
+        .motor_waits = args->motor_waits,
+        .motor = s->motor,
+        .home = s->home,
         .steps_before = s->before,
         .last = s->resumed ? &s->last : NULL,
         .depth_of = s->show ? sim_scene_depth : NULL,
         .depth_user = s->show ? &s->show->scene : NULL,
     };
+    memcpy(what.buttons, args->buttons, sizeof what.buttons);
     ost_status status = ost_operation_create(s->world, &what, &s->operation, err);
     if (status != OST_OK)
         return status;

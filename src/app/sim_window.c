@@ -48,6 +48,7 @@ struct sim_window {
     ost_hand *hand;    /* NULL: another device */
     sim_hand now, home;
     sim_camera camera;
+    bool lifted;       /* the hand was put elsewhere, and the device has not heard of it */
     bool held[512];    /* keys by their number */
     bool button[3];
     unsigned mods;
@@ -170,14 +171,13 @@ ost_hand *sim_window_hand_get(const simulation *s)
 
 /* ------------------------------------------------------------------ events */
 
-/* With its point where the last one's was, and back from there: what is taken up must not begin within the bone. */
+/* With its point where the last one's was. */
 static void take_tool(sim_window *w, int number)
 {
-    const double clear_mm = 10;
     if (number < 0 || number >= w->args->tools.count || !w->hand || number == w->now.tool)
         return;
     const tool_shape *shapes = w->s->show->scene.shapes;
-    sim_hand_push(&w->now, shapes[number].tip_mm[2] - shapes[w->now.tool].tip_mm[2] - clear_mm);
+    sim_hand_push(&w->now, shapes[number].tip_mm[2] - shapes[w->now.tool].tip_mm[2]);
     w->now.tool = number;
 }
 
@@ -218,6 +218,7 @@ static void on_key(sim_window *w, int key)
         const int32_t tool = w->now.tool;
         w->now = w->home;
         w->now.tool = tool;
+        w->lifted = true;
     } else {
         char text[160];
         double eye[3];
@@ -288,6 +289,9 @@ static void hold_keys(sim_window *w, double dt)
     const bool *k = w->held;
     sim_camera_hold(&w->camera, k[OST_KEY_RIGHT] - k[OST_KEY_LEFT], k[OST_KEY_UP] - k[OST_KEY_DOWN], k[OST_KEY_PLUS] - k[OST_KEY_MINUS],
                     w->mods & OST_WINDOW_SHIFT, dt);
+    /* What the buttons of a device do; of the mouse the window does the rest itself. */
+    ost_operation_keys(w->s->operation, w->hand ? 0 : (uint32_t)k[' '] << OST_ACTION_MOTOR | (uint32_t)k[OST_KEY_TAB] << OST_ACTION_TOOL |
+                                                          (uint32_t)k[OST_KEY_HOME] << OST_ACTION_HOME);
     if (!w->hand)
         return;
     if (!(w->mods & OST_WINDOW_CONTROL))
@@ -310,6 +314,8 @@ static void put_hand(sim_window *w, const sim_hand *before)
         w->now = *before;
         return;
     }
+    state.lifted = w->lifted;
+    w->lifted = false;
     ost_hand_put(w->hand, &state);
 }
 
@@ -354,7 +360,7 @@ static void take_facts(sim_window *w, int height, double now)
     f->timings = w->timings;
     if (!w->args->look.no_legend)
         f->legend = appearance_legend_of(&w->s->show->look);
-    f->pedal = w->now.pedal;
+    f->pedal = viewer->has_state && viewer->state.rpm != 0;
     w->stale = w->stale || (f->message && now >= w->message_until);
     f->message = now < w->message_until ? w->message : NULL;
     f->mm_per_pixel = w->camera.orbit.distance / (1.2071 * height);

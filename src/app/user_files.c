@@ -7,6 +7,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include <osteon/motor.h>
+
 #include "app/progress.h"
 #include "app/result.h"
 #include "core/conditions.h"
@@ -319,6 +321,9 @@ static ost_status add_case(const app_state *app, const user_files *u, int ct, co
         grids[t] = &head.tools[t].cutting.grid;
     if (status == OST_OK && u->paths.count)
         status = ream_path_make(app, &u->paths, &u->target, &meta, u->cts.value[ct], grids, head.tool_count, NULL, &head.path, &counted, err);
+    ost_motor motor = {0};
+    if (status == OST_OK && u->paths.count)
+        status = ost_motor_path(&head.path, OST_RPM_REAMER, &motor, err);
     if (status == OST_OK) {
         put_integer(one, "ticks", (int64_t)head.path.count);
         put_integer(one, "gaps", (int64_t)counted.gaps);

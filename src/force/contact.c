@@ -68,21 +68,31 @@ void ost_contact_shell_make(const ost_shell *shell, const ost_force_params *para
     for (size_t i = 0; i < shell->count; i++) {
         const ost_shell_point *p = &shell->points[i];
         const double radius = sqrt(p->at[0] * p->at[0] + p->at[1] * p->at[1]);
-        const double spin = params->speed * (radius > NEAR_AXIS ? radius : NEAR_AXIS), rigid = p->area * OST_RIGID;
-        const double give = p->cutting && spin > 0 ? p->area * params->energy / (params->cutting_ratio * spin) : rigid;
         for (int a = 0; a < 3; a++) {
             out->at[a][i] = (float)p->at[a];
             out->inward[a][i] = (float)p->inward[a];
             out->outside[a][i] = (float)(p->at[a] - spacing * p->inward[a]);
         }
-        out->against[0][i] = radius > 0 ? (float)(p->at[1] / radius) : 0;
-        out->against[1][i] = radius > 0 ? (float)(-p->at[0] / radius) : 0;
-        out->spin[i] = (float)spin;
+        /* Clockwise as seen along -z (AR-MOTOR), a point at (x, y) moves along (y, -x). */
+        out->against[0][i] = radius > 0 ? (float)(-p->at[1] / radius) : 0;
+        out->against[1][i] = radius > 0 ? (float)(p->at[0] / radius) : 0;
         out->area[i] = (float)p->area;
-        out->give[i] = (float)(give < rigid ? give : rigid);
-        out->cutting[i] = p->cutting && spin > 0;
+        out->edge[i] = p->cutting;
         const double away = sqrt(ost_dot(p->at, p->at)) + spacing;
         out->reach = away > out->reach ? away : out->reach;
+    }
+    ost_contact_shell_speed(out, params);
+}
+
+void ost_contact_shell_speed(contact_shell *shell, const ost_force_params *params)
+{
+    for (size_t i = 0; i < shell->count; i++) {
+        const double x = shell->at[0][i], y = shell->at[1][i], radius = sqrt(x * x + y * y);
+        const double spin = params->speed * (radius > NEAR_AXIS ? radius : NEAR_AXIS), rigid = shell->area[i] * OST_RIGID;
+        shell->cutting[i] = shell->edge[i] && spin > 0;
+        const double give = shell->cutting[i] ? shell->area[i] * params->energy / (params->cutting_ratio * spin) : rigid;
+        shell->spin[i] = (float)spin;
+        shell->give[i] = (float)(give < rigid ? give : rigid);
     }
 }
 

@@ -27,7 +27,8 @@ typedef struct contact_shell {
     float spin[OST_SHELL_MAX];       /* m/s */
     float area[OST_SHELL_MAX];
     float give[OST_SHELL_MAX];       /* N s/m: what it answers to its advance in bone of reference density */
-    bool cutting[OST_SHELL_MAX];
+    bool cutting[OST_SHELL_MAX];     /* it cuts: it can, and the tool turns */
+    bool edge[OST_SHELL_MAX];        /* it can cut */
     double reach;                    /* of the farthest from the tool's origin, with what is outside */
 } contact_shell;
 
@@ -58,6 +59,8 @@ void ost_into_tool(const contact_pose *pose, const double v[3], double out[3]);
 
 /* spacing is the bone's. */
 void ost_contact_shell_make(const ost_shell *shell, const ost_force_params *params, double spacing, contact_shell *out);
+/* Sets what depends on the tool's speed, params->speed. */
+void ost_contact_shell_speed(contact_shell *shell, const ost_force_params *params);
 /* The points that find bone a voxel outward. */
 ost_status ost_contact_touch(const ost_bone *bone, const contact_shell *shell, const contact_pose *pose, contact *c, ost_error *err);
 /*

@@ -170,6 +170,35 @@ static void turn_between(const double a[4], const double b[4], double out[3])
         out[i] = (real < 0 ? -2 : 2) * imaginary[i] / n;
 }
 
+/* q times a turn about z. */
+static void turn_about_axis(const double q[4], double angle, double out[4])
+{
+    double s, c;
+    ost_sin_cos(angle / 2, &s, &c);
+    const double turned[4] = {q[0] * c - q[3] * s, q[1] * c + q[2] * s, q[2] * c - q[1] * s, q[3] * c + q[0] * s};
+    memcpy(out, turned, sizeof turned);
+}
+
+void ost_force_motor(ost_force *force, double speed, double turned)
+{
+    grip *g = &force->grip;
+    if (speed != force->params.speed) {
+        force->params.speed = speed;
+        for (int t = 0; t < force->tools; t++)
+            ost_contact_shell_speed(force->shells[t], &force->params);
+    }
+    if (!g->held || turned == 0)
+        return;
+    double device[4] = {g->device.qw, g->device.qx, g->device.qy, g->device.qz};
+    turn_about_axis(g->facing, turned, g->facing);
+    ost_turn_of(g->facing, g->pose.turn);
+    turn_about_axis(device, turned, device);
+    g->device.qw = (int32_t)rint(device[0]);
+    g->device.qx = (int32_t)rint(device[1]);
+    g->device.qy = (int32_t)rint(device[2]);
+    g->device.qz = (int32_t)rint(device[3]);
+}
+
 static void quaternion_of(const ost_pose *pose, double q[4])
 {
     q[0] = pose->qw;

@@ -85,7 +85,6 @@ static const place places[] = {
     FORCE(scale, "1", 0.01, 1, "felt over real force: a reamer is pressed with about 40 N, an Omni gives 3.3 N"),
     FORCE(stiffness, "N/m", 1, 1e6, "of the coupling, as felt: at 1 kHz with 60 g and a light grip swinging begins at 250 to 300 without friction"),
     FORCE(damping, "N s/m", 0, 1e3, "of the coupling, as felt: an Omni takes less than 2 (data sheet)"),
-    FORCE(speed, "rad/s", 0, 1e4, "of the tool about its own axis: 300 turns a minute; 0: it does not cut"),
     FORCE(cutting_ratio, "1", 1e-3, 10, "tangential over normal force of what cuts: of the order of bone cutting; to calibrate"),
     FORCE(energy, "J/m3", 1, 1e12, "to cut bone of reference density: cortical 30e6 to 150e6, trabecular 2e6 to 15e6; to calibrate"),
     FORCE(reference_density, "g/cm3", 1e-3, 1e3, "that energy is for; it goes as density squared, as strength (Carter, Hayes 1977)"),
@@ -164,6 +163,8 @@ ost_status ost_force_params_check(const ost_force_params *params, ost_error *err
         if (!(value >= places[i].key.lo && value <= places[i].key.hi))
             return ost_fail(err, OST_ERR_RANGE, "force: %s is %g; %g to %g is supported", places[i].key.name, value, places[i].key.lo, places[i].key.hi);
     }
+    if (!(params->speed >= 0 && params->speed <= 1e4))
+        return ost_fail(err, OST_ERR_RANGE, "force: speed is %g; 0 to 1e4 rad/s is supported", params->speed);
     return passes_too_fast(params) ? ost_fail(err, OST_ERR_RANGE, "force: %s", too_fast) : OST_OK;
 }
 
@@ -201,6 +202,8 @@ static ost_status take(const char *file, int line, const char *text, ost_force_p
     int i = 0;
     while (i < COUNT && (strlen(places[i].key.name) != length || memcmp(places[i].key.name, text, length) != 0))
         i++;
+    if (i == COUNT && length == 5 && memcmp("speed", text, length) == 0)
+        return ost_fail(err, OST_ERR_INPUT, "%s:%d: speed is the motor's: leave it out, and pass --rpm to osteon sim", file, line);
     if (i == COUNT)
         return ost_fail(err, OST_ERR_INPUT, "%s:%d: '%.*s' is no parameter; osteon sim --print-force-params lists them", file, line,
                         (int)(length < 60 ? length : 60), text);

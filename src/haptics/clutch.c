@@ -98,6 +98,13 @@ ost_pose haptic_clutch_pose(haptic_clutch *c, const double at[3], const double q
     return haptic_pose_quantise(c->given_at, c->given_q);
 }
 
+ost_pose haptic_clutch_follow(haptic_clutch *c, const ost_pose *body)
+{
+    double at[3], q[4];
+    doubles_of(body, at, q);
+    return haptic_clutch_pose(c, at, q);
+}
+
 void haptic_clutch_vector(const haptic_clutch *c, const double bone[3], double body[3])
 {
     double back[4];

@@ -32,6 +32,8 @@ void haptic_clutch_release(haptic_clutch *clutch);
 void haptic_clutch_place(haptic_clutch *clutch, const ost_pose *tool);
 /* at in m, q of length 1: where the tool is now; none when that is no pose. */
 ost_pose haptic_clutch_pose(haptic_clutch *clutch, const double at[3], const double q[4]);
+/* The same with the body's pose in the bone's frame. */
+ost_pose haptic_clutch_follow(haptic_clutch *clutch, const ost_pose *body);
 /* A vector of the bone's frame in the body's: forces. */
 void haptic_clutch_vector(const haptic_clutch *clutch, const double bone[3], double body[3]);
 

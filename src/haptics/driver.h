@@ -24,6 +24,7 @@ typedef struct haptic_driver {
     const char *name, *description;
     uint32_t caps;
     double max_force_n, max_stiffness_n_m;
+    ost_button buttons[OST_BUTTONS_MAX]; /* bit by bit; up to the first without a name */
     bool (*usable)(char reason[256]); /* NULL: always */
     bool (*answers)(char reason[256]); /* NULL: it does */
     ost_status (*open)(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err);

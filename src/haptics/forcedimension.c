@@ -105,7 +105,7 @@ static ost_haptic_answer dhd_read(haptic_instance *d, ost_haptic_state *state)
     const int buttons = d->dhd.get_buttons(LAST_OPENED);
     if (buttons < 0)
         return OST_HAPTIC_LOST;
-    *state = (ost_haptic_state){haptic_workspace_pose(&d->workspace, at, frame), -1, (uint32_t)buttons, false};
+    *state = (ost_haptic_state){.pose = haptic_workspace_pose(&d->workspace, at, frame), .tool = -1, .buttons = (uint32_t)buttons};
     return OST_HAPTIC_FRESH;
 }
 
@@ -123,6 +123,7 @@ const haptic_driver haptic_dhd = {
     .caps = OST_HAPTIC_FORCE | OST_HAPTIC_TORQUE | OST_HAPTIC_ORIENTATION,
     .max_force_n = 8, /* the weakest of them, a Falcon */
     .max_stiffness_n_m = 3000,
+    .buttons = {{"button1", OST_ACTION_MOTOR}, {"button2", OST_ACTION_TOOL}, {"button3", OST_ACTION_CLUTCH}, {"button4", OST_ACTION_HOME}},
     .usable = dhd_usable,
     .open = dhd_open,
     .close = dhd_close,

@@ -422,7 +422,7 @@ static ost_haptic_answer inverse3_read(haptic_instance *h, ost_haptic_state *sta
     const came *c = &h->came[h->in.front];
     h->silent = 0;
     h->unseen = false;
-    *state = (ost_haptic_state){haptic_clutch_pose(&h->clutch, c->at, c->q), -1, c->buttons, false};
+    *state = (ost_haptic_state){.pose = haptic_clutch_pose(&h->clutch, c->at, c->q), .tool = -1, .buttons = c->buttons};
     return OST_HAPTIC_FRESH;
 }
 
@@ -485,6 +485,7 @@ const haptic_driver haptic_inverse3 = {
     .caps = OST_HAPTIC_FORCE | OST_HAPTIC_ORIENTATION,
     .max_force_n = 3.3, /* what is asked of it at most */
     .max_stiffness_n_m = 300,
+    .buttons = {{"a", OST_ACTION_MOTOR}, {"b", OST_ACTION_TOOL}, {"c", OST_ACTION_CLUTCH}, {"d", OST_ACTION_HOME}},
     .usable = USABLE,
     .open = inverse3_open,
     .close = inverse3_close,

@@ -9,7 +9,7 @@
  *
  * A mouse jumps by pixels; the hand follows with a time constant of 15 ms and
  * never faster than 250 mm and three turns a second, which the pose guard and
- * the sweep can follow.  With the pedal down the tool turns about its axis.
+ * the sweep can follow.
  *
  * Forces are shown, not felt: a write is for whoever looks.
  */
@@ -24,11 +24,11 @@
 static const double FOLLOW = 0.0645;          /* of what is left, a tick: 1 - exp(-1 ms / 15 ms) */
 static const double STEP_M = 0.25e-3;         /* at most, a tick */
 static const double TURN = 0.0188;            /* radians, likewise: three turns a second */
-enum { SPIN_RPM = 120 };
 
 struct ost_hand {
     newest newest; /* from the window to the device */
     ost_haptic_state state[NEWEST_SLOTS];
+    uint32_t lifts[NEWEST_SLOTS], lifted; /* how often it was lifted by then */
 };
 
 ost_status ost_hand_create(const ost_haptic_state *start, ost_hand **out, ost_error *err)
@@ -54,7 +54,9 @@ void ost_hand_free(ost_hand *hand)
 
 void ost_hand_put(ost_hand *hand, const ost_haptic_state *state)
 {
+    hand->lifted += state->lifted;
     hand->state[hand->newest.back] = *state;
+    hand->lifts[hand->newest.back] = hand->lifted;
     newest_put(&hand->newest);
 }
 
@@ -70,9 +72,8 @@ struct haptic_instance {
     ost_hand *hand; /* borrowed */
     double at[3];   /* m */
     double q[4];    /* unit */
-    double spin;    /* radians about the tool's axis */
-    double spin_tick;
     int32_t tool;
+    uint32_t lifts; /* of the hand, as taken last */
 };
 
 static void take_pose(const ost_pose *pose, double at[3], double q[4])
@@ -89,20 +90,15 @@ static void take_pose(const ost_pose *pose, double at[3], double q[4])
 
 static ost_status take(void *user, const char *key, const char *value, ost_error *err)
 {
-    int64_t rpm;
-    haptic_instance *m = user;
-    if (strcmp(key, "spin") != 0)
-        return ost_fail(err, OST_ERR_USAGE, "device mouse: it has no option '%s'; it has spin", key);
-    ost_status status = haptic_integer("mouse", key, value, 0, 1000, &rpm, err);
-    if (status == OST_OK)
-        m->spin_tick = 6.283185307179586 * (double)rpm / 60000;
-    return status;
+    (void)user;
+    (void)value;
+    return ost_fail(err, OST_ERR_USAGE, "device mouse: it has no option '%s', and no others", key);
 }
 
 static ost_status mouse_open(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err)
 {
-    haptic_instance m = {.hand = setup->hand, .spin_tick = 6.283185307179586 * SPIN_RPM / 60000};
-    ost_status status = haptic_options("mouse", options, take, &m, err);
+    haptic_instance m = {.hand = setup->hand};
+    ost_status status = haptic_options("mouse", options, take, NULL, err);
     if (status != OST_OK)
         return status;
     if (!m.hand)
@@ -150,33 +146,23 @@ static void approach_turn(haptic_instance *m, const double to[4])
         m->q[i] /= sqrt(n);
 }
 
-/* q times a turn about z. */
-static void spun(const double q[4], double angle, double out[4])
-{
-    const double c = cos(angle / 2), s = sin(angle / 2);
-    out[0] = q[0] * c - q[3] * s;
-    out[1] = q[1] * c + q[2] * s;
-    out[2] = q[2] * c - q[1] * s;
-    out[3] = q[3] * c + q[0] * s;
-}
-
 static ost_haptic_answer mouse_read(haptic_instance *m, ost_haptic_state *state)
 {
     const ost_haptic_state *hand = latest(m->hand);
-    double to[3], toward[4], q[4];
+    const uint32_t lifts = m->hand->lifts[m->hand->newest.front];
+    const bool lifted = lifts != m->lifts;
+    double to[3], toward[4];
     take_pose(&hand->pose, to, toward);
-    if (hand->tool != m->tool) {
-        /* A tool that is taken up is in the hand at once. */
+    if (hand->tool != m->tool || lifted) {
+        /* A tool that is taken up or put elsewhere is there at once. */
         memcpy(m->at, to, sizeof m->at);
         memcpy(m->q, toward, sizeof m->q);
         m->tool = hand->tool;
+        m->lifts = lifts;
     }
     approach_place(m, to);
     approach_turn(m, toward);
-    if (hand->buttons & OST_HAND_PEDAL)
-        m->spin = fmod(m->spin + m->spin_tick, 6.283185307179586);
-    spun(m->q, m->spin, q);
-    *state = (ost_haptic_state){.pose = haptic_pose_quantise(m->at, q), .tool = hand->tool, .buttons = hand->buttons};
+    *state = (ost_haptic_state){.pose = haptic_pose_quantise(m->at, m->q), .tool = hand->tool, .buttons = hand->buttons, .lifted = lifted};
     return OST_HAPTIC_FRESH;
 }
 
@@ -191,6 +177,7 @@ const haptic_driver haptic_mouse = {
     .name = "mouse",
     .description = "the mouse and keys of the simulator's window; forces are shown",
     .caps = OST_HAPTIC_SHOWN | OST_HAPTIC_ORIENTATION | OST_HAPTIC_TOOL,
+    .buttons = {{"space", OST_ACTION_MOTOR}},
     .open = mouse_open,
     .close = mouse_close,
     .read = mouse_read,

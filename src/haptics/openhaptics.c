@@ -250,6 +250,7 @@ const haptic_driver haptic_openhaptics = {
     .caps = OST_HAPTIC_FORCE | OST_HAPTIC_ORIENTATION | OST_HAPTIC_OWN_CLOCK,
     .max_force_n = 3.3,
     .max_stiffness_n_m = 400,
+    .buttons = {{"stylus1", OST_ACTION_MOTOR}, {"stylus2", OST_ACTION_TOOL}},
     .usable = openhaptics_usable,
     .open = openhaptics_open,
     .close = openhaptics_close,

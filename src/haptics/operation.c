@@ -5,7 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <stdatomic.h>
+
 #include <osteon/operation.h>
+
+#include "haptics/clutch.h"
 
 enum { AFTER_NS = 1000000 };
 #define JUMP_PM (5 * OST_PM_PER_MM)
@@ -16,7 +20,14 @@ struct ost_operation {
     int classes;
     int64_t t_ns;      /* of the loop's first tick */
     bool moved;        /* a tick was taken: last is where the tool is */
-    ost_pose last;     /* of the device */
+    ost_motor motor;
+    bool on;           /* switched on, whatever is held */
+    uint32_t held;     /* actions, in the last tick */
+    _Atomic uint32_t keys;
+    int32_t tool;      /* where the device does not say */
+    ost_pose hand;     /* of the last tick: the device's, but for the clutch */
+    haptic_clutch clutch;
+    bool clutched;     /* it lies between device and hand */
     int32_t last_tool;
     ost_safety safety;
     bool given;        /* a force, in this tick */
@@ -56,13 +67,21 @@ ost_status ost_operation_create(ost_world *world, const ost_operation_options *o
     o->classes = ost_world_classes(world)->count;
     ost_safety_begin(&o->safety, o->options.safety);
     o->options.safety = NULL;
+    if (o->options.rpm < OST_RPM_ON || o->options.rpm > OST_RPM_MAX) {
+        ost_fail(err, OST_ERR_USAGE, "a motor speed of %d rpm; 0 to %d are supported", o->options.rpm, OST_RPM_MAX);
+        free(o);
+        return OST_ERR_USAGE;
+    }
+    o->motor = o->options.motor;
+    o->on = !o->options.motor_waits;
+    o->tool = o->options.tool;
     if (o->options.last) {
         o->moved = true;
-        o->last = o->options.last->pose;
+        o->hand = ost_motor_hand(&o->motor, &o->options.last->pose);
         o->last_tool = o->options.last->tool;
         o->t_ns = o->options.last->t_ns + AFTER_NS;
         if (o->options.force)
-            ost_force_place(o->options.force, o->last_tool, &o->last);
+            ost_force_place(o->options.force, o->last_tool, &o->options.last->pose);
         o->options.last = NULL;
     }
     ost_status status = ost_world_reserve(world, err);
@@ -114,7 +133,7 @@ static ost_fault judge(const ost_operation *o, const ost_tick *tick, bool lifted
     if (ost_pose_check(&tick->pose, NULL) != OST_OK)
         return OST_FAULT_TURN;
     /* A tool that is taken up or put down elsewhere begins where it is: nothing is swept. */
-    if (o->moved && !lifted && tick->tool == o->last_tool && is_far(&tick->pose, &o->last))
+    if (o->moved && !lifted && tick->tool == o->last_tool && is_far(&tick->pose, &o->hand))
         return OST_FAULT_JUMP;
     return OST_FAULT_NONE;
 }
@@ -159,12 +178,21 @@ static int32_t millionths(double value)
     return (int32_t)rint(fmax(-2e9, fmin(2e9, value * 1e6)));
 }
 
-/* Where the tool is for a device that is at tick's pose, and what the hand is to feel; false when the force is no number. */
-static ost_status feel(ost_operation *o, const ost_servo_sample *sample, int64_t period_ns, ost_tick *tick, ost_wrench *wrench, ost_fault *fault)
+/* Radians a second; of a speed that is not known the force has its own. */
+static double speed_of(int32_t rpm)
+{
+    return rpm * 0.10471975511965977;
+}
+
+/* Where the tool is for a device that, with the motor's turn, is at tick's pose, and what the hand is to feel; a fault when that is no number. */
+static ost_status feel(ost_operation *o, const ost_servo_sample *sample, double turned, int64_t period_ns, ost_tick *tick, ost_wrench *wrench,
+                       ost_fault *fault)
 {
     ost_force_result felt;
     const double period_s = (double)period_ns * 1e-9;
     const ost_pose device = tick->pose;
+    if (tick->rpm != OST_RPM_ON)
+        ost_force_motor(o->options.force, speed_of(tick->rpm), turned);
     ost_status status = ost_force_step(o->options.force, tick->tool, &device, period_s, &felt, &o->report.error);
     if (status != OST_OK)
         return status;
@@ -231,6 +259,7 @@ static void show(ost_operation *o, const ost_servo_sample *sample, const ost_tic
     s->t_ns = tick->t_ns;
     s->tool = tick->tool;
     s->pose = tick->pose;
+    s->rpm = tick->rpm;
     if (!step->report)
         return;
     s->removals++;
@@ -241,15 +270,80 @@ static void show(ost_operation *o, const ost_servo_sample *sample, const ost_tic
     ost_live_changed(o->options.live, step->report);
 }
 
+static bool is(uint32_t actions, ost_action action)
+{
+    return actions >> action & 1;
+}
+
+/* What buttons and keys ask for. Returns the actions that are held, and in *pressed those that were not in the tick before. */
+static uint32_t actions_of(ost_operation *o, uint32_t buttons, uint32_t *pressed)
+{
+    uint32_t held = atomic_load_explicit(&o->keys, memory_order_relaxed);
+    for (int i = 0; i < OST_BUTTONS_MAX; i++)
+        held |= buttons >> i & 1 ? UINT32_C(1) << o->options.buttons[i] : 0;
+    *pressed = held & ~o->held;
+    o->held = held;
+    return held;
+}
+
+void ost_operation_keys(ost_operation *operation, uint32_t held)
+{
+    atomic_store_explicit(&operation->keys, held, memory_order_relaxed);
+}
+
+/*
+ * Where the hand is for a device that is at *pose: there, until the clutch or
+ * home came between them.  Sets *put when the tool is put elsewhere; false
+ * while the clutch is held, and the hand stays.
+ */
+static bool hand_of(ost_operation *o, uint32_t held, uint32_t pressed, ost_pose *pose, bool *put)
+{
+    if (ost_pose_check(pose, NULL) != OST_OK)
+        return true; /* none: a fault */
+    const bool home = is(pressed, OST_ACTION_HOME) && o->options.home.qw | o->options.home.qx | o->options.home.qy | o->options.home.qz;
+    const bool stays = is(held, OST_ACTION_CLUTCH) && o->moved;
+    if ((home || stays) && !o->clutched) {
+        o->clutch = haptic_clutch_make(o->moved ? &o->hand : pose, 1);
+        o->clutch.laid = o->clutched = true; /* right is still right */
+    }
+    if (home) {
+        haptic_clutch_place(&o->clutch, &o->options.home);
+        o->hand = o->options.home;
+        *put = true;
+    }
+    if (stays) {
+        haptic_clutch_release(&o->clutch);
+        *pose = o->hand;
+        return false;
+    }
+    if (o->clutched)
+        *pose = haptic_clutch_follow(&o->clutch, pose);
+    return true;
+}
+
+/*
+ * The tick's speed and the tool's pose.  A tick that comes so late that the
+ * motor would have turned by more than an eighth of a turn is one with the motor
+ * off: what happened meanwhile is not known, and nothing is swept over it.
+ */
+static void run_motor(const ost_operation *o, const ost_haptic_state *state, bool on, ost_motor *motor, ost_tick *tick)
+{
+    if (state->turned || o->options.rpm == OST_RPM_ON) {
+        tick->rpm = state->turned ? state->rpm : on ? OST_RPM_ON : 0;
+        ost_motor_advance(motor, tick);
+        return;
+    }
+    int32_t rpm = on ? o->options.rpm : 0;
+    if (motor->moved && rpm > 0 && tick->t_ns - motor->t_ns > OST_MOTOR_TURN / 8 / rpm)
+        rpm = 0;
+    ost_motor_turn(motor, tick, rpm);
+}
+
 bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wrench *wrench)
 {
     ost_operation *o = operation;
-    ost_tick tick = {
-        .t_ns = o->t_ns + sample->t_ns,
-        .tool = sample->state.tool >= 0 ? sample->state.tool : o->options.tool,
-        .rpm = OST_RPM_ON,
-        .pose = sample->state.pose,
-    };
+    ost_tick tick = {.t_ns = o->t_ns + sample->t_ns, .pose = sample->state.pose};
+    ost_motor motor = o->motor;
     ost_step_result step;
     o->given = false;
     o->contact_n = 0;
@@ -259,15 +353,28 @@ bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wre
     }
     /* After a drop-out nothing is cut on the way, but a device that is found far away is a fault as before it. */
     const bool lifted = !sample->declared && sample->state.lifted;
-    o->lifted |= lifted || o->dropout;
-    tick.lifted = o->lifted && o->moved;
+    o->lifted |= o->dropout > 0;
     if (o->dropout)
         drop_out_over(o, tick.t_ns);
-    ost_fault fault = judge(o, &tick, lifted);
-    if (fault == OST_FAULT_NONE && lifted && o->options.force)
+    uint32_t pressed;
+    const uint32_t held = actions_of(o, sample->state.buttons, &pressed);
+    if (is(pressed, OST_ACTION_TOOL) && o->options.tools > 0)
+        o->tool = (o->tool + 1) % o->options.tools;
+    o->on ^= is(pressed, OST_ACTION_SWITCH);
+    tick.tool = sample->state.tool >= 0 ? sample->state.tool : o->tool;
+    bool put = lifted;
+    const bool follows = hand_of(o, held, pressed, &tick.pose, &put);
+    o->lifted |= put;
+    const ost_pose hand = tick.pose;
+    tick.lifted = o->lifted && o->moved;
+    ost_fault fault = judge(o, &tick, put);
+    run_motor(o, &sample->state, o->on || is(held, OST_ACTION_MOTOR), &motor, &tick);
+    if (put)
+        ost_safety_stop(&o->safety); /* the way there is no work of the hand's */
+    if (fault == OST_FAULT_NONE && put && o->options.force)
         ost_force_place(o->options.force, tick.tool, &tick.pose);
     if (fault == OST_FAULT_NONE && o->options.force) {
-        o->report.status = feel(o, sample, AFTER_NS, &tick, wrench, &fault);
+        o->report.status = feel(o, sample, ost_motor_angle(&motor) - ost_motor_angle(&o->motor), AFTER_NS, &tick, wrench, &fault);
         if (o->report.status == OST_ERR_USAGE)
             fault = OST_FAULT_TOOL;
         else if (o->report.status != OST_OK)
@@ -292,13 +399,19 @@ bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wre
             show(o, sample, &tick, NULL, wrench);
         return true;
     }
+    if (!follows) {
+        *wrench = (ost_wrench){{0}, {0}};
+        o->given = false;
+        ost_safety_stop(&o->safety);
+    }
     if (o->options.live)
         show(o, sample, &tick, &step, wrench);
     remember(o, sample, &tick, &step, wrench);
     o->report.steps++;
     o->moved = true;
+    o->motor = motor;
     o->lifted = false;
-    o->last = sample->state.pose;
+    o->hand = hand;
     o->last_tool = tick.tool;
     return true;
 }
@@ -309,9 +422,10 @@ void ost_operation_rehearse(void *operation)
     ost_operation *o = operation;
     if (!o->moved || o->dropout || o->fault != OST_FAULT_NONE)
         return;
-    ost_force_result felt = {.tool = o->last};
+    const ost_pose tool = o->options.rpm == OST_RPM_ON ? o->hand : ost_motor_pose(&o->motor, &o->hand);
+    ost_force_result felt = {.tool = tool};
     /* What cannot be done will say so in its tick. */
-    if (!o->options.force || ost_force_rehearse(o->options.force, o->last_tool, &o->last, (double)AFTER_NS * 1e-9, &felt, NULL) == OST_OK)
+    if (!o->options.force || ost_force_rehearse(o->options.force, o->last_tool, &tool, (double)AFTER_NS * 1e-9, &felt, NULL) == OST_OK)
         (void)ost_world_rehearse(o->world, o->last_tool, &felt.tool, NULL);
 }
 

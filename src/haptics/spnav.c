@@ -58,12 +58,12 @@ static const vendor_symbol symbols[] = {
 static const char *const names[] = {"libspnav.so.0", "libspnav.so", NULL};
 static const vendor_library library = {"OSTEON_SPNAV_LIBRARY", names, "libspnav0 and spacenavd", symbols, sizeof symbols / sizeof symbols[0]};
 
-enum { FULL = 350, DEAD = 10, EVENTS = 32, SPEED_MM = 20, TURN_DEGREES = 30, HOLD_BUTTON = 0, TOOL_BUTTON = 1, BUTTONS = 32 };
+enum { FULL = 350, DEAD = 10, EVENTS = 32, SPEED_MM = 20, TURN_DEGREES = 30, HOLD_BUTTON = 0, BUTTONS = 32 };
 #define TICK_S 1e-3
 
 typedef struct choice {
     double speed_mm, turn_degrees;
-    int64_t tools, hold;
+    int64_t hold;
 } choice;
 
 struct haptic_instance {
@@ -73,7 +73,6 @@ struct haptic_instance {
     int push[6];             /* as said last: x y z, about x y z */
     double at[3], q[4];      /* from the start, in its frame */
     uint32_t buttons;
-    int32_t tool;
     bool lost;
 };
 
@@ -109,17 +108,15 @@ static ost_status take(void *user, const char *key, const char *value, ost_error
         return haptic_number("spnav", key, value, 0.1, 500, &c->speed_mm, err);
     if (strcmp(key, "turn") == 0)
         return haptic_number("spnav", key, value, 0, 720, &c->turn_degrees, err);
-    if (strcmp(key, "tools") == 0)
-        return haptic_integer("spnav", key, value, 1, 16, &c->tools, err);
     if (strcmp(key, "hold") == 0)
         return haptic_integer("spnav", key, value, 0, 1, &c->hold, err);
-    return ost_fail(err, OST_ERR_USAGE, "device spnav: it has no option '%s'; known are speed, turn, tools and hold", key);
+    return ost_fail(err, OST_ERR_USAGE, "device spnav: it has no option '%s'; known are speed, turn and hold", key);
 }
 
 static ost_status spnav_begin(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err)
 {
     static const int axes[3] = {0, 1, 2};
-    choice c = {.speed_mm = SPEED_MM, .turn_degrees = TURN_DEGREES, .tools = 1};
+    choice c = {.speed_mm = SPEED_MM, .turn_degrees = TURN_DEGREES};
     char reason[256];
     ost_status status = haptic_options("spnav", options, take, &c, err);
     if (status != OST_OK)
@@ -154,8 +151,6 @@ static void press(haptic_instance *s, int number, bool down)
 {
     if (number < 0 || number >= BUTTONS)
         return;
-    if (down && number == TOOL_BUTTON && !(s->buttons >> TOOL_BUTTON & 1))
-        s->tool = (int32_t)((s->tool + 1) % s->how.tools);
     s->buttons = down ? s->buttons | UINT32_C(1) << number : s->buttons & ~(UINT32_C(1) << number);
 }
 
@@ -215,14 +210,15 @@ static ost_haptic_answer spnav_read(haptic_instance *s, ost_haptic_state *state)
     }
     turn_on(s->q, by);
     frame_of(s->q, frame);
-    *state = (ost_haptic_state){haptic_workspace_pose(&s->workspace, s->at, frame), s->how.tools > 1 ? s->tool : -1, s->buttons, false};
+    *state = (ost_haptic_state){.pose = haptic_workspace_pose(&s->workspace, s->at, frame), .tool = -1, .buttons = s->buttons};
     return OST_HAPTIC_FRESH;
 }
 
 const haptic_driver haptic_spnav = {
     .name = "spnav",
     .description = "3Dconnexion's SpaceMouse, by libspnav: its cap says how fast",
-    .caps = OST_HAPTIC_ORIENTATION | OST_HAPTIC_TOOL,
+    .caps = OST_HAPTIC_ORIENTATION,
+    .buttons = {{"left", OST_ACTION_SWITCH}, {"right", OST_ACTION_TOOL}},
     .usable = spnav_usable,
     .answers = spnav_answers,
     .open = spnav_begin,

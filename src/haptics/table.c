@@ -28,6 +28,8 @@ ost_status ost_haptic_describe(int index, ost_haptic_info *out, ost_error *err)
                              .caps = d->caps,
                              .max_force_n = d->max_force_n,
                              .max_stiffness_n_m = d->max_stiffness_n_m};
+    for (int i = 0; i < OST_BUTTONS_MAX && d->buttons[i].name; i++)
+        out->buttons[out->button_count++] = d->buttons[i];
     out->available = (!d->usable || d->usable(out->reason)) && (!d->answers || d->answers(out->reason));
     return OST_OK;
 }

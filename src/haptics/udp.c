@@ -383,7 +383,7 @@ static ost_haptic_answer udp_read(haptic_instance *u, ost_haptic_state *state)
     }
     u->silent = 0;
     u->unseen = false;
-    *state = (ost_haptic_state){u->given, c->tool, c->buttons, false};
+    *state = (ost_haptic_state){.pose = u->given, .tool = c->tool, .buttons = c->buttons};
     return OST_HAPTIC_FRESH;
 }
 
@@ -411,6 +411,7 @@ const haptic_driver haptic_udp = {
     .caps = OST_HAPTIC_FORCE | OST_HAPTIC_ORIENTATION | OST_HAPTIC_TOOL,
     .max_force_n = 3.3,
     .max_stiffness_n_m = 300,
+    .buttons = {{"button1", OST_ACTION_MOTOR}, {"button2", OST_ACTION_TOOL}, {"button3", OST_ACTION_CLUTCH}, {"button4", OST_ACTION_HOME}},
     .open = udp_open,
     .close = udp_close,
     .read = udp_read,

@@ -185,7 +185,7 @@ static ost_status read_row(reader *r, const char *p, const char *end, ost_error 
 {
     row in;
     ost_tick *tick = NULL;
-    int64_t t_ns = 0, tool = 0, lifted = 0, rpm = OST_RPM_ON;
+    int64_t t_ns = 0, tool = 0, lifted = 0, rpm = OST_RPM_HAND;
     bool exact = true;
     ost_status status = read_fields(r, p, end, &in, err);
     if (status != OST_OK)
@@ -196,8 +196,8 @@ static ost_status read_row(reader *r, const char *p, const char *end, ost_error 
         return fail_field(r, in.column[TOOL], in.field[TOOL], end, "a tool's number from 0", err);
     if (in.field[LIFTED] && (!ost_decimal_scale(&in.value[LIFTED], 1, &lifted, &exact) || !exact || lifted < 0 || lifted > 1))
         return fail_field(r, in.column[LIFTED], in.field[LIFTED], end, "0 or 1", err);
-    if (in.field[RPM] && (!ost_decimal_scale(&in.value[RPM], 1, &rpm, &exact) || !exact || rpm < OST_RPM_ON || rpm > OST_RPM_MAX))
-        return fail_field(r, in.column[RPM], in.field[RPM], end, "turns a minute from 0 to 3000, or -1", err);
+    if (in.field[RPM] && (!ost_decimal_scale(&in.value[RPM], 1, &rpm, &exact) || !exact || rpm < OST_RPM_HAND || rpm > OST_RPM_MAX))
+        return fail_field(r, in.column[RPM], in.field[RPM], end, "turns a minute from 0 to 3000, or -1 or -2", err);
     if (r->report.rows > 0 && t_ns <= r->t_ns)
         return ost_fail(err, OST_ERR_INPUT, "%s:%lld: t_s is %.9f, not after the row above, which has %.9f; expected increasing times",
                         r->path, (long long)r->line, (double)t_ns * 1e-9, (double)r->t_ns * 1e-9);

@@ -7,8 +7,8 @@
  *         20 um a tick       feed
  *
  * The tool's working face, its lowest point along -z, runs along the
- * glenoid's inward axis while the tool turns about its own z axis.  A tick is
- * a millisecond.
+ * glenoid's inward axis.  Poses are the hand's: the tool turns by its motor
+ * (motor.h).  A tick is a millisecond.
  *
  *   peg-hole      22 mm deep at 10 mm/s: within the vault, which is 25 to 30 mm
  *   glenoid-ream  3 mm deep at 1.5 mm/s: the cartilage, 2 mm, and into the
@@ -20,14 +20,8 @@
  *   glenoid-press a hand that presses, sweeps and wobbles for a minute or as long as it is
  *                 asked to, with the force that takes (press.h)
  *
- * Depths are integers.  The turning is a recurrence of unit quaternions:
- *
- *   q(k+1) = q(k) * (p + k_hat) / |...|,   one step turns by 2 atan(1/p)
- *
- * with p the least integer for which no corner of the tool's box moves more
- * than 0.15 mm a tick, so that with the feed a tick stays below half of the
- * thesis' voxel of 0.47 mm.  Only + - * /, ceil, rint and sqrt of doubles are
- * used, which every machine rounds alike; so a path is the same everywhere.
+ * Depths are integers.  Only + - * /, rint and sqrt of doubles are used, which
+ * every machine rounds alike; so a path is the same everywhere.
  */
 #include "core/conditions.h"
 
@@ -41,8 +35,6 @@
 enum { TICK_NS = 1000000, PRESS_TICKS = 60000 };
 
 #define UM (OST_PM_PER_MM / 1000)
-#define TURN_PER_TICK (150 * UM)
-#define TURN_PRESSING (100 * UM) /* with all else that a hand does there less than half of 0.3 mm */
 
 /* Distances from the glenoid's face along the inward axis; speeds a tick. */
 typedef struct plan {
@@ -129,16 +121,6 @@ static vec working_point(const ost_tool_geometry *g)
     };
 }
 
-/* One tick's turn about z. A corner at radius r moves by less than 2 r / p. */
-static quat turn_step(const ost_tool_geometry *g, vec axis, ost_pm turn)
-{
-    double lo_x = mm(g->corner.x) - axis.x, hi_x = lo_x + mm(g->dims.x * g->voxel);
-    double lo_y = mm(g->corner.y) - axis.y, hi_y = lo_y + mm(g->dims.y * g->voxel);
-    double x = -lo_x > hi_x ? -lo_x : hi_x, y = -lo_y > hi_y ? -lo_y : hi_y;
-    double p = ceil(2 * sqrt(x * x + y * y) / mm(turn));
-    return normalised((quat){p > 16 ? p : 16, 0, 0, 1});
-}
-
 static int64_t ticks_for(ost_pm distance, ost_pm speed)
 {
     return (distance + speed - 1) / speed;
@@ -193,10 +175,10 @@ static ost_status quantised(vec t, quat q, ost_pose *out, ost_error *err)
 /* What every path begins with. */
 typedef struct start {
     vec at, axis, tip;
-    quat face, step; /* toward the axis; a tick's turn */
+    quat face; /* toward the axis */
 } start;
 
-static ost_status begin(const ost_glenoid *glenoid, const ost_tool_geometry *geometry, ost_pm turn, size_t ticks, start *s, ost_path *out,
+static ost_status begin(const ost_glenoid *glenoid, const ost_tool_geometry *geometry, size_t ticks, start *s, ost_path *out,
                         ost_error *err)
 {
     ost_status status = unit_axis(glenoid, &s->axis, err);
@@ -209,7 +191,6 @@ static ost_status begin(const ost_glenoid *glenoid, const ost_tool_geometry *geo
     s->at = (vec){mm(glenoid->at.x), mm(glenoid->at.y), mm(glenoid->at.z)};
     s->tip = working_point(geometry);
     s->face = facing(s->axis);
-    s->step = turn_step(geometry, s->tip, turn);
     return OST_OK;
 }
 
@@ -227,19 +208,17 @@ ost_status ost_builtin_press(const ost_glenoid *glenoid, const ost_tool_geometry
 {
     start s;
     press_hand hand;
-    quat turn = {1, 0, 0, 0};
     *out = (ost_path){0};
     if (ticks == 0 || ticks > OST_PATH_TICKS_MAX)
         return ost_fail(err, OST_ERR_USAGE, "a path of %zu ticks; 1 to %d are supported", ticks, OST_PATH_TICKS_MAX);
-    ost_status status = begin(glenoid, geometry, TURN_PRESSING, ticks, &s, out, err);
+    ost_status status = begin(glenoid, geometry, ticks, &s, out, err);
     press_begin(&hand);
     for (size_t k = 0; k < ticks && status == OST_OK; k++) {
         press_go_on(&hand, (int64_t)k);
         const vec beside = turned(s.face, (vec){hand.across[0], hand.across[1], 0});
         const quat lean = normalised((quat){1, hand.lean[0], hand.lean[1], 0});
-        out->ticks[k] = (ost_tick){.t_ns = (int64_t)k * TICK_NS, .tool = tool, .rpm = OST_RPM_ON};
-        status = place(&s, normalised(product(product(s.face, lean), turn)), hand.depth, beside, &out->ticks[k].pose, err);
-        turn = normalised(product(turn, s.step));
+        out->ticks[k] = (ost_tick){.t_ns = (int64_t)k * TICK_NS, .tool = tool, .rpm = OST_RPM_HAND};
+        status = place(&s, normalised(product(s.face, lean)), hand.depth, beside, &out->ticks[k].pose, err);
     }
     if (status != OST_OK)
         ost_path_free(out);
@@ -250,18 +229,16 @@ ost_status ost_builtin_path(ost_builtin which, const ost_glenoid *glenoid, const
                             ost_path *out, ost_error *err)
 {
     start s;
-    quat turn = {1, 0, 0, 0};
     *out = (ost_path){0};
     if ((unsigned)which >= OST_BUILTIN_COUNT)
         return ost_fail(err, OST_ERR_USAGE, "no built-in path %d; there are %d", (int)which, OST_BUILTIN_COUNT);
     if (which == OST_BUILTIN_GLENOID_PRESS)
         return ost_builtin_press(glenoid, geometry, tool, PRESS_TICKS, out, err);
     const plan *p = &plans[which];
-    ost_status status = begin(glenoid, geometry, TURN_PER_TICK, (size_t)tick_count(p), &s, out, err);
+    ost_status status = begin(glenoid, geometry, (size_t)tick_count(p), &s, out, err);
     for (size_t k = 0; status == OST_OK && k < out->count; k++) {
-        out->ticks[k] = (ost_tick){.t_ns = (int64_t)k * TICK_NS, .tool = tool, .rpm = OST_RPM_ON};
-        status = place(&s, normalised(product(s.face, turn)), mm(depth_at(p, (int64_t)k)), (vec){0, 0, 0}, &out->ticks[k].pose, err);
-        turn = normalised(product(turn, s.step));
+        out->ticks[k] = (ost_tick){.t_ns = (int64_t)k * TICK_NS, .tool = tool, .rpm = OST_RPM_HAND};
+        status = place(&s, normalised(s.face), mm(depth_at(p, (int64_t)k)), (vec){0, 0, 0}, &out->ticks[k].pose, err);
     }
     if (status != OST_OK)
         ost_path_free(out);

@@ -29,6 +29,9 @@ static ost_status check_tick(const ost_world *world, const ost_tick *tick, ost_e
     if (world->clock.totals.ticks > 0 && tick->t_ns <= world->clock.t_ns)
         return ost_fail(err, OST_ERR_USAGE, "a tick at %lld ns after one at %lld ns; time must increase", (long long)tick->t_ns,
                         (long long)world->clock.t_ns);
+    if (tick->rpm == OST_RPM_HAND)
+        return ost_fail(err, OST_ERR_USAGE, "a tick at %lld ns has the pose of a hand and no motor speed: ost_motor_path makes the tool's of it",
+                        (long long)tick->t_ns);
     if (tick->rpm < OST_RPM_ON || tick->rpm > OST_RPM_MAX)
         return ost_fail(err, OST_ERR_USAGE, "a tick at %lld ns has a motor speed of %d rpm; 0 to %d are supported", (long long)tick->t_ns,
                         tick->rpm, OST_RPM_MAX);

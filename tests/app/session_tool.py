@@ -21,7 +21,7 @@ def blocks(data):
         own = data[at:at + 64]
         kind, payload, seq, first_record, records, crc, ident, version, lost, zero, own_crc = struct.unpack("<IIQQIIIIQII", own[8:])
         assert own[:8] == MAGIC and own_crc == zlib.crc32(own[:60]), f"block at {at}"
-        assert seq == sequence and version == 1 and zero == 0 and payload % 64 == 0
+        assert seq == sequence and version == 2 and zero == 0 and payload % 64 == 0
         body = data[at + 64:at + 64 + payload]
         assert len(body) == payload and zlib.crc32(body) == crc
         identity = crc if identity is None else identity

@@ -18,7 +18,8 @@ awk 'BEGIN {
 simulate() {
     rm -f sim.out sim.err
     : >sim.err
-    "$osteon" sim --headless --bone bone.nrrd --device "udp:port=0,key=key" --seconds 300 --idle 0 "$@" >sim.out 2>sim.err &
+    "$osteon" sim --headless --bone bone.nrrd --device "udp:port=0,key=key" --tool builtin:reamer --path builtin:glenoid-slow --buttons button1=none \
+        --seconds 300 --idle 0 "$@" >sim.out 2>sim.err &
     simulator=$!
     while ! grep -q "waits for a bridge at" sim.err && kill -0 $simulator 2>/dev/null; do sleep 0.05; done
     to=$(sed -n 's/.*waits for a bridge at //p' sim.err)

@@ -281,6 +281,50 @@ static void the_same_seed_is_the_same_hand(void **state)
     ost_path_free(&path);
 }
 
+/* Every device that a hand holds has a button for the motor; those with two have one for the next tool. */
+static void buttons_have_a_table(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *device, *buttons;
+    } known[] = {{"mouse", "space=motor"},
+                 {"openhaptics", "stylus1=motor,stylus2=next-tool"},
+                 {"dhd", "button1=motor,button2=next-tool,button3=clutch,button4=home"},
+                 {"spnav", "left=motor-switch,right=next-tool"},
+                 {"inverse3", "a=motor,b=next-tool,c=clutch,d=home"},
+                 {"udp", "button1=motor,button2=next-tool,button3=clutch,button4=home"},
+                 {"null", ""}, {"script", ""}, {"replay", ""}, {"sim", ""}, {"motion", ""}};
+    ost_error err = {0};
+    ost_action of[OST_BUTTONS_MAX];
+    for (size_t k = 0; k < sizeof known / sizeof known[0]; k++) {
+        ost_haptic_info info = {0};
+        for (int i = 0; i < ost_haptic_count() && strcmp(info.name ? info.name : "", known[k].device) != 0; i++)
+            assert_ok(ost_haptic_describe(i, &info, &err));
+        assert_string_equal(info.name, known[k].device);
+        char text[200] = "";
+        assert_ok(ost_buttons_parse(&info, NULL, of, &err));
+        for (int i = 0; i < info.button_count; i++) {
+            const size_t used = strlen(text);
+            snprintf(text + used, sizeof text - used, "%s%s=%s", used ? "," : "", info.buttons[i].name, ost_action_name(of[i]));
+        }
+        assert_string_equal(text, known[k].buttons);
+        if (info.button_count == 0) {
+            assert_int_equal(ost_buttons_parse(&info, "1=motor", of, &err), OST_ERR_USAGE);
+            continue;
+        }
+        assert_ok(ost_buttons_parse(&info, text, of, &err));
+        assert_ok(ost_buttons_parse(&info, "1=clutch", of, &err)); /* by its number; the others stay */
+        assert_int_equal(of[0], OST_ACTION_CLUTCH);
+        for (int i = 1; i < info.button_count; i++)
+            assert_int_equal(of[i], info.buttons[i].action);
+        assert_int_equal(ost_buttons_parse(&info, "1=cut", of, &err), OST_ERR_USAGE);
+        assert_non_null(strstr(err.text, "next-tool"));
+        assert_int_equal(ost_buttons_parse(&info, "9=motor", of, &err), OST_ERR_USAGE);
+        assert_int_equal(ost_buttons_parse(&info, "lever=motor", of, &err), OST_ERR_USAGE);
+        assert_int_equal(of[0], OST_ACTION_CLUTCH); /* on an error nothing changes */
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -292,6 +336,7 @@ int main(void)
         cmocka_unit_test(it_follows_the_hand),
         cmocka_unit_test(stiff_walls_swing_and_soft_ones_rest),
         cmocka_unit_test(the_same_seed_is_the_same_hand),
+        cmocka_unit_test(buttons_have_a_table),
     };
     return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);
 }

@@ -320,7 +320,7 @@ static void what_is_not_seen_removes_nothing_and_is_declared(void **state)
     assert_ok(ost_recorder_open(session_name, header, NULL, &recorder, &err));
     ost_session_header_free(header);
     ost_haptic *device = open_motion(file, "", &(ost_pose){.t = {20 * MM, 20 * MM, 20 * MM}, .qw = OST_Q30_ONE});
-    assert_ok(ost_operation_create(worlds[0], &(ost_operation_options){.recorder = recorder}, &operation, &err));
+    assert_ok(ost_operation_create(worlds[0], &(ost_operation_options){.recorder = recorder, .rpm = OST_RPM_ON}, &operation, &err));
     assert_ok(ost_servo_run(device, &(ost_servo_options){.no_clock = true, .no_realtime = true}, ost_operation_tick, ost_operation_done, operation,
                             &report, &err));
     ost_operation_report_get(operation, &done);

@@ -2,7 +2,7 @@
 /*
  * An operation: what a device does to a world is what its path does without a
  * device; what cannot be a hand's changes nothing; and all of it is recorded.
- * Covers: REQ-OPERATION, REQ-SAFETY, REQ-RECORDER
+ * Covers: AR-MOTOR-2, AR-MOTOR-4, AR-MOTOR-5, REQ-OPERATION, REQ-SAFETY, REQ-RECORDER
  */
 #include "ref/scene.h"
 
@@ -246,7 +246,7 @@ static void a_rehearsal_leaves_no_trace(void **state)
         ost_operation *operation;
         assert_ok(ost_force_create(it.bone, &params, &force, &err));
         assert_ok(ost_force_add_tool(force, it.tool, &err));
-        assert_ok(ost_operation_create(it.world, &(ost_operation_options){.force = force}, &operation, &err));
+        assert_ok(ost_operation_create(it.world, &(ost_operation_options){.force = force, .rpm = OST_RPM_ON}, &operation, &err));
         for (size_t i = 0; i < TICKS; i++) {
             const ost_servo_sample sample = {.number = i, .t_ns = path.ticks[i].t_ns, .state = {.pose = path.ticks[i].pose, .tool = -1}};
             wrenches[r][i] = (ost_wrench){{0}, {0}};
@@ -417,6 +417,127 @@ static void it_does_not_wait_for_its_recorder(void **state)
     free_room(&alone);
 }
 
+/* A tick of an operation by hand: a device without a tool of its own, its buttons, and what others see of it. */
+static void tick_of(ost_operation *o, int64_t t_ms, ost_pose pose, uint32_t buttons, ost_live *live, ost_live_state *state)
+{
+    ost_wrench wrench = {{0}, {0}};
+    const ost_servo_sample sample = {.number = (uint64_t)t_ms, .t_ns = t_ms * 1000000, .state = {.pose = pose, .tool = -1, .buttons = buttons}};
+    assert_true(ost_operation_tick(o, &sample, &wrench));
+    ost_operation_done(o, (uint64_t)t_ms, 0);
+    assert_true(ost_live_state_get(live, state));
+}
+
+static ost_pose pose_at(ost_pm x, ost_pm y, ost_pm z)
+{
+    return (ost_pose){.t = {x, y, z}, .qw = OST_Q30_ONE};
+}
+
+/* Pressed into bone and moved with the motor off nothing goes; held, its ticks are those of ost_motor_path; and a late one is off. */
+static void a_motor_belongs_to_the_operation(void **state)
+{
+    ost_error err = {0};
+    room live_room = make_room(*state), by_hand = make_room(*state);
+    ost_live *live;
+    ost_live_state s;
+    ost_operation *operation;
+    ost_world_totals totals;
+    assert_ok(ost_live_create(live_room.bone, &live, &err));
+    const ost_operation_options options = {.live = live, .rpm = 300, .motor_waits = true, .buttons = {OST_ACTION_NONE, OST_ACTION_MOTOR, OST_ACTION_SWITCH}};
+    assert_ok(ost_operation_create(live_room.world, &options, &operation, &err));
+    ost_motor motor = {0};
+    for (int i = 0; i < 100; i++) {
+        const bool on = i >= 40 && i < 80; /* held from 40 to 59, switched from 60 to 79 */
+        const uint32_t buttons = i >= 40 && i < 60 ? 2 : (i >= 60 && i < 65) || (i >= 80 && i < 83) ? 4 : 0;
+        ost_tick tick = {.t_ns = (int64_t)i * 1000000, .pose = pose_at(2 * MM + i * MM / 5, 10 * MM, 5 * MM)};
+        tick_of(operation, i, tick.pose, i == 60 ? 6 : buttons, live, &s);
+        ost_motor_turn(&motor, &tick, on ? 300 : 0);
+        assert_ok(ost_world_step(by_hand.world, &tick, NULL, &err));
+        assert_int_equal(s.rpm, tick.rpm);
+        assert_memory_equal(&s.pose, &tick.pose, sizeof s.pose);
+        ost_world_totals_get(live_room.world, &totals);
+        if (i < 40)
+            assert_int_equal(totals.removals, 0);
+    }
+    assert_true(totals.removed_voxels > 0);
+    const ost_digest a = digest_of(live_room.bone), b = digest_of(by_hand.bone);
+    assert_true(ost_digest_equal(&a, &b));
+    /* 300 turns a minute are an eighth in 25 ms. */
+    tick_of(operation, 200, pose_at(22 * MM, 10 * MM, 5 * MM), 2, live, &s);
+    assert_int_equal(s.rpm, 0);
+    tick_of(operation, 225, pose_at(22 * MM, 10 * MM, 5 * MM), 2, live, &s);
+    assert_int_equal(s.rpm, 300);
+    ost_operation_free(operation);
+    /* Speed 0 is off, whatever is held; and a speed beyond the limit is no operation. */
+    assert_int_equal(ost_operation_create(live_room.world, &(ost_operation_options){.rpm = 3001}, &operation, &err), OST_ERR_USAGE);
+    ost_live_free(live);
+    free_room(&live_room);
+    free_room(&by_hand);
+}
+
+/* Next tool, clutch and home, by a button and by a key. */
+static void buttons_do_what_their_table_says(void **state)
+{
+    ost_error err = {0};
+    for (int by_key = 0; by_key <= 1; by_key++) {
+        room r = make_room(*state);
+        ost_live *live;
+        ost_live_state s;
+        ost_operation *o;
+        assert_ok(ost_world_add_tool(r.world, "another", r.tool, NULL, &err));
+        assert_ok(ost_live_create(r.bone, &live, &err));
+        ost_operation_options options = {.live = live, .rpm = 200, .tools = 2, .home = pose_at(-20 * MM, 0, 0)};
+        const uint32_t tool = by_key ? UINT32_C(1) << OST_ACTION_TOOL : 1, clutch = by_key ? UINT32_C(1) << OST_ACTION_CLUTCH : 2,
+                       home = by_key ? UINT32_C(1) << OST_ACTION_HOME : 4;
+        if (!by_key)
+            memcpy(options.buttons, (ost_action[3]){OST_ACTION_TOOL, OST_ACTION_CLUTCH, OST_ACTION_HOME}, 3 * sizeof(ost_action));
+        assert_ok(ost_operation_create(r.world, &options, &o, &err));
+        int64_t t = 0;
+        ost_pm x = -10 * MM;
+#define TICK(held)                                                                      \
+    do {                                                                                \
+        ost_operation_keys(o, by_key ? (held) : 0);                                     \
+        tick_of(o, t++, pose_at(x, 10 * MM, 5 * MM), by_key ? 0 : (held), live, &s); \
+        assert_int_equal(s.fault, OST_FAULT_NONE);                                      \
+    } while (0)
+        TICK(0);
+        assert_int_equal(s.tool, 0);
+        TICK(tool);
+        TICK(tool); /* once a press */
+        assert_int_equal(s.tool, 1);
+        TICK(0);
+        TICK(tool);
+        assert_int_equal(s.tool, 0);
+        assert_int_equal(s.pose.t.x, -10 * MM);
+        /* The device goes 60 mm through the bone and farther, in steps that are jumps; the tool stays, and then goes on from there. */
+        for (int i = 0; i < 10; i++, x += 6 * MM)
+            TICK(clutch);
+        assert_int_equal(s.pose.t.x, -10 * MM);
+        TICK(0);
+        assert_true(llabs(s.pose.t.x + 10 * MM) <= 1);
+        x += MM;
+        TICK(0);
+        assert_true(llabs(s.pose.t.x + 9 * MM) <= 1);
+        /* Home, from within the bone: nothing goes on the way. */
+        for (int i = 0; i < 20; i++, x += MM)
+            TICK(0);
+        ost_world_totals before, after;
+        ost_world_totals_get(r.world, &before);
+        assert_true(before.removed_voxels > 0);
+        TICK(home);
+        assert_true(llabs(s.pose.t.x + 20 * MM) <= 1 && llabs(s.pose.t.y) <= 1);
+        TICK(home);
+        x += MM;
+        TICK(0);
+        assert_true(llabs(s.pose.t.x + 19 * MM) <= 1);
+        ost_world_totals_get(r.world, &after);
+        assert_int_equal(before.removed_voxels, after.removed_voxels);
+#undef TICK
+        ost_operation_free(o);
+        ost_live_free(live);
+        free_room(&r);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -427,6 +548,8 @@ int main(void)
         cmocka_unit_test(a_rehearsal_leaves_no_trace),
         cmocka_unit_test(a_session_of_it_does_it_again),
         cmocka_unit_test(it_does_not_wait_for_its_recorder),
+        cmocka_unit_test(a_motor_belongs_to_the_operation),
+        cmocka_unit_test(buttons_do_what_their_table_says),
     };
     return run_on_backends(tests, open_test_backend, close_test_backend);
 }

@@ -302,10 +302,10 @@ static void spnav_moves_while_it_is_pushed(void **state)
     ost_error err = {0};
     ost_haptic *device;
     ost_haptic_state s;
-    assert_ok(ost_haptic_open("spnav:speed=10,turn=90,tools=3", &setup, &device, &err));
+    assert_ok(ost_haptic_open("spnav:speed=10,turn=90", &setup, &device, &err));
     read_on(device, 50, &s);
     assert_memory_equal(&s.pose.t, &setup.start.t, sizeof s.pose.t);
-    assert_int_equal(s.tool, 0);
+    assert_int_equal(s.tool, -1);
     /* Fully pushed away (libspnav's z), and more than that: 10 mm/s along the tool's -z. It speaks once and is heard on. */
     say_event(feed, 1, 5, -9, 500, 0, 0, 0);
     read_on(device, 1000, &s);
@@ -322,21 +322,16 @@ static void spnav_moves_while_it_is_pushed(void **state)
     say_event(feed, 1, 0, 0, 0, 0, 350, 0);
     read_on(device, 1000, &s);
     assert_true(abs(s.pose.qw) < 1 << 10 && abs(s.pose.qy - OST_Q30_ONE) < 1 << 10 && abs(s.pose.qx) < 1 << 10 && abs(s.pose.qz) < 1 << 10);
-    /* Its second button takes up the next tool, once a press; others are said. */
+    /* Its buttons are said while they are down; there are 32 at most. */
     say_event(feed, 1, 0, 0, 0, 0, 0, 0);
-    say_event(feed, 2, 1, 1, 0, 0, 0, 0);
     say_event(feed, 2, 1, 1, 0, 0, 0, 0);
     say_event(feed, 2, 1, 5, 0, 0, 0, 0);
     say_event(feed, 2, 1, 40, 0, 0, 0, 0);
     read_on(device, 1, &s);
-    assert_int_equal(s.tool, 1);
     assert_int_equal(s.buttons, 1 << 1 | 1 << 5);
     say_event(feed, 2, 0, 1, 0, 0, 0, 0);
-    say_event(feed, 2, 1, 1, 0, 0, 0, 0);
-    say_event(feed, 2, 0, 1, 0, 0, 0, 0);
-    say_event(feed, 2, 1, 1, 0, 0, 0, 0);
     read_on(device, 1, &s);
-    assert_int_equal(s.tool, 0);
+    assert_int_equal(s.buttons, 1 << 5);
     ost_haptic_close(device);
     assert_string_equal(note->calls, "oc");
 }

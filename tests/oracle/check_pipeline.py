@@ -11,6 +11,7 @@ AR-PATH-4, AR-PATH-5, AR-PATH-6, AR-PATH-7, AR-CT-1, AR-CT-2, AR-CT-3, AR-CT-4,
 AR-CT-5, AR-CT-6, AR-CT-7, AR-CT-8, AR-CUB-1, AR-CUB-2, AR-CUB-3, AR-CUB-4, AR-CUB-5, AR-CHK-1,
 AR-CHK-2, AR-CHK-3, AR-CHK-4, AR-MESH-2, AR-MESH-3,
 AR-MESH-4, AR-MESH-5, AR-TOOL-2, AR-TOOL-3, AR-TOOL-4, AR-VOX-1, AR-VOX-2, AR-VOX-3, AR-VOX-4, AR-VOX-5, AR-VOX-6, AR-VOX-7,
+AR-MOTOR-1, AR-MOTOR-2, AR-MOTOR-3, AR-MOTOR-4, AR-MOTOR-5, AR-MOTOR-7,
 AR-SWEEP-1, AR-SWEEP-2, AR-SWEEP-4, AR-SWEEP-5, AR-SWEEP-6, AR-MAP-1, AR-MAP-3, AR-MAP-4, AR-REM-1, AR-REM-2, AR-REM-6,
 AR-REM-7, AR-CLS-1, AR-CLS-2, AR-DIG-2, AR-DIG-3, AR-DIG-4, AR-DIG-5, AR-DIG-6, AR-DIG-7, AR-DIG-8, AR-FILE-1,
 AR-FILE-2, AR-FILE-3, AR-LAW-4, AR-LAW-7, AR-LAW-8, REQ-ORACLE
@@ -389,7 +390,7 @@ def turned(rng, any_turn):
     return tuple(f"{c:.9f}" for c in (w, *v))
 
 
-def path(rng, bone, ticks, step_mm, tool_count, any_turn):
+def path(rng, bone, ticks, step_mm, tool_count, any_turn, every_ms=1):
     """A walk through the bone's middle; whole voxels now and then, so that borders are met."""
     at = [Fraction(o + s * n // 2, MM) for o, s, n in zip(bone.origin, bone.spacing, bone.dims)]
     rows, tool = ["t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,tool"], 0
@@ -402,7 +403,7 @@ def path(rng, bone, ticks, step_mm, tool_count, any_turn):
         q = turned(rng, any_turn)
         sign = rng.choice((1, -1))
         q = tuple(c if sign > 0 else c[1:] if c.startswith("-") else "-" + c for c in q)
-        rows.append(",".join((decimal_of(Fraction(tick, 1000), 6), *(decimal_of(c, 9) for c in at), *q, str(tool))))
+        rows.append(",".join((decimal_of(Fraction(tick * every_ms, 1000), 6), *(decimal_of(c, 9) for c in at), *q, str(tool))))
     return "\n".join(rows) + "\n"
 
 
@@ -425,17 +426,18 @@ def tracked_path(rng, bone, rows, metres):
     return "\n".join(text) + "\n"
 
 
-def check_ream(runner, name, bone, bone_file, shapes, ticks, options=(), contents=None, max_gap=None, rate=None, **how):
+def check_ream(runner, name, bone, bone_file, shapes, ticks, options=(), contents=None, max_gap=None, rate=None, rpm=200, every_ms=1, **how):
     """osteon ream against the oracle, on a copy of the bone."""
     left = oracle.Bone(bone, bone.threshold)
     if rate:
         how["period_ns"], options = events.period(rate), (*options, "--rate", rate)
     session = events.Session(left, [tool for tool, _ in shapes], **how)
-    contents = contents or [path(runner.rng, bone, ticks, Fraction(6, 10), len(shapes), not session.sweep)]
+    contents = contents or [path(runner.rng, bone, ticks, Fraction(6, 10), len(shapes), not session.sweep, every_ms)]
     paths, arguments = [events.read_path(content, max_gap) for content in contents], ["ream", "--bone", bone_file]
     gaps = sum(row.lifted for part in paths for row in part)
-    for row in events.join(paths, len(shapes)):
-        session.tick(row.t_ns, row.pose, row.tool, row.lifted)
+    motor, options = events.Motor(), ("--rpm", str(rpm), *options)
+    for row in events.ticks_of_rows(events.join(paths, len(shapes)), rpm):
+        session.tick(row.t_ns, motor.turn(row.t_ns, row.pose, rpm), row.tool, row.lifted, rpm)
     for k, content in enumerate(contents):
         packed = content.startswith("t_s,x_m,")
         file = runner.write(f"{name}-{k}.csv", content)
@@ -467,6 +469,14 @@ def check_ream(runner, name, bone, bone_file, shapes, ticks, options=(), content
         raise Different(f"{name}: nothing was removed, so nothing was shown")
 
 
+def check_off(runner, bone, bone_file, tool_file):
+    """AR-MOTOR-5: with --rpm 0 a path through the bone's middle removes nothing."""
+    content = path(runner.rng, bone, 20, Fraction(6, 10), 1, True)
+    got = runner.run("ream", "--bone", bone_file, "--tool", tool_file, "--path", runner.write("off.csv", content), "--rpm", "0",
+                     "--out", runner.path("off.nrrd"))
+    equal("--rpm 0", (got["ticks"], got["removals"], got["removed_voxels"]), (20, 0, 0))
+
+
 def reams(runner):
     rng = runner.rng
     bone, bone_file = check_import(runner, "bone", ct_text(rng, (31, 28, 14), ("0.47", "0.47", "1"), ("-57.34", "12.5", "-7"), 4))
@@ -483,6 +493,9 @@ def reams(runner):
     check_ream(runner, "tracked-two", bone, bone_file, [first, second], 0, contents=tracked, rate="250")
     check_ream(runner, "tracked-off", bone, bone_file, [second], 0, ("--max-gap", "off"), contents=tracked, max_gap=(None, None))
     check_ream(runner, "tracked-given", bone, bone_file, [second], 0, ("--max-gap", "5,0.3"), contents=tracked, max_gap=(5 * 10**6, 3 * 10**8))
+    check_ream(runner, "coarse", bone, bone_file, [second], 2, rpm=rng.randrange(190, 240), every_ms=45)
+    check_ream(runner, "fast", bone, bone_file, [second], 6, rpm=3000)
+    check_off(runner, bone, bone_file, second[1])
 
 
 def main():

@@ -2,8 +2,10 @@
 """Poses, sweep, map and removal, by docs/arithmetic.md sections 5, 11 to 14."""
 
 import itertools
+import math
 from fractions import Fraction
 
+import motor_table
 from osteon_oracle import LENGTH_MAX, Refused, decimal, floor, length, rhe
 
 Q = 2**30
@@ -67,6 +69,46 @@ def sweep_pose(a, b, k, n):
                 [rhe(Fraction((n - k) * p + k * sign * q, n)) for p, q in zip(a.q, b.q)])
 
 
+TURN = 6 * 10**10
+SPINS = motor_table.spins(motor_table.table())
+UNKNOWN = None  # AR-MOTOR-1: a speed that is not known
+
+
+class Motor:
+    """AR-MOTOR-2 to AR-MOTOR-4"""
+
+    def __init__(self):
+        self.phase, self.time = 0, None
+
+    def turn(self, t_ns, hand, rpm):
+        """The tool's pose of a tick."""
+        if self.time is not None and rpm:
+            self.phase = (self.phase + rpm * (t_ns - self.time)) % TURN
+        self.time = t_ns
+        if rpm is UNKNOWN:
+            return hand
+        (w, x, y, z), (c, s) = hand.q, SPINS[4096 * self.phase // TURN]
+        return Pose(hand.t, [rhe(Fraction(n, Q)) for n in (w * c + z * s, x * c - y * s, y * c + x * s, z * c - w * s)])
+
+
+def ticks_of_rows(rows, rpm):
+    """AR-MOTOR-7: Rows of a hand as Rows of ticks, a hand's still."""
+    before = None
+    for row in rows:
+        m = 1
+        if before and before.tool == row.tool and not row.lifted and rpm:
+            m = max(1, -(-8 * rpm * (row.t_ns - before.t_ns) // TURN))
+            if m > 4096 or m > 1 and 2 * dot(before.pose, row.pose) ** 2 < before.pose.norm * row.pose.norm:
+                raise Refused("rows too far from each other")
+        for j in range(1, m):
+            between = sweep_pose(before.pose, row.pose, j, m)
+            r = math.isqrt(between.norm)
+            yield Row(before.t_ns + j * (row.t_ns - before.t_ns) // m, row.tool, False,
+                      Pose(between.t, [rhe(Fraction(Q * c, r)) for c in between.q]))
+        yield row
+        before = row
+
+
 class Map:
     """AR-MAP"""
 
@@ -114,21 +156,31 @@ def class_of(density, classes=DEFAULT_CLASSES):
 
 
 class Session:
-    """AR-SWEEP-5, AR-REM: ticks on a bone, one tool or several."""
+    """AR-SWEEP-5, AR-MOTOR-5, AR-MOTOR-6, AR-REM: ticks on a bone, one tool or several."""
 
     def __init__(self, bone, tools, sweep=True, period_ns=0, classes=DEFAULT_CLASSES):
         self.bone, self.tools, self.sweep, self.period, self.classes = bone, tools, sweep, period_ns, classes
-        self.tool = self.last_pose = self.last_time = None
+        self.tool = self.last_pose = self.last_time = self.before = None
+        self.running, self.turned = False, 0
         self.ticks = self.removals = self.removed = self.poses = 0
         self.by_class = [0] * len(classes)
         self.density_by_class = [0] * len(classes)
 
-    def tick(self, t_ns, pose, tool=0, lifted=False):
+    def tick(self, t_ns, pose, tool=0, lifted=False, rpm=UNKNOWN):
         self.ticks += 1
         selected = tool != self.tool or lifted
-        if not selected and self.period and t_ns // self.period == self.last_time // self.period:  # AR-REM-7
+        if self.before is not None and rpm and not selected:
+            self.turned += rpm * (t_ns - self.before)
+        self.before, was_running, self.running = t_ns, self.running, rpm != 0
+        if rpm == 0:
+            self.tool, self.last_pose, self.turned = tool, pose, 0
+            return
+        if not selected and was_running and self.period and t_ns // self.period == self.last_time // self.period:  # AR-REM-7
             return
         shape = self.tools[tool]
+        if not selected and self.sweep and 4 * self.turned > TURN:
+            raise Refused("a motor that turns by more than 90 degrees between two events")
+        self.turned = 0
         if selected or not self.sweep:
             poses = [pose]
         else:
@@ -288,6 +340,13 @@ def self_check():
         except Refused:
             continue
         raise AssertionError("a turn of more than 90 degrees")
+
+    motor, hand = Motor(), Pose((0, 0, 0), one)
+    assert motor.turn(0, hand, 200).q == one and motor.turn(10**6, hand, 200).q == (1073688450, 0, 0, -10705968)
+    for k in range(2, 301):
+        turned = motor.turn(k * 10**6, hand, 200)
+    assert turned.q == one and motor.phase == 0
+    assert [row.t_ns for row in ticks_of_rows([Row(0, 0, False, hand), Row(10**8, 0, False, hand)], 200)] == [0, 33333333, 66666666, 10**8]
 
     assert [class_of(d) for d in (1, 119, 120, 149, 150, 649, 650, 3000)] == [0, 0, 0, 0, 1, 1, 2, 2]
 
