@@ -9,7 +9,7 @@
  *            equal     ours gave the reference's grid, compared byte by byte,
  *                      before a single figure is shown
  *
- * A suite never leaves a row out: one that cannot run here says why.  A row of
+ * A suite never leaves a row out: one that cannot run here says why, and the others go on.  A row of
  * a wrong result has no figures and makes the command fail.
  * docs/performance.md explains the method and each row.
  */
@@ -77,6 +77,13 @@ void bench_table_free(bench_table *table);
 bool bench_wanted(const bench_options *options, const char *name);
 /* A row of this name, equal and without figures, at the table's end. The pointer holds until the next one. NULL without memory. */
 bench_row *bench_row_add(bench_table *table, const char *name, const char *unit, int threads);
+/*
+ * Makes of a row's failure a row with the error's text as its reason, so that the suite goes on.  Returns OST_OK then; OST_OK,
+ * OST_ERR_CANCELLED and OST_ERR_INTERNAL (a defect in osteon) are returned as they are.  A name that is NULL, that the filter
+ * leaves out, or whose row is there already, adds nothing.
+ */
+ost_status bench_row_not_run(const bench_options *options, bench_table *table, const char *const names[], int count, const char *unit, int threads,
+                             ost_status status, ost_error *err);
 /* unit_ns: nanoseconds in the row's unit. */
 void bench_row_ours(bench_row *row, bench_series *series);
 void bench_row_baseline(bench_row *row, bench_series *series, const char *what);

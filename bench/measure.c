@@ -106,6 +106,31 @@ bench_row *bench_row_add(bench_table *table, const char *name, const char *unit,
     return row;
 }
 
+static bool has_row(const bench_table *table, const char *name)
+{
+    for (size_t i = 0; i < table->count; i++)
+        if (strcmp(table->rows[i].name, name) == 0)
+            return true;
+    return false;
+}
+
+ost_status bench_row_not_run(const bench_options *options, bench_table *table, const char *const names[], int count, const char *unit, int threads,
+                             ost_status status, ost_error *err)
+{
+    if (status == OST_OK || status == OST_ERR_CANCELLED || status == OST_ERR_INTERNAL)
+        return status;
+    for (int i = 0; i < count; i++) {
+        if (!names[i] || (options->filter && !strstr(names[i], options->filter)) || has_row(table, names[i]))
+            continue;
+        bench_row *row = bench_row_add(table, names[i], unit, threads);
+        if (!row)
+            return ost_fail(err, OST_ERR_MEMORY, "no memory for a row");
+        snprintf(row->reason, sizeof row->reason, "%.*s", BENCH_TEXT - 1, err->text[0] ? err->text : ost_status_text(status));
+    }
+    *err = (ost_error){.status = OST_OK};
+    return OST_OK;
+}
+
 void bench_table_free(bench_table *table)
 {
     free(table->rows);

@@ -42,6 +42,15 @@ static ost_status add_row(opencl *o, const char *name)
     return OST_OK;
 }
 
+static ost_status add_or_not_run(opencl *o, const char *name, ost_status status)
+{
+    if (status == OST_OK)
+        return add_row(o, name);
+    for (int i = 0; i < SIDES; i++) /* times of another row may not stay */
+        bench_series_free(&o->series[i]);
+    return bench_row_not_run(o->options, o->table, &name, 1, "ms", o->options->threads, status, o->err);
+}
+
 /* ---------------------------------------------------------------- transfer */
 
 static ost_status convert(opencl *o, const ost_grid *rect, ost_pm spacing, bench_series *series, ost_bone **bone)
@@ -105,7 +114,7 @@ static ost_status transfer(opencl *o)
     for (int s = 0; s < SIDES; s++)
         ost_grid_free(rect[s]);
     ost_volume_free(&ct);
-    return status == OST_OK ? add_row(o, name) : status;
+    return add_or_not_run(o, name, status);
 }
 
 /* --------------------------------------------------------------- voxelizer */
@@ -138,7 +147,7 @@ static ost_status voxelize(opencl *o, const char *name, const ost_mesh *mesh, co
     for (int s = 0; s < SIDES; s++)
         ost_tool_volume_free(&volumes[s]);
     ost_snapped_mesh_free(&snapped);
-    return status == OST_OK ? add_row(o, name) : status;
+    return add_or_not_run(o, name, status);
 }
 
 static ost_status voxelize_tool(opencl *o, ost_tool_kind kind)

@@ -239,5 +239,6 @@ ost_status bench_parse(const bench_options *options, bench_table *table, ost_err
     ost_backend_close(backend);
     if (p.fd >= 0)
         close(p.fd);
-    return status;
+    const char *const names[] = {text, floor};
+    return bench_row_not_run(options, table, names, 2, "ms", options->threads, status, err);
 }

@@ -279,6 +279,12 @@ static ost_status add_row(removal *r, const char *name, bench_series *ours, benc
     return OST_OK;
 }
 
+static ost_status not_run(const removal *r, const char *fresh, const char *cold, const char *steady, ost_status status)
+{
+    const char *const names[] = {fresh, cold, steady};
+    return bench_row_not_run(r->options, r->table, names, 3, "us", r->threads, status, r->err);
+}
+
 static ost_status run_case(removal *r, const char *fresh, const char *cold, const char *steady, int count)
 {
     bool want_fresh = bench_wanted(r->options, fresh), want_steady = bench_wanted(r->options, steady);
@@ -301,7 +307,7 @@ static ost_status run_case(removal *r, const char *fresh, const char *cold, cons
         status = add_row(r, steady, &s.steady, &s.thesis_steady, NULL);
     free_series(&s);
     close_case(r);
-    return status;
+    return not_run(r, fresh, cold, steady, status);
 }
 
 static ost_status static_event(const bench_options *options, bench_table *table, bench_scene *scene, int chunk_size, bool one,
@@ -345,6 +351,8 @@ static ost_status tool_voxels(const bench_options *options, bench_table *table, 
         removal r = {.options = options, .table = table, .err = err, .scene = &scene, .chunk_size = 32, .threads = 1};
         if (status == OST_OK)
             status = run_case(&r, fresh, NULL, steady, REPEAT);
+        else
+            status = not_run(&r, fresh, NULL, steady, status);
         bench_scene_free(&scene);
     }
     return status;
@@ -388,6 +396,8 @@ static ost_status bone_sizes(const bench_options *options, bench_table *table, o
         removal r = {.options = options, .table = table, .err = err, .scene = &scene, .chunk_size = 32, .threads = 1};
         if (status == OST_OK)
             status = run_case(&r, fresh, NULL, steady, REPEAT_LARGE);
+        else
+            status = not_run(&r, fresh, NULL, steady, status);
         bench_scene_free(&scene);
     }
     return status;

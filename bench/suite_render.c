@@ -249,7 +249,8 @@ static ost_status add_view(show *s, bench_table *table, const view *v, int threa
         status = ost_fail(s->err, OST_ERR_MEMORY, "no memory for a row");
     }
     free_frames(&f);
-    return status;
+    const char *const names[] = {name};
+    return bench_row_not_run(s->options, table, names, 1, "ms", threads, status, s->err);
 }
 
 /* ------------------------------------------------------- lists and looks */
@@ -296,7 +297,7 @@ static ost_status add_renewal(show *s, bench_table *table, renewal what)
         bench_row_extra(row, "us_a_block", bench_series_at(&series, 0.5) / 1e3 / blocks);
     }
     bench_series_free(&series);
-    return status;
+    return bench_row_not_run(s->options, table, &name[what], 1, "us", 1, status, s->err);
 }
 
 /* Bone within a ball about a point in voxels, of a block, goes. */
@@ -320,7 +321,7 @@ static ost_status add_reaming(show *s, bench_table *table)
 {
     enum { PICTURES = 120, BEGIN = 40 }; /* from 1 mm deep on */
     static const double RADIUS_MM = 20, STEP_MM = 1.5 / 60;
-    static const char name[] = "render/scapula/ream";
+    static const char *const name = "render/scapula/ream";
     ost_surface surface = {0};
     ost_ground ground = {0};
     ost_volume before = {0};
@@ -383,7 +384,7 @@ static ost_status add_reaming(show *s, bench_table *table)
     ost_surface_free(&surface);
     ost_ground_free(&ground);
     ost_volume_free(&before);
-    return status;
+    return bench_row_not_run(s->options, table, &name, 1, "us", 1, status, s->err);
 }
 
 ost_status bench_render(const bench_options *options, bench_table *table, ost_error *err)

@@ -333,6 +333,8 @@ ost_status bench_kept(const bench_options *options, bench_table *table, const os
         bench_series_free(&f.kept);
         bench_series_free(&f.whole);
         bench_series_free(&f.other);
+        const char *const names[] = {name};
+        status = bench_row_not_run(options, table, names, 1, "ms", 1, status, err);
     }
     return status;
 }

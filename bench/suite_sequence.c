@@ -237,7 +237,7 @@ static ost_status sequence(const bench_options *options, bench_table *table, con
     bench_sequence_free(&times);
     close_machine(&ours);
     unprepare(&s);
-    return status;
+    return bench_row_not_run(options, table, &name, 1, "us", 1, status, err);
 }
 
 ost_status bench_removal_sequence(const bench_options *options, bench_table *table, ost_error *err)

@@ -152,7 +152,8 @@ static ost_status static_tick(const bench_options *options, bench_table *table, 
     bench_thesis_free(&thesis);
     free(slices);
     bench_scene_free(&scene);
-    return status;
+    static const char *const names[] = {"tick/reamer/32", "tick/reamer/32/steady"};
+    return bench_row_not_run(options, table, names, 2, "us", 1, status, err);
 }
 
 ost_status bench_tick(const bench_options *options, bench_table *table, ost_error *err)

@@ -247,7 +247,8 @@ static ost_status cube(const bench_options *options, bench_table *table, const c
     if (status == OST_OK)
         status = measure(options, table, full, &mesh, &grid, REPEAT, err);
     ost_mesh_free(&mesh);
-    return status;
+    const char *const names[] = {full, both};
+    return bench_row_not_run(options, table, names, 2, "ms", options->threads, status, err);
 }
 
 static ost_status tool(const bench_options *options, bench_table *table, ost_tool_kind kind, ost_error *err)
@@ -268,7 +269,8 @@ static ost_status tool(const bench_options *options, bench_table *table, ost_too
     if (status == OST_OK)
         status = measure(options, table, name, &mesh, &grid, REPEAT_SMALL, err);
     ost_mesh_free(&mesh);
-    return status;
+    const char *const names[] = {name, both};
+    return bench_row_not_run(options, table, names, 2, "ms", options->threads, status, err);
 }
 
 ost_status bench_voxelize(const bench_options *options, bench_table *table, ost_error *err)

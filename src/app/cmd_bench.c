@@ -53,6 +53,7 @@ static json_t *json_of_row(const bench_row *row)
     put_text(o, "name", row->name);
     put_text(o, "unit", row->unit);
     put_integer(o, "threads", row->threads);
+    put_bool(o, "run", !row->reason[0]);
     put(o, "equal", row->reason[0] ? json_null() : json_boolean(row->equal));
     put_figures(o, "ours", &row->ours);
     put_figures(o, "baseline", &row->baseline);
@@ -127,7 +128,7 @@ static void say_row(const app_state *app, const bench_row *row)
 {
     char ours[FIGURE], ours_range[RANGE], baseline[FIGURE] = "-", baseline_range[RANGE] = "-", ratio[FIGURE] = "-", best[FIGURE] = "-";
     if (row->reason[0]) {
-        say(app, "%-30s not measured: %s", row->name, row->reason);
+        say(app, "%-30s not run: %s", row->name, row->reason);
         return;
     }
     if (!row->equal) {
@@ -227,10 +228,17 @@ static void show_row(void *user, const char *row)
     progress_show(NULL, row, 0);
 }
 
-/* Shows the rows of a suite, under the heading if they are the first; false when one of them is wrong. */
-static bool show_rows(app_state *app, const bench_options *options, const char *suite, const bench_table *table, bool first, bool markdown)
+/* All rows of a run. */
+typedef struct tally {
+    size_t rows, run;
+    bool wrong;
+    char reason[BENCH_TEXT]; /* of the first row that was not run */
+} tally;
+
+/* Shows the rows of a suite, under the heading if they are the first. */
+static void show_rows(app_state *app, const bench_options *options, const char *suite, const bench_table *table, tally *all, bool markdown)
 {
-    bool right = true;
+    const bool first = all->rows == 0;
     progress_clear();
     if (table->count && first && markdown)
         say_markdown_heading(app, options, suite);
@@ -244,34 +252,47 @@ static bool show_rows(app_state *app, const bench_options *options, const char *
             say_markdown_row(app, &table->rows[i]);
         else
             say_row(app, &table->rows[i]);
-        right = right && table->rows[i].equal;
+        all->wrong = all->wrong || !table->rows[i].equal;
+        all->run += !table->rows[i].reason[0];
+        if (table->rows[i].reason[0] && !all->reason[0])
+            memcpy(all->reason, table->rows[i].reason, sizeof all->reason);
     }
+    all->rows += table->count;
     if (!markdown) {
         say_baselines(app, table);
         say_disturbed(app, table);
     }
-    return right;
 }
 
 static ost_status run_suites(app_state *app, const bench_options *options, const char *suite, bool markdown, ost_error *err)
 {
-    ost_status status = OST_OK;
-    size_t rows = 0;
-    bool right = true;
+    ost_backend *backend = NULL;
+    tally all = {.rows = 0};
+    static const bench_options every_row; /* without a filter */
+    /* A backend that is unknown or not here is an error of the call and not of a row. */
+    ost_status status = bench_backend(options, options->threads, &backend, err);
+    ost_backend_close(backend);
     for (const bench_suite *s = bench_suites; s->name && status == OST_OK; s++) {
         bench_table table = {0};
         if (strcmp(suite, "all") != 0 && strcmp(suite, s->name) != 0)
             continue;
         status = s->run(options, &table, err);
-        right = show_rows(app, options, suite, &table, rows == 0, markdown) && right;
+        /* A suite whose preparation fails is a row of its name, and the next one begins. */
+        status = bench_row_not_run(&every_row, &table, &s->name, 1, "ms", options->threads, status, err);
+        show_rows(app, options, suite, &table, &all, markdown);
         fflush(stdout);
-        rows += table.count;
         bench_table_free(&table);
     }
-    if (status == OST_OK && rows == 0)
+    if (status == OST_OK && all.rows == 0)
         return usage_error(app, err, "no row of suite %s holds '%s'", suite, options->filter ? options->filter : "");
-    if (status == OST_OK && !right)
+    if (status == OST_OK && all.wrong)
         return ost_fail(err, OST_ERR_DIFFER, "a row's grid is not the reference's");
+    put_integer(app->result, "rows_run", (int64_t)all.run);
+    put_integer(app->result, "rows_not_run", (int64_t)(all.rows - all.run));
+    if (status == OST_OK && all.run == 0) {
+        app->answered = true;
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "no row could be run: %s", all.reason);
+    }
     return status;
 }
 
@@ -315,7 +336,11 @@ ost_status cmd_bench(app_state *app, int argc, char **argv, ost_error *err)
                  "Rows that end in /1 and those of tick use one thread, all others --threads\n"
                  "(default: all). A machine that does other work gives other figures: look at\n"
                  "the minima. What each row is, what limits it and which goals are met:\n"
-                 "docs/performance.md.",
+                 "docs/performance.md.\n"
+                 "A row that cannot run here (a device without room for it, no memory, no program\n"
+                 "to compare with) is shown as not run, with its reason, and the others go on.\n"
+                 "Exit status 0: rows were measured; 1: a row's grid is not the reference's;\n"
+                 "2: wrong usage; 3: no row could be run, or the backend is not here.",
         .example = "  osteon bench --suite removal --filter reamer/32\n  osteon bench --suite voxelize --backend cpu:voxelizer=embree\n"
                    "  osteon bench --backend cpu:isa=avx2 --json",
     };

@@ -110,6 +110,21 @@ grep -q '^removal/peg/32/fresh ' out || fail "no row in the table"
 run 0 bench --suite removal --filter peg/32/steady/1 --quick --markdown
 grep -q '^| `removal/peg/32/steady/1` | us |' out || fail "no row in the Markdown table"
 
+# A row that cannot run is a row with a reason, and the others go on: the text of parse/ has nowhere to be.
+TMPDIR=$scratch/nowhere
+run 0 bench --quick --filter ext --json
+at=$(row parse/text)
+check "parse/text run without a folder" "$(value "rows.$at.run") $(value "rows.$at.equal") $(value "rows.$at.ours")" "false null null"
+case $(value "rows.$at.reason") in *"$scratch/nowhere"*) ;; *) fail "parse/text gives no reason: $(value "rows.$at.reason")" ;; esac
+check "a row after it" "$(value "rows.$(row render/scapula/extract).run")" true
+check "rows that were run, and not" "$(value rows_run) $(value rows_not_run)" "1 2"
+run 0 bench --quick --filter ext
+grep -q '^parse/text  *not run: ' out || fail "the table does not say not run: $(cat out)"
+run 3 bench --quick --suite parse --json
+grep -q "no row could be run: $scratch/nowhere" err || fail "no row at all: $(cat err)"
+check "rows that were run of none" "$(value rows_run)" 0
+TMPDIR=$scratch
+
 refuse 2 "no row of suite tick holds 'nothing'" bench --suite tick --filter nothing
 refuse 2 '--scale 2' bench --scale 2
 finish
