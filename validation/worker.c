@@ -43,7 +43,11 @@ ost_status worker_run(const plan *p, int from, int to, const char *spec, const c
         if (status == OST_OK && (why.status == OST_ERR_MEMORY || why.status == OST_ERR_IO))
             status = ost_fail(err, why.status, "%s on %s: %s", p->cases[i].id, spec, why.text);
         else if (why.status != OST_OK)
-            fprintf(stderr, "%s on %s: %s\n", p->cases[i].id, spec, why.text);
+        {
+            ost_error line;
+            (void)ost_fail(&line, why.status, "%s on %s: %s", p->cases[i].id, spec, why.text); /* which makes it printable */
+            fprintf(stderr, "%s\n", line.text);
+        }
     }
     if (w && status == OST_OK) {
         trace_begin(w, TRACE_END, (uint32_t)to, 0);

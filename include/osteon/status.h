@@ -75,7 +75,8 @@ OST_API int ost_status_exit(ost_status status);
 /*
  * Fills err (when not NULL) and returns status, so that a failing function
  * ends with `return ost_fail(err, OST_ERR_INPUT, "%s:%ld: ...", path, line)`.
- * Control characters that came in with the input are shown as '?'.
+ * Characters of the input that would break the line or act on a terminal
+ * (control and direction characters, bytes that are no UTF-8) become '?'.
  */
 OST_API ost_status ost_fail(ost_error *err, ost_status status, const char *format, ...) OST_PRINTF(3, 4);
 

@@ -184,7 +184,8 @@ static void say_heading(const app_state *app, const bench_options *options)
     say(app, "compared with the reference's, byte by byte; clock CLOCK_MONOTONIC; baselines: %s", OST_BENCH_CFLAGS);
     if (options->quick)
         say(app, "--quick: few repetitions and small inputs; not for quoting");
-    say(app, "\n%-30s %2s %8s %-15s %8s %-15s %7s %7s", "row", "", "ours", "min..max", "baseline", "min..max", "ratio", "of min");
+    say(app, "%s", "");
+    say(app, "%-30s %2s %8s %-15s %8s %-15s %7s %7s", "row", "", "ours", "min..max", "baseline", "min..max", "ratio", "of min");
 }
 
 /* ---------------------------------------------------------------- Markdown */
@@ -192,10 +193,12 @@ static void say_heading(const app_state *app, const bench_options *options)
 static void say_markdown_heading(const app_state *app, const bench_options *options, const char *suite)
 {
     char cpu[BENCH_TEXT];
-    say(app, "`osteon bench --suite %s --backend %s --threads %d%s --markdown`: %s, instruction set %s, %s, baselines %s.\n", suite,
+    say(app, "`osteon bench --suite %s --backend %s --threads %d%s --markdown`: %s, instruction set %s, %s, baselines %s.", suite,
         options->backend, options->threads, options->quick ? " --quick" : "", bench_cpu_model(cpu), bench_isa(options), COMPILER,
         OST_BENCH_CFLAGS);
-    say(app, "| row | unit | ours | min..max | baseline | min..max | ratio | of minima | repetitions |\n|---|---|---:|---|---:|---|---:|---:|---:|");
+    say(app, "%s", "");
+    say(app, "| row | unit | ours | min..max | baseline | min..max | ratio | of minima | repetitions |");
+    say(app, "|---|---|---:|---|---:|---|---:|---:|---:|");
 }
 
 static void say_markdown_row(const app_state *app, const bench_row *row)

@@ -59,7 +59,8 @@ static ost_status list_devices(const app_state *app, ost_error *err)
 {
     device_list list = {.app = app, .array = json_array()};
     ost_status status = OST_OK;
-    say(app, "\nOpenCL devices");
+    say(app, "%s", "");
+    say(app, "OpenCL devices");
     for (int i = 0; i < ost_backend_count() && status == OST_OK; i++)
         status = ost_backend_devices(i, one_device, &list, err);
     if (json_array_size(list.array) == 0)
@@ -157,7 +158,9 @@ static void list_instruction_sets(const app_state *app)
         strcat(text, names[i]);
     }
     put(app->result, "instruction_sets", array);
-    say(app, "\ninstruction sets of this processor\n  %s", count ? text : "none that osteon looks for");
+    say(app, "%s", "");
+    say(app, "instruction sets of this processor");
+    say(app, "  %s", count ? text : "none that osteon looks for");
 }
 
 /* Bit by bit, with what each does unless osteon sim --buttons says otherwise. */
@@ -178,7 +181,8 @@ static void list_buttons(const app_state *app, json_t *row, const ost_haptic_inf
 static void list_haptics(const app_state *app)
 {
     json_t *array = json_array();
-    say(app, "\nhaptic devices");
+    say(app, "%s", "");
+    say(app, "haptic devices");
     for (int i = 0; i < ost_haptic_count(); i++) {
         ost_haptic_info info;
         if (ost_haptic_describe(i, &info, NULL) != OST_OK)
@@ -216,7 +220,8 @@ static void list_gl(const app_state *app, json_t *array)
 static void list_libraries(const app_state *app)
 {
     json_t *array = json_array();
-    say(app, "\noptional parts");
+    say(app, "%s", "");
+    say(app, "optional parts");
 #ifdef HAVE_ASSIMP
     one(app, array, "assimp", true, "meshes: STL, OBJ, PLY, 3DS");
 #else

@@ -97,7 +97,8 @@ static ost_status info_volume(const app_state *app, const char *name, const char
     char hex[OST_DIGEST_HEX], text[SAY_TEXT];
     put_integer(app->result, "solid_voxels", solid);
     put_digest(app->result, "sha256", &root);
-    say(app, "  %s solid voxels\n  grid %s", say_count(text, solid), ost_digest_hex(&root, hex));
+    say(app, "  %s solid voxels", say_count(text, solid));
+    say(app, "  grid %s", ost_digest_hex(&root, hex));
     return OST_OK;
 }
 

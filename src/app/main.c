@@ -21,6 +21,7 @@
 
 #include "app/options.h"
 #include "app/progress.h"
+#include "app/say.h"
 #include "io/outfile.h"
 #include "validation/leftover.h"
 #include "validation/worker.h"
@@ -53,7 +54,7 @@ static void print_help(void)
          "Removes bone from a CT with a surgeon's tools, voxel by voxel, to the bit.\n\n"
          "verbs");
     for (int i = 0; i < VERB_COUNT; i++)
-        printf("  %-10s %s\n", verbs[i].name, verbs[i].summary);
+        say_on(stdout, "  %-10s %s", verbs[i].name, verbs[i].summary);
     puts("\n"
          "osteon VERB --help shows a verb's options and an example; osteon --version the\n"
          "version.  Every verb takes --json: one JSON object on standard output.\n\n"
@@ -171,7 +172,7 @@ static int fail(const char *verb_name, const ost_error *err, ost_status status)
 {
     progress_clear();
     const char *text = err->text[0] ? err->text : ost_status_text(status);
-    fprintf(stderr, "osteon%s%s: %s\n", verb_name ? " " : "", verb_name ? verb_name : "", text);
+    say_on(stderr, "osteon%s%s: %s", verb_name ? " " : "", verb_name ? verb_name : "", text);
     return ost_status_exit(status);
 }
 
@@ -189,7 +190,7 @@ static int run_verb(const app_verb *which, int argc, char **argv)
         /* 15 digits: every picometre within 8 m, and 0.47 stays 0.47. */
         char *text = json_dumps(app.result, JSON_INDENT(2) | JSON_REAL_PRECISION(15));
         if (text)
-            puts(text);
+            say_json(text);
         else
             status = ost_fail(&err, OST_ERR_INTERNAL, "the result cannot be written as JSON");
         free(text);
@@ -232,7 +233,7 @@ int main(int argc, char **argv)
         print_help();
         return finish_output(&err) == OST_OK ? 0 : fail(NULL, &err, OST_ERR_IO);
     } else if (strcmp(word, "--version") == 0) {
-        printf("osteon %s, arithmetic version %d\n", ost_version(), OST_ARITHMETIC_VERSION);
+        say_on(stdout, "osteon %s, arithmetic version %d", ost_version(), OST_ARITHMETIC_VERSION);
         return finish_output(&err) == OST_OK ? 0 : fail(NULL, &err, OST_ERR_IO);
     }
     no_verb(word, &err);

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "core/clock.h"
+#include "core/printable.h"
 
 static struct {
     bool on, drawn;
@@ -39,6 +40,7 @@ bool progress_show(void *user, const char *stage, double share)
     double now = now_ms();
     if (strncmp(stage, line.stage, sizeof line.stage - 1) != 0) {
         snprintf(line.stage, sizeof line.stage, "%s", stage);
+        ost_make_printable(line.stage);
         line.stage_start = line.last_draw = now;
         return true;
     }

@@ -4,9 +4,25 @@
 #include <inttypes.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "app/progress.h"
+#include "core/printable.h"
+
+/* One line; what is not printable in it becomes '?', a newline too. */
+static void print_line(FILE *to, const char *before, const char *format, va_list args)
+{
+    char *text = NULL;
+    const int length = vasprintf(&text, format, args);
+    if (length < 0) {
+        fputs("osteon: out of memory\n", stderr);
+        return;
+    }
+    ost_make_printable(text);
+    fprintf(to, "%s%s\n", before, text);
+    free(text);
+}
 
 void say(const app_state *app, const char *format, ...)
 {
@@ -14,9 +30,8 @@ void say(const app_state *app, const char *format, ...)
         return;
     va_list args;
     va_start(args, format);
-    vprintf(format, args);
+    print_line(stdout, "", format, args);
     va_end(args);
-    putchar('\n');
 }
 
 void warn(const app_state *app, const char *format, ...)
@@ -24,12 +39,32 @@ void warn(const app_state *app, const char *format, ...)
     if (app->quiet)
         return;
     progress_clear();
+    char before[64];
     va_list args;
     va_start(args, format);
-    fprintf(stderr, "osteon %s: warning: ", app->verb);
-    vfprintf(stderr, format, args);
+    snprintf(before, sizeof before, "osteon %s: warning: ", app->verb);
+    print_line(stderr, before, format, args);
     va_end(args);
-    fputc('\n', stderr);
+}
+
+void say_on(FILE *to, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    print_line(to, "", format, args);
+    va_end(args);
+}
+
+void say_json(const char *text)
+{
+    for (size_t bytes; *text; text += bytes) {
+        const int32_t code = ost_code_point(text, &bytes);
+        if (code == '\n' || ost_code_point_is_printable(code))
+            fwrite(text, 1, bytes, stdout);
+        else
+            printf("\\u%04x", (unsigned)(code < 0 ? 0xfffd : code)); /* within a string: jansson writes no other place */
+    }
+    putchar('\n');
 }
 
 const char *say_count(char text[SAY_TEXT], int64_t value)

@@ -10,6 +10,10 @@
 #include "app/app.h"
 
 void say(const app_state *app, const char *format, ...) OST_PRINTF(2, 3);
+/* Prints one line on a stream, whether or not the verb is quiet; what is not printable in it becomes '?' (core/printable.h). */
+void say_on(FILE *to, const char *format, ...) OST_PRINTF(2, 3);
+/* Prints a JSON document; characters that act on a terminal are escaped as \uXXXX. */
+void say_json(const char *text);
 void warn(const app_state *app, const char *format, ...) OST_PRINTF(2, 3);
 
 enum { SAY_TEXT = 96 };

@@ -44,7 +44,9 @@ void sim_force_print(const app_state *app, const sim_args *args)
     for (int i = 0; i < ost_force_key_count(); i++) {
         const ost_force_key *key = ost_force_key_at(i);
         const double value = ost_force_key_value(i, &args->force_params, &args->safety);
-        say(app, "\n# %s\n%s: %s   # %s, %g to %g", key->about, key->name, ost_force_value_text(value, text), key->unit, key->lo, key->hi);
+        say(app, "%s", "");
+        say(app, "# %s", key->about);
+        say(app, "%s: %s   # %s, %g to %g", key->name, ost_force_value_text(value, text), key->unit, key->lo, key->hi);
         put_real(o, key->name, value);
     }
     put(app->result, "force_params", o);

@@ -180,7 +180,8 @@ ost_status sim_finish(const app_state *app, const sim_args *args, simulation *s,
     put_integer(o, "removals", (int64_t)totals.removals);
     put_integer(o, "removed_voxels", (int64_t)totals.removed_voxels);
     put_digest(o, "sha256", &root);
-    say(app, "  %s voxels removed\n  grid %s", say_count(a, (int64_t)totals.removed_voxels), ost_digest_hex(&root, hex));
+    say(app, "  %s voxels removed", say_count(a, (int64_t)totals.removed_voxels));
+    say(app, "  grid %s", ost_digest_hex(&root, hex));
     if (args->out) {
         const ost_write_options write = {.compress = args->compress};
         status = ost_bone_write(args->out, s->bone, &s->imported.meta, &write, err);

@@ -114,7 +114,7 @@ ost_status sim_run(const app_state *app, const sim_args *args, simulation *s, os
                              : "");
     char about[OST_HAPTIC_TEXT];
     if (!app->quiet && ost_haptic_about(s->device, about)[0])
-        fprintf(stderr, "osteon sim: device %s %s\n", ost_haptic_name(s->device), about);
+        say_on(stderr, "osteon sim: device %s %s", ost_haptic_name(s->device), about);
     status = serve(app, args, &how, s, err);
     ost_operation_report_get(s->operation, &s->done);
     if (status == OST_OK && s->done.status != OST_OK)

@@ -7,6 +7,8 @@
 
 #include "config.h"
 
+#include "core/printable.h"
+
 static const struct {
     const char *name;
     const char *text;
@@ -39,16 +41,6 @@ int ost_status_exit(ost_status status)
     return statuses[known(status)].exit_status;
 }
 
-/* Text that came from a file must not break the line or drive a terminal; UTF-8 is left alone. */
-static void make_printable(char *text)
-{
-    for (; *text; text++) {
-        unsigned char c = (unsigned char)*text;
-        if (c < 0x20 || c == 0x7f)
-            *text = '?';
-    }
-}
-
 ost_status ost_fail(ost_error *err, ost_status status, const char *format, ...)
 {
     if (err) {
@@ -57,7 +49,7 @@ ost_status ost_fail(ost_error *err, ost_status status, const char *format, ...)
         err->status = status;
         vsnprintf(err->text, sizeof err->text, format, args);
         va_end(args);
-        make_printable(err->text);
+        ost_make_printable(err->text);
     }
     return status;
 }
@@ -72,7 +64,7 @@ ost_status ost_fail_context(ost_error *err, const char *format, ...)
     va_start(args, format);
     vsnprintf(prefix, sizeof prefix, format, args);
     va_end(args);
-    make_printable(prefix);
+    ost_make_printable(prefix);
     memcpy(rest, err->text, sizeof rest);
     size_t used = strnlen(prefix, sizeof prefix);
     memcpy(err->text, prefix, used);

@@ -1,0 +1,119 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# What acts on a terminal never reaches one: a file name and a note with escape sequences, a newline,
+# C1 controls, bytes that are no UTF-8 and characters that turn the direction, given to every verb,
+# in what it prints, warns of, refuses and writes as JSON.
+# Covers: REQ-TERMINAL
+. "${srcdir:-.}/tests/app/lib.sh"
+
+# ESC [ 3 1 m, BEL, newline, CSI as UTF-8 and as a byte, a right-to-left override, an isolate, a line separator
+evil=$(printf 'a\033[31mb\007c\nQZX\302\233e\2339f\342\200\256g\342\201\246h\342\200\250i')
+# Umlauts and other scripts stay as they are.
+kind=$(printf 'Schl\303\274ssel-\351\252\250')
+
+# clean WHAT: files out and err hold no such character but the newlines at the lines' ends
+clean() {
+    checks=$((checks + 1))
+    for stream in out err; do
+        LC_ALL=C grep -n -q "$(printf '[\001-\010\013-\037\177]')" $stream && fail "$1: a control character on $stream"
+        LC_ALL=C grep -q "$(printf '\302[\200-\237]')" $stream && fail "$1: a C1 character on $stream"
+        LC_ALL=C grep -q "$(printf '\342\200[\216\217\250-\256]')" $stream && fail "$1: a direction or line character on $stream"
+        LC_ALL=C grep -q "$(printf '\342\201[\246-\251]')" $stream && fail "$1: an isolate on $stream"
+        LC_ALL=C grep -q "$(printf 'e\2339')" $stream && fail "$1: a byte that is no UTF-8 on $stream"
+        LC_ALL=C grep -q '^QZX' $stream && fail "$1: a newline of the name on $stream"
+    done
+}
+# shows ARGUMENT...: runs osteon, whatever its status
+shows() {
+    "$osteon" "$@" >out 2>err </dev/null
+    status=$?
+    [ $status -le 3 ] || fail "osteon $1: status $status"
+    clean "osteon $1 ${2:-}"
+}
+
+run 0 phantom glenoid --spacing 2 --out ct.nrrd
+run 0 import ct.nrrd --out bone.nrrd
+run 0 tool peg --out peg.ply
+run 0 voxelize peg.ply --voxel 1 --out peg.nrrd
+run 0 ream --bone bone.nrrd --tool peg.nrrd --path builtin:peg-hole --out reamed.nrrd --record it.session
+run 0 validate --only import/0 --backends 'cpu:isa=scalar,threads=1' --out bundle --quiet
+for suffix in nrrd txt session ply csv params; do
+    case $suffix in nrrd) cp bone.nrrd "$evil.nrrd" ;; session) cp it.session "$evil.session" ;; ply) cp peg.ply "$evil.ply" ;; esac
+done
+printf '0 0 0 500\n1 0 0 %s\n' "$(printf 'oo\033[31mps\302\233')" >"$evil.txt"
+printf 't_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n0,\033[2J,0,0,1,0,0,0\n' >"$evil.csv"
+printf 'wall_stiffness\033[31m: 7\n' >"$evil.params"
+cp -r bundle "$evil.bundle"
+echo more >"$evil.bundle/$evil"
+
+# Every verb, with the name where a file that exists, one that does not, and an output are named; with and without --json.
+for json in '' --json; do
+    for verb in phantom tool import voxelize ream replay sim diff render export info validate compare verify bench devices bridge; do
+        # As an operand, an option, a value and a verb's name
+        shows $verb "$evil" $json
+        shows $verb "--$evil" $json
+        [ -n "$json" ] || shows $verb --threads "$evil"
+    done
+    shows import ct.nrrd --backend "$evil" --out o.nrrd $json
+    shows import ct.nrrd --backend "plugin:$evil" --out o.nrrd $json
+    shows export ct.nrrd --out "$evil" $json
+    shows phantom glenoid --spacing 2 --out "$evil.nrrd" $json
+    shows tool peg --out "$evil.ply" $json
+    shows import "$evil.nrrd" --out "$evil.o.nrrd" $json
+    shows import "$evil.txt" --out "$evil.o.nrrd" $json
+    shows voxelize "$evil.ply" --voxel 1 --out "$evil.o.nrrd" $json
+    shows ream --bone "$evil.nrrd" --tool "$evil.ply" --path builtin:peg-hole --out "$evil.o.nrrd" $json
+    shows ream --bone bone.nrrd --tool peg.nrrd --path "$evil.csv" --out o.nrrd $json
+    shows replay "$evil.session" --verify $json
+    shows sim --headless --no-clock --no-pin --seconds 0.01 --device null --bone "$evil.nrrd" --tool peg.nrrd --out "$evil.o.nrrd" $json
+    shows sim --headless --bone bone.nrrd --device "motion:$evil.csv" $json
+    shows sim --headless --bone bone.nrrd --device "$evil" $json
+    shows sim --headless --bone bone.nrrd --device null --force-params "$evil.params" $json
+    shows diff "$evil.nrrd" reamed.nrrd $json
+    shows diff "$evil.bundle" bundle $json
+    shows render "$evil.nrrd" --size 32x24 --out "$evil.png" $json
+    shows export "$evil.nrrd" --out "$evil.o.txt" $json
+    for file in nrrd txt session ply csv; do shows info "$evil.$file" $json; done
+    [ -n "$json" ] || shows validate --only import/0 --backends 'cpu:isa=scalar,threads=1' --out "$evil.new"
+    shows validate --case "$evil.txt" --backends cpu $json
+    shows validate --merge "$evil.bundle" --out "$evil.new" $json
+    shows verify "$evil.bundle" $json
+    shows compare "$evil.bundle" $json
+    shows bench --suite tick --filter "$evil" $json
+    shows bridge --device "$evil" $json
+done
+shows "$evil"
+shows help "$evil"
+
+# A fact in a file's header: the program shows what it read.
+{ printf '# osteon %s: 1\n' "$(printf 'no\033]0;title\007te\302\233')"; printf '# note: \033[31mred\n'; cat <<END; } >noted.txt
+0 0 0 500
+1 0 0 500
+0 1 0 500
+1 1 0 500
+0 0 1 500
+1 0 1 500
+0 1 1 500
+1 1 1 500
+END
+shows info noted.txt
+shows import noted.txt --out noted.nrrd
+sed "s/^type:/# $(printf 'k\033[31my')\ntype:/; s/^endian: little/&\nk\\\\ney:=$(printf 'v\033[31mal\302\233')/" ct.nrrd >noted2.nrrd 2>/dev/null
+shows info noted2.nrrd
+shows info noted2.nrrd --json
+
+# JSON still holds the name itself, escaped.
+run 0 info "$evil.nrrd" --json
+grep -qiF 'a\u001b[31mb\u0007c\nQZX' out || grep -q 'not UTF-8' out || fail "JSON has lost the name: $(head -c 300 out)"
+mv "$evil.nrrd" "$(printf 'a\033b\302\233c\342\200\256d').nrrd"
+run 0 info "$(printf 'a\033b\302\233c\342\200\256d').nrrd" --json
+checks=$((checks + 1))
+grep -qiF 'a\u001bb\u009bc\u202ed.nrrd' out || fail "JSON has lost the name: $(head -c 300 out)"
+
+# What is no danger is shown.
+mv bone.nrrd "$kind.nrrd"
+run 0 info "$kind.nrrd"
+checks=$((checks + 1))
+grep -qF "$kind.nrrd" out || fail "a name in UTF-8 is not shown: $(head -c 200 out)"
+refuse 2 "$kind.absent" info "$kind.absent"
+finish
