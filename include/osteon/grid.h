@@ -40,8 +40,9 @@ OST_API bool ost_geometry_equal(const ost_geometry *a, const ost_geometry *b);
 /*
  * Facts that travel with a grid from file to file but decide no voxel: where
  * the glenoid is, which threshold made the bone, which arithmetic.  Keys are
- * [a-z0-9_]{1,40}, values one printable line of up to 200 bytes.  At most
- * OST_META_MAX entries; setting a key again replaces it.
+ * [a-z0-9_]{1,40}, values one printable line of up to 200 bytes, without the
+ * blanks around it.  At most OST_META_MAX entries; setting a key again gives
+ * it the new value in its old position (AR-FILE-8).
  */
 enum { OST_META_MAX = 32, OST_META_KEY = 41, OST_META_VALUE = 201 };
 typedef struct ost_meta {
@@ -54,6 +55,8 @@ typedef struct ost_meta {
 
 /* The value or NULL. The pointer lives as long as meta is not changed. */
 OST_API const char *ost_meta_get(const ost_meta *meta, const char *key);
+/* Returns true for dims, spacing_mm and origin_mm, which files give as a grid's own and never write as facts. */
+OST_API bool ost_meta_key_is_geometry(const char *key);
 /* OST_ERR_RANGE when key or value breaks the rule above or meta is full. */
 OST_API ost_status ost_meta_set(ost_meta *meta, const char *key, const char *value, ost_error *err);
 

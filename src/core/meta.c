@@ -24,12 +24,17 @@ static bool key_is_good(const char *key)
     return length >= 1 && length < OST_META_KEY && strspn(key, "abcdefghijklmnopqrstuvwxyz0123456789_") == length;
 }
 
-static bool value_is_good(const char *value)
+bool ost_meta_key_is_geometry(const char *key)
 {
-    if (strlen(value) >= OST_META_VALUE)
+    return strcmp(key, "dims") == 0 || strcmp(key, "spacing_mm") == 0 || strcmp(key, "origin_mm") == 0;
+}
+
+static bool value_is_good(const char *value, size_t length)
+{
+    if (length >= OST_META_VALUE)
         return false;
-    for (const unsigned char *p = (const unsigned char *)value; *p; p++)
-        if (*p < 0x20 || *p == 0x7f)
+    for (size_t i = 0; i < length; i++)
+        if ((unsigned char)value[i] < 0x20 || value[i] == 0x7f)
             return false;
     return true;
 }
@@ -38,7 +43,11 @@ ost_status ost_meta_set(ost_meta *meta, const char *key, const char *value, ost_
 {
     if (!key_is_good(key))
         return ost_fail(err, OST_ERR_RANGE, "'%.60s' is not a key; keys are 1 to %d of a-z, 0-9 and _", key, OST_META_KEY - 1);
-    if (!value_is_good(value))
+    value += strspn(value, " ");
+    size_t length = strlen(value);
+    while (length > 0 && value[length - 1] == ' ')
+        length--;
+    if (!value_is_good(value, length))
         return ost_fail(err, OST_ERR_RANGE, "the value of '%s' is not one printable line of at most %d bytes", key, OST_META_VALUE - 1);
     int i = find(meta, key);
     if (i < 0) {
@@ -48,6 +57,7 @@ ost_status ost_meta_set(ost_meta *meta, const char *key, const char *value, ost_
     }
     /* Both may be this entry's own, as ost_meta_get gave them. */
     memmove(meta->entry[i].key, key, strlen(key) + 1);
-    memmove(meta->entry[i].value, value, strlen(value) + 1);
+    memmove(meta->entry[i].value, value, length);
+    meta->entry[i].value[length] = 0;
     return OST_OK;
 }

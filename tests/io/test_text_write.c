@@ -2,7 +2,7 @@
 /*
  * Volumes as text: the bytes, the way back, full disks and kills.
  *
- * Covers: AR-CT-8
+ * Covers: AR-CT-8, AR-FILE-7, AR-FILE-8
  */
 #include "backends.h"
 
@@ -33,7 +33,10 @@ static void the_bytes(void **state)
         .geometry = {{2, 2, 2}, {470000000, 500000000, 1000000000}, {-470000000, -1000000000, 7999000000000}},
         .voxels = voxels,
     };
-    assert_ok(ost_meta_set(&volume.meta, OST_META_SIDE, "left", &err));
+    assert_ok(ost_meta_set(&volume.meta, "dims", "5 5 5", &err)); /* the grid's own: never written as facts */
+    assert_ok(ost_meta_set(&volume.meta, "spacing_mm", "3 3 3", &err));
+    assert_ok(ost_meta_set(&volume.meta, OST_META_SIDE, " left ", &err));
+    assert_ok(ost_meta_set(&volume.meta, "origin_mm", "3 3 3", &err));
     assert_ok(ost_text_write_volume(path, &volume, 0, &err));
     char *text = scratch_read(path, NULL);
     assert_string_equal(text, "# osteon dims: 2 2 2\n"

@@ -3,7 +3,7 @@
  * What we write is what we read: volumes as NRRD and NIfTI, plain and packed,
  * at spacings that floats cannot hold; the bytes themselves; tools; bones.
  *
- * Covers: AR-FILE-1, AR-FILE-2, AR-FILE-3, AR-FILE-6, REQ-CT-SAME
+ * Covers: AR-FILE-1, AR-FILE-2, AR-FILE-3, AR-FILE-6, AR-FILE-8, REQ-CT-SAME
  */
 #include "backends.h"
 #include "volume_files.h"
@@ -84,6 +84,59 @@ static void every_format_keeps_the_volume(void **state)
             ost_volume_free(&v);
         }
     }
+}
+
+/*
+ * AR-FILE-8: facts come back in their order, whatever bytes their values have;
+ * keys that are a grid's own do not take the place of its geometry.
+ */
+static void facts_keep_their_order(void **state)
+{
+    (void)state;
+    static const char *const keys[] = {"zebra", "dims", "note", "spacing_mm", "a", "origin_mm", "uml", "empty", "nine"};
+    static const char *const values[] = {"first", "5 5 5", "a:=b \\ c\\n: d", "3 3 3", "1", "7 7 7", "T\xc3\xbcr \xff", "", "# x"};
+    static const char *const kept[] = {"zebra", "note", "a", "uml", "empty", "nine"};
+    static const char *const formats[] = {"f.nrrd", "f.nii", "f.nii.gz"};
+    test_rng rng = rng_seeded("facts");
+    ost_error err = {0};
+    ost_volume v;
+    const ost_geometry g = {.dims = {2, 1, 3}, .spacing = {pm("0.123456789"), pm("0.5"), pm("1")}, .origin = {pm("-0.000000001"), 0, 0}};
+    make_volume(&v, &g, &rng);
+    for (size_t k = 0; k < sizeof keys / sizeof keys[0]; k++)
+        assert_ok(ost_meta_set(&v.meta, keys[k], values[k], &err));
+    assert_ok(ost_meta_set(&v.meta, "zebra", "again", &err)); /* stays the first */
+    for (size_t f = 0; f < sizeof formats / sizeof formats[0]; f++) {
+        if (!HAS_NIFTI && strstr(formats[f], ".nii"))
+            continue;
+        ost_volume back;
+        assert_ok(ost_volume_write(at(formats[f]), &v, NULL, &err));
+        assert_ok(ost_volume_read(at(formats[f]), NULL, &back, NULL, &err));
+        assert_true(ost_geometry_equal(&back.geometry, &g));
+        assert_int_equal(back.meta.count, sizeof kept / sizeof kept[0]);
+        for (size_t k = 0; k < sizeof kept / sizeof kept[0]; k++) {
+            assert_string_equal(back.meta.entry[k].key, kept[k]);
+            assert_string_equal(back.meta.entry[k].value, ost_meta_get(&v.meta, kept[k]));
+        }
+        ost_volume_free(&back);
+    }
+    ost_volume_free(&v);
+}
+
+/* A key that a NRRD gives twice has its last value in its first position; blanks around a value are no part of it. */
+static void facts_of_a_nrrd(void **state)
+{
+    (void)state;
+    static const char text[] = "NRRD0005\ntype: int8\ndimension: 3\nsizes: 1 1 1\nspace: LPS\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nencoding: text\nosteon_b:=1\n"
+                               "osteon_a:=  two\\\\ \\nlines \nother:=x\nosteon_b:=3\n\n5\n";
+    ost_error err = {0};
+    ost_volume v;
+    write_file("g.nrrd", text, sizeof text - 1);
+    assert_ok(ost_volume_read(at("g.nrrd"), NULL, &v, NULL, &err));
+    assert_int_equal(v.meta.count, 2);
+    assert_string_equal(v.meta.entry[0].key, "b");
+    assert_string_equal(v.meta.entry[0].value, "3");
+    assert_string_equal(v.meta.entry[1].value, "two\\  lines");
+    ost_volume_free(&v);
 }
 
 /* Without our comment a NIfTI gives the shortest decimals of its float32, which is enough for lengths of up to six digits. */
@@ -395,6 +448,7 @@ static void bones_come_down_in_slabs(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(facts_keep_their_order),        cmocka_unit_test(facts_of_a_nrrd),
         cmocka_unit_test(every_format_keeps_the_volume), cmocka_unit_test(nifti_without_its_comment),
         cmocka_unit_test(a_changed_nifti_header_counts), cmocka_unit_test(the_nrrd_header_to_the_byte),
         cmocka_unit_test(names_decide_and_nothing_is_left), cmocka_unit_test(tools), cmocka_unit_test(every_format_imports_to_the_same_bone),

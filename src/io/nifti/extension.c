@@ -96,7 +96,8 @@ size_t ost_nifti_extension_format(const ost_meta *meta, const ost_geometry *geom
     used = put_lengths(out, room, used, OST_NIFTI_SPACING, geometry->spacing);
     used = put_lengths(out, room, used, OST_NIFTI_ORIGIN, geometry->origin);
     for (int i = 0; i < meta->count; i++)
-        used = put(out, room, used, meta->entry[i].key, meta->entry[i].value);
+        if (!ost_meta_key_is_geometry(meta->entry[i].key))
+            used = put(out, room, used, meta->entry[i].key, meta->entry[i].value);
     uint32_t size = (uint32_t)((used - 4 + 15) / 16 * 16);
     for (int i = 0; i < 4; i++)
         out[4 + i] = (unsigned char)(size >> 8 * i);

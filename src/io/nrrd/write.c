@@ -83,6 +83,8 @@ ost_status ost_nrrd_write_header(ost_volume_writer *writer, const ost_geometry *
              compress ? "gzip" : "raw", length[3], length[4], length[5]);
     ost_status status = put_text(writer, text, err);
     for (int i = 0; status == OST_OK && i < meta->count; i++) {
+        if (ost_meta_key_is_geometry(meta->entry[i].key))
+            continue;
         ost_nrrd_fact(meta->entry[i].key, meta->entry[i].value, text);
         status = put_text(writer, text, err);
     }

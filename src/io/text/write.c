@@ -100,7 +100,8 @@ static ost_status write_facts(ost_outfile *out, const ost_volume *volume, ost_er
         (int)g->dims.z, ost_pm_format(g->spacing.x, s[0]), ost_pm_format(g->spacing.y, s[1]), ost_pm_format(g->spacing.z, s[2]),
         ost_pm_format(g->origin.x, o[0]), ost_pm_format(g->origin.y, o[1]), ost_pm_format(g->origin.z, o[2]));
     for (int i = 0; i < volume->meta.count && status == OST_OK; i++)
-        status = ost_outfile_printf(out, err, "# osteon %s: %s\n", volume->meta.entry[i].key, volume->meta.entry[i].value);
+        if (!ost_meta_key_is_geometry(volume->meta.entry[i].key))
+            status = ost_outfile_printf(out, err, "# osteon %s: %s\n", volume->meta.entry[i].key, volume->meta.entry[i].value);
     return status;
 }
 
