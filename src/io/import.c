@@ -339,10 +339,9 @@ static ost_status rect_from_volume(job *j, ost_error *err)
     rect->spacing.x = options->spacing.x ? options->spacing.x : rect->spacing.x;
     rect->spacing.y = options->spacing.y ? options->spacing.y : rect->spacing.y;
     rect->spacing.z = options->spacing.z ? options->spacing.z : rect->spacing.z;
-    if (options->crop)
+    status = ost_geometry_check(rect, j->path, err);
+    if (status == OST_OK && options->crop)
         status = crop_geometry(j->path, &options->crop_box, rect, err);
-    if (status == OST_OK)
-        status = ost_geometry_check(rect, j->path, err);
     if (status == OST_OK)
         status = ost_grid_create(j->backend, rect, &j->rect, err);
     if (status == OST_OK)

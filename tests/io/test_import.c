@@ -3,7 +3,7 @@
  * From a file to a bone: no layer lost or doubled, the same bone from every
  * format, every wrong file refused, memory bounded by the grid.
  *
- * Covers: AR-CT-3, AR-CT-4, AR-CT-5, AR-CT-6, AR-CT-8, AR-CUB-1, AR-CUB-5, AR-CUB-6, AR-CHK-1
+ * Covers: AR-GRID-5, AR-CT-3, AR-CT-4, AR-CT-5, AR-CT-6, AR-CT-8, AR-CUB-1, AR-CUB-5, AR-CUB-6, AR-CHK-1
  */
 #include "backends.h"
 
@@ -477,6 +477,33 @@ static void a_crop_is_a_part_of_the_whole(void **state)
     }
 }
 
+/* AR-GRID-5: the complete grid must be one, in a text as in a volume. */
+static void the_rest_of_a_crop_is_checked(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_import_result result;
+    ost_volume volume;
+    const ost_geometry g = {.dims = {200, 1, 1}, .spacing = {1000000000, 1000000000, 1000000000}};
+    assert_ok(ost_volume_init(&volume, &g, &err));
+    assert_ok(ost_volume_write(in_folder("long.nrrd"), &volume, NULL, &err));
+    char text[4096];
+    int size = 0;
+    for (int i = 0; i < 200; i++)
+        size += snprintf(text + size, sizeof text - (size_t)size, "%d 0 0 1\n", i);
+    scratch_write(folder, "long.txt", text, (size_t)size);
+    static const char *const names[] = {"long.txt", "long.nrrd"};
+    for (int n = 0; n < 2; n++) {
+        ost_import_options options = {.crop = true, .crop_box = {{0, 0, 0}, {10, 1, 1}}, .spacing = {1000000000, 1000000000, 1000000000}};
+        assert_ok(import(in_folder(names[n]), &options, &result, &err));
+        assert_int_equal(result.rect.dims.x, 10);
+        options.spacing.x = 100000000000; /* 199 of them are 19.9 m */
+        if (n == 1)
+            assert_int_equal(import(in_folder(names[n]), &options, &result, &err), OST_ERR_RANGE);
+    }
+    ost_volume_free(&volume);
+}
+
 /* ------------------------------------------------------- progress, cancel, change */
 
 typedef struct watcher {
@@ -683,6 +710,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(positions_off_the_lattice),
         cmocka_unit_test(sparse_texts_are_refused),
         cmocka_unit_test(a_crop_is_a_part_of_the_whole),
+        cmocka_unit_test(the_rest_of_a_crop_is_checked),
         cmocka_unit_test(progress_can_cancel),
         cmocka_unit_test(a_change_between_the_passes_is_seen),
         cmocka_unit_test(other_files_are_refused),

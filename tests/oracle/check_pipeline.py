@@ -6,7 +6,7 @@
     STL -------osteon voxelize---> TOOL.nrrd           |  what docs/arithmetic.md alone
     path CSV --osteon ream-------> BONE2.nrrd, report  |  says (osteon_oracle*.py)
 
-Covers: AR-LEN-2, AR-LEN-3, AR-LEN-4, AR-LEN-5, AR-GRID-2, AR-POSE-2, AR-POSE-5, AR-POSE-6, AR-PATH-1, AR-PATH-2, AR-PATH-3,
+Covers: AR-LEN-2, AR-LEN-3, AR-LEN-4, AR-LEN-5, AR-GRID-2, AR-GRID-5, AR-POSE-2, AR-POSE-5, AR-POSE-6, AR-PATH-1, AR-PATH-2, AR-PATH-3,
 AR-PATH-4, AR-PATH-5, AR-PATH-6, AR-PATH-7, AR-CT-1, AR-CT-2, AR-CT-3, AR-CT-4,
 AR-CT-5, AR-CT-6, AR-CT-7, AR-CT-8, AR-CUB-1, AR-CUB-2, AR-CUB-3, AR-CUB-4, AR-CUB-5, AR-CHK-1,
 AR-CHK-2, AR-CHK-3, AR-CHK-4, AR-MESH-2, AR-MESH-3,
@@ -144,7 +144,7 @@ def ct_text(rng, dims, spacing, start, decimals, strip=False, shuffle=False, abs
 def check_import(runner, name, content, options=(), chunk=32, **how):
     """osteon import against text -> rect -> cubic -> bone. Returns the oracle's bone and the file's name."""
     text = oracle.Text(content)
-    rect, scatter = oracle.text_to_rect(text, how.get("spacing"))
+    rect, scatter = oracle.text_to_rect(text, how.get("spacing"), crop=how.get("crop"))
     rule = how.get("rule", "linear")
     cubic = oracle.rect_to_cubic(rect, how.get("cubic"), rule)
     bone = oracle.Bone(cubic, how.get("threshold", 120))
@@ -204,6 +204,23 @@ def imports(runner):
     for rule in ("nearest", "thesis"):
         check_import(runner, rule, ct_text(rng, (23, 11, 9), ("0.7", "0.9", "1.1"), ("1", "1", "1"), 1),
                      ("--cubic", "0.45", "--resample", rule), cubic=450000000, rule=rule)
+    # AR-GRID-5: a sample outside the part may lie anywhere between the layers, and may be there twice with two densities.
+    content = ct_text(rng, (20, 12, 9), ("0.7", "0.9", "1.1"), ("1", "-2", "3"), 2, shuffle=True)
+    content += "1.3 -2 3 5\n1 -2 3 31000\n"
+    check_import(runner, "part", content, ("--crop", "4:17,2:11,1:7", "--spacing", "0.7,0.9,1.1"), spacing=(700000000, 900000000, 1100000000),
+                 crop=((4, 2, 1), (17, 11, 7)))
+    thresholds(runner)
+
+
+def thresholds(runner):
+    """AR-DIG-1: thresholds that take the same voxels make equal bones with different digests."""
+    content = ct_text(runner.rng, (9, 8, 7), ("0.7",) * 3, ("0", "0", "0"), 1)
+    content = "".join(line if not 119 <= float(line.split()[3]) <= 130 else line.rsplit(" ", 1)[0] + " 100\n"
+                      for line in content.splitlines(keepends=True))
+    bones = [check_import(runner, f"threshold-{t}", content, ("--threshold", str(t)), threshold=t)[0] for t in (120, 130)]
+    equal("thresholds: voxels", bones[0].voxels == bones[1].voxels and any(bones[0].voxels), True)
+    digests = [[oracle.grid_digest(bone, kind) for bone in bones] for kind in (oracle.KIND_CUBIC, oracle.KIND_BONE)]
+    equal("thresholds: digests", (digests[0][0] == digests[0][1], digests[1][0] == digests[1][1]), (True, False))
 
 
 # ------------------------------------------------------------------- floats

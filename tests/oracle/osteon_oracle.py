@@ -351,28 +351,34 @@ def rect_geometry(text, spacing):
     return check_limits(dims, spacing, low)
 
 
-def text_to_rect(text, spacing=None, duplicates="error"):
-    """AR-CT-4..6. Returns the rect grid and a report."""
+def text_to_rect(text, spacing=None, duplicates="error", crop=None):
+    """AR-CT-4..6 and AR-GRID-5 (crop: lo and hi). Returns the rect grid and a report."""
     if not text.samples:
         raise Refused("no sample")
     spacing = spacing or given_spacing(text) or infer_spacing(text)
     geometry = rect_geometry(text, spacing)
-    dims, low = geometry.dims, geometry.origin
+    low = geometry.origin
+    from_, to = crop or ((0, 0, 0), geometry.dims)
+    if not all(0 <= a < b <= n for a, b, n in zip(from_, to, geometry.dims)):
+        raise Refused(f"a crop {crop} of {geometry.dims} voxels")
+    dims = tuple(b - a for a, b in zip(from_, to))
     if dims[0] * dims[1] * dims[2] > max(2**24, 256 * len(text.samples)):
         raise Refused("the samples are too sparse")
-    rect = Grid(dims, spacing, low)
+    rect = Grid(dims, spacing, [o + a * s for o, a, s in zip(low, from_, spacing)])
     seen, report = set(), {"samples": 0, "duplicates": 0, "off_lattice": 0, "worst_offset_ppm": 0}
     for *position, density in text.samples:
+        places = [rhe(Fraction(p - l, s)) for p, l, s in zip(position, low, spacing)]
+        if crop and not all(a <= i < b for a, i, b in zip(from_, places, to)):
+            continue
         report["samples"] += 1
         index, off = [], False
-        for p, l, s, n in zip(position, low, spacing, dims):
-            i = rhe(Fraction(p - l, s))
+        for p, l, s, n, a, i in zip(position, low, spacing, dims, from_, places):
             offset = abs(p - l - i * s)
             report["worst_offset_ppm"] = max(report["worst_offset_ppm"], floor(Fraction(10**6 * offset, s)))
             off = off or 8 * offset > s
-            if 8 * offset > 3 * s or not 0 <= i < n:
+            if 8 * offset > 3 * s or not 0 <= i - a < n:
                 raise Refused(f"{p} pm is {offset} pm off the lattice")
-            index.append(i)
+            index.append(i - a)
         report["off_lattice"] += off
         at = rect.index(*index)
         if at in seen:
