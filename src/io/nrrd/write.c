@@ -43,6 +43,9 @@ static void escape(const char *value, char out[2 * OST_META_VALUE])
 void ost_nrrd_fact(const char *key, const char *value, char text[OST_NRRD_FACT])
 {
     char escaped[2 * OST_META_VALUE];
+    text[0] = 0;
+    if (ost_meta_key_is_geometry(key))
+        return;
     escape(value, escaped);
     snprintf(text, OST_NRRD_FACT, "osteon_%s:=%s\n", key, escaped);
 }
@@ -83,8 +86,6 @@ ost_status ost_nrrd_write_header(ost_volume_writer *writer, const ost_geometry *
              compress ? "gzip" : "raw", length[3], length[4], length[5]);
     ost_status status = put_text(writer, text, err);
     for (int i = 0; status == OST_OK && i < meta->count; i++) {
-        if (ost_meta_key_is_geometry(meta->entry[i].key))
-            continue;
         ost_nrrd_fact(meta->entry[i].key, meta->entry[i].value, text);
         status = put_text(writer, text, err);
     }
