@@ -3,7 +3,7 @@
  * From a file to a bone: no layer lost or doubled, the same bone from every
  * format, every wrong file refused, memory bounded by the grid.
  *
- * Covers: AR-GRID-5, AR-CT-3, AR-CT-4, AR-CT-5, AR-CT-6, AR-CT-8, AR-CUB-1, AR-CUB-5, AR-CUB-6, AR-CHK-1
+ * Covers: REQ-CT-BIG, AR-GRID-5, AR-CT-3, AR-CT-4, AR-CT-5, AR-CT-6, AR-CT-8, AR-CUB-1, AR-CUB-5, AR-CUB-6, AR-CHK-1
  */
 #include "backends.h"
 

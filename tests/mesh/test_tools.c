@@ -3,7 +3,7 @@
  * The parametric tools: closed, outward, of their size, with the thesis' grids
  * also after a turn through an STL's float32; and what a turning reamer cuts.
  *
- * Covers: AR-TOOL-2
+ * Covers: REQ-VOLUME, AR-TOOL-2
  */
 #include <math.h>
 

@@ -11,7 +11,7 @@ length; nothing is shared but the rules:
                within 23 / 2^20 of a tool voxel of the exact ones
     AR-REM     which voxels a whole event takes and touches, and their sums
 
-Covers: AR-POSE-4, AR-SWEEP-1, AR-SWEEP-2, AR-SWEEP-3, AR-SWEEP-4, AR-MAP-1, AR-MAP-3, AR-MAP-4, AR-MAP-5, AR-MAP-6,
+Covers: AR-INT-3, AR-POSE-4, AR-SWEEP-1, AR-SWEEP-2, AR-SWEEP-3, AR-SWEEP-4, AR-MAP-1, AR-MAP-3, AR-MAP-4, AR-MAP-5, AR-MAP-6,
 AR-MAP-7, AR-REM-1, AR-REM-2, AR-REM-6, AR-CLS-1
 
 Usage: check_events.py [DUMPER] [COUNT]    (default: tests/oracle/dump_events, 2000)

@@ -13,7 +13,7 @@ AR-CHK-2, AR-CHK-3, AR-CHK-4, AR-MESH-2, AR-MESH-3,
 AR-MESH-4, AR-MESH-5, AR-TOOL-2, AR-TOOL-3, AR-TOOL-4, AR-VOX-1, AR-VOX-2, AR-VOX-3, AR-VOX-4, AR-VOX-5, AR-VOX-6, AR-VOX-7,
 AR-MOTOR-1, AR-MOTOR-2, AR-MOTOR-3, AR-MOTOR-4, AR-MOTOR-5, AR-MOTOR-7,
 AR-SWEEP-1, AR-SWEEP-2, AR-SWEEP-4, AR-SWEEP-5, AR-SWEEP-6, AR-MAP-1, AR-MAP-3, AR-MAP-4, AR-REM-1, AR-REM-2, AR-REM-6,
-AR-REM-7, AR-CLS-1, AR-CLS-2, AR-DIG-2, AR-DIG-3, AR-DIG-4, AR-DIG-5, AR-DIG-6, AR-DIG-7, AR-DIG-8, AR-FILE-1,
+AR-REM-7, AR-REM-8, AR-CLS-1, AR-CLS-2, AR-DIG-2, AR-DIG-3, AR-DIG-4, AR-DIG-5, AR-DIG-6, AR-DIG-7, AR-DIG-8, AR-FILE-1,
 AR-FILE-2, AR-FILE-3, AR-LAW-4, AR-LAW-7, AR-LAW-8, REQ-ORACLE
 
 Usage: check_pipeline.py [OSTEON]    (default: $OSTEON, else ./osteon)
@@ -474,6 +474,8 @@ def check_ream(runner, name, bone, bone_file, shapes, ticks, options=(), content
                 equal(f"{name}: {key}", got[key], getattr(session, key))
         equal(f"{name}: gaps", got["gaps"], gaps)
         equal(f"{name}: removed_voxels", got["removed_voxels"], session.removed)
+        volume = float(Fraction(session.removed * bone.spacing[0] ** 3, MM**3))  # AR-REM-8
+        equal(f"{name}: removed_mm3", abs(got["removed_mm3"] - volume) <= 1e-9 * volume, True)
         equal(f"{name}: removed_by_class", [(row["voxels"], row["density_sum"]) for row in got["removed_by_class"]],
               list(zip(session.by_class, session.density_by_class)))
         equal_file(name, out, left, {"kind": "bone", "threshold": str(bone.threshold)})

@@ -575,6 +575,15 @@ def self_check():
     text = Text("x y z HU\n# osteon spacing_mm: 0.47 0.47 1\n-57.34 0 1 120.0\r\n-56.40,0;1 1.2e2 # two on\n")
     rect, report = text_to_rect(text)
     assert rect.dims == (3, 1, 1) and rect.voxels == [120, 0, 120] and report["samples"] == 2
+    twice = "0 0 0 5\n0 0 0 5\n"  # AR-CT-8
+    assert text_to_rect(Text(twice), (PM_PER_MM,) * 3)[1]["duplicates"] == 1
+    try:
+        text_to_rect(Text("# osteon dims: 1 1 1\n" + twice), (PM_PER_MM,) * 3)
+        raise AssertionError("a text with dims and two samples for a voxel")
+    except Refused:
+        pass
+    cropped, _ = text_to_rect(Text("".join(f"{x} 0 0 {x}\n" for x in range(9))), (PM_PER_MM,) * 3, crop=((4, 0, 0), (6, 1, 1)))  # AR-GRID-5
+    assert cropped.dims == (2, 1, 1) and cropped.origin == (4 * PM_PER_MM, 0, 0) and cropped.voxels == [4, 5]
     for wrong in ("0 0 0", "0 0 0 1.5", "0 0 0 32768", "0 0 0 nan", "0 0 0 1 2", "0 0 1e10 1"):
         try:
             Text("0 0 0 1\n" + wrong)

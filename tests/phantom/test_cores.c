@@ -8,7 +8,7 @@
  * reaches 88 of the 100 columns of chunks: 88 * 12 = 1056, counted by hand
  * from the distance of each column's nearest corner to the axis.
  *
- * Covers: AR-CUB-1, AR-CUB-2
+ * Covers: REQ-PHANTOM, AR-CUB-1, AR-CUB-2
  */
 #include "phantom_checks.h"
 

@@ -4,7 +4,7 @@
  * 3.2.  Measured for seed 1: 1665 of 1900 chunks active (the thesis: 1669;
  * a cylinder of 5 mm radius reaches 88 of 100 columns, 88 * 19 = 1672).
  *
- * Covers: AR-CUB-1, AR-CUB-2
+ * Covers: REQ-PHANTOM, AR-CUB-1, AR-CUB-2
  */
 #include "phantom_checks.h"
 

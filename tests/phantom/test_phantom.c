@@ -3,7 +3,7 @@
  * Generated bones: names, options, seeds, sides, and what their header says.
  * Coarse grids; the figures of full size are in the tests beside this one.
  *
- * Covers: AR-GRID-1
+ * Covers: REQ-PHANTOM, AR-GRID-1
  */
 #include <math.h>
 

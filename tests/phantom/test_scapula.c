@@ -6,7 +6,7 @@
  * Measured for seed 1: 202 of 896 chunks active (the thesis: 202 in Table 3.2,
  * 199 in Table 3.7), 18 of 18 in the glenoid.
  *
- * Covers: AR-CUB-1, AR-CUB-2
+ * Covers: REQ-PHANTOM, AR-CUB-1, AR-CUB-2
  */
 #include "phantom_checks.h"
 

@@ -7,7 +7,7 @@
  *
  * OST_TEST_LONG=1: frames of 1280 x 720, and all once more with no more than
  * OpenGL 3.3 has.
- * Covers: REQ-GL-SAME, REQ-GL-HIDDEN
+ * Covers: REQ-RENDER, REQ-GL-SAME, REQ-GL-HIDDEN
  */
 #include <math.h>
 #include <stdlib.h>

@@ -3,6 +3,8 @@
  * Points through a camera: the surface against a walk over all voxels, the
  * picture against a ray through every pixel and every voxel, instruction sets
  * and threads against the scalar one.
+ *
+ * Covers: REQ-RENDER
  */
 #include <math.h>
 #include <stdlib.h>
