@@ -3,11 +3,13 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <inttypes.h>
 #include <signal.h>
 #include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/random.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -139,7 +141,19 @@ static ost_status start_ffmpeg(film_file *f, ost_error *err)
     f->part = malloc(strlen(f->target) + 64);
     if (!f->part)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for a video");
-    snprintf(f->part, strlen(f->target) + 64, "%.*s.osteon-%ld.part%s", slash ? (int)(slash - f->target) + 1 : 0, f->target, (long)getpid(), dot);
+    uint64_t random[2];
+    if (getrandom(random, sizeof random, 0) != (ssize_t)sizeof random)
+        return ost_fail(err, OST_ERR_IO, "no random name for a video: %s", strerror(errno));
+    snprintf(f->part, strlen(f->target) + 64, "%.*s.osteon-%016" PRIx64 "%016" PRIx64 ".part%s", slash ? (int)(slash - f->target) + 1 : 0, f->target, random[0],
+             random[1], dot);
+    /* The file exists before ffmpeg opens it, and no link stands in its place. */
+    const int fd = open(f->part, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+    if (fd < 0) {
+        free(f->part);
+        f->part = NULL;
+        return ost_fail(err, OST_ERR_IO, "%s: cannot be written: %s", f->target, strerror(errno));
+    }
+    close(fd);
     for (const char *const *more = ends(f->target, ".webm") ? vp9 : x264; *more; more++)
         argv[count++] = *more;
     argv[count++] = "-y";

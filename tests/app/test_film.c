@@ -232,6 +232,21 @@ static void a_failure_is_said_and_ends_it(void **state)
     show(f, 0, 10);
     assert_ok(film_close(f, 0, NULL, &err));
     assert_int_equal(access("v.mp4", F_OK), 0);
+    /* A link that waits under a name that can be guessed is not written through. */
+    char guessed[64];
+    snprintf(guessed, sizeof guessed, ".osteon-%ld.part.mp4", (long)getpid());
+    out = fopen("victim", "w");
+    assert_non_null(out);
+    fclose(out);
+    assert_int_equal(symlink("victim", guessed), 0);
+    assert_int_equal(unlink("v.mp4"), 0);
+    f = made(none);
+    show(f, 0, 10);
+    assert_ok(film_close(f, 0, NULL, &err));
+    struct stat of_victim;
+    assert_int_equal(stat("victim", &of_victim), 0);
+    assert_int_equal(of_victim.st_size, 0);
+    assert_int_equal(unlink(guessed), 0);
     setenv("FILM_FAILS", "1", 1);
     none.target = "w.mkv";
     f = made(none);

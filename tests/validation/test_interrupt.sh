@@ -49,7 +49,14 @@ await working
 kill -KILL $pid
 wait $pid 2>/dev/null
 check "status after SIGKILL" $? 137
-rm -rf b.part-*
+await idle
+check "unfinished folders after SIGKILL" "$(ls -d b.part-* | wc -l | tr -d ' ')" 1
+# The next run with this name removes it, but not what is somebody else's, another name's or in use.
+mkdir b.part-abc bb.part-abcdef b.part-locked
+echo kept >b.part-abc/file
+flock b.part-locked "$osteon" validate --only import/0 --backends 'cpu:isa=scalar,threads=1' --out b --quiet >out 2>err
+check "folders that are not removed" "$(ls -d b*.part-* | tr '\n' ' ')" "b.part-abc b.part-locked bb.part-abcdef "
+rm -rf b b.part-* bb.part-*
 nothing_left SIGKILL
 
 # A worker that is killed fails the case that it was at; the others go on.

@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
@@ -23,7 +24,38 @@ enum { LOG_LINE = 1024 };
 struct bundle {
     char out[BUNDLE_PATH], folder[BUNDLE_PATH];
     ost_digest last; /* of the log's last line */
+    int lock;        /* the unfinished folder, locked while this process fills it; -1: not supported there */
 };
+
+static void remove_folder(const char *folder);
+
+/*
+ * Removes unfinished folders OUT.part-XXXXXX that an ended process left: folders of this user, six characters behind the dash,
+ * which no living process has locked.
+ */
+static void remove_stale(const char *out)
+{
+    enum { RANDOM = 6 };
+    char parent[BUNDLE_PATH], path[BUNDLE_PATH + 256];
+    const char *slash = strrchr(out, '/'), *base = slash ? slash + 1 : out;
+    const size_t length = strlen(base);
+    snprintf(parent, sizeof parent, "%.*s", slash ? (int)(slash - out) + 1 : 1, slash ? out : ".");
+    DIR *dir = opendir(parent);
+    for (struct dirent *e; dir && (e = readdir(dir));) {
+        struct stat info;
+        if (strncmp(e->d_name, base, length) != 0 || strncmp(e->d_name + length, ".part-", 6) != 0 || strlen(e->d_name + length + 6) != RANDOM)
+            continue;
+        snprintf(path, sizeof path, "%s/%s", parent, e->d_name);
+        const int fd = open(path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+        if (fd < 0)
+            continue;
+        if (fstat(fd, &info) == 0 && info.st_uid == geteuid() && flock(fd, LOCK_EX | LOCK_NB) == 0)
+            remove_folder(path);
+        close(fd);
+    }
+    if (dir)
+        closedir(dir);
+}
 
 ost_status bundle_begin(const char *out, bundle **b, ost_error *err)
 {
@@ -43,12 +75,16 @@ ost_status bundle_begin(const char *out, bundle **b, ost_error *err)
         free(made);
         return ost_fail(err, OST_ERR_USAGE, "'%.60s': no name for a bundle", out);
     }
+    remove_stale(made->out);
     if (!mkdtemp(made->folder)) {
         ost_status status = ost_fail(err, OST_ERR_IO, "%s: %s", out, strerror(errno));
         free(made);
         return status;
     }
     leftover_folder(made->folder);
+    made->lock = open(made->folder, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+    if (made->lock >= 0)
+        (void)flock(made->lock, LOCK_EX | LOCK_NB);
     chmod(made->folder, 0755); /* as mkdir would have made it, but for the umask below */
     const mode_t mask = umask(0);
     umask(mask);
@@ -162,6 +198,8 @@ ost_status bundle_end(bundle *b, ost_error *err)
     json_decref(manifest);
     if (status == OST_OK) {
         leftover_folder_gone(b->folder);
+        if (b->lock >= 0)
+            close(b->lock);
         free(b);
     } else
         bundle_abandon(b);
@@ -192,6 +230,8 @@ void bundle_abandon(bundle *b)
         return;
     remove_folder(b->folder);
     leftover_folder_gone(b->folder);
+    if (b->lock >= 0)
+        close(b->lock);
     free(b);
 }
 
