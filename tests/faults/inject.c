@@ -41,7 +41,7 @@ static struct {
     const char *variable, *name;
     long at;
     atomic_long count;
-} kinds[KINDS] = {{.variable = "OST_FAIL_ALLOC", .name = "alloc"}, {.variable = "OST_FAIL_OPEN", .name = "open"}, {.variable = "OST_FAIL_READ", .name = "read"}};
+} kinds[KINDS] = {{"OST_FAIL_ALLOC", "alloc", 0, 0}, {"OST_FAIL_OPEN", "open", 0, 0}, {"OST_FAIL_READ", "read", 0, 0}};
 
 static bool ready, from, trace;
 static int chosen_errno;
@@ -161,7 +161,7 @@ static bool module_holds(void *address, const char *name)
     return dladdr(address, &info) && info.dli_fname && strstr(info.dli_fname, name);
 }
 
-/* Returns the first address of the stack that lies neither here nor in libc, which allocates for strdup, fopen and others. */
+/* Returns the first address of the stack that is neither here nor in libc, which allocates for strdup and fopen. */
 static void *outside_libc(void *caller)
 {
     void *stack[TRACE];

@@ -137,13 +137,15 @@ static int run(long at, bool trace)
     if (child == 0) {
         char number[24], variable[32];
         snprintf(number, sizeof number, "%ld", at);
-        snprintf(variable, sizeof variable, "OST_FAIL_%s", strcmp(kind, "alloc") == 0 ? "ALLOC" : strcmp(kind, "open") == 0 ? "OPEN" : "READ");
+        const bool allocation = strcmp(kind, "alloc") == 0, opening = strcmp(kind, "open") == 0;
+        snprintf(variable, sizeof variable, "OST_FAIL_%s", allocation ? "ALLOC" : opening ? "OPEN" : "READ");
         setenv(variable, number, 1);
         setenv("OST_FAIL_REPORT", report_path, 1);
         setenv("LD_PRELOAD", library, 1);
         if (trace)
             setenv("OST_FAIL_TRACE", "1", 1);
-        if (chdir(work) != 0 || !freopen("/dev/null", "r", stdin) || !freopen(out_path, "w", stdout) || !freopen(err_path, "w", stderr))
+        if (chdir(work) != 0 || !freopen("/dev/null", "r", stdin) || !freopen(out_path, "w", stdout) ||
+            !freopen(err_path, "w", stderr))
             _exit(125);
         alarm(LIMIT_S);
         execv(command[0], command);
@@ -170,7 +172,7 @@ static long counted(void)
     return found;
 }
 
-/* Copies the first line of standard error that begins with "osteon", else its last line; returns true if there is such a line. */
+/* Copies the first line of standard error that begins with "osteon", else the last; returns true if there is such a line. */
 static bool message(char text[TEXT])
 {
     char line[TEXT];
