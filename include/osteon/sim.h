@@ -105,6 +105,24 @@ typedef struct ost_world_totals {
 OST_API void ost_world_totals_get(const ost_world *world, ost_world_totals *out);
 OST_API const ost_density_classes *ost_world_classes(const ost_world *world);
 
+/* ------------------------------------------------- the site of an operation */
+
+struct ost_glenoid;
+
+/*
+ * Counts the active voxels in front of a glenoid's face: with w along its
+ * inward axis from its centre and r from that axis, in mm, those with
+ * w < -(3 + min(r, 18)^2 / 60), which a healthy rim does not reach.  At most
+ * radius_mm from the axis and reach_mm out; 0 is without a limit.
+ */
+OST_API ost_status ost_bone_in_front(const ost_bone *bone, const struct ost_glenoid *glenoid, double radius_mm, double reach_mm, int64_t *voxels,
+                                     ost_error *err);
+/* The share of bone within 4 mm of the axis, from 1 to 11 mm inward of the face's centre and as far outward. */
+OST_API ost_status ost_bone_along_axis(const ost_bone *bone, const struct ost_glenoid *glenoid, double *inward_percent, double *outward_percent,
+                                       ost_error *err);
+/* Counts the active voxels that a tool at this pose covers, by cutting voxels and by others. */
+OST_API ost_status ost_bone_overlap(const ost_bone *bone, const ost_tool *tool, const ost_pose *pose, int64_t *voxels, ost_error *err);
+
 /* ---------------------------------------------------------- built-in paths */
 
 /* A glenoid: the centre of its face and the inward direction, in the bone's frame. */

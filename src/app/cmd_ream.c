@@ -26,6 +26,7 @@
 #include "app/result.h"
 #include "app/say.h"
 #include "app/session_record.h"
+#include "app/start_check.h"
 
 typedef struct ream_args {
     const char *bone, *out, *record, *classes_text;
@@ -41,7 +42,7 @@ typedef struct ream_args {
     bool rpm_given;
     ost_density_classes classes; /* from classes_text; count 0: the default ones */
     int sweep; /* place in "off|on" */
-    bool compress, no_failover;
+    bool compress, no_failover, strict;
 } ream_args;
 
 /* Between two copies of the bone, for a device that may fail: a copy costs about what 20 ticks do. */
@@ -65,6 +66,7 @@ typedef struct job {
     ost_metrics_plan plan;
     bool planned;      /* it is known */
     debrief debrief;   /* empty without --debrief */
+    start_checked site;
     bool failed_over;  /* the backend is another than was asked for */
 } job;
 
@@ -144,6 +146,14 @@ static ost_status plan_take(const app_state *app, const ream_args *args, job *j,
 {
     ost_status status = glenoid_plan_find(app, &args->plan, NULL, NULL, &j->imported.meta, args->bone, args->debrief != NULL, &j->plan, &j->planned, err);
     return status == OST_OK && args->debrief ? debrief_begin(j->bone, &j->plan, j->tools, args->tools.count, &j->debrief, err) : status;
+}
+
+static ost_status check_start(const app_state *app, const ream_args *args, job *j, ost_error *err)
+{
+    start_setup setup = {.bone_name = args->bone, .bone = j->bone, .plan = j->planned ? &j->plan : NULL, .names = &args->tools,
+                         .tools = j->tools, .strict = args->strict};
+    start_poses(&j->path, setup.first);
+    return start_check(app, &setup, &j->site, err);
 }
 
 static ost_status record_begin(const ream_args *args, job *j, ost_error *err)
@@ -354,6 +364,8 @@ static ost_status take_results(const ream_args *args, job *j, ost_error *err)
         status = ost_bone_digest(j->bone, NULL, &j->root, err);
     if (status == OST_OK)
         status = ost_bone_info_get(j->bone, &j->after, err);
+    if (status == OST_OK)
+        status = start_check_end(&j->site, j->bone, err);
     return status;
 }
 
@@ -385,6 +397,7 @@ static ost_status report(const app_state *app, const ream_args *args, job *j, os
     say(app, "%s: %s of %s bone voxels removed, %.1f mm3", args->out, say_count(a, (int64_t)totals.removed_voxels),
         say_count(b, j->before.active_voxels), (double)totals.removed_voxels * mm3);
     put_classes(app, &totals, ost_world_classes(j->world), mm3);
+    start_check_report(app, &j->site, mm3);
     say(app, "  %s ticks, %s removals, in %s", say_count(a, (int64_t)totals.ticks), say_count(b, (int64_t)totals.removals),
         say_time(c, j->run_ms));
     ream_say_gaps(app, &j->gaps);
@@ -449,6 +462,7 @@ ost_status cmd_ream(app_state *app, int argc, char **argv, ost_error *err)
          .help = "density classes to count by, each from its HU up\n(default: cartilage:120,cancellous:150,cortical:650)"},
         TOOL_OPTIONS(args.how),
         CT_OPTIONS(args.ct),
+        STRICT_OPTION(args.strict),
         {.name = "no-failover", .kind = OPTION_FLAG, .out = &args.no_failover,
          .help = "with --backend cl: stop when the device fails; else cpu goes on\nfrom the last whole tick, to the same grid"},
         {.name = "compress", .kind = OPTION_FLAG, .out = &args.compress, .help = "gzip a .nrrd"},
@@ -484,6 +498,11 @@ ost_status cmd_ream(app_state *app, int argc, char **argv, ost_error *err)
         status = world_make(app, &args, &j, err);
     if (status == OST_OK)
         status = plan_take(app, &args, &j, err);
+    if (status == OST_OK) {
+        status = check_start(app, &args, &j, err);
+        if (may_fail_over(app, &args, &j, status) && (status = fail_over(app, &j, 0, err)) == OST_OK)
+            status = check_start(app, &args, &j, err);
+    }
     if (status == OST_OK)
         status = record_begin(&args, &j, err);
     if (status == OST_OK)

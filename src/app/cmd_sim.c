@@ -71,6 +71,7 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "rate", .kind = OPTION_DECIMAL, .out = &args.rate, .value = "HZ", .help = "remove so many times a second (default: every tick)"},
         MAX_GAP_OPTION(args.max_gap),
         {.name = "classes", .kind = OPTION_TEXT, .out = &args.classes_text, .value = "NAME:HU,...", .help = "density classes to count by, each from its HU up"},
+        STRICT_OPTION(args.strict),
         {.name = "no-clock", .kind = OPTION_FLAG, .out = &args.no_clock, .help = "one tick after the other, as fast as they go: the same operation"},
         {.name = "no-realtime", .kind = OPTION_FLAG, .out = &args.no_realtime, .help = "ask the system for no priority and no locked memory"},
         {.name = "no-pin", .kind = OPTION_FLAG, .out = &args.no_pin, .help = "let the loop share its core; of two or more it has one to itself else"},
@@ -113,6 +114,8 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
         status = sim_load(app, &args, &s, err);
     if (status == OST_OK)
         status = sim_force_make(app, &args, &s, err);
+    if (status == OST_OK)
+        status = sim_check_start(app, &args, &s, err);
     if (status == OST_OK)
         status = sim_record_begin(&args, &s, err);
     if (status == OST_OK)

@@ -20,6 +20,7 @@
 #include "app/load.h"
 #include "app/ream_path.h"
 #include "app/session_record.h"
+#include "app/start_check.h"
 
 enum { SIM_ROOM = 65536 }; /* records that wait for the disk: 65 s */
 
@@ -49,7 +50,7 @@ typedef struct sim_args {
     bool contact;         /* what went just now is shown, without a window too */
     ost_force_params force_params;
     ost_safety_params safety;
-    bool force_given, headless, no_clock, no_realtime, no_pin, print_force, compress, sweep_off, bone_given, tools_given;
+    bool force_given, headless, no_clock, no_realtime, no_pin, print_force, strict, compress, sweep_off, bone_given, tools_given;
 } sim_args;
 
 /* By args.force: "off", "energy", "instant". */
@@ -71,6 +72,7 @@ typedef struct simulation {
     ost_operation_report done;
     ost_metrics_plan plan;
     bool planned;         /* it is known */
+    start_checked site;   /* with nothing known when a session is gone on with */
     debrief debrief;      /* empty without --debrief */
     ost_volume uncut;     /* owned until its show has it: the bone before anything was cut */
     ost_session *resumed; /* NULL: it begins */
@@ -109,6 +111,8 @@ typedef struct sim_force_texts {
 } sim_force_texts;
 /* The parameters as keys of a session, up to one that is NULL: at most SIM_FORCE_KEYS + 1. */
 void sim_force_session(const sim_args *args, sim_force_texts *texts, session_key *keys);
+/* Looks at the site before the first tick (start_check.h). */
+ost_status sim_check_start(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
 /* With --record. */
 ost_status sim_record_begin(const sim_args *args, simulation *s, ost_error *err);
 

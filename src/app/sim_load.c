@@ -139,6 +139,18 @@ ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, o
     return ost_haptic_open(args->device, &setup, &s->device, err);
 }
 
+ost_status sim_check_start(const app_state *app, const sim_args *args, simulation *s, ost_error *err)
+{
+    const ost_pose start = s->path.count ? s->path.ticks[0].pose : over_the_bone(s->bone);
+    start_setup site = {.bone_name = args->bone, .bone = s->bone, .plan = s->planned ? &s->plan : NULL, .names = &args->tools,
+                        .tools = s->tools, .first[0] = &start, .strict = args->strict};
+    /* A session that is gone on with was checked when it began. */
+    if (s->resumed)
+        return OST_OK;
+    start_poses(&s->path, site.first);
+    return start_check(app, &site, &s->site, err);
+}
+
 ost_status sim_record_begin(const sim_args *args, simulation *s, ost_error *err)
 {
     if (!args->record)

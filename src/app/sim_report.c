@@ -182,6 +182,10 @@ ost_status sim_finish(const app_state *app, const sim_args *args, simulation *s,
     put_digest(o, "sha256", &root);
     say(app, "  %s voxels removed", say_count(a, (int64_t)totals.removed_voxels));
     say(app, "  grid %s", ost_digest_hex(&root, hex));
+    const double voxel = ost_pm_to_mm(s->imported.cubic.spacing.x);
+    if ((status = start_check_end(&s->site, s->bone, err)) != OST_OK)
+        return status;
+    start_check_report(app, &s->site, voxel * voxel * voxel);
     if (args->out) {
         const ost_write_options write = {.compress = args->compress};
         status = ost_bone_write(args->out, s->bone, &s->imported.meta, &write, err);

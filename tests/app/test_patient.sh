@@ -173,4 +173,55 @@ sized 99 >fits.nrrd
 run 0 import fits.nrrd --out x.nrrd
 quiet "a CT of 2.8 m"
 
+# ------------------------------------------------- before an operation begins
+# A block whose face is at x = 23.5 mm; with a head in front of it up to 17.5; at its centre the axis +x points in.
+ct_text 40 24 24 1 '(i < 24 ? 0 : 500)' >block.txt
+ct_text 40 24 24 1 '(i < 24 ? (i < 18 ? 400 : 0) : 500)' >headed.txt
+run 0 import block.txt --out block.nrrd --at 23.5,12,12 --axis 1,0,0
+run 0 import headed.txt --out headed.nrrd --at 23.5,12,12 --axis 1,0,0
+peg="--tool builtin:peg --voxel 1 --path builtin:peg-hole"
+run 0 ream --bone block.nrrd $peg --out x.nrrd --strict --json
+quiet "a clear site"
+check "a clear site" "$(value front_mm3) $(value overlap_voxels) $(value near_side_voxels)" "0 0 0"
+removed=$(value removed_voxels)
+run 0 ream --bone headed.nrrd $peg --out x.nrrd --json
+warned "of bone lie in front of the glenoid's face, in the way of builtin:peg"
+warned 'builtin:peg overlaps'
+[ "$(value overlap_voxels)" -gt 0 ] || fail "the peg begins in the head, and no voxel was counted"
+[ "$(value near_side_voxels)" -gt 100 ] || fail "the head was cut, and $(value near_side_voxels) voxels were counted"
+check "what went is the hole and the head's" "$(($(value removed_voxels) - $(value near_side_voxels)))" "$removed"
+check "the same in mm3" "$(value near_side_mm3)" "$(value near_side_voxels)"
+run 0 ream --bone headed.nrrd $peg --out x.nrrd
+checks=$((checks + 1))
+grep -q "on the near side of the glenoid's face: [1-9]" out || fail "the text has no count of the near side: $(cat out)"
+rm -f x.nrrd x.session
+refuse 2 'of bone lie in front' ream --bone headed.nrrd $peg --out x.nrrd --record x.session --strict
+[ ! -e x.nrrd ] && [ ! -e x.session ] || fail "--strict left an output"
+run 0 info block.nrrd --set side= --set axis=-1,0,0
+run 0 ream --bone block.nrrd $peg --out x.nrrd
+warned 'the axis is probably reversed'
+refuse 2 'does not point into bone' sim --headless --no-clock --seconds 0.01 --idle 0 --bone block.nrrd --tool builtin:peg --voxel 1 --strict
+run 0 import block.txt --out nowhere.nrrd --at 8,12,12 --axis 1,0,0
+run 0 ream --bone nowhere.nrrd $peg --out x.nrrd
+warned 'check --at and --axis'
+
+# ----------------------------------------------------------- left and right
+# The left phantom is the right one mirrored. The plan's axis points less to the back than the phantom's own, by as much on either
+# side, so that its face looks more to the back: more retroversion than the phantom's 2 degrees, and on both sides the same.
+for side in left right; do
+    sign=$([ $side = left ] && echo -)
+    run 0 phantom scapula --spacing 1,1,1 --side $side --out ct.nrrd
+    run 0 import ct.nrrd --out bone.nrrd
+    run 0 ream --bone bone.nrrd --axis ${sign}0.97,0.2,0.1 --tool builtin:peg --path builtin:peg-hole --tool builtin:reamer \
+        --path builtin:glenoid-ream --out x.nrrd --debrief x.html --json
+    check "the side" "$(value metrics.scapular)" true
+    echo "$(value removed_mm3) $(value metrics.version_planned_deg) $(value metrics.inclination_planned_deg) $(value metrics.version_deg)" \
+        "$(value metrics.inclination_deg)" >$side
+done
+checks=$((checks + 1))
+paste -d' ' left right | awk '{
+    for (i = 1; i <= 5; i++) { d = $i - $(i + 5); if (d < 0) d = -d; if (d > (i == 1 ? 0.002 * $1 : i < 4 ? 1e-6 : 0.05)) bad = 1 }
+    exit bad || $1 < 500 || $2 < 8 || $2 > 20
+}' || fail "left and right differ, or are no mirror images: $(cat left right)"
+
 finish

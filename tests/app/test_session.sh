@@ -126,7 +126,7 @@ grep -q "bytes" err || fail "damaged: $(cat err)"
 # No disk: the bone is not begun, and the file's name stays free.
 if [ -w /dev/full ]; then
     ln -s /dev/full full.session
-    refuse 2 "the disk is full" ream --bone bone.nrrd --tool builtin:peg --tool builtin:reamer --path short.csv --out x.nrrd --record full.session
+    refuse 2 "the disk is full" ream --bone bone.nrrd --tool builtin:peg --tool builtin:reamer --path short.csv --out x.nrrd --record full.session --quiet
     [ ! -e x.nrrd ] || fail "a bone without its recording"
 fi
 # A disk that fills up while it is recorded: the bone is whole and the command says what is not.
