@@ -216,4 +216,31 @@ if [ -e "$build/.libs/fake_hd.so" ] && [ -z "${OST_SAN_CFLAGS:-}" ]; then
     check "lost, and again" "$(value complete) $(value verified_ticks)" "true $lost_ticks"
     unset FAKE_HD_FAIL_READ_AT
 fi
+# Before anybody touches anything nothing is removed, whatever the tools; a hand begins clear of the bone.
+run 0 sim --headless --bone bone.nrrd --device null --seconds 1 --no-clock --json
+check "nothing is touched" "$(value ticks) $(value removed_voxels)" "1000 0"
+run 0 sim --headless --bone bone.nrrd --device null --tool builtin:burr --tool builtin:peg --seconds 0.1 --no-clock --json
+check "nothing is touched by others" "$(value removed_voxels)" 0
+# A motor that is off: no path removes anything.
+for path in peg-hole glenoid-ream glenoid-slow glenoid-press; do
+    run 0 ream --bone bone.nrrd --tool builtin:reamer --path builtin:$path --rpm 0 --out off.nrrd --json
+    check "$path with the motor off" "$(value removals) $(value removed_voxels)" "0 0"
+done
+run 0 sim --headless --bone bone.nrrd --device sim --rpm 0 --seconds 0.5 --no-clock --json
+check "a hand that presses with the motor off" "$(value removed_voxels)" 0
+# With it on more goes than of a tool that does not turn: a path that says so itself, row by row.
+run 0 ream --bone bone.nrrd --tool builtin:reamer --path builtin:glenoid-ream --out on.nrrd --json
+turning=$(value removed_voxels)
+run 0 ream --bone bone.nrrd --tool builtin:reamer --path builtin:glenoid-ream --rpm 1 --out on.nrrd --json
+[ "$turning" -gt $(($(value removed_voxels) * 11 / 10)) ] || fail "a reamer that turns takes $turning voxels, one that hardly does $(value removed_voxels)"
+refuse 2 "must be from 0 to 3000" ream --bone bone.nrrd --tool builtin:peg --path builtin:peg-hole --out off.nrrd --rpm 3001
+refuse 2 "at least 13.3 Hz" sim --headless --bone bone.nrrd --rate 5
+refuse 2 "it has no button 'lever'" sim --headless --bone bone.nrrd --device dhd --buttons lever=motor
+refuse 2 "device sim has no buttons" sim --headless --bone bone.nrrd --buttons 1=motor
+"$osteon" sim --print-force-params | grep -q '^speed' && fail "the motor's speed is no parameter of the force"
+# What devices give differs, and files to copy say so.
+for preset in "$source_folder"/presets/*.force; do
+    run 0 sim --print-force-params --force-params "$preset" --json
+    check "$(basename "$preset")" "$(value force_params.max_force)" "$(sed -n 's/^max_force: \([0-9.]*\) .*/\1/p' "$preset")"
+done
 finish
