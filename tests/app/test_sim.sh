@@ -61,7 +61,8 @@ fi
 run 0 sim --headless --bone bone.nrrd --seconds 0.3 --idle 0.5 --size 64x48 --renderer points --json
 has renderer.fps_worst_1_percent renderer.floor.fps renderer.floor.fps_worst_1_percent renderer.floor.busy_fps_worst_1_percent rested_missed rested_wake_us.max
 check "the loops beside it" "$(value idle_ticks) $(value busy_ticks) $(value rested_ticks)" "500 500 500"
-[ "$(value renderer.frames)" -le 19 ] || fail "frames of a comparison were counted: $(value renderer.frames) in 0.3 s"
+# The run of 300 ticks draws 18 frames, some more where the machine is late; each loop of the comparison draws 30.
+[ "$(value renderer.frames)" -lt 48 ] || fail "frames of a comparison were counted: $(value renderer.frames) in 0.3 s"
 run 0 sim --headless --bone bone.nrrd --seconds 0.2 --idle 0 --renderer null --json
 check "a renderer that draws nothing" "$(value renderer.name) $(value renderer.width)" "null 0"
 refuse 2 "needs --renderer points" sim --headless --bone bone.nrrd --renderer null --hud
