@@ -10,18 +10,26 @@
 #include "app/progress.h"
 #include "core/printable.h"
 
-/* One line; what is not printable in it becomes '?', a newline too. */
+enum { LINE = 4096 };
+
+/* One line; what is not printable in it becomes '?', a newline too. Only a line of more than LINE bytes takes memory. */
 static void print_line(FILE *to, const char *before, const char *format, va_list args)
 {
-    char *text = NULL;
-    const int length = vasprintf(&text, format, args);
-    if (length < 0) {
-        fputs("osteon: out of memory\n", stderr);
-        return;
+    char line[LINE], *text = line;
+    va_list again;
+    va_copy(again, args);
+    const int length = vsnprintf(line, sizeof line, format, args);
+    if (length >= LINE && (text = malloc((size_t)length + 1)))
+        vsnprintf(text, (size_t)length + 1, format, again);
+    va_end(again);
+    if (length < 0 || !text) {
+        fputs("osteon: no memory for a line of text\n", stderr);
+        exit(2);
     }
     ost_make_printable(text);
     fprintf(to, "%s%s\n", before, text);
-    free(text);
+    if (text != line)
+        free(text);
 }
 
 void say(const app_state *app, const char *format, ...)
