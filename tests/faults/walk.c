@@ -7,8 +7,8 @@
  *
  * First the command runs without a fault, in an empty folder: this gives the number of calls,
  * the expected exit status (0 or 1), the expected files and the expected standard output, of
- * which the number of lines (not with --loose-output) and the last two bytes count: it holds
- * times.  Then for N values of K (all of them
+ * which the number of lines and the last two bytes are compared (with --loose-output its last
+ * byte alone), as it holds times.  Then for N values of K (all of them
  * with N = 0) it runs in the empty folder with the K-th call failing (inject.c), and then
  *
  *   - it has ended by itself, with the expected status, or 2 or 3;
@@ -231,8 +231,10 @@ static void take_output(output *o)
         o->last[0] = o->last[1];
         o->last[1] = (char)c;
     }
-    if (loose_output)
+    if (loose_output) {
         o->lines = 0;
+        o->last[0] = 0;
+    }
     fclose(in);
 }
 
