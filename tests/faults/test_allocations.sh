@@ -5,8 +5,8 @@
 # nothing else is left.  Here some allocations fail, drawn with the printed seed; all of them with
 # OST_TEST_LONG=1 (of a campaign, which takes seconds, 200).  OST_TEST_ONLY=TEXT walks the commands that contain TEXT alone.
 #
-# Allocations within libcrypto (4,700 when it starts) are a walk of their own.  Those within
-# assimp and the drivers of OpenGL and OpenCL are left out: they crash on their own.
+# Left out are allocations within libraries that crash on their own: assimp, the drivers of OpenGL
+# and OpenCL, and libcrypto, where about one of a hundred of the 4,700 at its start does (3.0.19).
 # Covers: REQ-OUT-OF-MEMORY
 . "${srcdir:-.}/tests/app/lib.sh"
 
@@ -22,9 +22,9 @@ runs=6 campaign_runs=2
 [ -z "${OST_TEST_LONG:-}" ] || runs=0 campaign_runs=200
 seed=${OST_TEST_SEED:-$(od -An -N4 -tu4 /dev/urandom | tr -d ' ')}
 echo "# seed $seed"
-drivers=libassimp:_dri:libEGL:libGL:libglapi:libepoxy:libgallium:libLLVM
+excepted=libassimp:_dri:libEGL:libGL:libglapi:libepoxy:libgallium:libLLVM:libcrypto
 # No device of OpenCL: its libraries are C++.
-export OCL_ICD_VENDORS="$scratch/none" XDG_CACHE_HOME="$scratch/cache" OST_FAIL_EXCEPT=$drivers:libcrypto
+export OCL_ICD_VENDORS="$scratch/none" XDG_CACHE_HOME="$scratch/cache" OST_FAIL_EXCEPT=$excepted
 mkdir "$OCL_ICD_VENDORS" "$XDG_CACHE_HOME" in
 
 # walk_over [OPTION...] -- ARGUMENT...: walks one command of osteon
@@ -86,6 +86,4 @@ walk_over -- compare cpu --only import/0
 walk_over -- validate --export-cases cases --only import/0
 # A row that cannot run is reported, and the others go on.
 walk_over --loose-output -- bench --quick --suite tick --filter tick
-OST_FAIL_EXCEPT=$drivers
-walk_over -- info "$in/bone.nrrd" --digest
 finish
