@@ -152,11 +152,10 @@ static void say_disturbed(const app_state *app, const bench_table *table)
     size_t disturbed = 0;
     for (size_t i = 0; i < table->count; i++)
         disturbed += bench_row_disturbed(&table->rows[i]);
-    if (disturbed)
-        say(app,
-            "  busy machine? in %zu of %zu rows a median is more than half above its minimum; 'of min' suffers less,\n"
-            "  but after few repetitions it is no better (--repeat N)",
-            disturbed, table->count);
+    if (disturbed) {
+        say(app, "  In %zu of %zu rows the median is more than half above the minimum: the machine was busy.", disturbed, table->count);
+        say(app, "  'of min' is less affected, if there were enough repetitions (--repeat N).");
+    }
 }
 
 /* What the baselines of a suite are, each said once, and why some are missing. */
