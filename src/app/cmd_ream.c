@@ -355,17 +355,17 @@ static void warn_nothing(const app_state *app, const job *j)
          j->met ? "came into the grid but met no bone" : "never came near", say_point(a, lo), say_point(b, hi), say_point(c, at));
 }
 
-/* All that the backend must still give when the path is done. */
+/* Reads from the backend what the report needs, then writes the bone, so that a failure leaves no file. */
 static ost_status take_results(const ream_args *args, job *j, ost_error *err)
 {
     const ost_write_options write = {.compress = args->compress};
-    ost_status status = ost_bone_write(args->out, j->bone, &j->imported.meta, &write, err);
-    if (status == OST_OK)
-        status = ost_bone_digest(j->bone, NULL, &j->root, err);
+    ost_status status = ost_bone_digest(j->bone, NULL, &j->root, err);
     if (status == OST_OK)
         status = ost_bone_info_get(j->bone, &j->after, err);
     if (status == OST_OK)
         status = start_check_end(&j->site, j->bone, err);
+    if (status == OST_OK)
+        status = ost_bone_write(args->out, j->bone, &j->imported.meta, &write, err);
     return status;
 }
 
