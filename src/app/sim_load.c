@@ -47,28 +47,10 @@ static ost_status take_plan(const app_state *app, const sim_args *args, simulati
     return status == OST_OK && args->debrief ? debrief_begin(s->bone, &s->plan, s->tools, args->tools.count, &s->debrief, err) : status;
 }
 
-/* Returns true when a tool, whose frame is at pose, touches no bone. */
-static bool is_clear(const simulation *s, const ost_geometry *bone, const ost_tool *tool, const ost_pose *pose)
-{
-    ost_map map;
-    ost_report report = {0};
-    const ost_density_classes classes = ost_density_classes_default();
-    const ost_voxel_box box = {{0, 0, 0}, {bone->dims.x, bone->dims.y, bone->dims.z}};
-    const ost_event event = {.pose_count = 1, .maps = &map, .boxes = &box, .classes = &classes};
-    const bool found = ost_map_make(pose, bone, ost_tool_geometry_get(tool), &map, NULL) == OST_OK &&
-                       ost_bone_collide(s->bone, tool, &event, &report, NULL) == OST_OK;
-    const uint64_t met = report.total_voxels + report.touched_voxels;
-    ost_report_free(&report);
-    return !found || met == 0;
-}
-
 /* Moves a pose back along the tool's axis, at least CLEAR_MM, until none of the tools touches bone there. */
 static ost_pose back_from_the_bone(const sim_args *args, const simulation *s, const ost_pose *from)
 {
     enum { CLEAR_MM = 10, STEP_MM = 2, FARTHEST_MM = 600 };
-    ost_bone_info info;
-    if (ost_bone_info_get(s->bone, &info, NULL) != OST_OK)
-        return *from;
     for (int mm = CLEAR_MM; mm < FARTHEST_MM; mm += STEP_MM) {
         sim_hand hand = sim_hand_at(from, 0);
         ost_haptic_state state;
@@ -76,8 +58,10 @@ static ost_pose back_from_the_bone(const sim_args *args, const simulation *s, co
         if (!sim_hand_state(&hand, &state))
             break;
         bool clear = true;
-        for (int i = 0; i < args->tools.count && clear; i++)
-            clear = is_clear(s, &info.geometry, s->tools[i], &state.pose);
+        for (int i = 0; i < args->tools.count && clear; i++) {
+            int64_t voxels = 0;
+            clear = ost_bone_overlap(s->bone, s->tools[i], &state.pose, &voxels, NULL) != OST_OK || voxels == 0;
+        }
         if (clear)
             return state.pose;
     }
@@ -141,13 +125,17 @@ ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, o
 
 ost_status sim_check_start(const app_state *app, const sim_args *args, simulation *s, ost_error *err)
 {
-    const ost_pose start = s->path.count ? s->path.ticks[0].pose : over_the_bone(s->bone);
     start_setup site = {.bone_name = args->bone, .bone = s->bone, .plan = s->planned ? &s->plan : NULL, .names = &args->tools,
-                        .tools = s->tools, .first[0] = &start, .strict = args->strict};
+                        .tools = s->tools, .strict = args->strict};
     /* A session that is gone on with was checked when it began. */
     if (s->resumed)
         return OST_OK;
-    start_poses(&s->path, site.first);
+    /* A path has the first pose of each of its tools; a hand begins at home with any of them. */
+    const bool by_path = s->path.count && (sim_follows_path(args) || args->paths_given);
+    if (by_path)
+        start_poses(&s->path, site.first);
+    for (int i = 0; i < args->tools.count && !by_path; i++)
+        site.first[i] = &s->home;
     return start_check(app, &site, &s->site, err);
 }
 

@@ -48,7 +48,7 @@ typedef struct plan {
 static const plan plans[OST_BUILTIN_GLENOID_PRESS] = {
     [OST_BUILTIN_PEG_HOLE] = {"peg-hole", -8000 * UM, 20 * UM, 22000 * UM, 10 * UM, 200, 20 * UM},
     [OST_BUILTIN_GLENOID_REAM] = {"glenoid-ream", -8000 * UM, 20 * UM, 3000 * UM, 3 * UM / 2, 400, 20 * UM},
-    [OST_BUILTIN_GLENOID_SLOW] = {"glenoid-slow", 0, 20 * UM, 3000 * UM, UM / 20, 400, 20 * UM},
+    [OST_BUILTIN_GLENOID_SLOW] = {"glenoid-slow", -2000 * UM, 20 * UM, 3000 * UM, UM / 20, 400, 20 * UM},
 };
 
 const char *ost_builtin_name(ost_builtin which)

@@ -8,7 +8,8 @@
 /* Ticks of a millisecond; a wheel with p turns by atan(1/p), so once in 2 pi p ticks. */
 enum { PRESS_TICKS = 500, SOFT_TICKS = 2000, BREATH_P = 637, SWEEP_P = 955, WOBBLE_P = 398 };
 
-#define PRESSED 12.0  /* mm, after PRESS_TICKS */
+#define BEGIN -2.0     /* mm: clear of the rim of the face */
+#define PRESSED 12.0   /* mm, after PRESS_TICKS */
 #define CREEP 1.5e-4   /* mm a tick */
 #define DEEPEST 24.0
 #define BREATH 1.5    /* mm */
@@ -36,7 +37,7 @@ void press_begin(press_hand *hand)
 
 void press_go_on(press_hand *hand, int64_t k)
 {
-    hand->depth = k < PRESS_TICKS ? PRESSED * (double)k / PRESS_TICKS : PRESSED + CREEP * (double)(k - PRESS_TICKS);
+    hand->depth = k < PRESS_TICKS ? BEGIN + (PRESSED - BEGIN) * (double)k / PRESS_TICKS : PRESSED + CREEP * (double)(k - PRESS_TICKS);
     if (k < PRESS_TICKS)
         return;
     if (hand->depth > DEEPEST)

@@ -3,7 +3,7 @@
  * glenoid-press: what a hand wants that reams for as long as it is asked to.
  *
  *   depth   .                            sweep, seen along the axis
- *    0     |\  0.5 s: pressed in              .-----.
+ *   -2 mm  |\  0.5 s: pressed in              .-----.
  *          | \                               (   x   )  an ellipse round the centre in 6 s
  *   12 mm  |  '-.   .-.   .-.                 '-----'   and the tool leans 3 degrees, round in 2.5 s
  *          |     '-'   '-'   '-  deeper by 0.15 mm/s, to 24 mm; up and down by 1.5 mm in 4 s

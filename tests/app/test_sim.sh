@@ -18,7 +18,7 @@ has ticks missed exec_us.p50 exec_us.p99 exec_us.p99_9 exec_us.max wake_us.p50 w
     own_us.p99_9 missed_by_work missed_woken_late missed_taken idle_missed busy_missed busy_us busy_wake_us.max removed_voxels sha256 scheduling memory stolen_ms
 check "ticks" "$(value ticks) $(value idle_ticks) $(value busy_ticks) $(value faults) $(value stale)" "500 100 100 0 0"
 [ "$(value removed_voxels)" -gt 0 ] || fail "the simulated hand removed nothing"
-awk "BEGIN { exit !($(value peak_force_n) > 0.4 && $(value contact_ticks) >= 490) }" ||
+awk "BEGIN { exit !($(value peak_force_n) > 0.4 && $(value contact_ticks) >= 370) }" ||
     fail "the simulated hand does not press: $(value peak_force_n) N, $(value contact_ticks) ticks of contact"
 live=$(value sha256)
 run 0 replay live.session --verify --backend $other --json
@@ -86,7 +86,8 @@ awk -F, 'NR > 1 && $21 != 0 { n++ } END { exit n < 100 }' felt.csv || fail "no f
 for rate in 333:200 250:150 70:42; do
     run 0 sim --headless --bone bone.nrrd --seconds 0.6 --no-clock --rate "${rate%:*}" --record rate.session --json
     check "removals at ${rate%:*} Hz" "$(value removals)" "${rate#*:}"
-    [ "$(value contact_ticks)" -gt 500 ] || fail "at ${rate%:*} Hz the tool lost the bone: $(value contact_ticks) ticks of contact"
+    # The hand comes from 2 mm outside the face, which takes 0.1 s.
+    [ "$(value contact_ticks)" -gt 450 ] || fail "at ${rate%:*} Hz the tool lost the bone: $(value contact_ticks) ticks of contact"
     at_rate=$(value sha256)
     run 0 replay rate.session --verify --json
     check "again at ${rate%:*} Hz" "$(value equal) $(value sha256)" "true $at_rate"
@@ -219,7 +220,11 @@ if [ -e "$build/.libs/fake_hd.so" ] && [ -z "${OST_SAN_CFLAGS:-}" ]; then
 fi
 # Before anybody touches anything nothing is removed, whatever the tools; a hand begins clear of the bone.
 run 0 sim --headless --bone bone.nrrd --device null --seconds 1 --no-clock --json
-check "nothing is touched" "$(value ticks) $(value removed_voxels)" "1000 0"
+check "nothing is touched" "$(value ticks) $(value removed_voxels) $(value overlap_voxels)" "1000 0 0"
+for device in sim script; do
+    run 0 sim --headless --bone bone.nrrd --device $device --seconds 0.001 --no-clock --strict --json
+    check "device $device begins clear of the bone" "$(value overlap_voxels)" 0
+done
 run 0 sim --headless --bone bone.nrrd --device null --tool builtin:burr --tool builtin:peg --seconds 0.1 --no-clock --json
 check "nothing is touched by others" "$(value removed_voxels)" 0
 # A motor that is off: no path removes anything.
