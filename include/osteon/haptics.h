@@ -116,6 +116,20 @@ OST_API const char *ost_haptic_name(const ost_haptic *device);
 /* What there is to say of an open device, as where it listens: a few words, or "". Returns text. */
 enum { OST_HAPTIC_TEXT = 160 };
 OST_API const char *ost_haptic_about(const ost_haptic *device, char text[OST_HAPTIC_TEXT]);
+/*
+ * What an open device reports of its own forces, and where that is from:
+ * "HD_NOMINAL_MAX_FORCE", "an omega".  A limit is its share below the device's.
+ */
+#define OST_HAPTIC_LIMIT_SHARE 0.9
+typedef struct ost_haptic_limits {
+    double force_n;                 /* the most that it gives for a moment, as reported: may be no number */
+    double continuous_n, torque_nm; /* what it gives for long, and its torque; 0: not reported */
+    char from[48];
+} ost_haptic_limits;
+/* Returns false when the device reports nothing of them. */
+OST_API bool ost_haptic_limits_get(const ost_haptic *device, ost_haptic_limits *out);
+/* Returns true for a force of 0.1 to 100 N and a torque of 0 or 0.001 to 10 N m. */
+OST_API bool ost_haptic_limits_usable(const ost_haptic_limits *limits);
 /* What a device has counted since it was opened. Returns how many there are; from any thread. */
 enum { OST_HAPTIC_COUNTS = 12 };
 typedef struct ost_haptic_tally {

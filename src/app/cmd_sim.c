@@ -65,7 +65,7 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "force", .kind = OPTION_CHOICE, .out = &args.force, .given = &args.force_given, .value = "off|energy|instant",
          .help = "what the hand feels: energy, bone gives way as it is cut;\ninstant, it is gone at once (default: energy if the device\nrenders forces)"},
         {.name = "force-params", .kind = OPTION_TEXT, .out = &args.force_file, .value = "FILE",
-         .help = "parameters of the force and of what stands before the hand:\nlines of key: number (docs/force.md)"},
+         .help = "parameters of the force and of what stands before the hand:\nlines of key: number (docs/force.md); the limit of the force is else\nthe device's own, or 3 N"},
         {.name = "print-force-params", .kind = OPTION_FLAG, .out = &args.print_force,
          .help = "print those parameters with their units and sources, and end"},
         {.name = "rate", .kind = OPTION_DECIMAL, .out = &args.rate, .value = "HZ", .help = "remove so many times a second (default: every tick)"},

@@ -50,6 +50,9 @@ typedef struct sim_args {
     bool contact;         /* what went just now is shown, without a window too */
     ost_force_params force_params;
     ost_safety_params safety;
+    bool max_force_given, max_torque_given; /* by the file of --force-params */
+    const char *max_force_from; /* "force-params", "device" or "default" */
+    ost_haptic_limits limits;   /* with "device" */
     bool force_given, headless, no_clock, no_realtime, no_pin, print_force, strict, compress, sweep_off, bone_given, tools_given;
 } sim_args;
 
@@ -97,19 +100,21 @@ bool sim_device_info(const sim_args *args, ost_haptic_info *out);
 ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err);
 
 ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
-/* The defaults for the device, and what --force-params says. */
+/* The defaults, and what --force-params says; the limits of the open device, in sim_force_make, go before defaults. */
 ost_status sim_force_params(const app_state *app, sim_args *args, ost_error *err);
 void sim_force_print(const app_state *app, const sim_args *args);
+enum { SIM_FORCE_KEYS = 32, SIM_LIMIT_TEXT = 160 };
+/* Says where the limit of the force is from: "default", or "device: a sigma.7 gives 12 N, 0.2 N m". */
+void sim_force_limit_text(const sim_args *args, char text[SIM_LIMIT_TEXT]);
 /* A device that renders forces gets one unless --force off; one that does not has none to be asked for. */
 ost_status sim_force_make(const app_state *app, sim_args *args, simulation *s, ost_error *err);
 /* A core for the loop: from here on this thread, and those it makes, keep off it. First of all, since OpenGL's drivers and
    devices make threads as well. */
 void sim_pin(const sim_args *args, simulation *s);
-enum { SIM_FORCE_KEYS = 32 };
 typedef struct sim_force_texts {
-    char key[SIM_FORCE_KEYS][40], value[SIM_FORCE_KEYS][OST_FORCE_VALUE];
+    char key[SIM_FORCE_KEYS][40], value[SIM_FORCE_KEYS][OST_FORCE_VALUE], from[SIM_LIMIT_TEXT];
 } sim_force_texts;
-/* The parameters as keys of a session, up to one that is NULL: at most SIM_FORCE_KEYS + 1. */
+/* The parameters, and where the limit is from, as keys of a session, up to one that is NULL: at most SIM_FORCE_KEYS + 2. */
 void sim_force_session(const sim_args *args, sim_force_texts *texts, session_key *keys);
 /* Looks at the site before the first tick (start_check.h). */
 ost_status sim_check_start(const app_state *app, const sim_args *args, simulation *s, ost_error *err);

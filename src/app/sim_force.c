@@ -2,6 +2,7 @@
 /* Which force, with which parameters: from the device, --force and --force-params; and what a session says of them. */
 #include "app/sim.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -25,9 +26,22 @@ ost_status sim_force_params(const app_state *app, sim_args *args, ost_error *err
     args->safety = ost_safety_defaults();
     if (caps & OST_HAPTIC_TORQUE)
         args->force_params.turn_stiffness = TURN_STIFFNESS;
+    args->max_force_from = "default";
     if (!args->force_file)
         return OST_OK;
-    ost_status status = ost_force_params_read(args->force_file, &args->force_params, &args->safety, err);
+    /* What the file does not set stays no number. */
+    ost_safety_params read = args->safety;
+    read.max_n = read.max_nm = NAN;
+    ost_status status = ost_force_params_read(args->force_file, &args->force_params, &read, err);
+    args->max_force_given = !isnan(read.max_n);
+    args->max_torque_given = !isnan(read.max_nm);
+    if (args->max_force_given)
+        args->max_force_from = "force-params";
+    else
+        read.max_n = args->safety.max_n;
+    if (!args->max_torque_given)
+        read.max_nm = args->safety.max_nm;
+    args->safety = read;
     if (status == OST_OK && args->force_params.turn_stiffness > 0 && !(caps & OST_HAPTIC_TORQUE)) {
         warn(app, "%s: turn_stiffness is for devices that render torques; device %s does not, so the tool's direction is the hand's",
              args->force_file, args->device);
@@ -52,6 +66,41 @@ void sim_force_print(const app_state *app, const sim_args *args)
     put(app->result, "force_params", o);
 }
 
+/* The limits of the open device, in place of those that no file has set. */
+static void take_limits(const app_state *app, sim_args *args, const simulation *s)
+{
+    ost_haptic_limits own;
+    if (!ost_haptic_limits_get(s->device, &own))
+        return;
+    if (!ost_haptic_limits_usable(&own)) {
+        warn(app, "device %s reports that it gives %g N and %g N m (%s), which is no limit to use; forces up to %g N are given; "
+                  "--force-params FILE sets another",
+             ost_haptic_name(s->device), own.force_n, own.torque_nm, own.from, args->safety.max_n);
+        return;
+    }
+    args->limits = own;
+    if (!args->max_torque_given && own.torque_nm > 0)
+        args->safety.max_nm = OST_HAPTIC_LIMIT_SHARE * own.torque_nm;
+    if (args->max_force_given)
+        return;
+    args->safety.max_n = OST_HAPTIC_LIMIT_SHARE * own.force_n;
+    args->max_force_from = "device";
+}
+
+void sim_force_limit_text(const sim_args *args, char text[SIM_LIMIT_TEXT])
+{
+    const ost_haptic_limits *l = &args->limits;
+    char more[2][32] = {"", ""};
+    if (l->torque_nm > 0)
+        snprintf(more[0], sizeof more[0], ", %g N m", l->torque_nm);
+    if (l->continuous_n > 0)
+        snprintf(more[1], sizeof more[1], ", %g N for long", l->continuous_n);
+    if (strcmp(args->max_force_from, "device") == 0)
+        snprintf(text, SIM_LIMIT_TEXT, "device: %s gives %g N%s%s", l->from, l->force_n, more[0], more[1]);
+    else
+        snprintf(text, SIM_LIMIT_TEXT, "%s", args->max_force_from);
+}
+
 ost_status sim_force_make(const app_state *app, sim_args *args, simulation *s, ost_error *err)
 {
     const bool renders = caps_of(args) & (OST_HAPTIC_FORCE | OST_HAPTIC_SHOWN);
@@ -61,6 +110,7 @@ ost_status sim_force_make(const app_state *app, sim_args *args, simulation *s, o
         return usage_error(app, err, "--force %s: device %s renders no force", sim_force_names[args->force], args->device);
     if (!args->force)
         return OST_OK;
+    take_limits(app, args, s);
     args->force_params.mode = args->force == 2 ? OST_FORCE_INSTANT : OST_FORCE_ENERGY;
     ost_status status = ost_force_create(s->bone, &args->force_params, &s->force, err);
     if (status == OST_ERR_UNAVAILABLE && !args->force_given) {
@@ -81,6 +131,10 @@ void sim_force_session(const sim_args *args, sim_force_texts *texts, session_key
         snprintf(texts->key[i], sizeof texts->key[i], "force.%s", ost_force_key_at(i)->name);
         ost_force_value_text(ost_force_key_value(i, &args->force_params, &args->safety), texts->value[i]);
         keys[i] = (session_key){texts->key[i], texts->value[i]};
+    }
+    if (args->force) {
+        sim_force_limit_text(args, texts->from);
+        keys[i++] = (session_key){"force.max_force_from", texts->from};
     }
     keys[i] = (session_key){NULL, NULL};
 }

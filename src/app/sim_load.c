@@ -153,7 +153,7 @@ ost_status sim_record_begin(const sim_args *args, simulation *s, ost_error *err)
         .classes = *ost_world_classes(s->world),
         .plan = s->planned ? &s->plan : NULL,
     };
-    session_key more[SIM_FORCE_KEYS + 3] = {{"tick_ns", "1000000"}, {"force", sim_force_names[args->force]}};
+    session_key more[SIM_FORCE_KEYS + 4] = {{"tick_ns", "1000000"}, {"force", sim_force_names[args->force]}};
     sim_force_texts texts;
     sim_force_session(args, &texts, more + 2);
     const ost_recorder_options options = {.room = SIM_ROOM};

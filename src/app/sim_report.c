@@ -123,10 +123,20 @@ void sim_report_loop(const app_state *app, const sim_args *args, const simulatio
         put_real(o, "peak_force_n", s->done.peak_n);
         put_real(o, "peak_axial_n", s->done.peak_axial_n);
         put_real(o, "cutting_j", s->done.energy_j);
+        char from[SIM_LIMIT_TEXT];
+        sim_force_limit_text(args, from);
+        put_real(o, "max_force_n", args->safety.max_n);
+        put_real(o, "max_torque_nm", args->safety.max_nm);
+        put_text(o, "max_force_from", args->max_force_from);
+        if (args->limits.force_n > 0)
+            put_real(o, "device_force_n", args->limits.force_n);
+        if (args->limits.continuous_n > 0)
+            put_real(o, "device_continuous_n", args->limits.continuous_n);
         put_integer(o, "contact_ticks", (int64_t)s->done.touching_ticks);
         put_integer(o, "damped_ticks", (int64_t)s->done.damped_ticks);
         say(app, "  hand force: %.2f N at most; contact force: %.0f N at most; %.1f J of cutting in %.1f s of contact",
             s->done.peak_n, s->done.peak_axial_n, s->done.energy_j, (double)s->done.touching_ticks * 1e-3);
+        say(app, "  limit of the hand force: %g N (%s)", args->safety.max_n, from);
     }
     put_integer(o, "gaps", (int64_t)s->gaps.gaps);
     put_integer(o, "dropouts", (int64_t)s->done.dropouts);

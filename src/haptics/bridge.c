@@ -350,7 +350,10 @@ ost_status bridge_run(ost_haptic *device, const bridge_options *options, bridge_
     b->clutch = haptic_clutch_make(&nowhere, 1);
     b->most_stiffness = device->driver->max_stiffness_n_m;
     ost_safety_params safety = ost_safety_defaults();
-    if (device->driver->max_force_n > 0)
+    ost_haptic_limits own;
+    if (ost_haptic_limits_get(device, &own) && ost_haptic_limits_usable(&own))
+        safety.max_n = fmin(safety.max_n, OST_HAPTIC_LIMIT_SHARE * own.force_n);
+    else if (device->driver->max_force_n > 0)
         safety.max_n = fmin(safety.max_n, device->driver->max_force_n);
     ost_safety_begin(&b->safety, &safety);
     newest_begin(&b->in);

@@ -32,6 +32,7 @@ typedef struct haptic_driver {
     ost_haptic_answer (*read)(haptic_instance *instance, ost_haptic_state *state);
     void (*write)(haptic_instance *instance, const ost_wrench *wrench); /* NULL without OST_HAPTIC_FORCE */
     void (*about)(haptic_instance *instance, char text[OST_HAPTIC_TEXT]);          /* NULL: nothing to say */
+    void (*limits)(haptic_instance *instance, ost_haptic_limits *out); /* NULL: it reports none; out is zero before */
     int (*counts)(haptic_instance *instance, ost_haptic_tally out[OST_HAPTIC_COUNTS]); /* NULL: nothing counted */
     ost_status (*run)(haptic_instance *instance, haptic_beat *beat, void *user, ost_error *err); /* with OST_HAPTIC_OWN_CLOCK alone */
 } haptic_driver;

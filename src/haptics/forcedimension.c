@@ -20,6 +20,7 @@
 typedef struct dhd_calls {
     int (*open)(void);
     int (*close)(char id);
+    int (*get_type)(char id);
     int (*get_pose)(double *x, double *y, double *z, double matrix[3][3], char id);
     int (*get_buttons)(char id);
     int (*enable_force)(unsigned char on, char id);
@@ -30,6 +31,7 @@ typedef struct dhd_calls {
 static const vendor_symbol symbols[] = {
     {"dhdOpen", offsetof(dhd_calls, open)},
     {"dhdClose", offsetof(dhd_calls, close)},
+    {"dhdGetSystemType", offsetof(dhd_calls, get_type)},
     {"dhdGetPositionAndOrientationFrame", offsetof(dhd_calls, get_pose)},
     {"dhdGetButtonMask", offsetof(dhd_calls, get_buttons)},
     {"dhdEnableForce", offsetof(dhd_calls, enable_force)},
@@ -38,6 +40,17 @@ static const vendor_symbol symbols[] = {
 };
 static const char *const names[] = {"libdhd.so.3", "libdhd.so", NULL};
 static const vendor_library library = {"OSTEON_DHD_LIBRARY", names, "Force Dimension's SDK", symbols, sizeof symbols / sizeof symbols[0]};
+
+/* The library gives a type of device and not its forces; these are from the vendors' sheets. */
+static const struct {
+    int type;
+    const char *name;
+    double force_n, torque_nm;
+} types[] = {
+    {32, "an omega", 12, 0},   {33, "an omega.3", 12, 0}, {34, "an omega.6", 12, 0}, {36, "an omega.6", 12, 0},
+    {35, "an omega.7", 12, 0}, {37, "an omega.7", 12, 0}, {63, "a delta.3", 20, 0},  {64, "a delta.6", 20, 0},
+    {60, "a Falcon", 8, 0},    {104, "a sigma.7", 12, 0.2}, {105, "a sigma.7", 12, 0.2},
+};
 
 enum { LAST_OPENED = -1, MOST_SCALE_PERCENT = 1000 };
 
@@ -117,6 +130,19 @@ static void dhd_write(haptic_instance *d, const ost_wrench *wrench)
     d->lost = d->lost || d->dhd.set_force(f[0], f[1], f[2], t[0], t[1], t[2], 0, LAST_OPENED) < 0;
 }
 
+static void dhd_limits(haptic_instance *d, ost_haptic_limits *out)
+{
+    const int type = d->dhd.get_type(LAST_OPENED);
+    out->force_n = NAN;
+    snprintf(out->from, sizeof out->from, "type %d of the SDK", type);
+    for (size_t i = 0; i < sizeof types / sizeof types[0]; i++)
+        if (types[i].type == type) {
+            out->force_n = types[i].force_n;
+            out->torque_nm = types[i].torque_nm;
+            snprintf(out->from, sizeof out->from, "%s", types[i].name);
+        }
+}
+
 const haptic_driver haptic_dhd = {
     .name = "dhd",
     .description = "Force Dimension's delta, omega, sigma and lambda, and Novint's Falcon",
@@ -129,4 +155,5 @@ const haptic_driver haptic_dhd = {
     .close = dhd_close,
     .read = dhd_read,
     .write = dhd_write,
+    .limits = dhd_limits,
 };

@@ -34,7 +34,7 @@ typedef struct hd_error {
 _Static_assert(sizeof(hd_error) == 12, "an HDErrorInfo");
 
 enum {
-    HD_BUTTONS = 0x2000, HD_TRANSFORM = 0x2052, HD_FORCE = 0x2700, HD_FORCE_OUTPUT = 0x4000,
+    HD_BUTTONS = 0x2000, HD_TRANSFORM = 0x2052, HD_MAX_FORCE = 0x2603, HD_MAX_CONTINUOUS_FORCE = 0x2604, HD_FORCE = 0x2700, HD_FORCE_OUTPUT = 0x4000,
     HD_WARM_MOTORS = 0x0200, HD_EXCEEDED_FORCE = 0x0201,
     HD_DONE = 0, HD_CONTINUE = 1, HD_PRIORITY = 32767
 };
@@ -85,6 +85,7 @@ struct haptic_instance {
     hd_calls hd;
     unsigned device;
     haptic_workspace workspace;
+    ost_haptic_limits limits;
     /* Of the vendor's thread while it runs. */
     haptic_beat *beat;
     void *user;
@@ -120,6 +121,21 @@ static ost_status take(void *user, const char *key, const char *value, ost_error
     return OST_OK;
 }
 
+/* Reads a parameter of the current device; NaN when there is none, and its error is taken from the queue. */
+static double nominal(const haptic_instance *h, unsigned what)
+{
+    double value = NAN;
+    h->hd.get_doubles(what, &value);
+    return h->hd.error().code == 0 ? value : NAN;
+}
+
+static ost_haptic_limits read_limits(const haptic_instance *h)
+{
+    const double continuous = nominal(h, HD_MAX_CONTINUOUS_FORCE);
+    return (ost_haptic_limits){
+        .force_n = nominal(h, HD_MAX_FORCE), .continuous_n = continuous > 0 ? continuous : 0, .from = "HD_NOMINAL_MAX_FORCE"};
+}
+
 static ost_status openhaptics_open(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err)
 {
     static const int axes[3] = {0, 1, 2};
@@ -145,10 +161,16 @@ static ost_status openhaptics_open(const char *options, const ost_haptic_setup *
         free(h);
         return status;
     }
+    h->limits = read_limits(h);
     h->hd.enable(HD_FORCE_OUTPUT);
     sem_init(&h->over, 0, 0);
     *out = h;
     return OST_OK;
+}
+
+static void openhaptics_limits(haptic_instance *h, ost_haptic_limits *out)
+{
+    *out = h->limits;
 }
 
 static void openhaptics_close(haptic_instance *h)
@@ -256,5 +278,6 @@ const haptic_driver haptic_openhaptics = {
     .close = openhaptics_close,
     .read = openhaptics_read,
     .write = openhaptics_write,
+    .limits = openhaptics_limits,
     .run = openhaptics_run,
 };

@@ -91,6 +91,20 @@ const char *ost_haptic_about(const ost_haptic *device, char text[OST_HAPTIC_TEXT
     return text;
 }
 
+bool ost_haptic_limits_get(const ost_haptic *device, ost_haptic_limits *out)
+{
+    *out = (ost_haptic_limits){0};
+    if (device->driver->limits)
+        device->driver->limits(device->instance, out);
+    return device->driver->limits;
+}
+
+bool ost_haptic_limits_usable(const ost_haptic_limits *l)
+{
+    /* The strongest device known gives 40 N, and none of them 2 N m. */
+    return l->force_n >= 0.1 && l->force_n <= 100 && (l->torque_nm == 0 || (l->torque_nm >= 1e-3 && l->torque_nm <= 10));
+}
+
 int ost_haptic_counts(const ost_haptic *device, ost_haptic_tally out[OST_HAPTIC_COUNTS])
 {
     return device->driver->counts ? device->driver->counts(device->instance, out) : 0;

@@ -217,6 +217,42 @@ if [ -e "$build/.libs/fake_hd.so" ] && [ -z "${OST_SAN_CFLAGS:-}" ]; then
     run 0 replay lost.session --verify --json
     check "lost, and again" "$(value complete) $(value verified_ticks)" "true $lost_ticks"
     unset FAKE_HD_FAIL_READ_AT
+    # The limit of the force: a file's before the device's own, that before the default.
+    OSTEON_DHD_LIBRARY=$build/.libs/fake_dhd.so
+    export OSTEON_DHD_LIBRARY
+    echo "max_force: 2" >two.force
+    echo "stiffness: 250" >soft.force
+    # limit DEVICE EXPECTED [FILE]: what the report and the session say of it.
+    limit() {
+        run 0 sim --headless --bone bone.nrrd --device "$1" --seconds 0.02 --idle 0 --record limit.session --json ${3:+--force-params "$3"}
+        check "limit of $1, ${FAKE_HD_MAX_FORCE-}${FAKE_DHD_TYPE-} ${3-}" "$(value max_force_n) $(value max_force_from)" "$2"
+        if grep -q "is no limit to use" err; then warned=1; else warned=0; fi
+        run 0 info limit.session --json
+        grep -q "\"force.max_force\": \"${2%% *}\"" out || fail "limit of $1 in the session: $(cat out)"
+        grep -q "\"force.max_force_from\": \"${2#* }" out || fail "where the limit of $1 is from, in the session: $(cat out)"
+    }
+    limit openhaptics "2.97 device"
+    check "no warning" $warned 0
+    limit openhaptics "2 force-params" two.force
+    limit openhaptics "2.97 device" soft.force
+    for absurd in nan 0 -3 1e6 inf; do
+        export FAKE_HD_MAX_FORCE=$absurd
+        limit openhaptics "3 default"
+        check "a warning of $absurd" $warned 1
+    done
+    unset FAKE_HD_MAX_FORCE
+    limit dhd "10.8 device"
+    FAKE_DHD_TYPE=104
+    export FAKE_DHD_TYPE
+    limit dhd "10.8 device"
+    grep -q '"force.max_torque": "0.18"' out || fail "torque of a sigma.7: $(cat out)"
+    FAKE_DHD_TYPE=63
+    limit dhd "18 device"
+    FAKE_DHD_TYPE=7
+    limit dhd "3 default"
+    check "a warning of an unknown type" $warned 1
+    unset FAKE_DHD_TYPE
+    limit sim "3 default"
 fi
 # Before anybody touches anything nothing is removed, whatever the tools; a hand begins clear of the bone.
 run 0 sim --headless --bone bone.nrrd --device null --seconds 1 --no-clock --json

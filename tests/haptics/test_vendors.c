@@ -3,7 +3,8 @@
  * Drivers of vendors' devices against libraries that stand in for the
  * vendors': what is called and in which order, frames and forces by hand, and
  * what the loop makes of a library that is absent or lacks a function, of a
- * device that is not there, goes away, gets warm, hangs or gives no number.
+ * device that is not there, goes away, gets warm, hangs or gives no number;
+ * and the limits that devices report.
  * Covers: REQ-DEVICES
  */
 #include "harness.h"
@@ -269,6 +270,73 @@ static void openhaptics_fails(void **state)
     assert_int_equal(s.ticks, 2);
 }
 
+/* ------------------------------------------------------------------ limits */
+
+static ost_haptic_limits limits_of(const char *spec)
+{
+    ost_error err = {0};
+    ost_haptic *device;
+    ost_haptic_limits limits;
+    assert_ok(ost_haptic_open(spec, NULL, &device, &err));
+    assert_true(ost_haptic_limits_get(device, &limits));
+    ost_haptic_close(device);
+    return limits;
+}
+
+static void openhaptics_reports_its_limits(void **state)
+{
+    (void)state;
+    static const struct {
+        double force, continuous;
+        bool usable;
+    } cases[] = {{3.3, 0.88, true}, {8.5, 0, true},   {0.1, 0, true}, {100, 0, true}, {0.09, 0, false},
+                 {101, 0, false},   {0, 0.88, false}, {-1, 1, false}, {NAN, NAN, false}, {INFINITY, 1, false}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        fake_note *note = take_place(HD, "fake_hd", "fake_hd");
+        note->limit = cases[i].force;
+        note->continuous = cases[i].continuous;
+        const ost_haptic_limits l = limits_of("openhaptics");
+        assert_int_equal(ost_haptic_limits_usable(&l), cases[i].usable);
+        /* A force below nothing stands for a parameter that the library does not have: its error is not the device's. */
+        if (cases[i].usable)
+            assert_true(l.force_n == cases[i].force && l.continuous_n == cases[i].continuous && l.torque_nm == 0);
+        assert_string_equal(l.from, "HD_NOMINAL_MAX_FORCE");
+    }
+    fake_note *note = take_place(HD, "fake_hd", "fake_hd");
+    note->limit = -1;
+    ost_error err = {0};
+    ost_servo_report report;
+    seen s;
+    assert_ok(run(&s, 3, &report, &err));
+    assert_int_equal(report.end, OST_SERVO_TICKS);
+}
+
+static void dhd_has_the_limits_of_its_type(void **state)
+{
+    (void)state;
+    /* DHD_DEVICE_... of the SDK, and the sheets of the vendors. */
+    static const struct {
+        int type;
+        double force, torque;
+        const char *from;
+    } cases[] = {{33, 12, 0, "an omega.3"}, {35, 12, 0, "an omega.7"}, {104, 12, 0.2, "a sigma.7"},     {63, 20, 0, "a delta.3"},
+                 {60, 8, 0, "a Falcon"},    {0, 0, 0, "type 0 of the SDK"}, {-1, 0, 0, "type -1 of the SDK"}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        take_place(DHD, "fake_dhd", "fake_dhd")->type = cases[i].type;
+        const ost_haptic_limits l = limits_of("dhd");
+        assert_int_equal(ost_haptic_limits_usable(&l), cases[i].force > 0);
+        if (cases[i].force > 0)
+            assert_true(l.force_n == cases[i].force && l.torque_nm == cases[i].torque && l.continuous_n == 0);
+        assert_string_equal(l.from, cases[i].from);
+    }
+    ost_error err = {0};
+    ost_haptic *device;
+    ost_haptic_limits l;
+    assert_ok(ost_haptic_open("null", NULL, &device, &err));
+    assert_false(ost_haptic_limits_get(device, &l));
+    ost_haptic_close(device);
+}
+
 /* ------------------------------------------------------------------- spnav */
 
 static fake_feed *feed_of(void)
@@ -396,6 +464,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(absent_and_short_libraries), cmocka_unit_test(dhd_frames_and_forces), cmocka_unit_test(dhd_turns),
         cmocka_unit_test(dhd_fails),                  cmocka_unit_test(openhaptics_frames),    cmocka_unit_test(openhaptics_fails),
+        cmocka_unit_test(openhaptics_reports_its_limits), cmocka_unit_test(dhd_has_the_limits_of_its_type),
         cmocka_unit_test(spnav_moves_while_it_is_pushed), cmocka_unit_test(spnav_only_while_held_and_lost),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

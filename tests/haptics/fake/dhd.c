@@ -1,21 +1,36 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Force Dimension's library, as far as the driver asks it.  FAKE_SHORT: without the last of its functions. */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "haptics/fake/fake.h"
 
 #define EXPORT __attribute__((visibility("default")))
 
-EXPORT fake_note fake_dhd = {.column = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+EXPORT fake_note fake_dhd = {.column = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .type = 33};
 
 EXPORT int dhdOpen(void);
 EXPORT int dhdClose(char id);
+EXPORT int dhdGetSystemType(char id);
 EXPORT int dhdGetPositionAndOrientationFrame(double *x, double *y, double *z, double matrix[3][3], char id);
 EXPORT int dhdGetButtonMask(char id);
 EXPORT int dhdEnableForce(unsigned char on, char id);
 EXPORT int dhdSetForceAndTorqueAndGripperForce(double fx, double fy, double fz, double tx, double ty, double tz, double gripper, char id);
 EXPORT const char *dhdErrorGetLastStr(void);
+
+/* For tests of the command. */
+__attribute__((constructor)) static void read_environment(void)
+{
+    const char *type = getenv("FAKE_DHD_TYPE");
+    if (type)
+        fake_dhd.type = atoi(type);
+}
+
+int dhdGetSystemType(char id)
+{
+    return id == -1 ? fake_dhd.type : -1;
+}
 
 int dhdOpen(void)
 {

@@ -17,6 +17,8 @@ typedef struct fake_note {
     double position[3];     /* in the device's own unit */
     double column[3][3];    /* of the handle's frame in the device's */
     double force[3], torque[3]; /* as given last */
+    double limit, continuous; /* N, as the library reports them */
+    int type;               /* of device, likewise */
     double most_force;      /* the greatest component ever given */
     int forces_on;
     int buttons;

@@ -9,7 +9,7 @@
 #include "haptics/fake/fake.h"
 
 #define EXPORT __attribute__((visibility("default")))
-enum { DEVICE = 7, BUTTONS = 0x2000, TRANSFORM = 0x2052, FORCE = 0x2700, FORCE_OUTPUT = 0x4000, WARM = 0x0200, COMMUNICATION = 0x0302 };
+enum { DEVICE = 7, BUTTONS = 0x2000, TRANSFORM = 0x2052, FORCE = 0x2700, FORCE_OUTPUT = 0x4000, WARM = 0x0200, MAX_FORCE = 0x2603, MAX_CONTINUOUS = 0x2604, COMMUNICATION = 0x0302 };
 
 typedef struct fake_error {
     unsigned code;
@@ -17,7 +17,7 @@ typedef struct fake_error {
     unsigned device;
 } fake_error;
 
-EXPORT fake_note fake_hd = {.column = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+EXPORT fake_note fake_hd = {.column = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .limit = 3.3, .continuous = 0.88};
 
 static unsigned (*callback)(void *);
 static void *callback_user;
@@ -41,10 +41,12 @@ EXPORT void hdUnschedule(unsigned long handle);
 EXPORT void hdStartScheduler(void);
 EXPORT void hdStopScheduler(void);
 
-/* For tests of the command: the frame from which on nothing can be read. */
+/* For tests of the command: the frame from which on nothing can be read, and the force that is reported. */
 __attribute__((constructor)) static void read_environment(void)
 {
-    const char *at = getenv("FAKE_HD_FAIL_READ_AT");
+    const char *at = getenv("FAKE_HD_FAIL_READ_AT"), *limit = getenv("FAKE_HD_MAX_FORCE");
+    if (limit)
+        fake_hd.limit = strtod(limit, NULL);
     if (at)
         fake_hd.fail_read_at = atoi(at);
 }
@@ -69,6 +71,11 @@ void hdEnable(unsigned what) { fake_hd.forces_on = what == FORCE_OUTPUT; }
 
 void hdGetDoublev(unsigned what, double *values)
 {
+    if (what == MAX_FORCE || what == MAX_CONTINUOUS) {
+        *values = what == MAX_FORCE ? fake_hd.limit : fake_hd.continuous;
+        if (*values < 0)
+            pending = COMMUNICATION;
+    }
     if (what != TRANSFORM)
         return;
     memset(values, 0, 16 * sizeof *values);
