@@ -4,16 +4,18 @@
  * vendors': what is called and in which order, frames and forces by hand, and
  * what the loop makes of a library that is absent or lacks a function, of a
  * device that is not there, goes away, gets warm, hangs or gives no number;
- * and the limits that devices report.
- * Covers: REQ-DEVICES
+ * the limits that devices report; and an operation whose motor and tools a
+ * device's buttons switch.
+ * Covers: AR-MOTOR-5, REQ-DEVICES
  */
-#include "harness.h"
+#include "ref/scene.h"
 
 #include <dlfcn.h>
 #include <math.h>
 #include <unistd.h>
 
 #include <osteon/haptics.h>
+#include <osteon/operation.h>
 
 #include "haptics/fake/fake.h"
 
@@ -337,6 +339,108 @@ static void dhd_has_the_limits_of_its_type(void **state)
     ost_haptic_close(device);
 }
 
+/* ----------------------------------------------------------- an operation */
+
+enum { MOTOR_FROM = 80, MOTOR_TO = 110, TOOL_FROM = 130, TOOL_TO = 140, SECOND_FROM = 150, SECOND_TO = 180, TICKS = 200 };
+
+typedef struct course {
+    ost_operation *operation;
+    ost_live *live;
+    ost_world *world;
+    fake_note *note;
+    double *along, step; /* the coordinate of the device that is the bone's x, and 0.1 mm of it */
+    int tick;
+    uint64_t removed[TICKS];
+    ost_live_state seen[TICKS];
+} course;
+
+static int held_at(int tick)
+{
+    const bool motor = (tick >= MOTOR_FROM && tick < MOTOR_TO) || (tick >= SECOND_FROM && tick < SECOND_TO);
+    return motor ? 1 : tick >= TOOL_FROM && tick < TOOL_TO ? 2 : 0;
+}
+
+/* Ticks of a millisecond each, however late the machine is; then the hand of the next one. */
+static bool follow_course(void *user, const ost_servo_sample *sample, ost_wrench *wrench)
+{
+    course *c = user;
+    ost_servo_sample s = *sample;
+    ost_world_totals totals;
+    s.number = (uint64_t)c->tick;
+    s.t_ns = c->tick * INT64_C(1000000);
+    if (!ost_operation_tick(c->operation, &s, wrench))
+        return false;
+    ost_operation_done(c->operation, s.number, 0);
+    ost_world_totals_get(c->world, &totals);
+    c->removed[c->tick] = totals.removed_voxels;
+    ost_live_state_get(c->live, &c->seen[c->tick]);
+    c->tick++;
+    *c->along += c->step;
+    c->note->buttons = held_at(c->tick);
+    return c->tick < TICKS;
+}
+
+/* Through 40 mm of bone along x: with the motor off, on, off, the next tool, and on again, by the device's own buttons. */
+static void operate_by_buttons(const char *name, fake_note *note, double *along, double step)
+{
+    static course c;
+    ost_error err = {0};
+    ost_backend *backend;
+    ost_haptic_info info;
+    ost_haptic *device;
+    ost_servo_report report;
+    ost_operation_options options = {.rpm = 200, .tools = 2, .motor_waits = true};
+    const ost_geometry g = cubic_geometry(40, 20, 20, MM, (ost_pm3){0, 0, 0});
+    c = (course){.note = note, .along = along, .step = step};
+    assert_ok(ost_backend_open("ref", &backend, &err));
+    int16_t *full = malloc(voxel_count(&g) * sizeof *full);
+    assert_non_null(full);
+    for (size_t i = 0; i < voxel_count(&g); i++)
+        full[i] = 500;
+    ost_bone *bone = bone_of(backend, &g, 16, full);
+    free(full);
+    ost_tool *tool = solid_tool(backend, (ost_tool_geometry){{4, 4, 12}, 500 * UM, {-MM, -MM, 0}}, OST_TOOL_CUTTING);
+    assert_ok(ost_world_create(bone, NULL, &c.world, &err));
+    assert_ok(ost_world_add_tool(c.world, "peg", tool, NULL, &err));
+    assert_ok(ost_world_add_tool(c.world, "another", tool, NULL, &err));
+    assert_ok(ost_live_create(bone, &c.live, &err));
+    assert_ok(ost_haptic_describe(index_of(name), &info, &err));
+    assert_ok(ost_buttons_parse(&info, NULL, options.buttons, &err));
+    options.live = c.live;
+    assert_ok(ost_operation_create(c.world, &options, &c.operation, &err));
+    const ost_haptic_setup setup = {.start = {.t = {-5 * MM, 10 * MM, 5 * MM}, .qw = OST_Q30_ONE}};
+    assert_ok(ost_haptic_open(name, &setup, &device, &err));
+    const ost_servo_options how = {.no_realtime = true};
+    assert_ok(ost_servo_run(device, &how, follow_course, NULL, &c, &report, &err));
+    ost_haptic_close(device);
+    assert_int_equal(c.tick, TICKS);
+    for (int i = 0; i < TICKS; i++) {
+        assert_int_equal(c.seen[i].fault, OST_FAULT_NONE);
+        assert_int_equal(c.seen[i].rpm, held_at(i) == 1 ? 200 : 0);
+        assert_int_equal(c.seen[i].tool, i >= TOOL_FROM);
+    }
+    assert_int_equal(c.removed[MOTOR_FROM - 1], 0); /* 3 mm deep in bone by then */
+    assert_true(c.removed[MOTOR_TO - 1] > 10);
+    assert_int_equal(c.removed[SECOND_FROM - 1], c.removed[MOTOR_TO - 1]);
+    assert_true(c.removed[SECOND_TO - 1] > c.removed[MOTOR_TO - 1] + 10);
+    assert_int_equal(c.removed[TICKS - 1], c.removed[SECOND_TO - 1]);
+    ost_operation_free(c.operation);
+    ost_live_free(c.live);
+    ost_world_free(c.world);
+    ost_tool_free(tool);
+    ost_bone_free(bone);
+    ost_backend_close(backend);
+}
+
+static void buttons_of_devices_switch_motor_and_tool(void **state)
+{
+    (void)state;
+    fake_note *note = take_place(HD, "fake_hd", "fake_hd");
+    operate_by_buttons("openhaptics", note, &note->position[0], 0.1); /* mm to the right: the tool's x */
+    note = take_place(DHD, "fake_dhd", "fake_dhd");
+    operate_by_buttons("dhd", note, &note->position[1], 1e-4); /* m, likewise */
+}
+
 /* ------------------------------------------------------------------- spnav */
 
 static fake_feed *feed_of(void)
@@ -465,6 +569,7 @@ int main(void)
         cmocka_unit_test(absent_and_short_libraries), cmocka_unit_test(dhd_frames_and_forces), cmocka_unit_test(dhd_turns),
         cmocka_unit_test(dhd_fails),                  cmocka_unit_test(openhaptics_frames),    cmocka_unit_test(openhaptics_fails),
         cmocka_unit_test(openhaptics_reports_its_limits), cmocka_unit_test(dhd_has_the_limits_of_its_type),
+        cmocka_unit_test(buttons_of_devices_switch_motor_and_tool),
         cmocka_unit_test(spnav_moves_while_it_is_pushed), cmocka_unit_test(spnav_only_while_held_and_lost),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
