@@ -14,6 +14,7 @@
 #include "app/options.h"
 #include "app/result.h"
 #include "app/say.h"
+#include "io/outfile.h"
 #include "io/thread.h"
 #include "render/png.h"
 #include "render/points/frame.h"
@@ -77,16 +78,14 @@ static void write_still(film *f, const job *j)
     size_t size = 0;
     ost_error err = {0};
     char name[64] = "", text[FILM_TEXT];
-    int error = EEXIST;
-    if (encode(j, OST_PNG_SMALL, &bytes, &size, &err) == OST_OK) {
-        while (error == EEXIST && f->stills < STILLS) {
+    bool taken = true;
+    ost_status status = encode(j, OST_PNG_SMALL, &bytes, &size, &err);
+    if (status == OST_OK)
+        do {
             snprintf(name, sizeof name, "osteon-%03d.png", ++f->stills);
-            error = film_put_new(name, bytes, size);
-        }
-        if (error)
-            ost_fail(&err, OST_ERR_IO, "%s: %s", name, strerror(error));
-    }
-    snprintf(text, sizeof text, err.text[0] ? "no picture: %.150s" : "saved: %.150s", err.text[0] ? err.text : name);
+            status = ost_outfile_put_new(name, bytes, size, &taken, &err);
+        } while (taken && f->stills < STILLS);
+    snprintf(text, sizeof text, status != OST_OK ? "no picture: %.150s" : "saved: %.150s", status != OST_OK ? err.text : name);
     tell(f, text);
     free(bytes);
 }

@@ -3,24 +3,23 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <inttypes.h>
 #include <signal.h>
 #include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/random.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "core/printable.h"
 #include "io/outfile.h"
 #include "render/png.h"
 #include "render/points/frame.h"
 
 extern char **environ;
 
-enum { NAME = 4096 };
+enum { NAME = 4096, LINE = 300, ENCODER_FD = 3 };
 
 struct film_file {
     char *target;        /* owned; NULL: a command's */
@@ -31,10 +30,10 @@ struct film_file {
     uint8_t *bytes;      /* owned; of the last frame, as it is written */
     size_t size;
     uint64_t frames;
-    ost_outfile *y4m;    /* owned; NULL: not that */
+    ost_outfile *out;    /* owned; the .y4m, or the file that ffmpeg writes; NULL: neither */
     int pipe;            /* -1: none */
     pid_t encoder;
-    char *part;          /* owned; the encoder's file, until it is whole */
+    FILE *messages;      /* owned; ffmpeg's standard error; NULL: ours */
 };
 
 /* ------------------------------------------------------------------ names */
@@ -58,23 +57,6 @@ static int write_all(int fd, const void *bytes, size_t size)
         size -= (size_t)n;
     }
     return 0;
-}
-
-int film_put_new(const char *name, const void *bytes, size_t size)
-{
-    char part[NAME + 32];
-    if (snprintf(part, sizeof part, "%s.%ld.part", name, (long)getpid()) >= (int)sizeof part)
-        return ENAMETOOLONG;
-    const int fd = open(part, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (fd < 0)
-        return errno;
-    int error = write_all(fd, bytes, size);
-    if (close(fd) != 0 && !error)
-        error = errno;
-    if (!error && link(part, name) != 0)
-        error = errno;
-    unlink(part);
-    return error;
 }
 
 /* --------------------------------------------------------------- programs */
@@ -105,7 +87,11 @@ static ost_status start(film_file *f, const char **argv, ost_error *err)
         return ost_fail(err, OST_ERR_IO, "no pipe for a video: %s", strerror(errno));
     posix_spawn_file_actions_init(&files);
     posix_spawn_file_actions_adddup2(&files, ends_of[0], STDIN_FILENO);
+    if (f->messages)
+        posix_spawn_file_actions_adddup2(&files, fileno(f->messages), STDERR_FILENO);
     posix_spawn_file_actions_adddup2(&files, STDERR_FILENO, STDOUT_FILENO); /* standard output is for --json */
+    if (f->out)
+        posix_spawn_file_actions_adddup2(&files, ost_outfile_descriptor(f->out), ENCODER_FD);
     posix_spawnattr_init(&how);
     sigemptyset(&none);
     sigemptyset(&usual);
@@ -126,38 +112,35 @@ static ost_status start(film_file *f, const char **argv, ost_error *err)
     return ost_fail(err, OST_ERR_UNAVAILABLE, "%s: %s", argv[0], strerror(error));
 }
 
-static ost_status start_ffmpeg(film_file *f, ost_error *err)
+/*
+ * ffmpeg writes through a descriptor that is open already, so no link can come between; it seeks in it as it must for
+ * .mp4.  What it reports is read when it fails: it may hold the bytes of any file name.
+ */
+static ost_status start_ffmpeg(film_file *f, const char *format, ost_error *err)
 {
     static const char *const x264[] = {"-c:v", "libx264", "-preset", "veryfast", "-crf", "18", NULL};
     static const char *const vp9[] = {"-c:v", "libvpx-vp9", "-deadline", "realtime", "-cpu-used", "7", "-crf", "24", "-b:v", "0", NULL};
     /* Colours and even sides that every player takes. */
-    char program[NAME];
+    char program[NAME], place[32];
     const char *argv[40] = {program, "-hide_banner", "-loglevel", "error", "-f", "yuv4mpegpipe", "-i", "-", "-vf", "crop=trunc(iw/2)*2:trunc(ih/2)*2,format=yuv420p", "-colorspace", "bt709",
                       "-color_primaries", "bt709", "-color_trc", "bt709"};
     int count = 16;
-    const char *slash = strrchr(f->target, '/'), *dot = strrchr(f->target, '.');
     if (!find_program("ffmpeg", program))
         return ost_fail(err, OST_ERR_UNAVAILABLE, "%s: no ffmpeg in PATH to make it; Debian: install ffmpeg, or name a folder or a .y4m instead", f->target);
-    f->part = malloc(strlen(f->target) + 64);
-    if (!f->part)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a video");
-    uint64_t random[2];
-    if (getrandom(random, sizeof random, 0) != (ssize_t)sizeof random)
-        return ost_fail(err, OST_ERR_IO, "no random name for a video: %s", strerror(errno));
-    snprintf(f->part, strlen(f->target) + 64, "%.*s.osteon-%016" PRIx64 "%016" PRIx64 ".part%s", slash ? (int)(slash - f->target) + 1 : 0, f->target, random[0],
-             random[1], dot);
-    /* The file exists before ffmpeg opens it, and no link stands in its place. */
-    const int fd = open(f->part, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
-    if (fd < 0) {
-        free(f->part);
-        f->part = NULL;
-        return ost_fail(err, OST_ERR_IO, "%s: cannot be written: %s", f->target, strerror(errno));
-    }
-    close(fd);
-    for (const char *const *more = ends(f->target, ".webm") ? vp9 : x264; *more; more++)
+    ost_status status = ost_outfile_open(f->target, &f->out, err);
+    if (status != OST_OK)
+        return status;
+    f->messages = tmpfile();
+    if (!f->messages)
+        return ost_fail(err, OST_ERR_IO, "no temporary file for the messages of %s: %s", program, strerror(errno));
+    fcntl(fileno(f->messages), F_SETFD, FD_CLOEXEC);
+    for (const char *const *more = strcmp(format, "webm") == 0 ? vp9 : x264; *more; more++)
         argv[count++] = *more;
-    argv[count++] = "-y";
-    argv[count++] = f->part;
+    snprintf(place, sizeof place, "/dev/fd/%d", ENCODER_FD);
+    argv[count++] = "-f";
+    argv[count++] = format;
+    argv[count++] = "-y"; /* the file is there already */
+    argv[count++] = place;
     return start(f, argv, err);
 }
 
@@ -167,9 +150,34 @@ static ost_status start_shell(film_file *f, const char *command, ost_error *err)
     return start(f, argv, err);
 }
 
+/* Returns the last line that ffmpeg wrote on its standard error, printable, behind a colon; "" without one. */
+static const char *last_message(film_file *f, char text[LINE])
+{
+    char bytes[LINE - 2];
+    text[0] = '\0';
+    if (!f->messages)
+        return text;
+    const int fd = fileno(f->messages);
+    const off_t end = lseek(fd, 0, SEEK_END), from = end > (off_t)sizeof bytes - 1 ? end - (off_t)sizeof bytes + 1 : 0;
+    ssize_t n = pread(fd, bytes, sizeof bytes - 1, from);
+    while (n > 0 && (bytes[n - 1] == '\n' || bytes[n - 1] == '\r'))
+        n--;
+    if (n <= 0)
+        return text;
+    for (ssize_t i = 0; i < n; i++)
+        if (bytes[i] == '\0')
+            bytes[i] = '?';
+    bytes[n] = '\0';
+    const char *line = strrchr(bytes, '\n');
+    snprintf(text, LINE, ": %s", line ? line + 1 : bytes);
+    ost_make_printable(text);
+    return text;
+}
+
 static ost_status finish(film_file *f, ost_error *err)
 {
     int how = 0;
+    char last[LINE];
     if (f->pipe >= 0)
         close(f->pipe);
     f->pipe = -1;
@@ -180,8 +188,8 @@ static ost_status finish(film_file *f, ost_error *err)
     f->encoder = 0;
     if (WIFEXITED(how) && WEXITSTATUS(how) == 0)
         return OST_OK;
-    return ost_fail(err, OST_ERR_IO, "the video's encoder ended with %s %d", WIFSIGNALED(how) ? "signal" : "status",
-                    WIFSIGNALED(how) ? WTERMSIG(how) : WEXITSTATUS(how));
+    return ost_fail(err, OST_ERR_IO, "the video's encoder ended with %s %d%s", WIFSIGNALED(how) ? "signal" : "status",
+                    WIFSIGNALED(how) ? WTERMSIG(how) : WEXITSTATUS(how), last_message(f, last));
 }
 
 /* ------------------------------------------------------------------- open */
@@ -202,6 +210,16 @@ static ost_status open_folder(film_file *f, ost_error *err)
     return OST_OK;
 }
 
+/* Returns the name that ffmpeg has for the format of a file, by the end of its name; NULL: ffmpeg does not make it. */
+static const char *ffmpeg_format(const char *target)
+{
+    static const char *const known[][2] = {{".mp4", "mp4"}, {".mkv", "matroska"}, {".mov", "mov"}, {".webm", "webm"}};
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++)
+        if (ends(target, known[i][0]))
+            return known[i][1];
+    return NULL;
+}
+
 ost_status film_file_open(const char *target, const char *command, int fps, film_file **out, ost_error *err)
 {
     *out = NULL;
@@ -211,14 +229,15 @@ ost_status film_file_open(const char *target, const char *command, int fps, film
     f->fps = fps;
     f->pipe = -1;
     ost_status status = OST_OK;
+    const char *format = target ? ffmpeg_format(target) : NULL;
     if (target && !(f->target = strdup(target)))
         status = ost_fail(err, OST_ERR_MEMORY, "no memory for a video");
     else if (command)
         status = start_shell(f, command, err);
     else if (ends(target, ".y4m"))
-        status = ost_outfile_open(target, &f->y4m, err);
-    else if (ends(target, ".mp4") || ends(target, ".mkv") || ends(target, ".mov") || ends(target, ".webm"))
-        status = start_ffmpeg(f, err);
+        status = ost_outfile_open(target, &f->out, err);
+    else if (format)
+        status = start_ffmpeg(f, format, err);
     else
         status = open_folder(f, err);
     if (status != OST_OK) {
@@ -260,17 +279,21 @@ static void to_yuv(const uint32_t *pixels, size_t count, uint8_t *y, uint8_t *cb
     }
 }
 
-static ost_status broken(const film_file *f, int error, ost_error *err)
+static ost_status broken(film_file *f, int error, ost_error *err)
 {
-    if (error == EPIPE)
-        return ost_fail(err, OST_ERR_IO, "the video's encoder ended before the video did");
+    char last[LINE];
+    if (error == EPIPE) {
+        if (f->messages)
+            finish(f, NULL); /* its messages are complete when it has ended */
+        return ost_fail(err, OST_ERR_IO, "the video's encoder ended before the video did%s", last_message(f, last));
+    }
     return ost_fail(err, OST_ERR_IO, "%s: the video cannot be written: %s", f->target ? f->target : "the pipe", strerror(error));
 }
 
 static ost_status put(film_file *f, const void *bytes, size_t size, ost_error *err)
 {
-    if (f->y4m)
-        return ost_outfile_write(f->y4m, bytes, size, err);
+    if (f->out && !f->messages)
+        return ost_outfile_write(f->out, bytes, size, err);
     const int error = write_all(f->pipe, bytes, size);
     return error ? broken(f, error, err) : OST_OK;
 }
@@ -284,8 +307,8 @@ static ost_status write_last(film_file *f, ost_error *err)
     }
     char name[NAME];
     snprintf(name, sizeof name, "%s/frame-%06llu.png", f->target, (unsigned long long)f->frames);
-    const int error = film_put_new(name, f->bytes, f->size);
-    return error ? ost_fail(err, OST_ERR_IO, "%s: %s", name, strerror(error)) : OST_OK;
+    bool taken;
+    return ost_outfile_put_new(name, f->bytes, f->size, &taken, err);
 }
 
 static ost_status begin(film_file *f, int width, int height, ost_error *err)
@@ -352,17 +375,12 @@ ost_status film_file_close(film_file *f, ost_error *err)
     if (!f)
         return OST_OK;
     ost_status status = finish(f, err);
-    if (f->y4m) {
-        if (err && f->frames)
-            status = ost_outfile_commit(f->y4m, err);
-        else
-            ost_outfile_discard(f->y4m);
-    }
-    if (f->part && err && status == OST_OK && f->frames && rename(f->part, f->target) != 0)
-        status = broken(f, errno, err);
-    if (f->part)
-        unlink(f->part);
-    free(f->part);
+    if (err && status == OST_OK && f->out && f->frames)
+        status = ost_outfile_commit(f->out, err);
+    else
+        ost_outfile_discard(f->out);
+    if (f->messages)
+        fclose(f->messages);
     free(f->target);
     free(f->fitted);
     free(f->bytes);

@@ -16,7 +16,4 @@ ost_status film_file_again(film_file *file, ost_error *err);
 /* Frees it in any case; NULL is allowed. err NULL: it failed before, and no file is to be left. */
 ost_status film_file_close(film_file *file, ost_error *err);
 
-/* Bytes under a name that is free, whole or not at all. 0, or an errno: EEXIST when it is not. */
-int film_put_new(const char *name, const void *bytes, size_t size);
-
 #endif

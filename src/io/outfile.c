@@ -3,12 +3,14 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <inttypes.h>
 #include <limits.h>
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -25,7 +27,6 @@ static struct {
     int folder;
     char name[NAME_BYTES];
 } slots[SLOTS];
-static atomic_uint name_counter;
 
 bool ost_outfile_named_only;
 
@@ -46,15 +47,18 @@ struct ost_outfile {
 
 /* ------------------------------------------------------------ hidden names */
 
-/* Lists a fresh name in a slot; -1 when all are in use. */
+/* Lists a random name in a slot; -1 and errno when all are in use or the system has no random numbers. */
 static int slot_take(int folder)
 {
+    uint64_t random[2];
+    if (getrandom(random, sizeof random, 0) != (ssize_t)sizeof random)
+        return -1;
     for (int i = 0; i < SLOTS; i++) {
         int expected = SLOT_FREE;
         if (!atomic_compare_exchange_strong(&slots[i].state, &expected, SLOT_TAKEN))
             continue;
         slots[i].folder = folder;
-        snprintf(slots[i].name, sizeof slots[i].name, ".osteon-%ld-%u.part", (long)getpid(), atomic_fetch_add(&name_counter, 1));
+        snprintf(slots[i].name, sizeof slots[i].name, ".osteon-%016" PRIx64 "%016" PRIx64 ".part", random[0], random[1]);
         atomic_store(&slots[i].state, SLOT_LISTED);
         return i;
     }
@@ -84,7 +88,7 @@ static int open_hidden(ost_outfile *file)
         file->slot = slot_take(file->folder);
         if (file->slot < 0)
             return -1;
-        int fd = openat(file->folder, slots[file->slot].name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        int fd = openat(file->folder, slots[file->slot].name, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
         if (fd >= 0)
             return fd;
         slot_drop(file->slot);
@@ -144,18 +148,9 @@ static ost_status open_in_place(ost_outfile *file, ost_error *err)
     return file->fd < 0 ? cannot_write(file, errno, err) : OST_OK;
 }
 
-static ost_status open_beside(ost_outfile *file, ost_error *err)
+/* Opens the part in the folder of the target. */
+static ost_status open_in_folder(ost_outfile *file, ost_error *err)
 {
-    struct stat st;
-    if (lstat(file->path, &st) == 0 && S_ISLNK(st.st_mode)) {
-        file->target = realpath(file->path, NULL);
-        if (!file->target)
-            return ost_fail(err, OST_ERR_IO, "%s: is a symbolic link that leads nowhere (%s)", file->path, strerror(errno));
-    } else {
-        file->target = strdup(file->path);
-        if (!file->target)
-            return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a file name", file->path);
-    }
     char *slash = strrchr(file->target, '/');
     file->base = slash ? slash + 1 : file->target;
     if (!*file->base)
@@ -179,7 +174,26 @@ static ost_status open_beside(ost_outfile *file, ost_error *err)
     return file->fd < 0 ? cannot_write(file, errno, err) : OST_OK;
 }
 
-ost_status ost_outfile_open(const char *path, ost_outfile **out, ost_error *err)
+static ost_status no_name(const char *path, ost_error *err)
+{
+    return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a file name", path);
+}
+
+static ost_status open_beside(ost_outfile *file, ost_error *err)
+{
+    struct stat st;
+    if (lstat(file->path, &st) == 0 && S_ISLNK(st.st_mode)) {
+        file->target = realpath(file->path, NULL);
+        if (!file->target)
+            return ost_fail(err, OST_ERR_IO, "%s: is a symbolic link that leads nowhere (%s)", file->path, strerror(errno));
+    } else {
+        file->target = strdup(file->path);
+    }
+    return file->target ? open_in_folder(file, err) : no_name(file->path, err);
+}
+
+/* Allocates a file that is not open yet. */
+static ost_status allocate(const char *path, ost_outfile **out, ost_error *err)
 {
     *out = NULL;
     if (!*path)
@@ -195,12 +209,23 @@ ost_status ost_outfile_open(const char *path, ost_outfile **out, ost_error *err)
     file->size = file->flushed = 0;
     file->used = 0;
     file->path = strdup(path);
-
-    ost_status status = OST_OK;
-    struct stat st;
     if (!file->path) {
-        status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a file name", path);
-    } else if ((file->fd = standard_stream(path)) >= 0) {
+        ost_outfile_discard(file);
+        return no_name(path, err);
+    }
+    *out = file;
+    return OST_OK;
+}
+
+ost_status ost_outfile_open(const char *path, ost_outfile **out, ost_error *err)
+{
+    ost_outfile *file;
+    *out = NULL;
+    ost_status status = allocate(path, &file, err);
+    if (status != OST_OK)
+        return status;
+    struct stat st;
+    if ((file->fd = standard_stream(path)) >= 0) {
         ;
     } else if (stat(path, &st) != 0) {
         /* A name too long for the file system would only be met at the end. */
@@ -309,6 +334,11 @@ const char *ost_outfile_path(const ost_outfile *file)
     return file->path;
 }
 
+int ost_outfile_descriptor(const ost_outfile *file)
+{
+    return file->fd;
+}
+
 /* -------------------------------------------------------------------- end */
 
 /* Gives the unnamed file its name: at once when it is free, else through a hidden name. */
@@ -379,4 +409,29 @@ void ost_outfile_discard(ost_outfile *file)
     free(file->target);
     free(file->path);
     free(file);
+}
+
+ost_status ost_outfile_put_new(const char *path, const void *bytes, size_t size, bool *taken, ost_error *err)
+{
+    ost_outfile *file;
+    *taken = false;
+    ost_status status = allocate(path, &file, err);
+    if (status != OST_OK)
+        return status;
+    file->target = strdup(path);
+    status = file->target ? open_in_folder(file, err) : no_name(path, err);
+    if (status == OST_OK)
+        status = write_all(file, bytes, size, err);
+    if (status == OST_OK) {
+        char proc[NAME_BYTES];
+        proc_path(file->fd, proc);
+        const int linked = file->slot < 0 ? linkat(AT_FDCWD, proc, file->folder, file->base, AT_SYMLINK_FOLLOW)
+                                          : linkat(file->folder, slots[file->slot].name, file->folder, file->base, 0);
+        if (linked != 0) {
+            *taken = errno == EEXIST;
+            status = ost_fail(err, OST_ERR_IO, "%s: %s", path, strerror(errno));
+        }
+    }
+    ost_outfile_discard(file);
+    return status;
 }

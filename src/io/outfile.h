@@ -3,7 +3,7 @@
  * The output file that every writer uses: whole under its name, or not there.
  *
  *   open    an unnamed file in the target's folder (O_TMPFILE), or, where the
- *           file system has none, a hidden one: .osteon-PID-N.part
+ *           file system has none, a hidden one with a random name: .osteon-*.part
  *   write   buffered; every error is checked and says how far it came
  *   commit  flush, fsync, then the name: linkat when the name is free, else
  *           a link under a hidden name and rename over the old file
@@ -56,10 +56,22 @@ uint64_t ost_outfile_size(const ost_outfile *file);
 /* The name as the caller gave it, for messages. */
 const char *ost_outfile_path(const ost_outfile *file);
 
+/*
+ * Returns the descriptor, for a program that writes the file in our place, as /dev/fd/N: it then needs no name that
+ * another user could replace.  The outfile still owns it; nothing is given to write then.
+ */
+int ost_outfile_descriptor(const ost_outfile *file);
+
 /* Ends the file in any case and frees it: whole under its name, or an error and nothing left. */
 ost_status ost_outfile_commit(ost_outfile *file, ost_error *err);
 /* Leaves nothing and frees it; NULL is allowed. */
 void ost_outfile_discard(ost_outfile *file);
+
+/*
+ * Writes a file under a name that is free, complete or not at all, and does not sync it.  Sets *taken when the name is
+ * not free; a link of that name is not followed.
+ */
+ost_status ost_outfile_put_new(const char *path, const void *bytes, size_t size, bool *taken, ost_error *err);
 
 /* Unlinks the hidden names of all files that are open now. Async-signal-safe; for a handler that ends the process. */
 void ost_outfile_unlink_pending(void);

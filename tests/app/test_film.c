@@ -3,7 +3,7 @@
  * Pictures and videos that are written beside a loop: by the clock, the last
  * frame again where there was none; left out and counted where the writer is
  * slow; whole under names that were free, or not there.
- * Covers: REQ-FILM
+ * Covers: REQ-FILM, REQ-PART-FILES
  */
 #include <dirent.h>
 #include <fcntl.h>
@@ -12,13 +12,16 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
 #include <osteon/picture.h>
 
 #include "app/film.h"
+#include "app/film_file.h"
 #include "harness.h"
+#include "io/outfile.h"
 
 enum { WIDTH = 7, HEIGHT = 5 };
 static char folder[] = "/tmp/osteon-film-XXXXXX";
@@ -179,6 +182,16 @@ static void a_folder_of_pictures(void **state)
     assert_int_equal(film_open(&again, &f, &err), OST_ERR_USAGE);
 }
 
+/* Makes a program ffmpeg in this folder: a shell script in which $last is the last argument. */
+static void stub_encoder(const char *script)
+{
+    FILE *out = fopen("ffmpeg", "w");
+    assert_non_null(out);
+    fprintf(out, "#!/bin/sh\nPATH=/usr/bin:/bin\nfor last; do :; done\n%s\n", script);
+    fclose(out);
+    assert_int_equal(chmod("ffmpeg", 0755), 0);
+}
+
 /* A folder that fills up while it goes on, here by a name that is taken. */
 static void a_failure_is_said_and_ends_it(void **state)
 {
@@ -222,31 +235,12 @@ static void a_failure_is_said_and_ends_it(void **state)
     setenv("PATH", "folder:", 1);
     assert_int_equal(film_open(&none, &f, &err), OST_ERR_UNAVAILABLE);
     /* One that answers to the name: its file has its own when it is whole. */
-    out = fopen("ffmpeg", "w");
-    assert_non_null(out);
-    fputs("#!/bin/sh\nPATH=/usr/bin:/bin\nfor last; do :; done\ncat >\"$last\"\nexit ${FILM_FAILS:-0}\n", out);
-    fclose(out);
-    assert_int_equal(chmod("ffmpeg", 0755), 0);
+    stub_encoder("cat >\"$last\"; printf 'first\\n\\033]0;title\\007/a/path: bad\\n' >&2; exit ${FILM_FAILS:-0}");
     setenv("PATH", folder, 1);
     f = made(none);
     show(f, 0, 10);
     assert_ok(film_close(f, 0, NULL, &err));
     assert_int_equal(access("v.mp4", F_OK), 0);
-    /* A link that waits under a name that can be guessed is not written through. */
-    char guessed[64];
-    snprintf(guessed, sizeof guessed, ".osteon-%ld.part.mp4", (long)getpid());
-    out = fopen("victim", "w");
-    assert_non_null(out);
-    fclose(out);
-    assert_int_equal(symlink("victim", guessed), 0);
-    assert_int_equal(unlink("v.mp4"), 0);
-    f = made(none);
-    show(f, 0, 10);
-    assert_ok(film_close(f, 0, NULL, &err));
-    struct stat of_victim;
-    assert_int_equal(stat("victim", &of_victim), 0);
-    assert_int_equal(of_victim.st_size, 0);
-    assert_int_equal(unlink(guessed), 0);
     setenv("FILM_FAILS", "1", 1);
     none.target = "w.mkv";
     f = made(none);
@@ -254,6 +248,101 @@ static void a_failure_is_said_and_ends_it(void **state)
     assert_int_equal(film_close(f, 0, NULL, &err), OST_ERR_IO);
     assert_int_equal(access("w.mkv", F_OK), -1);
     assert_int_equal(files_that_contain(".", "part"), 0);
+    /* The last line that the encoder wrote is part of the message, without its escape sequence. */
+    assert_non_null(strstr(err.text, "status 1: ?]0;title?/a/path: bad"));
+    stub_encoder("echo 'no such codec' >&2; exit 1");
+    f = made(none);
+    for (int i = 0; i < 4000; i++)
+        show(f, 0.1 * i, 10);
+    assert_int_equal(film_close(f, 0, NULL, &err), OST_ERR_IO);
+    assert_non_null(strstr(err.text, "no such codec"));
+    unsetenv("FILM_FAILS");
+    setenv("PATH", path, 1);
+    free(path);
+}
+
+/* Replaces the unfinished files of this folder by links to the file victim, as another user of the folder may. */
+static void plant_links(void)
+{
+    DIR *d = opendir(".");
+    assert_non_null(d);
+    for (struct dirent *e; (e = readdir(d)) != NULL;)
+        if (strstr(e->d_name, ".part")) {
+            assert_int_equal(unlink(e->d_name), 0);
+            assert_int_equal(symlink("victim", e->d_name), 0);
+        }
+    closedir(d);
+}
+
+/* The encoder writes into the file that was opened for it, not into what has its name later. */
+static void an_encoder_follows_no_link(void **state)
+{
+    ost_error err = {0};
+    struct stat victim;
+    (void)state;
+    char *path = strdup(getenv("PATH"));
+    assert_int_equal(close(open("victim", O_WRONLY | O_CREAT, 0666)), 0);
+    assert_int_equal(mkfifo("open-it", 0600), 0);
+    stub_encoder("read go <open-it; cat >\"$last\"");
+    setenv("PATH", folder, 1);
+    for (int named = 0; named < 2; named++) {
+        ost_outfile_named_only = named;
+        film *f = made((film_options){.target = "linked.mp4", .fps = 10});
+        plant_links();
+        const int gate = open("open-it", O_WRONLY);
+        assert_true(gate >= 0);
+        assert_int_equal(write(gate, "go\n", 3), 3);
+        close(gate);
+        show(f, 0, 10);
+        assert_ok(film_close(f, 0, NULL, &err));
+        assert_int_equal(stat("victim", &victim), 0);
+        assert_int_equal(victim.st_size, 0);
+        unlink("linked.mp4");
+    }
+    ost_outfile_named_only = false;
+    setenv("PATH", path, 1);
+    free(path);
+}
+
+static void on_term(int number)
+{
+    ost_outfile_unlink_pending(); /* as src/app/main.c does */
+    _exit(128 + number);
+}
+
+/* A signal leaves no unfinished file, neither at once nor when the encoder ends. */
+static void a_signal_leaves_no_part(void **state)
+{
+    (void)state;
+    static char *path; /* static, as f: what a child that is killed can reach is no leak to valgrind */
+    path = strdup(getenv("PATH"));
+    stub_encoder("cat >\"$last\"");
+    setenv("PATH", folder, 1);
+    for (int named = 0; named < 2; named++) {
+        int tells[2], ended;
+        char byte;
+        assert_int_equal(pipe(tells), 0);
+        const pid_t child = fork();
+        assert_true(child >= 0);
+        if (child == 0) {
+            static film_file *f;
+            ost_outfile_named_only = named;
+            signal(SIGTERM, on_term);
+            close(tells[0]);
+            if (film_file_open("killed.mp4", NULL, 10, &f, NULL) != OST_OK || write(tells[1], "f", 1) != 1)
+                _exit(1);
+            for (;;)
+                pause();
+        }
+        close(tells[1]);
+        assert_int_equal(read(tells[0], &byte, 1), 1);
+        assert_int_equal(kill(child, SIGTERM), 0);
+        assert_int_equal(waitpid(child, &ended, 0), child);
+        assert_true(WIFEXITED(ended) && WEXITSTATUS(ended) == 128 + SIGTERM);
+        close(tells[0]);
+        assert_int_equal(files_that_contain(".", ".part"), 0);
+        assert_int_equal(access("killed.mp4", F_OK), -1);
+    }
     setenv("PATH", path, 1);
     free(path);
 }
@@ -331,6 +420,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_video_goes_by_the_clock),     cmocka_unit_test(another_size_is_fitted_in),
         cmocka_unit_test(a_folder_of_pictures),          cmocka_unit_test(a_failure_is_said_and_ends_it),
+        cmocka_unit_test(an_encoder_follows_no_link),    cmocka_unit_test(a_signal_leaves_no_part),
         cmocka_unit_test(a_slow_writer_holds_nobody_up), cmocka_unit_test(pictures_take_free_names),
     };
     signal(SIGPIPE, SIG_IGN); /* as the program does */

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Sessions by the command: recorded, done again on every backend, cut off,
 # damaged, repaired, and when something differs, where.
-# Covers: REQ-FILM, REQ-REPLAY, REQ-SESSION-FILE, REQ-VERIFY-ANSWERS
+# Covers: REQ-FILM, REQ-PART-FILES, REQ-REPLAY, REQ-SESSION-FILE, REQ-VERIFY-ANSWERS
 . "${srcdir:-.}/tests/app/lib.sh"
 long=${OST_TEST_LONG:-0}
 
@@ -71,6 +71,31 @@ for look in "--colour depth" "--clip axial" "--ghost implant" "--overlay chunks"
     cmp -s other2.y4m plain.y4m && fail "$look is not to be seen"
     rm other2.y4m
 done
+# A signal while an encoder runs leaves no part of the video, neither at once nor when the encoder ends.
+mkdir bin
+cat >bin/ffmpeg <<'EOF'
+#!/bin/sh
+for last; do :; done
+: >encoder-began
+while [ ! -e encoder-continues ]; do sleep 0.05; done
+cat >"$last"
+: >encoder-ended
+EOF
+chmod +x bin/ffmpeg
+PATH="$PWD/bin:$PATH" "$osteon" replay other.session --video killed.mp4 --video-fps 40 --size 320x180 --quiet >out 2>err &
+wait_for() {
+    i=0
+    while [ ! -e "$1" ] && [ $i -lt 400 ]; do sleep 0.05; i=$((i + 1)); done
+    [ -e "$1" ] || fail "$1 did not appear in 20 s"
+}
+wait_for encoder-began
+kill -TERM $!
+wait $!
+check "status of a replay that SIGTERM ended" $? 143
+check "files of its video" "$(ls -A | grep -E 'killed|part$|part\.')" ""
+: >encoder-continues
+wait_for encoder-ended
+check "files of its video when the encoder has ended" "$(ls -A | grep -E 'killed|part$|part\.')" ""
 refuse 2 "there is no such overlay" replay other.session --video other2.y4m --overlay chunk
 run 0 replay other.session --verify --backend cpu:isa=scalar --ticks 61 --out half.nrrd --json
 check "half of it" "$(value ticks) $(value end_compared)" "61 false"

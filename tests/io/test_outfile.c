@@ -2,6 +2,7 @@
 /*
  * Output files are whole under their name or not there: names, links,
  * permissions, full disks, limits, and kills at random moments.
+ * Covers: REQ-PART-FILES
  */
 #include "harness.h"
 
@@ -216,6 +217,55 @@ static void test_a_limit_leaves_nothing(void **state)
     for_both_ways(a_limit_leaves_nothing);
 }
 
+static void a_new_file_takes_a_free_name(const char *folder)
+{
+    ost_error err = {0};
+    char path[512], link[512];
+    bool taken = true;
+    snprintf(path, sizeof path, "%s/new", folder);
+    snprintf(link, sizeof link, "%s/link", folder);
+    assert_ok(ost_outfile_put_new(path, "one", 3, &taken, &err));
+    assert_false(taken);
+    assert_content(path, "one");
+    assert_int_equal(ost_outfile_put_new(path, "two", 3, &taken, &err), OST_ERR_IO);
+    assert_true(taken);
+    assert_content(path, "one");
+    /* A link takes the name, even one that leads nowhere. */
+    assert_int_equal(symlink("nowhere", link), 0);
+    assert_int_equal(ost_outfile_put_new(link, "two", 3, &taken, &err), OST_ERR_IO);
+    assert_true(taken);
+    assert_int_equal(scratch_count(folder), 2);
+    assert_int_equal(unlink(link), 0);
+    snprintf(link, sizeof link, "%s/absent/new", folder);
+    assert_int_equal(ost_outfile_put_new(link, "two", 3, &taken, &err), OST_ERR_IO);
+    assert_false(taken);
+}
+
+static void test_a_new_file_takes_a_free_name(void **state)
+{
+    (void)state;
+    for_both_ways(a_new_file_takes_a_free_name);
+}
+
+/* Links that stand under every name that process and number would give do not get in the way. */
+static void hidden_names_cannot_be_guessed(void **state)
+{
+    (void)state;
+    enum { LINKS = 1200 };
+    char *folder = scratch_folder(), path[512];
+    for (int i = 0; i < LINKS; i++) {
+        snprintf(path, sizeof path, "%s/.osteon-%ld-%d.part", folder, (long)getpid(), i);
+        assert_int_equal(symlink("victim", path), 0);
+    }
+    snprintf(path, sizeof path, "%s/out", folder);
+    ost_outfile_named_only = true;
+    write_text(path, "written");
+    ost_outfile_named_only = false;
+    assert_content(path, "written");
+    assert_int_equal(scratch_count(folder), LINKS + 1);
+    scratch_remove(folder);
+}
+
 static void on_term(int number)
 {
     ost_outfile_unlink_pending();
@@ -287,6 +337,8 @@ int main(void)
         cmocka_unit_test(folders_are_refused),
         cmocka_unit_test(devices_are_written_in_place),
         cmocka_unit_test(test_a_limit_leaves_nothing),
+        cmocka_unit_test(test_a_new_file_takes_a_free_name),
+        cmocka_unit_test(hidden_names_cannot_be_guessed),
         cmocka_unit_test(killed_at_any_moment),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
