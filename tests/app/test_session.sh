@@ -148,10 +148,12 @@ printf 'x' | dd of=damaged.session bs=1 seek=$(($(wc -c <short.session) - 100)) 
 run 0 info damaged.session
 grep -q "bytes" err || fail "damaged: $(cat err)"
 
-# No disk: the bone is not begun, and the file's name stays free.
+# No disk, and a link in place of the file: the bone is not begun.
+ln -s victim link.session
+refuse 2 "link.session: is a symbolic link" ream --bone bone.nrrd --tool builtin:peg --tool builtin:reamer --path short.csv --out x.nrrd --record link.session --quiet
+[ ! -e x.nrrd ] && [ ! -e victim ] || fail "a recording through a link"
 if [ -w /dev/full ]; then
-    ln -s /dev/full full.session
-    refuse 2 "the disk is full" ream --bone bone.nrrd --tool builtin:peg --tool builtin:reamer --path short.csv --out x.nrrd --record full.session --quiet
+    refuse 2 "the disk is full" ream --bone bone.nrrd --tool builtin:peg --tool builtin:reamer --path short.csv --out x.nrrd --record /dev/full --quiet
     [ ! -e x.nrrd ] || fail "a bone without its recording"
 fi
 # A disk that fills up while it is recorded: the bone is whole and the command says what is not.

@@ -5,7 +5,7 @@
  *
  * Every byte of a session is damaged in turn, and it is cut at every length;
  * what must then be left follows from where the blocks lie.
- * Covers: REQ-SESSION-FILE, REQ-RECORDER
+ * Covers: REQ-PART-FILES, REQ-SESSION-FILE, REQ-RECORDER
  */
 #include "harness.h"
 
@@ -524,6 +524,33 @@ static void wait_until_written(ost_recorder *recorder, uint64_t records)
     } while (state.written < records);
 }
 
+/* A link of the recording's name is neither followed nor replaced, wherever it leads. */
+static void a_recording_follows_no_link(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    char victim[4200], link[4200];
+    snprintf(victim, sizeof victim, "%s/victim", folder);
+    snprintf(link, sizeof link, "%s/link.session", folder);
+    ost_session_header *header = make_header();
+    ost_recorder *recorder;
+    assert_int_equal(symlink("victim", link), 0);
+    for (int there = 0; there < 2; there++) {
+        assert_int_equal(ost_recorder_open(link, header, NULL, &recorder, &err), OST_ERR_IO);
+        assert_non_null(strstr(err.text, "link.session: is a symbolic link"));
+        struct stat st;
+        assert_int_equal(stat(victim, &st), there - 1);
+        if (there)
+            assert_int_equal(st.st_size, 4);
+        FILE *out = fopen(victim, "w");
+        assert_non_null(out);
+        fputs("kept", out);
+        fclose(out);
+    }
+    assert_int_equal(unlink(link) | unlink(victim), 0);
+    ost_session_header_free(header);
+}
+
 static void a_recording_is_a_session(void **state)
 {
     (void)state;
@@ -691,6 +718,7 @@ int main(void)
         cmocka_unit_test(repair_keeps_what_is_whole),
         cmocka_unit_test(a_header_takes_only_what_it_can_give_back),
         cmocka_unit_test(a_table_for_others),
+        cmocka_unit_test(a_recording_follows_no_link),
         cmocka_unit_test(a_recording_is_a_session),
         cmocka_unit_test(a_full_ring_is_counted_and_said),
         cmocka_unit_test(a_full_disk_that_is_emptied_in_time_costs_nothing),

@@ -269,10 +269,15 @@ ost_status ost_recorder_open_sink(const char *name, const session_sink *sink, co
     return status;
 }
 
-/* A new file of that name; what had the name before is gone, unless somebody is recording into it. */
+/*
+ * Creates the file, or truncates it if it exists, unless another recorder has it locked.  A recording exists under its
+ * own name from the beginning, so a symbolic link of that name is refused: what it leads to would be truncated.
+ */
 static ost_status create_file(ost_recorder *r, const char *path, ost_error *err)
 {
-    r->fd = open(path, O_WRONLY | O_CREAT | O_CLOEXEC | O_NOCTTY, 0666);
+    r->fd = open(path, O_WRONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC | O_NOCTTY, 0666);
+    if (r->fd < 0 && errno == ELOOP)
+        return ost_fail(err, OST_ERR_IO, "%s: is a symbolic link, which a recording does not follow; name the file itself", path);
     if (r->fd < 0)
         return ost_fail(err, OST_ERR_IO, "%s: cannot be recorded into: %s", path, strerror(errno));
     if (flock(r->fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
