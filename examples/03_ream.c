@@ -23,7 +23,7 @@ int main(int argc, char **argv)
     ost_world *world = NULL;
     ost_tool_volume volume;
     ost_path path;
-    ost_motor motor = {0};
+    ost_motor motor;
     ost_import_result source;
     ost_glenoid glenoid;
     ost_step_result step;
@@ -37,6 +37,7 @@ int main(int argc, char **argv)
     }
     memset(&volume, 0, sizeof volume);
     memset(&path, 0, sizeof path);
+    memset(&motor, 0, sizeof motor);
 
     /* The bone and the tool, onto the backend. */
     status = ost_backend_open("cpu", &backend, &err);

@@ -95,7 +95,7 @@ spoil 2 "also a .raw" twice
 text() { rm w/import-1/rect.raw && echo hello >w/import-1/rect.nrrd; }
 spoil 2 "rect.nrrd" text
 folder() { rm w/import-1/rect.raw && mkdir w/import-1/rect.raw; }
-spoil 2 "rect.raw: not a file" folder
+spoil 2 "rect.raw: is a folder; a regular file is expected" folder
 head_of() { echo "$1" >w/dump.json; }
 spoil 2 "dump.json:" head_of '{'
 spoil 2 "osteon_dump must be 1" head_of '{"osteon_dump":2}'

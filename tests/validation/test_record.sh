@@ -21,7 +21,7 @@ check "requirements traced" "$(grep -c '^requirement,\|^orphan requirement,' b/t
 check "requirements without a test" "$(grep -c '^orphan requirement,' b/trace.csv)" "$(grep -c ',planned: ' table)"
 check "tests without a requirement" "$(grep -c '^orphan test,' b/trace.csv)" "$(grep -c '^,,,' table)"
 checks=$((checks + 1))
-grep '^requirement,"AR-CUB-2",' b/trace.csv | grep -q '"stage cubic; check layers","cubic: [1-9][0-9]* records equal; layers: passed","cases.jsonl common.json"$' ||
+grep '^requirement,"AR-CUB-2",' b/trace.csv | grep -q '"stage cubic; check layers-linear","cubic: [1-9][0-9]* records equal; layers-linear: passed","cases.jsonl common.json"$' ||
     fail "AR-CUB-2 is not traced to its stage and check: $(grep AR-CUB-2 b/trace.csv)"
 
 # The digests are those of the files.
