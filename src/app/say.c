@@ -12,7 +12,9 @@
 
 enum { LINE = 4096 };
 
-/* One line; what is not printable in it becomes '?', a newline too. Only a line of more than LINE bytes takes memory. */
+static void print_line(FILE *to, const char *before, const char *format, va_list args) OST_PRINTF(3, 0);
+
+/* Prints one line, in which '?' stands for what is not printable, a newline too. Only a line of more than LINE bytes allocates memory. */
 static void print_line(FILE *to, const char *before, const char *format, va_list args)
 {
     char line[LINE], *text = line;
