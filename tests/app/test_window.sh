@@ -37,8 +37,9 @@ opened window.session --idle 20 --json
 sleep 0.3
 xdotool mousemove --window "$window" 320 200
 xdotool mousedown 1 mousemove_relative 5 3 mousemove_relative 5 3 mouseup 1
-xdotool keydown w; sleep 0.7; xdotool keyup w
-xdotool click 4 click 4 click 5 keydown space; sleep 0.2; xdotool keyup space
+xdotool click 4 click 4 click 5
+# The hand begins clear of the bone: it goes in with the motor on.
+xdotool keydown space keydown w; sleep 2; xdotool keyup w keyup space
 xdotool keydown shift mousedown 1 mousemove_relative 4 4 mouseup 1 keyup shift
 xdotool mousedown 3 mousemove_relative 20 10 mouseup 3 keydown ctrl click 4 keyup ctrl
 xdotool key F1 key F1 key F3 key F8 key F10 key F10 key Tab key shift+Tab key Home key 1 key 0 key shift+Left
