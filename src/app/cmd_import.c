@@ -30,23 +30,15 @@ static const char *kind_text(ost_file_kind kind)
  */
 static void warn_size(const app_state *app, const char *name, const ost_import_result *r)
 {
-    static const struct {
-        const char *name;
-        double mm;
-    } units[] = {{"centimetres", 10}, {"inches", 25.4}, {"metres", 1000}, {"micrometres", 0.001}};
     const ost_geometry *g = &r->rect;
     const double size[3] = {g->dims.x * ost_pm_to_mm(g->spacing.x), g->dims.y * ost_pm_to_mm(g->spacing.y), g->dims.z * ost_pm_to_mm(g->spacing.z)};
     double largest = size[0] > size[1] ? size[0] : size[1];
-    char text[200] = "";
-    size_t used = 0;
+    char text[LOAD_UNITS_TEXT];
     largest = largest > size[2] ? largest : size[2];
     if ((largest >= 20 && largest <= 3000) || ost_meta_get(&r->meta, "phantom"))
         return;
-    for (size_t u = 0; u < sizeof units / sizeof units[0]; u++)
-        if (largest * units[u].mm >= 20 && largest * units[u].mm <= 600)
-            used += (size_t)snprintf(text + used, sizeof text - used, "%s%.3g mm if its lengths are %s", used ? ", or " : ": it would be ",
-                                     largest * units[u].mm, units[u].name);
-    warn(app, "%s: the CT is %.3g mm across, too %s for a patient's bone%s", name, largest, largest < 20 ? "small" : "large", text);
+    warn(app, "%s: the CT is %.3g mm across, too %s for a patient's bone%s", name, largest, largest < 20 ? "small" : "large",
+         load_other_units(text, largest));
 }
 
 static void put_result(const app_state *app, const ost_import_result *r, const ost_bone_info *info)

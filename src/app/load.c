@@ -254,6 +254,33 @@ ost_status load_mesh(const char *name, ost_unit unit, ost_mesh *out, ost_mesh_re
     return load_part(name, unit, OST_TOOL_COMPLETE, out, report, err);
 }
 
+char *load_other_units(char out[LOAD_UNITS_TEXT], double mm)
+{
+    static const struct {
+        const char *name;
+        double mm;
+    } units[] = {{"centimetres", 10}, {"inches", 25.4}, {"metres", 1000}, {"micrometres", 0.001}};
+    size_t used = 0;
+    out[0] = '\0';
+    for (size_t u = 0; u < sizeof units / sizeof units[0]; u++)
+        if (mm * units[u].mm >= 20 && mm * units[u].mm <= 600)
+            used += (size_t)snprintf(out + used, LOAD_UNITS_TEXT - used, "%s%.3g mm if its lengths are %s", used ? ", or " : ": it would be ",
+                                     mm * units[u].mm, units[u].name);
+    return out;
+}
+
+/* Asks about a mesh as small as the point of a burr, whose file says no unit: bones and reamers are larger. */
+static void warn_mesh_size(const app_state *app, const char *name, const ost_mesh_report *r)
+{
+    char text[LOAD_UNITS_TEXT];
+    double largest = 0;
+    for (int a = 0; a < 3; a++)
+        largest = r->bounds_mm[3 + a] - r->bounds_mm[a] > largest ? r->bounds_mm[3 + a] - r->bounds_mm[a] : largest;
+    if (largest < 5)
+        warn(app, "%s: the mesh is %.3g mm across when its lengths are taken as millimetres%s; --unit mm confirms millimetres", name, largest,
+             load_other_units(text, largest));
+}
+
 static ost_status voxelize_meshes(const app_state *app, ost_backend *backend, const char *name, const char *noncutting,
                                   const tool_options *options, ost_tool **out, tool_report *report, ost_error *err)
 {
@@ -268,6 +295,8 @@ static ost_status voxelize_meshes(const app_state *app, ost_backend *backend, co
     const ost_tool_kind kind = builtin_tool(name);
     const bool two_parts = !noncutting && kind < OST_TOOL_KIND_COUNT && ost_tool_has_shaft(kind);
     ost_status status = load_part(name, (ost_unit)options->unit, two_parts ? OST_TOOL_HEAD : OST_TOOL_COMPLETE, &mesh, &report->mesh, err);
+    if (status == OST_OK && !builtin_name(name) && options->unit == OST_UNIT_AUTO)
+        warn_mesh_size(app, name, &report->mesh);
     if (status == OST_OK)
         status = ost_mesh_bounds(&mesh, &lo, &hi, err);
     if (status == OST_OK && (noncutting || two_parts)) {

@@ -89,6 +89,10 @@ void load_warn_orientation(const app_state *app, const char *name, const ost_met
 /* What an import did that the user may not expect. */
 void load_warn_import(const app_state *app, const char *name, const ost_import_result *r);
 
+enum { LOAD_UNITS_TEXT = 200 };
+/* Writes the sizes from 20 to 600 mm that a length of so many millimetres has in other units, ": it would be ...", or "". Returns out. */
+char *load_other_units(char out[LOAD_UNITS_TEXT], double mm);
+
 ost_status load_mesh(const char *name, ost_unit unit, ost_mesh *out, ost_mesh_report *report, ost_error *err);
 
 /* noncutting: the name of a second mesh on the same grid, or NULL. report may be NULL. */

@@ -169,6 +169,11 @@ sized 0.1 >small.nrrd
 run 0 import small.nrrd --out x.nrrd
 warned '2.8 mm across, too small'
 warned '28 mm if its lengths are centimetres, or 71.1 mm if its lengths are inches'
+run 0 tool peg --length 2.8 --diameter 1 --out small.stl
+run 0 voxelize small.stl --voxel 0.1 --out x.nrrd
+warned 'small.stl: the mesh is 2.8 mm across when its lengths are taken as millimetres: it would be 28 mm if its lengths are centimetres'
+run 0 voxelize small.stl --voxel 0.1 --unit mm --out x.nrrd
+quiet "a small mesh whose unit is confirmed"
 sized 99 >fits.nrrd
 run 0 import fits.nrrd --out x.nrrd
 quiet "a CT of 2.8 m"
