@@ -81,8 +81,8 @@ done
 check "good" "$("$json_get" metrics.grade <good.json)" "As planned"
 check "tilted" "$("$json_get" metrics.grade <tilted.json)" "Off the plan"
 check "too deep" "$("$json_get" metrics.grade <deep.json)" "Far off the plan"
-"$json_get" metrics.verdict <tilted.json | grep -q "tilted by 10.0 degrees.*5.0 times the aim" || fail "the tilt is not said"
-"$json_get" metrics.verdict <deep.json | grep -q "9.0 mm too deep.*18.0 times the aim" || fail "the depth is not said"
+"$json_get" metrics.verdict <tilted.json | grep -q "tilted by 10.0 degrees.*5.0 times the tolerance" || fail "the tilt is not said"
+"$json_get" metrics.verdict <deep.json | grep -q "9.0 mm too deep.*18.0 times the tolerance" || fail "the depth is not said"
 run 0 ream --bone bone.nrrd --tool builtin:reamer --path deep.csv --out x.nrrd --debrief x.html
 grep -n "Far off the plan\|floor:\|version" out | head -n 1 | grep -q "Far off the plan" || fail "for people the verdict is not first: $(cat out)"
 finish
