@@ -122,7 +122,6 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
     int shard, shards;
     if (!options_parse(app, &usage, argc, argv, &status, err) || (status = shard_of(app, args.shard, &shard, &shards, err)) != OST_OK)
         return status;
-    app->worker = args.worker && args.trace;
     if (!args.worker != !(args.trace || args.dump) || (args.trace && args.dump))
         return usage_error(app, err, "--worker and one of --trace and --dump belong together");
     if (args.given && !args.trace)

@@ -176,11 +176,23 @@ static int fail(const char *verb_name, const ost_error *err, ost_status status)
     return ost_status_exit(status);
 }
 
+/* Returns true if a campaign started this process; its options are not read yet, which may need more memory than there is. */
+static bool is_worker(int argc, char **argv)
+{
+    bool worker_given = false, trace_given = false;
+    for (int i = 1; i < argc; i++) {
+        worker_given |= strcmp(argv[i], "--worker") == 0;
+        trace_given |= strcmp(argv[i], "--trace") == 0;
+    }
+    return worker_given && trace_given;
+}
+
 static int run_verb(const app_verb *which, int argc, char **argv)
 {
     ost_error err = {0};
-    app_state app = {.verb = which->name, .backend = "cpu", .result = json_object()};
+    app_state app = {.verb = which->name, .backend = "cpu", .worker = is_worker(argc, argv)};
     within_verb = &app;
+    app.result = json_object();
     ost_status status = which->run(&app, argc, argv, &err);
     within_verb = NULL;
     progress_clear();

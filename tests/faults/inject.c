@@ -8,14 +8,17 @@
  *   OST_FAIL_READ=K    the K-th of read and pread
  *   OST_FAIL_FROM=1    the K-th call and all later ones of that kind fail
  *   OST_FAIL_ERRNO=N   errno of a failed open or read (default EMFILE and EIO)
+ *   OST_FAIL_IN=TEXT   only processes that have the argument TEXT count and fail; those that have
+ *                      not, with !TEXT
  *   OST_FAIL_PATH=TEXT only opens of paths that contain TEXT are counted
  *   OST_FAIL_EXCEPT=A:B  calls made by a file whose name contains A or B are not counted
- *   OST_FAIL_REPORT=FILE  at exit FILE holds "alloc N", "open N" and "read N": the calls counted
+ *   OST_FAIL_REPORT=FILE  at exit a process adds to FILE "alloc N", "open N" and "read N": the calls counted
  *   OST_FAIL_TRACE=1   the stack of the failed call is printed on standard error
  *
  * A call is counted once, on the thread that makes it; K begins with 1, and 0 fails nothing.
  * Allocations by C++ code (operator new) are never counted: an exception through C ends the
- * process, whatever the caller does.  The counts go on in a child that a fork makes.
+ * process, whatever the caller does.  The counts go on in a child that a fork makes,
+ * and begin anew in a program that it executes: the K-th call of each process fails.
  */
 /* The functions below are redefined, so libc's headers may not redirect them. */
 #undef _FORTIFY_SOURCE
@@ -107,7 +110,19 @@ static void copy_setting(char to[TEXT], const char *variable)
     snprintf(to, TEXT, "%s", value ? value : "");
 }
 
-__attribute__((constructor)) static void begin(void)
+/* Returns true if calls of a process with these arguments count (OST_FAIL_IN). */
+static bool process_counts(int argc, char **argv)
+{
+    const char *wanted = getenv("OST_FAIL_IN");
+    const bool without = wanted && wanted[0] == '!';
+    bool has = false;
+    for (int i = 1; wanted && i < argc; i++)
+        has |= strcmp(argv[i], wanted + without) == 0;
+    return !wanted || has != without;
+}
+
+/* glibc passes the arguments of main to constructors. */
+__attribute__((constructor)) static void begin(int argc, char **argv)
 {
     if (!NEXT(malloc))
         resolve();
@@ -121,13 +136,13 @@ __attribute__((constructor)) static void begin(void)
     copy_setting(report_path, "OST_FAIL_REPORT");
     void *stack[2];
     backtrace(stack, 2); /* its first call loads a library */
-    ready = true;
+    ready = process_counts(argc, argv);
 }
 
 __attribute__((destructor)) static void end(void)
 {
     ready = false;
-    FILE *file = report_path[0] ? fopen(report_path, "w") : NULL;
+    FILE *file = report_path[0] ? fopen(report_path, "a") : NULL;
     if (!file)
         return;
     for (int k = 0; k < KINDS; k++)

@@ -9,47 +9,10 @@
 # and OpenCL, and libcrypto, where about one of a hundred of the 4,700 at its start does (3.0.19).
 # Covers: REQ-OUT-OF-MEMORY
 . "${srcdir:-.}/tests/app/lib.sh"
+. "$source_folder/tests/faults/lib.sh"
 
-skip() {
-    echo "skipped: $*"
-    exit 77
-}
-library=$build/.libs/fault_inject.so
-walk=$build/tests/faults/walk
-[ -r "$library" ] || skip "built without shared libraries"
-[ -z "${OST_SAN_CFLAGS:-}" ] || skip "a sanitizer's runtime wants to be the first library"
-runs=6 campaign_runs=2
-[ -z "${OST_TEST_LONG:-}" ] || runs=0 campaign_runs=200
-seed=${OST_TEST_SEED:-$(od -An -N4 -tu4 /dev/urandom | tr -d ' ')}
-echo "# seed $seed"
-excepted=libassimp:_dri:libEGL:libGL:libglapi:libepoxy:libgallium:libLLVM:libcrypto
-# No device of OpenCL: its libraries are C++.
-export OCL_ICD_VENDORS="$scratch/none" XDG_CACHE_HOME="$scratch/cache" OST_FAIL_EXCEPT=$excepted
-mkdir "$OCL_ICD_VENDORS" "$XDG_CACHE_HOME" in
-
-# walk_over [OPTION...] -- ARGUMENT...: walks one command of osteon
-walk_over() {
-    options=
-    while [ "$1" != -- ]; do
-        options="$options $1"
-        shift
-    done
-    shift
-    case "$*" in *"${OST_TEST_ONLY:-}"*) ;; *) return ;; esac
-    checks=$((checks + 1))
-    echo "# osteon $*"
-    "$walk" --runs $runs --seed "$seed" $options "$library" "$osteon" "$@" || fail "osteon $*"
-}
-
-in=$scratch/in
-run 0 phantom glenoid --spacing 1.5 --out in/ct.nrrd
-run 0 phantom glenoid --spacing 1.5 --out in/ct.nii.gz
-run 0 phantom glenoid --spacing 1.5 --out in/ct.txt
-run 0 import in/ct.nrrd --out in/bone.nrrd
-run 0 tool peg --out in/peg.ply
-run 0 voxelize builtin:reamer --voxel 2 --out in/reamer.nrrd
-run 0 ream --bone "$in/bone.nrrd" --tool "$in/reamer.nrrd" --path builtin:glenoid-ream --rate 100 --out in/reamed.nrrd --record in/today.session
-run 0 info in/today.session
+make_inputs
+sample 6
 ream="--bone $in/bone.nrrd --tool $in/reamer.nrrd --path builtin:glenoid-ream --rate 100 --threads 2"
 
 walk_over -- phantom glenoid --spacing 1.5 --out o.nrrd
@@ -81,7 +44,10 @@ for file in ct.txt ct.nii.gz bone.nrrd reamer.nrrd peg.ply today.session; do
 done
 walk_over -- info "$in/today.session" --repair o.session
 walk_over --loose-output -- devices --json
-walk_over --runs $campaign_runs --loose bundle -- validate --cpu-only --only mesh --jobs 1 --out bundle
+runs=2
+[ -z "${OST_TEST_LONG:-}" ] || runs=200
+walk_over --loose bundle -- validate --cpu-only --only mesh --jobs 1 --out bundle
+sample 6
 walk_over -- compare cpu --only import/0
 walk_over -- validate --export-cases cases --only import/0
 # A row that cannot run is reported, and the others go on.

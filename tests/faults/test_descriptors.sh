@@ -1,21 +1,40 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# One open or read of osteon verify fails, each in turn (no descriptor, an I/O error): the status is
-# the one without the fault, or 2 with a message; never 1, the status of a bundle that was changed.
+# One open or read of a command fails (no descriptor, an I/O error): the status is the one without
+# the fault, or 2 or 3 with a message; files are right or absent.  osteon verify, each in turn: never
+# 1, the status of a bundle that was changed.  Other verbs that read files: some, drawn with the
+# printed seed; all with OST_TEST_LONG=1.  OST_TEST_ONLY=TEXT walks the commands that contain TEXT alone.
 # Covers: REQ-REGULAR-FILES
 . "${srcdir:-.}/tests/app/lib.sh"
+. "$source_folder/tests/faults/lib.sh"
 
-library=$build/.libs/fault_inject.so
-walk=$build/tests/faults/walk
-[ -r "$library" ] || { echo "skipped: built without shared libraries"; exit 77; }
-[ -z "${OST_SAN_CFLAGS:-}" ] || { echo "skipped: a sanitizer's runtime must be the first library"; exit 77; }
-export OCL_ICD_VENDORS="$scratch/none"
-mkdir "$OCL_ICD_VENDORS"
 run 0 validate --only import/0 --backends 'cpu:isa=scalar,threads=1' --out bundle --quiet
+runs=0
 for errno in 24 5; do
-    checks=$((checks + 1))
-    OST_FAIL_ERRNO=$errno "$walk" --kind open --runs 0 "$library" "$osteon" verify "$scratch/bundle" || fail "verify, opens fail with errno $errno"
+    OST_FAIL_ERRNO=$errno walk_over --kind open -- verify "$scratch/bundle"
 done
-checks=$((checks + 1))
-"$walk" --kind read --runs 0 "$library" "$osteon" verify "$scratch/bundle" || fail "verify, reads fail"
+walk_over --kind read -- verify "$scratch/bundle"
+
+make_inputs
+sample 2
+
+# each ARGUMENT...: opens fail with EMFILE and with EIO
+each() {
+    OST_FAIL_ERRNO=24 walk_over --kind open --loose .session -- "$@"
+    OST_FAIL_ERRNO=5 walk_over --kind open --loose .session -- "$@"
+}
+for kind in nrrd nii.gz txt; do
+    each import "$in/ct.$kind" --out o.$kind
+done
+each voxelize "$in/peg.ply" --voxel 1 --out o.nrrd
+each ream --bone "$in/bone.nrrd" --tool "$in/reamer.nrrd" --path builtin:glenoid-ream --rate 100 --out o.nrrd --record o.session
+each replay "$in/today.session" --verify --out o.nrrd
+each diff "$in/bone.nrrd" "$in/reamed.nrrd" --json
+each render "$in/bone.nrrd" --tool "$in/reamer.nrrd" --size 64x48 --out o.png
+each export "$in/today.session" --out o.csv
+each export "$in/bone.nrrd" --out o.stl
+for file in ct.nii.gz bone.nrrd peg.ply today.session; do
+    each info "$in/$file" --digest --json
+done
+each compare cpu --only import/0
 finish

@@ -2,8 +2,8 @@
 /*
  * walk: runs one command again and again, each time with another call of it failing.
  *
- *   walk [--kind alloc|open|read] [--runs N] [--seed S] [--only K] [--loose TEXT] [--loose-output]
- *        LIBRARY COMMAND ARGUMENT...
+ *   walk [--kind alloc|open|read] [--runs N] [--seed S] [--only K] [--in TEXT] [--loose TEXT[:TEXT...]]
+ *        [--loose-output] LIBRARY COMMAND ARGUMENT...
  *
  * First the command runs without a fault, in an empty folder: this gives the number of calls,
  * the expected exit status (0 or 1), the expected files and the expected standard output, of
@@ -17,8 +17,9 @@
  *   - with 2 or 3 an expected file is absent or has the expected bytes, no other file is there,
  *     and standard error holds a line that begins with "osteon".
  *
- * The bytes of files whose names contain TEXT are not compared: they hold times, or are recorded
- * while the operation runs.
+ * The bytes of files whose names contain a TEXT of --loose are not compared: they hold times, or
+ * are recorded while the operation runs.  With --in the K-th call fails in those processes alone
+ * that OST_FAIL_IN=TEXT selects; else in each process that the command starts.
  *
  * A failure is one line with K, which --only repeats with the stack of the failed call.
  * Exit status: 0 all is well, 1 failures, 2 the command cannot be walked.
@@ -52,7 +53,7 @@ typedef struct folder_state {
 
 static const char *kind = "alloc", *library;
 static char **command;
-static const char *loose;
+static const char *loose, *within;
 static bool loose_output;
 static char scratch[] = "/tmp/osteon-walk-XXXXXX", work[64], out_path[64], err_path[64], report_path[64];
 
@@ -131,6 +132,7 @@ static void empty_folder(const char *folder)
 static int run(long at, bool trace)
 {
     fflush(stdout);
+    remove(report_path);
     const pid_t child = fork();
     if (child < 0)
         die("fork");
@@ -141,6 +143,8 @@ static int run(long at, bool trace)
         snprintf(variable, sizeof variable, "OST_FAIL_%s", allocation ? "ALLOC" : opening ? "OPEN" : "READ");
         setenv(variable, number, 1);
         setenv("OST_FAIL_REPORT", report_path, 1);
+        if (within)
+            setenv("OST_FAIL_IN", within, 1);
         setenv("LD_PRELOAD", library, 1);
         if (trace)
             setenv("OST_FAIL_TRACE", "1", 1);
@@ -158,6 +162,7 @@ static int run(long at, bool trace)
     return status;
 }
 
+/* Returns the most calls that a process counted, or -1. */
 static long counted(void)
 {
     char word[16];
@@ -166,7 +171,7 @@ static long counted(void)
     if (!in)
         return -1;
     while (fscanf(in, "%15s %ld", word, &count) == 2)
-        if (strcmp(word, kind) == 0)
+        if (strcmp(word, kind) == 0 && count > found)
             found = count;
     fclose(in);
     return found;
@@ -190,6 +195,20 @@ static bool message(char text[TEXT])
     return found;
 }
 
+/* Returns true if the file's name contains a text of --loose. */
+static bool is_loose(const char *name)
+{
+    char text[TEXT];
+    for (const char *p = loose; p && *p;) {
+        const size_t n = strcspn(p, ":");
+        snprintf(text, sizeof text, "%.*s", (int)n, p);
+        if (n > 0 && strstr(name, text))
+            return true;
+        p += n + (p[n] == ':');
+    }
+    return false;
+}
+
 /* Compares the folder with the expected files, of which some may be absent unless `complete`. Returns what is wrong, or NULL. */
 static const char *compare(const folder_state *expected, bool complete, char text[TEXT])
 {
@@ -204,7 +223,7 @@ static const char *compare(const folder_state *expected, bool complete, char tex
             snprintf(text, TEXT, "%.1000s is there and should not be", a->name);
         else if (order > 0 && complete)
             snprintf(text, TEXT, "%.1000s is missing", b->name);
-        else if (order == 0 && !(loose && strstr(a->name, loose)) && (a->sum != b->sum || a->size != b->size))
+        else if (order == 0 && !is_loose(a->name) && (a->sum != b->sum || a->size != b->size))
             snprintf(text, TEXT, "%.1000s has other bytes (%" PRIu64 ", expected %" PRIu64 ")", a->name, a->size, b->size);
         n += order <= 0;
         e += order >= 0;
@@ -296,6 +315,8 @@ int main(int argc, char **argv)
             loose = argv[++i];
         else if (strcmp(argv[i], "--loose-output") == 0)
             loose_output = true;
+        else if (i + 1 < argc && strcmp(argv[i], "--in") == 0)
+            within = argv[++i];
         else if (i + 1 < argc && strcmp(argv[i], "--kind") == 0)
             kind = argv[++i];
         else if (i + 1 < argc && strcmp(argv[i], "--runs") == 0)

@@ -1,0 +1,52 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# One allocation, open or read of a campaign fails, in the process that compares or in a worker:
+# the bundle is complete and says EQUAL, or there is none and the status is 2 or 3 with a message.
+# Never 1: a worker that got no memory, descriptor or file says nothing about its backend.
+# Some faults are drawn with the printed seed; with OST_TEST_LONG=1 all of a worker and 100 of each
+# kind of the process that compares.
+# Covers: REQ-OUT-OF-MEMORY
+. "${srcdir:-.}/tests/app/lib.sh"
+. "$source_folder/tests/faults/lib.sh"
+
+one='cpu:isa=scalar,threads=1'
+# Files that hold times or the environment, or the software as far as the package manager and libraries could be read.
+varying=audit.log:environment.json:manifest.json:times.json:sbom.spdx.json:soup.csv:tools.json
+
+# walk_campaign KIND PROCESSES ARGUMENT...: K-th calls of KIND fail in the processes that OST_FAIL_IN=PROCESSES selects
+# (--quiet: the one that compares; a package manager that it starts must not fail, or the list of software is shorter)
+walk_campaign() {
+    kind=$1
+    processes=$2
+    shift 2
+    walk_over --kind $kind --in "$processes" --loose $varying -- validate --jobs 1 --backends "ref;$one" --quiet --out bundle "$@"
+}
+
+# A worker's first allocations fail before its options are read; its status says so all the same.
+for k in 1 2 3; do
+    checks=$((checks + 1))
+    LD_PRELOAD=$library OST_FAIL_ALLOC=$k OST_FAIL_FROM=1 "$osteon" validate --worker "$one" --trace trace --only import/0 2>err
+    status=$?
+    [ $status -eq 4 ] || [ $status -eq 127 ] || fail "a worker without memory from allocation $k on: status $status"
+done
+checks=$((checks + 1))
+LD_PRELOAD=$library OST_FAIL_PATH=trace OST_FAIL_OPEN=1 "$osteon" validate --worker "$one" --trace trace --only import/0 2>err
+status=$?
+[ $status -eq 4 ] || fail "a worker that can open no trace: status $status: $(cat err)"
+
+sample 4
+for worker in ref "$one"; do
+    for kind in alloc open read; do
+        walk_campaign $kind "$worker" --only import/0
+    done
+done
+runs=2
+[ -z "${OST_TEST_LONG:-}" ] || runs=100
+for kind in alloc open read; do
+    walk_campaign $kind --quiet --only import/0
+done
+echo '{"osteon_case": 1, "id": "mesh/0", "tier": "smoke", "seed": "1"}' >case.json
+sample 2
+walk_campaign open "$one" --case "$scratch/case.json"
+walk_campaign read "$one" --case "$scratch/case.json"
+finish
