@@ -176,13 +176,19 @@ static bool module_holds(void *address, const char *name)
     return dladdr(address, &info) && info.dli_fname && strstr(info.dli_fname, name);
 }
 
+/* Returns true for libc and its loader, which allocates the local storage of a new thread. */
+static bool is_of_libc(void *address)
+{
+    return module_holds(address, "libc.so") || module_holds(address, "ld-linux");
+}
+
 /* Returns the first address of the stack that is neither here nor in libc, which allocates for strdup and fopen. */
 static void *outside_libc(void *caller)
 {
     void *stack[TRACE];
     const int count = backtrace(stack, TRACE);
     for (int i = 0; i < count; i++)
-        if (!module_holds(stack[i], "libc.so") && !module_holds(stack[i], "fault_inject"))
+        if (!is_of_libc(stack[i]) && !module_holds(stack[i], "fault_inject"))
             return stack[i];
     return caller;
 }
@@ -195,7 +201,7 @@ static bool is_excepted(void *caller)
     if (known >> 1 == address)
         return known & 1;
     Dl_info info;
-    if (module_holds(caller, "libc.so"))
+    if (is_of_libc(caller))
         return dladdr(outside_libc(caller), &info) && info.dli_fname && module_is_excepted(info.dli_fname);
     const bool excepted = dladdr(caller, &info) && info.dli_fname && module_is_excepted(info.dli_fname);
     atomic_store_explicit(entry, address << 1 | excepted, memory_order_relaxed);

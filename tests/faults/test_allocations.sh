@@ -5,8 +5,9 @@
 # nothing else is left.  Here some allocations fail, drawn with the printed seed; all of them with
 # OST_TEST_LONG=1 (of a campaign, which takes seconds, 200).  OST_TEST_ONLY=TEXT walks the commands that contain TEXT alone.
 #
-# Left out are allocations within libraries that crash on their own: assimp, the drivers of OpenGL
-# and OpenCL, and libcrypto, where about one of a hundred of the 4,700 at its start does (3.0.19).
+# Left out are allocations within libraries that crash or end the program on their own: assimp,
+# the run-time libraries of OpenMP, the drivers of OpenGL and OpenCL, and libcrypto, where about
+# one of a hundred of the 4,700 at its start does (3.0.19).
 # Covers: REQ-OUT-OF-MEMORY
 . "${srcdir:-.}/tests/app/lib.sh"
 . "$source_folder/tests/faults/lib.sh"

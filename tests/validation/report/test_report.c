@@ -184,9 +184,9 @@ static char *page_of(const char *folder)
     return bytes;
 }
 
-static void remember(void *user, bundle_problem_kind kind, const char *file, const char *problem)
+static void remember(void *user, bundle_problem_kind what, const char *file, const char *problem)
 {
-    (void)kind;
+    (void)what;
     char *all = user;
     const size_t used = strlen(all);
     snprintf(all + used, 4096 - used, "%s %s\n", file, problem);
