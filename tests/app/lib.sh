@@ -18,6 +18,15 @@ fail() {
     echo "FAIL: $*"
 }
 
+# needs LIBRARY...: skips the test where osteon was built without one of ASSIMP, NIFTI and PNG
+needs() {
+    for library in "$@"; do
+        grep -q "^#define HAVE_$library 1" "$build/config.h" && continue
+        echo "skipped: built without $library"
+        exit 77
+    done
+}
+
 # check WHAT GOT EXPECTED
 check() {
     checks=$((checks + 1))

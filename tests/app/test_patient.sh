@@ -4,6 +4,7 @@
 # that every verb keeps and uses them, and that a contradiction is an error.
 # Covers: REQ-PATIENT
 . "${srcdir:-.}/tests/app/lib.sh"
+needs ASSIMP NIFTI PNG
 
 # warned TEXT: in the last command's standard error
 warned() {

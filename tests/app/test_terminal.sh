@@ -5,6 +5,7 @@
 # in what it prints, warns of, refuses and writes as JSON.
 # Covers: REQ-TERMINAL
 . "${srcdir:-.}/tests/app/lib.sh"
+needs ASSIMP PNG
 
 # ESC [ 3 1 m, BEL, newline, CSI as UTF-8 and as a byte, a right-to-left override, an isolate, a line separator
 evil=$(printf 'a\033[31mb\007c\nQZX\302\233e\2339f\342\200\256g\342\201\246h\342\200\250i')

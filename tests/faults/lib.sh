@@ -5,6 +5,7 @@ skip() {
     echo "skipped: $*"
     exit 77
 }
+needs ASSIMP NIFTI PNG
 library=$build/.libs/fault_inject.so
 walk=$build/tests/faults/walk
 [ -r "$library" ] || skip "built without shared libraries"
