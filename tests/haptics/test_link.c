@@ -71,7 +71,10 @@ static void bytes_are_as_documented(void **state)
         assert_string_equal(text, hex[i]);
         link_packet back;
         assert_int_equal(link_unseal(key, bytes, sizes[i], &back), LINK_GOOD);
-        assert_memory_equal(&back, &p, sizeof p);
+        /* Field by field: what lies between the members of a struct is not of the packet. */
+        uint8_t again[LINK_STATE_BYTES] = {0}, first[LINK_STATE_BYTES] = {0};
+        assert_int_equal(link_encode(&back, again), link_encode(&p, first));
+        assert_memory_equal(again, first, sizeof first);
     }
     link_key_free(key);
 }
