@@ -29,7 +29,7 @@ static void turn(const double q[4], const double v[3], double out[3])
     memcpy(out, whole + 1, 3 * sizeof *out);
 }
 
-static void doubles_of(const ost_pose *pose, double at[3], double q[4])
+void haptic_pose_to_metres(const ost_pose *pose, double at[3], double q[4])
 {
     ost_pose_to_doubles(pose, at, q);
     double length = 0;
@@ -44,7 +44,7 @@ static void doubles_of(const ost_pose *pose, double at[3], double q[4])
 haptic_clutch haptic_clutch_make(const ost_pose *start, double scale)
 {
     haptic_clutch c = {.scale = scale, .world = {1, 0, 0, 0}};
-    doubles_of(start, c.given_at, c.given_q);
+    haptic_pose_to_metres(start, c.given_at, c.given_q);
     return c;
 }
 
@@ -62,7 +62,7 @@ void haptic_clutch_release(haptic_clutch *c)
 void haptic_clutch_place(haptic_clutch *c, const ost_pose *tool)
 {
     c->held = false;
-    doubles_of(tool, c->given_at, c->given_q);
+    haptic_pose_to_metres(tool, c->given_at, c->given_q);
 }
 
 static void take_hold(haptic_clutch *c, const double at[3], const double q[4])
@@ -101,7 +101,7 @@ ost_pose haptic_clutch_pose(haptic_clutch *c, const double at[3], const double q
 ost_pose haptic_clutch_follow(haptic_clutch *c, const ost_pose *body)
 {
     double at[3], q[4];
-    doubles_of(body, at, q);
+    haptic_pose_to_metres(body, at, q);
     return haptic_clutch_pose(c, at, q);
 }
 

@@ -23,6 +23,9 @@ typedef struct haptic_clutch {
     bool held, laid;
 } haptic_clutch;
 
+/* Writes a pose as metres and a quaternion of length 1. */
+void haptic_pose_to_metres(const ost_pose *pose, double at[3], double q[4]);
+
 haptic_clutch haptic_clutch_make(const ost_pose *start, double scale);
 /* The body's frame is the tool's at the start, however the body lies when it is first seen: for devices with a right and an up. */
 void haptic_clutch_lay(haptic_clutch *clutch);

@@ -107,18 +107,6 @@ static void slerp(const double a[4], const double b[4], double share, double out
         out[i] /= sqrt(length);
 }
 
-static void metres_of(const ost_pose *pose, double at[3], double q[4])
-{
-    double length = 0;
-    ost_pose_to_doubles(pose, at, q);
-    for (int i = 0; i < 4; i++)
-        length += q[i] * q[i];
-    for (int i = 0; i < 4; i++)
-        q[i] /= sqrt(length);
-    for (int i = 0; i < 3; i++)
-        at[i] *= 1e-3;
-}
-
 static ost_haptic_answer motion_read(haptic_instance *m, ost_haptic_state *state)
 {
     const ost_tick *ticks = m->path.ticks;
@@ -136,8 +124,8 @@ static ost_haptic_answer motion_read(haptic_instance *m, ost_haptic_state *state
     }
     const double share = b == a ? 0 : (double)(t - a->t_ns) / (double)(b->t_ns - a->t_ns);
     double at[3], to[3], from_q[4], to_q[4], q[4];
-    metres_of(&a->pose, at, from_q);
-    metres_of(&b->pose, to, to_q);
+    haptic_pose_to_metres(&a->pose, at, from_q);
+    haptic_pose_to_metres(&b->pose, to, to_q);
     for (int i = 0; i < 3; i++)
         at[i] += share * (to[i] - at[i]);
     slerp(from_q, to_q, share, q);
