@@ -2,6 +2,7 @@
 #include "app/options.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -240,8 +241,14 @@ static ost_status take(const app_state *app, const option *o, const char *text, 
             return usage_error(app, err, "--%s '%s': expected a direction x,y,z", o->name, text);
         if (!d[0].mantissa && !d[1].mantissa && !d[2].mantissa)
             return usage_error(app, err, "--%s '%s': a direction cannot be zero", o->name, text);
-        for (int a = 0; a < 3; a++)
-            ((double *)o->out)[a] = decimal_double(&d[a]);
+        double *out = o->out, greatest = 0;
+        for (int a = 0; a < 3; a++) {
+            out[a] = decimal_double(&d[a]);
+            greatest = fmax(greatest, fabs(out[a]));
+        }
+        /* The squares of a direction must neither overflow nor vanish. */
+        if (!(greatest >= 1e-9 && greatest <= 1e9))
+            return usage_error(app, err, "--%s '%s': expected a direction whose greatest component is from 1e-9 to 1e9", o->name, text);
         return OST_OK;
     }
     case OPTION_CHOICE:

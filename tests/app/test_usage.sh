@@ -58,6 +58,9 @@ refuse 2 'nothing.txt' import nothing.txt --out b.nrrd
 refuse 2 '--json takes no value' import a --out b.nrrd --json=1
 refuse 2 'given twice' import a --out b.nrrd --out c.nrrd
 refuse 2 'a direction cannot be zero' ream --bone a --out b.nrrd --axis 0,0,0
+for axis in 1e300,0,0 0,1e-300,0; do
+	refuse 2 "'$axis': expected a direction whose greatest component is from 1e-9 to 1e9" ream --bone a --out b.nrrd --axis "$axis"
+done
 refuse 2 '--tool TOOL is missing' ream --bone a --out b.nrrd --path p
 refuse 2 '--path PATH is missing' ream --bone a --out b.nrrd --tool t
 refuse 2 '3 paths and 2 tools' ream --bone a --out b.nrrd --tool t --tool t --path p --path p --path p
