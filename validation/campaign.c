@@ -280,6 +280,8 @@ static ost_status ended(runner *r, int which, const worker_result *end, ost_erro
         status = resources_left(r->c->subjects->subjects[s.whom].spec, end, err);
     if (status == OST_OK && (unread.status == OST_ERR_MEMORY || unread.status == OST_ERR_IO))
         status = ost_fail(err, unread.status, "%s", unread.text);
+    if (status == OST_OK && got.whole)
+        status = paths_add(&r->c->paths[s.whom], &got.records[got.count - 1], err);
     if (status == OST_OK)
         status = s.whom == 0 ? reference_ended(r, b, &got, end, err) : subject_ended(r, b, s.whom, &got, end, err);
     trace_free(&got);
@@ -490,11 +492,12 @@ ost_status campaign_run(const plan *p, const subject_list *subjects, const campa
     out->results = calloc(cells ? cells : 1, sizeof *out->results);
     out->ranges = calloc((size_t)p->count + 1, sizeof *out->ranges);
     out->seconds = calloc(count, sizeof *out->seconds);
+    out->paths = calloc(count, sizeof *out->paths);
     r.ends = calloc((size_t)p->count + 1, sizeof *r.ends);
     r.gone = calloc(count, sizeof *r.gone);
     r.last_words = calloc(count, sizeof *r.last_words);
     ost_status status = OST_OK;
-    if (!out->results || !out->ranges || !out->seconds || !r.ends || !r.gone || !r.last_words)
+    if (!out->results || !out->ranges || !out->seconds || !out->paths || !r.ends || !r.gone || !r.last_words)
         status = ost_fail(err, OST_ERR_MEMORY, "no memory for %zu results", cells);
     if (status == OST_OK)
         status = know_dumps(out, err);
@@ -532,6 +535,9 @@ void campaign_free(campaign *c)
     }
     free(c->results);
     free(c->ranges);
+    for (int s = 0; c->paths && s < c->subjects->count; s++)
+        paths_free(&c->paths[s]);
+    free(c->paths);
     free(c->seconds);
     *c = (campaign){0};
 }

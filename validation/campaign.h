@@ -20,6 +20,7 @@
 
 #include "validation/locate/finding.h"
 #include "validation/margin.h"
+#include "validation/paths.h"
 #include "validation/plan.h"
 #include "validation/subjects.h"
 #include "validation/worker.h"
@@ -66,6 +67,7 @@ typedef struct campaign {
     case_result *results; /* owned; [case * subjects + subject]; the reference's say whether it ran */
     trace reference;       /* of the batch that is judged; empty outside of differs and done */
     compare_range *ranges; /* owned; of each case in it, count 0 where it is not in this batch */
+    path_list *paths;      /* owned; of each subject: what its workers entered, but for those that ended before their time */
     double *seconds;       /* owned; of each subject: that its workers ran, beside others */
     int jobs;              /* workers at a time */
     uint64_t trace_bytes;  /* most that lay on the disk at a time */

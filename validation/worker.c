@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "validation/leftover.h"
+#include "validation/paths.h"
 #include "validation/perform.h"
 
 extern char **environ;
@@ -51,6 +52,7 @@ ost_status worker_run(const plan *p, int from, int to, const char *spec, const c
     }
     if (w && status == OST_OK) {
         trace_begin(w, TRACE_END, (uint32_t)to, 0);
+        paths_write(backend, w);
         status = trace_end(w, err);
     }
     ost_status closed = trace_close(w, err);

@@ -61,12 +61,28 @@ ost_status validate_freeze(bundle *b, const json_t *protocol, ost_error *err)
     return status == OST_OK ? bundle_log(b, "protocol frozen", err, "%s", ost_digest_hex(&digest, hex)) : status;
 }
 
+/* {"cl": {"entered": {"kernel ost_remove": 12}, "not_entered": [...]}}, of backends that count their paths. */
+static json_t *paths_of(const campaign *c)
+{
+    json_t *all = json_object();
+    for (int s = 0; s < c->subjects->count; s++) {
+        json_t *entered, *missing;
+        if (!c->paths[s].count)
+            continue;
+        paths_json(&c->paths[s], &entered, &missing);
+        put(all, c->subjects->subjects[s].spec, json_pack("{s:o,s:o}", "entered", entered, "not_entered", missing));
+    }
+    return all;
+}
+
 static ost_status put_machine(bundle *b, const campaign *c, const char *program, ost_error *err)
 {
     json_t *machine, *times = json_object();
     for (int s = 0; s < c->subjects->count; s++)
         put_real(times, c->subjects->subjects[s].spec, c->seconds[s]);
     ost_status status = environment_of(program, &machine, err);
+    if (status == OST_OK)
+        put(machine, "paths", paths_of(c));
     if (status == OST_OK)
         status = bundle_put_json(b, "environment.json", machine, err);
     if (status == OST_OK)

@@ -59,6 +59,23 @@ static void say_difference(const app_state *app, const plan_case *c, const subje
             c->family == PLAN_USER ? " and the files that you gave" : "");
 }
 
+/* Puts what a backend's workers entered and what they did not; says the latter. */
+static void say_paths(const app_state *app, const path_list *list, json_t *o)
+{
+    json_t *entered, *missing;
+    char line[1024] = "";
+    size_t used = 0;
+    if (!list->count)
+        return;
+    paths_json(list, &entered, &missing);
+    for (size_t i = 0; i < json_array_size(missing) && used < sizeof line; i++)
+        used += (size_t)snprintf(line + used, sizeof line - used, "%s%s", i ? ", " : "", json_string_value(json_array_get(missing, i)));
+    if (used)
+        say(app, "  %-32s not entered: %s%s", "", line, used < sizeof line ? "" : " ...");
+    put(o, "entered", entered);
+    put(o, "not_entered", missing);
+}
+
 static void say_backends(app_state *app, const campaign *c)
 {
     json_t *array = json_array();
@@ -87,6 +104,7 @@ static void say_backends(app_state *app, const campaign *c)
         else
             say(app, "  %-32s %d of %d equal%s, %s", one->spec, equal, c->plan->count, refused ? ", others refused as by the reference" : "",
                 say_time(time, 1e3 * c->seconds[s]));
+        say_paths(app, &c->paths[s], o);
     }
     put(app->result, "backends", array);
 }

@@ -159,6 +159,7 @@ const ost_backend_ops ost_backend_cl = {
     .close = close_cl,
     .settings = settings,
     .finish = finish,
+    .paths = ost_no_paths,
     .grid_create = ost_cl_grid_create,
     .grid_free = ost_cl_grid_free,
     .grid_upload = ost_cl_grid_upload,

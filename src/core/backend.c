@@ -110,6 +110,18 @@ ost_status ost_backend_finish(ost_backend *backend, ost_error *err)
     return backend->ops->finish(backend, err);
 }
 
+void ost_backend_paths(const ost_backend *backend, ost_path_visit *visit, void *user)
+{
+    backend->ops->paths(backend, visit, user);
+}
+
+void ost_no_paths(const ost_backend *backend, ost_path_visit *visit, void *user)
+{
+    (void)backend;
+    (void)visit;
+    (void)user;
+}
+
 /* ----------------------------------------------------------------- grids */
 
 static ost_status check_slices(const ost_geometry *geometry, int32_t z0, int32_t count, const void *voxels, ost_error *err)

@@ -21,6 +21,8 @@
 
 #include <osteon/backend.h>
 
+#include "core/paths.h"
+
 typedef struct ost_backend_ops ost_backend_ops;
 
 struct ost_backend {
@@ -57,6 +59,8 @@ struct ost_backend_ops {
     void (*close)(ost_backend *backend);
     ost_backend_settings (*settings)(const ost_backend *backend);
     ost_status (*finish)(ost_backend *backend, ost_error *err);
+    /* Visits the paths that decide voxels, with their counts (paths.h). */
+    void (*paths)(const ost_backend *backend, ost_path_visit *visit, void *user);
 
     /* Zero-filled grid; slices up and down. No arithmetic. */
     ost_status (*grid_create)(ost_backend *backend, const ost_geometry *geometry, ost_grid **out, ost_error *err);

@@ -170,6 +170,7 @@ const ost_backend_ops ost_backend_cpu = {
     .close = close_cpu,
     .settings = settings,
     .finish = finish,
+    .paths = ost_no_paths,
     .grid_create = ost_cpu_grid_create,
     .grid_free = ost_cpu_grid_free,
     .grid_upload = ost_cpu_grid_upload,

@@ -134,6 +134,7 @@ const ost_backend_ops ost_backend_plugin = {
     .close = close_plugin,
     .settings = settings,
     .finish = finish,
+    .paths = ost_no_paths,
     .grid_create = ost_adapt_grid_create,
     .grid_free = ost_adapt_grid_free,
     .grid_upload = ost_adapt_grid_upload,

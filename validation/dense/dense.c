@@ -45,6 +45,7 @@ static const ost_backend_ops table = {
     .close = close_dense,
     .settings = settings,
     .finish = finish,
+    .paths = ost_no_paths,
     .grid_create = dense_grid_create,
     .grid_free = dense_grid_free,
     .grid_upload = dense_grid_upload,

@@ -60,6 +60,7 @@ const ost_backend_ops ost_backend_ref = {
     .close = close_ref,
     .settings = settings,
     .finish = finish,
+    .paths = ost_no_paths,
     .grid_create = ost_ref_grid_create,
     .grid_free = ost_ref_grid_free,
     .grid_upload = ost_ref_grid_upload,

@@ -1,0 +1,98 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The paths of a backend go from a worker to its parent in the end record of a
+ * trace: counts are summed over workers by name, and a record that is damaged
+ * adds nothing that was not there.
+ * Covers: REQ-VAL-PATHS
+ */
+#include "harness.h"
+
+#include "core/backend.h"
+#include "io/scratch_group.h"
+#include "validation/paths.h"
+
+enum { PATH = 4200 };
+
+static uint64_t given[3];
+static const char *const names[3] = {"kernel one", "the last part of a row", "a fallback"};
+
+static void visit_given(const ost_backend *backend, ost_path_visit *visit, void *user)
+{
+    (void)backend;
+    for (int i = 0; i < 3; i++)
+        visit(user, names[i], given[i]);
+}
+
+/* A trace of nothing but its end, with these counts. */
+static trace ended_with(const char *name, uint64_t a, uint64_t b, uint64_t c)
+{
+    static const ost_backend_ops table = {.name = "test", .paths = visit_given};
+    const ost_backend backend = {.ops = &table};
+    ost_error err = {0};
+    char path[PATH];
+    trace_writer *w;
+    trace t;
+    given[0] = a, given[1] = b, given[2] = c;
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    assert_ok(trace_create(path, &w, &err));
+    trace_begin(w, TRACE_END, 1, 0);
+    paths_write(&backend, w);
+    assert_ok(trace_end(w, &err));
+    assert_ok(trace_close(w, &err));
+    assert_ok(trace_open(path, &t, &err));
+    assert_true(t.whole);
+    return t;
+}
+
+static void summed(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    path_list list = {0};
+    trace one = ended_with("one", 5, 0, 0), two = ended_with("two", 7, 1, 0);
+    assert_ok(paths_add(&list, &one.records[one.count - 1], &err));
+    assert_ok(paths_add(&list, &two.records[two.count - 1], &err));
+    assert_int_equal(list.count, 3);
+    assert_string_equal(list.paths[0].name, names[0]);
+    assert_int_equal(list.paths[0].entered, 12);
+    assert_int_equal(list.paths[1].entered, 1);
+    json_t *entered, *missing;
+    paths_json(&list, &entered, &missing);
+    assert_int_equal(json_object_size(entered), 2);
+    assert_int_equal(json_integer_value(json_object_get(entered, names[0])), 12);
+    assert_int_equal(json_array_size(missing), 1);
+    assert_string_equal(json_string_value(json_array_get(missing, 0)), names[2]);
+    json_decref(entered);
+    json_decref(missing);
+    paths_free(&list);
+    trace_free(&one);
+    trace_free(&two);
+}
+
+/* Every prefix of the record's body: what is whole in it is added, nothing is read past its end. */
+static void damaged(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    trace t = ended_with("whole", 1, 2, 3);
+    for (uint64_t bytes = 0; bytes < t.records[0].body_bytes; bytes++) {
+        path_list list = {0};
+        trace_record r = t.records[0];
+        uint8_t *body = malloc(bytes + 1);
+        assert_non_null(body);
+        memcpy(body, r.body, bytes);
+        r.body = body;
+        r.body_bytes = bytes;
+        assert_ok(paths_add(&list, &r, &err));
+        assert_true(list.count < 3);
+        paths_free(&list);
+        free(body);
+    }
+    trace_free(&t);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(summed), cmocka_unit_test(damaged)};
+    return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);
+}

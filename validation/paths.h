@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Which paths of a backend a campaign entered (core/paths.h), summed over its
+ * workers.
+ *
+ *   worker: backend --paths_write--> the end record of its trace
+ *   parent: the end record --paths_add--> path_list of the backend
+ *
+ * The end record has a count for each path as its words and the path's name as
+ * a block of bytes.
+ */
+#ifndef OST_VALIDATION_PATHS_H
+#define OST_VALIDATION_PATHS_H
+
+#include <jansson.h>
+
+#include "core/paths.h"
+#include "validation/trace.h"
+
+enum { PATHS_MAX = 1024 }; /* of one backend */
+
+typedef struct path_count {
+    char name[OST_PATH_NAME];
+    uint64_t entered;
+} path_count;
+
+typedef struct path_list {
+    int count;
+    path_count *paths; /* owned; in the backend's order */
+} path_list;
+
+/* Adds the backend's paths to the record that was begun. */
+void paths_write(const ost_backend *backend, trace_writer *w);
+/* Adds the counts of an end record; a record without paths, or one that is not well formed, adds none. OST_ERR_MEMORY alone. */
+ost_status paths_add(path_list *list, const trace_record *end, ost_error *err);
+/* Makes {"path": count} of those that were entered, and a list of the others; the caller owns both. */
+void paths_json(const path_list *list, json_t **entered, json_t **missing);
+void paths_free(path_list *list);
+
+#endif
