@@ -122,8 +122,10 @@ static ost_status reserve(cl_bone *bone, size_t capacity, bool raw, ost_error *e
         status = ost_cl_copy(b, bone->density, density, bone->used * density_bytes, err);
     if (status == OST_OK && bone->used)
         status = ost_cl_copy(b, bone->words, words, bone->used * word_bytes, err);
-    if (status == OST_OK && bone->used)
+    if (status == OST_OK && bone->used) {
+        b->entered[OST_CL_PATH_POOL_GROWN]++;
         status = ost_cl_finish(b, err); /* before the old ones go */
+    }
     if (status != OST_OK) {
         ost_cl_room_give(b, &density, room);
         ost_cl_buffer_free(b, &words);
@@ -140,8 +142,10 @@ static ost_status reserve(cl_bone *bone, size_t capacity, bool raw, ost_error *e
 
 static uint32_t take_slot(cl_bone *bone)
 {
-    if (bone->free_count)
+    if (bone->free_count) {
+        backend_of(bone)->entered[OST_CL_PATH_SLOT_REUSED]++;
         return bone->free[--bone->free_count];
+    }
     assert(bone->used < bone->capacity);
     return (uint32_t)bone->used++;
 }
@@ -183,7 +187,7 @@ static size_t slice_voxels(const cl_bone *bone)
 
 static int32_t slab_step(const cl_bone *bone, int32_t count)
 {
-    const size_t fit = SLAB_BYTES / (slice_voxels(bone) * sizeof(int16_t));
+    const size_t fit = ost_cl_staging(backend_of(bone), SLAB_BYTES) / (slice_voxels(bone) * sizeof(int16_t));
     return fit < 1 ? 1 : fit < (size_t)count ? (int32_t)fit : count;
 }
 
@@ -218,7 +222,7 @@ static ost_status scan(cl_bone *bone, int32_t z0, int32_t z1, const slices *s, v
     const ost_cl_arg args[] = {OST_CL_ARG(bone->shape), OST_CL_ARG(z0),        OST_CL_ARG(z1),      OST_CL_ARG(s->first),
                                OST_CL_ARG(s->weights),  OST_CL_ARG(s->layers), OST_CL_ARG(s->slab), OST_CL_ARG(*active)};
     enum { ARGS = sizeof args / sizeof args[0] };
-    if (b->device.cpu)
+    if (b->cpu_set)
         return ost_cl_launch(b, OST_CL_KERNEL_ost_chunk_scan_layers, (size_t)bone->chunk_dims.y, (size_t)bone->chunk_dims.z, 1, args, ARGS,
                              err);
     return ost_cl_launch(b, OST_CL_KERNEL_ost_chunk_scan, (size_t)(z1 - z0), columns_of(bone), 1, args, ARGS, err);
@@ -234,7 +238,7 @@ static ost_status store(cl_bone *bone, int32_t z0, int32_t z1, const slices *s, 
                                OST_CL_ARG(bone->words)};
     enum { ARGS = sizeof args / sizeof args[0] };
     (void)user;
-    if (b->device.cpu)
+    if (b->cpu_set)
         return ost_cl_launch(b, OST_CL_KERNEL_ost_chunk_store_layers, columns_of(bone), (size_t)bone->chunk_dims.z, 1, args, ARGS, err);
     return ost_cl_launch(b, OST_CL_KERNEL_ost_chunk_store, row_words, columns_of(bone), (size_t)(z1 - z0), args, ARGS, err);
 }
@@ -274,7 +278,7 @@ static ost_status scan_all(cl_bone *bone, const slices *s, uint32_t *scanned, os
 static ost_status give_slots(cl_bone *bone, const uint32_t *scanned, bool all_slices, ost_error *err)
 {
     /* On CPUs storing writes the padding too. */
-    const bool raw = all_slices && bone->used == 0 && backend_of(bone)->device.cpu;
+    const bool raw = all_slices && bone->used == 0 && backend_of(bone)->cpu_set;
     size_t needed = 0;
     for (size_t c = 0; c < bone->chunks; c++)
         needed += scanned[c] > 0 && bone->slot[c] == OST_CL_NONE;
@@ -344,6 +348,7 @@ ost_status ost_cl_bone_upload(ost_bone *base, int32_t z0, int32_t count, const i
         return status;
     slices s = {.z0 = z0, .z1 = z0 + count, .voxels = voxels, .layers = bone->slots, .first = -1, .weights = -1, .step = slab_step(bone, count)};
     size_t room;
+    b->entered[OST_CL_PATH_SLICES_UP_IN_PARTS] += s.step < count;
     status = ost_cl_room_take(b, slice_voxels(bone) * (size_t)s.step * sizeof *voxels, "slices", &s.slab, &room, err);
     if (status == OST_OK) {
         status = store_slices(bone, &s, err);
@@ -365,6 +370,7 @@ ost_status ost_cl_cubic_to_chunks(const ost_grid *base, int chunk_size, int32_t 
     slices s = {
         .z0 = 0, .z1 = nz, .slab = cubic->store->voxels, .layers = ((cl_bone *)bone)->slots, .first = -1, .weights = -1, .step = nz};
     if (cubic->sources) {
+        ((cl_backend *)base->backend)->entered[OST_CL_PATH_CHUNKS_OF_LIST]++;
         s.layers = cubic->sources;
         s.first = base->geometry.dims.x + base->geometry.dims.y;
         s.weights = cubic->linear ? 2 * s.first + nz : -1;
@@ -386,7 +392,7 @@ static ost_status load(cl_bone *bone, cl_int z0, cl_int z1, cl_mem slab, ost_err
     const ost_cl_arg args[] = {OST_CL_ARG(bone->shape), OST_CL_ARG(z0),   OST_CL_ARG(z1), OST_CL_ARG(bone->slots),
                                OST_CL_ARG(bone->density), OST_CL_ARG(slab)};
     enum { ARGS = sizeof args / sizeof args[0] };
-    if (b->device.cpu)
+    if (b->cpu_set)
         return ost_cl_launch(b, OST_CL_KERNEL_ost_chunk_load_rows, (size_t)bone->chunk_dims.y, (size_t)(z1 - z0), 1, args, ARGS, err);
     return ost_cl_launch(b, OST_CL_KERNEL_ost_chunk_load, (size_t)d.x, (size_t)d.y, (size_t)(z1 - z0), args, ARGS, err);
 }
@@ -401,10 +407,12 @@ ost_status ost_cl_bone_download(const ost_bone *base, int32_t z0, int32_t count,
         return status;
     const size_t slice = slice_voxels(bone);
     if (bone->used == 0) {
+        b->entered[OST_CL_PATH_EMPTY_DOWN]++;
         memset(voxels, 0, slice * (size_t)count * sizeof *voxels);
         return OST_OK;
     }
     const int32_t step = slab_step(bone, count);
+    b->entered[OST_CL_PATH_SLICES_DOWN_IN_PARTS] += step < count;
     cl_mem slab = NULL;
     size_t room = 0;
     status = ost_cl_room_take(b, slice * (size_t)step * sizeof *voxels, "slices", &slab, &room, err);
@@ -425,6 +433,7 @@ ost_status ost_cl_bone_occupancy(const ost_bone *base, size_t count, const int32
     const cl_bone *bone = (const cl_bone *)base;
     const size_t bytes = bone->chunk_voxels / 8;
     ost_status status = ost_cl_alive(base->backend, bone->lost, "bone", err);
+    backend_of(bone)->entered[OST_CL_PATH_OCCUPANCY_DOWN]++;
     for (size_t i = 0; i < count && status == OST_OK; i++, words += bytes / sizeof *words) {
         const uint32_t slot = bone->slot[chunks[i]];
         if (slot != OST_CL_NONE)

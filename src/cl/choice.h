@@ -3,11 +3,12 @@
  * Platforms and devices: what is there, what of it may decide voxels, and
  * which one the user meant.
  *
- *   "platform=Portable,device=1,workgroup=64"
+ *   "platform=Portable,device=1,workgroup=64,kernels=gpu,staging=65536"
  *
  * platform and device are numbers in the loader's order (a device's within its
  * platform) or a part of the name, in capitals or not.  Without them the
- * first device that passes is taken.
+ * first device that passes is taken.  The other options belong to the opened
+ * backend and change no result: every device runs either set of kernels.
  */
 #ifndef OST_CL_CHOICE_H
 #define OST_CL_CHOICE_H
@@ -28,7 +29,7 @@ typedef struct ost_cl_device {
     cl_ulong max_buffer; /* bytes of one buffer */
     cl_ulong memory;     /* bytes of all */
     size_t max_workgroup;
-    bool cpu; /* few, strong cores; cleared when it is opened and loses turns of long loops (fingerprint.c) */
+    bool cpu; /* few, strong cores: AUTO takes the set for CPUs */
     char reason[OST_CL_REASON]; /* why it is refused; "" if nothing that it says of itself speaks against it */
 } ost_cl_device;
 
@@ -42,9 +43,14 @@ typedef struct ost_cl_devices {
 ost_status ost_cl_devices_list(const ost_cl_api *cl, ost_cl_devices *out, ost_error *err);
 void ost_cl_devices_free(ost_cl_devices *devices);
 
+/* The two sets of kernels, as OST_FOR of kernels/shared.h; AUTO: by the device's type. */
+typedef enum ost_cl_set { OST_CL_SET_AUTO = 0, OST_CL_SET_GPU = 1, OST_CL_SET_CPU = 2 } ost_cl_set;
+
 typedef struct ost_cl_options {
     char platform[OST_CL_NAME], device[OST_CL_NAME]; /* "": any */
     size_t workgroup;                                /* 0: the device's own choice */
+    size_t staging; /* most bytes that a stage moves or works on at a time; 0: each stage's own limit */
+    ost_cl_set kernels;
 } ost_cl_options;
 
 ost_status ost_cl_options_read(const char *text, ost_cl_options *out, ost_error *err);

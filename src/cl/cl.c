@@ -51,7 +51,7 @@ static ost_status open_any(const ost_cl_api *cl, const char *text, const ost_cl_
         if (!ost_cl_options_match(&options, &devices.list[i]))
             continue;
         ost_error this = {0};
-        status = ost_cl_device_open(cl, &devices.list[i], gl, options.workgroup, &backend, &this);
+        status = ost_cl_device_open(cl, &devices.list[i], gl, &options, &backend, &this);
         if (status != OST_OK && !tried) {
             why = this;
             first = status;
@@ -82,6 +82,7 @@ ost_status ost_cl_open_shared(const ost_cl_api *cl, const char *text, const ost_
 
 ost_status ost_cl_visit_with(const ost_cl_api *cl, ost_device_visit *visit, void *user, ost_error *err)
 {
+    const ost_cl_options standard = {.kernels = OST_CL_SET_AUTO};
     ost_cl_devices devices;
     ost_status status = ost_cl_devices_list(cl, &devices, err);
     if (status != OST_OK)
@@ -94,7 +95,7 @@ ost_status ost_cl_visit_with(const ost_cl_api *cl, ost_device_visit *visit, void
         snprintf(name, sizeof name, d->id ? "%s (driver %s)" : "%s%s", d->name, d->driver);
         cl_backend *backend = NULL;
         ost_error why = {0};
-        ost_status opened = d->reason[0] ? OST_ERR_UNAVAILABLE : ost_cl_device_open(cl, d, NULL, 0, &backend, &why);
+        ost_status opened = d->reason[0] ? OST_ERR_UNAVAILABLE : ost_cl_device_open(cl, d, NULL, &standard, &backend, &why);
         if (opened == OST_OK)
             ost_cl_fingerprint_floats(backend, notes, sizeof notes);
         char *facts = ost_cl_facts(cl, d);
@@ -159,7 +160,7 @@ const ost_backend_ops ost_backend_cl = {
     .close = close_cl,
     .settings = settings,
     .finish = finish,
-    .paths = ost_no_paths,
+    .paths = ost_cl_paths,
     .grid_create = ost_cl_grid_create,
     .grid_free = ost_cl_grid_free,
     .grid_upload = ost_cl_grid_upload,

@@ -29,7 +29,7 @@
 #include "cl/kernels/shared.h"
 #include "core/backend.h"
 
-/* X(kernel, devices): created when a device of that kind is opened: OST_FOR of kernels/shared.h. */
+/* X(kernel, sets): created when a set of these is opened: OST_FOR of kernels/shared.h. */
 /* clang-format off */
 #define OST_CL_KERNELS(X) \
     X(ost_layout, 3) X(ost_fingerprint, 3) X(ost_fingerprint_atomics, 3) X(ost_fingerprint_turns, 3) \
@@ -44,10 +44,42 @@
 enum { OST_CL_SPARES = 8 };
 
 enum ost_cl_kernel {
-#define OST_CL_KERNEL_ENUM(name, devices) OST_CL_KERNEL_##name,
+#define OST_CL_KERNEL_ENUM(name, sets) OST_CL_KERNEL_##name,
     OST_CL_KERNELS(OST_CL_KERNEL_ENUM)
 #undef OST_CL_KERNEL_ENUM
     OST_CL_KERNEL_COUNT
+};
+
+/* X(path, sets, name): what the host does in one of several ways; counted where it is done, for core/paths.h. */
+/* clang-format off */
+#define OST_CL_PATHS(X) \
+    X(SAMPLES_IN_PARTS, 3, "scatter of a batch in several parts") \
+    X(RESAMPLED_LATER, 3, "resampling along z alone, as a list of slices") \
+    X(RESAMPLED_NOW, 3, "resampling along x or y") \
+    X(GRID_OF_LIST, 3, "grid made from a list of slices") \
+    X(GRID_COPIED, 3, "copy of a shared grid before a write") \
+    X(CHUNKS_OF_LIST, 3, "chunks made from a list of slices") \
+    X(SLICES_UP_IN_PARTS, 3, "upload of a bone in several parts") \
+    X(SLICES_DOWN_IN_PARTS, 3, "download of a bone in several parts") \
+    X(EMPTY_DOWN, 3, "download of a bone without chunks") \
+    X(OCCUPANCY_DOWN, 3, "download of occupancy") \
+    X(POOL_GROWN, 3, "growth of a pool that has chunks") \
+    X(SLOT_REUSED, 3, "slot of a freed chunk used again") \
+    X(BUFFER_REUSED, 3, "large buffer used again") \
+    X(STEPS_IN_PARTS, 1, "voxelization in several parts") \
+    X(LISTS_SHARED, 2, "voxelization with one list for several passes of tiles") \
+    X(NO_NONCUTTING, 3, "voxelization of a cutting mesh alone") \
+    X(WITH_NONCUTTING, 3, "voxelization of two meshes") \
+    X(EVENT_IN_PARTS, 3, "event in several launches") \
+    X(EVENT_REMOVES, 3, "event that removes") \
+    X(EVENT_COLLIDES, 3, "event that collides")
+/* clang-format on */
+
+enum ost_cl_path {
+#define OST_CL_PATH_ENUM(path, sets, name) OST_CL_PATH_##path,
+    OST_CL_PATHS(OST_CL_PATH_ENUM)
+#undef OST_CL_PATH_ENUM
+    OST_CL_PATH_COUNT
 };
 
 typedef struct cl_backend {
@@ -55,7 +87,9 @@ typedef struct cl_backend {
     const ost_cl_api *cl;
     ost_cl_device device;
     bool gl;          /* shares with a context of OpenGL */
+    bool cpu_set;     /* the kernels are those for CPUs, else those for GPUs */
     size_t workgroup; /* work items of a group, 0: default */
+    size_t staging;   /* as in ost_cl_options */
     uint32_t turns;   /* of a work item's loops; OST_CL_TURNS: no end was seen */
     int run;          /* voxels of a row that a work item of ost_cubic_gather copies */
     cl_context context;
@@ -69,6 +103,8 @@ typedef struct cl_backend {
     size_t kernel_workgroup[OST_CL_KERNEL_COUNT]; /* what each can have at most */
     bool from_cache;                              /* whether the program's binary was found */
     ost_digest empty_leaf;
+    uint64_t launched[OST_CL_KERNEL_COUNT]; /* how often each was, but for an event that meets nothing */
+    uint64_t entered[OST_CL_PATH_COUNT];
     struct ost_cl_event_scratch *event; /* owned; what events reuse, NULL before the first (remove.c) */
 } cl_backend;
 
@@ -76,9 +112,13 @@ typedef struct cl_backend {
 
 /* Opens and checks one device; *out is NULL on failure, with the reason in err. gl: to share with (share.h), or NULL. */
 struct ost_cl_gl;
-ost_status ost_cl_device_open(const ost_cl_api *cl, const ost_cl_device *device, const struct ost_cl_gl *gl, size_t workgroup,
+ost_status ost_cl_device_open(const ost_cl_api *cl, const ost_cl_device *device, const struct ost_cl_gl *gl, const ost_cl_options *options,
                               cl_backend **out, ost_error *err);
 void ost_cl_device_close(cl_backend *backend);
+/* The smaller of a stage's own limit of bytes and the option staging. */
+size_t ost_cl_staging(const cl_backend *backend, size_t limit);
+/* The slot paths: the kernels of the opened set, and OST_CL_PATHS. */
+void ost_cl_paths(const ost_backend *backend, ost_path_visit *visit, void *user);
 
 /* What cl.c's slots do, with another table than the loader's. */
 ost_status ost_cl_open_with(const ost_cl_api *cl, const char *options, ost_backend **out, ost_error *err);

@@ -14,19 +14,51 @@
 
 static const struct {
     const char *name;
-    int devices;
+    int sets;
 } kernels[] = {
-#define OST_CL_KERNEL_TEXT(name, devices) {#name, devices},
+#define OST_CL_KERNEL_TEXT(name, sets) {#name, sets},
     OST_CL_KERNELS(OST_CL_KERNEL_TEXT)
 #undef OST_CL_KERNEL_TEXT
 };
+
+static ost_cl_set set_of(const cl_backend *b)
+{
+    return b->cpu_set ? OST_CL_SET_CPU : OST_CL_SET_GPU;
+}
+
+size_t ost_cl_staging(const cl_backend *b, size_t limit)
+{
+    return b->staging && b->staging < limit ? b->staging : limit;
+}
+
+void ost_cl_paths(const ost_backend *base, ost_path_visit *visit, void *user)
+{
+    static const struct {
+        const char *name;
+        int sets;
+    } paths[] = {
+#define OST_CL_PATH_TEXT(path, sets, name) {name, sets},
+        OST_CL_PATHS(OST_CL_PATH_TEXT)
+#undef OST_CL_PATH_TEXT
+    };
+    const cl_backend *b = (const cl_backend *)base;
+    char name[OST_PATH_NAME];
+    for (int k = 0; k < OST_CL_KERNEL_COUNT; k++)
+        if (b->kernel[k]) {
+            snprintf(name, sizeof name, "kernel %s", kernels[k].name);
+            visit(user, name, b->launched[k]);
+        }
+    for (int p = 0; p < OST_CL_PATH_COUNT; p++)
+        if (paths[p].sets & (int)set_of(b))
+            visit(user, paths[p].name, b->entered[p]);
+}
 
 static ost_status create_kernels(cl_backend *b, ost_error *err)
 {
     for (int k = 0; k < OST_CL_KERNEL_COUNT; k++) {
         const char *name = kernels[k].name;
         cl_int code = CL_SUCCESS;
-        if (!(kernels[k].devices & (b->device.cpu ? 2 : 1)))
+        if (!(kernels[k].sets & (int)set_of(b)))
             continue;
         b->kernel[k] = b->cl->clCreateKernel(b->program, name, &code);
         if (!b->kernel[k] || code != CL_SUCCESS)
@@ -54,8 +86,8 @@ static void drop_program(cl_backend *b)
 static ost_status set_up_program(cl_backend *b, ost_error *err)
 {
     char options[64];
-    b->run = b->device.cpu ? 1024 : 1;
-    snprintf(options, sizeof options, "-cl-std=CL1.2 -DOST_FOR=%d -DOST_ROWS=1 -DOST_RUN=%d", b->device.cpu ? 2 : 1, b->run);
+    b->run = b->cpu_set ? 1024 : 1;
+    snprintf(options, sizeof options, "-cl-std=CL1.2 -DOST_FOR=%d -DOST_ROWS=1 -DOST_RUN=%d", b->cpu_set ? 2 : 1, b->run);
     ost_status status = ost_cl_build(b, ost_cl_program, ost_cl_program_count, options, &b->program, &b->from_cache, err);
     if (status == OST_OK)
         status = create_kernels(b, err);
@@ -66,7 +98,8 @@ static ost_status set_up_program(cl_backend *b, ost_error *err)
     return status;
 }
 
-static ost_status set_up(cl_backend *b, const ost_cl_gl *gl, ost_error *err)
+/* chosen: the user named the set, so that the other one is no substitute. */
+static ost_status set_up(cl_backend *b, const ost_cl_gl *gl, bool chosen, ost_error *err)
 {
     cl_int code = CL_SUCCESS;
     cl_context_properties properties[OST_CL_GL_PROPERTIES];
@@ -78,23 +111,27 @@ static ost_status set_up(cl_backend *b, const ost_cl_gl *gl, ost_error *err)
     if (!b->queue || code != CL_SUCCESS)
         return ost_cl_fail(err, b->device.name, code, "clCreateCommandQueue", "");
     ost_status status = set_up_program(b, err);
-    if (status == OST_OK && b->device.cpu && b->turns < OST_CL_TURNS) { /* the short work items for GPUs are for it too */
-        b->device.cpu = false;
+    if (status == OST_OK && b->cpu_set && b->turns < OST_CL_TURNS && chosen)
+        return ost_fail(err, OST_ERR_UNAVAILABLE,
+                        "OpenCL device '%.120s' ends a loop after %u turns, too early for kernels=cpu; kernels=gpu has shorter loops", b->device.name,
+                        (unsigned)b->turns);
+    if (status == OST_OK && b->cpu_set && b->turns < OST_CL_TURNS) { /* the short work items for GPUs are for it too */
+        b->cpu_set = false;
         drop_program(b);
         status = set_up_program(b, err);
     }
     return status;
 }
 
-ost_status ost_cl_device_open(const ost_cl_api *cl, const ost_cl_device *device, const ost_cl_gl *gl, size_t workgroup,
+ost_status ost_cl_device_open(const ost_cl_api *cl, const ost_cl_device *device, const ost_cl_gl *gl, const ost_cl_options *options,
                               cl_backend **out, ost_error *err)
 {
     *out = NULL;
     if (device->reason[0])
         return ost_fail(err, OST_ERR_UNAVAILABLE, "OpenCL device '%.120s' is refused: %s",
                         device->id ? device->name : device->platform_name, device->reason);
-    if (workgroup > device->max_workgroup)
-        return ost_fail(err, OST_ERR_USAGE, "backend cl: workgroup=%zu; '%.120s' takes at most %zu", workgroup, device->name,
+    if (options->workgroup > device->max_workgroup)
+        return ost_fail(err, OST_ERR_USAGE, "backend cl: workgroup=%zu; '%.120s' takes at most %zu", options->workgroup, device->name,
                         device->max_workgroup);
     if (gl && !ost_cl_gl_said(cl, device))
         return ost_fail(err, OST_ERR_UNAVAILABLE, "OpenCL device '%.120s' cannot share with OpenGL (cl_khr_gl_sharing)", device->name);
@@ -109,12 +146,14 @@ ost_status ost_cl_device_open(const ost_cl_api *cl, const ost_cl_device *device,
     if (status == OST_OK) {
         b->cl = cl;
         b->device = *device;
-        b->workgroup = workgroup;
+        b->workgroup = options->workgroup;
+        b->staging = options->staging;
+        b->cpu_set = options->kernels == OST_CL_SET_AUTO ? device->cpu : options->kernels == OST_CL_SET_CPU;
         b->gl = gl != NULL;
         /* A driver may catch the whole process's SIGFPE (PoCL does), and a division by zero elsewhere would go unseen. */
         struct sigaction before;
         const bool known = sigaction(SIGFPE, NULL, &before) == 0;
-        status = set_up(b, gl, err);
+        status = set_up(b, gl, options->kernels != OST_CL_SET_AUTO, err);
         if (known)
             sigaction(SIGFPE, &before, NULL);
     }

@@ -86,6 +86,7 @@ ost_status ost_cl_grid_own(cl_grid *grid, ost_error *err)
     ost_status status = store_create(b, &grid->base.geometry, &own, err);
     if (status != OST_OK)
         return status;
+    b->entered[grid->sources ? OST_CL_PATH_GRID_OF_LIST : OST_CL_PATH_GRID_COPIED]++;
     if (grid->sources)
         status = ost_cl_resample(b, grid->base.geometry.dims, grid->linear, grid->cubic, grid->sources, grid->store->voxels, own->voxels, err);
     else

@@ -2,7 +2,7 @@
 /*
  * From samples to the cubic grid (AR-CT-4..6, AR-CUB) on the device.
  *
- * A batch of samples goes up in parts of at most PART: a part is a batch of
+ * A batch of samples goes up in parts of at most PART_BYTES: a part is a batch of
  * its own with the same first line, so the report adds up in the same way
  * (kernels/shared.h says how).  The host reads 32 bytes of report a part, and
  * two more kernels run only where a conflict is to be named.
@@ -12,7 +12,7 @@
 #include <assert.h>
 #include <stdlib.h>
 
-enum { PART = 1 << 21 };
+enum { PART_BYTES = (1 << 21) * sizeof(ost_sample) };
 
 static ost_cl_scatter scatter_of(const ost_geometry *g, ost_duplicates duplicates, size_t count)
 {
@@ -108,9 +108,11 @@ ost_status ost_cl_ct_to_rect(ost_grid *base, const ost_sample *samples, size_t c
         status = ost_cl_buffer_zero(b, (voxels + 31) / 32 * sizeof(uint32_t), "which voxels are set", &grid->seen, err);
     if (status == OST_OK && !grid->owner)
         status = ost_cl_buffer_zero(b, voxels * sizeof(uint32_t), "which sample sets a voxel", &grid->owner, err);
+    const size_t most = ost_cl_staging(b, PART_BYTES) / sizeof *samples;
+    b->entered[OST_CL_PATH_SAMPLES_IN_PARTS] += count > most;
     ost_scatter_report whole = *report;
     for (size_t done = 0; done < count && status == OST_OK;) {
-        const size_t now = count - done < PART ? count - done : PART;
+        const size_t now = count - done < most ? count - done : most;
         ost_cl_scatter_report part;
         status = run_part(grid, samples + done, now, duplicates, &part, err);
         if (status == OST_OK)
@@ -163,6 +165,7 @@ ost_status ost_cl_rect_to_cubic(const ost_grid *base, const ost_geometry *geomet
         status = ost_cl_grid_create_raw(base->backend, geometry, z_alone ? rect->store : NULL, &to, err); /* every voxel of it is written */
     if (status == OST_OK)
         status = OST_CL_LAUNCH(b, ost_cubic_sources, axes, 1, 1, err, OST_CL_ARG(cubic_buffer), OST_CL_ARG(sources));
+    b->entered[z_alone ? OST_CL_PATH_RESAMPLED_LATER : OST_CL_PATH_RESAMPLED_NOW]++;
     if (status == OST_OK && !z_alone)
         status = ost_cl_resample(b, geometry->dims, linear, cubic_buffer, sources, rect->store->voxels, ((cl_grid *)to)->store->voxels, err);
     if (status == OST_OK) /* whatever failed there late is heard of here */

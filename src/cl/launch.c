@@ -23,7 +23,7 @@ static bool long_items(enum ost_cl_kernel kernel)
 }
 
 static const char *const kernel_names[] = {
-#define OST_CL_KERNEL_TEXT(name, devices) #name,
+#define OST_CL_KERNEL_TEXT(name, sets) #name,
     OST_CL_KERNELS(OST_CL_KERNEL_TEXT)
 #undef OST_CL_KERNEL_TEXT
 };
@@ -147,5 +147,6 @@ ost_status ost_cl_launch(cl_backend *b, enum ost_cl_kernel kernel, size_t x, siz
     const size_t local[3] = {group_size(b, kernel, x), 1, 1};
     const size_t global[3] = {(x + local[0] - 1) / local[0] * local[0], y, z};
     cl_int code = b->cl->clEnqueueNDRangeKernel(b->queue, b->kernel[kernel], 3, NULL, global, local, 0, NULL, NULL);
+    b->launched[kernel] += code == CL_SUCCESS;
     return code == CL_SUCCESS ? OST_OK : ost_cl_fail(err, b->device.name, code, "clEnqueueNDRangeKernel", kernel_names[kernel]);
 }

@@ -13,7 +13,7 @@
  * its pose's box misses the block, its base is far (AR-MAP-5), or the block's
  * eight corners lie all on one side of the grid.
  *
- * Entries are limited to ENTRIES_MAX; an event with more of them goes in
+ * Entries are limited to ENTRIES_BYTES; an event with more of them goes in
  * several launches, each of whole blocks.  Chunks are independent, so that
  * shows in nothing but time.
  */
@@ -23,7 +23,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BLOCK = OST_MAP_BLOCK, ENTRIES_MAX = 1 << 22 };
+enum { BLOCK = OST_MAP_BLOCK, ENTRIES_BYTES = (1 << 22) * sizeof(ost_cl_entry) };
 
 typedef struct event_array {
     void *host;      /* owned */
@@ -291,7 +291,7 @@ static ost_status launch(const plan *p, size_t blocks, ost_error *err)
 {
     struct ost_cl_event_scratch *s = p->s;
     const size_t items = blocks ? blocks : 1;
-    if (p->b->device.cpu)
+    if (p->b->cpu_set)
         return OST_CL_LAUNCH(p->b, ost_remove_blocks, (items + OST_CL_HANDS - 1) / OST_CL_HANDS * OST_CL_HANDS, 1, 1, err,
                              OST_CL_ARG(s->input_device), OST_CL_ARG(p->tool->cells), OST_CL_ARG(p->tool->windows),
                              OST_CL_ARG(p->bone->density), OST_CL_ARG(p->bone->words), OST_CL_ARG(s->reports_device));
@@ -352,6 +352,8 @@ static ost_status warm(plan *p, ost_error *err)
     if (status == OST_OK)
         status = launch(p, 0, err);
     if (status == OST_OK)
+        p->b->launched[p->b->cpu_set ? OST_CL_KERNEL_ost_remove_blocks : OST_CL_KERNEL_ost_remove]--; /* it decides no voxel */
+    if (status == OST_OK)
         status = ost_cl_finish(p->b, err);
     if (status == OST_OK)
         ost_cl_tool_settle(p->tool, true);
@@ -367,7 +369,7 @@ static ost_status flush(plan *p, ost_error *err)
     if (blocks == 0)
         return OST_OK;
     ost_status status = write_input(p, err);
-    if (status == OST_OK && !p->b->device.cpu)
+    if (status == OST_OK && !p->b->cpu_set)
         status = ost_cl_zero(p->b, s->reports_device, 0, s->reports.bytes, err);
     if (status == OST_OK) {
         status = launch(p, blocks, err);
@@ -394,8 +396,10 @@ static ost_status plan_chunk(plan *p, size_t chunk, const int32_t corner[3], ost
             for (int32_t x = 0; x < n && status == OST_OK; x += BLOCK) {
                 const int32_t first[3] = {corner[0] + x, corner[1] + y, corner[2] + z};
                 status = plan_block(p, chunk, first, err);
-                if (status == OST_OK && p->s->entries.bytes / sizeof(ost_cl_entry) >= ENTRIES_MAX)
+                if (status == OST_OK && p->s->entries.bytes >= ost_cl_staging(p->b, ENTRIES_BYTES)) {
+                    p->b->entered[OST_CL_PATH_EVENT_IN_PARTS]++;
                     status = flush(p, err);
+                }
             }
     return status;
 }
@@ -434,6 +438,7 @@ static ost_status run_event(cl_bone *bone, cl_tool *tool, const ost_event *event
     plan p = {.b = b, .bone = bone, .tool = tool, .event = event, .s = b->event, .apply = apply, .report = report, .part = {.chunk = -1}};
     p.s->blocks.bytes = p.s->entries.bytes = 0;
     int32_t lo[3], hi[3];
+    b->entered[apply ? OST_CL_PATH_EVENT_REMOVES : OST_CL_PATH_EVENT_COLLIDES]++;
     chunk_range(&p, lo, hi);
     status = reserve_report(&p, lo, hi, err);
     if (status == OST_OK)

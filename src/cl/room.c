@@ -25,10 +25,11 @@ static int find(const cl_backend *b, size_t bytes)
 
 ost_status ost_cl_room_take(cl_backend *b, size_t bytes, const char *what, cl_mem *out, size_t *room, ost_error *err)
 {
-    const int i = bytes >= LEAST ? find(b, bytes) : -1;
+    const int i = bytes >= ost_cl_staging(b, LEAST) ? find(b, bytes) : -1;
     *room = bytes;
     if (i < 0)
         return ost_cl_buffer(b, bytes, NULL, what, out, err);
+    b->entered[OST_CL_PATH_BUFFER_REUSED]++;
     *out = b->spare[i].buffer;
     *room = b->spare[i].bytes;
     b->spare[i].buffer = NULL;
@@ -43,7 +44,7 @@ void ost_cl_room_give(cl_backend *b, cl_mem *buffer, size_t room)
         kept += b->spare[i].buffer ? b->spare[i].bytes : 0;
         empty = b->spare[i].buffer ? empty : i;
     }
-    if (!*buffer || room < LEAST || kept > MOST || empty < 0) {
+    if (!*buffer || room < ost_cl_staging(b, LEAST) || kept > MOST || empty < 0) {
         ost_cl_buffer_free(b, buffer);
         return;
     }

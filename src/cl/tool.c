@@ -99,7 +99,7 @@ ost_status ost_cl_tool_prepare(cl_tool *tool, ost_error *err)
         ost_cl_buffer_free(b, &shape_buffer);
     }
     ost_cl_buffer_free(b, &second);
-    if (status == OST_OK && b->device.cpu)
+    if (status == OST_OK && b->cpu_set)
         status = make_windows(tool, &tool->windows, err);
     if (status != OST_OK)
         ost_cl_buffer_free(b, &first);

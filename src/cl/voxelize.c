@@ -69,7 +69,7 @@ static ost_status count_slices(cl_backend *b, const ost_cl_vox *vox, cl_mem clas
 static int32_t step_slices(const cl_backend *b, ost_dims dims)
 {
     const size_t slice = (size_t)dims.y * ((size_t)dims.x + 1) * sizeof(int32_t);
-    const size_t most = b->device.max_buffer < STEPS_BYTES ? b->device.max_buffer : STEPS_BYTES;
+    const size_t limit = ost_cl_staging(b, STEPS_BYTES), most = b->device.max_buffer < limit ? b->device.max_buffer : limit;
     const size_t fit = most / slice;
     return fit < 1 ? 1 : fit < (size_t)dims.z ? (int32_t)fit : dims.z;
 }
@@ -78,10 +78,12 @@ ost_status ost_cl_voxelize(ost_backend *backend, const ost_snapped_mesh *cutting
                            ost_fill_rule rule, ost_voxelize_report *report, ost_tool **out, ost_error *err)
 {
     cl_backend *b = (cl_backend *)backend;
-    if (b->device.cpu)
+    b->entered[noncutting ? OST_CL_PATH_WITH_NONCUTTING : OST_CL_PATH_NO_NONCUTTING]++;
+    if (b->cpu_set)
         return ost_cl_voxelize_tiles(backend, cutting, noncutting, rule, report, out, err);
     const ost_dims dims = cutting->grid.dims;
     const int32_t step = step_slices(b, dims);
+    b->entered[OST_CL_PATH_STEPS_IN_PARTS] += step < dims.z;
     mesh_buffers meshes[2] = {{.mesh = noncutting, .tool_class = OST_TOOL_NONCUTTING}, {.mesh = cutting, .tool_class = OST_TOOL_CUTTING}};
     cl_mem steps = NULL, leaks = NULL, counts = NULL;
     uint32_t leaking = 0, *count = calloc(2 * (size_t)dims.z, sizeof *count);

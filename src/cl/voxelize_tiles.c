@@ -90,7 +90,7 @@ static ost_status bins_start(mesh_bins *bins, int f, ost_error *err)
 }
 
 /* False when the lists grow out of hand, which is less than four times the triangles and a million. */
-static bool count_entries(mesh_bins *bins, const tile_size *size)
+static bool count_entries(const cl_backend *b, mesh_bins *bins, const tile_size *size)
 {
     uint64_t entries = 0;
     for (size_t n = 0; n < bins->count; n++) {
@@ -99,7 +99,7 @@ static bool count_entries(mesh_bins *bins, const tile_size *size)
                    (uint64_t)((r.z1 >> size->layer) - (r.z0 >> size->layer) + 1);
     }
     bins->entries = entries;
-    return entries <= LISTED * (uint64_t)bins->count + (1 << 20);
+    return entries <= LISTED * (uint64_t)bins->count + ost_cl_staging(b, 1 << 20);
 }
 
 static size_t tile_steps(const ost_cl_tiles *tiles)
@@ -134,15 +134,16 @@ static void set_size(ost_cl_tiles *tiles, tile_size size)
 
 /* Rows that the cache holds, bands of slices enough for all threads, as many of them at once as the cache holds too; more where
    scratch or lists would grow out of hand. */
-static tile_size choose_size(ost_cl_tiles *tiles, mesh_bins bins[2])
+static tile_size choose_size(const cl_backend *b, ost_cl_tiles *tiles, mesh_bins bins[2])
 {
+    const size_t tile_bytes = ost_cl_staging(b, TILE_BYTES), pass_bytes = ost_cl_staging(b, PASS_BYTES);
     const size_t row = ((size_t)tiles->dims[0] + 1) * sizeof(int32_t);
     tile_size size = {0, 0, 0, 0};
-    while (1 << size.height < tiles->dims[1] && row << (size.height + 1) <= TILE_BYTES)
+    while (1 << size.height < tiles->dims[1] && row << (size.height + 1) <= tile_bytes)
         size.height++;
     while (tiles->dims[2] >> (size.depth + 1) >= BANDS)
         size.depth++;
-    while (size.pass < size.depth && row << (size.height + size.pass + 1) <= PASS_BYTES)
+    while (size.pass < size.depth && row << (size.height + size.pass + 1) <= pass_bytes)
         size.pass++;
     size.layer = size.pass;
     set_size(tiles, size);
@@ -151,7 +152,7 @@ static tile_size choose_size(ost_cl_tiles *tiles, mesh_bins bins[2])
         set_size(tiles, size);
     }
     for (;;) {
-        const bool small[2] = {count_entries(&bins[0], &size), count_entries(&bins[1], &size)};
+        const bool small[2] = {count_entries(b, &bins[0], &size), count_entries(b, &bins[1], &size)};
         if ((small[0] && small[1]) || list_count(tiles) == 1)
             return size;
         if (tiles->layer < tiles->dims[2])
@@ -267,7 +268,8 @@ ost_status ost_cl_voxelize_tiles(ost_backend *backend, const ost_snapped_mesh *c
     for (int m = 0; m < 2 && status == OST_OK; m++)
         status = bins_start(&bins[m], v.tiles.fraction, err);
     if (status == OST_OK) {
-        v.size = choose_size(&v.tiles, bins);
+        v.size = choose_size(v.b, &v.tiles, bins);
+        v.b->entered[OST_CL_PATH_LISTS_SHARED] += v.tiles.layer > v.tiles.pass;
         count = tile_count(&v.tiles);
         counts = malloc(3 * count * sizeof *counts);
         if (!counts)

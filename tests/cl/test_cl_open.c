@@ -23,13 +23,18 @@ static void options(void **state)
     ost_cl_options o;
     ost_error err = {0};
     assert_ok(ost_cl_options_read("", &o, &err));
-    assert_true(!o.platform[0] && !o.device[0] && o.workgroup == 0);
+    assert_true(!o.platform[0] && !o.device[0] && o.workgroup == 0 && o.kernels == OST_CL_SET_AUTO && o.staging == 0);
+    assert_ok(ost_cl_options_read("kernels=gpu,staging=1024", &o, &err));
+    assert_true(o.kernels == OST_CL_SET_GPU && o.staging == 1024);
+    assert_ok(ost_cl_options_read("kernels=cpu", &o, &err));
+    assert_true(o.kernels == OST_CL_SET_CPU);
     assert_ok(ost_cl_options_read("device=1,platform=Portable Computing,workgroup=64", &o, &err));
     assert_string_equal(o.platform, "Portable Computing");
     assert_string_equal(o.device, "1");
     assert_int_equal(o.workgroup, 64);
     static const char *const wrong[] = {"platform", "platform=", "device=", "isa=avx2", "workgroup=0", "workgroup=x", "workgroup=99999999",
-                                        "threads=2", "platform=0,,x=1", "=", "workgroup=-1"};
+                                        "threads=2", "platform=0,,x=1", "=", "workgroup=-1", "kernels", "kernels=", "kernels=both", "staging=1023",
+                                        "staging=", "staging=9999999999"};
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++)
         if (ost_cl_options_read(wrong[i], &o, &err) != OST_ERR_USAGE)
             fail_msg("'%s' is taken", wrong[i]);
@@ -268,14 +273,44 @@ static void ends_loops(void **state)
     assert_ok(ost_cl_open_with(&api, own_options(), &backend, &err));
     backend->ops = &ost_backend_cl;
     const cl_backend *b = (const cl_backend *)backend;
-    assert_false(b->device.cpu);
+    assert_false(b->cpu_set);
     assert_int_equal(b->turns, 65535);
     assert_non_null(b->kernel[OST_CL_KERNEL_ost_remove]);
     assert_null(b->kernel[OST_CL_KERNEL_ost_remove_blocks]);
     ost_backend_close(backend);
+    char named[256];
+    snprintf(named, sizeof named, "%s%skernels=cpu", own_options(), own_options()[0] ? "," : "");
+    assert_int_equal(try_open(&api, named, &err), OST_ERR_UNAVAILABLE); /* the set that was named, or none */
+    assert_non_null(strstr(err.text, "too early for kernels=cpu"));
     turns_given = OST_CL_TURNS_LEAST - 1;
     assert_int_equal(try_open(&api, own_options(), &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "ends a loop after 61503 turns"));
+}
+
+/* A set is the opened backend's: one device has both, each with its own kernels, at the same time. */
+static void both_sets(void **state)
+{
+    (void)state;
+    static const enum ost_cl_kernel own[2] = {OST_CL_KERNEL_ost_remove_blocks, OST_CL_KERNEL_ost_remove};
+    ost_backend *backend[2] = {NULL, NULL};
+    for (int i = 0; i < 2; i++) {
+        ost_error err = {0};
+        char text[256];
+        snprintf(text, sizeof text, "%s%skernels=%s", own_options(), own_options()[0] ? "," : "", i ? "gpu" : "cpu");
+        const ost_status status = ost_cl_open_with(&ost_cl_loader, text, &backend[i], &err);
+        if (i == 0 && status == OST_ERR_UNAVAILABLE && strstr(err.text, "too early for kernels=cpu"))
+            continue;
+        assert_ok(status);
+        backend[i]->ops = &ost_backend_cl;
+        const cl_backend *b = (const cl_backend *)backend[i];
+        assert_int_equal(b->cpu_set, i == 0);
+        assert_non_null(b->kernel[own[i]]);
+        assert_null(b->kernel[own[1 - i]]);
+        assert_int_equal(b->launched[own[i]], 0);
+        assert_true(b->launched[OST_CL_KERNEL_ost_fingerprint] > 0);
+    }
+    for (int i = 0; i < 2; i++)
+        ost_backend_close(backend[i]);
 }
 
 /* An event of more poses than such a device can turn is refused before anything has changed; one pose less is done. */
@@ -658,6 +693,7 @@ int main(void)
         cmocka_unit_test(no_device),
         cmocka_unit_test(refused_for_what_it_computes),
         cmocka_unit_test(ends_loops),
+        cmocka_unit_test(both_sets),
         cmocka_unit_test(too_many_poses),
         cmocka_unit_test(build_fails),
         cmocka_unit_test(cache_damage),

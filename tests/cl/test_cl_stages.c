@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Every stage of the backend cl against the reference, through the public
- * API: grids, bones, tools, digests and reports, to the byte, for several
- * work-group sizes.
+ * API: grids, bones, tools, digests and reports, to the byte, with both sets of
+ * kernels, several work-group sizes, and large data in parts.  The tests of a
+ * set together enter every path that core/paths.h lists.
  * Covers: AR-CT-4, AR-CT-5, AR-CT-6, AR-CUB-2, AR-CUB-3, AR-CHK-1, AR-CHK-2, AR-CHK-3, AR-VOX-1..7, AR-REM-1, AR-REM-2, AR-REM-3,
- * AR-REM-5, AR-REM-6, AR-CLS-1, AR-DIG-2, REQ-CL
+ * AR-REM-5, AR-REM-6, AR-CLS-1, AR-DIG-2, REQ-CL, REQ-CL-SETS
  */
 #include "cl/on_device.h"
+#include "core/paths.h"
 #include "mesh/mesh_make.h"
 #include "ref/scene.h"
 
@@ -14,16 +16,40 @@ typedef struct pair {
     ost_backend *ref, *cl;
 } pair;
 
-static const char *const workgroups[] = {NULL, "workgroup=1", "workgroup=7", "workgroup=256"};
+static const char *const workgroups[] = {NULL, "workgroup=1", "workgroup=7,staging=1024", "workgroup=256,staging=20000"};
+
+/* The set of kernels that the running group is of. */
+static const char *set;
+
+/* Which paths of it were entered. */
+enum { PATHS = 128 };
+static struct {
+    char name[OST_PATH_NAME];
+    uint64_t entered;
+} paths[PATHS];
+static int path_count;
+
+static void add_path(void *user, const char *name, uint64_t entered)
+{
+    int i = 0;
+    (void)user;
+    while (i < path_count && strcmp(paths[i].name, name) != 0)
+        i++;
+    assert_true(i < PATHS && strlen(name) < OST_PATH_NAME);
+    if (i == path_count) {
+        snprintf(paths[path_count++].name, OST_PATH_NAME, "%s", name);
+        paths[i].entered = 0;
+    }
+    paths[i].entered += entered;
+}
 
 static pair open_pair(const char *workgroup)
 {
     ost_error err = {0};
-    char spec[256];
+    char option[200], spec[256];
     pair p;
-    snprintf(spec, sizeof spec, "%s", device_spec());
-    if (workgroup)
-        spec_with(spec, sizeof spec, workgroup);
+    snprintf(option, sizeof option, "kernels=%s%s%s", set, workgroup ? "," : "", workgroup ? workgroup : "");
+    spec_with(spec, sizeof spec, option);
     assert_ok(ost_backend_open("ref", &p.ref, &err));
     assert_ok(ost_backend_open(spec, &p.cl, &err));
     return p;
@@ -31,6 +57,7 @@ static pair open_pair(const char *workgroup)
 
 static void close_pair(pair p)
 {
+    ost_backend_paths(p.cl, add_path, NULL);
     ost_backend_close(p.cl);
     ost_backend_close(p.ref);
 }
@@ -82,8 +109,9 @@ static void samples(void **state)
     (void)state;
     ost_error err = {0};
     test_rng rng = rng_seeded("samples");
-    pair p = open_pair(NULL);
+    const pair ways[2] = {open_pair(NULL), open_pair("staging=1024")};
     for (int round = 0; round < 40; round++) {
+        const pair p = ways[round / 4 % 2];
         const ost_geometry g = {
             .dims = {(int32_t)rng_range(&rng, 1, 20), (int32_t)rng_range(&rng, 1, 20), (int32_t)rng_range(&rng, 1, 20)},
             .spacing = {rng_range(&rng, 1, 900) * UM, 470 * UM, rng_range(&rng, 1, 2000) * UM},
@@ -110,7 +138,8 @@ static void samples(void **state)
         for (int b = 0; b < 2; b++)
             ost_grid_free(grid[b]);
     }
-    close_pair(p);
+    close_pair(ways[0]);
+    close_pair(ways[1]);
 }
 
 static void cubic(void **state)
@@ -289,7 +318,8 @@ static void voxelizer(void **state)
     for (size_t w = 0; w < sizeof workgroups / sizeof workgroups[0]; w++) {
         pair p = open_pair(workgroups[w]);
         for (int round = 0; round < 25; round++) {
-            const ost_dims dims = {(int32_t)rng_range(&rng, 2, 24), (int32_t)rng_range(&rng, 2, 24), (int32_t)rng_range(&rng, 2, 24)};
+            const int32_t depth = round == 24 ? 200 : 24; /* long triangles, which many slices would list */
+            const ost_dims dims = {(int32_t)rng_range(&rng, 2, 24), (int32_t)rng_range(&rng, 2, 24), (int32_t)rng_range(&rng, round == 24 ? 150 : 2, depth)};
             ost_snapped_mesh mesh = make_closed(&rng, dims, (uint32_t)rng_range(&rng, 3, 8), (uint32_t)rng_range(&rng, 3, 8));
             ost_snapped_mesh shaft = make_closed(&rng, dims, 3, 5);
             if (round % 4 == 1)
@@ -429,6 +459,59 @@ static void emptied(void **state)
     close_pair(p);
 }
 
+/* After all the others: a kernel that none of them launched would not have been compared. */
+static void entered(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    pair p = open_pair(NULL);
+    const ost_geometry g = cubic_geometry(20, 20, 20, 500 * UM, (ost_pm3){0, 0, 0});
+    int16_t voxels[20 * 20 * 20], back[20 * 20 * 20];
+    uint32_t words[2][16 * 16 * 16 / 32];
+    const int32_t chunk = 1;
+    for (int i = 0; i < 20 * 20 * 20; i++)
+        voxels[i] = (int16_t)(i % 3 * 200);
+    ost_bone *bone[2], *empty;
+    for (int b = 0; b < 2; b++) {
+        bone[b] = bone_of(b ? p.cl : p.ref, &g, 16, voxels);
+        assert_ok(ost_bone_occupancy(bone[b], 1, &chunk, words[b], &err));
+        ost_bone_free(bone[b]);
+    }
+    assert_memory_equal(words[0], words[1], sizeof words[0]);
+    assert_ok(ost_bone_create(p.cl, &g, 16, 120, &empty, &err));
+    assert_ok(ost_bone_download(empty, 0, g.dims.z, back, &err));
+    for (int i = 0; i < 20 * 20 * 20; i++)
+        assert_int_equal(back[i], 0);
+    ost_bone_free(empty);
+    close_pair(p);
+    int missing = 0;
+    for (int i = 0; i < path_count; i++)
+        if (paths[i].entered == 0) {
+            print_error("kernels=%s: not entered: %s\n", set, paths[i].name);
+            missing++;
+        }
+    assert_int_equal(missing, 0);
+    assert_true(path_count > 30);
+}
+
+/* Opens the set, so that a device that cannot run it is named and skipped. */
+static int has_set(void)
+{
+    ost_error err = {0};
+    char option[32], spec[256];
+    ost_backend *backend;
+    snprintf(option, sizeof option, "kernels=%s", set);
+    spec_with(spec, sizeof spec, option);
+    const ost_status status = ost_backend_open(spec, &backend, &err);
+    if (status == OST_ERR_UNAVAILABLE && strstr(err.text, "too early for kernels=cpu")) {
+        print_message("# skipped: %s\n", err.text);
+        return 0;
+    }
+    assert_ok(status);
+    ost_backend_close(backend);
+    return 1;
+}
+
 int main(void)
 {
     const int missing = device_missing();
@@ -436,7 +519,15 @@ int main(void)
         return missing;
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(samples), cmocka_unit_test(cubic),   cmocka_unit_test(shared), cmocka_unit_test(bones),
-        cmocka_unit_test(voxelizer), cmocka_unit_test(removal), cmocka_unit_test(emptied),
+        cmocka_unit_test(voxelizer), cmocka_unit_test(removal), cmocka_unit_test(emptied), cmocka_unit_test(entered),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    static const char *const sets[] = {"cpu", "gpu"};
+    int failures = 0;
+    for (int i = 0; i < 2; i++) {
+        set = sets[i];
+        path_count = 0;
+        if (!strstr(device_spec(), "kernels=") ? has_set() : strstr(device_spec(), set) != NULL)
+            failures += cmocka_run_group_tests_name(set, tests, NULL, NULL);
+    }
+    return failures;
 }
