@@ -44,6 +44,7 @@ ost_status cmd_phantom(app_state *app, int argc, char **argv, ost_error *err);
 ost_status cmd_tool(app_state *app, int argc, char **argv, ost_error *err);
 ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err);
 ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err);
+ost_status cmd_sign(app_state *app, int argc, char **argv, ost_error *err);
 ost_status cmd_verify(app_state *app, int argc, char **argv, ost_error *err);
 ost_status cmd_voxelize(app_state *app, int argc, char **argv, ost_error *err);
 ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err);

@@ -84,6 +84,8 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "only", .kind = OPTION_TEXT, .out = &args.only, .value = "CASE", .help = "cases whose name begins so: mesh, session/1"},
         {.name = "case", .kind = OPTION_TEXT, .out = &args.case_file, .value = "FILE", .help = "the cases of this file alone, as a bundle's cases/ has them"},
         {.name = "merge", .kind = OPTION_TEXT, .out = &args.merge, .value = "FOLDER", .help = "put the shards' bundles in FOLDER together into --out; runs nothing"},
+        {.name = "sign", .kind = OPTION_TEXT, .out = &args.sign, .value = "KEY", .help = "sign the bundle with this private key (PEM), as osteon sign does"},
+        {.name = "passphrase-file", .kind = OPTION_TEXT, .out = &args.passphrase, .value = "FILE", .help = "its first line opens the key of --sign"},
         {.name = "limit", .kind = OPTION_INTEGER, .out = &args.limit_s, .value = "S", .min = 1, .max = 1000000,
          .help = "seconds after which a backend is stopped"},
         {.name = "jobs", .kind = OPTION_INTEGER, .out = &args.jobs, .value = "N", .min = 1, .max = WORKERS_MAX,
@@ -132,12 +134,19 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
         return usage_error(app, err, "--merge needs --out and no shard or worker");
     if ((args.merge || args.faults_only) && user_files_given(&args.own))
         return usage_error(app, err, "%s reads no files of your own: no --ct, --tool and --path with it", args.merge ? "--merge" : "--faults-only");
-    if (args.merge)
-        return validate_merge(app, &args, err);
+    if ((args.sign && (!args.out || args.faults_only)) || (args.passphrase && !args.sign))
+        return usage_error(app, err, args.sign ? "--sign needs --out" : "--passphrase-file belongs to --sign");
     if (args.faults_only)
         return validate_faults(app, &args, err);
     if (args.case_file && !args.worker && (args.only || args.shard))
         return usage_error(app, err, "--case says which cases: no --only and no --shard with it");
+    if (args.sign && (status = sign_key_open(args.sign, args.passphrase, &args.key, err)) != OST_OK)
+        return status;
+    if (args.merge) {
+        status = validate_merge(app, &args, err);
+        sign_key_free(args.key);
+        return status;
+    }
     user_store *store = NULL;
     json_t *from_file = NULL;
     status = args.from_parent ? user_store_open(WORKER_USER, &store, err) : user_files_of(app, &args.own, argc, argv, &store, &args.record, err);
@@ -149,6 +158,7 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
                                 : plan_make((plan_tier)args.tier, (uint64_t)args.seed, shard, shards, args.only, &own, &p, err);
     if (status != OST_OK) {
         json_decref(args.record);
+        sign_key_free(args.key);
         user_store_free(store);
         return status;
     }
@@ -164,6 +174,7 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
     plan_free(&p);
     json_decref(from_file);
     json_decref(args.record);
+    sign_key_free(args.key);
     user_store_free(store);
     return status;
 }

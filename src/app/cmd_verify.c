@@ -11,6 +11,7 @@
 #include "app/say.h"
 #include "app/user_files.h"
 #include "validation/bundle/check.h"
+#include "validation/bundle/sign.h"
 
 #define PROTOCOL "protocol.json"
 
@@ -82,31 +83,90 @@ static ost_status rerun_all(app_state *app, const user_files *own, const char *f
     return status;
 }
 
+typedef struct signature_args {
+    option_list trust;
+    const char *authority;
+} signature_args;
+
+static const char *text_of(const json_t *o, const char *key)
+{
+    const char *text = json_string_value(json_object_get(o, key));
+    return text ? text : "";
+}
+
+static void say_signature(const app_state *app, const json_t *one)
+{
+    const char *by = text_of(one, "by"), *stamp = text_of(one, "time_stamp");
+    const json_t *keys = json_object_get(one, "keys");
+    const bool checked = json_is_true(json_object_get(one, "checked"));
+    say(app, "  %s %s%s%s on %s (claimed): %s", checked ? "signed" : "NOT CHECKED: signature", *by ? "by " : "without a name", by, checked ? "" : ",",
+        text_of(one, "claimed_time"), text_of(one, "meaning"));
+    for (size_t k = 0; k < json_array_size(keys); k++)
+        say(app, "    key %s", json_string_value(json_array_get(keys, k)));
+    if (*stamp)
+        say(app, "    time stamp of the authority: %s", stamp);
+    else if (json_is_true(json_object_get(one, "stamped")))
+        say(app, "    its time stamp was not checked: pass --timestamp-ca FILE");
+}
+
+static ost_status check_signatures(app_state *app, const signature_args *args, const char *folder, listing *l, int *found, ost_error *err)
+{
+    sign_trust *trust = NULL;
+    json_t *list = NULL;
+    ost_status status = args->trust.count ? sign_trust_open(args->trust.value, args->trust.count, args->authority, &trust, err) : OST_OK;
+    if (status == OST_OK)
+        status = sign_check(folder, trust, list_problem, l, found, &list, err);
+    if (status == OST_OK) {
+        for (size_t i = 0; i < json_array_size(list); i++)
+            say_signature(app, json_array_get(list, i));
+        put_bool(app->result, "signatures_checked", trust != NULL);
+        put(app->result, "signatures", json_incref(list));
+    }
+    json_decref(list);
+    sign_trust_free(trust);
+    return status;
+}
+
+/* What the last line says of signatures. */
+static const char *about_signatures(const app_state *app, const signature_args *args)
+{
+    const size_t n = json_array_size(json_object_get(app->result, "signatures"));
+    if (args->trust.count)
+        return n == 1 ? "; its signature is by a trusted key" : "; its signatures are by trusted keys";
+    return n ? "; signatures were not checked (--trust KEYS)" : "; it is not signed";
+}
+
 ost_status cmd_verify(app_state *app, int argc, char **argv, ost_error *err)
 {
     const char *folder = NULL;
     const operand operands[] = {{"BUNDLE", &folder, "which bundle?"}, {NULL, NULL, NULL}};
     bool rerun = false;
     user_files own = USER_FILES_DEFAULT;
+    signature_args signatures = {.authority = NULL};
     const option options[] = {
+        {.name = "trust", .kind = OPTION_LIST, .out = &signatures.trust, .value = "KEYS",
+         .help = "verify the signatures by these public keys: a PEM\nfile, or a folder of *.pem; may repeat"},
+        {.name = "timestamp-ca", .kind = OPTION_TEXT, .out = &signatures.authority, .value = "FILE",
+         .help = "with --trust: certificates (PEM) of the time-stamping\nauthority; each signature must have a time stamp"},
         {.name = "rerun", .kind = OPTION_FLAG, .out = &rerun, .help = "make the cases again on the reference here, and compare"},
         USER_FILES(own, "for --rerun: a CT that the bundle's cases user/1 and on were made of; may repeat", "a mesh of them; may repeat", "a path of them; may repeat"),
         {.name = NULL}};
     const usage_text usage = {
-        .synopsis = "BUNDLE [--rerun [--ct FILE] [--tool FILE] [--path FILE]]",
+        .synopsis = "BUNDLE [--trust KEYS] [--rerun] [options]",
         .about = "Checks a bundle that osteon validate wrote: that every file is the one in the\n"
                  "manifest and none is more or less; the log's chain; that the protocol was frozen\n"
                  "first; and that what follows from other files (results, tables, traced requirements,\n"
                  "bill of materials, report.html) does follow, by making it again. What was measured\n"
                  "(machine, times, devices, libraries, sensitivity, pictures) the manifest alone holds,\n"
-                 "and the manifest a signature in signatures/, which verify does not read.\n"
+                 "and the manifest the signatures that osteon sign wrote: with --trust each must be by\n"
+                 "one of these keys, and there must be one; without, signatures are not verified.\n"
                  "Needs no network and no device. Cases of somebody's own files are made again from\n"
                  "those files, which are known by their SHA-256 in whatever order they are given.\n"
                  "Exit status 1: the bundle is not what was written.  2: a file is missing or cannot\n"
                  "be read, so that there is no verdict.",
         .operands = operands,
         .options = options,
-        .example = "  osteon validate --out bundle\n  osteon verify bundle --rerun",
+        .example = "  osteon validate --out bundle\n  osteon verify bundle --rerun\n  osteon verify bundle --trust reviewers.pem",
     };
     ost_status status;
     struct stat info;
@@ -116,10 +176,14 @@ ost_status cmd_verify(app_state *app, int argc, char **argv, ost_error *err)
         return status;
     if (!rerun && user_files_given(&own))
         return usage_error(app, err, "--ct, --tool and --path are for --rerun");
+    if (signatures.authority && !signatures.trust.count)
+        return usage_error(app, err, "--timestamp-ca is for --trust");
     if (stat(folder, &info) != 0 || !S_ISDIR(info.st_mode))
         return ost_fail(err, OST_ERR_INPUT, "%s: no folder; a bundle is one", folder);
     listing l = {.app = app, .problems = json_array()};
     status = check_bundle(folder, list_problem, &l, &found, &summary, err);
+    if (status == OST_OK)
+        status = check_signatures(app, &signatures, folder, &l, &found, err);
     if (status == OST_OK && rerun && found == 0) {
         status = rerun_all(app, &own, folder, &l, &found, err);
     }
@@ -134,9 +198,9 @@ ost_status cmd_verify(app_state *app, int argc, char **argv, ost_error *err)
     if (summary)
         json_object_update_missing(app->result, summary);
     if (found == 0)
-        say(app, "%s: valid%s; it says %s, %lld case%s%s", folder, rerun ? ", and the reference gives the same here" : "", json_string_value(json_object_get(summary, "verdict")),
+        say(app, "%s: valid%s; it says %s, %lld case%s%s%s", folder, rerun ? ", and the reference gives the same here" : "", json_string_value(json_object_get(summary, "verdict")),
             (long long)json_integer_value(json_object_get(summary, "cases")), json_integer_value(json_object_get(summary, "cases")) == 1 ? "" : "s",
-            json_is_true(json_object_get(summary, "evidence")) ? "" : " (a reduced run: no evidence)");
+            json_is_true(json_object_get(summary, "evidence")) ? "" : " (a reduced run: no evidence)", about_signatures(app, &signatures));
     json_decref(summary);
     if (l.absent)
         return ost_fail(err, OST_ERR_INPUT, "%s: %s is missing%s: an incomplete bundle cannot be verified", folder, l.first,

@@ -42,6 +42,7 @@ static const app_verb verbs[] = {
     {"validate", "compare backends stage by stage, and leave evidence", cmd_validate},
     {"compare", "lay another program's grids beside the reference's, with margins", cmd_compare},
     {"verify", "check a bundle of evidence, offline", cmd_verify},
+    {"sign", "sign a bundle of evidence", cmd_sign},
     {"bench", "measure against baselines, side by side in one run", cmd_bench},
     {"devices", "say what works on this machine, and why the rest does not", cmd_devices},
 };

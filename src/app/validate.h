@@ -12,17 +12,19 @@
 
 #include "app/user_files.h"
 #include "validation/bundle/bundle.h"
+#include "validation/bundle/sign.h"
 #include "validation/campaign.h"
 #include "validation/sensitivity.h"
 
 typedef struct validate_args {
-    const char *out, *backends, *shard, *only, *merge, *worker, *trace, *given, *dump, *export_to, *case_file;
+    const char *out, *backends, *shard, *only, *merge, *worker, *trace, *given, *dump, *export_to, *case_file, *sign, *passphrase;
     int tier; /* place in "smoke|standard|full" */
     int64_t seed, from, to, limit_s, jobs;
     int64_t faults;
     bool cpu_only, faults_only, from_parent;
     user_files own;
     json_t *record; /* of them; NULL: there are none */
+    sign_key *key;  /* of --sign; NULL: the bundle is not signed */
 } validate_args;
 
 /* ------------------------------------------------------------ validate_run.c */
@@ -30,6 +32,9 @@ typedef struct validate_args {
 /* from_file: what --case gave, or NULL; the caller's. */
 ost_status validate_run(app_state *app, const validate_args *args, const plan *p, json_t *from_file, ost_error *err);
 ost_status validate_faults(app_state *app, const validate_args *args, ost_error *err);
+
+/* Signs the bundle at args->out with the key of --sign; nothing without one. */
+ost_status validate_sign(app_state *app, const validate_args *args, ost_error *err);
 
 /* The protocol and its hash, written before anything runs. */
 ost_status validate_freeze(bundle *b, const json_t *protocol, ost_error *err);

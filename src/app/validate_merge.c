@@ -47,6 +47,8 @@ ost_status validate_merge(app_state *app, const validate_args *args, ost_error *
     if (status == OST_OK) {
         status = bundle_end(b, err);
         b = NULL;
+        if (status == OST_OK)
+            status = validate_sign(app, args, err);
     }
     if (status == OST_OK) {
         const bool equal = json_is_true(json_object_get(summary, "equal"));

@@ -75,6 +75,19 @@ static json_t *paths_of(const campaign *c)
     return all;
 }
 
+ost_status validate_sign(app_state *app, const validate_args *args, ost_error *err)
+{
+    char name[SIGN_NAME];
+    ost_error why = {0};
+    if (!args->key)
+        return OST_OK;
+    const ost_status status = sign_bundle(args->out, args->key, "", "performed as the protocol says", name, &why);
+    if (status != OST_OK)
+        return ost_fail(err, status, "%s is written but not signed (osteon sign does that): %s", args->out, why.text);
+    put_text(app->result, "signature", name);
+    return OST_OK;
+}
+
 static ost_status put_machine(bundle *b, const campaign *c, const char *program, ost_error *err)
 {
     json_t *machine, *times = json_object();
@@ -210,6 +223,8 @@ ost_status validate_run(app_state *app, const validate_args *args, const plan *p
     if (status == OST_OK && j.b) {
         status = bundle_end(j.b, err);
         j.b = NULL;
+        if (status == OST_OK)
+            status = validate_sign(app, args, err);
     }
     if (status == OST_OK) {
         if (j.faults)

@@ -44,21 +44,4 @@ else
     echo "no python3: the form of sbom.spdx.json is not checked"
 fi
 
-# Signed as docs/validation.md says; then a byte of the manifest, and of a file.
-if command -v minisign >/dev/null; then
-    minisign -G -W -p key.pub -s key >/dev/null 2>&1 || minisign -G -W -f -p key.pub -s key >/dev/null
-    mkdir b/signatures
-    minisign -S -s key -m b/manifest.json -x b/signatures/manifest.json.minisig >/dev/null || fail "minisign cannot sign"
-    checks=$((checks + 3))
-    minisign -V -p key.pub -m b/manifest.json -x b/signatures/manifest.json.minisig >/dev/null || fail "the signature is not good"
-    run 0 verify b
-    cp b/manifest.json kept
-    sed 's/"size": 1/"size": 2/' kept >b/manifest.json
-    ! minisign -V -p key.pub -m b/manifest.json -x b/signatures/manifest.json.minisig >/dev/null 2>&1 || fail "a changed manifest has a good signature"
-    cp kept b/manifest.json
-    echo >>b/README.md
-    run 1 verify b
-else
-    echo "no minisign: signing is not tried"
-fi
 finish

@@ -248,7 +248,7 @@ static void readme(FILE *to, const json_t *protocol, const json_t *cases, const 
           "| environment.json, times.json, audit.log | the machine, the times, what was done when |\n"
           "| report.html, pictures/ | all of this for people, on one page; the pictures in it |\n"
           "| manifest.json | size and SHA-256 of every file, and two roots |\n"
-          "| signatures/ | a place for detached signatures over manifest.json, not part of it |\n\n"
+          "| signatures/ | signatures over manifest.json (`osteon sign`), not part of it |\n\n"
           "## What differs from run to run\n\n"
           "Two runs of one build on one machine leave the same files, byte for byte, but for these:\n\n"
           "| file | differs, because |\n|---|---|\n"

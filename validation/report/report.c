@@ -252,9 +252,10 @@ static void signing(const page *p)
     for (int i = 0; i < 2; i++)
         fprintf(p->to, "<div><b>%s</b><span>Name</span><span>Role</span><span>Date and time (UTC)</span><span>%s</span><span>Signature</span></div>\n",
                 i ? "Reviewer" : "Tester", i ? "Meaning: reviewed, and agreed / not agreed" : "Meaning: performed as the protocol says");
-    fputs("</div>\n<p class=\"from\">For a signature by computer, sign ", p->to);
+    fputs("</div>\n<p class=\"from\">A digital signature is over ", p->to);
     page_link(p, "manifest.json");
-    fputs(" and lay the signature into a folder <code>signatures</code> here; it names every other file by its SHA-256.</p>\n", p->to);
+    fputs(", which names every other file by its SHA-256: <code>osteon sign . --key KEY --by NAME --meaning TEXT</code> makes it, "
+          "<code>osteon verify . --trust KEYS</code> checks it.</p>\n", p->to);
 }
 
 static void files(const page *p)

@@ -1,0 +1,233 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+#
+# Signatures of bundles: made by osteon sign and osteon validate --sign,
+# checked by osteon verify --trust, and apart from our code by openssl.
+# Envelopes that are broken, too large, of another bundle or another key have
+# one line each.
+# Covers: REQ-SIGN
+. "${srcdir:-.}/tests/app/lib.sh"
+command -v openssl >/dev/null || { echo "skipped: no openssl"; exit 77; }
+python=$(command -v python3) || { echo "skipped: no python3"; exit 77; }
+
+openssl genpkey -algorithm ed25519 -out tester.key 2>/dev/null
+openssl genpkey -algorithm EC -pkeyopt ec_paramgen_curve:P-256 -out reviewer.key 2>/dev/null
+openssl genpkey -algorithm ed25519 -out stranger.key 2>/dev/null
+openssl genpkey -algorithm EC -pkeyopt ec_paramgen_curve:P-384 -out p384.key 2>/dev/null
+mkdir trusted
+for who in tester reviewer; do openssl pkey -in $who.key -pubout -out trusted/$who.pem; done
+openssl pkey -in stranger.key -pubout -out stranger.pem
+openssl pkey -in p384.key -pubout -out p384.pem
+openssl pkey -in tester.key -aes128 -passout pass:open -out locked.key
+echo open >passphrase
+echo shut >wrong
+
+one='cpu:isa=scalar,threads=1'
+run 0 validate --only import/0 --backends "$one" --out b --sign tester.key --quiet
+run 0 verify b
+grep -q "signatures were not checked" out || fail "verify without --trust: $(cat out)"
+run 0 verify b --trust trusted --json
+check "checked" "$(value signatures_checked)" true
+check "its meaning" "$(value signatures.0.meaning)" "performed as the protocol says"
+check "its key" "$(value signatures.0.keys.0)" "$(openssl pkey -in tester.key -pubout -outform DER | sha256sum | cut -d' ' -f1)"
+
+# A reviewer signs as well, with a key of the other kind, and one that is encrypted.
+sleep 1
+run 0 sign b --key reviewer.key --by "A. Reviewer" --meaning "reviewed and accepted"
+sleep 1
+run 0 sign b --key locked.key --passphrase-file passphrase --meaning "archived"
+run 0 verify b --trust trusted/tester.pem --trust trusted/reviewer.pem --json
+check "who reviewed" "$(value signatures.1.by)" "A. Reviewer"
+check "three signatures" "$(value signatures.2.meaning)" archived
+refuse 2 "passphrase" sign b --key locked.key --passphrase-file wrong --meaning x
+refuse 2 "another kind than Ed25519 and ECDSA P-256" sign b --key p384.key --meaning x
+refuse 2 "no private key" sign b --key trusted/tester.pem --meaning x
+refuse 2 "no public key" verify b --trust tester.key
+refuse 2 "another kind" verify b --trust p384.pem
+refuse 2 "No such file" verify b --trust nowhere.pem
+refuse 2 "--timestamp-ca is for --trust" verify b --timestamp-ca trusted/tester.pem
+refuse 2 "--sign needs --out" validate --sign tester.key
+refuse 2 "line of UTF-8" sign b --key tester.key --meaning "$(printf 'two\nlines')"
+if grep -rl "PRIVATE KEY" b; then fail "a private key is in the bundle"; fi
+
+# The bundle's own digest is the same with and without signatures.
+run 0 validate --only import/0 --backends "$one" --out plain --quiet
+check "results_root" "$("$json_get" results_root <b/manifest.json)" "$("$json_get" results_root <plain/manifest.json)"
+run 1 verify plain --trust trusted
+grep -q "signatures/ has no signature" out || fail "no signature: $(cat out)"
+
+# Apart from our code: PAE written here, openssl verifies.
+"$python" - b trusted <<'PY' || fail "openssl and the specification do not agree"
+import base64, glob, hashlib, json, subprocess, sys
+bundle, keys = sys.argv[1:]
+assert b"DSSEv1 29 http://example.com/HelloWorld 11 hello world" == b"DSSEv1 %d %s %d %s" % (29, b"http://example.com/HelloWorld", 11, b"hello world")
+envelopes = sorted(glob.glob(bundle + "/signatures/*.intoto.jsonl"))
+assert len(envelopes) == 3
+for name, key in zip(envelopes, ("tester", "reviewer", "tester")):
+    text = open(name, "rb").read()
+    assert text.endswith(b"\n") and text.count(b"\n") == 1
+    envelope = json.loads(text)
+    kind, body = envelope["payloadType"].encode(), base64.b64decode(envelope["payload"], validate=True)
+    open("pae", "wb").write(b"DSSEv1 %d %s %d %s" % (len(kind), kind, len(body), body))
+    open("sig", "wb").write(base64.b64decode(envelope["signatures"][0]["sig"], validate=True))
+    command = (["openssl", "dgst", "-sha256", "-verify", f"{keys}/{key}.pem", "-signature", "sig", "pae"] if key == "reviewer" else
+               ["openssl", "pkeyutl", "-verify", "-pubin", "-inkey", f"{keys}/{key}.pem", "-rawin", "-in", "pae", "-sigfile", "sig"])
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    statement = json.loads(body)
+    digest = lambda file: hashlib.sha256(open(f"{bundle}/{file}", "rb").read()).hexdigest()
+    assert statement["_type"] == "https://in-toto.io/Statement/v1"
+    assert statement["predicateType"] == "https://in-toto.io/attestation/test-result/v0.1"
+    assert statement["subject"][0]["name"] == "manifest.json" and statement["subject"][0]["digest"] == {"sha256": digest("manifest.json")}
+    assert statement["subject"][0]["annotations"]["results_root"] == json.load(open(bundle + "/manifest.json"))["results_root"]
+    predicate = statement["predicate"]
+    assert predicate["result"] == "WARNED", "equal, but one case alone is no evidence"
+    assert predicate["configuration"] == [{"name": "protocol.json", "digest": {"sha256": digest("protocol.json")}}]
+    assert predicate["passedTests"] == ["import/0 on cpu:isa=scalar,threads=1"] and predicate["failedTests"] == []
+PY
+
+# ---------------------------------------------------------------- forgeries
+# broken TEXT: the bundle x, with the trusted keys, has status 1 and a line that says TEXT
+broken() {
+    run 1 verify x --trust trusted
+    check "lines about: $1" "$(grep -c '^  signatures' out)" 1
+    grep -qF -- "$1" out || fail "'$(cat out)' does not say '$1'"
+}
+fresh() {
+    rm -rf x
+    cp -r plain x
+    run 0 sign x --key tester.key --meaning "performed"
+    envelope=$(ls x/signatures/*.intoto.jsonl)
+}
+# edit EXPRESSION: changes the envelope e (p: its payload, s: its first signature)
+edit() {
+    "$python" - "$envelope" "$1" <<'PY'
+import base64, json, sys
+name, how = sys.argv[1:]
+e = json.load(open(name))
+p, s = json.loads(base64.b64decode(e["payload"])), e["signatures"][0]
+pack = lambda o: base64.b64encode(json.dumps(o).encode()).decode()
+exec(how)
+open(name, "w").write(json.dumps(e))
+PY
+}
+fresh
+run 0 verify x --trust trusted
+edit 'e["payload"] = e["payload"].replace("+", "-").replace("/", "_"); s["keyid"] = "somebody"; e["more"] = 1'
+run 0 verify x --trust trusted # URL-safe base64, a hint that is none, an unknown field: DSSE allows them
+edit 'del s["keyid"]'
+run 0 verify x --trust trusted
+fresh; edit 'p["subject"][0]["digest"]["sha256"] = "0" * 64; e["payload"] = pack(p)'; broken "wrong signature: the key that it names did not sign this"
+fresh; edit 'p["predicate"]["result"] = "PASSED"; e["payload"] = pack(p); s["keyid"] = ""'; broken "by no trusted key"
+fresh; edit 's["sig"] = s["sig"][:-4] + "AAA="'; broken "signature"
+fresh; edit 's["sig"] = s["sig"][:-1]'; broken "not base64"
+fresh; edit 's["sig"] = "*" + s["sig"][1:]'; broken "not base64"
+fresh; edit 's["sig"] = ""'; broken "wrong signature"
+fresh; edit 's["sig"] = 7'; broken "not {keyid, sig}"
+fresh; edit 'e["payload"] = "\n" + e["payload"]'; broken "not base64"
+fresh; edit 'e["payloadType"] = "application/json"'; broken "payloadType"
+fresh; edit 'e["signatures"] = []'; broken "no signature, or more than 16"
+fresh; edit 'e["signatures"] = [s] * 17'; broken "no signature, or more than 16"
+fresh; edit 'e["signatures"] = [s, s]'; broken "two signatures by one key"
+fresh; edit 'e["signatures"] = [s, {"sig": "AAAA"}]'; broken "by no trusted key"
+fresh; edit 'del e["payload"]'; broken "lacks payload"
+fresh; echo '{"payload": "", "payload": "", "payloadType": "x", "signatures": []}' >"$envelope"; broken "not one JSON object"
+fresh; "$python" -c 'print("[" * 100000)' >"$envelope"; broken "not one JSON object"
+fresh; : >"$envelope"; broken "not one JSON object"
+fresh; cat "$envelope" "$envelope" >two; mv two "$envelope"; broken "not one JSON object"
+fresh; truncate -s 17M "$envelope"; broken "larger than a signature can be"
+fresh; rm "$envelope"; mkfifo "$envelope"; broken "not a regular file"
+fresh; mv "$envelope" e; ln -s "$PWD/e" "$envelope"; broken "not a regular file"
+fresh; echo hello >x/signatures/note.txt; broken "neither an envelope"
+fresh; echo hello >x/signatures/note.intoto.jsonl.tsr; broken "neither an envelope"
+fresh; mkdir x/signatures/more; broken "neither an envelope"
+fresh; mv x/signatures y; ln -s "$PWD/y" x/signatures; broken "is not a folder"
+rm -rf x y; cp -r b x
+run 1 verify x --trust trusted/reviewer.pem
+check "signers that are not trusted" "$(grep -c 'by no trusted key' out)" 2
+run 1 verify x --trust stranger.pem
+# A true signature by a trusted key, of another bundle.
+run 0 validate --only import/1 --backends "$one" --out other --sign tester.key --quiet
+fresh; rm "$envelope"; cp other/signatures/* x/signatures/; broken "about another bundle"
+# Without --trust, what the envelope says is compared all the same.
+run 1 verify x
+grep -q "about another bundle" out || fail "another bundle's envelope without --trust: $(cat out)"
+# A bundle that was changed is not signed; nor is one whose signatures are broken.
+rm -rf x; cp -r plain x; echo >>x/README.md
+run 1 sign x --key tester.key --meaning performed
+[ ! -e x/signatures ] || fail "a changed bundle was signed"
+fresh; echo hello >x/signatures/note.txt
+run 1 sign x --key tester.key --meaning performed
+
+# ------------------------------------------------------------- time stamps
+cat >tsa.cnf <<'CNF'
+[tsa]
+default_tsa = one
+[one]
+serial = serial
+crypto_device = builtin
+default_policy = 1.2.3.4.1
+digests = sha256
+signer_digest = sha256
+accuracy = secs:1
+ordering = yes
+tsa_name = no
+ess_cert_id_chain = no
+ess_cert_id_alg = sha256
+[ext]
+extendedKeyUsage = critical,timeStamping
+CNF
+echo 01 >serial
+openssl req -x509 -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -keyout ca.key -out ca.pem -days 2 -subj "/CN=a root" 2>/dev/null
+openssl req -x509 -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -keyout no.key -out no.pem -days 2 -subj "/CN=another root" 2>/dev/null
+openssl req -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -keyout tsa.key -out tsa.csr -subj "/CN=a time stamp" 2>/dev/null
+openssl x509 -req -in tsa.csr -CA ca.pem -CAkey ca.key -CAcreateserial -days 2 -extfile tsa.cnf -extensions ext -out tsa.pem 2>/dev/null
+# stamp FILE: the response of the authority for it
+stamp() {
+    openssl ts -query -data "$1" -sha256 -cert -out query.tsq 2>/dev/null
+    openssl ts -reply -config tsa.cnf -queryfile query.tsq -signer tsa.pem -inkey tsa.key -out "$1.tsr" 2>/dev/null || fail "openssl ts made no response"
+}
+fresh
+run 1 verify x --trust trusted --timestamp-ca ca.pem
+grep -q "has no time stamp" out || fail "no time stamp: $(cat out)"
+stamp "$envelope"
+run 0 verify x --trust trusted --json
+check "a time stamp without its authority" "$(value signatures.0.stamped) '$(value signatures.0.time_stamp)'" "true ''"
+run 0 verify x --trust trusted --timestamp-ca ca.pem --json
+case $(value signatures.0.time_stamp) in
+20??-??-??T??:??:??Z) ;;
+*) fail "the time of a stamp: $(value signatures.0.time_stamp)" ;;
+esac
+run 1 verify x --trust trusted --timestamp-ca no.pem
+grep -q "no time stamp of this envelope" out || fail "another authority: $(cat out)"
+refuse 2 "no certificate" verify x --trust trusted --timestamp-ca tester.key
+cp "$envelope.tsr" of_another.tsr
+fresh
+edit 'e["more"] = 1' # the signature holds, but these are not the bytes that the stamp is for
+cp of_another.tsr "$envelope.tsr"
+run 1 verify x --trust trusted --timestamp-ca ca.pem
+grep -q "no time stamp of this envelope" out || fail "another envelope's stamp: $(cat out)"
+echo hello >"$envelope.tsr"
+run 1 verify x --trust trusted --timestamp-ca ca.pem
+grep -q "no response of a time-stamping authority" out || fail "no response: $(cat out)"
+
+# -------------------------------------------------- in-toto's own tools
+"$python" -c "import securesystemslib.dsse, in_toto_attestation.v1.statement" 2>/dev/null || { echo "not done: securesystemslib and in-toto-attestation are not installed"; finish; }
+"$python" - b trusted <<'PY' || fail "in-toto's own tools refuse the envelopes"
+import glob, json, sys
+from cryptography.hazmat.primitives.serialization import load_pem_public_key
+from google.protobuf import json_format
+from in_toto_attestation.v1.statement import Statement
+import in_toto_attestation.v1.statement_pb2 as pb
+from securesystemslib.dsse import Envelope
+from securesystemslib.signer import SSlibKey
+bundle, keys = sys.argv[1:]
+for name, key in zip(sorted(glob.glob(bundle + "/signatures/*.intoto.jsonl")), ("tester", "reviewer", "tester")):
+    e = json.load(open(name))
+    keyid = e["signatures"][0]["keyid"] # from_dict takes it out
+    envelope = Envelope.from_dict(e)
+    trusted = SSlibKey.from_crypto(load_pem_public_key(open(f"{keys}/{key}.pem", "rb").read()), keyid=keyid)
+    envelope.verify([trusted], 1)
+    statement = json_format.Parse(envelope.payload, pb.Statement())
+    Statement.copy_from_pb(statement).validate()
+PY
+finish

@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What the parts of sign.h share: envelopes (DSSE 1.0.2), keys, time stamps (RFC 3161). */
+#ifndef OST_VALIDATION_SIGN_PARTS_H
+#define OST_VALIDATION_SIGN_PARTS_H
+
+#include <openssl/evp.h>
+#include <openssl/x509.h>
+
+#include "validation/bundle/sign.h"
+
+enum { SIGN_KEYS_MAX = 64, SIGN_SIGNATURES_MAX = 16 };
+
+struct sign_key {
+    EVP_PKEY *key;
+    char fingerprint[OST_DIGEST_HEX];
+};
+
+struct sign_trust {
+    sign_key keys[SIGN_KEYS_MAX];
+    int count;
+    X509_STORE *authority; /* NULL: time stamps are not checked */
+};
+
+/* ---------------------------------------------------------- sign_key.c */
+
+/* bytes: size bytes under the pre-authentication encoding. The caller frees *signature. */
+ost_status sign_make(const sign_key *key, const void *bytes, size_t size, unsigned char **signature, size_t *signature_size, ost_error *err);
+bool sign_holds(const sign_key *key, const void *bytes, size_t size, const unsigned char *signature, size_t signature_size);
+
+/* ----------------------------------------------------- sign_envelope.c */
+
+typedef struct sign_envelope {
+    char *payload; /* the statement's bytes; owned, as all here */
+    size_t payload_size;
+    char *encoded; /* PAE(type, payload): the bytes that are signed */
+    size_t encoded_size;
+    int count;
+    struct {
+        unsigned char *bytes;
+        size_t size;
+        char keyid[OST_DIGEST_HEX]; /* a hint that nothing protects; "" where it is no fingerprint */
+    } signatures[SIGN_SIGNATURES_MAX];
+} sign_envelope;
+
+/* One line of JSON for the payload; the caller frees *text. */
+ost_status sign_envelope_make(const sign_key *key, const char *payload, size_t size, char **text, ost_error *err);
+/* *why: what is wrong with the text, NULL when it was read; OST_ERR_MEMORY is the only failure. */
+ost_status sign_envelope_read(const char *text, size_t size, sign_envelope *out, const char **why, ost_error *err);
+void sign_envelope_free(sign_envelope *e);
+
+/* ----------------------------------------------------- sign_time.c */
+
+enum { SIGN_TIME = 40 };
+/* Reads the certificates of a time-stamping authority. */
+ost_status sign_authority_open(const char *path, X509_STORE **out, ost_error *err);
+/* Checks a response to a time stamp query for these bytes. Returns what is wrong, NULL for nothing; time: when it was made. */
+const char *sign_time_check(X509_STORE *authority, const char *response, size_t response_size, const char *bytes, size_t size, char time[SIGN_TIME]);
+
+#endif
