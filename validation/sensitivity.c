@@ -13,11 +13,11 @@
 #include "validation/perform.h"
 #include "validation/scratch.h"
 
-enum { PER_SCENE = 16, THREADS = 63 };
+enum { PER_SCENE = 16, AGAIN = 4, THREADS = 63 };
 
 uint64_t sensitivity_injections(plan_tier tier)
 {
-    static const uint64_t counts[PLAN_TIERS] = {120, 4000, 20000};
+    static const uint64_t counts[PLAN_TIERS] = {DEVIATION_KINDS - 1, 4000, 20000};
     return counts[tier];
 }
 
@@ -179,6 +179,14 @@ static uint32_t drawn_rate(draw *d, deviation_kind kind)
     return (uint32_t)1 << draw_between(d, 0, bits);
 }
 
+/* The mistakes of one scene. */
+typedef struct share {
+    uint64_t first, count;       /* of all mistakes that are numbered; every kind comes up as often as any other */
+    const deviation *only;       /* instead of those: this one, NULL: none */
+    const deviation_kind *kinds; /* instead of those: each of these once, everywhere; NULL: none */
+    bool everywhere;             /* in every unit instead of at a rate that is drawn */
+} share;
+
 /* What one thread works with. */
 typedef struct bench {
     int files[2]; /* of the reference's trace and of another's */
@@ -186,8 +194,18 @@ typedef struct bench {
     sensitivity found; /* by this thread */
 } bench;
 
-/* A scene, a clean run, and so many mistakes in it: all drawn from the scene's number, whoever runs it. */
-static ost_status run_scene(bench *b, int number, uint64_t injections, const deviation *only, ost_error *err)
+static deviation drawn_mistake(draw *d, const share *of, uint64_t i)
+{
+    deviation how = {.kind = of->kinds ? of->kinds[i] : (deviation_kind)(DEVIATION_NONE + 1 + (of->first + i) % (DEVIATION_KINDS - 1))};
+    how.seed = draw_bits(d);
+    how.one_in = drawn_rate(d, how.kind);
+    if (of->everywhere)
+        how.one_in = 1;
+    return how;
+}
+
+/* A scene, a clean run, and its share of mistakes: all drawn from the scene's number, on any thread. */
+static ost_status run_scene(bench *b, int number, const share *of, ost_error *err)
 {
     plan_case c = {.family = PLAN_SMALL, .number = number, .seed = b->found.seed};
     char name[PLAN_ID + 16];
@@ -208,14 +226,9 @@ static ost_status run_scene(bench *b, int number, uint64_t injections, const dev
     if (status == OST_OK) {
         const compare_range in_ref = compare_find(&ref, 0);
         status = run_clean(&s, &c, b->names[1], &ref, in_ref, &b->found, err);
-        for (uint64_t i = 0; i < injections && status == OST_OK; i++) {
-            /* Every kind comes up as often as any other. */
-            const uint64_t all = (uint64_t)number * PER_SCENE + i;
-            const deviation_kind kind = (deviation_kind)(DEVIATION_NONE + 1 + all % (DEVIATION_KINDS - 1));
-            deviation how = {.kind = kind};
-            how.seed = draw_bits(&d);
-            how.one_in = drawn_rate(&d, kind);
-            status = inject(only ? only : &how, &s, &c, b->names[1], &ref, in_ref, &b->found, err);
+        for (uint64_t i = 0; i < of->count && status == OST_OK; i++) {
+            const deviation how = drawn_mistake(&d, of, i);
+            status = inject(of->only ? of->only : &how, &s, &c, b->names[1], &ref, in_ref, &b->found, err);
         }
     }
     trace_free(&ref);
@@ -239,6 +252,9 @@ static void add_counts(sensitivity_counts *to, const sensitivity_counts *n)
 typedef struct proof {
     sensitivity *out;
     uint64_t injections;
+    deviation_kind kinds[DEVIATION_KINDS]; /* of the second pass */
+    uint64_t kind_count;                   /* 0: this is the first pass */
+    int end;                               /* scene */
     void (*show)(void *user, const char *what, double share);
     void *user;
     pthread_mutex_t lock; /* of all below, and of out */
@@ -287,10 +303,19 @@ ost_status sensitivity_of(const deviation *how, uint64_t seed, int scene_number,
     ost_status status = bench_open(&b, err);
     b.found = (sensitivity){.seed = seed};
     if (status == OST_OK)
-        status = run_scene(&b, scene_number, 1, how, err);
+        status = run_scene(&b, scene_number, &(share){.count = 1, .only = how}, err);
     bench_close(&b);
     *out = b.found;
     return status;
+}
+
+/* What the pass makes in a scene. */
+static share share_of(const proof *p, int number)
+{
+    const uint64_t first = (uint64_t)number * PER_SCENE, left = p->injections > first ? p->injections - first : 0;
+    if (p->kind_count)
+        return (share){.count = p->kind_count, .kinds = p->kinds, .everywhere = true};
+    return (share){.first = first, .count = left < PER_SCENE ? left : PER_SCENE, .everywhere = p->injections < DEVIATION_KINDS};
 }
 
 static void *work(void *user)
@@ -300,14 +325,14 @@ static void *work(void *user)
     ost_error err = {0};
     ost_status status = bench_open(&b, &err);
     pthread_mutex_lock(&p->lock);
-    while (status == OST_OK && p->err.status == OST_OK && (uint64_t)p->next * PER_SCENE < p->injections) {
+    while (status == OST_OK && p->err.status == OST_OK && p->next < p->end) {
         const int number = p->next++;
-        const uint64_t left = p->injections - (uint64_t)number * PER_SCENE;
+        const share of = share_of(p, number);
         if (p->show)
-            p->show(p->user, "sensitivity", (double)(p->injections - left) / (double)p->injections);
+            p->show(p->user, "sensitivity", (double)number / (double)p->end);
         pthread_mutex_unlock(&p->lock);
         b.found = (sensitivity){.seed = p->out->seed};
-        status = run_scene(&b, number, left < PER_SCENE ? left : PER_SCENE, NULL, &err);
+        status = run_scene(&b, number, &of, &err);
         pthread_mutex_lock(&p->lock);
         take_over(p, &b.found, number);
     }
@@ -318,19 +343,38 @@ static void *work(void *user)
     return NULL;
 }
 
+static void run_pass(proof *p, int jobs)
+{
+    pthread_t others[THREADS];
+    int started = 0;
+    while (started < THREADS && started < jobs - 1 && pthread_create(&others[started], NULL, work, p) == 0)
+        started++;
+    work(p);
+    for (int i = 0; i < started; i++)
+        pthread_join(others[i], NULL);
+}
+
 ost_status sensitivity_run(uint64_t seed, uint64_t injections, int jobs, void (*show)(void *user, const char *what, double share), void *user,
                            sensitivity *out, ost_error *err)
 {
-    proof p = {.out = out, .injections = injections, .show = show, .user = user, .lock = PTHREAD_MUTEX_INITIALIZER, .problem_at = -1};
-    pthread_t others[THREADS];
-    int started = 0;
+    proof p = {.out = out, .injections = injections, .show = show, .user = user, .lock = PTHREAD_MUTEX_INITIALIZER, .problem_at = -1,
+               .end = (int)((injections + PER_SCENE - 1) / PER_SCENE)};
     *out = (sensitivity){.seed = seed};
-    while (started < THREADS && started < jobs - 1 && pthread_create(&others[started], NULL, work, &p) == 0)
-        started++;
-    work(&p);
-    for (int i = 0; i < started; i++)
-        pthread_join(others[i], NULL);
+    run_pass(&p, jobs);
+    /* Kinds that changed nothing, everywhere in some scenes more; a run that does not have every kind leaves it at that. */
+    for (int k = DEVIATION_NONE + 1; k < DEVIATION_KINDS && injections >= DEVIATION_KINDS - 1; k++)
+        if (!out->of[k].changed)
+            p.kinds[p.kind_count++] = (deviation_kind)k;
+    if (p.kind_count && p.err.status == OST_OK) {
+        p.end += AGAIN;
+        run_pass(&p, jobs);
+    }
     pthread_mutex_destroy(&p.lock);
+    for (int k = DEVIATION_NONE + 1; k < DEVIATION_KINDS; k++) {
+        const sensitivity_counts *n = &out->of[k];
+        out->kinds_changed += n->changed > 0;
+        out->kinds_noticed += n->changed > 0 && !n->not_detected && !n->not_located;
+    }
     if (p.err.status != OST_OK)
         *err = p.err;
     return p.err.status;

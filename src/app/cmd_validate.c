@@ -75,7 +75,7 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "backends", .kind = OPTION_TEXT, .out = &args.backends, .value = "A;B",
          .help = "these alone, besides the reference (default: all that are here)"},
         {.name = "cpu-only", .kind = OPTION_FLAG, .out = &args.cpu_only, .help = "the CPU's variants alone: no OpenCL is no failure"},
-        {.name = "faults-only", .kind = OPTION_FLAG, .out = &args.faults_only, .help = "the sensitivity proof alone: mistakes made on purpose"},
+        {.name = "faults-only", .kind = OPTION_FLAG, .out = &args.faults_only, .help = "the sensitivity proof alone: mistakes made on purpose\nin the second implementation, in no backend"},
         {.name = "faults", .kind = OPTION_INTEGER, .out = &args.faults, .value = "N", .min = 1, .max = 100000000, .help = "how many, with --faults-only (default: the tier's)"},
         {.name = "seed", .kind = OPTION_INTEGER, .out = &args.seed, .value = "N", .min = 1, .max = INT64_MAX, .help = "of the generated cases (default: 1)"},
         USER_FILES(args.own, "a CT of your own: a case with all tools and paths; may repeat", "a mesh of your own, or builtin:reamer; may repeat",

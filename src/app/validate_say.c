@@ -15,18 +15,17 @@
 
 void validate_say_faults(const app_state *app, const sensitivity *s)
 {
-    char a[SAY_TEXT], b[SAY_TEXT], c[SAY_TEXT];
-    int silent = 0;
-    say(app, "SENSITIVITY %s: %s mistakes made on purpose, %s changed a result, %s of them were found, %llu not where they are; %llu false alarms in %llu right runs",
-        faults_proved(s) ? "PROVED" : "NOT PROVED", say_count(a, (int64_t)s->all.injected), say_count(b, (int64_t)s->all.changed),
-        say_count(c, (int64_t)(s->all.changed - s->all.not_detected)), (unsigned long long)s->all.not_located, (unsigned long long)s->false_alarms,
-        (unsigned long long)s->clean_runs);
+    char a[SAY_TEXT], b[SAY_TEXT], c[SAY_TEXT], statement[FAULTS_STATEMENT];
+    faults_statement(s, statement);
+    say(app, "SENSITIVITY%s: %s", faults_proved(s) ? "" : " NOT PROVED", statement);
+    say(app, "  %s mistakes, %s changed a result, %s of them were found, %llu not where they are; %llu false alarms in %llu right runs",
+        say_count(a, (int64_t)s->all.injected), say_count(b, (int64_t)s->all.changed), say_count(c, (int64_t)(s->all.changed - s->all.not_detected)),
+        (unsigned long long)s->all.not_located, (unsigned long long)s->false_alarms, (unsigned long long)s->clean_runs);
     if (s->first_problem[0])
         say(app, "  %s", s->first_problem);
     for (int k = DEVIATION_NONE + 1; k < DEVIATION_KINDS; k++)
-        silent += !s->of[k].changed;
-    if (silent)
-        say(app, "  %d of %d kinds changed nothing in this run; sensitivity.json and --json say which, and when a kind survives", silent, DEVIATION_KINDS - 1);
+        if (!s->of[k].changed)
+            say(app, "  %s changed nothing; its mistakes survive when %s", deviation_describe((deviation_kind)k)->name, deviation_describe((deviation_kind)k)->survives);
 }
 
 static const case_result *result_at(const campaign *c, int i, int s)

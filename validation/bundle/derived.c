@@ -239,7 +239,7 @@ static void readme(FILE *to, const json_t *protocol, const json_t *cases, const 
           "| protocol.json | what was to be done and what counts as passed, written before anything ran (its hash: first lines of audit.log) |\n"
           "| cases.jsonl | a line a case: digest of its input, digests of everything the reference made, each backend's verdict |\n"
           "| results.json, junit.xml, results.tap | the verdicts; inputs.csv: inputs; anomalies.csv: differences; margins.csv: how near each differing voxel was; deviations.csv: what was not shown |\n"
-          "| sensitivity.json | mistakes made on purpose, and whether they were noticed (the first shard's run makes it) |\n"
+          "| sensitivity.json | mistakes made on purpose in a second implementation (validation/dense), in no backend, and whether the comparison noticed them; kinds_silent changed nothing in this tier (the first shard's run makes it) |\n"
           "| common.json | checks of the reference by hand, by volume and by law: mistakes that all backends could have in common |\n"
           "| requirements.csv, trace.csv | requirements, their tests, what of this bundle bears on them; orphans in both directions |\n"
           "| devices.json | OpenCL devices: what their drivers say, and their numeric fingerprints |\n"
