@@ -1,0 +1,73 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+#
+# validation/try-patch: a patch is noticed, located and shown again by the
+# command that it prints; one that changes no result is not noticed; one that
+# does not apply or compile is refused.  The tree and the build stay as they are.
+# Covers: REQ-TRY-PATCH
+. "${srcdir:-.}/tests/app/lib.sh"
+
+for tool in python3 patch make diff; do
+    command -v $tool >/dev/null || { echo "skipped: no $tool"; exit 77; }
+done
+[ -f "$build/config.status" ] && [ -f "$build/osteon" ] || { echo "skipped: no build folder"; exit 77; }
+
+file=src/cpu/import/ct.c
+before=$(cksum "$source_folder/$file" "$build/osteon")
+
+# change NAME FROM TO: NAME.patch has the file with one text exchanged
+change() {
+    mkdir -p a/src/cpu/import b/src/cpu/import
+    cp "$source_folder/$file" a/$file
+    check "$1: lines to change" "$(grep -cF -- "$2" a/$file)" 1
+    awk -v from="$2" -v to="$3" '{
+        at = index($0, from)
+        if (at) $0 = substr($0, 1, at - 1) to substr($0, at + length(from))
+        print
+    }' a/$file >b/$file
+    diff -u a/$file b/$file >"$1.patch"
+}
+
+# try STATUS ARGUMENT...
+try() {
+    expected=$1
+    shift
+    "$source_folder/validation/try-patch" --build "$build" --jobs 1 --keep "$scratch" --only import/0 --backends cpu:threads=1 "$@" >out 2>err
+    check "try-patch $*: status" $? "$expected"
+}
+
+# says TEXT FILE
+says() {
+    checks=$((checks + 1))
+    grep -qF -- "$1" "$2" || fail "'$1' is not in: $(cat "$2")"
+}
+
+change noticed 'report->duplicates++;' 'report->duplicates += 2;'
+try 0 noticed.patch
+says 'noticed.patch: NOTICED by case import/0 at stage rect on cpu:threads=1' out
+says 'class report-only; duplicates' out
+again=$(sed -n 's/^  again: //p; s/^  made small: .*: \(.* validate --case .*\)/\1/p' out | head -n 1)
+sh -c "$again" >again.out 2>&1
+check "the printed command: $again" $? 1
+
+change message 'no memory to place %d samples' 'no memory to put %d samples'
+try 1 message.patch
+says 'NOT NOTICED: tier smoke, seed 1, --only import/0; equal on cpu:threads=1' out
+
+change broken 'report->duplicates++;' 'report->duplicates = no_such_name;'
+try 2 broken.patch
+says 'broken.patch: does not compile: ' err
+says 'no_such_name' err
+check "lines for what does not compile" "$(wc -l <err | tr -d ' ')" 1
+
+sed 's/report->duplicates++;/report->duplicates--;/' noticed.patch >stale.patch
+try 2 stale.patch
+says 'stale.patch: does not apply: ' err
+try 2 absent.patch
+says 'absent.patch: is no file' err
+"$source_folder/validation/try-patch" --build "$scratch" noticed.patch 2>err
+check "no build folder: status" $? 2
+says 'is no build folder of osteon' err
+
+check "the tree and the program" "$(cksum "$source_folder/$file" "$build/osteon")" "$before"
+finish
