@@ -1,0 +1,226 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The generator of mutants and what measures them, on snippets and on a toy.
+
+    snippet --> exactly the mutants worked out by hand
+    toy program of three mutants --> identical code, killed by its trace, survived
+
+Covers: REQ-MUTANTS
+"""
+import csv
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+sys.dont_write_bytecode = True
+SOURCE = os.environ.get("top_srcdir", os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../.."))
+sys.path.insert(0, os.path.join(SOURCE, "validation/mutants"))
+import build as building  # noqa: E402
+import measure  # noqa: E402
+import operators  # noqa: E402
+import scope  # noqa: E402
+import table  # noqa: E402
+import trial  # noqa: E402
+
+
+def changes(text, *names, file="src/core/a.c"):
+    """The lines that mutants of some operators make of a source's one line."""
+    return sorted(operators.applied(text, m) for m in operators.mutants_of(file, text) if m.operator in names)
+
+
+def read(file):
+    with open(os.path.join(SOURCE, file), newline="", encoding="utf-8") as f:
+        return f.read()
+
+
+class Generator(unittest.TestCase):
+    def test_bounds(self):
+        self.assertEqual(changes("a = b < c;", "bound"), ["a = b <= c;"])
+        self.assertEqual(changes("a = b >= c;", "bound"), ["a = b > c;"])
+
+    def test_masks_and_shifts(self):
+        self.assertEqual(changes("a = b & 0x38;", "mask"), ["a = b & 0x18;", "a = b & 0x39;", "a = b & 0x78;"])
+        self.assertEqual(changes("a = b >> 3;", "shift"), ["a = b >> 2;", "a = b >> 4;"])
+
+    def test_widths(self):
+        self.assertEqual(changes("a = (int64_t)b;", "width"), ["a = (int32_t)b;", "a = 0x1ffffffffff & (int64_t)b;"])
+        self.assertEqual(changes("a = (uint16_t)b;", "width", "signedness"), ["a = (int16_t)b;", "a = (uint8_t)b;"])
+        self.assertEqual(changes("size_t a;", "width", file="src/cl/kernels/a.cl"), ["uint a;", "ushort a;"])
+
+    def test_axes_and_order(self):
+        self.assertEqual(changes("a = p.x;", "axis"), ["a = p.y;"])
+        self.assertEqual(changes("a[1] = 3;", "axis"), ["a[2] = 3;"])
+        self.assertEqual(changes("f(a, b + 1, c);", "order"), [])
+        self.assertEqual(changes("f(a, b);", "order"), ["f(b, a);"])
+
+    def test_intrinsics(self):
+        self.assertEqual(changes("m = _mm256_cmpgt_epi16(a, b);", "intrinsic", "order"),
+                         ["m = _mm256_cmpeq_epi16(a, b);", "m = _mm256_cmpgt_epi16(b, a);", "m = _mm256_cmpgt_epu16(a, b);"])
+        self.assertEqual(changes("m = _mm256_permute4x64_epi64(a, 2);", "lane"),
+                         [f"m = _mm256_permute4x64_epi64(a, {n});" for n in (0, 3)])
+
+    def test_barriers_and_clears(self):
+        self.assertEqual(changes("barrier(CLK_LOCAL_MEM_FENCE);", "barrier"), ["(void)0;"])
+        self.assertEqual(changes("atomic_add(&p[i], n);", "barrier"), ["(*(&p[i]) += (n));"])
+        self.assertEqual(changes("uint sum = 0;", "clear"), ["uint sum ;"])
+        self.assertEqual(changes("#pragma omp critical\na++;", "barrier"), ["\na++;"])
+
+    def test_statements_and_conditions(self):
+        self.assertEqual(changes("void f(void) { int a = 1; a += 2; g(a); }", "statement"),
+                         ["void f(void) { int a = 1; ; g(a); }", "void f(void) { int a = 1; a += 2; ; }"])
+        self.assertEqual(changes("if (a) b = 1;", "negation"), ["if (!(a)) b = 1;"])
+        self.assertEqual(changes("a = b < c ? b : c;", "branches"), ["a = b < c ? c : b;"])
+
+    def test_last_turn(self):
+        self.assertEqual(changes("for (int i = 0; i < n; i++) f(i);", "last"), ["for (int i = 0; i + 1 < n; i++) f(i);"])
+
+    def test_what_stays(self):
+        for text in ("/* a < b */", "// a < 3\n", 'char *s = "a < 3";', "#if A < 3\n#endif\n", "assert(a < 3);", "_Static_assert(2 < 3, \"\");",
+                     '#include <a.h>\n'):
+            self.assertEqual([m for m in operators.mutants_of("src/core/a.c", text)], [], text)
+
+    def test_bodies_of_macros(self):
+        self.assertEqual(changes("#define F(a) ((a) >> 4)\n", "shift"), ["#define F(a) ((a) >> 3)\n", "#define F(a) ((a) >> 5)\n"])
+
+    def test_identifiers_stay(self):
+        one = {m.id: m.text for m in operators.mutants_of("src/core/a.c", "int a;\nb = c < 3;\n")}
+        two = {m.id: m.text for m in operators.mutants_of("src/core/a.c", "/* more */\nint z;\nint a;\n   b = c < 3;\n")}
+        self.assertTrue(one and set(one) <= set(two))
+        self.assertEqual(len(operators.mutants_of("src/core/a.c", "b = c < 3;\nb = c < 3;\n")), 2 * len(operators.mutants_of("src/core/a.c", "b = c < 3;\n")))
+
+    def test_sample(self):
+        mutants = [m for f in scope.files(SOURCE)[:6] for m in operators.mutants_of(f, read(f))]
+        self.assertEqual(operators.sample(mutants, 80, 5)[:40], operators.sample(mutants, 40, 5))
+        self.assertNotEqual(operators.sample(mutants, 40, 5), operators.sample(mutants, 40, 6))
+        self.assertEqual(len({m.id for m in mutants}), len(mutants))
+
+    def test_foreign_mutant(self):
+        m = operators.from_file("src/core/a.c", "a = b + c;\n", "a = b - c;\n", {})
+        self.assertEqual((m.at, m.old, m.new), (6, "+", "-"))
+        self.assertIsNone(operators.from_file("src/core/a.c", "a;\n", "a;\n", {}))
+
+    def test_every_source(self):
+        for file in scope.files(SOURCE)[::7]:
+            text = read(file)
+            for m in operators.mutants_of(file, text)[::50]:
+                self.assertNotEqual(operators.applied(text, m), text, m)
+
+
+TOY = """
+static int scaled(int v) { return v * 3 + 1; }
+static int unused_half(int v) { return v & 7; }
+int toy_value(int v);
+int toy_value(int v) { return v > 100 ? unused_half(v) : scaled(v); }
+"""
+# A worker of one case: a record of stage `case`, one of stage `rect` with the values, and the end.
+MAIN = """
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+int toy_value(int v);
+static void put(FILE *to, uint32_t stage, const int *values, uint64_t bytes)
+{
+    const uint32_t head[3] = {stage, 0, 0};
+    const uint64_t sizes[2] = {bytes, 0};
+    fwrite("OSTR", 1, 4, to), fwrite(head, 1, 12, to), fwrite(sizes, 1, 16, to), fwrite(values, 1, bytes, to);
+}
+int main(int argc, char **argv)
+{
+    int values[20];
+    FILE *to = fopen(argv[argc - 1], "wb");
+    for (int i = 0; i < 20; i++) values[i] = toy_value(i);
+    put(to, 0, values, 4), put(to, 1, values, sizeof values), put(to, 9, values, 0);
+    return fclose(to);
+}
+"""
+
+
+class OnAToy(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(prefix="osteon-mutants-")
+        self.addCleanup(shutil.rmtree, self.folder)
+        compiler = os.environ.get("CC", "cc").split()
+        tree = os.path.join(self.folder, "tree")
+        for name, text in (("src/cpu/ref/toy.c", TOY), ("src/main.c", MAIN)):
+            os.makedirs(os.path.dirname(os.path.join(tree, name)), exist_ok=True)
+            with open(os.path.join(tree, name), "w", encoding="utf-8") as f:
+                f.write(text)
+        made = os.path.join(tree, "build")
+        os.makedirs(os.path.join(made, "src/cpu/ref"))
+        log = []
+        for name in ("cpu/ref/toy", "main"):
+            words = [*compiler, "-O2", "-MD", "-MF", f"src/{name}.Po", "-c", f"../src/{name}.c", "-o", f"src/{name}.o"]
+            log.append("libtool: compile:  " + " ".join(words))
+            subprocess.run(words, cwd=made, check=True)
+        subprocess.run(["ar", "cr", "libtoy.a", "src/cpu/ref/toy.o"], cwd=made, check=True)
+        words = [*compiler, "-o", "osteon", "src/main.o", "libtoy.a"]
+        log.append("libtool: link: " + " ".join(words))
+        subprocess.run(words, cwd=made, check=True)
+        with open(os.path.join(made, "build.log"), "w", encoding="utf-8") as f:
+            f.write("\n".join(log) + "\n")
+        self.build = building.Build(made, os.path.join(self.folder, "objects"), linker="")
+        campaign = trial.Campaign(os.path.join(made, "osteon"), os.path.join(self.folder, "baseline"), trial.Limits(2048), families=["import"])
+        campaign.lists["smoke"] = ["ref"]
+        self.one = measure.Measurement(self.build, campaign, ["smoke"])
+
+    def outcome(self, old, new, line):
+        found = [m for m in operators.mutants_of("src/cpu/ref/toy.c", TOY) if (m.old, m.new) == (old, new) and line in m.text]
+        self.assertEqual(len(found), 1, (old, new))
+        return self.one.measure(found[0], os.path.join(self.folder, "job"))
+
+    def test_outcomes(self):
+        killed = self.outcome("3", "4", "scaled(int v) {")
+        self.assertEqual((killed["outcome"], killed["by"], killed["stage"], killed["how"]), ("killed by smoke", "import/0", "rect", "differs"))
+        self.assertEqual(self.outcome("7", "15", "unused_half(int v) {")["outcome"], "survived")
+        self.assertEqual(self.outcome("100", "101", "toy_value(int v) {")["outcome"], "survived")
+        self.assertEqual(self.outcome(">", ">=", "toy_value(int v) {")["outcome"], "survived")
+        # No value is above this one, so the compiler drops what follows the test: the same object code.
+        text = TOY.replace("v > 100", "v > 0x7fffffff")
+        with open(os.path.join(self.build.source, "src/cpu/ref/toy.c"), "w", encoding="utf-8") as f:
+            f.write(text)
+        shutil.rmtree(os.path.join(self.folder, "objects/unmutated"))
+        os.makedirs(os.path.join(self.folder, "objects/unmutated"))
+        dead = [m for m in operators.mutants_of("src/cpu/ref/toy.c", text) if m.old == "7"][0]
+        self.assertEqual(self.one.measure(dead, os.path.join(self.folder, "job"))["outcome"], "identical")
+        broken = dead._replace(new="(")
+        self.assertEqual(self.one.measure(broken, os.path.join(self.folder, "job"))["outcome"], "not compiled")
+
+    def test_endless_loop_and_crash(self):
+        body = "return v * 3 + 1;"
+        at = TOY.index(body)
+        self.one.campaign.limits.least_s = 1
+        for new, how in (("for (volatile int i = 0;; i++) ; return 0;", "time"), ("__builtin_trap(); return 0;", "crash")):
+            m = operators.Mutant("x", "src/cpu/ref/toy.c", 2, "statement", at, body, new, "")
+            row = self.one.measure(m, os.path.join(self.folder, "job"))
+            self.assertEqual(row["outcome"], "killed by smoke")
+            self.assertIn(how, row["how"])
+
+
+class Table(unittest.TestCase):
+    def test_counts_and_interval(self):
+        low, high = table.interval(50, 100)
+        self.assertAlmostEqual(low, 0.4038, places=3)
+        self.assertAlmostEqual(high, 0.5962, places=3)
+        row = {"id": "1", "file": "src/core/a.c", "line": "1", "operator": "bound", "old": "<", "new": "<=", "text": "a", "how": "", "by": "", "tiers": "smoke"}
+        rows = [{**row, "outcome": o, "how": h, "id": str(i)} for i, (o, h) in enumerate(
+            [("identical", ""), ("killed by smoke", "differs"), ("killed by smoke", "crash: SIGSEGV"), ("survived", ""), ("survived", ""), ("not compiled", "")])]
+        known = {"3": {"id": "3", "kind": "equivalent", "text": "a", "reason": "r"}, "4": {"id": "4", "kind": "equivalent", "text": "another line", "reason": "r"}}
+        made = table.count_file("src/core/a.c", 9, rows, known)
+        self.assertEqual([made[c] for c in ("drawn", "not compiled", "identical", "differing", "equivalent", "smoke", "by crash or time", "survived")],
+                         [6, 1, 1, 4, 1, 2, 1, 1])
+
+    def test_reasons_are_of_mutants(self):
+        path = os.path.join(SOURCE, "docs/qualification/mutants-equivalent.csv")
+        if not os.path.exists(path):
+            self.skipTest("no reasons")
+        with open(path, newline="", encoding="utf-8") as f:
+            for row in csv.DictReader(f):
+                self.assertIn(row["kind"], ("equivalent", "open"), row)
+                self.assertTrue(row["reason"] and row["text"], row)
+
+
+if __name__ == "__main__":
+    unittest.main()

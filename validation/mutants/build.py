@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A scratch build, and single objects and programs of it made again from a mutant.
+
+    make V=1 --log--> commands of every object and program
+    mutant --overlay/--> objects that its file is in --link--> program
+
+The build's own files are never written to.  A mutated object stands first on
+the linker's line, so that the archive's member of the same symbols is not
+taken; so one build serves several jobs.
+"""
+import os
+import re
+import shlex
+import shutil
+import signal
+import subprocess
+
+COMPILE_LIMIT = 180
+
+
+class BuildError(Exception):
+    pass
+
+
+def run(command, cwd, limit, env=None, output=None):
+    """Runs a command in a process group of its own; returns (status, text), status None when it was late."""
+    p = subprocess.Popen(command, cwd=cwd, env=env, stdin=subprocess.DEVNULL, stdout=output or subprocess.PIPE, stderr=subprocess.STDOUT if not output else None,
+                         start_new_session=True)
+    try:
+        text = p.communicate(timeout=limit)[0]
+    except subprocess.TimeoutExpired:
+        os.killpg(p.pid, signal.SIGKILL)
+        p.communicate()
+        return None, "late"
+    return p.returncode, (text or b"").decode(errors="replace")
+
+
+def make_scratch(source, folder, configure, log=print):
+    """Clones the commit of `source` and builds it with its log in FOLDER/build/build.log, unless that is done."""
+    build = os.path.join(folder, "build")
+    done = os.path.join(build, "build.done")
+    if os.path.exists(done):
+        return build
+    log(f"building in {folder}: once, some minutes")
+    if not os.path.exists(os.path.join(folder, "configure.ac")):
+        subprocess.run(["git", "clone", "-q", source, folder], check=True)
+    os.makedirs(build, exist_ok=True)
+    with open(os.path.join(build, "build.log"), "wb") as out:
+        for command, cwd in ((["./bootstrap"], folder), (["../configure", *configure], build), (["make", "V=1"], build), (["make", "V=1", "check", "TESTS="], build)):
+            if subprocess.run(command, cwd=cwd, stdout=out, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL).returncode != 0:
+                raise BuildError(f"{' '.join(command)} failed; see {build}/build.log")
+    open(done, "w").close()
+    return build
+
+
+def _words(line):
+    try:
+        return shlex.split(re.sub(r"`[^`]*`", "", line))
+    except ValueError:
+        return []
+
+
+def parse_log(text):
+    """Returns ({object: words of its command}, {program: words of its link command}) of a `make V=1`'s log."""
+    objects, programs = {}, {}
+    for line in text.splitlines():
+        if line.startswith("libtool: compile:"):
+            words = shlex.split(line[len("libtool: compile:"):])
+        elif re.match(r"(ccache )?\S*(gcc|clang|cc)\S* .*-c -o ", line):
+            # automake's `test -f 'a.c' || echo '../'`a.c
+            words = _words(re.sub(r"`test -f '([^']*)' \|\| echo '([^']*)'`", r"\2", line))
+        elif line.startswith("libtool: link:") and " -o " in line:
+            words = shlex.split(line[len("libtool: link:"):])
+            if "-shared" not in words and not words[words.index("-o") + 1].endswith((".so", ".la")) and words[0] not in ("ar", "ln", "ranlib", "("):
+                programs[words[words.index("-o") + 1]] = words
+            continue
+        else:
+            continue
+        if "-o" in words and "-c" in words:
+            objects[words[words.index("-o") + 1]] = words
+    return objects, programs
+
+
+class Build:
+    def __init__(self, folder, jobs_folder, compiler=None, linker=None):
+        self.folder = os.path.abspath(folder)
+        self.source = os.path.dirname(self.folder)
+        self.work = os.path.abspath(jobs_folder)
+        self.compiler = compiler
+        with open(os.path.join(self.folder, "build.log"), errors="replace") as log:
+            self.objects, self.programs = parse_log(log.read())
+        if "osteon" not in self.programs:
+            raise BuildError(f"{folder}/build.log has no link command of osteon")
+        self.linker = linker if linker is not None else next((f"-fuse-ld={n}" for n in ("mold", "lld", "gold") if shutil.which({"lld": "ld.lld", "gold": "ld.gold"}.get(n, n))), "")
+        self.users = self._users()
+        os.makedirs(os.path.join(self.work, "unmutated"), exist_ok=True)
+
+    def _source_of(self, words):
+        """The source file of a compile command, relative to the tree."""
+        for word in words:
+            if word.endswith((".c", ".cc")) and not word.startswith("-"):
+                return os.path.relpath(os.path.join(self.folder, word), self.source)
+        return None
+
+    def _users(self):
+        """{file: objects that it is compiled into}, from the lists that the compiler wrote beside each object."""
+        users = {}
+        for name, words in self.objects.items():
+            found = {self._source_of(words)}
+            if "-MF" in words:
+                listed = words[words.index("-MF") + 1]
+                for path in (listed, re.sub(r"\.Tpo$", ".Plo", listed), re.sub(r"\.Tpo$", ".Po", listed)):
+                    try:
+                        with open(os.path.join(self.folder, path)) as f:
+                            text = f.read().replace("\\\n", " ")
+                    except OSError:
+                        continue
+                    rule = text.split("\n", 1)[0].split(":", 1)[-1]
+                    found |= {os.path.relpath(os.path.join(self.folder, w), self.source) for w in rule.split()}
+            for file in found - {None}:
+                users.setdefault(file, []).append(name)
+        return users
+
+    def _command(self, words, overlay, out):
+        """The compile command with the overlay's files before the tree's, without debug information and warnings."""
+        result, skip = [], 0
+        for i, word in enumerate(words):
+            if skip:
+                skip -= 1
+            elif word in ("-MT", "-MF"):
+                skip = 1
+            elif word == "ccache" or word in ("-MD", "-MP", "-g") or word.startswith("-Werror"):
+                pass
+            elif word == "-o":
+                skip = 1
+            elif i and word.endswith(".c") and not word.startswith("-"):
+                relative = os.path.relpath(os.path.join(self.folder, word), self.source)
+                mine = os.path.join(overlay, relative)
+                result.append(mine if os.path.exists(mine) else os.path.join(self.source, relative))
+            else:
+                result.append(word)
+        at = 1 + (self.compiler is None)
+        if self.compiler:
+            result[0] = self.compiler
+            at = 1
+        else:
+            at = 1
+        includes = ["-I" + os.path.join(overlay, d) for d in ("src", "tests", ".")]
+        prefixes = [f"-ffile-prefix-map={overlay}=", f"-ffile-prefix-map={self.source}="]
+        return result[:at] + includes + result[at:] + ["-g0", "-w", *prefixes, "-o", out]
+
+    def _plain(self, name):
+        """The unmutated object, made as mutated ones are."""
+        path = os.path.join(self.work, "unmutated", name.replace("/", "__"))
+        if not os.path.exists(path):
+            os.makedirs(os.path.join(self.work, "empty"), exist_ok=True)
+            part = f"{path}.{os.getpid()}.{id(self) & 0xffff}"
+            status, text = run(self._command(self.objects[name], os.path.join(self.work, "empty"), part), self.folder, COMPILE_LIMIT)
+            if status != 0:
+                raise BuildError(f"{name} does not compile unmutated: {text[-500:]}")
+            os.replace(part, path)
+        return path
+
+    def objects_of(self, file, within=None):
+        """Objects that a file is compiled into, those of `within` (a prefix or a tuple of them) alone."""
+        return sorted(o for o in self.users.get(file, []) if within is None or o.startswith(within))
+
+    def compile(self, names, overlay, folder, limit=COMPILE_LIMIT):
+        """Compiles objects; returns (status, those that differ): "not compiled", "identical" or "differs"."""
+        changed = []
+        for name in names:
+            out = os.path.join(folder, name.replace("/", "__"))
+            status, _ = run(self._command(self.objects[name], overlay, out), self.folder, limit)
+            if status != 0:
+                return "not compiled", []
+            with open(out, "rb") as a, open(self._plain(name), "rb") as b:
+                if a.read() != b.read():
+                    changed.append(out)
+                else:
+                    os.remove(out)
+        return ("differs", changed) if changed else ("identical", [])
+
+    def embedded(self, overlay, folder):
+        """The object of the OpenCL program with the overlay's kernels; None if it cannot be made."""
+        name = next((o for o in self.objects if re.search(r"src/cl/.*embedded\.o$", o)), None)
+        rule = subprocess.run(["make", "-n", "-s", "-W", "../src/cl/kernels/common.h", "src/cl/embedded.c"], cwd=self.folder, capture_output=True, text=True).stdout
+        found = re.search(r"build-aux/source-strings (cl .*?) >", rule.replace("\\\n", " "))
+        if not name or not found:
+            return None
+        os.makedirs(os.path.join(overlay, "src/cl"), exist_ok=True)
+        tree = os.path.join(folder, "kernels")
+        shutil.rmtree(tree, ignore_errors=True)
+        shutil.copytree(os.path.join(self.source, "src/cl/kernels"), os.path.join(tree, "src/cl/kernels"))
+        shutil.copytree(os.path.join(overlay, "src/cl/kernels"), os.path.join(tree, "src/cl/kernels"), dirs_exist_ok=True)
+        text = subprocess.run(["sh", os.path.join(self.source, "build-aux/source-strings"), *shlex.split(found.group(1))], cwd=tree, capture_output=True)
+        shutil.rmtree(tree)
+        if text.returncode != 0:
+            return None
+        source, out = os.path.join(folder, "embedded.c"), os.path.join(folder, "embedded.o")
+        with open(source, "wb") as f:
+            f.write(text.stdout)
+        words = [source if w.endswith("embedded.c") else w for w in self.objects[name]]
+        command = self._command(words, os.path.join(self.work, "empty"), out)
+        command = [source if w.endswith("embedded.c") else w for w in command]
+        return out if run(command, self.folder, COMPILE_LIMIT)[0] == 0 else None
+
+    def link(self, program, changed, out, instead=()):
+        """Links a program with these objects before all others, or instead of the objects named so."""
+        words = [w for w in self.programs[program] if w != "ccache"]
+        words = [dict(instead).get(w, w) for w in words]
+        at = words.index("-o")
+        words[at + 1] = out
+        words[at + 2:at + 2] = [o for o in changed if o not in dict(instead).values()]
+        words += [self.linker] if self.linker else []
+        return run(words + ["-Wl,-s"], self.folder, COMPILE_LIMIT)

@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The outcome of one mutant: compiled, compared, linked, run until something notices it."""
+import os
+import shutil
+import threading
+import time
+
+import build as building
+import operators
+import scope
+from trial import Process, how_it_ended
+
+FIELDS = ["id", "file", "line", "operator", "old", "new", "text", "outcome", "by", "stage", "how", "seconds", "tiers", "commit", "seed"]
+KERNELS_AS_C = "tests/cl/test_kernels_as_c"
+# What a mutated header may be in; the rest of the program has no part in results.
+PARTS = ("src/core/", "src/cpu/", "src/cl/")
+
+
+class Measurement:
+    def __init__(self, build, campaign, tiers, tests_limit_s=300):
+        self.build, self.campaign, self.tiers, self.tests_limit_s = build, campaign, tiers, tests_limit_s
+        self.lock = threading.Lock()
+        self.test_seconds = {}
+        self.note = {} # of each thread: what is known of a mutant that no tier noticed
+
+    def measure(self, m, folder):
+        """Returns {"outcome", "by", "stage", "how", "seconds"}; `folder` is the job's own and is emptied."""
+        begun = time.monotonic()
+        self.note.pop(threading.get_ident(), None)
+        shutil.rmtree(folder, ignore_errors=True)
+        scratch, overlay = os.path.join(folder, "run"), os.path.join(folder, "overlay")
+        os.makedirs(scratch)
+        with open(os.path.join(self.build.source, m.file), newline="") as f:
+            text = operators.applied(f.read(), m)
+        path = os.path.join(overlay, m.file)
+        os.makedirs(os.path.dirname(path))
+        with open(path, "w", newline="") as f:
+            f.write(text)
+        outcome = self._kernel(m, overlay, folder, scratch) if scope.is_kernel(m.file) else self._host(m, overlay, folder, scratch)
+        shutil.rmtree(folder, ignore_errors=True)
+        if outcome == ("survived",):
+            outcome = ("survived", "", "", self.note.get(threading.get_ident(), ""))
+        row = dict(zip(("outcome", "by", "stage", "how"), (*outcome, "", "", "", "")[:4]))
+        row["seconds"] = f"{time.monotonic() - begun:.1f}"
+        return row
+
+    def _host(self, m, overlay, folder, scratch):
+        objects = self.build.objects_of(m.file, PARTS)
+        if not objects:
+            return ("not built here",)
+        state, changed = self.build.compile(objects, overlay, folder)
+        if state != "differs":
+            return (state,)
+        program = os.path.join(folder, "osteon")
+        if self.build.link("osteon", changed, program)[0] != 0:
+            return ("not compiled",)
+        return self._campaign(m, program, scratch) or self._tests(m, changed, folder, scratch)
+
+    def _campaign(self, m, program, scratch):
+        for tier in self.tiers:
+            if tier == "tests":
+                continue
+            subjects = scope.subjects(m.file, self.campaign.subjects(tier, scratch))
+            if not subjects:
+                continue
+            if scope.is_shared(m.file):
+                found, changed = self.campaign.shared(program, tier, subjects[0], scratch)
+                how = "a result changed in all backends" if changed else ""
+            else:
+                found, how = self.campaign.killed(program, tier, subjects, scratch), ""
+            if found and scope.is_kernel(m.file) and found[3] == "exit status 3":
+                return ("not compiled",)  # the device's compiler, or its driver, refused the program
+            if found:
+                return f"killed by {tier}", found[1], found[2], found[3]
+            self.note[threading.get_ident()] = how
+        return None
+
+    def _tests(self, m, changed, folder, scratch, instead=()):
+        if "tests" not in self.tiers:
+            return ("survived",)
+        for name in scope.tests(m.file, self.build.programs):
+            if os.path.basename(name) in ("test_cl_growth", "test_scene"):
+                continue
+            found = self._test(name, changed, folder, scratch, instead)
+            if found:
+                return "killed by tests", name, "", found
+        return ("survived",)
+
+    def _test(self, name, changed, folder, scratch, instead=()):
+        """None if a test passes, or how it ends."""
+        if name not in self.test_seconds:
+            with self.lock:
+                plain = os.path.join(folder, "plain")
+                if self.build.link(name, [], plain)[0] != 0:
+                    return None
+                begun = time.monotonic()
+                status = self._run(plain, scratch, self.tests_limit_s)
+                self.test_seconds[name] = None if status != 0 else max(10, 5 * (time.monotonic() - begun))
+                os.remove(plain)
+        limit = self.test_seconds[name]
+        if limit is None:
+            return None  # fails, or is late, without the mutant: it can say nothing
+        program = os.path.join(folder, "test")
+        if self.build.link(name, changed, program, instead)[0] != 0:
+            return None
+        status = self._run(program, scratch, limit)
+        os.remove(program)
+        return None if status in (0, 77) else "fails" if status and status > 0 else how_it_ended(status)
+
+    def _run(self, program, scratch, limit):
+        process = Process([program], scratch, limit, self.campaign.limits)
+        while process.read():
+            pass
+        return process.end(False)
+
+    def _kernel(self, m, overlay, folder, scratch):
+        """On the device here, then as C; code that C's compiler finds equal is equal."""
+        state, changed = self.build.compile(self.build.objects_of(m.file, ("tests/cl/", *PARTS)), overlay, folder)
+        if state != "differs":
+            return (state,)
+        host = [p for p in changed if not os.path.basename(p).startswith("tests__")]
+        embedded = self.build.embedded(overlay, folder)
+        program = os.path.join(folder, "osteon")
+        if embedded is None or self.build.link("osteon", [*host, embedded], program)[0] != 0:
+            return ("not compiled",)
+        found = self._campaign(m, program, scratch)
+        if found or "tests" not in self.tiers:
+            return found or ("survived",)
+        instead = [(n, p) for n in self.build.objects if (p := os.path.join(folder, n.replace("/", "__"))) in changed and p not in host]
+        how = self._test(KERNELS_AS_C, host, folder, scratch, instead)
+        return ("killed by tests", KERNELS_AS_C, "", how) if how else ("survived",)

@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is mutated, and on which backends a campaign can show it."""
+import os
+import re
+
+FOLDERS = ["src/core", "src/cpu", "src/cl"]
+
+# Files of these folders that decide no voxel of a campaign: faults in them are the test suite's alone.
+OUTSIDE = {
+    "src/core/clock.h": "time stamps",
+    "src/core/decimal.c": "numbers of text files",
+    "src/core/file.c": "reading files",
+    "src/core/file.h": "reading files",
+    "src/core/length.c": "lengths of text files",
+    "src/core/meta.c": "facts that travel with a grid",
+    "src/core/motor.c": "the motor of the simulator's tools",
+    "src/core/motor_table.h": "the motor of the simulator's tools",
+    "src/core/path.c": "paths that are read from files",
+    "src/core/printable.c": "text of messages",
+    "src/core/printable.h": "text of messages",
+    "src/core/shortest.c": "numbers of text files",
+    "src/core/shortest.h": "numbers of text files",
+    "src/core/status.c": "text of messages",
+    "src/cl/absent.c": "builds without OpenCL",
+    "src/cl/api.c": "a table of functions",
+    "src/cl/api.h": "a table of functions",
+    "src/cl/cache.c": "the cache of built programs",
+    "src/cl/cache.h": "the cache of built programs",
+    "src/cl/embedded.h": "declarations",
+    "src/cl/error.c": "text of messages",
+    "src/cl/error.h": "text of messages",
+    "src/cl/facts.c": "descriptions of devices",
+    "src/cl/icd.c": "descriptions of drivers",
+    "src/cl/key.c": "the cache of built programs",
+    "src/cl/share.c": "buffers shared with OpenGL",
+    "src/cl/share.h": "buffers shared with OpenGL",
+}
+
+
+def files(source):
+    """All sources in scope, sorted."""
+    out = []
+    for top in FOLDERS:
+        for folder, _, names in os.walk(os.path.join(source, top)):
+            out += [os.path.relpath(os.path.join(folder, n), source) for n in names if n.endswith((".c", ".h", ".cl"))]
+    return sorted(out)
+
+
+def is_kernel(file):
+    return file.startswith("src/cl/kernels/")
+
+
+def is_shared(file):
+    """Returns true if the reference and every other backend run the file's code."""
+    return file.startswith("src/core/")
+
+
+def subjects(file, available):
+    """Of a tier's backends those that run a file's code, the most telling first; empty if none does."""
+    def first(*patterns):
+        found = (next((s for s in available if re.fullmatch(p, s)), None) for p in patterns)
+        return [s for s in dict.fromkeys(found) if s]
+
+    if file in OUTSIDE or "/arm/" in file and not any("isa=neon" in s for s in available):
+        return []
+    if is_shared(file):
+        return first("cpu:isa=avx2,threads=2", "cpu:isa=.*,threads=2")
+    if file.startswith("src/cpu/ref/"):
+        return ["ref"]
+    if is_kernel(file):
+        # The set for CPUs is what a CPU's driver takes by itself.
+        mine, gpus = ("cl:(?!.*kernels=gpu).*",), ("cl:.*kernels=gpu.*",)
+        return first(*mine) if file.endswith("_cpu.cl") else first(*gpus, *mine)
+    if file.startswith("src/cl/"):
+        return first("cl:(?!.*kernels=gpu).*", "cl:.*kernels=gpu.*")
+    isa = re.search(r"_(avx2|avx512|neon)\.c$", file)
+    if isa or file.endswith("scalar.c"):
+        name = isa.group(1) if isa else "scalar"
+        return first(*(f"cpu:isa={name},threads={n}\\b.*" for n in (3, 2, 1)))[:2]
+    if "embree" in file:
+        return first("cpu:voxelizer=embree.*")
+    out = first("cpu:isa=(avx512|neon),threads=2", "cpu:isa=scalar,threads=1", "cpu:isa=avx2,threads=7", "cpu:isa=(avx512|scalar),threads=3")
+    return out + (first("cpu:voxelizer=embree.*") if "/voxelize/" in file else [])
+
+
+def tests(file, programs):
+    """Test programs for a file, those of its own part first."""
+    base = re.sub(r"_(avx2|avx512|neon|scalar)$", "", os.path.splitext(os.path.basename(file))[0])
+    wanted = ("tests/cl/", "tests/core/", "tests/cpu/", "tests/ref/", "tests/simd/", "tests/mesh/", "tests/api/", "tests/oracle/", "tests/validation/")
+    if not file.startswith("src/cl/"):
+        wanted = wanted[1:]
+    part = "tests/" + file.split("/")[1] + "/"
+    found = [p for p in programs if p.startswith(wanted) and "/.libs/" not in p]
+    return sorted(found, key=lambda p: (base not in os.path.basename(p), not p.startswith(part), p))
