@@ -32,18 +32,29 @@ static subject *add(subject_list *list, const char *spec, const char *what, ost_
 static ost_status add_cpu(plan_tier tier, subject_list *list, ost_error *err)
 {
     static const int threads[] = {1, 2, 3, 7};
-    const int count = tier == PLAN_SMOKE ? 2 : 4;
+    bool taken[4] = {false};
+    int left = 0;
     char spec[SUBJECT_SPEC], what[SUBJECT_REASON];
-    for (int i = 0; i < OST_ISA_COUNT; i++) {
+    for (int i = 0; i < OST_ISA_COUNT; i++)
+        left += ost_isa_available((ost_isa)i);
+    for (int i = 0, turn = 1; i < OST_ISA_COUNT; i++) {
         if (!ost_isa_available((ost_isa)i))
             continue;
-        for (int t = 0; t < count; t++) {
-            snprintf(spec, sizeof spec, "cpu:isa=%s,threads=%d", ost_isa_name((ost_isa)i), threads[t]);
-            snprintf(what, sizeof what, "CPU, %s, %d thread%s", ost_isa_name((ost_isa)i), threads[t], threads[t] == 1 ? "" : "s");
+        left--;
+        for (int t = 0; t < 4; t++) {
+            /* In the smoke tier the sets take 2, 3 and 7 threads in turn, and the last one those that nobody has taken. */
+            if (tier == PLAN_SMOKE && t != 0 && t != turn && (left > 0 || taken[t]))
+                continue;
+            taken[t] = true;
+            snprintf(spec, sizeof spec, "cpu:isa=%s,threads=%d%s", ost_isa_name((ost_isa)i), threads[t], t ? ",grain=1" : "");
+            snprintf(what, sizeof what, "CPU, %s, %d thread%s", ost_isa_name((ost_isa)i), threads[t], t ? "s that share the smallest work" : "");
             if (!add(list, spec, what, err))
                 return OST_ERR_MEMORY;
         }
+        turn = turn % 3 + 1;
     }
+    if (!add(list, "cpu:threads=3", "CPU, 3 threads that share work from the sizes on that pay", err))
+        return OST_ERR_MEMORY;
 #if defined HAVE_EMBREE3 || defined HAVE_EMBREE4
     if (!add(list, "cpu:voxelizer=embree,threads=2", "CPU, candidates by Embree's rays", err))
         return OST_ERR_MEMORY;

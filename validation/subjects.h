@@ -3,8 +3,10 @@
  * Who is compared: the reference, and every way this machine can run the
  * others, as strings that ost_backend_open takes.
  *
- *   cpu   each instruction set that is here, with 1, 2, 3 and 7 threads (smoke:
- *         1 and 2), and the voxelizer by Embree where it was built in
+ *   cpu   each instruction set that is here, with 1 thread and with 2, 3 and 7
+ *         that share the smallest work (grain=1; smoke: one of the three, all
+ *         of them among the sets); the best set with 3 threads and the
+ *         thresholds of every day; the voxelizer by Embree where it was built in
  *   cl    each device that is not refused
  *   plugin:FILE.so   somebody else's, when it is named; tried in a process of
  *                    its own first, as its code may do anything

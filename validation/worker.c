@@ -7,6 +7,7 @@
 #include <signal.h>
 #include <spawn.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -74,6 +75,8 @@ ost_status worker_start(char *const argv[], int trace_fd, int user_fd, double li
     *out = (worker){.pid = -1, .said = -1, .limit_s = limit_s, .begun = now_s()};
     if (pipe2(ends, O_CLOEXEC) != 0)
         return ost_fail(err, OST_ERR_IO, "no pipe for a worker: %s", strerror(errno));
+    /* More threads than cores run at a time: one that waits for work must leave its core. */
+    (void)setenv("OMP_WAIT_POLICY", "passive", 0);
     posix_spawn_file_actions_t actions;
     int failed = posix_spawn_file_actions_init(&actions);
     if (!failed) {

@@ -44,6 +44,16 @@ static ost_status set_threads(const char *value, int *threads, ost_error *err)
     return OST_OK;
 }
 
+static ost_status set_grain(const char *value, int64_t *grain, ost_error *err)
+{
+    const size_t digits = strspn(value, "0123456789");
+    const long long n = digits > 0 && digits < 11 && !value[digits] ? strtoll(value, NULL, 10) : 0;
+    if (n < 1)
+        return ost_fail(err, OST_ERR_USAGE, "backend cpu: grain=%.20s; expected a number from 1 to 9999999999", value);
+    *grain = n;
+    return OST_OK;
+}
+
 static ost_status set_voxelizer(const char *value, ost_voxelizer *voxelizer, ost_error *err)
 {
     static const char *const names[] = {"auto", "triangles", "embree"};
@@ -59,6 +69,7 @@ static ost_status set_voxelizer(const char *value, ost_voxelizer *voxelizer, ost
 typedef struct cpu_options {
     const char *isa;
     int threads;
+    int64_t grain; /* 0: measured thresholds */
     ost_voxelizer voxelizer;
     unsigned given; /* a bit a key */
 } cpu_options;
@@ -66,8 +77,8 @@ typedef struct cpu_options {
 /* One "key=value". */
 static ost_status set_option(const char *option, cpu_options *options, ost_error *err)
 {
-    static const char *const keys[] = {"isa=", "threads=", "voxelizer="};
-    for (int key = 0; key < 3; key++) {
+    static const char *const keys[] = {"isa=", "threads=", "grain=", "voxelizer="};
+    for (int key = 0; key < 4; key++) {
         const size_t length = strlen(keys[key]);
         if (strncmp(option, keys[key], length) != 0)
             continue;
@@ -81,11 +92,13 @@ static ost_status set_option(const char *option, cpu_options *options, ost_error
             return *value ? OST_OK : ost_fail(err, OST_ERR_USAGE, "backend cpu: isa= says no instruction set; osteon devices lists them");
         case 1:
             return set_threads(value, &options->threads, err);
+        case 2:
+            return set_grain(value, &options->grain, err);
         default:
             return set_voxelizer(value, &options->voxelizer, err);
         }
     }
-    return ost_fail(err, OST_ERR_USAGE, "backend cpu: '%.40s' is unknown; options are isa=NAME, threads=N and voxelizer=NAME", option);
+    return ost_fail(err, OST_ERR_USAGE, "backend cpu: '%.40s' is unknown; options are isa=NAME, threads=N, grain=N and voxelizer=NAME", option);
 }
 
 /* text is cut at its commas; the values stay in it. */
@@ -118,6 +131,9 @@ static ost_status open_cpu(const char *options, ost_backend **out, ost_error *er
         status = ost_isa_choose(chosen.isa, &level, err);
     if (status == OST_OK)
         status = ost_backend_ref.open("", &ref, err);
+    ost_cpu_sharing *sharing = NULL;
+    if (status == OST_OK && !(sharing = malloc(sizeof *sharing)))
+        status = ost_fail(err, OST_ERR_MEMORY, "no memory for backend cpu");
     /* Its kernels' tables lie on cache lines, so it must; its size is then a multiple of them. */
     if (status == OST_OK && !(backend = aligned_alloc(_Alignof(cpu_backend), sizeof *backend)))
         status = ost_fail(err, OST_ERR_MEMORY, "no memory for backend cpu");
@@ -127,13 +143,15 @@ static ost_status open_cpu(const char *options, ost_backend **out, ost_error *er
         backend->isa = level;
         backend->threads = chosen.threads;
         backend->voxelizer = chosen.voxelizer;
-        backend->vox_tuning = ost_vox_tuning_default;
-        backend->event_threaded = OST_EVENT_THREADED;
+        backend->sharing = sharing;
+        ost_cpu_sharing_init(sharing, chosen.grain);
+        sharing = NULL;
         ost_cpu_kernels_fill(&backend->kernels, level);
         *out = &backend->ref.base;
     }
     if (ref)
         ost_backend_ref.close(ref);
+    free(sharing);
     free(text);
     return status;
 }
@@ -144,6 +162,7 @@ static void close_cpu(ost_backend *base)
     ost_event_scratch_free(&backend->event);
     for (int i = 0; i < 3; i++)
         ost_chunk_pool_close(backend->pools[i]);
+    free(backend->sharing);
     free(backend);
 }
 
@@ -151,6 +170,12 @@ static ost_backend_settings settings(const ost_backend *base)
 {
     const cpu_backend *backend = (const cpu_backend *)base;
     return (ost_backend_settings){.isa = ost_isa_name(backend->isa), .threads = backend->threads, .platform = -1, .device = -1};
+}
+
+static void visit_paths(const ost_backend *base, ost_path_visit *visit, void *user)
+{
+    const cpu_backend *backend = (const cpu_backend *)base;
+    ost_cpu_sharing_visit(backend->sharing, backend->threads, visit, user);
 }
 
 /* Every call has done its work when it returns. */
@@ -163,14 +188,14 @@ static ost_status finish(ost_backend *backend, ost_error *err)
 
 const ost_backend_ops ost_backend_cpu = {
     .name = "cpu",
-    .description = "hand-vectorised, on all cores; options isa=scalar|avx2|avx512|avx512vbmi|neon, threads=N, voxelizer=auto|triangles|embree",
+    .description = "hand-vectorised, on all cores; options isa=scalar|avx2|avx512|avx512vbmi|neon, threads=N, grain=N, voxelizer=auto|triangles|embree",
     .available = available,
     .devices = ost_no_devices,
     .open = open_cpu,
     .close = close_cpu,
     .settings = settings,
+    .paths = visit_paths,
     .finish = finish,
-    .paths = ost_no_paths,
     .grid_create = ost_cpu_grid_create,
     .grid_free = ost_cpu_grid_free,
     .grid_upload = ost_cpu_grid_upload,

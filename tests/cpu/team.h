@@ -32,7 +32,7 @@ static inline int open_team(void **state)
             snprintf(t->name[t->count], sizeof t->name[0], "cpu:isa=%s,threads=%d", ost_isa_name((ost_isa)isa), threads[i]);
             if (ost_backend_open(t->name[t->count], &t->cpu[t->count], NULL) != OST_OK)
                 return 1;
-            ((cpu_backend *)t->cpu[t->count])->event_threaded = 0;
+            ((cpu_backend *)t->cpu[t->count])->sharing->least[OST_PATH_REMOVAL] = 0;
             t->count++;
         }
     *state = t;

@@ -230,26 +230,34 @@ ost_status ost_cpu_bone_upload(ost_bone *base, int32_t z0, int32_t count, const 
     const slab s = {.dims = base->geometry.dims, .z0 = z0, .z1 = z0 + count, .voxels = voxels};
     const int64_t layer = (int64_t)bone->chunk_dims.x * bone->chunk_dims.y;
     const int64_t from = z0 / base->chunk_size * layer, to = ((z0 + count - 1) / base->chunk_size + 1) * layer;
-    const int threads = ((const cpu_backend *)base->backend)->threads;
-    (void)threads;
+    const cpu_backend *backend = (const cpu_backend *)base->backend;
 
     /* First all memory that will be needed, so that a failure can still be taken back. */
     bool enough = true;
-#pragma omp parallel for schedule(dynamic, 4) num_threads(threads) if (count >= 8 && threads > 1) reduction(&& : enough)
-    for (int64_t i = from; i < to; i++) {
-        chunk_place at = place_of(bone, i);
-        if (!bone->chunks[i].density && any_active(bone, &at, &s))
-            enough = fill(bone, &bone->chunks[i]) && enough;
+    ost_team filling = ost_team_of(backend->sharing, backend->threads, OST_PATH_BONE_UPLOAD, count, to - from, 4), storing = filling;
+#pragma omp parallel num_threads(filling.threads) if (filling.threads > 1) reduction(&& : enough)
+    {
+        ost_member me = ost_team_join(&filling);
+        for (int64_t n; (n = ost_team_next(&filling, &me)) >= 0;) {
+            const int64_t i = from + n;
+            chunk_place at = place_of(bone, i);
+            if (!bone->chunks[i].density && any_active(bone, &at, &s))
+                enough = fill(bone, &bone->chunks[i]) && enough;
+        }
     }
-#pragma omp parallel for schedule(dynamic, 4) num_threads(threads) if (count >= 8 && threads > 1)
-    for (int64_t i = from; i < to; i++) {
-        cpu_chunk *chunk = &bone->chunks[i];
-        chunk_place at = place_of(bone, i);
-        if (chunk->density && enough)
-            store_chunk(bone, chunk, &at, &s);
-        if (chunk->density && chunk->active == 0)
-            ost_cpu_chunk_release(chunk);
+#pragma omp parallel num_threads(storing.threads) if (storing.threads > 1)
+    {
+        ost_member me = ost_team_join(&storing);
+        for (int64_t n; (n = ost_team_next(&storing, &me)) >= 0;) {
+            cpu_chunk *chunk = &bone->chunks[from + n];
+            chunk_place at = place_of(bone, from + n);
+            if (chunk->density && enough)
+                store_chunk(bone, chunk, &at, &s);
+            if (chunk->density && chunk->active == 0)
+                ost_cpu_chunk_release(chunk);
+        }
     }
+    ost_team_end(backend->sharing, &storing);
     if (!enough)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for the chunks of slices %d to %d (%zu bytes each)", z0, z0 + count - 1,
                         ost_chunk_bytes(base->chunk_size));
@@ -392,16 +400,21 @@ ost_status ost_cpu_bone_leaves(const ost_bone *base, ost_digest *leaves, ost_err
     const ost_dims dims = ost_leaf_dims(base->geometry.dims);
     const int64_t count = ost_dims_count(dims);
     int failed = OST_OK;
-#pragma omp parallel for schedule(dynamic, 8) num_threads(backend->threads) if (count >= 64 && backend->threads > 1) reduction(max : failed)
-    for (int64_t i = 0; i < count; i++) {
-        int16_t voxels[OST_LEAF * OST_LEAF * OST_LEAF];
-        const ost_dims leaf = {(int32_t)(i % dims.x), (int32_t)(i / dims.x % dims.y), (int32_t)(i / dims.x / dims.y)};
-        ost_status status = OST_OK;
-        if (read_leaf(bone, leaf, voxels))
-            status = ost_digest_leaf16(voxels, &leaves[i], NULL);
-        else
-            leaves[i] = backend->ref.empty_leaf;
-        failed = (int)status > failed ? (int)status : failed;
+    ost_team team = ost_team_of(backend->sharing, backend->threads, OST_PATH_LEAVES, count, count, 8);
+#pragma omp parallel num_threads(team.threads) if (team.threads > 1) reduction(max : failed)
+    {
+        ost_member me = ost_team_join(&team);
+        for (int64_t i; (i = ost_team_next(&team, &me)) >= 0;) {
+            int16_t voxels[OST_LEAF * OST_LEAF * OST_LEAF];
+            const ost_dims leaf = {(int32_t)(i % dims.x), (int32_t)(i / dims.x % dims.y), (int32_t)(i / dims.x / dims.y)};
+            ost_status status = OST_OK;
+            if (read_leaf(bone, leaf, voxels))
+                status = ost_digest_leaf16(voxels, &leaves[i], NULL);
+            else
+                leaves[i] = backend->ref.empty_leaf;
+            failed = (int)status > failed ? (int)status : failed;
+        }
     }
+    ost_team_end(backend->sharing, &team);
     return failed == OST_OK ? OST_OK : ost_fail(err, (ost_status)failed, "a leaf's digest could not be computed");
 }

@@ -29,10 +29,7 @@
 #include "cpu/import/grid.h"
 #include "cpu/import/import.h"
 
-/* A result of more bytes than this does not fit the caches. */
-#define STREAM_BYTES ((int64_t)8 << 20)
-
-enum { N_MAX = OST_ROW_STRIDE, BATCH_CHUNKS = 1 << 14, COLUMNS_MAX = OST_DIM_MAX / 16, SLICES = 8 };
+enum { N_MAX = OST_ROW_STRIDE, PART_MIN = 64, COLUMNS_MAX = OST_DIM_MAX / 16, SLICES = 8 };
 
 typedef struct filling {
     const cpu_bone *bone;
@@ -311,16 +308,17 @@ static bool fill_layers(const cpu_backend *backend, const filling *f, int32_t c0
 {
     const ost_dims dims = f->bone->chunk_dims;
     const int32_t tasks = dims.y * (c1 - c0);
-    const int threads = ost_cpu_threads(backend, ost_dims_count(f->bone->base.geometry.dims));
+    const int64_t voxels = ost_dims_count(f->bone->base.geometry.dims);
+    ost_team team = ost_team_of(backend->sharing, backend->threads, OST_PATH_CHUNKS, voxels, tasks, 1);
     int missing = 0;
-    (void)threads;
-#pragma omp parallel num_threads(threads) if (threads > 1) reduction(+ : missing)
+#pragma omp parallel num_threads(team.threads) if (team.threads > 1) reduction(+ : missing)
     {
-#pragma omp for schedule(dynamic, 1) nowait
-        for (int32_t i = 0; i < tasks; i++)
-            missing += !fill_task(f, i % dims.y, c0 + i / dims.y);
+        ost_member me = ost_team_join(&team);
+        for (int64_t i; (i = ost_team_next(&team, &me)) >= 0;)
+            missing += !fill_task(f, (int32_t)i % dims.y, c0 + (int32_t)i / dims.y);
         f->kernels->drain();
     }
+    ost_team_end(backend->sharing, &team);
     return missing == 0;
 }
 
@@ -350,9 +348,12 @@ static bool fill_bone(cpu_backend *backend, filling *f)
 {
     const ost_dims dims = f->bone->chunk_dims;
     const int64_t layer = (int64_t)dims.x * dims.y;
-    const int32_t step = layer < BATCH_CHUNKS ? (int32_t)(BATCH_CHUNKS / layer) : 1;
+    const int64_t least = backend->sharing->least[OST_PATH_LAYERS], most = least > PART_MIN ? least - 1 : PART_MIN; /* chunks of a part */
+    const int32_t step = layer < most ? (int32_t)(most / layer) : 1;
+    if (step < dims.z)
+        ost_cpu_enters(backend->sharing, OST_PATH_LAYERS, INT64_MAX);
     bool enough = mark_runs(f);
-    f->stream = f->bone->count * (int64_t)ost_chunk_bytes(f->bone->base.chunk_size) > STREAM_BYTES;
+    f->stream = ost_cpu_enters(backend->sharing, OST_PATH_CHUNK_STREAM, f->bone->count * (int64_t)ost_chunk_bytes(f->bone->base.chunk_size));
     ost_chunk_pool *pool = pool_for(backend, f->bone->base.chunk_size);
     for (int32_t c = 0; c < dims.z && enough; c += step) {
         int32_t end = min32(c + step, dims.z);

@@ -21,8 +21,8 @@
 #include "cpu/import/grid.h"
 #include "cpu/import/import.h"
 
-/* A thread that is waited for may be late by milliseconds, so smaller batches stay with the one that brought them. */
-enum { BLOCK = 1 << 16, PARALLEL_SAMPLES = 1 << 16 };
+/* Samples that are placed before they are put. */
+enum { BLOCK = 1 << 16, BLOCK_MIN = 1 << 10 };
 
 typedef struct axis {
     ost_pm origin, spacing;
@@ -172,13 +172,15 @@ typedef struct batch {
     int64_t *at; /* BLOCK */
 } batch;
 
-static void scatter(const batch *b, int threads, const ost_sample *samples, int count, ost_scatter_report *report)
+static void scatter(const batch *b, ost_team *team, const ost_sample *samples, int count, ost_scatter_report *report)
 {
+    const int threads = team->threads;
     int conflict = -1;
     report->samples += (uint64_t)count;
 #pragma omp parallel num_threads(threads)
     {
         part_report mine = {0};
+        (void)ost_team_join(team);
 #pragma omp for schedule(static)
         for (int i = 0; i < count; i++)
             b->at[i] = place_sample(b->axes, &samples[i], b->first_line + samples[i].line, &mine.sums);
@@ -226,9 +228,15 @@ ost_status ost_cpu_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t 
     b.at = malloc(BLOCK * sizeof *b.at);
     if (!b.at)
         return ost_fail(err, OST_ERR_MEMORY, "no memory to place %d samples", (int)BLOCK);
+    const int64_t most = backend->sharing->least[OST_PATH_BLOCKS] - 1;
+    const size_t block = (size_t)(most < BLOCK_MIN ? BLOCK_MIN : most > BLOCK ? BLOCK : most);
+    if (count > block)
+        ost_cpu_enters(backend->sharing, OST_PATH_BLOCKS, INT64_MAX);
     while (count > 0) {
-        int part = count < BLOCK ? (int)count : BLOCK;
-        scatter(&b, part < PARALLEL_SAMPLES ? 1 : backend->threads, samples, part, report);
+        const int part = (int)(count < block ? count : block);
+        ost_team team = ost_team_of(backend->sharing, backend->threads, OST_PATH_SCATTER, part, part, 0);
+        scatter(&b, &team, samples, part, report);
+        ost_team_end(backend->sharing, &team);
         samples += part;
         count -= (size_t)part;
     }

@@ -9,18 +9,15 @@
 #include "core/conditions.h"
 #include "cpu/import/import.h"
 
-/* From here on huge pages pay. */
-#define MAPPED_BYTES ((size_t)1 << 22)
-
 /* ---------------------------------------------------------------- stores */
 
-static cpu_store *store_open(ost_dims dims)
+static cpu_store *store_open(const cpu_backend *backend, ost_dims dims)
 {
     cpu_store *store = malloc(sizeof *store);
     if (!store)
         return NULL;
     *store = (cpu_store){.holders = 1, .dims = dims, .bytes = (size_t)ost_dims_count(dims) * sizeof *store->voxels};
-    store->mapped = store->bytes >= MAPPED_BYTES;
+    store->mapped = ost_cpu_enters(backend->sharing, OST_PATH_MAPPED, (int64_t)store->bytes);
     if (store->mapped) {
         void *map = mmap(NULL, store->bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
         store->voxels = map == MAP_FAILED ? NULL : map;
@@ -104,10 +101,15 @@ static void copy_slices(const cpu_grid *grid, int32_t z0, int32_t count, int16_t
     const ost_dims dims = grid->base.geometry.dims;
     const cpu_view view = ost_cpu_grid_view(grid);
     int64_t rows = (int64_t)count * dims.y;
-#pragma omp parallel for schedule(static) num_threads(ost_cpu_threads(backend, rows *dims.x))
-    for (int64_t r = 0; r < rows; r++)
-        ost_cpu_view_row(&view, &backend->kernels, dims.x, (int32_t)(r % dims.y), z0 + (int32_t)(r / dims.y),
-                         to + r * dims.x);
+    ost_team team = ost_team_of(backend->sharing, backend->threads, OST_PATH_GRID_COPY, rows * dims.x, rows, 0);
+#pragma omp parallel num_threads(team.threads)
+    {
+        ost_member me = ost_team_join(&team);
+        for (int64_t r; (r = ost_team_next(&team, &me)) >= 0;)
+            ost_cpu_view_row(&view, &backend->kernels, dims.x, (int32_t)(r % dims.y), z0 + (int32_t)(r / dims.y),
+                             to + r * dims.x);
+    }
+    ost_team_end(backend->sharing, &team);
 }
 
 /* ----------------------------------------------------------------- grids */
@@ -126,7 +128,7 @@ static ost_status grid_new(ost_backend *backend, const ost_geometry *geometry, c
 ost_status ost_cpu_grid_create(ost_backend *backend, const ost_geometry *geometry, ost_grid **out, ost_error *err)
 {
     cpu_grid *grid;
-    cpu_store *store = store_open(geometry->dims);
+    cpu_store *store = store_open((const cpu_backend *)backend, geometry->dims);
     ost_status status = grid_new(backend, geometry, store, &grid, err);
     if (status == OST_OK)
         *out = &grid->base;
@@ -160,7 +162,7 @@ ost_status ost_cpu_grid_own(cpu_grid *grid, ost_error *err)
 {
     if (!grid->map[0] && grid->store->holders == 1)
         return OST_OK;
-    cpu_store *store = store_open(grid->base.geometry.dims);
+    cpu_store *store = store_open((const cpu_backend *)grid->base.backend, grid->base.geometry.dims);
     if (!store)
         return no_memory(grid->base.geometry.dims, err);
     copy_slices(grid, 0, grid->base.geometry.dims.z, store->voxels);
@@ -196,9 +198,14 @@ ost_status ost_cpu_grid_upload(ost_grid *base, int32_t z0, int32_t count, const 
         return status;
     size_t slice = (size_t)base->geometry.dims.x * (size_t)base->geometry.dims.y;
     int16_t *to = grid->store->voxels + slice * (size_t)z0;
-#pragma omp parallel for schedule(static) num_threads(ost_cpu_threads(backend, (int64_t)slice *count))
-    for (int32_t z = 0; z < count; z++)
-        memcpy(to + slice * (size_t)z, voxels + slice * (size_t)z, slice * sizeof *to);
+    ost_team team = ost_team_of(backend->sharing, backend->threads, OST_PATH_GRID_UPLOAD, (int64_t)slice * count, count, 0);
+#pragma omp parallel num_threads(team.threads)
+    {
+        ost_member me = ost_team_join(&team);
+        for (int64_t z; (z = ost_team_next(&team, &me)) >= 0;)
+            memcpy(to + slice * (size_t)z, voxels + slice * (size_t)z, slice * sizeof *to);
+    }
+    ost_team_end(backend->sharing, &team);
     return OST_OK;
 }
 

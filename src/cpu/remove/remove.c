@@ -254,9 +254,14 @@ static void run_listed(const cpu_backend *backend, ost_event_scratch *scratch, i
 /* Apart from the plain loop: a team of one thread still makes a call of the system at its end, in every tick. */
 static void run_shared(const cpu_backend *backend, ost_event_scratch *scratch, int32_t n, bool apply, const ost_density_classes *classes)
 {
-#pragma omp parallel for schedule(dynamic, 4) num_threads(backend->threads)
-    for (size_t i = 0; i < scratch->count; i++)
-        run_listed(backend, scratch, n, i, apply, classes);
+    ost_team team = ost_team_of(backend->sharing, backend->threads, OST_PATH_REMOVAL, INT64_MAX, (int64_t)scratch->count, 4);
+#pragma omp parallel num_threads(team.threads)
+    {
+        ost_member me = ost_team_join(&team);
+        for (int64_t i; (i = ost_team_next(&team, &me)) >= 0;)
+            run_listed(backend, scratch, n, (size_t)i, apply, classes);
+    }
+    ost_team_end(backend->sharing, &team);
 }
 
 /* All poses on all chunks of the list. classes is NULL when hits are those of touching voxels: counted only. */
@@ -265,7 +270,8 @@ static void run_poses(const cpu_bone *bone, const ost_shape *shape, const ost_ev
 {
     const cpu_backend *backend = (const cpu_backend *)bone->base.backend;
     const int32_t n = bone->base.chunk_size;
-    const bool many = backend->threads > 1 && scratch->count * (size_t)n * (size_t)n * (size_t)n >= backend->event_threaded;
+    const int64_t voxels = (int64_t)scratch->count * n * n * n;
+    const bool many = backend->threads > 1 && voxels >= backend->sharing->least[OST_PATH_REMOVAL];
     for (int p = 0; p < event->pose_count; p++) {
         ost_voxel_box box;
         if (!clip_box(&event->boxes[p], bone->base.geometry.dims, &box))

@@ -18,7 +18,7 @@
 #include "core/conditions.h"
 #include "cpu/voxelize/voxelize.h"
 
-enum { FEW = 9, PIECE_MIN = 4096, PIECES_MAX = 16 };
+enum { FEW = 9, PIECES_MAX = 16 };
 
 typedef struct rect {
     int32_t y0, y1, z0, z1; /* tiles, inclusive */
@@ -102,17 +102,19 @@ void ost_vox_bins_free(ost_vox_bins *bins)
 }
 
 ost_status ost_vox_bins_make(ost_vox_bins *bins, const ost_vox_plan *plan, const ost_snapped_mesh *mesh,
-                             const ost_cpu_kernels *kernels, int threads, ost_error *err)
+                             const cpu_backend *backend, int threads, ost_error *err)
 {
     *bins = (ost_vox_bins){0};
     const size_t tiles = (size_t)plan->tiles_y * (size_t)plan->tiles_z, triangles = mesh->triangle_count;
     if (tiles == 1)
         return OST_OK;
-    size_t pieces = (triangles + PIECE_MIN - 1) / PIECE_MIN;
+    const size_t piece = (size_t)backend->sharing->least[OST_PATH_SORT]; /* triangles, the fewest */
+    size_t pieces = triangles / piece + (triangles % piece > 0);
     pieces = pieces < 1 ? 1 : pieces > PIECES_MAX ? PIECES_MAX : pieces;
     if (pieces > (size_t)threads)
         pieces = (size_t)threads;
     const size_t stride = tiles + 1;
+    ost_team team = ost_team_of(backend->sharing, (int)pieces, OST_PATH_SORT, INT64_MAX, (int64_t)pieces, 0), placing = team;
     uint32_t *keys = malloc((triangles + 1) * sizeof *keys);
     size_t *counts = calloc(pieces * stride, sizeof *counts);
     bins->start = malloc((tiles + 1) * sizeof *bins->start);
@@ -120,12 +122,16 @@ ost_status ost_vox_bins_make(ost_vox_bins *bins, const ost_vox_plan *plan, const
     if (!keys || !counts || !bins->start)
         goto no_memory;
 
-#pragma omp parallel for num_threads((int)pieces) schedule(static, 1) if (pieces > 1)
-    for (size_t p = 0; p < pieces; p++) {
-        const size_t first = triangles * p / pieces, end = triangles * (p + 1) / pieces;
-        kernels->vox_keys(plan, mesh, first, end - first, keys + first);
-        count_piece(plan, mesh, first, end, keys, counts + p * stride);
+#pragma omp parallel num_threads(team.threads) if (team.threads > 1)
+    {
+        ost_member me = ost_team_join(&team);
+        for (int64_t i; (i = ost_team_next(&team, &me)) >= 0;) {
+            const size_t p = (size_t)i, first = triangles * p / pieces, end = triangles * (p + 1) / pieces;
+            backend->kernels.vox_keys(plan, mesh, first, end - first, keys + first);
+            count_piece(plan, mesh, first, end, keys, counts + p * stride);
+        }
     }
+    ost_team_end(backend->sharing, &team);
 
     size_t listed = 0;
     for (size_t t = 0; t < stride; t++) {
@@ -144,9 +150,14 @@ ost_status ost_vox_bins_make(ost_vox_bins *bins, const ost_vox_plan *plan, const
     if (!bins->list || !bins->large)
         goto no_memory;
 
-#pragma omp parallel for num_threads((int)pieces) schedule(static, 1) if (pieces > 1)
-    for (size_t p = 0; p < pieces; p++)
-        place_piece(plan, mesh, triangles * p / pieces, triangles * (p + 1) / pieces, keys, counts + p * stride, bins);
+#pragma omp parallel num_threads(placing.threads) if (placing.threads > 1)
+    {
+        ost_member me = ost_team_join(&placing);
+        for (int64_t i; (i = ost_team_next(&placing, &me)) >= 0;) {
+            const size_t p = (size_t)i;
+            place_piece(plan, mesh, triangles * p / pieces, triangles * (p + 1) / pieces, keys, counts + p * stride, bins);
+        }
+    }
     goto done;
 
 no_memory:

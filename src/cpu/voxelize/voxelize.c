@@ -21,7 +21,7 @@
 #include "cpu/voxelize/voxelize.h"
 
 enum {
-    STREAM_BYTES = 1 << 25,       /* classes of a grid past this do not stay in a cache anyway */
+    PLANE_MIN = 1 << 9, /* bytes of one plane of a tile: some rows of every width */
     HUGE_PAGE = 1 << 21
 };
 
@@ -34,6 +34,7 @@ typedef struct job {
     ost_vox_bins bins[2];
     ost_embree *embree[2]; /* when Embree finds the crossings, instead of bins */
     ost_vox_result result;
+    bool stream; /* classes are written past the caches */
     bool direct; /* one mesh, bits alone, in whole blocks: filled in place */
 } job;
 
@@ -45,21 +46,19 @@ typedef struct desk {
     size_t plane_words; /* with padding */
 } desk;
 
-const ost_vox_tuning ost_vox_tuning_default = {.threads_from_ns = 1e6, .plane_bytes = 1 << 18};
-
 /*
  * Threads are worth their start, and the wait for a core that another process
  * has, from about a millisecond of work on (docs/performance.md).  Measured on one core of 2.5 GHz:
  * 9 ns a triangle, 25 ns a row, which a closed surface crosses twice and more,
  * 0.15 ns a byte of classes, 0.03 ns a voxel as bits.
  */
-static int useful_threads(const job *j)
+static int64_t estimated_ns(const job *j)
 {
     const double rows = (double)j->plan.dims.y * j->plan.dims.z, voxels = rows * j->plan.dims.x;
     double ns = voxels * (j->result.voxels ? 0.15 : 0.03);
     for (int m = 0; m < 2; m++)
         ns += j->mesh[m] ? 9.0 * (double)j->mesh[m]->triangle_count + 25.0 * rows : 0;
-    return ns < j->backend->vox_tuning.threads_from_ns ? 1 : j->backend->threads;
+    return (int64_t)ns;
 }
 
 static int32_t floor_log2(int64_t v)
@@ -75,8 +74,9 @@ static int32_t tiles_of(int32_t n, int32_t shift)
 /* Tiles for each thread, or there is nothing to share: some hold far more triangles than others. */
 enum { TILES_A_THREAD = 4 };
 
-static void make_plan(ost_vox_plan *plan, const ost_snapped_mesh *mesh, int64_t plane_bytes, int threads)
+static void make_plan(ost_vox_plan *plan, const ost_snapped_mesh *mesh, const ost_cpu_sharing *sharing, int threads)
 {
+    const int64_t most = (sharing->least[OST_PATH_TILED] - 1) / 2, plane_bytes = most > PLANE_MIN ? most : PLANE_MIN;
     const ost_dims dims = mesh->grid.dims;
     *plan = (ost_vox_plan){.dims = dims, .f = mesh->fraction_bits, .words = ost_vox_words(dims.x), .tiles_y = 1, .tiles_z = 1};
     const int64_t row_bytes = 8 * plan->words;
@@ -219,13 +219,12 @@ static void deliver(const job *j, const desk *d)
     const ost_vox_tile *tile = &d->tile;
     const ost_vox_plan *plan = &j->plan;
     const size_t run = (size_t)(tile->j1 - tile->j0), words = (size_t)plan->words;
-    const bool stream = (int64_t)plan->dims.x * plan->dims.y * plan->dims.z >= STREAM_BYTES;
     for (int32_t k = tile->k0; k < tile->k1; k++) {
         const size_t here = (size_t)(k - tile->k0) * run * words;
         const size_t row = (size_t)k * (size_t)plan->dims.y + (size_t)tile->j0;
         if (j->result.voxels)
             j->backend->kernels.vox_expand(d->bits[0] + here, j->mesh[1] ? d->bits[1] + here : NULL, run, plan->words, plan->dims.x,
-                                           stream, j->result.voxels + row * (size_t)plan->dims.x);
+                                           j->stream, j->result.voxels + row * (size_t)plan->dims.x);
         if (j->result.cutting)
             memcpy(j->result.cutting + row * words, d->bits[0] + here, run * words * 8);
         if (j->result.noncutting && j->mesh[1])
@@ -265,20 +264,19 @@ static void run_tile(const job *j, desk *d, size_t number, ost_voxelize_report *
 static ost_status run_tiles(const job *j, ost_voxelize_report *report, ost_error *err)
 {
     const size_t tiles = (size_t)j->plan.tiles_y * (size_t)j->plan.tiles_z;
-    const int threads = tiles < (size_t)j->threads ? (int)tiles : j->threads;
-    (void)threads; /* without OpenMP */
+    ost_cpu_sharing *sharing = j->backend->sharing;
+    ost_team team = ost_team_of(sharing, tiles < (size_t)j->threads ? (int)tiles : j->threads, OST_PATH_TILES, INT64_MAX, (int64_t)tiles, 1);
     uint64_t solid = 0, cutting = 0, leaking = 0;
     bool failed = false;
-#pragma omp parallel num_threads(threads) reduction(+ : solid, cutting, leaking) reduction(|| : failed) if (threads > 1)
+#pragma omp parallel num_threads(team.threads) reduction(+ : solid, cutting, leaking) reduction(|| : failed) if (team.threads > 1)
     {
         const ost_floats caller = ost_floats_enter();
         ost_voxelize_report sums = {0};
         desk d;
         const bool ready = make_desk(&d, j);
-#pragma omp for schedule(dynamic, 1)
-        for (size_t t = 0; t < tiles; t++)
-            if (ready)
-                run_tile(j, &d, t, &sums);
+        ost_member me = ost_team_join(&team);
+        for (int64_t t; ready && (t = ost_team_next(&team, &me)) >= 0;)
+            run_tile(j, &d, (size_t)t, &sums);
         failed = !ready || d.tile.no_memory;
         free_desk(&d);
         solid = sums.solid_voxels;
@@ -286,6 +284,7 @@ static ost_status run_tiles(const job *j, ost_voxelize_report *report, ost_error
         leaking = sums.leaking_rows;
         ost_floats_leave(caller);
     }
+    ost_team_end(sharing, &team);
     if (failed)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for tiles of %d x %d rows", 1 << j->plan.shift_y, 1 << j->plan.shift_z);
     *report = (ost_voxelize_report){.solid_voxels = solid, .cutting_voxels = cutting, .leaking_rows = leaking};
@@ -298,8 +297,11 @@ ost_status ost_cpu_voxelize(const cpu_backend *backend, const ost_snapped_mesh *
     assert(cutting->fraction_bits >= 1 && cutting->fraction_bits <= 10);
     job j = {.backend = backend, .mesh = {cutting, noncutting}, .rule = rule, .result = *result};
     j.plan.dims = cutting->grid.dims;
-    j.threads = useful_threads(&j);
-    make_plan(&j.plan, cutting, backend->vox_tuning.plane_bytes, j.threads);
+    j.threads = estimated_ns(&j) < backend->sharing->least[OST_PATH_TILES] ? 1 : backend->threads;
+    make_plan(&j.plan, cutting, backend->sharing, j.threads);
+    if (j.plan.tiles_y > 1 || j.plan.tiles_z > 1)
+        ost_cpu_enters(backend->sharing, OST_PATH_TILED, INT64_MAX);
+    j.stream = result->voxels && ost_cpu_enters(backend->sharing, OST_PATH_TOOL_STREAM, ost_dims_count(j.plan.dims));
     j.direct = !noncutting && !result->voxels && result->cutting && !result->noncutting && j.plan.words % OST_VOX_BLOCK == 0 &&
                (uintptr_t)result->cutting % 64 == 0;
     ost_status status = OST_OK;
@@ -307,7 +309,7 @@ ost_status ost_cpu_voxelize(const cpu_backend *backend, const ost_snapped_mesh *
         if (j.mesh[m] && backend->voxelizer == OST_VOXELIZER_EMBREE)
             status = ost_embree_new(j.mesh[m], j.threads, &j.embree[m], err);
         else if (j.mesh[m])
-            status = ost_vox_bins_make(&j.bins[m], &j.plan, j.mesh[m], &backend->kernels, j.threads, err);
+            status = ost_vox_bins_make(&j.bins[m], &j.plan, j.mesh[m], backend, j.threads, err);
     if (status == OST_OK)
         status = run_tiles(&j, report, err);
     for (int m = 0; m < 2; m++) {

@@ -117,7 +117,7 @@ typedef struct ost_vox_bins {
 } ost_vox_bins;
 
 ost_status ost_vox_bins_make(ost_vox_bins *bins, const ost_vox_plan *plan, const ost_snapped_mesh *mesh,
-                             const ost_cpu_kernels *kernels, int threads, ost_error *err);
+                             const cpu_backend *backend, int threads, ost_error *err);
 void ost_vox_bins_free(ost_vox_bins *bins);
 
 /* What the keys kernel writes for a triangle that is in no single tile. */

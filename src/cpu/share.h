@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Which work the CPU backend shares among threads, writes past the caches or
+ * cuts into parts: one table of thresholds, one counter for each.
+ *
+ *   path, size of the work --ost_cpu_enters--> true from the path's threshold on, and it is counted
+ *
+ *   ost_team team = ost_team_of(backend, OST_PATH_LEAVES, count, 8, count);
+ *   #pragma omp parallel num_threads(team.threads)
+ *   {
+ *       ost_member me = ost_team_join(&team);
+ *       for (int64_t i; (i = ost_team_next(&team, &me)) >= 0;)
+ *           ...
+ *   }
+ *   ost_team_end(backend, &team);
+ *
+ * A threshold decides how fast a result is made, never the result.  The option
+ * grain= replaces all of them by one number, so that small grids enter every
+ * path; work is then dealt to threads in turn, one item at a time, so that
+ * each thread of a team has its part however late it starts.
+ *
+ * ost_backend_paths (core/paths.h) reports the counters.
+ */
+#ifndef OST_CPU_SHARE_H
+#define OST_CPU_SHARE_H
+
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "core/backend.h"
+
+typedef enum ost_cpu_path {
+    /* Shared among threads. */
+    OST_PATH_SCATTER,
+    OST_PATH_GRID_UPLOAD,
+    OST_PATH_GRID_COPY,
+    OST_PATH_CHUNKS,
+    OST_PATH_BONE_UPLOAD,
+    OST_PATH_LEAVES,
+    OST_PATH_SORT,
+    OST_PATH_TILES,
+    OST_PATH_REMOVAL,
+    OST_PATHS_SHARED,
+    /* Whatever the number of threads. */
+    OST_PATH_BLOCKS = OST_PATHS_SHARED,
+    OST_PATH_MAPPED,
+    OST_PATH_LAYERS,
+    OST_PATH_CHUNK_STREAM,
+    OST_PATH_TOOL_STREAM,
+    OST_PATH_TILED,
+    OST_CPU_PATHS
+} ost_cpu_path;
+
+typedef struct ost_cpu_sharing {
+    int64_t least[OST_CPU_PATHS]; /* size of the work from which on a path is entered */
+    bool dealt;                   /* grain= was given */
+    uint64_t entered[OST_CPU_PATHS]; /* those of shared paths count where every thread had a part */
+} ost_cpu_sharing;
+
+/* grain: 0 for the measured thresholds. */
+void ost_cpu_sharing_init(ost_cpu_sharing *sharing, int64_t grain);
+/* Visits the paths that a backend of so many threads can enter. */
+void ost_cpu_sharing_visit(const ost_cpu_sharing *sharing, int threads, ost_path_visit *visit, void *user);
+
+/* Returns true if work of this size enters the path, which is counted.  Called by one thread at a time. */
+static inline bool ost_cpu_enters(ost_cpu_sharing *sharing, ost_cpu_path path, int64_t size)
+{
+    if (size < sharing->least[path])
+        return false;
+    sharing->entered[path]++;
+    return true;
+}
+
+/* Items [0, count), in blocks that the members of a team take. */
+typedef struct ost_team {
+    int threads; /* to ask OpenMP for */
+    ost_cpu_path path;
+    bool dealt;  /* block b belongs to member b mod members; else the next member that is free takes it */
+    int64_t count, block;
+    _Atomic int64_t next; /* block, where not dealt */
+    int members;          /* that OpenMP gave; valid behind the region */
+} ost_team;
+
+typedef struct ost_member {
+    int64_t at, end;      /* items of the current block */
+    int64_t next, stride; /* the next block, and from it to the one after, where dealt */
+} ost_member;
+
+/* size is the work's, in the path's unit; with block 0 each member has one block. */
+ost_team ost_team_of(const ost_cpu_sharing *sharing, int threads, ost_cpu_path path, int64_t size, int64_t count, int64_t block);
+/* Called by every thread of the parallel region. */
+ost_member ost_team_join(ost_team *team);
+/* Counts what was shared; called behind the region. */
+void ost_team_end(ost_cpu_sharing *sharing, const ost_team *team);
+
+/* The member's next item, -1 behind the last. */
+static inline int64_t ost_team_next(ost_team *team, ost_member *me)
+{
+    if (me->at < me->end)
+        return me->at++;
+    int64_t block = me->next;
+    if (team->dealt)
+        me->next += me->stride;
+    else
+        block = atomic_fetch_add_explicit(&team->next, 1, memory_order_relaxed);
+    if (block > (team->count - 1) / team->block)
+        return -1;
+    me->at = block * team->block;
+    me->end = team->count - me->at < team->block ? team->count : me->at + team->block;
+    return me->at++;
+}
+
+#endif
