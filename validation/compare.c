@@ -162,7 +162,7 @@ static bool compare_words(const trace_record *ref, const trace_record *got, comp
     out->line_words = words_of_line(ref, a, n);
     /* The first word of all is what is shown; the first in a chunk's line says where. */
     for (; i < n && i < m; i++) {
-        if (trace_word_at(a, i) == trace_word_at(b, i))
+        if (trace_word_at(a, i) == trace_word_at(b, i) || (got->flags & TRACE_BOUNDS && trace_word_holds(ref->stage, (size_t)i, a, b)))
             continue;
         if (!differ) {
             out->word = (size_t)i;
@@ -199,6 +199,8 @@ static void compare_record(const trace *ref, compare_range in_ref, const trace *
     }
     const bool words = compare_words(a, b, out), paired = compare_blocks(ref, in_ref, got, in_got, at, out);
     out->words_too = words;
+    if (!words && paired && !out->voxels && b->flags & TRACE_BOUNDS) /* the bytes differ in bounds alone */
+        return;
     out->kind = out->voxels ? COMPARE_VOXEL : words && paired ? COMPARE_WORD : COMPARE_SHAPE;
 }
 

@@ -70,7 +70,7 @@ static ost_status one_record(margin_walk *w, const trace_record *a, const trace_
     const bool tool = a->stage == TRACE_TOOL, whole = tool || a->stage == TRACE_RECT || a->stage == TRACE_CUBIC || a->stage == TRACE_CHUNKS;
     if (!(b->flags & TRACE_STANDS_IN)) {
         m->records++;
-        m->reports += !(b->flags & TRACE_NO_WORDS) && words_differ(a, b);
+        m->reports += !(b->flags & (TRACE_NO_WORDS | TRACE_BOUNDS)) && words_differ(a, b);
     }
     if (a->stage == TRACE_TICK)
         return margin_tick(w, a, b, err);

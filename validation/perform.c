@@ -4,7 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "sim/world.h"
 #include "validation/compare.h"
+#include "validation/dense/steps.h"
+#include "validation/steps_make.h"
 
 /*
  * A bone is fetched whole after each tick up to PERFORM_WHOLE; a larger one in
@@ -22,17 +25,31 @@ typedef struct performer {
     uint32_t case_index;
     ost_bone *bone;
     ost_tool *tools[SCENE_TOOLS_MAX];
+    ost_tool_geometry grids[SCENE_TOOLS_MAX]; /* theirs */
     ost_world *world;
-    ost_geometry geometry; /* of the bone */
-    ost_dims dims;         /* its */
+    ost_geometry geometry; /* of the bone, as the maps have it */
+    ost_dims dims;         /* as the backend has it */
     int16_t *was, *is;    /* the bone as last recorded, and as fetched */
-    ost_report collided;
+    ost_report collided, removed;
+    bool second;          /* the steps are the second implementation's, and there is no world */
+    bool light;           /* of second: ticks' steps alone are made */
+    ost_path path;        /* the ticks; own_path: to be freed */
+    bool own_path;
+    steps_history history; /* of second */
+    ost_map *maps;         /* owned; of second: an event's, room for OST_SWEEP_MAX */
+    ost_voxel_box *boxes;
     perform_watch *watch;
     void *user;
     const trace *given; /* apart: the reference's; else NULL */
     compare_range in_given;
     int16_t *right;     /* apart: the bone as the reference has it */
 } performer;
+
+/* A case without a bone: its ticks' steps alone are made. */
+static bool is_of_steps(const scene *s)
+{
+    return !s->sample_count && s->path.count;
+}
 
 static size_t at_voxel(ost_dims d, int32_t x, int32_t y, int32_t z)
 {
@@ -250,8 +267,8 @@ static ost_status run_import(performer *p, ost_error *err)
     if (status == OST_OK)
         status = ost_cubic_to_chunks(cubic, p->s->chunk_size, p->s->threshold, &p->bone, err);
     if (status == OST_OK) {
-        p->geometry = *ost_grid_geometry(cubic);
-        p->dims = p->geometry.dims;
+        p->geometry = p->second ? steps_cubic(&p->s->rect, p->s->cubic) : *ost_grid_geometry(cubic);
+        p->dims = ost_grid_geometry(cubic)->dims;
         const size_t bytes = (size_t)ost_dims_count(p->dims) * 2;
         p->was = malloc(bytes);
         p->is = malloc(bytes);
@@ -264,13 +281,33 @@ static ost_status run_import(performer *p, ost_error *err)
     return status;
 }
 
+/* A tool's grid and meshes on it, before a voxel is made. */
+static ost_status record_snap(performer *p, int i, const ost_snapped_mesh meshes[2], ost_error *err)
+{
+    trace_begin(p->w, TRACE_SNAP, p->case_index, (uint32_t)i);
+    const ost_status status = steps_put_snap(p->w, p->s->tools[i].raw[0].triangle_count ? meshes : NULL, err);
+    const ost_status written = end_record(p, TRACE_SNAP, (uint32_t)i, err);
+    return status != OST_OK ? status : written;
+}
+
 static ost_status run_tool(performer *p, int i, ost_error *err)
 {
     const scene_tool *t = &p->s->tools[i];
     const int32_t lo[3] = {0, 0, 0};
     ost_voxelize_report r;
     ost_tool_volume volume = {0};
-    ost_status status = ost_voxelize(p->backend, &t->cutting, t->noncutting.triangle_count ? &t->noncutting : NULL, t->rule, &r, &p->tools[i], err);
+    ost_snapped_mesh meshes[2];
+    bool own;
+    ost_status status = steps_meshes_of(p->second, t, meshes, &own, err);
+    if (status == OST_OK)
+        status = record_snap(p, i, meshes, err);
+    if (status == OST_OK)
+        p->grids[i] = meshes[0].grid;
+    if (status == OST_OK && !is_of_steps(p->s))
+        status = ost_voxelize(p->backend, &meshes[0], meshes[1].triangle_count ? &meshes[1] : NULL, t->rule, &r, &p->tools[i], err);
+    steps_meshes_free(meshes, own);
+    if (status != OST_OK || is_of_steps(p->s))
+        return status;
     if (status == OST_OK)
         status = ost_tool_download(p->tools[i], &volume, err);
     if (status == OST_OK) {
@@ -289,10 +326,26 @@ static ost_status run_tool(performer *p, int i, ost_error *err)
     return status;
 }
 
+/* AR-CLS-2 where a scene has no classes of its own. */
+static ost_density_classes classes_of(const performer *p)
+{
+    if (p->world)
+        return *ost_world_classes(p->world);
+    return p->s->world.classes.count ? p->s->world.classes : (ost_density_classes){.count = 3, .border = {120, 150, 650}};
+}
+
+/* A record that another implementation fills: this one made nothing there. */
+static ost_status record_nothing(performer *p, trace_stage stage, uint32_t item, ost_error *err)
+{
+    trace_begin(p->w, stage, p->case_index, item);
+    trace_flags(p->w, TRACE_STANDS_IN);
+    return end_record(p, stage, item, err);
+}
+
 /* Totals, then per chunk: number, voxels and sums of densities of every class. */
 static void record_report(performer *p, const ost_report *r)
 {
-    const int classes = ost_world_classes(p->world)->count;
+    const int classes = classes_of(p).count;
     trace_word(p->w, r ? r->total_voxels : 0);
     trace_word(p->w, r ? r->touched_voxels : 0);
     trace_word(p->w, r ? r->count : 0);
@@ -333,18 +386,76 @@ static void record_changed(performer *p, int32_t z0, int32_t z1)
             }
 }
 
+/* The poses of tick i's event, from `from` to the tick's; their maps go into p->maps where the event is run here. */
+static ost_status record_steps(performer *p, size_t i, bool refused, bool removal, int count, const ost_pose *from, ost_error *err)
+{
+    const ost_tick *tick = &p->path.ticks[i];
+    ost_status status = OST_OK;
+    trace_begin(p->w, TRACE_STEPS, p->case_index, (uint32_t)i);
+    if (p->second)
+        trace_flags(p->w, TRACE_BOUNDS);
+    steps_put_tick(p->w, refused, removal, count, tick);
+    for (int k = 1; k <= count && status == OST_OK; k++) {
+        const ost_pose pose = steps_between(p->second, from, &tick->pose, k, count);
+        steps_pose made;
+        status = steps_pose_of(p->second, &pose, &p->geometry, &p->grids[tick->tool], &made, err);
+        if (status != OST_OK)
+            break;
+        steps_put_pose(p->w, &made);
+        if (p->maps) {
+            p->maps[k - 1] = made.map;
+            p->boxes[k - 1] = (ost_voxel_box){.hi = {p->dims.x, p->dims.y, p->dims.z}};
+        }
+    }
+    const ost_status written = end_record(p, TRACE_STEPS, (uint32_t)i, err);
+    return status != OST_OK ? status : written;
+}
+
+/* The world's step. */
+static ost_status step_of_world(performer *p, size_t i, ost_step_result *r, bool *refused, ost_error *err)
+{
+    const ost_tick *tick = &p->path.ticks[i];
+    const ost_pose from = tick->tool >= 0 && tick->tool < p->world->tool_count ? p->world->tools[tick->tool].input.event : tick->pose;
+    ost_error why = {0};
+    const ost_status stepped = ost_world_step(p->world, tick, r, &why);
+    *refused = stepped == OST_ERR_RANGE; /* a jump too far is an answer; anything else is a failure */
+    if (stepped != OST_OK && !*refused) {
+        *err = why;
+        return stepped;
+    }
+    return record_steps(p, i, *refused, r->removal, r->pose_count, &from, err);
+}
+
+/* The second implementation's: no world, no box, every pose over the whole grid. */
+static ost_status step_of_second(performer *p, size_t i, ost_step_result *r, bool *refused, ost_error *err)
+{
+    const ost_tick *tick = &p->path.ticks[i];
+    const steps_event e = steps_next(&p->history, i, &p->grids[tick->tool], p->geometry.spacing.x);
+    const ost_density_classes classes = classes_of(p);
+    *refused = e.refused;
+    *r = (ost_step_result){.removal = e.removal, .pose_count = e.count};
+    ost_status status = record_steps(p, i, e.refused, e.removal, e.count, &e.from, err);
+    if (status != OST_OK || !e.removal || p->light)
+        return status;
+    const ost_event event = {.pose_count = e.count, .maps = p->maps, .boxes = p->boxes, .classes = &classes};
+    r->report = &p->removed;
+    return ost_bone_remove(p->bone, p->tools[tick->tool], &event, &p->removed, err);
+}
+
 static ost_status run_tick(performer *p, size_t i, ost_error *err)
 {
     const ost_dims d = p->dims;
     ost_step_result r = {0};
-    ost_error refused = {0};
-    const ost_status stepped = ost_world_step(p->world, &p->s->path.ticks[i], &r, &refused);
-    if (stepped != OST_OK && stepped != OST_ERR_RANGE) { /* a jump too far is an answer; anything else is a failure */
-        *err = refused;
-        return stepped;
-    }
+    bool refused;
+    ost_status status = (p->second ? step_of_second : step_of_world)(p, i, &r, &refused, err);
+    if (status != OST_OK)
+        return status;
+    if (p->light)
+        return record_nothing(p, TRACE_TICK, (uint32_t)i, err);
     trace_begin(p->w, TRACE_TICK, p->case_index, (uint32_t)i);
-    trace_word(p->w, (uint64_t)stepped);
+    if (p->second)
+        trace_flags(p->w, TRACE_BOUNDS);
+    trace_word(p->w, refused ? OST_ERR_RANGE : OST_OK);
     trace_word(p->w, r.removal);
     trace_word(p->w, r.boxes_meet);
     trace_word(p->w, (uint64_t)r.pose_count);
@@ -354,14 +465,13 @@ static ost_status run_tick(performer *p, size_t i, ost_error *err)
     }
     record_report(p, r.report);
     int32_t z0 = 0, z1 = d.z;
-    if (ost_dims_count(d) > PERFORM_WHOLE && (i + 1) % WHOLE_EVERY != 0) {
+    if (ost_dims_count(d) > PERFORM_WHOLE && (i + 1) % WHOLE_EVERY != 0 && !p->second) {
         const int32_t size = p->s->chunk_size;
         z0 = r.chunk_lo[2] * size / OST_LEAF * OST_LEAF;
         z1 = (r.chunk_hi[2] * size + OST_LEAF - 1) / OST_LEAF * OST_LEAF;
         z0 = z0 < 0 ? 0 : z0;
         z1 = z1 > d.z ? d.z : z1;
     }
-    ost_status status = OST_OK;
     if (z0 < z1) {
         status = ost_bone_download(p->bone, z0, z1 - z0, p->is + at_voxel(d, 0, 0, z0), err);
         if (status == OST_OK)
@@ -373,22 +483,71 @@ static ost_status run_tick(performer *p, size_t i, ost_error *err)
     return status != OST_OK ? status : written;
 }
 
+/* A case of steps: each tick goes on from the one before it, where that has the same tool. */
+static ost_status run_steps(performer *p, size_t i, ost_error *err)
+{
+    const ost_tick *tick = &p->path.ticks[i];
+    int count = 1;
+    ost_pose from = tick->pose;
+    if (i > 0 && tick[-1].tool == tick->tool && !tick->lifted && !p->s->world.sweep_off) {
+        from = tick[-1].pose;
+        count = steps_count_of(p->second, &from, &tick->pose, &p->grids[tick->tool], p->geometry.spacing.x);
+    }
+    return record_steps(p, i, count == 0, count > 0, count, &from, err);
+}
+
 /* The same pose asked alone, over the whole grid: nothing is skipped by boxes, and nothing may change. */
 static ost_status run_collide(performer *p, size_t i, ost_error *err)
 {
-    const ost_tick *tick = &p->s->path.ticks[i];
-    ost_map map;
-    ost_status status = ost_map_make(&tick->pose, &p->geometry, ost_tool_geometry_get(p->tools[tick->tool]), &map, err);
+    const ost_tick *tick = &p->path.ticks[i];
+    steps_pose made;
+    if (p->light)
+        return record_nothing(p, TRACE_COLLIDE, (uint32_t)i, err);
+    ost_status status = steps_pose_of(p->second, &tick->pose, &p->geometry, &p->grids[tick->tool], &made, err);
     if (status != OST_OK)
         return status;
     const ost_voxel_box box = {{0, 0, 0}, {p->dims.x, p->dims.y, p->dims.z}};
-    const ost_event event = {.pose_count = 1, .maps = &map, .boxes = &box, .classes = ost_world_classes(p->world)};
+    const ost_density_classes classes = classes_of(p);
+    const ost_event event = {.pose_count = 1, .maps = &made.map, .boxes = &box, .classes = &classes};
     status = ost_bone_collide(p->bone, p->tools[tick->tool], &event, &p->collided, err);
     if (status != OST_OK)
         return status;
     trace_begin(p->w, TRACE_COLLIDE, p->case_index, (uint32_t)i);
     record_report(p, &p->collided);
     return end_record(p, TRACE_COLLIDE, (uint32_t)i, err);
+}
+
+/* Voxels times ticks up to which the second implementation runs events as well: it takes about a microsecond for a thousand. */
+#define SECOND_WORK ((int64_t)1 << 25)
+
+/* What a case's ticks are run in: a world, or the second implementation's history and room for an event. */
+static ost_status begin_ticks(performer *p, ost_error *err)
+{
+    const scene *s = p->s;
+    ost_status status = OST_OK;
+    if (is_of_steps(s)) {
+        p->geometry = s->rect;
+        p->dims = s->rect.dims;
+        return OST_OK;
+    }
+    if (!p->second) {
+        status = ost_world_create(p->bone, &s->world, &p->world, err);
+        for (int i = 0; i < s->tool_count && status == OST_OK; i++)
+            status = ost_world_add_tool(p->world, s->tools[i].name, p->tools[i], NULL, err);
+        return status;
+    }
+    const ost_pose identity = {.qw = OST_Q30_ONE};
+    steps_pose ignored;
+    for (int i = 0; i < s->tool_count && status == OST_OK; i++) /* AR-MAP-2 refuses a tool before its first tick */
+        status = steps_pose_of(true, &identity, &p->geometry, &p->grids[i], &ignored, err);
+    if (status == OST_OK)
+        status = steps_history_begin(&p->path, s->world.sweep_off, s->world.removal_period_ns, &p->history, err);
+    p->light = ost_dims_count(p->dims) * (int64_t)p->path.count > SECOND_WORK;
+    if (status != OST_OK || p->light)
+        return status;
+    p->maps = calloc(OST_SWEEP_MAX, sizeof *p->maps);
+    p->boxes = calloc(OST_SWEEP_MAX, sizeof *p->boxes);
+    return p->maps && p->boxes ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for an event of %d poses", OST_SWEEP_MAX);
 }
 
 static ost_status run_stages(performer *p, ost_error *err)
@@ -401,18 +560,22 @@ static ost_status run_stages(performer *p, ost_error *err)
         status = run_tool(p, i, err);
     if (!s->path.count || status != OST_OK)
         return status;
-    status = ost_world_create(p->bone, &s->world, &p->world, err);
-    for (int i = 0; i < s->tool_count && status == OST_OK; i++)
-        status = ost_world_add_tool(p->world, s->tools[i].name, p->tools[i], NULL, err);
-    for (size_t i = 0; i < s->path.count && status == OST_OK; i++) {
+    status = steps_path_of(p->second, s, &p->path, &p->own_path, err);
+    if (status == OST_OK)
+        status = begin_ticks(p, err);
+    for (size_t i = 0; i < p->path.count && status == OST_OK; i++) {
+        if (is_of_steps(s)) {
+            status = run_steps(p, i, err);
+            continue;
+        }
         if (s->collide_every && i % (size_t)s->collide_every == 0)
             status = run_collide(p, i, err);
         if (status == OST_OK)
             status = run_tick(p, i, err);
     }
-    if (status == OST_OK)
-        status = record_whole_bone(p, TRACE_FINAL, err);
-    return status;
+    if (status != OST_OK || is_of_steps(s))
+        return status;
+    return p->light ? record_nothing(p, TRACE_FINAL, 0, err) : record_whole_bone(p, TRACE_FINAL, err);
 }
 
 static ost_status perform_case(performer p, ost_error *why, ost_error *err)
@@ -439,6 +602,12 @@ static ost_status perform_case(performer p, ost_error *why, ost_error *err)
         written = trace_end(w, err);
     }
     ost_report_free(&p.collided);
+    ost_report_free(&p.removed);
+    steps_history_free(&p.history);
+    if (p.own_path)
+        ost_path_free(&p.path);
+    free(p.maps);
+    free(p.boxes);
     ost_world_free(p.world);
     for (int i = 0; i < s->tool_count; i++)
         ost_tool_free(p.tools[i]);
@@ -453,6 +622,11 @@ ost_status perform(ost_backend *backend, const scene *s, uint32_t case_index, tr
                    ost_error *err)
 {
     return perform_case((performer){.backend = backend, .s = s, .w = w, .case_index = case_index, .watch = watch, .user = user}, why, err);
+}
+
+ost_status perform_second(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, ost_error *why, ost_error *err)
+{
+    return perform_case((performer){.backend = backend, .s = s, .w = w, .case_index = case_index, .second = true}, why, err);
 }
 
 ost_status perform_apart(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, const trace *given, ost_error *why, ost_error *err)

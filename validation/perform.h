@@ -31,6 +31,13 @@ typedef void perform_watch(void *user, trace_stage stage, uint32_t item);
 ost_status perform(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, perform_watch *watch, void *user, ost_error *why,
                    ost_error *err);
 
+/*
+ * The same with the second implementation's steps in place of src/core's and
+ * src/sim's (steps_make.h): snapped meshes, ticks of a motor, events, poses and
+ * maps.  Of a case that would take too long the ticks' steps alone are made.
+ */
+ost_status perform_second(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, ost_error *why, ost_error *err);
+
 /* given: the reference's trace, with this case whole. */
 ost_status perform_apart(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, const trace *given, ost_error *why, ost_error *err);
 

@@ -234,16 +234,20 @@ static ost_status make_operation(const plan_case *c, scene *s, draw *d, ost_erro
             status = append_path(s, &path, err);
         }
         ost_path_free(&path);
-        ost_mesh_free(&mesh);
+        tool->raw[0] = mesh;
     }
-    ost_motor motor = {0};
-    return status == OST_OK ? ost_motor_path(&s->path, OST_RPM_REAMER, &motor, err) : status;
+    return status == OST_OK ? scene_turn(s, OST_RPM_REAMER, err) : status;
 }
 
 static ost_status make_static(const plan_case *c, scene *s, draw *d, ost_error *err)
 {
     (void)d;
     return scene_static(s, c->number, err);
+}
+
+static ost_status make_steps(const plan_case *c, scene *s, draw *d, ost_error *err)
+{
+    return scene_steps(s, d, c->number, err);
 }
 
 static ost_status make_user(const plan_case *c, scene *s, draw *d, ost_error *err)
@@ -257,7 +261,7 @@ ost_status scene_make(const plan_case *c, scene *out, ost_error *err)
     static ost_status (*const makers[PLAN_FAMILIES])(const plan_case *, scene *, draw *, ost_error *) = {
         [PLAN_IMPORT] = make_import, [PLAN_MESH] = make_mesh,       [PLAN_POSES] = make_poses,
         [PLAN_SWEEP] = make_sweep,   [PLAN_SESSION] = make_session, [PLAN_OPERATION] = make_operation,
-        [PLAN_SMALL] = make_small,   [PLAN_STATIC] = make_static,
+        [PLAN_SMALL] = make_small,   [PLAN_STATIC] = make_static,   [PLAN_STEPS] = make_steps,
         [PLAN_USER] = make_user,
     };
     draw d = draw_named(c->seed, c->id);
@@ -276,12 +280,30 @@ void scene_free(scene *s)
 {
     if (!s->lent)
         free(s->samples);
-    for (int i = 0; i < s->tool_count; i++) {
-        ost_snapped_mesh_free(&s->tools[i].cutting);
-        ost_snapped_mesh_free(&s->tools[i].noncutting);
-    }
+    for (int i = 0; i < s->tool_count; i++)
+        scene_tool_free(&s->tools[i]);
     ost_path_free(&s->path);
+    ost_path_free(&s->hand);
     *s = (scene){0};
+}
+
+void scene_tool_free(scene_tool *tool)
+{
+    ost_snapped_mesh_free(&tool->cutting);
+    ost_snapped_mesh_free(&tool->noncutting);
+    ost_mesh_free(&tool->raw[0]);
+    ost_mesh_free(&tool->raw[1]);
+}
+
+ost_status scene_turn(scene *s, int32_t rpm, ost_error *err)
+{
+    ost_motor motor = {0};
+    ost_status status = ost_path_init(&s->hand, s->path.count, err);
+    if (status != OST_OK)
+        return status;
+    memcpy(s->hand.ticks, s->path.ticks, s->path.count * sizeof *s->path.ticks);
+    s->hand_rpm = rpm;
+    return ost_motor_path(&s->path, rpm, &motor, err);
 }
 
 /* ------------------------------------------------------------------- digest */

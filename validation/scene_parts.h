@@ -14,6 +14,9 @@ ost_status scene_ct_of_volume(scene *s, const ost_volume *volume, ost_error *err
 /* Static event `number`: full bone, one tool, one pose. */
 ost_status scene_static(scene *s, int number, ost_error *err);
 
+/* Grids, meshes and ticks of the steps alone. */
+ost_status scene_steps(scene *s, draw *d, int number, ost_error *err);
+
 typedef enum scene_shape {
     SHAPE_REAMER,   /* the parametric tools, of random size */
     SHAPE_PEG,

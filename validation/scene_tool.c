@@ -145,8 +145,8 @@ ost_status scene_add_tool(scene *s, draw *d, scene_shape shape, ost_pm size, ost
         status = ost_mesh_snap(&mesh, &grid, &tool->cutting, err);
     if (status == OST_OK && noncutting)
         status = ost_mesh_snap(&shaft, &grid, &tool->noncutting, err);
-    ost_mesh_free(&mesh);
-    ost_mesh_free(&shaft);
+    tool->raw[0] = mesh;
+    tool->raw[1] = shaft;
     return status;
 }
 
@@ -206,6 +206,7 @@ ost_status scene_add_full_tool(scene *s, draw *d, ost_pm voxel, ost_error *err)
                 mesh.triangles[12 + 4 * b + t][c] = (uint32_t)(8 + 4 * b) + faces[t][c];
     }
     status = ost_mesh_snap(&mesh, &grid, &tool->cutting, err);
-    ost_mesh_free(&mesh);
+    tool->raw[0] = mesh;
+    tool->grid_given = true;
     return status;
 }

@@ -33,7 +33,7 @@ typedef struct witness {
 static void watch(void *user, trace_stage stage, uint32_t item)
 {
     witness *w = user;
-    if (w->seen)
+    if (w->seen || stage == TRACE_SNAP || stage == TRACE_STEPS) /* not of a backend; the event's steps are written when it has run */
         return;
     w->record = dense_record(w->backend);
     if (w->record.changed) {

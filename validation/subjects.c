@@ -29,6 +29,11 @@ static subject *add(subject_list *list, const char *spec, const char *what, ost_
     return s;
 }
 
+static ost_status add_dense(subject_list *list, ost_error *err)
+{
+    return add(list, SUBJECT_DENSE, "a second implementation, with its own sweep, map, poses and snapping", err) ? OST_OK : OST_ERR_MEMORY;
+}
+
 static ost_status add_cpu(plan_tier tier, subject_list *list, ost_error *err)
 {
     static const int threads[] = {1, 2, 3, 7};
@@ -167,6 +172,8 @@ static ost_status add_wanted(plan_tier tier, const char *spec, subject_list *lis
         return add_cl(list, err);
     if (strcmp(spec, "ref") == 0)
         return OST_OK;
+    if (strcmp(spec, SUBJECT_DENSE) == 0)
+        return add_dense(list, err);
     ost_backend *backend = NULL;
     if (strncmp(spec, SUBJECT_DUMP, strlen(SUBJECT_DUMP)) == 0) {
         dump_head head;
@@ -196,6 +203,8 @@ ost_status subjects_find(plan_tier tier, const char *wanted, subject_list *out, 
     *out = (subject_list){0};
     snprintf(out->no_opencl, sizeof out->no_opencl, "it was not asked for");
     ost_status status = add(out, "ref", "the scalar reference", err) ? OST_OK : OST_ERR_MEMORY;
+    if (!wanted || strcmp(wanted, "cpu") == 0)
+        status = status == OST_OK ? add_dense(out, err) : status;
     if (!wanted) {
         if (status == OST_OK)
             status = add_cpu(tier, out, err);

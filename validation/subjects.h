@@ -22,6 +22,7 @@
 
 #include "validation/plan.h"
 
+#define SUBJECT_DENSE "dense" /* the second implementation, with steps of its own (dense/steps.h) */
 #define SUBJECT_DUMP "dump:" /* and a folder of grids that were made elsewhere (dump.h) */
 enum { SUBJECT_SPEC = 512, SUBJECT_REASON = 320 };
 typedef struct subject {

@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "core/file.h"
+#include "validation/steps_record.h"
 
 #if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
 #error "traces are written as they lie in memory, on little-endian machines"
@@ -19,8 +20,8 @@
 enum { HEAD = 32, BLOCK_HEAD = 32 };
 static const char magic[4] = {'O', 'S', 'T', 'R'};
 
-static const char *const stage_names[TRACE_STAGES] = {"case",    "rect", "cubic", "chunks", "tool",
-                                                      "collide", "tick", "final", "failed", "end"};
+static const char *const stage_names[TRACE_STAGES] = {"case",    "rect",  "cubic", "chunks", "snap",   "tool",
+                                                      "collide", "steps", "tick",  "final",  "failed", "end"};
 
 const char *trace_stage_name(trace_stage stage)
 {
@@ -59,11 +60,25 @@ const char *trace_word_name(trace_stage stage, size_t word, uint64_t line_words,
     if (stage < TRACE_STAGES && word < of[stage].count)
         return of[stage].names[word];
     const size_t head = trace_report_head(stage);
-    if (head && line_words && word >= head)
+    if (stage == TRACE_SNAP || stage == TRACE_STEPS)
+        steps_word_name(stage, word, text);
+    else if (head && line_words && word >= head)
         name_in_line((word - head) % line_words, text);
     else
         snprintf(text, TRACE_WORD, "report word %zu", word);
     return text;
+}
+
+bool trace_word_is_bound(trace_stage stage, size_t word)
+{
+    return stage == TRACE_STEPS ? steps_word_is_bound(word) : stage == TRACE_TICK && (word == 2 || (word >= 4 && word < 10)); /* boxes meet, chunk range */
+}
+
+bool trace_word_holds(trace_stage stage, size_t word, const uint8_t *is, const uint8_t *least)
+{
+    if (!trace_word_is_bound(stage, word))
+        return trace_word_at(is, word) == trace_word_at(least, word);
+    return stage == TRACE_TICK || steps_word_holds(word, is, least);
 }
 
 /* ------------------------------------------------------------------ writing */

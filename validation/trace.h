@@ -30,8 +30,10 @@ typedef enum trace_stage {
     TRACE_RECT,
     TRACE_CUBIC,
     TRACE_CHUNKS,
+    TRACE_SNAP,    /* words: a tool's grid and its meshes' vertices on it (steps_record.h) */
     TRACE_TOOL,
     TRACE_COLLIDE,
+    TRACE_STEPS,   /* words: which poses a tick's event has, and the map of each (steps_record.h) */
     TRACE_TICK,
     TRACE_FINAL,
     TRACE_FAILED,  /* words: the status; a block of bytes: the line; the case ended there */
@@ -71,7 +73,16 @@ void trace_flags(trace_writer *w, uint64_t flags);
  * A dump (dump.h) need not have everything: its trace gets the reference's
  * records where it says nothing, marked as such and compared with nothing.
  */
-enum { TRACE_STANDS_IN = 1, TRACE_NO_WORDS = 2 };
+enum { TRACE_STANDS_IN = 1, TRACE_NO_WORDS = 2, TRACE_BOUNDS = 4 };
+
+/*
+ * The text states no box and no range of chunks (AR-REM-5).  A record with
+ * TRACE_BOUNDS has in their words what they must hold (TRACE_STEPS), or
+ * nothing (TRACE_TICK); compare.c then compares by trace_word_holds.
+ */
+bool trace_word_is_bound(trace_stage stage, size_t word);
+/* words are those of a record: word i of `is` holds that of `least`, or is no bound and equal to it. */
+bool trace_word_holds(trace_stage stage, size_t word, const uint8_t *is, const uint8_t *least);
 
 typedef struct trace_block_view {
     int32_t lo[3];

@@ -25,11 +25,12 @@ typedef struct part {
     int fraction_bits;
     uint64_t vertices, triangles, dropped; /* counts */
     uint64_t vertices_at, triangles_at;    /* bytes from the file's begin */
+    uint64_t raw_vertices, raw_triangles, raw_vertices_at, raw_triangles_at; /* before it was snapped */
 } part;
 
 typedef struct entry {
     scene head; /* without what it points to */
-    uint64_t samples, samples_at, ticks, ticks_at;
+    uint64_t samples, samples_at, ticks, ticks_at, hand, hand_at;
     part parts[SCENE_TOOLS_MAX][2];
 } entry;
 
@@ -120,11 +121,16 @@ ost_status user_case_samples(user_store *u, const ost_sample *samples, size_t co
     return status;
 }
 
-static ost_status add_part(user_store *u, const ost_snapped_mesh *m, part *p, ost_error *err)
+static ost_status add_part(user_store *u, const ost_snapped_mesh *m, const ost_mesh *raw, part *p, ost_error *err)
 {
-    *p = (part){.grid = m->grid, .fraction_bits = m->fraction_bits, .vertices = m->vertex_count, .triangles = m->triangle_count, .dropped = m->dropped_triangles};
-    ost_status status = add_array(u, m->vertices, m->vertex_count, sizeof *m->vertices, &p->vertices_at, err);
-    return status == OST_OK ? add_array(u, m->triangles, m->triangle_count, sizeof *m->triangles, &p->triangles_at, err) : status;
+    *p = (part){.grid = m->grid, .fraction_bits = m->fraction_bits, .vertices = m->vertex_count, .triangles = m->triangle_count, .dropped = m->dropped_triangles,
+                .raw_vertices = raw->vertex_count, .raw_triangles = raw->triangle_count};
+    ost_status status = add_array(u, raw->vertices, raw->vertex_count, sizeof *raw->vertices, &p->raw_vertices_at, err);
+    if (status == OST_OK)
+        status = add_array(u, raw->triangles, raw->triangle_count, sizeof *raw->triangles, &p->raw_triangles_at, err);
+    if (status == OST_OK)
+        status = add_array(u, m->vertices, m->vertex_count, sizeof *m->vertices, &p->vertices_at, err);
+    return status != OST_OK ? status : status == OST_OK ? add_array(u, m->triangles, m->triangle_count, sizeof *m->triangles, &p->triangles_at, err) : status;
 }
 
 ost_status user_case_end(user_store *u, const scene *head, ost_error *err)
@@ -139,9 +145,14 @@ ost_status user_case_end(user_store *u, const scene *head, ost_error *err)
     e->ticks = head->path.count;
     for (int t = 0; t < head->tool_count && status == OST_OK; t++)
         for (int k = 0; k < 2 && status == OST_OK; k++) {
-            status = add_part(u, k ? &head->tools[t].noncutting : &head->tools[t].cutting, &e->parts[t][k], err);
+            status = add_part(u, k ? &head->tools[t].noncutting : &head->tools[t].cutting, &head->tools[t].raw[k], &e->parts[t][k], err);
             *(k ? &e->head.tools[t].noncutting : &e->head.tools[t].cutting) = (ost_snapped_mesh){.fraction_bits = 0};
+            e->head.tools[t].raw[k] = (ost_mesh){.vertex_count = 0};
         }
+    e->head.hand = (ost_path){.count = 0};
+    e->hand = head->hand.count;
+    if (status == OST_OK)
+        status = add_array(u, head->hand.ticks, head->hand.count, sizeof *head->hand.ticks, &e->hand_at, err);
     if (status == OST_OK)
         status = add_array(u, head->path.ticks, head->path.count, sizeof *head->path.ticks, &e->ticks_at, err);
     u->head->count++;
@@ -181,11 +192,13 @@ static bool lies_within(const user_store *u, uint64_t at, uint64_t count, uint64
 static bool entry_is_whole(const user_store *u, const entry *e)
 {
     bool whole = e->head.tool_count >= 0 && e->head.tool_count <= SCENE_TOOLS_MAX && (!e->samples || (e->head.batch > 0 && lies_within(u, e->samples_at, e->samples, sizeof(ost_sample)))) &&
-                 (!e->ticks || lies_within(u, e->ticks_at, e->ticks, sizeof(ost_tick)));
+                 (!e->ticks || lies_within(u, e->ticks_at, e->ticks, sizeof(ost_tick))) && (!e->hand || lies_within(u, e->hand_at, e->hand, sizeof(ost_tick)));
     for (int t = 0; whole && t < e->head.tool_count; t++)
         for (int k = 0; whole && k < 2; k++) {
             const part *p = &e->parts[t][k];
-            whole = (!p->vertices || lies_within(u, p->vertices_at, p->vertices, 3 * sizeof(int32_t))) &&
+            whole = (!p->raw_vertices || lies_within(u, p->raw_vertices_at, p->raw_vertices, sizeof(ost_pm3))) &&
+                    (!p->raw_triangles || lies_within(u, p->raw_triangles_at, p->raw_triangles, 3 * sizeof(uint32_t))) &&
+                    (!p->vertices || lies_within(u, p->vertices_at, p->vertices, 3 * sizeof(int32_t))) &&
                     (!p->triangles || lies_within(u, p->triangles_at, p->triangles, 3 * sizeof(uint32_t)));
         }
     return whole;
@@ -235,6 +248,27 @@ int user_store_fd(const user_store *u)
     return u ? u->fd : -1;
 }
 
+static ost_status read_raw(const user_store *u, const part *p, ost_mesh *m, ost_error *err)
+{
+    if (!p->raw_triangles)
+        return OST_OK;
+    const ost_status status = ost_mesh_init(m, p->raw_vertices, p->raw_triangles, err);
+    if (status != OST_OK)
+        return status;
+    memcpy(m->vertices, u->map + p->raw_vertices_at, p->raw_vertices * sizeof *m->vertices);
+    memcpy(m->triangles, u->map + p->raw_triangles_at, p->raw_triangles * sizeof *m->triangles);
+    return OST_OK; /* vertices beyond the last are refused where it is snapped */
+}
+
+static ost_status read_path(const user_store *u, uint64_t count, uint64_t at, ost_path *out, ost_error *err)
+{
+    *out = (ost_path){0};
+    const ost_status status = count ? ost_path_init(out, count, err) : OST_OK;
+    if (status == OST_OK && count)
+        memcpy(out->ticks, u->map + at, count * sizeof *out->ticks);
+    return status;
+}
+
 static ost_status read_part(const user_store *u, const part *p, ost_snapped_mesh *m, ost_error *err)
 {
     *m = (ost_snapped_mesh){.grid = p->grid, .fraction_bits = p->fraction_bits, .vertex_count = p->vertices, .triangle_count = p->triangles, .dropped_triangles = p->dropped};
@@ -259,21 +293,22 @@ ost_status user_scene(const user_store *u, int number, scene *out, ost_error *er
         return ost_fail(err, OST_ERR_USAGE, "it is made of the user's own files: give them with --ct, --tool and --path");
     const entry *e = &u->head->entries[number - 1];
     *out = e->head;
-    for (int t = 0; t < SCENE_TOOLS_MAX; t++) /* whatever the file has there */
+    for (int t = 0; t < SCENE_TOOLS_MAX; t++) { /* whatever the file has there */
         out->tools[t].cutting = out->tools[t].noncutting = (ost_snapped_mesh){.fraction_bits = 0};
-    out->path = (ost_path){0};
+        out->tools[t].raw[0] = out->tools[t].raw[1] = (ost_mesh){.vertex_count = 0};
+    }
+    out->path = out->hand = (ost_path){0};
     out->lent = true;
     out->sample_count = e->samples;
     out->samples = e->samples ? (ost_sample *)(void *)(u->map + e->samples_at) : NULL;
     ost_status status = OST_OK;
     for (int t = 0; t < out->tool_count && status == OST_OK; t++)
         for (int k = 0; k < 2 && status == OST_OK; k++)
-            status = read_part(u, &e->parts[t][k], k ? &out->tools[t].noncutting : &out->tools[t].cutting, err);
-    if (status == OST_OK && e->ticks)
-        status = ost_path_init(&out->path, e->ticks, err);
-    if (status == OST_OK && e->ticks)
-        memcpy(out->path.ticks, u->map + e->ticks_at, e->ticks * sizeof *out->path.ticks);
-    return status;
+            if ((status = read_part(u, &e->parts[t][k], k ? &out->tools[t].noncutting : &out->tools[t].cutting, err)) == OST_OK)
+                status = read_raw(u, &e->parts[t][k], &out->tools[t].raw[k], err);
+    if (status == OST_OK)
+        status = read_path(u, e->ticks, e->ticks_at, &out->path, err);
+    return status == OST_OK ? read_path(u, e->hand, e->hand_at, &out->hand, err) : status;
 }
 
 /*

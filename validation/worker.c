@@ -14,9 +14,11 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "validation/dense/dense.h"
 #include "validation/leftover.h"
 #include "validation/paths.h"
 #include "validation/perform.h"
+#include "validation/subjects.h"
 
 extern char **environ;
 
@@ -27,7 +29,8 @@ ost_status worker_run(const plan *p, int from, int to, const char *spec, const c
     trace reference = {0};
     to = to < p->count ? to : p->count;
     prctl(PR_SET_PDEATHSIG, SIGKILL); /* a parent that is killed takes it along */
-    ost_status status = ost_backend_open(spec, &backend, err);
+    const bool second = strcmp(spec, SUBJECT_DENSE) == 0;
+    ost_status status = second ? dense_open(NULL, &backend, err) : ost_backend_open(spec, &backend, err);
     if (status == OST_OK && given)
         status = trace_open(given, &reference, err);
     if (status == OST_OK)
@@ -40,7 +43,9 @@ ost_status worker_run(const plan *p, int from, int to, const char *spec, const c
             break;
         status = scene_digest(&s, &s.digest, err);
         if (status == OST_OK)
-            status = given ? perform_apart(backend, &s, (uint32_t)i, w, &reference, &why, err) : perform(backend, &s, (uint32_t)i, w, NULL, NULL, &why, err);
+            status = given ? perform_apart(backend, &s, (uint32_t)i, w, &reference, &why, err)
+                     : second ? perform_second(backend, &s, (uint32_t)i, w, &why, err)
+                     : perform(backend, &s, (uint32_t)i, w, NULL, NULL, &why, err);
         scene_free(&s);
         if (status == OST_OK && (why.status == OST_ERR_MEMORY || why.status == OST_ERR_IO))
             status = ost_fail(err, why.status, "%s on %s: %s", p->cases[i].id, spec, why.text);

@@ -290,7 +290,7 @@ static ost_status snap_tool(const user_files *u, const char *name, bool moves, s
         append(tools, o);
     }
     out->rule = (ost_fill_rule)u->how.rule;
-    ost_mesh_free(&mesh);
+    out->raw[0] = mesh; /* freed with the tool */
     return status;
 }
 
@@ -321,15 +321,15 @@ static ost_status add_case(const app_state *app, const user_files *u, int ct, co
         grids[t] = &head.tools[t].cutting.grid;
     if (status == OST_OK && u->paths.count)
         status = ream_path_make(app, &u->paths, &u->target, &meta, u->cts.value[ct], grids, head.tool_count, NULL, &head.path, &counted, err);
-    ost_motor motor = {0};
     if (status == OST_OK && u->paths.count)
-        status = ost_motor_path(&head.path, OST_RPM_REAMER, &motor, err);
+        status = scene_turn(&head, OST_RPM_REAMER, err);
     if (status == OST_OK) {
         put_integer(one, "ticks", (int64_t)head.path.count);
         put_integer(one, "gaps", (int64_t)counted.gaps);
         status = user_case_end(store, &head, err);
     }
     ost_path_free(&head.path);
+    ost_path_free(&head.hand);
     return status;
 }
 

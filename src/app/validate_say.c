@@ -3,6 +3,7 @@
 #include "app/validate.h"
 
 #include <stdio.h>
+#include <string.h>
 #include <sys/stat.h>
 
 #include "app/result.h"
@@ -37,7 +38,7 @@ static void say_difference(const app_state *app, const plan_case *c, const subje
 {
     const compare_difference *d = &r->difference;
     char where[64] = "", name[TRACE_WORD];
-    if (d->stage == TRACE_TICK || d->stage == TRACE_COLLIDE || d->stage == TRACE_TOOL)
+    if (d->stage == TRACE_TICK || d->stage == TRACE_COLLIDE || d->stage == TRACE_TOOL || d->stage == TRACE_SNAP || d->stage == TRACE_STEPS)
         snprintf(where, sizeof where, " %u", d->item);
     if (r->verdict != CASE_DIFFERS)
         say(app, "  %s on %s: %s: %s", c->id, s->spec, case_verdict_name(r->verdict), r->text);
@@ -75,6 +76,14 @@ static void say_paths(const app_state *app, const path_list *list, json_t *o)
     put(o, "not_entered", missing);
 }
 
+/* What the second implementation is for: the steps that no other comparison shows. */
+static void say_second(const app_state *app, const campaign *c, bool equal)
+{
+    char ticks[SAY_TEXT], tools[SAY_TEXT];
+    say(app, "    src/core's sweep, map, boxes, poses and snapping against a second implementation: %s, %s ticks, %s tools", equal ? "equal" : "NOT equal",
+        say_count(ticks, (int64_t)c->stage_records[TRACE_STEPS]), say_count(tools, (int64_t)c->stage_records[TRACE_SNAP]));
+}
+
 static void say_backends(app_state *app, const campaign *c)
 {
     json_t *array = json_array();
@@ -104,6 +113,8 @@ static void say_backends(app_state *app, const campaign *c)
             say(app, "  %-32s %d of %d equal%s, %s", one->spec, equal, c->plan->count, refused ? ", others refused as by the reference" : "",
                 say_time(time, 1e3 * c->seconds[s]));
         say_paths(app, &c->paths[s], o);
+        if (s > 0 && one->available && strcmp(one->spec, SUBJECT_DENSE) == 0)
+            say_second(app, c, equal + refused == c->plan->count);
     }
     put(app->result, "backends", array);
 }

@@ -220,6 +220,35 @@ bool evidence_refused(const json_t *one)
     return false;
 }
 
+/* Sweep, map, boxes, poses and snapping are made once for all backends: they are shown where the second implementation of them was equal. */
+static const char *second_implementation(const json_t *protocol, const json_t *cases, char *text, size_t size)
+{
+    const json_t *backends = json_object_get(protocol, "backends");
+    bool ran = false;
+    json_int_t ticks = 0, tools = 0;
+    for (size_t s = 0; s < json_array_size(backends); s++)
+        ran |= strcmp(evidence_text(json_array_get(backends, s), "name"), SUBJECT_DENSE) == 0;
+    for (size_t i = 0; i < json_array_size(cases) && ran; i++) {
+        const json_t *one = json_array_get(cases, i), *records = json_object_get(one, "reference");
+        const char *verdict = evidence_text(json_object_get(json_object_get(one, "results"), SUBJECT_DENSE), "verdict");
+        for (size_t k = 0; k < json_array_size(records) && strcmp(verdict, case_verdict_name(CASE_EQUAL)) == 0; k++) {
+            const char *stage = evidence_text(json_array_get(records, k), "stage");
+            ticks += strcmp(stage, trace_stage_name(TRACE_STEPS)) == 0;
+            tools += strcmp(stage, trace_stage_name(TRACE_SNAP)) == 0;
+        }
+    }
+    if (ran)
+        snprintf(text, size,
+                 "Sweep, map, boxes, poses and snapping are made by src/core and src/sim for every backend, so that comparing backends does not show them. "
+                 "Backend " SUBJECT_DENSE " has a second implementation of them: it was equal in %lld ticks and %lld tools.",
+                 (long long)ticks, (long long)tools);
+    else
+        snprintf(text, size,
+                 "Sweep, map, boxes, poses and snapping are made by src/core and src/sim for every backend; the second implementation of them, backend " SUBJECT_DENSE
+                 ", was not compared.");
+    return text;
+}
+
 /* What a reader might believe was shown and was not. */
 static json_t *not_shown(const json_t *protocol, const json_t *cases, json_int_t refused, json_int_t compared)
 {
@@ -258,6 +287,7 @@ static json_t *not_shown(const json_t *protocol, const json_t *cases, json_int_t
     }
     if (json_array_size(json_object_get(protocol, "cases")) != json_array_size(cases))
         add_sentence(list, "Cases of the protocol are missing.");
+    add_sentence(list, second_implementation(protocol, cases, text, sizeof text));
     add_sentence(list, json_object_get(protocol, "user") ? "Inputs are generated but for the cases user/1 and on, which are the user's own files; those are not in the bundle. How files are read, and how floats of meshes and devices become integers, is shared by all backends and is not shown by this comparison."
                                                          : "Inputs are generated, not a patient's. How files are read, and how floats of meshes and devices become integers, is shared by all backends and is not shown by this comparison.");
     add_sentence(list, "A mistake that the reference and a backend have in common does not show in a comparison of the two; the checks in common.json look for some of those.");

@@ -25,10 +25,12 @@ static const struct {
     const char *begins, *stages;
 } bearing[] = {
     {"AR-CT-", "rect"},          {"AR-CUB-", "cubic"},
-    {"AR-CHK-", "chunks final"}, {"AR-TOOL-", "tool"},
-    {"AR-VOX-", "tool"},         {"AR-MESH-3", "tool"},
-    {"AR-MESH-4", "tool"},       {"AR-SWEEP-", "tick"},
-    {"AR-MAP-", "tick collide"}, {"AR-REM-3", "collide"},
+    {"AR-CHK-", "chunks final"}, {"AR-TOOL-1", "snap tool"},
+    {"AR-TOOL-2", "snap tool"},  {"AR-TOOL-", "tool"},
+    {"AR-VOX-", "tool"},         {"AR-MESH-3", "snap tool"},
+    {"AR-MESH-4", "snap tool"},  {"AR-SWEEP-", "steps tick"},
+    {"AR-POSE-4", "steps tick"}, {"AR-MOTOR-", "steps tick"},
+    {"AR-MAP-", "steps tick collide"}, {"AR-REM-3", "collide"},
     {"AR-REM-", "tick final"},   {"AR-CLS-", "tick collide"},
     {"AR-DIG-2", "rect cubic chunks tool tick final"},
     {"AR-LAW-1", "rect cubic chunks tool collide tick final"},

@@ -72,12 +72,20 @@ static void cut_mesh(const cut_list *list, ost_snapped_mesh *m)
     m->triangle_count = kept;
 }
 
+static void drop_raw(scene_tool *tool)
+{
+    ost_mesh_free(&tool->raw[0]);
+    ost_mesh_free(&tool->raw[1]);
+    tool->raw[0] = tool->raw[1] = (ost_mesh){.vertex_count = 0};
+}
+
 ost_status scene_cut_apply(const scene_cut *cut, scene *s, ost_error *err)
 {
     int32_t now[SCENE_TOOLS_MAX];
     int tools = 0;
     size_t ticks = 0;
     ost_status status = OST_OK;
+    const bool has_bone = s->sample_count > 0;
     if (cut->no_ct)
         drop_ct(s);
     else if (s->sample_count)
@@ -87,10 +95,11 @@ ost_status scene_cut_apply(const scene_cut *cut, scene *s, ost_error *err)
     for (int i = 0; i < s->tool_count; i++) {
         now[i] = -1;
         if (cut->no_tools >> i & 1) {
-            ost_snapped_mesh_free(&s->tools[i].cutting);
-            ost_snapped_mesh_free(&s->tools[i].noncutting);
+            scene_tool_free(&s->tools[i]);
             continue;
         }
+        if (cut->triangles[i][0].some || cut->triangles[i][1].some) /* their numbers are those of snapped triangles */
+            drop_raw(&s->tools[i]);
         cut_mesh(&cut->triangles[i][0], &s->tools[i].cutting);
         cut_mesh(&cut->triangles[i][1], &s->tools[i].noncutting);
         const scene_tool one = s->tools[i];
@@ -108,8 +117,12 @@ ost_status scene_cut_apply(const scene_cut *cut, scene *s, ost_error *err)
     for (int i = tools; i < s->tool_count; i++)
         s->tools[i] = (scene_tool){.name = ""};
     s->tool_count = tools;
+    if (ticks != s->path.count || cut->no_tools) { /* numbers are those of ticks, not of rows */
+        ost_path_free(&s->hand);
+        s->hand = (ost_path){.count = 0};
+    }
     s->path.count = ticks;
-    if (!s->sample_count)
+    if (has_bone && !s->sample_count)
         s->path.count = 0; /* no bone, no ticks */
     return status;
 }

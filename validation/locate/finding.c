@@ -36,7 +36,7 @@ static bool tick_of_collide(const trace *ref, compare_range in_ref, const trace 
 {
     if (d->kind != COMPARE_WORD || d->stage != TRACE_COLLIDE)
         return false;
-    compare_record_at(ref, in_ref, got, in_got, (size_t)d->records, out);
+    compare_record_at(ref, in_ref, got, in_got, (size_t)d->records + 1, out); /* behind the tick's steps */
     return out->kind == COMPARE_VOXEL && out->stage == TRACE_TICK && out->item == d->item;
 }
 
@@ -49,6 +49,13 @@ void finding_make(const scene *s, const trace *ref, compare_range in_ref, const 
     const bool asked = tick_of_collide(ref, in_ref, got, in_got, d, &tick);
     if (asked)
         d = &tick;
+    if (d->kind == COMPARE_WORD && (d->stage == TRACE_SNAP || d->stage == TRACE_STEPS)) {
+        char name[TRACE_WORD];
+        out->class = "steps";
+        snprintf(out->text, sizeof out->text, "no voxel was made yet: src/core and src/sim made %s otherwise than docs/arithmetic.md was read a second time",
+                 trace_word_name(d->stage, d->word, 0, name));
+        return;
+    }
     if (d->kind == COMPARE_WORD) {
         out->class = "report-only";
         snprintf(out->text, sizeof out->text, "no voxel differs in this record, only what was reported");

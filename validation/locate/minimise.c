@@ -162,17 +162,17 @@ static cut_list one_range(uint32_t from, uint32_t to)
 static ost_status cut_stages(job *j, const scene *s, const compare_difference *d, bool *found, ost_error *err)
 {
     candidates list = {.count = 0};
-    scene_cut cut = {.no_ct = d->stage == TRACE_TOOL, .no_collide = d->stage != TRACE_COLLIDE};
+    scene_cut cut = {.no_ct = d->stage == TRACE_TOOL || d->stage == TRACE_SNAP, .no_collide = d->stage != TRACE_COLLIDE};
     const uint32_t all = (1u << s->tool_count) - 1;
     if (d->stage == TRACE_RECT || d->stage == TRACE_CUBIC || d->stage == TRACE_CHUNKS) {
         cut.no_tools = all;
         cut.ticks = (cut_list){.some = true};
         add(&list, &cut);
-    } else if (d->stage == TRACE_TOOL) {
+    } else if (d->stage == TRACE_TOOL || d->stage == TRACE_SNAP) {
         cut.no_tools = all & ~(1u << d->item);
         cut.ticks = (cut_list){.some = true};
         add(&list, &cut);
-    } else if ((d->stage == TRACE_TICK || d->stage == TRACE_COLLIDE) && d->item < s->path.count) {
+    } else if ((d->stage == TRACE_TICK || d->stage == TRACE_STEPS || d->stage == TRACE_COLLIDE) && d->item < s->path.count) {
         const uint32_t tool = (uint32_t)s->path.ticks[d->item].tool;
         for (uint32_t before = 0;; before = before ? 2 * before : 1) {
             const uint32_t from = before < d->item ? d->item - before : 0;

@@ -192,6 +192,8 @@ void section_reference(const page *p)
         [TRACE_RECT] = "a CT's samples put into a grid",
         [TRACE_CUBIC] = "resampled to cubes",
         [TRACE_CHUNKS] = "the bone, cut into chunks",
+        [TRACE_SNAP] = "a tool's grid and its mesh snapped to it, before a voxel is made",
+        [TRACE_STEPS] = "which poses a tick's event has, and the integers that map bone voxels to tool voxels at each",
         [TRACE_TOOL] = "a tool's mesh made into voxels",
         [TRACE_COLLIDE] = "what a tool touches, nothing removed",
         [TRACE_TICK] = "a moment of an operation: every voxel that changed, and the report of what was removed",

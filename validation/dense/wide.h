@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Integers of 256 bits by sign and magnitude, so that no step of steps.h needs
+ * a proof of its range: the greatest number there, 2 * P^2 or origin + i column,
+ * is below 2^140.  Schoolbook arithmetic on 32-bit limbs, the lowest first.
+ */
+#ifndef OST_VALIDATION_DENSE_WIDE_H
+#define OST_VALIDATION_DENSE_WIDE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum { WIDE_LIMBS = 8 };
+typedef struct wide {
+    bool negative; /* never of 0 */
+    uint32_t limb[WIDE_LIMBS];
+} wide;
+
+wide wide_of(int64_t v);
+wide wide_power_of_two(int n);
+wide wide_negated(wide a);
+wide wide_plus(wide a, wide b);
+wide wide_minus(wide a, wide b);
+wide wide_times(wide a, wide b);
+/* -1, 0 or 1 as a is below b, equal or above. */
+int wide_order(wide a, wide b);
+
+/* AR-INT-1 and AR-INT-2 of the rational a / b, b > 0, bit by bit: no machine division. */
+wide wide_floor(wide a, wide b);
+wide wide_nearest(wide a, wide b);
+
+/* The value where it fits, which its callers' ranges say; else 0. */
+int64_t wide_to_int64(wide a);
+/* Two's complement of 128 bits, the low half first. */
+void wide_to_words(wide a, uint64_t words[2]);
+
+#endif
