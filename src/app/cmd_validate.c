@@ -73,7 +73,7 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "tier", .kind = OPTION_CHOICE, .out = &args.tier, .value = "smoke|standard|full",
          .help = "how much (default: smoke, under a minute;\nstandard: under 15 minutes; full: hours)"},
         {.name = "backends", .kind = OPTION_TEXT, .out = &args.backends, .value = "A;B",
-         .help = "these alone, besides the reference (default: all that are here)"},
+         .help = "these alone, besides the reference (default: all that are\nhere, and dense, a second implementation of all steps)"},
         {.name = "cpu-only", .kind = OPTION_FLAG, .out = &args.cpu_only, .help = "the CPU's variants alone: no OpenCL is no failure"},
         {.name = "faults-only", .kind = OPTION_FLAG, .out = &args.faults_only, .help = "the sensitivity proof alone: mistakes made on purpose\nin the second implementation, in no backend"},
         {.name = "faults", .kind = OPTION_INTEGER, .out = &args.faults, .value = "N", .min = 1, .max = 100000000, .help = "how many, with --faults-only (default: the tier's)"},
