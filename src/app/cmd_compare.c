@@ -19,6 +19,8 @@
 #include "app/result.h"
 #include "app/say.h"
 #include "app/user_files.h"
+#include "app/validate.h"
+#include "validation/bundle/evidence.h"
 #include "validation/campaign.h"
 #include "validation/dump.h"
 
@@ -71,17 +73,11 @@ static void say_margins(const app_state *app, const margins *m)
     }
 }
 
-static void say_case(const app_state *app, const plan_case *c, const case_result *r)
+static void say_case(const app_state *app, const plan_case *c, const subject *whom, const case_result *r)
 {
-    const compare_difference *d = &r->difference;
-    if (r->verdict == CASE_DIFFERS && d->kind == COMPARE_VOXEL)
-        say(app, "  %s differs first at %s %u: %llu voxel%s, the first (%d, %d, %d): %d, the reference has %d", c->id, trace_stage_name(d->stage), d->item,
-            (unsigned long long)d->voxels, d->voxels == 1 ? "" : "s", d->voxel[0], d->voxel[1], d->voxel[2], d->voxel_got, d->voxel_ref);
-    else if (r->verdict == CASE_DIFFERS) {
-        char word[TRACE_WORD];
-        say(app, "  %s differs first at %s %u: %s", c->id, trace_stage_name(d->stage), d->item,
-            d->kind == COMPARE_WORD ? trace_word_name(d->stage, d->word, d->line_words, word) : "the record has another shape");
-    } else
+    if (r->verdict == CASE_DIFFERS)
+        validate_say_difference(app, c, whom, r);
+    else
         say(app, "  %s: %s%s%s", c->id, case_verdict_name(r->verdict), r->text[0] ? ": " : "", r->text);
 }
 
@@ -101,19 +97,17 @@ static ost_status report(app_state *app, const campaign *c, bool apart, ost_erro
             of_this += r->verdict != CASE_NOT_RUN && !refused;
             if (r->margins)
                 margins_add(&all, r->margins);
-            json_t *o = json_object();
+            json_t *o = evidence_result(r);
+            json_object_del(o, "margins"); /* they are summed up by backend */
             put_text(o, "case", c->plan->cases[i].id);
             put_text(o, "backend", c->subjects->subjects[s].spec);
-            put_text(o, "verdict", case_verdict_name(r->verdict));
-            if (r->text[0])
-                put_text(o, "text", r->text);
             append(cases, o);
         }
         compared += of_this;
         say(app, "%s: %s, %d of %d case%s equal%s", equal == of_this && of_this ? "EQUAL" : of_this ? "NOT EQUAL" : "NOT COMPARED", c->subjects->subjects[s].spec, equal, of_this,
             of_this == 1 ? "" : "s", apart ? ", every stage and tick apart" : "");
         for (int i = 0; i < c->plan->count; i++)
-            say_case(app, &c->plan->cases[i], result_at(c, i, s));
+            say_case(app, &c->plan->cases[i], &c->subjects->subjects[s], result_at(c, i, s));
         margins_add(&total, &all);
         if (c->counts[CASE_DIFFERS])
             say_margins(app, &all);

@@ -75,6 +75,7 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "backends", .kind = OPTION_TEXT, .out = &args.backends, .value = "A;B",
          .help = "these alone, besides the reference (default: all that are\nhere, and dense, a second implementation of all steps)"},
         {.name = "cpu-only", .kind = OPTION_FLAG, .out = &args.cpu_only, .help = "the CPU's variants alone: no OpenCL is no failure"},
+        {.name = "apart", .kind = OPTION_FLAG, .out = &args.apart, .help = "give every stage and tick the reference's input, so that\neach is judged alone; no bundle"},
         {.name = "faults-only", .kind = OPTION_FLAG, .out = &args.faults_only, .help = "the sensitivity proof alone: mistakes made on purpose\nin the second implementation, in no backend"},
         {.name = "faults", .kind = OPTION_INTEGER, .out = &args.faults, .value = "N", .min = 1, .max = 100000000, .help = "how many, with --faults-only (default: the tier's)"},
         {.name = "seed", .kind = OPTION_INTEGER, .out = &args.seed, .value = "N", .min = 1, .max = INT64_MAX, .help = "of the generated cases (default: 1)"},
@@ -130,6 +131,8 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
         return usage_error(app, err, "--given belongs to --worker and --trace");
     if (args.export_to && (args.worker || args.out))
         return usage_error(app, err, "--export-cases runs nothing: no --worker and no --out");
+    if (args.apart && (args.out || args.worker || args.merge || args.faults_only || args.export_to))
+        return usage_error(app, err, "--apart compares single stages, and evidence is of complete runs: no --out, --worker, --merge, --faults-only or --export-cases with it");
     if (args.merge && (!args.out || args.worker || args.shard))
         return usage_error(app, err, "--merge needs --out and no shard or worker");
     if ((args.merge || args.faults_only) && user_files_given(&args.own))

@@ -21,7 +21,7 @@ typedef struct validate_args {
     int tier; /* place in "smoke|standard|full" */
     int64_t seed, from, to, limit_s, jobs;
     int64_t faults;
-    bool cpu_only, faults_only, from_parent;
+    bool cpu_only, faults_only, from_parent, apart;
     user_files own;
     json_t *record; /* of them; NULL: there are none */
     sign_key *key;  /* of --sign; NULL: the bundle is not signed */
@@ -51,6 +51,8 @@ ost_status validate_merge(app_state *app, const validate_args *args, ost_error *
 ost_status validate_say(app_state *app, const validate_args *args, const campaign *c, json_t *summary, const sensitivity *proof, const json_t *common, ost_error *err);
 /* The last lines: what checks it, the verdict, the picture, the report. */
 void validate_say_last(app_state *app, const char *out, const json_t *summary);
+/* A result that is not equal: where, with both values, and what it looks like. */
+void validate_say_difference(const app_state *app, const plan_case *c, const subject *s, const case_result *r);
 /* What was never triggered or never changed anything is named: a proof says what it is no proof of. */
 void validate_say_faults(const app_state *app, const sensitivity *s);
 /* Not a difference: there was nothing to differ. */

@@ -166,7 +166,7 @@ static ost_status take_batch(void *user, const campaign *c, int first, int count
 static ost_status run_all(job *j, const validate_args *args, const plan *p, ost_error *err)
 {
     picture_keeper keeper = {.sink = validate_into_bundle, .user = j->b};
-    const campaign_options how = {.program = j->program, .jobs = (int)args->jobs, .limit_s = (double)args->limit_s, .show = show,
+    const campaign_options how = {.program = j->program, .jobs = (int)args->jobs, .limit_s = (double)args->limit_s, .apart = args->apart, .show = show,
                                   .differs = j->b ? pictures_of_difference : NULL, .keeper = &keeper, .done = take_batch, .done_keeper = j};
     ost_status status = campaign_run(p, &j->subjects, &how, &j->run, err);
     if (status == OST_OK && j->b && j->run.counts[CASE_DIFFERS]) {

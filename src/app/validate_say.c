@@ -11,6 +11,7 @@
 #include "validation/bundle/evidence.h"
 #include "validation/bundle/faults.h"
 #include "validation/common/common.h"
+#include "validation/locate/causes.h"
 #include "validation/report/pictures.h"
 #include "validation/report/report.h"
 
@@ -34,7 +35,7 @@ static const case_result *result_at(const campaign *c, int i, int s)
     return &c->results[(size_t)i * (size_t)c->subjects->count + (size_t)s];
 }
 
-static void say_difference(const app_state *app, const plan_case *c, const subject *s, const case_result *r)
+void validate_say_difference(const app_state *app, const plan_case *c, const subject *s, const case_result *r)
 {
     const compare_difference *d = &r->difference;
     char where[64] = "", name[TRACE_WORD];
@@ -53,7 +54,15 @@ static void say_difference(const app_state *app, const plan_case *c, const subje
         say(app, "  %s on %s: %s%s: %s", c->id, s->spec, trace_stage_name(d->stage), where,
             d->kind == COMPARE_MISSING ? "the backend failed there, the reference did not" : "its blocks are not those of the reference");
     if (r->verdict == CASE_DIFFERS && r->found && r->found->class)
+    {
+        char hint[CAUSES_TEXT];
+        causes_text(r->found->class, hint);
+        if (r->found->chunk_size)
+            say(app, "    in chunk (%d, %d, %d) of %d^3", r->found->chunk[0], r->found->chunk[1], r->found->chunk[2], r->found->chunk_size);
         say(app, "    looks like %s: %s", r->found->class, r->found->text);
+        if (*hint)
+            say(app, "    %s", hint);
+    }
     if (r->verdict == CASE_DIFFERS && r->found && r->found->reproduce[0])
         say(app, "    made small: %s: osteon validate --case BUNDLE/%s --backends '%s'%s", r->found->small, r->found->reproduce, s->spec,
             c->family == PLAN_USER ? " and the files that you gave" : "");
@@ -168,14 +177,16 @@ ost_status validate_say(app_state *app, const validate_args *args, const campaig
     if (args->out)
         put_text(app->result, "out", args->out);
     const bool equal = json_is_true(json_object_get(summary, "equal")), something = json_integer_value(json_object_get(summary, "compared")) > 0;
-    say(app, "%s: %d case%s on %d backend%s, tier %s, seed %llu%s", evidence_text(summary, "verdict"), c->plan->count, c->plan->count == 1 ? "" : "s",
+    put_bool(app->result, "apart", args->apart);
+    say(app, "%s: %d case%s on %d backend%s, tier %s, seed %llu%s%s", evidence_text(summary, "verdict"), c->plan->count, c->plan->count == 1 ? "" : "s",
         c->subjects->count, c->subjects->count == 1 ? "" : "s", plan_tier_name(c->plan->tier), (unsigned long long)c->plan->seed,
-        json_is_true(json_object_get(summary, "evidence")) ? "" : " (a reduced run: no evidence)");
+        json_is_true(json_object_get(summary, "evidence")) && !args->apart ? "" : " (a reduced run: no evidence)",
+        args->apart ? ", every stage and tick apart" : "");
     say_backends(app, c);
     for (int i = 0; i < c->plan->count; i++)
         for (int s = 1; s < c->subjects->count; s++)
             if (result_at(c, i, s)->verdict != CASE_EQUAL && result_at(c, i, s)->verdict != CASE_NOT_RUN)
-                say_difference(app, &c->plan->cases[i], &c->subjects->subjects[s], result_at(c, i, s));
+                validate_say_difference(app, &c->plan->cases[i], &c->subjects->subjects[s], result_at(c, i, s));
     say(app, equal ? "  %s records, %s of results, compared byte by byte and found equal" : "  %s records compared byte by byte; the cases that are equal: %s of results",
         say_count(records, (int64_t)c->records), say_bytes(bytes, (int64_t)c->bytes));
     for (size_t i = 0; i < json_array_size(list); i++)

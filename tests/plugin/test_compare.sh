@@ -16,6 +16,14 @@ run 0 compare same --json
 check "equal" "$(value equal)" true
 run 1 compare plugin:./thesis_f32.so --only import/1 --json
 has stages.0.different_voxels margins.0.stages.0.bins.21 margins.0.stages.0.max_2_20
+# The same class and place as validate has.
+place() { for key in stage class class_hint chunk.0 chunk.1 chunk.2 voxel.0 voxel.1 voxel.2 reference got; do value "$1.0.$key"; done; }
+place cases >compared
+run 1 validate --backends plugin:./thesis_f32.so --only import/1 --json
+place findings >validated
+checks=$((checks + 1))
+{ cmp -s compared validated && [ "$(wc -l <compared)" -eq 11 ]; } || fail "compare: $(tr '\n' ' ' <compared), validate: $(tr '\n' ' ' <validated)"
+run 1 compare plugin:./thesis_f32.so --only import/1 --json
 run 0 validate --worker plugin:./thesis_f32.so --dump theirs --only import/1
 run 1 compare theirs --json
 sums() {
@@ -63,8 +71,15 @@ check "tool voxels apart" "$(value margins.0.stages.1.voxels)" "$tools"
 check "stage of events" "$(value margins.0.stages.3.stage)" tick
 check "removal alone" "$(value margins.0.stages.3.voxels)" "$(value margins.0.stages.3.decided)"
 run 1 compare plugin:./thesis_f32.so --only import/1 --apart --json
+cp out apart.json
 check "chunks alone" "$(value margins.0.stages.2.voxels)" "$(value margins.0.stages.2.below_threshold)"
 refuse 2 "a dump was made before" compare theirs --apart
+run 1 validate --backends plugin:./thesis_f32.so --only import/1 --apart --json
+check "validate apart" "$(value apart) $(value evidence)" "true false"
+check "validate apart: stage" "$(value findings.0.stage)" "$("$json_get" cases.0.stage <apart.json)"
+refuse 2 "evidence is of complete runs" validate --apart --out nothing
+run 0 validate --backends cpu:threads=1 --only import/1 --apart
+grep -q "every stage and tick apart" out || fail "apart is not said: $(head -n 1 out)"
 refuse 2 "--given belongs to" validate --given theirs
 run 0 validate --worker ref --dump some --only poses/1
 mv some/poses-1/tick-23.raw t23
@@ -75,7 +90,7 @@ grep -q "of .* records are in the dump" out || fail "what was not dumped is not 
 # one voxel of the last tick: found, and where it is
 printf '\001\000' | dd of=some/poses-1/tick-23.raw bs=1 seek=2 conv=notrunc 2>/dev/null
 run 1 compare some
-grep -q "differs first at tick 23: 1 voxel, the first (1, 0, 0): 1" out || fail "a changed voxel: $(cat out)"
+grep -q "poses/1 on dump:some: tick 23: 1 voxel, the first at (1, 0, 0): 1" out || fail "a changed voxel: $(cat out)"
 
 # what is wrong is one line with the file's name
 spoil() {

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "validation/bundle/digests.h"
+#include "validation/locate/causes.h"
 #include "validation/scene.h"
 
 enum { SCHEMA = 1 };
@@ -48,6 +49,8 @@ ost_status evidence_protocol(const plan *p, const subject_list *subjects, const 
 /* The chunk, what the difference looks like, and what its first voxel was decided by. */
 static void put_finding(json_t *o, const finding *f)
 {
+    char hint[CAUSES_TEXT];
+    causes_text(f->class, hint);
     if (f->chunk_size) {
         json_object_set_new(o, "chunk", json_pack("[i,i,i]", f->chunk[0], f->chunk[1], f->chunk[2]));
         json_object_set_new(o, "chunk_size", json_integer(f->chunk_size));
@@ -55,6 +58,7 @@ static void put_finding(json_t *o, const finding *f)
     if (f->class) {
         json_object_set_new(o, "class", json_string(f->class));
         json_object_set_new(o, "class_text", json_string(f->text));
+        json_object_set_new(o, "class_hint", json_string(hint));
     }
     if (f->reproduce[0]) {
         json_object_set_new(o, "reproduce", json_string(f->reproduce));
@@ -68,7 +72,7 @@ static void put_finding(json_t *o, const finding *f)
     json_object_set_new(o, "operands", list);
 }
 
-static json_t *result_json(const case_result *r)
+json_t *evidence_result(const case_result *r)
 {
     const compare_difference *d = &r->difference;
     char name[TRACE_WORD];
@@ -150,7 +154,7 @@ ost_status evidence_results(const campaign *c, json_t *cases, ost_error *err)
     for (int i = 0; i < c->plan->count; i++) {
         json_t *results = json_object();
         for (int s = 1; s < c->subjects->count; s++)
-            json_object_set_new(results, c->subjects->subjects[s].spec, result_json(&c->results[(size_t)i * (size_t)c->subjects->count + (size_t)s]));
+            json_object_set_new(results, c->subjects->subjects[s].spec, evidence_result(&c->results[(size_t)i * (size_t)c->subjects->count + (size_t)s]));
         if (json_object_set_new(json_array_get(cases, (size_t)i), "results", results) != 0)
             return no_memory(err);
     }

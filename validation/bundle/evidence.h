@@ -50,6 +50,9 @@ bool evidence_refused(const json_t *one);
  */
 ost_status evidence_summary(const json_t *protocol, const json_t *cases, json_t **out, ost_error *err);
 
+/* One result as cases.jsonl has it: verdict, place, both values, class, hint, operands, margins; the caller's reference. */
+json_t *evidence_result(const case_result *r);
+
 /* The text under a key of an object; "" where there is none. */
 const char *evidence_text(const json_t *o, const char *key);
 
