@@ -108,6 +108,7 @@ ost_status ost_frame_init(ost_frame *frame, int width, int height, ost_style sty
 #ifdef _OPENMP
     frame->threads = threads ? threads : omp_get_num_procs();
 #else
+    (void)threads;
     frame->threads = 1;
 #endif
     const bool planes = planes_init(&frame->planes, width, height);
