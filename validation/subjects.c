@@ -67,12 +67,38 @@ static ost_status add_cpu(plan_tier tier, subject_list *list, ost_error *err)
     return OST_OK;
 }
 
+/* How each OpenCL device is run: with both sets of kernels, and with large data in parts (staging). */
+static const struct {
+    const char *options, *what;
+    bool smoke;
+} cl_ways[] = {
+    {"kernels=cpu", "kernels for CPUs", true},
+    {"kernels=gpu", "kernels for GPUs", false},
+    {"kernels=cpu,staging=65536", "kernels for CPUs, parts of 64 KiB", false},
+    {"kernels=gpu,staging=65536", "kernels for GPUs, parts of 64 KiB", true},
+};
+
 typedef struct device_visit {
+    plan_tier tier;
     subject_list *list;
     ost_error *err;
     ost_status status;
     subject *named; /* the one whose device is looked for; NULL: all are added */
 } device_visit;
+
+/* reason: "" when it can run. */
+static void add_way(device_visit *v, const ost_device_info *device, const char *spec, const char *what, const char *reason)
+{
+    subject *s = v->status == OST_OK ? add(v->list, spec, what, v->err) : NULL;
+    if (!s) {
+        v->status = OST_ERR_MEMORY;
+        return;
+    }
+    s->available = !*reason;
+    snprintf(s->device, sizeof s->device, "%s", device->spec);
+    snprintf(s->reason, sizeof s->reason, "%.300s", reason);
+    v->list->opencl |= s->available;
+}
 
 static void add_device(const ost_device_info *device, void *user)
 {
@@ -85,17 +111,20 @@ static void add_device(const ost_device_info *device, void *user)
             memcpy(v->named->what, what, sizeof what);
         return;
     }
-    subject *s = v->status == OST_OK ? add(v->list, device->spec, what, v->err) : NULL;
-    if (!s) {
-        v->status = OST_ERR_MEMORY;
-        return;
+    if (!device->available)
+        add_way(v, device, device->spec, what, device->reason ? device->reason : "");
+    for (size_t i = 0; device->available && i < sizeof cl_ways / sizeof cl_ways[0]; i++) {
+        char spec[SUBJECT_SPEC], how[SUBJECT_REASON];
+        ost_backend *backend = NULL;
+        ost_error why = {0};
+        if (v->tier == PLAN_SMOKE && !cl_ways[i].smoke)
+            continue;
+        snprintf(spec, sizeof spec, "%.100s,%s", device->spec, cl_ways[i].options);
+        snprintf(how, sizeof how, "%.270s; %s", what, cl_ways[i].what);
+        ost_backend_open(spec, &backend, &why);
+        ost_backend_close(backend);
+        add_way(v, device, spec, how, why.text);
     }
-    s->available = device->available;
-    snprintf(s->device, sizeof s->device, "%s", device->spec);
-    if (device->available)
-        v->list->opencl = true;
-    else
-        snprintf(s->reason, sizeof s->reason, "%.300s", device->reason ? device->reason : "");
 }
 
 /* A user's words, as "cl:platform=portable", may mean any device; a report names the one that it was. */
@@ -114,7 +143,7 @@ static ost_status name_device(int platform, int device, subject *s, ost_error *e
     return OST_OK;
 }
 
-static ost_status add_cl(subject_list *list, ost_error *err)
+static ost_status add_cl(plan_tier tier, subject_list *list, ost_error *err)
 {
     for (int i = 0; i < ost_backend_count(); i++) {
         ost_backend_info info;
@@ -125,7 +154,7 @@ static ost_status add_cl(subject_list *list, ost_error *err)
             continue;
         snprintf(list->no_opencl, sizeof list->no_opencl, "%s", info.available ? "no device is usable" : info.reason);
         if (info.available) {
-            device_visit v = {.list = list, .err = err};
+            device_visit v = {.tier = tier, .list = list, .err = err};
             status = ost_backend_devices(i, add_device, &v, err);
             if (status == OST_OK)
                 status = v.status;
@@ -169,7 +198,7 @@ static ost_status add_wanted(plan_tier tier, const char *spec, subject_list *lis
     if (strcmp(spec, "cpu") == 0)
         return add_cpu(tier, list, err);
     if (strcmp(spec, "cl") == 0)
-        return add_cl(list, err);
+        return add_cl(tier, list, err);
     if (strcmp(spec, "ref") == 0)
         return OST_OK;
     if (strcmp(spec, SUBJECT_DENSE) == 0)
@@ -209,7 +238,7 @@ ost_status subjects_find(plan_tier tier, const char *wanted, subject_list *out, 
         if (status == OST_OK)
             status = add_cpu(tier, out, err);
         if (status == OST_OK)
-            status = add_cl(out, err);
+            status = add_cl(tier, out, err);
     }
     for (const char *at = wanted; at && *at && status == OST_OK;) {
         const size_t length = strcspn(at, ";");

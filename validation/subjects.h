@@ -7,7 +7,8 @@
  *         that share the smallest work (grain=1; smoke: one of the three, all
  *         of them among the sets); the best set with 3 threads and the
  *         thresholds of every day; the voxelizer by Embree where it was built in
- *   cl    each device that is not refused
+ *   cl    each device that is not refused, with both sets of kernels, and with
+ *         large data in parts (smoke: the set for GPUs in parts, the other not)
  *   plugin:FILE.so   somebody else's, when it is named; tried in a process of
  *                    its own first, as its code may do anything
  *   dump:DIR         what another program dumped, when it is named

@@ -1,0 +1,48 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# osteon validate runs both sets of kernels on an OpenCL device, equal to the
+# reference, and says for each which kernels and paths no case entered.
+# Covers: REQ-CL-SETS, REQ-VAL-PATHS
+. "${srcdir:-.}/tests/app/lib.sh"
+
+skip() {
+    echo "skipped: $*"
+    exit 77
+}
+grep -q '^#define HAVE_OPENCL 1' "$build/config.h" || skip "built without OpenCL"
+mkdir -p "$build/tests/cl/cache"
+export XDG_CACHE_HOME="$build/tests/cl/cache"
+"$osteon" devices >devices 2>/dev/null
+device=$(sed -n 's/^  \(cl:platform=[0-9]*,device=[0-9]*\)  *yes.*/\1/p' devices | head -n 1)
+[ -n "$device" ] || skip "no OpenCL device can be used here"
+
+# A device that ends long loops refuses the set for CPUs; its own set is compared all the same.
+sets=gpu
+"$osteon" voxelize builtin:peg --backend "$device,kernels=cpu" --voxel 1 --out peg.nrrd >/dev/null 2>why && sets="cpu gpu"
+[ "$sets" != gpu ] || grep -q 'too early for kernels=cpu' why || fail "kernels=cpu: $(cat why)"
+
+specs=
+for set in $sets; do specs="$specs;$device,kernels=$set"; done
+run 0 validate --backends "${specs#;}" --only import/1 --out bundle --json && mv out json
+run 0 validate --backends "${specs#;}" --only import/1
+python=$(command -v python3) || skip "no python3"
+"$python" - "$device" $sets >problems <<'END'
+import json, sys
+device, sets = sys.argv[1], sys.argv[2:]
+said = {b["name"]: b for b in json.load(open("json"))["backends"]}
+stored = json.load(open("bundle/environment.json"))["paths"]
+shown = open("out").read()
+own = {"cpu": ("kernel ost_chunk_scan_layers", "kernel ost_remove_blocks"), "gpu": ("kernel ost_chunk_scan", "kernel ost_remove")}
+for name in sets:
+    b = said["%s,kernels=%s" % (device, name)]
+    other = "gpu" if name == "cpu" else "cpu"
+    both = set(b["entered"]) | set(b["not_entered"])
+    if b["equal"] != 1: print("equal", b)
+    if own[name][0] not in b["entered"]: print("an import scans chunks", name, b["entered"])
+    if own[name][1] not in b["not_entered"]: print("an import removes nothing", name, b["not_entered"])
+    if both & set(own[other]): print("a kernel of the other set", name)
+    if stored[b["name"]] != {"entered": b["entered"], "not_entered": b["not_entered"]}: print("the bundle differs", name)
+    if "not entered: " + ", ".join(b["not_entered"])[:200] not in shown: print("the line", name)
+END
+check "sets and paths" "$(cat problems)" ""
+finish
