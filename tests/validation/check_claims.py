@@ -327,10 +327,13 @@ def _(c, b, m):
     raise Unheld("%s: no backend of cases.jsonl" % b)
 
 
-@rule("", "li", r"Would a mistake have been noticed\? ([\d,]+) of ([\d,]+) mistakes made on purpose were, with ([\d,]+) false alarms? \(sensitivity\.json\)\.")
+@rule("", "li", r"Would the comparison have noticed a mistake\? ([\d,]+) of ([\d,]+) mistakes, made on purpose in a second implementation and in no backend, were noticed; "
+                r"of (\d+) kinds (\d+) changed nothing in this tier; ([\d,]+) false alarms? \(sensitivity\.json\)\.")
 def _(c, b, m):
     s = c.file(b, "sensitivity.json")
-    return expect(s["detected"], s["changed"], s["false_alarms"])
+    silent = [k["name"] for k in s["kinds"] if not k["changed"]]
+    same(b, s["kinds_silent"], silent)
+    return expect(s["detected"], s["changed"]) + [str(len(s["kinds"])), str(len(silent))] + expect(s["false_alarms"])
 
 
 @rule("", "li", r"Could all be wrong alike\? ([\d,]+) of ([\d,]+) checks against what is known by hand, by formula and by law came out right \(common\.json\)\.")
@@ -490,7 +493,7 @@ def what_of(r):
         text = "reported: %s is %d where the reference has %d" % (r["word"], r["got"], r["reference"])
         if "chunk" in r:
             text += "; of chunk (%d, %d, %d) first" % tuple(r["chunk"])
-    return text + (" Looks like %s: %s" % (r["class"], r["class_text"]) if "class" in r else "")
+    return text + (" Looks like %s: %s%s" % (r["class"], r["class_text"], "; " + r["class_hint"] if r["class_hint"] else "") if "class" in r else "")
 
 
 @rule("Differences", "tr", r"")
@@ -616,11 +619,11 @@ def _(c, b, m):
     return [commas(n) if n else None for n in (other, far, total["unmeasured"])] + ["only rounding at borders" if only else None]
 
 
-SENSITIVITY = "Would a mistake have been noticed?"
+SENSITIVITY = "Would the comparison have noticed a mistake?"
 COUNTS = ["injected", "changed", "detected", "localized", "survived"]
 
 
-@rule(SENSITIVITY, "p", r"A second implementation was run with deliberate mistakes at random places, and compared in the same way\. ([\d,]+) of the ([\d,]+) mistakes that changed a result were noticed and "
+@rule(SENSITIVITY, "p", r"A second implementation \(validation/dense\), no backend, was run with deliberate mistakes at random places, and compared in the same way\. ([\d,]+) of the ([\d,]+) mistakes that changed a result were noticed and "
                         r"([\d,]+) located; ([\d,]+) false alarms in ([\d,]+) runs without a mistake\. (.*)")
 def _(c, b, m):
     s = c.file(b, "sensitivity.json")

@@ -49,6 +49,7 @@ ost_status faults_json(const sensitivity *s, json_t **out, ost_error *err)
     }
     *out = counts_json(&s->all);
     json_object_set_new(*out, "kinds", kinds);
+    json_object_set_new(*out, "kinds_total", json_integer(DEVIATION_KINDS - 1));
     json_object_set_new(*out, "kinds_changed", json_integer(s->kinds_changed));
     json_object_set_new(*out, "kinds_noticed", json_integer(s->kinds_noticed));
     json_object_set_new(*out, "kinds_silent", silent);

@@ -21,7 +21,7 @@ void faults_statement(const sensitivity *s, char out[FAULTS_STATEMENT]);
 
 /*
  * {injected, triggered, changed, detected, localized, survived, false_alarms, clean_runs, proved, statement, mistakes_in,
- *  kinds_changed, kinds_noticed, kinds_silent[], kinds[]}; the caller's reference.
+ *  kinds_total, kinds_changed, kinds_noticed, kinds_silent[], kinds[]}; the caller's reference.
  */
 ost_status faults_json(const sensitivity *s, json_t **out, ost_error *err);
 

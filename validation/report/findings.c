@@ -67,6 +67,8 @@ static void row(const page *p, int number, const json_t *one, const json_t *back
         page_text(p, evidence_text(r, "class"));
         fputs("</b>: ", p->to);
         page_text(p, evidence_text(r, "class_text"));
+        fputs(*evidence_text(r, "class_hint") ? "; " : "", p->to);
+        page_text(p, evidence_text(r, "class_hint"));
     }
     fputs("</td></tr>\n", p->to);
 }
@@ -309,7 +311,7 @@ void section_sensitivity(const page *p)
     json_t *o = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, NULL);
     const json_t *kinds = json_object_get(o, "kinds");
     free(bytes);
-    fputs("<h2>Would a mistake have been noticed?</h2>\n<p>A second implementation was run with deliberate mistakes at random places, and compared in the same way. ", p->to);
+    fputs("<h2>Would the comparison have noticed a mistake?</h2>\n<p>A second implementation (validation/dense), no backend, was run with deliberate mistakes at random places, and compared in the same way. ", p->to);
     page_count(p, integer(o, "detected"));
     fputs(" of the ", p->to);
     page_count(p, integer(o, "changed"));

@@ -116,15 +116,19 @@ static json_int_t number_in(const page *p, const char *file, const char *key)
 /* The answers to the next three questions, each with the place of its file. */
 static void in_short(const page *p)
 {
+    const json_int_t kinds = number_in(p, "sensitivity.json", "kinds_total"), kinds_changed = number_in(p, "sensitivity.json", "kinds_changed");
     const json_int_t changed = number_in(p, "sensitivity.json", "changed"), detected = number_in(p, "sensitivity.json", "detected"),
                      alarms = number_in(p, "sensitivity.json", "false_alarms"), passed = number_in(p, COMMON_FILE, "passed"), failed = number_in(p, COMMON_FILE, "failed");
     fputs("<ul>\n", p->to);
     if (changed > 0) {
-        fputs("<li>Would a mistake have been noticed? ", p->to);
+        fputs("<li>Would the comparison have noticed a mistake? ", p->to);
         page_count(p, detected);
         fputs(" of ", p->to);
         page_count(p, changed);
-        fputs(" mistakes made on purpose were, with ", p->to);
+        fputs(" mistakes, made on purpose in a second implementation and in no backend, were noticed", p->to);
+        if (kinds >= 0)
+            fprintf(p->to, "; of %lld kinds %lld changed nothing in this tier", (long long)kinds, (long long)(kinds - kinds_changed));
+        fputs("; ", p->to);
         page_many(p, alarms > 0 ? (size_t)alarms : 0, "false alarm");
         fputs(" (", p->to);
         page_link(p, "sensitivity.json");
