@@ -3,12 +3,14 @@
 
 #include <errno.h>
 #include <sched.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "validation/bundle/digests.h"
 #include "validation/dump.h"
 #include "validation/scratch.h"
 #include "validation/user_store.h"
@@ -141,12 +143,42 @@ static bool choose(runner *r, int *number, int *whom)
 
 /* ------------------------------------------------------- what a worker left */
 
-/* Judges cases [from, until) of a backend's trace, as many as it has whole. */
-static int judge(runner *r, const batch *b, int whom, const trace *got, int from, int until, bool *differs)
+/* Keeps the digest of what a backend made of case i, computed from its own trace, and the lines where they differ from the reference's. */
+static ost_status keep_digests(runner *r, int i, int whom, const trace *got, ost_error *err)
 {
-    const int judged = verdict_judge(r->c, &b->reference, whom, got, from, until, differs);
-    r->finished += judged;
-    return judged;
+    case_result *one = verdict_of(r->c, i, whom);
+    const ost_status status = digests_of_case(got, compare_find(got, (uint32_t)i), &one->lines, &one->made, err);
+    if (status != OST_OK)
+        return status;
+    one->has_made = true;
+    if (r->c->lines[i] && strcmp(one->lines, r->c->lines[i]) == 0) {
+        free(one->lines);
+        one->lines = NULL;
+    }
+    return OST_OK;
+}
+
+/* Takes the times of the cases from `from` on, which the last record but one of a complete trace has. */
+static void keep_seconds(const runner *r, int whom, const trace *got, int from)
+{
+    uint64_t count;
+    const uint8_t *words;
+    const trace_record *times = got->whole && got->count > 1 ? &got->records[got->count - 2] : NULL;
+    if (!times || times->stage != TRACE_END || times->item != TRACE_TIMES || !trace_words(times, &count, &words))
+        return;
+    for (uint64_t k = 0; k < count && from + (int)k < r->c->plan->count; k++)
+        verdict_of(r->c, from + (int)k, whom)->seconds = 1e-6 * (double)trace_word_at(words, k);
+}
+
+/* Judges cases [from, until) of a backend's trace; *judged receives how many of them it has complete. */
+static ost_status judge(runner *r, const batch *b, int whom, const trace *got, int from, int until, int *judged, bool *differs, ost_error *err)
+{
+    ost_status status = OST_OK;
+    *judged = verdict_judge(r->c, &b->reference, whom, got, from, until, differs);
+    r->finished += *judged;
+    for (int i = from; i < from + *judged && status == OST_OK; i++)
+        status = keep_digests(r, i, whom, got, err);
+    return status;
 }
 
 /* The rest of a backend's cases in a batch, once it is known to do no more. */
@@ -161,16 +193,22 @@ static ost_status reference_ended(runner *r, batch *b, trace *got, const worker_
 {
     campaign *c = r->c;
     size_t at = 0;
+    ost_status status = OST_OK;
     if (end->end != WORKER_DONE)
         return ost_fail(err, OST_ERR_INTERNAL, "the reference did not finish: %s",
                         end->end == WORKER_LATE ? "it took too long; --limit gives more time" : end->text[0] ? end->text : "it ended without a word");
     if (!got->whole)
         return ost_fail(err, OST_ERR_INTERNAL, "the reference's trace is not whole");
+    keep_seconds(r, 0, got, b->first);
     b->reference = *got;
     *got = (trace){0};
     b->ready = true;
-    for (int i = b->first; i < b->end; i++)
+    for (int i = b->first; i < b->end && status == OST_OK; i++) {
+        case_result *one = verdict_of(c, i, 0);
         c->ranges[i] = compare_next(&b->reference, &at, (uint32_t)i);
+        status = digests_of_case(&b->reference, c->ranges[i], &c->lines[i], &one->made, err);
+        one->has_made = status == OST_OK;
+    }
     for (size_t i = 0; i < b->reference.count; i++) {
         c->stage_records[b->reference.records[i].stage]++;
         if (b->reference.records[i].stage == TRACE_FAILED) {
@@ -183,7 +221,7 @@ static ost_status reference_ended(runner *r, batch *b, trace *got, const worker_
             give_up(r, b, s);
     b->tasks[0].from = b->end;
     r->finished += b->end - b->first;
-    return OST_OK;
+    return status;
 }
 
 static ost_status keep_trace(batch *b, int whom, int from, int judged, trace *got, ost_error *err)
@@ -201,7 +239,12 @@ static ost_status subject_ended(runner *r, batch *b, int whom, trace *got, const
 {
     task *t = &b->tasks[whom];
     bool differs;
-    const int from = t->from, judged = judge(r, b, whom, got, from, b->end, &differs);
+    int judged;
+    const int from = t->from;
+    ost_status status = judge(r, b, whom, got, from, b->end, &judged, &differs, err);
+    if (status != OST_OK)
+        return status;
+    keep_seconds(r, whom, got, from);
     t->from += judged;
     if (differs && keep_trace(b, whom, from, judged, got, err) != OST_OK)
         return err->status;
@@ -237,10 +280,17 @@ static void count_bytes(runner *r)
         r->c->trace_bytes = bytes;
 }
 
-/* A worker that got no memory, descriptor or file computed nothing, so that nothing is said about its backend. */
+/*
+ * A worker that got no memory, descriptor or file computed nothing, so that nothing is said about its backend. Neither is it by
+ * SIGKILL: this program sends it to a worker that is late (WORKER_LATE), so another one came from outside, mostly from the
+ * kernel when memory runs out.
+ */
 static ost_status resources_left(const char *spec, const worker_result *end, ost_error *err)
 {
     enum { LOADER_FAILED = 127 }; /* exit status of a program whose libraries could not be opened */
+    if (end->end == WORKER_CRASHED && end->code == SIGKILL)
+        return ost_fail(err, OST_ERR_IO, "the worker of %s was ended from outside by SIGKILL, as the kernel does when memory runs out, so that nothing is said about %s; "
+                        "fewer --jobs need less memory", spec, spec);
     if (end->end != WORKER_FAILED || (end->code != WORKER_EXIT_RESOURCES && end->code != LOADER_FAILED))
         return OST_OK;
     return ost_fail(err, OST_ERR_IO, "%s was not compared, for lack of memory, descriptors or files: %s; fewer --jobs need less", spec, end->text);
@@ -336,8 +386,9 @@ static ost_status read_dump(runner *r, batch *b, int whom, ost_error *err)
     for (int i = b->first; i < b->end && status == OST_OK; i++) {
         case_result *one = verdict_of(c, i, whom);
         bool differs = false;
+        int judged;
         if (compared[i])
-            judge(r, b, whom, &got, i, i + 1, &differs);
+            status = judge(r, b, whom, &got, i, i + 1, &judged, &differs, err);
         else {
             one->verdict = CASE_NOT_RUN;
             r->finished++;
@@ -423,8 +474,11 @@ static ost_status batch_end(runner *r, ost_error *err)
     show_differences(r, b);
     ost_status status = r->o->done ? r->o->done(r->o->done_keeper, c, b->first, b->end - b->first, err) : OST_OK;
     c->reference = (trace){0};
-    for (int i = b->first; i < b->end; i++)
+    for (int i = b->first; i < b->end; i++) {
         c->ranges[i] = (compare_range){0, 0};
+        free(c->lines[i]);
+        c->lines[i] = NULL;
+    }
     batch_free(b);
     r->done++;
     return status;
@@ -487,17 +541,18 @@ ost_status campaign_run(const plan *p, const subject_list *subjects, const campa
 {
     const size_t count = (size_t)subjects->count, cells = (size_t)p->count * count;
     runner r = {.c = out, .o = o};
-    *out = (campaign){.plan = p, .subjects = subjects, .jobs = o->jobs ? o->jobs : campaign_cores()};
+    *out = (campaign){.plan = p, .subjects = subjects, .begun = time(NULL), .jobs = o->jobs ? o->jobs : campaign_cores()};
     out->jobs = out->jobs < WORKERS_MAX ? out->jobs : WORKERS_MAX;
     out->results = calloc(cells ? cells : 1, sizeof *out->results);
     out->ranges = calloc((size_t)p->count + 1, sizeof *out->ranges);
+    out->lines = calloc((size_t)p->count + 1, sizeof *out->lines);
     out->seconds = calloc(count, sizeof *out->seconds);
     out->paths = calloc(count, sizeof *out->paths);
     r.ends = calloc((size_t)p->count + 1, sizeof *r.ends);
     r.gone = calloc(count, sizeof *r.gone);
     r.last_words = calloc(count, sizeof *r.last_words);
     ost_status status = OST_OK;
-    if (!out->results || !out->ranges || !out->seconds || !out->paths || !r.ends || !r.gone || !r.last_words)
+    if (!out->results || !out->ranges || !out->lines || !out->seconds || !out->paths || !r.ends || !r.gone || !r.last_words)
         status = ost_fail(err, OST_ERR_MEMORY, "no memory for %zu results", cells);
     if (status == OST_OK)
         status = know_dumps(out, err);
@@ -532,7 +587,11 @@ void campaign_free(campaign *c)
     for (int i = 0; c->results && i < c->plan->count * c->subjects->count; i++) {
         free(c->results[i].found);
         free(c->results[i].margins);
+        free(c->results[i].lines);
     }
+    for (int i = 0; c->lines && i < c->plan->count; i++)
+        free(c->lines[i]);
+    free(c->lines);
     free(c->results);
     free(c->ranges);
     for (int s = 0; c->paths && s < c->subjects->count; s++)

@@ -18,6 +18,10 @@
 #ifndef OST_VALIDATION_CAMPAIGN_H
 #define OST_VALIDATION_CAMPAIGN_H
 
+#include <time.h>
+
+#include <osteon/digest.h>
+
 #include "validation/locate/finding.h"
 #include "validation/margin.h"
 #include "validation/paths.h"
@@ -29,7 +33,7 @@ typedef enum case_verdict {
     CASE_EQUAL,
     CASE_DIFFERS,
     CASE_FAILED,  /* a stage failed on this backend and not on the reference: the line is in text */
-    CASE_CRASHED,
+    CASE_CRASHED, /* ended by a signal other than SIGKILL, which comes from outside and ends the campaign */
     CASE_LATE,
     CASE_NOT_RUN, /* the backend is not available here */
     CASE_VERDICTS
@@ -43,6 +47,10 @@ typedef struct case_result {
     margins *margins;              /* owned; of CASE_DIFFERS; NULL: not measured */
     finding *found;                /* owned; of CASE_DIFFERS; NULL: nothing more is known */
     char text[200];
+    ost_digest made; /* SHA-256 of the lines of what this backend made (digests_of_case); where has_made */
+    bool has_made;   /* its trace has the case: the verdict is equal, differs or failed */
+    double seconds;  /* that the backend took, its input's making included; 0: not measured */
+    char *lines;     /* owned; those lines; NULL: they are the reference's, or has_made is false */
 } case_result;
 
 struct campaign;
@@ -66,8 +74,10 @@ typedef struct campaign {
     const subject_list *subjects;
     case_result *results; /* owned; [case * subjects + subject]; the reference's say whether it ran */
     trace reference;       /* of the batch that is judged; empty outside of differs and done */
+    char **lines;          /* owned; of each case in it, the reference's lines (digests_of_case); else NULL */
     compare_range *ranges; /* owned; of each case in it, count 0 where it is not in this batch */
     path_list *paths;      /* owned; of each subject: what its workers entered, but for those that ended before their time */
+    time_t begun;
     double *seconds;       /* owned; of each subject: that its workers ran, beside others */
     int jobs;              /* workers at a time */
     uint64_t trace_bytes;  /* most that lay on the disk at a time */

@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "validation/subjects.h"
 
-#include <errno.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "config.h"
 
@@ -34,16 +32,16 @@ static ost_status add_dense(subject_list *list, ost_error *err)
     return add(list, SUBJECT_DENSE, "a second implementation, with its own sweep, map, poses and snapping", err) ? OST_OK : OST_ERR_MEMORY;
 }
 
-static ost_status add_cpu(plan_tier tier, subject_list *list, ost_error *err)
+ost_status subjects_cpu(plan_tier tier, const bool here[], subject_list *list, ost_error *err)
 {
     static const int threads[] = {1, 2, 3, 7};
     bool taken[4] = {false};
     int left = 0;
     char spec[SUBJECT_SPEC], what[SUBJECT_REASON];
     for (int i = 0; i < OST_ISA_COUNT; i++)
-        left += ost_isa_available((ost_isa)i);
+        left += here[i];
     for (int i = 0, turn = 1; i < OST_ISA_COUNT; i++) {
-        if (!ost_isa_available((ost_isa)i))
+        if (!here[i])
             continue;
         left--;
         for (int t = 0; t < 4; t++) {
@@ -67,6 +65,19 @@ static ost_status add_cpu(plan_tier tier, subject_list *list, ost_error *err)
     return OST_OK;
 }
 
+const char *subjects_isa(int isa)
+{
+    return isa < OST_ISA_COUNT ? ost_isa_name((ost_isa)isa) : NULL;
+}
+
+static ost_status add_cpu(plan_tier tier, subject_list *list, ost_error *err)
+{
+    bool here[OST_ISA_COUNT];
+    for (int i = 0; i < OST_ISA_COUNT; i++)
+        here[i] = ost_isa_available((ost_isa)i);
+    return subjects_cpu(tier, here, list, err);
+}
+
 /* How each OpenCL device is run: with both sets of kernels, and with large data in parts (staging). */
 static const struct {
     const char *options, *what;
@@ -77,6 +88,14 @@ static const struct {
     {"kernels=cpu,staging=65536", "kernels for CPUs, parts of 64 KiB", false},
     {"kernels=gpu,staging=65536", "kernels for GPUs, parts of 64 KiB", true},
 };
+
+const char *subjects_cl_options(plan_tier tier, int n)
+{
+    for (size_t i = 0; i < sizeof cl_ways / sizeof cl_ways[0]; i++)
+        if ((tier != PLAN_SMOKE || cl_ways[i].smoke) && n-- == 0)
+            return cl_ways[i].options;
+    return NULL;
+}
 
 typedef struct device_visit {
     plan_tier tier;
@@ -168,17 +187,16 @@ static ost_status add_cl(plan_tier tier, subject_list *list, ost_error *err)
 static ost_status try_apart(const char *spec, ost_error *err)
 {
     char program[1024];
-    const ssize_t n = readlink("/proc/self/exe", program, sizeof program - 1);
-    if (n < 0)
-        return ost_fail(err, OST_ERR_IO, "/proc/self/exe: %s", strerror(errno));
-    program[n] = '\0';
+    ost_status status = worker_program(program, sizeof program, err);
+    if (status != OST_OK)
+        return status;
     const char *const words[] = {program, "validate", "--worker", spec, "--trace", "/dev/null", "--from", "1000000", NULL};
     char *argv[sizeof words / sizeof words[0]];
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
         argv[i] = (char *)(uintptr_t)words[i];
     worker w;
     worker_result end;
-    ost_status status = worker_start(argv, -1, -1, 60, &w, err);
+    status = worker_start(argv, -1, -1, 60, &w, err);
     if (status == OST_OK)
         status = worker_wait(&w, &end, err);
     if (status != OST_OK || end.end == WORKER_DONE)

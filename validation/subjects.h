@@ -45,4 +45,11 @@ typedef struct subject_list {
 ost_status subjects_find(plan_tier tier, const char *wanted, subject_list *out, ost_error *err);
 void subjects_free(subject_list *list);
 
+/* The instruction sets of the backend cpu; NULL behind the last. */
+const char *subjects_isa(int isa);
+/* Adds the backends cpu of a processor that has the instruction sets `here`, as subjects_find lists them. */
+ost_status subjects_cpu(plan_tier tier, const bool here[], subject_list *list, ost_error *err);
+/* The options of the n-th backend of each usable OpenCL device in a tier, behind the device's name and a comma; NULL behind the last. */
+const char *subjects_cl_options(plan_tier tier, int n);
+
 #endif

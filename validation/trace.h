@@ -37,9 +37,11 @@ typedef enum trace_stage {
     TRACE_TICK,
     TRACE_FINAL,
     TRACE_FAILED,  /* words: the status; a block of bytes: the line; the case ended there */
-    TRACE_END,     /* the list was worked off */
+    TRACE_END,     /* the list was worked off: paths.h says what it has; before it one of item TRACE_TIMES */
     TRACE_STAGES
 } trace_stage;
+
+enum { TRACE_TIMES = 1 }; /* item of an end record whose words are the microseconds of each case of the list */
 
 const char *trace_stage_name(trace_stage stage);
 /* How many words a report has before its chunks' lines, the last of them the number of lines; 0: the stage has none. */

@@ -22,15 +22,25 @@
 
 extern char **environ;
 
+static double now_s(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
 ost_status worker_run(const plan *p, int from, int to, const char *spec, const char *trace_path, const char *given, ost_error *err)
 {
     ost_backend *backend = NULL;
     trace_writer *w = NULL;
     trace reference = {0};
     to = to < p->count ? to : p->count;
+    double *seconds = calloc((size_t)(to > from ? to - from : 0) + 1, sizeof *seconds);
     prctl(PR_SET_PDEATHSIG, SIGKILL); /* a parent that is killed takes it along */
     const bool second = strcmp(spec, SUBJECT_DENSE) == 0;
-    ost_status status = second ? dense_open(NULL, &backend, err) : ost_backend_open(spec, &backend, err);
+    ost_status status = seconds ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for the times of %d cases", to - from);
+    if (status == OST_OK)
+        status = second ? dense_open(NULL, &backend, err) : ost_backend_open(spec, &backend, err);
     if (status == OST_OK && given)
         status = trace_open(given, &reference, err);
     if (status == OST_OK)
@@ -38,6 +48,7 @@ ost_status worker_run(const plan *p, int from, int to, const char *spec, const c
     for (int i = from; i < to && status == OST_OK; i++) {
         scene s;
         ost_error why = {0};
+        const double begun = now_s();
         status = scene_make(&p->cases[i], &s, err);
         if (status != OST_OK)
             break;
@@ -47,6 +58,7 @@ ost_status worker_run(const plan *p, int from, int to, const char *spec, const c
                      : second ? perform_second(backend, &s, (uint32_t)i, w, &why, err)
                      : perform(backend, &s, (uint32_t)i, w, NULL, NULL, &why, err);
         scene_free(&s);
+        seconds[i - from] = now_s() - begun;
         if (status == OST_OK && (why.status == OST_ERR_MEMORY || why.status == OST_ERR_IO))
             status = ost_fail(err, why.status, "%s on %s: %s", p->cases[i].id, spec, why.text);
         else if (why.status != OST_OK)
@@ -57,21 +69,30 @@ ost_status worker_run(const plan *p, int from, int to, const char *spec, const c
         }
     }
     if (w && status == OST_OK) {
+        trace_begin(w, TRACE_END, (uint32_t)to, TRACE_TIMES);
+        for (int i = from; i < to; i++)
+            trace_word(w, (uint64_t)(1e6 * seconds[i - from]));
+        status = trace_end(w, err);
+    }
+    if (w && status == OST_OK) {
         trace_begin(w, TRACE_END, (uint32_t)to, 0);
         paths_write(backend, w);
         status = trace_end(w, err);
     }
     ost_status closed = trace_close(w, err);
+    free(seconds);
     trace_free(&reference);
     ost_backend_close(backend);
     return status != OST_OK ? status : closed;
 }
 
-static double now_s(void)
+ost_status worker_program(char path[], size_t size, ost_error *err)
 {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+    const ssize_t n = readlink("/proc/self/exe", path, size - 1);
+    if (n < 0)
+        return ost_fail(err, OST_ERR_IO, "/proc/self/exe: %s", strerror(errno));
+    path[n] = '\0';
+    return OST_OK;
 }
 
 ost_status worker_start(char *const argv[], int trace_fd, int user_fd, double limit_s, worker *out, ost_error *err)

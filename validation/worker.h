@@ -50,6 +50,8 @@ enum { WORKER_EXIT_RESOURCES = 4 };
 enum { WORKERS_MAX = 128 }; /* waited for together */
 enum { WORKER_TRACE = 3, WORKER_USER = 4 }; /* the worker's descriptors of its trace and of the user's own cases (user_store.h) */
 
+/* This program's own file, for argv[0]. */
+ost_status worker_program(char path[], size_t size, ost_error *err);
 /* argv ends with NULL; argv[0] is the program's file. trace_fd, user_fd: descriptors that the worker has as those above, or -1. It is stopped after limit seconds. */
 ost_status worker_start(char *const argv[], int trace_fd, int user_fd, double limit_s, worker *out, ost_error *err);
 /* Waits until one of them ends; the others go on. */

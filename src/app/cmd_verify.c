@@ -12,8 +12,10 @@
 #include "app/user_files.h"
 #include "validation/bundle/check.h"
 #include "validation/bundle/sign.h"
+#include "validation/worker.h"
 
 #define PROTOCOL "protocol.json"
+enum { LIMIT_S = 36000 }; /* of each backend that --rerun runs */
 
 typedef struct listing {
     const app_state *app;
@@ -44,21 +46,15 @@ static void show(void *user, const char *what, double share)
 /* The bundle's record of its user's own files; the caller's reference, NULL where there are none. */
 static ost_status record_of(const char *folder, json_t **out, ost_error *err)
 {
-    char *text;
-    size_t size;
-    ost_status status = bundle_read(folder, PROTOCOL, &text, &size, err);
-    *out = NULL;
-    if (status != OST_OK)
-        return status;
-    json_t *protocol = json_loadb(text, size, JSON_REJECT_DUPLICATES, NULL);
+    json_t *protocol;
+    const ost_status status = bundle_read_json(folder, PROTOCOL, &protocol, err);
     *out = json_incref(json_object_get(protocol, "user"));
     json_decref(protocol);
-    free(text);
-    return OST_OK;
+    return status;
 }
 
 /* The files first: nothing runs without them. */
-static ost_status rerun_all(app_state *app, const user_files *own, const char *folder, listing *l, int *found, ost_error *err)
+static ost_status rerun_all(app_state *app, const user_files *own, const char *backend, const char *folder, listing *l, int *found, ost_error *err)
 {
     json_t *record, *again = NULL;
     user_store *store = NULL;
@@ -72,9 +68,13 @@ static ost_status rerun_all(app_state *app, const user_files *own, const char *f
         ++*found;
     }
     const plan_user user = {.count = user_store_count(store), .store = store};
+    char program[BUNDLE_PATH];
+    if (status == OST_OK)
+        status = worker_program(program, sizeof program, err);
     if (status == OST_OK) {
+        const check_how how = {.program = program, .own = store ? &user : NULL, .backend = backend, .limit_s = LIMIT_S, .show = show};
         progress_begin(app);
-        status = check_again(folder, store ? &user : NULL, list_problem, l, found, show, NULL, err);
+        status = check_again(folder, &how, list_problem, l, found, err);
         progress_clear();
     }
     user_store_free(store);
@@ -140,6 +140,7 @@ ost_status cmd_verify(app_state *app, int argc, char **argv, ost_error *err)
 {
     const char *folder = NULL;
     const operand operands[] = {{"BUNDLE", &folder, "which bundle?"}, {NULL, NULL, NULL}};
+    const char *const by_default = app->backend;
     bool rerun = false;
     user_files own = USER_FILES_DEFAULT;
     signature_args signatures = {.authority = NULL};
@@ -152,18 +153,24 @@ ost_status cmd_verify(app_state *app, int argc, char **argv, ost_error *err)
         USER_FILES(own, "for --rerun: a CT that the bundle's cases user/1 and on were made of; may repeat", "a mesh of them; may repeat", "a path of them; may repeat"),
         {.name = NULL}};
     const usage_text usage = {
-        .synopsis = "BUNDLE [--trust KEYS] [--rerun] [options]",
-        .about = "Checks a bundle that osteon validate wrote: that every file is the one in the\n"
-                 "manifest and none is more or less; the log's chain; that the protocol was frozen\n"
-                 "first; and that what follows from other files (results, tables, traced requirements,\n"
-                 "bill of materials, report.html) does follow, by making it again. What was measured\n"
-                 "(machine, times, devices, libraries, sensitivity, pictures) the manifest alone holds,\n"
-                 "and the manifest the signatures that osteon sign wrote: with --trust each must be by\n"
-                 "one of these keys, and there must be one; without, signatures are not verified.\n"
-                 "Needs no network and no device. Cases of somebody's own files are made again from\n"
-                 "those files, which are known by their SHA-256 in whatever order they are given.\n"
-                 "Exit status 1: the bundle is not what was written.  2: a file is missing or cannot\n"
-                 "be read, so that there is no verdict.",
+        .synopsis = "BUNDLE [--trust KEYS] [--rerun [--backend BACKEND]] [options]",
+        .about = "Checks a bundle that osteon validate wrote, without network, device or the\n"
+                 "machine that wrote it:\n"
+                 "  files      each is the one in the manifest, none is more or less, none is a\n"
+                 "             link, a pipe or too large; the log's chain and lines\n"
+                 "  plan       protocol and cases are what tier, seed and options give\n"
+                 "  verdicts   each follows from the digests of what the reference and the\n"
+                 "             backend made\n"
+                 "  derived    results, tables, requirements, bill of materials and report\n"
+                 "             follow from the other files\n"
+                 "  digests    with --rerun: the cases are made again here, on the reference and\n"
+                 "             on the backend of --backend, when it is given\n"
+                 "  signatures with --trust: each (osteon sign) is by one of these keys, and there\n"
+                 "             is one; without, signatures are not verified\n"
+                 "Cases of somebody's own files are made again from those files, known by their\n"
+                 "SHA-256 in whatever order given.\n"
+                 "Exit status 1: the bundle is not what was written.  2: a file is missing or\n"
+                 "cannot be read, so that there is no verdict.",
         .operands = operands,
         .options = options,
         .example = "  osteon validate --out bundle\n  osteon verify bundle --rerun\n  osteon verify bundle --trust reviewers.pem",
@@ -174,10 +181,13 @@ ost_status cmd_verify(app_state *app, int argc, char **argv, ost_error *err)
     int found = 0;
     if (!options_parse(app, &usage, argc, argv, &status, err))
         return status;
+    const char *const backend = app->backend != by_default ? app->backend : NULL;
     if (!rerun && user_files_given(&own))
         return usage_error(app, err, "--ct, --tool and --path are for --rerun");
     if (signatures.authority && !signatures.trust.count)
         return usage_error(app, err, "--timestamp-ca is for --trust");
+    if (!rerun && backend)
+        return usage_error(app, err, "--backend is for --rerun");
     if (stat(folder, &info) != 0 || !S_ISDIR(info.st_mode))
         return ost_fail(err, OST_ERR_INPUT, "%s: no folder; a bundle is one", folder);
     listing l = {.app = app, .problems = json_array()};
@@ -185,7 +195,7 @@ ost_status cmd_verify(app_state *app, int argc, char **argv, ost_error *err)
     if (status == OST_OK)
         status = check_signatures(app, &signatures, folder, &l, &found, err);
     if (status == OST_OK && rerun && found == 0) {
-        status = rerun_all(app, &own, folder, &l, &found, err);
+        status = rerun_all(app, &own, backend, folder, &l, &found, err);
     }
     put(app->result, "problems", l.problems);
     if (status != OST_OK) {
@@ -193,12 +203,14 @@ ost_status cmd_verify(app_state *app, int argc, char **argv, ost_error *err)
         return status;
     }
     put_bool(app->result, "rerun", rerun);
+    if (backend)
+        put_text(app->result, "rerun_on", backend);
     put_bool(app->result, "valid", found == 0);
     put_text(app->result, "bundle", folder);
     if (summary)
         json_object_update_missing(app->result, summary);
     if (found == 0)
-        say(app, "%s: valid%s; it says %s, %lld case%s%s%s", folder, rerun ? ", and the reference gives the same here" : "", json_string_value(json_object_get(summary, "verdict")),
+        say(app, "%s: valid%s; it says %s, %lld case%s%s%s", folder, !rerun ? "" : backend ? ", and the reference and the backend give the same here" : ", and the reference gives the same here", json_string_value(json_object_get(summary, "verdict")),
             (long long)json_integer_value(json_object_get(summary, "cases")), json_integer_value(json_object_get(summary, "cases")) == 1 ? "" : "s",
             json_is_true(json_object_get(summary, "evidence")) ? "" : " (a reduced run: no evidence)", about_signatures(app, &signatures));
     json_decref(summary);

@@ -4,8 +4,10 @@
 
 #include "app/result.h"
 #include "app/say.h"
+#include "validation/bundle/environment.h"
 #include "validation/bundle/evidence.h"
 #include "validation/bundle/faults.h"
+#include "validation/bundle/log.h"
 #include "validation/bundle/merge.h"
 #include "validation/bundle/record.h"
 #include "validation/report/pictures.h"
@@ -25,25 +27,25 @@ ost_status validate_merge(app_state *app, const validate_args *args, ost_error *
     if (status == OST_OK)
         status = bundle_log(b, "merged", err, "%d shards of %s, their machines in environment.json", m.shards, args->merge);
     if (status == OST_OK)
-        status = bundle_log(b, "results", err, "%zu cases", json_array_size(m.cases));
-    if (status == OST_OK)
         status = evidence_write(m.protocol, m.cases, validate_into_bundle, b, err);
     if (status == OST_OK)
-        status = bundle_put_json(b, "environment.json", m.environment, err);
+        status = bundle_put_json(b, ENVIRONMENT_FILE, m.environment, err);
     if (status == OST_OK)
-        status = bundle_put_json(b, "times.json", m.times, err);
+        status = bundle_put_json(b, TIMES_FILE, m.times, err);
     if (status == OST_OK && m.faults)
         status = bundle_put_json(b, FAULTS_FILE, m.faults, err);
     if (status == OST_OK)
         status = record_merge(args->merge, validate_into_bundle, b, err);
     if (status == OST_OK)
-        status = record_derive(bundle_folder(b), m.cases, validate_into_bundle, b, err);
+        status = record_derive(bundle_folder(b), m.protocol, m.cases, validate_into_bundle, b, err);
     if (status == OST_OK)
         status = pictures_of_shards(args->merge, m.protocol, m.cases, validate_into_bundle, b, err);
     if (status == OST_OK)
         status = report_write(bundle_folder(b), m.protocol, m.cases, validate_into_bundle, b, err);
     if (status == OST_OK)
         status = evidence_summary(m.protocol, m.cases, &summary, err);
+    if (status == OST_OK)
+        status = log_end(b, summary, err);
     if (status == OST_OK) {
         status = bundle_end(b, err);
         b = NULL;

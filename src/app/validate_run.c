@@ -6,32 +6,21 @@
  */
 #include "app/validate.h"
 
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "app/progress.h"
 #include "app/result.h"
 #include "validation/bundle/environment.h"
 #include "validation/bundle/evidence.h"
 #include "validation/bundle/faults.h"
+#include "validation/bundle/log.h"
 #include "validation/bundle/record.h"
 #include "validation/bundle/reproduce.h"
 #include "validation/common/common.h"
 #include "validation/report/pictures.h"
 #include "validation/report/report.h"
 #include "validation/scratch.h"
-
-/* This program's own file, for workers. */
-static ost_status own_file(char path[], size_t size, ost_error *err)
-{
-    const ssize_t n = readlink("/proc/self/exe", path, size - 1);
-    if (n < 0)
-        return ost_fail(err, OST_ERR_IO, "/proc/self/exe: %s", strerror(errno));
-    path[n] = '\0';
-    return OST_OK;
-}
 
 static void show(void *user, const char *what, double share)
 {
@@ -88,43 +77,61 @@ ost_status validate_sign(app_state *app, const validate_args *args, ost_error *e
     return OST_OK;
 }
 
+/* {begun, seconds: {backend: of its workers}, cases: {case: {backend: seconds}}} */
+static json_t *times_of(const campaign *c)
+{
+    json_t *times = json_object(), *seconds = json_object(), *cases = json_object();
+    struct tm utc;
+    char begun[32];
+    gmtime_r(&c->begun, &utc);
+    strftime(begun, sizeof begun, "%Y-%m-%dT%H:%M:%SZ", &utc);
+    put_text(times, "begun", begun);
+    for (int s = 0; s < c->subjects->count; s++)
+        put_real(seconds, c->subjects->subjects[s].spec, c->seconds[s]);
+    for (int i = 0; i < c->plan->count; i++) {
+        json_t *one = json_object();
+        for (int s = 0; s < c->subjects->count; s++) {
+            const double took = c->results[(size_t)i * (size_t)c->subjects->count + (size_t)s].seconds;
+            if (took > 0)
+                put_real(one, c->subjects->subjects[s].spec, took);
+        }
+        put(cases, c->plan->cases[i].id, one);
+    }
+    put(times, "seconds", seconds);
+    put(times, "cases", cases);
+    return times;
+}
+
 static ost_status put_machine(bundle *b, const campaign *c, const char *program, ost_error *err)
 {
-    json_t *machine, *times = json_object();
-    for (int s = 0; s < c->subjects->count; s++)
-        put_real(times, c->subjects->subjects[s].spec, c->seconds[s]);
+    json_t *machine, *times = times_of(c);
     ost_status status = environment_of(program, &machine, err);
     if (status == OST_OK)
         put(machine, "paths", paths_of(c));
     if (status == OST_OK)
-        status = bundle_put_json(b, "environment.json", machine, err);
+        status = bundle_put_json(b, ENVIRONMENT_FILE, machine, err);
     if (status == OST_OK)
-        status = bundle_put_json(b, "times.json", times, err);
+        status = bundle_put_json(b, TIMES_FILE, times, err);
     json_decref(times);
     json_decref(machine);
     return status;
 }
 
 static ost_status put_evidence(bundle *b, const campaign *c, const json_t *protocol, const json_t *cases, const json_t *faults, const json_t *common,
-                               const char *program, ost_error *err)
+                               const json_t *summary, const char *program, ost_error *err)
 {
-    ost_status status = bundle_log(b, "results", err, "%d equal, %d differ, %d failed, %d crashed, %d timed out, %d not run", c->counts[CASE_EQUAL],
-                                   c->counts[CASE_DIFFERS], c->counts[CASE_FAILED], c->counts[CASE_CRASHED], c->counts[CASE_LATE], c->counts[CASE_NOT_RUN]);
-    if (status == OST_OK)
-        status = evidence_write(protocol, cases, validate_into_bundle, b, err);
+    ost_status status = evidence_write(protocol, cases, validate_into_bundle, b, err);
     if (status == OST_OK && faults)
         status = bundle_put_json(b, FAULTS_FILE, faults, err);
     if (status == OST_OK)
         status = record_put(program, c->subjects, common, validate_into_bundle, b, err);
     if (status == OST_OK)
-        status = record_derive(bundle_folder(b), cases, validate_into_bundle, b, err);
-    if (status == OST_OK)
         status = put_machine(b, c, program, err);
     if (status == OST_OK)
-        status = report_write(bundle_folder(b), protocol, cases, validate_into_bundle, b, err);
+        status = record_derive(bundle_folder(b), protocol, cases, validate_into_bundle, b, err);
     if (status == OST_OK)
-        status = bundle_log(b, "ended", err, "files written");
-    return status;
+        status = report_write(bundle_folder(b), protocol, cases, validate_into_bundle, b, err);
+    return status == OST_OK ? log_end(b, summary, err) : status;
 }
 
 /* Everything that must be freed, in one place. */
@@ -194,7 +201,7 @@ static ost_status run_all(job *j, const validate_args *args, const plan *p, ost_
 ost_status validate_run(app_state *app, const validate_args *args, const plan *p, json_t *from_file, ost_error *err)
 {
     job j = {.cases = json_array()};
-    ost_status status = own_file(j.program, sizeof j.program, err);
+    ost_status status = worker_program(j.program, sizeof j.program, err);
     if (status == OST_OK && args->out)
         status = bundle_begin(args->out, &j.b, err);
     if (status == OST_OK)
@@ -219,7 +226,7 @@ ost_status validate_run(app_state *app, const validate_args *args, const plan *p
     if (status == OST_OK)
         status = evidence_summary(j.protocol, j.cases, &j.summary, err);
     if (status == OST_OK && j.b)
-        status = put_evidence(j.b, &j.run, j.protocol, j.cases, j.faults, j.common, j.program, err);
+        status = put_evidence(j.b, &j.run, j.protocol, j.cases, j.faults, j.common, j.summary, j.program, err);
     if (status == OST_OK && j.b) {
         status = bundle_end(j.b, err);
         j.b = NULL;

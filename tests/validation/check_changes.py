@@ -27,7 +27,7 @@ import tempfile
 import time
 
 OSTEON = os.environ.get("OSTEON", os.path.join(os.getcwd(), "osteon"))
-VARYING = ["audit.log", "environment.json", "times.json"]
+VARYING = ["audit.log", "devices.json", "environment.json", "junit.xml", "manifest.json", "report.html", "sbom.spdx.json", "soup.csv", "times.json", "tools.json"]
 DERIVED = ["README.md", "results.json", "junit.xml", "results.tap", "inputs.csv", "anomalies.csv", "deviations.csv", "trace.csv",
            "sbom.spdx.json", "soup.csv", "report.html"]
 
@@ -171,7 +171,7 @@ class Changes:
         del lines[self.rng.randrange(len(lines) - 1)]  # not the last: a chain without its end is a chain
         self.log(f, lines)
         f["manifest.json"] = manifest(f)
-        return ["audit.log", "protocol.json"]
+        return ["audit.log"]
 
 
 def main():

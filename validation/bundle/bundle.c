@@ -13,17 +13,18 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "core/file.h"
 #include "io/outfile.h"
+#include "validation/bundle/folder.h"
+#include "validation/bundle/limits.h"
 #include "validation/bundle/manifest.h"
 #include "validation/leftover.h"
 
 enum { LOG_LINE = 1024 };
-#define LOG_FILE "audit.log"
 
 struct bundle {
     char out[BUNDLE_PATH], folder[BUNDLE_PATH];
     ost_digest last; /* of the log's last line */
+    time_t last_time; /* of that line: a clock that is set back puts no line before another */
     int lock;        /* the unfinished folder, locked while this process fills it; -1: not supported there */
 };
 
@@ -118,6 +119,9 @@ ost_status bundle_put(bundle *b, const char *name, const void *bytes, size_t siz
 {
     char path[BUNDLE_PATH];
     ost_outfile *file;
+    folder_about about;
+    if (!folder_describe(name, &about))
+        return ost_fail(err, OST_ERR_INTERNAL, "%s: no bundle has a file of this name; the table in validation/bundle/folder.c lists them", name);
     ost_status status = path_of(b, name, path, err);
     if (status == OST_OK)
         status = ost_outfile_open(path, &file, err);
@@ -146,7 +150,7 @@ ost_status bundle_log(bundle *b, const char *action, ost_error *err, const char 
 {
     char line[LOG_LINE], text[LOG_LINE - 256], hex[OST_DIGEST_HEX], path[BUNDLE_PATH];
     struct tm utc;
-    const time_t now = time(NULL);
+    const time_t clock = time(NULL), now = clock > b->last_time ? clock : b->last_time;
     va_list args;
     va_start(args, detail);
     vsnprintf(text, sizeof text, detail, args);
@@ -154,10 +158,11 @@ ost_status bundle_log(bundle *b, const char *action, ost_error *err, const char 
     for (char *c = text; *c; c++)
         if ((unsigned char)*c < ' ')
             *c = ' ';
+    b->last_time = now;
     gmtime_r(&now, &utc);
     const int n = snprintf(line, sizeof line, "%s\t%04d-%02d-%02dT%02d:%02d:%02dZ\t%s\t%s\n", ost_digest_hex(&b->last, hex), utc.tm_year + 1900,
                            utc.tm_mon + 1, utc.tm_mday, utc.tm_hour, utc.tm_min, utc.tm_sec, action, text);
-    ost_status status = path_of(b, LOG_FILE, path, err);
+    ost_status status = path_of(b, BUNDLE_LOG, path, err);
     FILE *file = status == OST_OK ? fopen(path, "ab") : NULL;
     if (!file)
         return status != OST_OK ? status : ost_fail(err, OST_ERR_IO, "%s: %s", path, strerror(errno));
@@ -237,22 +242,32 @@ void bundle_abandon(bundle *b)
 
 /* ---------------------------------------------------------------- checking */
 
-/* Bounds the memory that a file in a bundle can take. */
-#define FILE_MAX ((size_t)4 << 30)
-
 static ost_status read_file(const char *folder, const char *name, char **bytes, size_t *size, bool *absent, ost_error *err)
 {
-    char path[2 * BUNDLE_PATH];
+    ost_file file;
     *bytes = NULL;
     *size = 0;
-    if (snprintf(path, sizeof path, "%s/%s", folder, name) >= (int)sizeof path)
-        return ost_fail(err, OST_ERR_INPUT, "%.200s: the name of a file in it is too long", folder);
-    return ost_file_read(path, FILE_MAX, bytes, size, absent, err);
+    ost_status status = folder_open(folder, name, &file, err);
+    *absent = file.absent;
+    if (status != OST_OK)
+        return status;
+    *bytes = malloc((size_t)file.size + 1);
+    status = *bytes ? ost_file_fill(name, &file, *bytes, err) : ost_fail(err, OST_ERR_MEMORY, "%s/%s: no memory for its %lld bytes", folder, name, (long long)file.size);
+    close(file.fd);
+    if (status == OST_OK) {
+        (*bytes)[file.size] = '\0';
+        *size = (size_t)file.size;
+        return OST_OK;
+    }
+    free(*bytes);
+    *bytes = NULL;
+    return status;
 }
 
 ost_status bundle_read(const char *folder, const char *name, char **bytes, size_t *size, ost_error *err)
 {
-    return read_file(folder, name, bytes, size, NULL, err);
+    bool absent;
+    return read_file(folder, name, bytes, size, &absent, err);
 }
 
 ost_status bundle_find(const char *folder, const char *name, char **bytes, size_t *size, ost_error *err)
@@ -261,6 +276,25 @@ ost_status bundle_find(const char *folder, const char *name, char **bytes, size_
     ost_error why = {0};
     const ost_status status = read_file(folder, name, bytes, size, &absent, &why);
     return status == OST_OK || absent ? OST_OK : ost_fail(err, status, "%s", why.text);
+}
+
+ost_status bundle_find_json(const char *folder, const char *name, json_t **out, ost_error *err)
+{
+    char *bytes, where[2 * BUNDLE_PATH];
+    size_t size;
+    *out = NULL;
+    ost_status status = bundle_find(folder, name, &bytes, &size, err);
+    snprintf(where, sizeof where, "%s/%s", folder, name);
+    if (status == OST_OK && bytes)
+        status = limits_parse(where, bytes, size, out, err);
+    free(bytes);
+    return status;
+}
+
+ost_status bundle_read_json(const char *folder, const char *name, json_t **out, ost_error *err)
+{
+    const ost_status status = bundle_find_json(folder, name, out, err);
+    return status != OST_OK || *out ? status : ost_fail(err, OST_ERR_INPUT, "%s/%s: is missing", folder, name);
 }
 
 ost_status bundle_next_entry(DIR *dir, const char *folder, struct dirent **entry, ost_error *err)
@@ -277,11 +311,11 @@ static ost_status check_log(const char *folder, bundle_problem *problem, void *u
     char *bytes, hex[OST_DIGEST_HEX], text[128];
     size_t size;
     ost_digest last = {{0}};
-    ost_status status = bundle_find(folder, LOG_FILE, &bytes, &size, err);
+    ost_status status = bundle_find(folder, BUNDLE_LOG, &bytes, &size, err);
     if (status != OST_OK)
         return status;
     if (!bytes) {
-        problem(user, BUNDLE_ABSENT, LOG_FILE, "is missing");
+        problem(user, BUNDLE_ABSENT, BUNDLE_LOG, "is missing");
         ++*found;
         return OST_OK;
     }
@@ -291,7 +325,7 @@ static ost_status check_log(const char *folder, bundle_problem *problem, void *u
         ost_digest_hex(&last, hex);
         if (!stop || stop - at < OST_DIGEST_HEX || memcmp(at, hex, OST_DIGEST_HEX - 1) != 0 || at[OST_DIGEST_HEX - 1] != '\t') {
             snprintf(text, sizeof text, "line %d does not follow from the line before it", number);
-            problem(user, BUNDLE_DIFFERENT, LOG_FILE, text);
+            problem(user, BUNDLE_DIFFERENT, BUNDLE_LOG, text);
             ++*found;
             break;
         }
@@ -304,7 +338,6 @@ static ost_status check_log(const char *folder, bundle_problem *problem, void *u
 
 ost_status bundle_check(const char *folder, bundle_problem *problem, void *user, int *found, ost_error *err)
 {
-    *found = 0;
     ost_status status = manifest_check(folder, problem, user, found, err);
     if (status == OST_OK)
         status = check_log(folder, problem, user, found, err);

@@ -8,9 +8,8 @@
  *
  *   SHA-256 of the line before (64 digits, of nothing for the first) TAB UTC TAB action TAB detail
  *
- * so that a line changed, taken out or moved breaks all after it.  It is kept
- * line by line while the campaign runs: the protocol's hash stands in it
- * before the first result.
+ * so that a line changed, taken out or moved breaks all after it.  It is
+ * written line by line while the campaign runs; log.h says which lines it has.
  */
 #ifndef OST_VALIDATION_BUNDLE_H
 #define OST_VALIDATION_BUNDLE_H
@@ -21,6 +20,7 @@
 
 typedef struct bundle bundle;
 
+#define BUNDLE_LOG "audit.log"
 enum { BUNDLE_PATH = 1024 };
 
 /* OST_ERR_IO when `out` exists or cannot be made. */
@@ -43,13 +43,18 @@ typedef enum bundle_problem_kind { BUNDLE_ABSENT, BUNDLE_DIFFERENT } bundle_prob
 /* Receives one problem. A file that cannot be read is no problem of a bundle but an error of the check. */
 typedef void bundle_problem(void *user, bundle_problem_kind kind, const char *file, const char *problem);
 
-/* Every problem of the folder's files, of the manifest and of the log's chain; *found counts them. */
+/* Every problem of the folder's files, of the manifest and of the log's chain; they are added to *found. */
 ost_status bundle_check(const char *folder, bundle_problem *problem, void *user, int *found, ost_error *err);
 
 /* Reads a file of a bundle, with a NUL behind it that size does not count; the caller frees it. */
 ost_status bundle_read(const char *folder, const char *name, char **bytes, size_t *size, ost_error *err);
 /* As bundle_read, but an absent file is OST_OK with *bytes NULL. */
 ost_status bundle_find(const char *folder, const char *name, char **bytes, size_t *size, ost_error *err);
+
+/* Parses a file of a bundle within the limits of limits.h; the caller's reference, *out NULL where it is absent. */
+ost_status bundle_find_json(const char *folder, const char *name, json_t **out, ost_error *err);
+/* The same for a file that must be there. */
+ost_status bundle_read_json(const char *folder, const char *name, json_t **out, ost_error *err);
 
 /* Reads the next entry of a folder other than . and ..; *entry is NULL at the end. */
 ost_status bundle_next_entry(DIR *dir, const char *folder, struct dirent **entry, ost_error *err);

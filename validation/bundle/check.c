@@ -6,9 +6,16 @@
 #include <string.h>
 
 #include "validation/bundle/evidence.h"
+#include "validation/bundle/folder.h"
+#include "validation/bundle/judge.h"
+#include "validation/bundle/limits.h"
+#include "validation/bundle/log.h"
+#include "validation/bundle/planned.h"
 #include "validation/bundle/record.h"
 #include "validation/bundle/tools.h"
 #include "validation/report/report.h"
+
+enum { PROBLEMS_MAX = 1000 };
 
 typedef struct derivation {
     const char *folder;
@@ -27,100 +34,113 @@ static void say_problem(const derivation *d, bundle_problem_kind kind, const cha
 static ost_status compare_derived(void *user, const char *name, const void *bytes, size_t size, ost_error *err)
 {
     const derivation *d = user;
-    char *there;
-    size_t there_size;
-    const ost_status status = bundle_find(d->folder, name, &there, &there_size, err);
+    bool absent, same;
+    if (strcmp(name, EVIDENCE_CASES) == 0) /* compared line by line when it was read */
+        return OST_OK;
+    const ost_status status = folder_compare(d->folder, name, bytes, size, &absent, &same, err);
     if (status != OST_OK)
         return status;
-    if (!there)
+    if (absent)
         say_problem(d, BUNDLE_ABSENT, name, "is missing");
-    else if (there_size != size || memcmp(there, bytes, size) != 0) {
+    else if (!same) {
         char text[256];
         snprintf(text, sizeof text, "does not follow from %s%s", strcmp(name, REPORT_FILE) == 0 ? "the other files" : "the files that it is made of", d->other_build);
         say_problem(d, BUNDLE_DIFFERENT, name, text);
     }
-    free(there);
     return OST_OK;
 }
 
 /* What is derived is derived as this build does; another may do it otherwise, and then it is no forgery. */
 static ost_status compare_builds(derivation *d, ost_error *err)
 {
-    char *bytes;
-    size_t size;
-    const ost_status status = bundle_find(d->folder, TOOLS_FILE, &bytes, &size, err);
-    if (!bytes)
-        return status;
-    json_t *tools = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, NULL);
+    json_t *tools;
+    ost_error why = {0};
+    char plain[64];
+    const ost_status status = bundle_find_json(d->folder, TOOLS_FILE, &tools, &why);
+    if (status != OST_OK)
+        return status == OST_ERR_INPUT ? OST_OK : ost_fail(err, status, "%s", why.text); /* linked_check reports what is no JSON */
     const char *commit = evidence_text(json_object_get(tools, "build"), "commit");
     if (*commit && strcmp(commit, tools_commit()) != 0)
-        snprintf(d->other_build, sizeof d->other_build, "; but it was made by build %.48s and this is %.48s", commit, tools_commit());
+        snprintf(d->other_build, sizeof d->other_build, "; but it was made by build %.48s and this is %.48s", limits_printable(commit, plain, sizeof plain), tools_commit());
     json_decref(tools);
-    free(bytes);
     return OST_OK;
 }
 
-/* The hash of protocol.json stands in the log before any result. */
-static ost_status check_frozen(const derivation *d, const char *protocol, size_t size, ost_error *err)
+static void report_verdict(void *user, const char *text)
 {
-    char *log, hex[OST_DIGEST_HEX];
-    size_t log_size;
-    ost_digest digest;
-    ost_status status = ost_digest_bytes(protocol, size, &digest, err);
-    if (status == OST_OK)
-        status = bundle_find(d->folder, "audit.log", &log, &log_size, err);
-    if (status != OST_OK || !log)
+    const derivation *d = user;
+    if (*d->found < PROBLEMS_MAX)
+        say_problem(d, BUNDLE_DIFFERENT, EVIDENCE_CASES, text);
+}
+
+/* Reads a file into *out; what is wrong with it is a problem, and *out is NULL then. */
+static ost_status read_protocol(const derivation *d, json_t **out, ost_error *err)
+{
+    ost_error why = {0};
+    ost_status status = bundle_find_json(d->folder, EVIDENCE_PROTOCOL, out, &why);
+    if (status == OST_ERR_INPUT || (status == OST_OK && !json_is_object(*out))) {
+        say_problem(d, status == OST_OK && !*out ? BUNDLE_ABSENT : BUNDLE_DIFFERENT, EVIDENCE_PROTOCOL,
+                    status == OST_OK && !*out ? "is missing" : "is no JSON object within the limits of a bundle");
+        json_decref(*out);
+        *out = NULL;
+        return OST_OK;
+    }
+    return status == OST_OK ? evidence_check_format(d->folder, *out, err) : ost_fail(err, status, "%s", why.text);
+}
+
+static ost_status read_cases(const derivation *d, json_t **out, ost_error *err)
+{
+    ost_error why = {0};
+    bool absent, same;
+    ost_status status = folder_compare(d->folder, EVIDENCE_CASES, "", 0, &absent, &same, err);
+    *out = NULL;
+    if (status == OST_OK && absent)
+        say_problem(d, BUNDLE_ABSENT, EVIDENCE_CASES, "is missing");
+    if (status != OST_OK || absent)
         return status;
-    ost_digest_hex(&digest, hex);
-    const char *frozen = strstr(log, "\tprotocol frozen\t"), *run = strstr(log, "\tresults\t");
-    if (!frozen || strncmp(frozen + strlen("\tprotocol frozen\t"), hex, strlen(hex)) != 0)
-        say_problem(d, BUNDLE_DIFFERENT, "protocol.json", "is not the one that the log froze");
-    else if (!run || run < frozen)
-        say_problem(d, BUNDLE_DIFFERENT, "audit.log", "has results before the protocol was frozen, or none");
-    free(log);
-    return OST_OK;
+    status = evidence_read_cases(d->folder, false, out, &why);
+    if (status == OST_ERR_INPUT) {
+        say_problem(d, BUNDLE_DIFFERENT, EVIDENCE_CASES, why.text);
+        return OST_OK;
+    }
+    return status == OST_OK ? OST_OK : ost_fail(err, status, "%s", why.text);
+}
+
+/* Everything that follows from protocol and cases. */
+static ost_status check_evidence(derivation *d, const json_t *protocol, const json_t *cases, json_t **summary, ost_error *err)
+{
+    ost_status status = compare_builds(d, err);
+    if (status == OST_OK)
+        status = planned_check(protocol, cases, d->problem, d->user, d->found, err);
+    for (size_t i = 0; i < json_array_size(cases) && status == OST_OK; i++)
+        judge_case(protocol, json_array_get(cases, i), report_verdict, d);
+    if (status == OST_OK)
+        status = linked_check(d->folder, protocol, d->problem, d->user, d->found, err);
+    if (status == OST_OK)
+        status = evidence_summary(protocol, cases, summary, err);
+    if (status == OST_OK)
+        status = log_check(d->folder, protocol, *summary, d->problem, d->user, d->found, err);
+    if (status == OST_OK)
+        status = evidence_write(protocol, cases, compare_derived, d, err);
+    if (status == OST_OK)
+        status = record_derive(d->folder, protocol, cases, compare_derived, d, err);
+    return status == OST_OK ? report_write(d->folder, protocol, cases, compare_derived, d, err) : status;
 }
 
 ost_status check_bundle(const char *folder, bundle_problem *problem, void *user, int *found, json_t **summary, ost_error *err)
 {
     derivation d = {folder, problem, user, found, ""};
-    char *protocol_text = NULL, *cases_text = NULL;
-    size_t protocol_size = 0, cases_size = 0;
     json_t *protocol = NULL, *cases = NULL;
-    ost_error unread = {0};
     *summary = NULL;
-    ost_status status = bundle_check(folder, problem, user, found, err);
-    if (status != OST_OK)
-        return status;
-    status = bundle_find(folder, EVIDENCE_PROTOCOL, &protocol_text, &protocol_size, err);
+    *found = 0;
+    ost_status status = read_protocol(&d, &protocol, err);
     if (status == OST_OK)
-        status = bundle_find(folder, EVIDENCE_CASES, &cases_text, &cases_size, err);
-    if (status == OST_OK && protocol_text)
-        protocol = json_loadb(protocol_text, protocol_size, JSON_REJECT_DUPLICATES, NULL);
-    if (status == OST_OK && cases_text && evidence_parse_cases(cases_text, cases_size, &cases, &unread) != OST_OK)
-        cases = NULL;
-    if (unread.status == OST_ERR_MEMORY)
-        status = ost_fail(err, unread.status, "%s", unread.text);
-    if (status == OST_OK && !json_is_object(protocol))
-        say_problem(&d, protocol_text ? BUNDLE_DIFFERENT : BUNDLE_ABSENT, EVIDENCE_PROTOCOL, protocol_text ? "is no JSON object" : "is missing");
-    if (status == OST_OK && !cases)
-        say_problem(&d, cases_text ? BUNDLE_DIFFERENT : BUNDLE_ABSENT, EVIDENCE_CASES, cases_text ? unread.text : "is missing");
-    if (status == OST_OK && json_is_object(protocol) && cases) {
-        status = compare_builds(&d, err);
-        if (status == OST_OK)
-            status = check_frozen(&d, protocol_text, protocol_size, err);
-        if (status == OST_OK)
-            status = evidence_write(protocol, cases, compare_derived, &d, err);
-        if (status == OST_OK)
-            status = record_derive(folder, cases, compare_derived, &d, err);
-        if (status == OST_OK)
-            status = report_write(folder, protocol, cases, compare_derived, &d, err);
-        if (status == OST_OK)
-            status = evidence_summary(protocol, cases, summary, err);
-    }
+        status = bundle_check(folder, problem, user, found, err);
+    if (status == OST_OK)
+        status = read_cases(&d, &cases, err);
+    if (status == OST_OK && protocol && cases)
+        status = check_evidence(&d, protocol, cases, summary, err);
     json_decref(protocol);
     json_decref(cases);
-    free(protocol_text);
-    free(cases_text);
     return status;
 }

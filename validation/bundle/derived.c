@@ -11,21 +11,7 @@
 
 typedef void derive(FILE *to, const json_t *protocol, const json_t *cases, const json_t *summary);
 
-/* Text inside XML; what XML cannot hold becomes '?'. */
-static void put_xml(FILE *to, const char *text)
-{
-    for (; *text; text++)
-        switch (*text) {
-        case '&': fputs("&amp;", to); break;
-        case '<': fputs("&lt;", to); break;
-        case '>': fputs("&gt;", to); break;
-        case '"': fputs("&quot;", to); break;
-        default: fputc((unsigned char)*text < ' ' ? '?' : *text, to);
-        }
-}
-
-/* "tick 12: 3 voxels, the first at (1, 2, 3): 5 for 0" */
-static void describe(const json_t *result, char text[400])
+void evidence_describe(const json_t *result, char text[EVIDENCE_DESCRIPTION])
 {
     const json_t *voxel = json_object_get(result, "voxel");
     char place[64] = "";
@@ -33,16 +19,16 @@ static void describe(const json_t *result, char text[400])
         snprintf(place, sizeof place, "%.20s %lld: ", evidence_text(result, "stage"), (long long)json_integer_value(json_object_get(result, "item")));
     const long long is = json_integer_value(json_object_get(result, "got")), ref = json_integer_value(json_object_get(result, "reference"));
     if (voxel)
-        snprintf(text, 400, "%s%lld voxels differ, the first at (%lld, %lld, %lld): %lld where the reference has %lld", place,
+        snprintf(text, EVIDENCE_DESCRIPTION, "%s%lld voxels differ, the first at (%lld, %lld, %lld): %lld where the reference has %lld", place,
                  (long long)json_integer_value(json_object_get(result, "different_voxels")), (long long)json_integer_value(json_array_get(voxel, 0)),
                  (long long)json_integer_value(json_array_get(voxel, 1)), (long long)json_integer_value(json_array_get(voxel, 2)), is, ref);
     else if (*evidence_text(result, "word"))
-        snprintf(text, 400, "%s%.40s is %lld where the reference has %lld", place, evidence_text(result, "word"), is, ref);
+        snprintf(text, EVIDENCE_DESCRIPTION, "%s%.40s is %lld where the reference has %lld", place, evidence_text(result, "word"), is, ref);
     else
-        snprintf(text, 400, "%s%.300s", place, evidence_text(result, "text"));
+        snprintf(text, EVIDENCE_DESCRIPTION, "%s%.300s", place, evidence_text(result, "text"));
     const size_t used = strlen(text);
-    if (*evidence_text(result, "class") && used < 400)
-        snprintf(text + used, 400 - used, "; looks like %.40s (%.160s)", evidence_text(result, "class"), evidence_text(result, "class_text"));
+    if (*evidence_text(result, "class") && used < EVIDENCE_DESCRIPTION)
+        snprintf(text + used, EVIDENCE_DESCRIPTION - used, "; looks like %.40s (%.160s)", evidence_text(result, "class"), evidence_text(result, "class_text"));
 }
 
 static bool is_verdict(const json_t *result, case_verdict verdict)
@@ -56,79 +42,36 @@ static const json_t *result_at(const json_t *cases, size_t i, const json_t *back
     return json_object_get(json_object_get(json_array_get(cases, i), "results"), evidence_text(backend, "name"));
 }
 
-/* Why a result says nothing; NULL when it does. */
-static const char *silent(const json_t *one, const json_t *r, const json_t *backend)
+const char *evidence_skipped(const json_t *one, const json_t *r, const json_t *backend)
 {
     if (is_verdict(r, CASE_NOT_RUN))
         return evidence_text(backend, "reason");
     return is_verdict(r, CASE_EQUAL) && evidence_refused(one) ? "the reference refused this input, and so did the backend" : NULL;
 }
 
-/* A test harness takes a list without a failure for a success: one that compared nothing fails a line of its own. */
-#define NOTHING "nothing was compared with the reference"
 static bool compared_nothing(const json_t *summary)
 {
     return json_integer_value(json_object_get(summary, "compared")) == 0;
-}
-
-static void junit(FILE *to, const json_t *protocol, const json_t *cases, const json_t *summary)
-{
-    const json_t *backends = json_object_get(protocol, "backends");
-    char text[400];
-    fprintf(to, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"osteon validate\">\n");
-    if (compared_nothing(summary))
-        fputs(" <testsuite name=\"campaign\" tests=\"1\" failures=\"1\" errors=\"0\" skipped=\"0\">\n"
-              "  <testcase classname=\"campaign\" name=\"something was compared\"><failure message=\"" NOTHING "\"/></testcase>\n </testsuite>\n", to);
-    for (size_t s = 1; s < json_array_size(backends); s++) {
-        const json_t *backend = json_array_get(backends, s);
-        int failures = 0, skipped = 0;
-        for (size_t i = 0; i < json_array_size(cases); i++) {
-            const json_t *r = result_at(cases, i, backend);
-            skipped += silent(json_array_get(cases, i), r, backend) != NULL;
-            failures += !is_verdict(r, CASE_NOT_RUN) && !is_verdict(r, CASE_EQUAL);
-        }
-        fputs(" <testsuite name=\"", to);
-        put_xml(to, evidence_text(backend, "name"));
-        fprintf(to, "\" tests=\"%zu\" failures=\"%d\" errors=\"0\" skipped=\"%d\">\n", json_array_size(cases), failures, skipped);
-        for (size_t i = 0; i < json_array_size(cases); i++) {
-            const json_t *r = result_at(cases, i, backend);
-            const char *skip = silent(json_array_get(cases, i), r, backend);
-            fputs("  <testcase classname=\"", to);
-            put_xml(to, evidence_text(backend, "name"));
-            fputs("\" name=\"", to);
-            put_xml(to, evidence_text(json_array_get(cases, i), "id"));
-            if (is_verdict(r, CASE_EQUAL) && !skip) {
-                fputs("\"/>\n", to);
-                continue;
-            }
-            describe(r, text);
-            fputs(skip ? "\"><skipped message=\"" : "\"><failure message=\"", to);
-            put_xml(to, skip ? skip : text);
-            fputs("\"/></testcase>\n", to);
-        }
-        fputs(" </testsuite>\n", to);
-    }
-    fputs("</testsuites>\n", to);
 }
 
 static void tap(FILE *to, const json_t *protocol, const json_t *cases, const json_t *summary)
 {
     const json_t *backends = json_object_get(protocol, "backends");
     size_t number = 1;
-    char text[400];
+    char text[EVIDENCE_DESCRIPTION];
     const size_t results = json_array_size(backends) ? json_array_size(cases) * (json_array_size(backends) - 1) : 0;
     fprintf(to, "TAP version 13\n1..%zu\n", results + compared_nothing(summary));
     if (compared_nothing(summary))
-        fprintf(to, "not ok %zu - something was compared\n# " NOTHING "\n", number++);
+        fprintf(to, "not ok %zu - something was compared\n# " EVIDENCE_NOTHING "\n", number++);
     for (size_t s = 1; s < json_array_size(backends); s++)
         for (size_t i = 0; i < json_array_size(cases); i++) {
             const json_t *backend = json_array_get(backends, s), *r = result_at(cases, i, backend);
             const bool equal = is_verdict(r, CASE_EQUAL);
-            const char *skip = !silent(json_array_get(cases, i), r, backend) ? NULL : equal ? " # SKIP the reference refused this input, and so did the backend" : " # SKIP not available here";
+            const char *skip = !evidence_skipped(json_array_get(cases, i), r, backend) ? NULL : equal ? " # SKIP the reference refused this input, and so did the backend" : " # SKIP not available here";
             fprintf(to, "%s %zu - %s on %s%s\n", skip || equal ? "ok" : "not ok", number++, evidence_text(json_array_get(cases, i), "id"), evidence_text(backend, "name"),
                     skip ? skip : "");
             if (!skip && !equal) {
-                describe(r, text);
+                evidence_describe(r, text);
                 fprintf(to, "# %s\n", text);
             }
         }
@@ -163,7 +106,7 @@ static void anomalies(FILE *to, const json_t *protocol, const json_t *cases, con
 {
     const json_t *backends = json_object_get(protocol, "backends");
     int number = 1;
-    char text[400];
+    char text[EVIDENCE_DESCRIPTION];
     (void)summary;
     fputs("id,case,backend,verdict,description,root_cause,impact,disposition\n", to);
     for (size_t i = 0; i < json_array_size(cases); i++)
@@ -171,7 +114,7 @@ static void anomalies(FILE *to, const json_t *protocol, const json_t *cases, con
             const json_t *backend = json_array_get(backends, s), *r = result_at(cases, i, backend);
             if (is_verdict(r, CASE_NOT_RUN) || is_verdict(r, CASE_EQUAL))
                 continue;
-            describe(r, text);
+            evidence_describe(r, text);
             fprintf(to, "A%d,", number++);
             put_csv(to, evidence_text(json_array_get(cases, i), "id"), ',');
             put_csv(to, evidence_text(backend, "name"), ',');
@@ -215,7 +158,7 @@ static void readme(FILE *to, const json_t *protocol, const json_t *cases, const 
     for (size_t i = 0; i < json_array_size(list); i++)
         fprintf(to, "- %s\n", json_string_value(json_array_get(list, i)));
     char *files = evidence_own_options(protocol, false), *own = evidence_own_options(protocol, true);
-    fprintf(to, "\n## Check it, offline\n\n```\nosteon verify .            # every hash, every derived file\nosteon verify . --rerun%s    # and the reference's results, again\n```\n\n", files ? files : "");
+    fprintf(to, "\n## Check it, offline\n\n```\nosteon verify .            # every hash, every derived file\nosteon verify . --rerun%s    # and the reference's results, again; --backend NAME: those of a backend too\n```\n\n", files ? files : "");
     if (files && *files)
         fputs("FILE: the user's own files, which are not in this bundle; inputs.csv has their sizes and SHA-256.\n\n", to);
     fputs("## Do it again\n\n```\n", to);
@@ -233,11 +176,11 @@ static void readme(FILE *to, const json_t *protocol, const json_t *cases, const 
     fputs(own ? own : "", to);
     free(files);
     free(own);
-    fputs(" --out BUNDLE\n```\n\nOn the same machine with the same build, `results_root` of manifest.json comes out the same.\n\n", to);
+    fputs(" --out BUNDLE\n```\n\nWith the same build and the same backends, `results_root` of manifest.json comes out the same.\n\n", to);
     fputs("## Files\n\n"
           "| file | is |\n|---|---|\n"
           "| protocol.json | what was to be done and what counts as passed, written before anything ran (its hash: first lines of audit.log) |\n"
-          "| cases.jsonl | a line a case: digest of its input, digests of everything the reference made, each backend's verdict |\n"
+          "| cases.jsonl | a line a case: digest of its input, digests of everything the reference made, of each backend the digest of what it made, and the verdict that follows |\n"
           "| results.json, junit.xml, results.tap | the verdicts; inputs.csv: inputs; anomalies.csv: differences; margins.csv: how near each differing voxel was; deviations.csv: what was not shown |\n"
           "| sensitivity.json | mistakes made on purpose in a second implementation (validation/dense), in no backend, and whether the comparison noticed them; kinds_silent changed nothing in this tier (the first shard's run makes it) |\n"
           "| common.json | checks of the reference by hand, by volume and by law: mistakes that all backends could have in common |\n"
@@ -252,12 +195,14 @@ static void readme(FILE *to, const json_t *protocol, const json_t *cases, const 
           "## What differs from run to run\n\n"
           "Two runs of one build on one machine leave the same files, byte for byte, but for these:\n\n"
           "| file | differs, because |\n|---|---|\n"
-          "| audit.log | it has the time of day of each step |\n"
-          "| times.json | it has how long each backend took |\n"
+          "| audit.log | it has the time of day of each step, and the digests of the files here |\n"
+          "| times.json | it has how long each backend took, and when |\n"
           "| environment.json | it has the kernel and the variables of that run; of merged shards, a machine for each |\n"
-          "| manifest.json | it has the digests of those three, and `root` over all; `results_root` leaves them out and is the same |\n"
+          "| junit.xml | it has the times and the host |\n"
+          "| manifest.json | it has the digests of those, and `root` over all |\n"
           "| signatures/ | it says who signed, and when |\n\n"
-          "tools.json, devices.json, sbom.spdx.json, soup.csv and report.html change with the build, the machine and its drivers, and with nothing else. "
+          "`results_root` leaves these out, and what changes with the machine and its drivers: tools.json, devices.json, sbom.spdx.json, soup.csv and report.html. "
+          "What is left depends on the cases, the code and the list of backends alone, so that two machines with the same list have the same `results_root`. "
           "Bundles of shards merge into the bundle of one run, with the same exceptions.\n", to);
 }
 
@@ -295,7 +240,7 @@ static void margins_csv(FILE *to, const json_t *protocol, const json_t *cases, c
 static const struct {
     const char *name;
     derive *make;
-} derived[] = {{"README.md", readme},   {"results.json", results},     {"junit.xml", junit},          {"results.tap", tap},
+} derived[] = {{"README.md", readme},   {"results.json", results},     {"results.tap", tap},
                {"inputs.csv", inputs}, {"anomalies.csv", anomalies}, {"margins.csv", margins_csv}, {"deviations.csv", deviations}};
 
 static ost_status write_one(const char *name, derive *make, const json_t *protocol, const json_t *cases, const json_t *summary, evidence_sink *sink, void *user,

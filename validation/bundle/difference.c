@@ -22,22 +22,8 @@ static void side_free(side *s)
 
 static ost_status side_read(const char *folder, side *out, ost_error *err)
 {
-    char *bytes = NULL;
-    size_t size;
     *out = (side){.protocol = NULL};
-    ost_status status = bundle_read(folder, EVIDENCE_PROTOCOL, &bytes, &size, err);
-    if (status == OST_OK)
-        out->protocol = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, NULL);
-    if (status == OST_OK && !json_is_object(out->protocol))
-        status = ost_fail(err, OST_ERR_INPUT, "%s/%s: no JSON object", folder, EVIDENCE_PROTOCOL);
-    free(bytes);
-    bytes = NULL;
-    if (status == OST_OK)
-        status = bundle_read(folder, EVIDENCE_CASES, &bytes, &size, err);
-    if (status == OST_OK && (status = evidence_parse_cases(bytes, size, &out->cases, err)) != OST_OK)
-        ost_fail_context(err, "%s", folder);
-    free(bytes);
-    return status;
+    return evidence_read(folder, &out->protocol, &out->cases, err);
 }
 
 static const json_t *case_of(const side *s, const char *id)

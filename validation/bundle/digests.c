@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "validation/bundle/digests.h"
 
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* The leaf at `from` voxels into the block, zero beyond it. */
@@ -42,6 +44,55 @@ static ost_status add_leaves(const trace_block_view *b, bool numbered, ost_dims 
     return OST_OK;
 }
 
+/* Computes the digest of what is compared of a record: its body, and of a refusal the status alone. */
+static ost_status digest_of_record(const trace_record *r, ost_digest *out, ost_error *err)
+{
+    uint64_t count;
+    const uint8_t *words;
+    const bool refusal = r->stage == TRACE_FAILED && trace_words(r, &count, &words);
+    return ost_digest_bytes(r->body, refusal ? 8 + 8 * (size_t)count : (size_t)r->body_bytes, out, err);
+}
+
+/* The input's digest stands in the words of a case's first record. */
+static void input_of(const trace_record *r, ost_digest *out)
+{
+    uint64_t count;
+    const uint8_t *words;
+    *out = (ost_digest){{0}};
+    if (trace_words(r, &count, &words) && count >= sizeof out->bytes / 8)
+        memcpy(out->bytes, words, sizeof out->bytes);
+}
+
+ost_status digests_of_case(const trace *t, compare_range range, char **lines, ost_digest *of_lines, ost_error *err)
+{
+    enum { LINE = 24 + OST_DIGEST_HEX };
+    ost_status status = OST_OK;
+    size_t used = 0;
+    *lines = malloc(range.count * LINE + 1);
+    if (!*lines)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for the digests of %zu records", range.count);
+    (*lines)[0] = '\0';
+    for (size_t k = 0; k < range.count && status == OST_OK; k++) {
+        const trace_record *r = &t->records[range.first + k];
+        char hex[OST_DIGEST_HEX] = "-";
+        ost_digest digest;
+        if (r->stage == TRACE_CASE)
+            input_of(r, &digest);
+        else if (!(r->flags & TRACE_STANDS_IN))
+            status = digest_of_record(r, &digest, err);
+        if (!(r->flags & TRACE_STANDS_IN))
+            ost_digest_hex(&digest, hex);
+        used += (size_t)snprintf(*lines + used, LINE, "%s %u %s\n", trace_stage_name(r->stage), r->item, hex);
+    }
+    if (status == OST_OK)
+        status = ost_digest_bytes(*lines, used, of_lines, err);
+    if (status != OST_OK) {
+        free(*lines);
+        *lines = NULL;
+    }
+    return status;
+}
+
 ost_status digests_of_record(const trace_record *r, ost_dims bone, json_t **out, ost_error *err)
 {
     char hex[OST_DIGEST_HEX];
@@ -50,7 +101,7 @@ ost_status digests_of_record(const trace_record *r, ost_dims bone, json_t **out,
     trace_block_view block;
     *out = NULL;
     json_t *leaves = json_array();
-    ost_status status = ost_digest_bytes(r->body, r->body_bytes, &body, err);
+    ost_status status = digest_of_record(r, &body, err);
     while (status == OST_OK && trace_next_block(r, &at, &block))
         status = add_leaves(&block, r->stage == TRACE_TICK, bone, leaves, err);
     if (status == OST_OK)

@@ -13,6 +13,7 @@
 
 #include "core/file.h"
 #include "validation/bundle/libraries.h"
+#include "validation/bundle/limits.h"
 
 extern char **environ;
 
@@ -77,7 +78,9 @@ ost_status environment_of(const char *program, json_t **out, ost_error *err)
     line_of("/proc/cpuinfo", "microcode", microcode, sizeof microcode);
     line_of("/etc/os-release", "PRETTY_NAME", system_name, sizeof system_name);
     uname(&u);
-    *out = json_pack("{s:s,s:s,s:s,s:s,s:s,s:s,s:s,s:I,s:s,s:s,s:s,s:s,s:s,s:o}", "system", system_name, "kernel", u.release, "machine", u.machine, "processor", model,
+    char host[sizeof u.nodename];
+    limits_printable(u.nodename, host, sizeof host);
+    *out = json_pack("{s:s,s:s,s:s,s:s,s:s,s:s,s:s,s:s,s:I,s:s,s:s,s:s,s:s,s:s,s:o}", "host", host, "system", system_name, "kernel", u.release, "machine", u.machine, "processor", model,
                      "processor_flags", flags, "microcode", microcode, "libc",
 #if defined __GLIBC__
                      "glibc",

@@ -7,6 +7,9 @@
 #ifndef OST_VALIDATION_ENVIRONMENT_H
 #define OST_VALIDATION_ENVIRONMENT_H
 
+#define ENVIRONMENT_FILE "environment.json"
+#define TIMES_FILE "times.json"
+
 #include <jansson.h>
 #include <osteon/status.h>
 

@@ -8,7 +8,6 @@
 #include "validation/locate/causes.h"
 #include "validation/scene.h"
 
-enum { SCHEMA = 1 };
 
 #define ACCEPTANCE                                                                                                                     \
     "Every record of every case, voxels and reports, is byte for byte the scalar reference's: 0 differing bytes. A backend that fails, " \
@@ -30,7 +29,7 @@ ost_status evidence_protocol(const plan *p, const subject_list *subjects, const 
         const subject *one = &subjects->subjects[s];
         json_array_append_new(backends, json_pack("{s:s,s:s,s:b,s:s}", "name", one->spec, "what", one->what, "available", one->available, "reason", one->reason));
     }
-    *out = json_pack("{s:i,s:s,s:i,s:s,s:s,s:s,s:s,s:[i,i],s:s,s:b,s:b,s:s,s:o,s:o,s:o}", "schema", SCHEMA, "version", ost_version(), "arithmetic",
+    *out = json_pack("{s:i,s:s,s:i,s:s,s:s,s:s,s:s,s:[i,i],s:s,s:b,s:b,s:s,s:o,s:o,s:o}", "schema", EVIDENCE_FORMAT, "version", ost_version(), "arithmetic",
                      OST_ARITHMETIC_VERSION, "title", "Backend equivalence verification", "scope",
                      "code verification: that all backends compute the same grids; not clinical validation", "tier", plan_tier_name(p->tier), "seed_text",
                      "see seed", "shard", p->shard, p->shards, "only", p->only ? p->only : "", "cpu_only", cpu_only, "opencl", subjects->opencl, "accept",
@@ -72,13 +71,25 @@ static void put_finding(json_t *o, const finding *f)
     json_object_set_new(o, "operands", list);
 }
 
+static json_t *lines_json(const char *lines)
+{
+    json_t *list = json_array();
+    for (; *lines; lines += strcspn(lines, "\n") + 1)
+        json_array_append_new(list, json_stringn(lines, strcspn(lines, "\n")));
+    return list;
+}
+
 json_t *evidence_result(const case_result *r)
 {
     const compare_difference *d = &r->difference;
-    char name[TRACE_WORD];
+    char name[TRACE_WORD], hex[OST_DIGEST_HEX];
     json_t *o = json_pack("{s:s}", "verdict", case_verdict_name(r->verdict));
     if (r->text[0])
         json_object_set_new(o, "text", json_string(r->text));
+    if (r->has_made)
+        json_object_set_new(o, "sha256", json_string(ost_digest_hex(&r->made, hex)));
+    if (r->lines)
+        json_object_set_new(o, "records", lines_json(r->lines));
     if (r->verdict != CASE_DIFFERS)
         return o;
     json_object_set_new(o, "stage", json_string(trace_stage_name(d->stage)));
@@ -140,11 +151,13 @@ ost_status evidence_records(const trace *t, compare_range range, json_t **out, o
 
 ost_status evidence_case(const campaign *c, int i, json_t **out, ost_error *err)
 {
-    char input[OST_DIGEST_HEX];
+    char input[OST_DIGEST_HEX], made[OST_DIGEST_HEX];
     json_t *records = NULL;
     input_of(c, i, input);
     ost_status status = evidence_records(&c->reference, c->ranges[i], &records, err);
-    *out = status == OST_OK ? json_pack("{s:s,s:s,s:O}", "id", c->plan->cases[i].id, "input_sha256", input, "reference", records) : NULL;
+    *out = status == OST_OK ? json_pack("{s:s,s:s,s:s,s:O}", "id", c->plan->cases[i].id, "input_sha256", input, "reference_sha256",
+                                                  ost_digest_hex(&c->results[(size_t)i * (size_t)c->subjects->count].made, made), "reference", records)
+                                      : NULL;
     json_decref(records);
     return status != OST_OK || *out ? status : no_memory(err);
 }
@@ -157,24 +170,6 @@ ost_status evidence_results(const campaign *c, json_t *cases, ost_error *err)
             json_object_set_new(results, c->subjects->subjects[s].spec, evidence_result(&c->results[(size_t)i * (size_t)c->subjects->count + (size_t)s]));
         if (json_object_set_new(json_array_get(cases, (size_t)i), "results", results) != 0)
             return no_memory(err);
-    }
-    return OST_OK;
-}
-
-ost_status evidence_parse_cases(const char *bytes, size_t size, json_t **out, ost_error *err)
-{
-    *out = json_array();
-    int number = 1;
-    for (const char *at = bytes, *end = bytes + size; at < end; number++) {
-        const char *stop = memchr(at, '\n', (size_t)(end - at));
-        json_error_t where;
-        json_t *row = stop ? json_loadb(at, (size_t)(stop - at), JSON_REJECT_DUPLICATES, &where) : NULL;
-        if (!row || json_array_append_new(*out, row) != 0) {
-            json_decref(*out);
-            *out = NULL;
-            return ost_fail(err, OST_ERR_INPUT, "%s:%d: %s", EVIDENCE_CASES, number, stop ? where.text : "the last line does not end");
-        }
-        at = stop + 1;
     }
     return OST_OK;
 }
@@ -314,6 +309,7 @@ static json_t *findings_of(const json_t *protocol, const json_t *cases)
             if (!json_is_object(r) || strcmp(verdict, case_verdict_name(CASE_EQUAL)) == 0 || strcmp(verdict, case_verdict_name(CASE_NOT_RUN)) == 0)
                 continue;
             json_t *row = json_copy((json_t *)(uintptr_t)r);
+            json_object_del(row, "records"); /* they stand in cases.jsonl */
             json_object_set_new(row, "case", json_string(evidence_text(one, "id")));
             json_object_set_new(row, "backend", json_string(name));
             json_array_append_new(list, row);

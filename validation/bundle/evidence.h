@@ -4,10 +4,11 @@
  *
  *   protocol.json  what was to be done, frozen before it was done
  *   cases.jsonl    a line a case: its input's digest, the digests of all that
- *                  the reference made, every backend's verdict
+ *                  the reference made, and of each backend the digest of what
+ *                  that backend made and the verdict that follows (judge.h)
  *       |
- *       '--evidence_write--> results.json, junit.xml, results.tap, inputs.csv,
- *                            anomalies.csv, deviations.csv, README.md
+ *       '--evidence_write--> results.json, results.tap, inputs.csv, anomalies.csv,
+ *                            margins.csv, deviations.csv, README.md
  *
  * Since the rest is derived, whoever checks a bundle derives it again and
  * compares bytes; and bundles of shards are merged by putting their cases in
@@ -22,6 +23,7 @@
 
 #define EVIDENCE_PROTOCOL "protocol.json"
 #define EVIDENCE_CASES "cases.jsonl"
+enum { EVIDENCE_FORMAT = 2 }; /* of a bundle: 1 had words in place of the backends' digests */
 
 /* Both give the caller's reference. chosen: the backends that were asked for, "" for all that are here. */
 ost_status evidence_protocol(const plan *p, const subject_list *subjects, const char *chosen, bool cpu_only, json_t **out, ost_error *err);
@@ -62,10 +64,32 @@ const char *evidence_text(const json_t *o, const char *key);
  */
 char *evidence_own_options(const json_t *protocol, bool how);
 
+/* "tick 12: 3 voxels differ, the first at (1, 2, 3): 5 where the reference has 0" */
+enum { EVIDENCE_DESCRIPTION = 400 };
+void evidence_describe(const json_t *result, char text[EVIDENCE_DESCRIPTION]);
+
+/* Returns why a result is no comparison, for test harnesses: not run, or refused by the reference too; NULL when it is one. */
+const char *evidence_skipped(const json_t *one, const json_t *result, const json_t *backend);
+
+/* A test harness takes a list without a failure for a success: a campaign that compared nothing fails a line of its own. */
+#define EVIDENCE_NOTHING "nothing was compared with the reference"
+
 typedef ost_status evidence_sink(void *user, const char *name, const void *bytes, size_t size, ost_error *err);
 ost_status evidence_write(const json_t *protocol, const json_t *cases, evidence_sink *sink, void *user, ost_error *err);
 
-/* Lines back to an array; OST_ERR_INPUT naming the line. */
-ost_status evidence_parse_cases(const char *bytes, size_t size, json_t **out, ost_error *err);
+/* -------------------------------------------------- reading: evidence_read.c */
+
+/* OST_ERR_INPUT in one line when protocol.json is of a bundle of another format than EVIDENCE_FORMAT. */
+ost_status evidence_check_format(const char *folder, const json_t *protocol, ost_error *err);
+
+/*
+ * Reads cases.jsonl line by line within the limits of limits.h; OST_ERR_INPUT
+ * names the line. Without keep_leaves the digests of leaves are left out, which
+ * are most of it, and each line must be written as this program writes it.
+ */
+ost_status evidence_read_cases(const char *folder, bool keep_leaves, json_t **out, ost_error *err);
+
+/* Reads both files of a bundle of this format, with all leaves; the caller's references. */
+ost_status evidence_read(const char *folder, json_t **protocol, json_t **cases, ost_error *err);
 
 #endif

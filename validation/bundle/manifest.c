@@ -1,89 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "validation/bundle/manifest.h"
 
-#include <dirent.h>
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
-enum { SCHEMA = 1, NAMES_MAX = 100000 };
+#include "validation/bundle/folder.h"
+#include "validation/bundle/limits.h"
 
-/* Times, identities and the machine: they differ from run to run. */
-static const char *const varying[] = {"audit.log", "environment.json", "times.json"};
+enum { SCHEMA = 2, PROBLEMS_MAX = 1000 };
 
 static bool varies(const char *name)
 {
-    for (size_t i = 0; i < sizeof varying / sizeof varying[0]; i++)
-        if (strcmp(name, varying[i]) == 0)
-            return true;
-    return false;
-}
-
-/* ------------------------------------------------------------- the folder */
-
-typedef struct name_list {
-    char **names;
-    size_t count, room;
-} name_list;
-
-static void free_names(name_list *l)
-{
-    for (size_t i = 0; i < l->count; i++)
-        free(l->names[i]);
-    free(l->names);
-}
-
-static int by_name(const void *a, const void *b)
-{
-    return strcmp(*(char *const *)a, *(char *const *)b);
-}
-
-static ost_status add_name(name_list *l, const char *name, ost_error *err)
-{
-    if (l->count == NAMES_MAX)
-        return ost_fail(err, OST_ERR_INPUT, "more than %d files: no bundle", NAMES_MAX);
-    if (l->count == l->room) {
-        l->room = l->room ? 2 * l->room : 64;
-        char **grown = realloc(l->names, l->room * sizeof *grown);
-        if (!grown)
-            return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu names", l->room);
-        l->names = grown;
-    }
-    l->names[l->count] = strdup(name);
-    return l->names[l->count++] ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for a name");
-}
-
-/* Names relative to the folder; links and devices are named too, so that reading them says what they are. */
-static ost_status list_folder(const char *folder, const char *inside, int depth, name_list *l, ost_error *err)
-{
-    char path[2 * BUNDLE_PATH];
-    snprintf(path, sizeof path, "%s%s%s", folder, *inside ? "/" : "", inside);
-    DIR *dir = opendir(path);
-    if (!dir)
-        return ost_fail(err, OST_ERR_IO, "%s: cannot be opened: %s", path, strerror(errno));
-    ost_status status;
-    for (struct dirent *e; (status = bundle_next_entry(dir, path, &e, err)) == OST_OK && e;) {
-        char name[BUNDLE_PATH], full[3 * BUNDLE_PATH];
-        struct stat info;
-        const int n = snprintf(name, sizeof name, "%s%s%s", inside, *inside ? "/" : "", e->d_name);
-        if (n >= (int)sizeof name) {
-            status = ost_fail(err, OST_ERR_INPUT, "%s: a name in it is too long", path);
-            break;
-        }
-        if (strcmp(name, MANIFEST_FILE) == 0 || strcmp(name, MANIFEST_SIGNATURES) == 0)
-            continue;
-        snprintf(full, sizeof full, "%s/%s", folder, name);
-        if (lstat(full, &info) == 0 && S_ISDIR(info.st_mode))
-            status = depth < 4 ? list_folder(folder, name, depth + 1, l, err) : ost_fail(err, OST_ERR_INPUT, "%s: folders too deep", full);
-        else
-            status = add_name(l, name, err);
-        if (status != OST_OK)
-            break;
-    }
-    closedir(dir);
-    return status;
+    folder_about about;
+    return folder_describe(name, &about) && about.varies;
 }
 
 /* ---------------------------------------------------------------- the tree */
@@ -123,53 +53,49 @@ static ost_status tree_of(const ost_digest *leaves, size_t count, ost_digest *ou
 
 /* ------------------------------------------------------------ the manifest */
 
-static ost_status describe_files(const char *folder, const name_list *l, json_t *files, ost_digest *all, ost_digest *results, ost_error *err)
+static ost_status describe_files(const char *folder, const folder_files *l, json_t *files, ost_digest *all, ost_digest *results, ost_error *err)
 {
     ost_digest *leaves = calloc(2 * l->count + 1, sizeof *leaves);
     ost_digest *some = leaves ? leaves + l->count : NULL;
-    size_t some_count = 0;
+    size_t count = 0, some_count = 0;
     ost_status status = leaves ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for %zu digests", l->count);
     for (size_t i = 0; i < l->count && status == OST_OK; i++) {
-        char *bytes, hex[OST_DIGEST_HEX];
-        size_t size;
+        const char *name = l->files[i].name;
+        char hex[OST_DIGEST_HEX];
+        int64_t size;
         ost_digest file;
-        status = bundle_read(folder, l->names[i], &bytes, &size, err);
+        if (strcmp(name, MANIFEST_FILE) == 0)
+            continue;
+        status = folder_digest(folder, name, &file, &size, err);
         if (status == OST_OK)
-            status = ost_digest_bytes(bytes, size, &file, err);
-        free(bytes);
-        if (status == OST_OK)
-            status = leaf_of(l->names[i], &file, &leaves[i], err);
+            status = leaf_of(name, &file, &leaves[count], err);
         if (status != OST_OK)
             break;
-        if (!varies(l->names[i]))
-            some[some_count++] = leaves[i];
-        json_t *row = json_pack("{s:s,s:I,s:s}", "name", l->names[i], "size", (json_int_t)size, "sha256", ost_digest_hex(&file, hex));
+        if (!varies(name))
+            some[some_count++] = leaves[count];
+        count++;
+        json_t *row = json_pack("{s:s,s:I,s:s}", "name", name, "size", (json_int_t)size, "sha256", ost_digest_hex(&file, hex));
         if (!row || json_array_append_new(files, row) != 0)
-            status = ost_fail(err, OST_ERR_MEMORY, "no memory for a manifest (or a name in it that is not UTF-8)");
+            status = ost_fail(err, OST_ERR_MEMORY, "no memory for a manifest");
     }
     if (status == OST_OK)
-        status = tree_of(leaves, l->count, all, err);
+        status = tree_of(leaves, count, all, err);
     if (status == OST_OK)
         status = tree_of(some, some_count, results, err);
     free(leaves);
     return status;
 }
 
-ost_status manifest_of(const char *folder, json_t **out, ost_error *err)
+static ost_status manifest_of_files(const char *folder, const folder_files *l, json_t **out, ost_error *err)
 {
-    name_list l = {0};
     ost_digest all, results;
     char a[OST_DIGEST_HEX], b[OST_DIGEST_HEX];
-    *out = NULL;
     json_t *files = json_array(), *names = json_array();
-    ost_status status = list_folder(folder, "", 0, &l, err);
-    if (status == OST_OK) {
-        if (l.count) /* qsort takes no NULL, not even of nothing */
-            qsort(l.names, l.count, sizeof *l.names, by_name);
-        status = describe_files(folder, &l, files, &all, &results, err);
-    }
-    for (size_t i = 0; i < sizeof varying / sizeof varying[0]; i++)
-        json_array_append_new(names, json_string(varying[i]));
+    *out = NULL;
+    ost_status status = describe_files(folder, l, files, &all, &results, err);
+    for (size_t i = 0; folder_name(i); i++)
+        if (varies(folder_name(i)))
+            json_array_append_new(names, json_string(folder_name(i)));
     if (status == OST_OK)
         *out = json_pack("{s:i,s:O,s:O,s:s,s:s,s:s}", "schema", SCHEMA, "files", files, "varying", names, "root", ost_digest_hex(&all, a), "results_root",
                          ost_digest_hex(&results, b), "hash", "SHA-256; roots as in RFC 6962 over SHA-256(00 name 00 digest)");
@@ -177,7 +103,29 @@ ost_status manifest_of(const char *folder, json_t **out, ost_error *err)
         status = ost_fail(err, OST_ERR_MEMORY, "no memory for a manifest");
     json_decref(files);
     json_decref(names);
-    free_names(&l);
+    return status;
+}
+
+/* A folder that this program filled has nothing else in it. */
+static void first_problem(void *user, bundle_problem_kind kind, const char *file, const char *problem)
+{
+    ost_error *first = user;
+    (void)kind;
+    if (first->status == OST_OK)
+        (void)ost_fail(first, OST_ERR_IO, "%.80s %s", file, problem);
+}
+
+ost_status manifest_of(const char *folder, json_t **out, ost_error *err)
+{
+    folder_files l;
+    ost_error first = {0};
+    int found = 0;
+    *out = NULL;
+    ost_status status = folder_list(folder, &l, first_problem, &first, &found, err);
+    if (status != OST_OK)
+        return status;
+    status = found ? ost_fail(err, first.status, "%s: %s", folder, first.text) : manifest_of_files(folder, &l, out, err);
+    folder_free(&l);
     return status;
 }
 
@@ -194,66 +142,110 @@ char *manifest_text(const json_t *manifest)
     return line;
 }
 
-/* The row of a file, or NULL. */
-static const json_t *row_of(const json_t *manifest, const char *name)
+/* {name: row} of a manifest; the caller's reference. */
+static json_t *rows_by_name(const json_t *manifest)
 {
     const json_t *files = json_object_get(manifest, "files");
+    json_t *out = json_object();
     for (size_t i = 0; i < json_array_size(files); i++) {
-        const json_t *row = json_array_get(files, i);
-        const char *its = json_string_value(json_object_get(row, "name"));
-        if (its && strcmp(its, name) == 0)
-            return row;
+        const char *name = json_string_value(json_object_get(json_array_get(files, i), "name"));
+        if (name)
+            json_object_set(out, name, json_array_get(files, i));
     }
-    return NULL;
+    return out;
+}
+
+/* Parses 64 hexadecimal digits. */
+static bool digest_in(const char *hex, ost_digest *out)
+{
+    static const char digits[] = "0123456789abcdef";
+    for (size_t i = 0; i < 2 * OST_DIGEST_BYTES; i++) {
+        const char *digit = hex && hex[i] ? strchr(digits, hex[i]) : NULL;
+        if (!digit)
+            return false;
+        out->bytes[i / 2] = (unsigned char)(i % 2 ? out->bytes[i / 2] << 4 | (digit - digits) : digit - digits);
+    }
+    return hex[2 * OST_DIGEST_BYTES] == '\0';
+}
+
+/* Returns true if the rows of a manifest give its root: then it is as it was written, and a file without a row or the reverse is the folder's. */
+static bool rows_give_root(const json_t *said)
+{
+    const json_t *files = json_object_get(said, "files");
+    const size_t count = json_array_size(files);
+    ost_digest root, digest, *leaves = calloc(count + 1, sizeof *leaves);
+    ost_error none = {0};
+    bool same = leaves != NULL && digest_in(json_string_value(json_object_get(said, "root")), &root);
+    for (size_t i = 0; same && i < count; i++) {
+        const json_t *row = json_array_get(files, i);
+        const char *name = json_string_value(json_object_get(row, "name"));
+        same = name && strlen(name) < BUNDLE_PATH && digest_in(json_string_value(json_object_get(row, "sha256")), &digest) &&
+               leaf_of(name, &digest, &leaves[i], &none) == OST_OK;
+    }
+    same = same && tree_of(leaves, count, &digest, &none) == OST_OK && ost_digest_equal(&digest, &root);
+    free(leaves);
+    return same;
 }
 
 static void compare_rows(const json_t *said, const json_t *is, bundle_problem *problem, void *user, int *found)
 {
-    const json_t *a = json_object_get(said, "files"), *b = json_object_get(is, "files");
-    for (size_t i = 0; i < json_array_size(a); i++) {
-        const char *name = json_string_value(json_object_get(json_array_get(a, i), "name"));
-        const json_t *row = name ? row_of(is, name) : NULL;
-        if (!name || !row) {
-            problem(user, name ? BUNDLE_ABSENT : BUNDLE_DIFFERENT, name ? name : MANIFEST_FILE, name ? "is in the manifest and not in the folder" : "has a row without a name");
+    const json_t *a = json_object_get(said, "files");
+    json_t *there = rows_by_name(is), *described = rows_by_name(said), *row;
+    const char *key;
+    char name[256];
+    const bool as_written = rows_give_root(said);
+    if (!as_written) {
+        problem(user, BUNDLE_DIFFERENT, MANIFEST_FILE, "has rows that do not give its root");
+        ++*found;
+    }
+    for (size_t i = 0; i < json_array_size(a) && *found < PROBLEMS_MAX; i++) {
+        key = json_string_value(json_object_get(json_array_get(a, i), "name"));
+        row = key ? json_object_get(there, key) : NULL;
+        if (!key || !row) {
+            problem(user, key && as_written ? BUNDLE_ABSENT : BUNDLE_DIFFERENT, key ? limits_printable(key, name, sizeof name) : MANIFEST_FILE,
+                    key ? "is in the manifest and not in the folder" : "has a row without a name");
             ++*found;
         } else if (!json_equal(json_array_get(a, i), row)) {
-            problem(user, BUNDLE_DIFFERENT, name, "is not the file that the manifest describes");
+            problem(user, BUNDLE_DIFFERENT, key, "is not the file that the manifest describes");
             ++*found;
         }
     }
-    for (size_t i = 0; i < json_array_size(b); i++) {
-        const char *name = json_string_value(json_object_get(json_array_get(b, i), "name"));
-        if (!row_of(said, name)) {
-            problem(user, BUNDLE_DIFFERENT, name, "is in the folder and not in the manifest");
+    json_object_foreach(there, key, row)
+        if (!json_object_get(described, key)) {
+            problem(user, BUNDLE_DIFFERENT, key, "is in the folder and not in the manifest");
             ++*found;
         }
-    }
+    json_decref(described);
+    json_decref(there);
 }
 
 ost_status manifest_check(const char *folder, bundle_problem *problem, void *user, int *found, ost_error *err)
 {
     char *bytes = NULL, *text = NULL;
     size_t size = 0;
-    json_t *is = NULL;
+    folder_files l;
+    ost_error unread = {0};
+    json_t *is = NULL, *said = NULL;
+    ost_status status = folder_list(folder, &l, problem, user, found, err);
     const int before = *found;
-    ost_status status = manifest_of(folder, &is, err);
+    if (status != OST_OK)
+        return status;
+    status = manifest_of_files(folder, &l, &is, err);
+    folder_free(&l);
     if (status == OST_OK)
         status = bundle_find(folder, MANIFEST_FILE, &bytes, &size, err);
-    if (status != OST_OK) {
-        json_decref(is);
-        return status;
-    }
-    if (!bytes) {
+    if (status == OST_OK && !(text = manifest_text(is)))
+        status = ost_fail(err, OST_ERR_MEMORY, "no memory for a manifest");
+    if (status == OST_OK && !bytes) {
         problem(user, BUNDLE_ABSENT, MANIFEST_FILE, "is missing");
         ++*found;
-    } else if (!(text = manifest_text(is)))
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for a manifest");
-    else if (strlen(text) != size || memcmp(text, bytes, size) != 0) {
-        json_t *said = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, NULL);
+    } else if (status == OST_OK && (strlen(text) != size || memcmp(text, bytes, size) != 0)) {
+        if (limits_parse(MANIFEST_FILE, bytes, size, &said, &unread) == OST_ERR_MEMORY)
+            status = ost_fail(err, OST_ERR_MEMORY, "%s", unread.text);
         if (said)
             compare_rows(said, is, problem, user, found);
-        if (*found == before) { /* the files are as described, so it is the manifest that was changed */
-            problem(user, BUNDLE_DIFFERENT, MANIFEST_FILE, said ? "is not what the files give" : "is not JSON");
+        if (status == OST_OK && *found == before) { /* the files are as described, so it is the manifest that was changed */
+            problem(user, BUNDLE_DIFFERENT, MANIFEST_FILE, said ? "is not what the files give" : unread.text);
             ++*found;
         }
         json_decref(said);

@@ -5,7 +5,8 @@
  *
  *   root     all files
  *   results  those whose content depends on the cases, the code and the list
- *            of backends alone: two runs of one build on one machine agree here
+ *            of backends alone (folder.c says which): two runs with the same
+ *            list agree here, whatever the machine, its drivers and the time
  *
  * A root is the tree of RFC 6962 section 2.1 over SHA-256(0x00 || name || 0x00 ||
  * digest of the file).  The form is canonical, so a changed byte of the

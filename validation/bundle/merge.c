@@ -8,31 +8,11 @@
 #include <string.h>
 
 #include "validation/bundle/check.h"
+#include "validation/bundle/environment.h"
 #include "validation/bundle/evidence.h"
 #include "validation/bundle/faults.h"
 
 enum { SHARDS_MAX = 4096 };
-
-/* *out is NULL when the file is absent. */
-static ost_status find_json(const char *folder, const char *name, json_t **out, ost_error *err)
-{
-    char *bytes;
-    size_t size;
-    json_error_t where;
-    *out = NULL;
-    ost_status status = bundle_find(folder, name, &bytes, &size, err);
-    if (!bytes)
-        return status;
-    *out = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, &where);
-    free(bytes);
-    return *out ? OST_OK : ost_fail(err, OST_ERR_INPUT, "%s/%s:%d: %s", folder, name, where.line, where.text);
-}
-
-static ost_status read_json(const char *folder, const char *name, json_t **out, ost_error *err)
-{
-    const ost_status status = find_json(folder, name, out, err);
-    return status != OST_OK || *out ? status : ost_fail(err, OST_ERR_INPUT, "%s/%s: is missing", folder, name);
-}
 
 static void remember_problem(void *user, bundle_problem_kind kind, const char *file, const char *problem)
 {
@@ -57,22 +37,16 @@ static ost_status take_shard(const char *folder, merged *m, json_t *by_id, ost_e
     char problem[256] = "", name[32];
     int found = 0;
     json_t *summary = NULL, *protocol = NULL, *environment = NULL, *times = NULL, *cases = NULL;
-    char *lines = NULL;
-    size_t size;
     ost_status status = check_bundle(folder, remember_problem, problem, &found, &summary, err);
     json_decref(summary);
     if (status == OST_OK && found)
         status = ost_fail(err, OST_ERR_INPUT, "%s: %s", folder, problem);
     if (status == OST_OK)
-        status = read_json(folder, EVIDENCE_PROTOCOL, &protocol, err);
+        status = evidence_read(folder, &protocol, &cases, err);
     if (status == OST_OK)
-        status = read_json(folder, "environment.json", &environment, err);
+        status = bundle_read_json(folder, ENVIRONMENT_FILE, &environment, err);
     if (status == OST_OK)
-        status = read_json(folder, "times.json", &times, err);
-    if (status == OST_OK)
-        status = bundle_read(folder, EVIDENCE_CASES, &lines, &size, err);
-    if (status == OST_OK)
-        status = evidence_parse_cases(lines, size, &cases, err);
+        status = bundle_read_json(folder, TIMES_FILE, &times, err);
     if (status == OST_OK) {
         const json_t *shard = json_object_get(protocol, "shard");
         const int i = (int)json_integer_value(json_array_get(shard, 0)), n = (int)json_integer_value(json_array_get(shard, 1));
@@ -90,7 +64,7 @@ static ost_status take_shard(const char *folder, merged *m, json_t *by_id, ost_e
         json_decref(common);
     }
     if (status == OST_OK && strncmp(name, "1/", 2) == 0)
-        status = find_json(folder, FAULTS_FILE, &m->faults, err); /* a bundle of some cases alone has none */
+        status = bundle_find_json(folder, FAULTS_FILE, &m->faults, err); /* a bundle of some cases alone has none */
     if (status == OST_OK) {
         json_object_set(m->environment, name, environment);
         json_object_set(m->times, name, times);
@@ -101,7 +75,6 @@ static ost_status take_shard(const char *folder, merged *m, json_t *by_id, ost_e
                 json_object_set(by_id, id, one);
         }
     }
-    free(lines);
     json_decref(cases);
     json_decref(times);
     json_decref(environment);

@@ -9,6 +9,8 @@
 
 #include "validation/bundle/bundle.h"
 #include "validation/bundle/devices.h"
+#include "validation/bundle/environment.h"
+#include "validation/bundle/junit.h"
 #include "validation/bundle/software.h"
 #include "validation/bundle/tools.h"
 #include "validation/bundle/trace_table.h"
@@ -48,24 +50,13 @@ ost_status record_put(const char *program, const subject_list *subjects, const j
     return status;
 }
 
-/* *out is NULL when the file is absent or no JSON. */
-static ost_status read_json(const char *folder, const char *name, json_t **out, ost_error *err)
-{
-    char *bytes;
-    size_t size;
-    const ost_status status = bundle_find(folder, name, &bytes, &size, err);
-    *out = bytes ? json_loadb(bytes, size, JSON_REJECT_DUPLICATES, NULL) : NULL;
-    free(bytes);
-    return status;
-}
-
 /* ----------------------------------------------------------------- shards */
 
 /* "2/8" of the bundle's protocol. */
 static ost_status shard_name(const char *folder, char name[32], ost_error *err)
 {
     json_t *protocol;
-    const ost_status status = read_json(folder, EVIDENCE_PROTOCOL, &protocol, err);
+    const ost_status status = bundle_find_json(folder, EVIDENCE_PROTOCOL, &protocol, err);
     const json_t *shard = json_object_get(protocol, "shard");
     snprintf(name, 32, "%lld/%lld", (long long)json_integer_value(json_array_get(shard, 0)), (long long)json_integer_value(json_array_get(shard, 1)));
     json_decref(protocol);
@@ -131,21 +122,37 @@ ost_status record_merge(const char *folder, evidence_sink *sink, void *user, ost
 
 /* ---------------------------------------------------------------- derived */
 
-ost_status record_derive(const char *folder, const json_t *cases, evidence_sink *sink, void *user, ost_error *err)
+/* A file that is absent or no JSON within the limits gives NULL: linked_check reports it. */
+static ost_status find_json(const char *folder, const char *name, json_t **out, ost_error *err)
+{
+    ost_error why = {0};
+    const ost_status status = bundle_find_json(folder, name, out, &why);
+    return status == OST_OK || status == OST_ERR_INPUT ? OST_OK : ost_fail(err, status, "%s", why.text);
+}
+
+ost_status record_derive(const char *folder, const json_t *protocol, const json_t *cases, evidence_sink *sink, void *user, ost_error *err)
 {
     char *requirements = NULL;
     size_t size;
-    json_t *tools = NULL, *common = NULL;
-    ost_status status = read_json(folder, TOOLS_FILE, &tools, err);
+    json_t *tools = NULL, *common = NULL, *times = NULL, *environment = NULL;
+    ost_status status = find_json(folder, TOOLS_FILE, &tools, err);
     if (status == OST_OK)
-        status = read_json(folder, COMMON_FILE, &common, err);
+        status = find_json(folder, COMMON_FILE, &common, err);
+    if (status == OST_OK)
+        status = find_json(folder, TIMES_FILE, &times, err);
+    if (status == OST_OK)
+        status = find_json(folder, ENVIRONMENT_FILE, &environment, err);
     if (status == OST_OK && json_is_object(tools))
         status = software_write(tools, sink, user, err);
+    if (status == OST_OK)
+        status = junit_write(protocol, cases, times, environment, sink, user, err);
     if (status == OST_OK)
         status = bundle_find(folder, REQUIREMENTS_FILE, &requirements, &size, err);
     if (status == OST_OK && requirements)
         status = trace_table_write(requirements, cases, common, sink, user, err);
     free(requirements);
+    json_decref(environment);
+    json_decref(times);
     json_decref(common);
     json_decref(tools);
     return status;

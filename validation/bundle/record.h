@@ -4,7 +4,8 @@
  *
  *   record_put     requirements.csv, tools.json, devices.json, common.json: found out on the machine
  *   record_merge   the same from the bundles of shards
- *   record_derive  trace.csv, sbom.spdx.json, soup.csv: follow from those and the cases; verify derives them again
+ *   record_derive  trace.csv, sbom.spdx.json, soup.csv, junit.xml: follow from those, environment.json, times.json and the
+ *                  cases; verify derives them again
  *
  * tools.json and devices.json of shards that ran on equal machines are equal
  * and stand once; of others there is an object {"1/3": ...}.
@@ -21,6 +22,6 @@ ost_status record_put(const char *program, const subject_list *subjects, const j
 ost_status record_merge(const char *folder, evidence_sink *sink, void *user, ost_error *err);
 
 /* From the files of the bundle in folder. */
-ost_status record_derive(const char *folder, const json_t *cases, evidence_sink *sink, void *user, ost_error *err);
+ost_status record_derive(const char *folder, const json_t *protocol, const json_t *cases, evidence_sink *sink, void *user, ost_error *err);
 
 #endif

@@ -14,6 +14,7 @@
 #include "core/file.h"
 #include "io/outfile.h"
 #include "validation/bundle/evidence.h"
+#include "validation/bundle/limits.h"
 #include "validation/bundle/manifest.h"
 #include "validation/bundle/sign_parts.h"
 
@@ -67,8 +68,9 @@ static ost_status read_object(const char *folder, const char *name, json_t **out
     ost_status status = bundle_read(folder, name, &bytes, &size, err);
     if (status != OST_OK)
         return status;
-    *out = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, NULL);
-    status = json_is_object(*out) ? ost_digest_bytes(bytes, size, &digest, err) : ost_fail(err, OST_ERR_INPUT, "%s/%s: no JSON object", folder, name);
+    status = limits_parse(name, bytes, size, out, err);
+    if (status == OST_OK)
+        status = json_is_object(*out) ? ost_digest_bytes(bytes, size, &digest, err) : ost_fail(err, OST_ERR_INPUT, "%s/%s: no JSON object", folder, name);
     if (status == OST_OK)
         ost_digest_hex(&digest, hex);
     free(bytes);
@@ -77,17 +79,12 @@ static ost_status read_object(const char *folder, const char *name, json_t **out
 
 static ost_status contents_read(const char *folder, contents *c, ost_error *err)
 {
-    char *bytes = NULL;
-    size_t size;
     *c = (contents){.protocol = NULL};
     ost_status status = read_object(folder, MANIFEST_FILE, &c->manifest, c->manifest_sha256, err);
     if (status == OST_OK)
         status = read_object(folder, EVIDENCE_PROTOCOL, &c->protocol, c->protocol_sha256, err);
     if (status == OST_OK)
-        status = bundle_read(folder, EVIDENCE_CASES, &bytes, &size, err);
-    if (status == OST_OK)
-        status = evidence_parse_cases(bytes, size, &c->cases, err);
-    free(bytes);
+        status = evidence_read_cases(folder, false, &c->cases, err);
     if (status == OST_OK)
         status = evidence_summary(c->protocol, c->cases, &c->summary, err);
     if (status != OST_OK)

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The files of a bundle's folder, and how they are opened: a bundle may come
+ * from anybody.
+ *
+ *   folder --folder_list--> names and sizes; all else is a problem in a line
+ *
+ * A bundle has the files of the table in folder.c, in the folder itself and in
+ * pictures/, cases/ and signatures/, and each has its greatest size. Symbolic
+ * links, pipes, devices and folders of other names are named and never opened:
+ * every component of a name is opened with O_NOFOLLOW from the folder above it.
+ */
+#ifndef OST_VALIDATION_FOLDER_H
+#define OST_VALIDATION_FOLDER_H
+
+#include <osteon/digest.h>
+
+#include "core/file.h"
+#include "validation/bundle/bundle.h"
+
+typedef struct folder_file {
+    char *name; /* "pictures/after.png" */
+    int64_t size;
+} folder_file;
+
+typedef struct folder_files {
+    folder_file *files; /* owned; sorted by name */
+    size_t count;
+} folder_files;
+
+/* What is the case for a file of this name; false when no bundle has such a file. */
+typedef struct folder_about {
+    bool varies;  /* it depends on times, identities or the machine: not in results_root */
+    bool bound;   /* its digest stands in the log (log.h) */
+    int64_t most; /* bytes */
+} folder_about;
+bool folder_describe(const char *name, folder_about *out);
+
+/* The name in row `row` of the table; NULL behind the last. Names of pictures, cases and signatures are in no row. */
+const char *folder_name(size_t row);
+
+/* Lists all files but those of signatures/, which sign.h reads. *found counts the problems. */
+ost_status folder_list(const char *folder, folder_files *out, bundle_problem *problem, void *user, int *found, ost_error *err);
+void folder_free(folder_files *l);
+
+/* Opens folder/name as core/file.h does, without symbolic links; the caller closes out->fd. OST_ERR_RANGE above its greatest size. */
+ost_status folder_open(const char *folder, const char *name, ost_file *out, ost_error *err);
+
+/* The SHA-256 of a file, by blocks. */
+ost_status folder_digest(const char *folder, const char *name, ost_digest *out, int64_t *size, ost_error *err);
+
+/* Compares a file with bytes, by blocks; *absent and *same receive the answer. */
+ost_status folder_compare(const char *folder, const char *name, const void *bytes, size_t size, bool *absent, bool *same, ost_error *err);
+
+#endif

@@ -1,0 +1,233 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "validation/bundle/judge.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "validation/bundle/evidence.h"
+#include "validation/bundle/limits.h"
+#include "validation/subjects.h"
+
+enum { LINE = 160 };
+
+typedef struct judge {
+    judge_problem *problem;
+    void *user;
+    const json_t *one, *backend;
+} judge;
+
+static void report(const judge *j, const char *format, ...) OST_PRINTF(2, 3);
+static void report(const judge *j, const char *format, ...)
+{
+    char text[JUDGE_TEXT], what[JUDGE_TEXT], id[PLAN_ID], name[128];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(what, sizeof what, format, args);
+    va_end(args);
+    limits_printable(evidence_text(j->one, "id"), id, sizeof id);
+    limits_printable(evidence_text(j->backend, "name"), name, sizeof name);
+    snprintf(text, sizeof text, "%s%s%s: %.300s", id, j->backend ? " on " : "", name, what);
+    j->problem(j->user, text);
+}
+
+static bool is_digest(const json_t *value)
+{
+    const char *text = json_string_value(value);
+    return text && strlen(text) == OST_DIGEST_HEX - 1 && strspn(text, "0123456789abcdef") == OST_DIGEST_HEX - 1;
+}
+
+static bool is_stage(const char *name)
+{
+    for (int s = 0; s < TRACE_STAGES; s++)
+        if (strcmp(name, trace_stage_name((trace_stage)s)) == 0)
+            return true;
+    return false;
+}
+
+static bool leaves_ok(const json_t *leaves)
+{
+    for (size_t i = 0; i < json_array_size(leaves); i++) {
+        const json_t *leaf = json_array_get(leaves, i);
+        if (!is_digest(leaf) && !(json_array_size(leaf) == 2 && json_is_integer(json_array_get(leaf, 0)) && is_digest(json_array_get(leaf, 1))))
+            return false;
+    }
+    return !leaves || json_is_array(leaves);
+}
+
+/* Line `at` of the reference: the input's and then one a record; "" behind the last; false where a row has another form. */
+static bool reference_line(const json_t *one, size_t at, char line[LINE])
+{
+    const json_t *rows = json_object_get(one, "reference"), *row;
+    line[0] = '\0';
+    if (at == 0) {
+        snprintf(line, LINE, "%s 0 %s", trace_stage_name(TRACE_CASE), evidence_text(one, "input_sha256"));
+        return json_is_array(rows) && is_digest(json_object_get(one, "input_sha256"));
+    }
+    if (at > json_array_size(rows))
+        return true;
+    row = json_array_get(rows, at - 1);
+    const json_int_t item = json_integer_value(json_object_get(row, "item"));
+    if (!is_stage(evidence_text(row, "stage")) || item < 0 || item > UINT32_MAX || !is_digest(json_object_get(row, "sha256")) || !leaves_ok(json_object_get(row, "leaves")))
+        return false;
+    snprintf(line, LINE, "%s %lld %s", evidence_text(row, "stage"), (long long)item, evidence_text(row, "sha256"));
+    return true;
+}
+
+static ost_status add_line(ost_hasher *h, const char *line, ost_error *err)
+{
+    const ost_status status = ost_hasher_add(h, line, strlen(line), err);
+    return status == OST_OK ? ost_hasher_add(h, "\n", 1, err) : status;
+}
+
+bool judge_reference(const json_t *one, ost_digest *out)
+{
+    char line[LINE];
+    ost_hasher *h;
+    ost_error none = {0};
+    bool ok = true;
+    if (ost_hasher_open(&h, &none) != OST_OK)
+        return false;
+    for (size_t at = 0; ok && at <= json_array_size(json_object_get(one, "reference")); at++)
+        ok = reference_line(one, at, line) && add_line(h, line, &none) == OST_OK;
+    return ost_hasher_close(h, out, &none) == OST_OK && ok;
+}
+
+/* ------------------------------------------------------------- own lines */
+
+/* The SHA-256 of a backend's own lines; false where there are none or one has another form. */
+static bool own_digest(const json_t *lines, char hex[OST_DIGEST_HEX])
+{
+    ost_hasher *h;
+    ost_digest digest;
+    ost_error none = {0};
+    bool ok = json_array_size(lines) > 0;
+    if (ost_hasher_open(&h, &none) != OST_OK)
+        return false;
+    for (size_t i = 0; ok && i < json_array_size(lines); i++) {
+        const char *line = json_string_value(json_array_get(lines, i));
+        ok = line && strlen(line) < LINE && !strchr(line, '\n') && add_line(h, line, &none) == OST_OK;
+    }
+    ok = ost_hasher_close(h, &digest, &none) == OST_OK && ok;
+    ost_digest_hex(&digest, hex);
+    return ok;
+}
+
+/* "tick 3 -": the dump has no such record. */
+static bool stands_in(const char *line, const char *reference)
+{
+    const char *digest = strrchr(reference, ' ');
+    const size_t head = digest ? (size_t)(digest - reference) : 0;
+    return head && strncmp(line, reference, head) == 0 && strcmp(line + head, " -") == 0;
+}
+
+/* The first line that is not the reference's, and that line of the reference; -1: all are the same. */
+static long first_other(const json_t *one, const json_t *lines, bool dump, char reference[LINE])
+{
+    const size_t count = json_array_size(lines), all = 1 + json_array_size(json_object_get(one, "reference"));
+    for (size_t at = 0; at < count || at < all; at++) {
+        const char *own = at < count ? json_string_value(json_array_get(lines, at)) : "";
+        reference_line(one, at, reference);
+        if (!own || (strcmp(own, reference) != 0 && !(dump && stands_in(own, reference))))
+            return (long)at;
+    }
+    return -1;
+}
+
+/* The stage and the item that a difference at line `at` is stated for: the reference's, or the backend's behind the reference's end. */
+static void place_of(const char *reference, const json_t *lines, long at, char place[LINE])
+{
+    const char *line = *reference ? reference : json_string_value(json_array_get(lines, (size_t)at));
+    snprintf(place, LINE, "%s", line ? line : "");
+    char *last = strrchr(place, ' ');
+    if (last)
+        *last = '\0';
+}
+
+static bool ends_failed(const json_t *lines)
+{
+    const char *last = json_string_value(json_array_get(lines, json_array_size(lines) - 1));
+    const char *name = trace_stage_name(TRACE_FAILED);
+    return last && strncmp(last, name, strlen(name)) == 0 && last[strlen(name)] == ' ';
+}
+
+/* -------------------------------------------------------------- one result */
+
+static int verdict_named(const char *name)
+{
+    for (int v = 0; v < CASE_VERDICTS; v++)
+        if (strcmp(name, case_verdict_name((case_verdict)v)) == 0)
+            return v;
+    return -1;
+}
+
+/* A result whose backend has lines of its own. */
+static void judge_lines(const judge *j, const json_t *r, case_verdict verdict, bool dump)
+{
+    const json_t *lines = json_object_get(r, "records");
+    char hex[OST_DIGEST_HEX], reference[LINE], place[LINE], stated[LINE];
+    if (!own_digest(lines, hex) || strcmp(hex, evidence_text(r, "sha256")) != 0) {
+        report(j, "its records do not give its sha256");
+        return;
+    }
+    const long at = first_other(j->one, lines, dump, reference);
+    if (at < 0) {
+        if (verdict != CASE_EQUAL)
+            report(j, "says '%s', and all digests are the reference's", case_verdict_name(verdict));
+        return;
+    }
+    place_of(reference, lines, at, place);
+    const bool failed = ends_failed(lines) && (size_t)at + 1 >= json_array_size(lines);
+    const case_verdict derived = failed ? CASE_FAILED : CASE_DIFFERS;
+    snprintf(stated, sizeof stated, "%.40s %lld", evidence_text(r, "stage"), (long long)json_integer_value(json_object_get(r, "item")));
+    if (verdict != derived)
+        report(j, "says '%s', and its digests say '%s', first at %s", case_verdict_name(verdict), case_verdict_name(derived), place);
+    else if (verdict == CASE_DIFFERS && strcmp(stated, place) != 0)
+        report(j, "says that %s differs first, and its digests differ first at %s", stated, place);
+}
+
+static void judge_result(const judge *j, const json_t *r, const char *reference)
+{
+    const char *name = evidence_text(j->backend, "name"), *sha256 = evidence_text(r, "sha256");
+    const int verdict = verdict_named(evidence_text(r, "verdict"));
+    const bool dump = strncmp(name, SUBJECT_DUMP, strlen(SUBJECT_DUMP)) == 0, own = json_object_get(r, "records") != NULL;
+    const bool available = json_is_true(json_object_get(j->backend, "available"));
+    if (verdict < 0)
+        report(j, "has no verdict");
+    else if (verdict == CASE_NOT_RUN ? available && !dump : !available)
+        report(j, available ? "was not run, although it was available" : "has a result, although it was not available");
+    else if (own)
+        judge_lines(j, r, (case_verdict)verdict, dump);
+    else if (verdict == CASE_EQUAL && !*sha256)
+        report(j, "says 'equal' without a digest");
+    else if (verdict == CASE_EQUAL && strcmp(sha256, reference) != 0)
+        report(j, "says 'equal', and its digest is not the reference's");
+    else if (verdict == CASE_DIFFERS)
+        report(j, "says 'differs' without the digests of its records");
+    else if (verdict != CASE_EQUAL && *sha256)
+        report(j, "says '%s', and has the digest of a complete case", case_verdict_name((case_verdict)verdict));
+}
+
+void judge_case(const json_t *protocol, const json_t *one, judge_problem *problem, void *user)
+{
+    const json_t *backends = json_object_get(protocol, "backends"), *results = json_object_get(one, "results");
+    judge j = {problem, user, one, NULL};
+    ost_digest digest;
+    char hex[OST_DIGEST_HEX];
+    if (!judge_reference(one, &digest)) {
+        report(&j, "its input or a record of the reference has no digest of the form that a bundle has");
+        return;
+    }
+    if (strcmp(ost_digest_hex(&digest, hex), evidence_text(one, "reference_sha256")) != 0)
+        report(&j, "the reference's records do not give reference_sha256");
+    if (!json_is_object(results) || json_object_size(results) + 1 != json_array_size(backends))
+        report(&j, "has %zu results; the protocol has %zu backends besides the reference", json_object_size(results), json_array_size(backends) ? json_array_size(backends) - 1 : 0);
+    for (size_t s = 1; s < json_array_size(backends); s++) {
+        j.backend = json_array_get(backends, s);
+        const json_t *r = json_object_get(results, evidence_text(j.backend, "name"));
+        if (json_is_object(r))
+            judge_result(&j, r, hex);
+        else
+            report(&j, "has no result");
+    }
+}
