@@ -16,22 +16,35 @@ import signal
 import subprocess
 
 COMPILE_LIMIT = 180
+LIVE = set()  # process groups that were started and have not been waited for
 
 
 class BuildError(Exception):
     pass
 
 
+def end_all():
+    """Ends every process group that runs: for a signal's handler."""
+    for group in list(LIVE):
+        try:
+            os.killpg(group, signal.SIGKILL)
+        except ProcessLookupError:
+            pass
+
+
 def run(command, cwd, limit, env=None, output=None):
     """Runs a command in a process group of its own; returns (status, text), status None when it was late."""
     p = subprocess.Popen(command, cwd=cwd, env=env, stdin=subprocess.DEVNULL, stdout=output or subprocess.PIPE, stderr=subprocess.STDOUT if not output else None,
                          start_new_session=True)
+    LIVE.add(p.pid)
     try:
         text = p.communicate(timeout=limit)[0]
     except subprocess.TimeoutExpired:
         os.killpg(p.pid, signal.SIGKILL)
         p.communicate()
         return None, "late"
+    finally:
+        LIVE.discard(p.pid)
     return p.returncode, (text or b"").decode(errors="replace")
 
 

@@ -19,6 +19,7 @@ import csv
 import glob
 import os
 import queue
+import signal
 import subprocess
 import sys
 import threading
@@ -84,6 +85,12 @@ def chosen(args):
         wanted = set(args.ids.split(","))
         return [m for m in mutants if m.id in wanted]
     return operators.sample(mutants, args.sample or len(mutants), args.seed)
+
+
+def stop(number, _frame):
+    """Ends what runs; the rows that were written stay, and the same command goes on behind them."""
+    building.end_all()
+    os._exit(128 + number)
 
 
 def run(args):
@@ -170,6 +177,8 @@ def main():
         return table.write(args)
     args.work, args.results = os.path.abspath(args.work), os.path.abspath(args.results)
     os.makedirs(args.work, exist_ok=True)
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, stop)
     return run(args)
 
 

@@ -20,6 +20,8 @@ import subprocess
 import threading
 import time
 
+from build import LIVE
+
 FAMILIES = ["sweep", "import", "mesh", "poses", "session", "operation"]
 STAGES = ["case", "rect", "cubic", "chunks", "tool", "collide", "tick", "final", "failed", "end"]
 HEAD = 32
@@ -56,6 +58,7 @@ class Process:
         self.log = open(os.path.join(scratch, "said"), "w+b")
         self.p = subprocess.Popen(command, cwd=scratch, env=environment(scratch), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL if trace else write,
                                   stderr=self.log, pass_fds=(write,) if trace else (), start_new_session=True, preexec_fn=lambda: limits.apply(cpu_s))
+        LIVE.add(self.p.pid)
         os.close(write)
         self.pipe, self.late = read, False
 
@@ -87,6 +90,7 @@ class Process:
         except ProcessLookupError:
             self.p.wait()
         finally:
+            LIVE.discard(self.p.pid)
             os.close(self.pipe)
             self.last_line = self.said()
             self.log.close()
