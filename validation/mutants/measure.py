@@ -62,6 +62,8 @@ class Measurement:
                 continue
             subjects = scope.subjects(m.file, self.campaign.subjects(tier, scratch))
             if not subjects:
+                if m.file not in scope.OUTSIDE:
+                    return ("not built here",)
                 continue
             if scope.is_shared(m.file):
                 found, changed = self.campaign.shared(program, tier, subjects[0], scratch)

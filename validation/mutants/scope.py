@@ -64,7 +64,7 @@ def subjects(file, available):
     if file in OUTSIDE or "/arm/" in file and not any("isa=neon" in s for s in available):
         return []
     if is_shared(file):
-        return first("cpu:isa=avx2,threads=2", "cpu:isa=.*,threads=2")
+        return first("cpu:isa=(avx2|neon),threads=[2-9].*", "cpu:isa=.*")[:1]
     if file.startswith("src/cpu/ref/"):
         return ["ref"]
     if is_kernel(file):
@@ -76,10 +76,10 @@ def subjects(file, available):
     isa = re.search(r"_(avx2|avx512|neon)\.c$", file)
     if isa or file.endswith("scalar.c"):
         name = isa.group(1) if isa else "scalar"
-        return first(*(f"cpu:isa={name},threads={n}\\b.*" for n in (3, 2, 1)))[:2]
+        return first(f"cpu:isa={name},threads=[2-9].*", f"cpu:isa={name},threads=1.*")
     if "embree" in file:
         return first("cpu:voxelizer=embree.*")
-    out = first("cpu:isa=(avx512|neon),threads=2", "cpu:isa=scalar,threads=1", "cpu:isa=avx2,threads=7", "cpu:isa=(avx512|scalar),threads=3")
+    out = first("cpu:isa=(avx512|neon),threads=[2-9].*", "cpu:isa=scalar,threads=1.*", "cpu:threads=.*")
     return out + (first("cpu:voxelizer=embree.*") if "/voxelize/" in file else [])
 
 

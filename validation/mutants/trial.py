@@ -235,7 +235,7 @@ class Campaign:
                     break
             if suspect:
                 break
-        options = ["--cpu-only", "--backends", subject]
+        options = ["--cpu-only", "--backends", ";".join([subject] + [s for s in self.subjects(tier, scratch) if s == "dense"])]
         runs = [["--only", suspect, *options], options] if suspect else [["--only", "import/0", *options], ["--faults-only"]]
         for words in runs:
             found = self._noticed([program, "validate", "--json", "--tier", tier, "--jobs", "1", *words], scratch)

@@ -97,6 +97,20 @@ class Generator(unittest.TestCase):
         self.assertNotEqual(operators.sample(mutants, 40, 5), operators.sample(mutants, 40, 6))
         self.assertEqual(len({m.id for m in mutants}), len(mutants))
 
+    def test_backends_of_files(self):
+        """A file whose backends are not found would count as survived; so every one that is built here has some."""
+        lists = (["ref", "cpu:isa=scalar,threads=1", "cpu:isa=scalar,threads=2", "cpu:isa=avx2,threads=1", "cpu:isa=avx2,threads=2", "cpu:isa=avx512,threads=2",
+                  "cpu:voxelizer=embree,threads=2", "cl:platform=0,device=0"],
+                 ["ref", "dense", "cpu:isa=scalar,threads=1", "cpu:isa=scalar,threads=2,grain=1", "cpu:isa=avx2,threads=3,grain=1", "cpu:isa=avx512,threads=1",
+                  "cpu:isa=avx512,threads=7,grain=1", "cpu:threads=3", "cpu:voxelizer=embree,threads=2", "cl:platform=0,device=0,kernels=gpu"])
+        for available in lists:
+            for file in scope.files(SOURCE):
+                if file in scope.OUTSIDE or "/arm/" in file or file.endswith("_cpu.cl"):
+                    continue
+                found = scope.subjects(file, available)
+                self.assertTrue(found, file)
+                self.assertLessEqual(set(found), set(available))
+
     def test_foreign_mutant(self):
         m = operators.from_file("src/core/a.c", "a = b + c;\n", "a = b - c;\n", {})
         self.assertEqual((m.at, m.old, m.new), (6, "+", "-"))
