@@ -55,6 +55,13 @@ static ost_status make_import(const plan_case *c, scene *s, draw *d, ost_error *
         s->resample = draw_one_in(d, 2) ? OST_RESAMPLE_LINEAR : OST_RESAMPLE_THESIS;
         dims = (ost_dims){dims.x < 8 ? 8 : dims.x, dims.y < 8 ? 8 : dims.y, dims.z < 8 ? 8 : dims.z};
     }
+    if (c->number % 6 == 3 || c->number % 6 == 4) {
+        /* i * (cubic / rect) is a whole number and comes out just below it: in double precision along x and y, in single along z. */
+        s->cubic = 900 * UM;
+        s->rect.spacing = (ost_pm3){390 * UM, 330 * UM, 870 * UM};
+        s->resample = c->number % 6 == 3 ? OST_RESAMPLE_NEAREST : OST_RESAMPLE_THESIS;
+        dims = draw_dims(d, 46, 56);
+    }
     return scene_ct(s, d, dims, err);
 }
 
