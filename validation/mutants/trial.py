@@ -3,7 +3,7 @@
 
 A backend's trace (validation/trace.h) goes through a pipe and is compared,
 record by record, with the digests of the unmutated program's; the run ends at
-the first difference.  Traces of all backends are equal byte by byte, so this
+the first difference.  But for its end, the trace of every backend is equal byte by byte, so this
 is what a campaign compares.
 
 A mutant of what all backends share changes both sides of that comparison; then
@@ -12,6 +12,7 @@ the campaign itself runs, and its verdict counts.
 import hashlib
 import json
 import os
+import re
 import resource
 import select
 import signal
@@ -23,7 +24,6 @@ import time
 from build import LIVE
 
 FAMILIES = ["sweep", "import", "mesh", "poses", "session", "operation"]
-STAGES = ["case", "rect", "cubic", "chunks", "tool", "collide", "tick", "final", "failed", "end"]
 HEAD = 32
 
 
@@ -106,8 +106,19 @@ def how_it_ended(status):
     return f"exit status {status}" if status else None
 
 
-def records(process):
-    """Yields (head, digest of the body) of a trace that comes through the process's pipe."""
+def stage_names(source):
+    """Names of a trace's stages by their numbers, as the measured commit has them."""
+    with open(os.path.join(source, "validation/trace.c"), encoding="utf-8") as f:
+        found = re.search(r"stage_names\[TRACE_STAGES\] = \{([^}]*)\}", f.read())
+    return re.findall(r'"(\w+)"', found.group(1))
+
+
+def records(process, stages):
+    """Yields (head, digest of the body) of a trace that comes through the process's pipe, but for its end.
+
+    The end has the paths that a backend took and its times, which are no results.
+    """
+    end = stages.index("end")
     data = b""
     while True:
         while len(data) < HEAD:
@@ -125,19 +136,21 @@ def records(process):
             part, data = data[:size], data[size:]
             body.update(part)
             size -= len(part)
-        yield head, body.digest()
+        if struct.unpack_from("<I", head, 4)[0] != end:
+            yield head, body.digest()
 
 
-def place(family, head):
+def place(family, head, stages):
     _, stage, case, item = struct.unpack_from("<4sIII", head)
-    stage = STAGES[stage] if stage < len(STAGES) else str(stage)
-    return f"{family}/{case}", stage + (f" {item}" if stage in ("tool", "collide", "tick") else "")
+    stage = stages[stage] if stage < len(stages) else str(stage)
+    return f"{family}/{case}", stage + (f" {item}" if stage in ("snap", "tool", "collide", "steps", "tick") else "")
 
 
 class Campaign:
     """The unmutated program's results, and runs of mutated ones against them."""
 
-    def __init__(self, program, work, limits, families=None, factor=5):
+    def __init__(self, program, work, limits, stages, families=None, factor=5):
+        self.stages = stages
         self.program, self.work, self.limits, self.factor = program, work, limits, factor
         self.families = families or FAMILIES
         self.kills = {f: [1, 2] for f in self.families}
@@ -171,7 +184,7 @@ class Campaign:
             if not os.path.exists(path):
                 before = resource.getrusage(resource.RUSAGE_CHILDREN)
                 process = Process(self.worker(self.program, tier, subject, family), scratch, 7200, self.limits, trace=True, wall_s=7200)
-                made = [(h.hex(), d.hex()) for h, d in records(process)]
+                made = [(h.hex(), d.hex()) for h, d in records(process, self.stages)]
                 status = process.end(False)
                 after = resource.getrusage(resource.RUSAGE_CHILDREN)
                 if status != 0:
@@ -196,15 +209,15 @@ class Campaign:
         expected, seconds = self.baseline(tier, subject, family, scratch)
         process = Process(self.worker(program, tier, subject, family), scratch, seconds, self.limits, trace=True)
         count, found = 0, None
-        for head, digest in records(process):
+        for head, digest in records(process, self.stages):
             if count == len(expected) or (head, digest) != expected[count]:
                 want = expected[min(count, len(expected) - 1)][0]
-                found = (*place(family, want), "failed" if head[4] == STAGES.index("failed") else "differs")
+                found = (*place(family, want, self.stages), "failed" if head[4] == self.stages.index("failed") else "differs")
                 break
             count += 1
         status = process.end(found is not None)
         if found is None and (status != 0 or count < len(expected)):
-            found = (*place(family, expected[min(count, len(expected) - 1)][0]), how_it_ended(status) or "trace ends early")
+            found = (*place(family, expected[min(count, len(expected) - 1)][0], self.stages), how_it_ended(status) or "trace ends early")
         return found
 
     def killed(self, program, tier, subjects, scratch):

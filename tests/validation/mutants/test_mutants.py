@@ -111,6 +111,11 @@ class Generator(unittest.TestCase):
                 self.assertTrue(found, file)
                 self.assertLessEqual(set(found), set(available))
 
+    def test_stages(self):
+        names = trial.stage_names(SOURCE)
+        self.assertEqual((names[0], names[1], names[-1]), ("case", "rect", "end"))
+        self.assertIn("failed", names)
+
     def test_foreign_mutant(self):
         m = operators.from_file("src/core/a.c", "a = b + c;\n", "a = b - c;\n", {})
         self.assertEqual((m.at, m.old, m.new), (6, "+", "-"))
@@ -146,7 +151,7 @@ int main(int argc, char **argv)
     int values[20];
     FILE *to = fopen(argv[argc - 1], "wb");
     for (int i = 0; i < 20; i++) values[i] = toy_value(i);
-    put(to, 0, values, 4), put(to, 1, values, sizeof values), put(to, 9, values, 0);
+    put(to, 0, values, 4), put(to, 1, values, sizeof values), put(to, STAGE_END, &argc, sizeof argc);
     return fclose(to);
 }
 """
@@ -166,7 +171,7 @@ class OnAToy(unittest.TestCase):
         os.makedirs(os.path.join(made, "src/cpu/ref"))
         log = []
         for name in ("cpu/ref/toy", "main"):
-            words = [*compiler, "-O2", "-MD", "-MF", f"src/{name}.Po", "-c", f"../src/{name}.c", "-o", f"src/{name}.o"]
+            words = [*compiler, "-O2", f"-DSTAGE_END={trial.stage_names(SOURCE).index('end')}", "-MD", "-MF", f"src/{name}.Po", "-c", f"../src/{name}.c", "-o", f"src/{name}.o"]
             log.append("libtool: compile:  " + " ".join(words))
             subprocess.run(words, cwd=made, check=True)
         subprocess.run(["ar", "cr", "libtoy.a", "src/cpu/ref/toy.o"], cwd=made, check=True)
@@ -176,7 +181,8 @@ class OnAToy(unittest.TestCase):
         with open(os.path.join(made, "build.log"), "w", encoding="utf-8") as f:
             f.write("\n".join(log) + "\n")
         self.build = building.Build(made, os.path.join(self.folder, "objects"), linker="")
-        campaign = trial.Campaign(os.path.join(made, "osteon"), os.path.join(self.folder, "baseline"), trial.Limits(2048), families=["import"])
+        campaign = trial.Campaign(os.path.join(made, "osteon"), os.path.join(self.folder, "baseline"), trial.Limits(2048),
+                                  trial.stage_names(SOURCE), families=["import"])
         campaign.lists["smoke"] = ["ref"]
         self.one = measure.Measurement(self.build, campaign, ["smoke"])
 
