@@ -7,6 +7,7 @@
 #include "sim/world.h"
 #include "validation/compare.h"
 #include "validation/dense/steps.h"
+#include "validation/draw.h"
 #include "validation/steps_make.h"
 
 /*
@@ -42,6 +43,7 @@ typedef struct performer {
     void *user;
     const trace *given; /* apart: the reference's; else NULL */
     compare_range in_given;
+    bool refused;       /* the CT has a rejected or a conflicting sample: the case ends with its report */
     int16_t *right;     /* apart: the bone as the reference has it */
 } performer;
 
@@ -191,12 +193,43 @@ static void record_bone_counts(performer *p, const ost_bone_info *info)
     trace_word(p->w, (uint64_t)info->active_voxels);
 }
 
+/* The samples, which are one a voxel and on the lattice, as slices: s->slices of them a call. */
+static ost_status upload_ct(performer *p, ost_grid *rect, ost_error *err)
+{
+    const scene *s = p->s;
+    const ost_geometry *g = &s->rect;
+    const size_t slice = (size_t)g->dims.x * (size_t)g->dims.y;
+    int16_t *voxels = calloc(slice * (size_t)g->dims.z, sizeof *voxels);
+    if (!voxels)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a CT of %d slices", (int)g->dims.z);
+    for (size_t i = 0; i < s->sample_count; i++) {
+        const ost_sample *one = &s->samples[i];
+        voxels[(size_t)((one->x - g->origin.x) / g->spacing.x) + (size_t)g->dims.x * (size_t)((one->y - g->origin.y) / g->spacing.y) +
+               slice * (size_t)((one->z - g->origin.z) / g->spacing.z)] = (int16_t)one->density;
+    }
+    ost_status status = OST_OK;
+    for (int32_t z = 0; z < g->dims.z && status == OST_OK; z += s->slices) {
+        const int32_t count = g->dims.z - z < s->slices ? g->dims.z - z : s->slices;
+        status = ost_grid_upload(rect, z, count, voxels + slice * (size_t)z, err);
+    }
+    free(voxels);
+    return status;
+}
+
+/* A rejected or conflicting sample ends an import: its grid is of no use. */
+static bool refused(const ost_scatter_report *r)
+{
+    return r->rejected_line != 0 || r->conflict_line != 0;
+}
+
 static ost_status run_rect(performer *p, ost_grid **out, ost_error *err)
 {
     const scene *s = p->s;
     ost_scatter_report r = {0};
     ost_status status = ost_grid_create(p->backend, &s->rect, out, err);
-    for (size_t at = 0; at < s->sample_count && status == OST_OK; at += s->batch) {
+    if (s->slices && status == OST_OK)
+        status = upload_ct(p, *out, err);
+    for (size_t at = s->slices ? s->sample_count : 0; at < s->sample_count && status == OST_OK; at += s->batch) {
         const size_t n = s->sample_count - at < s->batch ? s->sample_count - at : s->batch;
         status = ost_ct_to_rect(*out, s->samples + at, n, (int64_t)at + 1, s->duplicates, &r, err);
     }
@@ -207,7 +240,10 @@ static ost_status run_rect(performer *p, ost_grid **out, ost_error *err)
     trace_begin(p->w, TRACE_RECT, p->case_index, 0);
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
         trace_word(p->w, (uint64_t)words[i]);
-    status = record_grid(p, *out, err);
+    if (refused(&r))
+        p->refused = true;
+    else
+        status = record_grid(p, *out, err);
     ost_status written = end_record(p, TRACE_RECT, 0, err);
     return status != OST_OK ? status : written;
 }
@@ -227,6 +263,16 @@ static ost_status run_cubic(performer *p, const ost_grid *rect, ost_grid **out, 
     return status != OST_OK ? status : written;
 }
 
+/* The backend's own digest is a result like any other. */
+static void record_digest(performer *p, const ost_digest *root)
+{
+    for (int i = 0; i < 4; i++) {
+        uint64_t word;
+        memcpy(&word, root->bytes + 8 * i, 8);
+        trace_word(p->w, word);
+    }
+}
+
 static ost_status record_whole_bone(performer *p, trace_stage stage, ost_error *err)
 {
     ost_bone_info info;
@@ -239,12 +285,7 @@ static ost_status record_whole_bone(performer *p, trace_stage stage, ost_error *
         return status;
     trace_begin(p->w, stage, p->case_index, 0);
     record_bone_counts(p, &info);
-    /* The backend's own digest is a result like any other. */
-    for (int i = 0; i < 4; i++) {
-        uint64_t word;
-        memcpy(&word, root.bytes + 8 * i, 8);
-        trace_word(p->w, word);
-    }
+    record_digest(p, &root);
     int16_t *voxels = trace_block(p->w, lo, info.geometry.dims, 2);
     if (voxels)
         status = ost_bone_download(p->bone, 0, info.geometry.dims.z, voxels, err);
@@ -254,10 +295,150 @@ static ost_status record_whole_bone(performer *p, trace_stage stage, ost_error *
     return status != OST_OK ? status : written;
 }
 
+/* ------------------------------------------------------ sampling and upload */
+
+enum { SAMPLES_MAX = 33 };
+
+/* FNV-1a */
+static uint64_t hash_words(const uint32_t *words, size_t count)
+{
+    uint64_t h = UINT64_C(0xcbf29ce484222325);
+    for (size_t i = 0; i < count; i++)
+        h = (h ^ words[i]) * UINT64_C(0x100000001b3);
+    return h;
+}
+
+/* Densities of 0 to 33 voxels a call, on both sides of the grid's borders, so that every remainder of a vector comes up. */
+static ost_status sample_words(performer *p, draw *d, ost_error *err)
+{
+    const int32_t dims[3] = {p->dims.x, p->dims.y, p->dims.z};
+    int32_t at[3][SAMPLES_MAX];
+    int16_t densities[SAMPLES_MAX];
+    const int32_t *const axes[3] = {at[0], at[1], at[2]};
+    for (size_t n = 0; n <= SAMPLES_MAX; n++) {
+        for (size_t i = 0; i < n; i++)
+            for (int a = 0; a < 3; a++) {
+                const int64_t border = draw_one_in(d, 2) ? dims[a] : 0;
+                at[a][i] = (int32_t)(draw_one_in(d, 4) ? border + draw_between(d, -2, 1) : draw_between(d, 0, dims[a] - 1));
+            }
+        const ost_status status = ost_bone_sample(p->bone, n, axes, densities, err);
+        if (status != OST_OK)
+            return status;
+        for (size_t i = 0; i < n; i++)
+            trace_word(p->w, (uint64_t)(int64_t)densities[i]);
+    }
+    return OST_OK;
+}
+
+static ost_status occupancy_words(performer *p, ost_error *err)
+{
+    ost_bone_info info;
+    ost_status status = ost_bone_info_get(p->bone, &info, err);
+    if (status != OST_OK)
+        return status;
+    const size_t words = (size_t)info.chunk_size * (size_t)info.chunk_size * (size_t)info.chunk_size / 32;
+    uint32_t *bits = malloc(words * sizeof *bits);
+    if (!bits)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for the occupancy of a chunk");
+    for (int32_t c = 0; c < info.chunks && status == OST_OK; c++) {
+        status = ost_bone_occupancy(p->bone, 1, &c, bits, err);
+        if (status == OST_OK)
+            trace_word(p->w, hash_words(bits, words));
+    }
+    free(bits);
+    return status;
+}
+
+/* A backend that has no such function says so; its record is compared with nothing. */
+static ost_status end_optional(performer *p, trace_stage stage, uint32_t item, ost_status status, ost_error *err)
+{
+    if (status == OST_ERR_UNAVAILABLE) {
+        trace_begin(p->w, stage, p->case_index, item);
+        trace_flags(p->w, TRACE_STANDS_IN);
+        *err = (ost_error){0};
+        status = OST_OK;
+    }
+    const ost_status written = end_record(p, stage, item, err);
+    return status != OST_OK ? status : written;
+}
+
+static draw draw_of(const performer *p, uint64_t number)
+{
+    draw d = {number};
+    for (int i = 0; i < 8; i++)
+        d.state = (d.state ^ p->s->digest.bytes[i]) * UINT64_C(0x100000001b3);
+    return d;
+}
+
+/* time 0: the bone as it was imported, items 0 and 1; 1: at the end, items 2 and 3. */
+static ost_status run_sample(performer *p, uint32_t time, ost_error *err)
+{
+    draw d = draw_of(p, time);
+    trace_begin(p->w, TRACE_SAMPLE, p->case_index, 2 * time);
+    ost_status status = sample_words(p, &d, err);
+    status = end_optional(p, TRACE_SAMPLE, 2 * time, status, err);
+    if (status != OST_OK)
+        return status;
+    trace_begin(p->w, TRACE_SAMPLE, p->case_index, 2 * time + 1);
+    status = occupancy_words(p, err);
+    return end_optional(p, TRACE_SAMPLE, 2 * time + 1, status, err);
+}
+
+/* A second bone of the slices of the first, in parts; then a part again with other densities, some below the threshold. */
+static ost_status upload_slices(performer *p, ost_bone *copy, ost_error *err)
+{
+    draw d = draw_of(p, 2);
+    const int32_t z = p->dims.z;
+    const size_t slice = (size_t)p->dims.x * (size_t)p->dims.y;
+    ost_status status = OST_OK;
+    for (int32_t at = 0; at < z && status == OST_OK;) {
+        const int32_t left = z - at, part = (int32_t)draw_between(&d, 1, left);
+        status = ost_bone_upload(copy, at, part, p->was + slice * (size_t)at, err);
+        at += part;
+    }
+    const int32_t from = (int32_t)draw_between(&d, 0, z - 1), count = (int32_t)draw_between(&d, 1, z - from);
+    for (size_t i = 0; i < slice * (size_t)count; i++) {
+        const int32_t v = p->was[slice * (size_t)from + i] - 7;
+        p->is[i] = (int16_t)(v < -32768 ? v + 14 : v);
+    }
+    return status == OST_OK ? ost_bone_upload(copy, from, count, p->is, err) : status;
+}
+
+static ost_status run_upload(performer *p, ost_error *err)
+{
+    ost_bone *copy = NULL;
+    ost_bone_info info;
+    ost_digest root;
+    ost_status status = ost_bone_create(p->backend, &p->geometry, p->s->chunk_size, p->s->threshold, &copy, err);
+    if (status == OST_OK)
+        status = upload_slices(p, copy, err);
+    if (status == OST_OK)
+        status = ost_bone_info_get(copy, &info, err);
+    if (status == OST_OK)
+        status = ost_bone_digest(copy, NULL, &root, err);
+    trace_begin(p->w, TRACE_UPLOAD, p->case_index, 0);
+    if (status == OST_OK) {
+        record_bone_counts(p, &info);
+        record_digest(p, &root);
+    }
+    if (status == OST_OK && ost_dims_count(p->dims) <= PERFORM_WHOLE) { /* of a larger one the digest alone */
+        const int32_t lo[3] = {0, 0, 0};
+        int16_t *voxels = trace_block(p->w, lo, p->dims, 2);
+        if (voxels)
+            status = ost_bone_download(copy, 0, p->dims.z, voxels, err);
+    }
+    ost_bone_free(copy);
+    return end_optional(p, TRACE_UPLOAD, 0, status, err);
+}
+
 static ost_status run_import(performer *p, ost_error *err)
 {
     ost_grid *rect = NULL, *cubic = NULL;
     ost_status status = run_rect(p, &rect, err);
+    if (p->refused) {
+        ost_grid_free(rect);
+        return status;
+    }
     if (status == OST_OK)
         status = give_grid(p, TRACE_RECT, rect, err);
     if (status == OST_OK)
@@ -276,6 +457,10 @@ static ost_status run_import(performer *p, ost_error *err)
     }
     if (status == OST_OK)
         status = give_bone(p, err);
+    if (status == OST_OK)
+        status = run_sample(p, 0, err);
+    if (status == OST_OK)
+        status = run_upload(p, err);
     ost_grid_free(cubic);
     ost_grid_free(rect);
     return status;
@@ -558,7 +743,7 @@ static ost_status run_stages(performer *p, ost_error *err)
         status = run_import(p, err);
     for (int i = 0; i < s->tool_count && status == OST_OK; i++)
         status = run_tool(p, i, err);
-    if (!s->path.count || status != OST_OK)
+    if (!s->path.count || p->refused || status != OST_OK)
         return status;
     status = steps_path_of(p->second, s, &p->path, &p->own_path, err);
     if (status == OST_OK)
@@ -575,7 +760,13 @@ static ost_status run_stages(performer *p, ost_error *err)
     }
     if (status != OST_OK || is_of_steps(s))
         return status;
-    return p->light ? record_nothing(p, TRACE_FINAL, 0, err) : record_whole_bone(p, TRACE_FINAL, err);
+    if (p->light) {
+        for (uint32_t item = 2; item < 4 && status == OST_OK; item++)
+            status = record_nothing(p, TRACE_SAMPLE, item, err);
+        return status == OST_OK ? record_nothing(p, TRACE_FINAL, 0, err) : status;
+    }
+    status = run_sample(p, 1, err);
+    return status == OST_OK ? record_whole_bone(p, TRACE_FINAL, err) : status;
 }
 
 static ost_status perform_case(performer p, ost_error *why, ost_error *err)

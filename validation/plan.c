@@ -19,6 +19,7 @@ static const struct {
     [PLAN_SESSION] = {"session", "slow cutting with changes of tool", {2, 8, 40}, 0},
     [PLAN_OPERATION] = {"operation", "the built-in peg hole and reaming", {1, 2, 4}, 0},
     [PLAN_STEPS] = {"steps", "sweep, map, motor and snapping alone, at ties and the ends of the range", {6, 24, 120}, 0},
+    [PLAN_REACH] = {"reach", "large sparse bones, wide tools, rods, slices, far origins, refused samples", {3, 6, 24}, 0},
     [PLAN_STATIC] = {"static", "the static events of the thesis' Tables 3.3 to 3.5, when asked for by name", {0, 0, 0}, 8},
     [PLAN_SMALL] = {"small", "all stages in a few milliseconds, for the sensitivity proof", {0, 0, 0}, 0},
     [PLAN_USER] = {"user", "the user's own files", {0, 0, 0}, 0},
@@ -108,6 +109,7 @@ uint64_t plan_trace_bytes(const plan_case *c)
         [PLAN_IMPORT] = {2, 5, 5},       [PLAN_MESH] = {3, 3, 3},       [PLAN_POSES] = {4, 30, 30},       [PLAN_SWEEP] = {5, 20, 20},
         [PLAN_SESSION] = {50, 250, 1200}, [PLAN_OPERATION] = {100, 350, 1000}, [PLAN_SMALL] = {1, 1, 1},
         [PLAN_STEPS] = {2, 2, 2},
+        [PLAN_REACH] = {90, 90, 90},
     };
     return c->family == PLAN_USER ? user_trace_bytes(c->store, c->number) : megabytes[c->family][c->tier] << 20;
 }

@@ -15,6 +15,9 @@
  *   session/N    slow cutting for many ticks, tools changed in between
  *   operation/N  the built-in peg hole and reaming on a phantom's glenoid
  *   steps/N      sweep, map, motor and snapping alone: ties, ends of the range; no voxel
+ *   reach/N      what only size or place brings about: a sparse bone of more than
+ *                2^22 voxels, a tool wider than 512, rods, slices, far origins,
+ *                samples that are refused
  *   static/N     the thesis' static events, when they are asked for by name
  *   user/N       the user's own files (user_store.h), from 1 on; behind all others
  */
@@ -36,6 +39,7 @@ typedef enum plan_family {
     PLAN_SESSION,
     PLAN_OPERATION,
     PLAN_STEPS,
+    PLAN_REACH,
     PLAN_STATIC, /* by name alone: the static events of Tables 3.3 to 3.5 */
     PLAN_SMALL, /* in no plan: scenes of a few milliseconds that hold every stage, for sensitivity.h */
     PLAN_USER,  /* of the user's own files */

@@ -269,7 +269,7 @@ ost_status scene_make(const plan_case *c, scene *out, ost_error *err)
         [PLAN_IMPORT] = make_import, [PLAN_MESH] = make_mesh,       [PLAN_POSES] = make_poses,
         [PLAN_SWEEP] = make_sweep,   [PLAN_SESSION] = make_session, [PLAN_OPERATION] = make_operation,
         [PLAN_SMALL] = make_small,   [PLAN_STATIC] = make_static,   [PLAN_STEPS] = make_steps,
-        [PLAN_USER] = make_user,
+        [PLAN_USER] = make_user,     [PLAN_REACH] = scene_reach,
     };
     draw d = draw_named(c->seed, c->id);
     *out = (scene){0};
@@ -348,13 +348,16 @@ static ost_status add_ct(ost_hasher *h, const scene *s, ost_error *err)
         }
         status = add_ints(h, rows, n, err);
     }
-    return status;
+    /* Cases of samples have the digest that they had before there were slices. */
+    return status == OST_OK && s->slices ? add_ints(h, (const int64_t[]){s->slices}, 1, err) : status;
 }
 
 static ost_status add_path(ost_hasher *h, const scene *s, ost_error *err)
 {
     const int64_t head[] = {s->world.sweep_off, s->world.removal_period_ns, s->collide_every, (int64_t)s->path.count};
     ost_status status = add_ints(h, head, sizeof head / sizeof head[0], err);
+    for (int c = 0; c < s->world.classes.count && status == OST_OK; c++)
+        status = add_ints(h, (const int64_t[]){s->world.classes.border[c]}, 1, err);
     for (size_t i = 0; i < s->path.count && status == OST_OK; i++) {
         const ost_tick *t = &s->path.ticks[i];
         const int64_t row[] = {t->t_ns, t->tool, t->pose.t.x, t->pose.t.y, t->pose.t.z, t->pose.qw, t->pose.qx, t->pose.qy, t->pose.qz, t->rpm};

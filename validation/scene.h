@@ -36,6 +36,7 @@ typedef struct scene {
     ost_duplicates duplicates;
     ost_pm cubic;
     ost_resample resample;
+    int32_t slices; /* 0: the CT comes in samples; else it is uploaded in so many slices a call, and its samples are one a voxel, on the lattice */
     int chunk_size;
     int32_t threshold;
 

@@ -210,3 +210,22 @@ ost_status scene_add_full_tool(scene *s, draw *d, ost_pm voxel, ost_error *err)
     tool->grid_given = true;
     return status;
 }
+
+ost_status scene_add_bar(scene *s, ost_dims size, ost_pm voxel, ost_error *err)
+{
+    const ost_pm3 lo = {-size.x / 2 * voxel, -size.y / 2 * voxel, -size.z / 2 * voxel};
+    const ost_tool_geometry grid = {size, voxel, lo};
+    scene_tool *tool = &s->tools[s->tool_count];
+    ost_mesh mesh = {0};
+    *tool = (scene_tool){.rule = OST_FILL_WINDING, .name = "bar"};
+    s->tool_count++;
+    ost_status status = ost_mesh_init(&mesh, 8, 12, err);
+    if (status != OST_OK)
+        return status;
+    for (int c = 0; c < 8; c++)
+        mesh.vertices[c] = (ost_pm3){lo.x + (c & 1 ? size.x * voxel : 0), lo.y + (c & 2 ? size.y * voxel : 0), lo.z + (c & 4 ? size.z * voxel : 0)};
+    memcpy(mesh.triangles, box_faces, sizeof box_faces);
+    status = ost_mesh_snap(&mesh, &grid, &tool->cutting, err);
+    ost_mesh_free(&mesh);
+    return status;
+}

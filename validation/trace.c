@@ -20,8 +20,8 @@
 enum { HEAD = 32, BLOCK_HEAD = 32 };
 static const char magic[4] = {'O', 'S', 'T', 'R'};
 
-static const char *const stage_names[TRACE_STAGES] = {"case",    "rect",  "cubic", "chunks", "snap",   "tool",
-                                                      "collide", "steps", "tick",  "final",  "failed", "end"};
+static const char *const stage_names[TRACE_STAGES] = {"case",  "rect", "cubic",  "chunks", "snap",  "tool",   "collide",
+                                                      "steps", "tick", "sample", "upload", "final", "failed", "end"};
 
 const char *trace_stage_name(trace_stage stage)
 {
@@ -56,7 +56,7 @@ const char *trace_word_name(trace_stage stage, size_t word, uint64_t line_words,
         const char *const *names;
         size_t count;
     } of[TRACE_STAGES] = {[TRACE_CASE] = {input, 4}, [TRACE_RECT] = {rect, 9},   [TRACE_CUBIC] = {cubic, 6}, [TRACE_CHUNKS] = {chunks, 3},  [TRACE_TOOL] = {tool, 3},
-                          [TRACE_TICK] = {tick, 13}, [TRACE_COLLIDE] = {tick + 10, 3}, [TRACE_FINAL] = {chunks, 3}, [TRACE_FAILED] = {failed, 1}};
+                          [TRACE_TICK] = {tick, 13}, [TRACE_COLLIDE] = {tick + 10, 3}, [TRACE_UPLOAD] = {chunks, 3}, [TRACE_FINAL] = {chunks, 3}, [TRACE_FAILED] = {failed, 1}};
     if (stage < TRACE_STAGES && word < of[stage].count)
         return of[stage].names[word];
     const size_t head = trace_report_head(stage);

@@ -35,6 +35,8 @@ typedef enum trace_stage {
     TRACE_COLLIDE,
     TRACE_STEPS,   /* words: which poses a tick's event has, and the map of each (steps_record.h) */
     TRACE_TICK,
+    TRACE_SAMPLE,  /* words: densities of single voxels (even items), a hash of each chunk's occupancy (odd ones) */
+    TRACE_UPLOAD,  /* a second bone, uploaded in slices of the first */
     TRACE_FINAL,
     TRACE_FAILED,  /* words: the status; a block of bytes: the line; the case ended there */
     TRACE_END,     /* the list was worked off: paths.h says what it has; before it one of item TRACE_TIMES */

@@ -50,6 +50,8 @@ static void campaigns(void **state)
         {PLAN_SMOKE, "sweep", 99, "f5c208fdd136cb588c8cf49a5fd0726ca00d9e9ca261eb4a1d184e8f44bff8e7"},
         {PLAN_SMOKE, "session", 99, "869b5fd0f6dc9f6579817553a869f01e8173bfade50f9b44db01916d0dea6d9e"},
         {PLAN_SMOKE, "static/3", 99, "8db0463087c7a16543e82b2fe420c800a42af2c92c03e79611191d9c4b555b65"},
+        {PLAN_SMOKE, "reach", 99, "9c9b28952b116765573142ddd4930b10127a71362716bcfe320f7218b3885814"},
+        {PLAN_STANDARD, "reach", 99, "1e29e96749ca84d219c75559f5960d95c3330d0165046b0d3790b13d20df8753"},
         {PLAN_STANDARD, "mesh", 24, "14d92552144aeb693c438efbb0e733dc9458b96dd9b8e5d4ef83b5ac63d8c252"},
         {PLAN_STANDARD, "poses/1", 2, "397fdd9b0d0a08be0f660c6ce9add1be9e68851001a958047e30ae911d955afd"},
     };
@@ -151,11 +153,52 @@ static void ratios_decide_a_voxel(void **state)
     }
 }
 
+/* What the cases of the family reach are for; the figures are those of its description. */
+static void reach_has_what_it_is_for(void **state)
+{
+    ost_error err = {0};
+    plan p;
+    (void)state;
+    assert_ok(plan_make(PLAN_STANDARD, 1, 1, 1, "reach", NULL, &p, &err));
+    assert_int_equal(p.count, 6);
+    for (int i = 0; i < p.count; i++) {
+        scene s;
+        assert_ok(scene_make(&p.cases[i], &s, &err));
+        const ost_dims d = s.rect.dims;
+        if (i % 3 == 0) {
+            const int64_t z = (d.z * s.rect.spacing.z + s.cubic - 1) / s.cubic;
+            assert_true(d.x * (int64_t)d.y * z > 1 << 22);
+            assert_int_equal(d.x % 1024, 1);
+            assert_int_equal(d.y % 64, 1);
+            assert_int_equal(z % 64, 1);
+            assert_true(s.batch > 2 << 16);
+            assert_true(s.tools[0].cutting.grid.dims.x > 512);
+            assert_true(s.tools[1].cutting.grid.dims.x == 257);
+        } else if (i % 3 == 1) {
+            assert_true(s.slices > 0 && d.z % s.slices != 0);
+            assert_true(s.rect.origin.x + d.x * s.rect.spacing.x > OST_LENGTH_MAX - 20 * OST_PM_PER_MM);
+            assert_int_equal((int64_t)s.sample_count, ost_dims_count(d));
+            assert_int_equal(s.world.classes.count, i == 1 ? 1 : 8);
+        } else {
+            int64_t beyond = 0;
+            for (size_t n = 0; n < s.sample_count; n++) {
+                const ost_pm off = s.samples[n].y - s.rect.origin.y, spacing = s.rect.spacing.y, rest = ((off % spacing) + spacing) % spacing;
+                beyond += rest > 3 * spacing / 8 && rest < spacing - 3 * spacing / 8;
+            }
+            assert_true(i == 2 ? beyond > 0 : beyond == 0);
+            assert_int_equal(s.duplicates, i == 2 ? OST_DUPLICATES_LAST : OST_DUPLICATES_ERROR);
+        }
+        scene_free(&s);
+    }
+    plan_free(&p);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(campaigns),
         cmocka_unit_test(small_scenes),
+        cmocka_unit_test(reach_has_what_it_is_for),
         cmocka_unit_test(small_bones_are_fetched_whole),
         cmocka_unit_test(ratios_decide_a_voxel),
     };

@@ -197,6 +197,8 @@ void section_reference(const page *p)
         [TRACE_TOOL] = "a tool's mesh made into voxels",
         [TRACE_COLLIDE] = "what a tool touches, nothing removed",
         [TRACE_TICK] = "a moment of an operation: every voxel that changed, and the report of what was removed",
+        [TRACE_SAMPLE] = "densities of single voxels, as forces are made of, and the occupancy of every chunk",
+        [TRACE_UPLOAD] = "a bone made of slices that were uploaded, some of them twice",
         [TRACE_FINAL] = "the bone at the end, whole",
         [TRACE_FAILED] = "a case that must be refused, and was",
     };

@@ -1,0 +1,240 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Cases for what only size or place brings about.  Three kinds in turn:
+ *
+ *   large    a sparse CT in samples, 1025 x 65 x 65 cubes of 2/3 as many slices,
+ *            so that every chunk, brick and vector has a last part of one; more
+ *            than 2^22 voxels in the chunks of one event; duplicates at every
+ *            distance within a batch; a bar of 530 voxels along x
+ *   rods     a CT in slices, 8 m away; rods of one to three voxels along each
+ *            axis within units of a tie; an event that empties chunks of 64^3
+ *            (counts beyond 2^16, sums beyond 2^32); 1 to 8 classes
+ *   refused  samples at 1/8 and 3/8 of a voxel and one picometre beyond, half a
+ *            voxel off, outside, beyond 8 m, in conflict
+ */
+#include "validation/scene_parts.h"
+
+#include <stdlib.h>
+
+#define UM (OST_PM_PER_MM / 1000)
+
+enum { TICK_NS = 1000000 };
+
+static ost_tick *next_tick(scene *s, int32_t tool)
+{
+    ost_tick *tick = &s->path.ticks[s->path.count++];
+    *tick = (ost_tick){.t_ns = (int64_t)s->path.count * TICK_NS, .tool = tool, .rpm = OST_RPM_ON, .pose = ost_pose_identity()};
+    return tick;
+}
+
+static ost_status room_for_ticks(scene *s, size_t count, ost_error *err)
+{
+    const ost_status status = ost_path_init(&s->path, count, err);
+    s->path.count = 0;
+    return status;
+}
+
+/* ------------------------------------------------------------------- large */
+
+enum { LARGE_X = 1025, LARGE_Y = 65, LARGE_Z = 32, LARGE_SAMPLES = 140000 };
+
+/* At the lattice, at 1/8 and 3/8 of a voxel exactly, and between. */
+static ost_pm jittered(draw *d, ost_pm origin, ost_pm spacing, int32_t index)
+{
+    const ost_pm eighth = spacing / 8, offs[] = {0, eighth, eighth + 1, 3 * eighth};
+    const ost_pm off = draw_one_in(d, 3) ? draw_between(d, 0, 3 * eighth) : offs[draw_between(d, 0, 3)];
+    return origin + spacing * index + (draw_one_in(d, 2) ? off : -off);
+}
+
+static ost_sample sample_at(const scene *s, draw *d, int32_t x, int32_t y, int32_t z)
+{
+    const ost_geometry *g = &s->rect;
+    ost_sample one = {.line = (uint32_t)s->sample_count};
+    one.x = jittered(d, g->origin.x, g->spacing.x, x);
+    one.y = jittered(d, g->origin.y, g->spacing.y, y);
+    one.z = jittered(d, g->origin.z, g->spacing.z, z);
+    one.density = (int32_t)(draw_one_in(d, 3) ? draw_between(d, s->threshold - 1, s->threshold + 1) : draw_between(d, 0, 32767));
+    return one;
+}
+
+/* The last column, the last row, then any voxels and earlier ones again. */
+static void large_samples(scene *s, draw *d)
+{
+    for (int32_t z = 0; z < LARGE_Z; z++) {
+        for (int32_t y = 0; y < LARGE_Y; y++, s->sample_count++)
+            s->samples[s->sample_count] = sample_at(s, d, LARGE_X - 1, y, z);
+        for (int32_t x = 0; x < LARGE_X - 1; x++, s->sample_count++)
+            s->samples[s->sample_count] = sample_at(s, d, x, LARGE_Y - 1, z);
+    }
+    for (; s->sample_count < LARGE_SAMPLES; s->sample_count++) {
+        const int32_t x = (int32_t)draw_between(d, 0, LARGE_X - 1), y = (int32_t)draw_between(d, 0, LARGE_Y - 1), z = (int32_t)draw_between(d, 0, LARGE_Z - 1);
+        ost_sample one = sample_at(s, d, x, y, z);
+        if (draw_one_in(d, 5)) {
+            const int32_t density = one.density;
+            /* The neighbour, one within reach of a vector, any other. */
+            const int64_t reach = draw_one_in(d, 3) ? 1 : draw_one_in(d, 2) ? 64 : (int64_t)s->sample_count;
+            one = s->samples[(int64_t)s->sample_count - draw_between(d, 1, reach)];
+            one.density = density;
+            one.line = (uint32_t)s->sample_count;
+        }
+        s->samples[s->sample_count] = one;
+    }
+    /* The first and the last of a batch, and on both sides of a block of 2^16. */
+    const size_t pairs[][2] = {{0, LARGE_SAMPLES - 1}, {65535, 65536}, {65534, 131072}, {131071, 131072}};
+    for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; i++) {
+        ost_sample *to = &s->samples[pairs[i][1]];
+        const ost_sample keep = *to;
+        *to = s->samples[pairs[i][0]];
+        to->density = keep.density;
+        to->line = keep.line;
+    }
+}
+
+static ost_status make_large(const plan_case *c, scene *s, draw *d, ost_error *err)
+{
+    static const ost_duplicates rules[] = {OST_DUPLICATES_LAST, OST_DUPLICATES_FIRST, OST_DUPLICATES_MAX};
+    /* 32 slices of 1.42 mm are 65 cubes of 0.7 mm: 71 / 35 is no binary fraction. */
+    s->rect = (ost_geometry){{LARGE_X, LARGE_Y, LARGE_Z}, {700 * UM, 700 * UM, 1420 * UM}, {-360000 * UM, 8000 * UM, -1000 * UM}};
+    s->cubic = 700 * UM;
+    s->resample = c->number / 3 % 2 ? OST_RESAMPLE_NEAREST : OST_RESAMPLE_LINEAR;
+    s->duplicates = rules[c->number / 3 % 3];
+    s->chunk_size = 64;
+    s->threshold = 120;
+    s->batch = LARGE_SAMPLES;
+    s->samples = malloc(LARGE_SAMPLES * sizeof *s->samples);
+    if (!s->samples)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for %d samples", LARGE_SAMPLES);
+    large_samples(s, d);
+    ost_status status = scene_add_bar(s, (ost_dims){530, 101, 99}, 350 * UM, err);
+    if (status == OST_OK)
+        status = scene_add_bar(s, (ost_dims){257, 3, 5}, 350 * UM, err);
+    if (status == OST_OK)
+        status = room_for_ticks(s, 4, err);
+    for (int i = 0; i < 4 && status == OST_OK; i++) {
+        ost_pose *pose = &next_tick(s, i == 3)->pose;
+        /* From one end to the other, over the last rows and slices. */
+        pose->t = (ost_pm3){s->rect.origin.x + (95000 + 180000 * i) * UM, s->rect.origin.y + 30000 * UM, s->rect.origin.z + 29000 * UM};
+        pose->t.x += draw_between(d, -700 * UM, 700 * UM);
+    }
+    s->world.sweep_off = true;
+    s->collide_every = 3;
+    return status;
+}
+
+/* -------------------------------------------------------------------- rods */
+
+enum { RODS_X = 97, RODS_Y = 67, RODS_Z = 93, ROD_TICKS = 6 };
+
+/* On a tie of the tool's voxels, or up to 6 / 65536 of a voxel from it. */
+static ost_pm near_tie(draw *d, ost_pm at, ost_pm voxel)
+{
+    const int64_t off = draw_one_in(d, 3) ? 0 : draw_between(d, -6, 6);
+    return at + (draw_one_in(d, 2) ? voxel / 2 : 0) + off * voxel / 65536;
+}
+
+static void rod_ticks(scene *s, draw *d, int32_t tool)
+{
+    const ost_geometry *g = &s->rect;
+    const ost_pm voxel = s->tools[tool].cutting.grid.voxel;
+    ost_pm3 at = g->origin;
+    for (int i = 0; i < ROD_TICKS; i++) {
+        ost_pose *pose = &next_tick(s, tool)->pose;
+        if (i % 2 == 0) { /* the tick after it moves a little, with tens of poses between */
+            at.x = near_tie(d, g->origin.x + s->cubic * draw_between(d, 10, RODS_X - 10), voxel);
+            at.y = near_tie(d, g->origin.y + s->cubic * draw_between(d, 10, RODS_Y - 10), voxel);
+            at.z = near_tie(d, g->origin.z + s->cubic * draw_between(d, 10, RODS_Z * 7 / 10 - 10), voxel);
+        } else {
+            at.x += voxel * draw_between(d, -16, 16);
+            at.y += voxel * draw_between(d, -16, 16);
+            at.z += voxel * draw_between(d, -16, 16);
+        }
+        pose->t = at;
+    }
+}
+
+/* 1, 2, 3 or 8 classes: no border above the first to seven of them. */
+static ost_density_classes classes_of(int number)
+{
+    static const int counts[] = {1, 8, 2, 3};
+    ost_density_classes classes = {.count = counts[number % 4]};
+    for (int i = 0; i < classes.count; i++) {
+        classes.border[i] = (int16_t)(1 + 4096 * i);
+        classes.name[i][0] = (char)('a' + i);
+    }
+    return classes;
+}
+
+static ost_status make_rods(const plan_case *c, scene *s, draw *d, ost_error *err)
+{
+    const int kind = c->number / 3;
+    const ost_pm spacing = 500 * UM, far = OST_LENGTH_MAX - 60000 * UM;
+    s->rect = (ost_geometry){{RODS_X, RODS_Y, RODS_Z}, {spacing, spacing, 350 * UM}, {far, -OST_LENGTH_MAX + 10000 * UM, kind % 2 ? -far : far}};
+    s->cubic = spacing;
+    s->resample = (ost_resample)(kind % 3);
+    s->chunk_size = kind % 2 ? 32 : 64;
+    s->threshold = 120;
+    s->slices = 7;
+    s->batch = 1 << 16;
+    s->samples = malloc((size_t)ost_dims_count(s->rect.dims) * sizeof *s->samples);
+    if (!s->samples)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a CT of %d slices", RODS_Z);
+    for (int32_t z = 0; z < RODS_Z; z++)
+        for (int32_t y = 0; y < RODS_Y; y++)
+            for (int32_t x = 0; x < RODS_X; x++, s->sample_count++)
+                s->samples[s->sample_count] = (ost_sample){s->rect.origin.x + spacing * x, s->rect.origin.y + spacing * y, s->rect.origin.z + 350 * UM * z,
+                                                           (int32_t)draw_between(d, 31000, 32767), (uint32_t)(s->sample_count % s->batch)};
+    s->world.classes = classes_of(kind);
+    const ost_dims rods[3] = {{61, 1, 2}, {3, 59, 1}, {2, 3, 63}};
+    ost_status status = room_for_ticks(s, 3 * ROD_TICKS + 2, err);
+    for (int32_t t = 0; t < 3 && status == OST_OK; t++) {
+        status = scene_add_bar(s, rods[t], 250 * UM, err);
+        if (status == OST_OK)
+            rod_ticks(s, d, t);
+    }
+    if (status == OST_OK)
+        status = scene_add_bar(s, (ost_dims){65, 65, 65}, 1000 * UM, err);
+    for (int i = 0; i < 2 && status == OST_OK; i++)
+        next_tick(s, 3)->pose.t = (ost_pm3){s->rect.origin.x + (i ? 40000 : 12000) * UM, s->rect.origin.y + 15000 * UM, s->rect.origin.z + 15000 * UM};
+    s->collide_every = 5;
+    return status;
+}
+
+/* ----------------------------------------------------------------- refused */
+
+static ost_status make_refused(const plan_case *c, scene *s, draw *d, ost_error *err)
+{
+    enum { SIDE = 19, MOST = SIDE * SIDE * SIDE + 4096 };
+    const ost_pm spacing = 800 * UM;
+    const bool conflicts = c->number / 3 % 2 == 1;
+    s->rect = (ost_geometry){{SIDE, SIDE, SIDE}, {spacing, spacing, spacing}, {1000 * UM, -2000 * UM, 3000 * UM}};
+    s->cubic = spacing;
+    s->chunk_size = 16;
+    s->threshold = 120;
+    s->batch = 5000;
+    s->samples = malloc(MOST * sizeof *s->samples);
+    if (!s->samples)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for %d samples", (int)MOST);
+    for (int i = 0; i < MOST; i++, s->sample_count++) {
+        const int32_t x = (int32_t)draw_between(d, 0, SIDE - 1), y = (int32_t)draw_between(d, 0, SIDE - 1), z = (int32_t)draw_between(d, 0, SIDE - 1);
+        ost_sample one = sample_at(s, d, x, y, z);
+        /* From the middle on, so that the first to be refused is not the first of its batch. */
+        if (!conflicts && i > MOST / 2 && draw_one_in(d, 9)) {
+            const ost_pm offs[] = {3 * spacing / 8 + 1, spacing / 2, -spacing / 2, spacing * SIDE, -spacing, OST_LENGTH_MAX + 1};
+            const ost_pm off = offs[draw_between(d, 0, 5)];
+            one.y = off > OST_LENGTH_MAX ? off : s->rect.origin.y + spacing * y + off;
+        }
+        one.line = (uint32_t)((size_t)i % s->batch);
+        s->samples[s->sample_count] = one;
+    }
+    s->duplicates = conflicts ? OST_DUPLICATES_ERROR : OST_DUPLICATES_LAST;
+    return OST_OK;
+}
+
+ost_status scene_reach(const plan_case *c, scene *s, draw *d, ost_error *err)
+{
+    switch (c->number % 3) {
+    case 0: return make_large(c, s, d, err);
+    case 1: return make_rods(c, s, d, err);
+    default: return make_refused(c, s, d, err);
+    }
+}
