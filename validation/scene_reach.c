@@ -173,7 +173,7 @@ static ost_status make_rods(const plan_case *c, scene *s, draw *d, ost_error *er
     s->resample = (ost_resample)(kind % 3);
     s->chunk_size = kind % 2 ? 32 : 64;
     s->threshold = 120;
-    s->slices = 7;
+    s->slices = 29; /* more than 2^17 voxels a call, and a last call of fewer */
     s->batch = 1 << 16;
     s->samples = malloc((size_t)ost_dims_count(s->rect.dims) * sizeof *s->samples);
     if (!s->samples)

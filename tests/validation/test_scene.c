@@ -50,8 +50,8 @@ static void campaigns(void **state)
         {PLAN_SMOKE, "sweep", 99, "f5c208fdd136cb588c8cf49a5fd0726ca00d9e9ca261eb4a1d184e8f44bff8e7"},
         {PLAN_SMOKE, "session", 99, "869b5fd0f6dc9f6579817553a869f01e8173bfade50f9b44db01916d0dea6d9e"},
         {PLAN_SMOKE, "static/3", 99, "8db0463087c7a16543e82b2fe420c800a42af2c92c03e79611191d9c4b555b65"},
-        {PLAN_SMOKE, "reach", 99, "9c9b28952b116765573142ddd4930b10127a71362716bcfe320f7218b3885814"},
-        {PLAN_STANDARD, "reach", 99, "1e29e96749ca84d219c75559f5960d95c3330d0165046b0d3790b13d20df8753"},
+        {PLAN_SMOKE, "reach", 99, "88030bca84d4867224d3ced5f8d767091a14af0423913d8e6b92ab30b36b916d"},
+        {PLAN_STANDARD, "reach", 99, "f43f835b1e19a3a009d7dc269530172a4d77f47eaf3352a3904b0320222ed062"},
         {PLAN_STANDARD, "mesh", 24, "14d92552144aeb693c438efbb0e733dc9458b96dd9b8e5d4ef83b5ac63d8c252"},
         {PLAN_STANDARD, "poses/1", 2, "397fdd9b0d0a08be0f660c6ce9add1be9e68851001a958047e30ae911d955afd"},
     };
