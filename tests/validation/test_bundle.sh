@@ -73,8 +73,8 @@ noticed 1 "the log's first lines exchanged" audit.log
 rm -rf x
 cp -r b x
 ln -sf /dev/zero x/README.md
-"$osteon" verify x >out 2>err
-check "verify of a bundle with a link to a device" $? 2
+# osteon validate writes no link: this is not what was written (1), and nothing of it is read.
+noticed 1 "a link to a device" "README.md is a symbolic link"
 rm -rf x
 cp -r b x
 mkdir x/signatures

@@ -133,7 +133,14 @@ ost_status check_bundle(const char *folder, bundle_problem *problem, void *user,
     json_t *protocol = NULL, *cases = NULL;
     *summary = NULL;
     *found = 0;
-    ost_status status = read_protocol(&d, &protocol, err);
+    folder_files files;
+    ost_status status = folder_list(folder, &files, problem, user, found, err);
+    if (status != OST_OK)
+        return status;
+    folder_free(&files);
+    if (*found) /* what a bundle cannot have: nothing of it is read */
+        return OST_OK;
+    status = read_protocol(&d, &protocol, err);
     if (status == OST_OK)
         status = bundle_check(folder, problem, user, found, err);
     if (status == OST_OK)

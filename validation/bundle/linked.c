@@ -39,7 +39,7 @@ static ost_status load(const check *c, const char *name, bool needed, json_t **o
     const ost_status status = bundle_find_json(c->folder, name, out, &why);
     if (status == OST_ERR_INPUT) {
         const char *text = strstr(why.text, name); /* behind the folder's name */
-        report(c, name, text ? text + strlen(name) : why.text);
+        report(c, name, text ? text + strlen(name) + strspn(text + strlen(name), ": ") : why.text);
         return OST_OK;
     }
     if (status != OST_OK)
