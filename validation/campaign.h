@@ -45,6 +45,7 @@ typedef struct case_result {
     case_verdict verdict;
     compare_difference difference; /* of CASE_DIFFERS */
     margins *margins;              /* owned; of CASE_DIFFERS; NULL: not measured */
+    uint32_t own_steps;            /* records of stages snap and steps that the backend made itself */
     finding *found;                /* owned; of CASE_DIFFERS; NULL: nothing more is known */
     char text[200];
     ost_digest made; /* SHA-256 of the lines of what this backend made (digests_of_case); where has_made */

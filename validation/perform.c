@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/backend.h"
 #include "sim/world.h"
 #include "validation/compare.h"
 #include "validation/dense/steps.h"
@@ -37,6 +38,8 @@ typedef struct performer {
     ost_path path;        /* the ticks; own_path: to be freed */
     bool own_path;
     steps_history history; /* of second */
+    ost_pose *made_poses;  /* owned; of a backend that makes them itself, room for OST_SWEEP_MAX */
+    ost_map *made_maps;
     ost_map *maps;         /* owned; of second: an event's, room for OST_SWEEP_MAX */
     ost_voxel_box *boxes;
     perform_watch *watch;
@@ -468,10 +471,30 @@ static ost_status run_import(performer *p, ost_error *err)
     return status;
 }
 
+/* The backend's own snapped meshes in place of src/core's, where it makes them. */
+static ost_status snap_by_backend(performer *p, const scene_tool *t, ost_snapped_mesh meshes[2], bool *own, bool *made, ost_error *err)
+{
+    ost_snapped_mesh its[2] = {{.fraction_bits = 0}, {.fraction_bits = 0}};
+    if (p->second || !p->backend->ops->snap || !t->raw[0].triangle_count)
+        return OST_OK;
+    ost_status status = p->backend->ops->snap(p->backend, &t->raw[0], &meshes[0].grid, &its[0], err);
+    if (status == OST_OK && t->raw[1].triangle_count)
+        status = p->backend->ops->snap(p->backend, &t->raw[1], &meshes[0].grid, &its[1], err);
+    if (status == OST_ERR_UNAVAILABLE)
+        return OST_OK;
+    *made = *own = status == OST_OK;
+    for (int k = 0; k < 2 && *made; k++)
+        meshes[k] = its[k];
+    steps_meshes_free(its, status != OST_OK);
+    return status;
+}
+
 /* A tool's grid and meshes on it, before a voxel is made. */
-static ost_status record_snap(performer *p, int i, const ost_snapped_mesh meshes[2], ost_error *err)
+static ost_status record_snap(performer *p, int i, const ost_snapped_mesh meshes[2], bool made, ost_error *err)
 {
     trace_begin(p->w, TRACE_SNAP, p->case_index, (uint32_t)i);
+    if (made)
+        trace_flags(p->w, TRACE_MADE);
     const ost_status status = steps_put_snap(p->w, p->s->tools[i].raw[0].triangle_count ? meshes : NULL, err);
     const ost_status written = end_record(p, TRACE_SNAP, (uint32_t)i, err);
     return status != OST_OK ? status : written;
@@ -485,9 +508,12 @@ static ost_status run_tool(performer *p, int i, ost_error *err)
     ost_tool_volume volume = {0};
     ost_snapped_mesh meshes[2];
     bool own;
+    bool made = false;
     ost_status status = steps_meshes_of(p->second, t, meshes, &own, err);
     if (status == OST_OK)
-        status = record_snap(p, i, meshes, err);
+        status = snap_by_backend(p, t, meshes, &own, &made, err);
+    if (status == OST_OK)
+        status = record_snap(p, i, meshes, made, err);
     if (status == OST_OK)
         p->grids[i] = meshes[0].grid;
     if (status == OST_OK && !is_of_steps(p->s))
@@ -573,21 +599,45 @@ static void record_changed(performer *p, int32_t z0, int32_t z1)
             }
 }
 
+/* Poses and maps that the backend makes itself of the same two poses; the event itself is run with the host's, which must be the same ones. */
+static ost_status steps_by_backend(performer *p, const ost_tick *tick, int handed, const ost_pose *from, int *count, bool *made, ost_error *err)
+{
+    if (p->second || !p->backend->ops->steps)
+        return OST_OK;
+    if (!p->made_poses)
+        p->made_poses = malloc(OST_SWEEP_MAX * sizeof *p->made_poses);
+    if (!p->made_maps)
+        p->made_maps = malloc(OST_SWEEP_MAX * sizeof *p->made_maps);
+    if (!p->made_poses || !p->made_maps)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for %d poses", OST_SWEEP_MAX);
+    int its = handed;
+    const bool sweeps = memcmp(from, &tick->pose, sizeof *from) != 0;
+    const ost_status status = p->backend->ops->steps(p->backend, &p->geometry, &p->grids[tick->tool], sweeps ? from : NULL, &tick->pose, &its, p->made_poses,
+                                                     p->made_maps, err);
+    if (status == OST_ERR_UNAVAILABLE)
+        return OST_OK;
+    *made = status == OST_OK || status == OST_ERR_RANGE; /* which refuses an event that the host has */
+    *count = status == OST_OK ? its : status == OST_ERR_RANGE ? 0 : handed;
+    return *made ? OST_OK : status;
+}
+
 /* The poses of tick i's event, from `from` to the tick's; their maps go into p->maps where the event is run here. */
 static ost_status record_steps(performer *p, size_t i, bool refused, bool removal, int count, const ost_pose *from, ost_error *err)
 {
     const ost_tick *tick = &p->path.ticks[i];
-    ost_status status = OST_OK;
+    bool made_by_backend = false;
+    ost_status status = removal ? steps_by_backend(p, tick, count, from, &count, &made_by_backend, err) : OST_OK;
     trace_begin(p->w, TRACE_STEPS, p->case_index, (uint32_t)i);
-    if (p->second)
-        trace_flags(p->w, TRACE_BOUNDS);
+    trace_flags(p->w, (p->second ? TRACE_BOUNDS : 0) | (made_by_backend ? TRACE_MADE : 0));
     steps_put_tick(p->w, refused, removal, count, tick);
     for (int k = 1; k <= count && status == OST_OK; k++) {
-        const ost_pose pose = steps_between(p->second, from, &tick->pose, k, count);
+        const ost_pose pose = made_by_backend ? p->made_poses[k - 1] : steps_between(p->second, from, &tick->pose, k, count);
         steps_pose made;
         status = steps_pose_of(p->second, &pose, &p->geometry, &p->grids[tick->tool], &made, err);
         if (status != OST_OK)
             break;
+        if (made_by_backend)
+            made.map = p->made_maps[k - 1];
         steps_put_pose(p->w, &made);
         if (p->maps) {
             p->maps[k - 1] = made.map;
@@ -602,7 +652,9 @@ static ost_status record_steps(performer *p, size_t i, bool refused, bool remova
 static ost_status step_of_world(performer *p, size_t i, ost_step_result *r, bool *refused, ost_error *err)
 {
     const ost_tick *tick = &p->path.ticks[i];
-    const ost_pose from = tick->tool >= 0 && tick->tool < p->world->tool_count ? p->world->tools[tick->tool].input.event : tick->pose;
+    const ost_world *world = p->world;
+    const bool anew = tick->tool != world->clock.tool || tick->lifted || world->options.sweep_off;
+    const ost_pose from = anew ? tick->pose : world->tools[tick->tool].input.event;
     ost_error why = {0};
     const ost_status stepped = ost_world_step(p->world, tick, r, &why);
     *refused = stepped == OST_ERR_RANGE; /* a jump too far is an answer; anything else is a failure */
@@ -799,6 +851,8 @@ static ost_status perform_case(performer p, ost_error *why, ost_error *err)
     steps_history_free(&p.history);
     if (p.own_path)
         ost_path_free(&p.path);
+    free(p.made_poses);
+    free(p.made_maps);
     free(p.maps);
     free(p.boxes);
     ost_world_free(p.world);

@@ -77,7 +77,7 @@ void trace_flags(trace_writer *w, uint64_t flags);
  * A dump (dump.h) need not have everything: its trace gets the reference's
  * records where it says nothing, marked as such and compared with nothing.
  */
-enum { TRACE_STANDS_IN = 1, TRACE_NO_WORDS = 2, TRACE_BOUNDS = 4 };
+enum { TRACE_STANDS_IN = 1, TRACE_NO_WORDS = 2, TRACE_BOUNDS = 4, TRACE_MADE = 8 }; /* MADE: by the backend itself, not handed to it */
 
 /*
  * The text states no box and no range of chunks (AR-REM-5).  A record with

@@ -70,6 +70,8 @@ int verdict_judge(campaign *c, const trace *reference, int whom, const trace *go
             tell_failed(&got->records[range.first + range.count - 1], one);
         *differs |= one->verdict == CASE_DIFFERS;
         c->records += one->difference.records;
+        for (size_t k = 0; k < range.count; k++)
+            one->own_steps += (got->records[range.first + k].flags & TRACE_MADE) != 0;
         if (one->verdict == CASE_EQUAL)
             c->bytes += bytes_of(got, range);
     }

@@ -15,6 +15,7 @@
 #include <string.h>
 
 #include "engine.h"
+#include "steps.h"
 
 struct ost_plugin_instance {
     engine *e;
@@ -572,6 +573,8 @@ static const ost_plugin table = {
     .tool_free = tool_free,
     .remove = run_remove,
     .collide = run_collide,
+    .snap = example_snap,
+    .steps = example_steps,
 };
 
 OST_PLUGIN_EXPORT const ost_plugin *ost_plugin_entry(uint32_t host_abi);

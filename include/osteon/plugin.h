@@ -164,6 +164,41 @@ typedef struct ost_plugin_event {
     const int16_t *class_from; /* a voxel's class is the last one whose border is not above its density, 0 below all */
 } ost_plugin_event;
 
+/* What a plugin that makes the steps before the voxels itself begins with, and what it gives (slots snap and steps). */
+typedef struct ost_plugin_raw_mesh {
+    uint32_t size;
+    uint32_t reserved;
+    uint64_t vertex_count, triangle_count;
+    const int64_t *vertices_pm; /* x, y, z of each */
+    const uint32_t *triangles;  /* three vertices of each */
+} ost_plugin_raw_mesh;
+
+typedef struct ost_plugin_snapped {
+    uint32_t size;
+    int32_t fraction_bits;
+    uint64_t triangle_count; /* kept */
+    int32_t *vertices;       /* room for all, zero-filled */
+    uint32_t *triangles;     /* room for all */
+} ost_plugin_snapped;
+
+typedef struct ost_plugin_pose {
+    uint32_t size;
+    int32_t q[4]; /* w, x, y, z in 2^-30 */
+    int64_t t_pm[3];
+} ost_plugin_pose;
+
+/* Of the maps that are given to add, divisor, origin, column and step are read; a voxel's base is the host's block_base of them. */
+typedef struct ost_plugin_steps {
+    uint32_t size;
+    uint32_t reserved;
+    const ost_plugin_geometry *bone;
+    const ost_plugin_tool_geometry *tool;
+    const ost_plugin_pose *from; /* where the sweep begins; NULL: the event has one pose, `to` */
+    const ost_plugin_pose *to;
+    void *sink;
+    int32_t (*add)(void *sink, const ost_plugin_pose *pose, const ost_plugin_map *map); /* not OST_PLUGIN_OK: stop and return it */
+} ost_plugin_steps;
+
 /* Filled by calling add once for each chunk with a removed voxel, ascending, then touched_voxels. */
 typedef struct ost_plugin_report {
     uint32_t size;
@@ -206,7 +241,7 @@ typedef struct ost_plugin_grid ost_plugin_grid; /* a dense int16 grid */
 typedef struct ost_plugin_bone ost_plugin_bone; /* a chunk grid */
 typedef struct ost_plugin_tool ost_plugin_tool; /* a tool grid: 0 void, 1 cutting, 2 not cutting */
 
-/* No slot may be NULL. Arguments are within the ranges of backend.h and grid.h: the host has checked them. */
+/* No slot may be NULL but the last two. Arguments are within the ranges of backend.h and grid.h: the host has checked them. */
 typedef struct ost_plugin {
     uint32_t size;
     uint32_t abi;            /* OST_PLUGIN_ABI */
@@ -257,6 +292,17 @@ typedef struct ost_plugin {
                       ost_plugin_error *error);
     int32_t (*collide)(const ost_plugin_bone *bone, const ost_plugin_tool *tool, const ost_plugin_event *event, ost_plugin_report *report,
                        ost_plugin_error *error);
+
+    /*
+     * The steps before the voxels, made by the plugin itself.  Each may be NULL or beyond the table's size: then the plugin takes
+     * what the host made.  `osteon validate` calls them in every case, compares what they make bit by bit with what the host made
+     * (stages snap and steps), and its verdict says which of the two a plugin made itself.
+     */
+    /* AR-MESH-3, AR-MESH-4: fills made; triangles that are kept stay in their order. */
+    int32_t (*snap)(ost_plugin_instance *self, const ost_plugin_tool_geometry *geometry, const ost_plugin_raw_mesh *mesh, ost_plugin_snapped *made,
+                    ost_plugin_error *error);
+    /* AR-SWEEP-1 to 4, AR-MAP-1 to 3: calls in->add once for each pose of the event, in their order; never for one that is refused. */
+    int32_t (*steps)(ost_plugin_instance *self, const ost_plugin_steps *in, ost_plugin_error *error);
 } ost_plugin;
 
 /* The one symbol that the host looks for. host_abi is the host's OST_PLUGIN_ABI; NULL refuses to work with it. */

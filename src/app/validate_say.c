@@ -63,6 +63,8 @@ void validate_say_difference(const app_state *app, const plan_case *c, const sub
         if (*hint)
             say(app, "    %s", hint);
     }
+    if (r->verdict == CASE_DIFFERS && strcmp(s->spec, SUBJECT_DENSE) == 0)
+        say(app, "    suspect: the core (src/core, src/sim), which every backend shares, or the second implementation of it");
     if (r->verdict == CASE_DIFFERS && r->found && r->found->reproduce[0])
         say(app, "    made small: %s: osteon validate --case BUNDLE/%s --backends '%s'%s", r->found->small, r->found->reproduce, s->spec,
             c->family == PLAN_USER ? " and the files that you gave" : "");
@@ -91,6 +93,18 @@ static void say_second(const app_state *app, const campaign *c, bool equal)
     char ticks[SAY_TEXT], tools[SAY_TEXT];
     say(app, "    src/core's sweep, map, boxes, poses and snapping against a second implementation: %s, %s ticks, %s tools", equal ? "equal" : "NOT equal",
         say_count(ticks, (int64_t)c->stage_records[TRACE_STEPS]), say_count(tools, (int64_t)c->stage_records[TRACE_SNAP]));
+}
+
+/* A plugin may make the steps before the voxels itself, or take what it is handed. */
+static void say_made(const app_state *app, const campaign *c, int s)
+{
+    uint64_t made = 0;
+    for (int i = 0; i < c->plan->count; i++)
+        made += result_at(c, i, s)->own_steps;
+    if (made)
+        say(app, "    made itself, and compared: %llu records of stages snap and steps", (unsigned long long)made);
+    else
+        say(app, "    handed to it: sweep, map, boxes, poses and snapping, as src/core made them");
 }
 
 static void say_backends(app_state *app, const campaign *c)
@@ -124,6 +138,8 @@ static void say_backends(app_state *app, const campaign *c)
         say_paths(app, &c->paths[s], o);
         if (s > 0 && one->available && strcmp(one->spec, SUBJECT_DENSE) == 0)
             say_second(app, c, equal + refused == c->plan->count);
+        if (one->available && (strncmp(one->spec, "plugin:", 7) == 0 || strncmp(one->spec, SUBJECT_DUMP, strlen(SUBJECT_DUMP)) == 0))
+            say_made(app, c, s);
     }
     put(app->result, "backends", array);
 }

@@ -6,7 +6,7 @@
  * then call through here.
  *
  * Rules for implementers
- *   - No slot is NULL; what a backend cannot do returns OST_ERR_UNAVAILABLE.
+ *   - No slot is NULL but the last two; what a backend cannot do returns OST_ERR_UNAVAILABLE.
     (One that can never be opened here has those of the choice only.)
  *   - Objects embed the structs below as their first member; the caller of
  *     the table has filled nothing in them: the backend does.
@@ -104,6 +104,16 @@ struct ost_backend_ops {
     /* AR-REM, bit-exact including the report (cleared by the caller). */
     ost_status (*remove)(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err);
     ost_status (*collide)(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err);
+
+    /*
+     * The steps before the voxels, for a backend that makes them itself: validation compares them, and nothing else calls them.
+     * Both slots are NULL where what src/core made is taken as it is; OST_ERR_UNAVAILABLE says the same of an opened backend.
+     */
+    /* AR-MESH-3, AR-MESH-4. out is freed by ost_snapped_mesh_free. */
+    ost_status (*snap)(ost_backend *backend, const ost_mesh *mesh, const ost_tool_geometry *grid, ost_snapped_mesh *out, ost_error *err);
+    /* AR-SWEEP-1 to 4, AR-MAP-1 to 3. from is NULL where the event begins anew; poses and maps have room for OST_SWEEP_MAX; a count of 0 refuses. */
+    ost_status (*steps)(ost_backend *backend, const ost_geometry *bone, const ost_tool_geometry *tool, const ost_pose *from, const ost_pose *to,
+                        int *count, ost_pose *poses, ost_map *maps, ost_error *err);
 };
 
 extern const ost_backend_ops ost_backend_ref;

@@ -156,4 +156,6 @@ const ost_backend_ops ost_backend_plugin = {
     .tool_free = ost_adapt_tool_free,
     .remove = ost_adapt_remove,
     .collide = ost_adapt_collide,
+    .snap = ost_adapt_snap,
+    .steps = ost_adapt_steps,
 };

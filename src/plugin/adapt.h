@@ -5,7 +5,7 @@
  *
  *   adapt.c        opening, closing, the table     adapt_grid.c   grids, import
  *   adapt_bone.c   bones, digests                  adapt_tool.c   tools
- *   adapt_event.c  events and their reports
+ *   adapt_event.c  events and their reports         adapt_steps.c  steps that the plugin makes itself
  *
  *   call --convert--> slot --check status, object, report--> result
  */
@@ -69,6 +69,7 @@ ost_status ost_adapt_no_object(const plugin_backend *b, const char *slot, ost_er
 ost_status ost_adapt_is_lost(const plugin_backend *b, ost_error *err);
 
 ost_plugin_geometry ost_adapt_geometry(const ost_geometry *g);
+ost_plugin_tool_geometry ost_adapt_tool_geometry(const ost_tool_geometry *g);
 
 /* ------------------------------------------------------------------ slots */
 /* Of core/backend.h. */
@@ -92,6 +93,10 @@ ost_status ost_adapt_voxelize(ost_backend *backend, const ost_snapped_mesh *cutt
 ost_status ost_adapt_tool_upload(ost_backend *backend, const ost_tool_volume *volume, ost_tool **out, ost_error *err);
 ost_status ost_adapt_tool_download(const ost_tool *base, ost_tool_volume *volume, ost_error *err);
 void ost_adapt_tool_free(ost_tool *base);
+/* OST_ERR_UNAVAILABLE where the plugin has no such slot. */
+ost_status ost_adapt_snap(ost_backend *backend, const ost_mesh *mesh, const ost_tool_geometry *grid, ost_snapped_mesh *out, ost_error *err);
+ost_status ost_adapt_steps(ost_backend *backend, const ost_geometry *bone, const ost_tool_geometry *tool, const ost_pose *from, const ost_pose *to, int *count,
+                           ost_pose *poses, ost_map *maps, ost_error *err);
 ost_status ost_adapt_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err);
 ost_status ost_adapt_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err);
 

@@ -4,7 +4,7 @@
 
 #include <stdlib.h>
 
-static ost_plugin_tool_geometry tool_geometry_of(const ost_tool_geometry *g)
+ost_plugin_tool_geometry ost_adapt_tool_geometry(const ost_tool_geometry *g)
 {
     return (ost_plugin_tool_geometry){.size = sizeof(ost_plugin_tool_geometry), .dims = {g->dims.x, g->dims.y, g->dims.z}, .voxel_pm = g->voxel,
                                       .corner_pm = {g->corner.x, g->corner.y, g->corner.z}};
@@ -42,7 +42,7 @@ ost_status ost_adapt_voxelize(ost_backend *backend, const ost_snapped_mesh *cutt
                               ost_voxelize_report *report, ost_tool **out, ost_error *err)
 {
     plugin_backend *b = adapt_backend(backend);
-    const ost_plugin_tool_geometry g = tool_geometry_of(&cutting->grid);
+    const ost_plugin_tool_geometry g = ost_adapt_tool_geometry(&cutting->grid);
     const ost_plugin_mesh first = mesh_of(cutting), second = noncutting ? mesh_of(noncutting) : (ost_plugin_mesh){.size = sizeof second};
     ost_plugin_voxelize_report r = {.size = sizeof r};
     plugin_tool *tool;
@@ -60,7 +60,7 @@ ost_status ost_adapt_voxelize(ost_backend *backend, const ost_snapped_mesh *cutt
 ost_status ost_adapt_tool_upload(ost_backend *backend, const ost_tool_volume *volume, ost_tool **out, ost_error *err)
 {
     plugin_backend *b = adapt_backend(backend);
-    const ost_plugin_tool_geometry g = tool_geometry_of(&volume->geometry);
+    const ost_plugin_tool_geometry g = ost_adapt_tool_geometry(&volume->geometry);
     plugin_tool *tool;
     told t;
     ost_status status = new_tool(backend, &volume->geometry, &tool, err);

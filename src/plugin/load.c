@@ -23,10 +23,12 @@ static ost_status check_table(const char *file, const ost_plugin *found, ost_plu
     if (found->abi != OST_PLUGIN_ABI)
         return ost_fail(err, OST_ERR_USAGE, "%s: made for version %u of the plugin interface; this osteon has version %u", file, (unsigned)found->abi,
                         (unsigned)OST_PLUGIN_ABI);
-    if (found->size < sizeof *table)
+    const size_t least = offsetof(ost_plugin, snap); /* what follows was added later */
+    if (found->size < least)
         return ost_fail(err, OST_ERR_USAGE, "%s: its table has %u bytes; version %u of the plugin interface has %zu", file, (unsigned)found->size,
-                        (unsigned)OST_PLUGIN_ABI, sizeof *table);
-    memcpy(table, found, sizeof *table);
+                        (unsigned)OST_PLUGIN_ABI, least);
+    memset(table, 0, sizeof *table);
+    memcpy(table, found, found->size < sizeof *table ? found->size : sizeof *table);
     if (!table->name || !table->name[0] || !table->description)
         return ost_fail(err, OST_ERR_USAGE, "%s: its table has no %s", file, table->description ? "name" : "description");
 #define CHECK_SLOT(slot) \

@@ -15,8 +15,7 @@ surface is where half a voxel is inside. By the linear rule
             over r, of which three r-ths are volume. The third: centres counted instead of volume.
 The centroid is so good because the parts f differ over a face and their 0.086 cancel. Where the cubic voxel is nearly the
 CT's they do not, and the worst is 0.086 of a voxel; such spacings are in the table and not in the test.
-The numbers come from the body's formula and from the file alone. Where numpy and scipy are installed, densities are
-compared with scipy.ndimage.map_coordinates as well.
+The numbers come from the body's formula and from the file alone.
 
 Covers: AR-CUB-1, AR-CUB-2
 
@@ -182,31 +181,6 @@ def table(placement, rng, count):
               f"{statistics.median(v):.2f} | {v[last]:.2f} | {v[-1]:.2f} |")
 
 
-def against_scipy(placement, rng):
-    """Densities of the linear rule against another resampler, where one is installed."""
-    try:
-        import numpy
-        from scipy import ndimage
-    except ImportError:
-        print("skipped: scipy is not installed, so its interpolation was not compared")
-        return
-    for _ in range(3):
-        spacing, cubic = lattice(rng, 0.7)
-        dims, origin = [rng.randrange(3, 14) for _ in range(3)], [rng.uniform(-50, 50) for _ in range(3)]
-        ct = array.array("h", (rng.randrange(500, 3000) for _ in range(dims[0] * dims[1] * dims[2])))
-        path = os.path.join(placement.folder, "ct.nrrd")
-        write_nrrd(path, dims, [round(s, 9) for s in spacing], origin, ct)
-        got_dims, c, first, got = read_nrrd(placement.bone(path, cubic, "linear"))
-        t = [numpy.clip((f - o + c * numpy.arange(n)) / s, 0, d - 1) for f, o, n, s, d in zip(first, origin, got_dims, spacing, dims)]
-        volume = numpy.array(ct, dtype=float).reshape(dims[2], dims[1], dims[0])
-        expected = ndimage.map_coordinates(volume, numpy.meshgrid(t[2], t[1], t[0], indexing="ij"), order=1, mode="nearest")
-        worst = numpy.abs(numpy.array(got, dtype=float).reshape(got_dims[2], got_dims[1], got_dims[0]) - expected).max()
-        # Half a density of rounding, and three weights that are off by 2^-16 of a step of at most 2500.
-        good = worst <= 0.5 + 3 * 2500 * 2.0**-16 + 0.01
-        placement.failed += not good
-        print(f"{'ok' if good else 'FAIL'} scipy: densities differ by at most {worst:.3f}")
-
-
 def main():
     arguments = sys.argv[1:]
     count = 0
@@ -236,7 +210,6 @@ def main():
             while beats(spacing, cubic):
                 spacing, cubic = lattice(rng, 0.6)
             placement.check("ball" if number % 2 == 0 else "ellipsoid", centre, radii, spacing, cubic)
-        against_scipy(placement, rng)
         return 1 if placement.failed else 0
 
 

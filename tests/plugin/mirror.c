@@ -322,6 +322,79 @@ static int32_t m_collide(const ost_plugin_bone *bone, const ost_plugin_tool *too
     return run_event((ost_bone *)(uintptr_t)bone, (const ost_tool *)tool, event, 0, report, error);
 }
 
+/* -------------------------------------------------------------------- steps */
+
+static ost_tool_geometry tool_grid_of(const ost_plugin_tool_geometry *g)
+{
+    return (ost_tool_geometry){{g->dims[0], g->dims[1], g->dims[2]}, g->voxel_pm, {g->corner_pm[0], g->corner_pm[1], g->corner_pm[2]}};
+}
+
+static int32_t m_snap(ost_plugin_instance *self, const ost_plugin_tool_geometry *geometry, const ost_plugin_raw_mesh *raw, ost_plugin_snapped *made, ost_plugin_error *error)
+{
+    ost_error err = {0};
+    const ost_tool_geometry g = tool_grid_of(geometry);
+    ost_mesh mesh;
+    ost_snapped_mesh own;
+    (void)self;
+    ost_status status = ost_mesh_init(&mesh, raw->vertex_count, raw->triangle_count, &err);
+    if (status != OST_OK)
+        return told(status, &err, error);
+    memcpy(mesh.vertices, raw->vertices_pm, raw->vertex_count * sizeof *mesh.vertices);
+    memcpy(mesh.triangles, raw->triangles, raw->triangle_count * sizeof *mesh.triangles);
+    status = ost_mesh_snap(&mesh, &g, &own, &err);
+    ost_mesh_free(&mesh);
+    if (status != OST_OK)
+        return told(status, &err, error);
+    made->fraction_bits = own.fraction_bits;
+    made->triangle_count = own.triangle_count;
+    memcpy(made->vertices, own.vertices, own.vertex_count * sizeof *own.vertices);
+    memcpy(made->triangles, own.triangles, own.triangle_count * sizeof *own.triangles);
+    made->vertices[0] += broken("snap");
+    ost_snapped_mesh_free(&own);
+    return OST_PLUGIN_OK;
+}
+
+static ost_pose pose_of(const ost_plugin_pose *p)
+{
+    return (ost_pose){{p->t_pm[0], p->t_pm[1], p->t_pm[2]}, p->q[0], p->q[1], p->q[2], p->q[3]};
+}
+
+static ost_plugin_int128 halves(ost_int128 v)
+{
+    return (ost_plugin_int128){(uint64_t)v, (int64_t)(v >> 64)};
+}
+
+static int32_t m_steps(ost_plugin_instance *self, const ost_plugin_steps *in, ost_plugin_error *error)
+{
+    ost_error err = {0};
+    const ost_plugin_geometry *b = in->bone;
+    const ost_geometry bone = {{b->dims[0], b->dims[1], b->dims[2]}, {b->spacing_pm[0], b->spacing_pm[1], b->spacing_pm[2]}, {b->origin_pm[0], b->origin_pm[1], b->origin_pm[2]}};
+    const ost_tool_geometry tool = tool_grid_of(in->tool);
+    const ost_pose to = pose_of(in->to), from = in->from ? pose_of(in->from) : to;
+    int count = 1;
+    (void)self;
+    ost_status status = in->from ? ost_sweep_count(&from, &to, &tool, bone.spacing.x, &count, &err) : OST_OK;
+    int32_t said = OST_PLUGIN_OK;
+    for (int k = 1; k <= count && status == OST_OK && said == OST_PLUGIN_OK; k++) {
+        const ost_pose pose = count == 1 ? to : ost_sweep_pose(&from, &to, k, count);
+        const ost_plugin_pose p = {sizeof p, {pose.qw, pose.qx, pose.qy, pose.qz}, {pose.t.x, pose.t.y, pose.t.z}};
+        ost_map map;
+        status = ost_map_make(&pose, &bone, &tool, &map, &err);
+        ost_plugin_map m = {.size = sizeof m, .divisor = halves(map.divisor)};
+        for (int a = 0; a < 3 && status == OST_OK; a++) {
+            m.origin[a] = halves(map.origin[a]);
+            for (int c = 0; c < 3; c++) {
+                m.column[c][a] = halves(map.column[c][a]);
+                m.step[c][a] = map.step[c][a];
+            }
+        }
+        m.step[1][2] += broken("steps");
+        if (status == OST_OK)
+            said = in->add(in->sink, &p, &m);
+    }
+    return status == OST_OK ? said : told(status, &err, error);
+}
+
 #ifndef MIRROR_SIZE
 #define MIRROR_SIZE sizeof(ost_plugin)
 #endif
@@ -341,7 +414,7 @@ static const ost_plugin table = {
     MIRROR_SIZE, MIRROR_ABI, MIRROR_ARITHMETIC, 0, "mirror", "the reference, by way of the plugin interface",
     m_open, m_close, m_finish, m_grid_create, m_grid_free, m_grid_upload, m_grid_download, m_ct_to_rect, m_rect_to_cubic, m_cubic_to_chunks,
     m_bone_create, m_bone_free, m_bone_stats, m_bone_upload, m_bone_download, m_voxelize, m_tool_upload, m_tool_download, m_tool_free, m_remove,
-    COLLIDE,
+    COLLIDE, m_snap, m_steps,
 };
 
 OST_PLUGIN_EXPORT const ost_plugin *ost_plugin_entry(uint32_t host_abi);

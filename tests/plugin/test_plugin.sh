@@ -13,7 +13,7 @@ export LD_LIBRARY_PATH
 # A crash is to end a process, also where a sanitizer would rather tell of it.
 ASAN_OPTIONS=${ASAN_OPTIONS:+$ASAN_OPTIONS:}handle_segv=0
 export ASAN_OPTIONS
-for file in mirror thesis_f32 broken_abi broken_size broken_slot broken_arithmetic broken_refuses; do
+for file in mirror thesis_f32 broken_abi broken_size broken_slot broken_arithmetic broken_refuses old_table; do
     cp "$build/.libs/$file.so" . || {
         echo "skipped: no shared objects were built here"
         exit 77
@@ -65,6 +65,14 @@ fails lost "the device?went away" sweep/1
 fails report "reported chunk -3" sweep/1
 fails stats "-1 active chunks" sweep/1
 fails voxelize "gave no object" mesh/1
+# Steps that a plugin makes itself are compared and named; an older table, which has no slot for them, is handed the host's.
+fails snap "snap 0: mesh digest is" mesh/1
+fails steps "steps 0: step yz (pose 1) is" sweep/1
+run 0 validate --only sweep/1 --backends plugin:mirror.so
+checks=$((checks + 2))
+grep -q '^ *made itself, and compared: [0-9]* records of stages snap and steps$' out || fail "own steps are not named: $(cat out)"
+run 0 validate --only sweep/1 --backends plugin:old_table.so
+grep -q '^ *handed to it: sweep, map, boxes, poses and snapping, as src/core made them$' out || fail "handed steps are not named: $(cat out)"
 refuse 2 "ended by signal 11" validate --only mesh/1 --backends plugin:mirror.so,break=open
 refuse 2 "slot collide of its table is NULL" validate --only mesh/1 --backends plugin:broken_slot.so
 

@@ -90,6 +90,8 @@ json_t *evidence_result(const case_result *r)
         json_object_set_new(o, "sha256", json_string(ost_digest_hex(&r->made, hex)));
     if (r->lines)
         json_object_set_new(o, "records", lines_json(r->lines));
+    if (r->own_steps)
+        json_object_set_new(o, "own_steps", json_integer(r->own_steps));
     if (r->verdict != CASE_DIFFERS)
         return o;
     json_object_set_new(o, "stage", json_string(trace_stage_name(d->stage)));
@@ -248,6 +250,14 @@ static const char *second_implementation(const json_t *protocol, const json_t *c
     return text;
 }
 
+static bool makes_steps(const json_t *cases, const char *backend)
+{
+    for (size_t i = 0; i < json_array_size(cases); i++)
+        if (json_integer_value(json_object_get(json_object_get(json_object_get(json_array_get(cases, i), "results"), backend), "own_steps")) > 0)
+            return true;
+    return false;
+}
+
 /* What a reader might believe was shown and was not. */
 static json_t *not_shown(const json_t *protocol, const json_t *cases, json_int_t refused, json_int_t compared)
 {
@@ -287,6 +297,13 @@ static json_t *not_shown(const json_t *protocol, const json_t *cases, json_int_t
     if (json_array_size(json_object_get(protocol, "cases")) != json_array_size(cases))
         add_sentence(list, "Cases of the protocol are missing.");
     add_sentence(list, second_implementation(protocol, cases, text, sizeof text));
+    for (size_t s = 0; s < json_array_size(backends); s++) {
+        const char *name = evidence_text(json_array_get(backends, s), "name");
+        if ((strncmp(name, "plugin:", 7) != 0 && strncmp(name, SUBJECT_DUMP, strlen(SUBJECT_DUMP)) != 0) || makes_steps(cases, name))
+            continue;
+        snprintf(text, sizeof text, "%.300s was handed sweep, map, boxes, poses and snapping ready-made: nothing is shown of its own.", name);
+        add_sentence(list, text);
+    }
     add_sentence(list, json_object_get(protocol, "user") ? "Inputs are generated but for the cases user/1 and on, which are the user's own files; those are not in the bundle. How files are read, and how floats of meshes and devices become integers, is shared by all backends and is not shown by this comparison."
                                                          : "Inputs are generated, not a patient's. How files are read, and how floats of meshes and devices become integers, is shared by all backends and is not shown by this comparison.");
     add_sentence(list, "A mistake that the reference and a backend have in common does not show in a comparison of the two; the checks in common.json look for some of those.");

@@ -52,7 +52,7 @@ void finding_make(const scene *s, const trace *ref, compare_range in_ref, const 
     if (d->kind == COMPARE_WORD && (d->stage == TRACE_SNAP || d->stage == TRACE_STEPS)) {
         char name[TRACE_WORD];
         out->class = "steps";
-        snprintf(out->text, sizeof out->text, "no voxel was made yet: src/core and src/sim made %s otherwise than docs/arithmetic.md was read a second time",
+        snprintf(out->text, sizeof out->text, "no voxel was made yet: the steps of the two differ in %s",
                  trace_word_name(d->stage, d->word, 0, name));
         return;
     }

@@ -1,0 +1,12 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The steps before the voxels, for a plugin that makes them itself: slots snap and steps of osteon/plugin.h. */
+#ifndef EXAMPLE_STEPS_H
+#define EXAMPLE_STEPS_H
+
+#include <osteon/plugin.h>
+
+int32_t example_snap(ost_plugin_instance *self, const ost_plugin_tool_geometry *geometry, const ost_plugin_raw_mesh *mesh, ost_plugin_snapped *made,
+                     ost_plugin_error *error);
+int32_t example_steps(ost_plugin_instance *self, const ost_plugin_steps *in, ost_plugin_error *error);
+
+#endif
