@@ -44,11 +44,47 @@ static ost_status add_leaves(const trace_block_view *b, bool numbered, ost_dims 
     return OST_OK;
 }
 
-/* Computes the digest of what is compared of a record: its body, and of a refusal the status alone. */
+/* Adds a record's words, those that are bounds as 0: the text states none of them (trace_word_is_bound). */
+static ost_status add_words(ost_hasher *h, trace_stage stage, const uint8_t *words, uint64_t count, ost_error *err)
+{
+    enum { AT_ONCE = 64 };
+    static const uint8_t zero[8];
+    uint8_t some[8 * AT_ONCE];
+    ost_status status = OST_OK;
+    for (uint64_t i = 0; i < count && status == OST_OK;) {
+        size_t n = 0;
+        for (; n < AT_ONCE && i < count; n++, i++)
+            memcpy(some + 8 * n, trace_word_is_bound(stage, (size_t)i) ? zero : words + 8 * i, 8);
+        status = ost_hasher_add(h, some, 8 * n, err);
+    }
+    return status;
+}
+
+static ost_status digest_without_bounds(const trace_record *r, const uint8_t *words, uint64_t count, ost_digest *out, ost_error *err)
+{
+    ost_hasher *h;
+    ost_status status = ost_hasher_open(&h, err);
+    if (status != OST_OK)
+        return status;
+    const uint8_t *behind = words + 8 * count;
+    status = ost_hasher_add(h, r->body, 8, err);
+    if (status == OST_OK)
+        status = add_words(h, r->stage, words, count, err);
+    if (status == OST_OK)
+        status = ost_hasher_add(h, behind, (size_t)(r->body + r->body_bytes - behind), err);
+    if (status == OST_OK)
+        return ost_hasher_close(h, out, err);
+    ost_hasher_close(h, NULL, NULL);
+    return status;
+}
+
+/* Computes the digest of what is compared of a record: its body, with bounds as 0, and of a refusal the status alone. */
 static ost_status digest_of_record(const trace_record *r, ost_digest *out, ost_error *err)
 {
     uint64_t count;
     const uint8_t *words;
+    if ((r->stage == TRACE_STEPS || r->stage == TRACE_TICK) && trace_words(r, &count, &words))
+        return digest_without_bounds(r, words, count, out, err);
     const bool refusal = r->stage == TRACE_FAILED && trace_words(r, &count, &words);
     return ost_digest_bytes(r->body, refusal ? 8 + 8 * (size_t)count : (size_t)r->body_bytes, out, err);
 }

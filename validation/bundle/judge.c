@@ -186,18 +186,28 @@ static void judge_lines(const judge *j, const json_t *r, case_verdict verdict, b
         report(j, "says that %s differs first, and its digests differ first at %s", stated, place);
 }
 
+/* What a broad phase leaves is compared, and is in no digest (trace_word_is_bound). */
+static bool differs_in_bound(const json_t *r)
+{
+    const char *word = evidence_text(r, "word");
+    return strcmp(evidence_text(r, "stage"), trace_stage_name(TRACE_STEPS)) == 0 && (strncmp(word, "box ", 4) == 0 || strncmp(word, "whether it reaches", 18) == 0);
+}
+
 static void judge_result(const judge *j, const json_t *r, const char *reference)
 {
     const char *name = evidence_text(j->backend, "name"), *sha256 = evidence_text(r, "sha256");
     const int verdict = verdict_named(evidence_text(r, "verdict"));
-    const bool dump = strncmp(name, SUBJECT_DUMP, strlen(SUBJECT_DUMP)) == 0, own = json_object_get(r, "records") != NULL;
+    /* Of a dump, and of the second implementation where a case is large, some records are not there. */
+    const bool dump = strncmp(name, SUBJECT_DUMP, strlen(SUBJECT_DUMP)) == 0, partial = dump || strcmp(name, SUBJECT_DENSE) == 0, own = json_object_get(r, "records") != NULL;
     const bool available = json_is_true(json_object_get(j->backend, "available"));
     if (verdict < 0)
         report(j, "has no verdict");
+    else if (verdict == CASE_DIFFERS && differs_in_bound(r))
+        return; /* no digest holds a bound */
     else if (verdict == CASE_NOT_RUN ? available && !dump : !available)
         report(j, available ? "was not run, although it was available" : "has a result, although it was not available");
     else if (own)
-        judge_lines(j, r, (case_verdict)verdict, dump);
+        judge_lines(j, r, (case_verdict)verdict, partial);
     else if (verdict == CASE_EQUAL && !*sha256)
         report(j, "says 'equal' without a digest");
     else if (verdict == CASE_EQUAL && strcmp(sha256, reference) != 0)
