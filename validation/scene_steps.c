@@ -111,7 +111,7 @@ static ost_status make_ticks(scene *s, draw *d, int number, ost_pm unit, ost_err
         const bool straight = i % 4 == 1 || i % 4 == 2;
         if (straight) { /* not turned against the last tick: the way alone decides how many poses */
             const int64_t n = draw_between(d, 1, 12);
-            at[draw_between(d, 0, 2)] += n * s->cubic / 2 + off;
+            at[draw_between(d, 0, 2)] += i % 8 == 6 ? 0 : n * s->cubic / 2 + off; /* no way at all is one pose */
         } else {
             const double last[4] = {q[0], q[1], q[2], q[3]};
             turn_on(d, wide ? 0.01 : i % 8 == 7 && !hand ? 1.2 : 0.1, last, q);

@@ -98,6 +98,7 @@ static void sweep_and_motor_of_the_text(void **state)
     const ost_tool_geometry tool = {{4, 4, 4}, 500 * UM, {-1000 * UM, -1000 * UM, -1000 * UM}};
     const ost_pose a = {{0, 0, 0}, OST_Q30_ONE, 0, 0, 0}, b = {{300 * UM, 400 * UM, 0}, OST_Q30_ONE, 0, 0, 0};
     assert_int_equal(steps_sweep_count(&a, &b, &tool, 470 * UM), 3);
+    assert_int_equal(steps_sweep_count(&a, &a, &tool, 470 * UM), 1);
     const ost_pose first = steps_sweep_pose(&a, &b, 1, 3);
     assert_int_equal(first.t.x, 100000000);
     assert_int_equal(first.t.y, 133333333);
