@@ -264,13 +264,20 @@ static ost_status set_option(const char *key, size_t key_length, const char *val
         out->staging = (size_t)n;
         return OST_OK;
     }
+    if (key_length == 5 && strncmp(key, "order", 5) == 0) {
+        long n = is_number(text) ? strtol(text, NULL, 10) : 0;
+        if (n < 1)
+            return ost_fail(err, OST_ERR_USAGE, "backend cl: order=%.40s; expected a seed from 1 to 999999999", text);
+        out->order = (unsigned)n;
+        return OST_OK;
+    }
     if (key_length == 7 && strncmp(key, "kernels", 7) == 0) {
         out->kernels = strcmp(text, "cpu") == 0 ? OST_CL_SET_CPU : strcmp(text, "gpu") == 0 ? OST_CL_SET_GPU : OST_CL_SET_AUTO;
         if (out->kernels == OST_CL_SET_AUTO)
             return ost_fail(err, OST_ERR_USAGE, "backend cl: kernels=%.40s; expected cpu or gpu", text);
         return OST_OK;
     }
-    return ost_fail(err, OST_ERR_USAGE, "backend cl: '%.*s' is unknown; options are platform=, device=, workgroup=, kernels= and staging=",
+    return ost_fail(err, OST_ERR_USAGE, "backend cl: '%.*s' is unknown; options are platform=, device=, workgroup=, kernels=, staging= and order=",
                     (int)(key_length < 40 ? key_length : 40), key);
 }
 

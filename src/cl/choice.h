@@ -50,6 +50,7 @@ typedef struct ost_cl_options {
     char platform[OST_CL_NAME], device[OST_CL_NAME]; /* "": any */
     size_t workgroup;                                /* 0: the device's own choice */
     size_t staging; /* most bytes that a stage moves or works on at a time; 0: each stage's own limit */
+    unsigned order; /* seed of another order of work items (OST_ORDER of kernels/common.h); 0: the device's own */
     ost_cl_set kernels;
 } ost_cl_options;
 

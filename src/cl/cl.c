@@ -153,7 +153,7 @@ static ost_status finish(ost_backend *base, ost_error *err)
 
 const ost_backend_ops ost_backend_cl = {
     .name = "cl",
-    .description = "OpenCL 1.2: CPUs by PoCL, GPUs of any vendor; integers only, checked at start; options platform=, device=, kernels=cpu|gpu, workgroup=, staging=",
+    .description = "OpenCL 1.2: CPUs by PoCL, GPUs of any vendor; integers only, checked at start; options platform=, device=, kernels=cpu|gpu, workgroup=, staging=, order=",
     .available = available,
     .devices = devices_cl,
     .open = open_cl,

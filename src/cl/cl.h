@@ -90,6 +90,7 @@ typedef struct cl_backend {
     bool cpu_set;     /* the kernels are those for CPUs, else those for GPUs */
     size_t workgroup; /* work items of a group, 0: default */
     size_t staging;   /* as in ost_cl_options */
+    unsigned order;   /* likewise */
     uint32_t turns;   /* of a work item's loops; OST_CL_TURNS: no end was seen */
     int run;          /* voxels of a row that a work item of ost_cubic_gather copies */
     cl_context context;

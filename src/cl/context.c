@@ -85,9 +85,11 @@ static void drop_program(cl_backend *b)
 /* For few strong cores or for many weak ones, with the checks. */
 static ost_status set_up_program(cl_backend *b, ost_error *err)
 {
-    char options[64];
+    char options[96], order[32] = "";
     b->run = b->cpu_set ? 1024 : 1;
-    snprintf(options, sizeof options, "-cl-std=CL1.2 -DOST_FOR=%d -DOST_ROWS=1 -DOST_RUN=%d", b->cpu_set ? 2 : 1, b->run);
+    if (b->order)
+        snprintf(order, sizeof order, " -DOST_ORDER=%uu", b->order);
+    snprintf(options, sizeof options, "-cl-std=CL1.2 -DOST_FOR=%d -DOST_ROWS=1 -DOST_RUN=%d%s", b->cpu_set ? 2 : 1, b->run, order);
     ost_status status = ost_cl_build(b, ost_cl_program, ost_cl_program_count, options, &b->program, &b->from_cache, err);
     if (status == OST_OK)
         status = create_kernels(b, err);
@@ -148,6 +150,7 @@ ost_status ost_cl_device_open(const ost_cl_api *cl, const ost_cl_device *device,
         b->device = *device;
         b->workgroup = options->workgroup;
         b->staging = options->staging;
+        b->order = options->order;
         b->cpu_set = options->kernels == OST_CL_SET_AUTO ? device->cpu : options->kernels == OST_CL_SET_CPU;
         b->gl = gl != NULL;
         /* A driver may catch the whole process's SIGFPE (PoCL does), and a division by zero elsewhere would go unseen. */

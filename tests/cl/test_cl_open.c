@@ -26,7 +26,8 @@ static void options(void **state)
     assert_true(!o.platform[0] && !o.device[0] && o.workgroup == 0 && o.kernels == OST_CL_SET_AUTO && o.staging == 0);
     assert_ok(ost_cl_options_read("kernels=gpu,staging=1024", &o, &err));
     assert_true(o.kernels == OST_CL_SET_GPU && o.staging == 1024);
-    assert_ok(ost_cl_options_read("kernels=cpu", &o, &err));
+    assert_ok(ost_cl_options_read("kernels=cpu,order=7", &o, &err));
+    assert_int_equal(o.order, 7);
     assert_true(o.kernels == OST_CL_SET_CPU);
     assert_ok(ost_cl_options_read("device=1,platform=Portable Computing,workgroup=64", &o, &err));
     assert_string_equal(o.platform, "Portable Computing");
@@ -34,7 +35,7 @@ static void options(void **state)
     assert_int_equal(o.workgroup, 64);
     static const char *const wrong[] = {"platform", "platform=", "device=", "isa=avx2", "workgroup=0", "workgroup=x", "workgroup=99999999",
                                         "threads=2", "platform=0,,x=1", "=", "workgroup=-1", "kernels", "kernels=", "kernels=both", "staging=1023",
-                                        "staging=", "staging=9999999999"};
+                                        "staging=", "order=0", "order=x", "staging=9999999999"};
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++)
         if (ost_cl_options_read(wrong[i], &o, &err) != OST_ERR_USAGE)
             fail_msg("'%s' is taken", wrong[i]);

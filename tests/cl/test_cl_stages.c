@@ -2,7 +2,7 @@
 /*
  * Every stage of the backend cl against the reference, through the public
  * API: grids, bones, tools, digests and reports, to the byte, with both sets of
- * kernels, several work-group sizes, and large data in parts.  The tests of a
+ * kernels, several work-group sizes, another order of items, and large data in parts.  The tests of a
  * set together enter every path that core/paths.h lists.
  * Covers: AR-CT-4, AR-CT-5, AR-CT-6, AR-CUB-2, AR-CUB-3, AR-CHK-1, AR-CHK-2, AR-CHK-3, AR-VOX-1..7, AR-REM-1, AR-REM-2, AR-REM-3,
  * AR-REM-5, AR-REM-6, AR-CLS-1, AR-DIG-2, REQ-CL, REQ-CL-SETS
@@ -16,7 +16,7 @@ typedef struct pair {
     ost_backend *ref, *cl;
 } pair;
 
-static const char *const workgroups[] = {NULL, "workgroup=1", "workgroup=7,staging=1024", "workgroup=256,staging=20000"};
+static const char *const workgroups[] = {NULL, "workgroup=1,order=3", "workgroup=7,staging=1024", "workgroup=256,staging=20000"};
 
 /* The set of kernels that the running group is of. */
 static const char *set;

@@ -15,6 +15,19 @@
 #define OST_RUN 3
 #endif
 
+/*
+ * With -DOST_ORDER=s, s > 0, items change places: number i of n does the work of
+ * number (i or n - 1 - i) + s modulo n.  No result may show it.
+ */
+#ifdef OST_ORDER
+static inline size_t ost_item(uint dimension)
+{
+    const size_t n = get_global_size(dimension), i = get_global_id(dimension);
+    return ((OST_ORDER % 2 ? n - 1 - i : i) + OST_ORDER % n) % n;
+}
+#define get_global_id(dimension) ost_item(dimension)
+#endif
+
 /* AR-INT-1; d > 0. */
 static inline long ost_floor_div(long n, long d)
 {
