@@ -37,8 +37,8 @@ import tempfile
 import time
 
 OSTEON = os.environ.get("OSTEON", os.path.join(os.getcwd(), "osteon"))
-BLOCKS = {"title", "h1", "h2", "h3", "p", "li", "tr", "pre", "figure", "figcaption", "summary", "div", "span"}
-VOID = {"br", "img", "meta", "path", "link"}
+BLOCKS = {"title", "h1", "h2", "h3", "p", "li", "tr", "pre", "figure", "figcaption", "label", "div", "span"}
+VOID = {"br", "img", "input", "meta", "path", "link"}
 BAD = ["differs", "failed", "crashed", "timed out"]
 
 
@@ -348,12 +348,11 @@ def _(c, b, m):
 
 
 @rule("", "p", r"osteon simulates the reaming of bone for surgery\. .* here ([\d,]+ backends?) on ([\d,]+ cases?), against the scalar reference\. osteon (\S+), arithmetic version (\d+); tier (\w+), seed (\d+) "
-               r"\(protocol\.json\)\. Machine: environment\.json\. Times: times\.json\. What was done when: audit\.log\.")
+               r"\(protocol\.json\)\. Times: times\.json\. What was done when: audit\.log\.")
 def _(c, b, m):
     p = c.file(b, "protocol.json")
-    for name in ("environment.json", "times.json"):
+    for name in ("times.json", "audit.log"):
         c.file(b, name)
-    c.file(b, "audit.log")
     ran = sum(x["available"] for x in backends_of(p)[1:])
     return [many(ran, "backend"), many(len(c.bundle.parsed("cases.jsonl")), "case"), p["version"], str(p["arithmetic"]), p["tier"], p["seed"]]
 
@@ -651,7 +650,7 @@ def _(c, b, m):
     return None
 
 
-@rule(SENSITIVITY, "summary", r"Kind by kind: ([\d,]+ kinds?) of mistakes")
+@rule(SENSITIVITY, "label", r"Kind by kind: ([\d,]+ kinds?) of mistakes")
 def _(c, b, m):
     return [many(len(c.file(b, "sensitivity.json")["kinds"]), "kind")]
 
@@ -660,6 +659,48 @@ def _(c, b, m):
 def _(c, b, m):
     same(b, True, any(not k["changed"] == k["detected"] == k["localized"] for k in c.file(b, "sensitivity.json")["kinds"]))
     return []
+
+
+def machines_of(environment):
+    return [("Machine", environment)] if isinstance(environment.get("machine"), str) else [("Machine of shard " + k, v) for k, v in sorted(environment.items())]
+
+
+@rule("When and where", "tr", r"")
+def _(c, b, m):
+    head, said, source = b.cells
+    same(b, b.links, [source])
+    if head == "Begun":
+        begun = c.bundle.raw(source).decode().split("\n")[0].split("\t")
+        same(b, begun[2], "begun")
+        same(b, said, begun[1].replace("T", " ").replace("Z", " UTC"))
+        return None
+    if head == "OpenCL":
+        p = c.file(b, source)
+        sets = [(x["what"], re.search(r"kernels=(\w+)", x["name"])) for x in backends_of(p)[1:] if x["name"].startswith("cl") and x["available"]]
+        rows = [words("%s; kernels: %s" % (what, found.group(1) if found else "the set that the device's type chooses")) for what, found in sets]
+        same(b, said, " ".join(rows) or "no device was compared")
+        return None
+    machines = machines_of(c.file(b, source))
+    if head == "Threads":
+        shared = {int(n) for _, e in machines for x in e.get("paths", {}).values() for path, count in x["entered"].items() if count for n in re.findall(r" on (\d+) threads$", path)}
+        text = "work was shared among %s threads, as the backends counted" % ", ".join(str(n) for n in sorted(shared))
+        same(b, said, text if shared else "no backend counted work that threads shared")
+    elif head == "Processor":
+        same(b, True, said in [words("%s, %s" % (e["processor"] or "not named by the system", many(e["cores_online"], "core"))) for _, e in machines])
+    else:
+        e = dict(machines)[head]
+        same(b, said, words("%s%s, kernel %s, %s" % (e["host"] + ": " if e.get("host") else "", e["system"], e["kernel"], e["machine"])))
+    return None
+
+
+@rule("Which paths of each backend ran", "tr", r"")
+def _(c, b, m):
+    paths = c.file(b, "environment.json")["paths"]
+    if b.cells[0] == "Backend":
+        return None
+    mine = paths[b.cells[0]]
+    same(b, b.cells[1:], [str(len(mine["entered"])), str(len(mine["not_entered"])), words(", ".join(mine["not_entered"])) or "none"])
+    return None
 
 
 COMMON = "Mistakes that all backends could have in common"

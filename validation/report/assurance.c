@@ -56,9 +56,9 @@ void section_common(const page *p)
           "with what is known without any program: small grids worked out by hand, bodies whose volume a formula gives, and laws that hold whatever the voxels are. ", p->to);
     fprintf(p->to, "<b>%s</b> ", failed ? "Some came out otherwise." : "All came out as expected.");
     common_sums(p, checks);
-    fputs("</p>\n<details", p->to);
-    fputs(failed ? " open" : "", p->to);
-    fputs("><summary>Check by check</summary>\n<div class=\"wide\"><table><thead><tr><th>Check</th><th>is</th><th>expected</th><th>came out</th><th>&#8203;</th></tr></thead>\n", p->to);
+    fputs("</p>\n", p->to);
+    page_fold_begin(p, "checks", failed, "Check by check");
+    fputs("<div class=\"wide\"><table><thead><tr><th>Check</th><th>is</th><th>expected</th><th>came out</th><th>&#8203;</th></tr></thead>\n", p->to);
     for (size_t i = 0; i < json_array_size(checks); i++) {
         const json_t *one = json_array_get(checks, i);
         const bool passed = json_is_true(json_object_get(one, "passed"));
@@ -72,7 +72,9 @@ void section_common(const page *p)
         page_text(p, evidence_text(one, "got"));
         fprintf(p->to, "</td><td%s>%s</td></tr>\n", passed ? "" : " class=\"bad\"", passed ? "&#10003;" : "&#10007; FAILED");
     }
-    fputs("</table></div></details>\n<p><b>Not done in this bundle</b>, since it takes the source tree and its tests (<code>make check</code>):</p>\n<ul>\n", p->to);
+    fputs("</table></div>\n", p->to);
+    page_fold_end(p);
+    fputs("<p><b>Not done in this bundle</b>, since it takes the source tree and its tests (<code>make check</code>):</p>\n<ul>\n", p->to);
     for (size_t i = 0; i < json_array_size(tests); i++) {
         fputs("<li>", p->to);
         page_text(p, evidence_text(json_array_get(tests, i), "what"));

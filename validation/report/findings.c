@@ -289,16 +289,17 @@ static void fault_stages(const page *p, const json_t *all, const json_t *kinds)
     fputs("</table></div>\n", p->to);
 }
 
-/* Every kind, for the screen; on paper it would be pages. */
+/* Every kind: on a screen behind its label, on paper in full. */
 static void fault_kinds(const page *p, const json_t *kinds)
 {
-    fputs("<details><summary>Kind by kind: ", p->to);
-    page_many(p, json_array_size(kinds), "kind");
-    fputs(" of mistakes</summary>\n", p->to);
+    char label[64];
+    snprintf(label, sizeof label, "Kind by kind: %zu kind%s of mistakes", json_array_size(kinds), json_array_size(kinds) == 1 ? "" : "s");
+    page_fold_begin(p, "kinds", false, label);
     fault_head(p, "Mistake");
     for (size_t i = 0; i < json_array_size(kinds) && i < LISTED; i++)
         fault_row(p, json_array_get(kinds, i));
-    fputs("</table></div></details>\n", p->to);
+    fputs("</table></div>\n", p->to);
+    page_fold_end(p);
 }
 
 void section_sensitivity(const page *p)

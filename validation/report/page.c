@@ -120,7 +120,10 @@ void page_begin(const page *p, const char *title)
         "figure{margin:.6rem 0 1rem}figcaption{color:#333}img{max-width:100%;height:auto;display:block;margin-top:.2rem}\n"
         ".pair{display:grid;grid-template-columns:1fr 1fr;gap:1rem}\n"
         ".file{font-size:.8em;display:block}\n"
-        "summary{cursor:pointer;color:#0b4f9c}\n"
+        ".fold>input{position:absolute;opacity:0}.fold>label{cursor:pointer;color:#0b4f9c}.fold>label::before{content:'\\25B8\\00A0'}\n"
+        ".fold>input:checked~label::before{content:'\\25BE\\00A0'}.fold>input:focus-visible~label{outline:2px solid}\n"
+        ".fold>div{display:none}.fold>input:checked~div{display:block}\n"
+        "td.name{min-width:11rem}.facts th{width:8rem;font-weight:400;color:#444;border-color:#ddd}.facts td.from{width:9rem}\n"
         ".from{font-size:.85em;color:#444}\n"
         ".sign{display:grid;grid-template-columns:1fr 1fr;gap:1rem 2.5rem}.sign div{break-inside:avoid}\n"
         ".sign span{display:block;border-bottom:1px solid #555;height:2.1rem;font-size:.85em;color:#444}\n"
@@ -131,13 +134,25 @@ void page_begin(const page *p, const char *title)
         "@page{margin:14mm}\n"
         "@media print{body{margin:0;padding:0;max-width:none;font-size:9.5pt;line-height:1.4}table,pre,.sign{font-size:.9em}h2,h3{break-after:avoid}figure,tr,pre,.verdict{break-inside:avoid}"
         "thead{display:table-header-group}.wide{overflow:visible}p{orphans:3;widows:3}a{color:inherit}"
-        "img{max-height:54mm;width:auto}h2{margin-top:1.3rem}.sign div,ul{break-inside:avoid}details:not([open]){display:none}*{-webkit-print-color-adjust:exact;print-color-adjust:exact}}\n";
+        "img{max-height:54mm;width:auto}h2{margin-top:1.3rem}.sign div,ul{break-inside:avoid}.fold>div{display:block}.fold>label::before{content:none}.fold>label{color:inherit}.fold tr{font-size:.92em}*{-webkit-print-color-adjust:exact;print-color-adjust:exact}}\n";
     fputs("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
           "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">"
           "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none';style-src 'unsafe-inline';img-src data:\"><title>",
           p->to);
     page_text(p, title);
     fprintf(p->to, "</title>\n<style>\n%s</style></head><body>\n", style);
+}
+
+void page_fold_begin(const page *p, const char *id, bool open, const char *label)
+{
+    fprintf(p->to, "<div class=\"fold\"><input type=\"checkbox\" id=\"%s\"%s><label for=\"%s\">", id, open ? " checked" : "", id);
+    page_text(p, label);
+    fputs("</label>\n", p->to);
+}
+
+void page_fold_end(const page *p)
+{
+    fputs("</div>\n", p->to);
 }
 
 void page_end(const page *p)

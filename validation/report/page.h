@@ -39,6 +39,13 @@ bool page_has(const page *p, const char *file);
 /* The picture in the page, linked to its file, with a caption of ours; nothing when the bundle has none. */
 bool page_picture(const page *p, const char *file, const char *caption);
 
+/*
+ * A part that opens by its label on a screen and is always open on paper, which the element details is not in every
+ * browser.  Its content is one div.  id is unique on the page.
+ */
+void page_fold_begin(const page *p, const char *id, bool open, const char *label);
+void page_fold_end(const page *p);
+
 /* Opens and closes: style is a part of the first. */
 void page_begin(const page *p, const char *title);
 void page_end(const page *p);

@@ -169,9 +169,7 @@ static void head(const page *p)
     page_text(p, evidence_text(p->protocol, "seed"));
     fputs(" (", p->to);
     page_link(p, EVIDENCE_PROTOCOL);
-    fputs("). Machine: ", p->to);
-    page_link(p, "environment.json");
-    fputs(". Times: ", p->to);
+    fputs("). Times: ", p->to);
     page_link(p, "times.json");
     fputs(". What was done when: ", p->to);
     page_link(p, "audit.log");
@@ -325,6 +323,7 @@ ost_status report_write(const char *folder, const json_t *protocol, const json_t
     const page p = {to, folder, protocol, cases, summary, &unread};
     page_begin(&p, TITLE);
     head(&p);
+    section_machine(&p);
     section_compared(&p);
     if (findings(&p)) { /* first what matters most */
         section_differences(&p);
@@ -332,6 +331,7 @@ ost_status report_write(const char *folder, const json_t *protocol, const json_t
     }
     section_own_files(&p);
     not_shown(&p);
+    section_paths(&p);
     operation(&p);
     section_reference(&p);
     if (!findings(&p))

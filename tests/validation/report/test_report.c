@@ -361,7 +361,7 @@ static void sums_up_mistakes(void **state)
     assert_non_null(tool);
     assert_null(strstr(tool + 1, "<b>tool</b>"));
     assert_non_null(strstr(tool, "<b>cubic</b>, 1 kind</td>"));
-    const char *missed = strstr(tool, "Not all noticed"), *all = strstr(tool, "<details>");
+    const char *missed = strstr(tool, "Not all noticed"), *all = strstr(tool, "<div class=\"fold\">");
     assert_non_null(missed);
     assert_non_null(all);
     assert_true(missed < strstr(tool, "<b>missed</b>") && strstr(tool, "<b>missed</b>") < all);

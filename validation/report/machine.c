@@ -1,0 +1,196 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * When and where the campaign ran, for the first page.
+ *
+ *   audit.log          the time of its first line
+ *   environment.json   machine, processor, the paths that backends entered; of merged shards one for each, by "1/3"
+ *   devices.json       OpenCL devices that were compared
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "validation/bundle/bundle.h"
+#include "validation/bundle/devices.h"
+#include "validation/report/sections.h"
+
+enum { THREADS_MAX = 1024 };
+
+/* A JSON file of the bundle, or NULL; the caller's reference. */
+static json_t *read_json(const page *p, const char *name)
+{
+    char *bytes;
+    size_t size;
+    if (!page_read(p, name, &bytes, &size))
+        return NULL;
+    json_t *o = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, NULL);
+    free(bytes);
+    return o;
+}
+
+static void begin_row(const page *p, const char *what)
+{
+    fprintf(p->to, "<tr><th>%s</th><td>", what);
+}
+
+static void end_row(const page *p, const char *file)
+{
+    fputs("</td><td class=\"from\">", p->to);
+    page_link(p, file);
+    fputs("</td></tr>\n", p->to);
+}
+
+/* "2026-11-22 21:45:00 UTC", of the log's first line: HASH TAB TIME TAB begun TAB ... */
+static void when(const page *p)
+{
+    enum { TIME = 20 }; /* 2026-11-22T21:45:00Z */
+    char *bytes;
+    size_t size;
+    if (!page_read(p, "audit.log", &bytes, &size))
+        return;
+    const char *tab = strchr(bytes, '\t');
+    if (tab && strlen(tab) > TIME + 1 && tab[1 + TIME] == '\t' && tab[11] == 'T' && tab[TIME] == 'Z') {
+        char time[32];
+        snprintf(time, sizeof time, "%.10s %.8s UTC", tab + 1, tab + 12);
+        begin_row(p, "Begun");
+        page_text(p, time);
+        end_row(p, "audit.log");
+    }
+    free(bytes);
+}
+
+static void one_machine(const page *p, const char *shard, const json_t *e)
+{
+    char label[64];
+    const json_int_t cores = json_integer_value(json_object_get(e, "cores_online"));
+    snprintf(label, sizeof label, *shard ? "Machine of shard %.20s" : "Machine", shard);
+    fputs("<tr><th>", p->to);
+    page_text(p, label);
+    fputs("</th><td>", p->to);
+    if (*evidence_text(e, "host")) {
+        page_text(p, evidence_text(e, "host"));
+        fputs(": ", p->to);
+    }
+    page_text(p, evidence_text(e, "system"));
+    fputs(", kernel ", p->to);
+    page_text(p, evidence_text(e, "kernel"));
+    fputs(", ", p->to);
+    page_text(p, evidence_text(e, "machine"));
+    end_row(p, "environment.json");
+    begin_row(p, "Processor");
+    page_text(p, *evidence_text(e, "processor") ? evidence_text(e, "processor") : "not named by the system");
+    fputs(", ", p->to);
+    page_many(p, cores > 0 ? (size_t)cores : 0, "core");
+    end_row(p, "environment.json");
+}
+
+/* A number in "... on 7 threads"; 0 where the name has none. */
+static int threads_in(const char *path)
+{
+    const char *at = strstr(path, " on "), *digits = at ? at + strlen(" on ") : "";
+    char *end;
+    const long n = strtol(digits, &end, 10);
+    return end > digits && strcmp(end, " threads") == 0 && n > 0 && n < THREADS_MAX ? (int)n : 0;
+}
+
+/* Notes the numbers of threads that a path was entered on. */
+static void note_threads(const json_t *environment, bool used[THREADS_MAX])
+{
+    json_t *backend, *count;
+    const char *name, *path;
+    json_object_foreach(json_object_get(environment, "paths"), name, backend)
+        json_object_foreach(json_object_get(backend, "entered"), path, count)
+            used[threads_in(path)] |= json_integer_value(count) > 0;
+}
+
+static void threads(const page *p, const bool used[THREADS_MAX])
+{
+    int said = 0;
+    begin_row(p, "Threads");
+    for (int n = 2; n < THREADS_MAX; n++)
+        if (used[n])
+            fprintf(p->to, "%s%d", said++ ? ", " : "work was shared among ", n);
+    fputs(said ? " threads, as the backends counted" : "no backend counted work that threads shared", p->to);
+    end_row(p, "environment.json");
+}
+
+/* Devices that were compared, and the kernels that were chosen for each. */
+static void opencl(const page *p)
+{
+    const json_t *backends = json_object_get(p->protocol, "backends");
+    int said = 0;
+    begin_row(p, "OpenCL");
+    for (size_t s = 1; s < json_array_size(backends); s++) {
+        const json_t *one = json_array_get(backends, s);
+        const char *name = evidence_text(one, "name"), *set = strstr(name, "kernels=");
+        if (strncmp(name, "cl", 2) != 0 || !json_is_true(json_object_get(one, "available")))
+            continue;
+        fputs(said++ ? "<br>" : "", p->to);
+        page_text(p, evidence_text(one, "what"));
+        fputs("; kernels: ", p->to);
+        page_text(p, !set ? "the set that the device's type chooses" : strncmp(set, "kernels=gpu", 11) == 0 ? "gpu" : "cpu");
+    }
+    if (!said)
+        fputs("no device was compared", p->to);
+    end_row(p, EVIDENCE_PROTOCOL);
+}
+
+void section_machine(const page *p)
+{
+    json_t *all = read_json(p, "environment.json"), *one;
+    bool used[THREADS_MAX] = {false};
+    const char *shard;
+    if (!json_is_object(all)) {
+        json_decref(all);
+        return;
+    }
+    fputs("<h2>When and where</h2>\n<table class=\"facts\">\n", p->to);
+    when(p);
+    if (json_is_string(json_object_get(all, "machine"))) {
+        one_machine(p, "", all);
+        note_threads(all, used);
+    } else
+        json_object_foreach(all, shard, one) {
+            one_machine(p, shard, one);
+            note_threads(one, used);
+        }
+    threads(p, used);
+    opencl(p);
+    fputs("</table>\n", p->to);
+    json_decref(all);
+}
+
+/* ---------------------------------------------------------------- paths */
+
+static void paths_row(const page *p, const char *backend, const json_t *paths)
+{
+    const json_t *missing = json_object_get(paths, "not_entered");
+    fputs("<tr><td class=\"name\"><code>", p->to);
+    page_text(p, backend);
+    fprintf(p->to, "</code></td><td class=\"n\">%zu</td><td class=\"n\">%zu</td><td>", json_object_size(json_object_get(paths, "entered")), json_array_size(missing));
+    for (size_t i = 0; i < json_array_size(missing); i++) {
+        const char *name = json_string_value(json_array_get(missing, i));
+        fputs(i ? ", " : "", p->to);
+        page_text(p, name ? name : "?");
+    }
+    fputs(json_array_size(missing) ? "</td></tr>\n" : "none</td></tr>\n", p->to);
+}
+
+void section_paths(const page *p)
+{
+    json_t *all = read_json(p, "environment.json"), *paths;
+    json_t *of_all = json_object_get(all, "paths");
+    const char *backend;
+    if (!json_object_size(of_all)) {
+        json_decref(all);
+        return;
+    }
+    fputs("<h2>Which paths of each backend ran</h2>\n<p>A backend takes another path through its code where a bone is large, where threads share work, where memory is mapped. "
+          "A path that no case entered was not compared, whatever the verdict says.</p>\n"
+          "<div class=\"wide\"><table><thead><tr><th>Backend</th><th class=\"n\">entered</th><th class=\"n\">not entered</th><th>not entered are</th></tr></thead>\n", p->to);
+    json_object_foreach(of_all, backend, paths)
+        paths_row(p, backend, paths);
+    fputs("</table></div>\n<p class=\"from\">From ", p->to);
+    page_link(p, "environment.json");
+    fputs(", with how often each was entered.</p>\n", p->to);
+    json_decref(all);
+}
