@@ -185,6 +185,7 @@ static void readme(FILE *to, const json_t *protocol, const json_t *cases, const 
           "| sensitivity.json | mistakes made on purpose in a second implementation (validation/dense), in no backend, and whether the comparison noticed them; kinds_silent changed nothing in this tier (the first shard's run makes it) |\n"
           "| common.json | checks of the reference by hand, by volume and by law: mistakes that all backends could have in common |\n"
           "| requirements.csv, trace.csv | requirements, their tests, what of this bundle bears on them; orphans in both directions |\n"
+          "| known-anomalies.csv | what was known to be wrong with this release |\n"
           "| devices.json | OpenCL devices: what their drivers say, and their numeric fingerprints |\n"
           "| tools.json | commit, compiler, flags, and every library that ran with the program, by SHA-256 |\n"
           "| sbom.spdx.json, soup.csv | the same as a bill of materials (SPDX 2.3) and as a list of software of unknown provenance |\n"

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "validation/bundle/anomaly_lines.h"
 #include "validation/bundle/bundle.h"
 #include "validation/bundle/devices.h"
 #include "validation/bundle/environment.h"
@@ -29,12 +30,28 @@ static ost_status put_json(const char *name, const json_t *value, evidence_sink 
     return status;
 }
 
+static ost_status put_known_anomalies(evidence_sink *sink, void *user, ost_error *err)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *to = open_memstream(&text, &size);
+    for (size_t i = 0; to && i < sizeof anomaly_lines / sizeof anomaly_lines[0]; i++)
+        fprintf(to, "%s\n", anomaly_lines[i]);
+    ost_status status = to && fclose(to) == 0 ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for %s", KNOWN_ANOMALIES_FILE);
+    if (status == OST_OK)
+        status = sink(user, KNOWN_ANOMALIES_FILE, text, size, err);
+    free(text);
+    return status;
+}
+
 ost_status record_put(const char *program, const subject_list *subjects, const json_t *common, evidence_sink *sink, void *user, ost_error *err)
 {
     json_t *devices = NULL, *tools = NULL;
     char *requirements = trace_requirements();
     ost_status status = requirements ? sink(user, REQUIREMENTS_FILE, requirements, strlen(requirements), err) : ost_fail(err, OST_ERR_MEMORY, "no memory for requirements");
     free(requirements);
+    if (status == OST_OK)
+        status = put_known_anomalies(sink, user, err);
     if (status == OST_OK)
         status = devices_of(subjects, &devices, err); /* first: it loads the drivers that tools_of lists */
     if (status == OST_OK)
@@ -113,6 +130,8 @@ static ost_status merge_one(const char *folder, const char *name, bool by_shard,
 ost_status record_merge(const char *folder, evidence_sink *sink, void *user, ost_error *err)
 {
     ost_status status = merge_one(folder, REQUIREMENTS_FILE, false, sink, user, err);
+    if (status == OST_OK)
+        status = merge_one(folder, KNOWN_ANOMALIES_FILE, false, sink, user, err);
     if (status == OST_OK)
         status = merge_one(folder, COMMON_FILE, false, sink, user, err);
     if (status == OST_OK)

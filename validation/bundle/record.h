@@ -2,7 +2,7 @@
 /*
  * What goes into a bundle besides the comparison's own evidence:
  *
- *   record_put     requirements.csv, tools.json, devices.json, common.json: found out on the machine
+ *   record_put     requirements.csv, known-anomalies.csv, tools.json, devices.json, common.json: built in, or found out on the machine
  *   record_merge   the same from the bundles of shards
  *   record_derive  trace.csv, sbom.spdx.json, soup.csv, junit.xml: follow from those, environment.json, times.json and the
  *                  cases; verify derives them again
@@ -14,6 +14,9 @@
 #define OST_VALIDATION_RECORD_H
 
 #include "validation/bundle/evidence.h"
+
+/* Known anomalies of this release (docs/qualification/known-anomalies.csv), as built in. */
+#define KNOWN_ANOMALIES_FILE "known-anomalies.csv"
 
 /* program: this program's file. */
 ost_status record_put(const char *program, const subject_list *subjects, const json_t *common, evidence_sink *sink, void *user, ost_error *err);

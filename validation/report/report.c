@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "validation/bundle/bundle.h"
+#include "validation/bundle/record.h"
 #include "validation/common/common.h"
 #include "validation/report/pictures.h"
 #include "validation/report/sections.h"
@@ -188,6 +189,10 @@ static void not_shown(const page *p)
     }
     fputs("</ul>\n<p class=\"from\">From ", p->to);
     page_link(p, "deviations.csv");
+    if (page_has(p, KNOWN_ANOMALIES_FILE)) {
+        fputs("; what was known to be wrong with this release: ", p->to);
+        page_link(p, KNOWN_ANOMALIES_FILE);
+    }
     fputs(".</p>\n", p->to);
 }
 
@@ -285,6 +290,7 @@ static void files(const page *p)
         {"common.json", "checks by hand, by volume and by law: mistakes that all backends could have in common", false},
         {"requirements.csv", "requirements, and the tests that verify them", false},
         {"trace.csv", "requirements, tests, results and files, orphans in both directions", false},
+        {KNOWN_ANOMALIES_FILE, "what was known to be wrong with this release when it was built", false},
         {"devices.json", "the devices, what their drivers say, their numeric fingerprints", false},
         {"tools.json", "commit, compiler, flags, and every library that ran with the program", false},
         {"sbom.spdx.json", "the same as a bill of materials, SPDX 2.3", false},
