@@ -15,6 +15,7 @@
 #include "app/options.h"
 #include "app/result.h"
 #include "app/say.h"
+#include "validation/bundle/impact.h"
 #include "validation/dump.h"
 #include "validation/export.h"
 #include "validation/locate/case_file.h"
@@ -85,6 +86,7 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "only", .kind = OPTION_TEXT, .out = &args.only, .value = "CASE", .help = "cases whose name begins so: mesh, session/1"},
         {.name = "case", .kind = OPTION_TEXT, .out = &args.case_file, .value = "FILE", .help = "the cases of this file alone, as a bundle's cases/ has them"},
         {.name = "merge", .kind = OPTION_TEXT, .out = &args.merge, .value = "FOLDER", .help = "put the shards' bundles in FOLDER together into --out; runs nothing"},
+        {.name = "against", .kind = OPTION_TEXT, .out = &args.against, .value = "BUNDLE", .help = "with --out: say what changed since this older bundle, and why"},
         {.name = "sign", .kind = OPTION_TEXT, .out = &args.sign, .value = "KEY", .help = "sign the bundle with this private key (PEM), as osteon sign does"},
         {.name = "passphrase-file", .kind = OPTION_TEXT, .out = &args.passphrase, .value = "FILE", .help = "its first line opens the key of --sign"},
         {.name = "limit", .kind = OPTION_INTEGER, .out = &args.limit_s, .value = "S", .min = 1, .max = 1000000,
@@ -137,6 +139,10 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
         return usage_error(app, err, "--merge needs --out and no shard or worker");
     if ((args.merge || args.faults_only) && user_files_given(&args.own))
         return usage_error(app, err, "%s reads no files of your own: no --ct, --tool and --path with it", args.merge ? "--merge" : "--faults-only");
+    if (args.against && (!args.out || args.merge || args.faults_only))
+        return usage_error(app, err, "--against needs --out and a campaign");
+    if (args.against && (status = impact_check(args.against, err)) != OST_OK)
+        return status;
     if ((args.sign && (!args.out || args.faults_only)) || (args.passphrase && !args.sign))
         return usage_error(app, err, args.sign ? "--sign needs --out" : "--passphrase-file belongs to --sign");
     if (args.faults_only)

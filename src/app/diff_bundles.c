@@ -34,7 +34,7 @@ static void say_difference(const app_state *app, const json_t *d)
 ost_status diff_bundles(const app_state *app, const char *a, const char *b, int64_t limit, ost_error *err)
 {
     json_t *o;
-    ost_status status = bundle_difference(a, b, &o, err);
+    ost_status status = bundle_difference(a, b, a, b, &o, err);
     if (status != OST_OK)
         return status;
     const json_t *differences = json_object_get(o, "differences"), *rest = json_object_get(o, "not_compared"), *notes = json_object_get(o, "notes");

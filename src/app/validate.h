@@ -17,7 +17,7 @@
 #include "validation/sensitivity.h"
 
 typedef struct validate_args {
-    const char *out, *backends, *shard, *only, *merge, *worker, *trace, *given, *dump, *export_to, *case_file, *sign, *passphrase;
+    const char *out, *backends, *shard, *only, *merge, *worker, *trace, *given, *dump, *export_to, *case_file, *sign, *passphrase, *against;
     int tier; /* place in "smoke|standard|full" */
     int64_t seed, from, to, limit_s, jobs;
     int64_t faults;
@@ -55,6 +55,8 @@ void validate_say_last(app_state *app, const char *out, const json_t *summary);
 void validate_say_difference(const app_state *app, const plan_case *c, const subject *s, const case_result *r);
 /* What was never triggered or never changed anything is named: a proof says what it is no proof of. */
 void validate_say_faults(const app_state *app, const sensitivity *s);
+/* What changed since the bundle of --against; impact: impact.json. */
+void validate_say_impact(app_state *app, const char *against, json_t *impact);
 /* Not a difference: there was nothing to differ. */
 ost_status validate_nothing(ost_error *err);
 

@@ -14,6 +14,7 @@
 #include "validation/bundle/environment.h"
 #include "validation/bundle/evidence.h"
 #include "validation/bundle/faults.h"
+#include "validation/bundle/impact.h"
 #include "validation/bundle/log.h"
 #include "validation/bundle/record.h"
 #include "validation/bundle/reproduce.h"
@@ -117,8 +118,17 @@ static ost_status put_machine(bundle *b, const campaign *c, const char *program,
     return status;
 }
 
+/* *out stays NULL without --against. */
+static ost_status put_impact(bundle *b, const char *against, json_t **out, ost_error *err)
+{
+    if (!against)
+        return OST_OK;
+    const ost_status status = impact_of(against, bundle_folder(b), out, err);
+    return status == OST_OK ? bundle_put_json(b, IMPACT_FILE, *out, err) : status;
+}
+
 static ost_status put_evidence(bundle *b, const campaign *c, const json_t *protocol, const json_t *cases, const json_t *faults, const json_t *common,
-                               const json_t *summary, const char *program, ost_error *err)
+                               const json_t *summary, const char *program, const char *against, json_t **impact, ost_error *err)
 {
     ost_status status = evidence_write(protocol, cases, validate_into_bundle, b, err);
     if (status == OST_OK && faults)
@@ -127,6 +137,8 @@ static ost_status put_evidence(bundle *b, const campaign *c, const json_t *proto
         status = record_put(program, c->subjects, common, validate_into_bundle, b, err);
     if (status == OST_OK)
         status = put_machine(b, c, program, err);
+    if (status == OST_OK)
+        status = put_impact(b, against, impact, err);
     if (status == OST_OK)
         status = record_derive(bundle_folder(b), protocol, cases, validate_into_bundle, b, err);
     if (status == OST_OK)
@@ -140,7 +152,7 @@ typedef struct job {
     subject_list subjects;
     campaign run;
     bundle *b;
-    json_t *protocol, *cases, *summary, *faults, *common;
+    json_t *protocol, *cases, *summary, *faults, *common, *impact;
     sensitivity proof; /* where faults is not NULL */
 } job;
 
@@ -154,6 +166,7 @@ static void job_free(job *j)
     json_decref(j->summary);
     json_decref(j->faults);
     json_decref(j->common);
+    json_decref(j->impact);
 }
 
 /* A batch's cases, while the reference's trace of them is there. */
@@ -226,7 +239,7 @@ ost_status validate_run(app_state *app, const validate_args *args, const plan *p
     if (status == OST_OK)
         status = evidence_summary(j.protocol, j.cases, &j.summary, err);
     if (status == OST_OK && j.b)
-        status = put_evidence(j.b, &j.run, j.protocol, j.cases, j.faults, j.common, j.summary, j.program, err);
+        status = put_evidence(j.b, &j.run, j.protocol, j.cases, j.faults, j.common, j.summary, j.program, args->against, &j.impact, err);
     if (status == OST_OK && j.b) {
         status = bundle_end(j.b, err);
         j.b = NULL;
@@ -237,6 +250,8 @@ ost_status validate_run(app_state *app, const validate_args *args, const plan *p
         if (j.faults)
             put(app->result, "faults", json_incref(j.faults));
         put(app->result, "common_mistakes", json_incref(j.common));
+        if (j.impact)
+            validate_say_impact(app, args->against, j.impact);
         status = validate_say(app, args, &j.run, j.summary, j.faults ? &j.proof : NULL, j.common, err);
     }
     job_free(&j);

@@ -9,6 +9,7 @@
 #include "app/result.h"
 #include "app/say.h"
 #include "validation/bundle/evidence.h"
+#include "validation/bundle/impact.h"
 #include "validation/bundle/faults.h"
 #include "validation/common/common.h"
 #include "validation/locate/causes.h"
@@ -172,6 +173,34 @@ void validate_say_last(app_state *app, const char *out, const json_t *summary)
     snprintf(path, sizeof path, "%s/%s", out, REPORT_FILE);
     say(app, "  report     %s", path);
     put_text(app->result, "report", path);
+}
+
+/* Up to three rows of a list, and how many more there are. */
+static void say_changes(const app_state *app, const json_t *list, const char *what)
+{
+    enum { SHOWN = 3 };
+    for (size_t i = 0; i < json_array_size(list) && i < SHOWN; i++) {
+        const json_t *one = json_array_get(list, i);
+        say(app, "    %s %s: %.100s, was %.100s", what, evidence_text(one, "what"), *evidence_text(one, "new") ? evidence_text(one, "new") : "none",
+            *evidence_text(one, "old") ? evidence_text(one, "old") : "none");
+    }
+    if (json_array_size(list) > SHOWN)
+        say(app, "    and %zu more of %s; " IMPACT_FILE " has all", json_array_size(list) - SHOWN, what);
+}
+
+void validate_say_impact(app_state *app, const char *against, json_t *impact)
+{
+    const json_t *results = json_object_get(impact, "results");
+    say(app, "AGAINST %s: %s", against, evidence_text(impact, "conclusion"));
+    say(app, "  %lld case%s compared, %lld different, %zu not compared; %zu verdict%s of backends changed", (long long)json_integer_value(json_object_get(results, "compared")),
+        json_integer_value(json_object_get(results, "compared")) == 1 ? "" : "s", (long long)json_integer_value(json_object_get(results, "different_cases")),
+        json_array_size(json_object_get(results, "not_compared")), json_array_size(json_object_get(impact, "verdicts")),
+        json_array_size(json_object_get(impact, "verdicts")) == 1 ? "" : "s");
+    say_changes(app, json_object_get(impact, "causes"), "run:");
+    say_changes(app, json_object_get(impact, "libraries"), "library");
+    say_changes(app, json_object_get(impact, "devices"), "device");
+    say_changes(app, json_object_get(impact, "requirements"), "requirement");
+    put(app->result, "impact", json_incref(impact));
 }
 
 ost_status validate_nothing(ost_error *err)

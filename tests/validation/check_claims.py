@@ -703,6 +703,28 @@ def _(c, b, m):
     return None
 
 
+CHANGES = "What changed since an older bundle"
+
+
+@rule(CHANGES, "p", r"([\d,]+ cases?) compared by the digests of what the reference made: ([\d,]+) different; ([\d,]+ cases?) not compared; ([\d,]+ verdicts?) of backends changed\. (.*)\.")
+def _(c, b, m):
+    i = c.file(b, "impact.json")
+    r = i["results"]
+    return [many(r["compared"], "case"), commas(len(r["differences"])), many(len(r["not_compared"]), "case"), many(len(i["verdicts"]), "verdict"), i["conclusion"]]
+
+
+@rule(CHANGES, "tr", r"")
+def _(c, b, m):
+    if b.cells[0] == "Changed":
+        return None
+    i = c.file(b, "impact.json")
+    rows = [[kind] + [words(x[k]) for k in ("what", "old", "new")] for kind, key in (("run", "causes"), ("library", "libraries"), ("device", "devices")) for x in i[key]]
+    rows += [["requirement", x["what"], "absent" if x["old"] == "absent" else "present",
+              "present" if x["old"] == "absent" else "absent" if x["new"] == "absent" else "another text or other tests"] for x in i["requirements"]]
+    same(b, True, b.cells in rows)
+    return None
+
+
 COMMON = "Mistakes that all backends could have in common"
 ABOUT = {"golden": "by hand", "volume": "by volume"}
 

@@ -160,7 +160,7 @@ static json_t *case_difference(const json_t *protocol, const json_t *a, const js
         if (!ra || !rb || strcmp(evidence_text(ra, "stage"), evidence_text(rb, "stage")) != 0 ||
             json_integer_value(json_object_get(ra, "item")) != json_integer_value(json_object_get(rb, "item")))
             return json_pack("{s:s,s:s,s:I,s:s}", "case", evidence_text(a, "id"), "stage", evidence_text(there, "stage"), "item",
-                             json_integer_value(json_object_get(there, "item")), "what", "one of them has no such record");
+                             json_integer_value(json_object_get(there, "item")), "what", DIFFERENCE_NO_RECORD);
         if (!*evidence_text(ra, "sha256") || strcmp(evidence_text(ra, "sha256"), evidence_text(rb, "sha256")) != 0)
             return record_difference(protocol, a, ra, rb);
     }
@@ -197,7 +197,7 @@ static json_t *notes_of(const side *a, const side *b)
     return notes;
 }
 
-ost_status bundle_difference(const char *folder_a, const char *folder_b, json_t **out, ost_error *err)
+ost_status bundle_difference(const char *folder_a, const char *folder_b, const char *name_a, const char *name_b, json_t **out, ost_error *err)
 {
     side a, b = {.protocol = NULL};
     ost_status status = side_read(folder_a, &a, err);
@@ -211,7 +211,7 @@ ost_status bundle_difference(const char *folder_a, const char *folder_b, json_t 
             const char *id = evidence_text(one, "id");
             const json_t *other = *id ? case_of(&b, id) : NULL;
             if (!other)
-                add_line(not_compared, "%.60s: only in %.200s", id, folder_a);
+                add_line(not_compared, "%.60s: only in %.200s", id, name_a);
             else if (!*evidence_text(one, "input_sha256") || strcmp(evidence_text(one, "input_sha256"), evidence_text(other, "input_sha256")) != 0)
                 add_line(not_compared, "%.60s: its input is another one (another seed, tier or version makes other cases)", id);
             else if (!json_array_size(json_object_get(one, "reference")) && !json_array_size(json_object_get(other, "reference")))
@@ -226,7 +226,7 @@ ost_status bundle_difference(const char *folder_a, const char *folder_b, json_t 
         for (size_t i = 0; i < json_array_size(b.cases); i++) {
             const char *id = evidence_text(json_array_get(b.cases, i), "id");
             if (!case_of(&a, id))
-                add_line(not_compared, "%.60s: only in %.200s", id, folder_b);
+                add_line(not_compared, "%.60s: only in %.200s", id, name_b);
         }
         *out = json_pack("{s:s,s:b,s:I,s:I,s:o,s:o,s:o}", "kind", "bundles", "equal", compared > 0 && !json_array_size(differences) && !json_array_size(not_compared),
                          "compared", compared, "different_cases", (json_int_t)json_array_size(differences), "differences", differences, "not_compared", not_compared,

@@ -19,10 +19,14 @@
 #include <jansson.h>
 #include <osteon/status.h>
 
+/* What a difference is called where one bundle alone has a record. */
+#define DIFFERENCE_NO_RECORD "one of them has no such record"
+
 /*
+ * name_a, name_b: what the result calls the bundles.
  * {kind: "bundles", equal, compared, different_cases, differences[] {case, stage, item, what, leaf, chunk},
  *  not_compared[], notes[]}; the caller's reference.  OST_ERR_INPUT where one is no bundle.
  */
-ost_status bundle_difference(const char *a, const char *b, json_t **out, ost_error *err);
+ost_status bundle_difference(const char *a, const char *b, const char *name_a, const char *name_b, json_t **out, ost_error *err);
 
 #endif

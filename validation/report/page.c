@@ -123,7 +123,7 @@ void page_begin(const page *p, const char *title)
         ".fold>input{position:absolute;opacity:0}.fold>label{cursor:pointer;color:#0b4f9c}.fold>label::before{content:'\\25B8\\00A0'}\n"
         ".fold>input:checked~label::before{content:'\\25BE\\00A0'}.fold>input:focus-visible~label{outline:2px solid}\n"
         ".fold>div{display:none}.fold>input:checked~div{display:block}\n"
-        "td.name{min-width:11rem}.facts th{width:8rem;font-weight:400;color:#444;border-color:#ddd}.facts td.from{width:9rem}\n"
+        ".wrap td{overflow-wrap:anywhere}.wrap td:nth-child(2){white-space:nowrap}td.name{min-width:11rem}.facts th{width:8rem;font-weight:400;color:#444;border-color:#ddd}.facts td.from{width:9rem}\n"
         ".from{font-size:.85em;color:#444}\n"
         ".sign{display:grid;grid-template-columns:1fr 1fr;gap:1rem 2.5rem}.sign div{break-inside:avoid}\n"
         ".sign span{display:block;border-bottom:1px solid #555;height:2.1rem;font-size:.85em;color:#444}\n"

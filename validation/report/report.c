@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "validation/bundle/bundle.h"
+#include "validation/bundle/impact.h"
 #include "validation/bundle/record.h"
 #include "validation/common/common.h"
 #include "validation/report/pictures.h"
@@ -290,6 +291,7 @@ static void files(const page *p)
         {"common.json", "checks by hand, by volume and by law: mistakes that all backends could have in common", false},
         {"requirements.csv", "requirements, and the tests that verify them", false},
         {"trace.csv", "requirements, tests, results and files, orphans in both directions", false},
+        {IMPACT_FILE, "what changed since an older bundle, and which known cause there is", false},
         {KNOWN_ANOMALIES_FILE, "what was known to be wrong with this release when it was built", false},
         {"devices.json", "the devices, what their drivers say, their numeric fingerprints", false},
         {"tools.json", "commit, compiler, flags, and every library that ran with the program", false},
@@ -338,6 +340,7 @@ ost_status report_write(const char *folder, const json_t *protocol, const json_t
     section_own_files(&p);
     not_shown(&p);
     section_paths(&p);
+    section_changes(&p);
     operation(&p);
     section_reference(&p);
     if (!findings(&p))

@@ -9,6 +9,8 @@
 void section_machine(const page *p);
 /* Paths that each backend counted, and those that no case entered; nothing where none counted. */
 void section_paths(const page *p);
+/* What changed since an older bundle; nothing without impact.json. */
+void section_changes(const page *p);
 /* What was compared with what: backends by families of cases. */
 void section_compared(const page *p);
 /* Which files of the user's own are the cases user/1 and on; nothing without them. */

@@ -1,0 +1,73 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+#
+# What changed since an older bundle (osteon validate --against): nothing, a
+# seed, a compiler and a library, a requirement, a verdict, a result.
+# Covers: REQ-IMPACT
+. "${srcdir:-.}/tests/app/lib.sh"
+python=$(command -v python3) || { echo "skipped: no python3"; exit 77; }
+
+one='cpu:isa=scalar,threads=1'
+run 0 validate --only import/0 --backends "$one" --out old --quiet
+# against OLD: a bundle "new", compared with it
+against() {
+    rm -rf new
+    run 0 validate --only import/0 --backends "$one" --out new --against "$1" --json
+    run_out=$(cat out)
+}
+# edit FILE EXPRESSION: a copy x of old in which the JSON of FILE, o, is changed
+edit() {
+    rm -rf x
+    cp -r old x
+    "$python" - "x/$1" "$2" <<'PY'
+import json, sys
+name, how = sys.argv[1:]
+o = json.load(open(name))
+exec(how)
+open(name, "w").write(json.dumps(o) + "\n")
+PY
+}
+impact() {
+    "$json_get" "$1" <new/impact.json
+}
+
+against old
+check "nothing changed" "$(impact conclusion)" "no result changed among the cases that both bundles have"
+check "cases" "$(impact results.compared) $(impact results.different_cases) $(impact explained)" "1 0 true"
+check "rows of a run that is the same" "$("$python" -c 'import json; o = json.load(open("new/impact.json")); print([o[k] for k in ("causes", "libraries", "devices", "requirements", "verdicts")])')" "[[], [], [], [], []]"
+check "the older bundle's root" "$(impact against.root)" "$("$json_get" root <old/manifest.json)"
+check "it is the one of --json" "$(echo "$run_out" | "$json_get" impact.conclusion)" "$(impact conclusion)"
+run 0 verify new
+grep -q "What changed since an older bundle" new/report.html || fail "the report has no section on changes"
+check "results_root" "$("$json_get" results_root <new/manifest.json)" "$("$json_get" results_root <old/manifest.json)"
+
+edit tools.json 'o["build"]["compiler"] = "another"; o["libraries"][0]["version"] = "0.0-1"'
+against x
+check "compiler" "$(impact causes.0.what) was $(impact causes.0.old)" "compiler was another"
+check "library" "$(impact libraries.0.old | cut -d, -f1)" "0.0-1"
+sed -i '2d' x/requirements.csv
+against x
+check "a requirement that is new" "$(impact requirements.0.what) $(impact requirements.0.old)" "AR-INT-1 absent"
+
+# A verdict, and a result without a known cause and with one.
+edit cases.jsonl 'o["results"]["cpu:isa=scalar,threads=1"]["verdict"] = "differs"'
+against x
+check "a verdict" "$(impact verdicts.0.case) $(impact verdicts.0.old) $(impact verdicts.0.new)" "import/0 differs equal"
+edit cases.jsonl 'o["reference"][0]["sha256"] = "0" * 64'
+against x
+check "a changed result without a cause" "$(impact explained) $(impact results.different_cases)" "false 1"
+sed -i 's/"arithmetic": [0-9]*/"arithmetic": 1/' x/protocol.json
+against x
+check "a changed result of another arithmetic" "$(impact explained) $(impact causes.0.what) $(impact causes.0.old)" "true arithmetic 1"
+edit cases.jsonl 'del o["reference"][-1]'
+against x
+check "a record more" "$(impact conclusion)" "cases have records of other stages than in the older bundle, so their results cannot be compared in full"
+rm -rf x
+run 0 validate --only import/0 --backends "$one" --seed 2 --out x --quiet
+against x
+check "another seed" "$(impact results.compared) $(impact causes.0.what) $(impact conclusion)" "0 seed no case has the same input in both bundles, so no result was compared"
+
+refuse 2 "no bundle: protocol.json is absent" validate --against . --out y
+refuse 2 "--against needs --out" validate --against old
+[ ! -e y ] || fail "a bundle was begun"
+finish
