@@ -28,7 +28,7 @@ varying() {
     for i in 1 2 3; do run 0 validate --tier "$tier" $only --shard $i/3 --out shards/$i --quiet; done
 }
 run 0 validate --merge shards --out merged --quiet
-check "what may differ" "$(varying one | tr '\n' ' ')" "audit.log times.json environment.json junit.xml manifest.json "
+check "what may differ" "$(varying one | tr '\n' ' ')" "audit.log times.json environment.json junit.xml report.html manifest.json "
 for other in two merged; do
     check "files of $other" "$(cd $other && find . -type f | sort)" "$(cd one && find . -type f | sort)"
     same=0 bytes=0

@@ -200,9 +200,10 @@ static void readme(FILE *to, const json_t *protocol, const json_t *cases, const 
           "| times.json | it has how long each backend took, and when |\n"
           "| environment.json | it has the kernel and the variables of that run; of merged shards, a machine for each |\n"
           "| junit.xml | it has the times and the host |\n"
+          "| report.html | it has the date, the machine and the threads of that run |\n"
           "| manifest.json | it has the digests of those, and `root` over all |\n"
           "| signatures/ | it says who signed, and when |\n\n"
-          "`results_root` leaves these out, and what changes with the machine and its drivers: tools.json, devices.json, sbom.spdx.json, soup.csv and report.html. "
+          "`results_root` leaves these out, and what changes with the machine and its drivers: tools.json, devices.json, sbom.spdx.json and soup.csv; and impact.json, which is about one older bundle. "
           "What is left depends on the cases, the code and the list of backends alone, so that two machines with the same list have the same `results_root`. "
           "Bundles of shards merge into the bundle of one run, with the same exceptions.\n", to);
 }

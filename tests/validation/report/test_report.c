@@ -249,6 +249,15 @@ static void clear(const char *folder)
 
 /* ----------------------------------------------------------------- tests */
 
+/* Takes the time out, which is all that two pages of equal results differ in here. */
+static void without_time(char *html)
+{
+    static const char row[] = "<tr><th>Begun</th><td>";
+    char *at = strstr(html, row);
+    if (at)
+        memset(at + strlen(row), '0', strlen("2026-11-22 22:05:06"));
+}
+
 static void follows_from_the_bundle(void **state)
 {
     const kind *kinds[] = {&equal_kind, &reduced, &differing, &hostile};
@@ -263,6 +272,8 @@ static void follows_from_the_bundle(void **state)
         if (problems_of(one, all))
             fail_msg("%s", all);
         char *a = page_of(one), *b = page_of(two);
+        without_time(a);
+        without_time(b);
         assert_string_equal(a, b);
         free(a);
         free(b);
