@@ -285,9 +285,9 @@ def times_of_another_run(f):
 
 
 @forgery("valid", status=0)
-def kernel_of_the_machine_made_up(f):
+def microcode_of_the_machine_made_up(f):
     machine = get(f, "environment.json")
-    machine["kernel"] = "1.0"
+    machine["microcode"] = "1.0"
     put(f, "environment.json", machine)
     remake(f)
 
