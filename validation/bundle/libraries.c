@@ -44,6 +44,7 @@ ost_status libraries_digest(const char *path, char hex[OST_DIGEST_HEX], int64_t 
 
 typedef struct visit {
     json_t *libraries, *needed;
+    bool incomplete; /* there was no memory for a name */
 } visit;
 
 /* The id that the linker gave the file: a note of type 3 by "GNU". */
@@ -73,7 +74,7 @@ static void build_id(const struct dl_phdr_info *info, char hex[129])
 }
 
 /* The names that the program itself asks for. */
-static void needed_by(const struct dl_phdr_info *info, json_t *names)
+static void needed_by(const struct dl_phdr_info *info, visit *v)
 {
     for (int i = 0; i < info->dlpi_phnum; i++) {
         if (info->dlpi_phdr[i].p_type != PT_DYNAMIC)
@@ -85,7 +86,7 @@ static void needed_by(const struct dl_phdr_info *info, json_t *names)
                 strings = (const char *)(d->d_un.d_ptr < info->dlpi_addr ? info->dlpi_addr + d->d_un.d_ptr : d->d_un.d_ptr);
         for (const ElfW(Dyn) *d = dynamic; strings && d->d_tag != DT_NULL; d++)
             if (d->d_tag == DT_NEEDED)
-                json_object_set_new(names, strings + d->d_un.d_val, json_true());
+                v->incomplete |= json_object_set_new(v->needed, strings + d->d_un.d_val, json_true()) != 0;
     }
 }
 
@@ -95,7 +96,7 @@ static int visit_one(struct dl_phdr_info *info, size_t size, void *user)
     char id[129];
     (void)size;
     if (!*info->dlpi_name)
-        needed_by(info, v->needed);
+        needed_by(info, v);
     /* Kernels that PoCL compiled are loaded from its cache: made of our own sources, under names of the day. */
     if (*info->dlpi_name != '/' || strstr(info->dlpi_name, "/kcache/") || strncmp(info->dlpi_name, "/tmp/", 5) == 0)
         return 0;
@@ -107,41 +108,61 @@ static int visit_one(struct dl_phdr_info *info, size_t size, void *user)
 
 /* ----------------------------------------------------------- the packages */
 
-/* What a program says, cut at PROGRAM_TEXT; NULL when it cannot be asked. free() it. */
-static char *said_by(char *const argv[])
+/*
+ * Reads what a program prints, cut at PROGRAM_TEXT; the caller frees *text, which is NULL where the program is not
+ * installed. A program that cannot be started or read, or that fails, is an error: its list would be shorter than it is.
+ */
+static ost_status said_by(char *const argv[], char **text, ost_error *err)
 {
-    int ends[2];
-    pid_t pid;
+    enum { NOTHING_FOUND = 1, NOT_INSTALLED = 127 };
+    int ends[2], state = 0, failed;
+    pid_t pid = -1;
     posix_spawn_file_actions_t actions;
+    *text = NULL;
     if (pipe2(ends, O_CLOEXEC) != 0)
-        return NULL;
-    char *text = malloc(PROGRAM_TEXT + 1);
-    bool started = text && posix_spawn_file_actions_init(&actions) == 0;
-    if (started) {
-        started = posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0) == 0 && posix_spawn_file_actions_adddup2(&actions, ends[1], 1) == 0 &&
-                  posix_spawn_file_actions_addopen(&actions, 2, "/dev/null", O_WRONLY, 0) == 0 && posix_spawnp(&pid, argv[0], &actions, NULL, argv, environ) == 0;
+        return ost_fail(err, OST_ERR_IO, "no pipe for %s: %s", argv[2], strerror(errno));
+    char *said = malloc(PROGRAM_TEXT + 1);
+    failed = said ? posix_spawn_file_actions_init(&actions) : ENOMEM;
+    if (!failed) {
+        failed = posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
+        failed = failed ? failed : posix_spawn_file_actions_adddup2(&actions, ends[1], 1);
+        failed = failed ? failed : posix_spawn_file_actions_addopen(&actions, 2, "/dev/null", O_WRONLY, 0);
+        failed = failed ? failed : posix_spawnp(&pid, argv[0], &actions, NULL, argv, environ);
         posix_spawn_file_actions_destroy(&actions);
     }
     close(ends[1]);
+    const bool started = !failed;
     size_t used = 0;
     char rest[4096];
-    while (started) { /* reads on to its end, or it would wait for us */
-        const ssize_t n = used < PROGRAM_TEXT ? read(ends[0], text + used, PROGRAM_TEXT - used) : read(ends[0], rest, sizeof rest);
+    while (started) { /* reads on to the end, since the program waits for a full pipe */
+        const ssize_t n = used < PROGRAM_TEXT ? read(ends[0], said + used, PROGRAM_TEXT - used) : read(ends[0], rest, sizeof rest);
         if (n < 0 && errno == EINTR)
             continue;
+        if (n < 0)
+            failed = errno;
         if (n <= 0)
             break;
         used += used < PROGRAM_TEXT ? (size_t)n : 0;
     }
     close(ends[0]);
-    while (started && waitpid(pid, NULL, 0) < 0 && errno == EINTR)
-        ;
-    if (!started) {
-        free(text);
-        return NULL;
+    while (started && waitpid(pid, &state, 0) < 0)
+        if (errno != EINTR) {
+            failed = errno;
+            break;
+        }
+    ost_status status = failed ? ost_fail(err, failed == ENOMEM ? OST_ERR_MEMORY : OST_ERR_IO, "%s cannot be run for the list of software: %s", argv[2], strerror(failed)) : OST_OK;
+    const int code = WIFEXITED(state) ? WEXITSTATUS(state) : -1;
+    if (status == OST_OK && code > NOTHING_FOUND && code != NOT_INSTALLED)
+        status = ost_fail(err, OST_ERR_IO, "%s failed (status %d), which lists the packages of libraries", argv[2], code);
+    if (status == OST_OK && code < 0)
+        status = ost_fail(err, OST_ERR_IO, "%s was ended by a signal, which lists the packages of libraries", argv[2]);
+    if (status != OST_OK || code == NOT_INSTALLED) {
+        free(said);
+        return status;
     }
-    text[used] = '\0';
-    return text;
+    said[used] = '\0';
+    *text = said;
+    return OST_OK;
 }
 
 /* Packages list a file where it was before folders were merged: with /usr or without. */
@@ -153,73 +174,83 @@ static void other_name(const char *path, char out[PATH_MAX])
         snprintf(out, PATH_MAX, "/usr%s", path);
 }
 
-/* {path: package} of all names of all files, by one call. */
-static json_t *owners(const json_t *libraries)
+static ost_status no_memory(ost_error *err)
+{
+    return ost_fail(err, OST_ERR_MEMORY, "no memory for a list of libraries");
+}
+
+static void free_words(char **argv, size_t from, size_t n)
+{
+    for (size_t i = from; argv && i < n; i++)
+        free(argv[i]);
+    free(argv);
+}
+
+/* Makes {path: package} of all names of all files, by one call. */
+static ost_status owners(const json_t *libraries, json_t *out, ost_error *err)
 {
     const size_t count = json_array_size(libraries);
-    char **argv = calloc(4 * count + 8, sizeof *argv);
-    json_t *out = json_object();
+    char **argv = calloc(4 * count + 8, sizeof *argv), *text = NULL;
     size_t n = 0;
+    bool complete = argv != NULL;
     static char env[] = "env", locale[] = "LC_ALL=C", program[] = "dpkg-query", search[] = "--search";
     if (!argv)
-        return out;
+        return no_memory(err);
     argv[n++] = env, argv[n++] = locale, argv[n++] = program, argv[n++] = search;
-    for (size_t i = 0; i < count && n < PATHS_MAX; i++) {
+    for (size_t i = 0; i < count && n < PATHS_MAX && complete; i++) {
         const char *file = json_string_value(json_object_get(json_array_get(libraries, i), "file"));
         char real[PATH_MAX], other[PATH_MAX];
         if (!realpath(file, real))
             snprintf(real, sizeof real, "%s", file);
         const char *names[2] = {file, real};
-        for (int k = 0; k < 2; k++) {
+        for (int k = 0; k < 2 && complete; k++) {
             other_name(names[k], other);
-            argv[n++] = strdup(names[k]);
-            argv[n++] = strdup(other);
+            complete = (argv[n++] = strdup(names[k])) && (argv[n++] = strdup(other));
         }
     }
-    char *text = count ? said_by(argv) : NULL;
-    for (char *line = text ? strtok(text, "\n") : NULL; line; line = strtok(NULL, "\n")) {
+    ost_status status = !complete ? no_memory(err) : count ? said_by(argv, &text, err) : OST_OK;
+    for (char *line = text ? strtok(text, "\n") : NULL; line && status == OST_OK; line = strtok(NULL, "\n")) {
         char *path = strstr(line, ": /");
         if (!path || strncmp(line, "diversion", 9) == 0)
             continue;
         line[strcspn(line, ":,")] = '\0'; /* libc6:amd64, or the first of several */
-        json_object_set_new(out, path + 2, json_string(line));
+        if (json_object_set_new(out, path + 2, json_string(line)) != 0)
+            status = no_memory(err);
     }
     free(text);
-    for (size_t i = 4; i < n; i++)
-        free(argv[i]);
-    free(argv);
-    return out;
+    free_words(argv, 4, n);
+    return status;
 }
 
-/* {package: [version, maintainer]} */
-static json_t *versions(json_t *packages)
+/* Makes {package: [version, maintainer]}. */
+static ost_status versions(json_t *packages, json_t *out, ost_error *err)
 {
     const char *path;
-    json_t *value, *out = json_object();
-    char **argv = calloc(json_object_size(packages) + 8, sizeof *argv);
+    json_t *value;
+    char **argv = calloc(json_object_size(packages) + 8, sizeof *argv), *text = NULL;
     static char env[] = "env", locale[] = "LC_ALL=C", program[] = "dpkg-query", show[] = "--show", format[] = "--showformat=${Package}\t${Version}\t${Maintainer}\n";
     size_t n = 0;
+    bool complete = true;
     if (!argv)
-        return out;
+        return no_memory(err);
     argv[n++] = env, argv[n++] = locale, argv[n++] = program, argv[n++] = show, argv[n++] = format;
     json_object_foreach(packages, path, value)
-        argv[n++] = strdup(json_string_value(value));
-    char *text = n > 5 ? said_by(argv) : NULL;
-    for (char *line = text ? strtok(text, "\n") : NULL; line; line = strtok(NULL, "\n")) {
+        complete = complete && (argv[n++] = strdup(json_string_value(value)));
+    ost_status status = !complete ? no_memory(err) : n > 5 ? said_by(argv, &text, err) : OST_OK;
+    for (char *line = text ? strtok(text, "\n") : NULL; line && status == OST_OK; line = strtok(NULL, "\n")) {
         char *version = strchr(line, '\t'), *maintainer = version ? strchr(version + 1, '\t') : NULL;
         if (!maintainer)
             continue;
         *version = *maintainer = '\0';
-        json_object_set_new(out, line, json_pack("[s,s]", version + 1, maintainer + 1));
+        if (json_object_set_new(out, line, json_pack("[s,s]", version + 1, maintainer + 1)) != 0)
+            status = no_memory(err);
     }
     free(text);
-    for (size_t i = 5; i < n; i++)
-        free(argv[i]);
-    free(argv);
-    return out;
+    free_words(argv, 5, n);
+    return status;
 }
 
-static void name_package(json_t *row, const json_t *owner, const json_t *version)
+static bool name_package(json_t *row, const json_t *owner, const json_t *version)
 {
     const char *file = json_string_value(json_object_get(row, "file")), *package = NULL, *its = NULL, *maintainer = NULL;
     char real[PATH_MAX], other[PATH_MAX];
@@ -238,9 +269,8 @@ static void name_package(json_t *row, const json_t *owner, const json_t *version
         its = strstr(real, ".so.");
         its = its ? its + 4 : "";
     }
-    json_object_set_new(row, "package", json_string(package ? package : ""));
-    json_object_set_new(row, "version", json_string(its));
-    json_object_set_new(row, "maintainer", json_string(maintainer ? maintainer : ""));
+    return json_object_set_new(row, "package", json_string(package ? package : "")) == 0 && json_object_set_new(row, "version", json_string(its)) == 0 &&
+           json_object_set_new(row, "maintainer", json_string(maintainer ? maintainer : "")) == 0;
 }
 
 static int by_file(const void *a, const void *b)
@@ -250,29 +280,39 @@ static int by_file(const void *a, const void *b)
 
 ost_status libraries_loaded(json_t **out, ost_error *err)
 {
-    visit v = {json_array(), json_object()};
+    visit v = {json_array(), json_object(), false};
     ost_status status = OST_OK;
     *out = NULL;
-    dl_iterate_phdr(visit_one, &v);
+    if (!v.libraries || !v.needed || dl_iterate_phdr(visit_one, &v) != 0 || v.incomplete)
+        status = no_memory(err);
     const size_t count = json_array_size(v.libraries);
     json_t **rows = calloc(count + 1, sizeof *rows);
-    json_t *owner = owners(v.libraries), *version = versions(owner);
-    if (!rows)
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for a list of libraries");
+    json_t *owner = json_object(), *version = json_object();
+    if (status == OST_OK && (!rows || !owner || !version))
+        status = no_memory(err);
+    if (status == OST_OK)
+        status = owners(v.libraries, owner, err);
+    if (status == OST_OK)
+        status = versions(owner, version, err);
     for (size_t i = 0; i < count && status == OST_OK; i++) {
         char hex[OST_DIGEST_HEX];
         int64_t size;
         rows[i] = json_array_get(v.libraries, i);
         status = libraries_digest(json_string_value(json_object_get(rows[i], "file")), hex, &size, err);
-        json_object_set_new(rows[i], "sha256", json_string(hex));
-        json_object_set_new(rows[i], "size", json_integer(size));
-        name_package(rows[i], owner, version);
+        if (status == OST_OK && (json_object_set_new(rows[i], "sha256", json_string(hex)) != 0 || json_object_set_new(rows[i], "size", json_integer(size)) != 0 ||
+                                 !name_package(rows[i], owner, version)))
+            status = no_memory(err);
     }
     if (status == OST_OK) {
         qsort(rows, count, sizeof *rows, by_file);
         *out = json_array();
-        for (size_t i = 0; i < count; i++)
-            json_array_append(*out, rows[i]);
+        for (size_t i = 0; i < count && status == OST_OK; i++)
+            if (json_array_append(*out, rows[i]) != 0)
+                status = no_memory(err);
+        if (status != OST_OK) {
+            json_decref(*out);
+            *out = NULL;
+        }
     }
     free(rows);
     json_decref(owner);

@@ -66,6 +66,17 @@ static const known *known_of(const char *soname)
     return &unknown;
 }
 
+/* ----------------------------------------------------------------- memory */
+
+/* A value without memory would be left out of a list in silence: each failed allocation of Jansson's is recorded. */
+static bool out_of_memory;
+static void *recording_malloc(size_t size)
+{
+    void *p = malloc(size);
+    out_of_memory |= !p;
+    return p;
+}
+
 /* ----------------------------------------------------------- the libraries */
 
 static int by_file(const void *a, const void *b)
@@ -88,6 +99,7 @@ static json_t *libraries_of(json_t *tools)
             json_array_extend(all, json_object_get(one, "libraries"));
     const size_t count = json_array_size(all);
     json_t **rows = calloc(count + 1, sizeof *rows);
+    out_of_memory |= !rows;
     for (size_t i = 0; rows && i < count; i++)
         rows[i] = json_array_get(all, i);
     if (rows)
@@ -237,8 +249,14 @@ static ost_status write_one(const char *name, void (*make)(FILE *to, json_t *too
     FILE *to = open_memstream(&bytes, &size);
     if (!to)
         return ost_fail(err, OST_ERR_MEMORY, "%s: %s", name, strerror(errno));
+    json_malloc_t own_malloc;
+    json_free_t own_free;
+    json_get_alloc_funcs(&own_malloc, &own_free);
+    json_set_alloc_funcs(recording_malloc, free);
+    out_of_memory = false;
     make(to, tools);
-    const bool failed = ferror(to) != 0;
+    json_set_alloc_funcs(own_malloc, own_free);
+    const bool failed = ferror(to) != 0 || out_of_memory;
     ost_status status = fclose(to) != 0 || failed ? ost_fail(err, OST_ERR_MEMORY, "no memory for %s", name) : sink(user, name, bytes, size, err);
     free(bytes);
     return status;
