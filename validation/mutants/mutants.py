@@ -99,7 +99,7 @@ def run(args):
     commit = subprocess.run(["git", "rev-parse", "--short=12", "HEAD"], cwd=tree, capture_output=True, text=True).stdout.strip()
     build = building.Build(folder, os.path.join(args.work, "objects"))
     campaign = trial.Campaign(os.path.join(folder, "osteon"), os.path.join(args.work, "baseline-" + commit), trial.Limits(args.memory),
-                              trial.stage_names(tree))
+                              trial.stage_names(tree), trial.family_names(tree))
     todo, done = chosen(args), set() if args.survivors else measured(args.results)
     work = queue.SimpleQueue()
     for m in todo:

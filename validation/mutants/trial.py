@@ -23,7 +23,6 @@ import time
 
 from build import LIVE
 
-FAMILIES = ["sweep", "import", "mesh", "poses", "session", "operation"]
 HEAD = 32
 
 
@@ -113,6 +112,13 @@ def stage_names(source):
     return re.findall(r'"(\w+)"', found.group(1))
 
 
+def family_names(source):
+    """Families of generated cases that smoke has, as the measured commit's plan lists them."""
+    with open(os.path.join(source, "validation/plan.c"), encoding="utf-8") as f:
+        rows = re.findall(r'\[PLAN_\w+\] = \{"(\w+)", "[^"]*", \{(\d+),', f.read())
+    return [name for name, count in rows if int(count) > 0]
+
+
 def records(process, stages):
     """Yields (head, digest of the body) of a trace that comes through the process's pipe, but for its end.
 
@@ -149,10 +155,10 @@ def place(family, head, stages):
 class Campaign:
     """The unmutated program's results, and runs of mutated ones against them."""
 
-    def __init__(self, program, work, limits, stages, families=None, factor=5):
+    def __init__(self, program, work, limits, stages, families, factor=5):
         self.stages = stages
         self.program, self.work, self.limits, self.factor = program, work, limits, factor
-        self.families = families or FAMILIES
+        self.families = families
         self.kills = {f: [1, 2] for f in self.families}
         self.known, self.took, self.lists = {}, {}, {}
         self.lock = threading.Lock()

@@ -115,6 +115,9 @@ class Generator(unittest.TestCase):
         names = trial.stage_names(SOURCE)
         self.assertEqual((names[0], names[1], names[-1]), ("case", "rect", "end"))
         self.assertIn("failed", names)
+        families = trial.family_names(SOURCE)
+        self.assertLessEqual({"import", "mesh", "poses", "sweep", "session", "operation"}, set(families))
+        self.assertNotIn("static", families)
 
     def test_foreign_mutant(self):
         m = operators.from_file("src/core/a.c", "a = b + c;\n", "a = b - c;\n", {})
