@@ -1,0 +1,11 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "proof.h"
+
+/* n / d and n % d do not overflow for any n and d >= 1, and neither do floor and ceiling. */
+void integer_floor(void)
+{
+    const int64_t n = nondet_int64(), d = nondet_int64();
+    ASSUME(d >= 1 - WIDER);
+    (void)ost_floor_div(n, d);
+    (void)ost_ceil_div(n, d);
+}

@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "proof.h"
+
+#include "core/motor.c"
+
+static ost_pose any_pose(int64_t limit)
+{
+    return (ost_pose){.qw = (int32_t)any64(limit), .qx = (int32_t)any64(limit), .qy = (int32_t)any64(limit), .qz = (int32_t)any64(limit)};
+}
+
+/* P < U < 2^36 and 4096 P < 2^48; the table's entry is of the quarter. */
+void motor_spin(void)
+{
+    ost_motor motor = {.phase = nondet_int64()};
+    ASSUME(motor.phase >= 0 && motor.phase < OST_MOTOR_TURN << WIDER);
+    const spin by = spin_of(&motor);
+    BOUNDED(by.c, INT64_C(1) << 30);
+    BOUNDED(by.s, INT64_C(1) << 30);
+}
+
+/* Any two int64 times, any speed up to 3000: P stays below U. */
+void motor_advance(void)
+{
+    ost_motor motor = {.phase = nondet_int64(), .t_ns = nondet_int64(), .moved = true};
+    ost_tick tick = {.t_ns = nondet_int64(), .rpm = any32(-2, 3000)};
+    ASSUME(motor.phase >= (WIDER ? -OST_MOTOR_TURN : 0) && motor.phase < OST_MOTOR_TURN);
+    ost_motor_advance(&motor, &tick);
+    ASSERT(motor.phase >= 0 && motor.phase < OST_MOTOR_TURN);
+}
+
+/* |q| <= 1.001 * 2^30, |C|, |S| <= 2^30: each sum below 2^62, which leaves room in int64. */
+void motor_component(void)
+{
+    const int64_t q = INT64_C(1074815566), sc = INT64_C(1) << 30; /* 1.001 * 2^30 + 1 */
+    const int64_t a = any64(q << WIDER), b = any64(q << WIDER), c = any64(sc), s = any64(sc);
+    const int64_t sum = a * c + b * s;
+    BOUNDED(sum, INT64_C(1) << 62);
+}
+
+void motor_parts(void)
+{
+    const ost_tick before = {.t_ns = nondet_int64(), .rpm = OST_RPM_HAND}, row = {.t_ns = nondet_int64(), .rpm = OST_RPM_HAND};
+    const int64_t parts = parts_of(&before, &row, any32(0, 3000));
+    ASSERT(parts >= 1 + WIDER && parts <= OST_MOTOR_PARTS_MAX + 1);
+}
+
+void motor_turned(void)
+{
+    const int64_t q = (INT64_C(1) << 30) + (1 << 21);
+    const ost_pose a = any_pose(q << WIDER), b = any_pose(q << WIDER);
+    (void)turns_too_far(&a, &b);
+}

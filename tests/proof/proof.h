@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Shared by the proofs of ranges (AR-INT-3), which cbmc reads and no compiler
+ * builds.  A harness includes a source of src, gives one of its functions any
+ * input within the documented range, and asserts the bound that
+ * docs/arithmetic.md states; cbmc adds the checks of overflow and conversion.
+ * A callee with a proof of its own may be replaced by its contract: any result
+ * within its bound, and an assertion of its range of inputs.
+ *
+ * With WIDE defined the range has one bit more, and the proof must fail.
+ */
+#ifndef OST_TESTS_PROOF_H
+#define OST_TESTS_PROOF_H
+
+#include <stdint.h>
+
+#include "core/integer.h"
+#include <osteon/length.h>
+#include <osteon/status.h>
+
+#ifdef WIDE
+enum { WIDER = 1 };
+#else
+enum { WIDER = 0 };
+#endif
+
+int32_t nondet_int32(void);
+int64_t nondet_int64(void);
+uint64_t nondet_uint64(void);
+ost_i128 nondet_int128(void);
+
+#define ASSUME(what) __CPROVER_assume(what)
+#define ASSERT(what) __CPROVER_assert(what, #what)
+#define WITHIN(value, limit) ASSUME((value) >= -(limit) && (value) <= (limit))
+#define BOUNDED(value, limit) ASSERT((value) >= -(limit) && (value) <= (limit))
+
+/* 8 m in picometres, and |q| of a pose that ost_rotation_fits accepts. */
+#define LENGTH (INT64_C(8000000000000) << WIDER)
+#define QUATERNION (((INT64_C(1) << 30) + (1 << 21)) << WIDER)
+
+static inline int64_t any64(int64_t limit)
+{
+    int64_t value = nondet_int64();
+    WITHIN(value, limit);
+    return value;
+}
+
+static inline int32_t any32(int32_t low, int32_t high)
+{
+    int32_t value = nondet_int32();
+    ASSUME(value >= low && value <= high);
+    return value;
+}
+
+/* Messages decide nothing. */
+ost_status ost_fail(ost_error *err, ost_status status, const char *format, ...)
+{
+    (void)err, (void)format;
+    return status;
+}
+
+char *ost_pm_format(ost_pm value, char text[OST_PM_TEXT])
+{
+    (void)value;
+    return text;
+}
+
+double ost_pm_to_mm(ost_pm value)
+{
+    return (double)value;
+}
+
+#endif
