@@ -1,0 +1,30 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+#
+# docs/qualification/gates.md has a row for every gate that .ci/run and
+# .ci/long name, and no row for another.
+root=${srcdir:-.}
+ledger=$root/docs/qualification/gates.md
+status=0
+
+# The names behind "gate" and "check"; fuzz-${target##*/} stands for fuzz-*.
+named() {
+    sed -nE 's/^[[:blank:]]*(gate|check) "?([a-z][a-z-]*)(\$\{[^}]*\})?"? .*/\2\3/p' "$1" | sed 's/\$.*/*/' | sort -u
+}
+
+# The first column of the section whose heading has this text.
+rows() {
+    awk -v part="$1" '/^## / { on = index($0, part) > 0 } on && /^\| `/ { split($0, cell, "`"); print cell[2] }' "$ledger" | sort
+}
+
+for script in run long; do
+    names=$(named "$root/.ci/$script")
+    [ "$(printf '%s\n' "$names" | wc -l)" -ge 5 ] || { echo "no gates found in .ci/$script"; status=1; }
+    listed=$(rows ".ci/$script")
+    for name in $(printf '%s\n%s\n' "$names" "$listed" | sort -u | sed 's/\*/STAR/'); do
+        name=$(echo "$name" | sed 's/STAR/*/')
+        printf '%s\n' "$names" | grep -qxF -- "$name" || { echo "$ledger: .ci/$script has no gate '$name'"; status=1; }
+        [ "$(printf '%s\n' "$listed" | grep -cxF -- "$name")" -eq 1 ] || { echo "$ledger: .ci/$script's gate '$name' needs one row"; status=1; }
+    done
+done
+exit $status
