@@ -20,8 +20,11 @@ ost_status scene_steps(scene *s, draw *d, int number, ost_error *err);
 /* Case `number` of the family that enters what others do not (scene_reach.c). */
 ost_status scene_reach(const plan_case *c, scene *s, draw *d, ost_error *err);
 
-/* A box of whole voxels without a margin of its own: rods, plates and bars along the axes. */
-ost_status scene_add_bar(scene *s, ost_dims size, ost_pm voxel, ost_error *err);
+/*
+ * Adds a box of size voxels without a margin of its own: rods, plates and bars
+ * along the axes.  Its last `shaft` layers along z do not cut, to the grid's border.
+ */
+ost_status scene_add_bar(scene *s, ost_dims size, int32_t shaft, ost_pm voxel, ost_error *err);
 
 typedef enum scene_shape {
     SHAPE_REAMER,   /* the parametric tools, of random size */

@@ -5,10 +5,12 @@
  *   large    a sparse CT in samples, 1025 x 65 x 65 cubes of 2/3 as many slices,
  *            so that every chunk, brick and vector has a last part of one; more
  *            than 2^22 voxels in the chunks of one event; duplicates at every
- *            distance within a batch; a bar of 530 voxels along x
+ *            distance within a batch; a bar of 530 voxels along x, a quarter of
+ *            which does not cut, and whose end lies on a tie of a far block's base
  *   rods     a CT in slices, 8 m away; rods of one to three voxels along each
  *            axis within units of a tie; an event that empties chunks of 64^3
- *            (counts beyond 2^16, sums beyond 2^32); 1 to 8 classes
+ *            (counts beyond 2^16, sums beyond 2^32), and one whose densities need
+ *            14 bits; 1 to 8 classes
  *   refused  samples at 1/8 and 3/8 of a voxel and one picometre beyond, half a
  *            voxel off, outside, beyond 8 m, in conflict
  */
@@ -36,7 +38,11 @@ static ost_status room_for_ticks(scene *s, size_t count, ost_error *err)
 
 /* ------------------------------------------------------------------- large */
 
-enum { LARGE_X = 1025, LARGE_Y = 65, LARGE_Z = 32, LARGE_SAMPLES = 140000 };
+enum { LARGE_X = 1025, LARGE_Y = 65, LARGE_Z = 32, LARGE_SAMPLES = 140000, LARGE_BAR = 530 };
+
+/* Picometres of a unit of the map, even, so that half a unit can be said; and a voxel of so many units, 0.35 mm about. */
+#define LARGE_UNIT ((ost_pm)334)
+#define LARGE_VOXEL (LARGE_UNIT << OST_MAP_FRACTION)
 
 /* At the lattice, at 1/8 and 3/8 of a voxel exactly, and between. */
 static ost_pm jittered(draw *d, ost_pm origin, ost_pm spacing, int32_t index)
@@ -105,16 +111,20 @@ static ost_status make_large(const plan_case *c, scene *s, draw *d, ost_error *e
     if (!s->samples)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for %d samples", LARGE_SAMPLES);
     large_samples(s, d);
-    ost_status status = scene_add_bar(s, (ost_dims){530, 101, 99}, 350 * UM, err);
+    ost_status status = scene_add_bar(s, (ost_dims){LARGE_BAR, 101, 99}, 25, LARGE_VOXEL, err);
     if (status == OST_OK)
-        status = scene_add_bar(s, (ost_dims){257, 3, 5}, 350 * UM, err);
+        status = scene_add_bar(s, (ost_dims){257, 3, 5}, 0, 350 * UM, err);
     if (status == OST_OK)
         status = room_for_ticks(s, 4, err);
     for (int i = 0; i < 4 && status == OST_OK; i++) {
         ost_pose *pose = &next_tick(s, i == 3)->pose;
         /* From one end to the other, over the last rows and slices. */
         pose->t = (ost_pm3){s->rect.origin.x + (95000 + 180000 * i) * UM, s->rect.origin.y + 30000 * UM, s->rect.origin.z + 29000 * UM};
-        pose->t.x += draw_between(d, -700 * UM, 700 * UM);
+        /* A base far from the box's first lies half a unit of the map before the bar's end: a tie, which round half to even puts outside. */
+        if (i < 3)
+            pose->t.x = s->rect.origin.x + s->cubic * OST_MAP_BLOCK * (17 + 16 * i) - LARGE_BAR / 2 * LARGE_VOXEL + LARGE_UNIT / 2;
+        else
+            pose->t.x += draw_between(d, -700 * UM, 700 * UM);
     }
     s->world.sweep_off = true;
     s->collide_every = 3;
@@ -180,19 +190,22 @@ static ost_status make_rods(const plan_case *c, scene *s, draw *d, ost_error *er
         return ost_fail(err, OST_ERR_MEMORY, "no memory for a CT of %d slices", RODS_Z);
     for (int32_t z = 0; z < RODS_Z; z++)
         for (int32_t y = 0; y < RODS_Y; y++)
-            for (int32_t x = 0; x < RODS_X; x++, s->sample_count++)
-                s->samples[s->sample_count] = (ost_sample){s->rect.origin.x + spacing * x, s->rect.origin.y + spacing * y, s->rect.origin.z + 350 * UM * z,
-                                                           (int32_t)draw_between(d, 31000, 32767), (uint32_t)(s->sample_count % s->batch)};
+            for (int32_t x = 0; x < RODS_X; x++, s->sample_count++) {
+                const bool dense = x < s->chunk_size;
+                const int32_t density = (int32_t)draw_between(d, dense ? 31000 : 8000, dense ? 32767 : 16383);
+                const ost_pm3 at = {s->rect.origin.x + spacing * x, s->rect.origin.y + spacing * y, s->rect.origin.z + 350 * UM * z};
+                s->samples[s->sample_count] = (ost_sample){at.x, at.y, at.z, density, (uint32_t)(s->sample_count % s->batch)};
+            }
     s->world.classes = classes_of(kind);
     const ost_dims rods[3] = {{61, 1, 2}, {3, 59, 1}, {2, 3, 63}};
     ost_status status = room_for_ticks(s, 3 * ROD_TICKS + 2, err);
     for (int32_t t = 0; t < 3 && status == OST_OK; t++) {
-        status = scene_add_bar(s, rods[t], 250 * UM, err);
+        status = scene_add_bar(s, rods[t], 0, 250 * UM, err);
         if (status == OST_OK)
             rod_ticks(s, d, t);
     }
-    if (status == OST_OK)
-        status = scene_add_bar(s, (ost_dims){65, 65, 65}, 1000 * UM, err);
+    if (status == OST_OK) /* two words a row, and three rows and layers more than any tile's power of two */
+        status = scene_add_bar(s, (ost_dims){65, 67, 67}, 7, 1000 * UM, err);
     for (int i = 0; i < 2 && status == OST_OK; i++)
         next_tick(s, 3)->pose.t = (ost_pm3){s->rect.origin.x + (i ? 40000 : 12000) * UM, s->rect.origin.y + 15000 * UM, s->rect.origin.z + 15000 * UM};
     s->collide_every = 5;
@@ -205,7 +218,7 @@ static ost_status make_refused(const plan_case *c, scene *s, draw *d, ost_error 
 {
     enum { SIDE = 19, MOST = SIDE * SIDE * SIDE + 4096 };
     const ost_pm spacing = 800 * UM;
-    const bool conflicts = c->number / 3 % 2 == 1;
+    const bool conflicts_alone = c->number / 3 % 2 == 1;
     s->rect = (ost_geometry){{SIDE, SIDE, SIDE}, {spacing, spacing, spacing}, {1000 * UM, -2000 * UM, 3000 * UM}};
     s->cubic = spacing;
     s->chunk_size = 16;
@@ -218,7 +231,7 @@ static ost_status make_refused(const plan_case *c, scene *s, draw *d, ost_error 
         const int32_t x = (int32_t)draw_between(d, 0, SIDE - 1), y = (int32_t)draw_between(d, 0, SIDE - 1), z = (int32_t)draw_between(d, 0, SIDE - 1);
         ost_sample one = sample_at(s, d, x, y, z);
         /* From the middle on, so that the first to be refused is not the first of its batch. */
-        if (!conflicts && i > MOST / 2 && draw_one_in(d, 9)) {
+        if (!conflicts_alone && i > MOST / 2 && draw_one_in(d, 9)) {
             const ost_pm offs[] = {3 * spacing / 8 + 1, spacing / 2, -spacing / 2, spacing * SIDE, -spacing, OST_LENGTH_MAX + 1};
             const ost_pm off = offs[draw_between(d, 0, 5)];
             one.y = off > OST_LENGTH_MAX ? off : s->rect.origin.y + spacing * y + off;
@@ -226,7 +239,7 @@ static ost_status make_refused(const plan_case *c, scene *s, draw *d, ost_error 
         one.line = (uint32_t)((size_t)i % s->batch);
         s->samples[s->sample_count] = one;
     }
-    s->duplicates = conflicts ? OST_DUPLICATES_ERROR : OST_DUPLICATES_LAST;
+    s->duplicates = OST_DUPLICATES_ERROR;
     return OST_OK;
 }
 

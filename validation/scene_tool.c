@@ -211,21 +211,37 @@ ost_status scene_add_full_tool(scene *s, draw *d, ost_pm voxel, ost_error *err)
     return status;
 }
 
-ost_status scene_add_bar(scene *s, ost_dims size, ost_pm voxel, ost_error *err)
+/* Layers z0 to z1 of a grid, from border to border along x and y. */
+static ost_status layers(const ost_tool_geometry *grid, int32_t z0, int32_t z1, ost_mesh *out, ost_error *err)
+{
+    const ost_pm3 lo = grid->corner;
+    const ost_status status = ost_mesh_init(out, 8, 12, err);
+    if (status != OST_OK)
+        return status;
+    for (int c = 0; c < 8; c++)
+        out->vertices[c] = (ost_pm3){lo.x + (c & 1 ? grid->dims.x * grid->voxel : 0), lo.y + (c & 2 ? grid->dims.y * grid->voxel : 0),
+                                     lo.z + (c & 4 ? z1 : z0) * grid->voxel};
+    memcpy(out->triangles, box_faces, sizeof box_faces);
+    return OST_OK;
+}
+
+ost_status scene_add_bar(scene *s, ost_dims size, int32_t shaft, ost_pm voxel, ost_error *err)
 {
     const ost_pm3 lo = {-size.x / 2 * voxel, -size.y / 2 * voxel, -size.z / 2 * voxel};
     const ost_tool_geometry grid = {size, voxel, lo};
+    const int32_t cuts = size.z - shaft;
     scene_tool *tool = &s->tools[s->tool_count];
     ost_mesh mesh = {0};
     *tool = (scene_tool){.rule = OST_FILL_WINDING, .name = "bar"};
     s->tool_count++;
-    ost_status status = ost_mesh_init(&mesh, 8, 12, err);
-    if (status != OST_OK)
-        return status;
-    for (int c = 0; c < 8; c++)
-        mesh.vertices[c] = (ost_pm3){lo.x + (c & 1 ? size.x * voxel : 0), lo.y + (c & 2 ? size.y * voxel : 0), lo.z + (c & 4 ? size.z * voxel : 0)};
-    memcpy(mesh.triangles, box_faces, sizeof box_faces);
-    status = ost_mesh_snap(&mesh, &grid, &tool->cutting, err);
+    ost_status status = layers(&grid, 0, cuts, &mesh, err);
+    if (status == OST_OK)
+        status = ost_mesh_snap(&mesh, &grid, &tool->cutting, err);
+    ost_mesh_free(&mesh);
+    if (status == OST_OK && shaft)
+        status = layers(&grid, cuts, size.z, &mesh, err);
+    if (status == OST_OK && shaft)
+        status = ost_mesh_snap(&mesh, &grid, &tool->noncutting, err);
     ost_mesh_free(&mesh);
     return status;
 }
