@@ -30,6 +30,18 @@ ends_soon() {
     grep -qF -- "$file" err || fail "osteon $*: '$(head -c 300 err)' does not name $file"
 }
 
+# is_refused FILE ARGUMENT...: ends in time with status 1, and a line of the report names the file
+is_refused() {
+    file=$1
+    shift
+    checks=$((checks + 1))
+    timeout 20 "$osteon" "$@" >out 2>err </dev/null
+    status=$?
+    [ $status -eq 1 ] || fail "osteon $*: status $status, expected 1: $(head -c 300 err)"
+    checks=$((checks + 1))
+    grep -qF -- "$file" out || fail "osteon $*: '$(head -c 300 out)' does not name $file"
+}
+
 # The name stands at the option's place, with the suffix that makes the reader the one that is meant.
 for kind in pipe folder zero loop absent; do
     for suffix in nrrd nhdr nii nii.gz hdr txt stl obj ply 3ds csv session; do
@@ -67,7 +79,11 @@ for kind in pipe folder zero loop absent; do
         cp -r bundle damaged
         rm "damaged/$name"
         [ $kind = absent ] || cp -PR $kind "damaged/$name"
-        ends_soon damaged verify damaged
+        # A file that no bundle has is a finding about the bundle, one that cannot be read is an error.
+        case $kind in
+        absent) ends_soon damaged verify damaged ;;
+        *) is_refused "$name" verify damaged ;;
+        esac
         case $name in
         protocol.json | cases.jsonl)
             ends_soon "damaged/$name" diff damaged bundle

@@ -403,10 +403,14 @@ ost_status sign_check(const char *folder, const sign_trust *trust, bundle_proble
     if (snprintf(path, sizeof path, "%s/" MANIFEST_SIGNATURES, folder) >= (int)sizeof path)
         status = ost_fail(err, OST_ERR_INPUT, "%.200s: too long", folder);
     const int fd = status == OST_OK ? open(path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC) : -1;
-    const int why = errno;
     DIR *dir = fd >= 0 ? fdopendir(fd) : NULL;
-    if (status == OST_OK && !dir && why != ENOENT)
-        report(&c, "", "is not a folder that can be read");
+    const int why = errno;
+    if (status == OST_OK && !dir && (why == ENOTDIR || why == ELOOP))
+        report(&c, "", "is not a folder");
+    else if (status == OST_OK && !dir && why != ENOENT)
+        status = ost_fail(err, OST_ERR_IO, "%s: cannot be read: %s", path, strerror(why));
+    if (fd >= 0 && !dir)
+        close(fd);
     if (status == OST_OK && dir) {
         c.signatures = fd;
         c.is = contents_read(folder, &is, &unread) == OST_OK ? &is : NULL;
