@@ -105,7 +105,7 @@ static inline int64_t ost_team_next(ost_team *team, ost_member *me)
         me->next += me->stride;
     else
         block = atomic_fetch_add_explicit(&team->next, 1, memory_order_relaxed);
-    if (block > (team->count - 1) / team->block)
+    if (block * team->block >= team->count)
         return -1;
     me->at = block * team->block;
     me->end = team->count - me->at < team->block ? team->count : me->at + team->block;

@@ -11,6 +11,7 @@
 #include <osteon/phantom.h>
 
 #include "core/backend.h"
+#include "cpu/share.h"
 
 enum { PATHS = 15, SHARED = 9, SIDE = 72, SMALL = 40 };
 
@@ -144,6 +145,27 @@ static void thresholds_hold_without_it(void **state)
 }
 
 /* 3 x 3 x 3 chunks of 64^3 are 7.1 million voxels, more than 2^22, though the grid has 2.2 million. */
+/* Each item of a team's work is taken once, and none of a work that has none. */
+static void a_team_takes_each_item_once(void **state)
+{
+    (void)state;
+    enum { ITEMS = 21 };
+    for (int grain = 0; grain < 2; grain++)
+        for (int64_t count = 0; count <= ITEMS; count++)
+            for (int64_t block = 0; block <= 8; block++) {
+                ost_cpu_sharing sharing;
+                int taken[ITEMS + 1] = {0};
+                ost_cpu_sharing_init(&sharing, grain);
+                ost_team team = ost_team_of(&sharing, 1, OST_PATH_REMOVAL, INT64_MAX, count, block);
+                ost_member me = ost_team_join(&team);
+                for (int64_t i; (i = ost_team_next(&team, &me)) >= 0;)
+                    taken[i]++;
+                ost_team_end(&sharing, &team);
+                for (int64_t i = 0; i <= ITEMS; i++)
+                    assert_int_equal(taken[i], i < count);
+            }
+}
+
 static void many_chunks_share_a_removal(void **state)
 {
     (void)state;
@@ -170,6 +192,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_smallest_grain_enters_every_path),
         cmocka_unit_test(thresholds_hold_without_it),
+        cmocka_unit_test(a_team_takes_each_item_once),
         cmocka_unit_test(many_chunks_share_a_removal),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
