@@ -459,10 +459,17 @@ static void emptied(void **state)
     close_pair(p);
 }
 
+static bool all_entered(void)
+{
+    for (int i = 0; i < path_count; i++)
+        if (paths[i].entered == 0)
+            return false;
+    return true;
+}
+
 /* After all the others: a kernel that none of them launched would not have been compared. */
 static void entered(void **state)
 {
-    (void)state;
     ost_error err = {0};
     pair p = open_pair(NULL);
     const ost_geometry g = cubic_geometry(20, 20, 20, 500 * UM, (ost_pm3){0, 0, 0});
@@ -484,6 +491,11 @@ static void entered(void **state)
         assert_int_equal(back[i], 0);
     ost_bone_free(empty);
     close_pair(p);
+    /* The shapes are drawn, and some draws need no second list and no second launch. */
+    for (int again = 0; again < 10 && !all_entered(); again++) {
+        voxelizer(state);
+        removal(state);
+    }
     int missing = 0;
     for (int i = 0; i < path_count; i++)
         if (paths[i].entered == 0) {
