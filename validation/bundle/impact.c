@@ -47,8 +47,8 @@ static void add_protocol(json_t *list, const char *key, const json_t *a, const j
 {
     const json_t *x = json_object_get(a, key), *y = json_object_get(b, key);
     char old[64], new[64];
-    snprintf(old, sizeof old, json_is_integer(x) ? "%lld" : "", (long long)json_integer_value(x));
-    snprintf(new, sizeof new, json_is_integer(y) ? "%lld" : "", (long long)json_integer_value(y));
+    snprintf(old, sizeof old, "%lld", (long long)json_integer_value(x));
+    snprintf(new, sizeof new, "%lld", (long long)json_integer_value(y));
     add_change(list, key, json_is_integer(x) ? old : evidence_text(a, key), json_is_integer(y) ? new : evidence_text(b, key));
 }
 
