@@ -1,0 +1,118 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The results of a campaign, from the trace and the end of each worker. */
+#include "validation/campaign_parts.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "validation/bundle/digests.h"
+
+/* Keeps the digest of what a backend made of case i, computed from its own trace, and the lines where they differ from the reference's. */
+static ost_status keep_digests(runner *r, int i, int whom, const trace *got, ost_error *err)
+{
+    case_result *one = verdict_of(r->c, i, whom);
+    const ost_status status = digests_of_case(got, compare_find(got, (uint32_t)i), &one->lines, &one->made, err);
+    if (status != OST_OK)
+        return status;
+    one->has_made = true;
+    if (r->c->lines[i] && strcmp(one->lines, r->c->lines[i]) == 0) {
+        free(one->lines);
+        one->lines = NULL;
+    }
+    return OST_OK;
+}
+
+/* Takes the times of the cases from `from` on, which the last record but one of a complete trace has. */
+static void keep_seconds(const runner *r, int whom, const trace *got, int from)
+{
+    uint64_t count;
+    const uint8_t *words;
+    const trace_record *times = got->whole && got->count > 1 ? &got->records[got->count - 2] : NULL;
+    if (!times || times->stage != TRACE_END || times->item != TRACE_TIMES || !trace_words(times, &count, &words))
+        return;
+    for (uint64_t k = 0; k < count && from + (int)k < r->c->plan->count; k++)
+        verdict_of(r->c, from + (int)k, whom)->seconds = 1e-6 * (double)trace_word_at(words, k);
+}
+
+ost_status results_judge(runner *r, const batch *b, int whom, const trace *got, int from, int until, int *judged, bool *differs,
+                         ost_error *err)
+{
+    ost_status status = OST_OK;
+    *judged = verdict_judge(r->c, &b->reference, whom, got, from, until, differs);
+    r->finished += *judged;
+    for (int i = from; i < from + *judged && status == OST_OK; i++)
+        status = keep_digests(r, i, whom, got, err);
+    return status;
+}
+
+/* Gives the rest of a backend's cases in a batch the verdict with which it failed for good. */
+static void give_up(runner *r, batch *b, int whom)
+{
+    for (; b->tasks[whom].from < b->end; b->tasks[whom].from++, r->finished++)
+        *verdict_of(r->c, b->tasks[whom].from, whom) = r->last_words[whom];
+}
+
+ost_status results_of_reference(runner *r, batch *b, trace *got, const worker_result *end, ost_error *err)
+{
+    campaign *c = r->c;
+    size_t at = 0;
+    ost_status status = OST_OK;
+    if (end->end != WORKER_DONE)
+        return ost_fail(err, OST_ERR_INTERNAL, "the reference did not finish: %s",
+                        end->end == WORKER_LATE ? "it took too long; --limit gives more time" : end->text[0] ? end->text : "it ended without a word");
+    if (!got->whole)
+        return ost_fail(err, OST_ERR_INTERNAL, "the reference's trace is not whole");
+    keep_seconds(r, 0, got, b->first);
+    b->reference = *got;
+    *got = (trace){0};
+    b->ready = true;
+    for (int i = b->first; i < b->end && status == OST_OK; i++) {
+        case_result *one = verdict_of(c, i, 0);
+        c->ranges[i] = compare_next(&b->reference, &at, (uint32_t)i);
+        status = digests_of_case(&b->reference, c->ranges[i], &c->lines[i], &one->made, err);
+        one->has_made = status == OST_OK;
+    }
+    for (size_t i = 0; i < b->reference.count; i++) {
+        c->stage_records[b->reference.records[i].stage]++;
+        if (b->reference.records[i].stage == TRACE_FAILED) {
+            c->refused++;
+            verdict_of(c, (int)b->reference.records[i].case_index, 0)->verdict = CASE_FAILED;
+        }
+    }
+    for (int s = 1; s < c->subjects->count; s++)
+        if (r->gone[s])
+            give_up(r, b, s);
+    b->tasks[0].from = b->end;
+    r->finished += b->end - b->first;
+    return status;
+}
+
+ost_status results_of_subject(runner *r, batch *b, int whom, trace *got, const worker_result *end, ost_error *err)
+{
+    task *t = &b->tasks[whom];
+    bool differs;
+    int judged;
+    const int from = t->from;
+    ost_status status = results_judge(r, b, whom, got, from, b->end, &judged, &differs, err);
+    if (status != OST_OK)
+        return status;
+    keep_seconds(r, whom, got, from);
+    t->from += judged;
+    if (differs && batch_keep_trace(b, whom, from, judged, got, err) != OST_OK)
+        return err->status;
+    if (t->from == b->end)
+        return OST_OK;
+    /* It ended in this case. */
+    case_result *one = verdict_of(r->c, t->from, whom);
+    verdict_of_end(end, one);
+    t->from++;
+    r->finished++;
+    if (end->end != WORKER_CRASHED) { /* there is no time left, or it will fail again */
+        r->gone[whom] = true;
+        r->last_words[whom] = *one;
+        for (int n = r->done; n < r->begun; n++)
+            if (batch_of(r, n)->ready)
+                give_up(r, batch_of(r, n), whom);
+    }
+    return OST_OK;
+}

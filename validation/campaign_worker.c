@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Workers of a campaign: their command lines, and the traces that they leave. */
+#include "validation/campaign_parts.h"
+
+#include <errno.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "validation/scratch.h"
+#include "validation/user_store.h"
+
+enum { CAMPAIGN_WORDS = 24 }; /* of a worker's command line */
+
+ost_status runner_start(runner *r, int number, int whom, ost_error *err)
+{
+    const plan *p = r->c->plan;
+    batch *b = batch_of(r, number);
+    slot *s = &r->slots[r->running];
+    char seed[32], shard[32], first[16], end[16], tier[16], trace_path[32], given[64];
+    const char *words[CAMPAIGN_WORDS] = {r->o->program, "validate", "--worker", r->c->subjects->subjects[whom].spec, "--trace", trace_path, "--tier", tier,
+                                         "--seed", seed, "--shard", shard, "--from", first, "--to", end};
+    size_t n = 16;
+    snprintf(seed, sizeof seed, "%llu", (unsigned long long)p->seed);
+    snprintf(shard, sizeof shard, "%d/%d", p->shard, p->shards);
+    snprintf(first, sizeof first, "%d", b->tasks[whom].from);
+    snprintf(end, sizeof end, "%d", b->end);
+    snprintf(tier, sizeof tier, "%s", plan_tier_name(p->tier));
+    snprintf(trace_path, sizeof trace_path, "/dev/fd/%d", WORKER_TRACE);
+    if (p->file || p->only) {
+        words[n++] = p->file ? "--case" : "--only";
+        words[n++] = p->file ? p->file : p->only;
+    }
+    if (p->user)
+        words[n++] = "--user";
+    if (b->given >= 0 && whom > 0) {
+        snprintf(given, sizeof given, "/proc/%lld/fd/%d", (long long)getpid(), b->given);
+        words[n++] = "--given";
+        words[n++] = given;
+    }
+    char *argv[CAMPAIGN_WORDS];
+    for (size_t i = 0; i < CAMPAIGN_WORDS; i++)
+        argv[i] = (char *)(uintptr_t)words[i];
+    const double left = r->o->limit_s - r->c->seconds[whom];
+    *s = (slot){.batch = number, .whom = whom};
+    ost_status status = scratch_file(&s->trace, err);
+    if (status != OST_OK)
+        return status;
+    status = worker_start(argv, s->trace, user_store_fd(p->user), left > 1 ? left : 1, &s->w, err);
+    if (status != OST_OK) {
+        close(s->trace);
+        return status;
+    }
+    b->tasks[whom].running = true;
+    r->running++;
+    if (r->o->show)
+        r->o->show(r->o->user, r->c->subjects->subjects[whom].spec, (double)r->finished / ((double)p->count * r->c->subjects->count));
+    return OST_OK;
+}
+
+static void count_bytes(runner *r)
+{
+    uint64_t bytes = 0;
+    struct stat info;
+    for (int i = 0; i < r->running; i++)
+        bytes += fstat(r->slots[i].trace, &info) == 0 ? (uint64_t)info.st_size : 0;
+    for (int n = r->done; n < r->begun; n++) {
+        bytes += batch_of(r, n)->reference.size;
+        for (const kept_trace *k = batch_of(r, n)->kept; k; k = k->next)
+            bytes += k->got.size;
+    }
+    if (bytes > r->c->trace_bytes)
+        r->c->trace_bytes = bytes;
+}
+
+/*
+ * A worker that got no memory, descriptor or file computed nothing, so that nothing is said about its backend. Neither is it by
+ * SIGKILL: this program sends it to a worker that is late (WORKER_LATE), so another one came from outside, mostly from the
+ * kernel when memory runs out.
+ */
+static ost_status resources_left(const char *spec, const worker_result *end, ost_error *err)
+{
+    enum { LOADER_FAILED = 127 }; /* exit status of a program whose libraries could not be opened */
+    if (end->end == WORKER_CRASHED && end->code == SIGKILL)
+        return ost_fail(err, OST_ERR_IO, "the worker of %s was ended from outside by SIGKILL, as the kernel does when memory runs out, so that nothing is said about %s; "
+                        "fewer --jobs need less memory", spec, spec);
+    if (end->end != WORKER_FAILED || (end->code != WORKER_EXIT_RESOURCES && end->code != LOADER_FAILED))
+        return OST_OK;
+    return ost_fail(err, OST_ERR_IO, "%s was not compared, for lack of memory, descriptors or files: %s; fewer --jobs need less", spec, end->text);
+}
+
+/* A full disk is nobody's difference. */
+static ost_status room_left(const worker_result *end, ost_error *err)
+{
+    static const int full[] = {ENOSPC, EDQUOT, EFBIG};
+    for (size_t i = 0; i < sizeof full / sizeof full[0] && end->end == WORKER_FAILED; i++)
+        if (strstr(end->text, strerror(full[i])))
+            return ost_fail(err, OST_ERR_IO, "%s: traces have no room, where TMPDIR says or in /tmp; fewer --jobs need less", strerror(full[i]));
+    return OST_OK;
+}
+
+ost_status runner_ended(runner *r, int which, const worker_result *end, ost_error *err)
+{
+    count_bytes(r);
+    const slot s = r->slots[which];
+    batch *b = batch_of(r, s.batch);
+    char name[SCRATCH_NAME];
+    trace got = {0};
+    ost_error unread = {0};
+    r->slots[which] = r->slots[--r->running];
+    r->c->seconds[s.whom] += end->seconds;
+    b->tasks[s.whom].running = false;
+    scratch_name(s.trace, name);
+    const ost_status readable = trace_open(name, &got, &unread);
+    if (s.whom == 0 && r->o->apart)
+        b->given = s.trace;
+    else
+        close(s.trace); /* what is mapped stays until it is not */
+    if (readable != OST_OK)
+        got = (trace){0};
+    ost_status status = room_left(end, err);
+    if (status == OST_OK)
+        status = resources_left(r->c->subjects->subjects[s.whom].spec, end, err);
+    if (status == OST_OK && (unread.status == OST_ERR_MEMORY || unread.status == OST_ERR_IO))
+        status = ost_fail(err, unread.status, "%s", unread.text);
+    if (status == OST_OK && got.whole)
+        status = paths_add(&r->c->paths[s.whom], &got.records[got.count - 1], err);
+    if (status == OST_OK)
+        status = s.whom == 0 ? results_of_reference(r, b, &got, end, err) : results_of_subject(r, b, s.whom, &got, end, err);
+    trace_free(&got);
+    return status;
+}
