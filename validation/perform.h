@@ -21,7 +21,7 @@
 #include "validation/scene.h"
 #include "validation/trace.h"
 
-/* Voxels of a bone that is fetched whole after every tick (perform.c). */
+/* Voxels of a bone that is fetched complete after every tick (perform_tick.c). */
 enum { PERFORM_WHOLE = 1 << 18 };
 
 /* Told of every record that was written; may be NULL where it is taken. */

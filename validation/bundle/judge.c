@@ -113,7 +113,7 @@ static bool own_digest(const json_t *lines, char hex[OST_DIGEST_HEX])
     return ok;
 }
 
-/* A record of what a backend need not have: sampling, and the upload of bones (perform.c). */
+/* A record of what a backend need not have: sampling, and the upload of bones (perform_sample.c). */
 static bool is_optional(const char *line)
 {
     const trace_stage stages[] = {TRACE_SAMPLE, TRACE_UPLOAD};

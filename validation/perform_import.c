@@ -1,0 +1,118 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The import of a case: samples or slices, rect grid, cubic grid, chunks. */
+#include "validation/perform_parts.h"
+
+#include <stdlib.h>
+
+static ost_status record_grid(performer *p, const ost_grid *grid, ost_error *err)
+{
+    const ost_dims dims = ost_grid_geometry(grid)->dims;
+    const int32_t lo[3] = {0, 0, 0};
+    int16_t *voxels = trace_block(p->w, lo, dims, 2);
+    return voxels ? ost_grid_download(grid, 0, dims.z, voxels, err) : OST_OK; /* trace_end says what is wrong */
+}
+
+/* The samples, which are one a voxel and on the lattice, as slices: s->slices of them a call. */
+static ost_status upload_ct(performer *p, ost_grid *rect, ost_error *err)
+{
+    const scene *s = p->s;
+    const ost_geometry *g = &s->rect;
+    const size_t slice = (size_t)g->dims.x * (size_t)g->dims.y;
+    int16_t *voxels = calloc(slice * (size_t)g->dims.z, sizeof *voxels);
+    if (!voxels)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a CT of %d slices", (int)g->dims.z);
+    for (size_t i = 0; i < s->sample_count; i++) {
+        const ost_sample *one = &s->samples[i];
+        voxels[(size_t)((one->x - g->origin.x) / g->spacing.x) + (size_t)g->dims.x * (size_t)((one->y - g->origin.y) / g->spacing.y) +
+               slice * (size_t)((one->z - g->origin.z) / g->spacing.z)] = (int16_t)one->density;
+    }
+    ost_status status = OST_OK;
+    for (int32_t z = 0; z < g->dims.z && status == OST_OK; z += s->slices) {
+        const int32_t count = g->dims.z - z < s->slices ? g->dims.z - z : s->slices;
+        status = ost_grid_upload(rect, z, count, voxels + slice * (size_t)z, err);
+    }
+    free(voxels);
+    return status;
+}
+
+/* A rejected or conflicting sample ends an import: its grid is of no use. */
+static bool refused(const ost_scatter_report *r)
+{
+    return r->rejected_line != 0 || r->conflict_line != 0;
+}
+
+static ost_status run_rect(performer *p, ost_grid **out, ost_error *err)
+{
+    const scene *s = p->s;
+    ost_scatter_report r = {0};
+    ost_status status = ost_grid_create(p->backend, &s->rect, out, err);
+    if (s->slices && status == OST_OK)
+        status = upload_ct(p, *out, err);
+    for (size_t at = s->slices ? s->sample_count : 0; at < s->sample_count && status == OST_OK; at += s->batch) {
+        const size_t n = s->sample_count - at < s->batch ? s->sample_count - at : s->batch;
+        status = ost_ct_to_rect(*out, s->samples + at, n, (int64_t)at + 1, s->duplicates, &r, err);
+    }
+    if (status != OST_OK)
+        return status;
+    const int64_t words[] = {(int64_t)r.samples, (int64_t)r.duplicates, (int64_t)r.off_lattice, (int64_t)r.worst_offset_ppm, r.worst_line,
+                             r.rejected_line,    r.conflict_line,       r.conflict_had,         r.conflict_has};
+    trace_begin(p->w, TRACE_RECT, p->case_index, 0);
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
+        trace_word(p->w, (uint64_t)words[i]);
+    if (refused(&r))
+        p->refused = true;
+    else
+        status = record_grid(p, *out, err);
+    ost_status written = perform_end_record(p, TRACE_RECT, 0, err);
+    return status != OST_OK ? status : written;
+}
+
+static ost_status run_cubic(performer *p, const ost_grid *rect, ost_grid **out, ost_error *err)
+{
+    ost_status status = ost_rect_to_cubic(rect, p->s->cubic, p->s->resample, out, err);
+    if (status != OST_OK)
+        return status;
+    const ost_geometry *g = ost_grid_geometry(*out);
+    const int64_t words[] = {g->dims.x, g->dims.y, g->dims.z, g->spacing.x, g->spacing.y, g->spacing.z};
+    trace_begin(p->w, TRACE_CUBIC, p->case_index, 0);
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
+        trace_word(p->w, (uint64_t)words[i]);
+    status = record_grid(p, *out, err);
+    ost_status written = perform_end_record(p, TRACE_CUBIC, 0, err);
+    return status != OST_OK ? status : written;
+}
+
+ost_status perform_import(performer *p, ost_error *err)
+{
+    ost_grid *rect = NULL, *cubic = NULL;
+    ost_status status = run_rect(p, &rect, err);
+    if (p->refused) {
+        ost_grid_free(rect);
+        return status;
+    }
+    if (status == OST_OK)
+        status = perform_give_grid(p, TRACE_RECT, rect, err);
+    if (status == OST_OK)
+        status = run_cubic(p, rect, &cubic, err);
+    if (status == OST_OK)
+        status = perform_give_grid(p, TRACE_CUBIC, cubic, err);
+    if (status == OST_OK)
+        status = ost_cubic_to_chunks(cubic, p->s->chunk_size, p->s->threshold, &p->bone, err);
+    if (status == OST_OK) {
+        p->geometry = p->second ? steps_cubic(&p->s->rect, p->s->cubic) : *ost_grid_geometry(cubic);
+        p->dims = ost_grid_geometry(cubic)->dims;
+        const size_t bytes = (size_t)ost_dims_count(p->dims) * 2;
+        p->was = malloc(bytes);
+        p->is = malloc(bytes);
+        status = p->was && p->is ? perform_record_bone(p, TRACE_CHUNKS, err) : ost_fail(err, OST_ERR_MEMORY, "no memory for a bone of %zu bytes", bytes);
+    }
+    if (status == OST_OK)
+        status = perform_give_bone(p, err);
+    if (status == OST_OK)
+        status = perform_sample(p, 0, err);
+    if (status == OST_OK)
+        status = perform_upload(p, err);
+    ost_grid_free(cubic);
+    ost_grid_free(rect);
+    return status;
+}

@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * One case on one backend while it runs: its stages, a file each, in the order
+ * in which they run.
+ *
+ *   perform_import.c   samples -> rect -> cubic -> chunks
+ *   perform_sample.c   densities and occupancy of the bone; a second bone of its slices
+ *   perform_tool.c     snapped meshes -> the tools' voxels
+ *   perform_tick.c     ticks -> poses and maps, reports, changed leaves
+ *   perform_record.c   records that several stages write
+ *   perform_apart.c    the reference's results in place of the backend's own
+ */
+#ifndef OST_VALIDATION_PERFORM_PARTS_H
+#define OST_VALIDATION_PERFORM_PARTS_H
+
+#include "core/backend.h"
+#include "sim/world.h"
+#include "validation/compare.h"
+#include "validation/dense/steps.h"
+#include "validation/perform.h"
+#include "validation/steps_make.h"
+
+typedef struct performer {
+    ost_backend *backend;
+    const scene *s;
+    trace_writer *w;
+    uint32_t case_index;
+    ost_bone *bone;
+    ost_tool *tools[SCENE_TOOLS_MAX];
+    ost_tool_geometry grids[SCENE_TOOLS_MAX]; /* theirs */
+    ost_world *world;
+    ost_geometry geometry; /* of the bone, as the maps have it */
+    ost_dims dims;         /* as the backend has it */
+    int16_t *was, *is;    /* the bone as last recorded, and as fetched */
+    ost_report collided, removed;
+    bool second;          /* the steps are the second implementation's, and there is no world */
+    bool light;           /* of second: ticks' steps alone are made */
+    ost_path path;        /* the ticks; own_path: to be freed */
+    bool own_path;
+    steps_history history; /* of second */
+    ost_pose *made_poses;  /* owned; of a backend that makes them itself, room for OST_SWEEP_MAX */
+    ost_map *made_maps;
+    ost_map *maps;         /* owned; of second: an event's, room for OST_SWEEP_MAX */
+    ost_voxel_box *boxes;
+    perform_watch *watch;
+    void *user;
+    const trace *given; /* apart: the reference's; else NULL */
+    compare_range in_given;
+    bool refused;       /* the CT has a rejected or a conflicting sample: the case ends with its report */
+    int16_t *right;     /* apart: the bone as the reference has it */
+} performer;
+
+/* Returns true for a case without a bone, whose ticks' steps alone are made. */
+static inline bool perform_is_of_steps(const scene *s)
+{
+    return !s->sample_count && s->path.count;
+}
+
+/* Returns the index of a voxel in a grid that is stored x first. */
+static inline size_t perform_at(ost_dims d, int32_t x, int32_t y, int32_t z)
+{
+    return (size_t)x + (size_t)d.x * ((size_t)y + (size_t)d.y * (size_t)z);
+}
+
+/* ---- perform_record.c */
+
+/* Ends the record that was begun, and shows it to the watch. */
+ost_status perform_end_record(performer *p, trace_stage stage, uint32_t item, ost_error *err);
+/* Ends an optional record by its stage's status: a backend that lacks the function leaves a record that is compared with nothing. */
+ost_status perform_end_optional(performer *p, trace_stage stage, uint32_t item, ost_status status, ost_error *err);
+/* Writes a record in place of a stage that does not run here. */
+ost_status perform_record_nothing(performer *p, trace_stage stage, uint32_t item, ost_error *err);
+/* Writes counts of chunks and voxels into the open record. */
+void perform_record_counts(performer *p, const ost_bone_info *info);
+/* Writes the backend's own digest into the open record: it is a result like any other. */
+void perform_record_digest(performer *p, const ost_digest *root);
+/* Writes a record of the complete bone, which becomes p->was. */
+ost_status perform_record_bone(performer *p, trace_stage stage, ost_error *err);
+
+/* ---- perform_apart.c: each does nothing unless p->given is set */
+
+/* Overwrites a grid with the reference's of this stage. */
+ost_status perform_give_grid(const performer *p, trace_stage stage, ost_grid *grid, ost_error *err);
+/* Overwrites the imported bone with the reference's. */
+ost_status perform_give_bone(performer *p, ost_error *err);
+/* Replaces tool i by the reference's. */
+ost_status perform_give_tool(performer *p, int i, const ost_tool_geometry *geometry, ost_error *err);
+/* Overwrites slices [z0, z1) of the bone, fetched after tick i, with the reference's: a difference ends with its tick. */
+ost_status perform_give_tick(performer *p, uint32_t i, int32_t z0, int32_t z1, ost_error *err);
+
+/* ---- the stages */
+
+/* Imports the CT into p->bone; sets p->refused where a sample was refused. */
+ost_status perform_import(performer *p, ost_error *err);
+/* Samples the bone: at time 0 as it was imported (items 0 and 1), at time 1 at the end (items 2 and 3). */
+ost_status perform_sample(performer *p, uint32_t time, ost_error *err);
+/* Uploads the bone's slices into a second bone, in parts. */
+ost_status perform_upload(performer *p, ost_error *err);
+/* Snaps and voxelizes tool i. */
+ost_status perform_tool(performer *p, int i, ost_error *err);
+/* Creates what the ticks run in: a world, or the second implementation's history and memory for an event. */
+ost_status perform_begin_ticks(performer *p, ost_error *err);
+/* Runs tick i: its steps, its event, the leaves that changed. */
+ost_status perform_tick(performer *p, size_t i, ost_error *err);
+/* Makes the steps of tick i alone, from the tick before it where that has the same tool. */
+ost_status perform_steps(performer *p, size_t i, ost_error *err);
+/* Collides the pose of tick i alone over the complete grid: no box skips a voxel, and nothing may change. */
+ost_status perform_collide(performer *p, size_t i, ost_error *err);
+
+#endif

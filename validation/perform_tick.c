@@ -1,0 +1,254 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The ticks of a case: poses and maps, the event on the backend, what it reports and which leaves it changed. */
+#include "validation/perform_parts.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/*
+ * A bone is fetched whole after each tick up to PERFORM_WHOLE; a larger one in
+ * the slices that the event could reach, and whole every WHOLE_EVERY ticks and
+ * at the end: what a backend changes where its event could not reach shows
+ * that much later.  For a million voxels the fetching is nine tenths of a
+ * tick's time, for a device's more.
+ */
+enum { WHOLE_EVERY = 32 };
+
+/* Voxels times ticks up to which the second implementation runs events as well: it takes about a microsecond for a thousand. */
+#define SECOND_WORK ((int64_t)1 << 25)
+
+/* AR-CLS-2 where a scene has no classes of its own. */
+static ost_density_classes classes_of(const performer *p)
+{
+    if (p->world)
+        return *ost_world_classes(p->world);
+    return p->s->world.classes.count ? p->s->world.classes : (ost_density_classes){.count = 3, .border = {120, 150, 650}};
+}
+
+ost_status perform_begin_ticks(performer *p, ost_error *err)
+{
+    const scene *s = p->s;
+    ost_status status = OST_OK;
+    if (perform_is_of_steps(s)) {
+        p->geometry = s->rect;
+        p->dims = s->rect.dims;
+        return OST_OK;
+    }
+    if (!p->second) {
+        status = ost_world_create(p->bone, &s->world, &p->world, err);
+        for (int i = 0; i < s->tool_count && status == OST_OK; i++)
+            status = ost_world_add_tool(p->world, s->tools[i].name, p->tools[i], NULL, err);
+        return status;
+    }
+    const ost_pose identity = {.qw = OST_Q30_ONE};
+    steps_pose ignored;
+    for (int i = 0; i < s->tool_count && status == OST_OK; i++) /* AR-MAP-2 refuses a tool before its first tick */
+        status = steps_pose_of(true, &identity, &p->geometry, &p->grids[i], &ignored, err);
+    if (status == OST_OK)
+        status = steps_history_begin(&p->path, s->world.sweep_off, s->world.removal_period_ns, &p->history, err);
+    p->light = ost_dims_count(p->dims) * (int64_t)p->path.count > SECOND_WORK;
+    if (status != OST_OK || p->light)
+        return status;
+    p->maps = calloc(OST_SWEEP_MAX, sizeof *p->maps);
+    p->boxes = calloc(OST_SWEEP_MAX, sizeof *p->boxes);
+    return p->maps && p->boxes ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for an event of %d poses", OST_SWEEP_MAX);
+}
+
+/* Totals, then per chunk: number, voxels and sums of densities of every class. */
+static void record_report(performer *p, const ost_report *r)
+{
+    const int classes = classes_of(p).count;
+    trace_word(p->w, r ? r->total_voxels : 0);
+    trace_word(p->w, r ? r->touched_voxels : 0);
+    trace_word(p->w, r ? r->count : 0);
+    for (size_t i = 0; r && i < r->count; i++) {
+        trace_word(p->w, (uint64_t)(int64_t)r->chunks[i].chunk);
+        for (int c = 0; c < classes; c++) {
+            trace_word(p->w, r->chunks[i].voxels[c]);
+            trace_word(p->w, (uint64_t)r->chunks[i].density[c]);
+        }
+    }
+}
+
+/* Blocks of the leaves in slices [z0, z1) where `is` is not `was`; `was` becomes `is`. */
+static void record_changed(performer *p, int32_t z0, int32_t z1)
+{
+    const ost_dims d = p->dims;
+    for (int32_t z = z0; z < z1; z += OST_LEAF)
+        for (int32_t y = 0; y < d.y; y += OST_LEAF)
+            for (int32_t x = 0; x < d.x; x += OST_LEAF) {
+                const ost_dims n = {d.x - x < OST_LEAF ? d.x - x : OST_LEAF, d.y - y < OST_LEAF ? d.y - y : OST_LEAF, d.z - z < OST_LEAF ? d.z - z : OST_LEAF};
+                bool changed = false;
+                for (int32_t k = 0; k < n.z && !changed; k++)
+                    for (int32_t j = 0; j < n.y && !changed; j++) {
+                        const size_t at = perform_at(d, x, y + j, z + k);
+                        changed = memcmp(p->is + at, p->was + at, (size_t)n.x * 2) != 0;
+                    }
+                if (!changed)
+                    continue;
+                const int32_t lo[3] = {x, y, z};
+                int16_t *to = trace_block(p->w, lo, n, 2);
+                for (int32_t k = 0; k < n.z; k++)
+                    for (int32_t j = 0; j < n.y; j++) {
+                        const size_t at = perform_at(d, x, y + j, z + k);
+                        if (to)
+                            memcpy(to + (size_t)n.x * ((size_t)j + (size_t)n.y * (size_t)k), p->is + at, (size_t)n.x * 2);
+                        memcpy(p->was + at, p->is + at, (size_t)n.x * 2);
+                    }
+            }
+}
+
+/* Poses and maps that the backend makes itself of the same two poses; the event itself is run with the host's, which must be the same ones. */
+static ost_status steps_by_backend(performer *p, const ost_tick *tick, int handed, const ost_pose *from, int *count, bool *made, ost_error *err)
+{
+    if (p->second || !p->backend->ops->steps)
+        return OST_OK;
+    if (!p->made_poses)
+        p->made_poses = malloc(OST_SWEEP_MAX * sizeof *p->made_poses);
+    if (!p->made_maps)
+        p->made_maps = malloc(OST_SWEEP_MAX * sizeof *p->made_maps);
+    if (!p->made_poses || !p->made_maps)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for %d poses", OST_SWEEP_MAX);
+    int its = handed;
+    const bool sweeps = memcmp(from, &tick->pose, sizeof *from) != 0;
+    const ost_status status = p->backend->ops->steps(p->backend, &p->geometry, &p->grids[tick->tool], sweeps ? from : NULL, &tick->pose, &its, p->made_poses,
+                                                     p->made_maps, err);
+    if (status == OST_ERR_UNAVAILABLE)
+        return OST_OK;
+    *made = status == OST_OK || status == OST_ERR_RANGE; /* which refuses an event that the host has */
+    *count = status == OST_OK ? its : status == OST_ERR_RANGE ? 0 : handed;
+    return *made ? OST_OK : status;
+}
+
+/* The poses of tick i's event, from `from` to the tick's; their maps go into p->maps where the event is run here. */
+static ost_status record_steps(performer *p, size_t i, bool refused, bool removal, int count, const ost_pose *from, ost_error *err)
+{
+    const ost_tick *tick = &p->path.ticks[i];
+    bool made_by_backend = false;
+    ost_status status = removal ? steps_by_backend(p, tick, count, from, &count, &made_by_backend, err) : OST_OK;
+    trace_begin(p->w, TRACE_STEPS, p->case_index, (uint32_t)i);
+    trace_flags(p->w, (p->second ? TRACE_BOUNDS : 0) | (made_by_backend ? TRACE_MADE : 0));
+    steps_put_tick(p->w, refused, removal, count, tick);
+    for (int k = 1; k <= count && status == OST_OK; k++) {
+        const ost_pose pose = made_by_backend ? p->made_poses[k - 1] : steps_between(p->second, from, &tick->pose, k, count);
+        steps_pose made;
+        status = steps_pose_of(p->second, &pose, &p->geometry, &p->grids[tick->tool], &made, err);
+        if (status != OST_OK)
+            break;
+        if (made_by_backend)
+            made.map = p->made_maps[k - 1];
+        steps_put_pose(p->w, &made);
+        if (p->maps) {
+            p->maps[k - 1] = made.map;
+            p->boxes[k - 1] = (ost_voxel_box){.hi = {p->dims.x, p->dims.y, p->dims.z}};
+        }
+    }
+    const ost_status written = perform_end_record(p, TRACE_STEPS, (uint32_t)i, err);
+    return status != OST_OK ? status : written;
+}
+
+/* The world's step. */
+static ost_status step_of_world(performer *p, size_t i, ost_step_result *r, bool *refused, ost_error *err)
+{
+    const ost_tick *tick = &p->path.ticks[i];
+    const ost_world *world = p->world;
+    const bool anew = tick->tool != world->clock.tool || tick->lifted || world->options.sweep_off;
+    const ost_pose from = anew ? tick->pose : world->tools[tick->tool].input.event;
+    ost_error why = {0};
+    const ost_status stepped = ost_world_step(p->world, tick, r, &why);
+    *refused = stepped == OST_ERR_RANGE; /* a jump too far is an answer; anything else is a failure */
+    if (stepped != OST_OK && !*refused) {
+        *err = why;
+        return stepped;
+    }
+    return record_steps(p, i, *refused, r->removal, r->pose_count, &from, err);
+}
+
+/* The second implementation's: no world, no box, every pose over the whole grid. */
+static ost_status step_of_second(performer *p, size_t i, ost_step_result *r, bool *refused, ost_error *err)
+{
+    const ost_tick *tick = &p->path.ticks[i];
+    const steps_event e = steps_next(&p->history, i, &p->grids[tick->tool], p->geometry.spacing.x);
+    const ost_density_classes classes = classes_of(p);
+    *refused = e.refused;
+    *r = (ost_step_result){.removal = e.removal, .pose_count = e.count};
+    ost_status status = record_steps(p, i, e.refused, e.removal, e.count, &e.from, err);
+    if (status != OST_OK || !e.removal || p->light)
+        return status;
+    const ost_event event = {.pose_count = e.count, .maps = p->maps, .boxes = p->boxes, .classes = &classes};
+    r->report = &p->removed;
+    return ost_bone_remove(p->bone, p->tools[tick->tool], &event, &p->removed, err);
+}
+
+ost_status perform_tick(performer *p, size_t i, ost_error *err)
+{
+    const ost_dims d = p->dims;
+    ost_step_result r = {0};
+    bool refused;
+    ost_status status = (p->second ? step_of_second : step_of_world)(p, i, &r, &refused, err);
+    if (status != OST_OK)
+        return status;
+    if (p->light)
+        return perform_record_nothing(p, TRACE_TICK, (uint32_t)i, err);
+    trace_begin(p->w, TRACE_TICK, p->case_index, (uint32_t)i);
+    if (p->second)
+        trace_flags(p->w, TRACE_BOUNDS);
+    trace_word(p->w, refused ? OST_ERR_RANGE : OST_OK);
+    trace_word(p->w, r.removal);
+    trace_word(p->w, r.boxes_meet);
+    trace_word(p->w, (uint64_t)r.pose_count);
+    for (int a = 0; a < 3; a++) {
+        trace_word(p->w, (uint64_t)(int64_t)r.chunk_lo[a]);
+        trace_word(p->w, (uint64_t)(int64_t)r.chunk_hi[a]);
+    }
+    record_report(p, r.report);
+    int32_t z0 = 0, z1 = d.z;
+    if (ost_dims_count(d) > PERFORM_WHOLE && (i + 1) % WHOLE_EVERY != 0 && !p->second) {
+        const int32_t size = p->s->chunk_size;
+        z0 = r.chunk_lo[2] * size / OST_LEAF * OST_LEAF;
+        z1 = (r.chunk_hi[2] * size + OST_LEAF - 1) / OST_LEAF * OST_LEAF;
+        z0 = z0 < 0 ? 0 : z0;
+        z1 = z1 > d.z ? d.z : z1;
+    }
+    if (z0 < z1) {
+        status = ost_bone_download(p->bone, z0, z1 - z0, p->is + perform_at(d, 0, 0, z0), err);
+        if (status == OST_OK)
+            record_changed(p, z0, z1);
+    }
+    ost_status written = perform_end_record(p, TRACE_TICK, (uint32_t)i, err);
+    if (status == OST_OK && written == OST_OK)
+        status = perform_give_tick(p, (uint32_t)i, z0, z1, err);
+    return status != OST_OK ? status : written;
+}
+
+ost_status perform_steps(performer *p, size_t i, ost_error *err)
+{
+    const ost_tick *tick = &p->path.ticks[i];
+    int count = 1;
+    ost_pose from = tick->pose;
+    if (i > 0 && tick[-1].tool == tick->tool && !tick->lifted && !p->s->world.sweep_off) {
+        from = tick[-1].pose;
+        count = steps_count_of(p->second, &from, &tick->pose, &p->grids[tick->tool], p->geometry.spacing.x);
+    }
+    return record_steps(p, i, count == 0, count > 0, count, &from, err);
+}
+
+ost_status perform_collide(performer *p, size_t i, ost_error *err)
+{
+    const ost_tick *tick = &p->path.ticks[i];
+    steps_pose made;
+    if (p->light)
+        return perform_record_nothing(p, TRACE_COLLIDE, (uint32_t)i, err);
+    ost_status status = steps_pose_of(p->second, &tick->pose, &p->geometry, &p->grids[tick->tool], &made, err);
+    if (status != OST_OK)
+        return status;
+    const ost_voxel_box box = {{0, 0, 0}, {p->dims.x, p->dims.y, p->dims.z}};
+    const ost_density_classes classes = classes_of(p);
+    const ost_event event = {.pose_count = 1, .maps = &made.map, .boxes = &box, .classes = &classes};
+    status = ost_bone_collide(p->bone, p->tools[tick->tool], &event, &p->collided, err);
+    if (status != OST_OK)
+        return status;
+    trace_begin(p->w, TRACE_COLLIDE, p->case_index, (uint32_t)i);
+    record_report(p, &p->collided);
+    return perform_end_record(p, TRACE_COLLIDE, (uint32_t)i, err);
+}
