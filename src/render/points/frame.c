@@ -1,16 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "core/bits_run.h"
 #include "core/conditions.h"
-#include "render/points/frame.h"
-#include "render/points/light.h"
+#include "render/points/frame_parts.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-#ifdef _OPENMP
-#include <omp.h>
-#endif
 
 static void *plane_alloc(size_t count, size_t size)
 {
@@ -52,14 +46,6 @@ static ost_status no_memory(const ost_frame *f, ost_error *err)
 {
     return ost_fail(err, OST_ERR_MEMORY, "no memory for a frame of %d x %d pixels", f->width, f->height);
 }
-
-/* A list that is made, and one as it was. */
-typedef struct ost_frame_lists {
-    ost_chosen chosen;
-    uint32_t tint[OST_BLOCK_POINTS + OST_LANES];
-    uint64_t seen[OST_BLOCK_POINTS];
-    uint8_t only[OST_BLOCK_POINTS];
-} ost_frame_lists;
 
 static bool benches_init(ost_frame *f)
 {
@@ -152,23 +138,6 @@ ost_sheet ost_frame_sheet(const ost_frame *frame)
     return (ost_sheet){frame->planes.colour, frame->planes.stride, frame->width, frame->height, &frame->over};
 }
 
-static void lists_free(ost_visible *v)
-{
-    free(v->seen);
-    free(v->only);
-    free(v->extent);
-}
-
-static void layer_free(ost_frame_layer *layer)
-{
-    lists_free(&layer->visible);
-    free(layer->visible.begin);
-    free(layer->blocks);
-    free(layer->bases);
-    free(layer->list);
-    ost_cells_free(&layer->cells);
-}
-
 void ost_frame_free(ost_frame *frame)
 {
     planes_free(&frame->planes);
@@ -181,109 +150,8 @@ void ost_frame_free(ost_frame *frame)
     free(frame->blank);
     free(frame->directions);
     for (int i = 0; i < OST_FRAME_LAYERS; i++)
-        layer_free(&frame->layer[i]);
+        ost_layer_free(&frame->layer[i]);
     memset(frame, 0, sizeof *frame);
-}
-
-static ost_status no_room(const ost_frame_layer *layer, ost_error *err)
-{
-    return ost_fail(err, OST_ERR_MEMORY, "no memory to draw %llu surface voxels", (unsigned long long)layer->surface->points);
-}
-
-static ost_status make_slots(ost_frame_layer *layer, ost_error *err)
-{
-    const int32_t used = layer->surface->used;
-    if (used <= layer->slot_room)
-        return OST_OK;
-    const size_t room = (size_t)used + (size_t)used / 4;
-    ost_frame_list *list = realloc(layer->list, room * sizeof *list);
-    layer->list = list ? list : layer->list;
-    uint32_t *begin = realloc(layer->visible.begin, room * sizeof *begin);
-    layer->visible.begin = begin ? begin : layer->visible.begin;
-    free(layer->blocks);
-    free(layer->bases);
-    layer->blocks = malloc(room * sizeof *layer->blocks);
-    layer->bases = malloc(room * 4 * sizeof *layer->bases);
-    if (!list || !begin || !layer->blocks || !layer->bases) {
-        layer->slot_room = layer->slots = 0;
-        return no_room(layer, err);
-    }
-    layer->slot_room = (int32_t)room;
-    return OST_OK;
-}
-
-/* Of whole vectors, and some to grow. */
-static uint32_t room_for(uint32_t count)
-{
-    return (count + count / 8 + OST_LANES - 1) / OST_LANES * OST_LANES;
-}
-
-/* All lists are lost. */
-static ost_status make_lists(ost_frame_layer *layer, ost_error *err)
-{
-    const ost_surface *s = layer->surface;
-    ost_visible *v = &layer->visible;
-    size_t need = 0;
-    for (int32_t i = 0; i < s->used; i++)
-        need += room_for(s->slot[i]->count);
-    lists_free(v);
-    layer->visible_room = need + need / 4 + OST_LANES;
-    v->seen = malloc(layer->visible_room * sizeof *v->seen);
-    v->only = malloc(layer->visible_room * sizeof *v->only);
-    v->extent = malloc((layer->visible_room / OST_LANES + 1) * sizeof(_Atomic uint64_t));
-    layer->visible_used = 0;
-    layer->slots = 0;
-    if (v->seen && v->only && v->extent)
-        return OST_OK;
-    lists_free(v);
-    v->seen = NULL;
-    v->only = NULL;
-    v->extent = NULL;
-    layer->visible_room = 0;
-    return no_room(layer, err);
-}
-
-/* A place for the list of every block. False when there is no more. */
-static bool place_lists(ost_frame_layer *layer)
-{
-    const ost_surface *s = layer->surface;
-    for (int32_t i = 0; i < s->used; i++) {
-        ost_frame_list *l = &layer->list[i];
-        const uint32_t room = room_for(s->slot[i]->count);
-        if (i >= layer->slots)
-            *l = (ost_frame_list){0};
-        if (s->slot[i]->count <= l->room)
-            continue;
-        if (layer->visible_used + room > layer->visible_room)
-            return false;
-        l->place = (uint32_t)layer->visible_used;
-        l->room = room;
-        layer->visible_used += room;
-    }
-    return true;
-}
-
-/* layer->slots becomes the surface's; layer->same false when lists were lost, or are of other blocks. */
-static ost_status make_room(ost_frame_layer *layer, ost_error *err)
-{
-    const ost_surface *s = layer->surface;
-    ost_status status = make_slots(layer, err);
-    layer->same = layer->same && layer->slots > 0 && layer->slots <= s->used;
-    if (status == OST_OK && !place_lists(layer)) {
-        layer->same = false;
-        status = make_lists(layer, err);
-        if (status == OST_OK)
-            place_lists(layer);
-    }
-    if (status != OST_OK)
-        return status;
-    for (int32_t i = 0; i < s->used; i++) {
-        ost_frame_list *l = &layer->list[i];
-        layer->same = layer->same && (i >= layer->slots || memcmp(l->at, s->slot[i]->at, sizeof l->at) == 0);
-        memcpy(l->at, s->slot[i]->at, sizeof l->at);
-    }
-    layer->slots = s->used;
-    return OST_OK;
 }
 
 static void find_cells(ost_frame_layer *layer)
@@ -295,361 +163,8 @@ static void find_cells(ost_frame_layer *layer)
     }
 }
 
-static void choose_points(const ost_frame *frame, const ost_frame_layer *layer, int32_t slot, ost_frame_lists *with)
-{
-    const ost_surface_block *block = layer->surface->slot[slot];
-    ost_frame_list *list = &layer->list[slot];
-    const ost_visible *v = &layer->visible;
-    const uint32_t begin = list->place;
-    uint8_t turned[3][OST_BLOCK];
-    for (int a = 0; a < 3; a++)
-        ost_blocks_turned(layer->bases[4 * slot + a], a, turned[a]);
-    ost_chosen *chosen = &with->chosen;
-    list->count = frame->kernels.facing(block, (uint32_t)slot, turned, chosen);
-    frame->tint(&layer->light, chosen->look, list->count, with->tint);
-    for (uint32_t i = 0; i < list->count; i++)
-        v->seen[begin + i] = (uint64_t)with->tint[i] << 32 | chosen->id[i];
-    if (layer->within)
-        memset(v->only + begin, OST_SEVERAL, list->count);
-    else
-        memcpy(v->only + begin, chosen->only, list->count);
-    for (uint32_t i = begin / OST_LANES; i < (begin + list->count + OST_LANES - 1) / OST_LANES; i++)
-        atomic_store_explicit(&v->extent[i], OST_EXTENT_UNKNOWN, memory_order_relaxed);
-    v->begin[slot] = begin;
-    list->version = block->version;
-    list->listed = true;
-}
-
-/* ------------------------------------------------------- what has changed */
-
-/* Parts of a block that look different: cubes of 4 voxels on a side, a bit each. */
-enum { PART = 4, PARTS = OST_BLOCK / PART };
-
-typedef struct parts {
-    uint64_t bit[PARTS]; /* of each z: x + 8 y */
-} parts;
-
-static void differs(parts *p, uint32_t id)
-{
-    p->bit[(id >> 10 & 31) / PART] |= UINT64_C(1) << ((id & 31) / PART + PARTS * ((id >> 5 & 31) / PART));
-}
-
-/* The list anew; where it has other voxels than before, or others to look at. Both are in order. */
-static void choose_again(const ost_frame *frame, const ost_frame_layer *layer, int32_t slot, ost_frame_lists *old, parts *out)
-{
-    const ost_frame_list *list = &layer->list[slot];
-    const ost_visible *v = &layer->visible;
-    const uint32_t was = list->count, from = v->begin[slot];
-    memcpy(old->seen, v->seen + from, was * sizeof *old->seen);
-    memcpy(old->only, v->only + from, was * sizeof *old->only);
-    choose_points(frame, layer, slot, old);
-    const uint64_t *seen = v->seen + v->begin[slot];
-    const uint8_t *only = v->only + v->begin[slot];
-    uint32_t i = 0, j = 0;
-    while (i < was && j < list->count) {
-        const uint32_t a = (uint32_t)old->seen[i], b = (uint32_t)seen[j];
-        if (old->seen[i] != seen[j] || old->only[i] != only[j])
-            differs(out, a < b ? a : b);
-        i += a <= b;
-        j += b <= a;
-    }
-    while (i < was)
-        differs(out, (uint32_t)old->seen[i++]);
-    while (j < list->count)
-        differs(out, (uint32_t)seen[j++]);
-}
-
-static void add_parts(const ost_cells *cells, const ost_frame_layer *layer, int32_t slot, const parts *p)
-{
-    for (int z = 0; z < PARTS; z++)
-        for (uint64_t left = p->bit[z]; left; left &= left - 1) {
-            const int i = __builtin_ctzll(left), at[3] = {i % PARTS, i / PARTS, z};
-            float middle[3];
-            ost_extent e;
-            for (int a = 0; a < 3; a++)
-                middle[a] = layer->bases[4 * slot + a] + (float)(PART * at[a]) + 0.5f * (PART - 1);
-            if (ost_blocks_pixels(&layer->eye, middle, PART, &e))
-                ost_cells_add(cells, e.x0, e.x1, e.y0, e.y1);
-        }
-}
-
-static int thread_number(void)
-{
-#ifdef _OPENMP
-    return omp_get_thread_num();
-#else
-    return 0;
-#endif
-}
-
 /*
- * frame->part: what blocks that changed may cover, before or after.  Of a block
- * that was hidden, and so has no list, nothing was seen; what hid it is there
- * still, or was itself in the part.
- */
-static void find_part(ost_frame *frame, const ost_frame_layer *layer)
-{
-    ost_cells_clear(&frame->part);
-    for (int32_t i = 0; i < layer->count; i++) {
-        const ost_frame_block *b = &layer->blocks[i];
-        const ost_frame_list *list = &layer->list[b->slot];
-        if (!list->there && !list->listed)
-            ost_cells_add(&frame->part, b->pixels.x0, b->pixels.x1, b->pixels.y0, b->pixels.y1);
-    }
-#pragma omp parallel for num_threads(frame->threads) schedule(dynamic, 16)
-    for (int32_t slot = 0; slot < layer->slots; slot++) {
-        const ost_frame_list *list = &layer->list[slot];
-        if (!list->listed || list->version == layer->surface->slot[slot]->version)
-            continue;
-        parts p = {0};
-        choose_again(frame, layer, slot, frame->bench[thread_number()].lists, &p);
-#pragma omp critical(ost_frame_part)
-        add_parts(&frame->part, layer, slot, &p);
-    }
-}
-
-static void forget_old(const ost_frame_layer *layer)
-{
-    for (int32_t slot = 0; slot < layer->slots; slot++) {
-        ost_frame_list *list = &layer->list[slot];
-        list->listed = list->listed && layer->same && list->version == layer->surface->slot[slot]->version;
-    }
-}
-
-static void remember_sight(const ost_frame_layer *layer)
-{
-    for (int32_t slot = 0; slot < layer->slots; slot++)
-        layer->list[slot].there = false;
-    for (int32_t i = 0; i < layer->count; i++)
-        layer->list[layer->blocks[i].slot].there = true;
-}
-
-/* ------------------------------------------------------------------ a band */
-
-/* A band's rows, y0 <= y < y1, and where it is drawn. */
-typedef struct band {
-    int y0, y1;
-    ost_frame_bench *bench;
-} band;
-
-/* The tiles of a band that a block may cover, half-open; rows from the band's first on. */
-typedef struct tile_range {
-    int x0, x1, y0, y1;
-} tile_range;
-
-static tile_range tiles_of(const ost_frame_block *b, const band *at)
-{
-    const ost_extent *e = &b->pixels;
-    const int top = e->y0 > at->y0 ? e->y0 : at->y0, end = e->y1 < at->y1 ? e->y1 : at->y1;
-    return (tile_range){e->x0 / OST_TILE, (e->x1 + OST_TILE - 1) / OST_TILE, (top - at->y0) / OST_TILE, (end - at->y0 + OST_TILE - 1) / OST_TILE};
-}
-
-/* Whether all of the tiles are covered by what is nearer than key. */
-static bool hidden(const ost_frame *f, const band *at, const ost_planes *planes, tile_range r, uint64_t key)
-{
-    for (int y = r.y0; y < r.y1; y++)
-        for (int x = r.x0; x < r.x1; x++) {
-            ost_frame_tile *t = &at->bench->tiles[y * f->tiles_across + x];
-            const int top = at->y0 + y * OST_TILE, rows = at->y1 - top < OST_TILE ? at->y1 - top : OST_TILE;
-            if (t->farthest < key)
-                continue;
-            if (!t->stale)
-                return false;
-            *t = (ost_frame_tile){f->kernels.farthest(planes, x * OST_TILE, top, rows), false};
-            if (t->farthest >= key)
-                return false;
-        }
-    return true;
-}
-
-static void drawn(const ost_frame *f, const band *at, tile_range r)
-{
-    for (int y = r.y0; y < r.y1; y++)
-        for (int x = r.x0; x < r.x1; x++) {
-            ost_frame_tile *t = &at->bench->tiles[y * f->tiles_across + x];
-            t->stale = t->farthest > 0;
-        }
-}
-
-/* A row of cells of a band. */
-typedef struct cell_row {
-    uint64_t bit[OST_CELL_WORDS];
-    int words, y0, y1; /* y0 <= y < y1: its pixels */
-} cell_row;
-
-/* What two parts have in common, or of one what the other has not. */
-static cell_row row_of(const ost_cells *a, const ost_cells *b, bool without, const band *at, int y)
-{
-    const uint64_t *x = ost_cells_row(a, y / OST_CELL_HEIGHT), *z = ost_cells_row(b, y / OST_CELL_HEIGHT);
-    cell_row row = {.words = a->words, .y0 = y, .y1 = y + OST_CELL_HEIGHT < at->y1 ? y + OST_CELL_HEIGHT : at->y1};
-    for (int i = 0; i < a->words; i++)
-        row.bit[i] = x[i] & (without ? ~z[i] : z[i]);
-    return row;
-}
-
-/* The next run of columns, in pixels; *to was 0 or where the last one ended. */
-static bool next_run(const cell_row *row, int *from, int *to)
-{
-    int a, b = *to / OST_CELL_WIDTH;
-    const bool found = ost_bits_run(row->bit, row->words, &a, &b);
-    *from = a * OST_CELL_WIDTH;
-    *to = b * OST_CELL_WIDTH;
-    return found;
-}
-
-/* No voxel yet where it is to be drawn; everywhere else nothing may be seen. Returns what is to be drawn. */
-static ost_extent begin(const ost_frame *f, const ost_frame_layer *layer, const ost_cells *part, const band *at, const ost_planes *planes)
-{
-    ost_extent e = {f->width, 0, at->y1, at->y0};
-    for (int y = at->y0; y < at->y1; y += OST_CELL_HEIGHT) {
-        const cell_row row = row_of(&layer->cells, part, false, at, y);
-        ost_frame_tile *tiles = &at->bench->tiles[(y - at->y0) / OST_TILE * f->tiles_across];
-        for (int i = 0; i < f->tiles_across; i++)
-            tiles[i] = (ost_frame_tile){0, false};
-        for (int from, to = 0; next_run(&row, &from, &to);) {
-            for (int j = row.y0; j < row.y1; j++)
-                memset(ost_key_row(planes, j) + from, OST_EMPTY_BYTE, (size_t)(to - from) * sizeof *planes->key);
-            for (int i = from / OST_TILE; i < to / OST_TILE; i++)
-                tiles[i].farthest = OST_EMPTY_KEY;
-            e.x0 = from < e.x0 ? from : e.x0;
-            e.x1 = to > e.x1 ? to : e.x1;
-            e.y0 = row.y0 < e.y0 ? row.y0 : e.y0;
-            e.y1 = row.y1;
-        }
-    }
-    return e;
-}
-
-/* What of a layer lies in `part`. */
-static void draw_layer(const ost_frame *f, const ost_frame_layer *layer, const ost_cells *part, const band *at, const ost_planes *planes)
-{
-    const ost_extent e = begin(f, layer, part, at, planes);
-    for (int32_t i = 0; i < layer->count && e.y0 < e.y1; i++) {
-        const ost_frame_block *b = &layer->blocks[i];
-        if (b->pixels.y0 >= e.y1 || b->pixels.y1 <= e.y0 || b->pixels.x0 >= e.x1 || b->pixels.x1 <= e.x0)
-            continue;
-        const tile_range r = tiles_of(b, at);
-        if (hidden(f, at, planes, r, b->nearest))
-            continue;
-        if (!layer->list[b->slot].listed)
-            choose_points(f, layer, b->slot, at->bench->lists);
-        f->kernels.splat(&layer->eye, &layer->visible, (uint32_t)b->slot, layer->list[b->slot].count, planes, &e);
-        drawn(f, at, r);
-    }
-    for (int y = at->y0; y < at->y1; y += OST_CELL_HEIGHT) {
-        const cell_row row = row_of(&layer->cells, part, false, at, y);
-        for (int from, to = 0; next_run(&row, &from, &to);)
-            for (int j = row.y0; j < row.y1; j++)
-                f->kernels.resolve(&layer->eye, &layer->visible, planes, j, from, to);
-    }
-}
-
-/* Background where the first layer cannot be. */
-static void blank(const ost_frame *f, const band *at, const ost_planes *planes)
-{
-    for (int y = at->y0; y < at->y1; y += OST_CELL_HEIGHT) {
-        const cell_row row = row_of(&f->part, &f->layer[0].cells, true, at, y);
-        for (int from, to = 0; next_run(&row, &from, &to);)
-            for (int j = row.y0; j < row.y1; j++) {
-                const size_t i = ost_row(planes, j) + (size_t)from, count = (size_t)(to - from);
-                memset(planes->face + i, OST_NO_FACE, count);
-                memcpy(planes->colour + i, f->blank, count * sizeof *planes->colour);
-            }
-    }
-}
-
-static void put_back(const ost_frame *f, const band *at)
-{
-    const ost_planes *to = &f->planes, *kept = &f->kept;
-    for (int y = at->y0; y < at->y1; y += OST_CELL_HEIGHT) {
-        const cell_row row = row_of(&f->stale, &f->stale, false, at, y);
-        for (int x, end = 0; next_run(&row, &x, &end);)
-            for (int j = row.y0; j < row.y1; j++) {
-                const size_t i = ost_row(to, j) + (size_t)x, count = (size_t)(end - x);
-                memcpy(to->depth + i, kept->depth + i, count * sizeof *to->depth);
-                memcpy(to->face + i, kept->face + i, count);
-                memcpy(to->colour + i, kept->colour + i, count * sizeof *to->colour);
-            }
-    }
-}
-
-static uint32_t mixed(uint32_t under, uint32_t over, uint32_t share)
-{
-    const uint32_t rest = 256 - share;
-    return (((under & 0xff00ff) * rest + (over & 0xff00ff) * share) >> 8 & 0xff00ff) | (((under & 0xff00) * rest + (over & 0xff00) * share) >> 8 & 0xff00);
-}
-
-/* Whether a layer has something at a pixel of the planes that it was drawn into. */
-static bool is_there(const ost_frame *f, const ost_frame_layer *layer, int x, int y)
-{
-    return ost_cells_has(&layer->cells, x, y) && f->ghost.face[ost_row(&f->ghost, y) + (size_t)x] != OST_NO_FACE;
-}
-
-/* What can be seen through, with its outline, in row y, columns from to to - 1: it leaves all but the colour as it was. */
-static void merge_ghost(const ost_frame *f, const ost_frame_layer *layer, unsigned ghost, int y, int first, int end)
-{
-    enum { LINE = 100 };
-    const ost_planes *to = &f->planes, *from = &f->ghost;
-    for (int x = first; x < end && x < f->width; x++) {
-        const size_t i = ost_row(to, y) + (size_t)x;
-        if (from->face[i] == OST_NO_FACE)
-            continue;
-        const bool before = to->face[i] == OST_NO_FACE || from->depth[i] * layer->scale < to->depth[i];
-        const bool edge = (x > 0 && !is_there(f, layer, x - 1, y)) || (x + 1 < f->width && !is_there(f, layer, x + 1, y)) ||
-                          (y > 0 && !is_there(f, layer, x, y - 1)) || (y + 1 < f->height && !is_there(f, layer, x, y + 1));
-        const uint32_t share = (before ? ghost : ghost / 2) + (edge ? LINE : 0);
-        to->colour[i] = mixed(to->colour[i], edge ? layer->light.colour[0] : from->colour[i], share < 256 ? share : 256);
-    }
-}
-
-static void merge_ghost_row(const ost_frame *f, const ost_frame_layer *layer, unsigned ghost, int y)
-{
-    const band at = {.y1 = f->height};
-    const cell_row row = row_of(&layer->cells, &layer->cells, false, &at, y / OST_CELL_HEIGHT * OST_CELL_HEIGHT);
-    for (int from, to = 0; next_run(&row, &from, &to);)
-        merge_ghost(f, layer, ghost, y, from, to);
-}
-
-/* A band of rows, and a copy of the planes with its keys where none are kept. */
-static band band_of(const ost_frame *f, int number, ost_planes *planes)
-{
-    const int y0 = number * f->band;
-    const band at = {y0, y0 + f->band < f->height ? y0 + f->band : f->height, &f->bench[thread_number()]};
-    if (!planes->key) {
-        planes->key = at.bench->over.key;
-        planes->key_top = y0;
-    }
-    return at;
-}
-
-/* base: planes of the first layer alone, the frame's own unless they are kept. */
-static void draw_band(const ost_frame *f, int number, const ost_planes *base)
-{
-    ost_planes planes = *base;
-    planes.key = f->planes.key;
-    const band at = band_of(f, number, &planes);
-    ost_planes over = at.bench->over;
-    over.top = over.key_top = at.y0;
-    draw_layer(f, &f->layer[0], &f->part, &at, &planes);
-    blank(f, &at, &planes);
-    if (base != &f->planes)
-        put_back(f, &at);
-    for (int i = 1; i < f->layers; i++) {
-        const ost_frame_layer *layer = &f->layer[i];
-        if (layer->y0 >= at.y1 || layer->y1 <= at.y0)
-            continue;
-        draw_layer(f, layer, &layer->cells, &at, &over);
-        for (int y = at.y0; y < at.y1; y += OST_CELL_HEIGHT) {
-            const cell_row row = row_of(&layer->cells, &layer->cells, false, &at, y);
-            for (int from, to = 0; next_run(&row, &from, &to);)
-                for (int j = row.y0; j < row.y1; j++)
-                    f->kernels.merge(&f->planes, &over, layer->scale, j, from, to, f->over.bit + (ptrdiff_t)(y / OST_CELL_HEIGHT) * f->over.words);
-        }
-    }
-}
-
-/*
- * Whether a ray may come upon a voxel by a face that is not to the air: it
+ * Returns true if a ray may enter a voxel by a face that is not to the air: it
  * begins in a voxel, or it has passed one that the near plane takes away.
  * Such a voxel's middle is within near + sqrt(3) of the eye along forward, so
  * its corners are within near + 2 sqrt(3), and along a ray that is c times as
@@ -670,7 +185,7 @@ static bool is_within(const ost_surface *surface, const ost_eye *e)
     return !ost_surface_is_bare(surface, lo, hi);
 }
 
-/* Makes the light; whether it is as it was. */
+/* Makes the light; returns true if it is the same as before. */
 static bool make_light(const ost_frame *frame, ost_frame_layer *layer, const ost_frame_thing *thing)
 {
     uint32_t colour[OST_PAINTS], face[8];
@@ -695,7 +210,7 @@ static ost_status prepare(ost_frame *frame, const ost_frame_thing *thing, int nu
     layer->surface = thing->surface;
     layer->within = within;
     layer->eye = ost_splat_prepare(&thing->eye);
-    status = make_room(layer, err);
+    status = ost_layer_reserve(layer, err);
     if (status != OST_OK)
         return status;
     layer->scale = (float)((double)thing->surface->geometry.spacing.x / (double)spacing);
@@ -715,43 +230,6 @@ static ost_status room_over(ost_frame *frame, ost_error *err)
     return no_memory(frame, err);
 }
 
-/* By all threads of a team. */
-static void list_all(const ost_frame *frame, const ost_frame_layer *layer)
-{
-#pragma omp for schedule(dynamic, 4)
-    for (int32_t i = 0; i < layer->count; i++)
-        if (!layer->list[layer->blocks[i].slot].listed)
-            choose_points(frame, layer, layer->blocks[i].slot, frame->bench[thread_number()].lists);
-}
-
-/*
- * What is drawn of the first layer, and into which planes.  Those that are kept
- * are drawn whole by the second of two frames that are alike, so that an eye
- * that moves pays nothing for them.  Numbers change with a list, so whoever
- * wants keys gets all of them anew.
- */
-static const ost_planes *choose_part(ost_frame *frame)
-{
-    const ost_frame_layer *first = &frame->layer[0];
-    const bool still = first->same && frame->kept.colour;
-    if (still && frame->is_kept && !frame->planes.key) {
-        find_part(frame, first);
-        ost_cells_clear(&frame->stale);
-        ost_cells_join(&frame->stale, &frame->part);
-        ost_cells_join(&frame->stale, &frame->over);
-    } else {
-        ost_cells_fill(&frame->part);
-        ost_cells_fill(&frame->stale);
-        forget_old(first);
-    }
-    frame->is_kept = still;
-    remember_sight(first);
-    ost_cells_clear(&frame->over);
-    for (int i = 1; i < frame->layers; i++)
-        forget_old(&frame->layer[i]);
-    return still ? &frame->kept : &frame->planes;
-}
-
 ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things, int count, ost_error *err)
 {
     ost_status status = OST_OK;
@@ -765,16 +243,16 @@ ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things
         return status;
     }
     frame->layers = count;
-    const ost_planes *base = choose_part(frame);
+    const ost_planes *base = ost_frame_choose_part(frame);
     const int bands = (frame->height + frame->band - 1) / frame->band;
 #pragma omp parallel num_threads(frame->threads)
     {
         /* One thread alone makes a block's list when the first band draws it: those of hidden blocks are never made. */
         for (int l = 0; l < count && frame->threads > 1; l++)
-            list_all(frame, &frame->layer[l]);
+            ost_layer_make_lists(frame, &frame->layer[l]);
 #pragma omp for schedule(dynamic, 1)
         for (int i = 0; i < bands; i++)
-            draw_band(frame, i, base);
+            ost_frame_draw_band(frame, i, base);
     }
     return OST_OK;
 }
@@ -790,22 +268,19 @@ ost_status ost_frame_draw_ghost(ost_frame *frame, const ost_frame_thing *thing, 
         layer->surface = NULL;
         return status;
     }
-    forget_old(layer);
+    ost_layer_drop_lists(layer);
     ost_cells_join(&frame->over, &layer->cells);
     const int bands = (frame->height + frame->band - 1) / frame->band;
 #pragma omp parallel num_threads(frame->threads)
     {
         if (frame->threads > 1)
-            list_all(frame, layer);
+            ost_layer_make_lists(frame, layer);
 #pragma omp for schedule(dynamic, 1)
-        for (int i = 0; i < bands; i++) {
-            ost_planes planes = frame->ghost;
-            const band at = band_of(frame, i, &planes);
-            draw_layer(frame, layer, &layer->cells, &at, &planes);
-        }
+        for (int i = 0; i < bands; i++)
+            ost_frame_draw_ghost_band(frame, layer, i);
 #pragma omp for schedule(static, 16)
         for (int y = 0; y < frame->height; y++)
-            merge_ghost_row(frame, layer, share, y);
+            ost_frame_merge_ghost_row(frame, layer, share, y);
     }
     return OST_OK;
 }
