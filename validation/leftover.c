@@ -108,6 +108,8 @@ void leftover_end(void)
     const int saved = errno;
     for (int i = 0; i < WORKERS; i++) {
         const pid_t pid = atomic_load(&workers[i]);
+        if (pid > 0)
+            (void)kill(-pid, SIGKILL); /* the group of a test of the suite; a worker has none */
         if (pid > 0 && kill(pid, SIGKILL) == 0)
             waitpid(pid, NULL, 0);
     }

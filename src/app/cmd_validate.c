@@ -20,6 +20,7 @@
 #include "validation/export.h"
 #include "validation/locate/case_file.h"
 #include "validation/scratch.h"
+#include "validation/suite_run.h"
 #include "validation/worker.h"
 
 /* Up to six digits; what is after them, or NULL. */
@@ -68,7 +69,7 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
 {
     static const int64_t limits[PLAN_TIERS] = {120, 1800, 36000};
     enum { LIMIT_OWN = 36000 }; /* nobody knows how long the user's own cases take */
-    validate_args args = {.seed = 1, .own = USER_FILES_DEFAULT};
+    validate_args args = {.seed = 1, .suite_limit_s = 1800, .own = USER_FILES_DEFAULT};
     const option options[] = {
         {.name = "out", .kind = OPTION_TEXT, .out = &args.out, .value = "BUNDLE", .help = "a folder for the evidence; must not exist"},
         {.name = "tier", .kind = OPTION_CHOICE, .out = &args.tier, .value = "smoke|standard|full",
@@ -87,6 +88,10 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "case", .kind = OPTION_TEXT, .out = &args.case_file, .value = "FILE", .help = "the cases of this file alone, as a bundle's cases/ has them"},
         {.name = "merge", .kind = OPTION_TEXT, .out = &args.merge, .value = "FOLDER", .help = "put the shards' bundles in FOLDER together into --out; runs nothing"},
         {.name = "against", .kind = OPTION_TEXT, .out = &args.against, .value = "BUNDLE", .help = "with --out: say what changed since this older bundle, and why"},
+        {.name = "with-suite", .kind = OPTION_TEXT, .out = &args.suite, .value = "FOLDER",
+         .help = "with --out: run the tests that requirements name, from the folder that\nosteon was built in (after make check), and put their results\ninto the bundle; a test that fails is status 1"},
+        {.name = "suite-limit", .kind = OPTION_INTEGER, .out = &args.suite_limit_s, .value = "S", .min = 1, .max = 1000000,
+         .help = "seconds after which a test of --with-suite is stopped (default: 1800)"},
         {.name = "sign", .kind = OPTION_TEXT, .out = &args.sign, .value = "KEY", .help = "sign the bundle with this private key (PEM), as osteon sign does"},
         {.name = "passphrase-file", .kind = OPTION_TEXT, .out = &args.passphrase, .value = "FILE", .help = "its first line opens the key of --sign"},
         {.name = "limit", .kind = OPTION_INTEGER, .out = &args.limit_s, .value = "S", .min = 1, .max = 1000000,
@@ -142,6 +147,10 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
     if (args.against && (!args.out || args.merge || args.faults_only))
         return usage_error(app, err, "--against needs --out and a campaign");
     if (args.against && (status = impact_check(args.against, err)) != OST_OK)
+        return status;
+    if (args.suite && (!args.out || args.merge || args.faults_only || args.worker || shard != 1))
+        return usage_error(app, err, "--with-suite needs --out and a campaign; of shards the first one has it");
+    if (args.suite && (status = suite_find(args.suite, err)) != OST_OK)
         return status;
     if ((args.sign && (!args.out || args.faults_only)) || (args.passphrase && !args.sign))
         return usage_error(app, err, args.sign ? "--sign needs --out" : "--passphrase-file belongs to --sign");

@@ -12,6 +12,7 @@
 #include "app/user_files.h"
 #include "validation/bundle/check.h"
 #include "validation/bundle/sign.h"
+#include "validation/bundle/suite.h"
 #include "validation/worker.h"
 
 #define PROTOCOL "protocol.json"
@@ -136,6 +137,25 @@ static const char *about_signatures(const app_state *app, const signature_args *
     return n ? "; signatures were not checked (--trust KEYS)" : "; it is not signed";
 }
 
+/* A valid bundle may say that tests failed: that is no problem of the bundle, and must be read. */
+static ost_status say_suite(app_state *app, const char *folder, ost_error *err)
+{
+    json_t *suite;
+    const ost_status status = bundle_find_json(folder, SUITE_FILE, &suite, err);
+    if (!suite)
+        return status;
+    const json_int_t failed = json_integer_value(json_object_get(suite, "failed"));
+    json_t *counts = json_object();
+    static const char *const keys[] = {"passed", "failed", "skipped"};
+    for (size_t k = 0; k < sizeof keys / sizeof keys[0]; k++)
+        put_integer(counts, keys[k], json_integer_value(json_object_get(suite, keys[k])));
+    put(app->result, "suite", counts);
+    say(app, "  the test suite%s: %lld passed, %lld failed, %lld were skipped", failed ? " FAILED" : "", (long long)json_integer_value(json_object_get(suite, "passed")), (long long)failed,
+        (long long)json_integer_value(json_object_get(suite, "skipped")));
+    json_decref(suite);
+    return status;
+}
+
 ost_status cmd_verify(app_state *app, int argc, char **argv, ost_error *err)
 {
     const char *folder = NULL;
@@ -213,7 +233,11 @@ ost_status cmd_verify(app_state *app, int argc, char **argv, ost_error *err)
         say(app, "%s: valid%s; it says %s, %lld case%s%s%s", folder, !rerun ? "" : backend ? ", and the reference and the backend give the same here" : ", and the reference gives the same here", json_string_value(json_object_get(summary, "verdict")),
             (long long)json_integer_value(json_object_get(summary, "cases")), json_integer_value(json_object_get(summary, "cases")) == 1 ? "" : "s",
             json_is_true(json_object_get(summary, "evidence")) ? "" : " (a reduced run: no evidence)", about_signatures(app, &signatures));
+    if (found == 0)
+        status = say_suite(app, folder, err);
     json_decref(summary);
+    if (status != OST_OK)
+        return status;
     if (l.absent)
         return ost_fail(err, OST_ERR_INPUT, "%s: %s is missing%s: an incomplete bundle cannot be verified", folder, l.first,
                         found > 1 ? ", and there are more problems" : "");

@@ -17,10 +17,10 @@
 #include "validation/sensitivity.h"
 
 typedef struct validate_args {
-    const char *out, *backends, *shard, *only, *merge, *worker, *trace, *given, *dump, *export_to, *case_file, *sign, *passphrase, *against;
+    const char *out, *backends, *shard, *only, *merge, *worker, *trace, *given, *dump, *export_to, *case_file, *sign, *passphrase, *against, *suite;
     int tier; /* place in "smoke|standard|full" */
     int64_t seed, from, to, limit_s, jobs;
-    int64_t faults;
+    int64_t faults, suite_limit_s;
     bool cpu_only, faults_only, from_parent, apart;
     user_files own;
     json_t *record; /* of them; NULL: there are none */
@@ -55,6 +55,10 @@ void validate_say_last(app_state *app, const char *out, const json_t *summary);
 void validate_say_difference(const app_state *app, const plan_case *c, const subject *s, const case_result *r);
 /* What was never triggered or never changed anything is named: a proof says what it is no proof of. */
 void validate_say_faults(const app_state *app, const sensitivity *s);
+/* The suite's counts, and the first tests that failed; suite: suite.json. */
+void validate_say_suite(const app_state *app, const json_t *suite);
+/* OST_ERR_DIFFER where a test of the suite failed, OST_ERR_UNAVAILABLE where none passed. */
+ost_status validate_judge_suite(const json_t *suite, ost_error *err);
 /* What changed since the bundle of --against; impact: impact.json. */
 void validate_say_impact(app_state *app, const char *against, json_t *impact);
 /* Not a difference: there was nothing to differ. */

@@ -10,6 +10,7 @@
 #include "validation/bundle/log.h"
 #include "validation/bundle/merge.h"
 #include "validation/bundle/record.h"
+#include "validation/bundle/suite.h"
 #include "validation/report/pictures.h"
 #include "validation/report/report.h"
 
@@ -34,6 +35,8 @@ ost_status validate_merge(app_state *app, const validate_args *args, ost_error *
         status = bundle_put_json(b, TIMES_FILE, m.times, err);
     if (status == OST_OK && m.faults)
         status = bundle_put_json(b, FAULTS_FILE, m.faults, err);
+    if (status == OST_OK && m.suite)
+        status = bundle_put_json(b, SUITE_FILE, m.suite, err);
     if (status == OST_OK)
         status = record_merge(args->merge, validate_into_bundle, b, err);
     if (status == OST_OK)
@@ -59,11 +62,17 @@ ost_status validate_merge(app_state *app, const validate_args *args, ost_error *
         put_integer(app->result, "shards", m.shards);
         say(app, "%s: %zu case%s from %d shard%s", evidence_text(summary, "verdict"), json_array_size(m.cases), json_array_size(m.cases) == 1 ? "" : "s", m.shards,
             m.shards == 1 ? "" : "s");
+        if (m.suite) {
+            put(app->result, "suite", json_incref(m.suite));
+            validate_say_suite(app, m.suite);
+        }
         validate_say_last(app, args->out, summary);
         if (!json_integer_value(json_object_get(summary, "compared")))
             status = validate_nothing(err);
         else if (!equal)
             status = ost_fail(err, OST_ERR_DIFFER, "%s: results differ from the reference's; see anomalies.csv", args->out);
+        else if (m.suite)
+            status = validate_judge_suite(m.suite, err);
     }
     bundle_abandon(b);
     json_decref(summary);

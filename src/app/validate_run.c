@@ -21,7 +21,10 @@
 #include "validation/common/common.h"
 #include "validation/report/pictures.h"
 #include "validation/report/report.h"
+#include "validation/bundle/suite.h"
+#include "validation/bundle/trace_table.h"
 #include "validation/scratch.h"
+#include "validation/suite_run.h"
 
 static void show(void *user, const char *what, double share)
 {
@@ -146,13 +149,25 @@ static ost_status put_evidence(bundle *b, const campaign *c, const json_t *proto
     return status == OST_OK ? log_end(b, summary, err) : status;
 }
 
+/* Runs the suite into *out, which stays NULL without --with-suite. */
+static ost_status run_suite(const validate_args *args, int jobs, json_t **out, ost_error *err)
+{
+    if (!args->suite)
+        return OST_OK;
+    char *requirements = trace_requirements();
+    const suite_options how = {.folder = args->suite, .requirements = requirements, .limit_s = args->suite_limit_s, .jobs = jobs, .show = show};
+    const ost_status status = requirements ? suite_run(&how, out, err) : ost_fail(err, OST_ERR_MEMORY, "no memory for requirements");
+    free(requirements);
+    return status;
+}
+
 /* Everything that must be freed, in one place. */
 typedef struct job {
     char program[1024];
     subject_list subjects;
     campaign run;
     bundle *b;
-    json_t *protocol, *cases, *summary, *faults, *common, *impact;
+    json_t *protocol, *cases, *summary, *faults, *common, *impact, *suite;
     sensitivity proof; /* where faults is not NULL */
 } job;
 
@@ -167,6 +182,7 @@ static void job_free(job *j)
     json_decref(j->faults);
     json_decref(j->common);
     json_decref(j->impact);
+    json_decref(j->suite);
 }
 
 /* A batch's cases, while the reference's trace of them is there. */
@@ -225,6 +241,8 @@ ost_status validate_run(app_state *app, const validate_args *args, const plan *p
         json_object_set(j.protocol, "case", from_file);
     if (status == OST_OK && args->record)
         json_object_set(j.protocol, "user", args->record);
+    if (status == OST_OK && args->suite)
+        json_object_set_new(j.protocol, "suite", json_pack("{s:I}", "limit_s", (json_int_t)args->suite_limit_s));
     if (status == OST_OK && j.b)
         status = validate_freeze(j.b, j.protocol, err);
     if (status == OST_OK && j.b && from_file)
@@ -232,12 +250,16 @@ ost_status validate_run(app_state *app, const validate_args *args, const plan *p
     if (status == OST_OK) {
         progress_begin(app);
         status = run_all(&j, args, p, err);
+        if (status == OST_OK)
+            status = run_suite(args, j.run.jobs, &j.suite, err);
         progress_clear();
     }
     if (status == OST_OK)
         status = common_check(p->seed, &j.common, err);
     if (status == OST_OK)
         status = evidence_summary(j.protocol, j.cases, &j.summary, err);
+    if (status == OST_OK && j.suite)
+        status = bundle_put_json(j.b, SUITE_FILE, j.suite, err);
     if (status == OST_OK && j.b)
         status = put_evidence(j.b, &j.run, j.protocol, j.cases, j.faults, j.common, j.summary, j.program, args->against, &j.impact, err);
     if (status == OST_OK && j.b) {
@@ -252,7 +274,11 @@ ost_status validate_run(app_state *app, const validate_args *args, const plan *p
         put(app->result, "common_mistakes", json_incref(j.common));
         if (j.impact)
             validate_say_impact(app, args->against, j.impact);
+        if (j.suite)
+            put(app->result, "suite", json_incref(j.suite));
         status = validate_say(app, args, &j.run, j.summary, j.faults ? &j.proof : NULL, j.common, err);
+        if (status == OST_OK && j.suite)
+            status = validate_judge_suite(j.suite, err);
     }
     job_free(&j);
     return status;

@@ -11,6 +11,7 @@
 #include "validation/bundle/evidence.h"
 #include "validation/bundle/impact.h"
 #include "validation/bundle/faults.h"
+#include "validation/bundle/suite.h"
 #include "validation/common/common.h"
 #include "validation/locate/causes.h"
 #include "validation/report/pictures.h"
@@ -164,8 +165,8 @@ void validate_say_last(app_state *app, const char *out, const json_t *summary)
     snprintf(path, sizeof path, "%s/%s", out, PICTURE_AFTER);
     const bool picture = stat(path, &info) == 0;
     say(app, "  check it   osteon verify %s", out);
-    say(app, "  verdict    %s%s", evidence_text(summary, "verdict"),
-        json_is_true(json_object_get(summary, "evidence")) ? "" : " (a reduced run: no evidence)");
+    say(app, "  verdict    %s%s%s", evidence_text(summary, "verdict"), json_is_true(json_object_get(summary, "evidence")) ? "" : " (a reduced run: no evidence)",
+        json_integer_value(json_object_get(json_object_get(app->result, "suite"), "failed")) ? "; the test suite FAILED" : "");
     if (picture) {
         say(app, "  picture    %s", path);
         put_text(app->result, "picture", path);
@@ -201,6 +202,31 @@ void validate_say_impact(app_state *app, const char *against, json_t *impact)
     say_changes(app, json_object_get(impact, "devices"), "device");
     say_changes(app, json_object_get(impact, "requirements"), "requirement");
     put(app->result, "impact", json_incref(impact));
+}
+
+void validate_say_suite(const app_state *app, const json_t *suite)
+{
+    enum { SHOWN = 10 };
+    const json_t *tests = json_object_get(suite, "tests");
+    const json_int_t passed = json_integer_value(json_object_get(suite, "passed")), failed = json_integer_value(json_object_get(suite, "failed"));
+    int shown = 0;
+    say(app, "TEST SUITE %s: of %zu tests that requirements name, %lld passed, %lld failed, %lld were skipped", failed ? "FAILED" : passed ? "PASSED" : "NOT RUN", json_array_size(tests),
+        (long long)passed, (long long)failed, (long long)json_integer_value(json_object_get(suite, "skipped")));
+    for (size_t i = 0; i < json_array_size(tests); i++)
+        if (strcmp(evidence_text(json_array_get(tests, i), "result"), "failed") == 0 && shown++ < SHOWN)
+            say(app, "  %s %s", evidence_text(json_array_get(tests, i), "test"), evidence_text(json_array_get(tests, i), "reason"));
+    if (shown > SHOWN)
+        say(app, "  and %d more; " SUITE_FILE " has all", shown - SHOWN);
+}
+
+ost_status validate_judge_suite(const json_t *suite, ost_error *err)
+{
+    const json_int_t failed = json_integer_value(json_object_get(suite, "failed"));
+    if (failed)
+        return ost_fail(err, OST_ERR_DIFFER, "%lld test%s of the suite failed; " SUITE_FILE " and the report say which", (long long)failed, failed == 1 ? "" : "s");
+    if (!json_integer_value(json_object_get(suite, "passed")))
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "no test of the suite ran; " SUITE_FILE " has the reasons");
+    return OST_OK;
 }
 
 ost_status validate_nothing(ost_error *err)
@@ -240,6 +266,8 @@ ost_status validate_say(app_state *app, const validate_args *args, const campaig
         (long long)json_integer_value(json_object_get(common, "passed")), (long long)json_array_size(json_object_get(common, "checks")));
     if (proof)
         validate_say_faults(app, proof);
+    if (json_object_get(app->result, "suite"))
+        validate_say_suite(app, json_object_get(app->result, "suite"));
     if (args->out)
         validate_say_last(app, args->out, summary);
     if (!something)

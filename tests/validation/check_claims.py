@@ -773,6 +773,27 @@ def _(c, b, m):
     return [str(n) for n in (tested + untested, tested, shown, untested, kinds.count("orphan test"), kinds.count("orphan result"))]
 
 
+@rule("", "div", r"✗ THE TEST SUITE FAILED ?([\d,]+ tests?) that requirements name failed; they are listed below\. From suite\.json")
+def _(c, b, m):
+    return [many(sum(t["result"] == "failed" for t in c.file(b, "suite.json")["tests"]), "test")]
+
+
+@rule("The test suite", "p", r"The programs that requirements name as their tests were run with this campaign: ([\d,]+) passed, ([\d,]+) failed, ([\d,]+) were skipped\. .*")
+def _(c, b, m):
+    results = [t["result"] for t in c.file(b, "suite.json")["tests"]]
+    return expect(*[results.count(r) for r in ("passed", "failed", "skipped")])
+
+
+@rule("The test suite", "tr", r"")
+def _(c, b, m):
+    if b.cells[0] == "Test":
+        return None
+    rows = [[words(x) for x in (t["test"], "✗ FAILED" if t["result"] == "failed" else "skipped", t["reason"])]
+            for t in c.file(b, "suite.json")["tests"] if t["result"] != "passed"]
+    same(b, True, b.cells in rows)
+    return None
+
+
 @rule("Made with", "tr", r"")
 def _(c, b, m):
     tools, devices = c.leaves(b, "tools.json"), c.leaves(b, "devices.json")
@@ -811,7 +832,7 @@ def _(c, b, m):
     said += ["--only", p["only"]] if p["only"] else []
     said += ["--cpu-only"] if p["cpu_only"] else []
     said += ["--backends", p["chosen"]] if p["chosen"] else []
-    same(b, shlex.split(m.group(1)), said + own_words(p))
+    same(b, shlex.split(m.group(1)), said + own_words(p) + (["--with-suite", "FOLDER"] if "suite" in p else []))
     return None
 
 
@@ -934,6 +955,12 @@ def made(scratch):
     wanted = {"own": own + ["--backends", one + ";cl:platform=77", "--cubic", "0.4"]}
     if os.path.exists(plugin):
         wanted["own-differs"] = own + ["--backends", one + ";plugin:" + plugin, "--cubic", "0.7"]
+    suite = os.path.join(scratch, "suite-of-tests")
+    os.makedirs(os.path.join(suite, "tests"))
+    with open(os.path.join(suite, "tests", "run-test"), "w") as file:
+        file.write("#!/bin/sh\ncase $1 in *core*) exit 0 ;; *api*) echo 3 of 4; exit 5 ;; *) echo not built; exit 77 ;; esac\n")
+    os.chmod(file.name, 0o755)
+    wanted["suite"] = ["--only", "import/0", "--backends", one, "--with-suite", suite]
     if long:
         wanted["alone"] = ["--only", "import/0", "--backends", "ref"]
         wanted["whole"] = ["--cpu-only"]

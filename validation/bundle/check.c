@@ -12,6 +12,7 @@
 #include "validation/bundle/log.h"
 #include "validation/bundle/planned.h"
 #include "validation/bundle/record.h"
+#include "validation/bundle/suite.h"
 #include "validation/bundle/tools.h"
 #include "validation/report/report.h"
 
@@ -116,6 +117,8 @@ static ost_status check_evidence(derivation *d, const json_t *protocol, const js
         judge_case(protocol, json_array_get(cases, i), report_verdict, d);
     if (status == OST_OK)
         status = linked_check(d->folder, protocol, d->problem, d->user, d->found, err);
+    if (status == OST_OK)
+        status = suite_check(d->folder, protocol, d->problem, d->user, d->found, err);
     if (status == OST_OK)
         status = evidence_summary(protocol, cases, summary, err);
     if (status == OST_OK)

@@ -174,6 +174,7 @@ static void readme(FILE *to, const json_t *protocol, const json_t *cases, const 
     if (*evidence_text(protocol, "chosen"))
         fprintf(to, " --backends '%s'", evidence_text(protocol, "chosen"));
     fputs(own ? own : "", to);
+    fputs(json_object_get(protocol, "suite") ? " --with-suite FOLDER" : "", to);
     free(files);
     free(own);
     fputs(" --out BUNDLE\n```\n\nWith the same build and the same backends, `results_root` of manifest.json comes out the same.\n\n", to);
@@ -185,6 +186,7 @@ static void readme(FILE *to, const json_t *protocol, const json_t *cases, const 
           "| sensitivity.json | mistakes made on purpose in a second implementation (validation/dense), in no backend, and whether the comparison noticed them; kinds_silent changed nothing in this tier (the first shard's run makes it) |\n"
           "| common.json | checks of the reference by hand, by volume and by law: mistakes that all backends could have in common |\n"
           "| requirements.csv, trace.csv | requirements, their tests, what of this bundle bears on them; orphans in both directions |\n"
+          "| suite.json | with --with-suite: each test that a requirement names, whether it passed, and the digest of what it printed |\n"
           "| known-anomalies.csv | what was known to be wrong with this release |\n"
           "| devices.json | OpenCL devices: what their drivers say, and their numeric fingerprints |\n"
           "| tools.json | commit, compiler, flags, and every library that ran with the program, by SHA-256 |\n"
@@ -202,6 +204,7 @@ static void readme(FILE *to, const json_t *protocol, const json_t *cases, const 
           "| junit.xml | it has the times and the host |\n"
           "| report.html | it has the date, the machine and the threads of that run |\n"
           "| manifest.json | it has the digests of those, and `root` over all |\n"
+          "| suite.json, trace.csv | with --with-suite: they have the suite's results, and the times of its tests |\n"
           "| signatures/ | it says who signed, and when |\n\n"
           "`results_root` leaves these out, and what changes with the machine and its drivers: tools.json, devices.json, sbom.spdx.json and soup.csv; and impact.json, which is about one older bundle. "
           "What is left depends on the cases, the code and the list of backends alone, so that two machines with the same list have the same `results_root`. "

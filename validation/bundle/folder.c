@@ -43,9 +43,10 @@ static const struct {
     {"sbom.spdx.json", {true, true, 64 * MB}},
     {"sensitivity.json", {false, true, 16 * MB}},
     {"soup.csv", {true, true, 16 * MB}},
+    {"suite.json", {true, true, 16 * MB}},
     {"times.json", {true, true, 64 * MB}},
     {"tools.json", {true, true, 64 * MB}},
-    {"trace.csv", {false, false, 16 * MB}},
+    {"trace.csv", {true, false, 16 * MB}},
 };
 
 static const char *const folders[] = {"pictures", "cases"};

@@ -11,6 +11,7 @@
 #include "validation/bundle/environment.h"
 #include "validation/bundle/evidence.h"
 #include "validation/bundle/faults.h"
+#include "validation/bundle/suite.h"
 
 enum { SHARDS_MAX = 4096 };
 
@@ -28,6 +29,7 @@ static json_t *common_part(const json_t *protocol)
     json_t *o = json_deep_copy(protocol);
     json_object_del(o, "shard");
     json_object_del(o, "cases");
+    json_object_del(o, "suite"); /* the first shard's */
     return o;
 }
 
@@ -65,6 +67,10 @@ static ost_status take_shard(const char *folder, merged *m, json_t *by_id, ost_e
     }
     if (status == OST_OK && strncmp(name, "1/", 2) == 0)
         status = bundle_find_json(folder, FAULTS_FILE, &m->faults, err); /* a bundle of some cases alone has none */
+    if (status == OST_OK && strncmp(name, "1/", 2) == 0 && json_object_get(protocol, "suite")) {
+        m->suite_limit = json_incref(json_object_get(protocol, "suite"));
+        status = bundle_find_json(folder, SUITE_FILE, &m->suite, err);
+    }
     if (status == OST_OK) {
         json_object_set(m->environment, name, environment);
         json_object_set(m->times, name, times);
@@ -135,6 +141,8 @@ ost_status merge_read(const char *folder, merged *out, ost_error *err)
         status = ost_fail(err, OST_ERR_INPUT, "%s: %d bundles of %d shards", folder, count, out->shards);
     if (status == OST_OK)
         status = put_in_order(folder, out, by_id, err);
+    if (status == OST_OK && out->suite_limit)
+        json_object_set(out->protocol, "suite", out->suite_limit);
     json_decref(by_id);
     if (status != OST_OK)
         merge_free(out);
@@ -148,5 +156,7 @@ void merge_free(merged *m)
     json_decref(m->environment);
     json_decref(m->times);
     json_decref(m->faults);
+    json_decref(m->suite);
+    json_decref(m->suite_limit);
     *m = (merged){0};
 }

@@ -16,6 +16,7 @@ typedef struct merged {
     json_t *protocol, *cases;     /* of the whole; owned */
     json_t *environment, *times;  /* {"1/3": ...}; owned */
     json_t *faults;               /* the first shard's sensitivity.json, NULL when it has none; owned */
+    json_t *suite, *suite_limit;  /* the first shard's suite.json and its part of the protocol, NULL when it has none; owned */
     int shards;
 } merged;
 

@@ -138,7 +138,7 @@ static ost_status check_protocol(const check *c, const json_t *protocol, const p
     subjects_free(&subjects);
     if (status != OST_OK)
         return status;
-    static const char *const given[] = {"case", "user"}; /* checked by planned_of, and by the files themselves with --rerun */
+    static const char *const given[] = {"case", "user", "suite"}; /* checked by planned_of, by the files themselves with --rerun, and by suite_check */
     for (size_t k = 0; k < sizeof given / sizeof given[0]; k++)
         if (json_object_get(protocol, given[k]))
             json_object_set(again, given[k], json_object_get(protocol, given[k]));

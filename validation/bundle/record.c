@@ -13,6 +13,7 @@
 #include "validation/bundle/environment.h"
 #include "validation/bundle/junit.h"
 #include "validation/bundle/software.h"
+#include "validation/bundle/suite.h"
 #include "validation/bundle/tools.h"
 #include "validation/bundle/trace_table.h"
 #include "validation/common/common.h"
@@ -153,7 +154,7 @@ ost_status record_derive(const char *folder, const json_t *protocol, const json_
 {
     char *requirements = NULL;
     size_t size;
-    json_t *tools = NULL, *common = NULL, *times = NULL, *environment = NULL;
+    json_t *tools = NULL, *common = NULL, *times = NULL, *environment = NULL, *suite = NULL;
     ost_status status = find_json(folder, TOOLS_FILE, &tools, err);
     if (status == OST_OK)
         status = find_json(folder, COMMON_FILE, &common, err);
@@ -161,6 +162,8 @@ ost_status record_derive(const char *folder, const json_t *protocol, const json_
         status = find_json(folder, TIMES_FILE, &times, err);
     if (status == OST_OK)
         status = find_json(folder, ENVIRONMENT_FILE, &environment, err);
+    if (status == OST_OK)
+        status = find_json(folder, SUITE_FILE, &suite, err);
     if (status == OST_OK && json_is_object(tools))
         status = software_write(tools, sink, user, err);
     if (status == OST_OK)
@@ -168,8 +171,9 @@ ost_status record_derive(const char *folder, const json_t *protocol, const json_
     if (status == OST_OK)
         status = bundle_find(folder, REQUIREMENTS_FILE, &requirements, &size, err);
     if (status == OST_OK && requirements)
-        status = trace_table_write(requirements, cases, common, sink, user, err);
+        status = trace_table_write(requirements, cases, common, suite, sink, user, err);
     free(requirements);
+    json_decref(suite);
     json_decref(environment);
     json_decref(times);
     json_decref(common);

@@ -2,12 +2,14 @@
 #include "validation/bundle/trace_table.h"
 
 #include <errno.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "validation/bundle/csv.h"
 #include "validation/bundle/requirement_lines.h"
+#include "validation/bundle/suite.h"
 
 char *trace_requirements(void)
 {
@@ -126,8 +128,62 @@ static bool fields_of(char *line, char *field[FIELDS])
     return false;
 }
 
+/* The suite's result of a test; NULL where it has none. The array is sorted by name. */
+static const json_t *result_of(const json_t *suite, const char *test)
+{
+    const json_t *list = json_object_get(suite, "tests");
+    size_t low = 0, high = json_array_size(list);
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        const int order = strcmp(test, evidence_text(json_array_get(list, middle), "test"));
+        if (order == 0)
+            return json_array_get(list, middle);
+        if (order < 0)
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    return NULL;
+}
+
+static void add_text(char *to, size_t size, const char *format, ...) OST_PRINTF(3, 4);
+static void add_text(char *to, size_t size, const char *format, ...)
+{
+    const size_t used = strlen(to);
+    va_list args;
+    va_start(args, format);
+    vsnprintf(to + used, size - used, format, args);
+    va_end(args);
+}
+
+/*
+ * "the test suite" and "tests: 2 passed; tests/x.sh FAILED: ..." of the tests of a row, which are cut at their semicolons. also: something
+ * else of this bundle bears on it. False where no test passed or failed: a test that was skipped shows nothing.
+ */
+static bool put_tests(char *tests, const json_t *suite, bool also, char *shown, size_t shown_size, char *result, size_t result_size)
+{
+    char *rest = NULL, others[1024] = "";
+    int passed = 0, failed = 0;
+    for (char *test = suite ? strtok_r(tests, ";", &rest) : NULL; test; test = strtok_r(NULL, ";", &rest)) {
+        const json_t *one = result_of(suite, test);
+        const char *is = evidence_text(one, "result");
+        passed += strcmp(is, "passed") == 0;
+        failed += strcmp(is, "failed") == 0;
+        if (strcmp(is, "passed") != 0)
+            add_text(others, sizeof others, "; %.120s %s: %.120s", test, strcmp(is, "failed") == 0 ? "FAILED" : "skipped", one ? evidence_text(one, "reason") : "not run");
+    }
+    const bool tested = passed + failed > 0;
+    if (!suite)
+        return false;
+    if (tested)
+        add_text(shown, shown_size, "%sthe test suite", also ? "; " : "");
+    add_text(result, result_size, "%s", also ? "; " : tested ? "" : "not by this bundle; ");
+    add_text(result, result_size, "tests: %d passed%s", passed, others);
+    return tested;
+}
+
 /* "1,234 records of rect equal" for each stage, and the checks that name the requirement. */
-static void put_shown(FILE *to, const char *id, const outcomes *o, const json_t *common, bool used[TRACE_STAGES])
+static void put_shown(FILE *to, const char *id, char *tests, const outcomes *o, const json_t *common, const json_t *suite, bool used[TRACE_STAGES])
 {
     char shown[1024] = "", result[2048] = "", files[64] = "";
     size_t a = 0, b = 0;
@@ -157,12 +213,15 @@ static void put_shown(FILE *to, const char *id, const outcomes *o, const json_t 
         if (!strstr(files, "common.json"))
             snprintf(files + strlen(files), sizeof files - strlen(files), "%scommon.json", *files ? " " : "");
     }
+    const bool tested = put_tests(tests, suite, a > 0, shown, sizeof shown, result, sizeof result);
+    if (tested)
+        snprintf(files + strlen(files), sizeof files - strlen(files), "%s" SUITE_FILE, *files ? " " : "");
     put_csv(to, shown, ',');
-    put_csv(to, a ? result : "not by this bundle; the test suite's own results are not in it", ',');
+    put_csv(to, a || tested || suite ? result : "not by this bundle; the test suite's own results are not in it (--with-suite)", ',');
     put_csv(to, files, '\n');
 }
 
-static void write_rows(FILE *to, const char *requirements, const json_t *cases, const json_t *common)
+static void write_rows(FILE *to, const char *requirements, const json_t *cases, const json_t *common, const json_t *suite)
 {
     const outcomes all = count(cases);
     bool used[TRACE_STAGES] = {[TRACE_CASE] = true};
@@ -188,7 +247,7 @@ static void write_rows(FILE *to, const char *requirements, const json_t *cases, 
             if (orphan_test)
                 fputs("\"\",\"\",\"\"\n", to);
             else
-                put_shown(to, field[0], &all, common, used);
+                put_shown(to, field[0], field[3], &all, common, suite, used);
         }
     }
     for (int s = 0; s < TRACE_STAGES; s++)
@@ -207,14 +266,14 @@ static void write_rows(FILE *to, const char *requirements, const json_t *cases, 
         fprintf(to, "orphan result,\"\",\"results that are no comparison\",\"\",\"\",\"failed, crashed or timed out\",\"%lld\",\"" EVIDENCE_CASES "\"\n", (long long)all.failed);
 }
 
-ost_status trace_table_write(const char *requirements, const json_t *cases, const json_t *common, evidence_sink *sink, void *user, ost_error *err)
+ost_status trace_table_write(const char *requirements, const json_t *cases, const json_t *common, const json_t *suite, evidence_sink *sink, void *user, ost_error *err)
 {
     char *bytes = NULL;
     size_t size = 0;
     FILE *to = open_memstream(&bytes, &size);
     if (!to)
         return ost_fail(err, OST_ERR_MEMORY, TRACE_FILE ": %s", strerror(errno));
-    write_rows(to, requirements, cases, common);
+    write_rows(to, requirements, cases, common, suite);
     const bool failed = ferror(to) != 0;
     ost_status status = fclose(to) != 0 || failed ? ost_fail(err, OST_ERR_MEMORY, "no memory for " TRACE_FILE) : sink(user, TRACE_FILE, bytes, size, err);
     free(bytes);

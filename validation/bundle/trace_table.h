@@ -3,7 +3,7 @@
  * Requirements, tests, results and files, in both directions:
  *
  *   docs/requirements.csv --docs/check-requirements --table, at build time--> requirements.csv of a bundle
- *   requirements.csv, cases, common.json --trace_write--> trace.csv
+ *   requirements.csv, cases, common.json, suite.json --trace_write--> trace.csv
  *
  * trace.csv has a row for each requirement: its tests, which stages or checks
  * of this very bundle bear on it and how they came out, and the files that
@@ -21,7 +21,7 @@
 /* The table that is built in; free() it. NULL without memory. */
 char *trace_requirements(void);
 
-/* requirements: the bundle's file; common: the bundle's common.json, or NULL. */
-ost_status trace_table_write(const char *requirements, const json_t *cases, const json_t *common, evidence_sink *sink, void *user, ost_error *err);
+/* requirements: the bundle's file; common, suite: the bundle's common.json and suite.json, or NULL. */
+ost_status trace_table_write(const char *requirements, const json_t *cases, const json_t *common, const json_t *suite, evidence_sink *sink, void *user, ost_error *err);
 
 #endif

@@ -8,6 +8,7 @@
 #include "validation/bundle/bundle.h"
 #include "validation/bundle/impact.h"
 #include "validation/bundle/record.h"
+#include "validation/bundle/suite.h"
 #include "validation/common/common.h"
 #include "validation/report/pictures.h"
 #include "validation/report/sections.h"
@@ -115,6 +116,19 @@ static json_int_t number_in(const page *p, const char *file, const char *key)
     return n;
 }
 
+/* A failed test is no difference between backends, and stands as high. */
+static void suite_failed(const page *p)
+{
+    const json_int_t failed = number_in(p, SUITE_FILE, "failed");
+    if (failed <= 0)
+        return;
+    fputs("<div class=\"verdict differ\"><b>&#10007; THE TEST SUITE FAILED</b>", p->to);
+    page_many(p, (size_t)failed, "test");
+    fputs(" that requirements name failed; they are listed <a href=\"#suite\">below</a>.<br><span class=\"from\">From ", p->to);
+    page_link(p, SUITE_FILE);
+    fputs("</span></div>\n", p->to);
+}
+
 /* The answers to the next three questions, each with the place of its file. */
 static void in_short(const page *p)
 {
@@ -155,6 +169,7 @@ static void head(const page *p)
         run += json_is_true(json_object_get(json_array_get(backends, s), "available"));
     fputs("<h1>" TITLE "</h1>\n", p->to);
     verdict(p);
+    suite_failed(p);
     in_short(p);
     fputs("<p class=\"scope\">What this is: verification that all backends of osteon compute the same voxels (code verification). It is not clinical validation.</p>\n"
           "<p>osteon simulates the reaming of bone for surgery. The same operation can be computed by different programs, on processors and graphics cards. "
@@ -249,6 +264,7 @@ static void checking(const page *p)
     char *own = evidence_own_options(p->protocol, true);
     page_text(p, own ? own : "");
     free(own);
+    fputs(json_object_get(p->protocol, "suite") ? " --with-suite FOLDER" : "", p->to);
     fputs(" --out BUNDLE</pre>\n<p>With the same build on the same machine, <code>results_root</code> of ", p->to);
     page_link(p, "manifest.json");
     fputs(" comes out the same.</p>\n", p->to);
@@ -291,6 +307,7 @@ static void files(const page *p)
         {"common.json", "checks by hand, by volume and by law: mistakes that all backends could have in common", false},
         {"requirements.csv", "requirements, and the tests that verify them", false},
         {"trace.csv", "requirements, tests, results and files, orphans in both directions", false},
+        {SUITE_FILE, "the test suite's results, test by test", false},
         {IMPACT_FILE, "what changed since an older bundle, and which known cause there is", false},
         {KNOWN_ANOMALIES_FILE, "what was known to be wrong with this release when it was built", false},
         {"devices.json", "the devices, what their drivers say, their numeric fingerprints", false},
@@ -348,6 +365,7 @@ ost_status report_write(const char *folder, const json_t *protocol, const json_t
     section_sensitivity(&p);
     section_common(&p);
     section_requirements(&p);
+    section_suite(&p);
     section_made_with(&p);
     checking(&p);
     signing(&p);

@@ -29,5 +29,7 @@ void section_common(const page *p);
 void section_made_with(const page *p);
 /* How many are tested, shown, orphans; nothing without trace.csv. */
 void section_requirements(const page *p);
+/* The tests that requirements name, and how they came out; nothing without suite.json. */
+void section_suite(const page *p);
 
 #endif

@@ -1,0 +1,149 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+#
+# osteon validate --with-suite: the results of tests in a bundle, and what verify finds of them.  The suite is a made-up
+# program tests/run-test: its tests pass, fail, skip, hang, are ended by a signal and print without end.
+# Covers: REQ-SUITE
+. "${srcdir:-.}/tests/app/lib.sh"
+
+mkdir -p suite/tests
+cat >suite/tests/run-test <<'END'
+#!/bin/sh
+case $1 in
+tests/core/test_pose.c) echo "5 of 5"; exit 0 ;;
+*) echo "it is not built: make check builds it"; exit 77 ;;
+esac
+END
+chmod +x suite/tests/run-test
+campaign="validate --only import/0 --backends cpu:isa=scalar,threads=1"
+
+# What cannot be a suite is refused before anything runs.
+refuse 2 "needs --out" $campaign --with-suite suite
+refuse 2 "of shards the first one has it" $campaign --with-suite suite --shard 2/2 --out b
+refuse 2 "nowhere: has no program tests/run-test" $campaign --with-suite nowhere --out b
+mkdir -p plain/tests folder/tests/run-test
+echo text >plain/tests/run-test
+refuse 2 "no program that can be executed" $campaign --with-suite plain --out b
+refuse 2 "no program that can be executed" $campaign --with-suite folder --out b
+checks=$((checks + 1))
+[ ! -e b ] || fail "a refused suite leaves a bundle"
+
+# One passes; what is not there is skipped, with its reason.
+run 0 $campaign --with-suite suite --out b --json
+named=$(sed 1d b/requirements.csv | grep -v '^,' | cut -d, -f4 | tr ';' '\n' | grep . | sort -u | wc -l | tr -d ' ')
+check "passed" "$(value suite.passed)" 1
+check "skipped" "$(value suite.skipped)" $((named - 1))
+check "limit in the protocol" "$("$json_get" suite.limit_s <b/protocol.json)" 1800
+checks=$((checks + 1))
+grep -q '"output_bytes": 7,' b/suite.json && grep -q "\"output_sha256\": \"$(echo "5 of 5" | sha256sum | cut -d' ' -f1)\"" b/suite.json || fail "the output of a test is not in suite.json"
+checks=$((checks + 1))
+grep '^requirement,"AR-POSE-1",' b/trace.csv | grep -q '; the test suite",".*; tests: 1 passed","common.json suite.json"$' || fail "AR-POSE-1 is not traced to its test: $(grep AR-POSE-1 b/trace.csv)"
+checks=$((checks + 1))
+grep '^requirement,"REQ-CLI-HELP",' b/trace.csv | grep -q '"not by this bundle; tests: 0 passed; tests/app/test_usage.sh skipped: it is not built' || fail "a skipped test shows something"
+checks=$((checks + 1))
+grep -q 'id="suite"' b/report.html && ! grep -q 'SUITE FAILED' b/report.html || fail "the report does not have the suite, or says that it failed"
+run 0 verify b --json
+check "verify's count" "$(value suite.passed)" 1
+
+# A shard's suite is the merged bundle's.
+mkdir shards
+run 0 validate --only import --backends cpu:isa=scalar,threads=1 --shard 1/2 --with-suite suite --out shards/1
+run 0 validate --only import --backends cpu:isa=scalar,threads=1 --shard 2/2 --out shards/2
+run 0 validate --merge shards --out merged --json
+check "passed in the merged bundle" "$(value suite.passed)" 1
+run 0 verify merged
+
+# Nothing that ran is no evidence.
+printf '#!/bin/sh\nexit 77\n' >suite/tests/run-test
+run 3 $campaign --with-suite suite --out none
+checks=$((checks + 1))
+grep -q 'no test of the suite ran' err || fail "a suite that did not run: $(cat err)"
+run 0 verify none
+check "results_root of other results of the suite" "$("$json_get" results_root <none/manifest.json)" "$("$json_get" results_root <b/manifest.json)"
+
+# Tests that fail in every way; nothing of them goes on, nothing is kept of their output.
+cat >suite/tests/run-test <<END
+#!/bin/sh
+case \$1 in
+tests/core/test_pose.c) exit 0 ;;
+tests/core/test_grid.c) echo "3 is not 4"; exit 1 ;;
+tests/core/test_integer.c) kill -SEGV \$\$ ;;
+tests/core/test_digest.c) sleep 1000 & echo \$! >$scratch/hung; wait ;;
+tests/core/test_decimal.c) yes "a line that never ends well" ;;
+tests/core/test_motor.c) printf 'no\tplain \033[31mtext\n\n'; exit 99 ;;
+tests/core/test_report.c) sleep 1000 >/dev/null 2>&1 & echo \$! >$scratch/left; exit 0 ;;
+tests/ref/test_map.c) exec 1>&- 2>&-; exit 3 ;;
+*) echo "it is not built"; exit 77 ;;
+esac
+END
+run 1 $campaign --with-suite suite --suite-limit 3 --out failed
+checks=$((checks + 1))
+grep -q '^TEST SUITE FAILED: .* 2 passed, 6 failed' out && grep -q 'verdict .*; the test suite FAILED' out || fail "failed tests: $(cat out)"
+one() { # TEST: its object on one line
+    tr '\n' ' ' <failed/suite.json | sed 's/},/}\n/g' | grep -F "\"test\": \"$1\""
+}
+says() { # TEST TEXT...
+    test=$1
+    shift
+    for text in "$@"; do
+        checks=$((checks + 1))
+        one "$test" | grep -qF "$text" || fail "$test: '$(one "$test")' does not have '$text'"
+    done
+}
+says tests/core/test_grid.c '"result": "failed"' '"status": 1' 'ended with status 1; it printed last: 3 is not 4'
+says tests/core/test_integer.c '"result": "failed"' '"status": -11' 'was ended by signal 11'
+says tests/core/test_digest.c '"result": "failed"' '"stopped": "time"' 'ran longer than 3 s and was stopped'
+says tests/core/test_decimal.c '"result": "failed"' '"stopped": "output"' 'printed more than 67108864 bytes and was stopped'
+says tests/core/test_motor.c '"result": "failed"' '"status": 99' 'it printed last: no?plain ?[31mtext'
+says tests/core/test_report.c '"result": "passed"'
+says tests/ref/test_map.c '"result": "failed"' '"reason": "ended with status 3"'
+for left in hung left; do
+    checks=$((checks + 1))
+    ! kill -0 "$(cat $left)" 2>/dev/null || grep -q '^State:.*Z' "/proc/$(cat $left)/status" 2>/dev/null || fail "a process of a test goes on"
+done
+checks=$((checks + 1))
+grep -q 'THE TEST SUITE FAILED' failed/report.html || fail "the report does not say that the suite failed"
+run 0 verify failed
+checks=$((checks + 1))
+grep -q 'the test suite FAILED: 2 passed, 6 failed' out || fail "verify does not say that the suite failed: $(cat out)"
+
+# Forgeries, the manifest and the log made right by nobody: verify names suite.json for what it is.
+cp -r failed forged
+sed 's/"failed": 6/"failed": 5/' failed/suite.json >forged/suite.json
+run 1 verify forged
+checks=$((checks + 1))
+grep -q 'suite.json says 5 failed, and its results give 6' out || fail "a wrong count: $(cat out)"
+sed 's/"result": "failed"/"result": "passed"/' failed/suite.json >forged/suite.json
+run 1 verify forged
+checks=$((checks + 1))
+grep -q "says 'passed', and status 1 gives 'failed'" out || fail "a failure that is called passed: $(cat out)"
+sed 's/"result": "failed"/"result": "skipped"/;s/"status": 1,/"status": 77,/;s/"limit_s": 3/"limit_s": 4/' failed/suite.json >forged/suite.json
+run 1 verify forged
+checks=$((checks + 1))
+grep -q "has another limit of time" out || fail "another limit: $(cat out)"
+sed 's,tests/core/test_pose.c,tests/core/test_posf.c,' failed/suite.json >forged/suite.json
+run 1 verify forged
+checks=$((checks + 1))
+grep -q "has a result of 'tests/core/test_posf.c' where requirements.csv gives tests/core/test_pose.c" out || fail "another test: $(cat out)"
+printf '[' >forged/suite.json
+run 1 verify forged
+rm forged/suite.json
+run 2 verify forged
+checks=$((checks + 1))
+grep -q 'suite.json is missing' out err || fail "a suite that was taken out: $(cat out)"
+run 0 $campaign --out without
+cp failed/suite.json without/suite.json
+run 1 verify without
+checks=$((checks + 1))
+grep -q 'suite.json belongs to no bundle of this protocol' out || fail "a suite put in: $(cat out)"
+
+# The build's own program runs a test as make check does.
+if [ -x "$build/tests/core/test_pose" ]; then
+    "$build/tests/run-test" tests/core/test_pose.c >out 2>&1
+    check "tests/run-test tests/core/test_pose.c" $? 0
+fi
+for path in m4/arithmetic.m4 tests/nothing.c; do
+    "$build/tests/run-test" "$path" >out 2>&1
+    check "tests/run-test $path" $? 77
+done
+finish
