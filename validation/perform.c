@@ -8,13 +8,17 @@ static ost_status run_stages(performer *p, ost_error *err)
 {
     const scene *s = p->s;
     ost_status status = OST_OK;
-    if (s->sample_count)
+    if (s->sample_count && !p->watch)
+        status = perform_other_lattice(p, err);
+    if (s->sample_count && status == OST_OK)
         status = perform_import(p, err);
     for (int i = 0; i < s->tool_count && status == OST_OK; i++)
         status = perform_tool(p, i, err);
     if (!s->path.count || p->refused || status != OST_OK)
         return status;
     status = steps_path_of(p->second, s, &p->path, &p->own_path, err);
+    for (int i = 0; i < s->tool_count && !perform_is_of_steps(s) && !p->watch && status == OST_OK; i++)
+        status = perform_other_bone(p, i, err);
     if (status == OST_OK)
         status = perform_begin_ticks(p, err);
     for (size_t i = 0; i < p->path.count && status == OST_OK; i++) {

@@ -3,6 +3,7 @@
  * One case on one backend while it runs: its stages, a file each, in the order
  * in which they run.
  *
+ *   perform_before.c   another CT and another bone, before the case's own
  *   perform_import.c   samples -> rect -> cubic -> chunks
  *   perform_sample.c   densities and occupancy of the bone; a second bone of its slices
  *   perform_tool.c     snapped meshes -> the tools' voxels
@@ -42,6 +43,7 @@ typedef struct performer {
     ost_map *made_maps;
     ost_map *maps;         /* owned; of second: an event's, room for OST_SWEEP_MAX */
     ost_voxel_box *boxes;
+    ost_step_result range; /* of second: boxes_meet and the range of chunks of the event's bounds */
     perform_watch *watch;
     void *user;
     const trace *given; /* apart: the reference's; else NULL */
@@ -87,6 +89,13 @@ ost_status perform_give_bone(performer *p, ost_error *err);
 ost_status perform_give_tool(performer *p, int i, const ost_tool_geometry *geometry, ost_error *err);
 /* Overwrites slices [z0, z1) of the bone, fetched after tick i, with the reference's: a difference ends with its tick. */
 ost_status perform_give_tick(performer *p, uint32_t i, int32_t z0, int32_t z1, ost_error *err);
+
+/* ---- perform_before.c: nothing is recorded; left out under a watch, which numbers a backend's calls */
+
+/* Scatters the case's first samples into a grid of another lattice. */
+ost_status perform_other_lattice(performer *p, ost_error *err);
+/* Collides tool i with a bone whose voxels have another size. */
+ost_status perform_other_bone(performer *p, int i, ost_error *err);
 
 /* ---- the stages */
 

@@ -120,6 +120,18 @@ static ost_status steps_by_backend(performer *p, const ost_tick *tick, int hande
     return *made ? OST_OK : status;
 }
 
+/* Widens the range of chunks that the reference's event may not leave out. */
+static void widen_range(performer *p, const ost_voxel_box *box)
+{
+    const int32_t size = p->s->chunk_size;
+    for (int a = 0; a < 3; a++) {
+        const int32_t lo = box->lo[a] / size, hi = (box->hi[a] - 1) / size + 1;
+        p->range.chunk_lo[a] = !p->range.boxes_meet || lo < p->range.chunk_lo[a] ? lo : p->range.chunk_lo[a];
+        p->range.chunk_hi[a] = !p->range.boxes_meet || hi > p->range.chunk_hi[a] ? hi : p->range.chunk_hi[a];
+    }
+    p->range.boxes_meet = true;
+}
+
 /* The poses of tick i's event, from `from` to the tick's; their maps go into p->maps where the event is run here. */
 static ost_status record_steps(performer *p, size_t i, bool refused, bool removal, int count, const ost_pose *from, ost_error *err)
 {
@@ -138,6 +150,8 @@ static ost_status record_steps(performer *p, size_t i, bool refused, bool remova
         if (made_by_backend)
             made.map = p->made_maps[k - 1];
         steps_put_pose(p->w, &made);
+        if (p->second && made.reaches)
+            widen_range(p, &made.box);
         if (p->maps) {
             p->maps[k - 1] = made.map;
             p->boxes[k - 1] = (ost_voxel_box){.hi = {p->dims.x, p->dims.y, p->dims.z}};
@@ -171,8 +185,11 @@ static ost_status step_of_second(performer *p, size_t i, ost_step_result *r, boo
     const steps_event e = steps_next(&p->history, i, &p->grids[tick->tool], p->geometry.spacing.x);
     const ost_density_classes classes = classes_of(p);
     *refused = e.refused;
-    *r = (ost_step_result){.removal = e.removal, .pose_count = e.count};
+    p->range = (ost_step_result){.chunk_lo = {INT32_MAX, INT32_MAX, INT32_MAX}}; /* no chunk: any range holds it */
     ost_status status = record_steps(p, i, e.refused, e.removal, e.count, &e.from, err);
+    *r = p->range;
+    r->removal = e.removal;
+    r->pose_count = e.count;
     if (status != OST_OK || !e.removal || p->light)
         return status;
     const ost_event event = {.pose_count = e.count, .maps = p->maps, .boxes = p->boxes, .classes = &classes};

@@ -17,7 +17,7 @@
  *   steps/N      sweep, map, motor and snapping alone: ties, ends of the range; no voxel
  *   reach/N      what only size or place brings about: a sparse bone of more than
  *                2^22 voxels, a tool wider than 512, rods, slices, far origins,
- *                samples that are refused
+ *                samples that are refused, a gap between the parts of a tool
  *   static/N     the thesis' static events, when they are asked for by name
  *   user/N       the user's own files (user_store.h), from 1 on; behind all others
  */

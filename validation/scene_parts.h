@@ -26,6 +26,13 @@ ost_status scene_reach(const plan_case *c, scene *s, draw *d, ost_error *err);
  */
 ost_status scene_add_bar(scene *s, ost_dims size, int32_t shaft, ost_pm voxel, ost_error *err);
 
+/*
+ * Adds two plates, closed, 32 voxels apart along x, and between them a box that
+ * does not cut and lacks a face: its rows leak, and go through both plates.
+ * Some triangles have their corners on one line.
+ */
+ost_status scene_add_plates(scene *s, ost_pm voxel, ost_error *err);
+
 typedef enum scene_shape {
     SHAPE_REAMER,   /* the parametric tools, of random size */
     SHAPE_PEG,

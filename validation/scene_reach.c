@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Cases for what only size or place brings about.  Three kinds in turn:
+ * Cases for what only size or place brings about.  Four kinds in turn:
  *
  *   large    a sparse CT in samples, 1025 x 65 x 65 cubes of 2/3 as many slices,
  *            so that every chunk, brick and vector has a last part of one; more
@@ -13,6 +13,11 @@
  *            14 bits; 1 to 8 classes
  *   refused  samples at 1/8 and 3/8 of a voxel and one picometre beyond, half a
  *            voxel off, outside, beyond 8 m, in conflict
+ *   hollow   two plates with a gap of two blocks between them, swept until blocks
+ *            in the gap are cut, then out of the bone within one event; rows that
+ *            leak in the mesh that does not cut and are closed in the other;
+ *            corners on one line; poses 2048 and 4096 tool voxels away, where a
+ *            base in 32 bits wraps; 73 cubes of 50 voxels along x
  */
 #include "validation/scene_parts.h"
 
@@ -102,8 +107,8 @@ static ost_status make_large(const plan_case *c, scene *s, draw *d, ost_error *e
     /* 32 slices of 1.42 mm are 65 cubes of 0.7 mm: 71 / 35 is no binary fraction. */
     s->rect = (ost_geometry){{LARGE_X, LARGE_Y, LARGE_Z}, {700 * UM, 700 * UM, 1420 * UM}, {-360000 * UM, 8000 * UM, -1000 * UM}};
     s->cubic = 700 * UM;
-    s->resample = c->number / 3 % 2 ? OST_RESAMPLE_NEAREST : OST_RESAMPLE_LINEAR;
-    s->duplicates = rules[c->number / 3 % 3];
+    s->resample = c->number / 4 % 2 ? OST_RESAMPLE_NEAREST : OST_RESAMPLE_LINEAR;
+    s->duplicates = rules[c->number / 4 % 3];
     s->chunk_size = 64;
     s->threshold = 120;
     s->batch = LARGE_SAMPLES;
@@ -176,7 +181,7 @@ static ost_density_classes classes_of(int number)
 
 static ost_status make_rods(const plan_case *c, scene *s, draw *d, ost_error *err)
 {
-    const int kind = c->number / 3;
+    const int kind = c->number / 4;
     const ost_pm spacing = 500 * UM, far = OST_LENGTH_MAX - 60000 * UM;
     s->rect = (ost_geometry){{RODS_X, RODS_Y, RODS_Z}, {spacing, spacing, 350 * UM}, {far, -OST_LENGTH_MAX + 10000 * UM, kind % 2 ? -far : far}};
     s->cubic = spacing;
@@ -218,7 +223,7 @@ static ost_status make_refused(const plan_case *c, scene *s, draw *d, ost_error 
 {
     enum { SIDE = 19, MOST = SIDE * SIDE * SIDE + 4096 };
     const ost_pm spacing = 800 * UM;
-    const bool conflicts_alone = c->number / 3 % 2 == 1;
+    const bool conflicts_alone = c->number / 4 % 2 == 1;
     s->rect = (ost_geometry){{SIDE, SIDE, SIDE}, {spacing, spacing, spacing}, {1000 * UM, -2000 * UM, 3000 * UM}};
     s->cubic = spacing;
     s->chunk_size = 16;
@@ -243,11 +248,68 @@ static ost_status make_refused(const plan_case *c, scene *s, draw *d, ost_error 
     return OST_OK;
 }
 
+/* ------------------------------------------------------------------ hollow */
+
+enum { HOLLOW_X = 50, HOLLOW_Y = 35, HOLLOW_Z = 33 };
+
+/* A tick of a tool, at so many cubes from the bone's origin and so many voxels of the tool before it along x. */
+static void hollow_tick(scene *s, int32_t tool, int32_t x, int32_t y, int32_t z, int32_t before)
+{
+    const ost_pm3 o = s->rect.origin;
+    next_tick(s, tool)->pose.t = (ost_pm3){o.x + s->cubic * x - s->tools[tool].cutting.grid.voxel * before, o.y + s->cubic * y, o.z + s->cubic * z};
+}
+
+static ost_status make_hollow(scene *s, draw *d, ost_error *err)
+{
+    const ost_pm cube = 500 * UM;
+    s->rect = (ost_geometry){{HOLLOW_X, HOLLOW_Y, HOLLOW_Z}, {730 * UM, cube, 520 * UM}, draw_point(d, -90000 * UM, 90000 * UM)};
+    s->cubic = cube;
+    s->resample = OST_RESAMPLE_LINEAR;
+    s->chunk_size = 16;
+    s->threshold = 120;
+    s->batch = 9001;
+    const size_t voxels = (size_t)ost_dims_count(s->rect.dims);
+    s->samples = malloc(voxels * sizeof *s->samples);
+    if (!s->samples)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu samples", voxels);
+    for (int32_t z = 0; z < HOLLOW_Z; z++)
+        for (int32_t y = 0; y < HOLLOW_Y; y++)
+            for (int32_t x = 0; x < HOLLOW_X; x++, s->sample_count++) {
+                const ost_geometry *g = &s->rect;
+                const ost_pm3 at = {g->origin.x + g->spacing.x * x, g->origin.y + g->spacing.y * y, g->origin.z + g->spacing.z * z};
+                s->samples[s->sample_count] = (ost_sample){at.x, at.y, at.z, (int32_t)draw_between(d, 100, 3000), (uint32_t)(s->sample_count % s->batch)};
+            }
+    ost_status status = scene_add_plates(s, cube, err);
+    if (status == OST_OK)
+        status = scene_add_bar(s, (ost_dims){9, 17, 33}, 8, cube / 2, err);
+    if (status == OST_OK)
+        status = scene_add_bar(s, (ost_dims){33, 9, 17}, 0, cube / 2, err);
+    if (status == OST_OK)
+        status = room_for_ticks(s, 6, err);
+    if (status != OST_OK)
+        return status;
+    /* The plates lie 16 to 20 voxels from the tool's middle on either side; they leave the last rows and the first slices. */
+    hollow_tick(s, 0, 12, 10, 25, 0);
+    hollow_tick(s, 0, 38, 10, 25, 0);
+    hollow_tick(s, 0, 98, 10, 25, 0);
+    hollow_tick(s, 1, 40, 32, 3, 1 << 11);
+    hollow_tick(s, 2, 40, 32, 3, 1 << 12);
+    hollow_tick(s, 1, 40, 32, 3, 0); /* slanted: no row of bone voxels lies along the tool's */
+    const double none[3] = {0, 0, 0}, slanted[4] = {0.8, 0.36, 0.48, 0};
+    ost_pose *pose = &s->path.ticks[s->path.count - 1].pose;
+    const ost_pm3 at = pose->t;
+    status = ost_pose_from_doubles(none, slanted, pose, err);
+    pose->t = at;
+    s->collide_every = 1;
+    return status;
+}
+
 ost_status scene_reach(const plan_case *c, scene *s, draw *d, ost_error *err)
 {
-    switch (c->number % 3) {
+    switch (c->number % 4) {
     case 0: return make_large(c, s, d, err);
     case 1: return make_rods(c, s, d, err);
+    case 3: return make_hollow(s, d, err);
     default: return make_refused(c, s, d, err);
     }
 }

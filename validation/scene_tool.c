@@ -245,3 +245,47 @@ ost_status scene_add_bar(scene *s, ost_dims size, int32_t shaft, ost_pm voxel, o
     ost_mesh_free(&mesh);
     return status;
 }
+
+/* ------------------------------------------------------------------ plates */
+
+enum { PLATES_X = 48, PLATES_YZ = 40, PLATES_ON_A_LINE = 4 };
+
+/* The corners of a box of whole voxels from the grid's corner on, and its triangles but the last `open`. */
+static void put_box(const ost_tool_geometry *grid, const int32_t lo[3], const int32_t hi[3], size_t open, ost_mesh *mesh, size_t *corners)
+{
+    for (int c = 0; c < 8; c++)
+        mesh->vertices[*corners + (size_t)c] = (ost_pm3){grid->corner.x + grid->voxel * (c & 1 ? hi : lo)[0], grid->corner.y + grid->voxel * (c & 2 ? hi : lo)[1],
+                                                        grid->corner.z + grid->voxel * (c & 4 ? hi : lo)[2]};
+    for (size_t t = 0; t < 12 - open; t++, mesh->triangle_count++)
+        for (int c = 0; c < 3; c++)
+            mesh->triangles[mesh->triangle_count][c] = (uint32_t)*corners + box_faces[t][c];
+    *corners += 8;
+}
+
+ost_status scene_add_plates(scene *s, ost_pm voxel, ost_error *err)
+{
+    static const int32_t at[3][2][3] = {{{4, 0, 0}, {8, PLATES_YZ, PLATES_YZ}}, {{40, 0, 0}, {44, PLATES_YZ, PLATES_YZ}}, {{20, 10, 10}, {28, 30, 30}}};
+    const ost_tool_geometry grid = {{PLATES_X, PLATES_YZ, PLATES_YZ}, voxel, {-PLATES_X / 2 * voxel, -PLATES_YZ / 2 * voxel, -PLATES_YZ / 2 * voxel}};
+    scene_tool *tool = &s->tools[s->tool_count];
+    ost_mesh *cutting = &tool->raw[0], *leaking = &tool->raw[1];
+    *tool = (scene_tool){.rule = OST_FILL_WINDING, .name = "plates", .grid_given = true};
+    s->tool_count++;
+    ost_status status = ost_mesh_init(cutting, 16 + 3 * PLATES_ON_A_LINE, 24 + PLATES_ON_A_LINE, err);
+    if (status == OST_OK)
+        status = ost_mesh_init(leaking, 8, 12, err);
+    if (status != OST_OK)
+        return status;
+    size_t corners = 0, of_leaking = 0;
+    cutting->triangle_count = leaking->triangle_count = 0;
+    put_box(&grid, at[0][0], at[0][1], 0, cutting, &corners);
+    put_box(&grid, at[1][0], at[1][1], 0, cutting, &corners);
+    put_box(&grid, at[2][0], at[2][1], 2, leaking, &of_leaking); /* without its face at the end of x */
+    for (int t = 0; t < PLATES_ON_A_LINE; t++, cutting->triangle_count++)
+        for (int c = 0; c < 3; c++, corners++) { /* along x, and three slanted lines through centres of voxels */
+            const ost_pm along = (3 + 5 * c) * voxel + voxel / 2;
+            cutting->vertices[corners] = (ost_pm3){grid.corner.x + along, grid.corner.y + (t & 1 ? along : 9 * voxel + voxel / 2), grid.corner.z + (t & 2 ? along : 11 * voxel + voxel / 2)};
+            cutting->triangles[cutting->triangle_count][c] = (uint32_t)corners;
+        }
+    status = ost_mesh_snap(cutting, &grid, &tool->cutting, err);
+    return status == OST_OK ? ost_mesh_snap(leaking, &grid, &tool->noncutting, err) : status;
+}

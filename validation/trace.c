@@ -78,7 +78,10 @@ bool trace_word_holds(trace_stage stage, size_t word, const uint8_t *is, const u
 {
     if (!trace_word_is_bound(stage, word))
         return trace_word_at(is, word) == trace_word_at(least, word);
-    return stage == TRACE_TICK || steps_word_holds(word, is, least);
+    if (stage != TRACE_TICK)
+        return steps_word_holds(word, is, least);
+    const int64_t has = (int64_t)trace_word_at(is, word), needs = (int64_t)trace_word_at(least, word);
+    return word >= 4 && word % 2 == 0 ? has <= needs : has >= needs; /* a range's first chunk; else its end, and that boxes meet */
 }
 
 /* ------------------------------------------------------------------ writing */

@@ -81,8 +81,8 @@ enum { TRACE_STANDS_IN = 1, TRACE_NO_WORDS = 2, TRACE_BOUNDS = 4, TRACE_MADE = 8
 
 /*
  * The text states no box and no range of chunks (AR-REM-5).  A record with
- * TRACE_BOUNDS has in their words what they must hold (TRACE_STEPS), or
- * nothing (TRACE_TICK); compare.c then compares by trace_word_holds.
+ * TRACE_BOUNDS has in their words what they must hold: a box (TRACE_STEPS),
+ * a range of chunks (TRACE_TICK); compare.c then compares by trace_word_holds.
  */
 bool trace_word_is_bound(trace_stage stage, size_t word);
 /* words are those of a record: word i of `is` holds that of `least`, or is no bound and equal to it. */

@@ -50,8 +50,8 @@ static void campaigns(void **state)
         {PLAN_SMOKE, "sweep", 99, "f5c208fdd136cb588c8cf49a5fd0726ca00d9e9ca261eb4a1d184e8f44bff8e7"},
         {PLAN_SMOKE, "session", 99, "869b5fd0f6dc9f6579817553a869f01e8173bfade50f9b44db01916d0dea6d9e"},
         {PLAN_SMOKE, "static/3", 99, "8db0463087c7a16543e82b2fe420c800a42af2c92c03e79611191d9c4b555b65"},
-        {PLAN_SMOKE, "reach", 99, "b3b2f9e054a75dc23900c60a900b145853200d57c5304ae624477183db609377"},
-        {PLAN_STANDARD, "reach", 99, "48de46bb77b12053f4a374f087097835893d38353da5e974f64bba338781ab0b"},
+        {PLAN_SMOKE, "reach", 99, "56a1fe7c2ef72f50e8608e3d358f4befee14325695c7bd1766efe91f0c2af72a"},
+        {PLAN_STANDARD, "reach", 99, "6302b42002daa7e4e93b2d951e6b61a73e32b91d9b5227bc285ab63ac5290712"},
         {PLAN_STANDARD, "mesh", 24, "14d92552144aeb693c438efbb0e733dc9458b96dd9b8e5d4ef83b5ac63d8c252"},
         {PLAN_STANDARD, "poses/1", 2, "397fdd9b0d0a08be0f660c6ce9add1be9e68851001a958047e30ae911d955afd"},
     };
@@ -160,12 +160,12 @@ static void reach_has_what_it_is_for(void **state)
     plan p;
     (void)state;
     assert_ok(plan_make(PLAN_STANDARD, 1, 1, 1, "reach", NULL, &p, &err));
-    assert_int_equal(p.count, 6);
+    assert_int_equal(p.count, 8);
     for (int i = 0; i < p.count; i++) {
         scene s;
         assert_ok(scene_make(&p.cases[i], &s, &err));
         const ost_dims d = s.rect.dims;
-        if (i % 3 == 0) {
+        if (i % 4 == 0) {
             const int64_t z = (d.z * s.rect.spacing.z + s.cubic - 1) / s.cubic;
             assert_true(d.x * (int64_t)d.y * z > 1 << 22);
             assert_int_equal(d.x % 1024, 1);
@@ -181,7 +181,7 @@ static void reach_has_what_it_is_for(void **state)
                 const ost_pm block = (end + s.cubic) / (OST_MAP_BLOCK * s.cubic) * OST_MAP_BLOCK * s.cubic;
                 assert_int_equal((end - block) * 2 << OST_MAP_FRACTION, bar->voxel);
             }
-        } else if (i % 3 == 1) {
+        } else if (i % 4 == 1) {
             assert_true(s.slices > 0 && d.z % s.slices != 0);
             assert_true(s.rect.origin.x + d.x * s.rect.spacing.x > OST_LENGTH_MAX - 20 * OST_PM_PER_MM);
             assert_int_equal((int64_t)s.sample_count, ost_dims_count(d));
@@ -196,6 +196,32 @@ static void reach_has_what_it_is_for(void **state)
                 least[part] = density < least[part] ? density : least[part];
             }
             assert_true(least[0] > 16384 && least[1] > 4095 && most[1] > 12287 && most[1] < 16384);
+        } else if (i % 4 == 3) {
+            const scene_tool *plates = &s.tools[0];
+            const ost_mesh *m = &plates->raw[0];
+            size_t on_a_line = 0;
+            assert_int_equal((d.x * s.rect.spacing.x + s.cubic - 1) / s.cubic % 8, 1);
+            assert_int_equal(d.x * s.rect.spacing.x % s.cubic, 0);
+            for (size_t t = 0; t < m->triangle_count; t++) { /* corners apart, and no area */
+                int64_t e[2][3];
+                for (int k = 0; k < 2; k++) {
+                    const ost_pm3 a = m->vertices[m->triangles[t][0]], b = m->vertices[m->triangles[t][k + 1]];
+                    e[k][0] = (b.x - a.x) / (s.cubic / 2);
+                    e[k][1] = (b.y - a.y) / (s.cubic / 2);
+                    e[k][2] = (b.z - a.z) / (s.cubic / 2);
+                }
+                on_a_line += e[0][0] && e[1][0] && e[0][0] != e[1][0] && e[0][0] * e[1][1] == e[0][1] * e[1][0] && e[0][1] * e[1][2] == e[0][2] * e[1][1] &&
+                             e[0][0] * e[1][2] == e[0][2] * e[1][0];
+            }
+            assert_int_equal(m->triangle_count - plates->cutting.triangle_count, 4); /* which snapping drops */
+            assert_int_equal(on_a_line, 4);
+            assert_int_equal(plates->noncutting.triangle_count, 10); /* a box without a face */
+            /* The tool is behind the bone at the end of its last sweep. */
+            assert_true(s.path.ticks[2].pose.t.x + plates->cutting.grid.corner.x > s.rect.origin.x + d.x * s.rect.spacing.x);
+            for (int n = 3; n < 5; n++) {
+                const ost_tick *tick = &s.path.ticks[n];
+                assert_int_equal(s.path.ticks[5].pose.t.x - tick->pose.t.x, s.tools[tick->tool].cutting.grid.voxel << (n + 8));
+            }
         } else {
             int64_t beyond = 0;
             for (size_t n = 0; n < s.sample_count; n++) {

@@ -269,6 +269,23 @@ static void boxes_are_bounds(void **state)
     assert_false(trace_word_holds(TRACE_STEPS, REACHES + 1, a, b) || trace_word_holds(TRACE_STEPS, REACHES + 4, a, b));
     is[REACHES] = 0; /* left out though it reaches */
     assert_false(trace_word_holds(TRACE_STEPS, REACHES, a, b));
+
+    /* A tick: boxes meet, then the range of chunks, first and end of each axis. */
+    enum { MEET = 2, FIRST_Y = 6, END_Y = 7 };
+    uint64_t has[13] = {0}, needs[13] = {0};
+    const uint8_t *x = (const uint8_t *)has, *y = (const uint8_t *)needs;
+    needs[FIRST_Y] = INT32_MAX; /* the second implementation's event reaches nothing */
+    assert_true(trace_word_holds(TRACE_TICK, MEET, x, y) && trace_word_holds(TRACE_TICK, FIRST_Y, x, y) && trace_word_holds(TRACE_TICK, END_Y, x, y));
+    has[MEET] = needs[MEET] = 1;
+    has[FIRST_Y] = (uint64_t)-1; /* more than is needed */
+    has[END_Y] = 5;
+    needs[FIRST_Y] = 0;
+    needs[END_Y] = 4;
+    assert_true(trace_word_holds(TRACE_TICK, FIRST_Y, x, y) && trace_word_holds(TRACE_TICK, END_Y, x, y));
+    has[MEET] = 0;
+    has[FIRST_Y] = 1;
+    has[END_Y] = 3;
+    assert_false(trace_word_holds(TRACE_TICK, MEET, x, y) || trace_word_holds(TRACE_TICK, FIRST_Y, x, y) || trace_word_holds(TRACE_TICK, END_Y, x, y));
 }
 
 int main(void)
