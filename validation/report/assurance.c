@@ -11,18 +11,6 @@
 #include "validation/common/common.h"
 #include "validation/report/sections.h"
 
-/* A JSON file of the bundle, or NULL; the caller's reference. */
-static json_t *read_json(const page *p, const char *name)
-{
-    char *bytes;
-    size_t size;
-    if (!page_read(p, name, &bytes, &size))
-        return NULL;
-    json_t *o = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, NULL);
-    free(bytes);
-    return o;
-}
-
 static const char *about_kind(const char *kind)
 {
     return strcmp(kind, "golden") == 0 ? "by hand" : strcmp(kind, "volume") == 0 ? "by volume" : "by law";
@@ -47,7 +35,7 @@ static void common_sums(const page *p, const json_t *checks)
 
 void section_common(const page *p)
 {
-    json_t *o = read_json(p, COMMON_FILE);
+    json_t *o = page_json(p, COMMON_FILE);
     const json_t *checks = json_object_get(o, "checks"), *tests = json_object_get(o, "by_the_tests");
     if (!o)
         return;
@@ -92,7 +80,7 @@ void section_common(const page *p)
 
 static void device_rows(const page *p)
 {
-    json_t *o = read_json(p, DEVICES_FILE), *one;
+    json_t *o = page_json(p, DEVICES_FILE), *one;
     const json_t *devices = json_object_get(json_object_get(o, "opencl"), "devices");
     size_t i;
     json_array_foreach(devices, i, one) {
@@ -123,7 +111,7 @@ static void row(const page *p, const char *what, const char *text)
 
 void section_made_with(const page *p)
 {
-    json_t *o = read_json(p, TOOLS_FILE);
+    json_t *o = page_json(p, TOOLS_FILE);
     if (!o)
         return;
     const json_t *build = json_object_get(o, "build"), *program = json_object_get(o, "program");

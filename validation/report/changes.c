@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What changed since an older bundle (impact.json), and which known cause there is. */
-#include <stdlib.h>
 #include <string.h>
 
 #include "validation/bundle/impact.h"
@@ -51,12 +50,9 @@ static void counts(const page *p, const json_t *o)
 
 void section_changes(const page *p)
 {
-    char *bytes;
-    size_t size;
-    if (!page_read(p, IMPACT_FILE, &bytes, &size))
+    json_t *o = page_json(p, IMPACT_FILE);
+    if (!o)
         return;
-    json_t *o = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, NULL);
-    free(bytes);
     fputs("<h2>What changed since an older bundle</h2>\n", p->to);
     counts(p, o);
     fputs("<table class=\"wrap\"><thead><tr><th>Changed</th><th>which</th><th>was</th><th>is</th></tr></thead>\n", p->to);

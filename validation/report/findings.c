@@ -305,13 +305,10 @@ static void fault_kinds(const page *p, const json_t *kinds)
 void section_sensitivity(const page *p)
 {
     static const char file[] = "sensitivity.json";
-    char *bytes;
-    size_t size;
-    if (!page_read(p, file, &bytes, &size))
-        return;
-    json_t *o = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, NULL);
+    json_t *o = page_json(p, file);
     const json_t *kinds = json_object_get(o, "kinds");
-    free(bytes);
+    if (!o)
+        return;
     fputs("<h2>Would the comparison have noticed a mistake?</h2>\n<p>A second implementation (validation/dense), no backend, was run with deliberate mistakes at random places, and compared in the same way. ", p->to);
     page_count(p, integer(o, "detected"));
     fputs(" of the ", p->to);

@@ -15,18 +15,6 @@
 
 enum { THREADS_MAX = 1024 };
 
-/* A JSON file of the bundle, or NULL; the caller's reference. */
-static json_t *read_json(const page *p, const char *name)
-{
-    char *bytes;
-    size_t size;
-    if (!page_read(p, name, &bytes, &size))
-        return NULL;
-    json_t *o = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, NULL);
-    free(bytes);
-    return o;
-}
-
 static void begin_row(const page *p, const char *what)
 {
     fprintf(p->to, "<tr><th>%s</th><td>", what);
@@ -136,7 +124,7 @@ static void opencl(const page *p)
 
 void section_machine(const page *p)
 {
-    json_t *all = read_json(p, "environment.json"), *one;
+    json_t *all = page_json(p, "environment.json"), *one;
     bool used[THREADS_MAX] = {false};
     const char *shard;
     if (!json_is_object(all)) {
@@ -177,7 +165,7 @@ static void paths_row(const page *p, const char *backend, const json_t *paths)
 
 void section_paths(const page *p)
 {
-    json_t *all = read_json(p, "environment.json"), *paths;
+    json_t *all = page_json(p, "environment.json"), *paths;
     json_t *of_all = json_object_get(all, "paths");
     const char *backend;
     if (!json_object_size(of_all)) {

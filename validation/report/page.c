@@ -55,6 +55,17 @@ bool page_read(const page *p, const char *file, char **bytes, size_t *size)
     return *bytes;
 }
 
+json_t *page_json(const page *p, const char *file)
+{
+    char *bytes;
+    size_t size;
+    if (!page_read(p, file, &bytes, &size))
+        return NULL;
+    json_t *o = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, NULL);
+    free(bytes);
+    return o;
+}
+
 bool page_has(const page *p, const char *file)
 {
     char *bytes;

@@ -35,6 +35,8 @@ void page_shell_word(const page *p, const char *text);
 void page_link(const page *p, const char *file);
 /* Reads a file of the bundle, which the caller frees; returns false when it is absent or cannot be read (p->unread). */
 bool page_read(const page *p, const char *file, char **bytes, size_t *size);
+/* Returns a JSON file of the bundle, a reference of the caller; NULL when it is absent, cannot be read (p->unread) or is no JSON. */
+json_t *page_json(const page *p, const char *file);
 bool page_has(const page *p, const char *file);
 /* The picture in the page, linked to its file, with a caption of ours; nothing when the bundle has none. */
 bool page_picture(const page *p, const char *file, const char *caption);

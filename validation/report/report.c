@@ -105,14 +105,9 @@ static void verdict(const page *p)
 /* A number of a JSON file in the bundle; -1 without it. */
 static json_int_t number_in(const page *p, const char *file, const char *key)
 {
-    char *bytes;
-    size_t size;
-    if (!page_read(p, file, &bytes, &size))
-        return -1;
-    json_t *o = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, NULL);
+    json_t *o = page_json(p, file);
     const json_int_t n = json_is_integer(json_object_get(o, key)) ? json_integer_value(json_object_get(o, key)) : -1;
     json_decref(o);
-    free(bytes);
     return n;
 }
 
