@@ -18,28 +18,18 @@ run 0 validate --only import/0 --backends 'cpu:isa=scalar,threads=1' --out bundl
 mkdir dump
 head -c 32 /dev/zero >key && chmod 600 key
 
-# ends_soon FILE ARGUMENT...: status 2, FILE named, nothing waits
-ends_soon() {
-    file=$1
-    shift
+# ends STATUS STREAM FILE ARGUMENT...: the command ends in time with this status, and `out` or `err` names FILE
+ends() {
+    expected=$1
+    stream=$2
+    file=$3
+    shift 3
     checks=$((checks + 1))
     timeout 20 "$osteon" "$@" >out 2>err </dev/null
     status=$?
-    [ $status -eq 2 ] || fail "osteon $*: status $status, expected 2: $(head -c 300 err)"
+    [ $status -eq "$expected" ] || fail "osteon $*: status $status, expected $expected: $(head -c 300 err)"
     checks=$((checks + 1))
-    grep -qF -- "$file" err || fail "osteon $*: '$(head -c 300 err)' does not name $file"
-}
-
-# is_refused FILE ARGUMENT...: ends in time with status 1, and a line of the report names the file
-is_refused() {
-    file=$1
-    shift
-    checks=$((checks + 1))
-    timeout 20 "$osteon" "$@" >out 2>err </dev/null
-    status=$?
-    [ $status -eq 1 ] || fail "osteon $*: status $status, expected 1: $(head -c 300 err)"
-    checks=$((checks + 1))
-    grep -qF -- "$file" out || fail "osteon $*: '$(head -c 300 out)' does not name $file"
+    grep -qF -- "$file" "$stream" || fail "osteon $*: '$(head -c 300 "$stream")' does not name $file"
 }
 
 # The name stands at the option's place, with the suffix that makes the reader the one that is meant.
@@ -48,31 +38,31 @@ for kind in pipe folder zero loop absent; do
         rm -f "it.$suffix"
         [ $kind = absent ] || ln -s $kind "it.$suffix"
     done
-    ends_soon it.nrrd import it.nrrd --out o.nrrd
-    ends_soon it.nhdr import it.nhdr --out o.nrrd
-    ends_soon it.nii import it.nii --out o.nrrd
-    ends_soon it.txt import it.txt --out o.nrrd
-    for mesh in stl obj ply 3ds; do ends_soon it.$mesh voxelize it.$mesh --out o.nrrd; done
-    ends_soon it.txt info it.txt --digest
-    ends_soon it.session info it.session
-    ends_soon it.session replay it.session
-    ends_soon it.nrrd render it.nrrd --out o.png
-    ends_soon it.nrrd export it.nrrd --out o.txt
-    ends_soon it.nrrd diff it.nrrd bone.nrrd
-    ends_soon it.nrrd diff bone.nrrd it.nrrd
-    ends_soon it.csv ream --bone bone.nrrd --tool builtin:peg --path it.csv --out o.nrrd
-    ends_soon it.stl ream --bone bone.nrrd --tool it.stl --path builtin:peg-hole --out o.nrrd
-    ends_soon it.nrrd ream --bone it.nrrd --tool builtin:peg --path builtin:peg-hole --out o.nrrd
-    ends_soon it.csv sim --headless --bone bone.nrrd --device motion:it.csv
-    ends_soon $kind sim --headless --bone bone.nrrd --device null --force-params $kind
-    ends_soon $kind sim --headless --bone bone.nrrd --device udp:key=$kind
-    ends_soon $kind validate --case $kind --backends cpu
-    ends_soon it.nrrd validate --only user --cpu-only --ct it.nrrd --tool builtin:peg --path builtin:peg-hole
-    ends_soon $kind verify $kind
-    ends_soon $kind import ct.nrrd --backend plugin:$kind --out o.nrrd
+    ends 2 err it.nrrd import it.nrrd --out o.nrrd
+    ends 2 err it.nhdr import it.nhdr --out o.nrrd
+    ends 2 err it.nii import it.nii --out o.nrrd
+    ends 2 err it.txt import it.txt --out o.nrrd
+    for mesh in stl obj ply 3ds; do ends 2 err it.$mesh voxelize it.$mesh --out o.nrrd; done
+    ends 2 err it.txt info it.txt --digest
+    ends 2 err it.session info it.session
+    ends 2 err it.session replay it.session
+    ends 2 err it.nrrd render it.nrrd --out o.png
+    ends 2 err it.nrrd export it.nrrd --out o.txt
+    ends 2 err it.nrrd diff it.nrrd bone.nrrd
+    ends 2 err it.nrrd diff bone.nrrd it.nrrd
+    ends 2 err it.csv ream --bone bone.nrrd --tool builtin:peg --path it.csv --out o.nrrd
+    ends 2 err it.stl ream --bone bone.nrrd --tool it.stl --path builtin:peg-hole --out o.nrrd
+    ends 2 err it.nrrd ream --bone it.nrrd --tool builtin:peg --path builtin:peg-hole --out o.nrrd
+    ends 2 err it.csv sim --headless --bone bone.nrrd --device motion:it.csv
+    ends 2 err $kind sim --headless --bone bone.nrrd --device null --force-params $kind
+    ends 2 err $kind sim --headless --bone bone.nrrd --device udp:key=$kind
+    ends 2 err $kind validate --case $kind --backends cpu
+    ends 2 err it.nrrd validate --only user --cpu-only --ct it.nrrd --tool builtin:peg --path builtin:peg-hole
+    ends 2 err $kind verify $kind
+    ends 2 err $kind import ct.nrrd --backend plugin:$kind --out o.nrrd
     # A NRRD whose data lie elsewhere
     printf 'NRRD0004\ntype: short\ndimension: 3\nsizes: 2 2 2\nencoding: raw\nendian: little\nspacings: 1 1 1\ndata file: %s\n' "$kind" >points.nhdr
-    ends_soon $kind import points.nhdr --out o.nrrd
+    ends 2 err $kind import points.nhdr --out o.nrrd
     # In place of a file of a bundle, of a shard and of a dump
     for name in manifest.json audit.log protocol.json cases.jsonl report.html; do
         rm -rf damaged
@@ -81,23 +71,23 @@ for kind in pipe folder zero loop absent; do
         [ $kind = absent ] || cp -PR $kind "damaged/$name"
         # A file that no bundle has is a finding about the bundle, one that cannot be read is an error.
         case $kind in
-        absent) ends_soon damaged verify damaged ;;
-        *) is_refused "$name" verify damaged ;;
+        absent) ends 2 err damaged verify damaged ;;
+        *) ends 1 out "$name" verify damaged ;;
         esac
         case $name in
         protocol.json | cases.jsonl)
-            ends_soon "damaged/$name" diff damaged bundle
-            ends_soon "damaged/$name" diff bundle damaged
+            ends 2 err "damaged/$name" diff damaged bundle
+            ends 2 err "damaged/$name" diff bundle damaged
             ;;
         esac
         rm -rf some
         mkdir some
         mv damaged some/1
-        ends_soon some validate --merge some --out merged
+        ends 2 err some validate --merge some --out merged
     done
     rm -f dump/dump.json
     [ $kind = absent ] || ln -s "../$kind" dump/dump.json
-    ends_soon dump.json compare dump
+    ends 2 err dump.json compare dump
 done
 checks=$((checks + 1))
 [ ! -e o.nrrd ] && [ ! -e o.png ] && [ ! -e merged ] || fail "an output was made of no regular file"
