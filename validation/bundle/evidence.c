@@ -184,6 +184,19 @@ const char *evidence_text(const json_t *o, const char *key)
     return text ? text : "";
 }
 
+const json_t *evidence_part(const json_t *file, const char *key, size_t number)
+{
+    const char *name;
+    json_t *value;
+    size_t i = 0;
+    if (json_object_get(file, key))
+        return number == 0 ? file : NULL;
+    json_object_foreach((json_t *)(uintptr_t)file, name, value)
+        if (i++ == number)
+            return value;
+    return NULL;
+}
+
 char *evidence_own_options(const json_t *protocol, bool how)
 {
     const json_t *user = json_object_get(protocol, "user"), *files = json_object_get(user, "files"), *words = json_object_get(user, "how");

@@ -59,6 +59,12 @@ json_t *evidence_result(const case_result *r);
 const char *evidence_text(const json_t *o, const char *key);
 
 /*
+ * Returns part `number` of a file that has the key in each run: the file itself as part 0, or each value of merged shards.
+ * Returns NULL behind the last part.
+ */
+const json_t *evidence_part(const json_t *file, const char *key, size_t number);
+
+/*
  * What a command needs for the user's own cases, " --ct FILE --tool FILE --cubic=0.5": the files' names are not known.
  * how: also how they are read, for osteon validate.  "" where there are none; free() it; NULL without memory.
  */

@@ -31,26 +31,12 @@ static bool is_verdict(const json_t *result, case_verdict verdict)
 
 /* ------------------------------------------------------------ the machine */
 
-/* The part of one run: the file itself, or of merged shards each of its values. NULL behind the last. */
-static const json_t *part(const json_t *file, const char *key, size_t number)
-{
-    const char *name;
-    json_t *value;
-    size_t i = 0;
-    if (json_object_get(file, key))
-        return number == 0 ? file : NULL;
-    json_object_foreach((json_t *)(uintptr_t)file, name, value)
-        if (i++ == number)
-            return value;
-    return NULL;
-}
-
 /* The seconds of a backend, of merged shards their sum. */
 static double seconds_of_backend(const page *p, const char *backend)
 {
     const json_t *one;
     double sum = 0;
-    for (size_t i = 0; (one = part(p->times, "seconds", i)); i++)
+    for (size_t i = 0; (one = evidence_part(p->times, "seconds", i)); i++)
         sum += json_number_value(json_object_get(json_object_get(one, "seconds"), backend));
     return sum;
 }
@@ -59,7 +45,7 @@ static double seconds_of_backend(const page *p, const char *backend)
 static bool seconds_of_case(const page *p, const char *id, const char *backend, double *seconds)
 {
     const json_t *one, *found;
-    for (size_t i = 0; (one = part(p->times, "seconds", i)); i++)
+    for (size_t i = 0; (one = evidence_part(p->times, "seconds", i)); i++)
         if ((found = json_object_get(json_object_get(json_object_get(one, "cases"), id), backend))) {
             *seconds = json_number_value(found);
             return true;
@@ -72,7 +58,7 @@ static const char *least(const json_t *file, const char *key)
 {
     const json_t *one;
     const char *text = "";
-    for (size_t i = 0; (one = part(file, key, i)); i++)
+    for (size_t i = 0; (one = evidence_part(file, key, i)); i++)
         if (!*text || strcmp(evidence_text(one, key), text) < 0)
             text = evidence_text(one, key);
     return text;

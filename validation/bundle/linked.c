@@ -52,20 +52,6 @@ static ost_status load(const check *c, const char *name, bool needed, json_t **o
     return OST_OK;
 }
 
-/* The part of a machine: the file itself, or of merged shards each of its values. NULL behind the last. */
-static const json_t *part(const json_t *file, const char *key, size_t number)
-{
-    const char *name;
-    json_t *value;
-    size_t i = 0;
-    if (json_object_get(file, key))
-        return number == 0 ? file : NULL;
-    json_object_foreach((json_t *)(uintptr_t)file, name, value)
-        if (i++ == number)
-            return value;
-    return NULL;
-}
-
 static const json_t *backend_named(const check *c, const char *name)
 {
     const json_t *backends = json_object_get(c->protocol, "backends");
@@ -85,12 +71,12 @@ static bool all_asked(const check *c)
 static void check_program(const check *c)
 {
     const json_t *tools, *machine;
-    for (size_t t = 0; (tools = part(c->tools, "program", t)); t++)
+    for (size_t t = 0; (tools = evidence_part(c->tools, "program", t)); t++)
         if (strcmp(evidence_text(json_object_get(tools, "program"), "version"), evidence_text(c->protocol, "version")) != 0)
             report(c, TOOLS_FILE, "is of another version of osteon than the protocol");
-    for (size_t m = 0; (machine = part(c->environment, "program_sha256", m)); m++) {
+    for (size_t m = 0; (machine = evidence_part(c->environment, "program_sha256", m)); m++) {
         bool known = false;
-        for (size_t t = 0; (tools = part(c->tools, "program", t)); t++)
+        for (size_t t = 0; (tools = evidence_part(c->tools, "program", t)); t++)
             known |= strcmp(evidence_text(json_object_get(tools, "program"), "sha256"), evidence_text(machine, "program_sha256")) == 0;
         if (!known)
             report(c, ENVIRONMENT_FILE, "is of another program than " TOOLS_FILE);
@@ -181,7 +167,7 @@ static ost_status check_devices(const check *c, ost_error *err)
 {
     const json_t *devices;
     ost_status status = OST_OK;
-    for (size_t m = 0; status == OST_OK && (devices = part(c->devices, "cpu", m)); m++) {
+    for (size_t m = 0; status == OST_OK && (devices = evidence_part(c->devices, "cpu", m)); m++) {
         status = check_processor(c, devices, err);
         check_opencl(c, devices);
     }
@@ -192,7 +178,7 @@ static ost_status check_devices(const check *c, ost_error *err)
 static void check_times(const check *c)
 {
     const json_t *backends = json_object_get(c->protocol, "backends"), *times;
-    for (size_t m = 0; (times = part(c->times, "seconds", m)); m++) {
+    for (size_t m = 0; (times = evidence_part(c->times, "seconds", m)); m++) {
         const json_t *seconds = json_object_get(times, "seconds");
         bool same = json_object_size(seconds) == json_array_size(backends);
         for (size_t s = 0; same && s < json_array_size(backends); s++)

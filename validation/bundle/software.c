@@ -86,17 +86,13 @@ static int by_file(const void *a, const void *b)
     return order ? order : strcmp(evidence_text(x, "sha256"), evidence_text(y, "sha256"));
 }
 
-/* Of one machine or of all shards', each file once. */
-static json_t *libraries_of(json_t *tools)
+/* Returns the libraries of one machine or of all shards, each file once; the caller's reference, NULL without memory. */
+static json_t *libraries_of(const json_t *tools)
 {
     json_t *all = json_array(), *seen = json_object(), *out = json_array();
-    const char *shard;
-    json_t *one;
-    if (json_object_get(tools, "libraries"))
-        json_array_extend(all, json_object_get(tools, "libraries"));
-    else
-        json_object_foreach(tools, shard, one)
-            json_array_extend(all, json_object_get(one, "libraries"));
+    const json_t *one;
+    for (size_t i = 0; (one = evidence_part(tools, "libraries", i)); i++)
+        json_array_extend(all, json_object_get(one, "libraries"));
     const size_t count = json_array_size(all);
     json_t **rows = calloc(count + 1, sizeof *rows);
     out_of_memory |= !rows;
@@ -118,15 +114,10 @@ static json_t *libraries_of(json_t *tools)
     return out;
 }
 
-/* The machine's or the first shard's. */
-static const json_t *part_of(json_t *tools, const char *key)
+/* Returns the value of a key, of one machine or of the first shard; NULL where there is none. */
+static const json_t *part_of(const json_t *tools, const char *key)
 {
-    const json_t *part = json_object_get(tools, key);
-    if (!part) {
-        void *first = json_object_iter(tools);
-        part = first ? json_object_get(json_object_iter_value(first), key) : NULL;
-    }
-    return part;
+    return json_object_get(evidence_part(tools, key, 0), key);
 }
 
 /* ------------------------------------------------------------------ files */
