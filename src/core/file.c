@@ -95,6 +95,23 @@ ost_status ost_file_fill(const char *path, const ost_file *file, void *to, ost_e
     }
 }
 
+ost_status ost_file_bytes(const char *path, const ost_file *file, char **bytes, size_t *size, ost_error *err)
+{
+    *size = 0;
+    *bytes = malloc((size_t)file->size + 1);
+    if (!*bytes)
+        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for its %lld bytes", path, (long long)file->size);
+    const ost_status status = ost_file_fill(path, file, *bytes, err);
+    if (status != OST_OK) {
+        free(*bytes);
+        *bytes = NULL;
+        return status;
+    }
+    (*bytes)[file->size] = '\0';
+    *size = (size_t)file->size;
+    return OST_OK;
+}
+
 ost_status ost_file_read(const char *path, size_t max, char **bytes, size_t *size, bool *absent, ost_error *err)
 {
     ost_file file;
@@ -107,17 +124,8 @@ ost_status ost_file_read(const char *path, size_t max, char **bytes, size_t *siz
         return status;
     if ((uint64_t)file.size > max)
         status = ost_fail(err, OST_ERR_RANGE, "%s: %lld bytes; at most %zu are expected", path, (long long)file.size, max);
-    else if (!(*bytes = malloc((size_t)file.size + 1)))
-        status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory for its %lld bytes", path, (long long)file.size);
     else
-        status = ost_file_fill(path, &file, *bytes, err);
+        status = ost_file_bytes(path, &file, bytes, size, err);
     close(file.fd);
-    if (status == OST_OK) {
-        (*bytes)[file.size] = '\0';
-        *size = (size_t)file.size;
-        return OST_OK;
-    }
-    free(*bytes);
-    *bytes = NULL;
     return status;
 }

@@ -44,6 +44,9 @@ ost_status ost_file_stream(const char *path, FILE **out, ost_error *err);
 /* Reads the file->size bytes of an open file into `to`; OST_ERR_IO when its size has changed. path is for messages. */
 ost_status ost_file_fill(const char *path, const ost_file *file, void *to, ost_error *err);
 
+/* Reads an open file into new memory. The caller frees *bytes, NULL after a failure, which a NUL follows that *size does not count. */
+ost_status ost_file_bytes(const char *path, const ost_file *file, char **bytes, size_t *size, ost_error *err);
+
 /*
  * Reads a complete regular file. The caller frees *bytes, which a NUL follows
  * that *size does not count. OST_ERR_RANGE when the file has more than max

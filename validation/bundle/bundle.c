@@ -251,16 +251,8 @@ static ost_status read_file(const char *folder, const char *name, char **bytes, 
     *absent = file.absent;
     if (status != OST_OK)
         return status;
-    *bytes = malloc((size_t)file.size + 1);
-    status = *bytes ? ost_file_fill(name, &file, *bytes, err) : ost_fail(err, OST_ERR_MEMORY, "%s/%s: no memory for its %lld bytes", folder, name, (long long)file.size);
+    status = ost_file_bytes(name, &file, bytes, size, err);
     close(file.fd);
-    if (status == OST_OK) {
-        (*bytes)[file.size] = '\0';
-        *size = (size_t)file.size;
-        return OST_OK;
-    }
-    free(*bytes);
-    *bytes = NULL;
     return status;
 }
 

@@ -227,15 +227,8 @@ static ost_status read_within(const check *c, const char *name, size_t max, char
     }
     if (file.size > (int64_t)max)
         report(c, name, "is larger than a signature can be");
-    else if (!(*bytes = malloc((size_t)file.size + 1)))
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for %s", name);
-    else if ((status = ost_file_fill(name, &file, *bytes, err)) != OST_OK) {
-        free(*bytes);
-        *bytes = NULL;
-    } else {
-        (*bytes)[file.size] = '\0';
-        *size = (size_t)file.size;
-    }
+    else
+        status = ost_file_bytes(name, &file, bytes, size, err);
     close(file.fd);
     return status;
 }
