@@ -162,6 +162,39 @@ def equal_said_not_run(f):
     remake(f)
 
 
+def lack(f, backend, stage):
+    """The first record of a stage, of a backend that is equal, becomes one that the backend has no function for."""
+    lines = lines_of(f)
+    one = lines[0]
+    records = ["case 0 " + one["input_sha256"]] + ["%s %d %s" % (r["stage"], r["item"], r["sha256"]) for r in one["reference"]]
+    records = one["results"][backend].get("records", records)
+    at = next(i for i, x in enumerate(records) if x.startswith(stage + " ") and not x.endswith(" -"))
+    records[at] = records[at].rsplit(" ", 1)[0] + " -"
+    one["results"][backend] = {"verdict": "equal", "records": records, "sha256": sha("".join(x + "\n" for x in records).encode())}
+    put_lines(f, lines)
+    remake(f)
+
+
+@forgery("says 'equal', and its digests say 'differs', first at sample 0")
+def sampling_of_a_processor_said_absent(f):
+    lack(f, ONE, "sample")
+
+
+@forgery("says 'equal', and its digests say 'differs', first at upload 0")
+def upload_of_a_processor_said_absent(f):
+    lack(f, ONE, "upload")
+
+
+@forgery("says 'equal', and its digests say 'differs', first at cubic 0", of="processor")
+def import_of_the_second_implementation_said_absent(f):
+    lack(f, "dense", "cubic")
+
+
+@forgery("says 'equal', and its digests say 'differs', first at upload 0", of="processor")
+def upload_of_the_second_implementation_said_absent(f):
+    lack(f, "dense", "upload")
+
+
 @forgery("valid", status=0, rerun="comes out otherwise on the reference here than the bundle says")
 def digests_of_reference_and_backend_made_up(f):
     lines = lines_of(f)

@@ -113,17 +113,41 @@ static bool own_digest(const json_t *lines, char hex[OST_DIGEST_HEX])
     return ok;
 }
 
-/* A record of what a backend need not have: sampling, and the upload of bones (perform_sample.c). */
-static bool is_optional(const char *line)
+/* Returns true if a line of records is of this stage; *item receives its item. */
+static bool line_is_of(const char *line, trace_stage stage, int *item)
 {
-    const trace_stage stages[] = {TRACE_SAMPLE, TRACE_UPLOAD};
-    bool is = false;
-    for (int i = 0; i < 2; i++) {
-        const char *name = trace_stage_name(stages[i]);
-        const size_t length = strlen(name);
-        is |= strncmp(line, name, length) == 0 && line[length] == ' ';
-    }
-    return is;
+    const char *name = trace_stage_name(stage);
+    const size_t length = strlen(name);
+    *item = 0;
+    if (strncmp(line, name, length) != 0 || line[length] != ' ')
+        return false;
+    for (const char *at = line + length + 1; *at >= '0' && *at <= '9' && *item < INT32_MAX / 10; at++)
+        *item = 10 * *item + *at - '0';
+    return true;
+}
+
+/*
+ * Returns true if a backend may lack the record of a line.
+ *
+ *   dump             any record: a folder has the files that its owner wrote
+ *   cl               densities of single voxels, the even items of sampling (perform_sample.c)
+ *   plugin, dense    sampling: densities and occupancy
+ *   dense            ticks, collisions and the bone at the end, where a case is large (perform_second)
+ *   cpu, ref         none
+ */
+static bool may_lack(const char *backend, const char *line)
+{
+    static const trace_stage large[] = {TRACE_COLLIDE, TRACE_TICK, TRACE_FINAL};
+    const bool dense = strcmp(backend, SUBJECT_DENSE) == 0;
+    int item;
+    if (strncmp(backend, SUBJECT_DUMP, strlen(SUBJECT_DUMP)) == 0)
+        return true;
+    if (line_is_of(line, TRACE_SAMPLE, &item))
+        return dense || strncmp(backend, "plugin:", 7) == 0 || (strncmp(backend, "cl", 2) == 0 && item % 2 == 0);
+    bool may = false;
+    for (size_t i = 0; i < sizeof large / sizeof large[0]; i++)
+        may |= dense && line_is_of(line, large[i], &item);
+    return may;
 }
 
 /* "tick 3 -": the dump has no such record, or the backend no such function. */
@@ -135,13 +159,13 @@ static bool stands_in(const char *line, const char *reference)
 }
 
 /* The first line that is not the reference's, and that line of the reference; -1: all are the same. */
-static long first_other(const json_t *one, const json_t *lines, bool dump, char reference[LINE])
+static long first_other(const json_t *one, const json_t *lines, const char *backend, char reference[LINE])
 {
     const size_t count = json_array_size(lines), all = 1 + json_array_size(json_object_get(one, "reference"));
     for (size_t at = 0; at < count || at < all; at++) {
         const char *own = at < count ? json_string_value(json_array_get(lines, at)) : "";
         reference_line(one, at, reference);
-        if (!own || (strcmp(own, reference) != 0 && !((dump || is_optional(reference)) && stands_in(own, reference))))
+        if (!own || (strcmp(own, reference) != 0 && !(stands_in(own, reference) && may_lack(backend, reference))))
             return (long)at;
     }
     return -1;
@@ -175,7 +199,7 @@ static int verdict_named(const char *name)
 }
 
 /* A result whose backend has lines of its own. */
-static void judge_lines(const judge *j, const json_t *r, case_verdict verdict, bool dump)
+static void judge_lines(const judge *j, const json_t *r, case_verdict verdict)
 {
     const json_t *lines = json_object_get(r, "records");
     char hex[OST_DIGEST_HEX], reference[LINE], place[LINE], stated[LINE];
@@ -183,7 +207,7 @@ static void judge_lines(const judge *j, const json_t *r, case_verdict verdict, b
         report(j, "its records do not give its sha256");
         return;
     }
-    const long at = first_other(j->one, lines, dump, reference);
+    const long at = first_other(j->one, lines, evidence_text(j->backend, "name"), reference);
     if (at < 0) {
         if (verdict != CASE_EQUAL)
             report(j, "says '%s', and all digests are the reference's", case_verdict_name(verdict));
@@ -210,8 +234,7 @@ static void judge_result(const judge *j, const json_t *r, const char *reference)
 {
     const char *name = evidence_text(j->backend, "name"), *sha256 = evidence_text(r, "sha256");
     const int verdict = verdict_named(evidence_text(r, "verdict"));
-    /* Of a dump, and of the second implementation where a case is large, some records are not there. */
-    const bool dump = strncmp(name, SUBJECT_DUMP, strlen(SUBJECT_DUMP)) == 0, partial = dump || strcmp(name, SUBJECT_DENSE) == 0, own = json_object_get(r, "records") != NULL;
+    const bool dump = strncmp(name, SUBJECT_DUMP, strlen(SUBJECT_DUMP)) == 0, own = json_object_get(r, "records") != NULL;
     const bool available = json_is_true(json_object_get(j->backend, "available"));
     if (verdict < 0)
         report(j, "has no verdict");
@@ -220,7 +243,7 @@ static void judge_result(const judge *j, const json_t *r, const char *reference)
     else if (verdict == CASE_NOT_RUN ? available && !dump : !available)
         report(j, available ? "was not run, although it was available" : "has a result, although it was not available");
     else if (own)
-        judge_lines(j, r, (case_verdict)verdict, partial);
+        judge_lines(j, r, (case_verdict)verdict);
     else if (verdict == CASE_EQUAL && !*sha256)
         report(j, "says 'equal' without a digest");
     else if (verdict == CASE_EQUAL && strcmp(sha256, reference) != 0)

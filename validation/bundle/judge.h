@@ -11,8 +11,9 @@
  *   differs   its lines are there, give its SHA-256, and the first that is not the reference's is the stage and item of the verdict
  *   failed    the same, and its lines end with "failed" where the reference's go on; or it has none
  *
- * A backend that crashed, was late or did not run made nothing complete.  Lines
- * of a dump (dump.h) that say "-" are compared with nothing.
+ * A backend that crashed, was late or did not run made nothing complete.  A line
+ * that says "-" is compared with nothing; it is accepted where the backend may
+ * lack the record: any of a dump (dump.h), none of cpu and ref (may_lack).
  */
 #ifndef OST_VALIDATION_JUDGE_H
 #define OST_VALIDATION_JUDGE_H
