@@ -68,8 +68,6 @@ static inline size_t perform_at(ost_dims d, int32_t x, int32_t y, int32_t z)
 
 /* Ends the record that was begun, and shows it to the watch. */
 ost_status perform_end_record(performer *p, trace_stage stage, uint32_t item, ost_error *err);
-/* Ends an optional record by its stage's status: a backend that lacks the function leaves a record that is compared with nothing. */
-ost_status perform_end_optional(performer *p, trace_stage stage, uint32_t item, ost_status status, ost_error *err);
 /* Writes a record in place of a stage that does not run here. */
 ost_status perform_record_nothing(performer *p, trace_stage stage, uint32_t item, ost_error *err);
 /* Writes counts of chunks and voxels into the open record. */

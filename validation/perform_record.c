@@ -12,18 +12,6 @@ ost_status perform_end_record(performer *p, trace_stage stage, uint32_t item, os
     return status;
 }
 
-ost_status perform_end_optional(performer *p, trace_stage stage, uint32_t item, ost_status status, ost_error *err)
-{
-    if (status == OST_ERR_UNAVAILABLE) {
-        trace_begin(p->w, stage, p->case_index, item);
-        trace_flags(p->w, TRACE_STANDS_IN);
-        *err = (ost_error){0};
-        status = OST_OK;
-    }
-    const ost_status written = perform_end_record(p, stage, item, err);
-    return status != OST_OK ? status : written;
-}
-
 ost_status perform_record_nothing(performer *p, trace_stage stage, uint32_t item, ost_error *err)
 {
     trace_begin(p->w, stage, p->case_index, item);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Sampling, occupancy and upload of the bone of a case: functions that a backend may lack. */
+/* Sampling and occupancy, which a backend may lack, and the upload of the bone of a case. */
 #include "validation/perform_parts.h"
 
 #include <stdlib.h>
@@ -68,17 +68,33 @@ static draw draw_of(const performer *p, uint64_t number)
     return d;
 }
 
-ost_status perform_sample(performer *p, uint32_t time, ost_error *err)
+static ost_status record_densities(performer *p, uint32_t time, ost_error *err)
 {
     draw d = draw_of(p, time);
     trace_begin(p->w, TRACE_SAMPLE, p->case_index, 2 * time);
-    ost_status status = sample_words(p, &d, err);
-    status = perform_end_optional(p, TRACE_SAMPLE, 2 * time, status, err);
+    const ost_status status = sample_words(p, &d, err);
+    const ost_status written = perform_end_record(p, TRACE_SAMPLE, 2 * time, err);
+    return status != OST_OK ? status : written;
+}
+
+static ost_status record_occupancy(performer *p, uint32_t time, ost_error *err)
+{
+    trace_begin(p->w, TRACE_SAMPLE, p->case_index, 2 * time + 1);
+    const ost_status status = occupancy_words(p, err);
+    const ost_status written = perform_end_record(p, TRACE_SAMPLE, 2 * time + 1, err);
+    return status != OST_OK ? status : written;
+}
+
+/* A function that a backend lacks leaves a record that is compared with nothing; one that fails ends the case. */
+ost_status perform_sample(performer *p, uint32_t time, ost_error *err)
+{
+    const ost_backend_ops *ops = p->backend->ops;
+    const ost_status status = ops->bone_sample == ost_no_sample ? perform_record_nothing(p, TRACE_SAMPLE, 2 * time, err)
+                                                                : record_densities(p, time, err);
     if (status != OST_OK)
         return status;
-    trace_begin(p->w, TRACE_SAMPLE, p->case_index, 2 * time + 1);
-    status = occupancy_words(p, err);
-    return perform_end_optional(p, TRACE_SAMPLE, 2 * time + 1, status, err);
+    return ops->bone_occupancy == ost_no_occupancy ? perform_record_nothing(p, TRACE_SAMPLE, 2 * time + 1, err)
+                                                   : record_occupancy(p, time, err);
 }
 
 /* A second bone of the slices of the first, in parts; then a part again with other densities, some below the threshold. */
@@ -125,5 +141,6 @@ ost_status perform_upload(performer *p, ost_error *err)
             status = ost_bone_download(copy, 0, p->dims.z, voxels, err);
     }
     ost_bone_free(copy);
-    return perform_end_optional(p, TRACE_UPLOAD, 0, status, err);
+    const ost_status written = perform_end_record(p, TRACE_UPLOAD, 0, err);
+    return status != OST_OK ? status : written;
 }

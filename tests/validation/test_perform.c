@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Functions that a backend lacks, and functions that fail, in a case that is
+ * performed: only the first leave a record that is compared with nothing.
+ * The reference is changed slot by slot and compared with itself.
+ * Covers: REQ-EVIDENCE
+ */
+#include "harness.h"
+#include "io/scratch_group.h"
+
+#include "core/backend.h"
+#include "validation/compare.h"
+#include "validation/perform.h"
+
+/* A device that is lost says so by the status that a missing function has as well. */
+static ost_status lost_upload(ost_bone *bone, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err)
+{
+    (void)bone, (void)z0, (void)count, (void)voxels;
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "the device was lost");
+}
+
+static ost_status lost_sample(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities, ost_error *err)
+{
+    (void)bone, (void)count, (void)at, (void)densities;
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "the device was lost");
+}
+
+static ost_status lost_occupancy(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words, ost_error *err)
+{
+    (void)bone, (void)count, (void)chunks, (void)words;
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "the device was lost");
+}
+
+/* Performs the case on the reference with these slots, and opens its trace. */
+static void perform_with(const ost_backend_ops *ops, const scene *s, const char *name, trace *out)
+{
+    ost_error err = {0}, why = {0};
+    char path[4200];
+    ost_backend *backend;
+    trace_writer *w;
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    assert_ok(ost_backend_open("ref", &backend, &err));
+    const ost_backend_ops *own = backend->ops;
+    backend->ops = ops ? ops : own;
+    assert_ok(trace_create(path, &w, &err));
+    assert_ok(perform(backend, s, 0, w, NULL, NULL, &why, &err));
+    assert_ok(trace_close(w, &err));
+    assert_ok(trace_open(path, out, &err));
+    backend->ops = own;
+    ost_backend_close(backend);
+}
+
+static const ost_backend_ops *slots_of_reference(void)
+{
+    ost_error err = {0};
+    ost_backend *backend;
+    assert_ok(ost_backend_open("ref", &backend, &err));
+    const ost_backend_ops *ops = backend->ops;
+    ost_backend_close(backend);
+    return ops;
+}
+
+static void a_failure_is_no_absence(void **state)
+{
+    const plan_case c = {.family = PLAN_IMPORT, .number = 0, .tier = PLAN_SMOKE, .seed = 1, .id = "import/0"};
+    const ost_backend_ops *own = slots_of_reference();
+    ost_backend_ops lacks = *own, samples = *own, occupies = *own, uploads = *own;
+    ost_error err = {0};
+    compare_difference d;
+    scene s;
+    trace reference, got;
+    (void)state;
+    lacks.bone_sample = ost_no_sample;
+    lacks.bone_occupancy = ost_no_occupancy;
+    samples.bone_sample = lost_sample;
+    occupies.bone_occupancy = lost_occupancy;
+    uploads.bone_upload = lost_upload;
+    const struct {
+        const ost_backend_ops *ops;
+        bool equal;
+        trace_stage stage;
+        uint32_t item;
+    } rows[] = {
+        {own, true, TRACE_CASE, 0},
+        {&lacks, true, TRACE_CASE, 0},
+        {&samples, false, TRACE_SAMPLE, 0},
+        {&occupies, false, TRACE_SAMPLE, 1},
+        {&uploads, false, TRACE_UPLOAD, 0},
+    };
+    assert_ok(scene_make(&c, &s, &err));
+    perform_with(NULL, &s, "reference", &reference);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        perform_with(rows[i].ops, &s, "other", &got);
+        compare_case(&reference, compare_find(&reference, 0), &got, compare_find(&got, 0), &d);
+        assert_int_equal(d.kind == COMPARE_EQUAL, rows[i].equal);
+        if (!rows[i].equal) {
+            assert_int_equal(d.stage, rows[i].stage);
+            assert_int_equal(d.item, rows[i].item);
+        }
+        trace_free(&got);
+    }
+    trace_free(&reference);
+    scene_free(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(a_failure_is_no_absence)};
+    return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);
+}
