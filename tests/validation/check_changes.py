@@ -27,7 +27,8 @@ import tempfile
 import time
 
 OSTEON = os.environ.get("OSTEON", os.path.join(os.getcwd(), "osteon"))
-VARYING = ["audit.log", "devices.json", "environment.json", "impact.json", "junit.xml", "manifest.json", "report.html", "sbom.spdx.json", "soup.csv", "times.json", "tools.json"]
+VARYING = ["audit.log", "devices.json", "environment.json", "impact.json", "junit.xml", "manifest.json",
+           "report.html", "sbom.spdx.json", "soup.csv", "suite.json", "times.json", "tools.json", "trace.csv"]
 DERIVED = ["README.md", "results.json", "junit.xml", "results.tap", "inputs.csv", "anomalies.csv", "deviations.csv", "trace.csv",
            "sbom.spdx.json", "soup.csv", "report.html"]
 
