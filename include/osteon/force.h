@@ -1,26 +1,27 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What the hand feels: a force and a torque from the tool against the bone.
+ * Force feedback: the force and the torque that a tool in contact with bone
+ * exerts on the hand.
  *
  *   device's pose --coupling--> tool's pose --> ost_world_step, recorded
  *                     |             '--shell--> bone's densities
  *                     '--> force --safety--> device
  *
- * The tool is a shell of points with inward normals.  Each looks a voxel
- * outward for bone.  Two kinds of removal:
+ * The tool's surface is a shell of points with inward normals.  A point touches
+ * bone if the voxel one voxel outward of it is active.  There are two force laws:
  *
- *   energy    The tool is tied to the device by a spring and a damper.  Where
- *             its points touch bone it advances as fast as the cutting power
- *             of the pressure allows, so that dense bone takes longer; where
- *             it does not cut, it stops.
- *   instant   The tool is where the device is (the thesis).  The force is
- *             that of a layer of bone around the tool, pressed together.
+ *   energy    A spring and a damper couple the tool to the device.  Points that
+ *             touch bone and cut advance as fast as the cutting power of the
+ *             pressure allows, so dense bone takes longer.  Points that do not
+ *             cut stop the tool.
+ *   instant   The tool is at the device's pose, as in the thesis.  The force is
+ *             that of a compressed layer of bone around the tool.
  *
- * Floats decide no voxel: the tool's pose is quantised before the world takes
- * it, and that pose is what a session records.  docs/force.md has the
- * equations, the parameters and where they come from.
+ * The computation uses floating point but decides no voxel: the tool's pose is
+ * quantised before ost_world_step uses it, and a session records the quantised
+ * pose.  docs/force.md contains the equations, the parameters and their sources.
  *
- * Threads: an ost_force belongs to the thread of its world.
+ * Threads: an ost_force is used on the thread of its world only.
  */
 #ifndef OSTEON_FORCE_H
 #define OSTEON_FORCE_H
@@ -36,35 +37,36 @@ typedef enum ost_force_mode { OST_FORCE_ENERGY, OST_FORCE_INSTANT } ost_force_mo
 /* SI units; docs/force.md has the source of each default. */
 typedef struct ost_force_params {
     ost_force_mode mode;
-    double scale;              /* felt over real: a device of 3.3 N cannot give the 40 N of a reamer */
-    double stiffness;          /* N/m, of the coupling as the hand feels it */
-    double damping;            /* N s/m, likewise */
-    double speed;              /* rad/s, of the tool about its own z axis; 0: it does not cut */
-    double cutting_ratio;      /* tangential over normal force of what cuts */
-    double energy;             /* J/m^3, to cut bone of reference density */
+    double scale;              /* hand force over contact force; a device of 3.3 N cannot render the 40 N of a reamer */
+    double stiffness;          /* of the coupling, N/m of hand force */
+    double damping;            /* of the coupling, N s/m of hand force */
+    double speed;              /* angular speed of the tool about its z axis, rad/s; 0: the tool does not cut */
+    double cutting_ratio;      /* tangential over normal force of a cutting point */
+    double energy;             /* energy to cut bone of the reference density, J/m^3 */
     double reference_density;  /* g/cm^3 */
-    double density_at_0;       /* g/cm^3 of 0 HU, */
-    double density_per_hu;     /* and for each HU more */
-    double layer;              /* m, that is pressed together (instant) */
-    double layer_stiffness;    /* N/m^3, per area and depth, of bone of reference density (instant) */
-    double turn_stiffness;     /* N m/rad, of the coupling's turn as the hand feels it; 0: the tool's direction is the hand's (energy) */
-    double turn_damping;       /* N m s/rad, likewise */
-    double vibration;          /* of teeth that pass: its amplitude over the felt force of what cuts reference bone; 0: none */
-    double runout;             /* likewise, once a turn and across the axis */
-    double teeth;              /* that pass in a turn */
+    double density_at_0;       /* density at 0 HU, g/cm^3 */
+    double density_per_hu;     /* increase of density per HU, g/cm^3 */
+    double layer;              /* thickness of the compressed layer, m (instant) */
+    double layer_stiffness;    /* stiffness of the layer at the reference density, N/m^3: per area and depth (instant) */
+    double turn_stiffness;     /* angular stiffness of the coupling, N m/rad of hand torque; 0: the tool has the device's orientation (energy) */
+    double turn_damping;       /* angular damping of the coupling, N m s/rad */
+    double vibration;          /* amplitude at the tooth-passing frequency over the hand force of cutting points in bone of reference density; 0: none */
+    double runout;             /* the same at the frequency of rotation, across the axis */
+    double teeth;              /* teeth that pass in one turn */
 } ost_force_params;
 
+/* Returns the defaults that docs/force.md lists. */
 OST_API ost_force_params ost_force_defaults(void);
-/* J/m^3 to cut bone of that many HU: energy * (density / reference)^2. */
-/* g/cm^3 of that many HU. */
+/* Returns the density of bone of hu Hounsfield units, g/cm^3. */
 OST_API double ost_force_density(const ost_force_params *params, int hu);
+/* Returns the energy to cut bone of hu Hounsfield units, J/m^3: energy * (density / reference_density)^2. */
 OST_API double ost_force_energy(const ost_force_params *params, int hu);
 
 /* ------------------------------------------------------------------ shells */
 
 typedef struct ost_shell_point {
-    double at[3], inward[3]; /* m, tool's frame; inward has length 1 */
-    double area;             /* m^2 */
+    double at[3], inward[3]; /* position in m and unit normal, in the tool's frame */
+    double area;             /* m^2 of the surface that the point represents */
     bool cutting;
 } ost_shell_point;
 
@@ -74,7 +76,10 @@ typedef struct ost_shell {
     ost_shell_point *points; /* owned */
 } ost_shell;
 
-/* Of a tool's voxels: at most OST_SHELL_MAX points, whose areas are those of the surface they stand for. */
+/*
+ * Computes a shell of at most OST_SHELL_MAX points from a tool's voxels; their areas add up to the tool's surface.
+ * ost_shell_free frees it.  OST_ERR_MEMORY on failure.
+ */
 OST_API ost_status ost_shell_make(const ost_tool_volume *tool, ost_shell *out, ost_error *err);
 OST_API void ost_shell_free(ost_shell *shell);
 
@@ -82,63 +87,68 @@ OST_API void ost_shell_free(ost_shell *shell);
 
 typedef struct ost_force ost_force;
 
-/* The bone is borrowed. params may be NULL. OST_ERR_UNAVAILABLE on a backend that cannot be asked for single voxels. */
+/*
+ * Creates a force for a bone, which must outlive it.  params is copied; NULL selects the defaults.
+ * Returns OST_ERR_UNAVAILABLE if the bone's backend cannot sample single voxels within a tick (cl, plugins).
+ */
 OST_API ost_status ost_force_create(const ost_bone *bone, const ost_force_params *params, ost_force **out, ost_error *err);
 OST_API void ost_force_free(ost_force *force); /* NULL is allowed */
-/* In the order of the world's tools. */
+/* Adds a tool; tools are added in the order of the world's tools. The tool's voxels are read during the call. */
 OST_API ost_status ost_force_add_tool(ost_force *force, const ost_tool *tool, ost_error *err);
-/* The same with points of one's own, copied. */
+/* Adds a tool by a shell of the caller's, which is copied. */
 OST_API ost_status ost_force_add_shell(ost_force *force, const ost_shell *shell, ost_error *err);
 
-/* Real forces and what the hand is to feel of them, in the bone's frame; torques about the tool's origin. */
+/* The result of a step, in the bone's frame; torques are about the tool's origin. */
 typedef struct ost_force_result {
-    ost_pose tool;        /* where the tool is now */
-    double force_n[3], torque_nm[3];           /* felt, before the safety layer */
-    double axial_n;       /* real, along the tool's axis against its advance */
-    double off_axis_n;    /* real, across it */
-    double cutting_nm;    /* real torque about the axis */
-    double power_w;       /* real, that goes into cutting */
-    double shaking_n;     /* felt force of what cuts, by its density: what vibration and runout are shares of */
-    int touching;         /* points that touch bone */
+    ost_pose tool;        /* pose of the tool after the step */
+    double force_n[3], torque_nm[3];           /* hand force and hand torque before the safety layer */
+    double axial_n;       /* contact force along the tool's axis, against its advance */
+    double off_axis_n;    /* contact force across the axis */
+    double cutting_nm;    /* contact torque about the axis */
+    double power_w;       /* power that cuts bone */
+    double shaking_n;     /* hand force of the cutting points, weighted by density; vibration and runout are fractions of it */
+    int touching;         /* number of points that touch bone */
 } ost_force_result;
 
 /*
- * A tick of period_s.  device is where the hand is.  Nothing is removed here:
- * the world takes out->tool.  Asks for no memory.  The first tick of a tool
- * that was not placed puts it where the device is.
+ * Advances the tool of index `tool` by one tick of period_s seconds towards the device's pose.  Removes no bone: the
+ * caller passes out->tool to ost_world_step.  Allocates no memory and does not block.  The first step of a tool that
+ * ost_force_place did not place starts at the device's pose.
  */
 OST_API ost_status ost_force_step(ost_force *force, int tool, const ost_pose *device, double period_s, ost_force_result *out, ost_error *err);
-/* The same, and then as if it had not been: what a tick from here would do (see ost_world_rehearse). */
+/*
+ * Computes the same step without changing the state, so that the next ost_force_step finds its memory in the caches
+ * (see ost_world_rehearse).
+ */
 OST_API ost_status ost_force_rehearse(ost_force *force, int tool, const ost_pose *device, double period_s, ost_force_result *out,
                                       ost_error *err);
 /*
- * The motor of the tool in the hand (AR-MOTOR): its speed from here on in rad/s,
- * 0 being off, when the tool presses and does not cut; and by how many radians
- * about its own z axis it has turned the tool, and with it the device's pose,
- * since the last tick.
+ * Sets the motor of the current tool (AR-MOTOR).  speed is its angular speed in rad/s from now on; with 0, off, the
+ * tool presses and does not cut.  turned is the angle in radians about the tool's z axis by which the motor has turned
+ * the tool, and with it the device's pose, since the last step.
  */
 OST_API void ost_force_motor(ost_force *force, double speed, double turned);
-/* The tool is in the hand, and at a pose that may not be the device's. */
+/* Makes `tool` the current tool at a pose, which may differ from the device's. */
 OST_API void ost_force_place(ost_force *force, int tool, const ost_pose *pose);
 
 /* ------------------------------------------------------------------ safety */
 
-/* What stands between a force and a hand. SI units; sources in docs/force.md. */
+/* Limits between the computed force and the device. SI units; docs/force.md lists the sources. */
 typedef struct ost_safety_params {
-    double max_n, max_nm;       /* saturation, smooth */
-    double slew_n;              /* N a tick at most */
-    double ramp_s;              /* from nothing to all of it, after a start and after every fault */
-    int stale_ticks;            /* so many ticks without a new pose and the force goes */
-    uint32_t dead_man;          /* buttons of which one must be held; 0: none */
-    double stored_j;            /* energy that the coupling may hold back: passivity counts from there */
-    double max_damping;         /* N s/m at most, that the passivity controller adds; 0: none */
+    double max_n, max_nm;       /* greatest force and torque; saturation is smooth */
+    double slew_n;              /* greatest change of the force in one tick, N */
+    double ramp_s;              /* time in which the force rises from 0 to its full value after a start and after a fault */
+    int stale_ticks;            /* number of ticks without a new pose after which the force is 0 */
+    uint32_t dead_man;          /* bit mask of buttons, one of which must be held; 0: none */
+    double stored_j;            /* energy that the coupling may store; the passivity observer counts from there */
+    double max_damping;         /* greatest damping that the passivity controller adds, N s/m; 0: none */
 } ost_safety_params;
 
 OST_API ost_safety_params ost_safety_defaults(void);
 
-/* ----------------------------------------------------------- a file of them */
+/* ------------------------------------------------------------ parameter files */
 
-/* The parameters of both by name: "stiffness", "N/m", a sentence with its source, and what is supported. */
+/* A parameter of either struct: "stiffness", "N/m", a sentence that names its source, and the accepted range. */
 typedef struct ost_force_key {
     const char *name, *unit, *about;
     double lo, hi;
@@ -148,12 +158,11 @@ OST_API int ost_force_key_count(void);
 OST_API const ost_force_key *ost_force_key_at(int index); /* NULL beyond the last */
 OST_API double ost_force_key_value(int index, const ost_force_params *force, const ost_safety_params *safety);
 enum { OST_FORCE_VALUE = 32 };
-OST_API char *ost_force_value_text(double value, char text[OST_FORCE_VALUE]); /* as a file has it */
+OST_API char *ost_force_value_text(double value, char text[OST_FORCE_VALUE]); /* in the form of a parameter file */
 
 /*
- * Lines "key: number" and comments after #; keys that are not there stay as
- * they are.  On an error, which names file, line, key, value and what was
- * expected, nothing is changed.
+ * Reads lines of the form "key: number"; # starts a comment.  Parameters that the file does not name keep their values.
+ * Returns OST_ERR_INPUT, with file, line, key, value and the expected range in err, and changes nothing on an error.
  */
 OST_API ost_status ost_force_params_read(const char *file, ost_force_params *force, ost_safety_params *safety, ost_error *err);
 
@@ -163,19 +172,23 @@ typedef struct ost_safety {
     double at[3];
     bool has_at;
     int stale;
-    uint64_t damped_ticks; /* in which the passivity controller took something */
+    uint64_t damped_ticks; /* ticks in which the passivity controller reduced the force */
 } ost_safety;
 
 typedef enum ost_safety_answer {
     OST_SAFETY_GIVEN,
-    OST_SAFETY_WITHHELD, /* dead-man released or poses missing: the force goes, and ramps in afterwards */
-    OST_SAFETY_FAULT     /* a force that is no number: nothing is given, and it ramps in afterwards */
+    OST_SAFETY_WITHHELD, /* no dead-man button is held, or poses are missing: the force is 0 and ramps in afterwards */
+    OST_SAFETY_FAULT     /* the force is not finite: the force is 0 and ramps in afterwards */
 } ost_safety_answer;
 
-OST_API void ost_safety_begin(ost_safety *safety, const ost_safety_params *params); /* NULL: the defaults */
-/* After a fault: no force, and a new ramp. */
+/* Initialises the safety layer; params is copied, NULL selects the defaults. */
+OST_API void ost_safety_begin(ost_safety *safety, const ost_safety_params *params);
+/* Sets the force to 0 after a fault; the next steps ramp it in again. */
 OST_API void ost_safety_stop(ost_safety *safety);
-/* force and torque as felt, in and out; device is where the hand is now, fresh whether that is new. */
+/*
+ * Applies the limits to force_n and torque_nm in place.  device is the device's newest pose; fresh is true if it is new
+ * in this tick.  Does not allocate or block.
+ */
 OST_API ost_safety_answer ost_safety_step(ost_safety *safety, const ost_pose *device, bool fresh, uint32_t buttons, double period_s, double force_n[3],
                                           double torque_nm[3]);
 
