@@ -162,7 +162,8 @@ OST_API char *ost_force_value_text(double value, char text[OST_FORCE_VALUE]); /*
 
 /*
  * Reads lines of the form "key: number"; # starts a comment.  Parameters that the file does not name keep their values.
- * Returns OST_ERR_INPUT, with file, line, key, value and the expected range in err, and changes nothing on an error.
+ * On an error nothing is changed: OST_ERR_INPUT if a line cannot be parsed, OST_ERR_RANGE if a value is out of range;
+ * err names the file, the line, the key, the value and what was expected.
  */
 OST_API ost_status ost_force_params_read(const char *file, ost_force_params *force, ost_safety_params *safety, ost_error *err);
 

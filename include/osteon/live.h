@@ -1,28 +1,28 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What a running operation shows: from the tick to one thread that looks on,
- * a renderer for instance.
+ * The live state of a running operation, passed from the servo thread to one
+ * viewer thread, for instance a renderer.
  *
- *   tick    --ost_live_changed--> chunks that wait --ost_live_publish, a few a tick--> words, a dirty bit a chunk
- *           --ost_live_publish--> the state: poses, force, counts
- *   looker  <--ost_live_state_get-- the newest state
- *           <--ost_live_take-- every chunk that changed since the last take
+ *   servo thread  --ost_live_changed--> queue of chunks --ost_live_publish, a few a tick--> words, a dirty bit a chunk
+ *                 --ost_live_publish--> the state: poses, force, counts
+ *   viewer        <--ost_live_state_get-- the newest state
+ *                 <--ost_live_take-- every chunk that changed since the last take
  *
- * Wait-free on both sides: no lock, no memory, no call of the system, and no
- * loop that another thread could make longer.  A looker that is slow, or never
- * comes, costs the tick nothing: a chunk that changes again before it was
- * looked at is one change.  Nothing is lost: when the tick is done and all is
- * flushed, what was taken is the bone, to the bit.  Before that a chunk may be
- * seen between two of its states; bone only ever goes, so that is bone that
- * was there a moment ago, and the next take brings the rest.
+ * Both sides are wait-free: they take no lock, allocate no memory, make no
+ * system call, and no loop depends on the other thread.  A slow or absent viewer
+ * costs the tick nothing: a chunk that changes twice before it is taken is taken
+ * once.  No change is lost: after the last tick and ost_live_flush, the chunks
+ * taken are bit-identical to the bone.  Before that, a chunk may be seen between
+ * two of its states.  Bone is only ever removed, so such a chunk shows bone that
+ * existed a moment ago, and the next take corrects it.
  *
- * The words are copied from the backend by ost_bone_occupancy: `cpu` and `ref`
- * give them as a tick needs it; of `cl` a device is read and waited for, as a
- * removal waits for its report; `plugin` has none to give, and there is no
- * ost_live.
+ * ost_bone_occupancy copies the words from the backend.  `cpu` and `ref` copy
+ * them within a tick's time; `cl` reads them from the device and waits for it, as
+ * it does for the report of a removal; `plugin` has none, and ost_live_create
+ * fails with OST_ERR_UNAVAILABLE.
  *
- * Threads: changed, publish and flush are the tick's; state_get and take those
- * of one thread that looks on.  The others when neither is at work.
+ * Threads: changed, publish and flush are called on the servo thread; state_get
+ * and take on one viewer thread; create and free while neither uses the object.
  */
 #ifndef OSTEON_LIVE_H
 #define OSTEON_LIVE_H
@@ -38,46 +38,55 @@ typedef struct ost_live ost_live;
 enum { OST_LIVE_TOOLS = 16 };
 
 typedef struct ost_live_state {
-    uint64_t ticks;         /* that were done, 0: none yet */
-    int64_t t_ns;           /* of the last */
-    int32_t tool;           /* in use */
-    int32_t rpm;            /* of its motor (path.h) */
-    ost_pose device, pose;  /* where the hand is; where the tool is, which a force may hold back */
-    double force_n[3], torque_nm[3]; /* hand force and torque: of the device on the hand */
-    double contact_n;       /* contact force: of the tool on the bone */
-    double reached_mm[OST_LIVE_TOOLS]; /* by tool: the deepest that it removed bone, as options.depth_of (operation.h) has it; 0 before */
+    uint64_t ticks;         /* number of ticks so far; 0: none yet */
+    int64_t t_ns;           /* time of the last tick */
+    int32_t tool;           /* index of the current tool */
+    int32_t rpm;            /* speed of its motor (path.h) */
+    ost_pose device, pose;  /* poses of the device and of the tool; a contact force separates them */
+    double force_n[3], torque_nm[3]; /* hand force and torque, exerted by the device */
+    double contact_n;       /* contact force of the tool on the bone */
+    double reached_mm[OST_LIVE_TOOLS]; /* by tool: greatest depth at which it removed bone, by depth_of of operation.h; 0 before */
     uint64_t removals, removed_voxels;
-    uint64_t missed;        /* ticks that were skipped */
-    uint32_t wake_ns, exec_ns; /* of the last tick: how late it was, what it took */
-    uint32_t touching;      /* bone voxels that the tool touched or removed in it */
+    uint64_t missed;        /* skipped ticks */
+    uint32_t wake_ns, exec_ns; /* delay and duration of the last tick */
+    uint32_t touching;      /* bone voxels that the tool touched or removed in the last tick */
     int32_t fault;          /* an ost_fault (operation.h); 0: none */
-    bool declared;          /* the device gave no new pose */
+    bool declared;          /* the device returned no new pose */
 } ost_live_state;
 
-/* Holds a bit for every voxel of the bone's active chunks. The bone is borrowed, and must not grow. */
+/*
+ * Creates the live state of a bone, with one bit for every voxel of its active chunks.  The bone must outlive it and must
+ * not gain chunks.
+ */
 OST_API ost_status ost_live_create(const ost_bone *bone, ost_live **out, ost_error *err);
 OST_API void ost_live_free(ost_live *live); /* NULL is allowed */
 
-/* ------------------------------------------------------------- the tick's */
+/* ----------------------------------------------------------- servo thread */
 
-/* The chunks of an event; NULL is allowed, for a tick without one. */
+/* Queues the chunks of an event's report. NULL is allowed, for a tick without an event. */
 OST_API void ost_live_changed(ost_live *live, const ost_report *report);
-/* State, and some 8 kB of chunks that wait: two of 32^3 voxels. On an error, the backend's, they wait on. */
+/* Publishes the state and about 8 kB of queued chunks, two of 32^3 voxels. On an error of the backend they stay queued. */
 OST_API ost_status ost_live_publish(ost_live *live, const ost_live_state *state, ost_error *err);
-/* All chunks that wait; for the end, or a pause. */
+/* Publishes all queued chunks, for the end of an operation or a pause. */
 OST_API ost_status ost_live_flush(ost_live *live, ost_error *err);
 
-/* --------------------------------------------------- the other thread's */
+/* ---------------------------------------------------------- viewer thread */
 
-/* False when there is none yet; the newest, perhaps one that was had before. */
+/* Copies the newest state, which may be the one copied before. Returns false if there is none yet. */
 OST_API bool ost_live_state_get(ost_live *live, ost_live_state *out);
 
-/* Of a chunk, in chunks; words as ost_bone_occupancy has them, until visit returns. Not OST_OK ends the take. */
+/*
+ * Receives the occupancy of one chunk: its index along x, y and z, and its words in the form of ost_bone_occupancy, valid
+ * until it returns.  A status other than OST_OK ends the take.
+ */
 typedef ost_status ost_live_visit(void *user, const int32_t at[3], const uint32_t *words, ost_error *err);
 
-/* Every chunk that changed since the last take, all of them the first time; of a take that a visit ended, the rest comes with the next. */
+/*
+ * Calls visit for every chunk that changed since the last take, or for all chunks the first time.  If visit ends the
+ * take, the remaining chunks are part of the next one.  Returns the status of visit.
+ */
 OST_API ost_status ost_live_take(ost_live *live, ost_live_visit *visit, void *user, ost_error *err);
-/* Of the bone. */
+/* Return the bone's geometry and chunk size. */
 OST_API const ost_geometry *ost_live_geometry(const ost_live *live);
 OST_API int ost_live_chunk_size(const ost_live *live);
 
