@@ -258,8 +258,8 @@ typedef struct ost_servo_options {
     int core;
     /*
      * Time before a tick is due at which the loop wakes, calls rehearse, and then spins until the tick is due, so that
-     * the core is awake and the data is in its caches.  0 to half a period.  Not used if it is 0, if rehearse is NULL, or
-     * with a device that has a clock of its own.
+     * the core is awake and the data is in its caches.  0 to half a period.  Not used if it is 0, if rehearse is NULL,
+     * or with a device that has a clock of its own.
      */
     int64_t lead_ns;
     ost_servo_rehearse *rehearse;
@@ -305,8 +305,8 @@ enum { OST_SERVO_WATCHDOG_TICKS = 5 };
 
 /*
  * Runs the servo loop on the calling thread until one of ost_servo_end.  Ticks are due at absolute times.  A late tick
- * runs at once; ticks that are already past are skipped and counted.  done may be NULL.  report, about 460 kB, is filled
- * in every case; allocate it on the heap.  A device with a clock of its own calls tick on its own thread instead.
+ * runs at once; ticks that are already past are skipped and counted.  done may be NULL.  report, about 460 kB, is
+ * filled in every case; allocate it on the heap.  A device with a clock of its own calls tick on its own thread.
  */
 OST_API ost_status ost_servo_run(ost_haptic *device, const ost_servo_options *options, ost_servo_tick *tick, ost_servo_done *done, void *user,
                                  ost_servo_report *report, ost_error *err);

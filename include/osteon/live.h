@@ -45,7 +45,7 @@ typedef struct ost_live_state {
     ost_pose device, pose;  /* poses of the device and of the tool; a contact force separates them */
     double force_n[3], torque_nm[3]; /* hand force and torque, exerted by the device */
     double contact_n;       /* contact force of the tool on the bone */
-    double reached_mm[OST_LIVE_TOOLS]; /* by tool: greatest depth at which it removed bone, by depth_of of operation.h; 0 before */
+    double reached_mm[OST_LIVE_TOOLS]; /* by tool: greatest depth of removed bone (depth_of in operation.h) */
     uint64_t removals, removed_voxels;
     uint64_t missed;        /* skipped ticks */
     uint32_t wake_ns, exec_ns; /* delay and duration of the last tick */
@@ -55,8 +55,8 @@ typedef struct ost_live_state {
 } ost_live_state;
 
 /*
- * Creates the live state of a bone, with one bit for every voxel of its active chunks.  The bone must outlive it and must
- * not gain chunks.
+ * Creates the live state of a bone, with one bit for every voxel of its active chunks.  The bone must outlive it and
+ * must not gain chunks.
  */
 OST_API ost_status ost_live_create(const ost_bone *bone, ost_live **out, ost_error *err);
 OST_API void ost_live_free(ost_live *live); /* NULL is allowed */
@@ -65,7 +65,7 @@ OST_API void ost_live_free(ost_live *live); /* NULL is allowed */
 
 /* Queues the chunks of an event's report. NULL is allowed, for a tick without an event. */
 OST_API void ost_live_changed(ost_live *live, const ost_report *report);
-/* Publishes the state and about 8 kB of queued chunks, two of 32^3 voxels. On an error of the backend they stay queued. */
+/* Publishes the state and about 8 kB of queued chunks, two of 32^3. On an error of the backend they stay queued. */
 OST_API ost_status ost_live_publish(ost_live *live, const ost_live_state *state, ost_error *err);
 /* Publishes all queued chunks, for the end of an operation or a pause. */
 OST_API ost_status ost_live_flush(ost_live *live, ost_error *err);
@@ -76,8 +76,8 @@ OST_API ost_status ost_live_flush(ost_live *live, ost_error *err);
 OST_API bool ost_live_state_get(ost_live *live, ost_live_state *out);
 
 /*
- * Receives the occupancy of one chunk: its index along x, y and z, and its words in the form of ost_bone_occupancy, valid
- * until it returns.  A status other than OST_OK ends the take.
+ * Receives the occupancy of one chunk: its index along x, y and z, and its words in the form of ost_bone_occupancy,
+ * valid until it returns.  A status other than OST_OK ends the take.
  */
 typedef ost_status ost_live_visit(void *user, const int32_t at[3], const uint32_t *words, ost_error *err);
 

@@ -41,19 +41,19 @@ typedef struct ost_operation_options {
      * OST_RPM_ON: the device's poses already contain the tool's turn, and the motor is on.
      */
     int32_t rpm;
-    bool motor_waits;        /* the motor is off until a button or a key switches it on; otherwise on from the first tick */
+    bool motor_waits;        /* the motor is off until a button or a key switches it on, and not on from the first tick */
     ost_action buttons[OST_BUTTONS_MAX]; /* actions of the device's buttons */
     int32_t tools;           /* number of tools, from `tool` on, that OST_ACTION_TOOL cycles through; 0: none */
     ost_pose home;           /* pose of the hand after OST_ACTION_HOME; a zero quaternion disables the action */
     ost_recorder *recorder;  /* borrowed; NULL: nothing is recorded */
-    ost_force *force;        /* borrowed, with the world's tools in their order; NULL: no force, the tool is at the device's pose */
+    ost_force *force;        /* borrowed, with the world's tools in order; NULL: no force, the tool has the device's pose */
     ost_live *live;          /* borrowed, for the world's bone; NULL: no live state */
     const ost_safety_params *safety; /* read by ost_operation_create; NULL: the defaults */
-    /* For an operation that continues: the number of ticks before, the last tick, and the motor's state after it. Otherwise 0 and NULL. */
+    /* For an operation that continues: the number of ticks before, the last tick, the motor after it. Else 0 and NULL. */
     uint64_t steps_before;
     const ost_tick *last;    /* read by ost_operation_create */
     ost_motor motor;
-    /* Returns the depth of a tool at a pose in mm, for the live state; called on the servo thread. NULL: the state has no depths. */
+    /* Returns the depth of a tool at a pose in mm, for the live state; called on the servo thread. May be NULL. */
     double (*depth_of)(void *user, int32_t tool, const ost_pose *pose);
     void *depth_user;
 } ost_operation_options;
@@ -67,15 +67,15 @@ OST_API ost_status ost_operation_create(ost_world *world, const ost_operation_op
 OST_API void ost_operation_free(ost_operation *operation); /* NULL is allowed */
 
 /*
- * Runs one tick; an ost_servo_tick.  A pose that cannot be a hand's is a fault: the tool does not move, nothing is removed
- * and the force is 0 until the device is within 5 mm of the tool's pose again.  The same holds during a drop-out, while
- * the device reports lost tracking; a drop-out is recorded and counted, and is no fault.  Returns false, which stops the
- * loop, if the backend fails.
+ * Runs one tick; an ost_servo_tick.  A pose that cannot be a hand's is a fault: the tool does not move, nothing is
+ * removed and the force is 0 until the device is within 5 mm of the tool's pose again.  The same holds during a
+ * drop-out, while the device reports lost tracking; a drop-out is recorded and counted, and is no fault.  Returns
+ * false, which stops the loop, if the backend fails.
  */
 OST_API bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wrench *wrench);
 /* Sets the actions of keys held now, as bits 1 << ost_action. One other thread may call it at any time. */
 OST_API void ost_operation_keys(ost_operation *operation, uint32_t held);
-/* Loads bone, tables and code of the next tick into the caches; an ost_servo_rehearse. Changes no state of the operation. */
+/* Loads bone, tables and code of the next tick into the caches; an ost_servo_rehearse. Changes no state. */
 OST_API void ost_operation_rehearse(void *operation);
 /* Records the duration of a tick; an ost_servo_done. */
 OST_API void ost_operation_done(void *operation, uint64_t number, uint32_t exec_ns);
@@ -88,12 +88,12 @@ typedef struct ost_operation_report {
     uint64_t dropouts, dropout_ticks, longest_dropout; /* number of drop-outs, their ticks, ticks of the longest */
     double peak_n;         /* greatest hand force */
     double peak_axial_n, energy_j; /* greatest contact force along the axis; work of cutting */
-    uint64_t touching_ticks, damped_ticks; /* ticks in contact; ticks in which the passivity controller reduced the force */
+    uint64_t touching_ticks, damped_ticks; /* ticks in contact; ticks that the passivity controller damped */
     ost_status shown;      /* not OST_OK: the backend failed to deliver the live state, which is no longer updated */
     ost_status status;     /* not OST_OK: the world failed; error has the text */
     ost_error error;
 } ost_operation_report;
-/* Copies the report. Valid on the servo thread, or on any thread when the loop has ended. */
+/* Copies the report. Call it after the loop has ended. */
 OST_API void ost_operation_report_get(const ost_operation *operation, ost_operation_report *out);
 /* Returns a few words, for instance "the pose jumped". */
 OST_API const char *ost_fault_text(ost_fault fault);

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The world and its step (thesis 2.1, 2.5, Algs. 2.7-2.10), without a window.
+ * The world and its step (thesis 2.1, 2.5, Algs. 2.7-2.10).
  *
  *   tick -> tool's pose -> oriented boxes, separating axes -> sweep
  *        -> per pose: intersection box, voxel box -> backend.remove -> result
  *
- * ost_world_step is the one function that advances the world by a tick; live,
- * scripted and replayed sessions all go through it.
+ * ost_world_step is the only function that advances the world; live, scripted
+ * and replayed sessions all call it.
+ *
+ * Threads: a world, its bone and its tools are used by one thread at a time.
  */
 #ifndef OSTEON_SIM_H
 #define OSTEON_SIM_H
@@ -21,81 +23,78 @@ extern "C" {
 typedef struct ost_world ost_world;
 
 typedef struct ost_world_options {
-    bool sweep_off;                /* the thesis: one pose an event */
-    bool broad_phase_off;          /* plain definition: every voxel of the bone is tested (for tests) */
-    int64_t removal_period_ns;     /* 0: every tick removes; else the first tick of every period */
-    ost_density_classes classes;   /* count 0: the default ones */
-    int32_t keep_ticks;            /* 0: nothing is kept for ost_world_rescue; else 1 to OST_WORLD_KEEP_MAX */
+    bool sweep_off;                /* one pose an event, as in the thesis (AR-SWEEP-6) */
+    bool broad_phase_off;          /* test every voxel of the bone, as the definition says; for tests */
+    int64_t removal_period_ns;     /* 0: every tick is an event; otherwise the first tick of every period (AR-REM-7) */
+    ost_density_classes classes;   /* count 0: the default classes */
+    int32_t keep_ticks;            /* 0: ost_world_rescue is not available; otherwise 1 to OST_WORLD_KEEP_MAX */
 } ost_world_options;
 
 enum { OST_WORLD_KEEP_MAX = 1000000 };
 
 enum { OST_WORLD_TOOLS_MAX = 16 };
 
-/* The world borrows bone and tools: they outlive it. options may be NULL. */
+/* Creates a world. The bone and the tools are borrowed and must outlive it. options is copied and may be NULL. */
 OST_API ost_status ost_world_create(ost_bone *bone, const ost_world_options *options, ost_world **out, ost_error *err);
 OST_API void ost_world_free(ost_world *world); /* NULL is allowed */
+/*
+ * Adds a tool and returns its index, counted from 0, at most OST_WORLD_TOOLS_MAX in all.  The name is copied.
+ * OST_ERR_USAGE or OST_ERR_RANGE if the tool cannot be used with the bone (AR-MAP-2).
+ */
 OST_API ost_status ost_world_add_tool(ost_world *world, const char *name, const ost_tool *tool, int *index, ost_error *err);
 
 /*
- * Room for every sweep and report that a tick of this world can have, 1 MB and
- * 104 bytes a chunk, so that no tick asks for memory.  For loops that must be on
- * time; a backend may have made the same of its own when it was opened.
+ * Allocates the memory for the longest sweep and report of a tick, 1 MB and 104 bytes a chunk, so that no later tick
+ * allocates.  Call it before a real-time loop.  A backend reserves its own memory when it is opened.
  */
 OST_API ost_status ost_world_reserve(ost_world *world, ost_error *err);
 
 typedef struct ost_step_result {
-    bool removal;               /* this tick ran a removal event */
-    bool boxes_meet;            /* the oriented boxes met at one of its poses */
-    int pose_count;             /* of the sweep, 0 when no event ran */
-    int32_t chunk_lo[3];        /* range of chunks that the event may touch, half-open; empty when boxes do not meet */
+    bool removal;               /* the tick was an event */
+    bool boxes_meet;            /* the oriented boxes intersect at one of its poses */
+    int pose_count;             /* number of poses of the sweep; 0 without an event */
+    int32_t chunk_lo[3];        /* half-open range of chunks that the event can change; empty if no boxes intersect */
     int32_t chunk_hi[3];
-    const ost_report *report;   /* of this event; valid until the next step; NULL when no event ran */
+    const ost_report *report;   /* report of the event, valid until the next step; NULL without an event */
 } ost_step_result;
 
 /*
- * On an error (a jump too far, a turn too sharp) the world is as before the
- * tick.  If the backend failed while the bone was changed, the world still is,
- * and the bone may be lost (backend.h): ost_world_rescue brings it back.
+ * Advances the world by one tick.  On an error, for instance a jump or a turn beyond the limits of AR-SWEEP, the world
+ * is unchanged.  If the backend failed while it changed the bone, the world is unchanged but the bone may be lost
+ * (backend.h); ost_world_rescue restores it.  Does not allocate after ost_world_reserve.
  */
 OST_API ost_status ost_world_step(ost_world *world, const ost_tick *tick, ost_step_result *result, ost_error *err);
 /*
- * All that a step with the tool at this pose would look at, and no change: so
- * that code, tables and bone are in the caches when the tick comes.  What the
- * last step reported is no longer valid.
+ * Reads everything that a step with the tool at this pose would read, without a change, so that code, tables and bone
+ * are in the caches when the tick is due.  Invalidates the report of the last step.
  */
 OST_API ost_status ost_world_rehearse(ost_world *world, int tool, const ost_pose *pose, ost_error *err);
 
 /*
- * What a step did, in 64 bits: equal steps have equal ones on every backend,
- * and steps that differ in a removed voxel's chunk, class or density, or in
- * how many poses there were, do not (docs/session.md, SES-DIGEST).  For the
- * record of a session; the world keeps nothing of it.  result is of a step
- * whose report is still valid, classes the number of the world's classes.
+ * Returns the 64-bit digest of a step (docs/session.md, SES-DIGEST).  Equal steps have equal digests on every backend.
+ * Steps that differ in the chunk, class or density of a removed voxel, or in the number of poses, have different ones.
+ * The report of result must still be valid; classes is the number of the world's density classes.
  */
 OST_API uint64_t ost_step_digest(const ost_step_result *result, int classes);
 
 /*
- * Goes on elsewhere when a backend fails for good, a device that is lost for
- * instance: bone and tools are made on the other backend as they were after
- * the last whole tick, to the bit, and the world continues with these.
+ * Failover: continues on another backend after a permanent failure, for instance a lost device.  Bone and tools are
+ * made on the other backend, bit-identical to their state after the last complete tick, and the world continues with
+ * them.
  *
- *   kept copy --upload--> bone --the ticks since, once more--> after the last whole tick
+ *   stored copy --upload--> bone --repeat the ticks since--> state after the last complete tick
  *
- * For worlds with keep_ticks > 0.  They keep in the host's memory the bone's
- * grid (2 bytes a voxel, padding and void too), each tool's (1 byte a voxel)
- * and up to keep_ticks ticks of 48 bytes.  The bone is copied when the world
- * is made and before every tick that finds keep_ticks of them recorded; while
- * it is copied both copies are held, so that one that fails half-way is no
- * loss.  Who changes the bone but through the world's ticks must not call this.
+ * Requires keep_ticks > 0.  Such a world stores in host memory the bone's complete grid (2 bytes a voxel), each tool's
+ * grid (1 byte a voxel) and up to keep_ticks ticks of 48 bytes.  It copies the bone when it is created and before every
+ * tick that finds keep_ticks ticks stored; the previous copy is freed only after the new one is complete.  Must not be
+ * called if the bone was changed other than by the world's ticks.
  *
- * *bone and tools (room for OST_WORLD_TOOLS_MAX, in the order of their
- * indices) belong to the caller and must outlive the world; what the world had
- * before may be freed.  On an error the world is as before and both are NULL.
+ * The caller owns *bone and tools[], an array of OST_WORLD_TOOLS_MAX in the order of their indices; they must outlive
+ * the world.  The previous bone and tools may be freed.  On an error the world is unchanged and both are NULL.
  */
 OST_API ost_status ost_world_rescue(ost_world *world, ost_backend *backend, ost_bone **bone, ost_tool **tools, ost_error *err);
 
-/* Totals since the world was made. */
+/* Totals since the world was created. */
 typedef struct ost_world_totals {
     uint64_t ticks, removals, poses;
     uint64_t removed_voxels;
@@ -105,22 +104,21 @@ typedef struct ost_world_totals {
 OST_API void ost_world_totals_get(const ost_world *world, ost_world_totals *out);
 OST_API const ost_density_classes *ost_world_classes(const ost_world *world);
 
-/* ------------------------------------------------- the site of an operation */
+/* ----------------------------------------------------- checks before an operation */
 
 struct ost_glenoid;
 
 /*
- * Counts the active voxels in front of a glenoid's face: with w along its
- * inward axis from its centre and r from that axis, in mm, those with
- * w < -(3 + min(r, 18)^2 / 60), which a healthy rim does not reach.  At most
- * radius_mm from the axis and reach_mm out; 0 is without a limit.
+ * Counts the active voxels in front of a glenoid's face.  With w the position along its inward axis from its centre and
+ * r the distance from that axis, in mm, these are the voxels with w < -(3 + min(r, 18)^2 / 60); a healthy rim has none.
+ * Only voxels with r <= radius_mm and w >= -reach_mm count; 0 means no limit.
  */
 OST_API ost_status ost_bone_in_front(const ost_bone *bone, const struct ost_glenoid *glenoid, double radius_mm, double reach_mm, int64_t *voxels,
                                      ost_error *err);
-/* The share of bone within 4 mm of the axis, from 1 to 11 mm inward of the face's centre and as far outward. */
+/* Computes the percentage of bone within 4 mm of the axis, 1 to 11 mm inward and 1 to 11 mm outward of the centre. */
 OST_API ost_status ost_bone_along_axis(const ost_bone *bone, const struct ost_glenoid *glenoid, double *inward_percent, double *outward_percent,
                                        ost_error *err);
-/* Counts the active voxels that a tool at this pose covers, by cutting voxels and by others. */
+/* Counts the active voxels that a tool at this pose covers, with cutting and with other voxels. */
 OST_API ost_status ost_bone_overlap(const ost_bone *bone, const ost_tool *tool, const ost_pose *pose, int64_t *voxels, ost_error *err);
 
 /* ---------------------------------------------------------- built-in paths */
@@ -128,44 +126,50 @@ OST_API ost_status ost_bone_overlap(const ost_bone *bone, const ost_tool *tool, 
 /* A glenoid: the centre of its face and the inward direction, in the bone's frame. */
 typedef struct ost_glenoid {
     ost_pm3 at;
-    double axis[3]; /* need not be unit; not zero */
+    double axis[3]; /* not zero; any length */
     bool left;
 } ost_glenoid;
 
 /*
- * A glenoid faces laterally, so its inward axis points to the patient's right
- * at a left one and to the left at a right one.  Within 15 degrees of the
- * sagittal plane the axis determines no side.
+ * Returns the side that an inward axis implies.  A glenoid faces laterally: the inward axis of a left one points to the
+ * patient's right, and vice versa.  Returns OST_SIDE_UNKNOWN within 15 degrees of the sagittal plane.
  */
 typedef enum ost_side { OST_SIDE_UNKNOWN, OST_SIDE_LEFT, OST_SIDE_RIGHT } ost_side;
 OST_API ost_side ost_side_of_axis(const double axis[3]);
 /*
- * The side as stated, or by the axis where stated is OST_SIDE_UNKNOWN.
- * OST_ERR_INPUT when the two contradict each other, OST_ERR_USAGE when
- * neither determines the side.
+ * Determines the side: the stated one, or that of the axis if stated is OST_SIDE_UNKNOWN.  OST_ERR_INPUT if the two
+ * contradict each other, OST_ERR_USAGE if neither determines the side.
  */
 OST_API ost_status ost_glenoid_side(const double axis[3], ost_side stated, bool *left, ost_error *err);
-/* OST_META_SIDE, unknown when it is not there. OST_ERR_INPUT for any other word than left and right. */
+/* Reads OST_META_SIDE; OST_SIDE_UNKNOWN if it is absent. OST_ERR_INPUT for a word other than left and right. */
 OST_API ost_status ost_side_from_meta(const ost_meta *meta, ost_side *out, ost_error *err);
-/* OST_META_GLENOID_AXIS; *there is false without it. OST_ERR_INPUT for what is no direction. */
+/* Reads OST_META_GLENOID_AXIS; *there is false if it is absent. OST_ERR_INPUT if it is not a direction. */
 OST_API ost_status ost_axis_from_meta(const ost_meta *meta, double axis[3], bool *there, ost_error *err);
-/* A point of three decimals, by its key; *there is false without it. OST_ERR_INPUT or OST_ERR_RANGE naming key and value. */
+/*
+ * Reads a point of three decimals in mm by its key; *there is false if it is absent.  OST_ERR_INPUT or OST_ERR_RANGE
+ * with key and value in err.
+ */
 OST_API ost_status ost_point_from_meta(const ost_meta *meta, const char *key, ost_pm3 *out, bool *there, ost_error *err);
-/* From OST_META_*; OST_ERR_USAGE naming the missing key. The side may be missing where the axis determines it. */
+/*
+ * Reads a glenoid from OST_META_*.  OST_ERR_USAGE with the missing key in err.  The side may be absent if the axis
+ * determines it.
+ */
 OST_API ost_status ost_glenoid_from_meta(const ost_meta *meta, ost_glenoid *out, ost_error *err);
 
 typedef enum ost_builtin { OST_BUILTIN_PEG_HOLE, OST_BUILTIN_GLENOID_REAM, OST_BUILTIN_GLENOID_SLOW, OST_BUILTIN_GLENOID_PRESS, OST_BUILTIN_COUNT } ost_builtin;
 OST_API const char *ost_builtin_name(ost_builtin which); /* "peg-hole", "glenoid-ream", "glenoid-slow", "glenoid-press" */
 
 /*
- * 1 kHz ticks of a hand (OST_RPM_HAND): approach, advance along the axis, dwell,
- * retreat; glenoid-press is a hand that presses, and is ost_builtin_press for
- * a minute.  ost_motor_path makes ticks of a tool that turns of them.  tool is the index the ticks carry; geometry is the tool's grid,
- * whose working face is toward -z.
+ * Makes a built-in path of 1 kHz ticks of a hand (OST_RPM_HAND): approach, advance along the axis, dwell, retreat.
+ * glenoid-press is ost_builtin_press for one minute.  ost_motor_path converts it to ticks of a turning tool.  tool is the
+ * index stored in the ticks; geometry is the tool's grid, whose working face is towards -z.  The caller frees *out.
  */
 OST_API ost_status ost_builtin_path(ost_builtin which, const ost_glenoid *glenoid, const ost_tool_geometry *geometry, int32_t tool,
                                     ost_path *out, ost_error *err);
-/* What a hand wants that presses the tool into the face, sweeps over it and wobbles, for so many ticks, OST_PATH_TICKS_MAX at most. */
+/*
+ * Makes the intended path of a hand that presses the tool into the face, moves over it and wobbles, with the given number
+ * of ticks, at most OST_PATH_TICKS_MAX.  The caller frees *out.
+ */
 OST_API ost_status ost_builtin_press(const ost_glenoid *glenoid, const ost_tool_geometry *geometry, int32_t tool, size_t ticks, ost_path *out,
                                      ost_error *err);
 
