@@ -32,10 +32,22 @@ typedef struct block_marks {
 static uint8_t tool_at(const ref_tool *tool, int32_t ux, int32_t uy, int32_t uz)
 {
     const ost_dims dims = tool->base.geometry.dims;
-    int32_t x = ux >> OST_MAP_FRACTION, y = uy >> OST_MAP_FRACTION, z = uz >> OST_MAP_FRACTION;
-    if (x < 0 || x >= dims.x || y < 0 || y >= dims.y || z < 0 || z >= dims.z)
+    const int32_t x = ux >> OST_MAP_FRACTION, y = uy >> OST_MAP_FRACTION, z = uz >> OST_MAP_FRACTION;
+    if ((uint32_t)x >= (uint32_t)dims.x || (uint32_t)y >= (uint32_t)dims.y || (uint32_t)z >= (uint32_t)dims.z)
         return OST_TOOL_VOID;
     return tool->voxels[x + (int64_t)dims.x * (y + (int64_t)dims.y * z)];
+}
+
+/* Returns true if both ends of a row lie on the same side of the tool's grid; u is linear, so all of the row does. */
+static bool row_misses(const ost_dims dims, const int32_t u[3], const int32_t step[3])
+{
+    const int32_t end[3] = {dims.x << OST_MAP_FRACTION, dims.y << OST_MAP_FRACTION, dims.z << OST_MAP_FRACTION};
+    bool misses = false;
+    for (int a = 0; a < 3; a++) {
+        const int32_t last = u[a] + (BLOCK - 1) * step[a];
+        misses |= (u[a] < 0 && last < 0) || (u[a] >= end[a] && last >= end[a]);
+    }
+    return misses;
 }
 
 static int32_t min32(int32_t a, int32_t b)
@@ -71,23 +83,27 @@ static void mark_pose(const ost_chunk_grid *grid, const ost_chunk *chunk, const 
     }
     if (!ost_map_block_base(map, (ost_dims){first[0] / BLOCK, first[1] / BLOCK, first[2] / BLOCK}, base))
         return;
-    int32_t n = grid->size;
+    const int32_t n = grid->size, *step = map->step[0];
     for (int32_t k = lo[2]; k < hi[2]; k++)
-        for (int32_t j = lo[1]; j < hi[1]; j++)
+        for (int32_t j = lo[1]; j < hi[1]; j++) {
+            /* A row of a block lies in one word of the occupancy, since 16 divides both. */
+            const int32_t v = first[0] % n + n * ((first[1] % n + j) + n * (first[2] % n + k));
+            const uint32_t active = chunk->occupancy[v / 32] >> (v % 32) & 0xffff;
+            int32_t u[3];
+            for (int a = 0; a < 3; a++)
+                u[a] = base[a] + j * map->step[1][a] + k * map->step[2][a];
+            if (!active || row_misses(tool->base.geometry.dims, u, step))
+                continue;
             for (int32_t i = lo[0]; i < hi[0]; i++) {
-                int32_t v = (first[0] % n + i) + n * ((first[1] % n + j) + n * (first[2] % n + k));
-                if (!(chunk->occupancy[v / 32] >> (v % 32) & 1))
+                if (!(active >> i & 1) || marks->mark[k][j][i] == OST_TOOL_CUTTING)
                     continue;
-                uint8_t found = tool_at(tool, base[0] + i * map->step[0][0] + j * map->step[1][0] + k * map->step[2][0],
-                                        base[1] + i * map->step[0][1] + j * map->step[1][1] + k * map->step[2][1],
-                                        base[2] + i * map->step[0][2] + j * map->step[1][2] + k * map->step[2][2]);
+                const uint8_t found = tool_at(tool, u[0] + i * step[0], u[1] + i * step[1], u[2] + i * step[2]);
                 if (found == OST_TOOL_VOID)
                     continue;
-                uint8_t *mark = &marks->mark[k][j][i];
-                if (*mark != OST_TOOL_CUTTING)
-                    *mark = found;
+                marks->mark[k][j][i] = found;
                 marks->any = true;
             }
+        }
 }
 
 /* AR-CLS: the last class whose border is not above the density, class 0 below all. */
