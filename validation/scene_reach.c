@@ -116,7 +116,10 @@ static ost_status make_large(const plan_case *c, scene *s, draw *d, ost_error *e
     if (!s->samples)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for %d samples", LARGE_SAMPLES);
     large_samples(s, d);
-    ost_status status = scene_add_bar(s, (ost_dims){LARGE_BAR, 101, 99}, 25, LARGE_VOXEL, err);
+    /* Preparing a tool takes a device as long as all else of the case: smoke has a third of the bar's volume. */
+    const bool slim = c->tier == PLAN_SMOKE;
+    const ost_dims bar = {LARGE_BAR, slim ? 59 : 101, slim ? 57 : 99};
+    ost_status status = scene_add_bar(s, bar, (bar.z + 1) / 4, LARGE_VOXEL, err);
     if (status == OST_OK)
         status = scene_add_bar(s, (ost_dims){257, 3, 5}, 0, 350 * UM, err);
     if (status == OST_OK)
@@ -124,7 +127,8 @@ static ost_status make_large(const plan_case *c, scene *s, draw *d, ost_error *e
     for (int i = 0; i < 4 && status == OST_OK; i++) {
         ost_pose *pose = &next_tick(s, i == 3)->pose;
         /* From one end to the other, over the last rows and slices. */
-        pose->t = (ost_pm3){s->rect.origin.x + (95000 + 180000 * i) * UM, s->rect.origin.y + 30000 * UM, s->rect.origin.z + 29000 * UM};
+        pose->t = (ost_pm3){s->rect.origin.x + (95000 + 180000 * i) * UM, s->rect.origin.y + (slim ? 38000 : 30000) * UM,
+                            s->rect.origin.z + (slim ? 38000 : 29000) * UM};
         /* A base far from the box's first lies half a unit of the map before the bar's end: a tie, which round half to even puts outside. */
         if (i < 3)
             pose->t.x = s->rect.origin.x + s->cubic * OST_MAP_BLOCK * (17 + 16 * i) - LARGE_BAR / 2 * LARGE_VOXEL + LARGE_UNIT / 2;

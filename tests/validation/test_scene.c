@@ -50,7 +50,7 @@ static void campaigns(void **state)
         {PLAN_SMOKE, "sweep", 99, "f5c208fdd136cb588c8cf49a5fd0726ca00d9e9ca261eb4a1d184e8f44bff8e7"},
         {PLAN_SMOKE, "session", 99, "869b5fd0f6dc9f6579817553a869f01e8173bfade50f9b44db01916d0dea6d9e"},
         {PLAN_SMOKE, "static/3", 99, "8db0463087c7a16543e82b2fe420c800a42af2c92c03e79611191d9c4b555b65"},
-        {PLAN_SMOKE, "reach", 99, "56a1fe7c2ef72f50e8608e3d358f4befee14325695c7bd1766efe91f0c2af72a"},
+        {PLAN_SMOKE, "reach", 99, "380ed1526f4bf875a1e00c41fca0f6d27bef4dad5abc3016bddb2a39cbce579f"},
         {PLAN_STANDARD, "reach", 99, "6302b42002daa7e4e93b2d951e6b61a73e32b91d9b5227bc285ab63ac5290712"},
         {PLAN_STANDARD, "mesh", 24, "14d92552144aeb693c438efbb0e733dc9458b96dd9b8e5d4ef83b5ac63d8c252"},
         {PLAN_STANDARD, "poses/1", 2, "397fdd9b0d0a08be0f660c6ce9add1be9e68851001a958047e30ae911d955afd"},

@@ -11,7 +11,7 @@
 #include "validation/scene.h"
 
 /* Sides in pixels; differing records that are looked through for voxels. */
-enum { VIEW = 640, SLICE = 420, TRIED = 16 };
+enum { VIEW = 480, SLICE = 420, TRIED = 16 };
 
 void picture_name(char name[PICTURE_NAME], const char *case_id, size_t backend, picture_role role)
 {
