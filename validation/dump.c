@@ -37,6 +37,12 @@ static void stage_name(const trace_record *r, char name[40])
         snprintf(name, 40, "%s", trace_stage_name(r->stage));
 }
 
+/* Stages whose record is one grid, which a dump may have; of a tick a record has the leaves that changed. */
+static bool is_grid(trace_stage stage)
+{
+    return stage == TRACE_RECT || stage == TRACE_CUBIC || stage == TRACE_CHUNKS || stage == TRACE_TOOL || stage == TRACE_FINAL;
+}
+
 /* ------------------------------------------------------------------- head */
 
 static ost_status bad_head(const char *path, const char *what, ost_error *err)
@@ -266,8 +272,11 @@ static ost_status make_whole(maker *m, const trace_record *r, const char *name, 
     size_t at = 0;
     trace_block_view b;
     bool there = false;
-    if (!trace_next_block(r, &at, &b))
-        return ost_fail(err, OST_ERR_INTERNAL, "the reference's record of %s has no grid", name);
+    if (!trace_next_block(r, &at, &b)) { /* an import that was refused has none */
+        copy_words(m->w, r);
+        trace_flags(m->w, TRACE_STANDS_IN);
+        return OST_OK;
+    }
     const size_t bytes = (size_t)ost_dims_count(b.dims) * b.voxel_bytes;
     uint8_t *voxels = malloc(bytes);
     if (!voxels)
@@ -320,7 +329,7 @@ static ost_status make_case(maker *m, const trace *ref, compare_range range, uin
         trace_begin(m->w, r->stage, number, r->item);
         if (r->stage == TRACE_TICK)
             status = make_tick(m, r, name, err);
-        else if (r->stage == TRACE_RECT || r->stage == TRACE_CUBIC || r->stage == TRACE_CHUNKS || r->stage == TRACE_TOOL || r->stage == TRACE_FINAL)
+        else if (is_grid(r->stage))
             status = make_whole(m, r, name, err);
         else { /* reports alone */
             copy_words(m->w, r);
@@ -396,7 +405,7 @@ static ost_status write_case(const char *folder, const trace *t, compare_range r
                 lay(&b, dims, bone);
             voxels = bone;
             bytes = 2 * (size_t)ost_dims_count(dims);
-        } else if (r->stage != TRACE_FAILED && trace_next_block(r, &at, &b)) {
+        } else if (is_grid(r->stage) && trace_next_block(r, &at, &b)) {
             voxels = b.voxels;
             bytes = (size_t)ost_dims_count(b.dims) * b.voxel_bytes;
             if (r->stage == TRACE_CHUNKS && !bone) {

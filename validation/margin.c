@@ -6,7 +6,7 @@
 
 const char *margin_unit(trace_stage stage)
 {
-    return stage == TRACE_RECT || stage == TRACE_CUBIC ? "CT voxel" : "tool voxel";
+    return stage == TRACE_RECT || stage == TRACE_CUBIC ? "CT voxel" : stage == TRACE_CHUNKS ? "density" : "tool voxel";
 }
 
 void margin_decided(margin_stage *m, uint64_t margin, uint32_t item, const int32_t at[3])

@@ -12,6 +12,7 @@
  *   stage   the point, and its border                              unit
  *   rect    a sample on the lattice; half-way to the next voxel    2^-20 voxel of the CT
  *   cubic   i cubic / rect; the next layer with the other's value  2^-20 voxel of the CT
+ *   chunks  a density; the threshold, where the two are equal      on the border
  *   tool    a voxel's centre; the mesh                             2^-20 voxel of the tool
  *   tick    a bone voxel's centre by AR-MAP; the nearest tool voxel of the other kind,
  *           over the poses of the event                            2^-20 voxel of the tool

@@ -193,6 +193,7 @@ void margin_cubic(margin_walk *w, const trace_block_view *a, const trace_block_v
 void margin_chunks(margin_walk *w, const trace_block_view *a, const trace_block_view *b)
 {
     margin_stage *m = &w->out->of[TRACE_CHUNKS];
+    const ost_dims d = a->dims;
     const trace_block_view *given = &w->cubic[w->apart ? 0 : 1];
     const size_t all = (size_t)ost_dims_count(a->dims);
     for (size_t i = 0; i < all; i++) {
@@ -204,7 +205,10 @@ void margin_chunks(margin_walk *w, const trace_block_view *a, const trace_block_
             margin_other(m, &m->inherited);
         else if (right == 0 && got == density)
             margin_other(m, &m->below_threshold);
-        else
+        else if (density == w->s->threshold && got == 0) { /* compared by > where the rule has >= */
+            const int32_t at[3] = {(int32_t)(i % (size_t)d.x), (int32_t)(i / (size_t)d.x % (size_t)d.y), (int32_t)(i / ((size_t)d.x * (size_t)d.y))};
+            margin_decided(m, 0, 0, at);
+        } else
             margin_other(m, &m->unexplained);
     }
 }

@@ -92,6 +92,38 @@ printf '\001\000' | dd of=some/poses-1/tick-23.raw bs=1 seek=2 conv=notrunc 2>/d
 run 1 compare some
 grep -q "poses/1 on dump:some: tick 23: 1 voxel, the first at (1, 0, 0): 1" out || fail "a changed voxel: $(cat out)"
 
+# a dump of all families: a case whose import is refused has a record without a grid
+run 0 validate --worker ref --dump refused --only reach/2
+run 2 compare refused
+grep -q "nothing to compare" err || fail "a dump of a refused import: $(cat err)"
+
+# > in place of >= at the threshold: a class, and every voxel on the border
+if command -v python3 >/dev/null; then
+    run 0 validate --export-cases thresholds --only import/1
+    cp -r same greater
+    python3 - thresholds/import-1/case.json greater/import-1/chunks.raw >count <<'END'
+import array, json, sys
+threshold = json.load(open(sys.argv[1]))["ct"]["threshold"]
+voxels = array.array("h", open(sys.argv[2], "rb").read())
+print(voxels.count(threshold))
+open(sys.argv[2], "wb").write(array.array("h", [0 if v == threshold else v for v in voxels]).tobytes())
+END
+    run 1 compare greater --json
+    check "> for >=: class" "$(value cases.0.class)" threshold
+    checks=$((checks + 1))
+    case $(value cases.0.class_text) in *"the threshold itself, are missing and nothing denser: > in place of >="*) ;; *) fail "> for >=: $(value cases.0.class_text)" ;; esac
+    check "> for >=: voxels, on the border, unexplained" "$(value margins.0.stages.0.voxels) $(value margins.0.stages.0.bins.0) $(value margins.0.stages.0.unexplained)" \
+        "$(cat count) $(cat count) 0"
+    # One voxel of another density is another mistake.
+    printf '\0\0' | dd of=greater/import-1/chunks.raw bs=1 seek=$((2 * $(python3 -c '
+import array, sys
+v = array.array("h", open(sys.argv[1], "rb").read()); print(v.index(max(v)))' greater/import-1/chunks.raw))) conv=notrunc 2>/dev/null
+    run 1 compare greater --json
+    check "a dense voxel lost: unexplained" "$(value margins.0.stages.0.unexplained)" 1
+    checks=$((checks + 1))
+    [ "$(value cases.0.class)" != threshold ] || fail "a dense voxel that is lost is called threshold"
+fi
+
 # what is wrong is one line with the file's name
 spoil() {
     status=$1 text=$2

@@ -110,6 +110,8 @@ static bool threshold_of_chunks(const pattern_scan *s, char *text)
                     return false;
                 rest |= differs && some_more;
             }
+    if (rest && most == v->solid_a)
+        return pattern_say(text, "in every chunk that differs, all of density %d, the threshold itself, are missing and nothing denser: > in place of >=", most);
     return rest && pattern_say(text, "in every chunk that differs, all of density %d to %d are missing and nothing denser", v->solid_a, most);
 }
 
