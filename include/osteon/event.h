@@ -32,20 +32,25 @@ __extension__ typedef __int128 ost_int128;
 enum { OST_SWEEP_MAX = 4096 };
 
 /*
- * n of AR-SWEEP: the least n >= 1 with 4 * max|d|^2 <= n^2 * s^2, d the
- * displacement of the tool box's corners (each rounded RHE to picometres)
- * from pose a to pose b, s the bone's voxel.  OST_ERR_RANGE when n would
- * exceed OST_SWEEP_MAX, the turn exceeds 90 degrees, or a pose is none.
+ * Computes the number of poses n of AR-SWEEP-2: the least n >= 1 with 4 * max|d|^2 <= n^2 * s^2, where d is the
+ * displacement of a corner of the tool's box (each rounded RHE to picometres) from pose a to pose b, and s is the
+ * bone's voxel.  OST_ERR_RANGE if n would exceed OST_SWEEP_MAX, if the turn exceeds 90 degrees, or if a pose is
+ * invalid.
  */
 OST_API ost_status ost_sweep_count(const ost_pose *a, const ost_pose *b, const ost_tool_geometry *tool, ost_pm bone_voxel,
                                    int *count, ost_error *err);
 
-/* Pose k of n between a and b, 1 <= k <= n: ((n-k) a + k b) / n, RHE a component, q of b negated if q_a . q_b < 0. */
+/*
+ * Returns pose k of n between a and b, 1 <= k <= n (AR-SWEEP-4): ((n-k) a + k b) / n, each component rounded RHE, with
+ * the quaternion of b negated if q_a . q_b < 0.
+ */
 OST_API ost_pose ost_sweep_pose(const ost_pose *a, const ost_pose *b, int k, int n);
 
 /* ------------------------------------------------------------------- map */
 
-/* Coordinates are fixed point: one tool voxel is 2^20. Blocks of 16^3 bone voxels are aligned to voxel (0, 0, 0). */
+/*
+ * Tool coordinates are fixed point: one tool voxel is 2^20. Blocks of 16^3 bone voxels are aligned to voxel (0, 0, 0).
+ */
 enum { OST_MAP_FRACTION = 20, OST_MAP_BLOCK = 16, OST_MAP_RATIO_MAX = 16 };
 
 /*
@@ -66,15 +71,14 @@ typedef struct ost_map {
     int32_t step[3][3]; /* [bone axis][tool axis] */
 } ost_map;
 
-/* bone must have equal spacing on its axes. OST_ERR_RANGE when the ratio or the tool's width is beyond what is proved. */
+/* Makes the map of a pose. bone must have equal spacing on its axes. OST_ERR_RANGE beyond the limits of AR-MAP-2. */
 OST_API ost_status ost_map_make(const ost_pose *pose, const ost_geometry *bone, const ost_tool_geometry *tool, ost_map *out,
                                 ost_error *err);
 
 /*
- * Base of the block whose first voxel is (16 block.x, 16 block.y, 16 block.z).
- * False when some axis lies outside [-2^29, 2^30 + 2^29): then no voxel of
- * the block can be inside the tool's grid (proof at AR-MAP-5), and every
- * coordinate of a block for which it is true fits int32.
+ * Computes the base of the block whose first voxel is (16 block.x, 16 block.y, 16 block.z).  Returns false if the base
+ * is outside [-2^29, 2^30 + 2^29) on some axis: no voxel of the block is then inside the tool's grid (proof at
+ * AR-MAP-5).  If it returns true, every coordinate of the block fits int32.
  */
 OST_API bool ost_map_block_base(const ost_map *map, ost_dims block, int32_t base[3]);
 
@@ -93,16 +97,22 @@ typedef struct ost_density_classes {
     char name[OST_CLASS_MAX][OST_CLASS_NAME];
 } ost_density_classes;
 
-/* cartilage [threshold, 150), cancellous [150, 650), cortical [650, ...): facts and sources in docs/arithmetic.md, AR-CLS. */
+/*
+ * cartilage [threshold, 150), cancellous [150, 650), cortical [650, ...): facts and sources in docs/arithmetic.md,
+ * AR-CLS.
+ */
 OST_API ost_density_classes ost_density_classes_default(void);
-/* OST_ERR_USAGE when the classes are not 1 to OST_CLASS_MAX with borders from 1 that strictly increase (AR-CLS-1). */
+/*
+ * Returns OST_ERR_USAGE unless there are 1 to OST_CLASS_MAX classes with strictly increasing borders from 1
+ * (AR-CLS-1).
+ */
 OST_API ost_status ost_density_classes_check(const ost_density_classes *classes, ost_error *err);
-/* "name:border,name:border,..." as the command line has it. */
+/* Parses "name:border,name:border,...", the form of the command line. */
 OST_API ost_status ost_density_classes_parse(const char *text, ost_density_classes *out, ost_error *err);
 
 /*
- * boxes[k] bounds the voxels that pose k may hit: whoever makes it proves
- * that nothing outside is inside the tool.  The whole grid is always right.
+ * An event.  All pointers are borrowed for the call.  boxes[k] must contain every voxel that pose k maps into the
+ * tool's grid; the box of the complete grid is always valid.
  */
 typedef struct ost_event {
     int pose_count; /* 1..OST_SWEEP_MAX */
@@ -117,18 +127,22 @@ typedef struct ost_chunk_report {
     int64_t density[OST_CLASS_MAX]; /* sum over those voxels, before removal */
 } ost_chunk_report;
 
-/* Chunks with at least one hit voxel, ascending. Zero-initialise once, reuse for every event, free at the end. */
+/*
+ * The report of an event: the chunks with at least one hit voxel, ascending, and totals.  Zero-initialise it once, use
+ * it for every event, and free it at the end by ost_report_free.
+ */
 typedef struct ost_report {
     size_t count, capacity;
     ost_chunk_report *chunks; /* owned */
     uint64_t voxels[OST_CLASS_MAX];
     int64_t density[OST_CLASS_MAX];
     uint64_t total_voxels;
-    uint64_t touched_voxels; /* active bone voxels inside non-cutting tool voxels and no cutting one: never removed */
+    uint64_t touched_voxels; /* active voxels covered by non-cutting voxels only; they remain */
 } ost_report;
 
-/* Forgets the content, keeps the memory. */
+/* Removes the content and retains the memory. */
 OST_API void ost_report_clear(ost_report *report);
+/* Appends a chunk, which is copied, and adds it to the totals. OST_ERR_MEMORY on failure. */
 OST_API ost_status ost_report_add(ost_report *report, const ost_chunk_report *chunk, ost_error *err);
 OST_API void ost_report_free(ost_report *report);
 

@@ -47,10 +47,10 @@ typedef struct ost_force_params {
     double density_at_0;       /* density at 0 HU, g/cm^3 */
     double density_per_hu;     /* increase of density per HU, g/cm^3 */
     double layer;              /* thickness of the compressed layer, m (instant) */
-    double layer_stiffness;    /* stiffness of the layer at the reference density, N/m^3: per area and depth (instant) */
-    double turn_stiffness;     /* angular stiffness of the coupling, N m/rad of hand torque; 0: the tool has the device's orientation (energy) */
+    double layer_stiffness;    /* of the layer at the reference density, N/m^3: per area and depth (instant) */
+    double turn_stiffness;     /* of the coupling, N m/rad of hand torque; 0: the device's orientation (energy) */
     double turn_damping;       /* angular damping of the coupling, N m s/rad */
-    double vibration;          /* amplitude at the tooth-passing frequency over the hand force of cutting points in bone of reference density; 0: none */
+    double vibration;          /* amplitude at the tooth-passing frequency over shaking_n; 0: none */
     double runout;             /* the same at the frequency of rotation, across the axis */
     double teeth;              /* teeth that pass in one turn */
 } ost_force_params;
@@ -106,7 +106,7 @@ typedef struct ost_force_result {
     double off_axis_n;    /* contact force across the axis */
     double cutting_nm;    /* contact torque about the axis */
     double power_w;       /* power that cuts bone */
-    double shaking_n;     /* hand force of the cutting points, weighted by density; vibration and runout are fractions of it */
+    double shaking_n;     /* hand force of the cutting points, weighted by density over the reference density */
     int touching;         /* number of points that touch bone */
 } ost_force_result;
 
@@ -137,7 +137,7 @@ OST_API void ost_force_place(ost_force *force, int tool, const ost_pose *pose);
 typedef struct ost_safety_params {
     double max_n, max_nm;       /* greatest force and torque; saturation is smooth */
     double slew_n;              /* greatest change of the force in one tick, N */
-    double ramp_s;              /* time in which the force rises from 0 to its full value after a start and after a fault */
+    double ramp_s;              /* time in which the force rises from 0 after a start and after a fault */
     int stale_ticks;            /* number of ticks without a new pose after which the force is 0 */
     uint32_t dead_man;          /* bit mask of buttons, one of which must be held; 0: none */
     double stored_j;            /* energy that the coupling may store; the passivity observer counts from there */

@@ -41,15 +41,15 @@ typedef struct ost_operation_options {
      * OST_RPM_ON: the device's poses already contain the tool's turn, and the motor is on.
      */
     int32_t rpm;
-    bool motor_waits;        /* the motor is off until a button or a key switches it on, and not on from the first tick */
+    bool motor_waits;        /* true: the motor is off until switched on; false: on from the first tick */
     ost_action buttons[OST_BUTTONS_MAX]; /* actions of the device's buttons */
     int32_t tools;           /* number of tools, from `tool` on, that OST_ACTION_TOOL cycles through; 0: none */
     ost_pose home;           /* pose of the hand after OST_ACTION_HOME; a zero quaternion disables the action */
     ost_recorder *recorder;  /* borrowed; NULL: nothing is recorded */
-    ost_force *force;        /* borrowed, with the world's tools in order; NULL: no force, the tool has the device's pose */
+    ost_force *force;        /* borrowed, with the world's tools; NULL: no force, the tool has the device's pose */
     ost_live *live;          /* borrowed, for the world's bone; NULL: no live state */
     const ost_safety_params *safety; /* read by ost_operation_create; NULL: the defaults */
-    /* For an operation that continues: the number of ticks before, the last tick, the motor after it. Else 0 and NULL. */
+    /* For an operation that continues: ticks before, the last tick, the motor after it. Otherwise 0 and NULL. */
     uint64_t steps_before;
     const ost_tick *last;    /* read by ost_operation_create */
     ost_motor motor;

@@ -161,14 +161,15 @@ OST_API const char *ost_builtin_name(ost_builtin which); /* "peg-hole", "glenoid
 
 /*
  * Makes a built-in path of 1 kHz ticks of a hand (OST_RPM_HAND): approach, advance along the axis, dwell, retreat.
- * glenoid-press is ost_builtin_press for one minute.  ost_motor_path converts it to ticks of a turning tool.  tool is the
- * index stored in the ticks; geometry is the tool's grid, whose working face is towards -z.  The caller frees *out.
+ * glenoid-press is ost_builtin_press for one minute.  ost_motor_path converts it to ticks of a turning tool.  tool is
+ * the index stored in the ticks; geometry is the tool's grid, whose working face is towards -z.  The caller frees
+ * *out.
  */
 OST_API ost_status ost_builtin_path(ost_builtin which, const ost_glenoid *glenoid, const ost_tool_geometry *geometry, int32_t tool,
                                     ost_path *out, ost_error *err);
 /*
- * Makes the intended path of a hand that presses the tool into the face, moves over it and wobbles, with the given number
- * of ticks, at most OST_PATH_TICKS_MAX.  The caller frees *out.
+ * Makes the intended path of a hand that presses the tool into the face, moves over it and wobbles, with the given
+ * number of ticks, at most OST_PATH_TICKS_MAX.  The caller frees *out.
  */
 OST_API ost_status ost_builtin_press(const ost_glenoid *glenoid, const ost_tool_geometry *geometry, int32_t tool, size_t ticks, ost_path *out,
                                      ost_error *err);
