@@ -180,7 +180,7 @@ class Campaign:
         return [program, "validate", "--tier", tier, "--only", family, "--worker", subject, "--trace", "@TRACE@"]
 
     def baseline(self, tier, subject, family, scratch):
-        """([(head, digest)], CPU seconds) of the unmutated program; equal for all subjects."""
+        """([(head, digest)], CPU seconds) of the unmutated program; what all subjects make is equal."""
         with self.lock:
             return self._baseline(tier, subject, family, scratch)
 
@@ -203,9 +203,14 @@ class Campaign:
             self.known[tier, subject, family] = [(bytes.fromhex(h), bytes.fromhex(d)) for h, d in data["records"]], data["seconds"]
         made, seconds = self.known[tier, subject, family]
         for (t, _, f), (others, _) in list(self.known.items()):
-            if (t, f) == (tier, family) and others != made:
+            if (t, f) == (tier, family) and self.common(others) != self.common(made):
                 raise RuntimeError(f"{tier}, {family}: unmutated backends differ; a campaign must be equal before mutants can be measured")
         return made, max(self.limits.least_s, self.factor * seconds)
+
+    def common(self, made):
+        """The records that every subject makes: a backend whose voxels are on a device samples none."""
+        sample = self.stages.index("sample")
+        return [(head, digest) for head, digest in made if struct.unpack_from("<I", head, 4)[0] != sample]
 
     def order(self):
         return sorted(self.families, key=lambda f: -self.kills[f][0] / self.kills[f][1])
