@@ -44,13 +44,13 @@ static ost_status set_threads(const char *value, int *threads, ost_error *err)
     return OST_OK;
 }
 
-static ost_status set_grain(const char *value, int64_t *grain, ost_error *err)
+static ost_status set_number(const char *key, const char *value, int64_t *number, ost_error *err)
 {
     const size_t digits = strspn(value, "0123456789");
     const long long n = digits > 0 && digits < 11 && !value[digits] ? strtoll(value, NULL, 10) : 0;
     if (n < 1)
-        return ost_fail(err, OST_ERR_USAGE, "backend cpu: grain=%.20s; expected a number from 1 to 9999999999", value);
-    *grain = n;
+        return ost_fail(err, OST_ERR_USAGE, "backend cpu: %s%.20s; expected a number from 1 to 9999999999", key, value);
+    *number = n;
     return OST_OK;
 }
 
@@ -70,6 +70,7 @@ typedef struct cpu_options {
     const char *isa;
     int threads;
     int64_t grain; /* 0: measured thresholds */
+    int64_t order; /* 0: none */
     ost_voxelizer voxelizer;
     unsigned given; /* a bit a key */
 } cpu_options;
@@ -77,8 +78,8 @@ typedef struct cpu_options {
 /* One "key=value". */
 static ost_status set_option(const char *option, cpu_options *options, ost_error *err)
 {
-    static const char *const keys[] = {"isa=", "threads=", "grain=", "voxelizer="};
-    for (int key = 0; key < 4; key++) {
+    static const char *const keys[] = {"isa=", "threads=", "grain=", "order=", "voxelizer="};
+    for (int key = 0; key < 5; key++) {
         const size_t length = strlen(keys[key]);
         if (strncmp(option, keys[key], length) != 0)
             continue;
@@ -93,12 +94,14 @@ static ost_status set_option(const char *option, cpu_options *options, ost_error
         case 1:
             return set_threads(value, &options->threads, err);
         case 2:
-            return set_grain(value, &options->grain, err);
+            return set_number("grain=", value, &options->grain, err);
+        case 3:
+            return set_number("order=", value, &options->order, err);
         default:
             return set_voxelizer(value, &options->voxelizer, err);
         }
     }
-    return ost_fail(err, OST_ERR_USAGE, "backend cpu: '%.40s' is unknown; options are isa=NAME, threads=N, grain=N and voxelizer=NAME", option);
+    return ost_fail(err, OST_ERR_USAGE, "backend cpu: '%.40s' is unknown; options are isa=NAME, threads=N, grain=N, order=N and voxelizer=NAME", option);
 }
 
 /* text is cut at its commas; the values stay in it. */
@@ -144,7 +147,7 @@ static ost_status open_cpu(const char *options, ost_backend **out, ost_error *er
         backend->threads = chosen.threads;
         backend->voxelizer = chosen.voxelizer;
         backend->sharing = sharing;
-        ost_cpu_sharing_init(sharing, chosen.grain);
+        ost_cpu_sharing_init(sharing, chosen.grain, (uint64_t)chosen.order);
         sharing = NULL;
         ost_cpu_kernels_fill(&backend->kernels, level);
         *out = &backend->ref.base;
@@ -188,7 +191,7 @@ static ost_status finish(ost_backend *backend, ost_error *err)
 
 const ost_backend_ops ost_backend_cpu = {
     .name = "cpu",
-    .description = "hand-vectorised, on all cores; options isa=scalar|avx2|avx512|avx512vbmi|neon, threads=N, grain=N, voxelizer=auto|triangles|embree",
+    .description = "hand-vectorised, on all cores; options isa=scalar|avx2|avx512|avx512vbmi|neon, threads=N, grain=N, order=N, voxelizer=auto|triangles|embree",
     .available = available,
     .devices = ost_no_devices,
     .open = open_cpu,

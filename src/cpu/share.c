@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "cpu/share.h"
 
+#include <sched.h>
 #include <stdio.h>
 
 #if defined _OPENMP
@@ -32,9 +33,9 @@ static const struct {
     [OST_PATH_TILED] = {"voxelization in several tiles", (1 << 19) + 1},    /* bytes of both planes, which a second cache holds */
 };
 
-void ost_cpu_sharing_init(ost_cpu_sharing *sharing, int64_t grain)
+void ost_cpu_sharing_init(ost_cpu_sharing *sharing, int64_t grain, uint64_t order)
 {
-    *sharing = (ost_cpu_sharing){.dealt = grain > 0};
+    *sharing = (ost_cpu_sharing){.dealt = grain > 0 || order > 0, .order = order};
     for (int p = 0; p < OST_CPU_PATHS; p++)
         sharing->least[p] = grain > 0 ? grain : paths[p].least;
 }
@@ -51,11 +52,66 @@ void ost_cpu_sharing_visit(const ost_cpu_sharing *sharing, int threads, ost_path
     }
 }
 
-ost_team ost_team_of(const ost_cpu_sharing *sharing, int threads, ost_cpu_path path, int64_t size, int64_t count, int64_t block)
+/* splitmix64 */
+static uint64_t mixed(uint64_t x)
+{
+    x += UINT64_C(0x9e3779b97f4a7c15);
+    x = (x ^ x >> 30) * UINT64_C(0xbf58476d1ce4e5b9);
+    x = (x ^ x >> 27) * UINT64_C(0x94d049bb133111eb);
+    return x ^ x >> 31;
+}
+
+static int64_t common_divisor(int64_t a, int64_t b)
+{
+    while (b) {
+        const int64_t rest = a % b;
+        a = b;
+        b = rest;
+    }
+    return a;
+}
+
+/* A stride without a common divisor with the number of blocks visits each of them once. */
+static void draw_order(ost_cpu_sharing *sharing, ost_team *team)
+{
+    const int64_t blocks = (team->count + team->block - 1) / team->block;
+    team->order = mixed(sharing->order ^ mixed(sharing->teams++)) | 1;
+    team->stride = 1;
+    if (blocks < 2 || blocks > INT32_MAX)
+        return;
+    team->first = (int64_t)(team->order >> 33) % blocks;
+    team->stride = 1 + (int64_t)(mixed(team->order) >> 33) % (blocks - 1);
+    while (common_divisor(team->stride, blocks) != 1)
+        team->stride--;
+}
+
+/*
+ * A member waits until all members have begun as many blocks as it has, so that they
+ * run side by side; gives its core away; or goes on, each by the seed.
+ */
+int64_t ost_team_block(ost_team *team, const ost_member *me, int64_t turn)
+{
+    enum { TRIES = 20000 }; /* tens of microseconds */
+    const int64_t blocks = (team->count + team->block - 1) / team->block, round = turn / me->stride;
+    const uint64_t drawn = mixed(team->order + (uint64_t)turn);
+    const int64_t all = (round + 1) * me->stride;
+    atomic_fetch_add_explicit(&team->next, 1, memory_order_relaxed);
+    if (drawn % 4 != 0 && all <= blocks)
+        for (int i = 0; i < TRIES && atomic_load_explicit(&team->next, memory_order_relaxed) < all; i++)
+            if (i % 1024 == 1023)
+                sched_yield();
+    for (uint64_t i = drawn >> 8 & 3; drawn % 4 == 0 && i > 0; i--)
+        sched_yield();
+    return (team->first + turn * team->stride) % blocks;
+}
+
+ost_team ost_team_of(ost_cpu_sharing *sharing, int threads, ost_cpu_path path, int64_t size, int64_t count, int64_t block)
 {
     ost_team team = {.threads = size < sharing->least[path] ? 1 : threads, .path = path, .dealt = sharing->dealt || block == 0, .count = count, .members = 1};
     team.block = block == 0 ? (count + team.threads - 1) / team.threads : sharing->dealt ? 1 : block;
     team.block = team.block > 0 ? team.block : 1;
+    if (sharing->order && team.threads > 1)
+        draw_order(sharing, &team);
     return team;
 }
 

@@ -19,6 +19,10 @@
  * path; work is then dealt to threads in turn, one item at a time, so that
  * each thread of a team has its part however late it starts.
  *
+ * The option order=N deals the blocks in another order and lets members pause
+ * between them, both by the seed N, since a race that one schedule hides shows
+ * in another.  It changes no result.
+ *
  * ost_backend_paths (core/paths.h) reports the counters.
  */
 #ifndef OST_CPU_SHARE_H
@@ -55,12 +59,14 @@ typedef enum ost_cpu_path {
 
 typedef struct ost_cpu_sharing {
     int64_t least[OST_CPU_PATHS]; /* size of the work from which on a path is entered */
-    bool dealt;                   /* grain= was given */
+    bool dealt;                   /* grain= or order= was given */
+    uint64_t order;               /* seed of order=; 0: none */
+    uint64_t teams;               /* so far, where there is an order: each has one of its own */
     uint64_t entered[OST_CPU_PATHS]; /* those of shared paths count where every thread had a part */
 } ost_cpu_sharing;
 
-/* grain: 0 for the measured thresholds. */
-void ost_cpu_sharing_init(ost_cpu_sharing *sharing, int64_t grain);
+/* grain: 0 for the measured thresholds; order: 0 for none. */
+void ost_cpu_sharing_init(ost_cpu_sharing *sharing, int64_t grain, uint64_t order);
 /* Visits the paths that a backend of so many threads can enter. */
 void ost_cpu_sharing_visit(const ost_cpu_sharing *sharing, int threads, ost_path_visit *visit, void *user);
 
@@ -79,7 +85,9 @@ typedef struct ost_team {
     ost_cpu_path path;
     bool dealt;  /* block b belongs to member b mod members; else the next member that is free takes it */
     int64_t count, block;
-    _Atomic int64_t next; /* block, where not dealt */
+    _Atomic int64_t next; /* block, where not dealt; with an order: blocks begun so far */
+    uint64_t order;       /* seed of this team; 0: none */
+    int64_t first, stride; /* with an order: turn t is for block (first + t stride) mod blocks */
     int members;          /* that OpenMP gave; valid behind the region */
 } ost_team;
 
@@ -89,11 +97,14 @@ typedef struct ost_member {
 } ost_member;
 
 /* size is the work's, in the path's unit; with block 0 each member has one block. */
-ost_team ost_team_of(const ost_cpu_sharing *sharing, int threads, ost_cpu_path path, int64_t size, int64_t count, int64_t block);
+ost_team ost_team_of(ost_cpu_sharing *sharing, int threads, ost_cpu_path path, int64_t size, int64_t count, int64_t block);
 /* Called by every thread of the parallel region. */
 ost_member ost_team_join(ost_team *team);
 /* Counts what was shared; called behind the region. */
 void ost_team_end(ost_cpu_sharing *sharing, const ost_team *team);
+
+/* Returns the block of a member's turn, after a pause. */
+int64_t ost_team_block(ost_team *team, const ost_member *me, int64_t turn);
 
 /* The member's next item, -1 behind the last. */
 static inline int64_t ost_team_next(ost_team *team, ost_member *me)
@@ -101,9 +112,11 @@ static inline int64_t ost_team_next(ost_team *team, ost_member *me)
     if (me->at < me->end)
         return me->at++;
     int64_t block = me->next;
-    if (team->dealt)
+    if (team->dealt) {
         me->next += me->stride;
-    else
+        if (team->order && block * team->block < team->count)
+            block = ost_team_block(team, me, block);
+    } else
         block = atomic_fetch_add_explicit(&team->next, 1, memory_order_relaxed);
     if (block * team->block >= team->count)
         return -1;

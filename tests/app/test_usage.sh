@@ -86,11 +86,12 @@ for threads in 0 -1 +2 ' 2' 1025 99999999999999999999 2x ''; do
 done
 for grain in 0 -1 +2 2x '' 10000000000; do
     refuse 2 "grain=$grain; expected a number from 1 to 9999999999" $peg --backend "cpu:grain=$grain"
+    refuse 2 "order=$grain; expected a number from 1 to 9999999999" $peg --backend "cpu:order=$grain"
 done
 refuse 2 'must be from 1 to 1024' $peg --threads 1025
 refuse 2 'give one of them' $peg --backend cpu:threads=2 --threads 3
 refuse 2 'voxelizer=rays; expected auto, triangles or embree' $peg --backend cpu:voxelizer=rays
-refuse 2 "'color=red' is unknown; options are isa=NAME, threads=N, grain=N and voxelizer=NAME" $peg --backend cpu:color=red
+refuse 2 "'color=red' is unknown; options are isa=NAME, threads=N, grain=N, order=N and voxelizer=NAME" $peg --backend cpu:color=red
 refuse 2 'backend ref takes no options' $peg --backend ref:threads=2
 OSTEON_ISA=sse9
 export OSTEON_ISA

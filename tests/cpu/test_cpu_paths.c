@@ -107,6 +107,20 @@ static ost_digest run_all(const char *spec, int32_t side, int chunk_size, seen *
     return root;
 }
 
+/* A bone is the same in whatever order threads take its parts. */
+static void no_order_changes_a_bone(void **state)
+{
+    (void)state;
+    seen none;
+    const ost_digest expected = run_all("ref", SIDE, 16, &none);
+    for (int order = 1; order <= 4; order++) {
+        char spec[64];
+        snprintf(spec, sizeof spec, "cpu:threads=3,grain=1,order=%d", order);
+        const ost_digest root = run_all(spec, SIDE, 16, &none);
+        assert_memory_equal(&root, &expected, sizeof root);
+    }
+}
+
 static void the_smallest_grain_enters_every_path(void **state)
 {
     (void)state;
@@ -150,16 +164,25 @@ static void a_team_takes_each_item_once(void **state)
 {
     (void)state;
     enum { ITEMS = 21 };
-    for (int grain = 0; grain < 2; grain++)
+    /* Plain, dealt, and in 16 orders. */
+    for (int way = 0; way < 18; way++)
         for (int64_t count = 0; count <= ITEMS; count++)
             for (int64_t block = 0; block <= 8; block++) {
                 ost_cpu_sharing sharing;
                 int taken[ITEMS + 1] = {0};
-                ost_cpu_sharing_init(&sharing, grain);
-                ost_team team = ost_team_of(&sharing, 1, OST_PATH_REMOVAL, INT64_MAX, count, block);
-                ost_member me = ost_team_join(&team);
-                for (int64_t i; (i = ost_team_next(&team, &me)) >= 0;)
-                    taken[i]++;
+                ost_cpu_sharing_init(&sharing, way > 0, way > 1 ? (uint64_t)way : 0);
+                ost_team team = ost_team_of(&sharing, way > 1 ? 3 : 1, OST_PATH_REMOVAL, INT64_MAX, count, block);
+                if (way > 1) /* its three members, one after the other */
+                    for (int m = 0; m < 3; m++) {
+                        ost_member me = {.next = m, .stride = 3};
+                        for (int64_t i; (i = ost_team_next(&team, &me)) >= 0;)
+                            taken[i]++;
+                    }
+                else {
+                    ost_member me = ost_team_join(&team);
+                    for (int64_t i; (i = ost_team_next(&team, &me)) >= 0;)
+                        taken[i]++;
+                }
                 ost_team_end(&sharing, &team);
                 for (int64_t i = 0; i <= ITEMS; i++)
                     assert_int_equal(taken[i], i < count);
@@ -191,6 +214,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_smallest_grain_enters_every_path),
+        cmocka_unit_test(no_order_changes_a_bone),
         cmocka_unit_test(thresholds_hold_without_it),
         cmocka_unit_test(a_team_takes_each_item_once),
         cmocka_unit_test(many_chunks_share_a_removal),

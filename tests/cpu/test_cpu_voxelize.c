@@ -55,7 +55,7 @@ static void compare_one(const char *spec, bool tiny, const ost_snapped_mesh *cut
     ost_voxelize_report report;
     assert_ok(ost_backend_open(spec, &backend, &err));
     if (tiny)
-        ost_cpu_sharing_init(((cpu_backend *)backend)->sharing, 1);
+        ost_cpu_sharing_init(((cpu_backend *)backend)->sharing, 1, 0);
     for (int again = 0; again < 2; again++) { /* what one call leaves behind must not reach the next */
         memset(&report, 0x5a, sizeof report);
         assert_ok(ost_voxelize(backend, cutting, noncutting, rule, &report, &tool, &err));
