@@ -12,6 +12,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 struct ost_plugin_instance {
     ost_backend *ref;
@@ -302,6 +303,8 @@ static int32_t m_remove(ost_plugin_bone *bone, const ost_plugin_tool *tool, cons
 {
     if (broken("crash"))
         raise(SIGSEGV);
+    while (broken("hang"))
+        pause();
     if (broken("status"))
         return 77;
     if (broken("lost")) {

@@ -1,0 +1,58 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+#
+# What a campaign does by its options and leaves for programs: threads that share every kind of work, the limit of time of a
+# backend, junit.xml, and results made again by verify.
+# Covers: REQ-VAL-THREADS, REQ-VAL-LIMIT, REQ-JUNIT, REQ-RERUN
+. "${srcdir:-.}/tests/app/lib.sh"
+
+# Each number of threads has a backend in the smoke tier, and that backend shares each kind of work.
+run 0 validate --cpu-only --only import/0 --out b --json
+for threads in 2 3 7; do
+    checks=$((checks + 1))
+    grep -q "\"name\": \"cpu:isa=[a-z0-9]*,threads=$threads,grain=1\"" b/protocol.json || fail "no backend with $threads threads that share the smallest work"
+    run 0 validate --backends "cpu:isa=scalar,threads=$threads,grain=1" --only operation/0 --json
+    for kind in 'scatter' 'copy of a grid' 'conversion to chunks' 'upload of a bone' 'digest' 'sort of triangles' 'voxelization' 'removal and collision'; do
+        checks=$((checks + 1))
+        grep -q "\"$kind on $threads threads\": *[1-9]" out || fail "$kind is not shared on $threads threads"
+    done
+done
+
+# verify makes the results again: the reference's, and a backend's; another result is found.
+run 0 verify b --rerun
+run 0 verify b --rerun --backend cpu:isa=scalar,threads=3,grain=1
+run 2 verify b --backend cpu:threads=2
+if [ -e "$build/.libs/mirror.so" ]; then
+    export ASAN_OPTIONS="handle_segv=0:${ASAN_OPTIONS:-}"
+    cp "$build/.libs/mirror.so" "$build/.libs/thesis_f32.so" .
+    run 1 verify b --rerun --backend plugin:./thesis_f32.so
+    checks=$((checks + 1))
+    grep -q "import/0 comes out otherwise on plugin:./thesis_f32.so here (differs" out || fail "another result than the bundle's: $(cat out)"
+
+    # A backend that never ends is stopped after the limit, and its case has a verdict of its own.
+    run 1 validate --only sweep/1 --backends 'plugin:mirror.so,break=hang;cpu:isa=scalar,threads=1' --limit 3 --out late --json
+    check "late" "$(value findings.0.verdict) $(value findings.0.backend)" "timed out plugin:mirror.so,break=hang"
+    check "the other backend" "$(value results.equal)" 1
+    run 0 verify late
+
+    # junit.xml: a test for each case on each backend; what differs fails, what is not there is skipped.
+    run 1 validate --only mesh/1 --backends 'cpu:isa=scalar,threads=1;plugin:mirror.so,break=snap;cl:platform=77' --out j
+    suite() { grep -A2 "<testsuite name=\"$1\"" j/junit.xml; }
+    for expected in 'cpu:isa=scalar,threads=1|failures="0" errors="0" skipped="0"|time="[0-9.]*"/>' \
+        'plugin:mirror.so,break=snap|failures="1" errors="0" skipped="0"|<failure message="snap 0: ' 'cl:platform=77|failures="0" errors="0" skipped="1"|<skipped message="'; do
+        name=${expected%%|*} rest=${expected#*|}
+        checks=$((checks + 2))
+        suite "$name" | grep -q "tests=\"1\" ${rest%%|*} time=\"[0-9.]*\" timestamp=\"20[0-9T:-]*\" hostname=\"" || fail "junit.xml, $name: $(suite "$name")"
+        suite "$name" | grep -q "<testcase classname=\"$name\" name=\"mesh/1\".*${rest##*|}" || fail "junit.xml, the case on $name: $(suite "$name")"
+    done
+    check "failures in junit.xml" "$(grep -c '<failure' j/junit.xml)" 1
+    run 0 verify j
+    sed 's/<failure message="[^"]*"/<skipped message="later"/' j/junit.xml >other
+    mv other j/junit.xml
+    run 1 verify j
+    checks=$((checks + 1))
+    grep -q 'junit.xml does not follow from the files' out || fail "a failure that became a skip: $(cat out)"
+else
+    echo "no shared objects: limits and junit.xml were not tried"
+fi
+finish
