@@ -277,8 +277,7 @@ def _(c, b, m):
     return []
 
 
-@rule("", "div", r"✓ EQUALAll ([\d,]+) results are, byte for byte, the reference's: (0) differing bytes\. From results\.json")
-@rule("", "div", r"✓ EQUALThe ([\d,]+) result is, byte for byte, the reference's: (0) differing bytes\. From results\.json")
+@rule("", "div", r"✓ EQUALEvery backend computed exactly what the reference computed: ([\d,]+) results?, (0) differing bytes\. From results\.json")
 def _(c, b, m):
     r = c.file(b, "results.json")
     same(b, "EQUAL", r["verdict"])
@@ -301,7 +300,7 @@ def _(c, b, m):
     return []
 
 
-@rule("", "div", r"✗ NOT EQUAL ?([\d,]+) of ([\d,]+) results? came out otherwise than the reference's\.(?: ?The other (backend is equal in all its cases|[\d,]+ backends are equal in all their cases)\.)?"
+@rule("", "div", r"✗ NOT EQUAL ?In ([\d,]+) of ([\d,]+) results?, a backend did not compute what the reference computed\.(?: ?The other (backend is equal in all its cases|[\d,]+ backends are equal in all their cases)\.)?"
                  r"( \(And this was a reduced run\.\))? From results\.json(?: and cases\.jsonl)?")
 def _(c, b, m):
     r, cases, protocol = c.file(b, "results.json"), c.file(b, "cases.jsonl"), c.bundle.parsed("protocol.json")
@@ -336,13 +335,13 @@ def _(c, b, m):
     return expect(s["detected"], s["changed"]) + [str(len(s["kinds"])), str(len(silent))] + expect(s["false_alarms"])
 
 
-@rule("", "li", r"Could all be wrong alike\? ([\d,]+) of ([\d,]+) checks against what is known by hand, by formula and by law came out right \(common\.json\)\.")
+@rule("", "li", r"Mistakes that all backends have in common: ([\d,]+) of ([\d,]+) checks against results known by hand, by formula and by law passed \(common\.json\)\.")
 def _(c, b, m):
     passed = [x["passed"] for x in c.file(b, "common.json")["checks"]]
     return expect(sum(passed), len(passed))
 
 
-@rule("", "li", r"What was not shown\? ([\d,]+) things, listed below \(deviations\.csv\)\.")
+@rule("", "li", r"Not shown by this report: ([\d,]+) points, listed below \(deviations\.csv\)\.")
 def _(c, b, m):
     return expect(len(c.file(b, "deviations.csv")))
 
@@ -608,14 +607,15 @@ def _(c, b, m):
 @rule(MARGINS, "p", r"(?:For ([\d,]+) of these voxels no border explains the other's value: that only rounding differs is refuted\. ?)?"
                     r"(?:([\d,]+) of these decisions lay farther than 1/1024 of a voxel from the nearest border that could explain them: that only rounding differs is refuted\. ?)?"
                     r"(?:([\d,]+) voxels were too many to be measured\. ?)?"
-                    r"(?:All of these decisions lay within 1/1024 of a voxel of a border: as far as these cases go, (only rounding at borders) differs, and the greatest margin is its bound\.)?")
+                    r"(?:Decisions within 1/1024 of a voxel of a border: ([\d,]+), all that were measured\. That agrees with rounding at borders alone and does not prove it: "
+                    r"another mistake can show at borders as well, and the greatest margin bounds these cases alone\.)?")
 def _(c, b, m):
     c.file(b, "margins.csv")
     total = {k: sum(int(r[k]) for r in c.rows) for k in MARGIN_KEYS + ["unmeasured"]}
     near = sum(sum(margin_bins(r)[:11]) for r in c.rows)
     other, far = total["unexplained"] + total["below_threshold"], total["decided"] - near
     only = not other and not total["unmeasured"] and total["decided"] and not far
-    return [commas(n) if n else None for n in (other, far, total["unmeasured"])] + ["only rounding at borders" if only else None]
+    return [commas(n) if n else None for n in (other, far, total["unmeasured"])] + [commas(total["decided"]) if only else None]
 
 
 SENSITIVITY = "Would the comparison have noticed a mistake?"
@@ -677,7 +677,8 @@ def _(c, b, m):
     if head == "OpenCL":
         p = c.file(b, source)
         sets = [(x["what"], re.search(r"kernels=(\w+)", x["name"])) for x in backends_of(p)[1:] if x["name"].startswith("cl") and x["available"]]
-        rows = [words("%s; kernels: %s" % (what, found.group(1) if found else "the set that the device's type chooses")) for what, found in sets]
+        rows = [words(what if found and "kernels for" in what else "%s; kernels%s" % (what, " for %sPUs" % found.group(1)[0].upper() if found else ": the set that the device's type chooses"))
+                for what, found in sets]
         same(b, said, " ".join(rows) or "no device was compared")
         return None
     machines = machines_of(c.file(b, source))
@@ -706,7 +707,7 @@ def _(c, b, m):
 CHANGES = "What changed since an older bundle"
 
 
-@rule(CHANGES, "p", r"([\d,]+ cases?) compared by the digests of what the reference made: ([\d,]+) different; ([\d,]+ cases?) not compared; ([\d,]+ verdicts?) of backends changed\. (.*)\.")
+@rule(CHANGES, "p", r"([\d,]+ cases?) compared by the digests of what the reference made: ([\d,]+) different; ([\d,]+ cases?) not compared; ([\d,]+ verdicts?) of backends changed\. Conclusion: (.*)\.")
 def _(c, b, m):
     i = c.file(b, "impact.json")
     r = i["results"]

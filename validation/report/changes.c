@@ -43,7 +43,7 @@ static void counts(const page *p, const json_t *o)
     page_many(p, json_array_size(json_object_get(results, "not_compared")), "case");
     fputs(" not compared; ", p->to);
     page_many(p, json_array_size(json_object_get(o, "verdicts")), "verdict");
-    fputs(" of backends changed. <b>", p->to);
+    fputs(" of backends changed. Conclusion: <b>", p->to);
     page_text(p, evidence_text(o, "conclusion"));
     fputs("</b>.</p>\n", p->to);
 }
@@ -55,7 +55,7 @@ void section_changes(const page *p)
         return;
     fputs("<h2>What changed since an older bundle</h2>\n", p->to);
     counts(p, o);
-    fputs("<table class=\"wrap\"><thead><tr><th>Changed</th><th>which</th><th>was</th><th>is</th></tr></thead>\n", p->to);
+    fputs("<table class=\"changes\"><thead><tr><th>Changed</th><th>which</th><th>was</th><th>is</th></tr></thead>\n", p->to);
     rows(p, json_object_get(o, "causes"), "run");
     rows(p, json_object_get(o, "libraries"), "library");
     rows(p, json_object_get(o, "devices"), "device");

@@ -114,8 +114,10 @@ static void opencl(const page *p)
             continue;
         fputs(said++ ? "<br>" : "", p->to);
         page_text(p, evidence_text(one, "what"));
-        fputs("; kernels: ", p->to);
-        page_text(p, !set ? "the set that the device's type chooses" : strncmp(set, "kernels=gpu", 11) == 0 ? "gpu" : "cpu");
+        if (!set)
+            fputs("; kernels: the set that the device's type chooses", p->to);
+        else if (!strstr(evidence_text(one, "what"), "kernels for"))
+            fputs(strncmp(set, "kernels=gpu", 11) == 0 ? "; kernels for GPUs" : "; kernels for CPUs", p->to);
     }
     if (!said)
         fputs("no device was compared", p->to);

@@ -98,8 +98,12 @@ static void meaning(const page *p, const sums *all, json_int_t near)
         page_count(p, all->unmeasured);
         fputs(" voxels were too many to be measured. ", p->to);
     }
-    if (!other && !all->unmeasured && all->decided && all->decided == near)
-        fputs("All of these decisions lay within 1/1024 of a voxel of a border: as far as these cases go, <b>only rounding at borders</b> differs, and the greatest margin is its bound.", p->to);
+    if (!other && !all->unmeasured && all->decided && all->decided == near) {
+        fputs("Decisions within 1/1024 of a voxel of a border: ", p->to);
+        page_count(p, all->decided);
+        fputs(", all that were measured. That agrees with <b>rounding at borders alone</b> and does not prove it: another mistake can show at borders as well, "
+              "and the greatest margin bounds these cases alone.", p->to);
+    }
     fputs("</p>\n", p->to);
 }
 

@@ -74,10 +74,11 @@ static void verdict(const page *p)
     const json_int_t same = json_integer_value(json_object_get(counts, case_verdict_name(CASE_EQUAL))), other = findings(p);
     if (other) {
         fputs("<div class=\"verdict differ\"><b>&#10007; NOT EQUAL</b>", p->to);
+        fputs("In ", p->to);
         page_count(p, other);
         fputs(" of ", p->to);
         page_many(p, (size_t)(other + same), "result");
-        fputs(" came out otherwise than the reference's.", p->to);
+        fputs(", a backend did not compute what the reference computed.", p->to);
         who_differs(p);
         if (!evidence)
             fputs(" (And this was a reduced run.)", p->to);
@@ -88,10 +89,10 @@ static void verdict(const page *p)
                     "No backend but the reference ran a case that the reference did not refuse.", p->to);
     } else {
         fputs(evidence ? "<div class=\"verdict equal\"><b>&#10003; EQUAL</b>" : "<div class=\"verdict none\"><b>&#9888; REDUCED RUN: NO EVIDENCE</b>", p->to);
-        fputs(evidence ? same == 1 ? "The " : "All " : same == 1 ? "<strong>Equal in the " : "<strong>Equal in all ", p->to);
+        fputs(evidence ? "Every backend computed exactly what the reference computed: " : same == 1 ? "<strong>Equal in the " : "<strong>Equal in all ", p->to);
         page_many(p, (size_t)same, "result");
-        fputs(evidence ? same == 1 ? " is" : " are" : same == 1 ? " that was compared" : " that were compared", p->to);
-        fputs(evidence ? ", byte for byte, the reference's: 0 differing bytes." : "</strong>; but too little was compared to prove anything.", p->to);
+        fputs(evidence ? ", 0 differing bytes." : same == 1 ? " that was compared" : " that were compared", p->to);
+        fputs(evidence ? "" : "</strong>; but too little was compared to prove anything.", p->to);
     }
     fputs("<br><span class=\"from\">From ", p->to);
     page_link(p, "results.json");
@@ -146,12 +147,12 @@ static void in_short(const page *p)
         fputs(").</li>\n", p->to);
     }
     if (passed >= 0) {
-        fprintf(p->to, "<li>Could all be wrong alike? %lld of %lld checks against what is known by hand, by formula and by law came out right (", (long long)passed,
+        fprintf(p->to, "<li>Mistakes that all backends have in common: %lld of %lld checks against results known by hand, by formula and by law passed (", (long long)passed,
                 (long long)(passed + failed));
         page_link(p, COMMON_FILE);
         fputs(").</li>\n", p->to);
     }
-    fprintf(p->to, "<li>What was not shown? %zu things, listed <a href=\"#not-shown\">below</a> (", json_array_size(json_object_get(p->summary, "not_shown")));
+    fprintf(p->to, "<li>Not shown by this report: %zu points, listed <a href=\"#not-shown\">below</a> (", json_array_size(json_object_get(p->summary, "not_shown")));
     page_link(p, "deviations.csv");
     fputs(").</li>\n</ul>\n", p->to);
 }
@@ -168,7 +169,7 @@ static void head(const page *p)
     in_short(p);
     fputs("<p class=\"scope\">What this is: verification that all backends of osteon compute the same voxels (code verification). It is not clinical validation.</p>\n"
           "<p>osteon simulates the reaming of bone for surgery. The same operation can be computed by different programs, on processors and graphics cards. "
-          "This report says whether they give the same result, to the last bit: here ", p->to);
+          "This report says whether their results are bit-identical: here ", p->to);
     fputs("<b>", p->to);
     page_many(p, run, "backend");
     fputs("</b> on <b>", p->to);
@@ -344,13 +345,13 @@ ost_status report_write(const char *folder, const json_t *protocol, const json_t
     page_begin(&p, TITLE);
     head(&p);
     section_machine(&p);
+    not_shown(&p); /* on the first page */
     section_compared(&p);
     if (findings(&p)) { /* first what matters most */
         section_differences(&p);
         section_margins(&p);
     }
     section_own_files(&p);
-    not_shown(&p);
     section_paths(&p);
     section_changes(&p);
     operation(&p);

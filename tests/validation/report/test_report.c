@@ -296,6 +296,10 @@ static void says_the_verdict_first(void **state)
         assert_non_null(said);
         assert_true(said < heading);
         assert_null(strstr(html, expected[i].says_not));
+        const char *not_shown = strstr(html, "<h2 id=\"not-shown\">"), *compared = strstr(html, "<h2>What was compared with what");
+        assert_non_null(not_shown);
+        assert_non_null(compared);
+        assert_true(not_shown < compared); /* it stands on the first page */
         free(html);
     }
 }
