@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "core/file.h"
+#include "validation/bundle/copyright.h"
 
 extern char **environ;
 
@@ -265,12 +266,14 @@ static bool name_package(json_t *row, const json_t *owner, const json_t *version
     }
     if (package)
         json_unpack(json_object_get(version, package), "[s,s]", &its, &maintainer);
+    char licence[COPYRIGHT_LICENCE];
+    copyright_of(package ? package : "", licence);
     if (!its) { /* libz.so.1.2.13 says its version itself */
         its = strstr(real, ".so.");
         its = its ? its + 4 : "";
     }
     return json_object_set_new(row, "package", json_string(package ? package : "")) == 0 && json_object_set_new(row, "version", json_string(its)) == 0 &&
-           json_object_set_new(row, "maintainer", json_string(maintainer ? maintainer : "")) == 0;
+           json_object_set_new(row, "licence", json_string(licence)) == 0 && json_object_set_new(row, "maintainer", json_string(maintainer ? maintainer : "")) == 0;
 }
 
 static int by_file(const void *a, const void *b)

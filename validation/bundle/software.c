@@ -53,10 +53,12 @@ static const known table[] = {
     {"libc.so", "GNU C library", "Free Software Foundation", "LGPL-2.1-or-later", "files, memory, processes, text", "no function of libm decides a voxel",
      "https://sourceware.org/bugzilla/"},
     {"libm.so", "GNU C library", "Free Software Foundation", "LGPL-2.1-or-later", "phantoms, paths, pictures", "no function of libm decides a voxel", "https://sourceware.org/bugzilla/"},
+    {"libdl.so", "GNU C library", "Free Software Foundation", "LGPL-2.1-or-later", "loads drivers and plugins", "none known", "https://sourceware.org/bugzilla/"},
+    {"libpthread.so", "GNU C library", "Free Software Foundation", "LGPL-2.1-or-later", "threads", "none known", "https://sourceware.org/bugzilla/"},
     {"ld-linux", "GNU C library", "Free Software Foundation", "LGPL-2.1-or-later", "loads the program", "none known", "https://sourceware.org/bugzilla/"},
 };
 
-static const known unknown = {"", "", "not known here", "NOASSERTION", "brought along by another library", "not known here: to be judged by whoever uses this bundle", ""};
+static const known unknown = {"", "", "NOASSERTION", "NOASSERTION", "brought along by another library", "none recorded: to be judged by the user of this bundle", ""};
 
 static const known *known_of(const char *soname)
 {
@@ -122,6 +124,49 @@ static const json_t *part_of(const json_t *tools, const char *key)
 
 /* ------------------------------------------------------------------ files */
 
+/* The package's own licence where the table has none; what neither has is NOASSERTION. */
+static const char *licence_of(const known *k, const json_t *library)
+{
+    const char *its = evidence_text(library, "licence");
+    return strcmp(k->licence, "NOASSERTION") == 0 && *its ? its : k->licence;
+}
+
+/* The supplier of a library: who packaged it, or the maker of what is not of a package. */
+static const char *supplier_of(const known *k, const json_t *library)
+{
+    return *evidence_text(library, "maintainer") ? evidence_text(library, "maintainer") : k->maker;
+}
+
+static const known *compiler_of(const char *text)
+{
+    static const known gcc = {"", "GCC", "Free Software Foundation", GCC_EXCEPTION, "", "", "https://gcc.gnu.org/bugzilla/"};
+    return strstr(text, "clang") ? known_of("libclang") : strncmp(text, "gcc", 3) == 0 || strstr(text, "GCC") ? &gcc : &unknown;
+}
+
+/* By the name that pkg-config has. */
+static const known *headers_of(const char *name)
+{
+    static const known cglm = {"", "cglm", "R. Aslantas and cglm contributors", "MIT", "", "", "https://github.com/recp/cglm/issues"};
+    char soname[64];
+    if (strcmp(name, "cglm") == 0)
+        return &cglm;
+    snprintf(soname, sizeof soname, "%s%.40s.so", strncmp(name, "lib", 3) == 0 ? "" : "lib", strcmp(name, "zlib") == 0 ? "z" : name);
+    return known_of(soname);
+}
+
+/* A row of what is there when osteon is built. */
+static void put_build(FILE *to, const known *k, const char *name, const char *version, const char *purpose, const char *limits)
+{
+    put_csv(to, name, ',');
+    put_csv(to, version, ',');
+    put_csv(to, k->maker, ',');
+    put_csv(to, purpose, ',');
+    put_csv(to, k->licence, ',');
+    put_csv(to, limits, ',');
+    put_csv(to, k->anomalies, ',');
+    fputs(",\"build\",\"\",\"\",\"\"\n", to);
+}
+
 static void soup(FILE *to, json_t *tools)
 {
     json_t *libraries = libraries_of(tools);
@@ -134,9 +179,9 @@ static void soup(FILE *to, json_t *tools)
         const known *k = known_of(evidence_text(one, "soname"));
         put_csv(to, *k->name ? k->name : evidence_text(one, "soname"), ',');
         put_csv(to, evidence_text(one, "version"), ',');
-        put_csv(to, k == &unknown && *evidence_text(one, "maintainer") ? evidence_text(one, "maintainer") : k->maker, ',');
+        put_csv(to, k == &unknown ? supplier_of(k, one) : k->maker, ',');
         put_csv(to, k->purpose, ',');
-        put_csv(to, strcmp(k->licence, "NOASSERTION") == 0 ? "see its package" : k->licence, ',');
+        put_csv(to, licence_of(k, one), ',');
         put_csv(to, k->limits, ',');
         put_csv(to, k->anomalies, ',');
         fputs(",", to); /* a date, by whoever reviews */
@@ -145,14 +190,10 @@ static void soup(FILE *to, json_t *tools)
         put_csv(to, evidence_text(one, "file"), ',');
         put_csv(to, evidence_text(one, "sha256"), '\n');
     }
-    put_csv(to, evidence_text(build, "compiler"), ',');
-    fputs("\"\",\"see its package\",\"compiles osteon\",\"see its package\",\"a compiler may err; each build is compared with the reference and the tests\",\"\",,\"build\",\"\",\"\",\"\"\n",
-          to);
-    json_object_foreach(json_object_get(build, "headers"), name, version) {
-        put_csv(to, name, ',');
-        put_csv(to, json_string_value(version) ? json_string_value(version) : "", ',');
-        fputs("\"see its package\",\"headers at build time\",\"see its package\",\"the version that runs is above\",\"\",,\"build\",\"\",\"\",\"\"\n", to);
-    }
+    put_build(to, compiler_of(evidence_text(build, "compiler")), evidence_text(build, "compiler"), "", "compiles osteon",
+              "a compiler may err; each build is compared with the reference and the tests");
+    json_object_foreach(json_object_get(build, "headers"), name, version)
+        put_build(to, headers_of(name), name, json_string_value(version) ? json_string_value(version) : "", "headers at build time", "the version that runs is above");
     json_decref(libraries);
 }
 
@@ -173,14 +214,16 @@ static json_t *sbom_package(size_t number, const json_t *one, const char *distri
 {
     const known *k = known_of(evidence_text(one, "soname"));
     char id[40], supplier[300];
-    const char *version = evidence_text(one, "version"), *maintainer = evidence_text(one, "maintainer");
+    const char *version = evidence_text(one, "version"), *maker = supplier_of(k, one);
     snprintf(id, sizeof id, "SPDXRef-Library-%zu", number);
-    if (*maintainer)
-        snprintf(supplier, sizeof supplier, "Organization: %.280s", maintainer);
-    else
+    if (strcmp(maker, "NOASSERTION") == 0)
         snprintf(supplier, sizeof supplier, "NOASSERTION");
+    else
+        snprintf(supplier, sizeof supplier, "Organization: %.280s", maker);
+    for (char *c = supplier; *c; c++) /* SPDX has the address in brackets */
+        *c = (char)(*c == '<' ? '(' : *c == '>' ? ')' : *c);
     json_t *o = json_pack("{s:s,s:s,s:s,s:s,s:s,s:b,s:s,s:s,s:s,s:s,s:[{s:s,s:s}]}", "SPDXID", id, "name", evidence_text(one, "soname"), "packageFileName", evidence_text(one, "file"),
-                          "supplier", supplier, "downloadLocation", "NOASSERTION", "filesAnalyzed", false, "licenseConcluded", "NOASSERTION", "licenseDeclared", k->licence,
+                          "supplier", supplier, "downloadLocation", "NOASSERTION", "filesAnalyzed", false, "licenseConcluded", "NOASSERTION", "licenseDeclared", licence_of(k, one),
                           "copyrightText", "NOASSERTION", "primaryPackagePurpose", "LIBRARY", "checksums", "algorithm", "SHA256", "checksumValue", evidence_text(one, "sha256"));
     if (*version)
         json_object_set_new(o, "versionInfo", json_string(version));
@@ -201,7 +244,7 @@ static void sbom(FILE *to, json_t *tools)
     free(text);
     snprintf(space, sizeof space, "https://spdx.org/spdxdocs/osteon-%.20s-%s", evidence_text(program, "version"), ost_digest_hex(&digest, hex));
     snprintf(creator, sizeof creator, "Tool: osteon-%.20s", evidence_text(program, "version"));
-    json_array_append_new(packages, json_pack("{s:s,s:s,s:s,s:s,s:b,s:s,s:s,s:s,s:s,s:[{s:s,s:s}],s:s}", "SPDXID", "SPDXRef-osteon", "name", "osteon", "versionInfo",
+    json_array_append_new(packages, json_pack("{s:s,s:s,s:s,s:s,s:s,s:b,s:s,s:s,s:s,s:s,s:[{s:s,s:s}],s:s}", "SPDXID", "SPDXRef-osteon", "supplier", "Organization: the osteon project", "name", "osteon", "versionInfo",
                                               evidence_text(program, "version"), "downloadLocation", "NOASSERTION", "filesAnalyzed", false, "licenseConcluded", "Apache-2.0",
                                               "licenseDeclared", "Apache-2.0", "copyrightText", "NOASSERTION", "primaryPackagePurpose", "APPLICATION", "checksums", "algorithm",
                                               "SHA256", "checksumValue", evidence_text(program, "sha256"), "sourceInfo", evidence_text(build, "commit")));
@@ -214,7 +257,7 @@ static void sbom(FILE *to, json_t *tools)
         if (json_is_true(json_object_get(one, "linked")))
             json_array_append_new(relations, json_pack("{s:s,s:s,s:s}", "spdxElementId", "SPDXRef-osteon", "relationshipType", "DYNAMIC_LINK", "relatedSpdxElement", id));
         else
-            json_array_append_new(relations, json_pack("{s:s,s:s,s:s}", "spdxElementId", id, "relationshipType", "RUNTIME_DEPENDENCY_OF", "relatedSpdxElement", "SPDXRef-osteon"));
+            json_array_append_new(relations, json_pack("{s:s,s:s,s:s}", "spdxElementId", "SPDXRef-osteon", "relationshipType", "DEPENDS_ON", "relatedSpdxElement", id));
         proprietary |= strcmp(known_of(evidence_text(one, "soname"))->licence, "LicenseRef-proprietary") == 0;
     }
     const char *date = evidence_text(build, "source_date");

@@ -14,6 +14,7 @@
 
 #include "validation/bundle/bundle.h"
 #include "validation/bundle/check.h"
+#include "validation/bundle/copyright.h"
 #include "validation/bundle/junit.h"
 #include "validation/report/page.h"
 #include "validation/report/pictures.h"
@@ -560,9 +561,28 @@ static int clear_scratch(void **state)
     return 0;
 }
 
+/* Debian's short names: docs of the format 1.0, SPDX's list of licences. */
+static void licences_of_packages_are_spdx(void **state)
+{
+    static const char *const pairs[][2] = {{"Expat", "MIT"}, {"GPL-2+", "GPL-2.0-or-later"}, {"LGPL-2.1", "LGPL-2.1-only"}, {"BSD-3-clause and expat", "BSD-3-Clause AND MIT"},
+                                           {"GPL-2 or GPL-3+ or Zlib", "GPL-2.0-only OR GPL-3.0-or-later OR Zlib"}, {"public-domain", ""}, {"Expat and", ""}, {"Expat MIT", ""},
+                                           {"", ""}, {"GPL-2+ with OpenSSL exception", ""}};
+    char out[COPYRIGHT_LICENCE];
+    (void)state;
+    for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; i++) {
+        copyright_spdx(pairs[i][0], out);
+        assert_string_equal(out, pairs[i][1]);
+    }
+    copyright_of("../../../etc/passwd", out);
+    assert_string_equal(out, "");
+    copyright_of("a-package-that-nobody-has", out);
+    assert_string_equal(out, "");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(licences_of_packages_are_spdx),
         cmocka_unit_test(follows_from_the_bundle),  cmocka_unit_test(says_the_verdict_first), cmocka_unit_test(escapes_what_it_is_given),
         cmocka_unit_test(links_lead_somewhere),     cmocka_unit_test(shows_a_difference),
         cmocka_unit_test(sums_up_mistakes),         cmocka_unit_test(counts_read_well),         cmocka_unit_test(a_changed_byte_is_noticed),

@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The licence of an installed Debian package as an SPDX expression:
+ *
+ *   /usr/share/doc/PACKAGE/copyright, in the machine-readable format 1.0
+ *   --licence of "Files: *"--> "GPL-2+ and Expat" --> "GPL-2.0-or-later AND MIT"
+ *
+ * Other formats, other systems and names that have no SPDX identifier give "".
+ */
+#ifndef OST_VALIDATION_COPYRIGHT_H
+#define OST_VALIDATION_COPYRIGHT_H
+
+enum { COPYRIGHT_LICENCE = 200 };
+
+/* Reads the copyright file of a package; out is "" where it has no licence that is known here. */
+void copyright_of(const char *package, char out[COPYRIGHT_LICENCE]);
+
+/* Translates Debian's short names, joined by "and" and "or", into an SPDX expression; "" where one of them has none. */
+void copyright_spdx(const char *debian, char out[COPYRIGHT_LICENCE]);
+
+#endif
