@@ -24,14 +24,11 @@
     X(ost_cubic_linear)      \
     X(ost_chunk_scan)        \
     X(ost_chunk_scan_layers) \
-    X(ost_chunk_slots)       \
     X(ost_chunk_store)       \
     X(ost_chunk_store_layers) \
     X(ost_chunk_load)        \
     X(ost_chunk_load_rows)   \
     X(ost_chunk_count)       \
-    X(ost_chunk_checksum)    \
-    X(ost_chunk_surface)     \
     X(ost_vox_steps)         \
     X(ost_vox_fill)          \
     X(ost_vox_count)         \

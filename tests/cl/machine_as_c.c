@@ -42,14 +42,11 @@ static void call(enum test_kernel kernel, const kernel_arg *args)
     case K_ost_cubic_linear: ost_cubic_linear(B(0), B(1), B(2), B(3)); break;
     case K_ost_chunk_scan: ost_chunk_scan(B(0), I(1), I(2), I(3), I(4), B(5), B(6), B(7)); break;
     case K_ost_chunk_scan_layers: ost_chunk_scan_layers(B(0), I(1), I(2), I(3), I(4), B(5), B(6), B(7)); break;
-    case K_ost_chunk_slots: ost_chunk_slots(U(0), B(1), B(2), B(3), B(4)); break;
     case K_ost_chunk_store: ost_chunk_store(B(0), I(1), I(2), I(3), I(4), B(5), B(6), B(7), B(8), B(9)); break;
     case K_ost_chunk_store_layers: ost_chunk_store_layers(B(0), I(1), I(2), I(3), I(4), B(5), B(6), B(7), B(8), B(9)); break;
     case K_ost_chunk_load: ost_chunk_load(B(0), I(1), I(2), B(3), B(4), B(5)); break;
     case K_ost_chunk_load_rows: ost_chunk_load_rows(B(0), I(1), I(2), B(3), B(4), B(5)); break;
     case K_ost_chunk_count: ost_chunk_count(B(0), U(1), U(2), B(3), B(4)); break;
-    case K_ost_chunk_checksum: ost_chunk_checksum(B(0), U(1), U(2), B(3), B(4), B(5)); break;
-    case K_ost_chunk_surface: ost_chunk_surface(B(0), U(1), B(2), B(3), B(4), B(5)); break;
     case K_ost_vox_steps: ost_vox_steps(B(0), B(1), B(2), B(3)); break;
     case K_ost_vox_fill: ost_vox_fill(B(0), B(1), B(2), B(3)); break;
     case K_ost_vox_count: ost_vox_count(B(0), B(1), B(2)); break;

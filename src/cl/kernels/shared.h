@@ -25,12 +25,7 @@
  *     asked for by the ranges of docs/arithmetic.md, section 18.
  *   - Build option -DOST_FOR=d: kernels for devices of many small work items
  *     (d & 1, GPUs) or few strong ones (d & 2, CPUs); where both have one for the
- *     same work, results are the same.  3 when not given: all, also three
- *     that only tests run, since the table has no slot that asks for what
- *     they give: ost_chunk_slots (the host hands out slots, as it frees
- *     them too), _checksum (two bones on a device compared without bringing
- *     them here: today digests are taken of what is downloaded), _surface
- *     (what a renderer on the device draws of its words).
+ *     same work, results are the same.  3 when not given: both sets.
  *   - Build option -DOST_ROWS=r, r of 1, 2, 4, 8, 16: rows a work item of
  *     ost_remove takes (1 suits GPUs; 4 when not given).
  *   - Build option -DOST_RUN=v: neighbours along x that a work item of
@@ -168,8 +163,6 @@ typedef struct ost_cl_cubic {
  *       reach the threshold.
  *   ost_chunk_scan_layers(...)
  *       the same for CPUs: chunk_dims.y, chunk_dims.z.  An item has a row of chunks along x.
- *   ost_chunk_slots(count, active, slots, chunks, total)
- *       one item.  Slots in ascending order of the chunks (count of them) with active > 0; *total (uint[1]) of them.
  *   ost_chunk_store(bone, z0, z1, first, weights, layers, slab, slots, density, words)
  *       n * n / 32, chunk_dims.x * chunk_dims.y, z1 - z0.  An item writes one word and its 32 densities, where the chunk has a
  *       slot.  Voxels below the threshold become 0; those in the padding beyond dims.x or dims.y too.  Planes of padding beyond
@@ -183,13 +176,6 @@ typedef struct ost_cl_cubic {
  *       the same for CPUs: chunk_dims.y, z1 - z0.  An item has a slice of a row of chunks along x.
  *   ost_chunk_count(bone, first, count, words, active)
  *       n, count.  Adds the set bits of slot first + i to active[i] (uint[count], zeros at first), i < count.
- *   ost_chunk_checksum(bone, first, count, chunks, density, sums)
- *       n, count.  sums[i n + z] (ulong[count * n]): of plane z of slot first + i; 0 where it is free.  The checksum of any
- *       set of planes is their sum modulo 2^64; it is a sum over voxels that are not 0 of a mixture of place in the grid and
- *       density (ost_mix in common.h), so neither the size nor the order of chunks shows in a bone's.
- *   ost_chunk_surface(bone, count, list, slots, words, surface)
- *       n^3 / 32, count.  For the renderer: surface[i n^3 / 32 + w] has the bits of word w of chunk list[i] whose voxels have
- *       an inactive neighbour across one of their six faces; what is outside the grid is inactive.  0 without a slot.
  */
 typedef struct ost_cl_bone {
     ost_cl_i32 dims[3];
