@@ -392,7 +392,7 @@ static void nifti_fields(void **state)
     write_file("f.hdr", file.data, file.size);
     assert_refused(at("f.hdr"), NULL, OST_ERR_INPUT, "ANALYZE 7.5");
     s.pair = true;
-    write_nifti("noext", &s, NULL, 0);
+    write_nifti("noext", &s, "", 0);
     assert_refused(at("noext"), NULL, OST_ERR_INPUT, ".hdr");
     file.size = 0;
     put_gzip(&file, "hello", 5);
