@@ -50,3 +50,12 @@ void motor_turned(void)
     const ost_pose a = any_pose(q << WIDER), b = any_pose(q << WIDER);
     (void)turns_too_far(&a, &b);
 }
+
+/* (r + bit)^2 of any N below 2^62 and the root, which is below 2^31. */
+void motor_root(void)
+{
+    const int64_t n = nondet_int64();
+    ASSUME(n >= 0 && n < INT64_C(1) << 62);
+    const int64_t r = root(n);
+    ASSERT(r >= 0 && r < INT64_C(1) << 31 >> WIDER);
+}

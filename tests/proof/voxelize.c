@@ -22,3 +22,24 @@ void voxelize_edge(void)
     const int64_t e = ((int64_t)b[Y] - a[Y]) * (z - a[Z]) - ((int64_t)b[Z] - a[Z]) * (y - a[Y]);
     BOUNDED(e, INT64_C(1) << 41);
 }
+
+/* K and every partial sum below 2^63 (D of AR-VOX-3 is K turned round), and the quotient's terms. */
+void voxelize_plane(void)
+{
+    int32_t a[3], b[3], c[3];
+    any_vertex(a);
+    any_vertex(b);
+    any_vertex(c);
+    const int64_t y = any32(0, LATTICE << WIDER), z = any32(0, LATTICE << WIDER);
+    int64_t u[3], v[3];
+    for (int i = 0; i < 3; i++) {
+        u[i] = (int64_t)b[i] - a[i];
+        v[i] = (int64_t)c[i] - a[i];
+    }
+    const int64_t nx = u[Y] * v[Z] - u[Z] * v[Y], ny = u[Z] * v[X] - u[X] * v[Z], nz = u[X] * v[Y] - u[Y] * v[X];
+    BOUNDED(nx, INT64_C(1) << 41);
+    const int64_t crossing = nx * a[X] - ny * (y - a[Y]) - nz * (z - a[Z]);
+    const int64_t half = 1 << 9, width = 1 << 10;
+    const int64_t numerator = crossing - nx * half, denominator = nx * width;
+    (void)numerator, (void)denominator;
+}

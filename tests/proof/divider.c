@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "proof.h"
+
+#include "core/divider.h"
+
+/* I and the shift of any divisor; the casts to 64 bits are meant to drop bits. */
+void divider_inverse(void)
+{
+    const ost_i128 divisor = nondet_int128();
+    ASSUME(divisor >= (WIDER ? 1 : 1 << 15) && divisor <= (ost_i128)1 << 120);
+    const ost_divider by = ost_divider_of(divisor);
+    ASSERT(by.inverse >= INT64_C(1) << 62 && by.shift >= 0 && by.shift <= 105);
+}
+
+/* h and h I of |n| <= 2^46 D, restated: n / 2^46 stands for the product, which may exceed 128 bits. */
+void divider_estimate(void)
+{
+    const ost_divider by = {.divisor = nondet_int128(), .inverse = nondet_int64(), .shift = any32(0, 105)};
+    const ost_i128 n = nondet_int128();
+    ASSUME(by.divisor >= 1 << 15 && by.divisor >> (by.shift + 15) == 1);
+    ASSUME(by.inverse >= INT64_C(1) << 62);
+    ASSUME(n >> 46 + 2 * WIDER <= by.divisor && n >> 46 + 2 * WIDER >= -by.divisor - 1);
+    const int64_t h = (int64_t)(n >> by.shift);
+    const int64_t e = (int64_t)((ost_i128)h * by.inverse >> 78);
+    BOUNDED(e, (INT64_C(1) << 47) + 1);
+}

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "proof.h"
+
+#include "cpu/ref/import.c"
+
+static ost_pm any_spacing(void)
+{
+    const ost_pm spacing = nondet_int64();
+    ASSUME(spacing >= 1000000 && spacing <= INT64_C(100000000000));
+    return spacing;
+}
+
+/* on_lattice with its quotient, of any sample and origin within 8 m. */
+void import_lattice(void)
+{
+    (void)on_lattice(any64(LENGTH << 19 * WIDER), any64(LENGTH << 19 * WIDER), any_spacing());
+}
+
+/* 8 off, 3 s and 10^6 off of any lattice point, off <= spacing / 2. */
+void import_offset(void)
+{
+    const ost_pm spacing = any_spacing(), off = nondet_int64();
+    ASSUME(off >= 0 && off <= spacing / 2 << 14 * WIDER);
+    const lattice one = {nondet_int64(), off, spacing};
+    const lattice at[3] = {one, one, one};
+    (void)beyond(at, 3);
+    (void)offset_ppm(at);
+}

@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "proof.h"
+
+#include <string.h>
+
+#include "core/divider.h"
+
+/* Any quotient at all: check_bounds.py bounds what is divided. */
+#define ost_rhe_div128(n, d) nondet_int128()
+#include "core/map.c"
+
+/* base + sum of d step, every partial sum, for any base of a near block (AR-MAP-5): restated, it stands in loops of remove.c. */
+void map_coordinate(void)
+{
+    const int64_t most = 29058992; /* floor(sqrt(3) * 2^24 + 3/2): check_bounds.py */
+    const int32_t base = any32(-(1 << 29), (1 << 30) + (1 << 29) - 1);
+    int32_t step[3];
+    int64_t sum = 0;
+    for (int b = 0; b < 3; b++) {
+        step[b] = any32(-(1 << 24), 1 << 24);
+        sum += step[b] < 0 ? -step[b] : step[b];
+    }
+    ASSUME(sum <= most << 2 * WIDER);
+    const int32_t i = any32(0, 15), j = any32(0, 15), k = any32(0, 15);
+    const int32_t u = base + i * step[0] + j * step[1] + k * step[2];
+    ASSERT(u > -(1 << 30));
+}
+
+/* A far block is false, and a near one's base fits int32, whatever the quotient. */
+void map_base(void)
+{
+    ost_map map;
+    int32_t base[3];
+    memset(&map, 0, sizeof map);
+    if (ost_map_block_base(&map, (ost_dims){0, 0, 0}, base))
+        for (int a = 0; a < 3; a++)
+            ASSERT(base[a] >= -(1 << 29) && base[a] < (1 << 30) + (1 << 29 >> WIDER));
+}
