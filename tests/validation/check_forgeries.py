@@ -383,6 +383,77 @@ def tools_nested_deep(f):
     remake(f)
 
 
+# ------------------------------------------ other writings of the same, other names
+
+def line_replaced(f, old, new):
+    """The first occurrence in cases.jsonl, as text: json.dumps would write it as osteon does."""
+    text = f["cases.jsonl"]
+    assert old in text, old
+    f["cases.jsonl"] = text.replace(old, new, 1)
+    remake(f)
+
+
+@forgery("duplicate object key")
+def key_given_twice(f):
+    line_replaced(f, b'{"id":"import/0"', b'{"id":"import/1","id":"import/0"')
+
+
+@forgery("tier, seed and options give import/0")
+def name_of_a_case_in_other_letters(f):
+    line_replaced(f, b'"id":"import/0"', '"id":"\u0456mport/0"'.encode())  # the first letter is Cyrillic
+
+
+@forgery("is not written as osteon writes it")
+def name_of_a_case_escaped(f):
+    line_replaced(f, b'"id":"import/0"', b'"id":"\\u0069mport/0"')
+
+
+@forgery("is not written as osteon writes it")
+def item_written_as_a_power_of_ten(f):
+    line_replaced(f, b'"item":0', b'"item":0e0')
+
+
+@forgery("manifest.json has rows that do not give its root")
+def file_listed_twice(f):
+    value = get(f, "manifest.json")
+    value["files"].append(value["files"][-1])
+    f["manifest.json"] = (json.dumps(value, sort_keys=True, indent=1) + "\n").encode()
+
+
+@forgery("is a folder that no bundle has")
+def bundle_within_the_bundle(f):
+    for name, data in list(f.items()):
+        f["inner/" + name] = data
+
+
+@forgery("'begun' says 'osteon 9.9.9'; the bundle's files give 'osteon")
+def log_of_another_version(f):
+    def other(rows):
+        rows[0][2] = "osteon 9.9.9"
+        return rows
+    remake(f, other)
+
+
+@forgery("junit.xml does not follow from the files that it is made of")
+def begun_before_the_log(f):
+    times = get(f, "times.json")
+    times["begun"] = "2001-01-01T00:00:00Z"
+    put(f, "times.json", times)
+    remake(f)
+
+
+@forgery("is no file that a bundle has")
+def name_with_a_control_character(f):
+    f["README.md\x1b[2J"] = b"more\n"
+    remake(f)
+
+
+@forgery("case.json belongs to no bundle of this protocol")
+def cases_of_another_plan_added(f):
+    f["case.json"] = b"{}\n"
+    remake(f)
+
+
 def sparse(path, size):
     with open(path, "wb") as file:
         file.truncate(size)
