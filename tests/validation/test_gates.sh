@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 #
 # docs/qualification/gates.md has a row for every gate that .ci/run and
-# .ci/long name, and no row for another.
+# .ci/long name, and no row for another. docs/qualification/README.md has one
+# row for each file of its folder.
 root=${srcdir:-.}
 ledger=$root/docs/qualification/gates.md
 status=0
@@ -26,5 +27,17 @@ for script in run long; do
         printf '%s\n' "$names" | grep -qxF -- "$name" || { echo "$ledger: .ci/$script has no gate '$name'"; status=1; }
         [ "$(printf '%s\n' "$listed" | grep -cxF -- "$name")" -eq 1 ] || { echo "$ledger: .ci/$script's gate '$name' needs one row"; status=1; }
     done
+done
+
+index=$root/docs/qualification/README.md
+count=0
+for file in "$root"/docs/qualification/*; do
+    name=${file##*/}
+    count=$((count + 1))
+    [ "$name" = README.md ] || [ "$(grep -cF "| [$name]($name) |" "$index")" -eq 1 ] || { echo "$index: $name needs one row"; status=1; }
+done
+[ "$count" -ge 15 ] || { echo "$root/docs/qualification has $count files"; status=1; }
+for name in $(sed -n 's/^| \[\([^]]*\)\].*/\1/p' "$index"); do
+    [ -e "$root/docs/qualification/$name" ] || { echo "$index: there is no file $name"; status=1; }
 done
 exit $status
