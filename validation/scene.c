@@ -113,7 +113,7 @@ static ost_status make_sweep(const plan_case *c, scene *s, draw *d, ost_error *e
 
 static ost_status make_session(const plan_case *c, scene *s, draw *d, ost_error *err)
 {
-    static const size_t ticks[PLAN_TIERS] = {300, 2000, 10000};
+    static const size_t ticks[PLAN_TIERS] = {300, 1500, 10000};
     ost_status status = make_bone(s, d, c->tier == PLAN_SMOKE ? 56 : 96, err);
     if (status == OST_OK)
         status = add_tools(s, d, 3, 4000 * UM, 16000 * UM, err);

@@ -114,12 +114,14 @@ __kernel void ost_chunk_load(__global const ost_cl_bone *bone, int z0, int z1, _
     if (get_global_id(0) >= (size_t)bone->dims[0] || get_global_id(1) >= (size_t)bone->dims[1] ||
         get_global_id(2) >= (size_t)(z1 - z0))
         return;
-    const int x = (int)get_global_id(0), y = (int)get_global_id(1), slice = (int)get_global_id(2), z = z0 + slice, n = bone->size;
+    const int x = (int)get_global_id(0), y = (int)get_global_id(1), slice = (int)get_global_id(2), z = z0 + slice;
     const int cx = bone->chunk_dims[0], cy = bone->chunk_dims[1];
-    const uint slot = slots[(ulong)(x / n) + (ulong)cx * ((ulong)(y / n) + (ulong)cy * (ulong)(z / n))];
+    /* A chunk's size is a power of two: shifts, since divisions took most of this kernel's time. */
+    const int log = 31 - (int)clz((uint)bone->size), low = bone->size - 1;
+    const uint slot = slots[(ulong)(x >> log) + (ulong)cx * ((ulong)(y >> log) + (ulong)cy * (ulong)(z >> log))];
     short read = 0;
     if (slot != OST_CL_NONE)
-        read = density[(ulong)slot * ost_chunk_voxels(bone) + (ulong)(x % n + n * (y % n + n * (z % n)))];
+        read = density[((ulong)slot << 3 * log) + (ulong)((x & low) | (y & low) << log | (z & low) << 2 * log)];
     slab[ost_slab_at(bone, x, y, slice)] = read;
 }
 #endif

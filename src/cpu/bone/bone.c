@@ -163,12 +163,14 @@ static bool any_active(const cpu_bone *bone, const chunk_place *at, const slab *
     return false;
 }
 
-/* Row (y, z) of the chunk (in the chunk's own coordinates) out of its bricks. */
+/* Copies row (y, z) of the chunk, in the chunk's own coordinates, out of its bricks. */
 static void read_row(const cpu_chunk *chunk, int32_t n, int32_t y, int32_t z, int16_t *row)
 {
+    /* ost_brick_spread(x) of 0 to 15, the bricks of a row of 64 voxels */
+    static const uint16_t spread[CHUNK_MAX / 4] = {0, 1, 8, 9, 64, 65, 72, 73, 512, 513, 520, 521, 576, 577, 584, 585};
     const int16_t *bricks = chunk->density + (size_t)ost_brick_number(0, y / 4, z / 4) * OST_BRICK_VOXELS + (y % 4) * 4 + (z % 4) * 16;
     for (int32_t x = 0; x < n / 4; x++)
-        memcpy(row + 4 * x, bricks + (size_t)ost_brick_spread(x) * OST_BRICK_VOXELS, 4 * sizeof *row);
+        memcpy(row + 4 * x, bricks + (size_t)spread[x] * OST_BRICK_VOXELS, 4 * sizeof *row);
 }
 
 /* Sixteen rows of the layer of bricks (y, z): straight out of the slab where they are whole, else put together in spare. */
@@ -279,7 +281,9 @@ ost_status ost_cpu_bone_download(const ost_bone *base, int32_t z0, int32_t count
                 int16_t row[CHUNK_MAX];
                 const size_t bytes = (size_t)min32(n, dims.x - cx * n) * sizeof *row;
                 int16_t *to = voxels + ((size_t)(z - z0) * (size_t)dims.y + (size_t)y) * (size_t)dims.x + (size_t)(cx * n);
-                if (chunk->density) {
+                if (chunk->density && bytes == (size_t)n * sizeof *row) {
+                    read_row(chunk, n, y % n, z % n, to);
+                } else if (chunk->density) {
                     read_row(chunk, n, y % n, z % n, row);
                     memcpy(to, row, bytes);
                 } else {
