@@ -15,17 +15,18 @@ Usage: check_lattices.py [DUMPER] [COUNT]    (default: tests/oracle/dump_lattice
 OST_TEST_SEED=N replays a run. Exit status 77 when there is no dumper.
 """
 
+import functools
 import os
 import random
 import re
 import subprocess
 import sys
 import tempfile
-import time
 from fractions import Fraction
 
 sys.dont_write_bytecode = True
 import osteon_oracle as oracle
+import random_cases
 
 SKIP = 77
 MM = 10**9
@@ -154,15 +155,19 @@ def expected(text, names):
     return rect.dims, rect.spacing, rect.origin
 
 
+def lattice(text, names):
+    """The line that dump_lattices prints of a text."""
+    dims, steps, origin = expected(oracle.Text(text), names)
+    return " ".join(map(str, (*dims, *steps, *origin)))
+
+
 def main():
     dumper = sys.argv[1] if len(sys.argv) > 1 else os.path.join("tests", "oracle", "dump_lattices")
     count = int(sys.argv[2]) if len(sys.argv) > 2 else 500
     if not os.access(dumper, os.X_OK):
         print(f"# {dumper} is not built")
         return SKIP
-    seed = int(os.environ.get("OST_TEST_SEED", "0"), 0) or time.time_ns() % 2**32
-    print(f"# check_lattices: OST_TEST_SEED={seed}")
-    rng, names = random.Random(seed), pseudo_code()
+    rng, names = random.Random(random_cases.seeded("check_lattices")), pseudo_code()
     texts = [random_text(rng, names) for _ in range(count)]
     with tempfile.TemporaryDirectory() as folder:
         paths = [os.path.join(folder, f"{n}.txt") for n in range(count)]
@@ -170,21 +175,9 @@ def main():
             with open(path, "w", encoding="ascii", newline="") as file:
                 file.write(text)
         lines = subprocess.run([dumper, *paths], capture_output=True, check=True).stdout.decode().splitlines()
-    refused = 0
-    for n, (text, line) in enumerate(zip(texts, lines, strict=True)):
-        try:
-            dims, steps, origin = expected(oracle.Text(text), names)
-            want = " ".join(map(str, (*dims, *steps, *origin)))
-        except oracle.Refused as reason:
-            want, refused = f"refused ({reason})", refused + 1
-        if want.startswith("refused") != line.startswith("refused") or (not want.startswith("refused") and want != line):
-            print(f"not ok text {n}: the reader has '{line}', the text '{want}'\n{text}")
-            return 1
-    if not count // 10 < refused < count - count // 10:
-        print(f"not ok: {refused} of {count} texts are refused: the cases are no mixture")
-        return 1
-    print(f"ok {count} texts, {refused} of them refused by both")
-    return 0
+    cases = ((functools.partial(lattice, text, names), "refused" if line.startswith("refused") else line, f"{line}\n{text}")
+             for text, line in zip(texts, lines, strict=True))
+    return random_cases.agree(cases, count // 10, count - count // 10)
 
 
 if __name__ == "__main__":

@@ -38,6 +38,7 @@ import osteon_oracle as oracle
 import osteon_oracle_events as events
 import osteon_oracle_files as files
 import osteon_oracle_tool as tools
+import random_cases
 
 SKIP = 77
 BACKENDS = (os.environ.get("OST_TEST_BACKENDS") or "ref cpu:threads=2 cpu:isa=scalar,threads=3").split()
@@ -524,8 +525,7 @@ def main():
     if not os.access(program, os.X_OK):
         print(f"# {program} is not built: only the oracle's own numbers were checked")
         return SKIP
-    seed = int(os.environ.get("OST_TEST_SEED", "0"), 0) or time.time_ns() % 2**32
-    print(f"# check_pipeline: OST_TEST_SEED={seed}")
+    seed = random_cases.seeded("check_pipeline")
     status = 0
     with tempfile.TemporaryDirectory() as folder:
         for part in (imports, floats, meshes, laws, reams):

@@ -20,11 +20,11 @@ import struct
 import subprocess
 import sys
 import tempfile
-import time
 from fractions import Fraction
 
 sys.dont_write_bytecode = True
 import osteon_oracle as oracle
+import random_cases
 
 SKIP = 77
 TYPES = {"int8": ("b", -2**7, 2**7 - 1), "uint8": ("B", 0, 2**8 - 1), "int16": ("h", -2**15, 2**15 - 1), "uint16": ("H", 0, 2**16 - 1),
@@ -129,45 +129,34 @@ def random_file(rng):
                                   + [[c * s for c, s in zip(origin, signs)], values, kind, clamp])
 
 
+def case(rng, program, folder):
+    """A random file for random_cases.agree: the oracle's digest of its rect grid, and the command's."""
+    path, out = os.path.join(folder, "v.nrrd"), os.path.join(folder, "o.nrrd")
+    content, arguments = random_file(rng)
+    with open(path, "wb") as file:
+        file.write(content)
+    words = [program, "import", path, "--out", out, "--backend", "ref", "--json", "--cubic", "1"] + ["--clamp"] * arguments[-1]
+    done = subprocess.run(words, capture_output=True, check=False)
+    if done.returncode == 0:
+        got = next(stage["sha256"] for stage in json.loads(done.stdout)["stages"] if stage["name"] == "rect")
+    else:
+        got = "refused" if done.returncode == 2 else f"status {done.returncode}"
+    return (lambda: oracle.grid_digest(rect_of(*arguments), oracle.KIND_RECT), got,
+            content.partition(b"\n\n")[0].decode() + "\n" + done.stderr.decode())
+
+
 def main():
     program = sys.argv[1] if len(sys.argv) > 1 else os.environ.get("OSTEON", "./osteon")
     count = int(sys.argv[2]) if len(sys.argv) > 2 else 80
     if not os.access(program, os.X_OK):
         print(f"# {program} is not built")
         return SKIP
-    seed = int(os.environ.get("OST_TEST_SEED", "0"), 0) or time.time_ns() % 2**32
-    print(f"# check_volumes: OST_TEST_SEED={seed}")
-    rng, refused = random.Random(seed), 0
+    rng = random.Random(random_cases.seeded("check_volumes"))
     # AR-FILE-5's example
     example = orient([201, 3, 3], [[-800000000, 400000, 0], [0, 800000000, 0], [0, 0, 800000000]], [100 * 10**9, 20 * 10**9, -5 * 10**9])
     assert example[2] == [-60 * 10**9, 20080000000, -5 * 10**9], example
     with tempfile.TemporaryDirectory() as folder:
-        path, out = os.path.join(folder, "v.nrrd"), os.path.join(folder, "o.nrrd")
-        for n in range(count):
-            content, arguments = random_file(rng)
-            with open(path, "wb") as file:
-                file.write(content)
-            try:
-                want = oracle.grid_digest(rect_of(*arguments), oracle.KIND_RECT)
-            except oracle.Refused as reason:
-                want, refused = "refused", refused + 1
-                why = str(reason)
-            words = [program, "import", path, "--out", out, "--backend", "ref", "--json", "--cubic", "1"] + ["--clamp"] * arguments[-1]
-            done = subprocess.run(words, capture_output=True, check=False)
-            if done.returncode == 0:
-                got = next(stage["sha256"] for stage in json.loads(done.stdout)["stages"] if stage["name"] == "rect")
-            else:
-                got = "refused" if done.returncode == 2 else f"status {done.returncode}"
-            if got != want:
-                head = content.partition(b"\n\n")[0].decode()
-                print(f"not ok file {n}: the command has {got}, the text {want}{' (' + why + ')' if want == 'refused' else ''}\n{head}\n"
-                      f"{done.stderr.decode()}")
-                return 1
-    if not count // 20 < refused < count - count // 4:
-        print(f"not ok: {refused} of {count} files are refused: the cases are no mixture")
-        return 1
-    print(f"ok {count} files, {refused} of them refused by both")
-    return 0
+        return random_cases.agree((case(rng, program, folder) for _ in range(count)), count // 20, count - count // 4)
 
 
 if __name__ == "__main__":
