@@ -121,7 +121,9 @@ ost_status bundle_put(bundle *b, const char *name, const void *bytes, size_t siz
     ost_outfile *file;
     folder_about about;
     if (!folder_describe(name, &about))
-        return ost_fail(err, OST_ERR_INTERNAL, "%s: no bundle has a file of this name; the table in validation/bundle/folder.c lists them", name);
+        return ost_fail(err, OST_ERR_INTERNAL,
+                        "%s: no bundle has a file of this name; the table in validation/bundle/folder.c lists them",
+                        name);
     ost_status status = path_of(b, name, path, err);
     if (status == OST_OK)
         status = ost_outfile_open(path, &file, err);

@@ -59,10 +59,13 @@ static ost_status compare_builds(derivation *d, ost_error *err)
     char plain[64];
     const ost_status status = bundle_find_json(d->folder, TOOLS_FILE, &tools, &why);
     if (status != OST_OK)
-        return status == OST_ERR_INPUT ? OST_OK : ost_fail(err, status, "%s", why.text); /* linked_check reports what is no JSON */
+        return status == OST_ERR_INPUT
+                   ? OST_OK
+                   : ost_fail(err, status, "%s", why.text); /* linked_check reports what is no JSON */
     const char *commit = evidence_text(json_object_get(tools, "build"), "commit");
     if (*commit && strcmp(commit, tools_commit()) != 0)
-        snprintf(d->other_build, sizeof d->other_build, "; but it was made by build %.48s and this is %.48s", limits_printable(commit, plain, sizeof plain), tools_commit());
+        snprintf(d->other_build, sizeof d->other_build, "; but it was made by build %.48s and this is %.48s",
+                 limits_printable(commit, plain, sizeof plain), tools_commit());
     json_decref(tools);
     return OST_OK;
 }

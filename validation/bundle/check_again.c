@@ -48,7 +48,8 @@ static void compare_backend(const again *a, const campaign *c, int i, const json
         ost_digest_hex(&r->made, hex);
     if (strcmp(hex, said) == 0)
         return;
-    snprintf(text, sizeof text, "comes out otherwise on %.200s here (%s%s%.100s) than %s", a->spec, case_verdict_name(r->verdict), r->text[0] ? ": " : "", r->text,
+    snprintf(text, sizeof text, "comes out otherwise on %.200s here (%s%s%.100s) than %s", a->spec,
+             case_verdict_name(r->verdict), r->text[0] ? ": " : "", r->text,
              there ? "the bundle says" : "on the bundle's reference");
     report(a, one, text);
 }

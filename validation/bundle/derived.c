@@ -19,16 +19,21 @@ void evidence_describe(const json_t *result, char text[EVIDENCE_DESCRIPTION])
         snprintf(place, sizeof place, "%.20s %lld: ", evidence_text(result, "stage"), (long long)json_integer_value(json_object_get(result, "item")));
     const long long is = json_integer_value(json_object_get(result, "got")), ref = json_integer_value(json_object_get(result, "reference"));
     if (voxel)
-        snprintf(text, EVIDENCE_DESCRIPTION, "%s%lld voxels differ, the first at (%lld, %lld, %lld): %lld where the reference has %lld", place,
-                 (long long)json_integer_value(json_object_get(result, "different_voxels")), (long long)json_integer_value(json_array_get(voxel, 0)),
-                 (long long)json_integer_value(json_array_get(voxel, 1)), (long long)json_integer_value(json_array_get(voxel, 2)), is, ref);
+        snprintf(text, EVIDENCE_DESCRIPTION,
+                 "%s%lld voxels differ, the first at (%lld, %lld, %lld): %lld where the reference has %lld", place,
+                 (long long)json_integer_value(json_object_get(result, "different_voxels")),
+                 (long long)json_integer_value(json_array_get(voxel, 0)),
+                 (long long)json_integer_value(json_array_get(voxel, 1)),
+                 (long long)json_integer_value(json_array_get(voxel, 2)), is, ref);
     else if (*evidence_text(result, "word"))
-        snprintf(text, EVIDENCE_DESCRIPTION, "%s%.40s is %lld where the reference has %lld", place, evidence_text(result, "word"), is, ref);
+        snprintf(text, EVIDENCE_DESCRIPTION, "%s%.40s is %lld where the reference has %lld", place,
+                 evidence_text(result, "word"), is, ref);
     else
         snprintf(text, EVIDENCE_DESCRIPTION, "%s%.300s", place, evidence_text(result, "text"));
     const size_t used = strlen(text);
     if (*evidence_text(result, "class") && used < EVIDENCE_DESCRIPTION)
-        snprintf(text + used, EVIDENCE_DESCRIPTION - used, "; looks like %.40s (%.160s)", evidence_text(result, "class"), evidence_text(result, "class_text"));
+        snprintf(text + used, EVIDENCE_DESCRIPTION - used, "; looks like %.40s (%.160s)",
+                 evidence_text(result, "class"), evidence_text(result, "class_text"));
 }
 
 static bool is_verdict(const json_t *result, case_verdict verdict)
@@ -67,7 +72,9 @@ static void tap(FILE *to, const json_t *protocol, const json_t *cases, const jso
         for (size_t i = 0; i < json_array_size(cases); i++) {
             const json_t *backend = json_array_get(backends, s), *r = result_at(cases, i, backend);
             const bool equal = is_verdict(r, CASE_EQUAL);
-            const char *skip = !evidence_skipped(json_array_get(cases, i), r, backend) ? NULL : equal ? " # SKIP the reference refused this input, and so did the backend" : " # SKIP not available here";
+            const char *skip = !evidence_skipped(json_array_get(cases, i), r, backend) ? NULL
+                               : equal ? " # SKIP the reference refused this input, and so did the backend"
+                                       : " # SKIP not available here";
             fprintf(to, "%s %zu - %s on %s%s\n", skip || equal ? "ok" : "not ok", number++, evidence_text(json_array_get(cases, i), "id"), evidence_text(backend, "name"),
                     skip ? skip : "");
             if (!skip && !equal) {

@@ -197,7 +197,8 @@ static json_t *notes_of(const side *a, const side *b)
     return notes;
 }
 
-ost_status bundle_difference(const char *folder_a, const char *folder_b, const char *name_a, const char *name_b, json_t **out, ost_error *err)
+ost_status bundle_difference(const char *folder_a, const char *folder_b, const char *name_a, const char *name_b,
+                             json_t **out, ost_error *err)
 {
     side a, b = {.protocol = NULL};
     ost_status status = side_read(folder_a, &a, err);

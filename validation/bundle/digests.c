@@ -60,7 +60,8 @@ static ost_status add_words(ost_hasher *h, trace_stage stage, const uint8_t *wor
     return status;
 }
 
-static ost_status digest_without_bounds(const trace_record *r, const uint8_t *words, uint64_t count, ost_digest *out, ost_error *err)
+static ost_status digest_without_bounds(const trace_record *r, const uint8_t *words, uint64_t count, ost_digest *out,
+                                        ost_error *err)
 {
     ost_hasher *h;
     ost_status status = ost_hasher_open(&h, err);

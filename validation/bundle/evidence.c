@@ -157,9 +157,11 @@ ost_status evidence_case(const campaign *c, int i, json_t **out, ost_error *err)
     json_t *records = NULL;
     input_of(c, i, input);
     ost_status status = evidence_records(&c->reference, c->ranges[i], &records, err);
-    *out = status == OST_OK ? json_pack("{s:s,s:s,s:s,s:O}", "id", c->plan->cases[i].id, "input_sha256", input, "reference_sha256",
-                                                  ost_digest_hex(&c->results[(size_t)i * (size_t)c->subjects->count].made, made), "reference", records)
-                                      : NULL;
+    *out = status == OST_OK
+               ? json_pack("{s:s,s:s,s:s,s:O}", "id", c->plan->cases[i].id, "input_sha256", input, "reference_sha256",
+                           ost_digest_hex(&c->results[(size_t)i * (size_t)c->subjects->count].made, made), "reference",
+                           records)
+               : NULL;
     json_decref(records);
     return status != OST_OK || *out ? status : no_memory(err);
 }
@@ -169,7 +171,8 @@ ost_status evidence_results(const campaign *c, json_t *cases, ost_error *err)
     for (int i = 0; i < c->plan->count; i++) {
         json_t *results = json_object();
         for (int s = 1; s < c->subjects->count; s++)
-            json_object_set_new(results, c->subjects->subjects[s].spec, evidence_result(&c->results[(size_t)i * (size_t)c->subjects->count + (size_t)s]));
+            json_object_set_new(results, c->subjects->subjects[s].spec,
+                                evidence_result(&c->results[(size_t)i * (size_t)c->subjects->count + (size_t)s]));
         if (json_object_set_new(json_array_get(cases, (size_t)i), "results", results) != 0)
             return no_memory(err);
     }
@@ -312,9 +315,12 @@ static json_t *not_shown(const json_t *protocol, const json_t *cases, json_int_t
     add_sentence(list, second_implementation(protocol, cases, text, sizeof text));
     for (size_t s = 0; s < json_array_size(backends); s++) {
         const char *name = evidence_text(json_array_get(backends, s), "name");
-        if ((strncmp(name, "plugin:", 7) != 0 && strncmp(name, SUBJECT_DUMP, strlen(SUBJECT_DUMP)) != 0) || makes_steps(cases, name))
+        if ((strncmp(name, "plugin:", 7) != 0 && strncmp(name, SUBJECT_DUMP, strlen(SUBJECT_DUMP)) != 0) ||
+            makes_steps(cases, name))
             continue;
-        snprintf(text, sizeof text, "%.300s was handed sweep, map, boxes, poses and snapping ready-made: nothing is shown of its own.", name);
+        snprintf(text, sizeof text,
+                 "%.300s was handed sweep, map, boxes, poses and snapping ready-made: nothing is shown of its own.",
+                 name);
         add_sentence(list, text);
     }
     add_sentence(list, json_object_get(protocol, "user") ? "Inputs are generated but for the cases user/1 and on, which are the user's own files; those are not in the bundle. How files are read, and how floats of meshes and devices become integers, is shared by all backends and is not shown by this comparison."

@@ -77,7 +77,8 @@ bool folder_describe(const char *name, folder_about *out)
             *out = table[i].about;
             return true;
         }
-    const bool picture = within(name, "pictures", ".png"), one = within(name, "cases", ".json"), signature = within(name, "signatures", NULL);
+    const bool picture = within(name, "pictures", ".png"), one = within(name, "cases", ".json"),
+               signature = within(name, "signatures", NULL);
     *out = (folder_about){signature, false, picture ? 64 * MB : one ? 16 * MB : MB};
     return picture || one || signature;
 }
@@ -115,8 +116,8 @@ ost_status folder_open(const char *folder, const char *name, ost_file *out, ost_
     if (status == OST_OK && folder_describe(name, &about) && out->size > about.most) {
         close(out->fd);
         out->fd = -1;
-        return ost_fail(err, OST_ERR_RANGE, "%s/%s: has %lld bytes; at most %lld are expected", folder, limits_printable(name, text, sizeof text), (long long)out->size,
-                        (long long)about.most);
+        return ost_fail(err, OST_ERR_RANGE, "%s/%s: has %lld bytes; at most %lld are expected", folder,
+                        limits_printable(name, text, sizeof text), (long long)out->size, (long long)about.most);
     }
     return status;
 }
@@ -155,7 +156,8 @@ ost_status folder_digest(const char *folder, const char *name, ost_digest *out, 
     return status != OST_OK ? status : closed;
 }
 
-ost_status folder_compare(const char *folder, const char *name, const void *bytes, size_t size, bool *absent, bool *same, ost_error *err)
+ost_status folder_compare(const char *folder, const char *name, const void *bytes, size_t size, bool *absent,
+                          bool *same, ost_error *err)
 {
     unsigned char block[BLOCK];
     ost_file file;
@@ -211,8 +213,10 @@ static ost_status add_file(listing *l, const char *name, int64_t size, ost_error
 
 static const char *type_of(mode_t mode)
 {
-    return S_ISLNK(mode) ? "is a symbolic link; a bundle has regular files alone" : S_ISFIFO(mode) ? "is a pipe; a bundle has regular files alone"
-           : S_ISDIR(mode) ? "is a folder that no bundle has" : "is a device or a socket; a bundle has regular files alone";
+    return S_ISLNK(mode)    ? "is a symbolic link; a bundle has regular files alone"
+           : S_ISFIFO(mode) ? "is a pipe; a bundle has regular files alone"
+           : S_ISDIR(mode)  ? "is a folder that no bundle has"
+                            : "is a device or a socket; a bundle has regular files alone";
 }
 
 static bool known_folder(const char *name)
@@ -266,7 +270,8 @@ static ost_status list_folder(listing *l, int top, const char *folder, const cha
         snprintf(name, sizeof name, "%s%s%.255s", inside, *inside ? "/" : "", e->d_name);
         if (!*inside && strcmp(name, "signatures") == 0)
             continue; /* sign_check reads it, whatever it is */
-        if (!*inside && known_folder(name) && fstatat(dirfd(dir), e->d_name, &info, AT_SYMLINK_NOFOLLOW) == 0 && S_ISDIR(info.st_mode))
+        if (!*inside && known_folder(name) && fstatat(dirfd(dir), e->d_name, &info, AT_SYMLINK_NOFOLLOW) == 0 &&
+            S_ISDIR(info.st_mode))
             status = list_folder(l, top, folder, name, err);
         else
             status = list_one(l, dirfd(dir), name, e->d_name, err);

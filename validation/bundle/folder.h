@@ -50,6 +50,7 @@ ost_status folder_open(const char *folder, const char *name, ost_file *out, ost_
 ost_status folder_digest(const char *folder, const char *name, ost_digest *out, int64_t *size, ost_error *err);
 
 /* Compares a file with bytes, by blocks; *absent and *same receive the answer. */
-ost_status folder_compare(const char *folder, const char *name, const void *bytes, size_t size, bool *absent, bool *same, ost_error *err);
+ost_status folder_compare(const char *folder, const char *name, const void *bytes, size_t size, bool *absent,
+                          bool *same, ost_error *err);
 
 #endif

@@ -59,7 +59,8 @@ static json_t *index_of(const json_t *list, const char *key, const char *value, 
     for (size_t i = 0; i < json_array_size(list); i++) {
         const json_t *one = json_array_get(list, i);
         char text[400];
-        snprintf(text, sizeof text, "%s%s%s", evidence_text(one, value), other ? ", " : "", other ? evidence_text(one, other) : "");
+        snprintf(text, sizeof text, "%s%s%s", evidence_text(one, value), other ? ", " : "",
+                 other ? evidence_text(one, other) : "");
         if (*evidence_text(one, key))
             json_object_set_new(o, evidence_text(one, key), json_string(text));
     }
@@ -89,8 +90,9 @@ static json_t *devices_in(const json_t *file)
     for (size_t i = 0; i < json_array_size(list); i++) {
         const json_t *one = json_array_get(list, i), *says = json_object_get(one, "driver_says");
         char text[600];
-        snprintf(text, sizeof text, "%.150s, %.150s, driver %.60s, %.200s", evidence_text(one, "name"), evidence_text(says, "CL_PLATFORM_VERSION"),
-                 evidence_text(says, "CL_DRIVER_VERSION"), evidence_text(one, "fingerprint"));
+        snprintf(text, sizeof text, "%.150s, %.150s, driver %.60s, %.200s", evidence_text(one, "name"),
+                 evidence_text(says, "CL_PLATFORM_VERSION"), evidence_text(says, "CL_DRIVER_VERSION"),
+                 evidence_text(one, "fingerprint"));
         json_t *utf8 = json_string(text);
         json_object_set_new(o, evidence_text(one, "backend"), utf8 ? utf8 : json_string("?"));
     }
@@ -137,9 +139,11 @@ static ost_status verdicts_of(const char *old, const char *now, json_t **out, os
             if (strcmp(evidence_text(a, "id"), evidence_text(b, "id")) != 0)
                 continue;
             json_object_foreach(json_object_get(a, "results"), backend, result) {
-                const char *x = evidence_text(result, "verdict"), *y = evidence_text(json_object_get(json_object_get(b, "results"), backend), "verdict");
+                const char *x = evidence_text(result, "verdict"),
+                           *y = evidence_text(json_object_get(json_object_get(b, "results"), backend), "verdict");
                 if (*y && strcmp(x, y) != 0)
-                    json_array_append_new(*out, json_pack("{s:s,s:s,s:s,s:s}", "case", evidence_text(a, "id"), "backend", backend, "old", x, "new", y));
+                    json_array_append_new(*out, json_pack("{s:s,s:s,s:s,s:s}", "case", evidence_text(a, "id"),
+                                                          "backend", backend, "old", x, "new", y));
             }
             break;
         }
@@ -174,13 +178,16 @@ static void side_free(side *s)
 
 static json_t *causes_of(const side *a, const side *b)
 {
-    static const char *const protocol[] = {"version", "arithmetic", "tier", "seed", "only", "chosen"}, *const build[] = {"commit", "compiler", "cflags"};
+    static const char *const protocol[] = {"version", "arithmetic", "tier", "seed", "only", "chosen"},
+                             *const build[] = {"commit", "compiler", "cflags"};
     json_t *list = json_array();
     for (size_t i = 0; i < sizeof protocol / sizeof protocol[0]; i++)
         add_protocol(list, protocol[i], a->protocol, b->protocol);
     for (size_t i = 0; i < sizeof build / sizeof build[0]; i++)
-        add_change(list, build[i], evidence_text(json_object_get(a->tools, "build"), build[i]), evidence_text(json_object_get(b->tools, "build"), build[i]));
-    add_change(list, "program", evidence_text(json_object_get(a->tools, "program"), "sha256"), evidence_text(json_object_get(b->tools, "program"), "sha256"));
+        add_change(list, build[i], evidence_text(json_object_get(a->tools, "build"), build[i]),
+                   evidence_text(json_object_get(b->tools, "build"), build[i]));
+    add_change(list, "program", evidence_text(json_object_get(a->tools, "program"), "sha256"),
+               evidence_text(json_object_get(b->tools, "program"), "sha256"));
     return list;
 }
 
@@ -204,9 +211,11 @@ static const char *conclusion_of(const json_t *results, const json_t *verdicts, 
     if (different && different == other_records(results))
         return "cases have records of other stages than in the older bundle, so their results cannot be compared in full";
     if (different)
-        return same_arithmetic ? "the reference's results changed, and the arithmetic's version did not: no known cause explains that"
-                               : "the reference's results changed, and so did the arithmetic's version";
-    return json_array_size(verdicts) ? "the reference's results are equal; verdicts of backends changed" : "no result changed among the cases that both bundles have";
+        return same_arithmetic
+                   ? "the reference's results changed, and the arithmetic's version did not: no known cause explains that"
+                   : "the reference's results changed, and so did the arithmetic's version";
+    return json_array_size(verdicts) ? "the reference's results are equal; verdicts of backends changed"
+                                     : "no result changed among the cases that both bundles have";
 }
 
 ost_status impact_of(const char *old, const char *now, json_t **out, ost_error *err)
@@ -229,13 +238,16 @@ ost_status impact_of(const char *old, const char *now, json_t **out, ost_error *
     if (status == OST_OK) {
         const json_t *x = json_object_get(a.protocol, "arithmetic"), *y = json_object_get(b.protocol, "arithmetic");
         const char *conclusion = conclusion_of(results, verdicts, json_equal(x, y), &explained);
-        *out = json_pack("{s:{s:s,s:s,s:s},s:O,s:O,s:o,s:o,s:o,s:o,s:b,s:s}", "against", "root", evidence_text(a.manifest, "root"), "results_root",
-                         evidence_text(a.manifest, "results_root"), "version", evidence_text(a.protocol, "version"), "results", results, "verdicts", verdicts, "causes",
-                         causes_of(&a, &b), "libraries",
-                         compare_indexes(index_of(json_object_get(a.tools, "libraries"), "soname", "version", "sha256"),
-                                         index_of(json_object_get(b.tools, "libraries"), "soname", "version", "sha256")),
-                         "devices", compare_indexes(devices_in(a.devices), devices_in(b.devices)), "requirements",
-                         compare_indexes(json_incref(ra), json_incref(rb)), "explained", explained, "conclusion", conclusion);
+        *out =
+            json_pack("{s:{s:s,s:s,s:s},s:O,s:O,s:o,s:o,s:o,s:o,s:b,s:s}", "against", "root",
+                      evidence_text(a.manifest, "root"), "results_root", evidence_text(a.manifest, "results_root"),
+                      "version", evidence_text(a.protocol, "version"), "results", results, "verdicts", verdicts,
+                      "causes", causes_of(&a, &b), "libraries",
+                      compare_indexes(index_of(json_object_get(a.tools, "libraries"), "soname", "version", "sha256"),
+                                      index_of(json_object_get(b.tools, "libraries"), "soname", "version", "sha256")),
+                      "devices", compare_indexes(devices_in(a.devices), devices_in(b.devices)), "requirements",
+                      compare_indexes(json_incref(ra), json_incref(rb)), "explained", explained, "conclusion",
+                      conclusion);
         if (!*out)
             status = ost_fail(err, OST_ERR_MEMORY, "no memory for %s", IMPACT_FILE);
     }

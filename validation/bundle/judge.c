@@ -49,7 +49,8 @@ static bool leaves_ok(const json_t *leaves)
 {
     for (size_t i = 0; i < json_array_size(leaves); i++) {
         const json_t *leaf = json_array_get(leaves, i);
-        if (!is_digest(leaf) && !(json_array_size(leaf) == 2 && json_is_integer(json_array_get(leaf, 0)) && is_digest(json_array_get(leaf, 1))))
+        if (!is_digest(leaf) && !(json_array_size(leaf) == 2 && json_is_integer(json_array_get(leaf, 0)) &&
+                                  is_digest(json_array_get(leaf, 1))))
             return false;
     }
     return !leaves || json_is_array(leaves);
@@ -68,7 +69,8 @@ static bool reference_line(const json_t *one, size_t at, char line[LINE])
         return true;
     row = json_array_get(rows, at - 1);
     const json_int_t item = json_integer_value(json_object_get(row, "item"));
-    if (!is_stage(evidence_text(row, "stage")) || item < 0 || item > UINT32_MAX || !is_digest(json_object_get(row, "sha256")) || !leaves_ok(json_object_get(row, "leaves")))
+    if (!is_stage(evidence_text(row, "stage")) || item < 0 || item > UINT32_MAX ||
+        !is_digest(json_object_get(row, "sha256")) || !leaves_ok(json_object_get(row, "leaves")))
         return false;
     snprintf(line, LINE, "%s %lld %s", evidence_text(row, "stage"), (long long)item, evidence_text(row, "sha256"));
     return true;
@@ -216,9 +218,11 @@ static void judge_lines(const judge *j, const json_t *r, case_verdict verdict)
     place_of(reference, lines, at, place);
     const bool failed = ends_failed(lines) && (size_t)at + 1 >= json_array_size(lines);
     const case_verdict derived = failed ? CASE_FAILED : CASE_DIFFERS;
-    snprintf(stated, sizeof stated, "%.40s %lld", evidence_text(r, "stage"), (long long)json_integer_value(json_object_get(r, "item")));
+    snprintf(stated, sizeof stated, "%.40s %lld", evidence_text(r, "stage"),
+             (long long)json_integer_value(json_object_get(r, "item")));
     if (verdict != derived)
-        report(j, "says '%s', and its digests say '%s', first at %s", case_verdict_name(verdict), case_verdict_name(derived), place);
+        report(j, "says '%s', and its digests say '%s', first at %s", case_verdict_name(verdict),
+               case_verdict_name(derived), place);
     else if (verdict == CASE_DIFFERS && strcmp(stated, place) != 0)
         report(j, "says that %s differs first, and its digests differ first at %s", stated, place);
 }
@@ -227,7 +231,8 @@ static void judge_lines(const judge *j, const json_t *r, case_verdict verdict)
 static bool differs_in_bound(const json_t *r)
 {
     const char *word = evidence_text(r, "word");
-    return strcmp(evidence_text(r, "stage"), trace_stage_name(TRACE_STEPS)) == 0 && (strncmp(word, "box ", 4) == 0 || strncmp(word, "whether it reaches", 18) == 0);
+    return strcmp(evidence_text(r, "stage"), trace_stage_name(TRACE_STEPS)) == 0 &&
+           (strncmp(word, "box ", 4) == 0 || strncmp(word, "whether it reaches", 18) == 0);
 }
 
 static void judge_result(const judge *j, const json_t *r, const char *reference)
@@ -267,7 +272,8 @@ void judge_case(const json_t *protocol, const json_t *one, judge_problem *proble
     if (strcmp(ost_digest_hex(&digest, hex), evidence_text(one, "reference_sha256")) != 0)
         report(&j, "the reference's records do not give reference_sha256");
     if (!json_is_object(results) || json_object_size(results) + 1 != json_array_size(backends))
-        report(&j, "has %zu results; the protocol has %zu backends besides the reference", json_object_size(results), json_array_size(backends) ? json_array_size(backends) - 1 : 0);
+        report(&j, "has %zu results; the protocol has %zu backends besides the reference", json_object_size(results),
+               json_array_size(backends) ? json_array_size(backends) - 1 : 0);
     for (size_t s = 1; s < json_array_size(backends); s++) {
         j.backend = json_array_get(backends, s);
         const json_t *r = json_object_get(results, evidence_text(j.backend, "name"));

@@ -108,14 +108,15 @@ static void put_suite(const page *p, const json_t *backend)
 {
     int failures = 0, skipped = 0;
     for (size_t i = 0; i < json_array_size(p->cases); i++) {
-        const json_t *one = json_array_get(p->cases, i), *r = json_object_get(json_object_get(one, "results"), evidence_text(backend, "name"));
+        const json_t *one = json_array_get(p->cases, i),
+                     *r = json_object_get(json_object_get(one, "results"), evidence_text(backend, "name"));
         skipped += evidence_skipped(one, r, backend) != NULL;
         failures += !is_verdict(r, CASE_NOT_RUN) && !is_verdict(r, CASE_EQUAL);
     }
     fputs(" <testsuite", p->to);
     put_attribute(p->to, "name", evidence_text(backend, "name"));
-    fprintf(p->to, " tests=\"%zu\" failures=\"%d\" errors=\"0\" skipped=\"%d\" time=\"%.6f\"", json_array_size(p->cases), failures, skipped,
-            seconds_of_backend(p, evidence_text(backend, "name")));
+    fprintf(p->to, " tests=\"%zu\" failures=\"%d\" errors=\"0\" skipped=\"%d\" time=\"%.6f\"",
+            json_array_size(p->cases), failures, skipped, seconds_of_backend(p, evidence_text(backend, "name")));
     put_machine(p);
     fputs(">\n", p->to);
     for (size_t i = 0; i < json_array_size(p->cases); i++)
@@ -130,7 +131,8 @@ static void put_nothing(const page *p)
     fputs(">\n  <testcase classname=\"campaign\" name=\"something was compared\" time=\"0\"><failure message=\"" EVIDENCE_NOTHING "\"/></testcase>\n </testsuite>\n", p->to);
 }
 
-ost_status junit_write(const json_t *protocol, const json_t *cases, const json_t *times, const json_t *environment, evidence_sink *sink, void *user, ost_error *err)
+ost_status junit_write(const json_t *protocol, const json_t *cases, const json_t *times, const json_t *environment,
+                       evidence_sink *sink, void *user, ost_error *err)
 {
     const json_t *backends = json_object_get(protocol, "backends");
     char *bytes = NULL;
@@ -152,7 +154,8 @@ ost_status junit_write(const json_t *protocol, const json_t *cases, const json_t
     fputs("</testsuites>\n", p.to);
     json_decref(summary);
     const bool failed = ferror(p.to) != 0;
-    status = fclose(p.to) != 0 || failed ? ost_fail(err, OST_ERR_MEMORY, "no memory for " JUNIT_FILE) : sink(user, JUNIT_FILE, bytes, size, err);
+    status = fclose(p.to) != 0 || failed ? ost_fail(err, OST_ERR_MEMORY, "no memory for " JUNIT_FILE)
+                                         : sink(user, JUNIT_FILE, bytes, size, err);
     free(bytes);
     return status;
 }

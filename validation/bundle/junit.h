@@ -12,6 +12,7 @@
 #define JUNIT_FILE "junit.xml"
 
 /* times, environment: of one run, or of merged shards {"1/2": ...}; either may be NULL. */
-ost_status junit_write(const json_t *protocol, const json_t *cases, const json_t *times, const json_t *environment, evidence_sink *sink, void *user, ost_error *err);
+ost_status junit_write(const json_t *protocol, const json_t *cases, const json_t *times, const json_t *environment,
+                       evidence_sink *sink, void *user, ost_error *err);
 
 #endif

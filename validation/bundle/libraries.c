@@ -136,7 +136,8 @@ static ost_status said_by(char *const argv[], char **text, ost_error *err)
     size_t used = 0;
     char rest[4096];
     while (started) { /* reads on to the end, since the program waits for a full pipe */
-        const ssize_t n = used < PROGRAM_TEXT ? read(ends[0], said + used, PROGRAM_TEXT - used) : read(ends[0], rest, sizeof rest);
+        const ssize_t n =
+            used < PROGRAM_TEXT ? read(ends[0], said + used, PROGRAM_TEXT - used) : read(ends[0], rest, sizeof rest);
         if (n < 0 && errno == EINTR)
             continue;
         if (n < 0)
@@ -151,7 +152,9 @@ static ost_status said_by(char *const argv[], char **text, ost_error *err)
             failed = errno;
             break;
         }
-    ost_status status = failed ? ost_fail(err, failed == ENOMEM ? OST_ERR_MEMORY : OST_ERR_IO, "%s cannot be run for the list of software: %s", argv[2], strerror(failed)) : OST_OK;
+    ost_status status = failed ? ost_fail(err, failed == ENOMEM ? OST_ERR_MEMORY : OST_ERR_IO,
+                                          "%s cannot be run for the list of software: %s", argv[2], strerror(failed))
+                               : OST_OK;
     const int code = WIFEXITED(state) ? WEXITSTATUS(state) : -1;
     if (status == OST_OK && code > NOTHING_FOUND && code != NOT_INSTALLED)
         status = ost_fail(err, OST_ERR_IO, "%s failed (status %d), which lists the packages of libraries", argv[2], code);
@@ -272,8 +275,10 @@ static bool name_package(json_t *row, const json_t *owner, const json_t *version
         its = strstr(real, ".so.");
         its = its ? its + 4 : "";
     }
-    return json_object_set_new(row, "package", json_string(package ? package : "")) == 0 && json_object_set_new(row, "version", json_string(its)) == 0 &&
-           json_object_set_new(row, "licence", json_string(licence)) == 0 && json_object_set_new(row, "maintainer", json_string(maintainer ? maintainer : "")) == 0;
+    return json_object_set_new(row, "package", json_string(package ? package : "")) == 0 &&
+           json_object_set_new(row, "version", json_string(its)) == 0 &&
+           json_object_set_new(row, "licence", json_string(licence)) == 0 &&
+           json_object_set_new(row, "maintainer", json_string(maintainer ? maintainer : "")) == 0;
 }
 
 static int by_file(const void *a, const void *b)
@@ -302,8 +307,9 @@ ost_status libraries_loaded(json_t **out, ost_error *err)
         int64_t size;
         rows[i] = json_array_get(v.libraries, i);
         status = libraries_digest(json_string_value(json_object_get(rows[i], "file")), hex, &size, err);
-        if (status == OST_OK && (json_object_set_new(rows[i], "sha256", json_string(hex)) != 0 || json_object_set_new(rows[i], "size", json_integer(size)) != 0 ||
-                                 !name_package(rows[i], owner, version)))
+        if (status == OST_OK &&
+            (json_object_set_new(rows[i], "sha256", json_string(hex)) != 0 ||
+             json_object_set_new(rows[i], "size", json_integer(size)) != 0 || !name_package(rows[i], owner, version)))
             status = no_memory(err);
     }
     if (status == OST_OK) {

@@ -16,9 +16,10 @@
 #include <osteon/status.h>
 
 enum {
-    LIMIT_DEPTH = 16,                    /* arrays and objects within each other */
-    LIMIT_VALUES = 1 << 20,              /* values of one JSON text */
-    LIMIT_LINE = 64 << 20,               /* bytes of a line of cases.jsonl: a bone of 2^30 voxels has 32768 leaves of 67 bytes a grid */
+    LIMIT_DEPTH = 16, /* arrays and objects within each other */
+    LIMIT_VALUES = 1 << 20, /* values of one JSON text */
+    LIMIT_LINE =
+        64 << 20, /* bytes of a line of cases.jsonl: a bone of 2^30 voxels has 32768 leaves of 67 bytes a grid */
     LIMIT_ALL_VALUES = LIMIT_VALUES * 8, /* values of all lines of cases.jsonl */
 };
 

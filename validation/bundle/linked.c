@@ -77,7 +77,8 @@ static void check_program(const check *c)
     for (size_t m = 0; (machine = evidence_part(c->environment, "program_sha256", m)); m++) {
         bool known = false;
         for (size_t t = 0; (tools = evidence_part(c->tools, "program", t)); t++)
-            known |= strcmp(evidence_text(json_object_get(tools, "program"), "sha256"), evidence_text(machine, "program_sha256")) == 0;
+            known |= strcmp(evidence_text(json_object_get(tools, "program"), "sha256"),
+                            evidence_text(machine, "program_sha256")) == 0;
         if (!known)
             report(c, ENVIRONMENT_FILE, "is of another program than " TOOLS_FILE);
     }
@@ -115,7 +116,8 @@ static bool isa_of(const char *name, char isa[32])
 static ost_status check_processor(const check *c, const json_t *devices, ost_error *err)
 {
     enum { SETS = 64 };
-    const json_t *sets = json_object_get(json_object_get(devices, "cpu"), "instruction_sets"), *backends = json_object_get(c->protocol, "backends");
+    const json_t *sets = json_object_get(json_object_get(devices, "cpu"), "instruction_sets"),
+                 *backends = json_object_get(c->protocol, "backends");
     bool here[SETS] = {false};
     char text[700], isa[32];
     subject_list expected = {0};
@@ -156,7 +158,8 @@ static void check_opencl(const check *c, const json_t *devices)
             const json_t *backend = backend_named(c, spec);
             if (backend && (usable || !json_is_true(json_object_get(backend, "available"))))
                 continue;
-            snprintf(text, sizeof text, "has the OpenCL device %.120s, which is %s, and the protocol %s %.200s", evidence_text(one, "backend"), usable ? "usable" : "refused",
+            snprintf(text, sizeof text, "has the OpenCL device %.120s, which is %s, and the protocol %s %.200s",
+                     evidence_text(one, "backend"), usable ? "usable" : "refused",
                      backend ? "says otherwise of" : "does not have", spec);
             report(c, DEVICES_FILE, text);
         }
@@ -215,10 +218,12 @@ static ost_status check_requirements(const check *c, ost_error *err)
     return OST_OK;
 }
 
-ost_status linked_check(const char *folder, const json_t *protocol, bundle_problem *problem, void *user, int *found, ost_error *err)
+ost_status linked_check(const char *folder, const json_t *protocol, bundle_problem *problem, void *user, int *found,
+                        ost_error *err)
 {
     check c = {.folder = folder, .protocol = protocol, .problem = problem, .user = user, .found = found};
-    const bool proof = json_integer_value(json_array_get(json_object_get(protocol, "shard"), 0)) == 1 && !*evidence_text(protocol, "only") && !json_object_get(protocol, "case");
+    const bool proof = json_integer_value(json_array_get(json_object_get(protocol, "shard"), 0)) == 1 &&
+                       !*evidence_text(protocol, "only") && !json_object_get(protocol, "case");
     ost_status status = load(&c, TOOLS_FILE, true, &c.tools, err);
     if (status == OST_OK)
         status = load(&c, ENVIRONMENT_FILE, true, &c.environment, err);

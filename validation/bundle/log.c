@@ -18,7 +18,9 @@ static void counts_of(const json_t *summary, char text[TEXT])
 {
     size_t n = 0;
     for (int v = 0; v < CASE_VERDICTS; v++)
-        n += (size_t)snprintf(text + n, TEXT - n, "%s%lld %s", v ? ", " : "", (long long)json_integer_value(json_object_get(json_object_get(summary, "results"), case_verdict_name((case_verdict)v))),
+        n += (size_t)snprintf(text + n, TEXT - n, "%s%lld %s", v ? ", " : "",
+                              (long long)json_integer_value(json_object_get(json_object_get(summary, "results"),
+                                                                            case_verdict_name((case_verdict)v))),
                               case_verdict_name((case_verdict)v));
 }
 
@@ -155,7 +157,8 @@ static ost_status check_lines(reader *r, const char *folder, const json_t *proto
     return status;
 }
 
-ost_status log_check(const char *folder, const json_t *protocol, const json_t *summary, bundle_problem *problem, void *user, int *found, ost_error *err)
+ost_status log_check(const char *folder, const json_t *protocol, const json_t *summary, bundle_problem *problem,
+                     void *user, int *found, ost_error *err)
 {
     char *log;
     size_t size;

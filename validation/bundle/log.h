@@ -22,6 +22,7 @@
 ost_status log_end(bundle *b, const json_t *summary, ost_error *err);
 
 /* Reports every line that is not what the bundle's files give. */
-ost_status log_check(const char *folder, const json_t *protocol, const json_t *summary, bundle_problem *problem, void *user, int *found, ost_error *err);
+ost_status log_check(const char *folder, const json_t *protocol, const json_t *summary, bundle_problem *problem,
+                     void *user, int *found, ost_error *err);
 
 #endif

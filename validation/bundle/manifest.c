@@ -53,7 +53,8 @@ static ost_status tree_of(const ost_digest *leaves, size_t count, ost_digest *ou
 
 /* ------------------------------------------------------------ the manifest */
 
-static ost_status describe_files(const char *folder, const folder_files *l, json_t *files, ost_digest *all, ost_digest *results, ost_error *err)
+static ost_status describe_files(const char *folder, const folder_files *l, json_t *files, ost_digest *all,
+                                 ost_digest *results, ost_error *err)
 {
     ost_digest *leaves = calloc(2 * l->count + 1, sizeof *leaves);
     ost_digest *some = leaves ? leaves + l->count : NULL;
@@ -202,7 +203,8 @@ static void compare_rows(const json_t *said, const json_t *is, bundle_problem *p
         key = json_string_value(json_object_get(json_array_get(a, i), "name"));
         row = key ? json_object_get(there, key) : NULL;
         if (!key || !row) {
-            problem(user, key && as_written ? BUNDLE_ABSENT : BUNDLE_DIFFERENT, key ? limits_printable(key, name, sizeof name) : MANIFEST_FILE,
+            problem(user, key && as_written ? BUNDLE_ABSENT : BUNDLE_DIFFERENT,
+                    key ? limits_printable(key, name, sizeof name) : MANIFEST_FILE,
                     key ? "is in the manifest and not in the folder" : "has a row without a name");
             ++*found;
         } else if (!json_equal(json_array_get(a, i), row)) {

@@ -71,7 +71,9 @@ ost_status planned_of(const json_t *protocol, const plan_user *user, plan *out, 
     if (file)
         return plan_of_file(file, user ? user : &names, out, err);
     if (json_array_size(shard) != 2 || n < 1 || n > SHARDS_MAX || i < 1 || i > n || own > USER_CASES_MAX)
-        return ost_fail(err, OST_ERR_INPUT, "has no shard [I, N] with 1 <= I <= N, or more than %d cases of the user's own files", USER_CASES_MAX);
+        return ost_fail(err, OST_ERR_INPUT,
+                        "has no shard [I, N] with 1 <= I <= N, or more than %d cases of the user's own files",
+                        USER_CASES_MAX);
     return plan_make(tier, seed, (int)i, (int)n, *only ? only : NULL, user ? user : &names, out, err);
 }
 
@@ -134,11 +136,13 @@ static ost_status check_protocol(const check *c, const json_t *protocol, const p
     }
     plan named = *p;
     named.only = *only ? only : NULL;
-    ost_status status = evidence_protocol(&named, &subjects, evidence_text(protocol, "chosen"), json_is_true(json_object_get(protocol, "cpu_only")), &again, err);
+    ost_status status = evidence_protocol(&named, &subjects, evidence_text(protocol, "chosen"),
+                                          json_is_true(json_object_get(protocol, "cpu_only")), &again, err);
     subjects_free(&subjects);
     if (status != OST_OK)
         return status;
-    static const char *const given[] = {"case", "user", "suite"}; /* checked by planned_of, by the files themselves with --rerun, and by suite_check */
+    static const char *const given[] =
+        {"case", "user", "suite"}; /* checked by planned_of, by the files themselves with --rerun, and by suite_check */
     for (size_t k = 0; k < sizeof given / sizeof given[0]; k++)
         if (json_object_get(protocol, given[k]))
             json_object_set(again, given[k], json_object_get(protocol, given[k]));
@@ -147,7 +151,8 @@ static ost_status check_protocol(const check *c, const json_t *protocol, const p
         if (!expected)
             report(c, EVIDENCE_PROTOCOL, "has '%.40s', which no protocol has", key);
         else if (!json_equal(value, expected))
-            report(c, EVIDENCE_PROTOCOL, "'%.40s' is not what tier, seed and options give%s%s", key, strcmp(key, "version") == 0 ? "; this is osteon " : "",
+            report(c, EVIDENCE_PROTOCOL, "'%.40s' is not what tier, seed and options give%s%s", key,
+                   strcmp(key, "version") == 0 ? "; this is osteon " : "",
                    strcmp(key, "version") == 0 ? ost_version() : "");
     }
     json_object_foreach(again, key, value)
@@ -182,7 +187,8 @@ static ost_status check_cases(const check *c, const plan *p, const json_t *cases
     for (int i = 0; i < p->count && status == OST_OK; i++) {
         const json_t *one = json_array_get(cases, (size_t)i);
         if (strcmp(evidence_text(one, "id"), p->cases[i].id) != 0) {
-            report(c, EVIDENCE_CASES, "line %d is case '%.31s'; tier, seed and options give %s", i + 1, evidence_text(one, "id"), p->cases[i].id);
+            report(c, EVIDENCE_CASES, "line %d is case '%.31s'; tier, seed and options give %s", i + 1,
+                   evidence_text(one, "id"), p->cases[i].id);
             break;
         }
         if (p->cases[i].family != PLAN_USER)
@@ -191,7 +197,8 @@ static ost_status check_cases(const check *c, const plan *p, const json_t *cases
     return status;
 }
 
-ost_status planned_check(const json_t *protocol, const json_t *cases, bundle_problem *problem, void *user, int *found, ost_error *err)
+ost_status planned_check(const json_t *protocol, const json_t *cases, bundle_problem *problem, void *user, int *found,
+                         ost_error *err)
 {
     const check c = {problem, user, found};
     ost_error why = {0};

@@ -21,9 +21,11 @@
 ost_status planned_of(const json_t *protocol, const plan_user *user, plan *out, ost_error *err);
 
 /* Reports what differs from the plan; the protocol is an object of this format, cases an array. */
-ost_status planned_check(const json_t *protocol, const json_t *cases, bundle_problem *problem, void *user, int *found, ost_error *err);
+ost_status planned_check(const json_t *protocol, const json_t *cases, bundle_problem *problem, void *user, int *found,
+                         ost_error *err);
 
 /* Reports what the files that were measured contradict each other or the protocol in, and which are missing. */
-ost_status linked_check(const char *folder, const json_t *protocol, bundle_problem *problem, void *user, int *found, ost_error *err);
+ost_status linked_check(const char *folder, const json_t *protocol, bundle_problem *problem, void *user, int *found,
+                        ost_error *err);
 
 #endif

@@ -150,7 +150,8 @@ static ost_status find_json(const char *folder, const char *name, json_t **out, 
     return status == OST_OK || status == OST_ERR_INPUT ? OST_OK : ost_fail(err, status, "%s", why.text);
 }
 
-ost_status record_derive(const char *folder, const json_t *protocol, const json_t *cases, evidence_sink *sink, void *user, ost_error *err)
+ost_status record_derive(const char *folder, const json_t *protocol, const json_t *cases, evidence_sink *sink,
+                         void *user, ost_error *err)
 {
     char *requirements = NULL;
     size_t size;

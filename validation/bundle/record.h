@@ -25,6 +25,7 @@ ost_status record_put(const char *program, const subject_list *subjects, const j
 ost_status record_merge(const char *folder, evidence_sink *sink, void *user, ost_error *err);
 
 /* From the files of the bundle in folder. */
-ost_status record_derive(const char *folder, const json_t *protocol, const json_t *cases, evidence_sink *sink, void *user, ost_error *err);
+ost_status record_derive(const char *folder, const json_t *protocol, const json_t *cases, evidence_sink *sink,
+                         void *user, ost_error *err);
 
 #endif

@@ -70,7 +70,8 @@ static ost_status read_object(const char *folder, const char *name, json_t **out
         return status;
     status = limits_parse(name, bytes, size, out, err);
     if (status == OST_OK)
-        status = json_is_object(*out) ? ost_digest_bytes(bytes, size, &digest, err) : ost_fail(err, OST_ERR_INPUT, "%s/%s: no JSON object", folder, name);
+        status = json_is_object(*out) ? ost_digest_bytes(bytes, size, &digest, err)
+                                      : ost_fail(err, OST_ERR_INPUT, "%s/%s: no JSON object", folder, name);
     if (status == OST_OK)
         ost_digest_hex(&digest, hex);
     free(bytes);
@@ -105,12 +106,16 @@ static ost_status statement_of(const contents *c, const claim *claimed, json_t *
             complete = sort_result(evidence_text(one, "id"), backend, verdict, passed, failed);
         }
     }
-    *out = !complete ? NULL
-                     : json_pack("{s:s,s:[{s:s,s:{s:s},s:{s:s,s:s,s:s,s:s,s:s}}],s:s,s:{s:s,s:[{s:s,s:{s:s}}],s:O,s:O}}", "_type", "https://in-toto.io/Statement/v1", "subject",
-                                 "name", MANIFEST_FILE, "digest", "sha256", c->manifest_sha256, "annotations", "results_root", evidence_text(c->manifest, "results_root"),
-                                 "verdict", evidence_text(c->summary, "verdict"), "signer", claimed->by, "meaning", claimed->meaning, "time", claimed->time, "predicateType",
-                                 "https://in-toto.io/attestation/test-result/v0.1", "predicate", "result", result_of(c->summary), "configuration", "name", EVIDENCE_PROTOCOL,
-                                 "digest", "sha256", c->protocol_sha256, "passedTests", passed, "failedTests", failed);
+    *out = !complete
+               ? NULL
+               : json_pack("{s:s,s:[{s:s,s:{s:s},s:{s:s,s:s,s:s,s:s,s:s}}],s:s,s:{s:s,s:[{s:s,s:{s:s}}],s:O,s:O}}",
+                           "_type", "https://in-toto.io/Statement/v1", "subject", "name", MANIFEST_FILE, "digest",
+                           "sha256", c->manifest_sha256, "annotations", "results_root",
+                           evidence_text(c->manifest, "results_root"), "verdict", evidence_text(c->summary, "verdict"),
+                           "signer", claimed->by, "meaning", claimed->meaning, "time", claimed->time, "predicateType",
+                           "https://in-toto.io/attestation/test-result/v0.1", "predicate", "result",
+                           result_of(c->summary), "configuration", "name", EVIDENCE_PROTOCOL, "digest", "sha256",
+                           c->protocol_sha256, "passedTests", passed, "failedTests", failed);
     json_decref(passed);
     json_decref(failed);
     return *out ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for a statement");
@@ -158,7 +163,8 @@ static ost_status write_envelope(const char *folder, const char *name, const cha
     return status;
 }
 
-ost_status sign_bundle(const char *folder, const sign_key *key, const char *by, const char *meaning, char name[SIGN_NAME], ost_error *err)
+ost_status sign_bundle(const char *folder, const sign_key *key, const char *by, const char *meaning,
+                       char name[SIGN_NAME], ost_error *err)
 {
     const time_t now = time(NULL);
     char stamp[SIGN_TIME], *payload = NULL, *envelope = NULL;
@@ -167,7 +173,9 @@ ost_status sign_bundle(const char *folder, const sign_key *key, const char *by, 
     claim claimed;
     struct tm utc;
     if (!is_line(by) || !is_line(meaning))
-        return ost_fail(err, OST_ERR_USAGE, "a signature's name and meaning must be a line of UTF-8 of at most %d bytes each", SIGN_TEXT_MAX);
+        return ost_fail(err, OST_ERR_USAGE,
+                        "a signature's name and meaning must be a line of UTF-8 of at most %d bytes each",
+                        SIGN_TEXT_MAX);
     gmtime_r(&now, &utc);
     snprintf(claimed.by, sizeof claimed.by, "%s", by);
     snprintf(claimed.meaning, sizeof claimed.meaning, "%s", meaning);
@@ -213,7 +221,8 @@ static void report(const check *c, const char *name, const char *text)
 }
 
 /* A file in signatures/ itself; *bytes is NULL and the reason reported where it is none of at most max bytes. */
-static ost_status read_within(const check *c, const char *name, size_t max, char **bytes, size_t *size, bool *absent, ost_error *err)
+static ost_status read_within(const check *c, const char *name, size_t max, char **bytes, size_t *size, bool *absent,
+                              ost_error *err)
 {
     ost_file file;
     ost_error why = {0};
@@ -250,7 +259,8 @@ static ost_status compare_statement(const check *c, const sign_envelope *e, clai
     const json_t *annotations = json_object_get(json_array_get(json_object_get(said, "subject"), 0), "annotations");
     ost_status status = OST_OK;
     *why = NULL;
-    if (!take_claim(annotations, "signer", claimed->by, sizeof claimed->by) || !take_claim(annotations, "meaning", claimed->meaning, sizeof claimed->meaning) ||
+    if (!take_claim(annotations, "signer", claimed->by, sizeof claimed->by) ||
+        !take_claim(annotations, "meaning", claimed->meaning, sizeof claimed->meaning) ||
         !take_claim(annotations, "time", claimed->time, sizeof claimed->time))
         *why = "holds no statement of osteon sign: signer, meaning or time are missing";
     else if (c->is && (status = statement_of(c->is, claimed, &is, err)) == OST_OK && !json_equal(said, is))
@@ -290,7 +300,8 @@ static const char *verify_signatures(const check *c, const sign_envelope *e, jso
 }
 
 /* The time stamp that lies beside an envelope; time is "" without one. */
-static ost_status check_time(const check *c, const char *name, const char *bytes, size_t size, char time[SIGN_TIME], bool *there, ost_error *err)
+static ost_status check_time(const check *c, const char *name, const char *bytes, size_t size, char time[SIGN_TIME],
+                             bool *there, ost_error *err)
 {
     char file[300], *response;
     size_t response_size = 0;
@@ -336,8 +347,9 @@ static ost_status check_envelope(const check *c, const char *name, ost_error *er
     if (status == OST_OK && why)
         report(c, name, why);
     else if (status == OST_OK && (status = check_time(c, name, bytes, size, time, &stamped, err)) == OST_OK) {
-        json_t *o = json_pack("{s:s,s:s,s:s,s:s,s:O,s:b,s:b,s:s}", "file", name, "by", claimed.by, "meaning", claimed.meaning, "claimed_time", claimed.time, "keys", keys, "checked",
-                              c->trust != NULL, "stamped", stamped, "time_stamp", time);
+        json_t *o = json_pack("{s:s,s:s,s:s,s:s,s:O,s:b,s:b,s:s}", "file", name, "by", claimed.by, "meaning",
+                              claimed.meaning, "claimed_time", claimed.time, "keys", keys, "checked", c->trust != NULL,
+                              "stamped", stamped, "time_stamp", time);
         if (!o || json_array_append_new(c->list, o) != 0)
             status = ost_fail(err, OST_ERR_MEMORY, "no memory for signatures");
     }
@@ -378,14 +390,18 @@ static ost_status check_files(const check *c, DIR *dir, ost_error *err)
             status = check_envelope(c, names[i], err);
             continue;
         }
-        snprintf(envelope, sizeof envelope, "%.*s", ends_with(names[i], TIME_STAMP_END) ? (int)(length - strlen(TIME_STAMP_END)) : 0, names[i]);
+        snprintf(envelope, sizeof envelope, "%.*s",
+                 ends_with(names[i], TIME_STAMP_END) ? (int)(length - strlen(TIME_STAMP_END)) : 0, names[i]);
         if (!ends_with(envelope, ENVELOPE_END) || faccessat(c->signatures, envelope, F_OK, AT_SYMLINK_NOFOLLOW) != 0)
-            report(c, names[i], "is neither an envelope (NAME" ENVELOPE_END ") nor the time stamp of one (NAME" ENVELOPE_END TIME_STAMP_END ")");
+            report(c, names[i],
+                   "is neither an envelope (NAME" ENVELOPE_END
+                   ") nor the time stamp of one (NAME" ENVELOPE_END TIME_STAMP_END ")");
     }
     return status;
 }
 
-ost_status sign_check(const char *folder, const sign_trust *trust, bundle_problem *problem, void *user, int *found, json_t **out, ost_error *err)
+ost_status sign_check(const char *folder, const sign_trust *trust, bundle_problem *problem, void *user, int *found,
+                      json_t **out, ost_error *err)
 {
     char path[BUNDLE_PATH];
     contents is;

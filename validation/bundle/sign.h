@@ -35,7 +35,8 @@ enum { SIGN_TEXT_MAX = 200, SIGN_NAME = 128 };
  * Signs the bundle in `folder`, which the caller has checked, and writes the envelope.  by: the signer's printed name,
  * "" for none; meaning: for example "reviewed and accepted".  name receives the envelope's name within the folder.
  */
-ost_status sign_bundle(const char *folder, const sign_key *key, const char *by, const char *meaning, char name[SIGN_NAME], ost_error *err);
+ost_status sign_bundle(const char *folder, const sign_key *key, const char *by, const char *meaning,
+                       char name[SIGN_NAME], ost_error *err);
 
 /* Public keys, and the certificates of a time-stamping authority. */
 typedef struct sign_trust sign_trust;
@@ -49,6 +50,7 @@ void sign_trust_free(sign_trust *trust); /* NULL is allowed */
  * (NULL), envelopes are read and compared with the bundle, and no signature is verified.
  * *out: [{file, by, meaning, claimed_time, result, keys[], checked, time_stamp}]; the caller's reference.
  */
-ost_status sign_check(const char *folder, const sign_trust *trust, bundle_problem *problem, void *user, int *found, json_t **out, ost_error *err);
+ost_status sign_check(const char *folder, const sign_trust *trust, bundle_problem *problem, void *user, int *found,
+                      json_t **out, ost_error *err);
 
 #endif

@@ -86,7 +86,9 @@ ost_status sign_envelope_make(const sign_key *key, const char *payload, size_t s
         status = sign_make(key, encoded, encoded_size, &signature, &signature_size, err);
     if (status == OST_OK) {
         char *body = to_base64((const unsigned char *)payload, size), *sig = to_base64(signature, signature_size);
-        json_t *o = body && sig ? json_pack("{s:s,s:s,s:[{s:s,s:s}]}", "payload", body, "payloadType", PAYLOAD_TYPE, "signatures", "keyid", key->fingerprint, "sig", sig) : NULL;
+        json_t *o = body && sig ? json_pack("{s:s,s:s,s:[{s:s,s:s}]}", "payload", body, "payloadType", PAYLOAD_TYPE,
+                                            "signatures", "keyid", key->fingerprint, "sig", sig)
+                                : NULL;
         *text = o ? json_dumps(o, JSON_COMPACT | JSON_SORT_KEYS) : NULL;
         if (!*text)
             status = ost_fail(err, OST_ERR_MEMORY, "no memory for an envelope");
@@ -124,7 +126,8 @@ ost_status sign_envelope_read(const char *text, size_t size, sign_envelope *out,
     ost_status status = OST_OK;
     *out = (sign_envelope){.payload = NULL};
     json_t *o = json_loadb(text, size, JSON_REJECT_DUPLICATES, NULL);
-    const json_t *payload = json_object_get(o, "payload"), *type = json_object_get(o, "payloadType"), *list = json_object_get(o, "signatures");
+    const json_t *payload = json_object_get(o, "payload"), *type = json_object_get(o, "payloadType"),
+                 *list = json_object_get(o, "signatures");
     *why = NULL;
     if (!json_is_object(o))
         *why = "is not one JSON object (a DSSE envelope)";

@@ -26,7 +26,8 @@ static bool is_supported(const EVP_PKEY *key)
     char group[32] = "";
     if (is_ed25519(key))
         return true;
-    return EVP_PKEY_is_a(key, "EC") && EVP_PKEY_get_utf8_string_param(key, OSSL_PKEY_PARAM_GROUP_NAME, group, sizeof group, NULL) == 1 &&
+    return EVP_PKEY_is_a(key, "EC") &&
+           EVP_PKEY_get_utf8_string_param(key, OSSL_PKEY_PARAM_GROUP_NAME, group, sizeof group, NULL) == 1 &&
            strcmp(group, "prime256v1") == 0;
 }
 
@@ -40,7 +41,8 @@ static ost_status take_key(const char *path, EVP_PKEY *pkey, sign_key *out, ost_
         status = ost_fail(err, OST_ERR_INPUT, "%s: a key of another kind than Ed25519 and ECDSA P-256 (openssl genpkey -algorithm ed25519 makes one)", path);
     const int size = status == OST_OK ? i2d_PUBKEY(pkey, &der) : 0;
     if (status == OST_OK)
-        status = size > 0 ? ost_digest_bytes(der, (size_t)size, &digest, err) : ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a key", path);
+        status = size > 0 ? ost_digest_bytes(der, (size_t)size, &digest, err)
+                          : ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a key", path);
     OPENSSL_free(der);
     if (status == OST_OK) {
         out->key = pkey;
@@ -78,7 +80,9 @@ ost_status sign_key_open(const char *path, const char *passphrase, sign_key **ou
         sign_key *key = pkey ? calloc(1, sizeof *key) : NULL;
         if (!pkey)
             status = ost_fail(err, OST_ERR_INPUT, "%s: no private key in PEM that can be read%s", path,
-                              size >= 9 && strstr(bytes, "ENCRYPTED") ? "; it is encrypted, and the passphrase was not given or is not its own" : "");
+                              size >= 9 && strstr(bytes, "ENCRYPTED")
+                                  ? "; it is encrypted, and the passphrase was not given or is not its own"
+                                  : "");
         else if (!key) {
             EVP_PKEY_free(pkey);
             status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a key", path);
@@ -160,12 +164,15 @@ static ost_status trust_folder(const char *path, sign_trust *t, ost_error *err)
         char name[BUNDLE_PATH];
         if (!ends_with(e->d_name, ".pem"))
             continue;
-        status = snprintf(name, sizeof name, "%s/%s", path, e->d_name) < (int)sizeof name ? trust_file(name, t, err)
-                                                                                         : ost_fail(err, OST_ERR_INPUT, "%.200s: a name in it is too long", path);
+        status = snprintf(name, sizeof name, "%s/%s", path, e->d_name) < (int)sizeof name
+                     ? trust_file(name, t, err)
+                     : ost_fail(err, OST_ERR_INPUT, "%.200s: a name in it is too long", path);
     }
     if (dir)
         closedir(dir);
-    return status == OST_OK && t->count == before ? ost_fail(err, OST_ERR_INPUT, "%s: no public key (*.pem) in this folder", path) : status;
+    return status == OST_OK && t->count == before
+               ? ost_fail(err, OST_ERR_INPUT, "%s: no public key (*.pem) in this folder", path)
+               : status;
 }
 
 ost_status sign_trust_open(const char *const paths[], int count, const char *authority, sign_trust **out, ost_error *err)
@@ -175,7 +182,8 @@ ost_status sign_trust_open(const char *const paths[], int count, const char *aut
     *out = NULL;
     for (int i = 0; i < count && status == OST_OK; i++) {
         struct stat info;
-        status = stat(paths[i], &info) == 0 && S_ISDIR(info.st_mode) ? trust_folder(paths[i], t, err) : trust_file(paths[i], t, err);
+        status = stat(paths[i], &info) == 0 && S_ISDIR(info.st_mode) ? trust_folder(paths[i], t, err)
+                                                                     : trust_file(paths[i], t, err);
     }
     if (status == OST_OK && authority)
         status = sign_authority_open(authority, &t->authority, err);
@@ -204,10 +212,12 @@ static const EVP_MD *digest_of(const sign_key *key)
     return is_ed25519(key->key) ? NULL : EVP_sha256();
 }
 
-ost_status sign_make(const sign_key *key, const void *bytes, size_t size, unsigned char **signature, size_t *signature_size, ost_error *err)
+ost_status sign_make(const sign_key *key, const void *bytes, size_t size, unsigned char **signature,
+                     size_t *signature_size, ost_error *err)
 {
     EVP_MD_CTX *c = EVP_MD_CTX_new();
-    bool made = c && EVP_DigestSignInit(c, NULL, digest_of(key), NULL, key->key) == 1 && EVP_DigestSign(c, NULL, signature_size, bytes, size) == 1;
+    bool made = c && EVP_DigestSignInit(c, NULL, digest_of(key), NULL, key->key) == 1 &&
+                EVP_DigestSign(c, NULL, signature_size, bytes, size) == 1;
     *signature = made ? malloc(*signature_size) : NULL;
     made = *signature && EVP_DigestSign(c, *signature, signature_size, bytes, size) == 1;
     EVP_MD_CTX_free(c);

@@ -24,7 +24,8 @@ struct sign_trust {
 /* ---------------------------------------------------------- sign_key.c */
 
 /* bytes: size bytes under the pre-authentication encoding. The caller frees *signature. */
-ost_status sign_make(const sign_key *key, const void *bytes, size_t size, unsigned char **signature, size_t *signature_size, ost_error *err);
+ost_status sign_make(const sign_key *key, const void *bytes, size_t size, unsigned char **signature,
+                     size_t *signature_size, ost_error *err);
 bool sign_holds(const sign_key *key, const void *bytes, size_t size, const unsigned char *signature, size_t signature_size);
 
 /* ----------------------------------------------------- sign_envelope.c */
@@ -54,6 +55,7 @@ enum { SIGN_TIME = 40 };
 /* Reads the certificates of a time-stamping authority. */
 ost_status sign_authority_open(const char *path, X509_STORE **out, ost_error *err);
 /* Checks a response to a time stamp query for these bytes. Returns what is wrong, NULL for nothing; time: when it was made. */
-const char *sign_time_check(X509_STORE *authority, const char *response, size_t response_size, const char *bytes, size_t size, char time[SIGN_TIME]);
+const char *sign_time_check(X509_STORE *authority, const char *response, size_t response_size, const char *bytes,
+                            size_t size, char time[SIGN_TIME]);
 
 #endif

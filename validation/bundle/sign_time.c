@@ -44,11 +44,13 @@ static void time_of(TS_RESP *response, char time[SIGN_TIME])
     TS_TST_INFO *info = TS_RESP_get_tst_info(response);
     const ASN1_GENERALIZEDTIME *made = info ? TS_TST_INFO_get_time(info) : NULL;
     struct tm utc;
-    if (!made || ASN1_TIME_to_tm((const ASN1_TIME *)made, &utc) != 1 || strftime(time, SIGN_TIME, "%Y-%m-%dT%H:%M:%SZ", &utc) == 0)
+    if (!made || ASN1_TIME_to_tm((const ASN1_TIME *)made, &utc) != 1 ||
+        strftime(time, SIGN_TIME, "%Y-%m-%dT%H:%M:%SZ", &utc) == 0)
         snprintf(time, SIGN_TIME, "%s", "?");
 }
 
-const char *sign_time_check(X509_STORE *authority, const char *response, size_t response_size, const char *bytes, size_t size, char time[SIGN_TIME])
+const char *sign_time_check(X509_STORE *authority, const char *response, size_t response_size, const char *bytes,
+                            size_t size, char time[SIGN_TIME])
 {
     const unsigned char *at = (const unsigned char *)response;
     const char *why = NULL;

@@ -111,11 +111,12 @@ static void check_test(const check *c, const json_t *one, const char *expected)
     const char *derived = suite_result(json_integer_value(status), stopped);
     if (strcmp(evidence_text(one, "test"), expected) != 0)
         report(c, "has a result of '%.150s' where " REQUIREMENTS_FILE " gives %.150s", evidence_text(one, "test"), expected);
-    else if (!json_is_integer(status) || !json_is_number(json_object_get(one, "seconds")) || !json_is_integer(bytes) || json_integer_value(bytes) < 0 ||
-             !is_digest(evidence_text(one, "output_sha256")))
+    else if (!json_is_integer(status) || !json_is_number(json_object_get(one, "seconds")) || !json_is_integer(bytes) ||
+             json_integer_value(bytes) < 0 || !is_digest(evidence_text(one, "output_sha256")))
         report(c, "%.150s: has no status, no seconds, or no size and digest of its output", expected);
     else if (strcmp(result, derived) != 0)
-        report(c, "%.150s: says '%.40s', and status %lld%s%.40s gives '%s'", expected, result, (long long)json_integer_value(status), *stopped ? ", stopped: " : "", stopped, derived);
+        report(c, "%.150s: says '%.40s', and status %lld%s%.40s gives '%s'", expected, result,
+               (long long)json_integer_value(status), *stopped ? ", stopped: " : "", stopped, derived);
     else if (strcmp(derived, "passed") != 0 && !*evidence_text(one, "reason"))
         report(c, "%.150s: is %s without a reason", expected, derived);
 }
@@ -134,11 +135,13 @@ static void check_all(const check *c, const json_t *suite, const json_t *protoco
     for (int r = 0; r < RESULTS; r++) {
         const json_t *said = json_object_get(suite, results[r]);
         if (!json_is_integer(said) || json_integer_value(said) != count_of(suite, results[r]))
-            report(c, "says %lld %s, and its results give %lld", (long long)json_integer_value(said), results[r], (long long)count_of(suite, results[r]));
+            report(c, "says %lld %s, and its results give %lld", (long long)json_integer_value(said), results[r],
+                   (long long)count_of(suite, results[r]));
     }
 }
 
-ost_status suite_check(const char *folder, const json_t *protocol, bundle_problem *problem, void *user, int *found, ost_error *err)
+ost_status suite_check(const char *folder, const json_t *protocol, bundle_problem *problem, void *user, int *found,
+                       ost_error *err)
 {
     const check c = {problem, user, found};
     const bool needed = json_object_get(protocol, "suite") != NULL;

@@ -34,6 +34,7 @@ const char *suite_result(json_int_t status, const char *stopped);
 void suite_count(json_t *o);
 
 /* Reports what of a bundle's suite.json does not follow from its protocol, its requirements.csv or itself. */
-ost_status suite_check(const char *folder, const json_t *protocol, bundle_problem *problem, void *user, int *found, ost_error *err);
+ost_status suite_check(const char *folder, const json_t *protocol, bundle_problem *problem, void *user, int *found,
+                       ost_error *err);
 
 #endif

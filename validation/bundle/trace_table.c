@@ -160,7 +160,8 @@ static void add_text(char *to, size_t size, const char *format, ...)
  * "the test suite" and "tests: 2 passed; tests/x.sh FAILED: ..." of the tests of a row, which are cut at their semicolons. also: something
  * else of this bundle bears on it. False where no test passed or failed: a test that was skipped shows nothing.
  */
-static bool put_tests(char *tests, const json_t *suite, bool also, char *shown, size_t shown_size, char *result, size_t result_size)
+static bool put_tests(char *tests, const json_t *suite, bool also, char *shown, size_t shown_size, char *result,
+                      size_t result_size)
 {
     char *rest = NULL, others[1024] = "";
     int passed = 0, failed = 0;
@@ -170,7 +171,8 @@ static bool put_tests(char *tests, const json_t *suite, bool also, char *shown, 
         passed += strcmp(is, "passed") == 0;
         failed += strcmp(is, "failed") == 0;
         if (strcmp(is, "passed") != 0)
-            add_text(others, sizeof others, "; %.120s %s: %.120s", test, strcmp(is, "failed") == 0 ? "FAILED" : "skipped", one ? evidence_text(one, "reason") : "not run");
+            add_text(others, sizeof others, "; %.120s %s: %.120s", test,
+                     strcmp(is, "failed") == 0 ? "FAILED" : "skipped", one ? evidence_text(one, "reason") : "not run");
     }
     const bool tested = passed + failed > 0;
     if (!suite)
@@ -183,7 +185,8 @@ static bool put_tests(char *tests, const json_t *suite, bool also, char *shown, 
 }
 
 /* "1,234 records of rect equal" for each stage, and the checks that name the requirement. */
-static void put_shown(FILE *to, const char *id, char *tests, const outcomes *o, const json_t *common, const json_t *suite, bool used[TRACE_STAGES])
+static void put_shown(FILE *to, const char *id, char *tests, const outcomes *o, const json_t *common,
+                      const json_t *suite, bool used[TRACE_STAGES])
 {
     char shown[1024] = "", result[2048] = "", files[64] = "";
     size_t a = 0, b = 0;
@@ -217,7 +220,10 @@ static void put_shown(FILE *to, const char *id, char *tests, const outcomes *o, 
     if (tested)
         snprintf(files + strlen(files), sizeof files - strlen(files), "%s" SUITE_FILE, *files ? " " : "");
     put_csv(to, shown, ',');
-    put_csv(to, a || tested || suite ? result : "not by this bundle; the test suite's own results are not in it (--with-suite)", ',');
+    put_csv(to,
+            a || tested || suite ? result
+                                 : "not by this bundle; the test suite's own results are not in it (--with-suite)",
+            ',');
     put_csv(to, files, '\n');
 }
 
@@ -266,7 +272,8 @@ static void write_rows(FILE *to, const char *requirements, const json_t *cases, 
         fprintf(to, "orphan result,\"\",\"results that are no comparison\",\"\",\"\",\"failed, crashed or timed out\",\"%lld\",\"" EVIDENCE_CASES "\"\n", (long long)all.failed);
 }
 
-ost_status trace_table_write(const char *requirements, const json_t *cases, const json_t *common, const json_t *suite, evidence_sink *sink, void *user, ost_error *err)
+ost_status trace_table_write(const char *requirements, const json_t *cases, const json_t *common, const json_t *suite,
+                             evidence_sink *sink, void *user, ost_error *err)
 {
     char *bytes = NULL;
     size_t size = 0;

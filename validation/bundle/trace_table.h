@@ -22,6 +22,7 @@
 char *trace_requirements(void);
 
 /* requirements: the bundle's file; common, suite: the bundle's common.json and suite.json, or NULL. */
-ost_status trace_table_write(const char *requirements, const json_t *cases, const json_t *common, const json_t *suite, evidence_sink *sink, void *user, ost_error *err);
+ost_status trace_table_write(const char *requirements, const json_t *cases, const json_t *common, const json_t *suite,
+                             evidence_sink *sink, void *user, ost_error *err);
 
 #endif

@@ -18,7 +18,8 @@ static int side(int64_t i, ost_pm o, ost_pm s, wide bound, wide n)
 bool steps_bounds(const ost_pose *pose, const ost_geometry *bone, const ost_tool_geometry *tool, ost_voxel_box *out)
 {
     const ost_pm near[3] = {tool->corner.x, tool->corner.y, tool->corner.z}, t[3] = {pose->t.x, pose->t.y, pose->t.z};
-    const ost_pm o[3] = {bone->origin.x, bone->origin.y, bone->origin.z}, s[3] = {bone->spacing.x, bone->spacing.y, bone->spacing.z};
+    const ost_pm o[3] = {bone->origin.x, bone->origin.y, bone->origin.z},
+                 s[3] = {bone->spacing.x, bone->spacing.y, bone->spacing.z};
     const int32_t dims[3] = {tool->dims.x, tool->dims.y, tool->dims.z}, n[3] = {bone->dims.x, bone->dims.y, bone->dims.z};
     const wide norm = steps_norm(pose);
     wide least[3], most[3];
@@ -56,7 +57,8 @@ bool steps_bounds(const ost_pose *pose, const ost_geometry *bone, const ost_tool
 enum { BLOCK = 16 };
 
 /* A voxel of the block is inside the grid (AR-MAP-4); |base| < 2^31 and |15 step| < 2^28, in 64 bits. */
-static bool block_reaches(const ost_map *map, const ost_tool_geometry *tool, const ost_dims bone, const int32_t f[3], const int32_t base[3])
+static bool block_reaches(const ost_map *map, const ost_tool_geometry *tool, const ost_dims bone, const int32_t f[3],
+                          const int32_t base[3])
 {
     const int64_t end[3] = {(int64_t)tool->dims.x << 20, (int64_t)tool->dims.y << 20, (int64_t)tool->dims.z << 20};
     for (int a = 0; a < 3; a++) { /* all corners of the block on one side of the grid */
@@ -71,7 +73,8 @@ static bool block_reaches(const ost_map *map, const ost_tool_geometry *tool, con
             for (int32_t x = 0; x < BLOCK && f[0] + x < bone.x; x++) {
                 bool inside = true;
                 for (int a = 0; a < 3 && inside; a++) {
-                    const int64_t u = base[a] + x * (int64_t)map->step[0][a] + y * (int64_t)map->step[1][a] + z * (int64_t)map->step[2][a];
+                    const int64_t u = base[a] + x * (int64_t)map->step[0][a] + y * (int64_t)map->step[1][a] +
+                                      z * (int64_t)map->step[2][a];
                     inside = u >= 0 && u < end[a];
                 }
                 if (inside)

@@ -19,7 +19,9 @@ static ost_pm first_centre(ost_pm origin, ost_pm s, ost_pm c)
 ost_geometry steps_cubic(const ost_geometry *rect, ost_pm cubic)
 {
     const ost_pm3 s = rect->spacing, o = rect->origin;
-    return (ost_geometry){.dims = {voxels(rect->dims.x, s.x, cubic), voxels(rect->dims.y, s.y, cubic), voxels(rect->dims.z, s.z, cubic)},
+    return (ost_geometry){.dims = {voxels(rect->dims.x, s.x, cubic), voxels(rect->dims.y, s.y, cubic),
+                                   voxels(rect->dims.z, s.z, cubic)},
                           .spacing = {cubic, cubic, cubic},
-                          .origin = {first_centre(o.x, s.x, cubic), first_centre(o.y, s.y, cubic), first_centre(o.z, s.z, cubic)}};
+                          .origin = {first_centre(o.x, s.x, cubic), first_centre(o.y, s.y, cubic),
+                                     first_centre(o.z, s.z, cubic)}};
 }

@@ -11,16 +11,19 @@ static ost_int128 int128_of(wide a)
 static wide wide_of_int128(ost_int128 v)
 {
     return wide_plus(wide_times(wide_of((int64_t)(v >> 64)), wide_power_of_two(64)),
-                     wide_plus(wide_times(wide_of((int64_t)((uint64_t)v >> 32)), wide_power_of_two(32)), wide_of((int64_t)((uint64_t)v & 0xffffffff))));
+                     wide_plus(wide_times(wide_of((int64_t)((uint64_t)v >> 32)), wide_power_of_two(32)),
+                               wide_of((int64_t)((uint64_t)v & 0xffffffff))));
 }
 
 /* U_a = 2^20 (((q* (p - t) q)_a / N) - corner_a) / s_t at p = o + (i s, j s, k s), everything over N s_t. */
 void steps_map(const ost_pose *pose, const ost_geometry *bone, const ost_tool_geometry *tool, ost_map *out)
 {
     const wide n = steps_norm(pose), divisor = wide_times(n, wide_of(tool->voxel)), one = wide_power_of_two(20);
-    const wide from[3] = {wide_minus(wide_of(bone->origin.x), wide_of(pose->t.x)), wide_minus(wide_of(bone->origin.y), wide_of(pose->t.y)),
+    const wide from[3] = {wide_minus(wide_of(bone->origin.x), wide_of(pose->t.x)),
+                          wide_minus(wide_of(bone->origin.y), wide_of(pose->t.y)),
                           wide_minus(wide_of(bone->origin.z), wide_of(pose->t.z))};
-    const ost_pm corner[3] = {tool->corner.x, tool->corner.y, tool->corner.z}, spacing[3] = {bone->spacing.x, bone->spacing.y, bone->spacing.z};
+    const ost_pm corner[3] = {tool->corner.x, tool->corner.y, tool->corner.z},
+                 spacing[3] = {bone->spacing.x, bone->spacing.y, bone->spacing.z};
     wide turned[3];
     steps_turn(pose, true, from, turned);
     out->divisor = int128_of(divisor);
@@ -40,7 +43,8 @@ void steps_map(const ost_pose *pose, const ost_geometry *bone, const ost_tool_ge
 
 bool steps_block_base(const ost_map *map, const int32_t first[3], int32_t base[3])
 {
-    const wide divisor = wide_of_int128(map->divisor), low = wide_negated(wide_power_of_two(29)), high = wide_times(wide_of(3), wide_power_of_two(29));
+    const wide divisor = wide_of_int128(map->divisor), low = wide_negated(wide_power_of_two(29)),
+               high = wide_times(wide_of(3), wide_power_of_two(29));
     for (int a = 0; a < 3; a++) {
         wide at = wide_of_int128(map->origin[a]);
         for (int b = 0; b < 3; b++)

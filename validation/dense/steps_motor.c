@@ -62,7 +62,8 @@ static int64_t parts_of(const ost_path *rows, size_t i, int32_t rpm)
     if (row->rpm != OST_RPM_HAND || before->rpm != OST_RPM_HAND || row->tool != before->tool || row->lifted)
         return 1;
     const wide way = wide_times(wide_of(8), way_of(before->t_ns, row->t_ns, rpm));
-    const int64_t down = wide_to_int64(wide_floor(way, wide_of(turn))), m = wide_order(wide_times(wide_of(down), wide_of(turn)), way) < 0 ? down + 1 : down;
+    const int64_t down = wide_to_int64(wide_floor(way, wide_of(turn))),
+                  m = wide_order(wide_times(wide_of(down), wide_of(turn)), way) < 0 ? down + 1 : down;
     return m < 1 ? 1 : m;
 }
 

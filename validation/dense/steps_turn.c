@@ -11,7 +11,10 @@ static quaternion product(const quaternion *p, const quaternion *q)
 {
     static const struct {
         int to, sign;
-    } unit[4][4] = {{{0, 1}, {1, 1}, {2, 1}, {3, 1}}, {{1, 1}, {0, -1}, {3, 1}, {2, -1}}, {{2, 1}, {3, -1}, {0, -1}, {1, 1}}, {{3, 1}, {2, 1}, {1, -1}, {0, -1}}};
+    } unit[4][4] = {{{0, 1}, {1, 1}, {2, 1}, {3, 1}},
+                    {{1, 1}, {0, -1}, {3, 1}, {2, -1}},
+                    {{2, 1}, {3, -1}, {0, -1}, {1, 1}},
+                    {{3, 1}, {2, 1}, {1, -1}, {0, -1}}};
     quaternion out = {{wide_of(0), wide_of(0), wide_of(0), wide_of(0)}};
     for (int i = 0; i < 4; i++)
         for (int j = 0; j < 4; j++) {
@@ -25,7 +28,8 @@ static quaternion product(const quaternion *p, const quaternion *q)
 void steps_turn(const ost_pose *pose, bool back, const wide v[3], wide out[3])
 {
     const wide x = wide_of(pose->qx), y = wide_of(pose->qy), z = wide_of(pose->qz);
-    const quaternion q = {{wide_of(pose->qw), x, y, z}}, conjugate = {{wide_of(pose->qw), wide_negated(x), wide_negated(y), wide_negated(z)}};
+    const quaternion q = {{wide_of(pose->qw), x, y, z}},
+                     conjugate = {{wide_of(pose->qw), wide_negated(x), wide_negated(y), wide_negated(z)}};
     const quaternion vector = {{wide_of(0), v[0], v[1], v[2]}};
     const quaternion half = product(back ? &conjugate : &q, &vector), all = product(&half, back ? &q : &conjugate);
     for (int a = 0; a < 3; a++)
