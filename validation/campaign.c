@@ -61,7 +61,8 @@ static ost_status run_all(runner *r, ost_error *err)
             if (whom == 0)
                 status = batch_begin(r, err);
             if (status == OST_OK)
-                status = dump_of(r->c, whom) ? dump_to_results(r, batch_of(r, number), whom, err) : runner_start(r, number, whom, err);
+                status = dump_of(r->c, whom) ? dump_to_results(r, batch_of(r, number), whom, err)
+                                             : runner_start(r, number, whom, err);
             if (!dump_of(r->c, whom))
                 continue;
         }

@@ -27,8 +27,10 @@ ost_status dumps_check(const campaign *c, ost_error *err)
         if (status != OST_OK)
             return status;
         if (head.tier != p->tier || head.seed != p->seed)
-            return ost_fail(err, OST_ERR_USAGE, "%s: its cases are of tier %s, seed %llu; compared are those of tier %s, seed %llu", dump_of(c, s),
-                            plan_tier_name(head.tier), (unsigned long long)head.seed, plan_tier_name(p->tier), (unsigned long long)p->seed);
+            return ost_fail(err, OST_ERR_USAGE,
+                            "%s: its cases are of tier %s, seed %llu; compared are those of tier %s, seed %llu",
+                            dump_of(c, s), plan_tier_name(head.tier), (unsigned long long)head.seed,
+                            plan_tier_name(p->tier), (unsigned long long)p->seed);
     }
     return OST_OK;
 }
@@ -41,7 +43,8 @@ ost_status dump_to_results(runner *r, batch *b, int whom, ost_error *err)
     bool any = false;
     int fd;
     uint64_t *compared = calloc((size_t)c->plan->count, sizeof *compared);
-    ost_status status = compared ? scratch_file(&fd, err) : ost_fail(err, OST_ERR_MEMORY, "no memory for %d cases", c->plan->count);
+    ost_status status =
+        compared ? scratch_file(&fd, err) : ost_fail(err, OST_ERR_MEMORY, "no memory for %d cases", c->plan->count);
     if (status != OST_OK) {
         free(compared);
         return status;
@@ -63,7 +66,8 @@ ost_status dump_to_results(runner *r, batch *b, int whom, ost_error *err)
         }
         any |= differs;
         if (one->verdict == CASE_EQUAL || one->verdict == CASE_NOT_RUN)
-            snprintf(one->text, sizeof one->text, "%llu of %zu records are in the dump; reports never are", (unsigned long long)compared[i], c->ranges[i].count - 1);
+            snprintf(one->text, sizeof one->text, "%llu of %zu records are in the dump; reports never are",
+                     (unsigned long long)compared[i], c->ranges[i].count - 1);
     }
     b->tasks[whom].from = b->end;
     if (status == OST_OK && any)

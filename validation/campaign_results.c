@@ -59,7 +59,9 @@ ost_status results_of_reference(runner *r, batch *b, trace *got, const worker_re
     ost_status status = OST_OK;
     if (end->end != WORKER_DONE)
         return ost_fail(err, OST_ERR_INTERNAL, "the reference did not finish: %s",
-                        end->end == WORKER_LATE ? "it took too long; --limit gives more time" : end->text[0] ? end->text : "it ended without a word");
+                        end->end == WORKER_LATE ? "it took too long; --limit gives more time"
+                        : end->text[0]          ? end->text
+                                                : "it ended without a word");
     if (!got->whole)
         return ost_fail(err, OST_ERR_INTERNAL, "the reference's trace is not whole");
     keep_seconds(r, 0, got, b->first);

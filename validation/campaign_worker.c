@@ -20,8 +20,10 @@ ost_status runner_start(runner *r, int number, int whom, ost_error *err)
     batch *b = batch_of(r, number);
     slot *s = &r->slots[r->running];
     char seed[32], shard[32], first[16], end[16], tier[16], trace_path[32], given[64];
-    const char *words[CAMPAIGN_WORDS] = {r->o->program, "validate", "--worker", r->c->subjects->subjects[whom].spec, "--trace", trace_path, "--tier", tier,
-                                         "--seed", seed, "--shard", shard, "--from", first, "--to", end};
+    const char *words[CAMPAIGN_WORDS] = {r->o->program, "validate", "--worker", r->c->subjects->subjects[whom].spec,
+                                         "--trace",     trace_path, "--tier",   tier,
+                                         "--seed",      seed,       "--shard",  shard,
+                                         "--from",      first,      "--to",     end};
     size_t n = 16;
     snprintf(seed, sizeof seed, "%llu", (unsigned long long)p->seed);
     snprintf(shard, sizeof shard, "%d/%d", p->shard, p->shards);
@@ -56,7 +58,8 @@ ost_status runner_start(runner *r, int number, int whom, ost_error *err)
     b->tasks[whom].running = true;
     r->running++;
     if (r->o->show)
-        r->o->show(r->o->user, r->c->subjects->subjects[whom].spec, (double)r->finished / ((double)p->count * r->c->subjects->count));
+        r->o->show(r->o->user, r->c->subjects->subjects[whom].spec,
+                   (double)r->finished / ((double)p->count * r->c->subjects->count));
     return OST_OK;
 }
 
@@ -88,7 +91,9 @@ static ost_status resources_left(const char *spec, const worker_result *end, ost
                         "fewer --jobs need less memory", spec, spec);
     if (end->end != WORKER_FAILED || (end->code != WORKER_EXIT_RESOURCES && end->code != LOADER_FAILED))
         return OST_OK;
-    return ost_fail(err, OST_ERR_IO, "%s was not compared, for lack of memory, descriptors or files: %s; fewer --jobs need less", spec, end->text);
+    return ost_fail(err, OST_ERR_IO,
+                    "%s was not compared, for lack of memory, descriptors or files: %s; fewer --jobs need less", spec,
+                    end->text);
 }
 
 /* A full disk is nobody's difference. */
@@ -97,7 +102,9 @@ static ost_status room_left(const worker_result *end, ost_error *err)
     static const int full[] = {ENOSPC, EDQUOT, EFBIG};
     for (size_t i = 0; i < sizeof full / sizeof full[0] && end->end == WORKER_FAILED; i++)
         if (strstr(end->text, strerror(full[i])))
-            return ost_fail(err, OST_ERR_IO, "%s: traces have no room, where TMPDIR says or in /tmp; fewer --jobs need less", strerror(full[i]));
+            return ost_fail(err, OST_ERR_IO,
+                            "%s: traces have no room, where TMPDIR says or in /tmp; fewer --jobs need less",
+                            strerror(full[i]));
     return OST_OK;
 }
 

@@ -162,7 +162,8 @@ static bool compare_words(const trace_record *ref, const trace_record *got, comp
     out->line_words = words_of_line(ref, a, n);
     /* The first word of all is what is shown; the first in a chunk's line says where. */
     for (; i < n && i < m; i++) {
-        if (trace_word_at(a, i) == trace_word_at(b, i) || (got->flags & TRACE_BOUNDS && trace_word_holds(ref->stage, (size_t)i, a, b)))
+        if (trace_word_at(a, i) == trace_word_at(b, i) ||
+            (got->flags & TRACE_BOUNDS && trace_word_holds(ref->stage, (size_t)i, a, b)))
             continue;
         if (!differ) {
             out->word = (size_t)i;

@@ -90,7 +90,8 @@ ost_status perform(ost_backend *backend, const scene *s, uint32_t case_index, tr
     return perform_case((performer){.backend = backend, .s = s, .w = w, .case_index = case_index, .watch = watch, .user = user}, why, err);
 }
 
-ost_status perform_second(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, ost_error *why, ost_error *err)
+ost_status perform_second(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, ost_error *why,
+                          ost_error *err)
 {
     return perform_case((performer){.backend = backend, .s = s, .w = w, .case_index = case_index, .second = true}, why, err);
 }

@@ -36,7 +36,8 @@ ost_status perform(ost_backend *backend, const scene *s, uint32_t case_index, tr
  * src/sim's (steps_make.h): snapped meshes, ticks of a motor, events, poses and
  * maps.  Of a case that would take too long the ticks' steps alone are made.
  */
-ost_status perform_second(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, ost_error *why, ost_error *err);
+ost_status perform_second(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, ost_error *why,
+                          ost_error *err);
 
 /* given: the reference's trace, with this case whole. */
 ost_status perform_apart(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, const trace *given, ost_error *why, ost_error *err);

@@ -12,16 +12,19 @@ static ost_status given_record(const performer *p, trace_stage stage, uint32_t i
         if ((*out)->stage == stage && (*out)->item == item)
             return OST_OK;
     }
-    return ost_fail(err, OST_ERR_INPUT, "the reference made no %s %u that could be given to the next stage", trace_stage_name(stage), (unsigned)item);
+    return ost_fail(err, OST_ERR_INPUT, "the reference made no %s %u that could be given to the next stage",
+                    trace_stage_name(stage), (unsigned)item);
 }
 
 /* The one block of a whole grid. */
-static ost_status given_grid(const performer *p, trace_stage stage, uint32_t item, uint32_t voxel_bytes, ost_dims dims, trace_block_view *out, ost_error *err)
+static ost_status given_grid(const performer *p, trace_stage stage, uint32_t item, uint32_t voxel_bytes, ost_dims dims,
+                             trace_block_view *out, ost_error *err)
 {
     const trace_record *r;
     size_t at = 0;
     ost_status status = given_record(p, stage, item, &r, err);
-    if (status == OST_OK && (!trace_next_block(r, &at, out) || out->voxel_bytes != voxel_bytes || out->dims.x != dims.x || out->dims.y != dims.y || out->dims.z != dims.z))
+    if (status == OST_OK && (!trace_next_block(r, &at, out) || out->voxel_bytes != voxel_bytes ||
+                             out->dims.x != dims.x || out->dims.y != dims.y || out->dims.z != dims.z))
         status = ost_fail(err, OST_ERR_INPUT, "the reference's %s has not the size of this backend's", trace_stage_name(stage));
     return status;
 }
@@ -94,13 +97,14 @@ ost_status perform_give_tick(performer *p, uint32_t i, int32_t z0, int32_t z1, o
         return status;
     while (trace_next_block(r, &at, &block)) {
         const ost_dims n = block.dims;
-        if (block.voxel_bytes != sizeof(int16_t) || block.lo[0] < 0 || block.lo[1] < 0 || block.lo[2] < 0 || block.lo[0] + n.x > d.x || block.lo[1] + n.y > d.y ||
-            block.lo[2] + n.z > d.z)
+        if (block.voxel_bytes != sizeof(int16_t) || block.lo[0] < 0 || block.lo[1] < 0 || block.lo[2] < 0 ||
+            block.lo[0] + n.x > d.x || block.lo[1] + n.y > d.y || block.lo[2] + n.z > d.z)
             return ost_fail(err, OST_ERR_INPUT, "a leaf of the reference's tick %u lies outside of the bone", (unsigned)i);
         for (int32_t k = 0; k < n.z; k++)
             for (int32_t j = 0; j < n.y; j++)
                 memcpy(p->right + perform_at(d, block.lo[0], block.lo[1] + j, block.lo[2] + k),
-                       block.voxels + sizeof(int16_t) * (size_t)n.x * ((size_t)j + (size_t)n.y * (size_t)k), sizeof(int16_t) * (size_t)n.x);
+                       block.voxels + sizeof(int16_t) * (size_t)n.x * ((size_t)j + (size_t)n.y * (size_t)k),
+                       sizeof(int16_t) * (size_t)n.x);
     }
     if (z0 >= z1)
         return OST_OK;

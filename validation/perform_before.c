@@ -23,8 +23,10 @@ ost_status perform_other_lattice(performer *p, ost_error *err)
     const scene *s = p->s;
     const ost_geometry *g = &s->rect;
     const size_t n = s->sample_count < LATTICE_SAMPLES ? s->sample_count : LATTICE_SAMPLES;
-    const ost_geometry other = {{LATTICE_SIDE, LATTICE_SIDE, LATTICE_SIDE}, g->spacing,
-                                {other_origin(g->origin.x, g->spacing.x), other_origin(g->origin.y, g->spacing.y), other_origin(g->origin.z, g->spacing.z)}};
+    const ost_geometry other = {{LATTICE_SIDE, LATTICE_SIDE, LATTICE_SIDE},
+                                g->spacing,
+                                {other_origin(g->origin.x, g->spacing.x), other_origin(g->origin.y, g->spacing.y),
+                                 other_origin(g->origin.z, g->spacing.z)}};
     ost_sample samples[LATTICE_SAMPLES];
     ost_scatter_report ignored = {0};
     ost_grid *grid = NULL;
@@ -42,7 +44,9 @@ ost_status perform_other_lattice(performer *p, ost_error *err)
 static ost_status meet(performer *p, int i, ost_bone *bone, const ost_geometry *geometry, ost_error *err)
 {
     const ost_dims d = geometry->dims;
-    const ost_pose pose = {.t = {geometry->spacing.x * d.x / 2, geometry->spacing.x * d.y / 2, geometry->spacing.x * d.z / 2}, .qw = OST_Q30_ONE};
+    const ost_pose pose = {.t = {geometry->spacing.x * d.x / 2, geometry->spacing.x * d.y / 2,
+                                 geometry->spacing.x * d.z / 2},
+                           .qw = OST_Q30_ONE};
     const ost_density_classes classes = {.count = 1, .border = {1}};
     const ost_voxel_box box = {.hi = {d.x, d.y, d.z}};
     steps_pose made;

@@ -23,7 +23,8 @@ static ost_status upload_ct(performer *p, ost_grid *rect, ost_error *err)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for a CT of %d slices", (int)g->dims.z);
     for (size_t i = 0; i < s->sample_count; i++) {
         const ost_sample *one = &s->samples[i];
-        voxels[(size_t)((one->x - g->origin.x) / g->spacing.x) + (size_t)g->dims.x * (size_t)((one->y - g->origin.y) / g->spacing.y) +
+        voxels[(size_t)((one->x - g->origin.x) / g->spacing.x) +
+               (size_t)g->dims.x * (size_t)((one->y - g->origin.y) / g->spacing.y) +
                slice * (size_t)((one->z - g->origin.z) / g->spacing.z)] = (int16_t)one->density;
     }
     ost_status status = OST_OK;
@@ -54,8 +55,11 @@ static ost_status run_rect(performer *p, ost_grid **out, ost_error *err)
     }
     if (status != OST_OK)
         return status;
-    const int64_t words[] = {(int64_t)r.samples, (int64_t)r.duplicates, (int64_t)r.off_lattice, (int64_t)r.worst_offset_ppm, r.worst_line,
-                             r.rejected_line,    r.conflict_line,       r.conflict_had,         r.conflict_has};
+    const int64_t words[] = {(int64_t)r.samples,     (int64_t)r.duplicates,
+                             (int64_t)r.off_lattice, (int64_t)r.worst_offset_ppm,
+                             r.worst_line,           r.rejected_line,
+                             r.conflict_line,        r.conflict_had,
+                             r.conflict_has};
     trace_begin(p->w, TRACE_RECT, p->case_index, 0);
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
         trace_word(p->w, (uint64_t)words[i]);
@@ -104,7 +108,8 @@ ost_status perform_import(performer *p, ost_error *err)
         const size_t bytes = (size_t)ost_dims_count(p->dims) * 2;
         p->was = malloc(bytes);
         p->is = malloc(bytes);
-        status = p->was && p->is ? perform_record_bone(p, TRACE_CHUNKS, err) : ost_fail(err, OST_ERR_MEMORY, "no memory for a bone of %zu bytes", bytes);
+        status = p->was && p->is ? perform_record_bone(p, TRACE_CHUNKS, err)
+                                 : ost_fail(err, OST_ERR_MEMORY, "no memory for a bone of %zu bytes", bytes);
     }
     if (status == OST_OK)
         status = perform_give_bone(p, err);

@@ -77,7 +77,8 @@ static void record_changed(performer *p, int32_t z0, int32_t z1)
     for (int32_t z = z0; z < z1; z += OST_LEAF)
         for (int32_t y = 0; y < d.y; y += OST_LEAF)
             for (int32_t x = 0; x < d.x; x += OST_LEAF) {
-                const ost_dims n = {d.x - x < OST_LEAF ? d.x - x : OST_LEAF, d.y - y < OST_LEAF ? d.y - y : OST_LEAF, d.z - z < OST_LEAF ? d.z - z : OST_LEAF};
+                const ost_dims n = {d.x - x < OST_LEAF ? d.x - x : OST_LEAF, d.y - y < OST_LEAF ? d.y - y : OST_LEAF,
+                                    d.z - z < OST_LEAF ? d.z - z : OST_LEAF};
                 bool changed = false;
                 for (int32_t k = 0; k < n.z && !changed; k++)
                     for (int32_t j = 0; j < n.y && !changed; j++) {
@@ -99,7 +100,8 @@ static void record_changed(performer *p, int32_t z0, int32_t z1)
 }
 
 /* Poses and maps that the backend makes itself of the same two poses; the event itself is run with the host's, which must be the same ones. */
-static ost_status steps_by_backend(performer *p, const ost_tick *tick, int handed, const ost_pose *from, int *count, bool *made, ost_error *err)
+static ost_status steps_by_backend(performer *p, const ost_tick *tick, int handed, const ost_pose *from, int *count,
+                                   bool *made, ost_error *err)
 {
     if (p->second || !p->backend->ops->steps)
         return OST_OK;
@@ -111,8 +113,9 @@ static ost_status steps_by_backend(performer *p, const ost_tick *tick, int hande
         return ost_fail(err, OST_ERR_MEMORY, "no memory for %d poses", OST_SWEEP_MAX);
     int its = handed;
     const bool sweeps = memcmp(from, &tick->pose, sizeof *from) != 0;
-    const ost_status status = p->backend->ops->steps(p->backend, &p->geometry, &p->grids[tick->tool], sweeps ? from : NULL, &tick->pose, &its, p->made_poses,
-                                                     p->made_maps, err);
+    const ost_status status =
+        p->backend->ops->steps(p->backend, &p->geometry, &p->grids[tick->tool], sweeps ? from : NULL, &tick->pose, &its,
+                               p->made_poses, p->made_maps, err);
     if (status == OST_ERR_UNAVAILABLE)
         return OST_OK;
     *made = status == OST_OK || status == OST_ERR_RANGE; /* which refuses an event that the host has */
@@ -133,7 +136,8 @@ static void widen_range(performer *p, const ost_voxel_box *box)
 }
 
 /* The poses of tick i's event, from `from` to the tick's; their maps go into p->maps where the event is run here. */
-static ost_status record_steps(performer *p, size_t i, bool refused, bool removal, int count, const ost_pose *from, ost_error *err)
+static ost_status record_steps(performer *p, size_t i, bool refused, bool removal, int count, const ost_pose *from,
+                               ost_error *err)
 {
     const ost_tick *tick = &p->path.ticks[i];
     bool made_by_backend = false;

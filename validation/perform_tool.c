@@ -5,7 +5,8 @@
 #include <string.h>
 
 /* The backend's own snapped meshes in place of src/core's, where it makes them. */
-static ost_status snap_by_backend(performer *p, const scene_tool *t, ost_snapped_mesh meshes[2], bool *own, bool *made, ost_error *err)
+static ost_status snap_by_backend(performer *p, const scene_tool *t, ost_snapped_mesh meshes[2], bool *own, bool *made,
+                                  ost_error *err)
 {
     ost_snapped_mesh its[2] = {{.fraction_bits = 0}, {.fraction_bits = 0}};
     if (p->second || !p->backend->ops->snap || !t->raw[0].triangle_count)
@@ -50,7 +51,8 @@ ost_status perform_tool(performer *p, int i, ost_error *err)
     if (status == OST_OK)
         p->grids[i] = meshes[0].grid;
     if (status == OST_OK && !perform_is_of_steps(p->s))
-        status = ost_voxelize(p->backend, &meshes[0], meshes[1].triangle_count ? &meshes[1] : NULL, t->rule, &r, &p->tools[i], err);
+        status = ost_voxelize(p->backend, &meshes[0], meshes[1].triangle_count ? &meshes[1] : NULL, t->rule, &r,
+                              &p->tools[i], err);
     steps_meshes_free(meshes, own);
     if (status != OST_OK || perform_is_of_steps(p->s))
         return status;

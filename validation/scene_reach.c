@@ -78,7 +78,8 @@ static void large_samples(scene *s, draw *d)
             s->samples[s->sample_count] = sample_at(s, d, x, LARGE_Y - 1, z);
     }
     for (; s->sample_count < LARGE_SAMPLES; s->sample_count++) {
-        const int32_t x = (int32_t)draw_between(d, 0, LARGE_X - 1), y = (int32_t)draw_between(d, 0, LARGE_Y - 1), z = (int32_t)draw_between(d, 0, LARGE_Z - 1);
+        const int32_t x = (int32_t)draw_between(d, 0, LARGE_X - 1), y = (int32_t)draw_between(d, 0, LARGE_Y - 1),
+                      z = (int32_t)draw_between(d, 0, LARGE_Z - 1);
         ost_sample one = sample_at(s, d, x, y, z);
         if (draw_one_in(d, 5)) {
             const int32_t density = one.density;
@@ -131,7 +132,8 @@ static ost_status make_large(const plan_case *c, scene *s, draw *d, ost_error *e
                             s->rect.origin.z + (slim ? 38000 : 29000) * UM};
         /* A base far from the box's first lies half a unit of the map before the bar's end: a tie, which round half to even puts outside. */
         if (i < 3)
-            pose->t.x = s->rect.origin.x + s->cubic * OST_MAP_BLOCK * (17 + 16 * i) - LARGE_BAR / 2 * LARGE_VOXEL + LARGE_UNIT / 2;
+            pose->t.x = s->rect.origin.x + s->cubic * OST_MAP_BLOCK * (17 + 16 * i) - LARGE_BAR / 2 * LARGE_VOXEL +
+                        LARGE_UNIT / 2;
         else
             pose->t.x += draw_between(d, -700 * UM, 700 * UM);
     }
@@ -187,7 +189,9 @@ static ost_status make_rods(const plan_case *c, scene *s, draw *d, ost_error *er
 {
     const int kind = c->number / 4;
     const ost_pm spacing = 500 * UM, far = OST_LENGTH_MAX - 60000 * UM;
-    s->rect = (ost_geometry){{RODS_X, RODS_Y, RODS_Z}, {spacing, spacing, 350 * UM}, {far, -OST_LENGTH_MAX + 10000 * UM, kind % 2 ? -far : far}};
+    s->rect = (ost_geometry){{RODS_X, RODS_Y, RODS_Z},
+                             {spacing, spacing, 350 * UM},
+                             {far, -OST_LENGTH_MAX + 10000 * UM, kind % 2 ? -far : far}};
     s->cubic = spacing;
     s->resample = (ost_resample)(kind % 3);
     s->chunk_size = kind % 2 ? 32 : 64;
@@ -202,7 +206,8 @@ static ost_status make_rods(const plan_case *c, scene *s, draw *d, ost_error *er
             for (int32_t x = 0; x < RODS_X; x++, s->sample_count++) {
                 const bool dense = x < s->chunk_size;
                 const int32_t density = (int32_t)draw_between(d, dense ? 31000 : 8000, dense ? 32767 : 16383);
-                const ost_pm3 at = {s->rect.origin.x + spacing * x, s->rect.origin.y + spacing * y, s->rect.origin.z + 350 * UM * z};
+                const ost_pm3 at = {s->rect.origin.x + spacing * x, s->rect.origin.y + spacing * y,
+                                    s->rect.origin.z + 350 * UM * z};
                 s->samples[s->sample_count] = (ost_sample){at.x, at.y, at.z, density, (uint32_t)(s->sample_count % s->batch)};
             }
     s->world.classes = classes_of(kind);
@@ -216,7 +221,8 @@ static ost_status make_rods(const plan_case *c, scene *s, draw *d, ost_error *er
     if (status == OST_OK) /* two words a row, and three rows and layers more than any tile's power of two */
         status = scene_add_bar(s, (ost_dims){65, 67, 67}, 7, 1000 * UM, err);
     for (int i = 0; i < 2 && status == OST_OK; i++)
-        next_tick(s, 3)->pose.t = (ost_pm3){s->rect.origin.x + (i ? 40000 : 12000) * UM, s->rect.origin.y + 15000 * UM, s->rect.origin.z + 15000 * UM};
+        next_tick(s, 3)->pose.t = (ost_pm3){s->rect.origin.x + (i ? 40000 : 12000) * UM, s->rect.origin.y + 15000 * UM,
+                                            s->rect.origin.z + 15000 * UM};
     s->collide_every = 5;
     return status;
 }
@@ -237,7 +243,8 @@ static ost_status make_refused(const plan_case *c, scene *s, draw *d, ost_error 
     if (!s->samples)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for %d samples", (int)MOST);
     for (int i = 0; i < MOST; i++, s->sample_count++) {
-        const int32_t x = (int32_t)draw_between(d, 0, SIDE - 1), y = (int32_t)draw_between(d, 0, SIDE - 1), z = (int32_t)draw_between(d, 0, SIDE - 1);
+        const int32_t x = (int32_t)draw_between(d, 0, SIDE - 1), y = (int32_t)draw_between(d, 0, SIDE - 1),
+                      z = (int32_t)draw_between(d, 0, SIDE - 1);
         ost_sample one = sample_at(s, d, x, y, z);
         /* From the middle on, so that the first to be refused is not the first of its batch. */
         if (!conflicts_alone && i > MOST / 2 && draw_one_in(d, 9)) {
@@ -260,7 +267,8 @@ enum { HOLLOW_X = 50, HOLLOW_Y = 35, HOLLOW_Z = 33 };
 static void hollow_tick(scene *s, int32_t tool, int32_t x, int32_t y, int32_t z, int32_t before)
 {
     const ost_pm3 o = s->rect.origin;
-    next_tick(s, tool)->pose.t = (ost_pm3){o.x + s->cubic * x - s->tools[tool].cutting.grid.voxel * before, o.y + s->cubic * y, o.z + s->cubic * z};
+    next_tick(s, tool)->pose.t = (ost_pm3){o.x + s->cubic * x - s->tools[tool].cutting.grid.voxel * before,
+                                           o.y + s->cubic * y, o.z + s->cubic * z};
 }
 
 static ost_status make_hollow(scene *s, draw *d, ost_error *err)
@@ -280,8 +288,10 @@ static ost_status make_hollow(scene *s, draw *d, ost_error *err)
         for (int32_t y = 0; y < HOLLOW_Y; y++)
             for (int32_t x = 0; x < HOLLOW_X; x++, s->sample_count++) {
                 const ost_geometry *g = &s->rect;
-                const ost_pm3 at = {g->origin.x + g->spacing.x * x, g->origin.y + g->spacing.y * y, g->origin.z + g->spacing.z * z};
-                s->samples[s->sample_count] = (ost_sample){at.x, at.y, at.z, (int32_t)draw_between(d, 100, 3000), (uint32_t)(s->sample_count % s->batch)};
+                const ost_pm3 at = {g->origin.x + g->spacing.x * x, g->origin.y + g->spacing.y * y,
+                                    g->origin.z + g->spacing.z * z};
+                s->samples[s->sample_count] = (ost_sample){at.x, at.y, at.z, (int32_t)draw_between(d, 100, 3000),
+                                                           (uint32_t)(s->sample_count % s->batch)};
             }
     ost_status status = scene_add_plates(s, cube, err);
     if (status == OST_OK)

@@ -60,7 +60,8 @@ static ost_status make_tool(scene *s, draw *d, ost_pm voxel, int32_t wide, ost_e
     ost_status status = ost_mesh_init(mesh, VERTICES, TRIANGLES, err);
     for (int v = 0; v < VERTICES && status == OST_OK; v++) {
         const ost_pm reach = wide * voxel / 2 / (v % 4 == 3 ? 8 : 1), aside = reach < 500 * voxel ? reach : 500 * voxel;
-        mesh->vertices[v] = (ost_pm3){drawn(d, -reach, reach, part), drawn(d, -aside, aside, part), drawn(d, -aside, aside, part)};
+        mesh->vertices[v] =
+            (ost_pm3){drawn(d, -reach, reach, part), drawn(d, -aside, aside, part), drawn(d, -aside, aside, part)};
     }
     for (int t = 0; t < TRIANGLES && status == OST_OK; t++)
         for (int c = 0; c < 3; c++) /* some with a corner twice: no area */
@@ -94,10 +95,12 @@ static void turn_on(draw *d, double turn, const double last[4], double q[4])
 
 static ost_status make_ticks(scene *s, draw *d, int number, ost_pm unit, ost_error *err)
 {
-    static const double none[3] = {0, 0, 0}, upright[4] = {1, 0, 0, 0}, quarter[4] = {0.70710678118654752440, 0, 0.70710678118654752440, 0};
+    static const double none[3] = {0, 0, 0}, upright[4] = {1, 0, 0, 0},
+                        quarter[4] = {0.70710678118654752440, 0, 0.70710678118654752440, 0};
     const ost_geometry *g = &s->rect;
     const bool hand = number % 3 == 2;
-    const ost_pm3 middle = {g->origin.x + g->dims.x / 2 * s->cubic, g->origin.y + g->dims.y / 2 * s->cubic, g->origin.z + g->dims.z / 2 * s->cubic};
+    const ost_pm3 middle = {g->origin.x + g->dims.x / 2 * s->cubic, g->origin.y + g->dims.y / 2 * s->cubic,
+                            g->origin.z + g->dims.z / 2 * s->cubic};
     double q[4] = {1, 0, 0, 0};
     int64_t t_ns = draw_between(d, -4000000000, 4000000000);
     ost_pm at[3] = {middle.x, middle.y, middle.z};
@@ -135,7 +138,8 @@ static ost_status make_ticks(scene *s, draw *d, int number, ost_pm unit, ost_err
 
 ost_status scene_steps(scene *s, draw *d, int number, ost_error *err)
 {
-    const ost_pm unit = number % 2 ? 1 : 1000, fine = number % 2 ? draw_between(d, 250000000, 1200000000) : (INT64_C(1) << 21) * unit;
+    const ost_pm unit = number % 2 ? 1 : 1000,
+                 fine = number % 2 ? draw_between(d, 250000000, 1200000000) : (INT64_C(1) << 21) * unit;
     make_grid(s, d, number, number % 2 ? 1001 : unit);
     ost_status status = make_tool(s, d, fine, 20, err);
     if (status == OST_OK)

@@ -219,8 +219,9 @@ static ost_status layers(const ost_tool_geometry *grid, int32_t z0, int32_t z1, 
     if (status != OST_OK)
         return status;
     for (int c = 0; c < 8; c++)
-        out->vertices[c] = (ost_pm3){lo.x + (c & 1 ? grid->dims.x * grid->voxel : 0), lo.y + (c & 2 ? grid->dims.y * grid->voxel : 0),
-                                     lo.z + (c & 4 ? z1 : z0) * grid->voxel};
+        out->vertices[c] =
+            (ost_pm3){lo.x + (c & 1 ? grid->dims.x * grid->voxel : 0), lo.y + (c & 2 ? grid->dims.y * grid->voxel : 0),
+                      lo.z + (c & 4 ? z1 : z0) * grid->voxel};
     memcpy(out->triangles, box_faces, sizeof box_faces);
     return OST_OK;
 }
@@ -251,11 +252,13 @@ ost_status scene_add_bar(scene *s, ost_dims size, int32_t shaft, ost_pm voxel, o
 enum { PLATES_X = 48, PLATES_YZ = 40, PLATES_ON_A_LINE = 4 };
 
 /* The corners of a box of whole voxels from the grid's corner on, and its triangles but the last `open`. */
-static void put_box(const ost_tool_geometry *grid, const int32_t lo[3], const int32_t hi[3], size_t open, ost_mesh *mesh, size_t *corners)
+static void put_box(const ost_tool_geometry *grid, const int32_t lo[3], const int32_t hi[3], size_t open,
+                    ost_mesh *mesh, size_t *corners)
 {
     for (int c = 0; c < 8; c++)
-        mesh->vertices[*corners + (size_t)c] = (ost_pm3){grid->corner.x + grid->voxel * (c & 1 ? hi : lo)[0], grid->corner.y + grid->voxel * (c & 2 ? hi : lo)[1],
-                                                        grid->corner.z + grid->voxel * (c & 4 ? hi : lo)[2]};
+        mesh->vertices[*corners + (size_t)c] = (ost_pm3){grid->corner.x + grid->voxel * (c & 1 ? hi : lo)[0],
+                                                         grid->corner.y + grid->voxel * (c & 2 ? hi : lo)[1],
+                                                         grid->corner.z + grid->voxel * (c & 4 ? hi : lo)[2]};
     for (size_t t = 0; t < 12 - open; t++, mesh->triangle_count++)
         for (int c = 0; c < 3; c++)
             mesh->triangles[mesh->triangle_count][c] = (uint32_t)*corners + box_faces[t][c];
@@ -264,8 +267,12 @@ static void put_box(const ost_tool_geometry *grid, const int32_t lo[3], const in
 
 ost_status scene_add_plates(scene *s, ost_pm voxel, ost_error *err)
 {
-    static const int32_t at[3][2][3] = {{{4, 0, 0}, {8, PLATES_YZ, PLATES_YZ}}, {{40, 0, 0}, {44, PLATES_YZ, PLATES_YZ}}, {{20, 10, 10}, {28, 30, 30}}};
-    const ost_tool_geometry grid = {{PLATES_X, PLATES_YZ, PLATES_YZ}, voxel, {-PLATES_X / 2 * voxel, -PLATES_YZ / 2 * voxel, -PLATES_YZ / 2 * voxel}};
+    static const int32_t at[3][2][3] = {{{4, 0, 0}, {8, PLATES_YZ, PLATES_YZ}},
+                                        {{40, 0, 0}, {44, PLATES_YZ, PLATES_YZ}},
+                                        {{20, 10, 10}, {28, 30, 30}}};
+    const ost_tool_geometry grid = {{PLATES_X, PLATES_YZ, PLATES_YZ},
+                                    voxel,
+                                    {-PLATES_X / 2 * voxel, -PLATES_YZ / 2 * voxel, -PLATES_YZ / 2 * voxel}};
     scene_tool *tool = &s->tools[s->tool_count];
     ost_mesh *cutting = &tool->raw[0], *leaking = &tool->raw[1];
     *tool = (scene_tool){.rule = OST_FILL_WINDING, .name = "plates", .grid_given = true};
@@ -283,7 +290,9 @@ ost_status scene_add_plates(scene *s, ost_pm voxel, ost_error *err)
     for (int t = 0; t < PLATES_ON_A_LINE; t++, cutting->triangle_count++)
         for (int c = 0; c < 3; c++, corners++) { /* along x, and three slanted lines through centres of voxels */
             const ost_pm along = (3 + 5 * c) * voxel + voxel / 2;
-            cutting->vertices[corners] = (ost_pm3){grid.corner.x + along, grid.corner.y + (t & 1 ? along : 9 * voxel + voxel / 2), grid.corner.z + (t & 2 ? along : 11 * voxel + voxel / 2)};
+            cutting->vertices[corners] =
+                (ost_pm3){grid.corner.x + along, grid.corner.y + (t & 1 ? along : 9 * voxel + voxel / 2),
+                          grid.corner.z + (t & 2 ? along : 11 * voxel + voxel / 2)};
             cutting->triangles[cutting->triangle_count][c] = (uint32_t)corners;
         }
     status = ost_mesh_snap(cutting, &grid, &tool->cutting, err);

@@ -33,7 +33,8 @@ typedef struct witness {
 static void watch(void *user, trace_stage stage, uint32_t item)
 {
     witness *w = user;
-    if (w->seen || stage == TRACE_SNAP || stage == TRACE_STEPS) /* not of a backend; the event's steps are written when it has run */
+    if (w->seen || stage == TRACE_SNAP ||
+        stage == TRACE_STEPS) /* not of a backend; the event's steps are written when it has run */
         return;
     w->record = dense_record(w->backend);
     if (w->record.changed) {
@@ -196,7 +197,9 @@ typedef struct bench {
 
 static deviation drawn_mistake(draw *d, const share *of, uint64_t i)
 {
-    deviation how = {.kind = of->kinds ? of->kinds[i] : (deviation_kind)(DEVIATION_NONE + 1 + (of->first + i) % (DEVIATION_KINDS - 1))};
+    deviation how = {.kind = of->kinds
+                                 ? of->kinds[i]
+                                 : (deviation_kind)(DEVIATION_NONE + 1 + (of->first + i) % (DEVIATION_KINDS - 1))};
     how.seed = draw_bits(d);
     how.one_in = drawn_rate(d, how.kind);
     if (of->everywhere)
@@ -354,8 +357,9 @@ static void run_pass(proof *p, int jobs)
         pthread_join(others[i], NULL);
 }
 
-ost_status sensitivity_run(uint64_t seed, uint64_t injections, int jobs, void (*show)(void *user, const char *what, double share), void *user,
-                           sensitivity *out, ost_error *err)
+ost_status sensitivity_run(uint64_t seed, uint64_t injections, int jobs,
+                           void (*show)(void *user, const char *what, double share), void *user, sensitivity *out,
+                           ost_error *err)
 {
     proof p = {.out = out, .injections = injections, .show = show, .user = user, .lock = PTHREAD_MUTEX_INITIALIZER, .problem_at = -1,
                .end = (int)((injections + PER_SCENE - 1) / PER_SCENE)};

@@ -4,7 +4,8 @@
 #include "sim/box.h"
 #include "validation/dense/steps.h"
 
-static ost_status by_core(const ost_pose *pose, const ost_geometry *bone, const ost_tool_geometry *tool, steps_pose *out, ost_error *err)
+static ost_status by_core(const ost_pose *pose, const ost_geometry *bone, const ost_tool_geometry *tool,
+                          steps_pose *out, ost_error *err)
 {
     const ost_box of_bone = ost_box_of_bone(bone), of_tool = ost_box_of_tool(tool);
     int32_t first[3][3];
@@ -13,7 +14,10 @@ static ost_status by_core(const ost_pose *pose, const ost_geometry *bone, const 
         return status;
     steps_blocks(bone->dims, first);
     for (int k = 0; k < 3; k++)
-        out->near[k] = ost_map_block_base(&out->map, (ost_dims){first[k][0] / OST_MAP_BLOCK, first[k][1] / OST_MAP_BLOCK, first[k][2] / OST_MAP_BLOCK}, out->base[k]);
+        out->near[k] = ost_map_block_base(&out->map,
+                                          (ost_dims){first[k][0] / OST_MAP_BLOCK, first[k][1] / OST_MAP_BLOCK,
+                                                     first[k][2] / OST_MAP_BLOCK},
+                                          out->base[k]);
     out->reaches = ost_boxes_meet(&of_bone, &of_tool, pose);
     if (out->reaches)
         out->box = ost_box_voxels(bone, &of_tool, pose);
@@ -28,7 +32,8 @@ static bool is_supported(const ost_geometry *bone, const ost_tool_geometry *tool
     return bone->spacing.x <= RATIO * tool->voxel && tool->dims.x <= MOST && tool->dims.y <= MOST && tool->dims.z <= MOST;
 }
 
-static ost_status by_second(const ost_pose *pose, const ost_geometry *bone, const ost_tool_geometry *tool, steps_pose *out, ost_error *err)
+static ost_status by_second(const ost_pose *pose, const ost_geometry *bone, const ost_tool_geometry *tool,
+                            steps_pose *out, ost_error *err)
 {
     int32_t first[3][3];
     if (!is_supported(bone, tool))
@@ -41,7 +46,8 @@ static ost_status by_second(const ost_pose *pose, const ost_geometry *bone, cons
     return OST_OK;
 }
 
-ost_status steps_pose_of(bool second, const ost_pose *pose, const ost_geometry *bone, const ost_tool_geometry *tool, steps_pose *out, ost_error *err)
+ost_status steps_pose_of(bool second, const ost_pose *pose, const ost_geometry *bone, const ost_tool_geometry *tool,
+                         steps_pose *out, ost_error *err)
 {
     *out = (steps_pose){.pose = *pose};
     return (second ? by_second : by_core)(pose, bone, tool, out, err);

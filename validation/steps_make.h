@@ -12,7 +12,8 @@
 #include "validation/steps_record.h"
 
 /* OST_ERR_RANGE where the map's limits do not hold (AR-MAP-2). */
-ost_status steps_pose_of(bool second, const ost_pose *pose, const ost_geometry *bone, const ost_tool_geometry *tool, steps_pose *out, ost_error *err);
+ost_status steps_pose_of(bool second, const ost_pose *pose, const ost_geometry *bone, const ost_tool_geometry *tool,
+                         steps_pose *out, ost_error *err);
 /* AR-SWEEP-2, AR-SWEEP-3: 0 poses where the way or the turn is too great. */
 int steps_count_of(bool second, const ost_pose *a, const ost_pose *b, const ost_tool_geometry *tool, ost_pm bone_voxel);
 /* AR-SWEEP-4; a count of 1 is b as it is (AR-SWEEP-5). */

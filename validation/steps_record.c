@@ -124,9 +124,12 @@ static void name_pose_word(size_t at, char *text, size_t size)
 
 void steps_word_name(trace_stage stage, size_t word, char text[TRACE_WORD])
 {
-    static const char *const mesh[SNAP_WORDS] = {"width", "height", "depth", "voxel", "corner x", "corner y", "corner z", "fraction bits",
-                                                 "vertices", "triangles", "dropped triangles", "mesh digest", "mesh digest", "mesh digest", "mesh digest"};
-    static const char *const tick[TICK_WORDS] = {"event", "poses", "time", "motor speed", "pose x", "pose y", "pose z", "pose qw", "pose qx", "pose qy", "pose qz"};
+    static const char *const mesh[SNAP_WORDS] =
+        {"width",       "height",        "depth",      "voxel",     "corner x",          "corner y",
+         "corner z",    "fraction bits", "vertices",   "triangles", "dropped triangles", "mesh digest",
+         "mesh digest", "mesh digest",   "mesh digest"};
+    static const char *const tick[TICK_WORDS] = {"event",  "poses",   "time",    "motor speed", "pose x", "pose y",
+                                                 "pose z", "pose qw", "pose qx", "pose qy",     "pose qz"};
     if (stage == TRACE_SNAP && word < SNAP_WORDS * 2)
         snprintf(text, TRACE_WORD, "%s%s", mesh[word % SNAP_WORDS], word < SNAP_WORDS ? "" : " of the second mesh");
     else if (stage == TRACE_SNAP)

@@ -60,7 +60,9 @@ static ost_status find_program(const char *folder, char path[PATH_MAX], ost_erro
     if (snprintf(name, sizeof name, "%s/" RUN_TEST, folder) >= (int)sizeof name)
         return ost_fail(err, OST_ERR_INPUT, "--with-suite %.100s...: the name is too long", folder);
     if (!realpath(name, path))
-        return ost_fail(err, OST_ERR_INPUT, "--with-suite %s: has no program " RUN_TEST " (%s); name the folder that osteon was built in", folder, strerror(errno));
+        return ost_fail(err, OST_ERR_INPUT,
+                        "--with-suite %s: has no program " RUN_TEST " (%s); name the folder that osteon was built in",
+                        folder, strerror(errno));
     if (stat(path, &info) != 0 || !S_ISREG(info.st_mode) || access(path, X_OK) != 0)
         return ost_fail(err, OST_ERR_INPUT, "--with-suite %s: " RUN_TEST " is no program that can be executed", folder);
     return OST_OK;
@@ -203,8 +205,9 @@ static ost_status finish(runner *r, int slot, int state, ost_error *err)
     leftover_worker_gone(t->pid);
     status = status == OST_OK ? closed : status;
     const char *result = suite_result(code, t->stopped);
-    json_t *row = json_pack("{s:s,s:s,s:I,s:I,s:s,s:f}", "test", json_string_value(json_array_get(r->tests, t->number)), "result", result, "status", code, "output_bytes", t->bytes,
-                            "output_sha256", ost_digest_hex(&digest, hex), "seconds", now_s() - t->begun);
+    json_t *row = json_pack("{s:s,s:s,s:I,s:I,s:s,s:f}", "test", json_string_value(json_array_get(r->tests, t->number)),
+                            "result", result, "status", code, "output_bytes", t->bytes, "output_sha256",
+                            ost_digest_hex(&digest, hex), "seconds", now_s() - t->begun);
     if (*t->stopped)
         json_object_set_new(row, "stopped", json_string(t->stopped));
     if (strcmp(result, "passed") != 0) {
@@ -286,7 +289,8 @@ ost_status suite_run(const suite_options *o, json_t **out, ost_error *err)
     json_t *tests = suite_tests(o->requirements), *rows = json_array();
     runner r = {.o = o, .tests = tests, .rows = rows};
     *out = NULL;
-    ost_status status = tests && rows ? find_program(o->folder, r.program, err) : ost_fail(err, OST_ERR_MEMORY, "no memory for the suite");
+    ost_status status = tests && rows ? find_program(o->folder, r.program, err)
+                                      : ost_fail(err, OST_ERR_MEMORY, "no memory for the suite");
     for (size_t i = 0; status == OST_OK && i < json_array_size(tests); i++)
         if (json_array_append_new(rows, json_null()) != 0)
             status = ost_fail(err, OST_ERR_MEMORY, "no memory for the suite");

@@ -55,8 +55,10 @@ const char *trace_word_name(trace_stage stage, size_t word, uint64_t line_words,
     static const struct {
         const char *const *names;
         size_t count;
-    } of[TRACE_STAGES] = {[TRACE_CASE] = {input, 4}, [TRACE_RECT] = {rect, 9},   [TRACE_CUBIC] = {cubic, 6}, [TRACE_CHUNKS] = {chunks, 3},  [TRACE_TOOL] = {tool, 3},
-                          [TRACE_TICK] = {tick, 13}, [TRACE_COLLIDE] = {tick + 10, 3}, [TRACE_UPLOAD] = {chunks, 3}, [TRACE_FINAL] = {chunks, 3}, [TRACE_FAILED] = {failed, 1}};
+    } of[TRACE_STAGES] = {[TRACE_CASE] = {input, 4},        [TRACE_RECT] = {rect, 9},     [TRACE_CUBIC] = {cubic, 6},
+                          [TRACE_CHUNKS] = {chunks, 3},     [TRACE_TOOL] = {tool, 3},     [TRACE_TICK] = {tick, 13},
+                          [TRACE_COLLIDE] = {tick + 10, 3}, [TRACE_UPLOAD] = {chunks, 3}, [TRACE_FINAL] = {chunks, 3},
+                          [TRACE_FAILED] = {failed, 1}};
     if (stage < TRACE_STAGES && word < of[stage].count)
         return of[stage].names[word];
     const size_t head = trace_report_head(stage);
@@ -71,7 +73,9 @@ const char *trace_word_name(trace_stage stage, size_t word, uint64_t line_words,
 
 bool trace_word_is_bound(trace_stage stage, size_t word)
 {
-    return stage == TRACE_STEPS ? steps_word_is_bound(word) : stage == TRACE_TICK && (word == 2 || (word >= 4 && word < 10)); /* boxes meet, chunk range */
+    return stage == TRACE_STEPS
+               ? steps_word_is_bound(word)
+               : stage == TRACE_TICK && (word == 2 || (word >= 4 && word < 10)); /* boxes meet, chunk range */
 }
 
 bool trace_word_holds(trace_stage stage, size_t word, const uint8_t *is, const uint8_t *least)
@@ -81,7 +85,8 @@ bool trace_word_holds(trace_stage stage, size_t word, const uint8_t *is, const u
     if (stage != TRACE_TICK)
         return steps_word_holds(word, is, least);
     const int64_t has = (int64_t)trace_word_at(is, word), needs = (int64_t)trace_word_at(least, word);
-    return word >= 4 && word % 2 == 0 ? has <= needs : has >= needs; /* a range's first chunk; else its end, and that boxes meet */
+    return word >= 4 && word % 2 == 0 ? has <= needs
+                                      : has >= needs; /* a range's first chunk; else its end, and that boxes meet */
 }
 
 /* ------------------------------------------------------------------ writing */

@@ -130,7 +130,10 @@ static ost_status add_part(user_store *u, const ost_snapped_mesh *m, const ost_m
         status = add_array(u, raw->triangles, raw->triangle_count, sizeof *raw->triangles, &p->raw_triangles_at, err);
     if (status == OST_OK)
         status = add_array(u, m->vertices, m->vertex_count, sizeof *m->vertices, &p->vertices_at, err);
-    return status != OST_OK ? status : status == OST_OK ? add_array(u, m->triangles, m->triangle_count, sizeof *m->triangles, &p->triangles_at, err) : status;
+    return status != OST_OK ? status
+           : status == OST_OK
+               ? add_array(u, m->triangles, m->triangle_count, sizeof *m->triangles, &p->triangles_at, err)
+               : status;
 }
 
 ost_status user_case_end(user_store *u, const scene *head, ost_error *err)
@@ -145,7 +148,8 @@ ost_status user_case_end(user_store *u, const scene *head, ost_error *err)
     e->ticks = head->path.count;
     for (int t = 0; t < head->tool_count && status == OST_OK; t++)
         for (int k = 0; k < 2 && status == OST_OK; k++) {
-            status = add_part(u, k ? &head->tools[t].noncutting : &head->tools[t].cutting, &head->tools[t].raw[k], &e->parts[t][k], err);
+            status = add_part(u, k ? &head->tools[t].noncutting : &head->tools[t].cutting, &head->tools[t].raw[k],
+                              &e->parts[t][k], err);
             *(k ? &e->head.tools[t].noncutting : &e->head.tools[t].cutting) = (ost_snapped_mesh){.fraction_bits = 0};
             e->head.tools[t].raw[k] = (ost_mesh){.vertex_count = 0};
         }
@@ -191,8 +195,11 @@ static bool lies_within(const user_store *u, uint64_t at, uint64_t count, uint64
 
 static bool entry_is_whole(const user_store *u, const entry *e)
 {
-    bool whole = e->head.tool_count >= 0 && e->head.tool_count <= SCENE_TOOLS_MAX && (!e->samples || (e->head.batch > 0 && lies_within(u, e->samples_at, e->samples, sizeof(ost_sample)))) &&
-                 (!e->ticks || lies_within(u, e->ticks_at, e->ticks, sizeof(ost_tick))) && (!e->hand || lies_within(u, e->hand_at, e->hand, sizeof(ost_tick)));
+    bool whole =
+        e->head.tool_count >= 0 && e->head.tool_count <= SCENE_TOOLS_MAX &&
+        (!e->samples || (e->head.batch > 0 && lies_within(u, e->samples_at, e->samples, sizeof(ost_sample)))) &&
+        (!e->ticks || lies_within(u, e->ticks_at, e->ticks, sizeof(ost_tick))) &&
+        (!e->hand || lies_within(u, e->hand_at, e->hand, sizeof(ost_tick)));
     for (int t = 0; whole && t < e->head.tool_count; t++)
         for (int k = 0; whole && k < 2; k++) {
             const part *p = &e->parts[t][k];

@@ -24,8 +24,8 @@ static wide nearest(wide n, wide d)
 /* ---------------------------------------------------------------- snapping */
 
 /* AR-MESH-3, AR-MESH-4. The host has checked that every vertex lies in the grid. */
-int32_t example_snap(ost_plugin_instance *self, const ost_plugin_tool_geometry *g, const ost_plugin_raw_mesh *mesh, ost_plugin_snapped *made,
-                     ost_plugin_error *error)
+int32_t example_snap(ost_plugin_instance *self, const ost_plugin_tool_geometry *g, const ost_plugin_raw_mesh *mesh,
+                     ost_plugin_snapped *made, ost_plugin_error *error)
 {
     int f = 10;
     (void)self;
@@ -39,11 +39,13 @@ int32_t example_snap(ost_plugin_instance *self, const ost_plugin_tool_geometry *
         for (int c = 0; c < 3; c++) {
             const uint64_t v = mesh->triangles[3 * t + (uint64_t)c];
             for (uint64_t a = 0; a < 3; a++)
-                made->vertices[3 * v + a] = (int32_t)nearest((wide)(mesh->vertices_pm[3 * v + a] - g->corner_pm[a]) << f, g->voxel_pm);
+                made->vertices[3 * v + a] =
+                    (int32_t)nearest((wide)(mesh->vertices_pm[3 * v + a] - g->corner_pm[a]) << f, g->voxel_pm);
         }
     for (uint64_t t = 0; t < mesh->triangle_count; t++) {
         const uint32_t *index = mesh->triangles + 3 * t;
-        const int32_t *p = made->vertices + 3 * (uint64_t)index[0], *q = made->vertices + 3 * (uint64_t)index[1], *r = made->vertices + 3 * (uint64_t)index[2];
+        const int32_t *p = made->vertices + 3 * (uint64_t)index[0], *q = made->vertices + 3 * (uint64_t)index[1],
+                      *r = made->vertices + 3 * (uint64_t)index[2];
         int64_t u[3], v[3];
         for (int a = 0; a < 3; a++) {
             u[a] = (int64_t)q[a] - p[a];

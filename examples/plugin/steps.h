@@ -5,8 +5,8 @@
 
 #include <osteon/plugin.h>
 
-int32_t example_snap(ost_plugin_instance *self, const ost_plugin_tool_geometry *geometry, const ost_plugin_raw_mesh *mesh, ost_plugin_snapped *made,
-                     ost_plugin_error *error);
+int32_t example_snap(ost_plugin_instance *self, const ost_plugin_tool_geometry *geometry,
+                     const ost_plugin_raw_mesh *mesh, ost_plugin_snapped *made, ost_plugin_error *error);
 int32_t example_steps(ost_plugin_instance *self, const ost_plugin_steps *in, ost_plugin_error *error);
 
 #endif

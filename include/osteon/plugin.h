@@ -196,7 +196,7 @@ typedef struct ost_plugin_steps {
     const ost_plugin_pose *from; /* where the sweep begins; NULL: the event has one pose, `to` */
     const ost_plugin_pose *to;
     void *sink;
-    int32_t (*add)(void *sink, const ost_plugin_pose *pose, const ost_plugin_map *map); /* not OST_PLUGIN_OK: stop and return it */
+    int32_t (*add)(void *sink, const ost_plugin_pose *pose, const ost_plugin_map *map); /* not OST_PLUGIN_OK: stop, return it */
 } ost_plugin_steps;
 
 /* Filled by calling add once for each chunk with a removed voxel, ascending, then touched_voxels. */
@@ -299,8 +299,8 @@ typedef struct ost_plugin {
      * (stages snap and steps), and its verdict says which of the two a plugin made itself.
      */
     /* AR-MESH-3, AR-MESH-4: fills made; triangles that are kept stay in their order. */
-    int32_t (*snap)(ost_plugin_instance *self, const ost_plugin_tool_geometry *geometry, const ost_plugin_raw_mesh *mesh, ost_plugin_snapped *made,
-                    ost_plugin_error *error);
+    int32_t (*snap)(ost_plugin_instance *self, const ost_plugin_tool_geometry *geometry,
+                    const ost_plugin_raw_mesh *mesh, ost_plugin_snapped *made, ost_plugin_error *error);
     /* AR-SWEEP-1 to 4, AR-MAP-1 to 3: calls in->add once for each pose of the event, in their order; never for one that is refused. */
     int32_t (*steps)(ost_plugin_instance *self, const ost_plugin_steps *in, ost_plugin_error *error);
 } ost_plugin;

@@ -24,7 +24,9 @@ static ost_status check_first(app_state *app, const char *folder, json_t **summa
         status = sign_check(folder, NULL, print_problem, app, &found, &signatures, err);
     json_decref(signatures);
     if (status == OST_OK && found)
-        status = ost_fail(err, OST_ERR_DIFFER, "%s: %d problem%s: this bundle is not what was written, and is not signed", folder, found, found == 1 ? "" : "s");
+        status =
+            ost_fail(err, OST_ERR_DIFFER, "%s: %d problem%s: this bundle is not what was written, and is not signed",
+                     folder, found, found == 1 ? "" : "s");
     return status;
 }
 

@@ -55,7 +55,8 @@ static ost_status record_of(const char *folder, json_t **out, ost_error *err)
 }
 
 /* The files first: nothing runs without them. */
-static ost_status rerun_all(app_state *app, const user_files *own, const char *backend, const char *folder, listing *l, int *found, ost_error *err)
+static ost_status rerun_all(app_state *app, const user_files *own, const char *backend, const char *folder, listing *l,
+                            int *found, ost_error *err)
 {
     json_t *record, *again = NULL;
     user_store *store = NULL;
@@ -73,7 +74,11 @@ static ost_status rerun_all(app_state *app, const user_files *own, const char *b
     if (status == OST_OK)
         status = worker_program(program, sizeof program, err);
     if (status == OST_OK) {
-        const check_how how = {.program = program, .own = store ? &user : NULL, .backend = backend, .limit_s = LIMIT_S, .show = show};
+        const check_how how = {.program = program,
+                               .own = store ? &user : NULL,
+                               .backend = backend,
+                               .limit_s = LIMIT_S,
+                               .show = show};
         progress_begin(app);
         status = check_again(folder, &how, list_problem, l, found, err);
         progress_clear();
@@ -100,8 +105,8 @@ static void say_signature(const app_state *app, const json_t *one)
     const char *by = text_of(one, "by"), *stamp = text_of(one, "time_stamp");
     const json_t *keys = json_object_get(one, "keys");
     const bool checked = json_is_true(json_object_get(one, "checked"));
-    say(app, "  %s %s%s%s on %s (claimed): %s", checked ? "signed" : "NOT CHECKED: signature", *by ? "by " : "without a name", by, checked ? "" : ",",
-        text_of(one, "claimed_time"), text_of(one, "meaning"));
+    say(app, "  %s %s%s%s on %s (claimed): %s", checked ? "signed" : "NOT CHECKED: signature",
+        *by ? "by " : "without a name", by, checked ? "" : ",", text_of(one, "claimed_time"), text_of(one, "meaning"));
     for (size_t k = 0; k < json_array_size(keys); k++)
         say(app, "    key %s", json_string_value(json_array_get(keys, k)));
     if (*stamp)
@@ -110,11 +115,14 @@ static void say_signature(const app_state *app, const json_t *one)
         say(app, "    its time stamp was not checked: pass --timestamp-ca FILE");
 }
 
-static ost_status check_signatures(app_state *app, const signature_args *args, const char *folder, listing *l, int *found, ost_error *err)
+static ost_status check_signatures(app_state *app, const signature_args *args, const char *folder, listing *l,
+                                   int *found, ost_error *err)
 {
     sign_trust *trust = NULL;
     json_t *list = NULL;
-    ost_status status = args->trust.count ? sign_trust_open(args->trust.value, args->trust.count, args->authority, &trust, err) : OST_OK;
+    ost_status status = args->trust.count
+                            ? sign_trust_open(args->trust.value, args->trust.count, args->authority, &trust, err)
+                            : OST_OK;
     if (status == OST_OK)
         status = sign_check(folder, trust, list_problem, l, found, &list, err);
     if (status == OST_OK) {
@@ -150,7 +158,8 @@ static ost_status say_suite(app_state *app, const char *folder, ost_error *err)
     for (size_t k = 0; k < sizeof keys / sizeof keys[0]; k++)
         put_integer(counts, keys[k], json_integer_value(json_object_get(suite, keys[k])));
     put(app->result, "suite", counts);
-    say(app, "  the test suite%s: %lld passed, %lld failed, %lld were skipped", failed ? " FAILED" : "", (long long)json_integer_value(json_object_get(suite, "passed")), (long long)failed,
+    say(app, "  the test suite%s: %lld passed, %lld failed, %lld were skipped", failed ? " FAILED" : "",
+        (long long)json_integer_value(json_object_get(suite, "passed")), (long long)failed,
         (long long)json_integer_value(json_object_get(suite, "skipped")));
     json_decref(suite);
     return status;

@@ -264,8 +264,8 @@ char *load_other_units(char out[LOAD_UNITS_TEXT], double mm)
     out[0] = '\0';
     for (size_t u = 0; u < sizeof units / sizeof units[0]; u++)
         if (mm * units[u].mm >= 20 && mm * units[u].mm <= 600)
-            used += (size_t)snprintf(out + used, LOAD_UNITS_TEXT - used, "%s%.3g mm if its lengths are %s", used ? ", or " : ": it would be ",
-                                     mm * units[u].mm, units[u].name);
+            used += (size_t)snprintf(out + used, LOAD_UNITS_TEXT - used, "%s%.3g mm if its lengths are %s",
+                                     used ? ", or " : ": it would be ", mm * units[u].mm, units[u].name);
     return out;
 }
 

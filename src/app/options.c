@@ -248,7 +248,8 @@ static ost_status take(const app_state *app, const option *o, const char *text, 
         }
         /* The squares of a direction must neither overflow nor vanish. */
         if (!(greatest >= 1e-9 && greatest <= 1e9))
-            return usage_error(app, err, "--%s '%s': expected a direction whose greatest component is from 1e-9 to 1e9", o->name, text);
+            return usage_error(app, err, "--%s '%s': expected a direction whose greatest component is from 1e-9 to 1e9",
+                               o->name, text);
         return OST_OK;
     }
     case OPTION_CHOICE:

@@ -17,7 +17,8 @@
 #include "validation/sensitivity.h"
 
 typedef struct validate_args {
-    const char *out, *backends, *shard, *only, *merge, *worker, *trace, *given, *dump, *export_to, *case_file, *sign, *passphrase, *against, *suite;
+    const char *out, *backends, *shard, *only, *merge, *worker, *trace, *given, *dump, *export_to, *case_file, *sign,
+        *passphrase, *against, *suite;
     int tier; /* place in "smoke|standard|full" */
     int64_t seed, from, to, limit_s, jobs;
     int64_t faults, suite_limit_s;

@@ -155,8 +155,13 @@ static ost_status run_suite(const validate_args *args, int jobs, json_t **out, o
     if (!args->suite)
         return OST_OK;
     char *requirements = trace_requirements();
-    const suite_options how = {.folder = args->suite, .requirements = requirements, .limit_s = args->suite_limit_s, .jobs = jobs, .show = show};
-    const ost_status status = requirements ? suite_run(&how, out, err) : ost_fail(err, OST_ERR_MEMORY, "no memory for requirements");
+    const suite_options how = {.folder = args->suite,
+                               .requirements = requirements,
+                               .limit_s = args->suite_limit_s,
+                               .jobs = jobs,
+                               .show = show};
+    const ost_status status =
+        requirements ? suite_run(&how, out, err) : ost_fail(err, OST_ERR_MEMORY, "no memory for requirements");
     free(requirements);
     return status;
 }
@@ -261,7 +266,8 @@ ost_status validate_run(app_state *app, const validate_args *args, const plan *p
     if (status == OST_OK && j.suite)
         status = bundle_put_json(j.b, SUITE_FILE, j.suite, err);
     if (status == OST_OK && j.b)
-        status = put_evidence(j.b, &j.run, j.protocol, j.cases, j.faults, j.common, j.summary, j.program, args->against, &j.impact, err);
+        status = put_evidence(j.b, &j.run, j.protocol, j.cases, j.faults, j.common, j.summary, j.program, args->against,
+                              &j.impact, err);
     if (status == OST_OK && j.b) {
         status = bundle_end(j.b, err);
         j.b = NULL;

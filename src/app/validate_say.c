@@ -29,7 +29,8 @@ void validate_say_faults(const app_state *app, const sensitivity *s)
         say(app, "  %s", s->first_problem);
     for (int k = DEVIATION_NONE + 1; k < DEVIATION_KINDS; k++)
         if (!s->of[k].changed)
-            say(app, "  %s changed nothing; its mistakes survive when %s", deviation_describe((deviation_kind)k)->name, deviation_describe((deviation_kind)k)->survives);
+            say(app, "  %s changed nothing; its mistakes survive when %s", deviation_describe((deviation_kind)k)->name,
+                deviation_describe((deviation_kind)k)->survives);
 }
 
 static const case_result *result_at(const campaign *c, int i, int s)
@@ -41,7 +42,8 @@ void validate_say_difference(const app_state *app, const plan_case *c, const sub
 {
     const compare_difference *d = &r->difference;
     char where[64] = "", name[TRACE_WORD];
-    if (d->stage == TRACE_TICK || d->stage == TRACE_COLLIDE || d->stage == TRACE_TOOL || d->stage == TRACE_SNAP || d->stage == TRACE_STEPS)
+    if (d->stage == TRACE_TICK || d->stage == TRACE_COLLIDE || d->stage == TRACE_TOOL || d->stage == TRACE_SNAP ||
+        d->stage == TRACE_STEPS)
         snprintf(where, sizeof where, " %u", d->item);
     if (r->verdict != CASE_DIFFERS)
         say(app, "  %s on %s: %s: %s", c->id, s->spec, case_verdict_name(r->verdict), r->text);
@@ -60,7 +62,8 @@ void validate_say_difference(const app_state *app, const plan_case *c, const sub
         char hint[CAUSES_TEXT];
         causes_text(r->found->class, hint);
         if (r->found->chunk_size)
-            say(app, "    in chunk (%d, %d, %d) of %d^3", r->found->chunk[0], r->found->chunk[1], r->found->chunk[2], r->found->chunk_size);
+            say(app, "    in chunk (%d, %d, %d) of %d^3", r->found->chunk[0], r->found->chunk[1], r->found->chunk[2],
+                r->found->chunk_size);
         say(app, "    looks like %s: %s", r->found->class, r->found->text);
         if (*hint)
             say(app, "    %s", hint);
@@ -82,7 +85,8 @@ static void say_paths(const app_state *app, const path_list *list, json_t *o)
         return;
     paths_json(list, &entered, &missing);
     for (size_t i = 0; i < json_array_size(missing) && used < sizeof line; i++)
-        used += (size_t)snprintf(line + used, sizeof line - used, "%s%s", i ? ", " : "", json_string_value(json_array_get(missing, i)));
+        used += (size_t)snprintf(line + used, sizeof line - used, "%s%s", i ? ", " : "",
+                                 json_string_value(json_array_get(missing, i)));
     if (used)
         say(app, "  %-32s not entered: %s%s", "", line, used < sizeof line ? "" : " ...");
     put(o, "entered", entered);
@@ -93,8 +97,10 @@ static void say_paths(const app_state *app, const path_list *list, json_t *o)
 static void say_second(const app_state *app, const campaign *c, bool equal)
 {
     char ticks[SAY_TEXT], tools[SAY_TEXT];
-    say(app, "    src/core's sweep, map, boxes, poses and snapping against a second implementation: %s, %s ticks, %s tools", equal ? "equal" : "NOT equal",
-        say_count(ticks, (int64_t)c->stage_records[TRACE_STEPS]), say_count(tools, (int64_t)c->stage_records[TRACE_SNAP]));
+    say(app,
+        "    src/core's sweep, map, boxes, poses and snapping against a second implementation: %s, %s ticks, %s tools",
+        equal ? "equal" : "NOT equal", say_count(ticks, (int64_t)c->stage_records[TRACE_STEPS]),
+        say_count(tools, (int64_t)c->stage_records[TRACE_SNAP]));
 }
 
 /* A plugin may make the steps before the voxels itself, or take what it is handed. */
@@ -140,7 +146,8 @@ static void say_backends(app_state *app, const campaign *c)
         say_paths(app, &c->paths[s], o);
         if (s > 0 && one->available && strcmp(one->spec, SUBJECT_DENSE) == 0)
             say_second(app, c, equal + refused == c->plan->count);
-        if (one->available && (strncmp(one->spec, "plugin:", 7) == 0 || strncmp(one->spec, SUBJECT_DUMP, strlen(SUBJECT_DUMP)) == 0))
+        if (one->available &&
+            (strncmp(one->spec, "plugin:", 7) == 0 || strncmp(one->spec, SUBJECT_DUMP, strlen(SUBJECT_DUMP)) == 0))
             say_made(app, c, s);
     }
     put(app->result, "backends", array);
@@ -182,7 +189,8 @@ static void say_changes(const app_state *app, const json_t *list, const char *wh
     enum { SHOWN = 3 };
     for (size_t i = 0; i < json_array_size(list) && i < SHOWN; i++) {
         const json_t *one = json_array_get(list, i);
-        say(app, "    %s %s: %.100s, was %.100s", what, evidence_text(one, "what"), *evidence_text(one, "new") ? evidence_text(one, "new") : "none",
+        say(app, "    %s %s: %.100s, was %.100s", what, evidence_text(one, "what"),
+            *evidence_text(one, "new") ? evidence_text(one, "new") : "none",
             *evidence_text(one, "old") ? evidence_text(one, "old") : "none");
     }
     if (json_array_size(list) > SHOWN)
@@ -193,8 +201,10 @@ void validate_say_impact(app_state *app, const char *against, json_t *impact)
 {
     const json_t *results = json_object_get(impact, "results");
     say(app, "AGAINST %s: %s", against, evidence_text(impact, "conclusion"));
-    say(app, "  %lld case%s compared, %lld different, %zu not compared; %zu verdict%s of backends changed", (long long)json_integer_value(json_object_get(results, "compared")),
-        json_integer_value(json_object_get(results, "compared")) == 1 ? "" : "s", (long long)json_integer_value(json_object_get(results, "different_cases")),
+    say(app, "  %lld case%s compared, %lld different, %zu not compared; %zu verdict%s of backends changed",
+        (long long)json_integer_value(json_object_get(results, "compared")),
+        json_integer_value(json_object_get(results, "compared")) == 1 ? "" : "s",
+        (long long)json_integer_value(json_object_get(results, "different_cases")),
         json_array_size(json_object_get(results, "not_compared")), json_array_size(json_object_get(impact, "verdicts")),
         json_array_size(json_object_get(impact, "verdicts")) == 1 ? "" : "s");
     say_changes(app, json_object_get(impact, "causes"), "run:");
@@ -208,13 +218,19 @@ void validate_say_suite(const app_state *app, const json_t *suite)
 {
     enum { SHOWN = 10 };
     const json_t *tests = json_object_get(suite, "tests");
-    const json_int_t passed = json_integer_value(json_object_get(suite, "passed")), failed = json_integer_value(json_object_get(suite, "failed"));
+    const json_int_t passed = json_integer_value(json_object_get(suite, "passed")),
+                     failed = json_integer_value(json_object_get(suite, "failed"));
     int shown = 0;
-    say(app, "TEST SUITE %s: of %zu tests that requirements name, %lld passed, %lld failed, %lld were skipped", failed ? "FAILED" : passed ? "PASSED" : "NOT RUN", json_array_size(tests),
-        (long long)passed, (long long)failed, (long long)json_integer_value(json_object_get(suite, "skipped")));
+    say(app, "TEST SUITE %s: of %zu tests that requirements name, %lld passed, %lld failed, %lld were skipped",
+        failed   ? "FAILED"
+        : passed ? "PASSED"
+                 : "NOT RUN",
+        json_array_size(tests), (long long)passed, (long long)failed,
+        (long long)json_integer_value(json_object_get(suite, "skipped")));
     for (size_t i = 0; i < json_array_size(tests); i++)
         if (strcmp(evidence_text(json_array_get(tests, i), "result"), "failed") == 0 && shown++ < SHOWN)
-            say(app, "  %s %s", evidence_text(json_array_get(tests, i), "test"), evidence_text(json_array_get(tests, i), "reason"));
+            say(app, "  %s %s", evidence_text(json_array_get(tests, i), "test"),
+                evidence_text(json_array_get(tests, i), "reason"));
     if (shown > SHOWN)
         say(app, "  and %d more; " SUITE_FILE " has all", shown - SHOWN);
 }
@@ -223,7 +239,8 @@ ost_status validate_judge_suite(const json_t *suite, ost_error *err)
 {
     const json_int_t failed = json_integer_value(json_object_get(suite, "failed"));
     if (failed)
-        return ost_fail(err, OST_ERR_DIFFER, "%lld test%s of the suite failed; " SUITE_FILE " and the report say which", (long long)failed, failed == 1 ? "" : "s");
+        return ost_fail(err, OST_ERR_DIFFER, "%lld test%s of the suite failed; " SUITE_FILE " and the report say which",
+                        (long long)failed, failed == 1 ? "" : "s");
     if (!json_integer_value(json_object_get(suite, "passed")))
         return ost_fail(err, OST_ERR_UNAVAILABLE, "no test of the suite ran; " SUITE_FILE " has the reasons");
     return OST_OK;
@@ -249,8 +266,9 @@ ost_status validate_say(app_state *app, const validate_args *args, const campaig
         put_text(app->result, "out", args->out);
     const bool equal = json_is_true(json_object_get(summary, "equal")), something = json_integer_value(json_object_get(summary, "compared")) > 0;
     put_bool(app->result, "apart", args->apart);
-    say(app, "%s: %d case%s on %d backend%s, tier %s, seed %llu%s%s", evidence_text(summary, "verdict"), c->plan->count, c->plan->count == 1 ? "" : "s",
-        c->subjects->count, c->subjects->count == 1 ? "" : "s", plan_tier_name(c->plan->tier), (unsigned long long)c->plan->seed,
+    say(app, "%s: %d case%s on %d backend%s, tier %s, seed %llu%s%s", evidence_text(summary, "verdict"), c->plan->count,
+        c->plan->count == 1 ? "" : "s", c->subjects->count, c->subjects->count == 1 ? "" : "s",
+        plan_tier_name(c->plan->tier), (unsigned long long)c->plan->seed,
         json_is_true(json_object_get(summary, "evidence")) && !args->apart ? "" : " (a reduced run: no evidence)",
         args->apart ? ", every stage and tick apart" : "");
     say_backends(app, c);

@@ -47,30 +47,38 @@ static void judge_axis(const debrief *d, const ost_metrics *m, verdict *v)
 {
     const double off = m->reach_mm - d->plan.depth_mm;
     v->tilt = judge(m->tilt_deg, AIM_DEG, WATCH_DEG);
-    notice(v, v->tilt, m->tilt_deg / AIM_DEG, "reamed along an axis tilted by %.1f degrees from the planned one; up to %d degrees are allowed", m->tilt_deg, AIM_DEG);
+    notice(v, v->tilt, m->tilt_deg / AIM_DEG,
+           "reamed along an axis tilted by %.1f degrees from the planned one; up to %d degrees are allowed",
+           m->tilt_deg, AIM_DEG);
     v->version = judge(m->version_error_deg, AIM_DEG, WATCH_DEG);
     v->inclination = judge(m->inclination_error_deg, AIM_DEG, WATCH_DEG);
     v->depth = judge(off, AIM_DEPTH_MM, 2 * AIM_DEPTH_MM);
-    notice(v, v->depth, fabs(off) / AIM_DEPTH_MM, "reamed %.1f mm too %s; up to %.1f mm are allowed", fabs(off), off > 0 ? "deep" : "shallow", AIM_DEPTH_MM);
+    notice(v, v->depth, fabs(off) / AIM_DEPTH_MM, "reamed %.1f mm too %s; up to %.1f mm are allowed", fabs(off),
+           off > 0 ? "deep" : "shallow", AIM_DEPTH_MM);
     v->entry = judge(m->entry_mm, AIM_ENTRY_MM, 2 * AIM_ENTRY_MM);
-    notice(v, v->entry, m->entry_mm / AIM_ENTRY_MM, "the reamer entered %.1f mm off the planned centre; up to %.0f mm are allowed", m->entry_mm, AIM_ENTRY_MM);
+    notice(v, v->entry, m->entry_mm / AIM_ENTRY_MM,
+           "the reamer entered %.1f mm off the planned centre; up to %.0f mm are allowed", m->entry_mm, AIM_ENTRY_MM);
 }
 
 static void judge_seat(const ost_metrics *m, verdict *v)
 {
     v->contact = m->contact_percent >= AIM_CONTACT ? GOOD : m->contact_percent >= 75 ? WATCH : BAD;
-    notice(v, v->contact, (100 - m->contact_percent) / (100 - AIM_CONTACT), "backing contact would be %.0f %%; at least %.0f %% are required", m->contact_percent,
-           AIM_CONTACT);
+    notice(v, v->contact, (100 - m->contact_percent) / (100 - AIM_CONTACT),
+           "backing contact would be %.0f %%; at least %.0f %% are required", m->contact_percent, AIM_CONTACT);
     v->gap = judge(m->gap_max_mm, AIM_GAP_MM, 2 * AIM_GAP_MM);
-    notice(v, v->gap, m->gap_max_mm / AIM_GAP_MM, "the widest gap under an implant would be %.1f mm; up to %.0f mm are allowed", m->gap_max_mm, AIM_GAP_MM);
+    notice(v, v->gap, m->gap_max_mm / AIM_GAP_MM,
+           "the widest gap under an implant would be %.1f mm; up to %.0f mm are allowed", m->gap_max_mm, AIM_GAP_MM);
 }
 
 static void judge_hole(const ost_metrics *m, verdict *v)
 {
     v->hole_angle = judge(m->hole_angle_deg, AIM_DEG, WATCH_DEG);
-    notice(v, v->hole_angle, m->hole_angle_deg / AIM_DEG, "the peg hole is tilted by %.1f degrees from the planned axis; up to %d degrees are allowed", m->hole_angle_deg, AIM_DEG);
+    notice(v, v->hole_angle, m->hole_angle_deg / AIM_DEG,
+           "the peg hole is tilted by %.1f degrees from the planned axis; up to %d degrees are allowed",
+           m->hole_angle_deg, AIM_DEG);
     v->hole_entry = judge(m->hole_entry_mm, AIM_ENTRY_MM, 2 * AIM_ENTRY_MM);
-    notice(v, v->hole_entry, m->hole_entry_mm / AIM_ENTRY_MM, "the peg hole begins %.1f mm off the planned centre; up to %.0f mm are allowed", m->hole_entry_mm,
+    notice(v, v->hole_entry, m->hole_entry_mm / AIM_ENTRY_MM,
+           "the peg hole begins %.1f mm off the planned centre; up to %.0f mm are allowed", m->hole_entry_mm,
            AIM_ENTRY_MM);
     v->wall = m->hole_breach ? BAD : m->hole_wall_mm < AIM_WALL_MM ? WATCH : GOOD;
     if (m->hole_breach)
@@ -119,13 +127,16 @@ void verdict_make(const debrief *d, const ost_metrics *m, verdict *out)
     if (m->reamed)
         judge_axis(d, m, out);
     out->over = judge(m->over_mm3, AIM_OVER_MM3, 5 * AIM_OVER_MM3);
-    notice(out, out->over, fmax(1, m->over_max_mm), "%.0f mm3 were taken more than 1 mm deeper than planned; up to %.0f mm3 are allowed", m->over_mm3, AIM_OVER_MM3);
+    notice(out, out->over, fmax(1, m->over_max_mm),
+           "%.0f mm3 were taken more than 1 mm deeper than planned; up to %.0f mm3 are allowed", m->over_mm3,
+           AIM_OVER_MM3);
     if (m->sphere)
         judge_seat(m, out);
     if (m->plate_mm3 > 0) {
         out->plate = m->plate_kept_percent >= PLATE_GOOD ? GOOD : m->plate_kept_percent >= PLATE_WATCH ? WATCH : BAD;
-        notice(out, out->plate, (100 - m->plate_kept_percent) / (100 - PLATE_GOOD), "only %.0f %% of the subchondral bone are kept; at least %d %% are required",
-               m->plate_kept_percent, PLATE_GOOD);
+        notice(out, out->plate, (100 - m->plate_kept_percent) / (100 - PLATE_GOOD),
+               "only %.0f %% of the subchondral bone are kept; at least %d %% are required", m->plate_kept_percent,
+               PLATE_GOOD);
     }
     if (m->hole)
         judge_hole(m, out);

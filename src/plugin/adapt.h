@@ -94,9 +94,11 @@ ost_status ost_adapt_tool_upload(ost_backend *backend, const ost_tool_volume *vo
 ost_status ost_adapt_tool_download(const ost_tool *base, ost_tool_volume *volume, ost_error *err);
 void ost_adapt_tool_free(ost_tool *base);
 /* OST_ERR_UNAVAILABLE where the plugin has no such slot. */
-ost_status ost_adapt_snap(ost_backend *backend, const ost_mesh *mesh, const ost_tool_geometry *grid, ost_snapped_mesh *out, ost_error *err);
-ost_status ost_adapt_steps(ost_backend *backend, const ost_geometry *bone, const ost_tool_geometry *tool, const ost_pose *from, const ost_pose *to, int *count,
-                           ost_pose *poses, ost_map *maps, ost_error *err);
+ost_status ost_adapt_snap(ost_backend *backend, const ost_mesh *mesh, const ost_tool_geometry *grid,
+                          ost_snapped_mesh *out, ost_error *err);
+ost_status ost_adapt_steps(ost_backend *backend, const ost_geometry *bone, const ost_tool_geometry *tool,
+                           const ost_pose *from, const ost_pose *to, int *count, ost_pose *poses, ost_map *maps,
+                           ost_error *err);
 ost_status ost_adapt_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err);
 ost_status ost_adapt_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err);
 

@@ -33,9 +33,11 @@ static void options(void **state)
     assert_string_equal(o.platform, "Portable Computing");
     assert_string_equal(o.device, "1");
     assert_int_equal(o.workgroup, 64);
-    static const char *const wrong[] = {"platform", "platform=", "device=", "isa=avx2", "workgroup=0", "workgroup=x", "workgroup=99999999",
-                                        "threads=2", "platform=0,,x=1", "=", "workgroup=-1", "kernels", "kernels=", "kernels=both", "staging=1023",
-                                        "staging=", "order=0", "order=x", "staging=9999999999"};
+    static const char *const wrong[] =
+        {"platform",           "platform=",    "device=",         "isa=avx2", "workgroup=0",  "workgroup=x",
+         "workgroup=99999999", "threads=2",    "platform=0,,x=1", "=",        "workgroup=-1", "kernels",
+         "kernels=",           "kernels=both", "staging=1023",    "staging=", "order=0",      "order=x",
+         "staging=9999999999"};
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++)
         if (ost_cl_options_read(wrong[i], &o, &err) != OST_ERR_USAGE)
             fail_msg("'%s' is taken", wrong[i]);

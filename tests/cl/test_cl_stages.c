@@ -319,7 +319,8 @@ static void voxelizer(void **state)
         pair p = open_pair(workgroups[w]);
         for (int round = 0; round < 25; round++) {
             const int32_t depth = round == 24 ? 200 : 24; /* long triangles, which many slices would list */
-            const ost_dims dims = {(int32_t)rng_range(&rng, 2, 24), (int32_t)rng_range(&rng, 2, 24), (int32_t)rng_range(&rng, round == 24 ? 150 : 2, depth)};
+            const ost_dims dims = {(int32_t)rng_range(&rng, 2, 24), (int32_t)rng_range(&rng, 2, 24),
+                                   (int32_t)rng_range(&rng, round == 24 ? 150 : 2, depth)};
             ost_snapped_mesh mesh = make_closed(&rng, dims, (uint32_t)rng_range(&rng, 3, 8), (uint32_t)rng_range(&rng, 3, 8));
             ost_snapped_mesh shaft = make_closed(&rng, dims, 3, 5);
             if (round % 4 == 1)

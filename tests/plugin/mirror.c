@@ -329,10 +329,13 @@ static int32_t m_collide(const ost_plugin_bone *bone, const ost_plugin_tool *too
 
 static ost_tool_geometry tool_grid_of(const ost_plugin_tool_geometry *g)
 {
-    return (ost_tool_geometry){{g->dims[0], g->dims[1], g->dims[2]}, g->voxel_pm, {g->corner_pm[0], g->corner_pm[1], g->corner_pm[2]}};
+    return (ost_tool_geometry){{g->dims[0], g->dims[1], g->dims[2]},
+                               g->voxel_pm,
+                               {g->corner_pm[0], g->corner_pm[1], g->corner_pm[2]}};
 }
 
-static int32_t m_snap(ost_plugin_instance *self, const ost_plugin_tool_geometry *geometry, const ost_plugin_raw_mesh *raw, ost_plugin_snapped *made, ost_plugin_error *error)
+static int32_t m_snap(ost_plugin_instance *self, const ost_plugin_tool_geometry *geometry,
+                      const ost_plugin_raw_mesh *raw, ost_plugin_snapped *made, ost_plugin_error *error)
 {
     ost_error err = {0};
     const ost_tool_geometry g = tool_grid_of(geometry);
@@ -371,7 +374,9 @@ static int32_t m_steps(ost_plugin_instance *self, const ost_plugin_steps *in, os
 {
     ost_error err = {0};
     const ost_plugin_geometry *b = in->bone;
-    const ost_geometry bone = {{b->dims[0], b->dims[1], b->dims[2]}, {b->spacing_pm[0], b->spacing_pm[1], b->spacing_pm[2]}, {b->origin_pm[0], b->origin_pm[1], b->origin_pm[2]}};
+    const ost_geometry bone = {{b->dims[0], b->dims[1], b->dims[2]},
+                               {b->spacing_pm[0], b->spacing_pm[1], b->spacing_pm[2]},
+                               {b->origin_pm[0], b->origin_pm[1], b->origin_pm[2]}};
     const ost_tool_geometry tool = tool_grid_of(in->tool);
     const ost_pose to = pose_of(in->to), from = in->from ? pose_of(in->from) : to;
     int count = 1;

@@ -5,7 +5,10 @@
 
 static ost_pose any_pose(void)
 {
-    return (ost_pose){.qw = (int32_t)any64(QUATERNION), .qx = (int32_t)any64(QUATERNION), .qy = (int32_t)any64(QUATERNION), .qz = (int32_t)any64(QUATERNION)};
+    return (ost_pose){.qw = (int32_t)any64(QUATERNION),
+                      .qx = (int32_t)any64(QUATERNION),
+                      .qy = (int32_t)any64(QUATERNION),
+                      .qz = (int32_t)any64(QUATERNION)};
 }
 
 /* N and every entry, of any quaternion that ost_rotation_fits accepts: all sums of AR-POSE-4 are exact in int64. */

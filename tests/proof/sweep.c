@@ -16,8 +16,14 @@ static int64_t between_quotient(int64_t n, int64_t d)
 
 void sweep_dot(void)
 {
-    const ost_pose a = {.qw = (int32_t)any64(QUATERNION), .qx = (int32_t)any64(QUATERNION), .qy = (int32_t)any64(QUATERNION), .qz = (int32_t)any64(QUATERNION)};
-    const ost_pose b = {.qw = (int32_t)any64(QUATERNION), .qx = (int32_t)any64(QUATERNION), .qy = (int32_t)any64(QUATERNION), .qz = (int32_t)any64(QUATERNION)};
+    const ost_pose a = {.qw = (int32_t)any64(QUATERNION),
+                        .qx = (int32_t)any64(QUATERNION),
+                        .qy = (int32_t)any64(QUATERNION),
+                        .qz = (int32_t)any64(QUATERNION)};
+    const ost_pose b = {.qw = (int32_t)any64(QUATERNION),
+                        .qx = (int32_t)any64(QUATERNION),
+                        .qy = (int32_t)any64(QUATERNION),
+                        .qz = (int32_t)any64(QUATERNION)};
     (void)dot(&a, &b);
 }
 
@@ -31,7 +37,8 @@ void sweep_between(void)
 /* The comparisons of ost_sweep_count, restated: they stand in a loop of 4096 turns. */
 void sweep_compared(void)
 {
-    const ost_i128 d = nondet_int128(), p = nondet_int64(), n = any32(1, 4097), voxel = any64(INT64_C(100000000000) << 15 * WIDER);
+    const ost_i128 d = nondet_int128(), p = nondet_int64(), n = any32(1, 4097),
+                   voxel = any64(INT64_C(100000000000) << 15 * WIDER);
     ASSUME(p >= 0 && p <= (ost_i128)1 << (61 + WIDER));
     ASSUME(d >= 0 && d < (ost_i128)1 << 93);
     const ost_i128 squared = 2 * p * p, needed = 4 * d, given = n * n * (voxel * voxel);

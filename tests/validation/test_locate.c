@@ -345,7 +345,8 @@ static void operands_decide(void **state)
             const trace_record *r = &ref.records[all.first + i];
             size_t walk = 0;
             trace_block_view b;
-            if (r->stage == TRACE_CASE || r->stage == TRACE_FINAL || r->stage == TRACE_UPLOAD || r->stage == TRACE_RECT || !trace_next_block(r, &walk, &b))
+            if (r->stage == TRACE_CASE || r->stage == TRACE_FINAL || r->stage == TRACE_UPLOAD ||
+                r->stage == TRACE_RECT || !trace_next_block(r, &walk, &b))
                 continue;
             for (int k = 0; k < 40; k++) {
                 const size_t v = (size_t)(rng_next(&rng) % (uint64_t)ost_dims_count(b.dims)), wide = (size_t)b.dims.x, high = (size_t)b.dims.y;
@@ -501,7 +502,8 @@ static void causes_are_possibilities(void **state)
         for (int k = DEVIATION_NONE + 1; k < DEVIATION_KINDS; k++)
             all += (double)s.classes[k][c];
         for (int i = 0; one && i < CAUSES_NAMED && one->most[i].kind; i++) {
-            const double was = (double)one->most[i].mistakes / one->mistakes, is = (double)s.classes[deviation_by_name(one->most[i].kind)][c] / all;
+            const double was = (double)one->most[i].mistakes / one->mistakes,
+                         is = (double)s.classes[deviation_by_name(one->most[i].kind)][c] / all;
             assert_true(was - is < 0.03 && is - was < 0.03);
         }
     }

@@ -144,8 +144,9 @@ static void ratios_decide_a_voxel(void **state)
             scene s;
             assert_ok(scene_make(&p.cases[i], &s, &err));
             for (int single = 0; single < 2 && s.resample != OST_RESAMPLE_LINEAR; single++)
-                seen[s.resample == OST_RESAMPLE_THESIS][single] |= decided_by_ratio(&s, s.rect.spacing.x, s.rect.dims.x, single) > 0 ||
-                                                                  decided_by_ratio(&s, s.rect.spacing.z, s.rect.dims.z, single) > 0;
+                seen[s.resample == OST_RESAMPLE_THESIS][single] |=
+                    decided_by_ratio(&s, s.rect.spacing.x, s.rect.dims.x, single) > 0 ||
+                    decided_by_ratio(&s, s.rect.spacing.z, s.rect.dims.z, single) > 0;
             scene_free(&s);
         }
         plan_free(&p);
@@ -175,7 +176,8 @@ static void reach_has_what_it_is_for(void **state)
             assert_true(s.tools[0].cutting.grid.dims.x > 512);
             assert_true(s.tools[1].cutting.grid.dims.x == 257);
             assert_true(s.tools[0].noncutting.triangle_count > 0);
-            for (size_t n = 0; n < 3; n++) { /* units of the map from a voxel's middle to the bar's end, times 2: an odd number is a tie */
+            /* Units of the map from a voxel's middle to the bar's end, times 2: an odd number is a tie. */
+            for (size_t n = 0; n < 3; n++) {
                 const ost_tool_geometry *bar = &s.tools[0].cutting.grid;
                 const ost_pm end = s.path.ticks[n].pose.t.x + bar->corner.x + bar->dims.x * bar->voxel - s.rect.origin.x;
                 const ost_pm block = (end + s.cubic) / (OST_MAP_BLOCK * s.cubic) * OST_MAP_BLOCK * s.cubic;
@@ -187,7 +189,8 @@ static void reach_has_what_it_is_for(void **state)
             assert_int_equal((int64_t)s.sample_count, ost_dims_count(d));
             assert_int_equal(s.world.classes.count, i == 1 ? 1 : 8);
             const ost_dims bar = s.tools[3].cutting.grid.dims;
-            assert_true(bar.x > 64 && bar.x <= 128 && bar.y % 64 == 3 && bar.z % 64 == 3 && s.tools[3].noncutting.triangle_count > 0);
+            assert_true(bar.x > 64 && bar.x <= 128 && bar.y % 64 == 3 && bar.z % 64 == 3 &&
+                        s.tools[3].noncutting.triangle_count > 0);
             int32_t most[2] = {0}, least[2] = {INT16_MAX, INT16_MAX}; /* of the first chunk along x, and of the next */
             for (size_t n = 0; n < s.sample_count; n++) {
                 const int part = (int32_t)(n % (size_t)d.x) >= s.chunk_size;
@@ -210,8 +213,8 @@ static void reach_has_what_it_is_for(void **state)
                     e[k][1] = (b.y - a.y) / (s.cubic / 2);
                     e[k][2] = (b.z - a.z) / (s.cubic / 2);
                 }
-                on_a_line += e[0][0] && e[1][0] && e[0][0] != e[1][0] && e[0][0] * e[1][1] == e[0][1] * e[1][0] && e[0][1] * e[1][2] == e[0][2] * e[1][1] &&
-                             e[0][0] * e[1][2] == e[0][2] * e[1][0];
+                on_a_line += e[0][0] && e[1][0] && e[0][0] != e[1][0] && e[0][0] * e[1][1] == e[0][1] * e[1][0] &&
+                             e[0][1] * e[1][2] == e[0][2] * e[1][1] && e[0][0] * e[1][2] == e[0][2] * e[1][0];
             }
             assert_int_equal(m->triangle_count - plates->cutting.triangle_count, 4); /* which snapping drops */
             assert_int_equal(on_a_line, 4);
@@ -225,7 +228,8 @@ static void reach_has_what_it_is_for(void **state)
         } else {
             int64_t beyond = 0;
             for (size_t n = 0; n < s.sample_count; n++) {
-                const ost_pm off = s.samples[n].y - s.rect.origin.y, spacing = s.rect.spacing.y, rest = ((off % spacing) + spacing) % spacing;
+                const ost_pm off = s.samples[n].y - s.rect.origin.y, spacing = s.rect.spacing.y,
+                             rest = ((off % spacing) + spacing) % spacing;
                 beyond += rest > 3 * spacing / 8 && rest < spacing - 3 * spacing / 8;
             }
             assert_true(i == 2 ? beyond > 0 : beyond == 0);

@@ -30,13 +30,15 @@ static ost_int128 value_of(wide a)
 static void wide_integers(void **state)
 {
     (void)state;
-    static const int64_t halves[][3] = {{5, 2, 2}, {7, 2, 4}, {-5, 2, -2}, {-7, 2, -4}, {-1, 3, 0}, {-2, 3, -1}}; /* AR-INT-2's example */
+    static const int64_t halves[][3] = {{5, 2, 2},   {7, 2, 4},  {-5, 2, -2},
+                                        {-7, 2, -4}, {-1, 3, 0}, {-2, 3, -1}}; /* AR-INT-2's example */
     test_rng rng = rng_seeded("wide integers");
     for (size_t i = 0; i < sizeof halves / sizeof halves[0]; i++)
         assert_int_equal(wide_to_int64(wide_nearest(wide_of(halves[i][0]), wide_of(halves[i][1]))), halves[i][2]);
     assert_int_equal(wide_to_int64(wide_floor(wide_of(-7), wide_of(2))), -4);
     for (int i = 0; i < 20000; i++) {
-        const int64_t a = (int64_t)rng_next(&rng) >> rng_next(&rng) % 64, b = (int64_t)rng_next(&rng) >> (1 + rng_next(&rng) % 63);
+        const int64_t a = (int64_t)rng_next(&rng) >> rng_next(&rng) % 64,
+                      b = (int64_t)rng_next(&rng) >> (1 + rng_next(&rng) % 63);
         const ost_int128 p = (ost_int128)a * b, by = (ost_int128)(b < 0 ? -b : b) + 1;
         const wide n = wide_times(wide_of(a), wide_of(b)), d = wide_of((int64_t)by);
         assert_true(value_of(n) == p);
@@ -60,7 +62,8 @@ static ost_int128 decimal(const char *text)
 static void map_of_the_text(void **state)
 {
     (void)state;
-    static const char *const origin[] = {"34000796832371564562559795200000000", "-34762661917118460467698728960000000", "-90108978398322049941535457280000000"};
+    static const char *const origin[] = {"34000796832371564562559795200000000", "-34762661917118460467698728960000000",
+                                         "-90108978398322049941535457280000000"};
     static const char *const column[3][3] = {{"159094637945952872326758400000000", "0", "545467329344448482236170240000000"},
                                              {"0", "568195134795537347237642240000000", "0"},
                                              {"-545467329344448482236170240000000", "0", "159094637945952872326758400000000"}};
@@ -140,11 +143,14 @@ static void grid_of_the_text(void **state)
     static const struct {
         int64_t voxel_um, corner_um[3];
         int32_t dims[3];
-    } of[] = {{1000, {-19000, -19000, -1000}, {38, 38, 23}}, {750, {-18750, -18750, -750}, {50, 50, 30}}, {500, {-18500, -18500, -500}, {73, 74, 43}}};
+    } of[] = {{1000, {-19000, -19000, -1000}, {38, 38, 23}},
+              {750, {-18750, -18750, -750}, {50, 50, 30}},
+              {500, {-18500, -18500, -500}, {73, 74, 43}}};
     ost_error err = {0};
     ost_pm3 vertices[3] = {{-18000 * UM, -18000 * UM, 0}, {17400 * UM, 18000 * UM, 0}, {0, 0, 20300 * UM}};
     uint32_t triangles[2][3] = {{0, 1, 2}, {0, 1, 1}};
-    const ost_mesh meshes[2] = {{.vertex_count = 3, .vertices = vertices, .triangle_count = 2, .triangles = triangles}, {.vertex_count = 0}};
+    const ost_mesh meshes[2] = {{.vertex_count = 3, .vertices = vertices, .triangle_count = 2, .triangles = triangles},
+                                {.vertex_count = 0}};
     ost_tool_geometry grid;
     for (size_t i = 0; i < sizeof of / sizeof of[0]; i++) {
         assert_true(steps_tool_grid(meshes, of[i].voxel_um * UM, &grid));
@@ -155,7 +161,8 @@ static void grid_of_the_text(void **state)
     }
     ost_pm3 corners[2] = {{0, 0, 0}, {1000 * UM, 1000 * UM, 1000 * UM}};
     uint32_t thin[1][3] = {{0, 1, 1}};
-    const ost_mesh cube[2] = {{.vertex_count = 2, .vertices = corners, .triangle_count = 1, .triangles = thin}, {.vertex_count = 0}};
+    const ost_mesh cube[2] = {{.vertex_count = 2, .vertices = corners, .triangle_count = 1, .triangles = thin},
+                              {.vertex_count = 0}};
     ost_snapped_mesh snapped;
     assert_true(steps_tool_grid(cube, 500 * UM, &grid));
     assert_ok(steps_snap(&cube[0], &grid, &snapped, &err));
@@ -275,7 +282,8 @@ static void boxes_are_bounds(void **state)
     uint64_t has[13] = {0}, needs[13] = {0};
     const uint8_t *x = (const uint8_t *)has, *y = (const uint8_t *)needs;
     needs[FIRST_Y] = INT32_MAX; /* the second implementation's event reaches nothing */
-    assert_true(trace_word_holds(TRACE_TICK, MEET, x, y) && trace_word_holds(TRACE_TICK, FIRST_Y, x, y) && trace_word_holds(TRACE_TICK, END_Y, x, y));
+    assert_true(trace_word_holds(TRACE_TICK, MEET, x, y) && trace_word_holds(TRACE_TICK, FIRST_Y, x, y) &&
+                trace_word_holds(TRACE_TICK, END_Y, x, y));
     has[MEET] = needs[MEET] = 1;
     has[FIRST_Y] = (uint64_t)-1; /* more than is needed */
     has[END_Y] = 5;
@@ -285,7 +293,8 @@ static void boxes_are_bounds(void **state)
     has[MEET] = 0;
     has[FIRST_Y] = 1;
     has[END_Y] = 3;
-    assert_false(trace_word_holds(TRACE_TICK, MEET, x, y) || trace_word_holds(TRACE_TICK, FIRST_Y, x, y) || trace_word_holds(TRACE_TICK, END_Y, x, y));
+    assert_false(trace_word_holds(TRACE_TICK, MEET, x, y) || trace_word_holds(TRACE_TICK, FIRST_Y, x, y) ||
+                 trace_word_holds(TRACE_TICK, END_Y, x, y));
 }
 
 int main(void)

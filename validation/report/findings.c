@@ -293,7 +293,8 @@ static void fault_stages(const page *p, const json_t *all, const json_t *kinds)
 static void fault_kinds(const page *p, const json_t *kinds)
 {
     char label[64];
-    snprintf(label, sizeof label, "Kind by kind: %zu kind%s of mistakes", json_array_size(kinds), json_array_size(kinds) == 1 ? "" : "s");
+    snprintf(label, sizeof label, "Kind by kind: %zu kind%s of mistakes", json_array_size(kinds),
+             json_array_size(kinds) == 1 ? "" : "s");
     page_fold_begin(p, "kinds", false, label);
     fault_head(p, "Mistake");
     for (size_t i = 0; i < json_array_size(kinds) && i < LISTED; i++)

@@ -22,7 +22,8 @@ static void rows(const page *p, const json_t *tests, const char *result)
             continue;
         fputs("<tr><td><code>", p->to);
         page_text(p, evidence_text(one, "test"));
-        fprintf(p->to, "</code></td><td%s>%s</td><td>", strcmp(result, "failed") == 0 ? " class=\"bad\"" : "", strcmp(result, "failed") == 0 ? "&#10007; FAILED" : "skipped");
+        fprintf(p->to, "</code></td><td%s>%s</td><td>", strcmp(result, "failed") == 0 ? " class=\"bad\"" : "",
+                strcmp(result, "failed") == 0 ? "&#10007; FAILED" : "skipped");
         page_text(p, evidence_text(one, "reason"));
         fputs("</td></tr>\n", p->to);
     }

@@ -21,7 +21,8 @@ static tile_range tiles_of(const ost_frame_block *b, const band *at)
 {
     const ost_extent *e = &b->pixels;
     const int top = e->y0 > at->y0 ? e->y0 : at->y0, end = e->y1 < at->y1 ? e->y1 : at->y1;
-    return (tile_range){e->x0 / OST_TILE, (e->x1 + OST_TILE - 1) / OST_TILE, (top - at->y0) / OST_TILE, (end - at->y0 + OST_TILE - 1) / OST_TILE};
+    return (tile_range){e->x0 / OST_TILE, (e->x1 + OST_TILE - 1) / OST_TILE, (top - at->y0) / OST_TILE,
+                        (end - at->y0 + OST_TILE - 1) / OST_TILE};
 }
 
 /* Returns true if voxels nearer than key cover all of the tiles. */
@@ -78,7 +79,8 @@ static bool next_run(const cell_row *row, int *from, int *to)
 }
 
 /* Clears the keys that are drawn anew and closes all other tiles. Returns the extent to draw. */
-static ost_extent begin(const ost_frame *f, const ost_frame_layer *layer, const ost_cells *part, const band *at, const ost_planes *planes)
+static ost_extent begin(const ost_frame *f, const ost_frame_layer *layer, const ost_cells *part, const band *at,
+                        const ost_planes *planes)
 {
     ost_extent e = {f->width, 0, at->y1, at->y0};
     for (int y = at->y0; y < at->y1; y += OST_CELL_HEIGHT) {
@@ -101,7 +103,8 @@ static ost_extent begin(const ost_frame *f, const ost_frame_layer *layer, const 
 }
 
 /* Draws the part of a layer that lies in `part`. */
-static void draw_layer(const ost_frame *f, const ost_frame_layer *layer, const ost_cells *part, const band *at, const ost_planes *planes)
+static void draw_layer(const ost_frame *f, const ost_frame_layer *layer, const ost_cells *part, const band *at,
+                       const ost_planes *planes)
 {
     const ost_extent e = begin(f, layer, part, at, planes);
     for (int32_t i = 0; i < layer->count && e.y0 < e.y1; i++) {
@@ -156,7 +159,8 @@ static void put_back(const ost_frame *f, const band *at)
 static uint32_t mixed(uint32_t under, uint32_t over, uint32_t share)
 {
     const uint32_t rest = 256 - share;
-    return (((under & 0xff00ff) * rest + (over & 0xff00ff) * share) >> 8 & 0xff00ff) | (((under & 0xff00) * rest + (over & 0xff00) * share) >> 8 & 0xff00);
+    return (((under & 0xff00ff) * rest + (over & 0xff00ff) * share) >> 8 & 0xff00ff) |
+           (((under & 0xff00) * rest + (over & 0xff00) * share) >> 8 & 0xff00);
 }
 
 /* Returns true if a layer covers a pixel of the planes that it was drawn into. */
@@ -222,7 +226,8 @@ void ost_frame_draw_band(const ost_frame *f, int number, const ost_planes *base)
             const cell_row row = row_of(&layer->cells, &layer->cells, false, &at, y);
             for (int from, to = 0; next_run(&row, &from, &to);)
                 for (int j = row.y0; j < row.y1; j++)
-                    f->kernels.merge(&f->planes, &over, layer->scale, j, from, to, f->over.bit + (ptrdiff_t)(y / OST_CELL_HEIGHT) * f->over.words);
+                    f->kernels.merge(&f->planes, &over, layer->scale, j, from, to,
+                                     f->over.bit + (ptrdiff_t)(y / OST_CELL_HEIGHT) * f->over.words);
         }
     }
 }
