@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What a process did before a case must change nothing in it.  Before the
+ * The work of a process before a case must change nothing in the case.  Before the
  * import some of the case's samples go into a grid of another lattice, and
  * before the ticks each tool meets a bone of other voxels.  No result of this
  * is recorded: what is remembered of it by mistake shows in the case's records.

@@ -312,7 +312,7 @@ ost_status sensitivity_of(const deviation *how, uint64_t seed, int scene_number,
     return status;
 }
 
-/* What the pass makes in a scene. */
+/* Returns the mistakes that the pass makes in a scene. */
 static share share_of(const proof *p, int number)
 {
     const uint64_t first = (uint64_t)number * PER_SCENE, left = p->injections > first ? p->injections - first : 0;

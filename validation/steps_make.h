@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Who makes the steps of a case (steps_record.h): src/core and src/sim, as for
- * every backend, or the second implementation of them (dense/steps.h).
+ * The steps of a case (steps_record.h), made by src/core and src/sim, as for
+ * every backend, or by the second implementation of them (dense/steps.h).
  *
  *   a pose, the bone's grid, a tool's grid --steps_pose_of--> map, bases, box
  */

@@ -136,7 +136,7 @@ static ost_status check_signatures(app_state *app, const signature_args *args, c
     return status;
 }
 
-/* What the last line says of signatures. */
+/* Returns the words about signatures for the last line. */
 static const char *about_signatures(const app_state *app, const signature_args *args)
 {
     const size_t n = json_array_size(json_object_get(app->result, "signatures"));

@@ -60,7 +60,7 @@ void validate_say_faults(const app_state *app, const sensitivity *s);
 void validate_say_suite(const app_state *app, const json_t *suite);
 /* OST_ERR_DIFFER where a test of the suite failed, OST_ERR_UNAVAILABLE where none passed. */
 ost_status validate_judge_suite(const json_t *suite, ost_error *err);
-/* What changed since the bundle of --against; impact: impact.json. */
+/* Prints the changes since the bundle of --against; impact: impact.json. */
 void validate_say_impact(app_state *app, const char *against, json_t *impact);
 /* Not a difference: there was nothing to differ. */
 ost_status validate_nothing(ost_error *err);

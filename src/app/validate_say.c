@@ -93,7 +93,7 @@ static void say_paths(const app_state *app, const path_list *list, json_t *o)
     put(o, "not_entered", missing);
 }
 
-/* What the second implementation is for: the steps that no other comparison shows. */
+/* Prints the result of the second implementation, which shows the steps that no other comparison shows. */
 static void say_second(const app_state *app, const campaign *c, bool equal)
 {
     char ticks[SAY_TEXT], tools[SAY_TEXT];

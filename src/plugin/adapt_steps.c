@@ -51,7 +51,7 @@ ost_status ost_adapt_snap(ost_backend *backend, const ost_mesh *mesh, const ost_
     return status;
 }
 
-/* Where the plugin's poses go. */
+/* The memory that receives the plugin's poses and maps. */
 typedef struct pose_sink {
     int count;
     ost_pose *poses;

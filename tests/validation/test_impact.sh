@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# What changed since an older bundle (osteon validate --against): nothing, a
+# Changes since an older bundle (osteon validate --against): none, a
 # seed, a compiler and a library, a requirement, a verdict, a result.
 # Covers: REQ-IMPACT
 . "${srcdir:-.}/tests/app/lib.sh"

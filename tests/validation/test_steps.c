@@ -207,7 +207,7 @@ static void events_by_hand(void **state)
     steps_history_free(&h);
 }
 
-/* Of the two traces of a case of steps one word is changed: it is the one that is named. */
+/* One word of the two traces of a case of steps is changed: the comparison names it. */
 static void a_difference_is_named(void **state)
 {
     (void)state;

@@ -17,7 +17,7 @@ END
 chmod +x suite/tests/run-test
 campaign="validate --only import/0 --backends cpu:isa=scalar,threads=1"
 
-# What cannot be a suite is refused before anything runs.
+# A folder that cannot be a suite is refused before anything runs.
 refuse 2 "needs --out" $campaign --with-suite suite
 refuse 2 "of shards the first one has it" $campaign --with-suite suite --shard 2/2 --out b
 refuse 2 "nowhere: has no program tests/run-test" $campaign --with-suite nowhere --out b

@@ -19,7 +19,7 @@
 #include <jansson.h>
 #include <osteon/status.h>
 
-/* What a difference is called where one bundle alone has a record. */
+/* The name of a difference where one bundle alone has a record. */
 #define DIFFERENCE_NO_RECORD "one of them has no such record"
 
 /*

@@ -28,7 +28,7 @@ typedef struct folder_files {
     size_t count;
 } folder_files;
 
-/* What is the case for a file of this name; false when no bundle has such a file. */
+/* The rules for a file of this name. */
 typedef struct folder_about {
     bool varies;  /* it depends on times, identities or the machine: not in results_root */
     bool bound;   /* its digest stands in the log (log.h) */

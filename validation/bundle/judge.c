@@ -227,7 +227,7 @@ static void judge_lines(const judge *j, const json_t *r, case_verdict verdict)
         report(j, "says that %s differs first, and its digests differ first at %s", stated, place);
 }
 
-/* What a broad phase leaves is compared, and is in no digest (trace_word_is_bound). */
+/* Returns true for a difference in the bounds of a broad phase, which are compared and are in no digest (trace_word_is_bound). */
 static bool differs_in_bound(const json_t *r)
 {
     const char *word = evidence_text(r, "word");

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the parts of sign.h share: envelopes (DSSE 1.0.2), keys, time stamps (RFC 3161). */
+/* The types and functions that the parts of sign.h share: envelopes (DSSE 1.0.2), keys, time stamps (RFC 3161). */
 #ifndef OST_VALIDATION_SIGN_PARTS_H
 #define OST_VALIDATION_SIGN_PARTS_H
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What a broad phase may not leave out (AR-REM-5): the text states no box, so
- * that this is a bound and not a value.  sim/box.h promises the voxels whose
+ * The voxels that a broad phase must include (AR-REM-5): the text states no box,
+ * so that this is a bound and not a value.  sim/box.h promises the voxels whose
  * centres lie in the bone-aligned bounds of the tool's grid and one voxel
  * around it, unless no voxel at all is inside the grid.
  */

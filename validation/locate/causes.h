@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What a class of differences was caused by where the cause is known: in the
- * mistakes of the sensitivity proof, which are made on purpose.  A share among
+ * The causes of a class of differences where they are known: the mistakes of the
+ * sensitivity proof, which are made on purpose.  A share among
  * those is no probability for a backend, whose mistakes nobody has counted.
  */
 #ifndef OST_VALIDATION_CAUSES_H

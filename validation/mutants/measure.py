@@ -12,7 +12,7 @@ from trial import Process, how_it_ended
 
 FIELDS = ["id", "file", "line", "operator", "old", "new", "text", "outcome", "by", "stage", "how", "seconds", "tiers", "commit", "seed"]
 KERNELS_AS_C = "tests/cl/test_kernels_as_c"
-# What a mutated header may be in; the rest of the program has no part in results.
+# Objects that a mutated header can change; the rest of the program has no part in results.
 PARTS = ("src/core/", "src/cpu/", "src/cl/")
 
 

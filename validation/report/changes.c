@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What changed since an older bundle (impact.json), and which known cause there is. */
+/* The changes since an older bundle (impact.json), and their known causes. */
 #include <string.h>
 
 #include "validation/bundle/impact.h"

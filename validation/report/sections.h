@@ -9,7 +9,7 @@
 void section_machine(const page *p);
 /* Paths that each backend counted, and those that no case entered; nothing where none counted. */
 void section_paths(const page *p);
-/* What changed since an older bundle; nothing without impact.json. */
+/* Writes the changes since an older bundle; nothing without impact.json. */
 void section_changes(const page *p);
 /* What was compared with what: backends by families of cases. */
 void section_compared(const page *p);

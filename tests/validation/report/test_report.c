@@ -199,7 +199,7 @@ static void remember(void *user, bundle_problem_kind what, const char *file, con
     snprintf(all + used, 4096 - used, "%s %s\n", file, problem);
 }
 
-/* What check says about the page and its pictures, as lines; their number. */
+/* Returns the number of problems that check reports of the page and its pictures; all receives them as lines. */
 static int problems_of(const char *folder, char all[4096])
 {
     ost_error err = {0};
