@@ -1,0 +1,10 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#ifndef OST_CORE_MESH_CHECK_H
+#define OST_CORE_MESH_CHECK_H
+
+#include <osteon/mesh.h>
+
+/* Returns OST_ERR_USAGE, naming the triangle, if a triangle's vertex index is not below vertex_count. */
+ost_status ost_mesh_check_indices(const ost_mesh *mesh, ost_error *err);
+
+#endif
