@@ -164,6 +164,30 @@ static void memory_follows_the_voxels(void **state)
     free(voxels);
 }
 
+/* The figures above follow from the counts of active voxels: here the chunks themselves, each with memory where it has an active voxel alone. */
+static void empty_chunks_have_no_memory(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    const ost_geometry g = odd_geometry();
+    const size_t slice = (size_t)g.dims.x * (size_t)g.dims.y;
+    int16_t *voxels = calloc(slice, sizeof *voxels);
+    for (int s = 0; s < 3; s++) {
+        ost_chunk_grid grid;
+        assert_ok(ost_chunk_grid_init(&grid, g.dims, sizes[s], 120, &err));
+        for (int step = 0; step < 3; step++) { /* below the threshold, at it in one voxel, empty again */
+            int64_t held = 0;
+            voxels[5] = (int16_t)(step == 1 ? 120 : step == 0 ? 119 : 0);
+            assert_ok(ost_chunk_grid_upload(&grid, 20, 1, voxels, &err));
+            for (int64_t i = 0; i < grid.count; i++)
+                held += grid.chunks[i].density != NULL;
+            assert_int_equal(held, step == 1);
+        }
+        ost_chunk_grid_free(&grid);
+    }
+    free(voxels);
+}
+
 static void occupancy_words_say_what_is_active(void **state)
 {
     (void)state;
@@ -201,7 +225,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_goes_up_comes_down),   cmocka_unit_test(import_and_upload_agree),
         cmocka_unit_test(the_threshold_is_inclusive), cmocka_unit_test(chunk_size_does_not_show),
-        cmocka_unit_test(leaves_are_those_of_the_dense_grid), cmocka_unit_test(memory_follows_the_voxels),
+        cmocka_unit_test(leaves_are_those_of_the_dense_grid), cmocka_unit_test(memory_follows_the_voxels), cmocka_unit_test(empty_chunks_have_no_memory),
         cmocka_unit_test(occupancy_words_say_what_is_active),
     };
     return run_on_backends(tests, open_test_backend, close_test_backend);

@@ -200,11 +200,28 @@ static void beyond_what_is_proved(void **state)
     assert_int_equal(ost_map_make(&pose, &bone, &tool, &map, NULL), OST_ERR_USAGE);
 }
 
+/*
+ * A box of 1 mm from the origin into each octant, and a quarter turn about each axis: the corner that is farthest from the axis moves by
+ * the chord sqrt(2) * |(1, 1)| = 2 mm, so with 0.47 mm n = ceil(4 / 0.47) = ceil(8.51) = 9; any other corner gives ceil(6.02) = 7 or less.
+ */
+static void each_corner_counts(void **state)
+{
+    (void)state;
+    const ost_pose a = at_um(0, 0, 0);
+    for (int octant = 0; octant < 8; octant++) {
+        const ost_tool_geometry tool = {{10, 10, 10}, OST_PM_PER_MM / 10, {octant & 1 ? 0 : -OST_PM_PER_MM, octant & 2 ? 0 : -OST_PM_PER_MM, octant & 4 ? 0 : -OST_PM_PER_MM}};
+        const int32_t quarter = 759250125; /* 2^30 / sqrt(2) */
+        const ost_pose about[3] = {{.qw = quarter, .qx = quarter}, {.qw = quarter, .qy = quarter}, {.qw = quarter, .qz = quarter}};
+        for (int axis = 0; axis < 3; axis++)
+            assert_int_equal(count_of(&a, &about[axis], &tool, 470 * UM), 9);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_documents_sweep),     cmocka_unit_test(the_count_is_the_least),
-        cmocka_unit_test(a_turn_moves_the_corners), cmocka_unit_test(the_documents_map),
+        cmocka_unit_test(a_turn_moves_the_corners), cmocka_unit_test(each_corner_counts), cmocka_unit_test(the_documents_map),
         cmocka_unit_test(quarter_turns_are_exact), cmocka_unit_test(far_blocks_are_said_so),
         cmocka_unit_test(ties_of_the_base_go_to_even), cmocka_unit_test(beyond_what_is_proved),
     };
