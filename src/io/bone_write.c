@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A bone to a file: its cubic grid comes down in slabs of about SLAB_BYTES. */
+/* Writes a bone to a file. Its cubic grid is downloaded in slabs of about SLAB_BYTES. */
 #include <osteon/io.h>
 
 #include <stdio.h>
@@ -24,7 +24,7 @@ static ost_status bone_meta(const ost_bone_info *info, const ost_meta *given, os
     return status;
 }
 
-/* Text is written from a whole volume. */
+/* Downloads the complete volume first, because the text writer takes a volume and not slabs. */
 static ost_status write_text(const char *path, const ost_bone *bone, const ost_bone_info *info, const ost_meta *meta,
                              const ost_write_options *options, ost_error *err)
 {

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * From a file to a bone, stage by stage:
+ * Imports a file as a bone, stage by stage:
  *
  *   text          --scan--> samples --scatter--> rect
  *   NRRD, NIfTI   --read----------------------> rect (cropped)
  *                                               rect --> cubic --> chunks
  *
- * Each stage is timed and, when asked, digested; a grid is freed as soon as
- * the next one stands.
+ * Each stage is timed and, if the options request it, digested. A grid is
+ * freed as soon as the next one is complete.
  */
 #include "core/conditions.h"
 
@@ -26,10 +26,11 @@
 enum { THRESHOLD = 120, CHUNK = 32 };
 
 /*
- * A text of n samples may span at most max(2^24, 256 n) voxels: a line takes
- * at least 8 bytes and a voxel 2, so a grid never takes more than 32 MiB or
- * 64 times the file, while a bone without its surroundings (5 to 30 % of its
- * box) or the shell of one stays far below.
+ * A text of n samples may span at most max(2^24, 256 n) voxels. A line takes at
+ * least 8 bytes and a voxel takes 2, so a grid never takes more than 32 MiB or
+ * 64 times the size of the file. The limit is far above what real files need:
+ * a bone without its surroundings fills 5 to 30 % of its bounding box, and the
+ * shell of a bone also stays far below the limit.
  */
 static const uint64_t SPARSE_FLOOR = UINT64_C(1) << 24;
 static const uint64_t SPARSE_RATIO = 256;
@@ -59,7 +60,7 @@ static ost_status stage_begin(job *j, const char *name, ost_error *err)
     return progress(j, name, 0, err);
 }
 
-/* Waits for the backend, so that the time is the stage's own. */
+/* Ends a stage. It waits for the backend first, so that the measured time belongs to this stage alone. */
 static ost_status stage_end(job *j, const char *name, ost_stage **stage, ost_error *err)
 {
     ost_status status = ost_backend_finish(j->backend, err);
@@ -69,7 +70,7 @@ static ost_status stage_end(job *j, const char *name, ost_stage **stage, ost_err
     return status;
 }
 
-/* One leaf of a slab, zero beyond the grid. */
+/* Copies one leaf from a slab; voxels beyond the grid are set to 0. */
 static void copy_leaf(const int16_t *slab, ost_dims dims, int32_t depth, int32_t x0, int32_t y0, int16_t *leaf)
 {
     int32_t width = dims.x - x0 < OST_LEAF ? dims.x - x0 : OST_LEAF;
@@ -82,7 +83,7 @@ static void copy_leaf(const int16_t *slab, ost_dims dims, int32_t depth, int32_t
                    (size_t)width * sizeof *leaf);
 }
 
-/* A grid's digest, a slab of leaves at a time. */
+/* Computes the digest of a grid, one slab of leaves at a time. */
 static ost_status digest_grid(const job *j, ost_grid_kind kind, const ost_grid *grid, ost_digest *out, ost_error *err)
 {
     const ost_geometry *g = ost_grid_geometry(grid);
@@ -123,7 +124,7 @@ static ost_status stage_end_grid(job *j, const char *name, ost_grid_kind kind, c
 
 /* --------------------------------------------------------------------- checks */
 
-/* In bytes; more than anything takes when the system does not say. */
+/* Returns the machine's memory in bytes, or DBL_MAX if the system does not report it. */
 static double machine_memory(void)
 {
     long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
@@ -156,10 +157,12 @@ static ost_status count_active(const job *j, int32_t threshold, int64_t *out, os
 }
 
 /*
- * A bone that cannot fit is refused before hours of work on it and not by the
- * system's killing the program.  Backends differ in what they hold: cpu has no
- * cubic grid, and of a bone only what is active; so that alone is asked for, by
- * volume.  A grid of too many voxels is left to its own message.
+ * Refuses a bone that cannot fit into memory, before hours of work are spent on
+ * it and before the system kills the process. Backends differ in what they
+ * allocate: cpu has no cubic grid, and stores only the active voxels of a bone.
+ * The check therefore counts the active voxels alone and scales them by volume.
+ * A grid with too many voxels passes this check and fails later with a message
+ * of its own.
  */
 static ost_status check_bone_memory(const job *j, ost_pm cubic, int32_t threshold, ost_error *err)
 {
@@ -179,7 +182,7 @@ static ost_status check_bone_memory(const job *j, ost_pm cubic, int32_t threshol
                     ost_pm_format(cubic, text), (double)active * each * 1e-9, all * 1e-9);
 }
 
-/* Keeps lo <= index < hi of the grid. */
+/* Crops a geometry to the voxels with lo <= index < hi. */
 static ost_status crop_geometry(const char *path, const ost_voxel_box *box, ost_geometry *g, ost_error *err)
 {
     int32_t *const dims[3] = {&g->dims.x, &g->dims.y, &g->dims.z};
@@ -197,7 +200,7 @@ static ost_status crop_geometry(const char *path, const ost_voxel_box *box, ost_
 
 /* ----------------------------------------------------------------------- text */
 
-/* A text: the summary of its lines, and when it is a scan its voxels too. */
+/* A text file: the summary of its lines, and its voxels if the lines form a raster. */
 typedef struct text_job {
     ost_text_source source;
     ost_text_summary summary;
@@ -303,7 +306,7 @@ static ost_status rect_from_text(job *j, ost_error *err)
 
 /* -------------------------------------------------------------- NRRD and NIfTI */
 
-/* The part of a volume that rect is, slice by slice. */
+/* Uploads the part of a volume that the rect grid covers, slice by slice. */
 static ost_status upload_crop(const job *j, const ost_volume *volume, ost_error *err)
 {
     const ost_voxel_box *box = &j->options->crop_box;
@@ -352,7 +355,11 @@ static ost_status rect_from_volume(job *j, ost_error *err)
 
 /* ------------------------------------------------------------------ rect to bone */
 
-/* By option; else what the file says it was made with, if it is a bone; else the default. */
+/*
+ * Finds the threshold: the option, else the threshold stored in the file if the
+ * file is a bone, else the default. A bone cannot be imported with a threshold
+ * below its own, because its voxels below that are lost.
+ */
 static ost_status find_threshold(const job *j, int32_t *out, ost_error *err)
 {
     const int32_t asked = j->options->threshold;
@@ -375,7 +382,7 @@ static ost_status find_threshold(const job *j, int32_t *out, ost_error *err)
     return OST_OK;
 }
 
-/* Returns true for a bone whose voxels are taken as they are: what its header says of its CT stays true. */
+/* Returns true for a bone whose voxels are not resampled: the facts about its CT then remain valid. */
 static bool keeps_voxels(const job *j, ost_pm cubic)
 {
     const ost_pm3 s = j->result->rect.spacing;
@@ -439,7 +446,7 @@ static ost_status bone_from_rect(job *j, ost_error *err)
     return status == OST_OK ? progress(j, "chunks", 1, err) : status;
 }
 
-/* --------------------------------------------------------------------- the whole */
+/* -------------------------------------------------------------------- the import */
 
 static ost_status check_options(const ost_import_options *options, const char *path, ost_error *err)
 {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What a file is, by its first bytes, else by its name.
+ * Determines the kind of a file by its first bytes, or else by its name.
  *
- *   NRRD0001..5                              NRRD, attached or the header alone
+ *   NRRD0001..5                              NRRD, with attached data or only the header
  *   348 or 540, "n+1" "ni1" "n+2" "ni2"      NIfTI; also inside gzip
  *   "ply", 4D 4D, "solid ... facet",
  *   84 + 50 n bytes                          meshes
@@ -67,7 +67,7 @@ static bool is_gzip(const unsigned char *head, size_t size)
     return size >= 2 && head[0] == 0x1f && head[1] == 0x8b;
 }
 
-/* Unpacks the first bytes of a gzip file; *size is 0 when its data are damaged. */
+/* Unpacks the first bytes of a gzip file. Sets *size to 0 if its data are damaged. */
 static ost_status gzip_head(const char *path, int fd, unsigned char head[GZIP_HEAD], size_t *size, ost_error *err)
 {
     const int own = fcntl(fd, F_DUPFD_CLOEXEC, 0);
@@ -95,14 +95,17 @@ static bool is_mesh(const unsigned char *head, size_t size, off_t file_size)
 {
     if (starts(head, size, "ply\n") || starts(head, size, "ply\r"))
         return true;
-    if (size >= 6 && head[0] == 0x4d && head[1] == 0x4d && le32(head + 2) == file_size) /* 3DS: the main chunk is the file */
+    if (size >= 6 && head[0] == 0x4d && head[1] == 0x4d && le32(head + 2) == file_size) /* 3DS: main chunk of the file's size */
         return true;
     if (starts(head, size, "solid") && (memmem(head, size, "facet", 5) || memmem(head, size, "endsolid", 8)))
         return true;
     return size >= 84 && (uint64_t)file_size == 84 + (uint64_t)50 * le32(head + 80);
 }
 
-/* Columns of the first line that is no comment, words counted too; 0 when the bytes are no text. */
+/*
+ * Returns the number of columns of the first line that is not a comment; words
+ * count as columns too. Returns 0 if the bytes are not text.
+ */
 static int text_columns(const unsigned char *bytes, size_t size, bool *path_header)
 {
     const char *p = (const char *)bytes, *all = p + size;
@@ -110,7 +113,7 @@ static int text_columns(const unsigned char *bytes, size_t size, bool *path_head
     if (size >= 3 && memcmp(p, "\xef\xbb\xbf", 3) == 0)
         p += 3;
     int columns = 0;
-    /* Lines that end with CR alone make a text as well: its reader says what is wrong with them. */
+    /* A file whose lines end with CR alone counts as text too; the text reader reports these line ends as an error. */
     const char line_end = memchr(p, '\n', (size_t)(all - p)) ? '\n' : '\r';
     while (p < all) {
         const char *newline = memchr(p, line_end, (size_t)(all - p));

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Landmarks from files.
+ * Reads landmarks from files.
  *
- *   .mrk.json   3D Slicer 4.11 and later: control points of every markup, their
- *               coordinateSystem LPS (the default of the schema) or RAS
- *   .fcsv       3D Slicer before: "# CoordinateSystem = LPS|RAS|0|1", "# columns = ..."
- *   CSV         label,x,y,z in LPS; a header line or "# columns" names other
- *               columns, l,p,s and r,a,s among them, and the comment above
- *               another coordinate system
+ *   .mrk.json   3D Slicer 4.11 and later: the control points of every markup; its
+ *               coordinateSystem is LPS (the schema's default) or RAS
+ *   .fcsv       earlier versions of 3D Slicer: "# CoordinateSystem = LPS|RAS|0|1", "# columns = ..."
+ *   CSV         label,x,y,z in LPS. A header line or "# columns" names other
+ *               columns, including l,p,s and r,a,s; the comment
+ *               "# CoordinateSystem" selects another coordinate system
  *
- * What a label means is looked up without case, blanks, '-' and '_'.  A file
- * has at most FILE_MAX bytes; every position is a length within 8 m.
+ * Labels are matched to roles without regard to case, blanks, '-' and '_'.  A
+ * file has at most FILE_MAX bytes; every coordinate is a length within 8 m.
  */
 #include "core/conditions.h"
 
@@ -31,7 +31,7 @@ enum { FILE_MAX = 4 << 20, LANDMARKS_MAX = 10000, COLUMNS_MAX = 32 };
 /* ------------------------------------------------------------------ labels */
 
 static const struct {
-    const char *name; /* as normalised() makes it */
+    const char *name; /* in lower case, without blanks, '-' and '_' */
     ost_landmark_role role;
 } names[] = {
     {"glenoid", OST_LANDMARK_GLENOID},
@@ -122,7 +122,7 @@ static ost_status json_point(const char *path, const json_t *point, size_t numbe
     const char *defined = json_string_value(json_object_get(point, "positionStatus"));
     ost_pm p[3];
     char place[300];
-    /* Slicer writes points that were not placed yet as well. */
+    /* Slicer also writes points that have not been placed yet. They are skipped. */
     if ((defined && strcmp(defined, "defined") != 0) || json_is_null(position))
         return OST_OK;
     snprintf(place, sizeof place, "%.240s: control point %zu", path, number);
@@ -160,7 +160,7 @@ static ost_status read_json(const char *path, const char *text, size_t size, ost
 
 /* --------------------------------------------------------------------- CSV */
 
-/* Which field holds what; -1: none. */
+/* The index of the field that holds each value; -1 if there is none. */
 typedef struct columns {
     int label, x, y, z;
 } columns;
@@ -177,7 +177,10 @@ typedef struct field {
     size_t length;
 } field;
 
-/* The fields of a line between commas; one in double quotes may hold commas. Returns how many, at most COLUMNS_MAX. */
+/*
+ * Splits a line into its fields at the commas. A field in double quotes may
+ * contain commas. Returns the number of fields, at most COLUMNS_MAX.
+ */
 static int split(const char *p, const char *end, field *out)
 {
     int count = 0;
@@ -205,7 +208,7 @@ static bool is_word(const field *f, const char *word)
     return strlen(word) == f->length && strncasecmp(f->begin, word, f->length) == 0;
 }
 
-/* True when the fields name columns of positions. */
+/* Takes the fields as column names. Returns true if they name a label and the three axes of a position. */
 static bool take_columns(table *t, const field *fields, int count)
 {
     static const char *const triples[][3] = {{"x", "y", "z"}, {"x_mm", "y_mm", "z_mm"}, {"l", "p", "s"}, {"r", "a", "s"}};
@@ -232,7 +235,7 @@ static bool take_columns(table *t, const field *fields, int count)
     return true;
 }
 
-/* "# CoordinateSystem = LPS", "# columns = id,x,y,z,..."; other comments are for people. */
+/* Reads a comment: "# CoordinateSystem = LPS" or "# columns = id,x,y,z,...". Other comments are ignored. */
 static ost_status take_comment(table *t, const char *p, const char *end, ost_error *err)
 {
     p++;

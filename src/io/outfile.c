@@ -17,9 +17,10 @@
 enum { BUFFER_BYTES = 1 << 16, NAME_BYTES = 64, SLOTS = 64, NAME_TRIES = 1000 };
 
 /*
- * Hidden names that exist, or are about to, where a signal handler can find
- * them.  The handler reads a slot only while it is LISTED, and the name is
- * complete before that; a name that does not exist yet is harmless to unlink.
+ * Hidden names of files that exist or are about to be created, stored where a
+ * signal handler can find them. The handler reads a slot only in the state
+ * LISTED, and the name is complete before that state is set. Unlinking a name
+ * that does not exist yet is harmless.
  */
 enum { SLOT_FREE, SLOT_TAKEN, SLOT_LISTED };
 static struct {
@@ -31,23 +32,26 @@ static struct {
 bool ost_outfile_named_only;
 
 struct ost_outfile {
-    char *path;       /* as given */
-    char *target;     /* with symbolic links followed; NULL when written in place */
-    const char *base; /* last part of target */
-    int folder;       /* -1 when written in place */
+    char *path;       /* as the caller passed it */
+    char *target;     /* path with symbolic links resolved; NULL if the file is written in place */
+    const char *base; /* last component of target */
+    int folder;       /* descriptor of the target's folder; -1 if the file is written in place */
     int fd;
-    int slot;         /* of the hidden name, -1 without one */
+    int slot;         /* slot of the hidden name; -1 if there is none */
     ost_status failed;
     int failed_errno;
-    uint64_t size;    /* given to write */
-    uint64_t flushed; /* taken by the system */
+    uint64_t size;    /* bytes passed to write */
+    uint64_t flushed; /* bytes that the system has accepted */
     size_t used;
     unsigned char buffer[BUFFER_BYTES];
 };
 
 /* ------------------------------------------------------------ hidden names */
 
-/* Lists a random name in a slot; -1 and errno when all are in use or the system has no random numbers. */
+/*
+ * Lists a random name in a free slot and returns its index. Returns -1 and sets
+ * errno if all slots are in use or the system returns no random numbers.
+ */
 static int slot_take(int folder)
 {
     uint64_t random[2];
@@ -81,7 +85,7 @@ void ost_outfile_unlink_pending(void)
     errno = saved;
 }
 
-/* Makes the file under a hidden name. */
+/* Creates the file under a hidden name. Returns its descriptor, or -1. */
 static int open_hidden(ost_outfile *file)
 {
     for (int i = 0; i < NAME_TRIES; i++) {
@@ -104,7 +108,10 @@ static void proc_path(int fd, char text[NAME_BYTES])
     snprintf(text, NAME_BYTES, "/proc/self/fd/%d", fd);
 }
 
-/* An unnamed file, or -1. It needs /proc to be given a name later, so that is tried now. */
+/*
+ * Opens an unnamed file and returns its descriptor, or -1. Naming the file later
+ * requires /proc, so the function verifies now that /proc leads to the file.
+ */
 static int open_unnamed(const ost_outfile *file)
 {
 #ifdef O_TMPFILE
@@ -132,7 +139,7 @@ static ost_status cannot_write(const ost_outfile *file, int number, ost_error *e
     return ost_fail(err, OST_ERR_IO, "%s: cannot be written: %s", file->path, strerror(number));
 }
 
-/* /dev/stdout may be a regular file that a shell appends to, so it is shared and not replaced. */
+/* Duplicates the process's own stream. /dev/stdout may be a regular file that a shell appends to; it is not replaced. */
 static int standard_stream(const char *path)
 {
     if (strcmp(path, "/dev/stdout") == 0)
@@ -148,7 +155,7 @@ static ost_status open_in_place(ost_outfile *file, ost_error *err)
     return file->fd < 0 ? cannot_write(file, errno, err) : OST_OK;
 }
 
-/* Opens the part in the folder of the target. */
+/* Opens the unnamed or hidden file in the target's folder. */
 static ost_status open_in_folder(ost_outfile *file, ost_error *err)
 {
     char *slash = strrchr(file->target, '/');
@@ -192,7 +199,7 @@ static ost_status open_beside(ost_outfile *file, ost_error *err)
     return file->target ? open_in_folder(file, err) : no_name(file->path, err);
 }
 
-/* Allocates a file that is not open yet. */
+/* Allocates an ost_outfile that is not open yet. */
 static ost_status allocate(const char *path, ost_outfile **out, ost_error *err)
 {
     *out = NULL;
@@ -228,7 +235,7 @@ ost_status ost_outfile_open(const char *path, ost_outfile **out, ost_error *err)
     if ((file->fd = standard_stream(path)) >= 0) {
         ;
     } else if (stat(path, &st) != 0) {
-        /* A name too long for the file system would only be met at the end. */
+        /* A name that is too long for the file system is refused now; otherwise commit would fail. */
         status = errno == ENAMETOOLONG ? cannot_write(file, errno, err) : open_beside(file, err);
     } else if (S_ISDIR(st.st_mode)) {
         status = ost_fail(err, OST_ERR_IO, "%s: is a folder; a file name is needed", path);
@@ -341,7 +348,7 @@ int ost_outfile_descriptor(const ost_outfile *file)
 
 /* -------------------------------------------------------------------- end */
 
-/* Gives the unnamed file its name: at once when it is free, else through a hidden name. */
+/* Links the unnamed file to its final name: directly if the name is free, else through a hidden name and a rename. */
 static int name_unnamed(ost_outfile *file)
 {
     char proc[NAME_BYTES];
@@ -380,7 +387,7 @@ ost_status ost_outfile_commit(ost_outfile *file, ost_error *err)
             } else {
                 slot_drop(file->slot);
                 file->slot = -1;
-                /* The name itself lasts once the folder is synced; a folder that cannot be synced loses nothing now. */
+                /* Syncing the folder makes the name durable. The result is ignored: a failure loses nothing now. */
                 (void)fsync(file->folder);
             }
         }

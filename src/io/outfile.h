@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The output file that every writer uses: whole under its name, or not there.
+ * The output file that all writers use. A file appears complete under its name, or not at all.
  *
- *   open    an unnamed file in the target's folder (O_TMPFILE), or, where the
- *           file system has none, a hidden one with a random name: .osteon-*.part
- *   write   buffered; every error is checked and says how far it came
- *   commit  flush, fsync, then the name: linkat when the name is free, else
- *           a link under a hidden name and rename over the old file
- *   discard nothing is left
+ *   open    creates an unnamed file in the target's folder (O_TMPFILE) or, if the
+ *           file system does not support that, a hidden one with a random name: .osteon-*.part
+ *   write   is buffered; every error is checked and reports the number of bytes written
+ *   commit  flushes, syncs, then names the file: linkat if the name is free, else
+ *           a link under a hidden name and a rename over the old file
+ *   discard removes everything
  *
  *   ost_outfile *out;
  *   ost_status status = ost_outfile_open(path, &out, err);
@@ -19,17 +19,17 @@
  *   ost_outfile_discard(out);
  *   return status;
  *
- * A kill at any moment leaves nothing under the final name, and with
- * O_TMPFILE nothing at all, but for the instant between linking and renaming
- * when an old file is replaced.
+ * A process that is killed before the commit leaves nothing under the final name.
+ * With O_TMPFILE it leaves no file at all, except in the instant between linking
+ * and renaming when an old file is replaced.
  *
- * A target that exists and is not a regular file (/dev/null, a pipe, a
- * terminal) is simply written; /dev/stdout and /dev/stderr are the process's
- * own.  A symbolic link is followed, not replaced.  Permissions are by umask.
+ * A target that exists and is not a regular file (/dev/null, a pipe, a terminal)
+ * is written in place; /dev/stdout and /dev/stderr are the process's own streams.
+ * A symbolic link is followed, not replaced.  Permissions follow the umask.
  *
  * Signals: a process that may be ended by SIGINT, SIGTERM, SIGHUP or SIGXFSZ
- * calls ost_outfile_unlink_pending from its handler.  It should ignore
- * SIGXFSZ and SIGPIPE, so that a limit or a closed pipe becomes an error text.
+ * calls ost_outfile_unlink_pending from its handler.  It should ignore SIGXFSZ
+ * and SIGPIPE, so that a size limit or a closed pipe becomes an error message.
  *
  * Threads: one file is used by one thread at a time; different files are independent.
  */
@@ -44,39 +44,45 @@
 
 typedef struct ost_outfile ost_outfile;
 
-/* OST_ERR_IO naming path when it is a folder, write-protected, or cannot be made. *out is NULL on failure. */
+/*
+ * Opens an output file for path. Returns OST_ERR_IO with a message that names path if it is a folder, is
+ * write-protected or cannot be created. *out is NULL on failure.
+ */
 ost_status ost_outfile_open(const char *path, ost_outfile **out, ost_error *err);
 
-/* Small pieces are gathered. After a failure only discard makes sense; commit would repeat the failure. */
+/*
+ * Writes size bytes; small writes are gathered in a buffer. After a failure the caller should call discard: commit
+ * would return the same failure again.
+ */
 ost_status ost_outfile_write(ost_outfile *file, const void *bytes, size_t size, ost_error *err);
 ost_status ost_outfile_printf(ost_outfile *file, ost_error *err, const char *format, ...) OST_PRINTF(3, 4);
 
-/* Bytes given to write so far. */
+/* Returns the number of bytes passed to write so far. */
 uint64_t ost_outfile_size(const ost_outfile *file);
-/* The name as the caller gave it, for messages. */
+/* Returns the name as the caller passed it to open, for messages. */
 const char *ost_outfile_path(const ost_outfile *file);
 
 /*
- * Returns the descriptor, for a program that writes the file in our place, as /dev/fd/N: it then needs no name that
- * another user could replace.  The outfile still owns it; nothing is given to write then.
+ * Returns the descriptor, for another program that writes the file through /dev/fd/N: no name is then needed that
+ * another user could replace.  The outfile still owns the descriptor; the caller does not write to the outfile then.
  */
 int ost_outfile_descriptor(const ost_outfile *file);
 
-/* Ends the file in any case and frees it: whole under its name, or an error and nothing left. */
+/* Completes the file under its name and frees the outfile. After an error no file is left; the outfile is freed too. */
 ost_status ost_outfile_commit(ost_outfile *file, ost_error *err);
-/* Leaves nothing and frees it; NULL is allowed. */
+/* Removes the unfinished file and frees the outfile; NULL is allowed. */
 void ost_outfile_discard(ost_outfile *file);
 
 /*
- * Writes a file under a name that is free, complete or not at all, and does not sync it.  Sets *taken when the name is
- * not free; a link of that name is not followed.
+ * Creates a complete file under a name that is free, or creates nothing; the file is not synced.  Sets *taken if the
+ * name already exists. A symbolic link of that name is not followed.
  */
 ost_status ost_outfile_put_new(const char *path, const void *bytes, size_t size, bool *taken, ost_error *err);
 
 /* Unlinks the hidden names of all files that are open now. Async-signal-safe; for a handler that ends the process. */
 void ost_outfile_unlink_pending(void);
 
-/* For tests: hidden names even where O_TMPFILE works. */
+/* For tests: if true, hidden names are used even where O_TMPFILE works. */
 extern bool ost_outfile_named_only;
 
 #endif

@@ -1,17 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Paths as text (docs/arithmetic.md, AR-PATH): a row with a pose is a tick.
+ * Paths as text (docs/arithmetic.md, AR-PATH): each row with a pose is a tick.
  *
  *   t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz[,tool][,lifted][,rpm]      or x_m,y_m,z_m; plain or gzip
  *   0,-12.5,3,40.25,1,0,0,0
- *   0.001,nan,nan,nan,nan,nan,nan,nan                    not seen: the next row begins lifted
+ *   0.001,nan,nan,nan,nan,nan,nan,nan                    tracking lost: the next row begins lifted
  *   0.002,-12.5,3,40.23,0.99999876,0,0,0.00157
  *
  *   file --lines, gzip--> rows --read_row--> ticks --mark_gaps--> ticks, some of them lifted
  *
  * Decimals are read exactly: time to nanoseconds, positions to picometres,
- * quaternions to 2^-30, each RHE.  Ten decimals name every multiple of 2^-30
- * (half a unit of the tenth is 0.054 of one), so that a written path reads
+ * quaternions to 2^-30, each RHE.  Ten decimals identify every multiple of 2^-30
+ * (half a unit of the tenth is 0.054 of one), so a written path is read back as
+ * the same integers.
  * back as the same integers.
  */
 #include "core/conditions.h"
@@ -28,13 +29,13 @@
 #include "io/text/fields.h"
 #include "io/text/lines.h"
 
-/* Columns of a pose, then those that a header may add by name. */
+/* The columns of a pose, followed by the columns that a header may add by name. */
 enum { POSE_COLUMNS = 8, TOOL = POSE_COLUMNS, LIFTED, RPM, KINDS, SEEN_COLUMNS = 256, NOT_READ = KINDS };
 static const char *const column_names[2][KINDS] = {{"t_s", "x_mm", "y_mm", "z_mm", "qw", "qx", "qy", "qz", "tool", "lifted", "rpm"},
                                                    {"t_s", "x_m", "y_m", "z_m", "qw", "qx", "qy", "qz", "tool", "lifted", "rpm"}};
 static const char expected_row[] = "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz[,tool][,lifted][,rpm]";
 
-/* Of a packed file: a small one may hold gigabytes of nothing. */
+/* Limit for the unpacked bytes of a gzip file, because a small packed file may expand to gigabytes. */
 #define UNPACKED_MAX (INT64_C(1) << 30)
 
 #define GAP_LEAST_NS INT64_C(50000000)
@@ -45,9 +46,9 @@ enum { TIMES_MEDIAN = 10 };
 
 typedef struct reader {
     const char *path;
-    int64_t line, bytes, t_ns; /* t_ns: of the last row, with a pose or without */
-    int columns;       /* of a row; with a header the least number of them; 0 before the first */
-    uint8_t kind[SEEN_COLUMNS]; /* of each column: its place in column_names, or NOT_READ */
+    int64_t line, bytes, t_ns; /* t_ns: time of the last row, with a pose or without */
+    int columns;       /* number per row; with a header, the least number; 0 before the first row */
+    uint8_t kind[SEEN_COLUMNS]; /* of each column: its index in column_names, or NOT_READ */
     bool past_header, header, metres, lifted_column;
     bool lost;         /* the last row had no pose */
     size_t capacity;
@@ -89,7 +90,10 @@ static bool is_name(const char *field, const char *end, const char *name)
     return strlen(name) == (size_t)(end - field) && memcmp(name, field, (size_t)(end - field)) == 0;
 }
 
-/* Columns in another order would be misread, so a header must name the first eight; further ones are known by name (AR-PATH-2). */
+/*
+ * Reads the header. It must name the first eight columns in order, because columns in another order would be
+ * misread; further columns are identified by name (AR-PATH-2).
+ */
 static ost_status read_header(reader *r, const char *p, const char *end, ost_error *err)
 {
     int column = 0, needed = POSE_COLUMNS;
@@ -147,7 +151,7 @@ static bool is_nan(const char *p, const char *stop)
     return stop - p == 3 && (p[0] | 0x20) == 'n' && (p[1] | 0x20) == 'a' && (p[2] | 0x20) == 'n';
 }
 
-/* A row's fields by the kind of their columns; those that it lacks are 0. *posed is false when one of the pose is nan. */
+/* The fields of a row by kind of column; missing fields are 0. posed is false if a field of the pose is nan. */
 typedef struct row {
     ost_decimal value[KINDS];
     const char *field[KINDS];
@@ -244,7 +248,7 @@ static ost_status read_line(reader *r, const char *p, const char *newline, ost_e
 
 /* ----------------------------------------------------------------------- gaps */
 
-/* |d| of a pair is below 2^45 on each axis. */
+/* Returns the squared distance of two ticks in pm^2. |d| of a pair is below 2^45 on each axis. */
 static ost_i128 distance_squared(const ost_tick *a, const ost_tick *b)
 {
     const int64_t d[3] = {b->pose.t.x - a->pose.t.x, b->pose.t.y - a->pose.t.y, b->pose.t.z - a->pose.t.z};
@@ -262,7 +266,7 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The median of what of() gives for all pairs; there is at least one. */
+/* Computes the median of of(a, b) over all pairs; there must be at least one pair. */
 static ost_status median_of(const reader *r, ost_i128 (*of)(const ost_tick *, const ost_tick *), ost_i128 *out, ost_error *err)
 {
     const ost_path *path = r->out;
@@ -284,7 +288,10 @@ static ost_i128 interval(const ost_tick *a, const ost_tick *b)
     return b->t_ns - a->t_ns;
 }
 
-/* given, or the greater of least and factor times the median, which is looked for only where something is beyond least. */
+/*
+ * Returns given if it is not 0, else the greater of least and factor times the median. The median is computed only
+ * if some pair exceeds least.
+ */
 static ost_status limit_of(const reader *r, ost_i128 (*of)(const ost_tick *, const ost_tick *), ost_i128 given, ost_i128 least, int factor,
                            ost_i128 *out, ost_error *err)
 {
@@ -300,7 +307,7 @@ static ost_status limit_of(const reader *r, ost_i128 (*of)(const ost_tick *, con
     return status;
 }
 
-/* AR-PATH-5: lifts the second tick of every pair that is too far apart, and counts. Medians are below 2^93. */
+/* AR-PATH-5: marks the second tick of each pair that is too far apart as lifted and counts them. Medians are below 2^93. */
 static ost_status mark_gaps(reader *r, const ost_path_options *options, ost_error *err)
 {
     const ost_path *path = r->out;
@@ -372,7 +379,7 @@ ost_status ost_path_read_csv(const char *path, ost_path *out, ost_error *err)
 
 enum { NUMBER = 40 };
 
-/* value / 10^places, without zeros at its end; 0 <= places <= 18. */
+/* Formats value / 10^places without trailing zeros; 0 <= places <= 18. */
 static const char *format_scaled(int64_t value, int places, char text[NUMBER])
 {
     uint64_t rest = value < 0 ? -(uint64_t)value : (uint64_t)value;
@@ -398,7 +405,7 @@ static const char *format_scaled(int64_t value, int places, char text[NUMBER])
     return text;
 }
 
-/* |q| < 2^31, so the product is below 2^65: 128 bits. */
+/* Formats a quaternion component with ten decimals. |q| < 2^31, so the product is below 2^65 and needs 128 bits. */
 static const char *format_component(int32_t q, char text[NUMBER])
 {
     return format_scaled((int64_t)ost_rhe_div128((ost_i128)q * INT64_C(10000000000), OST_Q30_ONE), 10, text);
@@ -426,7 +433,7 @@ ost_status ost_path_write_csv(const char *path, const ost_path *in, ost_error *e
     ost_status status = ost_outfile_open(path, &out, err);
     if (status != OST_OK)
         return status;
-    /* With a column lifted a reader marks no gaps of its own, so that the same ticks come back (AR-PATH-5). */
+    /* If the column lifted exists, a reader marks no gaps itself, so it returns the same ticks (AR-PATH-5). */
     status = ost_outfile_printf(out, err, "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz%s,lifted,rpm\n", tools ? ",tool" : "");
     for (size_t i = 0; i < in->count && status == OST_OK; i++) {
         status = ost_path_put_tick(out, &in->ticks[i], tools, err);

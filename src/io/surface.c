@@ -6,8 +6,8 @@
 
 /*
  * A cell is the cube between eight voxel centres; corner c is at
- * (c & 1, c >> 1 & 1, c >> 2).  Edge e = 4 * axis + place runs along axis.
- * The two other axes, u = axis + 1 and v = axis + 2 (mod 3), give the place.
+ * (c & 1, c >> 1 & 1, c >> 2).  Edge e = 4 * axis + place runs along axis; place
+ * is its position in the two other axes, u = axis + 1 and v = axis + 2 (mod 3).
  */
 enum { CORNERS = 8, EDGES = 12, LOOP_MAX = 12 };
 
@@ -25,17 +25,17 @@ static int edge_between(int a, int b)
     abort();
 }
 
-/* The loops of one of the 256 patterns of solid corners. */
+/* The loops for one of the 256 patterns of solid corners. */
 typedef struct pattern {
     uint8_t loop_count;
     struct {
         uint8_t length;
-        int8_t apex; /* a fan from here has no diagonal inside a face; -1: needs a point in the middle */
+        int8_t apex; /* a fan from this vertex has no diagonal inside a face; -1: a vertex in the middle is needed */
         uint8_t edge[LOOP_MAX];
     } loop[4];
 } pattern;
 
-/* Corners of face (axis, side), counter-clockwise seen from outside the cell. */
+/* Returns the corners of face (axis, side), counter-clockwise as seen from outside the cell. */
 static void face_corners(int axis, int side, int corner[4])
 {
     int u = (axis + 1) % 3, v = (axis + 2) % 3, base = side << axis;
@@ -45,10 +45,10 @@ static void face_corners(int axis, int side, int corner[4])
 }
 
 /*
- * next[e] is the edge that follows e on the surface.  Going round a face
- * counter-clockwise, seen from outside the cell, the walk enters a run of solid
- * corners over one edge and leaves it over another; the surface joins the first
- * to the second.  Then loops are counter-clockwise seen from the void.
+ * Computes next[e], the edge that follows e on the surface.  A walk around a face,
+ * counter-clockwise as seen from outside the cell, enters a run of solid corners
+ * over one edge and leaves it over another; the surface joins the first edge to
+ * the second.  The loops are then counter-clockwise as seen from the void.
  */
 static void join_faces(int solid, int next[EDGES])
 {
@@ -67,7 +67,7 @@ static void join_faces(int solid, int next[EDGES])
     }
 }
 
-/* Whether two edges of a cell lie in one of its faces: their four ends agree in one coordinate. */
+/* Returns true if two edges of a cell lie in one of its faces, that is, if their four ends agree in one coordinate. */
 static bool share_face(int e, int f)
 {
     int all = edge_corner(e, 0) & edge_corner(e, 1) & edge_corner(f, 0) & edge_corner(f, 1);
@@ -111,8 +111,8 @@ static void pattern_make(int solid, pattern *p)
 /* ------------------------------------------------------------ the volume */
 
 /*
- * Slabs of cells go up in z.  Vertex indices of lattice edges are kept for two
- * slices of centres: along x and y in each slice, along z between them.
+ * Cells are processed in slabs of ascending z.  Vertex indices of lattice edges are
+ * stored for two slices of centres: along x and y in each slice, along z between them.
  */
 typedef struct builder {
     const ost_volume *volume;
@@ -122,8 +122,8 @@ typedef struct builder {
     uint32_t *between;       /* z */
     ost_mesh mesh;
     size_t vertex_room, triangle_room;
-    float *place;            /* of each vertex along its edge from lower to upper end, 0..1; -1: a loop's middle */
-    uint8_t *along;          /* bit 0-1: axis; bit 2: the lower end is solid */
+    float *place;            /* of each vertex along its edge, 0 at the lower end, 1 at the upper; -1: a loop's middle */
+    uint8_t *along;          /* bits 0-1: axis; bit 2: the lower end is solid */
     pattern patterns[256];
 } builder;
 
@@ -143,7 +143,7 @@ static int density_at(const builder *b, int64_t i, int64_t j, int64_t k)
     return b->volume->voxels[i + d.x * (j + d.y * k)];
 }
 
-/* Half as much again; the arrays that share a room grow together. */
+/* Returns the next capacity, half as much again. Arrays that share a capacity grow together. */
 static size_t more(size_t room)
 {
     return room + room / 2 + 4096;
@@ -177,13 +177,13 @@ static ost_pm3 centre(const builder *b, int64_t i, int64_t j, int64_t k)
     return (ost_pm3){g->origin.x + i * g->spacing.x, g->origin.y + j * g->spacing.y, g->origin.z + k * g->spacing.z};
 }
 
-/* Vertices keep off the ends, so that no triangle shrinks to nothing. */
+/* Limits a vertex's position to a distance from the ends of its edge, so that no triangle degenerates. */
 static float keep_off(float t)
 {
     return t < 0.05f ? 0.05f : t > 0.95f ? 0.95f : t;
 }
 
-/* The vertex on the edge from centre (i, j, k) along axis; its lower end is stored until place_vertices. */
+/* Adds the vertex on the edge from centre (i, j, k) along axis. Its lower end is stored until place_vertices. */
 static ost_status edge_vertex(builder *b, int64_t i, int64_t j, int64_t k, int axis, uint32_t *out, ost_error *err)
 {
     ost_status status = vertex_room(b, err);
@@ -192,7 +192,7 @@ static ost_status edge_vertex(builder *b, int64_t i, int64_t j, int64_t k, int a
     int low = density_at(b, i, j, k), high = density_at(b, i + (axis == 0), j + (axis == 1), k + (axis == 2));
     uint32_t v = (uint32_t)b->mesh.vertex_count++;
     b->mesh.vertices[v] = centre(b, i, j, k);
-    /* The threshold itself is solid: the border is half a unit below it. */
+    /* A voxel at the threshold is solid, so the border lies half a unit of density below it. */
     b->place[v] = keep_off(((float)b->threshold - 0.5f - (float)low) / (float)(high - low));
     b->along[v] = (uint8_t)(axis | (low >= b->threshold ? 4 : 0));
     *out = v;
@@ -218,7 +218,11 @@ static ost_status triangle(builder *b, uint32_t x, uint32_t y, uint32_t z, ost_e
     return OST_OK;
 }
 
-/* A loop's middle follows its ring: place -1, and its ring is found again through its triangles. */
+/*
+ * Fills a loop with triangles: a fan from its apex, or around a vertex in its
+ * middle. The middle depends on the final positions of the ring, so it gets
+ * place -1, and place_vertices finds its ring through its triangles.
+ */
 static ost_status fill_loop(builder *b, const uint32_t *ring, int length, int apex, ost_error *err)
 {
     ost_status status = OST_OK;
@@ -258,7 +262,7 @@ static ost_status cell(builder *b, int64_t i, int64_t j, int solid, ost_error *e
     return status;
 }
 
-/* Vertices within slice k (x and y edges) into slot, or between k and k + 1. */
+/* Creates the vertices on the x and y edges within slice k and stores their indices in slot. */
 static ost_status slice_vertices(builder *b, int64_t k, uint32_t *slot[2], ost_error *err)
 {
     ost_status status = OST_OK;
@@ -322,8 +326,9 @@ static void position(const builder *b, uint32_t v, double out[3])
 }
 
 /*
- * Evens out: each vertex goes to where the average of its neighbours projects
- * onto its edge.  Started half way, a few rounds turn stairs into slopes.
+ * Smooths the surface: each vertex moves to the projection of its neighbours' mean
+ * onto its edge.  The vertices start in the middle of their edges; a few rounds
+ * turn stairs into slopes.
  */
 static ost_status smooth(builder *b, ost_error *err)
 {
@@ -368,7 +373,7 @@ static ost_pm nearest_pm(double mm)
     return ost_pm_from_binary(mm, &pm) ? pm : 0;
 }
 
-/* Final positions; then middles, each the mean of the ring that its triangles name. */
+/* Computes the final positions; then the middles, each the mean of the ring that its triangles contain. */
 static ost_status place_vertices(builder *b, ost_error *err)
 {
     for (size_t v = 0; v < b->mesh.vertex_count; v++)

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The surface of the solid voxels of a volume as a closed mesh, for printing
- * and for other programs.  It decides no voxel.
+ * The surface of the solid voxels of a volume as a closed mesh, for 3D printing
+ * and for other programs.  No voxel depends on it.
  *
- * Marching cubes whose loops are traced, not tabulated: every lattice edge
- * between a solid and a void voxel centre carries one vertex; on each face of
- * a cell the crossed edges are joined so that solid corners are kept apart;
- * the joints close into loops, and each loop is filled.  A joint is seen by the
- * two cells that share its face, once from either side, so every mesh edge
- * belongs to exactly two triangles: the surface is closed whatever the voxels,
- * and beyond the grid is void.
+ * The method is marching cubes whose loops are traced instead of tabulated.  Every
+ * lattice edge between a solid and a void voxel centre carries one vertex.  On
+ * each face of a cell the crossed edges are joined so that solid corners remain
+ * separate; the joints close into loops, and each loop is filled with triangles.
+ * A joint belongs to the two cells that share its face, once in each direction,
+ * so every mesh edge belongs to exactly two triangles: the surface is closed for
+ * every set of voxels. Everything beyond the grid counts as void.
  *
  *     o---x---o     o solid, x vertex      two solid corners across a face:
  *     |  /    |     . void                 o--x--.
@@ -17,8 +17,8 @@
  *     | \     |                            x   / x   is cut off alone
  *     .  `x---.                            .--x--o
  *
- * A vertex never leaves its lattice edge, so it is at most half a voxel from
- * where the border between its two voxels is.
+ * A vertex never leaves its lattice edge, so it is at most half a voxel from the
+ * border between its two voxels.
  */
 #ifndef OST_IO_SURFACE_H
 #define OST_IO_SURFACE_H
@@ -27,14 +27,17 @@
 #include <osteon/mesh.h>
 
 typedef enum ost_surface_place {
-    OST_SURFACE_DENSITY, /* where the densities cross the threshold: for a CT */
-    OST_SURFACE_SMOOTH   /* between solid and void, evened out along the edges: for a bone or a tool, whose void is 0 */
+    OST_SURFACE_DENSITY, /* vertices where the densities cross the threshold: for a CT */
+    OST_SURFACE_SMOOTH   /* vertices between solid and void, smoothed: for a bone or a tool, whose void is 0 */
 } ost_surface_place;
 
-/* Faces outward, vertices in the volume's frame. OST_ERR_INPUT when no voxel is solid; OST_ERR_RANGE beyond OST_MESH_TRIANGLES_MAX. */
+/*
+ * Extracts the surface of the voxels with at least threshold. Faces point outward, vertices are in the volume's
+ * frame. Returns OST_ERR_INPUT if no voxel is solid, OST_ERR_RANGE beyond OST_MESH_TRIANGLES_MAX triangles.
+ */
 ost_status ost_surface_extract(const ost_volume *volume, int32_t threshold, ost_surface_place place, ost_mesh *out, ost_error *err);
 
-/* Binary little-endian PLY, vertices as float32 in millimetres. */
+/* Writes a binary little-endian PLY with vertices as float32 in millimetres. */
 ost_status ost_mesh_write_ply(const char *path, const ost_mesh *mesh, ost_error *err);
 
 #endif

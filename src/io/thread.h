@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A thread beside the one that people talk to: signals are for that one, which
- * can end what goes on, so every signal is blocked in this one and in those
- * that it, or a library in it, starts.
+ * Starts a background thread with every signal blocked, in it and in the threads
+ * that it or a library starts from it. Signals are thus delivered to the main
+ * thread, which can end the operation.
  */
 #ifndef OST_IO_THREAD_H
 #define OST_IO_THREAD_H
@@ -10,7 +10,7 @@
 #include <pthread.h>
 #include <signal.h>
 
-/* As pthread_create: 0, or the error. */
+/* Returns 0 or an error number, as pthread_create does. */
 static inline int ost_thread_begin(pthread_t *thread, void *(*work)(void *), void *user)
 {
     sigset_t all, before;

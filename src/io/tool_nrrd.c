@@ -2,13 +2,12 @@
 /*
  * Tool grids as uint8 NRRD: 0 void, 1 cutting, 2 not cutting.
  *
- * NRRD's origin is the first voxel's centre, a tool's corner lies half a voxel
- * before it.  Half of an odd number of picometres is no length here, so the
- * corner itself stands in osteon_tool_corner_mm and decides, as long as it
- * agrees with the origin to a picometre (else somebody changed one of them);
- * a file without it (any uint8 NRRD
- * with cubic voxels, as a segmentation from 3D Slicer) has corner = origin -
- * RHE(voxel / 2).
+ * NRRD's origin is the centre of the first voxel; a tool's corner lies half a
+ * voxel before it.  Half of an odd number of picometres is not a length here, so
+ * the corner itself is stored in osteon_tool_corner_mm. It is used if it agrees
+ * with the origin to a picometre; otherwise one of the two has been changed and
+ * the file is refused.  A file without it (any uint8 NRRD with cubic voxels, such
+ * as a segmentation from 3D Slicer) has corner = origin - RHE(voxel / 2).
  */
 #include <osteon/io.h>
 
@@ -78,7 +77,7 @@ ost_status ost_tool_volume_read(const char *path, ost_tool_volume *out, ost_erro
     ost_element element;
     ost_tool_geometry tool;
     memset(out, 0, sizeof *out);
-    /* The header first: what is no tool is refused before its voxels are read. */
+    /* The header is read first, so that a file that is not a tool is refused before its voxels are read. */
     ost_status status = ost_volume_read_any(path, NULL, NULL, &geometry, &meta, &report, &element, err);
     if (status == OST_OK && element != OST_ELEMENT_UINT8)
         status = ost_fail(err, OST_ERR_INPUT, "%s: its voxels are %s; a tool grid has uint8 (0 void, 1 cutting, 2 not cutting)", path,

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * New facts for a volume that is there.
+ * Replaces the facts of an existing volume.
  *
  *   NRRD    header lines --copied but for osteon_KEY:=VALUE--> new lines --> an empty line, and every byte behind it
- *   NIfTI   written here: read, and written again with the other facts
+ *   NIfTI   written by osteon: read, and written again with the other facts
  *
- * Both go through an output file, so that the old one stays until the new one
- * is complete.
+ * Both write through an output file, so the old file remains until the new one is
+ * complete.
  */
 #include <osteon/io.h>
 
@@ -19,7 +19,10 @@
 #include "io/outfile.h"
 #include "io/volume/input.h"
 
-/* One line with its newline, if it has one. *size is 0 at the end. The header was read before, so that its length is bounded. */
+/*
+ * Reads one line with its newline, if it has one. *size is 0 at the end. The
+ * header has been checked before, so a line that does not fit means a change.
+ */
 static ost_status next_line(ost_input *input, char *line, size_t room, size_t *size, ost_error *err)
 {
     *size = 0;
@@ -62,7 +65,7 @@ static ost_status copy_nrrd(ost_input *input, const ost_meta *meta, ost_outfile 
             status = put_facts(out, meta, err);
         if (status == OST_OK && (strncmp(block, "osteon_", 7) != 0 || !strstr(block, ":=")))
             status = ost_outfile_write(out, block, size, err);
-        /* A header alone may end without a newline. */
+        /* A detached header may end without a newline. */
         if (status == OST_OK && size > 0 && block[size - 1] != '\n')
             status = ost_outfile_write(out, "\n", 1, err);
     }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Volumes in: the format is found by content, whatever the name. */
+/* Reads volumes. The format is determined by the content, not by the name. */
 #include <osteon/io.h>
 
 #include <stdio.h>
@@ -12,7 +12,10 @@
 #include "io/volume/input.h"
 #include "io/volume_read.h"
 
-/* x.img is the second half of a NIfTI pair: what it is stands in x.hdr. Returns path or the header's name in out. */
+/*
+ * Returns the file to read for path. x.img is the second half of a NIfTI pair
+ * whose header is x.hdr: then the header's name is written to out and returned.
+ */
 static const char *header_of(const char *path, char *out, size_t room)
 {
     static const struct {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Volumes out: the name's end says the format. */
+/* Writes volumes. The ending of the name selects the format. */
 #ifndef OST_IO_VOLUME_WRITE_H
 #define OST_IO_VOLUME_WRITE_H
 
@@ -9,15 +9,15 @@
 
 typedef enum ost_volume_format { OST_FORMAT_UNKNOWN, OST_FORMAT_NRRD, OST_FORMAT_NIFTI, OST_FORMAT_NIFTI_GZIP, OST_FORMAT_TEXT } ost_volume_format;
 
-/* By the name's end, in whatever case. */
+/* Returns the format for the ending of a name, without regard to case. */
 ost_volume_format ost_volume_format_of(const char *path);
-/* OST_ERR_USAGE naming the ends that are known. */
+/* Returns OST_ERR_USAGE with a message that names the supported endings. */
 ost_status ost_volume_format_unknown(const char *path, ost_error *err);
 
 /*
- * element: int16 or, for NRRD only, uint8. Not for text.  odd_half (NRRD
- * only): the origin lies half a picometre further on every axis, which a tool
- * of an odd voxel needs (AR-FILE-3).
+ * Opens a writer for a volume, not for text.  element is int16 or, for NRRD only,
+ * uint8.  odd_half (NRRD only): the origin lies half a picometre further on every
+ * axis, which a tool with an odd voxel needs (AR-FILE-3).
  */
 ost_status ost_volume_writer_open(const char *path, const ost_geometry *geometry, const ost_meta *meta, ost_element element,
                                   bool odd_half, const ost_write_options *options, ost_volume_writer **out, ost_error *err);
