@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * 3DS: nested chunks of uint16 kind, uint32 size (with these six bytes).
+ * Checks 3DS files: nested chunks, each with uint16 kind and uint32 size (including these six bytes).
  *
  *   4D4D main ( 3D3D editor ( 4000 object: name 0 ( 4100 mesh (
  *       4110 vertices: uint16 count, count * 3 float32
  *       4120 faces:    uint16 count, count * 4 uint16, chunks ))))
  *
- * Vertices are in the file's common frame already.  Every other chunk that is
- * not on this way (materials, local frames, the key framer's animation) is
- * given kind 0000, which assimp passes over.
+ * Vertices are already in the file's common frame.  All other chunks (materials,
+ * local frames, the animation of the key framer) get the kind 0000, which assimp
+ * skips.
  */
 #include <math.h>
 #include <string.h>
@@ -19,7 +19,7 @@ enum { MAIN = 0x4d4d, EDITOR = 0x3d3d, OBJECT = 0x4000, MESH = 0x4100, VERTICES 
 
 typedef struct mesh_part {
     uint32_t vertices, faces;
-    uint32_t greatest; /* index used, plus 1 */
+    uint32_t greatest; /* greatest index used, plus 1 */
     size_t faces_at;
 } mesh_part;
 
@@ -71,7 +71,7 @@ static ost_status faces(mesh_input *in, size_t at, size_t end, mesh_part *part, 
         }
         status = ost_mesh_input_face(in, 3, err);
     }
-    /* What follows names materials and smoothing: neutral, chunk by chunk. */
+    /* The chunks that follow name materials and smoothing groups; each is disabled. */
     for (size_t next = at + 2 + 8 * (size_t)part->faces; status == OST_OK && next < end;) {
         if (end - next < HEAD || get32(in, next + 2) < HEAD || get32(in, next + 2) > end - next)
             return fail_at(in, next, "a chunk whose size does not fit into the one around it", err);
@@ -90,7 +90,7 @@ static ost_status end_mesh(mesh_input *in, const mesh_part *part, ost_error *err
     return OST_OK;
 }
 
-/* Chunks in [at, end) of a chunk of kind `around`; the way down is at most four deep. */
+/* Checks the chunks in [at, end) of a chunk of kind `around`; the recursion is at most four levels deep. */
 static ost_status chunks(mesh_input *in, size_t at, size_t end, uint32_t around, mesh_part *part, ost_error *err)
 {
     ost_status status = OST_OK;

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * OBJ: a list of statements of which two decide a surface.
+ * Checks OBJ files. Only two kinds of statement define a surface.
  *
  *   v x y z [colour or weight 1]
  *   f v[/vt[/vn]] ...    from 1; negative counts back from the last vertex
  *
- * assimp is given these alone, in a plain form: words of numbers as written,
- * faces as fans of triangles with indices from 1.  A fan has the winding
- * numbers of its polygon, be it convex or not.  So no other statement (and no
- * material library, which names other files) reaches assimp.  A backslash at
- * the end of a line joins it to the next.  Points and lines are counted and
- * left out.
+ * assimp receives only these, in a plain form: numbers are copied verbatim, faces
+ * become fans of triangles with indices from 1.  A fan has the same winding
+ * numbers as its polygon, whether or not the polygon is convex.  No other
+ * statement reaches assimp, in particular no material library, which would name
+ * other files.  A backslash at the end of a line joins it to the next line.
+ * Points and lines are counted and omitted.
  */
 #include <string.h>
 
@@ -21,7 +21,7 @@ typedef struct obj {
     mesh_text text;
     mesh_plain plain;
     int64_t vertices;
-    int64_t greatest; /* index used so far, and where */
+    int64_t greatest; /* greatest index used so far, and its line */
     long greatest_line;
     bool body_has_faces;
 } obj;
@@ -45,7 +45,7 @@ static ost_status vertex(obj *o, ost_error *err)
         return ost_fail(err, OST_ERR_INPUT, "%s:%ld: a vertex of weight %s; only 1 is supported", o->text.path, o->text.line,
                         ost_mesh_word_show(words[3]));
     putc('v', o->plain.out);
-    for (int i = 0; i < 3; i++) /* assimp takes no word for a number that begins with its point */
+    for (int i = 0; i < 3; i++) /* assimp does not accept a number that begins with the decimal point */
         fprintf(o->plain.out, words[i].text[0] == '.' ? " 0%.*s" : " %.*s", (int)words[i].size, words[i].text);
     putc('\n', o->plain.out);
     if (++o->vertices > 3 * (int64_t)OST_MESH_FILE_TRIANGLES_MAX)
@@ -84,7 +84,10 @@ static ost_status face(obj *o, ost_error *err)
     return ost_mesh_input_face(o->in, corners, err);
 }
 
-/* Blanks "\" newline; lines are then counted once less, which the messages bear. */
+/*
+ * Replaces each backslash and the newline after it by blanks. The joined lines
+ * then count as one, so the line numbers in messages are too small after them.
+ */
 static void join_lines(char *at, const char *end)
 {
     for (; (at = memchr(at, '\\', (size_t)(end - at))); at++) {

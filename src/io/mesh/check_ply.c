@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * PLY: a header that says how the body is laid out, and the body.
+ * Checks PLY files: a header that describes the layout of the body, and the body.
  *
  *   ply
  *   format ascii 1.0 | binary_little_endian 1.0 | binary_big_endian 1.0
@@ -8,9 +8,8 @@
  *   property TYPE NAME | property list TYPE TYPE NAME
  *   end_header
  *
- * The body is walked value by value.  assimp is given a plain PLY with the
- * vertices' x, y, z as they were written and the faces as fans of triangles,
- * and nothing else.
+ * The body is read value by value.  assimp receives a plain PLY that contains only
+ * the x, y, z of the vertices, copied verbatim, and the faces as fans of triangles.
  */
 #include <math.h>
 #include <stdio.h>
@@ -38,10 +37,10 @@ static const struct {
 static const size_t type_bytes[] = {[INT8] = 1, [UINT8] = 1, [INT16] = 2, [UINT16] = 2, [INT32] = 4, [UINT32] = 4, [FLOAT32] = 4, [FLOAT64] = 8};
 
 typedef struct property {
-    value_type count_type; /* NO_TYPE: a scalar */
+    value_type count_type; /* NO_TYPE for a scalar property */
     value_type type;
-    int axis; /* of a vertex: 0 to 2; else -1 */
-    bool corners; /* of a face: its list of vertices */
+    int axis; /* for a vertex's coordinate: 0 to 2; else -1 */
+    bool corners; /* true for the list of vertices of a face */
 } property;
 
 typedef struct element {
@@ -53,7 +52,7 @@ typedef struct element {
 
 typedef struct ply {
     mesh_input *in;
-    mesh_text text; /* header and an ASCII body; at is the place in a binary one too */
+    mesh_text text; /* the header and an ASCII body; text.at is the position in a binary body too */
     FILE *out;
     int format;
     int element_count;
@@ -61,11 +60,11 @@ typedef struct ply {
     int64_t vertices;
 } ply;
 
-/* A value, as it was written and as a number. */
+/* A value, both as its bytes in the file and as a number. */
 typedef struct value {
     const char *text;
     size_t size;
-    double number; /* NAN for an ASCII word that is no integer: only its digits are passed on */
+    double number; /* NAN for an ASCII word that is not an integer: only its text is used */
 } value;
 
 static ost_status wrong(const ply *p, mesh_word found, const char *expected, ost_error *err)
@@ -142,7 +141,10 @@ static ost_status read_property(ply *p, ost_error *err)
     return OST_OK;
 }
 
-/* Vertices have one x, y, z of a float type each, and come before faces, which have one list of them. */
+/*
+ * Checks that vertices have exactly one x, y and z of a float type each, and that
+ * they come before the faces, which must have exactly one list of vertices.
+ */
 static ost_status check_layout(const ply *p, ost_error *err)
 {
     int axes[3] = {0}, lists = 0, faces_before_vertices = 0;
@@ -250,7 +252,7 @@ static ost_status bad_value(const ply *p, int64_t index, const char *what, const
                     (long long)index, expected);
 }
 
-/* In the file's own byte order. */
+/* Writes an index in the file's own byte order. */
 static void put_index(const ply *p, uint32_t index)
 {
     if (p->format == ASCII) {
@@ -279,7 +281,7 @@ static ost_status read_list(ply *p, const property *q, int64_t index, ost_error 
         return status;
     if (!(v.number >= 0))
         return bad_value(p, index, q->corners ? "face" : "element", "a count of values", err);
-    const uint64_t count = (uint64_t)v.number; /* each takes a byte of the file at least: the walk ends with it */
+    const uint64_t count = (uint64_t)v.number; /* each takes at least a byte: the file's size limits the loop */
     uint32_t first = 0, last = 0;
     for (uint64_t i = 0; status == OST_OK && i < count; i++) {
         status = next_value(p, q->type, &v, err);
@@ -329,7 +331,7 @@ static ost_status read_body(ply *p, ost_error *err)
     ost_status status = OST_OK;
     for (int i = 0; status == OST_OK && i < p->element_count; i++) {
         const element *e = &p->elements[i];
-        /* Without properties an element is nothing, as often as it may be announced. */
+        /* An element without properties has no data, whatever its count, so it is skipped. */
         for (int64_t n = 0; status == OST_OK && e->property_count && n < e->count; n++)
             status = read_body_element(p, e, n, err);
     }
@@ -338,7 +340,7 @@ static ost_status read_body(ply *p, ost_error *err)
     return status;
 }
 
-/* The plain header, once the triangles are counted. */
+/* Writes the plain header. Called after the triangles have been counted. */
 static void put_header(const ply *p, FILE *out)
 {
     static const char *const formats[] = {"ascii", "binary_little_endian", "binary_big_endian"};

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * STL files hold what they say.
+ * Checks STL files.
  *
- *   binary   80 bytes of anything, uint32 count, count * (12 float32, 2 bytes)
- *            A few bytes more, less than a triangle, are left out; some
- *            programs append one.  Header and attributes are zeroed: assimp
- *            would look for colours in them.
+ *   binary   80 bytes of any content, uint32 count, count * (12 float32, 2 bytes)
+ *            Further bytes, fewer than a triangle takes, are ignored; some
+ *            programs append one.  Header and attributes are zeroed, because
+ *            assimp would read colours from them.
  *   ASCII    solid NAME  ( facet normal N N N  outer loop  3 x vertex N N N
  *            endloop  endfacet )*  endsolid NAME, once or several times
- *            Words may be spread over lines at will.  The plain form has no
- *            names, and zeros for normals: nothing here reads them, and a
- *            normal may well be "nan".
+ *            Line breaks between words are arbitrary.  The plain form has no
+ *            names, and its normals are 0: they are not used here, and some
+ *            files contain "nan" as a normal.
  */
 #include <math.h>
 #include <string.h>
@@ -101,7 +101,7 @@ static ost_status vertex(ascii *a, ost_error *err)
     return OST_OK;
 }
 
-/* Behind the word "facet". */
+/* Reads a facet after the word "facet". */
 static ost_status facet(ascii *a, ost_error *err)
 {
     ost_status status = expect(a, "normal", err);
@@ -121,14 +121,14 @@ static ost_status facet(ascii *a, ost_error *err)
     return status;
 }
 
-/* The rest of this line is a name. */
+/* Skips the remainder of this line, which is a name. */
 static void skip_name(ascii *a)
 {
     while (ost_mesh_text_word(&a->text).size)
         continue;
 }
 
-/* Behind the word "solid". */
+/* Reads a solid after the word "solid". */
 static ost_status solid(ascii *a, ost_error *err)
 {
     skip_name(a);
@@ -149,7 +149,7 @@ static ost_status solid(ascii *a, ost_error *err)
     }
 }
 
-/* One solid in the plain form, however many the file has: they are joined anyway. */
+/* Writes one solid in the plain form for all solids of the file, because they are joined in any case. */
 static ost_status solids(ascii *a, ost_error *err)
 {
     fputs("solid\n", a->plain.out);

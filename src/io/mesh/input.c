@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A mesh file in memory, its kind, and the words of the text kinds. */
+/* Loads a mesh file, determines its kind, and splits the text formats into words. */
 #include "io/mesh/input.h"
 
 #include <errno.h>
@@ -11,7 +11,7 @@
 
 #include "core/file.h"
 
-/* Twice what a binary STL with OST_MESH_FILE_TRIANGLES_MAX triangles needs, 128 bytes a triangle for text. */
+/* Twice the size of a binary STL with OST_MESH_FILE_TRIANGLES_MAX triangles; for text, 128 bytes per triangle. */
 #define FILE_MAX (INT64_C(1) << 30)
 
 enum { STL_HEADER = 84, STL_RECORD = 50, STL_LOOK = 4096 };
@@ -28,7 +28,10 @@ static uint64_t stl_count(const mesh_input *in)
     return (uint64_t)p[0] | (uint64_t)p[1] << 8 | (uint64_t)p[2] << 16 | (uint64_t)p[3] << 24;
 }
 
-/* A binary STL may begin with "solid"; its size tells. Text has no zero byte. file_size may be more than what is in memory. */
+/*
+ * A binary STL may begin with "solid"; it is recognized by its size. Text has no
+ * zero byte. file_size may be greater than in->size, the bytes in memory.
+ */
 static mesh_kind stl_kind(const mesh_input *in, uint64_t file_size)
 {
     if (in->size >= STL_HEADER && file_size - STL_HEADER == stl_count(in) * STL_RECORD)
@@ -46,7 +49,7 @@ static const char *extension_of(const char *path)
     return dot ? dot + 1 : "";
 }
 
-/* Refuses a binary STL by its first bytes and its size, before the rest is read. */
+/* Refuses a binary STL by its first bytes and its size, before the remaining bytes are read. */
 static ost_status check_stl_header(const ost_file *file, const char *path, ost_error *err)
 {
     uint8_t look[STL_LOOK + 1] = {0};
@@ -142,7 +145,7 @@ ost_status ost_mesh_plain_close(mesh_input *in, mesh_plain *plain, ost_status st
         status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory for its plain form", in->path);
     if (status == OST_OK) {
         free(in->bytes);
-        in->bytes = (uint8_t *)plain->bytes; /* the stream ended it with a zero byte */
+        in->bytes = (uint8_t *)plain->bytes; /* the stream has terminated it with a zero byte */
         in->size = plain->size;
     } else {
         free(plain->bytes);
@@ -191,9 +194,9 @@ bool ost_mesh_word_is(mesh_word word, const char *keyword)
 }
 
 /*
- * A magnitude of 10^38 or more overflows a float32.  A value stands below
- * 10^(digits of the mantissa + exponent); one that only rounds to infinity is
- * caught again behind assimp.  Longer words than 64 bytes are no coordinate.
+ * A magnitude of 10^38 or more overflows a float32.  A value is less than
+ * 10^(digits of the mantissa + exponent); a value that becomes infinite only by
+ * rounding is found after assimp.  A word of more than 64 bytes is not a coordinate.
  */
 bool ost_mesh_word_number(mesh_word word)
 {

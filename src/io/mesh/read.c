@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Meshes by assimp: STL (ASCII and binary), OBJ, PLY and 3DS.
+ * Reads meshes with assimp: STL (ASCII and binary), OBJ, PLY and 3DS.
  *
- *   load and check (mesh_input.h) -> assimp, from memory -> float32 vertices
+ *   load and check (mesh/input.h) -> assimp, from memory -> float32 vertices
  *   -> times the unit -> RHE to picometres -> equal vertices joined
  *
- * No post-processing is asked of assimp: triangles come in the file's order.
- * Nodes are not consulted either: what could move a part was blanked by the
- * check, so every vertex is in the file's own frame (assimp would turn a 3DS
- * by a quarter at its root).
+ * assimp does no post-processing: triangles come in the file's order.  Its nodes
+ * are ignored too: the check has disabled everything that could move a part, so
+ * every vertex is in the file's own frame (assimp would rotate a 3DS by 90 degrees
+ * at its root).
  *
- * A vertex is the float32 that assimp has, at its exact value, times the unit,
- * RHE to picometres (AR-MESH-2).
+ * A vertex is the exact value of assimp's float32, times the unit, RHE to
+ * picometres (AR-MESH-2).
  */
 #include "io/mesh/input.h"
 
@@ -41,7 +41,7 @@ static const struct {
 
 static const struct {
     const char *label; /* for the report */
-    const char *name;  /* assimp chooses its reader by this; no such file exists */
+    const char *name;  /* assimp selects its reader by this name; no such file exists */
     ost_status (*check)(mesh_input *in, ost_error *err);
 } kinds[] = {
     [MESH_STL_BINARY] = {"STL (binary)", "mesh.stl", ost_mesh_check_stl_binary},
@@ -53,7 +53,7 @@ static const struct {
 
 /* --------------------------------------------------- assimp's view of files */
 
-/* One open file; handle.UserData points back to it. */
+/* An open file; handle.UserData points back to this struct. */
 typedef struct memory_file {
     struct aiFile handle;
     const mesh_input *in;
@@ -102,14 +102,14 @@ static enum aiReturn memory_seek(struct aiFile *handle, size_t offset, enum aiOr
     memory_file *file = file_of(handle);
     const size_t size = file->in->size;
     size_t base = origin == aiOrigin_SET ? 0 : origin == aiOrigin_CUR ? file->at : size;
-    size_t to = base + offset; /* a negative offset comes wrapped */
+    size_t to = base + offset; /* a negative offset arrives wrapped modulo 2^64 */
     if (to > size)
         return aiReturn_FAILURE;
     file->at = to;
     return aiReturn_SUCCESS;
 }
 
-/* There is one file in this world. */
+/* Opens the mesh file itself. Every other name is refused. */
 static struct aiFile *memory_open(struct aiFileIO *io, const char *name, const char *mode)
 {
     const mesh_input *in = (const mesh_input *)(const void *)io->UserData;
@@ -149,10 +149,10 @@ static ost_status count_parts(const mesh_input *in, const struct aiScene *scene,
 }
 
 /*
- * RHE(value * unit); false for NaN, infinity and what is beyond +-OST_LENGTH_MAX.
- * value = m 2^e with |m| < 2^24, and unit < 2^40, so |m unit| < 2^64.  At 2^31
- * units and more (2147 m of micrometres) a value is out of range; below, e < 8.  At e < -100
- * less than 2^-36 pm is left, which rounds to 0.
+ * Computes RHE(value * unit). Returns false for NaN, infinity and results beyond +-OST_LENGTH_MAX.
+ * value = m 2^e with |m| < 2^24, and unit < 2^40, so |m unit| < 2^64.  A value of
+ * 2^31 units or more (2147 m in micrometres) is out of range; below that, e < 8.
+ * For e < -100 the product is less than 2^-36 pm, which rounds to 0.
  */
 static bool to_pm(float value, int64_t unit, ost_pm *out)
 {

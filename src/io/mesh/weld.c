@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * One vertex a place: STL repeats a vertex for every triangle that has it.
- * Only equal picometres join; nothing is moved.  A hash table of vertex
- * numbers, probed in order, at most half full.
+ * Joins equal vertices: STL repeats a vertex for every triangle that uses it.
+ * Only vertices with equal picometres are joined; none is moved.  The hash table
+ * holds vertex numbers, uses linear probing and is at most half full.
  */
 #include <stdlib.h>
 #include <string.h>

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Binary STL, little-endian: 80 bytes of header, uint32 count, and for each
- * triangle normal, three corners (float32, millimetres), uint16 zero.
+ * Writes binary STL, little-endian: a header of 80 bytes, a uint32 count, and for
+ * each triangle its normal, three corners (float32, millimetres) and a uint16 of 0.
  *
- * A corner is the float32 nearest to the picometres in millimetres, by way of
- * the nearest double; normals are for viewers only.  Equal meshes are equal
- * files: the header says what wrote it and nothing of when or where.
+ * A corner is the float32 nearest to the position in millimetres, computed via
+ * the nearest double; normals serve only viewers.  Equal meshes give equal files:
+ * the header names the program but no date and no machine.
  */
 #include <math.h>
 #include <string.h>
