@@ -41,7 +41,7 @@ bool ost_element_is_float(ost_element element)
     return elements[known(element)].is_float;
 }
 
-/* ------------------------------------------------------------ taking apart */
+/* ------------------------------------------------------- mantissa and exponent */
 
 bool ost_binary_from_double(double value, ost_binary *out)
 {
@@ -65,7 +65,7 @@ static int sign_of(ost_i128 value)
     return value < 0 ? -1 : 1;
 }
 
-/* RHE(value) when it lies within int32 (returns 0); else the side on which it lies beyond. */
+/* Computes RHE(value) and returns 0 if it fits into int32; else returns the sign of the value. */
 static int binary_round(ost_binary value, int32_t *out, bool *exact)
 {
     if (value.mantissa == 0 || value.exponent < -53) {
@@ -101,8 +101,8 @@ static int binary_round(ost_binary value, int32_t *out, bool *exact)
 enum { SCALE_BITS = 78, SCALE_WHOLE = 47 };
 
 /*
- * floor(mantissa * 2^(exponent + 78)), |mantissa| < 2^117; false when the value
- * reaches 2^47, so that the sum of two terms stays below 2^126.
+ * Computes floor(mantissa * 2^(exponent + 78)), |mantissa| < 2^117. Returns false if
+ * the value reaches 2^47; the sum of two terms thus stays below 2^126.
  */
 static bool scale_term(ost_i128 mantissa, int exponent, ost_i128 *out)
 {
@@ -125,7 +125,10 @@ static bool scale_term(ost_i128 mantissa, int exponent, ost_i128 *out)
     return *out < limit && *out > -limit;
 }
 
-/* RHE(mantissa * 2^exponent * slope + intercept) when within int32 (returns 0); else the side beyond. |mantissa| <= 2^64. */
+/*
+ * Computes RHE(mantissa * 2^exponent * slope + intercept) and returns 0 if it fits
+ * into int32; else returns the sign of the value. |mantissa| <= 2^64.
+ */
 static int scale_value(const ost_converter *c, ost_i128 mantissa, int exponent, int32_t *out, bool *exact)
 {
     ost_i128 product, intercept;
@@ -145,7 +148,7 @@ static int scale_value(const ost_converter *c, ost_i128 mantissa, int exponent, 
 
 /* ------------------------------------------------------------- the elements */
 
-/* An element as loaded: an integer (uint64 above int64 too, in 128 bits) or a float in value. */
+/* An element after loading; the type of the element selects the field. */
 typedef struct loaded {
     int64_t integer;
     uint64_t large; /* uint64 elements */
@@ -240,7 +243,7 @@ static size_t convert_general(ost_converter *c, const unsigned char *bytes, size
     return count;
 }
 
-/* The common CT elements at the speed of memory; they can neither be rounded nor fall outside. */
+/* Converts the common CT elements at memory speed; they always fit and are never rounded. Returns false for others. */
 static bool convert_plain(const ost_converter *c, const unsigned char *bytes, size_t count, int16_t *out)
 {
     if (c->scaled)

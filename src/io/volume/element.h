@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The numbers in a volume file and how they become int16 densities.
+ * The elements of a volume file and their conversion to int16 densities.
  *
- *   integers    as they are; beyond int16 an error, or saturated when allowed
+ *   integers    unchanged; values beyond int16 are an error, or saturated if allowed
  *   floats      rounded half to even to an integer, then as above; NaN and
- *               infinity are errors, whatever is allowed
+ *               infinity are always errors
  *   scaled      (NIfTI) value * slope + intercept: each of the two terms is
- *               taken exactly as the binary number that it is, rounded down to
- *               a multiple of 2^-78 (exact whenever slope and intercept are
- *               float32 of at least 2^-54), the sum is rounded half to even
+ *               computed from the exact binary numbers and rounded down to a
+ *               multiple of 2^-78 (exact whenever slope and intercept are
+ *               float32 of at least 2^-54); the sum is rounded half to even
  *
- * All in integers: a float is taken apart into mantissa and exponent, so that
+ * All computations use integers: a float is split into mantissa and exponent, so
  * no rounding mode, compiler or machine can change a density.
  */
 #ifndef OST_IO_ELEMENT_H
@@ -34,7 +34,7 @@ typedef enum ost_element {
     OST_ELEMENT_FLOAT64
 } ost_element;
 
-const char *ost_element_name(ost_element element); /* "int16"; never NULL */
+const char *ost_element_name(ost_element element); /* for example "int16"; never NULL */
 size_t ost_element_bytes(ost_element element);
 bool ost_element_is_float(ost_element element);
 
@@ -44,25 +44,28 @@ typedef struct ost_binary {
     int32_t exponent;
 } ost_binary;
 
-/* Takes a finite number apart; false for NaN and infinity. */
+/* Splits a finite number into mantissa and exponent. Returns false for NaN and infinity. */
 bool ost_binary_from_double(double value, ost_binary *out);
 
 typedef struct ost_converter {
     ost_element element;
     bool swap;  /* the file's bytes are big-endian */
-    bool clamp; /* saturate beyond int16 */
+    bool clamp; /* saturate values beyond int16 */
     bool scaled;
     ost_binary slope, intercept;
-    uint64_t rounded, clamped; /* counted here */
+    uint64_t rounded, clamped; /* numbers of values, counted by ost_convert */
 } ost_converter;
 
 typedef enum ost_bad_kind { OST_BAD_NONE, OST_BAD_NAN, OST_BAD_INFINITE, OST_BAD_RANGE } ost_bad_kind;
 typedef struct ost_bad {
     ost_bad_kind kind;
-    char value[32]; /* for people */
+    char value[32]; /* the value as text, for messages */
 } ost_bad;
 
-/* Converts up to the first element that cannot be; returns how many were. bad is set when that is fewer than count. */
+/*
+ * Converts elements up to the first one that cannot be converted. Returns the number converted; bad is set if that is
+ * less than count.
+ */
 size_t ost_convert(ost_converter *converter, const void *bytes, size_t count, int16_t *out, ost_bad *bad);
 
 #endif

@@ -16,7 +16,7 @@ enum { BUFFER_BYTES = 1 << 16, DEFLATE_LIMIT = 1032 };
 
 /*
  *   file --raw--> [raw_at, raw_end) --inflate--> [out_at, out_end) --> caller
- *                 plain bytes go to the caller from here
+ *                 plain bytes are copied to the caller from here
  */
 struct ost_input {
     char *path;
@@ -27,7 +27,7 @@ struct ost_input {
     bool packed;
     bool member_done; /* the last gzip member ended */
     z_stream z;
-    uint64_t unpacked; /* bytes that inflate gave */
+    uint64_t unpacked; /* bytes that inflate has produced */
     size_t out_at, out_end;
     unsigned char raw[BUFFER_BYTES];
     unsigned char out[BUFFER_BYTES];
@@ -104,7 +104,7 @@ uint64_t ost_input_at_most(const ost_input *input)
         return left;
     if (left > UINT64_MAX / DEFLATE_LIMIT - BUFFER_BYTES)
         return UINT64_MAX;
-    /* inflate itself holds a few bytes and one unfinished match. */
+    /* inflate itself may hold a few bytes and one incomplete match. */
     return (left + 8) * DEFLATE_LIMIT + (input->out_end - input->out_at);
 }
 
@@ -145,7 +145,7 @@ ost_status ost_input_gunzip(ost_input *input, ost_error *err)
     return OST_OK;
 }
 
-/* More raw bytes; raw_at == raw_end afterwards means the end of the file. */
+/* Reads more raw bytes. raw_at == raw_end afterwards means the end of the file. */
 static ost_status fill_raw(ost_input *input, ost_error *err)
 {
     assert(input->raw_at == input->raw_end);
@@ -168,7 +168,7 @@ static ost_status damaged(const ost_input *input, const char *what, ost_error *e
                     (unsigned long long)file_offset(input), what, (unsigned long long)input->unpacked);
 }
 
-/* More unpacked bytes; out_at == out_end afterwards means that the last member ended where the file ends. */
+/* Unpacks more bytes. out_at == out_end afterwards means that the last member ends at the end of the file. */
 static ost_status fill_out(ost_input *input, ost_error *err)
 {
     assert(input->out_at == input->out_end);
@@ -211,7 +211,7 @@ static ost_status fill_out(ost_input *input, ost_error *err)
     return OST_OK;
 }
 
-/* Points at bytes that are there; *count is 0 only at the end. */
+/* Sets *bytes to the bytes that are available, after reading more if there are none. *count is 0 only at the end. */
 static ost_status have(ost_input *input, const unsigned char **bytes, size_t *count, ost_error *err)
 {
     size_t *at = input->packed ? &input->out_at : &input->raw_at;

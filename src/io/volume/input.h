@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * One regular file as a stream of bytes, gunzipped on the way when asked:
- * what the volume readers read from.
+ * The input of the volume readers: a regular file as a stream of bytes, unpacked
+ * with gunzip on request.
  *
- *   open -> plain bytes ... gunzip -> the bytes that the rest unpacks to
+ *   open -> plain bytes ... gunzip -> the unpacked form of the remaining bytes
  *
- * Memory is two buffers, whatever the file.  Only regular files are taken,
- * so that sizes can be checked before anything is allocated, and a pipe or a
- * device cannot hang a reader.
+ * It needs memory for two buffers, whatever the file's size.  Only regular files
+ * are accepted, so that sizes can be checked before anything is allocated, and so
+ * that a pipe or a device cannot block a reader.
  */
 #ifndef OST_IO_VOLUME_INPUT_H
 #define OST_IO_VOLUME_INPUT_H
@@ -24,31 +24,34 @@ ost_status ost_input_open(const char *path, ost_input **out, ost_error *err);
 void ost_input_close(ost_input *input); /* NULL is allowed */
 const char *ost_input_path(const ost_input *input);
 
-/* The file's size, and how much of it has not been taken yet (packed bytes when gunzipping). */
+/* Return the file's size and the number of its bytes that have not been read yet (packed bytes after gunzip). */
 uint64_t ost_input_file_bytes(const ost_input *input);
 uint64_t ost_input_file_left(const ost_input *input);
 
-/* Goes to a byte of the file; plain bytes again. */
+/* Moves to an offset in the file and returns to plain bytes. */
 ost_status ost_input_seek(ost_input *input, uint64_t offset, ost_error *err);
-/* From the next byte on the file is gzip (members may follow each other). Unpacked offsets start at 0. */
+/* Treats the file as gzip from the next byte on; it may have several members. Offsets of unpacked bytes start at 0. */
 ost_status ost_input_gunzip(ost_input *input, ost_error *err);
 
 bool ost_input_is_packed(const ost_input *input);
-/* At most this many bytes can still come: exact when plain, deflate's limit (1032 to 1) when packed. */
+/*
+ * Returns the greatest number of bytes that can still be read: exact for plain
+ * bytes, by deflate's limit (1032 to 1) for packed ones.
+ */
 uint64_t ost_input_at_most(const ost_input *input);
 
-/* Fewer than want only at the end. A packed file that breaks off or is damaged is OST_ERR_INPUT. */
+/* Reads want bytes; *got is less only at the end. Packed data that are truncated or damaged are OST_ERR_INPUT. */
 ost_status ost_input_read(ost_input *input, void *bytes, size_t want, size_t *got, ost_error *err);
-/* One byte, or -1 at the end. */
+/* Reads one byte; *byte is -1 at the end. */
 ost_status ost_input_byte(ost_input *input, int *byte, ost_error *err);
 ost_status ost_input_skip(ost_input *input, uint64_t count, ost_error *err);
-/* Nothing may follow: neither bytes nor, when packed, a wrong checksum. */
+/* Returns an error if further bytes follow, or if packed data have a wrong checksum. */
 ost_status ost_input_expect_end(ost_input *input, ost_error *err);
 
-/* Of the next byte: in the file, or in what it unpacks to. */
+/* Returns the offset of the next byte: in the file or, after gunzip, in the unpacked data. */
 uint64_t ost_input_offset(const ost_input *input);
 enum { OST_PLACE_TEXT = 64 };
-/* "byte 12" or "byte 12 of the unpacked data", `back` bytes before the next one. Returns text. */
+/* Formats the offset `back` bytes before the next one as "byte 12" or "byte 12 of the unpacked data". Returns text. */
 char *ost_input_place(const ost_input *input, uint64_t back, char text[OST_PLACE_TEXT]);
 
 #endif

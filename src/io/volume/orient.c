@@ -12,7 +12,7 @@ static const int permutations[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0
 
 enum { LEAST_STEPS = 64, STRAIGHT_SHARE = 8 };
 
-/* Columns are at most OST_LENGTH_MAX < 2^43 pm, so a product of three is below 2^129 only after this check: 100 mm < 2^37. */
+/* Columns are at most OST_LENGTH_MAX < 2^43 pm; this check limits them to 100 mm < 2^37, so products of three fit. */
 static bool columns_small(const ost_affine *affine)
 {
     for (int a = 0; a < 3; a++)
@@ -88,7 +88,7 @@ static double greatest_angle(const ost_affine *affine, const int to[3])
 
 bool ost_affine_restate(ost_affine *affine, const char code[4])
 {
-    static const char letters[] = "LPSRAI"; /* the axis is the place modulo 3; the last three point backwards */
+    static const char letters[] = "LPSRAI"; /* the axis is the index modulo 3; the last three point backwards */
     const ost_affine from = *affine;
     ost_affine to = {{{0}}, {0}};
     bool seen[3] = {false, false, false};
@@ -133,7 +133,10 @@ ost_status ost_orient(const ost_affine *affine, const int32_t sizes[3], ost_plac
         out->reoriented |= w != a || step < 0;
         dims[w] = sizes[a];
         spacing[w] = llabs(step);
-        /* The last voxel's centre, in all components: a tilted axis moves the others too. < 2^43 + 3 * 2^37 * 2^14. */
+        /*
+         * A flipped axis begins at the centre of its last voxel. All components change, since a tilted axis
+         * affects the others too. < 2^43 + 3 * 2^37 * 2^14.
+         */
         for (int v = 0; v < 3 && step < 0; v++)
             origin[v] += affine->column[a][v] * (sizes[a] - 1);
     }

@@ -1,22 +1,22 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * From a file's axes to LPS+ (x to the patient's Left, y Posterior, z
- * Superior): permuted and flipped, never resampled.
+ * Transforms a file's axes to LPS+ (x to the patient's Left, y Posterior, z
+ * Superior) by permutation and flips, never by resampling.
  *
- *   An affine says where the file's voxel (i, j, k) lies:
+ *   An affine gives the position of the file's voxel (i, j, k):
  *
  *     p = origin + i * column[0] + j * column[1] + k * column[2]     (LPS, pm)
  *
- *   File axis a runs along the LPS axis to[a], backwards when flip[a].  The
- *   permutation is the one whose product |column[a][to[a]]| is greatest (the
- *   first in the order xyz xzy yxz yzx zxy zyx among equals), so it depends on
+ *   File axis a runs along the LPS axis to[a], backwards if flip[a].  The
+ *   permutation is the one with the greatest product |column[a][to[a]]| (of equal
+ *   ones the first in the order xyz xzy yxz yzx zxy zyx), so it depends on
  *   integers only.
  *
- *   A grid is straight when no voxel centre lies more than 1/8 of a voxel from
- *   the straight grid's along any axis: with off(a, w) the component of column
- *   a that should be 0, sum over a of |off(a, w)| * max(n_a - 1, 64) <=
- *   spacing_w / 8.  (At least 64 steps count, so that a thin stack cannot hide
- *   a real tilt.)  Whatever is beyond is oblique, with its angle for people.
+ *   A grid is straight if no voxel centre lies more than 1/8 of a voxel from
+ *   its position in the straight grid along any axis: with off(a, w) the component
+ *   of column a that should be 0, sum over a of |off(a, w)| * max(n_a - 1, 64) <=
+ *   spacing_w / 8.  (At least 64 steps count, so that a thin stack cannot hide a
+ *   real tilt.)  Every other grid is oblique; its angle is reported to the user.
  */
 #ifndef OST_IO_ORIENT_H
 #define OST_IO_ORIENT_H
@@ -31,26 +31,29 @@ typedef struct ost_affine {
 typedef struct ost_placement {
     int to[3];
     bool flip[3];
-    bool reoriented;       /* anything but the identity */
-    bool oblique;          /* then geometry is not meaningful */
-    double degrees;        /* greatest angle between a file axis and its LPS axis; for people */
-    char code[4];          /* where the file's axes point, "LPS", "RAS", ... */
+    bool reoriented;       /* true unless the placement is the identity */
+    bool oblique;          /* if true, geometry is not meaningful */
+    double degrees;        /* greatest angle between a file axis and its LPS axis; for messages */
+    char code[4];          /* directions of the file's axes, "LPS", "RAS", ... */
     ost_geometry geometry; /* of the grid in LPS+ order */
-    int64_t base;          /* element of the result that the file's voxel (0, 0, 0) becomes */
-    int64_t stride[3];     /* and how it moves along the file's axes */
+    int64_t base;          /* index in the result of the file's voxel (0, 0, 0) */
+    int64_t stride[3];     /* change of that index along each of the file's axes */
 } ost_placement;
 
 /*
- * Takes an affine whose three coordinates point to the letters of code, one of
- * L R, one of P A and one of S I in any order, to LPS. Returns false, with
- * the affine unchanged, if code is anything else.
+ * Converts an affine to LPS. The directions of its three coordinates are the
+ * letters of code: one of L R, one of P A and one of S I, in any order. Returns
+ * false, with the affine unchanged, if code is anything else.
  */
 bool ost_affine_restate(ost_affine *affine, const char code[4]);
 
-/* sizes as in the file. OST_ERR_INPUT when the columns do not span space; OST_ERR_RANGE by ost_geometry_check when straight. */
+/*
+ * Computes the placement; sizes are in the file's order. Returns OST_ERR_INPUT if the columns are linearly dependent,
+ * and OST_ERR_RANGE from ost_geometry_check if the grid is straight.
+ */
 ost_status ost_orient(const ost_affine *affine, const int32_t sizes[3], ost_placement *out, ost_error *err);
 
-/* Result element of the file's voxel (i, j, k). */
+/* Returns the index in the result of the file's voxel (i, j, k). */
 static inline int64_t ost_placement_element(const ost_placement *p, int32_t i, int32_t j, int32_t k)
 {
     return p->base + i * p->stride[0] + j * p->stride[1] + k * p->stride[2];

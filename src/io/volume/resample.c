@@ -6,7 +6,7 @@
 
 enum { GROWTH_FREE = 1 << 26, GROWTH_MAX = 64 };
 
-/* floor(sqrt(n)) for 0 <= n < 2^76, bit by bit. */
+/* Returns floor(sqrt(n)) for 0 <= n < 2^76, computed bit by bit. */
 static int64_t integer_root(ost_i128 n)
 {
     int64_t root = 0;
@@ -48,7 +48,7 @@ ost_status ost_resample_geometry(const ost_affine *affine, const int32_t sizes[3
         .origin = {least[0], least[1], least[2]},
     };
     ost_status status = ost_geometry_check(out, "the resampled volume", err);
-    /* A long thin grid on the diagonal has a huge box: a small file must not cost hours. */
+    /* The box of a long thin diagonal grid is huge; the limit prevents hours of work for a small file. */
     int64_t had = (int64_t)sizes[0] * sizes[1] * sizes[2], has = ost_dims_count(out->dims);
     if (status == OST_OK && has > GROWTH_FREE && has / GROWTH_MAX > had)
         return ost_fail(err, OST_ERR_RANGE, "resampled, it would grow from %lld to %lld voxels; at most %d times is supported",
@@ -57,8 +57,8 @@ ost_status ost_resample_geometry(const ost_affine *affine, const int32_t sizes[3
 }
 
 /*
- * With columns < 2^37 a cofactor is below 2^75 and the determinant below
- * 2^114; p - origin is below 2^44 (16 m) on each axis, so a numerator is
+ * Ranges: columns are below 2^37, so a cofactor is below 2^75 and the determinant
+ * below 2^114; p - origin is below 2^44 (16 m) on each axis, so a numerator is
  * below 3 * 2^119 < 2^121.
  */
 void ost_resample_nearest(const ost_affine *affine, const int32_t sizes[3], const int16_t *file, ost_volume *out)
@@ -89,7 +89,7 @@ void ost_resample_nearest(const ost_affine *affine, const int32_t sizes[3], cons
                 bool inside = true;
                 for (int a = 0; a < 3 && inside; a++) {
                     ost_i128 n = sign * (cofactor[a][0] * p[0] + cofactor[a][1] * p[1] + cofactor[a][2] * p[2]);
-                    /* Compared before dividing: outside costs nothing, and the quotient fits. */
+                    /* The comparison comes before the division: it is cheap, and it ensures that the quotient fits. */
                     inside = 2 * n >= -det && n <= det * sizes[a];
                     if (inside) {
                         index[a] = (int64_t)ost_rhe_div128(n, det);

@@ -105,7 +105,7 @@ ost_status ost_rows_next_binary(ost_rows *rows, int64_t first, int16_t *out, ost
     size_t done = ost_convert(&rows->converter, rows->scratch, count, out, &bad);
     if (done == count)
         return OST_OK;
-    /* A row never spans two parts, so that its bytes are the last ones of the open part. */
+    /* A row never spans two parts, so its bytes are the last ones that were read from the open part. */
     char place[OST_PLACE_TEXT];
     ost_input_place(rows->parts->input, (count - done) * size, place);
     return ost_rows_bad(rows, first + (int64_t)done, ost_input_path(rows->parts->input), place, &bad, err);
@@ -151,7 +151,7 @@ ost_status ost_volume_fill(ost_rows *rows, const ost_affine *affine, const ost_p
         return status;
     ost_geometry first = *geometry;
     if (placement->oblique) {
-        /* Only dims matter here: the resampling goes by the affine. */
+        /* Only dims matter here, because resampling uses the affine. */
         first.dims = (ost_dims){rows->sizes[0], rows->sizes[1], rows->sizes[2]};
         first.origin = (ost_pm3){0, 0, 0};
         first.spacing = (ost_pm3){OST_SPACING_MIN, OST_SPACING_MIN, OST_SPACING_MIN};

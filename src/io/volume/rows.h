@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * From a file's elements, in the file's order, to a volume in LPS+ order.
+ * Reads a file's elements, in the file's order, into a volume in LPS+ order.
  *
  *   parts (bytes) --rows--> int16, one row of the file's first axis --scatter--> volume
  *
- * One row is in memory beside the volume.  An oblique grid is first filled as
- * the file has it and then resampled (volume_resample.h): twice the memory of
- * its grid, only where that was asked for.
+ * In addition to the volume, one row is in memory.  An oblique grid is first filled
+ * in the file's order and then resampled (volume/resample.h). This needs the memory
+ * of both grids, and happens only if the caller has requested resampling.
  */
 #ifndef OST_IO_VOLUME_ROWS_H
 #define OST_IO_VOLUME_ROWS_H
@@ -19,39 +19,42 @@
 
 typedef struct ost_rows ost_rows;
 struct ost_rows {
-    /* The next row of densities; `first` is its first voxel's number in the file. */
+    /* Reads the next row of densities; `first` is the number of its first voxel in the file. */
     ost_status (*next)(ost_rows *rows, int64_t first, int16_t *out, ost_error *err);
-    const char *path; /* of the header, for messages */
+    const char *path; /* path of the header, for messages */
     int32_t sizes[3]; /* in the file's order */
     ost_parts *parts;
     ost_converter converter;
-    void *scratch; /* one row of elements; kept by the functions */
+    void *scratch; /* one row of elements; set by the functions */
 };
 
-/* Rows of binary elements. */
+/* Implements `next` for binary elements. */
 ost_status ost_rows_next_binary(ost_rows *rows, int64_t first, int16_t *out, ost_error *err);
-/* OST_ERR_INPUT that names voxel `number` of the file, where it stands, and what is wrong with it. */
+/* Returns OST_ERR_INPUT with a message that has voxel `number` of the file, its position in the file and its defect. */
 ost_status ost_rows_bad(const ost_rows *rows, int64_t number, const char *file, const char *place, const ost_bad *bad, ost_error *err);
 
-/* sizes from a header: 1..OST_DIM_MAX an axis and at most 2^36 in all. */
+/* Checks and copies the sizes from a header: 1 to OST_DIM_MAX on each axis and at most 2^36 voxels in all. */
 ost_status ost_rows_sizes(const char *path, const int64_t sizes[3], int32_t out[3], ost_error *err);
 
 /*
- * Settles where the file's axes point, before ost_volume_settle. *oriented is
- * true when the file states it. If it does not, the affine is taken to LPS by
- * options->orientation, or is assumed to be LPS (report->assumed); the fact is
- * added to meta as OST_META_ORIENTATION. A file that states its orientation
- * and an option that does so too are an error.
+ * Determines the directions of the file's axes, before ost_volume_settle. *oriented
+ * is true if the file states them. If it does not, the affine is converted to LPS
+ * by options->orientation, or is assumed to be LPS (report->assumed); the fact
+ * OST_META_ORIENTATION is then added to meta. It is an error if both the file and
+ * the option state the orientation.
  */
 ost_status ost_volume_orientation(const char *path, const ost_volume_options *options, ost_affine *affine, bool *oriented, ost_meta *meta,
                                   ost_volume_report *report, ost_error *err);
 
-/* The grid that results, once options were heard about an oblique one; report is filled as far as geometry goes. */
+/*
+ * Determines the geometry of the result. An oblique grid is an error unless the options request resampling. Fills the
+ * fields of report that concern the geometry.
+ */
 ost_status ost_volume_settle(const char *path, const ost_affine *affine, const int32_t sizes[3], const ost_volume_options *options,
                              bool oriented, ost_placement *placement, ost_geometry *geometry, ost_volume_report *report,
                              ost_error *err);
 
-/* Checks the parts, allocates, reads every row, ends the parts. *out is initialised here; its meta is empty. */
+/* Checks the parts, allocates, reads every row and ends the parts. *out is initialised here; its meta is empty. */
 ost_status ost_volume_fill(ost_rows *rows, const ost_affine *affine, const ost_placement *placement, const ost_geometry *geometry,
                            ost_volume *out, ost_error *err);
 

@@ -14,7 +14,7 @@ enum { PACKED_BYTES = 1 << 16, LEVEL = 6 };
 struct ost_volume_writer {
     ost_outfile *file;
     size_t element_bytes;
-    int64_t left; /* voxels still to come */
+    int64_t left; /* remaining voxels */
     bool packing;
     z_stream z;
     unsigned char packed[PACKED_BYTES];
@@ -22,14 +22,14 @@ struct ost_volume_writer {
 
 /* ------------------------------------------------------------------- bytes */
 
-/* Feeds deflate and writes what it gives; with Z_FINISH until it has given all. */
+/* Packs bytes and writes the output of deflate; with Z_FINISH, until deflate has no more output. */
 static ost_status deflate_bytes(ost_volume_writer *w, const void *bytes, size_t size, int flush, ost_error *err)
 {
     const unsigned char *at = bytes;
     do {
         size_t piece = size < (1u << 30) ? size : (1u << 30);
         int now = piece == size ? flush : Z_NO_FLUSH;
-        w->z.next_in = (unsigned char *)(uintptr_t)at; /* zlib does not write there */
+        w->z.next_in = (unsigned char *)(uintptr_t)at; /* zlib does not write to its input */
         w->z.avail_in = (uInt)piece;
         do {
             w->z.next_out = w->packed;
@@ -55,7 +55,7 @@ ost_status ost_volume_writer_pack(ost_volume_writer *w, ost_error *err)
 {
     assert(!w->packing);
     memset(&w->z, 0, sizeof w->z);
-    /* 16: a gzip header of zlib's own, which has no name and time 0. */
+    /* 16 selects a gzip header made by zlib, which has no name and time 0. */
     if (deflateInit2(&w->z, LEVEL, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY) != Z_OK)
         return ost_fail(err, OST_ERR_MEMORY, "%s: no memory to pack it", ost_outfile_path(w->file));
     w->packing = true;
