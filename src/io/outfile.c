@@ -139,7 +139,7 @@ static ost_status cannot_write(const ost_outfile *file, int number, ost_error *e
     return ost_fail(err, OST_ERR_IO, "%s: cannot be written: %s", file->path, strerror(number));
 }
 
-/* Duplicates the process's own stream. /dev/stdout may be a regular file that a shell appends to; it is not replaced. */
+/* Duplicates the process's own stream: /dev/stdout may be a file that a shell appends to, and is not replaced. */
 static int standard_stream(const char *path)
 {
     if (strcmp(path, "/dev/stdout") == 0)

@@ -122,7 +122,7 @@ typedef struct builder {
     uint32_t *between;       /* z */
     ost_mesh mesh;
     size_t vertex_room, triangle_room;
-    float *place;            /* of each vertex along its edge, 0 at the lower end, 1 at the upper; -1: a loop's middle */
+    float *place;            /* of each vertex along its edge, 0 (lower end) to 1; -1: a loop's middle */
     uint8_t *along;          /* bits 0-1: axis; bit 2: the lower end is solid */
     pattern patterns[256];
 } builder;
