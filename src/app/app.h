@@ -1,18 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What every verb of the command shares.
+ * The parts that all verbs of the command share.
  *
- *   main.c     finds the verb, prints its error, keeps the exit status
- *   options.c  one table an option: parsing, --help, messages
- *   say.c      people's text and warnings, numbers as people write them
- *   result.c   the one JSON object of --json
- *   progress.c a line on the terminal for what takes more than a second
- *   load.c     a bone or a tool out of whatever the user has
+ *   main.c     finds the verb, prints its error, chooses the exit status
+ *   options.c  one table per verb: parsing, --help, messages
+ *   say.c      text and warnings for people, and the format of numbers in them
+ *   result.c   the JSON object of --json
+ *   progress.c a progress line on the terminal for work of more than a second
+ *   load.c     loads a bone or a tool from any supported file
  *   cmd_X.c    one verb each
  *
- * A verb returns a status; main turns it into the exit status.  Its object for
- * --json is filled whether or not it will be printed, so that both kinds of
- * run do the same work.
+ * A verb returns a status; main turns it into the exit status. A verb fills its JSON object whether
+ * or not --json is given, so that both kinds of run do the same work.
  */
 #ifndef OST_APP_APP_H
 #define OST_APP_APP_H
@@ -23,16 +22,18 @@
 typedef struct app_state {
     const char *verb;
     bool json, quiet;
-    const char *backend; /* as given, default "cpu" */
-    int64_t threads;     /* 0: not given */
-    bool worker;         /* a campaign started it: running out of resources has its own exit status (validation/worker.h) */
+    const char *backend; /* as given; default "cpu" */
+    int64_t threads;     /* 0 if not given */
+    /* started by a campaign: running out of resources then has its own exit status
+       (validation/worker.h) */
+    bool worker;
     json_t *result;      /* owned by main */
-    bool answered;       /* result is complete, although the status is an error: --json prints it before the error's line */
+    bool answered;       /* result is complete although the status is an error: --json prints it before the error's line */
 } app_state;
 
 typedef struct app_verb {
     const char *name;
-    const char *summary; /* a line for osteon --help */
+    const char *summary; /* one line for osteon --help */
     ost_status (*run)(app_state *app, int argc, char **argv, ost_error *err);
 } app_verb;
 

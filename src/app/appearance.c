@@ -88,7 +88,8 @@ ost_status appearance_check(const app_state *app, appearance_options *o, ost_err
 
 /* -------------------------------------------------------------------- clip */
 
-/* Across the axis: beside is level, above goes upward. */
+/* Computes three unit vectors: inward along the glenoid's axis, beside (horizontal) and above
+   (upward), both perpendicular to it. */
 static void axis_frame(const ost_view_subject *s, double inward[3], double beside[3], double above[3])
 {
     static const double lateral[3] = {-1, 0, 0}, top[3] = {0, 0, 1};
@@ -133,7 +134,8 @@ static ost_status set_clip(appearance *a, ost_error *err)
     return status;
 }
 
-/* What lies before it goes: the normal points to who looks. */
+/* Turns the plane's normal towards the camera at eye_mm, because the part in front of a clip plane
+   is hidden. */
 static void face_the_eye(appearance *a, const double eye_mm[3])
 {
     double at[3], normal[3], back[3];
@@ -148,7 +150,8 @@ static void face_the_eye(appearance *a, const double eye_mm[3])
 
 /* ------------------------------------------------------------------- ghost */
 
-/* From its origin to its lowest point, in mm: a grid begins one to two voxels below that (Alg. 2.1). */
+/* Returns the distance from the tool's origin to its lowest point, in mm. The grid begins one to
+   two voxels below that point (Alg. 2.1). */
 static double tip_of(const ost_tool_volume *tool)
 {
     return -1e-9 * (double)(tool->geometry.corner.z + 3 * tool->geometry.voxel / 2);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What a picture shows besides the bone and the tool: colours of what was cut,
- * a clip plane, the planned implant as a ghost, lines for understanding.  For
- * osteon render by options, in the window of osteon sim by keys.
+ * The parts of a picture besides the bone and the tool: colours of the cut surface, a clip plane,
+ * the planned implant as a ghost, explanatory lines. osteon render sets them by options, the window
+ * of osteon sim by keys.
  *
  *   options --.
  *   keys -----+--> appearance --> viewer, and a legend over its frame
@@ -26,9 +26,9 @@ typedef struct appearance_options {
     option_decimal shift, turn;
     option_list overlays;
     bool no_legend;
-    /* By appearance_check: */
+    /* Set by appearance_check: */
     int clip;               /* a clip_kind */
-    double clip_at[3], clip_normal[3]; /* of CLIP_FREE */
+    double clip_at[3], clip_normal[3]; /* for CLIP_FREE */
     double shift_mm, turn_deg;
     unsigned overlay_bits;
 } appearance_options;
@@ -50,34 +50,38 @@ typedef struct appearance_options {
 ost_status appearance_check(const app_state *app, appearance_options *options, ost_error *err);
 
 typedef struct appearance {
-    ost_viewer *viewer;              /* borrowed, as the next is */
+    ost_viewer *viewer;              /* borrowed, as is subject */
     const ost_view_subject *subject;
-    double depth_mm;                 /* planned */
+    double depth_mm;                 /* planned depth of reaming */
     ost_colouring colouring;
     int clip, overlay_step;
     double clip_at[3], clip_normal[3], shift_mm, turn_deg;
     bool flipped;
     int ghost;
-    const ost_tool_volume *tool;     /* borrowed; of the tool's ghost; NULL: there is none */
-    ost_lettering *lettering;        /* owned; of the legend */
+    const ost_tool_volume *tool;     /* borrowed; shown by GHOST_TOOL; NULL if there is none */
+    ost_lettering *lettering;        /* owned; for the legend */
     double unit;
 } appearance;
 
-/* The viewer has its ground, if there is any. eye_mm: where the camera is, so that what lies before a plane goes. */
+/* Initializes *a and applies the options to the viewer. The viewer's uncut surface, if any, must be
+   set before. eye_mm is the camera's position; the part of the bone between it and a clip plane is
+   hidden. */
 ost_status appearance_begin(appearance *a, ost_viewer *viewer, const ost_view_subject *subject, double depth_mm, const ost_tool_volume *tool,
                             const appearance_options *options, const double eye_mm[3], ost_error *err);
-void appearance_free(appearance *a); /* also of a zeroed one */
+void appearance_free(appearance *a); /* a may be zeroed */
 
 ost_legend appearance_legend_of(const appearance *a);
-/* Over the viewer's frame, at its lower left, where that is wide enough; above a line of text there. */
+/* Draws the legend at the lower left of the viewer's frame, above a line of text there. Does
+   nothing if the frame is too narrow. */
 ost_status appearance_legend(appearance *a, ost_error *err);
 
 /*
- * C colours, X clip plane, Shift X its other side, G ghost, O overlays, K what was touched; page up and down move the plane, with
- * shift they turn it.  True when the key was one of these: then text (of 160) says what it did.
+ * Handles a key: C colours, X clip plane, Shift X its other side, G ghost, O overlays, K touched
+ * voxels; Page Up and Page Down move the plane, with Shift they turn it. Returns true if the key
+ * was one of these; text (160 bytes) then describes the change.
  */
 bool appearance_key(appearance *a, int key, bool shift, const double eye_mm[3], char *text);
-/* Of the wheel: moves the plane. False when there is none. */
+/* Moves the clip plane by steps of the mouse wheel. Returns false if there is no plane. */
 bool appearance_wheel(appearance *a, double steps, bool fine);
 
 #endif

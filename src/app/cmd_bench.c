@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * osteon bench: runs the suites of bench/ and shows their rows: as a table, as
- * the table of docs/performance.md (--markdown), or as JSON.
+ * osteon bench: runs the suites of bench/ and prints their rows as a table, as the table of
+ * docs/performance.md (--markdown), or as JSON.
  */
 #include <stdio.h>
 #include <string.h>
@@ -37,7 +37,7 @@ static void put_figures(json_t *o, const char *name, const bench_figures *f)
     put_integer(o, key, (int64_t)f->count);
 }
 
-/* A count is an integer, a time or a rate is not. */
+/* Stores a whole number as a JSON integer and any other value as a real. */
 static void put_extra(json_t *o, const char *key, double value)
 {
     if (value >= 0 && value < 9e15 && (double)(int64_t)value == value)
@@ -89,7 +89,7 @@ static void put_setting(app_state *app, const bench_options *options, const char
 
 /* ------------------------------------------------------------------- table */
 
-/* Three or four digits that count. */
+/* Formats a value with three or four significant digits. */
 static const char *figure(char text[FIGURE], double value)
 {
     int places = value >= 100 ? 0 : value >= 10 ? 1 : value >= 1 ? 2 : 3;
@@ -146,7 +146,7 @@ static void say_row(const app_state *app, const bench_row *row)
     say_distribution(app, row);
 }
 
-/* Half a baseline that was interrupted flatters ours: say so. */
+/* Prints a warning if rows were disturbed: an interrupted baseline makes our ratio look better than it is. */
 static void say_disturbed(const app_state *app, const bench_table *table)
 {
     size_t disturbed = 0;
@@ -158,7 +158,7 @@ static void say_disturbed(const app_state *app, const bench_table *table)
     }
 }
 
-/* What the baselines of a suite are, each said once, and why some are missing. */
+/* Prints each distinct baseline of a suite once, and the reasons for missing ones. */
 static void say_baselines(const app_state *app, const bench_table *table)
 {
     for (size_t i = 0; i < table->count; i++) {
@@ -230,14 +230,14 @@ static void show_row(void *user, const char *row)
     progress_show(NULL, row, 0);
 }
 
-/* All rows of a run. */
+/* Totals over all rows of a run. */
 typedef struct tally {
     size_t rows, run;
     bool wrong;
-    char reason[BENCH_TEXT]; /* of the first row that was not run */
+    char reason[BENCH_TEXT]; /* why the first row that was not run was not run */
 } tally;
 
-/* Shows the rows of a suite, under the heading if they are the first. */
+/* Prints the rows of a suite, under the heading if they are the first. */
 static void show_rows(app_state *app, const bench_options *options, const char *suite, const bench_table *table, tally *all, bool markdown)
 {
     const bool first = all->rows == 0;
@@ -271,7 +271,7 @@ static ost_status run_suites(app_state *app, const bench_options *options, const
     ost_backend *backend = NULL;
     tally all = {.rows = 0};
     static const bench_options every_row; /* without a filter */
-    /* A backend that is unknown or not here is an error of the call and not of a row. */
+    /* An unknown or unavailable backend is an error of the command, not of a row. */
     ost_status status = bench_backend(options, options->threads, &backend, err);
     ost_backend_close(backend);
     for (const bench_suite *s = bench_suites; s->name && status == OST_OK; s++) {
@@ -279,7 +279,8 @@ static ost_status run_suites(app_state *app, const bench_options *options, const
         if (strcmp(suite, "all") != 0 && strcmp(suite, s->name) != 0)
             continue;
         status = s->run(options, &table, err);
-        /* A suite whose preparation fails is a row of its name, and the next one begins. */
+        /* If the preparation of a suite fails, a row with the suite's name records it and the next
+           suite begins. */
         status = bench_row_not_run(&every_row, &table, &s->name, 1, "ms", options->threads, status, err);
         show_rows(app, options, suite, &table, &all, markdown);
         fflush(stdout);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * osteon bridge: the other end of osteon sim --device udp.
+ * osteon bridge: the remote end of osteon sim --device udp.
  *
  *   device <-- ost_servo_run, here --> bridge_run <--packets--> osteon sim, there
  */
@@ -20,7 +20,7 @@ typedef struct bridge_args {
     bool no_realtime;
 } bridge_args;
 
-/* A table of ticks, or a session's. */
+/* Reads the path of a CSV table of ticks or of a session. */
 static ost_status path_of(const char *name, ost_path *out, ost_error *err)
 {
     ost_file_kind kind;

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * osteon compare: another program's grids beside the reference's, every
- * difference with its margin.
+ * osteon compare: compares another program's grids with the reference's and gives the margin of
+ * every difference.
  *
  *   a folder of dumps, or a backend's name --campaign--> verdicts, margins --> table, --json, exit status
  *
- * It is the comparison of osteon validate for somebody who is at work on a
- * program of their own: no bundle, no sensitivity proof.
+ * It makes the comparison of osteon validate for developers of another program: without a bundle
+ * and without a sensitivity proof.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -43,7 +43,8 @@ static const case_result *result_at(const campaign *c, int i, int s)
     return &c->results[(size_t)i * (size_t)c->subjects->count + (size_t)s];
 }
 
-/* One line a stage: how many differ, why, and how far the farthest decision was from its border. */
+/* Prints one line per stage: the number of differences, their causes, and the greatest distance of
+   a decision from its border. */
 static void say_margins(const app_state *app, const margins *m)
 {
     say(app, "  stage    differing   inherited   below thr.   unexplained   at borders   greatest margin");
@@ -81,7 +82,8 @@ static void say_case(const app_state *app, const plan_case *c, const subject *wh
         say(app, "  %s: %s%s%s", c->id, case_verdict_name(r->verdict), r->text[0] ? ": " : "", r->text);
 }
 
-/* The verdict is over all; margins are of each that was compared. */
+/* Prints and stores the results. The verdict covers all backends; margins are summed for each
+   compared backend. */
 static ost_status report(app_state *app, const campaign *c, bool apart, ost_error *err)
 {
     json_t *stages = json_array(), *list = json_array(), *cases = json_array();
@@ -92,13 +94,14 @@ static ost_status report(app_state *app, const campaign *c, bool apart, ost_erro
         int equal = 0, of_this = 0;
         for (int i = 0; i < c->plan->count; i++) {
             const case_result *r = result_at(c, i, s);
-            const bool refused = r->verdict == CASE_EQUAL && result_at(c, i, 0)->verdict != CASE_EQUAL; /* by both: nothing was compared */
+            /* on both sides: nothing was compared */
+            const bool refused = r->verdict == CASE_EQUAL && result_at(c, i, 0)->verdict != CASE_EQUAL;
             equal += r->verdict == CASE_EQUAL && !refused;
             of_this += r->verdict != CASE_NOT_RUN && !refused;
             if (r->margins)
                 margins_add(&all, r->margins);
             json_t *o = evidence_result(r);
-            json_object_del(o, "margins"); /* they are summed up by backend */
+            json_object_del(o, "margins"); /* margins are summed by backend */
             put_text(o, "case", c->plan->cases[i].id);
             put_text(o, "backend", c->subjects->subjects[s].spec);
             append(cases, o);
@@ -137,7 +140,8 @@ static ost_status report(app_state *app, const campaign *c, bool apart, ost_erro
     return OST_OK;
 }
 
-/* A folder is a dump, which knows its own campaign; else a backend's name. */
+/* Finds the subject to compare: a folder is a dump, whose head holds the tier and seed of its
+   campaign; any other name is a backend. */
 static ost_status find_whom(const app_state *app, compare_args *args, char spec[SUBJECT_SPEC], char only[PLAN_ID], ost_error *err)
 {
     struct stat info;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * osteon devices: what works here, and the reason for what does not.
+ * osteon devices: lists what is available here, and the reason for each part that is not.
  */
 #include "config.h"
 
@@ -29,7 +29,7 @@ static void one(const app_state *app, json_t *array, const char *name, bool avai
     say(app, "  %-11s %-4s %s", name, available ? "yes" : "no", reason);
 }
 
-/* What ost_backend_devices calls; user is the verb's state and list. */
+/* User data of the callback of ost_backend_devices: the verb's state and its list. */
 typedef struct device_list {
     const app_state *app;
     json_t *array;
@@ -54,7 +54,7 @@ static void one_device(const ost_device_info *device, void *user)
         say(list->app, "  %-24s      %s", "", device->notes);
 }
 
-/* Devices that a backend lets one choose from: those of OpenCL. */
+/* Lists the devices among which a backend lets the user choose: those of OpenCL. */
 static ost_status list_devices(const app_state *app, ost_error *err)
 {
     device_list list = {.app = app, .array = json_array()};
@@ -69,7 +69,7 @@ static ost_status list_devices(const app_state *app, ost_error *err)
     return status;
 }
 
-/* The sets that this machine and this build can run, the chosen one among them. */
+/* Lists the instruction sets that this machine and this build can run, and the chosen one. */
 static void list_choices(const app_state *app, json_t *row, const ost_backend_settings *settings)
 {
     json_t *array = json_array();
@@ -87,7 +87,8 @@ static void list_choices(const app_state *app, json_t *row, const ost_backend_se
         settings->threads == 1 ? "" : "s", text);
 }
 
-/* Opened for a moment, so that what is listed is what a verb would get: with --backend and --threads as given here. */
+/* Lists the backends. Each is opened briefly, with --backend and --threads as given, so that the
+   list shows what a verb would get. */
 static ost_status list_backends(const app_state *app, ost_error *err)
 {
     json_t *array = json_array();
@@ -102,7 +103,7 @@ static ost_status list_backends(const app_state *app, ost_error *err)
         known = known || chosen;
         if (info.available) {
             ost_error why = {0};
-            /* A plugin is there when it is named with its file. */
+            /* A plugin can be opened only if --backend names its file. */
             const bool named = strcmp(info.name, "plugin") != 0 || chosen;
             const ost_status status = chosen  ? backend_choose(app, &backend, &why)
                                       : named ? ost_backend_open(info.name, &backend, &why)
@@ -163,7 +164,8 @@ static void list_instruction_sets(const app_state *app)
     say(app, "  %s", count ? text : "none that osteon looks for");
 }
 
-/* Bit by bit, with what each does unless osteon sim --buttons says otherwise. */
+/* Prints the device's buttons in the order of their bits, each with its default action (osteon sim
+   --buttons changes them). */
 static void list_buttons(const app_state *app, json_t *row, const ost_haptic_info *info)
 {
     json_t *buttons = json_object();
@@ -199,7 +201,7 @@ static void list_haptics(const app_state *app)
     put(app->result, "haptics", array);
 }
 
-/* Opened for a moment: what it would draw with, or why it cannot. */
+/* Opens OpenGL briefly and prints its version and driver, or the reason why it cannot be used. */
 static void list_gl(const app_state *app, json_t *array)
 {
     ost_gl *gl = NULL;

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * osteon diff: what differs between two grids, top down.
+ * osteon diff: shows how two grids differ, from the verdict down to single voxels.
  *
- * Equal means the same geometry and every voxel the same.  Notes that travel
- * with a file (where the glenoid is) decide no voxel and no verdict; they are
- * compared and said separately.
+ * Two grids are equal if their geometry and every voxel are the same. Facts in a file's header
+ * (such as the glenoid's position) affect no voxel and no verdict; they are compared and printed
+ * separately.
  */
 #include <string.h>
 
@@ -79,7 +79,7 @@ static void put_result(const app_state *app, const loaded_volume *a, const loade
     put(o, "voxels", voxels);
 }
 
-/* Notes that differ, by key; missing ones are null. */
+/* Prints and stores the facts that differ, by key; a missing value is null. */
 static void put_notes(const app_state *app, const ost_meta *a, const ost_meta *b)
 {
     json_t *notes = json_array();

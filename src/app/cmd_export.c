@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * osteon export: a bone for other programs and for the eye.
+ * osteon export: writes a bone for other programs or as a picture.
  *
  *   .nrrd .nii .nii.gz .txt   the voxels
  *   .stl .ply                 the surface, closed
  *   .png                      slices, or a view of the surface
  *
- * and a session as a table, .csv, as MCAP, .mcap, or as HDF5, .h5.
+ * It also writes a session as a table, .csv, as MCAP, .mcap, or as HDF5, .h5.
  */
 #include <math.h>
 #include <string.h>
@@ -22,7 +22,7 @@
 typedef struct export_args {
     const char *bone, *out, *before;
     bool slices, compress, voxels;
-    int view; /* place in VIEWS */
+    int view; /* index in VIEWS */
     bool view_given;
     int64_t size, threshold, decimals;
     bool threshold_given;
@@ -37,7 +37,7 @@ static ost_status export_surface(const app_state *app, const export_args *args, 
 {
     ost_mesh mesh = {0};
     ost_pm3 lo, hi;
-    /* Below its threshold a bone holds zeros, not densities: there is nothing to interpolate. */
+    /* Below its threshold a bone holds zeros instead of densities, so there is nothing to interpolate. */
     ost_surface_place place = in->kind == LOAD_CT ? OST_SURFACE_DENSITY : OST_SURFACE_SMOOTH;
     ost_status status = ost_surface_extract(&in->volume, in->threshold, place, &mesh, err);
     if (status != OST_OK)
@@ -60,7 +60,7 @@ static ost_status export_surface(const app_state *app, const export_args *args, 
     return status;
 }
 
-/* The voxel that holds a point, or -1 (the middle) without one. */
+/* Computes the indices of the voxel that contains --at; -1 on each axis (the middle) if --at is not given. */
 static ost_status voxel_at(const app_state *app, const export_args *args, const ost_geometry *g, int32_t at[3], ost_error *err)
 {
     at[0] = at[1] = at[2] = -1;
@@ -82,7 +82,8 @@ static ost_status voxel_at(const app_state *app, const export_args *args, const 
 
 static ost_status view_options(const app_state *app, const export_args *args, const loaded_volume *in, ost_view_options *out, ost_error *err)
 {
-    /* Into the scene, in LPS, for the right side: its lateral is the patient's right, -x. */
+    /* Directions into the scene, in LPS, for a right shoulder: its lateral side is the patient's
+       right, -x. */
     static const double direction[][3] = {{0, 1, 0}, {0, -1, 0}, {1, 0, 0}, {-1, 0, 0}, {0, 0, -1}, {0, 0, 1}};
     ost_side side;
     double axis[3];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * osteon import: a CT to a bone of cubic voxels (thesis, Algs. 2.2 - 2.6).
+ * osteon import: makes a bone of cubic voxels from a CT (thesis, Algs. 2.2 - 2.6).
  */
 #include "app/backend_choice.h"
 #include "app/load.h"
@@ -24,9 +24,9 @@ static const char *kind_text(ost_file_kind kind)
 }
 
 /*
- * Asks about a grid too small or too large for a patient's bone, as the mesh
- * reader does, with the units that would make it a plausible one.  A micro-CT
- * is that small; a phantom states what it is.
+ * Warns if a grid is too small or too large for a patient's bone, as the mesh reader does, and
+ * names the units that would make its size plausible. A micro-CT may really be that small; a
+ * phantom is marked in its header and never warned about.
  */
 static void warn_size(const app_state *app, const char *name, const ost_import_result *r)
 {

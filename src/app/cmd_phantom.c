@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * osteon phantom: a generated CT.
+ * osteon phantom: writes a generated CT.
  */
 #include <string.h>
 
@@ -25,7 +25,8 @@ static ost_status find_kind(const app_state *app, const char *name, ost_phantom_
     return usage_error(app, err, "'%s' is not a phantom", name);
 }
 
-/* A factor may have up to nine places; it is a shape's parameter, not a voxel's. */
+/* Reads --scale. The factor may have up to nine decimal places; it is a parameter of the shape and
+   does not affect voxels exactly. */
 static ost_status take_scale(const app_state *app, const option_decimal *given, double *out, ost_error *err)
 {
     int64_t billionths;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * osteon ream: the main job.  Tools move along paths, bone goes.
+ * osteon ream: moves tools along paths and removes bone.
  *
  *   --bone --load_bone--> bone ----------------.
  *   --tool --load_tool--> tools --------------. \
@@ -9,8 +9,8 @@
  *                  --out <--ost_bone_write--- bone
  *               --record <--ost_recorder_put- tick, digest
  *
- * When an OpenCL device fails in the middle, the backend cpu goes on from the
- * last whole tick (ost_world_rescue), to the same grid, unless that is forbidden.
+ * If an OpenCL device fails during the run, the backend cpu continues from the last complete tick
+ * (ost_world_rescue) and produces the same grid, unless --no-failover is given.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -37,43 +37,44 @@ typedef struct ream_args {
     const char *debrief, *max_gap;
     ost_path_options gaps; /* from max_gap */
     option_decimal rate;
-    int64_t period_ns; /* from rate; 0: every tick */
+    int64_t period_ns; /* from rate; 0: removal at every tick */
     int64_t rpm;
     bool rpm_given;
-    ost_density_classes classes; /* from classes_text; count 0: the default ones */
-    int sweep; /* place in "off|on" */
+    ost_density_classes classes; /* from classes_text; count 0: the default classes */
+    int sweep; /* index in "off|on" */
     bool compress, no_failover, strict;
 } ream_args;
 
-/* Between two copies of the bone, for a device that may fail: a copy costs about what 20 ticks do. */
+/* Ticks between two copies of the bone, for a device that may fail: a copy costs about as much as
+   20 ticks. */
 enum { KEEP_TICKS = 1024 };
 
-/* Everything that must be freed, in one place. */
+/* All resources of a run, freed together by job_free. */
 typedef struct job {
     ost_backend *backend;
     ost_bone *bone;
     ost_import_result imported;
     ost_bone_info before, after;
-    ost_digest root;   /* of the end */
+    ost_digest root;   /* digest of the bone at the end */
     ost_tool *tools[OPTION_LIST_MAX];
     ost_path path;
-    ream_gaps gaps;    /* of path */
+    ream_gaps gaps;    /* gaps in path */
     ost_world *world;
-    ost_recorder *recorder; /* NULL: nothing is recorded */
-    uint32_t *tick_ns; /* how long each step took */
+    ost_recorder *recorder; /* NULL if nothing is recorded */
+    uint32_t *tick_ns; /* duration of each step */
     double run_ms;
     bool met;          /* the boxes of bone and tool met at some tick */
     ost_metrics_plan plan;
-    bool planned;      /* it is known */
+    bool planned;      /* plan is set */
     debrief debrief;   /* empty without --debrief */
     start_checked site;
-    bool failed_over;  /* the backend is another than was asked for */
+    bool failed_over;  /* the backend is no longer the requested one */
 } job;
 
 static void job_free(job *j)
 {
     free(j->tick_ns);
-    /* Still open when something else has failed: what was done until then stays recorded. */
+    /* The recorder is still open if something else has failed: the ticks until then remain recorded. */
     ost_recorder_close(j->recorder, NULL, NULL);
     debrief_free(&j->debrief);
     ost_world_free(j->world);
@@ -101,7 +102,7 @@ static ost_status world_make(const app_state *app, const ream_args *args, job *j
 static ost_status load_all(const app_state *app, const ream_args *args, job *j, ost_error *err)
 {
     ost_status status = backend_choose(app, &j->backend, err);
-    /* Tools first: they are small, and a mistake in them should not wait for the CT. */
+    /* Tools are loaded first: they are small, and an error in them is reported before the CT is read. */
     for (int i = 0; i < args->tools.count && status == OST_OK; i++) {
         status = load_tool(app, j->backend, args->tools.value[i], NULL, &args->how, &j->tools[i], NULL, err);
         if (status == OST_OK) {
@@ -132,7 +133,7 @@ static bool has_hand(const ost_path *path)
     return false;
 }
 
-/* Ticks of tools that the motor turns from the poses of the path. */
+/* Replaces the path's poses by those of tools that the motor turns. */
 static ost_status motor_run(const app_state *app, const ream_args *args, job *j, ost_error *err)
 {
     ost_motor motor = {0};
@@ -141,7 +142,7 @@ static ost_status motor_run(const app_state *app, const ream_args *args, job *j,
     return ost_motor_path(&j->path, (int32_t)args->rpm, &motor, err);
 }
 
-/* The plan, and the bone as it was for who asks afterwards. */
+/* Finds the plan, and stores a copy of the bone for the debrief if there is to be one. */
 static ost_status plan_take(const app_state *app, const ream_args *args, job *j, ost_error *err)
 {
     ost_status status = glenoid_plan_find(app, &args->plan, NULL, NULL, &j->imported.meta, args->bone, args->debrief != NULL, &j->plan, &j->planned, err);
@@ -178,7 +179,7 @@ static uint32_t at_most_32(uint64_t n)
     return n < UINT32_MAX ? (uint32_t)n : UINT32_MAX;
 }
 
-/* What could not be recorded is said when the recorder is closed. */
+/* Records a tick. Ticks that could not be recorded are reported when the recorder is closed. */
 static ost_status record_tick(job *j, size_t number, const ost_step_result *step, ost_error *err)
 {
     const ost_record record = {
@@ -225,14 +226,16 @@ static ost_status record_end(const app_state *app, const ream_args *args, job *j
     return OST_OK;
 }
 
-/* Whether a device may be to blame: what else gives these would give them again. */
+/* Returns true if the device may be the cause of the failure. Other errors would occur on the
+   backend cpu as well. */
 static bool may_fail_over(const app_state *app, const ream_args *args, const job *j, ost_status status)
 {
     return backend_is(app, "cl") && !args->no_failover && !j->failed_over &&
            (status == OST_ERR_UNAVAILABLE || status == OST_ERR_MEMORY || status == OST_ERR_INTERNAL);
 }
 
-/* After a failure of the device, said in err: all that is on it anew on the backend cpu, after ticks whole ticks. */
+/* Moves the world to the backend cpu after the device's failure, which err describes. ticks:
+   complete ticks so far. */
 static ost_status fail_over(const app_state *app, job *j, size_t ticks, ost_error *err)
 {
     ost_tool *tools[OST_WORLD_TOOLS_MAX];
@@ -311,7 +314,7 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Nearest rank; sorts. */
+/* Reports percentiles of the tick times by nearest rank. Sorts tick_ns. */
 static void put_tick_times(const app_state *app, job *j)
 {
     size_t n = j->path.count;
@@ -343,7 +346,7 @@ static void put_classes(const app_state *app, const ost_world_totals *totals, co
     put(app->result, "removed_by_class", array);
 }
 
-/* Nothing was removed: say where both are, since a wrong frame is the usual reason. */
+/* Warns that nothing was removed and prints both positions: the usual reason is a wrong coordinate system. */
 static void warn_nothing(const app_state *app, const job *j)
 {
     ost_pm3 lo = j->before.geometry.origin, hi = lo, at = j->path.ticks[j->path.count / 2].pose.t;
@@ -409,7 +412,7 @@ static ost_status report(const app_state *app, const ream_args *args, job *j, os
     return OST_OK;
 }
 
-/* All that can be said before anything is read. */
+/* Checks everything that can be checked before a file is read. */
 static ost_status check_args(app_state *app, ream_args *args, ost_error *err)
 {
     ost_status status = ream_period(app, &args->rate, &args->period_ns, err);

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * osteon render: a picture of a bone and a tool, without a display.
+ * osteon render: draws a picture of a bone and a tool, without a display.
  *
  *   bone --ost_live--> surface voxels --.
  *   bone before (--before) -> colours --+
  *   tool, --pose ---------------------- +--camera--> frame --> legend --> .png
  *   clip plane, ghost, lines -----------'
  *
- * The same renderer as the simulator's, and the same bytes on every machine.
+ * It uses the simulator's renderer, and the picture has the same bytes on every machine.
  */
 #include <string.h>
 
@@ -56,7 +56,7 @@ typedef struct drawing {
     double draw_ms;
 } drawing;
 
-/* "x,y,z,qw,qx,qy,qz", as a line of a path has them. */
+/* Parses "x,y,z,qw,qx,qy,qz", the format of a line of a path. */
 static ost_status parse_pose(const app_state *app, render_args *args, ost_error *err)
 {
     ost_decimal number[7];
@@ -89,7 +89,7 @@ static ost_status check_args(app_state *app, render_args *args, ost_error *err)
     return status == OST_OK ? out_check(app, args->out, "png", err) : status;
 }
 
-/* Without --pose a tool stands where the built-in reaming begins. */
+/* Adds the tool to the picture. Without --pose its pose is the beginning of the built-in reaming. */
 static ost_status add_tool(const render_args *args, drawing *d, const ost_glenoid *glenoid, bool known, ost_error *err)
 {
     ost_path path = {0};
@@ -112,7 +112,7 @@ static ost_status add_tool(const render_args *args, drawing *d, const ost_glenoi
     return status;
 }
 
-/* Of the bone before, or without one of the bone as it is. */
+/* Sets the uncut surface from the bone of --before, or without it from the bone as it is. */
 static ost_status add_ground(const app_state *app, const render_args *args, drawing *d, const ost_glenoid *glenoid, bool known, ost_error *err)
 {
     const ost_density_classes classes = ost_density_classes_default();

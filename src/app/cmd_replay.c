@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * osteon replay: a recorded session again, on any backend.
+ * osteon replay: runs a recorded session again, on any backend.
  *
- * Every tick's digest is compared with the recorded one, and at the end the
- * counts and the bone's digest.  With --verify what differs is also found: at
- * the first tick that differs the same is done on a second backend, the
- * reference, and the two bones are laid side by side, which names chunk and
- * voxel.  Who is right follows from whom the reference agrees with.
+ * The digest of every tick is compared with the recorded one, and at the end the counts and the
+ * bone's digest. With --verify a difference is also located: the same ticks run on a second
+ * backend, the reference, up to the first tick that differs, and a comparison of the two bones
+ * yields the chunk and voxel. The side that agrees with the reference is right.
  */
 #include <string.h>
 
@@ -22,7 +21,7 @@
 typedef struct replay_args {
     const char *session, *bone, *out, *debrief;
     option_list tools;
-    glenoid_plan_options plan; /* of a debrief */
+    glenoid_plan_options plan; /* for the debrief */
     replay_film_options film;
     int64_t ticks;
     bool ticks_given, verify, compress;
@@ -31,9 +30,9 @@ typedef struct replay_args {
 /* The end of a session, as recorded and as replayed. */
 typedef struct ending {
     bool found;     /* the session has its end record */
-    bool complete;  /* that and all ticks are in the file */
-    bool compared;  /* all ticks were replayed and the end is compared too */
-    uint64_t ticks; /* recorded, as far as the file shows: the end record, or the last tick that can be read */
+    bool complete;  /* the end record and all ticks are in the file */
+    bool compared;  /* all ticks were replayed, so the end is compared too */
+    uint64_t ticks; /* recorded, as far as the file shows: from the end record, or the last tick that can be read */
     ost_session_end end;
     ost_world_totals totals;
     ost_digest root;
@@ -69,7 +68,7 @@ static bool end_differs(const ending *e)
                            (e->end.has_root && !ost_digest_equal(&e->end.root, &e->root)));
 }
 
-/* The same ticks on another backend: the reference, or where that is in doubt the cpu's. */
+/* Opens the session on another backend: the reference, or cpu if the first backend is the reference. */
 static ost_status open_other(const app_state *app, const replay *here, replay *other, ost_error *err)
 {
     app_state second = *app;
@@ -81,7 +80,7 @@ static ost_status open_other(const app_state *app, const replay *here, replay *o
     return status;
 }
 
-/* Whether the two bones differ after so many ticks: both from the beginning. */
+/* Replays the session on both backends from the beginning and compares the bones after so many ticks. */
 static ost_status differ_after(const app_state *app, const replay *model, uint64_t ticks, replay_place *place, ost_error *err)
 {
     replay here = {0}, other = {0};
@@ -99,7 +98,8 @@ static ost_status differ_after(const app_state *app, const replay *model, uint64
     return status;
 }
 
-/* Every digest was equal and the bone is not: halving finds the first tick after which the two backends differ. */
+/* Finds, by halving, the first tick after which the bones of two backends differ. Called if every
+   digest was equal but the bone is not. */
 static ost_status find_by_halving(const app_state *app, const replay *here, uint64_t *tick, replay_place *place, ost_error *err)
 {
     uint64_t equal = 0, unequal = here->done;
@@ -128,7 +128,7 @@ static void put_place(json_t *o, const replay_place *place)
     put_integer(o, "different_voxels", (int64_t)place->voxels);
 }
 
-/* What is known of a tick that only the recording has otherwise: the chunks that lost voxels in it. */
+/* Stores the chunks that lost voxels in the tick; the recording holds only their digest. */
 static void put_chunks(json_t *o, const replay *r)
 {
     json_t *array = json_array();
@@ -223,7 +223,7 @@ static ost_status tell_end(const app_state *app, replay *here, const ending *e, 
     return OST_ERR_DIFFER;
 }
 
-/* Without --verify: when, not where. */
+/* Reports a difference without --verify: its tick, but not its position. */
 static ost_status tell_briefly(const app_state *app, const replay *here, ost_error *err)
 {
     json_t *o = json_object();
@@ -238,7 +238,7 @@ static ost_status tell_briefly(const app_state *app, const replay *here, ost_err
     return ost_fail(err, OST_ERR_DIFFER, "%s: every tick is as recorded, but the end is not; --verify says where", here->name);
 }
 
-/* Returns true if --verify has compared all that can be, and that is less than it was to compare. */
+/* Returns true if --verify has compared all that the file allows, and that is less than was requested. */
 static bool verified_in_part(const replay_args *args, const replay *r, const ending *e)
 {
     const bool enough = args->ticks_given && (uint64_t)args->ticks <= r->done;
@@ -322,7 +322,7 @@ static ost_status run(app_state *app, const replay_args *args, replay *r, debrie
     if (status != OST_OK)
         return status;
     e.compared = e.complete && !r->differs && r->done == s->ticks;
-    /* A bone that differs, or that was to be verified and is not, is not written. */
+    /* A bone that differs, or whose verification is incomplete, is not written. */
     if (args->out && !r->differs && !end_differs(&e) && !verified_in_part(args, r, &e)) {
         const ost_write_options write = {.compress = args->compress};
         ost_digest file;

@@ -5,11 +5,11 @@
  *   bone, tools --> world --> operation <--ticks-- ost_servo_run <--poses-- device
  *                                 '--> session
  *
- * With --resume a session's ticks are done first, and the operation goes on
- * from there; a new recording holds both.
+ * With --resume the ticks of a session run first and the operation continues from there; a new
+ * recording holds both.
  *
- * In a window, whose mouse is the device when no other is given; without one
- * by --headless.
+ * By default it opens a window, whose mouse is the device if no other is given; --headless runs
+ * without one.
  */
 #include "app/progress.h"
 #include "app/say.h"
@@ -134,7 +134,7 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
             sim_show_report(app, s.show);
         status = sim_finish(app, &args, &s, err);
     }
-    /* The outputs are saved; what failed in other parts is reported now. */
+    /* The outputs are saved; failures in other parts are reported now. */
     if (status == OST_OK)
         status = sim_film_end(app, &args, &s, err);
     if (status == OST_OK)
