@@ -12,7 +12,7 @@ static const char *const spellings[] = {
 #undef OST_NRRD_FIELD_ROW
 };
 
-/* The field of this name, in whatever case, or OST_NRRD_FIELD_COUNT. */
+/* Returns the field of this name, without regard to case, or OST_NRRD_FIELD_COUNT. */
 static ost_nrrd_field find_field(const char *name)
 {
     size_t length = strlen(name);
@@ -29,7 +29,7 @@ static ost_nrrd_field find_field(const char *name)
 
 /* ------------------------------------------------------------------ lines */
 
-/* Adds one byte; the buffer doubles up to the limit. */
+/* Appends one byte; the buffer doubles up to the limit. */
 static ost_status append(ost_nrrd_text *text, size_t *room, int byte, const char *path, ost_error *err)
 {
     if (text->size == OST_NRRD_HEADER_MAX)
@@ -46,7 +46,10 @@ static ost_status append(ost_nrrd_text *text, size_t *room, int byte, const char
     return OST_OK;
 }
 
-/* One line with a NUL for its end, or *ended at the end of the file before any byte. start is an offset: the buffer moves. */
+/*
+ * Appends one line, terminated by NUL. Sets *ended at the end of the file, if no byte precedes it. *start is an
+ * offset, because the buffer moves.
+ */
 static ost_status append_line(ost_input *input, ost_nrrd_text *text, size_t *room, size_t *start, bool *ended, ost_error *err)
 {
     const char *path = ost_input_path(input);
@@ -77,7 +80,7 @@ static ost_status append_line(ost_input *input, ost_nrrd_text *text, size_t *roo
 
 /* ----------------------------------------------------------------- meaning */
 
-/* Undoes "\\" and "\n" of the format; a newline becomes a space, since values here are lines. */
+/* Undoes the format's escapes "\\" and "\n"; a newline becomes a space, because a value here is one line. */
 static void unescape(char *value)
 {
     char *to = value;
@@ -99,7 +102,7 @@ static ost_status take_line(const char *path, ost_nrrd_text *text, char *line, l
         return OST_OK;
     char *colon = strchr(line, ':');
     while (colon && colon[1] != ' ' && colon[1] != '\t' && colon[1] != '=' && colon[1] != 0)
-        colon = strchr(colon + 1, ':'); /* keys may have colons of their own */
+        colon = strchr(colon + 1, ':'); /* keys may contain colons */
     if (!colon)
         return ost_fail(err, OST_ERR_INPUT, "%s:%ld: '%.60s' is neither 'field: value' nor 'key:=value'", path, number, line);
     *colon = 0;
@@ -149,7 +152,7 @@ ost_status ost_nrrd_text_read(ost_input *input, ost_nrrd_text *out, ost_error *e
     const char *path = ost_input_path(input);
     memset(out, 0, sizeof *out);
     size_t room = 0, list_start = 0;
-    size_t *starts = NULL; /* of the field lines: taken apart once the buffer no longer moves */
+    size_t *starts = NULL; /* of the field lines; these are split after the buffer has its final address */
     size_t lines = 0, starts_room = 0;
     bool in_list = false, ended;
     ost_status status = OST_OK;

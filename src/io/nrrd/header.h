@@ -8,10 +8,9 @@
  *   key:=value                `dimension` first
  *   <empty line>              then the data, unless `data file` names them
  *
- * It is read in two steps: the text into fields (nrrd_header.c), the fields
- * into what they mean (nrrd_meaning.c).  A field that the format does not
- * know, or one given twice, is an error: it is more likely a slip than an
- * extension.
+ * It is read in two steps: header.c splits the text into fields, and meaning.c
+ * interprets the fields.  A field that the format does not define, or one given
+ * twice, is an error, because it is more likely a mistake than an extension.
  */
 #ifndef OST_IO_NRRD_HEADER_H
 #define OST_IO_NRRD_HEADER_H
@@ -22,7 +21,7 @@
 #include "io/volume/orient.h"
 #include "io/volume/input.h"
 
-/* X(identifier, spellings separated by |) : fields that decide something here. */
+/* X(identifier, spellings separated by |): the fields that the reader uses, and IGNORED for those that it ignores. */
 #define OST_NRRD_FIELDS(X)                         \
     X(DIMENSION, "dimension")                      \
     X(TYPE, "type")                                \
@@ -50,39 +49,42 @@ typedef enum ost_nrrd_field {
     OST_NRRD_FIELD_COUNT
 } ost_nrrd_field;
 
-enum { OST_NRRD_HEADER_MAX = 1 << 22 }; /* bytes: room for 16384 file names */
+enum { OST_NRRD_HEADER_MAX = 1 << 22 }; /* bytes: enough for 16384 file names */
 
-/* The text of a header, cut into fields. */
+/* The text of a header, split into fields. */
 typedef struct ost_nrrd_text {
     char *bytes; /* owned; every line ends in NUL */
     size_t size;
     struct {
-        char *value; /* NULL when absent */
+        char *value; /* NULL if absent */
         long line;
     } field[OST_NRRD_FIELD_COUNT];
-    char *list; /* after `data file: LIST`: the names, one line each, each ended by NUL */
+    char *list; /* for `data file: LIST`: the names, one per line, each terminated by NUL */
     size_t list_bytes;
     long list_line;
     ost_meta meta; /* osteon_KEY:=VALUE */
-    bool labels;   /* it has a key Segment0_...: a segmentation of 3D Slicer */
+    bool labels;   /* true if there is a key Segment0_...: a segmentation of 3D Slicer */
 } ost_nrrd_text;
 
-/* From the start of the file to the first byte after the header. *out is initialised here; free is always safe. */
+/*
+ * Reads a header from the start of the file. The input is then at the first byte after it. *out is initialised here
+ * and can always be freed.
+ */
 ost_status ost_nrrd_text_read(ost_input *input, ost_nrrd_text *out, ost_error *err);
 void ost_nrrd_text_free(ost_nrrd_text *text);
 
 typedef enum ost_nrrd_encoding { OST_NRRD_RAW, OST_NRRD_GZIP, OST_NRRD_TEXT } ost_nrrd_encoding;
 
-/* What the fields mean. Pointers lead into the text. */
+/* The interpreted header. */
 typedef struct ost_nrrd_header {
     ost_element element;
     ost_nrrd_encoding encoding;
     bool swap;
     int32_t sizes[3];
     ost_affine affine; /* to LPS */
-    bool oriented;     /* the space is a patient's: RAS, LAS or LPS */
+    bool oriented;     /* the space is that of a patient: RAS, LAS or LPS */
     uint64_t line_skip;
-    int64_t byte_skip; /* -1: the data end where the file ends */
+    int64_t byte_skip; /* -1: the data end at the end of the file */
 } ost_nrrd_header;
 
 ost_status ost_nrrd_header_mean(const char *path, const ost_nrrd_text *text, ost_nrrd_header *out, ost_error *err);

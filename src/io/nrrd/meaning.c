@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What the fields of a NRRD header mean.
+ * Interprets the fields of a NRRD header.
  *
- * Lengths are exact decimals in the header's unit (mm when it gives none),
- * RHE to picometres.  Space coordinates become LPS by sign: RAS turns x and
- * y, LAS turns y; a space that names no patient (3D-right-handed, a bare
- * space dimension, none at all) is taken as it stands.  With `spacings` alone
- * axis n points along the space's axis n, and without `space origin` the
- * first voxel's centre is 0.
+ * Lengths are exact decimals in the header's unit (mm if it gives none), RHE to
+ * picometres.  Space coordinates are converted to LPS by sign: RAS negates x and
+ * y, LAS negates y. A space without a patient (3D-right-handed, a space dimension
+ * alone, none at all) is used unchanged.  If only `spacings` is given, axis n
+ * points along the space's axis n; without `space origin` the centre of the first
+ * voxel is 0.
  */
 #include "io/nrrd/header.h"
 
@@ -26,7 +26,7 @@ static const char *value_of(const meaning *m, ost_nrrd_field field)
     return m->text->field[field].value;
 }
 
-/* "file:line: name: ", then what is wrong: every complaint about a field is one of these. */
+/* Every error in a field is reported here: "file:line: 'value': " and the text `expected`. */
 static ost_status wrong(const meaning *m, ost_nrrd_field field, const char *expected)
 {
     return ost_fail(m->err, OST_ERR_INPUT, "%s:%ld: '%.100s': %s", m->path, m->text->field[field].line, value_of(m, field), expected);
@@ -49,7 +49,7 @@ typedef struct name_value {
     int value;
 } name_value;
 
-/* The value whose names have this one, in whatever case, else -1. */
+/* Returns the value whose names include this one, without regard to case, or -1. */
 static int look_up(const name_value *table, size_t rows, const char *name, size_t length)
 {
     for (size_t r = 0; r < rows; r++) {
@@ -65,7 +65,7 @@ static int look_up(const name_value *table, size_t rows, const char *name, size_
 
 #define LOOK_UP(table, text) look_up(table, sizeof table / sizeof table[0], text, strlen(text))
 
-/* A whole number, the whole of [p, end of word); false when it is none. */
+/* Reads an integer that ends at a blank or at the end of the text. Returns false if there is none. */
 static bool read_whole(const char **p, int64_t *out)
 {
     ost_decimal d;
@@ -193,7 +193,7 @@ static ost_status mean_sizes(const meaning *m, ost_nrrd_header *out)
 
 /* ------------------------------------------------------------------- units */
 
-/* A name of a length's unit, as picometres; 0 when unknown. */
+/* Returns the unit of length with this name in picometres; 0 if it is unknown. */
 static uint64_t unit_of(const char *name, size_t length)
 {
     static const name_value units[] = {
@@ -212,7 +212,7 @@ static uint64_t unit_of(const char *name, size_t length)
     return pm;
 }
 
-/* Three quoted names of units; all mm when the field is absent. */
+/* Reads three quoted names of units; all are mm if the field is absent. */
 static ost_status mean_units(const meaning *m, ost_nrrd_field field, uint64_t out[3])
 {
     const char *p = value_of(m, field);
@@ -235,7 +235,7 @@ static ost_status mean_units(const meaning *m, ost_nrrd_field field, uint64_t ou
 
 /* ------------------------------------------------------------------- space */
 
-/* One length in units of `unit` pm. */
+/* Reads one length in units of `unit` pm. */
 static bool read_length(const char **p, uint64_t unit, ost_pm *out)
 {
     ost_decimal d;
@@ -246,7 +246,7 @@ static bool read_length(const char **p, uint64_t unit, ost_pm *out)
     return true;
 }
 
-/* "(a,b,c)" */
+/* Reads a vector "(a,b,c)". */
 static bool read_vector(const char **p, const uint64_t unit[3], ost_pm out[3])
 {
     if (**p != '(')
@@ -260,7 +260,7 @@ static bool read_vector(const char **p, const uint64_t unit[3], ost_pm out[3])
     return true;
 }
 
-/* Signs that take the space to LPS. */
+/* The kinds of space; each determines the signs that convert its coordinates to LPS. */
 typedef enum space_kind { SPACE_AS_IT_STANDS, SPACE_LPS, SPACE_RAS, SPACE_LAS, SPACE_TIME } space_kind;
 
 static const name_value spaces[] = {
@@ -293,7 +293,7 @@ static ost_status mean_spacings(const meaning *m, const uint64_t units[3], ost_n
     return *p ? wrong(m, OST_NRRD_SPACINGS, "three lengths were expected, since there are three axes") : OST_OK;
 }
 
-/* Whether `spacings` says anything: nan for every axis says nothing. */
+/* Returns true if `spacings` contains a spacing; nan for every axis means that it is not given. */
 static bool has_spacings(const meaning *m)
 {
     const char *p = value_of(m, OST_NRRD_SPACINGS);

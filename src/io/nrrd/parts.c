@@ -32,7 +32,7 @@ static ost_status check_name(const ost_nrrd_parts *own, const char *name, ost_er
                     value_line(own), name, reason);
 }
 
-/* The header's folder before the name. */
+/* Joins the header's folder and the name. */
 static ost_status join(const ost_nrrd_parts *own, const char *name, char out[OST_NRRD_NAME_MAX], ost_error *err)
 {
     ost_status status = check_name(own, name, err);
@@ -47,8 +47,9 @@ static ost_status join(const ost_nrrd_parts *own, const char *name, char out[OST
 }
 
 /*
- * The pattern's one conversion, %d or %5d or %05d; "%%" stands for "%".  It is
- * never given to printf.  Returns the number of conversions.
+ * Expands the pattern's one conversion, %d or %5d or %05d; "%%" stands for "%".  The
+ * pattern is never passed to printf.  Returns the number of conversions, or -1 for
+ * any other conversion or if out is too small.
  */
 static int expand(const char *pattern, size_t length, int64_t number, char *out, size_t room)
 {
@@ -172,7 +173,7 @@ static ost_status open_part(void *user, uint64_t index, ost_input **out, ost_err
 
 /* -------------------------------------------------------------------- count */
 
-/* The last `count` words of value as whole numbers; returns where they start, or NULL. */
+/* Reads the last `count` words of value as integers. Returns the position of the first of them, or NULL. */
 static const char *trailing_numbers(const char *value, int count, int64_t numbers[])
 {
     const char *end = value + strlen(value);
@@ -199,7 +200,10 @@ static ost_status wrong(const ost_nrrd_parts *own, const char *what, ost_error *
                     own->text->field[OST_NRRD_DATA_FILE].value, what);
 }
 
-/* name.%d MIN MAX STEP [D]: four numbers when four stand there, else three. */
+/*
+ * Reads "name.%d MIN MAX STEP [D]". If the last four words are numbers, the fourth
+ * is D; else there are three.
+ */
 static ost_status count_numbered(ost_nrrd_parts *own, int64_t *subdimension, bool *numbered, ost_error *err)
 {
     const char *value = own->text->field[OST_NRRD_DATA_FILE].value;
@@ -286,7 +290,7 @@ ost_status ost_nrrd_parts_init(ost_nrrd_parts *own, ost_parts *parts, const char
         in_part = voxels / own->count;
     }
     bool as_text = header->encoding == OST_NRRD_TEXT;
-    /* The shortest text of n numbers: a digit each and a blank between. */
+    /* The shortest text of n numbers has a digit for each and a blank between two. */
     own->part_bytes = as_text ? 2 * in_part - 1 : in_part * ost_element_bytes(header->element);
     *parts = (ost_parts){.open = open_part, .user = own, .count = own->count, .part_bytes = own->part_bytes, .text = as_text};
     return OST_OK;

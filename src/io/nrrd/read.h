@@ -8,8 +8,8 @@
 #include "io/volume/input.h"
 
 /*
- * From an input at the file's start.  With out NULL only geometry, meta and
- * report are filled.  geometry, meta and report are never NULL; *out is
+ * Reads a NRRD from an input at the file's start.  If out is NULL, only geometry,
+ * meta and report are filled.  geometry, meta and report are never NULL; *out is
  * initialised here.
  */
 ost_status ost_nrrd_read(ost_input *input, const ost_volume_options *options, ost_volume *out, ost_geometry *geometry, ost_meta *meta,

@@ -13,7 +13,7 @@ static bool is_blank(int byte)
     return byte == ' ' || byte == '\t' || byte == '\n' || byte == '\r' || byte == '\v' || byte == '\f';
 }
 
-/* The next word, "" at the end of the file. */
+/* Reads the next word; it is "" at the end of the file. */
 static ost_status read_word(ost_input *input, char word[WORD_MAX + 1], size_t *length, ost_error *err)
 {
     int byte;
@@ -35,7 +35,7 @@ static ost_status read_word(ost_input *input, char word[WORD_MAX + 1], size_t *l
     return status;
 }
 
-/* AR-FILE-4: a decimal that is an integer by value, from the type's least to its greatest. */
+/* AR-FILE-4: returns true if the decimal's value is an integer within the range of the type. */
 static bool type_holds(ost_element element, const ost_decimal *d)
 {
     uint64_t magnitude;
@@ -57,7 +57,7 @@ static ost_status read_value(ost_rows *rows, int64_t number, int16_t *out, ost_e
     ost_status status = read_word(input, word, &length, err);
     if (status != OST_OK)
         return status;
-    /* The byte after the word is taken too, but for the file's end. */
+    /* The byte after the word has been consumed too, except at the end of the file. */
     ost_input_place(input, length + (ost_input_file_left(input) > 0 || length == 0), place);
     if (length == 0)
         return ost_fail(err, OST_ERR_INPUT, "%s: ends after %lld of the %lld values that the header's sizes need", ost_input_path(input),
@@ -117,6 +117,6 @@ ost_status ost_nrrd_text_rows_next(ost_rows *rows, int64_t first, int16_t *out, 
             return status;
         own->left--;
     }
-    /* The last one is ended here, since ost_parts_end would not allow a line end. */
+    /* The last part is ended here, because ost_parts_end would refuse a line end after the last value. */
     return own->left == 0 ? ost_nrrd_text_rows_end(own, err) : OST_OK;
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Rows of a NRRD's text encoding: decimals separated by blanks and line ends.
- * Integers must be whole and within the header's type; floats are rounded as
- * decimals, half to even, without ever being a binary float.
+ * Reads rows of a NRRD's text encoding: decimals separated by blanks and line ends.
+ * In integer types, values must be integers within the header's type; in float
+ * types they are rounded as decimals, half to even, without a binary float between.
  */
 #ifndef OST_IO_NRRD_TEXT_ROWS_H
 #define OST_IO_NRRD_TEXT_ROWS_H
@@ -10,12 +10,12 @@
 #include "io/volume/rows.h"
 
 typedef struct ost_nrrd_text_rows {
-    ost_rows rows; /* first, so that next can find the rest */
-    uint64_t in_part, left; /* values in every part, and still to come in the open one */
+    ost_rows rows; /* the first member, so that `next` can convert its pointer */
+    uint64_t in_part, left; /* number of values in each part, and of those remaining in the open one */
 } ost_nrrd_text_rows;
 
 ost_status ost_nrrd_text_rows_next(ost_rows *rows, int64_t first, int16_t *out, ost_error *err);
-/* After the last value: only blanks may follow. */
+/* Called after the last value of a part: returns an error if anything but blanks follows. */
 ost_status ost_nrrd_text_rows_end(ost_nrrd_text_rows *rows, ost_error *err);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The NRRD that we write.  It is read by 3D Slicer, ITK and pynrrd:
+ * The NRRD that osteon writes.  It is read by 3D Slicer, ITK and pynrrd:
  *
  *   NRRD0005
  *   type: int16
@@ -29,7 +29,7 @@ static ost_status put_text(ost_volume_writer *writer, const char *text, ost_erro
     return ost_volume_writer_bytes(writer, text, strlen(text), err);
 }
 
-/* A backslash would start an escape in the format. */
+/* Escapes backslashes, which begin an escape in the format. */
 static void escape(const char *value, char out[2 * OST_META_VALUE])
 {
     for (; *value; value++) {
@@ -50,7 +50,10 @@ void ost_nrrd_fact(const char *key, const char *value, char text[OST_NRRD_FACT])
     snprintf(text, OST_NRRD_FACT, "osteon_%s:=%s\n", key, escaped);
 }
 
-/* value + 1/2 pm in mm, which ends in the tenth place: value * 10 + 5 units of 10^-10 mm. |value| <= 8 * 10^12. */
+/*
+ * Formats value + 1/2 pm in mm with ten decimals: the number of units of 10^-10 mm
+ * is value * 10 + 5. |value| <= 8 * 10^12.
+ */
 static void format_half(ost_pm value, char text[OST_PM_TEXT])
 {
     int64_t tenths = value * 10 + 5;

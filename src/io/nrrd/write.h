@@ -4,11 +4,14 @@
 
 #include "io/volume/writer.h"
 
-/* The header, leaving the writer ready for voxels. */
+/* Writes the header. The writer is then ready for voxels. */
 ost_status ost_nrrd_write_header(ost_volume_writer *writer, const ost_geometry *geometry, const ost_meta *meta, ost_element element,
                                  bool odd_half, bool compress, ost_error *err);
 
-/* The line of a fact, "osteon_KEY:=VALUE\n", with backslashes escaped; "" for a key that is a grid's own. */
+/*
+ * Formats the line of a fact, "osteon_KEY:=VALUE\n", with backslashes escaped. The text is "" for the keys that
+ * describe a grid's own geometry.
+ */
 enum { OST_NRRD_FACT = OST_META_KEY + 2 * OST_META_VALUE + 16 };
 void ost_nrrd_fact(const char *key, const char *value, char text[OST_NRRD_FACT]);
 
