@@ -73,7 +73,7 @@ ost_status ost_nifti_extensions_read(ost_input *input, uint64_t end, bool swap, 
     return OST_OK;
 }
 
-/* Appends a formatted line; the room is known to be enough (see the caller). */
+/* Appends a formatted line; the caller's buffer is large enough (see EXTENSION_ROOM in write.c). */
 static size_t put(unsigned char *out, size_t room, size_t used, const char *key, const char *value)
 {
     int n = snprintf((char *)out + used, room - used, "%s%s: %s\n", prefix, key, value);

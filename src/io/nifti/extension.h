@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Meta in a NIfTI file: lines "osteon KEY: VALUE" in a header extension of
+ * Facts in a NIfTI file: lines "osteon KEY: VALUE" in a header extension with
  * code 6, a comment.
  *
  *   [extender 4] ( [esize int32] [ecode int32] [esize - 8 bytes] )*     up to the voxels
@@ -15,13 +15,17 @@
 enum { OST_NIFTI_COMMENT_MAX = 1 << 16 };
 
 /*
- * From the byte after the header's struct to `end` (UINT64_MAX: the file's
- * end).  Extensions of others are passed over; a chain that does not fit is
- * where they end, since they decide nothing.
+ * Reads the extensions from the byte after the header's struct to `end`
+ * (UINT64_MAX: the file's end).  Extensions of other programs are skipped. An
+ * extension whose size does not fit ends the reading without an error, because
+ * facts decide no voxel.
  */
 ost_status ost_nifti_extensions_read(ost_input *input, uint64_t end, bool swap, ost_meta *meta, ost_error *err);
 
-/* Extender and one extension with these lines: a multiple of 16 less 348 bytes, so that 348 + size is the voxels' offset. */
+/*
+ * Formats the extender and one extension with these lines. Returns their size. The size plus 348, the offset of the
+ * voxels, is a multiple of 16.
+ */
 size_t ost_nifti_extension_format(const ost_meta *meta, const ost_geometry *geometry, unsigned char *out, size_t room);
 
 #endif

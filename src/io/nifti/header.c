@@ -23,7 +23,7 @@
 static const struct {
     int code, bits;
     ost_element element;
-    const char *name; /* of what is refused */
+    const char *name; /* of a type that is refused */
 } types[] = {
     {DT_UINT8, 8, OST_ELEMENT_UINT8, NULL},      {DT_INT8, 8, OST_ELEMENT_INT8, NULL},
     {DT_INT16, 16, OST_ELEMENT_INT16, NULL},     {DT_UINT16, 16, OST_ELEMENT_UINT16, NULL},
@@ -67,7 +67,7 @@ static ost_status check_dims(const char *path, const int64_t dim[8], int32_t siz
     return ost_rows_sizes(path, dim + 1, sizes, err);
 }
 
-/* vox_offset: the struct, at least, lies before the voxels of a single file. */
+/* Checks vox_offset: in a single file the voxels begin after the header's struct. */
 static ost_status check_offset(const char *path, double offset, bool pair, int struct_bytes, uint64_t *out, ost_error *err)
 {
     double least = pair ? 0 : struct_bytes;
@@ -79,16 +79,16 @@ static ost_status check_offset(const char *path, double offset, bool pair, int s
 
 /* ----------------------------------------------------------------- lengths */
 
-/* Which binary numbers the header has, and its unit of length. */
+/* The precision of the header's numbers, and its unit of length. */
 typedef struct scale {
     bool single;
     uint64_t unit; /* picometres */
 } scale;
 
 /*
- * The shortest decimal that reads back as the float, in the header's unit.
- * For mm that is core's own rule; for m and um the decimal must be found
- * before it is scaled, since 0.000488281 m times 1000 is another float.
+ * Computes the length of the shortest decimal that reads back as the float, in the
+ * header's unit. For mm, core has a function. For m and um the decimal must be
+ * found before it is scaled, because 0.000488281 m times 1000 is another float.
  */
 static bool to_pm(const scale *s, double value, ost_pm *out)
 {
@@ -114,13 +114,13 @@ static ost_status find_scale(const char *path, int version, int units, scale *ou
 
 /* -------------------------------------------------------------- orientation */
 
-/* The quaternion as a matrix, columns times pixdim (NIfTI-1, method 2), in RAS. */
+/* Computes the matrix of the quaternion, columns times pixdim (NIfTI-1, method 2), in RAS. */
 static void from_quaternion(const nifti_image *nim, const double pixdim[3], double out[3][4])
 {
     double b = nim->quatern_b, c = nim->quatern_c, d = nim->quatern_d;
     double squares = b * b + c * c + d * d, a = 0;
     if (1.0 - squares < 1e-7) {
-        /* A turn by 180 degrees: what is left for a is noise. */
+        /* A rotation by 180 degrees: the remaining value of a would be only noise. */
         double length = sqrt(squares);
         b /= length;
         c /= length;
@@ -142,7 +142,7 @@ static void from_quaternion(const nifti_image *nim, const double pixdim[3], doub
     }
 }
 
-/* Spacing of a column that is straight but for noise: pixdim's, where they agree. */
+/* Sets the spacing of a column that is straight except for noise to that of pixdim, if the two agree. */
 static void settle_spacing(ost_pm column[3], ost_pm pixdim)
 {
     int major = 0;
@@ -160,7 +160,7 @@ static void settle_spacing(ost_pm column[3], ost_pm pixdim)
 
 typedef enum form { FORM_SFORM, FORM_QFORM, FORM_NONE } form;
 
-/* One of the two transforms, in LPS. spacing is pixdim's, 0 where that is no length. */
+/* Reads one of the two transforms and converts it to LPS. spacing is pixdim's, 0 where that is not a length. */
 static ost_status read_form(const char *path, const nifti_image *nim, form which, const double pixdim[3], const ost_pm spacing[3],
                             const scale *s, ost_affine *out, ost_error *err)
 {
@@ -179,7 +179,7 @@ static ost_status read_form(const char *path, const nifti_image *nim, form which
     }
     for (int w = 0; w < 3; w++) {
         for (int c = 0; c < 4; c++) {
-            /* RAS to LPS: x and y turn. */
+            /* From RAS to LPS, x and y change sign. */
             double value = w < 2 ? -ras[w][c] : ras[w][c];
             ost_pm *to = c < 3 ? &out->column[c][w] : &out->origin[w];
             if (!to_pm(s, value, to))
@@ -194,9 +194,9 @@ static ost_status read_form(const char *path, const nifti_image *nim, form which
 }
 
 /*
- * Returns an error if the forms place some voxel centre more than a voxel (the
- * shortest of pixdim) apart along an axis. Their difference is affine, so that
- * a corner of the grid has the greatest.  |sum| <= 2 * 8e12 * (1 + 3 * 16383) < 2^60.
+ * Returns an error if the two forms place some voxel centre more than a voxel (the
+ * least of pixdim) apart along an axis. Their difference is affine, so it is
+ * greatest at a corner of the grid.  |sum| <= 2 * 8e12 * (1 + 3 * 16383) < 2^60.
  */
 static ost_status check_agreement(const char *path, const ost_affine *a, const ost_affine *b, const int32_t sizes[3], const ost_pm spacing[3],
                                   ost_error *err)
@@ -226,7 +226,7 @@ static bool leads_to_patient(int code)
     return code == NIFTI_XFORM_SCANNER_ANAT || code == NIFTI_XFORM_ALIGNED_ANAT;
 }
 
-/* pixdim is the header's own: libnifti would make 1 of a 0. */
+/* Determines the affine. pixdim is taken from the header itself, because libnifti would replace 0 by 1. */
 static ost_status find_affine(const char *path, const nifti_image *nim, const double pixdim[3], const scale *s, ost_nifti_form chosen,
                               ost_nifti_header *out, ost_error *err)
 {
@@ -283,7 +283,11 @@ static bool same_float(ost_pm a, ost_pm b)
     return (float)ost_pm_to_mm(a) == (float)ost_pm_to_mm(b);
 }
 
-/* Exact lengths from our own comment replace the header's, if nobody changed the header since. */
+/*
+ * Replaces the header's lengths by the exact ones from osteon's own comment, unless
+ * another program has changed the header since. The comment's lengths are then
+ * removed from the facts.
+ */
 static void take_exact(ost_nifti_header *h)
 {
     const char *spacing_text = ost_meta_get(&h->meta, OST_NIFTI_SPACING), *origin_text = ost_meta_get(&h->meta, OST_NIFTI_ORIGIN);
@@ -309,7 +313,7 @@ static void take_exact(ost_nifti_header *h)
 
 /* ------------------------------------------------------------------ reading */
 
-/* Native byte order, by libnifti's own swapping. */
+/* The header in native byte order, after libnifti's own swapping. */
 typedef union raw_header {
     unsigned char bytes[540];
     nifti_1_header one;
@@ -345,9 +349,9 @@ static ost_status read_raw(ost_input *input, raw_header *raw, ost_nifti_header *
 }
 
 /*
- * libnifti would turn NaN and infinity into 0 without a word.  srow passes
- * through it untouched and is checked where it is used; a slope that is no
- * number means none.
+ * Refuses NaN and infinity, which libnifti would silently replace by 0.  srow is
+ * not changed by libnifti and is checked where it is used; a slope that is not a
+ * finite number means that there is none.
  */
 static ost_status check_reals(const char *path, const raw_header *raw, bool one, ost_error *err)
 {

@@ -1,27 +1,27 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What a NIfTI-1 or -2 header means.
+ * Interprets a NIfTI-1 or -2 header.
  *
- * libnifti puts the bytes into order and names them; it trusts a header, so
- * every field that it relies on is checked here first, and voxels never go
- * through it (it would turn NaN into 0 and hold the whole file).
+ * libnifti swaps the bytes and names the fields. It trusts a header, so every
+ * field on which it relies is checked here first. Voxels are never read through
+ * it, because it would turn NaN into 0 and hold the complete file in memory.
  *
- *   orientation   sform when its code is 1 (scanner) or 2 (aligned), else
- *                 qform when its code is > 0, else sform when its code is > 2,
- *                 else pixdim alone, origin 0: a file without orientation.
- *                 (Codes above 2 lead into a template brain, not the patient's
+ *   orientation   sform if its code is 1 (scanner) or 2 (aligned), else
+ *                 qform if its code is > 0, else sform if its code is > 2,
+ *                 else only pixdim with origin 0: a file without orientation.
+ *                 (Codes above 2 lead to a template brain, not to the patient's
  *                 size.)  A sform and a qform that both lead to the patient
  *                 must agree to a voxel, unless the caller chooses one
  *   lengths       xyzt_units m, mm or um; none means mm.  A float32 stands for
  *                 the shortest decimal that reads back as it (of its value in mm)
- *   spacing       of an axis that runs exactly along R, A or S by sform: that
- *                 component; of one within 1/1000 of it (a quaternion's noise):
- *                 pixdim, where the lengths agree to 1/10000
+ *   spacing       for an axis that runs exactly along R, A or S by sform: that
+ *                 component; for one within 1/1000 of it (a quaternion's noise):
+ *                 pixdim, if the lengths agree to 1/10000
  *   values        times slope plus intercept; a slope of 0, NaN or infinity
  *                 means none
  *
- * The affine is computed with + * / and sqrt of doubles alone, which IEEE 754
- * fixes, in this file, compiled without contraction.
+ * The affine is computed only with + * / and sqrt of doubles, which IEEE 754
+ * defines exactly, in header.c, which is compiled without contraction.
  */
 #ifndef OST_IO_NIFTI_HEADER_H
 #define OST_IO_NIFTI_HEADER_H
@@ -36,7 +36,7 @@ typedef struct ost_nifti_header {
     int version;
     bool swap;
     bool pair;           /* header and image are two files */
-    uint64_t image_at;   /* byte of the image's file where voxels start */
+    uint64_t image_at;   /* offset in the image's file at which the voxels start */
     ost_element element;
     int32_t sizes[3];
     bool scaled;
@@ -47,10 +47,10 @@ typedef struct ost_nifti_header {
     ost_meta meta;     /* from "osteon KEY: VALUE" lines in comments (extension code 6) */
 } ost_nifti_header;
 
-/* From an input at the (unpacked) start. Takes bytes up to the extensions' end. */
+/* Reads the header from an input at its (unpacked) start, including the extensions. */
 ost_status ost_nifti_header_read(ost_input *input, ost_nifti_form chosen, ost_nifti_header *out, ost_error *err);
 
-/* Lines that our own writer adds: exact lengths, believed when the header's floats are theirs. */
+/* Lines of osteon's writer with exact lengths, used only if the header's floats are these lengths rounded. */
 #define OST_NIFTI_SPACING "spacing_mm"
 #define OST_NIFTI_ORIGIN "origin_mm"
 enum { OST_NIFTI_COMMENT = 6 };

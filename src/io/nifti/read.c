@@ -15,7 +15,7 @@
 
 enum { NAME_MAX_BYTES = 4096 };
 
-/* The one file with the voxels. */
+/* The file that contains the voxels. */
 typedef struct image {
     char path[NAME_MAX_BYTES];
     bool packed;
@@ -44,7 +44,7 @@ static bool ends_in(const char *text, const char *end)
     return n > m && strcasecmp(text + n - m, end) == 0;
 }
 
-/* x.hdr has its voxels in x.img or x.img.gz, x.hdr.gz likewise. */
+/* Finds the voxels of a pair: for x.hdr or x.hdr.gz in x.img or x.img.gz. */
 static ost_status find_image(const char *header, image *out, ost_error *err)
 {
     size_t stem = strlen(header);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Telling a NIfTI header from anything else: its size in the first four bytes, and its magic. */
+/* Recognizes a NIfTI header by its size, stored in the first four bytes, and its magic. */
 #include "io/nifti/read.h"
 
 #include <string.h>

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The NIfTI-1 that we write: one file, int16, little-endian, sform and qform
- * alike, from LPS+ voxels to RAS millimetres.
+ * The NIfTI-1 that osteon writes: one file, int16, little-endian; sform and qform
+ * are the same transform, from LPS+ voxels to RAS millimetres.
  *
  *   x = -(origin.x + i * spacing.x)      quaternion (0; 0, 0, 1): half a turn about z
  *   y = -(origin.y + j * spacing.y)
  *   z =   origin.z + k * spacing.z
  *
- * Its lengths are float32, so a comment in the header carries them exactly as
- * well, and with them the meta (nifti_extension.h).
+ * Its lengths are float32; a comment in the header therefore contains the exact
+ * lengths, together with the facts (nifti/extension.h).
  */
 #include "config.h"
 
@@ -24,7 +24,7 @@
 #include "core/conditions.h"
 #include "io/nifti/extension.h"
 
-/* Every line of meta at its longest, both exact lengths, the frame around. */
+/* Bytes for OST_META_MAX lines of the greatest length, both exact lengths and the extension's own fields. */
 enum { EXTENSION_ROOM = OST_META_MAX * (OST_META_KEY + OST_META_VALUE + 16) + 512 };
 
 static void fill_header(const ost_geometry *geometry, size_t extension, nifti_1_header *h)
@@ -50,7 +50,7 @@ static void fill_header(const ost_geometry *geometry, size_t extension, nifti_1_
     h->xyzt_units = NIFTI_UNITS_MM;
     h->qform_code = h->sform_code = NIFTI_XFORM_SCANNER_ANAT;
     h->quatern_d = 1;
-    /* 0 - x, not -x: no negative zeros. */
+    /* 0 - x and not -x, so that there are no negative zeros. */
     h->qoffset_x = h->srow_x[3] = (float)ost_pm_to_mm(0 - o.x);
     h->qoffset_y = h->srow_y[3] = (float)ost_pm_to_mm(0 - o.y);
     h->qoffset_z = h->srow_z[3] = (float)ost_pm_to_mm(o.z);
