@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A block's own 64 bytes. */
+/* Encodes and decodes the 64 bytes of a block header. */
 #include "io/session/layout.h"
 
 #include <zlib.h>

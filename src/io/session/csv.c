@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A session as a table for spreadsheets, pandas and the like. */
+/* Writes a session as a table for spreadsheets, pandas and similar programs. */
 #include <inttypes.h>
 
 #include "io/outfile.h"
@@ -21,7 +21,7 @@ static ost_status put_tick_line(ost_outfile *out, const ost_session_tick *t, ost
                               t->tick.rpm);
 }
 
-/* A comment line; what would end it or hide something is a blank. */
+/* Writes a note as a comment line; control characters, which could end the line, become blanks. */
 static ost_status put_note(ost_outfile *out, const ost_session_note *note, ost_error *err)
 {
     char text[OST_SESSION_TEXT];

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A session as HDF5, laid out as version 3 of the recordings of
- * volumetric_drilling, so that its users' tools find poses and forces where
- * they look for them (docs/session.md says what is where, and what is absent).
+ * Writes a session as HDF5 in the layout of volumetric_drilling's recordings,
+ * version 3, so that tools for these find poses and forces where they expect them
+ * (docs/session.md describes the contents and the omissions).
  *
- * The few parts of the format that this takes are written here, by the HDF5
- * File Format Specification 3.0: libhdf5 would bring thirty libraries to the
- * start of every verb.  Sizes are known before anything is written, so the file
- * is written from front to back, and nothing in it says when it was made:
+ * The few parts of the format that are needed are written here, by the HDF5 File
+ * Format Specification 3.0, because libhdf5 would add thirty libraries to the start
+ * of every verb.  All sizes are known before writing, so the file is written from
+ * front to back. It contains no date:
  *
  *   superblock, version 0 | object headers, version 1 | arrays of 64-bit numbers, each in one piece
  *
@@ -34,7 +34,7 @@ enum {
     NODES
 };
 
-/* Parents before their members. columns: 0 for one number alone. */
+/* Parents come before their members. columns is 0 for a single number. */
 static const struct {
     int parent;
     const char *name;
@@ -93,8 +93,8 @@ typedef struct h5 {
     ost_error *err;
     ost_status status;
     ost_session *session;
-    const ost_session_voxels *voxels; /* NULL: not known */
-    char *session_text; /* owned; the header, a key a line */
+    const ost_session_voxels *voxels; /* NULL if not known */
+    char *session_text; /* owned; the header, one key per line */
     double volume_mm3;
     uint64_t rows[NODES], header_at[NODES], data_at[NODES];
     unsigned char buffer[CHUNK];
@@ -144,7 +144,7 @@ static void add_real(h5 *f, double value)
     add_number(f, bits, 8);
 }
 
-/* ----------------------------------------------------------- sizes, places */
+/* ----------------------------------------------------------- sizes, offsets */
 
 static uint64_t padded(uint64_t size)
 {
@@ -225,7 +225,10 @@ static void add_dataspace(h5 *f, int node)
 static void add_datatype(h5 *f, node_kind kind, uint64_t characters)
 {
     const bool real = kind == REALS, whole = kind == WHOLES;
-    /* Version 1 and the class; then its bits: IEEE order and sign, or signed, or padded with nulls and UTF-8. */
+    /*
+     * Version 1 and the class, then the class's bits: for reals IEEE order and sign, for integers the sign, for text
+     * null padding and UTF-8.
+     */
     add_number(f, real ? 0x11 : whole ? 0x10 : 0x13, 1);
     add_number(f, real ? 0x3f20 : whole ? 0x08 : 0x11, 3);
     add_number(f, characters ? characters : 8, 4);
@@ -235,9 +238,9 @@ static void add_datatype(h5 *f, node_kind kind, uint64_t characters)
     add_number(f, 64, 2);
     if (!real)
         return;
-    add_number(f, 52, 1); /* exponent: from this bit */
+    add_number(f, 52, 1); /* exponent: location and size */
     add_number(f, 11, 1);
-    add_number(f, 0, 1); /* mantissa */
+    add_number(f, 0, 1); /* mantissa: location and size */
     add_number(f, 52, 1);
     add_number(f, 1023, 4);
 }
@@ -283,7 +286,7 @@ static void add_attribute(h5 *f, int node)
     const size_t length = strlen(units);
     begin_message(f, 0x0c, 8 + 8 + 8 + 8 + length);
     add_number(f, 1, 2);
-    add_number(f, 6, 2); /* name with its zero, then type and space */
+    add_number(f, 6, 2); /* size of the name with its zero; then the sizes of type and dataspace */
     add_number(f, 8, 2);
     add_number(f, 8, 2);
     add(f, "units\0\0", 8);
@@ -302,7 +305,7 @@ static void add_array(h5 *f, int node)
     begin_message(f, 0x03, type);
     add_datatype(f, tree[node].kind, tree[node].kind == CHARACTERS ? bytes : 0);
     add_zeros(f, padded(type) - type);
-    /* Fill value: allocated late, written if set, the default. */
+    /* Fill value: late allocation, written if set, the default value. */
     begin_message(f, 0x05, 8);
     add_number(f, 0x01020202, 8);
     begin_message(f, 0x08, 18);
@@ -340,11 +343,11 @@ static bool has_force(const ost_session_tick *t)
     return (t->flags & OST_TICK_FORCE) || t->force_un[0] || t->force_un[1] || t->force_un[2] || t->torque_unm[0] || t->torque_unm[1] || t->torque_unm[2];
 }
 
-/* Of a walk over the ticks: what a row is taken of. */
+/* The state of a pass over the ticks; it decides which ticks have a row. */
 typedef struct walk {
     bool any;
     int32_t tool;
-    int64_t picture_ns; /* when the next row of the slow series is due */
+    int64_t picture_ns; /* time at which the next row of the slow series is due */
 } walk;
 
 static bool takes(walk *w, int node, const ost_session_tick *t)
@@ -364,7 +367,7 @@ static bool takes(walk *w, int node, const ost_session_tick *t)
         w->tool = t->tick.tool;
         return changed;
     }
-    case ANATOMY: return first; /* it does not move */
+    case ANATOMY: return first; /* the bone does not move */
     default: return true;
     }
 }
@@ -400,7 +403,7 @@ static void add_row(h5 *f, int node, const ost_session_tick *t)
     }
 }
 
-/* Rows of what a replay has found, when it was asked. */
+/* Adds the rows of the voxels that a replay has found. Returns false if node is not such an array or none are known. */
 static bool add_voxels(h5 *f, int node)
 {
     const ost_session_voxels *v = f->voxels;
@@ -441,7 +444,7 @@ static uint64_t rows_of(h5 *f, int node)
     return walk_ticks(f, node, false);
 }
 
-/* Every tick, for one array: its rows are counted, or written as well. */
+/* Passes over all ticks for one array and returns its number of rows. If write is true, the rows are written too. */
 static uint64_t walk_ticks(h5 *f, int node, bool write)
 {
     walk w = {0};
@@ -475,7 +478,7 @@ static void add_data(h5 *f, int node)
 
 /* ---------------------------------------------------------------- the file */
 
-/* Of bone_spacing_mm, three lengths; NAN where the header does not say. */
+/* Returns the product of the three lengths in bone_spacing_mm; NAN if the header does not contain them. */
 static double voxel_volume(const ost_session_header *header)
 {
     const char *p = ost_session_header_get(header, "bone_spacing_mm");
@@ -511,7 +514,7 @@ static char *header_text(const ost_session_header *header)
         ost_session_header_entry(header, i, &key, &value);
         p += sprintf(p, "%s: %s\n", key, value);
     }
-    /* A text of no characters is none in this format. */
+    /* This format does not allow an empty text. */
     if (p == text)
         *p++ = '\n';
     *p = '\0';

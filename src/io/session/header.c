@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A session's header: lines "key: value".  In a value a backslash and each
- * byte below 32 or equal to 127 is written \xHH, so that a line is a line and
- * any file name fits.  The text is padded with zeros to a multiple of 64.
+ * A session's header: lines "key: value".  In a value, a backslash and every byte
+ * below 32 or equal to 127 is written as \xHH, so that each entry is one line and
+ * every file name fits.  The text is padded with zeros to a multiple of 64 bytes.
  */
 #include "io/session/layout.h"
 
@@ -88,7 +88,7 @@ void ost_session_header_entry(const ost_session_header *header, int index, const
     *value = header->entry[index].value;
 }
 
-/* ------------------------------------------------------------- as bytes */
+/* ------------------------------------------------------- encoding, decoding */
 
 static bool is_escaped(unsigned char c)
 {
@@ -130,7 +130,7 @@ static int hex(unsigned char c)
     return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
 }
 
-/* A value without its escapes; false when one is broken or it is too long. */
+/* Removes the escapes of a value. Returns false if an escape is malformed or the value is too long. */
 static bool unescape(const unsigned char *p, const unsigned char *end, char value[OST_SESSION_VALUE + 1])
 {
     size_t n = 0;

@@ -2,15 +2,15 @@
 /*
  * The bytes of a session (docs/session.md is the normative text).
  *
- *   | block | block | block | ...        a block: 64 bytes of its own, then a payload
- *     head    head    records            of a multiple of 64: everything begins at one
+ *   | block | block | block | ...        a block: a block header of 64 bytes, then a payload
+ *     head    head    records            that is a multiple of 64 long, so all offsets are too
  *
- *   offset of a block's own bytes
+ *   offsets in the block header
  *    0  magic, 8 bytes         32  u32 records in the payload
  *    8  u32 kind               36  u32 CRC-32 of the payload
  *   12  u32 payload's bytes    40  u32 CRC-32 of the header's text, the session's identity
  *   16  u64 sequence, from 0   44  u32 version of the format
- *   24  u64 first record       48  u64 records lost by then
+ *   24  u64 first record       48  u64 records lost so far
  *                              56  u32 0     60  u32 CRC-32 of bytes 0 to 59
  *
  * All integers are little-endian.
@@ -23,10 +23,10 @@
 #include <osteon/session.h>
 
 enum {
-    SESSION_VERSION = 2, /* written; 1 is read as well: its ticks have no motor speed */
+    SESSION_VERSION = 2, /* the version written; 1 is read too: its ticks have no motor speed */
     SESSION_VERSION_MIN = 1,
     SESSION_ALIGN = 64,
-    SESSION_BLOCK = 64,   /* a block's own bytes */
+    SESSION_BLOCK = 64,   /* size of the block header */
     SESSION_RECORD = 128,
     SESSION_BLOCK_RECORDS = 4096,
     SESSION_PAYLOAD_MAX = SESSION_BLOCK_RECORDS * SESSION_RECORD,
@@ -81,18 +81,18 @@ static inline uint64_t get64(const unsigned char *p)
 
 uint32_t ost_session_crc(const void *bytes, size_t size);
 void ost_session_block_encode(const session_block *block, unsigned char out[SESSION_BLOCK]);
-/* False unless magic, checksum, version and sizes are right. */
+/* Decodes a block header. Returns false unless magic, checksum, version and sizes are valid. */
 bool ost_session_block_decode(const unsigned char in[SESSION_BLOCK], session_block *out);
 
 /* --------------------------------------------------------------- record.c */
 
 void ost_session_record_encode(const ost_record *record, unsigned char out[SESSION_RECORD]);
-/* False when the kind is unknown: a newer osteon's, to be passed over. */
+/* Decodes a record. Returns false if its kind is unknown: a newer osteon has written it, and it is skipped. */
 bool ost_session_record_decode(const unsigned char in[SESSION_RECORD], ost_record *out);
 
 /* --------------------------------------------------------------- header.c */
 
-/* The header's payload, padded; free it. */
+/* Encodes the header's payload, padded; the caller frees *out. */
 ost_status ost_session_header_encode(const ost_session_header *header, unsigned char **out, uint32_t *size, ost_error *err);
 ost_status ost_session_header_decode(const unsigned char *in, size_t size, ost_session_header **out, ost_error *err);
 

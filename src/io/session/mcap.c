@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A session as MCAP (https://mcap.dev/spec), for Foxglove, PlotJuggler and the
- * mcap libraries: JSON messages with JSON schemas, in chunks without compression.
+ * Writes a session as MCAP (https://mcap.dev/spec), for Foxglove, PlotJuggler and
+ * the mcap libraries: JSON messages with JSON schemas, in chunks without compression.
  *
  *   magic | Header | Schemas, Channels, Metadata |
  *     { Chunk: messages of a mebibyte | a Message Index for each channel in it } ... | Data End |
  *   summary: Schemas, Channels, Statistics, Chunk Indexes, Metadata Index | Summary Offsets | Footer | magic
  *
  * A record: u8 opcode, u64 length, content.  Text and maps: u32 length, bytes.
- * All integers are little-endian.  CRC-32 of each chunk, of the data section
- * from the file's first byte, and of the summary.  Nothing says when or where
- * the file was made.  docs/session.md has the topics.
+ * All integers are little-endian.  There is a CRC-32 for each chunk, for the data
+ * section from the file's first byte on, and for the summary.  The file contains
+ * no date and no machine.  docs/session.md describes the topics.
  */
 #include <inttypes.h>
 #include <stdio.h>
@@ -69,10 +69,10 @@ static const struct {
 typedef struct bytes {
     unsigned char *p; /* owned */
     size_t size, room;
-    bool *failed;     /* set when there is no memory; one flag for all buffers of a file, so that no failure is passed over */
+    bool *failed;     /* set if an allocation fails; shared by all buffers of a file, so no failure is missed */
 } bytes;
 
-/* Appends; does nothing after a failure. */
+/* Appends bytes; does nothing after a failure. */
 static void add(bytes *b, const void *what, size_t size)
 {
     if (*b->failed || size == 0)
@@ -123,7 +123,7 @@ static void add_text(bytes *b, const char *text)
     add(b, text, strlen(text));
 }
 
-/* The place of its length; end_record fills it in. */
+/* Begins a record and returns the offset of its content; end_record sets its length. */
 static size_t begin_record(bytes *b, int op)
 {
     add8(b, (uint8_t)op);
@@ -137,7 +137,7 @@ static void end_record(bytes *b, size_t from)
         put64(b->p + from - 8, b->size - from);
 }
 
-/* Of a map or an array, likewise. */
+/* Begins a map or an array in the same way. */
 static size_t begin_array(bytes *b)
 {
     add32(b, 0);
@@ -156,17 +156,17 @@ typedef struct mcap {
     ost_outfile *out;
     ost_error *err;
     ost_status status;
-    bool failed; /* there was no memory for a part of the file */
+    bool failed; /* an allocation for a part of the file has failed */
     const ost_session_header *header;
-    uint64_t shift;           /* ns that are added to every time: it has no sign there */
-    uint32_t crc;             /* of all that is written so far */
+    uint64_t shift;           /* ns added to every time, because times in MCAP are unsigned */
+    uint32_t crc;             /* of all bytes written so far */
     bytes chunk, index[TOPICS], chunk_indexes;
     uint64_t chunk_from, chunk_to, from, to, messages[TOPICS], metadata_at, metadata_bytes;
     uint32_t sequence[TOPICS], chunks;
-    bool any; /* from and to are of something */
+    bool any; /* from and to are valid: there has been a message */
 } mcap;
 
-/* Empties b into the file. */
+/* Writes b to the file and empties it. */
 static void flush(mcap *m, bytes *b)
 {
     if (m->status == OST_OK && m->failed)
@@ -253,7 +253,7 @@ static void message(mcap *m, int topic, int64_t t_ns, const char *json)
 
 enum { NUMBER = 48 };
 
-/* value / 10^places, exactly. */
+/* Formats value / 10^places exactly. */
 static const char *scaled(int64_t value, int places, char text[NUMBER])
 {
     const uint64_t size = value < 0 ? -(uint64_t)value : (uint64_t)value;
@@ -264,7 +264,7 @@ static const char *scaled(int64_t value, int places, char text[NUMBER])
     return text;
 }
 
-/* To ten places, as in the table. */
+/* Formats a quaternion component with ten decimals, as the CSV does. */
 static const char *component(int32_t q, char text[NUMBER])
 {
     return scaled((int64_t)ost_rhe_div128((ost_i128)q * INT64_C(10000000000), OST_Q30_ONE), 10, text);
@@ -310,7 +310,10 @@ static void tick_messages(mcap *m, const ost_session_tick *t)
     message(m, TOPIC_FORCE, t->tick.t_ns, json);
 }
 
-/* Notes are of this program's own making; what JSON would not take, and what is no ASCII, is a question mark. */
+/*
+ * Notes are written by osteon itself. Characters that JSON would require to be
+ * escaped, and all that are not printable ASCII, become question marks.
+ */
 static void note_message(mcap *m, const ost_session_note *note)
 {
     char json[JSON_TEXT], time[2 * NUMBER], text[OST_SESSION_TEXT];
@@ -353,7 +356,10 @@ static void add_channels(bytes *b)
     }
 }
 
-/* Bytes that are no UTF-8, in the name of a file for one, are question marks: a string of MCAP is UTF-8. */
+/*
+ * Adds a value. Bytes that are not valid UTF-8, as they may occur in a file name,
+ * become question marks, because a string of MCAP is UTF-8.
+ */
 static void add_value(bytes *b, const char *value)
 {
     const size_t from = begin_array(b);

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Reading a session, whatever happened to it.
+ * Reads a session, also one that is damaged or truncated.
  *
- *   scan, once     every block is checked; whole ones with records go into a
- *                  list, everything else is counted
- *   next           the list, block by block
+ *   scan, once     checks every block; valid blocks with records are listed,
+ *                  all other bytes are counted
+ *   next           reads the list, block by block
  *
- * After damage the next place that begins a whole block goes on: places are
- * multiples of 64, a block's own bytes have a checksum, the session's identity
- * and a sequence number that must increase.  A file of N bytes needs N / 192
- * entries of 32 bytes at most, and one block at a time.
+ * After damage, reading continues at the next offset at which a valid block begins.
+ * Offsets are multiples of 64; a block header has a checksum, the session's
+ * identity and a sequence number that must increase.  A file of N bytes needs at
+ * most N / 192 entries of 32 bytes, and memory for one block.
  */
 #include "io/session/reader.h"
 
@@ -27,13 +27,13 @@ typedef struct scan {
     ost_session *session;
     uint64_t at, size;
     uint64_t next_sequence;
-    uint64_t next_record;   /* that the next block should begin with */
-    uint64_t damage_from;   /* of the damage that at is in; size when in none */
-    bool gap;               /* a tick's number was left out before at: notes may be missing, ticks not */
+    uint64_t next_record;   /* number with which the next block should begin */
+    uint64_t damage_from;   /* start of the damage that contains `at`; size if there is none */
+    bool gap;               /* a tick number was skipped before `at`; set by missing ticks, not by missing notes */
     bool have_header;
 } scan;
 
-/* Up to count bytes at place; fewer only at the file's end. */
+/* Reads up to count bytes at offset place; *got is less only at the end of the file. */
 static ost_status read_at(const ost_session *s, uint64_t place, void *out, size_t count, size_t *got, ost_error *err)
 {
     *got = 0;
@@ -98,7 +98,7 @@ static void end_damage(scan *c)
     }
 }
 
-/* A whole block with its payload in session->payload. */
+/* Processes a valid block, whose payload is in session->payload. */
 static ost_status take_block(scan *c, const session_block *block, ost_error *err)
 {
     ost_session *s = c->session;
@@ -118,7 +118,7 @@ static ost_status take_block(scan *c, const session_block *block, ost_error *err
         s->header_copies++;
         return OST_OK;
     }
-    /* What the recorder had no room for has no number. */
+    /* Records that were lost by the recorder have no number and are not counted here. */
     if (block->first_record > c->next_record)
         s->summary.missing_records += block->first_record - c->next_record;
     c->next_record = block->first_record + block->records;
@@ -128,7 +128,7 @@ static ost_status take_block(scan *c, const session_block *block, ost_error *err
     return keep_block(s, block, c->at, err);
 }
 
-/* The block's own bytes are right, and it can follow what was there. */
+/* Returns true if a block with a valid block header can follow the blocks before it. */
 static bool may_follow(const scan *c, const session_block *block)
 {
     if (block->sequence < c->next_sequence)
@@ -163,7 +163,7 @@ static ost_status scan_one(scan *c, bool *done, ost_error *err)
             c->at += SESSION_BLOCK + block.payload;
             return status;
         }
-        /* Its length has a checksum of its own: nothing begins within it. */
+        /* The block header, and with it the length, has a valid checksum, so no block begins within the payload. */
         if (got == block.payload)
             step = SESSION_BLOCK + block.payload;
     }
@@ -178,7 +178,7 @@ static ost_status scan_all(ost_session *s, uint64_t size, ost_error *err)
     scan c = {.session = s, .size = size, .damage_from = size};
     bool done = false;
     ost_status status = OST_OK;
-    /* Its size when it was opened: one that is being written has an end as well. */
+    /* The scan ends at the size at which the file was opened, even if the file is still being written. */
     while (!done && c.at < c.size && status == OST_OK)
         status = scan_one(&c, &done, err);
     if (status != OST_OK)
@@ -195,7 +195,7 @@ static ost_status scan_all(ost_session *s, uint64_t size, ost_error *err)
     return OST_OK;
 }
 
-/* ------------------------------------------------------------- the border */
+/* ----------------------------------------------------------- the interface */
 
 ost_status ost_session_open(const char *path, ost_session **out, ost_error *err)
 {

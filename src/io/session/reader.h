@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* An open session; reader.c fills it. */
+/* An open session, for the source files that read it; reader.c fills it. */
 #ifndef OST_IO_SESSION_READER_H
 #define OST_IO_SESSION_READER_H
 
@@ -17,15 +17,15 @@ struct ost_session {
     int header_copies;
     uint32_t identity;
     ost_session_summary summary;
-    session_place *blocks;      /* owned; the whole ones with records */
+    session_place *blocks;      /* owned; the valid blocks that contain records */
     size_t block_count, block_room;
-    unsigned char *payload;     /* owned; of one block */
-    /* Where ost_session_next is. */
+    unsigned char *payload;     /* owned; the payload of one block */
+    /* The position of ost_session_next. */
     size_t next_block;
     uint32_t record, records;
 };
 
-/* Block's records into payload, checked again. */
+/* Reads the records of a block into payload and checks them again. */
 ost_status ost_session_load(ost_session *session, size_t block, ost_error *err);
 
 #endif

@@ -1,17 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The recorder: a ring, and a thread that empties it into the file.
+ * The recorder: a ring buffer, and a writer thread that empties it into the file.
  *
- *   put --> ring --every 25 ms: all that waits, as blocks--> file --sync-->
+ *   put --> ring --every 25 ms: all waiting records, as blocks--> file --sync-->
  *
- * The thread looks by the clock, since waking it would be a call of the system
- * in the tick.  25 ms and the time of a write and a sync stay below the 100 ms
- * that a power cut may cost, on a disk that is not slow; a kill costs 25 ms.
+ * The writer thread wakes up periodically, because waking it from put would be a
+ * system call within the tick.  25 ms plus the time of a write and a sync stay
+ * below the 100 ms that a power cut may cost, unless the disk is slow; a kill
+ * costs 25 ms.
  *
- * A failed write is taken back (the file is cut to its last whole block) and
- * tried again every 250 ms, while the ring takes what comes; what it then has
- * no room for is counted, in the blocks too.  So a full disk that is emptied
- * in time costs nothing.
+ * A failed write is undone (the file is cut to its last complete block) and
+ * repeated every 250 ms, while the ring accepts further records. Records for which
+ * the ring has no capacity are counted, also in the blocks.  A full disk that is
+ * freed in time therefore loses nothing.
  */
 #include "io/session/recorder.h"
 
@@ -28,7 +29,7 @@
 #include "io/session/ring.h"
 #include "io/thread.h"
 
-/* Records of a block: a second of ticks, so that no damage loses more, however fast they came. */
+/* Records in a block: one second of ticks, so that damage to a block loses no more, however many were waiting. */
 enum { MOST = 1000 };
 _Static_assert(MOST <= (int)SESSION_BLOCK_RECORDS, "readers have room for a block");
 
@@ -37,26 +38,26 @@ enum { ROOM = 65536, ROOM_MAX = 1 << 24, LOOK_MS = 25, RETRY_MS = 250, PATIENCE_
 struct ost_recorder {
     session_ring ring;
     _Atomic uint64_t lost;
-    bool impatient; /* the producer's: the disk has failed for so long that waiting is over */
+    bool impatient; /* of the producer: the disk has failed for so long that put no longer waits */
 
     char *name;  /* owned */
-    int fd;      /* of the file; -1 with a sink from outside */
+    int fd;      /* of the file; -1 with a sink from the caller */
     bool sync;
-    session_writer writer;       /* the thread's */
-    unsigned char *block;        /* owned; SESSION_BLOCK bytes, then records; the thread's */
-    uint64_t in_block;           /* records in block that could not be written yet */
-    uint64_t lost_in_block;      /* as counted when they were taken */
+    session_writer writer;       /* used only by the writer thread */
+    unsigned char *block;        /* owned; a block header, then records; used only by the writer thread */
+    uint64_t in_block;           /* records in block that have not been written yet */
+    uint64_t lost_in_block;      /* the value of lost when they were taken from the ring */
     pthread_t thread;
     bool running;
 
     _Atomic uint64_t put, written, bytes;
-    _Atomic int failing; /* errno of the last attempt, 0 when it went well */
+    _Atomic int failing; /* errno of the last attempt; 0 after success */
     _Atomic bool stop;
-    pthread_mutex_t wake_lock; /* of stop; never taken by put */
+    pthread_mutex_t wake_lock; /* protects stop; never taken by put */
     pthread_cond_t wake;
 };
 
-/* ---------------------------------------------------------- a file as sink */
+/* ------------------------------------------------------ the sink for a file */
 
 static int file_append(void *user, const void *bytes, size_t size)
 {
@@ -85,7 +86,7 @@ static int file_cut(void *user, uint64_t size)
 static int file_sync(void *user)
 {
     const ost_recorder *r = user;
-    /* What cannot be synced, /dev/null for one, is not asked to last. */
+    /* Targets that cannot be synced, such as /dev/null, need not be durable. */
     return fdatasync(r->fd) == 0 || errno == EINVAL || errno == EROFS ? 0 : errno;
 }
 
@@ -101,9 +102,9 @@ static const char *reason_of(int error, char text[160])
     return text;
 }
 
-/* -------------------------------------------------------------- the thread */
+/* -------------------------------------------------------- the writer thread */
 
-/* One block; false when nothing waits or the disk fails. */
+/* Writes one block. Returns false if no records are waiting or the disk fails. */
 static bool write_block(ost_recorder *r)
 {
     if (r->in_block == 0) {
@@ -118,7 +119,7 @@ static bool write_block(ost_recorder *r)
     unsigned char *records = r->block + SESSION_BLOCK;
     uint64_t count = r->in_block;
     int error;
-    /* A disk that is nearly full may have room for some of them. */
+    /* A disk that is nearly full may have room for a part of the records. */
     while ((error = ost_session_write_records(&r->writer, records, (uint32_t)count, r->lost_in_block)) != 0 && count > 1)
         count /= 2;
     atomic_store_explicit(&r->failing, error, memory_order_release);
@@ -167,7 +168,7 @@ static void *work(void *user)
     return NULL;
 }
 
-/* A thread of plain priority that no signal is delivered to. */
+/* Starts the writer thread, with normal priority and with all signals blocked. */
 static int begin_thread(ost_recorder *r)
 {
     pthread_condattr_t clock;
@@ -189,7 +190,7 @@ static int begin_thread(ost_recorder *r)
     return error;
 }
 
-/* -------------------------------------------------------------- the border */
+/* ----------------------------------------------------------- the interface */
 
 static void recorder_free(ost_recorder *r)
 {
@@ -205,7 +206,7 @@ static void recorder_free(ost_recorder *r)
     free(r);
 }
 
-/* All but the sink. */
+/* Allocates everything except the sink. */
 static ost_status recorder_make(const char *name, const ost_recorder_options *options, ost_recorder **out, ost_error *err)
 {
     const ost_recorder_options chosen = options ? *options : (ost_recorder_options){0};
@@ -213,7 +214,7 @@ static ost_status recorder_make(const char *name, const ost_recorder_options *op
     *out = NULL;
     if (room > ROOM_MAX || (room & (room - 1)) != 0)
         return ost_fail(err, OST_ERR_USAGE, "a recorder's room of %u records; a power of two up to %d is needed", (unsigned)room, ROOM_MAX);
-    /* The ring's numbers have cache lines of their own, and calloc knows no alignment. */
+    /* aligned_alloc, because the ring's numbers need cache lines of their own, which calloc does not align. */
     const size_t size = (sizeof(ost_recorder) + RING_LINE - 1) / RING_LINE * RING_LINE;
     ost_recorder *r = aligned_alloc(RING_LINE, size);
     if (!r)
@@ -354,7 +355,7 @@ ost_status ost_recorder_close(ost_recorder *recorder, const ost_session_end *end
     pthread_mutex_unlock(&recorder->wake_lock);
     pthread_join(recorder->thread, NULL);
     if (end && !atomic_load(&recorder->failing)) {
-        /* The ring is empty and its thread gone: there is room. */
+        /* The ring is empty and the writer thread has ended, so there is room for the end record. */
         const ost_record record = {.kind = OST_RECORD_END, .as.end = *end};
         ost_recorder_put(recorder, &record);
         write_all(recorder);

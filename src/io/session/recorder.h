@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* For tests: a recorder on a sink of their own, and what the tests of a full ring need. */
+/* For tests: opens a recorder on a sink of the test's own. */
 #ifndef OST_IO_SESSION_RECORDER_H
 #define OST_IO_SESSION_RECORDER_H
 
 #include "io/session/write.h"
 
-/* name is for messages. The sink is the caller's and outlives the recorder. */
+/* name is used in messages. The sink is owned by the caller and must outlive the recorder. */
 ost_status ost_recorder_open_sink(const char *name, const session_sink *sink, const ost_session_header *header,
                                   const ost_recorder_options *options, ost_recorder **out, ost_error *err);
 

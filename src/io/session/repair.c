@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A new session of the whole blocks of one that was damaged or cut off.
+ * Copies the valid blocks of a damaged or truncated session to a new session.
  *
- * Blocks keep their first record's number, so that what is missing between
- * them stays known; sequence numbers begin anew.  Nothing is made up: a
- * session without an end has none afterwards either.
+ * Blocks retain the number of their first record, so the records that are missing
+ * between them remain known; sequence numbers are assigned anew.  Nothing is
+ * invented: a session without an end record has none afterwards.
  */
 #include <errno.h>
 #include <stdlib.h>

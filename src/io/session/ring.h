@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Records from the one thread that puts to the one that writes.
+ * A ring buffer of records between the one thread that puts and the one that writes.
  *
  *         tail                head
  *   ...|  waiting, tail..head  |  free  ...      slot of number n: n % room
  *
- * Both numbers only grow.  The producer writes a slot and then head (release),
- * the consumer reads head (acquire) and the slots and then writes tail
- * (release), which the producer reads (acquire) before it uses a slot again.
- * Neither waits for the other; each keeps what it knows of the other's number
- * and looks again only when that is not enough, so that a put touches no cache
- * line that the writer writes but once a round.
+ * Both numbers only increase.  The producer writes a slot and then head (release).
+ * The consumer reads head (acquire) and the slots, and then writes tail (release),
+ * which the producer reads (acquire) before it reuses a slot.
+ * Neither waits for the other. The producer stores the last tail that it has read
+ * and reads tail again only if the ring seems full, so about once per round; all
+ * other puts touch no cache line that the consumer writes.
  */
 #ifndef OST_IO_SESSION_RING_H
 #define OST_IO_SESSION_RING_H
@@ -23,14 +23,14 @@
 enum { RING_LINE = 64 };
 
 typedef struct session_ring {
-    unsigned char *slots; /* owned; room records */
+    unsigned char *slots; /* owned; capacity for `room` records */
     uint64_t room;        /* a power of two */
     _Alignas(RING_LINE) _Atomic uint64_t head;
-    uint64_t tail_known; /* by the producer */
+    uint64_t tail_known; /* the last tail that the producer has read */
     _Alignas(RING_LINE) _Atomic uint64_t tail;
 } session_ring;
 
-/* Every page is touched here and not in a tick. */
+/* Allocates the ring and touches every page, so that no page fault occurs during a tick. */
 static inline bool ring_open(session_ring *ring, uint64_t room)
 {
     ring->slots = malloc(room * SESSION_RECORD);
@@ -46,7 +46,7 @@ static inline void ring_close(session_ring *ring)
     free(ring->slots);
 }
 
-/* The producer's: the next slot, or NULL without room. ring_push gives it away. */
+/* Called by the producer: returns the next slot, or NULL if the ring is full. ring_push publishes the slot. */
 static inline unsigned char *ring_slot(session_ring *ring)
 {
     const uint64_t head = atomic_load_explicit(&ring->head, memory_order_relaxed);
@@ -63,7 +63,7 @@ static inline void ring_push(session_ring *ring)
     atomic_store_explicit(&ring->head, atomic_load_explicit(&ring->head, memory_order_relaxed) + 1, memory_order_release);
 }
 
-/* The consumer's: how many wait; copies of up to count of them; and that so many are done with. */
+/* Called by the consumer: the number of waiting records, a copy of `count` of them, the release of `count` slots. */
 static inline uint64_t ring_waiting(session_ring *ring)
 {
     return atomic_load_explicit(&ring->head, memory_order_acquire) - atomic_load_explicit(&ring->tail, memory_order_relaxed);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Blocks, one behind the other, through a sink: a file, a copy of one, or in
- * tests a disk that fails when it is told to.
+ * Writes blocks, one after the other, through a sink: a file, a copy of a session,
+ * or in tests a disk that fails on request.
  */
 #ifndef OST_IO_SESSION_WRITE_H
 #define OST_IO_SESSION_WRITE_H
@@ -10,11 +10,11 @@
 
 typedef struct session_sink {
     void *user;
-    /* All of it at the end, or an errno; what a failed call left behind is taken back by cut. */
+    /* Appends all bytes; returns 0 or an errno. The bytes that a failed call may have left are removed by cut. */
     int (*append)(void *user, const void *bytes, size_t size);
-    /* Makes the file end at size again after a failure. */
+    /* Truncates the file to size after a failure. */
     int (*cut)(void *user, uint64_t size);
-    /* What was appended survives a power cut. */
+    /* Makes the appended bytes durable, so that they survive a power cut. */
     int (*sync)(void *user);
 } session_sink;
 
@@ -25,12 +25,13 @@ typedef struct session_writer {
     bool cut_needed; /* a failed append may have left bytes */
 } session_writer;
 
-/* Both copies of the header; 0 or an errno. */
+/* Writes both copies of the header; returns 0 or an errno. */
 int ost_session_write_header(session_writer *writer, const unsigned char *payload, uint32_t size);
 /*
- * count encoded records, 1 to SESSION_BLOCK_RECORDS, as a block, whose own
- * bytes go to the 64 before them: there must be room.  0 or an errno, and then
- * nothing has happened and the same call may be tried again.
+ * Writes count encoded records, 1 to SESSION_BLOCK_RECORDS, as a block.  The block
+ * header is written to the 64 bytes before the records, which the caller must
+ * provide.  Returns 0 or an errno; after an error the file is unchanged (or is cut
+ * before the next write), and the same call may be repeated.
  */
 int ost_session_write_records(session_writer *writer, unsigned char *records, uint32_t count, uint64_t lost);
 
