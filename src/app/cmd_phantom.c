@@ -25,8 +25,7 @@ static ost_status find_kind(const app_state *app, const char *name, ost_phantom_
     return usage_error(app, err, "'%s' is not a phantom", name);
 }
 
-/* Reads --scale. The factor may have up to nine decimal places; it is a parameter of the shape and
-   does not affect voxels exactly. */
+/* Reads --scale. The factor may have up to nine decimal places; it is a parameter of the shape. */
 static ost_status take_scale(const app_state *app, const option_decimal *given, double *out, ost_error *err)
 {
     int64_t billionths;

@@ -238,7 +238,8 @@ static ost_status tell_briefly(const app_state *app, const replay *here, ost_err
     return ost_fail(err, OST_ERR_DIFFER, "%s: every tick is as recorded, but the end is not; --verify says where", here->name);
 }
 
-/* Returns true if --verify has compared all that the file allows, and that is less than was requested. */
+/* Returns true if --verify found no difference, but the file is incomplete and holds fewer ticks
+   than were to be compared. */
 static bool verified_in_part(const replay_args *args, const replay *r, const ending *e)
 {
     const bool enough = args->ticks_given && (uint64_t)args->ticks <= r->done;

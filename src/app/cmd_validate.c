@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * osteon validate: backends compared stage by stage, with evidence.
+ * osteon validate: compares backends stage by stage and writes the evidence.
  *
  *   options --> a campaign, shards to merge, the sensitivity proof (validate.h)
  *
- * The same verb with --worker is what it starts for each backend: cases on one
- * backend, and a trace of everything that was made.
+ * The campaign starts the same verb with --worker for each backend: it runs cases on one backend
+ * and writes a trace of all results.
  */
 #include "app/validate.h"
 
@@ -23,7 +23,7 @@
 #include "validation/suite_run.h"
 #include "validation/worker.h"
 
-/* Up to six digits; what is after them, or NULL. */
+/* Reads up to six digits. Returns the position after them, or NULL if there is none. */
 static const char *small_number(const char *at, int *out)
 {
     const char *begin = at;
@@ -32,7 +32,7 @@ static const char *small_number(const char *at, int *out)
     return at > begin ? at : NULL;
 }
 
-/* "2/8" */
+/* Parses --shard, such as "2/8". Without it: shard 1 of 1. */
 static ost_status shard_of(const app_state *app, const char *text, int *shard, int *shards, ost_error *err)
 {
     *shard = *shards = 1;
@@ -45,7 +45,7 @@ static ost_status shard_of(const app_state *app, const char *text, int *shard, i
     return OST_OK;
 }
 
-/* One backend's results as files, by way of a trace. */
+/* Writes the results of one backend as files, by way of a trace. */
 static ost_status dump_worker(const plan *p, const char *spec, const char *folder, ost_error *err)
 {
     char path[SCRATCH_NAME];
@@ -68,7 +68,7 @@ static ost_status dump_worker(const plan *p, const char *spec, const char *folde
 ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
 {
     static const int64_t limits[PLAN_TIERS] = {120, 1800, 36000};
-    enum { LIMIT_OWN = 36000 }; /* nobody knows how long the user's own cases take */
+    enum { LIMIT_OWN = 36000 }; /* the duration of the user's own cases is unknown */
     validate_args args = {.seed = 1, .suite_limit_s = 1800, .own = USER_FILES_DEFAULT};
     const option options[] = {
         {.name = "out", .kind = OPTION_TEXT, .out = &args.out, .value = "BUNDLE", .help = "a folder for the evidence; must not exist"},

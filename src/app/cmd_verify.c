@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* osteon verify: whether a bundle of evidence is what it says, without the machine that made it. */
+/* osteon verify: checks that a bundle of evidence is intact and consistent, without the machine
+   that made it. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,7 +17,7 @@
 #include "validation/worker.h"
 
 #define PROTOCOL "protocol.json"
-enum { LIMIT_S = 36000 }; /* of each backend that --rerun runs */
+enum { LIMIT_S = 36000 }; /* for each backend that --rerun runs */
 
 typedef struct listing {
     const app_state *app;
@@ -44,7 +45,8 @@ static void show(void *user, const char *what, double share)
     progress_show(NULL, what, share);
 }
 
-/* The bundle's record of its user's own files; the caller's reference, NULL where there are none. */
+/* Reads the bundle's record of the user's own files. *out is owned by the caller; NULL if there is
+   no such record. */
 static ost_status record_of(const char *folder, json_t **out, ost_error *err)
 {
     json_t *protocol;
@@ -54,7 +56,7 @@ static ost_status record_of(const char *folder, json_t **out, ost_error *err)
     return status;
 }
 
-/* The files first: nothing runs without them. */
+/* Runs the bundle's cases again. The user's files are read first: nothing runs without them. */
 static ost_status rerun_all(app_state *app, const user_files *own, const char *backend, const char *folder, listing *l,
                             int *found, ost_error *err)
 {
@@ -145,7 +147,8 @@ static const char *about_signatures(const app_state *app, const signature_args *
     return n ? "; signatures were not checked (--trust KEYS)" : "; it is not signed";
 }
 
-/* A valid bundle may say that tests failed: that is no problem of the bundle, and must be read. */
+/* Reports the test suite's counts. A bundle whose tests failed may still be valid, so the failures
+   are printed instead of counted as problems of the bundle. */
 static ost_status say_suite(app_state *app, const char *folder, ost_error *err)
 {
     json_t *suite;

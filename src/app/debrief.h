@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * After an operation: metrics on standard output and in the JSON, and a page
- * with pictures that needs nothing else.
+ * The debrief after an operation: metrics on standard output and in the JSON, and a self-contained
+ * page with pictures.
  *
  *   debrief_begin: the bone as it is --> ... the operation ... --> debrief_end: metrics, page
  */
@@ -14,25 +14,26 @@
 
 #include "app/tool_shape.h"
 
-/* Zero-initialise; debrief_free in any case. */
+/* Must be zero-initialized; call debrief_free in any case. */
 typedef struct debrief {
     ost_volume before;
     ost_metrics_plan plan;
     tool_shape shapes[OST_WORLD_TOOLS_MAX];
     ost_metrics_tool tools[OST_WORLD_TOOLS_MAX];
     int tool_count;
-    ost_motion *motion; /* owned; of each tick */
+    ost_motion *motion; /* owned; one element per tick */
     size_t count, room;
     ost_technique technique;
 } debrief;
 
-/* tools: those that ticks will name, as many as count says. */
+/* Copies the bone. tools: the count tools to which ticks refer by index. */
 ost_status debrief_begin(const ost_bone *bone, const ost_metrics_plan *plan, ost_tool *const *tools, int count, debrief *out, ost_error *err);
-/* What a tick was, in order. */
+/* Adds a tick. Ticks must be added in order. */
 ost_status debrief_tick(debrief *d, const ost_session_tick *tick, ost_error *err);
-/* Those of a session's first count ticks. */
+/* Adds the first count ticks of a session. */
 ost_status debrief_session(debrief *d, ost_session *session, uint64_t count, ost_error *err);
-/* file: the page. name: of what was done, for its title. */
+/* Computes the metrics, reports them and writes the page. file: the page; name: the input, for the
+   page's title. */
 ost_status debrief_end(const app_state *app, debrief *d, const ost_bone *bone, const ost_density_classes *classes, const char *name,
                        const char *file, ost_error *err);
 void debrief_free(debrief *d);

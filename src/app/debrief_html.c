@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The page, for one sheet of paper: the verdict in one line (verdict.c), each
- * figure beside what was planned, what is aimed at and what the literature knows; pictures
- * (debrief_plots.c); how the hand went; what was not measured.
+ * The page, for one sheet of paper: the verdict in one line (verdict.c); a table of each figure
+ * with its planned value, its aim and values from the literature; pictures (debrief_plots.c); the
+ * technique; what was not measured.
  *
- * Colours are told apart by people who see red and green alike, and each has a
- * sign and a word beside it.  Nothing is fetched.
+ * The colours can be distinguished with red-green colour blindness, and each has a sign and a word
+ * besides. The page loads no other file.
  */
 #include "app/debrief.h"
 
@@ -60,7 +60,7 @@ static void say_verdict(html_page *p, const verdict *v)
 
 enum { CELL = 48 };
 
-/* got and plan are text already; unit after both. */
+/* got and plan are formatted numbers; unit is printed after both. */
 static void row(html_page *p, level l, const char *what, const char *got, const char *plan, const char *unit, const char *aim, const char *known)
 {
     html_print(p, "<tr><td>%s</td><td class=\"n %s\" title=\"%s\">%s %s %s</td><td class=\"n\">%s%s%s</td><td class=\"a\">%s</td><td><small>%s</small></td></tr>\n", what,
@@ -78,7 +78,7 @@ static const char *number(char text[CELL], const char *format, ...)
     return text;
 }
 
-/* Without the sign of what is written as zero. */
+/* Removes the sign of a value that is printed as zero. */
 static double plain(double value)
 {
     return fabs(value) < 0.05 ? 0 : value;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Seen as the surgeon sees the glenoid: along the planned axis, up is toward
- * the head, and what is in front is on the right of a right shoulder, on the
- * left of a left one.  The map's u runs to the viewer's left.
+ * The view is the surgeon's: en face, along the planned axis, with superior up. Anterior is on the
+ * right for a right shoulder and on the left for a left one. The map's u axis points to the
+ * viewer's left.
  */
 #include "app/debrief_plots.h"
 
@@ -15,7 +15,8 @@
 enum { MAP = OST_METRICS_MAP };
 #define REACH_MM (MAP / 2 * OST_METRICS_PITCH_MM)
 
-/* Cividis, which reads the same with any colour vision: five of its colours. */
+/* Computes a colour of the scale Cividis, which is readable with any colour vision, from five of
+   its colours. */
 static void colour(double share, int rgb[3])
 {
     static const double stops[5][3] = {{0, 32, 77}, {66, 78, 108}, {124, 123, 120}, {188, 174, 108}, {255, 234, 70}};
@@ -40,7 +41,7 @@ static const char *left_of(const debrief *d)
 typedef enum shade { NOTHING, SHADED, BEYOND, HOLE } shade;
 enum { STEPS = 24 };
 
-/* Cells beside it have a part of it. */
+/* Returns true if the cell or one of its neighbours was drilled: a neighbour contains a part of the hole. */
 static bool at_hole(const ost_metrics *m, int i)
 {
     for (int dy = -1; dy <= 1; dy++)
@@ -52,7 +53,7 @@ static bool at_hole(const ost_metrics *m, int i)
     return false;
 }
 
-/* Step of the scale as well. */
+/* Returns the shade of a cell and its step on the scale of depths. */
 static shade shade_of(const debrief *d, const ost_metrics *m, int i, int *step)
 {
     const double depth = (double)m->depth_mm[i], after = (double)m->after_mm[i];
@@ -100,7 +101,7 @@ void debrief_depth_map(html_page *p, const debrief *d, const ost_metrics *m)
                  "<rect width=\"81\" height=\"81\" fill=\"var(--panel)\"/><g shape-rendering=\"crispEdges\">\n");
     for (int y = 0; y < MAP; y++)
         for (int x = 0; x < MAP;) {
-            /* u runs to the left. A run of one colour is one piece. */
+            /* u points to the left. A run of cells with one colour is one rectangle. */
             int step, next, run = 1;
             const shade s = shade_of(d, m, MAP - 1 - x + MAP * y, &step);
             while (x + run < MAP && shade_of(d, m, MAP - 1 - (x + run) + MAP * y, &next) == s && next == step)
@@ -122,7 +123,7 @@ void debrief_depth_map(html_page *p, const debrief *d, const ost_metrics *m)
 
 /* ----------------------------------------------------------------- profiles */
 
-/* Of a surface along u or v, in pieces where it is seen. */
+/* Draws a surface along u or v, interrupted where no height is known. */
 static void surface_line(html_page *p, const float *surface, bool upward, const char *style)
 {
     bool down = false;
@@ -149,7 +150,8 @@ static void profile(html_page *p, const debrief *d, const ost_metrics *m, bool u
                (low + 7) * 10.5, low + 7, id, low + 7, low + 7, id);
     surface_line(p, m->before_mm, upward, "stroke=\"var(--old)\" stroke-width=\".3\"");
     if (m->sphere) {
-        /* The floor's own sphere where it was planned: on the axis, as deep. */
+        /* The fitted sphere of the floor at its planned position: centred on the axis, at the
+           planned depth. */
         html_text(p, "<path fill=\"none\" d=\"");
         for (int k = 0; k <= 40; k++) {
             const double x = k - 20.0, under = m->sphere_mm * m->sphere_mm - x * x;
@@ -194,7 +196,8 @@ static void picture(html_page *p, const ost_picture *image, const char *caption)
     free(bytes);
 }
 
-/* What lies within some millimetres of the centre: a whole scapula in a slice leaves little room for the glenoid. */
+/* Copies the voxels within HALF_MM of the centre: in a slice of the complete scapula the glenoid
+   would be too small. */
 static ost_status cut_out(const ost_volume *in, const ost_pm3 *centre, ost_volume *out, ost_error *err)
 {
     enum { HALF_MM = 33 };
@@ -267,14 +270,15 @@ void debrief_pictures(html_page *p, const debrief *d, const ost_volume *after, i
 
 enum { COLUMNS = 300, W = 170, H = 26 };
 
-/* A step of 1, 2 or 5 times a power of ten that divides most into 2 to 5. */
+/* Returns the step of 1, 2 or 5 times a power of ten that divides most into 2 to 5 parts. */
 static double step_of(double most)
 {
     const double unit = pow(10, floor(log10(most / 2)));
     return most / 2 >= 5 * unit ? 5 * unit : most / 2 >= 2 * unit ? 2 * unit : unit;
 }
 
-/* least and most of each column, from begun on. */
+/* Draws a chart. lo and hi are the minimum and maximum of each column; the time axis begins at
+   begun and spans span seconds. */
 static void chart(html_page *p, const char *what, const double lo[COLUMNS], const double hi[COLUMNS], double begun, double span)
 {
     double most = 0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* osteon diff of two bundles: what two sites can tell each other by digests. */
+/* osteon diff of two bundles: compares the results of two sites by digests, without exchanging voxels. */
 #include <sys/stat.h>
 
 #include "app/diff_compare.h"

@@ -90,7 +90,7 @@ static ost_pm magnitude(ost_pm v)
     return v < 0 ? -v : v;
 }
 
-/* Returns the greatest magnitude of the grid's first and last centre on the axis. */
+/* Returns the greater magnitude of the positions of the first and last voxel centre on an axis. */
 static ost_pm farthest(ost_pm origin, ost_pm spacing, int32_t n)
 {
     const ost_pm first = magnitude(origin), last = magnitude(origin + spacing * (n - 1));
@@ -98,9 +98,11 @@ static ost_pm farthest(ost_pm origin, ost_pm spacing, int32_t n)
 }
 
 /*
- * Compares spacings and origins. Formats differ in how they store a length: a float32 and the decimals that it was
- * printed with lie 2^-24 of the length apart at most, on either side. So two spacings are the same within 2^-23 of the
- * greater, and two origins within 2^-23 of the grid's farthest centre. The voxels' sum of both stays far below a voxel.
+ * Compares spacings and origins. File formats store lengths differently: a float32 and the decimal
+ * number from which it was read or to which it was printed differ by at most 2^-24 of the length.
+ * Therefore two spacings are taken as equal if they differ by at most 2^-23 of the greater one, and
+ * two origins if they differ by at most 2^-23 of the coordinate of the farthest centre. Both
+ * together move a voxel by much less than its size.
  */
 static void compare_geometry(const ost_geometry *a, const ost_geometry *b, diff_result *out)
 {
@@ -126,7 +128,8 @@ ost_status diff_compare(const loaded_volume *a, const loaded_volume *b, int chun
     out->chunk_size = chunk_size;
     out->same_dims = ga->dims.x == gb->dims.x && ga->dims.y == gb->dims.y && ga->dims.z == gb->dims.z;
     compare_geometry(ga, gb, out);
-    /* A tool's corner is exact where half a voxel is not, and only files of our own have tools. */
+    /* A tool's corner is exact where half a voxel is not an integer, and only osteon's own files
+       contain tools. */
     if (a->kind == LOAD_TOOL) {
         out->same_spacing = a->tool.voxel == b->tool.voxel;
         out->same_origin = memcmp(&a->tool.corner, &b->tool.corner, sizeof a->tool.corner) == 0;

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What a difference as a whole looks like: the rules that the validation asks
- * of its own differences (validation/locate/pattern.h), and what files alone
- * can say.
+ * The pattern of a difference as a whole: the rules of the validation for its own differences
+ * (validation/locate/pattern.h), and rules that need only the files.
  *
  *   geometry        dims, spacing or origin differ
  *   only-removed    nothing but removal, as by reaming
  *   only-added      nothing but addition
- *   ...             pattern.h's, in its order; the first of them is the class
+ *   ...             those of pattern.h, in its order; the first pattern is the class
  */
 #include "app/diff_compare.h"
 

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Three slices through the slices with most differences, side by side:
+ * Three slices through the voxel with most differences on each axis, next to each other:
  *
  *   axial (x right, y down) | coronal (x right, z up) | sagittal (y right, z up)
  *
- * Grey is the denser of the two, dimmed; removed red, added blue, changed
- * amber, below the threshold violet.  Pixels are square millimetres.
+ * Grey is the greater of the two densities, dimmed. Removed voxels are red, added ones blue,
+ * changed ones amber, those below the threshold violet. Pixels are square in millimetres.
  */
 #include "app/diff_compare.h"
 

@@ -23,7 +23,7 @@ enum { ROOM = 12, STILLS = 100000 };
 
 typedef struct job {
     bool still;
-    int64_t index; /* of the video */
+    int64_t index; /* in the video */
     int width, height;
     uint32_t *pixels; /* owned */
     size_t room;
@@ -31,21 +31,21 @@ typedef struct job {
 
 struct film {
     film_options options;
-    film_file *file; /* NULL: no video */
+    film_file *file; /* NULL if there is no video */
     pthread_t thread;
     pthread_mutex_t lock;
     pthread_cond_t more, room;
-    job job[ROOM]; /* a ring */
+    job job[ROOM]; /* ring buffer */
     int first, count;
     bool end;
-    int64_t begin_ns, last; /* last: index that was given */
+    int64_t begin_ns, last; /* last: index of the latest frame given */
     bool begun;
     uint64_t dropped;
     bool news;
     char text[FILM_TEXT];
     ost_status status; /* of the video */
     ost_error err;
-    /* The writer's: */
+    /* Used by the writer thread only: */
     int stills;
     film_report report;
 };
@@ -90,7 +90,7 @@ static void write_still(film *f, const job *j)
     free(bytes);
 }
 
-/* The clock has gone on: the frame before, as often as it takes. */
+/* Repeats the previous frame until the video has index frames, for the time in which no frame came. */
 static ost_status repeat_until(film *f, int64_t index, ost_error *err)
 {
     ost_status status = OST_OK;
@@ -184,7 +184,7 @@ ost_status film_open(const film_options *options, film **out, ost_error *err)
 
 /* ----------------------------------------------------------------- frames */
 
-/* False: there is no room, or no memory. */
+/* Queues a copy of the frame. Returns false if the queue is full or memory is exhausted. */
 static bool queue(film *f, bool still, int64_t index, const uint32_t *pixels, int stride, int width, int height)
 {
     pthread_mutex_lock(&f->lock);
@@ -195,7 +195,7 @@ static bool queue(film *f, bool still, int64_t index, const uint32_t *pixels, in
     pthread_mutex_unlock(&f->lock);
     if (!room)
         return false;
-    /* Beyond the last that waits the writer does not look. */
+    /* The writer thread does not read beyond the queued jobs, so this one is filled without the lock. */
     const size_t size = (size_t)width * (size_t)height;
     if (size > j->room) {
         free(j->pixels);

@@ -22,18 +22,18 @@ extern char **environ;
 enum { NAME = 4096, LINE = 300, ENCODER_FD = 3 };
 
 struct film_file {
-    char *target;        /* owned; NULL: a command's */
+    char *target;        /* owned; NULL if the video goes to a command */
     bool folder;
     int fps;
-    int width, height;   /* 0: there was no frame */
-    uint32_t *fitted;    /* owned; a frame in the video's size */
-    uint8_t *bytes;      /* owned; of the last frame, as it is written */
+    int width, height;   /* 0 before the first frame */
+    uint32_t *fitted;    /* owned; a frame scaled to the video's size */
+    uint8_t *bytes;      /* owned; the last frame, encoded */
     size_t size;
     uint64_t frames;
-    ost_outfile *out;    /* owned; the .y4m, or the file that ffmpeg writes; NULL: neither */
-    int pipe;            /* -1: none */
+    ost_outfile *out;    /* owned; the .y4m, or the file that ffmpeg writes; NULL if there is neither */
+    int pipe;            /* -1 if there is none */
     pid_t encoder;
-    FILE *messages;      /* owned; ffmpeg's standard error; NULL: ours */
+    FILE *messages;      /* owned; ffmpeg's standard error; NULL if it is inherited */
 };
 
 /* ------------------------------------------------------------------ names */
@@ -61,14 +61,16 @@ static int write_all(int fd, const void *bytes, size_t size)
 
 /* --------------------------------------------------------------- programs */
 
-/* Where PATH has it, looked for here: to start what is not there looks like a success where fork stands for vfork. */
+/* Searches PATH for a program. posix_spawn cannot be relied on for that: where vfork is implemented
+   as fork, starting a missing program seems to succeed. */
 static bool find_program(const char *name, char path[NAME])
 {
     const char *from = getenv("PATH");
     struct stat st;
     for (const char *p = from ? from : "/usr/bin:/bin";; p++) {
         const size_t n = strcspn(p, ":");
-        const int length = snprintf(path, NAME, "%.*s%s%s", (int)n, p, n ? "/" : "", name); /* nothing is the folder one is in */
+        /* an empty entry is the current folder */
+        const int length = snprintf(path, NAME, "%.*s%s%s", (int)n, p, n ? "/" : "", name);
         if (length < NAME && stat(path, &st) == 0 && S_ISREG(st.st_mode) && access(path, X_OK) == 0)
             return true;
         p += n;
@@ -89,7 +91,7 @@ static ost_status start(film_file *f, const char **argv, ost_error *err)
     posix_spawn_file_actions_adddup2(&files, ends_of[0], STDIN_FILENO);
     if (f->messages)
         posix_spawn_file_actions_adddup2(&files, fileno(f->messages), STDERR_FILENO);
-    posix_spawn_file_actions_adddup2(&files, STDERR_FILENO, STDOUT_FILENO); /* standard output is for --json */
+    posix_spawn_file_actions_adddup2(&files, STDERR_FILENO, STDOUT_FILENO); /* standard output is reserved for --json */
     if (f->out)
         posix_spawn_file_actions_adddup2(&files, ost_outfile_descriptor(f->out), ENCODER_FD);
     posix_spawnattr_init(&how);
@@ -99,7 +101,7 @@ static ost_status start(film_file *f, const char **argv, ost_error *err)
     sigaddset(&usual, SIGXFSZ);
     posix_spawnattr_setsigmask(&how, &none);
     posix_spawnattr_setsigdefault(&how, &usual);
-    posix_spawnattr_setpgroup(&how, 0); /* Ctrl-C ends the simulator, which then ends the video */
+    posix_spawnattr_setpgroup(&how, 0); /* so that Ctrl-C ends the simulator only, which then ends the video */
     posix_spawnattr_setflags(&how, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
     const int error = posix_spawn(&f->encoder, argv[0], &files, &how, (char *const *)(void *)argv, environ);
     posix_spawnattr_destroy(&how);
@@ -113,14 +115,15 @@ static ost_status start(film_file *f, const char **argv, ost_error *err)
 }
 
 /*
- * ffmpeg writes through a descriptor that is open already, so no link can come between; it seeks in it as it must for
- * .mp4.  What it reports is read when it fails: it may hold the bytes of any file name.
+ * Starts ffmpeg. It writes to a descriptor that is already open, so that a link cannot redirect the
+ * output; it can seek in it, which .mp4 requires. Its messages are read only if it fails: they may
+ * contain the bytes of any file name.
  */
 static ost_status start_ffmpeg(film_file *f, const char *format, ost_error *err)
 {
     static const char *const x264[] = {"-c:v", "libx264", "-preset", "veryfast", "-crf", "18", NULL};
     static const char *const vp9[] = {"-c:v", "libvpx-vp9", "-deadline", "realtime", "-cpu-used", "7", "-crf", "24", "-b:v", "0", NULL};
-    /* Colours and even sides that every player takes. */
+    /* Colours and even frame sizes that every player accepts. */
     char program[NAME], place[32];
     const char *argv[40] = {program, "-hide_banner", "-loglevel", "error", "-f", "yuv4mpegpipe", "-i", "-", "-vf", "crop=trunc(iw/2)*2:trunc(ih/2)*2,format=yuv420p", "-colorspace", "bt709",
                       "-color_primaries", "bt709", "-color_trc", "bt709"};
@@ -139,7 +142,7 @@ static ost_status start_ffmpeg(film_file *f, const char *format, ost_error *err)
     snprintf(place, sizeof place, "/dev/fd/%d", ENCODER_FD);
     argv[count++] = "-f";
     argv[count++] = format;
-    argv[count++] = "-y"; /* the file is there already */
+    argv[count++] = "-y"; /* the file already exists */
     argv[count++] = place;
     return start(f, argv, err);
 }
@@ -150,7 +153,8 @@ static ost_status start_shell(film_file *f, const char *command, ost_error *err)
     return start(f, argv, err);
 }
 
-/* Returns the last line that ffmpeg wrote on its standard error, printable, behind a colon; "" without one. */
+/* Returns ": " and the last line that ffmpeg wrote to its standard error, in printable characters;
+   "" if there is none. */
 static const char *last_message(film_file *f, char text[LINE])
 {
     char bytes[LINE - 2];
@@ -210,7 +214,8 @@ static ost_status open_folder(film_file *f, ost_error *err)
     return OST_OK;
 }
 
-/* Returns the name that ffmpeg has for the format of a file, by the end of its name; NULL: ffmpeg does not make it. */
+/* Returns ffmpeg's name of the format that a file's extension denotes; NULL if ffmpeg does not make
+   the file. */
 static const char *ffmpeg_format(const char *target)
 {
     static const char *const known[][2] = {{".mp4", "mp4"}, {".mkv", "matroska"}, {".mov", "mov"}, {".webm", "webm"}};
@@ -250,7 +255,7 @@ ost_status film_file_open(const char *target, const char *command, int fps, film
 
 /* ----------------------------------------------------------------- frames */
 
-/* As large as it can be in the video's size, black around it. */
+/* Scales the frame to the largest size that fits into the video's, with black borders. */
 static void fit(const film_file *f, const uint32_t *pixels, int width, int height)
 {
     int w = f->width, h = (int)((int64_t)height * f->width / width);
@@ -268,7 +273,8 @@ static void fit(const film_file *f, const uint32_t *pixels, int width, int heigh
                 pixels[(size_t)((int64_t)y * height / h) * (size_t)width + (size_t)((int64_t)x * width / w)];
 }
 
-/* BT.709, 16 to 235: the eighth bits round. */
+/* Converts to BT.709 with the range 16 to 235. The constants 4224 and 32896 contain one half in
+   units of 1/256, which rounds. */
 static void to_yuv(const uint32_t *pixels, size_t count, uint8_t *y, uint8_t *cb, uint8_t *cr)
 {
     for (size_t i = 0; i < count; i++) {
@@ -284,7 +290,7 @@ static ost_status broken(film_file *f, int error, ost_error *err)
     char last[LINE];
     if (error == EPIPE) {
         if (f->messages)
-            finish(f, NULL); /* its messages are complete when it has ended */
+            finish(f, NULL); /* its messages are complete only when it has ended */
         return ost_fail(err, OST_ERR_IO, "the video's encoder ended before the video did%s", last_message(f, last));
     }
     return ost_fail(err, OST_ERR_IO, "%s: the video cannot be written: %s", f->target ? f->target : "the pipe", strerror(error));
@@ -361,7 +367,7 @@ ost_status film_file_again(film_file *f, ost_error *err)
         f->frames += status == OST_OK;
         return status;
     }
-    /* A second name takes no room. */
+    /* A hard link needs no space. */
     char before[NAME], name[NAME];
     snprintf(before, sizeof before, "%s/frame-%06llu.png", f->target, (unsigned long long)f->frames - 1);
     snprintf(name, sizeof name, "%s/frame-%06llu.png", f->target, (unsigned long long)f->frames);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Where a video goes: a folder of pictures, a .y4m (YUV4MPEG2, 4:4:4, BT.709), or what a program makes of one. One thread. */
+/* The output of a video: a folder of pictures, a .y4m (YUV4MPEG2, 4:4:4, BT.709), or the output of
+   a program. For one thread. */
 #ifndef OST_APP_FILM_FILE_H
 #define OST_APP_FILM_FILE_H
 
@@ -7,13 +8,15 @@
 
 typedef struct film_file film_file;
 
-/* target: by its name's end a file, else a folder, which is made if need be; or a shell's command. */
+/* Opens the output. target: a file if its extension is known, else a folder, which is created if
+   necessary. command: a shell command. One of the two is NULL. */
 ost_status film_file_open(const char *target, const char *command, int fps, film_file **out, ost_error *err);
-/* pixels: width a row. The first says the video's size. */
+/* Writes a frame. pixels: width pixels per row. The first frame determines the video's size. */
 ost_status film_file_frame(film_file *file, const uint32_t *pixels, int width, int height, ost_error *err);
-/* The one before once more. */
+/* Repeats the previous frame. */
 ost_status film_file_again(film_file *file, ost_error *err);
-/* Frees it in any case; NULL is allowed. err NULL: it failed before, and no file is to be left. */
+/* Frees file in any case; file may be NULL. err is NULL after an earlier failure: the output file
+   is then discarded. */
 ost_status film_file_close(film_file *file, ost_error *err);
 
 #endif

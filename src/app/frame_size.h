@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* "1280x720". */
+/* Parses frame sizes such as "1280x720". */
 #ifndef OST_APP_FRAME_SIZE_H
 #define OST_APP_FRAME_SIZE_H
 
 #include "app/app.h"
 
-/* text NULL: 1280 x 720. Each from 1 to OST_FRAME_MAX. */
+/* If text is NULL the size is 1280 x 720. Both numbers must be from 1 to OST_FRAME_MAX. */
 ost_status frame_size(const app_state *app, const char *text, int *width, int *height, ost_error *err);
 
 #endif
