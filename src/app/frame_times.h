@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* How long frames take, and how often they come: in bins of 10 us up to a second. */
+/* A histogram of the durations of frames or of the intervals between them: bins of 10 us, up to one
+   second. */
 #ifndef OST_APP_FRAME_TIMES_H
 #define OST_APP_FRAME_TIMES_H
 
@@ -14,7 +15,8 @@ typedef struct frame_times {
 } frame_times;
 
 void frame_times_add(frame_times *times, int64_t ns);
-/* The middle of the bin in which share (0 to 1) of all are reached, never above the greatest; 0 when empty. */
+/* Returns the quantile share (0 to 1) in ms: the middle of its bin, but at most the maximum; 0 if
+   times is empty. */
 double frame_times_ms(const frame_times *times, double share);
 
 #endif

@@ -7,7 +7,7 @@
 
 enum { DEPTH_UM = 3000, DEPTH_UM_MAX = 20000, POINT_TEXT = 3 * OST_PM_TEXT };
 
-/* A session's key, and the one by which a grid says the same. */
+/* Keys of a session's header and the corresponding keys of a grid's header. */
 static const struct {
     const char *session, *grid;
 } same[] = {
@@ -27,12 +27,13 @@ static const char *point_text(ost_pm3 p, char text[POINT_TEXT])
     return text;
 }
 
-/* To the nine places that a text keeps, so that who reads it measures against the same. */
+/* Normalizes an axis and rounds it to the nine decimal places of a text, so that a reader of the
+   text computes with the same axis. */
 static bool unit_axis(const double in[3], double out[3], ost_pm3 *nano)
 {
     double size = sqrt(in[0] * in[0] + in[1] * in[1] + in[2] * in[2]);
     int64_t n[3];
-    /* One that was cut to nine places already stays as it is. */
+    /* An axis that is already rounded to nine places stays unchanged. */
     size = fabs(size - 1) < 2e-9 ? 1 : size;
     for (int a = 0; a < 3; a++) {
         const double v = in[a] / size;
@@ -45,7 +46,7 @@ static bool unit_axis(const double in[3], double out[3], ost_pm3 *nano)
     return true;
 }
 
-/* What a session says stands where the grid's own would. */
+/* Replaces the facts of the grid's header by those of the session's header. */
 static ost_status overlay(const char *session, const ost_session_header *header, ost_meta *said, ost_error *err)
 {
     for (int i = 0; header && i < SAME; i++) {

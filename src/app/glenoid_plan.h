@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What was planned: where the glenoid is, which way in, how deep, and the
- * scapula's landmarks.  What the user says goes before what a session says,
- * and that before what the bone's file says.
+ * The plan: the glenoid's position, the axis into the bone, the depth, and the scapula's landmarks.
+ * Values from options take precedence over those in a session, and these over those in the bone's
+ * file.
  *
  *   options --.
  *   session ---+--> plan --> debrief
@@ -22,7 +22,7 @@ typedef struct glenoid_plan_options {
     bool trigonum_given, inferior_given;
 } glenoid_plan_options;
 
-/* Rows for a verb's table of options; --at, --axis and --side are its own. */
+/* Rows for a verb's table of options; the verb itself defines --at, --axis and --side. */
 #define GLENOID_PLAN_OPTIONS(p)                                                                                                      \
     {.name = "planned", .kind = OPTION_DECIMAL, .out = &(p).depth, .value = "MM",                                            \
      .help = "planned depth at the glenoid's centre (default: 3)"},                                                          \
@@ -32,14 +32,14 @@ typedef struct glenoid_plan_options {
      .help = "the scapula's lowest point, for the same"}
 
 /*
- * header: of a session, named session, or NULL.  *known is false when nobody
- * says where the glenoid is: an error if needed, or if a part of the plan is given.
- * What it gives is what a session can hold, to the bit.
+ * Finds the plan. header: the header of the session named session, or NULL. *known becomes false if
+ * no source contains the glenoid's position, which is an error if needed is true or a part of the
+ * plan is given. The plan has exactly the values that a session can store.
  */
 ost_status glenoid_plan_find(const app_state *app, const glenoid_plan_options *options, const char *session, const ost_session_header *header, const ost_meta *meta,
                      const char *bone, bool needed, ost_metrics_plan *out, bool *known, ost_error *err);
 
-/* Into the header of a new session. */
+/* Stores the plan in the header of a new session. */
 ost_status glenoid_plan_set(ost_session_header *header, const ost_metrics_plan *plan, ost_error *err);
 
 #endif

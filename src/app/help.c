@@ -6,7 +6,7 @@
 
 enum { COLUMN = 26, WIDTH = 80 };
 
-/* The text from COLUMN on, broken at blanks, of which a newline is one. */
+/* Prints text from COLUMN on, wrapped at blanks; a newline counts as a blank. */
 static void wrapped(const char *text)
 {
     int at = COLUMN;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A page for people, written as it is made: whole or not at all (io/outfile.h).
- * The first failure stays in status, and what follows it writes nothing.
+ * An HTML page, written as it is generated; the file appears only when it is complete
+ * (io/outfile.h). The first failure is stored in status, and later calls write nothing.
  */
 #ifndef OST_APP_HTML_H
 #define OST_APP_HTML_H
@@ -15,7 +15,7 @@ typedef struct html_page {
 } html_page;
 
 void html_text(html_page *p, const char *bytes);
-/* With < > & and " as entities. */
+/* Writes text with < > & and " as entities. */
 void html_escaped(html_page *p, const char *text);
 void html_base64(html_page *p, const uint8_t *bytes, size_t size);
 

@@ -9,7 +9,7 @@ static const double HALF_WIDTH = 12.5, HALF_HEIGHT = 17, BACK = 27, FRONT = 32, 
 static bool solid(double x, double y, double z)
 {
     const double square = x * x + y * y, dome = BACK - sqrt(BACK * BACK - square), dish = FRONT - sqrt(FRONT * FRONT - square);
-    /* Wider below than above. */
+    /* The oval is wider inferiorly than superiorly. */
     const double half = HALF_WIDTH * (1 - 0.16 * y / HALF_HEIGHT), oval = x * x / (half * half) + y * y / (HALF_HEIGHT * HALF_HEIGHT);
     const double tip = square <= PEG * PEG ? PEG - sqrt(PEG * PEG - square) : 0;
     return (oval <= 1 && z >= dome && z <= THICK + dish) || (square <= PEG * PEG && z <= 1 && z >= tip - PEG_LENGTH);

@@ -8,14 +8,14 @@
 enum { SIGNALS = 3 };
 static const int signals[SIGNALS] = {SIGINT, SIGTERM, SIGHUP};
 static struct sigaction usual[SIGNALS];
-/* Set by a handler or a window's thread, read by the loop's. */
+/* Set by a signal handler or a window's thread, read by the servo loop's thread. */
 static atomic_int asked;
 _Static_assert(ATOMIC_INT_LOCK_FREE == 2, "a handler may set it");
 
 static void on_signal(int number)
 {
     atomic_store(&asked, 1);
-    /* The next one is for whoever had them before. */
+    /* Restores the previous disposition, so that the next signal ends the process. */
     for (int i = 0; i < SIGNALS; i++)
         if (signals[i] == number)
             sigaction(number, &usual[i], NULL);
@@ -27,7 +27,7 @@ void interrupt_begin(void)
     sigemptyset(&action.sa_mask);
     atomic_store(&asked, 0);
     for (int i = 0; i < SIGNALS; i++)
-        /* A job that nohup started keeps ignoring. */
+        /* A signal that is ignored, as in a job started by nohup, stays ignored. */
         if (sigaction(signals[i], NULL, &usual[i]) == 0 && usual[i].sa_handler != SIG_IGN)
             sigaction(signals[i], &action, NULL);
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Ctrl-C as a wish: between begin and end the first SIGINT, SIGTERM or SIGHUP
- * only sets a flag, so that what runs can end itself; the second ends the
- * process as usual.
+ * Ctrl-C as a request: between interrupt_begin and interrupt_end the first SIGINT, SIGTERM or
+ * SIGHUP only sets a flag, so that the running work can end in order; the second ends the process
+ * as usual.
  */
 #ifndef OST_APP_INTERRUPT_H
 #define OST_APP_INTERRUPT_H
@@ -11,10 +11,11 @@
 
 void interrupt_begin(void);
 void interrupt_end(void);
-/* A signal came since begin; a load, fit for a tick. Stays true after end. */
+/* Returns true if a signal came since interrupt_begin. One atomic load, cheap enough for every
+   tick. Stays true after interrupt_end. */
 bool interrupt_asked(void);
 
-/* The same wish from the program itself: its window was closed. */
+/* Sets the flag from within the program, when its window was closed. */
 void interrupt_ask(void);
 
 #endif

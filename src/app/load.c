@@ -40,7 +40,7 @@ ost_status out_check(app_state *app, const char *path, const char *ends, ost_err
 {
     struct stat st;
     const bool exists = stat(path, &st) == 0;
-    /* It would be met again at the end, after all the work. */
+    /* Such a name would otherwise fail only at the end, after all the work. */
     if (!exists && errno == ENAMETOOLONG)
         return ost_fail(err, OST_ERR_IO, "%s: cannot be written: %s", path, strerror(errno));
     bool special = exists && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode);
@@ -63,7 +63,7 @@ static const char *builtin_name(const char *name)
 
 /* ------------------------------------------------------------------ bones */
 
-/* "0:128,0:128,20:60" */
+/* Parses --crop, such as "0:128,0:128,20:60". */
 static ost_status parse_crop(const app_state *app, const char *text, ost_voxel_box *out, ost_error *err)
 {
     const char *p = text;
@@ -223,7 +223,7 @@ ost_status bone_to_volume(const ost_bone *bone, const ost_meta *meta, ost_volume
 
 /* ------------------------------------------------------------------ tools */
 
-/* Finds the kind of a built-in tool; OST_TOOL_KIND_COUNT when the name is of none. */
+/* Returns the kind of a built-in tool; OST_TOOL_KIND_COUNT if there is no tool of that name. */
 static ost_tool_kind builtin_tool(const char *name)
 {
     const char *kind = builtin_name(name);
@@ -269,7 +269,8 @@ char *load_other_units(char out[LOAD_UNITS_TEXT], double mm)
     return out;
 }
 
-/* Asks about a mesh as small as the point of a burr, whose file says no unit: bones and reamers are larger. */
+/* Warns about a mesh of less than 5 mm whose unit is not given: it may be a burr, but bones and
+   reamers are larger. */
 static void warn_mesh_size(const app_state *app, const char *name, const ost_mesh_report *r)
 {
     char text[LOAD_UNITS_TEXT];
@@ -394,7 +395,8 @@ static ost_status load_tool_volume(const char *name, loaded_volume *out, ost_err
     return status;
 }
 
-/* A bone that import wrote says its threshold; what cannot be read counts as not said. */
+/* Returns the threshold that import stored in a bone's header. A missing or invalid value gives the
+   default. */
 static int32_t threshold_of(const ost_meta *meta)
 {
     const char *text = ost_meta_get(meta, OST_META_THRESHOLD);
@@ -407,7 +409,7 @@ static int32_t threshold_of(const ost_meta *meta)
     return THRESHOLD;
 }
 
-/* A text is read by the import itself, which keeps memory bounded by the grid. */
+/* Loads a CT given as text by an import, whose memory is bounded by the grid. */
 static ost_status load_text_volume(const app_state *app, const char *name, loaded_volume *out, ost_error *err)
 {
     ost_backend *backend = NULL;

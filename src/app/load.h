@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A bone or a tool out of whatever the user has.
+ * Loads a bone or a tool from any file that the user may have.
  *
  *   bone   builtin:scapula (a phantom), a CT, or a bone that import wrote
  *   tool   builtin:reamer, a mesh, or a tool that voxelize wrote
- *   volume anything with voxels, on the host and as it stands: for diff, export
+ *   volume any voxels, in host memory and unchanged: for diff and export
  *
- * The options that say how are the same for every verb that loads.
+ * All verbs that load have the same options for it.
  */
 #ifndef OST_APP_LOAD_H
 #define OST_APP_LOAD_H
@@ -18,12 +18,12 @@ typedef struct ct_options {
     ost_pm cubic;
     int64_t threshold; /* 0: the bone's own, else 120 */
     const char *crop;
-    int chunk; /* place in "16|32|64" */
-    int resample; /* place in "linear|nearest|thesis" = ost_resample; negative: by what the file has */
-    int duplicates; /* place in "error|first|last|max" = ost_duplicates */
+    int chunk; /* index in "16|32|64" */
+    int resample; /* index in "linear|nearest|thesis" = ost_resample; negative: chosen by the file's contents */
+    int duplicates; /* index in "error|first|last|max" = ost_duplicates */
     bool clamp, resample_oblique;
-    const char *orientation; /* NULL: not stated */
-    int form;                /* place in "auto|qform|sform" = ost_nifti_form */
+    const char *orientation; /* NULL if not given */
+    int form;                /* index in "auto|qform|sform" = ost_nifti_form */
 } ct_options;
 
 #define CT_OPTIONS_DEFAULT {.chunk = 1, .resample = -1}
@@ -55,8 +55,8 @@ typedef struct ct_options {
 
 typedef struct tool_options {
     ost_pm voxel;
-    int unit; /* place in "auto|mm|cm|m|inch|um" = ost_unit */
-    int rule; /* place in "winding|parity" = ost_fill_rule */
+    int unit; /* index in "auto|mm|cm|m|inch|um" = ost_unit */
+    int rule; /* index in "winding|parity" = ost_fill_rule */
 } tool_options;
 
 #define TOOL_OPTIONS_DEFAULT {.voxel = OST_PM_PER_MM / 2}
@@ -68,7 +68,7 @@ typedef struct tool_options {
     {.name = "rule", .kind = OPTION_CHOICE, .out = &(t).rule, .value = "winding|parity",                                     \
      .help = "what is inside (default: winding, not zero)"}
 
-/* What came of loading a tool from a mesh; zero for a tool grid. */
+/* Figures about the mesh of a loaded tool; zero for a tool grid. */
 typedef struct tool_report {
     ost_mesh_report mesh;
     size_t triangles, dropped_triangles;
@@ -76,21 +76,22 @@ typedef struct tool_report {
     size_t open_edges;
     ost_voxelize_report voxels;
     ost_digest snapped;
-    double time_ms; /* of the voxelization alone */
+    double time_ms; /* duration of the voxelization alone */
 } tool_report;
 
 ost_status load_bone(const app_state *app, ost_backend *backend, const char *name, const ct_options *ct, bool digests, ost_bone **out,
                      ost_import_result *result, ost_error *err);
 
-/* From the options to what ost_import takes. */
+/* Converts the options of a verb to those of ost_import. */
 ost_status load_import_options(const app_state *app, const ct_options *ct, bool digests, ost_import_options *out, ost_error *err);
 /* Warns if the orientation of a file was assumed, now or when it was imported. */
 void load_warn_orientation(const app_state *app, const char *name, const ost_meta *meta);
-/* What an import did that the user may not expect. */
+/* Warns about effects of an import that the user may not expect. */
 void load_warn_import(const app_state *app, const char *name, const ost_import_result *r);
 
 enum { LOAD_UNITS_TEXT = 200 };
-/* Writes the sizes from 20 to 600 mm that a length of so many millimetres has in other units, ": it would be ...", or "". Returns out. */
+/* Writes the sizes from 20 to 600 mm that the same number would mean in other units, ": it would be
+   ...", or "". Returns out. */
 char *load_other_units(char out[LOAD_UNITS_TEXT], double mm);
 
 ost_status load_mesh(const char *name, ost_unit unit, ost_mesh *out, ost_mesh_report *report, ost_error *err);
@@ -103,17 +104,20 @@ typedef enum load_kind { LOAD_CT, LOAD_BONE, LOAD_TOOL } load_kind;
 typedef struct loaded_volume {
     load_kind kind;
     ost_volume volume;             /* a tool's voxels are 0, 1, 2 */
-    ost_tool_geometry tool;        /* when kind is LOAD_TOOL */
-    int32_t threshold;             /* what counts as solid: a bone's own, a tool's 1, else 120 */
+    ost_tool_geometry tool;        /* set if kind is LOAD_TOOL */
+    /* the least value of a solid voxel: a bone's own threshold, 1 for a tool, else 120 */
+    int32_t threshold;
 } loaded_volume;
 
-/* From NRRD, NIfTI, CT text (as a bone: below the threshold is 0) or builtin:. Free with ost_volume_free(&out->volume). */
+/* Loads NRRD, NIfTI, a CT as text (as a bone: densities below the threshold are 0) or builtin:.
+   Free with ost_volume_free(&out->volume). */
 ost_status load_volume(const app_state *app, const char *name, loaded_volume *out, ost_error *err);
 
-/* A bone's voxels on the host. */
+/* Copies a bone's voxels into host memory. */
 ost_status bone_to_volume(const ost_bone *bone, const ost_meta *meta, ost_volume *out, ost_error *err);
 
-/* Ends of names, "nrrd|nii|nii.gz|txt"; says early what would fail late. Not a word about an existing file: it is replaced. */
+/* Checks before any work that the output path has one of the endings "nrrd|nii|nii.gz|txt" and can
+   be written. An existing file is replaced without a warning. */
 ost_status out_check(app_state *app, const char *path, const char *ends, ost_error *err);
 bool ends_with(const char *path, const char *end);
 

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * osteon: a verb each, in the manner of git.
+ * osteon: the main program, with one verb per task, in the manner of git.
  *
  *   osteon VERB ... -> verbs[] -> cmd_VERB -> status -> one line, exit status
  *
- * Exit status: 0 done or equal, 1 a check failed or grids differ, 2 wrong
- * usage or bad input, 3 not available here.  What a verb wrote on standard
- * output counts only when it could be written: a full disk there is an error,
- * a reader that went away is not worth a word.
+ * Exit status: 0 done or equal, 1 a check failed or grids differ, 2 wrong usage or bad input, 3 not
+ * available here. A failure to write standard output is an error too, for example on a full disk;
+ * if the reader closed the pipe, the process ends silently.
  */
 #include "app/app.h"
 
@@ -86,14 +85,14 @@ static ost_status no_verb(const char *word, ost_error *err)
 }
 
 /*
- * A process may be started with standard streams closed; the next file opened
- * would take their number and be written as if it were the stream.
+ * Opens /dev/null for closed standard streams. Otherwise the next file opened would get the number
+ * of such a stream and receive its output.
  */
 static void keep_standard_streams(void)
 {
     for (int fd = 0; fd < 3; fd++)
         if (fcntl(fd, F_GETFD) < 0 && errno == EBADF) {
-            /* The wrong way round, so that using a closed stream stays an error. */
+            /* The access mode is the opposite of the stream's, so that using a closed stream still fails. */
             if (open("/dev/null", fd == 0 ? O_WRONLY : O_RDONLY) != fd)
                 _exit(2);
         }
@@ -114,7 +113,7 @@ static void catch_signals(void)
     sigemptyset(&action.sa_mask);
     for (size_t i = 0; i < sizeof ending / sizeof ending[0]; i++) {
         struct sigaction old;
-        /* A job that nohup started keeps ignoring. */
+        /* A signal that is ignored, as in a job started by nohup, stays ignored. */
         if (sigaction(ending[i], NULL, &old) == 0 && old.sa_handler != SIG_IGN)
             sigaction(ending[i], &action, NULL);
     }
@@ -123,10 +122,11 @@ static void catch_signals(void)
 }
 
 /*
- * A library that gives up ends the process by itself: OpenMP's, without memory
- * for a thread's stack, by exit(1), which would say here that grids differ.
+ * A library that fails may end the process itself. OpenMP's, when there is no memory for a thread's
+ * stack, calls exit(1), which would mean here that grids differ. The handler below corrects the
+ * status.
  */
-static const app_state *within_verb; /* NULL outside */
+static const app_state *within_verb; /* NULL if no verb is running */
 
 static void on_exit_within_verb(void)
 {
@@ -140,8 +140,8 @@ static void on_exit_within_verb(void)
 }
 
 /*
- * jansson's functions return NULL or -1 without memory, in hundreds of calls.
- * None of them is to go on with an incomplete object: the command ends here.
+ * jansson's functions return NULL or -1 without memory, in hundreds of calls. No caller may
+ * continue with an incomplete object, so the allocator ends the command.
  */
 static void *json_memory(size_t size)
 {
@@ -156,7 +156,8 @@ static void *json_memory(size_t size)
     _exit(within_verb && within_verb->worker ? WORKER_EXIT_RESOURCES : 2);
 }
 
-/* Ends standard output. A reader that closed the pipe ends us as it ends everybody: by SIGPIPE, without a word. */
+/* Flushes standard output. If the reader closed the pipe, the process ends silently by SIGPIPE, as
+   other programs do. */
 static ost_status finish_output(ost_error *err)
 {
     errno = 0;
@@ -177,7 +178,8 @@ static int fail(const char *verb_name, const ost_error *err, ost_status status)
     return ost_status_exit(status);
 }
 
-/* Returns true if a campaign started this process; its options are not read yet, which may need more memory than there is. */
+/* Returns true if a campaign started this process. It reads argv itself, since parsing the options
+   may fail without memory. */
 static bool is_worker(int argc, char **argv)
 {
     bool worker_given = false, trace_given = false;
@@ -200,7 +202,7 @@ static int run_verb(const app_verb *which, int argc, char **argv)
     const bool failed = status != OST_OK && status != OST_ERR_DIFFER;
     bool verdict = !failed || app.answered;
     if (verdict && app.json) {
-        /* 15 digits: every picometre within 8 m, and 0.47 stays 0.47. */
+        /* 15 digits: exact to one picometre up to 8 m, and 0.47 stays 0.47. */
         char *text = json_dumps(app.result, JSON_INDENT(2) | JSON_REAL_PRECISION(15));
         if (text)
             say_json(text);

@@ -11,7 +11,7 @@
 
 enum { COMMON_MAX = 6, NAMES_MAX = 64 };
 
-/* The options of every verb, after the verb's own. */
+/* Fills the options that all verbs share; they follow the verb's own. */
 static void common_options(app_state *app, bool *help, option out[COMMON_MAX])
 {
     const option common[COMMON_MAX] = {
@@ -34,7 +34,7 @@ static const option *find(const option *table, const char *name, size_t length)
     return NULL;
 }
 
-/* Levenshtein's distance, capped: names are short. */
+/* Computes the Levenshtein distance, capped at LENGTH_MAX: names are short. */
 static int distance(const char *a, const char *b)
 {
     enum { LENGTH_MAX = 32 };
@@ -100,14 +100,15 @@ static ost_status unknown_option(const app_state *app, const char *name, size_t 
     return usage_error(app, err, "--%s is not an option of %s", text, app->verb);
 }
 
-/* One decimal number up to a comma or the end; NULL otherwise. */
+/* Reads one decimal number up to a comma or the end. Returns the position after it, or NULL if it
+   is invalid. */
 static const char *decimal_field(const char *text, ost_decimal *out)
 {
     const char *end = text + strcspn(text, ",");
     return ost_decimal_read(text, end, out) == end ? end : NULL;
 }
 
-/* x,y,z; or a single value for all three where `one` allows. */
+/* Reads x,y,z, or a single value for all three if `one` is true. */
 static bool three_decimals(const char *text, bool one, ost_decimal out[3])
 {
     int n = 0;
@@ -246,7 +247,7 @@ static ost_status take(const app_state *app, const option *o, const char *text, 
             out[a] = decimal_double(&d[a]);
             greatest = fmax(greatest, fabs(out[a]));
         }
-        /* The squares of a direction must neither overflow nor vanish. */
+        /* The squares of a direction's components must not overflow or underflow. */
         if (!(greatest >= 1e-9 && greatest <= 1e9))
             return usage_error(app, err, "--%s '%s': expected a direction whose greatest component is from 1e-9 to 1e9",
                                o->name, text);
@@ -323,7 +324,7 @@ static ost_status parse_all(app_state *app, const usage_text *usage, int argc, c
     return OST_OK;
 }
 
-/* --help wins over every mistake beside it: whoever asks for help gets it. */
+/* Returns true if --help is given: it takes precedence over any other error in the arguments. */
 static bool wants_help(int argc, char **argv)
 {
     for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; i++)

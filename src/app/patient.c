@@ -19,7 +19,8 @@ static ost_status set_triple(const char *name, const char *key, ost_pm3 v, ost_m
     return status;
 }
 
-/* To nine places, as a header is read (ost_axis_from_meta); a long vector is made unit first. */
+/* Stores an axis with nine decimal places, as ost_axis_from_meta reads it. A vector longer than
+   1000 or shorter than 0.001 is normalized first. */
 static ost_status set_axis(const char *name, const double axis[3], ost_meta *meta, ost_error *err)
 {
     const double length = sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]), by = length > 1000 || length < 0.001 ? length : 1;
@@ -187,7 +188,7 @@ static ost_status set_one(const app_state *app, const char *text, ost_meta *meta
             ost_status status = ost_meta_set(meta, facts[f].key, value, err);
             ost_pm3 point;
             bool there;
-            /* As the header has it: blanks between exact decimals. */
+            /* Stored in the header's form: exact decimals separated by blanks. */
             if (status == OST_OK && facts[f].point && (status = ost_point_from_meta(meta, facts[f].key, &point, &there, err)) == OST_OK)
                 status = set_triple("--set", facts[f].key, point, meta, err);
             double axis[3];
