@@ -67,7 +67,7 @@ static ost_status builtin_path(const app_state *app, const char *name, const tar
     return usage_error(app, err, "--path builtin:%s: there is no such path; did you mean builtin:%s?", name, near ? near : names[0]);
 }
 
-/* The ticks of a session, as far as nothing is missing. */
+/* Reads the ticks of a session, up to the first missing one. */
 static ost_status session_path(const app_state *app, const char *name, ost_path *out, ost_error *err)
 {
     ost_session *session;
@@ -82,11 +82,11 @@ static ost_status session_path(const app_state *app, const char *name, ost_path 
     return status;
 }
 
-/* Reads a file of ticks; those that all say tool 0 move tool index (AR-PATH-6). */
+/* Reads a file of ticks. If all of them name tool 0, they move the tool index instead (AR-PATH-6). */
 static ost_status file_path(const app_state *app, const char *name, int32_t index, int tool_count, const ost_path_options *gaps, ost_path *out,
                             ream_gaps *counted, ost_error *err)
 {
-    /* What has no kind, a pipe for one, is read as text. */
+    /* A file whose kind cannot be found, such as a pipe, is read as text. */
     ost_file_kind kind;
     const bool known = ost_file_kind_find(name, &kind, NULL) == OST_OK;
     ost_path_report report = {0};
@@ -109,7 +109,7 @@ static ost_status file_path(const app_state *app, const char *name, int32_t inde
     return OST_OK;
 }
 
-/* Appends a path behind another one, GAP_NS after its last tick and lifted (AR-PATH-6). */
+/* Appends a path to another one: it begins GAP_NS after the last tick, lifted (AR-PATH-6). */
 static ost_status join(ost_path *all, const ost_path *part, ost_error *err)
 {
     if (part->count > OST_PATH_TICKS_MAX - all->count)
@@ -158,7 +158,8 @@ ost_status ream_path_make(const app_state *app, const option_list *paths, const 
     return status;
 }
 
-/* The period of a rate in hertz, rounded down to a nanosecond: integers, since it decides which ticks remove. */
+/* Computes the period of a rate in hertz, rounded down to a nanosecond. Integers only, because it
+   decides which ticks remove. */
 ost_status ream_period(const app_state *app, const option_decimal *rate, int64_t *period_ns, ost_error *err)
 {
     int64_t micro;
@@ -171,7 +172,7 @@ ost_status ream_period(const app_state *app, const option_decimal *rate, int64_t
     return OST_OK;
 }
 
-/* The greatest that can be said: an hour, and 8 m. */
+/* The greatest values that --max-gap accepts: an hour, and 8 m. */
 enum { GAP_MS_MAX = 3600000, JUMP_UM_MAX = 8000000 };
 
 ost_status ream_max_gap(const app_state *app, const char *text, ost_path_options *out, ost_error *err)

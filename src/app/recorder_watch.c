@@ -3,7 +3,7 @@
 
 #include <stdio.h>
 
-/* A disk that answers writes every 25 ms; two seconds without are no hiccup. */
+/* A working disk is written to every 25 ms; two seconds without progress are more than a short delay. */
 enum { STUCK_MS = 2000 };
 
 const char *recorder_watch_look(recorder_watch *watch, const char *name, const ost_recorder_state *state, uint64_t room, double now_ms,
@@ -36,7 +36,7 @@ const char *recorder_watch_look(recorder_watch *watch, const char *name, const o
                  name, left_s);
         return text;
     }
-    /* Well again only when it has written since. */
+    /* Recovery is reported only after the recorder has written again. */
     if ((watch->failing || watch->stuck || watch->losing) && !state->failing && !stuck && state->lost == watch->told_lost && waiting < room / 2) {
         watch->failing = watch->stuck = watch->losing = false;
         if (state->lost)

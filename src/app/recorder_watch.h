@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What to tell people about a recorder while an operation goes on: that the
- * disk fails, that nothing reaches it, that ticks are being lost, and that it
- * is well again.  Each is said once.
+ * Messages about a recorder while an operation runs: the disk fails, nothing is written, ticks are
+ * being lost, recording has recovered. Each message is reported once.
  *
  *   thread, every 100 ms --> ost_recorder_state --> recorder_watch_look --> a line, or none
  */
@@ -13,13 +12,14 @@
 
 typedef struct recorder_watch {
     bool failing, stuck, losing;
-    uint64_t written;   /* when it last grew */
-    double grew_ms;     /* and when that was */
-    uint64_t told_lost; /* when it was last said how many */
+    uint64_t written;   /* count of written records when it last increased */
+    double grew_ms;     /* time of that increase */
+    uint64_t told_lost; /* count of lost records in the last message */
 } recorder_watch;
 
 enum { RECORDER_WATCH_TEXT = 320 };
-/* Of the recorder of name, with room for so many records; NULL when there is nothing new to say. */
+/* Checks the state of the recorder of the file name, which has room for so many records. Returns
+   text with a message, or NULL if there is no new one. */
 const char *recorder_watch_look(recorder_watch *watch, const char *name, const ost_recorder_state *state, uint64_t room, double now_ms,
                                 char text[RECORDER_WATCH_TEXT]);
 

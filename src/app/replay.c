@@ -48,7 +48,8 @@ static uint32_t at_most_32(uint64_t n)
     return n < UINT32_MAX ? (uint32_t)n : UINT32_MAX;
 }
 
-/* All that a tick says of its step, the digest and what is there to be read without it. */
+/* Compares everything that a recorded tick contains about its step: the digest, and the fields that
+   can be read without it. */
 bool replay_as_recorded(const replay *r, const ost_session_tick *tick)
 {
     const ost_step_result *step = &r->step;
@@ -105,7 +106,7 @@ static void look_at_slice(const ost_bone_info *info, int32_t k, const int16_t *h
                 continue;
             out->voxels++;
             const int64_t chunk = i / n + (int64_t)chunks.x * (j / n + (int64_t)chunks.y * (k / n));
-            /* Slices come in order, so within a chunk the first met is the first. */
+            /* Slices come in order, so the first difference found in a chunk is its first. */
             if (out->found && chunk >= out->chunk)
                 continue;
             *out = (replay_place){.found = true,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A session done again: a world as it was when the recording began, and its
- * ticks through the same step.
+ * The replay of a session: a world as it was when the recording began, and its ticks executed by
+ * the same step.
  *
  *   header --> bone, tools, world       checked by their digests
  *   ticks  --> ost_world_step --> digest == recorded?
@@ -11,7 +11,7 @@
 
 #include "app/session_keys.h"
 
-/* Zero-initialise; replay_close in any case. */
+/* Must be zero-initialized; call replay_close in any case. */
 typedef struct replay {
     ost_session *session; /* borrowed */
     const char *name;     /* of the session; borrowed */
@@ -21,37 +21,38 @@ typedef struct replay {
     ost_import_result imported;
     ost_tool *tools[OPTION_LIST_MAX];
     ost_world *world;
-    uint64_t done;        /* ticks */
-    /* At the first tick whose digest was another: */
+    uint64_t done;        /* number of ticks replayed */
+    /* Set at the first tick whose digest differs: */
     bool differs;
     ost_session_tick recorded;
     uint64_t digest;
-    ost_step_result step; /* its report lives until the next tick */
-    /* Of every tick, when there is somebody for it: */
+    ost_step_result step; /* its report is valid until the next tick */
+    /* Called after every tick, if not NULL: */
     ost_status (*each)(void *user, const ost_session_tick *tick, const ost_step_result *step, ost_error *err);
     void *each_user;
 } replay;
 
 /*
- * setup as session_keys_read made it, perhaps with other names of files.  app
- * chooses the backend.  Bone and tools must be those of the recording.
+ * Opens a replay. setup comes from session_keys_read; its file names may have been replaced. app
+ * chooses the backend. Returns an error if bone or tools are not those of the recording.
  */
 ost_status replay_open(const app_state *app, ost_session *session, const char *name, const session_setup *setup, replay *out, ost_error *err);
 void replay_close(replay *r);
 
-/* From the first tick on: up to count ticks, or until one differs when compare is true. */
+/* Replays from the first tick on: up to count ticks, or if compare is true until one differs. */
 ost_status replay_run(replay *r, uint64_t count, bool compare, ost_error *err);
 
-/* Whether its last tick came out as ticks of the recording say: this replay's or another's. */
+/* Returns true if the latest tick of r has the recorded result of tick, which may come from another
+   replay. */
 bool replay_as_recorded(const replay *r, const ost_session_tick *tick);
 
-/* Where two bones of one session differ first: chunk by chunk, then voxel by voxel. */
+/* The first difference between two bones of one session, in the order of chunks and then of voxels. */
 typedef struct replay_place {
     bool found;
     int64_t chunk;
     int32_t voxel[3];
     int16_t here, there;
-    uint64_t voxels; /* how many differ */
+    uint64_t voxels; /* number of voxels that differ */
 } replay_place;
 
 ost_status replay_compare_bones(const replay *here, const replay *there, replay_place *out, ost_error *err);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A video of a session that is done again: each of its frames at its moment
- * of the operation, none left out, whatever the machine takes for it.
+ * A video of a replayed session: each frame shows its moment of the operation and none is dropped,
+ * however long rendering takes.
  */
 #ifndef OST_APP_REPLAY_FILM_H
 #define OST_APP_REPLAY_FILM_H
@@ -15,7 +15,7 @@ typedef struct replay_film_options {
     const char *size;
     int view, style, width, height;
     appearance_options look;
-    bool contact; /* where bone went just then is shown */
+    bool contact; /* voxels removed just before are shown */
 } replay_film_options;
 
 /* Rows for a verb's table of options. */
@@ -32,11 +32,12 @@ typedef struct replay_film_options {
 typedef struct replay_film replay_film;
 
 ost_status replay_film_check(const app_state *app, replay_film_options *options, ost_error *err);
-/* Nothing when no video is asked for. plan NULL: none is known. r's ticks then go into it. */
+/* Begins the video; the ticks that r replays are then drawn. Does nothing if no video is requested.
+   plan: NULL if there is none. */
 ost_status replay_film_begin(const app_state *app, const replay_film_options *options, replay *r, const ost_metrics_plan *plan, replay_film **out,
                              ost_error *err);
-/* The video is whole, and said. */
+/* Completes the video and reports it. */
 ost_status replay_film_end(const app_state *app, replay_film *f, ost_error *err);
-void replay_film_free(replay_film *f); /* NULL is allowed */
+void replay_film_free(replay_film *f); /* f may be NULL */
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The object that --json prints.  Values are handed over (each put takes its
- * reference); running out of memory here ends the program with a line.
+ * The object that --json prints. Each function takes ownership of the value passed to it. If memory
+ * is exhausted, the program ends with a message.
  */
 #ifndef OST_APP_RESULT_H
 #define OST_APP_RESULT_H
@@ -16,13 +16,13 @@ void put_integer(json_t *object, const char *key, int64_t value);
 void put_real(json_t *object, const char *key, double value);
 void put_bool(json_t *object, const char *key, bool value);
 void put_dims(json_t *object, const char *key, ost_dims dims);
-/* [x, y, z] in millimetres */
+/* Stores [x, y, z] in millimetres. */
 void put_mm3(json_t *object, const char *key, ost_pm3 value);
 void put_mm(json_t *object, const char *key, ost_pm value);
 void put_digest(json_t *object, const char *key, const ost_digest *digest);
 void put_meta(json_t *object, const char *key, const ost_meta *meta);
 
-/* SHA-256 of a file as sha256sum prints it. */
+/* Computes the SHA-256 of a file, as sha256sum prints it. */
 ost_status file_digest(const char *path, ost_digest *out, ost_error *err);
 
 #endif

@@ -14,7 +14,8 @@ enum { LINE = 4096 };
 
 static void print_line(FILE *to, const char *before, const char *format, va_list args) OST_PRINTF(3, 0);
 
-/* Prints one line, in which '?' stands for what is not printable, a newline too. Only a line of more than LINE bytes allocates memory. */
+/* Prints one line. Every character that is not printable, newlines included, becomes '?'. Only a
+   line of more than LINE bytes allocates memory. */
 static void print_line(FILE *to, const char *before, const char *format, va_list args)
 {
     char line[LINE], *text = line;
@@ -72,7 +73,8 @@ void say_json(const char *text)
         if (code == '\n' || ost_code_point_is_printable(code))
             fwrite(text, 1, bytes, stdout);
         else
-            printf("\\u%04x", (unsigned)(code < 0 ? 0xfffd : code)); /* within a string: jansson writes no other place */
+            /* only within a string: jansson writes such characters nowhere else */
+            printf("\\u%04x", (unsigned)(code < 0 ? 0xfffd : code));
     }
     putchar('\n');
 }

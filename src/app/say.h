@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Text for people: the summary on standard output (not with --json or
- * --quiet), warnings on standard error (not with --quiet), and numbers as
- * people write them.
+ * Text for people: the summary on standard output (not with --json or --quiet), warnings on
+ * standard error (not with --quiet), and formatted numbers.
  */
 #ifndef OST_APP_SAY_H
 #define OST_APP_SAY_H
@@ -10,7 +9,8 @@
 #include "app/app.h"
 
 void say(const app_state *app, const char *format, ...) OST_PRINTF(2, 3);
-/* Prints one line on a stream, whether or not the verb is quiet; what is not printable in it becomes '?' (core/printable.h). */
+/* Prints one line on a stream, whether or not the verb is quiet. Characters that are not printable
+   become '?' (core/printable.h). */
 void say_on(FILE *to, const char *format, ...) OST_PRINTF(2, 3);
 /* Prints a JSON document; characters that act on a terminal are escaped as \uXXXX. */
 void say_json(const char *text);

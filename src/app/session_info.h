@@ -1,20 +1,21 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Sessions as the command shows them: what one says of itself, what of it is
- * there and what is not.
+ * Information about a session: its header, the records that it contains and those that are missing.
  */
 #ifndef OST_APP_SESSION_INFO_H
 #define OST_APP_SESSION_INFO_H
 
 #include "app/app.h"
 
-/* osteon info SESSION: repaired is the name of a new session to make of it, or NULL. */
+/* Runs osteon info on a session. repaired is the name of a new session to write with its intact
+   records, or NULL. */
 ost_status info_session(const app_state *app, const char *name, const char *repaired, ost_error *err);
 
-/* osteon export SESSION --out FILE.csv, .mcap or .h5; voxels: also which went, by doing it again */
+/* Runs osteon export on a session; out: FILE.csv, .mcap or .h5. With voxels it also exports the
+   removed voxels, found by a replay. */
 ost_status export_session(const app_state *app, const char *name, const char *out, bool voxels, ost_error *err);
 
-/* Into result and for people: the numbers of a summary, and one warning for what is missing. */
+/* Stores and prints the numbers of a session's summary, and warns once if something is missing. */
 void put_session_summary(const app_state *app, const char *name, const ost_session *session);
 
 #endif

@@ -9,7 +9,7 @@
 #include "app/glenoid_plan.h"
 #include "app/result.h"
 
-/* Gathers the first failure, so that a list of keys reads as one. */
+/* Stores the first failure, so that a list of keys needs one check at its end. */
 typedef struct writer {
     ost_session_header *header;
     ost_status status;
@@ -48,7 +48,7 @@ static void set_digest(writer *w, const char *key, const ost_digest *digest)
     set(w, key, ost_digest_hex(digest, hex));
 }
 
-/* Name number index of "a|b|c". */
+/* Sets key to the choice number index of "a|b|c". */
 static void set_choice(writer *w, const char *key, const char *choices, int index)
 {
     char text[40];
@@ -70,7 +70,7 @@ static void set_classes(writer *w, const ost_density_classes *classes)
     set(w, "config.classes", text);
 }
 
-/* SHA-256 of the lines that decide what a step does. */
+/* Sets the SHA-256 of the lines that determine the result of a step. */
 static void set_config_digest(writer *w)
 {
     ost_hasher *hasher = NULL;
@@ -106,7 +106,7 @@ static void set_build(writer *w)
     snprintf(text, sizeof text, "gcc %s", __VERSION__);
 #endif
     set(w, "build", text);
-    /* Where a process cannot read its own program, the session does not say which it was. */
+    /* If a process cannot read its own program file, the session lacks this key. */
     if (file_digest("/proc/self/exe", &digest, NULL) == OST_OK)
         set_digest(w, "build_sha256", &digest);
 }
@@ -195,7 +195,7 @@ typedef struct reader {
     ost_error *err;
 } reader;
 
-/* NULL when it is not there, which is an error if it is needed. */
+/* Returns the value of a key, or NULL if it is missing, which is an error if needed is true. */
 static const char *get(reader *r, const char *key, bool needed)
 {
     const char *value = r->status == OST_OK ? ost_session_header_get(r->header, key) : NULL;

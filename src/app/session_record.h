@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A recording begins: by osteon ream, and by osteon sim. */
+/* Begins a recording, for osteon ream and osteon sim. */
 #ifndef OST_APP_SESSION_RECORD_H
 #define OST_APP_SESSION_RECORD_H
 
@@ -10,10 +10,9 @@ typedef struct session_key {
 } session_key;
 
 /*
- * Opens name with the header of setup and device, and the keys more, up to
- * one that is NULL.  To be called when the first tick is next: a mistake
- * before leaves an old session of that name as it was.  more and options may
- * be NULL.
+ * Opens the session name. Its header is made from setup and device, and the keys of more, an array
+ * that ends with a NULL key. Call it immediately before the first tick: if an earlier step fails,
+ * an existing session of that name remains unchanged. more and options may be NULL.
  */
 ost_status session_record(const char *name, const session_setup *setup, ost_backend *backend, const ost_bone *bone, ost_tool *const *tools,
                           const char *device, const session_key *more, const ost_recorder_options *options, ost_recorder **out, ost_error *err);

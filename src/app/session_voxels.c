@@ -12,9 +12,9 @@ enum { GROUP_NS = 20000000 };
 typedef struct walk {
     replay replay;
     ost_bone_info info;
-    ost_volume known;  /* the bone as it was when it was last looked at */
-    int16_t *slices;   /* owned; of a look */
-    int32_t from, to;  /* slices that lost voxels since then; to 0: none */
+    ost_volume known;  /* the bone at the previous look */
+    int16_t *slices;   /* owned; buffer of look */
+    int32_t from, to;  /* range of slices that lost voxels since then; to is 0 if there are none */
     int64_t begun_ns, last_ns;
 } walk;
 
@@ -69,7 +69,7 @@ static ost_status look(walk *w, session_voxels *out, ost_error *err)
     return OST_OK;
 }
 
-/* The slices of the chunks that lost voxels. */
+/* Extends the range of slices by the chunks that lost voxels. */
 static void mark(walk *w, const ost_step_result *step)
 {
     const int64_t layer = (int64_t)w->info.chunk_dims.x * w->info.chunk_dims.y;
