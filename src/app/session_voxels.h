@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Which voxels went, and when: a session knows how many, so its ticks are done
- * again on the bone, and every 20 ms what was touched is compared with before.
+ * Finds which voxels were removed, and when. A session records only their number, so its ticks are
+ * replayed on the bone, and every 20 ms the affected slices are compared with their previous state.
  */
 #ifndef OST_APP_SESSION_VOXELS_H
 #define OST_APP_SESSION_VOXELS_H
 
 #include "app/app.h"
 
-/* Zero-initialise; session_voxels_free in any case. */
+/* Must be zero-initialized; call session_voxels_free in any case. */
 typedef struct session_voxels {
     ost_session_voxels list; /* its arrays are owned here */
     size_t group_room, room;
 } session_voxels;
 
-/* Bone and tools must be where they were. */
+/* Replays the session. The bone and the tools must be at the recorded paths. */
 ost_status session_voxels_take(const app_state *app, ost_session *session, const char *name, session_voxels *out, ost_error *err);
 void session_voxels_free(session_voxels *v);
 

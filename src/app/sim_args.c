@@ -7,7 +7,7 @@
 #include "app/result.h"
 #include "app/say.h"
 
-enum { PRESS_TICKS_MAX = 600000 }; /* ten minutes; then the simulated hand stays where it is */
+enum { PRESS_TICKS_MAX = 600000 }; /* ten minutes; then the simulated hand stays in place */
 
 const char *const sim_force_names[] = {"off", "energy", "instant"};
 
@@ -30,7 +30,8 @@ bool sim_device_info(const sim_args *args, ost_haptic_info *out)
     return false;
 }
 
-/* A motor that the hand can switch on waits for that; any other one is on from the first tick. */
+/* Checks the motor and the buttons. A motor that a button can switch on is off at first; any other
+   one is on from the first tick. */
 static ost_status check_motor(const app_state *app, sim_args *args, ost_error *err)
 {
     ost_haptic_info info;
@@ -38,7 +39,7 @@ static ost_status check_motor(const app_state *app, sim_args *args, ost_error *e
         return usage_error(app, err, "--rate %s: at %lld turns a minute the motor turns by more than 90 degrees between two removals; at least %.3g Hz",
                            args->rate.text, (long long)args->rpm, (double)args->rpm / 15);
     if (!sim_device_info(args, &info))
-        return OST_OK; /* said when it is opened */
+        return OST_OK; /* reported when the device is opened */
     ost_status status = ost_buttons_parse(&info, args->buttons_text, args->buttons, err);
     for (int i = 0; i < OST_BUTTONS_MAX; i++)
         args->motor_waits = args->motor_waits || args->buttons[i] == OST_ACTION_MOTOR || args->buttons[i] == OST_ACTION_SWITCH;
@@ -47,7 +48,7 @@ static ost_status check_motor(const app_state *app, sim_args *args, ost_error *e
     return status;
 }
 
-/* Seconds as ticks of a millisecond. */
+/* Converts seconds to ticks of a millisecond. */
 static ost_status ticks_of(const app_state *app, const char *name, const option_decimal *seconds, uint64_t *ticks, ost_error *err)
 {
     int64_t ms;
@@ -107,12 +108,13 @@ ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err)
             return usage_error(app, err, "--device replay needs one --path SESSION");
         args->session = args->paths.value[0];
     }
-    /* What a session records must be what a replay reads again. */
+    /* The defaults are set here, so that a session records values that a replay can read. */
     args->tools_given = args->tools.count > 0;
     if (!args->tools.count && !args->resume)
         args->tools = args->motor_waits ? (option_list){3, {"builtin:peg", "builtin:reamer", "builtin:burr"}} : (option_list){1, {"builtin:reamer"}};
     args->paths_given = args->paths.count > 0;
-    /* A hand that is held back may press; what nothing holds back would go straight in. */
+    /* With force feedback a simulated hand may press on the bone; without it the tool would move
+       straight in. */
     const bool pressing = sim_device_is(args, "sim") && !(args->force_given && !args->force);
     if (!args->paths.count)
         args->paths = (option_list){1, {pressing ? "builtin:glenoid-press" : "builtin:glenoid-slow"}};
@@ -120,7 +122,7 @@ ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err)
     if (!args->resume && args->tools.count > 1 && args->paths.count > args->tools.count)
         return usage_error(app, err, "%d paths and %d tools: give one tool for all, or a tool for each path, in the same order",
                            args->paths.count, args->tools.count);
-    /* One thread serves the device; the other cores are for whoever records and looks on. */
+    /* One thread runs the backend; the other cores are for recording and rendering. */
     if (!app->threads && strcmp(app->backend, "cpu") == 0)
         app->threads = 1;
     if (args->debrief && !args->record)

@@ -37,7 +37,7 @@ static sim_beside_frame *frame_at(const sim_beside *b, int back)
     return &b->kept[(b->next + SIM_BESIDE_FRAMES - 1 - back) % SIM_BESIDE_FRAMES];
 }
 
-/* The bone as it is when frames begin to be kept. Without memory none is. */
+/* Copies the bone when the first frame is about to be stored. Without memory no frame is stored. */
 static bool begin(sim_beside *b, const ost_surface *bone)
 {
     b->slots = bone->used;
@@ -49,7 +49,8 @@ static bool begin(sim_beside *b, const ost_surface *bone)
     return b->wanted;
 }
 
-/* What went of a block; what has no room goes with the next frame. */
+/* Stores the voxels of a block that were removed since the previous frame. Rows for which there is
+   no space go into the next frame. */
 static void keep_block(sim_beside *b, sim_beside_frame *f, const ost_surface *bone, int32_t slot)
 {
     const uint32_t *is = bone->slot[slot]->whole;
@@ -67,7 +68,7 @@ static void keep(sim_beside *b, const ost_viewer *viewer)
     const ost_surface *bone = &viewer->bone;
     if (!b->kept && !begin(b, bone))
         return;
-    /* Before the first tick the tool is nowhere. */
+    /* Before the first tick the tool has no pose. */
     if (!viewer->has_state || viewer->state.ticks == 0)
         return;
     sim_beside_frame *f = &b->kept[b->next];
@@ -80,7 +81,8 @@ static void keep(sim_beside *b, const ost_viewer *viewer)
     b->count += b->count < SIM_BESIDE_FRAMES;
 }
 
-/* What went comes, what came goes. Rows of a block stand together. */
+/* Toggles the voxels of a frame: removed ones are restored, and restored ones removed again. Rows
+   of one block are consecutive. */
 static ost_status turn(const sim_beside_frame *f, ost_surface *bone, ost_error *err)
 {
     ost_status status = OST_OK;
@@ -95,7 +97,7 @@ static ost_status turn(const sim_beside_frame *f, ost_surface *bone, ost_error *
     return status;
 }
 
-/* A frame back until the oldest, a frame forward until the newest: the tool never jumps. */
+/* Steps one frame back until the oldest one, then forward until the newest, so that the tool never jumps. */
 static ost_status step(sim_beside *b, ost_surface *bone, ost_error *err)
 {
     if (b->back == 0 || b->back == b->count - 1)
@@ -118,7 +120,7 @@ ost_status sim_beside_update(sim_beside *beside, ost_viewer *viewer, ost_error *
         status = ost_viewer_update(viewer, err);
     if (status != OST_OK)
         return status;
-    /* What the last tick did may come with the first frame after it. */
+    /* The changes of the last tick may arrive with the first frame after it. */
     if (beside->wanted && (sim_beside_ticks(beside) || (again && !beside->begun)))
         keep(beside, viewer);
     if (!again)
@@ -129,7 +131,7 @@ ost_status sim_beside_update(sim_beside *beside, ost_viewer *viewer, ost_error *
     return status == OST_OK ? ost_surface_update(&viewer->bone, err) : status;
 }
 
-/* By turns, since what a machine takes it takes in bursts. */
+/* Alternates between two kinds of turns, since other load on a machine comes in bursts. */
 bool sim_beside_rests(sim_beside *beside, const frame_times *drawn)
 {
     if (stage_of(beside) != OST_SERVO_RESTED)

@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Frames beside the loops that a run is compared with (haptics.h).
+ * Frames during the control runs that an operation is compared with (ost_servo_stage in haptics.h).
  *
- *   ticks        frames are drawn and counted, and of each is kept what it took: where the tool was, which voxels went
- *   busy, quiet  the last of them again, backward and forward, the bone with them: frames of the same work, not counted
- *   rested       no frames: a loop that only wakes when one would be due, then one that spends what a frame took at median.
- *                How often these two come is what the machine makes of frames, whoever draws them.
+ *   ticks        frames are drawn and counted; the tool's pose and the removed voxels of each are stored
+ *   busy, quiet  the last stored frames are drawn again, backward and forward, with the bone of that
+ *                moment: the same work, but not counted
+ *   rested       no frames are drawn: a loop that only wakes when a frame would be due alternates with
+ *                one that spins for the median duration of a frame. The intervals of the two show the
+ *                machine's share in the frame times, independent of any renderer.
  *
- * Before anything else is drawn the bone is as it was.
+ * Before anything else is drawn the bone is restored to its current state.
  */
 #ifndef OST_APP_SIM_BESIDE_H
 #define OST_APP_SIM_BESIDE_H
@@ -19,7 +21,7 @@
 
 enum { SIM_BESIDE_FRAMES = 256, SIM_BESIDE_ROWS = 512, SIM_BESIDE_NOT_BEGUN = -1 };
 
-/* Voxels of a row of a block that went. */
+/* The removed voxels of a row of a block. */
 typedef struct sim_beside_row {
     int32_t slot;
     int32_t row;
@@ -29,32 +31,34 @@ typedef struct sim_beside_row {
 typedef struct sim_beside_frame {
     ost_pose pose;
     int count;
-    sim_beside_row row[SIM_BESIDE_ROWS]; /* since the frame before */
+    sim_beside_row row[SIM_BESIDE_ROWS]; /* changes since the previous frame */
 } sim_beside_frame;
 
 typedef struct sim_beside {
-    _Atomic int stage; /* an ost_servo_stage, set by the loop's thread */
-    bool wanted;       /* there will be something to compare with */
-    /* The rest is whose frames they are. */
-    sim_beside_frame *kept;  /* owned; SIM_BESIDE_FRAMES, the newest before next, around */
+    _Atomic int stage; /* an ost_servo_stage, set by the servo thread */
+    bool wanted;       /* there will be a control run */
+    /* The remaining fields belong to the thread that draws the frames. */
+    sim_beside_frame *kept;  /* owned; ring of SIM_BESIDE_FRAMES; the newest is the one before next */
     int count, next;
-    int back;                /* how many frames before the newest the bone is */
+    int back;                /* number of frames by which the bone is behind the newest */
     bool forward, begun;
-    uint32_t (*bone)[OST_BLOCK_ROWS]; /* owned; of each slot, at the newest */
+    uint32_t (*bone)[OST_BLOCK_ROWS]; /* owned; occupancy of each slot at the newest frame */
     int32_t slots;
-    int64_t rest_ns, last_ns; /* when the rest began, and its last turn; 0: not yet */
-    bool spends;             /* that turn did */
-    frame_times woken, spent; /* from one turn to the next */
+    int64_t rest_ns, last_ns; /* begin of the rested stage, and its last turn; 0: not yet */
+    bool spends;             /* the last turn spun */
+    frame_times woken, spent; /* intervals between turns */
 } sim_beside;
 
 void sim_beside_free(sim_beside *beside);
-/* Whether frames are of the operation, to be counted and filmed. */
+/* Returns true if frames show the operation and are to be counted and filmed. */
 bool sim_beside_ticks(const sim_beside *beside);
-/* Whether they are to be drawn although nothing has changed. */
+/* Returns true if frames are to be drawn although nothing has changed. */
 bool sim_beside_again(const sim_beside *beside);
-/* The viewer's update, and what it was is kept, or what was kept is put in its place. */
+/* Updates the viewer. During the ticks the frame's changes are stored; during a control run a
+   stored frame replaces it. */
 ost_status sim_beside_update(sim_beside *beside, ost_viewer *viewer, ost_error *err);
-/* In place of a frame, which took what drawn says: false when one is to be drawn. */
+/* Executes one turn of the rested stage in place of a frame; its duration is the median of drawn.
+   Returns false in any other stage: then a frame is to be drawn. */
 bool sim_beside_rests(sim_beside *beside, const frame_times *drawn);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The camera of a window, as people know it from 3D programs: views by name,
- * to which it flies in a moment, and by hand from there.
+ * The camera of a window, with the controls of 3D programs: named views, reached in a short flight,
+ * and free movement from there.
  */
 #ifndef OST_APP_SIM_CAMERA_H
 #define OST_APP_SIM_CAMERA_H
@@ -9,27 +9,31 @@
 #include "render/views.h"
 
 typedef struct sim_camera {
-    ost_orbit orbit;       /* now */
-    ost_orbit from, to;    /* of the flight */
+    ost_orbit orbit;       /* current */
+    ost_orbit from, to;    /* begin and end of the flight */
     double begin_s;
     bool flying;
     ost_view_subject subject;
-    ost_view_name home;    /* where it began */
-    double farthest;       /* mm, from what it looks at; that stays as near to the subject's middle */
+    ost_view_name home;    /* the initial view */
+    /* in mm; limits the distance from camera to target, and that from target to the subject's
+       middle */
+    double farthest;
 } sim_camera;
 
-/* voxel_mm: the smallest that is drawn, of which a frame takes no more than so many from the eye. */
+/* Makes a camera. voxel_mm: the smallest voxel that is drawn, which limits the distance to a number
+   of voxels that a frame can show. */
 sim_camera sim_camera_at(ost_view_name view, const ost_view_subject *subject, double voxel_mm);
-/* tool: its pose, or NULL. */
+/* Begins a flight to a view. tool: its pose, or NULL. */
 void sim_camera_fly(sim_camera *camera, ost_view_name view, const ost_pose *tool, double now_s);
-/* To where the flight is by now. */
+/* Advances the flight to the time now_s. */
 void sim_camera_step(sim_camera *camera, double now_s);
 
-/* By pixels of a picture so high, and by steps of a wheel; a flight ends where it is. */
+/* Move by pixels of a picture of that height, or by steps of a wheel. A flight ends at its current
+   position. */
 void sim_camera_turn(sim_camera *camera, double dx, double dy, int height);
 void sim_camera_shift(sim_camera *camera, double dx, double dy, int height);
 void sim_camera_near(sim_camera *camera, double steps);
-/* Keys that are down for so long: -1, 0 or 1 to the right, up and nearer. */
+/* Moves by keys held for dt seconds; right, up and nearer are -1, 0 or 1. */
 void sim_camera_hold(sim_camera *camera, int right, int up, int nearer, bool shift, double dt);
 
 #endif

@@ -49,7 +49,8 @@ double sim_scene_depth(void *user, int32_t tool, const ost_pose *pose)
     return depth;
 }
 
-/* Degrees outward of an inward direction, toward the back and toward the head, as the debrief has them. */
+/* Computes the angles in degrees of an inward direction, seen outward: posterior and superior, as
+   in the debrief. */
 static void angles(const double inward[3], bool left, double out[2])
 {
     const double lateral = left ? -inward[0] : inward[0];

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Which force, with which parameters: from the device, --force and --force-params; and what a session says of them. */
+/* Chooses the force model and its parameters from the device, --force and --force-params, and
+   writes them as keys of a session. */
 #include "app/sim.h"
 
 #include <math.h>
@@ -9,7 +10,8 @@
 #include "app/result.h"
 #include "app/say.h"
 
-/* N m/rad: of a device that renders torques, unless a file says otherwise. A handle of 60 g turns like 0.15 g m2; a hand damps 10 mN m s. */
+/* N m/rad: for a device that renders torques, unless a file sets it. The model is a handle of 60 g
+   with an inertia of 0.15 g m2, and a hand with a damping of 10 mN m s. */
 #define TURN_STIFFNESS 0.5
 
 static uint32_t caps_of(const sim_args *args)
@@ -29,7 +31,7 @@ ost_status sim_force_params(const app_state *app, sim_args *args, ost_error *err
     args->max_force_from = "default";
     if (!args->force_file)
         return OST_OK;
-    /* What the file does not set stays no number. */
+    /* NAN marks values that the file does not set. */
     ost_safety_params read = args->safety;
     read.max_n = read.max_nm = NAN;
     ost_status status = ost_force_params_read(args->force_file, &args->force_params, &read, err);
@@ -66,7 +68,7 @@ void sim_force_print(const app_state *app, const sim_args *args)
     put(app->result, "force_params", o);
 }
 
-/* The limits of the open device, in place of those that no file has set. */
+/* Replaces limits that no file has set by those of the open device. */
 static void take_limits(const app_state *app, sim_args *args, const simulation *s)
 {
     ost_haptic_limits own;

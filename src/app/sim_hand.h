@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The hand that a mouse moves: where it is to be, in the bone's frame.
- * Directions are those of the picture: right, up, and back toward who looks.
+ * The simulated hand that a mouse moves: its target pose in the bone's frame. Directions are those
+ * of the picture: right, up, and back towards the camera.
  */
 #ifndef OST_APP_SIM_HAND_H
 #define OST_APP_SIM_HAND_H
@@ -18,17 +18,17 @@ typedef struct sim_hand {
 } sim_hand;
 
 sim_hand sim_hand_at(const ost_pose *pose, int32_t tool);
-/* By pixels, at the depth where it is. */
+/* Moves by pixels, at the current depth. */
 void sim_hand_drag(sim_hand *hand, const ost_orbit *orbit, double dx, double dy, int height);
-/* Turned by pixels, about the picture's up and right. */
+/* Turns by pixels, about the picture's up and right directions. */
 void sim_hand_turn(sim_hand *hand, const ost_orbit *orbit, double dx, double dy);
-/* About its own axis, in radians. */
+/* Turns about the tool's axis, in radians. */
 void sim_hand_twist(sim_hand *hand, double angle);
-/* Along its own axis, the way it works, in mm. */
+/* Moves along the tool's axis in its working direction, in mm. */
 void sim_hand_push(sim_hand *hand, double mm);
-/* Its axis, the way it works; a unit vector. */
+/* Computes the tool's working direction, a unit vector. */
 void sim_hand_axis(const sim_hand *hand, double axis[3]);
-/* What a device is given; false when that is beyond what poses can be. */
+/* Makes the state that a device receives. Returns false if the pose is out of range. */
 bool sim_hand_state(const sim_hand *hand, ost_haptic_state *out);
 
 #endif

@@ -12,7 +12,8 @@
 enum { WHITE = 0xf4f1ee, PALE = 0xb9b2aa, GREEN = 0x8fce7a, AMBER = 0x4fb4f2, RED = 0x5a5af0, PANEL = 0x0e0c0a, BACK = 0x1c1816, BAR = 0x4a423a };
 enum { SHADE = 150, LINE = 220 };
 enum { ROWS = 9, ROW_TEXT = 64, FOOT_LINES = 4, FOOT_TEXT = 200 };
-static const double PLAIN = 9.5, LARGE = 13, LEAST = 0.75, MOST = 4; /* capitals in units; a unit in pixels of 96 to the inch */
+/* height of capitals in units; limits of a unit in pixels at 96 dpi */
+static const double PLAIN = 9.5, LARGE = 13, LEAST = 0.75, MOST = 4;
 
 struct sim_hud {
     ost_lettering *plain, *large;
@@ -21,8 +22,9 @@ struct sim_hud {
 
 /* ------------------------------------------------------------ how large */
 
-/* 720 high and 1000 wide is the size it is made for; larger frames are looked at from farther away, but not quite so. In sixteenths, not to be
-   made anew for every pixel. */
+/* Computes the size of a unit in pixels. The HUD is designed for frames 1000 wide and 720 high; on
+   larger ones it grows less than the frame, since they are usually viewed from a greater distance.
+   The size is a multiple of 1/16, so that the lettering is not made anew for every pixel. */
 static double unit_for(int width, int height, double scale)
 {
     const double dense = fmax(1, scale), room = fmin(height / 720.0, width / 1000.0) / dense;
@@ -69,14 +71,14 @@ static int px(const sim_hud *h, double units)
 
 /* ---------------------------------------------------------------- panels */
 
-/* Lines of a name and its value. */
+/* Rows of a name and its value. */
 typedef struct table {
     int rows;
     struct {
         const char *name;
         char value[ROW_TEXT];
         uint32_t colour;
-        double share; /* of a bar under it; below 0: none */
+        double share; /* length of a bar below the row, from 0 to 1; negative if there is none */
     } row[ROWS];
 } table;
 
@@ -96,13 +98,13 @@ static void add_angle(table *t, const char *name, double degrees, const char *mo
     add(t, name, size < 3 ? GREEN : size < 8 ? AMBER : RED, text);
 }
 
-/* Without the sign of what is written as zero. */
+/* Removes the sign of a value that is printed as zero. */
 static double plain(double value)
 {
     return fabs(value) < 0.05 ? 0 : value;
 }
 
-/* A force and the end of its scale, which has a bar with marks at its quarters. */
+/* Adds a force and the end of its scale, with a bar that has marks at its quarters. */
 static void add_force(table *t, const char *name, double n, double full)
 {
     const double share = full > 0 ? fmax(0, fmin(1, n / full)) : 0;
@@ -176,7 +178,7 @@ static double bar_units(const table *t)
 
 enum { STEP = 21, MARGIN = 12, INSIDE = 14, GAP = 18 };
 
-/* As wide as its widest row. */
+/* Computes the size of a table, which is as wide as its widest row. */
 static sim_hud_box table_box(const sim_hud *h, const table *t, int least, bool title)
 {
     int width = px(h, least);
@@ -249,7 +251,7 @@ typedef struct foot {
     char line[FOOT_LINES][FOOT_TEXT];
 } foot;
 
-/* A sentence in lines that are so wide; what does not fit is cut. */
+/* Breaks a sentence into lines of the given width in pixels; text that does not fit is cut off. */
 static foot foot_of(const sim_hud *h, const char *text, int width)
 {
     foot f = {0};
@@ -266,7 +268,7 @@ static foot foot_of(const sim_hud *h, const char *text, int width)
             used++;
         }
         if (used == 0)
-            return (foot){0}; /* not even a letter */
+            return (foot){0}; /* not even a letter fits */
         const bool broken = text[used] && text[used] != ' ' && blank;
         const size_t end = broken ? blank : used;
         line[end] = '\0';
@@ -284,7 +286,7 @@ static const char *foot_text(const sim_hud_facts *f)
 
 /* ------------------------------------------------------------- scale, edges */
 
-/* The greatest 1, 2 or 5 times a power of ten of millimetres that fits. */
+/* Returns the greatest length that fits, in mm: 1, 2 or 5 times a power of ten. */
 static double scale_length(const sim_hud *h, double mm_per_pixel)
 {
     const double room = px(h, 150) * mm_per_pixel;
@@ -310,7 +312,7 @@ static void draw_scale(const sim_hud *h, const ost_sheet *s, const sim_hud_box *
     ost_lettering_draw(h->plain, s, at + letters > box->x + box->width ? box->x + box->width - letters : at, y - px(h, 10), text, PALE);
 }
 
-/* At its left, right, upper and lower edge: where that is in the patient, as on a radiograph. */
+/* Computes the anatomical direction of an edge (0 left, 1 right, 2 upper, 3 lower), as on a radiograph. */
 static void edge_letters(const sim_hud_facts *f, int edge, char letters[4])
 {
     double d[3];
@@ -328,7 +330,7 @@ static bool apart(const sim_hud_box *a, const sim_hud_box *b)
     return !a->width || !b->width || a->x >= b->x + b->width || b->x >= a->x + a->width || a->y >= b->y + b->height || b->y >= a->y + a->height;
 }
 
-/* Kept when it is within the frame and apart from all that came before. */
+/* Returns box if it is within the frame and overlaps none of those placed before, else an empty box. */
 static sim_hud_box placed(sim_hud_box box, int width, int height, const sim_hud_box *const *before, int count)
 {
     bool room = box.width > 0 && box.height > 0 && box.x >= 0 && box.y >= 0 && box.x + box.width <= width && box.y + box.height <= height;
@@ -375,7 +377,7 @@ sim_hud_layout sim_hud_arrange(const sim_hud *h, int width, int height, const si
     box.x = width - margin - box.width;
     box.y = margin;
     l.rates = placed(box, width, height, all, 5);
-    if (!l.rates.width && l.hand.width) { /* a frame that is high and narrow */
+    if (!l.rates.width && l.hand.width) { /* a frame that is tall and narrow */
         box.x = margin;
         box.y = l.hand.y + l.hand.height + margin / 2;
         l.rates = placed(box, width, height, all, 5);

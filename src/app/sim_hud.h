@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What is written over a frame: what the hand has and feels, what has been
- * done and how it stands to the plan, how punctual the loop is.
+ * The HUD, drawn over a frame: the state of the simulated hand and its forces, the operation
+ * compared with the plan, the punctuality of the servo loop.
  *
- *   .-------.      S       .-------.     letters grow with the frame, and never
- *   | hand  |              | rates |     fall below what can be read; a panel
- *   '-------'              '-------'     that has no room is left out
+ *   .-------.      S       .-------.     letters grow with the frame and never
+ *   | hand  |              | rates |     become unreadably small; a panel for
+ *   '-------'              '-------'     which there is no space is omitted
  *   R                              L
  *   .----------------.
- *   | what there is  |       10 mm
+ *   |    messages    |       10 mm
  *   '----------------' I   |-------|
  */
 #ifndef OST_APP_SIM_HUD_H
@@ -21,33 +21,39 @@
 typedef struct sim_hud_facts {
     const char *tool;     /* "reamer" */
     const char *device;
-    int number, tools;    /* the tool's, from 1 */
+    int number, tools;    /* number of the current tool, from 1, and of all tools */
     bool running;         /* there was a tick */
-    double seconds;       /* of the operation */
+    double seconds;       /* time since the operation began */
     double contact_n, force_n;           /* contact force, on the bone; hand force, on the device */
-    double contact_full_n, force_full_n; /* the ends of their scales */
-    bool force_given;     /* by a device that has one, be it only shown */
+    double contact_full_n, force_full_n; /* ends of their scales */
+    bool force_given;     /* a force is computed, even if the device only displays it */
     double removed_mm3;
     bool planned;         /* the next four are known */
-    double reached_mm, planned_mm; /* the deepest that this tool removed bone, below the native face; of the plan, 0: not this tool's */
-    double back_deg, up_deg; /* of the tool against the plan: how much more to the back and to the head it looks outward */
+    /* depth below the native face at which this tool removed bone, and its planned depth; 0 if the
+       plan is not for this tool */
+    double reached_mm, planned_mm;
+    /* angles between the tool's outward axis and the planned one: posterior and superior, in
+       degrees */
+    double back_deg, up_deg;
     bool touching, pedal;
-    const char *fault;    /* NULL: none */
-    bool plain;           /* nobody has keys */
-    bool timings;         /* of the loop and of frames are asked for */
-    bool rates;           /* the next are known */
+    const char *fault;    /* NULL if there is none */
+    bool plain;           /* there is no keyboard: no hint at F1 */
+    bool timings;         /* times of the servo loop and of frames are requested */
+    bool rates;           /* the next five are known */
     double ticks_s, frames_s, late_us, takes_us, frame_ms;
     uint64_t missed;
     bool recording, help;
     bool filming;         /* a video is written */
-    uint64_t dropped;     /* frames of it that had to be left out */
-    const char *message;  /* NULL: none */
-    ost_legend legend;    /* of the colours */
-    double mm_per_pixel;  /* at what is looked at */
-    double right[3], up[3]; /* the picture's, in the bone's frame: for the letters at its edges; zero: none */
+    uint64_t dropped;     /* frames dropped from the video */
+    const char *message;  /* NULL if there is none */
+    ost_legend legend;    /* legend of the colours */
+    double mm_per_pixel;  /* at the camera's target */
+    /* directions of the picture in the bone's frame, for the letters at its edges; zero if there
+       are none */
+    double right[3], up[3];
 } sim_hud_facts;
 
-/* A part of a frame; nothing of it when it has no width. */
+/* A part of a frame; empty if its width is 0. */
 typedef struct sim_hud_box {
     int x, y, width, height;
 } sim_hud_box;
@@ -58,17 +64,18 @@ typedef struct sim_hud_layout {
 
 typedef struct sim_hud sim_hud;
 
-/* For frames of this size on a display of this density (1: 96 to the inch). */
+/* Makes a HUD for frames of this size on a display of this density (1: 96 dpi). */
 ost_status sim_hud_create(int width, int height, double scale, sim_hud **out, ost_error *err);
-void sim_hud_free(sim_hud *hud); /* NULL is allowed */
-/* Whether one made for other frames is the same. */
+void sim_hud_free(sim_hud *hud); /* hud may be NULL */
+/* Returns true if the HUD is also right for frames of this size and density. */
 bool sim_hud_suits(const sim_hud *hud, int width, int height, double scale);
-/* Where everything goes: within the frame, and no two in the same place. */
+/* Computes the position of every part: within the frame, and without overlaps. */
 sim_hud_layout sim_hud_arrange(const sim_hud *hud, int width, int height, const sim_hud_facts *facts);
-/* White within the plan, amber beyond it, red more than a millimetre beyond; planned_mm 0: no plan, white. */
+/* Returns white within the plan, amber beyond it, red more than a millimetre beyond; white if
+   planned_mm is 0: no plan. */
 uint32_t sim_hud_depth_colour(double reached_mm, double planned_mm);
 void sim_hud_draw(const sim_hud *hud, const ost_sheet *sheet, const sim_hud_facts *facts);
-/* A sheet with nothing but a sentence in its middle. */
+/* Draws a sheet that shows only a sentence in its middle. */
 void sim_hud_say(const sim_hud *hud, const ost_sheet *sheet, const char *sentence);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* All that must be there before the first tick, in the order in which a mistake costs least. */
+/* Loads and opens all that the first tick needs, in the order in which an error costs the least time. */
 #include "app/sim.h"
 
 #include <stdlib.h>
@@ -32,7 +32,7 @@ void simulation_free(simulation *s)
     ost_backend_close(s->backend);
 }
 
-/* A session that is gone on with knows where paths go. */
+/* Finds the plan and the target of built-in paths; a resumed session contains them. */
 static ost_status take_plan(const app_state *app, const sim_args *args, simulation *s, target_options *target, ost_error *err)
 {
     const ost_session_header *header = s->resumed ? ost_session_header_of(s->resumed) : NULL;
@@ -68,7 +68,7 @@ static ost_pose back_from_the_bone(const sim_args *args, const simulation *s, co
     return *from;
 }
 
-/* Some way above the middle of its top, pointing down. */
+/* Returns a pose 20 mm above the middle of the bone's top, pointing down. */
 static ost_pose over_the_bone(const ost_bone *bone)
 {
     ost_pose pose = ost_pose_identity();
@@ -98,7 +98,7 @@ ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, o
         status = ream_path_make(app, &args->paths, &target, &s->imported.meta, args->bone, grids, args->tools.count, &args->gaps, &s->path,
                                 &s->gaps, err);
     if (status == OST_ERR_USAGE && !sim_follows_path(args) && !args->paths_given) {
-        /* A bone without a glenoid: a hand needs no path, only a place to begin. */
+        /* The bone has no glenoid. A hand needs no path, only an initial pose. */
         status = OST_OK;
         *err = (ost_error){0};
     }
@@ -127,7 +127,7 @@ ost_status sim_check_start(const app_state *app, const sim_args *args, simulatio
 {
     start_setup site = {.bone_name = args->bone, .bone = s->bone, .plan = s->planned ? &s->plan : NULL, .names = &args->tools,
                         .tools = s->tools, .strict = args->strict};
-    /* A session that is gone on with was checked when it began. */
+    /* A resumed session was checked when it began. */
     if (s->resumed)
         return OST_OK;
     /* A path has the first pose of each of its tools; a hand begins at home with any of them. */

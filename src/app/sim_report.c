@@ -29,7 +29,7 @@ static const char *end_text(ost_servo_end end)
     return "unknown";
 }
 
-/* What the device counted: good packets and bad ones, say. */
+/* Reports the device's counters, such as good and bad packets. */
 static void report_counts(const app_state *app, const simulation *s)
 {
     ost_haptic_tally counts[OST_HAPTIC_COUNTS];
@@ -163,7 +163,7 @@ ost_status sim_device_end(app_state *app, const sim_args *args, const simulation
                     args->record ? args->record : "", args->record ? ", which --resume continues" : "");
 }
 
-/* Motion and forces are read from the recording, which is whole by now. */
+/* Makes the debrief. Motion and forces are read from the recording, which is complete by now. */
 static ost_status debrief_make(const app_state *app, const sim_args *args, simulation *s, ost_error *err)
 {
     ost_session *session;
