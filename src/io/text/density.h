@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A density of the common form, [-]digits with 1 to 5 digits and a value
- * within int16, out of the eight bytes that begin with it.  w holds them, the
+ * Parses a density of the common form, [-]digits with 1 to 5 digits and a value
+ * within int16, from the eight bytes that begin with it.  w contains them, the
  * first in the lowest byte.
  *
  *   bytes    1 0 4 3 \n - 5 7       x = w ^ "\n\n\n\n\n\n\n\n"
  *   a zero byte of x: the lowest bit of (x - 01..01) & ~x & 80..80 is in the
  *   first one.  (A borrow can only mark bytes above it.)
  *
- *   w << 8 (8 - n)   . . . . 1 0 4 3     its last digit comes to the highest byte
- *   ^ '0'            digits are 0 to 9; bytes below them are masked away
+ *   w << 8 (8 - n)   . . . . 1 0 4 3     its last digit moves to the highest byte
+ *   ^ '0'            digits are 0 to 9; bytes below them are masked off
  *
  * A byte b is a digit iff b < 10, iff neither b nor b + 6 reaches 16.  (A
- * carry out of a byte needs b >= 250, which the first test has seen.)
+ * carry out of a byte requires b >= 250, which the first test has found.)
  */
 #ifndef OST_IO_TEXT_DENSITY_H
 #define OST_IO_TEXT_DENSITY_H
@@ -28,7 +28,7 @@ static inline uint64_t ost_text_word(const char *p)
     return w;
 }
 
-/* The bytes before the first newline of the eight in w; 8 when there is none. */
+/* Returns the number of bytes before the first newline of the eight in w; 8 if there is none. */
 static inline int64_t ost_text_bytes_of_line(uint64_t w)
 {
     uint64_t x = w ^ UINT64_C(0x0a0a0a0a0a0a0a0a);
@@ -36,7 +36,7 @@ static inline int64_t ost_text_bytes_of_line(uint64_t w)
     return zero ? __builtin_ctzll(zero) / 8 : 8;
 }
 
-/* The first `length` of the eight bytes in w as a density; false when it is not of the common form. */
+/* Parses the first `length` of the eight bytes in w as a density. Returns false if it is not of the common form. */
 static inline bool ost_text_density(uint64_t w, int64_t length, int16_t *density)
 {
     if (length < 1 || length > 6)
@@ -48,7 +48,7 @@ static inline bool ost_text_density(uint64_t w, int64_t length, int16_t *density
     t = (t ^ UINT64_C(0x3030303030303030)) & (UINT64_MAX << (64 - 8 * digits));
     if (((t + UINT64_C(0x0606060606060606)) | t) & UINT64_C(0xf0f0f0f0f0f0f0f0))
         return false;
-    /* Pairs, fours, the eight of them: each product's upper half is the sum wanted. */
+    /* Combines digits to pairs, fours and eight: the upper half of each product's lanes is the required sum. */
     t = (t * 2561) >> 8 & UINT64_C(0x00ff00ff00ff00ff);
     t = (t * 6553601) >> 16 & UINT64_C(0x0000ffff0000ffff);
     t = (t * UINT64_C(42949672960001)) >> 32;

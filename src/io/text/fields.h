@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The fields of a line, shared by all texts of numbers.
+ * Splits a line into fields, for all texts of numbers.
  *
  *   " 0.47,\t-57.34 ; 1  120 # comment"   ->   0.47 | -57.34 | 1 | 120
  *
- * Fields are separated by blanks and tabs, with at most one comma or
- * semicolon among them; two in a row are an empty field, which is an error
- * and never a number.  '#' ends the line.
+ * Fields are separated by blanks and tabs, with at most one comma or semicolon
+ * among them. Two in a row enclose an empty field, which is an error and never a
+ * number.  '#' ends the line.
  */
 #ifndef OST_IO_TEXT_FIELDS_H
 #define OST_IO_TEXT_FIELDS_H
@@ -35,7 +35,7 @@ static inline const char *ost_text_skip_blanks(const char *p, const char *end)
     return p;
 }
 
-/* Moves *p to the start of field number `index` (from 0) when there is one. */
+/* Moves *p to the start of field number `index` (from 0), if there is one. */
 static inline ost_text_field_kind ost_text_field_start(const char **p, const char *end, int index)
 {
     const char *q = ost_text_skip_blanks(*p, end);
@@ -57,18 +57,21 @@ static inline const char *ost_text_field_end(const char *p, const char *end)
     return p;
 }
 
-/* The field for a message, cut when it is long. Returns quote. */
+/* Copies the field for a message; a long one is truncated. Returns quote. */
 const char *ost_text_quote(const char *field, const char *end, char quote[OST_TEXT_QUOTE]);
-/* Bytes that no text of numbers has. */
+/* Returns true if there are bytes that do not occur in a text of numbers. */
 bool ost_text_is_binary(const char *p, const char *end);
-/* Whether the line's fields are words: none is a decimal, an empty field, nan or inf, and one has a letter. */
+/*
+ * Returns true if the line's fields are words: at least one has a letter, and none is a decimal, an empty field, nan
+ * or inf.
+ */
 bool ost_text_is_header(const char *p, const char *end);
 
 /*
- * Reads a comment "# osteon KEY: VALUE" (AR-CT-8), KEY a word without blanks,
- * VALUE trimmed, and returns true.  Other comments are for people.  What is
- * too long for the fields is cut, and is then still too long for a fact:
- * OST_META_KEY and OST_META_VALUE are less.
+ * Reads a comment "# osteon KEY: VALUE" (AR-CT-8), KEY a word without blanks, VALUE
+ * trimmed, and returns true.  Returns false for all other comments.  Text that is
+ * too long for the members is truncated; it is still too long for a fact then,
+ * because OST_META_KEY and OST_META_VALUE are less than their sizes.
  */
 typedef struct ost_text_fact {
     char key[48];

@@ -1,41 +1,42 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * How the steps k and the spacing s are found.
+ * The method that finds the steps k and the spacing s.
  *
  * Steps.  The smallest gap is one step.
- *   1. Exactly: all coordinates are multiples of it from c_0.  A gap of one
- *      unit proves little (1.3 mm written without digits looks like 1 mm with
- *      absent layers), so such a gap must be the only one.
- *   2. Else rounded: gaps of at most u may be one layer written in two ways,
- *      the smallest above u is one step, s in [g - u, g + u].  Going up, c_i
- *      leaves s in [(c_i - c_0 - u) / k, (c_i - c_0 + u) / k] for its k; no k
- *      that meets what is left, or several, is an error, and the only one
- *      narrows what is left.  (|c_i - c_0 - k_i s| <= |e_i| + |e_0| <= u.)
+ *   1. Exact: all coordinates are multiples of it from c_0.  A gap of one unit
+ *      (the coarsest that occurs) proves little (1.3 mm written without decimals
+ *      looks like 1 mm with absent layers), so such a gap is accepted only if all
+ *      gaps are equal.
+ *   2. Else rounded: gaps of at most u may be one layer written in two ways, and
+ *      the smallest gap above u is one step, s in [g - u, g + u].  In ascending
+ *      order, c_i restricts s to [(c_i - c_0 - u) / k, (c_i - c_0 + u) / k] for
+ *      its k.  It is an error if no k is consistent with the remaining interval,
+ *      or if several are; the only one narrows the interval.
+ *      (|c_i - c_0 - k_i s| <= |e_i| + |e_0| <= u.)
  *
- * Unit.  Texts that drop trailing zeros ("0", "0.47", "0.5") write fewer
- * digits than they mean.  So the units that occur are tried from the finest
- * to the coarsest, and the first with a lattice holds: what fits a finer unit
- * fits a coarser one, so nothing is claimed that the digits do not say.
+ * Unit.  Texts that drop trailing zeros ("0", "0.47", "0.5") write fewer digits
+ * than they mean.  Therefore the units that occur are tried from the finest to the
+ * coarsest, and the first one with a lattice is used. Coordinates that fit a finer
+ * unit fit a coarser one too, so the result asserts nothing beyond the digits.
  *
- * Spacing.  The feasible decimal with the fewest digits after the point, of
- * several the nearest to (c_(m-1) - c_0) / n, n = k_(m-1), of those the
- * smaller.  The left side of (F) is a maximum of linear functions of s, so it
- * is convex, the feasible s are an interval, and at an infeasible s the pair
- * (i, j) of its maximum and minimum tells on which side they lie: its
- * k_i - k_j is the negative slope there.  That is `probe`; with it the
- * multiples of 10^-d are searched by bisection.
+ * Spacing.  The feasible decimal with the fewest digits after the point; of several
+ * the nearest to (c_(m-1) - c_0) / n, n = k_(m-1); of those the smaller.  The left
+ * side of (F) is a maximum of linear functions of s, so it is convex and the
+ * feasible s are an interval. At an infeasible s, the pair (i, j) of its maximum and
+ * minimum shows on which side the interval lies: k_i - k_j is the negative slope
+ * there.  This is `probe`; with it the multiples of 10^-d are searched by bisection.
  *
- * When no decimal with nine digits is feasible (thirds of a millimetre),
- * RHE((c_(m-1) - c_0) / n) is taken if (F) holds with n pm more: k steps of a
- * spacing that is half a picometre off end k / 2 pm off.
+ * If no decimal with nine digits is feasible (thirds of a millimetre),
+ * RHE((c_(m-1) - c_0) / n) is used if (F) holds with n pm more: k steps of a spacing
+ * that is half a picometre off end k / 2 pm off.
  *
- * Axes whose spacings differ by less than 1 % share one that is feasible for
- * all of them, found the same way, so that an isotropic grid stays so.
+ * Axes whose spacings differ by less than 1 % share one spacing that is feasible for
+ * all of them, found in the same way, so that an isotropic grid remains isotropic.
  *
  * Ranges.  |c_i - c_0| <= 1.6 * 10^13, u <= 10^12, k <= 16383 < 2^14, so
  * (c_i - c_0 + u) * k < 2.8 * 10^17; a feasible s has s <= k_(m-1) s <=
- * c_(m-1) - c_0 + u <= 1.7 * 10^13, so k s < 2.8 * 10^17.  A spacing above
- * 100 mm is found as any other and then refused as a grid's (AR-GRID-3).
+ * c_(m-1) - c_0 + u <= 1.7 * 10^13, so k s < 2.8 * 10^17.  A spacing above 100 mm is
+ * found like any other and then refused by the check of the grid (AR-GRID-3).
  */
 #include "core/conditions.h"
 
@@ -49,7 +50,7 @@
 enum { STEPS_MAX = OST_DIM_MAX - 1 };
 static const int64_t FEASIBLE_MAX = INT64_C(17000000000000); /* 1.7 * 10^13: see the ranges above */
 
-/* An axis with its steps. */
+/* An axis with its steps and its unit. */
 typedef struct fit {
     const ost_lattice_axis *axis;
     int32_t *steps; /* axis->count */
@@ -83,7 +84,10 @@ static int64_t last_step(const fit *f)
 
 static const char advice[] = "give the spacing (--spacing)";
 
-/* Either coordinate i is wrong or one of the two whose gap was taken as a step, so all are named. */
+/*
+ * Reports that coordinate i does not fit. It may be wrong itself, or one of the two
+ * whose gap was taken as the step, so the message names all three.
+ */
 static ost_status no_lattice(const char *path, const ost_lattice_axis *axis, size_t i, int64_t gap, ost_error *err)
 {
     char value[OST_PM_TEXT], step[OST_PM_TEXT], from[OST_PM_TEXT];
@@ -114,7 +118,7 @@ static ost_status too_many_layers(const char *path, const ost_lattice_axis *axis
 
 /* ------------------------------------------------------------------- steps */
 
-/* The smallest gap above `floor`; 0 when there is none. */
+/* Returns the smallest gap above `floor`; 0 if there is none. Sets *greatest to the greatest gap, unless it is NULL. */
 static int64_t smallest_gap(const ost_lattice_axis *axis, int64_t floor, int64_t *greatest)
 {
     int64_t least = 0, most = 0;
@@ -184,7 +188,7 @@ static ost_status rounded_steps(const char *path, const fit *f, ost_error *err)
 
 typedef enum side { HERE, ABOVE, BELOW, NOWHERE } side;
 
-/* Where the feasible spacings of one axis lie, seen from s; slack adds to u in (F). */
+/* Returns the side of s on which the feasible spacings of one axis lie; slack is added to u in (F). */
 static side probe_axis(const fit *f, int64_t s, int64_t slack)
 {
     int64_t most = INT64_MIN, least = INT64_MAX;
@@ -218,9 +222,10 @@ static side probe(const fit *const *fits, int count, int64_t s)
 }
 
 /*
- * The feasible multiple of q nearest to num / den, the smaller of two; 0 when
- * there is none.  Bisection keeps: `near` is not HERE but says where to go,
- * `far` says the contrary or is the range's end.
+ * Returns the feasible multiple of q nearest to num / den, of two the smaller; 0 if
+ * there is none.  Invariant of the bisection: at `near` the probe is not HERE and
+ * points towards `far`; at `far` it points the other way or is HERE, or `far` is the
+ * end of the range.
  */
 static int64_t nearest_multiple(const fit *const *fits, int count, int64_t q, int64_t num, int64_t den)
 {
@@ -253,7 +258,7 @@ static int64_t nearest_multiple(const fit *const *fits, int count, int64_t q, in
     return far > 0 && probe(fits, count, far * q) == HERE ? far * q : 0;
 }
 
-/* 0 when no decimal with up to nine digits is feasible for all. */
+/* Returns the spacing with the fewest digits; 0 if no decimal with up to nine digits is feasible for all. */
 static int64_t fewest_digits(const fit *const *fits, int count)
 {
     const fit *longest = fits[0];
@@ -276,7 +281,7 @@ static int64_t spacing_of(const fit *f)
     return s;
 }
 
-/* One axis: steps and unit into f, its spacing. */
+/* Finds the steps and the unit of one axis, stored in f, and its spacing. */
 static ost_status find_axis(const char *path, fit *f, ost_pm *spacing, ost_error *err)
 {
     const ost_lattice_axis *axis = f->axis;
@@ -298,7 +303,7 @@ static ost_status find_axis(const char *path, fit *f, ost_pm *spacing, ost_error
         if (!(axis->units >> unit & 1))
             continue;
         f->unit = unit_pm(unit) + axis->rounded;
-        /* The text of the finest unit's failure is the one to show: the coarser ones say less. */
+        /* The error of the finest unit is the one to report; those of coarser units say less. */
         ost_error *to = first == OST_OK ? err : NULL;
         ost_status status = rounded_steps(path, f, to);
         if (status == OST_OK && (*spacing = spacing_of(f)) > 0)
@@ -316,7 +321,7 @@ static bool alike(int64_t a, int64_t b)
     return difference * 100 <= (a < b ? a : b);
 }
 
-/* Gives axes that may share a spacing one; true when they do. */
+/* Sets one common spacing for axes that can share it. Returns true if they can. */
 static bool unify(const fit *fits, const int *which, int count, ost_pm spacing[3])
 {
     const fit *group[3] = {NULL, NULL, NULL};

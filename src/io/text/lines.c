@@ -14,12 +14,12 @@
 struct ost_text_lines {
     char *path;
     int fd;
-    gzFile packed; /* reads fd's file; NULL when it is plain */
+    gzFile packed; /* reads fd's file; NULL if the file is plain */
     int64_t file_size;
     int64_t read_bytes;
     bool at_start, ended, terminated;
-    size_t used, rest; /* buffer[0, used) is filled, buffer[rest, used) not yet given out */
-    char buffer[OST_TEXT_BUFFER + 1]; /* one more for the newline that the last line may lack */
+    size_t used, rest; /* buffer[0, used) is filled, buffer[rest, used) has not been returned yet */
+    char buffer[OST_TEXT_BUFFER + 1]; /* one more byte for the newline that the last line may lack */
 };
 
 ost_status ost_text_lines_open(const char *path, ost_text_lines **out, ost_error *err)
@@ -98,7 +98,7 @@ static ssize_t unpack(ost_text_lines *lines, char *to, size_t size, ost_status *
     return -1;
 }
 
-/* Fills the buffer behind `used` as far as the file goes. */
+/* Fills the buffer from `used` on, up to the end of the file. */
 static ost_status fill(ost_text_lines *lines, ost_error *err)
 {
     while (!lines->ended && lines->used < OST_TEXT_BUFFER) {
@@ -119,7 +119,10 @@ static ost_status fill(ost_text_lines *lines, ost_error *err)
     return OST_OK;
 }
 
-/* Text with CR and no LF, as computers had it before 2001; a CR that ends the file may be half of a CR LF. */
+/*
+ * Returns true for text with CR and no LF, as computers wrote it before 2001. A CR
+ * that ends the file is ignored, because it may be half of a CR LF.
+ */
 static bool ends_lines_with_cr(const char *text, size_t size)
 {
     const char *cr = memchr(text, '\r', size);

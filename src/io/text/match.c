@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * In C: what every other variant must equal.  The bytes in front of a density
- * are compared, so its begin is known, and its newline is within the eight
- * bytes from there on.
+ * The matcher in C, to which all other variants must be equivalent.  The bytes in
+ * front of a density are compared, so its beginning is known, and its newline is
+ * within the eight bytes from there on.
  */
 #include "core/conditions.h"
 

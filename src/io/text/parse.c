@@ -30,7 +30,10 @@ static ost_status fail_field(const ost_text_parser *parser, int column, const ch
                     column + 1, column_names[column], ost_text_quote(field, field_end, quote), expected);
 }
 
-/* The line has not four columns; it says how many. A decimal comma makes eight of four, so that is hinted at. */
+/*
+ * Reports a line that does not have four columns, with their number. A decimal comma
+ * turns four columns into eight, so the message hints at it.
+ */
 static ost_status fail_count(const ost_text_parser *parser, const char *begin, const char *end, ost_error *err)
 {
     const char *p = begin;
@@ -52,8 +55,8 @@ static ost_status fail_count(const ost_text_parser *parser, const char *begin, c
 /* ------------------------------------------------------------------- values */
 
 /*
- * The same as ost_decimal_to_pm where that is one multiplication, since most
- * positions are: |mantissa| * 10^s <= 8000 * 10^9 iff |mantissa| <= 8000 * 10^(9 - s).
+ * Equivalent to ost_decimal_to_pm, with one multiplication for most positions:
+ * |mantissa| * 10^s <= 8000 * 10^9 iff |mantissa| <= 8000 * 10^(9 - s).
  */
 static bool to_pm(const ost_decimal *value, ost_pm *out, bool *exact)
 {
@@ -98,7 +101,7 @@ static ost_status parse_density(const ost_text_parser *parser, int column, const
 
 /* -------------------------------------------------------------------- lines */
 
-/* p is the first field's start, end the line's. */
+/* Parses a sample. p is the start of the first field, end the end of the line. */
 static ost_status parse_row(const ost_text_parser *parser, const char *p, const char *end, ost_text_row *row, ost_error *err)
 {
     const char *begin = p;
@@ -122,7 +125,7 @@ static ost_status parse_row(const ost_text_parser *parser, const char *p, const 
     return p == end || !memchr(p, 0, (size_t)(end - p)) ? OST_OK : fail_line(parser, zero_byte, err);
 }
 
-/* A line without a sample: empty, a comment, or the header. *is_row is set when it is none of these. */
+/* Handles a line without a sample: empty, a comment, or the header. Sets *is_row if it is none of these. */
 static ost_status parse_other(ost_text_parser *parser, const char *p, const char *end, bool *is_row, ost_error *err)
 {
     *is_row = false;

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * CT text, from bytes to rows (thesis, Alg. 2.2; docs/arithmetic.md, AR-CT-1, AR-CT-2).
+ * Parses CT text, from bytes to rows (thesis, Alg. 2.2; docs/arithmetic.md, AR-CT-1, AR-CT-2).
  *
- *   # osteon spacing_mm: 0.47 0.47 1      facts, one a comment
+ *   # osteon spacing_mm: 0.47 0.47 1      facts, one per comment
  *   x y z density                         one header line of words may come first
  *   -57.3400 12.2200 3.0000 1043          a sample: positions in mm, exact decimals
  *   -56.8700,12.2200,3.0000,-1.2e2        tabs, commas, semicolons; a sign, a point, an exponent
  *
- * Whole lines in, rows out; no file, no allocation.
+ * The input is complete lines, the output is rows; no file, no allocation.
  */
 #ifndef OST_IO_TEXT_PARSE_H
 #define OST_IO_TEXT_PARSE_H
@@ -17,7 +17,7 @@
 #include "io/text/fields.h"
 #include "io/text/lines.h"
 
-/* Digits after the point as they matter: fewer than MIN say nothing, more than MAX are rounded. */
+/* Limits of the number of decimal places: fewer than MIN are treated as MIN, and digits beyond MAX are rounded. */
 enum { OST_TEXT_PLACES_MIN = -3, OST_TEXT_PLACES_MAX = 9 };
 
 typedef struct ost_text_row {
@@ -32,15 +32,15 @@ typedef struct ost_text_parser {
     const char *path;
     int64_t line;     /* lines parsed so far */
     bool past_header; /* a header or a sample has been seen */
-    /* Called with every fact, its line first in `line`; may be NULL. */
+    /* Called for every fact; parser->line is its line. May be NULL. */
     ost_status (*fact)(void *user, const struct ost_text_parser *parser, const ost_text_fact *fact, ost_error *err);
     void *user;
 } ost_text_parser;
 
 /*
- * Parses lines from block->begin on, moving it, until the block or the room
- * for rows ends.  OST_ERR_INPUT with file, line, column, value and what was
- * expected at the first bad line.
+ * Parses lines from block->begin on, which it advances, until the block ends or rows
+ * are full.  At the first bad line it returns OST_ERR_INPUT with file, line, column,
+ * value and what was expected.
  */
 ost_status ost_text_parse(ost_text_parser *parser, ost_text_block *block, ost_text_row *rows, size_t room, size_t *count,
                           ost_error *err);

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Why one pass is enough.  The pieces' lines are the voxels [first, next) of a
- * piece each; when those tile [0, N) in the file's order, every line is
- * accounted for and line L is voxel L - first_line.  A piece that begins
- * within a slice has taken the slice's coordinate from its own first line, so
- * that must be the one that the slice's first line has.  Coordinates that rise
- * or fall strictly along each axis are distinct, and are then what two passes
- * collect; where they lie off their lattice, fall on one voxel, or make no
- * grid, two passes are what is done.
+ * Why one pass is sufficient.  The lines of each piece are its voxels [first, next).
+ * If these intervals tile [0, N) in the file's order, every line is accounted for
+ * and line L is voxel L - first_line.  A piece that begins within a slice has taken
+ * the slice's coordinate from its own first line, so it must be equal to that of the
+ * slice's first line.  Coordinates that strictly rise or fall along each axis are
+ * distinct, and are then the coordinates that two passes collect. If they lie off
+ * their lattice, share a voxel, or do not form a grid, the text is read in two
+ * passes.
  */
 #include "core/conditions.h"
 
@@ -28,7 +28,7 @@
 #include "io/text/lattice.h"
 #include "io/text/walk.h"
 
-/* The head and the first row must be within HEAD; a line has 8 bytes at least: "0 0 0 0\n". */
+/* The head and the first row must be within HEAD bytes; a line has at least 8 bytes: "0 0 0 0\n". */
 enum { HEAD = 1 << 20, LINE_MIN = 8, PIECE_MIN = 1 << 18, PIECES_MAX = 1 << 14, PIECES_A_THREAD = 16 };
 
 /* ------------------------------------------------------------------- learning */
@@ -41,7 +41,7 @@ typedef struct reading {
     uint32_t units[3];
 } reading;
 
-/* Which axes differ, as bits. */
+/* Returns the axes in which the positions differ, as bits. */
 static unsigned difference(const ost_text_row *a, const ost_text_row *b)
 {
     unsigned axes = 0;
@@ -55,7 +55,10 @@ static int only_axis(unsigned axes)
     return axes == 1 ? 0 : axes == 2 ? 1 : axes == 4 ? 2 : -1;
 }
 
-/* A sample of the first row: its coordinate and text, as the column's. False when the row does not go on like that. */
+/*
+ * Adds a sample of the first row as a column: its coordinate and its text. Returns
+ * false if the coordinates are not monotone or too many.
+ */
 static bool learn_column(reading *r, const char *p, const char *newline, const ost_text_row *row)
 {
     ost_text_raster *raster = r->raster;
@@ -78,8 +81,8 @@ static bool learn_column(reading *r, const char *p, const char *newline, const o
 }
 
 /*
- * Comments, the header, and the first row, up to the line in which another
- * axis moves: with it the order of the axes is known.
+ * Reads comments, the header and the first row, up to the line in which another axis
+ * changes; this determines the order of the axes.
  */
 static bool learn_row(reading *r, const char *text, size_t bytes)
 {
@@ -125,7 +128,7 @@ static bool learn_row(reading *r, const char *text, size_t bytes)
     return false;
 }
 
-/* The slow axis' coordinate in the last line, and whether that has its newline. */
+/* Reads the slow axis' coordinate in the last line, and whether that line ends with a newline. */
 static bool learn_last(reading *r, bool *terminated)
 {
     char text[2 * OST_TEXT_LINE_MAX];
@@ -145,7 +148,7 @@ static bool learn_last(reading *r, bool *terminated)
     return true;
 }
 
-/* The middle axis and the second slice's coordinate, from the first slice. */
+/* Finds the middle axis' coordinates and the number of slices, from the first slice and the second's coordinate. */
 static bool learn_slice(reading *r)
 {
     ost_text_raster *raster = r->raster;
@@ -153,7 +156,7 @@ static bool learn_slice(reading *r)
     raster->count[1] = raster->count[2] = 1;
     bool good = ost_text_walker_open(&walker, &r->plan, true) && ost_text_walk(&walker, r->plan.begin, r->plan.end, false);
     if (good && !walker.done)
-        good = walker.at[0] == raster->count[0]; /* one slice is all there is */
+        good = walker.at[0] == raster->count[0]; /* there is only one slice */
     raster->at[2][0] = walker.slow;
     int64_t all = r->plan.last_slow - walker.slow;
     if (good && walker.done && all != 0) {
@@ -205,7 +208,7 @@ static bool map_voxels(ost_text_raster *raster, int64_t count)
     return true;
 }
 
-/* What a piece's walk leaves behind; first == next: no line begins in it. */
+/* The result of walking a piece; placed is false if no line begins in it. */
 typedef struct piece {
     int64_t first, next;
     int32_t slice;
@@ -213,7 +216,7 @@ typedef struct piece {
     bool placed;
 } piece;
 
-/* Whether the pieces' lines are all voxels, each once and in order, on coordinates that are strictly monotone. */
+/* Returns true if the pieces' lines are all voxels, each once and in order, with strictly monotone coordinates. */
 static bool is_tiled(const ost_text_raster *raster, const piece *pieces, int count, int64_t voxels)
 {
     int64_t next = 0;
@@ -234,7 +237,7 @@ static bool is_tiled(const ost_text_raster *raster, const piece *pieces, int cou
 typedef struct shared {
     atomic_bool stop;
     atomic_llong walked; /* bytes */
-    bool cancelled;      /* by the calling thread */
+    bool cancelled;      /* set by the calling thread */
 } shared;
 
 static void walk_piece(reading *r, ost_text_walker *walker, int64_t begin, int64_t end, shared *s, piece *out)
@@ -248,7 +251,7 @@ static void walk_piece(reading *r, ost_text_walker *walker, int64_t begin, int64
     atomic_fetch_add_explicit(&s->walked, end - begin, memory_order_relaxed);
 }
 
-/* Only the caller's own thread, and that one is thread 0. */
+/* Reports progress, only on the caller's own thread, which is thread 0. */
 static void report_progress(const reading *r, shared *s)
 {
 #if defined _OPENMP
@@ -272,7 +275,7 @@ static int thread_count(int asked)
 #endif
 }
 
-/* True when all of the file is walked and is a scan. */
+/* Walks the complete file with all threads. Returns true if it is a scan. */
 static bool walk_all(reading *r, int64_t voxels, bool *cancelled)
 {
     const int64_t bytes = r->plan.end - r->plan.begin;
@@ -316,7 +319,7 @@ static int64_t line_stride(const ost_text_raster *raster, int rank)
     return rank == 0 ? 1 : rank == 1 ? raster->count[0] : (int64_t)raster->count[0] * raster->count[1];
 }
 
-/* As the first of two passes leaves it: extent, distinct coordinates ascending with their first lines, units. */
+/* Fills the summary as the first of two passes does: extent, distinct ascending coordinates with first lines, units. */
 static bool summarise(reading *r, int64_t voxels)
 {
     const ost_text_raster *raster = r->raster;
@@ -345,15 +348,15 @@ static bool summarise(reading *r, int64_t voxels)
 
 /* ------------------------------------------------------------------- to a grid */
 
-/* Where the coordinates of a rank lie on the grid's axis, and how far off. */
+/* Maps the coordinates of a rank to the voxels of the grid's axis, and records their offsets. */
 typedef struct axis_map {
-    int32_t count;     /* of those within the crop: from, from + 1, ... */
+    int32_t count;     /* coordinates within the crop: from, from + 1, ... */
     int32_t from;
-    int32_t *index;    /* owned; of all, in the whole grid */
+    int32_t *index;    /* owned; of every coordinate, in the complete grid */
     ost_pm spacing;
-    int64_t good;      /* within the crop and at most 1/8 of a voxel off */
-    int64_t worst;     /* ppm within the crop, */
-    int32_t worst_at;  /* its first */
+    int64_t good;      /* coordinates within the crop and at most 1/8 of a voxel off */
+    int64_t worst;     /* greatest offset within the crop, in ppm of a voxel */
+    int32_t worst_at;  /* the first coordinate with that offset */
 } axis_map;
 
 static void maps_free(axis_map maps[3])
@@ -362,7 +365,10 @@ static void maps_free(axis_map maps[3])
         free(maps[i].index);
 }
 
-/* False when two coordinates share a voxel, one is rejected, or there is no memory. |at - origin| < 2^54, off * 10^6 < 2^56. */
+/*
+ * Maps one axis. Returns false if two coordinates share a voxel, one would be rejected,
+ * or there is no memory. |at - origin| < 2^54, off * 10^6 < 2^56.
+ */
 static bool map_axis(const ost_text_raster *raster, int rank, const ost_geometry *full, const ost_voxel_box *crop, axis_map *map)
 {
     int a = raster->axis[rank];
@@ -401,7 +407,7 @@ static bool map_all(const ost_text_raster *raster, const ost_geometry *full, con
     return good;
 }
 
-/* What a scatter of the lines would have met; every coordinate has its voxel. */
+/* Computes the report that a scatter of the lines would give. Every coordinate has a voxel of its own. */
 static void report_of(const ost_text_raster *raster, const axis_map maps[3], ost_scatter_report *report)
 {
     *report = (ost_scatter_report){0};
@@ -411,7 +417,7 @@ static void report_of(const ost_text_raster *raster, const axis_map maps[3], ost
     report->samples = (uint64_t)samples;
     report->off_lattice = (uint64_t)(samples - maps[0].good * maps[1].good * maps[2].good);
     for (int rank = 0; rank < 3; rank++) {
-        /* The first line within the crop that has the worst coordinate. */
+        /* The first line within the crop that has the coordinate with the greatest offset. */
         int64_t line = raster->first_line;
         for (int other = 0; other < 3; other++)
             line += (other == rank ? maps[other].worst_at : maps[other].from) * line_stride(raster, other);
@@ -423,7 +429,7 @@ static void report_of(const ost_text_raster *raster, const axis_map maps[3], ost
     }
 }
 
-/* Whether the lines are the whole grid as it lies in memory. */
+/* Returns true if the lines are the complete grid in the order of its memory. */
 static bool is_plain(const ost_text_raster *raster, const axis_map maps[3], ost_dims dims)
 {
     const int32_t counts[3] = {dims.x, dims.y, dims.z};
@@ -437,13 +443,13 @@ static bool is_plain(const ost_text_raster *raster, const axis_map maps[3], ost_
     return true;
 }
 
-/* Slice by slice of the grid, from wherever the file has its voxels. */
+/* Uploads the grid slice by slice, for any order of the voxels in the file. */
 static ost_status upload_mapped(const char *path, const ost_text_raster *raster, const axis_map maps[3], const ost_voxel_box *crop,
                                 ost_grid *rect, ost_error *err)
 {
     const ost_dims dims = ost_grid_geometry(rect)->dims;
     const int32_t counts[3] = {dims.x, dims.y, dims.z};
-    /* For every voxel of an axis the offset of its coordinate, -1 where there is none. */
+    /* For every voxel of an axis the offset of its coordinate in voxels, -1 if there is none. */
     int64_t *offset[3] = {NULL, NULL, NULL};
     int16_t *slice = malloc((size_t)dims.x * (size_t)dims.y * sizeof *slice);
     bool enough = slice != NULL;
@@ -498,7 +504,7 @@ ost_status ost_text_raster_to_rect(const char *path, const ost_text_raster *rast
     return status;
 }
 
-/* ------------------------------------------------------------------- the whole */
+/* ----------------------------------------------------------------- the reader */
 
 void ost_text_raster_free(ost_text_raster *raster)
 {
@@ -509,14 +515,14 @@ void ost_text_raster_free(ost_text_raster *raster)
     *raster = (ost_text_raster){0};
 }
 
-/* The text says how many voxels it has, and whether it is whole can be seen. */
+/* Returns true unless the text's own dims show that it is incomplete. */
 static bool is_whole(const ost_text_summary *summary, int64_t voxels, bool terminated)
 {
     const ost_text_own *dims = &summary->own_dims;
     return dims->line == 0 || (terminated && dims->value[0] * dims->value[1] * dims->value[2] == voxels);
 }
 
-/* Whether two passes would have succeeded: geometry, and a voxel for every sample. */
+/* Returns true if two passes would succeed: the geometry is valid, and every sample has a voxel of its own. */
 static bool is_sound(const reading *r)
 {
     ost_geometry full;

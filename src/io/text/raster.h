@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A CT text that is a scan: every voxel of a box has its line, in order.
+ * Reads a CT text that is a raster scan: every voxel of a box has its line, in order.
  *
  *   # comments, a header                       the head, read line by line
  *   x0 y0 z0 d   x1 y0 z0 d  ...               the columns: x0, x1, ...
@@ -8,18 +8,17 @@
  *   ...
  *   x0 y0 z1 d   ...                           the slow axis: z0, z1, ...
  *
- * Most texts are scans, and a scan is known by its coordinates along each
- * axis: every line has one place, which its position in the file must
- * confirm.  So one pass is enough, by all threads, each over its pieces of the
- * file, and almost every line is compared instead of parsed (match.h).
+ * Most texts are raster scans. A scan is determined by its coordinates along each
+ * axis: every line has one voxel, which must agree with the line's offset in the
+ * file.  One pass is therefore sufficient. All threads take part, each with its own
+ * pieces of the file, and almost every line is compared instead of parsed (match.h).
  *
- * What is not a scan to the last line is `found` to be none, whatever it is
- * instead, a broken text among others; nothing has happened then, and the
- * readers of text_scan.h and text_rect.h say what there is to say.  What is
- * one gives, to the bit, what they give.  The axes may run in any order and
- * either direction.
+ * If any line deviates from a scan, for whatever reason, also because the text is
+ * defective, *found is false and there is no other effect. The readers of scan.h and
+ * rect.h then read the text and report its errors.  For a scan the result is
+ * bit-identical to theirs.  The axes may run in any order and either direction.
  *
- * Memory: two bytes a line, which are a voxel of the grid each, and a buffer a
+ * Memory: two bytes per line, which is per voxel of the grid, and a buffer per
  * thread.
  */
 #ifndef OST_IO_TEXT_RASTER_H
@@ -34,7 +33,7 @@ typedef struct ost_text_raster_options {
     void *user;
 } ost_text_raster_options;
 
-/* By rank: 0 is the axis that runs fastest. */
+/* Arrays are indexed by rank: 0 is the axis that runs fastest. */
 typedef struct ost_text_raster {
     int axis[3];       /* 0 x, 1 y, 2 z */
     int32_t count[3];  /* 1 <= count <= OST_DIM_MAX */
@@ -45,19 +44,20 @@ typedef struct ost_text_raster {
 } ost_text_raster;
 
 /*
- * *found: the text is a scan, its summary is what ost_text_scan makes of it
- * (but for the fingerprint's hash), its geometry is sound, and every sample
- * has a voxel of its own.  The summary is to be freed then, and the raster.
- * OST_ERR_CANCELLED is the only error: any other is left to be met again.
+ * Sets *found if the text is a scan, its geometry is valid, and every sample has a
+ * voxel of its own. The summary is then the one of ost_text_scan (except for the
+ * fingerprint's hash); the caller frees summary and raster.  Apart from the errors of
+ * opening the file, OST_ERR_CANCELLED is the only error: all others are reported by
+ * the two-pass readers.
  */
 ost_status ost_text_raster_read(const char *path, const ost_text_raster_options *options, ost_text_summary *summary,
                                 ost_text_raster *raster, bool *found, ost_error *err);
 void ost_text_raster_free(ost_text_raster *raster);
 
-/* What ost_text_scan gives its hasher. */
+/* Adds the same bytes to the hasher as ost_text_scan. */
 ost_status ost_text_raster_hash(const ost_text_raster *raster, ost_hasher *hasher, ost_error *err);
 
-/* As ost_text_to_rect, whose reports it makes; options->expected is not looked at. */
+/* Fills rect as ost_text_to_rect does, with the same report; options->expected is not used. */
 ost_status ost_text_raster_to_rect(const char *path, const ost_text_raster *raster, const ost_text_rect_options *options, ost_grid *rect,
                                    ost_scatter_report *report, ost_error *err);
 

@@ -54,7 +54,7 @@ static ost_status fail_rejected(const pass *p, ost_error *err)
                         p->path, (long long)p->report->rejected_line, "xyz"[a], ost_pm_format(at[a], value),
                         (double)off / (double)spacing[a], ost_pm_format(spacing[a], step), ost_pm_format(origin[a], from));
     }
-    return changed(p->path, err); /* on the lattice but outside the grid that the first pass spanned */
+    return changed(p->path, err); /* on the lattice but outside the grid of the first pass */
 }
 
 static ost_status fail_conflict(const pass *p, ost_error *err)
@@ -85,7 +85,7 @@ static ost_status flush(pass *p, ost_error *err)
     return status;
 }
 
-/* Positions within 8 m, so that the difference is below 2^54. */
+/* Returns true if the row's voxel is within the crop. Positions are within 8 m, so the difference is below 2^54. */
 static bool in_crop(const ost_geometry *full, const ost_voxel_box *crop, const ost_text_row *row)
 {
     const int64_t origin[3] = {full->origin.x, full->origin.y, full->origin.z};
@@ -102,7 +102,7 @@ static ost_status add_row(pass *p, const ost_text_row *row, ost_error *err)
 {
     if (p->options->crop && !in_crop(p->options->full, p->options->crop, row))
         return OST_OK;
-    /* A batch's lines are 32-bit offsets; only 4 * 10^9 lines of comments between two samples can be too many. */
+    /* Lines of a batch are 32-bit offsets; only 2 * 10^9 lines of comments between two samples can exceed them. */
     if (p->count > 0 && row->line - p->first_line > INT32_MAX) {
         ost_status status = flush(p, err);
         if (status != OST_OK)

@@ -16,7 +16,7 @@ _Static_assert(OST_LATTICE_UNIT_PLACES == -OST_TEXT_PLACES_MIN && OST_LATTICE_UN
 
 /* ------------------------------------------------------- distinct coordinates */
 
-/* Open addressing, at most half full. */
+/* Adds a coordinate to a hash set with open addressing, at most half full. */
 static ost_status set_add(const char *path, ost_text_axis *axis, int a, ost_pm value, int64_t line, ost_error *err)
 {
     size_t at = (size_t)((uint64_t)value * UINT64_C(0x9e3779b97f4a7c15) >> 32) % SET_SIZE;
@@ -52,7 +52,7 @@ static void set_sort(ost_text_axis *axis)
 
 /* ---------------------------------------------------------------------- facts */
 
-/* "0.47 0.47 1" as lengths in mm, or "256 234 201" as numbers of voxels. */
+/* Reads three values: "0.47 0.47 1" as lengths in mm, or "256 234 201" as numbers of voxels. */
 static bool read_three(const char *text, bool lengths, int64_t out[3])
 {
     const char *end = text + strlen(text);
@@ -79,7 +79,7 @@ static ost_status bad_fact(const ost_text_parser *parser, const ost_text_fact *f
                     fact->key, fact->value, expected);
 }
 
-/* Enters three values; a second fact of the same key must have the values of the first. */
+/* Stores three values. A second fact with the same key must have the same values. */
 static ost_status take_own(const ost_text_parser *parser, const ost_text_fact *fact, const int64_t value[3], ost_text_own *own,
                            ost_error *err)
 {
@@ -185,7 +185,7 @@ static ost_status check_whole(const ost_text_source *source, const ost_text_summ
     const ost_text_own *dims = &summary->own_dims;
     if (dims->line == 0)
         return OST_OK;
-    /* At most (2^14)^3. */
+    /* The product is at most (2^14)^3. */
     int64_t expected = dims->value[0] * dims->value[1] * dims->value[2];
     if ((uint64_t)expected != summary->fingerprint.rows)
         return ost_fail(err, OST_ERR_INPUT, "%s:%lld: ends after %llu samples; line %lld says %lld x %lld x %lld, which are %lld", path,
@@ -209,7 +209,7 @@ ost_status ost_text_scan(ost_text_source *source, ost_pm3 given, ost_hasher *has
 {
     const char *path = source->parser.path;
     ost_text_facts facts = {summary, given};
-    /* No coordinate has this value: it is beyond OST_LENGTH_MAX. */
+    /* INT64_MIN is not a coordinate, because it is beyond OST_LENGTH_MAX. */
     ost_pm last[3] = {INT64_MIN, INT64_MIN, INT64_MIN};
     ost_text_summary_begin(summary, given);
     ost_text_row *rows = malloc(BATCH * sizeof *rows);
@@ -289,7 +289,10 @@ static ost_status find_spacing(const char *path, const ost_text_summary *summary
     return status;
 }
 
-/* The text's own origin holds when the lowest positions are it, to within what their digits can say: an eighth of a voxel. */
+/*
+ * Compares the text's own origin with the least positions. They may differ by an
+ * eighth of a voxel, which allows for the rounding of the digits.
+ */
 static ost_status check_origin(const char *path, const ost_text_summary *summary, int a, ost_pm spacing, ost_error *err)
 {
     int64_t off = summary->axis[a].min - summary->own_origin.value[a];
@@ -318,7 +321,10 @@ ost_status ost_text_geometry(const char *path, const ost_text_summary *summary, 
         origin[a] = summary->own_origin.line ? summary->own_origin.value[a] : axis->min;
         if (summary->own_origin.line)
             status = check_origin(path, summary, a, spacing[a], err);
-        /* (max - origin) / spacing < 1.7 * 10^13 / 1 when a found spacing is below its bound: clamp, then it is refused. */
+        /*
+         * A found spacing may be below its bound: (max - origin) / spacing < 1.7 * 10^13 / 1. The result is clamped
+         * here and refused by the check of the geometry.
+         */
         int64_t steps = ost_rhe_div(axis->max - origin[a], spacing[a]);
         dims[a] = (int32_t)(steps < 0 ? 0 : steps > INT32_MAX - 1 ? INT32_MAX - 1 : steps) + 1;
         if (status == OST_OK && summary->own_dims.line && dims[a] != summary->own_dims.value[a])

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * First pass over a CT text: everything that is known without a grid (thesis,
+ * First pass over a CT text: collects everything that does not need a grid (thesis,
  * Alg. 2.3; docs/arithmetic.md, AR-CT-3).
  *
  *   file --ost_text_scan--> extent, distinct coordinates, facts, fingerprint
  *        --ost_text_geometry--> dims, spacing, origin
  *
- * Memory: a read buffer and at most OST_DIM_MAX coordinates an axis, whatever
- * the file's size.
+ * Memory: a read buffer and at most OST_DIM_MAX coordinates per axis, whatever the
+ * file's size.
  */
 #ifndef OST_IO_TEXT_SCAN_H
 #define OST_IO_TEXT_SCAN_H
@@ -25,14 +25,14 @@ typedef struct ost_text_source {
 } ost_text_source;
 
 ost_status ost_text_source_open(ost_text_source *source, const char *path, ost_error *err);
-/* *count == 0: the file has ended. */
+/* Reads the next rows. *count == 0 means that the file has ended. */
 ost_status ost_text_source_next(ost_text_source *source, ost_text_row *rows, size_t room, size_t *count, ost_error *err);
 ost_status ost_text_source_rewind(ost_text_source *source, ost_error *err);
 void ost_text_source_close(ost_text_source *source);
 
 /*
- * Equal for equal rows in equal order: tells whether the file changed between
- * two passes.  Not cryptographic; nobody gains by fooling it.
+ * A fingerprint of rows in their order, which shows whether the file has changed
+ * between two passes.  It is not cryptographic, because a collision gains nothing.
  */
 typedef struct ost_text_fingerprint {
     uint64_t rows, hash;
@@ -43,21 +43,21 @@ void ost_text_fingerprint_add(ost_text_fingerprint *fingerprint, const ost_text_
 
 typedef struct ost_text_coordinate {
     ost_pm value;
-    int64_t line; /* where it was read first; 0 marks a free place in the set */
+    int64_t line; /* the line in which it occurs first; 0 marks a free entry of the set */
 } ost_text_coordinate;
 
 typedef struct ost_text_axis {
     ost_pm min, max;
-    ost_pm given;       /* spacing by option or by the text's own fact; 0 = find it */
-    uint32_t units;     /* this and rounded as in ost_lattice_axis */
+    ost_pm given;       /* spacing by option or by the text's own fact; 0: to be found */
+    uint32_t units;     /* units and rounded as in ost_lattice_axis */
     bool rounded;
-    size_t distinct;    /* coordinates in set; sorted at its front after the pass */
+    size_t distinct;    /* number of coordinates in set, which is sorted after the pass */
     ost_text_coordinate *set;
 } ost_text_axis;
 
-/* Three values that the text itself gives (AR-CT-8). */
+/* Three values that the text itself states (AR-CT-8). */
 typedef struct ost_text_own {
-    int64_t line; /* the first that gives them; 0 when none does */
+    int64_t line; /* the first line that states them; 0 if there is none */
     int64_t value[3];
 } ost_text_own;
 
@@ -67,12 +67,12 @@ typedef struct ost_text_summary {
     uint64_t rounded_positions;
     ost_meta meta;
     ost_text_own own_spacing, own_origin; /* facts "spacing_mm" and "origin_mm", in picometres */
-    ost_text_own own_dims;                /* fact "dims": every voxel has one line */
+    ost_text_own own_dims;                /* fact "dims": the text then has one line for every voxel */
 } ost_text_summary;
 
-/* An empty summary with the spacings by option; free is safe from here on. */
+/* Initialises an empty summary with the spacings by option; it can be freed from then on. */
 void ost_text_summary_begin(ost_text_summary *summary, ost_pm3 given);
-/* A parser's `fact` with this as its user takes the text's own facts into the summary. */
+/* The user data of ost_text_fact_take, which is a parser's `fact` and stores the text's own facts in the summary. */
 typedef struct ost_text_facts {
     ost_text_summary *summary;
     ost_pm3 given;
@@ -80,16 +80,17 @@ typedef struct ost_text_facts {
 ost_status ost_text_fact_take(void *facts, const ost_text_parser *parser, const ost_text_fact *fact, ost_error *err);
 
 /*
- * given: spacings by option, which win over the text's own; 0 = none.
- * hasher: when not NULL, the samples' records go into it, 32 bytes each:
+ * Scans the text.
+ * given: spacings by option, which override the text's own; 0 = none.
+ * hasher: if not NULL, the records of the samples are added to it, 32 bytes each:
  * x, y, z as int64, density as int32, 0 as uint32, little-endian.
- * progress may be NULL.  Free the summary in any case.
+ * progress may be NULL.  The caller frees the summary, also after an error.
  */
 ost_status ost_text_scan(ost_text_source *source, ost_pm3 given, ost_hasher *hasher, ost_progress *progress, void *user,
                          ost_text_summary *summary, ost_error *err);
 void ost_text_summary_free(ost_text_summary *summary);
 
-/* inferred[a] tells which spacings were found and not given. */
+/* Computes the geometry. inferred[a] is true for a spacing that was found from the coordinates and not given. */
 ost_status ost_text_geometry(const char *path, const ost_text_summary *summary, ost_geometry *out, bool inferred[3], ost_error *err);
 
 #endif

@@ -12,7 +12,7 @@
 #include "core/integer.h"
 #include "io/text/lattice.h"
 
-/* A buffer stays in the second-level cache between the kernel's copy into it and the walk over it. */
+/* A chunk remains in the second-level cache between the kernel's copy into the buffer and the walk over it. */
 enum { CHUNK = 1 << 17, BUFFER = CHUNK + 2 * (OST_TEXT_LINE_MAX + 64) + OST_TEXT_MARGIN };
 
 bool ost_text_walker_open(ost_text_walker *walker, const ost_text_plan *plan, bool learning)
@@ -62,7 +62,7 @@ bool ost_text_column_set(ost_text_column *column, uint8_t *length, const char *p
     return true;
 }
 
-/* Appends to it; false when it is full. */
+/* Appends bytes to it. Returns false if it is full. */
 static bool around_add(ost_text_around *around, const void *p, size_t length)
 {
     if (length > OST_TEXT_AROUND_MAX - around->length)
@@ -73,7 +73,7 @@ static bool around_add(ost_text_around *around, const void *p, size_t length)
     return true;
 }
 
-/* The pattern of the pieces. */
+/* Composes the pattern from the texts of the axes. Returns false if it does not fit. */
 static bool compose(ost_text_walker *walker)
 {
     int fastest = walker->plan->raster->axis[0];
@@ -92,7 +92,7 @@ static bool compose(ost_text_walker *walker)
     return good;
 }
 
-/* The pieces of this line, and the pattern of its row. */
+/* Takes the texts of the axes from this line, and composes the pattern of its row. */
 static void learn_pattern(ost_text_walker *walker, const char *p, const char *newline)
 {
     const ost_text_plan *plan = walker->plan;
@@ -116,7 +116,7 @@ static void learn_pattern(ost_text_walker *walker, const char *p, const char *ne
     }
 }
 
-/* The pattern of the slice's next row, from what the first slice had there; false when it cannot be known. */
+/* Derives the pattern of the slice's next row from the texts of the first slice. Returns false if it cannot. */
 static bool foresee_row(ost_text_walker *walker)
 {
     const ost_text_plan *plan = walker->plan;
@@ -129,7 +129,7 @@ static bool foresee_row(ost_text_walker *walker)
     return walker->known;
 }
 
-/* Where a value is among monotone ones; -1 when it is none of them. */
+/* Returns the index of a value among monotone ones; -1 if it does not occur. */
 static int32_t find(const ost_pm *at, int32_t count, ost_pm value)
 {
     bool up = at[count - 1] >= at[0];
@@ -145,9 +145,9 @@ static int32_t find(const ost_pm *at, int32_t count, ost_pm value)
 }
 
 /*
- * A slice's number by its coordinate, as if slices were evenly spaced; right
- * for rounded ones too, and where it is not, the numbers do not follow on one
- * another.  |v - s_0| * 16383 < 2^58.
+ * Returns the index of a slice by its coordinate, as if slices were evenly spaced.
+ * This is also right for rounded coordinates; if it is wrong, the indices are not
+ * consecutive and the walk fails.  |v - s_0| * 16383 < 2^58.
  */
 static int32_t slice_of(const ost_text_plan *plan, ost_pm value)
 {
@@ -172,7 +172,7 @@ static void enter_slice(ost_text_walker *walker, ost_pm slow)
         walker->plan->raster->at[2][walker->at[2]] = slow;
 }
 
-/* The first line of a piece says where it is. */
+/* Determines the position of the first line of a piece from its coordinates. */
 static bool place(ost_text_walker *walker, const ost_pm by_rank[3])
 {
     const ost_text_raster *raster = walker->plan->raster;
@@ -195,7 +195,7 @@ static bool place(ost_text_walker *walker, const ost_pm by_rank[3])
     return true;
 }
 
-/* The first line of a row after another one, while the middle axis is being found. */
+/* Handles the first line of a further row while the coordinates of the middle axis are being found. */
 static bool learn_row(ost_text_walker *walker, const ost_pm by_rank[3])
 {
     ost_text_raster *raster = walker->plan->raster;
@@ -260,7 +260,7 @@ static bool parse_line(ost_text_walker *walker, const char *p, const char *newli
 
 /* --------------------------------------------------------------- many lines */
 
-/* Lines matched from *text on, in this row from where the walker is. */
+/* Matches lines from *text on, from the walker's position to the end of its row. Returns their number. */
 static size_t match_lines(ost_text_walker *walker, const char **text, const char *end)
 {
     const ost_text_plan *plan = walker->plan;
@@ -272,7 +272,10 @@ static size_t match_lines(ost_text_walker *walker, const char **text, const char
     return matched;
 }
 
-/* As next_row and the lines from there on, without parsing one; false, and nothing has changed but `known`, when the first is not matched. */
+/*
+ * Matches the lines of the next row without parsing one. Returns false if the first
+ * of them does not match; nothing has changed then but `known`.
+ */
 static bool match_next_row(ost_text_walker *walker, const char **text, const char *end)
 {
     if (!foresee_row(walker))
@@ -287,7 +290,7 @@ static bool match_next_row(ost_text_walker *walker, const char **text, const cha
     return false;
 }
 
-/* Whole lines, each with its newline. */
+/* Walks complete lines, each with its newline. */
 static bool walk_lines(ost_text_walker *walker, const char *text, const char *end)
 {
     const int32_t row = walker->plan->raster->count[0];
@@ -309,7 +312,7 @@ static bool walk_lines(ost_text_walker *walker, const char *text, const char *en
 
 /* ---------------------------------------------------------------- the file */
 
-/* Reads up to `bytes` at `at`; fewer at the file's end. False when it cannot be read. */
+/* Reads up to `bytes` bytes at offset `at`; fewer at the file's end. Returns false if they cannot be read. */
 static bool read_at(int fd, char *to, size_t bytes, int64_t at, size_t *got)
 {
     *got = 0;
@@ -326,7 +329,10 @@ static bool read_at(int fd, char *to, size_t bytes, int64_t at, size_t *got)
     return true;
 }
 
-/* Completes the line that text[filled - 1] is in, from byte `at` of the file on; at the file's end it gets its newline. */
+/*
+ * Completes the line that contains text[filled - 1] with the bytes from offset `at`
+ * of the file on. At the end of the file a newline is added.
+ */
 static bool complete(int fd, char *text, size_t *filled, int64_t at)
 {
     size_t got;
@@ -361,7 +367,7 @@ bool ost_text_walk(ost_text_walker *walker, int64_t begin, int64_t end, bool ins
         if (inside) {
             const char *newline = memchr(text, '\n', filled);
             if (!newline)
-                return !more; /* all of it is one line that began before */
+                return !more; /* all bytes belong to a line that began before the piece */
             inside = false;
             filled -= (size_t)(newline + 1 - text);
             memmove(text, newline + 1, filled);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Four lines at a time: their differences from what is expected are collected
- * in one register, which is looked at once.  Densities are parsed one by one,
- * as 64-bit lanes have no multiplication; so is each line's end found with
- * its density, in general registers.  Four that do not all match are gone over
- * again one by one.
+ * Matches four lines at a time: the differences from the expected bytes are collected
+ * in one register, which is tested once.  Densities are parsed one by one in general
+ * registers, because 64-bit lanes have no multiplication; each line's end is found
+ * together with its density.  If four lines do not all match, they are matched again
+ * one by one.
  */
 #include "core/conditions.h"
 
@@ -14,13 +14,16 @@
 
 enum { LINES = 4 };
 
-/* found | (bytes ^ text) & mask */
+/* Returns found | (bytes ^ text) & mask. */
 static inline uint8x16_t differ(uint8x16_t found, const char *bytes, uint8x16_t text, uint8x16_t mask)
 {
     return vorrq_u8(found, vandq_u8(veorq_u8(vld1q_u8((const uint8_t *)bytes), text), mask));
 }
 
-/* The first `count` lines from *text on, 1 to 4; whether all of them match and end before `end`. *text moves behind them then. */
+/*
+ * Matches the first `count` lines from *text on, 1 to 4. Returns true and advances *text if all of them match and end
+ * before `end`.
+ */
 static inline bool match_lines(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths, const char **text,
                                const char *end, int count, int16_t *density)
 {

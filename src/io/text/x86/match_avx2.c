@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Four lines at a time: as match_avx512.c, with half the lanes and whole
- * lanes of bits in place of mask registers.
+ * Matches four lines at a time, like match_avx512.c but with half the lanes, and with
+ * lanes of all ones in place of mask registers.
  */
 #include "core/conditions.h"
 
@@ -10,8 +10,8 @@
 enum { LANES = 4 };
 
 /*
- * last: bytes of which the last ones are the density; length: how many, of any
- * size, signed.  Returns lanes of values and in *good lanes of -1.
+ * Parses densities. last: bytes that end with the density; length: the density's
+ * length, any signed number.  Returns the values; lanes of *good are -1 if valid.
  */
 static inline __m256i parse(__m256i last, __m256i length, __m256i *good)
 {
@@ -27,7 +27,7 @@ static inline __m256i parse(__m256i last, __m256i length, __m256i *good)
     __m256i over = _mm256_or_si256(_mm256_add_epi8(t, _mm256_set1_epi8(6)), t);
     over = _mm256_and_si256(over, _mm256_set1_epi8((char)0xf0));
     fits = _mm256_and_si256(fits, _mm256_cmpeq_epi64(over, zero));
-    /* Pairs, then fours: the lower one is the thousands above the upper one's, at most one digit of it is there. */
+    /* Pairs, then fours: the lower four are the ten thousands, at most one digit; the upper are the last digits. */
     __m256i pairs = _mm256_maddubs_epi16(t, _mm256_set1_epi16(0x010a));
     __m256i fours = _mm256_madd_epi16(pairs, _mm256_set1_epi32(0x00010064));
     __m256i value = _mm256_add_epi64(_mm256_mul_epu32(fours, _mm256_set1_epi64x(10000)), _mm256_srli_epi64(fours, 32));
@@ -37,17 +37,20 @@ static inline __m256i parse(__m256i last, __m256i length, __m256i *good)
     return _mm256_sub_epi64(_mm256_xor_si256(value, negative), negative);
 }
 
-/* A word as match.c has it: its density and what is before it, shifted to the end; returns the density's length. */
+/*
+ * Shifts a word, which begins with a density as in match.c, so that the byte before the newline becomes the highest.
+ * Returns the density's length.
+ */
 static inline int64_t align(uint64_t *word, bool carriage)
 {
     uint64_t x = *word ^ UINT64_C(0x0a0a0a0a0a0a0a0a);
     uint64_t bits = _tzcnt_u64((x - UINT64_C(0x0101010101010101)) & ~x & UINT64_C(0x8080808080808080));
-    /* The newline's mark is bit 8 n + 7. Without one n is 8, and with it first, 0: no density has either. */
+    /* The newline's mark is bit 8 n + 7. n is 8 without a newline and 0 if it comes first: both are invalid lengths. */
     *word <<= (71 - bits) & 63;
     return (int64_t)(bits >> 3) - carriage;
 }
 
-/* The densities of `count` words, 1 to 4; whether all are of the common form. */
+/* Parses the densities of `count` words, 1 to 4. Returns true if all are of the common form. */
 static inline bool parse_words(uint64_t words[LANES], int count, bool carriage, int64_t value[LANES])
 {
     int64_t length[LANES];
@@ -66,7 +69,10 @@ static inline bool parse_words(uint64_t words[LANES], int count, bool carriage, 
     return (_mm256_movemask_pd(_mm256_castsi256_pd(good)) & lanes) == lanes;
 }
 
-/* The first `count` lines from *text on, 1 to 4; whether all of them match and end before `end`. *text moves behind them then. */
+/*
+ * Matches the first `count` lines from *text on, 1 to 4. Returns true and advances *text if all of them match and end
+ * before `end`.
+ */
 static inline __attribute__((always_inline)) bool match_some(const ost_text_pattern *pattern, const ost_text_column *columns,
                                                              const uint8_t *lengths, const char **text, const char *end, bool jump, int count,
                                                              int16_t *density)

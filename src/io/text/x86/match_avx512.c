@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Eight lines at a time (match_four.h): their densities are parsed side by
- * side, the eight bytes from each one's begin in a lane (match.c says how).
- * Eight that do not all match are gone over again one by one.
+ * Matches eight lines at a time (match_four.h). Their densities are parsed in
+ * parallel; each lane contains the eight bytes from the beginning of one density on,
+ * as in match.c.  If eight lines do not all match, they are matched again one by one.
  */
 #include "core/conditions.h"
 
@@ -15,7 +15,7 @@ typedef struct densities {
     __mmask8 good;
 } densities;
 
-/* last: bytes of which the last ones are the density; length: how many, of any size. */
+/* Parses densities. last: bytes that end with the density; length: the density's length, any number. */
 static inline densities parse(__m512i last, __m512i length)
 {
     const __m512i one = _mm512_set1_epi64(1), bits = _mm512_set1_epi64(64);
@@ -28,7 +28,7 @@ static inline densities parse(__m512i last, __m512i length)
     __m512i t = _mm512_and_si512(_mm512_xor_si512(last, _mm512_set1_epi8('0')), keep);
     __m512i over = _mm512_or_si512(_mm512_add_epi8(t, _mm512_set1_epi8(6)), t);
     good &= _mm512_testn_epi64_mask(over, _mm512_set1_epi8((char)0xf0));
-    /* Pairs, then fours: the lower one is the thousands above the upper one's, at most one digit of it is there. */
+    /* Pairs, then fours: the lower four are the ten thousands, at most one digit; the upper are the last digits. */
     __m512i pairs = _mm512_maddubs_epi16(t, _mm512_set1_epi16(0x010a));
     __m512i fours = _mm512_madd_epi16(pairs, _mm512_set1_epi32(0x00010064));
     __m512i value = _mm512_add_epi64(_mm512_mul_epu32(fours, _mm512_set1_epi64(10000)), _mm512_srli_epi64(fours, 32));
@@ -38,10 +38,10 @@ static inline densities parse(__m512i last, __m512i length)
     return (densities){_mm512_cvtepi64_epi16(value), good};
 }
 
-/* Of words as match.c has them. */
+/* Parses words that begin with a density, as in match.c. */
 static inline densities parse_words(__m512i words, bool carriage)
 {
-    /* The newline's mark is bit 8 n + 7; without one, the shift is 72 and n is -1, which no density has. */
+    /* The newline's mark is bit 8 n + 7. Without a newline the shift is 72 and n is -1, which is not a valid length. */
     __m512i x = _mm512_xor_si512(words, _mm512_set1_epi8('\n'));
     __m512i zero = _mm512_andnot_si512(x, _mm512_sub_epi64(x, _mm512_set1_epi8(1)));
     zero = _mm512_and_si512(zero, _mm512_set1_epi8((char)0x80));
@@ -57,7 +57,7 @@ static inline densities parse_words(__m512i words, bool carriage)
     return d;
 }
 
-/* The first eight lines from *text on; whether all of them match and end before `end`. *text moves behind them then. */
+/* Matches the first eight lines from *text on. Returns true and advances *text if all match and end before `end`. */
 static inline bool match_eight(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths, const char **text,
                                const char *end, int16_t *density)
 {
@@ -76,7 +76,7 @@ static inline bool match_eight(const ost_text_pattern *pattern, const ost_text_c
     return true;
 }
 
-/* The same of `count` lines, 1 to 8, and no others. */
+/* Does the same for `count` lines, 1 to 8, and stores no other densities. */
 static bool match_some(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths, const char **text,
                        const char *end, int count, int16_t *density)
 {

@@ -1,26 +1,27 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Where lines end, and whether they are what was expected but for their
- * density: what the variants for AVX2 and AVX-512 share.
+ * Finds the ends of lines, and compares all their bytes except the densities: the
+ * common part of the variants for AVX2 and AVX-512.
  *
- * A line begins where the one before it ends.  Followed line by line that is
- * a chain of dependent steps of some 14 cycles: load, compare, count zeros,
- * add.  Four lines are found in one step instead:
+ * A line begins where the one before it ends.  If lines are followed one by one, that
+ * is a chain of dependent steps of some 14 cycles: load, compare, count zeros, add.
+ * Here the ends of four lines are found in one step instead:
  *
  *   q = density of line 0       c_k = bytes from a density's begin to the next
  *   |                                 one's, if the density had no digits
  *   1043\n-56.87 12.22 3.0 -7\n-56.40 12.22 3.0 512\n-55.93 12.22 3.0 88\n
  *   [0..........31]
  *             |  [1..........31]         window k: 32 bytes from q + c_1 + .. + c_k,
- *             q + c_1       |  [2...        looks for the first newline
+ *             q + c_1       |  [2...        searched for the first newline
  *
- * Why that is line k's end.  Say lines 0 to k - 1 match, so that their
- * densities have n_i <= 7 bytes ("-12345" and a carriage return).  Line k's
- * density begins n_0 + .. + n_(k-1) <= 21 bytes behind its window's begin.  When all lines
- * have at least OST_TEXT_JUMP = 21 bytes in front of their densities, the
- * window begins within those, which have no newline if line k matches; and then the
- * newline is at n_0 + .. + n_k <= 28 of 32.  If line k does not match, nor do
- * the four, wherever the others were looked for: a caller takes all or none.
+ * Proof that this is the end of line k.  Let lines 0 to k - 1 match, so that their
+ * densities have n_i <= 7 bytes ("-12345" and a carriage return).  The density of
+ * line k begins n_0 + .. + n_(k-1) <= 21 bytes after the beginning of its window.  If
+ * all lines have at least OST_TEXT_JUMP = 21 bytes in front of their densities, the
+ * window begins within those bytes, which contain no newline if line k matches; the
+ * newline is then at n_0 + .. + n_k <= 28 of 32.  If line k does not match, the four
+ * do not match either, wherever the other ends were found, because a caller takes all
+ * four or none.
  */
 #ifndef OST_IO_TEXT_X86_MATCH_FOUR_H
 #define OST_IO_TEXT_X86_MATCH_FOUR_H
@@ -32,13 +33,13 @@
 
 enum { OST_TEXT_JUMP = 21, OST_TEXT_AHEAD = 768 };
 
-/* Columns and pattern of some lines, and what was found at them. */
+/* The expected bytes of some lines, and the differences found so far. */
 typedef struct match_state {
     __m256i before, before_mask, after, after_mask;
-    size_t lead, other; /* bytes of before; of before and after */
-    const char *line;   /* where the next line begins, */
-    const char *q;      /* and its density */
-    __m128i found16;    /* not 0: some byte differs */
+    size_t lead, other; /* lengths in bytes: of before; of before and after */
+    const char *line;   /* the beginning of the next line, */
+    const char *q;      /* and of its density */
+    __m128i found16;    /* found16, found32: not 0 if some byte differs */
     __m256i found32;
 } match_state;
 
@@ -59,7 +60,7 @@ static inline __attribute__((always_inline)) match_state match_begin(const ost_t
     };
 }
 
-/* found |= (bytes ^ text) & mask */
+/* Returns found | (bytes ^ text) & mask. */
 static inline __m128i differ16(__m128i found, const char *bytes, const ost_text_column *column)
 {
     __m128i x = _mm_xor_si128(_mm_loadu_si128((const void *)bytes), _mm_loadu_si128((const void *)column->text));
@@ -72,7 +73,7 @@ static inline __m256i differ32(__m256i found, const char *bytes, __m256i text, _
     return _mm256_or_si256(found, _mm256_and_si256(x, mask));
 }
 
-/* The bytes of a line at p in front of its density. */
+/* Compares the bytes of the line at p in front of its density. */
 static inline __attribute__((always_inline)) void match_front(match_state *s, const char *p, const ost_text_column *column, size_t length)
 {
     if (s->lead)
@@ -81,7 +82,10 @@ static inline __attribute__((always_inline)) void match_front(match_state *s, co
     s->found32 = differ32(s->found32, p + s->lead + length, s->after, s->after_mask);
 }
 
-/* The next four lines: words[k] are the eight bytes from k's density on, two of them in each. */
+/*
+ * Processes the next four lines. words receives the eight bytes from the beginning of each density on, two densities
+ * per vector.
+ */
 static inline __attribute__((always_inline)) void match_four(match_state *s, const ost_text_column *columns, const uint8_t *lengths, __m128i words[2])
 {
     const __m256i newline = _mm256_set1_epi8('\n');
@@ -105,7 +109,7 @@ static inline __attribute__((always_inline)) void match_four(match_state *s, con
     s->line = line;
 }
 
-/* The next line alone, of any length, as words; its end is looked for in eight bytes. */
+/* Processes one line of any length and returns the word of its density. Its end is searched for in eight bytes. */
 static inline __attribute__((always_inline)) uint64_t match_one(match_state *s, const ost_text_column *column, uint8_t length)
 {
     uint64_t word;
