@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Triangle meshes, and the integer mesh that voxelization sees.
+ * Triangle meshes, and the integer mesh that is the input of voxelization.
  *
  *   file -> ost_mesh (picometres) -> ost_snapped_mesh (lattice) -> backend
  *
- * Equality between backends starts at the snapped mesh (docs/arithmetic.md,
- * AR-MESH): it is made once, on the host, and its digest is recorded.
+ * Backends must be equal from the snapped mesh on (docs/arithmetic.md, AR-MESH): it is
+ * made once, on the host, and its digest is recorded.
  */
 #ifndef OSTEON_MESH_H
 #define OSTEON_MESH_H
@@ -17,7 +17,7 @@
 extern "C" {
 #endif
 
-/* Vertices in picometres in the mesh file's own frame; faces counter-clockwise seen from outside. */
+/* Vertices in picometres in the mesh file's own frame; faces counter-clockwise as seen from outside. */
 typedef struct ost_mesh {
     size_t vertex_count;
     ost_pm3 *vertices; /* owned */
@@ -27,14 +27,20 @@ typedef struct ost_mesh {
 
 enum { OST_MESH_TRIANGLES_MAX = 1 << 26 };
 
-/* Uninitialised arrays of these sizes. */
+/* Allocates arrays of these sizes, without initialising their elements. */
 OST_API ost_status ost_mesh_init(ost_mesh *mesh, size_t vertex_count, size_t triangle_count, ost_error *err);
 OST_API void ost_mesh_free(ost_mesh *mesh);
-/* Over vertices that a triangle uses; OST_ERR_INPUT when there is no triangle, OST_ERR_USAGE when one uses a vertex beyond the last. */
+/*
+ * Computes the bounds of the vertices that a triangle uses. Returns OST_ERR_INPUT if there is no triangle, and
+ * OST_ERR_USAGE if a triangle uses a vertex beyond the last.
+ */
 OST_API ost_status ost_mesh_bounds(const ost_mesh *mesh, ost_pm3 *min, ost_pm3 *max, ost_error *err);
-/* Signed volume in mm^3, positive for outward faces; for reports, not for decisions. */
+/* Returns the signed volume in mm^3, positive for outward faces; for reports, not for decisions. */
 OST_API double ost_mesh_volume_mm3(const ost_mesh *mesh);
-/* Edges that are not shared by exactly two triangles of opposite direction (vertices joined by equal position). */
+/*
+ * Counts the edges that are not shared by exactly two triangles of opposite direction. Vertices with equal positions
+ * count as one.
+ */
 OST_API ost_status ost_mesh_open_edges(const ost_mesh *mesh, size_t *open_edges, ost_error *err);
 
 /* Limits of a tool grid (AR-TOOL-1). */
@@ -42,17 +48,20 @@ enum { OST_TOOL_DIM_MAX = 4096, OST_TOOL_DIM_REMOVE_MAX = 1024 };
 #define OST_TOOL_VOXEL_MIN (OST_PM_PER_MM / 1000)
 #define OST_TOOL_VOXELS_MAX (INT64_C(1) << 33)
 
-/* The grid of a tool: MinVoxelCoords (a corner, not a centre), voxel, dims (thesis, Alg. 2.1). */
+/* The grid of a tool: MinVoxelCoords (a corner, not a centre), voxel size, dims (thesis, Alg. 2.1). */
 typedef struct ost_tool_geometry {
     ost_dims dims;
     ost_pm voxel;
     ost_pm3 corner;
 } ost_tool_geometry;
 
-/* OST_ERR_RANGE, saying which, when a limit above does not hold. */
+/* Returns OST_ERR_RANGE, with a message that names the limit, if one of the limits above is exceeded. */
 OST_API ost_status ost_tool_geometry_check(const ost_tool_geometry *geometry, ost_error *err);
 
-/* Alg. 2.1 with RHE over the bounds [min, max]. OST_ERR_RANGE beyond OST_TOOL_DIM_MAX or 2^33 voxels. */
+/*
+ * Computes the grid of a tool by Alg. 2.1 with RHE over the bounds [min, max]. Returns OST_ERR_RANGE beyond
+ * OST_TOOL_DIM_MAX or 2^33 voxels.
+ */
 OST_API ost_status ost_tool_geometry_from_bounds(ost_pm3 min, ost_pm3 max, ost_pm voxel, ost_tool_geometry *out, ost_error *err);
 
 /*
@@ -72,7 +81,7 @@ typedef struct ost_snapped_mesh {
 
 OST_API ost_status ost_mesh_snap(const ost_mesh *mesh, const ost_tool_geometry *grid, ost_snapped_mesh *out, ost_error *err);
 OST_API void ost_snapped_mesh_free(ost_snapped_mesh *mesh);
-/* Stage digest of what every backend is given (AR-DIG-7). */
+/* Computes the stage digest of the data that every backend receives (AR-DIG-7). */
 OST_API ost_status ost_snapped_mesh_digest(const ost_snapped_mesh *mesh, ost_digest *out, ost_error *err);
 
 #ifdef __cplusplus
