@@ -10,7 +10,7 @@
 #include "app/sim_window.h"
 #include "app/sim_watch.h"
 
-/* A tick of the reamer rehearsed after a millisecond's pause takes 60 to 150 us (docs/performance.md). */
+/* A rehearsed tick of the reamer takes 60 to 150 us after a millisecond's pause (docs/performance.md). */
 enum { REHEARSE_US = 250 };
 
 void sim_pin(const sim_args *args, simulation *s)
@@ -20,13 +20,14 @@ void sim_pin(const sim_args *args, simulation *s)
         s->core = -1;
 }
 
-/* Ends the loop as a user asks for it, so that what was recorded is whole. */
+/* Runs a tick. Returns false as well after a signal, so that the loop ends in order and the
+   recording is complete. */
 static bool tick(void *operation, const ost_servo_sample *sample, ost_wrench *wrench)
 {
     return ost_operation_tick(operation, sample, wrench) && !interrupt_asked();
 }
 
-/* Who asked for the end waits for no comparison. */
+/* Ends a control run after a signal. */
 static bool beside(void *user, ost_servo_stage stage)
 {
     simulation *s = user;
@@ -38,14 +39,15 @@ bool sim_rests(const sim_args *args)
     return args->renderer >= SIM_RENDERER_POINTS && args->fps > 0 && !args->no_clock;
 }
 
-/* Elsewhere than on processors a rehearsal is one more launch; on a core that is shared it takes time from others. */
+/* Returns the lead of a rehearsal in ns. On a device it would be one more launch, and on a shared
+   core it takes time from other threads. */
 static int64_t lead_ns(const sim_args *args, const simulation *s)
 {
     const bool pays = s->core >= 0 && strncmp(ost_backend_name(s->backend), "cpu", 3) == 0;
     return 1000 * (args->rehearse_given ? args->rehearse_us : pays ? REHEARSE_US : 0);
 }
 
-/* The loop, with somebody who tells people meanwhile, and a signal as a wish to end. */
+/* Runs the servo loop, with a thread that reports progress. A signal requests the end of the loop. */
 static ost_status serve(const app_state *app, const sim_args *args, const ost_servo_options *how, simulation *s, ost_error *err)
 {
     sim_watch *watch;

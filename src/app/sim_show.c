@@ -25,7 +25,7 @@ typedef struct drawer {
     _Atomic bool stop;
 } drawer;
 
-/* The processors that are left to this thread. */
+/* Returns the number of processors on which this thread may run. */
 static int cores_here(void)
 {
     cpu_set_t set;
@@ -82,7 +82,7 @@ ost_status sim_show_make(const app_state *app, const sim_args *args, simulation 
     show->scene.force_given = s->force != NULL;
     show->scene.recording = s->recorder != NULL;
     status = sim_look_make(args, s, known ? &glenoid : NULL, err);
-    /* All of the bone's lists and looks, once, before a loop waits for nobody. */
+    /* The first update builds all of the bone's lists and looks, before the servo loop runs. */
     return status == OST_OK ? ost_viewer_update(&show->viewer, err) : status;
 }
 
@@ -139,7 +139,7 @@ void sim_show_done(sim_show *show)
 
 /* ----------------------------------------------------------- without a window */
 
-/* What a window writes over its frames, but for what only a window knows. */
+/* Draws the HUD over a frame without a window. */
 static ost_status write_over(sim_show *show, ost_error *err)
 {
     const ost_sheet sheet = ost_frame_sheet(&show->viewer.frame);
@@ -195,7 +195,7 @@ static void *work(void *user)
         if (!sim_beside_rests(&show->beside, &show->drawn))
             show->status = frame_of_thread(show, &show->err);
         const int64_t now = ost_clock_ns();
-        due = due + period > now ? due + period : now; /* what is late is not caught up on */
+        due = due + period > now ? due + period : now; /* a late frame is not caught up on */
         const struct timespec t = {.tv_sec = due / 1000000000, .tv_nsec = due % 1000000000};
         if (due > now)
             clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, NULL);
@@ -228,7 +228,7 @@ ost_status sim_show_end(sim_show *show, ost_error *err)
         free(d);
         show->thread = NULL;
     }
-    atomic_store(&show->beside.stage, SIM_BESIDE_NOT_BEGUN); /* what is drawn now is the bone as it is */
+    atomic_store(&show->beside.stage, SIM_BESIDE_NOT_BEGUN); /* frames now show the current bone */
     if (show->status != OST_OK)
         return ost_fail(err, show->status, "the renderer: %.500s", show->err.text);
     ost_status status = ost_live_flush(show->live, err);
@@ -244,7 +244,8 @@ ost_status sim_show_end(sim_show *show, ost_error *err)
     return status;
 }
 
-/* What the machine makes of frames that come as often, whoever draws them. */
+/* Reports the machine's share in the frame times: the rate of turns that only wake, and of turns
+   that spin for as long as a frame. */
 static void report_floor(const app_state *app, const sim_show *show, json_t *row)
 {
     const frame_times *woken = &show->beside.woken, *spent = &show->beside.spent;
@@ -258,7 +259,7 @@ static void report_floor(const app_state *app, const sim_show *show, json_t *row
         w50, w99, s50, s99);
 }
 
-/* Who drew, where it was OpenGL. */
+/* Reports the OpenGL driver, if OpenGL was used. */
 static void say_gl(const app_state *app, const sim_show *show, json_t *row)
 {
     if (show->viewer.gl) {

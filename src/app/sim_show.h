@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What is seen while the loop runs: a renderer at work beside it.
+ * The rendering of an operation while the servo loop runs.
  *
- *   operation --ost_live--> viewer --camera--> frames      in a window, or in a thread of its own without one
+ *   operation --ost_live--> viewer --camera--> frames      in a window, or on a separate thread without one
  *
- * It takes the bone as it is when it is made, and follows from there.
+ * It starts from the bone at the time of its creation and follows all later changes.
  */
 #ifndef OST_APP_SIM_SHOW_H
 #define OST_APP_SIM_SHOW_H
@@ -28,36 +28,37 @@ typedef struct sim_show {
     ost_view_subject subject;
     ost_orbit orbit;
     sim_scene scene;
-    sim_hud *hud;             /* of frames without a window; owned */
-    film *film;               /* borrowed; NULL: none */
+    sim_hud *hud;             /* for frames without a window; owned */
+    film *film;               /* borrowed; NULL if there is none */
     appearance look;
-    ost_tool_volume ghost_tool; /* the first; what its ghost is made of */
-    frame_times drawn, apart; /* a frame's work; from one frame to the next; while the operation went on */
-    int64_t look_ns;          /* when this frame began */
-    int64_t last_ns;          /* when the last one did; 0: it was not drawn right before */
-    int64_t end_ns;           /* when the operation was over */
+    ost_tool_volume ghost_tool; /* the first tool; the ghost shows it */
+    frame_times drawn, apart; /* during the operation: duration of a frame's work; interval between frames */
+    int64_t look_ns;          /* begin of the current frame */
+    int64_t last_ns;          /* begin of the previous frame; 0 if none was drawn immediately before */
+    int64_t end_ns;           /* end of the operation */
     sim_beside beside;
-    void *thread;             /* NULL: none */
+    void *thread;             /* NULL if there is none */
     ost_status status;        /* of the thread */
     ost_error err;
 } sim_show;
 
-/* NULL with no renderer. */
+/* Makes s->show; it stays NULL without a renderer. */
 ost_status sim_show_make(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
 void sim_show_free(sim_show *show);
 
-/* Of the loop's thread: what it is at. False: it is not to go on. */
+/* Called on the servo thread when a stage begins and before each turn of a control run. Returns
+   false to end the control run. */
 bool sim_show_stage(void *show, ost_servo_stage stage);
-/* What changed since the last time: a frame begins. */
+/* Begins a frame: applies the changes since the previous one. */
 ost_status sim_show_look(sim_show *show, ost_error *err);
-/* Drawn in this size; nothing is drawn by the renderer null. */
+/* Draws a frame of this size. The renderer null draws nothing. */
 ost_status sim_show_frame(sim_show *show, int width, int height, ost_error *err);
-/* All that belongs to it is done. */
+/* Ends a frame and records its times. */
 void sim_show_done(sim_show *show);
 
-/* Frames by a thread, until the end. */
+/* Starts a thread that draws frames until sim_show_end. */
 ost_status sim_show_begin(sim_show *show, ost_error *err);
-/* Waits for the thread; the picture that was asked for. The loop is over. */
+/* Waits for the thread and writes the requested picture. Call it after the servo loop. */
 ost_status sim_show_end(sim_show *show, ost_error *err);
 void sim_show_report(const app_state *app, const sim_show *show);
 

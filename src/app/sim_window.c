@@ -21,7 +21,7 @@
 
 enum { ASTRAY_MAX = 100, MESSAGE = 200, DISTANCE_KEY_MM_S = 12 };
 static const double MESSAGE_S = 6, WHEEL_MM = 0.5, FINE = 0.2, TWIST_KEY = 1.2;
-static const double FACTS_S = 0.1, HIDDEN_S = 0.1; /* how often numbers change; how often a window that nobody sees is looked after */
+static const double FACTS_S = 0.1, HIDDEN_S = 0.1; /* interval at which numbers change; interval at which a hidden window is polled */
 
 typedef struct rates {
     double since; /* s */
@@ -29,7 +29,7 @@ typedef struct rates {
     double ticks_s, frames_s, takes_us, frame_ms;
 } rates;
 
-/* What a frame was drawn of: while it is the same, so is the frame. */
+/* The inputs of a frame. While they stay the same, the frame is not drawn again. */
 typedef struct sight {
     ost_pose pose;
     ost_orbit orbit;
@@ -44,30 +44,30 @@ struct sim_window {
     const sim_args *args;
     ost_window *window;
     sim_hud *hud;
-    uint32_t *blank;   /* owned; for what is shown before there are frames */
-    ost_hand *hand;    /* NULL: another device */
+    uint32_t *blank;   /* owned; shown before there are frames */
+    ost_hand *hand;    /* NULL if another device is used */
     sim_hand now, home;
     sim_camera camera;
-    bool lifted;       /* the hand was put elsewhere, and the device has not heard of it */
-    bool held[512];    /* keys by their number */
+    bool lifted;       /* the hand was moved elsewhere, and the device has not received that yet */
+    bool held[512];    /* keys that are down, by number */
     bool button[3];
     unsigned mods;
-    double x, y;       /* of the pointer */
+    double x, y;       /* position of the pointer */
     bool help, quit, shoot, timings;
     char message[MESSAGE];
     double message_until;
-    int resets, astray; /* frames in a row that could not be drawn from where the camera is */
+    int resets, astray; /* astray: consecutive frames that could not be drawn from the camera's position */
     uint64_t frames;
     rates rates;
     sim_hud_facts facts;
     double facts_s;
     sight seen;
-    bool stale;        /* what is over the frame is another */
-    bool follows;      /* the frame that was drawn last was presented */
-    ost_cells changed; /* owned; between the two */
-    bool compared;     /* frames are those of before, again */
+    bool stale;        /* the HUD has changed */
+    bool follows;      /* the frame drawn last was presented */
+    ost_cells changed; /* owned; cells that differ between the last two frames */
+    bool compared;     /* stored frames are drawn again, for a control run */
     simulation *s;
-    ost_status status; /* what ended it, but for a wish */
+    ost_status status; /* failure that ended the window; OST_OK if the user ended it */
     ost_error err;
 };
 
@@ -129,7 +129,8 @@ ost_status sim_window_open(const app_state *app, const sim_args *args, simulatio
     w->s = s;
     char title[MESSAGE];
     snprintf(title, sizeof title, "osteon sim: %.100s", args->bone);
-    /* Mesa's software: its threads would be as many as there are processors, on those that the loop leaves. */
+    /* Otherwise Mesa's software renderer would create a thread for every processor, on those that
+       the servo loop leaves free. */
     setenv("LP_NUM_THREADS", "0", 0);
     ost_status status = ost_window_open(title, args->width, args->height, &w->window, err);
     if (status != OST_OK)
@@ -171,7 +172,7 @@ ost_hand *sim_window_hand_get(const simulation *s)
 
 /* ------------------------------------------------------------------ events */
 
-/* With its point where the last one's was. */
+/* Changes the tool. The new tool's tip is placed at that of the previous one. */
 static void take_tool(sim_window *w, int number)
 {
     if (number < 0 || number >= w->args->tools.count || !w->hand || number == w->now.tool)
@@ -283,13 +284,13 @@ static void take_events(sim_window *w, int height)
     }
 }
 
-/* Keys that work while they are down. */
+/* Applies the keys that act as long as they are down. */
 static void hold_keys(sim_window *w, double dt)
 {
     const bool *k = w->held;
     sim_camera_hold(&w->camera, k[OST_KEY_RIGHT] - k[OST_KEY_LEFT], k[OST_KEY_UP] - k[OST_KEY_DOWN], k[OST_KEY_PLUS] - k[OST_KEY_MINUS],
                     w->mods & OST_WINDOW_SHIFT, dt);
-    /* What the buttons of a device do; of the mouse the window does the rest itself. */
+    /* Keys act like a device's buttons. For the mouse the window handles the hand itself. */
     ost_operation_keys(w->s->operation, w->hand ? 0 : (uint32_t)k[' '] << OST_ACTION_MOTOR | (uint32_t)k[OST_KEY_TAB] << OST_ACTION_TOOL |
                                                           (uint32_t)k[OST_KEY_HOME] << OST_ACTION_HOME);
     if (!w->hand)
@@ -300,7 +301,8 @@ static void hold_keys(sim_window *w, double dt)
     w->now.pedal = k[' '];
 }
 
-/* A hand beyond what poses can be stays where it was; so does one that a drag in a window of a few pixels would put out of reach. */
+/* Passes the hand's pose to the device. A pose that is out of range, or far from the bone after a
+   drag in a window of a few pixels, is replaced by the previous one. */
 static void put_hand(sim_window *w, const sim_hand *before)
 {
     ost_haptic_state state;
@@ -335,7 +337,7 @@ static void count_rates(sim_window *w, double now)
     r->frames = w->frames;
 }
 
-/* Numbers that change faster than ten times a second are not read by anybody. */
+/* Updates the facts of the HUD, at most ten times a second: faster changes are unreadable. */
 static void take_facts(sim_window *w, int height, double now)
 {
     const ost_viewer *viewer = &w->s->show->viewer;
@@ -380,7 +382,7 @@ static sight sight_of(const sim_window *w, int width, int height)
                    .width = width, .height = height};
 }
 
-/* Where the frame may differ from the one before; NULL: anywhere. */
+/* Returns the cells in which the frame may differ from the previous one; NULL if all may. */
 static const ost_cells *changed_of(sim_window *w)
 {
     const ost_frame *f = &w->s->show->viewer.frame;
@@ -398,7 +400,7 @@ static const ost_cells *changed_of(sim_window *w)
     return c;
 }
 
-/* follows: the frame drawn before this one was presented. */
+/* Presents a frame. follows: the frame drawn before this one was presented. */
 static ost_status present(sim_window *w, const ost_sheet *sheet, bool follows, ost_error *err)
 {
     ost_window_picture picture = {.pixels = sheet->pixels, .stride = sheet->stride, .width = sheet->width, .height = sheet->height};
@@ -417,7 +419,8 @@ static ost_status present(sim_window *w, const ost_sheet *sheet, bool follows, o
     return status;
 }
 
-/* That the tool moves on and nothing goes is not to be taken for the operation. */
+/* Reports that a control run began: the tool then moves without removing bone and is not part of
+   the operation. */
 static void tell_stage(sim_window *w)
 {
     const bool again = sim_beside_again(&w->s->show->beside);
@@ -426,7 +429,7 @@ static void tell_stage(sim_window *w)
     w->compared = again;
 }
 
-/* *drawn: there was something to draw. */
+/* Processes events and draws a frame. *drawn: a frame was drawn. */
 static ost_status frame(sim_window *w, double dt, bool *drawn, ost_error *err)
 {
     int width, height;
@@ -443,7 +446,7 @@ static ost_status frame(sim_window *w, double dt, bool *drawn, ost_error *err)
     show->orbit = w->camera.orbit;
     ost_status status = sim_show_look(show, err);
     if (status != OST_OK || width == 0 || height == 0)
-        return status; /* nobody sees it */
+        return status; /* minimized */
     char said[FILM_TEXT];
     if (film_said(w->s->film, said))
         tell(w, said);
@@ -510,7 +513,7 @@ static void wait_until(int64_t due)
     clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, NULL);
 }
 
-/* As often as asked for while something changes; else it waits for somebody to do something. */
+/* Draws frames at the requested rate while something changes; otherwise waits for events. */
 static ost_status show_frames(sim_window *w, server *v, ost_error *err)
 {
     const int64_t period = w->args->fps > 0 ? INT64_C(1000000000) / w->args->fps : 0;

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The simulator's window: frames and what is written over them, the camera,
- * and the hand of the device mouse.
+ * The simulator's window: frames and the HUD, the camera, and the hand of the device mouse.
  *
  *   main thread: window, events, hand, frames          another: the loop
  *                     |--ost_hand_put------------------> mouse
@@ -14,17 +13,18 @@
 
 typedef struct sim_window sim_window;
 
-/* Into s->window; at once, since all else takes seconds. */
+/* Opens s->window. Called first, since all other preparation takes seconds. */
 ost_status sim_window_open(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
-void sim_window_close(sim_window *window); /* NULL is allowed */
+void sim_window_close(sim_window *window); /* window may be NULL */
 
-/* Where the hand begins: for the device mouse, and to be called before it is opened. */
+/* Sets the hand's initial pose, for the device mouse. Must be called before the device is opened. */
 ost_status sim_window_hand(simulation *s, const ost_pose *start, ost_error *err);
-ost_hand *sim_window_hand_get(const simulation *s); /* NULL: none */
+ost_hand *sim_window_hand_get(const simulation *s); /* NULL if there is none */
 
 /*
- * The loop by a thread of its own, the window by this one, until one of them ends.  A window that is lost ends the loop as
- * a user's wish does, and what was done is reported and saved; sim_window_end says afterwards what it was.
+ * Runs the servo loop on a separate thread and the window on the calling one, until either ends. If
+ * the window is lost, the loop ends as if the user had ended it, and the operation is reported and
+ * saved; sim_window_end then returns the reason.
  */
 ost_status sim_window_serve(simulation *s, const ost_servo_options *how, ost_servo_tick *tick, ost_error *err);
 ost_status sim_window_end(const simulation *s, ost_error *err);

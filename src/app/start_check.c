@@ -9,10 +9,10 @@
 #include "app/result.h"
 #include "app/say.h"
 
-/* Noise and single osteophytes are below; a joint's other bone is thousands of mm3. */
+/* Noise and single osteophytes are smaller; the other bone of a joint has thousands of mm3. */
 #define FRONT_LEAST_MM3 50.0
 #define BONE_LEAST_PERCENT 25.0
-#define APPROACH_MM 8.0 /* outside of the face, where the built-in paths begin */
+#define APPROACH_MM 8.0 /* distance in front of the face at which the built-in paths begin */
 
 static ost_status problem(const app_state *app, bool strict, ost_error *err, const char *format, ...) OST_PRINTF(4, 5);
 
@@ -47,7 +47,7 @@ void start_poses(const ost_path *path, const ost_pose *first[OPTION_LIST_MAX])
     }
 }
 
-/* The tool's radius about its own axis, and its length along it. */
+/* Computes the tool's radius about its axis, and its length along it, in mm. */
 static void tool_size(const ost_tool *tool, double *radius_mm, double *length_mm)
 {
     const ost_tool_geometry *g = ost_tool_geometry_get(tool);
@@ -75,7 +75,7 @@ static ost_status check_front(const app_state *app, const start_setup *setup, co
     }
     const double mm3 = (double)most * voxel_mm3(setup->bone);
     put_real(app->result, "front_mm3", mm3);
-    /* What is in front of a face that is none has been reported already. */
+    /* Without a valid axis, bone in front of the face is meaningless; the axis has already been reported. */
     if (status != OST_OK || mm3 < FRONT_LEAST_MM3 || !axis_good)
         return status;
     return problem(app, setup->strict, err, "%s: %.0f mm3 of bone lie in front of the glenoid's face, in the way of %s: probably a humeral head that "

@@ -42,7 +42,8 @@ json_t *user_files_how(int argc, char **argv)
     return how;
 }
 
-/* A bundle's words, which may be anybody's, are taken only where they are of the table. */
+/* Parses the options stored in a bundle. They may come from anyone, so only options of the table
+   are accepted. */
 static ost_status parse_how(app_state *app, const json_t *how, user_files *u, ost_error *err)
 {
     const option table[] = {USER_FILES_HOW(*u), {.name = NULL}};
@@ -71,7 +72,8 @@ static const char *builtin_of(const char *name)
     return strncmp(name, "builtin:", 8) == 0 ? name + 8 : NULL;
 }
 
-/* Size and digest; a file that can be read only once cannot be shown to be the same again. */
+/* Finds a file's size and digest. A file that can be read only once, such as a pipe, is an error:
+   it could not be verified later. */
 static ost_status know_file(const char *path, int64_t *bytes, ost_digest *digest, ost_error *err)
 {
     struct stat info;
@@ -102,7 +104,7 @@ static ost_status add_file(json_t *files, const char *kind, const char *name, os
     return status;
 }
 
-/* In the order of the record: CTs, tools, paths. */
+/* Returns the name of file i in the order of the record: CTs, tools, paths. */
 static const char *file_name(const user_files *u, int i)
 {
     if (i < u->cts.count)
@@ -123,7 +125,7 @@ static ost_status add_files(const user_files *u, json_t *files, ost_error *err)
     return status;
 }
 
-/* What was read is what has the digest. */
+/* Computes the digests again, and fails if a file changed while it was read. */
 static ost_status still_the_same(const user_files *u, const json_t *files, ost_error *err)
 {
     json_t *again = json_array();
@@ -139,7 +141,7 @@ static ost_status still_the_same(const user_files *u, const json_t *files, ost_e
 
 /* --------------------------------------------------------------------- CTs */
 
-/* Positions within 8 m, so that the difference is below 2^54. */
+/* Returns true if a sample lies in the grid. Positions are within 8 m, so the difference is below 2^54. */
 static bool lies_in(const ost_geometry *g, const ost_text_row *row)
 {
     const int64_t origin[3] = {g->origin.x, g->origin.y, g->origin.z}, spacing[3] = {g->spacing.x, g->spacing.y, g->spacing.z};
@@ -152,7 +154,7 @@ static bool lies_in(const ost_geometry *g, const ost_text_row *row)
     return true;
 }
 
-/* Every line, in the file's order; with a crop those within it. */
+/* Stores every line of a CT given as text, in the file's order; with crop, only those within the grid. */
 static ost_status put_text_samples(const char *path, const ost_geometry *rect, bool crop, user_store *store, ost_error *err)
 {
     ost_text_source source;
@@ -182,7 +184,7 @@ static ost_status put_text_samples(const char *path, const ost_geometry *rect, b
     return status;
 }
 
-/* Every voxel a sample on its lattice point, x fastest. */
+/* Stores every voxel as a sample at its lattice point, x fastest. */
 static ost_status put_volume_samples(const char *path, const ost_import_options *options, const ost_geometry *rect, user_store *store, ost_error *err)
 {
     ost_volume volume = {0};
@@ -228,7 +230,8 @@ static void put_imported(json_t *to, const ost_import_result *r, const ost_bone_
     put(to, "import_sha256", stages);
 }
 
-/* Imported once as osteon import does it, by the reference: whatever is wrong with the file is said now. */
+/* Adds a CT. It is also imported once by the reference, as osteon import does, so that errors in
+   the file are reported now. */
 static ost_status put_ct(const app_state *app, const user_files *u, const char *path, user_store *store, scene *head, ost_meta *meta, json_t *one, ost_error *err)
 {
     ost_import_options options;
@@ -312,7 +315,7 @@ static ost_status check_counts(const app_state *app, const user_files *u, ost_er
 
 static ost_status add_case(const app_state *app, const user_files *u, int ct, const scene *tools, user_store *store, json_t *one, ost_error *err)
 {
-    scene head = *tools; /* its tools stay with the caller */
+    scene head = *tools; /* the caller keeps ownership of the tools */
     ream_gaps counted = {0};
     ost_meta meta = {0};
     const ost_tool_geometry *grids[SCENE_TOOLS_MAX] = {NULL};
@@ -392,7 +395,7 @@ ost_status user_files_of(const app_state *app, const user_files *u, int argc, ch
 
 /* ------------------------------------------------------------------- again */
 
-/* "1 CT and 2 tools" */
+/* Writes the number of files of each kind, such as "1 with --ct, 2 with --tool". */
 static void say_needed(const json_t *files, char text[96])
 {
     static const char *const kinds[] = {"ct", "tool", "path"};
@@ -408,7 +411,7 @@ static void say_needed(const json_t *files, char text[96])
     }
 }
 
-/* The given file that has this record's size and digest. */
+/* Finds the given file that has the size and digest of the record. */
 static ost_status find_file(const option_list *given, const char *kind, const json_t *file, const char **out, ost_error *err)
 {
     const json_int_t size = json_integer_value(json_object_get(file, "bytes"));

@@ -2,10 +2,10 @@
 /*
  * The parts of osteon validate.
  *
- *   cmd_validate.c     options, and which of these is meant; workers
- *   validate_run.c     a campaign, and the bundle of what came of it
- *   validate_merge.c   shards' bundles put together
- *   validate_say.c     what is printed, and the exit status
+ *   cmd_validate.c     options and the choice of the task; workers
+ *   validate_run.c     a campaign, and the bundle of its results
+ *   validate_merge.c   merging the bundles of shards
+ *   validate_say.c     the printed report, and the exit status
  */
 #ifndef OST_APP_VALIDATE_H
 #define OST_APP_VALIDATE_H
@@ -19,25 +19,25 @@
 typedef struct validate_args {
     const char *out, *backends, *shard, *only, *merge, *worker, *trace, *given, *dump, *export_to, *case_file, *sign,
         *passphrase, *against, *suite;
-    int tier; /* place in "smoke|standard|full" */
+    int tier; /* index in "smoke|standard|full" */
     int64_t seed, from, to, limit_s, jobs;
     int64_t faults, suite_limit_s;
     bool cpu_only, faults_only, from_parent, apart;
     user_files own;
-    json_t *record; /* of them; NULL: there are none */
-    sign_key *key;  /* of --sign; NULL: the bundle is not signed */
+    json_t *record; /* record of own; NULL if there are no files */
+    sign_key *key;  /* key of --sign; NULL: the bundle is not signed */
 } validate_args;
 
 /* ------------------------------------------------------------ validate_run.c */
 
-/* from_file: what --case gave, or NULL; the caller's. */
+/* Runs a campaign. from_file: the cases of --case, or NULL; owned by the caller. */
 ost_status validate_run(app_state *app, const validate_args *args, const plan *p, json_t *from_file, ost_error *err);
 ost_status validate_faults(app_state *app, const validate_args *args, ost_error *err);
 
-/* Signs the bundle at args->out with the key of --sign; nothing without one. */
+/* Signs the bundle at args->out with the key of --sign; does nothing without a key. */
 ost_status validate_sign(app_state *app, const validate_args *args, ost_error *err);
 
-/* The protocol and its hash, written before anything runs. */
+/* Writes the protocol and its hash, before anything runs. */
 ost_status validate_freeze(bundle *b, const json_t *protocol, ost_error *err);
 /* An evidence_sink: user is a bundle. */
 ost_status validate_into_bundle(void *user, const char *name, const void *bytes, size_t size, ost_error *err);
@@ -48,21 +48,22 @@ ost_status validate_merge(app_state *app, const validate_args *args, ost_error *
 
 /* ------------------------------------------------------------ validate_say.c */
 
-/* All of a campaign; the status is the verb's. proof: NULL without one. */
+/* Prints the results of a campaign and returns the verb's status. proof: NULL if there is none. */
 ost_status validate_say(app_state *app, const validate_args *args, const campaign *c, json_t *summary, const sensitivity *proof, const json_t *common, ost_error *err);
-/* The last lines: what checks it, the verdict, the picture, the report. */
+/* Prints the last lines: the command that checks the bundle, the verdict, the picture, the report. */
 void validate_say_last(app_state *app, const char *out, const json_t *summary);
-/* A result that is not equal: where, with both values, and what it looks like. */
+/* Prints a result that is not equal: its position, both values, and its pattern. */
 void validate_say_difference(const app_state *app, const plan_case *c, const subject *s, const case_result *r);
-/* What was never triggered or never changed anything is named: a proof says what it is no proof of. */
+/* Prints the sensitivity proof. Mistakes that were never triggered or never changed a result are
+   listed: the proof does not cover them. */
 void validate_say_faults(const app_state *app, const sensitivity *s);
-/* The suite's counts, and the first tests that failed; suite: suite.json. */
+/* Prints the suite's counts, and the first tests that failed; suite: suite.json. */
 void validate_say_suite(const app_state *app, const json_t *suite);
-/* OST_ERR_DIFFER where a test of the suite failed, OST_ERR_UNAVAILABLE where none passed. */
+/* Returns OST_ERR_DIFFER if a test of the suite failed, OST_ERR_UNAVAILABLE if none passed. */
 ost_status validate_judge_suite(const json_t *suite, ost_error *err);
 /* Prints the changes since the bundle of --against; impact: impact.json. */
 void validate_say_impact(app_state *app, const char *against, json_t *impact);
-/* Not a difference: there was nothing to differ. */
+/* Fails because nothing was compared, which is no difference. */
 ost_status validate_nothing(ost_error *err);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Shards' bundles to the bundle of the whole: nothing runs. */
+/* Merges the bundles of shards into the bundle of the campaign. Runs no case. */
 #include "app/validate.h"
 
 #include "app/result.h"

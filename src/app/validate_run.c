@@ -54,7 +54,8 @@ ost_status validate_freeze(bundle *b, const json_t *protocol, ost_error *err)
     return status == OST_OK ? bundle_log(b, "protocol frozen", err, "%s", ost_digest_hex(&digest, hex)) : status;
 }
 
-/* {"cl": {"entered": {"kernel ost_remove": 12}, "not_entered": [...]}}, of backends that count their paths. */
+/* Makes {"cl": {"entered": {"kernel ost_remove": 12}, "not_entered": [...]}}, for the backends that
+   count their code paths. */
 static json_t *paths_of(const campaign *c)
 {
     json_t *all = json_object();
@@ -81,7 +82,7 @@ ost_status validate_sign(app_state *app, const validate_args *args, ost_error *e
     return OST_OK;
 }
 
-/* {begun, seconds: {backend: of its workers}, cases: {case: {backend: seconds}}} */
+/* Makes {begun, seconds: {backend: its workers' time}, cases: {case: {backend: seconds}}}. */
 static json_t *times_of(const campaign *c)
 {
     json_t *times = json_object(), *seconds = json_object(), *cases = json_object();
@@ -121,7 +122,7 @@ static ost_status put_machine(bundle *b, const campaign *c, const char *program,
     return status;
 }
 
-/* *out stays NULL without --against. */
+/* Writes the changes since the bundle of --against. *out stays NULL without --against. */
 static ost_status put_impact(bundle *b, const char *against, json_t **out, ost_error *err)
 {
     if (!against)
@@ -166,14 +167,14 @@ static ost_status run_suite(const validate_args *args, int jobs, json_t **out, o
     return status;
 }
 
-/* Everything that must be freed, in one place. */
+/* All resources of a run, freed together by job_free. */
 typedef struct job {
     char program[1024];
     subject_list subjects;
     campaign run;
     bundle *b;
     json_t *protocol, *cases, *summary, *faults, *common, *impact, *suite;
-    sensitivity proof; /* where faults is not NULL */
+    sensitivity proof; /* set if faults is not NULL */
 } job;
 
 static void job_free(job *j)
@@ -190,7 +191,7 @@ static void job_free(job *j)
     json_decref(j->suite);
 }
 
-/* A batch's cases, while the reference's trace of them is there. */
+/* Stores the evidence of a batch's cases, while the reference's trace of them exists. */
 static ost_status take_batch(void *user, const campaign *c, int first, int count, ost_error *err)
 {
     job *j = user;
@@ -219,7 +220,7 @@ static ost_status run_all(job *j, const validate_args *args, const plan *p, ost_
     }
     if (status == OST_OK)
         status = evidence_results(&j->run, j->cases, err);
-    /* The first of several shards makes it for all. */
+    /* Only the first of several shards runs the sensitivity proof. */
     if (status == OST_OK && p->shard == 1 && !p->only && !p->file) {
         status = sensitivity_run(p->seed, sensitivity_injections(p->tier), j->run.jobs, show, NULL, &j->proof, err);
         if (status == OST_OK)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What osteon validate prints and ends with. */
+/* Prints the results of osteon validate and determines its status. */
 #include "app/validate.h"
 
 #include <stdio.h>
@@ -75,7 +75,7 @@ void validate_say_difference(const app_state *app, const plan_case *c, const sub
             c->family == PLAN_USER ? " and the files that you gave" : "");
 }
 
-/* Puts what a backend's workers entered and what they did not; says the latter. */
+/* Stores the code paths that a backend's workers entered and those that they did not; prints the latter. */
 static void say_paths(const app_state *app, const path_list *list, json_t *o)
 {
     json_t *entered, *missing;
@@ -93,7 +93,7 @@ static void say_paths(const app_state *app, const path_list *list, json_t *o)
     put(o, "not_entered", missing);
 }
 
-/* Prints the result of the second implementation, which shows the steps that no other comparison shows. */
+/* Prints the result of the second implementation, which checks the steps that no other comparison checks. */
 static void say_second(const app_state *app, const campaign *c, bool equal)
 {
     char ticks[SAY_TEXT], tools[SAY_TEXT];
@@ -103,7 +103,7 @@ static void say_second(const app_state *app, const campaign *c, bool equal)
         say_count(tools, (int64_t)c->stage_records[TRACE_SNAP]));
 }
 
-/* A plugin may make the steps before the voxels itself, or take what it is handed. */
+/* Prints whether a plugin computed the steps before the voxels itself or received them from src/core. */
 static void say_made(const app_state *app, const campaign *c, int s)
 {
     uint64_t made = 0;
@@ -183,7 +183,7 @@ void validate_say_last(app_state *app, const char *out, const json_t *summary)
     put_text(app->result, "report", path);
 }
 
-/* Up to three rows of a list, and how many more there are. */
+/* Prints up to three rows of a list, and the number of the remaining ones. */
 static void say_changes(const app_state *app, const json_t *list, const char *what)
 {
     enum { SHOWN = 3 };
@@ -251,7 +251,7 @@ ost_status validate_nothing(ost_error *err)
     return ost_fail(err, OST_ERR_UNAVAILABLE, "nothing was compared: no backend but the reference ran a case that the reference did not refuse");
 }
 
-/* Of --json only what the summary does not have: the rest is the bundle's own. */
+/* Adds to the JSON what the summary lacks; everything else is in the bundle. */
 ost_status validate_say(app_state *app, const validate_args *args, const campaign *c, json_t *summary, const sensitivity *proof, const json_t *common,
                          ost_error *err)
 {

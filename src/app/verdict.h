@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Each figure of a debrief against its aim, and what follows from all of them
- * in one line: the grade, the figure that is farthest beyond its aim, and what
- * was done.
+ * Compares each figure of a debrief with its aim and summarizes them in one line: the grade, the
+ * figure farthest beyond its aim, and the result of the operation.
  */
 #ifndef OST_APP_VERDICT_H
 #define OST_APP_VERDICT_H
@@ -11,7 +10,7 @@
 
 typedef enum level { GOOD, WATCH, BAD, NONE } level;
 
-/* By grade: "As planned", "Near the plan", "Off the plan", "Far off the plan". */
+/* Names by grade: "As planned", "Near the plan", "Off the plan", "Far off the plan". */
 enum { VERDICT_GRADES = 4 };
 extern const char *const verdict_grades[VERDICT_GRADES];
 
@@ -23,8 +22,8 @@ enum { REMARKS = 16, REMARK = 160, VERDICT_LINE = 512 };
 typedef struct verdict {
     level tilt, version, inclination, depth, entry, over, plate, contact, gap, hole_angle, hole_entry, wall, plunge;
     level worst;
-    int grade;      /* of verdict_grades */
-    double times;   /* the figure farthest beyond its aim, in aims */
+    int grade;      /* index in verdict_grades */
+    double times;   /* ratio of the figure farthest beyond its aim to that aim */
     int count;
     char remark[REMARKS][REMARK];
     level of[REMARKS];
