@@ -165,6 +165,73 @@ static void classes(lab *l)
     ost_tool_free(tool);
 }
 
+/*
+ * Digests of two grids.  tests/oracle/check_digests.py reads the digests below
+ * and compares them with those of an independent implementation of AR-DIG.
+ *
+ * The bone has 65 x 1 x 33 voxels of 1 mm with the first centre at (1, -2, 3) mm,
+ * threshold 120, and the density 100 + i % 1000 at voxel i: 3 x 1 x 2 leaves,
+ * which the tree splits into 4 and 2.
+ */
+static void digests(lab *l)
+{
+    static const char bone_expected[] = "0b320bf531e76ab294de8f920ed31a63278f94b194aa78363ef359d58c2bef34";
+    static const char tool_expected[] = "13f6ffac2113e3c66b5cabf42f19aaa1c78a36de60d57ee40b0a64c571c0e360";
+    static const uint8_t classes_of[5] = {1, 1, 0, 2, 1};
+    const ost_geometry g = {
+        .dims = {65, 1, 33}, .spacing = {LAB_MM, LAB_MM, LAB_MM}, .origin = {LAB_MM, -2 * LAB_MM, 3 * LAB_MM}};
+    const ost_tool_geometry five = {{5, 1, 1}, LAB_MM, {-LAB_MM, 0, 2 * LAB_MM}};
+    int16_t voxels[65 * 33];
+    char bone_hex[OST_DIGEST_HEX] = "", tool_hex[OST_DIGEST_HEX] = "";
+    ost_bone *bone = NULL;
+    ost_tool *tool = NULL;
+    ost_digest digest;
+    ost_tool_volume volume = {.voxels = NULL};
+    for (int i = 0; i < 65 * 33; i++)
+        voxels[i] = (int16_t)(100 + i % 1000);
+    if (l->status == OST_OK)
+        l->status = ost_bone_create(l->backend, &g, 16, 120, &bone, l->err);
+    if (l->status == OST_OK)
+        l->status = ost_bone_upload(bone, 0, 33, voxels, l->err);
+    if (l->status == OST_OK && (l->status = ost_bone_digest(bone, NULL, &digest, l->err)) == OST_OK)
+        ost_digest_hex(&digest, bone_hex);
+    if (l->status == OST_OK)
+        l->status = ost_tool_volume_init(&volume, &five, l->err);
+    if (l->status == OST_OK) {
+        memcpy(volume.voxels, classes_of, sizeof classes_of);
+        l->status = ost_tool_upload(l->backend, &volume, &tool, l->err);
+    }
+    if (l->status == OST_OK && (l->status = ost_tool_digest(tool, &digest, l->err)) == OST_OK)
+        ost_digest_hex(&digest, tool_hex);
+    ost_tool_volume_free(&volume);
+    ost_tool_free(tool);
+    ost_bone_free(bone);
+    lab_say(l, "golden", "digest of a bone", "AR-DIG-2 AR-DIG-3 AR-DIG-4",
+            "a bone of 65 x 1 x 33 voxels, six leaves, has the digest that an independent implementation computes",
+            strcmp(bone_hex, bone_expected) == 0, bone_expected, "%s", bone_hex);
+    lab_say(l, "golden", "digest of a tool", "AR-DIG-2 AR-DIG-4 AR-DIG-5",
+            "a tool of 5 voxels has the digest that an independent implementation computes",
+            strcmp(tool_hex, tool_expected) == 0, tool_expected, "%s", tool_hex);
+}
+
+/* The example of section 11: |d|^2 = 2.5 * 10^17, and n = 3 is the least n with 10^18 <= n^2 * 2.209 * 10^17. */
+static void sweep(lab *l)
+{
+    const ost_pose a = ost_pose_identity();
+    const ost_tool_geometry tool = {{4, 4, 4}, LAB_MM, {0, 0, 0}};
+    ost_pose b = a, first = a;
+    int count = 0;
+    b.t = (ost_pm3){300000000, 400000000, 0};
+    if (l->status == OST_OK)
+        l->status = ost_sweep_count(&a, &b, &tool, 470000000, &count, l->err);
+    if (l->status == OST_OK)
+        first = ost_sweep_pose(&a, &b, 1, 3);
+    lab_say(l, "golden", "sweep", "AR-SWEEP-2 AR-SWEEP-4",
+            "a tool that moves by 0.5 mm in a bone of 0.47 mm has three poses; the first is a third of the way",
+            count == 3 && first.t.x == 100000000 && first.t.y == 133333333 && first.t.z == 0,
+            "3; 100000000, 133333333, 0", "%d; %lld, %lld, %lld", count, (long long)first.t.x, (long long)first.t.y, (long long)first.t.z);
+}
+
 void lab_golden(lab *l)
 {
     const int32_t half = 759250125; /* sin and cos of 45 degrees, times 2^30 */
@@ -178,4 +245,6 @@ void lab_golden(lab *l)
     gone(l, "border", "over two borders of the bone only what is inside is taken", "2 gone", (ost_pose){{-LAB_MM, 7 * LAB_MM, 0}, 1 << 30, 0, 0, 0}, (const int[3]){0, 7, 0},
          (const int[3]){1, 8, 2});
     classes(l);
+    digests(l);
+    sweep(l);
 }
