@@ -33,16 +33,16 @@ enum { OST_DIM_MAX = 16384 };
 #define OST_SPACING_MAX (100 * OST_PM_PER_MM)
 
 OST_API int64_t ost_dims_count(ost_dims dims);
-/* OST_ERR_RANGE, naming what, when a range above does not hold. */
+/* Returns OST_ERR_RANGE if a range above does not hold; `what` names the grid in the message. */
 OST_API ost_status ost_geometry_check(const ost_geometry *geometry, const char *what, ost_error *err);
 OST_API bool ost_geometry_equal(const ost_geometry *a, const ost_geometry *b);
 
 /*
- * Facts that travel with a grid from file to file but decide no voxel: where
- * the glenoid is, which threshold made the bone, which arithmetic.  Keys are
- * [a-z0-9_]{1,40}, values one printable line of up to 200 bytes, without the
- * blanks around it.  At most OST_META_MAX entries; setting a key again gives
- * it the new value in its old position (AR-FILE-8).
+ * Facts that are copied with a grid from file to file and decide no voxel: the
+ * position of the glenoid, the threshold of the bone, the version of the
+ * arithmetic.  Keys are [a-z0-9_]{1,40}; values are one printable line of up to 200
+ * bytes without surrounding blanks.  There are at most OST_META_MAX entries; setting
+ * a key again replaces its value in the same position (AR-FILE-8).
  */
 enum { OST_META_MAX = 32, OST_META_KEY = 41, OST_META_VALUE = 201 };
 typedef struct ost_meta {
@@ -53,24 +53,24 @@ typedef struct ost_meta {
     } entry[OST_META_MAX];
 } ost_meta;
 
-/* The value or NULL. The pointer lives as long as meta is not changed. */
+/* Returns the value, or NULL if there is none. The pointer is valid until meta is changed. */
 OST_API const char *ost_meta_get(const ost_meta *meta, const char *key);
-/* Returns true for dims, spacing_mm and origin_mm, which files give as a grid's own and never write as facts. */
+/* Returns true for dims, spacing_mm and origin_mm, which describe a grid's geometry and are never written as facts. */
 OST_API bool ost_meta_key_is_geometry(const char *key);
-/* OST_ERR_RANGE when key or value breaks the rule above or meta is full. */
+/* Sets a fact. Returns OST_ERR_RANGE if key or value is not allowed by the rules above, or if meta is full. */
 OST_API ost_status ost_meta_set(ost_meta *meta, const char *key, const char *value, ost_error *err);
 
-/* Keys with a meaning, all lengths decimal mm, vectors "x y z". */
+/* Keys with a defined meaning. Lengths are decimal mm, vectors "x y z". */
 #define OST_META_KIND "kind"                   /* "ct", "bone" or "tool" */
 #define OST_META_ARITHMETIC "arithmetic"       /* version of docs/arithmetic.md */
 #define OST_META_THRESHOLD "threshold"         /* of a bone */
-#define OST_META_RESAMPLE "resample"           /* how the bone's voxels came from a CT: "linear", "nearest" or "thesis" */
+#define OST_META_RESAMPLE "resample"           /* rule of resampling from the CT: "linear", "nearest" or "thesis" */
 #define OST_META_GLENOID_AT "glenoid_at_mm"    /* centre of the glenoid's face */
-#define OST_META_GLENOID_AXIS "glenoid_axis"   /* inward direction, need not be unit */
+#define OST_META_GLENOID_AXIS "glenoid_axis"   /* inward direction, not necessarily of unit length */
 #define OST_META_SIDE "side"                   /* "left" or "right" */
 #define OST_META_TRIGONUM "trigonum_mm"       /* where the scapular spine meets the medial border */
 #define OST_META_INFERIOR_ANGLE "inferior_angle_mm" /* the scapula's lowest point */
-#define OST_META_ORIENTATION "orientation"     /* "stated XYZ" or "assumed LPS": the CT's file had none (AR-FILE-6) */
+#define OST_META_ORIENTATION "orientation"     /* "stated XYZ" or "assumed LPS"; only if the CT's file has none (AR-FILE-6) */
 #define OST_META_TOOL_CORNER "tool_corner_mm"  /* MinVoxelCoords of Alg. 2.1, exact */
 
 typedef struct ost_volume {
@@ -79,7 +79,7 @@ typedef struct ost_volume {
     int16_t *voxels; /* owned; ost_dims_count(dims) elements */
 } ost_volume;
 
-/* Zero-filled. On failure *volume has no voxels and free is still safe. */
+/* Allocates a volume filled with zeros. On failure *volume has no voxels and can still be freed. */
 OST_API ost_status ost_volume_init(ost_volume *volume, const ost_geometry *geometry, ost_error *err);
 OST_API void ost_volume_free(ost_volume *volume);
 

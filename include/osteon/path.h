@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A path: what a tool does over time.  A row is a tick; t strictly increases.
- * Rows carry the index of the tool in use, so that a path may switch tools, and
+ * A path: the motion of a tool over time.  A row is a tick; t strictly increases.
+ * Rows contain the index of the tool in use, so that a path may switch tools, and
  * the speed of its motor (docs/arithmetic.md, AR-MOTOR).
  */
 #ifndef OSTEON_PATH_H
@@ -16,21 +16,21 @@ extern "C" {
 #endif
 
 /*
- * OST_RPM_ON: the motor is on at a speed that is not known; the pose has the
- * tool's turn already.  OST_RPM_HAND: the pose is the hand's, and the operation
- * has the motor (motor.h); no world takes such a tick.
+ * OST_RPM_ON: the motor is on at an unknown speed; the pose includes the rotation of
+ * the tool.  OST_RPM_HAND: the pose is that of the device, without the motor's
+ * rotation, which the operation adds (motor.h); a world does not accept such a tick.
  */
 enum { OST_RPM_ON = -1, OST_RPM_HAND = -2, OST_RPM_MAX = 3000 };
 
-/* A turn of the motor in turns a minute times nanoseconds: angles are integers of this unit. */
+/* One revolution of the motor in the unit of its angles, revolutions per minute times nanoseconds. */
 #define OST_MOTOR_TURN INT64_C(60000000000)
 
 typedef struct ost_tick {
     int64_t t_ns; /* nanoseconds */
     int32_t tool; /* index into the world's tools */
-    int32_t rpm;  /* of the motor, 0 to OST_RPM_MAX; 0: off, the tool removes nothing; OST_RPM_ON, OST_RPM_HAND */
+    int32_t rpm;  /* speed of the motor: 1 to OST_RPM_MAX; 0: off, the tool removes nothing; OST_RPM_ON; OST_RPM_HAND */
     ost_pose pose;
-    bool lifted;  /* the tool was lifted before this tick: nothing is swept from the tick before (AR-SWEEP-5) */
+    bool lifted;  /* the tool was lifted before this tick: there is no sweep from the previous tick (AR-SWEEP-5) */
 } ost_tick;
 
 typedef struct ost_path {
@@ -42,13 +42,16 @@ enum { OST_PATH_TICKS_MAX = 100000000 };
 #define OST_PATH_TIME_MAX_NS INT64_C(4000000000000000000)
 
 enum { OST_PATH_NO_GAPS = -1 };
-/* Two rows farther apart than this are a gap, and the second begins lifted; 0: found from the rows (AR-PATH-5); OST_PATH_NO_GAPS. */
+/*
+ * Two rows that are farther apart than these limits are a gap, and the second begins lifted. 0: the limit is computed
+ * from the rows (AR-PATH-5); OST_PATH_NO_GAPS: there is no limit.
+ */
 typedef struct ost_path_options {
     int64_t max_gap_ns;
     ost_pm max_jump_pm;
 } ost_path_options;
 
-/* Uninitialised rows. */
+/* Allocates count rows without initialising them. */
 OST_API ost_status ost_path_init(ost_path *path, size_t count, ost_error *err);
 OST_API void ost_path_free(ost_path *path);
 

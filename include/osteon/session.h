@@ -133,7 +133,7 @@ OST_API const char *ost_session_missing(const ost_session *session, char text[OS
 OST_API ost_status ost_session_path(ost_session *session, ost_path *out, ost_error *err);
 /* Writes all valid blocks to a new session, which appears complete or not at all; the session's file is not changed. */
 OST_API ost_status ost_session_repair(ost_session *session, const char *out, ost_error *err);
-/* Writes a table for other programs, a line per tick: the columns of a path, then the other values (docs/session.md). */
+/* Writes a table for other programs, one line per tick: the columns of a path, then all others (docs/session.md). */
 OST_API ost_status ost_session_write_csv(ost_session *session, const char *out, ost_error *err);
 
 /* Writes poses, ticks, forces and notes as MCAP, for Foxglove and other programs. */

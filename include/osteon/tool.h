@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A tool grid on the host: one uint8 a voxel, x fastest.
+ * A tool grid on the host: one uint8 per voxel, x fastest.
  *
  *   0 void   1 cutting   2 not cutting (touches, but removes nothing)
  *
@@ -24,10 +24,10 @@ typedef struct ost_tool_volume {
     uint8_t *voxels; /* owned; ost_dims_count(geometry.dims) elements */
 } ost_tool_volume;
 
-/* Zero-filled (void). */
+/* Allocates a tool grid filled with zeros (void). */
 OST_API ost_status ost_tool_volume_init(ost_tool_volume *tool, const ost_tool_geometry *geometry, ost_error *err);
 OST_API void ost_tool_volume_free(ost_tool_volume *tool);
-/* Voxels of one class. */
+/* Returns the number of voxels of one class. */
 OST_API int64_t ost_tool_volume_count(const ost_tool_volume *tool, uint8_t tool_class);
 
 #ifdef __cplusplus
