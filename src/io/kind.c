@@ -95,7 +95,7 @@ static bool is_mesh(const unsigned char *head, size_t size, off_t file_size)
 {
     if (starts(head, size, "ply\n") || starts(head, size, "ply\r"))
         return true;
-    if (size >= 6 && head[0] == 0x4d && head[1] == 0x4d && le32(head + 2) == file_size) /* 3DS: the main chunk */
+    if (size >= 6 && head[0] == 0x4d && head[1] == 0x4d && le32(head + 2) == file_size) /* 3DS */
         return true;
     if (starts(head, size, "solid") && (memmem(head, size, "facet", 5) || memmem(head, size, "endsolid", 8)))
         return true;

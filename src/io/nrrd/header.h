@@ -4,7 +4,7 @@
  *
  *   NRRD0005
  *   # comment
- *   field: description        in any order here, though the format wants
+ *   field: description        in any order, although the format requires
  *   key:=value                `dimension` first
  *   <empty line>              then the data, unless `data file` names them
  *

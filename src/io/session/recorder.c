@@ -38,7 +38,7 @@ enum { ROOM = 65536, ROOM_MAX = 1 << 24, LOOK_MS = 25, RETRY_MS = 250, PATIENCE_
 struct ost_recorder {
     session_ring ring;
     _Atomic uint64_t lost;
-    bool impatient; /* of the producer: the disk has failed for so long that put no longer waits */
+    bool impatient; /* of the producer: after a long failure of the disk, ost_recorder_put_patiently no longer waits */
 
     char *name;  /* owned */
     int fd;      /* of the file; -1 with a sink from the caller */

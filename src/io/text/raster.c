@@ -417,7 +417,7 @@ static void report_of(const ost_text_raster *raster, const axis_map maps[3], ost
     report->samples = (uint64_t)samples;
     report->off_lattice = (uint64_t)(samples - maps[0].good * maps[1].good * maps[2].good);
     for (int rank = 0; rank < 3; rank++) {
-        /* The first line within the crop that has the coordinate with the greatest offset. */
+        /* Compute the first line within the crop that has the coordinate with the greatest offset. */
         int64_t line = raster->first_line;
         for (int other = 0; other < 3; other++)
             line += (other == rank ? maps[other].worst_at : maps[other].from) * line_stride(raster, other);

@@ -27,7 +27,10 @@ static inline __m256i parse(__m256i last, __m256i length, __m256i *good)
     __m256i over = _mm256_or_si256(_mm256_add_epi8(t, _mm256_set1_epi8(6)), t);
     over = _mm256_and_si256(over, _mm256_set1_epi8((char)0xf0));
     fits = _mm256_and_si256(fits, _mm256_cmpeq_epi64(over, zero));
-    /* Pairs, then fours: the lower four are the ten thousands, at most one digit; the upper are the last digits. */
+    /*
+     * Combines digits to pairs and pairs to fours. The upper four are the last four digits; the lower four contain at
+     * most one digit, the ten thousands.
+     */
     __m256i pairs = _mm256_maddubs_epi16(t, _mm256_set1_epi16(0x010a));
     __m256i fours = _mm256_madd_epi16(pairs, _mm256_set1_epi32(0x00010064));
     __m256i value = _mm256_add_epi64(_mm256_mul_epu32(fours, _mm256_set1_epi64x(10000)), _mm256_srli_epi64(fours, 32));

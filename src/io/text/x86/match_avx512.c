@@ -28,7 +28,10 @@ static inline densities parse(__m512i last, __m512i length)
     __m512i t = _mm512_and_si512(_mm512_xor_si512(last, _mm512_set1_epi8('0')), keep);
     __m512i over = _mm512_or_si512(_mm512_add_epi8(t, _mm512_set1_epi8(6)), t);
     good &= _mm512_testn_epi64_mask(over, _mm512_set1_epi8((char)0xf0));
-    /* Pairs, then fours: the lower four are the ten thousands, at most one digit; the upper are the last digits. */
+    /*
+     * Combines digits to pairs and pairs to fours. The upper four are the last four digits; the lower four contain at
+     * most one digit, the ten thousands.
+     */
     __m512i pairs = _mm512_maddubs_epi16(t, _mm512_set1_epi16(0x010a));
     __m512i fours = _mm512_madd_epi16(pairs, _mm512_set1_epi32(0x00010064));
     __m512i value = _mm512_add_epi64(_mm512_mul_epu32(fours, _mm512_set1_epi64(10000)), _mm512_srli_epi64(fours, 32));
