@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What ours is measured against: plain C, compiled at -O3 for the machine that
- * builds (configure --disable-native-bench: for any), in a library of its own
- * that only the command links.
+ * The baselines of the benchmarks: plain C, compiled at -O3 for the machine that builds (configure
+ * --disable-native-bench: for any), in a library of its own that only the command links.
  *
- * Such code may hold instructions that the machine it runs on lacks, so ask
- * bench_baseline_runs() first: the file that says which ones the compiler was
- * allowed holds data and no code.
+ * This code may contain instructions that the executing machine lacks, so call
+ * bench_baseline_runs() first. The file that lists the instruction sets allowed to the compiler
+ * contains data and no code.
  */
 #ifndef OST_BENCH_BASELINE_H
 #define OST_BENCH_BASELINE_H
@@ -15,7 +14,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* False, and why, when this processor lacks an instruction set that the baselines were built for. */
+/* Returns false, with the reason, if this processor lacks an instruction set that the baselines
+   were built for. */
 bool bench_baseline_runs(char *reason, size_t size);
 extern const uint32_t bench_native_needs; /* bits in the order of BENCH_NATIVE_LIST */
 
@@ -28,41 +28,43 @@ extern const uint32_t bench_native_needs; /* bits in the order of BENCH_NATIVE_L
 
 /* ------------------------------------------------------------------ removal */
 
-/* The thesis' event (section 2.5): a kernel a chunk, over all voxels of the chunk. */
+/* An event of the thesis (section 2.5): one kernel per chunk, over all voxels of the chunk. */
 typedef struct bench_thesis_event {
     int chunk_count, chunk_size;
     int16_t *const *chunks;       /* chunk_size^3 densities each, x fastest */
     const int32_t (*corners)[3];  /* bone voxel of each chunk's first voxel */
-    float map[3][4];              /* bone voxel to tool voxel: rows of an affine matrix */
+    float map[3][4];              /* from bone voxels to tool voxels: rows of an affine matrix */
     int32_t dims[3];              /* of the tool's grid */
     const int16_t *tool;          /* 0 or 1, x fastest */
 } bench_thesis_event;
 
 void bench_thesis_remove(const bench_thesis_event *event, int threads);
 
-/* A row of 32 densities, 64-byte aligned, of which those with a bit in hit become 0. */
+/* A row of 32 densities, 64-byte aligned. Those with a bit in hit become 0. */
 typedef struct bench_row_store {
     int16_t *row;
     uint32_t hit;
 } bench_row_store;
 
-/* The floor of a fresh event: its stores and nothing else, masked where the machine can, else read, cleared and written. */
+/* Executes only the stores of a fresh event, as a lower bound of its time: masked if the machine
+   can, else read, cleared and written. */
 void bench_store_rows(const bench_row_store *rows, size_t count);
 
 /* --------------------------------------------------------------------- bytes */
 
-/* How a copy stores: with the C library's memcpy, or around the caches. */
+/* How a copy stores: by the C library's memcpy, or bypassing the caches. */
 typedef enum bench_copy { BENCH_COPY_MEMCPY, BENCH_COPY_STREAM, BENCH_COPY_COUNT } bench_copy;
 
-/* Writes `bytes` of out from in, which is read from its start again when it ends; if in is longer, the rest of it is read. */
+/* Writes `bytes` bytes of out from in, which is read again from its start when it ends. If in is
+   longer than out, the remaining bytes of in are read as well. */
 uint64_t bench_copy_bytes(bench_copy how, uint8_t *out, size_t bytes, const uint8_t *in, size_t in_bytes, int threads);
 
-/* Reads every byte, 64 a step. */
+/* Reads every byte, 64 per step. */
 uint64_t bench_read_bytes(const uint8_t *in, size_t bytes, int threads);
 
 /* ---------------------------------------------------------------------- text */
 
-/* Lines of "x y z density" by fscanf, into arrays of room elements; the number of lines read. */
+/* Reads lines of "x y z density" by fscanf, into arrays of room elements. Returns the number of lines. */
 size_t bench_fscanf_lines(const char *path, float *positions, int16_t *densities, size_t room);
 
 #endif

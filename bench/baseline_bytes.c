@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Floors: the same bytes copied, or read, and nothing done with them. */
+/* Lower bounds of times: the same bytes are copied, or read, and nothing else is done. */
 #include "bench/baseline.h"
 
 #include <string.h>
@@ -7,7 +7,7 @@
 #include <immintrin.h>
 #endif
 
-/* bytes is a multiple of 64 and both are 64-byte aligned. */
+/* bytes must be a multiple of 64, and both buffers 64-byte aligned. */
 static void copy_stream(uint8_t *out, const uint8_t *in, size_t bytes)
 {
 #if defined __AVX512F__
@@ -44,7 +44,7 @@ static uint64_t sum_words(const uint8_t *in, size_t bytes)
     return sum[0];
 }
 
-/* A share of [0, bytes) that begins at a multiple of 4096. */
+/* Computes the part of [0, bytes) for one of several threads; it begins at a multiple of 4096. */
 static void share_of(size_t bytes, int part, int parts, size_t *begin, size_t *end)
 {
     const size_t page = 4096, pages = (bytes + page - 1) / page;

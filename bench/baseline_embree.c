@@ -28,7 +28,7 @@ int64_t ost_baseline_embree(const ost_snapped_mesh *mesh, int threads, bool low_
 
 enum { SIDE = 4, PACKET = SIDE * SIDE };
 
-/* The first member is Embree's, so that a filter finds the rows through it. */
+/* The first member is Embree's own context, so that a filter can find the rows through it. */
 typedef struct packet_context {
 #if defined HAVE_EMBREE4
     struct RTCRayQueryContext base;
@@ -47,10 +47,11 @@ static double now_ms(void)
     return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
 }
 
-/* A packet of N rays is arrays of N in the order of RTCRay16; Embree's accessors are for C++ alone. */
+/* A packet of N rays consists of arrays of N in the order of RTCRay16; Embree's accessors are for
+   C++ only. */
 enum { RAY_TFAR = 8, RAY_ID = 10 };
 
-/* Toggles the first centre behind the hit, and lets the ray go on. */
+/* Toggles the bit of the first voxel centre behind the hit, and rejects the hit so that the ray continues. */
 static void note_hit(const struct RTCFilterFunctionNArguments *args)
 {
     const packet_context *c = (const packet_context *)args->context;
@@ -112,7 +113,7 @@ static RTCScene make_scene(RTCDevice device, const ost_snapped_mesh *mesh, bool 
     return scene;
 }
 
-/* 4 x 4 rows: measured faster than sixteen of one slice, whose rays part sooner. */
+/* Traces 4 x 4 rows: measured faster than sixteen rows of one slice, whose rays diverge sooner. */
 static void trace_packet(RTCScene scene, const ost_snapped_mesh *mesh, int32_t j0, int32_t k0, int words, uint64_t *bits)
 {
     const ost_dims dims = mesh->grid.dims;

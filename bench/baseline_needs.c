@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Which instruction sets the compiler was allowed in this library, as data: reading it runs none of them. */
+/* The instruction sets that the compiler was allowed to use in this library, as data: reading it
+   executes none of them. */
 #include "bench/baseline.h"
 
 #if defined __SSE3__

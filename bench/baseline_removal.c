@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The thesis' material removal written out: for every voxel of every chunk of
- * the event, take its place to the tool by a float matrix, see whether it
- * falls into the tool's grid, and set it to 0 when the tool's voxel there is
- * solid.  A loop over chunks stands for the enqueues of Alg. 2.10, a loop over
- * voxels for the work items of one.
+ * The thesis' removal of material, written out: for every voxel of every chunk of the event, a
+ * float matrix computes the position in the tool's grid; if it is inside the grid and the tool's
+ * voxel there is solid, the bone's voxel becomes 0. A loop over chunks replaces the enqueued
+ * kernels of Alg. 2.10, a loop over voxels the work items of one kernel.
  */
 #include "bench/baseline.h"
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Whether this processor has what the baselines were built for. Compiled for any processor. */
+/* Checks that this processor has the instruction sets that the baselines were built for. Compiled
+   for any processor. */
 #include "bench/baseline.h"
 
 #include <stdio.h>

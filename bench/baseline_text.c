@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A CT text as C programs usually read it. */
+/* Reads a CT given as text in the usual way of a C program. */
 #include "bench/baseline.h"
 
 #include <stdio.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Times, their order statistics, rows, and facts about the machine. */
+/* Times, their order statistics, rows, and properties of the machine. */
 #include "bench/bench.h"
 
 #include <sched.h>
@@ -21,7 +21,7 @@ int64_t bench_now(void)
 
 /* ------------------------------------------------------------------ figures */
 
-/* Without memory the value is dropped: a figure of fewer repetitions says so by its count. */
+/* Without memory the value is dropped; the count of repetitions then shows it. */
 void bench_series_add(bench_series *series, double ns)
 {
     if (series->count == series->capacity) {
@@ -195,7 +195,7 @@ int bench_cpus(void)
     return n > 0 ? (int)n : 1;
 }
 
-/* The first line of /proc's file that begins with key, after its colon. */
+/* Finds the first line of a file in /proc that begins with key. text: the part after the colon. */
 static bool proc_line(const char *path, const char *key, char *text, size_t size)
 {
     char line[512];
@@ -255,7 +255,7 @@ ost_status bench_backend(const bench_options *options, int threads, ost_backend 
     const char *given = strchr(options->backend, ':');
     if (!is_cpu(options->backend))
         return ost_backend_open(options->backend, out, err);
-    /* Every option but threads=, which the row decides. */
+    /* All options except threads=, which the row determines. */
     for (const char *at = given ? given + 1 : ""; *at;) {
         size_t length = strcspn(at, ","), used = strlen(rest);
         if (strncmp(at, "threads=", 8) != 0)

@@ -20,7 +20,7 @@ static vec unit(vec a)
     return (vec){a.x / length, a.y / length, a.z / length};
 }
 
-/* About y, then about x: no edge along an axis. */
+/* Rotates about y and then about x, so that no edge is parallel to an axis. */
 static vec tilted(vec p)
 {
     const double a = 0.3, b = 0.2;
@@ -79,12 +79,13 @@ static vec knot_point(double t)
 ost_status bench_knot(ost_pm side, ost_mesh *out, ost_error *err)
 {
     enum { U = 2048, V = 128 };
-    const double radius = 0.42, reach = 3 + radius; /* of the tube, of the knot in its plane */
+    const double radius = 0.42, reach = 3 + radius; /* radius: of the tube; reach: of the knot in its plane */
     ost_status status = ost_mesh_init(out, (size_t)U * V, 2 * (size_t)U * V, err);
     if (status != OST_OK)
         return status;
     for (int u = 0; u < U; u++) {
-        /* A frame that needs no memory of the point before: the tangent and the direction to the torus' own circle. */
+        /* A frame that does not depend on the previous point: the tangent and the direction to the
+           torus' own circle. */
         const double t = TURN * u / U, h = 1e-5;
         const vec p = knot_point(t), ahead = knot_point(t + h), behind = knot_point(t - h);
         const vec tangent = unit((vec){ahead.x - behind.x, ahead.y - behind.y, ahead.z - behind.z});

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The meshes of docs/performance.md, in the unit cube's middle 98 %.
+ * The meshes of docs/performance.md, in the middle 98 % of a cube.
  *
  *   sphere80k   a tilted sphere of 300 meridians and 135 rings: 80,400 triangles
- *   knot524k    a tube of 2048 x 128 quads around a (2, 3) torus knot: 524,288
+ *   knot524k    a tube of 2048 x 128 quads around a (2, 3) torus knot: 524,288 triangles
  */
 #ifndef OST_BENCH_MESHES_H
 #define OST_BENCH_MESHES_H
 
 #include <osteon/mesh.h>
 
-/* Vertices span `side` picometres, 98 % of it, on the longest axis. */
+/* Makes a mesh whose vertices span 98 % of `side` picometres on the longest axis. */
 ost_status bench_sphere(ost_pm side, ost_mesh *out, ost_error *err);
 ost_status bench_knot(ost_pm side, ost_mesh *out, ost_error *err);
 

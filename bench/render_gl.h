@@ -8,12 +8,12 @@
 
 typedef struct bench_gl bench_gl;
 
-/* Whether the filter may want one of its rows. */
+/* Returns true if the filter may select one of its rows. */
 bool bench_gl_wanted(const char *filter);
-/* Never fails for want of OpenGL: then every row says why. */
+/* Opens OpenGL. Without OpenGL it still succeeds, and every row has the reason. */
 ost_status bench_gl_open(bench_gl **out, ost_error *err);
-void bench_gl_close(bench_gl *gl); /* NULL is allowed */
-/* The rows of a view: render/gl/VIEW/... */
+void bench_gl_close(bench_gl *gl); /* gl may be NULL */
+/* Adds the rows of a view: render/gl/VIEW/... */
 ost_status bench_gl_view(bench_gl *gl, const bench_options *options, bench_table *table, const char *view, const ost_surface *surface,
                          const ost_camera *camera, ost_isa isa, ost_error *err);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The static events: tools, bones, poses, and the thesis' form of them. */
+/* The static events: tools, bones, poses, and their form in the thesis. */
 #include "bench/scene.h"
 
 #include <stdlib.h>
@@ -7,7 +7,7 @@
 
 #include "sim/box.h"
 
-/* Found by random search: see scene.h. */
+/* Found by random search; see scene.h. */
 static const struct {
     ost_pose pose;
     bool by_range;
@@ -19,7 +19,7 @@ static const struct {
                       .by_range = true},
 };
 
-/* The parametric tool on a grid of this voxel, by the reference. */
+/* Makes the parametric tool on a grid of this voxel size, with the reference. */
 static ost_status make_tool(ost_tool_kind kind, ost_pm voxel, ost_tool_volume *out, ost_error *err)
 {
     ost_backend *ref = NULL;
@@ -80,7 +80,7 @@ void bench_scene_free(bench_scene *scene)
     ost_tool_volume_free(&scene->tool);
 }
 
-/* All classes occur, none is below the threshold. */
+/* Returns a density such that all classes occur and none is below the threshold. */
 static int16_t density_at(int32_t i, int32_t j, int32_t k)
 {
     return (int16_t)(SCENE_THRESHOLD + ((i * 7 + j * 13 + k * 29) & 1023));
@@ -115,7 +115,8 @@ ost_status bench_scene_bone(const bench_scene *scene, ost_backend *backend, int 
 
 /* ------------------------------------------------------------ the thesis' form */
 
-/* Whether the voxel's centre is inside the tool's grid; exact, as in AR-MAP but for the last rounding of the base. */
+/* Returns true if the voxel's centre is inside the tool's grid. Exact, as in AR-MAP, except for the
+   last rounding of the base. */
 static bool enters(const bench_scene *scene, const int32_t base[3], int32_t i, int32_t j, int32_t k)
 {
     const ost_dims d = scene->tool.geometry.dims;
@@ -156,7 +157,7 @@ static bool collides(const bench_scene *scene, const int32_t corner[3], int32_t 
     return false;
 }
 
-/* Visits the chunks that collide; with NULL it only counts. */
+/* Lists the chunks that collide and returns their number; corners may be NULL. */
 static int pick_chunks(const bench_scene *scene, int32_t n, int32_t (*corners)[3])
 {
     int count = 0;
@@ -171,7 +172,8 @@ static int pick_chunks(const bench_scene *scene, int32_t n, int32_t (*corners)[3
     return count;
 }
 
-/* The exact map's affine matrix, rounded to float: tool voxels, the grid's corner at 0. */
+/* Rounds the exact map's affine matrix to float. Its result is in tool voxels, with the grid's
+   corner at 0. */
 static void float_map(const ost_map *map, float out[3][4])
 {
     const double scale = (double)map->divisor * (1 << OST_MAP_FRACTION);
@@ -252,7 +254,7 @@ int64_t bench_thesis_differs(const bench_thesis *thesis, const bench_scene *scen
     return differs;
 }
 
-/* Voxels of the 4^3 brick at (x, y, z) that the event removed; none of them was 0 before. */
+/* Counts the voxels of the 4^3 brick at (x, y, z) that the event removed; none of them was 0 before. */
 static int removed_of_brick(const int16_t *chunk, int32_t n, int32_t x, int32_t y, int32_t z)
 {
     int removed = 0;

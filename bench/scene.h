@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The thesis' static events (Figs. 3.6 and 3.7), so placed that they collide
- * with as many chunks of 16^3, 32^3 and 64^3 as Tables 3.3 and 3.4 say.
+ * The thesis' static events (Figs. 3.6 and 3.7), placed so that they collide with as many chunks of
+ * 16^3, 32^3 and 64^3 voxels as in Tables 3.3 and 3.4.
  *
  *   bone      128^3 voxels of 0.47 mm, every one active
  *   reamer    the parametric head, through a corner of the bone: the box of
@@ -9,10 +9,9 @@
  *   peg       the parametric cylinder, askew inside: the chunks of its
  *             intersection box (Alg. 2.9) are 80 = 5*4*4, 18 = 3*3*2, 8 = 2*2*2
  *
- * The thesis gives no poses.  These were found by trying random ones; 84 and 5
- * are no products of three ranges that fit the reamer, so for it the chunks
- * counted are those that its oriented box enters.  The counts are computed
- * again in every run and stand beside the row.
+ * The thesis gives no poses. These were found by trying random ones. 84 and 5 are not products of
+ * three ranges that fit the reamer, so for it the chunks counted are those that its oriented box
+ * enters. The counts are computed again in every run and reported with the row.
  */
 #ifndef OST_BENCH_SCENE_H
 #define OST_BENCH_SCENE_H
@@ -32,46 +31,50 @@ typedef struct bench_scene {
     ost_geometry bone;
     ost_density_classes classes;
     ost_pose pose;
-    bool by_range; /* which chunks collide: those of the intersection box, else those that the tool's box enters */
+    /* the chunks that collide are those of the intersection box; else those that the tool's box
+       enters */
+    bool by_range;
     ost_map map;
     ost_voxel_box box;
-    ost_event event; /* of map and box: the scene must not move in memory */
+    ost_event event; /* refers to map and box, so the scene must not move in memory */
 } bench_scene;
 
-/* side: voxels of the bone along each axis; the event keeps its place to the bone's far corner. */
+/* Makes a scene. side: voxels of the bone along each axis; the event's position relative to the
+   bone's far corner does not depend on it. */
 ost_status bench_scene_init(bench_scene *scene, ost_tool_kind kind, ost_pm tool_voxel, int32_t side, ost_error *err);
-/* Moves the scene's tool. */
+/* Moves the tool to a pose. */
 ost_status bench_scene_place(bench_scene *scene, const ost_pose *pose, ost_error *err);
 void bench_scene_free(bench_scene *scene);
 
-/* Slices [z0, z0 + count) of the full bone. */
+/* Returns the slices [z0, z0 + count) of the full bone, to be freed by free; NULL without memory. */
 int16_t *bench_scene_slices(const bench_scene *scene, int32_t z0, int32_t count);
 
-/* A full bone, and the scene's tool, on a backend. */
+/* Makes the full bone on a backend. */
 ost_status bench_scene_bone(const bench_scene *scene, ost_backend *backend, int chunk_size, ost_bone **out, ost_error *err);
 
-/* The thesis' event on chunks of its own. */
+/* The thesis' event, on separate chunks. */
 typedef struct bench_thesis {
     bench_thesis_event event;
-    int16_t *tool;        /* owned, as are the rest */
-    int16_t *full, *live; /* chunks, one after the other: untouched, and worked on */
+    int16_t *tool;        /* owned, as are the remaining pointers */
+    int16_t *full, *live; /* chunks, one after the other: unchanged, and modified */
     int16_t **chunks;
     int32_t (*corners)[3];
     size_t bytes;
 } bench_thesis;
 
-/* Picks the chunks, copies them out of the full bone, and turns the map into floats. */
+/* Selects the chunks, copies them out of the full bone, and converts the map to floats. */
 ost_status bench_thesis_init(bench_thesis *thesis, const bench_scene *scene, int chunk_size, ost_error *err);
 void bench_thesis_restore(bench_thesis *thesis);
 void bench_thesis_free(bench_thesis *thesis);
-/* Voxels of the event's chunks that hold another density than the whole bone, given as voxels. */
+/* Counts the voxels of the event's chunks whose density differs from that in voxels, the complete bone. */
 int64_t bench_thesis_differs(const bench_thesis *thesis, const bench_scene *scene, const int16_t *voxels);
 
 
-/* What an event is made of, counted on the thesis' chunks after it: how little must be done at least. */
+/* The least work of an event, counted on the thesis' chunks after it. */
 typedef struct bench_work {
-    int64_t changed_rows;                /* of 32 densities, a line of the cache each; chunks of 32^3 alone, else 0 */
-    int64_t whole_bricks, mixed_bricks;  /* of 4^3 voxels: all removed, some removed */
+    /* rows of 32 densities, one cache line each; for chunks of 32^3 only, else 0 */
+    int64_t changed_rows;
+    int64_t whole_bricks, mixed_bricks;  /* bricks of 4^3 voxels: all removed, some removed */
     bench_row_store *rows;               /* owned */
 } bench_work;
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Backend cl beside what it is to be compared with, on one device:
+ * Compares the backend cl with a baseline, on one device:
  *
- *   opencl/{reamer,peg}/{16,32,64}/{fresh,steady}   the thesis' kernel there, a launch a chunk (suite_removal.c)
- *   opencl/launch                                   an empty kernel, waited for: what no event can be without
+ *   opencl/{reamer,peg}/{16,32,64}/{fresh,steady}   the thesis' kernel on the device, a launch for each chunk (suite_removal.c)
+ *   opencl/launch                                   an empty kernel, waited for: the least cost of an event
  *   opencl/transfer/scapula, opencl/voxelize/...    backend cpu on the same data
  */
 #include "bench/meshes.h"
@@ -46,7 +46,7 @@ static ost_status add_or_not_run(opencl *o, const char *name, ost_status status)
 {
     if (status == OST_OK)
         return add_row(o, name);
-    for (int i = 0; i < SIDES; i++) /* times of another row may not stay */
+    for (int i = 0; i < SIDES; i++) /* the times must not enter another row */
         bench_series_free(&o->series[i]);
     return bench_row_not_run(o->options, o->table, &name, 1, "ms", o->options->threads, status, o->err);
 }
@@ -194,7 +194,7 @@ static ost_status launches(opencl *o, bench_cl *cl)
     bench_series series = {0};
     if (!bench_wanted(o->options, name))
         return OST_OK;
-    bool done = bench_cl_launch(cl); /* the first one builds */
+    bool done = bench_cl_launch(cl); /* the first launch builds the kernel */
     for (int i = 0; i < bench_repeat(o->options, REPEAT_LAUNCH) && done; i++) {
         const int64_t begin = bench_now();
         done = bench_cl_launch(cl);
@@ -212,7 +212,7 @@ static ost_status launches(opencl *o, bench_cl *cl)
     return OST_OK;
 }
 
-/* Without a device, one row that says why. */
+/* Without a device, adds one row with the reason. */
 static ost_status nothing_here(const bench_options *options, bench_table *table, const char *reason, ost_error *err)
 {
     static const char name[] = "opencl/reamer/32/fresh";

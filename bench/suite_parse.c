@@ -1,17 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A CT text to a rect grid (thesis, Algs. 2.2 to 2.4, Table 2.2): the scapula's
- * 256 x 234 x 201 lines of "x y z density" with six decimals, 424 MB, or the
- * share of its layers that --scale asks for.
+ * Reads a CT given as text into a rect grid (thesis, Algs. 2.2 to 2.4, Table 2.2): the scapula's
+ * 256 x 234 x 201 lines of "x y z density" with six decimals, 424 MB, or the fraction of its layers
+ * given by --scale.
  *
  *   parse/text        against fscanf on one thread
  *   parse/text/floor  against reading the mapped file, every byte, on as many
  *                     threads as ours
  *
- * Ours is the whole import less its last two stages: opening, finding the
- * spacing, every number exactly, every line checked, the scatter.  The file is
- * in the page cache.  It has no name while we use it, so nothing of it stays
- * behind however the program ends.
+ * Ours is the complete import without its last two stages: opening the file, finding the spacing,
+ * converting every number exactly, checking every line, the scatter. The file is in the page cache.
+ * It has no name while it is used, so nothing of it remains, however the program ends.
  */
 #include "bench/baseline.h"
 #include "bench/bench.h"
@@ -32,7 +31,7 @@ typedef struct parse {
     const bench_options *options;
     ost_error *err;
     int fd;
-    char path[64]; /* of the file by its descriptor */
+    char path[64]; /* name of the file by its descriptor */
     size_t bytes, lines;
     bench_series ours, fscanf, floor;
     bool equal;
@@ -40,7 +39,8 @@ typedef struct parse {
 
 /* --------------------------------------------------------------- the file */
 
-/* "-57.34" as "-57.340000": micrometres times 1000 in nanometres, so exact. */
+/* Writes a length such as "-57.340000 ", in mm; nm must be a multiple of 10, so that six decimals
+   are exact. */
 static char *put_mm(char *at, int64_t nm)
 {
     if (nm < 0) {
@@ -71,7 +71,7 @@ static ost_status write_all(parse *p, const char *text, size_t bytes)
     return OST_OK;
 }
 
-/* A layer of lines at a time. */
+/* Writes the file, one layer of lines at a time. */
 static ost_status write_text(parse *p, int layers)
 {
     char x[NX][LINE], *layer = malloc((size_t)NX * NY * LINE);
@@ -131,7 +131,7 @@ static ost_status import(parse *p, ost_backend *backend, bool digests, bench_ser
     return status;
 }
 
-/* The rect grid's digest by the reference and by ours. */
+/* Compares the digests of the rect grid by the reference and by ours. */
 static ost_status verify(parse *p, ost_backend *backend)
 {
     ost_backend *ref = NULL;

@@ -2,15 +2,15 @@
 /*
  * Removal events (thesis, Tables 3.3 to 3.5).
  *
- *   fresh   every voxel is there again and in the caches as far as they hold
- *           it: ours has been looked at once (ost_bone_collide, which
- *           changes nothing), the baseline's chunks have been read once
- *   cold    right after the copying back; ours goes through the whole slices, and
- *           so leaves less of the event in the caches than the baseline's does
- *   steady  the same event again: nothing is left to remove
+ *   fresh   every voxel is restored, and in the caches as far as they hold it: our
+ *           bone has been examined once (ost_bone_collide, which changes nothing),
+ *           the baseline's chunks have been read once
+ *   cold    directly after the voxels are copied back; ours copies complete slices and
+ *           so leaves less of the event in the caches than the baseline does
+ *   steady  the same event again: nothing remains to be removed
  *
- * A repetition: restore, cold, restore, look, fresh, steady, steady, first ours
- * and then the baseline's.  The first steady run warms up.
+ * A repetition consists of restore, cold, restore, collide, fresh, steady, steady, first for ours
+ * and then for the baseline. The first steady run is a warm-up.
  */
 #include "bench/path.h"
 #include "bench/thesis_cl.h"
@@ -29,7 +29,7 @@ typedef struct removal {
     ost_error *err;
     bench_scene *scene;
     int chunk_size, threads;
-    bench_cl *cl; /* the baseline is the thesis' kernel there; NULL: in C */
+    bench_cl *cl; /* the baseline is the thesis' kernel on this device; NULL: in C */
 
     ost_backend *backend;
     ost_tool *tool;
@@ -39,7 +39,7 @@ typedef struct removal {
     int32_t z0, z_count;
     bench_thesis thesis;
     bench_work work;
-    bool baseline; /* runs here */
+    bool baseline; /* the baseline can run here */
     char baseline_reason[BENCH_TEXT];
     double removed, in_chunks, differs;
     bool equal;
@@ -104,7 +104,7 @@ static bool same_report(const ost_report *a, const ost_report *b)
            memcmp(a->voxels, b->voxels, sizeof a->voxels) == 0 && memcmp(a->density, b->density, sizeof a->density) == 0;
 }
 
-/* Slab by slab, so that no second copy of a large bone is needed on the host. */
+/* Compares slab by slab, so that the host needs no second copy of a large bone. */
 static ost_status compare_bones(removal *r, const ost_bone *expected)
 {
     enum { SLAB = 32 };
@@ -125,7 +125,7 @@ static ost_status compare_bones(removal *r, const ost_bone *expected)
     return status;
 }
 
-/* The event once on the reference and once on ours: the same grid, the same report. */
+/* Runs the event once on the reference and once on ours: grids and reports must be equal. */
 static ost_status verify(removal *r)
 {
     ost_backend *ref = NULL;
@@ -154,7 +154,8 @@ static ost_status verify(removal *r)
     return status;
 }
 
-/* How many voxels the float kernel decides otherwise: rounding, for a bone that fits into memory twice. */
+/* Counts the voxels that the float kernel decides differently because of rounding. The bone must
+   fit into memory twice. */
 static ost_status compare_thesis(removal *r)
 {
     const ost_dims d = r->scene->bone.dims;
@@ -196,7 +197,7 @@ static void time_thesis(removal *r, bench_series *series)
         bench_series_add(series, (double)(end - begin));
 }
 
-/* Every voxel of the baseline's is there again; in C also in the caches. */
+/* Restores the voxels of the baseline, and in C loads them into the caches. */
 static void refresh_thesis(removal *r)
 {
     if (r->cl) {
@@ -251,7 +252,7 @@ static ost_status repeat(removal *r, int count, bool cold, removal_series *s)
     return status;
 }
 
-/* stores: NULL for rows that are not compared with them. */
+/* stores: NULL for rows that are not compared with it. */
 static ost_status add_row(removal *r, const char *name, bench_series *ours, bench_series *baseline, bench_series *stores)
 {
     bench_row *row = bench_row_add(r->table, name, "us", r->threads);
@@ -334,7 +335,8 @@ static ost_status static_events(const bench_options *options, bench_table *table
     return status;
 }
 
-/* Table 3.5: the same event with coarser and finer tools; 0.5 mm is removal/reamer/32 itself. */
+/* Adds the rows of Table 3.5: the same event with coarser and finer tools. That of 0.5 mm is the
+   event of removal/reamer/32. */
 static ost_status tool_voxels(const bench_options *options, bench_table *table, ost_error *err)
 {
     static const struct {
@@ -358,7 +360,7 @@ static ost_status tool_voxels(const bench_options *options, bench_table *table, 
     return status;
 }
 
-/* A row that cannot be measured, and why. */
+/* Adds a row that cannot be measured, with the reason. */
 static ost_status say_why(bench_table *table, const bench_options *options, const char *name, const char *reason, ost_error *err)
 {
     bench_row *row;
@@ -370,7 +372,7 @@ static ost_status say_why(bench_table *table, const bench_options *options, cons
     return OST_OK;
 }
 
-/* The same event at the far corner of ever larger bones. */
+/* Adds the rows of the same event at the far corner of increasingly large bones. */
 static ost_status bone_sizes(const bench_options *options, bench_table *table, ost_error *err)
 {
     static const int32_t sides[] = {128, 256, 512, 1024};

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Frames of the scapula, 1280 x 720, drawn by the processor: from a list of
- * surface voxels to colours.  The baseline is what the thesis draws, every
- * active voxel of every active chunk as a point (Fig. 3.3), by the same inner
- * loops; before anything is timed both give the scalar loops' picture.
+ * Frames of the scapula, 1280 x 720, drawn by the processor: from a list of surface voxels to
+ * colours. The baseline draws what the thesis draws, every active voxel of every active chunk as a
+ * point (Fig. 3.3), with the same inner loops. Before anything is timed, both must give the picture
+ * of the scalar loops.
  */
 #include "bench/bench.h"
 #include "bench/render_gl.h"
@@ -27,7 +27,7 @@ typedef struct view {
     const char *name;
     double distance_mm; /* from the glenoid's face, or from the middle of the bone */
     bool glenoid;
-    double side;        /* how far it looks from the side, against along the glenoid's axis */
+    double side;        /* sideways component of the view direction, relative to that along the glenoid's axis */
 } view;
 
 static const view views[] = {{"whole", 420, false, 0}, {"oblique", 300, false, 2}, {"glenoid", 90, true, 0}, {"close", 38, true, 0}};
@@ -69,7 +69,7 @@ static ost_status make_bone(show *s)
     return status;
 }
 
-/* Every active voxel with six faces to the air: the thesis' points. */
+/* Makes every active voxel a point with six visible faces, as in the thesis. */
 static ost_status take_all(ost_surface *s, ost_error *err)
 {
     s->points = 0;
@@ -119,7 +119,8 @@ static ost_status camera_of(const show *s, const view *v, ost_camera *camera)
     double from[3];
     for (int a = 0; a < 3; a++)
         from[a] = (v->glenoid ? face : middle)[a] - scale * v->distance_mm * axis[a] / length;
-    *camera = (ost_camera){.focal_milli = 869117, .width = WIDTH, .height = HEIGHT}; /* 45 degrees high */
+    /* vertical field of view: 45 degrees */
+    *camera = (ost_camera){.focal_milli = 869117, .width = WIDTH, .height = HEIGHT};
     return ost_camera_look(from, v->glenoid ? face : middle, up, camera, s->err);
 }
 
@@ -143,7 +144,7 @@ static size_t covered(const ost_frame *f)
 }
 
 typedef struct frames {
-    ost_frame ours, thesis, set[OST_ISA_COUNT]; /* set: of each instruction set that there is */
+    ost_frame ours, thesis, set[OST_ISA_COUNT]; /* set: one for each available instruction set */
     bench_series drawn, baseline, by_set[OST_ISA_COUNT];
 } frames;
 
@@ -204,7 +205,7 @@ static ost_status measure(show *s, frames *f, const ost_eye *eye, bool *equal)
     return status;
 }
 
-/* The least time of each instruction set. */
+/* Adds the minimum time of each instruction set. */
 static void add_sets(bench_row *row, frames *f)
 {
     char name[32];
@@ -255,7 +256,7 @@ static ost_status add_view(show *s, bench_table *table, const view *v, int threa
 
 /* ------------------------------------------------------- lists and looks */
 
-/* What of a block is to be made anew. */
+/* The parts of a block that are made again. */
 typedef enum renewal { RENEW_LIST, RENEW_LOOKS, RENEW_ALL, RENEWALS } renewal;
 
 static int32_t spoil(ost_surface *s, renewal what)
@@ -272,7 +273,7 @@ static int32_t spoil(ost_surface *s, renewal what)
     return count;
 }
 
-/* Blocks spread over the bone: their lists alone, their looks alone, both. */
+/* Measures blocks spread over the bone: only their lists, only their looks, or both. */
 static ost_status add_renewal(show *s, bench_table *table, renewal what)
 {
     static const char *const name[RENEWALS] = {"render/scapula/list", "render/scapula/looks", "render/scapula/extract"};
@@ -300,7 +301,7 @@ static ost_status add_renewal(show *s, bench_table *table, renewal what)
     return bench_row_not_run(s->options, table, &name[what], 1, "us", 1, status, s->err);
 }
 
-/* Bone within a ball about a point in voxels, of a block, goes. */
+/* Removes the voxels of a block within a ball; at and radius are in voxels. */
 static bool ream_block(const ost_surface_block *b, const double at[3], double radius, uint32_t words[OST_BLOCK_ROWS])
 {
     bool any = false;
@@ -316,7 +317,8 @@ static bool ream_block(const ost_surface_block *b, const double at[3], double ra
     return any;
 }
 
-/* A ball of 20 mm goes into the glenoid at 1.5 mm/s, 60 pictures a second: what changes for one, and what the update then costs. */
+/* Measures the update of a reaming: a ball of 20 mm enters the glenoid at 1.5 mm/s, with 60 frames
+   a second. The row has the number of changed blocks per frame and the cost of the update. */
 static ost_status add_reaming(show *s, bench_table *table)
 {
     enum { PICTURES = 120, BEGIN = 40 }; /* from 1 mm deep on */

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Frames by OpenGL, one change a row from the thesis' to ours; each ends with
- * glFinish.  Before a row is timed its picture is laid beside the processor's:
- * ours must be equal but for 30 of 921,600; of the others, whose points vanish
- * at the frame's edge or near the eye, how many differ stands with the row.
+ * Frames drawn by OpenGL, from the thesis' to ours with one change per row; each ends with
+ * glFinish. Before a row is timed its picture is compared with the processor's. Ours may differ in
+ * at most 30 of 921,600 pixels. For the others, whose points vanish at the frame's edge or near the
+ * camera, the row has the number of different pixels.
  */
 #include "bench/render_gl.h"
 
@@ -21,8 +21,8 @@ typedef struct step {
     ost_gl_variant variant;
     enum {
         STILL,
-        MOVING, /* the eye goes aside by a voxel and a half a frame, to and fro */
-        READ    /* the picture comes back, as people get it */
+        MOVING, /* the camera moves sideways by 1.5 voxels a frame, to and fro */
+        READ    /* the picture is read back, as for users */
     } how;
 } step;
 
@@ -55,7 +55,7 @@ static const step steps[] = {
 enum { STEPS = sizeof steps / sizeof *steps };
 
 struct bench_gl {
-    ost_gl *gl; /* NULL: missing says why */
+    ost_gl *gl; /* NULL: missing has the reason */
     char missing[BENCH_TEXT];
 };
 
@@ -78,7 +78,8 @@ ost_status bench_gl_open(bench_gl **out, ost_error *err)
     if (!*out)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for the rows of OpenGL");
 #ifdef __GLIBC__
-    /* Drivers in software give a frame's memory back and ask for it anew: pages that the system clears each time. */
+    /* Software drivers free a frame's memory and allocate it again: pages that the system clears
+       each time. */
     mallopt(M_TRIM_THRESHOLD, 1 << 30);
     mallopt(M_TOP_PAD, 1 << 26);
     mallopt(M_MMAP_THRESHOLD, 1 << 30);
@@ -107,7 +108,7 @@ static int differing(const ost_frame *a, const ost_frame *b)
     return count;
 }
 
-/* number: of the frame; the eye of frame 0 is where the view has it. */
+/* number: of the frame; in frame 0 the camera is at the view's position. */
 static ost_status draw(ost_gl *gl, const step *s, const ost_frame_thing *still, int number, ost_frame *frame, bench_series *series, ost_error *err)
 {
     enum { PERIOD = 32 };
@@ -133,7 +134,8 @@ static ost_status add(bench_gl *b, const bench_options *options, bench_table *ta
     int differ = 0;
     ost_status status = OST_OK;
     if (b->gl) {
-        /* A frame leaves out what the one before saw to be hidden, from another place where the eye moves. */
+        /* A frame omits cells that the previous one found hidden, which with a moving camera were
+           seen from another position. */
         for (int i = 2; i >= 0 && status == OST_OK; i--)
             status = draw(b->gl, s, thing, i, frame, NULL, err);
         if (status == OST_OK)

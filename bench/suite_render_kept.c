@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- *   world --16 ticks of the reamer, some 60 a second--> ost_live --> viewer --> the frame that keeps
- *                                                                         '--> the frame drawn whole
+ *   world --16 ticks of the reamer, some 60 a second--> ost_live --> viewer --> the incremental frame
+ *                                                                         '--> the complete frame
  *
- * Both are drawn of the same things, in turns, and must be the same to the bit
- * every time.  What a frame is made of is measured in frames of their own, by
- * a clock about every inner loop.
+ * Both are drawn alternately from the same state and must be bit-identical every time. The stages
+ * of a frame are measured in separate frames, by a clock around every inner loop.
  */
 #include "bench/render_kept.h"
 
@@ -34,7 +33,7 @@ static const view views[] = {{"whole", OST_VIEW_WHOLE, 0}, {"en-face", OST_VIEW_
 
 typedef enum stage { POINTS, TINTS, SPLAT, HIDDEN, RESOLVE, MERGE, STAGES } stage;
 
-/* Of one thread. */
+/* Times of the stages, for one thread. */
 static struct {
     ost_splat_kernels kernels;
     ost_light_tint_of *tint;
@@ -92,15 +91,15 @@ typedef struct cut {
     const bench_options *options;
     ost_error *err;
     ost_backend *backend;
-    bench_scene scene; /* its tool */
+    bench_scene scene; /* provides the tool */
     ost_bone *bone;
     ost_tool *tool;
     ost_world *world;
     ost_live *live;
-    ost_viewer viewer; /* its frame is the one that keeps */
+    ost_viewer viewer; /* its frame is drawn incrementally */
     ost_frame whole;
     ost_path path;
-    size_t at;         /* in the path */
+    size_t at;         /* index in the path */
     ost_view_subject subject;
 } cut;
 
@@ -151,7 +150,7 @@ static ost_status open_cut(cut *c, const ost_volume *bone, const ost_glenoid *gl
     return status;
 }
 
-/* Ticks until the next frame; *removed: any of them removed something. */
+/* Runs the ticks until the next frame. *removed: voxels have been removed so far. */
 static ost_status go_on(cut *c, bool *removed)
 {
     ost_status status = OST_OK;
@@ -179,7 +178,7 @@ static void exchange(cut *c)
     c->whole = other;
 }
 
-/* The frame of the viewer; with stages by a clock of its own. */
+/* Draws the viewer's frame; with stages, a clock around every inner loop measures its stages. */
 static ost_status draw(cut *c, const ost_camera *camera, bool stages, bench_series *series)
 {
     ost_frame *f = &c->viewer.frame;
@@ -212,7 +211,7 @@ static bool same(const ost_frame *a, const ost_frame *b)
 
 typedef struct figures {
     bench_series kept, whole, other;
-    double stages[2][STAGES]; /* of the kept and the whole, ms */
+    double stages[2][STAGES]; /* of the incremental and the complete frame, ms */
     int staged, frames;
     uint64_t cells, stale, chunks;
     bool equal;
@@ -226,7 +225,7 @@ static uint64_t cells_in(const ost_cells *cells)
     return count;
 }
 
-/* Both frames of what is there now. */
+/* Draws both frames of the current state. */
 static ost_status draw_both(cut *c, const ost_camera *camera, figures *f, bool stages)
 {
     memset(clocked.ns, 0, sizeof clocked.ns);
@@ -249,7 +248,7 @@ static ost_status draw_both(cut *c, const ost_camera *camera, figures *f, bool s
     return status;
 }
 
-/* From where the reamer first takes something. */
+/* Measures frames from the first tick that removes voxels. */
 static ost_status measure(cut *c, const view *from, figures *f)
 {
     ost_orbit orbit = ost_view_orbit(from->from, &c->subject, NULL);
@@ -260,7 +259,7 @@ static ost_status measure(cut *c, const view *from, figures *f)
     ost_status status = ost_orbit_camera(&orbit, WIDTH, HEIGHT, &camera, c->err);
     while (status == OST_OK && !removed && c->at < c->path.count)
         status = go_on(c, &removed);
-    for (int i = 0; i < 2 && status == OST_OK; i++) { /* the second fills what is kept */
+    for (int i = 0; i < 2 && status == OST_OK; i++) { /* the second pass fills the stored frame */
         status = ost_viewer_draw(&c->viewer, &camera, c->err);
         exchange(c);
         if (status == OST_OK)

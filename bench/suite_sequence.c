@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * 2,000 ticks of a tool at work, by removal events alone (removal/sequence/1),
- * by whole ticks of the world (tick/sequence/1), and with the force before each, which
- * says where the tool is for a hand that goes the same way (tick/force/1): one thread, chunks of
- * 32^3, every tick timed on its own.  Maps and boxes are made beforehand for
- * the first and inside the timed step for the second.
+ * 2,000 ticks of a tool at work, by removal events alone (removal/sequence/1), by complete ticks of
+ * the world (tick/sequence/1), and with the force before each, which computes the tool's pose for a
+ * hand on the same path (tick/force/1): one thread, chunks of 32^3, every tick timed separately.
+ * Maps and boxes are made beforehand for the first row and inside the timed step for the second.
  *
- * The thesis' kernel runs at every twentieth tick only, on fresh chunks: its
- * time depends on how many chunks the tool's box enters, not on what is left
- * in them, and all ticks of it would take a minute.
+ * The thesis' kernel runs only at every twentieth tick, on fresh chunks: its time depends on the
+ * number of chunks that the tool's box enters, not on the remaining voxels, and all of its ticks
+ * would take a minute.
  */
 #include "bench/path.h"
 
@@ -71,7 +70,7 @@ static void unprepare(sequence_run *s)
     free(s->expected);
 }
 
-/* All ticks on a backend, a bone and a tool of their own. */
+/* A backend with a bone and a tool, on which all ticks run. */
 typedef struct machine {
     ost_backend *backend;
     ost_tool *tool;
@@ -167,7 +166,7 @@ static ost_status verify(sequence_run *s, machine *ours, sequence_kind kind, boo
     return status;
 }
 
-/* The mean over every twentieth tick. */
+/* Measures the thesis' kernel: the mean over every twentieth tick. */
 static ost_status run_thesis(sequence_run *s, bench_series *means, double *chunks)
 {
     double ns = 0, count = 0;

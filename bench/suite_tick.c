@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A whole tick on one thread: oriented boxes, sweep, map, voxel box, removal,
- * report, totals, by ost_world_step.  The event is the static one of the
- * reamer; time runs on, the tool stays.
+ * A complete tick on one thread: oriented boxes, sweep, map, voxel box, removal, report, totals, by
+ * ost_world_step. The event is the static one of the reamer: time advances, the tool does not move.
  */
 #include "bench/path.h"
 

@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Rect grid to cubic grid to chunks (AR-CUB; thesis, Algs. 2.5 and 2.6, Table
- * 2.2), of the scapula: from a rect grid on the backend to a bone with its
- * counts, by every rule.  All rows alternate, so that their ratios show what a
- * rule costs whatever else the machine does.
+ * From a rect grid to a cubic grid to chunks (AR-CUB; thesis, Algs. 2.5 and 2.6, Table 2.2), of the
+ * scapula: from a rect grid on the backend to a bone with its counts, by every rule. All rows
+ * alternate, so that their ratios show the cost of a rule independently of other load on the
+ * machine.
  *
- * The baseline moves the same bytes and does nothing else: it writes as many as
- * the bone's active chunks hold and reads the rect grid once, or as often as
- * that writing needs.  Its buffers were touched before; ours allocates what it
- * returns, inside the time that is measured.
+ * The baseline only moves the same bytes: it writes as many as the bone's active chunks hold and
+ * reads the rect grid once, or as often as that writing needs. Its buffers were touched before;
+ * ours allocates its results within the measured time.
  */
 #include "bench/baseline.h"
 #include "bench/bench.h"
@@ -24,7 +23,7 @@ enum { REPEAT = 31, CHUNK = 32, THRESHOLD = 120 };
 typedef struct variant {
     const char *name;
     ost_resample rule;
-    ost_pm cubic; /* 0: the rect grid's x spacing; then z alone is resampled */
+    ost_pm cubic; /* 0: the rect grid's x spacing; then only z is resampled */
     bool wanted, equal;
     bench_series both, to_cubic, to_chunks, floor[BENCH_COPY_COUNT];
     ost_bone_info info;
@@ -39,7 +38,7 @@ typedef struct transfer {
     ost_backend *backend;
     ost_grid *rect;
     variant variants[VARIANTS];
-    uint8_t *in, *out; /* of the floor */
+    uint8_t *in, *out; /* buffers of the baseline */
     size_t in_bytes;
 } transfer;
 
@@ -55,7 +54,7 @@ static ost_status make_rect(transfer *t, ost_backend *backend, ost_grid **out)
     return status == OST_OK ? ost_grid_upload(*out, 0, t->ct.geometry.dims.z, t->ct.voxels, t->err) : status;
 }
 
-/* The two calls, as any program makes them; what they return is freed after the clock has stopped. */
+/* Makes the two calls of any program; their results are freed after the time is taken. */
 static ost_status convert(transfer *t, variant *v, const ost_grid *rect, bool timed, ost_bone **bone)
 {
     ost_grid *cubic = NULL;

@@ -1,19 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A snapped mesh to a tool grid (thesis, section 2.3, Table 2.1), by the
- * winding rule.
+ * From a snapped mesh to a tool grid (thesis, section 2.3, Table 2.1), by the winding rule.
  *
  *   voxelize/sphere80k/N, voxelize/knot524k/N   cubes of N = 256, 512, 1024
  *   voxelize/reamer/0.5, voxelize/peg/0.5       the parametric tools
- *   the same and /bytes                         a byte a voxel out of ours
+ *   the same and /bytes                         ours with one byte a voxel as output
  *
- * The baseline is Embree: a packet of rays for sixteen rows, a filter that
- * notes every hit, parity bits out, hierarchy included; both of Embree's build
- * qualities are tried and the better one counts.  Bits out of both, into
- * memory that was touched before: that is like for like, and ours is the
- * voxelizer without the tool around it.  A /bytes row is the public call,
- * which allocates the tool and gives each voxel its class, against the same
- * baseline.
+ * The baseline is Embree: a packet of rays for sixteen rows, a filter that records every hit,
+ * parity bits as output, including the hierarchy; both of Embree's build qualities are tried and
+ * the better one counts. Both sides write bits into memory that was touched before, which makes
+ * them comparable; ours is the voxelizer without the tool around it. A /bytes row is the public
+ * call, which allocates the tool and gives each voxel its class, against the same baseline.
  */
 #include "bench/baseline_embree.h"
 #include "bench/bench.h"
@@ -40,15 +37,15 @@ typedef struct voxelize {
     ost_backend *backend;
     ost_voxelize_report report;
     bench_series ours_bits, ours, embree[2]; /* [low quality] */
-    uint64_t *bits;     /* the baseline's */
-    uint64_t *own_bits; /* ours; NULL on a backend that only makes bytes */
+    uint64_t *bits;     /* of the baseline */
+    uint64_t *own_bits; /* ours; NULL on a backend that makes only bytes */
     int64_t embree_solid;
     bool has_embree, equal;
 } voxelize;
 
 /* ---------------------------------------------------------------- equality */
 
-/* The tool's voxels on the host; the tool is freed. */
+/* Copies the tool's voxels to the host, and frees the tool. */
 static ost_status voxels_of(voxelize *v, ost_backend *backend, ost_tool_volume *out, ost_voxelize_report *report)
 {
     ost_tool *tool = NULL;
@@ -59,7 +56,7 @@ static ost_status voxels_of(voxelize *v, ost_backend *backend, ost_tool_volume *
     return status;
 }
 
-/* The bits of our own voxelizer; the backend is cpu. */
+/* Makes the bits of our own voxelizer; the backend must be cpu. */
 static ost_status make_bits(voxelize *v, ost_voxelize_report *report)
 {
     return ost_cpu_voxelize((const cpu_backend *)v->backend, &v->mesh, NULL, OST_FILL_WINDING, report,
@@ -180,7 +177,7 @@ static ost_status add_row(voxelize *v, const char *name, bench_series *ours)
     return OST_OK;
 }
 
-/* Where our bits go. */
+/* Allocates the memory for our bits. */
 static ost_status make_room(voxelize *v)
 {
     const ost_dims d = v->mesh.grid.dims;
@@ -194,7 +191,7 @@ static ost_status make_room(voxelize *v)
     return OST_OK;
 }
 
-/* mesh and its grid are given; owns neither. */
+/* Measures a mesh. mesh and grid remain the caller's. */
 static ost_status measure(const bench_options *options, bench_table *table, const char *name, const ost_mesh *mesh,
                           const ost_tool_geometry *grid, int count, ost_error *err)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Arguments are set anew for every chunk, as in Alg. 2.10; nothing waits but
- * the end.  A chunk has a buffer of its own, the tool is int16 as there.
+ * The arguments are set again for every chunk, as in Alg. 2.10; only the end of the event is waited
+ * for. Each chunk has its own buffer, and the tool is int16, as in the thesis.
  */
 #include "bench/thesis_cl.h"
 
@@ -46,7 +46,8 @@ struct bench_cl {
     int count;
 };
 
-/* The number after key= in a backend's options, 0 without one; false when it is a name. */
+/* Reads the number after key= in a backend's options; 0 if there is none. Returns false if the
+   value is not a number. */
 static bool number_of(const char *backend, const char *key, int *out)
 {
     const char *at = strncmp(backend, "cl:", 3) == 0 ? strstr(backend, key) : NULL;

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The thesis' removal as it was: an OpenCL kernel over the voxels of a chunk,
- * enqueued for chunk after chunk (Alg. 2.10), on the device that backend cl
- * is opened on.  And what a launch alone costs there: an empty kernel,
- * enqueued and waited for.
+ * The thesis' removal in its original form: an OpenCL kernel over the voxels of a chunk, enqueued
+ * for one chunk after the other (Alg. 2.10), on the device on which the backend cl is opened. Also
+ * measures the cost of a launch alone: an empty kernel, enqueued and waited for.
  */
 #ifndef OST_BENCH_THESIS_CL_H
 #define OST_BENCH_THESIS_CL_H
@@ -13,26 +12,26 @@
 typedef struct bench_cl bench_cl;
 
 /*
- * The device that backend names by numbers ("cl:platform=0,device=1"; what is
- * left out, and another backend, mean 0).  NULL without one, with the reason.
+ * Opens the device that backend names by numbers ("cl:platform=0,device=1"; an omitted number, or
+ * another backend, means 0). Returns NULL with the reason if there is none.
  */
 bench_cl *bench_cl_open(const char *backend, char reason[BENCH_TEXT]);
-void bench_cl_close(bench_cl *cl); /* NULL is allowed */
-/* How backend cl is told to open the same one. */
+void bench_cl_close(bench_cl *cl); /* cl may be NULL */
+/* Returns the string by which the backend cl opens the same device. */
 const char *bench_cl_spec(const bench_cl *cl);
 const char *bench_cl_name(const bench_cl *cl);
 
-/* The event's chunks and tool on the device; false when the device refuses. */
+/* Copies the event's chunks and tool to the device. Returns false if the device fails. */
 bool bench_cl_take(bench_cl *cl, const bench_thesis *thesis);
 bool bench_cl_restore(bench_cl *cl, const bench_thesis *thesis);
 bool bench_cl_remove(bench_cl *cl, const bench_thesis *thesis);
-/* The chunks as they are there, into the thesis' own. */
+/* Copies the chunks on the device into those of thesis. */
 bool bench_cl_fetch(bench_cl *cl, bench_thesis *thesis);
 
-/* An empty kernel of one work group of one item, waited for. */
+/* Runs an empty kernel of one work group with one work item, and waits for it. */
 bool bench_cl_launch(bench_cl *cl);
 
-/* suite_removal.c: the static events on options->backend, which is on cl's device. */
+/* suite_removal.c: adds the static events on options->backend, which must be on cl's device. */
 ost_status bench_removal_opencl(const bench_options *options, bench_table *table, bench_cl *cl, ost_error *err);
 
 #endif
