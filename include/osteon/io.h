@@ -188,7 +188,7 @@ typedef struct ost_import_options {
     ost_volume_options volume;
     bool crop;                /* import only voxels lo <= (i, j, k) < hi of the rect grid */
     ost_voxel_box crop_box;
-    int threads;              /* for reading text; 0 = all */
+    int threads;              /* number of threads that read text; 0 = all */
     bool digests;             /* compute the SHA-256 of every stage (costs a pass over each) */
     ost_progress *progress;   /* may be NULL */
     void *progress_user;

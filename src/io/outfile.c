@@ -387,7 +387,7 @@ ost_status ost_outfile_commit(ost_outfile *file, ost_error *err)
             } else {
                 slot_drop(file->slot);
                 file->slot = -1;
-                /* Syncing the folder makes the name durable. The result is ignored: a failure loses nothing now. */
+                /* Syncing the folder makes the name durable. A failure is ignored: the file itself is complete. */
                 (void)fsync(file->folder);
             }
         }

@@ -307,7 +307,10 @@ static ost_status limit_of(const reader *r, ost_i128 (*of)(const ost_tick *, con
     return status;
 }
 
-/* AR-PATH-5: marks the second tick of each pair that is too far apart as lifted, and counts. Medians are below 2^93. */
+/*
+ * AR-PATH-5: marks the second tick of each pair that is too far apart as lifted, and counts the lifted ticks. Medians
+ * are below 2^93.
+ */
 static ost_status mark_gaps(reader *r, const ost_path_options *options, ost_error *err)
 {
     const ost_path *path = r->out;

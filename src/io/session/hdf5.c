@@ -7,7 +7,7 @@
  * The few parts of the format that are needed are written here, by the HDF5 File
  * Format Specification 3.0, because libhdf5 would add thirty libraries to the start
  * of every verb.  All sizes are known before writing, so the file is written from
- * front to back. It contains no date:
+ * front to back. It contains no date. Its parts are:
  *
  *   superblock, version 0 | object headers, version 1 | arrays of 64-bit numbers, each in one piece
  *
