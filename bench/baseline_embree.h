@@ -13,8 +13,8 @@
 #include <osteon/mesh.h>
 
 typedef struct ost_baseline_embree_times {
-    double build_ms; /* to build the hierarchy */
-    double trace_ms; /* to trace the rays and make bits from hits */
+    double build_ms; /* time to build the hierarchy */
+    double trace_ms; /* time to trace the rays and make bits from hits */
 } ost_baseline_embree_times;
 
 /*

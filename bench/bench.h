@@ -55,8 +55,8 @@ typedef struct bench_row {
     const char *unit;      /* "us" or "ms" */
     int threads;
     bool equal;            /* the result is the reference's; false is an error */
-    char reason[BENCH_TEXT];          /* why ours was not measured; "" if it was */
-    char baseline_reason[BENCH_TEXT]; /* why there is no baseline */
+    char reason[BENCH_TEXT];          /* reason why ours was not measured; "" if it was */
+    char baseline_reason[BENCH_TEXT]; /* reason why there is no baseline */
     char baseline_is[BENCH_TEXT];     /* description of the baseline */
     bench_figures ours, baseline;
     int extra_count;

@@ -2,7 +2,7 @@
 /*
  * Compares the backend cl with a baseline, on one device:
  *
- *   opencl/{reamer,peg}/{16,32,64}/{fresh,steady}   the thesis' kernel on the device, a launch for each chunk (suite_removal.c)
+ *   opencl/{reamer,peg}/{16,32,64}/{fresh,steady}   the thesis' kernel, one launch per chunk (suite_removal.c)
  *   opencl/launch                                   an empty kernel, waited for: the least cost of an event
  *   opencl/transfer/scapula, opencl/voxelize/...    backend cpu on the same data
  */

@@ -39,8 +39,8 @@ typedef struct parse {
 
 /* --------------------------------------------------------------- the file */
 
-/* Writes a length such as "-57.340000 ", in mm; nm must be a multiple of 10, so that six decimals
-   are exact. */
+/* Writes a length in mm and a blank, such as "-57.340000 ". A nanometre is the last of the six
+   decimals, so the text is exact. */
 static char *put_mm(char *at, int64_t nm)
 {
     if (nm < 0) {

@@ -2,7 +2,7 @@
 /*
  * 2,000 ticks of a tool at work, by removal events alone (removal/sequence/1), by complete ticks of
  * the world (tick/sequence/1), and with the force before each, which computes the tool's pose for a
- * hand on the same path (tick/force/1): one thread, chunks of 32^3, every tick timed separately.
+ * device on the same path (tick/force/1): one thread, chunks of 32^3, every tick timed separately.
  * Maps and boxes are made beforehand for the first row and inside the timed step for the second.
  *
  * The thesis' kernel runs only at every twentieth tick, on fresh chunks: its time depends on the

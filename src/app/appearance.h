@@ -76,8 +76,8 @@ ost_legend appearance_legend_of(const appearance *a);
 ost_status appearance_legend(appearance *a, ost_error *err);
 
 /*
- * Handles a key: C colours, X clip plane, Shift X its other side, G ghost, O overlays, K touched
- * voxels; Page Up and Page Down move the plane, with Shift they turn it. Returns true if the key
+ * Handles a key: C colours, X clip plane, Shift X its other side, G ghost, O overlays, K voxels
+ * just removed; Page Up and Page Down move the plane, with Shift they turn it. Returns true if the key
  * was one of these; text (160 bytes) then describes the change.
  */
 bool appearance_key(appearance *a, int key, bool shift, const double eye_mm[3], char *text);

@@ -234,7 +234,7 @@ static void show_row(void *user, const char *row)
 typedef struct tally {
     size_t rows, run;
     bool wrong;
-    char reason[BENCH_TEXT]; /* why the first row that was not run was not run */
+    char reason[BENCH_TEXT]; /* reason of the first row that was not run */
 } tally;
 
 /* Prints the rows of a suite, under the heading if they are the first. */

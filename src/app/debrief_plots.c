@@ -41,7 +41,8 @@ static const char *left_of(const debrief *d)
 typedef enum shade { NOTHING, SHADED, BEYOND, HOLE } shade;
 enum { STEPS = 24 };
 
-/* Returns true if the cell or one of its neighbours was drilled: a neighbour contains a part of the hole. */
+/* Returns true if the cell or one of its neighbours was drilled: a cell next to a hole contains a
+   part of it. */
 static bool at_hole(const ost_metrics *m, int i)
 {
     for (int dy = -1; dy <= 1; dy++)

@@ -78,8 +78,8 @@ diff_kind diff_kind_of(int16_t a, int16_t b, int32_t threshold_a, int32_t thresh
 bool diff_is_folder(const char *path);
 ost_status diff_bundles(const app_state *app, const char *a, const char *b, int64_t limit, ost_error *err);
 
-/* diff_picture.c: draws three slices through the voxel busiest, with the differences in colour over
-   the densities of A and B. */
+/* diff_picture.c: draws the three slices of `busiest`, with the differences in colour over the
+   densities of A and B. */
 ost_status diff_picture(const loaded_volume *a, const loaded_volume *b, const diff_result *result, ost_picture *out, ost_error *err);
 
 /* diff_html.c: writes one self-contained page. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Three slices through the voxel with most differences on each axis, next to each other:
+ * Three slices, on each axis the one with most differences, next to each other:
  *
  *   axial (x right, y down) | coronal (x right, z up) | sagittal (y right, z up)
  *

@@ -69,7 +69,7 @@ static bool find_program(const char *name, char path[NAME])
     struct stat st;
     for (const char *p = from ? from : "/usr/bin:/bin";; p++) {
         const size_t n = strcspn(p, ":");
-        /* an empty entry is the current folder */
+        /* an empty entry of PATH is the current folder */
         const int length = snprintf(path, NAME, "%.*s%s%s", (int)n, p, n ? "/" : "", name);
         if (length < NAME && stat(path, &st) == 0 && S_ISREG(st.st_mode) && access(path, X_OK) == 0)
             return true;
@@ -123,7 +123,7 @@ static ost_status start_ffmpeg(film_file *f, const char *format, ost_error *err)
 {
     static const char *const x264[] = {"-c:v", "libx264", "-preset", "veryfast", "-crf", "18", NULL};
     static const char *const vp9[] = {"-c:v", "libvpx-vp9", "-deadline", "realtime", "-cpu-used", "7", "-crf", "24", "-b:v", "0", NULL};
-    /* Colours and even frame sizes that every player accepts. */
+    /* These arguments give colours and even frame sizes that every player accepts. */
     char program[NAME], place[32];
     const char *argv[40] = {program, "-hide_banner", "-loglevel", "error", "-f", "yuv4mpegpipe", "-i", "-", "-vf", "crop=trunc(iw/2)*2:trunc(ih/2)*2,format=yuv420p", "-colorspace", "bt709",
                       "-color_primaries", "bt709", "-color_trc", "bt709"};

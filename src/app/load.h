@@ -116,8 +116,8 @@ ost_status load_volume(const app_state *app, const char *name, loaded_volume *ou
 /* Copies a bone's voxels into host memory. */
 ost_status bone_to_volume(const ost_bone *bone, const ost_meta *meta, ost_volume *out, ost_error *err);
 
-/* Checks before any work that the output path has one of the endings "nrrd|nii|nii.gz|txt" and can
-   be written. An existing file is replaced without a warning. */
+/* Checks, before any work, that path has one of the given endings, such as "nrrd|nii|nii.gz|txt",
+   and that its folder exists. An existing file is replaced without a warning. */
 ost_status out_check(app_state *app, const char *path, const char *ends, ost_error *err);
 bool ends_with(const char *path, const char *end);
 

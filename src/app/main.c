@@ -122,9 +122,9 @@ static void catch_signals(void)
 }
 
 /*
- * A library that fails may end the process itself. OpenMP's, when there is no memory for a thread's
- * stack, calls exit(1), which would mean here that grids differ. The handler below corrects the
- * status.
+ * A library that fails may end the process itself. The OpenMP runtime, for example, calls exit(1)
+ * if there is no memory for a thread's stack, which would mean here that grids differ. The handler
+ * below corrects the status.
  */
 static const app_state *within_verb; /* NULL if no verb is running */
 

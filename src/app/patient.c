@@ -71,7 +71,7 @@ static ost_status settle(const char *name, const ost_geometry *g, ost_meta *meta
         status = ost_glenoid_side(axis, side, &left, err);
         if (status == OST_OK && side == OST_SIDE_UNKNOWN)
             status = ost_meta_set(meta, OST_META_SIDE, left ? "left" : "right", err);
-        /* Without a side in the header, each verb that needs it asks for it. */
+        /* If the header has no side, each verb that needs it requires --side. */
         if (status == OST_ERR_USAGE) {
             *err = (ost_error){0};
             status = OST_OK;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Facts about the patient, stored once in the header of a bone or CT: where the
- * glenoid is, the axis into the bone, the side, the scapula's landmarks.
+ * Facts about the patient, stored once in the header of a bone or CT: the
+ * glenoid's position, the axis into the bone, the side, the scapula's landmarks.
  *
  *   --landmarks FILE --.
  *   --at --axis ...  ---+--> meta, checked --> header (import)

@@ -82,7 +82,7 @@ static ost_status session_path(const app_state *app, const char *name, ost_path 
     return status;
 }
 
-/* Reads a file of ticks. If all of them name tool 0, they move the tool index instead (AR-PATH-6). */
+/* Reads a file of ticks. If all of them name tool 0, they move tool `index` instead (AR-PATH-6). */
 static ost_status file_path(const app_state *app, const char *name, int32_t index, int tool_count, const ost_path_options *gaps, ost_path *out,
                             ream_gaps *counted, ost_error *err)
 {

@@ -17,17 +17,17 @@ void say_json(const char *text);
 void warn(const app_state *app, const char *format, ...) OST_PRINTF(2, 3);
 
 enum { SAY_TEXT = 96 };
-/* "1,234,567" */
+/* Formats a count: "1,234,567". */
 const char *say_count(char text[SAY_TEXT], int64_t value);
-/* "256 x 234 x 201" */
+/* Formats dimensions: "256 x 234 x 201". */
 const char *say_dims(char text[SAY_TEXT], ost_dims dims);
-/* "0.47 x 0.47 x 1 mm", or "0.47 mm" when all are equal */
+/* Formats spacings: "0.47 x 0.47 x 1 mm", or "0.47 mm" if all are equal. */
 const char *say_spacing(char text[SAY_TEXT], ost_pm3 spacing);
-/* "(-117.8, 196.5, -159) mm" */
+/* Formats a point: "(-117.8, 196.5, -159) mm". */
 const char *say_point(char text[SAY_TEXT], ost_pm3 point);
-/* "12 bytes", "3.4 MB" */
+/* Formats a size: "12 bytes", "3.4 MB". */
 const char *say_bytes(char text[SAY_TEXT], int64_t bytes);
-/* "12.3 ms", "4.5 s" */
+/* Formats a duration: "12.3 ms", "4.5 s". */
 const char *say_time(char text[SAY_TEXT], double ms);
 
 #endif

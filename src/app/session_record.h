@@ -10,7 +10,7 @@ typedef struct session_key {
 } session_key;
 
 /*
- * Opens the session name. Its header is made from setup and device, and the keys of more, an array
+ * Begins a session in the file name. Its header is made from setup and device, and the keys of more, an array
  * that ends with a NULL key. Call it immediately before the first tick: if an earlier step fails,
  * an existing session of that name remains unchanged. more and options may be NULL.
  */

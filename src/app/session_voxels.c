@@ -12,8 +12,8 @@ enum { GROUP_NS = 20000000 };
 typedef struct walk {
     replay replay;
     ost_bone_info info;
-    ost_volume known;  /* the bone at the previous look */
-    int16_t *slices;   /* owned; buffer of look */
+    ost_volume known;  /* the bone at the previous call of look() */
+    int16_t *slices;   /* owned; buffer of look() */
     int32_t from, to;  /* range of slices that lost voxels since then; to is 0 if there are none */
     int64_t begun_ns, last_ns;
 } walk;

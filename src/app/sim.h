@@ -92,7 +92,7 @@ typedef struct simulation {
 void simulation_free(simulation *s);
 
 bool sim_device_is(const sim_args *args, const char *name);
-/* Returns true if the device moves along a path; all others have a simulated or real hand. */
+/* Returns true if the device follows a path; all others are moved freely. */
 bool sim_follows_path(const sim_args *args);
 /* Finds the library's description of the device. Returns false if there is no device of that name. */
 bool sim_device_info(const sim_args *args, ost_haptic_info *out);
@@ -124,8 +124,8 @@ ost_status sim_check_start(const app_state *app, const sim_args *args, simulatio
 /* Begins the recording, with --record. */
 ost_status sim_record_begin(const sim_args *args, simulation *s, ost_error *err);
 
-/* Opens the session of --resume. Its bone, tools and world replace the defaults; options may name
-   files that were moved. */
+/* Opens the session of --resume. Its bone, tools and world replace the defaults; options may replace
+   the names of files that were moved. */
 ost_status sim_resume_open(const app_state *app, sim_args *args, simulation *s, ost_error *err);
 /* Replays the session's ticks into the world and the new recording. Each must have its recorded result. */
 ost_status sim_resume_run(const sim_args *args, simulation *s, ost_error *err);

@@ -7,7 +7,7 @@
 #include "app/result.h"
 #include "app/say.h"
 
-enum { PRESS_TICKS_MAX = 600000 }; /* ten minutes; then the simulated hand stays in place */
+enum { PRESS_TICKS_MAX = 600000 }; /* ten minutes; then the simulated operator stays in place */
 
 const char *const sim_force_names[] = {"off", "energy", "instant"};
 
@@ -113,8 +113,8 @@ ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err)
     if (!args->tools.count && !args->resume)
         args->tools = args->motor_waits ? (option_list){3, {"builtin:peg", "builtin:reamer", "builtin:burr"}} : (option_list){1, {"builtin:reamer"}};
     args->paths_given = args->paths.count > 0;
-    /* With force feedback a simulated hand may press on the bone; without it the tool would move
-       straight in. */
+    /* With force feedback the simulated operator may press on the bone; without it the tool would
+       move straight in. */
     const bool pressing = sim_device_is(args, "sim") && !(args->force_given && !args->force);
     if (!args->paths.count)
         args->paths = (option_list){1, {pressing ? "builtin:glenoid-press" : "builtin:glenoid-slow"}};

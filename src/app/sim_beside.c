@@ -131,7 +131,8 @@ ost_status sim_beside_update(sim_beside *beside, ost_viewer *viewer, ost_error *
     return status == OST_OK ? ost_surface_update(&viewer->bone, err) : status;
 }
 
-/* Alternates between two kinds of turns, since other load on a machine comes in bursts. */
+/* Alternates between turns that wake only and turns that spin, since other load on a machine comes
+   in bursts. */
 bool sim_beside_rests(sim_beside *beside, const frame_times *drawn)
 {
     if (stage_of(beside) != OST_SERVO_RESTED)

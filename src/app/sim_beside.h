@@ -55,7 +55,7 @@ bool sim_beside_ticks(const sim_beside *beside);
 /* Returns true if frames are to be drawn although nothing has changed. */
 bool sim_beside_again(const sim_beside *beside);
 /* Updates the viewer. During the ticks the frame's changes are stored; during a control run a
-   stored frame replaces it. */
+   stored frame is restored instead. */
 ost_status sim_beside_update(sim_beside *beside, ost_viewer *viewer, ost_error *err);
 /* Executes one turn of the rested stage in place of a frame; its duration is the median of drawn.
    Returns false in any other stage: then a frame is to be drawn. */

@@ -10,7 +10,7 @@
 #include "app/result.h"
 #include "app/say.h"
 
-/* N m/rad: for a device that renders torques, unless a file sets it. The model is a handle of 60 g
+/* N m/rad: for a device that renders torques, unless a file sets it. It suits a handle of 60 g
    with an inertia of 0.15 g m2, and a hand with a damping of 10 mN m s. */
 #define TURN_STIFFNESS 0.5
 

@@ -32,8 +32,8 @@ typedef struct sim_hud_facts {
     /* depth below the native face at which this tool removed bone, and its planned depth; 0 if the
        plan is not for this tool */
     double reached_mm, planned_mm;
-    /* angles between the tool's outward axis and the planned one: posterior and superior, in
-       degrees */
+    /* angles in degrees by which the tool's outward axis deviates from the planned one, to
+       posterior and to superior */
     double back_deg, up_deg;
     bool touching, pedal;
     const char *fault;    /* NULL if there is none */

@@ -98,7 +98,7 @@ ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, o
         status = ream_path_make(app, &args->paths, &target, &s->imported.meta, args->bone, grids, args->tools.count, &args->gaps, &s->path,
                                 &s->gaps, err);
     if (status == OST_ERR_USAGE && !sim_follows_path(args) && !args->paths_given) {
-        /* The bone has no glenoid. A hand needs no path, only an initial pose. */
+        /* The bone has no glenoid. A device that follows no path needs only an initial pose. */
         status = OST_OK;
         *err = (ost_error){0};
     }
@@ -130,7 +130,7 @@ ost_status sim_check_start(const app_state *app, const sim_args *args, simulatio
     /* A resumed session was checked when it began. */
     if (s->resumed)
         return OST_OK;
-    /* A path has the first pose of each of its tools; a hand begins at home with any of them. */
+    /* A path has the first pose of each of its tools; without one any tool begins at home. */
     const bool by_path = s->path.count && (sim_follows_path(args) || args->paths_given);
     if (by_path)
         start_poses(&s->path, site.first);

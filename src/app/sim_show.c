@@ -195,7 +195,7 @@ static void *work(void *user)
         if (!sim_beside_rests(&show->beside, &show->drawn))
             show->status = frame_of_thread(show, &show->err);
         const int64_t now = ost_clock_ns();
-        due = due + period > now ? due + period : now; /* a late frame is not caught up on */
+        due = due + period > now ? due + period : now; /* a late frame delays all later ones */
         const struct timespec t = {.tv_sec = due / 1000000000, .tv_nsec = due % 1000000000};
         if (due > now)
             clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, NULL);
