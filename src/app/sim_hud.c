@@ -20,7 +20,7 @@ struct sim_hud {
     double unit; /* pixels */
 };
 
-/* ------------------------------------------------------------ how large */
+/* ----------------------------------------------------------------- size */
 
 /* Computes the size of a unit in pixels. The HUD is designed for frames 1000 wide and 720 high; on
    larger ones it grows less than the frame, since they are usually viewed from a greater distance.
@@ -323,7 +323,7 @@ static void edge_letters(const sim_hud_facts *f, int edge, char letters[4])
         ost_orientation_letters(d, letters);
 }
 
-/* -------------------------------------------------------------- where what is */
+/* --------------------------------------------------------------------- layout */
 
 static bool apart(const sim_hud_box *a, const sim_hud_box *b)
 {

@@ -22,7 +22,7 @@ bool user_files_given(const user_files *u)
     return u->cts.count || u->tools.count || u->paths.count;
 }
 
-/* ---------------------------------------------------------------- how to read */
+/* -------------------------------------------------------------------- options */
 
 json_t *user_files_how(int argc, char **argv)
 {
@@ -393,7 +393,7 @@ ost_status user_files_of(const app_state *app, const user_files *u, int argc, ch
     return status;
 }
 
-/* ------------------------------------------------------------------- again */
+/* ------------------------------------------------------------------- rerun */
 
 /* Writes the number of files of each kind, such as "1 with --ct, 2 with --tool". */
 static void say_needed(const json_t *files, char text[96])
