@@ -44,6 +44,12 @@ refuse 2 "another kind than Ed25519 and ECDSA P-256" sign b --key p384.key --mea
 refuse 2 "no private key" sign b --key trusted/tester.pem --meaning x
 refuse 2 "no public key" verify b --trust tester.key
 refuse 2 "another kind" verify b --trust p384.pem
+openssl genpkey -algorithm RSA -pkeyopt rsa_keygen_bits:1024 2>/dev/null | openssl pkey -pubout -out rsa.pem
+refuse 2 "another kind" verify b --trust rsa.pem
+openssl req -x509 -key tester.key -days 1 -subj "/CN=a tester" -out certificate.pem 2>/dev/null
+refuse 2 "is a certificate" verify b --trust certificate.pem
+mkdir none
+refuse 2 "no public key (*.pem) in this folder" verify b --trust none
 refuse 2 "No such file" verify b --trust nowhere.pem
 refuse 2 "--timestamp-ca is for --trust" verify b --timestamp-ca trusted/tester.pem
 refuse 2 "--sign needs --out" validate --sign tester.key

@@ -142,9 +142,11 @@ static ost_status trust_file(const char *path, sign_trust *t, ost_error *err)
     }
     ERR_clear_error();
     BIO_free(bio);
+    const bool certificate = strstr(bytes, "-----BEGIN CERTIFICATE-----") != NULL;
     free(bytes);
     if (status == OST_OK && !found)
-        status = ost_fail(err, OST_ERR_INPUT, "%s: no public key in PEM (openssl pkey -in KEY -pubout writes one)", path);
+        status = ost_fail(err, OST_ERR_INPUT, certificate ? "%s: is a certificate, whose dates and purpose are not judged here; a public key is expected (openssl x509 -in CERT -pubkey -noout writes it)"
+                                                          : "%s: no public key in PEM (openssl pkey -in KEY -pubout writes one)", path);
     return status;
 }
 
