@@ -17,7 +17,7 @@ ost_status ost_blocks_check(const ost_surface *surface, const ost_eye *eye, ost_
     return OST_OK;
 }
 
-/* Pixels of 0 to count that p - h to p + h meets, half-open. */
+/* Computes the pixels among 0 .. count - 1 that the interval p - h to p + h meets, half-open. */
 static void range(float p, float h, int count, int *from, int *to)
 {
     *from = p - h > 0 ? (int)(p - h) : 0;
@@ -25,13 +25,13 @@ static void range(float p, float h, int count, int *from, int *to)
 }
 
 /*
- * The cube is taken as one large voxel: splat_scalar.c has the reasoning for
- * the slopes; a pixel is added on each side for rounding.
+ * The cube is treated as one large voxel; splat_scalar.c derives the slopes.
+ * A pixel is added on each side for rounding.
  */
 bool ost_blocks_pixels(const ost_splat_eye *s, const float o[3], int side, ost_extent *out)
 {
     const ost_eye *e = &s->eye;
-    const float half = (float)side; /* times reach, which has a half in it */
+    const float half = (float)side; /* reach is already half a voxel's width */
     const float x = ost_eye_dot(e->right, o), y = ost_eye_dot(e->up, o), z = ost_eye_dot(e->forward, o);
     const float reach = half * s->reach[2], far = z + reach, nearest = z - reach;
     if (!(far > e->near))
@@ -54,7 +54,10 @@ bool ost_blocks_pixels(const ost_splat_eye *s, const float o[3], int side, ost_e
     return true;
 }
 
-/* The least key of a voxel of the block whose voxel (0, 0, 0) is base from the eye, with room for rounding. */
+/*
+ * Returns a lower bound of the keys of a block's voxels, with a margin for rounding.
+ * base: its voxel (0, 0, 0) minus the eye.
+ */
 static uint64_t nearest_key(const float base[3])
 {
     float square = 0;

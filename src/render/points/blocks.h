@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Which blocks of a surface an eye can see, near ones first: what every
- * renderer asks before it draws.
+ * Selects the blocks of a surface that are in an eye's view, near ones first,
+ * for every renderer.
  *
- *   blocks of the surface --frustum--> those that may be seen --by distance--> order
+ *   blocks of the surface --frustum--> those that may be visible --by distance--> order
  */
 #ifndef OST_RENDER_BLOCKS_H
 #define OST_RENDER_BLOCKS_H
@@ -12,29 +12,34 @@
 
 typedef struct ost_frame_block {
     int32_t slot;
-    float distance;      /* squared, of its centre: the order */
-    uint64_t nearest;    /* no key of a voxel of it is less (splat.h) */
-    ost_extent pixels;   /* that it may cover */
-    uint32_t count;      /* of its points */
+    float distance;      /* squared distance of its centre, by which blocks are sorted */
+    uint64_t nearest;    /* lower bound of the keys of its voxels (splat.h) */
+    ost_extent pixels;   /* pixels that it may cover */
+    uint32_t count;      /* number of its points */
 } ost_frame_block;
 
-/* OST_ERR_RANGE when the eye is more than 2^15 voxels away from the surface's grid. */
+/* Returns OST_ERR_RANGE if the eye is more than 2^15 voxels away from the surface's grid. */
 ost_status ost_blocks_check(const ost_surface *surface, const ost_eye *eye, ost_error *err);
 
 /*
- * blocks and bases, 4 floats a slot, have room for surface->used; bases is of
- * all slots.  *y0 to *y1: rows that the chosen ones may cover, half-open.
+ * Selects and sorts the blocks that may be visible, and computes bases for all
+ * slots.  blocks must have room for surface->used entries, bases for 4 floats
+ * each.  Stores in *y0 and *y1 the rows that the selected blocks may cover,
+ * half-open.
  */
 void ost_blocks_choose(const ost_surface *surface, const ost_splat_eye *eye, ost_frame_block *blocks, float *bases, int32_t *count, int *y0,
                        int *y1);
 
 /*
- * Pixels, half-open, that a cube of `side` voxels on a side about `middle`, from
- * the eye, may cover.  False when it is not seen.
+ * Computes the pixels, half-open, that a cube of `side` voxels a side may cover.
+ * middle: its centre, relative to the eye.  Returns false if it is not visible.
  */
 bool ost_blocks_pixels(const ost_splat_eye *eye, const float middle[3], int side, ost_extent *out);
 
-/* For coordinate i of an axis whose voxel 0 is base from the eye: the faces turned to it, as bits of ost_face. */
+/*
+ * Computes, for each coordinate i on an axis, the faces turned to the eye, as bits
+ * of ost_face.  base: coordinate of voxel 0 minus the eye's.
+ */
 void ost_blocks_turned(float base, int axis, uint8_t turned[OST_BLOCK]);
 
 #endif

@@ -6,7 +6,7 @@
 #include "core/rotation.h"
 #include "render/vector.h"
 
-/* Of a voxel: nothing of the bone is as small as that. */
+/* Near plane in voxels: no detail of the bone is as small. */
 static const float NEAR = 0.25f;
 
 ost_status ost_camera_check(const ost_camera *camera, ost_error *err)
@@ -36,7 +36,7 @@ static matrix matrix_of(const ost_pose *pose)
     return out;
 }
 
-/* at: where the eye is from the grid's frame, in picometres; r: from the camera's frame to the grid's. */
+/* at: the eye's position in the grid's frame, in picometres; r: rotation from the camera's frame to the grid's. */
 static ost_eye make_eye(const ost_camera *camera, const ost_geometry *grid, const double at[3], const matrix *r)
 {
     const double s = (double)grid->spacing.x;
@@ -58,7 +58,7 @@ static ost_eye make_eye(const ost_camera *camera, const ost_geometry *grid, cons
     return eye;
 }
 
-/* Picometres are below 2^43 and so exact in doubles, as their differences are. */
+/* Picometres are below 2^43, so they and their differences are exact in doubles. */
 ost_eye ost_eye_make(const ost_camera *camera, const ost_geometry *bone)
 {
     const matrix r = matrix_of(&camera->pose);

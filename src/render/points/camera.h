@@ -2,11 +2,11 @@
 /*
  * A camera in front of a grid, in voxels.
  *
- * The camera's frame: x to the right of the picture, y up, z toward who looks;
- * it looks along -z.  Its pose takes that frame into the bone's and is
- * quantised as every pose is; what follows from it is a few additions,
- * products and divisions, each rounded once.  So a camera is the same bits
- * everywhere, and so is the picture.
+ * The camera's frame: x to the right of the picture, y up, z toward the viewer;
+ * the view direction is -z.  The camera's pose maps that frame to the bone's and
+ * is quantised as every pose is.  All further values follow by a few additions,
+ * products and divisions, each rounded once.  So cameras and pictures are
+ * bit-identical on all machines.
  *
  *   ray of pixel (x, y):   d = (x + 1/2 - w/2) right - (y + 1/2 - h/2) up + focal forward
  *   in voxels:             voxel (i, j, k) is the cube of side 1 about (i, j, k)
@@ -21,19 +21,19 @@ typedef struct ost_eye {
     float right[3], up[3], forward[3];     /* unit, to float's accuracy */
     float focal;                           /* pixels */
     float half_w, half_h;                  /* pixels */
-    float near;                            /* voxels; a voxel of which a corner is nearer along forward is not drawn */
+    float near;                            /* voxels; a voxel with a corner nearer than this along forward is not drawn */
     int width, height;
 } ost_eye;
 
-/* Rounded in this order everywhere. */
+/* Returns the scalar product; the order of rounding is the same everywhere. */
 static inline float ost_eye_dot(const float a[3], const float b[3])
 {
     return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
 }
 
-/* camera was checked. */
+/* Returns the eye of a camera in the bone's voxels. ost_camera_check must have accepted the camera. */
 ost_eye ost_eye_make(const ost_camera *camera, const ost_geometry *bone);
-/* The same from what is at a pose: its grid is in its own frame, which the pose takes into the bone's. */
+/* Does the same for an object at a pose: its grid is in its own frame, which the pose maps to the bone's. */
 ost_eye ost_eye_make_from(const ost_camera *camera, const ost_geometry *grid, const ost_pose *pose);
 
 #endif

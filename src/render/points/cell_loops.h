@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * From voxels to cells of 2^3, in plain C: every instruction set
- * compiles the same text, and the compiler lays lanes side by side.
+ * Loops from voxels to cells of 2^3, in plain C: the same text is compiled for
+ * every instruction set and vectorized by the compiler.
  */
 #ifndef OST_RENDER_CELL_LOOPS_H
 #define OST_RENDER_CELL_LOOPS_H

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Part of a picture: cells of 16 x 8 pixels, a bit each.
+ * A part of a picture, as a bit for each cell of 16 x 8 pixels.
  *
- * What is drawn again, what has to be put back, what a layer may cover: all
- * are such parts, and are gone through run by run.
+ * Such parts describe the pixels to be drawn again, the pixels to be restored
+ * and the pixels that a layer may cover.  They are processed run by run.
  */
 #ifndef OST_RENDER_CELLS_H
 #define OST_RENDER_CELLS_H
@@ -11,7 +11,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-enum { OST_CELL_WIDTH = 16, OST_CELL_HEIGHT = 8, OST_CELL_WORDS = 8 }; /* words of a row at most: 8192 pixels */
+enum { OST_CELL_WIDTH = 16, OST_CELL_HEIGHT = 8, OST_CELL_WORDS = 8 }; /* at most so many words a row: 8192 pixels */
 
 typedef struct ost_cells {
     uint64_t *bit; /* owned; `words` for each row of cells */
@@ -19,15 +19,16 @@ typedef struct ost_cells {
     int width, height; /* of the picture */
 } ost_cells;
 
-/* Empty. False without memory. Pictures up to 8192 pixels a side. */
+/* Makes an empty part of a picture of up to 8192 pixels a side. Returns false if there is no memory. */
 bool ost_cells_init(ost_cells *cells, int width, int height);
-void ost_cells_free(ost_cells *cells); /* also of zeroed ones */
+/* Frees the memory; zeroed cells are valid. */
+void ost_cells_free(ost_cells *cells);
 
 void ost_cells_clear(const ost_cells *cells);
 void ost_cells_fill(const ost_cells *cells);
-/* All that pixels x0 <= x < x1, y0 <= y < y1 lie in; what is outside of the picture is left out. */
+/* Adds all cells with a pixel x0 <= x < x1, y0 <= y < y1; pixels outside the picture are ignored. */
 void ost_cells_add(const ost_cells *cells, int x0, int x1, int y0, int y1);
-/* Those of another of the same size. */
+/* Adds the cells of another part of a picture of the same size. */
 void ost_cells_join(const ost_cells *cells, const ost_cells *other);
 
 static inline const uint64_t *ost_cells_row(const ost_cells *cells, int row)
@@ -35,7 +36,7 @@ static inline const uint64_t *ost_cells_row(const ost_cells *cells, int row)
     return cells->bit + (int64_t)row * cells->words;
 }
 
-/* A pixel of the picture. */
+/* Returns true if the part contains the pixel (x, y), which must be in the picture. */
 static inline bool ost_cells_has(const ost_cells *cells, int x, int y)
 {
     const int column = x / OST_CELL_WIDTH;

@@ -26,7 +26,7 @@ ost_status ost_clip_make(const ost_geometry *g, const double at_mm[3], const dou
     return OST_OK;
 }
 
-/* Bits x with n x <= rest. */
+/* Returns the bits x with n x <= rest. */
 static uint32_t row_mask(int64_t n, int64_t rest)
 {
     if (n == 0)

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A half of the grid is not shown.  Which side a voxel is on is decided in
- * integers:  shown  iff  n . v <= d,  v the voxel's place in the grid.
+ * A clip plane hides one side of the grid.  The side of a voxel is decided in
+ * integers: it is shown iff n . v <= d, where v is the voxel's index in the grid.
  *
- * n is a direction in 2^-14: |n| <= 2^14 an axis, v < 2^14, so n . v < 2^30.
+ * n is a direction in units of 2^-14: |n| <= 2^14 on each axis, v < 2^14, so n . v < 2^30.
  */
 #ifndef OST_RENDER_CLIP_H
 #define OST_RENDER_CLIP_H
@@ -12,11 +12,14 @@
 
 enum { OST_CLIP_UNIT = 1 << 14 };
 
-/* Through a point in mm; what lies on the normal's side goes. OST_ERR_RANGE when the normal is no direction. */
+/*
+ * Makes a plane through a point in mm; the side to which the normal points is hidden.
+ * Returns OST_ERR_RANGE if the normal is not a direction.
+ */
 ost_status ost_clip_make(const ost_geometry *geometry, const double at_mm[3], const double normal[3], ost_clip *out, ost_error *err);
-/* From now on, with the next update; NULL: all is shown. Blocks that look as before are left as they are. */
+/* Sets the clip plane for later updates; with NULL all is shown. Blocks that do not change are not updated. */
 void ost_surface_clip(ost_surface *surface, const ost_clip *clip);
-/* What of a block's bits is shown. */
+/* Computes the voxels of a block that are shown. */
 void ost_clip_words(const ost_clip *clip, const int32_t block[3], const uint32_t whole[OST_BLOCK_ROWS], uint32_t shown[OST_BLOCK_ROWS]);
 
 #endif

@@ -1,25 +1,26 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The smoothing is a sum of nine neighbours an axis (smooth.h), slice by slice,
- * so that all of it stays in the first-level cache:
+ * The smoothing is a sum of nine neighbours on each axis (smooth.h), slice by
+ * slice, so that all data stays in the first-level cache:
  *
- *            z, y: -5 .. 36      x: -8 .. 39, of which the first and last few serve only as neighbours
+ *            z, y: -5 .. 36      x: -8 .. 39; the first and last few serve only as neighbours
  *   bone    [42][42][48]   0 .. 63
  *     y     [42][34][48]   0 .. 63 * 25
  *     z     [34][34][48]   0 .. 63 * 625 = 39375, then a sixteenth of it, rounded
  *     x     [34][34][34]   0 .. 2461 * 25 = 61525
  *
- * Of these only the rows are made that stale points ask for.  The wide field
- * is the same of cells of 2^3 voxels, from -5 to 20, and then goes back to
- * voxels by thirds to one (cell_loops.h).  A block keeps its cells, so that what
- * lies about a block need not be measured again.
+ * Only the rows that stale points depend on are computed.  The wide field is the
+ * same for cells of 2^3 voxels, from -5 to 20, and is then interpolated to
+ * voxels with the weights 3 : 1 (smooth.c).  A block stores its cells, so
+ * the neighbours of a block need not be measured again.
  *
  *    reach: a slope 1, to a cell's middle and on to the next 2, four cells 8
  *
- * How much bone a voxel is: none, or all of it where nothing is known but the
- * bits.  Where the CT is known it is from a quarter to all of it, by density:
- * a voxel at the border that is bone by half is half as dense.  Within three voxels of
- * what was cut it is all again: inside, density is not how much bone there is.
+ * The amount of bone in a voxel is none or all of it if only the bits are known.
+ * If the CT is known, it is from a quarter to all, by density: a voxel at the
+ * border that is half bone has half the density.  Within three voxels of a cut
+ * it is all again, since inside the bone the density does not measure the
+ * amount of bone.
  */
 #include "render/points/dress.h"
 
@@ -33,11 +34,11 @@ enum {
     SIDE = OST_BLOCK,
     REACH = OST_FIELD_REACH,
     NEAR = OST_NEAR_REACH,
-    INNER = OST_FIELD_ROWS,     /* of the field */
+    INNER = OST_FIELD_ROWS,     /* rows of the field */
     LINE = OST_FIELD_LINE, LEFT = 8, /* a row begins at x = -LEFT */
     NINE = 9, THREE = 3,
     CELLS = OST_CELLS,
-    ROWS_BEFORE = OST_LOOK_REACH, /* in what is seen, before voxel 0 */
+    ROWS_BEFORE = OST_LOOK_REACH, /* rows of ost_rows before voxel 0 */
 };
 
 _Static_assert((int)OST_WIDE_REACH + (int)NEAR == (int)OST_LOOK_REACH, "blocks so far from a change are made anew");
@@ -49,7 +50,7 @@ static const uint32_t *recent_of(const ost_surface_block *b) { return b->recent;
 
 /* ------------------------------------------------------------------- field */
 
-/* Makes near. False when nothing went; then near is anything. */
+/* Computes near. Returns false if no voxel was removed; then near is undefined. */
 static bool find_near(const ost_surface *s, const ost_surface_block *b, ost_dress_scratch *k)
 {
     uint64_t any = 0;
@@ -63,7 +64,7 @@ static bool find_near(const ost_surface *s, const ost_surface_block *b, ost_dres
     return any != 0;
 }
 
-/* Voxels first to first + LINE - 1 of a row of `size`; beyond it is no bone, whatever is said here. */
+/* Returns voxels first to first + LINE - 1 of a row of `size`; values beyond the row are never used, as there is no bone. */
 static const int16_t *line_of(const int16_t *voxels, int first, int size, int16_t copy[LINE])
 {
     if (first >= 0 && first + LINE <= size)
@@ -73,7 +74,11 @@ static const int16_t *line_of(const int16_t *voxels, int first, int size, int16_
     return copy;
 }
 
-/* Rows first to last of slice z, both from -REACH on. Densities are looked up where they count, since they are far away in memory. */
+/*
+ * Computes the amounts of bone in rows first to last of slice z, both counted from
+ * -REACH.  Densities are read only where they are needed, since each row is far
+ * away in memory.
+ */
 static void measure(const ost_surface *s, const ost_surface_block *b, ost_dress_scratch *k, bool cut, int z, int first, int last,
                     uint16_t (*out)[LINE])
 {
@@ -97,7 +102,7 @@ static void measure(const ost_surface *s, const ost_surface_block *b, ost_dress_
 
 /* ------------------------------------------------------------------- cells */
 
-/* Rows of cells that may be others now: bit y of slice z. */
+/* Finds the rows of cells that may have changed: bit y of slice z. */
 static void find_unmeasured(const ost_surface *s, const ost_surface_block *b, uint32_t rows[CELLS])
 {
     uint64_t changes[OST_SEEN];
@@ -128,7 +133,7 @@ void ost_surface_measure(const ost_surface *s, ost_surface_block *b, ost_dress_s
     b->unmeasured = false;
 }
 
-/* Cells of 27 blocks: z, y, x. */
+/* The cells of 27 blocks: z, y, x. */
 typedef const uint8_t *cells_about[3][3][3];
 
 static void find_cells(const ost_surface *s, const ost_surface_block *b, cells_about out)
@@ -140,7 +145,7 @@ static void find_cells(const ost_surface *s, const ost_surface_block *b, cells_a
     }
 }
 
-/* Rows of the field of cells that are asked for: those on both sides of a needed one. */
+/* Finds the needed rows of the field of cells: those on both sides of a needed row of the field. */
 static void find_needed_cells(const uint64_t needed[INNER], uint64_t cells[INNER])
 {
     memset(cells, 0, INNER * sizeof *cells);
@@ -152,7 +157,7 @@ static void find_needed_cells(const uint64_t needed[INNER], uint64_t cells[INNER
         }
 }
 
-/* Rows of the field that are asked for: bits y + 1 of slices z + 1. */
+/* Finds the needed rows of the field: bits y + 1 of slices z + 1. */
 static void find_needed(const uint32_t stale[SIDE], uint64_t needed[INNER])
 {
     memset(needed, 0, INNER * sizeof *needed);
@@ -164,7 +169,7 @@ static void find_needed(const uint32_t stale[SIDE], uint64_t needed[INNER])
     }
 }
 
-/* Of slice z, from -REACH on, the rows of sums along y that the field's slices ask for. */
+/* Finds the range of rows of sums along y that the field needs in slice z, counted from -REACH. */
 static void rows_asked_for(int z, const uint64_t needed[INNER], int *first, int *last)
 {
     uint64_t rows = 0;
@@ -182,7 +187,7 @@ static void add_slice(const ost_surface *s, const ost_surface_block *b, ost_dres
     k->smooth.down((const uint16_t(*)[LINE])k->bone + first, k->y[z % NINE] + first, last - first + 1);
 }
 
-/* The same of cells. */
+/* Does the same as add_slice for cells. */
 static void add_cells(cells_about about, ost_dress_scratch *k, int z, const uint64_t needed[INNER])
 {
     int first, last;
@@ -198,7 +203,10 @@ static void add_cells(cells_about about, ost_dress_scratch *k, int z, const uint
     k->smooth.down((const uint16_t(*)[LINE])k->cells + first, k->cells_y[z % NINE] + first, last - first + 1);
 }
 
-/* Slice z of the wide field; *made, *smoothed: slices of cells, and of their field, before it, as far as they are needed. */
+/*
+ * Computes slice z of the wide field.  *made, *smoothed: the slices of cells and
+ * of their field before these are done, as far as they are needed.
+ */
 static void widen(cells_about about, ost_dress_scratch *k, int z, const uint64_t needed[INNER], const uint64_t cells[INNER], int *made, int *smoothed)
 {
     for (int c = *smoothed > z / 2 ? *smoothed : z / 2; c <= z / 2 + 1; c++) {
@@ -214,7 +222,7 @@ static void widen(cells_about about, ost_dress_scratch *k, int z, const uint64_t
     k->smooth.finer(both, z % 2, needed[z], &k->wide[z % THREE]);
 }
 
-/* Looks of the points of slice z in stale rows. */
+/* Computes the looks of the points of slice z in stale rows. */
 static void look_at(const uint32_t *points, ost_dress_scratch *k, int z)
 {
     const ost_field_slice *const fine[3] = {&k->field[z % THREE], &k->field[(z + 1) % THREE], &k->field[(z + 2) % THREE]};
@@ -231,7 +239,7 @@ static void look(const ost_surface *s, const ost_surface_block *b, const uint32_
 {
     uint64_t needed[INNER], cells[INNER];
     cells_about about;
-    int made = 0, cells_made = 0, cells_smoothed = 0; /* slices before it, as far as they are needed */
+    int made = 0, cells_made = 0, cells_smoothed = 0; /* slices before these are done, as far as they are needed */
     ost_surface_rows(s, b, whole_of, &k->rows, &k->whole);
     const bool cut = s->ground && find_near(s, b, k);
     find_needed(k->stale, needed);
@@ -254,7 +262,7 @@ static void look(const ost_surface *s, const ost_surface_block *b, const uint32_
 
 /* ------------------------------------------------------------------- paint */
 
-/* Voxels with a face to the air and beyond it one of the set. */
+/* Finds the voxels with a face to the air behind which is a voxel of the set. */
 static bool find_beyond(const ost_surface *s, const ost_surface_block *b, ost_words_of *which, ost_dress_scratch *k, uint32_t out[OST_BLOCK_ROWS])
 {
     const bool any = ost_surface_rim(s, b, which, &k->rim);
@@ -285,12 +293,12 @@ void ost_surface_find_marked(const ost_surface *s, const ost_surface_block *b, o
     if (s->any_recent && find_beyond(s, b, recent_of, k, recent))
         for (int row = 0; row < OST_BLOCK_ROWS; row++)
             k->contact[row] |= recent[row];
-    if (s->clipped) /* it shows what was there all the time */
+    if (s->clipped) /* a clip plane bares voxels without removing any */
         for (int row = 0; row < OST_BLOCK_ROWS; row++)
             k->contact[row] &= ~k->cap[row];
 }
 
-/* Makes bared. A depth is needed where something was cut at the block's points. */
+/* Computes bared. The depth is needed only if a voxel was removed next to the block's points. */
 static ost_status find_bared(ost_surface *s, ost_surface_block *b, ost_dress_scratch *k, ost_error *err)
 {
     if (!s->ground || s->colouring == OST_COLOUR_BONE) {

@@ -9,7 +9,7 @@ enum { SIDE = OST_BLOCK, LAST = SIDE - 1, REACH = OST_LOOK_REACH };
 
 static const uint32_t nothing[OST_BLOCK_ROWS];
 
-typedef const uint32_t *nearby[3][3][3]; /* z, y, x: words of 27 blocks */
+typedef const uint32_t *nearby[3][3][3]; /* words of 27 blocks: z, y, x */
 
 static bool look_around(const ost_surface *s, const ost_surface_block *b, ost_words_of *which, nearby near)
 {
@@ -59,7 +59,7 @@ bool ost_surface_rows(const ost_surface *surface, const ost_surface_block *block
 
 /* ----------------------------------------------------------------- changes */
 
-/* Rows of one block of the 27, by its place among them, that have a bit where the block in the middle sees it. */
+/* Adds the rows of one of the 27 blocks that have a bit within reach of the middle block. at: its position, -1 .. 1 on each axis. */
 static void add_changes(const uint32_t *words, const int at[3], int reach, uint64_t rows[OST_SEEN])
 {
     const uint32_t all = UINT32_MAX, seen = at[0] < 0 ? all << (SIDE - reach) : at[0] > 0 ? all >> (SIDE - reach) : all;
@@ -87,7 +87,7 @@ bool ost_surface_changes(const ost_surface *surface, const ost_surface_block *bl
     for (int i = 0; i < 27; i++)
         if (near[i / 9][i / 3 % 3][i % 3] != nothing)
             add_changes(near[i / 9][i / 3 % 3][i % 3], (const int[]){i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1}, reach, rows);
-    /* Widened by up to one more than twice what it has been widened by, no gap is left. */
+    /* A step of at most 2 done + 1 leaves no gap in rows that have been widened by done. */
     for (int done = 0, step; done < reach; done += step) {
         uint64_t was[OST_SEEN];
         step = reach - done < 2 * done + 1 ? reach - done : 2 * done + 1;

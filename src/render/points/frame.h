@@ -1,30 +1,31 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A frame: a surface through a camera, into planes and then into colours.
+ * A frame: draws a surface as seen by a camera, into planes and then into colours.
  *
  *   blocks --frustum, order--> near ones first --facing, tint--> a list --bands of rows, by threads--> planes
  *
- * A second thing, a tool with voxels of its own that stands at an angle, is
- * drawn the same way into planes of a band beside these, and of each pixel the
- * nearer one stays.
+ * A second thing, such as a tool with its own voxels at another orientation, is
+ * drawn the same way into separate planes of a band.  Then the nearer of the
+ * two is taken for each pixel.
  *
- * A block is left out where nearer ones already cover all pixels that it could
- * reach: of each tile of 8 x 8 pixels the farthest key is kept, found anew only
- * when it is asked for and something was drawn since.  It changes no picture.
+ * A block is skipped if nearer blocks already cover all pixels that it could
+ * reach.  For this test the farthest key of each tile of 8 x 8 pixels is stored;
+ * it is recomputed only if it is needed and the tile was drawn to since.  The
+ * test does not change the picture.
  *
- * What did not change is kept, after ost_frame_keep.  While the eye and the
- * light stay as they are:
+ * After ost_frame_keep, unchanged parts are reused.  While the eye and the light
+ * do not change:
  *
  *   blocks whose lists changed --entry by entry, old beside new--> voxels that look different
  *        --cells that these may cover--> drawn again, in the planes of the first thing alone
- *   those cells, and what was laid over others --put back from these planes--> the frame, and over it the rest
+ *   those cells, and cells that other layers covered --copied from these planes--> the frame, and over it the other layers
  *
- * It is the same picture to the bit as one that is drawn from nothing: a voxel
- * that is the same in both lists is nearest in a cell that no other touches if
- * it was before, and equal distances are told apart by the voxel's number,
- * which orders voxels as their places do.
+ * The picture is bit-identical to one that is drawn from scratch: in a cell that
+ * no changed voxel can cover, the nearest voxel is the same as before, and ties
+ * between equal distances are broken by the voxel's number, which orders voxels
+ * as their positions do.
  *
- * Its memory is kept from frame to frame: 9 bytes a pixel, 18 with what is kept.
+ * The memory is reused from frame to frame: 9 bytes a pixel, 18 after ost_frame_keep.
  */
 #ifndef OST_RENDER_FRAME_H
 #define OST_RENDER_FRAME_H
@@ -35,10 +36,10 @@
 #include "render/points/light.h"
 
 enum {
-    OST_BAND = 64,     /* rows that a thread draws at once: keys of 1280 pixels of these stay in a second-level cache */
+    OST_BAND = 64,     /* rows that a thread draws at once: their keys, at 1280 pixels a row, fit into a second-level cache */
 };
 
-/* The farthest key of a tile, or one beyond it where stale. */
+/* The farthest key of a tile, or an upper bound of it if stale. */
 typedef struct ost_frame_tile {
     uint64_t farthest;
     bool stale;
@@ -46,40 +47,40 @@ typedef struct ost_frame_tile {
 
 _Static_assert(OST_BAND % OST_CELL_HEIGHT == 0 && (int)OST_CELL_HEIGHT == OST_TILE && (int)OST_CELL_WIDTH == OST_LANES, "cells are whole tiles");
 
-/* What a thread needs while it draws a band: its memory stays in a cache from band to band, and from layer to layer. */
+/* A thread's scratch for drawing a band.  It is small enough to stay in a cache between bands and layers. */
 typedef struct ost_frame_bench {
-    ost_planes over;        /* owned; a layer but the first; its keys are the first's too */
+    ost_planes over;        /* owned; planes of a layer other than the first; the keys serve the first layer as well */
     ost_frame_tile *tiles;  /* owned; rows of tiles_across */
-    struct ost_frame_lists *lists; /* owned; what lists are made with */
+    struct ost_frame_lists *lists; /* owned; scratch for making lists */
 } ost_frame_bench;
 
 /* The list of a block, for the layer's eye. */
 typedef struct ost_frame_list {
-    uint64_t version;       /* of the block that it was made of */
-    uint32_t count, room;
-    uint32_t place;         /* where the next one is put; this one is at visible.begin */
-    int32_t at[3];          /* the block's */
-    bool listed;            /* it is made; else nothing of the block is seen */
-    bool there;             /* the block was in sight of the last frame, be it hidden */
+    uint64_t version;       /* version of the block from which it was made */
+    uint32_t count, room;   /* number of entries, capacity */
+    uint32_t place;         /* index at which the next list is stored; the present one is at visible.begin */
+    int32_t at[3];          /* the block's position, in blocks */
+    bool listed;            /* the list is made; otherwise no voxel of the block is drawn */
+    bool there;             /* the block was within the last frame's view, even if hidden */
 } ost_frame_list;
 
-/* One thing that is drawn, and its list. */
+/* One thing that is drawn, and its lists. */
 typedef struct ost_frame_layer {
     const ost_surface *surface; /* borrowed for a frame */
     ost_frame_block *blocks; /* owned; count of them after the cull */
     int32_t count;
     ost_visible visible;    /* the lists */
     size_t visible_room, visible_used;
-    ost_frame_list *list;   /* owned; of each slot */
-    int32_t slots, slot_room; /* of the last frame */
-    float *bases;           /* owned; 4 a slot */
+    ost_frame_list *list;   /* owned; one for each slot */
+    int32_t slots, slot_room; /* number of slots in the last frame, capacity */
+    float *bases;           /* owned; 4 for each slot */
     ost_splat_eye eye;
     ost_light light;
-    float scale;            /* its voxels in voxels of the first */
-    bool within;            /* the eye is in it or close to it: faces that are not to the air may be seen */
-    bool same;              /* eye and light as in the frame before, and frames are kept */
+    float scale;            /* side of its voxels in voxels of the first thing */
+    bool within;            /* the eye is in it or close to it: faces that are not to the air may be visible */
+    bool same;              /* eye and light are those of the previous frame, and frames are kept */
     int y0, y1;             /* rows that it may cover, half-open */
-    ost_cells cells;        /* what it may cover */
+    ost_cells cells;        /* cells that it may cover */
 } ost_frame_layer;
 
 enum { OST_FRAME_LAYERS = 4 };
@@ -87,13 +88,13 @@ enum { OST_FRAME_LAYERS = 4 };
 typedef struct ost_frame {
     int width, height;
     ost_planes planes;      /* owned; key only after ost_frame_keep_keys */
-    ost_planes ghost;       /* owned; where a ghost is drawn; NULL before there was one; no keys */
-    ost_planes kept;        /* owned; those of the first layer alone; NULL before ost_frame_keep; no keys */
-    bool is_kept;           /* they are those of the last frame */
-    ost_cells part;         /* of the first layer: what this frame draws anew */
-    ost_cells stale;        /* what is put back: drawn anew, or laid over in the frame before */
-    ost_cells over;         /* where colours may be others than kept ones; whoever writes on a frame adds to it (ost_frame_sheet) */
-    ost_frame_bench *bench; /* owned; of each thread */
+    ost_planes ghost;       /* owned; planes for a ghost; NULL before the first ghost; no keys */
+    ost_planes kept;        /* owned; planes of the first layer alone; NULL before ost_frame_keep; no keys */
+    bool is_kept;           /* kept holds the last frame's first layer */
+    ost_cells part;         /* cells of the first layer that this frame draws again */
+    ost_cells stale;        /* cells to be copied from kept: drawn again, or covered in the previous frame */
+    ost_cells over;         /* cells whose colours may differ from kept; drawing on the frame adds to it (ost_frame_sheet) */
+    ost_frame_bench *bench; /* owned; scratch of each thread */
     int tiles_across;
     uint32_t *blank;        /* owned; a row of background */
     ost_splat_kernels kernels;
@@ -101,7 +102,7 @@ typedef struct ost_frame {
     int threads;
     int band;               /* rows that a thread draws at once, a multiple of OST_TILE */
     ost_frame_layer layer[OST_FRAME_LAYERS];
-    int layers;             /* of the last frame */
+    int layers;             /* number of layers of the last frame */
     ost_style style;
     ost_directions *directions; /* owned */
 } ost_frame;
@@ -111,37 +112,42 @@ typedef struct ost_frame_thing {
     const ost_surface *surface;
     ost_eye eye;            /* in its voxels; its size is the frame's */
     ost_paint paint;
-    const uint32_t *palette; /* borrowed; NULL: all of it has its own paint */
+    const uint32_t *palette; /* borrowed; if NULL, every voxel has the thing's own paint */
 } ost_frame_thing;
 
-/* threads 0: all processors. */
+/* Allocates a frame. If threads is 0, all processors are used. */
 ost_status ost_frame_init(ost_frame *frame, int width, int height, ost_style style, ost_isa isa, int threads, ost_error *err);
-void ost_frame_free(ost_frame *frame); /* also of a zeroed one */
+/* Frees the frame's memory; a zeroed frame is valid. */
+void ost_frame_free(ost_frame *frame);
 
-/* Keys of the first layer are kept in the planes from now on, for who wants to know which voxel a pixel shows. */
+/* Stores the keys of the first layer in the planes of later frames, from which a pixel's voxel can be found. */
 ost_status ost_frame_keep_keys(ost_frame *frame, ost_error *err);
 
-/* From now on frames like the last one but for some blocks are drawn where they differ. */
+/* Enables redrawing only the parts that differ, for frames in which only some blocks changed since the last one. */
 ost_status ost_frame_keep(ost_frame *frame, ost_error *err);
-/* All of the planes was written by others. */
+/* Marks all pixels as overwritten by another renderer. */
 void ost_frame_overwritten(ost_frame *frame);
-/* To be written upon. */
+/* Returns the frame's colours as a sheet to draw on. */
 ost_sheet ost_frame_sheet(const ost_frame *frame);
 
-/* Fills the planes; depth is in voxels of the first. OST_ERR_RANGE when the eye is more than 2^15 of its voxels away from a thing. */
+/*
+ * Draws count things into the planes; depth is in voxels of the first thing.
+ * Returns OST_ERR_RANGE if the eye is more than 2^15 voxels of a thing away from it.
+ */
 ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things, int count, ost_error *err);
 /*
- * One thing more, over a frame that was drawn, by whom ever: it is seen before
- * other things by `share` 256ths, behind them by half of that, and changes
- * colours alone.  spacing: of the first thing's voxels, which depth is in.
+ * Blends one more thing over a frame that any renderer has drawn: with weight
+ * `share` / 256 where it is in front of other things, with half of that where
+ * it is behind them.  Only colours change.  spacing: the spacing of the first
+ * thing's voxels, the unit of depth.
  */
 ost_status ost_frame_draw_ghost(ost_frame *frame, const ost_frame_thing *thing, unsigned share, ost_pm spacing, ost_error *err);
-/* Of bone alone. */
+/* Draws a frame of the bone alone. */
 ost_status ost_frame_draw(ost_frame *frame, const ost_surface *surface, const ost_eye *eye, ost_error *err);
 
-/* The colours of the last frame; picture has the frame's size. */
+/* Copies the colours of the last frame to the picture, which must have the frame's size. */
 void ost_frame_copy(const ost_frame *frame, ost_picture *picture);
-/* The same of colours as a frame has them, r in the lowest byte, stride a row. */
+/* Does the same for colours in a frame's format: red in the lowest byte, stride pixels a row. */
 void ost_colours_copy(const uint32_t *colours, int stride, ost_picture *picture);
 
 #endif

@@ -15,7 +15,7 @@ static double voxel_mm(const ost_ground *g)
     return 1e-9 * (double)g->volume.geometry.spacing.x;
 }
 
-/* The greatest 1, 2 or 5 times a power of ten that is at most `most`; most is 1e-3 or more. */
+/* Returns the greatest 1, 2 or 5 times a power of ten that is at most `most`; most is 1e-3 or more. */
 static double round_down(double most)
 {
     double out = 1e-3;
@@ -119,7 +119,7 @@ static bool in_plate(const ost_ground *g, const int32_t at[3])
     return true;
 }
 
-/* Whether one of the voxels up to two steps away along the axes is as dense as from .. to. */
+/* Returns true if a voxel up to two steps away along one of the axes has a density from .. to. */
 static bool near(const ost_ground *g, const int32_t at[3], int from, int to)
 {
     for (int i = 0; i < 12; i++) {
@@ -133,10 +133,10 @@ static bool near(const ost_ground *g, const int32_t at[3], int from, int to)
 }
 
 /*
- * By class, but for two effects of voxels that hold two things at once: where
- * hard bone meets what is soft or nothing, what lies between is hard bone's
- * edge and not cancellous; and what is as dense as cartilage is cartilage only
- * at the face, when it is known where that is.
+ * Returns the tissue of a voxel by its class, with two corrections for the
+ * partial volume effect: a voxel of medium density between hard bone and a soft
+ * voxel or air is the edge of hard bone and not cancellous; and a voxel as dense
+ * as cartilage is cartilage only at the face, if the face's position is known.
  */
 static uint32_t tissue_at(const ost_ground *g, const int32_t at[3], int density)
 {
@@ -155,7 +155,7 @@ uint32_t ost_ground_paint(const ost_ground *ground, ost_colouring colouring, con
     switch (colouring) {
     case OST_COLOUR_CLASS: return OST_PAINT_LIT + tissue_at(ground, at, density);
     case OST_COLOUR_DEPTH: return ground->level[depth];
-    case OST_COLOUR_DENSITY: return (uint32_t)(OST_PAINT_LIT + OST_SCALE - 1 - ost_window_step(density)); /* dense is light */
+    case OST_COLOUR_DENSITY: return (uint32_t)(OST_PAINT_LIT + OST_SCALE - 1 - ost_window_step(density)); /* dense voxels are light */
     case OST_COLOUR_BONE:
     case OST_COLOUR_COUNT: break;
     }
@@ -192,7 +192,7 @@ static bool empty_cell(const ost_ground *g, int32_t x, int32_t y, int32_t z)
     return true;
 }
 
-/* 0: not looked at. From the border inwards through empty cells. */
+/* States of a cell during the fill from the border inwards through empty cells; 0: not visited. */
 static bool flood(const ost_ground *g, uint8_t *mark)
 {
     enum { OPEN = 1 };
@@ -298,7 +298,7 @@ static void outside_words(const ost_ground *g, const int32_t block[3], uint32_t 
         }
 }
 
-/* Of each voxel of a row the squared distance to the nearest bit of three words. */
+/* Computes the squared distance of each voxel of a row to the nearest set bit of three words. */
 static void along_row(uint32_t left, uint32_t own, uint32_t right, int16_t out[SIDE])
 {
     int since = left ? __builtin_clz(left) : SIDE;
@@ -314,7 +314,7 @@ static void along_row(uint32_t left, uint32_t own, uint32_t right, int16_t out[S
     }
 }
 
-/* The least of line[i + k] + k^2 over all |k| < 32, of `count` numbers a line, lines `count` apart. */
+/* Computes the minimum of line[i + k] + k^2 over all |k| < 32; a line has `count` numbers, lines are `count` apart. */
 static inline void least(const int16_t *restrict line, int16_t *restrict out, int count)
 {
     for (int i = 0; i < count; i++)

@@ -3,11 +3,11 @@
  * Colours of voxels: a palette of all directions, made once a frame.
  *
  *   look --normal--> brightness, gloss        tint = paint * brightness * openness + gloss
- *        --paint---> colour; of flat paints that is the tint
+ *        --paint---> colour; for flat paints this is the tint
  *
- * The key light comes from over the left shoulder of who looks, a weaker one
- * from the right.  All is rounded to integers in the palette, so a tint is a
- * few integer operations.
+ * The key light comes from over the viewer's left shoulder, a weaker one from
+ * the right.  The palette holds integers, so computing a tint takes a few
+ * integer operations.
  */
 #ifndef OST_RENDER_LIGHT_H
 #define OST_RENDER_LIGHT_H
@@ -17,13 +17,13 @@
 #include "render/points/octahedral.h"
 #include "render/points/palette.h"
 
-#define OST_CONTACT 0x30a0ffu /* 0xBBGGRR: mixed in where bone went just now */
+#define OST_CONTACT 0x30a0ffu /* 0xBBGGRR: mixed in where bone was removed just now */
 #define OST_BACKGROUND 0x1c1816u /* 0xBBGGRR */
 
-/* What a thing is made of. */
+/* The paint of a thing: its colour and gloss. */
 typedef struct ost_paint {
     uint8_t red, green, blue;
-    uint8_t gloss; /* up to 127; added to each channel where the key light is mirrored */
+    uint8_t gloss; /* up to 127; added to each channel at the key light's mirror direction */
 } ost_paint;
 
 #define OST_PAINT_BONE ((ost_paint){0xe3, 0xda, 0xc9, 26}) /* thesis 3.3.2 */
@@ -33,17 +33,17 @@ typedef struct ost_paint {
 enum { OST_BRIGHT_BITS = 9 };
 
 typedef struct ost_light {
-    uint16_t shade[OST_OCTAHEDRAL_COUNT]; /* of a direction: brightness in 256ths, at most 320; above OST_BRIGHT_BITS what is added to each channel */
-    uint32_t face[8];                     /* of a face, in 256ths; 6 and 7 unused */
-    uint32_t colour[OST_PAINTS];          /* of a paint, 0xBBGGRR */
+    uint16_t shade[OST_OCTAHEDRAL_COUNT]; /* per direction: brightness in 256ths, at most 320; above OST_BRIGHT_BITS the amount added to each channel */
+    uint32_t face[8];                     /* light of each face, in 256ths; 6 and 7 unused */
+    uint32_t colour[OST_PAINTS];          /* colour of each paint, 0xBBGGRR */
     ost_style style;
-    /* What shade was made for: it is kept while this stays. */
+    /* The inputs from which shade was computed; it is reused while they are equal. */
     float right[3], up[3], forward[3];
     uint8_t gloss;
     bool made;
 } ost_light;
 
-/* Where light comes from, unit vectors; half: half-way between the key light and the eye. */
+/* Directions of the lights, unit vectors; half: half-way between the key light and the eye. */
 typedef struct ost_lamps {
     float key[3], fill[3], half[3], back[3], up[3];
 } ost_lamps;
@@ -59,15 +59,18 @@ typedef struct ost_directions {
 void ost_directions_make(ost_directions *directions);
 ost_light_shade_of *ost_light_shade_for(ost_isa isa);
 
-/* palette: of ost_palette_make; NULL: every paint is the thing's own. The light was zeroed before its first use. */
+/*
+ * Computes a frame's light.  palette: as made by ost_palette_make; if NULL, every
+ * paint is the thing's own.  The light must be zeroed before its first use.
+ */
 void ost_light_make(ost_light *light, const ost_directions *directions, const ost_eye *eye, ost_style style, ost_paint paint,
                     const uint32_t *palette);
-/* The colour in full light of a face. Both have room for count rounded up to sixteen. */
+/* Computes the colours in full light of a face. Both arrays must have room for count rounded up to a multiple of 16. */
 void ost_light_tint(const ost_light *light, const uint32_t *look, uint32_t count, uint32_t *tint);
 typedef void ost_light_tint_of(const ost_light *light, const uint32_t *look, uint32_t count, uint32_t *tint);
 ost_light_tint_of *ost_light_tint_for(ost_isa isa);
 
-/* The same to the bit, where there is AVX-512. */
+/* Bit-identical variants for AVX-512. */
 void ost_light_shade_avx512(uint16_t *shade, const ost_directions *directions, const ost_lamps *lamps, float gloss);
 void ost_light_tint_avx512(const ost_light *light, const uint32_t *look, uint32_t count, uint32_t *tint);
 #endif

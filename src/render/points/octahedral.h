@@ -16,7 +16,7 @@
 
 enum { OST_OCTAHEDRAL_SIDE = 128, OST_OCTAHEDRAL_COUNT = 128 * 128 };
 
-/* v need not be unit; of a zero vector: +z. */
+/* Returns the cell of a direction. v need not be a unit vector; the result for a zero vector is +z. */
 static inline uint32_t ost_octahedral_of(const float v[3])
 {
     const float sum = (fabsf(v[0]) + fabsf(v[1])) + fabsf(v[2]);
@@ -38,7 +38,7 @@ static inline uint32_t ost_octahedral_of(const float v[3])
     return cell[0] | cell[1] * OST_OCTAHEDRAL_SIDE;
 }
 
-/* The unit vector at the middle of a cell. */
+/* Computes the unit vector at the middle of a cell. */
 static inline void ost_octahedral_vector(uint32_t cell, float v[3])
 {
     const float u = ((float)(cell % OST_OCTAHEDRAL_SIDE) + 0.5f) / (OST_OCTAHEDRAL_SIDE / 2) - 1;

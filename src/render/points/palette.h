@@ -2,8 +2,8 @@
 /*
  * Colours by number.
  *
- *   1 .. 127     a scale, or a class each, lit as the surface is
- *   128 .. 255   the same, or the grey window of a CT, as they are
+ *   1 .. 127     a scale, or a colour for each tissue, lit as the surface is
+ *   128 .. 255   the tissues again, or the grey window of a CT, without lighting
  *
  * The scale goes from light to dark, so that it is in order for every eye and
  * in print: yellow, green, blue, violet.  Classes differ in lightness as well
@@ -19,26 +19,26 @@ extern const char *const ost_colouring_names[OST_COLOUR_COUNT]; /* "bone", ... *
 
 enum {
     OST_PAINTS = 256,
-    OST_PAINT_LIT = 1,      /* the first of them */
+    OST_PAINT_LIT = 1,      /* the first lit colour and the first flat one */
     OST_PAINT_FLAT = 128,
     OST_SCALE = 127,        /* steps of a scale, 0 .. 126 */
 };
 
-/* Of bone, by its density and place; the first three as the default classes are, soft to hard. */
+/* A tissue of the bone, by density and position; the first three are the default density classes, soft to hard. */
 typedef enum ost_tissue { OST_TISSUE_CARTILAGE, OST_TISSUE_CANCELLOUS, OST_TISSUE_CORTICAL, OST_TISSUE_PLATE, OST_TISSUES } ost_tissue;
 extern const char *const ost_tissue_names[OST_TISSUES];
 extern const uint32_t ost_tissue_colours[OST_TISSUES]; /* 0xBBGGRR */
 
-/* HU that the CT's window shows as black and as white; and the scale of densities, from its first colour to its last. */
+/* Densities in HU that the CT's window shows as black and as white; also the ends of the scale of densities. */
 enum { OST_WINDOW_BLACK = -100, OST_WINDOW_WHITE = 1300 };
 
-/* Step 0 .. 126 of the scale. */
+/* Return the colour of a step, 0 .. 126, of the scale and of the grey window. */
 uint32_t ost_scale_colour(int step);
 uint32_t ost_window_grey(int step);
-/* Of a density, 0 .. 126. */
+/* Returns the step of a density in HU, 0 .. 126. */
 int ost_window_step(int density);
 
-/* Colour 0 is left to the thing. */
+/* Fills the palette of a colouring. Colour 0 is not used: it stands for the thing's own paint. */
 void ost_palette_make(ost_colouring colouring, uint32_t palette[OST_PAINTS]);
 
 #endif

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A tool takes a few dozen voxels of a block between two frames, and of its
- * neighbours none.  What a look depends on is at most OST_LOOK_REACH voxels
- * away, so most rows of points keep the looks that they have:
+ * Between two frames a tool removes a few dozen voxels of a block and none of
+ * its neighbours'.  A look depends on voxels at most OST_LOOK_REACH away, so
+ * most rows of points keep their looks:
  *
  *   bits shown --faces--> rows of points; another list? --.
  *   bits that changed --> rows within reach --------------+--> stale rows --dress--> looks
- *   looks as they were --------------------- other rows --'                        '--> contact
+ *   previous looks ------------------------- other rows --'                        '--> contact
  *
- * A row's looks are made together.  What contact paints changes with time, not
- * only where bone went, so it is put on all points each time.
+ * The looks of a row are computed together.  The contact paint changes with time
+ * and not only where bone is removed, so it is applied to all points each time.
  */
 #include "render/points/renew.h"
 
@@ -57,7 +57,7 @@ static bool same_points(const ost_surface_block *b, const uint32_t *points, cons
     return true;
 }
 
-/* Rows whose points are not what they were, or have a look that may not be. False when there is none. */
+/* Finds the rows whose points or looks may have changed. Returns false if there are none. */
 static bool find_stale(const ost_surface *s, const ost_surface_block *b, const uint32_t *points, ost_dress_scratch *k)
 {
     const ost_faces *f = &k->faces;
@@ -78,7 +78,7 @@ static bool find_stale(const ost_surface *s, const ost_surface_block *b, const u
     return any != 0;
 }
 
-/* Takes over the looks of all other rows. */
+/* Copies the previous looks of all other rows. */
 static void keep_looks(const ost_surface_block *b, ost_dress_scratch *k)
 {
     const uint16_t *begin = k->faces.begin;
@@ -122,7 +122,7 @@ static bool make_room(ost_surface_block *b, uint32_t count)
     return points && looks;
 }
 
-/* What a renderer has a copy of is known by it, wherever a surface lies in memory. */
+/* Renderers identify their copies of lists by this version; an address could be reused by another surface. */
 static _Atomic uint64_t versions;
 
 static ost_status take(ost_surface *s, int32_t slot, const uint32_t *points, const ost_dress_scratch *k, ost_error *err)
@@ -168,7 +168,7 @@ ost_status ost_surface_renew(ost_surface *surface, int32_t slot, ost_error *err)
     if (find_stale(surface, b, points, k))
         status = ost_surface_dress(surface, b, points, k, err);
     if (status == OST_OK) {
-        keep_looks(b, k); /* last: before it stale rows may be written beyond their ends */
+        keep_looks(b, k); /* last, since computing stale rows may overwrite words after their ends */
         mark_contact(b, points, k);
         status = take(surface, slot, points, k, err);
     }

@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A block of a surface after a change: its list, and those looks that may be others now. */
+/* Updates a block of a surface after a change: its list of points, and the looks that may have changed. */
 #ifndef OST_RENDER_RENEW_H
 #define OST_RENDER_RENEW_H
 
 #include "core/isa.h"
 #include "render/points/surface.h"
 
-/* By these loops from now on; without it, by those that OSTEON_ISA allows. */
+/* Selects the loops for an instruction set. The default is the best one that OSTEON_ISA allows. */
 ost_status ost_surface_use(ost_surface *surface, ost_isa isa, ost_error *err);
 
-/* Cells of every block that needs it: before one is made anew, since they look beyond their borders. */
+/* Recomputes the cells of all blocks that need it. Must precede the first renewal, which reads cells of neighbours. */
 ost_status ost_surface_measure_all(ost_surface *surface, ost_error *err);
 
-/* Of a dirty block. What neighbours need of it stays. */
+/* Updates a dirty block. Its record of changes is kept, since its neighbours read it. */
 ost_status ost_surface_renew(ost_surface *surface, int32_t slot, ost_error *err);
 
 #endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The loops of rows.h over whole rows, in plain C: every instruction set
- * compiles the same text, and the compiler puts as many rows into a register
- * as it has room for.
+ * The loops of rows.h over entire rows, in plain C: the same text is compiled
+ * for every instruction set, and the compiler vectorizes it over rows.
  */
 #ifndef OST_RENDER_ROW_LOOPS_H
 #define OST_RENDER_ROW_LOOPS_H
@@ -16,7 +15,10 @@ static inline void join_rows(const uint32_t *restrict left, const uint32_t *rest
         out[i] = left[i] >> 16 | (uint64_t)own[i] << 16 | (uint64_t)right[i] << 48;
 }
 
-/* What is set up to c away, and then up to c + step: no gap is left while step is at most 2 c + 1. */
+/*
+ * Returns the next step of a spread.  Bits have been spread by c = covered so
+ * far; OR-ing with copies shifted by step leaves no gap while step <= 2 c + 1.
+ */
 static inline int next_step(int covered, int reach)
 {
     const int most = 2 * covered + 1;
@@ -70,7 +72,7 @@ static inline void spread_rows(ost_rows *restrict rows, ost_rows *restrict other
     }
 }
 
-/* The words behind the six faces of a row. */
+/* Computes the words behind the six faces of a row's voxels. */
 static inline void behind_row(const ost_rim *rim, int y, int z, uint32_t out[6])
 {
     const uint32_t own = rim->row[z + 1][y + 1];

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Rows of bits of a block and of what lies about it: what lists (extract.c) and
- * looks (dress.c) begin with, all integers, a word a row.
+ * Rows of bits of a block and of its neighbours: the input of lists (extract.c)
+ * and looks (dress.c).  All are integers, one word a row.
  *
- *   words of a block, of six neighbours --faces--> of each row six words: faces to the air
+ *   words of a block, of six neighbours --faces--> six words for each row: faces to the air
  *                                       --points--> surface points
  *   words of 27 blocks --join--> rows of 64 voxels --spread--> voxels near one of them
  */
@@ -16,35 +16,38 @@
 enum {
     OST_SEEN = OST_BLOCK + 2 * OST_LOOK_REACH, /* rows and slices that a look may depend on */
     OST_RIM = OST_BLOCK + 2,
-    OST_POINT_ROOM = 16,                       /* words behind the last point that may be written */
+    OST_POINT_ROOM = 16,                       /* number of words after the last point that may be overwritten */
 };
 
-/* [z][y], both from -OST_LOOK_REACH on: bits x = -16 .. 47. */
+/* Rows [z][y], both counted from -OST_LOOK_REACH; a word's bits are x = -16 .. 47. */
 typedef struct ost_rows {
     uint64_t row[OST_SEEN][OST_SEEN];
 } ost_rows;
 
-/* A block's words with one about them, [z + 1][y + 1], and those of the blocks before and behind along x. */
+/* A block's words with a margin of one row, [z + 1][y + 1], and the words of the two neighbours along x. */
 typedef struct ost_rim {
     uint32_t row[OST_RIM][OST_RIM];
     const uint32_t *left, *right;
 } ost_rim;
 
 typedef struct ost_faces {
-    uint32_t face[6][OST_BLOCK_ROWS]; /* by ost_face: voxels that have it to the air */
+    uint32_t face[6][OST_BLOCK_ROWS]; /* indexed by ost_face: voxels that have this face to the air */
     uint32_t any[OST_BLOCK_ROWS];
-    uint16_t begin[OST_BLOCK_ROWS + 1]; /* of each row its first point */
+    uint16_t begin[OST_BLOCK_ROWS + 1]; /* index of each row's first point */
 } ost_faces;
 
 typedef struct ost_row_kernels {
     /* out[i]: bits 16 .. 31 of left[i], all of own[i], bits 0 .. 15 of right[i]. */
     void (*join)(const uint32_t *left, const uint32_t *own, const uint32_t *right, uint64_t *out, int count);
-    /* Sets what is up to reach away along each axis; the outer `reach` rows, slices and bits may be anything after it. */
+    /*
+     * Sets all voxels up to `reach` away, along each axis, from one that is set.
+     * Afterwards the outer `reach` rows, slices and bits are undefined.
+     */
     void (*spread)(ost_rows *rows, ost_rows *other, int reach);
     void (*faces)(const ost_rim *rim, ost_faces *out);
-    /* Of each row the voxels that have a face to the air and a bit of the rim behind it. */
+    /* Finds, in each row, the voxels with a face to the air behind which the rim has a set bit. */
     void (*behind)(const ost_rim *rim, const ost_faces *faces, uint32_t out[OST_BLOCK_ROWS]);
-    /* faces->begin[OST_BLOCK_ROWS] of them, rows ascending. */
+    /* Writes faces->begin[OST_BLOCK_ROWS] points, rows ascending. */
     void (*points)(const ost_faces *faces, uint32_t *points);
 } ost_row_kernels;
 

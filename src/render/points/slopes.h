@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * From fields to looks: slopes are fetched point by point, then turned into
- * words, sixteen points together where there are registers for it.  Floats,
- * each operation rounded by itself and in one order:
+ * From fields to looks: slopes are fetched point by point and then converted to
+ * words, sixteen points at once where the registers allow it.  The arithmetic is
+ * in floats, each operation rounded separately and in a fixed order:
  *
  *   fine, wide slope --their angle--> share t of the wide one
  *   (1 - t) fine / |fine| + t wide / |wide| --> normal
  *   fine, wide value --> openness by the fine one, by both --t--> openness
  *
- * The value tells how far a voxel lies off the smooth surface as well as how
- * open it lies.  Across a plane the wide one rises half as fast as the fine
- * one, so in 2 wide - fine the first is gone: half of all, wherever the voxel
- * lies; less on an edge, more in a hollow.
+ * The value depends both on a voxel's distance from the smooth surface and on
+ * its openness.  Across a plane the wide value rises half as fast as the fine
+ * one, so 2 wide - fine does not depend on that distance: on a plane it is half
+ * of the maximum, on an edge less, in a hollow more.
  */
 #ifndef OST_RENDER_SLOPES_H
 #define OST_RENDER_SLOPES_H
@@ -20,17 +20,17 @@
 #include "render/points/smooth.h"
 
 enum {
-    OST_LINE_SHIFT = 8,  /* bit of a row that a line begins with */
+    OST_LINE_SHIFT = 8,  /* bit of a row at which a line begins */
     OST_LINE_SKIP = 3,   /* a field's row begins at x = -1, the sum there at x = -5 */
     OST_SLOPES = 16,
-    OST_OPEN_PLANE = 225, OST_OPEN_LEAST = 40, OST_OPEN_PIT = 470, OST_OPEN_EDGE = 120, /* openness; how fast it falls, rises */
-    OST_WIDE_PART = 4,   /* a wide value is such a part of the field's */
-    OST_WIDE_LEAST = 120, /* a wide slope that is less says nothing */
-    OST_WIDE_PLANE = OST_FIELD_FULL / 10, /* from half of all to what OST_FIELD_FLAT is */
+    OST_OPEN_PLANE = 225, OST_OPEN_LEAST = 40, OST_OPEN_PIT = 470, OST_OPEN_EDGE = 120, /* openness of a plane, least openness; rates at which it falls in a pit and rises on an edge */
+    OST_WIDE_PART = 4,   /* wide values are the field's divided by this */
+    OST_WIDE_LEAST = 120, /* smaller wide slopes are ignored */
+    OST_WIDE_PLANE = OST_FIELD_FULL / 10, /* difference between OST_FIELD_FLAT and half of the maximum */
 };
-static const float OST_AGREE_LEAST = 0.6f, OST_AGREE_STEEP = 10; /* cosine from which on the wide slope counts; 1 / 10 more and it alone does */
+static const float OST_AGREE_LEAST = 0.6f, OST_AGREE_STEEP = 10; /* least cosine at which the wide slope is used; from 1 / 10 more on it is used alone */
 
-/* Of a field value, 0 to about OST_FIELD_FULL, and a little beyond. */
+/* Returns the openness of a field value, 0 to slightly more than OST_FIELD_FULL. */
 static inline int ost_openness(int field)
 {
     const int beyond = field - OST_FIELD_FLAT;
@@ -38,7 +38,7 @@ static inline int ost_openness(int field)
     return open < OST_OPEN_LEAST ? OST_OPEN_LEAST : open > 255 ? 255 : open;
 }
 
-/* Of points: how much more of the bone is before than behind, by each field; the fields; faces to the air. */
+/* Data of up to OST_SLOPES points: the slope of each field along each axis, the fields' values, the faces to the air. */
 typedef struct ost_slopes {
     int32_t fine[3][OST_SLOPES], wide[3][OST_SLOPES], value[2][OST_SLOPES], faces[OST_SLOPES];
 } ost_slopes;
@@ -60,13 +60,13 @@ static inline void ost_slope_at(uint32_t point, const ost_field_slice *const fin
     out->faces[i] = (int32_t)(point >> OST_FACES_SHIFT);
 }
 
-/* In the middle of a plate as thin as a voxel the field has no slope; there the open faces decide. */
+/* Returns the slope with the open faces added: in the middle of a plate of one voxel the field has no slope. */
 static inline int32_t ost_slope_with_faces(int32_t slope, int32_t faces, int axis)
 {
     return slope + OST_FIELD_BY_FACES * ((faces >> (2 * axis + 1) & 1) - (faces >> (2 * axis) & 1));
 }
 
-/* Slopes of up to OST_SLOPES points. */
+/* Fetches the slopes of up to OST_SLOPES points. */
 static inline void ost_slopes_at(const uint32_t *points, int count, const ost_field_slice *const fine[3], const ost_field_slice *const wide[3],
                                  ost_slopes *out)
 {

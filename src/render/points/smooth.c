@@ -55,7 +55,7 @@ void ost_field_slice_scalar(const ost_field_slice *const y[9], uint64_t rows, os
 
 OST_CELLS_DEFINE(scalar)
 
-/* Of words below 2^14. */
+/* Works on words below 2^14. */
 static inline uint16_t between(uint16_t near, uint16_t far)
 {
     return (uint16_t)((3 * near + far + 2) >> 2);
@@ -91,7 +91,7 @@ static inline float size_of(const float v[3])
     return sqrtf((v[0] * v[0] + v[1] * v[1]) + v[2] * v[2]);
 }
 
-/* How much the wide slope counts. */
+/* Returns the weight of the wide slope. */
 static inline float share_of(const float fine[3], const float wide[3], float fine_size, float wide_size)
 {
     const float both = fine_size * wide_size, dot = (fine[0] * wide[0] + fine[1] * wide[1]) + fine[2] * wide[2];

@@ -2,19 +2,21 @@
 /*
  * The inner loops of a frame: surface points into pixels, and pixels into faces.
  *
- *   points of a block --facing--> a list of those that show a face to the eye
- *          --splat--> of each pixel the nearest voxel: its distance, its number in the list
- *          --resolve--> the face that the pixel's ray enters by, how deep, which colour
+ *   points of a block --facing--> a list of those that have a face toward the eye
+ *          --splat--> the nearest voxel of each pixel: its distance, its number in the list
+ *          --resolve--> the face by which the pixel's ray enters, its depth and its colour
  *
- * All floats are IEEE single, each operation rounded once and in the order
- * that splat_scalar.c has, none fused: so every variant gives the same bits.
- * A pixel belongs to one band, and a band takes blocks in one order: so the
- * number of threads shows nowhere.
+ * All floats are IEEE single.  Each operation is rounded once, in the order of
+ * splat_scalar.c, and none is fused, so all variants are bit-identical.
+ * A pixel belongs to one band, and a band draws blocks in a fixed order, so the
+ * result does not depend on the number of threads.
  *
- * What a pixel keeps is one word, its key: the squared distance from the eye to
- * the voxel's centre, as the bits of a float, above the voxel's number: its
- * block's slot << 15 | its place in that block's list.  The least key stays, so
- * neither the order in which voxels come shows anywhere nor where lists lie.  On a regular grid that distance orders voxels along every ray: where
+ * A pixel stores one word, its key: the squared distance from the eye to the
+ * voxel's centre, as the bits of a float, above the voxel's number, which is
+ * its block's slot << 15 | its index in that block's list.  The least key is
+ * kept, so the result depends neither on the order of the voxels nor on the
+ * positions of the lists.  On a regular grid that distance orders voxels along
+ * every ray: where
  * a ray goes from voxel A to its neighbour across +x, it has d_x > 0 and passes
  * the shared face at x = A_x + 1/2, so (A - E)_x + 1/2 > 0, and the distance
  * grows by (A_x + 1 - E_x)^2 - (A_x - E_x)^2 = 2 (A_x - E_x) + 1 > 0; so for
@@ -33,20 +35,20 @@
 #include "render/points/camera.h"
 #include "render/points/surface.h"
 
-/* Of a pixel without a voxel: each byte of its key is OST_EMPTY_BYTE, which as a distance is beyond all of them. */
+/* Each byte of the key of a pixel without a voxel is OST_EMPTY_BYTE; as a distance, that is beyond all others. */
 #define OST_EMPTY_BYTE 0x7f
 #define OST_NO_DISTANCE UINT32_C(0x7f7f7f7f)
 enum { OST_NO_FACE = 6, OST_LOCAL_BITS = 15, OST_LANES = 16, OST_TILE = 8, OST_SEVERAL = 3 };
 
 /*
- * What is known of pixels; rows begin at multiples of stride, which is one of
- * OST_LANES; 64-byte aligned.  Planes may begin below the frame's first row, so
- * that a band's keys stay in a cache: row `top` of the frame is their first,
- * key_top that of the keys.
+ * Planes of pixels.  Rows begin at multiples of stride, which is a multiple of
+ * OST_LANES; the planes are 64-byte aligned.  Planes may cover a band only, so
+ * that its keys fit into a cache: their first row is row `top` of the frame, and
+ * the keys' first row is row key_top.
  */
 typedef struct ost_planes {
-    uint64_t *key;    /* distance << 32 | number; known where something may have been drawn */
-    float *depth;     /* along forward, in voxels; of pixels with a face */
+    uint64_t *key;    /* distance << 32 | number; valid where something may have been drawn */
+    float *depth;     /* along forward, in voxels; valid for pixels with a face */
     uint8_t *face;    /* ost_face, OST_NO_FACE where there is no voxel */
     uint32_t *colour; /* 0xBBGGRR */
     int stride;
@@ -63,7 +65,7 @@ static inline uint64_t *ost_key_row(const ost_planes *planes, int y)
     return planes->key + (size_t)(y - planes->key_top) * (size_t)planes->stride;
 }
 
-/* What a frame knows beforehand: all by ost_splat_prepare. */
+/* Values that are constant during a frame, computed by ost_splat_prepare. */
 typedef struct ost_splat_eye {
     ost_eye eye;
     float axis[3][3];     /* focal * forward, right, up: a pixel's ray is [0] + u [1] + v [2] */
@@ -71,10 +73,10 @@ typedef struct ost_splat_eye {
     float reach[3];       /* half the width of a voxel along right, up, forward */
 } ost_splat_eye;
 
-/* A half side, and one that closes the cracks which rounding leaves between neighbours. */
+/* Half a voxel's side; the same, widened to close the cracks that rounding would leave between neighbours. */
 #define OST_HALF 0.5f
 #define OST_HALF_WIDE 0.50005f
-/* An axis on which the eye is no farther than this from a voxel's middle is one along which rays to it go both ways. */
+/* If the eye is no farther than this from a voxel's middle along an axis, rays to the voxel have both signs on that axis. */
 #define OST_BESIDE 0.501f
 
 /* Pixels x0 <= x < x1, y0 <= y < y1. */
@@ -82,56 +84,60 @@ typedef struct ost_extent {
     int x0, x1, y0, y1;
 } ost_extent;
 
-/* The same in a word. */
+/* Special values of an extent stored in a word (ost_extent_word). */
 #define OST_EXTENT_UNKNOWN UINT64_C(0)
 #define OST_EXTENT_NONE UINT64_C(0xffff0000ffff0000)
 
-/* Points of a block that have a face toward the eye: one that a thread makes lists with. */
+/* The points of a block that have a face toward the eye; scratch of a thread that makes lists. */
 typedef struct ost_chosen {
     uint32_t id[OST_BLOCK_POINTS + OST_LANES], look[OST_BLOCK_POINTS + OST_LANES];
-    uint8_t only[OST_BLOCK_POINTS + OST_LANES]; /* the axis of the one face that is to the air and turned to the eye, OST_SEVERAL */
+    uint8_t only[OST_BLOCK_POINTS + OST_LANES]; /* axis of the only face to the air that is turned to the eye, or OST_SEVERAL */
 } ost_chosen;
 
-/* What is to be drawn, and how it looks from here. */
+/* The lists of voxels that have a face toward the eye, with their colours. */
 typedef struct ost_visible {
-    uint64_t *seen;             /* owned by the frame; tint << 32 | id: a pixel finds both at once. tint: colour in full light of the face */
-    uint8_t *only;              /* likewise; as above */
+    uint64_t *seen;             /* owned by the frame; tint << 32 | id, so one load yields both. tint: colour in full light of the face */
+    uint8_t *only;              /* owned by the frame; as in ost_chosen */
     /*
-     * Of OST_LANES entries what they cover, as ost_extent_word has it, or
-     * OST_EXTENT_UNKNOWN until they have been drawn once.  Whoever draws them
-     * finds the same, so threads need not wait for each other.
+     * The pixels that each OST_LANES entries cover, as made by ost_extent_word, or
+     * OST_EXTENT_UNKNOWN until they have been drawn once.  Every thread computes
+     * the same value, so threads need not wait for each other.
      */
     _Atomic uint64_t *extent;
-    uint32_t *begin;            /* owned by the frame; of each slot, where the block's list begins */
-    const float *bases;         /* 4 * slot + a: the block's voxel (0, 0, 0) less the eye */
-    uint32_t light[8];          /* of a face, in 256ths, at most 256 */
+    uint32_t *begin;            /* owned by the frame; index at which the list of each slot's block begins */
+    const float *bases;         /* 4 * slot + a: the block's voxel (0, 0, 0) minus the eye */
+    uint32_t light[8];          /* light of a face, in 256ths, at most 256 */
     uint32_t background;
 } ost_visible;
 
 typedef struct ost_splat_kernels {
     /*
-     * Points that have a face toward the eye, in their order.  turned[a][i]: the
-     * faces of axis a that are turned to the eye at coordinate i, as bits of
-     * ost_face.  Returns how many.
+     * Selects the points that have a face toward the eye, in their order.
+     * turned[a][i]: the faces of axis a that are turned to the eye at coordinate
+     * i, as bits of ost_face.  Returns the number of selected points.
      */
     uint32_t (*facing)(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK], ost_chosen *out);
-    /* The list of a block, into the keys of part; of its rows also into others, if any, that hold nothing worth knowing. */
+    /*
+     * Draws the list of a block into the keys of the pixels in part.  May also write keys
+     * of the same rows outside part; their values are not used.
+     */
     void (*splat)(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t count, const ost_planes *planes,
                   const ost_extent *part);
-    /* Face, depth and colour of pixels x0 <= x < x1 of a row, both multiples of OST_LANES. */
+    /* Computes face, depth and colour of pixels x0 <= x < x1 of a row; x0 and x1 are multiples of OST_LANES. */
     void (*resolve)(const ost_splat_eye *eye, const ost_visible *visible, const ost_planes *planes, int y, int x0, int x1);
-    /* The greatest key of rows y to y + rows - 1, up to OST_TILE of them, in the OST_TILE columns from x on, a multiple of it. */
+    /* Returns the greatest key of up to OST_TILE rows from y on, in the OST_TILE columns from x on, a multiple of OST_TILE. */
     uint64_t (*farthest)(const ost_planes *planes, int x, int y, int rows);
     /*
-     * Of each of those pixels what is nearer, into `to`; of the same depth what
-     * was there.  from's depths are times scale.  Keys stay.  Where one of the
-     * OST_LANES pixels from x on is from's, bit x / OST_LANES of taken is set.
+     * Copies the pixels of `from` that are nearer than those of `to`, for
+     * x0 <= x < x1 of row y; at equal depth `to` is kept.  Depths of `from` are
+     * multiplied by scale.  Keys are not changed.  Sets bit x / OST_LANES of
+     * taken for each OST_LANES pixels from x on of which at least one was copied.
      */
     void (*merge)(const ost_planes *to, const ost_planes *from, float scale, int y, int x0, int x1, uint64_t *taken);
 } ost_splat_kernels;
 
 ost_splat_eye ost_splat_prepare(const ost_eye *eye);
-/* The functions for an instruction set that this machine has. */
+/* Returns the functions for an instruction set, which this machine must have. */
 ost_splat_kernels ost_splat_kernels_of(ost_isa isa);
 
 #define OST_SPLAT_DECLARE(SET)                                                                                                      \
@@ -162,19 +168,19 @@ static inline uint32_t ost_number(uint32_t slot, uint32_t place)
     return slot << OST_LOCAL_BITS | place;
 }
 
-/* Where a number's entry is. */
+/* Returns the index of a number's entry in the lists. */
 static inline uint32_t ost_visible_index(const ost_visible *visible, uint32_t number)
 {
     return visible->begin[number >> OST_LOCAL_BITS] + (number & ((1u << OST_LOCAL_BITS) - 1));
 }
 
-/* Frames have at most 2^13 pixels a side. */
+/* Returns the extent as a word; 16 bits suffice, since frames have at most 2^13 pixels a side. */
 static inline uint64_t ost_extent_word(int x0, int x1, int y0, int y1)
 {
     return (uint64_t)(uint32_t)x0 << 48 | (uint64_t)(uint32_t)x1 << 32 | (uint64_t)(uint32_t)y0 << 16 | (uint64_t)(uint32_t)y1;
 }
 
-/* Whether it is known to miss part. */
+/* Returns true if the extent is known and has no pixel in common with part. */
 static inline bool ost_extent_misses(uint64_t word, const ost_extent *part)
 {
     return word != OST_EXTENT_UNKNOWN && ((int)(word >> 16 & 0xffff) >= part->y1 || (int)(word & 0xffff) <= part->y0 ||
@@ -183,7 +189,7 @@ static inline bool ost_extent_misses(uint64_t word, const ost_extent *part)
 
 #define OST_EMPTY_KEY (UINT64_C(0x0101010101010101) * OST_EMPTY_BYTE)
 
-/* Each channel of a colour times light / 256, rounded down. */
+/* Returns the colour with each channel multiplied by light / 256, rounded down. */
 static inline uint32_t ost_lit(uint32_t colour, uint32_t light)
 {
     return ((colour & 0xff00ff) * light >> 8 & 0xff00ff) | ((colour & 0xff00) * light >> 8 & 0xff00);

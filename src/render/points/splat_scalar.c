@@ -11,25 +11,25 @@
  *   covered                  |o x d|_a <= h (|d_b| + |d_c|) for the three axes a,
  *                            h half a side: the line along d meets the cube about o
  *
- * A line that meets the cube has d_a of the sign of o_a wherever |o_a| is more
- * than h.  With those signs s the test is six inequalities that are linear in
- * the pixel's place, an edge of the outline each:
+ * For a line that meets the cube, d_a has the sign of o_a on each axis with
+ * |o_a| > h.  With those signs s the test is six inequalities, linear in the
+ * pixel's position, one for each edge of the outline:
  *
  *   h (s_b d_b + s_c d_c) -+ (o x d)_a >= 0        d = focal forward + u right + v up
  *
- * Where |o_a| is not more than h, both signs are tried, and either will do: the
- * wrong one asks for more, as s d <= |d|.
+ * On an axis with |o_a| <= h both signs are tried, and a pixel is covered if
+ * either passes: the wrong sign makes the test stricter, as s d <= |d|.
  *
- * A voxel of which one face alone is to the air and turned to the eye needs no
- * more than that face: through another face that is turned to the eye a ray
- * comes from the neighbour there, and that or one before it is nearer (frame.c
- * asks for the whole voxel where the eye is so close that this fails).  Its
- * rectangle is the face's.  Two of the edges of face a run along its borders
- * within the outline: with j the other axis that an edge has in its sum, that
- * is the sign of h s_j d_j turned in one of the two that have it.
+ * If only one face of a voxel is to the air and turned to the eye, it suffices
+ * to draw that face: a ray that enters by another face turned to the eye comes
+ * from the neighbour there, and that voxel or one before it is nearer (frame.c
+ * draws the entire voxel if the eye is so close that this does not hold).  The
+ * rectangle is that of the face.  Two of the edges of face a run along its
+ * borders within the outline: with j the other axis in an edge's sum, they
+ * follow by reversing the sign of h s_j d_j in one of the two edges that have it.
  *
- * A voxel of which a corner is not beyond the near plane is not drawn: then
- * lines are rays.
+ * A voxel with a corner that is not beyond the near plane is not drawn, so
+ * every line in the test is a ray.
  */
 #include "core/conditions.h"
 #include "render/points/splat.h"
@@ -76,7 +76,7 @@ static int within(float v, int lo, int hi)
     return (int)v;
 }
 
-/* 1/2 sum |axis - t forward|, without what lies along `only` */
+/* Returns 1/2 sum |axis - t forward| without the component along `only`. */
 static float spread(const float axis[3], float t, const float forward[3], unsigned only)
 {
     float part[3];
@@ -85,7 +85,7 @@ static float spread(const float axis[3], float t, const float forward[3], unsign
     return OST_HALF * ((part[0] + part[1]) + part[2]);
 }
 
-/* False when the voxel cannot be seen. */
+/* Computes the pixels that a voxel or its only face may cover. Returns false if there are none. */
 static bool rectangle_of(const ost_splat_eye *s, const float o[3], unsigned only, rectangle *r)
 {
     static const float origin[3];
@@ -112,15 +112,18 @@ static void cross(const float a[3], const float b[3], float out[3])
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* Positive within, as a + v c + u b: the edges of the outline. */
+/* An edge of the outline: a + v c + u b is positive inside. */
 typedef struct edge {
     float a, b, c;
 } edge;
 
-/* negative: bit a for an axis whose rays go down it. only: the axis of the one face that matters, OST_SEVERAL. */
+/*
+ * Computes the edges of a voxel's outline.  negative: bit a is set if rays run in the negative
+ * direction of axis a.  only: the axis of the only face to draw, or OST_SEVERAL.
+ */
 static void edges_of(const ost_splat_eye *s, const float o[3], unsigned negative, unsigned only, edge out[6])
 {
-    float n[3][3], m[3][3]; /* of each of the axes that d is made of: o x it, and h s it */
+    float n[3][3], m[3][3]; /* for each component vector of d: its product o x v, and h s v */
     for (int i = 0; i < 3; i++) {
         cross(o, s->axis[i], n[i]);
         for (int a = 0; a < 3; a++)
@@ -160,7 +163,7 @@ static void fill(const ost_splat_eye *s, const edge e[6], uint64_t key, const re
     }
 }
 
-/* From the eye to the voxel. */
+/* Computes the vector from the eye to the voxel's centre. */
 static void place(const float *bases, uint32_t id, float o[3])
 {
     const float *base = bases + 4 * (size_t)(id >> OST_LOCAL_BITS);
@@ -193,7 +196,7 @@ static void widen(ost_extent *e, const rectangle *r)
     e->y1 = r->y1 + 1 > e->y1 ? r->y1 + 1 : e->y1;
 }
 
-/* Places from to to - 1 of a list, which have their extent in common; that. */
+/* Draws entries from to to - 1 of a list, which share an extent word. Returns that word. */
 static uint64_t splat_some(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t from, uint32_t to,
                            const ost_planes *planes, const ost_extent *part)
 {
@@ -230,9 +233,10 @@ void ost_splat_scalar(const ost_splat_eye *eye, const ost_visible *visible, uint
 }
 
 /*
- * The plane of the box that the ray passes last on its way in.  It meets the
- * near plane of axis a at (|o_a| - 1/2) / |d_a|; the greatest of the three is
- * found by products, so that one division is left.
+ * Returns the face by which the ray enters the cube: the plane that it crosses
+ * last on its way in.  The ray crosses the near plane of axis a at
+ * (|o_a| - 1/2) / |d_a|; the greatest of the three is found by comparing
+ * products, so that only one division is needed.
  */
 static unsigned enter(const ost_splat_eye *eye, const float o[3], float u, float v, float *depth)
 {

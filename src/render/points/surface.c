@@ -66,7 +66,7 @@ ost_surface_block *ost_surface_block_at(const ost_surface *s, int32_t x, int32_t
     return slot < 0 ? NULL : s->slot[slot];
 }
 
-/* Of a block: voxels lo to hi in its own coordinates, which may go beyond it. */
+/* Returns true if a block shows none of the voxels lo to hi, in its own coordinates, which may exceed it. */
 static bool block_is_bare(const ost_surface_block *b, const int32_t lo[3], const int32_t hi[3])
 {
     int32_t from[3], to[3];
@@ -142,7 +142,7 @@ static ost_status new_block(ost_surface *s, const int32_t at[3], ost_surface_blo
     return remember(s, b, err);
 }
 
-/* The least box of local coordinates that holds all bits that differ; false when none does. */
+/* Computes the smallest box, in local coordinates, of the bits that differ; returns false if there are none. */
 static bool changed_box(const uint32_t *was, const uint32_t *is, int lo[3], int hi[3])
 {
     uint32_t x = 0, y = 0, z = 0;
@@ -160,10 +160,10 @@ static bool changed_box(const uint32_t *was, const uint32_t *is, int lo[3], int 
     return x != 0;
 }
 
-/* What may be other in a block that sees a change. */
+/* What a change may affect in a block that depends on it. */
 typedef enum sees { SEES_LOOKS, SEES_POINTS, SEES_CELLS, SEES_GROUND } sees;
 
-/* The blocks that see the change from `reach` voxels away, the block itself among them. */
+/* Marks the blocks within `reach` voxels of the changed box, including the changed block itself. */
 static void mark(const ost_surface *s, const int32_t at[3], const int lo[3], const int hi[3], int reach, sees what)
 {
     int from[3], to[3];
@@ -223,7 +223,7 @@ ost_status ost_surface_set(ost_surface *surface, const int32_t at[3], const uint
     if (!b) {
         static const int first[3] = {0, 0, 0}, last[3] = {SIDE - 1, SIDE - 1, SIDE - 1};
         status = new_block(surface, at, &b, err);
-        mark(surface, at, first, last, 1, SEES_GROUND); /* what of it was cut is known from now on */
+        mark(surface, at, first, last, 1, SEES_GROUND); /* from now on the block records which of its voxels were cut */
     }
     if (status == OST_OK)
         status = note_changed(b, occupancy, err);
@@ -242,7 +242,7 @@ ost_status ost_surface_set(ost_surface *surface, const int32_t at[3], const uint
     return OST_OK;
 }
 
-/* ------------------------------------------------------ what is seen of it */
+/* ------------------------------------------------------ visibility, looks */
 
 void ost_surface_clip(ost_surface *surface, const ost_clip *clip)
 {
@@ -290,7 +290,7 @@ void ost_surface_age(ost_surface *surface)
     for (int32_t i = 0; i < surface->used; i++) {
         ost_surface_block *b = surface->slot[i];
         int lo[3], hi[3];
-        /* What stays to be seen as it was, as fresh and now as recent, changes nothing. */
+        /* Fresh and recent voxels have the same look, so a look changes only where the two sets differ. */
         if (b->recent && changed_box(b->fresh ? b->fresh : nothing, b->recent, lo, hi))
             mark(surface, b->at, lo, hi, 1, SEES_LOOKS);
         free(b->recent);
@@ -301,7 +301,7 @@ void ost_surface_age(ost_surface *surface)
     surface->any_fresh = false;
 }
 
-/* One of the eight chunks of 16^3 in a block: two rows a word. */
+/* Sets one of the eight chunks of 16^3 voxels in a block; a word has two rows. */
 static ost_status set_eighth(ost_surface *surface, const int32_t at[3], const uint32_t *words, ost_error *err)
 {
     enum { HALF = SIDE / 2 };
@@ -356,7 +356,7 @@ ost_status ost_surface_update(ost_surface *surface, ost_error *err)
             status = ost_surface_renew(surface, i, err);
         surface->points += surface->slot[i]->count;
     }
-    for (int32_t i = 0; i < surface->used && status == OST_OK; i++) { /* not before all their neighbours have seen it */
+    for (int32_t i = 0; i < surface->used && status == OST_OK; i++) { /* after all renewals, since neighbours read it */
         free(surface->slot[i]->changed);
         surface->slot[i]->changed = NULL;
     }
@@ -365,7 +365,7 @@ ost_status ost_surface_update(ost_surface *surface, ost_error *err)
 
 /* ------------------------------------------------------------ from volumes */
 
-/* Active voxels among count of a row, count <= 32. */
+/* Returns the active voxels among the first count of a row as bits, count <= 32. */
 static uint32_t row_word(const int16_t *voxels, int count, int32_t threshold)
 {
     uint32_t word = 0;
