@@ -232,6 +232,38 @@ static void sweep(lab *l)
             "3; 100000000, 133333333, 0", "%d; %lld, %lld, %lld", count, (long long)first.t.x, (long long)first.t.y, (long long)first.t.z);
 }
 
+/*
+ * The ends of the range of lengths, 8 m (AR-LEN-1).  A mesh from -8 m + 1.5 mm on at a voxel of 1 mm has the corner
+ * RHE((2 min - 1) / 2) - 1 = -8 m + 1 - 1 = -8 m, which is in range.  A pose a picometre beyond 8 m is no pose.
+ */
+static void borders(lab *l)
+{
+    const ost_pm end = OST_LENGTH_MAX;
+    const ost_tool_geometry tool = {{4, 4, 4}, LAB_MM, {0, 0, 0}};
+    const ost_geometry g = lab_cube(8, 8, 8, LAB_MM);
+    ost_mesh mesh;
+    ost_tool_volume v;
+    ost_map map;
+    int count, refused = 0;
+    const ost_pm3 min = {-end + 3 * LAB_MM / 2, 0, 0}, max = {-end + 7 * LAB_MM / 2, 2 * LAB_MM, 2 * LAB_MM};
+    lab_box(l, min, max, false, &mesh);
+    lab_voxelize(l, &mesh, NULL, LAB_MM, &v);
+    lab_say(l, "golden", "corner at 8 m", "AR-TOOL-1 AR-TOOL-2", "a tool's grid may begin at -8 m",
+            l->status == OST_OK && v.geometry.corner.x == -end, "-8000 mm", "%lld pm", (long long)v.geometry.corner.x);
+    ost_tool_volume_free(&v);
+    ost_mesh_free(&mesh);
+    for (int a = 0; a < 6 && l->status == OST_OK; a++) {
+        const ost_pose here = ost_pose_identity();
+        ost_pose beyond = here;
+        const ost_pm at = a % 2 ? -end - 1 : end + 1;
+        *(a / 2 == 0 ? &beyond.t.x : a / 2 == 1 ? &beyond.t.y : &beyond.t.z) = at;
+        refused += ost_map_make(&beyond, &g, &tool, &map, NULL) == OST_ERR_RANGE;
+        refused += ost_sweep_count(&beyond, &beyond, &tool, LAB_MM, &count, NULL) == OST_ERR_RANGE;
+    }
+    lab_say(l, "golden", "pose beyond 8 m", "AR-POSE-3 AR-LEN-1",
+            "neither a map nor a sweep takes a pose a picometre beyond 8 m", l->status == OST_OK && refused == 12, "12 refused", "%d refused", refused);
+}
+
 void lab_golden(lab *l)
 {
     const int32_t half = 759250125; /* sin and cos of 45 degrees, times 2^30 */
@@ -247,4 +279,5 @@ void lab_golden(lab *l)
     classes(l);
     digests(l);
     sweep(l);
+    borders(l);
 }
