@@ -8,6 +8,7 @@ The build's own files are never written to.  A mutated object stands first on
 the linker's line, so that the archive's member of the same symbols is not
 taken; so one build serves several jobs.
 """
+import functools
 import os
 import re
 import shlex
@@ -58,8 +59,9 @@ def make_scratch(source, folder, configure, log=print):
     if not os.path.exists(os.path.join(folder, "configure.ac")):
         subprocess.run(["git", "clone", "-q", source, folder], check=True)
     os.makedirs(build, exist_ok=True)
+    jobs = f"-j{os.cpu_count() or 1}"
     with open(os.path.join(build, "build.log"), "wb") as out:
-        for command, cwd in ((["./bootstrap"], folder), (["../configure", *configure], build), (["make", "V=1"], build), (["make", "V=1", "check", "TESTS="], build)):
+        for command, cwd in ((["./bootstrap"], folder), (["../configure", *configure], build), (["make", "-Oline", jobs, "V=1"], build), (["make", "-Oline", jobs, "V=1", "check", "TESTS="], build)):
             if subprocess.run(command, cwd=cwd, stdout=out, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL).returncode != 0:
                 raise BuildError(f"{' '.join(command)} failed; see {build}/build.log")
     open(done, "w").close()
@@ -193,19 +195,24 @@ class Build:
                     os.remove(out)
         return ("differs", changed) if changed else ("identical", [])
 
+    @functools.cache
+    def _strings(self):
+        """The arguments of build-aux/source-strings for the kernels, as make has them; it takes seconds to say so."""
+        rule = subprocess.run(["make", "-n", "-s", "-W", "../src/cl/kernels/common.h", "src/cl/embedded.c"], cwd=self.folder, capture_output=True, text=True).stdout
+        found = re.search(r"build-aux/source-strings (cl .*?) >", rule.replace("\\\n", " "))
+        return shlex.split(found.group(1)) if found else []
+
     def embedded(self, overlay, folder):
         """The object of the OpenCL program with the overlay's kernels; None if it cannot be made."""
         name = next((o for o in self.objects if re.search(r"src/cl/.*embedded\.o$", o)), None)
-        rule = subprocess.run(["make", "-n", "-s", "-W", "../src/cl/kernels/common.h", "src/cl/embedded.c"], cwd=self.folder, capture_output=True, text=True).stdout
-        found = re.search(r"build-aux/source-strings (cl .*?) >", rule.replace("\\\n", " "))
-        if not name or not found:
+        if not name or not self._strings():
             return None
         os.makedirs(os.path.join(overlay, "src/cl"), exist_ok=True)
         tree = os.path.join(folder, "kernels")
         shutil.rmtree(tree, ignore_errors=True)
         shutil.copytree(os.path.join(self.source, "src/cl/kernels"), os.path.join(tree, "src/cl/kernels"))
         shutil.copytree(os.path.join(overlay, "src/cl/kernels"), os.path.join(tree, "src/cl/kernels"), dirs_exist_ok=True)
-        text = subprocess.run(["sh", os.path.join(self.source, "build-aux/source-strings"), *shlex.split(found.group(1))], cwd=tree, capture_output=True)
+        text = subprocess.run(["sh", os.path.join(self.source, "build-aux/source-strings"), *self._strings()], cwd=tree, capture_output=True)
         shutil.rmtree(tree)
         if text.returncode != 0:
             return None

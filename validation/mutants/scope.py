@@ -58,31 +58,34 @@ def is_shared(file):
 
 
 def subjects(file, available):
-    """Of a tier's backends those that run a file's code, the most telling first; empty if none does."""
-    def first(*patterns):
-        found = (next((s for s in available if re.fullmatch(p, s)), None) for p in patterns)
-        return [s for s in dict.fromkeys(found) if s]
+    """All of a tier's backends that run a file's code, the most telling first; empty if none does.
+
+    A mutant has survived a tier only when it was run on all of them.
+    """
+    def those(*patterns):
+        return list(dict.fromkeys(s for p in patterns for s in available if re.fullmatch(p, s)))
 
     if file in OUTSIDE or "/arm/" in file and not any("isa=neon" in s for s in available):
         return []
+    cpus = ("cpu:isa=.*grain=1.*", "cpu:.*")
     if is_shared(file):
-        return first("cpu:isa=(avx2|neon),threads=[2-9].*", "cpu:isa=.*")[:1]
+        return those("cpu:isa=(avx2|neon),threads=[2-9].*", *cpus)
     if file.startswith("src/cpu/ref/"):
         return ["ref"]
     if is_kernel(file):
         # The set for CPUs is what a CPU's driver takes by itself.
-        mine, gpus = ("cl:(?!.*kernels=gpu).*",), ("cl:.*kernels=gpu.*",)
-        return first(*mine) if file.endswith("_cpu.cl") else first(*gpus, *mine)
+        mine, gpus = "cl:(?!.*kernels=gpu).*", "cl:.*kernels=gpu.*"
+        return those(mine) if file.endswith("_cpu.cl") else those(gpus, mine)
     if file.startswith("src/cl/"):
-        return first("cl:(?!.*kernels=gpu).*", "cl:.*kernels=gpu.*")
-    isa = re.search(r"_(avx2|avx512|neon)\.c$", file)
-    if isa or file.endswith("scalar.c"):
-        name = isa.group(1) if isa else "scalar"
-        return first(f"cpu:isa={name},threads=[2-9].*", f"cpu:isa={name},threads=1.*")
+        return those("cl:(?!.*kernels=gpu).*", "cl:.*")
     if "embree" in file:
-        return first("cpu:voxelizer=embree.*")
-    out = first("cpu:isa=(avx512|neon),threads=[2-9].*", "cpu:isa=scalar,threads=1.*", "cpu:threads=.*")
-    return out + (first("cpu:voxelizer=embree.*") if "/voxelize/" in file else [])
+        return those("cpu:voxelizer=embree.*")
+    isa = re.search(r"_(avx2|avx512|neon)\.c$", file)
+    if not isa:
+        return those("cpu:isa=scalar,.*grain=1.*" if file.endswith("scalar.c") else cpus[0], *cpus)
+    # A set takes from the one below it what it does not replace (src/cpu/kernels.c); a backend without a named set has the last.
+    above = {"avx2": "avx2|avx512.*", "avx512": "avx512.*", "neon": "neon"}[isa.group(1)]
+    return those(f"cpu:isa={isa.group(1)},.*grain=1.*", f"cpu:isa={isa.group(1)},.*", f"cpu:isa=({above}),.*", "cpu:(?!isa=).*")
 
 
 def tests(file, programs):

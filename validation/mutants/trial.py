@@ -159,7 +159,7 @@ class Campaign:
         self.stages = stages
         self.program, self.work, self.limits, self.factor = program, work, limits, factor
         self.families = families
-        self.kills = {f: [1, 2] for f in self.families}
+        self.tried = {f: [1, 2.0] for f in self.families}  # mutants noticed, seconds spent
         self.known, self.took, self.lists = {}, {}, {}
         self.lock = threading.Lock()
         os.makedirs(work, exist_ok=True)
@@ -213,7 +213,8 @@ class Campaign:
         return [(head, digest) for head, digest in made if struct.unpack_from("<I", head, 4)[0] != sample]
 
     def order(self):
-        return sorted(self.families, key=lambda f: -self.kills[f][0] / self.kills[f][1])
+        """Families, those first that noticed most mutants a second."""
+        return sorted(self.families, key=lambda f: -self.tried[f][0] / self.tried[f][1])
 
     def differs(self, program, tier, subject, family, scratch):
         """None if the mutated program's trace is the unmutated one's, else (case, stage, how)."""
@@ -235,9 +236,11 @@ class Campaign:
         """The first (subject, case, stage, how) in which a mutated program differs, or None."""
         for family in self.order():
             for subject in subjects:
+                begun = time.monotonic()
                 found = self.differs(program, tier, subject, family, scratch)
-                self.kills[family][0] += found is not None
-                self.kills[family][1] += 1
+                with self.lock:
+                    self.tried[family][0] += found is not None
+                    self.tried[family][1] += time.monotonic() - begun
                 if found:
                     return (subject, *found)
         return None
@@ -245,8 +248,8 @@ class Campaign:
     def shared(self, program, tier, subject, scratch):
         """The same of what all backends share: here the campaign of the mutated program must notice.
 
-        Its verdict follows from the traces where they are the unmutated ones, so it is asked first for the case in
-        which one is not.  Returns (who, case, stage, how), or None; changed says if a result did change.
+        The case in which a trace is not the unmutated one is run first, then the whole campaign.
+        Returns (who, case, stage, how), or None; changed says if a result did change.
         """
         suspect = None
         for who in (subject, "ref"):
@@ -260,7 +263,7 @@ class Campaign:
             if suspect:
                 break
         options = ["--cpu-only", "--backends", ";".join([subject] + [s for s in self.subjects(tier, scratch) if s == "dense"])]
-        runs = [["--only", suspect, *options], options] if suspect else [["--only", "import/0", *options], ["--faults-only"]]
+        runs = [["--only", suspect, *options], options, []] if suspect else [[]]
         for words in runs:
             found = self._noticed([program, "validate", "--json", "--tier", tier, "--jobs", "1", *words], scratch)
             if found:
@@ -283,10 +286,9 @@ class Campaign:
         except ValueError:
             made = {}
         first = (made.get("findings") or [{}])[0]
-        what = " ".join(w for w in command[2:] if w in ("--faults-only",)) or "verdict"
         crash = made.get("results", {}).get("crashed", 0) or made.get("results", {}).get("timed out", 0)
         how = ("crash" if crash else "differs") if status == 1 else how_it_ended(status)
-        return first.get("case", ""), str(first.get("stage", "")) or what, how
+        return first.get("case", ""), str(first.get("stage", "")) or "verdict", how
 
     def _verdict(self, command, scratch, cpu_s):
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
