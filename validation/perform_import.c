@@ -71,9 +71,23 @@ static ost_status run_rect(performer *p, ost_grid **out, ost_error *err)
     return status != OST_OK ? status : written;
 }
 
-static ost_status run_cubic(performer *p, const ost_grid *rect, ost_grid **out, ost_error *err)
+/* Writes to the rect grid, which must not change the cubic grid that was made of it. It records nothing. */
+static ost_status add_a_sample(performer *p, ost_grid *rect, ost_error *err)
+{
+    const scene *s = p->s;
+    ost_sample one = s->samples[0];
+    ost_scatter_report ignored = {0};
+    if (s->slices || p->watch)
+        return OST_OK;
+    one.density = one.density > 0 ? -1000 : 32767;
+    return ost_ct_to_rect(rect, &one, 1, 1, OST_DUPLICATES_LAST, &ignored, err);
+}
+
+static ost_status run_cubic(performer *p, ost_grid *rect, ost_grid **out, ost_error *err)
 {
     ost_status status = ost_rect_to_cubic(rect, p->s->cubic, p->s->resample, out, err);
+    if (status == OST_OK)
+        status = add_a_sample(p, rect, err);
     if (status != OST_OK)
         return status;
     const ost_geometry *g = ost_grid_geometry(*out);

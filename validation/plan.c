@@ -19,7 +19,7 @@ static const struct {
     [PLAN_SESSION] = {"session", "slow cutting with changes of tool", {2, 8, 40}, 0},
     [PLAN_OPERATION] = {"operation", "the built-in peg hole and reaming", {1, 2, 4}, 0},
     [PLAN_STEPS] = {"steps", "sweep, map, motor and snapping alone, at ties and the ends of the range", {6, 24, 120}, 0},
-    [PLAN_REACH] = {"reach", "large sparse bones, wide tools, rods, slices, far origins, refused samples, gaps", {4, 8, 24}, 0},
+    [PLAN_REACH] = {"reach", "large sparse bones, wide tools, rods, slices, far origins, refused samples, gaps, lone voxels", {6, 12, 24}, 0},
     [PLAN_STATIC] = {"static", "the static events of the thesis' Tables 3.3 to 3.5, when asked for by name", {0, 0, 0}, 8},
     [PLAN_SMALL] = {"small", "all stages in a few milliseconds, for the sensitivity proof", {0, 0, 0}, 0},
     [PLAN_USER] = {"user", "the user's own files", {0, 0, 0}, 0},

@@ -20,6 +20,10 @@ ost_status scene_steps(scene *s, draw *d, int number, ost_error *err);
 /* Case `number` of the family that enters what others do not (scene_reach.c). */
 ost_status scene_reach(const plan_case *c, scene *s, draw *d, ost_error *err);
 
+/* Make two of its kinds (scene_lone.c): chunks with one column of active voxels, a bone without any. */
+ost_status scene_lone(int kind, scene *s, draw *d, ost_error *err);
+ost_status scene_emptied(int kind, scene *s, draw *d, ost_error *err);
+
 /*
  * Adds a box of size voxels without a margin of its own: rods, plates and bars
  * along the axes.  Its last `shaft` layers along z do not cut, to the grid's border.
@@ -56,6 +60,9 @@ ost_status scene_add_tool(scene *s, draw *d, scene_shape shape, ost_pm size, ost
  * centres exactly, with products beyond 2^24.
  */
 ost_status scene_add_full_tool(scene *s, draw *d, ost_pm voxel, ost_error *err);
+
+/* Adds a burr of more than 2^16 triangles, about `size` wide. */
+ost_status scene_add_fine_tool(scene *s, ost_pm size, ost_pm voxel, ost_error *err);
 
 /* Poses that bring a tool into the bone: unrelated ones (with sweep off), a fast drive, a slow cut. */
 ost_status scene_unrelated_poses(scene *s, draw *d, size_t count, ost_error *err);

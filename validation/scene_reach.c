@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Cases for what only size or place brings about.  Four kinds in turn:
+ * Cases for what only size or place brings about.  Six kinds in turn; the last
+ * two, lone and emptied, are those of scene_lone.c:
  *
  *   large    a sparse CT in samples, 1025 x 65 x 65 cubes of 2/3 as many slices,
  *            so that every chunk, brick and vector has a last part of one; more
@@ -25,7 +26,7 @@
 
 #define UM (OST_PM_PER_MM / 1000)
 
-enum { TICK_NS = 1000000 };
+enum { TICK_NS = 1000000, KINDS = 6 };
 
 static ost_tick *next_tick(scene *s, int32_t tool)
 {
@@ -108,8 +109,8 @@ static ost_status make_large(const plan_case *c, scene *s, draw *d, ost_error *e
     /* 32 slices of 1.42 mm are 65 cubes of 0.7 mm: 71 / 35 is no binary fraction. */
     s->rect = (ost_geometry){{LARGE_X, LARGE_Y, LARGE_Z}, {700 * UM, 700 * UM, 1420 * UM}, {-360000 * UM, 8000 * UM, -1000 * UM}};
     s->cubic = 700 * UM;
-    s->resample = c->number / 4 % 2 ? OST_RESAMPLE_NEAREST : OST_RESAMPLE_LINEAR;
-    s->duplicates = rules[c->number / 4 % 3];
+    s->resample = c->number / KINDS % 2 ? OST_RESAMPLE_NEAREST : OST_RESAMPLE_LINEAR;
+    s->duplicates = rules[c->number / KINDS % 3];
     s->chunk_size = 64;
     s->threshold = 120;
     s->batch = LARGE_SAMPLES;
@@ -187,7 +188,7 @@ static ost_density_classes classes_of(int number)
 
 static ost_status make_rods(const plan_case *c, scene *s, draw *d, ost_error *err)
 {
-    const int kind = c->number / 4;
+    const int kind = c->number / KINDS;
     const ost_pm spacing = 500 * UM, far = OST_LENGTH_MAX - 60000 * UM;
     s->rect = (ost_geometry){{RODS_X, RODS_Y, RODS_Z},
                              {spacing, spacing, 350 * UM},
@@ -233,7 +234,7 @@ static ost_status make_refused(const plan_case *c, scene *s, draw *d, ost_error 
 {
     enum { SIDE = 19, MOST = SIDE * SIDE * SIDE + 4096 };
     const ost_pm spacing = 800 * UM;
-    const bool conflicts_alone = c->number / 4 % 2 == 1;
+    const bool conflicts_alone = c->number / KINDS % 2 == 1;
     s->rect = (ost_geometry){{SIDE, SIDE, SIDE}, {spacing, spacing, spacing}, {1000 * UM, -2000 * UM, 3000 * UM}};
     s->cubic = spacing;
     s->chunk_size = 16;
@@ -320,10 +321,12 @@ static ost_status make_hollow(scene *s, draw *d, ost_error *err)
 
 ost_status scene_reach(const plan_case *c, scene *s, draw *d, ost_error *err)
 {
-    switch (c->number % 4) {
+    switch (c->number % KINDS) {
     case 0: return make_large(c, s, d, err);
     case 1: return make_rods(c, s, d, err);
     case 3: return make_hollow(s, d, err);
+    case 4: return scene_lone(c->number / KINDS, s, d, err);
+    case 5: return scene_emptied(c->number / KINDS, s, d, err);
     default: return make_refused(c, s, d, err);
     }
 }

@@ -150,6 +150,23 @@ ost_status scene_add_tool(scene *s, draw *d, scene_shape shape, ost_pm size, ost
     return status;
 }
 
+ost_status scene_add_fine_tool(scene *s, ost_pm size, ost_pm voxel, ost_error *err)
+{
+    const ost_tool_options how = {.diameter = size, .length = size, .segments = 272}; /* 66,586 triangles */
+    scene_tool *tool = &s->tools[s->tool_count];
+    ost_mesh *mesh = &tool->raw[0];
+    ost_pm3 lo, hi;
+    ost_tool_geometry grid;
+    *tool = (scene_tool){.rule = OST_FILL_WINDING, .name = "fine"};
+    s->tool_count++;
+    ost_status status = ost_tool_make(OST_TOOL_BURR, &how, mesh, err);
+    if (status == OST_OK)
+        status = ost_mesh_bounds(mesh, &lo, &hi, err);
+    if (status == OST_OK)
+        status = ost_tool_geometry_from_bounds(lo, hi, voxel, &grid, err);
+    return status == OST_OK ? ost_mesh_snap(mesh, &grid, &tool->cutting, err) : status;
+}
+
 /* ------------------------------------------------------ solid to the border */
 
 /*

@@ -50,8 +50,8 @@ static void campaigns(void **state)
         {PLAN_SMOKE, "sweep", 99, "f5c208fdd136cb588c8cf49a5fd0726ca00d9e9ca261eb4a1d184e8f44bff8e7"},
         {PLAN_SMOKE, "session", 99, "869b5fd0f6dc9f6579817553a869f01e8173bfade50f9b44db01916d0dea6d9e"},
         {PLAN_SMOKE, "static/3", 99, "8db0463087c7a16543e82b2fe420c800a42af2c92c03e79611191d9c4b555b65"},
-        {PLAN_SMOKE, "reach", 99, "380ed1526f4bf875a1e00c41fca0f6d27bef4dad5abc3016bddb2a39cbce579f"},
-        {PLAN_STANDARD, "reach", 99, "6302b42002daa7e4e93b2d951e6b61a73e32b91d9b5227bc285ab63ac5290712"},
+        {PLAN_SMOKE, "reach", 99, "f9f0ad1569b0c54d23d46b82948e2293a0588f829649f8b98a956dd80d553623"},
+        {PLAN_STANDARD, "reach", 99, "58005427e3a1bd464618f0c1a380c5faa6e3162343ce97ebbd4dbcb02e9cdae2"},
         {PLAN_STANDARD, "mesh", 24, "14d92552144aeb693c438efbb0e733dc9458b96dd9b8e5d4ef83b5ac63d8c252"},
         {PLAN_STANDARD, "poses/1", 2, "397fdd9b0d0a08be0f660c6ce9add1be9e68851001a958047e30ae911d955afd"},
     };
@@ -161,12 +161,12 @@ static void reach_has_what_it_is_for(void **state)
     plan p;
     (void)state;
     assert_ok(plan_make(PLAN_STANDARD, 1, 1, 1, "reach", NULL, &p, &err));
-    assert_int_equal(p.count, 8);
+    assert_int_equal(p.count, 12);
     for (int i = 0; i < p.count; i++) {
         scene s;
         assert_ok(scene_make(&p.cases[i], &s, &err));
         const ost_dims d = s.rect.dims;
-        if (i % 4 == 0) {
+        if (i % 6 == 0) {
             const int64_t z = (d.z * s.rect.spacing.z + s.cubic - 1) / s.cubic;
             assert_true(d.x * (int64_t)d.y * z > 1 << 22);
             assert_int_equal(d.x % 1024, 1);
@@ -183,7 +183,7 @@ static void reach_has_what_it_is_for(void **state)
                 const ost_pm block = (end + s.cubic) / (OST_MAP_BLOCK * s.cubic) * OST_MAP_BLOCK * s.cubic;
                 assert_int_equal((end - block) * 2 << OST_MAP_FRACTION, bar->voxel);
             }
-        } else if (i % 4 == 1) {
+        } else if (i % 6 == 1) {
             assert_true(s.slices > 0 && d.z % s.slices != 0);
             assert_true(s.rect.origin.x + d.x * s.rect.spacing.x > OST_LENGTH_MAX - 20 * OST_PM_PER_MM);
             assert_int_equal((int64_t)s.sample_count, ost_dims_count(d));
@@ -199,7 +199,7 @@ static void reach_has_what_it_is_for(void **state)
                 least[part] = density < least[part] ? density : least[part];
             }
             assert_true(least[0] > 16384 && least[1] > 4095 && most[1] > 12287 && most[1] < 16384);
-        } else if (i % 4 == 3) {
+        } else if (i % 6 == 3) {
             const scene_tool *plates = &s.tools[0];
             const ost_mesh *m = &plates->raw[0];
             size_t on_a_line = 0;
@@ -225,6 +225,23 @@ static void reach_has_what_it_is_for(void **state)
                 const ost_tick *tick = &s.path.ticks[n];
                 assert_int_equal(s.path.ticks[5].pose.t.x - tick->pose.t.x, s.tools[tick->tool].cutting.grid.voxel << (n + 8));
             }
+        } else if (i % 6 == 4) {
+            uint8_t active[65] = {0}, places[64] = {0};
+            for (size_t n = 0; n < s.sample_count; n++) {
+                const int32_t x = (int32_t)(n % (size_t)d.x);
+                active[x / 64] += s.samples[n].density >= s.threshold;
+                places[x % 64] += s.samples[n].density >= s.threshold;
+            }
+            for (int c = 0; c <= 64; c++)
+                assert_int_equal(active[c], 1);
+            for (int c = 0; c < 64; c++)
+                assert_int_equal(places[c], 1 + (c == d.x % 64 - 1));
+            assert_true(s.tools[0].cutting.triangle_count > 1 << 16);
+        } else if (i % 6 == 5) {
+            bool any = false;
+            for (size_t n = 0; n < s.sample_count; n++)
+                any = any || s.samples[n].density >= s.threshold;
+            assert_int_equal(any, i != 5);
         } else {
             int64_t beyond = 0;
             for (size_t n = 0; n < s.sample_count; n++) {
