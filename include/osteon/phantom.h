@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Generated bones and parametric tools, so that everything runs with no data.
+ * Generated bones and parametric tools, so that all programs run without data.
  *
  * A phantom is a CT: densities in HU on a rect grid at the sizes and spacings
  * of the thesis' Table 3.1, with noise and partial volume, from a seed.  The
  * same seed gives the same grid on every machine: integer noise, no libm
- * beyond sqrt.  meta carries where the glenoid is (OST_META_GLENOID_AT,
- * OST_META_GLENOID_AXIS, OST_META_SIDE), and the scapula's landmarks
+ * beyond sqrt.  meta holds the glenoid's position and axis and the side
+ * (OST_META_GLENOID_AT, OST_META_GLENOID_AXIS, OST_META_SIDE), and the scapula's landmarks
  * (OST_META_TRIGONUM, OST_META_INFERIOR_ANGLE).
  */
 #ifndef OSTEON_PHANTOM_H
@@ -29,13 +29,13 @@ typedef enum ost_phantom_kind {
 
 typedef struct ost_phantom_options {
     uint64_t seed;     /* 0 = 1 */
-    ost_pm3 spacing;   /* 0 = the thesis'; the physical size stays, dims = ceil(size / spacing) */
-    double scale;      /* 0 = 1; of the anatomy and its box */
+    ost_pm3 spacing;   /* 0 = the thesis'; the physical size is unchanged, dims = ceil(size / spacing) */
+    double scale;      /* scale of the anatomy and its box; 0 = 1 */
     bool left;         /* default: right */
 } ost_phantom_options;
 
 OST_API const char *ost_phantom_name(ost_phantom_kind kind);
-/* options may be NULL. */
+/* Makes a phantom; options may be NULL. The caller owns *out. */
 OST_API ost_status ost_phantom_make(ost_phantom_kind kind, const ost_phantom_options *options, ost_volume *out, ost_error *err);
 
 /*
@@ -48,9 +48,9 @@ OST_API ost_status ost_phantom_make(ost_phantom_kind kind, const ost_phantom_opt
 typedef enum ost_tool_kind { OST_TOOL_REAMER, OST_TOOL_PEG, OST_TOOL_BURR, OST_TOOL_KIND_COUNT } ost_tool_kind;
 
 /*
- * The complete tool, what of it cuts, or what does not: a reamer's hub behind
- * its back, a burr's shaft from the middle of its sphere on.  Head and shaft
- * together fill what the complete tool fills.  A peg has no shaft.
+ * The complete tool, its cutting part (head) or the part that does not cut
+ * (shaft): a reamer's hub behind its back, a burr's shaft from the middle of its
+ * sphere on.  The union of head and shaft is the complete tool.  A peg has no shaft.
  */
 typedef enum ost_tool_part { OST_TOOL_COMPLETE, OST_TOOL_HEAD, OST_TOOL_SHAFT } ost_tool_part;
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Pictures without a display: slices through a volume and a shaded view of
- * its surface.  Nothing here decides a voxel.
+ * its surface.  Nothing here affects the removal of voxels.
  */
 #ifndef OSTEON_PICTURE_H
 #define OSTEON_PICTURE_H
@@ -20,29 +20,29 @@ typedef struct ost_picture {
 
 OST_API ost_status ost_picture_init(ost_picture *picture, int width, int height, ost_error *err);
 OST_API void ost_picture_free(ost_picture *picture);
-/* OST_ERR_UNAVAILABLE when built without libpng. */
+/* Writes the picture as a PNG file. Returns OST_ERR_UNAVAILABLE if built without libpng. */
 OST_API ost_status ost_picture_write_png(const char *path, const ost_picture *picture, ost_error *err);
-/* A PNG in memory, for pages that carry their pictures; free() it. */
+/* Encodes the picture as a PNG in memory, for embedding; the caller frees *bytes with free(). */
 OST_API ost_status ost_picture_encode_png(const ost_picture *picture, uint8_t **bytes, size_t *size, ost_error *err);
 
 /*
- * Three slices through a voxel (axial, coronal, sagittal, radiological
- * convention, isotropic pixels), window level and width in HU.  before may be
- * NULL; where it is active and the volume is not, the removal is coloured.
+ * Draws three slices through a voxel (axial, coronal, sagittal; radiological
+ * convention, isotropic pixels), with window level and width in HU.  before may
+ * be NULL; voxels that are active in it and not in the volume are coloured.
  */
 typedef struct ost_slices_options {
     int32_t at[3];        /* voxel; -1 = the middle, or of the removal when before is given */
     int32_t threshold;    /* active at or above; 0 = 120 */
     int level, width;     /* 0, 0 = 400, 1800 */
-    int pixels;           /* of the longer side of one slice; 0 = 480 */
+    int pixels;           /* pixels of the longer side of one slice; 0 = 480 */
 } ost_slices_options;
 OST_API ost_status ost_picture_slices(const ost_volume *volume, const ost_volume *before, const ost_slices_options *options,
                                       ost_picture *out, ost_error *err);
 
 /*
- * Orthographic view of the active voxels: first hit along the ray, shaded by
- * the density's gradient with ambient occlusion, bone #e3dac9; voxels cut
- * away since `before` (may be NULL) tint the surface they bared.
+ * Draws an orthographic view of the active voxels: first hit along the ray,
+ * shaded by the density's gradient with ambient occlusion, bone #e3dac9.  The
+ * surface bared by voxels that were removed since `before` (may be NULL) is tinted.
  * direction: from the eye into the scene, in the bone's frame; up likewise.
  */
 typedef struct ost_view_options {
@@ -51,7 +51,7 @@ typedef struct ost_view_options {
     int32_t threshold;    /* 0 = 120 */
     int width, height;    /* 0, 0 = 800, 800 */
     double centre_mm[3];  /* used when extent_mm > 0 */
-    double extent_mm;     /* height of the view; 0 = the whole bone */
+    double extent_mm;     /* height of the view; 0 = the entire bone */
 } ost_view_options;
 OST_API ost_status ost_picture_view(const ost_volume *volume, const ost_volume *before, const ost_view_options *options,
                                     ost_picture *out, ost_error *err);

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Voxels as ray-box points (Majercik et al. 2018; thesis 2.6), drawn by the
- * processor: no display, no driver, the same picture to the bit on every
+ * processor without a display or driver.  The picture is bit-identical for every
  * instruction set and number of threads.
  *
- * Every surface voxel is a point that covers a small rectangle of pixels; of
- * those it takes the ones whose ray meets its box, nearest voxel first.
- * Nothing here decides a voxel.
+ * Every surface voxel is a point that covers a small rectangle of pixels.  A
+ * pixel of the rectangle shows the voxel if its ray meets the voxel's box; the
+ * nearest voxel is kept.  Nothing here affects the removal of voxels.
  */
 #ifndef OSTEON_RENDER_H
 #define OSTEON_RENDER_H
@@ -21,9 +21,9 @@ extern "C" {
 enum { OST_FRAME_MAX = 8192 }; /* pixels on a side of a frame */
 
 /*
- * Frame of a camera: x to the right of the picture, y up, looking along -z;
- * pose takes it into the bone's frame.  A view that is `a` high is 2 f tan(a / 2)
- * pixels high with a focal length of f pixels.
+ * The camera's frame: x to the right of the picture, y up, view direction -z;
+ * pose maps it to the bone's frame.  With a focal length of f pixels and a
+ * vertical angle of view a, the picture is 2 f tan(a / 2) pixels high.
  */
 typedef struct ost_camera {
     ost_pose pose;
@@ -31,21 +31,24 @@ typedef struct ost_camera {
     int width, height;   /* pixels, 1 to OST_FRAME_MAX */
 } ost_camera;
 
-/* OST_ERR_RANGE, naming what is out of the ranges above. */
+/* Returns OST_ERR_RANGE, with the offending value in err, if a value is outside the ranges above. */
 OST_API ost_status ost_camera_check(const ost_camera *camera, ost_error *err);
 
-/* The pose of a camera at from_mm that looks at at_mm; up need be neither unit nor upright to the view. Sets camera->pose. */
+/*
+ * Sets camera->pose to that of a camera at from_mm directed at at_mm.  up need
+ * be neither a unit vector nor perpendicular to the view direction.
+ */
 OST_API ost_status ost_camera_look(const double from_mm[3], const double at_mm[3], const double up[3], ost_camera *camera, ost_error *err);
 
 typedef enum ost_style {
-    OST_STYLE_SMOOTH, /* each voxel lit by the normal of the surface about it, darker where that is hollow */
+    OST_STYLE_SMOOTH, /* each voxel lit by the normal of the surface around it, darker in hollows */
     OST_STYLE_FACES   /* the thesis: each face by its own normal */
 } ost_style;
 
 /*
- * What is seen through the camera of the voxels at or above the threshold,
- * which must be cubes.  isa is a level as OSTEON_ISA names them, NULL for the
- * best; threads 0 is one for every processor.
+ * Draws the voxels at or above the threshold, which must be cubes, as seen by
+ * the camera.  isa is a level as in OSTEON_ISA, NULL for the best; threads 0
+ * means one for each processor.  The caller owns the picture.
  */
 typedef struct ost_points_options {
     int32_t threshold; /* 0 = 120 */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the colours of a frame mean, written over it. */
+/* A legend of a frame's colours, drawn over the frame. */
 #ifndef OST_RENDER_LEGEND_H
 #define OST_RENDER_LEGEND_H
 
@@ -8,14 +8,17 @@
 
 typedef struct ost_legend {
     ost_colouring colouring;
-    double scale_mm;   /* of OST_COLOUR_DEPTH: what its last colour stands for */
-    bool plate;        /* of OST_COLOUR_CLASS: the subchondral plate is told apart */
+    double scale_mm;   /* with OST_COLOUR_DEPTH: depth of the last colour, in mm */
+    bool plate;        /* with OST_COLOUR_CLASS: the subchondral plate has its own colour */
     bool window;       /* a clip plane shows the CT's greys */
 } ost_legend;
 
-/* 0 x 0 for plain bone without a plane. */
+/* Computes the legend's size in pixels: 0 x 0 for plain bone without a clip plane. */
 void ost_legend_size(const ost_legend *legend, double unit, int *width, int *height);
-/* Its lower left corner at x, y; unit: pixels of one at 96 to the inch. Nothing for plain bone without a plane. */
+/*
+ * Draws the legend with its lower left corner at x, y.  unit: number of pixels per 1/96 inch.
+ * Draws nothing for plain bone without a clip plane.
+ */
 void ost_legend_draw(const ost_legend *legend, const ost_lettering *lettering, const ost_sheet *sheet, int x, int y, double unit);
 
 #endif

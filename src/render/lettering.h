@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Letters over a frame, at any size: strokes of one width with round ends,
- * drawn once a size into small pictures of how much of a pixel they cover.
+ * Letters over a frame, at any size: strokes of one width with round ends.  For
+ * each size they are drawn once into small pictures of pixel coverage.
  * ASCII, the degree sign and the raised three; anything else is left blank.
  */
 #ifndef OST_RENDER_LETTERING_H
@@ -20,19 +20,19 @@ typedef struct ost_lettering ost_lettering;
 typedef struct ost_sheet {
     uint32_t *pixels;
     int stride, width, height;
-    const ost_cells *written; /* what is drawn on is added; NULL: nobody asks */
+    const ost_cells *written; /* cells that are drawn on are added to it; may be NULL */
 } ost_sheet;
 
-/* height: of a capital, in pixels, 5 to 200. */
+/* Makes letters of one size. height: that of a capital letter, in pixels, 5 to 200. */
 ost_status ost_lettering_create(double height, ost_lettering **out, ost_error *err);
 void ost_lettering_free(ost_lettering *lettering); /* NULL is allowed */
 double ost_lettering_height(const ost_lettering *lettering);
 
 int ost_lettering_width(const ost_lettering *lettering, const char *text);
-/* x: left end, y: foot of the line. Clips. */
+/* Draws a line of text, clipped to the sheet. x: left end, y: baseline. */
 void ost_lettering_draw(const ost_lettering *lettering, const ost_sheet *sheet, int x, int y, const char *text, uint32_t colour);
 
-/* A box mixed with what is there: alpha in 256ths. */
+/* Blends a box of one colour over the sheet; alpha in 256ths. */
 void ost_sheet_box(const ost_sheet *sheet, int x, int y, int width, int height, uint32_t colour, unsigned alpha);
 
 #endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Lines over a frame, for understanding: where they lie behind what was drawn
- * they are faint.
+ * Explanatory lines over a frame; lines behind drawn surfaces are faint.
  *
  *   chunks        the grid of chunks: active ones red, others grey (thesis, Figs. 2.1, 3.1)
  *   boxes         the bone's box, the tool's at its angle, where they meet (Fig. 2.3)
@@ -41,13 +40,13 @@ typedef struct ost_overlay_scene {
     double face_mm[3], inward[3], depth_mm;
 } ost_overlay_scene;
 
-/* which: a bit for each. eye: the frame's, in the bone's voxels. */
+/* Draws overlays on the frame. which: a bit for each overlay. eye: the frame's, in the bone's voxels. */
 void ost_overlay_draw(const ost_frame *frame, const ost_eye *eye, unsigned which, const ost_overlay_scene *scene);
 
-/* Range of chunks that the tool's box may meet, half-open; empty when it meets none. */
+/* Computes the range of chunks that the tool's box may meet, half-open; empty if there are none. */
 void ost_overlay_hit_range(const ost_overlay_scene *scene, int32_t lo[3], int32_t hi[3]);
 
-/* A line between two places in the bone's voxels. strength: of 256; width: in pixels, 1 or more. */
+/* Draws a line between two positions in the bone's voxels. strength: in 256ths; width: in pixels, at least 1. */
 void ost_overlay_line(const ost_frame *frame, const ost_eye *eye, const float from[3], const float to[3], uint32_t colour, unsigned strength,
                       int width);
 

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Directions of who looks, in doubles; what decides a pixel has floats of its own, in an order of its own (points/splat.h). */
+/*
+ * Vectors in doubles, for cameras and views.  Pixels are computed with separate
+ * float operations in a fixed order (points/splat.h).
+ */
 #ifndef OST_RENDER_VECTOR_H
 #define OST_RENDER_VECTOR_H
 
@@ -10,7 +13,7 @@ static inline double ost_vector_dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* out is neither a nor b. */
+/* Computes the cross product; out must be neither a nor b. */
 static inline void ost_vector_cross(const double a[3], const double b[3], double out[3])
 {
     out[0] = a[1] * b[2] - a[2] * b[1];
@@ -18,7 +21,7 @@ static inline void ost_vector_cross(const double a[3], const double b[3], double
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* Of length 1; what has none becomes the given axis. */
+/* Scales v to length 1; a zero vector becomes the unit vector of the given axis. */
 static inline void ost_vector_unit(double v[3], int axis)
 {
     const double length = sqrt(ost_vector_dot(v, v));

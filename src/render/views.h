@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Where to look from, by names that surgeons use, and by hand.
+ * Camera positions by the names that surgeons use, and cameras moved by hand.
  *
  *   en-face     onto the glenoid's face, along its axis
  *   lateral     from the patient's side      anterior, posterior, superior   likewise
- *   operator    over the shoulder of who works: the face, seen past the tool
+ *   operator    over the surgeon's shoulder: the face, seen past the tool
  *   tool        along the tool, from behind
- *   whole       all of the bone
+ *   whole       the entire bone
  *
- * A camera by hand goes about a point: by azimuth and elevation over the
- * horizon (the plane across the body), nearer and farther, and the point
- * itself to the side.
+ * A camera moved by hand orbits a point: by azimuth and elevation over the
+ * horizon (the plane across the body), and by its distance.  The point can be
+ * moved sideways.
  */
 #ifndef OST_RENDER_VIEWS_H
 #define OST_RENDER_VIEWS_H
@@ -31,35 +31,35 @@ typedef enum ost_view_name {
 
 extern const char *const ost_view_names[OST_VIEW_COUNT]; /* "operator", "en-face", ... */
 
-/* What there is to see, in the bone's frame and millimetres. */
+/* The objects in view, in the bone's frame and millimetres. */
 typedef struct ost_view_subject {
-    double middle[3], size;  /* of the bone: its grid's middle and longest side */
-    bool has_face;           /* the next three are known */
+    double middle[3], size;  /* middle and longest side of the bone's grid */
+    bool has_face;           /* face and inward are known */
     double face[3], inward[3]; /* the glenoid: its centre; the direction into the bone, a unit vector */
-    bool left;               /* of the body */
+    bool left;               /* the bone is from the left side of the body */
 } ost_view_subject;
 
 typedef struct ost_orbit {
-    double at[3];            /* mm: what it looks at */
+    double at[3];            /* mm: the point that it orbits */
     double azimuth, elevation; /* radians; azimuth 0 from the front, growing toward the patient's left */
     double distance;         /* mm */
 } ost_orbit;
 
-/* at and axis as a glenoid's are; axis NULL: there is none that is known. */
+/* at, axis: position and axis of the glenoid; axis is NULL if they are not known. */
 ost_view_subject ost_view_subject_make(const ost_geometry *bone, const ost_pm3 *at, const double *axis, bool left);
 
-/* tool: its pose, for the view along it; NULL: as the operator. */
+/* Returns the orbit of a view. tool: the tool's pose for the view along it; if NULL, the operator's view is used. */
 ost_orbit ost_view_orbit(ost_view_name view, const ost_view_subject *subject, const ost_pose *tool);
 
-/* By so many pixels of a picture so high. */
+/* Turns or moves the orbit by dx, dy pixels of a picture that is `height` pixels high. */
 void ost_orbit_turn(ost_orbit *orbit, double dx, double dy, int height);
 void ost_orbit_shift(ost_orbit *orbit, double dx, double dy, int height);
-void ost_orbit_near(ost_orbit *orbit, double steps); /* a step of a wheel is an eighth */
+void ost_orbit_near(ost_orbit *orbit, double steps); /* one step of a wheel changes the distance by an eighth */
 
-/* Unit vectors to the right, up and out of the picture toward who looks. */
+/* Computes unit vectors to the right, up and out of the picture toward the viewer. */
 void ost_orbit_frame(const ost_orbit *orbit, double right[3], double up[3], double back[3]);
 
-/* 45 degrees high. */
+/* Makes the orbit's camera, with a vertical angle of view of 45 degrees. */
 ost_status ost_orbit_camera(const ost_orbit *orbit, int width, int height, ost_camera *out, ost_error *err);
 
 #endif

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A picture into memory that has the one before: what differs is written, and
- * boxes say where that is.
+ * Copies a picture to memory that holds the previous one: only pixels that
+ * differ are written, and boxes list their positions.
  *
- *   picture --order of red and blue--> is it there already? --no--> shared memory, boxes --> who copies them on
+ *   picture --red and blue swapped--> equal to what is stored? --no--> shared memory, boxes --> X server
  *
- * From one frame to the next little of a picture changes, the tool and what is
- * about it: only where it may have is looked at.  To look costs what to write
- * would; what comes after, a server's copy for one, costs as much as there is
- * in the boxes.
+ * Little of a picture changes from frame to frame: the tool and its
+ * surroundings.  Only cells that may have changed are compared.  A comparison
+ * costs as much as a write, but the later steps, such as the server's copy, cost
+ * as much as the boxes contain.
  */
 #ifndef OST_WINDOW_CHANGED_H
 #define OST_WINDOW_CHANGED_H
@@ -24,8 +24,8 @@ typedef struct ost_changed_box {
 } ost_changed_box;
 
 /*
- * shared: 0x00RRGGBB, rows of the picture's width. whole: it has no picture yet, or nobody knows which.
- * Returns how many boxes there are; they do not overlap.
+ * shared: 0x00RRGGBB, rows of the picture's width.  whole: its contents are not the previous picture, so all is written.
+ * Returns the number of boxes; they do not overlap.
  */
 int ost_changed_copy(const ost_window_picture *picture, bool whole, uint32_t *shared, ost_changed_box box[OST_CHANGED_BOXES]);
 

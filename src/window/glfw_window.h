@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* GLFW's window, within this folder. */
+/* The window's state with GLFW; private to this folder. */
 #ifndef OST_WINDOW_GLFW_WINDOW_H
 #define OST_WINDOW_GLFW_WINDOW_H
 
@@ -15,29 +15,29 @@ enum { OST_WINDOW_EVENTS = 256, OST_WINDOW_TITLE = 160, OST_WINDOW_RESETS = 3 };
 struct ost_window {
     GLFWwindow *handle;
     ost_shown shown;
-    ost_shm *shm; /* NULL: OpenGL shows */
+    ost_shm *shm; /* owned; NULL if OpenGL shows the picture */
     bool synced, sync_set;
     ost_window_event event[OST_WINDOW_EVENTS]; /* a ring */
     int first, count;
-    bool spilt; /* there were more than it holds */
+    bool spilt; /* the ring overflowed */
     unsigned mods;
-    int normal[4]; /* place and size before full screen */
-    /* As the callbacks said last: */
+    int normal[4]; /* position and size before full screen */
+    /* The values of the last callbacks: */
     int width, height, frame_width, frame_height;
     double scale;
     bool minimised, unseen, damaged;
     int64_t looked_ns;
     /* OpenGL: */
-    int side; /* of the greatest texture */
-    enum { MUTE, BY_KHR, BY_ARB } tells_reset; /* mute: the driver does not say */
+    int side; /* side of the greatest texture, in pixels */
+    enum { MUTE, BY_KHR, BY_ARB } tells_reset; /* extension that reports a driver's reset; MUTE: none */
     int64_t reset_ns[OST_WINDOW_RESETS];
     int resets;
     char title[OST_WINDOW_TITLE], renderer[128], version[64];
 };
 
-/* There is a window, and a display that it is on: else GLFW is to be called no more. */
+/* Returns true if the window and its display exist. Otherwise no function of GLFW may be called any more. */
 bool ost_window_lives(const ost_window *window);
-/* Callbacks, and what they have not said yet. */
+/* Registers the callbacks and reads the state that they have not reported yet. */
 void ost_window_listen(ost_window *window);
 
 #endif

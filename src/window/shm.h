@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Pixels into an X window through memory that the server shares (MIT-SHM).
+ * Copies pixels to an X window through memory that is shared with the server (MIT-SHM).
  *
- *   colours --what differs (changed.h)--> shared memory --server copies the boxes--> window
+ *   colours --differences (changed.h)--> shared memory --server copies the boxes--> window
  *
- * Where OpenGL is software it draws the finished picture once more, pixel by
- * pixel, to show it: a third of a frame's time on one core.  The X libraries
- * are GLFW's and the driver's affair: they are asked by name, and where
- * anything is otherwise than expected OpenGL shows the picture.
+ * A software OpenGL would draw the finished picture once more, pixel by pixel:
+ * a third of a frame's time on one core.  The program does not link the X
+ * libraries, which GLFW and the driver load; their functions are looked up by
+ * name.  If anything is not as expected, OpenGL shows the picture.
  *
- * By the thread of the window.
+ * All functions must be called on the window's thread.
  */
 #ifndef OST_WINDOW_SHM_H
 #define OST_WINDOW_SHM_H
@@ -21,13 +21,16 @@
 
 typedef struct ost_shm ost_shm;
 
-/* NULL where a window is not X11's, the server is another machine's, or its pixels are not eight bits of red, green, blue each. */
+/*
+ * Returns NULL if the window is not an X11 window, if the server runs on another
+ * machine, or if its pixels do not have eight bits each of red, green and blue.
+ */
 ost_shm *ost_shm_open(void *glfw_window);
-/* The window itself may be gone. NULL is allowed. */
+/* Frees shm; the window may already be destroyed. NULL is allowed. */
 void ost_shm_close(ost_shm *shm);
-/* The window has another picture now, or none: the next is shown whole. NULL is allowed. */
+/* Marks the window's contents as unknown, so that the next picture is copied completely. NULL is allowed. */
 void ost_shm_forget(ost_shm *shm);
-/* False: it was not shown, and this way never will be again. */
+/* Shows the picture. Returns false if that failed; all later calls fail as well. */
 bool ost_shm_present(ost_shm *shm, const ost_window_picture *picture);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What brings pixels to a window: a texture on a triangle that covers it, in the context that is current. */
+/* Shows pixels in a window as a texture on a triangle that covers it, with the current OpenGL context. */
 #ifndef OST_WINDOW_SHOWN_H
 #define OST_WINDOW_SHOWN_H
 
@@ -9,14 +9,15 @@
 #include <epoxy/gl.h>
 
 typedef struct ost_shown {
-    GLuint program, texture, nothing; /* nothing: a vertex array, which a core profile asks for */
-    int width, height;                /* of the texture */
+    GLuint program, texture, nothing; /* nothing: an empty vertex array, which a core profile requires */
+    int width, height;                /* size of the texture */
 } ost_shown;
 
-/* False when the driver does not take the program. */
+/* Returns false if the driver rejects the program. */
 bool ost_shown_make(ost_shown *shown);
-void ost_shown_free(ost_shown *shown); /* also of a zeroed one */
-/* Into a frame of frame_width x frame_height. False when there is no memory for the texture. */
+/* Frees the OpenGL objects; a zeroed struct is valid. */
+void ost_shown_free(ost_shown *shown);
+/* Draws the pixels into a framebuffer of the given size. Returns false if there is no memory for the texture. */
 bool ost_shown_draw(ost_shown *shown, const uint32_t *pixels, int stride, int width, int height, int frame_width, int frame_height);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A context of OpenGL without a display, of the thread that opens it; and what
- * a driver complains of, as an error.
+ * An OpenGL context without a display, which belongs to the thread that opens
+ * it.  A driver's messages are reported as errors.
  *
  *   EGL:  the platform without a surface (Mesa), each device that EGL lists
  *         (NVIDIA, Mesa); the first that is not software, else the first
@@ -17,18 +17,18 @@
 typedef struct ost_gl_context {
     EGLDisplay display;
     EGLContext context;
-    int version;         /* ten times it, as far as it may be used */
+    int version;         /* ten times the version, limited to that of the options */
     bool persistent;     /* buffers can stay mapped (4.4) */
-    bool zero_to_one;    /* depth can be had as it is given (4.5) */
+    bool zero_to_one;    /* clip space depth can be 0 to 1, so it is stored unchanged (4.5) */
     ost_gl_info info;
-    char complaint[256]; /* the driver's first, since the last check */
+    char complaint[256]; /* the driver's first message since the last check */
 } ost_gl_context;
 
-/* The struct must stay where it is: the driver's messages go into it. */
+/* Opens a context. The struct must not be moved, since the driver's messages are written to it. */
 ost_status ost_gl_context_open(ost_gl_context *context, const ost_gl_options *options, ost_error *err);
-void ost_gl_context_close(ost_gl_context *context); /* also of a zeroed one */
+void ost_gl_context_close(ost_gl_context *context); /* a zeroed context is valid */
 
-/* OST_OK when nothing went wrong since the last check; doing: "draws 3 things". */
+/* Returns OST_OK if no error occurred since the last check. doing: the action, for the message: "draws 3 things". */
 ost_status ost_gl_context_check(ost_gl_context *context, const char *doing, ost_error *err);
 
 #endif

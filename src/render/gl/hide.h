@@ -1,33 +1,37 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Cells of 8^3 voxels that others hide are left out, and no pixel changes by it:
+ * Skips cells of 8^3 voxels that other cells hide.  This changes no pixel:
  *
- *   cells seen in the last frame --drawn--> depth --the farthest of each 8 x 8 pixels--> tiles, read back
- *   every cell: its pixels and nearest depth --against the tiles--> whether it may be seen in this frame
- *   those that may and were not drawn --drawn--> depth
+ *   cells visible in the last frame --drawn--> depth --the farthest of each 8 x 8 pixels--> tiles, read back
+ *   every cell: its pixels and nearest depth --compared with the tiles--> cells that may be visible in this frame
+ *   those of them that were not drawn --drawn--> depth
  *
- * What was seen last is a guess as to who hides the others, and costs time
- * alone where it is wrong.  A cell is left out when all tiles that it may
- * cover are filled by what is nearer than all of it; later points only make a
- * tile nearer.  Depth is the squared distance of centres, so the nearest is
- * that of the centre nearest to the eye, with room for rounding.
+ * The cells visible in the last frame are a guess at those that hide the others;
+ * a wrong guess only costs time.  A cell is skipped if all tiles that it may
+ * cover are filled by points nearer than the entire cell; later points only make
+ * a tile nearer.  Depth is the squared distance of centres, so a cell's nearest
+ * depth is that of its centre nearest to the eye, with a margin for rounding.
  *
- * Cells, not blocks of 32^3: bone is thin, and the box about a piece of a
- * block hides behind another where the block's own box looks out.
+ * The unit is a cell and not a block of 32^3: bone is thin, and a small box
+ * around a piece of a block can be hidden where the block's box is not.
  *
- * A shader finds the tiles, and a few kilobytes come back; where OpenGL is
- * software all depths do, which takes it less time than the shader.
+ * A shader computes the tiles, and a few kilobytes are read back.  With a
+ * software OpenGL all depths are read back, which is faster than the shader.
  */
 #ifndef OST_RENDER_GL_HIDE_H
 #define OST_RENDER_GL_HIDE_H
 
 #include "render/gl/insides.h"
 
-/* Whether that is done to this layer. */
+/* Returns true if hidden cells of this layer are to be skipped. */
 bool ost_gl_hide_wanted(const ost_gl_variant *v, const ost_gl_layer *l, int number);
-/* Wanted are the cells that were seen last. */
+/* Sets gl->wanted to the cells that were visible in the last frame. */
 void ost_gl_hide_guess(ost_gl *gl, const ost_gl_layer *l);
-/* They are drawn: wanted are those that are missing. Another framebuffer, viewport and program may be set afterwards. */
+/*
+ * Called when the wanted cells are drawn.  Sets gl->wanted to the cells that are
+ * missing, and *missing to true if there are any.  May change the framebuffer,
+ * the viewport and the program.
+ */
 ost_status ost_gl_hide_look(ost_gl *gl, const ost_gl_variant *v, const ost_gl_layer *l, bool *missing, ost_error *err);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What OpenGL's renderer holds, for the files that make its frames. */
+/* The state of the OpenGL renderer, private to the files of this folder. */
 #ifndef OST_RENDER_GL_INSIDES_H
 #define OST_RENDER_GL_INSIDES_H
 
@@ -8,7 +8,7 @@
 #include "render/gl/target.h"
 #include "render/gl/worker.h"
 
-/* A thing on its way through a frame. */
+/* A thing while a frame is made. */
 typedef struct ost_gl_layer {
     const ost_frame_thing *thing;
     ost_splat_eye eye;
@@ -16,15 +16,15 @@ typedef struct ost_gl_layer {
     ost_gl_form form;
     bool mesh;
     GLuint palette, palette_texture;
-    uint32_t begin, near, count; /* in the list: its first entry, how many of them as quads, how many in all */
-    int32_t blocks;              /* chosen */
-    bool listed;                 /* what is drawn of them stands in the list; else all of it is drawn */
-    float depth_scale, depth_slack; /* of a squared distance in a buffer of depths, and how far rounding may be from it */
+    uint32_t begin, near, count; /* in the list: its first entry, number of entries drawn as quads, number of all entries */
+    int32_t blocks;              /* number of chosen blocks */
+    bool listed;                 /* the list contains the points to draw; otherwise all points of the blocks are drawn */
+    float depth_scale, depth_slack; /* scale of a squared distance in the depth buffer, bound of its rounding error */
     int y0, y1;
 } ost_gl_layer;
 
 struct ost_gl {
-    ost_gl_worker *worker; /* all below is its, but for what is read while it rests */
+    ost_gl_worker *worker; /* all fields below belong to its thread; others read them only while it is idle */
     ost_gl_context context;
     ost_gl_store store;
     ost_gl_programs programs;
@@ -34,19 +34,19 @@ struct ost_gl {
     GLuint list, list_texture;
     void *list_mapped;
     uint32_t list_room, list_used;
-    uint32_t *numbers;      /* owned; of list_room */
+    uint32_t *numbers;      /* owned; list_room entries */
     ost_gl_layer layer[OST_FRAME_LAYERS];
-    ost_frame_block *blocks; /* owned; of block_room */
-    float *bases;           /* owned; 4 a block */
-    GLint *firsts;          /* owned; of block_room, and counts */
-    GLsizei *counts;
-    uint64_t *wanted;       /* likewise: of each of blocks the cells that are listed next, as ost_gl_run has them */
+    ost_frame_block *blocks; /* owned; block_room entries */
+    float *bases;           /* owned; 4 for each block */
+    GLint *firsts;          /* owned; block_room entries, as counts and wanted */
+    GLsizei *counts;        /* owned */
+    uint64_t *wanted;       /* owned; for each block the cells to list next, as bits of ost_gl_run.cells */
     int32_t block_room;
-    bool look;              /* this frame looks who is hidden (hide.c) */
+    bool look;              /* this frame searches for hidden cells (hide.c) */
     ost_light light;
     ost_directions directions;
     uint32_t palette[OST_OCTAHEDRAL_COUNT + OST_PAINTS];
-    GLsync fence;           /* of the last frame; NULL: none, or waited for */
+    GLsync fence;           /* signalled when the last frame is drawn; NULL if none, or already waited for */
     ost_gl_counts did;
 };
 

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A buffer of OpenGL that many blocks share, each with a run of granules.
+ * An OpenGL buffer that many blocks share, each with a run of granules.
  *
  *   | block 7 . . | block 2 | free | block 0 . . . |      a granule: 2^bits elements
  *   | page | page | page    |      | page | page   |      a page: where the granule's block begins, in voxels
  *
- * A vertex finds its block by its number: page = number >> bits.  The buffer
- * stays mapped where that can be (4.4), and is written from there; else by
- * glBufferSubData.  Nothing may be written that a frame still reads: whoever
- * writes has waited for the last one.
+ * A vertex shader finds a vertex's block by the vertex's number: page =
+ * number >> bits.  The buffer stays mapped if OpenGL supports that (4.4), and is
+ * written through the mapping; otherwise by glBufferSubData.  Data that a frame
+ * still reads must not be written: the caller waits for the last frame before.
  */
 #ifndef OST_RENDER_GL_POOL_H
 #define OST_RENDER_GL_POOL_H
@@ -16,30 +16,34 @@
 #include "render/gl/context.h"
 
 typedef struct ost_gl_pool {
-    const char *what;    /* of its elements, for messages */
-    size_t element;      /* bytes */
+    const char *what;    /* name of its elements, for messages */
+    size_t element;      /* size of an element in bytes */
     unsigned bits;
-    GLenum format;       /* of its texture; 0: none */
-    uint32_t granules, next; /* next: where the search for room begins */
-    uint8_t *used;       /* owned; a granule each */
+    GLenum format;       /* format of its texture; 0: no texture */
+    uint32_t granules, next; /* number of granules; granule at which the search for a free run begins */
+    uint8_t *used;       /* owned; one entry for each granule */
     GLuint buffer, texture, page_buffer, page_texture;
     void *mapped, *page_mapped;
 } ost_gl_pool;
 
-/* Nothing is made before there is something to hold. format: of the texture that shaders read it by, 0: none. */
+/*
+ * Initializes an empty pool; OpenGL objects are made by the first
+ * ost_gl_pool_take.  format: of the texture by which shaders read it, 0: none.
+ */
 void ost_gl_pool_init(ost_gl_pool *pool, const char *what, size_t element, unsigned bits, GLenum format);
-void ost_gl_pool_free(ost_gl_pool *pool); /* also of a zeroed one */
+/* Frees the pool's memory and OpenGL objects; a zeroed pool is valid. */
+void ost_gl_pool_free(ost_gl_pool *pool);
 
-/* The first element of a run with room for count, and the number of its granules. */
+/* Reserves a run for count elements; stores its first element and its number of granules. */
 ost_status ost_gl_pool_take(ost_gl_context *context, ost_gl_pool *pool, uint32_t count, uint32_t *first, uint32_t *granules, ost_error *err);
 void ost_gl_pool_give(ost_gl_pool *pool, uint32_t first, uint32_t granules);
 void ost_gl_pool_write(const ost_gl_pool *pool, uint32_t first, const void *data, uint32_t count);
-/* Of a run: the block's first voxel. */
+/* Stores the position of the block's first voxel in the pages of a run. */
 void ost_gl_pool_place(const ost_gl_pool *pool, uint32_t first, uint32_t granules, const int32_t voxel[3]);
 
-/* A buffer of so many bytes that the processor writes, mapped where that can be; *mapped NULL where not. */
+/* Makes a buffer that the processor writes, mapped if OpenGL supports that; otherwise *mapped is NULL. */
 GLuint ost_gl_buffer_make(const ost_gl_context *context, GLenum target, size_t bytes, void **mapped);
-/* A texture by which shaders read a buffer. */
+/* Makes a texture by which shaders read a buffer. */
 GLuint ost_gl_buffer_texture(GLuint buffer, GLenum format);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The programs that a variant needs, each made when it is first asked for. */
+/* The programs that a variant needs, each compiled at its first use. */
 #ifndef OST_RENDER_GL_PROGRAMS_H
 #define OST_RENDER_GL_PROGRAMS_H
 
@@ -7,7 +7,7 @@
 
 typedef enum ost_gl_stage { OST_GL_STAGE_POINTS, OST_GL_STAGE_BRICKS, OST_GL_STAGE_MESH, OST_GL_STAGE_COMPOSITE, OST_GL_STAGE_WIDE, OST_GL_STAGE_TILES } ost_gl_stage;
 
-/* What a sampler reads stands at its own unit in every program. */
+/* The texture unit of each sampler, the same in every program. */
 typedef enum ost_gl_unit {
     OST_GL_UNIT_PAGES,
     OST_GL_UNIT_POINTS,
@@ -20,7 +20,7 @@ typedef enum ost_gl_unit {
     OST_GL_UNIT_DEPTHS
 } ost_gl_unit;
 
-/* What is defined before a stage's shaders. */
+/* The settings that are defined as macros before a stage's shaders. */
 typedef struct ost_gl_program_key {
     ost_gl_stage stage;
     ost_gl_target target;
@@ -35,12 +35,12 @@ typedef struct ost_gl_programs {
     struct {
         ost_gl_program_key key;
         GLuint program;
-        GLint first; /* the uniform of quads; -1: none */
+        GLint first; /* location of the uniform for quads; -1 if the program has none */
     } made[OST_GL_PROGRAMS];
 } ost_gl_programs;
 
 void ost_gl_programs_free(ost_gl_programs *programs);
-/* In use from now on; *first as above, may be NULL. */
+/* Makes a program the current one, compiled if necessary. Stores its `first` (above) in *first, which may be NULL. */
 ost_status ost_gl_programs_use(ost_gl_context *context, ost_gl_programs *programs, const ost_gl_program_key *key, GLint *first, ost_error *err);
 
 #endif

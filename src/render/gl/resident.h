@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What OpenGL has of a surface: of each block a copy of its points, and of
- * their looks, in the forms that were asked for; known by the block's version.
+ * OpenGL's copy of a surface: for each block its points and their looks, in the
+ * forms that are needed.  A copy is identified by the block's version.
  *
  *   points   where, look             a surface point (points/surface.h)
- *   bricks   place, 64 bits, first   4^3 voxels that have a face to the air among them; looks: theirs, brick by brick
+ *   bricks   place, 64 bits, first   4^3 voxels with at least one surface voxel; looks: those of its points, brick by brick
  *   voxels   a density               all of a block: the thesis' vertices
  *   mesh     corner, normal          a tool's faces as triangles
  */
@@ -19,20 +19,20 @@ typedef enum ost_gl_form { OST_GL_POINTS, OST_GL_BRICKS, OST_GL_VOXELS, OST_GL_F
 typedef struct ost_gl_run {
     uint64_t version;
     uint32_t first, count, granules;
-    uint32_t look_first, look_granules; /* of bricks */
-    uint64_t bricks[8];   /* which 4^3 voxels have a point: bit x | y << 3 of word z */
-    uint64_t cells;       /* which 8^3: bit x | y << 2 | z << 4 */
-    uint64_t hidden;      /* cells that others hid when it was last looked (hide.h) */
+    uint32_t look_first, look_granules; /* the run of looks, for bricks */
+    uint64_t bricks[8];   /* the bricks of 4^3 voxels with a point: bit x | y << 3 of word z */
+    uint64_t cells;       /* the cells of 8^3 voxels with a point: bit x | y << 2 | z << 4 */
+    uint64_t hidden;      /* cells that were hidden at the last search (hide.h) */
 } ost_gl_run;
 
 typedef struct ost_gl_resident {
-    const ost_surface *surface; /* an address, never followed: who is there is known by versions */
-    uint64_t last;              /* frame that asked for it */
-    ost_gl_run *run[OST_GL_FORMS]; /* owned; of every slot */
+    const ost_surface *surface; /* compared only, never dereferenced: the versions identify the contents */
+    uint64_t last;              /* number of the last frame that used it */
+    ost_gl_run *run[OST_GL_FORMS]; /* owned; one for every slot */
     int32_t runs[OST_GL_FORMS];
-    int pause;                  /* frames that do not look who is hidden (hide.c) */
+    int pause;                  /* number of frames without a search for hidden cells (hide.c) */
     GLuint mesh;
-    uint64_t mesh_version;      /* the sum of its blocks' */
+    uint64_t mesh_version;      /* sum of the versions of its blocks */
     uint32_t mesh_vertices;
 } ost_gl_resident;
 
@@ -42,10 +42,10 @@ typedef struct ost_gl_store {
     ost_gl_pool points, bricks, looks, voxels;
     ost_gl_resident resident[OST_GL_RESIDENTS];
     uint64_t frame;
-    uint64_t uploaded; /* bytes, since the frame began */
+    uint64_t uploaded; /* bytes since the start of the frame */
 } ost_gl_store;
 
-/* Of brick x | y << 3 | z << 6 of a block the cell. */
+/* Returns the cell of brick x | y << 3 | z << 6 of a block. */
 static inline uint32_t ost_gl_cell_of_brick(uint32_t brick)
 {
     return (brick >> 1 & 3) | (brick >> 2 & 12) | (brick >> 3 & 48);
@@ -55,7 +55,7 @@ void ost_gl_store_init(ost_gl_store *store);
 void ost_gl_store_free(ost_gl_store *store);
 ost_gl_pool *ost_gl_store_pool(ost_gl_store *store, ost_gl_form form);
 
-/* The surface as it is now, in that form. The frame before has been drawn. */
+/* Uploads the present state of the surface in that form. The previous frame must have been drawn. */
 ost_status ost_gl_store_bring(ost_gl_context *context, ost_gl_store *store, const ost_surface *surface, ost_gl_form form,
                               ost_gl_resident **out, ost_error *err);
 ost_status ost_gl_store_bring_mesh(ost_gl_context *context, ost_gl_store *store, const ost_surface *surface, ost_gl_resident **out,

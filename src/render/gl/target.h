@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What is drawn into.
+ * The textures that are drawn into.
  *
- *   G-buffer   depth; colour, face and depth along forward, or normal and colour as the thesis has it
- *   tiles      of 8 x 8 pixels of the G-buffer the farthest depth (hide.h)
- *   picture    colour, the face in its last channel; depth along forward
+ *   G-buffer   depth; colour, face and depth along forward, or normal and colour as in the thesis
+ *   tiles      the farthest depth of each 8 x 8 pixels of the G-buffer (hide.h)
+ *   picture    colour, with the face in its last channel; depth along forward
  *
- * Row 0 is the picture's uppermost: shaders count from there.
+ * Row 0 is the picture's top row, also in shaders.
  */
 #ifndef OST_RENDER_GL_TARGET_H
 #define OST_RENDER_GL_TARGET_H
@@ -14,13 +14,13 @@
 #include "render/gl/context.h"
 
 typedef struct ost_gl_targets {
-    int width, height;   /* 0: nothing was made */
-    ost_gl_target kind;  /* of the G-buffer */
-    GLuint gbuffer, gbuffer_depth, gbuffer_0, gbuffer_1; /* gbuffer 0: none, FORWARD draws into the picture */
-    GLuint tiles, tiles_depth; /* of COMPACT alone */
-    int across, down;    /* in tiles */
-    float *farthest;     /* owned; of each tile */
-    float *depths;       /* owned; of each pixel; NULL until it is asked for */
+    int width, height;   /* 0 if nothing has been made */
+    ost_gl_target kind;  /* format of the G-buffer */
+    GLuint gbuffer, gbuffer_depth, gbuffer_0, gbuffer_1; /* gbuffer is 0 for OST_GL_FORWARD, which draws into the picture */
+    GLuint tiles, tiles_depth; /* only with OST_GL_COMPACT */
+    int across, down;    /* size in tiles */
+    float *farthest;     /* owned; farthest depth of each tile */
+    float *depths;       /* owned; depth of each pixel; NULL until it is needed */
     GLuint picture, picture_depth, picture_colour;
 } ost_gl_targets;
 
