@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Spongy bone and foam: what is left of space when cells are cut out of it.
+ * Spongy bone and foam: the part of space that remains when cells are cut out.
  *
  *      .---. .----.       Points scattered on a lattice own the space that is
  *     ( p1  X  p2  )      nearest to them.  Where two cells meet there may be

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What the generated bones share: the box that is scanned, and the makers.
+ * Common parts of the generated bones: the box that is scanned, and the makers.
  */
 #ifndef OST_PHANTOM_SCAN_H
 #define OST_PHANTOM_SCAN_H

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Which parametric tool, with its defaults and limits. */
+/* Makes the parametric tools by kind, with their defaults and limits. */
 #include <string.h>
 
 #include "phantom/tool_shape.h"

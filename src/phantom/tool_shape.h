@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What the parametric tools are made of: points on a circle, square roots,
+ * Building blocks of the parametric tools: points on a circle, square roots,
  * and a skin of rings from a lower pole to an upper one.
  *
  *        .  upper pole

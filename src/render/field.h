@@ -33,7 +33,7 @@ typedef void ost_field_pick(const void *user, size_t voxel, uint8_t *weight);
 
 /*
  * ost_field_bounds computes the box lo <= v < hi of the voxels at or above the threshold; returns false if there are none.
- * ost_field_make makes the field over that box, with the weights that pick returns for the volume's element index.
+ * ost_field_init makes the field over that box, with the weights that pick returns for the volume's element index.
  */
 bool ost_field_bounds(const ost_volume *volume, int32_t threshold, int lo[3], int hi[3]);
 ost_status ost_field_init(ost_field *field, const ost_volume *volume, const int lo[3], const int hi[3], ost_field_pick *pick,

@@ -15,7 +15,7 @@
 const char *const ost_overlay_names[OST_OVERLAY_COUNT] = {"chunks", "boxes", "hits", "tool-voxels", "bone-voxels", "axis"};
 
 enum { RED = 0x4a4ae8, GREY = 0x8a8078, AMBER = 0x35b0f5, WHITE = 0xf0f0f0, GREEN = 0x66d860, CYAN = 0xe8c84a, FULL = 256 };
-static const float BEHIND = 0.75f; /* voxels that a line may lie below what it runs along */
+static const float BEHIND = 0.75f; /* depth in voxels by which a line may lie below a surface and still count as in front */
 
 typedef struct point3 {
     float v[3];
@@ -141,7 +141,7 @@ static void chunk_box(const ost_overlay_scene *s, const int32_t at[3], float in,
     }
 }
 
-/* Whether there is a voxel left in it. */
+/* Returns true if the chunk has an active voxel. */
 static bool is_active(const ost_overlay_scene *s, const int32_t at[3])
 {
     const int blocks = s->chunk < OST_BLOCK ? 1 : s->chunk / OST_BLOCK, side = s->chunk < OST_BLOCK ? s->chunk : OST_BLOCK;
@@ -208,7 +208,7 @@ static void tool_corners(const ost_overlay_scene *s, point3 corner[8])
     }
 }
 
-/* Where the tool's box, taken upright, meets the bone's; false where it does not. */
+/* Computes where the axis-parallel box of the tool meets the bone's box; returns false if it does not. */
 static bool meeting(const ost_overlay_scene *s, float lo[3], float hi[3])
 {
     point3 corner[8];

@@ -32,7 +32,7 @@ ost_status ost_viewer_use_gl(ost_viewer *viewer, const ost_gl_variant *variant, 
     return viewer->gl ? OST_OK : ost_gl_open(NULL, &viewer->gl, err);
 }
 
-/* A tool's grid begins at its corner, a bone's at the middle of its first voxel; half a picometre is nothing to see. */
+/* A tool's grid begins at its corner, a bone's at the middle of its first voxel; half a picometre is not visible. */
 static ost_geometry grid_of(const ost_tool_geometry *t)
 {
     const ost_pm s = t->voxel, half = s / 2;
@@ -138,7 +138,7 @@ ost_status ost_viewer_update(ost_viewer *viewer, ost_error *err)
     return status == OST_OK ? ost_surface_update(&viewer->bone, err) : status;
 }
 
-/* False when the processor has to. What the camera is refused for, it refuses as well. */
+/* Draws by OpenGL. Returns false if the processor has to draw instead; a camera that is out of range is an error for both. */
 static bool draw_gl(ost_viewer *viewer, const ost_frame_thing *things, int count)
 {
     ost_error why = {0};

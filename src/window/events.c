@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What GLFW's callbacks say: what people do, for whoever asks for it next,
- * and how the window is.  To ask GLFW for the latter in every frame would be
- * to wait for the X server and back.
+ * GLFW's callbacks: they queue the user's input and store the window's state.
+ * Querying GLFW for the state in every frame would cost a round trip to the X
+ * server.
  */
 #include "core/clock.h"
 #include "window/glfw_window.h"
@@ -11,7 +11,7 @@ static const int64_t LOOK_NS = 250000000;
 
 static void add(ost_window *w, ost_window_event event)
 {
-    /* Moves in a row are one. */
+    /* Consecutive moves are merged. */
     if (event.kind == OST_WINDOW_MOVE && w->count) {
         ost_window_event *last = &w->event[(w->first + w->count - 1) % OST_WINDOW_EVENTS];
         if (last->kind == OST_WINDOW_MOVE) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * GLFW's window: made, shown in, made anew.
+ * GLFW's window: opening it, presenting pictures, and making it again.
  *
  * Three things end a window in the middle of an operation, and none of them
  * may end the program: a driver's reset, after which all of OpenGL has to be
@@ -178,7 +178,7 @@ ost_window_info ost_window_info_get(const ost_window *window)
     return info;
 }
 
-/* ----------------------------------------------------------------- the rest */
+/* ---------------------------------------------------------- other functions */
 
 bool ost_window_closing(const ost_window *window)
 {
@@ -190,7 +190,7 @@ bool ost_window_is_full_screen(const ost_window *window)
     return ost_window_lives(window) && glfwGetWindowMonitor(window->handle) != NULL;
 }
 
-/* The screen that has most of it. */
+/* Returns the screen that contains most of the window. */
 static GLFWmonitor *screen_of(const ost_window *w)
 {
     int count = 0, x, y;

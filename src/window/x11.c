@@ -35,7 +35,7 @@ static int on_error(void *display, x11_error *error)
     return 0;
 }
 
-/* What libX11 would print is said better by whoever asks for the state. */
+/* Prints nothing, unlike libX11's own handler: the caller of ost_x11_state_get reports the error. */
 static int on_io_error(void *display)
 {
     (void)display;

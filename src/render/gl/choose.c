@@ -71,7 +71,7 @@ void ost_gl_choose_blocks(ost_gl *gl, const ost_gl_variant *v, ost_gl_layer *l)
         gl->wanted[i] = UINT64_MAX;
 }
 
-/* Numbers of a block's points that have a face toward the eye, of the cells that are wanted. */
+/* Lists the numbers of a block's points that are in wanted cells and have a face toward the eye. */
 static uint32_t list_points(const ost_surface_block *b, const float base[3], uint64_t wanted, uint32_t first, uint32_t *out)
 {
     uint8_t turned[3][OST_BLOCK];
@@ -87,7 +87,7 @@ static uint32_t list_points(const ost_surface_block *b, const float base[3], uin
     return n;
 }
 
-/* Numbers of its bricks: a run has them in the order of their bits. */
+/* Lists the numbers of a block's bricks; a run stores them in the order of their bits. */
 static uint32_t list_bricks(const ost_gl_run *run, uint64_t wanted, uint32_t *out)
 {
     uint32_t n = 0, number = run->first;
@@ -99,7 +99,7 @@ static uint32_t list_bricks(const ost_gl_run *run, uint64_t wanted, uint32_t *ou
     return n;
 }
 
-/* The most pixels that a voxel of the block may be wide: splat_scalar.c's slopes at the frame's corner. */
+/* Returns an upper bound of the width in pixels of the block's voxels, by splat_scalar.c's slopes at the frame's corner. */
 static float largest_voxel(const ost_splat_eye *s, const float base[3])
 {
     const ost_eye *e = &s->eye;
@@ -139,7 +139,7 @@ void ost_gl_list_blocks(ost_gl *gl, ost_gl_layer *l)
     }
 }
 
-/* Where a voxel is less than this wide, a brick is the cheaper point. */
+/* Width of a voxel, in pixels, below which bricks are cheaper than points. */
 static const float SMALL_VOXEL = 3.0f;
 
 bool ost_gl_are_small(const ost_gl *gl, const ost_gl_layer *l)

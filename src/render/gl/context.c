@@ -52,7 +52,7 @@ ost_status ost_gl_context_check(ost_gl_context *c, const char *doing, ost_error 
     if (error != GL_NO_ERROR || c->complaint[0])
         status = ost_fail(err, error == GL_OUT_OF_MEMORY ? OST_ERR_MEMORY : OST_ERR_UNAVAILABLE, "OpenGL (%s) fails as it %s: %s%s%s", c->info.driver,
                           doing, error != GL_NO_ERROR ? error_name(error) : "", error != GL_NO_ERROR && c->complaint[0] ? "; " : "", c->complaint);
-    /* Errors wait in a queue; a lost context says so for ever. */
+    /* Errors are queued; a lost context reports an error at every call, hence the limit. */
     for (int i = 0; i < 8 && glGetError() != GL_NO_ERROR; i++)
         ;
     c->complaint[0] = '\0';
@@ -200,8 +200,8 @@ static ost_status create(ost_gl_context *c, const ost_gl_options *options, ost_e
 }
 
 /*
- * The display stays: it is the process's, others may use it, and a driver that
- * is unloaded with the last one leaves behind what it had for this thread.
+ * The display is not closed: it belongs to the process and others may use it, and
+ * a driver that is unloaded with the last display leaks this thread's data.
  */
 static void drop(ost_gl_context *c)
 {

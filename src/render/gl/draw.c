@@ -3,10 +3,10 @@
  * A frame by OpenGL, thing by thing:
  *
  *   changed blocks --> pools          (resident.c)
- *   blocks in sight, near first       (points/blocks.h)
+ *   blocks in view, near first        (points/blocks.h)
  *   points turned to the eye          --> list of vertices (choose.c)
  *   G-buffer cleared, points drawn, composite over what is there (pass.c)
- *       between two halves of the points: who is hidden (hide.c)
+ *       between two parts of the points: the hidden cells are found (hide.c)
  *
  * The distance of a voxel's centre, squared, is exact as a depth where depth
  * goes from 0 to 1 (4.5): a power of two times the float that the processor's
@@ -129,7 +129,7 @@ ost_gl_counts ost_gl_counts_get(const ost_gl *gl)
     return gl->did;
 }
 
-/* What the last frame reads may be written from here on. */
+/* Waits for the last frame; afterwards the data that it reads may be overwritten. */
 static ost_status wait_for_last(ost_gl *gl, ost_error *err)
 {
     if (!gl->fence)
@@ -145,7 +145,7 @@ static ost_status wait_for_last(ost_gl *gl, ost_error *err)
 
 /* ------------------------------------------------------------------ layers */
 
-/* What may be seen after all behind what was drawn first. */
+/* Draws the cells that were not in the first guess but may be visible. */
 static ost_status draw_missing(ost_gl *gl, const ost_gl_variant *v, int number, ost_error *err)
 {
     ost_gl_layer *l = &gl->layer[number];
@@ -160,7 +160,7 @@ static ost_status draw_missing(ost_gl *gl, const ost_gl_variant *v, int number, 
     return ost_gl_draw_points(gl, v, l, err);
 }
 
-/* A layer by itself, then of each pixel what is nearer. */
+/* Draws a layer separately, then takes the nearer pixels of it. */
 static ost_status draw_layer(ost_gl *gl, const ost_gl_variant *v, int number, ost_error *err)
 {
     ost_gl_layer *l = &gl->layer[number];
@@ -184,7 +184,7 @@ static ost_status draw_layer(ost_gl *gl, const ost_gl_variant *v, int number, os
     return status;
 }
 
-/* All layers into one G-buffer, which has their depth; or the only one into the picture. */
+/* Draws all layers into one G-buffer with a common depth, or a single layer into the picture. */
 static ost_status draw_together(ost_gl *gl, const ost_gl_variant *v, int count, ost_error *err)
 {
     const ost_gl_program_key key = {.stage = OST_GL_STAGE_WIDE, .target = v->target};

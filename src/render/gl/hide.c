@@ -9,8 +9,8 @@
 #include "render/gl/pass.h"
 
 enum {
-    WORTH = 8,  /* of so many cells one must be hidden for the look to be worth its time */
-    PAUSE = 8, /* frames until it is looked again where none was worth it */
+    WORTH = 8,  /* the search pays off if at least one in so many cells is hidden */
+    PAUSE = 8, /* frames until the next search if the last one did not pay off */
 };
 
 bool ost_gl_hide_wanted(const ost_gl_variant *v, const ost_gl_layer *l, int number)
@@ -74,7 +74,7 @@ static bool is_hidden(const ost_gl *gl, const ost_gl_layer *l, const float o[3],
     return true;
 }
 
-/* Of a block, where base is its first voxel from the eye. */
+/* Returns the hidden cells of a block. base: its first voxel relative to the eye. */
 static uint64_t hidden_cells(const ost_gl *gl, const ost_gl_layer *l, const ost_gl_run *run, const float base[3])
 {
     enum { CELL = 8 };
@@ -93,7 +93,7 @@ static uint64_t hidden_cells(const ost_gl *gl, const ost_gl_layer *l, const ost_
     return hidden;
 }
 
-/* The greatest of each tile's depths. Depths are no less than 0: as integers they are in the same order. */
+/* Computes the greatest depth of each tile. Depths are not negative, so their bits as integers have the same order. */
 static void find_tiles(const ost_gl_targets *t)
 {
     int32_t column[OST_FRAME_MAX];

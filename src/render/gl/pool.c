@@ -94,7 +94,7 @@ static ost_status grow(ost_gl_context *c, ost_gl_pool *p, uint32_t least, ost_er
         free_buffers(&new);
         return status;
     }
-    glFinish(); /* what is written next must not be under the copy */
+    glFinish(); /* the copy must be complete before the next write */
     free_buffers(p);
     *p = new;
     p->next = p->granules;
@@ -102,7 +102,7 @@ static ost_status grow(ost_gl_context *c, ost_gl_pool *p, uint32_t least, ost_er
     return OST_OK;
 }
 
-/* A run of so many free granules at or after `from`; granules when there is none. */
+/* Returns the start of a run of count free granules at or after `from`; p->granules if there is none. */
 static uint32_t find(const ost_gl_pool *p, uint32_t from, uint32_t count)
 {
     uint32_t run = 0;

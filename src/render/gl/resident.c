@@ -51,7 +51,7 @@ ost_gl_pool *ost_gl_store_pool(ost_gl_store *store, ost_gl_form form)
     return form == OST_GL_POINTS ? &store->points : form == OST_GL_BRICKS ? &store->bricks : &store->voxels;
 }
 
-/* Its own, a free one, or that which was asked for longest ago. */
+/* Returns the surface's entry, or else a free one, or else the least recently used one. */
 static ost_gl_resident *resident_of(ost_gl_store *store, const ost_surface *surface)
 {
     ost_gl_resident *oldest = &store->resident[0];

@@ -44,7 +44,7 @@ ost_status ost_gl_worker_start(ost_gl_worker **out, ost_error *err)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for OpenGL's thread");
     pthread_mutex_init(&w->mutex, NULL);
     pthread_cond_init(&w->changed, NULL);
-    /* Signals are for who can end a loop; a driver's threads inherit that. */
+    /* Block all signals: other threads handle them. A driver's threads inherit the mask. */
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
     const int error = pthread_create(&w->thread, NULL, serve, w);

@@ -13,7 +13,7 @@ static inline uint32_t order_of(uint32_t bits)
     return four[bits & 15] | (four[bits >> 4] | 04444u) << (3 * _mm_popcnt_u32(bits & 15));
 }
 
-/* A quarter of a row: eight voxels, those with a face to the air side by side. */
+/* Processes a quarter of a row: eight voxels; those with a face to the air are packed. */
 static inline uint32_t *quarter(const ost_faces *faces, uint32_t row, int shift, uint32_t *points)
 {
     const uint32_t any = faces->any[row] >> shift & 255;

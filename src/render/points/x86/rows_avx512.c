@@ -6,7 +6,7 @@
 
 OST_ROWS_DEFINE(avx512)
 
-/* Half a row: sixteen voxels, those with a face to the air side by side. */
+/* Processes half a row: sixteen voxels; those with a face to the air are packed. */
 static inline uint32_t *half_row(const ost_faces *faces, uint32_t row, int shift, uint32_t *points)
 {
     const __mmask16 any = (__mmask16)(faces->any[row] >> shift);

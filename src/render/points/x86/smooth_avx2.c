@@ -23,7 +23,7 @@ static inline __m256i plus(__m256i a, __m256i b)
     return _mm256_add_epi16(a, b);
 }
 
-/* All ones in lanes whose bit is set. */
+/* Returns all ones in the lanes whose bit is set. */
 static inline __m256i lanes_of(uint64_t row)
 {
     const __m256i bit = _mm256_setr_epi16(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, INT16_MIN);
@@ -106,7 +106,7 @@ void ost_field_slice_avx2(const ost_field_slice *const y[9], uint64_t rows, ost_
 
 OST_CELLS_DEFINE(avx2)
 
-/* Three quarters of a and one of b, of words below 2^14. */
+/* Returns three quarters of a plus one quarter of b, for words below 2^14. */
 static inline __m256i between(__m256i a, __m256i b)
 {
     return _mm256_srli_epi16(plus(plus(plus(a, a), plus(a, b)), _mm256_set1_epi16(2)), 2);
@@ -142,7 +142,7 @@ void ost_field_finer_avx2(const ost_field_slice *const cells[2], bool odd, uint6
     }
 }
 
-/* As x86/smooth_avx512.c has it, where the reasons stand. */
+/* The same method as in x86/smooth_avx512.c, which gives the reasons. */
 enum { EIGHT = 8 };
 
 static inline __m256i all(int v)
@@ -197,7 +197,7 @@ static inline __m256i cell(__m256 p)
     return _mm256_min_epi32(_mm256_max_epi32(_mm256_cvttps_epi32(scaled), _mm256_setzero_si256()), all(OST_OCTAHEDRAL_SIDE - 1));
 }
 
-/* blendv looks at the sign of v[2], which is not -0. */
+/* blendv selects by the sign of v[2], which is not -0. */
 static inline __m256i octahedral(const __m256 v[3])
 {
     const __m256 sum = _mm256_add_ps(_mm256_add_ps(abs_of(v[0]), abs_of(v[1])), abs_of(v[2])), by = _mm256_max_ps(sum, one(1));

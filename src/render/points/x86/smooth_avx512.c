@@ -178,8 +178,9 @@ static inline __m512i octahedral(const __m512 v[3])
 }
 
 /*
- * The quotient by OST_FIELD_FULL of what is below 2^26 in size, rounded to zero
- * as C does.  That of floats is less than 1 off, and put right by what is left.
+ * Returns the quotient by OST_FIELD_FULL of numbers of magnitude below 2^26,
+ * rounded toward zero as in C.  The float quotient has an error of less than 1,
+ * which the remainder corrects.
  */
 static inline __m512i by_full(__m512i v)
 {

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* As splat_avx512.c, eight lanes wide.  Without a compression of lanes, facing is the scalar one. */
+/* The method of splat_avx512.c with eight lanes.  AVX2 cannot compress lanes, so facing is the scalar function. */
 #include "core/conditions.h"
 #include "render/points/splat.h"
 
 #include <immintrin.h>
 
-enum { EIGHT = 8, SMALL = 4 }; /* SMALL: a small rectangle's sides at most */
+enum { EIGHT = 8, SMALL = 4 }; /* SMALL: greatest side of a small rectangle */
 
 typedef __m256 lanes;
 typedef struct lanes3 {
@@ -28,7 +28,7 @@ static inline lanes dot(const float axis[3], lanes3 o)
     return _mm256_add_ps(xy, _mm256_mul_ps(all(axis[2]), o.v[2]));
 }
 
-/* Without what lies along axis a in lanes single[a]. */
+/* Omits the component along axis a in the lanes single[a]. */
 static inline lanes spread(const float axis[3], lanes t, const float forward[3], const lanes single[3])
 {
     lanes part[3];
@@ -64,7 +64,7 @@ static inline unsigned greater(__m256i a, __m256i b)
     return bits(_mm256_castsi256_ps(_mm256_cmpgt_epi32(a, b)));
 }
 
-/* Which of eight voxels may be seen, and where. */
+/* Finds which of eight voxels may be visible, and their rectangles. */
 static inline unsigned rectangles(const ost_splat_eye *s, lanes3 o, const lanes single[3], unsigned live, eight *out)
 {
     static const float origin[3];
@@ -125,7 +125,7 @@ static inline unsigned none_negative(const lanes f[6])
     return ~bits(_mm256_or_ps(first, second)) & 0xff;
 }
 
-/* From the middle of the frame to the middles of the pixels of a column, and of a row. */
+/* Return the distance from the middle of the frame to the middles of the pixels of a column, and of a row. */
 static inline lanes across(const ost_splat_eye *s, __m256i x)
 {
     return _mm256_sub_ps(_mm256_add_ps(_mm256_cvtepi32_ps(x), all(0.5f)), all(s->eye.half_w));
@@ -141,7 +141,7 @@ static inline unsigned at_least(__m256i a, int b)
     return greater(a, _mm256_set1_epi32(b - 1));
 }
 
-/* Voxels `which`, whose rectangles are of at most SMALL x SMALL pixels; what is covered is noted as place << 3 | lane. */
+/* Finds the pixels of voxels `which`, whose rectangles have at most SMALL x SMALL pixels; stored as index << 3 | lane. */
 static inline void fill_small(const ost_splat_eye *s, const eight *r, unsigned which, const ost_planes *planes)
 {
     uint32_t covered[EIGHT * SMALL * SMALL], n = 0;
@@ -247,7 +247,7 @@ static inline void keys_of(lanes3 o, uint32_t first, eight *out)
     _mm256_store_si256((void *)(out->key + 4), _mm256_permute2x128_si256(a, b, 0x31));
 }
 
-/* A voxel beside the eye once more for each other way that its rays may go. */
+/* Draws voxels next to the eye again for each other combination of signs that their rays may have. */
 static inline void fill_beside(const ost_splat_eye *s, lanes3 o, const unsigned beside[3], const lanes single[3], unsigned live, eight *r, const ost_planes *planes)
 {
     for (unsigned turned = 1; turned < 8; turned++) {
@@ -373,7 +373,7 @@ static inline __m256i four(const uint64_t *from, const uint32_t at[4])
     return _mm256_castpd_si256(_mm256_insertf128_pd(_mm256_castpd128_pd256(low), high, 1));
 }
 
-/* From the eye to the voxels. */
+/* Computes the vectors from the eye to the voxels. */
 static inline lanes3 places(lanes3 o, __m256i id)
 {
     const __m256i five = _mm256_set1_epi32(31);
@@ -382,7 +382,7 @@ static inline lanes3 places(lanes3 o, __m256i id)
     return o;
 }
 
-/* The face by which the ray of each pixel enters, and where. */
+/* Computes the face by which each pixel's ray enters, and the depth. */
 static inline __m256i enter(const ost_splat_eye *eye, lanes3 o, lanes u, float v, lanes *depth)
 {
     lanes near[3], d[3];

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Sixteen voxels at a time find their rectangles and the edges of their
- * outlines.  Then those that are small on screen are tried sixteen at once,
- * pixel by pixel of their rectangles, and what they cover is written down and
- * settled one by one: words that are stored and loaded whole follow each other
- * without a stall, which rows of a register that overlap do not.  The others
- * fill sixteen pixels at a time, of two rows or of one.
+ * Rectangles and outline edges are computed for sixteen voxels at a time.  Then
+ * the voxels that are small on the screen are tested sixteen at once, pixel by
+ * pixel of their rectangles; the covered pixels are stored in a list and their
+ * keys updated one by one.  Loading a word just stored causes no stall, in
+ * contrast to register-wide accesses that overlap.  The other voxels fill
+ * sixteen pixels at a time, in two rows or in one.
  */
 #include "core/conditions.h"
 #include "render/points/splat.h"
@@ -28,7 +28,7 @@ static inline lanes dot(const float axis[3], lanes3 o)
     return _mm512_add_ps(xy, _mm512_mul_ps(all(axis[2]), o.v[2]));
 }
 
-/* Without what lies along axis a in lanes single[a]. */
+/* Omits the component along axis a in the lanes single[a]. */
 static inline lanes spread(const float axis[3], lanes t, const float forward[3], const __mmask16 single[3])
 {
     lanes part[3];
@@ -135,7 +135,7 @@ static inline __m512i any_negative(const lanes f[6])
     return _mm512_or_si512(first, second);
 }
 
-/* From the middle of the frame to the middles of the pixels of a column, and of a row. */
+/* Return the distance from the middle of the frame to the middles of the pixels of a column, and of a row. */
 static inline lanes across(const ost_splat_eye *s, __m512i x)
 {
     return _mm512_sub_ps(_mm512_add_ps(_mm512_cvtepi32_ps(x), all(0.5f)), all(s->eye.half_w));
@@ -147,8 +147,8 @@ static inline lanes upward(const ost_splat_eye *s, __m512i y)
 }
 
 /*
- * Voxels `which`, whose rectangles are of at most SMALL x SMALL pixels.  What is
- * covered is noted as place << 4 | lane: frames have at most 2^26 pixels.
+ * Finds the pixels of voxels `which`, whose rectangles have at most SMALL x SMALL
+ * pixels, and stores them as index << 4 | lane: frames have at most 2^26 pixels.
  */
 static __attribute__((noinline)) void fill_small(const ost_splat_eye *s, const sixteen *r, __mmask16 which, const ost_planes *planes)
 {
@@ -275,7 +275,7 @@ static inline void fill_all(const ost_splat_eye *s, const sixteen *r, __mmask16 
         fill(s, r, __builtin_ctz(left), planes);
 }
 
-/* Which of sixteen voxels may be seen, and where. */
+/* Finds which of sixteen voxels may be visible, and their rectangles. */
 static inline __mmask16 rectangles(const ost_splat_eye *s, lanes3 o, const __mmask16 single[3], __mmask16 live, sixteen *out)
 {
     static const float origin[3];
@@ -314,7 +314,7 @@ static inline void keys_of(lanes3 o, uint32_t first, sixteen *out)
     _mm512_store_si512(out->key + 8, _mm512_permutex2var_epi32(number, high, distance));
 }
 
-/* A voxel beside the eye once more for each other way that its rays may go. */
+/* Draws voxels next to the eye again for each other combination of signs that their rays may have. */
 static inline void fill_beside(const ost_splat_eye *s, lanes3 o, const __mmask16 beside[3], const __mmask16 single[3], __mmask16 live, sixteen *r, const ost_planes *planes)
 {
     for (unsigned turned = 1; turned < 8; turned++) {
@@ -438,7 +438,7 @@ static inline __m512i eight(const uint64_t *from, const uint32_t at[8])
     return _mm512_inserti64x4(_mm512_castsi256_si512(four(from, at)), four(from, at + 4), 1);
 }
 
-/* From the eye to the voxels. */
+/* Computes the vectors from the eye to the voxels. */
 static inline lanes3 places(lanes3 o, __m512i id)
 {
     const __m512i five = _mm512_set1_epi32(31);
@@ -447,7 +447,7 @@ static inline lanes3 places(lanes3 o, __m512i id)
     return o;
 }
 
-/* The face by which the ray of each pixel enters, and where. */
+/* Computes the face by which each pixel's ray enters, and the depth. */
 static inline __m512i enter(const ost_splat_eye *eye, lanes3 o, lanes u, float v, lanes *depth)
 {
     lanes near[3], d[3];
