@@ -54,7 +54,7 @@ ost_orbit ost_view_orbit(ost_view_name view, const ost_view_subject *s, const os
         double t[3], q[4];
         ost_pose_to_doubles(tool, t, q);
         const double w = q[0], x = q[1], y = q[2], z = q[3];
-        /* The tool works toward its -z. */
+        /* The tool cuts toward its -z. */
         return from(t, (double[3]){2 * (x * z + w * y), 2 * (y * z - w * x), w * w - x * x - y * y + z * z}, 1.4 * near);
     }
     switch (view) {

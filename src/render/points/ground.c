@@ -236,7 +236,7 @@ static bool flood(const ost_ground *g, uint8_t *mark)
     return stack != NULL;
 }
 
-/* A cell on each side along an axis, whose cells are `step` apart, `size` of them. */
+/* Marks the neighbours of marked cells in a line of `size` cells, which are `step` apart. */
 static void widen(uint8_t *mark, int64_t begin, int64_t step, int32_t size)
 {
     uint8_t before = 0;

@@ -118,7 +118,7 @@ static inline void edges_of(const ost_splat_eye *s, lanes3 o, const lanes negati
     }
 }
 
-/* Which of eight have no negative value among six. */
+/* Returns the lanes in which none of six values is negative. */
 static inline unsigned none_negative(const lanes f[6])
 {
     const lanes first = _mm256_or_ps(_mm256_or_ps(f[0], f[1]), f[2]), second = _mm256_or_ps(_mm256_or_ps(f[3], f[4]), f[5]);
@@ -187,14 +187,14 @@ static inline void fill_small(const ost_splat_eye *s, const eight *r, unsigned w
     }
 }
 
-/* Four pixels of a row, of which those with a sign bit in `in` are covered. */
+/* Updates four pixels of a row; those with a sign bit in `in` are covered. */
 static inline void settle(uint64_t *row, __m128i in, __m256i key)
 {
     const __m256i mask = _mm256_cvtepi32_epi64(in), was = _mm256_maskload_epi64((const long long *)row, mask);
     _mm256_maskstore_epi64((long long *)row, _mm256_and_si256(mask, _mm256_cmpgt_epi64(was, key)), key);
 }
 
-/* A larger one: eight pixels of a row at a time. Keys are positive as signed words too. */
+/* Fills a larger rectangle, eight pixels of a row at a time. Keys are positive as signed words too. */
 static inline void fill(const ost_splat_eye *s, const eight *r, int k, const ost_planes *planes)
 {
     const __m256i step = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7), key = _mm256_set1_epi64x((long long)r->key[k]);
@@ -266,7 +266,7 @@ static inline void fill_beside(const ost_splat_eye *s, lanes3 o, const unsigned 
     }
 }
 
-/* Leaves of rectangles what lies in the rows of part; which have something there and in its columns. */
+/* Clips rectangles to the rows of part; returns those with pixels there and in its columns. */
 static inline unsigned into_part(eight *r, unsigned live, const ost_extent *part)
 {
     const __m256i top = _mm256_max_epi32(_mm256_load_si256((const void *)r->y0), _mm256_set1_epi32(part->y0));
@@ -347,7 +347,7 @@ static inline __m256i lit(__m256i colour, __m256i light)
     return _mm256_or_si256(a, b);
 }
 
-/* From the eye to the blocks of the pixels' voxels, and where in the list those are. */
+/* Computes the vectors from the eye to the blocks of the pixels' voxels, and the voxels' list indices. */
 static inline __m256i look_up(const ost_visible *visible, __m256i number, __m256i any, lanes3 *o)
 {
     const __m256i slot = _mm256_srli_epi32(number, OST_LOCAL_BITS);

@@ -54,7 +54,7 @@ static inline lanes down(lanes v)
     return _mm512_roundscale_ps(v, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC);
 }
 
-/* Lookup in 32 bytes that lie in both halves of `table`. */
+/* Looks up bytes in 32 bytes that are stored in both halves of `table`. */
 static inline __m512i turned_at(__m512i table, __m512i index)
 {
     return _mm512_permutexvar_epi32(_mm512_and_si512(index, _mm512_set1_epi32(15)), table);
@@ -93,7 +93,7 @@ uint32_t ost_facing_avx512(const ost_surface_block *block, uint32_t slot, const 
     return n;
 }
 
-enum { SMALL = 4, TALL = 16 }; /* a small rectangle's sides at most; rows whose edges are found at once */
+enum { SMALL = 4, TALL = 16 }; /* greatest side of a small rectangle; number of rows whose edges are computed at once */
 
 typedef struct sixteen {
     _Alignas(64) float edge[6][3][OST_LANES]; /* a, b, c: splat_scalar.c */
@@ -194,7 +194,7 @@ static __attribute__((noinline)) void fill_small(const ost_splat_eye *s, const s
     }
 }
 
-/* Eight pixels of a row, of which `in` are covered. */
+/* Updates eight pixels of a row, of which those in `in` are covered. */
 static inline void settle(uint64_t *row, __mmask8 in, __m512i key)
 {
     const __mmask8 nearer = _mm512_mask_cmplt_epu64_mask(in, key, _mm512_maskz_loadu_epi64(in, row));
@@ -333,7 +333,7 @@ static inline void fill_beside(const ost_splat_eye *s, lanes3 o, const __mmask16
     }
 }
 
-/* Leaves of rectangles what lies in the rows of part; which have something there and in its columns. */
+/* Clips rectangles to the rows of part; returns those with pixels there and in its columns. */
 static inline __mmask16 into_part(sixteen *r, __mmask16 live, const ost_extent *part)
 {
     const __m512i top = _mm512_max_epi32(_mm512_load_si512(r->y0), _mm512_set1_epi32(part->y0));
@@ -403,8 +403,8 @@ static inline __m512i lit(__m512i colour, __m512i light)
 }
 
 /*
- * From the eye to the blocks of the pixels' voxels, and where in the list those
- * are: few blocks share a register, so both are found block by block.
+ * Computes the vectors from the eye to the blocks of the pixels' voxels, and the
+ * voxels' list indices.  A register has few blocks, so both are computed block by block.
  */
 static inline __m512i look_up(const ost_visible *visible, __m512i number, __mmask16 any, lanes3 *o)
 {
