@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A campaign while it runs: a few batches of cases are alive at a time, each
- * with the reference's trace and one task a backend.
+ * The state of a running campaign. At most ALIVE batches of cases are open at
+ * a time, each with the reference's trace and one task per backend.
  *
  *   campaign.c           chooses the next task, until every batch is done
- *   campaign_worker.c    starts its worker; reads the trace that it left
+ *   campaign_worker.c    starts its worker; reads the trace that it wrote
  *   campaign_results.c   judges the trace against the reference's
- *   campaign_dump.c      reads a folder of grids in a worker's place
- *   campaign_batch.c     begins a batch; ends it, and lets its differences be located
+ *   campaign_dump.c      reads a folder of grids (a dump) instead of running a worker
+ *   campaign_batch.c     begins and ends a batch; at its end the differences are located
  */
 #ifndef OST_VALIDATION_CAMPAIGN_PARTS_H
 #define OST_VALIDATION_CAMPAIGN_PARTS_H
@@ -15,82 +15,82 @@
 #include "validation/campaign.h"
 #include "validation/verdict.h"
 
-/* A trace of one worker in which something differs; it is freed with its batch. */
+/* A worker's trace with at least one difference; it is freed with its batch. */
 typedef struct kept_trace {
     int whom, from, judged;
     trace got;
     struct kept_trace *next;
 } kept_trace;
 
-/* The cases of a batch that one backend has not done yet. */
+/* The cases of a batch that a backend has yet to complete. */
 typedef struct task {
-    int from; /* next case; the batch's end when all are done */
+    int from; /* next case; equal to the batch's end when all are done */
     bool running;
 } task;
 
 typedef struct batch {
     int first, end; /* cases */
-    bool open, ready; /* begun; the reference is done */
+    bool open, ready; /* open: the batch was begun; ready: its reference is done */
     trace reference;
-    int given;         /* apart: its descriptor, for the workers of the others; else -1 */
-    task *tasks;      /* owned; of each subject */
+    int given;         /* with options->apart the descriptor of that trace, for the other backends' workers; else -1 */
+    task *tasks;      /* owned; one per subject */
     kept_trace *kept;
 } batch;
 
 typedef struct slot {
     worker w;
-    int batch, whom, trace; /* trace: its descriptor */
+    int batch, whom, trace; /* trace: the descriptor of its trace */
 } slot;
 
-enum { ALIVE = 2 }; /* batches at a time: one that is compared, and the next one's reference */
+enum { ALIVE = 2 }; /* open batches at a time: the one that is compared, and the next one, whose reference runs */
 
 /* The state of one run. */
 typedef struct runner {
     campaign *c;
     const campaign_options *o;
-    int batches, begun, done; /* of all batches: those from done to begun are alive */
-    batch alive[ALIVE];       /* number n at n % ALIVE */
-    int *ends;                /* owned; where each batch ends */
-    bool *gone;               /* owned; backends that failed for good: the rest of their cases is judged */
-    case_result *last_words;  /* owned; of those */
+    int batches, begun, done; /* numbers of batches; those in [done, begun) are open */
+    batch alive[ALIVE];       /* batch n has index n % ALIVE */
+    int *ends;                /* owned; end (exclusive case index) of each batch */
+    bool *gone;               /* owned; for each backend, true if it failed permanently and gets no further worker */
+    case_result *last_words;  /* owned; for each such backend the result that its remaining cases get */
     slot slots[WORKERS_MAX];
-    int running, finished;    /* workers; cells of cases and backends */
+    int running, finished;    /* running: workers; finished: pairs of case and backend */
 } runner;
 
 /* ---- campaign_batch.c */
 
-/* Returns the batch of this number, which is alive. */
+/* Returns the batch of this number, which must be in [done, begun). */
 batch *batch_of(runner *r, int number);
-/* Opens the next batch: its tasks, with the cases of absent backends already judged as not run. */
+/* Opens the next batch and creates its tasks. Cases of backends that are not available are judged as not run. */
 ost_status batch_begin(runner *r, ost_error *err);
-/* Takes a trace over, in which cases of a backend differ, and leaves *got empty. */
+/* Takes ownership of a trace in which cases of a backend differ, and leaves *got empty. */
 ost_status batch_keep_trace(batch *b, int whom, int from, int judged, trace *got, ost_error *err);
 /* Returns true if every task of an open batch is done. */
 bool batch_is_done(const runner *r, const batch *b);
-/* Ends the oldest batch: options->differs for each difference, options->done, then its traces are freed. */
+/* Ends the oldest batch: calls options->differs for each difference, then options->done, and frees the traces. */
 ost_status batch_end(runner *r, ost_error *err);
 void batch_free(batch *b);
 
 /* ---- campaign_worker.c */
 
-/* Starts a worker for the rest of a backend's cases in a batch. */
+/* Starts a worker for a backend's remaining cases in a batch. */
 ost_status runner_start(runner *r, int number, int whom, ost_error *err);
-/* Takes the trace and the end of the worker in slot `which`, and frees the slot. */
+/* Reads the trace of the worker in slot `which`, which ended as *end says, and frees the slot. */
 ost_status runner_ended(runner *r, int which, const worker_result *end, ost_error *err);
 
 /* ---- campaign_results.c */
 
-/* Enters what the reference made; it fails if the reference did not finish, since nothing can be compared then. */
+/* Enters the results of the reference. Fails if the reference did not finish, since nothing can be compared then. */
 ost_status results_of_reference(runner *r, batch *b, trace *got, const worker_result *end, ost_error *err);
-/* Enters the verdicts of a backend's trace and, where it ended before its time, of the case in which it ended. */
+/* Enters the verdicts of a backend's trace and, if its worker ended prematurely, of the case in which it ended. */
 ost_status results_of_subject(runner *r, batch *b, int whom, trace *got, const worker_result *end, ost_error *err);
-/* Judges cases [from, until) of a backend's trace; *judged receives how many of them it has complete. */
+/* Judges cases [from, until) of a backend's trace; *judged receives the number of them that the trace has complete. */
 ost_status results_judge(runner *r, const batch *b, int whom, const trace *got, int from, int until, int *judged, bool *differs,
                          ost_error *err);
 
 /* ---- campaign_dump.c */
 
-/* Returns the folder of a subject that is a dump, else NULL. */
+/* Returns the folder of a subject that is a dump, NULL for any other subject. */
 const char *dump_of(const campaign *c, int whom);
 /* Checks that every dump was made of this campaign's cases. */
 ost_status dumps_check(const campaign *c, ost_error *err);

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Two traces of the same cases, compared by memcmp, record by record.
+ * Compares two traces of the same cases by memcmp, record by record.
  *
  *   reference's trace, another's --compare_case--> equal, or the first
  *   difference: stage, item, word or voxel, and both values
  *
- * The first difference is the first in the order of the stages, so what comes
- * after it may be its consequence and is not counted as anything else.  A leaf
- * that only one side changed at a tick is compared with what it was before on
- * the other, which an earlier record holds.
+ * The first difference is the first in the order of the stages. Later ones may
+ * be its consequences and are not counted separately.  A leaf that only one side
+ * changed at a tick is compared with its previous state on the other side, which
+ * an earlier record holds.
  */
 #ifndef OST_VALIDATION_COMPARE_H
 #define OST_VALIDATION_COMPARE_H
@@ -18,35 +18,35 @@
 typedef enum compare_kind {
     COMPARE_EQUAL,
     COMPARE_VOXEL,   /* voxels differ */
-    COMPARE_WORD,    /* only what was reported differs */
-    COMPARE_SHAPE,   /* blocks or words are not the same ones */
-    COMPARE_MISSING  /* the other's trace has no such record */
+    COMPARE_WORD,    /* only reported words differ */
+    COMPARE_SHAPE,   /* another record, additional records, or blocks without a counterpart */
+    COMPARE_MISSING  /* the other trace has no such record */
 } compare_kind;
 
 typedef struct compare_difference {
     compare_kind kind;
     trace_stage stage;
-    uint32_t item;         /* tool or tick */
-    size_t word;           /* of COMPARE_WORD */
-    uint64_t line_words;   /* in a chunk's line of this record's report; 0 where it has no lines */
+    uint32_t item;         /* number of the tool or tick */
+    size_t word;           /* for COMPARE_WORD: index of the first word that differs */
+    uint64_t line_words;   /* words in a chunk's line of this record's report; 0 if the report has no lines */
     uint64_t word_ref, word_got;
-    int32_t voxel[3];      /* of COMPARE_VOXEL: the first in x-fastest order over the whole grid */
+    int32_t voxel[3];      /* for COMPARE_VOXEL: the first in x-fastest order over the entire grid */
     int32_t voxel_ref, voxel_got;
-    uint64_t voxels;       /* that differ in this record; of a tick those in leaves that this tick changed on either side */
-    uint64_t records;      /* of this case that were compared, this one included */
-    bool words_too;        /* of COMPARE_VOXEL: the report differs as well */
-    int64_t chunk;         /* the bone's chunk that the report first differs in; -1 where no chunk's line does */
+    uint64_t voxels;       /* number that differ in this record; at a tick, in the leaves that it changed on either side */
+    uint64_t records;      /* number of records of this case that were compared, including this one */
+    bool words_too;        /* for COMPARE_VOXEL: true if the report differs as well */
+    int64_t chunk;         /* chunk of the bone whose line in the report differs first; -1 if no chunk's line differs */
 } compare_difference;
 
-/* Where a case's records lie in a trace; count 0: it has none. */
+/* Range of a case's records in a trace; count is 0 if there are none. */
 typedef struct compare_range {
     size_t first, count;
 } compare_range;
 
 compare_range compare_find(const trace *t, uint32_t case_index);
-/* Record `at` of both alone; COMPARE_EQUAL too where one has none. */
+/* Compares record `at` of both ranges alone. The result is COMPARE_EQUAL also if one of them has no such record. */
 void compare_record_at(const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, size_t at, compare_difference *out);
-/* The same for one case after the other: *at is 0 at first, and then where the last one ended. */
+/* Finds the records of one case after the other: *at is 0 at first, and is then the end of the previous range. */
 compare_range compare_next(const trace *t, size_t *at, uint32_t case_index);
 void compare_case(const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, compare_difference *out);
 

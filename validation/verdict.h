@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What a backend's trace, or its end, says about each case: the cells of a
- * campaign's results.
+ * Derives the verdict of each pair of case and backend from the backend's trace
+ * or from the way in which its worker ended.
  *
  *   reference's trace, another's --verdict_judge--> equal, differs, failed
  *   a worker's end               --verdict_of_end-> failed, crashed, timed out
@@ -11,16 +11,17 @@
 
 #include "validation/campaign.h"
 
-/* The cell of a case and a backend. */
+/* Returns the result of a case on the backend `whom`; owned by the campaign. */
 case_result *verdict_of(campaign *c, int case_index, int whom);
 
-/* What one part of a backend's trace says about cases [from, until); how many of them it has whole. differs: one of them does. */
+/* Judges cases [from, until) by a part of a backend's trace. Returns the number of them that the trace has complete;
+   *differs receives true if one of these differs. */
 int verdict_judge(campaign *c, const trace *reference, int whom, const trace *got, int from, int until, bool *differs);
 
-/* Of the case that a worker was at when it ended before its time. */
+/* Enters the verdict of the case that a worker was running when it ended prematurely. */
 void verdict_of_end(const worker_result *end, case_result *out);
 
-/* How near each differing voxel of case i was, owned by the caller; NULL where that cannot be said. */
+/* Returns the margins of the differing voxels of case i, to be freed by the caller; NULL if they cannot be computed. */
 margins *verdict_margins(const campaign *c, int i, const trace *got, compare_range range, bool apart);
 
 #endif

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A backend in a process of its own.  A driver may install signal handlers,
- * change how floats are rounded, crash or hang; it does so alone, and what it
- * had made until then is in its trace.
+ * Runs a backend in a process of its own.  A driver may install signal handlers,
+ * change the rounding of floats, crash or hang; only its own process is affected,
+ * and all results up to then are in its trace.
  *
  *   worker_start --exec--> osteon validate --worker SPEC --trace FILE ... --worker_run--> trace
  *        |                                                                         |
  *   worker_wait_any: how it ended <------------------------------------------------'
  *
- * A worker ends with its parent, whatever ended that.
+ * A worker ends when its parent ends, for whatever reason.
  */
 #ifndef OST_VALIDATION_WORKER_H
 #define OST_VALIDATION_WORKER_H
@@ -18,46 +18,48 @@
 
 #include "validation/plan.h"
 
-/* In the worker: cases of the plan [from, to) on the backend of this spec; lines about failed stages go to stderr.
-   given: the reference's trace of them, whose grids every stage gets (perform_apart); NULL: each gets what the one before it made. */
+/* Called in the worker. Runs cases [from, to) of the plan on the backend of this spec; lines about failed stages go
+   to stderr. given: the reference's trace of these cases, whose grids every stage gets as input (perform_apart);
+   NULL: each stage gets the result of the one before it. */
 ost_status worker_run(const plan *p, int from, int to, const char *spec, const char *trace_path, const char *given, ost_error *err);
 
 typedef enum worker_end {
     WORKER_DONE,
-    WORKER_FAILED,  /* exit status not 0: what it said is in text */
+    WORKER_FAILED,  /* exit status other than 0; text has its last line */
     WORKER_CRASHED, /* ended by a signal */
-    WORKER_LATE     /* stopped after its time */
+    WORKER_LATE     /* killed because its time limit had passed */
 } worker_end;
 
 typedef struct worker_result {
     worker_end end;
     int code;        /* exit status or signal */
     double seconds;
-    char text[512];  /* the last line it said */
+    char text[512];  /* the last line that it wrote to stderr */
 } worker_result;
 
 typedef struct worker {
     pid_t pid;
-    int said;        /* its stderr, a pipe */
+    int said;        /* reading end of a pipe from its stderr */
     double begun, limit_s;
-    bool complete;   /* the line in text has ended */
+    bool complete;   /* true if the line in text has ended */
     size_t used;
-    char text[512];  /* the last whole line of what it says; only so much is kept */
+    char text[512];  /* the last line that it wrote to stderr, cut off after 511 bytes */
 } worker;
 
-/* Exit status of a worker that got no memory, descriptor or file: it says nothing about a backend. */
+/* Exit status of a worker that could not get memory, a descriptor or a file; it allows no verdict on the backend. */
 enum { WORKER_EXIT_RESOURCES = 4 };
-enum { WORKERS_MAX = 128 }; /* waited for together */
-enum { WORKER_TRACE = 3, WORKER_USER = 4 }; /* the worker's descriptors of its trace and of the user's own cases (user_store.h) */
+enum { WORKERS_MAX = 128 }; /* most workers in one call of worker_wait_any */
+enum { WORKER_TRACE = 3, WORKER_USER = 4 }; /* the worker's descriptors: its trace, the user's own cases (user_store.h) */
 
-/* This program's own file, for argv[0]. */
+/* Writes the path of this program's own file, for argv[0]. */
 ost_status worker_program(char path[], size_t size, ost_error *err);
-/* argv ends with NULL; argv[0] is the program's file. trace_fd, user_fd: descriptors that the worker has as those above, or -1. It is stopped after limit seconds. */
+/* Starts a worker. argv ends with NULL; argv[0] is the program's file. trace_fd and user_fd become the worker's
+   descriptors WORKER_TRACE and WORKER_USER; -1 for none. worker_wait_any kills the worker after limit_s seconds. */
 ost_status worker_start(char *const argv[], int trace_fd, int user_fd, double limit_s, worker *out, ost_error *err);
-/* Waits until one of them ends; the others go on. */
+/* Waits until one of the workers ends or exceeds its limit; *which receives its index. The others continue. */
 ost_status worker_wait_any(worker *const workers[], int count, int *which, worker_result *out, ost_error *err);
 ost_status worker_wait(worker *w, worker_result *out, ost_error *err);
-/* Ends it, whatever it is at. */
+/* Kills the worker and waits for its end. */
 void worker_stop(worker *w);
 
 #endif

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A deviation at work: whether it strikes here, and noting what it did.  A
- * stage takes a deviant, or NULL to be right; what asks it must be right for
- * NULL.
+ * A deviation in use: decides where the mistake is made and records its effects.
+ * A stage takes a deviant, or NULL to compute without a mistake; every caller of
+ * these functions must be correct for NULL.
  */
 #ifndef OST_VALIDATION_DENSE_DEVIANT_H
 #define OST_VALIDATION_DENSE_DEVIANT_H
@@ -15,31 +15,34 @@ typedef struct deviant {
     deviation how;
     deviation_record record;
     uint64_t calls[DEVIATION_STAGES];
-    /* of the call that runs */
+    /* of the current call */
     deviation_stage stage;
     uint64_t call;
     ost_dims dims;
     int chunk_size; /* 0 where there are no chunks */
 } deviant;
 
-/* A new call of the stage on a grid of these dims. */
+/* Begins a new call of the stage on a grid of these dims. Does nothing if m is NULL. */
 void deviant_begin(deviant *m, deviation_stage stage, ost_dims dims, int chunk_size);
-/* Back to an earlier call of it. */
+/* Makes an earlier call of the stage the current one again. Does nothing if m is NULL. */
 void deviant_return(deviant *m, deviation_stage stage, uint64_t call, ost_dims dims, int chunk_size);
 
-/* Whether the mistake is of this kind, and made in this unit of this call. */
+/* Returns true if the mistake is of this kind and is made in this unit of the current call; false if m is NULL. */
 bool deviates(const deviant *m, deviation_kind kind, uint64_t item);
-/* A mistake may be made in this stage. Where none can be, the stage need not be run without it as well. */
+/* Returns true if a mistake may be made in this stage. Otherwise the stage need not run a second time without it.
+   False if m is NULL. */
 bool deviant_in(const deviant *m, deviation_stage stage);
-/* A number drawn for this unit, for what else is left to chance. */
+/* Returns a pseudo-random number for this unit of the current call, for further random choices. m must not be NULL. */
 uint64_t deviant_draw(const deviant *m, uint64_t item);
-/* The thesis' floats are at work; *fused says whether multiply-adds are. */
+/* Returns true if the thesis' float arithmetic is used; *fused receives true if its multiply-adds are fused.
+   m may be NULL. */
 bool deviant_thesis(const deviant *m, bool *fused);
 
-/* voxel may be NULL. */
+/* Records that the mistake changed a value in this unit. voxel may be NULL. */
 void deviant_acted(deviant *m, uint64_t item, const int32_t voxel[3]);
+/* Records that a voxel of the call's result is not the correct one. */
 void deviant_changed_voxel(deviant *m, const int32_t voxel[3]);
-/* chunk is -1 when it is not that of one chunk. */
+/* Records that the call's report is not the correct one; chunk is -1 if the difference is not in one chunk's line. */
 void deviant_changed_report(deviant *m, int64_t chunk);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Integers of 256 bits by sign and magnitude, so that no step of steps.h needs
+ * 256-bit integers as sign and magnitude, so that no step of steps.h needs
  * a proof of its range: the greatest number there, 2 * P^2 or origin + i column,
  * is below 2^140.  Schoolbook arithmetic on 32-bit limbs, the lowest first.
  */
@@ -12,7 +12,7 @@
 
 enum { WIDE_LIMBS = 8 };
 typedef struct wide {
-    bool negative; /* never of 0 */
+    bool negative; /* always false for 0 */
     uint32_t limb[WIDE_LIMBS];
 } wide;
 
@@ -22,16 +22,16 @@ wide wide_negated(wide a);
 wide wide_plus(wide a, wide b);
 wide wide_minus(wide a, wide b);
 wide wide_times(wide a, wide b);
-/* -1, 0 or 1 as a is below b, equal or above. */
+/* Returns -1, 0 or 1 if a is less than, equal to or greater than b. */
 int wide_order(wide a, wide b);
 
-/* AR-INT-1 and AR-INT-2 of the rational a / b, b > 0, bit by bit: no machine division. */
+/* Compute AR-INT-1 and AR-INT-2 of the rational a / b, b > 0, bit by bit, without machine division. */
 wide wide_floor(wide a, wide b);
 wide wide_nearest(wide a, wide b);
 
-/* The value where it fits, which its callers' ranges say; else 0. */
+/* Returns the value if its magnitude is below 2^63, as the callers' ranges guarantee; else 0. */
 int64_t wide_to_int64(wide a);
-/* Two's complement of 128 bits, the low half first. */
+/* Writes the 128-bit two's complement, low half first. */
 void wide_to_words(wide a, uint64_t words[2]);
 
 #endif
