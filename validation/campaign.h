@@ -80,7 +80,7 @@ typedef struct campaign {
     trace reference;       /* trace of the batch that is judged; empty outside of the callbacks differs and done */
     char **lines;          /* owned; for each case in that trace its digest lines (digests_of_case), else NULL */
     compare_range *ranges; /* owned; for each case its range in that trace; count 0 if the case is not in this batch */
-    path_list *paths;      /* owned; for each subject the paths that its workers recorded, unless they ended prematurely */
+    path_list *paths;      /* owned; per subject the paths recorded by those of its workers that ended regularly */
     time_t begun;
     double *seconds;       /* owned; of each subject: that its workers ran, beside others */
     int jobs;              /* workers at a time */
@@ -89,7 +89,7 @@ typedef struct campaign {
     uint64_t stage_records[TRACE_STAGES]; /* number of records of the reference for each stage */
     int counts[CASE_VERDICTS]; /* number of each verdict over all backends but the reference */
     int refused;               /* number of cases that the reference refused; their verdict for it is CASE_FAILED */
-    int shown;                 /* number of equal results of the other backends in cases that the reference did not refuse */
+    int shown;                 /* equal results of other backends in cases that the reference did not refuse */
 } campaign;
 
 ost_status campaign_run(const plan *p, const subject_list *subjects, const campaign_options *options, campaign *out, ost_error *err);

@@ -32,7 +32,7 @@ typedef struct compare_difference {
     uint64_t word_ref, word_got;
     int32_t voxel[3];      /* for COMPARE_VOXEL: the first in x-fastest order over the entire grid */
     int32_t voxel_ref, voxel_got;
-    uint64_t voxels;       /* number that differ in this record; at a tick, in the leaves that it changed on either side */
+    uint64_t voxels;       /* number that differ in this record; at a tick, in leaves that it changed on either side */
     uint64_t records;      /* number of records of this case that were compared, including this one */
     bool words_too;        /* for COMPARE_VOXEL: true if the report differs as well */
     int64_t chunk;         /* chunk of the bone whose line in the report differs first; -1 if no chunk's line differs */

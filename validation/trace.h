@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A trace: everything one backend made of a list of cases, in order, as bytes
- * that two backends can be compared by.
+ * A trace holds all results of one backend for a list of cases, in order, as
+ * bytes by which two backends can be compared.
  *
  *   case, rect, cubic, chunks, tool 0, tool 1, ..., tick 0, tick 1, ..., final,
  *   case, ...
@@ -13,12 +13,12 @@
  *          u64 count, count blocks                   voxels
  *   block  i32 lo[3], i32 dims[3], u32 voxel bytes, u32 0, the voxels, x fastest
  *
- * all little-endian.  item is the tool's number or the tick's.  Which words a
- * stage has is said by trace_word_name, so that a difference can be named.
+ * all little-endian.  item is the number of the tool or tick.  trace_word_name
+ * names the words of each stage, for the description of a difference.
  *
  * A tick's blocks are the leaves of 32^3 voxels that changed since the last
- * record of the bone; so equal records up to a tick mean equal bones at it.
- * Traces go to files: a backend that crashes leaves what it had made.
+ * record of the bone; so equal records up to a tick mean equal bones at that
+ * tick.  Traces are files: the results of a backend up to a crash are preserved.
  */
 #ifndef OST_VALIDATION_TRACE_H
 #define OST_VALIDATION_TRACE_H
@@ -26,7 +26,7 @@
 #include <osteon/digest.h>
 
 typedef enum trace_stage {
-    TRACE_CASE,    /* words: the input's SHA-256, so that all are seen to be given the same */
+    TRACE_CASE,    /* words: the input's SHA-256, which shows that all backends got the same input */
     TRACE_RECT,
     TRACE_CUBIC,
     TRACE_CHUNKS,
@@ -38,17 +38,19 @@ typedef enum trace_stage {
     TRACE_SAMPLE,  /* words: densities of single voxels (even items), a hash of each chunk's occupancy (odd ones) */
     TRACE_UPLOAD,  /* a second bone, uploaded in slices of the first */
     TRACE_FINAL,
-    TRACE_FAILED,  /* words: the status; a block of bytes: the line; the case ended there */
-    TRACE_END,     /* the list was worked off: paths.h says what it has; before it one of item TRACE_TIMES */
+    TRACE_FAILED,  /* words: the status; a block of bytes: the error line; the case ended there */
+    TRACE_END,     /* the list is complete; paths.h describes its words; preceded by one of item TRACE_TIMES */
     TRACE_STAGES
 } trace_stage;
 
 enum { TRACE_TIMES = 1 }; /* item of an end record whose words are the microseconds of each case of the list */
 
 const char *trace_stage_name(trace_stage stage);
-/* How many words a report has before its chunks' lines, the last of them the number of lines; 0: the stage has none. */
+/* Returns the number of words of a report before its chunks' lines; the last of them is the number of lines. Returns 0
+   if the stage has no such report. */
 size_t trace_report_head(trace_stage stage);
-/* "active voxels"; of a chunk's line of so many words (0: not known) "voxels of class 2 in a chunk"; others "report word 7". */
+/* Returns the name of a word: "active voxels"; in a chunk's line of line_words words (0: not known) "voxels of class 2
+   in a chunk"; "report word 7" for a word without a name. The name may be written to text. */
 enum { TRACE_WORD = 48 };
 const char *trace_word_name(trace_stage stage, size_t word, uint64_t line_words, char text[TRACE_WORD]);
 
@@ -56,36 +58,38 @@ const char *trace_word_name(trace_stage stage, size_t word, uint64_t line_words,
 
 typedef struct trace_writer trace_writer;
 
-/* path is created or replaced. */
+/* Creates or replaces the file `path`. */
 ost_status trace_create(const char *path, trace_writer **out, ost_error *err);
-/* Writes what is left and closes; OST_ERR_IO when something was not written. */
+/* Writes the remaining bytes and closes the file. Returns OST_ERR_IO if any bytes could not be written. */
 ost_status trace_close(trace_writer *w, ost_error *err);
 
-/* A record is begun, given its words, then its blocks, and ended. */
+/* A record is written by trace_begin, trace_word per word, trace_block per block, and trace_end, in this order. */
 void trace_begin(trace_writer *w, trace_stage stage, uint32_t case_index, uint32_t item);
 void trace_word(trace_writer *w, uint64_t value);
-/* Room for the block's voxels, to be filled before the next call; NULL when there is no memory. */
+/* Returns a buffer for the block's voxels, which the caller fills before the next call; NULL if memory is exhausted. */
 void *trace_block(trace_writer *w, const int32_t lo[3], ost_dims dims, uint32_t voxel_bytes);
 ost_status trace_end(trace_writer *w, ost_error *err);
 
-/* Of the record that was begun. */
+/* Sets the flags of the current record. */
 void trace_flags(trace_writer *w, uint64_t flags);
 
 /* ------------------------------------------------------------------ reading */
 
 /*
- * A dump (dump.h) need not have everything: its trace gets the reference's
- * records where it says nothing, marked as such and compared with nothing.
+ * A dump (dump.h) may be incomplete: where it has no data its trace gets the
+ * reference's records, which are marked as such and not compared.
  */
-enum { TRACE_STANDS_IN = 1, TRACE_NO_WORDS = 2, TRACE_BOUNDS = 4, TRACE_MADE = 8 }; /* MADE: by the backend itself, not handed to it */
+/* TRACE_MADE: the backend made the record itself; it was not handed to it. */
+enum { TRACE_STANDS_IN = 1, TRACE_NO_WORDS = 2, TRACE_BOUNDS = 4, TRACE_MADE = 8 };
 
 /*
- * The text states no box and no range of chunks (AR-REM-5).  A record with
- * TRACE_BOUNDS has in their words what they must hold: a box (TRACE_STEPS),
- * a range of chunks (TRACE_TICK); compare.c then compares by trace_word_holds.
+ * docs/arithmetic.md prescribes no box and no range of chunks (AR-REM-5).  In a
+ * record with TRACE_BOUNDS these words are the least box (TRACE_STEPS) or range
+ * of chunks (TRACE_TICK) that must be covered; compare.c then compares them by
+ * trace_word_holds.
  */
 bool trace_word_is_bound(trace_stage stage, size_t word);
-/* words are those of a record: word i of `is` holds that of `least`, or is no bound and equal to it. */
+/* Returns true if word i of the record's words `is` covers that of `least`, or, where it is no bound, equals it. */
 bool trace_word_holds(trace_stage stage, size_t word, const uint8_t *is, const uint8_t *least);
 
 typedef struct trace_block_view {
@@ -103,21 +107,21 @@ typedef struct trace_record {
 } trace_record;
 
 typedef struct trace {
-    const uint8_t *bytes; /* the mapped file */
+    const uint8_t *bytes; /* the mapped file; owned */
     size_t size;
     size_t count;
     trace_record *records; /* owned */
-    bool whole;            /* ended by TRACE_END and nothing after it */
+    bool whole;            /* true if TRACE_END is the last record and nothing follows it */
 } trace;
 
-/* A file that ends in the middle of a record is read up to it. */
+/* Maps and indexes a trace. A file that ends within a record is read up to that record. */
 ost_status trace_open(const char *path, trace *out, ost_error *err);
 void trace_free(trace *t);
 
-/* Words of a body; false when it is not well formed. */
+/* Finds the words of a record's body. Returns false if the body is not well formed. */
 bool trace_words(const trace_record *r, uint64_t *count, const uint8_t **words);
 uint64_t trace_word_at(const uint8_t *words, uint64_t index);
-/* Walks the blocks: *at is 0 at first; false after the last, or where the body is not well formed. */
+/* Finds the next block: *at is 0 at first. Returns false after the last block, or if the body is not well formed. */
 bool trace_next_block(const trace_record *r, size_t *at, trace_block_view *out);
 
 #endif

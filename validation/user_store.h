@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The user's own files as cases: read once, before anything runs, and kept as
- * the integers that every backend is given.
+ * The user's own files as cases: they are read once, before any backend runs,
+ * and stored as the integers that every backend gets.
  *
  *   CT, meshes, paths --the command reads and checks--> user_case_begin, _samples, _end
  *        '--> a file without a name (scratch.h) --mapped by this process and every worker--> user_scene
  *
- * A worker has the file as descriptor WORKER_USER; it never sees the files
- * that were read, nor their names.  Samples stay in the file, 32 bytes each, so
+ * A worker has the store as descriptor WORKER_USER; it has neither the files
+ * that were read nor their names.  Samples stay in the store, 32 bytes each, so
  * that memory does not grow with the number of workers.
  */
 #ifndef OST_VALIDATION_USER_STORE_H
@@ -23,22 +23,22 @@ typedef struct user_store user_store;
 ost_status user_store_begin(user_store **out, ost_error *err);
 /* Samples of the next case, in the order in which they are scattered; their lines are set here. */
 ost_status user_case_samples(user_store *u, const ost_sample *samples, size_t count, size_t batch, ost_error *err);
-/* All but the samples; samples, sample_count and batch of head are not looked at. */
+/* Adds all of the case but its samples; samples, sample_count and batch of head are ignored. */
 ost_status user_case_end(user_store *u, const scene *head, ost_error *err);
-/* No more cases: they can be made from here on. */
+/* Ends the writing; from here on user_scene can make the cases. */
 ost_status user_store_end(user_store *u, ost_error *err);
 
 /* ------------------------------------------------------------------ reading */
 
-/* In a worker; fd stays the caller's. OST_ERR_INPUT when it is no such file. */
+/* Called in a worker. fd remains owned by the caller. Returns OST_ERR_INPUT if it is not a user store. */
 ost_status user_store_open(int fd, user_store **out, ost_error *err);
-void user_store_free(user_store *u); /* NULL is allowed */
+void user_store_free(user_store *u); /* u may be NULL */
 
 int user_store_count(const user_store *u);
-/* For workers; -1 without a store. */
+/* Returns the descriptor to be passed to workers, or -1 without a store. */
 int user_store_fd(const user_store *u);
 
-/* Case `number`, from 1; its samples are lent by the store. */
+/* Makes case `number`, counted from 1; its samples are borrowed from the store. */
 ost_status user_scene(const user_store *u, int number, scene *out, ost_error *err);
 uint64_t user_trace_bytes(const user_store *u, int number);
 

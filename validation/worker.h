@@ -49,7 +49,7 @@ typedef struct worker {
 /* Exit status of a worker that could not get memory, a descriptor or a file; it allows no verdict on the backend. */
 enum { WORKER_EXIT_RESOURCES = 4 };
 enum { WORKERS_MAX = 128 }; /* most workers in one call of worker_wait_any */
-enum { WORKER_TRACE = 3, WORKER_USER = 4 }; /* the worker's descriptors: its trace, the user's own cases (user_store.h) */
+enum { WORKER_TRACE = 3, WORKER_USER = 4 }; /* the worker's descriptors: its trace, the user's cases (user_store.h) */
 
 /* Writes the path of this program's own file, for argv[0]. */
 ost_status worker_program(char path[], size_t size, ost_error *err);

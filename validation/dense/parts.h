@@ -10,8 +10,8 @@
  *   thesis.c   the thesis' float arithmetic
  *   dense.c    the table
  *
- * Each stage is a function that takes a deviant or NULL.  Where there is a
- * deviation of that stage it runs with NULL as well, and what differs is noted.
+ * Each stage is a function that takes a deviant or NULL.  If the deviation is one
+ * of that stage, the stage runs with NULL as well, and the differences are recorded.
  */
 #ifndef OST_VALIDATION_DENSE_PARTS_H
 #define OST_VALIDATION_DENSE_PARTS_H
@@ -27,12 +27,12 @@ typedef struct dense {
     ost_backend base;
     deviant *deviant; /* &own or NULL */
     deviant own;
-    dense_grid *unsettled; /* the rect grid whose changes are not noted yet */
-    ost_map last_map;      /* of the last event's last pose */
+    dense_grid *unsettled; /* borrowed; the rect grid whose changes are not recorded yet, or NULL */
+    ost_map last_map;      /* map of the last event's last pose */
     bool has_last_map;
 } dense;
 
-/* Voxels of a rect grid and which of them have a sample. */
+/* Voxels of a rect grid, and for each of them whether it has a sample. */
 typedef struct dense_scatter {
     int16_t *voxels;
     uint8_t *seen;
@@ -42,7 +42,7 @@ typedef struct dense_scatter {
 struct dense_grid {
     ost_grid base;
     dense_scatter made;
-    dense_scatter right; /* without the deviation; NULL where there is none */
+    dense_scatter right; /* the same without the deviation; its arrays are NULL if there is none */
     uint64_t call, samples, batches;
     bool scattered;
 };
@@ -50,7 +50,7 @@ struct dense_grid {
 typedef struct dense_bone {
     ost_bone base;
     int16_t *density;
-    uint8_t *active; /* one where the occupancy bit is set */
+    uint8_t *active; /* per voxel: 1 if its occupancy bit is set */
 } dense_bone;
 
 typedef struct dense_tool {
@@ -79,7 +79,8 @@ static inline ost_int128 dense_floor(ost_int128 n, ost_int128 d)
     return -((-n + d - 1) / d);
 }
 
-/* The nearest integer, the even one of two: twice the remainder against d, which is below 2^98 everywhere here. */
+/* Returns the integer nearest to n / d, of two the even one. It compares twice the remainder with d, which is below
+   2^98 in all uses. */
 static inline ost_int128 dense_nearest(ost_int128 n, ost_int128 d)
 {
     const ost_int128 below = dense_floor(n, d), twice = 2 * (n - below * d);
@@ -92,7 +93,7 @@ static inline ost_int128 dense_nearest(ost_int128 n, ost_int128 d)
 
 /* ------------------------------------------------------------- the parts */
 
-/* Notes what the deviation changed in a rect grid, once after its last batch. */
+/* Records what the deviation changed in a rect grid, once after its last batch. */
 void dense_grid_settle(dense_grid *grid);
 
 ost_status dense_grid_create(ost_backend *backend, const ost_geometry *geometry, ost_grid **out, ost_error *err);
@@ -123,13 +124,13 @@ ost_status dense_collide(const ost_bone *bone, const ost_tool *tool, const ost_e
 
 /* ------------------------------------------------- what an event's voxels are */
 
-/* Per voxel of the bone: at how many poses it is in a cutting and in a not cutting voxel of the tool. */
+/* Per voxel of the bone: the number of poses at which it is in a cutting or in a non-cutting voxel of the tool. */
 typedef struct dense_marks {
     uint16_t *cut, *touch;
-    uint8_t *met; /* per chunk: whether one of its voxels is marked */
+    uint8_t *met; /* per chunk: 1 if one of its voxels is marked */
 } dense_marks;
 
-/* Notes what was found at voxel (x, y, z). */
+/* Counts the tool voxel `found` at bone voxel v. */
 static inline void dense_mark(const dense_bone *bone, dense_marks marks, const int32_t v[3], uint8_t found)
 {
     const ost_dims d = bone->base.geometry.dims;
@@ -144,13 +145,13 @@ static inline void dense_mark(const dense_bone *bone, dense_marks marks, const i
         marks.touch[at]++;
 }
 
-/* Adds one pose's; number is its place in the event. */
+/* Adds the marks of one pose; number is its index in the event. */
 void dense_map_pose(deviant *m, const dense_bone *bone, const dense_tool *tool, const ost_map *map, const ost_voxel_box *box, int number,
                     dense_marks marks);
 
 /* ----------------------------------------------------------- the thesis */
 
-/* Alg. 2.4 on the grid of Alg. 2.3; false when the sample falls behind the array. */
+/* Alg. 2.4 on the grid of Alg. 2.3. Returns false if the sample lies beyond the end of the array. */
 bool dense_thesis_rect(const ost_geometry *g, const ost_sample *sample, int64_t at[3]);
 /* Alg. 2.5 */
 int64_t dense_thesis_layer(int32_t z, ost_pm cubic, ost_pm rect, bool fused);
