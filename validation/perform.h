@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * One case on one backend: every stage is run, and what it made is written
- * into the trace.  This is the only place where validation asks a backend.
+ * Runs every stage of one case on one backend and writes the results into the
+ * trace.  Only perform*.c call the stages of a backend under test.
  *
  *   samples --ct_to_rect--> rect --rect_to_cubic--> cubic --cubic_to_chunks--> bone
  *   snapped mesh --voxelize--> tool             tick --ost_world_step--> report, changed leaves
@@ -9,8 +9,8 @@
  * A stage that fails writes TRACE_FAILED with its status and ends the case:
  * two backends must also refuse alike.
  *
- * Apart, a difference is not handed down: what a stage made is recorded, and
- * the reference's takes its place before the next one.
+ * perform_apart does not propagate a difference: the result of a stage is
+ * recorded and replaced by the reference's before the next stage.
  *
  *   given rect --rect_to_cubic--> cubic   given cubic --cubic_to_chunks--> bone
  *   given tool, bone as the reference had it before the tick --ost_world_step--> report, changed leaves
@@ -24,10 +24,11 @@
 /* Voxels of a bone that is fetched complete after every tick (perform_tick.c). */
 enum { PERFORM_WHOLE = 1 << 18 };
 
-/* Told of every record that was written; may be NULL where it is taken. */
+/* Called for every record that was written; the parameter may be NULL. */
 typedef void perform_watch(void *user, trace_stage stage, uint32_t item);
 
-/* Fails only when the trace cannot be written or memory is out; why (not NULL) gets the line of a failed stage. */
+/* Fails only if the trace cannot be written or memory is exhausted; *why receives the error line of a failed stage and
+   must not be NULL. */
 ost_status perform(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, perform_watch *watch, void *user, ost_error *why,
                    ost_error *err);
 
@@ -39,7 +40,7 @@ ost_status perform(ost_backend *backend, const scene *s, uint32_t case_index, tr
 ost_status perform_second(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, ost_error *why,
                           ost_error *err);
 
-/* given: the reference's trace, with this case whole. */
+/* given: the reference's trace; it must have this case complete. */
 ost_status perform_apart(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, const trace *given, ost_error *why, ost_error *err);
 
 #endif

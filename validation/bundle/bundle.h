@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A folder of evidence, whole under its name or not there.
+ * A folder of evidence, which exists under its name only when it is complete.
  *
- *   bundle_begin --> hidden folder beside OUT --files, log--> bundle_end: manifest, fsync, rename
+ *   bundle_begin --> folder OUT.part-XXXXXX --files, log--> bundle_end: manifest, fsync, rename
  *
  * audit.log is a chain: a line is
  *
  *   SHA-256 of the line before (64 digits, of nothing for the first) TAB UTC TAB action TAB detail
  *
- * so that a line changed, taken out or moved breaks all after it.  It is
- * written line by line while the campaign runs; log.h says which lines it has.
+ * so that a line that is changed, removed or moved invalidates all lines after
+ * it.  It is written line by line while the campaign runs; log.h lists the lines.
  */
 #ifndef OST_VALIDATION_BUNDLE_H
 #define OST_VALIDATION_BUNDLE_H
@@ -23,27 +23,27 @@ typedef struct bundle bundle;
 #define BUNDLE_LOG "audit.log"
 enum { BUNDLE_PATH = 1024 };
 
-/* OST_ERR_IO when `out` exists or cannot be made. */
+/* Creates the folder OUT.part-XXXXXX. Returns OST_ERR_IO if `out` exists or cannot be created. */
 ost_status bundle_begin(const char *out, bundle **b, ost_error *err);
-/* The folder that files go into until the end. */
+/* Returns the folder that has the files until bundle_end. */
 const char *bundle_folder(const bundle *b);
 ost_status bundle_put(bundle *b, const char *name, const void *bytes, size_t size, ost_error *err);
 /* Sorted keys, one space of indentation, a newline at the end: equal values are equal files. */
 ost_status bundle_put_json(bundle *b, const char *name, const json_t *value, ost_error *err);
 ost_status bundle_log(bundle *b, const char *action, ost_error *err, const char *detail, ...) OST_PRINTF(4, 5);
-/* Manifest, and the folder gets its name. Frees b in any case. */
+/* Writes the manifest and renames the folder to `out`. Frees b in any case. */
 ost_status bundle_end(bundle *b, ost_error *err);
-void bundle_abandon(bundle *b); /* NULL is allowed */
+void bundle_abandon(bundle *b); /* b may be NULL */
 
 /* ---------------------------------------------------------------- checking */
 
-/* A file that is absent makes a bundle incomplete; a file that is different makes it another one than was written. */
+/* An absent file makes a bundle incomplete; a different file means that it is not the bundle that was written. */
 typedef enum bundle_problem_kind { BUNDLE_ABSENT, BUNDLE_DIFFERENT } bundle_problem_kind;
 
-/* Receives one problem. A file that cannot be read is no problem of a bundle but an error of the check. */
+/* Receives one problem. A file that cannot be read is not a problem of the bundle but an error of the check. */
 typedef void bundle_problem(void *user, bundle_problem_kind kind, const char *file, const char *problem);
 
-/* Every problem of the folder's files, of the manifest and of the log's chain; they are added to *found. */
+/* Reports every problem of the folder's files, the manifest and the log's chain, and adds their number to *found. */
 ost_status bundle_check(const char *folder, bundle_problem *problem, void *user, int *found, ost_error *err);
 
 /* Reads a file of a bundle, with a NUL behind it that size does not count; the caller frees it. */

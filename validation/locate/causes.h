@@ -1,28 +1,28 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The causes of a class of differences where they are known: the mistakes of the
- * sensitivity proof, which are made on purpose.  A share among
- * those is no probability for a backend, whose mistakes nobody has counted.
+ * The known causes of a class of differences: the deliberate mistakes of the
+ * sensitivity proof.  A share among these mistakes is not a probability for a
+ * backend, whose mistakes have not been counted.
  */
 #ifndef OST_VALIDATION_CAUSES_H
 #define OST_VALIDATION_CAUSES_H
 
 enum { CAUSES_NAMED = 3, CAUSES_TEXT = 320 };
 
-/* The known mistakes of one class: how many, of how many kinds, and the most frequent kinds. */
+/* The known mistakes of one class: their number, the number of their kinds, and the most frequent kinds. */
 typedef struct causes {
     const char *class;
     int mistakes, kinds;
     struct {
-        const char *kind; /* of dense/deviation.h; NULL: there are fewer */
+        const char *kind; /* name in dense/deviation.h; NULL if there are fewer kinds */
         int mistakes;
     } most[CAUSES_NAMED];
 } causes;
 
-/* NULL where the class is none of the table's. */
+/* Returns the causes of a class; NULL if the table does not have it. */
 const causes *causes_of(const char *class);
 
-/* Writes a sentence with the kinds and their shares, worded as a possibility; "" where nothing is known. */
+/* Writes a sentence with the kinds and their shares, worded as a possibility; "" if no cause is known. */
 void causes_text(const char *class, char out[CAUSES_TEXT]);
 
 #endif

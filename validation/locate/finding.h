@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What is known of a case's first difference, besides where compare.h finds
- * it: the chunk, what it looks like, and the operands of its first voxel.
+ * Describes a case's first difference beyond its position, which compare.h
+ * finds: the chunk, the difference class, and the operands of its first voxel.
  *
  *   difference, both traces, scene --finding_make--> chunk, class, operands
  */
@@ -14,18 +14,19 @@
 enum { MINIMISED_TEXT = 256 };
 
 typedef struct finding {
-    int32_t chunk[3];  /* of the first voxel or of the report's first line; chunk_size 0: no chunk is known */
+    int32_t chunk[3];  /* chunk of the first voxel or of the report's first line; chunk_size is 0 if it is not known */
     int chunk_size;
-    const char *class; /* pattern_name, "report-only", or NULL where grids cannot be compared */
-    char text[PATTERN_TEXT]; /* what the class rests on */
+    const char *class; /* pattern_name, "report-only", or NULL if the grids cannot be compared */
+    char text[PATTERN_TEXT]; /* the evidence for the class */
     operands operands;
-    char reproduce[96]; /* the bundle's file of a small case that shows the same; "" without one */
-    char small[MINIMISED_TEXT]; /* what is left in it */
+    char reproduce[96]; /* the bundle's file of a small case with the same difference; "" if there is none */
+    char small[MINIMISED_TEXT]; /* the contents of the small case (minimised_text) */
 } finding;
 
 void finding_make(const scene *s, const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, const compare_difference *d, finding *out);
 
-/* The same for a case of a plan; the caller's to free(), NULL when there is no memory for it. */
+/* The same for a case of a plan. The caller frees the result with free(). Returns NULL if the case cannot be made
+   or memory is exhausted. */
 finding *finding_of_case(const plan_case *c, const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, const compare_difference *d);
 
 #endif
