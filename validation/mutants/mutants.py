@@ -168,6 +168,9 @@ def main():
     p.add_argument("--equivalent", default=os.path.join(here, "docs/qualification/mutants-equivalent.csv"))
     p.add_argument("--source", default=here, help="the repository")
     p.add_argument("--out", required=True, help="a folder for mutants.md and mutants.csv")
+    p.add_argument("--least", type=float, default=0,
+                   help="status 1 if fewer per cent than this are noticed, by the upper end of the 95 %% interval (default: 0)")
+    p.add_argument("--explained", action="store_true", help="status 1 if a survivor has no reason in --equivalent")
     p.add_argument("--note", default="", help="how it was measured: hours, machine")
     args = parser.parse_args()
     if args.command == "list":

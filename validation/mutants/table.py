@@ -3,11 +3,15 @@
 import csv
 import math
 import os
+import sys
 
 import scope
 
-COLUMNS = ["file", "scope", "generated", "drawn", "not built here", "not compiled", "identical", "differing", "equivalent", "smoke", "by crash or time",
+COLUMNS = ["file", "scope", "generated", "drawn", "not built here", "not compiled", "identical", "differing", "equivalent", "no result", "smoke", "by crash or time",
            "standard", "tests", "survived"]
+# Kinds of mutants that no campaign can notice: the same program for every input, or another one in time, memory,
+# messages or input that is refused before it gets there.
+KINDS = ("equivalent", "no result")
 REASONS = ["id", "kind", "file", "text", "old", "new", "reason"]
 
 
@@ -42,10 +46,10 @@ def reasons(path):
 
 
 def kind_of(row, known):
-    """The outcome, or "equivalent" where somebody proved a survivor to be that."""
+    """The outcome, or what somebody found a survivor to be: "equivalent", or one that changes "no result"."""
     reason = known.get(row["id"])
-    if row["outcome"] == "survived" and reason and reason["kind"] == "equivalent" and reason["text"] == row["text"]:
-        return "equivalent"
+    if row["outcome"] in ("survived", "killed by tests") and reason and reason["kind"] in KINDS and reason["text"] == row["text"]:
+        return reason["kind"]
     return row["outcome"]
 
 
@@ -55,7 +59,7 @@ def count_file(file, generated, rows, known):
     by_end = sum(1 for r in rows if r["outcome"] == "killed by smoke" and (r["how"] == "time" or "crash" in r["how"] or r["how"].startswith("exit")))
     differing = len(rows) - n.get("not built here", 0) - n.get("not compiled", 0) - n.get("identical", 0)
     return dict(zip(COLUMNS, [file, "tests" if file in scope.OUTSIDE else "campaign", generated, len(rows), n.get("not built here", 0), n.get("not compiled", 0),
-                              n.get("identical", 0), differing, n.get("equivalent", 0), n.get("killed by smoke", 0), by_end,
+                              n.get("identical", 0), differing, n.get("equivalent", 0), n.get("no result", 0), n.get("killed by smoke", 0), by_end,
                               n.get("killed by standard", 0), n.get("killed by tests", 0), n.get("survived", 0)]))
 
 
@@ -81,7 +85,7 @@ def cell(text):
 def markdown(files, rows, known, command):
     campaign = [f for f in files if f["scope"] == "campaign"]
     every = total(campaign, "all")
-    able = every["differing"] - every["equivalent"]
+    able, strict = every["differing"] - every["equivalent"] - every["no result"], every["differing"] - every["equivalent"]
     parts = {}
     for f in campaign:
         parts.setdefault(part_of(f["file"]), []).append(f)
@@ -90,7 +94,8 @@ def markdown(files, rows, known, command):
         "# Mutants of the backends' code", "",
         "Made by `validation/mutants/mutants.py table`; [validation.md](../validation.md#mutants-of-the-real-code) says how", "mutants are made and measured.", "",
         *command, "",
-        f"- Noticed by smoke: {share(every['smoke'], able)} of those that differ and are not equivalent. The goal is 95 %.",
+        f"- Noticed by smoke: {share(every['smoke'], able)} of those that are able to change a result. The goal is 95 %.",
+        f"- The same with those that change no result counted as not noticed: {share(every['smoke'], strict)}.",
     ]
     judged = [r for r in rows.values() if "standard" in r["tiers"] or r["outcome"] == "killed by smoke"]
     unknown = sum(1 for r in rows.values() if kind_of(r, known) == "survived" and "standard" not in r["tiers"] and r["file"] not in scope.OUTSIDE)
@@ -104,17 +109,19 @@ def markdown(files, rows, known, command):
         out.append("| " + " | ".join(str(row[c]) for c in head) + " |")
     out += ["| " + " | ".join(str(every[c]) for c in head) + " |", "",
             "`generated` counts all mutants of the files, `drawn` those that were measured. `identical` ones make the same object code.",
+            "`no result`: they change time, memory, a message or what is refused, and no result that a campaign compares.",
             "`by crash or time` are among those that smoke noticed. mutants.csv has a row for each file.", ""]
     operators = {}
     for r in rows.values():
         if r["file"] not in scope.OUTSIDE:
             operators.setdefault(r["operator"], []).append(r)
-    out += ["## By operator", "", "| operator | drawn | differing, not equivalent | smoke | standard | tests | survived |", "|---|---|---|---|---|---|---|"]
+    out += ["## By operator", "", "| operator | drawn | able to change a result | smoke | standard | tests | survived |", "|---|---|---|---|---|---|---|"]
     for name, group in sorted(operators.items()):
         one = count_file("", 0, group, known)
-        out.append(f"| {name} | {len(group)} | {one['differing'] - one['equivalent']} | {one['smoke']} | {one['standard']} | {one['tests']} | {one['survived']} |")
+        out.append(f"| {name} | {len(group)} | {one['differing'] - one['equivalent'] - one['no result']} | {one['smoke']} | {one['standard']} | {one['tests']} | {one['survived']} |")
     out += ["", "## What the campaign did not notice", ""]
-    for title, kinds in (("Survivors", ("survived",)), ("Noticed by the test suite alone", ("killed by tests",)), ("Equivalent", ("equivalent",))):
+    for title, kinds in (("Survivors", ("survived",)), ("Noticed by the test suite alone", ("killed by tests",)), ("No result", ("no result",)),
+                         ("Equivalent", ("equivalent",))):
         group = sorted((r for r in rows.values() if kind_of(r, known) in kinds and r["file"] not in scope.OUTSIDE), key=lambda r: (r["file"], int(r["line"])))
         if not group:
             continue
@@ -125,6 +132,21 @@ def markdown(files, rows, known, command):
             out.append(f"| {r['id']} | {r['file']}:{r['line']} | `{cell(r['old'])}` -> `{cell(r['new'])}` in `{cell(r['text'])[:120]}` | {cell(reason)}{note} |")
         out.append("")
     return "\n".join(out).rstrip() + "\n"
+
+
+def judge(files, rows, known, least, explained):
+    """What is wrong with a measurement, as lines: too few mutants noticed, by the upper end of the interval; survivors without a reason."""
+    every = total([f for f in files if f["scope"] == "campaign"], "all")
+    hits, count = every["smoke"] + every["standard"], every["differing"] - every["equivalent"] - every["no result"]
+    wrong = []
+    if count == 0:
+        wrong.append("no mutant was measured that is able to change a result")
+    elif 100 * interval(hits, count)[1] < least:
+        wrong.append(f"noticed: {share(hits, count)}; at least {least:g} % are expected")
+    if explained:
+        wrong += [f"{r['id']} {r['file']}:{r['line']} survived without an explanation" for r in rows.values()
+                  if kind_of(r, known) == "survived" and r["file"] not in scope.OUTSIDE and not known.get(r["id"], {}).get("reason")]
+    return wrong
 
 
 def write(args):
@@ -149,4 +171,7 @@ def write(args):
         out.writerows(files)
     with open(os.path.join(args.out, "mutants.md"), "w") as f:
         f.write(markdown(files, rows, known, command))
-    return 0
+    wrong = judge(files, rows, known, args.least, args.explained)
+    for line in wrong:
+        print(f"mutants.py: {line}", file=sys.stderr)
+    return 1 if wrong else 0
