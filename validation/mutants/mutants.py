@@ -126,7 +126,8 @@ def run(args):
                     print(f"{m.id} {m.file}:{m.line}: not measured: {e}", file=sys.stderr, flush=True)
                     continue
                 with lock:
-                    row = {**m._asdict(), **outcome, "tiers": args.tiers.replace(",", "+"), "commit": commit, "seed": args.seed}
+                    row = {**m._asdict(), **outcome, "tiers": args.tiers.replace(",", "+"), "commit": commit,
+                           "seed": "" if args.ids is not None else args.seed}  # those named were not drawn, or in an earlier run
                     rows.writerow({name: row[name] for name in measure.FIELDS})
                     out.flush()
                     print(f"{m.id} {m.file}:{m.line} {m.operator} {m.old!r} -> {m.new!r}: {outcome['outcome']} {outcome['by']} {outcome['stage']}"

@@ -25,7 +25,7 @@ def interval(hits, count, z=1.96):
 
 
 def read(paths):
-    """The last row of each mutant, and all that was run on it: {id: row}, with "tiers" joined."""
+    """The last row of each mutant, all that was run on it and the seed that drew it: {id: row}, with "tiers" joined."""
     rows = {}
     for path in paths:
         with open(path, newline="") as f:
@@ -33,7 +33,7 @@ def read(paths):
                 before = rows.get(row["id"])
                 tiers = [t for t in (before["tiers"] if before else "").split("+") if t]
                 tiers += [t for t in (row.get("tiers") or "smoke").split("+") if t not in tiers]
-                rows[row["id"]] = {**row, "tiers": "+".join(tiers)}
+                rows[row["id"]] = {**row, "tiers": "+".join(tiers), "seed": row.get("seed") or (before["seed"] if before else "")}
     return rows
 
 
@@ -161,7 +161,7 @@ def write(args):
         by_file.setdefault(r["file"], []).append(r)
     files = [count_file(f, generated.get(f, 0), by_file.get(f, []), known) for f in sorted(set(generated) | set(by_file))]
     commits = sorted({r["commit"] for r in rows.values()})
-    seeds = sorted({r["seed"] for r in rows.values()})
+    seeds = sorted({r["seed"] for r in rows.values()} - {""})
     note = args.note.replace("\\n", "\n")
     command = [f"{len(rows)} mutants of {sum(generated.values())}, drawn by seed {', '.join(seeds)}, of commit {', '.join(commits)}.", *([note] if note else [])]
     os.makedirs(args.out, exist_ok=True)

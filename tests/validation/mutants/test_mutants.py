@@ -256,6 +256,18 @@ class Table(unittest.TestCase):
         self.assertEqual([made[c] for c in ("drawn", "not compiled", "identical", "differing", "equivalent", "smoke", "by crash or time", "survived")],
                          [6, 1, 1, 4, 1, 2, 1, 1])
 
+    def test_last_row_counts(self):
+        """A survivor that is run again by name keeps its sample's seed and gets the new outcome."""
+        path = os.path.join(tempfile.mkdtemp(prefix="osteon-mutants-"), "r.csv")
+        self.addCleanup(shutil.rmtree, os.path.dirname(path))
+        with open(path, "w", newline="", encoding="utf-8") as f:
+            out = csv.DictWriter(f, ["id", "outcome", "tiers", "seed"])
+            out.writeheader()
+            out.writerows([{"id": "1", "outcome": "survived", "tiers": "smoke", "seed": "7"},
+                           {"id": "1", "outcome": "killed by standard", "tiers": "standard", "seed": ""}])
+        row = table.read([path])["1"]
+        self.assertEqual((row["outcome"], row["tiers"], row["seed"]), ("killed by standard", "smoke+standard", "7"))
+
     def test_judgement(self):
         row = {"file": "src/core/a.c", "line": "1", "operator": "bound", "old": "<", "new": "<=", "text": "a", "how": "", "by": "", "tiers": "smoke"}
         rows = {str(i): {**row, "id": str(i), "outcome": o} for i, o in enumerate(["killed by smoke"] * 60 + ["survived"] * 40)}
