@@ -83,6 +83,17 @@ static ost_status add_a_sample(performer *p, ost_grid *rect, ost_error *err)
     return ost_ct_to_rect(rect, &one, 1, 1, OST_DUPLICATES_LAST, &ignored, err);
 }
 
+/* Returns true if the bone is made first: a backend may keep a cubic grid as a list of slices until it is downloaded. */
+static bool before_the_download(const performer *p)
+{
+    return !p->given && !p->watch;
+}
+
+static ost_status make_bone(performer *p, const ost_grid *cubic, ost_error *err)
+{
+    return ost_cubic_to_chunks(cubic, p->s->chunk_size, p->s->threshold, &p->bone, err);
+}
+
 static ost_status run_cubic(performer *p, ost_grid *rect, ost_grid **out, ost_error *err)
 {
     ost_status status = ost_rect_to_cubic(rect, p->s->cubic, p->s->resample, out, err);
@@ -90,6 +101,7 @@ static ost_status run_cubic(performer *p, ost_grid *rect, ost_grid **out, ost_er
         status = add_a_sample(p, rect, err);
     if (status != OST_OK)
         return status;
+    const ost_status chunks = before_the_download(p) ? make_bone(p, *out, err) : OST_OK;
     const ost_geometry *g = ost_grid_geometry(*out);
     const int64_t words[] = {g->dims.x, g->dims.y, g->dims.z, g->spacing.x, g->spacing.y, g->spacing.z};
     trace_begin(p->w, TRACE_CUBIC, p->case_index, 0);
@@ -97,7 +109,7 @@ static ost_status run_cubic(performer *p, ost_grid *rect, ost_grid **out, ost_er
         trace_word(p->w, (uint64_t)words[i]);
     status = record_grid(p, *out, err);
     ost_status written = perform_end_record(p, TRACE_CUBIC, 0, err);
-    return status != OST_OK ? status : written;
+    return chunks != OST_OK ? chunks : status != OST_OK ? status : written;
 }
 
 ost_status perform_import(performer *p, ost_error *err)
@@ -114,8 +126,8 @@ ost_status perform_import(performer *p, ost_error *err)
         status = run_cubic(p, rect, &cubic, err);
     if (status == OST_OK)
         status = perform_give_grid(p, TRACE_CUBIC, cubic, err);
-    if (status == OST_OK)
-        status = ost_cubic_to_chunks(cubic, p->s->chunk_size, p->s->threshold, &p->bone, err);
+    if (status == OST_OK && !before_the_download(p))
+        status = make_bone(p, cubic, err);
     if (status == OST_OK) {
         p->geometry = p->second ? steps_cubic(&p->s->rect, p->s->cubic) : *ost_grid_geometry(cubic);
         p->dims = ost_grid_geometry(cubic)->dims;

@@ -68,7 +68,7 @@ ost_status scene_lone(int kind, scene *s, draw *d, ost_error *err)
                 add_sample(s, x, y, z, on ? draw_between(d, 800, 32767) : draw_between(d, -1000, THRESHOLD - 1));
             }
     if (status == OST_OK)
-        status = scene_add_fine_tool(s, 24 * cube, cube * 3 / 4, err);
+        status = scene_add_fine_tool(s, d, cube * 3 / 4, err);
     const ost_pm3 at[] = {centre_of(&s->rect, 5 * CHUNK + 5, 0, 1), centre_of(&s->rect, CHUNK * CHUNK + LAST - 1, 1, 1)};
     return status == OST_OK ? add_ticks(s, at, (const int32_t[]){0, 0}, 2, err) : status;
 }

@@ -61,8 +61,8 @@ ost_status scene_add_tool(scene *s, draw *d, scene_shape shape, ost_pm size, ost
  */
 ost_status scene_add_full_tool(scene *s, draw *d, ost_pm voxel, ost_error *err);
 
-/* Adds a burr of more than 2^16 triangles, about `size` wide. */
-ost_status scene_add_fine_tool(scene *s, ost_pm size, ost_pm voxel, ost_error *err);
+/* Adds small solids in any direction, of more than 2^16 triangles, nearly each of which has rows of voxels in its bounds. */
+ost_status scene_add_fine_tool(scene *s, draw *d, ost_pm voxel, ost_error *err);
 
 /* Poses that bring a tool into the bone: unrelated ones (with sweep off), a fast drive, a slow cut. */
 ost_status scene_unrelated_poses(scene *s, draw *d, size_t count, ost_error *err);

@@ -150,20 +150,27 @@ ost_status scene_add_tool(scene *s, draw *d, scene_shape shape, ost_pm size, ost
     return status;
 }
 
-ost_status scene_add_fine_tool(scene *s, ost_pm size, ost_pm voxel, ost_error *err)
+ost_status scene_add_fine_tool(scene *s, draw *d, ost_pm voxel, ost_error *err)
 {
-    const ost_tool_options how = {.diameter = size, .length = size, .segments = 272}; /* 66,586 triangles */
+    enum { SOLIDS = 20000, SIDE = 40, SIZE = 3 };
+    static const uint32_t faces[4][3] = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {0, 2, 3}};
+    const ost_tool_geometry grid = {{SIDE, SIDE, SIDE}, voxel, {-SIDE / 2 * voxel, -SIDE / 2 * voxel, -SIDE / 2 * voxel}};
+    const ost_pm far = (SIDE / 2 - SIZE) * voxel, size = SIZE * voxel / 2;
     scene_tool *tool = &s->tools[s->tool_count];
     ost_mesh *mesh = &tool->raw[0];
-    ost_pm3 lo, hi;
-    ost_tool_geometry grid;
-    *tool = (scene_tool){.rule = OST_FILL_WINDING, .name = "fine"};
+    *tool = (scene_tool){.rule = OST_FILL_WINDING, .name = "fine", .grid_given = true};
     s->tool_count++;
-    ost_status status = ost_tool_make(OST_TOOL_BURR, &how, mesh, err);
-    if (status == OST_OK)
-        status = ost_mesh_bounds(mesh, &lo, &hi, err);
-    if (status == OST_OK)
-        status = ost_tool_geometry_from_bounds(lo, hi, voxel, &grid, err);
+    const ost_status status = ost_mesh_init(mesh, 4 * (size_t)SOLIDS, 4 * (size_t)SOLIDS, err);
+    for (size_t b = 0; b < SOLIDS && status == OST_OK; b++) {
+        const ost_pm3 at = draw_point(d, -far, far);
+        for (int v = 0; v < 4; v++) {
+            const ost_pm3 off = draw_point(d, -size, size);
+            mesh->vertices[4 * b + (size_t)v] = (ost_pm3){at.x + off.x, at.y + off.y, at.z + off.z};
+        }
+        for (int t = 0; t < 4; t++)
+            for (int c = 0; c < 3; c++)
+                mesh->triangles[4 * b + (size_t)t][c] = (uint32_t)(4 * b) + faces[t][c];
+    }
     return status == OST_OK ? ost_mesh_snap(mesh, &grid, &tool->cutting, err) : status;
 }
 
