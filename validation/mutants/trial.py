@@ -248,7 +248,8 @@ class Campaign:
     def shared(self, program, tier, subject, scratch):
         """The same of what all backends share: here the campaign of the mutated program must notice.
 
-        The case in which a trace is not the unmutated one is run first, then the whole campaign.
+        A campaign of the case in which a trace is not the unmutated one goes first, or of a small case with the checks
+        of values that are known in advance; then the complete one.
         Returns (who, case, stage, how), or None; changed says if a result did change.
         """
         suspect = None
@@ -263,7 +264,8 @@ class Campaign:
             if suspect:
                 break
         options = ["--cpu-only", "--backends", ";".join([subject] + [s for s in self.subjects(tier, scratch) if s == "dense"])]
-        runs = [["--only", suspect, *options], options, []] if suspect else [[]]
+        runs = [["--only", suspect, *options], options] if suspect else [["--only", "import/0", *options]]
+        runs.append([])
         for words in runs:
             found = self._noticed([program, "validate", "--json", "--tier", tier, "--jobs", "1", *words], scratch)
             if found:
