@@ -7,6 +7,7 @@
  * free memory.
  */
 #include "cl/choice.h"
+#include "core/memory_stream.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -80,10 +81,10 @@ static void put_line(FILE *to, const char *name, fact_kind kind, fact *v, size_t
 
 char *ost_cl_facts(const ost_cl_api *cl, const ost_cl_device *device)
 {
-    char *text = NULL;
-    size_t size = 0, got;
+    ost_memory_stream made;
+    size_t got;
     fact *v = malloc(sizeof *v);
-    FILE *to = v ? open_memstream(&text, &size) : NULL;
+    FILE *to = v ? ost_memory_stream_open(&made) : NULL;
     if (!to) {
         free(v);
         return NULL;
@@ -100,10 +101,6 @@ char *ost_cl_facts(const ost_cl_api *cl, const ost_cl_device *device)
         if (cl->clGetDeviceInfo(device->id, of_device[i].what, sizeof *v - 1, v, &got) == CL_SUCCESS)
             put_line(to, of_device[i].name, of_device[i].kind, v, got);
     }
-    if (fclose(to) != 0) {
-        free(text);
-        text = NULL;
-    }
     free(v);
-    return text;
+    return ost_memory_stream_close(to, &made) ? made.bytes : NULL;
 }

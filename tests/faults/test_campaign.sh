@@ -22,6 +22,10 @@ walk_campaign() {
     walk_over --kind $kind --in "$processes" --loose $varying -- validate --jobs 1 --backends "ref;$one" --quiet --out bundle "$@"
 }
 
+# Each allocation of the lists of software: none may leave a list that lacks a library or has another digest.
+checks=$((checks + 1))
+"$walk" --runs 0 "$library" "$build/tests/faults/write_software" || fail "the lists of software"
+
 # A worker's first allocations fail before its options are read; its status says so all the same.
 for k in 1 2 3; do
     checks=$((checks + 1))

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The files that follow from protocol and cases, for machines: each a function of both that writes text. */
+#include "core/memory_stream.h"
 #include "validation/bundle/evidence.h"
 #include "validation/bundle/csv.h"
 #include "validation/margin.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -258,15 +258,15 @@ static const struct {
 static ost_status write_one(const char *name, derive *make, const json_t *protocol, const json_t *cases, const json_t *summary, evidence_sink *sink, void *user,
                             ost_error *err)
 {
-    char *bytes = NULL;
-    size_t size = 0;
-    FILE *to = open_memstream(&bytes, &size);
+    ost_memory_stream made;
+    FILE *to = ost_memory_stream_open(&made);
     if (!to)
-        return ost_fail(err, OST_ERR_MEMORY, "%s: %s", name, strerror(errno));
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for %s", name);
     make(to, protocol, cases, summary);
-    const bool failed = ferror(to) != 0;
-    ost_status status = fclose(to) != 0 || failed ? ost_fail(err, OST_ERR_MEMORY, "no memory for %s", name) : sink(user, name, bytes, size, err);
-    free(bytes);
+    if (!ost_memory_stream_close(to, &made))
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for %s", name);
+    const ost_status status = sink(user, name, made.bytes, made.size, err);
+    free(made.bytes);
     return status;
 }
 

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "core/memory_stream.h"
 #include "validation/bundle/digests.h"
 #include "validation/locate/causes.h"
 #include "validation/scene.h"
@@ -203,9 +204,8 @@ const json_t *evidence_part(const json_t *file, const char *key, size_t number)
 char *evidence_own_options(const json_t *protocol, bool how)
 {
     const json_t *user = json_object_get(protocol, "user"), *files = json_object_get(user, "files"), *words = json_object_get(user, "how");
-    char *text = NULL;
-    size_t size;
-    FILE *to = open_memstream(&text, &size);
+    ost_memory_stream made;
+    FILE *to = ost_memory_stream_open(&made);
     if (!to)
         return NULL;
     for (size_t i = 0; i < json_array_size(files); i++) {
@@ -219,8 +219,7 @@ char *evidence_own_options(const json_t *protocol, bool how)
         const char *word = json_string_value(json_array_get(words, i));
         fprintf(to, " %s", word ? word : "");
     }
-    fclose(to);
-    return text;
+    return ost_memory_stream_close(to, &made) ? made.bytes : NULL;
 }
 
 static void add_sentence(json_t *list, const char *text)

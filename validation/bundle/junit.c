@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "validation/bundle/junit.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "core/memory_stream.h"
 
 typedef struct page {
     FILE *to;
@@ -135,16 +136,15 @@ ost_status junit_write(const json_t *protocol, const json_t *cases, const json_t
                        evidence_sink *sink, void *user, ost_error *err)
 {
     const json_t *backends = json_object_get(protocol, "backends");
-    char *bytes = NULL;
-    size_t size = 0;
+    ost_memory_stream made;
     json_t *summary;
     ost_status status = evidence_summary(protocol, cases, &summary, err);
     if (status != OST_OK)
         return status;
-    const page p = {open_memstream(&bytes, &size), protocol, cases, times, environment};
+    const page p = {ost_memory_stream_open(&made), protocol, cases, times, environment};
     if (!p.to) {
         json_decref(summary);
-        return ost_fail(err, OST_ERR_MEMORY, JUNIT_FILE ": %s", strerror(errno));
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for " JUNIT_FILE);
     }
     fputs("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"osteon validate\">\n", p.to);
     if (json_integer_value(json_object_get(summary, "compared")) == 0)
@@ -153,9 +153,9 @@ ost_status junit_write(const json_t *protocol, const json_t *cases, const json_t
         put_suite(&p, json_array_get(backends, s));
     fputs("</testsuites>\n", p.to);
     json_decref(summary);
-    const bool failed = ferror(p.to) != 0;
-    status = fclose(p.to) != 0 || failed ? ost_fail(err, OST_ERR_MEMORY, "no memory for " JUNIT_FILE)
-                                         : sink(user, JUNIT_FILE, bytes, size, err);
-    free(bytes);
+    if (!ost_memory_stream_close(p.to, &made))
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for " JUNIT_FILE);
+    status = sink(user, JUNIT_FILE, made.bytes, made.size, err);
+    free(made.bytes);
     return status;
 }

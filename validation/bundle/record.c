@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/memory_stream.h"
 #include "validation/bundle/anomaly_lines.h"
 #include "validation/bundle/bundle.h"
 #include "validation/bundle/devices.h"
@@ -33,15 +34,14 @@ static ost_status put_json(const char *name, const json_t *value, evidence_sink 
 
 static ost_status put_known_anomalies(evidence_sink *sink, void *user, ost_error *err)
 {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *to = open_memstream(&text, &size);
+    ost_memory_stream made;
+    FILE *to = ost_memory_stream_open(&made);
     for (size_t i = 0; to && i < sizeof anomaly_lines / sizeof anomaly_lines[0]; i++)
         fprintf(to, "%s\n", anomaly_lines[i]);
-    ost_status status = to && fclose(to) == 0 ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for %s", KNOWN_ANOMALIES_FILE);
-    if (status == OST_OK)
-        status = sink(user, KNOWN_ANOMALIES_FILE, text, size, err);
-    free(text);
+    if (!to || !ost_memory_stream_close(to, &made))
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for %s", KNOWN_ANOMALIES_FILE);
+    const ost_status status = sink(user, KNOWN_ANOMALIES_FILE, made.bytes, made.size, err);
+    free(made.bytes);
     return status;
 }
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "validation/bundle/software.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include <osteon/digest.h>
+#include "core/memory_stream.h"
 #include "validation/bundle/csv.h"
 
 /* By the beginning of a library's file name. */
@@ -68,16 +68,8 @@ static const known *known_of(const char *soname)
     return &unknown;
 }
 
-/* ----------------------------------------------------------------- memory */
-
-/* A value without memory would be left out of a list in silence: each failed allocation of Jansson's is recorded. */
+/* Set where memory is lacking; a failed allocation of Jansson ends the program (app/main.c). */
 static bool out_of_memory;
-static void *recording_malloc(size_t size)
-{
-    void *p = malloc(size);
-    out_of_memory |= !p;
-    return p;
-}
 
 /* ----------------------------------------------------------- the libraries */
 
@@ -240,7 +232,7 @@ static void sbom(FILE *to, json_t *tools)
     ost_digest digest = {{0}};
     ost_error none = {0};
     bool proprietary = false;
-    ost_digest_bytes(text ? text : "", text ? strlen(text) : 0, &digest, &none);
+    out_of_memory |= !text || ost_digest_bytes(text, strlen(text), &digest, &none) != OST_OK;
     free(text);
     snprintf(space, sizeof space, "https://spdx.org/spdxdocs/osteon-%.20s-%s", evidence_text(program, "version"), ost_digest_hex(&digest, hex));
     snprintf(creator, sizeof creator, "Tool: osteon-%.20s", evidence_text(program, "version"));
@@ -278,21 +270,15 @@ static void sbom(FILE *to, json_t *tools)
 
 static ost_status write_one(const char *name, void (*make)(FILE *to, json_t *tools), json_t *tools, evidence_sink *sink, void *user, ost_error *err)
 {
-    char *bytes = NULL;
-    size_t size = 0;
-    FILE *to = open_memstream(&bytes, &size);
+    ost_memory_stream made;
+    FILE *to = ost_memory_stream_open(&made);
     if (!to)
-        return ost_fail(err, OST_ERR_MEMORY, "%s: %s", name, strerror(errno));
-    json_malloc_t own_malloc;
-    json_free_t own_free;
-    json_get_alloc_funcs(&own_malloc, &own_free);
-    json_set_alloc_funcs(recording_malloc, free);
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for %s", name);
     out_of_memory = false;
     make(to, tools);
-    json_set_alloc_funcs(own_malloc, own_free);
-    const bool failed = ferror(to) != 0 || out_of_memory;
-    ost_status status = fclose(to) != 0 || failed ? ost_fail(err, OST_ERR_MEMORY, "no memory for %s", name) : sink(user, name, bytes, size, err);
-    free(bytes);
+    const bool complete = ost_memory_stream_close(to, &made) && !out_of_memory;
+    const ost_status status = complete ? sink(user, name, made.bytes, made.size, err) : ost_fail(err, OST_ERR_MEMORY, "no memory for %s", name);
+    free(made.bytes);
     return status;
 }
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "validation/bundle/trace_table.h"
 
-#include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/memory_stream.h"
 #include "validation/bundle/csv.h"
 #include "validation/bundle/requirement_lines.h"
 #include "validation/bundle/suite.h"
@@ -275,14 +275,14 @@ static void write_rows(FILE *to, const char *requirements, const json_t *cases, 
 ost_status trace_table_write(const char *requirements, const json_t *cases, const json_t *common, const json_t *suite,
                              evidence_sink *sink, void *user, ost_error *err)
 {
-    char *bytes = NULL;
-    size_t size = 0;
-    FILE *to = open_memstream(&bytes, &size);
+    ost_memory_stream made;
+    FILE *to = ost_memory_stream_open(&made);
     if (!to)
-        return ost_fail(err, OST_ERR_MEMORY, TRACE_FILE ": %s", strerror(errno));
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for " TRACE_FILE);
     write_rows(to, requirements, cases, common, suite);
-    const bool failed = ferror(to) != 0;
-    ost_status status = fclose(to) != 0 || failed ? ost_fail(err, OST_ERR_MEMORY, "no memory for " TRACE_FILE) : sink(user, TRACE_FILE, bytes, size, err);
-    free(bytes);
+    if (!ost_memory_stream_close(to, &made))
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for " TRACE_FILE);
+    const ost_status status = sink(user, TRACE_FILE, made.bytes, made.size, err);
+    free(made.bytes);
     return status;
 }

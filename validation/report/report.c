@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "validation/report/report.h"
 
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/memory_stream.h"
 #include "validation/bundle/bundle.h"
 #include "validation/bundle/impact.h"
 #include "validation/bundle/record.h"
@@ -329,16 +329,15 @@ static void files(const page *p)
 
 ost_status report_write(const char *folder, const json_t *protocol, const json_t *cases, evidence_sink *sink, void *user, ost_error *err)
 {
-    char *bytes = NULL;
-    size_t size = 0;
+    ost_memory_stream made;
     json_t *summary;
     ost_status status = evidence_summary(protocol, cases, &summary, err);
     if (status != OST_OK)
         return status;
-    FILE *to = open_memstream(&bytes, &size);
+    FILE *to = ost_memory_stream_open(&made);
     if (!to) {
         json_decref(summary);
-        return ost_fail(err, OST_ERR_MEMORY, "%s: %s", REPORT_FILE, strerror(errno));
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for %s", REPORT_FILE);
     }
     ost_error unread = {0};
     const page p = {to, folder, protocol, cases, summary, &unread};
@@ -367,13 +366,12 @@ ost_status report_write(const char *folder, const json_t *protocol, const json_t
     signing(&p);
     files(&p);
     page_end(&p);
-    const bool failed = ferror(to) != 0;
-    status = fclose(to) != 0 || failed ? ost_fail(err, OST_ERR_MEMORY, "no memory for %s", REPORT_FILE) : OST_OK;
+    status = ost_memory_stream_close(to, &made) ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for %s", REPORT_FILE);
     if (status == OST_OK && unread.status != OST_OK)
         status = ost_fail(err, unread.status, "%s", unread.text);
     if (status == OST_OK)
-        status = sink(user, REPORT_FILE, bytes, size, err);
-    free(bytes);
+        status = sink(user, REPORT_FILE, made.bytes, made.size, err);
+    free(made.bytes);
     json_decref(summary);
     return status;
 }

@@ -363,10 +363,9 @@ ost_status ost_mesh_check_ply(mesh_input *in, ost_error *err)
 {
     ost_status status;
     mesh_plain whole;
-    char *body = NULL;
-    size_t size = 0;
+    ost_memory_stream body = {NULL};
     ply *p = calloc(1, sizeof *p);
-    if (!p || !(p->out = open_memstream(&body, &size))) {
+    if (!p || !(p->out = ost_memory_stream_open(&body))) {
         status = no_memory(in, err);
         goto cleanup;
     }
@@ -375,19 +374,17 @@ ost_status ost_mesh_check_ply(mesh_input *in, ost_error *err)
     status = read_header(p, err);
     if (status == OST_OK)
         status = read_body(p, err);
-    bool lost = ferror(p->out) != 0;
-    lost |= fclose(p->out) != 0;
-    if (status == OST_OK && lost)
+    if (!ost_memory_stream_close(p->out, &body) && status == OST_OK)
         status = no_memory(in, err);
     if (status == OST_OK)
         status = ost_mesh_plain_open(in, &whole, err);
     if (status == OST_OK) {
         put_header(p, whole.out);
-        fwrite(body, 1, size, whole.out);
+        fwrite(body.bytes, 1, body.size, whole.out);
         status = ost_mesh_plain_close(in, &whole, status, err);
     }
 cleanup:
-    free(body);
+    free(body.bytes);
     free(p);
     return status;
 }

@@ -132,23 +132,20 @@ ost_status ost_mesh_input_face(mesh_input *in, uint64_t corners, ost_error *err)
 
 ost_status ost_mesh_plain_open(const mesh_input *in, mesh_plain *plain, ost_error *err)
 {
-    *plain = (mesh_plain){0};
-    plain->out = open_memstream(&plain->bytes, &plain->size);
+    plain->out = ost_memory_stream_open(&plain->made);
     return plain->out ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "%s: no memory for its plain form", in->path);
 }
 
 ost_status ost_mesh_plain_close(mesh_input *in, mesh_plain *plain, ost_status status, ost_error *err)
 {
-    bool lost = ferror(plain->out) != 0;
-    lost |= fclose(plain->out) != 0;
-    if (lost && status == OST_OK)
+    if (!ost_memory_stream_close(plain->out, &plain->made) && status == OST_OK)
         status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory for its plain form", in->path);
     if (status == OST_OK) {
         free(in->bytes);
-        in->bytes = (uint8_t *)plain->bytes; /* the stream has terminated it with a zero byte */
-        in->size = plain->size;
+        in->bytes = (uint8_t *)plain->made.bytes;
+        in->size = plain->made.size;
     } else {
-        free(plain->bytes);
+        free(plain->made.bytes);
     }
     return status;
 }

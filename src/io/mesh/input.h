@@ -18,6 +18,7 @@
 #include <stdio.h>
 
 #include <osteon/io.h>
+#include "core/memory_stream.h"
 
 typedef enum mesh_kind { MESH_STL_BINARY, MESH_STL_ASCII, MESH_OBJ, MESH_PLY, MESH_3DS } mesh_kind;
 
@@ -51,8 +52,7 @@ ost_status ost_mesh_input_face(mesh_input *in, uint64_t corners, ost_error *err)
 /* The plain form of a file while it is written; it will replace in->bytes. */
 typedef struct mesh_plain {
     FILE *out;
-    char *bytes;
-    size_t size;
+    ost_memory_stream made;
 } mesh_plain;
 
 ost_status ost_mesh_plain_open(const mesh_input *in, mesh_plain *plain, ost_error *err);
