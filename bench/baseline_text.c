@@ -9,7 +9,7 @@
 size_t bench_fscanf_lines(const char *path, float *positions, int16_t *densities, size_t room)
 {
     FILE *file;
-    (void)ost_file_stream(path, &file, NULL);
+    (void)ost_file_stream(path, &file, NULL, NULL);
     size_t count = 0;
     int density;
     if (!file)

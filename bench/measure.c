@@ -201,7 +201,7 @@ static bool proc_line(const char *path, const char *key, char *text, size_t size
     char line[512];
     bool found = false;
     FILE *file;
-    (void)ost_file_stream(path, &file, NULL);
+    (void)ost_file_stream(path, &file, NULL, NULL);
     if (!file)
         return false;
     while (!found && fgets(line, sizeof line, file)) {

@@ -83,7 +83,7 @@ ost_status file_digest(const char *path, ost_digest *out, ost_error *err)
 {
     ost_hasher *hasher = NULL;
     FILE *file;
-    ost_status status = ost_file_stream(path, &file, err);
+    ost_status status = ost_file_stream(path, &file, NULL, err);
     if (status != OST_OK)
         return status;
     status = ost_hasher_open(&hasher, err);

@@ -26,7 +26,7 @@ static bool broken(const char *path, const char *file, char *reason, size_t size
 {
     char line[512] = "";
     FILE *f;
-    (void)ost_file_stream(path, &f, NULL);
+    (void)ost_file_stream(path, &f, NULL, NULL);
     if (!f || !fgets(line, sizeof line, f))
         line[0] = 0;
     if (f)

@@ -63,10 +63,12 @@ ost_status ost_file_open_within(int folder, const char *name, ost_file *out, ost
     return open_at(folder, name, false, out, err);
 }
 
-ost_status ost_file_stream(const char *path, FILE **out, ost_error *err)
+ost_status ost_file_stream(const char *path, FILE **out, bool *absent, ost_error *err)
 {
     ost_file file;
     ost_status status = ost_file_open(path, &file, err);
+    if (absent)
+        *absent = file.absent;
     *out = status == OST_OK ? fdopen(file.fd, "r") : NULL;
     if (status == OST_OK && !*out) {
         status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a stream", path);

@@ -38,8 +38,11 @@ ost_status ost_file_open(const char *path, ost_file *out, ost_error *err);
  */
 ost_status ost_file_open_within(int folder, const char *name, ost_file *out, ost_error *err);
 
-/* Opens a regular file as a stream; the caller calls fclose. *out is NULL after a failure. */
-ost_status ost_file_stream(const char *path, FILE **out, ost_error *err);
+/*
+ * Opens a regular file as a stream; the caller calls fclose. *out is NULL after a failure. absent may be NULL; it is
+ * set to true if no file has this name, else to false.
+ */
+ost_status ost_file_stream(const char *path, FILE **out, bool *absent, ost_error *err);
 
 /* Reads the file->size bytes of an open file into `to`; OST_ERR_IO when its size has changed. path is for messages. */
 ost_status ost_file_fill(const char *path, const ost_file *file, void *to, ost_error *err);

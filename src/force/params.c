@@ -233,7 +233,7 @@ ost_status ost_force_params_read(const char *file, ost_force_params *force, ost_
     bool seen[COUNT] = {false};
     char text[LINE];
     FILE *in;
-    ost_status status = ost_file_stream(file, &in, err);
+    ost_status status = ost_file_stream(file, &in, NULL, err);
     if (status != OST_OK)
         return status;
     for (int line = 1; status == OST_OK && fgets(text, sizeof text, in); line++) {

@@ -260,7 +260,7 @@ static int64_t stolen_ms(void)
 {
     long long field[8];
     FILE *file;
-    (void)ost_file_stream("/proc/stat", &file, NULL);
+    (void)ost_file_stream("/proc/stat", &file, NULL, NULL);
     char line[512];
     if (!file)
         return -1;

@@ -59,15 +59,17 @@ static const char *field(const char *line, const char *name)
     return strncasecmp(line, name, length) == 0 && line[length] == ':' ? line + length + 1 + strspn(line + length + 1, " \t") : NULL;
 }
 
-void copyright_of(const char *package, char out[COPYRIGHT_LICENCE])
+ost_status copyright_of(const char *package, char out[COPYRIGHT_LICENCE], ost_error *err)
 {
     char path[300], line[LINE];
-    FILE *file = NULL;
-    bool all = false, known = false;
+    FILE *file;
+    bool all = false, known = false, absent;
     out[0] = '\0';
-    if (!*package || strchr(package, '/') || snprintf(path, sizeof path, "/usr/share/doc/%s/copyright", package) >= (int)sizeof path ||
-        ost_file_stream(path, &file, NULL) != OST_OK)
-        return;
+    if (!*package || strchr(package, '/') || snprintf(path, sizeof path, "/usr/share/doc/%s/copyright", package) >= (int)sizeof path)
+        return OST_OK;
+    ost_status status = ost_file_stream(path, &file, &absent, err);
+    if (status != OST_OK)
+        return absent ? OST_OK : status;
     for (int i = 0; i < LINES_MAX && fgets(line, sizeof line, file); i++) {
         const char *value;
         line[strcspn(line, "\r\n")] = '\0';
@@ -84,5 +86,8 @@ void copyright_of(const char *package, char out[COPYRIGHT_LICENCE])
             break;
         }
     }
+    if (ferror(file))
+        status = ost_fail(err, OST_ERR_IO, "%s: cannot be read", path);
     fclose(file);
+    return status;
 }

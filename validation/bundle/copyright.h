@@ -10,10 +10,15 @@
 #ifndef OST_VALIDATION_COPYRIGHT_H
 #define OST_VALIDATION_COPYRIGHT_H
 
+#include <osteon/status.h>
+
 enum { COPYRIGHT_LICENCE = 200 };
 
-/* Reads the copyright file of a package; out is "" where it has no licence that is known here. */
-void copyright_of(const char *package, char out[COPYRIGHT_LICENCE]);
+/*
+ * Reads the copyright file of a package. out is "" if the package has no such file, or the file names no licence that
+ * is known here. A file that cannot be read is an error: the lists of software would depend on it.
+ */
+ost_status copyright_of(const char *package, char out[COPYRIGHT_LICENCE], ost_error *err);
 
 /* Translates Debian's short names, joined by "and" and "or", into an SPDX expression; "" where one of them has none. */
 void copyright_spdx(const char *debian, char out[COPYRIGHT_LICENCE]);

@@ -2,6 +2,7 @@
 #include "validation/bundle/devices.h"
 
 #include <dirent.h>
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -45,41 +46,72 @@ static int by_name(const void *a, const void *b)
     return strcmp(*(char *const *)a, *(char *const *)b);
 }
 
-/* The loader's list of drivers: {"pocl.icd": "libpocl.so.2"}; the libraries themselves are in tools.json. */
-static json_t *drivers(void)
+static ost_status no_memory(ost_error *err)
+{
+    return ost_fail(err, OST_ERR_MEMORY, "no memory for " DEVICES_FILE);
+}
+
+/* Reads the first line of a file. */
+static ost_status first_line(const char *path, char line[], int size, ost_error *err)
+{
+    FILE *file;
+    ost_status status = ost_file_stream(path, &file, NULL, err);
+    if (status != OST_OK)
+        return status;
+    if (!fgets(line, size, file))
+        line[0] = '\0';
+    if (ferror(file))
+        status = ost_fail(err, OST_ERR_IO, "%s: cannot be read", path);
+    fclose(file);
+    line[strcspn(line, "\r\n")] = '\0';
+    return status;
+}
+
+/* Makes the loader's list of drivers, {"pocl.icd": "libpocl.so.2"}; the libraries themselves are in tools.json. */
+static ost_status drivers(json_t **out, ost_error *err)
 {
     const char *given = getenv("OCL_ICD_VENDORS"), *folder = given && *given ? given : "/etc/OpenCL/vendors";
-    json_t *o = json_object();
     char *names[64];
     size_t count = 0;
+    ost_status status = OST_OK;
     DIR *dir = opendir(folder);
-    for (struct dirent *e; dir && (e = readdir(dir)) && count < sizeof names / sizeof names[0];)
-        if (strlen(e->d_name) > 4 && strcmp(e->d_name + strlen(e->d_name) - 4, ".icd") == 0 && (names[count] = strdup(e->d_name)))
-            count++;
+    if (!dir && errno != ENOENT && errno != ENOTDIR)
+        status = ost_fail(err, errno == ENOMEM ? OST_ERR_MEMORY : OST_ERR_IO, "%s: %s", folder, strerror(errno));
+    for (struct dirent *e; status == OST_OK && dir && (e = readdir(dir)) && count < sizeof names / sizeof names[0];)
+        if (strlen(e->d_name) > 4 && strcmp(e->d_name + strlen(e->d_name) - 4, ".icd") == 0) {
+            names[count] = strdup(e->d_name);
+            if (!names[count])
+                status = no_memory(err);
+            else
+                count++;
+        }
     if (dir)
         closedir(dir);
     qsort(names, count, sizeof *names, by_name);
-    for (size_t i = 0; i < count; i++) {
-        char path[1024], line[512] = "";
+    *out = json_object();
+    for (size_t i = 0; i < count && status == OST_OK; i++) {
+        char path[1024], line[512];
         snprintf(path, sizeof path, "%s/%s", folder, names[i]);
-        FILE *file;
-        (void)ost_file_stream(path, &file, NULL);
-        if (file && !fgets(line, sizeof line, file))
-            line[0] = '\0';
-        if (file)
-            fclose(file);
-        line[strcspn(line, "\r\n")] = '\0';
-        json_t *text = json_string(line);
-        json_object_set_new(o, names[i], text ? text : json_string("(not UTF-8)"));
-        free(names[i]);
+        status = first_line(path, line, sizeof line, err);
+        if (status == OST_OK && json_object_set_new(*out, names[i], json_string(line)) != 0 &&
+            json_object_set_new(*out, names[i], json_string("(not UTF-8)")) != 0)
+            status = no_memory(err);
     }
-    return o;
+    for (size_t i = 0; i < count; i++)
+        free(names[i]);
+    if (status == OST_OK && !*out)
+        status = no_memory(err);
+    if (status != OST_OK) {
+        json_decref(*out);
+        *out = NULL;
+    }
+    return status;
 }
 
 ost_status devices_of(const subject_list *subjects, json_t **out, ost_error *err)
 {
     device_visit v = {subjects, json_array()};
-    json_t *sets = json_array();
+    json_t *sets = json_array(), *list = NULL;
     bool asked = false;
     ost_status status = OST_OK;
     *out = NULL;
@@ -94,12 +126,14 @@ ost_status devices_of(const subject_list *subjects, json_t **out, ost_error *err
         if (status == OST_OK && strcmp(info.name, "cl") == 0 && info.available)
             status = ost_backend_devices(i, add_device, &v, err);
     }
+    if (status == OST_OK && asked)
+        status = drivers(&list, err);
     if (status == OST_OK)
         *out = json_pack("{s:{s:O},s:{s:b,s:s,s:o,s:O}}", "cpu", "instruction_sets", sets, "opencl", "asked_for", asked, "not_compared_because",
-                         subjects->opencl ? "" : subjects->no_opencl, "drivers", asked ? drivers() : json_object(), "devices", v.list);
+                         subjects->opencl ? "" : subjects->no_opencl, "drivers", asked ? list : json_object(), "devices", v.list);
     json_decref(v.list);
     json_decref(sets);
     if (status == OST_OK && !*out)
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for " DEVICES_FILE);
+        status = no_memory(err);
     return status;
 }

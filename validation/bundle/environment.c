@@ -23,14 +23,17 @@ extern char **environ;
 #define COMPILER "gcc " __VERSION__
 #endif
 
-/* What is after "name : " in a file of such lines, the first time. */
-static void line_of(const char *path, const char *name, char text[], size_t size)
+/* Copies the text after "name : " of the first such line of a file; "" if there is no such line or no such file. */
+static ost_status line_of(const char *path, const char *name, char text[], size_t size, ost_error *err)
 {
     char line[4096];
     FILE *file;
-    (void)ost_file_stream(path, &file, NULL);
+    bool absent;
     text[0] = '\0';
-    while (file && fgets(line, sizeof line, file)) {
+    ost_status status = ost_file_stream(path, &file, &absent, err);
+    if (status != OST_OK)
+        return absent ? OST_OK : status;
+    while (fgets(line, sizeof line, file)) {
         const size_t length = strlen(name);
         const char *value = strncmp(line, name, length) == 0 ? strpbrk(line + length, ":=") : NULL;
         if (!value)
@@ -39,8 +42,10 @@ static void line_of(const char *path, const char *name, char text[], size_t size
         snprintf(text, size, "%.*s", (int)strcspn(value, "\"\n"), value);
         break;
     }
-    if (file)
-        fclose(file);
+    if (ferror(file))
+        status = ost_fail(err, OST_ERR_IO, "%s: cannot be read", path);
+    fclose(file);
+    return status;
 }
 
 /* Variables by which a driver, a compiler in it or a thread pool is steered. */
@@ -71,12 +76,16 @@ ost_status environment_of(const char *program, json_t **out, ost_error *err)
     int64_t size;
     ost_status status = libraries_digest(program, hex, &size, err);
     *out = NULL;
+    if (status == OST_OK)
+        status = line_of("/proc/cpuinfo", "model name", model, sizeof model, err);
+    if (status == OST_OK)
+        status = line_of("/proc/cpuinfo", "flags", flags, sizeof flags, err);
+    if (status == OST_OK)
+        status = line_of("/proc/cpuinfo", "microcode", microcode, sizeof microcode, err);
+    if (status == OST_OK)
+        status = line_of("/etc/os-release", "PRETTY_NAME", system_name, sizeof system_name, err);
     if (status != OST_OK)
         return status;
-    line_of("/proc/cpuinfo", "model name", model, sizeof model);
-    line_of("/proc/cpuinfo", "flags", flags, sizeof flags);
-    line_of("/proc/cpuinfo", "microcode", microcode, sizeof microcode);
-    line_of("/etc/os-release", "PRETTY_NAME", system_name, sizeof system_name);
     uname(&u);
     char host[sizeof u.nodename];
     limits_printable(u.nodename, host, sizeof host);

@@ -27,7 +27,7 @@ ost_status libraries_digest(const char *path, char hex[OST_DIGEST_HEX], int64_t 
     ost_digest digest = {{0}};
     FILE *file;
     *size = 0;
-    ost_status status = ost_file_stream(path, &file, err);
+    ost_status status = ost_file_stream(path, &file, NULL, err);
     if (status != OST_OK)
         return status;
     status = ost_hasher_open(&hasher, err);
@@ -254,7 +254,8 @@ static ost_status versions(json_t *packages, json_t *out, ost_error *err)
     return status;
 }
 
-static bool name_package(json_t *row, const json_t *owner, const json_t *version)
+/* Sets package, version, licence and maintainer of a library. */
+static ost_status name_package(json_t *row, const json_t *owner, const json_t *version, ost_error *err)
 {
     const char *file = json_string_value(json_object_get(row, "file")), *package = NULL, *its = NULL, *maintainer = NULL;
     char real[PATH_MAX], other[PATH_MAX];
@@ -270,15 +271,18 @@ static bool name_package(json_t *row, const json_t *owner, const json_t *version
     if (package)
         json_unpack(json_object_get(version, package), "[s,s]", &its, &maintainer);
     char licence[COPYRIGHT_LICENCE];
-    copyright_of(package ? package : "", licence);
+    const ost_status status = copyright_of(package ? package : "", licence, err);
+    if (status != OST_OK)
+        return status;
     if (!its) { /* libz.so.1.2.13 says its version itself */
         its = strstr(real, ".so.");
         its = its ? its + 4 : "";
     }
-    return json_object_set_new(row, "package", json_string(package ? package : "")) == 0 &&
-           json_object_set_new(row, "version", json_string(its)) == 0 &&
-           json_object_set_new(row, "licence", json_string(licence)) == 0 &&
-           json_object_set_new(row, "maintainer", json_string(maintainer ? maintainer : "")) == 0;
+    const bool complete = json_object_set_new(row, "package", json_string(package ? package : "")) == 0 &&
+                          json_object_set_new(row, "version", json_string(its)) == 0 &&
+                          json_object_set_new(row, "licence", json_string(licence)) == 0 &&
+                          json_object_set_new(row, "maintainer", json_string(maintainer ? maintainer : "")) == 0;
+    return complete ? OST_OK : no_memory(err);
 }
 
 static int by_file(const void *a, const void *b)
@@ -309,8 +313,10 @@ ost_status libraries_loaded(json_t **out, ost_error *err)
         status = libraries_digest(json_string_value(json_object_get(rows[i], "file")), hex, &size, err);
         if (status == OST_OK &&
             (json_object_set_new(rows[i], "sha256", json_string(hex)) != 0 ||
-             json_object_set_new(rows[i], "size", json_integer(size)) != 0 || !name_package(rows[i], owner, version)))
+             json_object_set_new(rows[i], "size", json_integer(size)) != 0))
             status = no_memory(err);
+        if (status == OST_OK)
+            status = name_package(rows[i], owner, version, err);
     }
     if (status == OST_OK) {
         qsort(rows, count, sizeof *rows, by_file);

@@ -31,20 +31,26 @@ const char *tools_commit(void)
     return BUILT_COMMIT;
 }
 
-/* ID of os-release: the namespace of its packages' names. */
-static void distribution_of(char name[32])
+/* Reads ID of os-release, the namespace of the names of packages; "" on a system without this file. */
+static ost_status distribution_of(char name[32], ost_error *err)
 {
+    static const char path[] = "/etc/os-release";
     char line[256];
     FILE *file;
-    (void)ost_file_stream("/etc/os-release", &file, NULL);
+    bool absent;
     name[0] = '\0';
-    while (file && fgets(line, sizeof line, file))
+    ost_status status = ost_file_stream(path, &file, &absent, err);
+    if (status != OST_OK)
+        return absent ? OST_OK : status;
+    while (fgets(line, sizeof line, file))
         if (strncmp(line, "ID=", 3) == 0) {
             const char *at = line + 3 + strspn(line + 3, "\"");
             snprintf(name, 32, "%.*s", (int)strspn(at, "abcdefghijklmnopqrstuvwxyz0123456789._-"), at);
         }
-    if (file)
-        fclose(file);
+    if (ferror(file))
+        status = ost_fail(err, OST_ERR_IO, "%s: cannot be read", path);
+    fclose(file);
+    return status;
 }
 
 ost_status tools_of(const char *program, json_t **out, ost_error *err)
@@ -52,9 +58,10 @@ ost_status tools_of(const char *program, json_t **out, ost_error *err)
     char hex[OST_DIGEST_HEX], distribution[32];
     int64_t size;
     json_t *libraries;
-    distribution_of(distribution);
     *out = NULL;
-    ost_status status = libraries_digest(program, hex, &size, err);
+    ost_status status = distribution_of(distribution, err);
+    if (status == OST_OK)
+        status = libraries_digest(program, hex, &size, err);
     if (status == OST_OK)
         status = libraries_loaded(&libraries, err);
     if (status != OST_OK)
