@@ -133,6 +133,7 @@ static void on_exit_within_verb(void)
     if (!within_verb)
         return;
     ost_outfile_unlink_pending();
+    leftover_end();
     static const char text[] = "osteon: a library that it uses gave up, as said above; what was asked for is not done\n";
     ssize_t ignored = write(STDERR_FILENO, text, sizeof text - 1);
     (void)ignored;
