@@ -8,10 +8,10 @@
 #include "core/divider.h"
 
 /*
- * 2^16 r / divisor for 0 <= r < divisor, rounded down with an error below 2.
- * In core/divider.h's terms r >> s has at most 62 bits, d 62 (divisor > 2^59 * 10^6 > 2^78) and
- * I = floor(2^124 / (d + 1)) < 2^63.  (r >> s) I <= (r / 2^s) * 2^124 * 2^s / divisor: never too
- * much; each rounding loses less than 2^-60 of the whole, and the last one less than 1.
+ * Returns 2^16 (q + r / divisor) for 0 <= r < divisor, rounded down with an error below 2.
+ * In the terms of core/divider.h, r >> s has at most 62 bits, d has 62 bits (divisor > 2^59 * 10^6 > 2^78) and
+ * I = floor(2^124 / (d + 1)) < 2^63.  (r >> s) I <= (r / 2^s) * 2^124 * 2^s / divisor, so the result is never too
+ * large; each rounding loses less than 2^-60 of the product, and the last one less than 1.
  */
 static int64_t scaled(const ost_divider *by, int64_t q, ost_i128 r)
 {
@@ -20,8 +20,9 @@ static int64_t scaled(const ost_divider *by, int64_t q, ost_i128 r)
 }
 
 /*
- * Along bone axis b, from the exact start: 16 columns a block, added as quotient and remainder. 16 column =
- * (16 step) divisor + 16 e with e = column - step divisor, |e| <= divisor / 2.
+ * Fills the table of bone axis b and tool axis a, beginning with the exact value of start. Each block
+ * adds 16 columns, as a quotient and a remainder: 16 column = (16 step) divisor + 16 e with e = column
+ * - step divisor, |e| <= divisor / 2.
  */
 static void fill(ost_block_bases *bases, const ost_divider *by, int b, int a, ost_i128 start)
 {
@@ -79,9 +80,10 @@ void ost_block_bases_make(ost_block_bases *bases, const ost_map *map, const int3
 
 /*
  * A voxel of a block has u = base + sum of d step, 0 <= d <= 15, so on each
- * axis base - below <= u <= base + above. When that misses [0, dims 2^20), no
- * voxel of the block is inside the tool's grid. below + above <= 15 times a sum
- * of three |step| < 2^29 (AR-MAP-5), so from .. from + width fits as remove.h's u does.
+ * axis base - below <= u <= base + above. If that range does not overlap
+ * [0, dims 2^20), no voxel of the block is inside the tool's grid. below + above is
+ * at most 15 times a sum of three |step|, which is < 2^29 (AR-MAP-5), so from and
+ * from + width fit int32 as the u of remove.h do.
  */
 ost_block_reach ost_block_reach_of(const int32_t step[3][3], const int32_t dims[3])
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The bases of many blocks at one pose (AR-MAP-4), without a division each.
+ * Computes the bases of many blocks at one pose (AR-MAP-4) without a division for each.
  *
  *   exact coordinate of block (x, y, z)  =  X[x] + Y[y] + Z[z],  each a multiple of 1 / divisor
  *
@@ -20,41 +20,44 @@
 
 typedef struct ost_block_bases {
     const ost_map *map;
-    int32_t lo[3], count[3]; /* blocks that were asked for */
+    int32_t lo[3], count[3]; /* the blocks of the last make */
     int64_t *part[3];        /* owned scratch: [bone axis][3 * (block - lo) + tool axis] */
     size_t capacity[3];
 } ost_block_bases;
 
-/* Room for up to so many blocks along each axis. Zero-initialise once, reuse, free at the end. */
+/*
+ * Reserves memory for up to count[axis] blocks along each axis. *bases must be zero-initialised before
+ * the first call; it can be reused for further poses, and is freed by ost_block_bases_free.
+ */
 ost_status ost_block_bases_reserve(ost_block_bases *bases, const int32_t count[3], ost_error *err);
-/* Bases of the blocks lo <= block < hi, for which there is room. */
+/* Computes the tables for the blocks lo <= block < hi, for which memory must have been reserved. */
 void ost_block_bases_make(ost_block_bases *bases, const ost_map *map, const int32_t lo[3], const int32_t hi[3]);
 void ost_block_bases_free(ost_block_bases *bases);
 
-/* As ost_map_block_base; block as given to make. */
+/* Computes the same as ost_map_block_base. block must be in the range of the last ost_block_bases_make. */
 static inline bool ost_block_base(const ost_block_bases *bases, const int32_t block[3], int32_t base[3])
 {
     const int64_t low = -(INT64_C(1) << 29);
-    const uint64_t span = UINT64_C(1) << 31; /* from there up to 2^30 + 2^29 */
+    const uint64_t span = UINT64_C(1) << 31; /* bases from low to below 2^30 + 2^29 */
     const int64_t *x = bases->part[0] + 3 * (size_t)(block[0] - bases->lo[0]), *y = bases->part[1] + 3 * (size_t)(block[1] - bases->lo[1]),
                   *z = bases->part[2] + 3 * (size_t)(block[2] - bases->lo[2]);
     const int64_t u = x[0] + y[0] + z[0] + (1 << 15), v = x[1] + y[1] + z[1] + (1 << 15), w = x[2] + y[2] + z[2] + (1 << 15);
     base[0] = (int32_t)(u >> 16);
     base[1] = (int32_t)(v >> 16);
     base[2] = (int32_t)(w >> 16);
-    const uint16_t unsure = 0xffff - 6; /* 0 and the last six, less 1, are not below it */
+    const uint16_t unsure = 0xffff - 6; /* W needs the division if its low 16 bits, less 1, are not below this */
     if ((uint16_t)(u - 1) >= unsure || (uint16_t)(v - 1) >= unsure || (uint16_t)(w - 1) >= unsure)
         return ost_map_block_base(bases->map, (ost_dims){block[0], block[1], block[2]}, base);
     return (uint64_t)((u >> 16) - low) < span && (uint64_t)((v >> 16) - low) < span && (uint64_t)((w >> 16) - low) < span;
 }
 
-/* Bases from which a block's voxels may lie in the tool's grid: from <= base < from + width. */
+/* The bases at which some voxel of a block can lie in the tool's grid: from <= base < from + width on each axis. */
 typedef struct ost_block_reach {
     int32_t from[3];
     uint32_t width[3];
 } ost_block_reach;
 
-/* That of a tool of dims voxels. */
+/* Computes the reach for a tool of dims voxels and the steps of a map. */
 ost_block_reach ost_block_reach_of(const int32_t step[3][3], const int32_t dims[3]);
 
 static inline bool ost_block_in_reach(const ost_block_reach *r, const int32_t base[3])

@@ -7,12 +7,12 @@
 #include "cpu/bone/bone.h"
 #include "cpu/kernels.h"
 
-/* Everything that a pose is worked out to before the first chunk. */
+/* The tables that are computed for a pose before its first chunk is processed. */
 typedef struct ost_pose_plan {
     ost_split split[2]; /* 16 -> 8, 8 -> 4 */
     ost_match match;
     ost_block_bases bases;
-    ost_voxel_box box; /* within the grid */
+    ost_voxel_box box; /* the pose's box, clipped to the grid */
     ost_block_reach reach;
 } ost_pose_plan;
 

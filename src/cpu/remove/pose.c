@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the kernels need to know of a pose, out of its steps (remove.h says why it is right). */
+/* Computes the kernels' constants of a pose from its steps (remove.h has the proof). */
 #include <string.h>
 
 #include "core/conditions.h"
 #include "cpu/remove/remove.h"
 
-/* (2 R)^2 of a cube of this edge: |step| <= 2^24 + 1 (AR-MAP-3), edge <= 8, so below 3 * (7 * 3 * 2^24 + 63)^2 < 2^59. */
+/*
+ * Returns (2 R)^2 of a cube of this edge. With |step| <= 2^24 + 1 (AR-MAP-3) and edge <= 8 it is below
+ * 3 * (7 * 3 * 2^24 + 63)^2 < 2^59.
+ */
 static int64_t diameter_squared(const int32_t step[3][3], int32_t edge)
 {
     int64_t greatest = 0;
@@ -21,7 +24,10 @@ static int64_t diameter_squared(const int32_t step[3][3], int32_t edge)
     return greatest;
 }
 
-/* The first v with v * unit > R + 2, that is 2 v unit - 4 > 2 R. unit <= 2^21, so the squares stay below 2^60. */
+/*
+ * Returns the first v in 1..127 with v * unit > R + 2, that is 2 v unit - 4 > 2 R, or 128 if there is
+ * none. unit <= 2^21, so the squares are below 2^60.
+ */
 static int32_t least_for(int64_t squared, int32_t unit)
 {
     int32_t lo = 1, hi = 128;
@@ -40,7 +46,7 @@ void ost_split_make(const int32_t step[3][3], int32_t edge, const ost_cells *cel
 {
     const int32_t half = edge / 2;
     for (int a = 0; a < 3; a++) {
-        /* |sum| < 2^25, times 7: the shift rounds down. */
+        /* |sum| < 2^25 and half - 1 < 8, so the product fits; the shift rounds down. */
         const int32_t centre = ((half - 1) * (step[0][a] + step[1][a] + step[2][a])) >> 1;
         for (int part = 0; part < 8; part++) {
             out->first[a][part] = half * ((part & 1 ? step[0][a] : 0) + (part & 2 ? step[1][a] : 0) + (part & 4 ? step[2][a] : 0));

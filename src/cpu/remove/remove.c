@@ -1,31 +1,32 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Removal and collision (AR-REM) by cubes: as the reference, but asking the
- * tool's distances first (remove.h).
+ * Removal and collision (AR-REM) by cubes: the reference's results, with cubes
+ * classified by the tool's distances before single voxels are tested (remove.h).
  *
  *   for each pose
- *     for each chunk with memory in its box          threads take chunks
+ *     for each chunk with memory in its box          divided among threads
  *       for each unit of up to 32^3 voxels
  *         blocks of 16^3 in the box and in reach     block_base.h: their bases
- *         split: 8^3 cubes inside, mixed             outside ones are done
- *         split: bricks inside, mixed                those with nothing active are done
+ *         split: 8^3 cubes inside, mixed             outside ones are dropped
+ *         split: bricks inside, mixed                those without active voxels are dropped
  *         match: the hits of mixed bricks
- *         hits &= what is active; that becomes inactive
- *         take: densities into the tally, and 0
+ *         hits &= active voxels, which become inactive
+ *         take: densities are added to the tally and set to 0
  *   reports in the order of chunks
  *
- * One pose after the other: what a pose hits is inactive for those after it,
- * so that a voxel counts once however many poses hit it.  A collision does
- * the same to copies of the occupancy and leaves the densities alone.
+ * Poses are processed in order: a voxel that a pose hits is inactive for the
+ * later poses, so that a voxel is counted once however many poses hit it.  A
+ * collision does the same to copies of the occupancy and does not change the
+ * densities.
  *
  * Touched voxels (AR-REM-1) are the active ones that remain after all poses
- * and that some pose covers with a voxel of class 2: a second pass with the
- * tool's other shape, over copies of what occupancy is left, hits counted only.
+ * and that some pose covers with a voxel of class 2.  A second pass with the
+ * tool's other shape counts them on copies of the remaining occupancy.
  *
- * Every kernel sees whole cubes of its unit, so voxels may be tested that lie
- * beside a pose's box; the reference tests none there.  Where a cube that is
- * not outside crosses the box, its hits are cut to the box, so that even a box that
- * is too small gives the same.
+ * Kernels process complete cubes of a unit, so voxels outside a pose's box can be
+ * tested; the reference tests none there.  If a cube that is not outside the tool
+ * crosses the box, its hits are clipped to the box, so that the results are the
+ * same even for a box that is too small.
  */
 #include "cpu/remove/event.h"
 
@@ -50,7 +51,7 @@ static int32_t max32(int32_t a, int32_t b)
 
 /* ------------------------------------------------------------- boxes */
 
-/* The box's part of the grid; false when it is empty. */
+/* Clips the box to the grid; returns false if the result is empty. */
 static bool clip_box(const ost_voxel_box *box, ost_dims dims, ost_voxel_box *out)
 {
     const int32_t d[3] = {dims.x, dims.y, dims.z};
@@ -68,11 +69,14 @@ static int32_t within(int32_t v, int32_t lo, int32_t hi)
     return min32(max32(v, lo), hi);
 }
 
-/* Numbers 0..63 of the 8^3 cubes of a unit that lie wholly in the box. */
+/* Returns the set of the unit's 8^3 cubes, by their numbers 0..63, that lie entirely in the box. */
 static uint64_t cubes_within(const int32_t unit[3], const ost_voxel_box *box)
 {
     enum { CUBES = OST_UNIT / 8 };
-    /* Those whose place along an axis is below 0, 1, 2, 3, 4: one bit of the place is the number's bit of the axis, the other three above it. */
+    /*
+     * below[a][i]: the cubes whose index along axis a is below i. The low bit of that index is bit a of
+     * the cube's number, the high bit is bit a + 3.
+     */
     static const uint64_t below[3][CUBES + 1] = {
         {0, UINT64_C(0x0055005500550055), UINT64_C(0x00ff00ff00ff00ff), UINT64_C(0x55ff55ff55ff55ff), ~UINT64_C(0)},
         {0, UINT64_C(0x0000333300003333), UINT64_C(0x0000ffff0000ffff), UINT64_C(0x3333ffff3333ffff), ~UINT64_C(0)},
@@ -86,7 +90,7 @@ static uint64_t cubes_within(const int32_t unit[3], const ost_voxel_box *box)
     return cubes;
 }
 
-/* The 8^3 cubes of the two lists that do not lie wholly in the box. */
+/* Returns the set of 8^3 cubes in the two lists that do not lie entirely in the box. */
 static uint64_t cubes_across(const int32_t unit[3], const ost_cubes *mixed, const ost_numbers *inside, const ost_voxel_box *box)
 {
     const uint64_t beyond = ~cubes_within(unit, box);
@@ -100,7 +104,7 @@ static uint64_t cubes_across(const int32_t unit[3], const ost_cubes *mixed, cons
     return met & beyond;
 }
 
-/* The voxels of a brick that lie in the box; all of them where its cube is not among those across. */
+/* Returns the set of a brick's voxels that lie in the box: all 64 if its cube is not in the set `across`. */
 static inline uint64_t brick_within(const int32_t unit[3], int32_t number, const ost_voxel_box *box, uint64_t across)
 {
     if (!(across >> (number >> 3) & 1))
@@ -120,14 +124,14 @@ static inline uint64_t brick_within(const int32_t unit[3], int32_t number, const
 
 /* ---------------------------------------------------------------- a unit */
 
-/* Bricks with hits, and what is hit. */
+/* The bricks of a unit with hits, and the voxels of each that are hit. */
 typedef struct hit_list {
     int32_t number[OST_UNIT_BRICKS];
     uint64_t hits[OST_UNIT_BRICKS];
     size_t count;
 } hit_list;
 
-/* hits become inactive; what was inactive was no hit. */
+/* Appends the active ones among `hits` of a brick to the list and makes them inactive. */
 static inline void add_hits(hit_list *list, uint64_t *occupancy, int32_t number, uint64_t hits)
 {
     const uint64_t active = occupancy[number], hit = active & hits;
@@ -137,7 +141,10 @@ static inline void add_hits(hit_list *list, uint64_t *occupancy, int32_t number,
     list->count += hit != 0;
 }
 
-/* The blocks of the unit that the box meets (those that the plan has bases for) and whose voxels the tool's grid may hold. */
+/*
+ * Lists the blocks of the unit that overlap the box (the plan has bases for these) and that can have
+ * voxels in the tool's grid.
+ */
 static void collect_blocks(const ost_cpu_kernels *kernels, const ost_pose_plan *plan, const int32_t unit[3], int32_t edge, ost_cubes *blocks)
 {
     const ost_block_bases *bases = &plan->bases;
@@ -150,13 +157,13 @@ static void collect_blocks(const ost_cpu_kernels *kernels, const ost_pose_plan *
     kernels->blocks(bases, &plan->reach, first, from, to, blocks);
 }
 
-/* What is hit among mixed bricks, bricks inside and cubes inside. */
+/* Lists the hits of mixed bricks, of bricks inside and of cubes inside, and makes these voxels inactive. */
 static inline __attribute__((always_inline)) void settle(hit_list *list, uint64_t *occupancy, const ost_cubes *bricks,
                                                          const uint64_t *hits, const ost_numbers *inside_bricks,
                                                          const ost_numbers *inside, const int32_t unit[3], const ost_voxel_box *box,
                                                          uint64_t across)
 {
-    /* Most mixed bricks have nothing left to be hit, so those that have are picked first. */
+    /* Most mixed bricks have no active voxel that is hit, so the others are selected first. */
     int32_t hit[OST_UNIT_BRICKS + 1];
     size_t n = 0;
     for (size_t i = 0; i < bricks->count; i++) {
@@ -173,7 +180,7 @@ static inline __attribute__((always_inline)) void settle(hit_list *list, uint64_
                 add_hits(list, occupancy, part, brick_within(unit, part, box, across));
 }
 
-/* One pose on one unit. */
+/* Applies one pose to one unit. */
 static void run_unit(const ost_cpu_kernels *kernels, const ost_pose_plan *plan, const int32_t unit[3], int32_t edge, int16_t *density,
                      uint64_t *occupancy, const ost_take *take, ost_tally *tally)
 {
@@ -224,7 +231,7 @@ static void run_chunk(const ost_cpu_kernels *kernels, const ost_pose_plan *plan,
     }
 }
 
-/* Blocks that the box meets. */
+/* Computes the range of blocks that overlap the box. */
 static void block_range(const ost_voxel_box *box, int32_t lo[3], int32_t hi[3])
 {
     for (int a = 0; a < 3; a++) {
@@ -264,7 +271,10 @@ static void run_shared(const cpu_backend *backend, ost_event_scratch *scratch, i
     ost_team_end(backend->sharing, &team);
 }
 
-/* All poses on all chunks of the list. classes is NULL when hits are those of touching voxels: counted only. */
+/*
+ * Applies all poses to all listed chunks. classes is NULL in the pass for touched voxels, which are
+ * only counted.
+ */
 static void run_poses(const cpu_bone *bone, const ost_shape *shape, const ost_event *event, ost_event_scratch *scratch,
                       const ost_density_classes *classes, bool apply)
 {
@@ -285,7 +295,10 @@ static void run_poses(const cpu_bone *bone, const ost_shape *shape, const ost_ev
     }
 }
 
-/* Chunks with memory that some pose's box meets, ascending; and room for the bases of the longest box. */
+/*
+ * Lists the chunks with memory in the box around all poses' boxes, in ascending order, and reserves
+ * memory for the bases of the longest box.
+ */
 static ost_status list_chunks(const cpu_bone *bone, const ost_event *event, ost_event_scratch *scratch, ost_error *err)
 {
     const int32_t n = bone->base.chunk_size;
@@ -323,7 +336,10 @@ static ost_status list_chunks(const cpu_bone *bone, const ost_event *event, ost_
     return ost_block_bases_reserve(&scratch->plan.bases, blocks, err);
 }
 
-/* Room for every chunk in the report, so that nothing can fail once the first voxel is gone. */
+/*
+ * Reserves memory for every chunk in the report, so that nothing can fail after the first voxel has
+ * been removed.
+ */
 static ost_status reserve(ost_report *report, size_t needed, ost_error *err)
 {
     if (needed <= report->capacity)
@@ -355,7 +371,7 @@ static ost_status room_for_copies(const cpu_bone *bone, ost_event_scratch *scrat
     return OST_OK;
 }
 
-/* From here on the chunks' occupancy is that of copies; they begin as what the chunks' occupancy is now. */
+/* Copies the listed chunks' occupancy; the list refers to the copies afterwards. */
 static void copy_occupancy(const cpu_bone *bone, ost_event_scratch *scratch)
 {
     for (size_t i = 0; i < scratch->count; i++) {
@@ -365,7 +381,10 @@ static void copy_occupancy(const cpu_bone *bone, ost_event_scratch *scratch)
     }
 }
 
-/* The tally counts from a border upwards, the report class by class. */
+/*
+ * Adds a chunk to the report. The tally counts all densities from a border upwards, the report counts
+ * each class separately.
+ */
 static ost_status report_chunk(const ost_event_chunk *chunk, const ost_density_classes *classes, ost_report *report, ost_error *err)
 {
     if (chunk->tally.voxels[0] == 0)

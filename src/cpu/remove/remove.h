@@ -1,45 +1,45 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What the inner loops of removal work on (kernels.h has their contracts).
+ * The data of removal's inner loops (kernels.h has their contracts).
  *
  *   16^3 block --split--> 8^3 cubes --split--> 4^3 bricks --match--> hits --take--> densities, tally
  *                  |                   |
  *                  '- inside, outside -'
  *
- * Coordinates are those of AR-MAP-4: units of 2^-20 tool voxels, int32, the
- * coordinate of a cube being that of its first voxel.  A cube's voxels have
- * coordinates u + i step[0] + j step[1] + k step[2], 0 <= i, j, k < edge, all
- * in the same 16^3 block, so that no rounding happens between.
+ * Coordinates are those of AR-MAP-4: int32 in units of 2^-20 tool voxels.  The
+ * coordinate of a cube is that of its first voxel.  A cube's voxels have
+ * coordinates u + i step[0] + j step[1] + k step[2], 0 <= i, j, k < edge; they
+ * are all in the same 16^3 block, so that these sums are exact.
  *
  * Split.  The centre of a cube of edge e is u + (e-1)/2 (step[0] + step[1] +
- * step[2]); it is rounded down to a unit (less than 1 off, an axis).  No voxel is
- * farther from it than R, the greatest of the cube's half diagonals
- * (e-1)/2 |step[0] +- step[1] +- step[2]|.  With `least` the first v for which
- * v * unit > R + 2 > R + sqrt(3): a centre in a cell of value <= -least has
- * only voxels of void around it by (C1), and one of >= least only solid ones.
+ * step[2]); it is rounded down to a unit (an error below 1 on each axis).  No voxel
+ * is farther from it than R, the greatest of the cube's half diagonals
+ * (e-1)/2 |step[0] +- step[1] +- step[2]|.  Let `least` be the first v for which
+ * v * unit > R + 2 > R + sqrt(3).  If the centre lies in a cell of value <= -least,
+ * all voxels of the cube are void by (C1); if the value is >= least, all are solid.
  *
- * Match.  Where windows may be used (ost_match.windows): a brick's least
- * coordinate on an axis is u + lowest, and its voxels are within
- * 0 <= offset < (8 - step) voxels of it: at most 9 - step voxels wide, so it lies
- * in the window number floor((voxel + margin) / step), and
+ * Match.  If windows may be used (ost_match.windows), a brick's least coordinate
+ * on an axis is u + lowest, and its voxels are within
+ * 0 <= offset < (8 - step) voxels of it.  The brick is then at most 9 - step voxels
+ * wide, so it lies in the window number floor((voxel + margin) / step), and
  *     c + offset < step + 8 - step = 8 voxels = 2^23 units
- * with c the least coordinate from the window's begin on.
- * No brick that a split calls mixed asks for a window beyond the table: its
- * centre lies in a cell with |v| < least, so a granule that is not void, hence
- * the tool's grid, is nearer to the cell than least units of 1/8 granule,
- * <= (R + 2) / unit + 1 of them.  With R <= 3.6 voxels and granules of up
- * to 2 voxels, cells of up to 4, that is
+ * where c is the least coordinate relative to the window's first voxel.
+ * No mixed brick of a split needs a window beyond the table: its centre lies in
+ * a cell with |v| < least, so a granule that is not void, and with it the tool's
+ * grid, is nearer to the cell than least units of 1/8 granule, which is at most
+ * (R + 2) / unit + 1 of them.  With R <= 3.6 voxels, granules of up to 2 voxels
+ * and cells of up to 4 voxels, that is
  *     3.6 + 2/2^20 + 1/4 + 4 < 7.9 voxels an axis between the grid and the centre.
  * The least coordinate is at most 3.5 voxels and a unit below the centre, and
  * not above it: > -12, < dims + 8.
  *
- * Sixteen bits a lane.  c >> 7 and offset >> 7 are 3 bits of voxel and 13 of
+ * Sixteen bits per lane.  c >> 7 and offset >> 7 have 3 bits of voxel and 13 of
  * fraction. (c >> 7) + (offset >> 7) is (c + offset) >> 7 or one less, as the low
- * seven bits may carry; the voxel is wrong only if the carry runs through 13
- * set bits.  `tie` marks the values of (c >> 7) mod 2^13 for which some offset
- * has a sum with 13 set bits: such a brick (2.3 % of them) is matched with the
- * carries.  `near_tie` has eight such values a bit, few enough for registers:
- * what is not near a tie (five bricks of six) is none.
+ * seven bits may carry; the voxel is wrong only if the carry passes through 13
+ * set bits.  `tie` marks the values of (c >> 7) mod 2^13 for which the sum with
+ * some offset has 13 set bits: such a brick (2.3 % of them) is matched with the
+ * carries.  `near_tie` has one bit for eight such values, few enough bits for
+ * registers: a brick whose bit is clear (five bricks of six) is not a tie.
  */
 #ifndef OST_CPU_REMOVE_H
 #define OST_CPU_REMOVE_H
@@ -47,14 +47,17 @@
 #include "cpu/remove/shape.h"
 
 enum {
-    OST_UNIT = 32,         /* voxels an axis that are worked on at once: a chunk, or an eighth of one of 64^3 */
+    OST_UNIT = 32,         /* edge of a unit, which is processed at once: a chunk, or an eighth of a chunk of 64^3 */
     OST_UNIT_BRICKS = 512,
-    OST_CUBES_SLACK = 16,  /* elements behind the last one that a kernel may overwrite */
+    OST_CUBES_SLACK = 16,  /* number of elements behind the last one that a kernel may overwrite */
     OST_TIE_BITS = 13,
     OST_NEAR_TIES = 1024,
 };
 
-/* Cubes of one edge. number counts Morton-wise within the unit: cube n holds the cubes 8n..8n+7 of half the edge. */
+/*
+ * Cubes of one edge. number is the Morton index within the unit: cube n contains the cubes 8n..8n+7 of
+ * half the edge.
+ */
 typedef struct ost_cubes {
     _Alignas(64) int32_t u[3][OST_UNIT_BRICKS + OST_CUBES_SLACK];
     int32_t number[OST_UNIT_BRICKS + OST_CUBES_SLACK];
@@ -66,34 +69,34 @@ typedef struct ost_numbers {
     size_t count;
 } ost_numbers;
 
-/* A pose on cubes that are cut into eight. */
+/* The constants of one pose for splitting cubes of one edge into eight parts. */
 typedef struct ost_split {
-    _Alignas(32) int32_t first[3][8];  /* from the cube's u to the u of part x + 2y + 4z */
-    _Alignas(32) int32_t centre[3][8]; /* to the part's centre, rounded down */
-    int32_t least;                     /* 1..128; over 127: no part is known to be inside or outside */
+    _Alignas(32) int32_t first[3][8];  /* offset from the cube's u to the u of part x + 2y + 4z */
+    _Alignas(32) int32_t centre[3][8]; /* offset from the cube's u to the part's centre, rounded down */
+    int32_t least;                     /* 1..128; above 127 every part is mixed */
 } ost_split;
 
-/* A pose on bricks; voxel x + 4y + 16z. */
+/* The constants of one pose for matching bricks; a voxel's index in the arrays of 64 is x + 4y + 16z. */
 typedef struct ost_match {
     _Alignas(64) uint16_t high[3][64]; /* (offset - lowest) >> 7 */
-    _Alignas(64) uint16_t low[3][64];  /* and its low 7 bits */
-    int32_t offset[3][64];             /* from the brick's u */
-    int32_t lowest[3];
-    bool windows;
-    uint8_t tie[1 << OST_TIE_BITS]; /* bit a: on axis a */
+    _Alignas(64) uint16_t low[3][64];  /* (offset - lowest) mod 2^7 */
+    int32_t offset[3][64];             /* from the brick's u to the voxel's */
+    int32_t lowest[3];                 /* the least offset on each axis */
+    bool windows;                      /* windows may be used; high, low, tie and near_tie are valid */
+    uint8_t tie[1 << OST_TIE_BITS]; /* bit a: a tie on axis a */
     _Alignas(64) uint32_t near_tie[3][OST_NEAR_TIES / 32]; /* bit n: one of tie's values from 8 n to 8 n + 7 is set on this axis */
     const ost_shape *shape;
 } ost_match;
 
-/* What is taken, and the limits that hold for all of it. */
+/* The parameters of a take: class borders, the highest density, and if voxels are removed. */
 typedef struct ost_take {
-    int borders;        /* 0..OST_CLASS_MAX - 1 */
+    int borders;        /* number of borders, 0..OST_CLASS_MAX - 1 */
     int16_t border[OST_CLASS_MAX]; /* ascending */
-    int32_t highest;    /* no density is above it; 1..32767 */
-    bool apply;         /* write 0 where hit */
+    int32_t highest;    /* 1..32767; no density is higher */
+    bool apply;         /* write 0 to the voxels that are hit */
 } ost_take;
 
-/* Sums over hits: [0] all, [b] those of density >= border[b - 1]. */
+/* Counts and sums of densities over hits: [0] over all, [b] over those of density >= border[b - 1]. */
 typedef struct ost_tally {
     uint64_t voxels[OST_CLASS_MAX];
     uint64_t density[OST_CLASS_MAX];

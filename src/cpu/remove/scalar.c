@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The inner loops of removal in plain C: what every other form of them is held to. */
+/* The inner loops of removal in plain C, with which all other variants are compared. */
 #include "core/conditions.h"
 #include "cpu/kernels.h"
 
@@ -50,7 +50,7 @@ void ost_split_scalar(const ost_split *split, const ost_cells *cells, const ost_
     inside->count = n;
 }
 
-/* The voxels one by one out of the tool's own bytes. */
+/* Matches a brick voxel by voxel, with the tool's own bytes. */
 static uint64_t match_voxels(const ost_match *match, const int32_t u[3])
 {
     const ost_shape *s = match->shape;
@@ -64,7 +64,7 @@ static uint64_t match_voxels(const ost_match *match, const int32_t u[3])
     return hits;
 }
 
-/* The same out of one window: c and offset - lowest are not negative and their sum is below 8 voxels. */
+/* Matches a brick with one window: c and offset - lowest are not negative, and their sum is below 8 voxels. */
 static uint64_t match_window(const ost_match *match, const int32_t u[3])
 {
     const ost_windows *w = &match->shape->windows;

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Making the tables of shape.h.
+ * Makes the tables of shape.h.
  *
  * Distances are those between boxes on a lattice, so they separate by axis:
  * with gap(c, g) the distance in granules between cell c and granule g along
- * an axis (0 when they meet or touch),
+ * an axis (0 if they overlap or touch),
  *
  *   D^2(cx, cy, cz) = min over gz, gy, gx of gap(cx, gx)^2 + gap(cy, gy)^2 + gap(cz, gz)^2
  *
- * over the granules of the other kind, taken one axis at a time and only as
- * far as OST_CELL_REACH.  All of it is integer; v = isqrt(64 D^2).
+ * over the granules of the other kind, computed one axis at a time and only up
+ * to OST_CELL_REACH.  All arithmetic is in integers; v = isqrt(64 D^2).
  */
 #include "cpu/remove/shape.h"
 
@@ -21,7 +21,10 @@
 enum { VOID, SOLID, BOTH };
 enum { REACH = OST_CELL_REACH, FAR = REACH * REACH };
 
-/* Granule edge 2^granule voxels, cells of `per` granules; a bone voxel is at most one granule. */
+/*
+ * The edge of a granule is 2^granule tool voxels, that of a cell `per` granules; a bone voxel is at
+ * most one granule.
+ */
 typedef struct grain {
     int granule, per;
 } grain;
@@ -36,7 +39,7 @@ static grain grain_for(int32_t ratio)
 
 typedef struct lattice {
     grain grain;
-    int32_t margin; /* granules around the tool's */
+    int32_t margin; /* granules around those of the tool */
     int32_t dims[3], cells[3];
     uint8_t *state;
 } lattice;
@@ -47,8 +50,8 @@ static size_t product(const int32_t d[3])
 }
 
 /*
- * Marks each granule by what its voxels are, a line of granules at a time:
- * solid voxels are counted along it (at most 16^3 = 4096 a granule).
+ * Sets the state of each granule from its voxels, one line of granules at a time, by counting the solid
+ * voxels of each (at most 16^3 = 4096). Returns false if memory is lacking.
  */
 static bool mark_granules(const ost_shape *shape, lattice *l)
 {
@@ -76,10 +79,13 @@ static bool mark_granules(const ost_shape *shape, lattice *l)
     return true;
 }
 
-/* Squared gaps along x from every cell of a row to the nearest granule that is not of the kind; FAR when none is near. */
+/*
+ * Computes the squared gap along x from every cell of a row to the nearest granule that is not of the
+ * kind; FAR if no such granule is nearer than REACH.
+ */
 static void row_gaps(const uint8_t *state, int32_t granules, int32_t cells, int per, uint8_t kind, uint8_t *out)
 {
-    if (state[0] == state[granules - 1] && memcmp(state, state + 1, (size_t)granules - 1) == 0) { /* a row of one kind: most are */
+    if (state[0] == state[granules - 1] && memcmp(state, state + 1, (size_t)granules - 1) == 0) { /* most rows */
         memset(out, state[0] == kind ? FAR : 0, (size_t)cells);
         return;
     }
@@ -100,7 +106,7 @@ static void row_gaps(const uint8_t *state, int32_t granules, int32_t cells, int 
     }
 }
 
-/* out[c][i] = min over granules g of in[g][i] + gap(c, g)^2, not above FAR; lines of `width`. */
+/* Computes out[c][i] = min over granules g of in[g][i] + gap(c, g)^2, at most FAR, for lines of `width` bytes. */
 static void fold_axis(const uint8_t *in, int32_t granules, int32_t cells, int per, size_t width, uint8_t *out)
 {
     for (int32_t c = 0; c < cells; c++) {
@@ -120,7 +126,10 @@ static void fold_axis(const uint8_t *in, int32_t granules, int32_t cells, int pe
     }
 }
 
-/* Writes the cells of one kind into value; a and b are scratch of dims[0..2] and cells[0] * cells[1] * dims[2] bytes or more. */
+/*
+ * Writes the values of the cells of one kind; a and b are scratch of at least as many bytes as there
+ * are granules.
+ */
 static void distances_of(const lattice *l, uint8_t kind, uint8_t *a, uint8_t *b, int8_t *value)
 {
     const int per = l->grain.per;
@@ -147,8 +156,9 @@ static void distances_of(const lattice *l, uint8_t kind, uint8_t *a, uint8_t *b,
 }
 
 /*
- * A gap of 0 says that the cell holds or touches the other kind, and then v is 0: kept as "mixed".
- * margin: a whole number of cells, so that cell 0 is OST_CELL_REACH granules away from granule 0 of the tool.
+ * Makes the table of cells. A cell with a gap of 0 contains or touches a granule that is not of its
+ * kind; its v is 0, the value of mixed cells. The margin is a multiple of a cell, so large that cell 0
+ * is at least OST_CELL_REACH granules away from granule 0 of the tool.
  */
 static ost_status make_cells(ost_shape *shape, grain size, ost_error *err)
 {
@@ -191,14 +201,15 @@ static ost_status make_cells(ost_shape *shape, grain size, ost_error *err)
 enum { EDGE = 8 };
 
 /*
- * The bytes of all windows that begin at one x, every row (y, z) of the tool
- * and void around it, z fastest: then the eight rows z of a window's y lie side by side.
+ * The bytes of all windows that begin at one x, for every row (y, z) of the tool
+ * and of the void around it, z fastest, so that the eight rows z of a window's y
+ * are adjacent.
  *
  *   column i, row (y, z): bit x is voxel (step i - margin + x, y - margin, z - margin)
  */
 typedef struct columns {
     uint8_t *byte;
-    size_t width[2]; /* rows along z, along y */
+    size_t width[2]; /* number of rows along z and along y */
 } columns;
 
 static bool make_columns(const ost_shape *shape, int32_t step, const int32_t n[3], columns *c)
@@ -216,7 +227,7 @@ static bool make_columns(const ost_shape *shape, int32_t step, const int32_t n[3
                 row[x + OST_WINDOW_MARGIN] = voxels[x] == shape->kind;
             uint8_t *to = c->byte + (size_t)(y + OST_WINDOW_MARGIN) * c->width[0] + (size_t)(z + OST_WINDOW_MARGIN);
             for (int32_t i = 0; i < n[0]; i++) {
-                /* Eight bytes of 0 or 1, the first lowest, to eight bits: byte j arrives at bit 56 + j, nothing else does. */
+                /* Eight bytes of 0 or 1, the first lowest, become eight bits: only byte j reaches bit 56 + j. */
                 uint64_t eight;
                 memcpy(&eight, row + (size_t)(i * step), 8);
                 to[(size_t)i * plane] = (uint8_t)(eight * UINT64_C(0x0102040810204080) >> 56);
@@ -268,9 +279,10 @@ static bool add_line(line_store *store, const uint64_t line[8], uint32_t *number
 }
 
 /*
- * A brick's coordinates span at most 3 * sqrt(3) * ratio + 9/2 units along an
- * axis (AR-MAP-5's bound on the sum of a column's steps), and must stay below
- * 8 - step voxels: then they touch at most 9 - step of them.
+ * Returns the coarsest step of windows for this ratio, 0 if there is none. A brick's
+ * coordinates span at most 3 * sqrt(3) * ratio + 9/2 units along an axis (AR-MAP-5's
+ * bound on the sum of a column's steps). The span must be below 8 - step voxels, so
+ * that it overlaps at most 9 - step of them.
  */
 static int32_t window_step(int32_t ratio)
 {
@@ -281,7 +293,10 @@ static int32_t window_step(int32_t ratio)
     return 0;
 }
 
-/* Windows begin at -OST_WINDOW_MARGIN; the last one begins beyond dims + 8 - step: remove.h says why no brick asks farther. */
+/*
+ * Makes the table of windows. The first window begins at -OST_WINDOW_MARGIN, the last one beyond dims +
+ * 8 - step; remove.h explains why no brick needs a window beyond these.
+ */
 static ost_status make_windows(ost_shape *shape, int32_t step, ost_error *err)
 {
     int32_t n[3];
