@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Which triangles a tile has to look at: a counting sort by tile.
+ * Lists the triangles of each tile by a counting sort.
  *
- * A triangle is listed in every tile that its bounds meet, so what a tile is
- * given holds all of its crossings, and more is harmless.  One that meets more
- * than a few tiles is listed once, as large, and looked at by all: memory
- * stays within FEW entries a triangle whatever the mesh.
+ * A triangle is listed in every tile that its bounds overlap, so that a tile's
+ * list contains all triangles that cross its rows; further triangles do no harm.
+ * A triangle that overlaps more than FEW tiles is listed once, as large, and every
+ * tile processes it, so that lists have at most FEW entries per triangle.
  *
  *   1  keys     each triangle's tile (vector kernel), in parallel pieces
  *   2  count    per piece and tile
- *   3  place    per piece, each at its own offset: the order does not depend
- *               on threads, and does not matter either
+ *   3  place    per piece, each at its own offset, so that the order does not
+ *               depend on threads (no result depends on the order)
  */
 #include <stdlib.h>
 #include <string.h>
@@ -47,7 +47,7 @@ static bool is_large(rect r)
     return (int64_t)(r.y1 - r.y0 + 1) * (r.z1 - r.z0 + 1) > FEW;
 }
 
-/* Counts a piece's triangles by tile; the number after the last tile is that of large ones. */
+/* Counts a piece's triangles by tile; the element after the last tile counts the large triangles. */
 static void count_piece(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t end, const uint32_t *keys,
                         size_t *counts)
 {
@@ -70,7 +70,7 @@ static void count_piece(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, 
     }
 }
 
-/* The same walk; next holds where each tile's next entry goes. */
+/* Lists a piece's triangles, visited as in count_piece; next has the index of each tile's next entry. */
 static void place_piece(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t end, const uint32_t *keys,
                         size_t *next, ost_vox_bins *bins)
 {
@@ -108,7 +108,7 @@ ost_status ost_vox_bins_make(ost_vox_bins *bins, const ost_vox_plan *plan, const
     const size_t tiles = (size_t)plan->tiles_y * (size_t)plan->tiles_z, triangles = mesh->triangle_count;
     if (tiles == 1)
         return OST_OK;
-    const size_t piece = (size_t)backend->sharing->least[OST_PATH_SORT]; /* triangles, the fewest */
+    const size_t piece = (size_t)backend->sharing->least[OST_PATH_SORT]; /* least number of triangles of a piece */
     size_t pieces = triangles / piece + (triangles % piece > 0);
     pieces = pieces < 1 ? 1 : pieces > PIECES_MAX ? PIECES_MAX : pieces;
     if (pieces > (size_t)threads)

@@ -1,30 +1,31 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Embree as a finder of candidates (embree.h).
+ * Candidates for crossings, found with Embree (embree.h).
  *
- *   primitive   GROUP triangles that follow each other, as user geometry with
- *               the bounds of all, a unit larger on every side
+ *   primitive   GROUP consecutive triangles, as user geometry with the bounds of
+ *               all of them, enlarged by a unit on every side
  *   packet      16 rays along x through the centres of 4 x 4 rows
- *   callback    notes the primitive, once a tile; reports no hit, so that no
- *               ray is ever shortened
- *   then        the mark kernel takes the noted triangles and the tile's rows
+ *   callback    lists the primitive's triangles, once per tile; reports no hit, so
+ *               that no ray is ever shortened
+ *   then        the mark kernel processes the listed triangles in the tile's rows
  *
- * Why no crossing is missed.  Coordinates of vertices and of row centres are
- * integers up to 2^20: exact in floats, and so are bounds with a unit added
- * and their differences to a ray's origin, integers below 2^24.  A row
- * that a triangle owns lies within its bounds in y and z, so strictly
- * within the larger ones, by at least a unit; the ray starts left of all bounds in x
- * and ends right of them.  Whatever way a slab test multiplies these exact
- * differences, signs are kept, and the test finds it inside.  Boxes of inner
- * nodes hold their children's boxes.
+ * No crossing is missed.  Coordinates of vertices and of row centres are integers
+ * up to 2^20 and exact as floats; so are the bounds with a unit added and their
+ * differences to a ray's origin, integers below 2^24.  A row that a triangle owns
+ * lies within its bounds in y and z, hence at least a unit inside the enlarged
+ * bounds; the ray starts left of all bounds in x and ends right of them.  However a
+ * slab test multiplies these exact differences, their signs do not change, and the
+ * test finds the ray inside.  The box of an inner node contains those of its
+ * children.
  *
- * Why none counts twice.  A primitive may be met by several packets of a tile, and several
- * times by one.  The tile's number is left at the primitive at the first, and
- * all rows of the tile are decided then, also those that no packet was sent through yet.
+ * No crossing is counted twice.  Several packets of a tile may hit a primitive, and
+ * one packet may hit it several times.  The first hit stores the tile's number with
+ * the primitive and lists its triangles for all rows of the tile, including rows
+ * whose rays have not been cast yet.
  *
- * Embree and its tasks set flush-to-zero, and divide by zero on their way; a
- * caller may have set a rounding or traps.  So every use begins with the state
- * that a process starts with, and puts the caller's back.
+ * Embree and its tasks set flush-to-zero and divide by zero; a caller may have set
+ * a rounding mode or traps.  So every use of Embree first sets the floating-point
+ * state that a process starts with, and restores the caller's afterwards.
  */
 #include "config.h"
 
@@ -93,15 +94,15 @@ struct ost_embree {
 };
 
 struct ost_embree_desk {
-    uint32_t *last_tile; /* a primitive: the tile whose rays met it last; 0 none */
-    uint32_t tiles;      /* of this desk so far: the number of this one */
+    uint32_t *last_tile; /* per primitive, the number of the tile whose rays hit it last; 0: none */
+    uint32_t tiles;      /* count of tiles so far; the number of the current tile */
     ost_vox_tile *tile;
     ost_vox_mark_fn *mark;
     size_t count;
     uint32_t candidates[CANDIDATES + GROUP];
 };
 
-/* The first member is Embree's, so that a callback finds the desk through it. */
+/* Embree's context is the first member, so that a callback can convert its pointer to one to this struct. */
 typedef struct cast_context {
 #if defined HAVE_EMBREE4
     struct RTCRayQueryContext base;
@@ -158,7 +159,7 @@ static void build(ost_embree *e)
     union {
         const ost_snapped_mesh *in;
         void *out;
-    } mesh = {.in = e->mesh}; /* only handed back */
+    } mesh = {.in = e->mesh}; /* Embree only passes the pointer to the callbacks, which do not write to the mesh */
     rtcSetGeometryUserData(geometry, mesh.out);
     rtcSetGeometryBoundsFunction(geometry, bounds_of, NULL);
     rtcSetGeometryIntersectFunction(geometry, note_primitive);
@@ -240,7 +241,7 @@ void ost_embree_desk_free(ost_embree_desk *desk)
     free(desk);
 }
 
-/* Rays through the rows j0 <= j < j0 + SIDE of the slices k0 <= k < k0 + SIDE, as far as they are the tile's. */
+/* Casts rays through those rows j0 <= j < j0 + SIDE of slices k0 <= k < k0 + SIDE that belong to the tile. */
 static void cast(const ost_embree *e, ost_embree_desk *desk, int32_t j0, int32_t k0)
 {
     const ost_vox_tile *tile = desk->tile;
@@ -280,7 +281,7 @@ void ost_embree_mark(const ost_embree *e, ost_embree_desk *desk, ost_vox_tile *t
 {
     desk->tile = tile;
     desk->mark = mark;
-    desk->tiles++; /* below 2^24: a grid has 2^24 rows at most */
+    desk->tiles++; /* at most 2^24, since a grid has at most 2^24 rows */
     for (int32_t k = tile->k0; k < tile->k1; k += SIDE)
         for (int32_t j = tile->j0; j < tile->j1; j += SIDE)
             cast(e, desk, j, k);

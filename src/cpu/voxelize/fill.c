@@ -1,32 +1,34 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * From crossings to solid bits to classes.
+ * Converts crossings to solid bits and these to classes.
  *
- * Let P and M be a row's bits in plus and minus, read as numbers, bit i worth
- * 2^i, and W(i) the winding number at centre i.  Where crossings enter and leave in turn,
+ * Let P and M be a row's bits in plus and minus as binary numbers, and W(i) the
+ * winding number at centre i.  If crossings enter and leave alternately,
  *
  *       i   0 1 2 3 4 5 6 7
  *       P   . 1 . . . 1 . .        2^leave - 2^enter = 2^enter + ... + 2^(leave - 1),
  *       M   . . . 1 . . . 1
  *   M - P   . 1 1 . . 1 1 .        so M - P has the solid centres' bits.
  *
- * Whether they do is seen from the result, Q.  Let L = 2 Q be the bit before, and X = P xor M.  If
+ * The result Q = M - P shows if this is so.  Let L = 2 Q, which has the bit of the
+ * previous centre at each centre, and X = P xor M.  If
  *
  *   X = Q xor L                    Q changes where there is a crossing, and only there
  *   X and (Q xor P) = 0            it becomes 1 where one enters, 0 where one leaves
  *   the last bit of Q is 0
  *
- * then W = Q: by induction, since W(-1) = Q(-1) = 0 and each of the cases X(i) = 0
- * (neither or both cross), entering (+1) and leaving (-1) changes both by the same.
- * The row is proven then, and sound.  By parity the solid bits are the same.
+ * then W = Q, by induction: W(-1) = Q(-1) = 0, and in each of the cases X(i) = 0
+ * (no crossing or both), entering (+1) and leaving (-1), W and Q change by the same.
+ * The row is then proven, and does not leak.  The parity rule gives the same solid bits.
  *
- * Word by word, the bit before a word is the borrow from the word below it: in a proven
- * word, q - b = leaves - enters = m - p - b' 2^64 for the b that it begins and the b' that it ends
- * with, and b' is the borrow.
+ * Word by word, the bit before a word is the borrow of the previous word: in a proven
+ * word, q - b = m - p - b' 2^64, where b is the bit before the word and b' its last bit,
+ * and b' is the borrow.
  *
- * A mesh that is inside out leaves first: Q = P - M, with P and M exchanged in the
- * conditions, and W = -Q.  A kernel tries what held for the row before, then
- * the other.  What is neither is UNPROVEN and summed crossing by crossing.
+ * In a mesh that is inside out a crossing leaves first: Q = P - M, with P and M
+ * exchanged in the conditions, and W = -Q.  A kernel first tries the order that held
+ * for the previous row, then the other.  A row that satisfies neither is UNPROVEN
+ * and is summed crossing by crossing.
  */
 #include <string.h>
 
@@ -35,13 +37,13 @@
 
 static int count_bits(uint64_t v)
 {
-    return v ? __builtin_popcountll(v) : 0; /* most words are void, and not every processor counts bits */
+    return v ? __builtin_popcountll(v) : 0; /* most words are 0, and some processors lack an instruction for this */
 }
 
-/* The bits of one row; false when it is not proven. */
+/* Computes the bits of one row and adds their number to *count; returns false if the row is not proven. */
 static bool fill_row(const uint64_t *enter, const uint64_t *leave, size_t words, uint64_t *bits, uint64_t *count)
 {
-    uint64_t wrong = 0, inside = 0, n = 0; /* inside: 1 where the word before has ended so */
+    uint64_t wrong = 0, inside = 0, n = 0; /* inside: the last bit of the previous word */
     for (size_t w = 0; w < words; w++) {
         const uint64_t x = enter[w] ^ leave[w], q = leave[w] - enter[w] - inside;
         wrong |= (x ^ q ^ (q << 1 | inside)) | (x & (q ^ enter[w]));
@@ -79,14 +81,14 @@ uint64_t ost_vox_fill_scalar(ost_vox_tile *tile, size_t first_row, size_t rows, 
     return count;
 }
 
-/* One row crossing by crossing, its bits cleared before; false when it leaks. */
+/* Sums one row crossing by crossing; returns false if it leaks. */
 static bool sum_bits(const uint64_t *plus, const uint64_t *minus, int words, int32_t mask, uint64_t *bits)
 {
     int32_t winding = 0;
     for (int w = 0; w < words; w++) {
         uint64_t x = plus[w] ^ minus[w], solid = winding & mask ? UINT64_MAX : 0;
         for (; x; x &= x - 1) {
-            const uint64_t from = -(x & -x); /* this bit and all above */
+            const uint64_t from = -(x & -x); /* the lowest set bit of x and all higher bits */
             winding += plus[w] & x & -x ? 1 : -1;
             solid = winding & mask ? solid | from : solid & ~from;
         }
@@ -134,7 +136,10 @@ int64_t ost_vox_fill_odd(const ost_vox_tile *tile, size_t first_row, size_t rows
     return more;
 }
 
-/* Eight bits to the low bits of eight bytes: copied to all, byte b keeps bit b, and a kept bit carries into the top. */
+/*
+ * Spreads eight bits to the low bits of eight bytes: the byte is copied to all eight, byte b is masked
+ * to its bit b, and adding 0x7f carries a set bit into the byte's top bit.
+ */
 static uint64_t spread(uint64_t byte)
 {
     const uint64_t ones = UINT64_C(0x0101010101010101);

@@ -1,33 +1,34 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Triangles in the lanes of vectors of doubles: the marking and the sorting of
- * small triangles, the same text for every width.  The includer defines
+ * Marks and sorts small triangles in the lanes of vectors of doubles, with the same
+ * source for every width.  The including file defines
  *
- *   LANES                 triangles at once
+ *   LANES                 number of triangles processed at once
  *   vd, vm, vi            LANES doubles, a mask of LANES, LANES int32
  *   vd_set vd_add vd_sub vd_mul vd_div vd_min vd_max vd_floor vd_ceil vd_sel(m, yes, no)
  *   vd_lt vd_le vd_eq     comparisons
  *   vm_and vm_or vm_andnot(a, b) = a without b, vm_bits, vm_first(n)
- *   vi_load vi_store vi_from_vd vd_from_vi   the latter two of integers
+ *   vi_load vi_store vi_from_vd vd_from_vi   the conversions are for integers
  *   least greatest        of three vi
- *   vi_vertices(v, index, xyz)       coordinates of LANES vertices, whatever lies behind the last one
- *   keys_lanes                       a key each, from the y and z of LANES triangles
- *   emit(out, v, m)       stores the lanes of m, one behind the other, LANES int32
- *                         may be written; returns how many; emit_bits: m as bits
- *   bounds_meet_rows(tile, t)        bits: which triangles t have a row's centre in their bounds
+ *   vi_vertices(mesh, v, corner, xyz)  coordinates of a corner of LANES triangles; reads
+ *                                      nothing behind the last vertex
+ *   keys_lanes                       one key per triangle, from the y and z of LANES triangles
+ *   emit(out, v, m)       stores the lanes of v that are set in m consecutively and returns their
+ *                         number; LANES int32 may be written; emit_bits: the same with m as bits
+ *   bounds_meet_rows(tile, t)        bits of the triangles t that have a row's centre in their bounds
  *
  * Every value is an integer or an integer + 1/4, or a quotient whose rounding
  * is accounted for; nothing is approximate.  With w = 2^f, h = w / 2 and the
- * extents ex, ey, ez <= 2^20 of a triangle, it is small when
+ * extents ex, ey, ez <= 2^20 of a triangle, the triangle is small if
  *
  *   V = (ex + w) ey ez <= 2^49 = OST_VOX_SMALL
  *
- * (in doubles as well: up to 2^53 the product is exact, and rounding keeps
- * order).  With Y, Z in the bounds, then,
+ * (this holds in doubles as well: the product is exact up to 2^53, and rounding
+ * preserves order).  For a small triangle, with Y, Z in its bounds,
  *
  *   normal    |nx| <= ey ez, |ny| <= ex ez, |nz| <= ex ey: twice the area of a
- *             triangle in a rectangle; 2^40 at most
- *   rows      dz w dj <= C, dj from the first row j' of the bounds in the tile,
+ *             triangle in a rectangle; at most 2^40
+ *   rows      dz w dj <= C, dj counted from the first row j' of the bounds in the tile,
  *             C = dy (Z - az) - dz (Y' - ay) - t: |C| <= 2 ey ez + 1 <= 2^41 + 1
  *   crossing  M = nx (ax - A w - h) - ny (Y - ay) - nz (Z - az), |ax - A w - h| <= h:
  *             |M| <= ey ez h + 2 ex ey ez <= 2 V <= 2^50; in an owned row, which
@@ -35,20 +36,21 @@
  * All of these, their quarters and their steps from row to row are exact in
  * doubles (2^53).
  *
- * Quotients.  dj <= floor(C / D) is taken as floor((C + 1/4) (1 / D)), D = dz w.
- * (C + 1/4) / D is at least 1 / (4 |D|) from every integer, and the two roundings
- * are off by no more than 2^-51 times its magnitude: by less than that, as
- * |C| + 1/4 < 2^49.  So the floor is exact.  For dz < 0 the quarter moves the quotient down,
- * below its ceiling's integer by the same margin: dj >= ceil((C + 1/4) (1 / D)).  For dz = 0
- * the divisor is replaced so that the quotient is beyond all rows, on the side of C's sign:
- * C + 1/4 is never 0.
- * i = A + ceil(M / (nx w)) is taken as A + ceil((M - 1/4) (1 / (nx w))).  The nearest
- * integer is at least 1 / (4 nx w) away, and in an owned row the roundings are off by
- * less: they are at most 2^-52 (1 + 2^-54) times a magnitude of at most (2^49 + 1/4) / (nx w).
- * Lanes that are not owned, or hold no triangle, compute something, unused.
+ * Quotients.  dj <= floor(C / D) is computed as floor((C + 1/4) (1 / D)), D = dz w.
+ * (C + 1/4) / D differs from every integer by at least 1 / (4 |D|), and the two
+ * roundings by at most 2^-51 times its magnitude, which is less, as
+ * |C| + 1/4 < 2^49.  So the floor is exact.  For dz < 0 the quarter moves the quotient
+ * down, below its ceiling's integer by the same margin: dj >= ceil((C + 1/4) (1 / D)).
+ * For dz = 0 the reciprocal is replaced by a number so large that the quotient is beyond
+ * all rows, on the side of C's sign; C + 1/4 is never 0.
+ * i = A + ceil(M / (nx w)) is computed as A + ceil((M - 1/4) (1 / (nx w))).  The quotient
+ * differs from the nearest integer by at least 1 / (4 nx w); in an owned row the error by
+ * rounding is less, at most 2^-52 (1 + 2^-54) times a magnitude of at most
+ * (2^49 + 1/4) / (nx w).  The results of lanes that are not owned, or have no triangle,
+ * are not used.
  *
- * What is left to ost_vox_mark_triangle: larger triangles, and those whose
- * crossing may lie behind the last centre of its row.
+ * ost_vox_mark_triangle processes the other triangles: larger ones, and those that
+ * may have a crossing behind the last centre of its row.
  */
 #include <string.h>
 
@@ -57,7 +59,7 @@
 
 enum { BUFFER = 1024 };
 
-/* Bits of planes that wait to be set. */
+/* Numbers of bits of planes that are still to be set. */
 typedef struct pending {
     uint32_t bit[BUFFER + 2 * LANES];
     size_t count;
@@ -70,10 +72,10 @@ static inline void set_pending(ost_vox_tile *tile, pending *p)
     p->count = 0;
 }
 
-/* One edge of LANES triangles. */
+/* The same edge of LANES triangles. */
 typedef struct lane_edge {
     vd c;     /* C + 1/4 in this slice */
-    vd dc;    /* to the next slice */
+    vd dc;    /* change of C from one slice to the next */
     vd r;     /* 1 / D */
     vm lower; /* D < 0 */
 } lane_edge;
@@ -110,7 +112,7 @@ static inline vd vd_greatest(vd a, vd b, vd c)
     return vd_max(vd_max(a, b), c);
 }
 
-/* The corners of LANES triangles. Inlined everywhere: they stay in registers then. */
+/* Loads the corners of LANES triangles. It is always inlined, so that the results are in registers. */
 static inline __attribute__((always_inline)) void corners(const ost_snapped_mesh *mesh, const uint32_t *t, vi a[3], vi b[3], vi c[3])
 {
     const uint32_t *v[LANES];
@@ -122,8 +124,9 @@ static inline __attribute__((always_inline)) void corners(const ost_snapped_mesh
 }
 
 /*
- * Triangles t of the first lanes.  Their number, not their mask: gcc 12 takes
- * a function with a vector argument to clean the upper halves up nowhere.
+ * Marks the triangles t of the first `lanes` lanes.  The parameter is a number
+ * instead of a mask because gcc 12 does not clear the upper halves of registers
+ * in a function that has a vector argument.
  */
 static inline void mark_lanes(ost_vox_tile *tile, const uint32_t *t, int lanes, pending *p)
 {
@@ -133,7 +136,7 @@ static inline void mark_lanes(ost_vox_tile *tile, const uint32_t *t, int lanes, 
     vi a[3], b[3], c[3];
     corners(tile->mesh, t, a, b, c);
 
-    /* Bounds in rows, within the tile. */
+    /* The bounds in rows, clipped to the tile. */
     const vd ay = vd_from_vi(a[1]), az = vd_from_vi(a[2]);
     vd by = vd_from_vi(b[1]), bz = vd_from_vi(b[2]);
     vd cy = vd_from_vi(c[1]), cz = vd_from_vi(c[2]);
@@ -156,7 +159,7 @@ static inline void mark_lanes(ost_vox_tile *tile, const uint32_t *t, int lanes, 
         ost_vox_mark_triangle(tile, t[__builtin_ctz(bits)]);
     valid = vm_and(valid, small);
 
-    /* The normal, and the triangle turned counter-clockwise. */
+    /* The normal, with the triangle oriented counter-clockwise. */
     const vd ux = vd_sub(bx, ax), uy = vd_sub(by, ay), uz = vd_sub(bz, az);
     const vd vx = vd_sub(cx, ax), vy = vd_sub(cy, ay), vz = vd_sub(cz, az);
     vd nx = vd_sub(vd_mul(uy, vz), vd_mul(uz, vy));
@@ -182,7 +185,7 @@ static inline void mark_lanes(ost_vox_tile *tile, const uint32_t *t, int lanes, 
     vd m = vd_sub(vd_mul(nx, vd_sub(vd_sub(ax, vd_mul(home, w)), h)),
                   vd_add(vd_add(vd_mul(ny, vd_sub(y, ay)), vd_mul(nz, vd_sub(z, az))), vd_set(0.25)));
 
-    /* Bit of centre `home` in row (j0, k): below 2^31, so exact as well. */
+    /* The number of the bit of centre `home` in row (j0, k); it is below 2^31, so it is exact. */
     const vd row_bits = vd_set(tile->row_bits), slice_bits = vd_set((double)tile->row_bits * (tile->j1 - tile->j0));
     vd bit = vd_add(vd_add(vd_mul(vd_sub(k0, vd_set(tile->k0)), slice_bits), vd_mul(vd_sub(j0, vd_set(tile->j0)), row_bits)),
                     vd_add(home, vd_sel(enters, zero, vd_set(tile->minus))));
@@ -217,13 +220,16 @@ static inline void mark_list(ost_vox_tile *tile, const uint32_t *list, size_t co
         mark_lanes(tile, list + i, LANES, p);
     if (i < count) {
         uint32_t t[LANES];
-        for (size_t l = 0; l < LANES; l++) /* the last one again in lanes behind it */
+        for (size_t l = 0; l < LANES; l++) /* lanes behind the last triangle repeat it */
             t[l] = list[i + l < count ? i + l : count - 1];
         mark_lanes(tile, t, (int)(count - i), p);
     }
 }
 
-/* Triangles by the number; those between rows are sorted out first, so that lanes are full where the work is. */
+/*
+ * Marks triangles 0 to count - 1. Those without a row's centre in their bounds are dropped first, so
+ * that lanes are full.
+ */
 static inline void mark_all(ost_vox_tile *tile, size_t count, pending *p)
 {
     uint32_t kept[3 * LANES];

@@ -1,34 +1,36 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Crossings of one triangle with the rows of a tile, one by one: the scalar
- * kernel, and what the vector kernels leave over.
+ * Crossings of one triangle with the rows of a tile, one at a time: the scalar
+ * kernel, also used for triangles that the vector kernels do not process.
  *
- * The triangle is turned so that its projection on (y, z) runs
- * counter-clockwise (AR-VOX-1).  In slice k the rows it owns are neighbours:
- * each edge a -> b cuts them off on one side.  With Y = j w + h, w = 2^f,
- * h = w / 2, and t = 0 where the rule of AR-VOX-2 owns E = 0, else 1,
+ * The triangle is oriented so that its projection on (y, z) runs
+ * counter-clockwise (AR-VOX-1).  In slice k the rows it owns are consecutive:
+ * each edge a -> b bounds them on one side.  With Y = j w + h, w = 2^f,
+ * h = w / 2, and t = 0 if the rule of AR-VOX-2 owns E = 0, otherwise 1,
  *
  *   E >= t   <=>   dz w j <= C,   C = dy (Z - az) + dz (ay - h) - t
  *
  *   dz > 0   j <= floor(C / (dz w))      dz < 0   j >= ceil(C / (dz w))
- *   dz = 0   all rows when C >= 0, else none
+ *   dz = 0   all rows if C >= 0, otherwise none
  *
  * and in an owned row (AR-VOX-3), relative to a's voxel A = floor(ax / w),
  *
  *   i = A + ceil(M / (nx w)) = A + ceil(ceil(M / w) / nx)
  *   M = nx (ax - A w - h) - ny (Y - ay) - nz (Z - az)
  *
- * Quotients by doubles, and why they are exact.  Let m < N / D < m + 1 for an
- * integer m.  N / D is at least 1/D from both; the rounded quotient is the
- * nearest double (or the next below or above, in any rounding mode), and as m
- * and m + 1 are doubles it stays within [m, m + 1].  It is inside when half
- * of a last place, or a whole one when not rounding to nearest, is less than
- * 1/D.  An exact quotient is itself a double and stays.
- *   rows       |C| <= 2^43, D = |dz| w <= 2^30.  Quotients beyond 2^13 only have to
- *              stay beyond the tile; below, a last place is <= 2^-40 < 2^-30.
+ * Proof that the quotients by doubles are exact.  Let m < N / D < m + 1 for an
+ * integer m.  N / D differs by at least 1/D from both; the rounded quotient is the
+ * nearest double (or, in other rounding modes, the next below or above), and as m
+ * and m + 1 are doubles it is within [m, m + 1].  It is strictly inside if half a
+ * unit in the last place, or a full unit when not rounding to nearest, is less
+ * than 1/D.  An integer quotient is a double and is not rounded.
+ *   rows       |C| <= 2^43, D = |dz| w <= 2^30.  Quotients above 2^13 only have to
+ *              remain outside the tile; below, a unit in the last place is
+ *              <= 2^-40 < 2^-30.
  *   crossings  of owned rows: i is in [0, 2^12], nx <= 2^40.  The quotient is
- *              within 2^12 of zero, where a last place is <= 2^-41 < 2^-40.  The
- *              dividend is within nx 2^12 <= 2^52 of zero: a double.
+ *              within 2^12 of zero, where a unit in the last place is
+ *              <= 2^-41 < 2^-40.  The dividend is within nx 2^12 <= 2^52 of zero,
+ *              so it is a double.
  * Ranges in int64: |dy (Z - az)|, |dz (ay - h)| <= 2^41; |nx (..)| <= 2^49;
  * |ny (Y - ay)|, |nz (Z - az)| <= 2^60 (docs/arithmetic.md, section 10).
  */
@@ -42,7 +44,7 @@
 
 enum { X, Y, Z };
 
-/* |q| <= 2^43. */
+/* Returns floor(q); |q| <= 2^43. */
 static int64_t floor_of(double q)
 {
     int64_t t = (int64_t)q;
@@ -87,7 +89,7 @@ void ost_vox_spill(ost_vox_tile *tile, uint32_t row, int32_t i, int step)
 
 typedef struct edge {
     int64_t c;  /* C of the first slice */
-    int64_t dc; /* to the next slice */
+    int64_t dc; /* change of C from one slice to the next */
     int64_t dz;
     double d; /* dz w */
 } edge;
@@ -99,7 +101,7 @@ static edge edge_from(const int32_t *a, const int32_t *b, int64_t z, int f)
     return (edge){.c = dy * (z - a[Z]) + dz * (a[Y] - (1 << (f - 1))) - !tie, .dc = dy * w, .dz = dz, .d = (double)(dz * w)};
 }
 
-/* Narrows [lo, hi] to the rows on the inner side. */
+/* Narrows [lo, hi] to the rows on the inner side of the edge. */
 static void clip(const edge *e, int64_t *lo, int64_t *hi)
 {
     if (e->dz > 0) {

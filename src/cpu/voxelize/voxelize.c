@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tiles, threads and results of the voxelizer; voxelize.h has the idea.
+ * Tiles, threads and results of the voxelizer; voxelize.h describes the method.
  *
- * A tile's two planes and its bits stay in a core's second cache while
- * triangles write to them at random.  Tiles are as square as that allows: the
- * fewest triangles lie across their borders.  What one thread does anyway is
- * one tile as long as it fits that cache: nothing is sorted then.
+ * A tile's two planes and its bits stay in a core's L2 cache while triangles
+ * write to them at random.  Tiles are as square as that allows, so that few
+ * triangles cross their borders.  With one thread, a grid that fits that cache is
+ * one tile, and its triangles are not sorted.
  */
 #include <assert.h>
 #include <stdlib.h>
@@ -21,24 +21,24 @@
 #include "cpu/voxelize/voxelize.h"
 
 enum {
-    PLANE_MIN = 1 << 9, /* bytes of one plane of a tile: some rows of every width */
+    PLANE_MIN = 1 << 9, /* bytes of one plane of a tile; it holds several rows of every width */
     HUGE_PAGE = 1 << 21
 };
 
 typedef struct job {
     const cpu_backend *backend;
-    const ost_snapped_mesh *mesh[2]; /* cutting, not cutting or NULL */
+    const ost_snapped_mesh *mesh[2]; /* cutting; not cutting, or NULL */
     ost_fill_rule rule;
     int threads;
     ost_vox_plan plan;
     ost_vox_bins bins[2];
-    ost_embree *embree[2]; /* when Embree finds the crossings, instead of bins */
+    ost_embree *embree[2]; /* used instead of bins if Embree finds the candidates */
     ost_vox_result result;
     bool stream; /* classes are written past the caches */
-    bool direct; /* one mesh, bits alone, in whole blocks: filled in place */
+    bool direct; /* one mesh and only bits, in complete blocks: the result is filled in place */
 } job;
 
-/* One thread's memory. */
+/* The scratch memory of one thread. */
 typedef struct desk {
     ost_vox_tile tile;
     uint64_t *bits[2];
@@ -47,10 +47,11 @@ typedef struct desk {
 } desk;
 
 /*
- * Threads are worth their start, and the wait for a core that another process
- * has, from about a millisecond of work on (docs/performance.md).  Measured on one core of 2.5 GHz:
- * 9 ns a triangle, 25 ns a row, which a closed surface crosses twice and more,
- * 0.15 ns a byte of classes, 0.03 ns a voxel as bits.
+ * Estimates the time of the work on one thread.  Further threads pay for their
+ * start, and for the wait for a core that another process uses, from about a
+ * millisecond of work on (docs/performance.md).  Measured on one core of 2.5 GHz:
+ * 9 ns per triangle; 25 ns per row, which a closed surface crosses at least twice;
+ * 0.15 ns per byte of classes; 0.03 ns per voxel as bits.
  */
 static int64_t estimated_ns(const job *j)
 {
@@ -71,7 +72,10 @@ static int32_t tiles_of(int32_t n, int32_t shift)
     return (int32_t)(((int64_t)n + (INT64_C(1) << shift) - 1) >> shift);
 }
 
-/* Tiles for each thread, or there is nothing to share: some hold far more triangles than others. */
+/*
+ * Number of tiles per thread. Several are needed to balance the work, as some contain far more
+ * triangles than others.
+ */
 enum { TILES_A_THREAD = 4 };
 
 static void make_plan(ost_vox_plan *plan, const ost_snapped_mesh *mesh, const ost_cpu_sharing *sharing, int threads)
@@ -141,21 +145,24 @@ static bool make_desk(desk *d, const job *j)
     return true;
 }
 
-/* Where in the whole grid the first row of a slice of a tile lies. */
+/* Returns the number, in the entire grid, of the first row of the slice that contains this row of the tile. */
 static size_t result_row(const job *j, const ost_vox_tile *tile, size_t row)
 {
     const size_t k = (size_t)tile->k0 + row / (size_t)(tile->j1 - tile->j0);
     return k * (size_t)j->plan.dims.y + (size_t)tile->j0;
 }
 
-/* No triangle comes near this tile. */
+/* Returns true if mesh m has no triangle for this tile. */
 static bool is_void(const job *j, int m, size_t number)
 {
     const ost_vox_bins *bins = &j->bins[m];
     return !j->mesh[m] || (bins->start && bins->start[number] == bins->start[number + 1] && bins->large_count == 0);
 }
 
-/* The solid bits of one mesh in this tile, in the result if direct, else as d->bits[m]; returns how many. */
+/*
+ * Computes the solid bits of one mesh in this tile, in the result if direct, otherwise in d->bits[m].
+ * Returns the number of solid voxels.
+ */
 static uint64_t fill_mesh(const job *j, desk *d, int m, size_t number, uint64_t *leaking_rows)
 {
     const ost_cpu_kernels *kernels = &j->backend->kernels;
@@ -178,7 +185,7 @@ static uint64_t fill_mesh(const job *j, desk *d, int m, size_t number, uint64_t 
         if (tile->any_odd && !tile->no_memory)
             count += (uint64_t)ost_vox_fill_odd(tile, r, run, j->rule, bits, leaking_rows);
     }
-    if (tile->any_odd) { /* else the kernel has cleared all */
+    if (tile->any_odd) { /* otherwise the kernel has cleared the planes */
         memset(tile->planes, 0, 2 * d->plane_words * 8);
         memset(tile->odd, 0, rows);
         tile->any_odd = false;
@@ -188,7 +195,7 @@ static uint64_t fill_mesh(const job *j, desk *d, int m, size_t number, uint64_t 
     return count;
 }
 
-/* Takes what cuts out of what does not; returns what is left. */
+/* Clears the bits of noncutting that are set in cutting; returns the number of remaining bits. */
 static uint64_t subtract(uint64_t *noncutting, const uint64_t *cutting, size_t words)
 {
     uint64_t count = 0;
@@ -213,7 +220,7 @@ static void deliver_void(const job *j, const ost_vox_tile *tile)
     }
 }
 
-/* The rows of this tile to their places in the results. */
+/* Writes the rows of this tile to the results. */
 static void deliver(const job *j, const desk *d)
 {
     const ost_vox_tile *tile = &d->tile;
@@ -319,7 +326,10 @@ ost_status ost_cpu_voxelize(const cpu_backend *backend, const ost_snapped_mesh *
     return status;
 }
 
-/* Not cleared: every voxel is written, first by the thread that made it. Large ones ask for large pages. */
+/*
+ * Allocates voxels without clearing them, since every voxel is written; the first write is by the
+ * thread that computes it. Requests huge pages for large tools.
+ */
 static uint8_t *new_voxels(size_t size)
 {
     void *p;
@@ -327,7 +337,7 @@ static uint8_t *new_voxels(size_t size)
         return NULL;
 #if defined __linux__
     if (size >= HUGE_PAGE)
-        (void)madvise(p, size, MADV_HUGEPAGE); /* advice: nothing depends on it */
+        (void)madvise(p, size, MADV_HUGEPAGE); /* only advice: a failure changes nothing but the speed */
 #endif
     return p;
 }

@@ -2,27 +2,27 @@
 /*
  * The voxelizer of the CPU backend: AR-VOX by tiles of rows.
  *
- * A row is a line of voxels along x.  The grid is cut in (y, z) into tiles of
- * rows that fit a core's cache; threads take whole tiles.
+ * A row is a line of voxels along x.  The grid is divided in (y, z) into tiles of
+ * rows that fit a core's cache; a thread processes complete tiles.
  *
- *        z  +-----+-----+       a tile's planes, one bit a voxel and a row's
- *           |     |  T  |       words together, rows in the order (k, j):
- *           +-----+-----+         plus   something enters before this centre
- *           |     |     |         minus  something leaves before it
+ *        z  +-----+-----+       a tile's planes have one bit per voxel, with the
+ *           |     |  T  |       words of a row together and rows ordered by (k, j):
+ *           +-----+-----+         plus   a crossing enters before this centre
+ *           |     |     |         minus  a crossing leaves before it
  *           +-----+-----+ y
  *
  *   mark    every crossing sets one bit                 mark.c, ../x86/, embree.c
- *   fill    what lies between makes solid bits          fill.c, ../x86/
+ *   fill    centres between crossings become solid bits fill.c, ../x86/
  *   expand  bits become classes, 0, 1 or 2              fill.c, ../x86/
  *
- * Exact counts from single bits.  A bit says "one crossing here", so a second
- * crossing of the same sign at the same centre finds its bit taken.  Such
- * crossings, and those behind the last centre of a row, are spilled: added to
- * the row's own array of int32 steps.  Planes and steps together always hold
- * every crossing with its sign, so nothing is ever lost or saturated.
+ * Exact counts from single bits.  A bit means one crossing, so the bit of a second
+ * crossing of the same sign at the same centre is already set.  Such crossings, and
+ * those behind the last centre of a row, are spilled: added to the row's own array
+ * of int32 steps.  Planes and steps together always contain every crossing with its
+ * sign, so no crossing is lost and no count saturates.
  *
- * A row whose crossings enter and leave in turn, which the result itself
- * proves, is filled by a subtraction, minus - plus (fill.c); the others, and
+ * A row whose crossings enter and leave alternately, which the result itself
+ * proves, is filled by a subtraction, minus - plus (fill.c); the other rows, and
  * those that have spilled, are summed crossing by crossing.
  */
 #ifndef OST_CPU_VOXELIZE_H
@@ -30,46 +30,49 @@
 
 #include "cpu/cpu.h"
 
-/* Rows and planes of one tile. Rows are numbered (k - k0) * (j1 - j0) + (j - j0). */
+/* The rows and planes of one tile. The number of a row is (k - k0) * (j1 - j0) + (j - j0). */
 struct ost_vox_tile {
     const ost_snapped_mesh *mesh;
     int f;              /* fraction bits, 1..10 */
-    int32_t nx;         /* voxels a row */
+    int32_t nx;         /* voxels per row */
     int32_t j0, j1;     /* rows j0 <= j < j1 */
-    int32_t k0, k1;     /* of slices k0 <= k < k1 */
+    int32_t k0, k1;     /* slices k0 <= k < k1 */
     uint32_t row_bits;  /* 64 * words of a row, >= nx */
-    uint32_t minus;     /* where minus begins in planes, in bits; < 2^31 together */
-    uint64_t *planes;   /* plus rows, padding to whole blocks, minus rows, padding */
-    uint8_t *odd;       /* a row: OST_VOX_... below */
-    int32_t *spill;     /* nx + 1 steps a row; valid for rows that are OST_VOX_SPILLED; NULL before the first */
+    uint32_t minus;     /* bit offset of the minus plane in planes; both planes have < 2^31 bits */
+    uint64_t *planes;   /* plus rows, padding to complete blocks, minus rows, padding */
+    uint8_t *odd;       /* flags per row: OST_VOX_SPILLED, OST_VOX_UNPROVEN */
+    int32_t *spill;     /* nx + 1 steps per row, valid for rows that are OST_VOX_SPILLED; NULL before the first spill */
     bool any_odd;
-    bool no_memory; /* for spill: the result is of no use */
+    bool no_memory; /* there was no memory for spill: the result is invalid */
 };
 
 enum {
-    OST_VOX_SPILLED = 1,   /* has steps in spill */
-    OST_VOX_UNPROVEN = 2,  /* not proven to enter and leave in turn */
-    OST_VOX_BLOCK = 8      /* words: planes and bits are readable and writable to a whole block */
+    OST_VOX_SPILLED = 1,   /* the row has steps in spill */
+    OST_VOX_UNPROVEN = 2,  /* the row is not proven to enter and leave alternately */
+    OST_VOX_BLOCK = 8      /* words per block; planes and bits can be read and written up to the end of a block */
 };
 
 /*
- * A triangle is marked in lanes (lanes.h) when its extents on x, y and z, in
- * lattice units, have (ex + w) ey ez <= this, w = 2^f: some 80 voxels each way
- * at f = 10, or 1,024 by 160 by 2.
+ * A triangle is marked in lanes (lanes.h) if its extents ex, ey, ez on the axes, in
+ * lattice units, have (ex + w) ey ez <= OST_VOX_SMALL, w = 2^f: about 80 voxels on
+ * each axis at f = 10, or 1,024 by 160 by 2.
  */
 #define OST_VOX_SMALL (INT64_C(1) << 49)
 
-/* Words of a row of n voxels: 1, 2, 4, or whole blocks, so that a block holds whole rows or the reverse. */
+/*
+ * Returns the number of words of a row of n voxels: 1, 2, 4 or a multiple of a block, so that a block
+ * holds complete rows or a row holds complete blocks.
+ */
 static inline int ost_vox_words(int32_t n)
 {
     int words = (n + 63) / 64;
     return words <= 2 ? words : words <= 4 ? 4 : (words + OST_VOX_BLOCK - 1) / OST_VOX_BLOCK * OST_VOX_BLOCK;
 }
 
-/* A crossing that has no bit: the bit is taken, or i = nx. */
+/* Adds a crossing to the row's steps because it has no bit: the bit is already set, or i = nx. */
 void ost_vox_spill(ost_vox_tile *tile, uint32_t row, int32_t i, int step);
 
-/* A crossing at the centre of this bit of planes. */
+/* Marks a crossing at the centre of this bit of planes; spills it if the bit is already set. */
 static inline void ost_vox_mark_bit(ost_vox_tile *tile, uint32_t bit)
 {
     uint64_t *word = tile->planes + (bit >> 6);
@@ -83,36 +86,38 @@ static inline void ost_vox_mark_bit(ost_vox_tile *tile, uint32_t bit)
     }
 }
 
-/* Marks one triangle of any size, anywhere, in the rows of this tile. */
+/* Marks one triangle of any size and position in the rows of this tile. */
 void ost_vox_mark_triangle(ost_vox_tile *tile, uint32_t triangle);
 
 /*
- * Sums those of some rows of a tile that are odd: bits holds them as the kernel
- * left them; returns what is to be added to the kernel's count of solid voxels.
+ * Sums the odd rows among `rows` rows of a tile, starting with first_row, crossing by
+ * crossing. bits holds the kernel's output for these rows; those of odd rows are
+ * replaced. Adds the number of leaking rows to *leaking_rows. Returns the correction
+ * to the kernel's count of solid voxels.
  */
 int64_t ost_vox_fill_odd(const ost_vox_tile *tile, size_t first_row, size_t rows, ost_fill_rule rule, uint64_t *bits,
                          uint64_t *leaking_rows);
 
-/* Number of rows of a tile. */
+/* Returns the number of rows of a tile. */
 static inline size_t ost_vox_rows(const ost_vox_tile *tile)
 {
     return (size_t)(tile->j1 - tile->j0) * (size_t)(tile->k1 - tile->k0);
 }
 
-/* How the grid is cut into tiles; tile (ty, tz) has the number ty + tiles_y * tz. */
+/* The division of the grid into tiles; tile (ty, tz) has the number ty + tiles_y * tz. */
 struct ost_vox_plan {
     ost_dims dims;
     int f;
-    int words;                /* a row */
-    int32_t shift_y, shift_z; /* a tile has 2^shift rows that way, the last one fewer */
+    int words;                /* per row */
+    int32_t shift_y, shift_z; /* a tile has 2^shift rows along that axis, the last one possibly fewer */
     int32_t tiles_y, tiles_z;
 };
 
-/* Which triangles a tile has to look at. */
+/* Lists of the triangles that can cross the rows of each tile. */
 typedef struct ost_vox_bins {
-    size_t *start;   /* tiles + 1; NULL with one tile only: all triangles */
-    uint32_t *list;  /* tile t: list[start[t]] to list[start[t + 1]] */
-    uint32_t *large; /* in more tiles than a few: every tile looks at them */
+    size_t *start;   /* tiles + 1 elements; NULL if there is one tile, which has all triangles */
+    uint32_t *list;  /* triangles of tile t: list[i], start[t] <= i < start[t + 1] */
+    uint32_t *large; /* triangles in many tiles, which every tile processes */
     size_t large_count;
 } ost_vox_bins;
 
@@ -120,26 +125,26 @@ ost_status ost_vox_bins_make(ost_vox_bins *bins, const ost_vox_plan *plan, const
                              const cpu_backend *backend, int threads, ost_error *err);
 void ost_vox_bins_free(ost_vox_bins *bins);
 
-/* What the keys kernel writes for a triangle that is in no single tile. */
-#define OST_VOX_KEY_NONE UINT32_MAX        /* no row centre in its bounds */
-#define OST_VOX_KEY_MANY (UINT32_MAX - 1u) /* bounds in several tiles */
+/* Keys that the keys kernel writes for a triangle that is not in exactly one tile. */
+#define OST_VOX_KEY_NONE UINT32_MAX        /* the triangle's bounds contain no row centre */
+#define OST_VOX_KEY_MANY (UINT32_MAX - 1u) /* the bounds overlap several tiles */
 
-/* Where a result goes; NULL is not written. Bits have plan.words words a row, in the order (k, j). */
+/* The output buffers; a NULL one is not written. Bits have ost_vox_words words per row, rows ordered by (k, j). */
 typedef struct ost_vox_result {
-    uint8_t *voxels;      /* classes, as the reference */
-    uint64_t *cutting;    /* solid in the cutting mesh */
-    uint64_t *noncutting; /* solid in the other alone */
+    uint8_t *voxels;      /* classes, as the reference writes them */
+    uint64_t *cutting;    /* bits of voxels that are solid in the cutting mesh */
+    uint64_t *noncutting; /* bits of voxels that are solid only in the other mesh */
 } ost_vox_result;
 
-/* Both meshes on one grid, as ost_ref_voxelize. */
+/* Voxelizes both meshes on one grid, with the same results as ost_ref_voxelize. */
 ost_status ost_cpu_voxelize(const cpu_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
                             ost_fill_rule rule, ost_voxelize_report *report, const ost_vox_result *result, ost_error *err);
 
-/* The table's function. */
+/* Implements the slot voxelize of the backend's table. */
 ost_status ost_cpu_voxelize_tool(ost_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
                                  ost_fill_rule rule, ost_voxelize_report *report, ost_tool **out, ost_error *err);
 
-/* Scalar kernels (contracts: kernels.h). */
+/* The scalar kernels (kernels.h has their contracts). */
 void ost_vox_mark_scalar(ost_vox_tile *tile, const uint32_t *list, size_t count);
 void ost_vox_keys_scalar(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t count, uint32_t *keys);
 uint64_t ost_vox_fill_scalar(ost_vox_tile *tile, size_t first_row, size_t rows, uint64_t *bits);
