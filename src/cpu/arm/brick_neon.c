@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Rows into bricks, two bricks at a time: eight voxels of two rows are two
- * words of four voxels each, and the first words of both rows are an eighth of
- * one brick, the second words of the other.
+ * Converts rows into bricks, two bricks at a time: eight voxels of a row are two
+ * words of four voxels each.  The first words of two rows are an eighth of one
+ * brick, the second words an eighth of the other.
  *
- * `stream` is not heeded: the intrinsics have no store past the caches.  So
- * there is nothing to drain either.
+ * `stream` is ignored: the intrinsics have no stores that bypass the caches.
+ * Therefore drain needs no NEON variant.
  */
 #include "core/conditions.h"
 #include "core/neon.h"
@@ -18,7 +18,7 @@ typedef struct two_bricks {
     int16x8_t v[2];
 } two_bricks;
 
-/* Eighth p of bricks x and x + 1. */
+/* Computes eighth p of bricks x and x + 1. */
 static inline two_bricks eighths(const int16_t *const rows[16], size_t x, int p)
 {
     const int64x2_t low = vreinterpretq_s64_s16(vld1q_s16(rows[2 * p] + 4 * x));
@@ -26,7 +26,7 @@ static inline two_bricks eighths(const int16_t *const rows[16], size_t x, int p)
     return (two_bricks){{vreinterpretq_s16_s64(vzip1q_s64(low, high)), vreinterpretq_s16_s64(vzip2q_s64(low, high))}};
 }
 
-/* Lanes of 0 or -1 of two registers as bytes. */
+/* Narrows the lanes (0 or -1) of two registers to bytes. */
 static inline uint8x16_t narrow(uint16x8_t a, uint16x8_t b)
 {
     return vuzp1q_u8(vreinterpretq_u8_u16(a), vreinterpretq_u8_u16(b));
@@ -64,12 +64,12 @@ bool ost_any_active_neon(const int16_t *base, const size_t *row, int count, int 
 {
     if (width < LANES)
         return ost_any_active_scalar(base, row, count, width, threshold);
-    int16x8_t most = vdupq_n_s16(0); /* below every threshold */
+    int16x8_t most = vdupq_n_s16(0); /* 0 is below every threshold */
     for (int r = 0; r < count; r++) {
         const int16_t *const from = base + row[r];
         for (int x = 0; x + LANES <= width; x += LANES)
             most = vmaxq_s16(most, vld1q_s16(from + x));
-        most = vmaxq_s16(most, vld1q_s16(from + width - LANES)); /* the rest, and some of it twice */
+        most = vmaxq_s16(most, vld1q_s16(from + width - LANES)); /* the last voxels, some of which are read twice */
     }
     return vmaxvq_s16(most) >= threshold;
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Linear interpolation of eight voxels between two slices, or of four sums, at
- * a time.  Ranges are those of x86/linear_avx512.c: the sums of blend are at
- * most 2^30, those of weigh 2^60, and a quotient fits 16 bits.
+ * a time.  The ranges are those of x86/linear_avx512.c: the sums of blend are at
+ * most 2^30, those of weigh at most 2^60, and a quotient fits 16 bits.
  */
 #include "core/conditions.h"
 #include "core/neon.h"
@@ -42,7 +42,7 @@ void ost_blend_rows_neon(const int16_t *a, const int16_t *b, const size_t *row, 
         int16_t *const result = to + (size_t)OST_ROW_STRIDE * (size_t)r;
         for (int x = 0; x + LANES <= width; x += LANES)
             blend(ra + x, rb + x, lower, upper, result + x);
-        if (width % LANES) /* the last eight, some of them a second time */
+        if (width % LANES) /* the last eight, some of which are computed twice */
             blend(ra + width - LANES, rb + width - LANES, lower, upper, result + width - LANES);
     }
 }

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The voxelizer's kernels for NEON: two triangles or sixteen classes at once.
+ * The voxelizer's kernels for NEON, which process two triangles or sixteen classes at once.
  *
- * vox_fill has none: it is a subtraction with borrows, which vectors lack and
- * the scalar loop has for 64 voxels at once.
+ * vox_fill has no NEON variant: it is a subtraction with borrows, which NEON does
+ * not have and which the scalar loop does for 64 voxels at once.
  */
 #include "core/neon.h"
 #include "cpu/kernels.h"
@@ -16,7 +16,10 @@ typedef float64x2_t vd;
 typedef uint64x2_t vm;
 typedef int32x2_t vi;
 
-/* A product and its sum are never one instruction (-ffp-contract=off); but every product that is summed here is exact, so it could be. */
+/*
+ * -ffp-contract=off prevents fused multiply-add. Fusing would not change results, as every product that
+ * is summed here is exact.
+ */
 #define vd_set(x) vdupq_n_f64(x)
 #define vd_add vaddq_f64
 #define vd_sub vsubq_f64
@@ -40,7 +43,7 @@ typedef int32x2_t vi;
 #define vi_from_vd(a) vmovn_s64(vcvtq_s64_f64(a))
 #define vd_from_vi(a) vcvtq_f64_s64(vmovl_s32(a))
 
-/* Twelve bytes a vertex, as nothing may be read behind the last one. */
+/* Loads exactly twelve bytes per vertex, as nothing may be read behind the last one. */
 static inline void vi_vertices(const ost_snapped_mesh *mesh, const uint32_t *const *v, int corner, vi *xyz)
 {
     const int32_t *p = mesh->vertices[v[0][corner]], *q = mesh->vertices[v[1][corner]];
@@ -60,14 +63,14 @@ static inline size_t emit_bits(uint32_t *out, vi v, unsigned lanes)
 
 #define emit(out, v, m) emit_bits(out, v, vm_bits(m))
 
-/* y and z of a corner of both triangles */
+/* Loads y and z of a corner of both triangles. */
 static inline int32x4_t yz_of_both(const ost_snapped_mesh *mesh, const uint32_t *t, int corner)
 {
     return vcombine_s32(vld1_s32(mesh->vertices[mesh->triangles[t[0]][corner]] + 1),
                         vld1_s32(mesh->vertices[mesh->triangles[t[1]][corner]] + 1));
 }
 
-/* In integers, and before anything is transposed. */
+/* Compares integers before any transposition. */
 static inline unsigned bounds_meet_rows(const ost_vox_tile *tile, const uint32_t *t)
 {
     const int32x4_t h = vdupq_n_s32(1 << (tile->f - 1)), h1 = vdupq_n_s32((1 << (tile->f - 1)) - 1), f = vdupq_n_s32(-tile->f);
@@ -115,7 +118,10 @@ void ost_vox_keys_neon(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, s
 
 /* ---------------------------------------------------------------- classes */
 
-/* Sixteen bits to bytes of 0 or -1: each byte gets the byte of bits that has its own, and is asked for that one. */
+/*
+ * Spreads sixteen bits to bytes of 0 or -1: each byte gets the byte that contains its bit, and is
+ * tested for that bit.
+ */
 static inline uint8x16_t spread(uint64_t bits)
 {
     const uint8x16_t from = {0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1};
@@ -131,7 +137,7 @@ static inline uint8x16_t classes_of(const uint64_t *cutting, const uint64_t *non
     return v;
 }
 
-/* `stream` is not heeded: the intrinsics have no store past the caches. */
+/* `stream` is ignored: the intrinsics have no stores that bypass the caches. */
 void ost_vox_expand_neon(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx, bool stream,
                          uint8_t *voxels)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Rows into bricks, four bricks at a time: four rows of four bricks are a
- * transposition of words of four voxels, and make a quarter of each brick.
+ * Converts rows into bricks, four bricks at a time: transposing words of four
+ * voxels in four rows of four bricks gives a quarter of each brick.
  */
 #include "core/conditions.h"
 #include "cpu/bone/bone.h"
@@ -31,7 +31,10 @@ static inline void quarters(const int16_t *const rows[4], size_t x, __m256i quar
     quarter[3] = _mm256_permute2x128_si256(odd01, odd23, 0x31);
 }
 
-/* 32 lanes of comparisons as bits: packing works within halves, so its quarters are put in order. */
+/*
+ * Converts 32 lanes of comparisons to bits. Packing works within halves of a register, so its quarters
+ * are reordered.
+ */
 static inline uint32_t bits_of(__m256i on0, __m256i on1)
 {
     return (uint32_t)_mm256_movemask_epi8(_mm256_permute4x64_epi64(_mm256_packs_epi16(on0, on1), 0xd8));
@@ -61,7 +64,10 @@ static inline __attribute__((always_inline)) ost_brick_sums brick_row(const int1
         }
     }
     __m128i quarter = _mm_max_epi16(_mm256_castsi256_si128(highest), _mm256_extracti128_si256(highest, 1));
-    /* The minimum of 16 bits is an instruction, so of the complements, which are >= 0 as no value here is negative. */
+    /*
+     * SSE4.1 has a horizontal minimum of unsigned 16-bit lanes; it is applied to 2^15 - 1 - v, as no v
+     * is negative.
+     */
     __m128i least_complement = _mm_minpos_epu16(_mm_xor_si128(quarter, _mm_set1_epi16(INT16_MAX)));
     return (ost_brick_sums){active, _mm_extract_epi16(least_complement, 0) ^ INT16_MAX};
 }

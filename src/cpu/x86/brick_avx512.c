@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Rows into bricks, four bricks at a time: half a brick is eight rows of four
- * voxels, so eight rows of four bricks are a transposition of words of four
- * voxels.
+ * Converts rows into bricks, four bricks at a time: half a brick is eight rows of
+ * four voxels, so transposing words of four voxels in eight rows of four bricks
+ * gives half of each brick.
  *
  *   loads        A0 = [row 0 | row 2]   A1 = [row 1 | row 3]     32 bytes each
  *                A2 = [row 4 | row 6]   A3 = [row 5 | row 7]
  *   words        rows 0, 1 | rows 0, 1 | rows 2, 3 | rows 2, 3   (low or high words of A0, A1)
  *   quarters     of brick x: rows 0, 1 | rows 2, 3 | rows 4, 5 | rows 6, 7
  *
- * A half is then one register in the brick's order, its comparison with the
- * threshold half the brick's word, and the masked move the clearing.
+ * A half is then one register in the brick's order.  Its comparison with the
+ * threshold gives half of the brick's word, and a masked move clears the other
+ * voxels.
  */
 #include "core/conditions.h"
 #include "cpu/bone/bone.h"
@@ -34,7 +35,7 @@ static inline void put(int16_t *to, __m512i v, bool stream)
         _mm512_store_si512(to, v);
 }
 
-/* The halves of four bricks that eight rows from voxel x on make. */
+/* Computes the halves of four bricks from eight rows, beginning with voxel x. */
 static inline void halves(const int16_t *const rows[8], size_t x, __m512i half[GROUP])
 {
     __m512i a0 = two_rows(rows[0] + x, rows[2] + x), a1 = two_rows(rows[1] + x, rows[3] + x);
@@ -70,7 +71,10 @@ static inline __attribute__((always_inline)) ost_brick_sums brick_row(const int1
     }
     __m256i half = _mm256_max_epi16(_mm512_castsi512_si256(highest), _mm512_extracti64x4_epi64(highest, 1));
     __m128i quarter = _mm_max_epi16(_mm256_castsi256_si128(half), _mm256_extracti128_si256(half, 1));
-    /* The minimum of 16 bits is an instruction, so of the complements, which are >= 0 as no value here is negative. */
+    /*
+     * SSE4.1 has a horizontal minimum of unsigned 16-bit lanes; it is applied to 2^15 - 1 - v, as no v
+     * is negative.
+     */
     __m128i least_complement = _mm_minpos_epu16(_mm_xor_si128(quarter, _mm_set1_epi16(INT16_MAX)));
     return (ost_brick_sums){active, _mm_extract_epi16(least_complement, 0) ^ INT16_MAX};
 }
@@ -88,7 +92,7 @@ bool ost_any_active_avx512(const int16_t *base, const size_t *row, int count, in
     int first = width < 32 ? width : 32;
     const __mmask32 in0 = (__mmask32)_bzhi_u32(UINT32_MAX, (unsigned)first);
     const __mmask32 in1 = (__mmask32)_bzhi_u32(UINT32_MAX, (unsigned)(width - first));
-    __m512i most = _mm512_setzero_si512(); /* below every threshold */
+    __m512i most = _mm512_setzero_si512(); /* 0 is below every threshold */
     for (int r = 0; r < count; r++) {
         most = _mm512_max_epi16(most, _mm512_maskz_loadu_epi16(in0, base + row[r]));
         if (in1)

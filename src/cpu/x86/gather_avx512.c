@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A row gathered by ascending indices: where 32 of them reach no further than
- * 64 elements, one or two registers hold all that they can name.
+ * Gathers a row by ascending indices: if 32 of them span at most 64 elements, one
+ * or two registers hold all elements that they refer to.
  */
 #include "cpu/kernels.h"
 
@@ -10,15 +10,16 @@
 
 #include "core/conditions.h"
 
-/* The low `count` bits, 0 <= count <= 32. */
+/* Returns a mask of the low `count` bits, 0 <= count <= 32. */
 static inline __mmask32 low_mask(int count)
 {
     return (__mmask32)_bzhi_u32(UINT32_MAX, (unsigned)count);
 }
 
 /*
- * The map ascends, so 32 results come from one window of map[last] - map[first]
- * + 1 elements: one register for up to 32, two for up to 64, and a permutation.
+ * The map is ascending, so 32 results come from one window of map[last] - map[first]
+ * + 1 elements.  A permutation selects them from one register for up to 32 elements
+ * and from two for up to 64; a wider window is read element by element.
  */
 void ost_gather_row_avx512(const int16_t *from, const int32_t *map, int count, int16_t *to)
 {

@@ -42,7 +42,7 @@ static void blend_row(const int16_t *a, const int16_t *b, int width, __m256i wei
     }
     for (int x = 0; x + LANES <= width; x += LANES)
         blend(a + x, b + x, weights, to + x);
-    if (width % LANES) /* the last 16, some of them a second time */
+    if (width % LANES) /* the last 16, some of which are computed twice */
         blend(a + width - LANES, b + width - LANES, weights, to + width - LANES);
 }
 
@@ -98,7 +98,7 @@ static inline __attribute__((always_inline)) __m256i weighed(const int32_t *cons
     return _mm256_and_si256(_mm256_blend_epi32(low, high, 0xaa), _mm256_set1_epi32(0xffff));
 }
 
-/* Packing works within halves of a register, so its quarters are put in order. */
+/* Packing works within halves of a register, so its quarters are reordered. */
 static inline __attribute__((always_inline)) void weigh(const int32_t *const rows[4], const int32_t weight[4],
                                                         int count, int width, int16_t *to)
 {

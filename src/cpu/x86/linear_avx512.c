@@ -4,14 +4,14 @@
  *
  *   blend     interleaves a and b to pairs; one multiplication of 16-bit pairs
  *             (vpmaddwd) by the pair of weights gives a (2^15 - w) + b w
- *   stretch   one permutation of the window that 16 pairs from[at], from[at + 1]
- *             lie in, then the same multiplication
- *   weigh     even and odd lanes in turn, 32 by 32 bits to 64
+ *   stretch   permutes the window that contains 16 pairs from[at], from[at + 1],
+ *             then does the same multiplication
+ *   weigh     multiplies even and odd lanes separately, 32 by 32 bits to 64
  *
  * Ranges.  blend: weights are 1 to 2^15 - 1, sums at most 2^30.  stretch:
  * weights are -2^15 to 0, a pair sums to -2^15, sums are at most 2^30.  weigh:
- * sums are at most 2^60, and half of 2^45 more fits.  A quotient fits 16 bits,
- * so bits 45 to 60 of a sum hold all of it.
+ * sums are at most 2^60, and adding half of 2^45 does not overflow.  A quotient
+ * fits 16 bits, so bits 45 to 60 of a sum contain all of it.
  */
 #include "core/conditions.h"
 #include "cpu/kernels.h"
@@ -68,7 +68,10 @@ void ost_stretch_row_avx512(const int16_t *from, const int32_t *at, const int16_
                 to[k] = from[at[k]] * minus[2 * k] + from[at[k] + 1] * minus[2 * k + 1];
             continue;
         }
-        /* Indices in the window, as pairs: at - first, and that plus 1.  Lanes beyond `part` select any element. */
+        /*
+         * The indices in the window, as pairs at - first, at - first + 1.  Lanes behind `part` may
+         * select any element.
+         */
         const __m512i lower =
             _mm512_sub_epi32(_mm512_maskz_loadu_epi32((__mmask16)low_mask(part), at + i), _mm512_set1_epi32(first));
         const __m512i pairs = _mm512_or_si512(_mm512_and_si512(lower, _mm512_set1_epi32(0xffff)),

@@ -2,19 +2,19 @@
 /*
  * Removal in AVX2 (and BMI2, POPCNT): the same steps as in AVX-512, with
  *
- *   split   a cube's eight parts in a register, packed by PEXT's shuffle
- *   match   coordinates in 16-bit lanes, packed to bytes; the 64 bytes of a
- *           window by four byte shuffles
- *   take    sixteen densities a register; masks are vectors
+ *   split   a cube's eight parts in a register, packed by a shuffle that PEXT makes
+ *   match   coordinates in 16-bit lanes, packed to bytes; four byte shuffles
+ *           read the 64 bytes of a window
+ *   take    sixteen densities per register; masks are vectors
  *
- * The shuffles.  A row's number n = 8 y + z has six bits, VPSHUFB looks at the
- * lowest four and gives 0 where bit 7 is set.  With T0..T3 the quarters of
- * the window,
+ * The shuffles.  A row's number n = 8 y + z has six bits; VPSHUFB uses the
+ * lowest four and returns 0 where bit 7 is set.  With T0..T3 the quarters of
+ * the window, the sum
  *
  *     T0[n] ^ (T1 ^ T0)[n - 16] ^ (T2 ^ T1)[n - 32] ^ (T3 ^ T2)[n - 48]
  *
- * has those terms whose n - 16 q is not negative, and they cancel down to the
- * quarter that n lies in.
+ * has only the terms whose n - 16 q is not negative, and these cancel except for
+ * the quarter that contains n.
  */
 #include <immintrin.h>
 
@@ -39,7 +39,7 @@ static inline __m256i cell_along(__m256i u, const ost_cells *cells, int axis)
     return _mm256_min_epi32(_mm256_max_epi32(c, _mm256_setzero_si256()), _mm256_set1_epi32(cells->dims[axis] - 1));
 }
 
-/* The lanes whose bits are set to the front. */
+/* Moves the lanes whose bits are set to the front. */
 static inline __m256i packed(__m256i v, unsigned mask)
 {
     const uint64_t bytes = _pdep_u64(mask, UINT64_C(0x0101010101010101)) * 0xff;
@@ -59,7 +59,7 @@ void ost_split_avx2(const ost_split *split, const ost_cells *cells, const ost_cu
                     ost_cubes *mixed, ost_numbers *inside)
 {
     const __m256i part = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-    /* Values are within +-64: 127 is as good as beyond. */
+    /* Values are within +-64, so 127 has the same effect as a greater number. */
     const int least = split->least < 127 ? split->least : 127;
     const __m128i in_above = _mm_set1_epi8((int8_t)(least - 1)), out_below = _mm_set1_epi8((int8_t)(1 - least));
     const int8_t *const table = cells->value;
@@ -98,15 +98,15 @@ void ost_split_avx2(const ost_split *split, const ost_cells *cells, const ost_cu
 
 enum { LOW = OST_MAP_FRACTION - OST_TIE_BITS, PIECE = 128 };
 
-/* As in AVX-512: where bricks begin in their windows, their lines, and those that are tied. */
+/* The positions of a piece's bricks in their windows, as in remove_avx512.c, and the bricks that are tied. */
 typedef struct places {
-    _Alignas(32) uint32_t high[3][PIECE]; /* >> 7, in both halves of a lane */
-    uint32_t low[3][PIECE];
-    uint32_t line[PIECE]; /* first the window's number, then that of its line */
+    _Alignas(32) uint32_t high[3][PIECE]; /* c >> 7, in both halves of a lane */
+    uint32_t low[3][PIECE];               /* c mod 2^7 */
+    uint32_t line[PIECE]; /* the window's number, later the number of its line */
     uint32_t tied[PIECE];
 } places;
 
-/* n / step for 0 <= n < 2^15, as in AVX-512. */
+/* Returns n / step for 0 <= n < 2^15, as in remove_avx512.c. */
 static inline __m256i windows_of(__m256i voxel, int32_t step)
 {
     const int32_t inverse = step == 3 ? 21846 : step == 2 ? 32768 : 65536;
@@ -147,13 +147,13 @@ static inline size_t find_lines(const ost_match *match, size_t count, places *at
     return tied;
 }
 
-/* The high bytes of two registers; voxels 0..7, 16..23 and 8..15, 24..31 become 0..31. */
+/* Packs the high bytes of two registers; their voxels 0..7, 16..23 and 8..15, 24..31 become 0..31. */
 static inline __m256i high_bytes(__m256i a, __m256i b)
 {
     return _mm256_packus_epi16(_mm256_srli_epi16(a, 8), _mm256_srli_epi16(b, 8));
 }
 
-/* The window's quarters, each and the one before it. */
+/* The tables of the four shuffles: the window's first quarter, and each later quarter xor the previous one. */
 typedef struct quarters {
     __m256i t[4];
 } quarters;
@@ -166,7 +166,7 @@ static inline quarters quarters_of(const uint8_t line[64])
     return (quarters){{t[0], _mm256_xor_si256(t[1], t[0]), _mm256_xor_si256(t[2], t[1]), _mm256_xor_si256(t[3], t[2])}};
 }
 
-/* 32 voxels; a byte of x, y, z is the voxel in three bits and five of fraction. */
+/* Returns the bits of 32 voxels; a byte of x, y, z has three bits of voxel and five of fraction. */
 static inline uint32_t look_up(const quarters *line, __m256i x, __m256i y, __m256i z)
 {
     const __m256i one_of = _mm256_broadcastsi128_si256(_mm_setr_epi8(1, 2, 4, 8, 16, 32, 64, -128, 1, 2, 4, 8, 16, 32, 64, -128));
@@ -180,14 +180,14 @@ static inline uint32_t look_up(const quarters *line, __m256i x, __m256i y, __m25
     return (uint32_t)_mm256_movemask_epi8(_mm256_cmpeq_epi8(_mm256_and_si256(row, bit), bit));
 }
 
-/* Sixteen voxels in the order that high_bytes wants. */
+/* Loads sixteen voxels in the order that high_bytes expects. */
 static inline __m256i ordered(const uint16_t *voxels)
 {
     return _mm256_inserti128_si256(_mm256_castsi128_si256(_mm_load_si128((const __m128i *)voxels)),
                                    _mm_load_si128((const __m128i *)(voxels + 16)), 1);
 }
 
-/* [half][first or second sixteen][axis] */
+/* The pose's offsets, indexed by [half][first or second sixteen][axis]. */
 typedef struct offsets {
     __m256i v[2][2][3];
 } offsets;
@@ -202,7 +202,7 @@ static inline offsets offsets_of(const uint16_t table[3][64])
     return o;
 }
 
-/* With the carries of the low bits. */
+/* Matches the tied bricks again, with the carries of the low bits. */
 static void match_tied(const ost_match *match, const offsets *high, const places *at, size_t count, uint64_t *hits)
 {
     const offsets low = offsets_of(match->low);
@@ -275,8 +275,9 @@ static inline uint64_t sum32(__m256i v)
 }
 
 /*
- * Lanes of 16 bits take 65535 / highest densities, four a brick, before they are emptied into
- * 32-bit lanes; those take 512 bricks of 4 * 2 * 32767 < 2^18 each. Borders are a constant of the caller.
+ * A 16-bit lane can sum 65535 / highest densities, four per brick, before it is added to a
+ * 32-bit lane; that can sum 512 bricks of 4 * 2 * 32767 < 2^18 each. The number of borders is a
+ * constant of the caller.
  */
 static inline __attribute__((always_inline)) void take_bricks(const ost_take *take, int16_t *density, const int32_t *number,
                                                               const uint64_t *hits, size_t count, ost_tally *tally, const int borders)
@@ -289,7 +290,7 @@ static inline __attribute__((always_inline)) void take_bricks(const ost_take *ta
     for (int b = 0; b <= borders; b++)
         sum[b] = wide[b] = zero;
     for (int b = 0; b < borders; b++) {
-        /* Densities are at least 1, so a border below that is as good as 1. */
+        /* Densities are at least 1, so a lower border has the same effect as 1. */
         below[b] = _mm256_set1_epi16((int16_t)((take->border[b] > 1 ? take->border[b] : 1) - 1));
         voxels[b] = zero;
     }

@@ -2,20 +2,20 @@
 /*
  * Removal in AVX-512 (F, BW, DQ, VL, CD).
  *
- *   blocks  the eight of a unit at once, in 64-bit lanes
- *   split   sixteen parts at once, two of eight cubes or four of four
+ *   blocks  the eight blocks of a unit at once, in 64-bit lanes
+ *   split   sixteen parts at once, two of each of eight cubes or four of each of four
  *   match   32 voxels in 16-bit lanes, twice: a window of 64 bytes is one
- *           register, and a row of it one VPERMW
- *   take    a brick is two registers; classes by compare masks
+ *           register, and VPERMW selects its rows
+ *   take    a brick is two registers; compare masks give the classes
  *
- * Tables are read by scalar loads from indices that were stored: sixteen of
- * them take half the time of a gather, and many are in flight at once.
+ * Indices are stored to memory and tables read by scalar loads: sixteen loads
+ * take half the time of a gather, and many are in flight at once.
  *
  * A window's 16-bit word 4 y + z / 2 holds the bytes of rows (y, z) and
  * (y, z + 1), z even.  In a lane's u = voxel.fraction (3 + 13 bits):
  *
  *   word     uy >> 11  ->  y2 y1 y0 f f        uz >> 14  ->  z2 z1
- *            5 bits:       y2 y1 y0 z2 z1      (VPERMW ignores the bits above)
+ *            5 bits:       y2 y1 y0 z2 z1      (VPERMW ignores the higher bits)
  *   bit      ux >> 13  ->  x2 x1 x0            uz >> 10  ->  bit 3 is z0
  *            4 bits:    z0 x2 x1 x0
  */
@@ -26,7 +26,10 @@
 
 /* ----------------------------------------------------------------- blocks */
 
-/* Lane x + 2y + 4z. As ost_block_base; where one of them is unsure, all are left to it. */
+/*
+ * Block (x, y, z) of the unit is in lane x + 2y + 4z. Computes as ost_block_base does; if one of the
+ * blocks needs its division, the scalar kernel computes all of them.
+ */
 void ost_blocks_avx512(const ost_block_bases *bases, const ost_block_reach *reach, const int32_t first[3], const int32_t from[3],
                        const int32_t to[3], ost_cubes *blocks)
 {
@@ -34,7 +37,7 @@ void ost_blocks_avx512(const ost_block_bases *bases, const ost_block_reach *reac
     const int64_t *part[3][2];
     unsigned valid = 0xff, unsure = 0;
     for (int b = 0; b < 3; b++) {
-        /* Lanes that are not valid take what their neighbour has. */
+        /* Lanes that are not valid have the values of their neighbour. */
         part[b][0] = bases->part[b] + 3 * (size_t)(from[b] - bases->lo[b]);
         part[b][1] = bases->part[b] + 3 * (size_t)(to[b] - 1 - bases->lo[b]);
         valid &= (from[b] == first[b] ? 0xff : second[b]) & (to[b] == first[b] + 2 ? 0xff : ~(unsigned)second[b]);
@@ -46,7 +49,7 @@ void ost_blocks_avx512(const ost_block_bases *bases, const ost_block_reach *reac
         for (int b = 0; b < 3; b++)
             sum = _mm512_add_epi64(sum, _mm512_mask_set1_epi64(_mm512_set1_epi64(part[b][0][a]), second[b], part[b][1][a]));
         const __m512i wide = _mm512_srai_epi64(sum, 16);
-        /* Sure when the low 16 bits, less 1, are below 2^16 - 7. */
+        /* The base is certain if the low 16 bits, less 1, are below 2^16 - 7. */
         const __m512i low = _mm512_and_si512(_mm512_sub_epi64(sum, _mm512_set1_epi64(1)), _mm512_set1_epi64(0xffff));
         unsure |= _mm512_cmpge_epu64_mask(low, _mm512_set1_epi64(0xffff - 6));
         near = _mm512_mask_cmplt_epu64_mask(near, _mm512_add_epi64(wide, _mm512_set1_epi64(1 << 29)), _mm512_set1_epi64(INT64_C(1) << 31));
@@ -67,9 +70,9 @@ void ost_blocks_avx512(const ost_block_bases *bases, const ost_block_reach *reac
 /* ------------------------------------------------------------------ split */
 
 /*
- * The number of the cell that each lane lies in, or is nearest to.  Cells are
- * counted to 2^15 on an axis, so that products with one of them need 16 bits of
- * either factor, and y * dims[0] fits 32.
+ * Computes the number of the cell that contains each lane's point or is nearest to
+ * it.  An axis has at most 2^15 cells, so that y and dims[0] fit 16 bits and their
+ * product fits 32.
  */
 static inline __m512i cells_of(const ost_cells *cells, __m512i x, __m512i y, __m512i z)
 {
@@ -86,21 +89,25 @@ static inline __m512i cells_of(const ost_cells *cells, __m512i x, __m512i y, __m
 }
 
 /*
- * Cubes in groups of eight, two of their parts in a register: lanes 0..7 are
- * part 2q of the cubes, lanes 8..15 part 2q + 1.  The last group, when it has
- * four cubes or fewer, has four parts in a register: a unit has few blocks,
- * and half of the registers would be empty.  The cells' values are read one by one in between.
+ * Cubes are processed in groups of eight with two of their parts per register:
+ * lanes 0..7 are part 2q of the cubes, lanes 8..15 part 2q + 1.  If the last group
+ * has at most four cubes, a register has four parts of them, since a unit has few
+ * blocks and half of the lanes would be empty.  The cells of all groups are found
+ * first, then their values are read one by one, then the parts are sorted.
  */
 enum { GROUPS = 8 };
 typedef struct split_piece {
     _Alignas(64) int32_t cell[GROUPS][64];
     _Alignas(64) int8_t value[GROUPS][64];
-    uint64_t keep[GROUPS]; /* byte c: the parts of cube c that are still to be sorted */
+    uint64_t keep[GROUPS]; /* byte c: the parts of cube c that are to be sorted */
 } split_piece;
 
 #define INLINED static inline __attribute__((always_inline))
 
-/* `wide` is how many cubes a register holds, 8 or 4; a part's number for each lane of register q. */
+/*
+ * Returns the number of the part in each lane of register q. `wide` is the number of cubes in a
+ * register, 8 or 4.
+ */
 INLINED __m512i part_numbers(int wide, int q)
 {
     const __m512i of_two = _mm512_setr_epi32(0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1);
@@ -108,7 +115,7 @@ INLINED __m512i part_numbers(int wide, int q)
     return wide == 8 ? _mm512_add_epi32(of_two, _mm512_set1_epi32(2 * q)) : _mm512_add_epi32(of_four, _mm512_set1_epi32(4 * q));
 }
 
-/* One value for the lanes of each part. */
+/* Returns the values of eight[] for the parts in the lanes of register q. */
 INLINED __m512i parts(const int32_t eight[8], int wide, int q)
 {
     if (wide == 8)
@@ -154,7 +161,7 @@ INLINED void read_cells(const int8_t *table, const int32_t *cell, int wide, int8
     }
 }
 
-/* Which of 16 bytes, a part of a cube each, are kept: bit `part` of byte `cube` of keep. */
+/* Returns the mask of the 16 lanes of register q whose parts are kept: bit `part` of byte `cube` of keep. */
 INLINED __mmask16 kept_of(uint64_t keep, int wide, int q)
 {
     if (wide == 8)
@@ -163,11 +170,11 @@ INLINED __mmask16 kept_of(uint64_t keep, int wide, int q)
     return _mm_test_epi8_mask(_mm_set1_epi32((int32_t)keep), _mm_slli_epi32(_mm_setr_epi32(0x01010101, 0x02020202, 0x04040404, 0x08080808), 4 * q));
 }
 
-/* Sorts the parts of a group behind those that mixed and inside have. */
+/* Appends the mixed and inside parts of a group to mixed and inside. */
 INLINED void sort_parts(const ost_split *split, const ost_cubes *cubes, size_t from, int wide, const int8_t *value, uint64_t keep,
                        ost_cubes *mixed, ost_numbers *inside, size_t *m, size_t *n)
 {
-    /* Values are within +-64: 127 is as good as beyond. */
+    /* Values are within +-64, so 127 has the same effect as a greater number. */
     const int least = split->least < 127 ? split->least : 127;
     const __m128i high = _mm_set1_epi8((int8_t)least), low = _mm_set1_epi8((int8_t)-least);
     const __m512i x = some_cubes(cubes->u[0] + from, wide), y = some_cubes(cubes->u[1] + from, wide), z = some_cubes(cubes->u[2] + from, wide);
@@ -191,7 +198,7 @@ INLINED void sort_parts(const ost_split *split, const ost_cubes *cubes, size_t f
 void ost_split_avx512(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, const uint64_t *occupancy,
                       ost_cubes *mixed, ost_numbers *inside)
 {
-    const int8_t *const table = cells->value; /* a local one: stores of bytes cannot change it */
+    const int8_t *const table = cells->value; /* a local copy, as stores of bytes could alias the field */
     split_piece piece;
     size_t m = mixed->count, n = inside->count;
     for (size_t from = 0; from < cubes->count; from += 8 * GROUPS) {
@@ -224,23 +231,36 @@ void ost_split_avx512(const ost_split *split, const ost_cells *cells, const ost_
 
 enum { LOW = OST_MAP_FRACTION - OST_TIE_BITS };
 
-/* Bricks are worked off in pieces: first where they begin in their windows, then the windows' lines, then the look-ups. */
+/*
+ * Bricks are processed in pieces, in three passes: the bricks' positions in their windows, the windows'
+ * lines, and the look-ups.
+ */
 enum { PIECE = 128 };
+/*
+ * The positions of a piece's bricks: c is the brick's least coordinate relative to the window's first
+ * voxel (remove.h).
+ */
 typedef struct places {
-    _Alignas(64) uint32_t high[3][PIECE]; /* >> 7, in both halves of a lane */
-    uint32_t low[3][PIECE];
-    uint32_t line[PIECE];        /* first the window's number, then that of its line */
-    uint32_t tied[PIECE + 16];   /* those that may have to be done again with carries */
+    _Alignas(64) uint32_t high[3][PIECE]; /* c >> 7, in both halves of a lane */
+    uint32_t low[3][PIECE];               /* c mod 2^7 */
+    uint32_t line[PIECE];        /* the window's number, later the number of its line */
+    uint32_t tied[PIECE + 16];   /* bricks near a tie, which may need another match with carries */
 } places;
 
-/* n / step for 0 <= n < 2^15 and step 1, 2, 3: (n * ceil(2^16 / step)) >> 16 is exact there, and 2^16 itself is n << 16 >> 16. */
+/*
+ * Returns n / step for 0 <= n < 2^15 and step 1, 2, 3: (n * ceil(2^16 / step)) >> 16 is exact there,
+ * and for step 1 the product with 2^16 is a shift.
+ */
 static inline __m512i windows_of(__m512i voxel, int32_t step)
 {
     const int32_t inverse = step == 3 ? 21846 : step == 2 ? 32768 : 65536;
     return _mm512_srli_epi32(_mm512_mullo_epi32(voxel, _mm512_set1_epi32(inverse)), 16);
 }
 
-/* Whether c, >> LOW and without the voxel, is near a tie: bit (c >> LOW >> 3) % 1024 of `near`. A rotation takes its count mod 32. */
+/*
+ * Returns the lanes whose c is near a tie: bit (c >> LOW >> 3) % 1024 of `near`. A rotation uses its
+ * count mod 32.
+ */
 static inline __mmask16 near_tie(const uint32_t near[32], __m512i c)
 {
     const __m512i word = _mm512_permutex2var_epi32(_mm512_load_si512(near), _mm512_srli_epi32(c, LOW + 3 + 5), _mm512_load_si512(near + 16));
@@ -248,8 +268,8 @@ static inline __mmask16 near_tie(const uint32_t near[32], __m512i c)
 }
 
 /*
- * Bricks from .. from + 15; lanes behind the last brick become anything that nobody looks at.
- * Returns which are near a tie.
+ * Computes the positions of bricks from .. from + 15; the values of lanes behind the last brick are not used.
+ * Returns the lanes that are near a tie.
  */
 static inline __mmask16 place_sixteen(const ost_match *match, const ost_cubes *bricks, size_t from, places *out, size_t to)
 {
@@ -271,7 +291,7 @@ static inline __mmask16 place_sixteen(const ost_match *match, const ost_cubes *b
     return near;
 }
 
-/* Where all bricks of a piece begin; returns how many are near a tie. */
+/* Computes the positions of all bricks of a piece; returns the number of those near a tie. */
 static inline size_t place_all(const ost_match *match, const ost_cubes *bricks, size_t from, size_t count, places *at)
 {
     const __m512i sixteen = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
@@ -285,7 +305,10 @@ static inline size_t place_all(const ost_match *match, const ost_cubes *bricks, 
     return tied;
 }
 
-/* Lines of the first count places, on their way to the cache. */
+/*
+ * Replaces the windows' numbers of the first count bricks by the numbers of their lines, and
+ * prefetches the lines.
+ */
 static inline void find_lines(const ost_windows *windows, size_t count, places *at)
 {
     const uint8_t(*const line)[64] = windows->line;
@@ -303,16 +326,16 @@ static inline bool is_tied(const ost_match *match, const places *at, size_t i)
     return ((tie[at->high[0][i] & fraction] & 1) | (tie[at->high[1][i] & fraction] & 2) | (tie[at->high[2][i] & fraction] & 4)) != 0;
 }
 
-/* 32 voxels from their coordinates in the window. */
+/* Returns the bits of 32 voxels from their coordinates in the window. */
 static inline __mmask32 look_up(__m512i line, __m512i x, __m512i y, __m512i z)
 {
-    /* 0xe4: the first where the third is set, else the second. */
+    /* The function 0xe4 selects the first operand's bit where the third is set, otherwise the second's. */
     const __m512i word = _mm512_ternarylogic_epi32(_mm512_srli_epi16(z, 14), _mm512_srli_epi16(y, 11), _mm512_set1_epi16(3), 0xe4);
     const __m512i bit = _mm512_ternarylogic_epi32(_mm512_srli_epi16(z, 10), _mm512_srli_epi16(x, 13), _mm512_set1_epi16(8), 0xe4);
     return _mm512_test_epi16_mask(_mm512_permutexvar_epi16(word, line), _mm512_sllv_epi16(_mm512_set1_epi16(1), bit));
 }
 
-/* Those that are tied, of count that may be, with the carries of the low bits. */
+/* Matches again, with the carries of the low bits, those of the count bricks near a tie that are tied. */
 static void match_tied(const ost_match *match, const places *at, size_t count, uint64_t *hits)
 {
     for (size_t t = 0; t < count; t++) {
@@ -349,7 +372,7 @@ static void match_windows(const ost_match *match, const ost_cubes *bricks, uint6
             const __m512i window = _mm512_load_si512(line[at.line[i]]);
             const __m512i x = _mm512_set1_epi32((int32_t)at.high[0][i]), y = _mm512_set1_epi32((int32_t)at.high[1][i]),
                           z = _mm512_set1_epi32((int32_t)at.high[2][i]);
-            /* Masks go to memory without passing through a register. */
+            /* Stores the masks directly, without moving them to a general register first. */
             __mmask32 *half = (__mmask32 *)(void *)(hits + i);
             _store_mask32(half, look_up(window, _mm512_add_epi16(x, x0), _mm512_add_epi16(y, y0), _mm512_add_epi16(z, z0)));
             _store_mask32(half + 1, look_up(window, _mm512_add_epi16(x, x1), _mm512_add_epi16(y, y1), _mm512_add_epi16(z, z1)));
@@ -358,12 +381,15 @@ static void match_windows(const ost_match *match, const ost_cubes *bricks, uint6
     }
 }
 
-/* Sixteen voxels at once out of the tool's own bytes: where there are no windows. */
+/* Matches bricks, sixteen voxels at once, with the tool's own bytes; used if there are no windows. */
 static void match_voxels(const ost_match *match, const ost_cubes *bricks, uint64_t *hits)
 {
     const ost_shape *s = match->shape;
     const __m512i dx = _mm512_set1_epi32(s->dims[0]), dy = _mm512_set1_epi32(s->dims[1]), dz = _mm512_set1_epi32(s->dims[2]);
-    /* A lane reads the four bytes that end with its own, or the first four: nothing beyond the grid. */
+    /*
+     * A lane reads the four bytes that end with its voxel, or the grid's first four, so that none is
+     * outside the grid.
+     */
     for (size_t i = 0; i < bricks->count; i++) {
         uint64_t word = 0;
         for (int q = 0; q < 4; q++) {
@@ -371,7 +397,7 @@ static void match_voxels(const ost_match *match, const ost_cubes *bricks, uint64
             for (int a = 0; a < 3; a++)
                 v[a] = _mm512_srai_epi32(_mm512_add_epi32(_mm512_loadu_si512(match->offset[a] + 16 * q), _mm512_set1_epi32(bricks->u[a][i])),
                                          OST_MAP_FRACTION);
-            /* As unsigned numbers negative ones are great. */
+            /* Compared as unsigned, a negative coordinate exceeds all dimensions. */
             __mmask16 in = _mm512_cmplt_epu32_mask(v[0], dx);
             in = _mm512_mask_cmplt_epu32_mask(in, v[1], dy);
             in = _mm512_mask_cmplt_epu32_mask(in, v[2], dz);
@@ -391,7 +417,7 @@ void ost_match_avx512(const ost_match *match, const ost_cubes *bricks, uint64_t 
     const int32_t *d = match->shape->dims;
     if (match->windows)
         match_windows(match, bricks, hits);
-    else if (d[0] >= 4) /* at most 2^30 voxels: indices fit the gather's int32 */
+    else if (d[0] >= 4) /* at most 2^30 voxels, so that indices fit the gather's int32 */
         match_voxels(match, bricks, hits);
     else
         ost_match_scalar(match, bricks, hits);
@@ -399,9 +425,9 @@ void ost_match_avx512(const ost_match *match, const ost_cubes *bricks, uint64_t 
 
 /* ------------------------------------------------------------------- take */
 
-enum { AHEAD = 16 }; /* bricks whose densities are fetched before their turn */
+enum { AHEAD = 16 }; /* number of bricks by which prefetching is ahead */
 
-/* Sums of 16-bit lanes as unsigned numbers. */
+/* Returns the sum of the 16-bit lanes as unsigned numbers. */
 static inline uint64_t sum16(__m512i v)
 {
     const __m512i even = _mm512_and_si512(v, _mm512_set1_epi32(0xffff)), odd = _mm512_srli_epi32(v, 16);
@@ -414,10 +440,10 @@ static inline __m512i widen16(__m512i v)
 }
 
 /*
- * Lanes of 16 bits take up to 65535 / highest densities, which is at least
- * two: a brick has two registers, so they are emptied every `bricks` bricks into
- * 32-bit lanes; those take 512 bricks of 2 * 2 * 32767 < 2^17 each.
- * Borders are a constant of the caller, so that all sums stay in registers.
+ * A 16-bit lane can sum up to 65535 / highest densities, which is at least two.
+ * A brick has two registers, so the lanes are added to 32-bit lanes every `bricks`
+ * bricks; those can sum 512 bricks of 2 * 2 * 32767 < 2^17 each.
+ * The number of borders is a constant of the caller, so that all sums stay in registers.
  */
 static inline __attribute__((always_inline)) void take_bricks(const ost_take *take, int16_t *density, const int32_t *number,
                                                               const uint64_t *hits, size_t count, ost_tally *tally, const int borders)
@@ -472,8 +498,9 @@ static inline __attribute__((always_inline)) void take_bricks(const ost_take *ta
 }
 
 /*
- * In pieces of 512 bricks, so that no lane overflows: 512 * 2 counts, 512 *
- * 2^17 = 2^26 of density in a 32-bit lane and 16 of them below 2^30.
+ * Processes pieces of 512 bricks, so that no lane overflows: a count is at most
+ * 512 * 2, a sum of densities in a 32-bit lane below 512 * 2^17 = 2^26, and the sum
+ * of 16 such lanes below 2^30.
  */
 void ost_take_avx512(const ost_take *take, int16_t *density, const int32_t *number, const uint64_t *hits, size_t count,
                      ost_tally *tally)

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Sixteen voxels at once: which chunk, has it memory, is the bit set, and for
- * those whose bit is, the density.  What is not asked for is not looked at:
- * every gather is masked by what the one before it found.
+ * Samples sixteen voxels at once: looks up the chunk's entry, the occupancy word
+ * if the chunk has memory, and the density if the voxel's bit is set.  Each gather
+ * is masked by the result of the previous one, so that nothing else is read.
  */
 #include "core/conditions.h"
 #include "cpu/bone/bone.h"
@@ -14,7 +14,7 @@
 _Static_assert(sizeof(cpu_chunk) == 32 && offsetof(cpu_chunk, density) == 0 && offsetof(cpu_chunk, occupancy) == 8, "four words a chunk");
 
 typedef struct halves {
-    __m512i low, high; /* 64 bits each of voxels 0 to 7 and 8 to 15 */
+    __m512i low, high; /* 64-bit lanes for voxels 0 to 7 and 8 to 15 */
 } halves;
 
 static inline halves wide(__m512i v)
@@ -22,7 +22,7 @@ static inline halves wide(__m512i v)
     return (halves){_mm512_cvtepi32_epi64(_mm512_castsi512_si256(v)), _mm512_cvtepi32_epi64(_mm512_extracti64x4_epi64(v, 1))};
 }
 
-/* 64 bits at each address that is asked for, else 0. */
+/* Reads 64 bits at each address whose lane is set in ask; other lanes are 0. */
 static inline __m512i fetch(__mmask8 ask, __m512i address)
 {
     return _mm512_mask_i64gather_epi64(_mm512_setzero_si512(), ask, address, (const void *)0, 1);
@@ -33,7 +33,7 @@ static inline __m512i sum(__m512i a, __m512i b)
     return _mm512_add_epi64(a, b);
 }
 
-/* Eight: the mask of those that are active, and their densities in 32 bits. */
+/* Returns eight densities in the low halves of 32-bit lanes; lanes that are not active or not set in ask are 0. */
 static inline __m256i densities_of(const cpu_bone *bone, __mmask8 ask, __m512i chunk, __m512i brick, __m512i in)
 {
     const __m512i entry = sum(_mm512_set1_epi64((long long)(uintptr_t)bone->chunks), _mm512_slli_epi64(chunk, 5));
@@ -56,11 +56,11 @@ void ost_sample_avx512(const cpu_bone *bone, size_t count, const int32_t *const 
         const __mmask16 some = count - i < 16 ? (__mmask16)((1u << (count - i)) - 1) : (__mmask16)0xffff;
         const __m512i x = _mm512_maskz_loadu_epi32(some, at[0] + i), y = _mm512_maskz_loadu_epi32(some, at[1] + i),
                       z = _mm512_maskz_loadu_epi32(some, at[2] + i);
-        /* Without signs, what is below 0 is above all. */
+        /* Compared as unsigned, a negative coordinate exceeds all dimensions. */
         __mmask16 ask = _mm512_mask_cmplt_epu32_mask(some, x, _mm512_set1_epi32(dims.x));
         ask = _mm512_mask_cmplt_epu32_mask(ask, y, _mm512_set1_epi32(dims.y));
         ask = _mm512_mask_cmplt_epu32_mask(ask, z, _mm512_set1_epi32(dims.z));
-        /* Fewer than 2^31 chunks where ask is set; what comes out elsewhere is not used. */
+        /* Where ask is set, the index is below 2^31; the values of other lanes are not used. */
         __m512i chunk = _mm512_mullo_epi32(_mm512_sra_epi32(z, down), _mm512_set1_epi32(bone->chunk_dims.y));
         chunk = _mm512_mullo_epi32(_mm512_add_epi32(chunk, _mm512_sra_epi32(y, down)), _mm512_set1_epi32(bone->chunk_dims.x));
         chunk = _mm512_add_epi32(chunk, _mm512_sra_epi32(x, down));
@@ -74,7 +74,7 @@ void ost_sample_avx512(const cpu_bone *bone, size_t count, const int32_t *const 
         const halves chunks = wide(chunk), bricks = wide(brick), ins = wide(in);
         const __m256i first = densities_of(bone, (__mmask8)ask, chunks.low, bricks.low, ins.low);
         const __m256i second = densities_of(bone, (__mmask8)(ask >> 8), chunks.high, bricks.high, ins.high);
-        /* A density and what lies behind it were read; the low halves are the densities. */
+        /* Each lane has a density in its low half and the two bytes behind it in its high half. */
         const __m512i both = _mm512_inserti64x4(_mm512_castsi256_si512(first), second, 1);
         _mm512_mask_cvtepi32_storeu_epi16(densities + i, some, both);
     }

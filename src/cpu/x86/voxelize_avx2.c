@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The voxelizer's kernels for AVX2: four triangles, 256 voxels, or 32 classes at once. */
+/* The voxelizer's kernels for AVX2, which process four triangles, 256 voxels, or 32 classes at once. */
 #include <immintrin.h>
 
 #include "cpu/voxelize/voxelize.h"
@@ -35,7 +35,10 @@ typedef __m128i vi;
 #define vi_from_vd(a) _mm256_cvtpd_epi32(a)
 #define vd_from_vi(a) _mm256_cvtepi32_pd(a)
 
-/* Loads and a transposition: gathers take several times as long. Masked, as nothing may be read behind the last vertex. */
+/*
+ * Loads and transposes the vertices, since gathers take several times as long. The loads are masked
+ * because nothing may be read behind the last vertex.
+ */
 static inline void vi_vertices(const ost_snapped_mesh *mesh, const uint32_t *const *v, int corner, vi *xyz)
 {
     const __m128i three = _mm_setr_epi32(-1, -1, -1, 0);
@@ -49,7 +52,7 @@ static inline void vi_vertices(const ost_snapped_mesh *mesh, const uint32_t *con
     xyz[2] = _mm_unpacklo_epi64(_mm_unpackhi_epi32(p0, p1), _mm_unpackhi_epi32(p2, p3));
 }
 
-/* Byte moves that bring the words of a mask's lanes together. */
+/* For each mask of lanes, the byte shuffle that moves the words of the set lanes to the front. */
 #define WORD(i) 4 * (i), 4 * (i) + 1, 4 * (i) + 2, 4 * (i) + 3
 #define NO WORD(0)
 static const int8_t together[16][16] = {
@@ -74,7 +77,7 @@ static inline __m256i two_vertices(const ost_snapped_mesh *mesh, const uint32_t 
     return _mm256_inserti128_si256(_mm256_castsi128_si256(p0), p1, 1);
 }
 
-/* As with 512 bits, two triangles at a time. */
+/* As in voxelize_avx512.c, two triangles at a time. */
 static inline unsigned bounds_meet_rows(const ost_vox_tile *tile, const uint32_t *t)
 {
     const __m256i h = _mm256_set1_epi32(1 << (tile->f - 1)), h1 = _mm256_set1_epi32((1 << (tile->f - 1)) - 1);
@@ -141,15 +144,15 @@ static inline __m256i count_bytes(__m256i v)
                            _mm256_shuffle_epi8(table, _mm256_and_si256(_mm256_srli_epi16(v, 4), low)));
 }
 
-enum { WORDS = 4 }; /* of a vector */
+enum { WORDS = 4 }; /* words per vector */
 
-/* As with 512 bits (voxelize_avx512.c), four words at a time. */
+/* As fill_blocks in voxelize_avx512.c, four words at a time. */
 static inline bool fill_vectors(const uint64_t *enter, const uint64_t *leave, size_t words, unsigned ends, uint64_t *bits, bool *marked,
                                 __m256i *counts)
 {
     const __m256i zero = _mm256_setzero_si256(), bit = _mm256_setr_epi64x(1, 2, 4, 8);
     __m256i wrong = zero, n = *counts;
-    unsigned before = 0; /* bit i: word i begins inside; 4: so does the next vector's first */
+    unsigned before = 0; /* bit i: word i begins inside; bit 4: the next vector's first word does */
     for (size_t w = 0; w < words; w += WORDS) {
         const __m256i p = _mm256_load_si256((const __m256i *)(enter + w)), m = _mm256_load_si256((const __m256i *)(leave + w));
         const __m256i either = _mm256_or_si256(p, m);
@@ -157,7 +160,7 @@ static inline bool fill_vectors(const uint64_t *enter, const uint64_t *leave, si
         __m256i q = _mm256_set1_epi64x(-(long long)inside);
         if (!_mm256_testz_si256(either, either)) {
             const __m256i x = _mm256_xor_si256(p, m), difference = _mm256_sub_epi64(m, p);
-            /* The top bit of what a subtraction of bits borrows. */
+            /* The top bit of `borrow` is the borrow of m - p. */
             const __m256i borrow = _mm256_or_si256(_mm256_andnot_si256(m, p), _mm256_andnot_si256(x, difference));
             const unsigned less = (unsigned)_mm256_movemask_pd(_mm256_castsi256_pd(borrow));
             const unsigned same = (unsigned)_mm256_movemask_pd(_mm256_castsi256_pd(_mm256_cmpeq_epi64(m, p)));
@@ -214,7 +217,7 @@ uint64_t ost_vox_fill_avx2(ost_vox_tile *tile, size_t first_row, size_t rows, ui
 
 /* ---------------------------------------------------------------- classes */
 
-/* 32 bits to bytes of 0 or -1: each byte gets the byte of bits that has its own, and keeps that one. */
+/* Spreads 32 bits to bytes of 0 or -1: each byte gets the byte that contains its bit, and is masked to that bit. */
 static inline __m256i spread(uint32_t bits)
 {
     const __m256i from = _mm256_setr_epi8(0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 2, 2, 2, 2, 3, 3, 3, 3, 3, 3, 3, 3);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The voxelizer's kernels for AVX-512: eight triangles, 512 voxels, or 64 classes at once. */
+/* The voxelizer's kernels for AVX-512, which process eight triangles, 512 voxels, or 64 classes at once. */
 #include <immintrin.h>
 
 #include "cpu/voxelize/voxelize.h"
@@ -35,7 +35,10 @@ typedef __m256i vi;
 #define vi_from_vd(a) _mm512_cvtpd_epi32(a)
 #define vd_from_vi(a) _mm512_cvtepi32_pd(a)
 
-/* Loads and permutes: gathers take several times as long. Masked, as nothing may be read behind the last vertex. */
+/*
+ * Loads four vertices, to be permuted afterwards, since gathers take several times as long. The loads
+ * are masked because nothing may be read behind the last vertex.
+ */
 static inline __m512i four_vertices(const ost_snapped_mesh *mesh, const uint32_t *const *v, int corner)
 {
     const __m128i p0 = _mm_maskz_loadu_epi32(7, mesh->vertices[v[0][corner]]), p1 = _mm_maskz_loadu_epi32(7, mesh->vertices[v[1][corner]]);
@@ -64,9 +67,9 @@ static inline size_t emit(uint32_t *out, vi v, vm m)
 #define emit_bits(out, v, bits) emit(out, v, (vm)(bits))
 
 /*
- * In integers, and before anything is transposed: four triangles' corners are
- * four registers' quarters (x, y, z, 0), so are their bounds, and of each
- * comparison's bits those of y and z count.
+ * Compares integers before any transposition: the corners of four triangles, and
+ * their bounds, are the quarters (x, y, z, 0) of a register, and of each
+ * comparison's bits only those of y and z are used.
  */
 static inline unsigned bounds_meet_rows(const ost_vox_tile *tile, const uint32_t *t)
 {
@@ -125,7 +128,7 @@ void ost_vox_keys_avx512(const ost_vox_plan *plan, const ost_snapped_mesh *mesh,
 
 /* ------------------------------------------------------------- solid bits */
 
-/* Set bits of each byte. */
+/* Returns the number of set bits of each byte. */
 static inline __m512i count_bytes(__m512i v)
 {
     const __m512i table = _mm512_broadcast_i32x4(_mm_setr_epi8(0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4));
@@ -135,22 +138,23 @@ static inline __m512i count_bytes(__m512i v)
 }
 
 /*
- * The bits of one row of whole blocks, or of one block of whole rows; false
- * when they are not proven (fill.c).  Bit i of ends: word i of the last
- * block begins a row or, bit 8, lies behind it: nothing may go on there.
+ * Computes the bits of one row of complete blocks, or of one block of complete
+ * rows; returns false if they are not proven (fill.c).  Bit i of ends is set if
+ * word i of the last block begins a row (bit 8: the word behind the block), so
+ * that the previous word must not end inside.
  */
 static inline bool fill_blocks(const uint64_t *enter, const uint64_t *leave, size_t words, unsigned ends, uint64_t *bits, bool *marked,
                                __m512i *counts)
 {
     const __m512i zero = _mm512_setzero_si512(), ones = _mm512_set1_epi64(-1);
     __m512i wrong = zero, n = *counts;
-    unsigned before = 0; /* bit i: word i begins inside; 8: so does the next block's first */
+    unsigned before = 0; /* bit i: word i begins inside; bit 8: the next block's first word does */
     for (size_t w = 0; w < words; w += OST_VOX_BLOCK) {
         const __m512i p = _mm512_load_si512(enter + w), m = _mm512_load_si512(leave + w), either = _mm512_or_si512(p, m);
         const unsigned inside = before >> OST_VOX_BLOCK;
         __m512i q = inside ? ones : zero;
         if (_mm512_test_epi64_mask(either, either)) {
-            /* Borrows, and on through words where the two are the same, as a sum of bits. */
+            /* The addition carries the borrows through words in which p and m are equal. */
             const unsigned less = _mm512_cmplt_epu64_mask(m, p), same = _mm512_cmpeq_epi64_mask(m, p);
             before = (2 * less + inside + same) ^ same;
             const __m512i x = _mm512_xor_si512(p, m), difference = _mm512_sub_epi64(m, p);
