@@ -26,7 +26,7 @@ static bool available(char *reason, size_t size)
 static int default_threads(void)
 {
 #if defined _OPENMP
-    const int most = omp_get_max_threads(); /* OMP_NUM_THREADS, else the cores that the process may use */
+    const int most = omp_get_max_threads(); /* OMP_NUM_THREADS if set, otherwise the cores available to the process */
     return most < THREADS_MAX ? most : THREADS_MAX;
 #else
     return 1;
@@ -35,7 +35,7 @@ static int default_threads(void)
 
 static ost_status set_threads(const char *value, int *threads, ost_error *err)
 {
-    /* Digits alone: strtol would take spaces and a sign as well. */
+    /* Only digits are accepted; strtol alone would also accept spaces and a sign. */
     const size_t digits = strspn(value, "0123456789");
     const long n = digits > 0 && digits < 6 && !value[digits] ? strtol(value, NULL, 10) : 0;
     if (n < 1 || n > THREADS_MAX)
@@ -72,10 +72,10 @@ typedef struct cpu_options {
     int64_t grain; /* 0: measured thresholds */
     int64_t order; /* 0: none */
     ost_voxelizer voxelizer;
-    unsigned given; /* a bit a key */
+    unsigned given; /* bit k: key k was given */
 } cpu_options;
 
-/* One "key=value". */
+/* Parses one "key=value". */
 static ost_status set_option(const char *option, cpu_options *options, ost_error *err)
 {
     static const char *const keys[] = {"isa=", "threads=", "grain=", "order=", "voxelizer="};
@@ -104,7 +104,7 @@ static ost_status set_option(const char *option, cpu_options *options, ost_error
     return ost_fail(err, OST_ERR_USAGE, "backend cpu: '%.40s' is unknown; options are isa=NAME, threads=N, grain=N, order=N and voxelizer=NAME", option);
 }
 
-/* text is cut at its commas; the values stay in it. */
+/* Parses a list of options. Writes zeros over the commas of text; options points into it afterwards. */
 static ost_status read_options(char *text, cpu_options *options, ost_error *err)
 {
     ost_status status = OST_OK;
@@ -137,7 +137,10 @@ static ost_status open_cpu(const char *options, ost_backend **out, ost_error *er
     ost_cpu_sharing *sharing = NULL;
     if (status == OST_OK && !(sharing = malloc(sizeof *sharing)))
         status = ost_fail(err, OST_ERR_MEMORY, "no memory for backend cpu");
-    /* Its kernels' tables lie on cache lines, so it must; its size is then a multiple of them. */
+    /*
+     * It contains tables that are aligned to cache lines, so it is too; its size is then a multiple of
+     * the alignment.
+     */
     if (status == OST_OK && !(backend = aligned_alloc(_Alignof(cpu_backend), sizeof *backend)))
         status = ost_fail(err, OST_ERR_MEMORY, "no memory for backend cpu");
     if (status == OST_OK) {
@@ -181,7 +184,7 @@ static void visit_paths(const ost_backend *base, ost_path_visit *visit, void *us
     ost_cpu_sharing_visit(backend->sharing, backend->threads, visit, user);
 }
 
-/* Every call has done its work when it returns. */
+/* Does nothing: every call of this backend is complete when it returns. */
 static ost_status finish(ost_backend *backend, ost_error *err)
 {
     (void)backend;

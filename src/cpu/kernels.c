@@ -69,7 +69,10 @@ static void fill_avx512(ost_cpu_kernels *k)
 #endif
 
 #if HAVE_NEON_BUILD
-/* gather_row, stretch_row and vox_fill stay scalar: a lane's load and a word's borrow cost as much either way. */
+/*
+ * gather_row, stretch_row and vox_fill have no NEON variant: a load per lane and the borrow of a word
+ * take as long with NEON as without it.
+ */
 static void fill_neon(ost_cpu_kernels *k)
 {
     k->blend_rows = ost_blend_rows_neon;

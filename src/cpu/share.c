@@ -9,8 +9,9 @@
 #endif
 
 /*
- * Measured (docs/performance.md).  A second thread costs microseconds to start,
- * and milliseconds where it has to wait for a core that another process uses.
+ * Thresholds, as measured (docs/performance.md).  A second thread takes
+ * microseconds to start, and milliseconds if it waits for a core that another
+ * process uses.
  */
 static const struct {
     const char *name;
@@ -26,11 +27,11 @@ static const struct {
     [OST_PATH_TILES] = {"voxelization", 1000000},         /* estimated nanoseconds */
     [OST_PATH_REMOVAL] = {"removal and collision", 1 << 22},            /* voxels of an event's chunks */
     [OST_PATH_BLOCKS] = {"scatter in several blocks", (1 << 16) + 1},       /* samples of a batch */
-    [OST_PATH_MAPPED] = {"grid in mapped memory", 1 << 22},                /* bytes; huge pages pay from here on */
+    [OST_PATH_MAPPED] = {"grid in mapped memory", 1 << 22},                /* bytes from which huge pages are faster */
     [OST_PATH_LAYERS] = {"conversion in several parts", (1 << 14) + 1},  /* chunks */
-    [OST_PATH_CHUNK_STREAM] = {"chunks written past the caches", (8 << 20) + 1}, /* bytes that do not fit the caches */
-    [OST_PATH_TOOL_STREAM] = {"tool written past the caches", 1 << 25},         /* voxels of a tool that do not stay in a cache */
-    [OST_PATH_TILED] = {"voxelization in several tiles", (1 << 19) + 1},    /* bytes of both planes, which a second cache holds */
+    [OST_PATH_CHUNK_STREAM] = {"chunks written past the caches", (8 << 20) + 1}, /* bytes, more than the caches hold */
+    [OST_PATH_TOOL_STREAM] = {"tool written past the caches", 1 << 25},         /* voxels, more than a cache holds */
+    [OST_PATH_TILED] = {"voxelization in several tiles", (1 << 19) + 1},    /* bytes of both planes, beyond an L2 */
 };
 
 void ost_cpu_sharing_init(ost_cpu_sharing *sharing, int64_t grain, uint64_t order)
@@ -71,7 +72,7 @@ static int64_t common_divisor(int64_t a, int64_t b)
     return a;
 }
 
-/* A stride without a common divisor with the number of blocks visits each of them once. */
+/* Draws a team's order of blocks. A stride that is coprime with the number of blocks visits each block once. */
 static void draw_order(ost_cpu_sharing *sharing, ost_team *team)
 {
     const int64_t blocks = (team->count + team->block - 1) / team->block;
@@ -86,12 +87,12 @@ static void draw_order(ost_cpu_sharing *sharing, ost_team *team)
 }
 
 /*
- * A member waits until all members have begun as many blocks as it has, so that they
- * run side by side; gives its core away; or goes on, each by the seed.
+ * By the seed, a member waits until all members have begun as many blocks as it has,
+ * so that they run at the same time, or it yields its core, or it continues at once.
  */
 int64_t ost_team_block(ost_team *team, const ost_member *me, int64_t turn)
 {
-    enum { TRIES = 20000 }; /* tens of microseconds */
+    enum { TRIES = 20000 }; /* polls, which take tens of microseconds */
     const int64_t blocks = (team->count + team->block - 1) / team->block, round = turn / me->stride;
     const uint64_t drawn = mixed(team->order + (uint64_t)turn);
     const int64_t all = (round + 1) * me->stride;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Which work the CPU backend shares among threads, writes past the caches or
- * cuts into parts: one table of thresholds, one counter for each.
+ * Thresholds of the work's size from which the CPU backend divides work among
+ * threads, writes past the caches or splits it into parts, with a counter each.
  *
  *   path, size of the work --ost_cpu_enters--> true from the path's threshold on, and it is counted
  *
@@ -14,14 +14,14 @@
  *   }
  *   ost_team_end(backend, &team);
  *
- * A threshold decides how fast a result is made, never the result.  The option
- * grain= replaces all of them by one number, so that small grids enter every
- * path; work is then dealt to threads in turn, one item at a time, so that
- * each thread of a team has its part however late it starts.
+ * A threshold affects the speed of a computation, never its result.  The option
+ * grain= replaces all thresholds by one number, so that small grids enter every
+ * path; items are then assigned to the threads in turn, one at a time, so that
+ * each thread of a team gets its items even if it starts late.
  *
- * The option order=N deals the blocks in another order and lets members pause
- * between them, both by the seed N, since a race that one schedule hides shows
- * in another.  It changes no result.
+ * The option order=N assigns the blocks in another order and lets members pause
+ * between them, both by the seed N, because a race that one schedule hides can
+ * appear in another.  It changes no result.
  *
  * ost_backend_paths (core/paths.h) reports the counters.
  */
@@ -36,7 +36,7 @@
 #include "core/backend.h"
 
 typedef enum ost_cpu_path {
-    /* Shared among threads. */
+    /* Paths that divide work among threads. */
     OST_PATH_SCATTER,
     OST_PATH_GRID_UPLOAD,
     OST_PATH_GRID_COPY,
@@ -47,7 +47,7 @@ typedef enum ost_cpu_path {
     OST_PATH_TILES,
     OST_PATH_REMOVAL,
     OST_PATHS_SHARED,
-    /* Whatever the number of threads. */
+    /* Paths that do not depend on the number of threads. */
     OST_PATH_BLOCKS = OST_PATHS_SHARED,
     OST_PATH_MAPPED,
     OST_PATH_LAYERS,
@@ -59,15 +59,15 @@ typedef enum ost_cpu_path {
 
 typedef struct ost_cpu_sharing {
     int64_t least[OST_CPU_PATHS]; /* size of the work from which on a path is entered */
-    bool dealt;                   /* grain= or order= was given */
+    bool dealt;                   /* blocks are assigned in turn: grain= or order= was given */
     uint64_t order;               /* seed of order=; 0: none */
-    uint64_t teams;               /* so far, where there is an order: each has one of its own */
-    uint64_t entered[OST_CPU_PATHS]; /* those of shared paths count where every thread had a part */
+    uint64_t teams;               /* number of teams so far, counted only with order=; each has its own order */
+    uint64_t entered[OST_CPU_PATHS]; /* shared paths are counted only if every thread had a part */
 } ost_cpu_sharing;
 
-/* grain: 0 for the measured thresholds; order: 0 for none. */
+/* Initialises *sharing. grain is 0 for the measured thresholds; order is 0 for none. */
 void ost_cpu_sharing_init(ost_cpu_sharing *sharing, int64_t grain, uint64_t order);
-/* Visits the paths that a backend of so many threads can enter. */
+/* Visits the paths that a backend with this number of threads can enter. */
 void ost_cpu_sharing_visit(const ost_cpu_sharing *sharing, int threads, ost_path_visit *visit, void *user);
 
 /* Returns true if work of this size enters the path, which is counted.  Called by one thread at a time. */
@@ -79,34 +79,37 @@ static inline bool ost_cpu_enters(ost_cpu_sharing *sharing, ost_cpu_path path, i
     return true;
 }
 
-/* Items [0, count), in blocks that the members of a team take. */
+/* Items [0, count), divided into blocks that the members of a team process. */
 typedef struct ost_team {
-    int threads; /* to ask OpenMP for */
+    int threads; /* requested from OpenMP */
     ost_cpu_path path;
-    bool dealt;  /* block b belongs to member b mod members; else the next member that is free takes it */
-    int64_t count, block;
-    _Atomic int64_t next; /* block, where not dealt; with an order: blocks begun so far */
+    bool dealt;  /* block b belongs to member b mod members; otherwise the next free member processes it */
+    int64_t count, block; /* items in all and per block */
+    _Atomic int64_t next; /* the next block, if not dealt; with an order: number of blocks begun */
     uint64_t order;       /* seed of this team; 0: none */
     int64_t first, stride; /* with an order: turn t is for block (first + t stride) mod blocks */
-    int members;          /* that OpenMP gave; valid behind the region */
+    int members;          /* number of threads that OpenMP provided; valid after the region */
 } ost_team;
 
 typedef struct ost_member {
-    int64_t at, end;      /* items of the current block */
-    int64_t next, stride; /* the next block, and from it to the one after, where dealt */
+    int64_t at, end;      /* remaining items of the current block */
+    int64_t next, stride; /* if dealt: this member's next block, and the distance to the one after it */
 } ost_member;
 
-/* size is the work's, in the path's unit; with block 0 each member has one block. */
+/*
+ * Returns a team for count items in blocks of `block` items; with block 0 each member has one block.
+ * size is the size of the work in the path's unit.
+ */
 ost_team ost_team_of(ost_cpu_sharing *sharing, int threads, ost_cpu_path path, int64_t size, int64_t count, int64_t block);
 /* Called by every thread of the parallel region. */
 ost_member ost_team_join(ost_team *team);
-/* Counts what was shared; called behind the region. */
+/* Counts the path as entered if every thread had a part; called after the parallel region. */
 void ost_team_end(ost_cpu_sharing *sharing, const ost_team *team);
 
-/* Returns the block of a member's turn, after a pause. */
+/* Pauses according to the order, then returns the block of this turn of a member. */
 int64_t ost_team_block(ost_team *team, const ost_member *me, int64_t turn);
 
-/* The member's next item, -1 behind the last. */
+/* Returns the member's next item, -1 after the last. */
 static inline int64_t ost_team_next(ost_team *team, ost_member *me)
 {
     if (me->at < me->end)
