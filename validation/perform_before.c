@@ -60,10 +60,11 @@ ost_status perform_other_bone(performer *p, int i, ost_error *err)
 {
     static int16_t voxels[BONE_SIDE * BONE_SIDE * BONE_SIDE];
     const ost_tool_geometry *grid = &p->grids[i];
-    const ost_pm spacing = p->geometry.spacing.x > grid->voxel ? grid->voxel / 4 : 4 * grid->voxel;
+    const bool finer = p->geometry.spacing.x > grid->voxel && grid->voxel / 4 >= OST_SPACING_MIN;
+    const ost_pm spacing = finer ? grid->voxel / 4 : 4 * grid->voxel;
     const ost_geometry geometry = {{BONE_SIDE, BONE_SIDE, BONE_SIDE}, {spacing, spacing, spacing}, {0, 0, 0}};
     ost_bone *bone = NULL;
-    if (ost_dims_count(grid->dims) > TOOL_VOXELS || spacing == 0 || spacing * BONE_SIDE > OST_LENGTH_MAX)
+    if (ost_dims_count(grid->dims) > TOOL_VOXELS || spacing > OST_SPACING_MAX || spacing * BONE_SIDE > OST_LENGTH_MAX)
         return OST_OK;
     for (size_t v = 0; v < sizeof voxels / sizeof voxels[0]; v++)
         voxels[v] = BONE_DENSITY;

@@ -61,11 +61,16 @@ static ost_status run_one(ost_backend *backend, const scene *s, const char *path
     return status == OST_OK ? trace_open(path, out, err) : status;
 }
 
-/* The place that the comparison names is the one in which the mistake first showed. */
+/*
+ * Returns true if the comparison named the place in which the mistake first showed.  A bone that is uploaded in parts
+ * has one record, and a later part may overwrite the voxel that changed first: there the record is the place.
+ */
 static bool is_located(const witness *w, const compare_difference *d)
 {
     if (!w->seen || d->stage != w->stage || d->item != w->item)
         return false;
+    if (d->stage == TRACE_UPLOAD)
+        return true;
     const deviation_place *first = &w->record.first_changed;
     if (d->kind == COMPARE_VOXEL)
         return memcmp(d->voxel, first->voxel, sizeof d->voxel) == 0;

@@ -103,8 +103,34 @@ static void a_failure_is_no_absence(void **state)
     scene_free(&s);
 }
 
+/* The bone of a quarter of the tool's voxel that each tool meets first must have a spacing that a bone can have. */
+static void the_finest_tools_are_performed(void **state)
+{
+    static const int numbers[] = {9, 17, 27, 36}; /* with seed 1 their tools have voxels below 4 * OST_SPACING_MIN */
+    (void)state;
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+        plan_case c = {.family = PLAN_SMALL, .number = numbers[i], .tier = PLAN_SMOKE, .seed = 1};
+        char path[4200];
+        ost_backend *backend;
+        trace_writer *w;
+        ost_error err = {0}, why = {0};
+        scene s;
+        snprintf(c.id, sizeof c.id, "small/%d", numbers[i]);
+        snprintf(path, sizeof path, "%s/finest", folder);
+        assert_ok(scene_make(&c, &s, &err));
+        assert_ok(ost_backend_open("ref", &backend, &err));
+        assert_ok(trace_create(path, &w, &err));
+        assert_ok(perform(backend, &s, 0, w, NULL, NULL, &why, &err));
+        assert_string_equal(why.text, "");
+        assert_ok(trace_close(w, &err));
+        ost_backend_close(backend);
+        scene_free(&s);
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(a_failure_is_no_absence)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(a_failure_is_no_absence),
+                                       cmocka_unit_test(the_finest_tools_are_performed)};
     return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);
 }
