@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Slices in and out of a bone of bricks.  A layer of bricks is four slices
- * high; whatever part of it a slab has, the layer's rows are put together
- * first (zeros beyond the grid, what is there already beyond the slab), and
- * one kernel turns sixteen rows into a row of bricks:
+ * Uploads and downloads slices of a bone of bricks.  A layer of bricks is four
+ * slices high.  If a slab contains only a part of it, all rows of the layer are
+ * assembled first (zeros outside the grid, the bone's voxels outside the slab), and
+ * one kernel converts sixteen rows into a row of bricks:
  *
  *     rows (y, z), y and z in 0..3          bricks of the row
  *     ----- ----- ----- -----               [ 0 ][ 1 ][ 2 ] ...
  *
- * Upload, download and the digest's leaves all go by rows of four voxels.
+ * Upload, download and the digest's leaves copy rows of four voxels.
  */
 #include "cpu/bone/bone.h"
 
@@ -78,7 +78,7 @@ void ost_cpu_bone_free(ost_bone *base)
 bool ost_cpu_chunk_take(const cpu_bone *bone, ost_chunk_pool *pool, cpu_chunk *chunk)
 {
     const size_t bytes = ost_chunk_bytes(bone->base.chunk_size);
-    const size_t densities = bytes / 17 * 16; /* 2 bytes a voxel, then 1/8 */
+    const size_t densities = bytes / 17 * 16; /* 2 bytes per voxel, followed by 1/8 byte of occupancy */
     unsigned char *block = pool ? ost_chunk_pool_take(pool) : NULL;
     if (!block) {
         pool = NULL;
@@ -124,7 +124,7 @@ ost_status ost_cpu_bone_stats(const ost_bone *base, ost_bone_info *info, ost_err
 
 /* ---------------------------------------------------------------- upload */
 
-/* Slices z0 <= z < z1 of the grid; voxels begins with slice z0. */
+/* The slices z0 <= z < z1 of the grid; voxels begins with slice z0. */
 typedef struct slab {
     ost_dims dims;
     int32_t z0, z1;
@@ -137,8 +137,8 @@ static const int16_t *slab_row(const slab *s, int32_t y, int32_t z)
 }
 
 typedef struct chunk_place {
-    int32_t first[3]; /* its first voxel */
-    int32_t end[3];   /* of its voxels within the grid */
+    int32_t first[3]; /* the chunk's first voxel */
+    int32_t end[3];   /* end of its voxels within the grid, exclusive */
 } chunk_place;
 
 static chunk_place place_of(const cpu_bone *bone, int64_t index)
@@ -163,17 +163,20 @@ static bool any_active(const cpu_bone *bone, const chunk_place *at, const slab *
     return false;
 }
 
-/* Copies row (y, z) of the chunk, in the chunk's own coordinates, out of its bricks. */
+/* Copies row (y, z) of the chunk, in the chunk's own coordinates, from its bricks. */
 static void read_row(const cpu_chunk *chunk, int32_t n, int32_t y, int32_t z, int16_t *row)
 {
-    /* ost_brick_spread(x) of 0 to 15, the bricks of a row of 64 voxels */
+    /* ost_brick_spread(x) for x = 0 to 15, the bricks of a row of 64 voxels */
     static const uint16_t spread[CHUNK_MAX / 4] = {0, 1, 8, 9, 64, 65, 72, 73, 512, 513, 520, 521, 576, 577, 584, 585};
     const int16_t *bricks = chunk->density + (size_t)ost_brick_number(0, y / 4, z / 4) * OST_BRICK_VOXELS + (y % 4) * 4 + (z % 4) * 16;
     for (int32_t x = 0; x < n / 4; x++)
         memcpy(row + 4 * x, bricks + (size_t)spread[x] * OST_BRICK_VOXELS, 4 * sizeof *row);
 }
 
-/* Sixteen rows of the layer of bricks (y, z): straight out of the slab where they are whole, else put together in spare. */
+/*
+ * Finds the sixteen rows of the row of bricks at (y, z): in the slab if a row is complete there,
+ * otherwise assembled in spare.
+ */
 static void collect_rows(const cpu_bone *bone, const cpu_chunk *chunk, const chunk_place *at, const slab *s, int32_t y, int32_t z,
                          int16_t spare[16][CHUNK_MAX], const int16_t *rows[16])
 {
@@ -234,7 +237,7 @@ ost_status ost_cpu_bone_upload(ost_bone *base, int32_t z0, int32_t count, const 
     const int64_t from = z0 / base->chunk_size * layer, to = ((z0 + count - 1) / base->chunk_size + 1) * layer;
     const cpu_backend *backend = (const cpu_backend *)base->backend;
 
-    /* First all memory that will be needed, so that a failure can still be taken back. */
+    /* All memory is allocated before a voxel changes, so that a failure can be undone. */
     bool enough = true;
     ost_team filling = ost_team_of(backend->sharing, backend->threads, OST_PATH_BONE_UPLOAD, count, to - from, 4), storing = filling;
 #pragma omp parallel num_threads(filling.threads) if (filling.threads > 1) reduction(&& : enough)
@@ -294,9 +297,9 @@ ost_status ost_cpu_bone_download(const ost_bone *base, int32_t z0, int32_t count
 }
 
 /*
- * The 32^3 voxels of a leaf, zero beyond the grid; false when no chunk in it
- * holds memory, and then nothing is written.  A leaf is (32/n)^3 whole chunks
- * or an eighth of one: either way parts of min(n, 32) voxels an axis.
+ * Reads the 32^3 voxels of a leaf, zero outside the grid.  Returns false, without
+ * writing, if no chunk in it has memory.  A leaf is (32/n)^3 complete chunks or an
+ * eighth of one: in both cases parts of min(n, 32) voxels a side.
  */
 static bool read_leaf(const cpu_bone *bone, ost_dims leaf, int16_t *voxels)
 {
@@ -325,13 +328,13 @@ static bool read_leaf(const cpu_bone *bone, ost_dims leaf, int16_t *voxels)
 }
 
 /*
- * Eight bricks side by side to sixteen rows of 32 voxels: row (y, z) of brick b
- * is its bits 4 (y + 4 z) to 4 (y + 4 z) + 3, and becomes bits 4b to 4b + 3.
- * Neighbours are put together, nibbles to bytes, to halves, to words:
+ * Converts the words of eight adjacent bricks to sixteen rows of 32 voxels: row
+ * (y, z) of brick b is its bits 4 (y + 4 z) to 4 (y + 4 z) + 3, and becomes bits 4b
+ * to 4b + 3.  Neighbours are merged, nibbles to bytes, to halves, to words:
  *
  *   pair[p][odd]     byte k: rows 2k + odd of bricks 2p, 2p + 1
  *   four[p][odd][l]  half k: rows 4k + 2l + odd of bricks 4p ...
- *   the rest         word k: rows 8k + 4h + 2l + odd of all
+ *   low, high        word k: rows 8k + 4h + 2l + odd of all
  */
 static void rows_of_bricks(const uint64_t brick[8], uint32_t row[16])
 {
@@ -359,7 +362,7 @@ static void rows_of_bricks(const uint64_t brick[8], uint32_t row[16])
         }
 }
 
-/* Words of 32 voxels along x; a chunk of 16^3 has two rows in each. */
+/* Converts a chunk's occupancy to words of 32 voxels along x; a word has two rows of a chunk of 16^3. */
 static void occupancy_rows(const uint64_t *occupancy, int32_t n, uint32_t *words)
 {
     const int32_t bricks = min32(n / 4, 8);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The bone of the CPU backend: chunks as the reference has them (which hold
- * memory, what is active), but inside a chunk the voxels lie in bricks of
+ * The bone of the CPU backend.  The same chunks have memory and the same voxels are
+ * active as in the reference, but inside a chunk the voxels are stored as bricks of
  * 4^3, and the bricks in Morton order.
  *
  *     a brick: 64 densities, 128 bytes      2^3 bricks = 8^3 voxels
@@ -11,15 +11,15 @@
  *     number x + 4 y + 16 z                 | 2 ---|-3     x lowest
  *                                           0 ---- 1
  *
- * Why: the surface of a tool crosses bricks, so a brick is what removal
- * decides at once (64 voxels, one word), and what it writes (two cache lines
- * instead of sixteen).  The words of 8^3 voxels fill one cache line.  A cube
- * of 8, 16 or 32 voxels is one run of bricks in every chunk size.
+ * Reason: removal decides the 64 voxels of a brick at once, as one word, and
+ * writes two cache lines instead of sixteen.  The words of 8^3 voxels fill one
+ * cache line.  A cube of 8, 16 or 32 voxels is one run of bricks in every chunk
+ * size.
  *
- * Invariants as in core/chunk_grid.h: a voxel is active iff its density is at
- * least the threshold, others are 0; its bit says so; a chunk holds memory
- * iff active > 0; the padding is 0.  And: no density of a chunk is above
- * its highest, which never falls.
+ * The invariants are those of core/chunk_grid.h: a voxel is active iff its density
+ * is at least the threshold, all others are 0; a voxel's bit is set iff it is
+ * active; a chunk has memory iff active > 0; the padding is 0.  In addition, no
+ * density of a chunk is above its field highest, which never decreases.
  */
 #ifndef OST_CPU_BONE_H
 #define OST_CPU_BONE_H
@@ -28,9 +28,9 @@
 #include "cpu/bone/chunk_pool.h"
 
 typedef struct cpu_chunk {
-    int16_t *density;    /* owned with occupancy behind it, one 64-byte aligned block; NULL when active is 0 */
+    int16_t *density;    /* owned; 64-byte aligned block, densities and then occupancy; NULL if active is 0 */
     uint64_t *occupancy; /* in the same block */
-    ost_chunk_pool *pool; /* where the block came from and goes back to; NULL: malloc */
+    ost_chunk_pool *pool; /* the pool that the block belongs to; NULL: malloc */
     int32_t active;
     int32_t highest;
 } cpu_chunk;
@@ -44,27 +44,33 @@ typedef struct cpu_bone {
 
 enum { OST_BRICK = 4, OST_BRICK_VOXELS = 64 };
 
-/* Bits 0..3 of v to bits 0, 3, 6, 9. */
+/* Moves bits 0..3 of v to bits 0, 3, 6, 9. */
 static inline int32_t ost_brick_spread(int32_t v)
 {
     return (v & 1) | (v & 2) << 2 | (v & 4) << 4 | (v & 8) << 6;
 }
 
-/* Number of brick (x, y, z) within its chunk, each below 16. */
+/* Returns the number of brick (x, y, z) within its chunk; each coordinate is below 16. */
 static inline int32_t ost_brick_number(int32_t x, int32_t y, int32_t z)
 {
     return ost_brick_spread(x) | ost_brick_spread(y) << 1 | ost_brick_spread(z) << 2;
 }
 
-/* Bits 0, 3, 6, 9 of number back to bits 0..3; shift the number right by 1 for y, by 2 for z. */
+/*
+ * Moves bits 0, 3, 6, 9 of number to bits 0..3, which gives x; for y and z the caller shifts number
+ * right by 1 and 2.
+ */
 static inline int32_t ost_brick_gather(int32_t number)
 {
     return (number & 1) | (number >> 2 & 2) | (number >> 4 & 4) | (number >> 6 & 8);
 }
 
-/* Gives a chunk without memory a block of undefined content, from the pool (which may be NULL) if it has one. */
+/*
+ * Allocates a block of undefined content for a chunk without memory, from the pool if it is not NULL
+ * and has one, otherwise by malloc. Returns false if there is no memory.
+ */
 bool ost_cpu_chunk_take(const cpu_bone *bone, ost_chunk_pool *pool, cpu_chunk *chunk);
-/* Takes back the memory of a chunk whose active is 0. */
+/* Frees the memory of a chunk whose active is 0. */
 void ost_cpu_chunk_release(cpu_chunk *chunk);
 
 ost_status ost_cpu_bone_create(ost_backend *backend, const ost_geometry *geometry, int chunk_size, int32_t threshold,

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The stack's height is one atomic number: a take is its decrement, a give its
- * increment, and the slot that it names belongs to the caller alone.  That is
- * all the agreement threads need as long as takes and gives do not overlap.
+ * The stack's height is one atomic number.  A take decrements it, a give increments
+ * it, and only the calling thread accesses the slot at that height.  As takes and
+ * gives do not overlap, threads need no other synchronisation.
  */
 #include "cpu/bone/chunk_pool.h"
 
@@ -15,7 +15,7 @@
 
 enum { EXTENTS_MAX = 64 };
 #define HUGE_PAGE ((size_t)1 << 21)
-/* What may stay mapped when no block is in use. */
+/* The most bytes of touched blocks that a trim leaves mapped if no block is in use. */
 #define KEPT_BYTES ((size_t)1 << 28)
 
 typedef struct extent {
@@ -28,9 +28,9 @@ struct ost_chunk_pool {
     extent extents[EXTENTS_MAX];
     int extent_count;
     int64_t total;
-    atomic_llong fresh; /* stack[0, fresh) was never taken */
-    int64_t trimmed;    /* what `fresh` was at the last trim */
-    void **stack;       /* owned; total */
+    atomic_llong fresh; /* the blocks of stack[0, fresh) have never been taken */
+    int64_t trimmed;    /* the value of `fresh` at the last trim */
+    void **stack;       /* owned; total elements */
     atomic_llong available;
 };
 
@@ -64,7 +64,10 @@ void ost_chunk_pool_close(ost_chunk_pool *pool)
     free(pool);
 }
 
-/* Addresses alone; aligned by cutting off what stands out on both sides. */
+/*
+ * Reserves addresses, without memory, aligned to a huge page: maps a huge page more and unmaps the
+ * excess at both ends.
+ */
 static unsigned char *map_aligned(size_t bytes)
 {
     size_t whole = bytes + HUGE_PAGE;
@@ -89,7 +92,7 @@ bool ost_chunk_pool_reserve(ost_chunk_pool *pool, int64_t count)
         return true;
     if (pool->extent_count == EXTENTS_MAX)
         return false;
-    /* At least as much again as there is, so that few extents do. count <= 2^24, block_bytes < 2^20. */
+    /* The pool at least doubles, so that it needs few extents. count <= 2^24, block_bytes < 2^20. */
     int64_t more = count - available > pool->total ? count - available : pool->total;
     size_t bytes = ((size_t)more * pool->block_bytes + HUGE_PAGE - 1) / HUGE_PAGE * HUGE_PAGE;
     void **stack = realloc(pool->stack, (size_t)(pool->total + more) * sizeof *stack);
@@ -147,7 +150,10 @@ void ost_chunk_pool_trim(ost_chunk_pool *pool)
     pool->trimmed = fresh;
     if (fresh == 0)
         return;
-    /* The next fresh block begins where the last touched one ends; its huge page was touched with that one. */
+    /*
+     * The next fresh block begins where the last touched one ends, possibly in the same huge page,
+     * which is mapped then.
+     */
     size_t page = (size_t)sysconf(_SC_PAGESIZE);
     uintptr_t begin = ((uintptr_t)pool->stack[fresh - 1] + page - 1) / page * page;
     uintptr_t end = (begin + HUGE_PAGE - 1) / HUGE_PAGE * HUGE_PAGE;

@@ -1,19 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Memory for chunks of one size, kept warm.
+ * A pool of blocks for chunks of one size.  Freed blocks stay mapped for reuse.
  *
- *   extents     [ block | block | block | ...              ]  mapped, touched as it is used
- *   stack       fresh ... fresh | given back ... given back <- taken from here
+ *   extents     [ block | block | block | ...              ]  mapped; memory is touched on use
+ *   stack       fresh ... fresh | returned ... returned <- top
  *               (lowest address last)
  *
- * A grid of which every chunk may be active reserves addresses, not memory:
- * pages come when a block is first written, in huge pages where the system
- * gives them, and a trim gives back what a huge page has behind the last
- * block.  Blocks that were given back are taken first, so a second bone on the
- * same backend meets no page fault.
+ * A reserve for a grid in which every chunk may be active reserves addresses, not
+ * memory: the system allocates pages when a block is first written, huge pages if
+ * it supports them, and a trim releases the part of a huge page behind the last
+ * block.  Returned blocks are taken first, so that a second bone on the same
+ * backend causes no page faults.
  *
- * Threads: any number may take at once, or any number may give at once; takes
- * and gives never overlap, and everything else is for one thread alone.
+ * Threads: any number of threads may take at the same time, or any number may give
+ * at the same time.  Takes and gives must not overlap, and one thread at a time may
+ * call the other functions.
  */
 #ifndef OST_CPU_CHUNK_POOL_H
 #define OST_CPU_CHUNK_POOL_H
@@ -24,19 +25,26 @@
 
 typedef struct ost_chunk_pool ost_chunk_pool;
 
-/* block_bytes is a multiple of 64. NULL when there is no memory. */
+/* Creates a pool of blocks of block_bytes, a multiple of 64. Returns NULL if there is no memory. */
 ost_chunk_pool *ost_chunk_pool_open(size_t block_bytes);
-/* Every block must have been given back. NULL is allowed. */
+/* Frees the pool. Every block must have been returned. pool may be NULL. */
 void ost_chunk_pool_close(ost_chunk_pool *pool);
 
-/* After it, `count` takes succeed. False when there are no addresses left; nothing has changed then. */
+/*
+ * Ensures that the next `count` takes succeed. Returns false, without a change, if addresses or memory
+ * are lacking.
+ */
 bool ost_chunk_pool_reserve(ost_chunk_pool *pool, int64_t count);
-/* Bytes that it holds beside the blocks: the stack, and what the last page has behind the last block. */
+/* Returns the bytes that the pool uses besides the blocks: its stack, and up to a page behind the last block. */
 size_t ost_chunk_pool_overhead(const ost_chunk_pool *pool);
-/* A block of 64-byte aligned, undefined content, or NULL when none is reserved. */
+/* Returns a 64-byte aligned block of undefined content, or NULL if no reserved block is available. */
 void *ost_chunk_pool_take(ost_chunk_pool *pool);
+/* Returns a block to the pool. */
 void ost_chunk_pool_give(ost_chunk_pool *pool, void *block);
-/* Gives pages back that no block uses: behind the last one touched, and all of them when much is kept for nobody. */
+/*
+ * Releases pages that no block uses: those behind the last block touched, or, if no block is in use
+ * and many are mapped, all.
+ */
 void ost_chunk_pool_trim(ost_chunk_pool *pool);
 
 #endif

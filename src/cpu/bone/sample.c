@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Densities of single voxels, for whoever asks within a tick. */
+/* Densities of single voxels, for use within a tick. */
 #include "core/conditions.h"
 #include "cpu/bone/bone.h"
 #include "cpu/cpu.h"
@@ -17,7 +17,7 @@ void ost_sample_scalar(const cpu_bone *bone, size_t count, const int32_t *const 
         const cpu_chunk *chunk = &bone->chunks[(x >> shift) + bone->chunk_dims.x * row];
         if (!chunk->occupancy)
             continue;
-        /* What is not active is told by its bit, sixteen times nearer together than densities are. */
+        /* The bit shows first if the voxel is active: bits are 16 times as dense in memory as densities. */
         x &= n - 1;
         y &= n - 1;
         z &= n - 1;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Rows of voxels into bricks, four voxels at a time. */
+/* Converts rows of voxels into bricks, four voxels at a time. */
 #include <string.h>
 
 #include "core/conditions.h"
