@@ -1,23 +1,23 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Cubic grid to chunks (AR-CHK), from the rect grid's own rows: the resampled
- * grid is never stored.
+ * Converts a cubic grid to chunks (AR-CHK), from the rect grid's own rows: the
+ * resampled grid is never stored.
  *
- *   a task: the chunks of one (y, z) of the chunk grid, side by side
+ *   a task: the row of chunks at one (y, z) of the chunk grid
  *
  *     for every layer of bricks    four slices, from up to eight source slices
  *       for every chunk            does one of its rows have an active voxel?
  *         for every four rows      sixteen rows are written as a row of bricks
  *
- * A chunk takes memory at the first layer with an active voxel; the layers
- * before it are void then, and are written as such.  So a source row is read
- * from memory once and from the nearest cache after that, and an empty chunk
+ * Memory for a chunk is allocated at the first layer with an active voxel; the
+ * layers before it have none and are then written as zeros.  So a source row is
+ * read from memory once and from the nearest cache afterwards, and an empty chunk
  * is never written.  Tasks write to disjoint chunks.
  *
  * Interpolated rows are computed sixteen at a time, just before they are
- * written.  A weighted mean never exceeds the greatest of its voxels.  So
- * where the source rows of a layer have no active voxel, the layer has none
- * either, and nothing is interpolated.
+ * written.  A weighted mean never exceeds the greatest of its voxels.  So if the
+ * source rows of a layer have no active voxel, the layer has none either, and is
+ * not interpolated.
  */
 #include "core/conditions.h"
 
@@ -54,7 +54,7 @@ typedef struct task {
     cpu_tap y[N_MAX], z[4];
     int slices; /* slices of the layer that lie in the grid */
     size_t row[2 * N_MAX]; /* source rows of all y, ascending without repetition */
-    int rows, first[N_MAX / 4]; /* per four y: index of the first row that no earlier y has */
+    int rows, first[N_MAX / 4]; /* count of row[]; per four y: index of the first row that no earlier y has */
     /* Source slices of the layer, and those of the next layer that are new; ascending without repetition. */
     size_t source[SLICES], ahead[SLICES];
     int sources, aheads;
@@ -133,7 +133,7 @@ static bool any_in_box(const filling *f, size_t slice, const size_t *row, int ro
     return false;
 }
 
-/* The same for the voxels that the x indices select. */
+/* Returns true if one of the voxels that the x indices select in the task's rows is active. */
 static bool any_gathered(const filling *f, const task *t, size_t slice, int32_t x0, int32_t width)
 {
     int16_t gathered[N_MAX];
@@ -154,7 +154,7 @@ static bool sources_are_active(const filling *f, task *t, int32_t cx, int32_t x0
     for (int i = 0; i < t->sources; i++) {
         if (t->source[i] < t->quiet[cx])
             continue;
-        /* Without indices a narrower chunk is consecutive too. */
+        /* Without a list of indices, the voxels of a narrower chunk are consecutive too. */
         const bool selected = !f->linear && !f->run[cx] && f->view.map[0];
         if (selected ? any_gathered(f, t, t->source[i], x0, width)
                      : any_in_box(f, t->source[i], t->row, t->rows, first, span))
@@ -212,7 +212,7 @@ static void add(cpu_chunk *chunk, ost_brick_sums sums)
     chunk->highest = sums.highest > chunk->highest ? sums.highest : chunk->highest;
 }
 
-/* Sixteen rows of bricks of the chunk, numbered from y and z, out of rows of n voxels. */
+/* Writes sixteen rows of n voxels, the first of which is row (y, z) of the chunk, as a row of bricks. */
 static ost_brick_sums write_rows(const filling *f, const cpu_chunk *chunk, const int16_t *const rows[16], int32_t y,
                                  int32_t z)
 {
@@ -238,7 +238,10 @@ static void prefetch(const filling *f, const task *t, size_t from, int32_t y)
             __builtin_prefetch(f->view.voxels + t->ahead[i] + t->y[j].from[0] + from, 0, 3);
 }
 
-/* Finds sixteen rows of n voxels for a row of bricks: in the store if they lie there, else made in spare. */
+/*
+ * Finds sixteen rows of n voxels for a row of bricks: in the store if they are stored there, otherwise
+ * made in spare.
+ */
 static void find_rows(const filling *f, const task *t, int32_t x0, int32_t width, bool run, int32_t y,
                       int16_t (*spare)[OST_ROW_STRIDE], const int16_t *rows[16])
 {
@@ -276,7 +279,7 @@ static void write_layer(const filling *f, cpu_chunk *chunk, const task *t, int32
     }
 }
 
-/* False when there is no memory. */
+/* Fills the chunks of one task; returns false if there is no memory. */
 static bool fill_task(const filling *f, int32_t cy, int32_t cz)
 {
     const cpu_bone *bone = f->bone;
@@ -303,7 +306,7 @@ static bool fill_task(const filling *f, int32_t cy, int32_t cz)
     return true;
 }
 
-/* Layers of chunks [c0, c1). */
+/* Fills the layers [c0, c1) of the chunk grid; returns false if there is no memory. */
 static bool fill_layers(const cpu_backend *backend, const filling *f, int32_t c0, int32_t c1)
 {
     const ost_dims dims = f->bone->chunk_dims;
@@ -343,12 +346,15 @@ static ost_chunk_pool *pool_for(cpu_backend *backend, int n)
     return *pool;
 }
 
-/* So many layers at a time that addresses for all of their chunks can be reserved; without, malloc serves. */
+/*
+ * Fills the bone in parts of several layers of the chunk grid. Addresses for all chunks of a part are
+ * reserved first; if that fails, chunks are allocated by malloc.
+ */
 static bool fill_bone(cpu_backend *backend, filling *f)
 {
     const ost_dims dims = f->bone->chunk_dims;
     const int64_t layer = (int64_t)dims.x * dims.y;
-    const int64_t least = backend->sharing->least[OST_PATH_LAYERS], most = least > PART_MIN ? least - 1 : PART_MIN; /* chunks of a part */
+    const int64_t least = backend->sharing->least[OST_PATH_LAYERS], most = least > PART_MIN ? least - 1 : PART_MIN; /* chunks per part */
     const int32_t step = layer < most ? (int32_t)(most / layer) : 1;
     if (step < dims.z)
         ost_cpu_enters(backend->sharing, OST_PATH_LAYERS, INT64_MAX);

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Samples to rect grid (AR-CT-4 to AR-CT-6), a batch at a time, in two steps:
+ * Converts samples to a rect grid (AR-CT-4 to AR-CT-6), a batch at a time, in two steps:
  *
- *   place    sample -> voxel or -1, and its share of the report     any thread, any sample
- *   put      voxel <- density, duplicates in the file's order       a thread a range of voxels
+ *   place    sample -> voxel or -1, and its part of the report      any thread for any sample
+ *   put      voxel <- density, duplicates in the file's order       a range of voxels per thread
  *
- * Every thread of the second step goes over the whole batch and takes what
- * falls into its range: a voxel's samples meet one thread alone, in order.
+ * Each thread of the second step reads the complete batch and processes the samples
+ * of its range, so that all samples of a voxel are processed by one thread, in order.
  *
- * Quotients.  q = RHE((p - o) / s) starts as a floating-point estimate, which
- * decides nothing: floor and rest are then put right by steps of s until
- * 0 <= rest < s, and the rounding is done on those integers.
+ * Quotients.  q = RHE((p - o) / s) starts as a floating-point estimate, on which the
+ * result does not depend: floor and remainder are then corrected by steps of s until
+ * 0 <= remainder < s, and those integers are rounded.
  */
 #include "core/conditions.h"
 
@@ -21,7 +21,7 @@
 #include "cpu/import/grid.h"
 #include "cpu/import/import.h"
 
-/* Samples that are placed before they are put. */
+/* The most samples, and the fewest, of a batch. */
 enum { BLOCK = 1 << 16, BLOCK_MIN = 1 << 10 };
 
 typedef struct axis {
@@ -35,7 +35,10 @@ typedef struct place {
     int64_t off; /* |p - lattice point| */
 } place;
 
-/* |p|, |origin| <= 8 m = 2^53 pm: the difference and all products below stay within 2^55. */
+/*
+ * Finds the lattice point nearest to p. |p| and |origin| are at most 8 m < 2^43 pm, so the difference
+ * and all products are below 2^45.
+ */
 static inline place place_on(const axis *a, ost_pm p)
 {
     int64_t n = p - a->origin;
@@ -67,7 +70,10 @@ static void reject(int64_t line, ost_scatter_report *report)
         report->rejected_line = line;
 }
 
-/* off * 10^6 <= 5 * 10^10 * 10^6 < 2^56, worst * spacing <= 5 * 10^5 * 10^11 < 2^56. */
+/*
+ * Updates the report's worst offset. off * 10^6 <= 5 * 10^10 * 10^6 < 2^56 and worst * spacing <= 5 *
+ * 10^5 * 10^11 < 2^56.
+ */
 static void note_worst(const axis axes[3], const place at[3], int64_t line, ost_scatter_report *report)
 {
     for (int a = 0; a < 3; a++) {
@@ -87,7 +93,7 @@ static bool beyond(const axis axes[3], const place at[3], int eighths)
            8 * at[2].off > eighths * axes[2].spacing;
 }
 
-/* The voxel, or -1. */
+/* Returns the number of the sample's voxel, or -1 if the sample is rejected. */
 static int64_t place_sample(const axis axes[3], const ost_sample *sample, int64_t line, ost_scatter_report *report)
 {
     if (!readable(sample)) {
@@ -111,7 +117,7 @@ static int64_t place_sample(const axis axes[3], const ost_sample *sample, int64_
     return at[0].index + axes[0].dim * (at[1].index + axes[1].dim * at[2].index);
 }
 
-/* AR-CT-6: a voxel met again. Equal densities are no conflict under any policy. */
+/* Handles a further sample of a voxel (AR-CT-6). Equal densities are not a conflict under any policy. */
 static void meet_again(int16_t *voxel, int16_t density, int64_t line, ost_duplicates duplicates, ost_scatter_report *report)
 {
     report->duplicates++;
@@ -136,13 +142,19 @@ static void put(cpu_grid *grid, int64_t v, const ost_sample *sample, int64_t lin
     }
 }
 
-/* One thread's report, and which sample of the batch its conflict is: of two on one line the earlier counts. */
+/*
+ * One thread's report, and the index of its conflict's sample: of two conflicts on one line the
+ * earlier is reported.
+ */
 typedef struct part_report {
     ost_scatter_report sums;
     int conflict;
 } part_report;
 
-/* Sums and lowest lines. *conflict is the sample in `to`, -1 when it is of an earlier batch. */
+/*
+ * Adds the counts of a thread's report and merges its lines by the lowest. *conflict is the index of
+ * the sample of the conflict in `to`, -1 if that is of an earlier batch.
+ */
 static void merge(ost_scatter_report *to, int *conflict, const part_report *from)
 {
     const ost_scatter_report *part = &from->sums;
@@ -169,7 +181,7 @@ typedef struct batch {
     axis axes[3];
     int64_t voxels, first_line;
     ost_duplicates duplicates;
-    int64_t *at; /* BLOCK */
+    int64_t *at; /* BLOCK elements: the voxel of each sample, or -1 */
 } batch;
 
 static void scatter(const batch *b, ost_team *team, const ost_sample *samples, int count, ost_scatter_report *report)

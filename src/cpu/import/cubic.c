@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Rect grid to cubic (AR-CUB): lists along the three axes; no voxel is copied.
+ * Resamples a rect grid to a cubic grid (AR-CUB) by lists along the three axes; no voxel is copied.
  *
  *   nearest, thesis   indices; if the rect grid is itself a selection, its
  *                     indices are looked up
@@ -21,8 +21,9 @@ typedef struct place {
 } place;
 
 /*
- * (2 i + 1) * spacing < 2^15 * 2^37; 2^15 * remainder < 2^15 * 2^38.  The floor
- * of thesis is below n, since i < ceil(n rect / cubic).
+ * Finds the place of cubic voxel i among n rect voxels.  (2 i + 1) * spacing <
+ * 2^15 * 2^37; 2^15 * remainder < 2^15 * 2^38.  The floor of rule thesis is below n,
+ * since i < ceil(n rect / cubic).
  */
 static place place_at(int64_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_resample rule)
 {
@@ -85,9 +86,9 @@ static bool make_axis(lists *l, int a, int32_t from, int32_t to, ost_pm cubic, o
 }
 
 /*
- * Drops the weights that cpu_view does not need: all, or all but those of z,
- * or those of y and z without a weight above 0.  Where x has weights, its last
- * voxel becomes the upper neighbour of the one before, so that both exist.
+ * Drops the weights that cpu_view does not need: all, or all but those of z, or
+ * those of y and z without a weight above 0.  If x has weights, its last voxel is
+ * represented as the upper neighbour of the previous one, so that both exist.
  */
 static void settle_weights(lists *l, int32_t width, int32_t last)
 {

@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Grids of the CPU backend: voxels, and which of them are seen.
+ * Grids of the CPU backend: views of stored voxels.
  *
- *   rect grid    ----.                     .--> voxels, held by both
+ *   rect grid    ----.                     .--> voxels, shared by both
  *                     >-- cpu_store ------<
  *   cubic grid   ----'    256 x 234 x 201
  *    map z: 0 0 1 1 2 3 3 4 ... (428)
  *
  * A resampled grid shares the other grid's store and has a list of ascending
- * indices for each axis, and of weights where it is interpolated.  Chunks are
- * made from these.  The grid gets a store of its own only when it is written
- * to, or when an interpolation needs neighbours that do not lie side by side.
- * A store with several holders is never written to.
+ * indices for each axis, and a list of weights for an axis that is interpolated.
+ * Chunks are made from these.  The grid gets a store of its own only if it is
+ * written to, or if an interpolation needs neighbours that are not adjacent in the
+ * store.  A store with several holders is never written to.
  */
 #ifndef OST_CPU_GRID_H
 #define OST_CPU_GRID_H
@@ -20,7 +20,7 @@
 
 typedef struct cpu_store {
     int holders;
-    bool mapped;     /* by mmap, else malloc */
+    bool mapped;     /* allocated by mmap, otherwise by calloc */
     ost_dims dims;
     size_t bytes;
     int16_t *voxels; /* owned */
@@ -28,26 +28,26 @@ typedef struct cpu_store {
 
 typedef struct cpu_grid {
     ost_grid base;
-    cpu_store *store; /* held */
-    int32_t *map[3];  /* owned; voxel i of an axis is map[i] of the store's; all three NULL: they are the same */
+    cpu_store *store; /* shared; the grid is one of its holders */
+    int32_t *map[3];  /* owned; voxel i of an axis is voxel map[i] of the store; all three NULL: it is voxel i */
     int16_t *minus[3]; /* owned; see cpu_view */
-    uint8_t *seen;    /* owned; a bit a voxel, NULL before the first scatter */
+    uint8_t *seen;    /* owned; a bit per voxel, set if it has a sample; NULL before the first scatter */
 } cpu_grid;
 
 /*
- * Voxels as a selection of a store's voxels, axis by axis, or as weighted means.
- * Voxel i of an axis is voxel map[i] of the store.  With weights it is the mean
- * of voxels map[i] and map[i] + 1 with the weights -minus[2i] / 2^15 and
+ * A grid's voxels as a selection of a store's voxels, axis by axis, or as weighted
+ * means.  Voxel i of an axis is voxel map[i] of the store.  With weights it is the
+ * mean of voxels map[i] and map[i] + 1 with the weights -minus[2i] / 2^15 and
  * -minus[2i + 1] / 2^15.  A neighbour with weight 0 may lie outside the store,
- * except along x where the store has two voxels or more.
- * minus[] is NULL for all axes (a selection), or set for z alone (then x and y
- * are the store's own), or set for x and any others.  Lists along x have room
- * up to a multiple of 16.
+ * except along x if the store has two voxels or more along x.
+ * minus[] is NULL for all axes (a selection), or set only for z (then x and y are
+ * the store's own), or set for x and any others.  The capacity of lists along x is
+ * a multiple of 16.
  */
 typedef struct cpu_view {
     const int16_t *voxels;
-    size_t row, slice;     /* elements from one to the next */
-    const int32_t *map[3]; /* all NULL: i is i */
+    size_t row, slice;     /* number of elements from one row, or slice, to the next */
+    const int32_t *map[3]; /* all NULL: voxel i is voxel i of the store */
     const int16_t *minus[3];
 } cpu_view;
 
@@ -95,7 +95,7 @@ void ost_cpu_view_row(const cpu_view *view, const ost_cpu_kernels *kernels, int3
 /* Creates a grid that shares the store of `from`. It takes ownership of map and minus, also on failure. */
 ost_status ost_cpu_grid_select(const cpu_grid *from, const ost_geometry *geometry, int32_t *map[3], int16_t *minus[3],
                                ost_grid **out, ost_error *err);
-/* Gives the grid a store that it alone holds, with its voxels in their places. */
+/* Ensures that the grid is the only holder of its store and that the store has exactly the grid's voxels. */
 ost_status ost_cpu_grid_own(cpu_grid *grid, ost_error *err);
 
 ost_status ost_cpu_grid_create(ost_backend *backend, const ost_geometry *geometry, ost_grid **out, ost_error *err);

@@ -2,7 +2,7 @@
 /*
  * Computes rows of an interpolated grid (AR-CUB-2), up to 4 x 4 at a time.
  *
- *   z alone       each row from the same row of two slices     blend_rows
+ *   z only        each row from the same row of two slices     blend_rows
  *   other axes    up to 8 x 8 source rows along x, once each   stretch_row
  *                 each row from one, two or four of these      weigh_rows
  *
@@ -16,14 +16,14 @@
 
 enum { SOURCES = 8 };
 
-/* The offsets of some taps, ascending without repetition, and the index there of each of a tap's offsets. */
+/* The offsets of several taps, ascending without repetition; of[t][i] is the index in from of offset i of tap t. */
 typedef struct sources {
     size_t from[SOURCES];
     int count;
     int of[4][2];
 } sources;
 
-/* Taps ascend, so an offset is new, the last one, or the one before the last. */
+/* Lists the offsets of the taps. As taps ascend, each offset is new, the last one, or the one before the last. */
 static sources sources_of(const cpu_tap *taps, int count)
 {
     sources s = {.count = 0};
@@ -80,7 +80,7 @@ void ost_cpu_linear_rows(const cpu_view *view, const ost_cpu_kernels *kernels, i
             for (int b = 0; b < z[k].count; b++)
                 for (int a = 0; a < y[j].count; a++) {
                     of[count] = sums[slices.of[k][b]][rows.of[j][a]];
-                    weight[count++] = -(y[j].minus[a] * z[k].minus[b]); /* >= -2^30; the sums are negated too */
+                    weight[count++] = -(y[j].minus[a] * z[k].minus[b]); /* >= -2^30; sums are negated too */
                 }
             kernels->weigh_rows(of, weight, count, width, to[4 * k + j]);
         }
