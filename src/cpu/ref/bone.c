@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Bones: a chunk grid with a geometry (thesis, Alg. 2.6; AR-CHK).  What a
- * chunk holds, and why neither its size nor its absence shows, is said in
- * core/chunk_grid.h.
+ * Bones: a chunk grid with a geometry (thesis, Alg. 2.6; AR-CHK).
+ * core/chunk_grid.h documents the content of a chunk, and why results depend neither
+ * on the chunk size nor on absent chunks.
  */
 #include "cpu/ref/ref.h"
 

@@ -6,9 +6,9 @@
  *
  *   offset      0        1/8        3/8   1/2 of a voxel
  *               |---------|----------|-----|
- *               quiet     counted    rejected                                AR-CT-5
+ *               accepted  counted    rejected                                AR-CT-5
  *
- *   cubic voxel i takes the rect voxels around t = ((2i + 1) c - s) / (2s)   AR-CUB
+ *   cubic voxel i is made from rect voxels around t = ((2i + 1) c - s) / (2s)  AR-CUB
  */
 #include "cpu/ref/ref.h"
 
@@ -70,14 +70,14 @@ ost_status ost_ref_grid_download(const ost_grid *base, int32_t z0, int32_t count
 
 /*
  * One axis of a sample. |p|, |origin| <= 8 m = 8 * 10^12 pm < 2^43, so
- * p - origin stays within 2^44, and index * spacing, at most half a spacing
+ * p - origin is within 2^44, and index * spacing, at most half a spacing
  * from it, within 2^45. |off| <= spacing / 2 <= 5 * 10^10 pm < 2^36, so
- * 8 * off and 3 * spacing stay within 2^39, and off * 10^6 within 2^56.
+ * 8 * off and 3 * spacing are within 2^39, and off * 10^6 within 2^56.
  */
 typedef struct lattice {
     int64_t index;
     int64_t off;     /* |p - lattice point| */
-    int64_t spacing; /* off is off / spacing of a voxel */
+    int64_t spacing; /* off / spacing is the offset in voxels */
 } lattice;
 
 static lattice on_lattice(ost_pm p, ost_pm origin, ost_pm spacing)
@@ -120,7 +120,7 @@ static bool before(int64_t line, int64_t recorded)
     return recorded == 0 || line < recorded;
 }
 
-/* AR-CT-6: a voxel met again. Equal densities are no conflict under any policy. */
+/* Handles a further sample of a voxel (AR-CT-6). Equal densities are not a conflict under any policy. */
 static void meet_again(int16_t *voxel, int16_t density, int64_t line, ost_duplicates duplicates, ost_scatter_report *report)
 {
     report->duplicates++;
@@ -201,7 +201,10 @@ ost_status ost_ref_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t 
 
 enum { WEIGHT_BITS = 15 };
 
-/* One axis of a cubic voxel: (2^15 - weight) of voxel index and weight of voxel index + 1, which is read only if weight > 0. */
+/*
+ * One axis of a cubic voxel: voxel index has the weight 2^15 - weight, voxel index + 1 has `weight` and
+ * is read only if that is above 0.
+ */
 typedef struct tap {
     int64_t index;
     int64_t weight; /* 0 to 2^15 */
@@ -209,8 +212,8 @@ typedef struct tap {
 
 /*
  * AR-CUB-2: t = n / d, n = (2i + 1) c - s, d = 2s, clamped to 0 <= t <= last.
- * (2i + 1) c < 2^15 * 2^37, d < 2^38, and the rest n - index d < d, so
- * 2^15 * rest < 2^53. If the weight is not 0, then t < last, so index + 1 <= last.
+ * (2i + 1) c < 2^15 * 2^37, d < 2^38, and the remainder n - index d < d, so
+ * 2^15 * remainder < 2^53. If the weight is not 0, then t < last, so index + 1 <= last.
  */
 static tap linear_tap(int64_t i, ost_pm cubic, ost_pm rect, int64_t last)
 {
@@ -223,7 +226,10 @@ static tap linear_tap(int64_t i, ost_pm cubic, ost_pm rect, int64_t last)
     return (tap){index, ost_rhe_div((n - index * d) << WEIGHT_BITS, d)};
 }
 
-/* i c < 2^14 * 2^37. AR-CUB-4: floor(i c / s) < dims, as i < ceil(dims s / c). */
+/*
+ * Finds the tap of voxel i by the rule. i c < 2^14 * 2^37. AR-CUB-4: floor(i c / s) < dims, as i <
+ * ceil(dims s / c).
+ */
 static tap tap_at(int64_t i, ost_pm cubic, ost_pm rect, int32_t dim, ost_resample rule)
 {
     const int64_t last = dim - 1;
@@ -236,7 +242,7 @@ static tap tap_at(int64_t i, ost_pm cubic, ost_pm rect, int32_t dim, ost_resampl
 }
 
 /*
- * RHE of the weighted mean of eight voxels. The products of weights sum to
+ * Returns RHE of the weighted mean of eight voxels. The products of weights sum to
  * 2^45, so |sum| <= 2^45 * 2^15 = 2^60, and the mean lies between the least
  * and the greatest of the voxels, which are integers; so does its RHE.
  */

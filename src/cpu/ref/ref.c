@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The table of the scalar reference. It takes no options and is available everywhere. */
+/* The table of the scalar reference, which has no options and is available everywhere. */
 #include "cpu/ref/ref.h"
 
 #include <stdlib.h>
@@ -43,7 +43,7 @@ static ost_backend_settings settings(const ost_backend *backend)
     return (ost_backend_settings){.isa = "", .threads = 1, .platform = -1, .device = -1};
 }
 
-/* Everything has happened when its call returns. */
+/* Does nothing: every call of this backend is complete when it returns. */
 static ost_status finish(ost_backend *backend, ost_error *err)
 {
     (void)backend;

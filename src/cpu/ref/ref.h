@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The scalar reference: plain, serial, the executable form of
- * docs/arithmetic.md.  Read it beside that text; every file names the rules
- * it carries out.  Nothing here is fast on purpose, and nothing is clever.
+ * The scalar reference: the plain, serial, executable form of docs/arithmetic.md.
+ * Each file names the rules that it implements, to be read together with that
+ * document.  The code is deliberately simple and not optimised.
  *
  *   import.c    samples -> rect grid -> cubic grid      AR-CT-4..6, AR-CUB
  *   bone.c      cubic grid -> chunks, slices, leaves    AR-CHK, AR-DIG-2
@@ -19,13 +19,13 @@
 
 typedef struct ref_backend {
     ost_backend base;
-    ost_digest empty_leaf; /* of 32^3 zeros, made once at open */
+    ost_digest empty_leaf; /* digest of a leaf of 32^3 zeros, computed once at open */
 } ref_backend;
 
 typedef struct ref_grid {
     ost_grid base;
     int16_t *voxels; /* owned */
-    uint8_t *seen;   /* owned; a bit a voxel, NULL before the first scatter */
+    uint8_t *seen;   /* owned; a bit per voxel, set if it has a sample; NULL before the first scatter */
 } ref_grid;
 
 typedef struct ref_bone {
@@ -58,7 +58,7 @@ ost_status ost_ref_bone_sample(const ost_bone *bone, size_t count, const int32_t
 ost_status ost_ref_bone_occupancy(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words, ost_error *err);
 ost_status ost_ref_bone_leaves(const ost_bone *bone, ost_digest *leaves, ost_error *err);
 
-/* Void tool of this geometry: what upload and voxelize fill. */
+/* Creates a void tool of this geometry, which upload and voxelize then fill. */
 ost_status ost_ref_tool_create(ost_backend *backend, const ost_tool_geometry *geometry, ref_tool **out, ost_error *err);
 ost_status ost_ref_tool_upload(ost_backend *backend, const ost_tool_volume *volume, ost_tool **out, ost_error *err);
 ost_status ost_ref_tool_download(const ost_tool *tool, ost_tool_volume *volume, ost_error *err);

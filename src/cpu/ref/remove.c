@@ -4,15 +4,15 @@
  *
  *   for each chunk with memory, ascending
  *     for each aligned block of 16^3 voxels in it
- *       for each pose whose box meets the block        a pose marks what it covers
+ *       for each pose whose box overlaps the block     a pose marks the voxels that it covers
  *         base of the block
  *         for each active voxel: u = base + i step[0] + j step[1] + k step[2]
  *                                inside iff 0 <= u >> 20 < dims on every axis
- *       for each marked voxel: count it, and when removing, take it away
+ *       for each marked voxel: count it, and for a removal, remove it
  *
- * A voxel goes once however many poses cover it, and only where one of them
- * does so with a cutting tool voxel.  Whether the marks are applied is the
- * one difference between removal and collision.
+ * A voxel is removed once however many poses cover it, and only if one of them
+ * covers it with a cutting tool voxel.  The only difference between removal and
+ * collision is that a removal applies the marks.
  */
 #include "cpu/ref/ref.h"
 
@@ -23,7 +23,10 @@
 
 enum { BLOCK = OST_MAP_BLOCK };
 
-/* OST_TOOL_* of the tool voxel that covers a bone voxel; cutting wins over poses. */
+/*
+ * The class (OST_TOOL_*) of the tool voxel that covers each bone voxel of a block; over all poses,
+ * cutting has priority.
+ */
 typedef struct block_marks {
     uint8_t mark[BLOCK][BLOCK][BLOCK]; /* [z][y][x] */
     bool any;
@@ -60,7 +63,7 @@ static int32_t max32(int32_t a, int32_t b)
     return a > b ? a : b;
 }
 
-/* The box's part of the grid: no block whose first voxel lies outside is ever evaluated. */
+/* Clips the box to the grid, so that no block whose first voxel lies outside is evaluated. */
 static ost_voxel_box clipped(const ost_voxel_box *box, ost_dims dims)
 {
     return (ost_voxel_box){
@@ -69,7 +72,10 @@ static ost_voxel_box clipped(const ost_voxel_box *box, ost_dims dims)
     };
 }
 
-/* One pose on one block (first: its first voxel). All sums fit int32: AR-MAP-5. */
+/*
+ * Marks the voxels of one block that one pose covers. first is the block's first voxel. All sums fit
+ * int32 (AR-MAP-5).
+ */
 static void mark_pose(const ost_chunk_grid *grid, const ost_chunk *chunk, const int32_t first[3], const ref_tool *tool,
                       const ost_map *map, const ost_voxel_box *whole, block_marks *marks)
 {
@@ -106,7 +112,10 @@ static void mark_pose(const ost_chunk_grid *grid, const ost_chunk *chunk, const 
         }
 }
 
-/* AR-CLS: the last class whose border is not above the density, class 0 below all. */
+/*
+ * Returns the last class whose border is not above the density, or class 0 if the density is below all
+ * borders (AR-CLS).
+ */
 static int class_of(const ost_density_classes *classes, int16_t density)
 {
     int c = classes->count - 1;
@@ -141,7 +150,7 @@ static void take_marks(const ost_chunk_grid *grid, ost_chunk *chunk, const int32
             }
 }
 
-/* The event on one chunk; report has its index and is otherwise zero. */
+/* Applies the event to one chunk; report has the chunk's index and is otherwise zero. */
 static void run_chunk(const ost_chunk_grid *grid, ost_chunk *chunk, const int32_t corner[3], const ref_tool *tool,
                       const ost_event *event, bool apply, ost_chunk_report *report, uint64_t *touched)
 {
@@ -158,7 +167,7 @@ static void run_chunk(const ost_chunk_grid *grid, ost_chunk *chunk, const int32_
             }
 }
 
-/* Chunks that some pose's box meets, half-open; lo > hi when there is none. */
+/* Computes the half-open range of chunks around all poses' boxes; lo > hi if all boxes are empty. */
 static void chunk_range(const ost_chunk_grid *grid, const ost_event *event, int32_t lo[3], int32_t hi[3])
 {
     for (int a = 0; a < 3; a++) {
@@ -176,7 +185,10 @@ static void chunk_range(const ost_chunk_grid *grid, const ost_event *event, int3
     }
 }
 
-/* Room for every chunk of the range, so that nothing can fail once the first voxel is gone. */
+/*
+ * Reserves memory in the report for every chunk of the range, so that nothing can fail after the first
+ * voxel is removed.
+ */
 static ost_status reserve(ost_report *report, const ost_chunk_grid *grid, const int32_t lo[3], const int32_t hi[3], ost_error *err)
 {
     size_t needed = report->count;

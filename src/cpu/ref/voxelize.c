@@ -1,33 +1,34 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Which voxel centres lie inside a closed mesh: AR-VOX, written out.
+ * Finds the voxel centres inside a closed mesh, step by step as AR-VOX defines it.
  *
- * A line along x runs through the centres of every row (j, k).  Where it
- * enters the mesh the winding number rises by one, where it leaves it falls:
+ * A line along x passes through the centres of every row (j, k).  Where it enters
+ * the mesh the winding number increases by one, where it leaves it decreases:
  *
  *        enter                 leave
  *   . . . |+1 o   o   o   o   o |-1 .   .        o  winding != 0: solid
  *
  * A triangle is crossed by the lines that its projection on (y, z) owns.  Its
- * +1 or -1 is noted at the first centre not left of the crossing, in a
- * difference array of one slice; a running sum along x gives every winding
- * number, and its end must be zero: what entered has left.  Where it is not,
- * the mesh leaks: the row is counted and stays void, nothing is guessed.
+ * step, +1 or -1, is added at the first centre not left of the crossing, in a
+ * difference array of one slice.  A running sum along x gives every winding
+ * number, and the last sum must be zero, as a line that enters a closed mesh also
+ * leaves it.  Otherwise the mesh leaks: the row is counted and stays void.
  *
- * Ownership.  Turn the triangle so that its projection runs counter-clockwise.
- * For each edge a -> b, E = (by - ay)(Z - az) - (bz - az)(Y - ay) is positive
- * left of it.  On the edge itself, E = 0, the point counts as (Y + e, Z + e^2)
- * for a vanishing e > 0, whose E is (by - ay) e^2 - (bz - az) e: owned iff
- * dz < 0, or dz = 0 and dy > 0.  That is one point for all triangles, and it
- * lies on no edge, so triangles that share an edge or a vertex own the line
- * once, whatever their number, and a closed mesh can never leak.
+ * Ownership.  The triangle is oriented so that its projection runs
+ * counter-clockwise.  For each edge a -> b,
+ * E = (by - ay)(Z - az) - (bz - az)(Y - ay) is positive left of it.  If E = 0, on
+ * the edge itself, the point counts as (Y + e, Z + e^2) for a vanishing e > 0,
+ * whose E is (by - ay) e^2 - (bz - az) e: owned iff dz < 0, or dz = 0 and dy > 0.
+ * This is the same point for all triangles, and it lies on no edge, so any number
+ * of triangles that share an edge or a vertex own the line once, and a closed mesh
+ * never leaks.
  *
  * Ranges.  L = 2^20; every coordinate is in [0, L], so differences d <= L.
  *   E    two products of differences: |E| <= 2 L^2 = 2^41
  *   n    a component of the cross product is twice the area of a triangle
  *        within a square of side L: |n| <= L^2 = 2^40, and nx >= 1 here
  *   K    = nx ax - ny (Y - ay) - nz (Z - az): |K| <= 3 L^3 < 2^62, and every
- *        partial sum too.  K / nx is the crossing's x, in [0, dims.x 2^f].
+ *        partial sum as well.  K / nx is the crossing's x, in [0, dims.x 2^f].
  *   nx 2^f <= 2^50, and K - nx 2^(f-1) >= -2^49.
  * So int64 suffices throughout.  A winding number is at most 2^26.
  */
@@ -46,10 +47,10 @@ typedef struct slice {
     ost_dims dims;
     int f;
     int32_t k;
-    int32_t *steps; /* (dims.x + 1) * dims.y: a step at dims.x lies behind the last centre */
+    int32_t *steps; /* (dims.x + 1) * dims.y elements; a step at dims.x lies behind the last centre */
 } slice;
 
-/* Lattice coordinate of centre i. */
+/* Returns the lattice coordinate of centre i. */
 static int64_t centre(int32_t i, int f)
 {
     return ((int64_t)i << f) + (1 << (f - 1));
@@ -74,7 +75,7 @@ static int32_t greatest3(int32_t a, int32_t b, int32_t c)
     return m > c ? m : c;
 }
 
-/* The steps of one triangle in the rows of this slice. */
+/* Adds the steps of one triangle in the rows of this slice. */
 static void add_triangle(const slice *s, const int32_t *a, const int32_t *b, const int32_t *c)
 {
     const int64_t z = centre(s->k, s->f);
@@ -92,7 +93,7 @@ static void add_triangle(const slice *s, const int32_t *a, const int32_t *b, con
     if (nx == 0)
         return;
     int32_t step = -1;
-    if (nx < 0) { /* the outward normal looks to low x: the line enters here */
+    if (nx < 0) { /* the outward normal points to low x: the line enters here */
         const int32_t *swap = b;
         b = c;
         c = swap;
@@ -110,14 +111,14 @@ static void add_triangle(const slice *s, const int32_t *a, const int32_t *b, con
         const int64_t y = centre(j, s->f);
         if (!owns(a, b, y, z) || !owns(b, c, y, z) || !owns(c, a, y, z))
             continue;
-        const int64_t crossing = nx * a[X] - ny * (y - a[Y]) - nz * (z - a[Z]); /* times nx */
+        const int64_t crossing = nx * a[X] - ny * (y - a[Y]) - nz * (z - a[Z]); /* the crossing's x times nx */
         const int64_t i = ost_ceil_div(crossing - nx * half, nx * width);
         assert(i >= 0 && i <= s->dims.x);
         s->steps[(int64_t)j * (s->dims.x + 1) + i] += step;
     }
 }
 
-/* Sums one row's steps into voxels of this class; false when the row leaks. */
+/* Sums one row's steps and sets its solid voxels to this class; returns false if the row leaks. */
 static bool fill_row(const int32_t *steps, int32_t n, ost_fill_rule rule, uint8_t tool_class, uint8_t *row)
 {
     const int32_t mask = rule == OST_FILL_PARITY ? 1 : -1;
@@ -127,7 +128,7 @@ static bool fill_row(const int32_t *steps, int32_t n, ost_fill_rule rule, uint8_
     if (winding & mask)
         return false;
     for (int32_t i = 0; i < n; i++) {
-        winding += steps[i]; /* a sound row's total is 0, or even by parity */
+        winding += steps[i]; /* it began with the row's total, which is 0, or even by rule parity */
         if (winding & mask)
             row[i] = tool_class;
     }
@@ -167,7 +168,7 @@ ost_status ost_ref_voxelize(const ost_snapped_mesh *cutting, const ost_snapped_m
         memset(plane, OST_TOOL_VOID, plane_size);
         if (noncutting)
             add_mesh(&s, noncutting, rule, OST_TOOL_NONCUTTING, plane, &sums);
-        add_mesh(&s, cutting, rule, OST_TOOL_CUTTING, plane, &sums); /* last: where both are, it cuts */
+        add_mesh(&s, cutting, rule, OST_TOOL_CUTTING, plane, &sums); /* last, so that voxels of both meshes cut */
         for (size_t i = 0; i < plane_size; i++) {
             sums.solid_voxels += plane[i] != OST_TOOL_VOID;
             sums.cutting_voxels += plane[i] == OST_TOOL_CUTTING;

@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The reference voxelizer (AR-VOX). voxels has room for all of the grid; everything in it and in report is written. */
+/* The reference voxelizer (AR-VOX). */
 #ifndef OST_CPU_REF_VOXELIZE_H
 #define OST_CPU_REF_VOXELIZE_H
 
 #include <osteon/backend.h>
 
-/* noncutting may be NULL, else it is on the same grid. report may be NULL. */
+/*
+ * Voxelizes both meshes. noncutting may be NULL; otherwise it is snapped to the same grid. voxels has
+ * capacity for the entire grid, and all of it is written, as is *report, unless it is NULL.
+ */
 ost_status ost_ref_voxelize(const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting, ost_fill_rule rule,
                             ost_voxelize_report *report, uint8_t *voxels, ost_error *err);
 
