@@ -73,7 +73,7 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
     const option options[] = {
         {.name = "out", .kind = OPTION_TEXT, .out = &args.out, .value = "BUNDLE", .help = "a folder for the evidence; must not exist"},
         {.name = "tier", .kind = OPTION_CHOICE, .out = &args.tier, .value = "smoke|standard|full",
-         .help = "how much (default: smoke, under a minute;\nstandard: under 15 minutes; full: hours)"},
+         .help = "how much (default: smoke, under a minute;\nstandard: about 10 minutes; full: hours)"},
         {.name = "backends", .kind = OPTION_TEXT, .out = &args.backends, .value = "A;B",
          .help = "these alone, besides the reference (default: all that are\nhere, and dense, a second implementation of all steps)"},
         {.name = "cpu-only", .kind = OPTION_FLAG, .out = &args.cpu_only, .help = "the CPU's variants alone: no OpenCL is no failure"},
