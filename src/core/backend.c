@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The border to the backends: the one list of them, the choice by a string,
- * and the checks that every argument passes before it reaches the table.
+ * The boundary to the backends: their list, the selection of one by a string, and
+ * the checks of all arguments before a call through the table.
  */
 #include "core/backend.h"
 
@@ -177,16 +177,16 @@ ost_status ost_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t coun
     return rect->backend->ops->ct_to_rect(rect, samples, count, first_line, duplicates, report, err);
 }
 
-/* ceil(dims * rect / cubic); dims < 2^15 and spacing < 2^37, so the product fits. */
+/* Returns ceil(dim * rect / cubic); dim < 2^15 and rect < 2^37, so the product fits. */
 static int64_t cubic_dim(int32_t dim, ost_pm rect, ost_pm cubic)
 {
     return ost_ceil_div(dim * rect, cubic);
 }
 
 /*
- * AR-CUB-1: the first centre lies half a cubic voxel inside the box's corner,
- * which is half a rect voxel before the rect grid's first centre. |origin| <
- * 2^43 and spacing < 2^37, so the sum fits.
+ * Returns the origin of the cubic grid (AR-CUB-1): the first centre lies half a
+ * cubic voxel inside the box's corner, which is half a rect voxel before the rect
+ * grid's first centre. |origin| < 2^43 and spacing < 2^37, so the sum fits.
  */
 static ost_pm cubic_origin(ost_pm origin, ost_pm rect, ost_pm cubic)
 {
@@ -428,7 +428,7 @@ static ost_status check_event(const ost_bone *bone, const ost_tool *tool, const 
     if (d.x > OST_TOOL_DIM_REMOVE_MAX || d.y > OST_TOOL_DIM_REMOVE_MAX || d.z > OST_TOOL_DIM_REMOVE_MAX)
         return ost_fail(err, OST_ERR_RANGE, "a tool of %d x %d x %d voxels; removal takes at most %d along an axis", (int)d.x, (int)d.y,
                         (int)d.z, OST_TOOL_DIM_REMOVE_MAX);
-    /* Backends look for a voxel's class from either end of the borders. */
+    /* The borders must be ascending, as backends search for a voxel's class from either end. */
     return ost_density_classes_check(event->classes, err);
 }
 

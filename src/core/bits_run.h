@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Runs of set bits in a row of words, the lowest bit of the first word first:
- * how parts of a picture are gone through (render/points/cells.h, window/changed.h).
+ * Iterates over the runs of set bits in a row of words, beginning with the lowest
+ * bit of the first word.  render/points/cells.h and window/changed.h use it for the
+ * parts of a picture.
  */
 #ifndef OST_CORE_BITS_RUN_H
 #define OST_CORE_BITS_RUN_H
@@ -9,7 +10,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Bits of words, half-open: the next run at or after *to. False when there is none. */
+/* Sets the half-open range [*from, *to) of bits to the next run at or after *to. Returns false if there is none. */
 static inline bool ost_bits_run(const uint64_t *word, int words, int *from, int *to)
 {
     int i = *to;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Plain and serial. A slab of slices crosses chunks in rows of up to n voxels;
- * chunk_part says what a slab z0 <= k < z1 has in common with one chunk.
+ * A plain and serial implementation.  Slabs of slices are copied in rows of up to n
+ * voxels; chunk_part is the intersection of a slab z0 <= k < z1 with one chunk.
  */
 #include "core/chunk_grid.h"
 
@@ -58,7 +58,7 @@ bool ost_chunk_fill(const ost_chunk_grid *grid, ost_chunk *chunk)
 {
     assert(!chunk->density && chunk->active == 0);
     size_t bytes = ost_chunk_bytes(grid->size);
-    size_t densities = bytes / 17 * 16; /* 2 bytes a voxel, then 1/8 */
+    size_t densities = bytes / 17 * 16; /* 2 bytes per voxel, followed by 1/8 byte of occupancy */
     unsigned char *block = aligned_alloc(64, bytes);
     if (!block)
         return false;
@@ -75,7 +75,10 @@ void ost_chunk_release(ost_chunk *chunk)
     *chunk = (ost_chunk){0};
 }
 
-/* Where a slab meets a chunk: voxels [x0, x1) x [y0, y1) x [z0, z1) of the grid, and the chunk's first voxel. */
+/*
+ * The intersection of a slab and a chunk: voxels [x0, x1) x [y0, y1) x [z0, z1) of the grid, and the
+ * chunk's first voxel.
+ */
 typedef struct chunk_part {
     int32_t first[3];
     int32_t x0, x1, y0, y1, z0, z1;
@@ -100,7 +103,7 @@ static ost_chunk *chunk_at(const ost_chunk_grid *grid, int32_t cx, int32_t cy, i
     return &grid->chunks[cx + (int64_t)grid->chunk_dims.x * (cy + (int64_t)grid->chunk_dims.y * cz)];
 }
 
-/* Row (y, z) of the grid inside a slab that begins at slice z0. */
+/* Returns the offset of row (y, z) of the grid in a slab that begins at slice z0. */
 static size_t slab_row(const ost_chunk_grid *grid, int32_t y, int32_t z, int32_t z0)
 {
     return ((size_t)(z - z0) * (size_t)grid->dims.y + (size_t)y) * (size_t)grid->dims.x;
@@ -150,7 +153,7 @@ ost_status ost_chunk_grid_upload(ost_chunk_grid *grid, int32_t z0, int32_t count
     int32_t z1 = z0 + count;
     int32_t c0 = z0 / grid->size, c1 = (z1 - 1) / grid->size + 1;
 
-    /* First all memory that will be needed, so that a failure can still be taken back. */
+    /* All memory is allocated before a voxel changes, so that a failure can be undone. */
     bool enough = true;
     for (int32_t cz = c0; cz < c1 && enough; cz++)
         for (int32_t cy = 0; cy < grid->chunk_dims.y && enough; cy++)
@@ -204,7 +207,10 @@ bool ost_chunk_grid_leaf(const ost_chunk_grid *grid, ost_dims leaf, int16_t voxe
 {
     int32_t n = grid->size;
     int32_t first[3] = {leaf.x * OST_LEAF, leaf.y * OST_LEAF, leaf.z * OST_LEAF};
-    /* A leaf holds (32/n)^3 whole chunks, or is an eighth of one; part is the edge of what they have in common. */
+    /*
+     * A leaf is (32/n)^3 complete chunks or an eighth of one; part is the edge of the intersection of
+     * leaf and chunk.
+     */
     int32_t part = min32(n, OST_LEAF);
     bool found = false;
     for (int32_t z = 0; z < OST_LEAF; z += part)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Time that only goes forward, in ns from a start of its own; any thread. */
+/* The monotonic clock, in nanoseconds since an arbitrary start. Any thread may read it. */
 #ifndef OST_CORE_CLOCK_H
 #define OST_CORE_CLOCK_H
 

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The compiler's part of the bargain (docs/arithmetic.md section 2), asserted
- * again where it is relied upon.  Included by every source that decides a voxel.
+ * Asserts the properties of the compiler and the machine on which the arithmetic
+ * depends (docs/arithmetic.md section 2).  Included by every source that decides a
+ * voxel.
  */
 #ifndef OST_CORE_CONDITIONS_H
 #define OST_CORE_CONDITIONS_H

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Decimals as they are written (docs/arithmetic.md, AR-LEN-2).
+ * Reads and scales decimals exactly as written (docs/arithmetic.md, AR-LEN-2).
  *
  *   "-57.3400e1"  ->  mantissa -573400, tail 0, exponent -3, places 3
  *
- * The first 18 significant digits make the mantissa, the next 18 the tail (as
- * its decimals, so "…5" alone in it is 5 * 10^17), and whatever is not 0 after
- * that sets `more`.  Leading zeros cost no digit; trailing ones after the
- * point keep `places` as written.
+ * The first 18 significant digits form the mantissa, the next 18 the tail (in units
+ * of 10^-18 of the mantissa's last digit, so that a tail of one digit 5 is
+ * 5 * 10^17), and any later digit that is not 0 sets `more`.  Leading zeros are not
+ * significant; trailing zeros after the point count in `places`.
  *
  * Scaling divides once, exactly, in 128 bits.  With e = -exponent >= 0:
  *
@@ -15,7 +15,8 @@
  *   value * factor * 10^e = (|mantissa| * factor + a) + (b + more) / 10^18
  *   |mantissa| * factor + a = q * 10^e + r              < 2^60 * 2^64 + 2^64 < 2^125
  *
- * q is the floor; r against 10^e / 2, then b and `more`, say which way.
+ * q is the floor.  The rounding follows from the comparison of r with 10^e / 2,
+ * then from b and `more`.
  */
 #include "core/conditions.h"
 
@@ -31,7 +32,10 @@ static bool is_digit(const char *p, const char *end)
     return p < end && *p >= '0' && *p <= '9';
 }
 
-/* Reads e[+-]digits at p into *exponent; returns the byte after it, p when there is none, NULL when it is too great. */
+/*
+ * Reads e[+-]digits at p into *exponent; returns the byte after it, p if there is none, NULL if the
+ * exponent is too great.
+ */
 static const char *read_exponent(const char *p, const char *end, int32_t *exponent)
 {
     *exponent = 0;
@@ -53,7 +57,10 @@ static const char *read_exponent(const char *p, const char *end, int32_t *expone
     return q;
 }
 
-/* Readers bound their lines, so counts stay far below this; a caller who does not gets a value that is out of range. */
+/*
+ * Limits a count of digits to half of int32's range. Readers bound the length of lines, so their counts
+ * are far below; for longer text the resulting value is out of range.
+ */
 static int32_t saturated(int64_t count)
 {
     return (int32_t)(count > INT32_MAX / 2 ? INT32_MAX / 2 : count < INT32_MIN / 2 ? INT32_MIN / 2 : count);
@@ -68,7 +75,7 @@ const char *ost_decimal_read(const char *text, const char *end, ost_decimal *out
 
     ost_decimal d = {.negative = negative};
     int mantissa_digits = 0;
-    int64_t tail_unit = TEN_TO_18; /* of the tail's last digit so far */
+    int64_t tail_unit = TEN_TO_18; /* the unit of the tail's last digit so far */
     int64_t exponent = 0;
     int64_t places = 0;
     bool any = false;
@@ -105,7 +112,10 @@ const char *ost_decimal_read(const char *text, const char *end, ost_decimal *out
     return p;
 }
 
-/* What is left of a quotient: rest / ten_to_e, then beyond (in units of 10^-18 of one), then `more`. */
+/*
+ * Returns true if RHE rounds the quotient up, where its remainder is rest / ten_to_e, followed by
+ * beyond in units of 10^-18 of rest's unit, followed by a part above 0 if more is set.
+ */
 static bool rounds_up(ost_i128 quotient, ost_i128 rest, ost_i128 ten_to_e, int64_t beyond, bool more)
 {
     bool something = beyond > 0 || more;
@@ -127,7 +137,10 @@ bool ost_decimal_scale(const ost_decimal *value, uint64_t factor, int64_t *out, 
     int64_t beyond = (int64_t)(tail % TEN_TO_18);
     bool none_rounded = beyond == 0 && !value->more;
 
-    /* A positive exponent takes digits of the tail in; with 36 digits it is beyond int64 before they run out. */
+    /*
+     * A positive exponent moves digits of the tail into whole; with 36 digits, whole exceeds int64
+     * before the tail is used up.
+     */
     for (int32_t e = value->exponent; e > 0 && (whole || beyond); e--) {
         if (whole > INT64_MAX)
             return false;
@@ -139,7 +152,7 @@ bool ost_decimal_scale(const ost_decimal *value, uint64_t factor, int64_t *out, 
 
     ost_i128 ten_to_e = 1;
     int32_t e = value->exponent < 0 ? -value->exponent : 0;
-    if (e > 37) { /* whole < 2^125 < 10^38 / 2: it rounds to 0 */
+    if (e > 37) { /* whole < 2^125 < 10^38 / 2, so it rounds to 0 */
         none_rounded = none_rounded && whole == 0;
         whole = 0;
     } else {
@@ -158,7 +171,7 @@ bool ost_decimal_scale(const ost_decimal *value, uint64_t factor, int64_t *out, 
     return true;
 }
 
-/* With at most 36 digits kept, an integer below 2^64 < 10^20 has all its digits in the mantissa and the first two of the tail. */
+/* An integer below 2^64 < 10^20 has all its digits in the mantissa and the first two digits of the tail. */
 bool ost_decimal_integer(const ost_decimal *value, uint64_t *magnitude)
 {
     ost_i128 digits = (ost_i128)(value->mantissa < 0 ? -value->mantissa : value->mantissa) * TEN_TO_18 + value->tail; /* < 10^36 */

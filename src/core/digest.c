@@ -63,7 +63,7 @@ ost_status ost_hasher_close(ost_hasher *hasher, ost_digest *out, ost_error *err)
     return status;
 }
 
-/* One digest over up to three pieces. */
+/* Computes one digest over up to three consecutive pieces. */
 static ost_status hash_pieces(const void *const piece[], const size_t size[], int count, ost_digest *out, ost_error *err)
 {
     ost_hasher *hasher;
@@ -87,7 +87,7 @@ static ost_status hash_prefixed(uint8_t prefix, const void *a, size_t a_size, co
     return hash_pieces((const void *const[]){&prefix, a, b}, (const size_t[]){1, a_size, b_size}, 3, out, err);
 }
 
-/* The voxels' bytes are already little-endian: src/core/conditions.h refuses any other machine. */
+/* The voxels' bytes are little-endian already, as src/core/conditions.h accepts no other machine. */
 ost_status ost_digest_leaf16(const int16_t voxels[LEAF_VOXELS], ost_digest *out, ost_error *err)
 {
     return hash_prefixed(PREFIX_LEAF, voxels, LEAF_VOXELS * sizeof *voxels, "", 0, out, err);
@@ -103,7 +103,7 @@ ost_dims ost_leaf_dims(ost_dims dims)
     return (ost_dims){(dims.x + OST_LEAF - 1) / OST_LEAF, (dims.y + OST_LEAF - 1) / OST_LEAF, (dims.z + OST_LEAF - 1) / OST_LEAF};
 }
 
-/* Depth is at most 36: the recursion is bounded by log2 of the leaf count. */
+/* Computes the root of the tree over count leaves. The recursion's depth is at most 36, log2 of the leaf count. */
 static ost_status tree(const ost_digest *leaves, size_t count, ost_digest *out, ost_error *err)
 {
     if (count == 1) {
@@ -132,7 +132,7 @@ static void put64(uint8_t *p, uint64_t v)
     memcpy(p, &v, sizeof v);
 }
 
-/* The layout of AR-DIG-4. */
+/* Fills the header with the layout of AR-DIG-4. */
 static void fill_header(uint8_t header[HEADER_BYTES], ost_grid_kind kind, const ost_geometry *geometry, int32_t threshold, size_t count)
 {
     memset(header, 0, HEADER_BYTES);
@@ -173,7 +173,7 @@ ost_status ost_digest_volume(ost_grid_kind kind, const ost_volume *volume, ost_d
     return ost_digest_dense(kind, &volume->geometry, volume->voxels, sizeof *volume->voxels, out, err);
 }
 
-/* Copies the leaf at leaf coordinates (lx, ly, lz), zero beyond the grid. */
+/* Copies the leaf at leaf coordinates (lx, ly, lz), zero outside the grid. */
 static void gather_leaf(const uint8_t *voxels, size_t voxel_size, ost_dims dims, int32_t lx, int32_t ly, int32_t lz, uint8_t *leaf)
 {
     memset(leaf, 0, LEAF_VOXELS * voxel_size);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Exact quotients by one divisor, many of them, with a single division: an
- * estimate by a reciprocal, and the remainder says whether it is one off.
+ * Exact quotients of many numbers by one divisor, with a single division: each
+ * quotient is estimated by a reciprocal and corrected by at most one, according to
+ * the remainder.
  *
  * With D the divisor, s such that d = floor(D / 2^s) is in [2^61, 2^62) (for
  * s < 0: d = D 2^-s), and I = floor(2^124 / (d + 1)), which is in [2^62, 2^63):
@@ -12,11 +13,11 @@
  *   0 <= X - I <= 5      as X <= 2^124 / d, which is at most 4 above 2^124 / (d + 1)
  *   n / 2^(s+46) = h + f, 0 <= f < 1
  *   n / D - h I / 2^78 = (h (X - I) + f X) / 2^78
- * and with |n| <= 2^46 D, hence |h| <= 2^62 + 1, that is below
- * (5 (2^62 + 1) + 2^63) / 2^78 < 2^-12 in magnitude: e is floor(n / D) or one beside it.
+ * With |n| <= 2^46 D, hence |h| <= 2^62 + 1, the magnitude of the last is below
+ * (5 (2^62 + 1) + 2^63) / 2^78 < 2^-12, so e differs from floor(n / D) by at most one.
  *
  * Ranges: |h I| < 2^126; the remainder is within [-D, 2 D) before it is
- * corrected, so |e D| <= |n| + 2 D: inside 128 bits for |n| < 2^126 and D <= 2^120.
+ * corrected, so |e D| <= |n| + 2 D, which fits 128 bits for |n| < 2^126 and D <= 2^120.
  */
 #ifndef OST_CORE_DIVIDER_H
 #define OST_CORE_DIVIDER_H
@@ -31,7 +32,7 @@ typedef struct ost_divider {
     int shift;       /* s + 46, not negative */
 } ost_divider;
 
-/* 2^15 <= divisor <= 2^120. */
+/* Prepares divisions by a divisor with 2^15 <= divisor <= 2^120. */
 static inline ost_divider ost_divider_of(ost_i128 divisor)
 {
     const uint64_t high = (uint64_t)(divisor >> 64), low = (uint64_t)divisor;
@@ -42,7 +43,10 @@ static inline ost_divider ost_divider_of(ost_i128 divisor)
     return (ost_divider){.divisor = divisor, .inverse = (int64_t)(((u128)1 << 124) / (d + 1)), .shift = s + 46};
 }
 
-/* floor(n / divisor), |n| <= 2^46 * divisor and < 2^126; *rest is what is left, 0 <= *rest < divisor. */
+/*
+ * Returns floor(n / divisor) for |n| <= 2^46 * divisor and < 2^126; *rest is the remainder, from 0 to
+ * divisor - 1.
+ */
 static inline int64_t ost_floor_by(const ost_divider *by, ost_i128 n, ost_i128 *rest)
 {
     int64_t q = (int64_t)((ost_i128)(int64_t)(n >> by->shift) * by->inverse >> 78);
@@ -58,7 +62,7 @@ static inline int64_t ost_floor_by(const ost_divider *by, ost_i128 n, ost_i128 *
     return q;
 }
 
-/* The same, to the nearest, half to even. */
+/* Returns n / divisor rounded to the nearest integer, half to even, for the same range of n. */
 static inline int64_t ost_rhe_by(const ost_divider *by, ost_i128 n)
 {
     ost_i128 r;

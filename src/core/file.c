@@ -27,13 +27,16 @@ static ost_status open_at(int folder, const char *path, bool follow, ost_file *o
 {
     struct stat info;
     *out = (ost_file){.fd = -1};
-    /* The first look prevents side effects: opening a device may act on it, opening a pipe releases its writer. */
+    /*
+     * The type is checked before the open to prevent side effects: opening a device may act on it,
+     * opening a pipe releases its writer.
+     */
     if (fstatat(folder, path, &info, follow ? 0 : AT_SYMLINK_NOFOLLOW) != 0)
         return cannot_open(path, out, err);
     ost_status status = check_type(path, &info, err);
     if (status != OST_OK)
         return status;
-    /* The name may lead elsewhere by now, so that nothing here may wait, and the type is checked again. */
+    /* The name may refer to another file by now, so the open must not block and the type is checked again. */
     const int fd = openat(folder, path, O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK | (follow ? 0 : O_NOFOLLOW));
     if (fd < 0)
         return cannot_open(path, out, err);
@@ -81,7 +84,7 @@ ost_status ost_file_fill(const char *path, const ost_file *file, void *to, ost_e
 {
     char more;
     int64_t done = 0;
-    /* One byte more than expected is tried, which shows a file that grew. */
+    /* The loop tries to read one byte more than expected, which detects a file that grew. */
     for (;;) {
         const size_t left = (size_t)(file->size - done);
         const ssize_t n = read(file->fd, left ? (char *)to + done : &more, left ? left : 1);

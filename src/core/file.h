@@ -29,32 +29,39 @@ typedef struct ost_file {
     bool absent;  /* after a failure: no file has this name */
 } ost_file;
 
-/* Opens a regular file for reading; the caller closes out->fd. OST_ERR_IO with the path and the reason otherwise. */
+/* Opens a regular file for reading; the caller closes out->fd. Fails with OST_ERR_IO, the path and the reason. */
 ost_status ost_file_open(const char *path, ost_file *out, ost_error *err);
 
 /*
- * The same for a name within the open folder `folder`. A symbolic link is not
- * followed but refused, so that the file is the one of that folder.
+ * Opens a regular file by its name within the open folder `folder`. A symbolic link
+ * is refused, so that the file is one of that folder.
  */
 ost_status ost_file_open_within(int folder, const char *name, ost_file *out, ost_error *err);
 
 /*
  * Opens a regular file as a stream; the caller calls fclose. *out is NULL after a failure. absent may be NULL; it is
- * set to true if no file has this name, else to false.
+ * set to true if no file has this name, otherwise to false.
  */
 ost_status ost_file_stream(const char *path, FILE **out, bool *absent, ost_error *err);
 
-/* Reads the file->size bytes of an open file into `to`; OST_ERR_IO when its size has changed. path is for messages. */
+/*
+ * Reads the file->size bytes of an open file into `to`; fails with OST_ERR_IO if its size has changed.
+ * path is for messages.
+ */
 ost_status ost_file_fill(const char *path, const ost_file *file, void *to, ost_error *err);
 
-/* Reads an open file into new memory. The caller frees *bytes, NULL after a failure, which a NUL follows that *size does not count. */
+/*
+ * Reads an open file into new memory, which the caller frees. The bytes are followed by a NUL that
+ * *size does not count. *bytes is NULL after a failure.
+ */
 ost_status ost_file_bytes(const char *path, const ost_file *file, char **bytes, size_t *size, ost_error *err);
 
 /*
- * Reads a complete regular file. The caller frees *bytes, which a NUL follows
- * that *size does not count. OST_ERR_RANGE when the file has more than max
- * bytes, OST_ERR_IO when its size changes while it is read, OST_ERR_MEMORY.
- * absent may be NULL; it is set after a failure when no file has this name.
+ * Reads a complete regular file into new memory, which the caller frees. The bytes
+ * are followed by a NUL that *size does not count; *bytes is NULL after a failure.
+ * Fails with OST_ERR_RANGE if the file has more than max bytes, OST_ERR_IO if its
+ * size changes while it is read, or OST_ERR_MEMORY. absent may be NULL; it is set to
+ * true if no file has this name, otherwise to false.
  */
 ost_status ost_file_read(const char *path, size_t max, char **bytes, size_t *size, bool *absent, ost_error *err);
 

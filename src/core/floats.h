@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The float state that every thread starts with, for code whose floats must
- * not depend on what a caller has set (rounding, traps, flushing of denormals),
- * and that must not leave anything of its own to the caller:
+ * The floating-point state that a process starts with, for code whose results must
+ * not depend on the caller's state (rounding, traps, flushing of denormals) and that
+ * must not change that state:
  *
  *   const ost_floats caller = ost_floats_enter();
  *   ...
  *   ost_floats_leave(caller);
  *
- * In each thread that computes: threads of OpenMP have the state of whoever
- * began them.  A vector divides in lanes that nobody looks at, too, so a caller
- * that traps on division by zero would meet it here.
+ * Each thread that computes must call both functions, as threads of OpenMP inherit
+ * the state of the thread that started them.  Vector code also divides in lanes
+ * whose results are not used, where a caller's trap on division by zero would be
+ * raised.
  */
 #ifndef OST_CORE_FLOATS_H
 #define OST_CORE_FLOATS_H
@@ -24,7 +25,7 @@ typedef unsigned int ost_floats;
 static inline ost_floats ost_floats_enter(void)
 {
     const ost_floats state = __builtin_ia32_stmxcsr();
-    __builtin_ia32_ldmxcsr(0x1f80); /* no trap, to nearest, denormals kept */
+    __builtin_ia32_ldmxcsr(0x1f80); /* no traps, rounding to nearest, denormals not flushed */
     return state;
 }
 
@@ -52,7 +53,10 @@ static inline void ost_floats_leave(ost_floats state)
 
 #else
 
-/* Scalar loops alone: they divide by nothing that is zero, and are right in any rounding (src/cpu/voxelize/mark.c). */
+/*
+ * Other machines have only scalar loops, which never divide by zero and are exact in any rounding mode
+ * (src/cpu/voxelize/mark.c).
+ */
 typedef int ost_floats;
 
 static inline ost_floats ost_floats_enter(void)

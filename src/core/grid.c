@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Dims, geometry, dense volumes (AR-GRID). */
+/* Dimensions, geometries and dense volumes (AR-GRID). */
 #include "core/conditions.h"
 
 #include <osteon/grid.h>
@@ -18,7 +18,7 @@ bool ost_geometry_equal(const ost_geometry *a, const ost_geometry *b)
            a->origin.z == b->origin.z;
 }
 
-/* (dims - 1) * spacing < 2^14 * 10^11 < 2^51: no overflow before the comparison. */
+/* (dims - 1) * spacing < 2^14 * 10^11 < 2^51, so nothing overflows before the comparison. */
 ost_status ost_geometry_check(const ost_geometry *geometry, const char *what, ost_error *err)
 {
     const int32_t dims[3] = {geometry->dims.x, geometry->dims.y, geometry->dims.z};

@@ -30,7 +30,10 @@ static inline ost_i128 ost_floor_div128(ost_i128 n, ost_i128 d)
     return q - (n % d < 0);
 }
 
-/* With r = n - floor * d, 0 <= r < d: up when r > d - r, and at equality when the floor is odd. No doubling, no overflow. */
+/*
+ * Returns RHE(n / d). With r = n - floor * d, 0 <= r < d, it rounds up if r > d - r, or if both are
+ * equal and the floor is odd. Comparing r with d - r instead of 2 r with d cannot overflow.
+ */
 static inline int64_t ost_rhe_div(int64_t n, int64_t d)
 {
     int64_t q = ost_floor_div(n, d);

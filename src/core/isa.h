@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Which instruction sets this machine has, and which may be used.
+ * The instruction sets that this machine has, and those that may be used.
  *
- *   detected  --  what CPU and operating system give (CPUID, XGETBV; on AArch64 all have NEON)
- *   allowed   --  detected, up to the level that was asked for: by a backend's
- *                 "isa=" option, else by the environment variable OSTEON_ISA
+ *   detected  --  supported by processor and operating system (CPUID, XGETBV; every AArch64 has NEON)
+ *   allowed   --  detected, and not above the level requested by a backend's "isa=" option,
+ *                 otherwise by the environment variable OSTEON_ISA
  *
- * A level is named after what it requires and includes the ones before it.
- * Code of a level runs only where its level is allowed, so an illegal
- * instruction is impossible however the program was built.
+ * A level is named after the sets that it requires; an x86 level includes the lower
+ * ones.  Code of a level runs only if the level is allowed, so that no illegal
+ * instruction is executed, however the program was built.
  */
 #ifndef OST_CORE_ISA_H
 #define OST_CORE_ISA_H
@@ -19,8 +19,8 @@
 #include <osteon/status.h>
 
 /*
- *   scalar      C alone (with the baseline of the build: SSE2 on x86-64)
- *   avx2        AVX2, BMI1, BMI2, LZCNT, POPCNT, FMA is not used
+ *   scalar      plain C (with the baseline of the build: SSE2 on x86-64)
+ *   avx2        AVX2, BMI1, BMI2, LZCNT, POPCNT; FMA is not used
  *   avx512      avx2 and AVX-512 F, BW, DQ, VL, CD
  *   avx512vbmi  avx512 and AVX-512 VBMI
  *   neon        AArch64 Advanced SIMD
@@ -40,8 +40,8 @@ typedef enum ost_isa {
 } ost_isa;
 
 /*
- * What an x86-64 machine says of itself; registers of leaves it does not have are 0.
- * xcr0 is 0 unless leaf 1 says that XGETBV may be asked (OSXSAVE).
+ * The features that an x86-64 machine reports; registers of absent leaves are 0.
+ * xcr0 is 0 unless leaf 1 has OSXSAVE, which allows XGETBV.
  */
 typedef struct ost_isa_cpuid {
     uint32_t leaf1_c;
@@ -50,17 +50,21 @@ typedef struct ost_isa_cpuid {
     uint32_t xcr0;        /* registers that the operating system saves */
 } ost_isa_cpuid;
 
-/* The highest x86 level that such a machine can run. An instruction set counts only when its registers are saved. */
+/*
+ * Returns the highest x86 level that a machine with these features can run. An instruction set counts
+ * only if the operating system saves its registers.
+ */
 ost_isa ost_isa_decide(const ost_isa_cpuid *cpuid);
 
 const char *ost_isa_name(ost_isa isa);
-/* Whether this machine, and this build, can run code of the level. */
+/* Returns true if this build has code of the level and this machine can run it. */
 bool ost_isa_available(ost_isa isa);
-/* The highest available level. */
+/* Returns the highest available level. */
 ost_isa ost_isa_best(void);
 /*
- * The level to use: name ("avx2"; NULL or "auto" for the environment's, else the best).
- * OST_ERR_USAGE when there is no such level, OST_ERR_UNAVAILABLE when it does not run here.
+ * Selects the level to use by its name, for example "avx2". For NULL or "auto" it is the level of the
+ * environment, or the best one if the environment has none. OST_ERR_USAGE if there is no such level,
+ * OST_ERR_UNAVAILABLE if it cannot be used here.
  */
 ost_status ost_isa_choose(const char *name, ost_isa *out, ost_error *err);
 

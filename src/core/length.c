@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Picometres from decimals and from floats, and back to text (AR-LEN). */
+/* Conversion of decimals and floats to picometres, and of picometres to text (AR-LEN). */
 #include "core/conditions.h"
 
 #include <osteon/length.h>
@@ -55,9 +55,9 @@ bool ost_pm_from_double(double mm, ost_pm *out)
 }
 
 /*
- * value = m * 2^e with |m| < 2^53.  m * 10^9 < 2^83; shifted right by -e it is
- * rounded half to even, shifted left it fits while the result is in range:
- * |value| <= 8192 mm < 2^13 gives e <= 13 - 52 < 0 for normal doubles.
+ * mm = m * 2^e with |m| < 2^53, and |m * 10^9| < 2^83.  |mm| <= 8000 < 2^13 gives
+ * e <= 13 - 53 = -40, so the product is always shifted right, by -e, and rounded half
+ * to even.
  */
 bool ost_pm_from_binary(double mm, ost_pm *out)
 {

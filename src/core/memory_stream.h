@@ -2,8 +2,8 @@
 /*
  * A stream that writes into memory and reports each failed allocation.
  *
- * open_memstream is unfit: in glibc (up to 2.41 at least) a byte for which its buffer cannot grow is dropped
- * without the stream's error flag, and a close without memory returns 0 with a buffer of NULL.
+ * open_memstream is not suitable: in glibc (at least up to 2.41) it drops a byte for which its buffer cannot grow
+ * without setting the stream's error flag, and a close without memory returns 0 with a buffer of NULL.
  */
 #ifndef OST_CORE_MEMORY_STREAM_H
 #define OST_CORE_MEMORY_STREAM_H
@@ -17,12 +17,15 @@ typedef struct ost_memory_stream {
     size_t size, capacity; /* valid after the close */
 } ost_memory_stream;
 
-/* Opens a stream for writing alone, which cannot be repositioned; *memory must remain until the close. NULL without memory. */
+/*
+ * Opens a write-only stream, which cannot be repositioned; *memory must remain valid until the close.
+ * Returns NULL if there is no memory.
+ */
 FILE *ost_memory_stream_open(ost_memory_stream *memory);
 
 /*
- * Closes the stream. Returns true if memory->bytes holds all that was written; the caller frees it. Returns false
- * if a write had no memory; memory->bytes is then NULL.
+ * Closes the stream. Returns true if memory->bytes has all bytes that were written; the caller frees
+ * it. Returns false if memory was lacking for a write; memory->bytes is then NULL.
  */
 bool ost_memory_stream_close(FILE *stream, ost_memory_stream *memory);
 

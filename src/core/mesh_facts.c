@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Facts about a mesh for people, its volume and its open edges.  They decide no voxel. */
+/* Facts about a mesh for information: its volume and its open edges.  They decide no voxel. */
 #include "core/mesh_check.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Sum of signed tetrahedra to the first vertex, in doubles: within 1e-12 of the box's volume or so. */
+/*
+ * Sums the signed volumes of tetrahedra from the first vertex, in doubles. The error is about 1e-12 of
+ * the bounding box's volume.
+ */
 double ost_mesh_volume_mm3(const ost_mesh *mesh)
 {
     if (mesh->triangle_count == 0)
@@ -28,7 +31,7 @@ double ost_mesh_volume_mm3(const ost_mesh *mesh)
 
 /* ------------------------------------------------------------ open edges */
 
-/* A directed edge between welded vertices, low < high; sign +1 when walked low to high. */
+/* A directed edge between welded vertices, low < high; the sign is +1 if it is directed from low to high. */
 typedef struct edge {
     uint32_t low, high;
     int32_t sign;
@@ -59,7 +62,7 @@ static int compare_edges(const void *a, const void *b)
     return e->high < f->high ? -1 : e->high > f->high;
 }
 
-/* weld[i] = one number for all vertices at the position of vertex i. */
+/* Sets weld[i] to a number that all vertices at the position of vertex i share. */
 static void weld_vertices(const ost_mesh *mesh, keyed_vertex *keyed, uint32_t *weld)
 {
     for (size_t i = 0; i < mesh->vertex_count; i++)
@@ -86,7 +89,7 @@ static size_t collect_edges(const ost_mesh *mesh, const uint32_t *weld, edge *ed
     return count;
 }
 
-/* Runs of equal edges whose signs do not cancel, or that are not exactly a pair. */
+/* Counts the runs of equal edges that are not exactly a pair or whose signs do not cancel. */
 static size_t count_open(const edge *edges, size_t count)
 {
     size_t open = 0;

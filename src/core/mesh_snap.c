@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * From picometres to the lattice on which voxelization is exact (AR-MESH-3, AR-MESH-4).
+ * Snaps vertices in picometres to the lattice on which voxelization is exact (AR-MESH-3, AR-MESH-4).
  *
  *   v = RHE((p - corner) * 2^f / s),   0 <= v <= dims * 2^f <= 2^20
  *
- * f is the greatest fraction of at most 10 bits that keeps the widest axis
- * within 2^20: 10 up to 1024 voxels, 9 up to 2048, 8 up to 4096 (the limit of
- * a tool), so a voxel's centre, (i + 1/2) 2^f, is always a lattice point.
+ * f is the greatest number of fraction bits, at most 10, for which the widest axis
+ * fits 2^20: 10 up to 1024 voxels, 9 up to 2048, 8 up to 4096 (the limit of a
+ * tool), so a voxel's centre, (i + 1/2) 2^f, is always a lattice point.
  *
- * Triangles whose snapped cross product is zero have no area left; they can
- * decide nothing, are dropped, and are counted.  The others keep their order.
- * Vertices stay as many as they are; one that no triangle uses becomes 0 0 0.
+ * Triangles whose snapped cross product is zero have no area and no effect; they
+ * are dropped and counted.  The order of the others does not change.  The number of
+ * vertices does not change; a vertex that no triangle uses becomes 0 0 0.
  *
  * Ranges: p - corner <= 1.6e13 < 2^44 and 2^f <= 2^10, so the
- * numerator stays under 2^54.  Edges are below 2^20 + 1, their products below
+ * numerator is below 2^54.  Edges are below 2^20 + 1, their products below
  * 2^41, a difference of two below 2^42.
  */
 #include <osteon/tool.h>
@@ -39,7 +39,10 @@ static int fraction_bits(ost_dims dims)
     return f;
 }
 
-/* False when p lies outside the grid's box; |p| and |corner| are bounded first, so nothing overflows. */
+/*
+ * Snaps one coordinate; returns false if p lies outside the grid's box. |p| and |corner| are bounded,
+ * so nothing overflows.
+ */
 static bool snap(ost_pm p, ost_pm corner, ost_pm voxel, int32_t dim, int f, int32_t *out)
 {
     if (p < -OST_LENGTH_MAX || p > OST_LENGTH_MAX || p < corner || p - corner > dim * voxel)
@@ -64,7 +67,10 @@ static bool has_area(const int32_t a[3], const int32_t b[3], const int32_t c[3])
     return u[1] * v[2] != u[2] * v[1] || u[2] * v[0] != u[0] * v[2] || u[0] * v[1] != u[1] * v[0];
 }
 
-/* A vertex is snapped as often as it is used, which is cheaper than remembering that it was. */
+/*
+ * Snaps the vertices of all triangles. A vertex is snapped at each use, which is cheaper than marking
+ * those that are done.
+ */
 static ost_status snap_vertices(const ost_mesh *mesh, ost_snapped_mesh *out, ost_error *err)
 {
     for (size_t t = 0; t < mesh->triangle_count; t++)
@@ -107,7 +113,7 @@ ost_status ost_mesh_snap(const ost_mesh *mesh, const ost_tool_geometry *grid, os
     out->vertex_count = mesh->vertex_count;
     assert(out->fraction_bits >= 8);
 
-    /* At most 3 * 2^26 elements of 12 bytes; one more, so that none is of size 0. */
+    /* There are at most 3 * 2^26 elements of 12 bytes; one more is allocated, so that no size is 0. */
     out->vertices = calloc(mesh->vertex_count + 1, sizeof *out->vertices);
     out->triangles = malloc((mesh->triangle_count + 1) * sizeof *out->triangles);
     if (!out->vertices || !out->triangles)
@@ -129,8 +135,9 @@ void ost_snapped_mesh_free(ost_snapped_mesh *mesh)
 }
 
 /*
- * AR-DIG-7: a header of 84 bytes, then every vertex as three int32, then every
- * triangle as three uint32.  Little-endian, as this machine is (core/conditions.h).
+ * The digest's input (AR-DIG-7): a header of 84 bytes, then every vertex as three
+ * int32, then every triangle as three uint32.  All numbers are little-endian, as the
+ * machine is (core/conditions.h).
  *
  *     0  "OSTEONM1"            24  int64 voxel         60  uint64 vertices
  *     8  uint32 arithmetic     32  int64 corner x y z  68  uint64 triangles

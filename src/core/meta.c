@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Facts that travel with a grid. */
+/* Facts that files store beside a grid's voxels. */
 #include <osteon/grid.h>
 
 #include <string.h>
@@ -55,7 +55,7 @@ ost_status ost_meta_set(ost_meta *meta, const char *key, const char *value, ost_
             return ost_fail(err, OST_ERR_RANGE, "no room for '%s': at most %d keys", key, OST_META_MAX);
         i = meta->count++;
     }
-    /* Both may be this entry's own, as ost_meta_get gave them. */
+    /* key and value may point into this entry, as ost_meta_get returns its value. */
     memmove(meta->entry[i].key, key, strlen(key) + 1);
     memmove(meta->entry[i].value, value, length);
     meta->entry[i].value[length] = 0;

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A tool's own turn (AR-MOTOR).
+ * The rotation of a tool by its motor (AR-MOTOR).
  *
  *   phase <- (phase + rpm (t - t')) mod turn      exact
  *   k = floor(4096 phase / turn)                  a step of 0.088 degrees
  *   q_tool = q_hand * (C_k, 0, 0, -S_k)           each component RHE by 2^30
  *
- * C_k and S_k are RHE(2^30 cos(pi k / 4096)) and of the sine, from a table of a
- * quarter of a circle; the other quarters are its mirror images.
+ * C_k = RHE(2^30 cos(pi k / 4096)) and S_k = RHE(2^30 sin(pi k / 4096)) come from a
+ * table of a quarter of a circle; the second quarter is its mirror image.
  */
 #include <osteon/event.h>
 #include <osteon/motor.h>
@@ -26,14 +26,17 @@ typedef struct spin {
     int64_t c, s;
 } spin;
 
-/* phase < 2^36, times 2^12. */
+/* Returns C_k and S_k of the motor's phase. phase < 2^36, so its product with 2^12 fits. */
 static spin spin_of(const ost_motor *motor)
 {
     const int k = (int)(motor->phase * STEPS / OST_MOTOR_TURN);
     return k <= HALF ? (spin){motor_sine[HALF - k], motor_sine[k]} : (spin){-(int64_t)motor_sine[k - HALF], motor_sine[STEPS - k]};
 }
 
-/* |q| <= 1.001 * 2^30 and |(c, s)| <= 2^30 + 1: each sum of two products is below 2^60.01, and its quotient below 2^30.01. */
+/*
+ * Returns RHE((a c + b s) / 2^30). |q| <= 1.001 * 2^30 and |(c, s)| <= 2^30 + 1, so the sum of two
+ * products is below 2^60.01, and its quotient below 2^30.01.
+ */
 static int32_t component(int64_t a, int64_t c, int64_t b, int64_t s)
 {
     return (int32_t)ost_rhe_div(a * c + b * s, OST_Q30_ONE);
@@ -61,12 +64,13 @@ double ost_motor_angle(const ost_motor *motor)
     return -6.283185307179586 / STEPS * (double)(motor->phase * STEPS / OST_MOTOR_TURN);
 }
 
-/* Time increases, so the difference is right modulo 2^64; 3000 * 6 * 10^10 < 2^48. */
+/* Returns the time between two ticks in ns. Time increases, so the difference is correct modulo 2^64. */
 static uint64_t since(int64_t from, int64_t to)
 {
     return (uint64_t)to - (uint64_t)from;
 }
 
+/* rpm <= 3000, so the product is below 3000 * 6 * 10^10 < 2^48. */
 void ost_motor_advance(ost_motor *motor, const ost_tick *tick)
 {
     if (motor->moved && tick->rpm > 0)
@@ -84,7 +88,10 @@ void ost_motor_turn(ost_motor *motor, ost_tick *tick, int32_t rpm)
 
 /* -------------------------------------------------------------------- paths */
 
-/* AR-MOTOR-7: into how many ticks a row is divided, at least 1; more than OST_MOTOR_PARTS_MAX stands for any number above. */
+/*
+ * Returns the number of ticks into which a row is divided (AR-MOTOR-7), at least 1. The result
+ * OST_MOTOR_PARTS_MAX + 1 represents all greater numbers too.
+ */
 static int64_t parts_of(const ost_tick *before, const ost_tick *row, int32_t rpm)
 {
     if (row->rpm != OST_RPM_HAND || !before || before->rpm != OST_RPM_HAND || before->tool != row->tool || row->lifted)
@@ -94,7 +101,10 @@ static int64_t parts_of(const ost_tick *before, const ost_tick *row, int32_t rpm
     return parts < 1 ? 1 : parts > OST_MOTOR_PARTS_MAX ? OST_MOTOR_PARTS_MAX + 1 : (int64_t)parts;
 }
 
-/* AR-SWEEP-3 for the hand: |q| <= 1.001 * 2^30, so every sum is below 2^60.01. */
+/*
+ * Returns true if the hand turns by more than 90 degrees between two poses (AR-SWEEP-3).
+ * |q| <= 1.001 * 2^30, so every sum is below 2^60.01.
+ */
 static bool turns_too_far(const ost_pose *a, const ost_pose *b)
 {
     const int64_t p = (int64_t)a->qw * b->qw + (int64_t)a->qx * b->qx + (int64_t)a->qy * b->qy + (int64_t)a->qz * b->qz;
@@ -103,7 +113,7 @@ static bool turns_too_far(const ost_pose *a, const ost_pose *b)
     return 2 * (ost_i128)p * p < (ost_i128)na * nb;
 }
 
-/* The greatest r with r^2 <= n < 2^62. */
+/* Returns the greatest r with r^2 <= n; n < 2^62. */
 static int64_t root(int64_t n)
 {
     int64_t r = 0;
@@ -113,7 +123,10 @@ static int64_t root(int64_t n)
     return r;
 }
 
-/* A hand's pose between two rows, of unit length again: |c| < 2^30.01, r >= 2^29.5, so every quotient is at most 2^30 + 2. */
+/*
+ * Returns a hand's pose between two rows, renormalised to unit length. A component is below 2^30.01 and
+ * r >= 2^29.5, so every quotient is at most 2^30 + 2.
+ */
 static ost_pose hand_between(const ost_pose *a, const ost_pose *b, int j, int parts)
 {
     ost_pose p = ost_sweep_pose(a, b, j, parts);

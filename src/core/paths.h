@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The paths of an open backend that decide voxels, each with how often it was
- * entered since the backend was opened: what a campaign did not run is then a
- * list of names and no guess.
+ * The paths of an open backend that decide voxels, each with the number of times it
+ * was entered since the backend was opened.  A campaign uses the counts to list the
+ * paths that it did not run.
  *
  *   kernel ost_remove                     312
  *   download of a bone in several parts     0     not entered
  *
- * A path is code that another input, size or option leaves out: a kernel, a
+ * A path is code that is not executed for every input, size or option: a kernel, a
  * vector's remainder, a loop over parts, a fallback.  Its name is a noun phrase
  * of at most OST_PATH_NAME - 1 printable characters, unique in its backend, and
  * the list is the same whenever the backend is opened with the same options on
@@ -22,10 +22,10 @@ enum { OST_PATH_NAME = 96 };
 
 typedef void ost_path_visit(void *user, const char *path, uint64_t entered);
 
-/* Visits every path of the backend in a fixed order; none where a backend counts none. */
+/* Visits every path of the backend in a fixed order; none if the backend counts no paths. */
 void ost_backend_paths(const ost_backend *backend, ost_path_visit *visit, void *user);
 
-/* The slot of a backend that counts none. */
+/* The slot `paths` of a backend that counts no paths. */
 void ost_no_paths(const ost_backend *backend, ost_path_visit *visit, void *user);
 
 #endif

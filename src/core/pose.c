@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Quantising a pose, once (AR-POSE). */
+/* Quantises and checks poses (AR-POSE). */
 #include "core/conditions.h"
 
 #include <osteon/pose.h>
 
-#include <math.h> /* sqrt, in a message only */
+#include <math.h> /* sqrt, only for a message */
 #include <stdlib.h>
 
 #include "core/integer.h"
@@ -16,8 +16,9 @@ ost_pose ost_pose_identity(void)
 }
 
 /*
- * | |q| - 1 | <= 1e-3 in integers: 999^2 * 2^60 <= N * 10^6 <= 1001^2 * 2^60,
- * N the sum of squares of Q30 components (< 2^62 * 4, the products fit 128 bits).
+ * Checks | |q| - 1 | <= 1e-3 in integers: 999^2 * 2^60 <= N * 10^6 <= 1001^2 * 2^60,
+ * where N is the sum of squares of the Q30 components (at most 4 * 2^62, so the
+ * products fit 128 bits).
  */
 ost_status ost_pose_check(const ost_pose *pose, ost_error *err)
 {
@@ -37,7 +38,7 @@ ost_status ost_pose_check(const ost_pose *pose, ost_error *err)
     return OST_OK;
 }
 
-/* Components up to 1.001 times 2^30 fit int32; anything greater fails here. */
+/* Returns true if a component fits int32, as all do that are at most 1.001 times 2^30. */
 static bool component_fits(int64_t value)
 {
     return value >= INT32_MIN && value <= INT32_MAX;
@@ -77,7 +78,7 @@ ost_status ost_pose_from_doubles(const double t_mm[3], const double q[4], ost_po
         if (!ost_pm_from_double(t_mm[a], &t[a]))
             return ost_fail(err, OST_ERR_RANGE, "position %c = %g mm is not a number within 8000 mm", "xyz"[a], t_mm[a]);
     for (int a = 0; a < 4; a++) {
-        ost_decimal decimal; /* AR-LEN-4: a float stands for its shortest decimal */
+        ost_decimal decimal; /* AR-LEN-4: a float represents its shortest decimal */
         if (!(q[a] >= -1.5 && q[a] <= 1.5) || !ost_decimal_shortest(q[a], false, &decimal) ||
             !ost_decimal_scale(&decimal, (uint64_t)OST_Q30_ONE, &c[a], NULL))
             return ost_fail(err, OST_ERR_RANGE, "quaternion component %d is %g; a unit quaternion has none beyond 1", a, q[a]);

@@ -6,9 +6,9 @@
  * gives N = 2c^2 and M's entries 0 and +-2c^2.
  *
  * Ranges: a component of a pose that was read is at most 1.001 * 2^30 + 1.
- * ost_rotation_fits asks a little less, 2^30 + 2^21: then each product is
- * below 2^60.01, N below 2^62.01 and every sum of two products, doubled, below
- * 2^62.01 as well, so that int64 holds all of it; N is checked afterwards.
+ * ost_rotation_fits checks a slightly weaker bound, 2^30 + 2^21.  Each product is
+ * then below 2^60.01, N below 2^62.01 and every sum of two products, doubled, below
+ * 2^62.01 as well, so that all of them fit int64; N is checked afterwards.
  */
 #ifndef OST_CORE_ROTATION_H
 #define OST_CORE_ROTATION_H
@@ -18,7 +18,10 @@
 #define OST_ROTATION_N_MIN (INT64_C(1) << 59)
 #define OST_ROTATION_N_MAX ((INT64_C(1) << 60) + (INT64_C(1) << 52))
 
-/* 8 m and the bound on components above: what the arithmetic on poses needs before its first product. */
+/*
+ * Returns true if the position is within 8 m and the components are within the bound above, as the
+ * arithmetic on poses requires.
+ */
 static inline bool ost_rotation_fits(const ost_pose *pose)
 {
     const int32_t q = OST_Q30_ONE + (1 << 21);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * C's own printing and reading of correctly rounded decimals, tried with more
- * and more digits: 9 say any float, 17 any double.  Both go by the program's
- * locale, which is the same for both; then the point is put back and the
- * decimal is read exactly.
+ * Prints and reads a number by C's functions, which round correctly, with an
+ * increasing number of digits until it reads back unchanged: 9 digits suffice for any
+ * float, 17 for any double.  Printing and reading both use the program's locale; then
+ * the locale's separator is replaced by a point and the decimal is read exactly.
  */
 #include "core/shortest.h"
 
@@ -16,12 +16,12 @@ void ost_point_put_back(char *text)
     char *point = text + strspn(text, "-0123456789");
     const size_t length = strcspn(point, "0123456789e");
     if (length == 0)
-        return; /* one digit alone has none */
+        return; /* a single digit has no point */
     *point = '.';
     memmove(point + 1, point + length, strlen(point + length) + 1);
 }
 
-/* 512 v is an integer, and |v| < 2^24: then v is a decimal of at most 8 + 9 digits. */
+/* Returns true if 512 v is an integer and |v| < 2^24; v is then a decimal of at most 8 + 9 digits. */
 static bool is_ninth_binary_place(double v)
 {
     return v > -16777216.0 && v < 16777216.0 && (double)(int64_t)(v * 512) == v * 512;
@@ -29,7 +29,7 @@ static bool is_ninth_binary_place(double v)
 
 bool ost_decimal_shortest(double value, bool single, ost_decimal *out)
 {
-    enum { NICE = 6 }; /* digits that every float32 can tell apart */
+    enum { NICE = 6 }; /* decimals of up to 6 digits are distinct as float32 */
     char text[64];     /* sign, 17 digits, a point of a few bytes, e-308 */
     const int most = single ? 9 : 17;
     for (int digits = 1; digits <= most; digits++) {

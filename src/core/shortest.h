@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The shortest decimal that reads back as a float or a double: what a file's
- * binary number stands for (AR-LEN-4).
+ * The shortest decimal that reads back as a given float or double, which is the
+ * value that a file's binary number represents (AR-LEN-4).
  */
 #ifndef OST_CORE_SHORTEST_H
 #define OST_CORE_SHORTEST_H
@@ -9,14 +9,18 @@
 #include <osteon/length.h>
 
 /*
- * Finds the decimal that a float stands for. A float32 of which no decimal of
- * six digits reads back and that is a multiple of 2^-9, like 431/512, stands
- * for itself: 0.841796875 and not 0.8417969.
- * value is finite; single: it came from a float. False when its exponent is beyond what a decimal may have.
+ * Finds the decimal that a float represents. If no decimal of at most six digits
+ * reads back as a float32, and the float32 is a multiple of 2^-9 below 2^24 in
+ * magnitude, like 431/512, it represents itself: 0.841796875, not 0.8417969.
+ * value is finite; single is true if it came from a float32. Returns false if the
+ * exponent is out of the range of ost_decimal.
  */
 bool ost_decimal_shortest(double value, bool single, ost_decimal *out);
 
-/* "1,5e+00" to "1.5e+00": a number as printf's %e prints it, whatever the locale has between its digits, a comma or more bytes. */
+/*
+ * Replaces the locale's decimal separator, one byte or several, in a number printed by %e: "1,5e+00"
+ * becomes "1.5e+00".
+ */
 void ost_point_put_back(char *text);
 
 #endif

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The poses between two ticks (AR-SWEEP): so many that no corner of the
- * tool's box moves more than half a bone voxel from one to the next, on the
- * average of the chord.
+ * The poses between two ticks (AR-SWEEP).  Their number n is chosen so that 1/n of
+ * the chord of each corner of the tool's box is at most half a bone voxel.
  *
- *     a o- - -o- - -o- - -o b      n = 3: poses k = 1, 2, 3; a ran in the event before
+ *     a o- - -o- - -o- - -o b      n = 3: poses k = 1, 2, 3; a was in the previous event
  *
- * All in integers, so that every backend and every replay sweeps alike.
+ * All arithmetic is in integers, so that every backend and every replay has the same
+ * poses.
  */
 #include <osteon/event.h>
 
@@ -14,13 +14,19 @@
 #include "core/divider.h"
 #include "core/rotation.h"
 
-/* |q| <= 1.001 * 2^30 each: |dot| <= 2^60.01; four components within ost_rotation_fits alone: <= 2^62.01. */
+/*
+ * Returns the dot product of two quaternions. With |q| <= 1.001 * 2^30 it is at most 2^60.01; if only
+ * ost_rotation_fits holds for both, at most 2^62.01.
+ */
 static int64_t dot(const ost_pose *a, const ost_pose *b)
 {
     return (int64_t)a->qw * b->qw + (int64_t)a->qx * b->qx + (int64_t)a->qy * b->qy + (int64_t)a->qz * b->qz;
 }
 
-/* What ost_map_make asks as well. A pose that was never filled in is all zero, and nothing divides by its N. */
+/*
+ * Returns true if the quaternion is near unit length, as ost_map_make requires too. An uninitialised
+ * pose of zeros is refused here, before a division by its N.
+ */
 static bool near_unit(const ost_pose *pose)
 {
     const int64_t n = dot(pose, pose);
@@ -28,8 +34,8 @@ static bool near_unit(const ost_pose *pose)
 }
 
 /*
- * RHE(M c / N) along one axis for the eight corners of a box, corner x + 2y + 4z:
- * the products of a row with either end are shared. The tool's box lies within
+ * Computes RHE(M c / N) along one axis for the eight corners of a box, numbered
+ * x + 2y + 4z, which share the products of a row with lo and hi. The tool's box is within
  * 8 m of its origin, so |c| < sqrt(3) * 2^42.87 and |M c| <= N |c| < 2^60.01 * 2^43.66.
  */
 static void turned(const ost_rotation *r, const ost_divider *by, int row, const ost_pm lo[3], const ost_pm hi[3], int64_t out[8])
@@ -43,7 +49,10 @@ static void turned(const ost_rotation *r, const ost_divider *by, int row, const 
         out[c] = ost_rhe_by(by, part[0][c & 1] + part[1][c >> 1 & 1] + part[2][c >> 2]);
 }
 
-/* max |d|^2 over the box's corners: each component is below 2 * 2^43.66 + 2^43.87 < 2^45.4, the sum of squares below 2^92.4. */
+/*
+ * Returns max |d|^2 over the box's corners. Each component is below 2 * 2^43.66 + 2^43.87 < 2^45.4, so
+ * the sum of squares is below 2^92.4.
+ */
 static ost_i128 greatest_displacement_squared(const ost_pose *a, const ost_pose *b, const ost_tool_geometry *tool)
 {
     const ost_rotation ra = ost_rotation_of(a), rb = ost_rotation_of(b);
@@ -78,7 +87,10 @@ ost_status ost_sweep_count(const ost_pose *a, const ost_pose *b, const ost_tool_
         return ost_fail(err, OST_ERR_RANGE, "a pose beyond 8 m or with a quaternion far from unit length");
     if (!near_unit(a) || !near_unit(b))
         return ost_fail(err, OST_ERR_RANGE, "a pose whose quaternion is not near unit length");
-    /* cos^2 of the angle between the quaternions is below 1/2: over 45 degrees there, over 90 in space. Below 2^121.03. */
+    /*
+     * cos^2 of the angle between the quaternions below 1/2 means over 45 degrees, and over 90 in
+     * space. Products < 2^121.03.
+     */
     ost_i128 d = dot(a, b);
     if (2 * d * d < (ost_i128)dot(a, a) * dot(b, b))
         return ost_fail(err, OST_ERR_RANGE, "the tool turns by more than 90 degrees in one tick");
@@ -94,7 +106,7 @@ ost_status ost_sweep_count(const ost_pose *a, const ost_pose *b, const ost_tool_
     return OST_OK;
 }
 
-/* (n - k) a + k b over n, RHE. |a|, |b| < 2^43 and n <= 2^12. */
+/* Returns RHE(((n - k) a + k b) / n). |a|, |b| < 2^43 and n <= 2^12. */
 static int64_t between(int64_t a, int64_t b, int64_t k, int64_t n)
 {
     return ost_rhe_div((n - k) * a + k * b, n);

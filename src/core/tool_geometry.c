@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The grid of a tool from the bounds of its mesh (AR-TOOL; thesis, Alg. 2.1).
+ * Computes the grid of a tool from the bounds of its mesh (AR-TOOL; thesis, Alg. 2.1).
  *
  *   corner = RHE((2 min - s) / 2s) * s - s        MinVoxelCoords
  *   far    = RHE((2 max + s) / 2s) * s + s
@@ -9,12 +9,12 @@
  *      corner        min                   max         far
  *        |<- s..2s ->|#######################|<- s..2s ->|
  *
- * RHE(m - 1/2) <= m and RHE(m + 1/2) >= m for every m, and neither
- * strays by more than one, so between one and two void voxels stand on each
- * side of the mesh.
+ * RHE(m - 1/2) <= m and RHE(m + 1/2) >= m for every m, and neither differs from m
+ * by more than one, so there are between one and two void voxels on each side of the
+ * mesh.
  *
  * Ranges: |min|, |max| <= 8e12 (OST_LENGTH_MAX), s <= 1e11, so every sum and
- * product below stays under 2e13 and far from 2^63.
+ * product is below 2e13, far from 2^63.
  */
 #include <osteon/tool.h>
 
