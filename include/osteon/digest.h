@@ -2,16 +2,17 @@
 /*
  * Digests of grids (docs/arithmetic.md, AR-DIG).
  *
- * Equality is claimed by memcmp; digests are for records.  A grid's digest is
- * SHA-256 over a canonical form that knows nothing of chunk size or backend:
+ * Tests of equality compare the voxels by memcmp; digests are for records.  A grid's
+ * digest is SHA-256 over a canonical form that does not depend on the chunk size or
+ * the backend:
  *
- *   leaf    SHA-256(0x00 || 32^3 voxels, x fastest, little-endian, zero beyond the grid)
+ *   leaf    SHA-256(0x00 || 32^3 voxels, x fastest, little-endian, zero outside the grid)
  *   node    SHA-256(0x01 || left || right)      a tree over the leaves in x-fastest
  *                                               order, split as in RFC 6962 section 2.1
  *   digest  SHA-256(0x02 || header of 128 bytes || tree)
  *
- * Position is in the tree's order; kind, dims, spacing, origin and threshold
- * are in the header, so grids of unequal geometry have unequal digests.
+ * The tree's order represents the positions; kind, dims, spacing, origin and
+ * threshold are in the header, so grids of different geometry have different digests.
  */
 #ifndef OSTEON_DIGEST_H
 #define OSTEON_DIGEST_H
@@ -36,36 +37,42 @@ typedef enum ost_grid_kind {
     OST_GRID_TOOL = 4
 } ost_grid_kind;
 
-/* Number of 32^3 leaves along each axis. */
+/* Returns the number of 32^3 leaves along each axis. */
 OST_API ost_dims ost_leaf_dims(ost_dims dims);
 
-/* Leaf of 32^3 int16 (or uint8) voxels given in canonical order. */
+/* Computes the digest of a leaf of 32^3 int16 (or uint8) voxels, x fastest. */
 OST_API ost_status ost_digest_leaf16(const int16_t voxels[OST_LEAF * OST_LEAF * OST_LEAF], ost_digest *out, ost_error *err);
 OST_API ost_status ost_digest_leaf8(const uint8_t voxels[OST_LEAF * OST_LEAF * OST_LEAF], ost_digest *out, ost_error *err);
 
-/* Tree and header over count leaves in x-fastest order; threshold is 0 unless the kind is a bone. */
+/*
+ * Computes the digest of a grid from its count leaves in x-fastest order; threshold is 0 unless the
+ * kind is a bone.
+ */
 OST_API ost_status ost_digest_root(ost_grid_kind kind, const ost_geometry *geometry, int32_t threshold,
                                    const ost_digest *leaves, size_t count, ost_digest *out, ost_error *err);
 
-/* A dense grid of the kind rect or cubic. */
+/* Computes the digest of a dense grid; the kind is rect or cubic. */
 OST_API ost_status ost_digest_volume(ost_grid_kind kind, const ost_volume *volume, ost_digest *out, ost_error *err);
 
-/* The same for any dense voxels of 1 or 2 bytes (a tool: spacing = voxel, origin = corner, kind tool). */
+/*
+ * Computes the digest of dense voxels of 1 or 2 bytes. For a tool, the kind is tool, the spacing is its
+ * voxel on all axes and the origin its corner.
+ */
 OST_API ost_status ost_digest_dense(ost_grid_kind kind, const ost_geometry *geometry, const void *voxels, size_t voxel_size,
                                     ost_digest *out, ost_error *err);
 
-/* SHA-256 of bytes, as sha256sum prints it. */
+/* Computes SHA-256 of bytes, the same as sha256sum prints. */
 OST_API ost_status ost_digest_bytes(const void *bytes, size_t size, ost_digest *out, ost_error *err);
 
-/* 64 lower-case digits and a NUL. Returns hex. */
+/* Writes the digest as 64 lower-case hexadecimal digits and a NUL. Returns hex. */
 OST_API char *ost_digest_hex(const ost_digest *digest, char hex[OST_DIGEST_HEX]);
 OST_API bool ost_digest_equal(const ost_digest *a, const ost_digest *b);
 
-/* Running SHA-256, for streams (the samples of a text, a file). Opaque, one owner. */
+/* An incremental SHA-256 for streams, such as the samples of a text or a file. It is opaque and has one owner. */
 typedef struct ost_hasher ost_hasher;
 OST_API ost_status ost_hasher_open(ost_hasher **out, ost_error *err);
 OST_API ost_status ost_hasher_add(ost_hasher *hasher, const void *bytes, size_t size, ost_error *err);
-/* Ends and frees the hasher; out may be NULL. */
+/* Writes the digest to *out, unless out is NULL, and frees the hasher. */
 OST_API ost_status ost_hasher_close(ost_hasher *hasher, ost_digest *out, ost_error *err);
 
 #ifdef __cplusplus

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Lengths, exactly: int64 picometres (docs/arithmetic.md, AR-LEN).
+ * Exact lengths as int64 picometres (docs/arithmetic.md, AR-LEN).
  *
  *   1 mm = 1,000,000,000 pm, so 0.48828125 mm and every decimal with up to
  *   nine places is exact.  |length| <= OST_LENGTH_MAX (8 m).
  *
- * Decimals are read from text exactly; a float from a file stands for the
+ * Decimals are read from text exactly; a float from a file represents the
  * shortest decimal that reads back as that float.  No function here uses
  * floating point to decide a value; none depends on the locale.
  */
@@ -31,7 +31,7 @@ typedef struct ost_pm3 {
     ost_pm x, y, z;
 } ost_pm3;
 
-/* Widens the bounds [*lo, *hi] so that they hold p. */
+/* Widens the bounds [*lo, *hi] so that they contain p. */
 OST_API void ost_pm3_widen(ost_pm3 *lo, ost_pm3 *hi, ost_pm3 p);
 
 /*
@@ -39,11 +39,11 @@ OST_API void ost_pm3_widen(ost_pm3 *lo, ost_pm3 *hi, ost_pm3 p);
  *
  *   value = +-(|mantissa| + tail / 10^18) * 10^exponent
  *
- * mantissa holds the sign and the first 18 significant digits, tail the next
- * 18; inexact is true when tail or a digit after it was not 0, more when a
- * digit after the tail was not 0.  36 digits decide every rounding
- * here: a tie of RHE(value * 10^9) or RHE(value * 2^30) has at most 31 digits
- * after the point, so what follows can only lie above it (AR-LEN-2).
+ * mantissa has the sign and the first 18 significant digits, tail the next 18.
+ * inexact is true if tail or a later digit is not 0, more if a digit after the tail
+ * is not 0.  36 digits decide every rounding here: a tie of RHE(value * 10^9) or
+ * RHE(value * 2^30) has at most 31 digits after the point, so further digits can
+ * only make the value greater than the tie (AR-LEN-2).
  * places is the number of digits written after the point less the written
  * exponent: 1.250e1 has places 2, a unit of 10^-places.  It may be negative
  * (12e3 has -3).
@@ -55,45 +55,60 @@ typedef struct ost_decimal {
     int32_t places;
     bool inexact;
     bool more;
-    bool negative; /* the sign as written, so that -0 is known */
+    bool negative; /* the sign as written, which distinguishes -0 */
 } ost_decimal;
 
 /*
  * Reads the longest decimal ([+-]digits[.digits][(e|E)[+-]digits]) at the start
- * of [text, end). Returns the first byte after it, or NULL when there is none
- * ("nan", "inf", hexadecimal and an empty text are none) or when the written
- * exponent's magnitude exceeds 9,999.
+ * of [text, end). Returns a pointer to the first byte after it, or NULL if there is
+ * no decimal ("nan", "inf" and empty text are not decimals) or if the magnitude of
+ * the written exponent exceeds 9,999.
  */
 OST_API const char *ost_decimal_read(const char *text, const char *end, ost_decimal *out);
 
 /*
- * RHE(value * factor), factor >= 1, exactly for decimals of up to 36
- * significant digits and for any number of them where the factor is a product
- * of powers of 2 and 10 whose ties have no more; false when the result is beyond int64.
- * If exact is not NULL it receives whether no rounding happened.
+ * Computes RHE(value * factor), factor >= 1. The result is exact for decimals of up
+ * to 36 significant digits, and for any number of digits if the factor is a product
+ * of powers of 2 and 10 whose ties have at most 36. Returns false if the result does
+ * not fit int64. If exact is not NULL, *exact is set to true if nothing was rounded.
  */
 OST_API bool ost_decimal_scale(const ost_decimal *value, uint64_t factor, int64_t *out, bool *exact);
 
-/* True when the value is an integer of a magnitude below 2^64, which *magnitude receives; the sign is value->negative. */
+/*
+ * Returns true if the value is an integer of a magnitude below 2^64, which is written to *magnitude; the sign is
+ * value->negative.
+ */
 OST_API bool ost_decimal_integer(const ost_decimal *value, uint64_t *magnitude);
 
-/* The decimal in millimetres as picometres, RHE; false outside +-OST_LENGTH_MAX. */
+/* Converts a decimal in millimetres to picometres, RHE. Returns false if it is outside +-OST_LENGTH_MAX. */
 OST_API bool ost_decimal_to_pm(const ost_decimal *value, ost_pm *out, bool *exact);
 
-/* A whole text "0.47" as picometres. Fails on anything but one decimal in range. */
+/*
+ * Converts a text like "0.47", in millimetres, to picometres. Fails unless the complete text is one
+ * decimal in range.
+ */
 OST_API ost_status ost_pm_parse(const char *text, ost_pm *out, ost_error *err);
 
-/* The shortest decimal that reads back as this float32 (or float64), as picometres, RHE. False on NaN, infinity, range. */
+/*
+ * Converts the shortest decimal that reads back as this float32 (or float64), in millimetres, to
+ * picometres, RHE. Returns false if the number is NaN, infinite or out of range.
+ */
 OST_API bool ost_pm_from_float(float mm, ost_pm *out);
 OST_API bool ost_pm_from_double(double mm, ost_pm *out);
 
-/* The binary value itself, times 10^9, RHE: for mesh vertices (AR-MESH-2). False on NaN, infinity, range. */
+/*
+ * Converts the binary value itself, in millimetres, to picometres, RHE; for mesh vertices (AR-MESH-2).
+ * Returns false if the number is NaN, infinite or out of range.
+ */
 OST_API bool ost_pm_from_binary(double mm, ost_pm *out);
 
 enum { OST_PM_TEXT = 32 };
-/* Millimetres in the shortest exact decimal form, "0.47", "-57.34", "1": at most nine places. Returns text. */
+/*
+ * Formats the length in millimetres in the shortest exact decimal form, "0.47", "-57.34", "1": at most
+ * nine places. Returns text.
+ */
 OST_API char *ost_pm_format(ost_pm value, char text[OST_PM_TEXT]);
-/* Nearest double, for people and pictures only. */
+/* Returns the nearest double in millimetres, only for display and pictures. */
 OST_API double ost_pm_to_mm(ost_pm value);
 
 #ifdef __cplusplus

@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A pose takes the tool's frame into the bone's (docs/arithmetic.md, AR-POSE):
+ * A pose transforms the tool's frame to the bone's (docs/arithmetic.md, AR-POSE):
  *
  *     p_bone = R(q) p_tool + t          Hamilton convention, active rotation
  *
- * It is quantised once, when a device or a file is read, and is the same
- * integers ever after: live, recorded, replayed, on every backend.
+ * It is quantised once, when a device or a file is read, and has the same integers
+ * from then on: live, recorded, replayed, on every backend.
  *
- *   t   picometres, |t| <= 8 m an axis
+ *   t   picometres, at most 8 m on each axis
  *   q   w, x, y, z times 2^30, RHE, never renormalised; | |q| - 1 | <= 1e-3
  *       when read (an interpolated pose may be shorter, see event.h)
  *
- * The thesis' pose is the centre of the tool's box, which moves with the
- * resolution of the tool; ours does not (docs/thesis-notes.md).
+ * In the thesis a pose is that of the centre of the tool's box, which depends on the
+ * tool's resolution; here it does not (docs/thesis-notes.md).
  */
 #ifndef OSTEON_POSE_H
 #define OSTEON_POSE_H
@@ -32,22 +32,25 @@ typedef struct ost_pose {
 
 OST_API ost_pose ost_pose_identity(void);
 
-/* t_mm: x, y, z in millimetres, q: w, x, y, z; all by their shortest decimal. OST_ERR_RANGE on NaN, range or norm. */
+/*
+ * Makes a pose from t_mm = x, y, z in millimetres and q = w, x, y, z, all by their shortest decimals.
+ * Returns OST_ERR_RANGE if a number is NaN or out of range, or if the length of q is not near 1.
+ */
 OST_API ost_status ost_pose_from_doubles(const double t_mm[3], const double q[4], ost_pose *out, ost_error *err);
 
-/* The same from decimals as written: no binary float in between. */
+/* Makes a pose from decimals as written, without converting them to binary floats. */
 OST_API ost_status ost_pose_from_decimals(const ost_decimal t_mm[3], const ost_decimal q[4], ost_pose *out, ost_error *err);
 
-/* OST_ERR_RANGE unless |t| and | |q| - 1 | <= 1e-3 hold. */
+/* Returns OST_ERR_RANGE unless every component of t is within 8 m and | |q| - 1 | <= 1e-3. */
 OST_API ost_status ost_pose_check(const ost_pose *pose, ost_error *err);
 
-/* Nearest doubles, for pictures and forces only. */
+/* Converts a pose to the nearest doubles, only for pictures and forces. */
 OST_API void ost_pose_to_doubles(const ost_pose *pose, double t_mm[3], double q[4]);
 
 /*
- * The quaternion, w x y z, of the rotation whose columns these are; for what
- * gives matrices, devices and cameras.  They are taken to be unit and upright
- * to each other: of others a quaternion comes whose length is not 1.
+ * Computes the quaternion, w x y z, of the rotation matrix with these columns, for
+ * devices and cameras that provide matrices.  The columns must be orthonormal;
+ * otherwise the length of the quaternion is not 1.
  */
 OST_API void ost_quaternion_of_columns(const double columns[3][3], double q[4]);
 

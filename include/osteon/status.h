@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What can go wrong, and how it is said.
+ * Statuses and error messages.
  *
  * Every function that can fail returns an ost_status and takes an ost_error*
- * as its last argument.  The error holds one line of text for people: the
- * file, the line or offset, the value that was wrong, and what was expected.
- * A NULL ost_error is allowed everywhere; only the text is lost.
+ * as its last argument.  The error has one line of text for the user: the file, the
+ * line or offset, the wrong value, and the expected one.
+ * The ost_error pointer may always be NULL; only the text is then lost.
  *
- * Threads: an ost_error belongs to its caller; nothing here is shared.
+ * Threads: an ost_error belongs to its caller; the functions here share no state.
  */
 #ifndef OSTEON_STATUS_H
 #define OSTEON_STATUS_H
@@ -30,13 +30,14 @@ extern "C" {
  *   OST_OK               done
  *   OST_ERR_DIFFER       a check failed or two grids differ
  *   OST_ERR_USAGE        the caller's arguments are wrong
- *   OST_ERR_INPUT        a file's content is wrong; the text says where
- *   OST_ERR_RANGE        a value lies outside the range that docs/arithmetic.md
- *                        proves; the text gives value and bound
- *   OST_ERR_IO           the system refused to read or write; text has errno
- *   OST_ERR_MEMORY       no memory; the text has the size asked for
- *   OST_ERR_UNAVAILABLE  not built in, or not here; the text says what to install
- *   OST_ERR_CANCELLED    a progress callback asked to stop
+ *   OST_ERR_INPUT        a file's content is wrong; the text has the position
+ *   OST_ERR_RANGE        a value lies outside the range for which docs/arithmetic.md
+ *                        has its proofs; the text has the value and the bound
+ *   OST_ERR_IO           the system failed to read or write; the text has the reason
+ *   OST_ERR_MEMORY       an allocation failed; the text has its size or its purpose
+ *   OST_ERR_UNAVAILABLE  not in this build or not on this machine; the text has the
+ *                        reason or the package to install
+ *   OST_ERR_CANCELLED    a progress callback cancelled the operation
  *   OST_ERR_INTERNAL     a defect in osteon itself
  */
 #define OST_STATUS_LIST(X)                                   \
@@ -59,32 +60,33 @@ typedef enum ost_status {
 
 enum { OST_ERROR_TEXT = 640 };
 
-/* One line, no newline at its end, always terminated. Zero-initialise before use. */
+/* An error message: one line without a newline, always NUL-terminated. It must be zero-initialised before use. */
 typedef struct ost_error {
     ost_status status;
     char text[OST_ERROR_TEXT];
 } ost_error;
 
-/* The enumerator's own name, "OST_ERR_INPUT"; never NULL. */
+/* Returns the enumerator's name, for example "OST_ERR_INPUT"; never NULL. */
 OST_API const char *ost_status_name(ost_status status);
-/* The general text of the status, "bad input"; never NULL. */
+/* Returns the general text of the status, for example "bad input"; never NULL. */
 OST_API const char *ost_status_text(ost_status status);
-/* The command's exit status for it: 0, 1, 2 or 3. */
+/* Returns the command's exit status for this status: 0, 1, 2 or 3. */
 OST_API int ost_status_exit(ost_status status);
 
 /*
- * Fills err (when not NULL) and returns status, so that a failing function
+ * Fills err, unless it is NULL, and returns status, so that a failing function
  * ends with `return ost_fail(err, OST_ERR_INPUT, "%s:%ld: ...", path, line)`.
  * Characters of the input that would break the line or act on a terminal
- * (control and direction characters, bytes that are no UTF-8) become '?'.
+ * (control and direction characters, bytes that are not UTF-8) become '?'.
  */
 OST_API ost_status ost_fail(ost_error *err, ost_status status, const char *format, ...) OST_PRINTF(3, 4);
 
-/* Puts "prefix: " before the text already in err; returns err's status (OST_ERR_INTERNAL when err is NULL). */
+/* Inserts "prefix: " before the text in err; returns err's status, or OST_ERR_INTERNAL if err is NULL. */
 OST_API ost_status ost_fail_context(ost_error *err, const char *format, ...) OST_PRINTF(2, 3);
 
-/* "0.1.0", and the version of docs/arithmetic.md that this library implements. */
+/* Returns the library's version, for example "0.1.0". */
 OST_API const char *ost_version(void);
+/* The version of docs/arithmetic.md that this library implements. */
 enum { OST_ARITHMETIC_VERSION = 2 };
 
 #ifdef __cplusplus
