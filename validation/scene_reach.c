@@ -249,9 +249,12 @@ static ost_status make_refused(const plan_case *c, scene *s, draw *d, ost_error 
         ost_sample one = sample_at(s, d, x, y, z);
         /* From the middle on, so that the first to be refused is not the first of its batch. */
         if (!conflicts_alone && i > MOST / 2 && draw_one_in(d, 9)) {
-            const ost_pm offs[] = {3 * spacing / 8 + 1, spacing / 2, -spacing / 2, spacing * SIDE, -spacing, OST_LENGTH_MAX + 1};
-            const ost_pm off = offs[draw_between(d, 0, 5)];
-            one.y = off > OST_LENGTH_MAX ? off : s->rect.origin.y + spacing * y + off;
+            const ost_pm offs[] = {3 * spacing / 8 + 1, spacing / 2, -spacing / 2, spacing * SIDE, -spacing * SIDE};
+            ost_pm *const axes[] = {&one.x, &one.y, &one.z}, *at = axes[draw_between(d, 0, 2)];
+            if (draw_one_in(d, 4))
+                *at = draw_one_in(d, 2) ? OST_LENGTH_MAX + 1 : -OST_LENGTH_MAX - 1;
+            else
+                *at += offs[draw_between(d, 0, 4)];
         }
         one.line = (uint32_t)((size_t)i % s->batch);
         s->samples[s->sample_count] = one;
@@ -275,7 +278,7 @@ static void hollow_tick(scene *s, int32_t tool, int32_t x, int32_t y, int32_t z,
 static ost_status make_hollow(scene *s, draw *d, ost_error *err)
 {
     const ost_pm cube = 500 * UM;
-    s->rect = (ost_geometry){{HOLLOW_X, HOLLOW_Y, HOLLOW_Z}, {730 * UM, cube, 520 * UM}, draw_point(d, -90000 * UM, 90000 * UM)};
+    s->rect = (ost_geometry){{HOLLOW_X, HOLLOW_Y, HOLLOW_Z}, {730 * UM, 510 * UM, 520 * UM}, draw_point(d, -90000 * UM, 90000 * UM)};
     s->cubic = cube;
     s->resample = OST_RESAMPLE_LINEAR;
     s->chunk_size = 16;

@@ -44,14 +44,14 @@ static void campaigns(void **state)
         int most;
         const char *digest;
     } rows[] = {
-        {PLAN_SMOKE, "import", 99, "aeec07145b0adfed8eeb1316d30b0cf6fd5bf1642d125210ade433dc0a6e0129"},
+        {PLAN_SMOKE, "import", 99, "269c36ceb500d2c0eece2ec664c56892568306c3811945d38c2bed994202a7ed"},
         {PLAN_SMOKE, "mesh", 99, "e0382851553eae28b444416d254a92e9df2c634bd5451522f75894491442f8f9"},
         {PLAN_SMOKE, "poses", 99, "8b022b3f72300c358b762a4a6688c9f564a2b1d739326970d805e9854c560fa9"},
         {PLAN_SMOKE, "sweep", 99, "f5c208fdd136cb588c8cf49a5fd0726ca00d9e9ca261eb4a1d184e8f44bff8e7"},
         {PLAN_SMOKE, "session", 99, "869b5fd0f6dc9f6579817553a869f01e8173bfade50f9b44db01916d0dea6d9e"},
         {PLAN_SMOKE, "static/3", 99, "8db0463087c7a16543e82b2fe420c800a42af2c92c03e79611191d9c4b555b65"},
-        {PLAN_SMOKE, "reach", 99, "aa2876689d1989b69b8d52937a5a31818a8aa36e0569323099f7e72bf06fb1ad"},
-        {PLAN_STANDARD, "reach", 99, "4be4afae9bcc4fb868b3c436b51cb74fed0f85046fe7b9baf85c98e9150024a7"},
+        {PLAN_SMOKE, "reach", 99, "9097febadbd8f0a60455e78fa561337772b6b1db11fe814c61ef2fadd1010d56"},
+        {PLAN_STANDARD, "reach", 99, "cf06fe720371806bc09eb0c507de3b10dc374f1b447a2e6975b292fe2b2c5b8f"},
         {PLAN_STANDARD, "mesh", 24, "14d92552144aeb693c438efbb0e733dc9458b96dd9b8e5d4ef83b5ac63d8c252"},
         {PLAN_STANDARD, "poses/1", 2, "397fdd9b0d0a08be0f660c6ce9add1be9e68851001a958047e30ae911d955afd"},
     };
