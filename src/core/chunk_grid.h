@@ -7,8 +7,8 @@
  *     chunk grid          a chunk                     one row of occupancy, n = 32
  *   +----+----+----+      densities  int16[n^3]         bit  0             31
  *   |    | ## | ## |      occupancy  uint32[n^3/32]         00000011111111000
- *   +----+----+----+      active     how many bits      voxel v = x + n (y + n z):
- *   |    |    | ## |                 are set            word v / 32, bit v % 32
+ *   +----+----+----+      active     number of bits     voxel v = x + n (y + n z):
+ *   |    |    | ## |                 that are set       word v / 32, bit v % 32
  *   +----+----+----+
  *
  * Invariants, outside the functions of this file:

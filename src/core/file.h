@@ -5,8 +5,8 @@
  *
  * Only regular files are opened, also through symbolic links: readers check a
  * file's size before they reserve memory, read some files twice, and must not
- * wait for the writer of a pipe or read a device without an end.  /dev/stdin
- * is accepted where the shell redirects it from a regular file.
+ * wait for the writer of a pipe or read an endless device.  /dev/stdin is accepted
+ * if the shell redirects it from a regular file.
  *
  * A failure is not a statement about a file's content.  Three outcomes are
  * therefore distinct: the file is absent, the file cannot be read (no
@@ -29,7 +29,7 @@ typedef struct ost_file {
     bool absent;  /* after a failure: no file has this name */
 } ost_file;
 
-/* Opens a regular file for reading; the caller closes out->fd. Fails with OST_ERR_IO, the path and the reason. */
+/* Opens a regular file for reading; the caller closes out->fd. On failure, err has the path and the reason (OST_ERR_IO). */
 ost_status ost_file_open(const char *path, ost_file *out, ost_error *err);
 
 /*

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Facts that files store beside a grid's voxels. */
+/* Facts, which files store together with a grid's voxels. */
 #include <osteon/grid.h>
 
 #include <string.h>

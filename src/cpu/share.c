@@ -9,24 +9,24 @@
 #endif
 
 /*
- * Thresholds, as measured (docs/performance.md).  A second thread takes
- * microseconds to start, and milliseconds if it waits for a core that another
- * process uses.
+ * Thresholds, as measured (docs/performance.md); a row's comment is its unit.  A
+ * second thread takes microseconds to start, and milliseconds if it waits for a core
+ * that another process uses.
  */
 static const struct {
     const char *name;
     int64_t least;
 } paths[OST_CPU_PATHS] = {
-    [OST_PATH_SCATTER] = {"scatter", 1 << 16},            /* samples of a block */
+    [OST_PATH_SCATTER] = {"scatter", 1 << 16},            /* samples per block */
     [OST_PATH_GRID_UPLOAD] = {"upload of a grid", 1 << 17},    /* voxels */
     [OST_PATH_GRID_COPY] = {"copy of a grid", 1 << 17},       /* voxels */
     [OST_PATH_CHUNKS] = {"conversion to chunks", 1 << 17},          /* voxels */
     [OST_PATH_BONE_UPLOAD] = {"upload of a bone", 8},          /* slices */
     [OST_PATH_LEAVES] = {"digest", 64},                   /* leaves */
-    [OST_PATH_SORT] = {"sort of triangles", 4096},            /* triangles of a part */
+    [OST_PATH_SORT] = {"sort of triangles", 4096},            /* triangles per part */
     [OST_PATH_TILES] = {"voxelization", 1000000},         /* estimated nanoseconds */
     [OST_PATH_REMOVAL] = {"removal and collision", 1 << 22},            /* voxels of an event's chunks */
-    [OST_PATH_BLOCKS] = {"scatter in several blocks", (1 << 16) + 1},       /* samples of a batch */
+    [OST_PATH_BLOCKS] = {"scatter in several blocks", (1 << 16) + 1},       /* samples per call */
     [OST_PATH_MAPPED] = {"grid in mapped memory", 1 << 22},                /* bytes from which huge pages are faster */
     [OST_PATH_LAYERS] = {"conversion in several parts", (1 << 14) + 1},  /* chunks */
     [OST_PATH_CHUNK_STREAM] = {"chunks written past the caches", (8 << 20) + 1}, /* bytes, more than the caches hold */

@@ -5,14 +5,14 @@
  *
  *   path, size of the work --ost_cpu_enters--> true from the path's threshold on, and it is counted
  *
- *   ost_team team = ost_team_of(backend, OST_PATH_LEAVES, count, 8, count);
+ *   ost_team team = ost_team_of(sharing, threads, OST_PATH_LEAVES, count, count, 8);
  *   #pragma omp parallel num_threads(team.threads)
  *   {
  *       ost_member me = ost_team_join(&team);
  *       for (int64_t i; (i = ost_team_next(&team, &me)) >= 0;)
  *           ...
  *   }
- *   ost_team_end(backend, &team);
+ *   ost_team_end(sharing, &team);
  *
  * A threshold affects the speed of a computation, never its result.  The option
  * grain= replaces all thresholds by one number, so that small grids enter every
@@ -58,7 +58,7 @@ typedef enum ost_cpu_path {
 } ost_cpu_path;
 
 typedef struct ost_cpu_sharing {
-    int64_t least[OST_CPU_PATHS]; /* size of the work from which on a path is entered */
+    int64_t least[OST_CPU_PATHS]; /* size of the work from which a path is entered */
     bool dealt;                   /* blocks are assigned in turn: grain= or order= was given */
     uint64_t order;               /* seed of order=; 0: none */
     uint64_t teams;               /* number of teams so far, counted only with order=; each has its own order */
@@ -101,7 +101,7 @@ typedef struct ost_member {
  * size is the size of the work in the path's unit.
  */
 ost_team ost_team_of(ost_cpu_sharing *sharing, int threads, ost_cpu_path path, int64_t size, int64_t count, int64_t block);
-/* Called by every thread of the parallel region. */
+/* Returns the calling thread's member; every thread of the parallel region must call it. */
 ost_member ost_team_join(ost_team *team);
 /* Counts the path as entered if every thread had a part; called after the parallel region. */
 void ost_team_end(ost_cpu_sharing *sharing, const ost_team *team);

@@ -6,7 +6,7 @@
  *   stack       fresh ... fresh | returned ... returned <- top
  *               (lowest address last)
  *
- * A reserve for a grid in which every chunk may be active reserves addresses, not
+ * Reserving blocks for a grid in which every chunk may be active uses addresses, not
  * memory: the system allocates pages when a block is first written, huge pages if
  * it supports them, and a trim releases the part of a huge page behind the last
  * block.  Returned blocks are taken first, so that a second bone on the same

@@ -17,7 +17,7 @@ void ost_sample_scalar(const cpu_bone *bone, size_t count, const int32_t *const 
         const cpu_chunk *chunk = &bone->chunks[(x >> shift) + bone->chunk_dims.x * row];
         if (!chunk->occupancy)
             continue;
-        /* The bit shows first if the voxel is active: bits are 16 times as dense in memory as densities. */
+        /* The occupancy bit is tested before the density is read: 16 times as many bits as densities fit a cache line. */
         x &= n - 1;
         y &= n - 1;
         z &= n - 1;

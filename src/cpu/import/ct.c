@@ -21,7 +21,7 @@
 #include "cpu/import/grid.h"
 #include "cpu/import/import.h"
 
-/* The most samples, and the fewest, of a batch. */
+/* The upper and the lower limit of the number of samples in a full batch. */
 enum { BLOCK = 1 << 16, BLOCK_MIN = 1 << 10 };
 
 typedef struct axis {
@@ -71,8 +71,8 @@ static void reject(int64_t line, ost_scatter_report *report)
 }
 
 /*
- * Updates the report's worst offset. off * 10^6 <= 5 * 10^10 * 10^6 < 2^56 and worst * spacing <= 5 *
- * 10^5 * 10^11 < 2^56.
+ * Updates the report's worst offset. off * 10^6 <= 5 * 10^10 * 10^6 < 2^56 and
+ * worst * spacing <= 5 * 10^5 * 10^11 < 2^56.
  */
 static void note_worst(const axis axes[3], const place at[3], int64_t line, ost_scatter_report *report)
 {

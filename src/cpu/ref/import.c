@@ -227,8 +227,8 @@ static tap linear_tap(int64_t i, ost_pm cubic, ost_pm rect, int64_t last)
 }
 
 /*
- * Finds the tap of voxel i by the rule. i c < 2^14 * 2^37. AR-CUB-4: floor(i c / s) < dims, as i <
- * ceil(dims s / c).
+ * Finds the tap of voxel i by the rule. i c < 2^14 * 2^37.
+ * AR-CUB-4: floor(i c / s) < dims, as i < ceil(dims s / c).
  */
 static tap tap_at(int64_t i, ost_pm cubic, ost_pm rect, int32_t dim, ost_resample rule)
 {

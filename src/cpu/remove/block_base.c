@@ -21,8 +21,8 @@ static int64_t scaled(const ost_divider *by, int64_t q, ost_i128 r)
 
 /*
  * Fills the table of bone axis b and tool axis a, beginning with the exact value of start. Each block
- * adds 16 columns, as a quotient and a remainder: 16 column = (16 step) divisor + 16 e with e = column
- * - step divisor, |e| <= divisor / 2.
+ * adds 16 columns, as a quotient and a remainder: 16 column = (16 step) divisor + 16 e with
+ * e = column - step divisor, |e| <= divisor / 2.
  */
 static void fill(ost_block_bases *bases, const ost_divider *by, int b, int a, ost_i128 start)
 {

@@ -29,7 +29,7 @@
  * grid, is nearer to the cell than least units of 1/8 granule, which is at most
  * (R + 2) / unit + 1 of them.  With R <= 3.6 voxels, granules of up to 2 voxels
  * and cells of up to 4 voxels, that is
- *     3.6 + 2/2^20 + 1/4 + 4 < 7.9 voxels an axis between the grid and the centre.
+ *     3.6 + 2/2^20 + 1/4 + 4 < 7.9 voxels on an axis between the grid and the centre.
  * The least coordinate is at most 3.5 voxels and a unit below the centre, and
  * not above it: > -12, < dims + 8.
  *
@@ -88,7 +88,7 @@ typedef struct ost_match {
     const ost_shape *shape;
 } ost_match;
 
-/* The parameters of a take: class borders, the highest density, and if voxels are removed. */
+/* The parameters of a take: class borders, the highest density, and whether voxels are removed. */
 typedef struct ost_take {
     int borders;        /* number of borders, 0..OST_CLASS_MAX - 1 */
     int16_t border[OST_CLASS_MAX]; /* ascending */

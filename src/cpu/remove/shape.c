@@ -294,8 +294,8 @@ static int32_t window_step(int32_t ratio)
 }
 
 /*
- * Makes the table of windows. The first window begins at -OST_WINDOW_MARGIN, the last one beyond dims +
- * 8 - step; remove.h explains why no brick needs a window beyond these.
+ * Makes the table of windows. The first window begins at -OST_WINDOW_MARGIN, the last one beyond
+ * dims + 8 - step; remove.h explains why no brick needs a window beyond these.
  */
 static ost_status make_windows(ost_shape *shape, int32_t step, ost_error *err)
 {

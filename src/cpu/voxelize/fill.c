@@ -21,9 +21,9 @@
  * (no crossing or both), entering (+1) and leaving (-1), W and Q change by the same.
  * The row is then proven, and does not leak.  The parity rule gives the same solid bits.
  *
- * Word by word, the bit before a word is the borrow of the previous word: in a proven
- * word, q - b = m - p - b' 2^64, where b is the bit before the word and b' its last bit,
- * and b' is the borrow.
+ * Word by word, the bit before a word is the borrow from the previous word: in a proven
+ * word, q + b = m - p + b' 2^64, where b is the bit before the word and b' its last bit,
+ * so that b' is the borrow of m - p - b.
  *
  * In a mesh that is inside out a crossing leaves first: Q = P - M, with P and M
  * exchanged in the conditions, and W = -Q.  A kernel first tries the order that held

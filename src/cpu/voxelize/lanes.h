@@ -8,7 +8,7 @@
  *   vd_set vd_add vd_sub vd_mul vd_div vd_min vd_max vd_floor vd_ceil vd_sel(m, yes, no)
  *   vd_lt vd_le vd_eq     comparisons
  *   vm_and vm_or vm_andnot(a, b) = a without b, vm_bits, vm_first(n)
- *   vi_load vi_store vi_from_vd vd_from_vi   the conversions are for integers
+ *   vi_load vi_store; vi_from_vd vd_from_vi   conversions of integer values
  *   least greatest        of three vi
  *   vi_vertices(mesh, v, corner, xyz)  coordinates of a corner of LANES triangles; reads
  *                                      nothing behind the last vertex

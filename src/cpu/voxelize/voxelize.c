@@ -21,7 +21,7 @@
 #include "cpu/voxelize/voxelize.h"
 
 enum {
-    PLANE_MIN = 1 << 9, /* bytes of one plane of a tile; it holds several rows of every width */
+    PLANE_MIN = 1 << 9, /* bytes of one plane of a tile; it holds at least one row of every width */
     HUGE_PAGE = 1 << 21
 };
 
