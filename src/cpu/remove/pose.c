@@ -66,7 +66,7 @@ static int32_t magnitude(int32_t x)
     return x < 0 ? -x : x;
 }
 
-/* What "Match" in remove.h asks of a pose; every map that ost_map_make gives has it where there are windows. */
+/* Returns true if the steps satisfy "Match" in remove.h, as those of every ost_map do if there are windows. */
 static bool windows_hold(const int32_t step[3][3], const ost_windows *windows)
 {
     const int64_t radius_twice = INT64_C(72) * (1 << OST_MAP_FRACTION) / 10;

@@ -258,7 +258,7 @@ static void run_listed(const cpu_backend *backend, ost_event_scratch *scratch, i
     run_chunk(&backend->kernels, &scratch->plan, n, chunk, apply, classes, classes ? &chunk->tally : &chunk->touched);
 }
 
-/* Apart from the plain loop: a team of one thread still makes a call of the system at its end, in every tick. */
+/* Separate from the plain loop, as even a team of one thread makes a system call at its end, in every tick. */
 static void run_shared(const cpu_backend *backend, ost_event_scratch *scratch, int32_t n, bool apply, const ost_density_classes *classes)
 {
     ost_team team = ost_team_of(backend->sharing, backend->threads, OST_PATH_REMOVAL, INT64_MAX, (int64_t)scratch->count, 4);
