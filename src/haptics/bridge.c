@@ -24,7 +24,7 @@
 enum { HELLO_MS = 100, FORGET_MS = 1000, FLIGHTS = 1024, FAREWELLS = 3, DRAIN = 64 };
 #define MS INT64_C(1000000)
 #define PERIOD_S 1e-3
-#define SPEED_SHARE 0.27 /* of a new speed in its mean: 50 Hz */
+#define SPEED_SHARE 0.27 /* weight of a new speed in the running mean: 50 Hz */
 
 typedef struct heard {
     link_packet state;
@@ -41,26 +41,26 @@ typedef struct says {
 typedef struct bridge {
     const bridge_options *options;
     bridge_report *report;
-    int socket, wake;        /* wake: an eventfd, one for each pose and one for the end */
+    int socket, wake;        /* wake: an eventfd, signalled for each pose and for the end */
     pthread_t thread;
     link_key *key;
     newest in, out;
     heard heard[NEWEST_SLOTS];
     says says[NEWEST_SLOTS];
     _Atomic bool stop, met, busy, ended;
-    /* Of the thread. */
+    /* Used by the thread only. */
     uint64_t number, simulation, sequence;
     link_window window;
     int64_t heard_ns, hello_ns, sent_ns[FLIGHTS];
-    /* Of the tick. */
+    /* Used by the tick only. */
     haptic_clutch clutch;
     ost_safety safety;
     double most_n, most_stiffness;
-    heard last;              /* the newest state */
+    heard last;              /* the newest state and when it arrived */
     bool has_state, limp, held_once;
     int64_t begin_ns, patience_ns;
-    ost_pose given;          /* the tool's, last */
-    double at[3], speed[3];  /* of it */
+    ost_pose given;          /* the tool's last pose */
+    double at[3], speed[3];  /* position and speed of `given` */
     bool has_at;
 } bridge;
 
@@ -70,7 +70,7 @@ static void send_packet(bridge *b, const link_packet *p)
 {
     uint8_t bytes[LINK_STATE_BYTES];
     const size_t size = link_seal(b->key, p, bytes);
-    /* Refused at once where nobody listens; whoever comes later is found by the next. */
+    /* Fails at once where no program listens; a simulation that starts later receives a later packet. */
     if (size && send(b->socket, bytes, size, MSG_DONTWAIT | MSG_NOSIGNAL) == (ssize_t)size)
         b->report->sent++;
 }
@@ -107,7 +107,10 @@ static void take_state(bridge *b, const link_packet *p)
         return;
     }
     if (!b->simulation) {
-        /* Its numbers and ours begin here: what was sent before this run is older than all that comes. */
+        /*
+         * The numbering of this simulation begins here: packets sent before this run are older
+         * than all that follow.
+         */
         b->simulation = p->simulation;
         b->sequence = p->answers;
         b->window = (link_window){.last = p->sequence - 1};
@@ -160,7 +163,7 @@ static void *serve(void *user)
         uint64_t ignored;
         if (read(b->wake, &ignored, sizeof ignored) < 0 && errno != EAGAIN)
             break;
-        /* One that began anew has another number: it is greeted as the first time. */
+        /* A restarted simulation has a new random number: the bridge sends hello again. */
         if (b->simulation && ost_clock_ns() - b->heard_ns > FORGET_MS * MS)
             b->simulation = 0;
         const bool fresh = newest_take(&b->out);
@@ -184,7 +187,7 @@ static double length_of(const double v[3])
     return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
-/* The tool's speed, from where it was a tick ago. */
+/* Updates the tool's speed from its position a tick ago. */
 static void follow_speed(bridge *b, const ost_pose *tool)
 {
     const double at[3] = {(double)tool->t.x * 1e-12, (double)tool->t.y * 1e-12, (double)tool->t.z * 1e-12};
@@ -226,12 +229,12 @@ static void speak(bridge *b, const ost_servo_sample *sample, uint16_t flags)
     const uint64_t one = 1;
     b->says[b->out.back] = (says){b->given, sample->state.buttons, sample->state.tool, flags};
     newest_put(&b->out);
-    /* Full after 2^64 poses. */
+    /* Fails only if 2^64 - 1 poses are unread. */
     if (write(b->wake, &one, sizeof one) < 0)
         return;
 }
 
-/* Whether the newest state is one to hold on to. */
+/* Takes the newest state. Returns true if it is recent and allows holding the tool. */
 static bool is_live(bridge *b)
 {
     if (newest_take(&b->in)) {
@@ -325,7 +328,7 @@ static ost_status run_thread(bridge *b, ost_haptic *device, ost_error *err)
     ost_status status = ost_servo_run(device, &how, tick, NULL, b, &b->report->loop, err);
     atomic_store(&b->stop, true);
     if (write(b->wake, &one, sizeof one) < 0) {
-        /* It looks every HELLO_MS anyway. */
+        /* The thread polls every HELLO_MS in any case. */
     }
     pthread_join(b->thread, NULL);
     b->report->met = atomic_load(&b->met);

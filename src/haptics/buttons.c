@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the buttons of devices do: the names of actions, and "button=action,button=action". */
+/* Names of the actions that buttons perform, and the parser of "button=action,button=action". */
 #include <string.h>
 
 #include "haptics/driver.h"
@@ -16,7 +16,7 @@ typedef struct choice {
     ost_action *of;
 } choice;
 
-/* The button's name, or its number from 1. */
+/* Returns the index of the button with this name, or with this number from 1; -1 if there is none. */
 static int button_of(const ost_haptic_info *info, const char *key)
 {
     for (int i = 0; i < info->button_count; i++)

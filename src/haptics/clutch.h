@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A clutch between a body that is seen somewhere and a tool that is somewhere
- * else.
+ * A clutch between a body (a device, or a pose that a device already mapped to
+ * the bone's frame) and a tool at another position.
  *
- *   seen     from ----> at          tool     given ----> given + world (at - from)
+ *   body     from ----> at          tool     given ----> given + world (at - from)
  *
- * When it takes hold the tool stays where it is, and from there on goes as the
- * body goes.  At its first hold the body's axes are laid on the tool's, and
- * that is kept: after the second, right is still right.
+ * When the clutch engages, the tool stays where it is; from then on it follows
+ * the body's motion.  When it engages for the first time, the body's axes are
+ * aligned with the tool's, and later engagements keep that alignment: moving to
+ * the right remains moving to the right.
  */
 #ifndef OST_HAPTICS_CLUTCH_H
 #define OST_HAPTICS_CLUTCH_H
@@ -15,29 +16,35 @@
 #include "haptics/workspace.h"
 
 typedef struct haptic_clutch {
-    double scale;                    /* metres of tool a metre of body */
-    double given_at[3], given_q[4];  /* of the tool, last: m and w x y z, in the bone's frame */
-    double base_at[3], base_q[4];    /* of the tool when it took hold */
-    double from_at[3], from_q[4];    /* of the body then */
-    double world[4];                 /* turns the body's frame into the bone's */
+    double scale;                    /* metres of tool motion for a metre of body motion */
+    double given_at[3], given_q[4];  /* the tool's last pose: m and w x y z, in the bone's frame */
+    double base_at[3], base_q[4];    /* the tool's pose when the clutch engaged */
+    double from_at[3], from_q[4];    /* the body's pose at the same moment */
+    double world[4];                 /* rotates the body's frame into the bone's */
     bool held, laid;
 } haptic_clutch;
 
-/* Writes a pose as metres and a quaternion of length 1. */
+/* Converts a pose to metres and a quaternion of length 1. */
 void haptic_pose_to_metres(const ost_pose *pose, double at[3], double q[4]);
 
 haptic_clutch haptic_clutch_make(const ost_pose *start, double scale);
-/* The body's frame is the tool's at the start, however the body lies when it is first seen: for devices with a right and an up. */
+/*
+ * Aligns the body's frame with the tool's start pose, whatever the body's orientation when it
+ * is first seen. For devices that define right and up.
+ */
 void haptic_clutch_lay(haptic_clutch *clutch);
-/* The next pose takes hold where the tool is. */
+/* Disengages the clutch. The next pose engages it with the tool where it is. */
 void haptic_clutch_release(haptic_clutch *clutch);
-/* The same, and the tool is elsewhere. */
+/* Disengages the clutch and sets the tool's pose. */
 void haptic_clutch_place(haptic_clutch *clutch, const ost_pose *tool);
-/* at in m, q of length 1: where the tool is now; none when that is no pose. */
+/*
+ * Returns the tool's pose for a body at `at` (m) with orientation q (length 1), engaging the
+ * clutch if necessary. Returns an invalid pose if the result is not a pose.
+ */
 ost_pose haptic_clutch_pose(haptic_clutch *clutch, const double at[3], const double q[4]);
-/* The same with the body's pose in the bone's frame. */
+/* Like haptic_clutch_pose, with the body's pose given in the bone's frame. */
 ost_pose haptic_clutch_follow(haptic_clutch *clutch, const ost_pose *body);
-/* A vector of the bone's frame in the body's: forces. */
+/* Rotates a vector, for example a force, from the bone's frame to the body's. */
 void haptic_clutch_vector(const haptic_clutch *clutch, const double bone[3], double body[3]);
 
 #endif

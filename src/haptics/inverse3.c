@@ -1,19 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * inverse3: Haply's Inverse3, with a VerseGrip, by the service that the vendor
- * has on the same machine.
+ * inverse3: Haply's Inverse3 with a VerseGrip, through the vendor's service on
+ * the same machine.
  *
  *   service <--force-- thread <--newest-- write, in the tick      JSON over a WebSocket,
  *   service --state--> thread --newest--> read, in the tick       127.0.0.1, port 10001
  *
- * The service answers a force with a state, and says nothing unasked; the
- * thread sends the newest force a millisecond after the last one, zero when
- * there is none.  Metres, newtons; x to the right, y away from who holds it, z
- * up.  The orientation is the grip's; without one the tool keeps its own.
+ * The service answers each force with a state and sends nothing on its own.  The
+ * thread sends the newest force a millisecond after the previous one, zero if
+ * there is none.  Units are metres and newtons; x points to the right, y away
+ * from the operator, z up.  The orientation is the grip's; without a grip the
+ * tool keeps its own.
  *
- * The hand moves the tool from where it starts.  Where the service was silent
- * for longer than a few ticks it goes on from where the tool is, half a second
- * of silence is a lost device.
+ * The device moves the tool relative to its start.  After more than a few ticks
+ * without a state the motion continues from where the tool is; half a second
+ * without a state means that the device is lost.
  */
 #include "config.h"
 
@@ -41,42 +42,42 @@
 
 enum {
     PORT = 10001,
-    MESSAGE_MOST = 65536,  /* bytes of a state; the service's have some hundreds */
-    OPEN_MS = 3000,        /* for a first state */
-    CLOSE_MS = 500,        /* for the last force */
+    MESSAGE_MOST = 65536,  /* bytes of a state; the service sends some hundreds */
+    OPEN_MS = 3000,        /* timeout for the first state */
+    CLOSE_MS = 500,        /* timeout for the last force */
     PATIENT_TICKS = 4,
     LOST_TICKS = 500,
-    GARBAGE_MOST = 100,    /* messages in a row that are no state */
+    GARBAGE_MOST = 100,    /* consecutive invalid messages before the device fails */
     ID = 33
 };
 #define PACE_NS INT64_C(1000000)
 #define FAR_M 10.0
 
 typedef struct came {
-    double at[3], q[4]; /* in a frame with y up and z toward the hand */
+    double at[3], q[4]; /* in a frame with y up and z toward the operator */
     uint32_t buttons;
 } came;
 
 struct haptic_instance {
     struct lws_context *context;
     pthread_t thread;
-    sem_t met, over; /* posted once each: the first state or a failure; the thread's end */
+    sem_t met, over; /* each posted once: at the first state or a failure; at the end of the thread */
     newest in, out;
     came came[NEWEST_SLOTS];
-    double force[NEWEST_SLOTS][3]; /* in that frame */
+    double force[NEWEST_SLOTS][3]; /* in the frame of `came` */
     _Atomic bool stop, lost;
     _Atomic uint64_t states, garbage;
-    char wanted[ID];      /* device=; "" takes the first */
-    /* Of the thread. */
+    char wanted[ID];      /* the option id=; "" selects the first device */
+    /* Used by the thread only. */
     struct lws *wsi;
     char id[ID];
     char message[MESSAGE_MOST];
     size_t size;
-    char why[160];        /* it failed */
-    int bad;              /* messages in a row */
+    char why[160];        /* reason of the failure */
+    int bad;              /* consecutive invalid messages */
     bool has_met, has_greeted, said_farewell;
     int64_t sent_ns, stop_ns;
-    /* Of the tick. */
+    /* Used by the tick only. */
     haptic_clutch clutch;
     int silent;
     bool unseen;
@@ -99,7 +100,10 @@ static void fail(haptic_instance *h, const char *why)
 
 /* --------------------------------------------------------------- messages */
 
-/* The numbers of an object by their names; false when one is none or far off. */
+/*
+ * Reads the named numbers of an object. Returns false if one is missing, not finite, or greater
+ * than `most` in size.
+ */
 static bool numbers(const json_t *object, const char *const *names, int count, double most, double *out)
 {
     for (int i = 0; i < count; i++) {
@@ -113,7 +117,7 @@ static bool numbers(const json_t *object, const char *const *names, int count, d
     return true;
 }
 
-/* What is said of a thing may lie in its state or beside it. */
+/* Returns a property, which the service puts into the object's "state" or into the object itself. */
 static const json_t *said(const json_t *thing, const char *name)
 {
     const json_t *within = json_object_get(json_object_get(thing, "state"), name);
@@ -192,17 +196,20 @@ static void take_message(haptic_instance *h)
         fail(h, "the service says nothing of an Inverse3");
 }
 
-/* Integers and an exponent: no locale has a say. */
+/* Writes a command. Numbers are integers with an exponent, so that no locale affects them. */
 static int write_command(haptic_instance *h, bool nothing, char *text, size_t room)
 {
     long long f[3];
     if (newest_take(&h->out)) {
-        /* It stays in its slot until a newer one comes. */
+        /* The force remains in its slot until a newer one arrives. */
     }
     const double *force = h->force[h->out.front];
     for (int a = 0; a < 3; a++)
         f[a] = nothing ? 0 : llrint(force[a] * 1e6);
-    /* The first says how the service is to answer; until a device is known there is none to push. */
+    /*
+     * The first message selects the form of the answers; until a device's id is known no force
+     * can be sent.
+     */
     if (!h->has_greeted || !h->id[0])
         return snprintf(text, room, "{\"session\":{\"force_render_full_state\":{}}}");
     return snprintf(text, room,
@@ -222,7 +229,7 @@ static int send_command(haptic_instance *h, struct lws *wsi)
     h->sent_ns = ost_clock_ns();
     const int written = lws_write(wsi, room + LWS_PRE, (size_t)length, LWS_WRITE_TEXT);
     h->said_farewell = last;
-    return last || written < length ? -1 : 0; /* -1 closes */
+    return last || written < length ? -1 : 0; /* -1 closes the connection */
 }
 
 static int receive(haptic_instance *h, struct lws *wsi, const void *bytes, size_t size)
@@ -483,7 +490,7 @@ const haptic_driver haptic_inverse3 = {
     .name = "inverse3",
     .description = "Haply's Inverse3 with a VerseGrip, by the vendor's service",
     .caps = OST_HAPTIC_FORCE | OST_HAPTIC_ORIENTATION,
-    .max_force_n = 3.3, /* what is asked of it at most */
+    .max_force_n = 3.3, /* greatest force that is sent to the device */
     .max_stiffness_n_m = 300,
     .buttons = {{"a", OST_ACTION_MOTOR}, {"b", OST_ACTION_TOOL}, {"c", OST_ACTION_CLUTCH}, {"d", OST_ACTION_HOME}},
     .usable = USABLE,

@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * mouse: a hand that a window's thread puts somewhere, a thousand times a
+ * mouse: follows a target pose that a window's thread sets, a thousand times a
  * second.
  *
- *   window, 60 times a second --ost_hand_put--> three buffers --read--> where the hand is to be
- *                                                                  |  low pass, at most so far a tick
- *                                                                  '--> where it is
+ *   window, 60 times a second --ost_hand_put--> three buffers --read--> the target pose
+ *                                                                  |  low pass, limited step per tick
+ *                                                                  '--> the device's pose
  *
- * A mouse jumps by pixels; the hand follows with a time constant of 15 ms and
+ * A mouse jumps by pixels; the device follows with a time constant of 15 ms and
  * never faster than 250 mm and three turns a second, which the pose guard and
  * the sweep can follow.
  *
- * Forces are shown, not felt: a write is for whoever looks.
+ * Forces are displayed and cannot be felt: viewers read them from the live state.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -21,14 +21,14 @@
 #include "haptics/newest.h"
 #include "haptics/workspace.h"
 
-static const double FOLLOW = 0.0645;          /* of what is left, a tick: 1 - exp(-1 ms / 15 ms) */
-static const double STEP_M = 0.25e-3;         /* at most, a tick */
-static const double TURN = 0.0188;            /* radians, likewise: three turns a second */
+static const double FOLLOW = 0.0645;          /* of the remaining distance, per tick: 1 - exp(-1 ms / 15 ms) */
+static const double STEP_M = 0.25e-3;         /* largest step per tick */
+static const double TURN = 0.0188;            /* largest turn per tick, radians: three turns a second */
 
 struct ost_hand {
     newest newest; /* from the window to the device */
     ost_haptic_state state[NEWEST_SLOTS];
-    uint32_t lifts[NEWEST_SLOTS], lifted; /* how often it was lifted by then */
+    uint32_t lifts[NEWEST_SLOTS], lifted; /* number of lifts up to each state; in total */
 };
 
 ost_status ost_hand_create(const ost_haptic_state *start, ost_hand **out, ost_error *err)
@@ -73,7 +73,7 @@ struct haptic_instance {
     double at[3];   /* m */
     double q[4];    /* unit */
     int32_t tool;
-    uint32_t lifts; /* of the hand, as taken last */
+    uint32_t lifts; /* value of the hand's count at the last read */
 };
 
 static void take_pose(const ost_pose *pose, double at[3], double q[4])
@@ -130,7 +130,7 @@ static void approach_place(haptic_instance *m, const double to[3])
         m->at[a] += length > STEP_M ? d[a] * STEP_M / length : d[a];
 }
 
-/* Along the shorter way, q and -q being the same. */
+/* Turns along the shorter way; q and -q are the same orientation. */
 static void approach_turn(haptic_instance *m, const double to[4])
 {
     double cosine = 0, n = 0;
@@ -154,7 +154,7 @@ static ost_haptic_answer mouse_read(haptic_instance *m, ost_haptic_state *state)
     double to[3], toward[4];
     take_pose(&hand->pose, to, toward);
     if (hand->tool != m->tool || lifted) {
-        /* A tool that is taken up or put elsewhere is there at once. */
+        /* A tool that is taken up or put down elsewhere is at its new pose at once. */
         memcpy(m->at, to, sizeof m->at);
         memcpy(m->q, toward, sizeof m->q);
         m->tool = hand->tool;
@@ -166,7 +166,7 @@ static ost_haptic_answer mouse_read(haptic_instance *m, ost_haptic_state *state)
     return OST_HAPTIC_FRESH;
 }
 
-/* Who looks reads it from ost_live. */
+/* Viewers read the force from ost_live. */
 static void mouse_write(haptic_instance *instance, const ost_wrench *wrench)
 {
     (void)instance;

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The newest value from one thread to another, wait-free on both sides: three
- * slots, of which the writer has one, the reader one, and one lies between
- * them.
+ * Passes the newest value from one thread to another, wait-free on both sides.
+ * Of three slots, one belongs to the writer, one to the reader, and one is
+ * exchanged between them.
  *
  *   writer: back --exchange--> middle --exchange--> front :reader
  *
- * A value that was not taken before the next came is gone; that is the point.
+ * A value that the reader has not taken before the next one is put is dropped.
  */
 #ifndef OST_HAPTICS_NEWEST_H
 #define OST_HAPTICS_NEWEST_H
@@ -17,9 +17,9 @@
 enum { NEWEST_SLOTS = 3, NEWEST_FRESH = 4 };
 
 typedef struct newest {
-    _Atomic unsigned char middle; /* a slot's number, and NEWEST_FRESH until it is taken */
-    unsigned char back;           /* the writer's */
-    unsigned char front;          /* the reader's */
+    _Atomic unsigned char middle; /* a slot's number, with NEWEST_FRESH set until the reader takes it */
+    unsigned char back;           /* the writer's slot */
+    unsigned char front;          /* the reader's slot */
 } newest;
 
 static inline void newest_begin(newest *n)
@@ -29,13 +29,13 @@ static inline void newest_begin(newest *n)
     n->front = 2;
 }
 
-/* The writer has filled slot n->back; now it has another one. */
+/* Publishes slot n->back, which the writer has filled, and sets n->back to another slot. */
 static inline void newest_put(newest *n)
 {
     n->back = atomic_exchange_explicit(&n->middle, (unsigned char)(n->back | NEWEST_FRESH), memory_order_acq_rel) & 3;
 }
 
-/* True when slot n->front holds a value that was not there before. */
+/* Returns true if slot n->front now holds a value that the reader has not seen. */
 static inline bool newest_take(newest *n)
 {
     if (!(atomic_load_explicit(&n->middle, memory_order_relaxed) & NEWEST_FRESH))

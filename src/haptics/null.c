@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* null: a tool that stays where it is. For measuring the loop alone, and for looking at a scene. */
+/* null: a tool that does not move, to measure the loop alone and to view a scene. */
 #include <stdlib.h>
 
 #include "haptics/driver.h"

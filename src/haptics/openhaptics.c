@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * openhaptics: 3D Systems' Touch and Touch X, and the Phantom Omni of the
- * thesis, by the HD interface of OpenHaptics.
+ * thesis, through the HD interface of OpenHaptics.
  *
  *   vendor's thread, a thousand times a second
  *     frame begins --transform, buttons--> beat: read, tick, write --force--> frame ends
  *
- * All of a tick runs within the vendor's frame, so a force answers the pose of
- * its own millisecond.  The thread that asked waits meanwhile, and looks
- * whether the vendor's still calls.  Millimetres and newtons; x to the right,
- * y up, z toward who holds the stylus.  It senses six degrees of freedom and
- * renders three.
+ * A complete tick runs within the vendor's frame, so a force answers the pose of
+ * the same millisecond.  Meanwhile the thread that called run waits and checks
+ * that the vendor's thread is still running.  Units are millimetres and newtons;
+ * x points to the right, y up, z toward the operator.  The device senses six
+ * degrees of freedom and renders three.
  */
 #include <errno.h>
 #include <math.h>
@@ -25,7 +25,7 @@
 #include "haptics/vendor.h"
 #include "haptics/workspace.h"
 
-/* As the vendor's interface has them. */
+/* The layout of the vendor's HDErrorInfo. */
 typedef struct hd_error {
     unsigned code;
     int internal;
@@ -86,12 +86,12 @@ struct haptic_instance {
     unsigned device;
     haptic_workspace workspace;
     ost_haptic_limits limits;
-    /* Of the vendor's thread while it runs. */
+    /* Used by the vendor's thread while it runs. */
     haptic_beat *beat;
     void *user;
     ost_haptic_state state;
     double force[3];
-    int cooling; /* ticks for which no force is given */
+    int cooling; /* remaining ticks without force */
     bool lost;
     _Atomic uint64_t frames;
     sem_t over;
@@ -121,7 +121,10 @@ static ost_status take(void *user, const char *key, const char *value, ost_error
     return OST_OK;
 }
 
-/* Reads a parameter of the current device; NaN when there is none, and its error is taken from the queue. */
+/*
+ * Reads a parameter of the current device. Returns NaN if there is none, after removing its
+ * error from the queue.
+ */
 static double nominal(const haptic_instance *h, unsigned what)
 {
     double value = NAN;
@@ -193,7 +196,10 @@ static void openhaptics_write(haptic_instance *h, const ost_wrench *wrench)
     haptic_workspace_vector(&h->workspace, wrench->force_n, h->force);
 }
 
-/* Warm motors are left without force for a second; anything but that and a force that was cut is a lost device. */
+/*
+ * Handles the device's errors. Warm motors get no force for a second; any error other than that
+ * and an exceeded force means that the device is lost.
+ */
 static void judge(haptic_instance *h)
 {
     const hd_error error = h->hd.error();
@@ -216,7 +222,7 @@ static unsigned frame(void *user)
     h->hd.get_doubles(HD_TRANSFORM, m);
     h->hd.get_integers(HD_BUTTONS, &buttons);
     judge(h);
-    /* Column after column. */
+    /* The matrix is in column-major order. */
     const double at[3] = {m[12] / 1000, m[13] / 1000, m[14] / 1000};
     const double turned[3][3] = {{m[0], m[4], m[8]}, {m[1], m[5], m[9]}, {m[2], m[6], m[10]}};
     h->state.pose = haptic_workspace_pose(&h->workspace, at, turned);
@@ -233,7 +239,7 @@ static unsigned frame(void *user)
     return more ? HD_CONTINUE : HD_DONE;
 }
 
-/* True when the frames are over, false when they have stopped coming. */
+/* Waits for the last frame. Returns false if the vendor's thread stopped calling. */
 static bool wait_for(haptic_instance *h)
 {
     for (uint64_t before = 0, now;; before = now) {

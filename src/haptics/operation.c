@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a tick does. Nothing here waits, allocates beyond what a step of the world does, or asks the system for anything. */
+/*
+ * One tick of an operation. No function here waits, makes a system call, or allocates more than
+ * a step of the world does.
+ */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,27 +21,27 @@ struct ost_operation {
     ost_world *world;
     ost_operation_options options;
     int classes;
-    int64_t t_ns;      /* of the loop's first tick */
-    bool moved;        /* a tick was taken: last is where the tool is */
+    int64_t t_ns;      /* time of the loop's first tick */
+    bool moved;        /* a tick was executed; `hand` is its pose */
     ost_motor motor;
-    bool on;           /* switched on, whatever is held */
-    uint32_t held;     /* actions, in the last tick */
+    bool on;           /* the motor is switched on, whatever buttons are held */
+    uint32_t held;     /* actions held in the last tick */
     _Atomic uint32_t keys;
-    int32_t tool;      /* where the device does not say */
-    ost_pose hand;     /* of the last tick: the device's, but for the clutch */
+    int32_t tool;      /* used if the device does not select one */
+    ost_pose hand;     /* pose of the last tick, after the clutch and before the motor's turn */
     haptic_clutch clutch;
-    bool clutched;     /* it lies between device and hand */
+    bool clutched;     /* the clutch is applied between device and hand */
     int32_t last_tool;
     ost_safety safety;
-    bool given;        /* a force, in this tick */
-    double contact_n;  /* of the tool on the bone, in this tick */
-    ost_fault fault;   /* now */
-    uint64_t dropout;  /* ticks of the one that lasts; 0: the hand is seen */
-    bool lifted;       /* the tool was lifted, and no tick was taken since */
+    bool given;        /* a force was given in this tick */
+    double contact_n;  /* force of the tool on the bone in this tick */
+    ost_fault fault;   /* the current fault */
+    uint64_t dropout;  /* ticks of the current drop-out; 0: the device is tracked */
+    bool lifted;       /* the tool was lifted since the last executed tick */
     ost_operation_report report;
-    ost_record pending; /* of the tick whose time is not known yet */
+    ost_record pending; /* record of the last tick, until its execution time is available */
     bool has_pending;
-    ost_live_state seen; /* by who looks on */
+    ost_live_state seen; /* state published for viewers */
 };
 
 const char *ost_fault_text(ost_fault fault)
@@ -106,7 +109,7 @@ static uint32_t at_most_32(uint64_t n)
 static void put(ost_operation *o, const ost_record *record)
 {
     if (o->options.recorder)
-        ost_recorder_put(o->options.recorder, record); /* what is lost is counted there */
+        ost_recorder_put(o->options.recorder, record); /* the recorder counts lost records */
 }
 
 static void note(ost_operation *o, int64_t t_ns, const char *text)
@@ -118,7 +121,7 @@ static void note(ost_operation *o, int64_t t_ns, const char *text)
     put(o, &record);
 }
 
-/* Poses are within 8 m when they are any, so a difference is below 2^44 and its square below 2^88. */
+/* Valid poses lie within 8 m, so a difference is below 2^44 and its square below 2^88. */
 static bool is_far(const ost_pose *a, const ost_pose *b)
 {
     const int64_t d[3] = {a->t.x - b->t.x, a->t.y - b->t.y, a->t.z - b->t.z};
@@ -132,7 +135,7 @@ static ost_fault judge(const ost_operation *o, const ost_tick *tick, bool lifted
 {
     if (ost_pose_check(&tick->pose, NULL) != OST_OK)
         return OST_FAULT_TURN;
-    /* A tool that is taken up or put down elsewhere begins where it is: nothing is swept. */
+    /* A tool that is taken up or put down elsewhere starts at its new position: nothing is swept. */
     if (o->moved && !lifted && tick->tool == o->last_tool && is_far(&tick->pose, &o->hand))
         return OST_FAULT_JUMP;
     return OST_FAULT_NONE;
@@ -151,7 +154,7 @@ static void set_fault(ost_operation *o, ost_fault fault, int64_t t_ns)
     o->fault = fault;
 }
 
-/* The hand is left alone while the device does not see it: as in a fault, but nothing is wrong. */
+/* Handles a tick without tracking. As in a fault no force is given, but it is not an error. */
 static void drop_out(ost_operation *o, int64_t t_ns)
 {
     ost_operation_report *r = &o->report;
@@ -178,13 +181,19 @@ static int32_t millionths(double value)
     return (int32_t)rint(fmax(-2e9, fmin(2e9, value * 1e6)));
 }
 
-/* Radians a second; of a speed that is not known the force has its own. */
+/*
+ * Converts to radians per second. Not called for OST_RPM_ON: for an unknown speed ost_force
+ * uses its own default.
+ */
 static double speed_of(int32_t rpm)
 {
     return rpm * 0.10471975511965977;
 }
 
-/* Where the tool is for a device that, with the motor's turn, is at tick's pose, and what the hand is to feel; a fault when that is no number. */
+/*
+ * Computes the tool's pose and the wrench for a device that, including the motor's turn, is at
+ * tick->pose. Sets *fault if the result is not a valid number or pose.
+ */
 static ost_status feel(ost_operation *o, const ost_servo_sample *sample, double turned, int64_t period_ns, ost_tick *tick, ost_wrench *wrench,
                        ost_fault *fault)
 {
@@ -240,7 +249,7 @@ static void remember(ost_operation *o, const ost_servo_sample *sample, const ost
     o->has_pending = true;
 }
 
-/* A tick in a fault changes neither tool nor bone; step is NULL then. */
+/* Updates the state for viewers. In a fault neither tool nor bone changes, and step is NULL. */
 static void show(ost_operation *o, const ost_servo_sample *sample, const ost_tick *tick, const ost_step_result *step, const ost_wrench *wrench)
 {
     ost_live_state *s = &o->seen;
@@ -275,7 +284,10 @@ static bool is(uint32_t actions, ost_action action)
     return actions >> action & 1;
 }
 
-/* What buttons and keys ask for. Returns the actions that are held, and in *pressed those that were not in the tick before. */
+/*
+ * Combines buttons and keys. Returns the actions that are held and, in *pressed, those that
+ * were not held in the previous tick.
+ */
 static uint32_t actions_of(ost_operation *o, uint32_t buttons, uint32_t *pressed)
 {
     uint32_t held = atomic_load_explicit(&o->keys, memory_order_relaxed);
@@ -292,19 +304,20 @@ void ost_operation_keys(ost_operation *operation, uint32_t held)
 }
 
 /*
- * Where the hand is for a device that is at *pose: there, until the clutch or
- * home came between them.  Sets *put when the tool is put elsewhere; false
- * while the clutch is held, and the hand stays.
+ * Maps the device's pose in *pose to the hand's pose.  They are equal until the
+ * action clutch or home is used for the first time.  Sets *put if the tool is
+ * moved to another position.  Returns false while the clutch is held; the hand
+ * stays where it is then.
  */
 static bool hand_of(ost_operation *o, uint32_t held, uint32_t pressed, ost_pose *pose, bool *put)
 {
     if (ost_pose_check(pose, NULL) != OST_OK)
-        return true; /* none: a fault */
+        return true; /* an invalid pose; judge() reports the fault */
     const bool home = is(pressed, OST_ACTION_HOME) && o->options.home.qw | o->options.home.qx | o->options.home.qy | o->options.home.qz;
     const bool stays = is(held, OST_ACTION_CLUTCH) && o->moved;
     if ((home || stays) && !o->clutched) {
         o->clutch = haptic_clutch_make(o->moved ? &o->hand : pose, 1);
-        o->clutch.laid = o->clutched = true; /* right is still right */
+        o->clutch.laid = o->clutched = true; /* keeps the device's axes: right remains right */
     }
     if (home) {
         haptic_clutch_place(&o->clutch, &o->options.home);
@@ -322,9 +335,9 @@ static bool hand_of(ost_operation *o, uint32_t held, uint32_t pressed, ost_pose 
 }
 
 /*
- * The tick's speed and the tool's pose.  A tick that comes so late that the
- * motor would have turned by more than an eighth of a turn is one with the motor
- * off: what happened meanwhile is not known, and nothing is swept over it.
+ * Sets the tick's motor speed and the tool's pose.  If a tick comes so late that
+ * the motor would have turned by more than an eighth of a turn, the motor counts
+ * as off in it: what happened in the meantime is unknown, and nothing is swept.
  */
 static void run_motor(const ost_operation *o, const ost_haptic_state *state, bool on, ost_motor *motor, ost_tick *tick)
 {
@@ -351,7 +364,10 @@ bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wre
         drop_out(o, tick.t_ns);
         return true;
     }
-    /* After a drop-out nothing is cut on the way, but a device that is found far away is a fault as before it. */
+    /*
+     * After a drop-out nothing is cut on the way, but a device found far away is a fault, as
+     * before the drop-out.
+     */
     const bool lifted = !sample->declared && sample->state.lifted;
     o->lifted |= o->dropout > 0;
     if (o->dropout)
@@ -370,7 +386,7 @@ bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wre
     ost_fault fault = judge(o, &tick, put);
     run_motor(o, &sample->state, o->on || is(held, OST_ACTION_MOTOR), &motor, &tick);
     if (put)
-        ost_safety_stop(&o->safety); /* the way there is no work of the hand's */
+        ost_safety_stop(&o->safety); /* the displacement is not work done by the hand */
     if (fault == OST_FAULT_NONE && put && o->options.force)
         ost_force_place(o->options.force, tick.tool, &tick.pose);
     if (fault == OST_FAULT_NONE && o->options.force) {
@@ -391,7 +407,7 @@ bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wre
     }
     set_fault(o, fault, tick.t_ns);
     if (fault != OST_FAULT_NONE) {
-        /* The world is as it was; so it may go on. The hand is left alone. */
+        /* The world has not changed, so the operation can continue. The device gets no force. */
         o->report.status = OST_OK;
         *wrench = (ost_wrench){{0}, {0}};
         ost_safety_stop(&o->safety);
@@ -416,7 +432,7 @@ bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wre
     return true;
 }
 
-/* The hand is thought to stay where it is; a tool that it holds by a force goes on all the same. */
+/* Assumes that the hand stays where it is; a tool coupled to it by a force still moves. */
 void ost_operation_rehearse(void *operation)
 {
     ost_operation *o = operation;
@@ -424,7 +440,7 @@ void ost_operation_rehearse(void *operation)
         return;
     const ost_pose tool = o->options.rpm == OST_RPM_ON ? o->hand : ost_motor_pose(&o->motor, &o->hand);
     ost_force_result felt = {.tool = tool};
-    /* What cannot be done will say so in its tick. */
+    /* Errors are ignored here; the tick itself reports them. */
     if (!o->options.force || ost_force_rehearse(o->options.force, o->last_tool, &tool, (double)AFTER_NS * 1e-9, &felt, NULL) == OST_OK)
         (void)ost_world_rehearse(o->world, o->last_tool, &felt.tool, NULL);
 }
@@ -433,7 +449,7 @@ void ost_operation_done(void *operation, uint64_t number, uint32_t exec_ns)
 {
     ost_operation *o = operation;
     (void)number;
-    /* After the wrench was given: who looks on never delays the hand. */
+    /* Publishes after the wrench was written, so that viewers never delay the device. */
     if (o->options.live && o->report.shown == OST_OK) {
         o->seen.exec_ns = exec_ns;
         o->report.shown = ost_live_publish(o->options.live, &o->seen, NULL);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* "key=value,key=value" behind a device's name. */
+/* Parses "key=value,key=value" after a device's name. */
 #include <string.h>
 
 #include "haptics/driver.h"

@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What a thread did itself between two moments, and what was done to it.
+ * Measures the processor time that a thread used between two moments, and
+ * classifies missed deadlines by it.
  *
- *   wall time  =  own work  +  taken away (other threads, the hypervisor)
- *   of a time in which it waited by its own will (slept, met a lock, read a
- *   file), all counts as its own: a tick must not wait
+ *   wall time  =  own work  +  time taken away (other threads, the hypervisor)
+ *   an interval in which the thread waited voluntarily (slept, waited for a
+ *   lock, read a file) counts completely as own work: a tick must not wait
  *
- * The processor time of a thread leaves out what a hypervisor took where the
- * kernel keeps a virtual machine's stolen time apart (Linux with
- * CONFIG_PARAVIRT_TIME_ACCOUNTING); elsewhere that counts as the thread's own,
- * so own work is never told too small.
+ * Where the kernel accounts for a virtual machine's stolen time separately
+ * (Linux with CONFIG_PARAVIRT_TIME_ACCOUNTING), a thread's processor time
+ * excludes the time that a hypervisor took.  Elsewhere stolen time counts as own
+ * work, so own work is never reported too small.
  */
 #ifndef OST_HAPTICS_OWN_WORK_H
 #define OST_HAPTICS_OWN_WORK_H
@@ -24,7 +25,7 @@ typedef struct own_work {
     long waits;
 } own_work;
 
-/* The calling thread's, since it began; about a microsecond. */
+/* Reads the calling thread's times since the thread began; takes about a microsecond. */
 static inline own_work own_work_now(void)
 {
     struct timespec cpu;
@@ -49,9 +50,10 @@ static inline int64_t own_work_between(const own_work *from, const own_work *to)
 typedef enum own_blame { OWN_BLAME_WORK, OWN_BLAME_WOKEN_LATE, OWN_BLAME_TAKEN } own_blame;
 
 /*
- * Why a tick was not done in time: what it did itself if that was more than
- * half a period; else being woken a period late or more, which a loop that
- * does nothing would have been too; else that its core was taken away.
+ * Returns the cause of a missed deadline.  It is the tick's own work if that
+ * took more than half a period.  Otherwise it is late wake-up if the loop was
+ * woken a period late or more, which an idle loop would have missed too.
+ * Otherwise the core was taken away.
  */
 static inline own_blame own_work_blame(int64_t own_ns, int64_t wake_ns, int64_t period_ns)
 {

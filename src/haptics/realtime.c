@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * In this order: SCHED_FIFO 80, SCHED_FIFO as high as the limit allows,
- * nice -11, nothing; and always the shortest timer slack.  Children and
- * threads that are made meanwhile are plain (SCHED_RESET_ON_FORK): workers of
- * OpenMP and drivers must not outrank what they serve.
+ * Scheduling: tries SCHED_FIFO 80, then SCHED_FIFO as high as the limit allows,
+ * then nice -11, then the default; always with the shortest timer slack.
+ * Processes and threads created meanwhile get default scheduling
+ * (SCHED_RESET_ON_FORK): OpenMP's workers and drivers must not outrank the loop
+ * that they serve.
  *
- * Memory is locked, so that no tick waits for a page.  What will be allocated
- * later is locked only where the limit cannot make an allocation fail for it.
+ * Memory is locked so that no tick waits for a page.  Later allocations are
+ * locked only if the limit cannot make an allocation fail because of it.
  *
- * Cores: the loop takes the last one, since interrupts like the first.
+ * Cores: the loop takes the last one, since interrupts prefer the first.
  */
 #include "haptics/realtime.h"
 
@@ -72,7 +73,7 @@ static void lock_memory(realtime_before *before, ost_realtime *out)
         snprintf(out->memory, sizeof out->memory, "not locked: %s (limits.d: memlock unlimited)", strerror(errno));
 }
 
-/* The stack's pages are there before the first tick. */
+/* Maps the stack's pages before the first tick. */
 static void touch_stack(void)
 {
     volatile unsigned char stack[STACK];

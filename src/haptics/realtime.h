@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a thread that must be on time asks of the system, and gives back. */
+/* Requests real-time scheduling for the calling thread, and restores its previous state. */
 #ifndef OST_HAPTICS_REALTIME_H
 #define OST_HAPTICS_REALTIME_H
 
@@ -12,10 +12,14 @@ typedef struct realtime_before {
     bool scheduled, niced, slack, locked;
     unsigned long slack_ns;
     bool pinned;
-    cpu_set_t cores; /* where it might run */
+    cpu_set_t cores; /* the affinity before pinning */
 } realtime_before;
 
-/* For the calling thread; what it got is in out. ask false: no priority, no locked memory, and out says so; core below 0: anywhere. */
+/*
+ * Sets up the calling thread and describes in *out what was obtained. If ask is false, requests
+ * no priority and no locked memory, and *out says so. If core is negative, the thread is not
+ * pinned. realtime_leave restores what realtime_enter changed, on the same thread.
+ */
 void realtime_enter(bool ask, int core, realtime_before *before, ost_realtime *out);
 void realtime_leave(const realtime_before *before);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * script and replay: ticks that are known before, a row each time they are
- * asked.  One takes a path, the other the ticks of a session.
+ * script and replay: play recorded ticks, one row for each read.  script takes a
+ * path, replay the ticks of a session.
  */
 #include <stdlib.h>
 #include <string.h>

@@ -7,16 +7,17 @@
  *    |--wake--[read, tick,   write]-----|       |         done after 1 was due:
  *                  missed:   tick 0, 1 skipped  ^ next    two deadlines missed
  *
- *   due 1 - lead: awake, rehearse, wait without sleep until due 1
+ *   due 1 - lead: wake, rehearse, wait without sleep until due 1
  *
  *   wake        from when a tick was due to when it began
- *   exec        from there to when the wrench was given
- *   own         of exec, what the tick did itself (own_work.h)
- *   completion  from when it was due; more than a period is a deadline missed
+ *   exec        from there to when the wrench was written
+ *   own         the part of exec that the tick itself used (own_work.h)
+ *   completion  from when it was due to when the wrench was written; more than
+ *               a period is a missed deadline
  *
  * Due times are absolute and never move; the world's clock counts the ticks
- * that were done.  The same loop without a device, before and after, shows
- * what the machine alone misses.
+ * that were executed.  The same loop without a device, before and after the
+ * operation, shows how many deadlines the machine alone misses.
  */
 #include <errno.h>
 #include <stdio.h>
@@ -41,9 +42,9 @@ typedef struct servo {
     ost_servo_report *report;
     ost_servo_sample sample;
     int64_t due, wake_ns;
-    own_work ready, begin; /* when the loop was awake for the tick; when the tick began */
+    own_work ready, begin; /* at the end of the sleep before the tick; at its beginning */
     bool has_pose;
-    int silent; /* ticks without a pose, in a row */
+    int silent; /* consecutive ticks without a new pose */
 } servo;
 
 static void sleep_until(int64_t ns)
@@ -58,7 +59,7 @@ static uint32_t ns32(int64_t ns)
     return ns < 0 ? 0 : ns < UINT32_MAX ? (uint32_t)ns : UINT32_MAX;
 }
 
-/* A tick that was due and has ended: how many after it are skipped. */
+/* Returns the number of ticks to skip after a tick that was due at `due` and ended at `end`. */
 static int64_t skipped_after(int64_t due, int64_t end, int64_t period)
 {
     return end > due ? (end - due) / period : 0;
@@ -70,7 +71,7 @@ static bool end_with(servo *s, ost_servo_end end)
     return false;
 }
 
-/* The device's answer into the sample; false when the loop is over. */
+/* Reads the device's state into the sample. Returns false if the loop ends. */
 static bool take_pose(servo *s)
 {
     switch (ost_haptic_read(s->device, &s->sample.state)) {
@@ -97,7 +98,7 @@ static bool take_pose(servo *s)
     return end_with(s, OST_SERVO_DEVICE_LOST);
 }
 
-/* One tick that was due at s->due and begins now. */
+/* Runs the tick that was due at s->due. Returns false if the loop ends. */
 static bool serve(servo *s)
 {
     ost_wrench wrench = {{0}, {0}};
@@ -108,7 +109,7 @@ static bool serve(servo *s)
     s->sample.wake_ns = ns32(s->wake_ns);
     if (!take_pose(s))
         return false;
-    /* Before its first pose a device is waited for, with the watchdog's patience. */
+    /* Until a device has its first pose no tick runs; the watchdog limits how long. */
     if (!s->has_pose && !s->sample.unseen)
         return true;
     const bool more = s->tick(s->user, &s->sample, &wrench);
@@ -130,7 +131,10 @@ static bool serve(servo *s)
     return !s->options.ticks || r->ticks < s->options.ticks || end_with(s, OST_SERVO_TICKS);
 }
 
-/* Of the rehearsals and the wait after them only what is more than they were given is work. */
+/*
+ * Classifies the misses. Of the rehearsals and the wait after them, only time beyond lead_ns
+ * counts as work.
+ */
 static void blame(servo *s, uint64_t missed)
 {
     const own_work now = own_work_now();
@@ -144,7 +148,7 @@ static void blame(servo *s, uint64_t missed)
     r->missed += missed;
 }
 
-/* Of the tick just done, which was due at s->due: misses are counted, and s->due goes on. */
+/* Counts the misses of the tick just executed, which was due at s->due, and advances s->due. */
 static void go_on(servo *s)
 {
     const int64_t skipped = skipped_after(s->due, ost_clock_ns(), s->options.period_ns);
@@ -157,10 +161,10 @@ static void go_on(servo *s)
 }
 
 /*
- * After most of a period without work the caches hold less of what a tick
- * needs, wide registers are powered down, and a core that sleeps has to wake:
- * that costs a tick as much again as its work.  So the rest of the time before
- * it is due is rehearsals, as many as fit, and a wait without sleep.
+ * After most of a period without work, caches hold less of the tick's data, wide
+ * registers are powered down, and a sleeping core has to wake up: together this
+ * costs a tick as much again as its work.  The time lead_ns before the tick is
+ * therefore spent on as many rehearsals as fit, and on a wait without sleep.
  */
 static void get_ready(servo *s)
 {
@@ -197,7 +201,10 @@ static void run_without_clock(servo *s)
     while (serve(s));
 }
 
-/* Called by a device's own thread: its clock says when, ours how late that was. */
+/*
+ * Called on the thread of a device with its own clock. The device decides when ticks run;
+ * ost_clock_ns measures how late.
+ */
 static bool beat(void *user)
 {
     servo *s = user;
@@ -206,20 +213,23 @@ static bool beat(void *user)
         s->due = begin;
     if (!serve(s))
         return false;
-    /* A device that runs early sets the clock anew: its next beat is a period after this one. */
+    /* A device that runs early resets the schedule: its next tick is due a period after this one. */
     if (begin < s->due)
         s->due = begin;
     go_on(s);
     return true;
 }
 
-/* Whether whoever works beside the loop lets it go on. */
+/* Reports the stage to the caller's callback. Returns false if the callback ends the loop. */
 static bool goes_on(const servo *s, ost_servo_stage stage)
 {
     return !s->options.beside || s->options.beside(s->options.beside_user, stage);
 }
 
-/* A loop that does nothing, or nothing but spend work_ns of each period, until ticks of them are done in all or it is ended. */
+/*
+ * Runs a baseline loop that spends work_ns of each period, or nothing if it is 0, until
+ * done->ticks reaches `ticks` or the callback ends it.
+ */
 static void run_control(const servo *s, ost_servo_stage stage, uint64_t ticks, int64_t work_ns, ost_servo_control *done, ost_times *wake)
 {
     const int64_t period = s->options.period_ns;
@@ -244,7 +254,10 @@ static void run_before(servo *s)
         run_control(s, OST_SERVO_QUIET, s->options.idle_ticks / 2, 0, &s->report->idle, &s->report->idle_wake);
 }
 
-/* A busy loop's tick is as long as the ones that were served, at their median. */
+/*
+ * Runs the baselines after the operation. A tick of the busy loop takes as long as the
+ * operation's median tick.
+ */
 static void run_after(servo *s)
 {
     ost_servo_report *r = s->report;
@@ -255,7 +268,7 @@ static void run_after(servo *s)
     run_control(s, OST_SERVO_RESTED, o->rest_ticks, r->busy_ns, &r->rested, &r->rested_wake);
 }
 
-/* Steal of all cores since the machine began, in ms; -1 where the system does not say. */
+/* Returns the time stolen from all cores since boot, in ms, or -1 if the system does not report it. */
 static int64_t stolen_ms(void)
 {
     long long field[8];
@@ -276,7 +289,7 @@ static int64_t stolen_ms(void)
         }
     }
     fclose(file);
-    return count == 8 ? field[7] * 10 : -1; /* hundredths of a second */
+    return count == 8 ? field[7] * 10 : -1; /* in hundredths of a second */
 }
 
 ost_status ost_servo_run(ost_haptic *device, const ost_servo_options *options, ost_servo_tick *tick, ost_servo_done *done, void *user,
@@ -311,7 +324,7 @@ ost_status ost_servo_run(ost_haptic *device, const ost_servo_options *options, o
         run_without_clock(&s);
     else
         run_clock(&s);
-    /* Whatever the end was, the hand is left alone. */
+    /* However the loop ended, the device gets no force. */
     const ost_wrench nothing = {{0}, {0}};
     ost_haptic_write(device, &nothing);
     run_after(&s);

@@ -1,29 +1,30 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * sim: a device that is not there, in a hand that is not there either, so that
- * force closes a loop without hardware.
+ * sim: a simulated device held by a simulated operator's hand, so that the force
+ * loop can be closed without hardware.
  *
  *   hand's plan --spring, damper--> mass --encoders--> pose
  *                                    ^  '- friction
  *                                    '---- force, one tick late
  *
- * The numbers are a Phantom Omni's and a hand's, from the literature:
+ * The parameters are a Phantom Omni's and a hand's, from the literature:
  *
  *   mass 60 g (inertia at the tip 45 g and the stylus), viscous 0.2 N s/m,
  *   Coulomb friction 0.26 N (backdrive), encoders 55 um (450 dpi), 3.3 N at most
  *   hand    light 100 N/m 0.5 N s/m   normal 150 N/m 1.5 N s/m   firm 400 N/m 4 N s/m
  *
  * A tick is ten steps of 0.1 ms, velocities first (semi-implicit Euler).
- * Coulomb friction is implicit: it takes from the speed what it can take in a
- * step and stops there, so that what sticks sticks.  Its hand holds the
- * stylus' direction as planned; the device senses it and cannot resist.
+ * Coulomb friction is implicit: it reduces the speed by as much as it can in a
+ * step, at most to zero, so that a sticking device stays still.  The stylus has
+ * exactly the planned direction; the device senses it and renders no torque.
  *
  * Friction makes such a loop passive up to 2 * 0.26 N / 55 um = 9.5 kN/m
- * (Diolaiti and others 2006); friction=0 is the worst case that a force law
- * must be stable for.
+ * (Diolaiti and others 2006); friction=0 is the worst case for which a force law
+ * must be stable.
  *
- * Only + - * / and sqrt of doubles and a generator of its own: the same ticks
- * and forces give the same poses everywhere.  Lengths in metres.
+ * The code uses only + - * / and sqrt of doubles and a random generator of its
+ * own: the same ticks and forces give the same poses everywhere.  Lengths are in
+ * metres.
  */
 #include "core/conditions.h"
 
@@ -49,11 +50,11 @@ typedef struct grip {
 static const grip grips[] = {{"light", 100, 0.5}, {"normal", 150, 1.5}, {"firm", 400, 4}};
 
 struct haptic_instance {
-    ost_path path; /* owned; the hand's plan */
+    ost_path path; /* owned; the planned motion of the hand */
     size_t next;
     grip hand;
     double friction; /* Coulomb, N */
-    double tremor;   /* greatest size along an axis */
+    double tremor;   /* largest amplitude along an axis */
     uint64_t random;
     double shake[3], x[3], v[3], force[3];
 };
@@ -121,7 +122,7 @@ static ost_status sim_open(const char *options, const ost_haptic_setup *setup, h
     return OST_OK;
 }
 
-/* SplitMix64, as a number from -1 to 1. */
+/* Returns a number from -1 to 1 by SplitMix64. */
 static double noise(haptic_instance *s)
 {
     uint64_t z = (s->random += UINT64_C(0x9e3779b97f4a7c15));
@@ -131,7 +132,10 @@ static double noise(haptic_instance *s)
     return (double)(int64_t)(z >> 11) / (double)(INT64_C(1) << 52) - 1;
 }
 
-/* A tremor: noise through a low pass of about 10 Hz, whose size the constant brings near to what was asked for. */
+/*
+ * Adds a tremor: noise through a low pass of about 10 Hz. The factor 5 brings its amplitude
+ * near the requested one.
+ */
 static void shake(haptic_instance *s)
 {
     for (int a = 0; a < 3 && s->tremor > 0; a++) {
@@ -141,7 +145,7 @@ static void shake(haptic_instance *s)
     }
 }
 
-/* One step toward a hand that is at to, moving with speed. */
+/* Advances one step, with the hand at `to` moving at `speed`. */
 static void step(haptic_instance *s, const double to[3], const double speed[3])
 {
     double v[3];
@@ -164,11 +168,11 @@ static ost_pm encoded(double metres)
 
 static ost_haptic_answer sim_read(haptic_instance *s, ost_haptic_state *state)
 {
-    /* The hand stays where its plan ends. */
+    /* After the end of its plan the hand does not move. */
     const size_t last = s->path.count - 1, from = s->next < last ? s->next : last, to = from < last ? from + 1 : last;
     const ost_tick *tick = &s->path.ticks[from];
     double a[3], b[3];
-    /* A tool that is taken up is somewhere else at once: so are hand and device. */
+    /* When a tool is taken up, hand and device are at its new position at once. */
     const bool taken_up = from > 0 && s->next <= last && tick->tool != s->path.ticks[from - 1].tool;
     position_of(&tick->pose, a);
     position_of(&s->path.ticks[s->path.ticks[to].tool == tick->tool ? to : from].pose, b);
@@ -195,7 +199,7 @@ static void sim_write(haptic_instance *s, const ost_wrench *wrench)
 {
     const double *f = wrench->force_n;
     const double size = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
-    /* Motors give what they can; what is no number they do not give. */
+    /* The force is limited to what the motors can give; one that is not finite counts as zero. */
     const double share = size > FORCE_MAX_N ? FORCE_MAX_N / size : 1;
     for (int a = 0; a < 3; a++)
         s->force[a] = isfinite(size) ? f[a] * share : 0;

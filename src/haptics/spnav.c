@@ -1,17 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * spnav: 3Dconnexion's SpaceMouse and its like, by libspnav and spacenavd.
+ * spnav: 3Dconnexion's SpaceMouse and similar devices, through libspnav and
+ * spacenavd.
  *
- *   cap pushed by c counts of 350 --> a speed --> integrated, a tick at a time --> pose
+ *   cap pushed by c counts of 350 --> a speed --> integrated tick by tick --> pose
  *
- * The cap says how fast, not where: it has no end to its way and comes back by
- * itself.  Fully pushed it moves the tool by speed= and turns it by turn=, in
- * proportion below that, nothing within the dead zone; x to the right, y up,
- * and z toward who holds it, against libspnav's.  What it said last counts
- * until it says something else: it speaks when it changes.
+ * The cap sets a speed, not a position: its motion is unlimited, and the cap
+ * returns to its centre by itself.  Fully pushed it moves the tool at speed= and
+ * turns it at turn=, in proportion below that, and not at all within the dead
+ * zone.  x points to the right, y up, and z toward the operator, opposite to
+ * libspnav's z.  libspnav reports changes only, so the last values apply until
+ * the next event.
  *
- * With hold=1 the tool moves only while button 1 is pressed.  With tools=N
- * button 2 takes up the next of so many.  It renders nothing.
+ * With hold=1 the tool moves only while button 1 is pressed.  The device renders
+ * no force.
  */
 #include <math.h>
 #include <poll.h>
@@ -24,7 +26,7 @@
 #include "haptics/vendor.h"
 #include "haptics/workspace.h"
 
-/* As libspnav has them; the greatest of its events is 40 bytes. */
+/* The definitions of libspnav; its largest event has 40 bytes. */
 enum { EVENT_MOTION = 1, EVENT_BUTTON = 2, EVENT_DEVICE = 3, DEVICE_REMOVED = 1 };
 typedef union spnav_event {
     int type;
@@ -39,7 +41,7 @@ typedef union spnav_event {
     struct {
         int type, operation, id, kind, usb[2];
     } device;
-    char room[128]; /* for what a later version may add */
+    char room[128]; /* reserve for later versions */
 } spnav_event;
 
 typedef struct spnav_calls {
@@ -70,8 +72,8 @@ struct haptic_instance {
     spnav_calls spnav;
     haptic_workspace workspace;
     choice how;
-    int push[6];             /* as said last: x y z, about x y z */
-    double at[3], q[4];      /* from the start, in its frame */
+    int push[6];             /* the last event's values: x y z, about x y z */
+    double at[3], q[4];      /* relative to the start pose, in its frame */
     uint32_t buttons;
     bool lost;
 };
@@ -82,10 +84,10 @@ static bool spnav_usable(char reason[256])
     return vendor_load(&library, &calls, reason);
 }
 
-/* Those that are open; libspnav has one connection. */
+/* Number of open instances; libspnav has one connection. */
 static _Atomic int in_use;
 
-/* The library without its daemon is no device. */
+/* Checks that the daemon answers; without it the library has no device. */
 static bool spnav_answers(char reason[256])
 {
     spnav_calls calls;
@@ -166,14 +168,17 @@ static void take_event(haptic_instance *s, const spnav_event *e)
     }
 }
 
-/* From -1 to 1. */
+/* Maps counts to a speed from -1 to 1. */
 static double share_of(int counts)
 {
     const double beyond = fmin(FULL, fabs((double)counts)) - DEAD;
     return beyond <= 0 ? 0 : copysign(beyond / (FULL - DEAD), counts);
 }
 
-/* A tick of turning: by at most 0.72 degrees about each axis, so that the small quaternion is (1, w / 2) made unit. */
+/*
+ * Turns by one tick: at most 0.72 degrees about each axis, so the normalized quaternion
+ * (1, w / 2) is accurate enough.
+ */
 static void turn_on(double q[4], const double by[3])
 {
     const double s = by[0] / 2, t = by[1] / 2, u = by[2] / 2;
@@ -199,7 +204,7 @@ static ost_haptic_answer spnav_read(haptic_instance *s, ost_haptic_state *state)
     spnav_event event;
     for (int i = 0; i < EVENTS && s->spnav.poll(&event); i++)
         take_event(s, &event);
-    /* libspnav does not say that its daemon went away; the socket does. */
+    /* libspnav does not report that its daemon ended; the socket does. */
     if (s->lost || daemon.fd < 0 || (poll(&daemon, 1, 0) > 0 && (daemon.revents & (POLLHUP | POLLERR | POLLNVAL))))
         return OST_HAPTIC_LOST;
     const bool moves = !s->how.hold || (s->buttons >> HOLD_BUTTON & 1);

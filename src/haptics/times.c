@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A histogram that a tick can add to: two shifts of an index, no search, no float. */
+/* A histogram that a tick can add to: two divisions and an index, without a search or floats. */
 #include <osteon/haptics.h>
 
 void ost_times_add(ost_times *times, uint64_t ns)

@@ -1,20 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * udp: a device on another machine, by osteon bridge there.
+ * udp: a device on another machine, where osteon bridge runs.
  *
  *   bridge --pose--> thread --newest--> read, in the tick
  *   bridge <--state- thread <--newest-- write, in the tick
  *
- * A thread of its own has the socket: it judges what comes, and answers each
- * good packet with the newest state, so that the bridge's clock drives the
- * link.  The tick takes no lock, calls nothing of the system and allocates
- * nothing.
+ * A separate thread owns the socket: it checks received packets and answers each
+ * valid one with the newest state, so the bridge's clock drives the link.  The
+ * tick takes no lock, makes no system call and allocates nothing.
  *
- * What the hand feels is made at the bridge, from the pose that was answered,
- * the force at it and the stiffness along it (bridge.c): the delay of the link
- * is in no loop.  What a bridge may send is bounded here: a pose that is
- * further than a hand could have gone since the last is not taken, and the
- * bridge is told to take hold anew.
+ * The force on the device is computed at the bridge, from the pose that was
+ * answered, the force there and the stiffness along it (bridge.c): the delay of
+ * the link is in no feedback loop.  Poses are checked here: one that is farther
+ * from the last than a hand could have moved is rejected, and the bridge is
+ * requested to take hold again.
  */
 #include <arpa/inet.h>
 #include <errno.h>
@@ -43,14 +42,14 @@
 enum {
     PORT = 4707,
     LOST_MS = 5000,
-    OWNER_MS = 1000,     /* so long silent, and another bridge may have it */
-    PATIENT_TICKS = 4,   /* without a packet, of which the last pose is kept */
-    BRIDGED_TICKS = 50,  /* without one, after which a pose near enough is still taken */
-    DRAIN = 64,          /* packets between two looks at whether to stop */
+    OWNER_MS = 1000,     /* after this silence another bridge may take over */
+    PATIENT_TICKS = 4,   /* ticks without a packet during which the last pose is used */
+    BRIDGED_TICKS = 50,  /* ticks without a packet after which a pose that is near enough is still accepted */
+    DRAIN = 64,          /* most packets received between two checks for the end */
     NAME = 512,
     FAREWELLS = 3
 };
-#define FAR_M 0.004     /* in a tick, less than what an operation takes for a jump */
+#define FAR_M 0.004     /* per tick; less than the jump that an operation treats as a fault */
 #define FAR_RAD 0.7
 
 enum { GOOD, MALFORMED, WRONG_KEY, REPLAYED, LATE, MISSING, OTHERS, AGAIN, COUNTS };
@@ -79,7 +78,7 @@ struct haptic_instance {
     came came[NEWEST_SLOTS];
     goes goes[NEWEST_SLOTS];
     uint32_t stiffness, damping;
-    /* Of the thread. */
+    /* Used by the thread only. */
     uint64_t simulation, owner, sequence;
     int64_t owner_ns;
     link_window window;
@@ -87,7 +86,7 @@ struct haptic_instance {
     socklen_t peer_size;
     bool has_peer;
     goes answer;
-    /* Of the tick. */
+    /* Used by the tick only. */
     ost_pose given;
     int64_t silent, lost_ticks;
     bool met, unseen, again;
@@ -125,17 +124,17 @@ static void answer(haptic_instance *u, const struct sockaddr_storage *to, sockle
         p.torque_unm[a] = (int32_t)rint(fmax(-1e9, fmin(1e9, g->wrench.torque_nm[a] * 1e6)));
     }
     const size_t length = link_seal(u->key, &p, bytes);
-    /* What cannot be sent now is late already. */
+    /* A state that cannot be sent now is dropped; the next one is newer. */
     if (length && sendto(u->socket, bytes, length, MSG_DONTWAIT | MSG_NOSIGNAL, (const struct sockaddr *)to, size) < 0)
         return;
 }
 
-/* A packet that is the bridge's; true when it is to be answered. */
+/* Processes a pose of the bridge. Returns true if it must be answered. */
 static bool take_pose(haptic_instance *u, const link_packet *p)
 {
     uint64_t missing;
     if (p->simulation != u->simulation) {
-        count(u, REPLAYED, 1); /* of another run */
+        count(u, REPLAYED, 1); /* from another run */
         return false;
     }
     const int64_t now = ost_clock_ns();
@@ -188,7 +187,7 @@ static void *serve(void *user)
             uint8_t bytes[LINK_ROOM];
             struct sockaddr_storage from;
             socklen_t from_size = sizeof from;
-            /* MSG_TRUNC: the length that it had, so that a long one is none of ours. */
+            /* MSG_TRUNC: returns the packet's full length, so that one that is too long is rejected. */
             const ssize_t size =
                 recvfrom(u->socket, bytes, sizeof bytes, MSG_DONTWAIT | MSG_TRUNC, (struct sockaddr *)&from, &from_size);
             if (size < 0)
@@ -302,7 +301,7 @@ static ost_status udp_open(const char *options, const ost_haptic_setup *setup, h
 static void udp_close(haptic_instance *u)
 {
     const uint64_t one = 1;
-    /* An eventfd that is at 0 takes it. */
+    /* Cannot fail: the eventfd's counter is 0. */
     if (write(u->stop, &one, sizeof one) == (ssize_t)sizeof one)
         pthread_join(u->thread, NULL);
     forget(u);
@@ -311,8 +310,8 @@ static void udp_close(haptic_instance *u)
 /* --------------------------------------------------------------- the tick */
 
 /*
- * Toward where the hand is, as far as a tick may go.  False when no hand gets
- * there in the time that went by.
+ * Moves u->given toward *to, as far as it may go in a tick.  Returns false if no
+ * hand could have got there in the time since the last packet.
  */
 static bool follow(haptic_instance *u, const ost_pose *to)
 {
@@ -369,7 +368,7 @@ static ost_haptic_answer udp_read(haptic_instance *u, ost_haptic_state *state)
     if (c->flags & LINK_ENDED)
         return OST_HAPTIC_ENDED;
     if (!(c->flags & LINK_SEEN)) {
-        /* The bridge has let go; what it sends when it takes hold begins here. */
+        /* The bridge released the tool; it follows the next pose with LINK_SEEN from where it is. */
         u->again = false;
         u->silent = 0;
         return unseen(u);

@@ -39,7 +39,7 @@ bool vendor_load(const vendor_library *library, void *table, char reason[256])
             snprintf(reason, 256, "%.120s lacks %s: it is not the library that this osteon knows", name, library->symbols[i].name);
             return false;
         }
-        /* POSIX: a function's address fits a pointer to an object. */
+        /* POSIX: the address of a function fits into an object pointer. */
         memcpy((char *)table + library->symbols[i].offset, &symbol, sizeof symbol);
     }
     return true;

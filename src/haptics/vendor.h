@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A vendor's library, found when a device is asked for and not before.
+ * Loads a vendor's library when a device is requested, and not before.
  *
- *   variable's file, else one name after the other --dlopen--> every symbol, or none of it
+ *   file in the environment variable, else each name in turn --dlopen--> every symbol, or none
  *
- * Nothing of a vendor is needed to build; prototypes are our own.  A library
- * stays loaded: some have threads that outlive their devices.
+ * Building needs nothing of a vendor; the prototypes are this project's own.  A
+ * library stays loaded, because some have threads that outlive their devices.
  */
 #ifndef OST_HAPTICS_VENDOR_H
 #define OST_HAPTICS_VENDOR_H
@@ -17,18 +17,18 @@ typedef void vendor_function(void);
 
 typedef struct vendor_symbol {
     const char *name;
-    size_t offset; /* of the pointer in the driver's table */
+    size_t offset; /* of the pointer in the driver's table of functions */
 } vendor_symbol;
 
 typedef struct vendor_library {
-    const char *variable;        /* of the environment: a file to take instead */
-    const char *const *names;    /* as dlopen takes them; ends with NULL */
-    const char *product;         /* what to install */
+    const char *variable;        /* environment variable with a file to load instead */
+    const char *const *names;    /* names passed to dlopen in this order; ends with NULL */
+    const char *product;         /* the product to install, for messages */
     const vendor_symbol *symbols;
     size_t count;
 } vendor_library;
 
-/* Fills table's pointers; else says why not. */
+/* Fills the pointers in `table` and returns true; otherwise returns false with the reason. */
 bool vendor_load(const vendor_library *library, void *table, char reason[256]);
 
 #endif

@@ -35,7 +35,7 @@ haptic_workspace haptic_workspace_make(const ost_pose *start, const int axes[3],
     return w;
 }
 
-/* A pose whose quaternion is zero is none: what follows takes it as a fault. */
+/* A pose whose quaternion is zero is invalid; callers treat it as a fault. */
 static const ost_pose NO_POSE;
 
 static bool quantise(double value, double unit, double most, int64_t *out)
