@@ -6,7 +6,10 @@
 
 enum { SETS = 8 };
 
-/* m u = b by Cholesky, in place; m is symmetric, positive definite, and full above its diagonal. */
+/*
+ * Solves m u = b by Cholesky decomposition, in place. m is symmetric and positive definite;
+ * only its upper triangle is read.
+ */
 static void solve(int n, double m[6][6], const double b[6], double u[6])
 {
     for (int i = 0; i < n; i++) {
@@ -31,7 +34,10 @@ static void solve(int n, double m[6][6], const double b[6], double u[6])
     }
 }
 
-/* What the points that press add: three axes and six apart, so that a compiler sees the lengths. */
+/*
+ * Adds the terms of the pressing points. Called with a constant n of 3 or 6, so that the
+ * compiler unrolls the loops.
+ */
 static inline __attribute__((always_inline)) void add_points(const balance *e, const double share[], const int n, double m[6][6], double rhs[6])
 {
     for (size_t i = 0; i < e->count; i++) {
@@ -47,7 +53,7 @@ static inline __attribute__((always_inline)) void add_points(const balance *e, c
 
 void ost_balance_solve(balance *e, double u[6])
 {
-    double share[OST_SHELL_MAX]; /* b, or 0 of a point that does not press */
+    double share[OST_SHELL_MAX]; /* b, or 0 for a point that does not press */
     memcpy(share, e->b, e->count * sizeof *share);
     for (int set = 0; set < SETS; set++) {
         double m[6][6] = {{0}}, rhs[6];

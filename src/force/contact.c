@@ -7,10 +7,10 @@
  *      ########  x  ###########     #### layer| ^ depth
  *      ######## bone ##########     ##########x | ####
  *
- * Bone begins half-way between the centres of the last active voxel on the way
- * inward and of the first that is not, projected on the normal: the plane
- * through a voxel of McNeely, Puterbaugh and Troy (1999), moved to where the
- * voxel ends.
+ * Along a point's inward normal, the surface of the bone lies half-way between
+ * the centre of the last active voxel and the centre of the next voxel that is
+ * not active, both projected onto the normal.  It is the tangent plane through a
+ * voxel of McNeely, Puterbaugh and Troy (1999), moved to the voxel's border.
  */
 #include "force/contact.h"
 
@@ -19,13 +19,13 @@
 
 #include "core/backend.h"
 
-#define NEAR_AXIS 1e-3 /* m: what is nearer to the axis cuts as if it were so far from it */
+#define NEAR_AXIS 1e-3 /* m: a point nearer to the axis than this cuts as if it were at this distance */
 
-/* Four at once, in whatever registers there are. */
+/* Vectors of four elements; the compiler chooses the registers. */
 typedef float four __attribute__((vector_size(16)));
 typedef int32_t four_integers __attribute__((vector_size(16)));
 
-/* Voxels that a tool may reach: beyond them a place in floats would be too coarse. */
+/* Largest reach of a tool in voxels; beyond it positions in floats would be too coarse. */
 #define REACH_MAX 32768.0
 
 double ost_dot(const double a[3], const double b[3])
@@ -73,7 +73,7 @@ void ost_contact_shell_make(const ost_shell *shell, const ost_force_params *para
             out->inward[a][i] = (float)p->inward[a];
             out->outside[a][i] = (float)(p->at[a] - spacing * p->inward[a]);
         }
-        /* Clockwise as seen along -z (AR-MOTOR), a point at (x, y) moves along (y, -x). */
+        /* Seen along -z the tool turns clockwise (AR-MOTOR): a point at (x, y) moves along (y, -x). */
         out->against[0][i] = radius > 0 ? (float)(-p->at[1] / radius) : 0;
         out->against[1][i] = radius > 0 ? (float)(p->at[0] / radius) : 0;
         out->area[i] = (float)p->area;
@@ -96,13 +96,19 @@ void ost_contact_shell_speed(contact_shell *shell, const ost_force_params *param
     }
 }
 
-/* The bone's voxels from the tool's frame: origin + floor(to[a] . p + part[a]). Floats, but for the part that is large. */
+/*
+ * Maps the tool's frame to the bone's voxels: origin + floor(to[a] . p + part[a]). The large
+ * part, origin, is an integer; the remainder is in floats.
+ */
 typedef struct to_voxels {
-    float to[3][3], part[3]; /* part: 0 to 1 */
+    float to[3][3], part[3]; /* part: from 0 to 1 */
     int32_t origin[3];
 } to_voxels;
 
-/* False when no point of the tool, nor what is farther out by more, can be in the grid: nor when the pose is no number. */
+/*
+ * Makes the map for a pose. Returns false if no point of the tool, extended by `more` (m), can
+ * lie in the grid, or if the pose is not finite.
+ */
 static bool map_make(const ost_bone *bone, const contact_shell *shell, const contact_pose *pose, double more, to_voxels *map)
 {
     const ost_geometry *g = &bone->geometry;
@@ -123,7 +129,10 @@ static bool map_make(const ost_bone *bone, const contact_shell *shell, const con
     return true;
 }
 
-/* Places in voxels from map->origin, a row of the map at a time; behind the last point those of the tool's origin. */
+/*
+ * Computes the positions of `count` points in voxels relative to map->origin, four at a time.
+ * Beyond the last point they are those of the tool's origin.
+ */
 static void places(const to_voxels *map, const float (*at)[OST_SHELL_MAX], size_t count, contact *c)
 {
     for (int a = 0; a < 3; a++) {
@@ -139,7 +148,10 @@ static void places(const to_voxels *map, const float (*at)[OST_SHELL_MAX], size_
     }
 }
 
-/* Rounded down: what is cut off toward 0 is one too high where it lies above. */
+/*
+ * Computes the voxel of each position, rounding down: truncation toward 0 is one too high for
+ * negative positions.
+ */
 static void voxels_at(const to_voxels *map, size_t count, contact *c)
 {
     for (int a = 0; a < 3; a++)
@@ -179,7 +191,7 @@ ost_status ost_contact_touch(const ost_bone *bone, const contact_shell *shell, c
     return OST_OK;
 }
 
-/* The inward normal of a point, in voxels for a metre. */
+/* Computes the inward normal of a point, in voxels per metre. */
 static void inward_in_voxels(const to_voxels *map, const contact_shell *shell, size_t i, double out[3])
 {
     for (int a = 0; a < 3; a++)
@@ -189,7 +201,7 @@ static void inward_in_voxels(const to_voxels *map, const contact_shell *shell, s
 ost_status ost_contact_press(const ost_bone *bone, const contact_shell *shell, const contact_pose *pose, double layer, contact *c, ost_error *err)
 {
     const double s = (double)bone->geometry.spacing.x * OST_M_PER_PM;
-    uint16_t walking[OST_SHELL_MAX], slot[OST_SHELL_MAX]; /* point; its place among those that touch */
+    uint16_t walking[OST_SHELL_MAX], slot[OST_SHELL_MAX]; /* index of a point; its index among the touching points */
     to_voxels map;
     c->count = 0;
     if (!map_make(bone, shell, pose, layer, &map))
@@ -198,7 +210,10 @@ ost_status ost_contact_press(const ost_bone *bone, const contact_shell *shell, c
     size_t left = shell->count;
     for (size_t i = 0; i < left; i++)
         walking[i] = (uint16_t)i;
-    /* Step by step inward, all points that are still in bone at once; the first step says which touch. */
+    /*
+     * Advances all points that are still in bone by half a voxel per step; the first step
+     * determines which points touch.
+     */
     bool first = true;
     for (double step = -layer; left > 0 && step < layer; step += s / 2, first = false) {
         for (size_t k = 0; k < left; k++) {
@@ -213,13 +228,16 @@ ost_status ost_contact_press(const ost_bone *bone, const contact_shell *shell, c
         size_t kept = 0;
         for (size_t k = 0; k < left; k++) {
             const size_t i = walking[k];
-            /* From the point to the voxel's centre, along the normal. */
+            /* Distance from the point to the voxel's centre, along the normal. */
             double along[3], plane = 0;
             inward_in_voxels(&map, shell, i, along);
             for (int a = 0; a < 3; a++)
                 plane += (c->voxel[a][k] - map.origin[a] + 0.5 - c->place[a][i]) * along[a] * s * s;
             if (c->found[k] == 0) {
-                /* Out of the bone; one that never was in it touches nothing. */
+                /*
+                 * The point left the bone here. A point that was not in bone at the first step
+                 * touches nothing.
+                 */
                 if (!first)
                     c->depth[slot[k]] = (c->depth[slot[k]] + plane) / 2 + layer;
                 continue;

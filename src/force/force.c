@@ -1,25 +1,25 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The two laws (docs/force.md).
+ * The two force laws (docs/force.md).
  *
  *   energy    device o~~~spring, damper~~~o tool | points: f = b * advance
  *
  *     K (x_d - x) + D (v_d - v) = sum over touching points of b (inward . -v)+ (-inward)
  *     b = area * energy / (cutting ratio * speed of the point)
  *
- *   Who presses a point into bone at speed v cuts area * v * energy watts; the
- *   cutting friction, ratio * f at the point's speed, gives them.  So contact
- *   is a damper and never a spring: nothing of it can swing.  The equation is
- *   solved for the end of the tick (balance.h).
+ *   A point that is pressed into bone at speed v cuts area * v * energy watts,
+ *   which the cutting friction, ratio * f at the point's speed, supplies.  A
+ *   contact is therefore a damper and never a spring, and cannot oscillate.  The
+ *   equation is solved for the end of the tick (balance.h).
  *
- *   With a turn stiffness the tool's direction hangs on the device's by such
- *   a spring, too, and the same equation has three more rows: torques.
+ *   With a turn stiffness, a spring and a damper also couple the tool's
+ *   orientation to the device's, and the equation has three more rows: torques.
  *
  *   instant   f = layer stiffness * (density / reference)^2 * area * depth
  *
- *   The sum of the points' stiffness is at most the coupling's.
+ *   The sum of the points' stiffness is limited to that of the coupling.
  *
- * All of it in the tool's frame (contact.h); results are turned back.
+ * All computations are in the tool's frame (contact.h); results are rotated back.
  */
 #include "core/conditions.h"
 
@@ -38,18 +38,18 @@ enum { TOOLS_MAX = 16, PARTS = 8 };
 #define DRAG_S 0.1
 #define PI 3.14159265358979323846
 
-/* The tool in the hand: all that one tick leaves to the next. */
+/* The coupled tool: all state that one tick passes to the next. */
 typedef struct grip {
-    bool held;          /* a tool is in the hand: the rest is of it */
+    bool held;          /* a tool is coupled; the other fields are valid */
     int tool;
     contact_pose pose;  /* of the tool */
-    double facing[4];   /* the same turn as a quaternion */
-    ost_pose device;    /* of the last tick */
-    double velocity[3]; /* m/s: the device's, filtered */
-    double turning[3];  /* rad/s, likewise */
-    double drag[3];     /* N: what cutting pulls sideways, as felt: slowly */
+    double facing[4];   /* its orientation as a quaternion */
+    ost_pose device;    /* the device's pose in the last tick */
+    double velocity[3]; /* m/s: the device's velocity, filtered */
+    double turning[3];  /* rad/s: its angular velocity, filtered */
+    double drag[3];     /* N: lateral force of cutting, low-pass filtered */
     double drag_nm[3];
-    double spun;        /* rad: how far the tool has turned */
+    double spun;        /* rad: rotation of the tool so far */
 } grip;
 
 struct ost_force {
@@ -62,7 +62,7 @@ struct ost_force {
     /* Scratch of a tick. */
     contact contact;
     balance balance;
-    double size[OST_SHELL_MAX]; /* N: of each point that touches */
+    double size[OST_SHELL_MAX]; /* N: force of each touching point */
 };
 
 /* ------------------------------------------------------------------ making */
@@ -158,7 +158,10 @@ void ost_force_place(ost_force *force, int tool, const ost_pose *pose)
 
 /* ------------------------------------------------------------------- turns */
 
-/* The turn that takes a to b, as twice the sine of half its angle along its axis, in the bone's frame. */
+/*
+ * Computes the rotation from a to b as twice the sine of half its angle along its axis, in the
+ * bone's frame.
+ */
 static void turn_between(const double a[4], const double b[4], double out[3])
 {
     const double w = a[0], x = -a[1], y = -a[2], z = -a[3]; /* conjugate */
@@ -170,7 +173,7 @@ static void turn_between(const double a[4], const double b[4], double out[3])
         out[i] = (real < 0 ? -2 : 2) * imaginary[i] / n;
 }
 
-/* q times a turn about z. */
+/* Multiplies q by a rotation about z. */
 static void turn_about_axis(const double q[4], double angle, double out[4])
 {
     double s, c;
@@ -207,7 +210,7 @@ static void quaternion_of(const ost_pose *pose, double q[4])
     q[3] = pose->qz;
 }
 
-/* The tool's direction after it has turned by w for dt; w in its own frame. */
+/* Rotates the tool by its angular velocity w, in its own frame, for dt. */
 static void turn_tool(ost_force *f, const double w[3], double dt)
 {
     const double *q = f->grip.facing, h[3] = {w[0] * dt / 2, w[1] * dt / 2, w[2] * dt / 2};
@@ -222,10 +225,11 @@ static void turn_tool(ost_force *f, const double w[3], double dt)
 /* ------------------------------------------------------------------ results */
 
 /*
- * Forces of the points on the tool: along the normals, and what cutting adds.
- * A side that is pressed is pulled across, which turns a push into a turn: a
- * stiffness without a potential, that makes a light hand whirl at the
- * frequency of its own swing.  So the pull is felt slower than that.
+ * Sums the forces of the points on the tool: along the normals, and the lateral
+ * force of cutting.  A side that is pressed is pulled across, so a push causes a
+ * rotation: a stiffness without a potential, which makes a lightly held device
+ * whirl at its natural frequency.  The lateral force is therefore filtered to
+ * below that frequency.
  */
 static void sum_up(ost_force *f, double period, ost_force_result *out)
 {
@@ -274,7 +278,7 @@ static void sum_up(ost_force *f, double period, ost_force_result *out)
     }
 }
 
-/* vibration.h */
+/* Adds the vibration force (vibration.h). */
 static void shake(ost_force *f, double period, ost_force_result *out)
 {
     const ost_force_params *p = &f->params;
@@ -282,7 +286,7 @@ static void shake(ost_force *f, double period, ost_force_result *out)
     if (p->vibration <= 0 && p->runout <= 0)
         return;
     f->grip.spun += p->speed * period;
-    f->grip.spun -= f->grip.spun > 2 * PI * 64 ? 2 * PI * 64 : 0; /* whole turns, however many teeth */
+    f->grip.spun -= f->grip.spun > 2 * PI * 64 ? 2 * PI * 64 : 0; /* subtracts whole turns, for any number of teeth */
     ost_sin_cos(f->grip.spun, &once[0], &once[1]);
     ost_sin_cos(f->grip.spun * p->teeth, &teeth[0], &teeth[1]);
     const double own[3] = {p->runout * once[1], p->runout * once[0], p->vibration * teeth[0]};
@@ -293,7 +297,10 @@ static void shake(ost_force *f, double period, ost_force_result *out)
 
 /* ------------------------------------------------------------------ energy */
 
-/* The points that touch, as the balance takes them. turn is what turns the tool beside it, in its frame. */
+/*
+ * Enters the touching points into the balance. turn is the tool's angular velocity that is not
+ * solved for, in its own frame.
+ */
 static void gather(ost_force *f, int axes, const double turn[3])
 {
     const contact_shell *shell = f->shells[f->grip.tool];
@@ -318,7 +325,10 @@ static void gather(ost_force *f, int axes, const double turn[3])
     }
 }
 
-/* Springs and dampers of the coupling; away and velocity of the device in the tool's frame. */
+/*
+ * Enters springs and dampers of the coupling; away and velocity are the device's offset and
+ * velocity in the tool's frame.
+ */
 static void pull(balance *e, int first, double k, double d, double dt, const double away[3], const double velocity[3])
 {
     for (int a = 0; a < 3; a++) {
@@ -327,10 +337,16 @@ static void pull(balance *e, int first, double k, double d, double dt, const dou
     }
 }
 
-/* No hand presses harder; where the device is so far from the tool that the coupling would, it gives way. */
+/*
+ * No hand presses harder. If the device is so far from the tool that the coupling would, the
+ * force is limited to this.
+ */
 #define HAND_MOST_N 300.0
 
-/* From the tool to the device, at most as far as the coupling of stiffness k holds. */
+/*
+ * Computes the offset from the tool to the device, limited to what a coupling of stiffness k
+ * can transmit.
+ */
 static void reach_of(const double to[3], const double at[3], double k, double away[3])
 {
     double square = 0;
@@ -363,7 +379,7 @@ static ost_status by_energy(ost_force *f, const ost_pose *device, const double t
         ost_into_tool(&f->grip.pose, f->grip.velocity, speed_own);
         pull(&f->balance, 0, k, d, left, far_own, speed_own);
         ost_into_tool(&f->grip.pose, turn, own);
-        own[2] = 0; /* about its own axis it turns anyway */
+        own[2] = 0; /* rotation about the tool's own axis has no effect */
         if (turns) {
             turn_between(f->grip.facing, facing, lean);
             ost_into_tool(&f->grip.pose, lean, far_own);
@@ -372,7 +388,7 @@ static ost_status by_energy(ost_force *f, const ost_pose *device, const double t
         }
         gather(f, turns ? 6 : 3, turns ? nothing : own);
         ost_balance_solve(&f->balance, u);
-        /* Half a voxel at once: bone is looked for no farther than a voxel ahead. */
+        /* Moves at most half a voxel at once, because bone is sought no farther than a voxel ahead. */
         const double turned = turns ? sqrt(ost_dot(u + 3, u + 3)) * shell->reach : 0, far = (sqrt(ost_dot(u, u)) + turned) * left;
         const double share = far > f->spacing / 2 ? f->spacing / 2 / far : 1;
         double v[3];
@@ -387,7 +403,7 @@ static ost_status by_energy(ost_force *f, const ost_pose *device, const double t
     for (size_t i = 0; i < f->contact.count; i++)
         f->size[i] = f->balance.advance[i] > 0 ? f->balance.b[i] * f->balance.advance[i] : 0;
     sum_up(f, period, out);
-    /* What holds the tool is what the hand feels. */
+    /* The force on the hand is the coupling's. */
     double v[3], w[3];
     ost_into_bone(&f->grip.pose, u, v);
     reach_of(to, f->grip.pose.at, k, away);
@@ -437,7 +453,10 @@ static ost_pm picometres(double m)
     return (ost_pm)rint(m / OST_M_PER_PM);
 }
 
-/* How fast the device moves and turns, below VELOCITY_HZ; and its turn of this tick as it is. */
+/*
+ * Updates the device's velocity and angular velocity, filtered to VELOCITY_HZ; turn is the
+ * angular velocity of this tick, unfiltered.
+ */
 static void follow(ost_force *f, const ost_pose *device, double period, double turn[3])
 {
     const double share = period / (period + 1 / (2 * PI * VELOCITY_HZ));

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The parameters, by name: what a file may set, within which bounds, and where
- * each default is from.  docs/force.md says what they do.
+ * The parameters by name: those that a file may set, their bounds, and the
+ * source of each default.  docs/force.md documents their meaning.
  *
- *   # lines and blank ones are passed over
- *   stiffness: 250        # so is what follows
+ *   # comment lines and blank lines are skipped
+ *   stiffness: 250        # a comment after a value
  */
 #include "core/conditions.h"
 
@@ -73,7 +73,7 @@ typedef enum kind { REAL, TICKS, BUTTONS } kind;
 
 typedef struct place {
     ost_force_key key;
-    bool safety;   /* of ost_safety_params */
+    bool safety;   /* the field belongs to ost_safety_params */
     kind kind;
     size_t offset;
 } place;
@@ -148,7 +148,7 @@ char *ost_force_value_text(double value, char text[OST_FORCE_VALUE])
     return text;
 }
 
-/* Teeth that pass faster than half the ticks would be felt as something else. */
+/* Teeth that pass at more than half the tick rate would be rendered at a wrong frequency. */
 static bool passes_too_fast(const ost_force_params *p)
 {
     return p->vibration > 0 && p->speed * p->teeth >= 500 * 6.283185307179586;
@@ -180,7 +180,7 @@ static const char *end_of(const char *text)
     return end;
 }
 
-/* Nearest double; of up to 15 digits the one that was meant. */
+/* Converts to a double; exact rounding holds for up to 15 digits. */
 static double real_of(const ost_decimal *d)
 {
     double value = (double)d->mantissa, ten = 1;
@@ -218,7 +218,7 @@ static ost_status take(const char *file, int line, const char *text, ost_force_p
     if (!after || after != end)
         return ost_fail(err, OST_ERR_INPUT, "%s:%d: %s is '%.*s': expected a number in %s", file, line, key->name, shown, value, key->unit);
     const double number = real_of(&d);
-    /* The bounds come first: a number beyond int64_t has no conversion. */
+    /* The bounds are checked first, because converting a number beyond int64_t is undefined. */
     if (!(number >= key->lo && number <= key->hi) || (places[i].kind != REAL && number != (double)(int64_t)number))
         return ost_fail(err, OST_ERR_RANGE, "%s:%d: %s is '%.*s': expected %s%g to %g %s", file, line, key->name, shown, value,
                         places[i].kind == REAL ? "" : "a whole number, ", key->lo, key->hi, key->unit);

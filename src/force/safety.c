@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- *   force --> number? --> held, fresh? --> ramp --> saturation --> slew --> passivity --> hand
+ *   force --> finite? --> enabled, fresh? --> ramp --> saturation --> slew --> passivity --> device
  *
- * Passivity (observer and controller of Hannaford and Ryu 2002): what the hand
- * put in, less what it got back, is the energy that the wall holds.  A coupling
- * can hold stored_j at most, so more than that is not counted, and below
- * nothing it would have made energy: then a damper takes back what it made.
+ * Passivity (observer and controller of Hannaford and Ryu 2002): the energy that
+ * the hand put in, less what it got back, is the energy stored in the contact.  A
+ * coupling can store stored_j at most, so more than that is not counted.  A
+ * negative value means that energy was generated; a damper then removes it.
  */
 #include <math.h>
 #include <string.h>
@@ -32,7 +32,7 @@ static double size_of(const double v[3])
     return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
-/* Smooth: nearly itself when small, never above most. */
+/* Limits a vector smoothly: small ones hardly change, and none exceeds `most`. */
 static void saturate(double v[3], double most)
 {
     const double share = size_of(v) / most, down = most > 0 ? 1 / sqrt(1 + share * share) : 0;
@@ -48,7 +48,10 @@ static void slew(double v[3], const double last[3], double most)
         v[a] = last[a] + d[a] * most / size;
 }
 
-/* force worked over moved since the last tick; what it made too much of is taken back. */
+/*
+ * Accounts for the work of the last force over `moved`, the motion since the last tick, and
+ * adds damping against generated energy.
+ */
 static void passivity(ost_safety *s, const double moved[3], double period_s, double force_n[3])
 {
     for (int a = 0; a < 3; a++)
@@ -58,7 +61,7 @@ static void passivity(ost_safety *s, const double moved[3], double period_s, dou
     const double square = moved[0] * moved[0] + moved[1] * moved[1] + moved[2] * moved[2];
     if (s->energy_j >= 0 || square <= 0 || s->params.max_damping <= 0)
         return;
-    double damping = -s->energy_j * period_s / square; /* N s/m: alpha |v|^2 T = the energy */
+    double damping = -s->energy_j * period_s / square; /* N s/m: from alpha |v|^2 T = the energy */
     if (damping > s->params.max_damping)
         damping = s->params.max_damping;
     for (int a = 0; a < 3; a++)
@@ -97,7 +100,7 @@ ost_safety_answer ost_safety_step(ost_safety *safety, const ost_pose *device, bo
     }
     saturate(force_n, s->params.max_n);
     saturate(torque_nm, s->params.max_nm);
-    /* A torque may change as fast as the force may, in its own measure. */
+    /* The torque's slew limit is the force's, in proportion to their maxima. */
     slew(force_n, s->last, s->params.slew_n);
     slew(torque_nm, s->last_torque, s->params.slew_n * s->params.max_nm / s->params.max_n);
     memcpy(s->last, force_n, sizeof s->last);

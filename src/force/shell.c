@@ -7,11 +7,11 @@
  *     .--|##|##|    each face: its centre, and  | . . |  .  |   points of a cell
  *     |##|##|##|    the inward normal there     |. .  |.  . |   become one
  *
- * The normal is the gradient of how much is solid within a ball of REACH
- * voxels.  A face of area s^2 stands for s^2 |e . n| of the surface, e the
- * face's own direction: summed over the steps of a slanted surface that is
- * its true area.  Cells grow until there are few enough.  Faces of a cell that
- * look to opposite sides, of a thin wall, stay apart.
+ * The normal is the gradient of the solid fraction within a ball of REACH voxels.
+ * A face of area s^2 represents s^2 |e . n| of the surface, where e is the face's
+ * own direction: summed over the steps of a slanted surface this is its true
+ * area.  The size of the cells is increased until the points are few enough.
+ * Faces of a cell that point to opposite sides, as on a thin wall, are not merged.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -20,11 +20,11 @@
 #include <osteon/force.h>
 
 enum { REACH = 5, SIDES = 6 };
-#define M_PER_PM 1e-12 /* a picometre */
+#define M_PER_PM 1e-12 /* metres per picometre */
 
 typedef struct sum {
     double area, at[3], inward[3];
-    double cutting; /* area of what cuts */
+    double cutting; /* area of the cutting faces */
 } sum;
 
 static bool solid(const ost_tool_volume *t, int x, int y, int z)
@@ -34,14 +34,17 @@ static bool solid(const ost_tool_volume *t, int x, int y, int z)
            t->voxels[(size_t)x + (size_t)d.x * ((size_t)y + (size_t)d.y * (size_t)z)] != OST_TOOL_VOID;
 }
 
-/* Toward where more is solid, about the face between voxel v and its neighbour in direction e; of length 1. */
+/*
+ * Computes the unit vector toward the solid side at the face between voxel v and its neighbour
+ * in direction e.
+ */
 static void inward_at(const ost_tool_volume *t, const int v[3], const int e[3], double out[3])
 {
     double g[3] = {-1e-6 * e[0], -1e-6 * e[1], -1e-6 * e[2]};
     for (int z = -REACH; z <= REACH + 1; z++)
         for (int y = -REACH; y <= REACH + 1; y++)
             for (int x = -REACH; x <= REACH + 1; x++) {
-                /* From the face's centre, which lies half a voxel along e. */
+                /* Relative to the face's centre, which lies half a voxel along e. */
                 const double d[3] = {x - 0.5 * e[0], y - 0.5 * e[1], z - 0.5 * e[2]};
                 const double square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
                 if (square > REACH * REACH || !solid(t, v[0] + x, v[1] + y, v[2] + z))
@@ -65,7 +68,7 @@ static int side_of(const double n[3])
 typedef struct cells {
     ost_dims dims;
     int size;
-    sum *sums; /* owned; SIDES a cell */
+    sum *sums; /* owned; SIDES per cell */
 } cells;
 
 static void add_face(const ost_tool_volume *t, const int v[3], const int e[3], bool cutting, cells *c)
@@ -138,7 +141,10 @@ ost_status ost_shell_make(const ost_tool_volume *tool, ost_shell *out, ost_error
     ost_shell_point *points = malloc(OST_SHELL_MAX * sizeof *points);
     if (!points)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for a tool's shell");
-    /* A first guess by the box's surface; then larger until they fit. */
+    /*
+     * The first cell size is estimated from the box's surface; then it is increased until the
+     * points fit.
+     */
     const double faces = 2.0 * ((double)d.x * d.y + (double)d.y * d.z + (double)d.x * d.z);
     for (int size = 1 + (int)sqrt(faces / OST_SHELL_MAX / 2); size <= 2 * most; size += 1 + size / 8) {
         cells c;

@@ -7,7 +7,10 @@
 
 void ost_sin_cos(double angle, double *sine, double *cosine)
 {
-    /* A sixteenth of what is left of whole turns, by its series; then doubled four times. |x| is at most 0.2. */
+    /*
+     * Computes the series for a sixteenth of the angle modulo whole turns, |x| at most 0.2, and
+     * doubles the angle four times.
+     */
     const double x = (angle - TURN * rint(angle / TURN)) / 16, q = x * x;
     double s = x * (1 - q / 6 * (1 - q / 20 * (1 - q / 42 * (1 - q / 72))));
     double c = 1 - q / 2 * (1 - q / 12 * (1 - q / 30 * (1 - q / 56 * (1 - q / 90))));
