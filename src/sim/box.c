@@ -1,23 +1,23 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Why nothing is missed.  A voxel is hit when the coordinates used for its
+ * Why no voxel is missed.  A voxel is hit when the coordinates computed for its
  * centre p fall inside the tool's grid; they are off by at most 23 / 2^20 of a
  * tool voxel (AR-MAP), so p itself lies in the grid's box inflated by one tool
  * voxel on every side.  p also lies in the box of all voxel centres.  Hence
  * the two boxes have p in common: no axis separates them, and p lies within
- * the bone-aligned bounds of the inflated box.  What is left is to compute
- * both with every rounding on the safe side.
+ * the bone-aligned bounds of the inflated box.  It remains to compute both with
+ * every rounding on the safe side.
  *
  * All lengths are doubled, so that centres and half extents are integers:
  *
  *   d   from the bone's box centre to the tool's, times 2, in the bone's frame
- *   b   the bone's box, its whole extents (twice the half extents)
- *   e   the tool's box, likewise
+ *   b   the full extents of the bone's box (twice the half extents)
+ *   e   the full extents of the tool's box
  *   r   RHE(2^30 M / N): the rotation, each entry off by at most 1/2
  *
  * Ranges: lengths within 8 m, so |d|, b, e < 2^46; |r| <= 2^30; a product is
- * below 2^76 and a sum of six below 2^79: far inside 128 bits.  What is divided
- * by N is below 2^46 N: N times a length, or N 2^30.
+ * below 2^76 and a sum of six below 2^79: far inside 128 bits.  Every dividend of
+ * a division by N is below 2^46 N: N times a length, or N 2^30.
  */
 #include "sim/box.h"
 
@@ -59,7 +59,10 @@ static ost_i128 magnitude128(ost_i128 x)
     return x < 0 ? -x : x;
 }
 
-/* Twice the centre of the tool's box in the bone's frame; each axis RHE, so off by at most 1/2. */
+/*
+ * Computes twice the centre of the tool's box in the bone's frame; each axis is rounded by RHE,
+ * so off by at most 1/2.
+ */
 static void centre_twice(const ost_box *tool, const ost_rotation *m, const ost_divider *by, const ost_pose *pose, int64_t out[3])
 {
     const int64_t c[3] = {tool->lo.x + tool->hi.x, tool->lo.y + tool->hi.y, tool->lo.z + tool->hi.z};
@@ -87,10 +90,10 @@ static pair pair_of(const ost_box *bone, const ost_box *tool, const ost_pose *po
             p.r[i][j] = ost_rhe_by(&by, (ost_i128)m.m[i][j] * (1 << 30));
 
     /*
-     * Each side of a test below is a sum of products length * entry, an entry
-     * of r used at most once a length: the error of r makes at most half the
-     * sum of all lengths.  The error of d, 1/2 on each axis, meets the entries
-     * of one unit axis: at most sqrt(3) / 2 * 2^30 and a few units.
+     * Each side of a test below is a sum of products length * entry, with each
+     * length used at most once: the error of r contributes at most half the sum
+     * of all lengths.  The error of d, 1/2 on each axis, is multiplied by the
+     * entries of one unit axis: at most sqrt(3) / 2 * 2^30 and a few units.
      */
     for (int i = 0; i < 3; i++)
         p.slack += magnitude(p.d[i]) + p.b[i] + p.e[i];
@@ -98,7 +101,7 @@ static pair pair_of(const ost_box *bone, const ost_box *tool, const ost_pose *po
     return p;
 }
 
-/* Along axis i of the bone. */
+/* Tests axis i of the bone. */
 static bool bone_axis_separates(const pair *p, int i)
 {
     const ost_i128 one = (ost_i128)1 << 30;
@@ -108,7 +111,7 @@ static bool bone_axis_separates(const pair *p, int i)
     return one * magnitude(p->d[i]) > reach + p->slack;
 }
 
-/* Along axis j of the tool. */
+/* Tests axis j of the tool. */
 static bool tool_axis_separates(const pair *p, int j)
 {
     ost_i128 apart = 0, reach = ((ost_i128)1 << 30) * p->e[j];
@@ -119,7 +122,10 @@ static bool tool_axis_separates(const pair *p, int j)
     return magnitude128(apart) > reach + p->slack;
 }
 
-/* Along the cross product of axis i of the bone with axis j of the tool. A null product separates nothing: 0 > slack fails. */
+/*
+ * Tests the cross product of axis i of the bone with axis j of the tool. A null product
+ * separates nothing: 0 > slack is false.
+ */
 static bool cross_axis_separates(const pair *p, int i, int j)
 {
     const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
@@ -153,15 +159,15 @@ static int32_t clamp(int64_t value, int32_t hi)
 }
 
 /*
- * Alg. 2.8 clamps the tool's corners to the bone's box and bounds them; in
- * the bone's own frame clamping goes axis by axis and keeps order, so that is
- * the tool's bone-aligned bounds, clamped.  Those are computed here directly,
- * from the centre and the half extents turned: twice the half extent along
- * bone axis i is sum_j |M[i][j]| e[j] / N, rounded up.
+ * Alg. 2.8 clamps the tool's corners to the bone's box and takes their bounds.
+ * In the bone's own frame clamping acts on each axis separately and preserves
+ * order, so the result is the tool's bone-aligned bounds, clamped.  They are
+ * computed here directly, from the centre and the rotated half extents: twice
+ * the half extent along bone axis i is sum_j |M[i][j]| e[j] / N, rounded up.
  *
- * Alg. 2.9 then turns the bounds into voxels; its frame has the box's centre
- * at the origin, ours takes the bone's origin as it is.  A centre o + k s
- * with  c - h <= 2 (o + k s) <= c + h,  c off by 1/2 at most, has
+ * Alg. 2.9 then converts the bounds to voxels.  Its frame has the box's centre
+ * at the origin; this function uses the bone's origin as it is.  A centre
+ * o + k s with  c - h <= 2 (o + k s) <= c + h,  c off by 1/2 at most, has
  * ceil((c - h - 1 - 2o) / 2s) <= k <= floor((c + h + 1 - 2o) / 2s).
  */
 ost_voxel_box ost_box_voxels(const ost_geometry *bone, const ost_box *tool, const ost_pose *pose)

@@ -6,22 +6,22 @@
  *   -8 mm -------> 0 (face) --------> depth ----> depth -------> -8 mm
  *         20 um a tick       feed
  *
- * The tool's working face, its lowest point along -z, runs along the
- * glenoid's inward axis.  Poses are the hand's: the tool turns by its motor
+ * The tool's working face, its lowest point along -z, moves along the
+ * glenoid's inward axis.  Poses are the hand's; the motor turns the tool
  * (motor.h).  A tick is a millisecond.
  *
  *   peg-hole      22 mm deep at 10 mm/s: within the vault, which is 25 to 30 mm
- *   glenoid-ream  3 mm deep at 1.5 mm/s: the cartilage, 2 mm, and into the
- *                 subchondral plate behind it, 1.2 to 2.9 mm, whose rest is left
- *                 to carry the implant (facts and sources: docs/arithmetic.md, AR-CLS)
+ *   glenoid-ream  3 mm deep at 1.5 mm/s: through the cartilage, 2 mm, and into the
+ *                 subchondral plate behind it, 1.2 to 2.9 mm, whose remaining part
+ *                 carries the implant (facts and sources: docs/arithmetic.md, AR-CLS)
  *
- *   glenoid-slow  the same depth in a minute, from the face on: a tool that is in contact
+ *   glenoid-slow  the same depth in a minute, starting close to the face: a tool in contact
  *                 throughout, for the servo loop and for devices
- *   glenoid-press a hand that presses, sweeps and wobbles for a minute or as long as it is
- *                 asked to, with the force that takes (press.h)
+ *   glenoid-press a hand that presses, sweeps and wobbles for a minute or a given number of
+ *                 ticks, with the force that this takes (press.h)
  *
  * Depths are integers.  Only + - * /, rint and sqrt of doubles are used, which
- * every machine rounds alike; so a path is the same everywhere.
+ * every machine rounds in the same way, so a path is the same everywhere.
  */
 #include "core/conditions.h"
 
@@ -36,7 +36,7 @@ enum { TICK_NS = 1000000, PRESS_TICKS = 60000 };
 
 #define UM (OST_PM_PER_MM / 1000)
 
-/* Distances from the glenoid's face along the inward axis; speeds a tick. */
+/* Distances are from the glenoid's face along the inward axis; speeds are per tick. */
 typedef struct plan {
     const char *name;
     ost_pm outside, approach;
@@ -88,12 +88,12 @@ static vec turned(quat q, vec v)
     return (vec){r.x, r.y, r.z};
 }
 
-/* The shortest rotation that takes the working direction, -z, to the unit vector a. */
+/* Returns the shortest rotation that takes the working direction, -z, to the unit vector a. */
 static quat facing(vec a)
 {
     if (a.z <= 0)
         return normalised((quat){1 - a.z, a.y, -a.x, 0});
-    /* Half a turn about x takes -z to +z, and the shortest rest never nears half a turn. */
+    /* Half a turn about x takes -z to +z; the remaining rotation is well below half a turn. */
     return product(normalised((quat){1 + a.z, -a.y, a.x, 0}), (quat){0, 1, 0, 0});
 }
 
@@ -102,15 +102,16 @@ static double mm(ost_pm value)
     return (double)value / (double)OST_PM_PER_MM;
 }
 
-/* The frame's own z axis where it passes through the grid, else the grid's middle. */
+/* Returns 0, the frame's own z axis, if it passes through the grid, and the grid's middle otherwise. */
 static double axis_of(ost_pm lo, ost_pm hi)
 {
     return lo <= 0 && hi >= 0 ? 0 : mm(lo) / 2 + mm(hi) / 2;
 }
 
 /*
- * The point that runs along the axis. Alg. 2.1 puts the grid's lower corner
- * one to two voxels below the mesh's lowest vertex; 3/2 is the middle.
+ * Returns the tool's point that moves along the axis.  Alg. 2.1 puts the grid's
+ * lower corner one to two voxels below the mesh's lowest vertex; 3/2 is the
+ * middle.
  */
 static vec working_point(const ost_tool_geometry *g)
 {
@@ -126,7 +127,7 @@ static int64_t ticks_for(ost_pm distance, ost_pm speed)
     return (distance + speed - 1) / speed;
 }
 
-/* Depth of tick k, one linear piece after the other. */
+/* Returns the depth at tick k, a piecewise linear function. */
 static ost_pm depth_at(const plan *p, int64_t k)
 {
     int64_t approach = ticks_for(-p->outside, p->approach), advance = ticks_for(p->depth, p->feed);
@@ -160,7 +161,7 @@ static ost_status unit_axis(const ost_glenoid *glenoid, vec *out, ost_error *err
     return OST_OK;
 }
 
-/* q is of unit length, so no component times 2^30 leaves int32; rint rounds half to even. */
+/* q has unit length, so no component times 2^30 exceeds int32; rint rounds half to even. */
 static ost_status quantised(vec t, quat q, ost_pose *out, ost_error *err)
 {
     if (!ost_pm_from_binary(t.x, &out->t.x) || !ost_pm_from_binary(t.y, &out->t.y) || !ost_pm_from_binary(t.z, &out->t.z))
@@ -172,10 +173,10 @@ static ost_status quantised(vec t, quat q, ost_pose *out, ost_error *err)
     return ost_pose_check(out, err);
 }
 
-/* What every path begins with. */
+/* Values common to all paths. */
 typedef struct start {
     vec at, axis, tip;
-    quat face; /* toward the axis */
+    quat face; /* takes -z to the axis */
 } start;
 
 static ost_status begin(const ost_glenoid *glenoid, const ost_tool_geometry *geometry, size_t ticks, start *s, ost_path *out,
@@ -194,7 +195,10 @@ static ost_status begin(const ost_glenoid *glenoid, const ost_tool_geometry *geo
     return OST_OK;
 }
 
-/* The tool's tip at a depth along the axis and beside it, turned by q. */
+/*
+ * Computes the pose, with orientation q, that puts the tool's tip at a depth along the axis and
+ * at an offset across it.
+ */
 static ost_status place(const start *s, quat q, double depth, vec beside, ost_pose *out, ost_error *err)
 {
     const vec r = turned(q, s->tip);

@@ -2,15 +2,15 @@
 /*
  * Entities and their components (thesis 2.1), as plain structs.
  *
- *   entity --+-- box      where it ends, in its own frame
- *            +-- input    where it is: the pose, and the one before
- *            +-- mesh     what a picture draws of it
- *            '-- voxels   what it is made of, on the backend
+ *   entity --+-- box      its extents, in its own frame
+ *            +-- input    its pose, and the previous one
+ *            +-- mesh     its surface in pictures
+ *            '-- voxels   its voxels on the backend
  *
  * The bone is an entity that never moves: its frame is the world's.  Tools
- * are moved by ticks.  The thesis' box is also the pose, centred on the
- * entity; here the pose takes the entity's own frame into the bone's, and the
- * box is data about the entity (docs/thesis-notes.md).
+ * are moved by ticks.  In the thesis the box also contains the pose and is
+ * centred on the entity; here the pose maps the entity's own frame to the
+ * bone's, and the box is a property of the entity (docs/thesis-notes.md).
  */
 #ifndef OST_SIM_ENTITY_H
 #define OST_SIM_ENTITY_H
@@ -23,15 +23,15 @@ typedef struct ost_box {
 } ost_box;
 
 typedef struct ost_input_component {
-    ost_pose pose;  /* of the last tick */
-    ost_pose event; /* where the next sweep begins: of the last event's tick, or of the last tick with the motor off */
+    ost_pose pose;  /* pose of the last tick */
+    ost_pose event; /* start of the next sweep: pose of the last event, or of the last tick with the motor off */
 } ost_input_component;
 
 typedef struct ost_mesh_component {
     const ost_mesh *mesh; /* borrowed; NULL in a world without pictures */
 } ost_mesh_component;
 
-/* One of the two; borrowed. */
+/* One of the two is set; both are borrowed. */
 typedef struct ost_voxel_component {
     ost_bone *bone;
     const ost_tool *tool;

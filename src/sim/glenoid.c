@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Where a grid says its glenoid is: OST_META_GLENOID_AT, OST_META_GLENOID_AXIS, OST_META_SIDE. */
+/*
+ * Reads the glenoid's position and side from a grid's facts: OST_META_GLENOID_AT,
+ * OST_META_GLENOID_AXIS, OST_META_SIDE.
+ */
 #include <osteon/sim.h>
 
 #include <math.h>
@@ -10,7 +13,7 @@ static ost_status missing(const char *key, ost_error *err)
     return ost_fail(err, OST_ERR_USAGE, "the glenoid is not set: the bone's header has no '%s'", key);
 }
 
-/* Three decimals, divided by blanks or commas, and nothing else. */
+/* Parses exactly three decimals, separated by blanks or commas. */
 static ost_status three_decimals(const char *key, const char *text, ost_decimal out[3], ost_error *err)
 {
     const char *p = text, *end = text + strlen(text);
@@ -25,7 +28,10 @@ static ost_status three_decimals(const char *key, const char *text, ost_decimal 
     return OST_OK;
 }
 
-/* A direction to nine places: more would not show in a pose of 2^-30. */
+/*
+ * Converts a component of a direction, to nine decimal places: further digits do not affect a
+ * pose in units of 2^-30.
+ */
 static bool direction(const ost_decimal *value, double *out)
 {
     int64_t nano;

@@ -5,12 +5,12 @@
 
 #include <math.h>
 
-/* Ticks of a millisecond; a wheel with p turns by atan(1/p), so once in 2 pi p ticks. */
+/* In ticks of a millisecond; a wheel with p turns by atan(1/p) per tick, so once in 2 pi p ticks. */
 enum { PRESS_TICKS = 500, SOFT_TICKS = 2000, BREATH_P = 637, SWEEP_P = 955, WOBBLE_P = 398 };
 
-#define BEGIN -2.0     /* mm: clear of the rim of the face */
-#define PRESSED 12.0   /* mm, after PRESS_TICKS */
-#define CREEP 1.5e-4   /* mm a tick */
+#define BEGIN -2.0     /* mm: clear of the face's rim */
+#define PRESSED 12.0   /* mm, reached after PRESS_TICKS */
+#define CREEP 1.5e-4   /* mm per tick */
 #define DEEPEST 24.0
 #define BREATH 1.5    /* mm */
 #define SWEEP_X 4.0   /* mm */
@@ -42,7 +42,7 @@ void press_go_on(press_hand *hand, int64_t k)
         return;
     if (hand->depth > DEEPEST)
         hand->depth = DEEPEST;
-    /* Down first, from where pressing ended. */
+    /* Moves inward first, from where pressing ended. */
     turn(&hand->breath);
     turn(&hand->sweep);
     turn(&hand->wobble);

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Going on elsewhere when a backend fails.
+ * Failover to another backend when one fails.
  *
  *   bone  ----o=========o=========o====x           o  copied to the host
- *             |         |         |    |           =  ticks recorded since
+ *             |         |         |    |           =  ticks recorded since the copy
  *             '---------'---------'    the backend fails in this tick
  *                                 |
- *   other                         o====-------->   the copy, the recorded ticks again, and on
+ *   other                         o====-------->   the copy, the recorded ticks again, then further ticks
  *
- * Ticks are arithmetic on integers and every backend gives the same grids, so
- * doing them again elsewhere gives the bone as it was, and the same totals.
- * The copy is only replaced by a whole one.
+ * A tick is integer arithmetic and every backend gives the same grids, so
+ * executing the recorded ticks again on another backend gives the same bone and
+ * the same totals.  A copy is replaced only by a complete new one.
  */
 #include "sim/world.h"
 
@@ -78,7 +78,7 @@ ost_status ost_world_keep_tool(ost_world *world, int index, const ost_tool *tool
     if (classes) {
         memcpy(classes, volume.voxels, count);
         world->kept->tools[index] = classes;
-        /* Before it was there it stood where a new one stands. */
+        /* A tool's initial state is the same as in ost_world_add_tool. */
         world->kept->inputs[index] = (ost_input_component){.pose = ost_pose_identity(), .event = ost_pose_identity()};
     } else {
         status = ost_fail(err, OST_ERR_MEMORY, "no memory for a copy of a tool, %zu voxels", count);
@@ -113,14 +113,17 @@ static ost_status make_tools(const ost_world *world, ost_backend *backend, ost_t
 {
     ost_status status = OST_OK;
     for (int i = 0; i < world->tool_count && status == OST_OK; i++) {
-        /* Uploads read the classes only. */
+        /* ost_tool_upload reads only the geometry and the classes. */
         const ost_tool_volume volume = {.geometry = world->tools[i].voxels.tool->geometry, .voxels = world->kept->tools[i]};
         status = ost_tool_upload(backend, &volume, &out[i], err);
     }
     return status;
 }
 
-/* The world as it was before the recorded ticks, with other voxels; then these ticks. */
+/*
+ * Restores the state before the recorded ticks, with the new bone and tools, and executes these
+ * ticks again.
+ */
 static ost_status repeat_ticks(ost_world *world, ost_bone *bone, ost_tool *const *tools, ost_error *err)
 {
     const ost_world_kept *kept = world->kept;
@@ -138,7 +141,7 @@ static ost_status repeat_ticks(ost_world *world, ost_bone *bone, ost_tool *const
     return status == OST_OK ? ost_backend_finish(bone->backend, err) : status;
 }
 
-/* What repeat_ticks changes. */
+/* The state that repeat_ticks changes. */
 typedef struct world_state {
     ost_entity bone, tools[OST_WORLD_TOOLS_MAX];
     ost_world_clock clock;

@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The site of an operation before it begins, and what was cut on its near side.
+ * Checks of an operation's site before it begins: bone in front of the glenoid's
+ * face, and bone along its axis.
  *
  *        near side        |  bone
  *                 .-------'        r
  *     front ->   :                 ^    w < -(3 + min(r, 18)^2 / 60) mm is in front of
- *   - - - - - - -:- - - - + - - - -+--> w  the face; a rim stands up to 5 mm above its
+ *   - - - - - - -:- - - - + - - - -+--> w  the face; a rim rises up to 5 mm above its
  *      axis      :        at            centre at 17 mm, where the border is at 7.8 mm
  *                 '-------.
  *                         |
  *
- * Floats: all of this is for people and decides no voxel.
+ * Floats are allowed: the results are for users and decide no voxel.
  */
 #include <osteon/sim.h>
 
@@ -21,14 +22,17 @@
 #define FRONT_BEND_MM 60.0
 #define FRONT_RADIUS_MM 18.0
 
-/* The cylinders about the axis whose share of bone is measured. */
+/* The cylinders about the axis in which the fraction of bone is measured. */
 #define CORE_RADIUS_MM 4.0
 #define CORE_FROM_MM 1.0
 #define CORE_TO_MM 11.0
 
 enum { SLAB = 8 };
 
-/* What is counted: active voxels at w along the axis and the square r2 of their distance from it. */
+/*
+ * Returns true if an active voxel counts: w (mm) is its position along the axis, r2 (mm^2) the
+ * square of its distance from the axis.
+ */
 typedef bool zone(const double *limits, double w, double r2);
 
 static bool in_front(const double *limits, double w, double r2)

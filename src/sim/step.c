@@ -2,15 +2,15 @@
 /*
  * One tick (thesis, Algs. 2.7-2.10).
  *
- *   tick: which tool, which pose, how fast its motor
- *     is the motor on, and a removal due?                    no: the tool has moved, that is all
+ *   tick: tool, pose, motor speed
+ *     is the motor on, and a removal due?                    no: only the tool has moved
  *     n poses from the last event's pose to this one         AR-SWEEP
  *     for each: do the boxes meet? which voxels can it hit?  Algs. 2.7-2.9
- *     backend.remove with those that can hit any             Alg. 2.10
+ *     backend.remove with the poses that can hit a voxel     Alg. 2.10
  *
- * Everything that can fail comes before the first change: maps are made into
- * scratch, the backend changes nothing when it fails, and the world's own
- * state is written last.
+ * Everything that can fail precedes the first change: maps are made in scratch
+ * memory, the backend changes nothing when it fails, and the world's own state
+ * is written last.
  */
 #include "sim/world.h"
 
@@ -45,12 +45,15 @@ static bool removal_is_due(const ost_world *world, const ost_tick *tick, bool ta
     return taken_up || !world->clock.running || period == 0 || ost_floor_div(tick->t_ns, period) != ost_floor_div(world->clock.removal_t, period);
 }
 
-/* AR-MOTOR-6: how far the motor has turned, with this tick, since the next sweep's first pose. */
+/* AR-MOTOR-6: returns the motor's rotation, including this tick, since the first pose of the next sweep. */
 static int64_t turned_by(const ost_world *world, const ost_tick *tick, bool taken_up)
 {
     if (taken_up || world->clock.totals.ticks == 0 || tick->rpm <= 0)
         return world->clock.turned;
-    /* Time increases, so the difference is right modulo 2^64; a turn is at least as long as 1/3000 of OST_MOTOR_TURN. */
+    /*
+     * Time increases, so the difference is exact modulo 2^64. The product cannot overflow: it
+     * is at most `left`.
+     */
     const uint64_t ns = (uint64_t)tick->t_ns - (uint64_t)world->clock.t_ns;
     const int64_t left = OST_MOTOR_TURN - world->clock.turned;
     return ns > (uint64_t)(left / tick->rpm) ? OST_MOTOR_TURN : world->clock.turned + (int64_t)ns * tick->rpm;
@@ -69,7 +72,7 @@ static ost_status count_poses(const ost_world *world, const ost_entity *tool, co
                            count, err);
 }
 
-/* The voxels that the tool can hit at this pose; empty when its box does not meet the bone's. */
+/* Returns the voxels that the tool can hit at this pose; empty if its box does not meet the bone's. */
 static ost_voxel_box reach(const ost_world *world, const ost_entity *tool, const ost_pose *pose)
 {
     const ost_dims d = world->geometry.dims;
@@ -80,7 +83,7 @@ static ost_voxel_box reach(const ost_world *world, const ost_entity *tool, const
     return ost_box_voxels(&world->geometry, &tool->box, pose);
 }
 
-/* Maps and boxes of the poses that can hit anything, in the sweep's order. */
+/* Makes the maps and boxes of the poses that can hit a voxel, in the sweep's order. */
 static ost_status prepare(ost_world *world, const ost_entity *tool, const ost_tick *tick, int count, ost_event *event, ost_error *err)
 {
     ost_status status = ost_world_make_room(world, count, err);

@@ -4,10 +4,10 @@
  *
  *   h <- mix(h ^ word),   mix the bijection that SplitMix64 ends with
  *
- * (Steele, Lea, Flood 2014).  A bijection keeps what differs different: two
- * sequences of words meet again only by chance, 2^-64.  It is arithmetic on
- * integers and no library's, so that a session can be checked anywhere, and it
- * takes a few words a chunk in a tick that has no time for SHA-256.
+ * (Steele, Lea, Flood 2014).  A bijection maps different values to different
+ * values: two sequences of words collide only by chance, 2^-64.  The digest uses
+ * integer arithmetic and no library, so that a session can be checked anywhere,
+ * and costs a few words per chunk, because a tick has no time for SHA-256.
  */
 #include <osteon/sim.h>
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Making a world: a bone and the tools that will work on it. */
+/* Creates a world: a bone and the tools that will work on it. */
 #include "sim/world.h"
 
 #include <stdio.h>
@@ -66,11 +66,17 @@ ost_status ost_world_add_tool(ost_world *world, const char *name, const ost_tool
         return ost_fail(err, OST_ERR_USAGE, "a world holds up to %d tools", OST_WORLD_TOOLS_MAX);
     if (tool->backend != world->bone.voxels.bone->backend)
         return ost_fail(err, OST_ERR_USAGE, "tool '%s' lives on another backend than the bone", name ? name : "");
-    /* What no pose can make good, width and ratio, is better said here than at the first tick. */
+    /*
+     * Grid width and voxel ratio make a map fail at any pose, so they are checked here and not
+     * at the first tick.
+     */
     ost_pose identity = ost_pose_identity();
     ost_map map;
     ost_status status = ost_map_make(&identity, &world->geometry, &tool->geometry, &map, err);
-    /* An event that can reach nothing: whatever a backend derives from a tool for this bone is made now and not in the first tick. */
+    /*
+     * An event that reaches no voxel: the backend derives its data from the tool for this bone
+     * now and not in the first tick.
+     */
     const ost_voxel_box nowhere = {{0, 0, 0}, {0, 0, 0}};
     const ost_event nothing = {.pose_count = 1, .maps = &map, .boxes = &nowhere, .classes = &world->options.classes};
     if (status == OST_OK)
@@ -115,7 +121,7 @@ ost_status ost_world_reserve(ost_world *world, ost_error *err)
     const int n = world->chunk_size;
     const size_t chunks = (size_t)((d.x + n - 1) / n) * (size_t)((d.y + n - 1) / n) * (size_t)((d.z + n - 1) / n);
     ost_status status = ost_world_make_room(world, OST_SWEEP_MAX, err);
-    /* Whatever a backend makes room for in an event it makes for one that may meet every chunk. */
+    /* An event that may meet every chunk: the backend allocates now what any event can need. */
     const ost_voxel_box whole = {{0, 0, 0}, {d.x, d.y, d.z}};
     for (int t = 0; t < world->tool_count && status == OST_OK; t++) {
         const ost_event event = {.pose_count = 1, .maps = world->maps, .boxes = &whole, .classes = &world->options.classes};
