@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Plugins: somebody else's implementation of the stages, loaded at run time.
+ * Plugins: external implementations of the stages, loaded at run time.
  *
  *   osteon ... --backend plugin:./mine.so,KEY=VALUE
  *
@@ -10,35 +10,34 @@
  *   grids, bones, tools, events           ------->   one slot a stage, as in backend.h
  *   reports, error texts                  <-------
  *
- * A plugin needs this file and nothing else of osteon: it is not linked to the
- * library, and all types here are plain C.  What the stages must give is in
- * docs/arithmetic.md; rules are named AR-... there.  examples/plugin has a
- * whole one, in C and in OpenCL.
+ * A plugin needs only this file of osteon: it is not linked to the library, and
+ * all types here are plain C.  docs/arithmetic.md defines the results of the
+ * stages; its rules are named AR-....  examples/plugin contains a complete
+ * plugin, in C and in OpenCL.
  *
  * Binary interface.  OST_PLUGIN_ABI is the interface's number: a table with
- * another number is refused.  Every struct begins with its size in bytes as
- * its writer knows it; later versions only add members at the end, so a reader
- * looks at a member only if size reaches it.  All integers are little-endian
- * and of the machine's own alignment (LP64).  Structs in arrays are `stride`
+ * another number is refused.  Every struct begins with its size in bytes as its
+ * writer's version defines it; later versions only add members at the end, so a
+ * reader accesses a member only if size includes it.  All integers are
+ * little-endian and naturally aligned (LP64).  Structs in arrays are `stride`
  * bytes apart.
  *
- * Threads.  One instance and its objects get one call at a time, not always
- * from the same thread.  A plugin may have threads of its own; they must not
- * call back after a slot has returned.  The file stays loaded until the
- * process ends.
+ * Threads.  An instance and its objects get one call at a time, not always from
+ * the same thread.  A plugin may have threads of its own; they must not call
+ * back after a slot has returned.  The file stays loaded until the process ends.
  *
- * Lifetimes.  What a slot is given lives until it returns: copy what is to
- * stay.  Objects that a slot makes belong to the host, which frees each by its
- * free slot before close.
+ * Lifetimes.  Arguments of a slot are valid until it returns: copy what is
+ * needed later.  Objects that a slot creates belong to the host, which frees
+ * each by its free slot before close.
  *
- * Errors.  A slot returns an ost_plugin_status and, when it is not
- * OST_PLUGIN_OK, one line of text for people in error->text.  A slot that
- * fails has changed nothing; if it may have, it returns OST_PLUGIN_LOST, and
- * the host uses that object no more.  No exception and no longjmp may leave a
+ * Errors.  A slot returns an ost_plugin_status and, unless that is
+ * OST_PLUGIN_OK, one line of text for the user in error->text.  A slot that
+ * fails has changed nothing; if it may have, it returns OST_PLUGIN_LOST, and the
+ * host does not use that object again.  No exception and no longjmp may leave a
  * slot.  The host checks what can be checked (statuses, NULL objects, chunk
- * numbers, reports) and says so; a plugin that writes beyond what
- * it was given takes the process with it, which is why `osteon validate` runs
- * each backend in a process of its own.
+ * numbers, reports) and reports violations.  A plugin that writes beyond its
+ * arguments' bounds crashes the process, so `osteon validate` runs each backend
+ * in a process of its own.
  */
 #ifndef OSTEON_PLUGIN_H
 #define OSTEON_PLUGIN_H
@@ -61,9 +60,9 @@ extern "C" {
 typedef enum ost_plugin_status {
     OST_PLUGIN_OK = 0,
     OST_PLUGIN_USAGE = 1,       /* options or arguments are wrong */
-    OST_PLUGIN_RANGE = 2,       /* beyond what this plugin can do */
+    OST_PLUGIN_RANGE = 2,       /* beyond this plugin's limits */
     OST_PLUGIN_MEMORY = 3,
-    OST_PLUGIN_UNAVAILABLE = 4, /* no such device, not built in: the text says what to install */
+    OST_PLUGIN_UNAVAILABLE = 4, /* no such device, or not built in: the text says what to install */
     OST_PLUGIN_FAILED = 5,      /* anything else; nothing has changed */
     OST_PLUGIN_LOST = 6         /* the object's content is unknown from now on */
 } ost_plugin_status;
@@ -71,7 +70,7 @@ typedef enum ost_plugin_status {
 typedef struct ost_plugin_error {
     uint32_t size;
     uint32_t text_size; /* bytes of text, its NUL included */
-    char *text;         /* one line, empty at first */
+    char *text;         /* one line; empty before the call */
 } ost_plugin_error;
 
 /* Lengths are in picometres (10^-9 mm), exact. Voxel (i, j, k) is element i + x (j + y k). */
@@ -92,7 +91,7 @@ typedef struct ost_plugin_tool_geometry {
 
 /* ---------------------------------------------------------------- import */
 
-typedef struct ost_plugin_sample { /* of fixed layout for ever: 32 bytes */
+typedef struct ost_plugin_sample { /* its layout of 32 bytes never changes */
     int64_t x_pm, y_pm, z_pm;
     int32_t density;
     uint32_t line; /* counted from the batch's first_line */
@@ -106,7 +105,7 @@ typedef struct ost_plugin_samples {
     const ost_plugin_sample *sample;
 } ost_plugin_samples;
 
-/* In and out: what batches before this one met, see ost_scatter_report in backend.h. */
+/* In and out: results of the batches before this one; see ost_scatter_report in backend.h. */
 typedef struct ost_plugin_scatter_report {
     uint32_t size;
     int16_t conflict_had, conflict_has;
@@ -121,8 +120,8 @@ typedef struct ost_plugin_mesh {
     uint32_t size;
     int32_t fraction_bits;
     uint64_t vertex_count, triangle_count;
-    const int32_t *vertices;   /* x, y, z of each */
-    const uint32_t *triangles; /* three vertices of each, counter-clockwise from outside */
+    const int32_t *vertices;   /* x, y, z of each vertex */
+    const uint32_t *triangles; /* three vertices of each triangle, counter-clockwise from outside */
 } ost_plugin_mesh;
 
 typedef struct ost_plugin_voxelize_report {
@@ -140,12 +139,12 @@ typedef struct ost_plugin_int128 {
 } ost_plugin_int128;
 
 /*
- * From bone voxels to tool voxels at one pose (AR-MAP), three times over:
- * exactly, (origin[a] + i column[0][a] + j column[1][a] + k column[2][a]) /
- * divisor in units of 2^-20 tool voxel; as the integers that decide, host's
- * block_base and step; and affine, the doubles nearest to the exact map in
- * tool voxels, affine[a][0..2] (i, j, k) + affine[a][3], for those who compute
- * in floating point.
+ * Maps bone voxels to tool voxels at one pose (AR-MAP), in three forms: exactly,
+ * (origin[a] + i column[0][a] + j column[1][a] + k column[2][a]) / divisor in
+ * units of 2^-20 tool voxel; as the integers that decide, the host's block_base
+ * and step; and as affine, the doubles nearest to the exact map in tool voxels,
+ * affine[a][0..2] (i, j, k) + affine[a][3], for plugins that compute in floating
+ * point.
  */
 typedef struct ost_plugin_map {
     uint32_t size;
@@ -161,24 +160,28 @@ typedef struct ost_plugin_event {
     uint64_t stride;   /* bytes from one map to the next */
     const ost_plugin_map *maps;
     int32_t class_count;      /* 1 to 8 */
-    const int16_t *class_from; /* a voxel's class is the last one whose border is not above its density, 0 below all */
+    /* a voxel's class is the last one whose border is not above its density; 0 if all are above */
+    const int16_t *class_from;
 } ost_plugin_event;
 
-/* What a plugin that makes the steps before the voxels itself begins with, and what it gives (slots snap and steps). */
+/*
+ * Inputs and results of the steps before the voxels, for plugins that execute them (slots snap
+ * and steps).
+ */
 typedef struct ost_plugin_raw_mesh {
     uint32_t size;
     uint32_t reserved;
     uint64_t vertex_count, triangle_count;
-    const int64_t *vertices_pm; /* x, y, z of each */
-    const uint32_t *triangles;  /* three vertices of each */
+    const int64_t *vertices_pm; /* x, y, z of each vertex */
+    const uint32_t *triangles;  /* three vertices of each triangle */
 } ost_plugin_raw_mesh;
 
 typedef struct ost_plugin_snapped {
     uint32_t size;
     int32_t fraction_bits;
-    uint64_t triangle_count; /* kept */
-    int32_t *vertices;       /* room for all, zero-filled */
-    uint32_t *triangles;     /* room for all */
+    uint64_t triangle_count; /* number of triangles kept */
+    int32_t *vertices;       /* has space for all vertices; zero-filled */
+    uint32_t *triangles;     /* has space for all triangles */
 } ost_plugin_snapped;
 
 typedef struct ost_plugin_pose {
@@ -187,26 +190,36 @@ typedef struct ost_plugin_pose {
     int64_t t_pm[3];
 } ost_plugin_pose;
 
-/* Of the maps that are given to add, divisor, origin, column and step are read; a voxel's base is the host's block_base of them. */
+/*
+ * Of a map passed to add, the host reads divisor, origin, column and step; it computes a
+ * voxel's base from them by block_base.
+ */
 typedef struct ost_plugin_steps {
     uint32_t size;
     uint32_t reserved;
     const ost_plugin_geometry *bone;
     const ost_plugin_tool_geometry *tool;
-    const ost_plugin_pose *from; /* where the sweep begins; NULL: the event has one pose, `to` */
+    const ost_plugin_pose *from; /* start of the sweep; NULL: the event has one pose, `to` */
     const ost_plugin_pose *to;
     void *sink;
-    int32_t (*add)(void *sink, const ost_plugin_pose *pose, const ost_plugin_map *map); /* not OST_PLUGIN_OK: stop, return it */
+    /* if it does not return OST_PLUGIN_OK, the slot stops and returns that value */
+    int32_t (*add)(void *sink, const ost_plugin_pose *pose, const ost_plugin_map *map);
 } ost_plugin_steps;
 
-/* Filled by calling add once for each chunk with a removed voxel, ascending, then touched_voxels. */
+/*
+ * Filled by the slot: it calls add once for each chunk with a removed voxel, in ascending
+ * order, then sets touched_voxels.
+ */
 typedef struct ost_plugin_report {
     uint32_t size;
     uint32_t reserved;
     void *sink;
-    /* class_count voxels and sums of densities; not OST_PLUGIN_OK: stop and return it */
+    /*
+     * voxels and density have class_count counts and sums; if it does not return OST_PLUGIN_OK,
+     * the slot stops and returns that value
+     */
     int32_t (*add)(void *sink, int32_t chunk, const uint32_t *voxels, const int64_t *density);
-    uint64_t touched_voxels; /* active voxels that only non-cutting tool voxels cover */
+    uint64_t touched_voxels; /* active voxels covered only by non-cutting tool voxels */
 } ost_plugin_report;
 
 typedef struct ost_plugin_bone_stats {
@@ -215,7 +228,7 @@ typedef struct ost_plugin_bone_stats {
     int64_t active_chunks, active_voxels, chunk_bytes, resident_bytes;
 } ost_plugin_bone_stats;
 
-/* What a cubic voxel takes from the rect grid (AR-CUB-2 to 4); since interface 2. */
+/* How a cubic voxel's density follows from the rect grid (AR-CUB-2 to 4); since interface 2. */
 typedef enum ost_plugin_resample {
     OST_PLUGIN_LINEAR = 0,
     OST_PLUGIN_NEAREST = 1,
@@ -227,10 +240,14 @@ typedef enum ost_plugin_resample {
 typedef struct ost_plugin_host {
     uint32_t size;
     uint32_t abi;
-    int32_t arithmetic;  /* version of docs/arithmetic.md that the host compares with */
+    int32_t arithmetic;  /* version of docs/arithmetic.md with which the host compares */
     uint32_t reserved;
-    const char *version; /* osteon's */
-    /* Base of the block of 16^3 voxels that begins at (16 x, 16 y, 16 z), AR-MAP-5; 0: no voxel of it can be inside, base is not set. */
+    const char *version; /* version of osteon */
+    /*
+     * Computes the base of the block of 16^3 voxels that begins at (16 x, 16 y, 16 z),
+     * AR-MAP-5. Returns 0 without setting base if none of its voxels can be inside the tool's
+     * grid.
+     */
     int32_t (*block_base)(const ost_plugin_map *map, const int32_t block[3], int32_t base[3]);
 } ost_plugin_host;
 
@@ -241,22 +258,25 @@ typedef struct ost_plugin_grid ost_plugin_grid; /* a dense int16 grid */
 typedef struct ost_plugin_bone ost_plugin_bone; /* a chunk grid */
 typedef struct ost_plugin_tool ost_plugin_tool; /* a tool grid: 0 void, 1 cutting, 2 not cutting */
 
-/* No slot may be NULL but the last two. Arguments are within the ranges of backend.h and grid.h: the host has checked them. */
+/*
+ * No slot may be NULL except the last two. The host has checked that arguments are within the
+ * ranges of backend.h and grid.h.
+ */
 typedef struct ost_plugin {
     uint32_t size;
     uint32_t abi;            /* OST_PLUGIN_ABI */
-    int32_t arithmetic;      /* the version of docs/arithmetic.md that it means to be equal to; 0: none */
+    int32_t arithmetic;      /* the version of docs/arithmetic.md that the plugin implements; 0: none */
     uint32_t reserved;
-    const char *name;        /* "mine 1.2", a line */
-    const char *description; /* a sentence */
+    const char *name;        /* one line, for example "mine 1.2" */
+    const char *description; /* one sentence */
 
     /* options: the text after the file's name and its comma, or "" */
     int32_t (*open)(const char *options, const ost_plugin_host *host, ost_plugin_instance **out, ost_plugin_error *error);
     void (*close)(ost_plugin_instance *self);
-    /* Waits until everything has happened, and reports a late failure. */
+    /* Waits until all work is complete, and reports a late failure. */
     int32_t (*finish)(ost_plugin_instance *self, ost_plugin_error *error);
 
-    /* Zero-filled. Slices are z0 <= k < z0 + count. */
+    /* A new grid is zero-filled. Slices are z0 <= k < z0 + count. */
     int32_t (*grid_create)(ost_plugin_instance *self, const ost_plugin_geometry *geometry, ost_plugin_grid **out, ost_plugin_error *error);
     void (*grid_free)(ost_plugin_grid *grid);
     int32_t (*grid_upload)(ost_plugin_grid *grid, int32_t z0, int32_t count, const int16_t *voxels, ost_plugin_error *error);
@@ -264,13 +284,13 @@ typedef struct ost_plugin {
 
     /* AR-CT-4 to 6 (thesis, Alg. 2.4) */
     int32_t (*ct_to_rect)(ost_plugin_grid *rect, const ost_plugin_samples *samples, ost_plugin_scatter_report *report, ost_plugin_error *error);
-    /* AR-CUB (Alg. 2.5); rule: an ost_plugin_resample. The new grid has this geometry. */
+    /* AR-CUB (Alg. 2.5); rule is an ost_plugin_resample. The new grid has the given geometry. */
     int32_t (*rect_to_cubic)(const ost_plugin_grid *rect, const ost_plugin_geometry *cubic, int32_t rule, ost_plugin_grid **out,
                              ost_plugin_error *error);
     /* AR-CHK (Alg. 2.6) */
     int32_t (*cubic_to_chunks)(const ost_plugin_grid *cubic, int32_t chunk_size, int32_t threshold, ost_plugin_bone **out, ost_plugin_error *error);
 
-    /* No active voxel; an upload applies the threshold. Slices without the padding. */
+    /* A new bone has no active voxel; an upload applies the threshold. Slices have no padding. */
     int32_t (*bone_create)(ost_plugin_instance *self, const ost_plugin_geometry *geometry, int32_t chunk_size, int32_t threshold,
                            ost_plugin_bone **out, ost_plugin_error *error);
     void (*bone_free)(ost_plugin_bone *bone);
@@ -287,25 +307,31 @@ typedef struct ost_plugin {
     int32_t (*tool_download)(const ost_plugin_tool *tool, uint8_t *voxels, ost_plugin_error *error);
     void (*tool_free)(ost_plugin_tool *tool);
 
-    /* AR-REM (Algs. 2.8 to 2.10); collide reports the same and changes nothing. */
+    /* AR-REM (Algs. 2.8 to 2.10); collide reports the same as remove and changes nothing. */
     int32_t (*remove)(ost_plugin_bone *bone, const ost_plugin_tool *tool, const ost_plugin_event *event, ost_plugin_report *report,
                       ost_plugin_error *error);
     int32_t (*collide)(const ost_plugin_bone *bone, const ost_plugin_tool *tool, const ost_plugin_event *event, ost_plugin_report *report,
                        ost_plugin_error *error);
 
     /*
-     * The steps before the voxels, made by the plugin itself.  Each may be NULL or beyond the table's size: then the plugin takes
-     * what the host made.  `osteon validate` calls them in every case, compares what they make bit by bit with what the host made
-     * (stages snap and steps), and its verdict says which of the two a plugin made itself.
+     * The steps before the voxels, executed by the plugin itself.  Each slot may be NULL or beyond the table's size: the
+     * plugin then gets the host's results.  `osteon validate` calls these slots in every case, compares their results bit
+     * by bit with the host's (stages snap and steps), and its verdict says which of the two a plugin executed itself.
      */
-    /* AR-MESH-3, AR-MESH-4: fills made; triangles that are kept stay in their order. */
+    /* AR-MESH-3, AR-MESH-4: fills *made; the kept triangles stay in their order. */
     int32_t (*snap)(ost_plugin_instance *self, const ost_plugin_tool_geometry *geometry,
                     const ost_plugin_raw_mesh *mesh, ost_plugin_snapped *made, ost_plugin_error *error);
-    /* AR-SWEEP-1 to 4, AR-MAP-1 to 3: calls in->add once for each pose of the event, in their order; never for one that is refused. */
+    /*
+     * AR-SWEEP-1 to 4, AR-MAP-1 to 3: calls in->add once for each pose of the event, in order,
+     * and never for an event that it refuses.
+     */
     int32_t (*steps)(ost_plugin_instance *self, const ost_plugin_steps *in, ost_plugin_error *error);
 } ost_plugin;
 
-/* The one symbol that the host looks for. host_abi is the host's OST_PLUGIN_ABI; NULL refuses to work with it. */
+/*
+ * The symbol that the host loads. host_abi is the host's OST_PLUGIN_ABI; returns NULL if the
+ * plugin cannot work with it.
+ */
 typedef const ost_plugin *ost_plugin_entry_function(uint32_t host_abi);
 #define OST_PLUGIN_ENTRY "ost_plugin_entry"
 

@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Two ways from the tick to the looker.
+ * The two paths from the tick to the viewer.
  *
- * The state is three buffers: one that the tick writes, one that the looker
- * reads, one between.  Each exchanges its own with the one between, so neither
- * ever has a buffer that the other has.
+ * The state has three buffers: one that the tick writes, one that the viewer
+ * reads, and one in the middle.  Each side exchanges its own buffer with the
+ * middle one, so the two sides never share a buffer.
  *
- *        tick                         looker
+ *        tick                         viewer
  *     state[back]  <--> middle <-->  state[front]        middle: a number, and whether it is new
  *
- * The bone's words lie in memory that both have, each word atomic.  The tick
- * writes a chunk's words and then sets its bit (release); the looker clears
- * bits (acquire) and then reads words.  What is written while it reads has its
- * bit set afterwards, so the looker comes again: words that it saw too early
- * are seen once more, and none is missed.
+ * The bone's words are in memory that both sides share, each word atomic.  The
+ * tick writes a chunk's words and then sets its dirty bit (release); the viewer
+ * clears dirty bits (acquire) and then reads the words.  If the tick writes while
+ * the viewer reads, the bit is set again afterwards, so the viewer reads the
+ * chunk once more: no change is missed.
  *
  *     waiting: slots in their order, each once        words[slot]     dirty
  *     changed --> [ 7 | 3 | 12 |   |   ] --publish--> 1 0 1 1 ...     bit of slot
@@ -31,24 +31,24 @@ struct ost_live {
     ost_geometry geometry;
     int n;
     ost_dims chunk_dims;
-    size_t chunk_words;    /* of 32 bits */
-    int32_t *slot_of;      /* owned; of each chunk, NONE for those that were empty from the start */
-    int32_t *chunk_of;     /* owned; of each slot */
+    size_t chunk_words;    /* number of 32-bit words in a chunk */
+    int32_t *slot_of;      /* owned; slot of each chunk, NONE for chunks that were empty from the start */
+    int32_t *chunk_of;     /* owned; chunk of each slot */
     int32_t slots;
-    _Atomic uint32_t *words; /* owned; chunk_words a slot */
-    _Atomic uint64_t *dirty; /* owned; a bit a slot */
+    _Atomic uint32_t *words; /* owned; chunk_words for each slot */
+    _Atomic uint64_t *dirty; /* owned; a bit for each slot */
 
     ost_live_state state[STATES];
     _Alignas(LINE) _Atomic unsigned middle;
-    _Alignas(LINE) unsigned front; /* the looker's */
-    bool any;              /* the looker's: front has been written */
-    uint32_t *seen;        /* owned; the looker's; a chunk's words */
+    _Alignas(LINE) unsigned front; /* the viewer's buffer */
+    bool any;              /* used by the viewer: front has been written */
+    uint32_t *seen;        /* owned; used by the viewer: a chunk's words */
 
-    _Alignas(LINE) unsigned back; /* from here on the tick's */
-    int32_t *waiting;      /* owned; a ring of slots numbers */
-    bool *waits;           /* owned; of each slot, whether it is in the ring */
+    _Alignas(LINE) unsigned back; /* used by the tick, like all following members */
+    int32_t *waiting;      /* owned; a ring buffer of slot numbers */
+    bool *waits;           /* owned; for each slot, whether it is in the ring buffer */
     int32_t first, count;
-    uint32_t *fresh;       /* owned; words of the chunks that are published at once */
+    uint32_t *fresh;       /* owned; words of the chunks that are published in one call */
     int32_t at_once;
 };
 
@@ -62,7 +62,7 @@ static ost_status no_memory(ost_error *err)
     return ost_fail(err, OST_ERR_MEMORY, "no memory for what others see of a bone");
 }
 
-/* Every chunk's words once, into visit; chunk numbers ascend. */
+/* Passes every chunk's words to `visit`, in ascending order of chunk numbers. */
 static ost_status for_chunks(ost_live *live, int64_t chunks, void (*visit)(ost_live *live, int32_t chunk, const uint32_t *words), ost_error *err)
 {
     uint32_t *words = malloc(live->chunk_words * sizeof *words);
@@ -119,7 +119,7 @@ static ost_status make(ost_live *live, ost_error *err)
     status = for_chunks(live, info.chunks, number, err);
     if (status != OST_OK)
         return status;
-    const size_t room = (size_t)live->slots + 1; /* never nothing */
+    const size_t room = (size_t)live->slots + 1; /* never 0 */
     live->chunk_of = malloc(room * sizeof *live->chunk_of);
     live->words = malloc(room * live->chunk_words * sizeof(_Atomic uint32_t));
     live->dirty = calloc(dirty_words(live) + 1, sizeof(_Atomic uint64_t));
@@ -187,7 +187,7 @@ void ost_live_changed(ost_live *live, const ost_report *report)
         const int32_t slot = live->slot_of[report->chunks[i].chunk];
         if (slot == NONE || live->waits[slot])
             continue;
-        int32_t last = live->first + live->count; /* slots < 2^30, chunks of a grid of at most 2^14 a side */
+        int32_t last = live->first + live->count; /* slots < 2^30, because a grid has at most 2^14 chunks a side */
         last = last < live->slots ? last : last - live->slots;
         live->waiting[last] = slot;
         live->waits[slot] = true;
@@ -195,10 +195,10 @@ void ost_live_changed(ost_live *live, const ost_report *report)
     }
 }
 
-/* Up to at_once of those that wait. */
+/* Publishes up to at_once of the waiting slots. */
 static ost_status publish_some(ost_live *live, ost_error *err)
 {
-    int32_t chunk[BUDGET_WORDS / 128] = {0}, slot[BUDGET_WORDS / 128]; /* 128: of a chunk of 16^3 */
+    int32_t chunk[BUDGET_WORDS / 128] = {0}, slot[BUDGET_WORDS / 128]; /* 128: words of a chunk of 16^3 */
     const int32_t some = live->count < live->at_once ? live->count : live->at_once;
     for (int32_t i = 0; i < some; i++) {
         const int32_t at = live->first + i;
@@ -269,7 +269,7 @@ ost_status ost_live_take(ost_live *live, ost_live_visit *visit, void *user, ost_
             if (status != OST_OK)
                 break;
         }
-        /* Those that were not shown are as they were. */
+        /* Restores the dirty bits of the chunks that were not visited. */
         if (left)
             atomic_fetch_or_explicit(&live->dirty[w], left, memory_order_relaxed);
     }

@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-/* Gauss with pivots; m is n x (n + 1). */
+/* Solves n linear equations by Gauss-Jordan elimination with pivoting; m is n x (n + 1). */
 static bool eliminate(double m[4][5], int n, double x[4])
 {
     for (int c = 0; c < n; c++) {

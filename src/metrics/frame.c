@@ -6,7 +6,7 @@
  *        /|                                   GC  centre of the glenoid's face, the plan's
  *       / superior, in the plane of the three IA  inferior angle
  *     TS  |
- *      \  IA          posterior = across that plane
+ *      \  IA          posterior = perpendicular to that plane
  */
 #include "metrics/frame.h"
 
@@ -41,7 +41,7 @@ bool ost_scapular_frame(const ost_metrics_plan *plan, ost_scapular *out)
         out->superior[a] = along * out->lateral[a] - down[a];
     if (!unit(out->superior))
         return false;
-    /* Lateral and superior are right-handed with the back on a left shoulder. */
+    /* Lateral x superior points to the back on a right shoulder, and to the front on a left one. */
     const double side = plan->left ? -1 : 1, *l = out->lateral, *s = out->superior;
     for (int a = 0; a < 3; a++)
         out->posterior[a] = side * (l[(a + 1) % 3] * s[(a + 2) % 3] - l[(a + 2) % 3] * s[(a + 1) % 3]);

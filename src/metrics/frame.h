@@ -4,14 +4,17 @@
 
 #include <osteon/metrics.h>
 
-/* Unit vectors, each across the others. */
+/* Unit vectors, perpendicular to each other. */
 typedef struct ost_scapular {
     double lateral[3], superior[3], posterior[3];
 } ost_scapular;
 
-/* False without landmarks, or when they lie on a line. */
+/* Returns false without landmarks or if they are collinear. */
 bool ost_scapular_frame(const ost_metrics_plan *plan, ost_scapular *out);
-/* Of the face whose inward direction is given: toward the back and toward the top from the frame's lateral. */
+/*
+ * Computes the angles of the face with the given inward direction: toward the back and toward
+ * the top, from the frame's lateral axis.
+ */
 void ost_scapular_angles(const ost_scapular *frame, const double inward[3], double *retroversion_deg, double *superior_deg);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The numbers of metrics.h, in the order in which they need each other. Lengths in millimetres. */
+/* Computes the values of metrics.h in the order of their dependencies. Lengths are in millimetres. */
 #include <osteon/metrics.h>
 
 #include <math.h>
@@ -12,12 +12,12 @@
 #include "metrics/tool_way.h"
 
 enum { MAP = OST_METRICS_MAP, CELLS = MAP * MAP, SLABS = 64, HARD_HU = 650, FLOOR_MIN = 200, RIM = 2 };
-#define OUTSIDE_MM 12.0 /* a ray begins so far outside the face */
+#define OUTSIDE_MM 12.0 /* rays start at this distance outside the face */
 #define INSIDE_MM 45.0
 #define PLATE_MM 4.5
 #define MARGIN_MM 1.0
-#define WINDOW_MM 0.5   /* a reamer's axis is that of its deepest half millimetre */
-#define ENTRY_MM 6.0      /* as WALL_MM: nearer to the face the outside in front would count */
+#define WINDOW_MM 0.5   /* a reamer's axis is the mean over its deepest half millimetre */
+#define ENTRY_MM 6.0      /* equal to WALL_MM: nearer to the face the space in front of it would count as outside */
 #define WALL_MM 6.0
 #define DEG (180 / 3.14159265358979323846)
 
@@ -29,9 +29,9 @@ typedef struct work {
     double spacing, origin[3];
     ost_plan_frame frame;
     int32_t dims[3];
-    ost_scapular scapular; /* when out->scapular */
-    uint8_t *mark; /* owned; voxels that a drill could have removed; NULL: no drill */
-    double (*floor)[3]; /* owned; points of the floor, in u, v, w */
+    ost_scapular scapular; /* valid if out->scapular */
+    uint8_t *mark; /* owned; voxels that a drill could have removed; NULL without a drill */
+    double (*floor)[3]; /* owned; points of the floor in u, v, w */
     size_t floor_count;
 } work;
 
@@ -74,7 +74,7 @@ static ost_status set_up(work *k, const ost_metrics_motion *motion, ost_error *e
         k->frame.w[a] = k->plan->axis[a];
     }
     unit(k->frame.w);
-    /* v as far up as it can be, or forward where the axis is upright. */
+    /* v points as far up as possible, or to the front if the axis is vertical. */
     const double up[3] = {0, fabs(k->frame.w[2]) > 0.9 ? -1 : 0, fabs(k->frame.w[2]) > 0.9 ? 0 : 1};
     cross(up, k->frame.w, k->frame.u);
     unit(k->frame.u);
@@ -94,7 +94,7 @@ static int64_t index_of(const work *k, const int32_t v[3])
     return v[0] + k->dims[0] * (v[1] + (int64_t)k->dims[1] * v[2]);
 }
 
-/* Density at (u, v, w); void beyond the grid. */
+/* Returns the density at (u, v, w), 0 outside the grid. */
 static int density_at(const work *k, const ost_volume *volume, double u, double v, double w)
 {
     int32_t at[3];
@@ -107,7 +107,7 @@ static int density_at(const work *k, const ost_volume *volume, double u, double 
     return volume->voxels[index_of(k, at)];
 }
 
-/* Where a ray along w meets bone first, to half a step; NAN when it does not. */
+/* Returns the position at which a ray along w first meets bone, to half a step, or NAN if it meets none. */
 static double ray(const work *k, const ost_volume *volume, double u, double v, double from)
 {
     const double step = fmax(k->spacing / 4, 0.05);
@@ -117,7 +117,10 @@ static double ray(const work *k, const ost_volume *volume, double u, double v, d
     return NAN;
 }
 
-/* The mean of four rays: a cell on the border of two voxels sees both. NAN when most meet nothing. */
+/*
+ * Returns the mean of four rays, so that a cell on the border of two voxels includes both; NAN
+ * if most meet no bone.
+ */
 static double surface(const work *k, const ost_volume *volume, double u, double v)
 {
     double sum = 0;
@@ -146,7 +149,10 @@ static bool is_floor(const work *k, int i)
     return !isnan(k->out->depth_mm[i]) && !isnan(k->out->after_mm[i]) && !k->out->drilled[i];
 }
 
-/* Keeps what has floor for RIM cells around: at the rim only cells show that happen to lie deep, and a fit would lean on them. */
+/*
+ * Keeps the cells that have floor for RIM cells around them. At the rim only cells that happen
+ * to be deep count as floor and would distort the fit.
+ */
 static void leave_rim(work *k)
 {
     k->floor_count = 0;
@@ -161,7 +167,10 @@ static void leave_rim(work *k)
         }
 }
 
-/* Some of its rays go down the hole, so that its mean is the depth of neither. */
+/*
+ * Returns true if a neighbouring cell is drilled: some rays of the cell enter the hole, so its
+ * mean depth is neither the floor's nor the hole's.
+ */
 static bool at_hole(const work *k, int i)
 {
     const int x = i % MAP, y = i / MAP;
@@ -177,7 +186,7 @@ static bool is_drilled(const work *k, int64_t i)
     return k->mark && k->mark[i];
 }
 
-/* Cells through which a drill removed bone. */
+/* Marks the cells through which a drill removed bone. */
 static void mark_cells(work *k)
 {
     int64_t i = 0;
@@ -197,7 +206,7 @@ static void mark_cells(work *k)
             }
 }
 
-/* The maps, and the floor: cells that were bared and not by a drill. */
+/* Computes the maps and the floor: cells exposed by the operation, except by a drill. */
 static void look(work *k)
 {
     ost_metrics *o = k->out;
@@ -233,7 +242,10 @@ static void look(work *k)
     o->depth_max_mm = depth[cells - 1];
 }
 
-/* Degrees outward of an inward direction, in the CT's planes: toward the back, toward the head. */
+/*
+ * Computes the angles of an inward direction in the CT's planes, in degrees of its outward
+ * opposite: toward the back and toward the head.
+ */
 static void angles(const work *k, const double inward[3], double *back, double *up)
 {
     const double lateral = k->plan->left ? -inward[0] : inward[0];
@@ -255,7 +267,7 @@ static void fit_floor(work *k)
         gaps[i] = gap;
     }
     qsort(gaps, k->floor_count, sizeof gaps[0], ascending);
-    /* One cell in a hundred may show a voxel's edge. */
+    /* Ignores one cell in a hundred, which may show a voxel's edge. */
     o->gap_max_mm = fmax(0, gaps[(k->floor_count - 1) * 99 / 100]);
     o->sphere = true;
     o->sphere_mm = radius;
@@ -264,7 +276,7 @@ static void fit_floor(work *k)
     o->centre_depth_mm = c[2] + sqrt(fmax(0, radius * radius - c[0] * c[0] - c[1] * c[1]));
 }
 
-/* What the reamer's poses say: depth, tilt and entry, and the directions as values and as errors. */
+/* Computes depth, tilt and entry from the reamer's poses, and its directions and their errors. */
 static void measure_axis(work *k, const ost_metrics_motion *motion)
 {
     ost_metrics *o = k->out;
@@ -288,7 +300,10 @@ static void measure_axis(work *k, const ost_metrics_motion *motion)
     o->inclination_error_deg = o->inclination_deg - o->inclination_planned_deg;
 }
 
-/* All voxels that went, by class and place; slabs of a millimetre of what a drill removed. */
+/*
+ * Counts all removed voxels by class and position; `slabs` gets the volume that a drill
+ * removed, per millimetre of depth.
+ */
 static ost_status count_voxels(work *k, const ost_density_classes *classes, double slabs[SLABS], ost_error *err)
 {
     ost_metrics *o = k->out;
@@ -335,7 +350,10 @@ static ost_status count_voxels(work *k, const ost_density_classes *classes, doub
     return removed ? OST_OK : ost_fail(err, OST_ERR_INPUT, "nothing was removed: there is nothing to measure");
 }
 
-/* The nearest voxel that was outside already, from those of the hole; WALL_MM when there is none so near. */
+/*
+ * Returns the distance from the hole's voxels to the nearest voxel that was outside the bone
+ * before; at most WALL_MM.
+ */
 static double wall_of(const work *k)
 {
     const int reach = (int)ceil(WALL_MM / k->spacing);
@@ -358,7 +376,7 @@ static double wall_of(const work *k)
                             if (square >= nearest)
                                 continue;
                             const bool inside = v[0] >= 0 && v[1] >= 0 && v[2] >= 0 && v[0] < k->dims[0] && v[1] < k->dims[1] && v[2] < k->dims[2];
-                            /* Beyond the grid nobody knows: a scan may end in bone. */
+                            /* Beyond the grid it is unknown: a scan may end in bone. */
                             if (inside && k->before->voxels[index_of(k, v)] < k->threshold)
                                 nearest = square;
                         }
@@ -374,7 +392,10 @@ static void measure_hole(work *k, const ost_metrics_motion *motion, const double
     int complete = 0;
     if (!way.cut || way.reach_mm <= 0)
         return;
-    /* Slabs below the reamed floor and above the tip; less than 0.9 of the largest is where the hole leaves the bone or the scan. */
+    /*
+     * Uses slabs below the reamed floor and above the tip. In a slab of less than 0.9 of the
+     * largest, the hole leaves the bone or the scan.
+     */
     const double from = fmax(o->reamed ? o->reach_mm : 0, 0) + 1;
     double most = 0;
     for (int i = (int)from; i < SLABS; i++)
@@ -389,7 +410,7 @@ static void measure_hole(work *k, const ost_metrics_motion *motion, const double
     o->hole_entry_mm = way.entry_mm;
     o->hole_diameter_mm = complete ? 2 * sqrt(sum / complete * cos(way.tilt_deg / DEG) / 3.14159265358979323846) : NAN;
     o->hole_wall_mm = wall_of(k);
-    /* A neighbour of the hole that never was bone. */
+    /* A neighbour of the hole was never bone. */
     o->hole_breach = o->hole_wall_mm < 1.01 * k->spacing;
 }
 

@@ -4,11 +4,11 @@
  *
  *   from the axis outward, in 72 directions:
  *
- *      w ^  highest - - - .--.        the rim: the last place within 1 mm of the highest
- *        |  ------.___.--'    |       seen so far, before the surface falls by more than
- *        '--- r ----------> rim       3 mm, ends, or something else stands 3 mm in front
+ *      w ^  highest - - - .--.        the rim: the last position within 1 mm of the highest
+ *        |  ------.___.--'    |       so far, before the surface falls by more than 3 mm,
+ *        '--- r ----------> rim       ends, or another surface lies 3 mm in front of it
  *
- * Nearer than 6 mm nothing is looked at: there the hole is.
+ * Positions nearer than 6 mm are skipped, because the hole is there.
  */
 #include "metrics/rim.h"
 
@@ -23,10 +23,10 @@ enum { MAP = OST_METRICS_MAP, WAYS = 72 };
 #define PI 3.14159265358979323846
 
 typedef struct rim {
-    double r[WAYS]; /* NAN: it lies beyond the map */
+    double r[WAYS]; /* NAN: beyond the map */
 } rim;
 
-/* The place in a map, or -1. */
+/* Returns the index of a cell in the map, or -1 outside it. */
 static int cell(int way, double r)
 {
     const double angle = way * 2 * PI / WAYS;
@@ -50,7 +50,10 @@ static double trace(const float *surface, int way)
     }
 }
 
-/* From side to side within 30 degrees of a direction and its opposite; NAN when one of them is not seen. */
+/*
+ * Returns the largest extent within 30 degrees of a direction and its opposite, from rim to
+ * rim; NAN if the rim is not seen on one side.
+ */
 static double across(const rim *edge, int way)
 {
     double most[2] = {NAN, NAN};
@@ -72,7 +75,7 @@ void ost_metrics_rim(ost_metrics *m)
         after.r[k] = trace(m->after_mm, k);
         if (isnan(before.r[k]))
             continue;
-        /* What has no rim any more is gone. */
+        /* A direction without a rim after the operation counts as lowered. */
         const double down = isnan(after.r[k]) ? NAN : (double)m->after_mm[cell(k, after.r[k])] - (double)m->before_mm[cell(k, before.r[k])];
         seen++;
         lowered += isnan(down) || down > LOWERED_MM;

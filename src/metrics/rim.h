@@ -4,7 +4,7 @@
 
 #include <osteon/metrics.h>
 
-/* From the maps that are there into rim_*, width_* and height_*. */
+/* Computes rim_*, width_* and height_* from the maps in *m. */
 void ost_metrics_rim(ost_metrics *m);
 
 #endif

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * How the tool was led: from what a tick did, where the tool was, and the force.
+ * How the tool was moved: from each tick's removal, tool position and force.
  *
- *   ticks in contact  .:::.:.::      ::::::.     spells: two with less than GAP between them are one
+ *   ticks in contact  .:::.:.::      ::::::.     intervals with less than GAP between them are merged
  *                     '-------'      '-----'
  *
- * Speeds are over WINDOW, and a path's length is between places PLACE apart:
- * what trembles faster than that is the encoder's.
+ * Speeds are averaged over WINDOW, and a path's length is measured between
+ * positions PLACE apart: faster tremor is noise of the encoder.
  */
 #include <osteon/metrics.h>
 
@@ -35,7 +35,10 @@ static bool cuts(const ost_motion *m)
     return m->removed > 0;
 }
 
-/* Spells of what is: how many, how long; in[i] is whether i lies in one (NULL: nobody asks). */
+/*
+ * Finds the intervals of ticks for which `is` returns true. Returns their number and adds their
+ * durations to *seconds; in[i] tells whether tick i lies in one (may be NULL).
+ */
 static int spells(const ost_motion *m, size_t count, bool (*is)(const ost_motion *), double gap_s, double *seconds, bool *in)
 {
     int number = 0;
@@ -83,7 +86,7 @@ static void forces(const ost_motion *m, size_t count, const bool *in, double *sc
 
 static void plunges(const ost_motion *m, size_t count, const bool *in, const double w[3], ost_technique *out)
 {
-    size_t from = 0, broken = 0; /* behind the last tick that is in no contact */
+    size_t from = 0, broken = 0; /* index after the last tick without contact */
     bool fast = false;
     double begun = 0;
     for (size_t i = 0; i < count; i++) {
@@ -110,7 +113,10 @@ static void plunges(const ost_motion *m, size_t count, const bool *in, const dou
             out->plunges++;
             begun = depth[0];
         }
-        /* Ends well below where it begins: a speed that trembles about the limit is one plunge and not hundreds. */
+        /*
+         * The end threshold lies well below the start threshold, so that a speed that varies
+         * about the limit is one plunge and not hundreds.
+         */
         fast = speed > (fast ? OST_PLUNGE_END_MM_S : OST_PLUNGE_MM_S);
         if (fast)
             out->plunge_mm = fmax(out->plunge_mm, depth[1] - begun);
@@ -144,7 +150,7 @@ ost_status ost_technique_make(const ost_motion *motion, size_t count, const ost_
             tilts++;
         }
         if (motion[i].tool != motion[place].tool) {
-            place = i; /* another tool begins elsewhere */
+            place = i; /* another tool starts at another position */
         } else if (motion[i].t_s - motion[place].t_s >= PLACE_S - 1e-9 || i + 1 == count) {
             const double way = distance(motion[i].mm, motion[place].mm);
             out->path_mm += way;

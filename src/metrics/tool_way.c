@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Where tools were while they removed bone.
+ * Positions of tools while they removed bone.
  *
  *   tip, axis of a tick        the axis is the tool's working direction, which
- *     \                        does not change when the tool spins about it
+ *     \                        does not change when the tool rotates about it
  *      \_____ w = 0, the face:  entry = where tip - s axis meets this plane
  *       \
  *        '  tip
@@ -60,7 +60,7 @@ ost_tool_way ost_tool_way_of(const ost_metrics_motion *motion, ost_metrics_tool_
     }
     const double along = dot(way.axis, frame->w), s = along > 0.01 ? dot(tip, frame->w) / along : 0;
     const double entry[3] = {tip[0] - s * way.axis[0], tip[1] - s * way.axis[1], tip[2] - s * way.axis[2]};
-    /* By the sine where that is small: a cosine near 1 forgets small angles. */
+    /* Uses the sine where it is small: a cosine near 1 loses the precision of small angles. */
     const double across[2] = {dot(way.axis, frame->u), dot(way.axis, frame->v)};
     way.cut = true;
     way.tilt_deg = atan2(sqrt(across[0] * across[0] + across[1] * across[1]), along) * DEG;
@@ -68,7 +68,10 @@ ost_tool_way ost_tool_way_of(const ost_metrics_motion *motion, ost_metrics_tool_
     return way;
 }
 
-/* One place of a drill: voxels whose centres lie within its cylinder, half a voxel wider and longer. */
+/*
+ * Marks the voxels for one position of a drill: those with centres within its cylinder,
+ * enlarged by half a voxel.
+ */
 static void mark_cylinder(const ost_motion *t, const ost_metrics_tool *tool, const ost_geometry *g, uint8_t *mark)
 {
     const double s = ost_pm_to_mm(g->spacing.x), radius = tool->radius_mm + s / 2, length = tool->length_mm;
@@ -99,7 +102,7 @@ void ost_tool_way_mark(const ost_metrics_motion *motion, const ost_geometry *geo
         const ost_metrics_tool *tool = cutting_tool(motion, t);
         if (!tool || tool->kind != OST_METRICS_DRILL)
             continue;
-        /* Places that lie closer together than a quarter of a voxel mark the same. */
+        /* Positions closer together than a quarter of a voxel mark the same voxels. */
         bool near = last && last->tool == t->tool;
         for (int a = 0; a < 3 && near; a++)
             near = fabs(t->mm[a] - last->mm[a]) < step && fabs(t->axis[a] - last->axis[a]) * tool->length_mm < step;

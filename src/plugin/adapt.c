@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The backend of a plugin: opened, closed, and its table. */
+/* A plugin's backend: opening, closing, and its table. */
 #include "plugin/adapt.h"
 
 #include <stdlib.h>

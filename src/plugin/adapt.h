@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Inside the adapter: the plugin's objects behind the host's, and what a
- * plugin's answer is held to.
+ * Internals of the adapter: the plugin's objects behind the host's, and the
+ * checks of a plugin's results.
  *
  *   adapt.c        opening, closing, the table     adapt_grid.c   grids, import
  *   adapt_bone.c   bones, digests                  adapt_tool.c   tools
@@ -21,7 +21,7 @@ typedef struct plugin_backend {
     char name[PLUGIN_NAME];
 } plugin_backend;
 
-/* lost: a call failed in the middle; nothing but free is asked of it any more. */
+/* lost: a call failed part-way; from then on the object is only freed. */
 typedef struct plugin_grid {
     ost_grid base;
     ost_plugin_grid *own;
@@ -51,7 +51,7 @@ static inline const ost_plugin *adapt_table(const ost_backend *backend)
 
 /* ---------------------------------------------------------------- answers */
 
-/* Room for a text that a plugin may fill, and mistake for longer than it is. */
+/* Buffer for a plugin's error text; the host terminates it again in case the plugin wrote too much. */
 typedef struct told {
     ost_plugin_error error;
     char text[400];
@@ -63,7 +63,10 @@ static inline told *adapt_listening(told *t)
     return t;
 }
 
-/* A slot's status as the host's, with the plugin's line; lost is set when it says so, and may be NULL. */
+/*
+ * Converts a slot's status to the host's, with the plugin's text. Sets *lost for
+ * OST_PLUGIN_LOST; lost may be NULL.
+ */
 ost_status ost_adapt_heard(const plugin_backend *b, const char *slot, int32_t status, told *t, bool *lost, ost_error *err);
 ost_status ost_adapt_no_object(const plugin_backend *b, const char *slot, ost_error *err);
 ost_status ost_adapt_is_lost(const plugin_backend *b, ost_error *err);
@@ -72,7 +75,7 @@ ost_plugin_geometry ost_adapt_geometry(const ost_geometry *g);
 ost_plugin_tool_geometry ost_adapt_tool_geometry(const ost_tool_geometry *g);
 
 /* ------------------------------------------------------------------ slots */
-/* Of core/backend.h. */
+/* The slots of core/backend.h. */
 
 ost_status ost_adapt_grid_create(ost_backend *backend, const ost_geometry *geometry, ost_grid **out, ost_error *err);
 void ost_adapt_grid_free(ost_grid *base);
@@ -93,7 +96,7 @@ ost_status ost_adapt_voxelize(ost_backend *backend, const ost_snapped_mesh *cutt
 ost_status ost_adapt_tool_upload(ost_backend *backend, const ost_tool_volume *volume, ost_tool **out, ost_error *err);
 ost_status ost_adapt_tool_download(const ost_tool *base, ost_tool_volume *volume, ost_error *err);
 void ost_adapt_tool_free(ost_tool *base);
-/* OST_ERR_UNAVAILABLE where the plugin has no such slot. */
+/* Return OST_ERR_UNAVAILABLE if the plugin does not have the slot. */
 ost_status ost_adapt_snap(ost_backend *backend, const ost_mesh *mesh, const ost_tool_geometry *grid,
                           ost_snapped_mesh *out, ost_error *err);
 ost_status ost_adapt_steps(ost_backend *backend, const ost_geometry *bone, const ost_tool_geometry *tool,

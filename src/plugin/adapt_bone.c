@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Bones.  Leaf digests are made here from downloaded slices: a plugin has no
- * need of SHA-256, and nobody could compare digests that it invented.
+ * Bones.  Leaf digests are computed here from downloaded slices, so a plugin
+ * does not need SHA-256 and cannot report digests of its own making.
  */
 #include "plugin/adapt.h"
 
@@ -109,7 +109,7 @@ static int32_t least(int32_t a, int32_t b)
     return a < b ? a : b;
 }
 
-/* The leaf at (x, y) of a slab that begins at its own z, zero beyond the grid. */
+/* Copies the leaf at (x, y) from a slab that begins at the leaf's z; voxels beyond the grid are zero. */
 static void cut_leaf(const int16_t *slab, ost_dims d, int32_t depth, int32_t x, int32_t y, int16_t leaf[OST_LEAF * OST_LEAF * OST_LEAF])
 {
     const int32_t wide = least(OST_LEAF, d.x - x), high = least(OST_LEAF, d.y - y);

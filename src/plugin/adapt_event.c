@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Events: poses as the plugin reads them, and a report that is believed line by line. */
+/* Events: converts poses for the plugin, and checks its report chunk by chunk. */
 #include "plugin/adapt.h"
 
 #include <stdlib.h>
@@ -27,7 +27,7 @@ static ost_plugin_map map_of(const ost_map *m, const ost_voxel_box *box)
     return to;
 }
 
-/* Where a plugin's report goes; the first wrong line of it is kept. */
+/* Receives a plugin's report; status is that of the first wrong entry. */
 typedef struct sink {
     const plugin_backend *b;
     ost_report *report;
@@ -90,7 +90,7 @@ static ost_status run_event(ost_bone *base, const ost_tool *tool, const ost_even
                                : b->table.collide(bone->own, ((const plugin_tool *)tool)->own, &e, &r, &t.error);
     if (maps != &one)
         free(maps);
-    if (s.status != OST_OK) { /* voxels may be gone that nobody was told of */
+    if (s.status != OST_OK) { /* voxels may have been removed that no report contains */
         bone->lost = apply;
         return s.status;
     }

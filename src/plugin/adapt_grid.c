@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Grids, and the two first stages of the import. */
+/* Grids, and the first two stages of the import. */
 #include "plugin/adapt.h"
 
 #include <stdlib.h>
@@ -21,7 +21,7 @@ static ost_status new_grid(ost_backend *backend, const ost_geometry *geometry, p
     return OST_OK;
 }
 
-/* The object that a slot made, or not. */
+/* Returns the grid that a slot created, or frees it and returns the error. */
 static ost_status made_grid(plugin_grid *grid, const char *slot, ost_status status, ost_grid **out, ost_error *err)
 {
     if (status == OST_OK && !grid->own)

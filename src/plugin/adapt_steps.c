@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The steps before the voxels, where a plugin makes them itself. */
+/* The steps before the voxels, for plugins that execute them. */
 #include "plugin/adapt.h"
 
 #include <stdlib.h>

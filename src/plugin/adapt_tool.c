@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Tools: voxelized by the plugin, or given to it. */
+/* Tools: voxelized by the plugin or uploaded to it. */
 #include "plugin/adapt.h"
 
 #include <stdlib.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * From a file's name to a table: is it a file, can it be loaded, has it the
- * entry, does the entry give a table, of this interface, whole.  Each "no" is
- * a line of its own.
+ * From a file's name to a table: checks that it is a file, can be loaded, has
+ * the entry, and that the entry returns a complete table of this interface.
+ * Each failure has its own message.
  */
 #include "plugin/plugin.h"
 
@@ -19,11 +19,11 @@
 
 static ost_status check_table(const char *file, const ost_plugin *found, ost_plugin *table, char name[PLUGIN_NAME], ost_error *err)
 {
-    /* The first two members are of every version. */
+    /* The first two members exist in every version. */
     if (found->abi != OST_PLUGIN_ABI)
         return ost_fail(err, OST_ERR_USAGE, "%s: made for version %u of the plugin interface; this osteon has version %u", file, (unsigned)found->abi,
                         (unsigned)OST_PLUGIN_ABI);
-    const size_t least = offsetof(ost_plugin, snap); /* what follows was added later */
+    const size_t least = offsetof(ost_plugin, snap); /* later members were added without a new ABI number */
     if (found->size < least)
         return ost_fail(err, OST_ERR_USAGE, "%s: its table has %u bytes; version %u of the plugin interface has %zu", file, (unsigned)found->size,
                         (unsigned)OST_PLUGIN_ABI, least);
@@ -47,7 +47,7 @@ ost_status ost_plugin_load(const char *file, ost_plugin *table, char name[PLUGIN
 {
     char path[4096];
     struct stat info;
-    /* A bare name means a file here; dlopen would look for it among the system's libraries. */
+    /* A name without a slash means a file in this folder; dlopen would search the system's libraries. */
     const int n = snprintf(path, sizeof path, "%s%s", strchr(file, '/') ? "" : "./", file);
     if (n < 0 || (size_t)n >= sizeof path)
         return ost_fail(err, OST_ERR_USAGE, "plugin '%.60s...': the name is too long", file);
@@ -66,13 +66,13 @@ ost_status ost_plugin_load(const char *file, ost_plugin *table, char name[PLUGIN
     if (!symbol) {
         status = ost_fail(err, OST_ERR_INPUT, "plugin %s: has no symbol %s; see osteon/plugin.h", file, OST_PLUGIN_ENTRY);
     } else {
-        memcpy(&entry, &symbol, sizeof entry); /* as POSIX has it: a function's address fits */
+        memcpy(&entry, &symbol, sizeof entry); /* POSIX: the address of a function fits into an object pointer */
         const ost_plugin *found = entry(OST_PLUGIN_ABI);
         if (!found)
             status = ost_fail(err, OST_ERR_USAGE, "plugin %s: refuses to work with version %u of the plugin interface", file, (unsigned)OST_PLUGIN_ABI);
         else
             status = check_table(file, found, table, name, err);
     }
-    dlclose(handle); /* RTLD_NODELETE: its code stays */
+    dlclose(handle); /* RTLD_NODELETE: the code stays loaded */
     return status;
 }

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The backend that others implement: include/osteon/plugin.h, seen from the
- * host.
+ * The backend for external implementations: include/osteon/plugin.h on the
+ * host's side.
  *
  *   plugin:FILE.so,options --load.c--> table --adapt.c--> ost_backend_ops
  *
- * Nothing a plugin says is believed before it was looked at: statuses, objects
- * and reports are checked here, so that a mistake in a plugin is a line of
- * text and not a riddle further on.
+ * No result of a plugin is used unchecked: statuses, objects and reports are
+ * checked here, so that an error in a plugin gives a message and not a wrong
+ * result later.
  */
 #ifndef OST_PLUGIN_PLUGIN_H
 #define OST_PLUGIN_PLUGIN_H
@@ -18,7 +18,7 @@
 
 enum { PLUGIN_NAME = 64 };
 
-/* Loads FILE and copies its table, which then has no NULL slot. The file stays loaded. */
+/* Loads `file` and copies its table; in the copy no mandatory slot is NULL. The file stays loaded. */
 ost_status ost_plugin_load(const char *file, ost_plugin *table, char name[PLUGIN_NAME], ost_error *err);
 
 #endif
