@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The system's loader. clCreateCommandQueue is deprecated after 1.2, and the only one that 1.2 has. */
+/* The table of the system's loader. clCreateCommandQueue, deprecated after 1.2, is the only such function of OpenCL
+   1.2. */
 #define CL_USE_DEPRECATED_OPENCL_1_2_APIS
 #include "cl/api.h"
 

@@ -2,10 +2,11 @@
 /*
  * The part of OpenCL 1.2 that this backend calls, as a table of pointers.
  *
- * Every call goes through a table that was given at open: ost_cl_loader is
- * the system's loader; a test gives a copy in which some pointers count,
- * refuse or damage, and needs no driver of its own for that.  The last three
- * are cl_khr_gl_sharing's, which loaders export and only drivers that say so have.
+ * Every call goes through the table that was passed at open.  ost_cl_loader is
+ * the system's loader.  A test passes a copy in which some pointers count calls,
+ * fail or damage results, and so needs no driver of its own.  The last three
+ * functions belong to cl_khr_gl_sharing: loaders export them, but only drivers
+ * that report the extension implement them.
  */
 #ifndef OST_CL_API_H
 #define OST_CL_API_H

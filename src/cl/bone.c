@@ -2,14 +2,14 @@
 /*
  * Bones: a pool of slots on the device, a table of chunks on the host (AR-CHK).
  *
- * Storing slices has two passes, so that what can be refused is refused
- * before anything has changed:
+ * Storing slices takes two passes, so that an operation that fails for lack of
+ * memory fails before anything has changed:
  *
- *   scan    how many voxels of each chunk the slices make active     reads only
- *           slots for the chunks that need one, more room if need be
- *   store   densities and occupancy, in the slots                    changes
- *           where the slices cover a layer of chunks only in part, its
- *           voxels are counted again
+ *   scan    counts the voxels of each chunk that the slices make active     only reads
+ *           slots are assigned to the chunks that need one; the pool grows if needed
+ *   store   writes densities and occupancy to the slots                     changes the bone
+ *           where the slices cover a layer of chunks only in part, the
+ *           voxels of all slots are counted again
  *
  * Slices go through a slab of limited size, x fastest, without padding.
  */
@@ -91,14 +91,16 @@ ost_status ost_cl_bone_stats(const ost_bone *base, ost_bone_info *info, ost_erro
         info->active_voxels += bone->active[c];
     }
     info->chunk_bytes = info->active_chunks * (int64_t)ost_chunk_bytes(base->chunk_size);
-    /* A slot's densities and words, and its number in free; a chunk's slot, here and there, and what is active in it. */
+    /* Each slot has densities, words and an entry in free. Each chunk has a slot number on host and device, and a
+       count of active voxels. */
     const size_t slot = bone->chunk_voxels * sizeof(int16_t) + bone->chunk_voxels / 8 + sizeof *bone->free;
     const size_t chunk = 2 * sizeof *bone->slot + sizeof *bone->active;
     info->resident_bytes = (int64_t)(bone->capacity * slot + bone->chunks * chunk + sizeof *bone);
     return status;
 }
 
-/* Room for so many slots in all; the pool moves as a whole or not at all. raw: all of it will be written, so it need not be zeros. */
+/* Ensures a capacity of at least this many slots in total. On an error the old pool remains. raw: all slots will be
+   written completely, so they need not be zeroed. */
 static ost_status reserve(cl_bone *bone, size_t capacity, bool raw, ost_error *err)
 {
     if (capacity <= bone->capacity)
@@ -124,7 +126,7 @@ static ost_status reserve(cl_bone *bone, size_t capacity, bool raw, ost_error *e
         status = ost_cl_copy(b, bone->words, words, bone->used * word_bytes, err);
     if (status == OST_OK && bone->used) {
         b->entered[OST_CL_PATH_POOL_GROWN]++;
-        status = ost_cl_finish(b, err); /* before the old ones go */
+        status = ost_cl_finish(b, err); /* before the old buffers are released */
     }
     if (status != OST_OK) {
         ost_cl_room_give(b, &density, room);
@@ -158,7 +160,7 @@ void ost_cl_bone_release(cl_bone *bone, size_t chunk)
     bone->slots_stale = true;
 }
 
-/* The device's table of slots as the host's. */
+/* Copies the host's table of slots to the device if it has changed. */
 static ost_status sync_slots(cl_bone *bone, ost_error *err)
 {
     if (!bone->slots_stale)
@@ -170,13 +172,13 @@ static ost_status sync_slots(cl_bone *bone, ost_error *err)
 
 /* ---------------------------------------------------------------- slices */
 
-/* Slices from the host, or a grid that is on the device already. */
+/* Slices from the host, or those of a grid that is already on the device. */
 typedef struct slices {
     int32_t z0, z1;
-    const int16_t *voxels; /* NULL: grid, whose slices 0.. these are */
-    cl_mem slab;           /* room for step slices, or the grid's store */
-    cl_mem layers;         /* which slices of the store these are, from number first on; first < 0: all in their order */
-    int32_t first, weights; /* weights >= 0: where layers has the weights of the slices that follow these */
+    const int16_t *voxels; /* NULL: the slices of a grid on the device, from slice 0 */
+    cl_mem slab;           /* buffer of step slices, or the grid's store */
+    cl_mem layers;         /* slice numbers in the slab, from element first on; first < 0: the slab's own order */
+    int32_t first, weights; /* weights >= 0: first element of layers with the weights of the slices that follow these */
     int32_t step;
 } slices;
 
@@ -191,7 +193,7 @@ static int32_t slab_step(const cl_bone *bone, int32_t count)
     return fit < 1 ? 1 : fit < (size_t)count ? (int32_t)fit : count;
 }
 
-/* What one pass does with slices z0 <= k < z1, which are in the slab. */
+/* One pass over the slices z0 <= k < z1, which are in the slab. */
 typedef ost_status slab_pass(cl_bone *bone, int32_t z0, int32_t z1, const slices *s, void *user, ost_error *err);
 
 static ost_status for_slabs(cl_bone *bone, const slices *s, slab_pass *pass, void *user, ost_error *err)
@@ -243,7 +245,7 @@ static ost_status store(cl_bone *bone, int32_t z0, int32_t z1, const slices *s, 
     return ost_cl_launch(b, OST_CL_KERNEL_ost_chunk_store, row_words, columns_of(bone), (size_t)(z1 - z0), args, ARGS, err);
 }
 
-/* Active voxels of all slots below used; count has room for them. */
+/* Counts the active voxels of all slots below used; count has that many elements. */
 static ost_status count_slots(cl_bone *bone, uint32_t *count, ost_error *err)
 {
     cl_backend *b = backend_of(bone);
@@ -259,7 +261,7 @@ static ost_status count_slots(cl_bone *bone, uint32_t *count, ost_error *err)
     return status;
 }
 
-/* First pass: scanned[chunk] for all chunks. */
+/* First pass: sets scanned[chunk] for all chunks. */
 static ost_status scan_all(cl_bone *bone, const slices *s, uint32_t *scanned, ost_error *err)
 {
     cl_backend *b = backend_of(bone);
@@ -274,10 +276,11 @@ static ost_status scan_all(cl_bone *bone, const slices *s, uint32_t *scanned, os
     return status;
 }
 
-/* Slots for what is to be stored; a chunk without active voxels may have one until the end of store_slices. */
+/* Assigns slots to the chunks that will have active voxels. Until the end of store_slices a chunk without active
+   voxels may also have a slot. */
 static ost_status give_slots(cl_bone *bone, const uint32_t *scanned, bool all_slices, ost_error *err)
 {
-    /* On CPUs storing writes the padding too. */
+    /* On CPUs the store kernel also writes the padding. */
     const bool raw = all_slices && bone->used == 0 && backend_of(bone)->cpu_set;
     size_t needed = 0;
     for (size_t c = 0; c < bone->chunks; c++)
@@ -296,7 +299,7 @@ static ost_status give_slots(cl_bone *bone, const uint32_t *scanned, bool all_sl
     return OST_OK;
 }
 
-/* Chunks without an active voxel give their slot back. */
+/* Releases the slots of chunks without an active voxel. */
 static void release_empty(cl_bone *bone)
 {
     for (size_t c = 0; c < bone->chunks; c++)
@@ -322,12 +325,12 @@ static ost_status store_slices(cl_bone *bone, const slices *s, ost_error *err)
     if (status == OST_OK)
         status = sync_slots(bone, err);
     if (status != OST_OK)
-        goto done; /* nothing stored: chunks that were given slots have none active */
+        goto done; /* nothing was stored: chunks that were assigned slots have no active voxels */
 
     status = bone->used ? for_slabs(bone, s, store, NULL, err) : OST_OK;
     if (status == OST_OK && counted)
         status = count_slots(bone, counted, err);
-    if (status == OST_OK) /* whatever failed there late is heard of here */
+    if (status == OST_OK) /* errors of earlier commands are reported here */
         status = ost_cl_finish(backend_of(bone), err);
     bone->lost = status != OST_OK;
     for (size_t c = layer * (size_t)(s->z0 / n); status == OST_OK && c < layer * (size_t)((s->z1 + n - 1) / n); c++)
@@ -384,7 +387,7 @@ ost_status ost_cl_cubic_to_chunks(const ost_grid *base, int chunk_size, int32_t 
     return OST_OK;
 }
 
-/* Slices z0 <= z < z1 into the slab. */
+/* Loads slices z0 <= z < z1 into the slab. */
 static ost_status load(cl_bone *bone, cl_int z0, cl_int z1, cl_mem slab, ost_error *err)
 {
     cl_backend *b = backend_of(bone);
@@ -399,7 +402,7 @@ static ost_status load(cl_bone *bone, cl_int z0, cl_int z1, cl_mem slab, ost_err
 
 ost_status ost_cl_bone_download(const ost_bone *base, int32_t z0, int32_t count, int16_t *voxels, ost_error *err)
 {
-    /* The device's table of slots is brought up to date, which changes no voxel. */
+    /* This may update the device's table of slots, which changes no voxel. */
     cl_bone *bone = (cl_bone *)(uintptr_t)base;
     cl_backend *b = backend_of(bone);
     ost_status status = ost_cl_alive(base->backend, bone->lost, "bone", err);
@@ -446,7 +449,7 @@ ost_status ost_cl_bone_occupancy(const ost_bone *base, size_t count, const int32
 
 /* --------------------------------------------------------------- digests */
 
-/* Leaf (x, y) of slices that hold its layer, count of them; false when it is all zeros. */
+/* Copies leaf (x, y) out of the count slices of its layer. Returns false if it is all zeros. */
 static bool cut_leaf(const ost_dims dims, const int16_t *voxels, int32_t x, int32_t y, int32_t count, int16_t *leaf)
 {
     int16_t any = 0;

@@ -2,13 +2,13 @@
 /*
  * The list of devices, each with the reason if it is refused.
  *
- *   loader -- no platform                      icd.c says why
+ *   loader -- no platform                      icd.c finds the reason
  *      |
- *   platform -- no device                      one line that stands for it
+ *   platform -- no device                      one entry represents the platform
  *      |
- *   device -- not available, no compiler, before 1.2, bytes in the other
- *      |      order, no 64-bit integers: refused by what it says of itself
- *   fingerprint.c: refused by what it does
+ *   device -- not available, no compiler, OpenCL before 1.2, big-endian,
+ *      |      no 64-bit integers: refused because of what the driver reports
+ *   fingerprint.c: refused because of its results
  *
  * 64-bit integers are part of the full profile and optional in the embedded
  * one (cles_khr_int64).
@@ -20,10 +20,10 @@
 #include <string.h>
 #include <strings.h>
 
-/* What the loader can name at all; a driver that shows more is damaged. */
+/* Limits on what is listed; a driver that reports more is defective. */
 enum { PLATFORMS_MAX = 64, DEVICES_MAX = 256 };
 
-/* Printable, without blanks around; "" when the driver does not say. */
+/* Removes blanks at both ends and replaces control characters by '?'. */
 static void tidy(char *text)
 {
     size_t start = strspn(text, " \t\r\n");
@@ -38,7 +38,8 @@ static void tidy(char *text)
             *p = '?';
 }
 
-/* Drivers refuse a text that does not fit whole: so all of it, then a part. */
+/* Drivers refuse a buffer that is too small for the complete text, so the complete text is read and then cut. "" if
+   the driver reports none. */
 static void platform_text(const ost_cl_api *cl, cl_platform_id platform, cl_platform_info what, char out[OST_CL_NAME])
 {
     size_t size = 0;
@@ -52,7 +53,7 @@ static void platform_text(const ost_cl_api *cl, cl_platform_id platform, cl_plat
     tidy(out);
 }
 
-/* As above; the whole text, to be freed by the caller, or NULL. */
+/* The same for a device: returns the complete text, to be freed by the caller, or NULL. */
 static char *device_text(const ost_cl_api *cl, cl_device_id device, cl_device_info what)
 {
     size_t size = 0;
@@ -80,7 +81,7 @@ static bool device_flag(const ost_cl_api *cl, cl_device_id device, cl_device_inf
     return cl->clGetDeviceInfo(device, what, sizeof flag, &flag, NULL) == CL_SUCCESS && flag;
 }
 
-/* "OpenCL 1.2 ..." or "OpenCL C 1.2 ...": 12; 0 when it is neither. */
+/* Returns 12 for "OpenCL 1.2 ..." or "OpenCL C 1.2 ...", according to the prefix; 0 if the text has another form. */
 static int version_of(const char *text, const char *prefix)
 {
     size_t length = strlen(prefix);
@@ -125,7 +126,8 @@ static void examine(const ost_cl_api *cl, ost_cl_device *d)
 
     cl_device_type type = 0;
     told = told && cl->clGetDeviceInfo(d->id, CL_DEVICE_TYPE, sizeof type, &type, NULL) == CL_SUCCESS;
-    /* Mesa's llvmpipe ends long loops. That is found out in any case (fingerprint.c); its name saves building twice. */
+    /* Mesa's llvmpipe ends long loops early. fingerprint.c detects this in any case; the test of the name avoids
+       building twice. */
     d->cpu = (type & CL_DEVICE_TYPE_CPU) != 0 && !strstr(d->name, "llvmpipe");
 
     if (!told || !d->name[0])
@@ -218,7 +220,8 @@ static bool is_number(const char *text)
     return text[0] && strspn(text, "0123456789") == strlen(text) && strlen(text) < 10;
 }
 
-/* "": anything; a number: the index; else a part of the name. */
+/* Returns true if the option fits: "" fits any device, a number fits its index, other text fits as a part of the
+   name. */
 static bool fits(const char *wanted, int index, const char *name)
 {
     if (!wanted[0])

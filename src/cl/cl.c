@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The table of the OpenCL backend, and which device it is opened on: of those
- * that the user's words fit, the first that passes.
+ * The function table of the OpenCL backend, and the choice of the device on which
+ * it is opened: the first that fits the user's options and passes the checks.
  */
 #include "cl/share.h"
 
@@ -46,7 +46,7 @@ static ost_status open_any(const ost_cl_api *cl, const char *text, const ost_cl_
 
     bool tried = false;
     ost_status first = OST_OK;
-    ost_error why = {0}; /* of the first that fits: the one the user most likely meant */
+    ost_error why = {0}; /* the error of the first device that fits: most likely the one that the user meant */
     for (size_t i = 0; i < devices.count && !backend; i++) {
         if (!ost_cl_options_match(&options, &devices.list[i]))
             continue;
@@ -139,7 +139,7 @@ static void close_cl(ost_backend *backend)
     ost_cl_device_close((cl_backend *)backend);
 }
 
-/* The device has instructions and threads of its own; the host's thread only asks. */
+/* The device has its own instructions and threads; the host uses one thread, which only enqueues work. */
 static ost_backend_settings settings(const ost_backend *base)
 {
     const ost_cl_device *on = &((const cl_backend *)base)->device;

@@ -1,26 +1,27 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The OpenCL backend's host side: what its files share.
+ * The OpenCL backend's host side: the declarations that its files share.
  *
- *   choice.c, icd.c   which devices there are, which may be used, which is meant
- *   context.c         one device opened: context, queue, program, kernels, checks
- *   program.c         building, from cache.c when it has the binary, by the key of key.c
- *   layout.c          structs are laid out there as here
- *   fingerprint.c     its integers are right
+ *   choice.c, icd.c   which devices are present, may be used and are selected
+ *   context.c         one opened device: context, queue, program, kernels, checks
+ *   program.c         building; binaries are cached by cache.c under the key of key.c
+ *   layout.c          check that structs have the same layout on the device
+ *   fingerprint.c     check that the device's integers are right
  *   launch.c          buffers and launches, with errors that name the device
- *   room.c            large buffers, used again
- *   grid.c import.c bone.c voxelize.c tool.c remove.c    the table's slots
- *   share.c           words in a buffer of OpenGL
- *   cl.c              the table
+ *   room.c            a pool of large buffers for reuse
+ *   grid.c import.c bone.c voxelize.c tool.c remove.c    the slots of the function table
+ *   share.c           occupancy words in an OpenGL buffer
+ *   cl.c              the function table
  *
- * All of it is one in-order queue, so a call sees what the calls before it
- * did.  Grids, bones and tools are buffers on the device; the host holds of a
- * bone only which chunk is in which slot and how many voxels are active there.
+ * All commands go through one in-order queue, so each call sees the results of
+ * the calls before it.  Grids, bones and tools are buffers on the device.  Of a
+ * bone the host stores only which chunk is in which slot and how many voxels are
+ * active in each chunk.
  *
- * Failure.  Until a call has enqueued what changes an object, a failure leaves
- * the object as it was.  After that nobody knows what the device has done: the
- * object is lost, says so in every later call (OST_ERR_UNAVAILABLE) and can
- * only be freed.
+ * Failure.  A failure before a call has enqueued a change of an object leaves
+ * the object unchanged.  After that the object's state on the device is unknown:
+ * the object is lost, every later call on it returns OST_ERR_UNAVAILABLE, and it
+ * can only be freed.
  */
 #ifndef OST_CL_CL_H
 #define OST_CL_CL_H
@@ -29,7 +30,8 @@
 #include "cl/kernels/shared.h"
 #include "core/backend.h"
 
-/* X(kernel, sets): created when a set of these is opened: OST_FOR of kernels/shared.h. */
+/* X(kernel, sets): the kernel is created if the opened kernel set is one of sets (bits of OST_FOR,
+   kernels/shared.h). */
 /* clang-format off */
 #define OST_CL_KERNELS(X) \
     X(ost_layout, 3) X(ost_fingerprint, 3) X(ost_fingerprint_atomics, 3) X(ost_fingerprint_turns, 3) \
@@ -50,7 +52,7 @@ enum ost_cl_kernel {
     OST_CL_KERNEL_COUNT
 };
 
-/* X(path, sets, name): what the host does in one of several ways; counted where it is done, for core/paths.h. */
+/* X(path, sets, name): the host's paths (core/paths.h), each counted where it is entered. */
 /* clang-format off */
 #define OST_CL_PATHS(X) \
     X(SAMPLES_IN_PARTS, 3, "scatter of a batch in several parts") \
@@ -86,49 +88,50 @@ typedef struct cl_backend {
     ost_backend base;
     const ost_cl_api *cl;
     ost_cl_device device;
-    bool gl;          /* shares with a context of OpenGL */
-    bool cpu_set;     /* the kernels are those for CPUs, else those for GPUs */
-    size_t workgroup; /* work items of a group, 0: default */
+    bool gl;          /* shares buffers with an OpenGL context */
+    bool cpu_set;     /* true: the kernel set for CPUs; false: for GPUs */
+    size_t workgroup; /* work items per work group; 0: default */
     size_t staging;   /* as in ost_cl_options */
-    unsigned order;   /* likewise */
-    uint32_t turns;   /* of a work item's loops; OST_CL_TURNS: no end was seen */
-    int run;          /* voxels of a row that a work item of ost_cubic_gather copies */
+    unsigned order;   /* as in ost_cl_options */
+    uint32_t turns;   /* loop turns of a work item before the device ends its loops; OST_CL_TURNS: no limit was found */
+    int run;          /* voxels of a row that a work item of ost_cubic_gather or ost_cubic_linear makes (OST_RUN) */
     cl_context context;
     cl_command_queue queue;
     struct {
         cl_mem buffer;
         size_t bytes;
-    } spare[OST_CL_SPARES]; /* owned; freed, and kept for the next that is about as large (room.c); NULL: none */
+    } spare[OST_CL_SPARES]; /* owned; freed buffers kept for reuse at about the same size (room.c); NULL: none */
     cl_program program;
     cl_kernel kernel[OST_CL_KERNEL_COUNT];
-    size_t kernel_workgroup[OST_CL_KERNEL_COUNT]; /* what each can have at most */
-    bool from_cache;                              /* whether the program's binary was found */
+    size_t kernel_workgroup[OST_CL_KERNEL_COUNT]; /* largest work group of each kernel */
+    bool from_cache;                              /* true if the program's binary was found in the cache */
     ost_digest empty_leaf;
-    uint64_t launched[OST_CL_KERNEL_COUNT]; /* how often each was, but for an event that meets nothing */
+    uint64_t launched[OST_CL_KERNEL_COUNT]; /* launches of each kernel, without those of an event that meets nothing */
     uint64_t entered[OST_CL_PATH_COUNT];
-    struct ost_cl_event_scratch *event; /* owned; what events reuse, NULL before the first (remove.c) */
+    struct ost_cl_event_scratch *event; /* owned; scratch of events, NULL before the first (remove.c) */
 } cl_backend;
 
 /* ------------------------------------------------------------- context.c */
 
-/* Opens and checks one device; *out is NULL on failure, with the reason in err. gl: to share with (share.h), or NULL. */
+/* Opens and checks one device. On failure *out is NULL and err has the reason. gl: the OpenGL context to share with
+   (share.h), or NULL. */
 struct ost_cl_gl;
 ost_status ost_cl_device_open(const ost_cl_api *cl, const ost_cl_device *device, const struct ost_cl_gl *gl, const ost_cl_options *options,
                               cl_backend **out, ost_error *err);
 void ost_cl_device_close(cl_backend *backend);
-/* The smaller of a stage's own limit of bytes and the option staging. */
+/* Returns the smaller of a stage's own limit in bytes and the option staging. */
 size_t ost_cl_staging(const cl_backend *backend, size_t limit);
-/* The slot paths: the kernels of the opened set, and OST_CL_PATHS. */
+/* The slot paths of the function table: visits the kernels of the opened set and OST_CL_PATHS, with their counts. */
 void ost_cl_paths(const ost_backend *backend, ost_path_visit *visit, void *user);
 
-/* What cl.c's slots do, with another table than the loader's. */
+/* The functions behind the slots of cl.c, with another table of OpenCL functions than the loader's. */
 ost_status ost_cl_open_with(const ost_cl_api *cl, const char *options, ost_backend **out, ost_error *err);
 bool ost_cl_available_with(const ost_cl_api *cl, char *reason, size_t size);
 ost_status ost_cl_visit_with(const ost_cl_api *cl, ost_device_visit *visit, void *user, ost_error *err);
 
 /* ------------------------------------------------------------- program.c */
 
-/* Builds for the backend's device; *from_cache says whether the cache had it. */
+/* Builds a program for the backend's device; *from_cache is true if the binary came from the cache. */
 ost_status ost_cl_build(cl_backend *backend, const char *const *sources, size_t count, const char *options, cl_program *out,
                         bool *from_cache, ost_error *err);
 
@@ -142,35 +145,37 @@ ost_status ost_cl_key(const ost_cl_device *device, const char *const *sources, s
 
 ost_status ost_cl_layout_check(cl_backend *backend, ost_error *err);
 
-/* OST_ERR_UNAVAILABLE, naming the device and what is wrong, when its integers are not the host's or its loops end too early. Sets
-   backend->turns. */
+/* Returns OST_ERR_UNAVAILABLE, naming the device and the error, if the device's integers differ from the host's or
+   its loops end too early. Sets backend->turns. */
 ost_status ost_cl_fingerprint_check(cl_backend *backend, ost_error *err);
-/* For the record: what its floating point does; one line. */
+/* Describes the device's floating point in one line, for the record. */
 void ost_cl_fingerprint_floats(cl_backend *backend, char *notes, size_t size);
 
 /* -------------------------------------------------------------- launch.c */
 
-/* Uninitialised when data is NULL, else a copy of it, made before this returns; bytes 0 gives a buffer of 1. */
+/* Creates a buffer. It is uninitialised if data is NULL, else a copy of data made before the call returns. For 0
+   bytes the buffer has 1 byte. */
 ost_status ost_cl_buffer(cl_backend *backend, size_t bytes, const void *data, const char *what, cl_mem *out, ost_error *err);
-/* Filled with zeros. */
+/* Creates a buffer of zeros. */
 ost_status ost_cl_buffer_zero(cl_backend *backend, size_t bytes, const char *what, cl_mem *out, ost_error *err);
-void ost_cl_buffer_free(cl_backend *backend, cl_mem *buffer); /* sets it to NULL; NULL is allowed */
+void ost_cl_buffer_free(cl_backend *backend, cl_mem *buffer); /* sets *buffer to NULL; *buffer may be NULL */
 ost_status ost_cl_zero(cl_backend *backend, cl_mem buffer, size_t offset, size_t bytes, ost_error *err);
-/* The data may be used again when these return. */
+/* The caller may reuse data when these return. */
 ost_status ost_cl_write(cl_backend *backend, cl_mem buffer, size_t offset, size_t bytes, const void *data, ost_error *err);
 ost_status ost_cl_read(cl_backend *backend, cl_mem buffer, size_t offset, size_t bytes, void *data, ost_error *err);
-/* Here not before the next call that waits. */
+/* data must remain unchanged until the next call that waits for the queue. */
 ost_status ost_cl_write_later(cl_backend *backend, cl_mem buffer, size_t bytes, const void *data, ost_error *err);
 ost_status ost_cl_copy(cl_backend *backend, cl_mem from, cl_mem to, size_t bytes, ost_error *err);
-/* Waits for all of the queue. */
+/* Waits for all commands of the queue. */
 ost_status ost_cl_finish(cl_backend *backend, ost_error *err);
 
 /* ---------------------------------------------------------------- room.c */
 
-/* A buffer of at least that size, *room in truth, with whatever is in it; large ones are used again. */
+/* Returns a buffer of at least this size; *room is its actual size. Its content is undefined. Large buffers are
+   reused. */
 ost_status ost_cl_room_take(cl_backend *backend, size_t bytes, const char *what, cl_mem *out, size_t *room, ost_error *err);
-void ost_cl_room_give(cl_backend *backend, cl_mem *buffer, size_t room); /* sets it to NULL; NULL is allowed */
-/* Gives all of it back to the driver; whether there was any. */
+void ost_cl_room_give(cl_backend *backend, cl_mem *buffer, size_t room); /* sets *buffer to NULL; *buffer may be NULL */
+/* Releases all buffers that wait for reuse. Returns true if there were any. */
 bool ost_cl_room_clear(cl_backend *backend);
 
 /* One argument of a kernel. */
@@ -180,7 +185,8 @@ typedef struct ost_cl_arg {
 } ost_cl_arg;
 #define OST_CL_ARG(value) ((ost_cl_arg){sizeof(value), &(value)})
 
-/* Range x * y * z, rounded up along x to whole work groups; nothing happens when one is 0. */
+/* Launches a kernel over x * y * z work items; x is rounded up to a multiple of the work group. Does nothing if one
+   of them is 0. */
 ost_status ost_cl_launch(cl_backend *backend, enum ost_cl_kernel kernel, size_t x, size_t y, size_t z, const ost_cl_arg *args,
                          unsigned count, ost_error *err);
 #define OST_CL_LAUNCH(backend, kernel, x, y, z, err, ...)                                                   \

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * One device opened: context, queue, program and kernels, then the two checks
- * without which nothing is computed on it.
+ * One opened device: context, queue, program and kernels, then the two checks
+ * that it must pass before anything is computed on it.
  */
 #include "cl/share.h"
 
@@ -82,7 +82,7 @@ static void drop_program(cl_backend *b)
     b->program = NULL;
 }
 
-/* For few strong cores or for many weak ones, with the checks. */
+/* Builds the program of the backend's kernel set, creates its kernels and runs the checks. */
 static ost_status set_up_program(cl_backend *b, ost_error *err)
 {
     char options[96], order[32] = "";
@@ -100,7 +100,7 @@ static ost_status set_up_program(cl_backend *b, ost_error *err)
     return status;
 }
 
-/* chosen: the user named the set, so that the other one is no substitute. */
+/* chosen: the user named the kernel set, so the other one must not replace it. */
 static ost_status set_up(cl_backend *b, const ost_cl_gl *gl, bool chosen, ost_error *err)
 {
     cl_int code = CL_SUCCESS;
@@ -117,7 +117,7 @@ static ost_status set_up(cl_backend *b, const ost_cl_gl *gl, bool chosen, ost_er
         return ost_fail(err, OST_ERR_UNAVAILABLE,
                         "OpenCL device '%.120s' ends a loop after %u turns, too early for kernels=cpu; kernels=gpu has shorter loops", b->device.name,
                         (unsigned)b->turns);
-    if (status == OST_OK && b->cpu_set && b->turns < OST_CL_TURNS) { /* the short work items for GPUs are for it too */
+    if (status == OST_OK && b->cpu_set && b->turns < OST_CL_TURNS) { /* this device then gets the kernel set for GPUs */
         b->cpu_set = false;
         drop_program(b);
         status = set_up_program(b, err);
@@ -153,7 +153,8 @@ ost_status ost_cl_device_open(const ost_cl_api *cl, const ost_cl_device *device,
         b->order = options->order;
         b->cpu_set = options->kernels == OST_CL_SET_AUTO ? device->cpu : options->kernels == OST_CL_SET_CPU;
         b->gl = gl != NULL;
-        /* A driver may catch the whole process's SIGFPE (PoCL does), and a division by zero elsewhere would go unseen. */
+        /* A driver may install a handler for the process's SIGFPE (PoCL does), which would hide a division by zero
+           elsewhere. */
         struct sigaction before;
         const bool known = sigaction(SIGFPE, NULL, &before) == 0;
         status = set_up(b, gl, options->kernels != OST_CL_SET_AUTO, err);

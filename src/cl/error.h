@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* OpenCL's error codes as statuses and as one line that names call, device and cause. */
+/* Converts OpenCL's error codes to a status and one line that names call, device and cause. */
 #ifndef OST_CL_ERROR_H
 #define OST_CL_ERROR_H
 
@@ -7,10 +7,11 @@
 
 #include "cl/api.h"
 
-/* "CL_OUT_OF_RESOURCES"; "error -9999" for one that is in no list here. */
+/* Returns the name, such as "CL_OUT_OF_RESOURCES"; "an unknown error" for a code that is not listed. */
 const char *ost_cl_error_name(cl_int code);
 
-/* What the user is told; device names it, call is the function's name, what its object ("kernel ost_remove"). */
+/* Sets the message for the user and returns the status of the code. device is the device's name, call the OpenCL
+   function, what the object concerned ("kernel ost_remove") or "". */
 ost_status ost_cl_fail(ost_error *err, const char *device, cl_int code, const char *call, const char *what);
 
 #endif

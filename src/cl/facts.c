@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What a driver says of itself and of a device, for the record, as lines
+ * What a driver reports about itself and a device, for the record, as lines
  * "CL_DEVICE_VENDOR=...".  Names are OpenCL's own; values that are not text
- * are decimal numbers, bit fields hexadecimal.  Nothing here decides anything,
- * and nothing here changes while the machine stays as it is: no clock, no
- * free memory.
+ * are decimal numbers, bit fields are hexadecimal.  These lines decide nothing
+ * and stay the same while the machine does: they include no clock and no free
+ * memory.
  */
 #include "cl/choice.h"
 #include "core/memory_stream.h"
@@ -60,7 +60,7 @@ static void put_line(FILE *to, const char *name, fact_kind kind, fact *v, size_t
 {
     static const size_t sizes[] = {[UINT] = sizeof v->uint, [ULONG] = sizeof v->ulong, [SIZE] = sizeof v->size, [BITS] = sizeof v->ulong, [BUS] = sizeof v->bus};
     if (kind != TEXT && size != sizes[kind])
-        return; /* the driver does not say, or says something else */
+        return; /* the driver reports nothing, or a value of another size */
     fprintf(to, "%s=", name);
     switch (kind) {
     case TEXT:

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A device's numeric fingerprint, taken whenever it is opened.
+ * The numeric fingerprint of a device, computed each time that it is opened.
  *
- *   integers  products, carries, shifts, quotients, bits, atomics over edge
- *             values crossed with each other and random ones: every word must
- *             be the host's, or the device is refused
- *   turns     how long a loop may be: a device that ends long ones is given
- *             the kernels for GPUs, or refused when these are too long as well
+ *   integers  products, carries, shifts, quotients, bits and atomics, over all
+ *             pairs of edge values and over random ones: every word must equal
+ *             the host's, or the device is refused
+ *   turns     how long a loop may be: a device that ends long loops gets the
+ *             kernel set for GPUs, or is refused if those loops are too long too
  *   floats    for the record: fused or not, denormals kept or not, and so on;
  *             they decide nothing
  */
@@ -36,7 +36,7 @@ static const uint64_t edges[] = {
 
 enum { EDGES = sizeof edges / sizeof edges[0], RANDOM = 800, PAIRS = EDGES * EDGES + RANDOM };
 
-/* splitmix64 from a fixed seed: the same words everywhere. */
+/* splitmix64 from a fixed seed, so that the words are the same on every machine. */
 static uint64_t next_word(uint64_t *state)
 {
     uint64_t z = (*state += UINT64_C(0x9e3779b97f4a7c15));
@@ -165,10 +165,10 @@ done:
 
 /* ---------------------------------------------------------------- floats */
 
-/* Bits of the floats that are asked about; a, b, c of kernels/fingerprint_float.cl. */
+/* Bits of the floats that are tested: a, b, c of kernels/fingerprint_float.cl. */
 enum { FLOATS = 4 };
 static const uint32_t float_in[3 * FLOATS] = {
-    0x3f800800, 0x3f800800, 0xbf800000, /* 1 + 2^-12, the same, -1: their sum of product and c shows a fused one */
+    0x3f800800, 0x3f800800, 0xbf800000, /* 1 + 2^-12, the same, -1: a * b + c shows whether the sum is fused */
     0x3f800000, 0x40400000, 0x00000000, /* 1 / 3 */
     0x3f000000, 0x3f800000, 0x00000000, /* 1/2 of the least normal number */
     0x501502f9, 0x3f800000, 0x00000000, /* 1e10, to int */

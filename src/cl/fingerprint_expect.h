@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What kernels/fingerprint.cl must give, word by word, by other means: 128-bit
- * products, digits of 32 bits, bits one at a time.  The numbers are its.
+ * The expected results of kernels/fingerprint.cl, word by word, computed by
+ * other means: 128-bit products, digits of 32 bits, single bits.  The indices
+ * are those of the kernel.
  */
 #ifndef OST_CL_FINGERPRINT_EXPECT_H
 #define OST_CL_FINGERPRINT_EXPECT_H
@@ -78,7 +79,7 @@ static inline void ost_cl_fingerprint_expect(uint64_t a, uint64_t b, uint64_t to
     to[31] = z ^ z / (UINT64_C(1) << 31);
 }
 
-/* in has count words; counters are set to what they must be at the end. */
+/* Sets counters to the values expected after all work items; in has count words. */
 static inline void ost_cl_fingerprint_expect_atomics(const uint64_t *in, uint32_t count, uint32_t counters[OST_CL_FINGERPRINT_COUNTERS])
 {
     memset(counters, 0, OST_CL_FINGERPRINT_COUNTERS * sizeof *counters);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Dense grids: a store, x fastest, slices up and down. */
+/* Dense grids: a store, x fastest; upload and download of slices. */
 #include "cl/objects.h"
 
 #include <stdlib.h>
@@ -92,7 +92,7 @@ ost_status ost_cl_grid_own(cl_grid *grid, ost_error *err)
     else
         status = ost_cl_copy(b, grid->store->voxels, own->voxels, grid_bytes(&grid->base.geometry), err);
     if (status == OST_OK)
-        status = ost_cl_finish(b, err); /* before what it was made from goes */
+        status = ost_cl_finish(b, err); /* before the store that it was made from is released */
     if (status != OST_OK) {
         store_release(b, own);
         return status;
@@ -131,13 +131,13 @@ ost_status ost_cl_grid_upload(ost_grid *base, int32_t z0, int32_t count, const i
     if (status != OST_OK)
         return status;
     status = ost_cl_write((cl_backend *)base->backend, grid->store->voxels, slice * (size_t)z0, slice * (size_t)count, voxels, err);
-    grid->lost = status != OST_OK; /* a part may be there */
+    grid->lost = status != OST_OK; /* a part may have been written */
     return status;
 }
 
 ost_status ost_cl_grid_download(const ost_grid *base, int32_t z0, int32_t count, int16_t *voxels, ost_error *err)
 {
-    /* A list of slices is made whole, which changes no voxel. */
+    /* A grid that is a list of slices is first given its own voxels, which changes none of their values. */
     cl_grid *grid = (cl_grid *)(uintptr_t)base;
     const size_t slice = slice_bytes(&base->geometry);
     ost_status status = ost_cl_alive(base->backend, grid->lost, "grid", err);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Why the loader shows no platform.  A loader skips drivers that it cannot
- * load and says nothing; this looks at the same folder of .icd files (a line
- * each: the driver's library) and asks the system what is wrong with them.
- * Only for the reason that the user reads.
+ * Why the loader reports no platform.  A loader silently skips drivers that it
+ * cannot load.  This file reads the same folder of .icd files (each has one line,
+ * the driver's library) and tries to load each library.  It serves only the
+ * reason that the user reads.
  */
 #include "cl/choice.h"
 
@@ -21,7 +21,7 @@ static bool ends_with(const char *text, const char *end)
     return length >= tail && strcmp(text + length - tail, end) == 0;
 }
 
-/* Whether the driver in this file cannot be loaded; says why. */
+/* Returns true, with the reason, if the driver named in this file cannot be loaded. */
 static bool broken(const char *path, const char *file, char *reason, size_t size)
 {
     char line[512] = "";

@@ -2,10 +2,10 @@
 /*
  * From samples to the cubic grid (AR-CT-4..6, AR-CUB) on the device.
  *
- * A batch of samples goes up in parts of at most PART_BYTES: a part is a batch of
- * its own with the same first line, so the report adds up in the same way
- * (kernels/shared.h says how).  The host reads 32 bytes of report a part, and
- * two more kernels run only where a conflict is to be named.
+ * A batch of samples is uploaded in parts of at most PART_BYTES.  Each part is a
+ * batch of its own with the same first line, so the reports are combined in the
+ * same way (see kernels/shared.h).  The host reads 32 bytes of report per part;
+ * two more kernels run only if there is a conflict to report.
  */
 #include "cl/objects.h"
 
@@ -30,7 +30,7 @@ static bool earlier(int64_t line, int64_t recorded)
     return recorded == 0 || line < recorded;
 }
 
-/* Adds a part's report to the whole one. */
+/* Adds the report of a part to that of the batch. */
 static void add_part(ost_scatter_report *whole, const ost_cl_scatter_report *part, const ost_sample *samples, size_t count,
                      int64_t first_line)
 {
@@ -118,7 +118,7 @@ ost_status ost_cl_ct_to_rect(ost_grid *base, const ost_sample *samples, size_t c
         if (status == OST_OK)
             add_part(&whole, &part, samples + done, now, first_line);
         else if (done > 0)
-            grid->lost = true; /* earlier parts are in */
+            grid->lost = true; /* earlier parts have been stored */
         done += now;
     }
     if (status == OST_OK)
@@ -136,7 +136,7 @@ ost_status ost_cl_resample(cl_backend *b, ost_dims dims, bool linear, cl_mem cub
 
 ost_status ost_cl_rect_to_cubic(const ost_grid *base, const ost_geometry *geometry, ost_resample rule, ost_grid **out, ost_error *err)
 {
-    cl_grid *rect = (cl_grid *)(uintptr_t)base; /* made whole, which changes no voxel; its store gets another holder */
+    cl_grid *rect = (cl_grid *)(uintptr_t)base; /* its voxels keep their values; its store may get another holder */
     cl_backend *b = (cl_backend *)base->backend;
     const ost_geometry *r = &base->geometry;
     const ost_cl_cubic cubic = {
@@ -148,7 +148,7 @@ ost_status ost_cl_rect_to_cubic(const ost_grid *base, const ost_geometry *geomet
         .z0 = 0,
         .z1 = geometry->dims.z,
     };
-    /* Equal spacings: a voxel's source is its own index, by any rule, and its weights are 0. */
+    /* With equal spacings a voxel's source is its own index under every rule, and its weights are 0. */
     const bool z_alone = geometry->spacing.x == r->spacing.x && geometry->spacing.y == r->spacing.y;
     const bool linear = rule == OST_RESAMPLE_LINEAR;
     const size_t axes = (size_t)geometry->dims.x + (size_t)geometry->dims.y + (size_t)geometry->dims.z;
@@ -162,13 +162,13 @@ ost_status ost_cl_rect_to_cubic(const ost_grid *base, const ost_geometry *geomet
     if (status == OST_OK)
         status = ost_cl_buffer(b, 2 * axes * sizeof(int32_t), NULL, "resampling", &sources, err);
     if (status == OST_OK)
-        status = ost_cl_grid_create_raw(base->backend, geometry, z_alone ? rect->store : NULL, &to, err); /* every voxel of it is written */
+        status = ost_cl_grid_create_raw(base->backend, geometry, z_alone ? rect->store : NULL, &to, err); /* all of it is written */
     if (status == OST_OK)
         status = OST_CL_LAUNCH(b, ost_cubic_sources, axes, 1, 1, err, OST_CL_ARG(cubic_buffer), OST_CL_ARG(sources));
     b->entered[z_alone ? OST_CL_PATH_RESAMPLED_LATER : OST_CL_PATH_RESAMPLED_NOW]++;
     if (status == OST_OK && !z_alone)
         status = ost_cl_resample(b, geometry->dims, linear, cubic_buffer, sources, rect->store->voxels, ((cl_grid *)to)->store->voxels, err);
-    if (status == OST_OK) /* whatever failed there late is heard of here */
+    if (status == OST_OK) /* errors of earlier commands are reported here */
         status = ost_cl_finish(b, err);
     if (status == OST_OK && z_alone) {
         ((cl_grid *)to)->cubic = cubic_buffer;

@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What a built program depends on, and so the key of its entry in the cache:
+ * Everything that a built program depends on; together these texts are the key
+ * of its cache entry:
  *
- *   options, sources          ours
+ *   options, sources          of this library
  *   platform, device, driver  their names and versions
- *   NAME=VALUE ...            settings of drivers that are in the environment, sorted
+ *   NAME=VALUE ...            driver settings in the environment, sorted
  *
- * Drivers are steered by their environment: POCL_KERNELLIB_NAME and
- * POCL_WORK_GROUP_METHOD give other machine code under the same names.  Which
- * settings matter is the driver's own affair, so all that begin as a driver's
- * do count; a binary built once too often costs seconds, one that is not
- * what was asked for may cost a proof.  Folders of caches do not count.
+ * Environment variables control drivers: POCL_KERNELLIB_NAME and
+ * POCL_WORK_GROUP_METHOD result in different machine code under the same names.
+ * Only the driver defines which settings matter, so all variables with a
+ * driver's prefix are included.  An unnecessary build costs seconds; a binary
+ * built with other settings could invalidate a proof.  Cache folders
+ * (*_CACHE_DIR) are excluded.
  */
 #include "cl/cl.h"
 
@@ -39,7 +41,7 @@ static int by_text(const void *a, const void *b)
     return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
-/* Those of the environment, sorted, into parts if it is not NULL; how many. */
+/* Returns the number of driver settings in the environment. If parts is not NULL, also stores them there, sorted. */
 static size_t settings(const char **parts)
 {
     size_t count = 0;

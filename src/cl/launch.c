@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Buffers and launches: the few ways in which all stages use the queue.
+ * Buffers and launches: the functions through which all stages use the queue.
  *
- * Work groups.  Kernels take ranges that are rounded up, have no barrier and
- * never look at their group: its size shows in speed only.  Left to
- * themselves some drivers take groups of one item when a range is a prime, so
- * a size is always given.
+ * Work groups.  Kernels accept ranges that are rounded up, have no barrier and
+ * never read their group, so the group size affects only speed.  A size is
+ * always given, since some drivers otherwise use groups of one item when a range
+ * is a prime number.
  */
 #include "cl/cl.h"
 
@@ -14,7 +14,8 @@
 
 enum { WORKGROUP_DEFAULT = 64 };
 
-/* Items that are a long way each: any group of more is a core that waits for another. */
+/* Returns true for kernels whose items take long: in a group of several, cores would wait for one that runs the
+   group. */
 static bool long_items(enum ost_cl_kernel kernel)
 {
     return kernel == OST_CL_KERNEL_ost_remove_blocks || kernel == OST_CL_KERNEL_ost_chunk_scan_layers ||
@@ -32,7 +33,7 @@ ost_status ost_cl_buffer(cl_backend *b, size_t bytes, const void *data, const ch
 {
     char text[80];
     snprintf(text, sizeof text, "%s, %zu bytes", what, bytes);
-    cl_int code = CL_INVALID_BUFFER_SIZE; /* drivers differ in what they say, or do, beyond their limit */
+    cl_int code = CL_INVALID_BUFFER_SIZE; /* drivers differ in their errors and behaviour beyond their limit */
     *out = NULL;
     if (bytes <= b->device.max_buffer)
         *out = b->cl->clCreateBuffer(b->context, CL_MEM_READ_WRITE | (data && bytes ? CL_MEM_COPY_HOST_PTR : 0), bytes ? bytes : 1,
@@ -40,7 +41,7 @@ ost_status ost_cl_buffer(cl_backend *b, size_t bytes, const void *data, const ch
     if (*out && code == CL_SUCCESS)
         return OST_OK;
     *out = NULL;
-    if (ost_cl_room_clear(b)) /* what was kept may be what is missing */
+    if (ost_cl_room_clear(b)) /* the buffers kept for reuse may occupy the memory that is missing */
         return ost_cl_buffer(b, bytes, data, what, out, err);
     return ost_cl_fail(err, b->device.name, code, "clCreateBuffer", text);
 }
@@ -71,7 +72,7 @@ static ost_status fill_zero(cl_backend *b, cl_mem buffer, size_t offset, size_t 
     return code == CL_SUCCESS ? OST_OK : ost_cl_fail(err, b->device.name, code, "clEnqueueFillBuffer", "");
 }
 
-/* By the widest pattern there is, since drivers fill pattern by pattern; the ends by bytes. */
+/* Uses the widest pattern that OpenCL has, since drivers fill pattern by pattern; the ends are filled by bytes. */
 ost_status ost_cl_zero(cl_backend *b, cl_mem buffer, size_t offset, size_t bytes, ost_error *err)
 {
     const size_t unit = sizeof(cl_ulong16), begin = (offset + unit - 1) / unit * unit, end = (offset + bytes) / unit * unit;
@@ -123,7 +124,7 @@ ost_status ost_cl_finish(cl_backend *b, ost_error *err)
     return code == CL_SUCCESS ? OST_OK : ost_cl_fail(err, b->device.name, code, "clFinish", "");
 }
 
-/* At most what was asked for and what the kernel can have, and no more than the range needs. */
+/* Returns at most the size requested, at most the kernel's limit, and by default no more than the range needs. */
 static size_t group_size(const cl_backend *b, enum ost_cl_kernel kernel, size_t range)
 {
     size_t size = b->workgroup ? b->workgroup : long_items(kernel) ? 1 : WORKGROUP_DEFAULT;

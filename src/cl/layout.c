@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The structs that host and device share are laid out alike: the host's
- * sizes stand in kernels/shared.h as assertions, the device's are asked for
- * here.  The rest of the structs lies between members that are checked.
+ * Checks that the structs shared by host and device have the same layout.  The
+ * host's sizes are asserted in kernels/shared.h; a kernel reports the device's.
+ * The members that are not checked lie between members that are.
  */
 #include "cl/cl.h"
 
@@ -31,7 +31,7 @@ static const struct {
 
 enum { COUNT = sizeof expected / sizeof expected[0], ROOM = 256 };
 
-/* What the public structs are copied to as they are. */
+/* Public structs and constants that are copied without conversion. */
 _Static_assert(sizeof(ost_sample) == sizeof(ost_cl_sample) && offsetof(ost_sample, density) == offsetof(ost_cl_sample, density) &&
                    offsetof(ost_sample, line) == offsetof(ost_cl_sample, line),
                "samples go up as they are");

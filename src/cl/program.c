@@ -2,12 +2,12 @@
 /*
  * Building a program for the backend's device.
  *
- *   cache has a binary --> the driver takes it --> done
+ *   cache has a binary --> the driver accepts it --> done
  *          | no                  | no
- *          '---------> source <--'   built, its binary stored
+ *          '---------> source <--'   built; the binary is stored
  *
- * A failed build's log may be long and is the driver's own prose: the error
- * shows its first line that speaks of an error.
+ * The log of a failed build may be long and has no fixed format.  The error shows
+ * its first line that contains "error".
  */
 #include "cl/cl.h"
 
@@ -17,7 +17,7 @@
 
 #include "cl/cache.h"
 
-/* The line of a log to show: the first with "error", else the first that is not empty. */
+/* Selects the line of a log to show: the first with "error", else the first that is not empty. */
 static void shorten(const char *log, char *out, size_t size)
 {
     const char *best = NULL, *first = NULL;
@@ -75,7 +75,7 @@ static bool from_binary(cl_backend *b, const ost_cl_cache *cache, const char *op
     return false;
 }
 
-/* Keeps the binary for the next time; whether that works is nobody's concern. */
+/* Stores the binary in the cache. A failure is ignored, since the program can be built again. */
 static void store_binary(cl_backend *b, const ost_cl_cache *cache, cl_program program)
 {
     size_t size = 0;

@@ -3,19 +3,19 @@
  * Removal and collision (AR-MAP, AR-REM): one launch for all chunks, blocks
  * and poses of an event.
  *
- *   host    chunks with a slot that some box meets           ascending, as the report
+ *   host    chunks with a slot that some box meets           ascending, as in the report
  *             their blocks of 16^3
  *               entries: the poses that may meet the block, with its base
  *   queue   event with poses, blocks, entries -> ost_remove -> a report per block
- *   host    waits once, for the reports; sums them chunk by chunk
+ *   host    waits once, for the reports; sums them by chunk
  *
- * An entry is left out where no voxel of the block can lie in the tool's grid:
- * its pose's box misses the block, its base is far (AR-MAP-5), or the block's
- * eight corners lie all on one side of the grid.
+ * An entry is omitted if no voxel of the block can lie in the tool's grid: the
+ * pose's box misses the block, the block's base is far (AR-MAP-5), or the block's
+ * eight corners all lie on one side of the grid.
  *
- * Entries are limited to ENTRIES_BYTES; an event with more of them goes in
- * several launches, each of whole blocks.  Chunks are independent, so that
- * shows in nothing but time.
+ * The entries of a launch are limited to ENTRIES_BYTES; an event with more of
+ * them is divided into several launches of complete blocks.  Chunks are
+ * independent, so this affects only time.
  */
 #include "cl/objects.h"
 
@@ -27,18 +27,18 @@ enum { BLOCK = OST_MAP_BLOCK, ENTRIES_BYTES = (1 << 22) * sizeof(ost_cl_entry) }
 
 typedef struct event_array {
     void *host;      /* owned */
-    size_t capacity; /* bytes */
-    size_t bytes;    /* in use */
+    size_t capacity; /* allocated bytes */
+    size_t bytes;    /* bytes in use */
 } event_array;
 
 struct ost_cl_event_scratch {
     event_array poses, blocks, entries, reports;
     event_array input; /* the event and its arrays, one after the other */
     cl_mem input_device, reports_device;
-    size_t input_room, reports_room; /* their bytes */
-    size_t *chunk; /* owned; chunk of each block */
+    size_t input_room, reports_room; /* sizes of these two buffers in bytes */
+    size_t *chunk; /* owned; the chunk of each block */
     size_t chunk_capacity;
-    bool warm; /* whether a removal kernel was launched */
+    bool warm; /* true if a removal kernel was launched */
 };
 
 void ost_cl_event_free(cl_backend *b)
@@ -58,7 +58,7 @@ void ost_cl_event_free(cl_backend *b)
     b->event = NULL;
 }
 
-/* Room for so many bytes; the content stays. */
+/* Ensures a capacity of at least this many bytes; the content is preserved. */
 static ost_status array_reserve(event_array *a, size_t bytes, ost_error *err)
 {
     if (bytes <= a->capacity)
@@ -83,7 +83,7 @@ static ost_status array_add(event_array *a, const void *element, size_t size, os
     return OST_OK;
 }
 
-/* A buffer of at least so many bytes; its content is lost when it grows. */
+/* Ensures a device buffer of at least this many bytes; its content is lost if it grows. */
 static ost_status device_reserve(cl_backend *b, cl_mem *device, size_t *room, size_t bytes, ost_error *err)
 {
     if (bytes <= *room)
@@ -107,9 +107,9 @@ typedef struct plan {
     const ost_event *event;
     struct ost_cl_event_scratch *s;
     bool apply;
-    bool changed; /* whether a launch that removes was enqueued */
+    bool changed; /* true if a launch that removes was enqueued */
     ost_report *report;
-    ost_chunk_report part; /* of the chunk that is being summed; chunk -1: none */
+    ost_chunk_report part; /* sums of the current chunk; part.chunk is -1 if there is none */
 } plan;
 
 static int32_t least(int32_t a, int32_t b)
@@ -131,7 +131,7 @@ static bool empty_box(const ost_voxel_box *box, ost_dims dims)
     return false;
 }
 
-/* Chunks that some pose's box meets, half-open; lo > hi when there is none. */
+/* Finds the range of chunks that the boxes of all poses meet, half-open; lo > hi if there is none. */
 static void chunk_range(const plan *p, int32_t lo[3], int32_t hi[3])
 {
     const ost_dims dims = p->bone->base.geometry.dims;
@@ -151,7 +151,8 @@ static void chunk_range(const plan *p, int32_t lo[3], int32_t hi[3])
     }
 }
 
-/* Whether the block's corners, and with them all of it, lie beyond one face of the tool's grid. Sums in 64 bits: no proof needed. */
+/* Returns true if the block's corners, and so the entire block, lie beyond one face of the tool's grid. The sums are
+   64 bits wide and cannot overflow. */
 static bool beside(const int32_t base[3], const ost_map *map, ost_dims dims)
 {
     const int64_t d[3] = {dims.x, dims.y, dims.z};
@@ -168,7 +169,7 @@ static bool beside(const int32_t base[3], const ost_map *map, ost_dims dims)
     return false;
 }
 
-/* The entries of one block; 0 when no pose may meet it. */
+/* Adds the entries of one block; *count is 0 if no pose may meet it. */
 static ost_status plan_entries(plan *p, const int32_t first[3], uint32_t *count, ost_error *err)
 {
     const ost_dims dims = p->bone->base.geometry.dims;
@@ -243,7 +244,7 @@ static ost_status plan_poses(plan *p, ost_error *err)
 
 /* -------------------------------------------------------------- running */
 
-/* The chunk that has been summed goes into the report; on removal its counts follow. */
+/* Adds the sums of the current chunk to the report and, on removal, updates the chunk's count of active voxels. */
 static ost_status close_part(plan *p, ost_error *err)
 {
     if (p->part.chunk < 0)
@@ -286,7 +287,7 @@ static ost_status take_reports(plan *p, ost_error *err)
     return status;
 }
 
-/* One launch over the blocks in the device's arrays; 0 of them: all items return at once. */
+/* Enqueues one launch over the blocks in the device's arrays. With 0 blocks all work items return at once. */
 static ost_status launch(const plan *p, size_t blocks, ost_error *err)
 {
     struct ost_cl_event_scratch *s = p->s;
@@ -299,7 +300,7 @@ static ost_status launch(const plan *p, size_t blocks, ost_error *err)
                          OST_CL_ARG(p->bone->density), OST_CL_ARG(p->bone->words), OST_CL_ARG(s->reports_device));
 }
 
-/* The event and its arrays as one, on their way to the device; a buffer for the reports. */
+/* Enqueues the transfer of the event and its arrays as one buffer, and ensures a buffer for the reports. */
 static ost_status write_input(plan *p, ost_error *err)
 {
     struct ost_cl_event_scratch *s = p->s;
@@ -318,7 +319,7 @@ static ost_status write_input(plan *p, ost_error *err)
     size_t bytes = sizeof head;
     for (int c = 0; c < classes->count; c++)
         head.border[c] = classes->border[c];
-    for (int i = 0; i < 3; i++) { /* each a multiple of 8, as structs are */
+    for (int i = 0; i < 3; i++) { /* all offsets are multiples of 8, as are the sizes of the structs */
         *at[i] = (uint32_t)bytes;
         bytes += parts[i]->bytes;
     }
@@ -343,8 +344,9 @@ static ost_status write_input(plan *p, ost_error *err)
 }
 
 /*
- * An event that meets nothing, as a world runs one when it gets a tool, makes the
- * driver build the kernel for its group size: some do so at the first launch.
+ * Runs an event that meets nothing, as a world does when it gets a tool.  Some
+ * drivers build a kernel for its group size only at the first launch; this makes
+ * them do it before the operation.
  */
 static ost_status warm(plan *p, ost_error *err)
 {
@@ -361,7 +363,7 @@ static ost_status warm(plan *p, ost_error *err)
     return status;
 }
 
-/* Runs what is planned and forgets it. */
+/* Runs the planned blocks and clears the plan. */
 static ost_status flush(plan *p, ost_error *err)
 {
     struct ost_cl_event_scratch *s = p->s;
@@ -404,7 +406,8 @@ static ost_status plan_chunk(plan *p, size_t chunk, const int32_t corner[3], ost
     return status;
 }
 
-/* Room for every chunk of the range, so that the report cannot fail once the first voxel is gone. */
+/* Reserves report entries for every chunk of the range, so that the report cannot fail once the first voxel is
+   removed. */
 static ost_status reserve_report(const plan *p, const int32_t lo[3], const int32_t hi[3], ost_error *err)
 {
     size_t needed = p->report->count;
@@ -462,7 +465,7 @@ static ost_status run_event(cl_bone *bone, cl_tool *tool, const ost_event *event
         status = warm(&p, err);
     if (status != OST_OK) {
         bone->lost = bone->lost || p.changed;
-        ost_cl_finish(b, NULL); /* writes from this event's arrays may be under way */
+        ost_cl_finish(b, NULL); /* transfers from this event's arrays may be in progress */
         ost_cl_tool_settle(tool, false);
     }
     return status;
@@ -473,7 +476,7 @@ ost_status ost_cl_remove(ost_bone *bone, const ost_tool *tool, const ost_event *
     return run_event((cl_bone *)bone, (cl_tool *)(uintptr_t)tool, event, true, report, err);
 }
 
-/* Neither bone nor tool changes but for what is kept of them on the device. */
+/* Neither bone nor tool changes, except for buffers on the device that are made on demand. */
 ost_status ost_cl_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err)
 {
     return run_event((cl_bone *)(uintptr_t)bone, (cl_tool *)(uintptr_t)tool, event, false, report, err);

@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Large buffers that were freed and wait for the next of about their size.
+ * A pool of large buffers that were freed and can be reused at about their size.
  *
- * A driver takes a large buffer anew from the system, which hands it out page
- * by page at the first touch: for a bone on a CPU that took longer than to
- * fill it.  The queue is in order, so what is given back may still be in use
- * by commands before the next holder's.
+ * A driver allocates a large buffer from the system, which maps it page by page
+ * at the first access; for a bone on a CPU that took longer than filling it.
+ * The queue is in order, so earlier commands may still use a buffer when it is
+ * returned to the pool: they finish before those of its next owner.
  */
 #include "cl/cl.h"
 
 enum { LEAST = 1 << 20, MOST = 1 << 28 };
 
-/* The least that holds so much and not much more, or -1. */
+/* Returns the index of the smallest buffer of at least this size that is at most a quarter larger, or -1. */
 static int find(const cl_backend *b, size_t bytes)
 {
     int best = -1;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Words in a buffer of OpenGL.  Of the table's slots upload, remove and collide
- * touch words; downloads and digests read densities alone and need no holding.
+ * Occupancy words in an OpenGL buffer.  Of the function table's slots only upload,
+ * remove and collide access the words; downloads and digests read densities
+ * alone, so they need not acquire the buffer.
  */
 #include "cl/share.h"
 
@@ -31,7 +32,7 @@ bool ost_cl_gl_said(const ost_cl_api *cl, const ost_cl_device *device)
         return false;
     char *words = calloc(1, size + 2);
     bool found = false;
-    /* A blank before and behind each word. */
+    /* The name must be a complete word of the list, with a blank or an end on both sides. */
     if (words && cl->clGetDeviceInfo(device->id, CL_DEVICE_EXTENSIONS, size, words, NULL) == CL_SUCCESS)
         for (const char *p = words; !found && (p = strstr(p, name)); p += sizeof name - 1)
             found = (p == words || p[-1] == ' ') && strchr(" ", p[sizeof name - 1]);
@@ -74,7 +75,7 @@ static ost_status acquire(cl_backend *b, cl_mem words, ost_error *err)
     return code == CL_SUCCESS ? OST_OK : ost_cl_fail(err, b->device.name, code, "clEnqueueAcquireGLObjects", "");
 }
 
-/* Given back and done, so that GL may draw. */
+/* Releases the buffer to OpenGL and waits, so that OpenGL may draw afterwards. */
 static ost_status release(cl_backend *b, cl_mem words, ost_error *err)
 {
     const cl_int code = b->cl->clEnqueueReleaseGLObjects(b->queue, 1, &words, 0, NULL, NULL);
@@ -83,7 +84,8 @@ static ost_status release(cl_backend *b, cl_mem words, ost_error *err)
     return ost_cl_finish(b, err);
 }
 
-/* From one pool to the other; both are of this size at least. gl is the one of the two that GL knows. */
+/* Copies bytes from one pool to the other; both have at least this size. gl is the one of the two that OpenGL
+   shares. */
 static ost_status move(cl_backend *b, cl_mem from, cl_mem to, cl_mem gl, size_t bytes, ost_error *err)
 {
     ost_status status = acquire(b, gl, err);
@@ -152,7 +154,7 @@ ost_status ost_cl_held_bone_upload(ost_bone *bone, int32_t z0, int32_t count, co
     return status == OST_OK ? ost_cl_bone_upload(bone, z0, count, voxels, err) : status;
 }
 
-/* Between acquiring and releasing, which is done whatever the event said. */
+/* Runs the event between acquiring and releasing the words; they are released also if the event fails. */
 static ost_status held_event(cl_bone *bone, const ost_tool *tool, const ost_event *event, bool apply, ost_report *report, ost_error *err)
 {
     cl_backend *b = backend_of(bone);
@@ -162,7 +164,7 @@ static ost_status held_event(cl_bone *bone, const ost_tool *tool, const ost_even
     status = apply ? ost_cl_remove(&bone->base, tool, event, report, err) : ost_cl_collide(&bone->base, tool, event, report, err);
     const ost_status released = release(b, bone->words, status == OST_OK ? err : NULL);
     if (status == OST_OK && released != OST_OK && apply)
-        bone->lost = true; /* the event is done, and its caller hears that it failed */
+        bone->lost = true; /* the event was performed, but its caller receives an error */
     return status == OST_OK ? released : status;
 }
 
@@ -203,7 +205,7 @@ ost_status ost_cl_words_read(const ost_bone *base, const int32_t *chunks, size_t
         if (code != CL_SUCCESS)
             status = ost_cl_fail(err, b->device.name, code, "clEnqueueReadBuffer", "");
     }
-    /* Reads that are under way end in any case before the caller has its memory back. */
+    /* Reads in progress must end before the call returns, since they write to the caller's memory. */
     const ost_status finished = ost_cl_finish(b, status == OST_OK ? err : NULL);
     return status == OST_OK ? finished : status;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tools: classes, one uint8 a voxel, and the cells that removal looks up,
- * which are classes with how far they reach (kernels/shared.h).
+ * Tools: classes, one uint8 per voxel, and the cells that removal reads: each
+ * is a class with its reach (kernels/shared.h).
  */
 #include "cl/objects.h"
 
@@ -77,7 +77,7 @@ static ost_status make_windows(cl_tool *tool, cl_mem *out, ost_error *err)
     return status;
 }
 
-/* Three launches: classes -> first -> second -> first. */
+/* Three launches, one per axis: classes -> first -> second -> first. */
 ost_status ost_cl_tool_prepare(cl_tool *tool, ost_error *err)
 {
     cl_backend *b = (cl_backend *)tool->base.backend;

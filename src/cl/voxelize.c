@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * AR-VOX on the device, by triangle (CPUs: voxelize_tiles.c).
+ * AR-VOX on the device, by triangle (for CPUs see voxelize_tiles.c).
  *
- *   for slices that fit the steps' buffer
+ *   for slices whose steps fit the buffer
  *     for the mesh that does not cut, then the one that does
- *       steps   +1 and -1 of every triangle, integer atomics
+ *       steps   +1 and -1 of every triangle, by integer atomics
  *       fill    a running sum along each row
  *     count     solid and cutting voxels
  */
@@ -12,7 +12,7 @@
 
 #include <stdlib.h>
 
-/* Of the steps' buffer; and the least number of work items that keeps a device busy. */
+/* STEPS_BYTES limits the buffer of steps; ITEMS is the number of work items that occupies a device. */
 enum { STEPS_BYTES = 1 << 28, ITEMS = 1 << 14 };
 
 typedef struct mesh_buffers {
@@ -65,7 +65,7 @@ static ost_status count_slices(cl_backend *b, const ost_cl_vox *vox, cl_mem clas
     return status;
 }
 
-/* Slices whose steps fit. */
+/* Returns the number of slices whose steps fit the buffer, at least 1. */
 static int32_t step_slices(const cl_backend *b, ost_dims dims)
 {
     const size_t slice = (size_t)dims.y * ((size_t)dims.x + 1) * sizeof(int32_t);

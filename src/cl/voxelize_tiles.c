@@ -4,10 +4,10 @@
  *
  *   host    which triangles' bounds meet which tile's slices   a counting sort
  *   queue   ost_vox_tiles for the mesh that does not cut, then for the one that does
- *   host    waits once, for what the tiles have counted
+ *   host    waits once, for the tiles' counts
  *
- * The host is the same processor as the device, so that it sorts costs no more
- * than a kernel would, and needs no atomics.
+ * The host is the same processor as the device, so sorting there takes no more
+ * time than a kernel would, and needs no atomics.
  */
 #include "cl/objects.h"
 
@@ -15,12 +15,14 @@
 
 enum { TILE_BYTES = 1 << 18, PASS_BYTES = 1 << 19, TILES_BYTES = 1 << 26, BANDS = 8, LISTED = 4 };
 
-/* Rows along y and slices of a tile, slices that share a list, and those that are marked together, as powers of two. */
+/* The size of a tile, as powers of two: rows along y (height), slices (depth), slices that share a list (layer),
+   slices that are marked together (pass). */
 typedef struct tile_size {
     int height, depth, layer, pass;
 } tile_size;
 
-/* Centres, along y and z, that the bounds of a vertex or a triangle hold, inclusive: a vertex may hold none, so first = last + 1. */
+/* The centres along y and z within the bounds of a vertex or a triangle, inclusive. Bounds without a centre have y1
+   < y0 or z1 < z0; for a vertex y1 = y0 - 1. */
 typedef struct centres {
     int16_t y0, z0, y1, z1;
 } centres;
@@ -28,16 +30,16 @@ typedef struct centres {
 typedef struct mesh_bins {
     const ost_snapped_mesh *mesh; /* NULL: none */
     uint8_t tool_class;
-    uint64_t entries; /* of all lists */
-    size_t count;     /* triangles whose bounds hold a centre */
-    uint32_t *number; /* of these; owned, as are the next four */
-    centres *range;   /* the same triangles' */
+    uint64_t entries; /* total of all lists */
+    size_t count;     /* triangles whose bounds contain a centre */
+    uint32_t *number; /* numbers of these triangles; owned, as are the next four */
+    centres *range;   /* centres of the same triangles */
     centres *vertex;
-    uint32_t *start;  /* lists + 1 */
+    uint32_t *start;  /* lists + 1 elements */
     uint32_t *list;
 } mesh_bins;
 
-/* Tiles along an axis of 2^shift rows or slices each. */
+/* Returns the number of tiles along an axis of n rows or slices; each tile has 2^shift. */
 static int32_t tiles_of(int32_t n, int shift)
 {
     return ((n - 1) >> shift) + 1;
@@ -53,7 +55,8 @@ static int16_t greatest(int16_t a, int16_t b)
     return a > b ? a : b;
 }
 
-/* Centres are (i + 1/2) 2^f. No branch on what a triangle holds, which nothing foresees. */
+/* Centres are (i + 1/2) 2^f. The loop does not branch on whether a triangle's bounds contain a centre, since such a
+   branch is unpredictable. */
 static void find_ranges(mesh_bins *bins, int f)
 {
     const ost_snapped_mesh *mesh = bins->mesh;
@@ -89,7 +92,7 @@ static ost_status bins_start(mesh_bins *bins, int f, ost_error *err)
     return OST_OK;
 }
 
-/* False when the lists grow out of hand, which is less than four times the triangles and a million. */
+/* Counts the entries of all lists. Returns false if they are too many: more than LISTED per triangle and 2^20. */
 static bool count_entries(const cl_backend *b, mesh_bins *bins, const tile_size *size)
 {
     uint64_t entries = 0;
@@ -132,8 +135,8 @@ static void set_size(ost_cl_tiles *tiles, tile_size size)
     tiles->count[1] = tiles_of(tiles->dims[2], size.depth);
 }
 
-/* Rows that the cache holds, bands of slices enough for all threads, as many of them at once as the cache holds too; more where
-   scratch or lists would grow out of hand. */
+/* Chooses rows that fit the cache, at least BANDS bands of slices where there are enough slices, and as many slices
+   per pass as fit the cache. Tiles and layers are then enlarged while scratch or lists would become too large. */
 static tile_size choose_size(const cl_backend *b, ost_cl_tiles *tiles, mesh_bins bins[2])
 {
     const size_t tile_bytes = ost_cl_staging(b, TILE_BYTES), pass_bytes = ost_cl_staging(b, PASS_BYTES);
@@ -164,9 +167,10 @@ static tile_size choose_size(const cl_backend *b, ost_cl_tiles *tiles, mesh_bins
 }
 
 /*
- * How many triangles each list has, at next[list + 1]: first what changes from
- * a list to the next, along y and z, at four corners of a triangle's lists;
- * summed up along both these are the counts.  Modulo 2^32 on the way.
+ * Counts the triangles of each list in next[list + 1].  First change gets the
+ * differences between neighbouring lists along y and z, at the four corners of
+ * the rectangle of lists that a triangle belongs to; their sums along both axes
+ * are the counts.  Intermediate values are modulo 2^32.
  */
 static void count_lists(const mesh_bins *bins, uint32_t *change, size_t wide, size_t high, const tile_size *size, uint32_t *next)
 {
@@ -197,7 +201,8 @@ static ost_status bins_make(mesh_bins *bins, const ost_cl_tiles *tiles, const ti
         free(change);
         return ost_fail(err, OST_ERR_MEMORY, "no memory for lists of %llu triangles", (unsigned long long)bins->entries);
     }
-    /* next[l + 1] counts list l, next[l] then is where it begins and, when all are in, where it ends. */
+    /* next[l + 1] is the count of list l; after the sums below next[l] is where list l begins and, once it is
+       filled, ends. */
     uint32_t *next = bins->start + 1;
     count_lists(bins, change, wide, high, size, next);
     free(change);
