@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * 00: a scan and a tool from nothing, so that the other examples need no data.
+ * 00: generates a scan and a tool, so that the other examples need no data.
  *
  *   00_generate CT.nrrd TOOL.stl
  *
@@ -26,7 +26,7 @@ int main(int argc, char **argv)
     memset(&ct, 0, sizeof ct);
     memset(&mesh, 0, sizeof mesh);
 
-    /* NULL for options asks for the defaults: the thesis' sizes, seed 1, a right shoulder. */
+    /* NULL for options selects the defaults: the thesis' sizes, seed 1, a right shoulder. */
     status = ost_phantom_make(OST_PHANTOM_GLENOID, NULL, &ct, &err);
     if (!status)
         status = ost_volume_write(argv[1], &ct, NULL, &err);

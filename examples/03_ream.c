@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * 03: move a tool along a path and remove bone.
+ * 03: moves a tool along a path and removes bone.
  *
  *   03_ream BONE.nrrd TOOL.nrrd OUT.nrrd
  *
- * The path is the built-in one that drills a peg's hole into the middle of the
- * glenoid; the bone's file says where that is.  A path of your own comes from
- * ost_path_read_csv, a tick a row; or call ost_world_step with a pose whenever
- * you have one: it is the only function that advances the world.
+ * The built-in path drills a peg's hole into the middle of the glenoid; its
+ * position is a fact in the bone's file.  ost_path_read_csv reads other paths, one
+ * tick a row.  A program with poses of its own calls ost_world_step for each: it
+ * is the only function that advances the world.
  */
 #include <osteon/osteon.h>
 
@@ -39,7 +39,7 @@ int main(int argc, char **argv)
     memset(&path, 0, sizeof path);
     memset(&motor, 0, sizeof motor);
 
-    /* The bone and the tool, onto the backend. */
+    /* Upload the bone and the tool to the backend. */
     status = ost_backend_open("cpu", &backend, &err);
     if (!status)
         status = ost_import(backend, argv[1], NULL, &bone, &source, &err);
@@ -48,18 +48,18 @@ int main(int argc, char **argv)
     if (!status)
         status = ost_tool_upload(backend, &volume, &tool, &err);
 
-    /* A world with that bone and that tool in it; it borrows both. */
+    /* Create a world with the bone and the tool; it borrows both. */
     if (!status)
         status = ost_world_create(bone, NULL, &world, &err);
     if (!status)
         status = ost_world_add_tool(world, "peg", tool, &index, &err);
 
-    /* What the tool does, a thousand ticks a second. */
+    /* The tool's motion, a thousand ticks a second. */
     if (!status)
         status = ost_glenoid_from_meta(&source.meta, &glenoid, &err);
     if (!status)
         status = ost_builtin_path(OST_BUILTIN_PEG_HOLE, &glenoid, &volume.geometry, index, &path, &err);
-    /* Its poses are a hand's; the motor turns the tool. */
+    /* Its poses are the hand's; the motor turns the tool. */
     if (!status)
         status = ost_motor_path(&path, OST_RPM_REAMER, &motor, &err);
     for (size_t i = 0; !status && i < path.count; i++)

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What thesis_plugin.c has computed for it, in C (engine_c.c) or by an OpenCL
- * device (engine_cl.c).  Arrays are the host's; a function that fails leaves a
- * line in the error and returns an ost_plugin_status.
+ * The computations of thesis_plugin.c, in C (engine_c.c) or on an OpenCL device
+ * (engine_cl.c).  Arrays are in host memory.  A function that fails writes one
+ * line to *error and returns an ost_plugin_status.
  */
 #ifndef THESIS_ENGINE_H
 #define THESIS_ENGINE_H
@@ -11,7 +11,7 @@
 
 #ifndef THESIS_TYPES
 #define THESIS_TYPES
-/* As in thesis_f32.cl, which has the comments. */
+/* The same structs as in thesis_f32.cl, which documents them. */
 typedef struct thesis_axis {
     float minimum, size;
     int dims;
@@ -46,22 +46,22 @@ extern const char engine_name[], engine_about[];
 int32_t engine_open(const char *options, engine **out, ost_plugin_error *error);
 void engine_close(engine *e);
 
-/* samples: x, y, z, density of each; index: its voxel by the dims of `rect`, or -1. */
+/* samples: x, y, z, density of each; index: the voxel of each by the dims of *rect, or -1. */
 int32_t engine_index(engine *e, const float first_last_size[9], const float *samples, size_t count, thesis_rect *rect, int *index,
                      ost_plugin_error *error);
 int32_t engine_layers(engine *e, float cubic, float rect, size_t count, int *layer, ost_plugin_error *error);
 int32_t engine_minimum(engine *e, const float least[3], float size, float minimum[3], ost_plugin_error *error);
-/* Voxels inside become `mark`; corners: nine floats a triangle. */
+/* Sets voxels inside the mesh to `mark`. corners: nine floats per triangle. */
 int32_t engine_solid(engine *e, const thesis_grid *grid, const float *corners, int mark, uint8_t *solid, ost_plugin_error *error);
-/* One pose: x gets its chunk range, marks of the bone's size the pose's. */
+/* Processes one pose: sets the chunk range in *x, and the pose's marks in an array of the bone's size. */
 int32_t engine_pose(engine *e, thesis_boxes *x, const uint8_t *tool, uint8_t *marks, ost_plugin_error *error);
 
-/* Fills the error's line, and returns status. */
+/* Writes the error's text and returns status. */
 #if defined __GNUC__
 __attribute__((format(printf, 3, 4)))
 #endif
 int32_t say(ost_plugin_error *error, int32_t status, const char *format, ...);
-/* The value of key= in options, "" without it; false when it does not fit. */
+/* Copies the value of key= in options, "" if it is absent. Returns false if it does not fit. */
 int option(const char *options, const char *key, char *value, size_t size);
 
 #endif

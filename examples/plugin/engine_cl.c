@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The arithmetic on an OpenCL device, as its compiler translates it.
+ * The arithmetic on an OpenCL device, as translated by the device's compiler.
  *
- *   plugin:thesis_f32_cl.so                      as OpenCL has it: the compiler may contract
+ *   plugin:thesis_f32_cl.so                      OpenCL's default: the compiler may contract
  *   plugin:thesis_f32_cl.so,contract=off         #pragma OPENCL FP_CONTRACT OFF
  *   plugin:thesis_f32_cl.so,fast=mad             -cl-mad-enable
  *   plugin:thesis_f32_cl.so,fast=relaxed         -cl-fast-relaxed-math
- *   plugin:thesis_f32_cl.so,platform=1,device=0  of clGetPlatformIDs and clGetDeviceIDs
+ *   plugin:thesis_f32_cl.so,platform=1,device=0  indices of clGetPlatformIDs and clGetDeviceIDs
  *
- * Every call makes its buffers, runs and reads back: plain, not fast.
+ * Every call creates its buffers, runs and reads the results: simple, not fast.
  */
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
@@ -29,7 +29,7 @@ struct engine {
     cl_program program;
 };
 
-/* A launch: buffers in the order of the arguments, released together. */
+/* A launch: its buffers in the order of the arguments, released together. */
 enum { ARGS = 6 };
 typedef struct launch {
     engine *e;
@@ -252,7 +252,7 @@ int32_t engine_solid(engine *e, const thesis_grid *grid, const float *corners, i
     return end(&l, "tool_rows", error);
 }
 
-/* Alg. 2.10: a launch for every chunk of the range. */
+/* Alg. 2.10: launches a kernel for every chunk of the range. */
 int32_t engine_pose(engine *e, thesis_boxes *x, const uint8_t *tool, uint8_t *marks, ost_plugin_error *error)
 {
     const size_t n = (size_t)x->chunk_size, tool_bytes = (size_t)x->tool_dims[0] * (size_t)x->tool_dims[1] * (size_t)x->tool_dims[2],

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Sections 9, 11 and 12 of docs/arithmetic.md: snapping, sweep and map.  A
- * plugin without these takes what the host made; with them `osteon validate`
- * compares its own.
+ * Sections 9, 11 and 12 of docs/arithmetic.md: snapping, sweep and map.  A plugin
+ * without these slots uses the host's results; with them, `osteon validate`
+ * compares the plugin's results with the host's.
  */
 #include "steps.h"
 
@@ -92,7 +92,7 @@ static wide image(const ost_plugin_pose *pose, const rotation *r, const ost_plug
     return nearest(sum, r->n) + pose->t_pm[axis];
 }
 
-/* AR-SWEEP-2, AR-SWEEP-3; 0 where the turn or the way is too great. */
+/* AR-SWEEP-2, AR-SWEEP-3; returns 0 if the rotation or the distance is too large. */
 static int poses_between(const ost_plugin_pose *a, const ost_plugin_pose *b, const ost_plugin_tool_geometry *g, int64_t voxel)
 {
     const rotation ra = rotation_of(a), rb = rotation_of(b);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The steps before the voxels, for a plugin that makes them itself: slots snap and steps of osteon/plugin.h. */
+/* The steps before the voxels, for a plugin that executes them: slots snap and steps of osteon/plugin.h. */
 #ifndef EXAMPLE_STEPS_H
 #define EXAMPLE_STEPS_H
 

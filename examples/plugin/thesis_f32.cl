@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The thesis' arithmetic as printed, in float32.  One text for two languages:
- * engine_c.c includes it, engine_cl.c gives it to an OpenCL compiler, which
- * also sees the kernels at the end.
+ * The thesis' arithmetic as printed, in float32, for two languages: engine_c.c
+ * includes this file, and engine_cl.c passes it to an OpenCL compiler, which also
+ * compiles the kernels at the end.
  *
  *   Alg. 2.1   least corner of a tool's grid           thesis_minimum
  *   Alg. 2.3   bounds and dims of the rect grid        thesis_rect_axis
@@ -14,14 +14,14 @@
  *   Alg. 2.10  a bone voxel's tool voxel               thesis_class
  *
  * MUL_ADD(a, b, c) is a * b + c.  It marks the places where a compiler that
- * contracts makes one rounding of two: OpenCL's does or does not as its
- * options and its mood have it, engine_c.c as the option contract= says.
+ * contracts rounds once instead of twice: an OpenCL compiler may do so unless its
+ * options forbid it; engine_c.c follows the option contract=.
  *
- * The thesis does not say how a row meets a triangle; edge functions with the
- * tie rule of AR-VOX-2 are taken here, in floats.  Ties of Alg. 2.1's round()
- * go to even, as Table 3.5 has them, and those of Alg. 2.3's away from zero; a
- * voxel's place is its centre, chunk ranges are half-open: docs/thesis-notes.md
- * has why.
+ * The thesis does not define how a row meets a triangle; edge functions with the
+ * tie rule of AR-VOX-2 are used here, in floats.  Ties of Alg. 2.1's round() go to
+ * even, as in Table 3.5, and those of Alg. 2.3's away from zero; a voxel's
+ * position is its centre; chunk ranges are half-open.  docs/thesis-notes.md has
+ * the reasons.
  */
 #ifdef __OPENCL_VERSION__
 #ifdef THESIS_CONTRACT_OFF
@@ -50,10 +50,10 @@ typedef struct thesis_rect {
     thesis_axis axis[3];
 } thesis_rect;
 
-/* From the bone's box to the tool's, both about their centres, in millimetres. */
+/* Maps the bone's box to the tool's, both relative to their centres, in millimetres. */
 typedef struct thesis_boxes {
     float matrix[12]; /* three rows of four */
-    float bone[3], tool[3]; /* half the boxes */
+    float bone[3], tool[3]; /* half extents of the boxes */
     float bone_voxel, tool_voxel;
     int bone_dims[3], tool_dims[3];
     int chunk_size;
@@ -91,7 +91,7 @@ FUNCTION thesis_axis thesis_rect_axis(float first, float last, float size)
     return axis;
 }
 
-/* Alg. 1.1 over the dims of Alg. 2.3; -1 where that lies outside the array. */
+/* Alg. 1.1 with the dims of Alg. 2.3; -1 if the index lies outside the array. */
 FUNCTION int thesis_index(thesis_rect r, float x, float y, float z)
 {
     const int i = (int)((x - r.axis[0].minimum) / r.axis[0].size);
@@ -136,7 +136,10 @@ FUNCTION int thesis_owned(float ay, float az, float by, float bz, float y, float
     return dz != 0 ? dz < 0 : dy > 0;
 }
 
-/* Row (j, k) of the tool's grid: solid[i] becomes `mark` where the centre is inside. corners: nine floats a triangle. */
+/*
+ * Row (j, k) of the tool's grid: sets solid[i] to `mark` if the voxel's centre is inside.
+ * corners: nine floats per triangle.
+ */
 FUNCTION void thesis_row(thesis_grid g, GLOBAL const float *corners, int j, int k, int mark, GLOBAL int *count, GLOBAL unsigned char *solid)
 {
     const float y = MUL_ADD((float)j + 0.5f, g.size, g.minimum[1]), z = MUL_ADD((float)k + 0.5f, g.size, g.minimum[2]);
@@ -168,7 +171,7 @@ FUNCTION void thesis_row(thesis_grid g, GLOBAL const float *corners, int j, int 
 
 /* ---------------------------------------------------------- Algs. 2.8 to 2.10 */
 
-/* The tool's corners, moved into the bone's box; then in units of chunks. */
+/* Moves the tool's corners into the bone's box, then converts to units of chunks. */
 FUNCTION thesis_boxes thesis_share(thesis_boxes x)
 {
     const float n = (float)x.chunk_size;
@@ -188,7 +191,7 @@ FUNCTION thesis_boxes thesis_share(thesis_boxes x)
     return x;
 }
 
-/* The number of the tool's voxel at bone voxel (i, j, k), or -1. */
+/* Returns the index of the tool voxel at bone voxel (i, j, k), or -1. */
 FUNCTION int thesis_tool_voxel(thesis_boxes x, int i, int j, int k)
 {
     const float p0 = MUL_ADD((float)i + 0.5f, x.bone_voxel, -x.bone[0]);
@@ -206,7 +209,7 @@ FUNCTION int thesis_tool_voxel(thesis_boxes x, int i, int j, int k)
     return at[0] + x.tool_dims[0] * (at[1] + x.tool_dims[1] * at[2]);
 }
 
-/* A pose's mark on a voxel: 1 cutting wins, 2 not cutting. */
+/* Combines a pose's mark with the previous one: 1 cutting takes precedence over 2 not cutting. */
 FUNCTION unsigned char thesis_mark(thesis_boxes x, GLOBAL const unsigned char *tool, int i, int j, int k, unsigned char was)
 {
     const int at = thesis_tool_voxel(x, i, j, k);
@@ -223,7 +226,10 @@ __kernel void rect_dims(__global const float *first_last_size, __global thesis_r
         out->axis[a] = thesis_rect_axis(first_last_size[3 * a], first_last_size[3 * a + 1], first_last_size[3 * a + 2]);
 }
 
-/* The thesis writes densities from here. Where two samples have one voxel the last one to be run wins then; the host writes in order instead. */
+/*
+ * The thesis writes densities in this kernel. If two samples share a voxel, the last one
+ * executed wins; here the host writes them in order instead.
+ */
 __kernel void rect_index(__global const thesis_rect *r, __global const float4 *samples, __global int *index)
 {
     const float4 s = samples[get_global_id(0)];

@@ -37,7 +37,7 @@ static bool cuts(const ost_motion *m)
 
 /*
  * Finds the intervals of ticks for which `is` returns true. Returns their number and adds their
- * durations to *seconds; in[i] tells whether tick i lies in one (may be NULL).
+ * durations to *seconds; in[i] is set to whether tick i lies in one (may be NULL).
  */
 static int spells(const ost_motion *m, size_t count, bool (*is)(const ost_motion *), double gap_s, double *seconds, bool *in)
 {

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Force Dimension's library, as far as the driver asks it.  FAKE_SHORT: without the last of its functions. */
+/*
+ * A stand-in for Force Dimension's library with the functions that the driver calls.
+ * FAKE_SHORT: the last of them is missing.
+ */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,7 +22,7 @@ EXPORT int dhdEnableForce(unsigned char on, char id);
 EXPORT int dhdSetForceAndTorqueAndGripperForce(double fx, double fy, double fz, double tx, double ty, double tz, double gripper, char id);
 EXPORT const char *dhdErrorGetLastStr(void);
 
-/* For tests of the command. */
+/* Reads the environment, for tests of the command. */
 __attribute__((constructor)) static void read_environment(void)
 {
     const char *type = getenv("FAKE_DHD_TYPE");
@@ -56,7 +59,7 @@ int dhdGetPositionAndOrientationFrame(double *x, double *y, double *z, double ma
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
             matrix[i][j] = fake_dhd.column[j][i];
-    return frame % 2; /* 1 says that it was asked again too soon */
+    return frame % 2; /* 1 means that the pose was requested again too soon */
 }
 
 int dhdGetButtonMask(char id)

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* OpenHaptics' HD library, as far as the driver asks it, with a thread of its own that calls a thousand times a second. */
+/*
+ * A stand-in for OpenHaptics' HD library with the functions that the driver calls, and a thread
+ * that calls back a thousand times a second.
+ */
 #include <math.h>
 #include <pthread.h>
 #include <stdlib.h>
@@ -21,7 +24,7 @@ EXPORT fake_note fake_hd = {.column = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .limit 
 
 static unsigned (*callback)(void *);
 static void *callback_user;
-static unsigned pending; /* error */
+static unsigned pending; /* the error that hdGetError returns next */
 static pthread_t thread;
 static _Atomic int running;
 
@@ -41,7 +44,10 @@ EXPORT void hdUnschedule(unsigned long handle);
 EXPORT void hdStartScheduler(void);
 EXPORT void hdStopScheduler(void);
 
-/* For tests of the command: the frame from which on nothing can be read, and the force that is reported. */
+/*
+ * Reads the environment, for tests of the command: the frame from which no pose can be read,
+ * and the reported force.
+ */
 __attribute__((constructor)) static void read_environment(void)
 {
     const char *at = getenv("FAKE_HD_FAIL_READ_AT"), *limit = getenv("FAKE_HD_MAX_FORCE");

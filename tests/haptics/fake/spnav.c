@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * libspnav, as far as the driver asks it: its events are those of a feed that
- * the test fills, its socket one end of a pair whose other end is the daemon.
- * FAKE_SHORT: without the last of its functions.
+ * A stand-in for libspnav with the functions that the driver calls.  Its events
+ * come from a feed that the test fills; its socket is one end of a pair whose
+ * other end is the daemon.  FAKE_SHORT: the last function is missing.
  */
 #include <string.h>
 #include <sys/socket.h>
