@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The devices that are always there: the list, what a wrong spec is told,
- * scripts and sessions row by row, and the simulated device against what its
- * own mechanics must give.
+ * The devices that are always available: the list, errors for wrong specs,
+ * scripts and sessions row by row, and the simulated device compared with its
+ * own mechanics.
  * Covers: REQ-DEVICES
  */
 #include "harness.h"
@@ -36,7 +36,7 @@ static void the_list(void **state)
     for (int i = 0; i < ost_haptic_count(); i++) {
         assert_ok(ost_haptic_describe(i, &info, &err));
         assert_true(info.name[0] && info.description[0]);
-        /* The first six are always there; of the others it is said what is missing. */
+        /* The first six are always available; each of the others states its reason if it is not. */
         assert_true(i < 6 ? info.available : info.available || info.reason[0]);
         assert_int_equal((info.caps & OST_HAPTIC_FORCE) != 0, info.max_force_n > 0);
     }
@@ -112,7 +112,7 @@ static void scripts_and_sessions_row_by_row(void **state)
             assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_FRESH);
             assert_memory_equal(&s.pose, &path.ticks[i].pose, sizeof s.pose);
             assert_int_equal(s.tool, path.ticks[i].tool);
-            ost_haptic_write(device, &(ost_wrench){{1, 2, 3}, {0}}); /* goes nowhere */
+            ost_haptic_write(device, &(ost_wrench){{1, 2, 3}, {0}}); /* has no effect */
         }
         ost_haptic_state s;
         assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_ENDED);
@@ -136,13 +136,13 @@ static double read_x_mm(ost_haptic *device)
 {
     ost_haptic_state s;
     assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_FRESH);
-    /* What encoders give. */
+    /* Positions are multiples of the encoder's step. */
     assert_int_equal(s.pose.t.x % (55 * (MM / 1000)), 0);
     assert_int_equal(s.pose.t.y % (55 * (MM / 1000)), 0);
     return ost_pm_to_mm(s.pose.t.x);
 }
 
-/* A constant force against a hand at rest: F = k x, less what friction holds, on either side. */
+/* A constant force against a hand at rest: F = k x, less the friction, in both directions. */
 static void a_force_meets_the_hands_spring(void **state)
 {
     (void)state;
@@ -162,9 +162,9 @@ static void a_force_meets_the_hands_spring(void **state)
             assert_true(fabs(x) >= (1.0 - 0.26) / hands[h].k * 1000 - 0.0275);
             assert_true(fabs(x) <= (1.0 + 0.26) / hands[h].k * 1000 + 0.0275);
             assert_true(sign * x > 0);
-            /* At rest, and at rest it stays: friction holds it. */
+            /* Friction holds the device at rest. */
             assert_true(read_x_mm(device) == x);
-            /* More than the motors can give is what they can give; what is no number is nothing. */
+            /* A force beyond the motors' limit is limited; one that is not finite counts as zero. */
             for (int i = 0; i < 2000; i++) {
                 ost_haptic_write(device, &(ost_wrench){{sign * 1e9, 0, 0}, {0}});
                 x = read_x_mm(device);
@@ -180,7 +180,7 @@ static void a_force_meets_the_hands_spring(void **state)
     ost_path_free(&path);
 }
 
-/* Less than friction moves nothing. */
+/* A force below the friction moves nothing. */
 static void what_sticks_sticks(void **state)
 {
     (void)state;
@@ -194,7 +194,10 @@ static void what_sticks_sticks(void **state)
     ost_path_free(&path);
 }
 
-/* A hand that moves at 50 mm/s is followed, behind by what viscosity and friction take: (0.2 v + 0.26) / k. */
+/*
+ * A hand that moves at 50 mm/s is followed, with the lag caused by viscosity and friction: (0.2
+ * v + 0.26) / k.
+ */
 static void it_follows_the_hand(void **state)
 {
     (void)state;
@@ -205,7 +208,7 @@ static void it_follows_the_hand(void **state)
         x = read_x_mm(device);
     const double behind = (0.2 * 0.05 + 0.26) / 150 * 1000;
     assert_true(fabs(999 * 0.05 - x - behind) < 0.0275 + 0.05);
-    /* The plan is over: it comes to rest near its end. */
+    /* After the end of the plan the device comes to rest near that end. */
     for (int i = 0; i < 2000; i++)
         x = read_x_mm(device);
     assert_true(fabs(999 * 0.05 - x) <= 0.26 / 150 * 1000 + 0.0275);
@@ -213,7 +216,10 @@ static void it_follows_the_hand(void **state)
     ost_path_free(&path);
 }
 
-/* A wall of stiffness k at x = 0, pressed 3 mm deep: how far it still moves after a second, in mm, between its ends. */
+/*
+ * A wall of stiffness k at x = 0, pressed 3 mm deep. Returns the range of motion that remains
+ * after a second, in mm.
+ */
 static double unrest(const char *spec, double k)
 {
     ost_path path = straight(1, 0);
@@ -234,10 +240,10 @@ static double unrest(const char *spec, double k)
 }
 
 /*
- * The loop that is closed here is one that can swing.  Friction makes it rest
- * at least up to 2 f / (encoder's step) = 2 * 0.26 N / 55 um = 9.5 kN/m
- * (Diolaiti and others 2006).  Without, what the hand damps decides: a light
- * grip swings first.  Two steps of the encoder are rest.
+ * The closed loop can oscillate.  Friction brings it to rest at least up to
+ * 2 f / (encoder's step) = 2 * 0.26 N / 55 um = 9.5 kN/m (Diolaiti and others
+ * 2006).  Without friction the damping of the hand decides: a light grip
+ * oscillates first.  A range of two encoder steps counts as rest.
  */
 static void stiff_walls_swing_and_soft_ones_rest(void **state)
 {
@@ -247,7 +253,7 @@ static void stiff_walls_swing_and_soft_ones_rest(void **state)
         printf("# wall of %5.0f N/m, without friction: light %6.3f, normal %6.3f, firm %6.3f mm\n", stiffness[i],
                unrest("sim:grip=light,friction=0", stiffness[i]), unrest("sim:friction=0", stiffness[i]),
                unrest("sim:grip=firm,friction=0", stiffness[i]));
-    /* The literature's defaults for a device like this: 300 N/m for a light grip, 400 for a normal one. */
+    /* The defaults in the literature for such a device: 300 N/m for a light grip, 400 for a normal one. */
     const double rest = 0.111, swing = 0.3;
     assert_true(unrest("sim:grip=light", 300) <= rest && unrest("sim:grip=light,friction=0", 300) <= rest);
     assert_true(unrest("sim", 400) <= rest && unrest("sim:friction=0", 400) <= rest);
@@ -281,7 +287,7 @@ static void the_same_seed_is_the_same_hand(void **state)
     ost_path_free(&path);
 }
 
-/* Every device that a hand holds has a button for the motor; those with two have one for the next tool. */
+/* Every hand-held device has a button for the motor; those with two have one for the next tool. */
 static void buttons_have_a_table(void **state)
 {
     (void)state;
@@ -313,7 +319,8 @@ static void buttons_have_a_table(void **state)
             continue;
         }
         assert_ok(ost_buttons_parse(&info, text, of, &err));
-        assert_ok(ost_buttons_parse(&info, "1=clutch", of, &err)); /* by its number; the others stay */
+        /* by its number; the other buttons keep their actions */
+        assert_ok(ost_buttons_parse(&info, "1=clutch", of, &err));
         assert_int_equal(of[0], OST_ACTION_CLUTCH);
         for (int i = 1; i < info.button_count; i++)
             assert_int_equal(of[i], info.buttons[i].action);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Haply's Inverse3 against a service that stands in for the vendor's: a
- * WebSocket on loopback that notes what it is told, answers each message with
- * a state, and fails as it is told: garbage, a close, an end, silence, a frame
- * without end.  No time is tested; what is waited for is waited for long.
+ * Haply's Inverse3 against a stand-in for the vendor's service: a WebSocket on
+ * loopback that records each message and answers it with a state, and fails on
+ * request: garbage, a close, an end of file, silence, a frame without end.  No
+ * test depends on time; timeouts are long.
  * Covers: REQ-DEVICES
  */
 #include "harness.h"
@@ -29,12 +29,12 @@ typedef struct service {
     int listening, port;
     pthread_t thread;
     fault fault;
-    int fault_at;            /* the number of the answer, from 1 */
-    bool wired;              /* the grip is the other kind, and turned */
-    _Atomic int x_um;        /* of the cursor */
+    int fault_at;            /* the number of the answer that fails, from 1 */
+    bool wired;              /* the grip is the wired kind, and rotated */
+    _Atomic int x_um;        /* position of the cursor */
     _Atomic bool stop;
     _Atomic int answers;
-    pthread_mutex_t lock;    /* of what follows */
+    pthread_mutex_t lock;    /* protects the following members */
     char first[TEXT], last[TEXT];
 } service;
 
@@ -76,7 +76,7 @@ static bool shake_hands(service *s, int fd)
     return write(fd, answer, strlen(answer)) == (ssize_t)strlen(answer);
 }
 
-/* A text that a client sent, unmasked; false when there is none any more. */
+/* Reads a client's text and unmasks it. Returns false if the connection is over. */
 static bool read_text(service *s, int fd, char text[TEXT])
 {
     uint8_t head[2], more[2], mask[4];
@@ -98,7 +98,7 @@ static bool read_text(service *s, int fd, char text[TEXT])
 
 static void write_text(int fd, const char *text)
 {
-    /* At once: what is sent in two parts waits for the first to be acknowledged. */
+    /* Sends in one call: the second of two parts would wait for an acknowledgement of the first. */
     char frame[TEXT + 4];
     const size_t size = strlen(text), head = size < 126 ? 2 : 4;
     frame[0] = (char)0x81;
@@ -126,7 +126,7 @@ static void put_state(const service *s, char text[TEXT])
                  x, 2 * x, 3 * x);
 }
 
-/* False when the connection is over. */
+/* Answers one message. Returns false if the connection is over. */
 static bool answer(service *s, int fd)
 {
     static const uint8_t endless[10] = {0x81, 127, 0, 0, 1, 0, 0, 0, 0, 0}, closing[4] = {0x88, 2, 0x03, 0xe8};
@@ -143,7 +143,7 @@ static bool answer(service *s, int fd)
     case CLOSE: return write(fd, closing, sizeof closing) < 0;
     case SILENCE: return true;
     case HUGE_FRAME: return write(fd, endless, sizeof endless) > 0 && write(fd, text, strlen(text)) > 0;
-    case LONG_MESSAGE: /* of many fragments, none of which is the last */
+    case LONG_MESSAGE: /* of many fragments, none of them the last */
         memset(long_text, ' ', sizeof long_text);
         for (int i = 0; i < 60; i++) {
             const uint8_t head[4] = {i ? 0x00 : 0x01, 126, sizeof long_text >> 8, sizeof long_text & 0xff};
@@ -213,7 +213,7 @@ static ost_status open_at(const service *s, const char *more, ost_haptic **devic
     return ost_haptic_open(spec, &(ost_haptic_setup){.start = {.t = {10 * MM, 20 * MM, 30 * MM}, .qw = OST_Q30_ONE}}, device, err);
 }
 
-/* Built without: every test skips. */
+/* Skips the test if the driver was built without libwebsockets. */
 static void need(void)
 {
     ost_haptic_info info;
@@ -224,7 +224,10 @@ static void need(void)
         }
 }
 
-/* Reads, a millisecond apart, until the answer is this one; FRESH: and the tool is at x. */
+/*
+ * Reads every millisecond until the answer is `wanted`; for OST_HAPTIC_FRESH, until the tool is
+ * at x, too.
+ */
 static void await(ost_haptic *device, ost_haptic_answer wanted, ost_pm x, ost_haptic_state *state)
 {
     const struct timespec pause = {.tv_nsec = 1000000};
@@ -240,7 +243,10 @@ static void await(ost_haptic *device, ost_haptic_answer wanted, ost_pm x, ost_ha
     fail_msg("never answered %d, but %d, x %lld", wanted, got, (long long)state->pose.t.x);
 }
 
-/* The tool's way while the cursor goes; false when the machine was so slow that a drop-out came between. */
+/*
+ * Moves the cursor and reads the tool's poses before and after. Returns false if the machine
+ * was so slow that a drop-out occurred.
+ */
 static bool try_move(service *s, ost_haptic *device, int from_um, int to_um, ost_pose *from, ost_pose *to)
 {
     const struct timespec pause = {.tv_nsec = 500000};
@@ -251,7 +257,10 @@ static bool try_move(service *s, ost_haptic *device, int from_um, int to_um, ost
         atomic_store(&s->x_um, um[i]);
         const int begun = atomic_load(&s->answers);
         ost_haptic_state hand = {0};
-        /* The second answer from now on knows of it; the third is sent when that one was taken. */
+        /*
+         * The second answer from now on has the new position; the third is sent after the
+         * second was received.
+         */
         for (int k = 0; k < ANSWER_MS && (atomic_load(&s->answers) < begun + 3 || hand.pose.qw == 0); k++) {
             const ost_haptic_answer got = ost_haptic_read(device, &hand);
             assert_int_not_equal(got, OST_HAPTIC_LOST);
@@ -298,23 +307,23 @@ static void poses_in_and_forces_out(void **state)
     atomic_store(&s->x_um, 1000);
     assert_ok(open_at(s, ",scale=200", &device, &err));
     assert_string_equal(s->first, "{\"session\":{\"force_render_full_state\":{}}}");
-    /* Where the hand is when it is met, the tool is at its start. */
+    /* When the device is first seen, the tool is at its start. */
     await(device, OST_HAPTIC_FRESH, 10 * MM, &hand);
     assert_true(hand.pose.t.y == 20 * MM && hand.pose.t.z == 30 * MM && hand.pose.qw == OST_Q30_ONE);
     assert_int_equal(hand.tool, -1);
     assert_int_equal(hand.buttons, 1 | 1 << 2);
-    /* 1 mm right, 2 mm away, 3 mm up, twice as large: x, -z and y of the tool. */
+    /* 1 mm right, 2 mm away, 3 mm up, at scale 2: x, -z and y of the tool. */
     ost_pose from, to;
     move(s, device, 1000, 2000, &from, &to);
     assert_true(llabs(to.t.x - from.t.x - 2 * MM) < 1000 && llabs(to.t.z - from.t.z + 4 * MM) < 1000 && llabs(to.t.y - from.t.y - 6 * MM) < 1000);
-    /* Forces go the same way back. */
+    /* Forces are mapped back in the same way. */
     ost_haptic_write(device, &(ost_wrench){{1.5, 0.25, -2}, {0}});
     heard(s, "\"device_id\":\"04EA\",\"commands\":{\"set_cursor_force\":{\"values\":{\"x\":1500000e-6,\"y\":2000000e-6,\"z\":250000e-6}}}");
     ost_haptic_tally tally[OST_HAPTIC_COUNTS];
     assert_int_equal(ost_haptic_counts(device, tally), 2);
     assert_true(tally[0].value >= 3 && tally[1].value == 0);
     ost_haptic_close(device);
-    /* The last that it is told is no force. */
+    /* The last force sent is zero. */
     heard(s, "\"x\":0e-6,\"y\":0e-6,\"z\":0e-6");
     end_service(s);
 }
@@ -326,7 +335,10 @@ static void the_grip_turns_the_tool(void **state)
     ost_error err = {0};
     ost_haptic *device;
     ost_haptic_state hand = {0};
-    /* Of the second device, and its grip turned about the service's z, which is up, when it is met: from there it counts. */
+    /*
+     * Selects the second device. Its grip is rotated about the service's z, which is up, when
+     * it is first seen; later rotations are relative to that.
+     */
     service *s = begin_service(NONE, 0, true);
     assert_int_equal(open_at(s, ",id=A-2", &device, &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "gives no device of that id"));
@@ -336,7 +348,7 @@ static void the_grip_turns_the_tool(void **state)
     assert_ok(open_at(s, ",id=A-1", &device, &err));
     await(device, OST_HAPTIC_FRESH, 10 * MM, &hand);
     assert_true(hand.pose.qw == OST_Q30_ONE && hand.buttons == 1);
-    /* 0.2 rad more about up: the tool's y. */
+    /* 0.2 rad more about up, the tool's y. */
     ost_pose from, to;
     move(s, device, 200000, 300000, &from, &to);
     const double turned = 2 * (asin((double)to.qy / OST_Q30_ONE) - asin((double)from.qy / OST_Q30_ONE));
@@ -352,7 +364,7 @@ static void a_service_that_fails(void **state)
     need();
     static const struct {
         fault what;
-        const char *says; /* when it fails before the first state */
+        const char *says; /* the message if it fails before the first state */
     } cases[] = {
         {CLOSE, "closed the connection"}, {END, "closed the connection"}, {HUGE_FRAME, "gives no device"}, {LONG_MESSAGE, "too long"},
         {GARBAGE, "says nothing of an Inverse3"}, {WRONG, "says nothing of an Inverse3"},
@@ -361,14 +373,14 @@ static void a_service_that_fails(void **state)
     ost_haptic *device;
     ost_haptic_state hand = {0};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        /* From the first on: it cannot be opened, and why is said. */
+        /* Failing from the first answer on: it cannot be opened, and the error states the reason. */
         service *s = begin_service(cases[i].what, 1, false);
         assert_int_equal(open_at(s, "", &device, &err), OST_ERR_UNAVAILABLE);
         assert_null(device);
         if (!strstr(err.text, cases[i].says))
             fail_msg("fault %d: says %s", cases[i].what, err.text);
         end_service(s);
-        /* In the middle: lost. */
+        /* Failing later: the device is lost. */
         s = begin_service(cases[i].what, 5, false);
         assert_ok(open_at(s, "", &device, &err));
         await(device, OST_HAPTIC_LOST, 0, &hand);
@@ -390,7 +402,7 @@ static void silence(void **state)
     service *s = begin_service(SILENCE, 5, false);
     assert_ok(open_at(s, "", &device, &err));
     await(device, OST_HAPTIC_FRESH, 10 * MM, &hand);
-    /* No more than four ticks are bridged; then the hand is not seen, and after half a second it is lost. */
+    /* Four ticks are bridged; then tracking is lost, and after half a second the device is. */
     int stale = 0, unseen = 0;
     ost_haptic_answer got;
     while ((got = ost_haptic_read(device, &hand)) != OST_HAPTIC_LOST) {
@@ -404,7 +416,7 @@ static void silence(void **state)
     assert_true(stale == 4 && unseen == 496);
     ost_haptic_close(device);
     end_service(s);
-    /* Nobody listens there any more. */
+    /* No service listens there any more. */
     char spec[64];
     s = begin_service(NONE, 0, false);
     const int port = s->port;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Packets of the link, byte for byte: the expected ones, HMACs too, are from
- * Python's struct and hmac, by the table in docs/haptics.md.  Then what must
- * not pass, keys, numbers, and the plane that a bridge makes its force of,
- * closed into a loop with a delay.
+ * Packets of the link, byte for byte: the expected bytes and HMACs were made with
+ * Python's struct and hmac, by the table in docs/haptics.md.  Also packets that
+ * must be refused, keys, sequence numbers, and the plane from which a bridge
+ * computes its force, in a closed loop with a delay.
  * Covers: REQ-LINK
  */
 #include "harness.h"
@@ -71,7 +71,7 @@ static void bytes_are_as_documented(void **state)
         assert_string_equal(text, hex[i]);
         link_packet back;
         assert_int_equal(link_unseal(key, bytes, sizes[i], &back), LINK_GOOD);
-        /* Field by field: what lies between the members of a struct is not of the packet. */
+        /* Compares the encodings, because padding between the members of a struct is undefined. */
         uint8_t again[LINK_STATE_BYTES] = {0}, first[LINK_STATE_BYTES] = {0};
         assert_int_equal(link_encode(&back, again), link_encode(&p, first));
         assert_memory_equal(again, first, sizeof first);
@@ -89,7 +89,7 @@ static void nothing_else_passes(void **state)
         link_packet p = golden(types[i]), back;
         const size_t size = link_seal(key, &p, bytes);
         assert_int_equal(link_unseal(other, bytes, size, &back), LINK_WRONG_KEY);
-        /* Every bit of it counts. */
+        /* Changing any bit makes the packet invalid. */
         for (size_t bit = 0; bit < size * 8; bit++) {
             bytes[bit / 8] ^= (uint8_t)(1 << bit % 8);
             assert_int_not_equal(link_unseal(key, bytes, size, &back), LINK_GOOD);
@@ -98,7 +98,10 @@ static void nothing_else_passes(void **state)
         for (size_t n = 0; n < size; n++)
             assert_int_equal(link_unseal(key, bytes, n, &back), LINK_MALFORMED);
         assert_int_equal(link_unseal(key, bytes, size + 1, &back), LINK_MALFORMED);
-        /* Signed, and still none: a pose that is no rotation or beyond 8 m, an unknown flag or type, a tool that cannot be. */
+        /*
+         * Correctly signed, but invalid: a pose that is no rotation or is beyond 8 m, an
+         * unknown flag or type, an impossible tool.
+         */
         link_packet bad = p;
         bad.pose.qw = 0;
         assert_int_equal(link_unseal(key, bytes, link_seal(key, &bad, bytes), &back), LINK_MALFORMED);
@@ -116,7 +119,7 @@ static void nothing_else_passes(void **state)
     uint8_t bytes[LINK_STATE_BYTES];
     bad.tool = -2;
     assert_int_equal(link_unseal(key, bytes, link_seal(key, &bad, bytes), &back), LINK_MALFORMED);
-    /* Where nobody holds the tool its pose is nobody's. */
+    /* If nobody holds the tool, its pose is not checked. */
     bad = golden(LINK_POSE);
     bad.flags = 0;
     bad.pose.qw = 0;
@@ -167,7 +170,7 @@ static void which_numbers_came(void **state)
     assert_int_equal(link_window_add(&w, 5, &lost), LINK_REPLAYED);
     assert_int_equal(link_window_add(&w, 68, &lost), LINK_NEW);
     assert_int_equal(link_window_add(&w, 5, &lost), LINK_REPLAYED);
-    assert_int_equal(link_window_add(&w, 4, &lost), LINK_REPLAYED); /* 64 behind: too old to know */
+    assert_int_equal(link_window_add(&w, 4, &lost), LINK_REPLAYED); /* 64 behind: too old to decide */
     assert_int_equal(link_window_add(&w, 6, &lost), LINK_LATE);
     assert_int_equal(link_window_add(&w, UINT64_MAX, &lost), LINK_NEW);
     assert_int_equal(lost, UINT64_MAX - 69);
@@ -185,20 +188,24 @@ static void a_plane_presses_and_never_pulls(void **state)
     memcpy(s.force_un, (int32_t[3]){0, 0, 2000000}, sizeof s.force_un);
     bridge_press(&s, (double[3]){0, 0, 1e-3}, (double[3]){0}, 1000, f);
     assert_true(f[0] == 0 && f[1] == 0 && fabs(f[2] - 2) < 1e-12);
-    bridge_press(&s, (double[3]){0.5, -0.2, -1e-3}, (double[3]){0}, 1000, f); /* 2 mm deeper, and somewhere else along it */
+    /* 2 mm deeper, and displaced along the plane */
+    bridge_press(&s, (double[3]){0.5, -0.2, -1e-3}, (double[3]){0}, 1000, f);
     assert_true(fabs(f[2] - 2.6) < 1e-9 && f[0] == 0);
     bridge_press(&s, (double[3]){0, 0, 1e-3}, (double[3]){1, 0, -0.2}, 1000, f); /* inward at 0.2 m/s */
     assert_true(fabs(f[2] - 2.1) < 1e-9);
-    bridge_press(&s, (double[3]){0, 0, -1e-3}, (double[3]){0}, 100, f); /* a device that takes 100 N/m */
+    bridge_press(&s, (double[3]){0, 0, -1e-3}, (double[3]){0}, 100, f); /* a device that allows 100 N/m */
     assert_true(fabs(f[2] - 2.2) < 1e-9);
-    bridge_press(&s, (double[3]){0, 0, 1e-3 + 0.0067}, (double[3]){0}, 1000, f); /* out of it */
+    bridge_press(&s, (double[3]){0, 0, 1e-3 + 0.0067}, (double[3]){0}, 1000, f); /* outside the bone */
     assert_true(f[2] == 0);
     memset(s.force_un, 0, sizeof s.force_un);
     bridge_press(&s, (double[3]){0, 0, -1}, (double[3]){0}, 1000, f);
     assert_true(f[0] == 0 && f[1] == 0 && f[2] == 0);
 }
 
-/* The simulated device, lightly held and without friction, against a wall of 300 N/m whose answers come late: how far it swings in the last second, m. */
+/*
+ * The simulated device, held lightly and without friction, against a wall of 300 N/m whose
+ * answers are delayed. Returns the range of motion in the last second, in m.
+ */
 static double swing_with(int delay, bool plane)
 {
     enum { TICKS = 3000, LATE_MOST = 64 };
@@ -222,7 +229,7 @@ static double swing_with(int delay, bool plane)
         speed += 0.27 * (now - speed);
         last = z;
         begun = true;
-        /* What the simulation says of this pose, and what it said `delay` ticks ago. */
+        /* The state for this pose is used `delay` ticks later. */
         link_packet *s = &states[i % LATE_MOST];
         *s = (link_packet){.type = LINK_STATE, .pose = hand.pose, .stiffness = 300000, .damping = 500};
         s->force_un[2] = z < 0 ? (int32_t)(-300 * z * 1e6) : 0;
@@ -249,9 +256,9 @@ static void however_late_the_hand_rests(void **state)
     for (int delay = 0; delay <= 50; delay += 5) {
         const double with = swing_with(delay, true);
         printf("# %d ms late: it swings over %.3f mm\n", delay, with * 1e3);
-        assert_true(with < 0.2e-3); /* four steps of the encoder */
+        assert_true(with < 0.2e-3); /* four encoder steps */
     }
-    /* The same wall's force as it comes, which is what the plane is for. */
+    /* Without the plane, the same delayed force must make the device oscillate. */
     const double without = swing_with(20, false);
     printf("# 20 ms late, a force as it comes: %.1f mm\n", without * 1e3);
     assert_true(without > 2e-3);

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A hand that was tracked, as a device: what lies between two rows, where the
- * tool is while the hand is not seen and afterwards, and files that are none.
- * The motions are made here, so every pose is known from a formula.
- * Covers: REQ-MOTION
+ * A tracked hand as a device: poses between two rows, the tool's pose during
+ * drop-outs and after them, and invalid files.  The motions are generated here,
+ * so every pose is known from a formula.
  */
 #include "ref/scene.h"
 
@@ -35,9 +34,10 @@ static int remove_folder(void **state)
 }
 
 /*
- * A body at 0.2 m/s along (0, 1, 0) that turns about (0, 0, 1) at 2 rad/s,
- * begun at (5, 6, 7) and a quarter turn about x. Not seen before row 20, from
- * row 120 to 219, between rows 300 and 330 (no rows at all), nor at the end.
+ * A body that moves at 0.2 m/s along (0, 1, 0) and rotates about (0, 0, 1) at
+ * 2 rad/s, starting at (5, 6, 7) and a quarter turn about x.  It is not tracked
+ * before row 20, from row 120 to 219, between rows 300 and 330 (there are no
+ * rows), and at the end.
  */
 static bool is_seen(int row)
 {
@@ -95,7 +95,7 @@ static double length_of(const double v[3])
 
 static double angle_between(const ost_pose *a, const ost_pose *b)
 {
-    /* By the chord: a cosine near 1 forgets small angles. */
+    /* Uses the chord: a cosine near 1 loses the precision of small angles. */
     double apart = 0, together = 0;
     for (int i = 0; i < 4; i++) {
         const double p = (double)(&a->qw)[i] / OST_Q30_ONE, q = (double)(&b->qw)[i] / OST_Q30_ONE;
@@ -125,23 +125,26 @@ static void check_motion(const char *file)
         assert_int_equal(answer, OST_HAPTIC_FRESH);
         assert_int_equal(s.tool, -1);
         if (was_unseen || fresh == 0) {
-            /* It takes hold where the tool is, to the rounding of a pose. */
+            /* The clutch engages where the tool is, up to the rounding of a pose. */
             base = last.pose;
             in_segment = 0;
             assert_true(llabs(s.pose.t.x - base.t.x) <= 2 && llabs(s.pose.t.y - base.t.y) <= 2 && llabs(s.pose.t.z - base.t.z) <= 2);
             assert_true(angle_between(&s.pose, &base) < 1e-6);
         }
-        /* A tenth of the body's way, all of its turning. */
+        /* A tenth of the body's motion, and all of its rotation. */
         const double moved[3] = {(double)(s.pose.t.x - base.t.x) * 1e-12, (double)(s.pose.t.y - base.t.y) * 1e-12,
                                  (double)(s.pose.t.z - base.t.z) * 1e-12};
         const double way = 0.1 * 0.2 * in_segment * 1e-3, turned = 2 * in_segment * 1e-3;
         assert_true(fabs(length_of(moved) - way) < 2e-6 * 0.1 + 1e-9);
         assert_true(fabs(angle_between(&s.pose, &base) - turned) < 1e-5);
-        /* Which way: the body's, as it lay in its own frame when it was first seen, turned as the tool was at the start. After the drop-outs too. */
+        /*
+         * Direction: the body's, in its own frame when it was first seen, rotated as the tool
+         * was at the start; the same after the drop-outs.
+         */
         double at[3], q[4];
         body_at(row_time(20), at, q);
         const double x = 2 * (q[1] * q[2] + q[0] * q[3]), y = 1 - 2 * (q[1] * q[1] + q[3] * q[3]), z = 2 * (q[2] * q[3] - q[0] * q[1]);
-        const double expected[3] = {-y, x, z}; /* the start turns x to y */
+        const double expected[3] = {-y, x, z}; /* the start pose rotates x to y */
         for (int a = 0; a < 3; a++)
             assert_true(fabs(moved[a] - way * expected[a]) < 1e-6);
         was_unseen = false;
@@ -150,7 +153,10 @@ static void check_motion(const char *file)
         in_segment++;
     }
     ost_haptic_close(device);
-    /* Rows 0 to 399 are 1.3965 s. 70 ms are dark at first, 353 from row 119 to 220, 104 between 300 and 330, 35 behind row 389. */
+    /*
+     * Rows 0 to 399 take 1.3965 s. Untracked: 70 ms at first, 353 from row 119 to 220, 104
+     * between 300 and 330, 35 after row 389.
+     */
     assert_int_equal(fresh + unseen, 1 + 1396);
     assert_int_equal(dropouts, 4);
     assert_int_equal(unseen, 70 + 353 + 104 + 35);
@@ -162,7 +168,7 @@ static void a_hand_as_it_was_seen(void **state)
     static char text[100000];
     const size_t size = write_motion(text, sizeof text);
     check_motion(scratch_write(folder, "hand.csv", text, size));
-    /* Packed, it is the same. */
+    /* A compressed file gives the same motion. */
     char packed[4200];
     snprintf(packed, sizeof packed, "%s/hand.csv.gz", folder);
     gzFile gz = gzopen(packed, "wb");
@@ -170,7 +176,7 @@ static void a_hand_as_it_was_seen(void **state)
     assert_int_equal(gzwrite(gz, text, (unsigned)size), (int)size);
     assert_int_equal(gzclose(gz), Z_OK);
     check_motion(packed);
-    /* Cut off, it is none. */
+    /* A truncated file is invalid. */
     size_t whole;
     char *bytes = scratch_read(packed, &whole);
     const char *cut = scratch_write(folder, "cut.csv.gz", bytes, whole / 2);
@@ -195,11 +201,14 @@ static void with_longer_gaps_allowed(void **state)
     int unseen = 0;
     while ((answer = ost_haptic_read(device, &s)) != OST_HAPTIC_ENDED)
         unseen += answer == OST_HAPTIC_UNSEEN;
-    assert_int_equal(unseen, 70 + 353 + 35); /* the rows that are not there are bridged, those that say so are not */
+    assert_int_equal(unseen, 70 + 353 + 35); /* missing rows are bridged; rows that declare lost tracking are not */
     ost_haptic_close(device);
 }
 
-/* A hand at 1 kHz that is found 20 mm away from one row to the next: unseen in between, unless that much is allowed; millimetres. */
+/*
+ * A hand at 1 kHz that is 20 mm away from one row to the next: untracked in between, unless
+ * jumps that large are allowed; millimetres.
+ */
 static void a_jump_is_a_gap(void **state)
 {
     (void)state;
@@ -275,7 +284,7 @@ static void files_that_are_no_motion(void **state)
     assert_int_equal(ost_haptic_open("motion:nowhere.csv", NULL, &device, &err), OST_ERR_IO);
     snprintf(spec, sizeof spec, "motion:%s", folder);
     assert_int_equal(ost_haptic_open(spec, NULL, &device, &err), OST_ERR_IO);
-    /* One pose is a motion of one tick. */
+    /* A single pose is a motion of one tick. */
     const char *file = scratch_write(folder, "one.csv", "# a comment\r\n\r\n0 0 0 0 1 0 0 0\r\n", 32);
     device = open_motion(file, "", &(ost_pose){.qw = OST_Q30_ONE});
     ost_haptic_state s;
@@ -341,7 +350,10 @@ static void what_is_not_seen_removes_nothing_and_is_declared(void **state)
     ost_world_totals_get(worlds[0], &totals);
     assert_true(totals.removed_voxels > 20);
 
-    /* Again from the session: the same bone; the drop-outs stand in it as times without ticks, noted at their ends. */
+    /*
+     * Replayed from the session: the same bone. The drop-outs are recorded as times without
+     * ticks, with a note at the end of each.
+     */
     ost_session *session;
     assert_ok(ost_session_open(session_name, &session, &err));
     int notes = 0;
@@ -369,7 +381,7 @@ static void what_is_not_seen_removes_nothing_and_is_declared(void **state)
         assert_true(ost_step_digest(&step, ost_world_classes(worlds[1])->count) == record.as.tick.digest);
     }
     ost_session_close(session);
-    assert_int_equal(notes, 7); /* the last does not end */
+    assert_int_equal(notes, 7); /* the last one does not end */
     assert_int_equal(dark, (353 + 104) * 1000000);
     const ost_digest a = digest_of(bones[0]), b = digest_of(bones[1]);
     assert_true(ost_digest_equal(&a, &b));
@@ -408,7 +420,7 @@ static ost_haptic_answer blinking_read(haptic_instance *b, ost_haptic_state *sta
     const int t = b->at++;
     if (t >= PRESS && t < PRESS + DARK)
         return OST_HAPTIC_UNSEEN;
-    /* 2 mm into the bone's side, and there it stays. */
+    /* 2 mm into the bone's side, and staying there. */
     *state = (ost_haptic_state){.pose = {.t = {-2 * MM + (t < 200 ? t : 200) * MM / 100, 20 * MM, 20 * MM}, .qw = OST_Q30_ONE}, .tool = -1};
     return OST_HAPTIC_FRESH;
 }

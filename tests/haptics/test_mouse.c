@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The device mouse: a hand that is put somewhere far away is followed by steps
- * that the operation's pose guard allows, and reached; a tool that is taken up
- * is in the hand at once, one that is lifted too; its pedal is a button; two
- * threads never see half a state.
+ * The device mouse: a target far away is followed in steps that the operation's
+ * pose guard allows, and reached; a tool that is taken up or lifted is at its new
+ * pose at once; its pedal is a button; two threads never read a partial state.
  * Covers: REQ-MOUSE
  */
 #include <math.h>
@@ -85,7 +84,7 @@ static void a_tool_taken_up_is_there_at_once(void **state)
     ost_hand_free(hand);
 }
 
-/* The pedal is a button: the motor it switches is the operation's, and the pose stays the hand's. */
+/* The pedal is a button: the operation's motor is switched, and the pose is not changed. */
 static void the_pedal_is_a_button(void **state)
 {
     ost_hand *hand;
@@ -104,7 +103,10 @@ static void the_pedal_is_a_button(void **state)
     ost_hand_free(hand);
 }
 
-/* A hand that is lifted is there at once, and the device says so in one tick, though the window puts the hand often. */
+/*
+ * A lifted hand is at its new pose at once, and the device reports it in one tick, although the
+ * window sets the hand often.
+ */
 static void a_lifted_hand_is_there_at_once(void **state)
 {
     ost_hand *hand;
@@ -116,7 +118,7 @@ static void a_lifted_hand_is_there_at_once(void **state)
     home.lifted = true;
     ost_hand_put(hand, &home);
     home.lifted = false;
-    ost_hand_put(hand, &home); /* before anybody read it */
+    ost_hand_put(hand, &home); /* before the first read */
     ost_haptic_read(device, &now);
     assert_true(now.lifted && distance_mm(&now.pose, &home.pose) < 0.001);
     ost_haptic_read(device, &now);
@@ -142,7 +144,7 @@ static void what_is_wrong_is_said(void **state)
     ost_hand_free(NULL);
 }
 
-/* A tool's number says where the hand is: half a state would be elsewhere. */
+/* The position follows from the tool's number, so a partial state would be detected. */
 typedef struct putter {
     ost_hand *hand;
     _Atomic bool stop;

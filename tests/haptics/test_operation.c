@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * An operation: what a device does to a world is what its path does without a
- * device; what cannot be a hand's changes nothing; and all of it is recorded.
+ * An operation: a device changes a world exactly as its path does without a
+ * device; input that cannot be a hand's changes nothing; and everything is
+ * recorded.
  * Covers: AR-MOTOR-2, AR-MOTOR-4, AR-MOTOR-5, REQ-OPERATION, REQ-SAFETY, REQ-RECORDER
  */
 #include "ref/scene.h"
@@ -49,7 +50,7 @@ static void free_room(room *r)
     ost_bone_free(r->bone);
 }
 
-/* Into the bone along x, 0.1 mm a tick. */
+/* A path into the bone along x, 0.1 mm a tick. */
 static ost_path into_bone(size_t count)
 {
     ost_error err = {0};
@@ -99,7 +100,7 @@ static void a_script_is_its_path(void **state)
     free_room(&by_device);
 }
 
-/* The path without some rows is what the bone must look like. */
+/* The bone must be equal to that of the path without the faulty rows. */
 static void what_is_no_hands_is_left_out(void **state)
 {
     ost_error err = {0};
@@ -111,9 +112,9 @@ static void what_is_no_hands_is_left_out(void **state)
     } cases[] = {
         /* Away and back. */
         {OST_FAULT_JUMP, 100, 105, {{-100 * MM, 10 * MM, 5 * MM}, OST_Q30_ONE, 0, 0, 0}, 0},
-        /* Half a turn within a tick, where it is. */
+        /* Half a turn within a tick, at the same position. */
         {OST_FAULT_TURN, 100, 101, {{-5 * MM + 100 * MM / 10, 10 * MM, 5 * MM}, 0, OST_Q30_ONE, 0, 0}, 0},
-        /* No rotation at all. */
+        /* Not a rotation. */
         {OST_FAULT_TURN, 50, 60, {{0, 0, 0}, 0, 0, 0, 0}, 0},
         {OST_FAULT_TOOL, 30, 33, {{-5 * MM + 30 * MM / 10, 10 * MM, 5 * MM}, OST_Q30_ONE, 0, 0, 0}, 9},
     };
@@ -141,12 +142,12 @@ static void what_is_no_hands_is_left_out(void **state)
     }
 }
 
-/* A tool that stays away stays where it was: from 10 mm on, the bone is as it is. */
+/* A tool that does not come back stays where it was: from 10 mm on, the bone is unchanged. */
 static void a_tool_that_jumps_does_not_cut_on_its_way(void **state)
 {
     room r = make_room(*state);
     ost_path path = into_bone(60);
-    /* Through all of the bone in one tick: the sweep could follow, and must not. */
+    /* Through the complete bone in one tick: the sweep could span it, but must not. */
     for (size_t i = 50; i < 60; i++)
         path.ticks[i].pose.t.x = 45 * MM;
     const ost_operation_report done = operate(&r, "script", &path, NULL);
@@ -161,7 +162,10 @@ static void a_tool_that_jumps_does_not_cut_on_its_way(void **state)
     free_room(&r);
 }
 
-/* A tool of rigid points in bone is felt; a pose that jumps is a fault, and then the hand feels nothing, and softly again. */
+/*
+ * A tool of rigid points in bone gives a force. A pose that jumps is a fault: the force becomes
+ * zero and increases gradually afterwards.
+ */
 typedef struct felt {
     ost_operation *operation;
     double n[400];
@@ -190,10 +194,10 @@ static void a_fault_lets_the_hand_alone(void **state)
     safety.ramp_s = 0.05;
     f = (felt){0};
     ost_path path = into_bone(400);
-    for (size_t i = 0; i < path.count; i++) /* 4 mm/s into the bone's side, to 2 mm deep */
+    for (size_t i = 0; i < path.count; i++) /* at 4 mm/s into the bone's side, to 2 mm depth */
         path.ticks[i].pose.t.x = -2 * MM + (ost_pm)(i < 200 ? i : 200) * MM / 100;
     path.ticks[300].pose.t.y += 50 * MM;
-    /* A tool that the force knows and the world does not: a force is made, and must not be given. */
+    /* A tool that the force has and the world has not: the force is computed and must not be given. */
     for (size_t i = 360; i < 370; i++) {
         path.ticks[i].tool = 1;
         path.ticks[i].pose.t.x += (ost_pm)(i - 359) * MM / 10;
@@ -221,7 +225,10 @@ static void a_fault_lets_the_hand_alone(void **state)
     free_room(&r);
 }
 
-/* Every tick rehearsed, some of them more than once: forces and bone are those of an operation without. */
+/*
+ * Every tick is rehearsed, some of them more than once: forces and bone are equal to those of
+ * an operation without rehearsals.
+ */
 static void a_rehearsal_leaves_no_trace(void **state)
 {
     skip_without_samples(*state);
@@ -235,7 +242,7 @@ static void a_rehearsal_leaves_no_trace(void **state)
     params.turn_stiffness = 0.5;
     params.turn_damping = 0.001;
     ost_path path = into_bone(TICKS);
-    for (size_t i = 0; i < TICKS; i++) { /* 20 mm/s, and with a pose that is none */
+    for (size_t i = 0; i < TICKS; i++) { /* at 20 mm/s, and with one invalid pose */
         path.ticks[i].pose.t.x = -2 * MM + (ost_pm)i * MM / 50;
         path.ticks[i].pose.t.y += (ost_pm)(i * i % 7) * MM / 10;
     }
@@ -283,7 +290,7 @@ static void a_session_of_it_does_it_again(void **state)
     assert_ok(ost_session_header_create(&header, &err));
     assert_ok(ost_recorder_open(path_name, header, NULL, &recorder, &err));
     ost_session_header_free(header);
-    /* The first pose, and from there the hand. */
+    /* The first pose, and from there the hand's. */
     const ost_operation_report done = operate(&r, "script", &path, recorder);
     assert_int_equal(done.steps, 299);
     assert_ok(ost_recorder_close(recorder, &(ost_session_end){.ticks = done.steps}, &err));
@@ -309,7 +316,7 @@ static void a_session_of_it_does_it_again(void **state)
         assert_ok(ost_world_step(again.world, &t->tick, &step, &err));
         assert_true(ost_step_digest(&step, ost_world_classes(again.world)->count) == t->digest);
         assert_int_equal(t->removed, step.report->total_voxels);
-        /* The skipped tick's time went by all the same. */
+        /* The world's time advances in the skipped tick as well. */
         assert_int_equal(t->tick.t_ns, (int64_t)(t->number + (t->number >= 80)) * 1000000);
     }
     assert_int_equal(ticks, 299);
@@ -323,7 +330,10 @@ static void a_session_of_it_does_it_again(void **state)
     scratch_remove(folder);
 }
 
-/* A disk in memory. Who holds it lets its writer stand still, in the middle of a write; or it is full. */
+/*
+ * A disk in memory. The test can hold it, which blocks the writer in the middle of a write, or
+ * limit its size.
+ */
 typedef struct disk {
     unsigned char bytes[1 << 17];
     size_t size;
@@ -357,17 +367,17 @@ static int disk_sync(void *user)
 }
 
 /*
- * A disk that does not answer, a writer that stands still, a disk that is full:
- * every tick is done, to the same bone, and the recorder says what is not
- * written.  A tick that waited would wait for ever, since nobody lets go of the
- * disk before the operation is over; the alarm ends that.
+ * A disk that does not answer, a blocked writer, a full disk: every tick is
+ * executed with the same result, and the recorder reports the records that were
+ * not written.  A tick that waited would wait for ever, because the disk is
+ * released only after the operation; the alarm ends such a test.
  */
 static void it_does_not_wait_for_its_recorder(void **state)
 {
     static const struct {
         uint32_t room;
         bool full;
-        bool all; /* of it is written in the end */
+        bool all; /* everything is written in the end */
     } cases[] = {{1024, false, true}, {64, false, false}, {1024, true, false}};
     enum { TICKS = 200 };
     ost_error err = {0};
@@ -406,7 +416,7 @@ static void it_does_not_wait_for_its_recorder(void **state)
             assert_non_null(strstr(err.text, "the disk is full; 0 records are in the file, 200 are not"));
         else if (!cases[c].all)
             assert_non_null(strstr(err.text, "were lost: the disk was too slow"));
-        /* Two headers, and all that there was room for. */
+        /* Two headers, and all records that fit. */
         assert_int_equal(d.size > (now.put + 1) * SESSION_RECORD, !cases[c].full);
         ost_session_header_free(header);
         pthread_mutex_destroy(&d.held);
@@ -417,7 +427,10 @@ static void it_does_not_wait_for_its_recorder(void **state)
     free_room(&alone);
 }
 
-/* A tick of an operation by hand: a device without a tool of its own, its buttons, and what others see of it. */
+/*
+ * Executes a tick of an operation: a device that selects no tool, with buttons, and the live
+ * state afterwards.
+ */
 static void tick_of(ost_operation *o, int64_t t_ms, ost_pose pose, uint32_t buttons, ost_live *live, ost_live_state *state)
 {
     ost_wrench wrench = {{0}, {0}};
@@ -432,7 +445,10 @@ static ost_pose pose_at(ost_pm x, ost_pm y, ost_pm z)
     return (ost_pose){.t = {x, y, z}, .qw = OST_Q30_ONE};
 }
 
-/* Pressed into bone and moved with the motor off nothing goes; held, its ticks are those of ost_motor_path; and a late one is off. */
+/*
+ * With the motor off, a tool in bone removes nothing; with it on, its ticks are those of
+ * ost_motor_path; in a late tick it counts as off.
+ */
 static void a_motor_belongs_to_the_operation(void **state)
 {
     ost_error err = {0};
@@ -446,7 +462,7 @@ static void a_motor_belongs_to_the_operation(void **state)
     assert_ok(ost_operation_create(live_room.world, &options, &operation, &err));
     ost_motor motor = {0};
     for (int i = 0; i < 100; i++) {
-        const bool on = i >= 40 && i < 80; /* held from 40 to 59, switched from 60 to 79 */
+        const bool on = i >= 40 && i < 80; /* held from 40 to 59, switched on from 60 to 79 */
         const uint32_t buttons = i >= 40 && i < 60 ? 2 : (i >= 60 && i < 65) || (i >= 80 && i < 83) ? 4 : 0;
         ost_tick tick = {.t_ns = (int64_t)i * 1000000, .pose = pose_at(2 * MM + i * MM / 5, 10 * MM, 5 * MM)};
         tick_of(operation, i, tick.pose, i == 60 ? 6 : buttons, live, &s);
@@ -461,13 +477,13 @@ static void a_motor_belongs_to_the_operation(void **state)
     assert_true(totals.removed_voxels > 0);
     const ost_digest a = digest_of(live_room.bone), b = digest_of(by_hand.bone);
     assert_true(ost_digest_equal(&a, &b));
-    /* 300 turns a minute are an eighth in 25 ms. */
+    /* At 300 turns a minute an eighth of a turn takes 25 ms. */
     tick_of(operation, 200, pose_at(22 * MM, 10 * MM, 5 * MM), 2, live, &s);
     assert_int_equal(s.rpm, 0);
     tick_of(operation, 225, pose_at(22 * MM, 10 * MM, 5 * MM), 2, live, &s);
     assert_int_equal(s.rpm, 300);
     ost_operation_free(operation);
-    /* Speed 0 is off, whatever is held; and a speed beyond the limit is no operation. */
+    /* With speed 0 the motor is off whatever is held; a speed beyond the limit is refused. */
     assert_int_equal(ost_operation_create(live_room.world, &(ost_operation_options){.rpm = 3001}, &operation, &err), OST_ERR_USAGE);
     ost_live_free(live);
     free_room(&live_room);
@@ -502,13 +518,16 @@ static void buttons_do_what_their_table_says(void **state)
         TICK(0);
         assert_int_equal(s.tool, 0);
         TICK(tool);
-        TICK(tool); /* once a press */
+        TICK(tool); /* once per press */
         assert_int_equal(s.tool, 1);
         TICK(0);
         TICK(tool);
         assert_int_equal(s.tool, 0);
         assert_int_equal(s.pose.t.x, -10 * MM);
-        /* The device goes 60 mm through the bone and farther, in steps that are jumps; the tool stays, and then goes on from there. */
+        /*
+         * The device moves 60 mm through the bone and beyond in steps that would be jumps; the
+         * tool stays, and later continues from there.
+         */
         for (int i = 0; i < 10; i++, x += 6 * MM)
             TICK(clutch);
         assert_int_equal(s.pose.t.x, -10 * MM);
@@ -517,7 +536,7 @@ static void buttons_do_what_their_table_says(void **state)
         x += MM;
         TICK(0);
         assert_true(llabs(s.pose.t.x + 9 * MM) <= 1);
-        /* Home, from within the bone: nothing goes on the way. */
+        /* Home, from inside the bone: nothing is removed on the way. */
         for (int i = 0; i < 20; i++, x += MM)
             TICK(0);
         ost_world_totals before, after;

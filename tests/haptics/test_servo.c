@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The servo loop with devices made for it: silent, lost, late, with a clock of
- * their own.  No test holds a time; what is held is what was counted, and that
- * a tick that certainly took too long was seen.
+ * The servo loop with devices made for these tests: silent, lost, late, and with
+ * a clock of their own.  No test compares times; the tests check counts, and that
+ * a tick that certainly took too long was detected.
  * Covers: REQ-SERVO
  */
 #include "harness.h"
@@ -15,7 +15,7 @@
 #include "haptics/driver.h"
 #include "haptics/own_work.h"
 
-/* What the device answers, one letter a read: Fresh, Stale, Unseen, Ended, Lost; the last one for ever. */
+/* The device's answers, one letter per read: Fresh, Stale, Unseen, Ended, Lost; the last one repeats. */
 static struct haptic_instance {
     const char *answers;
     int reads, writes;
@@ -57,7 +57,7 @@ static void fake_write(haptic_instance *f, const ost_wrench *wrench)
     f->last = *wrench;
 }
 
-/* Its own thread beats until it is told to stop, and run waits for it. */
+/* A device whose own thread calls `beat` until it returns false; run waits for that thread. */
 typedef struct own_clock {
     haptic_beat *beat;
     void *user;
@@ -106,8 +106,8 @@ static const haptic_driver absent = {.name = "absent", .usable = never, .open = 
 typedef struct seen {
     uint64_t ticks, declared, unseen, done, missed;
     uint64_t stop_at;  /* 0: never */
-    uint64_t sleep_at; /* then it takes 12 ms */
-    uint64_t rehearsals, rehearsed; /* in all; ticks with one before them */
+    uint64_t sleep_at; /* that tick takes 12 ms */
+    uint64_t rehearsals, rehearsed; /* in total; ticks preceded by at least one */
     uint64_t rehearsals_before;
     ost_haptic_state last;
     int64_t t_ns;
@@ -140,7 +140,7 @@ static void on_done(void *user, uint64_t number, uint32_t exec_ns)
     (void)exec_ns;
     assert_int_equal(number, s->done);
     s->done++;
-    assert_true(fake.last.force_n[0] == 2); /* the wrench was given before */
+    assert_true(fake.last.force_n[0] == 2); /* the wrench was written before */
 }
 
 static ost_servo_report report;
@@ -157,7 +157,7 @@ static seen serve_with(const haptic_driver *driver, const char *answers, const o
     assert_int_equal(report.exec.count, s.ticks);
     assert_int_equal(report.wake.count, s.ticks);
     assert_int_equal(report.completion.count, s.ticks);
-    /* However it ended, the hand is left alone. */
+    /* However the loop ended, the last force is zero. */
     assert_true(fake.last.force_n[0] == 0);
     assert_int_equal(fake.writes, (int)s.ticks + 1);
     ost_haptic_close(device);
@@ -185,7 +185,7 @@ static void a_silent_device_gets_no_force(void **state)
     (void)state;
     alarm(60); /* a loop without its watchdog would not end */
     const ost_servo_options fast = {.no_clock = true, .no_realtime = true};
-    /* Four ticks without a pose are bridged by the last one; the fifth in a row ends the loop. */
+    /* Four ticks without a pose are bridged by the last pose; the fifth in a row ends the loop. */
     seen s = serve_with(&polled, "FFSSSSFSSSSFE", &fast, (seen){0});
     assert_int_equal(s.ticks, 12);
     assert_int_equal(s.declared, 8);
@@ -195,7 +195,7 @@ static void a_silent_device_gets_no_force(void **state)
     s = serve_with(&polled, "FSSSSS", &fast, (seen){0});
     assert_int_equal(s.ticks, 5);
     assert_int_equal(report.end, OST_SERVO_WATCHDOG);
-    /* One that never begins is not served with a pose that is none. */
+    /* Before a device's first pose no tick runs. */
     s = serve_with(&polled, "S", &fast, (seen){0});
     assert_int_equal(s.ticks, 0);
     assert_int_equal(report.end, OST_SERVO_WATCHDOG);
@@ -213,7 +213,7 @@ static void a_device_that_does_not_see_the_hand_is_not_silent(void **state)
     assert_int_equal(report.unseen, 11);
     assert_int_equal(report.stale, 8);
     assert_int_equal(report.end, OST_SERVO_DEVICE_ENDED);
-    /* It may begin so: time goes by, and the tick knows that there is no pose. */
+    /* A device may start untracked: time advances, and the tick is marked as having no pose. */
     s = serve_with(&polled, "U", &hundred, (seen){0});
     assert_int_equal(s.unseen, 100);
     assert_int_equal(s.last.pose.qw, 0);
@@ -229,14 +229,14 @@ static void a_tick_that_takes_too_long_is_counted_and_not_caught_up_on(void **st
     const ost_servo_options options = {.ticks = 30, .no_realtime = true};
     const seen s = serve_with(&timed, "F", &options, (seen){.sleep_at = 10});
     assert_int_equal(s.ticks, 30);
-    /* 12 ms, of which at least 11 whole ones went by after its own. */
+    /* Of 12 ms, at least 11 complete periods follow the tick's own. */
     assert_true(report.longest_miss >= 11);
     assert_true(report.missed >= 12);
     assert_true(s.missed >= 11);
     assert_true(report.exec.max_ns >= 12000000);
     assert_true(report.completion.max_ns >= 12000000);
     assert_true(ost_times_share_us(&report.exec, 1) >= 12000);
-    /* It waited, and used no processor: that is its own work all the same. */
+    /* The tick waited without using the processor; the time is its own work all the same. */
     assert_true(report.own.max_ns >= 12000000);
     assert_true(report.missed_by_work >= 12);
     assert_int_equal(report.missed_by_work + report.missed_woken_late + report.missed_taken, report.missed);
@@ -249,14 +249,15 @@ static void who_is_to_blame(void **state)
                    waited = {.wall_ns = 9000, .cpu_ns = 800, .waits = 4}, coarse = {.wall_ns = 9000, .cpu_ns = 9700, .waits = 3};
     assert_int_equal(own_work_between(&from, &taken), 100);
     assert_int_equal(own_work_between(&from, &waited), 4000);
-    assert_int_equal(own_work_between(&from, &coarse), 4000); /* processor time comes from another clock than wall time */
+    /* processor time and wall time come from different clocks */
+    assert_int_equal(own_work_between(&from, &coarse), 4000);
     assert_int_equal(own_work_blame(501, 0, 1000), OWN_BLAME_WORK);
-    assert_int_equal(own_work_blame(501, 5000, 1000), OWN_BLAME_WORK); /* in doubt it was the tick */
+    assert_int_equal(own_work_blame(501, 5000, 1000), OWN_BLAME_WORK); /* in doubt the tick is the cause */
     assert_int_equal(own_work_blame(500, 1000, 1000), OWN_BLAME_WOKEN_LATE);
     assert_int_equal(own_work_blame(500, 999, 1000), OWN_BLAME_TAKEN);
 }
 
-/* A thread's own work and its waiting, as this machine tells them. */
+/* A thread's own work and its waiting, as measured on this machine. */
 static void own_work_is_what_was_done(void **state)
 {
     (void)state;
@@ -290,12 +291,12 @@ static void a_device_with_a_clock_of_its_own(void **state)
     assert_int_equal(report.end, OST_SERVO_DEVICE_LOST);
 }
 
-/* t: the ticks begin; b, q, r: a turn of a loop for comparison. */
+/* t: the ticks begin; b, q, r: a tick of a baseline loop. */
 typedef struct stages {
     char text[64];
     size_t count;
-    char stop; /* the stage that goes on no more */
-    size_t stop_at; /* from then on */
+    char stop; /* the stage that the callback ends */
+    size_t stop_at; /* from this call on */
 } stages;
 
 static bool on_stage(void *user, ost_servo_stage stage)
@@ -307,7 +308,7 @@ static bool on_stage(void *user, ost_servo_stage stage)
     return c != s->stop || s->count < s->stop_at;
 }
 
-/* Who works beside the loop is told what it is at, in order, and may end what is only for comparison. */
+/* The callback is called with each stage in order, and can end a baseline. */
 static void what_is_beside_knows_the_stage(void **state)
 {
     (void)state;
@@ -336,7 +337,10 @@ static void on_rehearsal(void *user)
     ((seen *)user)->rehearsals++;
 }
 
-/* Before every tick at least one, of a loop that has a clock; never for a device whose own thread calls. */
+/*
+ * A loop with a clock rehearses at least once before every tick; a loop called by a device's
+ * own thread never does.
+ */
 static void every_tick_is_rehearsed(void **state)
 {
     (void)state;
@@ -374,7 +378,7 @@ static void what_cannot_be_is_refused(void **state)
     ost_haptic_close(device);
 }
 
-/* Whatever the system allows is given back. */
+/* All settings that the loop changed are restored. */
 static void the_thread_is_afterwards_as_it_was(void **state)
 {
     (void)state;
@@ -388,8 +392,8 @@ static void the_thread_is_afterwards_as_it_was(void **state)
 
 typedef struct placed {
     int core;   /* of the loop */
-    int away;   /* ticks that ran elsewhere */
-    bool apart; /* a thread made while it ran may not run there */
+    int away;   /* ticks that ran on another core */
+    bool apart; /* a thread created meanwhile may not run there */
 } placed;
 
 static void *where_am_i(void *user)
@@ -409,7 +413,10 @@ static bool on_placed_tick(void *user, const ost_servo_sample *sample, ost_wrenc
     return true;
 }
 
-/* The loop has its core, a thread made by who left it has not, and afterwards the loop's thread is among the others again. */
+/*
+ * The loop has a core of its own; a thread created after ost_servo_core_leave does not run
+ * there; afterwards the loop's thread may use all cores again.
+ */
 static void the_loop_has_a_core_of_its_own(void **state)
 {
     (void)state;
@@ -434,14 +441,14 @@ static void the_loop_has_a_core_of_its_own(void **state)
     assert_int_equal(sched_getaffinity(0, sizeof set, &set), 0);
     assert_false(CPU_ISSET(p.core, &set));
     printf("# on %s\n", report.realtime.core);
-    /* One that is not there is no reason not to run. */
+    /* A core that does not exist does not prevent the loop from running. */
     const ost_servo_options elsewhere = {.ticks = 2, .no_clock = true, .no_realtime = true, .pinned = true, .core = CPU_SETSIZE};
     assert_ok(ost_servo_run(device, &elsewhere, on_placed_tick, NULL, &p, &report, &err));
     assert_non_null(strstr(report.realtime.core, "any, not core"));
     assert_false(ost_servo_core_leave(-1));
     ost_haptic_close(device);
     assert_int_equal(sched_setaffinity(0, sizeof before, &before), 0);
-    /* Of one core alone there is none to be had. */
+    /* If there is only one core, none is reserved. */
     CPU_ZERO(&set);
     CPU_SET(p.core, &set);
     assert_int_equal(sched_setaffinity(0, sizeof set, &set), 0);

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A tick allocates nothing and calls the system for nothing but times: the
- * loop, the operation, the step of the world and the recorder, with a tool in
- * contact that comes to chunk after chunk.
+ * A tick allocates no memory and makes no system calls except those for times.
+ * This covers the loop, the operation, the step of the world and the recorder,
+ * with a tool in contact that reaches chunk after chunk.
  *
- * malloc and its kin are ours here and count while a tick runs; that needs
- * glibc and no sanitizer, elsewhere the test is skipped.  Calls of the system
- * are met by a filter of Linux (seccomp) in a process of its own, which ends
- * with the first that it should not make.
+ * malloc and related functions are replaced here and count while a tick runs;
+ * that requires glibc and no sanitizer, elsewhere the test is skipped.  System
+ * calls are detected by a Linux filter (seccomp) in a separate process, which
+ * ends at the first call that is not allowed.
  * Covers: REQ-SERVO
  */
 #include "ref/scene.h"
@@ -45,7 +45,7 @@
 #endif
 #endif
 
-static _Thread_local volatile bool watching; /* compilers know malloc, and that theirs does not look at it */
+static _Thread_local volatile bool watching; /* volatile: compilers assume that malloc does not read it */
 static _Thread_local volatile uint64_t calls;
 
 #if COUNTING
@@ -98,7 +98,7 @@ static void watched_done(void *operation, uint64_t number, uint32_t exec_ns)
     watching = false;
 }
 
-/* A tool that goes into the bone, across the borders of its chunks, turning a little. */
+/* A tool that moves into the bone, across the borders of its chunks, and rotates a little. */
 enum { TICKS = 400 };
 typedef struct scene {
     ost_bone *bone;
@@ -133,7 +133,7 @@ static scene make_scene(ost_backend *backend)
     return s;
 }
 
-/* From here on there is a thread, the recorder's. */
+/* Starts the recorder and with it its thread. */
 static void begin(scene *s)
 {
     ost_error err = {0};
@@ -185,7 +185,7 @@ static void a_tick_allocates_nothing(void **state)
     ost_world_totals_get(s.world, &totals);
     assert_true(totals.removed_voxels > 10000 && done.touching_ticks > 300);
     assert_int_equal(counted, 0);
-    /* And the counter counts. */
+    /* Checks that the counter counts. */
     watching = true;
     void *volatile some = calloc(1, 100);
     watching = false;
@@ -208,7 +208,7 @@ static void say_and_end(int number, siginfo_t *info, void *context)
     _exit(REFUSED);
 }
 
-/* What is allowed: a clock, the thread's own use of the processor, and to say which call was not. */
+/* Allows the clocks, the thread's processor usage, and the calls that report a refused one. */
 static bool begin_filter(void)
 {
     struct sock_filter rules[] = {
@@ -247,7 +247,7 @@ static bool calling_tick(void *operation, const ost_servo_sample *sample, ost_wr
     return getppid() > 0 && go_on;
 }
 
-/* What a process that has the ticks under the filter ends with. */
+/* Runs the ticks under the filter in a new process, and returns its exit status. */
 static int status_of(scene *s, ost_servo_tick *tick)
 {
     fflush(NULL);
@@ -276,7 +276,7 @@ static void a_tick_calls_the_system_for_times_alone(void **state)
     if (status == NO_FILTER)
         skip();
     assert_int_equal(status, 0);
-    /* And the filter sees who calls. */
+    /* Checks that the filter detects a call. */
     assert_int_equal(status_of(&s, calling_tick), REFUSED);
     begin(&s);
     free_scene(&s);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The device udp and the bridge over loopback, at ports that the system
- * chooses: what passes and what is dropped and counted, silence, poses that no
- * hand reaches, two bridges at once.  Answers are waited for; no time is
- * tested.
+ * The device udp and the bridge over loopback, at ports that the system selects:
+ * packets that are accepted, and those that are dropped and counted; silence;
+ * poses that no hand reaches; two bridges at once.  Tests wait for answers; none
+ * depends on time.
  * Covers: REQ-LINK
  */
 #include "harness.h"
@@ -75,7 +75,7 @@ static uint64_t counted(const ost_haptic *device, const char *name)
     return 0;
 }
 
-/* Waits until so many are counted. */
+/* Waits until the named count reaches the value. */
 static void await_count(const ost_haptic *device, const char *name, uint64_t value)
 {
     const struct timespec pause = {.tv_nsec = 1000000};
@@ -112,7 +112,7 @@ static link_packet answer(int s)
     return p;
 }
 
-/* A bridge's half, by hand. */
+/* A bridge simulated by the test. */
 typedef struct client {
     int socket;
     link_packet pose;
@@ -148,7 +148,7 @@ static void poses_in_and_states_out(void **state)
     char where[64];
     ost_haptic_state hand;
     ost_haptic *device = listen_at(where, "");
-    /* Nobody there yet: it is waited for. */
+    /* No bridge yet: the device waits. */
     for (int i = 0; i < 20; i++)
         assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_UNSEEN);
     client c = greet(where, 77);
@@ -165,11 +165,11 @@ static void poses_in_and_states_out(void **state)
     assert_true(s.pose.t.x == MM + 1000 && s.force_un[1] == -1250000 && s.force_un[2] == 2 && s.torque_unm[2] == 500000);
     assert_true(s.stiffness == 300000 && s.damping == 500 && s.flags == 0);
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
-    /* The last that a bridge says. */
+    /* The bridge's last packet. */
     say_pose(&c, MM, LINK_ENDED);
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_ENDED);
     ost_haptic_close(device);
-    assert_true(answer(c.socket).flags & LINK_ENDED); /* the last that a simulation says */
+    assert_true(answer(c.socket).flags & LINK_ENDED); /* the simulation's last packet */
     close(c.socket);
 }
 
@@ -190,13 +190,13 @@ static void what_is_dropped_is_counted(void **state)
     p.sequence = 100;
     send_sealed(c.socket, other, &p);
     await_count(device, "wrong_key", 1);
-    /* The same again; one of another run of the simulation. */
+    /* A repeated packet; then one for another run of the simulation. */
     send_sealed(c.socket, key, &c.pose);
     await_count(device, "replayed", 1);
     p.simulation++;
     send_sealed(c.socket, key, &p);
     await_count(device, "replayed", 2);
-    /* Two in the wrong order: the newer one counts, and one between them is missing. */
+    /* Two packets in the wrong order: the newer one is used, and one between them is missing. */
     p = c.pose;
     p.sequence = c.pose.sequence + 3;
     p.pose.t.x = MM + 300;
@@ -209,7 +209,10 @@ static void what_is_dropped_is_counted(void **state)
     assert_int_equal(counted(device, "missing"), 2);
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
     assert_true(hand.pose.t.x == MM + 300);
-    /* Truncated, empty, a state, too long, and a flood of noise among which a good one passes. */
+    /*
+     * Truncated, empty, a state, too long; then a flood of noise in which valid packets must be
+     * accepted.
+     */
     uint8_t bytes[2000];
     const size_t size = link_seal(key, &p, bytes);
     uint64_t malformed = 0;
@@ -229,7 +232,7 @@ static void what_is_dropped_is_counted(void **state)
             link_encode(&p, bytes);
         if (send(c.socket, bytes, n, 0) < 0)
             assert_int_equal(errno, ENOBUFS);
-        if (i % 50 == 0) { /* not more than a socket holds */
+        if (i % 50 == 0) { /* not more than a socket buffers */
             c.pose.sequence = 1000 + (uint64_t)i;
             say_pose(&c, MM + i, LINK_SEEN);
             assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
@@ -253,7 +256,10 @@ static void silence_is_declared_and_then_the_device_is_lost(void **state)
         assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_STALE);
     for (int i = 0; i < 16; i++)
         assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_UNSEEN);
-    /* 20 ticks of silence and the hand 20 mm on: it was there, and the tool follows by no more than a jump. */
+    /*
+     * After 20 ticks of silence the hand is 20 mm farther: it could have moved there, and the
+     * tool follows in steps below a jump.
+     */
     say_pose(&c, MM + 20 * MM, LINK_SEEN);
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
     assert_true(llabs(hand.pose.t.x - (MM + 4 * MM)) < 1000);
@@ -279,7 +285,7 @@ static void a_pose_that_no_hand_reaches_is_let_go_of(void **state)
     say_pose(&c, 50 * MM, LINK_SEEN);
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_UNSEEN);
     ost_haptic_write(device, &(ost_wrench){{0}, {0}});
-    /* As long as the bridge does not let go, nothing it says is taken, not even what is near. */
+    /* Until the bridge releases the tool, none of its poses is accepted, not even a near one. */
     link_packet s = say_pose(&c, MM, LINK_SEEN);
     assert_true((s.flags & LINK_AGAIN) && s.pose.t.x == MM);
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_UNSEEN);
@@ -289,7 +295,7 @@ static void a_pose_that_no_hand_reaches_is_let_go_of(void **state)
     s = say_pose(&c, MM + 5, LINK_SEEN);
     assert_int_equal(s.flags, 0);
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
-    /* A turn that no hand makes is none either. */
+    /* A rotation that no hand makes is rejected as well. */
     c.pose.pose.qw = 0;
     c.pose.pose.qx = OST_Q30_ONE;
     say_pose(&c, MM + 5, LINK_SEEN);
@@ -307,7 +313,10 @@ static void one_bridge_at_a_time(void **state)
     ost_haptic *device = listen_at(where, "");
     client a = greet(where, 1);
     say_pose(&a, MM, LINK_SEEN);
-    /* Within a second of its last packet a second one is told so. A slow machine may take that second: then it is not. */
+    /*
+     * Within a second of the first bridge's last packet, a second one is refused. On a slow
+     * machine that second may have passed; then it is accepted.
+     */
     const int s = connect_to(where);
     send_sealed(s, key, &(link_packet){.type = LINK_HELLO, .bridge = 2, .sequence = 1, .tool = -1});
     const link_packet told = answer(s);
@@ -361,13 +370,13 @@ static void what_cannot_be_opened(void **state)
 
 /* --------------------------------------------------------------- the bridge */
 
-/* A simulation that answers as it is told. */
+/* A simulation that answers as configured. */
 typedef struct stand_in {
     int socket;
     pthread_t thread;
     char to[64];
-    int silent_from, silent_to; /* poses that are not answered */
-    int end_at;                 /* says then that it is over */
+    int silent_from, silent_to; /* numbers of the poses that are not answered */
+    int end_at;                 /* the pose at which it reports its end */
     _Atomic bool stop;
     int poses, seen, let_go, jumps;
 } stand_in;
@@ -395,7 +404,10 @@ static void *stand_in_serves(void *user)
             answers = p.sequence;
             if (p.flags & LINK_SEEN) {
                 const int64_t way = llabs(p.pose.t.z - last.t.z);
-                /* A hand that holds the tool moves by 100 pm in a ns, also while this thread waits for a processor. */
+                /*
+                 * A hand that holds the tool moves 100 pm in a ns, also while this thread waits
+                 * for a processor.
+                 */
                 s->jumps += way > 2 * MM + (held ? (p.t_ns - last_ns) * 100 : 0);
                 last_ns = p.t_ns;
                 s->seen++;
@@ -498,7 +510,10 @@ static void when_it_is_silent_the_hand_is_let_alone_and_the_tool_taken_again(voi
     assert_int_equal(report.loop.end, OST_SERVO_ASKED);
     assert_true(report.limps >= 1);
     assert_true(report.limp_ticks >= 100);
-    /* While it is silent the bridge says that nobody holds the tool, and later it goes on where the tool was: 40 mm went by meanwhile. */
+    /*
+     * While there are no states the bridge reports that nobody holds the tool; later the tool
+     * continues where it was, although the device moved 40 mm.
+     */
     assert_true(s->let_go >= 100);
     assert_int_equal(s->jumps, 0);
     leave(s);
@@ -510,7 +525,7 @@ static void where_nobody_answers(void **state)
     ost_error err = {0};
     stand_in *s = stand();
     start(s);
-    /* The stand-in drops what is signed by another key. */
+    /* The stand-in drops packets signed with another key. */
     assert_int_equal(cross(s->to, other_file, 0, &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "no simulation answers at 127.0.0.1"));
     assert_int_equal(cross("nowhere", key_file, 10, &err), OST_ERR_USAGE);

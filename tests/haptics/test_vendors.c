@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Drivers of vendors' devices against libraries that stand in for the
- * vendors': what is called and in which order, frames and forces by hand, and
- * what the loop makes of a library that is absent or lacks a function, of a
- * device that is not there, goes away, gets warm, hangs or gives no number;
- * the limits that devices report; and an operation whose motor and tools a
- * device's buttons switch.
- * Covers: AR-MOTOR-5, REQ-DEVICES
+ * Drivers of vendors' devices against stand-ins for the vendors' libraries: the
+ * calls and their order; frames and forces computed by hand; the loop's results
+ * with a library that is absent or lacks a function, and with a device that is
+ * absent, goes away, gets warm, hangs or returns no number; the limits that
+ * devices report; and an operation whose motor and tools are switched by a
+ * device's buttons.
  */
 #include "ref/scene.h"
 
@@ -24,7 +23,7 @@
 #define HD "OSTEON_OPENHAPTICS_LIBRARY"
 #define SPNAV "OSTEON_SPNAV_LIBRARY"
 
-/* The file of a stand-in, which is where make check and its shell have them. */
+/* Returns the file of a stand-in, relative to the folder of make check. */
 static const char *fake_file(const char *name)
 {
     static char path[4096];
@@ -33,7 +32,10 @@ static const char *fake_file(const char *name)
     return path;
 }
 
-/* The stand-in takes the library's place; its note is as new. Skips where there are no shared objects. */
+/*
+ * Replaces the vendor's library by the stand-in and returns its cleared record. Skips the test
+ * if there are no shared objects.
+ */
 static fake_note *take_place(const char *variable, const char *name, const char *note_name)
 {
     const char *file = fake_file(name);
@@ -93,7 +95,7 @@ static void absent_and_short_libraries(void **state)
 
 static ost_haptic_setup at_start(void)
 {
-    /* The tool lies along the bone's x: a quarter turn about y takes its z there. */
+    /* The tool's axis is the bone's x: a quarter turn about y takes its z there. */
     const int32_t c = 759250125;
     return (ost_haptic_setup){.start = {.t = {10 * MM, 20 * MM, 30 * MM}, .qw = c, .qy = c}};
 }
@@ -113,7 +115,7 @@ static void dhd_frames_and_forces(void **state)
         assert_true(abs((&s.pose.qw)[i] - (&setup.start.qw)[i]) <= 2);
     assert_int_equal(s.tool, -1);
     /*
-     * 1 mm away from the hand (x -1), 2 mm to the right (y), 3 mm up (z): the
+     * 1 mm away from the operator (x -1), 2 mm to the right (y), 3 mm up (z): the
      * tool's z, x and y.  The tool's x is the bone's -z, its y y, its z x.
      */
     note->position[0] = -0.001;
@@ -123,7 +125,7 @@ static void dhd_frames_and_forces(void **state)
     assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_FRESH);
     assert_true(llabs(s.pose.t.x - (10 - 2) * MM) < 100 && llabs(s.pose.t.y - (20 + 6) * MM) < 100 && llabs(s.pose.t.z - (30 - 4) * MM) < 100);
     assert_int_equal(s.buttons, 5);
-    /* A force along the bone's x pulls the hand toward who holds it. */
+    /* A force along the bone's x pulls the device toward the operator. */
     const ost_wrench wrench = {{1, 2, 3}, {0.1, 0.2, 0.3}};
     ost_haptic_write(device, &wrench);
     assert_true(fabs(note->force[0] - 1) < 1e-8 && fabs(note->force[1] + 3) < 1e-8 && fabs(note->force[2] - 2) < 1e-8);
@@ -165,7 +167,7 @@ static void dhd_fails(void **state)
     note->fail_open = 0;
     assert_int_equal(ost_haptic_open("dhd:scale=0", NULL, &device, &err), OST_ERR_USAGE);
     assert_int_equal(ost_haptic_open("dhd:size=3", NULL, &device, &err), OST_ERR_USAGE);
-    /* No number: a pose that is none, and the device goes on. */
+    /* Not a number: an invalid pose; the device continues. */
     note->no_number_at = 2;
     note->fail_read_at = 4;
     assert_ok(ost_haptic_open("dhd", NULL, &device, &err));
@@ -175,7 +177,7 @@ static void dhd_fails(void **state)
     }
     assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_LOST);
     ost_haptic_close(device);
-    /* A force that cannot be given: the device is lost at the next tick. */
+    /* A force that cannot be written: the device is lost at the next tick. */
     note = take_place(DHD, "fake_dhd", "fake_dhd");
     note->fail_write_at = 1;
     assert_ok(ost_haptic_open("dhd", NULL, &device, &err));
@@ -190,7 +192,7 @@ static void dhd_fails(void **state)
 typedef struct seen {
     uint64_t ticks;
     ost_haptic_state last;
-    int faults; /* poses that are none */
+    int faults; /* invalid poses */
 } seen;
 
 static bool push(void *user, const ost_servo_sample *sample, ost_wrench *wrench)
@@ -232,7 +234,7 @@ static void openhaptics_frames(void **state)
     assert_true(s.last.pose.t.x == MM && s.last.pose.t.z == -4 * MM && s.last.pose.qw == OST_Q30_ONE);
     assert_string_equal(note->calls, "is<m(f)m(f)m(f)>ud");
     assert_true(note->most_force > 1.49 && note->most_force < 1.51);
-    /* The frame that ends the loop gives nothing. */
+    /* In the frame that ends the loop the force is zero. */
     assert_true(note->force[0] == 0 && note->force[1] == 0 && note->force[2] == 0);
 }
 
@@ -246,20 +248,20 @@ static void openhaptics_fails(void **state)
     note->fail_open = 1;
     assert_int_equal(run(&s, 3, &report, &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "no connection to the device"));
-    /* Unplugged. */
+    /* The device is unplugged. */
     note = take_place(HD, "fake_hd", "fake_hd");
     note->fail_read_at = 4;
     assert_ok(run(&s, 100, &report, &err));
     assert_int_equal(report.end, OST_SERVO_DEVICE_LOST);
     assert_int_equal(s.ticks, 3);
     assert_true(note->force[0] == 0);
-    /* Warm from its first frame: no force at all within these ticks, but poses. */
+    /* Warm from its first frame: poses, but no force within these ticks. */
     note = take_place(HD, "fake_hd", "fake_hd");
     note->warm_at = 1;
     assert_ok(run(&s, 20, &report, &err));
     assert_int_equal(s.ticks, 20);
     assert_true(note->most_force == 0);
-    /* No number: a pose that is none, for that tick. */
+    /* Not a number: an invalid pose for that tick. */
     note = take_place(HD, "fake_hd", "fake_hd");
     note->no_number_at = 2;
     assert_ok(run(&s, 5, &report, &err));
@@ -299,7 +301,10 @@ static void openhaptics_reports_its_limits(void **state)
         note->continuous = cases[i].continuous;
         const ost_haptic_limits l = limits_of("openhaptics");
         assert_int_equal(ost_haptic_limits_usable(&l), cases[i].usable);
-        /* A force below nothing stands for a parameter that the library does not have: its error is not the device's. */
+        /*
+         * A negative force represents a parameter that the library does not have: the error is
+         * not the device's.
+         */
         if (cases[i].usable)
             assert_true(l.force_n == cases[i].force && l.continuous_n == cases[i].continuous && l.torque_nm == 0);
         assert_string_equal(l.from, "HD_NOMINAL_MAX_FORCE");
@@ -316,7 +321,7 @@ static void openhaptics_reports_its_limits(void **state)
 static void dhd_has_the_limits_of_its_type(void **state)
 {
     (void)state;
-    /* DHD_DEVICE_... of the SDK, and the sheets of the vendors. */
+    /* DHD_DEVICE_... of the SDK, and the vendors' data sheets. */
     static const struct {
         int type;
         double force, torque;
@@ -348,7 +353,7 @@ typedef struct course {
     ost_live *live;
     ost_world *world;
     fake_note *note;
-    double *along, step; /* the coordinate of the device that is the bone's x, and 0.1 mm of it */
+    double *along, step; /* the device's coordinate along the bone's x, and 0.1 mm in its unit */
     int tick;
     uint64_t removed[TICKS];
     ost_live_state seen[TICKS];
@@ -360,7 +365,10 @@ static int held_at(int tick)
     return motor ? 1 : tick >= TOOL_FROM && tick < TOOL_TO ? 2 : 0;
 }
 
-/* Ticks of a millisecond each, however late the machine is; then the hand of the next one. */
+/*
+ * Each tick is a millisecond of the course, however late the machine is; then sets the position
+ * for the next one.
+ */
 static bool follow_course(void *user, const ost_servo_sample *sample, ost_wrench *wrench)
 {
     course *c = user;
@@ -380,7 +388,10 @@ static bool follow_course(void *user, const ost_servo_sample *sample, ost_wrench
     return c->tick < TICKS;
 }
 
-/* Through 40 mm of bone along x: with the motor off, on, off, the next tool, and on again, by the device's own buttons. */
+/*
+ * Through 40 mm of bone along x with the device's own buttons: motor off, on, off, the next
+ * tool, and on again.
+ */
 static void operate_by_buttons(const char *name, fake_note *note, double *along, double step)
 {
     static course c;
@@ -436,9 +447,9 @@ static void buttons_of_devices_switch_motor_and_tool(void **state)
 {
     (void)state;
     fake_note *note = take_place(HD, "fake_hd", "fake_hd");
-    operate_by_buttons("openhaptics", note, &note->position[0], 0.1); /* mm to the right: the tool's x */
+    operate_by_buttons("openhaptics", note, &note->position[0], 0.1); /* mm to the right, the tool's x */
     note = take_place(DHD, "fake_dhd", "fake_dhd");
-    operate_by_buttons("dhd", note, &note->position[1], 1e-4); /* m, likewise */
+    operate_by_buttons("dhd", note, &note->position[1], 1e-4); /* m to the right */
 }
 
 /* ------------------------------------------------------------------- spnav */
@@ -478,23 +489,26 @@ static void spnav_moves_while_it_is_pushed(void **state)
     read_on(device, 50, &s);
     assert_memory_equal(&s.pose.t, &setup.start.t, sizeof s.pose.t);
     assert_int_equal(s.tool, -1);
-    /* Fully pushed away (libspnav's z), and more than that: 10 mm/s along the tool's -z. It speaks once and is heard on. */
+    /*
+     * Pushed away (libspnav's z) beyond the full deflection: 10 mm/s along the tool's -z. One
+     * event is enough for all following ticks.
+     */
     say_event(feed, 1, 5, -9, 500, 0, 0, 0);
     read_on(device, 1000, &s);
     assert_true(llabs(s.pose.t.x - 0) < 1000 && s.pose.t.y == 20 * MM && s.pose.t.z == 30 * MM);
-    /* Half of what is beyond the dead zone to the left: 5 mm/s. */
+    /* Half of the range beyond the dead zone to the left: 5 mm/s. */
     say_event(feed, 1, -180, 0, 0, 0, 0, 0);
     read_on(device, 200, &s);
     assert_true(llabs(s.pose.t.z - 31 * MM) < 1000 && llabs(s.pose.t.x) < 1000);
-    /* Let go of, it stays. */
+    /* After release it does not move. */
     say_event(feed, 1, 0, 0, 0, 0, 0, 0);
     read_on(device, 100, &s);
     assert_true(llabs(s.pose.t.z - 31 * MM) < 1000);
-    /* Turned about its y for a second: a quarter turn more about the bone's y. */
+    /* Rotated about its y for a second: a quarter turn more about the bone's y. */
     say_event(feed, 1, 0, 0, 0, 0, 350, 0);
     read_on(device, 1000, &s);
     assert_true(abs(s.pose.qw) < 1 << 10 && abs(s.pose.qy - OST_Q30_ONE) < 1 << 10 && abs(s.pose.qx) < 1 << 10 && abs(s.pose.qz) < 1 << 10);
-    /* Its buttons are said while they are down; there are 32 at most. */
+    /* Buttons are reported while they are pressed; 32 at most. */
     say_event(feed, 1, 0, 0, 0, 0, 0, 0);
     say_event(feed, 2, 1, 1, 0, 0, 0, 0);
     say_event(feed, 2, 1, 5, 0, 0, 0, 0);
@@ -524,7 +538,7 @@ static void spnav_only_while_held_and_lost(void **state)
     assert_string_equal(note->calls, "oc");
     note = take_place(SPNAV, "fake_spnav", "fake_spnav");
     assert_ok(ost_haptic_open("spnav:hold=1", &setup, &device, &err));
-    /* Its one connection is let alone by who asks what there is. */
+    /* Listing the devices leaves its one connection untouched. */
     assert_ok(ost_haptic_describe(spnav, &info, &err));
     assert_true(info.available);
     assert_string_equal(note->calls, "o");
@@ -538,7 +552,7 @@ static void spnav_only_while_held_and_lost(void **state)
     say_event(feed, 2, 0, 0, 0, 0, 0, 0);
     read_on(device, 100, &s);
     assert_true(llabs(s.pose.t.x - 2 * MM) < 1000);
-    /* Unplugged. */
+    /* The device is unplugged. */
     say_event(feed, 3, 1, 0, 0, 0, 0, 0);
     assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_LOST);
     ost_haptic_close(device);
@@ -550,7 +564,7 @@ static void spnav_only_while_held_and_lost(void **state)
     read_on(device, 2, &s);
     assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_LOST);
     ost_haptic_close(device);
-    /* It is not there. */
+    /* The daemon does not run. */
     note = take_place(SPNAV, "fake_spnav", "fake_spnav");
     note->fail_open = 1;
     assert_int_equal(ost_haptic_open("spnav", &setup, &device, &err), OST_ERR_UNAVAILABLE);
