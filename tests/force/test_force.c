@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Forces against closed forms: a sphere in a plane, planar and hemispherical
- * reaming; a tool's shell against its sphere; a tool that does not cut; and
- * what a backend says of single voxels against what it downloads.
+ * Forces compared with closed forms: a sphere in a plane, planar and
+ * hemispherical reaming; a tool's shell compared with its sphere; a tool that
+ * does not cut; and a backend's samples of single voxels compared with a download.
  * Covers: REQ-FORCE
  */
 #include "force/press.h"
@@ -14,7 +14,10 @@ static ost_pose at_mm(double x, double y, double z)
     return (ost_pose){.t = {(ost_pm)(x * 1e9), (ost_pm)(y * 1e9), (ost_pm)(z * 1e9)}, .qw = OST_Q30_ONE};
 }
 
-/* Points of equal area on the part of a sphere with z below top radii, by the golden angle; its centre is the origin. */
+/*
+ * Fills `points` with points of equal area on the part of a sphere with z below `top` radii, by
+ * the golden angle; its centre is the origin.
+ */
 static void sphere_points(double radius, double top)
 {
     for (int i = 0; i < OST_SHELL_MAX; i++) {
@@ -29,7 +32,7 @@ static void sphere_points(double radius, double top)
     }
 }
 
-/* Densities of voxels are those of a download; beyond the grid there is nothing. */
+/* Sampled densities are those of a download; beyond the grid they are 0. */
 static void a_sample_is_what_is_there(void **state)
 {
     skip_without_samples(*state);
@@ -63,9 +66,10 @@ static void a_sample_is_what_is_there(void **state)
 }
 
 /*
- * A sphere of radius R pressed h deep: a point's pressure is k times its depth
- * along its normal, and the sum over the cap pi k R h^2.  With a layer L the
- * sphere that touches is one of R + L, but areas are those of R: times R^2 / (R + L)^2.
+ * A sphere of radius R pressed to depth h: a point's pressure is k times its depth
+ * along its normal, and the sum over the cap is pi k R h^2.  With a layer L the
+ * sphere that touches has radius R + L, but areas are those of R: the factor is
+ * R^2 / (R + L)^2.
  */
 static void a_sphere_in_a_plane(void **state)
 {
@@ -85,7 +89,7 @@ static void a_sphere_in_a_plane(void **state)
     double sum = 0, across = 0;
     ost_force_result r;
     for (int i = 0; i < PLACES; i++) {
-        /* Elsewhere between the voxels each time. */
+        /* At a different position relative to the voxels each time. */
         const double shift = 0.2 * i / PLACES;
         const ost_pose pose = at_mm(10 + 3 * shift, 10 + 7 * shift, (top + radius + layer - deep) * 1e3);
         assert_ok(ost_force_step(force, 0, &pose, 1e-3, &r, &err));
@@ -102,7 +106,7 @@ static void a_sphere_in_a_plane(void **state)
     ost_bone_free(bone);
 }
 
-/* The sum of the points' stiffness is never above the coupling's. */
+/* The sum of the points' stiffness never exceeds the coupling's. */
 static void stiffness_is_bounded(void **state)
 {
     skip_without_samples(*state);
@@ -129,8 +133,8 @@ static double speed_of(const ost_pose *before, const ost_force_result *after)
 }
 
 /*
- * A disc that is pressed in at v: p = u v / (mu w r), so F = 2 pi u v (R - r0 / 2) / (mu w),
- * with the speed of r0 = 1 mm within r0; and the power is u v times the area.
+ * A disc pressed in at speed v: p = u v / (mu w r), so F = 2 pi u v (R - r0 / 2) / (mu w),
+ * where the speed at r0 = 1 mm is used within r0; the power is u v times the area.
  */
 static void planar_reaming(void **state)
 {
@@ -149,7 +153,7 @@ static void planar_reaming(void **state)
     const double u = ost_force_energy(&params, REFERENCE_HU);
     assert_near("energy of reference bone", u, 30e6, 1e-3);
     ost_force *force = force_of(bone, &params, points, OST_SHELL_MAX);
-    /* On the surface, then pulled down 5 mm: the tool goes as fast as the formula says. */
+    /* Starts on the surface and is pulled down 5 mm: the tool's speed follows the formula. */
     const ost_pose start = at_mm(15, 15, 24.75), down = at_mm(15, 15, 24.75 - 5);
     ost_force_result r;
     assert_ok(ost_force_step(force, 0, &start, 1e-3, &r, &err));
@@ -161,11 +165,11 @@ static void planar_reaming(void **state)
     assert_near("planar reaming, N", r.axial_n, 2 * PI * u * v * (radius - r0 / 2) / (params.cutting_ratio * params.speed), 0.01);
     assert_near("planar reaming, W", r.power_w, u * v * PI * radius * radius, 0.01);
     assert_near("planar reaming, N m", r.cutting_nm, u * v * PI * radius * radius / params.speed, 0.01);
-    /* The hand feels its share of it, upward; it is symmetric. */
+    /* The scaled force acts on the hand, upward and symmetric. */
     assert_near("felt, N", r.force_n[2], params.scale * r.axial_n, 1e-3);
     assert_true(fabs(r.force_n[0]) < 1e-6 * r.axial_n && r.off_axis_n < 1e-6 * r.axial_n);
 
-    /* Half the density is cut four times as fast by the same force. */
+    /* With the same force, half the density is cut four times as fast. */
     ost_bone *soft = half_space(*state, 60, 60, MM / 2, 50, (int16_t)lrint((0.975 - 0.131) / 1.067e-3));
     ost_force *easy = force_of(soft, &params, points, OST_SHELL_MAX);
     ost_force_result s;
@@ -178,7 +182,10 @@ static void planar_reaming(void **state)
     ost_bone_free(bone);
 }
 
-/* A half sphere: F = (2 pi u R v / mu w) (integral of cos^2 from t0 on + R/r0 (1 - cos^3 t0) / 3), sin t0 = r0 / R. */
+/*
+ * A hemisphere: F = (2 pi u R v / mu w) (integral of cos^2 from t0 on + R/r0 (1 - cos^3 t0) /
+ * 3), sin t0 = r0 / R.
+ */
 static void hemispherical_reaming(void **state)
 {
     skip_without_samples(*state);
@@ -202,7 +209,7 @@ static void hemispherical_reaming(void **state)
     ost_bone_free(bone);
 }
 
-/* What does not turn, or is no blade, does not cut: it stops at the bone, and slides along it. */
+/* A tool that does not rotate, or has no blade, does not cut: it stops at the bone and slides along it. */
 static void what_does_not_cut_stops(void **state)
 {
     skip_without_samples(*state);
@@ -225,7 +232,7 @@ static void what_does_not_cut_stops(void **state)
         }
         assert_near("felt 4 mm deep, N", r.force_n[2], params.stiffness * ((double)r.tool.t.z * 1e-12 - (held - 4) * 1e-3), 0.02);
         assert_true(r.force_n[2] > 0.9);
-        /* Voxels are stairs, which hold a blunt tool back a little. */
+        /* The voxels' steps hold a blunt tool back a little. */
         assert_near("slid by, mm", (double)r.tool.t.x * 1e-9 - 12, 0.02 * 199, 0.4);
         assert_true(r.power_w == 0);
         ost_force_free(force);
@@ -233,7 +240,7 @@ static void what_does_not_cut_stops(void **state)
     ost_bone_free(bone);
 }
 
-/* A hand that goes through a plate of 1 mm in a tick does not take the tool along. */
+/* A hand that passes a plate of 1 mm within a tick does not move the tool through it. */
 static void nothing_is_tunnelled_through(void **state)
 {
     skip_without_samples(*state);
@@ -253,8 +260,10 @@ static void nothing_is_tunnelled_through(void **state)
     ost_bone_free(bone);
 }
 
-/* A ball of voxels has a ball's surface: area, volume, directions. */
-/* Whatever a file says within its bounds, and however far the device is, no contact force is beyond what a hand can press. */
+/*
+ * With any parameters within their bounds, and at any distance of the device, the contact force
+ * is limited to what a hand can press.
+ */
 static void no_hand_presses_with_tons(void **state)
 {
     skip_without_samples(*state);
@@ -283,6 +292,7 @@ static void no_hand_presses_with_tons(void **state)
         }
     ost_bone_free(bone);
 }
+/* The shell of a ball of voxels has the ball's area, volume and directions. */
 
 static void a_shell_is_its_surface(void **state)
 {

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The loop closed by force: the simulated device in light, normal and firm
- * hands, with the built-in peg and reamer, pressing into bone and dragging
- * along it, with and without a turning tool, with the device's friction and
- * without any.  Nothing swings: the speed's deviation from its own mean
- * stays below 10 mm/s rms, where a limit cycle shows.  The same operation
- * without force goes through the bone; a stiffness eight times too high swings.
+ * hands, with the built-in peg and reamer, pressed into bone and dragged along
+ * it, with and without a rotating tool, with and without the device's friction.
+ * No combination oscillates: the RMS deviation of the speed from its own mean
+ * stays below 10 mm/s; a limit cycle exceeds that.  The same operation without
+ * force goes through the bone; a stiffness eight times too high oscillates.
  *
- * OST_TEST_LONG=1 tries the burr, the instant law and every hand without friction too.
+ * OST_TEST_LONG=1 adds the burr, the instant law, and every hand without friction.
  *
- *   OST_FORCE_CSV=FOLDER   tries the burr, and writes each run as grip-tool-way.csv: t, where the
- *                          hand wants the device, where it is, the force
+ *   OST_FORCE_CSV=FOLDER   adds the burr, and writes each run as grip-tool-way.csv: t, the hand's
+ *                          target for the device, the device's position, the force
  * Covers: REQ-FORCE-STABLE
  */
 #include "ref/scene.h"
@@ -48,7 +48,7 @@ static ost_tool *builtin_tool(ost_backend *backend, ost_tool_kind kind)
     return tool;
 }
 
-/* 60 x 60 x 20 mm of bone of 800 HU at 0.5 mm, its upper face at z = 0. */
+/* A block of bone, 60 x 60 x 20 mm of 800 HU at 0.5 mm, with its upper face at z = 0. */
 static ost_bone *block(ost_backend *backend)
 {
     const ost_geometry g = cubic_geometry(120, 120, 40, MM / 2, (ost_pm3){-30 * MM + MM / 4, -30 * MM + MM / 4, -20 * MM + MM / 4});
@@ -61,7 +61,7 @@ static ost_bone *block(ost_backend *backend)
     return bone;
 }
 
-/* From 3 mm above to 5 mm inside, and there: held, or dragged 6 mm along x. */
+/* A path from 3 mm above to 5 mm inside, then held there or dragged 6 mm along x. */
 static ost_path plan(double lowest_mm, bool drag)
 {
     ost_error err = {0};
@@ -93,9 +93,9 @@ static void served(void *user, uint64_t number, uint32_t exec_ns)
 }
 
 /*
- * Over the last 0.8 s, mm/s: rms of the speed over 10 ms less that over 200 ms.
- * An encoder's step is 5.5 mm/s over 10 ms; the device in its hand swings at
- * 5 to 40 Hz if it does.
+ * Returns, over the last 0.8 s, in mm/s: the RMS difference between the speed
+ * averaged over 10 ms and over 200 ms.  An encoder's step is 5.5 mm/s over 10 ms;
+ * if the device in its hand oscillates, it does so at 5 to 40 Hz.
  */
 static double swing(const double at[])
 {
@@ -124,7 +124,7 @@ static void write_csv(const char *name, const ost_path *path, const run *r)
     fclose(out);
 }
 
-/* How many voxels went. */
+/* Runs an operation and returns the number of removed voxels. */
 static uint64_t operate(ost_backend *backend, ost_tool *tool, const char *device, const ost_path *path, const ost_force_params *params, const ost_safety_params *safety,
                         const char *name, run *r)
 {
@@ -182,7 +182,10 @@ static void no_hand_swings(void **state)
         ost_tool *tool = builtin_tool(*state, tools[t].kind);
         for (int k = 0; k < 24; k++) {
             const int grip = k % 3, drag = k / 3 % 2, mode = k / 6 % 2, friction = k / 12;
-            /* A real device's friction with every hand; without it, which no device is, the hand that is worst off. */
+            /*
+             * Every hand with a real device's friction; without friction, which no device has,
+             * only the least stable hand.
+             */
             if (!all && (mode || (!friction && grip)))
                 continue;
             char device[80], name[120];
@@ -205,7 +208,7 @@ static void no_hand_swings(void **state)
     assert_int_equal(unstable, 0);
 }
 
-/* So that the bound above means something. */
+/* Shows that the bound above detects an oscillation. */
 static void what_is_too_stiff_does_swing(void **state)
 {
     static run r;
@@ -224,7 +227,7 @@ static void what_is_too_stiff_does_swing(void **state)
     ost_tool_free(tool);
 }
 
-/* Dense bone takes time: with the force less is removed than by a hand that nothing resists. */
+/* Dense bone takes time: with the force less is removed than without resistance. */
 static void bone_resists(void **state)
 {
     static run r;
@@ -248,7 +251,7 @@ int main(void)
         cmocka_unit_test(what_is_too_stiff_does_swing),
         cmocka_unit_test(bone_resists),
     };
-    /* The same floats whatever the backend: one is enough. */
+    /* The floats do not depend on the backend, so one backend is enough. */
     snprintf(test_backend, sizeof test_backend, "cpu:threads=1");
     return cmocka_run_group_tests(tests, open_test_backend, close_test_backend);
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What a force does only when asked to: the coupling of the tool's direction
- * against the springs in series that it is, its rest in a closed loop;
- * vibration against its formula; and a file of parameters.
+ * Optional parts of the force: the coupling of the tool's orientation, compared
+ * with springs in series and at rest in a closed loop; vibration, compared with
+ * its formula; and a file of parameters.
  * Covers: REQ-FORCE
  */
 #include "force/press.h"
@@ -17,16 +17,16 @@ static ost_pose turned_mm(double x, double y, double z, double about_y)
                       .qy = (int32_t)lrint(q[2] * OST_Q30_ONE)};
 }
 
-/* 30 mm wide, 0.5 mm a voxel, below z = 19.75 mm. */
+/* A half space 30 mm wide with voxels of 0.5 mm, below z = 19.75 mm. */
 static ost_bone *half_space_30mm(ost_backend *backend, int16_t hu)
 {
     return half_space(backend, 60, 60, MM / 2, 40, hu);
 }
 
 /*
- * One blunt point, r beside the tool's origin, on the bone; the hand goes h
- * down.  The point stays, so the tool goes down by x and turns by a with
- * x = r sin a, and both springs carry the point's force:
+ * One blunt point on the bone, at distance r from the tool's axis; the hand moves
+ * h down.  The point stays in place, so the tool moves down by x and rotates by a
+ * with x = r sin a, and both springs carry the point's force:
  * F = K (h - x), F r cos a = Kr a, and for small angles F = h / (1/K + r^2/Kr).
  */
 static void a_torque_turns_the_tool(void **state)
@@ -53,7 +53,10 @@ static void a_torque_turns_the_tool(void **state)
     assert_true(fabs(out.torque_nm[0]) < 1e-6 && abs(out.tool.qx) < 100);
     ost_force_free(force);
 
-    /* Without such a spring the tool's direction is the hand's, and the whole depth is the one spring's. */
+    /*
+     * Without a turn stiffness the tool's orientation is the hand's, and the depth deflects
+     * only the first spring.
+     */
     params.turn_stiffness = 0;
     force = force_of(bone, &params, &point, 1);
     for (int i = 0; i < 1500; i++) {
@@ -66,7 +69,7 @@ static void a_torque_turns_the_tool(void **state)
     ost_bone_free(bone);
 }
 
-/* In air the tool is where the hand is, whatever its direction does, also through half a turn and more. */
+/* In air the tool follows the hand through any rotation, including half a turn and more. */
 static void in_air_the_tool_follows(void **state)
 {
     skip_without_samples(*state);
@@ -91,9 +94,9 @@ static void in_air_the_tool_follows(void **state)
 }
 
 /*
- * A handle of 0.15 g m2 that turns about y, held by a hand of 0.3 N m/rad that
- * wants it 0.2 rad over, with a blunt edge on the bone: it comes to rest, with
- * a delay of a tick and steps of 0.5 mrad as encoders have.
+ * A handle of 0.15 g m2 that rotates about y, held by a hand of 0.3 N m/rad with
+ * its target at 0.2 rad, and a blunt edge on the bone: it comes to rest, with a
+ * delay of a tick and encoder steps of 0.5 mrad.
  */
 static void a_turning_handle_rests(void **state)
 {
@@ -129,7 +132,10 @@ static void a_turning_handle_rests(void **state)
     ost_bone_free(bone);
 }
 
-/* With and without, on the same way: the difference is the formula, tick by tick. */
+/*
+ * Compares two runs along the same path, with and without vibration: their difference follows
+ * the formula at every tick.
+ */
 static void vibration_is_its_formula(void **state)
 {
     skip_without_samples(*state);
@@ -170,7 +176,7 @@ static void vibration_is_its_formula(void **state)
         ost_force_free(b);
         ost_bone_free(bone);
     }
-    /* Off unless asked for, and not faster than a tick can follow. */
+    /* Vibration is off by default, and its frequency is limited by the tick rate. */
     ost_force_params p = ost_force_defaults();
     assert_true(p.vibration == 0 && p.runout == 0 && p.turn_stiffness == 0);
     p.vibration = 0.1;
@@ -181,7 +187,7 @@ static void vibration_is_its_formula(void **state)
     ost_bone_free(bone);
 }
 
-/* However hard it shakes, what comes to the hand is within saturation and slew. */
+/* However strong the vibration, the force on the hand stays within saturation and slew. */
 static void vibration_is_within_the_rules(void **state)
 {
     (void)state;
@@ -221,7 +227,7 @@ static void a_file_says_what_is_other(void **state)
     assert_ok(ost_force_params_read(path, &f, &s, &err));
     assert_true(f.stiffness == 250 && f.energy == 4.5e7 && s.max_n == 2 && s.stale_ticks == 3 && s.dead_man == 3 && f.density_per_hu == 0.001067);
     assert_true(f.damping == 0.5 && s.slew_n == 0.3);
-    /* All that can be set, printed and read again. */
+    /* All parameters can be set, printed and read again. */
     FILE *out = fopen(path, "w");
     assert_non_null(out);
     char value[OST_FORCE_VALUE];

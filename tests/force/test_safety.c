@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Every rule between a force and a hand, alone with all others off: so a rule
- * that is taken out fails its test.
+ * Every rule of the safety layer alone, with all others off, so that the removal
+ * of a rule makes its test fail.
  * Covers: REQ-SAFETY
  */
 #include "harness.h"
@@ -56,7 +56,7 @@ static void no_number_is_a_fault(void **state)
         assert_true(f > 0.9);
         assert_int_equal(give(&s, 0, true, 0, none[i], &f), OST_SAFETY_FAULT);
         assert_true(f == 0);
-        /* And afterwards it begins softly. */
+        /* Afterwards the force increases gradually. */
         assert_int_equal(give(&s, 0, true, 0, 1, &f), OST_SAFETY_GIVEN);
         assert_true(f > 0 && f < 0.01);
     }
@@ -99,7 +99,7 @@ static void force_changes_slowly(void **state)
     assert_true(fabs(f + 2) < 1e-6);
 }
 
-/* As fast as the force may, in its own measure: 0.3 N of 3 N, so 10 mN m of 0.1 N m. */
+/* A torque may change as fast as the force in proportion: 0.3 N of 3 N, so 10 mN m of 0.1 N m. */
 static void torque_changes_slowly(void **state)
 {
     (void)state;
@@ -160,14 +160,17 @@ static void a_silent_device_gets_nothing(void **state)
     double f;
     ost_safety_begin(&s, &p);
     give(&s, 0, true, 0, 1, &f);
-    assert_int_equal(give(&s, 0, false, 0, 1, &f), OST_SAFETY_GIVEN); /* one is bridged */
+    assert_int_equal(give(&s, 0, false, 0, 1, &f), OST_SAFETY_GIVEN); /* one tick is bridged */
     assert_true(f > 0.9);
     assert_int_equal(give(&s, 0, false, 0, 1, &f), OST_SAFETY_WITHHELD);
     assert_true(f == 0);
     assert_int_equal(give(&s, 0, true, 0, 1, &f), OST_SAFETY_GIVEN);
 }
 
-/* A spring that lags makes energy at every stroke: a mass on it swings ever more. How far, after 2 s of 3. */
+/*
+ * A delayed spring generates energy at every stroke, so a mass on it oscillates with growing
+ * amplitude. Returns the amplitude after 2 s of 3.
+ */
 static double swing(double max_damping, uint64_t *damped)
 {
     ost_safety_params p = open_params();
@@ -203,7 +206,7 @@ static void passivity_takes_back_what_was_made(void **state)
     assert_true(free_swing > 20e-3 && held < 4e-3 && damped > 10);
 }
 
-/* A wall that makes no energy is left alone. */
+/* A passive wall is not damped. */
 static void a_passive_wall_is_left_alone(void **state)
 {
     (void)state;
@@ -214,13 +217,19 @@ static void a_passive_wall_is_left_alone(void **state)
     ost_safety_begin(&s, &p);
     for (int i = 0; i < 1000; i++) {
         const double z = 1e-3 * sin(i * 0.01), next = 1e-3 * sin((i + 1) * 0.01);
-        /* Over the step from z to next the force of its middle: exactly the spring's energy, and a damper. */
+        /*
+         * Uses the force at the middle of the step from z to next: exactly the spring's energy,
+         * and a damper.
+         */
         give(&s, z * 1e3, true, 0, -300 * (z + next) / 2 - 0.01 * (next - z) / T, &f);
     }
     assert_int_equal(s.damped_ticks, 0);
 }
 
-/* A coupling cannot hold more than stored_j, so 0.1 J put in by the hand are no excuse for giving back more than that. */
+/*
+ * A coupling cannot store more than stored_j: 0.1 J put in by the hand must not allow giving
+ * back more than stored_j.
+ */
 static void no_more_is_given_back_than_was_held(void **state)
 {
     (void)state;
@@ -240,7 +249,7 @@ static void no_more_is_given_back_than_was_held(void **state)
     assert_true(s.damped_ticks > 5);
 }
 
-/* Nor is what the controller adds ever more than the hand may get. */
+/* The controller's damping does not exceed the limit of the force either. */
 static void the_controller_saturates_too(void **state)
 {
     (void)state;

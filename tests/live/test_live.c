@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What others see of a bone that changes: with a looker at random speed the
- * surface ends as one made of the bone itself, to the bit; states are whole
- * and never go back; a take that was ended half-way loses nothing.
+ * The live state of a changing bone: with a viewer of random speed the surface
+ * ends bit-identical to one made from the bone itself; states are complete and
+ * never go back; a take that was interrupted loses nothing.
  * Covers: REQ-LIVE
  */
 #include <pthread.h>
@@ -29,7 +29,7 @@ static int by_place(const void *a, const void *b)
     return memcmp(x->at, y->at, sizeof x->at);
 }
 
-/* Blocks that have become empty may be there or not. */
+/* Sorts the blocks. Blocks that have become empty may be present or not. */
 static void sort_blocks(ost_surface *s)
 {
     qsort(s->slot, (size_t)s->used, sizeof *s->slot, by_place);
@@ -121,7 +121,7 @@ typedef struct looker {
     bool torn;
 } looker;
 
-/* All of a state follows from its number. */
+/* All fields of a state follow from its number. */
 static ost_live_state state_of(uint64_t tick)
 {
     ost_live_state s = {.ticks = tick, .t_ns = (int64_t)tick * 1000000, .removed_voxels = 7 * tick, .fault = (int32_t)(tick % 5)};
@@ -158,7 +158,7 @@ static void *work(void *user)
     return NULL;
 }
 
-/* Grids as wide as their chunks are, so that into_surface knows the size. */
+/* The grids are as wide as their chunks, so that into_surface can derive the size. */
 static void a_looker_ends_with_the_bone(void **state)
 {
     test_rng rng = rng_seeded("live");
@@ -180,7 +180,8 @@ static void a_looker_ends_with_the_bone(void **state)
         assert_true(ost_geometry_equal(ost_live_geometry(l.live), &g));
         pthread_t thread;
         assert_int_equal(pthread_create(&thread, NULL, work, &l), 0);
-        const int rounds = strcmp(test_backend, "ref") == 0 ? 60 : 400; /* the reference is slow, and others fast enough to be overtaken */
+        /* the reference is slow; the other backends are fast enough to overtake the viewer */
+        const int rounds = strcmp(test_backend, "ref") == 0 ? 60 : 400;
         for (int i = 1; i <= rounds; i++) {
             const ost_pose pose = random_pose(&rng, (ost_pm3){0, 0, 0}, (ost_pm3){n * MM, 100 * MM, 70 * MM});
             const ost_live_state shown = state_of((uint64_t)i);
@@ -277,7 +278,7 @@ static void an_empty_bone_can_be_looked_at(void **state)
     assert_int_equal(ost_live_create(NULL, &live, &err), OST_ERR_USAGE);
 }
 
-/* An operation shows its ticks by itself. */
+/* An operation publishes its own ticks. */
 static void an_operation_shows_itself(void **state)
 {
     ost_error err = {0};

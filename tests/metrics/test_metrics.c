@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Metrics against a bone whose cuts are known: a block with a flat face, a
- * sphere reamed into it along a tilted axis, and a hole drilled along another,
- * with the poses of the tools that did it; landmarks, a rim and a way of a tool
- * with closed forms of their own.
+ * Metrics of a bone whose cuts are known: a block with a flat face, a sphere
+ * reamed into it along a tilted axis, and a hole drilled along another, with the
+ * poses of the tools; landmarks, a rim and a tool's path with closed forms of
+ * their own.
  * Covers: REQ-METRICS
  */
 #include "harness.h"
@@ -15,13 +15,16 @@
 #define MM OST_PM_PER_MM
 #define PI 3.14159265358979323846
 
-/* Inward is +x: a right shoulder's. The face is the plane x = 0, the block 40 mm deep, 46 from front to back and 50 high, where the grid ends. */
+/*
+ * Inward is +x, a right shoulder. The face is the plane x = 0; the block is 40 mm deep, 46 from
+ * front to back and 50 high, where the grid ends.
+ */
 typedef struct cuts {
-    double radius, depth;       /* of the sphere, pressed along its axis through the face's centre */
-    double back_deg, up_deg;    /* how far its axis, outward, is turned toward the back (+y) or the head (+z) */
-    double entry_y, entry_z;    /* where its axis passes through the face */
+    double radius, depth;       /* of the sphere; depth is along its axis through the face's centre */
+    double back_deg, up_deg;    /* tilt of its outward axis toward the back (+y) or the head (+z) */
+    double entry_y, entry_z;    /* position where its axis passes through the face */
     double hole_radius, hole_depth, hole_y, hole_up_deg;
-    double planned;             /* depth; 0: as deep as it was cut */
+    double planned;             /* planned depth; 0: the depth that was cut */
 } cuts;
 
 enum { NX = 88, N = 100 };
@@ -53,7 +56,10 @@ static void make(const cuts *c, ost_volume *before, ost_volume *after)
             }
 }
 
-/* The tools' poses: the reamer goes in along its axis and the drill along its own, 0.1 mm a tick, and both back without cutting. */
+/*
+ * The tools' poses: the reamer enters along its axis and the drill along its own, 0.1 mm a
+ * tick, and both return without cutting.
+ */
 enum { REAMER, DRILL, TICKS_MAX = 1000 };
 static const ost_metrics_tool tools[] = {{OST_METRICS_REAMER, 18, 20}, {OST_METRICS_DRILL, 3, 30}};
 
@@ -63,7 +69,7 @@ static ost_metrics_motion motion_of(const cuts *c)
     const double back = tan(c->back_deg * PI / 180), up = tan(c->up_deg * PI / 180), size = sqrt(1 + back * back + up * up);
     const double axis[2][3] = {{1 / size, -back / size, -up / size}, {cos(c->hole_up_deg * PI / 180), 0, -sin(c->hole_up_deg * PI / 180)}};
     const double entry[2][2] = {{c->entry_y, c->entry_z}, {c->hole_y, 0}};
-    /* The drill's tip is as deep along x as the hole; the reamer's goes its depth along its axis. */
+    /* The drill's tip is as deep along x as the hole; the reamer's tip moves its depth along its axis. */
     const double deep[2] = {c->depth, c->hole_depth / axis[DRILL][0]};
     size_t count = 0;
     for (int tool = 0; tool < 2; tool++)
@@ -101,7 +107,7 @@ static ost_metrics measure(const cuts *c, ost_status expected)
         assert_true(fabs((double)(value) - (expected)) <= (bound));                               \
     } while (0)
 
-/* A cap of a sphere in a plane: volume pi h^2 (R - h / 3), mean depth half of the greatest, nearly. */
+/* A spherical cap in a plane: volume pi h^2 (R - h / 3); the mean depth is nearly half of the largest. */
 static void a_straight_one(void **state)
 {
     (void)state;
@@ -109,10 +115,10 @@ static void a_straight_one(void **state)
     const ost_metrics m = measure(&c, OST_OK);
     const double cap = PI * 9 * (27 - 1), hole_beyond = PI * 9 * 19, rim = 2 * 27 * 3 - 9.0;
     NEAR(m.removed_mm3, cap + hole_beyond, 0.03 * (cap + hole_beyond));
-    NEAR(m.floor_mm2, PI * rim - PI * 9, 0.1 * PI * rim); /* what is shallower than half a voxel does not show */
+    NEAR(m.floor_mm2, PI * rim - PI * 9, 0.1 * PI * rim); /* cuts shallower than half a voxel are not measured */
     NEAR(m.sphere_mm, 27, 1);
     NEAR(m.centre_depth_mm, 3, 0.25);
-    NEAR(m.depth_max_mm, 3 - 3.75 * 3.75 / (2 * 27), 0.3); /* beside the hole and the cells that have a part of it */
+    NEAR(m.depth_max_mm, 3 - 3.75 * 3.75 / (2 * 27), 0.3); /* without the hole and the cells that it touches */
     NEAR(m.depth_mean_mm, (cap - PI * 9 * 3) / (PI * rim - PI * 9), 0.2);
     assert_true(m.reamed);
     NEAR(m.tilt_deg, 0, 1e-6);
@@ -126,7 +132,7 @@ static void a_straight_one(void **state)
     NEAR(m.hole_angle_deg, 0, 1e-6);
     NEAR(m.hole_entry_mm, 0, 1e-6);
     NEAR(m.hole_wall_mm, 6, 0.01);
-    /* Of the plate, from 2 to 4 mm, the cap took what lies deeper than 2. */
+    /* Of the plate, from 2 to 4 mm, the cap removed the part deeper than 2. */
     const double taken = PI * 1 * (27 - 1.0 / 3);
     NEAR(m.plate_mm3, 2 * (PI * rim - PI * 9), 0.15 * 2 * PI * rim);
     NEAR(m.plate_kept_percent, 100 * (1 - taken / (2 * PI * rim)), 4);
@@ -134,7 +140,7 @@ static void a_straight_one(void **state)
     assert_true(m.removed_by_class_mm3[0] > m.removed_by_class_mm3[2] && m.removed_by_class_mm3[1] > 0);
 }
 
-/* Tilt and entry do not mix: each is what was made, also beside the other. */
+/* Tilt and entry do not affect each other: each is measured as it was made. */
 static void tilted_and_displaced_ones(void **state)
 {
     (void)state;
@@ -183,7 +189,7 @@ static void too_deep(void **state)
     assert_ok(ost_metrics_make(&before, &after, 120, &classes, &plan, NULL, &m, &err));
     NEAR(m.over_max_mm, 2.5, 0.3);
     NEAR(m.over_percent, 100 * (2 * 27 * 1.5 - 1.5 * 1.5) / (2 * 27 * 5.5 - 5.5 * 5.5), 4);
-    /* The cap below plan and margin is one of 1.5 mm. */
+    /* The cap below plan and margin has a height of 1.5 mm. */
     NEAR(m.over_mm3, PI * 1.5 * 1.5 * (27 - 0.5), 0.12 * PI * 1.5 * 1.5 * 26.5);
     NEAR(m.centre_depth_mm, 5.5, 0.25);
     assert_int_equal(ost_metrics_make(&before, &before, 120, &classes, &plan, NULL, &m, &err), OST_ERR_INPUT);
@@ -192,9 +198,9 @@ static void too_deep(void **state)
 }
 
 /*
- * Over-reaming grows with the accident.  What is deeper than plan and margin of
- * a cap of height h is a cap of h - 4 mm, whose volume is pi h^2 (R - h / 3); no
- * depth makes it a hole, and a drill's hole adds nothing to it.
+ * Over-reaming grows with the depth.  The part of a cap of height h that is deeper
+ * than plan and margin is a cap of h - 4 mm, whose volume is pi h^2 (R - h / 3);
+ * no depth makes it count as a hole, and a drill's hole adds nothing to it.
  */
 static void the_deeper_the_worse(void **state)
 {
@@ -205,7 +211,7 @@ static void the_deeper_the_worse(void **state)
             const cuts c = {.radius = 27, .depth = depth, .planned = 3, .hole_radius = drilled ? 3 : 0, .hole_depth = drilled ? 22 : 0};
             const ost_metrics m = measure(&c, OST_OK);
             const double h = depth - 4, cap = PI * h * h * (27 - h / 3);
-            /* A drill comes after the reamer: of the cap below, its cylinder is the hole's. */
+            /* The drill follows the reamer: of the cap below, the drill's cylinder counts as the hole. */
             const double hole = drilled ? PI * 9 * h : 0;
             NEAR(m.over_mm3, cap - hole, 0.04 * cap + 5 + (drilled ? 0.2 * hole : 0));
             NEAR(m.over_max_mm, drilled ? fmax(0, m.over_max_mm) : depth - 3, 0.3);
@@ -218,7 +224,10 @@ static void the_deeper_the_worse(void **state)
         }
 }
 
-/* Landmarks that turn the scapula's lateral by a known angle: so much is the planned face's version, or its inclination. */
+/*
+ * Landmarks that rotate the scapula's lateral axis by a known angle: the planned face's version
+ * or inclination is that angle.
+ */
 static void in_the_scapulas_frame(void **state)
 {
     (void)state;
@@ -251,12 +260,12 @@ static void in_the_scapulas_frame(void **state)
     NEAR(m.inclination_planned_deg, 5, 1e-6);
     NEAR(m.version_deg, 8, 0.1);
     NEAR(m.inclination_deg, 1, 0.1);
-    /* A left shoulder: inward is -x, and the back stays the back. */
+    /* A left shoulder: inward is -x, and the direction of the back is unchanged. */
     plan = (ost_metrics_plan){.axis = {-1, 0, 0}, .left = true, .depth_mm = 3, .landmarks = true,
                               .trigonum = {(ost_pm)(-c * MM), (ost_pm)(s * MM), 0}, .inferior = {(ost_pm)(-c * MM), (ost_pm)(s * MM), -110 * MM}};
     assert_ok(ost_metrics_make(&before, &after, 120, &classes, &plan, &motion, &m, &err));
     NEAR(m.version_planned_deg, 5, 1e-6);
-    /* Landmarks on one line say nothing. */
+    /* Collinear landmarks define no frame. */
     plan.inferior = (ost_pm3){2 * plan.trigonum.x, 2 * plan.trigonum.y, 0};
     assert_ok(ost_metrics_make(&before, &after, 120, &classes, &plan, &motion, &m, &err));
     assert_false(m.scapular);
@@ -264,7 +273,10 @@ static void in_the_scapulas_frame(void **state)
     ost_volume_free(&after);
 }
 
-/* A stump that tapers: an oval face of 26 x 34 mm that loses 0.4 mm of its half axes a millimetre; cut by a sphere off its middle. */
+/*
+ * A tapering stump: an oval face of 26 x 34 mm whose half axes shrink by 0.4 mm per millimetre;
+ * cut by a sphere off its centre.
+ */
 static void the_rim(void **state)
 {
     (void)state;
@@ -287,7 +299,7 @@ static void the_rim(void **state)
             }
     const ost_metrics_plan plan = {.axis = {1, 0, 0}, .depth_mm = depth};
     assert_ok(ost_metrics_make(&before, &after, 120, &classes, &plan, NULL, &m, &err));
-    /* In each direction the stump's side, as far in as the sphere is there: a fixed point. */
+    /* In each direction, the position where the stump's side and the sphere meet: a fixed point. */
     int lowered = 0;
     double most = 0, side[2] = {0, 0};
     for (int k = 0; k < 7200; k++) {
@@ -309,7 +321,7 @@ static void the_rim(void **state)
     NEAR(m.width_before_mm, 2 * a, 0.75);
     NEAR(m.height_before_mm, 2 * b, 0.75);
     NEAR(m.width_after_mm, side[0] + side[1], 0.75);
-    /* Nothing cut near the rim: nothing lowered. */
+    /* Nothing is cut near the rim, so nothing is lowered. */
     ost_volume_free(&after);
     assert_ok(ost_volume_init(&after, &g, &err));
     for (int i = 0; i < 40 * SIZE * SIZE; i++) {
@@ -323,7 +335,10 @@ static void the_rim(void **state)
     ost_volume_free(&after);
 }
 
-/* 8 mm through air, 3 mm into bone at 1.5 mm/s, two turns of 5 mm about the axis, a plunge of 2 mm at 40 mm/s, and out. */
+/*
+ * 8 mm through air, 3 mm into bone at 1.5 mm/s, two turns of 5 mm radius about the axis, a
+ * plunge of 2 mm at 40 mm/s, and out.
+ */
 static void the_technique(void **state)
 {
     (void)state;
@@ -346,7 +361,10 @@ static void the_technique(void **state)
     m[AIR + 1000].force_n = 4;
     assert_ok(ost_technique_make(m, ALL + 1, &plan, &t, &err));
     NEAR(t.seconds, ALL * 1e-3, 1e-9);
-    /* Where it turns back between two places 20 ms apart, up to twice the way of half of them is missed. */
+    /*
+     * Where the direction reverses between two positions 20 ms apart, up to the complete
+     * distance of these 20 ms is missed.
+     */
     NEAR(t.path_mm, 8 + 3 + 2 * 2 * PI * 5 + 2 + 13, 0.8);
     NEAR(t.contact_s, (ADVANCE + TURNS + PLUNGE) * 1e-3, 1e-9);
     NEAR(t.contact_path_mm, 3 + 2 * 2 * PI * 5 + 2, 0.5);
@@ -362,7 +380,10 @@ static void the_technique(void **state)
     NEAR(t.inward_max_mm_s, 40, 1e-6);
     assert_int_equal(t.plunges, 1);
     NEAR(t.plunge_mm, 2, 0.05);
-    /* What the built-in paths call an approach, 20 mm/s in contact, along an axis on which no step is exact: no plunge. */
+    /*
+     * The approach of the built-in paths, 20 mm/s in contact, along an axis on which no step is
+     * exact: no plunge.
+     */
     const ost_metrics_plan oblique = {.axis = {0.817462, 0.406924, -0.407639}};
     for (int i = 0; i <= ALL; i++) {
         for (int a = 0; a < 3; a++)
@@ -372,7 +393,7 @@ static void the_technique(void **state)
     assert_ok(ost_technique_make(m, ALL + 1, &oblique, &t, &err));
     NEAR(t.inward_max_mm_s, 20, 0.01);
     assert_int_equal(t.plunges, 0);
-    /* Faster for a second, and trembling about the limit: one. */
+    /* Faster for a second, with a speed that varies about the limit: one plunge. */
     for (int i = 0; i <= ALL; i++)
         for (int a = 0; a < 3; a++)
             m[i].mm[a] = (fmin(i, 1000) * 0.025 + (i < 1000 ? 0.05 * sin(i * 0.5) : 0)) * oblique.axis[a];
@@ -381,7 +402,10 @@ static void the_technique(void **state)
     for (int i = 0; i <= ALL; i++)
         for (int a = 0; a < 3; a++)
             m[i].mm[a] = 0;
-    /* Lifted off for 0.3 s in the middle: two contacts, one pass; for 0.6 s: two of both. And no force at all. */
+    /*
+     * Lifted off for 0.3 s in the middle: two contacts, one pass; for 0.6 s: two of both. Also
+     * without any force.
+     */
     for (int lift = 300; lift <= 600; lift += 300) {
         for (int i = 0; i <= ALL; i++) {
             m[i].force_n = 0;

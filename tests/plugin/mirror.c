@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A plugin over the library's own reference, for the tests: what goes through
- * the plugin interface and back must be equal to what did not.  It also
- * misbehaves on request.
+ * A plugin that wraps the library's own reference, for tests: results through the
+ * plugin interface must be equal to those without it.  It also misbehaves on
+ * request.
  *
  *   plugin:mirror.so              the reference
- *   plugin:mirror.so,break=WHAT   as said at `broken` below
+ *   plugin:mirror.so,break=WHAT   misbehaves; WHAT is an argument of broken() below
  */
 #include <osteon/osteon.h>
 #include <signal.h>
@@ -18,10 +18,10 @@ struct ost_plugin_instance {
     ost_backend *ref;
     const ost_plugin_host *host;
     char broken[24];
-    int events; /* removals that were asked for */
+    int events; /* number of removals so far */
 };
 
-static ost_plugin_instance *current; /* one at a time is enough for tests */
+static ost_plugin_instance *current; /* one instance at a time is enough for tests */
 
 static int broken(const char *what)
 {
@@ -49,7 +49,7 @@ static int32_t m_open(const char *options, const ost_plugin_host *host, ost_plug
     if (broken("open"))
         raise(SIGSEGV);
     if (broken("options")) {
-        memset(error->text, 'x', error->text_size); /* no end: the host must not read on */
+        memset(error->text, 'x', error->text_size); /* without a NUL: the host must not read beyond the buffer */
         free(self);
         current = NULL;
         return OST_PLUGIN_USAGE;
@@ -79,7 +79,7 @@ static int32_t m_finish(ost_plugin_instance *self, ost_plugin_error *error)
     return told(ost_backend_finish(self->ref, &err), &err, error);
 }
 
-/* Objects are the library's own, under the plugin's names. */
+/* Objects are the library's own, cast to the plugin's types. */
 static ost_geometry geometry_of(const ost_plugin_geometry *g)
 {
     return (ost_geometry){{g->dims[0], g->dims[1], g->dims[2]}, {g->spacing_pm[0], g->spacing_pm[1], g->spacing_pm[2]}, {g->origin_pm[0], g->origin_pm[1], g->origin_pm[2]}};
@@ -198,7 +198,7 @@ static int32_t m_voxelize(ost_plugin_instance *self, const ost_plugin_tool_geome
     ost_voxelize_report own;
     const ost_snapped_mesh first = mesh_of(g, cutting), second = noncutting ? mesh_of(g, noncutting) : (ost_snapped_mesh){.vertices = NULL};
     if (broken("voxelize"))
-        return OST_PLUGIN_OK; /* and no object */
+        return OST_PLUGIN_OK; /* without an object */
     const ost_status status = ost_voxelize(self->ref, &first, noncutting ? &second : NULL, parity ? OST_FILL_PARITY : OST_FILL_WINDING, &own, (ost_tool **)out, &err);
     r->solid_voxels = own.solid_voxels;
     r->cutting_voxels = own.cutting_voxels;
@@ -238,7 +238,7 @@ static ost_int128 joined(ost_plugin_int128 v)
     return (ost_int128)v.high * ((ost_int128)1 << 64) + v.low;
 }
 
-/* The host's own block_base is asked as well: it must agree with the map. */
+/* Also calls the host's block_base, which must agree with the map. */
 static int same_base(const ost_map *map, const ost_plugin_map *given)
 {
     const int32_t block[3] = {1, 0, 2};
@@ -285,7 +285,7 @@ static int32_t run_event(ost_bone *bone, const ost_tool *tool, const ost_plugin_
     return said;
 }
 
-/* Voxel (1, 2, 3) turns to bone, which no report says. */
+/* Makes voxel (1, 2, 3) active without reporting it. */
 static void slip(ost_bone *bone)
 {
     ost_bone_info info;
@@ -313,7 +313,7 @@ static int32_t m_remove(ost_plugin_bone *bone, const ost_plugin_tool *tool, cons
     }
     const int number = current ? ++current->events : 0;
     if (number == 62 && broken("forgets"))
-        return OST_PLUGIN_OK; /* nothing is removed, and nothing reported */
+        return OST_PLUGIN_OK; /* removes nothing and reports nothing */
     const int32_t status = run_event((ost_bone *)bone, (const ost_tool *)tool, event, 1, report, error);
     if (number == 20 && broken("slips"))
         slip((ost_bone *)bone);

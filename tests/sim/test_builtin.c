@@ -1,12 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Built-in paths: where the working face goes, how fast, and what comes of it; where a grid says its glenoid is. */
+/*
+ * Built-in paths: the motion and speed of the working face, and the removed bone; reading the
+ * glenoid's position from a grid's facts.
+ */
 #include "ref/scene.h"
 
 #include <math.h>
 #include <osteon/motor.h>
 #include <osteon/sim.h>
 
-/* A tool of 36 x 36 x 20 mm about its z axis; the mesh's lowest point is taken at corner + 3/2 voxels, z = 0 here. */
+/*
+ * A tool of 36 x 36 x 20 mm about its z axis; its lowest point is assumed at corner + 3/2
+ * voxels, here z = 0.
+ */
 static const ost_tool_geometry reamer = {{73, 73, 42}, OST_PM_PER_MM / 2, {-18250000000, -18250000000, -750000000}};
 
 static void rotate(const double q[4], const double v[3], double out[3])
@@ -50,10 +56,10 @@ static void it_runs_along_the_axis(void **state)
                 }
                 for (int a = 0; a < 3; a++)
                     off += fabs(t[a] - (double[]){-117.8, 196.5, -159}[a] - depth * u[a] / length);
-                assert_true(off < 1e-6); /* the tip is the frame's origin, so t itself is on the axis */
+                assert_true(off < 1e-6); /* the tip is the frame's origin, so t itself lies on the axis */
                 if (k > 0) {
                     assert_true(fabs(depth - last) < 0.0201);
-                    assert_memory_equal(q, before, sizeof q); /* the tool turns by its motor, and not here */
+                    assert_memory_equal(q, before, sizeof q); /* the motor turns the tool, and not the path */
                 }
                 last = depth;
                 deepest = depth > deepest ? depth : deepest;
@@ -66,10 +72,11 @@ static void it_runs_along_the_axis(void **state)
 }
 
 /*
- * The hand that presses: from 2 mm outside the face to 12 mm inside in half a second, then 0.15 mm a second deeper
- * to 24 mm, 1.5 mm up and down; the tip at most 6 mm beside the axis, and the
- * tool's own axis at most 3 degrees from it.  It comes from the face softly,
- * goes all the way round, and is the same however long it lasts.
+ * The pressing hand: from 2 mm outside the face to 12 mm inside in half a second,
+ * then 0.15 mm a second deeper to 24 mm, with 1.5 mm up and down; the tip at most
+ * 6 mm from the axis, and the tool's own axis tilted by at most 3 degrees.  The
+ * lateral motion begins gradually and completes full circles, and the path is the
+ * same however long it is.
  */
 static void a_hand_presses(void **state)
 {
@@ -110,7 +117,7 @@ static void a_hand_presses(void **state)
 
 static void ticks_are_gentle(void **state)
 {
-    /* No corner moves more than half of the thesis' voxel in a tick: every event has one pose. */
+    /* No corner moves more than half of the thesis' voxel in a tick, so every event has one pose. */
     (void)state;
     ost_error err = {0};
     ost_glenoid glenoid = {.axis = {0.9, 0.1, -0.2}};
@@ -118,7 +125,8 @@ static void ticks_are_gentle(void **state)
         {{73, 73, 42}, OST_PM_PER_MM / 2, {-18250000000, -18250000000, -750000000}},
         {{14, 14, 62}, OST_PM_PER_MM / 2, {-3500000000, -3500000000, -1000000000}},
         {{3, 3, 3}, OST_PM_PER_MM / 2, {-750000000, -750000000, 0}},
-        {{40, 40, 10}, OST_PM_PER_MM / 2, {100 * OST_PM_PER_MM, 50 * OST_PM_PER_MM, 0}}, /* the frame's axis lies outside */
+        /* the frame's axis lies outside the grid */
+        {{40, 40, 10}, OST_PM_PER_MM / 2, {100 * OST_PM_PER_MM, 50 * OST_PM_PER_MM, 0}},
     };
     for (size_t i = 0; i < 4; i++)
         for (int which = 0; which < OST_BUILTIN_COUNT; which++) {
@@ -136,8 +144,8 @@ static void ticks_are_gentle(void **state)
 static void a_reamer_leaves_the_spongy_bone(void **state)
 {
     /*
-     * A block whose face at z = 0 looks to +z: 2 mm of cartilage, 1.9 mm of
-     * plate, then cancellous bone. The reamer goes 3 mm in, the peg 22 mm.
+     * A block with its face at z = 0 toward +z: 2 mm of cartilage, 1.9 mm of plate,
+     * then cancellous bone.  The reamer goes 3 mm deep, the peg 22 mm.
      */
     ost_error err = {0};
     const ost_pm s = 500 * UM;
@@ -148,7 +156,7 @@ static void a_reamer_leaves_the_spongy_bone(void **state)
         voxels[i] = depth < 2000 * UM ? 130 : depth < 3900 * UM ? 1200 : 300;
     }
     ost_glenoid glenoid = {.axis = {0, 0, -1}};
-    /* Flat ends. The path takes z = corner + 3/2 voxels = 0 for the working face. */
+    /* Flat ends. The path uses z = corner + 3/2 voxels = 0 as the working face. */
     const struct {
         ost_tool_geometry g;
         ost_builtin which;
@@ -171,7 +179,8 @@ static void a_reamer_leaves_the_spongy_bone(void **state)
         assert_ok(ost_world_add_tool(world, "tool", tool, NULL, &err));
         assert_ok(ost_builtin_path(tools[i].which, &glenoid, &tools[i].g, 0, &path, &err));
         ost_step_result r;
-        assert_int_equal(ost_world_step(world, &path.ticks[0], &r, &err), OST_ERR_USAGE); /* a hand's */
+        /* a hand's tick without a motor speed */
+        assert_int_equal(ost_world_step(world, &path.ticks[0], &r, &err), OST_ERR_USAGE);
         assert_ok(ost_motor_path(&path, OST_RPM_REAMER, &(ost_motor){0}, &err));
         for (size_t k = 0; k < path.count; k += 10) { /* every hundredth of a second is enough here */
             assert_ok(ost_world_step(world, &path.ticks[k], &r, &err));
@@ -184,7 +193,10 @@ static void a_reamer_leaves_the_spongy_bone(void **state)
             assert_int_equal(totals.removed_by_class[1], 0);
         else
             assert_true(totals.removed_by_class[1] > totals.removed_by_class[0]);
-        /* In the middle the depths 0.4, 0.9, ... are gone to 3 or 22 mm less the 0.25 mm before the tool's first layer. */
+        /*
+         * In the middle the depths 0.4, 0.9, ... are removed up to 3 or 22 mm, less the 0.25 mm
+         * before the tool's first layer.
+         */
         int16_t *after = content(bone, &g);
         int gone = 0;
         for (int z = 0; z < 60; z++)
@@ -271,7 +283,10 @@ static void the_grid_says_where(void **state)
     }
 }
 
-/* Outward of a left glenoid is toward the left, +x: the inward axis has x < 0. Within 15 degrees of the sagittal plane nothing is said. */
+/*
+ * A left glenoid faces left, toward +x, so its inward axis has x < 0. Within 15 degrees of the
+ * sagittal plane the side is unknown.
+ */
 static void the_axis_determines_the_side(void **state)
 {
     (void)state;

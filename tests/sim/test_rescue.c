@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Going on elsewhere: a world that is moved to another backend, at any tick
- * and again, has the grid and the totals of one that never was.
+ * Failover: a world that is moved to another backend, at any tick and repeatedly,
+ * has the same grid and totals as one that was not moved.
  * Covers: REQ-FAILOVER
  */
 #include "ref/scene.h"
@@ -35,7 +35,7 @@ static plan make_plan(test_rng *rng)
     return p;
 }
 
-/* A world and all that it stands on; tools come in when their first tick does. */
+/* A world with its backend objects; a tool is added at its first tick. */
 typedef struct stage {
     ost_bone *bone;
     ost_tool *tools[OST_WORLD_TOOLS_MAX];
@@ -78,7 +78,7 @@ static void move(stage *s, ost_backend *to)
     stage before = *s;
     ost_tool *moved[OST_WORLD_TOOLS_MAX];
     assert_ok(ost_world_rescue(s->world, to, &s->bone, moved, &err));
-    /* A tool that the world does not know yet goes by itself. */
+    /* Tools that are not yet in the world are moved separately. */
     for (int t = 0; t < TOOLS; t++) {
         s->tools[t] = moved[t];
         if (t >= s->count) {

@@ -10,7 +10,10 @@
 
 #include <osteon/sim.h>
 
-/* Random voxels, axis, centre and limits; the same sums in another order, and voxels nearer than 1e-9 mm to a border are left out. */
+/*
+ * Random voxels, axis, centre and limits; sums in a different order. Voxels nearer than 1e-9 mm
+ * to a border are not counted.
+ */
 static void random_sites(void **state)
 {
     ost_backend *backend = *state;
@@ -54,7 +57,10 @@ static void random_sites(void **state)
     }
 }
 
-/* A slab of bone of 20 mm with a flat face at x = 0, 40 x 40 mm, voxels of 1 mm with their centres at halves. */
+/*
+ * A slab of bone, 20 mm thick, with a flat face at x = 0 of 40 x 40 mm; voxels of 1 mm with
+ * their centres at halves.
+ */
 static ost_bone *slab(ost_backend *backend, int32_t x_from, int32_t x_to)
 {
     const ost_geometry g = cubic_geometry(60, 40, 40, OST_PM_PER_MM, (ost_pm3){-39500 * UM, -19500 * UM, -19500 * UM});
@@ -84,7 +90,7 @@ static void faces_heads_and_reversed_axes(void **state)
     assert_ok(ost_bone_along_axis(alone, &reversed, &in, &out, &err));
     assert_true(in == 0 && out > 95);
     assert_ok(ost_bone_in_front(headed, &right, 18, 30, &voxels, &err));
-    /* The cylinder out to 30 mm without the bowl: pi 18^2 (27 - 18^2 / 120) */
+    /* The cylinder to 30 mm without the bowl: pi 18^2 (27 - 18^2 / 120) */
     const double expected = acos(-1) * 18 * 18 * (27 - 18 * 18 / 120.0);
     assert_true(fabs((double)voxels - expected) < expected * 0.02);
     assert_int_equal(ost_bone_in_front(alone, &none, 18, 30, &voxels, &err), OST_ERR_USAGE);
@@ -92,7 +98,10 @@ static void faces_heads_and_reversed_axes(void **state)
     ost_bone_free(headed);
 }
 
-/* A cube of 4 mm, cutting below and not above, turned by no angle: the voxels that it covers at a place are a box. */
+/*
+ * A cube of 4 mm, cutting below and not cutting above, without rotation: the voxels that it
+ * covers at a position are a box.
+ */
 static void overlaps(void **state)
 {
     ost_backend *backend = *state;

@@ -60,7 +60,10 @@ static ost_step_result step(lab *l, ost_tick tick)
 
 static void a_sweep_leaves_no_gap(void **state)
 {
-    /* 10 mm in one tick: 2 * 10 / 1 = 20 poses; the peg of 2 mm takes all of x = 4.. to 15 at y 9..10, z 5..10. */
+    /*
+     * 10 mm in one tick: 2 * 10 / 1 = 20 poses; the peg of 2 mm removes x = 4 to 15 at y 9 to
+     * 10, z 5 to 10.
+     */
     lab l = make_lab(*state, NULL);
     ost_step_result r = step(&l, tick_at(0, 0, 5000, 10000, 5000));
     assert_true(r.removal && r.boxes_meet);
@@ -85,7 +88,7 @@ static void a_sweep_leaves_no_gap(void **state)
         density += totals.density_by_class[c];
     }
     assert_int_equal(by_class, totals.removed_voxels);
-    int64_t expected = 0; /* the densities were a function of the voxel's index */
+    int64_t expected = 0; /* the densities are a function of the voxel's index */
     for (int x = 4; x < 16; x++)
         for (int y = 9; y < 11; y++)
             for (int z = 5; z < 11; z++)
@@ -116,13 +119,16 @@ static void a_tool_taken_up_does_not_sweep(void **state)
     step(&l, tick_at(0, 0, 5000, 10000, 5000));
     assert_int_equal(step(&l, tick_at(1, 1, 30000, 10000, 5000)).pose_count, 1);
     assert_int_equal(step(&l, tick_at(2, 1, 31000, 10000, 5000)).pose_count, 2);
-    /* Back to the peg, far from where it was: again one pose, and then from there. */
+    /* Back to the peg, far from its last position: one pose again, then a sweep from there. */
     assert_int_equal(step(&l, tick_at(3, 0, 35000, 10000, 5000)).pose_count, 1);
     assert_int_equal(step(&l, tick_at(4, 0, 35000, 13000, 5000)).pose_count, 6);
     free_lab(&l);
 }
 
-/* 20 mm between two rows with the tool in bone: nothing between them goes, at any rate; what it meets where it comes down does. */
+/*
+ * 20 mm between two rows with the tool in bone: nothing between them is removed at any rate,
+ * but the voxels at its new position are.
+ */
 static void a_lifted_tool_does_not_sweep(void **state)
 {
     for (int period_ms = 0; period_ms <= 3; period_ms += 3) {
@@ -134,10 +140,10 @@ static void a_lifted_tool_does_not_sweep(void **state)
         assert_true(r.removal);
         assert_int_equal(r.pose_count, 1);
         assert_int_equal(r.report->total_voxels, 2 * 2 * 6);
-        /* The next one sweeps again, from there. */
+        /* The next tick sweeps again, from there. */
         r = step(&l, tick_at(6, 0, 26000, 10000, 5000));
         assert_int_equal(r.pose_count, 2);
-        /* A turn of 180 degrees, which no sweep can span, is none either. */
+        /* A rotation of 180 degrees, which no sweep can span, gives no sweep either. */
         far = tick_at(7, 0, 25000, 10000, 5000);
         far.pose.qw = 0;
         far.pose.qx = OST_Q30_ONE;
@@ -149,14 +155,20 @@ static void a_lifted_tool_does_not_sweep(void **state)
 
 static void the_period_decides_which_ticks_remove(void **state)
 {
-    /* 3 ms at 1 kHz from t = 1 ms: 1 (first), 3, 6, 9; the switch at 10 is a first again, then 12. */
+    /*
+     * 3 ms at 1 kHz from t = 1 ms: removals at 1 (first), 3, 6, 9; after the switch at 10,
+     * which is a first again, at 12.
+     */
     lab l = make_lab(*state, &(ost_world_options){.removal_period_ns = 3000000});
     static const bool removes[] = {false, true, false, true, false, false, true, false, false, true, true, false, true};
     for (int t = 1; t <= 12; t++) {
         ost_step_result r = step(&l, tick_at(t, t >= 10, 5000 + 500 * t, 10000, 5000));
         assert_int_equal(r.removal, removes[t]);
         assert_int_equal(r.report != NULL, removes[t]);
-        /* Sweeps begin at the last event, not the last tick: 3 ticks of 0.5 mm at half a voxel of 0.5 mm. */
+        /*
+         * Sweeps begin at the last event, not at the last tick: 3 ticks of 0.5 mm with poses
+         * half a voxel, 0.5 mm, apart.
+         */
         assert_int_equal(r.pose_count, !removes[t] ? 0 : t == 1 || t == 10 ? 1 : t == 3 || t == 12 ? 2 : 3);
     }
     ost_world_totals totals;
@@ -184,7 +196,7 @@ static ost_tick motor_at(int64_t t_ms, int32_t rpm, int64_t x_um)
     return tick;
 }
 
-/* The peg goes through all of the bone and turns as it likes; no sweep limits apply either. */
+/* The peg moves through the complete bone in any rotation; the limits of sweeps do not apply either. */
 static void a_motor_that_is_off_removes_nothing(void **state)
 {
     lab l = make_lab(*state, NULL);
@@ -205,7 +217,10 @@ static void a_motor_that_is_off_removes_nothing(void **state)
     free_lab(&l);
 }
 
-/* On at 5 mm, by hand with the motor off to 30 mm, on again: 2 mm from there are 4 poses; the way between stays bone. */
+/*
+ * Motor on at 5 mm, off while the hand moves to 30 mm, on again: 2 mm from there are 4 poses,
+ * and nothing between 5 and 30 mm is removed.
+ */
 static void a_sweep_begins_where_the_motor_was_off(void **state)
 {
     for (int period = 0; period <= 1; period++) {
@@ -214,12 +229,12 @@ static void a_sweep_begins_where_the_motor_was_off(void **state)
         step(&l, motor_at(1, 0, 15000));
         step(&l, motor_at(2, 0, 30000));
         const ost_step_result r = step(&l, motor_at(3, 200, 32000));
-        assert_true(r.removal); /* the first of its motor, whatever the period */
+        assert_true(r.removal); /* the first tick with the motor on, whatever the period */
         assert_int_equal(r.pose_count, 4);
         /* A peg of 2 x 2 x 6 mm about x = 30.5, 31, 31.5 and 32: centres with 29.5 <= x < 33. */
         assert_int_equal(r.report->total_voxels, 3 * 2 * 6);
         assert_int_equal(step(&l, motor_at(4, 200, 32000)).removal, !period);
-        /* A tool that is taken up with its motor off begins there, too. */
+        /* The sweep of a tool that is taken up with its motor off begins there, too. */
         ost_tick other = tick_at(5, 1, 20000, 10000, 5000);
         other.rpm = 0;
         assert_false(step(&l, other).removal);
@@ -231,7 +246,7 @@ static void a_sweep_begins_where_the_motor_was_off(void **state)
     }
 }
 
-/* 3000 turns a minute are a quarter turn in 5 ms: what more than one is would be swept the wrong way round. */
+/* 3000 turns a minute are a quarter turn in 5 ms; a larger angle would be swept in the wrong direction. */
 static void a_motor_turns_a_quarter_at_most(void **state)
 {
     ost_error err = {0};
@@ -252,7 +267,7 @@ static void a_motor_turns_a_quarter_at_most(void **state)
     tick.t_ns++;
     assert_int_equal(ost_world_step(l.world, &tick, NULL, &err), OST_ERR_USAGE);
     free_lab(&l);
-    /* Ticks between two events count together: 2 + 2 + 2 ms. */
+    /* Ticks between two events are added up: 2 + 2 + 2 ms. */
     l = make_lab(*state, &(ost_world_options){.removal_period_ns = 6000000});
     for (int t = 0; t < 6; t += 2)
         assert_int_equal(step(&l, motor_at(t, 3000, 20000)).removal, t == 0);
@@ -283,7 +298,7 @@ static void a_failed_step_changes_nothing(void **state)
         {turned, OST_ERR_RANGE},
         {short_q, OST_ERR_RANGE},
         {far, OST_ERR_RANGE},
-        {tick_at(5, 0, 6000, 10000, 5000), OST_ERR_USAGE}, /* time stands still */
+        {tick_at(5, 0, 6000, 10000, 5000), OST_ERR_USAGE}, /* time does not increase */
         {tick_at(6, 2, 6000, 10000, 5000), OST_ERR_USAGE}, /* no such tool */
         {tick_at(6, -1, 6000, 10000, 5000), OST_ERR_USAGE},
     };
@@ -299,7 +314,7 @@ static void a_failed_step_changes_nothing(void **state)
         ost_digest after = digest_of(l.bone);
         assert_true(ost_digest_equal(&before, &after));
     }
-    /* The next sweep begins where the last good tick was: 2 mm, 4 poses. */
+    /* The next sweep begins at the last valid tick: 2 mm, 4 poses. */
     assert_int_equal(step(&l, tick_at(6, 0, 7000, 10000, 5000)).pose_count, 4);
     free_lab(&l);
 }
@@ -318,7 +333,10 @@ static void far_from_the_bone_nothing_is_asked(void **state)
 
 static void an_event_is_in_its_chunks(void **state)
 {
-    /* The peg at (15, 10, 5) mm covers x 14..16 with a voxel of 0.5 mm around: chunks 0 and 1 along x, 0 along y and z. */
+    /*
+     * The peg at (15, 10, 5) mm covers x 14 to 16, inflated by a voxel of 0.5 mm: chunks 0 and
+     * 1 along x, 0 along y and z.
+     */
     lab l = make_lab(*state, NULL);
     ost_step_result r = step(&l, tick_at(0, 0, 15500, 10000, 5000));
     static const int32_t lo[3] = {0, 0, 0}, hi[3] = {2, 1, 1};
@@ -343,7 +361,8 @@ static void what_a_world_refuses(void **state)
     ost_tool *foreign = solid_tool(other, (ost_tool_geometry){{1, 1, 1}, OST_PM_PER_MM, {0, 0, 0}}, OST_TOOL_CUTTING);
     assert_int_equal(ost_world_add_tool(l.world, "foreign", foreign, NULL, &err), OST_ERR_USAGE);
     ost_tool *fine = solid_tool(*state, (ost_tool_geometry){{1, 1, 1}, 62 * UM, {0, 0, 0}}, OST_TOOL_CUTTING);
-    assert_int_equal(ost_world_add_tool(l.world, "fine", fine, NULL, &err), OST_ERR_RANGE); /* 1 mm is more than 16 of it */
+    /* 1 mm is more than 16 of its voxels */
+    assert_int_equal(ost_world_add_tool(l.world, "fine", fine, NULL, &err), OST_ERR_RANGE);
     for (int i = 2; i < OST_WORLD_TOOLS_MAX; i++)
         assert_ok(ost_world_add_tool(l.world, NULL, l.peg, NULL, &err));
     assert_int_equal(ost_world_add_tool(l.world, "one too many", l.peg, NULL, &err), OST_ERR_USAGE);
