@@ -191,7 +191,7 @@ typedef struct ost_plugin_pose {
 } ost_plugin_pose;
 
 /*
- * Of a map passed to add, the host reads divisor, origin, column and step; it computes a
+ * The host reads divisor, origin, column and step of a map passed to add, and computes a
  * voxel's base from them by block_base.
  */
 typedef struct ost_plugin_steps {

@@ -379,7 +379,7 @@ static ost_status by_energy(ost_force *f, const ost_pose *device, const double t
         ost_into_tool(&f->grip.pose, f->grip.velocity, speed_own);
         pull(&f->balance, 0, k, d, left, far_own, speed_own);
         ost_into_tool(&f->grip.pose, turn, own);
-        own[2] = 0; /* rotation about the tool's own axis has no effect */
+        own[2] = 0; /* about its own axis the tool rotates anyway */
         if (turns) {
             turn_between(f->grip.facing, facing, lean);
             ost_into_tool(&f->grip.pose, lean, far_own);

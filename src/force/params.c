@@ -180,7 +180,7 @@ static const char *end_of(const char *text)
     return end;
 }
 
-/* Converts to a double; exact rounding holds for up to 15 digits. */
+/* Converts to the nearest double; the result is correctly rounded for up to 15 digits. */
 static double real_of(const ost_decimal *d)
 {
     double value = (double)d->mantissa, ten = 1;

@@ -306,8 +306,8 @@ void ost_operation_keys(ost_operation *operation, uint32_t held)
 /*
  * Maps the device's pose in *pose to the hand's pose.  They are equal until the
  * action clutch or home is used for the first time.  Sets *put if the tool is
- * moved to another position.  Returns false while the clutch is held; the hand
- * stays where it is then.
+ * moved to another position.  Returns false while the action clutch is held; the
+ * hand stays where it is then.
  */
 static bool hand_of(ost_operation *o, uint32_t held, uint32_t pressed, ost_pose *pose, bool *put)
 {

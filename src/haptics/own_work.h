@@ -52,7 +52,7 @@ typedef enum own_blame { OWN_BLAME_WORK, OWN_BLAME_WOKEN_LATE, OWN_BLAME_TAKEN }
 /*
  * Returns the cause of a missed deadline.  It is the tick's own work if that
  * took more than half a period.  Otherwise it is late wake-up if the loop was
- * woken a period late or more, which an idle loop would have missed too.
+ * woken a period late or more: an idle loop would have missed the deadline too.
  * Otherwise the core was taken away.
  */
 static inline own_blame own_work_blame(int64_t own_ns, int64_t wake_ns, int64_t period_ns)

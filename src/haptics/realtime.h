@@ -18,7 +18,7 @@ typedef struct realtime_before {
 /*
  * Sets up the calling thread and describes in *out what was obtained. If ask is false, requests
  * no priority and no locked memory, and *out says so. If core is negative, the thread is not
- * pinned. realtime_leave restores what realtime_enter changed, on the same thread.
+ * pinned. realtime_leave, called on the same thread, restores what realtime_enter changed.
  */
 void realtime_enter(bool ask, int core, realtime_before *before, ost_realtime *out);
 void realtime_leave(const realtime_before *before);

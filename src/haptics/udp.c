@@ -44,8 +44,8 @@ enum {
     LOST_MS = 5000,
     OWNER_MS = 1000,     /* after this silence another bridge may take over */
     PATIENT_TICKS = 4,   /* ticks without a packet during which the last pose is used */
-    BRIDGED_TICKS = 50,  /* ticks without a packet after which a pose that is near enough is still accepted */
-    DRAIN = 64,          /* most packets received between two checks for the end */
+    BRIDGED_TICKS = 50,  /* longest gap in ticks after which a pose that is near enough is accepted */
+    DRAIN = 64,          /* largest number of packets received between two checks for the end */
     NAME = 512,
     FAREWELLS = 3
 };

@@ -187,7 +187,7 @@ void ost_live_changed(ost_live *live, const ost_report *report)
         const int32_t slot = live->slot_of[report->chunks[i].chunk];
         if (slot == NONE || live->waits[slot])
             continue;
-        int32_t last = live->first + live->count; /* slots < 2^30, because a grid has at most 2^14 chunks a side */
+        int32_t last = live->first + live->count; /* no overflow: slots <= 2^30, 2^10 chunks on each axis */
         last = last < live->slots ? last : last - live->slots;
         live->waiting[last] = slot;
         live->waits[slot] = true;
@@ -233,7 +233,7 @@ ost_status ost_live_flush(ost_live *live, ost_error *err)
     return status;
 }
 
-/* ----------------------------------------------------------------- looker */
+/* ----------------------------------------------------------------- viewer */
 
 bool ost_live_state_get(ost_live *live, ost_live_state *out)
 {

@@ -243,8 +243,8 @@ static void look(work *k)
 }
 
 /*
- * Computes the angles of an inward direction in the CT's planes, in degrees of its outward
- * opposite: toward the back and toward the head.
+ * Computes the angles, in the CT's planes and in degrees, by which the opposite of an inward
+ * direction is turned toward the back and toward the head.
  */
 static void angles(const work *k, const double inward[3], double *back, double *up)
 {

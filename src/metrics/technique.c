@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * How the tool was moved: from each tick's removal, tool position and force.
+ * Measures how the tool was moved, from each tick's removal, tool position and force.
  *
  *   ticks in contact  .:::.:.::      ::::::.     intervals with less than GAP between them are merged
  *                     '-------'      '-----'

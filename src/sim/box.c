@@ -101,7 +101,7 @@ static pair pair_of(const ost_box *bone, const ost_box *tool, const ost_pose *po
     return p;
 }
 
-/* Tests axis i of the bone. */
+/* Returns true if axis i of the bone separates the boxes. */
 static bool bone_axis_separates(const pair *p, int i)
 {
     const ost_i128 one = (ost_i128)1 << 30;
@@ -111,7 +111,7 @@ static bool bone_axis_separates(const pair *p, int i)
     return one * magnitude(p->d[i]) > reach + p->slack;
 }
 
-/* Tests axis j of the tool. */
+/* Returns true if axis j of the tool separates the boxes. */
 static bool tool_axis_separates(const pair *p, int j)
 {
     ost_i128 apart = 0, reach = ((ost_i128)1 << 30) * p->e[j];
@@ -123,8 +123,8 @@ static bool tool_axis_separates(const pair *p, int j)
 }
 
 /*
- * Tests the cross product of axis i of the bone with axis j of the tool. A null product
- * separates nothing: 0 > slack is false.
+ * Returns true if the cross product of axis i of the bone with axis j of the tool separates the
+ * boxes. A null product separates nothing: 0 > slack is false.
  */
 static bool cross_axis_separates(const pair *p, int i, int j)
 {

@@ -100,7 +100,7 @@ void ost_world_keep_tick(ost_world *world, const ost_tick *tick)
         world->kept->ticks[world->kept->count++] = *tick;
 }
 
-/* ---------------------------------------------------------------- rescue */
+/* -------------------------------------------------------------- failover */
 
 static ost_status make_bone(const ost_world *world, ost_backend *backend, ost_bone **out, ost_error *err)
 {

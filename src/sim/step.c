@@ -38,7 +38,10 @@ static ost_status check_tick(const ost_world *world, const ost_tick *tick, ost_e
     return ost_pose_check(&tick->pose, err);
 }
 
-/* Returns true for the first tick after the tool was selected or lifted or its motor switched on, and then for the first one of every period. */
+/*
+ * Returns true for the first tick after the tool was selected or lifted or its motor switched
+ * on, and then for the first one of every period.
+ */
 static bool removal_is_due(const ost_world *world, const ost_tick *tick, bool taken_up)
 {
     const int64_t period = world->options.removal_period_ns;

@@ -67,8 +67,8 @@ ost_status ost_world_add_tool(ost_world *world, const char *name, const ost_tool
     if (tool->backend != world->bone.voxels.bone->backend)
         return ost_fail(err, OST_ERR_USAGE, "tool '%s' lives on another backend than the bone", name ? name : "");
     /*
-     * Grid width and voxel ratio make a map fail at any pose, so they are checked here and not
-     * at the first tick.
+     * With a tool that is too large, or whose voxels are too small for this bone, a map fails at
+     * every pose. This is checked here and not at the first tick.
      */
     ost_pose identity = ost_pose_identity();
     ost_map map;

@@ -108,7 +108,7 @@ static void occupancy_is_what_is_active(void **state)
     free(voxels);
 }
 
-/* --------------------------------------------------- tick beside looker */
+/* ------------------------------------------------------- tick and viewer */
 
 typedef struct looker {
     ost_live *live;
@@ -214,7 +214,7 @@ static void a_looker_ends_with_the_bone(void **state)
     }
 }
 
-/* ------------------------------------------------------------ the rest */
+/* ------------------------------------------------------- other properties */
 
 typedef struct limited {
     int left;
