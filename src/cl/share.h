@@ -47,7 +47,7 @@ ost_status ost_cl_open_shared(const ost_cl_api *cl, const char *options, const o
 
 /* Returns the size in bytes that an OpenGL buffer needs for the bone's words at present. */
 size_t ost_cl_words_bytes(const ost_bone *bone);
-/* Moves the bone's words into an OpenGL buffer of size bytes. On an error the bone is unchanged. */
+/* Moves the bone's words into an OpenGL buffer; bytes is its size. On an error the bone is unchanged. */
 ost_status ost_cl_words_share(ost_bone *bone, unsigned gl_buffer, size_t bytes, ost_error *err);
 ost_status ost_cl_words_unshare(ost_bone *bone, ost_error *err);
 bool ost_cl_words_shared(const ost_bone *bone);

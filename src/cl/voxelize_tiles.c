@@ -21,8 +21,8 @@ typedef struct tile_size {
     int height, depth, layer, pass;
 } tile_size;
 
-/* The centres along y and z within the bounds of a vertex or a triangle, inclusive. Bounds without a centre have y1
-   < y0 or z1 < z0; for a vertex y1 = y0 - 1. */
+/* The centres along y and z within the bounds of a vertex or a triangle, inclusive. Where bounds contain no centre, the
+   last is less than the first; for a vertex by 1. */
 typedef struct centres {
     int16_t y0, z0, y1, z1;
 } centres;

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Scanning, storing and loading slices as ost_chunk_scan, ost_chunk_store and
- * ost_chunk_load do (shared.h), for CPUs: items that go along rows.  Those that
- * scan and store go through the slices of a layer of chunks one after the
- * other, so that slices which are the same are read once, and no two have a
- * chunk in common: nothing is atomic.
+ * Scanning, storing and loading slices for CPUs, with the results of
+ * ost_chunk_scan, ost_chunk_store and ost_chunk_load (shared.h).  Items process
+ * rows.  Those that scan or store process the slices of a layer of chunks one
+ * after the other, so that equal slices are scanned once; no two items share a
+ * chunk, so no atomics are needed.
  */
 #if OST_FOR & 2
 
-/* Of 16 voxels, how many reach the threshold. */
+/* Returns how many of 16 voxels reach the threshold. */
 static uint ost_count16(__global const short *from, short threshold)
 {
     ushort count = 0;
@@ -17,7 +17,8 @@ static uint ost_count16(__global const short *from, short threshold)
     return count;
 }
 
-/* The same for the means of 16 voxels of two slices. A mean never exceeds the greater voxel, so most are not computed. */
+/* The same for the means of 16 voxels of two slices. A mean never exceeds the greater voxel, so most means are not
+   computed. */
 static uint ost_count16_between(__global const short *a, __global const short *b, int weight, short threshold)
 {
     short count = 0, any = 0;
@@ -69,7 +70,7 @@ __kernel void ost_chunk_scan_layers(__global const ost_cl_bone *bone, int z0, in
     }
 }
 
-/* 16 voxels with what is below the threshold as 0, and their bits. */
+/* Copies 16 voxels, with 0 for those below the threshold. Returns a bit for each voxel that reaches it. */
 static uint ost_keep16(__global const short *from, __global short *to, short threshold)
 {
     ushort bits = 0;
@@ -93,7 +94,8 @@ static uint ost_keep16_between(__global const short *a, __global const short *b,
     return bits;
 }
 
-/* Half a word: voxels x to x + 15 of a row of width nx, or of its mean with the row one plane on. */
+/* Stores 16 voxels, from x on, of a row of width nx, or of its mean with the row of the next plane. Returns their
+   bits, half a word. */
 static uint ost_store16(__global const short *row, ulong plane, int weight, int x, int nx, __global short *to, short threshold)
 {
     if (x + 16 <= nx)
@@ -103,7 +105,7 @@ static uint ost_store16(__global const short *row, ulong plane, int weight, int 
         short read = 0;
         if (x + i < nx)
             read = weight > 0 ? ost_mean15(row[x + i] * (32768 - weight) + row[plane + (ulong)(x + i)] * weight) : row[x + i];
-        to[i] = read >= threshold ? read : (short)0; /* a threshold is at least 1 */
+        to[i] = read >= threshold ? read : (short)0; /* beyond nx read is 0, below every threshold (at least 1) */
         bits |= (read >= threshold ? 1u : 0u) << i;
     }
     return bits;
@@ -129,7 +131,7 @@ __kernel void ost_chunk_store_layers(__global const ost_cl_bone *bone, int z0, i
     for (int k = k0; k < k1; k++) {
         const ulong from = (ulong)slot * ost_chunk_voxels(bone) + (ulong)(k - cz * n) * (ulong)(n * n);
         __global short *to = density + from;
-        __global ushort *bits = (__global ushort *)words + from / 16; /* little-endian, as everywhere (choice.c) */
+        __global ushort *bits = (__global ushort *)words + from / 16; /* devices are little-endian (choice.c) */
         const int slice = k < z1 ? ost_slab_slice(layers, first, k, z0) : 0;
         const int weight = k < z1 ? ost_slab_weight(layers, weights, k, z0) : 0;
         for (int y = 0; y < n; y++) {

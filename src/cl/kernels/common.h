@@ -1,23 +1,23 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Small exact functions of the kernels.  OpenCL C 1.2, and C11 with
- * tests/cl/opencl_c.h in front.  Nothing here relies on what either language
- * leaves open: no signed overflow, no shift of a negative, none by the width.
+ * Small exact functions of the kernels.  OpenCL C 1.2, and C11 after
+ * tests/cl/opencl_c.h.  Nothing here relies on undefined or implementation-defined
+ * behaviour: no signed overflow, no shift of a negative value or by the width.
  */
 
-/* For many small items (1), few strong ones (2): see shared.h. */
+/* The kernel sets: for many small items (1), for few strong ones (2), or both; see shared.h. */
 #ifndef OST_FOR
 #define OST_FOR 3
 #endif
 
-/* Voxels of a row that an item copies: see shared.h. */
+/* Voxels of a row that an item copies; see shared.h. */
 #ifndef OST_RUN
 #define OST_RUN 3
 #endif
 
 /*
- * With -DOST_ORDER=s, s > 0, items change places: number i of n does the work of
- * number (i or n - 1 - i) + s modulo n.  No result may show it.
+ * With -DOST_ORDER=s, s > 0, work items are permuted: item i of n does the work of
+ * item (i or n - 1 - i) + s modulo n.  No result may depend on it.
  */
 #ifdef OST_ORDER
 static inline size_t ost_item(uint dimension)
@@ -41,7 +41,8 @@ static inline long ost_ceil_div(long n, long d)
     return n % d > 0 ? q + 1 : q;
 }
 
-/* AR-INT-2; d > 0. With r = n - floor d, 0 <= r < d: up when r > d - r, and at equality when the floor is odd. */
+/* AR-INT-2; d > 0. With r = n - floor d, 0 <= r < d: rounds up if r > d - r, and if they are equal and the floor is
+   odd. */
 static inline long ost_rhe_div(long n, long d)
 {
     const long q = ost_floor_div(n, d);
@@ -50,9 +51,9 @@ static inline long ost_rhe_div(long n, long d)
 }
 
 /*
- * Return RHE(sum / 2^15), |sum| <= 2^30, and RHE(sum / 2^45), |sum| <= 2^60: a
- * weighted mean of densities (AR-CUB-2).  2^15 units are added, which makes the
- * sum >= 0 and keeps the parity of its quotient; then half a unit less 1, and 1
+ * These return RHE(sum / 2^15), |sum| <= 2^30, and RHE(sum / 2^45), |sum| <= 2^60:
+ * a weighted mean of densities (AR-CUB-2).  2^15 units are added, which makes the
+ * sum >= 0 and preserves the parity of its quotient; then half a unit less 1, and 1
  * more if the floor is odd, before the floor is taken.
  */
 static inline short ost_mean15(int sum)
@@ -82,26 +83,26 @@ static inline uint ost_clamped(uint v, uint lo, uint hi)
     return v < lo ? lo : v > hi ? hi : v;
 }
 
-/* Vectors of one number. C has its own way to make them (tests/cl/opencl_c.h). */
+/* Vectors with x in every element. tests/cl/opencl_c.h defines them for C. */
 #ifndef OST_ALL16
 #define OST_ALL16(x) ((uint16)(x))
 #define OST_ALL8(x) ((int8)(x))
 #endif
 
-/* Bits lo <= b < hi of 16, for any lo and hi. */
+/* Returns the bits lo <= b < hi of 16 bits, for any lo and hi. */
 static inline uint ost_bits16(int lo, int hi)
 {
     const int from = ost_greatest(lo, 0), to = ost_least(hi, 16);
     return from < to ? (0xffffu >> (16 - (to - from))) << from : 0u;
 }
 
-/* The number of trailing zeros; word != 0. */
+/* Returns the number of trailing zeros; word != 0. */
 static inline int ost_lowest_bit(uint word)
 {
     return 31 - (int)clz(word & (0u - word));
 }
 
-/* Bijective on 64 bits: the finaliser of splitmix64 (Steele, Lea and Flood 2014). 0 goes to 0. */
+/* Maps 64 bits bijectively: the finaliser of splitmix64 (Steele, Lea and Flood 2014). 0 is mapped to 0. */
 static inline ulong ost_mix(ulong z)
 {
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ul;

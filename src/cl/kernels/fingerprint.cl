@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Integer arithmetic asked of a device before any voxel is trusted to it.
- * OpenCL C defines every one of these results; drivers are known that got some
- * wrong: the square of a masked number shifted right by 32 was compiled to 0
- * (ROCm issue 1764), 64-bit products were wrong (ROCm 1383), and so was
- * (long)int * 100 (Aparapi 38), mul_hi was off by one (Oclgrind 16).
- * The host has the same list in fingerprint_expect.h, worked out in another
- * way; shared.h has the buffers.
+ * Integer operations that a device must compute correctly before it may decide
+ * any voxel.  OpenCL C defines every one of these results; some drivers are known
+ * to have computed them wrongly: the square of a masked number shifted right by 32
+ * was compiled to 0 (ROCm issue 1764), 64-bit products (ROCm 1383) and
+ * (long)int * 100 (Aparapi 38) were wrong, and mul_hi was off by one (Oclgrind 16).
+ * fingerprint_expect.h has the same list for the host, computed by other means;
+ * shared.h describes the buffers.
  */
 __kernel void ost_fingerprint(uint count, __global const ulong *in, __global ulong *out)
 {
@@ -62,11 +62,11 @@ __kernel void ost_fingerprint(uint count, __global const ulong *in, __global ulo
 }
 
 /*
- * How long a work item may loop.  The end depends on what is computed, so no
- * compiler can know the count or unroll without asking at each turn.  Mesa's
- * llvmpipe gives all loops of an item (and of those that it runs beside it in a
- * vector) 65,535 turns together; then each ends after one turn, and nobody hears
- * of it.
+ * Measures how long a work item may loop.  The end depends on the computed value,
+ * so no compiler can know the count or unroll without a test at each turn.  Mesa's
+ * llvmpipe allows 65,535 turns for all loops of an item together (and of the items
+ * in the same vector); after that it ends each loop after one turn and reports no
+ * error.
  */
 __kernel void ost_fingerprint_turns(uint end, __global uint *turns)
 {

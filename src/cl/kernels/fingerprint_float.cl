@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What a device's floating point does: for the record, and to show why no
- * voxel may depend on it.  A program of its own, built without options; no
- * result here is right or wrong.  Bits in, bits out.
+ * Results of a device's floating point: for the record, and to show why no voxel
+ * may depend on it.  A separate program, built without options; no result here is
+ * right or wrong.  Inputs and outputs are bit patterns.
  */
 __kernel void ost_fingerprint_float(uint count, __global const uint *in, __global uint *out)
 {

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Samples of a CT text to the rect grid (AR-CT-4..6): what shared.h says,
- * written out.  Three launches, since the winner of a voxel is known only
- * when all samples have asked for it.
+ * Samples of a CT text to the rect grid (AR-CT-4..6), as described in shared.h.
+ * There are three launches, since the winning sample of a voxel is known only
+ * after all samples have been compared.
  *
  *   owner   claim     the greatest key of the voxel's samples
- *           place     the sample with that key writes (max: and raises a flag)
+ *           place     the sample with that key writes (max: and sets a flag)
  *           check     0 again
  *
  * Ranges.  |p|, |origin| <= 8 * 10^12, so |p - origin| < 2^44 and, with
@@ -19,9 +19,9 @@
 typedef struct ost_place {
     ulong voxel;
     uint ppm;
-    int read;   /* the sample's lengths are lengths */
-    int off;    /* by more than 1/8 of a voxel */
-    int inside; /* it is read, not rejected, and in the grid */
+    int read;   /* the sample's coordinates are within the range of lengths */
+    int off;    /* off the lattice by more than 1/8 of a voxel */
+    int inside; /* the sample is readable, not rejected, and in the grid */
 } ost_place;
 
 static ost_place ost_place_of(__global const ost_cl_scatter *scatter, __global const ost_cl_sample *sample)
@@ -56,7 +56,7 @@ static ost_place ost_place_of(__global const ost_cl_scatter *scatter, __global c
     return place;
 }
 
-/* 1 .. 2^31 - 1; greater wins. */
+/* Returns a key from 1 to 2^31 - 1; the sample with the greatest key wins. */
 static uint ost_key(__global const ost_cl_scatter *scatter, uint i, int density)
 {
     if (scatter->duplicates == OST_CL_DUPLICATES_LAST)
@@ -100,7 +100,7 @@ __kernel void ost_ct_place(__global const ost_cl_scatter *scatter, __global cons
         return;
     const uint i = (uint)item;
     const ost_place place = ost_place_of(scatter, &samples[i]);
-    /* worst_ppm is the last launch's, and stays. */
+    /* worst_ppm is final: it was computed by the previous launch. */
     if (place.ppm > 0 && place.ppm == report->worst_ppm)
         atomic_min(&report->worst_line, samples[i].line);
     if (!place.inside)
@@ -113,7 +113,7 @@ __kernel void ost_ct_place(__global const ost_cl_scatter *scatter, __global cons
         if ((atomic_or(&owner[place.voxel], 0u) & ~OST_OWNER_FLAG) != key)
             return;
         if (atomic_or(&owner[place.voxel], OST_OWNER_FLAG) & OST_OWNER_FLAG)
-            return; /* another with this density writes */
+            return; /* another sample with the same density writes */
         if (!seen_before || density > voxels[place.voxel])
             voxels[place.voxel] = density;
         return;
@@ -124,7 +124,7 @@ __kernel void ost_ct_place(__global const ost_cl_scatter *scatter, __global cons
         voxels[place.voxel] = density;
 }
 
-/* Whether sample i conflicts with its voxel, once all of the batch are placed. */
+/* Returns true if a sample conflicts with its voxel, after all samples of the batch have been placed. */
 static int ost_differs(__global const ost_cl_sample *sample, const ost_place place, __global const short *voxels)
 {
     return place.inside && sample->density != voxels[place.voxel];
@@ -170,9 +170,9 @@ __kernel void ost_ct_had(__global const ost_cl_scatter *scatter, __global const 
 /* ---------------------------------------------------- rect grid to cubic */
 
 /*
- * AR-CUB. (2i + 1) c < 2^15 * 2^37 and 2s < 2^38, and the rest of the division
- * is below 2s, so 2^15 * rest < 2^53. The floors stay inside; a weight above 0
- * means t < last, so that the upper neighbour is inside too.
+ * AR-CUB. (2i + 1) c < 2^15 * 2^37 and 2s < 2^38, and the remainder of the division
+ * is below 2s, so 2^15 times the remainder is < 2^53. The floors stay inside the
+ * grid; a weight above 0 means at < last, so the upper neighbour is inside too.
  */
 __kernel void ost_cubic_sources(__global const ost_cl_cubic *cubic, __global int *sources)
 {
@@ -201,7 +201,8 @@ __kernel void ost_cubic_sources(__global const ost_cl_cubic *cubic, __global int
     }
 }
 
-/* At equal spacings a source is its voxel's own index or, beyond the end, the last one: neighbours where the last is none of those. */
+/* At equal spacings a source is its voxel's own index or, beyond the end, the last index. So the sources of a run
+   are neighbours if the last of them is that far from the first. */
 __kernel void ost_cubic_gather(__global const ost_cl_cubic *cubic, __global const int *sources, __global const short *rect,
                                __global short *out)
 {
@@ -223,7 +224,7 @@ __kernel void ost_cubic_gather(__global const ost_cl_cubic *cubic, __global cons
 }
 
 /*
- * Adds up the sums along x of four rows, at most 2^30 each, times the products
+ * Adds the sums along x of four rows, at most 2^30 each, times the products
  * of the weights along y and z, which sum to 2^30.  A neighbour with weight 0
  * may lie outside the grid; the voxel itself is then read in its place.
  */

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * How this compiler lays out the structs of shared.h: their sizes, and where
- * the last members are.  The host compares with its own before anything else.
+ * The layout that the device's compiler gives the structs of shared.h: their
+ * sizes and the offsets of selected members.  The host compares them with its own
+ * before anything else.
  *
  *   ost_layout(room, out)   one item
  *
  *   room  ulong[32]   never read: only addresses within it are formed
- *   out   uint[24]    in the order of src/cl/layout.c
+ *   out   uint[26]    in the order of src/cl/layout.c
  */
 #define OST_CL_AT(type, member) (uint)((__global const char *)&((__global const type *)room)->member - (__global const char *)room)
 

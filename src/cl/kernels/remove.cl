@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Removal and collision (AR-MAP, AR-REM) by rows, for GPUs; remove_cpu.cl does
- * the same by blocks, for CPUs.  An item takes rows of 16 voxels of a block,
+ * the same by blocks, for CPUs.  An item processes rows of 16 voxels of a block,
  * each through all poses that may meet the block.
  *
  *   u = base + j step[1] + k step[2]      the row's first voxel in tool cells, times 2^20
- *   while voxels of the row are open
+ *   while voxels of the row are undecided
  *     look up the cell of one of them     its class, and its reach: all cells nearer than that have the class
- *     close all that it decides           skip[reach] on either side
+ *     mark all that it decides            skip[reach] on either side
  *
  *   row       . . # # # # # # # # # # # . . .     active
  *   tool        void     |   cutting                first look-up in the middle, then from the left
@@ -21,8 +21,8 @@
 #define OST_ROWS 4
 #endif
 
-/* Class and reach of the tool at u. For what is outside see ost_cl_tool: the nearest cell of the grid is no farther from any
-   other than u is, so if it is void its reach holds for u too. */
+/* Returns class and reach of the tool at u, in the format of a cell. Outside the grid the tool is void: the nearest
+   cell of the grid is no farther from any other cell than u is, so if it is void its reach is valid for u too. */
 static uint ost_cell_at(__global const uchar *cells, const int dims[3], int ux, int uy, int uz)
 {
     const int x = (int)(((uint)ux + 0x40000000u) >> 20) - 1024;
@@ -39,7 +39,7 @@ static uint ost_cell_at(__global const uchar *cells, const int dims[3], int ux, 
     return (uint)ost_greatest(away, (cell & 3u) == 0 ? (int)(cell >> 2) : 0) << 2;
 }
 
-/* The arrays behind the event's head. */
+/* The arrays that follow the event in its buffer. */
 static __global const ost_cl_pose *ost_poses_of(__global const ost_cl_event *event)
 {
     return (__global const ost_cl_pose *)(__global const void *)((__global const uchar *)event + event->poses_at);
@@ -56,7 +56,7 @@ static __global const ost_cl_entry *ost_entries_of(__global const ost_cl_event *
 }
 
 #if OST_FOR & 1
-/* Of the open voxels of row (j, k) those that one pose hits, and in *touch also those that it touches. */
+/* Returns the open voxels of row (j, k) that one pose hits, and adds to *touch those that it touches. */
 static uint ost_hits_of(const ost_cl_entry entry, __global const ost_cl_pose *pose, __global const uchar *cells, const int dims[3],
                         const int first[3], int j, int k, uint open, uint *touch)
 {
@@ -103,7 +103,7 @@ __kernel void ost_remove(__global const ost_cl_event *event, __global const ucha
     const ulong corner = (ulong)block.slot * ((ulong)n * (ulong)n * (ulong)n) +
                          (ulong)(block.first[0] % n + n * (block.first[1] % n + n * (block.first[2] % n)));
 
-    /* At least border c (class 0: all): the classes' own are differences. */
+    /* First these count the voxels of at least border c (class 0: all); the classes themselves are differences. */
     uint voxels[OST_CL_CLASSES], sums[OST_CL_CLASSES], touched = 0;
     for (int c = 0; c < OST_CL_CLASSES; c++)
         voxels[c] = sums[c] = 0;

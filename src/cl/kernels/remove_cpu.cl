@@ -1,28 +1,28 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Removal and collision (AR-MAP, AR-REM) by blocks, for CPUs, and the windows
- * of a tool that it looks into.
+ * of a tool from which it reads.
  *
  *   block 16^3 --- cubes 8^3 --- bricks 4^3 --- 64 voxels
  *
- * At each step the tool's cell at the middle of the cube decides it whole when
- * its reach is that of the pose's whole[] (shared.h); eight cubes are asked at
- * once.  What a brick may meet of the tool lies in one window of 8^3 voxels,
- * 64 bytes: it says whether all, none or some of the brick is hit, and then the
- * voxels' bits are picked out of it sixteen at a time, a tree of selections
- * in place of loads.  Bricks that are larger than a window (tools of finer
- * voxels than the bone's) are looked up voxel by voxel.
+ * At each step the tool's cell at the middle of a cube decides the entire cube
+ * if its reach is at least the pose's whole[] (shared.h); eight cubes are looked
+ * up at once.  The tool voxels that a brick may meet lie in one window of 8^3
+ * voxels, 64 bytes.  If the window is full or empty, it decides the brick.  Else
+ * the voxels' bits are selected from it sixteen at a time, by a tree of selections
+ * in place of loads.  Bricks that are larger than a window (if the tool's voxels
+ * are finer than the bone's) are looked up voxel by voxel.
  *
  *   four             rows 4 b, 4 b + 1, 4 b + 2, 4 b + 3 of plane k, 16 bits each: number b + 4 k
  *   group b + 4 c    the fours of planes 4 c to 4 c + 3: the rows of a row of bricks
  *   brick            as bits: voxel (x, y, z) is bit x + 4 z + 16 y, so that plane z is (bits >> 4 z) & OST_EACH_NIBBLE
  *
- * Vectors are OpenCL C's own (uint16, int8), so that no compiler has to find
- * them.  Ranges are those of remove.cl.
+ * The vectors are OpenCL C's own (uint16, int8), so that no compiler needs to
+ * vectorize loops.  Ranges are those of remove.cl.
  */
 #if OST_FOR & 2
 
-#ifdef __clang__ /* vectors wider than the processor's: the library's functions are compiled for the same one */
+#ifdef __clang__ /* vectors are wider than the processor's, but all functions are compiled for the same one */
 #pragma clang diagnostic ignored "-Wpsabi"
 #endif
 
@@ -31,31 +31,32 @@
 
 __constant uint ost_lane_x[16] = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
 __constant uint ost_lane_y[16] = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
-__constant uint ost_lane_bit[16] = {0, 1, 2, 3, 16, 17, 18, 19, 0, 1, 2, 3, 16, 17, 18, 19}; /* of its half of a brick's bits */
+__constant uint ost_lane_bit[16] = {0, 1, 2, 3, 16, 17, 18, 19, 0, 1, 2, 3, 16, 17, 18, 19}; /* in its half of a brick's bits */
 __constant uint ost_part_x[8] = {0, 1, 0, 1, 0, 1, 0, 1};
 __constant uint ost_part_y[8] = {0, 0, 1, 1, 0, 0, 1, 1};
 __constant uint ost_part_z[8] = {0, 0, 0, 0, 1, 1, 1, 1};
 __constant ushort ost_column_bit[16] = {1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768};
 
 typedef struct ost_block_rows {
-    ulong active[64]; /* fours: as they were; set when loaded is */
-    ulong open[64];   /* active and not hit yet */
+    ulong active[64]; /* fours before the event; set once loaded is 1 */
+    ulong open[64];   /* active and not yet hit */
     ulong touch[64];
     int loaded;
-    uint hit, touched; /* groups in which something was hit, was touched */
-    ulong inside[4];   /* four b's part of the pose's box */
+    uint hit, touched; /* groups in which a voxel was hit, or touched */
+    ulong inside[4];   /* the part of four b of each plane that is in the pose's box, in x and y */
     int lo, hi;        /* planes in the box */
-    int within;        /* whether all of the block is in the box */
+    int within;        /* true if the entire block is in the box */
 } ost_block_rows;
 
-/* The block's first voxel in tool cells plus 2^30, and the steps: all as unsigned numbers, whose sums are those of AR-MAP-5. */
+/* The block's first voxel in tool cells plus 2^30, and the steps. All are unsigned numbers, whose sums are those of
+   AR-MAP-5. */
 typedef struct ost_view {
-    uint16 along[3];  /* from a brick's first voxel to those of its first slice, x fastest */
-    uint8 eighths[2][3]; /* from the first voxel of a block, of a cube of 8^3, to the middles of its eight parts */
+    uint16 along[3];  /* offsets from a brick's first voxel to the voxels of its first slice, x fastest */
+    uint8 eighths[2][3]; /* offsets to the middles of the eight parts: [1] of a block, [0] of a cube of 8^3 */
     uint at[3], step[3][3];
-    uint lowest[3]; /* from a brick's first voxel to the least of each coordinate */
-    int dims[3], wide[3]; /* the tool's, and of its windows */
-    int planes;     /* of a window that a brick may meet; 0: it may not fit into one */
+    uint lowest[3]; /* offset from a brick's first voxel to the least of each coordinate */
+    int dims[3], wide[3]; /* dimensions of the tool and of its windows */
+    int planes;     /* planes of a window that a brick may meet; 0: the brick may not fit a window */
     uint whole[3];
 } ost_view;
 
@@ -75,7 +76,7 @@ static void ost_load_rows(ost_block_rows *rows, __global const ushort *words, ul
         }
 }
 
-/* What the pose's class c (1, 2) covers of a group: the bits in each of its rows. */
+/* Marks what class c (1, 2) of the tool covers of a group; bits has the covered bits of each row. */
 static void ost_mark_group(ost_block_rows *rows, uint c, ulong bits, int group)
 {
     const int z = group / 4 * 4, z0 = ost_greatest(z, rows->lo), z1 = ost_least(z + 4, rows->hi);
@@ -94,7 +95,7 @@ static void ost_mark_group(ost_block_rows *rows, uint c, ulong bits, int group)
         rows->touched |= 1u << group;
 }
 
-/* A cube's of 4, 8 or 16 voxels. */
+/* Marks a cube of 4, 8 or 16 voxels per edge. */
 static void ost_mark_cube(ost_block_rows *rows, uint c, int x, int y, int z, int edge)
 {
     const uint bits = ((1u << edge) - 1u) << x;
@@ -105,7 +106,7 @@ static void ost_mark_cube(ost_block_rows *rows, uint c, int x, int y, int z, int
 
 /* ------------------------------------------------------------- distances */
 
-/* The class that covers the block wholly, or 3. */
+/* Returns the class that covers the entire block, or 3 if the cell at its middle does not decide. */
 static uint ost_block_class(const ost_view *view, __global const uchar *cells)
 {
     int u[3];
@@ -117,7 +118,7 @@ static uint ost_block_class(const ost_view *view, __global const uchar *cells)
     return cell >> 2 >= view->whole[2] ? cell & 3u : 3u;
 }
 
-/* To the middles of the parts of a cube, each of edge^3 voxels. */
+/* Returns the offsets from a cube's first voxel to the middles of its eight parts of edge^3 voxels. */
 static uint8 ost_middles(const ost_view *view, int a, int edge)
 {
     const int sum = (int)view->step[0][a] + (int)view->step[1][a] + (int)view->step[2][a];
@@ -125,8 +126,9 @@ static uint8 ost_middles(const ost_view *view, int a, int edge)
            vload8(0, ost_part_z) * ((uint)edge * view->step[2][a]) + (uint)((edge - 1) * sum / 2);
 }
 
-/* The class that covers each of the eight parts of a cube wholly, or 3; where the cube begins; parts of 8^3 (1) or 4^3 (0) voxels.
-   What is said at ost_cell_at of cells outside the grid holds here. Whether any is not 0. */
+/* Sets for each of the eight parts of a cube the class that covers it entirely, or 3. (ux, uy, uz) is the cube's
+   first voxel; the parts have 8^3 (level 1) or 4^3 (level 0) voxels. Cells outside the grid are as in ost_cell_at.
+   Returns 0 if all classes are 0. */
 static int ost_part_classes(const ost_view *view, __global const uchar *cells, uint ux, uint uy, uint uz, int level, int classes[8])
 {
     const uint first[3] = {ux, uy, uz};
@@ -160,24 +162,24 @@ static int ost_part_classes(const ost_view *view, __global const uchar *cells, u
 
 /* --------------------------------------------------------------- windows */
 
-/* The byte of a window's row, its voxels counted from -8. */
+/* Returns the index of a byte of the windows; its voxel's coordinates are counted from -8. */
 static int ost_window_place(const ost_view *view, int x, int y, int z)
 {
     return y + view->wide[1] * (z + view->wide[2] * (x >> 1)); /* < 2^30 */
 }
 
-/* What a brick may meet of the tool. */
+/* The part of the tool that a brick may meet. */
 typedef struct ost_window {
     ulong plane[8];
-    uint from[3]; /* the brick's first voxel, counted from the window's */
+    uint from[3]; /* the brick's first voxel, relative to the window's */
     ulong any, all;
 } ost_window;
 
-/* u: the brick's first voxel plus 2^30. */
+/* Loads the window of a brick; u is the brick's first voxel plus 2^30. */
 static void ost_open_window(ost_window *w, const ost_view *view, __global const uchar *windows, const uint u[3])
 {
     int begin[3];
-    for (int a = 0; a < 3; a++) /* where nothing of a window is in the grid, any such one will do */
+    for (int a = 0; a < 3; a++) /* a window outside the grid may be replaced by any other outside it */
         begin[a] = ost_least(ost_greatest((int)((u[a] + view->lowest[a]) >> 20) - 1016, 0), view->dims[a] + 8);
     begin[0] &= ~1;
     for (int a = 0; a < 3; a++)
@@ -199,7 +201,8 @@ static void ost_open_window(ost_window *w, const ost_view *view, __global const 
     w->all = all;
 }
 
-/* A brick's bits: which voxels have the window's class. Coordinates from the window's first voxel on are all in [0, 2^23). */
+/* Returns the bits of a brick's voxels that have the window's class. Coordinates relative to the window are all in
+   [0, 2^23). */
 static ulong ost_look_into(const ost_view *view, const ost_window *w)
 {
     if (w->any == 0 || w->all == ~0ul)
@@ -233,8 +236,8 @@ static ulong ost_look_into(const ost_view *view, const ost_window *w)
     return (ulong)high << 32 | low;
 }
 
-/* The same where a brick may be larger than a window: sixteen loads, then the next plane. Volatile: one by one, which is faster than
-   a processor's gathering load. */
+/* The same for a brick that may be larger than a window: sixteen loads per plane. volatile keeps the loads separate,
+   which is faster than the processor's gather instruction. */
 static ulong ost_look_up(const ost_view *view, volatile __global const uchar *windows, const uint u[3])
 {
     ulong bits = 0;
@@ -244,7 +247,7 @@ static ulong ost_look_up(const ost_view *view, volatile __global const uchar *wi
         vstore16((view->along[0] + kx) >> 20u, 0, x);
         vstore16((view->along[1] + ky) >> 20u, 0, y);
         vstore16((view->along[2] + kz) >> 20u, 0, z);
-        for (int v = 0; v < 16; v++) { /* beyond the grid, the void beside it */
+        for (int v = 0; v < 16; v++) { /* coordinates beyond the grid are moved to the void next to it */
             x[v] = ost_clamped(x[v], 1023u, 1024u + (uint)view->dims[0]) - 1016u;
             y[v] = ost_clamped(y[v], 1023u, 1024u + (uint)view->dims[1]) - 1016u;
             z[v] = ost_clamped(z[v], 1023u, 1024u + (uint)view->dims[2]) - 1016u;
@@ -258,7 +261,7 @@ static ulong ost_look_up(const ost_view *view, volatile __global const uchar *wi
     return bits;
 }
 
-/* Voxels of a brick that are open and in the pose's box. */
+/* Returns the voxels of a brick that are open and in the pose's box. */
 static ulong ost_open_of(const ost_block_rows *rows, int x, int y, int z)
 {
     const int four = y / 4 + 4 * z;
@@ -274,16 +277,17 @@ static ulong ost_open_of(const ost_block_rows *rows, int x, int y, int z)
     return open;
 }
 
-/* Bricks that nothing decides whole, with what is open of them; at most eight. */
+/* Bricks that no cell decides entirely, with their open voxels; at most eight. */
 typedef struct ost_bricks {
     int count;
     int at[8][3];
-    uint u[8][3]; /* the first voxel, plus 2^30 */
+    uint u[8][3]; /* the brick's first voxel, plus 2^30 */
     ulong open[8];
     ost_window window[8];
 } ost_bricks;
 
-/* Their voxels, for the class c whose windows these are. All windows are opened before the first is looked into: they are far away. */
+/* Marks the bricks' voxels for class c, to which the windows belong. All windows are loaded before the first is
+   used, since they are far apart in memory. */
 static void ost_match_bricks(ost_block_rows *rows, const ost_view *view, __global const uchar *windows, ost_bricks *bricks, int c)
 {
     for (int i = 0; i < bricks->count && view->planes > 0; i++)
@@ -405,12 +409,12 @@ static void ost_run_pose(ost_block_rows *rows, const ost_cl_entry *entry, __glob
 
 /* ---------------------------------------------------------------- a block */
 
-/* Rows of the block with hits: where they are in the pool and which voxels. */
+/* Rows of the block with hits: their positions in the pool and the voxels hit. */
 typedef struct ost_hit_rows {
     int count;
-    uint touched; /* voxels that are only touched */
+    uint touched; /* voxels that are touched and not hit */
     ushort hit[256], left[256];
-    uint row[256]; /* from the block's first voxel */
+    uint row[256]; /* offset from the block's first voxel */
 } ost_hit_rows;
 
 static void ost_list_hits(const ost_block_rows *rows, int n, ost_hit_rows *list)
@@ -436,7 +440,8 @@ static void ost_list_hits(const ost_block_rows *rows, int n, ost_hit_rows *list)
     }
 }
 
-/* Voxels hit whose density reaches the border, and the sum of their densities; all: every one. */
+/* Counts the voxels hit whose density is at least border, and sums their densities; with all, counts every voxel
+   hit. */
 static void ost_sum_hits(const ost_hit_rows *list, __global const short *density, int all, short border, uint *voxels, uint *sum)
 {
     const ushort16 column = vload16(0, ost_column_bit);
@@ -471,7 +476,8 @@ static void ost_clear_hits(const ost_hit_rows *list, __global short *density, __
     }
 }
 
-/* Blocks are dealt out like cards, so that cores which take neighbouring items get work from everywhere. */
+/* Consecutive items process blocks that are OST_CL_HANDS apart, so that cores which take ranges of items get blocks
+   from all parts of the event. */
 __kernel void ost_remove_blocks(__global const ost_cl_event *event, __global const uchar *cells, __global const uchar *windows,
                                 __global short *density, __global ushort *words, __global ost_cl_block_report *reports)
 {
@@ -495,8 +501,8 @@ __kernel void ost_remove_blocks(__global const ost_cl_event *event, __global con
     }
     ost_list_hits(&rows, n, &list);
 
-    /* At least border c (class 0: all): the classes' own are differences. */
-    uint above = 0, above_sum = 0; /* of the class above */
+    /* First these count the voxels of at least border c (class 0: all); the classes themselves are differences. */
+    uint above = 0, above_sum = 0; /* results of the class above */
     for (int c = OST_CL_CLASSES - 1; c >= 0; c--) {
         uint voxels = 0, sum = 0;
         if (c == 0)

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What the host and the device both know: the layout of every buffer, and of
- * every kernel its arguments, its range, and why no order of work items can
- * show in its results.  Read by the C compiler and by OpenCL C 1.2.
+ * The interface between host and device: the layout of every buffer and, for
+ * every kernel, its arguments, its range, and why its results do not depend on
+ * the order of work items.  Read by the C compiler and by OpenCL C 1.2.
  *
- * One program is this file, common.h, and the .cl files of this folder in
+ * A program consists of this file, common.h, and the .cl files of this folder in
  * alphabetical order, one after the other; none of them includes another.
- * fingerprint_float.cl is a program of its own: no float is in this one.
+ * fingerprint_float.cl is a separate program: this one contains no float.
  *
  *   samples --ost_ct_*--> rect --ost_cubic_*--> cubic --ost_chunk_*--> pool of chunks
  *   triangles --ost_vox_*--> classes --ost_tool_reach--> cells         |
@@ -16,20 +16,22 @@
  *   - Structs have fixed-width members, each at a multiple of its size, and
  *     no padding; they are passed in buffers, never by value.
  *   - A range may be rounded up along each of its dimensions (to a multiple of
- *     the work-group size): items beyond what the parameters say return at once.
- *     Work-group sizes never matter.  No kernel has a barrier or local memory.
- *   - An item writes what no other item of the launch reads or writes, or it
- *     uses 32-bit atomics of operations that commute (add, min, max, or, and,
- *     xchg with one value), whose old value decides nothing that differs.
- *   - Indices into buffers are 64 bits wide.  int is at least as wide as
- *     asked for by the ranges of docs/arithmetic.md, section 18.
- *   - Build option -DOST_FOR=d: kernels for devices of many small work items
- *     (d & 1, GPUs) or few strong ones (d & 2, CPUs); where both have one for the
- *     same work, results are the same.  3 when not given: both sets.
- *   - Build option -DOST_ROWS=r, r of 1, 2, 4, 8, 16: rows a work item of
- *     ost_remove takes (1 suits GPUs; 4 when not given).
+ *     the work-group size): items beyond the range that the parameters define
+ *     return at once.  Work-group sizes never affect results.  No kernel has a
+ *     barrier or local memory.
+ *   - An item writes only elements that no other item of the launch reads or
+ *     writes, or it uses 32-bit atomics of commuting operations (add, min, max,
+ *     or, and, xchg with one value) and no result depends on their old values.
+ *   - Indices into buffers are 64 bits wide.  int is at least as wide as the
+ *     ranges of docs/arithmetic.md, section 18, require.
+ *   - Build option -DOST_FOR=d selects the kernel sets: for devices of many small
+ *     work items (d & 1, GPUs) or of few strong ones (d & 2, CPUs).  Where both
+ *     sets have a kernel for the same work, their results are the same.
+ *     Default 3: both sets.
+ *   - Build option -DOST_ROWS=r, r of 1, 2, 4, 8, 16: rows that a work item of
+ *     ost_remove processes (1 suits GPUs; default 4).
  *   - Build option -DOST_RUN=v: neighbours along x that a work item of
- *     ost_cubic_gather and ost_cubic_linear make (many suit CPUs, 1 GPUs; 3 when not given).
+ *     ost_cubic_gather and ost_cubic_linear makes (many suit CPUs, 1 suits GPUs; default 3).
  */
 #ifndef OST_CL_SHARED_H
 #define OST_CL_SHARED_H
@@ -59,37 +61,39 @@ typedef uint64_t ost_cl_u64;
 
 /* ------------------------------------------------- samples to rect grid */
 /*
- * AR-CT-4..6.  A batch is three launches, in this order, over its samples
- * (one dimension, count items):
+ * AR-CT-4..6.  A batch consists of three launches, in this order, over its samples
+ * (one dimension, count items), and two more only after a conflict:
  *
  *   ost_ct_claim(scatter, samples, seen, owner, report)
  *   ost_ct_place(scatter, samples, seen, owner, voxels, report)
  *   ost_ct_check(scatter, samples, seen, owner, voxels, report)
- *   ost_ct_blame(scatter, samples, voxels, report)                these two only after a conflict
- *   ost_ct_had(scatter, samples, voxels, report)                  one item
+ *   ost_ct_blame(scatter, samples, voxels, report)                only after a conflict
+ *   ost_ct_had(scatter, samples, voxels, report)                  only after a conflict; one item
  *
  *   scatter  const ost_cl_scatter[1]
  *   samples  const ost_cl_sample[count]   the same bytes as ost_sample
  *   seen     uint[ceil(voxels / 32)]      bit v: voxel v was set by an earlier batch; zeros at first
  *   owner    uint[voxels]                 zeros before and after each batch
  *   voxels   short[voxels]                the rect grid
- *   report   ost_cl_scatter_report[1]     the batch's; the four lines and the index start as OST_CL_NONE, the rest as 0
+ *   report   ost_cl_scatter_report[1]     of the batch; three lines and the index start as OST_CL_NONE, all else as 0
  *
- * claim: every sample that is read and inside takes the greatest key of its
- * voxel by atomic_max.  The key grows with what wins: the earlier (error,
- * first), the later (last), the denser (max).  One sample of a voxel meets
- * owner 0; it is no duplicate if seen has no bit.  Who that is may differ,
- * how many there are not.
- * place: the winner writes.  Keys are unique but for max, where the first to
- * set a flag writes, and all who could hold the same density.  The first line
- * with the worst offset.
- * check: seen and owner are brought up to date; error: the least line whose
- * density is not its voxel's (which has not changed since it was set).
- * blame: of that line the first sample that differs.  had: what its voxel has.
- * The host adds the batch's report to the whole one: sums; the greater
- * offset, or of equal ones above 0 the lower line; the lower lines, each plus
- * the batch's first_line; conflict_has is the density of sample
- * conflict_index.  count <= 2^31 - 2, no line is OST_CL_NONE.
+ * claim: every sample that is readable and inside the grid raises its voxel's
+ * owner to its key by atomic_max.  Keys are ordered so that the winning sample has
+ * the greatest: the earlier (error, first), the later (last), the denser (max).
+ * Exactly one sample of a voxel finds owner 0; it is not a duplicate if the
+ * voxel's bit of seen is 0.  Which sample that is may vary, their number does not.
+ * place: the sample with the greatest key writes its voxel.  Keys are unique
+ * except for max: there the first sample to set a flag writes, and all candidates
+ * have the same density.  It also finds the first line with the worst offset.
+ * check: updates seen, clears owner and, for error, finds the least line whose
+ * density differs from its voxel's (which has not changed since it was set).
+ * blame: finds the first sample of that line that differs.  had: reads the density
+ * of its voxel.
+ * The host combines the batch's report with that of earlier batches: counts are
+ * added; the greater offset is used or, of equal ones above 0, the lower line; of
+ * the other lines the lower one, each after adding the batch's first_line;
+ * conflict_has is the density of sample conflict_index.  count <= 2^31 - 2, and
+ * no line equals OST_CL_NONE.
  */
 enum { OST_CL_DUPLICATES_ERROR, OST_CL_DUPLICATES_FIRST, OST_CL_DUPLICATES_LAST, OST_CL_DUPLICATES_MAX };
 
@@ -127,9 +131,9 @@ typedef struct ost_cl_scatter_report {
  *   sources  int[2 * (dims.x + dims.y + dims.z)]   source index of each voxel along x, then y, then z; then, in the same
  *                                            order, the weight of its upper neighbour, 0 to 2^15 (0: none is read)
  *   rect     const short[rect voxels]
- *   out      short[...]                      the whole cubic grid, or slices z0 <= k < z1 of it when slab is 1
+ *   out      short[...]                      the entire cubic grid, or slices z0 <= k < z1 of it if slab is 1
  *
- * Each item writes its own OST_RUN elements along x.
+ * Each item writes OST_RUN elements along x, which no other item writes.
  */
 enum { OST_CL_RESAMPLE_LINEAR, OST_CL_RESAMPLE_NEAREST, OST_CL_RESAMPLE_THESIS };
 
@@ -143,37 +147,37 @@ typedef struct ost_cl_cubic {
 
 /* ---------------------------------------------------------------- chunks */
 /*
- * AR-CHK.  A bone on the device is a pool of slots, each with room for one
+ * AR-CHK.  A bone on the device is a pool of slots, each with the memory of one
  * chunk of n^3 voxels, and a table from chunk numbers to slots:
  *
  *   bone     const ost_cl_bone[1]
- *   slots    uint[chunks]           slot of a chunk, OST_CL_NONE when it holds no memory
- *   chunks   uint[slots]            chunk in a slot, OST_CL_NONE when it is free
+ *   slots    uint[chunks]           slot of a chunk, OST_CL_NONE if it has no memory
  *   density  short[slots * n^3]     voxel v = x + n (y + n z) of the chunk in slot s: s n^3 + v
  *   words    uint[slots * n^3 / 32] its occupancy, word v / 32, bit v % 32 (AR-CHK-4)
  *   slab     short[(z1 - z0) dims.y dims.x]  slices z0 <= k < z1 of the grid without padding; z0 and z1 are int arguments
  *
- *   A slab has slice k as its slice layers[first + k - z0], or, when first < 0, k - z0: so a grid that was resampled along z
- *   alone is read where it lies, once for all slices that are the same.  With weights >= 0 (and first >= 0), slice k is the
- *   mean of that slice and the next one of the slab, whose weight is layers[weights + k - z0] / 2^15; with weight 0 the next
- *   one may not exist.  layers ends with the last of these elements; the slices ascend.  It is unused when first < 0.
+ *   Slice k of the grid is slice layers[first + k - z0] of the slab or, if first < 0, slice k - z0.  So a grid that
+ *   was resampled along z alone is read from the original grid, once for all slices that are the same.  With weights
+ *   >= 0 (and first >= 0), slice k is the mean of that slice and the next one of the slab, whose weight is
+ *   layers[weights + k - z0] / 2^15; with weight 0 the next one may not exist.  layers ends with the last of these
+ *   elements; the slices ascend.  layers is unused if first < 0.
  *
  *   ost_chunk_scan(bone, z0, z1, first, weights, layers, slab, active)
- *       z1 - z0, chunk_dims.x * chunk_dims.y.  Adds to active[chunk] (uint[chunks], zeros at first) the voxels of the slab that
- *       reach the threshold.
+ *       z1 - z0, chunk_dims.x * chunk_dims.y.  Adds to active[chunk] (uint[chunks], zeros at first) the voxels of the
+ *       slab that reach the threshold.
  *   ost_chunk_scan_layers(...)
- *       the same for CPUs: chunk_dims.y, chunk_dims.z.  An item has a row of chunks along x.
+ *       the same for CPUs: chunk_dims.y, chunk_dims.z.  An item processes a row of chunks along x.
  *   ost_chunk_store(bone, z0, z1, first, weights, layers, slab, slots, density, words)
- *       n * n / 32, chunk_dims.x * chunk_dims.y, z1 - z0.  An item writes one word and its 32 densities, where the chunk has a
- *       slot.  Voxels below the threshold become 0; those in the padding beyond dims.x or dims.y too.  Planes of padding beyond
- *       dims.z are never written: a slot is filled with zeros before it is used.
+ *       n * n / 32, chunk_dims.x * chunk_dims.y, z1 - z0.  An item writes one word and its 32 densities, if the chunk
+ *       has a slot.  Voxels below the threshold become 0, and so do those in the padding beyond dims.x or dims.y.
+ *       Planes of padding beyond dims.z are never written: a slot is filled with zeros before it is used.
  *   ost_chunk_store_layers(...)
- *       the same for CPUs: chunk_dims.x * chunk_dims.y, chunk_dims.z.  An item has a chunk.  With slice dims.z - 1 it writes
- *       the planes of padding too.
+ *       the same for CPUs: chunk_dims.x * chunk_dims.y, chunk_dims.z.  An item processes a chunk.  With the last
+ *       slice (dims.z - 1) it also writes the planes of padding.
  *   ost_chunk_load(bone, z0, z1, slots, density, slab)
- *       dims.x, dims.y, z1 - z0.  The way back; chunks without a slot are 0.
+ *       dims.x, dims.y, z1 - z0.  The inverse of storing; chunks without a slot are read as 0.
  *   ost_chunk_load_rows(...)
- *       the same for CPUs: chunk_dims.y, z1 - z0.  An item has a slice of a row of chunks along x.
+ *       the same for CPUs: chunk_dims.y, z1 - z0.  An item processes a slice of a row of chunks along x.
  *   ost_chunk_count(bone, first, count, words, active)
  *       n, count.  Adds the set bits of slot first + i to active[i] (uint[count], zeros at first), i < count.
  */
@@ -195,13 +199,14 @@ typedef struct ost_cl_bone {
  *   vox        const ost_cl_vox[1]
  *   vertices   const int[3 * vertices], triangles const uint[3 * triangles]: as in ost_snapped_mesh
  *   steps      int[(k1 - k0) * dims.y * (dims.x + 1)]   zeros before ost_vox_steps and after ost_vox_fill
- *   classes    uchar[dims.x * dims.y * dims.z]          the whole tool, zeros at first
- *   leaks      uint[1]                                  rows that leak are added
+ *   classes    uchar[dims.x * dims.y * dims.z]          the entire tool, zeros at first
+ *   leaks      uint[1]                                  the number of rows that leak is added
  *   counts     uint[2 * dims.z]                         solid and cutting voxels of slice k are added to 2 k and 2 k + 1
  *
- * steps: item (t, b) takes the slices b, b + bands, ... of those that triangle t meets, and adds its +1 or -1 in every row that
- * it owns (atomic_add; bands: more items where triangles are few).  fill: an item sums one row; classes gets tool_class where
- * it is solid, and stays elsewhere: first the mesh that does not cut, then the one that does.
+ * steps: item (t, b) processes the slices b, b + bands, ... of those that triangle t meets, and adds the triangle's
+ * +1 or -1 in every row that it owns (by atomic_add; bands > 1 gives more items where triangles are few).  fill: an
+ * item sums one row and sets classes to tool_class where the row is solid, leaving other voxels unchanged: first for
+ * the mesh that does not cut, then for the one that does.
  */
 enum { OST_CL_FILL_WINDING, OST_CL_FILL_PARITY };
 
@@ -215,17 +220,20 @@ typedef struct ost_cl_vox {
 } ost_cl_vox;
 
 /*
- * The same for CPUs, a mesh a launch:
+ * The same for CPUs, one launch per mesh:
  *
  *   ost_vox_tiles(tiles, vertices, triangles, start, list, steps, marks, classes, counts)   count[0], count[1]
  *
  *   tiles    const ost_cl_tiles[1]
- *   start    const uint[lists + 1], list const uint[start[lists]]: triangles list[start[l]] ... list[start[l + 1] - 1], l = y + count[0]
- *            (k / layer), are all those whose bounds hold the centre of one of the rows of tile (y, z) in slice k; others do no harm
- *   steps    int[tiles * pass * height * (dims.x + 1)], marks ulong[tiles * pass * height * (dims.x / 64 + 1)]: whatever is in them
- *   classes  uchar[dims.x * dims.y * dims.z]   all are written; with over only those that the mesh covers
- *   counts   ulong[3 * tiles]                  of a tile: solid and cutting voxels, of all meshes so far; rows that leak, which are
- *                                              added to what is there with over
+ *   start    const uint[lists + 1], list const uint[start[lists]]: elements start[l] <= e < start[l + 1] of list,
+ *            with l = y + count[0] (k / layer), include all triangles whose bounds contain the centre of one of the
+ *            rows of tile (y, z) in slice k; further triangles do not change the result
+ *   steps    int[tiles * pass * height * (dims.x + 1)], marks ulong[tiles * pass * height * (dims.x / 64 + 1)]:
+ *            scratch, any content
+ *   classes  uchar[dims.x * dims.y * dims.z]   all are written; if over is 1, only those that the mesh covers
+ *   counts   ulong[3 * tiles]                  for each tile its solid and cutting voxels, of all meshes so far, and
+ *                                              its rows that leak; if over is 1, these rows are added to those of the
+ *                                              first mesh
  */
 typedef struct ost_cl_tiles {
     ost_cl_i32 dims[3];
@@ -235,15 +243,15 @@ typedef struct ost_cl_tiles {
     ost_cl_i32 rule;
     ost_cl_i32 tool_class;
     ost_cl_i32 over; /* 1: a second mesh, over the first */
-    ost_cl_i32 layer; /* slices of a list */
+    ost_cl_i32 layer; /* slices that share a list */
     ost_cl_i32 pass;  /* slices that a tile marks and fills together, at most */
 } ost_cl_tiles;
 
 /* ----------------------------------------------------------- tool cells */
 /*
- * A cell is a tool voxel's class in bits 0 and 1 and its reach in bits 2 to
- * 7: the greatest r <= 63 such that all voxels nearer than r on every axis
- * have its class, everything outside the grid being void.  So reach >= 1.
+ * A cell has a tool voxel's class in bits 0 and 1 and its reach in bits 2 to 7:
+ * the greatest r <= 63 such that all voxels nearer than r on every axis have the
+ * same class, where everything outside the grid is void.  So reach >= 1.
  *
  *   ost_tool_reach(tool, from, to)   dims.x, dims.y, dims.z; three launches, axis 0, 1, 2
  *
@@ -252,15 +260,16 @@ typedef struct ost_cl_tiles {
  *
  * Each item writes its own cell.
  *
- * Beside them, for ost_remove_blocks, each class c (1, 2) by itself as
- * windows: 8 voxels along x are a byte, one at every second voxel, bytes along y
- * lie side by side.  So 8^3 voxels from any voxel on (along x: from any even one) are
- * 8 loads of 8 bytes, and are void where they lie outside the grid.
+ * For ost_remove_blocks each class c (1, 2) is also stored separately as
+ * windows: a byte holds 8 voxels along x, there is a byte for every second voxel
+ * along x, and bytes of neighbours along y are adjacent.  So any cube of
+ * 8^3 voxels (whose first x is even) is 8 loads of 8 bytes.  Voxels outside the
+ * grid are void.
  *
- *   ost_tool_windows(tool, classes, windows)   OST_CL_WINDOWS_Y(dims.y), _Z(dims.z), tool.axis * _X(dims.x); tool.axis: how
- *                                              many classes, 1 or 2
+ *   ost_tool_windows(tool, classes, windows)   OST_CL_WINDOWS_Y(dims.y), _Z(dims.z), tool.axis * _X(dims.x);
+ *                                            tool.axis is the number of classes, 1 or 2
  *
- *   windows  uchar[...]   of class 1, then of class 2: byte (i, y, z), y fastest, then z: bit b is whether voxel
+ *   windows  uchar[...]   of class 1, then of class 2: byte (i, y, z), y fastest, then z: bit b is 1 if voxel
  *                         (2 i - 8 + b, y - 8, z - 8) has the class
  */
 #define OST_CL_WINDOWS_X(n) (((n) + 10) / 2)
@@ -269,7 +278,7 @@ typedef struct ost_cl_tiles {
 
 typedef struct ost_cl_tool {
     ost_cl_i32 dims[3];
-    ost_cl_i32 axis; /* windows: how many classes */
+    ost_cl_i32 axis; /* for ost_tool_windows: the number of classes */
 } ost_cl_tool;
 
 #define OST_CL_REACH_MAX 63
@@ -278,35 +287,40 @@ typedef struct ost_cl_tool {
 /*
  * AR-MAP, AR-REM: an event with all its poses and blocks in one launch.
  *
- *   ost_remove(event, cells, density, words, reports)                   event.blocks * 256 / OST_ROWS
- *   ost_remove_blocks(event, cells, windows, density, words, reports)   event.blocks, up to a multiple of OST_CL_HANDS; one
- *                                                                       dimension both
+ *   ost_remove(event, cells, density, words, reports)                   event.blocks * 256 / OST_ROWS; one dimension
+ *   ost_remove_blocks(event, cells, windows, density, words, reports)   event.blocks, rounded up to a multiple of
+ *                                                                       OST_CL_HANDS; one dimension
  *
- *   event    const ost_cl_event[1] and what belongs to it, one buffer; each begins that many bytes from its start, a multiple of 8:
+ *   event    const ost_cl_event[1] and its arrays in one buffer; each array begins at the given offset in bytes, a
+ *            multiple of 8:
  *     poses_at     const ost_cl_pose[...]
- *     blocks_at    const ost_cl_block[event.blocks]   16^3 voxels each, aligned to voxel (0, 0, 0), of chunks with a slot; no block twice
+ *     blocks_at    const ost_cl_block[event.blocks]   16^3 voxels each, aligned to voxel (0, 0, 0), of chunks with a
+ *                                                     slot; no block twice
  *     entries_at   const ost_cl_entry[...]            the poses that may meet a block, with the block's base
- *   cells    const uchar[tool voxels]           dims <= 1024 an axis
- *   windows  const uchar[...]                   of class 1, then, where event.touches, of class 2
- *   density  short[...], words  ushort[...]     the pool; words are the same bytes as in ost_chunk_*, two a uint, little-endian
+ *   cells    const uchar[tool voxels]           dims <= 1024 per axis
+ *   windows  const uchar[...]                   of class 1, then, if event.touches, of class 2
+ *   density  short[...], words  ushort[...]     the pool; words are the same bytes as in ost_chunk_*, two per uint,
+ *                                              little-endian
  *   reports  ost_cl_block_report[event.blocks]  zeros at first (ost_remove_blocks writes all of them)
  *
- * The two do the same.  ost_remove is for devices of many work items: one
- * takes OST_ROWS rows of 16 voxels of a block, that is 16 bits of occupancy and
- * 16 densities each, which are no other item's, and adds to the block's report
- * by atomic_add.  ost_remove_blocks is for few strong cores with vectors: an
- * item takes a whole block and halves it until the tool's reach decides.  Every
- * pose of the block's entries marks what it hits and touches; a voxel that is
- * hit by one is hit, so the order of entries does not matter.  Sums of a block:
- * at most 4096 voxels and 2^12 * 2^15 of density, so 32 bits hold them.
+ * The two have the same results.  ost_remove is for devices of many work items:
+ * an item processes OST_ROWS rows of 16 voxels of a block, each with 16 bits of
+ * occupancy and 16 densities that no other item accesses, and adds to the block's
+ * report by atomic_add.  ost_remove_blocks is for few strong cores with vectors:
+ * an item processes an entire block and halves it until the tool's reach decides.
+ * Every pose of the block's entries marks the voxels that it hits and touches; a
+ * voxel is hit if any pose hits it, so the order of entries does not matter.  The
+ * sums of a block cover at most 4096 voxels and 2^12 * 2^15 of density, so they
+ * fit 32 bits.
  *
- * The host leaves out entries whose pose's box does not meet the block or
- * whose base is far (AR-MAP-5), and blocks without entries.  The rest of a
- * box is cut here, to the voxel, so that boxes mean what they mean elsewhere.
- * Far bases must not come here: the sums below would not fit.
+ * The host omits entries whose pose's box does not meet the block or whose base
+ * is far (AR-MAP-5), and blocks without entries.  Within a block the kernels apply
+ * the box to each voxel, so that boxes have the same meaning in every backend.
+ * Entries with far bases are not allowed, since the sums of the kernels would
+ * overflow.
  */
 #define OST_CL_CLASSES 8
-#define OST_CL_HANDS 8 /* among whom ost_remove_blocks deals out blocks */
+#define OST_CL_HANDS 8 /* parts among which ost_remove_blocks distributes neighbouring blocks */
 
 typedef struct ost_cl_event {
     ost_cl_i32 tool_dims[3];
@@ -321,7 +335,7 @@ typedef struct ost_cl_event {
 
 typedef struct ost_cl_block {
     ost_cl_i32 first[3]; /* first voxel in the grid; multiples of 16 */
-    ost_cl_u32 slot;     /* of its chunk */
+    ost_cl_u32 slot;     /* slot of its chunk */
     ost_cl_u32 entry, entries; /* entries[entry] ... entries[entry + entries - 1] */
 } ost_cl_block;
 
@@ -333,12 +347,12 @@ typedef struct ost_cl_entry {
 typedef struct ost_cl_pose {
     ost_cl_i32 step[3][3]; /* [bone axis][tool axis], as in ost_map */
     ost_cl_i32 lo[3], hi[3]; /* its box, as in ost_event */
-    ost_cl_u8 whole[3]; /* the reach at its middle that decides a cube of 4, 8, 16 voxels; above OST_CL_REACH_MAX: none does */
-    ost_cl_u8 planes;   /* of a window that a brick may meet: 6 or 8; 0: a brick may be larger */
-    ost_cl_u8 skip[OST_CL_REACH_MAX + 1]; /* all three from ost_cl_pose_reach */
+    ost_cl_u8 whole[3]; /* reach at its middle that decides a cube of 4, 8, 16 voxels; > OST_CL_REACH_MAX: none */
+    ost_cl_u8 planes;   /* planes of a window that a brick may meet: 6 or 8; 0: a brick may be larger than a window */
+    ost_cl_u8 skip[OST_CL_REACH_MAX + 1]; /* whole, planes and skip are set by ost_cl_pose_reach */
 } ost_cl_pose;
 
-/* Class c: voxels hit, and the sum of their densities before. */
+/* For each class c the number of voxels hit and the sum of their densities before the event. */
 typedef struct ost_cl_block_report {
     ost_cl_u32 voxels[OST_CL_CLASSES];
     ost_cl_u32 density[OST_CL_CLASSES];
@@ -348,18 +362,20 @@ typedef struct ost_cl_block_report {
 
 /* ----------------------------------------------------------- fingerprint */
 /*
- * Integers as some drivers get them wrong, asked before any voxel is trusted
- * to one; fingerprint_expect.h beside this folder has what must come out.
+ * Integer operations that some drivers compute wrongly, tested before a device
+ * may decide any voxel; fingerprint_expect.h in the folder above has the expected
+ * results.
  *
  *   ost_fingerprint(count, in, out)               count items; out[OST_CL_FINGERPRINT i + k] from in[2 i], in[2 i + 1]
- *   ost_fingerprint_atomics(count, in, counters)  count items; counters uint[OST_CL_FINGERPRINT_COUNTERS], see fingerprint.cl
+ *   ost_fingerprint_atomics(count, in, counters)  count items; counters uint[OST_CL_FINGERPRINT_COUNTERS], see
+ *                                                 fingerprint.cl
  *
- *   ost_fingerprint_turns(end, turns)             one item; uint[2]: how often it went round until it met end, which is after
- *                                                 OST_CL_TURNS, and what it had then
+ *   ost_fingerprint_turns(end, turns)             one item; turns uint[2]: the number of loop turns until the value
+ *                                                 was end, which takes OST_CL_TURNS, and the value at that point
  *
  *   in  const ulong[2 * count], out  ulong[OST_CL_FINGERPRINT * count]
  *
- * and, in a program of its own (fingerprint_float.cl), for the record only:
+ * and, in a separate program (fingerprint_float.cl), for the record only:
  *
  *   ost_fingerprint_float(count, in, out)         count items; out[OST_CL_FLOATS i + k] bits from float bits in[3 i ...]
  */
@@ -367,20 +383,24 @@ typedef struct ost_cl_block_report {
 #define OST_CL_FINGERPRINT_COUNTERS 16
 
 /*
- * Turns of all loops of one item together.  Kernels for CPUs take as many as
- * their tile or block is large.  Those for GPUs take no more than
+ * Limits on the turns of all loops of one item together.  Kernels for CPUs take
+ * as many as the size of their tile or block requires.  Those for GPUs take at
+ * most
  *
- *   ost_vox_steps   15 a row, with a slice an item: 2^12 rows of one turn, at most 13 of halving, and one that ends that
- *   ost_remove      18 a pose (16 look-ups, the pose's own, the one that ends it), and 400 for the rest of a row
+ *   ost_vox_steps   15 a row, with a slice per item: 2^12 rows of one turn, at most 13 of halving, and one that ends
+ *                   the halving
+ *   ost_remove      18 a pose (16 look-ups, the pose's own turn, and the one that ends it), and 400 for all else in a
+ *                   row
  *   others          under 2^14
  *
- * so a device that gives fewer than OST_CL_TURNS has to give OST_CL_TURNS_LEAST, and gets events of as many poses as it can turn.
+ * A device that allows fewer than OST_CL_TURNS must therefore allow at least OST_CL_TURNS_LEAST, and its events are
+ * limited to OST_CL_TURNS_POSES poses.
  */
 #define OST_CL_TURNS 0x40000u
 #define OST_CL_TURNS_LEAST (15u * 4096u + 64u)
 #define OST_CL_TURNS_POSES(turns) (((turns) - 400u) / 18u)
 
-/* A walk through all 2^32 numbers, uint to uint. */
+/* A permutation of all 2^32 numbers with a single cycle, uint to uint. */
 #define OST_CL_NEXT_TURN(x) ((x) * 1664525u + 1013904223u)
 #define OST_CL_FLOATS 16
 
@@ -401,24 +421,24 @@ _Static_assert(sizeof(ost_cl_pose) == 128, "layout");
 _Static_assert(sizeof(ost_cl_block_report) == 80, "layout");
 
 /*
- * skip[r]: how many voxels of a row after one whose cell has reach r surely
- * have its class, at most 15.  j voxels on, a coordinate differs by at most
- * j m, m the greatest |step[0][a]|, and its tool voxel by at most
- * floor(j m / 2^20) + 1, which is < r when j m < (r - 1) 2^20.
+ * skip[r]: the number of voxels of a row, at most 15, after one whose cell has
+ * reach r that certainly have the cell's class.  At a distance of j voxels a
+ * coordinate differs by at most j m, with m the greatest |step[0][a]|, and its
+ * tool voxel by at most floor(j m / 2^20) + 1, which is < r if j m < (r - 1) 2^20.
  * m <= 2^24 + 1, so all this is below 2^29.
  *
- * whole[c]: for a cube of e = 4 << c voxels whose middle, its first voxel's
- * coordinate plus (e - 1) / 2 of the three steps rounded to whole units, lies in
- * a cell of that reach.  A coordinate of the cube differs from the middle's by
- * at most d = ((e - 1) t + 1) / 2, t the sum of the three |step[b][a]|, its tool
- * voxel by at most floor(d / 2^20) + 1, which must be < r.  15 t < 2^29
- * (AR-MAP-5).
+ * whole[c]: the least r for a cube of e = 4 << c voxels whose middle lies in a
+ * cell of reach r.  The middle is the first voxel's coordinate plus (e - 1) / 2 of
+ * the three steps, rounded to integer units.  A coordinate of the cube differs
+ * from the middle's by at most d = ((e - 1) t + 1) / 2, with t the sum of the three
+ * |step[b][a]|, and its tool voxel by at most floor(d / 2^20) + 1, which must be
+ * < r.  15 t < 2^29 (AR-MAP-5).
  *
  * planes: along an axis a brick's coordinates lie within 3 t of their least
  * one, so its tool voxels are the least one's and at most floor(3 t / 2^20) + 1
  * more.  A window begins with the least one, along x perhaps one before: 8
- * voxels hold a brick when 3 t < 7 * 2^20, along x 3 t < 6 * 2^20, and 6 planes along z
- * when 3 t < 5 * 2^20.  (0.94 tool voxels a bone voxel, however turned: 3 t < 4.9 * 2^20.)
+ * voxels contain a brick if 3 t < 7 * 2^20, along x 3 t < 6 * 2^20, and 6 planes along z
+ * if 3 t < 5 * 2^20.  (With 0.94 tool voxels per bone voxel, in any rotation: 3 t < 4.9 * 2^20.)
  */
 static inline void ost_cl_pose_reach(ost_cl_pose *pose)
 {

@@ -1,30 +1,30 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The voxelizer by triangle (AR-VOX), and what removal looks up of a tool.
+ * The voxelizer by triangle (AR-VOX), and the cells of a tool that removal reads.
  *
- *   ost_vox_steps   a triangle notes +1 or -1 at the first centre not left of
+ *   ost_vox_steps   a triangle adds +1 or -1 at the first centre not left of
  *                   its crossing, in every row that it owns
  *   ost_vox_fill    a row's running sum: solid where it is not 0
- *   ost_vox_tiles   both for CPUs, a tile of rows an item (voxelize_cpu.cl)
+ *   ost_vox_tiles   both for CPUs, a tile of rows per item (voxelize_cpu.cl)
  *
  * Ranges.  L = 2^20 and coordinates lie in [0, L].  For an edge a -> b,
  * E = dy (Z - az) - dz (Y - ay) has |dy|, |dz| <= L, |Z - az| <= L + 2^9 (a centre), so
- * |E| < 2^42, and so has E at every row of the triangle's bounds, which is
- * where it is formed.  |nx|, |ny|, |nz| <= 2^41, and a crossing times nx,
+ * |E| < 2^42 at every row of the triangle's bounds, and E is computed only there.
+ * |nx|, |ny|, |nz| <= 2^41, and a crossing times nx,
  * K = nx ax - ny (Y - ay) - nz (Z - az), is a sum of three terms of at most
- * 2^61: it and its partial sums stay below 2^63 (in truth |n| <= 2^40, each
+ * 2^61: it and its partial sums stay below 2^63 (in fact |n| <= 2^40, each
  * twice the area of a triangle in a square of side L, so below 2^62).  nx 2^f
  * <= 2^51, and K / nx lies in [0, L], so K - nx 2^(f-1) >= -2^50.  A count is
  * at most the number of triangles, 2^26.
  */
 
-/* Lattice coordinate of centre i. */
+/* Returns the lattice coordinate of centre i. */
 static long ost_centre(int i, int f)
 {
     return ((2l * i + 1) * (1l << f)) / 2;
 }
 
-/* First centre not below m, and last one not above it; 0 <= m <= dims 2^f. The latter may be -1. */
+/* These return the first centre not below m, and the last one not above it, which may be -1; 0 <= m <= dims 2^f. */
 static int ost_first_centre(int m, int f)
 {
     return (int)(((uint)m + (1u << (f - 1)) - 1u) >> f);
@@ -35,22 +35,22 @@ static int ost_last_centre(int m, int f)
     return (int)(((uint)m + (1u << (f - 1))) >> f) - 1;
 }
 
-/* AR-VOX-2, the rule for E = 0; dy and dz are not both 0. */
+/* Returns true if the edge is owned at E = 0 (AR-VOX-2); dy and dz are not both 0. */
 static int ost_owns_edge(long dy, long dz)
 {
     return dz < 0 || (dz == 0 && dy > 0);
 }
 
-/* A triangle that is turned so that its projection runs counter-clockwise, and the rows and slices whose centres its bounds hold. */
+/* A triangle, turned so that its projection runs counter-clockwise, with the range of centres in its bounds. */
 typedef struct ost_triangle {
     long a[3], b[3], c[3];
-    int i_first, i_last, j_first, j_last, k_first, k_last; /* of the centres in its bounds */
+    int i_first, i_last, j_first, j_last, k_first, k_last; /* centres in its bounds */
     long nx, ny, nz;
-    int step; /* what a crossing adds */
-    int on0, on1, on2; /* whether it owns its edges ab, bc, ca */
+    int step; /* value that a crossing adds */
+    int on0, on1, on2; /* 1 if it owns its edge ab, bc, ca */
 } ost_triangle;
 
-/* False when no slice k0 <= k < k1 has anything of it. */
+/* Loads a triangle. Returns false if it has no crossing in slices k0 <= k < k1. */
 static int ost_triangle_load(ost_triangle *t, __global const int *vertices, __global const uint *triangles, size_t number, int f, int k0,
                              int k1)
 {
@@ -72,7 +72,7 @@ static int ost_triangle_load(ost_triangle *t, __global const int *vertices, __gl
     if (t->nx == 0)
         return 0;
     t->step = -1;
-    if (t->nx < 0) { /* the outward normal looks to low x: the line enters here */
+    if (t->nx < 0) { /* the outward normal points to low x: the line enters here */
         for (int i = 0; i < 3; i++) {
             const long swap = t->b[i];
             t->b[i] = t->c[i];
@@ -97,7 +97,8 @@ static int ost_triangle_load(ost_triangle *t, __global const int *vertices, __gl
     return 1;
 }
 
-/* The first centre not left of the crossing with row (j, k), at most dims[0]; -1 when the triangle does not own it. */
+/* Returns the first centre not left of the crossing with row (j, k), at most dims[0]; -1 if the triangle does not
+   own it. */
 static int ost_triangle_crossing(const ost_triangle *t, int j, int k, int f)
 {
     const long y = ost_centre(j, f), z = ost_centre(k, f), width = 1l << f;
@@ -106,12 +107,13 @@ static int ost_triangle_crossing(const ost_triangle *t, int j, int k, int f)
     const long e2 = (t->a[1] - t->c[1]) * (z - t->c[2]) - (t->a[2] - t->c[2]) * (y - t->c[1]);
     if (e0 < 0 || e1 < 0 || e2 < 0 || (e0 == 0 && !t->on0) || (e1 == 0 && !t->on1) || (e2 == 0 && !t->on2))
         return -1;
-    /* It crosses within its bounds: so at one of their centres or the one behind, found by halving, since 64-bit division is slow. */
+    /* It crosses within its bounds, so the result is one of their centres or the next one. It is found by halving,
+       since 64-bit division is slow. */
     const long crossing = t->nx * t->a[0] - t->ny * (y - t->a[1]) - t->nz * (z - t->a[2]) - t->nx * (width / 2); /* times nx, from centre 0 */
     int least = t->i_first, most = t->i_last + 1;
     while (least < most) {
         const int middle = (least + most) / 2;
-        if (t->nx * width * middle >= crossing) /* nx 2^f i < 2^40 2^20: f bits of lattice and i make 2^20 */
+        if (t->nx * width * middle >= crossing) /* nx 2^f i < 2^40 2^20, since i 2^f <= 2^20 */
             most = middle;
         else
             least = middle + 1;
@@ -179,8 +181,8 @@ __kernel void ost_vox_count(__global const ost_cl_vox *vox, __global const uchar
 #endif
 
 /*
- * After axis 0 a cell's reach speaks of its row, after axis 1 of its slice,
- * after axis 2 of the grid.  The square of half-edge r - 1 around a cell is
+ * After axis 0 a cell's reach refers to its row, after axis 1 to its slice,
+ * after axis 2 to the grid.  The square of half-edge r - 1 around a cell is
  * of one class iff the cells at distance d < r along the new axis are of that
  * class and the old reach of each is at least r.  So r is the least of: the
  * cell's own old reach; d for a neighbour of another class; max(d, its old

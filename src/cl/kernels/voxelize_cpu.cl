@@ -1,18 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The voxelizer for CPUs (AR-VOX): an item has a tile of rows and lists of the
- * triangles whose bounds meet its slices (cl/voxelize_tiles.c), so nothing is atomic.
+ * The voxelizer for CPUs (AR-VOX).  An item processes a tile of rows with lists of
+ * the triangles whose bounds meet its slices (cl/voxelize_tiles.c), so no atomics
+ * are needed.
  *
  *   for each few slices of the tile
- *     steps[row][i]   sums of what crosses before centre i      where marked, eight triangles at once
- *     marks[row]      bit i: something does
+ *     marks[row]      bit i: the row has crossings between centres i - 1 and i
+ *     steps[row][i]   the sum of these crossings, valid where marked
+ *                     (eight triangles are processed at once)
  *     fill            from mark to mark; rows that leak stay void
  *
  * Ranges as in voxelize.cl; a tile's rows and lists have 64-bit indices.
  */
 #if OST_FOR & 2
 
-#ifdef __clang__ /* vectors wider than the processor's: the library's functions are compiled for the same one */
+#ifdef __clang__ /* vectors are wider than the processor's, but all functions are compiled for the same one */
 #pragma clang diagnostic ignored "-Wpsabi"
 #endif
 
@@ -50,28 +52,29 @@ static inline long8 ost_shifted8(long8 v, int f)
     return as_long8(as_ulong8(v) << (ulong)f);
 }
 
-/* 0 where the edge is owned, -1 where it is not: added to E, so that its sign alone decides. */
+/* Returns 0 if the edge is owned, -1 if not. It is added to E, so that the sign of E alone decides. */
 static inline long8 ost_edge_bias8(long8 dy, long8 dz)
 {
     return ~((dz < 0) | ((dz == 0) & (dy > 0)));
 }
 
-/* The rows and slices that a pass marks. */
+/* The rows and slices that a pass marks, and its scratch. */
 typedef struct ost_pass {
-    int j0, j1, k0, k1; /* rows and slices */
-    int height;         /* rows of scratch a slice has */
+    int j0, j1, k0, k1; /* half-open ranges of rows and slices */
+    int height;         /* rows of scratch per slice */
     int f;
     size_t row_steps, row_words;
 } ost_pass;
 
 /*
- * What count <= 8 triangles add, a lane each.  A lane walks through the rows
- * of its bounds, as many as the one with the most has; E and the crossing are
- * linear in row and slice, so they are added to.  R = K - nx 2^f i_first, whose
- * crossing is at the least q >= 0 with nx 2^f q >= R: found bit by bit.
+ * Adds the crossings of count <= 8 triangles, one per lane.  All lanes process as
+ * many rows as the triangle with the most rows in its bounds.  E and the crossing
+ * are linear in row and slice, so they are updated by additions.
+ * R = K - nx 2^f i_first; its crossing is at the least q >= 0 with nx 2^f q >= R,
+ * which is found bit by bit.
  *
- * Ranges.  Lanes that wait for others leave their bounds by up to 2^12 rows,
- * 2^20 further: |E| <= 2^20 2^21 2 + 1, and as |n| <= 2^40, |R| < 2^61 + 2^61 + 2^61.
+ * Ranges.  Lanes with fewer rows leave their bounds by up to 2^12 rows, that is
+ * 2^20 units: |E| <= 2^20 2^21 2 + 1, and as |n| <= 2^40, |R| < 2^61 + 2^61 + 2^61.
  * A step of R is at most 2^50 2, one of E 2^30; nx 2^f 2^12 <= 2^62.
  */
 static void ost_mark_eight(const ost_pass *pass, __global const int *vertices, __global const uint *triangles, __global const uint *list,
@@ -105,7 +108,7 @@ static void ost_mark_eight(const ost_pass *pass, __global const int *vertices, _
     long8 nx = (by - ay) * (cz - az) - (bz - az) * (cy - ay);
     long8 ny = (bz - az) * acx - abx * (cz - az);
     long8 nz = abx * (cy - ay) - (by - ay) * acx;
-    const long8 turn = nx < 0; /* the outward normal looks to low x: the line enters here */
+    const long8 turn = nx < 0; /* the outward normal points to low x: the line enters here */
     nx = (nx ^ turn) - turn;
     ny = (ny ^ turn) - turn;
     nz = (nz ^ turn) - turn;
@@ -125,7 +128,7 @@ static void ost_mark_eight(const ost_pass *pass, __global const int *vertices, _
     const long8 e0_k = ost_shifted8(dy0, f), e1_k = ost_shifted8(dy1, f), e2_k = ost_shifted8(dy2, f), rest_k = ost_shifted8(nz, f);
     const long8 e0_j = ost_shifted8(dz0, f), e1_j = ost_shifted8(dz1, f), e2_j = ost_shifted8(dz2, f), rest_j = ost_shifted8(ny, f);
     const long8 wide = ost_shifted8(nx, f);
-    const int furthest = ost_most_of8((most[0] - least[0]) & ~none); /* of q - 1 */
+    const int furthest = ost_most_of8((most[0] - least[0]) & ~none); /* greatest q - 1 */
     const int bits = furthest > 0 ? 32 - (int)clz((uint)furthest) : 0;
     int row[8], place[8], step[8];
     vstore8(j_first - pass->j0 + pass->height * (k_first - pass->k0), 0, row);
@@ -173,7 +176,8 @@ static void ost_fill_16(__global uchar *classes, uchar tool_class)
         classes[b] = tool_class;
 }
 
-/* Voxels from <= i < to of a row; by sixteen, which compilers make a vector, the last of them over some that are done. */
+/* Sets the voxels from <= i < to of a row. Runs of sixteen are used, which compilers vectorize; the last one may
+   overlap the one before. */
 static void ost_fill_run(__global uchar *classes, int from, int to, uchar tool_class)
 {
     int i = from;
@@ -187,7 +191,8 @@ static void ost_fill_run(__global uchar *classes, int from, int to, uchar tool_c
         classes[i] = tool_class;
 }
 
-/* A row from its marks: solid voxels; over: void ones stay as they are. *leaks is raised when it leaks. */
+/* Fills a row from its marks and returns the number of its solid voxels; if over is 1, void voxels keep their class.
+   Increments *leaks if the row leaks. */
 static uint ost_fill_row(__global const ost_cl_tiles *tiles, __global const int *steps, __global const ulong *marks,
                          __global uchar *classes, uint *leaks)
 {
