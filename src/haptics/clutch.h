@@ -39,7 +39,7 @@ void haptic_clutch_release(haptic_clutch *clutch);
 void haptic_clutch_place(haptic_clutch *clutch, const ost_pose *tool);
 /*
  * Returns the tool's pose for a body at `at` (m) with orientation q (length 1), engaging the
- * clutch if necessary. Returns an invalid pose if the result is not a pose.
+ * clutch if necessary. Returns an invalid pose if a value is not finite or is too far away.
  */
 ost_pose haptic_clutch_pose(haptic_clutch *clutch, const double at[3], const double q[4]);
 /* Like haptic_clutch_pose, with the body's pose given in the bone's frame. */

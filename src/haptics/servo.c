@@ -42,7 +42,7 @@ typedef struct servo {
     ost_servo_report *report;
     ost_servo_sample sample;
     int64_t due, wake_ns;
-    own_work ready, begin; /* at the end of the sleep before the tick; at its beginning */
+    own_work ready, begin; /* measured at the end of the sleep before a tick; at the tick's beginning */
     bool has_pose;
     int silent; /* consecutive ticks without a new pose */
 } servo;

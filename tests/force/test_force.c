@@ -183,8 +183,8 @@ static void planar_reaming(void **state)
 }
 
 /*
- * A hemisphere: F = (2 pi u R v / mu w) (integral of cos^2 from t0 on + R/r0 (1 - cos^3 t0) /
- * 3), sin t0 = r0 / R.
+ * A hemisphere: F = (2 pi u R v / mu w) (integral of cos^2 from t0 on + R/r0 (1 - cos^3 t0) / 3),
+ * sin t0 = r0 / R.
  */
 static void hemispherical_reaming(void **state)
 {
