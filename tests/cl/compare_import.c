@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The import's kernels against the reference: rect grids with their reports, cubic grids, chunks word by word. */
+/* Compares the import's kernels with the reference: rect grids with their reports, cubic grids, chunks word by word. */
 #include "cl/machine.h"
 
 #include "core/backend.h"
@@ -33,7 +33,7 @@ static bool before(int64_t line, int64_t recorded)
     return recorded == 0 || line < recorded;
 }
 
-/* What shared.h says of adding up. */
+/* Adds a batch's report as shared.h defines it. */
 static void add_report(ost_scatter_report *to, const ost_cl_scatter_report *part, const ost_sample *samples, size_t count, int64_t first_line)
 {
     to->samples += count;
@@ -89,7 +89,7 @@ static void scatter_batch(machine *m, const scatter_grid *g, const ost_sample *s
         assert_int_equal(g->owner[v], 0);
 }
 
-/* On the lattice, off it by any amount, outside, and beyond what a length is. */
+/* Returns a coordinate on the lattice, off it by any amount, outside the grid, or beyond the range of lengths. */
 static int64_t some_coordinate(test_rng *rng, ost_pm origin, ost_pm spacing, int32_t n, bool clean)
 {
     const int64_t at = origin + rng_range(rng, 0, n - 1) * spacing;
@@ -132,13 +132,13 @@ static void scatter_round(machine *m, test_rng *rng, ost_backend *ref)
     for (int b = 0; b < batches; b++) {
         const size_t count = (size_t)rng_range(rng, 1, m->small ? 60 : 400);
         ost_sample *samples = zeros(count, sizeof *samples);
-        const int spread = rng_range(rng, 0, 1) ? 32767 : 2; /* many equal densities, or few */
+        const int spread = rng_range(rng, 0, 1) ? 32767 : 2; /* few equal densities, or many */
         for (size_t i = 0; i < count; i++) {
             samples[i].x = some_coordinate(rng, g.geometry.origin.x, g.geometry.spacing.x, g.geometry.dims.x, clean);
             samples[i].y = some_coordinate(rng, g.geometry.origin.y, g.geometry.spacing.y, g.geometry.dims.y, clean);
             samples[i].z = some_coordinate(rng, g.geometry.origin.z, g.geometry.spacing.z, g.geometry.dims.z, clean);
             samples[i].density = (int32_t)rng_range(rng, -spread - 1, spread);
-            samples[i].line = (uint32_t)(mixed ? rng_range(rng, 0, 20) : (int64_t)i); /* several of a line: the first counts */
+            samples[i].line = (uint32_t)(mixed ? rng_range(rng, 0, 20) : (int64_t)i); /* equal lines */
         }
         if (mixed)
             duplicates = (ost_duplicates)rng_range(rng, 0, 3);
@@ -251,7 +251,8 @@ typedef struct slab {
     size_t count, layer_count;
 } slab;
 
-/* Slices z0 <= k < z1 of a grid; first >= 0: those that repeat the one before only once, and the list of them. */
+/* Makes a slab of slices z0 <= k < z1 of a grid. With first >= 0 slices that repeat the one before are stored once,
+   with a list. */
 static slab slab_of(const int16_t *voxels, size_t slice, int32_t z0, int32_t z1, int32_t first)
 {
     slab s = {.z0 = z0, .z1 = z1, .first = first, .weights = -1, .layer_count = (size_t)(z1 - z0) + (size_t)(first < 0 ? 1 : first)};
@@ -307,7 +308,7 @@ static void chunks_round(machine *m, test_rng *rng)
     const int n = 16 << rng_range(rng, 0, m->small ? 1 : 2);
     const int32_t threshold = (int32_t)(rng_range(rng, 0, 2) ? 120 : rng_range(rng, 1, 32767));
     const size_t count = (size_t)ost_dims_count(d), slice = (size_t)d.x * (size_t)d.y;
-    const int solid = (int)rng_range(rng, 0, 20); /* so that some voxels have six active neighbours */
+    const int solid = (int)rng_range(rng, 0, 20); /* up to all voxels active where kind is not 0 */
     int16_t *voxels = zeros(count, 2);
     for (size_t v = 0, left = 0, kind = 0; v < count; v++, left--) {
         if (left == 0) {
@@ -317,13 +318,14 @@ static void chunks_round(machine *m, test_rng *rng)
         voxels[v] = (int16_t)(kind == 0 ? 0 : rng_range(rng, 0, 20) < solid ? rng_range(rng, threshold, 32767) : rng_range(rng, -32768, threshold));
     }
     ost_chunk_grid grid;
-    for (int32_t k = 1; k < d.z; k++) /* some slices are those before them */
+    for (int32_t k = 1; k < d.z; k++) /* some slices repeat the one before */
         if (rng_range(rng, 0, 2) == 0)
             memcpy(voxels + slice * (size_t)k, voxels + slice * (size_t)(k - 1), slice * 2);
-    /* One slab, or two that meet anywhere; slices as they are, or a list that names equal ones once, or means of two. */
+    /* One slab, or two that meet at any slice; slices in order, or a list that stores equal ones once, or means of
+       two. */
     const int32_t ends[3] = {0, (int32_t)rng_range(rng, 0, d.z), d.z};
     const int how = (int)rng_range(rng, 0, 2);
-    const int32_t lead = (int32_t)rng_range(rng, 0, 3); /* what stands before the list */
+    const int32_t lead = (int32_t)rng_range(rng, 0, 3); /* unused elements before the list */
     slab slabs[2];
     for (int part = 0; part < 2; part++)
         slabs[part] = how == 2 && ends[part] < ends[part + 1] ? slab_between(rng, voxels, slice, ends[part], ends[part + 1], lead)
@@ -354,7 +356,7 @@ static void chunks_round(machine *m, test_rng *rng)
     const size_t room = p.used ? p.used : 1;
     p.density = zeros(room * p.voxels, 2);
     p.words = zeros(room * p.voxels / 32, 4);
-    if (!by_items) { /* all of a slot is written */
+    if (!by_items) { /* these kernels write every element of a slot */
         memset(p.density, 0x55, room * p.voxels * 2);
         memset(p.words, 0x55, room * p.voxels / 8);
     }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * ost_remove and ost_remove_blocks against the reference: collision, removal, and the same removal
- * again, with the report summed over blocks, and every density and word.
- * Poses, tools and boxes are any; those on borders are among them.
+ * Compares ost_remove and ost_remove_blocks with the reference: collision, removal,
+ * and the same removal again, with the report summed over blocks, and every density
+ * and word.  Poses, tools and boxes are random; some lie exactly on voxel borders.
  */
 #include "cl/machine.h"
 
@@ -12,7 +12,7 @@
 enum { BLOCK = OST_MAP_BLOCK };
 
 typedef struct bone_pool {
-    const ost_chunk_grid *grid; /* the reference's, as it was */
+    const ost_chunk_grid *grid; /* the reference's, before the event */
     size_t used, voxels;
     uint32_t *slots;
     int16_t *density;
@@ -26,7 +26,7 @@ static void *zeros(size_t count, size_t size)
     return p;
 }
 
-/* Slots in any order: a device's need not be that of the chunks. */
+/* Makes a pool with its slots in random order, since a device's slots need not be in the order of the chunks. */
 static bone_pool pool_of(const ost_chunk_grid *grid, test_rng *rng)
 {
     bone_pool p = {.grid = grid, .voxels = (size_t)grid->size * (size_t)grid->size * (size_t)grid->size};
@@ -66,13 +66,13 @@ static int32_t clamped(int32_t v, int32_t most)
     return v < 0 ? 0 : v > most ? most : v;
 }
 
-/* The blocks and entries of an event, as shared.h asks for them. */
+/* The blocks and entries of an event, as shared.h defines them. */
 typedef struct plan {
     ost_cl_event event;
     ost_cl_block *blocks;
     ost_cl_entry *entries;
     ost_cl_pose *poses;
-    int32_t *chunk; /* of each block */
+    int32_t *chunk; /* chunk of each block */
     size_t entry_count, pose_count;
 } plan;
 
@@ -132,11 +132,11 @@ static void plan_free(plan *e)
     free(e->chunk);
 }
 
-/* What removal looks up of a tool, made by the kernels. */
+/* The cells and windows of a tool, made by the kernels. */
 typedef struct tool_tables {
     uint8_t *cells[2]; /* [0] is the result */
     uint8_t *windows;
-    size_t bytes; /* of windows */
+    size_t bytes; /* size of windows */
     bool touches;
 } tool_tables;
 
@@ -152,7 +152,7 @@ static tool_tables tables_of(machine *m, const uint8_t *classes, ost_dims d)
     shape.axis = t.touches ? 2 : 1;
     t.bytes = (size_t)shape.axis * (size_t)OST_CL_WINDOWS_X(d.x) * (size_t)OST_CL_WINDOWS_Y(d.y) * (size_t)OST_CL_WINDOWS_Z(d.z);
     t.windows = zeros(t.bytes, 1);
-    memset(t.windows, 0x55, t.bytes); /* all is written */
+    memset(t.windows, 0x55, t.bytes); /* the kernel writes every byte */
     LAUNCH(m, ost_tool_windows, OST_CL_WINDOWS_Y(d.y), OST_CL_WINDOWS_Z(d.z), OST_CL_WINDOWS_X(d.x) * shape.axis, ONE(&shape),
            BUFFER(classes, voxels), BUFFER(t.windows, t.bytes));
     return t;
@@ -165,7 +165,7 @@ static void tables_free(tool_tables *t)
     free(t->windows);
 }
 
-/* The event's one buffer, its arrays in another order than the backend's. */
+/* Makes the event's buffer, with its arrays in another order than the backend's. */
 static uint8_t *input_of(plan *e, size_t *bytes)
 {
     const size_t entries = e->entry_count * sizeof *e->entries, poses = e->pose_count * sizeof *e->poses, blocks = e->event.blocks * sizeof *e->blocks;
@@ -181,7 +181,7 @@ static uint8_t *input_of(plan *e, size_t *bytes)
     return input;
 }
 
-/* One launch, its blocks' reports gathered by chunk and checked against the reference's. */
+/* Runs one launch, sums its blocks' reports by chunk and compares them with the reference's. */
 static void run(machine *m, const bone_pool *p, plan *e, const tool_tables *tables, const ost_tool_geometry *tool, bool apply,
                 const ost_report *expected)
 {
@@ -252,7 +252,7 @@ static uint8_t *some_classes(test_rng *rng, ost_dims d)
     return classes;
 }
 
-/* Anywhere on and around the bone; some turned by quarters with voxel on voxel. */
+/* Returns a pose anywhere on and around the bone; some are rotated by quarter turns with voxel on voxel. */
 static ost_pose some_pose(test_rng *rng, const ost_geometry *g)
 {
     const ost_pm s = g->spacing.x;
@@ -293,7 +293,7 @@ static void removal_round(machine *m, test_rng *rng, ost_backend *ref)
     if (rng_range(rng, 0, 3) == 0)
         for (size_t i = 0; i < voxel_count(&g); i++)
             voxels[i] = (int16_t)rng_range(rng, -32768, 32767);
-    if (rng_range(rng, 0, 3) == 0) /* chunks that are absent */
+    if (rng_range(rng, 0, 3) == 0) /* some chunks are absent */
         memset(voxels, 0, voxel_count(&g) / 2 * sizeof *voxels);
 
     scene_event scene;
@@ -302,7 +302,7 @@ static void removal_round(machine *m, test_rng *rng, ost_backend *ref)
     for (int k = 0; k < poses; k++) {
         assert_ok(ost_map_make(&pose, &g, &volume.geometry, &scene.maps[k], &err));
         scene.boxes[k] = (ost_voxel_box){.hi = {g.dims.x, g.dims.y, g.dims.z}};
-        if (rng_range(rng, 0, 2) == 0) /* one that cuts */
+        if (rng_range(rng, 0, 2) == 0) /* a box that cuts the tool */
             for (int a = 0; a < 3; a++) {
                 scene.boxes[k].lo[a] = (int32_t)rng_range(rng, -3, 40);
                 scene.boxes[k].hi[a] = (int32_t)rng_range(rng, scene.boxes[k].lo[a], 75);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The voxelizer's kernels against the reference, the cells' reach against its definition, the fingerprint against its list. */
+/* Compares the voxelizer's kernels with the reference, the cells' reach with its definition, and the fingerprint
+   with its list. */
 #include "cl/machine.h"
 
 #include "cl/fingerprint_expect.h"
@@ -26,7 +27,7 @@ static ost_snapped_mesh soup(test_rng *rng, ost_dims dims)
     return mesh;
 }
 
-/* Closed, possibly through itself: tetrahedra between any four points, outward or inward. */
+/* Makes a closed mesh, possibly self-intersecting: tetrahedra between any four points, oriented outward or inward. */
 static ost_snapped_mesh tetrahedra(test_rng *rng, ost_dims dims)
 {
     const size_t count = (size_t)rng_range(rng, 1, 5);
@@ -43,7 +44,7 @@ static ost_snapped_mesh tetrahedra(test_rng *rng, ost_dims dims)
     return mesh;
 }
 
-/* All coordinates at the ends of the range, f as it would be. */
+/* Moves all coordinates to the ends of the range; the fraction bits remain. */
 static void stretch(ost_snapped_mesh *mesh, test_rng *rng)
 {
     const int32_t n[3] = {mesh->grid.dims.x, mesh->grid.dims.y, mesh->grid.dims.z};
@@ -79,7 +80,8 @@ static void voxelize_mesh(machine *m, test_rng *rng, const ost_snapped_mesh *mes
     free(steps);
 }
 
-/* The same by tiles of any size, each with all triangles in an order of its own; counts: solid, cutting, leaking. */
+/* The same by tiles of any size, each with all triangles in a different order; counts are solid, cutting and
+   leaking. */
 static void voxelize_tiles(machine *m, test_rng *rng, const ost_snapped_mesh *mesh, ost_fill_rule rule, int tool_class, bool over,
                            uint8_t *classes, uint64_t counts[3])
 {
@@ -99,7 +101,7 @@ static void voxelize_tiles(machine *m, test_rng *rng, const ost_snapped_mesh *me
     uint64_t *marks = zeros(marks_room, 8), *of_tile = zeros(3 * count, 8);
     memset(steps, 0x33, steps_room * 4);
     memset(marks, 0x33, marks_room * 8);
-    of_tile[2] = over ? counts[2] : 99; /* added to, or not looked at */
+    of_tile[2] = over ? counts[2] : 99; /* the kernel adds to it if over, else overwrites it */
     for (size_t t = 0; t < lists; t++) {
         start[t + 1] = start[t] + (uint32_t)n;
         for (size_t i = 0; i < n; i++)
@@ -156,7 +158,7 @@ static void voxelize_round(machine *m, test_rng *rng)
     assert_int_equal(cutting, report.cutting_voxels);
 
     uint64_t tiled[3] = {0, 0, 0};
-    memset(found, 0x77, count); /* all is written */
+    memset(found, 0x77, count); /* the kernel writes every byte */
     if (both)
         voxelize_tiles(m, rng, &mesh[1], rule, OST_TOOL_NONCUTTING, false, found, tiled);
     voxelize_tiles(m, rng, &mesh[0], rule, OST_TOOL_CUTTING, both, found, tiled);
@@ -189,7 +191,7 @@ static int class_at(const uint8_t *classes, const int32_t d[3], int32_t x, int32
     return classes[x + d[0] * (y + d[1] * z)];
 }
 
-/* The definition, shell by shell. */
+/* Computes the reach by its definition, shell by shell. */
 static int reach_at(const uint8_t *classes, const int32_t d[3], int32_t x, int32_t y, int32_t z)
 {
     const int own = class_at(classes, d, x, y, z);
@@ -236,7 +238,7 @@ void compare_reach(machine *m, test_rng *rng, int rounds)
 
 /* ----------------------------------------------------------- fingerprint */
 
-/* Words that carry, and words at random. */
+/* Returns words that cause carries, and random words. */
 static uint64_t some_word(test_rng *rng)
 {
     switch (rng_range(rng, 0, 6)) {

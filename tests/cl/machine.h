@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Something that runs the kernels of src/cl/kernels: the kernels as C, or a
- * device.  Every launch copies its buffers there and back, which is all that a
- * comparison needs and nothing that is fast.
+ * An interface to run the kernels of src/cl/kernels: compiled as C, or on a
+ * device.  Every launch copies its buffers there and back, which is slow but
+ * sufficient for comparisons.
  */
 #ifndef OST_TESTS_CL_MACHINE_H
 #define OST_TESTS_CL_MACHINE_H
@@ -48,7 +48,7 @@ enum test_kernel {
     K_COUNT
 };
 
-/* A buffer when it has bytes, else a 32-bit number. */
+/* A buffer if bytes > 0, else a 32-bit number. */
 typedef struct kernel_arg {
     void *data;
     size_t bytes;
@@ -65,7 +65,7 @@ static inline kernel_arg number_arg(int64_t number)
     return (kernel_arg){.number = (uint32_t)number};
 }
 
-/* count elements of what p points at; one struct. */
+/* Arguments for count elements at p, and for one struct. */
 #define BUFFER(p, count) buffer_arg(p, sizeof *(p) * (size_t)(count))
 #define ONE(p) BUFFER(p, 1)
 
@@ -73,8 +73,8 @@ typedef struct machine machine;
 struct machine {
     char name[200];
     int rows;   /* OST_ROWS; 256: removal by ost_remove_blocks */
-    bool small; /* tiny scenes, for a simulator */
-    bool brief; /* it ends long loops: kernels for many small items alone (cl/fingerprint.c) */
+    bool small; /* small scenes, for a simulator */
+    bool brief; /* the device ends long loops, so only the kernel set for GPUs is compared (cl/fingerprint.c) */
     void (*launch)(machine *m, enum test_kernel kernel, const kernel_arg *args, unsigned count, const size_t range[3]);
 };
 
@@ -83,13 +83,16 @@ struct machine {
                 sizeof((const kernel_arg[]){__VA_ARGS__}) / sizeof(kernel_arg),                       \
                 (const size_t[3]){(size_t)(x), (size_t)(y), (size_t)(z)})
 
-/* The kernels as C; items run in an order that the seed makes, with idle ones beyond the range. */
+/* Makes a machine for the kernels as C. Items run in an order derived from the seed, with extra items beyond the
+   range. */
 machine *machine_as_c(uint64_t seed, int rows);
 
-/* How many turns an item's loops are given, at most OST_CL_TURNS; fails when the loop went wrong otherwise. */
+/* Returns the number of loop turns that an item is allowed, at most OST_CL_TURNS; fails if the loop's result is
+   wrong. */
 uint32_t machine_turns(machine *m);
 
-/* Comparisons with the reference; each makes rounds scenes out of rng and fails with the machine's name. */
+/* Comparisons with the reference; each generates rounds scenes from rng and reports failures under the machine's
+   name. */
 void compare_scatter(machine *m, test_rng *rng, int rounds);
 void compare_cubic(machine *m, test_rng *rng, int rounds);
 void compare_chunks(machine *m, test_rng *rng, int rounds);

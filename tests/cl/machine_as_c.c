@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The kernels compiled as C.  Items are called one after the other in an
- * order that no kernel may rely on: number i of N is i * stride + offset
- * modulo N, stride prime to N.  The range is larger than asked for, as a
- * device's is when it is rounded up.  Buffers are copies of their exact size,
- * so that the address sanitizer sees an item that leaves one.
+ * The kernels compiled as C.  Items are called one after the other in an order
+ * that no kernel may rely on: the i-th call runs item i * stride + offset modulo N,
+ * with stride coprime to N.  The range is larger than requested, as on a device
+ * that rounds it up.  Buffers are copies of exactly their size, so that the
+ * address sanitizer detects accesses outside them.
  */
 #include "cl/machine.h"
 
 #include "cl/opencl_c.h"
 
-/* One choice for the sanitizers' sake; devices are tried with others. */
+/* Variable here, so that one build covers all values; on devices it is a build option. */
 static int test_rows = 4;
 #define OST_ROWS test_rows
 
@@ -83,7 +83,7 @@ static void run_items(machine *base, enum test_kernel kernel, const kernel_arg *
     test_rows = base->rows;
     uint64_t size[3], all = 1;
     for (int a = 0; a < 3; a++) {
-        size[a] = range[a] + (uint64_t)(range[a] > 1 ? rng_range(&m->rng, 0, 2) : 0); /* 1: also a dimension that is not used */
+        size[a] = range[a] + (uint64_t)(range[a] > 1 ? rng_range(&m->rng, 0, 2) : 0); /* a dimension of 1 may be unused */
         all *= size[a];
     }
     if (all == 0)
@@ -117,7 +117,7 @@ static void launch(machine *base, enum test_kernel kernel, const kernel_arg *arg
     run_items(base, kernel, copies, range);
     for (unsigned i = 0; i < count; i++)
         if (args[i].bytes > 0) {
-            memcpy(args[i].data, copies[i].data, args[i].bytes); /* what a kernel may not write has not changed */
+            memcpy(args[i].data, copies[i].data, args[i].bytes); /* buffers that a kernel only reads are unchanged */
             free(copies[i].data);
         }
 }

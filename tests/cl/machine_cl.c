@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The kernels on an OpenCL device, without the backend: built from the
- * sources in the tree, warnings being errors.  A launch makes its buffers, runs,
- * and reads all of them back.
+ * The kernels on an OpenCL device, without the backend.  They are built from the
+ * sources in the tree, with warnings as errors.  A launch creates its buffers,
+ * runs, and reads all of them back.
  */
 #include "cl/machine_cl.h"
 

@@ -10,11 +10,12 @@
 
 #include "cl/machine.h"
 
-/* group: items of a work group along the first dimension; 0 leaves it to the device. */
+/* group: items of a work group along the first dimension; 0 lets the device choose. */
 machine *machine_on(cl_device_id device, int rows, size_t group);
 void machine_off(machine *m);
 
-/* The files of src/cl/kernels in this order, as one program; fails with the build's log. */
+/* Builds the given files of src/cl/kernels, in this order, as one program; on failure the test fails with the build
+   log. */
 cl_program program_of(cl_context context, cl_device_id device, const char *const *names, unsigned count, const char *options);
 
 #endif

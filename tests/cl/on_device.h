@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What the tests of the backend cl share: they need OpenCL and a device, and
- * are skipped with the reason where there is none.  Binaries are cached in
- * the build folder.  OST_TEST_CL chooses the device:
+ * Functions shared by the tests of the backend cl.  These tests need OpenCL and a
+ * device, and are otherwise skipped with the reason.  Binaries are cached in the
+ * build folder.  OST_TEST_CL selects the device, OST_TEST_ONLY the tests:
  *
  *   OST_TEST_CL=cl:platform=rusticl RUSTICL_ENABLE=llvmpipe tests/cl/test_cl_stages
  *   OST_TEST_ONLY='cache_*' tests/cl/test_cl_open
@@ -20,9 +20,9 @@
 enum { SKIPPED = 77 };
 
 /*
- * Drivers keep memory of their own until the program's end, and some lose a
- * little.  Objects of OpenCL that osteon forgets look the same; those are
- * counted by tests/cl/shim.c.
+ * Drivers allocate memory until the program's end, and some leak a little.
+ * OpenCL objects that osteon does not release would look the same, so they are
+ * hidden here too; tests/cl/shim.c counts them.
  */
 #if defined __SANITIZE_ADDRESS__
 const char *__lsan_default_suppressions(void);
@@ -38,14 +38,14 @@ static inline const char *device_spec(void)
     return spec && spec[0] ? spec : "cl";
 }
 
-/* The spec with one more option. */
+/* Appends one more option to the device's spec. */
 static inline void spec_with(char *out, size_t size, const char *option)
 {
     const char *spec = device_spec();
     snprintf(out, size, "%s%c%s", spec, strchr(spec, ':') ? ',' : ':', option);
 }
 
-/* 0, or SKIPPED with the reason said. */
+/* Returns 0, or SKIPPED after printing the reason. */
 static inline int device_missing(void)
 {
     char folder[4096];

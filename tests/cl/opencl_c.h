@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Enough of OpenCL C 1.2 for the kernels of src/cl/kernels to be C11: then the
- * compiler's warnings and sanitizers see them, and a debugger does.  A kernel is a
- * function that is called once for every item; test_item says which.
+ * The part of OpenCL C 1.2 that the kernels of src/cl/kernels need to compile as
+ * C11, for the compiler's warnings, sanitizers and a debugger.  A kernel is a
+ * function that is called once for every item; test_item is the item's number.
  */
 #ifndef OST_TESTS_CL_OPENCL_C_H
 #define OST_TESTS_CL_OPENCL_C_H
@@ -27,16 +27,16 @@ static inline size_t get_global_id(uint dimension)
     return test_item[dimension];
 }
 
-/* Conversions of bits. AR-CC-1 says what narrowing does. */
+/* Reinterpretations of bits. AR-CC-1 defines what narrowing does. */
 static inline int as_int(uint x) { return (int)x; }
 static inline uint as_uint(int x) { return (uint)x; }
 static inline long as_long(ulong x) { return (long)x; }
 static inline short as_short(ushort x) { return (short)x; }
 static inline signed char as_char(uchar x) { return (signed char)x; }
 
-/* Vectors, of GCC's and clang's kind: operators are those of OpenCL C, comparisons give 0 or -1. They are only ever inlined.
-   No sanitizer looks for overflow in their lanes: what bounds them stands beside the kernels, and meshes and poses at the ends of
-   the ranges are among those compared. */
+/* Vectors are extensions of GCC and clang: operators are those of OpenCL C, and comparisons give 0 or -1. The
+   functions are always inlined. No sanitizer detects overflow in vector lanes: comments in the kernels prove the
+   bounds, and the comparisons include meshes and poses at the ends of the ranges. */
 #pragma GCC diagnostic ignored "-Wpsabi"
 typedef uchar uchar8 __attribute__((vector_size(8)));
 typedef short short16 __attribute__((vector_size(32)));
@@ -114,7 +114,7 @@ static inline ulong rotate(ulong x, ulong by)
 #define min(a, b) ((a) < (b) ? (a) : (b))
 #define max(a, b) ((a) > (b) ? (a) : (b))
 
-/* Relaxed, as OpenCL 1.2's are; on uint and int. Each gives the old value. */
+/* Relaxed, as in OpenCL 1.2, for uint and int. Each returns the old value. */
 #define atomic_add(p, x) __atomic_fetch_add(p, x, __ATOMIC_RELAXED)
 #define atomic_sub(p, x) __atomic_fetch_sub(p, x, __ATOMIC_RELAXED)
 #define atomic_inc(p) __atomic_fetch_add(p, 1, __ATOMIC_RELAXED)
@@ -123,7 +123,7 @@ static inline ulong rotate(ulong x, ulong by)
 #define atomic_and(p, x) __atomic_fetch_and(p, x, __ATOMIC_RELAXED)
 #define atomic_xor(p, x) __atomic_fetch_xor(p, x, __ATOMIC_RELAXED)
 #define atomic_xchg(p, x) __atomic_exchange_n(p, x, __ATOMIC_RELAXED)
-/* Items are called one after the other here. */
+/* Items are called one after the other, so these need not be atomic. */
 static inline uint test_max_u32(volatile uint *p, uint x) { uint old = *p; *p = x > old ? x : old; return old; }
 static inline uint test_min_u32(volatile uint *p, uint x) { uint old = *p; *p = x < old ? x : old; return old; }
 static inline int test_max_i32(volatile int *p, int x) { int old = *p; *p = x > old ? x : old; return old; }

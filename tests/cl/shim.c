@@ -39,7 +39,7 @@ bool shim_failed(void)
     return failed;
 }
 
-/* Of a lost device nothing is heard any more. */
+/* Once a device is lost, all calls that use the queue fail. */
 bool shim_goes_to_queue(enum shim_call call)
 {
     return call == SHIM_clEnqueueReadBuffer || call == SHIM_clEnqueueWriteBuffer || call == SHIM_clEnqueueCopyBuffer ||
@@ -60,7 +60,8 @@ static bool refuses(enum shim_call call)
     {                                                                               \
         return refuses(SHIM_##name) ? codes[SHIM_##name] : ost_cl_loader.name arguments; \
     }
-/* The event of a call, last of its parameters, is an object too; wait: whether it returns only when all is done. */
+/* Calls with an event as their last parameter also create that object. wait: true if the call returns only after all
+   work. */
 #define ENQUEUE(name, wait, parameters, arguments)                       \
     static cl_int name##_shim parameters                                 \
     {                                                                    \
@@ -77,7 +78,7 @@ static bool refuses(enum shim_call call)
         objects[kind].released += code == CL_SUCCESS;                  \
         return code;                                                   \
     }
-/* The last parameter is where the code goes. */
+/* The last parameter receives the error code. */
 #define OBJECT(type, name, kind, parameters, arguments)  \
     static type name##_shim parameters             \
     {                                              \
@@ -138,7 +139,7 @@ ENQUEUE(clEnqueueNDRangeKernel, false,
        (cl_command_queue queue, cl_kernel kernel, cl_uint dims, const size_t *offset, const size_t *global, const size_t *local,
         cl_uint count, const cl_event *after, cl_event *event),
        (queue, kernel, dims, offset, global, local, count, after, event))
-/* Waits in any case: what a lost device does with the host's memory is over when it says that it is lost. */
+/* Waits in every case: a lost device must not access the host's memory after it has reported that it is lost. */
 static cl_int clFinish_shim(cl_command_queue queue)
 {
     const cl_int code = clFinish(queue);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The loader's calls with failures made to order: the n-th call of one
- * function is refused with a code, and on request everything after it too, as
- * when a device is lost.  No driver knows of it.
+ * The loader's functions with fault injection: the n-th call of one function
+ * fails with a code and, on request, so do all later calls that use the queue, as
+ * when a device is lost.  No support by the driver is needed.
  */
 #ifndef OST_TESTS_CL_SHIM_H
 #define OST_TESTS_CL_SHIM_H
@@ -31,21 +31,22 @@ enum shim_call {
 extern const char *const shim_names[SHIM_COUNT];
 extern const ost_cl_api shim;
 
-/* The n-th call from now on, 1 is the next, fails; lost: and everything that goes to the queue after it. n = 0: none. */
+/* Makes the n-th call from now on fail, where 1 is the next. lost: all later calls that use the queue fail too. n =
+   0: none fails. */
 void shim_fail(enum shim_call call, int n, bool lost);
-/* The same, lost, but heard of only by who waits: until then everything is taken and nothing done. */
+/* The same with a lost device, but only calls that wait report it: until then calls succeed without effect. */
 void shim_fail_late(enum shim_call call, int n);
-/* Whether it has come to that. */
+/* Returns true if the call has failed. */
 bool shim_failed(void);
-/* Of every kind of object that the backend makes: how many it was given, and how many it gave back. */
+/* The kinds of objects that the backend creates, and how many of each were created and released. */
 enum shim_object { SHIM_CONTEXT, SHIM_QUEUE, SHIM_PROGRAM, SHIM_KERNEL, SHIM_BUFFER, SHIM_EVENT, SHIM_OBJECTS };
 typedef struct shim_count {
     long created, released;
 } shim_count;
 extern const char *const shim_object_names[SHIM_OBJECTS];
-/* Since the start. */
+/* Returns the counts since the program's start. */
 shim_count shim_objects(enum shim_object kind);
-/* Objects of any kind created and not yet released. */
+/* Returns the number of objects of all kinds that were created and not yet released. */
 long shim_alive(void);
 bool shim_goes_to_queue(enum shim_call call);
 

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Every call to OpenCL that a small session makes is refused once, and once
- * more with the device lost from there on.  What must hold each time:
+ * Every OpenCL call of a small session fails once, and once more with the device
+ * lost from then on.  Each time the following must hold:
  *
- *   - a status that is not OST_OK, and a line that names the device
- *   - no crash, no object of OpenCL that is not released
- *   - a bone whose change failed is as it was, or says in every later call
- *     that it is lost; it is never something in between
- *   - the reference goes on from the last whole tick to the same end
+ *   - the status is not OST_OK, and the message names the device
+ *   - there is no crash, and every OpenCL object is released
+ *   - a bone whose change failed is unchanged, or every later call reports that it
+ *     is lost; it is never in a state between these
+ *   - the reference continues from the last completed tick to the same end
  * Covers: AR-REM-1
  */
 #include "cl/on_device.h"
@@ -19,14 +19,14 @@
 
 enum { EVENTS = 3, CALLS_MAX = 2000 };
 
-/* What a session is made of, and what must come out: on the reference. */
+/* The inputs of a session and its expected results, from the reference. */
 typedef struct session {
     ost_geometry g;
     int16_t *voxels;
     ost_snapped_mesh mesh;
     ost_sample samples[50];
     ost_pose poses[EVENTS][4];
-    int16_t *after[EVENTS + 1]; /* contents before the first and after each event */
+    int16_t *after[EVENTS + 1]; /* contents before the first event and after each */
     ost_backend *ref;
     ost_tool *ref_tool;
 } session;
@@ -69,14 +69,15 @@ static void free_session(session *s)
     free(s->voxels);
 }
 
-/* Contents are as they were before, or the bone is lost; then the reference goes on from the last whole tick. */
+/* Checks that the bone is unchanged or lost, and that the reference continues from the last completed tick to the
+   same end. */
 static void check_rescue(const session *s, const ost_bone *bone, int done)
 {
     const size_t bytes = voxel_count(&s->g) * sizeof(int16_t);
     ost_error err = {0};
     int16_t *now = malloc(bytes);
     assert_non_null(now);
-    shim_fail(SHIM_clFinish, 0, false); /* the device is well again */
+    shim_fail(SHIM_clFinish, 0, false); /* from here on the device works again */
     ost_status status = ost_bone_download(bone, 0, s->g.dims.z, now, &err);
     if (status == OST_OK) {
         assert_memory_equal(now, s->after[done], bytes);
@@ -96,7 +97,7 @@ static void check_rescue(const session *s, const ost_bone *bone, int done)
     ost_bone_free(other);
 }
 
-/* After a failed upload over a bone that had slices 3 to 9. */
+/* Checks a bone that had slices 3 to 9 after a failed upload over it. */
 static void check_upload(const session *s, const ost_bone *bone)
 {
     const size_t slice = 40 * 36, count = voxel_count(&s->g);
@@ -113,7 +114,7 @@ static void check_upload(const session *s, const ost_bone *bone)
     free(now);
 }
 
-/* Of a grid whose upload failed nobody knows what it holds. */
+/* Checks that a grid whose upload failed is lost, since its content is unknown. */
 static void check_grid(const session *s, const ost_grid *grid, int16_t *voxels)
 {
     ost_error err = {0};
@@ -142,7 +143,7 @@ static ost_status run_events(const session *s, ost_bone *bone, const ost_tool *t
     return status;
 }
 
-/* All stages once; the first failure ends it. */
+/* Runs all stages once; ends at the first failure. */
 static ost_status run_session(const session *s, ost_error *err)
 {
     const ost_geometry flat = {.dims = {10, 5, 1}, .spacing = {500 * UM, 500 * UM, 500 * UM}};
@@ -215,8 +216,8 @@ static ost_status run_session(const session *s, ost_error *err)
     return status;
 }
 
-/* Calls from one that is refused to the next: 1, but more on a device where a session takes so long that all of them would take
-   more than a minute (rusticl compiles anew in each). OST_TEST_LONG=1 refuses every one. */
+/* Returns the distance between the calls that are made to fail: 1, but more on a device where all sessions together
+   would take more than a minute (rusticl compiles anew in each). OST_TEST_LONG=1 selects every call. */
 static int stride_of(const session *s)
 {
     enum { CALLS = 450, SECONDS = 60 };
@@ -235,7 +236,8 @@ static int stride_of(const session *s)
     return stride;
 }
 
-/* Queries that a device is refused or a cache passed over for, and the last wait of a close. */
+/* Returns true for calls whose failure need not fail the session: queries after which a device is refused or the
+   cache is ignored, and the last wait of a close. */
 static bool may_be_overcome(enum shim_call call)
 {
     return call == SHIM_clGetPlatformIDs || call == SHIM_clGetDeviceIDs || call == SHIM_clGetDeviceInfo ||
@@ -287,7 +289,8 @@ static void lost_for_good(void **state)
     every_call(true);
 }
 
-/* What the backend asks for once and keeps, a tool's cells and a bone's room, is asked for again when it was never made. */
+/* Objects that the backend makes once and reuses, a tool's cells and a bone's buffers, are made again if their
+   launch failed late. */
 static void late(void **state)
 {
     (void)state;

@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Nothing grows: OpenCL's objects are counted one kind at a time by the shim,
- * and the process' resident size is looked at, over many removal events.
+ * Memory does not grow over many removal events: the shim counts OpenCL's objects
+ * of each kind, and the process' resident size is measured.
  *
- *   4,000 events, or 100,000 with OST_TEST_LONG=1.  The first tenth is for what
- *   is made once or grows to its size; after it
- *     - an event makes no object that it does not release
- *     - the process stays as large as it was, but for 4 MiB: 42 bytes an event
- *       would be seen in the long run
- *   The bone is filled again when half of it is gone, by uploads whose buffers
- *   come and go; its end is the reference's.
+ *   4,000 events, or 100,000 with OST_TEST_LONG=1.  During the first tenth objects
+ *   are created once or grow to their size; after it
+ *     - an event releases every object that it creates
+ *     - the process' size stays the same within 4 MiB, so that in the long test
+ *       42 bytes per event are detected
+ *   The bone is filled again when half of it has been removed, by uploads whose
+ *   buffers are created and released; its final state is the reference's.
  *
- * What drivers keep is theirs (tests/lsan.supp); what we forget of theirs is
- * seen here and nowhere else.
+ * Memory that drivers retain is not osteon's (tests/lsan.supp).  OpenCL objects
+ * that osteon does not release are detected only by this test.
  * Covers: REQ-CL-GROWTH
  */
 #include "cl/on_device.h"
@@ -29,7 +29,7 @@ static ost_backend *open_shimmed(void)
     return backend;
 }
 
-/* Kind by kind, since one too many of one would hide one too few of another. */
+/* Compares kind by kind, since one object too many of a kind could hide one too few of another. */
 static void assert_all_released(void)
 {
     for (int kind = 0; kind < SHIM_OBJECTS; kind++) {
@@ -40,7 +40,7 @@ static void assert_all_released(void)
     }
 }
 
-/* Pages that are resident, in KiB; -1 where nobody says. */
+/* Returns the size of the resident pages in KiB; -1 if the system does not report it. */
 static long resident_kib(void)
 {
     FILE *file = fopen("/proc/self/statm", "r");
@@ -52,11 +52,11 @@ static long resident_kib(void)
     return got == 2 ? resident * (sysconf(_SC_PAGESIZE) / 1024) : -1;
 }
 
-/* Whether resident_kib measures osteon and its driver and nothing else. */
+/* Returns true if resident_kib measures only osteon and its driver. */
 static bool size_tells(void)
 {
 #if defined __SANITIZE_ADDRESS__
-    return false; /* freed memory is kept aside */
+    return false; /* the sanitizer retains freed memory */
 #else
     return !getenv("OST_UNDER_VALGRIND") && resident_kib() > 0;
 #endif
@@ -75,13 +75,13 @@ static void opened_and_closed(void **state)
     assert_all_released();
     const enum shim_object needed[] = {SHIM_CONTEXT, SHIM_QUEUE, SHIM_PROGRAM, SHIM_KERNEL, SHIM_BUFFER};
     for (size_t k = 0; k < sizeof needed / sizeof needed[0]; k++)
-        assert_true(shim_objects(needed[k]).created >= 5); /* the shim sees this kind at all */
+        assert_true(shim_objects(needed[k]).created >= 5); /* the shim counts this kind */
 }
 
 typedef struct scene {
     ost_geometry g;
     int16_t *voxels;
-    ost_backend *backend[2]; /* the reference, the device */
+    ost_backend *backend[2]; /* [0] the reference, [1] the device */
     ost_bone *bone[2];
     ost_tool *tool[2];
     ost_report report[2];
@@ -139,7 +139,7 @@ static void many_events(void **state)
         for (int k = 0; k < count; k++)
             poses[k] = random_pose(&rng, lo, hi);
         const ost_event *event = event_of(s.event, &s.g, s.tool[1], poses, count);
-        for (int k = 0; k < count; k++) /* as the broad phase bounds it, generously: 9 voxels are 8 from the middle to a corner */
+        for (int k = 0; k < count; k++) /* from the middle to a corner are 4.5 * sqrt(3) < 8 voxels */
             for (int a = 0; a < 3; a++) {
                 const int32_t at = (int32_t)((a == 0 ? poses[k].t.x : a == 1 ? poses[k].t.y : poses[k].t.z) / (500 * UM));
                 s.event->boxes[k].lo[a] = at - 9;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Opening a device: options, devices that are refused for what they say of
- * themselves or for what they compute, a build that fails, and a cache that
- * is damaged, foreign, full of rubbish or not there.
+ * Opening a device: options, devices that are refused because of what they report
+ * or compute, a build that fails, and a cache that is damaged, owned by others,
+ * invalid or missing.
  */
 #include "cl/on_device.h"
 
@@ -98,7 +98,7 @@ static cl_device_info asked;
 static const void *answer;
 static size_t answer_size;
 
-/* One question is answered as the test says, all others by the device. */
+/* Answers one query as the test defines, all others by the device. */
 static cl_int lying_info(cl_device_id device, cl_device_info what, size_t room, void *value, size_t *size)
 {
     if (what != asked)
@@ -138,7 +138,7 @@ static void refused_for_what_it_says(void **state)
     says(CL_DEVICE_OPENCL_C_VERSION, "rubbish", 8, "OpenCL 1.2 is needed");
 }
 
-/* The embedded profile has 64-bit integers only where it says so. */
+/* The embedded profile has 64-bit integers only if it reports the extension. */
 static cl_int embedded_info(cl_device_id device, cl_device_info what, size_t room, void *value, size_t *size)
 {
     const char *text = what == CL_DEVICE_PROFILE ? "EMBEDDED_PROFILE" : what == CL_DEVICE_EXTENSIONS ? answer : NULL;
@@ -203,7 +203,7 @@ static void spec_says_why(const ost_device_info *device, void *user)
     assert_non_null(strstr(device->reason, "has no device"));
 }
 
-/* The loader finds drivers, and they find nothing to drive. */
+/* The loader finds drivers, but these have no devices. */
 static void no_device(void **state)
 {
     (void)state;
@@ -222,7 +222,7 @@ static void no_device(void **state)
 
 static size_t flip_size, flip_at;
 
-/* One bit of one result, as a driver that miscompiles would give. */
+/* Flips one bit of one result, as a driver with a wrong compiler would. */
 static cl_int flipping_read(cl_command_queue queue, cl_mem buffer, cl_bool wait, size_t offset, size_t size, void *to, cl_uint count,
                             const cl_event *after, cl_event *event)
 {
@@ -238,12 +238,12 @@ static void refused_for_what_it_computes(void **state)
     ost_error err;
     ost_cl_api api = ost_cl_loader;
     api.clEnqueueReadBuffer = flipping_read;
-    flip_size = 100000; /* the fingerprint's words: word 6 of item 500 */
+    flip_size = 100000; /* the fingerprint's results: word 6 of item 500 */
     flip_at = (500 * OST_CL_FINGERPRINT + 6) * 8 + 1;
     assert_int_equal(try_open(&api, own_options(), &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "integers are wrong"));
     assert_non_null(strstr(err.text, "(long)int * 100"));
-    flip_size = 1; /* the layout comes first: member or size 3 of the list */
+    flip_size = 1; /* the layout is read first: value 3 of its list */
     flip_at = 12;
     assert_int_equal(try_open(&api, own_options(), &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "ost_cl_scatter.count"));
@@ -251,7 +251,7 @@ static void refused_for_what_it_computes(void **state)
 
 static uint32_t turns_given;
 
-/* A driver that ends loops early; nothing else that is read while a device is opened has 8 bytes. */
+/* Simulates a driver that ends loops early; no other read during opening has 8 bytes. */
 static cl_int read_of_short_loops(cl_command_queue queue, cl_mem buffer, cl_bool wait, size_t offset, size_t size, void *to,
                                   cl_uint count, const cl_event *after, cl_event *event)
 {
@@ -264,7 +264,7 @@ static cl_int read_of_short_loops(cl_command_queue queue, cl_mem buffer, cl_bool
     return code;
 }
 
-/* Long enough for the kernels for GPUs: these it gets. Shorter: it is refused. */
+/* A device whose loops are long enough for the kernel set for GPUs gets that set; with shorter loops it is refused. */
 static void ends_loops(void **state)
 {
     (void)state;
@@ -283,14 +283,14 @@ static void ends_loops(void **state)
     ost_backend_close(backend);
     char named[256];
     snprintf(named, sizeof named, "%s%skernels=cpu", own_options(), own_options()[0] ? "," : "");
-    assert_int_equal(try_open(&api, named, &err), OST_ERR_UNAVAILABLE); /* the set that was named, or none */
+    assert_int_equal(try_open(&api, named, &err), OST_ERR_UNAVAILABLE); /* a set that the user named is not replaced */
     assert_non_null(strstr(err.text, "too early for kernels=cpu"));
     turns_given = OST_CL_TURNS_LEAST - 1;
     assert_int_equal(try_open(&api, own_options(), &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "ends a loop after 61503 turns"));
 }
 
-/* A set is the opened backend's: one device has both, each with its own kernels, at the same time. */
+/* Each opened backend has its own kernel set: one device runs both at the same time, each with its own kernels. */
 static void both_sets(void **state)
 {
     (void)state;
@@ -316,7 +316,8 @@ static void both_sets(void **state)
         ost_backend_close(backend[i]);
 }
 
-/* An event of more poses than such a device can turn is refused before anything has changed; one pose less is done. */
+/* An event with more poses than such a device allows is refused before anything has changed; one with a pose less is
+   performed. */
 static void too_many_poses(void **state)
 {
     (void)state;
@@ -328,7 +329,7 @@ static void too_many_poses(void **state)
     turns_given = TURNS;
     assert_ok(ost_cl_open_with(&api, own_options(), &backend, &err));
     backend->ops = &ost_backend_cl;
-    turns_given = 0; /* what is read from now on is the device's */
+    turns_given = 0; /* from here on reads are unchanged */
 
     const ost_pm s = OST_PM_PER_MM / 2;
     const ost_geometry g = cubic_geometry(SIDE, SIDE, SIDE, s, (ost_pm3){0, 0, 0});
@@ -388,7 +389,7 @@ static void build_fails(void **state)
     ost_cl_api api = ost_cl_loader;
     char before[4096];
     snprintf(before, sizeof before, "%s", getenv("XDG_CACHE_HOME"));
-    setenv("XDG_CACHE_HOME", "/dev/null/no-folder", 1); /* which no driver can make, root or not */
+    setenv("XDG_CACHE_HOME", "/dev/null/no-folder", 1); /* no driver can create this folder, not even as root */
     api.clCreateProgramWithSource = broken_source;
     assert_int_equal(try_open(&api, own_options(), &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "clBuildProgram"));
@@ -399,7 +400,7 @@ static void build_fails(void **state)
 
 /* ---------------------------------------------------------------- cache */
 
-/* The one file in the cache's folder. */
+/* Returns the path of the only file in the cache's folder. */
 static void entry_path(const char *cache, char *path, size_t size)
 {
     char folder[4096];
@@ -438,7 +439,7 @@ static void write_all(const char *path, const unsigned char *bytes, size_t size)
     assert_int_equal(fclose(f), 0);
 }
 
-/* Opens the first device that fits; whether its program came from the cache. */
+/* Opens the first device that fits; returns true if its program came from the cache. */
 static bool opened_from_cache(void)
 {
     ost_error err = {0};
@@ -450,7 +451,7 @@ static bool opened_from_cache(void)
     return from_cache;
 }
 
-/* Whether the first device that fits is Mesa's. */
+/* Returns true if the first device that fits is Mesa's. */
 static bool on_rusticl(void)
 {
     ost_error err = {0};
@@ -469,7 +470,7 @@ static void cache_damage(void **state)
     snprintf(before, sizeof before, "%s", getenv("XDG_CACHE_HOME"));
     assert_non_null(mkdtemp(folder));
     setenv("XDG_CACHE_HOME", folder, 1);
-    setenv("POCL_CACHE_DIR", before, 0); /* PoCL's own cache stays where it is */
+    setenv("POCL_CACHE_DIR", before, 0); /* PoCL's own cache remains in its place */
 
     assert_false(opened_from_cache());
     assert_true(opened_from_cache());
@@ -480,7 +481,7 @@ static void cache_damage(void **state)
     assert_non_null(bad);
     assert_true(size > 80);
 
-    /* Where it is cut, and which byte is changed: head, key, checksum, binary. */
+    /* Where the entry is truncated, and which byte is changed: header, key, checksum, binary. */
     const size_t cuts[] = {0, 1, 7, 79, 80, size / 2, size - 1}, flips[] = {0, 8, 15, 16, 47, 48, 79, 80, size / 2, size - 1};
     for (size_t i = 0; i < sizeof cuts / sizeof cuts[0]; i++) {
         write_all(path, good, cuts[i]);
@@ -496,11 +497,12 @@ static void cache_damage(void **state)
     }
     memcpy(bad, good, size);
     bad[size] = 0;
-    write_all(path, bad, size + 1); /* longer than it says */
+    write_all(path, bad, size + 1); /* longer than its length field */
     assert_false(opened_from_cache());
 
-    /* Sound in itself, but rubbish to the driver: magic, length, key and checksum are right, so it is handed over. Only somebody who
-       means harm writes such an entry. rusticl (Mesa 22.3) ends the process over it, in its program.rs, where it has to refuse. */
+    /* An entry whose magic, length, key and checksum are right, but whose binary is invalid, is passed to the
+       driver. Only an attacker would write such an entry. rusticl (Mesa 22.3) aborts the process in its program.rs,
+       where it should return an error. */
     ost_digest checksum;
     if (on_rusticl())
         printf("# a binary that is rubbish: left out, rusticl panics\n");
@@ -517,7 +519,7 @@ static void cache_damage(void **state)
         assert_true(opened_from_cache());
     }
 
-    /* Nowhere to write; and a file where the folder should be. */
+    /* A folder that cannot be created, and a file in place of the folder. */
     setenv("XDG_CACHE_HOME", path, 1);
     assert_false(opened_from_cache());
     setenv("XDG_CACHE_HOME", "/proc/nothing", 1);
@@ -530,7 +532,7 @@ static void cache_damage(void **state)
     assert_int_equal(system(command), 0);
 }
 
-/* A cache that others could have written is neither read nor written. */
+/* A cache that other users could have written is neither read nor written. */
 static void cache_of_others(void **state)
 {
     (void)state;
@@ -551,7 +553,7 @@ static void cache_of_others(void **state)
     assert_int_equal(info.st_mode & 0777, 0600);
     assert_true(opened_from_cache());
 
-    /* A folder that group or others may write is left as it is. */
+    /* A folder with write permission for group or others is not used and not changed. */
     const mode_t open_modes[] = {0770, 0702};
     for (size_t i = 0; i < sizeof open_modes / sizeof open_modes[0]; i++) {
         assert_int_equal(chmod(folder, open_modes[i]), 0);
@@ -561,14 +563,14 @@ static void cache_of_others(void **state)
     assert_int_equal(chmod(folder, 0700), 0);
     assert_true(opened_from_cache());
 
-    /* An entry that others may write is replaced by one that they may not. */
+    /* An entry with write permission for others is replaced by one without. */
     assert_int_equal(chmod(path, 0620), 0);
     assert_false(opened_from_cache());
     assert_int_equal(stat(path, &info), 0);
     assert_int_equal(info.st_mode & 0777, 0600);
     assert_true(opened_from_cache());
 
-    /* Symbolic links, to a sound entry and to a sound folder. */
+    /* Symbolic links to a valid entry and to a valid folder are not followed. */
     snprintf(moved, sizeof moved, "%s/moved", cache);
     assert_int_equal(rename(path, moved), 0);
     assert_int_equal(symlink(moved, path), 0);
@@ -584,7 +586,7 @@ static void cache_of_others(void **state)
     assert_int_equal(rename(elsewhere, folder), 0);
     assert_true(opened_from_cache());
 
-    /* Another user's: only root can make one. */
+    /* An entry or folder of another user is not used; only root can create one. */
     if (geteuid() == 0 && chown(path, 65534, 65534) == 0) {
         assert_false(opened_from_cache());
         assert_true(opened_from_cache());
@@ -609,7 +611,7 @@ static ost_digest key_now(void)
     return cache.key;
 }
 
-/* A driver's settings in the environment make another program; where it keeps its own, or anybody else's, do not. */
+/* A driver's settings in the environment change the key; cache folders and other programs' variables do not. */
 static void key_has_settings(void **state)
 {
     (void)state;
@@ -642,7 +644,7 @@ static void key_has_settings(void **state)
         if (!ost_digest_equal(&now, &before))
             fail_msg("%s counts", do_not[i]);
     }
-    /* In whatever order they were set. */
+    /* The order in which variables were set does not matter. */
     setenv("POCL_B", "1", 1);
     setenv("POCL_A", "2", 1);
     const ost_digest first = key_now();

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Sharing with OpenGL, on a platform that is made to say that it can: its GL
- * buffer is a buffer like others, and what it is asked is written down.
+ * Sharing with OpenGL, on a platform that a shim makes report the extension: its
+ * OpenGL buffer is an ordinary OpenCL buffer, and the calls are recorded.
  *
- *   - whatever touches the words does so between acquire and release, and
- *     what GL may draw afterwards is finished
- *   - the words in the buffer are the bone's occupancy, and the grids are the
- *     reference's, as without sharing
- *   - a call that fails leaves the bone as it was, or it is lost
+ *   - every access to the words is between acquire and release, and is finished
+ *     before OpenGL may draw
+ *   - the words in the buffer are the bone's occupancy, and the grids are those of
+ *     the reference, as without sharing
+ *   - a call that fails leaves the bone unchanged or lost
  *
- * Whether a real platform shares is not shown by this.
+ * This does not show whether a real platform can share.
  * Covers: REQ-CL-GL
  */
 #include "cl/on_device.h"
@@ -22,8 +22,8 @@ static const ost_cl_gl a_context = {.kind = OST_CL_GL_EGL, .context = (void *)0x
 
 /* ------------------------------------------------- a platform that shares */
 
-static cl_mem shared;     /* what GL_BUFFER became */
-static char calls[4096];  /* A acquire, R release, F finish; of the shared buffer: K kernel, C copy, r read, w write */
+static cl_mem shared;     /* the buffer made from GL_BUFFER */
+static char calls[4096];  /* A acquire, R release, F finish; on the shared buffer: K kernel, C copy, r read, w write */
 static bool held, kernel_has_it[OST_CL_KERNEL_COUNT];
 static cl_kernel kernels[OST_CL_KERNEL_COUNT];
 static enum { NOTHING, CONTEXT, BUFFER, ACQUIRE, RELEASE } refused;
@@ -107,7 +107,7 @@ static cl_int finish_gl(cl_command_queue queue)
     return shim.clFinish(queue);
 }
 
-/* Arguments stay with a kernel: it has the buffer if its last words argument was the buffer. */
+/* Arguments persist in a kernel: it has the buffer if its last words argument was the buffer. */
 static cl_int arg_gl(cl_kernel kernel, cl_uint index, size_t size, const void *value)
 {
     for (int k = 0; k < OST_CL_KERNEL_COUNT && size == sizeof(cl_mem) && shared; k++)
@@ -178,7 +178,7 @@ static ost_cl_api sharing_api(void)
     return api;
 }
 
-/* The calls noted since the last time are of the form A work R F, with some work of these kinds. */
+/* Asserts that the calls recorded since the last check have the form A work R F, with work of these kinds. */
 static void assert_held(const char *work)
 {
     const size_t length = strlen(calls);
@@ -235,7 +235,7 @@ static void not_possible(void **state)
     assert_int_equal(shim_alive(), 0);
 }
 
-/* What GL would draw: every chunk's words against its voxels. */
+/* Compares every chunk's words, which OpenGL would draw, with its voxels. */
 static void assert_words(const ost_bone *bone, const ost_geometry *g)
 {
     ost_error err = {0};
@@ -373,7 +373,7 @@ static void shared_words(void **state)
         if (again == 0) {
             assert_ok(ost_cl_words_unshare(p.bone[1], &err));
             assert_held("C");
-        } else { /* an upload does it by itself */
+        } else { /* an upload unshares by itself */
             for (int s = 0; s < 2; s++)
                 assert_ok(ost_bone_upload(p.bone[s], 0, p.g.dims.z, p.voxels, &err));
         }
@@ -382,7 +382,7 @@ static void shared_words(void **state)
         assert_same(&p);
         assert_words(p.bone[1], &p.g);
     }
-    /* Freed while it is shared. */
+    /* The bone is freed while its words are shared. */
     assert_ok(ost_cl_words_share(p.bone[1], GL_BUFFER, 1 << 20, &err));
     free_pair(&p);
     assert_int_equal(shim_alive(), 0);
@@ -412,21 +412,21 @@ static void refused_calls(void **state)
     assert_int_not_equal(event_on(&p, 1, poses, true, &err), OST_OK);
     assert_int_not_equal(ost_cl_words_unshare(p.bone[1], &err), OST_OK);
     refused = NOTHING;
-    assert_same(&p); /* nothing has happened */
+    assert_same(&p); /* nothing has changed */
     refused = RELEASE;
     assert_int_not_equal(event_on(&p, 1, poses, false, &err), OST_OK);
     refused = NOTHING;
-    assert_same(&p); /* looking changes nothing */
+    assert_same(&p); /* a collision changes nothing */
     refused = RELEASE;
     assert_int_not_equal(event_on(&p, 1, poses, true, &err), OST_OK);
     refused = NOTHING;
-    assert_int_equal(event_on(&p, 1, poses, true, &err), OST_ERR_UNAVAILABLE); /* done and not known to be: lost */
+    assert_int_equal(event_on(&p, 1, poses, true, &err), OST_ERR_UNAVAILABLE); /* the bone is lost */
     assert_non_null(strstr(err.text, "is lost"));
     free_pair(&p);
     assert_int_equal(shim_alive(), 0);
 }
 
-/* A backend that was opened without a context of OpenGL. */
+/* Words cannot be shared on a backend that was opened without an OpenGL context. */
 static void not_opened_for_it(void **state)
 {
     (void)state;

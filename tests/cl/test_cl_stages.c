@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Every stage of the backend cl against the reference, through the public
- * API: grids, bones, tools, digests and reports, to the byte, with both sets of
- * kernels, several work-group sizes, another order of items, and large data in parts.  The tests of a
- * set together enter every path that core/paths.h lists.
+ * Compares every stage of the backend cl with the reference through the public
+ * API: grids, bones, tools, digests and reports, byte by byte, with both kernel
+ * sets, several work-group sizes, another order of items, and large data in parts.
+ * The tests of a kernel set together enter every path that core/paths.h lists.
  * Covers: AR-CT-4, AR-CT-5, AR-CT-6, AR-CUB-2, AR-CUB-3, AR-CHK-1, AR-CHK-2, AR-CHK-3, AR-VOX-1..7, AR-REM-1, AR-REM-2, AR-REM-3,
  * AR-REM-5, AR-REM-6, AR-CLS-1, AR-DIG-2, REQ-CL, REQ-CL-SETS
  */
@@ -18,10 +18,10 @@ typedef struct pair {
 
 static const char *const workgroups[] = {NULL, "workgroup=1,order=3", "workgroup=7,staging=1024", "workgroup=256,staging=20000"};
 
-/* The set of kernels that the running group is of. */
+/* The kernel set of the current group of tests. */
 static const char *set;
 
-/* Which paths of it were entered. */
+/* How often each path of the set was entered. */
 enum { PATHS = 128 };
 static struct {
     char name[OST_PATH_NAME];
@@ -83,7 +83,7 @@ static void assert_same_grids(const ost_grid *a, const ost_grid *b)
     free(vb);
 }
 
-/* Lattice points, some of them off by anything, some outside, many twice. */
+/* Makes samples at lattice points, some off the lattice by any amount, some outside the grid, many duplicates. */
 static void some_samples(test_rng *rng, const ost_geometry *g, ost_sample *samples, size_t count, bool clean)
 {
     const ost_pm origin[3] = {g->origin.x, g->origin.y, g->origin.z}, spacing[3] = {g->spacing.x, g->spacing.y, g->spacing.z};
@@ -217,7 +217,7 @@ static void bones(void **state)
                 ost_grid_free(grid);
             }
             assert_same_bones(bone[0], bone[1], &g);
-            /* Slices over what is there: chunks come, go and change, whole layers and parts. */
+            /* Uploads over existing slices add, remove and change chunks, in complete layers and parts of layers. */
             for (int part = 0; part < 6; part++) {
                 const int32_t z0 = (int32_t)rng_range(&rng, 0, g.dims.z - 1), count = (int32_t)rng_range(&rng, 0, g.dims.z - z0);
                 const size_t slice = (size_t)g.dims.x * (size_t)g.dims.y;
@@ -242,7 +242,8 @@ static void bones(void **state)
     }
 }
 
-/* A grid that was resampled along z may hold another's voxels: what is written to one is not seen in the other, nor when one goes. */
+/* A grid that was resampled along z may share another's voxels: writing to one must not change the other, nor must
+   freeing one. */
 static void shared(void **state)
 {
     (void)state;
@@ -250,7 +251,7 @@ static void shared(void **state)
     test_rng rng = rng_seeded("shared");
     pair p = open_pair(NULL);
     for (int round = 0; round < 30; round++) {
-        const bool large = round % 5 == 4; /* memory of a megabyte and more is used again */
+        const bool large = round % 5 == 4; /* buffers of a megabyte and more are reused */
         const ost_pm side = rng_range(&rng, 100, 900) * UM;
         const ost_geometry g = {
             .dims = {(int32_t)rng_range(&rng, 1, large ? 140 : 40), (int32_t)rng_range(&rng, large ? 110 : 1, large ? 120 : 30),
@@ -318,7 +319,7 @@ static void voxelizer(void **state)
     for (size_t w = 0; w < sizeof workgroups / sizeof workgroups[0]; w++) {
         pair p = open_pair(workgroups[w]);
         for (int round = 0; round < 25; round++) {
-            const int32_t depth = round == 24 ? 200 : 24; /* long triangles, which many slices would list */
+            const int32_t depth = round == 24 ? 200 : 24; /* long triangles: in the lists of many slices */
             const ost_dims dims = {(int32_t)rng_range(&rng, 2, 24), (int32_t)rng_range(&rng, 2, 24),
                                    (int32_t)rng_range(&rng, round == 24 ? 150 : 2, depth)};
             ost_snapped_mesh mesh = make_closed(&rng, dims, (uint32_t)rng_range(&rng, 3, 8), (uint32_t)rng_range(&rng, 3, 8));
@@ -344,7 +345,7 @@ static void voxelizer(void **state)
 
 /* --------------------------------------------------------------- events */
 
-/* A tool of blobs, so that cells have any reach. */
+/* Makes a tool with balls or random classes, so that cells have many different reaches. */
 static ost_tool_volume some_tool(test_rng *rng, ost_tool_geometry g)
 {
     ost_error err = {0};
@@ -424,7 +425,7 @@ static void removal(void **state)
     }
 }
 
-/* Everything is removed: all slots go back, and serve again. */
+/* Everything is removed: all slots return to the pool and are reused. */
 static void emptied(void **state)
 {
     (void)state;
@@ -468,7 +469,7 @@ static bool all_entered(void)
     return true;
 }
 
-/* After all the others: a kernel that none of them launched would not have been compared. */
+/* Runs after all other tests: a kernel that none of them launched would not have been compared. */
 static void entered(void **state)
 {
     ost_error err = {0};
@@ -492,7 +493,7 @@ static void entered(void **state)
         assert_int_equal(back[i], 0);
     ost_bone_free(empty);
     close_pair(p);
-    /* The shapes are drawn, and some draws need no second list and no second launch. */
+    /* The shapes are random, and some need neither a second list nor a second launch. */
     for (int again = 0; again < 10 && !all_entered(); again++) {
         voxelizer(state);
         removal(state);
@@ -507,7 +508,7 @@ static void entered(void **state)
     assert_true(path_count > 30);
 }
 
-/* Opens the set, so that a device that cannot run it is named and skipped. */
+/* Opens a backend with the kernel set, so that a device that cannot run it is named and skipped. */
 static int has_set(void)
 {
     ost_error err = {0};

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Times of kernels, instruction sets by turns: in every round each is called
- * for about ROUND_NS, so that what else the machine does meets all of them
- * alike; the median of the rounds is shown, and how many times faster than the scalar
- * kernel that is.
+ * Times of kernels, with the instruction sets in turn: in every round each is
+ * called for about ROUND_NS, so that other load on the machine affects all of
+ * them alike.  The output is the median of the rounds and its speed relative to
+ * the scalar kernel.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,7 +25,7 @@ static double now_ns(void)
     return 1e9 * (double)t.tv_sec + (double)t.tv_nsec;
 }
 
-/* ns a call over some calls; with something to prepare each is timed by itself. */
+/* Returns the time per call in ns. With prepare each call is timed separately. */
 static double time_calls(check_call_fn *call, void (*prepare)(void *), check_fn *kernel, void *arguments, int calls)
 {
     double sum = 0;

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What a call must leave as it was, beyond the registers that a compiler
- * looks after:
+ * The state that a call must leave unchanged, beyond the registers that a
+ * compiler preserves:
  *
  *   x86-64    MXCSR and the x87 control word; no x87 register in use (MMX
  *             would leave them so); the upper halves of the vector registers
- *             zero, as code of the baseline pays for them otherwise (only
+ *             zero, since code of the baseline is slow otherwise (checked only
  *             where the compiler clears them: gcc does not below -O2)
  *   AArch64   FPCR
  *
- * The flags that exceptions leave behind (inexact and so on) are nobody's.
+ * The exception flags (inexact and so on) may change.
  */
 #include "simd/call.h"
 
@@ -35,7 +35,7 @@ typedef struct machine_state {
     bool upper;
 } machine_state;
 
-/* Some upper half is not zero. */
+/* Returns true if some upper half is not zero. */
 static bool upper_in_use(void)
 {
     static uint64_t registers[16][4];
@@ -88,7 +88,7 @@ static void state_get(machine_state *s)
     s->tags = x87.tags;
 }
 
-/* After a fault, or a kernel that did not put it back. */
+/* Restores the state after a fault, or after a kernel that did not restore it. */
 static void state_put(const machine_state *s)
 {
     __asm__ volatile("ldmxcsr %0" ::"m"(s->mxcsr));
@@ -110,7 +110,7 @@ static bool state_kept(const machine_state *before, const machine_state *after, 
     return false;
 }
 
-/* Leaves upper halves in use, unless the compiler clears them. */
+/* Uses upper halves and leaves them so, unless the compiler clears them. */
 static __attribute__((noinline, target("avx"))) void use_upper(float *eight)
 {
     const __m256 v = _mm256_loadu_ps(eight);
@@ -198,7 +198,7 @@ static bool state_kept(const machine_state *before, const machine_state *after, 
 static sigjmp_buf landing;
 static volatile sig_atomic_t in_call, signal_caught;
 static void *volatile address_caught;
-static volatile sig_atomic_t call_number, call_seen; /* which call the last tick of the watch saw */
+static volatile sig_atomic_t call_number, call_seen; /* call_seen: the call that the watch's last tick interrupted */
 
 static void land(int sig, siginfo_t *info, void *context)
 {

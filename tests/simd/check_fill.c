@@ -2,10 +2,11 @@
 /*
  * vox_fill, vox_expand: crossings to solid bits to classes.
  *
- * What vox_fill leaves open is left open here: an instruction set may call
- * all rows of a block unproven when one is or when they begin differently, and their bits are then its own and not counted.
- * So its bits are compared in rows that both call proven, and in all rows
- * after ost_vox_fill_odd, which is where they must be equal.
+ * This test allows what the contract of vox_fill allows: an instruction set may
+ * report all rows of a block as unproven if one is, or if they begin differently;
+ * their bits are then unspecified and not counted.  So bits are compared in rows
+ * that both functions report as proven, and in all rows after ost_vox_fill_odd,
+ * where they must be equal.
  */
 #include <string.h>
 
@@ -29,8 +30,9 @@ static void call_fill(check_fn *kernel, void *with)
 }
 
 /*
- * The crossings of one row: none; in and out by turns; leaking; any; at every
- * centre; of both signs at one.  Inside out: the planes are exchanged.
+ * Makes the crossings of one row, by kind: none; entering and leaving in turn;
+ * leaking; random; at every centre; of both signs at one centre.  Inside out: the
+ * planes are exchanged.
  */
 static void some_row(check *c, int32_t nx, int kind, uint64_t *plus, uint64_t *minus)
 {
@@ -50,18 +52,18 @@ static void some_row(check *c, int32_t nx, int kind, uint64_t *plus, uint64_t *m
         }
         inside = !inside;
     }
-    if (kind == 1 && inside) { /* and it ends outside */
+    if (kind == 1 && inside) { /* the row must end outside */
         const uint64_t bit = UINT64_C(1) << ((nx - 1) % 64);
         minus[(nx - 1) / 64] ^= bit;
         plus[(nx - 1) / 64] &= ~bit;
-        if (!(minus[(nx - 1) / 64] & bit)) { /* it left there already: then nothing enters at all */
+        if (!(minus[(nx - 1) / 64] & bit)) { /* it left at this centre already: then clear the row */
             memset(plus, 0, (size_t)(nx + 63) / 64 * sizeof *plus);
             memset(minus, 0, (size_t)(nx + 63) / 64 * sizeof *minus);
         }
     }
 }
 
-/* Set bits of the proven rows. */
+/* Returns the number of set bits in the proven rows. */
 static uint64_t bits_set(const fill_arguments *a, size_t words)
 {
     uint64_t n = 0;
@@ -71,7 +73,7 @@ static uint64_t bits_set(const fill_arguments *a, size_t words)
     return n;
 }
 
-/* Of a row whose crossings take turns: 1 when it enters first, 2 when it leaves first, 0 without any. */
+/* Returns for a row whose crossings alternate: 1 if it enters first, 2 if it leaves first, 0 if it has none. */
 static unsigned first_crossing(const uint64_t *plus, const uint64_t *minus, size_t words)
 {
     for (size_t w = 0; w < words; w++) {
@@ -82,7 +84,7 @@ static unsigned first_crossing(const uint64_t *plus, const uint64_t *minus, size
     return 0;
 }
 
-/* Whether the block that row lies in may be called unproven: one row of it is, or they do not all begin alike. */
+/* Returns true if the row's block may be reported as unproven: one of its rows is, or they do not all begin alike. */
 static bool block_is_open(const ost_vox_tile *tile, size_t first_row, size_t rows, size_t row, const uint64_t *before, size_t plane_words)
 {
     const size_t words = tile->row_bits / 64, in_block = words < OST_VOX_BLOCK ? OST_VOX_BLOCK / words : 1;
@@ -135,7 +137,7 @@ static void test_fill(check *c)
     const size_t words = (size_t)ost_vox_words(nx), in_block = words < OST_VOX_BLOCK ? OST_VOX_BLOCK / words : 1;
     const size_t all = (size_t)check_range(c, 1, words > 16 ? 5 : 40);
     const size_t plane_words = (all * words + OST_VOX_BLOCK - 1) / OST_VOX_BLOCK * OST_VOX_BLOCK;
-    /* From a whole block on, and to one or to the tile's end. */
+    /* From a block's first row to the end of a block or of the tile. */
     size_t first = check_chance(c, 2) ? 0 : (size_t)check_range(c, 0, (int64_t)all - 1) / in_block * in_block, rows = all - first;
     if (check_chance(c, 2) && rows > in_block)
         rows = (size_t)check_range(c, 1, (int64_t)(rows / in_block)) * in_block;
@@ -150,7 +152,7 @@ static void test_fill(check *c)
     memset(before, 0, 2 * plane_words * sizeof *before);
     memset(spill, 0, all * ((size_t)nx + 1) * sizeof *spill);
     memset(odd[0], 0, all);
-    const int one_kind = (int)check_range(c, 0, 12); /* of all rows, or by row */
+    const int one_kind = (int)check_range(c, 0, 12); /* less than 6: of all rows; else by row */
     for (size_t r = 0; r < all; r++) {
         const int kind = one_kind < 6 ? one_kind : check_chance(c, 4) ? (int)check_range(c, 0, 5) : one_kind % 2;
         const bool swap = inside_out != check_chance(c, 8);
@@ -206,7 +208,7 @@ static void call_expand(check_fn *kernel, void *with)
     ((ost_vox_expand_fn *)kernel)(a->cutting, a->noncutting, a->rows, a->words, a->nx, a->stream, a->voxels);
 }
 
-/* Bits behind the last voxel of a row are anything. */
+/* Bits beyond the last voxel of a row are random. */
 static void test_expand(check *c)
 {
     const int32_t nx = c->number < 260 ? c->number + 1 : (int32_t)check_range(c, 1, check_chance(c, 8) ? 4096 : 600);
@@ -235,7 +237,7 @@ static void test_expand(check *c)
 enum { ROWS = 1024, WORDS = 4 };
 
 typedef struct fill_bench {
-    fill_arguments arguments; /* first: it is what the call is given */
+    fill_arguments arguments; /* must be first: calls receive a pointer to it */
     const uint64_t *planes;
 } fill_bench;
 

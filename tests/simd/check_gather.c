@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* gather_row: counts 0 to 64 in order, maps from all equal to far apart, and spans around a register's. */
+/* gather_row: counts 0 to 64 in order, maps from all equal to far apart, and spans close to a register's width. */
 #include "simd/check.h"
 
 #include "cpu/kernels.h"
@@ -17,7 +17,7 @@ static void call(check_fn *kernel, void *with)
     ((ost_gather_row_fn *)kernel)(a->from, a->map, a->count, a->to);
 }
 
-/* Ascending, from `first` on. */
+/* Makes an ascending map that begins with `first`. */
 static void make_map(check *c, int32_t *map, int count, int32_t first)
 {
     const int kind = (int)check_range(c, 0, 6);
@@ -26,10 +26,10 @@ static void make_map(check *c, int32_t *map, int count, int32_t first)
     for (int i = 0; i < count; i++) {
         map[i] = at;
         switch (kind) {
-        case 0: /* itself, or all of them one element */
+        case 0: /* consecutive elements, or all the same one */
             at += step > 6;
             break;
-        case 1: /* by a ratio, as resampling does */
+        case 1: /* by a ratio, as in resampling */
             at = first + (int32_t)((i + 1) * step / 1000);
             break;
         case 2:
@@ -41,10 +41,10 @@ static void make_map(check *c, int32_t *map, int count, int32_t first)
         case 4: /* far apart */
             at += (int32_t)check_range(c, 0, 40);
             break;
-        case 5: /* a leap somewhere */
+        case 5: /* rare leaps */
             at += check_chance(c, 16) ? (int32_t)check_range(c, 25, 70) : 1;
             break;
-        default: /* little, so that all of it is just around a span of 32 or 64 */
+        default: /* rare small steps, so that the map spans about 32 or 64 elements */
             at += check_chance(c, 30) ? (int32_t)check_range(c, 1, 4) : 1;
             break;
         }

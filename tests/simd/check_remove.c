@@ -2,17 +2,16 @@
 /*
  * blocks, split, match, take.
  *
- * blocks is given parts that were made up: sums at the borders where a base is
- * unsure and must be divided for, or no longer exists, or comes out of reach.
+ * blocks is tested with random parts: their sums lie near the borders where a base
+ * is uncertain and must be divided for, no longer exists, or is out of reach.
  *
- * split sorts in an order of its own, so its lists are compared as sets: both
- * sorted by the parts' numbers, which are all different.  What was in the
- * lists before must still be there, and what lies behind the slack must not
- * have changed.
+ * split may write its lists in any order, so they are compared as sets: both are
+ * sorted by the parts' numbers, which are all different.  The previous content of
+ * the lists must remain, and nothing beyond the slack may be written.
  *
- * match is given bricks that lie in cells a split calls mixed, to the cells'
- * very edges, and half of them are moved so that a voxel comes to lie on a
- * border of tool voxels, or a few units beside it: there the 16-bit sums tie.
+ * match is tested with bricks in cells that a split classifies as mixed, up to the
+ * cells' edges.  Half of them are moved so that a voxel lies on a border of tool
+ * voxels, or a few units from it: there the 16-bit sums tie.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -23,7 +22,7 @@
 
 static const int32_t extremes[] = {INT32_MIN, INT32_MAX, 0, -1};
 
-/* What nobody may rely on, behind a list. */
+/* Fills the elements beyond a list, whose content is unspecified. */
 static void garbage(check *c, ost_cubes *cubes)
 {
     for (size_t i = cubes->count; i < OST_UNIT_BRICKS + OST_CUBES_SLACK; i++) {
@@ -33,7 +32,7 @@ static void garbage(check *c, ost_cubes *cubes)
     }
 }
 
-/* count different numbers below limit, in any order or ascending. */
+/* Chooses count different numbers below limit, in random or ascending order. */
 static void some_numbers(check *c, int32_t *number, size_t count, int32_t limit)
 {
     enum { LIMIT_MAX = 4096 };
@@ -63,7 +62,8 @@ static void call_blocks(check_fn *kernel, void *with)
     ((ost_blocks_fn *)kernel)(a->bases, a->reach, a->first, a->from, a->to, a->blocks);
 }
 
-/* A sum of three parts, less the half that is added: any that the ranges of block_base.h have, most of them near a border. */
+/* Returns a sum of three parts, less the half that is added: any within the ranges of block_base.h, mostly near a
+   border. */
 static int64_t some_sum(check *c, const ost_block_reach *reach, int a)
 {
     const int64_t exists[2] = {-(INT64_C(1) << 29), (INT64_C(1) << 30) + (INT64_C(1) << 29)};
@@ -109,7 +109,8 @@ static void test_blocks(check *c)
         bases->count[b] = to[b] - bases->lo[b] + (int32_t)check_range(c, 0, MOST - 3);
         bases->part[b] = check_input(c, "part", 3 * (size_t)bases->count[b], sizeof(int64_t), sizeof(int64_t));
     }
-    /* What is divided where the parts do not tell: the steps' own map, a divisor of 2^80, so begun that the first block is in reach. */
+    /* The map is used where the parts are not exact enough. It has the same steps and a divisor of 2^80, and an
+       origin that puts the first block in reach. */
     *map = (ost_map){.divisor = (ost_int128)1 << 80};
     for (int a = 0; a < 3; a++) {
         int64_t base = check_range(c, reach->from[a], reach->from[a] + (int64_t)reach->width[a] - 1);
@@ -120,7 +121,7 @@ static void test_blocks(check *c)
         }
         map->origin[a] = base * map->divisor + check_range(c, -9, 9);
     }
-    /* The sum of one block is chosen on each axis, most others follow from small differences. */
+    /* On each axis the sum of one block is chosen; most others differ from it by small amounts. */
     for (int a = 0; a < 3; a++) {
         const int64_t far = INT64_C(1) << 46, sum = some_sum(c, reach, a), y = check_range(c, -far, far), z = check_range(c, -far, far);
         const int64_t begin[3] = {sum - y - z, y, z};
@@ -174,7 +175,7 @@ static int by_number(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* As one list of int32, sorted from `from` on. */
+/* Copies the parts into one list of int32, sorted from `from` on. */
 static void listed(const ost_cubes *mixed, size_t from, part *out)
 {
     for (size_t i = 0; i < mixed->count; i++)
@@ -188,11 +189,11 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Cubes around the tool, or anywhere that their parts' centres fit int32. */
+/* Places cubes around the tool, or anywhere that the centres of their parts fit int32. */
 static void place_cubes(check *c, const ost_cells *cells, const ost_split *split, bool near, ost_cubes *cubes)
 {
     for (int a = 0; a < 3; a++) {
-        int64_t least = 0, most = 0; /* of what is added */
+        int64_t least = 0, most = 0; /* of the offsets that are added */
         for (int p = 0; p < 8; p++) {
             const int64_t lo = split->centre[a][p] < split->first[a][p] ? split->centre[a][p] : split->first[a][p];
             const int64_t hi = split->centre[a][p] > split->first[a][p] ? split->centre[a][p] : split->first[a][p];
@@ -203,7 +204,7 @@ static void place_cubes(check *c, const ost_cells *cells, const ost_split *split
         const int64_t from = -((int64_t)cells->margin << cells->shift), to = from + ((int64_t)cells->dims[a] << cells->shift);
         for (size_t i = 0; i < cubes->count; i++) {
             int64_t u = near ? check_range(c, from, to) - split->centre[a][check_range(c, 0, 7)] : check_range(c, lo, hi);
-            if (check_chance(c, 8)) /* a part's centre on a cell's border, or beside it */
+            if (check_chance(c, 8)) /* a part's centre on a cell's border, or one unit from it */
                 u = (check_range(c, -1, cells->dims[a]) - cells->margin) * (INT64_C(1) << cells->shift) - split->centre[a][check_range(c, 0, 7)] +
                     check_range(c, -1, 1);
             else if (check_chance(c, 16))
@@ -279,7 +280,7 @@ static void test_split(check *c)
     }
     check_same(c, "mixed, as number, u[0], u[1], u[2] of each", CHECK_I32, list[0], list[1], 4 * m[0]->count);
     check_same(c, "inside->number", CHECK_I32, n[0]->number, n[1]->number, n[0]->count);
-    /* What lies behind the room that there must be is poison in both, wherever the lists end. */
+    /* Beyond the capacity that the contract requires both contain poison, wherever the lists end. */
     const size_t mixed_room = mixed_before + 8 * cubes->count + OST_CUBES_SLACK, inside_room = inside_before + 8 * cubes->count + OST_CUBES_SLACK;
     const size_t all = OST_UNIT_BRICKS + OST_CUBES_SLACK;
     for (int b = 0; b < 3; b++)
@@ -302,7 +303,7 @@ static void call_match(check_fn *kernel, void *with)
     ((ost_match_fn *)kernel)(a->match, a->bricks, a->hits);
 }
 
-/* Some of the cells that are mixed for a split of this least, chosen fairly; at most MIXED_MAX. */
+/* Chooses at most MIXED_MAX of the cells that are mixed for a split with this least, by reservoir sampling. */
 enum { MIXED_MAX = 512 };
 static size_t mixed_cells(check *c, const ost_cells *cells, int32_t least, int32_t chosen[MIXED_MAX])
 {
@@ -318,7 +319,7 @@ static size_t mixed_cells(check *c, const ost_cells *cells, int32_t least, int32
     return (size_t)(found < MIXED_MAX ? found : MIXED_MAX);
 }
 
-/* A coordinate at, or a few units beside, where a voxel of the brick passes from one tool voxel to the next. */
+/* Returns a coordinate at which a voxel of the brick passes from one tool voxel to the next, or a few units from it. */
 static int32_t on_border(check *c, const ost_match *match, int a, int32_t u)
 {
     static const int32_t beside[] = {0, -1, 1, 127, -128, 128, -129};
@@ -327,7 +328,7 @@ static int32_t on_border(check *c, const ost_match *match, int a, int32_t u)
     return u - (int32_t)(sum & ((1u << OST_MAP_FRACTION) - 1));
 }
 
-/* Bricks whose centres lie in mixed cells; the split's part 0 begins where its cube does. */
+/* Places bricks whose centres lie in mixed cells; part 0 of the split has the same first voxel as its cube. */
 static size_t place_mixed(check *c, const ost_match *match, const ost_split *split, ost_cubes *bricks, size_t count)
 {
     const ost_cells *cells = &match->shape->cells;
@@ -351,7 +352,7 @@ static size_t place_mixed(check *c, const ost_match *match, const ost_split *spl
     return mixed > 0 ? count : 0;
 }
 
-/* Anywhere that their voxels' coordinates fit int32; most of them about the tool. */
+/* Places bricks anywhere that the coordinates of their voxels fit int32, most of them near the tool. */
 static void place_anywhere(check *c, const ost_match *match, ost_cubes *bricks, size_t count)
 {
     for (int a = 0; a < 3; a++) {
@@ -380,7 +381,7 @@ static void test_match(check *c)
     ost_match *match = check_input(c, "match", 1, sizeof *match, _Alignof(ost_match));
     ost_cubes *bricks = check_input(c, "bricks", 1, sizeof *bricks, _Alignof(ost_cubes));
     *shape = s.shape;
-    if (check_chance(c, 8)) /* what a shape for larger bones has */
+    if (check_chance(c, 8)) /* a shape for larger bone voxels has no windows */
         shape->windows = (ost_windows){0};
     ost_match_make(s.step, shape, match);
     ost_split split;
@@ -399,7 +400,7 @@ static void test_match(check *c)
     match_arguments a = {match, bricks, hits[0]}, b = {match, bricks, hits[1]};
     if (!check_both(c, call_match, &a, &b) || !check_same(c, "hits", CHECK_BITS, hits[0], hits[1], bricks->count) || !match->windows)
         return;
-    /* The windows against the tool's own voxels: the scalar kernel without them. */
+    /* Compares the windows with the tool's own voxels, which the scalar kernel uses without windows. */
     static ost_match plain;
     static uint64_t voxels[OST_UNIT_BRICKS + OST_CUBES_SLACK];
     plain = *match;
@@ -428,7 +429,7 @@ static void call_take(check_fn *kernel, void *with)
 static void some_borders(check *c, ost_take *take)
 {
     take->borders = (int)check_range(c, 0, check_chance(c, 2) ? 3 : OST_CLASS_MAX - 1);
-    const bool wide = check_chance(c, 4); /* not only where densities are */
+    const bool wide = check_chance(c, 4); /* borders also outside the range of densities */
     int64_t at = wide ? check_range(c, INT16_MIN, 10) : check_range(c, 0, take->highest / 2 + 1);
     for (int b = 0; b < take->borders; b++) {
         take->border[b] = (int16_t)at;
@@ -460,7 +461,7 @@ static void test_take(check *c)
     check_outputs(c, "density", voxels, sizeof(int16_t), 64, density);
     int16_t *d = density[0];
     const int dense = (int)check_range(c, 0, 2); /* all at the highest, near borders, any */
-    for (size_t i = 0; i < voxels; i++) { /* what is not hit may be anything */
+    for (size_t i = 0; i < voxels; i++) { /* voxels that are not hit may have any density */
         int64_t v = dense == 0 ? take->highest : check_range(c, 1, take->highest);
         if (dense == 1 && take->borders > 0)
             v = take->border[check_range(c, 0, take->borders - 1)] - check_range(c, 0, 1);
@@ -477,7 +478,7 @@ static void test_take(check *c)
     }
     memcpy(density[1], density[0], voxels * sizeof *d);
     take_arguments a = {take, density[0], number, hits, count, {{0}, {0}}};
-    for (int i = 0; i < OST_CLASS_MAX; i++) { /* it is added to */
+    for (int i = 0; i < OST_CLASS_MAX; i++) { /* the kernel adds to the tally */
         a.tally.voxels[i] = check_chance(c, 2) ? 0 : rng_next(&c->rng) >> 1;
         a.tally.density[i] = check_chance(c, 2) ? 0 : rng_next(&c->rng) >> 1;
     }
@@ -493,7 +494,7 @@ static void test_take(check *c)
 
 /* -------------------------------------------------------------------- bench */
 
-/* A ball of 48 tool voxels about a unit of 32^3 bone voxels. */
+/* A ball of 48 tool voxels in diameter around a unit of 32^3 bone voxels. */
 typedef struct scene {
     uint8_t *voxels;
     ost_shape shape;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* sample: every chunk size, grids that end within a chunk, chunks without memory, voxels in and around the grid, counts around sixteen. */
+/* sample: every chunk size, grids that end within a chunk, chunks without memory, voxels in and around the grid,
+   counts around sixteen. */
 #include "simd/check.h"
 
 #include "cpu/bone/bone.h"
@@ -32,7 +33,7 @@ static void test(check *c)
         table[i] = (cpu_chunk){0};
         if (check_chance(c, 3))
             continue;
-        /* Densities, and occupancy behind them in the same block. */
+        /* Densities, followed by occupancy in the same allocation. */
         int16_t *density = check_input(c, "block", voxels + voxels / 16, sizeof *density, 64);
         uint64_t *occupancy = (uint64_t *)(void *)(density + voxels);
         const uint64_t some = check_chance(c, 4) ? ~UINT64_C(0) : (uint64_t)check_range(c, 0, INT64_MAX);

@@ -2,10 +2,10 @@
 /*
  * text_match.
  *
- * Lines that match come with one somewhere that does not, in one way of many:
- * a byte changed, missing or added, a density out of range, of six digits, of
- * none, with a sign or a letter, a line of nothing.  Behind the end of a part
- * of the text its lines go on: those are not to be taken.
+ * Lines that match are followed somewhere by one that does not, for one of many
+ * reasons: a byte changed, missing or added; a density out of range, with six
+ * digits, without digits, with a sign or a letter; an empty line.  After the end of
+ * a part of the text its lines continue: those must not be matched.
  */
 #include <stdio.h>
 #include <string.h>
@@ -48,7 +48,7 @@ static void some_bytes(check *c, size_t length, unsigned char *text, unsigned ch
     }
 }
 
-/* Text of a density; good says whether it is one. */
+/* Writes the text of a density; good: a valid one. Returns its length. */
 static size_t some_density(check *c, bool good, char *out)
 {
     static const char *const fine[] = {"0", "-0", "1", "-1", "9", "10", "32767", "-32768", "32766", "-32767", "00000", "-00000", "00123", "-00009", "12345", "-1024", "1043"};
@@ -64,7 +64,7 @@ static size_t some_density(check *c, bool good, char *out)
     return strlen(out);
 }
 
-/* One line without its newline. */
+/* Writes one line without its newline. Returns its length. */
 static size_t some_line(check *c, const ost_text_pattern *p, const ost_text_column *column, size_t column_length, bool good, char *out)
 {
     size_t n = 0;
@@ -84,17 +84,17 @@ static size_t some_line(check *c, const ost_text_pattern *p, const ost_text_colu
     else if (!p->carriage && way == 1)
         out[n++] = '\r';
     const size_t at = n > 0 ? (size_t)check_range(c, 0, (int64_t)n - 1) : 0;
-    if (way == 2 && n > 0) { /* another byte */
+    if (way == 2 && n > 0) { /* a byte changed */
         out[at] = (char)(out[at] ^ (1 << check_range(c, 0, 7)));
         out[at] = out[at] == '\n' ? 'n' : out[at];
-    } else if (way == 3 && n > 0) { /* one less */
+    } else if (way == 3 && n > 0) { /* a byte missing */
         memmove(out + at, out + at + 1, n - at - 1);
         n--;
-    } else if (way == 4) { /* one more */
+    } else if (way == 4) { /* a byte added */
         memmove(out + at + 1, out + at, n - at);
         out[at] = some_byte(c);
         n++;
-    } else if (way == 5) { /* its beginning only */
+    } else if (way == 5) { /* only the beginning of the line */
         n = check_chance(c, 3) ? 0 : at;
     }
     return n;
@@ -127,7 +127,7 @@ static void test_match(check *c)
     const size_t here = check_chance(c, 3) ? (size_t)check_range(c, 0, (int64_t)lines) : lines, end = begins[here];
     const size_t there = bytes - end < OST_TEXT_MARGIN ? bytes - end : OST_TEXT_MARGIN;
     char *text = check_input(c, "text with its margin", end + OST_TEXT_MARGIN, 1, 1);
-    /* What is like a density, so that who looks there takes it for one, or like the end of one. */
+    /* The margin looks like a density, or like the end of one, so that reading there changes the result. */
     memset(text, check_chance(c, 3) ? '\n' : '5', end + OST_TEXT_MARGIN);
     memcpy(text, joined, end + there);
     void *density[2];
@@ -139,7 +139,7 @@ static void test_match(check *c)
     if (check_both(c, call_match, &a, &b) && check_that(c, a.matched == b.matched, "matches %zu, not %zu", b.matched, a.matched) &&
         check_that(c, a.next == b.next, "ends at byte %td, not %td", b.next - text, a.next - text) &&
         check_that(c, a.next == text + begins[a.matched], "both end at byte %td, not %zu", a.next - text, begins[a.matched]))
-        check_same(c, "density", CHECK_I16, density[0], density[1], lines); /* both poison behind those matched */
+        check_same(c, "density", CHECK_I16, density[0], density[1], lines); /* beyond the matches both are poison */
 }
 
 static void bench_match(check_bench *b)

@@ -2,11 +2,11 @@
 /*
  * vox_mark, vox_keys: triangles of every kind in tiles.
  *
- * Triangles are soup: a kernel marks them one by one, so that they need not
- * close.  Among them are small ones, slivers, ones with corners and edges on
- * rows' centres, ones across the whole grid, and flat ones; at the grid's far
- * end in x, where a crossing has no bit and is spilled; and over planes that
- * have bits already, where it is spilled as well.
+ * Meshes need not be closed, since a kernel marks triangles one by one.  The
+ * triangles include small ones, slivers, ones with corners and edges on the centres
+ * of rows, ones across the entire grid, and flat ones; ones at the grid's far end in
+ * x, where a crossing has no bit and is spilled; and ones over planes that have bits
+ * already, where it is spilled as well.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -27,7 +27,8 @@ static int32_t within(int64_t v, int32_t end)
     return (int32_t)(v < 0 ? 0 : v > end ? end : v);
 }
 
-/* One whose extents are just what goes in lanes, or one unit more: (ex + w) ey ez <= OST_VOX_SMALL. */
+/* Makes a triangle whose extents are the largest that vector lanes allow, or one unit more: (ex + w) ey ez <=
+   OST_VOX_SMALL. */
 static void corners_at_the_limit(check *c, int f, const int32_t end[3], int32_t (*corner)[3])
 {
     const int64_t y = check_range(c, end[1] / 2, end[1]), z = check_range(c, end[2] / 2, end[2]);
@@ -41,7 +42,7 @@ static void corners_at_the_limit(check *c, int f, const int32_t end[3], int32_t 
     }
 }
 
-/* One triangle's corners, 0 <= coordinate <= end. */
+/* Makes the corners of one triangle, 0 <= coordinate <= end. */
 static void some_corners(check *c, int f, const int32_t end[3], int32_t (*corner)[3])
 {
     const int32_t w = 1 << f;
@@ -61,7 +62,7 @@ static void some_corners(check *c, int f, const int32_t end[3], int32_t (*corner
     for (int i = 0; i < 3; i++)
         for (int a = 0; a < 3; a++) {
             int64_t v = at[a] + check_range(c, -size, size);
-            if (kind == 2) /* on the lattice of rows' centres, or an edge's way beside */
+            if (kind == 2) /* on the lattice of the centres of rows, or one unit off it */
                 v = v / w * w + w / 2 + (check_chance(c, 8) ? check_range(c, -1, 1) : 0);
             corner[i][a] = within(v, end[a]);
         }
@@ -84,7 +85,7 @@ static void some_mesh(check *c, int f, ost_dims dims, size_t triangles, ost_snap
         some_corners(c, f, end, &vertex[3 * t]);
         for (uint32_t i = 0; i < 3; i++)
             triangle[t][i] = (uint32_t)(3 * t) + i;
-        if (t > 0 && check_chance(c, 6)) /* shared with another, or the same one again, turned */
+        if (t > 0 && check_chance(c, 6)) /* shared vertices, or those of the previous triangle reversed */
             for (uint32_t i = 0; i < 3; i++)
                 triangle[t][i] = check_chance(c, 2) ? (uint32_t)check_range(c, 0, (int64_t)(3 * t) + 2) : triangle[t - 1][2 - i];
     }
@@ -120,7 +121,7 @@ static void call_mark(check_fn *kernel, void *with)
     ((ost_vox_mark_fn *)kernel)(&a->tile, a->list, a->count);
 }
 
-/* A part [lo, hi) of [from, to), often all of it. */
+/* Chooses a part [lo, hi) of [from, to), often all of it. */
 static void some_part(check *c, int32_t from, int32_t to, int32_t *lo, int32_t *hi)
 {
     *lo = from;
@@ -168,7 +169,7 @@ static void test_mark(check *c)
     check_outputs(c, "planes", 2 * plane_words, sizeof(uint64_t), 64, planes);
     check_outputs(c, "odd", rows, 1, 1, odd);
     memset(planes[0], 0, 16 * plane_words);
-    if (check_chance(c, 3)) /* what triangles before these have marked */
+    if (check_chance(c, 3)) /* bits that earlier triangles have marked */
         for (size_t w = 0; w < 2 * plane_words; w++)
             if (w % plane_words < rows * words) {
                 const int64_t bits = dims.x - (int64_t)(w % plane_words % words) * 64;
@@ -232,7 +233,7 @@ static void test_keys(check *c)
 
 enum { SIDE = 128, F = 10, ACROSS = 96 };
 
-/* A wavy sheet of 2 ACROSS^2 triangles. */
+/* Makes a wavy sheet of 2 ACROSS^2 triangles. */
 static void sheet(ost_snapped_mesh *out)
 {
     static int32_t vertices[(ACROSS + 1) * (ACROSS + 1)][3];

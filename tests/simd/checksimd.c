@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Every kernel of every instruction set against the scalar one.
+ * Compares every kernel of every instruction set with the scalar one.
  *
  *   checksimd                                  all of them, random and worst cases
- *   checksimd --function=split --isa=avx2      one, of one instruction set
- *             --seed=N --case=K                as a failure says: that one case again
- *   checksimd --bench                          times them instead; no time fails
- *   checksimd --list                           what there is
+ *   checksimd --function=split --isa=avx2      one kernel of one instruction set
+ *             --seed=N --case=K                repeats one case, as a failure prints it
+ *   checksimd --bench                          times the kernels instead; no time is a failure
+ *   checksimd --list                           lists the kernels
  *
- * A slot that holds the scalar function, or that of the level before, is not
- * called again.  The scalar functions themselves are held to their contracts'
- * borders.  Exit status: 0, 1 when something failed, 2 for wrong usage, 77
- * when nothing but scalar code runs here or the instruction set that was
- * asked for does not.
+ * A slot that holds the scalar function, or that of a lower level, is not tested
+ * again.  The scalar functions themselves are tested for staying within the
+ * buffers of their contracts.  Exit status: 0; 1 if a case failed; 2 for wrong
+ * usage; 77 if only scalar code runs on this machine or the requested instruction
+ * set does not.
  *
  * Covers: AR-LAW-1
  */
@@ -29,7 +29,7 @@ typedef struct options {
     const char *function; /* NULL: all */
     int isa;              /* -1: all */
     int number;           /* -1: all */
-    int times;            /* as many cases as usual */
+    int times;            /* factor for the number of cases */
     bool bench, list;
 } options;
 
@@ -43,7 +43,7 @@ static void usage(FILE *to)
           to);
 }
 
-/* The text after "--name=", or NULL. */
+/* Returns the text after "--name=", or NULL. */
 static const char *value_of(const char *argument, const char *name)
 {
     const size_t n = strlen(name);
@@ -107,7 +107,7 @@ static bool chosen(const options *o, const check_kernel *kernel)
     return !o->function || strcmp(o->function, kernel->name) == 0;
 }
 
-/* The highest level below isa whose slot holds the same function; isa itself when there is none. */
+/* Returns the lowest level below isa whose slot holds the same function; isa itself if there is none. */
 static int same_as(const check_kernel *kernel, int isa)
 {
     for (int lower = 0; lower < isa; lower++)
@@ -146,7 +146,7 @@ static int bench_all(const options *o)
     return 0;
 }
 
-/* One cell of the table of results; whether it is no failure. */
+/* Fills one cell of the table of results. Returns false if the check failed. */
 static bool check_one(const options *o, const check_kernel *kernel, int isa, char cell[24])
 {
     const int same = same_as(kernel, isa);

@@ -11,8 +11,8 @@
 enum { BUFFERS_MAX = 96, CANARY = 512 };
 
 typedef struct buffer {
-    unsigned char *data; /* owned pages, between one without access on either side */
-    size_t room;         /* bytes of data, whole pages */
+    unsigned char *data; /* owned; pages with one inaccessible page on either side */
+    size_t room;         /* bytes of data, a multiple of the page size */
     unsigned char *at;
     size_t size;
     const char *name;
@@ -51,13 +51,14 @@ static void make_room(buffer *b, size_t size)
     b->data = all + page;
 }
 
-/* By the distance from the buffer's beginning, so that two of one size begin with the same content. */
+/* Returns the poison at distance i from the buffer's beginning, so that buffers of equal size begin with the same
+   content. */
 static unsigned char poison_at(ptrdiff_t i)
 {
     return (unsigned char)(0xa5 ^ (i * 29 & 0x7f));
 }
 
-/* The same for `size` bytes from distance i on. */
+/* Fills `size` bytes with the poison from distance i on. */
 static void poison(unsigned char *to, ptrdiff_t i, size_t size)
 {
     enum { PERIOD = 128 };

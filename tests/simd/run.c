@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Cases of one kernel, and what is said when one fails.
+ * Runs the cases of one kernel and reports the first failure.
  *
- * A case has a generator of its own, seeded by the run's seed, the kernel's
- * name and the case's number alone: so it is the same whatever ran before it,
- * and for every instruction set.
+ * A case has its own generator, seeded only by the run's seed, the kernel's name
+ * and the case's number: so it is the same whatever ran before it, and for every
+ * instruction set.
  */
 #include "simd/check.h"
 
@@ -24,7 +24,7 @@ const check_kernel *const check_kernels[] = {
 };
 const int check_kernel_count = sizeof check_kernels / sizeof check_kernels[0];
 
-/* No slot without a check: this fails to compile when one is added, and then it is to be added above. */
+/* Every slot has a check: this fails to compile if a slot is added; its check must then be added above. */
 enum { CPU_SLOTS = (sizeof(ost_cpu_kernels) - offsetof(ost_cpu_kernels, gather_row)) / sizeof(check_fn *), TEXT_KERNELS = 1 };
 _Static_assert(sizeof check_kernels / sizeof check_kernels[0] == CPU_SLOTS + TEXT_KERNELS, "a kernel has no check");
 
@@ -50,7 +50,7 @@ void check_note(check *c, const char *format, ...)
     va_end(list);
 }
 
-/* Only the first failure counts. */
+/* Reports a failure; only the first one of a case is reported. */
 static void fail(check *c, check_result result, const char *who, const char *what)
 {
     if (c->result != CHECK_GOOD)

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * That checksimd can fail: kernels that are wrong on purpose, in one small
- * way each, and every one of them must be found, for the right reason, within
- * the usual number of cases.
+ * Tests that checksimd can fail: each of these kernels is wrong in one small way,
+ * and must be found, for the right reason, within the usual number of cases.
  *
- * A wrong kernel is the scalar one and something before or after it.  The
- * seed is fixed, so that none is found by luck on some days only.
+ * A wrong kernel is the scalar one with an addition before or after it.  The seed
+ * is fixed, so that results do not vary between runs.
  *
  * Covers: AR-LAW-1
  */
@@ -25,13 +24,13 @@
 extern const check_kernel check_gather_row, check_blend_rows, check_stretch_row, check_weigh_rows, check_brick_row, check_any_active, check_drain, check_sample, check_blocks, check_split, check_match, check_take,
     check_vox_mark, check_vox_keys, check_vox_fill, check_vox_expand, check_text_match;
 
-/* Reads it, whatever the compiler thinks of that. */
+/* Reads a byte; volatile prevents the compiler from removing the read. */
 static void touch(const void *p)
 {
     (void)*(const volatile char *)p;
 }
 
-/* The same, of memory that was given to be read only. */
+/* Removes const from a pointer, to write where a kernel must not. */
 static void *writable(const void *p)
 {
     return (void *)(uintptr_t)p;
@@ -109,7 +108,7 @@ static void blend_reads_beyond(const int16_t *a, const int16_t *b, const size_t 
         touch(&b[row[count - 1] + (size_t)width]);
 }
 
-/* Negates what a weight of -2^15 contributes to. */
+/* Negates sums to which a weight of -2^15 contributes. */
 static void stretch_without_the_least(const int16_t *from, const int32_t *at, const int16_t *minus, int width, int32_t *to)
 {
     ost_stretch_row_scalar(from, at, minus, width, to);
@@ -134,7 +133,7 @@ static void weigh_ties_up(const int32_t *const rows[4], const int32_t weight[4],
     }
 }
 
-/* Sums in doubles: near a tie they need more than 53 bits. */
+/* Sums in doubles, whose 53 bits are too few near a tie. */
 static void weigh_in_doubles(const int32_t *const rows[4], const int32_t weight[4], int count, int width, int16_t *to)
 {
     for (int i = 0; i < width; i++) {
@@ -175,7 +174,7 @@ static ost_brick_sums brick_reads_beyond(const int16_t *const rows[16], size_t b
     return ost_brick_row_scalar(rows, bricks, threshold, stream, density, occupancy);
 }
 
-/* Between the bricks of the row there are others'. */
+/* Writes an element between those of the row's bricks, which belongs to another row. */
 static ost_brick_sums brick_writes_between(const int16_t *const rows[16], size_t bricks, int16_t threshold, bool stream, int16_t *density,
                                            uint64_t *occupancy)
 {
@@ -311,7 +310,7 @@ static void match_one_voxel(const ost_match *match, const ost_cubes *bricks, uin
         hits[bricks->count - 1] ^= UINT64_C(1) << 63;
 }
 
-/* The tie that remove.h speaks of: coordinates and offsets cut off before they are added. */
+/* The tie described in remove.h: coordinates and offsets are truncated before they are added. */
 static void match_without_carries(const ost_match *match, const ost_cubes *bricks, uint64_t *hits)
 {
     const int32_t cut = ~((1 << (OST_MAP_FRACTION - OST_TIE_BITS)) - 1);
@@ -388,7 +387,7 @@ static void mark_not_the_last(ost_vox_tile *tile, const uint32_t *list, size_t c
     ost_vox_mark_scalar(tile, list, count - (count > 0));
 }
 
-/* As a load of four numbers for three does. */
+/* Simulates a load of four numbers in place of three. */
 static void mark_reads_beyond(ost_vox_tile *tile, const uint32_t *list, size_t count)
 {
     ost_vox_mark_scalar(tile, list, count);
@@ -484,7 +483,7 @@ static size_t match_stops_early(const ost_text_pattern *pattern, const ost_text_
     return n == lines && lines % 8 == 7 ? n - 1 : n;
 }
 
-/* Densities modulo 2^16, as a narrowing without a check of the range gives them. */
+/* Stores densities modulo 2^16, as narrowing without a range check would. */
 static size_t match_wraps(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths, const char *text,
                           const char *end, size_t lines, int16_t *density, const char **next)
 {
@@ -499,7 +498,7 @@ static size_t match_wraps(const ost_text_pattern *pattern, const ost_text_column
     return n;
 }
 
-/* Into the line that begins at the end, which another thread reads. */
+/* Continues into the line that begins at the end, which another thread reads. */
 static size_t match_goes_on_behind_the_end(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths,
                                            const char *text, const char *end, size_t lines, int16_t *density, const char **next)
 {
@@ -542,7 +541,7 @@ static size_t match_reads_past_the_margin(const ost_text_pattern *pattern, const
 
 /* ------------------------------------------------------------------- list */
 
-/* A set of two. */
+/* A set of two results. */
 #define OR(a, b) (1u << (a) | 1u << (b))
 
 static const struct wrong {
@@ -646,7 +645,7 @@ int main(void)
         printf("FAILED %s: %s in %d cases of %s\n", w->what, results[r], w->kernel->cases, w->kernel->name);
         failed++;
     }
-    /* And the right ones are not found. */
+    /* The right kernels must not be reported. */
     for (int i = 0; i < check_kernel_count; i++) {
         check_fn *scalar = check_kernels[i]->of(OST_ISA_SCALAR);
         failed += check_run(check_kernels[i], scalar, scalar, "scalar", seed, 0, 50, false) != CHECK_GOOD;
