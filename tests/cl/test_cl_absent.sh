@@ -1,11 +1,11 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# The command where OpenCL has nothing to run on: no driver, a broken one, or
-# not built in.  Everything else works, and the reason is said.
+# The command without a usable OpenCL device: no driver, a broken one, or built
+# without OpenCL.  Everything else works, and the reason is reported.
 # Covers: REQ-OPTIONAL
 . "${srcdir:-.}/tests/app/lib.sh"
 
-# reason TEXT: of the backend cl in out
+# reason TEXT: checks the reason of the backend cl in the file out
 reason() {
     i=0
     while name=$(value "backends.$i.name") && [ -n "$name" ]; do

@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# osteon ream --backend cl on a device that fails in the middle: the file is
-# the one that cpu makes, one line says what happened, and --no-failover stops.
-# The failure is made by a library before the loader's.
+# osteon ream --backend cl on a device that fails during the run: the output file
+# equals that of the backend cpu, one line reports the failure, and --no-failover
+# stops the run.  A library preloaded before the OpenCL loader injects the failure.
 # Covers: REQ-FAILOVER
 . "${srcdir:-.}/tests/app/lib.sh"
 
@@ -15,7 +15,7 @@ grep -q '^#define HAVE_OPENCL 1' "$build/config.h" || skip "built without OpenCL
 mkdir -p "$build/tests/cl/cache"
 export XDG_CACHE_HOME="$build/tests/cl/cache"
 
-# After FAIL_AT launches nothing goes to the queue any more; without it the launches are counted.
+# After FAIL_AT launches all calls that use the queue fail; without FAIL_AT the launches are counted.
 cat >failing.c <<'END'
 #define _GNU_SOURCE
 #define CL_TARGET_OPENCL_VERSION 120
@@ -84,7 +84,7 @@ many=$(cat launches)
 echo "# $many launches"
 [ "$many" -gt 100 ] || fail "$many launches are too few for a tick to fail"
 
-# In the first ticks, in the middle, in the last.
+# The device fails in the first ticks, in the middle, and in the last ones.
 for percent in 20 50 80 97; do
     FAIL_AT=$((many * percent / 100))
     export FAIL_AT

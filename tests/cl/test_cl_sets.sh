@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# osteon validate runs both sets of kernels on an OpenCL device, equal to the
-# reference, and says for each which kernels and paths no case entered.
+# osteon validate runs both kernel sets on an OpenCL device with results equal to
+# the reference, and reports for each which kernels and paths no case entered.
 # Covers: REQ-CL-SETS, REQ-VAL-PATHS
 . "${srcdir:-.}/tests/app/lib.sh"
 
@@ -16,7 +16,7 @@ export XDG_CACHE_HOME="$build/tests/cl/cache"
 device=$(sed -n 's/^  \(cl:platform=[0-9]*,device=[0-9]*\)  *yes.*/\1/p' devices | head -n 1)
 [ -n "$device" ] || skip "no OpenCL device can be used here"
 
-# A device that ends long loops refuses the set for CPUs; its own set is compared all the same.
+# A device that ends long loops cannot run the kernel set for CPUs; the other set is still compared.
 sets=gpu
 "$osteon" voxelize builtin:peg --backend "$device,kernels=cpu" --voxel 1 --out peg.nrrd >/dev/null 2>why && sets="cpu gpu"
 [ "$sets" != gpu ] || grep -q 'too early for kernels=cpu' why || fail "kernels=cpu: $(cat why)"

@@ -58,7 +58,7 @@ static void test_blend_rows(check *c)
         for (size_t i = 0; i < size; i++)
             from[s][i] = some_density(c);
     }
-    /* What lies between the rows must not be written. */
+    /* The elements between the rows must not be written. */
     const size_t room = count > 0 ? (size_t)OST_ROW_STRIDE * (size_t)(count - 1) + (size_t)width : 0;
     void *to[2];
     check_outputs(c, "to", room, sizeof(int16_t), sizeof(int16_t), to);
@@ -162,7 +162,7 @@ static void call_weigh_rows(check_fn *kernel, void *with)
     ((ost_weigh_rows_fn *)kernel)(a->rows, a->weight, a->count, a->width, a->to);
 }
 
-/* Returns a sum as stretch_row computes it, or its opposite. */
+/* Returns a sum as stretch_row computes it, or its negative. */
 static int32_t some_sum(check *c, int sign)
 {
     const int weight = some_weight(c, 0, ONE);

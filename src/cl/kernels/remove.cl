@@ -103,7 +103,7 @@ __kernel void ost_remove(__global const ost_cl_event *event, __global const ucha
     const ulong corner = (ulong)block.slot * ((ulong)n * (ulong)n * (ulong)n) +
                          (ulong)(block.first[0] % n + n * (block.first[1] % n + n * (block.first[2] % n)));
 
-    /* First these count the voxels of at least border c (class 0: all); the classes themselves are differences. */
+    /* Index c covers the voxels hit of at least border c (class 0: all); the values of the classes are differences. */
     uint voxels[OST_CL_CLASSES], sums[OST_CL_CLASSES], touched = 0;
     for (int c = 0; c < OST_CL_CLASSES; c++)
         voxels[c] = sums[c] = 0;

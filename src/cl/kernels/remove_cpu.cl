@@ -501,7 +501,7 @@ __kernel void ost_remove_blocks(__global const ost_cl_event *event, __global con
     }
     ost_list_hits(&rows, n, &list);
 
-    /* First these count the voxels of at least border c (class 0: all); the classes themselves are differences. */
+    /* Index c covers the voxels hit of at least border c (class 0: all); the values of the classes are differences. */
     uint above = 0, above_sum = 0; /* results of the class above */
     for (int c = OST_CL_CLASSES - 1; c >= 0; c--) {
         uint voxels = 0, sum = 0;
