@@ -56,12 +56,12 @@ static ost_status make_import(const plan_case *c, scene *s, draw *d, ost_error *
         dims = (ost_dims){dims.x < 8 ? 8 : dims.x, dims.y < 8 ? 8 : dims.y, dims.z < 8 ? 8 : dims.z};
     }
     if (c->number % 7 == 6) {
-        /* Means along all axes, 16 of them from more than 64 voxels along x. */
+        /* Means along all axes; 16 of them are of more than 64 voxels along x, and those left of more than 32. */
         const ost_pm x = s->rect.spacing.x;
         s->rect.spacing = (ost_pm3){x, draw_between(d, x * 3 / 2, 2 * x), draw_between(d, x / 2, x * 4 / 5)};
         s->cubic = draw_between(d, x * 9 / 2, 5 * x);
         s->resample = OST_RESAMPLE_LINEAR;
-        dims = (ost_dims){100, dims.y < 8 ? 8 : dims.y, dims.z < 24 ? 24 : dims.z};
+        dims = (ost_dims){130, dims.y < 8 ? 8 : dims.y, dims.z < 24 ? 24 : dims.z};
     } else if (c->number % 6 == 3 || c->number % 6 == 4) {
         /* i * (cubic / rect) is a whole number and comes out just below it: in double precision along x and y, in single along z. */
         s->cubic = 900 * UM;
