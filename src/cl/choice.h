@@ -58,8 +58,8 @@ ost_status ost_cl_options_read(const char *text, ost_cl_options *out, ost_error 
 /* Returns true if the options platform and device select this device. */
 bool ost_cl_options_match(const ost_cl_options *options, const ost_cl_device *device);
 
-/* Returns lines "CL_DEVICE_VENDOR=..." about the platform and the device, for the record; the caller frees them.
-   NULL if out of memory. */
+/* Returns lines "CL_DEVICE_VENDOR=..." about the platform and the device, for the record, to be freed by the
+   caller. NULL if out of memory. */
 char *ost_cl_facts(const ost_cl_api *cl, const ost_cl_device *device);
 
 /* Writes why the loader reports no platform, as far as its folder of drivers shows it. */

@@ -201,8 +201,8 @@ static ost_status bins_make(mesh_bins *bins, const ost_cl_tiles *tiles, const ti
         free(change);
         return ost_fail(err, OST_ERR_MEMORY, "no memory for lists of %llu triangles", (unsigned long long)bins->entries);
     }
-    /* next[l + 1] is the count of list l; after the sums below next[l] is where list l begins and, once it is
-       filled, ends. */
+    /* First next[l + 1] is the count of list l. After the sums below next[l] is the index at which list l begins
+       and, once the list is filled, ends. */
     uint32_t *next = bins->start + 1;
     count_lists(bins, change, wide, high, size, next);
     free(change);

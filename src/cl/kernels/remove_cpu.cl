@@ -179,7 +179,7 @@ typedef struct ost_window {
 static void ost_open_window(ost_window *w, const ost_view *view, __global const uchar *windows, const uint u[3])
 {
     int begin[3];
-    for (int a = 0; a < 3; a++) /* a window outside the grid may be replaced by any other outside it */
+    for (int a = 0; a < 3; a++) /* windows entirely outside the grid are equal */
         begin[a] = ost_least(ost_greatest((int)((u[a] + view->lowest[a]) >> 20) - 1016, 0), view->dims[a] + 8);
     begin[0] &= ~1;
     for (int a = 0; a < 3; a++)
