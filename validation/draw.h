@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Where a campaign's random inputs come from: splitmix64, the same numbers on
- * every machine.  A stream is named, so that a case added to a campaign
- * changes none of the others.
+ * The source of a campaign's random inputs: splitmix64, which gives the same
+ * numbers on every machine.  Each stream has a name, so that a case added to a
+ * campaign does not change any other case.
  *
- * A statement draws once, or says its order by ; && ?: or the commas between
- * declarators.  In f(draw(), draw()) and {draw(), draw()} the order is the
- * compiler's choice, and gcc and clang do not choose alike: it would be another
- * case under the same name.  tests/validation/test_scene holds what comes out.
+ * A statement draws at most once, or its order of evaluation is defined by ;
+ * && ?: or the commas between declarators.  In f(draw(), draw()) and
+ * {draw(), draw()} the compiler chooses the order, and gcc and clang choose
+ * differently: the same name would then mean another case.
+ * tests/validation/test_scene checks the digests of the results.
  */
 #ifndef OST_VALIDATION_DRAW_H
 #define OST_VALIDATION_DRAW_H
@@ -29,7 +30,7 @@ static inline uint64_t draw_bits(draw *d)
     return z ^ (z >> 31);
 }
 
-/* lo <= result <= hi, hi - lo < 2^63 */
+/* Returns a number in [lo, hi]; hi - lo < 2^63. */
 static inline int64_t draw_between(draw *d, int64_t lo, int64_t hi)
 {
     return lo + (int64_t)(draw_bits(d) % ((uint64_t)hi - (uint64_t)lo + 1));
@@ -40,7 +41,7 @@ static inline bool draw_one_in(draw *d, int n)
     return draw_bits(d) % (uint64_t)n == 0;
 }
 
-/* lo <= result < hi; the steps are 2^-53 of the span */
+/* Returns a number in [lo, hi), a multiple of 2^-53 of the span from lo. */
 static inline double draw_real(draw *d, double lo, double hi)
 {
     return lo + (hi - lo) * ((double)(draw_bits(d) >> 11) * 0x1p-53);
@@ -64,7 +65,7 @@ static inline ost_dims draw_dims(draw *d, int32_t lo, int32_t hi)
     return n;
 }
 
-/* The stream of one name in one campaign. */
+/* Returns the stream with this name in the campaign with this seed. */
 static inline draw draw_named(uint64_t seed, const char *name)
 {
     draw d = {seed};

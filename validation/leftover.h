@@ -1,29 +1,30 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What must not outlive this process when a signal ends it: folders that are
- * being filled, and workers.
+ * Lists what has to be cleaned up when a signal ends this process: folders that
+ * are being filled, and workers.
  *
  *   leftover_folder, leftover_worker --signal--> leftover_end: workers are
  *                                                killed, folders removed
  *
- * A SIGKILL runs nothing.  Workers end with it all the same, since they ask
- * the system to be ended when their parent is (worker.c), and traces have no
- * names (scratch.h); a bundle's unfinished folder stays.
+ * SIGKILL runs no handler.  Workers end in that case too, since the system
+ * kills them when their parent ends (worker.c), and traces have no names
+ * (scratch.h); the unfinished folder of a bundle remains.
  */
 #ifndef OST_VALIDATION_LEFTOVER_H
 #define OST_VALIDATION_LEFTOVER_H
 
 #include <sys/types.h>
 
-/* Of more than a few nothing is noted: they stay. path is copied. */
+/* Adds a folder to the list; path is copied. If the list is full or the path is too long, the folder is not listed
+   and a signal does not remove it. */
 void leftover_folder(const char *path);
 void leftover_folder_gone(const char *path);
-/* Removes a listed folder with all that is in it. */
+/* Removes a listed folder with its contents, and its entry in the list. */
 void leftover_folder_remove(const char *path);
 void leftover_worker(pid_t pid);
 void leftover_worker_gone(pid_t pid);
 
-/* Async-signal-safe; for a handler that ends the process. */
+/* Kills the listed workers and removes the listed folders. Async-signal-safe; for a handler that ends the process. */
 void leftover_end(void);
 
 #endif

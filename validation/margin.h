@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * How near a decision was, for every voxel that another program decided
- * otherwise than the reference: 'only rounding at borders' as a figure.
+ * Computes how close a decision was, for every voxel that another program
+ * decided differently from the reference.  This gives the statement "only
+ * rounding at borders" a number.
  *
- *        void | solid        u   where the reference has the point, in units of
- *         u   |              2^-20 of a voxel, integers
- *         .-->|              margin: how far it lies from the nearest border behind
- *          m  |              which the other's answer would be right, on the axis
- *                            on which it is farthest (Chebyshev distance)
+ *        void | solid        u   position of the point as the reference computes
+ *         u   |              it, an integer in units of 2^-20 of a voxel
+ *         .-->|              margin: distance to the nearest border beyond which
+ *          m  |              the other result would be right, measured along the
+ *                            axis on which it is largest (Chebyshev distance)
  *
  *   stage   the point, and its border                              unit
  *   rect    a sample on the lattice; half-way to the next voxel    2^-20 voxel of the CT
@@ -17,10 +18,10 @@
  *   tick    a bone voxel's centre by AR-MAP; the nearest tool voxel of the other kind,
  *           over the poses of the event                            2^-20 voxel of the tool
  *
- * A voxel counts where it first differs.  One that differs because what the
- * stage was given differs already (the rect grid, the tool) is inherited.  A
- * density below the threshold that was kept has no border.  What no border
- * explains is counted as such: it is refuted that rounding did it.
+ * A voxel is counted at the stage at which it first differs.  It is counted as
+ * inherited if the stage's input (the rect grid, the tool) already differs.  A
+ * density below the threshold that was kept has no border.  A difference that
+ * no border explains is counted as unexplained: rounding cannot be its cause.
  */
 #ifndef OST_VALIDATION_MARGIN_H
 #define OST_VALIDATION_MARGIN_H
@@ -31,18 +32,18 @@
 #include "validation/scene.h"
 
 enum {
-    MARGIN_ONE = 1 << 20, /* a voxel */
-    MARGIN_BINS = 22      /* 0: on the border; b: 2^(b-1) <= m < 2^b; the last: a voxel and more */
+    MARGIN_ONE = 1 << 20, /* one voxel */
+    MARGIN_BINS = 22      /* bin 0: on the border; bin b: 2^(b-1) <= m < 2^b; the last bin: one voxel or more */
 };
 
 typedef struct margin_stage {
-    uint64_t records; /* compared */
-    uint64_t reports; /* of them, those whose report differs */
-    uint64_t voxels;  /* that differ: the sum of the five below */
-    uint64_t decided; /* with a margin */
+    uint64_t records; /* number of records compared */
+    uint64_t reports; /* number of these records whose report differs */
+    uint64_t voxels;  /* number of voxels that differ: the sum of the next five members */
+    uint64_t decided; /* number of voxels that have a margin */
     uint64_t inherited, below_threshold, unexplained, unmeasured;
     uint64_t bins[MARGIN_BINS];
-    uint64_t max; /* of decided */
+    uint64_t max; /* greatest margin of the decided voxels; max_item and max_voxel are its record and its voxel */
     uint32_t max_item;
     int32_t max_voxel[3];
 } margin_stage;
@@ -51,17 +52,18 @@ typedef struct margins {
     margin_stage of[TRACE_STAGES];
 } margins;
 
-/* Both traces of one case. apart: the other was given the reference's input at every stage (perform_apart), so nothing is inherited. */
+/* Computes the margins of one case from both traces of it. apart: the other backend got the reference's input at
+   every stage (perform_apart), so no difference is inherited. */
 ost_status margins_of(const scene *s, const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, bool apart, margins *out,
                       ost_error *err);
 
-/* Adds b's figures to a's. */
+/* Adds the counts of b to those of a; the maximum of a becomes that of both. */
 void margins_add(margins *a, const margins *b);
 
-/* [{"stage", "voxels", ..., "max", "bins"}], stages without a difference left out. */
+/* Returns [{"stage", "voxels", ..., "max", "bins"}] without the stages that have no difference. The caller owns it. */
 json_t *margins_json(const margins *m);
 
-/* "0.000123 of a tool voxel" */
+/* Returns the unit of a stage's margins as text, as in "0.000123 of a tool voxel". */
 const char *margin_unit(trace_stage stage);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What margin.c's parts have in common: the walk along a case, and how a
- * differing voxel is counted.
+ * Declarations shared by the parts of margin.c: the walk along a case, and the
+ * counting of a voxel that differs.
  *
  *   margin.c   walk --record by record--> margin_import.c   rect, cubic, chunks
  *                                         margin_tool.c     tools
@@ -14,7 +14,8 @@
 
 #include "validation/margin.h"
 
-/* What the walk along a case keeps of both sides: views of the last whole grids, and the bones as they stand. */
+/* The state of both sides along the walk: views of the latest complete grids, and the bones after the last tick.
+   Index 0 is the reference, 1 the other backend. */
 typedef struct margin_walk {
     const scene *s;
     bool apart;
@@ -22,17 +23,17 @@ typedef struct margin_walk {
     trace_block_view rect[2], cubic[2], tool[2][SCENE_TOOLS_MAX];
     ost_dims dims;
     int16_t *bone[2];
-    int64_t event_tick; /* where the next sweep begins: the last tick that ran an event or had its motor off, -1: none */
+    int64_t event_tick; /* tick at which the next sweep begins: the last that ran an event or had its motor off; -1: none */
 } margin_walk;
 
-/* The reference's record and the other's, of one stage and item; a and b are their grids. */
+/* Each function takes the records of one stage and item of both sides; a is the reference's grid, b the other's. */
 ost_status margin_rect(margin_walk *w, const trace_block_view *a, const trace_block_view *b, ost_error *err);
 void margin_cubic(margin_walk *w, const trace_block_view *a, const trace_block_view *b);
 void margin_chunks(margin_walk *w, const trace_block_view *a, const trace_block_view *b);
 void margin_tool(margin_walk *w, uint32_t item, const trace_block_view *a, const trace_block_view *b);
 ost_status margin_tick(margin_walk *w, const trace_record *a, const trace_record *b, ost_error *err);
 
-/* A voxel that differs by so much; or for another reason, which is one of m's counts. */
+/* margin_decided counts a differing voxel with its margin; margin_other counts one without, in *why, a count of m. */
 void margin_decided(margin_stage *m, uint64_t margin, uint32_t item, const int32_t at[3]);
 void margin_other(margin_stage *m, uint64_t *why);
 
@@ -48,7 +49,7 @@ static inline void margin_place(ost_dims d, size_t i, int32_t at[3])
     at[2] = (int32_t)(i / (size_t)d.x / (size_t)d.y);
 }
 
-/* A trace does not align its voxels. */
+/* Returns an int16 voxel of a block. The voxels of a trace are not aligned, so they are copied. */
 static inline int32_t margin_value16(const trace_block_view *b, size_t i)
 {
     int16_t v;

@@ -17,7 +17,7 @@
 #include "core/paths.h"
 #include "validation/trace.h"
 
-enum { PATHS_MAX = 1024 }; /* of one backend */
+enum { PATHS_MAX = 1024 }; /* paths of one backend */
 
 typedef struct path_count {
     char name[OST_PATH_NAME];
@@ -26,14 +26,15 @@ typedef struct path_count {
 
 typedef struct path_list {
     int count;
-    path_count *paths; /* owned; in the backend's order */
+    path_count *paths; /* owned; in the order in which the backend lists them */
 } path_list;
 
-/* Adds the backend's paths to the record that was begun. */
+/* Adds a count and a name for each of the backend's paths to the record that is being written. */
 void paths_write(const ost_backend *backend, trace_writer *w);
-/* Adds the counts of an end record; a record without paths, or one that is not well formed, adds none. OST_ERR_MEMORY alone. */
+/* Adds the counts of an end record; a record without paths, or one that is not well formed, adds none. Fails only with
+   OST_ERR_MEMORY. */
 ost_status paths_add(path_list *list, const trace_record *end, ost_error *err);
-/* Makes {"path": count} of those that were entered, and a list of the others; the caller owns both. */
+/* Makes an object {"path": count} of the paths that were entered, and a list of the others; the caller owns both. */
 void paths_json(const path_list *list, json_t **entered, json_t **missing);
 void paths_free(path_list *list);
 

@@ -21,7 +21,7 @@
 #include "validation/scene.h"
 #include "validation/trace.h"
 
-/* Voxels of a bone that is fetched complete after every tick (perform_tick.c). */
+/* Greatest number of voxels for which the bone is downloaded completely after every tick (perform_tick.c). */
 enum { PERFORM_WHOLE = 1 << 18 };
 
 /* Called for every record that was written; the parameter may be NULL. */
@@ -33,9 +33,10 @@ ost_status perform(ost_backend *backend, const scene *s, uint32_t case_index, tr
                    ost_error *err);
 
 /*
- * The same with the second implementation's steps in place of src/core's and
- * src/sim's (steps_make.h): snapped meshes, ticks of a motor, events, poses and
- * maps.  Of a case that would take too long the ticks' steps alone are made.
+ * Does the same with the second implementation's steps in place of those of
+ * src/core and src/sim (steps_make.h): snapped meshes, ticks of a motor, events,
+ * poses and maps.  For a case that would take too long only the steps of the
+ * ticks are made.
  */
 ost_status perform_second(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, ost_error *why,
                           ost_error *err);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * One case on one backend while it runs: its stages, a file each, in the order
- * in which they run.
+ * One case on one backend while it runs. Each stage has a file, listed here in
+ * the order in which the stages run.
  *
  *   perform_before.c   another CT and another bone, before the case's own
  *   perform_import.c   samples -> rect -> cubic -> chunks
@@ -28,37 +28,37 @@ typedef struct performer {
     uint32_t case_index;
     ost_bone *bone;
     ost_tool *tools[SCENE_TOOLS_MAX];
-    ost_tool_geometry grids[SCENE_TOOLS_MAX]; /* theirs */
+    ost_tool_geometry grids[SCENE_TOOLS_MAX]; /* the grids of these tools */
     ost_world *world;
-    ost_geometry geometry; /* of the bone, as the maps have it */
-    ost_dims dims;         /* as the backend has it */
-    int16_t *was, *is;    /* the bone as last recorded, and as fetched */
+    ost_geometry geometry; /* the bone's, from which the maps are computed */
+    ost_dims dims;         /* the bone's, as the backend returns them */
+    int16_t *was, *is;    /* the bone as last recorded, and as downloaded */
     ost_report collided, removed;
-    bool second;          /* the steps are the second implementation's, and there is no world */
-    bool light;           /* of second: ticks' steps alone are made */
-    ost_path path;        /* the ticks; own_path: to be freed */
+    bool second;          /* true: the second implementation makes the steps, and there is no world */
+    bool light;           /* only if second: true if the steps of the ticks alone are made */
+    ost_path path;        /* the ticks; freed by the performer if own_path is true */
     bool own_path;
-    steps_history history; /* of second */
-    ost_pose *made_poses;  /* owned; of a backend that makes them itself, room for OST_SWEEP_MAX */
+    steps_history history; /* only if second */
+    ost_pose *made_poses;  /* owned; for a backend that makes poses itself; capacity OST_SWEEP_MAX */
     ost_map *made_maps;
-    ost_map *maps;         /* owned; of second: an event's, room for OST_SWEEP_MAX */
+    ost_map *maps;         /* owned; only if second: the maps of one event; capacity OST_SWEEP_MAX */
     ost_voxel_box *boxes;
-    ost_step_result range; /* of second: boxes_meet and the range of chunks of the event's bounds */
+    ost_step_result range; /* only if second: boxes_meet, and the range of chunks that the event must cover */
     perform_watch *watch;
     void *user;
-    const trace *given; /* apart: the reference's; else NULL */
+    const trace *given; /* only for perform_apart: the reference's trace; else NULL */
     compare_range in_given;
-    bool refused;       /* the CT has a rejected or a conflicting sample: the case ends with its report */
-    int16_t *right;     /* apart: the bone as the reference has it */
+    bool refused;       /* true if the CT has a rejected or a conflicting sample: the case ends with its report */
+    int16_t *right;     /* only for perform_apart: the reference's bone */
 } performer;
 
-/* Returns true for a case without a bone, whose ticks' steps alone are made. */
+/* Returns true for a case without a bone, of which only the steps of the ticks are made. */
 static inline bool perform_is_of_steps(const scene *s)
 {
     return !s->sample_count && s->path.count;
 }
 
-/* Returns the index of a voxel in a grid that is stored x first. */
+/* Returns the index of a voxel in a grid that is stored x-fastest. */
 static inline size_t perform_at(ost_dims d, int32_t x, int32_t y, int32_t z)
 {
     return (size_t)x + (size_t)d.x * ((size_t)y + (size_t)d.y * (size_t)z);
@@ -66,9 +66,9 @@ static inline size_t perform_at(ost_dims d, int32_t x, int32_t y, int32_t z)
 
 /* ---- perform_record.c */
 
-/* Ends the record that was begun, and shows it to the watch. */
+/* Ends the record that is being written, and passes it to the watch. */
 ost_status perform_end_record(performer *p, trace_stage stage, uint32_t item, ost_error *err);
-/* Writes a record in place of a stage that does not run here. */
+/* Writes an empty record for a stage that does not run in this case. */
 ost_status perform_record_nothing(performer *p, trace_stage stage, uint32_t item, ost_error *err);
 /* Writes counts of chunks and voxels into the open record. */
 void perform_record_counts(performer *p, const ost_bone_info *info);
@@ -85,10 +85,11 @@ ost_status perform_give_grid(const performer *p, trace_stage stage, ost_grid *gr
 ost_status perform_give_bone(performer *p, ost_error *err);
 /* Replaces tool i by the reference's. */
 ost_status perform_give_tool(performer *p, int i, const ost_tool_geometry *geometry, ost_error *err);
-/* Overwrites slices [z0, z1) of the bone, fetched after tick i, with the reference's: a difference ends with its tick. */
+/* Overwrites slices [z0, z1) of the bone, fetched after tick i, with the reference's: a difference ends with its
+   tick. */
 ost_status perform_give_tick(performer *p, uint32_t i, int32_t z0, int32_t z1, ost_error *err);
 
-/* ---- perform_before.c: nothing is recorded; left out under a watch, which numbers a backend's calls */
+/* ---- perform_before.c: records nothing; not called if there is a watch, which numbers the backend's calls */
 
 /* Scatters the case's first samples into a grid of another lattice. */
 ost_status perform_other_lattice(performer *p, ost_error *err);
@@ -97,7 +98,7 @@ ost_status perform_other_bone(performer *p, int i, ost_error *err);
 
 /* ---- the stages */
 
-/* Imports the CT into p->bone; sets p->refused where a sample was refused. */
+/* Imports the CT into p->bone; sets p->refused if a sample was rejected or conflicts with another. */
 ost_status perform_import(performer *p, ost_error *err);
 /* Samples the bone: at time 0 as it was imported (items 0 and 1), at time 1 at the end (items 2 and 3). */
 ost_status perform_sample(performer *p, uint32_t time, ost_error *err);
@@ -105,13 +106,13 @@ ost_status perform_sample(performer *p, uint32_t time, ost_error *err);
 ost_status perform_upload(performer *p, ost_error *err);
 /* Snaps and voxelizes tool i. */
 ost_status perform_tool(performer *p, int i, ost_error *err);
-/* Creates what the ticks run in: a world, or the second implementation's history and memory for an event. */
+/* Creates the state for the ticks: a world, or the second implementation's history and memory for an event. */
 ost_status perform_begin_ticks(performer *p, ost_error *err);
-/* Runs tick i: its steps, its event, the leaves that changed. */
+/* Runs tick i and records its steps, its event and the leaves that changed. */
 ost_status perform_tick(performer *p, size_t i, ost_error *err);
-/* Makes the steps of tick i alone, from the tick before it where that has the same tool. */
+/* Makes only the steps of tick i; its sweep begins at the previous tick if that has the same tool. */
 ost_status perform_steps(performer *p, size_t i, ost_error *err);
-/* Collides the pose of tick i alone over the complete grid: no box skips a voxel, and nothing may change. */
+/* Collides the pose of tick i over the complete grid: no box excludes a voxel, and nothing may change. */
 ost_status perform_collide(performer *p, size_t i, ost_error *err);
 
 #endif

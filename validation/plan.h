@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What a campaign runs: an ordered list of cases, fixed by tier, seed and
- * shard before anything runs.  The list is part of the protocol, and its text
- * is hashed into the evidence.
+ * The ordered list of the cases of a campaign, which tier, seed and shard fix
+ * before anything runs.  The list is part of the protocol, and the SHA-256 of
+ * its text is part of the evidence.
  *
  *   tier, seed, shard I/N --plan_make--> cases "family/number"
  *
@@ -11,15 +11,15 @@
  *   mesh/N       tools from simple to hostile: closed, open, slivers, covers
  *                twice, not cutting; by winding and parity (Alg. 2.1, section 2.3)
  *   poses/N      unrelated poses, on borders and quarter turns among them (Algs. 2.8-2.10)
- *   sweep/N      fast motion: many poses an event
- *   session/N    slow cutting for many ticks, tools changed in between
+ *   sweep/N      fast motion: many poses per event
+ *   session/N    slow cutting for many ticks, with changes of tool
  *   operation/N  the built-in peg hole and reaming on a phantom's glenoid
- *   steps/N      sweep, map, motor and snapping alone: ties, ends of the range; no voxel
- *   reach/N      what only size or place brings about: a sparse bone of more than
- *                2^22 voxels, a tool wider than 512, rods, slices, far origins,
- *                samples that are refused, a gap between the parts of a tool
- *   static/N     the thesis' static events, when they are asked for by name
- *   user/N       the user's own files (user_store.h), from 1 on; behind all others
+ *   steps/N      only sweep, map, motor and snapping: ties, ends of the range; no voxel
+ *   reach/N      situations that need a certain size or position: a sparse bone of
+ *                more than 2^22 voxels, a tool wider than 512, rods, slices, far
+ *                origins, samples that are refused, a gap between the parts of a tool
+ *   static/N     the thesis' static events; only if requested by name
+ *   user/N       the user's own files (user_store.h), numbered from 1; after all others
  */
 #ifndef OST_VALIDATION_PLAN_H
 #define OST_VALIDATION_PLAN_H
@@ -40,30 +40,30 @@ typedef enum plan_family {
     PLAN_OPERATION,
     PLAN_STEPS,
     PLAN_REACH,
-    PLAN_STATIC, /* by name alone: the static events of Tables 3.3 to 3.5 */
-    PLAN_SMALL, /* in no plan: scenes of a few milliseconds that hold every stage, for sensitivity.h */
-    PLAN_USER,  /* of the user's own files */
+    PLAN_STATIC, /* only if requested by name: the static events of Tables 3.3 to 3.5 */
+    PLAN_SMALL, /* part of no plan: scenes of a few milliseconds that contain every stage, for sensitivity.h */
+    PLAN_USER,  /* cases of the user's own files */
     PLAN_FAMILIES
 } plan_family;
 
 struct scene_cut;  /* locate/cut.h */
 struct user_store; /* user_store.h */
 
-/* The user's own cases: how many, and what they are; without a store they have names alone. */
+/* The user's own cases: their number and their contents. Without a store only their names exist. */
 typedef struct plan_user {
     int count;
-    const struct user_store *store; /* borrowed; NULL: they cannot be made */
+    const struct user_store *store; /* borrowed; NULL: the cases cannot be made */
 } plan_user;
 
 enum { PLAN_ID = 32 };
 typedef struct plan_case {
     plan_family family;
-    int number;       /* within the family, from 0; of the user's own from 1 */
-    plan_tier tier;   /* sizes grow with it */
-    uint64_t seed;    /* the campaign's */
+    int number;       /* number within the family, counted from 0; from 1 in PLAN_USER */
+    plan_tier tier;   /* larger tiers have larger cases */
+    uint64_t seed;    /* seed of the campaign */
     char id[PLAN_ID]; /* "session/3" */
-    struct scene_cut *cut; /* what of it is kept, NULL: all; owned where the plan came from a file */
-    const struct user_store *store; /* of the user's own; borrowed */
+    struct scene_cut *cut; /* the part of the case that is run, NULL: all; owned by the plan if it came from a file */
+    const struct user_store *store; /* for PLAN_USER; borrowed */
 } plan_case;
 
 typedef struct plan {
@@ -71,26 +71,28 @@ typedef struct plan {
     uint64_t seed;
     int shard, shards; /* 1 <= shard <= shards */
     const char *only;  /* as given to plan_make, borrowed */
-    const char *file;  /* where the cases came from (locate/case_file.h), borrowed; NULL: from the tier */
-    const struct user_store *user; /* of the user's own cases, borrowed; NULL: none are there */
+    const char *file;  /* file from which the cases were read (locate/case_file.h), borrowed; NULL: the tier's cases */
+    const struct user_store *user; /* the user's own cases, borrowed; NULL if there are none */
     int count;
-    plan_case *cases; /* owned; case k of the whole list belongs to shard 1 + k mod shards */
-    int whole;        /* cases of all shards */
+    plan_case *cases; /* owned; case k of the complete list belongs to shard 1 + k mod shards */
+    int whole;        /* number of cases of all shards together */
 } plan;
 
 const char *plan_tier_name(plan_tier tier);
 const char *plan_family_name(plan_family family);
-/* What a family is for, a line for people. */
+/* Returns one line of text that describes the family. */
 const char *plan_family_about(plan_family family);
 
-/* only: NULL, or keeps the cases whose id begins with it. user: NULL for none. */
+/* Makes the plan of one shard. only: NULL, or a prefix: cases whose id does not begin with it are omitted. user:
+   NULL for none. */
 ost_status plan_make(plan_tier tier, uint64_t seed, int shard, int shards, const char *only, const plan_user *user, plan *out, ost_error *err);
 void plan_free(plan *p);
 
-/* The case of this name; false when the tier has none. */
+/* Makes the case with this id. Returns false if the tier has no such case. */
 bool plan_find(plan_tier tier, uint64_t seed, const char *id, const plan_user *user, plan_case *out);
 
-/* About what a case's trace takes on the disk; measured, and more than enough for generated ones. */
+/* Returns an estimate of the size of a case's trace in bytes. It is based on measurements; generated cases stay well
+   below it. */
 uint64_t plan_trace_bytes(const plan_case *c);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * AR-CUB along one axis, for what explains a difference: which rect voxels a
- * cubic voxel takes, and the division that says so.
+ * AR-CUB along one axis, for the explanation of differences: the rect voxels
+ * that a cubic voxel is computed from, and the division that selects them.
  *
  *   linear    t = ((2i + 1) c - s) / (2s), clamped; voxel floor(t), and the next with weight RHE(2^15 (t - floor(t)))
  *   nearest   floor((2i + 1) c / (2s)), at most the last
@@ -17,12 +17,13 @@
 enum { RESAMPLE_ONE = 1 << 15 };
 
 typedef struct resample_tap {
-    int64_t top, bottom; /* the fraction, before it is clamped; bottom > 0 */
+    int64_t top, bottom; /* numerator and denominator of the quotient before it is clamped; bottom > 0 */
     int64_t index;
-    int64_t weight; /* of voxel index + 1, in 1 / RESAMPLE_ONE; 0: that one is not read */
+    int64_t weight; /* weight of voxel index + 1 in units of 1 / RESAMPLE_ONE; 0: that voxel is not read */
 } resample_tap;
 
-/* i < 2^14, cubic and rect below 2^37: top is below 2^52. */
+/* Returns the source of cubic voxel i in a row of n rect voxels. i < 2^14, cubic and rect below 2^37, so top is
+   below 2^52. */
 static inline resample_tap resample_at(int64_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_resample rule)
 {
     resample_tap tap = {.top = (2 * i + 1) * cubic, .bottom = 2 * rect};
@@ -41,14 +42,15 @@ static inline resample_tap resample_at(int64_t i, ost_pm cubic, ost_pm rect, int
     return tap;
 }
 
-/* AR-CUB-1 */
+/* Returns the origin of the cubic grid (AR-CUB-1). */
 static inline ost_pm3 resample_origin(const ost_geometry *rect, ost_pm cubic)
 {
     return (ost_pm3){rect->origin.x + ost_rhe_div(cubic - rect->spacing.x, 2), rect->origin.y + ost_rhe_div(cubic - rect->spacing.y, 2),
                      rect->origin.z + ost_rhe_div(cubic - rect->spacing.z, 2)};
 }
 
-/* One of the eight voxels about a cubic voxel's centre: bit a of corner takes the next along axis a. Returns its weight in 2^-45. */
+/* Finds one of the eight rect voxels around a cubic voxel's centre: if bit a of corner is set, the next one along
+   axis a. Returns its weight in units of 2^-45. */
 static inline int64_t resample_corner(const resample_tap tap[3], int corner, int64_t at[3])
 {
     int64_t weight = 1;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Where traces go: under TMPDIR, or /tmp.  A trace that this process alone
- * reads has no name, so that nothing of it is left whatever ends the process:
+ * Temporary files and folders of traces, under TMPDIR or /tmp.  A trace that
+ * only this process reads has no name, so that it disappears however the
+ * process ends:
  *
  *   scratch_file --> descriptor --scratch_name--> "/proc/self/fd/5", to open it by
  */
@@ -15,16 +16,16 @@
 enum { SCRATCH_PATH = 512 };
 
 ost_status scratch_make(char path[SCRATCH_PATH], ost_error *err);
-/* The folder must be empty by then; "" is allowed. */
+/* Removes a folder made by scratch_make, which must be empty. "" is allowed and does nothing. */
 void scratch_remove(const char *path);
 
 enum { SCRATCH_NAME = 40 };
-/* The caller's to close, and gone with that. */
+/* Creates a file without a name. The caller closes the descriptor, which deletes the file. */
 ost_status scratch_file(int *fd, ost_error *err);
-/* As long as the descriptor is open. */
+/* Writes a path by which the file can be opened; valid as long as the descriptor is open. */
 void scratch_name(int fd, char name[SCRATCH_NAME]);
 
-/* OST_ERR_IO naming the folder, what is free there and what is needed. */
+/* Returns OST_ERR_IO if fewer than `bytes` are free; the error line names the folder, the free and the needed size. */
 ost_status scratch_room(uint64_t bytes, ost_error *err);
 
 #endif

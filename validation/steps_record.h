@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The steps before the voxels, as records of a trace: what src/core made of a
- * case, or the second implementation of it (dense/steps.h), or a plugin.
+ * The steps before the voxels, as records of a trace. They are made by src/core,
+ * by the second implementation of it (dense/steps.h), or by a plugin.
  *
  *   snap   a tool: for each of its two meshes 15 words, the grid, f, counts and
  *          the digest of AR-DIG-7; then the cutting mesh's vertices, one a word
  *   steps  a tick: 11 words, whether it is refused or an event, how many poses,
  *          time, speed and pose after the motor's turn; then for each pose of
  *          the event 61 words: the pose, the map's integers (AR-MAP), the bases
- *          of three blocks, and what the broad phase leaves
+ *          of three blocks, and the box that the broad phase computes
  */
 #ifndef OST_VALIDATION_STEPS_RECORD_H
 #define OST_VALIDATION_STEPS_RECORD_H
@@ -18,26 +18,27 @@
 
 #include "validation/trace.h"
 
-/* One pose of an event with all that follows from it. */
+/* One pose of an event and everything that is computed from it. */
 typedef struct steps_pose {
     ost_pose pose;
     ost_map map;
-    bool near[3];        /* whether each of the blocks is (AR-MAP-5) */
-    int32_t base[3][3];  /* of near ones; else 0 */
-    bool reaches;        /* a voxel can be inside the tool's grid */
-    ost_voxel_box box;   /* empty where none can */
+    bool near[3];        /* for each of the blocks of steps_blocks, true if it is near (AR-MAP-5) */
+    int32_t base[3][3];  /* bases of the near blocks; 0 for the others */
+    bool reaches;        /* true if a voxel can be inside the tool's grid */
+    ost_voxel_box box;   /* empty if no voxel can be */
 } steps_pose;
 
-/* Block first voxels whose bases are recorded: the grid's first, the middle and the last block. */
+/* Returns the first voxels of the blocks whose bases are recorded: the grid's first, its middle and its last block. */
 void steps_blocks(ost_dims bone, int32_t first[3][3]);
 
-/* parts[1] has no triangle where there is no second mesh. NULL: nothing is known of the mesh before it was snapped. */
+/* Adds the words of a snap record. parts[1] has no triangles if there is no second mesh. parts is NULL if the meshes
+   before snapping are not known. */
 ost_status steps_put_snap(trace_writer *w, const ost_snapped_mesh *parts, ost_error *err);
 void steps_put_tick(trace_writer *w, bool refused, bool removal, int count, const ost_tick *tick);
 void steps_put_pose(trace_writer *w, const steps_pose *p);
 
 void steps_word_name(trace_stage stage, size_t word, char text[TRACE_WORD]);
-/* The words of `reaches` and of the box. */
+/* Returns true for the words of `reaches` and of the box. */
 bool steps_word_is_bound(size_t word);
 bool steps_word_holds(size_t word, const uint8_t *is, const uint8_t *least);
 

@@ -3,18 +3,19 @@
  * The subjects of a campaign: the reference, and every way in which this
  * machine can run the other backends, as strings that ost_backend_open takes.
  *
- *   cpu   each instruction set that is here, with 1 thread and with 2, 3 and 7
- *         that share the smallest work (grain=1; smoke: one of the three, all
- *         of them among the sets); the best set with 3 threads and the
- *         thresholds of every day; the voxelizer by Embree where it was built in
- *   cl    each device that is not refused, with both sets of kernels, and with
+ *   cpu   each instruction set that is available, with 1 thread and with 2, 3
+ *         and 7 threads that divide even the smallest work (grain=1; smoke: one
+ *         of the three for each set, all three among the sets); the best set
+ *         with 3 threads and the default thresholds; the voxelizer by Embree if
+ *         it was compiled in
+ *   cl    each device that is not refused, with both kernel sets, and with
  *         large data in parts (smoke: the set for GPUs in parts, the other not)
- *   plugin:FILE.so   a plugin, if it is named; opened in a process of its own
- *                    first, as its code may do anything
+ *   plugin:FILE.so   a plugin, if it is named; it is first opened in a separate
+ *                    process, since its code may do anything
  *   dump:DIR         the dump of another program, if it is named
  *
- * Subjects that cannot run are listed with the reason: a report must name what
- * it does not cover.
+ * Subjects that cannot run are listed with the reason, because a report must
+ * name what it does not cover.
  */
 #ifndef OST_VALIDATION_SUBJECTS_H
 #define OST_VALIDATION_SUBJECTS_H
@@ -23,15 +24,15 @@
 
 #include "validation/plan.h"
 
-#define SUBJECT_DENSE "dense" /* the second implementation, with steps of its own (dense/steps.h) */
-#define SUBJECT_DUMP "dump:" /* and a folder of grids that were made elsewhere (dump.h) */
+#define SUBJECT_DENSE "dense" /* the second implementation, with its own steps (dense/steps.h) */
+#define SUBJECT_DUMP "dump:" /* prefix of a folder of grids that another program made (dump.h) */
 enum { SUBJECT_SPEC = 512, SUBJECT_REASON = 320 };
 typedef struct subject {
     char spec[SUBJECT_SPEC];
     char what[SUBJECT_REASON]; /* description: device and driver, instruction set */
     char device[64];           /* OpenCL device as ost_backend_devices lists it, however it was chosen; "" if none */
     bool available;
-    char reason[SUBJECT_REASON]; /* if not available */
+    char reason[SUBJECT_REASON]; /* the reason if it is not available */
 } subject;
 
 typedef struct subject_list {
@@ -41,15 +42,18 @@ typedef struct subject_list {
     char no_opencl[SUBJECT_REASON]; /* the reason if there is none */
 } subject_list;
 
-/* wanted: NULL for all of the tier, or "cpu:isa=avx2;cl:device=0": specs with semicolons between, or "cpu", "cl" for all of theirs. */
+/* Finds the subjects. wanted is NULL for all subjects of the tier, or specs separated by semicolons, as in
+   "cpu:isa=avx2;cl:device=0", in which "cpu" and "cl" alone mean all subjects of that backend. */
 ost_status subjects_find(plan_tier tier, const char *wanted, subject_list *out, ost_error *err);
 void subjects_free(subject_list *list);
 
 /* Returns the name of an instruction set of the backend cpu; NULL after the last. */
 const char *subjects_isa(int isa);
-/* Adds the backends cpu of a processor that has the instruction sets `here`, as subjects_find lists them. */
+/* Adds the subjects of the backend cpu for a processor with the instruction sets `here`, as subjects_find lists
+   them. */
 ost_status subjects_cpu(plan_tier tier, const bool here[], subject_list *list, ost_error *err);
-/* The options of the n-th backend of each usable OpenCL device in a tier, behind the device's name and a comma; NULL behind the last. */
+/* Returns the options, after the device's name and a comma, of the n-th subject of each usable OpenCL device in a tier;
+   NULL after the last. */
 const char *subjects_cl_options(plan_tier tier, int n);
 
 #endif

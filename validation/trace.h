@@ -63,7 +63,7 @@ ost_status trace_create(const char *path, trace_writer **out, ost_error *err);
 /* Writes the remaining bytes and closes the file. Returns OST_ERR_IO if any bytes could not be written. */
 ost_status trace_close(trace_writer *w, ost_error *err);
 
-/* A record is written by trace_begin, trace_word per word, trace_block per block, and trace_end, in this order. */
+/* Write a record, in this order: trace_begin, trace_word per word, trace_block per block, trace_end. */
 void trace_begin(trace_writer *w, trace_stage stage, uint32_t case_index, uint32_t item);
 void trace_word(trace_writer *w, uint64_t value);
 /* Returns a buffer for the block's voxels, which the caller fills before the next call; NULL if memory is exhausted. */
@@ -76,10 +76,10 @@ void trace_flags(trace_writer *w, uint64_t flags);
 /* ------------------------------------------------------------------ reading */
 
 /*
- * A dump (dump.h) may be incomplete: where it has no data its trace gets the
- * reference's records, which are marked as such and not compared.
+ * A dump (dump.h) may be incomplete: its trace gets the reference's records for
+ * the missing data. The flags mark these records, and they are not compared.
  */
-/* TRACE_MADE: the backend made the record itself; it was not handed to it. */
+/* TRACE_MADE: the backend made the record itself; it was not passed to it. */
 enum { TRACE_STANDS_IN = 1, TRACE_NO_WORDS = 2, TRACE_BOUNDS = 4, TRACE_MADE = 8 };
 
 /*

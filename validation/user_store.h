@@ -23,9 +23,9 @@ typedef struct user_store user_store;
 ost_status user_store_begin(user_store **out, ost_error *err);
 /* Samples of the next case, in the order in which they are scattered; their lines are set here. */
 ost_status user_case_samples(user_store *u, const ost_sample *samples, size_t count, size_t batch, ost_error *err);
-/* Adds all of the case but its samples; samples, sample_count and batch of head are ignored. */
+/* Adds the case except its samples; samples, sample_count and batch of head are ignored. */
 ost_status user_case_end(user_store *u, const scene *head, ost_error *err);
-/* Ends the writing; from here on user_scene can make the cases. */
+/* Ends the writing; afterwards user_scene can make the cases. */
 ost_status user_store_end(user_store *u, ost_error *err);
 
 /* ------------------------------------------------------------------ reading */

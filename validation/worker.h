@@ -39,7 +39,7 @@ typedef struct worker_result {
 
 typedef struct worker {
     pid_t pid;
-    int said;        /* reading end of a pipe from its stderr */
+    int said;        /* read end of a pipe from its stderr */
     double begun, limit_s;
     bool complete;   /* true if the line in text has ended */
     size_t used;
@@ -48,7 +48,7 @@ typedef struct worker {
 
 /* Exit status of a worker that could not get memory, a descriptor or a file; it allows no verdict on the backend. */
 enum { WORKER_EXIT_RESOURCES = 4 };
-enum { WORKERS_MAX = 128 }; /* most workers in one call of worker_wait_any */
+enum { WORKERS_MAX = 128 }; /* maximum number of workers in one call of worker_wait_any */
 enum { WORKER_TRACE = 3, WORKER_USER = 4 }; /* the worker's descriptors: its trace, the user's cases (user_store.h) */
 
 /* Writes the path of this program's own file, for argv[0]. */
