@@ -7,7 +7,8 @@
 
 #include "validation/scratch.h"
 
-/* One worker of a backend at a time: what it has left of its time is known, and a device is asked by one alone. */
+/* Returns true if a worker of this backend is running. There is at most one at a time, so that the remaining time of
+   the backend is defined and a device has only one user. */
 static bool busy(const runner *r, int whom)
 {
     for (int i = 0; i < r->running; i++)
@@ -16,10 +17,10 @@ static bool busy(const runner *r, int whom)
     return false;
 }
 
-/* The next to start; false when there is nothing to do until a worker ends. */
+/* Chooses the next worker to start; returns false if nothing can be started until a worker ends. */
 static bool choose(runner *r, int *number, int *whom)
 {
-    /* The next reference first, so that nobody has to wait for it. */
+    /* The next reference is started first, because all other backends wait for it. */
     if (r->begun < r->batches && r->begun < r->done + ALIVE && !busy(r, 0)) {
         *number = r->begun;
         *whom = 0;
@@ -27,7 +28,7 @@ static bool choose(runner *r, int *number, int *whom)
     }
     for (*number = r->done; *number < r->begun; ++*number) {
         const batch *b = batch_of(r, *number);
-        /* Devices stand last and take longest: they begin. */
+        /* Devices are last in the list and take longest, so they are started first. */
         for (*whom = r->c->subjects->count - 1; b->ready && *whom > 0; --*whom)
             if (b->tasks[*whom].from < b->end && !b->tasks[*whom].running && !busy(r, *whom))
                 return true;
@@ -35,7 +36,7 @@ static bool choose(runner *r, int *number, int *whom)
     return false;
 }
 
-/* As many cases as their traces are expected to fill BATCH_BYTES with, one at least. */
+/* A batch has as many cases as are expected to fill BATCH_BYTES with their traces, and at least one. */
 enum { BATCH_BYTES = 128 << 20 };
 static uint64_t cut_batches(runner *r)
 {
@@ -108,7 +109,7 @@ ost_status campaign_run(const plan *p, const subject_list *subjects, const campa
         status = ost_fail(err, OST_ERR_MEMORY, "no memory for %zu results", cells);
     if (status == OST_OK)
         status = dumps_check(out, err);
-    if (status == OST_OK) /* each worker's, the references' and a little more */
+    if (status == OST_OK) /* the traces of all workers, those of the references, and a reserve */
         status = scratch_room(cut_batches(&r) * (uint64_t)(out->jobs + ALIVE), err);
     if (status == OST_OK)
         status = run_all(&r, err);

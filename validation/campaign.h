@@ -82,7 +82,7 @@ typedef struct campaign {
     compare_range *ranges; /* owned; for each case its range in that trace; count 0 if the case is not in this batch */
     path_list *paths;      /* owned; per subject the paths recorded by those of its workers that ended regularly */
     time_t begun;
-    double *seconds;       /* owned; for each subject, the sum of its workers' running times; other workers may run at the same time */
+    double *seconds;       /* owned; for each subject, the sum of the running times of its workers */
     int jobs;              /* workers at a time */
     uint64_t trace_bytes;  /* maximum size of the traces on the disk at one time */
     uint64_t records, bytes; /* records and bytes compared, over all backends */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Batches of a campaign: begun, and ended in an order that does not depend on which worker was faster. */
+/* Begins and ends the batches of a campaign, in an order that does not depend on the speed of the workers. */
 #include "validation/campaign_parts.h"
 
 #include <stdlib.h>
@@ -62,7 +62,7 @@ bool batch_is_done(const runner *r, const batch *b)
     return done;
 }
 
-/* Locates each difference and shows it to the owner of the campaign, by backend and then by case. */
+/* Locates each difference and calls options->differs for it, by backend and then by case. */
 static void show_differences(runner *r, const batch *b)
 {
     campaign *c = r->c;

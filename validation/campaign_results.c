@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The results of a campaign, from the trace and the end of each worker. */
+/* Computes the results of a campaign from the trace and the end of each worker. */
 #include "validation/campaign_parts.h"
 
 #include <stdlib.h>
@@ -7,7 +7,8 @@
 
 #include "validation/bundle/digests.h"
 
-/* Keeps the digest of what a backend made of case i, computed from its own trace, and the lines where they differ from the reference's. */
+/* Stores the digest of a backend's results of case i, computed from its own trace, and the digest's lines if they
+   differ from the reference's. */
 static ost_status keep_digests(runner *r, int i, int whom, const trace *got, ost_error *err)
 {
     case_result *one = verdict_of(r->c, i, whom);
@@ -22,7 +23,7 @@ static ost_status keep_digests(runner *r, int i, int whom, const trace *got, ost
     return OST_OK;
 }
 
-/* Takes the times of the cases from `from` on, which the last record but one of a complete trace has. */
+/* Stores the times of the cases from `from` on, which are in the second to last record of a complete trace. */
 static void keep_seconds(const runner *r, int whom, const trace *got, int from)
 {
     uint64_t count;
@@ -45,7 +46,7 @@ ost_status results_judge(runner *r, const batch *b, int whom, const trace *got, 
     return status;
 }
 
-/* Gives the rest of a backend's cases in a batch the verdict with which it failed for good. */
+/* Gives all remaining cases of a backend in a batch the verdict of its permanent failure. */
 static void give_up(runner *r, batch *b, int whom)
 {
     for (; b->tasks[whom].from < b->end; b->tasks[whom].from++, r->finished++)
@@ -104,12 +105,12 @@ ost_status results_of_subject(runner *r, batch *b, int whom, trace *got, const w
         return err->status;
     if (t->from == b->end)
         return OST_OK;
-    /* It ended in this case. */
+    /* The worker ended in this case. */
     case_result *one = verdict_of(r->c, t->from, whom);
     verdict_of_end(end, one);
     t->from++;
     r->finished++;
-    if (end->end != WORKER_CRASHED) { /* there is no time left, or it will fail again */
+    if (end->end != WORKER_CRASHED) { /* no time is left, or the backend would fail again */
         r->gone[whom] = true;
         r->last_words[whom] = *one;
         for (int n = r->done; n < r->begun; n++)

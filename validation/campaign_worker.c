@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Workers of a campaign: their command lines, and the traces that they leave. */
+/* Workers of a campaign: their command lines and their traces. */
 #include "validation/campaign_parts.h"
 
 #include <errno.h>
@@ -12,7 +12,7 @@
 #include "validation/scratch.h"
 #include "validation/user_store.h"
 
-enum { CAMPAIGN_WORDS = 24 }; /* of a worker's command line */
+enum { CAMPAIGN_WORDS = 24 }; /* arguments of a worker's command line */
 
 ost_status runner_start(runner *r, int number, int whom, ost_error *err)
 {
@@ -79,9 +79,9 @@ static void count_bytes(runner *r)
 }
 
 /*
- * A worker that got no memory, descriptor or file computed nothing, so that nothing is said about its backend. Neither is it by
- * SIGKILL: this program sends it to a worker that is late (WORKER_LATE), so another one came from outside, mostly from the
- * kernel when memory runs out.
+ * Fails if the worker could not get memory, a descriptor or a file: it computed nothing, so its end allows no verdict on the
+ * backend. The same holds for SIGKILL. This program sends it only to a worker that exceeded its time (WORKER_LATE), so any
+ * other SIGKILL came from outside, usually from the kernel when memory was exhausted.
  */
 static ost_status resources_left(const char *spec, const worker_result *end, ost_error *err)
 {
@@ -96,7 +96,7 @@ static ost_status resources_left(const char *spec, const worker_result *end, ost
                     end->text);
 }
 
-/* A full disk is nobody's difference. */
+/* Fails if the disk is full, which must not be counted as a difference. */
 static ost_status room_left(const worker_result *end, ost_error *err)
 {
     static const int full[] = {ENOSPC, EDQUOT, EFBIG};
@@ -124,7 +124,7 @@ ost_status runner_ended(runner *r, int which, const worker_result *end, ost_erro
     if (s.whom == 0 && r->o->apart)
         b->given = s.trace;
     else
-        close(s.trace); /* what is mapped stays until it is not */
+        close(s.trace); /* the mapping remains valid until it is unmapped */
     if (readable != OST_OK)
         got = (trace){0};
     ost_status status = room_left(end, err);

@@ -44,7 +44,8 @@ static bool before(const int32_t a[3], const int32_t b[3])
     return a[2] != b[2] ? a[2] < b[2] : a[1] != b[1] ? a[1] < b[1] : a[0] < b[0];
 }
 
-/* Counts differing voxels of two blocks of one place; the least of the record is kept. */
+/* Counts the differing voxels of two blocks with equal position and size; out->voxel becomes the first of the
+   record. */
 static void compare_block(const trace_block_view *a, const trace_block_view *b, compare_difference *out)
 {
     const size_t count = (size_t)ost_dims_count(a->dims), wide = (size_t)a->dims.x, high = (size_t)a->dims.y;
@@ -66,7 +67,7 @@ static void compare_block(const trace_block_view *a, const trace_block_view *b, 
     }
 }
 
-/* x-fastest order of leaves, which is that of a tick's blocks. */
+/* Compares the positions of two leaves in x-fastest order, which is the order of a tick's blocks. */
 static int order(const trace_block_view *a, const trace_block_view *b)
 {
     for (int axis = 2; axis >= 0; axis--)
@@ -77,7 +78,7 @@ static int order(const trace_block_view *a, const trace_block_view *b)
 
 enum { LEAF_BYTES = 2 * OST_LEAF * OST_LEAF * OST_LEAF };
 
-/* The part of a whole grid's block that lies at a leaf's place. */
+/* Copies the part of a complete grid's block that a leaf covers. Returns false if the leaf is not inside the grid. */
 static bool cut_leaf(const trace_block_view *whole, const trace_block_view *place, uint8_t leaf[LEAF_BYTES], trace_block_view *out)
 {
     *out = *place;
@@ -94,7 +95,7 @@ static bool cut_leaf(const trace_block_view *whole, const trace_block_view *plac
     return true;
 }
 
-/* What the leaf at this place was before record `at` of a case: in the last record that has it. */
+/* Finds the contents of a leaf before record `at` of a case: those in the latest earlier record that contains it. */
 static bool leaf_before(const trace *t, compare_range range, size_t at, const trace_block_view *place, uint8_t leaf[LEAF_BYTES], trace_block_view *out)
 {
     while (at-- > 0) {
@@ -113,7 +114,7 @@ static bool leaf_before(const trace *t, compare_range range, size_t at, const tr
     return false;
 }
 
-/* False when a block has no counterpart, not even an earlier one. */
+/* Compares the blocks of two records. Returns false if a block has no counterpart, not even in an earlier record. */
 static bool compare_blocks(const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, size_t at, compare_difference *out)
 {
     const trace_record *r = &ref->records[in_ref.first + at], *g = &got->records[in_got.first + at];
@@ -139,7 +140,8 @@ static bool compare_blocks(const trace *ref, compare_range in_ref, const trace *
     return paired;
 }
 
-/* The words of a chunk's line in a report, which are its number and two a class; 0: it has no lines. */
+/* Returns the number of words in a chunk's line of a report: the chunk's number and two words per class. 0 if the
+   report has no lines. */
 static uint64_t words_of_line(const trace_record *r, const uint8_t *words, uint64_t count)
 {
     const uint64_t head = trace_report_head(r->stage), lines = head && count > head ? trace_word_at(words, head - 1) : 0;
@@ -160,7 +162,7 @@ static bool compare_words(const trace_record *ref, const trace_record *got, comp
     if (!trace_words(ref, &n, &a) || !trace_words(got, &m, &b))
         return true;
     out->line_words = words_of_line(ref, a, n);
-    /* The first word of all is what is shown; the first in a chunk's line says where. */
+    /* The first differing word of the report is shown; the first in a chunk's line gives the chunk. */
     for (; i < n && i < m; i++) {
         if (trace_word_at(a, i) == trace_word_at(b, i) ||
             (got->flags & TRACE_BOUNDS && trace_word_holds(ref->stage, (size_t)i, a, b)))
@@ -200,7 +202,7 @@ static void compare_record(const trace *ref, compare_range in_ref, const trace *
     }
     const bool words = compare_words(a, b, out), paired = compare_blocks(ref, in_ref, got, in_got, at, out);
     out->words_too = words;
-    if (!words && paired && !out->voxels && b->flags & TRACE_BOUNDS) /* the bytes differ in bounds alone */
+    if (!words && paired && !out->voxels && b->flags & TRACE_BOUNDS) /* the bytes differ only in bounds */
         return;
     out->kind = out->voxels ? COMPARE_VOXEL : words && paired ? COMPARE_WORD : COMPARE_SHAPE;
 }

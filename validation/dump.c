@@ -28,7 +28,7 @@ static ost_status join(char path[PATH], const char *folder, const char *name, os
     return n > 0 && n < PATH ? OST_OK : ost_fail(err, OST_ERR_USAGE, "%.60s...: the name is too long", folder);
 }
 
-/* "rect", "tool-0", "tick-12" */
+/* Writes the name of a record's file without its ending: "rect", "tool-0", "tick-12". */
 static void stage_name(const trace_record *r, char name[40])
 {
     if (r->stage == TRACE_TOOL || r->stage == TRACE_TICK)
@@ -37,7 +37,8 @@ static void stage_name(const trace_record *r, char name[40])
         snprintf(name, 40, "%s", trace_stage_name(r->stage));
 }
 
-/* Stages whose record is one grid, which a dump may have; of a tick a record has the leaves that changed. */
+/* Returns true for stages whose record is one grid, which a dump may contain. The record of a tick has the leaves
+   that changed. */
 static bool is_grid(trace_stage stage)
 {
     return stage == TRACE_RECT || stage == TRACE_CUBIC || stage == TRACE_CHUNKS || stage == TRACE_TOOL || stage == TRACE_FINAL;
@@ -110,7 +111,7 @@ ost_status dump_read_head(const char *folder, dump_head *out, ost_error *err)
 
 /* ---------------------------------------------------------------- reading */
 
-/* Raw voxels as they lie in memory; the size must be that of the reference's grid. */
+/* Reads raw voxels, stored as in memory; the file's size must be that of the reference's grid. */
 static ost_status read_raw(const char *path, uint64_t bytes, void *to, ost_error *err)
 {
     ost_file file;
@@ -135,7 +136,7 @@ static bool same_dims(ost_dims a, ost_dims b)
     return a.x == b.x && a.y == b.y && a.z == b.z;
 }
 
-/* The size is looked at before the voxels are read: a header may claim anything. */
+/* Reads a NRRD file. The dimensions are checked before the voxels are read, because a header may state any size. */
 static ost_status read_nrrd(const char *path, ost_dims dims, uint32_t voxel_bytes, void *to, ost_error *err)
 {
     ost_geometry g;
@@ -163,7 +164,7 @@ static ost_status read_nrrd(const char *path, ost_dims dims, uint32_t voxel_byte
     return status;
 }
 
-/* The grid of one stage, where the dump has it. */
+/* Reads the grid of one stage if the dump has it. */
 static ost_status read_grid(const char *folder, const char *name, ost_dims dims, uint32_t voxel_bytes, void *to, bool *there, ost_error *err)
 {
     static const char *const ends[] = {".raw", ".nrrd"};
@@ -186,12 +187,12 @@ static ost_status read_grid(const char *folder, const char *name, ost_dims dims,
     return OST_OK;
 }
 
-/* What is known of one case while its trace is made. */
+/* The state of one case while its trace is made. */
 typedef struct maker {
     const char *folder;
     trace_writer *w;
     ost_dims dims;
-    int16_t *ref, *state, *next; /* the reference's bone, the trace's, and the one to come */
+    int16_t *ref, *state, *next; /* the reference's bone, the trace's, and that of the next record */
     uint64_t compared;
 } maker;
 
@@ -220,7 +221,7 @@ static void copy_blocks(trace_writer *w, const trace_record *r)
     }
 }
 
-/* A block laid into a bone. */
+/* Copies a block into a bone. */
 static void lay(const trace_block_view *b, ost_dims d, int16_t *bone)
 {
     if (b->voxel_bytes != 2 || b->lo[0] < 0 || b->lo[1] < 0 || b->lo[2] < 0 || b->lo[0] + b->dims.x > d.x || b->lo[1] + b->dims.y > d.y ||
@@ -231,7 +232,7 @@ static void lay(const trace_block_view *b, ost_dims d, int16_t *bone)
             memcpy(bone + at_voxel(d, b->lo[0], b->lo[1] + j, b->lo[2] + k), b->voxels + 2 * at_voxel(b->dims, 0, j, k), 2 * (size_t)b->dims.x);
 }
 
-/* Leaves in which state is not next; state becomes next. */
+/* Writes the leaves in which `next` differs from `state` as blocks; `state` becomes `next`. */
 static void changed_leaves(maker *m)
 {
     const ost_dims d = m->dims;
@@ -266,13 +267,13 @@ static ost_status keep_bone(maker *m, const trace_block_view *b, const int16_t *
     return OST_OK;
 }
 
-/* Stages with one whole grid. */
+/* Writes the record of a stage that has one complete grid. */
 static ost_status make_whole(maker *m, const trace_record *r, const char *name, ost_error *err)
 {
     size_t at = 0;
     trace_block_view b;
     bool there = false;
-    if (!trace_next_block(r, &at, &b)) { /* an import that was refused has none */
+    if (!trace_next_block(r, &at, &b)) { /* an import that was refused has no grid */
         copy_words(m->w, r);
         trace_flags(m->w, TRACE_STANDS_IN);
         return OST_OK;
@@ -331,7 +332,7 @@ static ost_status make_case(maker *m, const trace *ref, compare_range range, uin
             status = make_tick(m, r, name, err);
         else if (is_grid(r->stage))
             status = make_whole(m, r, name, err);
-        else { /* reports alone */
+        else { /* stages that have only reports */
             copy_words(m->w, r);
             copy_blocks(m->w, r);
             trace_flags(m->w, TRACE_STANDS_IN);

@@ -49,7 +49,7 @@ static ost_status put_json(const char *folder, const char *name, json_t *value, 
     return status;
 }
 
-/* In the order in which they are scattered; decimals are exact. */
+/* Writes the samples in the order in which they are scattered, as exact decimals. */
 static ost_status put_samples(const char *folder, const scene *s, ost_error *err)
 {
     char path[PATH], x[OST_PM_TEXT], y[OST_PM_TEXT], z[OST_PM_TEXT];
@@ -65,7 +65,7 @@ static ost_status put_samples(const char *folder, const scene *s, ost_error *err
     return close_file(f, path, err);
 }
 
-/* The lattice's integers, exact; faces counted from 1. */
+/* Writes a mesh as OBJ with the exact integers of the lattice; faces refer to vertices counted from 1. */
 static ost_status put_obj(const char *folder, const char *name, const ost_snapped_mesh *m, ost_error *err)
 {
     char path[PATH];
@@ -81,7 +81,7 @@ static ost_status put_obj(const char *folder, const char *name, const ost_snappe
     return close_file(f, path, err);
 }
 
-/* The same in millimetres as floats, for programs that begin there. */
+/* Writes the same mesh as STL, in millimetres as floats, for programs whose input is a mesh before snapping. */
 static ost_status put_stl(const char *folder, const char *name, const ost_snapped_mesh *m, ost_error *err)
 {
     char path[PATH];

@@ -14,13 +14,13 @@
 
 enum { FOLDERS = 4, WORKERS = 256, PATH = 1200, DEPTH = 4, TRIES = 3 };
 
-/* A handler reads a slot only while it is LISTED, and the path is complete before that. */
+/* A signal handler reads a slot only in the state LISTED; the path is complete before that state is set. */
 enum { FREE, TAKEN, LISTED };
 static struct {
     atomic_int state;
     char path[PATH];
 } folders[FOLDERS];
-static _Atomic pid_t workers[WORKERS]; /* 0: free */
+static _Atomic pid_t workers[WORKERS]; /* 0: a free slot */
 
 void leftover_folder(const char *path)
 {
@@ -59,10 +59,11 @@ void leftover_worker_gone(pid_t pid)
     }
 }
 
-/* readdir may take memory, which a handler must not; what the system gives is read as it is. */
+/* Removes the contents of an open folder. readdir may allocate memory, which a signal handler must not do, so the
+   entries are read from the system call directly. */
 static void empty_folder(int folder, int depth)
 {
-    /* struct linux_dirent64: 64 bits of inode and of offset, 16 of length, 8 of type, the name */
+    /* struct linux_dirent64: 64 bits of inode, 64 of offset, 16 of length, 8 of type, then the name */
     enum { LENGTH = 16, NAME = 19 };
     char buffer[4096];
     long got;
@@ -85,7 +86,7 @@ static void empty_folder(int folder, int depth)
 
 static void remove_folder(const char *path)
 {
-    /* Another thread may have put one more file there: again, then. */
+    /* Another thread may have added a file in the meantime; then the folder is emptied again. */
     for (int tries = 0; tries < TRIES; tries++) {
         const int folder = open(path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
         if (folder < 0)
@@ -109,7 +110,7 @@ void leftover_end(void)
     for (int i = 0; i < WORKERS; i++) {
         const pid_t pid = atomic_load(&workers[i]);
         if (pid > 0)
-            (void)kill(-pid, SIGKILL); /* the group of a test of the suite; a worker has none */
+            (void)kill(-pid, SIGKILL); /* the process group of a test of the suite; a worker has no group of its own */
         if (pid > 0 && kill(pid, SIGKILL) == 0)
             waitpid(pid, NULL, 0);
     }

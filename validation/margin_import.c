@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Margins of the stages of the import: where a sample falls, which layer is taken, what the threshold keeps. */
+/* Margins of the stages of the import: the position of a sample, the choice of a layer, and the threshold. */
 #include "validation/margin_parts.h"
 
 #include <stdlib.h>
@@ -9,12 +9,13 @@
 
 /* ------------------------------------------------------------------- rect */
 
-/* A differing voxel of the rect grid: the least move of samples that would give the other's value. */
+/* A voxel of the rect grid that differs, and the least movement of samples that would give the other backend's
+   value. */
 typedef struct moved {
     size_t voxel;
     int32_t got;
-    int64_t leave; /* the farthest of the samples in it that would have to leave; -1 none is in it */
-    int64_t enter; /* the nearest that could come; -1 none */
+    int64_t leave; /* greatest distance that a sample in the voxel would have to move to leave it; -1: no such sample */
+    int64_t enter; /* least distance that a sample would have to move to enter it; -1: no such sample */
 } moved;
 
 static int compare_moved(const void *a, const void *b)
@@ -23,7 +24,7 @@ static int compare_moved(const void *a, const void *b)
     return x < y ? -1 : x > y;
 }
 
-/* 2^20 * n / d, floor; 0 <= n <= 2 d, d < 2^37 */
+/* Returns floor(2^20 n / d); 0 <= n <= 2 d, d < 2^37. */
 static int64_t share_of(int64_t n, int64_t d)
 {
     return (int64_t)((ost_i128)n * MARGIN_ONE / d);
@@ -50,7 +51,7 @@ static void meet_sample(const ost_geometry *g, const ost_sample *sample, moved *
         for (int a = 0; a < 3; a++) {
             const int64_t there = index[a] + d[a];
             inside = inside && there >= 0 && there < n[a];
-            const int64_t away = d[a] == 0 ? 0 : s[a] - 2 * off[a] * d[a]; /* twice the way to the border */
+            const int64_t away = d[a] == 0 ? 0 : s[a] - 2 * off[a] * d[a]; /* twice the distance to the border */
             gap = away > 0 && share_of(away, 2 * s[a]) > gap ? share_of(away, 2 * s[a]) : gap;
             const int64_t out = share_of(s[a] - 2 * (off[a] < 0 ? -off[a] : off[a]), 2 * s[a]);
             leave = out < leave ? out : leave;
@@ -89,7 +90,7 @@ ost_status margin_rect(margin_walk *w, const trace_block_view *a, const trace_bl
     for (size_t i = 0; i < count; i++) {
         int32_t at[3];
         margin_place(a->dims, list[i].voxel, at);
-        /* The other's value came in; or nothing did, all that was in it went, and it is empty. */
+        /* Either a sample with the other backend's value entered the voxel, or all its samples left and it is empty. */
         if (list[i].enter >= 0)
             margin_decided(m, (uint64_t)list[i].enter, 0, at);
         else if (list[i].got == 0 && list[i].leave >= 0)
@@ -103,7 +104,7 @@ ost_status margin_rect(margin_walk *w, const trace_block_view *a, const trace_bl
 
 /* ------------------------------------------------------------------ cubic */
 
-/* Along one axis: the source, and how far the quotient lies from the sources on both sides. */
+/* The source along one axis, and the distances of the quotient from the neighbouring sources below and above. */
 typedef struct source {
     resample_tap tap;
     int64_t down, up;
@@ -118,7 +119,7 @@ static source source_of(int64_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_res
     return x;
 }
 
-/* The sum that linear rounds, in 2^-45 of a density: |sum| <= 2^60. */
+/* Returns the sum that the rule linear rounds, in 2^-45 of a density: |sum| <= 2^60. */
 static int64_t weighted_sum(const trace_block_view *rect, const source s[3])
 {
     const resample_tap tap[3] = {s[0].tap, s[1].tap, s[2].tap};
@@ -132,7 +133,8 @@ static int64_t weighted_sum(const trace_block_view *rect, const source s[3])
     return sum;
 }
 
-/* How far the mean lies from what rounds to got, in MARGIN_ONE of a density. |sum - got 2^45| < 2^61. */
+/* Returns the distance of the mean from the interval that rounds to `got`, in MARGIN_ONE of a density. |sum - got
+   2^45| < 2^61. */
 static int64_t rounding_gap(int64_t sum, int32_t got)
 {
     const int64_t one = INT64_C(1) << 45, off = sum > got * one ? sum - got * one : got * one - sum;
@@ -163,11 +165,11 @@ void margin_cubic(margin_walk *w, const trace_block_view *a, const trace_block_v
             margin_other(m, &m->inherited);
             continue;
         }
-        if (s[0].tap.weight || s[1].tap.weight || s[2].tap.weight) { /* a mean: its border is a density's half */
+        if (s[0].tap.weight || s[1].tap.weight || s[2].tap.weight) { /* a mean of densities */
             margin_decided(m, (uint64_t)rounding_gap(theirs, got), 0, at);
             continue;
         }
-        /* The nearest neighbour that has the other's value. */
+        /* The nearest neighbour that has the other backend's value. */
         for (int step = 0; step < 27; step++) {
             const int d[3] = {step % 3 - 1, step / 3 % 3 - 1, step / 9 - 1};
             int64_t gap = 0, v[3];
@@ -205,7 +207,7 @@ void margin_chunks(margin_walk *w, const trace_block_view *a, const trace_block_
             margin_other(m, &m->inherited);
         else if (right == 0 && got == density)
             margin_other(m, &m->below_threshold);
-        else if (density == w->s->threshold && got == 0) { /* compared by > where the rule has >= */
+        else if (density == w->s->threshold && got == 0) { /* explained by a comparison with > where the rule has >= */
             const int32_t at[3] = {(int32_t)(i % (size_t)d.x), (int32_t)(i / (size_t)d.x % (size_t)d.y),
                                    (int32_t)(i / ((size_t)d.x * (size_t)d.y))};
             margin_decided(m, 0, 0, at);

@@ -23,7 +23,7 @@ typedef struct margin_walk {
     trace_block_view rect[2], cubic[2], tool[2][SCENE_TOOLS_MAX];
     ost_dims dims;
     int16_t *bone[2];
-    int64_t event_tick; /* tick at which the next sweep begins: the last that ran an event or had its motor off; -1: none */
+    int64_t event_tick; /* tick where the next sweep begins: the last with an event or its motor off; -1: none */
 } margin_walk;
 
 /* Each function takes the records of one stage and item of both sides; a is the reference's grid, b the other's. */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Margins of events: how far a voxel, seen from the tool, is from a tool voxel of the other kind, over the event's poses. */
+/* Margins of events: the distance of a voxel's position in the tool to a tool voxel of the other kind, over the
+   event's poses. */
 #include "validation/margin_parts.h"
 
 #include <stdlib.h>
@@ -27,16 +28,18 @@ static int64_t gap_to(int64_t u, int64_t cell, int64_t step)
 }
 
 /*
- * Chebyshev distance from u to the nearest voxel that is cutting, or is not.
- * Rings of voxels about u's own: whatever is found in ring r is at most r away,
- * and what is in ring r + 1 at least r, so the first ring with a find has it.
+ * Returns the Chebyshev distance from u to the nearest voxel that is cutting, or
+ * to the nearest that is not; -1 if there is none.  The search goes through rings
+ * of voxels around u's own: a voxel in ring r is at most r away and one in ring
+ * r + 1 at least r, so the first ring that contains such a voxel contains the
+ * nearest.
  */
 static int64_t nearest(const trace_block_view *tool, const int64_t u[3], bool cutting)
 {
     const int64_t dims[3] = {tool->dims.x, tool->dims.y, tool->dims.z};
     int64_t cell[3], first = 0, last = 0;
     cell_of(u, cell);
-    for (int a = 0; a < 3; a++) { /* rings before `first` have nothing of the grid, those after `last` neither */
+    for (int a = 0; a < 3; a++) { /* rings before `first` and after `last` contain no voxel of the grid */
         const int64_t before = -cell[a], after = cell[a] - (dims[a] - 1);
         const int64_t near = before > after ? before : after, far = cell[a] > dims[a] - 1 - cell[a] ? cell[a] : dims[a] - 1 - cell[a];
         first = near > first ? near : first;
@@ -46,7 +49,7 @@ static int64_t nearest(const trace_block_view *tool, const int64_t u[3], bool cu
         first = 0;
     for (int64_t r = first; r <= last + 1; r++) {
         int64_t best = -1, lo[3], hi[3];
-        for (int a = 0; a < 3; a++) { /* void begins one voxel outside the grid */
+        for (int a = 0; a < 3; a++) { /* voxels outside the grid are void; one layer of them is enough */
             lo[a] = -r < -cell[a] - 1 ? -cell[a] - 1 : -r;
             hi[a] = r > dims[a] - cell[a] ? dims[a] - cell[a] : r;
         }
@@ -69,7 +72,7 @@ static int64_t nearest(const trace_block_view *tool, const int64_t u[3], bool cu
     return -1;
 }
 
-/* Where AR-MAP has the voxel; beyond the blocks that can meet the tool, by the exact map. */
+/* Maps a voxel by AR-MAP; outside of the blocks that can meet the tool, by the exact map. */
 static void mapped(const ost_map *map, const int32_t at[3], int64_t u[3])
 {
     int32_t base[3];
@@ -83,7 +86,7 @@ static void mapped(const ost_map *map, const int32_t at[3], int64_t u[3])
     }
 }
 
-/* The maps of the event of this tick, `poses` of them; NULL when it ran none or there is no memory. */
+/* Returns the `poses` maps of this tick's event; NULL if the tick has no event or memory is exhausted. */
 static ost_map *maps_of(const margin_walk *w, size_t tick, uint64_t poses)
 {
     const ost_tick *now = &w->s->path.ticks[tick];
@@ -101,7 +104,7 @@ static ost_map *maps_of(const margin_walk *w, size_t tick, uint64_t poses)
     return maps;
 }
 
-/* One voxel, equal before this tick and not after it. */
+/* Counts one voxel that is equal before this tick and differs after it. */
 static void judge_voxel(margin_walk *w, uint32_t tick, const ost_map *maps, uint64_t poses, const int32_t at[3], bool ref_removed, bool got_removed)
 {
     margin_stage *m = &w->out->of[TRACE_TICK];
@@ -118,7 +121,8 @@ static void judge_voxel(margin_walk *w, uint32_t tick, const ost_map *maps, uint
         mapped(&maps[k], at, u);
         cell_of(u, c);
         their_answer = their_answer || is_cutting(theirs, c);
-        /* All that cut would have to miss; or the nearest that missed to cut. */
+        /* For a removed voxel every pose that cut it would have to miss; for a kept one the nearest pose would have
+           to cut it. */
         if (ref_removed && is_cutting(tool, c)) {
             const int64_t out = nearest(tool, u, false);
             margin = out > margin ? out : margin;
@@ -148,7 +152,8 @@ static bool fits(const trace_block_view *b, ost_dims d)
            b->lo[2] + b->dims.z <= d.z;
 }
 
-/* Walks a record's voxels: differences that were none before are judged; done in two passes, so that `before` is of both sides. */
+/* Counts the voxels of a record that begin to differ at this tick. There are two passes, since both sides' state
+   before the tick is needed. */
 ost_status margin_tick(margin_walk *w, const trace_record *a, const trace_record *b, ost_error *err)
 {
     const uint32_t tick = a->item;
@@ -158,7 +163,7 @@ ost_status margin_tick(margin_walk *w, const trace_record *a, const trace_record
         return ost_fail(err, OST_ERR_INPUT, "a trace has tick %u, the case has %zu", (unsigned)tick, w->s->path.count);
     ost_map *maps = NULL;
     bool made = false;
-    /* New values wait beside the old ones until both sides are known. */
+    /* The old values are stored here, because the new ones overwrite them in the bones. */
     typedef struct change {
         size_t at;
         int16_t value[2];
@@ -196,7 +201,8 @@ ost_status margin_tick(margin_walk *w, const trace_record *a, const trace_record
     for (size_t i = 0; i < count; i++) {
         const size_t at = changes[i].at;
         const int16_t *was = changes[i].value;
-        /* Both sides may have changed it; the first note has what both had, the second is the first side's new value. */
+        /* If both sides changed a voxel it has two entries: the first has both old values, the second has the new
+           value of side 0 and is skipped unless both old values were equal to it. */
         if (was[0] != was[1] || w->bone[0][at] == w->bone[1][at])
             continue;
         int32_t place_at[3];
@@ -207,7 +213,7 @@ ost_status margin_tick(margin_walk *w, const trace_record *a, const trace_record
         }
         judge_voxel(w, tick, maps, poses, place_at, w->bone[0][at] == 0 && was[0] != 0, w->bone[1][at] == 0 && was[1] != 0);
     }
-    for (size_t i = 0; i < count && w->apart; i++) /* the next tick begins with the reference's bone */
+    for (size_t i = 0; i < count && w->apart; i++) /* the next tick starts from the reference's bone */
         w->bone[1][changes[i].at] = w->bone[0][changes[i].at];
     free(changes);
     free(maps);

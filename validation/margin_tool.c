@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Margins of tools: how far a voxel's centre is from the surface, exactly. */
+/* Margins of tools: the exact distance of a voxel's centre from the surface. */
 #include "validation/margin_parts.h"
 
 #include "core/integer.h"
 
-/* Distances from a voxel's centre to a triangle; above this many the rest of a record's voxels is not measured. */
+/* Limit of distance computations between a voxel's centre and a triangle; the remaining voxels of the record are not
+   measured. */
 enum { TRIANGLE_TESTS = 200 * 1000 * 1000 };
 
 typedef struct vector {
@@ -28,10 +29,11 @@ static vector cross(vector a, vector b)
 
 /*
  * Squared distances as fractions of 128-bit integers.  Coordinates are twice
- * the lattice's, so that centres are on it: |c| <= 2^21, differences 2^22,
- * crosses 2^45, squares of crosses 2^92; the plane's (n . p)^2 <= 2^136 would
- * not fit, so the squared distance to a plane is only asked for |n . p| < 2^63,
- * nearer than any triangle of that size needs to be told apart.
+ * those of the lattice, so that voxel centres have integer coordinates: |c| <=
+ * 2^21, differences 2^22, cross products 2^45, their squares 2^92.  The plane's
+ * (n . p)^2 <= 2^136 would not fit.  The squared distance to a plane is therefore
+ * computed only for |n . p| < 2^63; a triangle of this size needs no exact
+ * distance to its plane beyond that.
  */
 typedef struct fraction {
     unsigned __int128 top, bottom;
@@ -42,7 +44,7 @@ static bool less(fraction a, fraction b)
     const unsigned __int128 p = a.top / a.bottom, q = b.top / b.bottom;
     if (p != q)
         return p < q;
-    /* Whole parts are equal: compare the rests bit by bit. */
+    /* The integer parts are equal; the remainders are compared bit by bit. */
     unsigned __int128 r = a.top % a.bottom, s = b.top % b.bottom;
     for (int bit = 0; bit < 64; bit++) {
         r <<= 1;
@@ -96,7 +98,7 @@ static uint64_t square_root(unsigned __int128 x)
     return (uint64_t)root;
 }
 
-/* floor(2^20 sqrt(f) / 2^bits): the quotient gets 2 (20 - bits) more bits, one by one. */
+/* Returns floor(2^20 sqrt(f) / 2^bits). The quotient is extended by 2 (20 - bits) bits, one by one. */
 static uint64_t in_voxels(fraction f, int bits)
 {
     unsigned __int128 q = f.top / f.bottom, r = f.top % f.bottom;
@@ -113,7 +115,7 @@ static vector vertex_of(const ost_snapped_mesh *mesh, uint32_t v)
     return (vector){2 * (int64_t)mesh->vertices[v][0], 2 * (int64_t)mesh->vertices[v][1], 2 * (int64_t)mesh->vertices[v][2]};
 }
 
-/* At least this far, on some axis. */
+/* Returns a lower bound of the distance along one axis from p to a triangle with the coordinates a, b, c. */
 static int64_t beyond(int64_t p, int64_t a, int64_t b, int64_t c)
 {
     const int64_t lo = a < b ? (a < c ? a : c) : b < c ? b : c, hi = a > b ? (a > c ? a : c) : b > c ? b : c;

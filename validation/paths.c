@@ -27,7 +27,7 @@ void paths_write(const ost_backend *backend, trace_writer *w)
     ost_backend_paths(backend, write_name, w);
 }
 
-/* Adds to the path of this name, which is appended if it is new. */
+/* Adds to the count of the path with this name, which is appended if it is new. */
 static ost_status add_one(path_list *list, const char *name, uint64_t entered, ost_error *err)
 {
     int i = 0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stages apart: the reference's results in place of those that the backend made. */
+/* Runs stages apart: replaces the backend's results by the reference's. */
 #include "validation/perform_parts.h"
 
 #include <stdlib.h>
@@ -16,7 +16,7 @@ static ost_status given_record(const performer *p, trace_stage stage, uint32_t i
                     trace_stage_name(stage), (unsigned)item);
 }
 
-/* The one block of a whole grid. */
+/* Finds the single block of a complete grid in the reference's trace. */
 static ost_status given_grid(const performer *p, trace_stage stage, uint32_t item, uint32_t voxel_bytes, ost_dims dims,
                              trace_block_view *out, ost_error *err)
 {
@@ -39,7 +39,7 @@ ost_status perform_give_grid(const performer *p, trace_stage stage, ost_grid *gr
     if (status != OST_OK)
         return status;
     const size_t bytes = (size_t)ost_dims_count(dims) * sizeof(int16_t);
-    int16_t *voxels = malloc(bytes); /* a trace does not align them */
+    int16_t *voxels = malloc(bytes); /* a copy, since the voxels of a trace are not aligned */
     if (!voxels)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for a grid of %zu bytes", bytes);
     memcpy(voxels, block.voxels, bytes);

@@ -1,18 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The work of a process before a case must change nothing in the case.  Before the
- * import some of the case's samples go into a grid of another lattice, and
- * before the ticks each tool meets a bone of other voxels.  No result of this
- * is recorded: what is remembered of it by mistake shows in the case's records.
+ * The work that a process did before a case must not change the case's results.
+ * Before the import some of the case's samples are scattered into a grid of
+ * another lattice, and before the ticks each tool collides with a bone of other
+ * voxels.  No result of this is recorded; state that a backend retains by
+ * mistake changes the records of the case.
  */
 #include "validation/perform_parts.h"
 
 enum { LATTICE_SIDE = 7, LATTICE_SAMPLES = 64, BONE_SIDE = 16, BONE_DENSITY = 32767 };
 
-/* Wider tools take tens of milliseconds to prepare for a bone. */
+/* Larger tools are skipped: preparing one for a bone takes tens of milliseconds. */
 #define TOOL_VOXELS ((int64_t)1 << 18)
 
-/* Two voxels before the CT's origin, or as far behind it at the end of the range. */
+/* Returns an origin two voxels before the CT's, or two behind it at the end of the range. */
 static ost_pm other_origin(ost_pm origin, ost_pm spacing)
 {
     return origin - 2 * spacing < -OST_LENGTH_MAX ? origin + 2 * spacing : origin - 2 * spacing;
@@ -32,7 +33,7 @@ ost_status perform_other_lattice(performer *p, ost_error *err)
     ost_grid *grid = NULL;
     if (s->slices)
         return OST_OK;
-    for (size_t i = 0; i < n; i++) /* the sample that the case begins with is the last */
+    for (size_t i = 0; i < n; i++) /* in reverse order: the last sample is the one with which the case begins */
         samples[i] = s->samples[n - 1 - i];
     ost_status status = ost_grid_create(p->backend, &other, &grid, err);
     if (status == OST_OK)
@@ -51,7 +52,7 @@ static ost_status meet(performer *p, int i, ost_bone *bone, const ost_geometry *
     const ost_voxel_box box = {.hi = {d.x, d.y, d.z}};
     steps_pose made;
     if (steps_pose_of(p->second, &pose, geometry, &p->grids[i], &made, NULL) != OST_OK)
-        return OST_OK; /* no tool for this bone (AR-MAP-2) */
+        return OST_OK; /* the tool is not supported for this bone (AR-MAP-2) */
     const ost_event event = {.pose_count = 1, .maps = &made.map, .boxes = &box, .classes = &classes};
     return ost_bone_collide(bone, p->tools[i], &event, &p->collided, err);
 }
@@ -74,7 +75,7 @@ ost_status perform_other_bone(performer *p, int i, ost_error *err)
     if (status == OST_OK)
         status = meet(p, i, bone, &geometry, err);
     ost_bone_free(bone);
-    if (status == OST_ERR_UNAVAILABLE) { /* a plugin need not upload a bone */
+    if (status == OST_ERR_UNAVAILABLE) { /* a plugin may lack the upload of a bone */
         *err = (ost_error){0};
         status = OST_OK;
     }

@@ -9,10 +9,10 @@ static ost_status record_grid(performer *p, const ost_grid *grid, ost_error *err
     const ost_dims dims = ost_grid_geometry(grid)->dims;
     const int32_t lo[3] = {0, 0, 0};
     int16_t *voxels = trace_block(p->w, lo, dims, 2);
-    return voxels ? ost_grid_download(grid, 0, dims.z, voxels, err) : OST_OK; /* trace_end says what is wrong */
+    return voxels ? ost_grid_download(grid, 0, dims.z, voxels, err) : OST_OK; /* else trace_end fails */
 }
 
-/* The samples, which are one a voxel and on the lattice, as slices: s->slices of them a call. */
+/* Uploads the samples, one per voxel and on the lattice, as slices: s->slices per call. */
 static ost_status upload_ct(performer *p, ost_grid *rect, ost_error *err)
 {
     const scene *s = p->s;
@@ -36,7 +36,7 @@ static ost_status upload_ct(performer *p, ost_grid *rect, ost_error *err)
     return status;
 }
 
-/* A rejected or conflicting sample ends an import: its grid is of no use. */
+/* Returns true if a sample was rejected or conflicts with another, which ends the import. */
 static bool refused(const ost_scatter_report *r)
 {
     return r->rejected_line != 0 || r->conflict_line != 0;
@@ -71,7 +71,7 @@ static ost_status run_rect(performer *p, ost_grid **out, ost_error *err)
     return status != OST_OK ? status : written;
 }
 
-/* Writes to the rect grid, which must not change the cubic grid that was made of it. It records nothing. */
+/* Writes to the rect grid, which must not change the cubic grid that was made of it. Records nothing. */
 static ost_status add_a_sample(performer *p, ost_grid *rect, ost_error *err)
 {
     const scene *s = p->s;
@@ -83,7 +83,8 @@ static ost_status add_a_sample(performer *p, ost_grid *rect, ost_error *err)
     return ost_ct_to_rect(rect, &one, 1, 1, OST_DUPLICATES_LAST, &ignored, err);
 }
 
-/* Returns true if the bone is made first: a backend may keep a cubic grid as a list of slices until it is downloaded. */
+/* Returns true if the bone is made first: a backend may keep a cubic grid as a list of slices until it is
+   downloaded. */
 static bool before_the_download(const performer *p)
 {
     return !p->given && !p->watch;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Sampling and occupancy, which a backend may lack, and the upload of the bone of a case. */
+/* Sampling, occupancy (which a backend may lack) and the upload of the bone of a case. */
 #include "validation/perform_parts.h"
 
 #include <stdlib.h>
@@ -8,7 +8,7 @@
 
 enum { SAMPLES_MAX = 33 };
 
-/* FNV-1a */
+/* Returns the FNV-1a hash of the words. */
 static uint64_t hash_words(const uint32_t *words, size_t count)
 {
     uint64_t h = UINT64_C(0xcbf29ce484222325);
@@ -17,7 +17,8 @@ static uint64_t hash_words(const uint32_t *words, size_t count)
     return h;
 }
 
-/* Densities of 0 to 33 voxels a call, on both sides of the grid's borders, so that every remainder of a vector comes up. */
+/* Records densities of 0 to 33 voxels per call, on both sides of the grid's borders, so that every remainder of a
+   vector's length occurs. */
 static ost_status sample_words(performer *p, draw *d, ost_error *err)
 {
     const int32_t dims[3] = {p->dims.x, p->dims.y, p->dims.z};
@@ -58,7 +59,7 @@ static ost_status occupancy_words(performer *p, ost_error *err)
     return status;
 }
 
-/* A stream of the bone's own, whoever runs the case. */
+/* Returns a stream that depends only on the bone, so that all backends draw the same numbers. */
 static draw draw_of(const performer *p, uint64_t number)
 {
     const int32_t of[4] = {p->dims.x, p->dims.y, p->dims.z, p->s->threshold};
@@ -85,7 +86,7 @@ static ost_status record_occupancy(performer *p, uint32_t time, ost_error *err)
     return status != OST_OK ? status : written;
 }
 
-/* A function that a backend lacks leaves a record that is compared with nothing; one that fails ends the case. */
+/* If the backend lacks a function its record is not compared; a function that fails ends the case. */
 ost_status perform_sample(performer *p, uint32_t time, ost_error *err)
 {
     const ost_backend_ops *ops = p->backend->ops;
@@ -97,7 +98,8 @@ ost_status perform_sample(performer *p, uint32_t time, ost_error *err)
                                                    : record_occupancy(p, time, err);
 }
 
-/* A second bone of the slices of the first, in parts; then a part again with other densities, some below the threshold. */
+/* Makes a second bone from the first one's slices, in parts, and then uploads one part again with other densities,
+   some of which are below the threshold. */
 static ost_status upload_slices(performer *p, ost_bone *copy, ost_error *err)
 {
     draw d = draw_of(p, 2);
@@ -134,7 +136,7 @@ ost_status perform_upload(performer *p, ost_error *err)
         perform_record_counts(p, &info);
         perform_record_digest(p, &root);
     }
-    if (status == OST_OK && ost_dims_count(p->dims) <= PERFORM_WHOLE) { /* of a larger one the digest alone */
+    if (status == OST_OK && ost_dims_count(p->dims) <= PERFORM_WHOLE) { /* else the digest alone */
         const int32_t lo[3] = {0, 0, 0};
         int16_t *voxels = trace_block(p->w, lo, p->dims, 2);
         if (voxels)

@@ -1,23 +1,24 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The ticks of a case: poses and maps, the event on the backend, what it reports and which leaves it changed. */
+/* The ticks of a case: poses and maps, the event on the backend, its report and the leaves that it changed. */
 #include "validation/perform_parts.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 /*
- * A bone is fetched whole after each tick up to PERFORM_WHOLE; a larger one in
- * the slices that the event could reach, and whole every WHOLE_EVERY ticks and
- * at the end: what a backend changes where its event could not reach shows
- * that much later.  For a million voxels the fetching is nine tenths of a
- * tick's time, for a device's more.
+ * A bone of up to PERFORM_WHOLE voxels is downloaded completely after each tick.
+ * Of a larger one the slices that the event could reach are downloaded, and the
+ * complete bone every WHOLE_EVERY ticks and at the end; a change outside of the
+ * event's reach shows only then.  For a million voxels the download takes nine
+ * tenths of a tick's time, on a device more.
  */
 enum { WHOLE_EVERY = 32 };
 
-/* Voxels times ticks up to which the second implementation runs events as well: it takes about a microsecond for a thousand. */
+/* The second implementation runs events only up to this number of voxels times ticks: a thousand voxels take about a
+   microsecond. */
 #define SECOND_WORK ((int64_t)1 << 25)
 
-/* AR-CLS-2 where a scene has no classes of its own. */
+/* Returns the scene's density classes, or those of AR-CLS-2 if it has none. */
 static ost_density_classes classes_of(const performer *p)
 {
     if (p->world)
@@ -42,7 +43,7 @@ ost_status perform_begin_ticks(performer *p, ost_error *err)
     }
     const ost_pose identity = {.qw = OST_Q30_ONE};
     steps_pose ignored;
-    for (int i = 0; i < s->tool_count && status == OST_OK; i++) /* AR-MAP-2 refuses a tool before its first tick */
+    for (int i = 0; i < s->tool_count && status == OST_OK; i++) /* AR-MAP-2 refuses tools before any tick */
         status = steps_pose_of(true, &identity, &p->geometry, &p->grids[i], &ignored, err);
     if (status == OST_OK)
         status = steps_history_begin(&p->path, s->world.sweep_off, s->world.removal_period_ns, &p->history, err);
@@ -54,7 +55,7 @@ ost_status perform_begin_ticks(performer *p, ost_error *err)
     return p->maps && p->boxes ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for an event of %d poses", OST_SWEEP_MAX);
 }
 
-/* Totals, then per chunk: number, voxels and sums of densities of every class. */
+/* Writes the totals, then for each chunk its number and the voxels and sums of densities of every class. */
 static void record_report(performer *p, const ost_report *r)
 {
     const int classes = classes_of(p).count;
@@ -70,7 +71,7 @@ static void record_report(performer *p, const ost_report *r)
     }
 }
 
-/* Blocks of the leaves in slices [z0, z1) where `is` is not `was`; `was` becomes `is`. */
+/* Writes blocks for the leaves in slices [z0, z1) in which `is` differs from `was`; `was` becomes `is`. */
 static void record_changed(performer *p, int32_t z0, int32_t z1)
 {
     const ost_dims d = p->dims;
@@ -99,7 +100,8 @@ static void record_changed(performer *p, int32_t z0, int32_t z1)
             }
 }
 
-/* Poses and maps that the backend makes itself of the same two poses; the event itself is run with the host's, which must be the same ones. */
+/* Records the poses and maps that the backend makes itself between the same two poses. The event itself runs with
+   the host's, which must be equal to them. */
 static ost_status steps_by_backend(performer *p, const ost_tick *tick, int handed, const ost_pose *from, int *count,
                                    bool *made, ost_error *err)
 {
@@ -118,12 +120,12 @@ static ost_status steps_by_backend(performer *p, const ost_tick *tick, int hande
                                p->made_poses, p->made_maps, err);
     if (status == OST_ERR_UNAVAILABLE)
         return OST_OK;
-    *made = status == OST_OK || status == OST_ERR_RANGE; /* which refuses an event that the host has */
+    *made = status == OST_OK || status == OST_ERR_RANGE; /* OST_ERR_RANGE: the event is refused */
     *count = status == OST_OK ? its : status == OST_ERR_RANGE ? 0 : handed;
     return *made ? OST_OK : status;
 }
 
-/* Widens the range of chunks that the reference's event may not leave out. */
+/* Extends the range of chunks that the reference's event must cover. */
 static void widen_range(performer *p, const ost_voxel_box *box)
 {
     const int32_t size = p->s->chunk_size;
@@ -135,7 +137,8 @@ static void widen_range(performer *p, const ost_voxel_box *box)
     p->range.boxes_meet = true;
 }
 
-/* The poses of tick i's event, from `from` to the tick's; their maps go into p->maps where the event is run here. */
+/* Records the poses of tick i's event, from `from` to the tick's; stores their maps in p->maps if the event runs
+   here. */
 static ost_status record_steps(performer *p, size_t i, bool refused, bool removal, int count, const ost_pose *from,
                                ost_error *err)
 {
@@ -165,7 +168,7 @@ static ost_status record_steps(performer *p, size_t i, bool refused, bool remova
     return status != OST_OK ? status : written;
 }
 
-/* The world's step. */
+/* Advances the world by tick i. */
 static ost_status step_of_world(performer *p, size_t i, ost_step_result *r, bool *refused, ost_error *err)
 {
     const ost_tick *tick = &p->path.ticks[i];
@@ -174,7 +177,7 @@ static ost_status step_of_world(performer *p, size_t i, ost_step_result *r, bool
     const ost_pose from = anew ? tick->pose : world->tools[tick->tool].input.event;
     ost_error why = {0};
     const ost_status stepped = ost_world_step(p->world, tick, r, &why);
-    *refused = stepped == OST_ERR_RANGE; /* a jump too far is an answer; anything else is a failure */
+    *refused = stepped == OST_ERR_RANGE; /* a jump that is too long is a result; any other error is a failure */
     if (stepped != OST_OK && !*refused) {
         *err = why;
         return stepped;
@@ -182,14 +185,14 @@ static ost_status step_of_world(performer *p, size_t i, ost_step_result *r, bool
     return record_steps(p, i, *refused, r->removal, r->pose_count, &from, err);
 }
 
-/* The second implementation's: no world, no box, every pose over the whole grid. */
+/* Runs tick i of the second implementation: without a world or a box, every pose over the complete grid. */
 static ost_status step_of_second(performer *p, size_t i, ost_step_result *r, bool *refused, ost_error *err)
 {
     const ost_tick *tick = &p->path.ticks[i];
     const steps_event e = steps_next(&p->history, i, &p->grids[tick->tool], p->geometry.spacing.x);
     const ost_density_classes classes = classes_of(p);
     *refused = e.refused;
-    p->range = (ost_step_result){.chunk_lo = {INT32_MAX, INT32_MAX, INT32_MAX}}; /* no chunk: any range holds it */
+    p->range = (ost_step_result){.chunk_lo = {INT32_MAX, INT32_MAX, INT32_MAX}}; /* the empty range */
     ost_status status = record_steps(p, i, e.refused, e.removal, e.count, &e.from, err);
     *r = p->range;
     r->removal = e.removal;

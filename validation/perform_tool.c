@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-/* The backend's own snapped meshes in place of src/core's, where it makes them. */
+/* Replaces the snapped meshes of src/core by the backend's own, if it makes them. */
 static ost_status snap_by_backend(performer *p, const scene_tool *t, ost_snapped_mesh meshes[2], bool *own, bool *made,
                                   ost_error *err)
 {
@@ -23,7 +23,7 @@ static ost_status snap_by_backend(performer *p, const scene_tool *t, ost_snapped
     return status;
 }
 
-/* A tool's grid and meshes on it, before a voxel is made. */
+/* Records a tool's grid and the meshes on it, before it is voxelized. */
 static ost_status record_snap(performer *p, int i, const ost_snapped_mesh meshes[2], bool made, ost_error *err)
 {
     trace_begin(p->w, TRACE_SNAP, p->case_index, (uint32_t)i);

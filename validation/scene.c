@@ -15,7 +15,7 @@
 
 #define UM (OST_PM_PER_MM / 1000)
 
-/* Spacings of CTs: isotropic and not, exact decimals and any picometre. */
+/* Draws the spacing of a CT: isotropic or not, exact decimals or any number of picometres. */
 static void draw_lattice(scene *s, draw *d)
 {
     static const ost_pm usual[] = {470 * UM, 1000 * UM, 488281250, 300 * UM, 32 * UM, 625 * UM};
@@ -28,7 +28,7 @@ static void draw_lattice(scene *s, draw *d)
     s->duplicates = (ost_duplicates)draw_between(d, 0, 3);
 }
 
-/* A bone for poses and paths: cubic from the start, so that its size is known. */
+/* Makes a bone for poses and paths. Its CT is cubic, so that the size of the bone is known. */
 static ost_status make_bone(scene *s, draw *d, int32_t side, ost_error *err)
 {
     draw_lattice(s, d);
@@ -50,20 +50,22 @@ static ost_status make_import(const plan_case *c, scene *s, draw *d, ost_error *
     draw_lattice(s, d);
     ost_dims dims = draw_dims(d, 1, most);
     if (c->number % 6 == 0) {
-        /* Every index is an exact multiple, where a quotient that comes out a little too small is another layer. */
+        /* Every index is an exact multiple: a quotient that is computed slightly too small selects another layer. */
         s->rect.spacing.y = s->rect.spacing.z = s->cubic = s->rect.spacing.x;
         s->resample = draw_one_in(d, 2) ? OST_RESAMPLE_LINEAR : OST_RESAMPLE_THESIS;
         dims = (ost_dims){dims.x < 8 ? 8 : dims.x, dims.y < 8 ? 8 : dims.y, dims.z < 8 ? 8 : dims.z};
     }
     if (c->number % 7 == 6) {
-        /* Means along all axes; 16 of them are of more than 64 voxels along x, and those left of more than 32. */
+        /* Means along all axes. 16 successive means span more than 64 voxels along x, and the remaining ones more
+           than 32. */
         const ost_pm x = s->rect.spacing.x;
         s->rect.spacing = (ost_pm3){x, draw_between(d, x * 3 / 2, 2 * x), draw_between(d, x / 2, x * 4 / 5)};
         s->cubic = draw_between(d, x * 9 / 2, 5 * x);
         s->resample = OST_RESAMPLE_LINEAR;
         dims = (ost_dims){130, dims.y < 8 ? 8 : dims.y, dims.z < 24 ? 24 : dims.z};
     } else if (c->number % 6 == 3 || c->number % 6 == 4) {
-        /* i * (cubic / rect) is a whole number and comes out just below it: in double precision along x and y, in single along z. */
+        /* i * (cubic / rect) is an integer, but rounds to just below it: in double precision along x and y, in
+           single along z. */
         s->cubic = 900 * UM;
         s->rect.spacing = (ost_pm3){390 * UM, 330 * UM, 870 * UM};
         s->resample = c->number % 6 == 3 ? OST_RESAMPLE_NEAREST : OST_RESAMPLE_THESIS;
@@ -74,7 +76,7 @@ static ost_status make_import(const plan_case *c, scene *s, draw *d, ost_error *
 
 static ost_status make_mesh(const plan_case *c, scene *s, draw *d, ost_error *err)
 {
-    /* Every shape comes up, whatever the tier. */
+    /* Every shape occurs in every tier. */
     ost_status status = OST_OK;
     for (int i = 0; i < 2 && status == OST_OK; i++) {
         const ost_fill_rule rule = draw_one_in(d, 3) ? OST_FILL_PARITY : OST_FILL_WINDING;
@@ -127,7 +129,7 @@ static ost_status make_session(const plan_case *c, scene *s, draw *d, ost_error 
     if (status == OST_OK)
         status = scene_drive(s, d, ticks[c->tier], draw_between(d, 10 * UM, 60 * UM), 0.008, err);
     if (draw_one_in(d, 3))
-        s->world.removal_period_ns = 3000000; /* the thesis' 333 Hz */
+        s->world.removal_period_ns = 3000000; /* the 333 Hz of the thesis */
     s->collide_every = 50;
     return status;
 }
@@ -138,7 +140,8 @@ static int64_t cubic_voxels(const scene *s)
     return ost_ceil_div(g->dims.x * g->spacing.x, s->cubic) * ost_ceil_div(g->dims.y * g->spacing.y, s->cubic) * ost_ceil_div(g->dims.z * g->spacing.z, s->cubic);
 }
 
-/* Anisotropic, so that resampling has something to do; two tools of which one has a part that does not cut. */
+/* Makes an anisotropic CT, so that resampling computes means, and two tools, one of which has a part that does not
+   cut. */
 static ost_status make_small(const plan_case *c, scene *s, draw *d, ost_error *err)
 {
     static const scene_shape shapes[] = {SHAPE_BOX, SHAPE_TWICE, SHAPE_HOLLOW, SHAPE_OPEN, SHAPE_SOUP, SHAPE_PEG};
@@ -150,13 +153,13 @@ static ost_status make_small(const plan_case *c, scene *s, draw *d, ost_error *e
     dims.y = (int32_t)draw_between(d, 18, 40);
     dims.z = (int32_t)draw_between(d, 12, 30);
     s->rect.dims = dims;
-    while (cubic_voxels(s) > PERFORM_WHOLE) /* so that every tick's bone is fetched whole, and a change located in its tick */
+    while (cubic_voxels(s) > PERFORM_WHOLE) /* so that every tick's bone is downloaded completely */
         s->cubic *= 2;
     status = scene_ct(s, d, dims, err);
     s->batch = (size_t)draw_between(d, 500, 20000);
     for (size_t i = 0; i < s->sample_count; i++)
         s->samples[i].line = (uint32_t)(i % s->batch);
-    for (size_t i = 0; i < s->sample_count && c->number % 4 == 3; i++) /* metal: sums beyond 2^24 */
+    for (size_t i = 0; i < s->sample_count && c->number % 4 == 3; i++) /* metal: sums of densities beyond 2^24 */
         if (s->samples[i].density >= s->threshold)
             s->samples[i].density = 32000 + (s->samples[i].density & 511);
     for (int i = 0; i < 2 && status == OST_OK; i++) {
@@ -167,10 +170,10 @@ static ost_status make_small(const plan_case *c, scene *s, draw *d, ost_error *e
         status = c->number % 2 ? scene_unrelated_poses(s, d, 6, err) : scene_drive(s, d, 10, unit + unit / 2, 0.15, err);
     if (status == OST_OK)
         status = scene_add_full_tool(s, d, draw_between(d, s->cubic / 11, s->cubic / 9), err);
-    /* Not where poses are swept: the tool is fine, and would have hundreds of them on its way. */
+    /* Not if poses are swept: the tool is fine and a sweep would have hundreds of them. */
     if (status == OST_OK && s->world.sweep_off)
         status = scene_add_border_poses(s, d, err);
-    if (status == OST_OK && c->number % 4 == 0) { /* more hits than a chunk has voxels, and voxels left */
+    if (status == OST_OK && c->number % 4 == 0) { /* more hits than a chunk has voxels, and voxels that remain */
         s->chunk_size = 16;
         status = scene_add_crossing(s, err);
     }
@@ -178,11 +181,11 @@ static ost_status make_small(const plan_case *c, scene *s, draw *d, ost_error *e
         status = scene_add_poses_inside(s, d, 3, err);
     if (status == OST_OK && s->world.sweep_off)
         status = scene_add_far_pose(s, err);
-    s->collide_every = 3; /* the far pose, number 12, among them */
+    s->collide_every = 3; /* including the far pose, number 12 */
     return status;
 }
 
-/* Ticks of one path after those already there, a millisecond after the last. */
+/* Appends the ticks of a path, the first of them a millisecond after the last tick of the scene. */
 static ost_status append_path(scene *s, const ost_path *more, ost_error *err)
 {
     const size_t before = s->path.count;
@@ -199,7 +202,7 @@ static ost_status append_path(scene *s, const ost_path *more, ost_error *err)
     return OST_OK;
 }
 
-/* Every `step`-th tick, so that a tier takes the whole operation in its time; the sweep fills in. */
+/* Keeps every `step`-th tick, so that a tier runs the complete operation in its time; the sweeps fill the gaps. */
 static void thin_path(ost_path *path, size_t step)
 {
     size_t kept = 0;
@@ -343,7 +346,7 @@ static ost_status add_ct(ost_hasher *h, const scene *s, ost_error *err)
                             g->origin.z, s->duplicates, s->cubic, s->resample, s->chunk_size, s->threshold, (int64_t)s->batch,
                             (int64_t)s->sample_count};
     ost_status status = add_ints(h, head, sizeof head / sizeof head[0], err);
-    enum { AT_ONCE = 24 }; /* samples a call: there are millions */
+    enum { AT_ONCE = 24 }; /* samples per call; there are millions */
     for (size_t i = 0; i < s->sample_count && status == OST_OK;) {
         int64_t rows[5 * AT_ONCE];
         size_t n = 0;
@@ -355,7 +358,8 @@ static ost_status add_ct(ost_hasher *h, const scene *s, ost_error *err)
         }
         status = add_ints(h, rows, n, err);
     }
-    /* Cases of samples have the digest that they had before there were slices. */
+    /* The number of slices is added only if there are slices, so that the digests of cases of samples remain
+       unchanged. */
     return status == OST_OK && s->slices ? add_ints(h, (const int64_t[]){s->slices}, 1, err) : status;
 }
 
@@ -368,7 +372,7 @@ static ost_status add_path(ost_hasher *h, const scene *s, ost_error *err)
     for (size_t i = 0; i < s->path.count && status == OST_OK; i++) {
         const ost_tick *t = &s->path.ticks[i];
         const int64_t row[] = {t->t_ns, t->tool, t->pose.t.x, t->pose.t.y, t->pose.t.z, t->pose.qw, t->pose.qx, t->pose.qy, t->pose.qz, t->rpm};
-        /* Cases whose motors are on at a speed that is not known have the digest that they had before there were speeds. */
+        /* The speed is left out if it is unknown (OST_RPM_ON), so that the digests of older cases remain unchanged. */
         status = add_ints(h, row, sizeof row / sizeof row[0] - (t->rpm == OST_RPM_ON), err);
     }
     return status;

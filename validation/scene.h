@@ -23,7 +23,7 @@ typedef struct scene_tool {
     char name[SCENE_NAME];
     ost_snapped_mesh cutting, noncutting; /* noncutting has no triangles if the tool has no such part */
     ost_fill_rule rule;
-    ost_mesh raw[2]; /* both meshes before they were snapped; without triangles if they are not known, as in a case that was cut */
+    ost_mesh raw[2]; /* both meshes before snapping; without triangles if not known, as in a case that was cut */
     bool grid_given; /* true: the grid is given instead of computed from the meshes (AR-TOOL-2) */
 } scene_tool;
 
@@ -36,7 +36,7 @@ typedef struct scene {
     ost_duplicates duplicates;
     ost_pm cubic;
     ost_resample resample;
-    int32_t slices; /* 0: the CT is given as samples; else it is uploaded, this many slices per call, and has one sample per voxel, on the lattice */
+    int32_t slices; /* slices per call of a CT that is uploaded and has one sample per lattice point; 0: samples */
     int chunk_size;
     int32_t threshold;
 
@@ -47,7 +47,7 @@ typedef struct scene {
        steps are made. */
     ost_world_options world;
     ost_path path;
-    ost_path hand;    /* rows of a device from which a motor of hand_rpm made the path; empty: path has the tools' poses */
+    ost_path hand;    /* rows of a device from which a motor of hand_rpm made path; empty: there are none */
     int32_t hand_rpm;
     int collide_every; /* n: the backend also collides before every n-th tick; 0: never */
 

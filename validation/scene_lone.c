@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Two more kinds of scene_reach.c:
+ * Two kinds of scene_reach.c:
  *
- *   lone      chunks in a row along x, in each of which the voxels of one column
- *             alone are active, at every place of a chunk in turn, and the last one
- *             of the last chunk, all of them means of two slices of the CT; a tool
- *             of more than 2^16 triangles
+ *   lone      chunks in a row along x; in each of them only the voxels of one
+ *             column are active, at every position of a chunk in turn, and at the
+ *             last one of the last chunk; all of them are means of two slices of
+ *             the CT; a tool of more than 2^16 triangles
  *   emptied   a bone that has no voxel from the beginning, or loses its last one to
  *             an event, and then meets a tool again
  */
@@ -53,7 +53,7 @@ ost_status scene_lone(int kind, scene *s, draw *d, ost_error *err)
 {
     enum { CHUNK = 64, LAST = 37, WIDE = CHUNK * CHUNK + LAST, HIGH = 3, SLICES = 4 };
     const ost_pm cube = 500 * UM;
-    /* Layer k of the bone lies at slice (4 k - 1) / 6, so each layer but the first is a mean of two slices. */
+    /* Layer k of the bone lies at slice (4 k - 1) / 6, so every layer except the first is a mean of two slices. */
     s->rect = (ost_geometry){{WIDE, HIGH, SLICES}, {cube, cube, cube * 3 / 2}, {-1000000 * UM, 0, 0}};
     s->cubic = cube;
     s->resample = (ost_resample[]){OST_RESAMPLE_LINEAR, OST_RESAMPLE_NEAREST}[kind % 2];

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Ticks that bring tools into the bone.  A pose is drawn in doubles and
- * quantised like any device's (AR-POSE); on it equality begins.
+ * Ticks that bring tools into the bone.  A pose is drawn in doubles and then
+ * quantised like that of any device (AR-POSE); from there on all backends have
+ * the same integers.
  */
 #include "validation/scene_parts.h"
 
@@ -12,7 +13,7 @@
 
 enum { TICK_NS = 1000000 };
 
-/* A voxel's centre or a border between two, in the middle half of the CT. */
+/* Returns the centre of a voxel, or a border between two, in the middle half of the CT. */
 static ost_pm3 drawn_target(const scene *s, draw *d)
 {
     const ost_geometry *g = &s->rect;
@@ -29,7 +30,7 @@ static ost_pm3 drawn_target(const scene *s, draw *d)
     return (ost_pm3){p[0], p[1], p[2]};
 }
 
-/* A unit quaternion: one of the 24 turns of a cube now and then, else any. */
+/* Draws a unit quaternion: occasionally one of the 24 rotations of a cube, else any. */
 static ost_status drawn_turn(draw *d, double q[4])
 {
     static const double root = 0.70710678118654752440;
@@ -38,9 +39,9 @@ static ost_status drawn_turn(draw *d, double q[4])
     if (draw_one_in(d, 3)) {
         const int64_t which = draw_between(d, 0, 2), axis = draw_between(d, 1, 3);
         if (which == 0)
-            q[draw_between(d, 0, 3)] = 1; /* none, or half */
+            q[draw_between(d, 0, 3)] = 1; /* no turn, or a half turn */
         else {
-            q[0] = root; /* a quarter */
+            q[0] = root; /* a quarter turn */
             q[axis] = which == 1 ? root : -root;
         }
         return OST_OK;
@@ -61,7 +62,7 @@ static ost_status drawn_turn(draw *d, double q[4])
 ost_status scene_unrelated_poses(scene *s, draw *d, size_t count, ost_error *err)
 {
     ost_status status = ost_path_init(&s->path, count, err);
-    s->world.sweep_off = true; /* nothing moves from one to the next */
+    s->world.sweep_off = true; /* the poses are unrelated: nothing moves from one to the next */
     for (size_t i = 0; i < count && status == OST_OK; i++) {
         const ost_pm3 at = drawn_target(s, d);
         const double none[3] = {0, 0, 0};
@@ -75,7 +76,7 @@ ost_status scene_unrelated_poses(scene *s, draw *d, size_t count, ost_error *err
     return status;
 }
 
-/* One tick more, of the last tool and not turned; NULL when there is no memory. */
+/* Appends a tick with the last tool, not turned. Returns NULL if memory is exhausted. */
 static ost_tick *another(scene *s, ost_error *err)
 {
     const size_t i = s->path.count;
@@ -110,7 +111,8 @@ ost_status scene_add_poses_inside(scene *s, draw *d, size_t count, ost_error *er
     return status;
 }
 
-/* The cubic grid along an axis: its first centre, voxels and the tool's place when it is centred on the middle one. */
+/* The cubic grid along an axis: its first centre, its voxels, and the tool's position when it is centred on the
+   middle voxel. */
 typedef struct along {
     ost_pm first, middle;
     int32_t n;
@@ -143,8 +145,9 @@ ost_status scene_add_border_poses(scene *s, draw *d, ost_error *err)
             put(tick, b, along_axis(s, b).middle);
         const along x = along_axis(s, a);
         const int32_t block = OST_MAP_BLOCK * (int32_t)draw_between(d, 0, (x.n - 1) / OST_MAP_BLOCK), last = block + OST_MAP_BLOCK - 1;
-        /* A unit is voxel / 2^20.  At a block's first voxel half of one before the border, which is rounded onto it; at its last
-           voxel up to 15 behind it, where each step that is one too short shows. */
+        /* A unit is voxel / 2^20. At the first voxel of a block the position is up to half a unit before the border
+           and is rounded onto it; at the last voxel it is up to 15 units behind it, where a step that is too short by
+           one shows. */
         const bool at_last = draw_one_in(d, 2) && last < x.n;
         const ost_pm off = at_last ? draw_between(d, 0, voxel * 15 >> OST_MAP_FRACTION) : draw_between(d, -(voxel >> (OST_MAP_FRACTION + 1)), -1);
         put(tick, a, x.first + s->cubic * (at_last ? last : block) - corner[a] - off);
@@ -180,8 +183,9 @@ ost_status scene_add_far_pose(scene *s, ost_error *err)
 }
 
 /*
- * From target to target in a straight line, turning about a drawn axis by
- * `turn` (about radians) a tick; at each target the tool may change.
+ * Adds ticks from target to target in a straight line, turning about a random
+ * axis by `turn` (approximately radians) per tick; the tool may change at each
+ * target.
  */
 ost_status scene_drive(scene *s, draw *d, size_t count, ost_pm speed, double turn, ost_error *err)
 {
@@ -207,7 +211,7 @@ ost_status scene_drive(scene *s, draw *d, size_t count, ost_pm speed, double tur
             at.y += (ost_pm)(way[1] / left * (double)speed);
             at.z += (ost_pm)(way[2] / left * (double)speed);
         }
-        /* q <- (1, turn/2 axis) q, to length one: a turn of about `turn` */
+        /* q <- (1, turn/2 axis) q, normalised: a rotation by about `turn` */
         const double h = turn / 2, r[4] = {1, h * axis[1], h * axis[2], h * axis[3]};
         double n[4] = {r[0] * q[0] - r[1] * q[1] - r[2] * q[2] - r[3] * q[3], r[0] * q[1] + r[1] * q[0] + r[2] * q[3] - r[3] * q[2],
                        r[0] * q[2] - r[1] * q[3] + r[2] * q[0] + r[3] * q[1], r[0] * q[3] + r[1] * q[2] - r[2] * q[1] + r[3] * q[0]};

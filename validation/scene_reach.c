@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Cases for what only size or place brings about.  Six kinds in turn; the last
- * two, lone and emptied, are those of scene_lone.c:
+ * Cases for situations that need a certain size or position.  There are six
+ * kinds in turn; the last two, lone and emptied, are those of scene_lone.c:
  *
  *   large    a sparse CT in samples, 1025 x 65 x 65 cubes of 2/3 as many slices,
  *            so that every chunk, brick and vector has a last part of one; more
@@ -46,11 +46,12 @@ static ost_status room_for_ticks(scene *s, size_t count, ost_error *err)
 
 enum { LARGE_X = 1025, LARGE_Y = 65, LARGE_Z = 32, LARGE_SAMPLES = 140000, LARGE_BAR = 530 };
 
-/* Picometres of a unit of the map, even, so that half a unit can be said; and a voxel of so many units, 0.35 mm about. */
+/* A unit of the map in picometres, even, so that half a unit is an integer; and a voxel of that many units, about
+   0.35 mm. */
 #define LARGE_UNIT ((ost_pm)334)
 #define LARGE_VOXEL (LARGE_UNIT << OST_MAP_FRACTION)
 
-/* At the lattice, at 1/8 and 3/8 of a voxel exactly, and between. */
+/* Returns a position at the lattice point, at exactly 1/8 or 3/8 of a voxel from it, or between. */
 static ost_pm jittered(draw *d, ost_pm origin, ost_pm spacing, int32_t index)
 {
     const ost_pm eighth = spacing / 8, offs[] = {0, eighth, eighth + 1, 3 * eighth};
@@ -69,7 +70,7 @@ static ost_sample sample_at(const scene *s, draw *d, int32_t x, int32_t y, int32
     return one;
 }
 
-/* The last column, the last row, then any voxels and earlier ones again. */
+/* Makes samples of the last column, the last row, then of random voxels, and repeats earlier ones. */
 static void large_samples(scene *s, draw *d)
 {
     for (int32_t z = 0; z < LARGE_Z; z++) {
@@ -84,7 +85,7 @@ static void large_samples(scene *s, draw *d)
         ost_sample one = sample_at(s, d, x, y, z);
         if (draw_one_in(d, 5)) {
             const int32_t density = one.density;
-            /* The neighbour, one within reach of a vector, any other. */
+            /* The previous sample, one within the length of a vector, or any earlier one. */
             const int64_t reach = draw_one_in(d, 3) ? 1 : draw_one_in(d, 2) ? 64 : (int64_t)s->sample_count;
             one = s->samples[(int64_t)s->sample_count - draw_between(d, 1, reach)];
             one.density = density;
@@ -92,7 +93,7 @@ static void large_samples(scene *s, draw *d)
         }
         s->samples[s->sample_count] = one;
     }
-    /* The first and the last of a batch, and on both sides of a block of 2^16. */
+    /* Pairs of duplicates: the first and the last of a batch, and samples on both sides of a block of 2^16. */
     const size_t pairs[][2] = {{0, LARGE_SAMPLES - 1}, {65535, 65536}, {65534, 131072}, {131071, 131072}};
     for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; i++) {
         ost_sample *to = &s->samples[pairs[i][1]];
@@ -106,7 +107,7 @@ static void large_samples(scene *s, draw *d)
 static ost_status make_large(const plan_case *c, scene *s, draw *d, ost_error *err)
 {
     static const ost_duplicates rules[] = {OST_DUPLICATES_LAST, OST_DUPLICATES_FIRST, OST_DUPLICATES_MAX};
-    /* 32 slices of 1.42 mm are 65 cubes of 0.7 mm: 71 / 35 is no binary fraction. */
+    /* 32 slices of 1.42 mm give 65 cubes of 0.7 mm: 71 / 35 has no finite binary fraction. */
     s->rect = (ost_geometry){{LARGE_X, LARGE_Y, LARGE_Z}, {700 * UM, 700 * UM, 1420 * UM}, {-360000 * UM, 8000 * UM, -1000 * UM}};
     s->cubic = 700 * UM;
     s->resample = c->number / KINDS % 2 ? OST_RESAMPLE_NEAREST : OST_RESAMPLE_LINEAR;
@@ -118,7 +119,8 @@ static ost_status make_large(const plan_case *c, scene *s, draw *d, ost_error *e
     if (!s->samples)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for %d samples", LARGE_SAMPLES);
     large_samples(s, d);
-    /* Preparing a tool takes a device as long as all else of the case: smoke has a third of the bar's volume. */
+    /* Preparing a tool takes a device as long as the remainder of the case, so the smoke tier has a third of the
+       bar's volume. */
     const bool slim = c->tier == PLAN_SMOKE;
     const ost_dims bar = {LARGE_BAR, slim ? 59 : 101, slim ? 57 : 99};
     ost_status status = scene_add_bar(s, bar, (bar.z + 1) / 4, LARGE_VOXEL, err);
@@ -131,7 +133,8 @@ static ost_status make_large(const plan_case *c, scene *s, draw *d, ost_error *e
         /* From one end to the other, over the last rows and slices. */
         pose->t = (ost_pm3){s->rect.origin.x + (95000 + 180000 * i) * UM, s->rect.origin.y + (slim ? 38000 : 30000) * UM,
                             s->rect.origin.z + (slim ? 38000 : 29000) * UM};
-        /* A base far from the box's first lies half a unit of the map before the bar's end: a tie, which round half to even puts outside. */
+        /* The base of a block far from the box's first lies half a unit of the map before the bar's end: a tie, which
+           rounding half to even puts outside. */
         if (i < 3)
             pose->t.x = s->rect.origin.x + s->cubic * OST_MAP_BLOCK * (17 + 16 * i) - LARGE_BAR / 2 * LARGE_VOXEL +
                         LARGE_UNIT / 2;
@@ -147,7 +150,7 @@ static ost_status make_large(const plan_case *c, scene *s, draw *d, ost_error *e
 
 enum { RODS_X = 97, RODS_Y = 67, RODS_Z = 93, ROD_TICKS = 6 };
 
-/* On a tie of the tool's voxels, or up to 6 / 65536 of a voxel from it. */
+/* Returns a position on a tie of the tool's voxels, or up to 6 / 65536 of a voxel from it. */
 static ost_pm near_tie(draw *d, ost_pm at, ost_pm voxel)
 {
     const int64_t off = draw_one_in(d, 3) ? 0 : draw_between(d, -6, 6);
@@ -161,7 +164,7 @@ static void rod_ticks(scene *s, draw *d, int32_t tool)
     ost_pm3 at = g->origin;
     for (int i = 0; i < ROD_TICKS; i++) {
         ost_pose *pose = &next_tick(s, tool)->pose;
-        if (i % 2 == 0) { /* the tick after it moves a little, with tens of poses between */
+        if (i % 2 == 0) { /* the next tick is a short movement with tens of poses in between */
             at.x = near_tie(d, g->origin.x + s->cubic * draw_between(d, 10, RODS_X - 10), voxel);
             at.y = near_tie(d, g->origin.y + s->cubic * draw_between(d, 10, RODS_Y - 10), voxel);
             at.z = near_tie(d, g->origin.z + s->cubic * draw_between(d, 10, RODS_Z * 7 / 10 - 10), voxel);
@@ -174,7 +177,7 @@ static void rod_ticks(scene *s, draw *d, int32_t tool)
     }
 }
 
-/* 1, 2, 3 or 8 classes: no border above the first to seven of them. */
+/* Returns 1, 2, 3 or 8 classes, which have none to seven borders. */
 static ost_density_classes classes_of(int number)
 {
     static const int counts[] = {1, 8, 2, 3};
@@ -197,7 +200,7 @@ static ost_status make_rods(const plan_case *c, scene *s, draw *d, ost_error *er
     s->resample = (ost_resample)(kind % 3);
     s->chunk_size = kind % 2 ? 32 : 64;
     s->threshold = 120;
-    s->slices = 29; /* more than 2^17 voxels a call, and a last call of fewer */
+    s->slices = 29; /* more than 2^17 voxels per call, and fewer in the last call */
     s->batch = 1 << 16;
     s->samples = malloc((size_t)ost_dims_count(s->rect.dims) * sizeof *s->samples);
     if (!s->samples)
@@ -219,7 +222,7 @@ static ost_status make_rods(const plan_case *c, scene *s, draw *d, ost_error *er
         if (status == OST_OK)
             rod_ticks(s, d, t);
     }
-    if (status == OST_OK) /* two words a row, and three rows and layers more than any tile's power of two */
+    if (status == OST_OK) /* two words per row; rows and layers: three more than a power of two */
         status = scene_add_bar(s, (ost_dims){65, 67, 67}, 7, 1000 * UM, err);
     for (int i = 0; i < 2 && status == OST_OK; i++)
         next_tick(s, 3)->pose.t = (ost_pm3){s->rect.origin.x + (i ? 40000 : 12000) * UM, s->rect.origin.y + 15000 * UM,
@@ -247,7 +250,7 @@ static ost_status make_refused(const plan_case *c, scene *s, draw *d, ost_error 
         const int32_t x = (int32_t)draw_between(d, 0, SIDE - 1), y = (int32_t)draw_between(d, 0, SIDE - 1),
                       z = (int32_t)draw_between(d, 0, SIDE - 1);
         ost_sample one = sample_at(s, d, x, y, z);
-        /* From the middle on, so that the first to be refused is not the first of its batch. */
+        /* Only in the second half, so that the first refused sample is not the first of its batch. */
         if (!conflicts_alone && i > MOST / 2 && draw_one_in(d, 9)) {
             const ost_pm offs[] = {3 * spacing / 8 + 1, spacing / 2, -spacing / 2, spacing * SIDE, -spacing * SIDE};
             ost_pm *const axes[] = {&one.x, &one.y, &one.z}, *at = axes[draw_between(d, 0, 2)];
@@ -267,7 +270,7 @@ static ost_status make_refused(const plan_case *c, scene *s, draw *d, ost_error 
 
 enum { HOLLOW_X = 50, HOLLOW_Y = 35, HOLLOW_Z = 33 };
 
-/* A tick of a tool, at so many cubes from the bone's origin and so many voxels of the tool before it along x. */
+/* Adds a tick of a tool at cube (x, y, z) of the bone, moved back along x by `before` voxels of the tool. */
 static void hollow_tick(scene *s, int32_t tool, int32_t x, int32_t y, int32_t z, int32_t before)
 {
     const ost_pm3 o = s->rect.origin;
@@ -306,13 +309,14 @@ static ost_status make_hollow(scene *s, draw *d, ost_error *err)
         status = room_for_ticks(s, 6, err);
     if (status != OST_OK)
         return status;
-    /* The plates lie 16 to 20 voxels from the tool's middle on either side; they leave the last rows and the first slices. */
+    /* The plates lie 16 to 20 voxels from the tool's middle on either side; they are outside the last rows and the
+       first slices. */
     hollow_tick(s, 0, 12, 10, 25, 0);
     hollow_tick(s, 0, 38, 10, 25, 0);
     hollow_tick(s, 0, 98, 10, 25, 0);
     hollow_tick(s, 1, 40, 32, 3, 1 << 11);
     hollow_tick(s, 2, 40, 32, 3, 1 << 12);
-    hollow_tick(s, 1, 40, 32, 3, 0); /* slanted: no row of bone voxels lies along the tool's */
+    hollow_tick(s, 1, 40, 32, 3, 0); /* slanted: no row of bone voxels is parallel to a row of the tool */
     const double none[3] = {0, 0, 0}, slanted[4] = {0.8, 0.36, 0.48, 0};
     ost_pose *pose = &s->path.ticks[s->path.count - 1].pose;
     const ost_pm3 at = pose->t;

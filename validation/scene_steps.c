@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Inputs of the steps alone (steps_record.h), without a voxel: what random
- * cases with a bone seldom have.
+ * Inputs of cases that consist of the steps alone (steps_record.h), without a
+ * voxel: situations that are rare in random cases with a bone.
  *
  *   even cases   lengths are multiples of a unit that is odd against the
  *                tool's voxel of 2^21 units, so that steps of the map, bases of
  *                blocks and snapped vertices are halves of a unit, ties
  *   odd cases    any picometre; grids at the ends of the range of 8 m
- *   every third  rows of a hand that a motor turns
+ *   every third  rows of a device that a motor turns
  *
- * Ways between two ticks are half voxels times a whole number, or a picometre
- * more or less, so that AR-SWEEP-2 is decided by its equal sign.
+ * The distance between two ticks is an integer number of half voxels, or one
+ * picometre more or less, so that the equality in AR-SWEEP-2 is decisive.
  */
 #include "validation/scene_parts.h"
 
@@ -22,7 +22,7 @@
 enum { VERTICES = 24, TRIANGLES = 40, TICKS = 24 };
 #define FARTHEST INT64_C(8000000000000)
 
-/* A length of whole units. */
+/* Returns a length that is a multiple of `unit`. */
 static ost_pm drawn(draw *d, ost_pm lo, ost_pm hi, ost_pm unit)
 {
     return draw_between(d, lo / unit, hi / unit) * unit;
@@ -47,7 +47,8 @@ static void make_grid(scene *s, draw *d, int number, ost_pm unit)
     s->threshold = 120;
 }
 
-/* Corners at multiples of 2^-11 of a voxel, so at the middle between two lattice points; the ends at whole voxels, where AR-TOOL-2 has ties. */
+/* Makes a tool whose corners are multiples of 2^-11 of a voxel, so that some lie half-way between two lattice
+   points; its ends are at multiples of a voxel, where AR-TOOL-2 has ties. */
 static ost_status make_tool(scene *s, draw *d, ost_pm voxel, int32_t wide, ost_error *err)
 {
     scene_tool *tool = &s->tools[s->tool_count];
@@ -64,9 +65,9 @@ static ost_status make_tool(scene *s, draw *d, ost_pm voxel, int32_t wide, ost_e
             (ost_pm3){drawn(d, -reach, reach, part), drawn(d, -aside, aside, part), drawn(d, -aside, aside, part)};
     }
     for (int t = 0; t < TRIANGLES && status == OST_OK; t++)
-        for (int c = 0; c < 3; c++) /* some with a corner twice: no area */
+        for (int c = 0; c < 3; c++) /* some triangles have a corner twice and no area */
             mesh->triangles[t][c] = (uint32_t)draw_between(d, 0, VERTICES - 2);
-    if (status == OST_OK) { /* a few that have an area before they are snapped and none after */
+    if (status == OST_OK) { /* a few triangles have an area before snapping and none after it */
         mesh->vertices[1] = mesh->vertices[0];
         mesh->vertices[1].x += 1;
         mesh->vertices[2] = (ost_pm3){wide / 2 * voxel, -(wide < 1000 ? wide / 2 : 500) * voxel, 0};
@@ -80,7 +81,7 @@ static ost_status make_tool(scene *s, draw *d, ost_pm voxel, int32_t wide, ost_e
     return status == OST_OK ? ost_mesh_snap(mesh, &grid, &tool->cutting, err) : status;
 }
 
-/* The last turn, then one by up to `turn` about each axis. */
+/* Returns the last rotation, followed by one of up to `turn` about each axis. */
 static void turn_on(draw *d, double turn, const double last[4], double q[4])
 {
     const double h[4] = {1, draw_real(d, -turn, turn), draw_real(d, -turn, turn), draw_real(d, -turn, turn)};
@@ -110,25 +111,25 @@ static ost_status make_ticks(scene *s, draw *d, int number, ost_pm unit, ost_err
         const ost_pm off = draw_between(d, 0, 3) ? 0 : draw_between(d, -1, 1);
         t_ns += draw_between(d, 1, hand ? 90000000 : 3000000);
         *tick = (ost_tick){.t_ns = t_ns, .tool = (int32_t)(i / 8) % 2, .rpm = hand ? OST_RPM_HAND : OST_RPM_ON};
-        const bool wide = tick->tool == 1; /* few poses of it: a turn moves its corners far */
+        const bool wide = tick->tool == 1; /* few poses of this tool: a rotation moves its corners far */
         const bool straight = i % 4 == 1 || i % 4 == 2;
-        if (straight) { /* not turned against the last tick: the way alone decides how many poses */
+        if (straight) { /* not turned against the last tick: only the distance decides the number of poses */
             const int64_t n = draw_between(d, 1, 12);
-            at[draw_between(d, 0, 2)] += i % 8 == 6 ? 0 : n * s->cubic / 2 + off; /* no way at all is one pose */
+            at[draw_between(d, 0, 2)] += i % 8 == 6 ? 0 : n * s->cubic / 2 + off; /* a distance of 0 gives one pose */
         } else {
             const double last[4] = {q[0], q[1], q[2], q[3]};
             turn_on(d, wide ? 0.01 : i % 8 == 7 && !hand ? 1.2 : 0.1, last, q);
             for (int a = 0; a < 3; a++)
                 at[a] = (a == 0 ? middle.x : a == 1 ? middle.y : middle.z) + drawn(d, -6 * s->cubic, 6 * s->cubic, unit);
         }
-        if (!hand && !wide && (i % 8 == 4 || i % 8 == 5)) /* no turn, then a quarter: AR-SWEEP-3 is decided by its equal sign */
+        if (!hand && !wide && (i % 8 == 4 || i % 8 == 5)) /* no turn, then a quarter: equality in AR-SWEEP-3 */
             memcpy(q, i % 8 == 4 ? upright : quarter, sizeof q);
         if (status == OST_OK)
             status = ost_pose_from_doubles(none, q, &tick->pose, err);
         for (int a = 0; a < 3; a++)
             at[a] = at[a] < -FARTHEST ? -FARTHEST : at[a] > FARTHEST ? FARTHEST : at[a];
         tick->pose.t = (ost_pm3){at[0], at[1], at[2]};
-        if (i % 5 == 4) { /* the same turn by the other quaternion */
+        if (i % 5 == 4) { /* the same rotation, represented by the other quaternion */
             ost_pose *p = &tick->pose;
             *p = (ost_pose){p->t, -p->qw, -p->qx, -p->qy, -p->qz};
         }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Meshes for tools, from simple to hostile.  Corners are integers from the
- * start, so the same triangles come out on every machine.
+ * Meshes for tools, from simple to hostile.  Corners are drawn as integers, so
+ * that every machine makes the same triangles.
  */
 #include "validation/scene_parts.h"
 
@@ -10,11 +10,13 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Faces of the corners numbered by their bits x, y, z; outward where the three edges are right-handed. */
+/* The faces of a box whose corners are numbered by the bits x, y, z; the normals point outward if its three edges
+   are right-handed. */
 static const uint32_t box_faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                                           {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
 
-/* boxes solids of random directions; every second one inside out if asked, the same twice if asked. */
+/* Makes `count` solids in random orientations: every second one inside out if inside_out, the same one twice if
+   same. */
 static ost_status boxes(draw *d, ost_pm size, int count, bool same, bool inside_out, ost_mesh *out, ost_error *err)
 {
     ost_status status = ost_mesh_init(out, 8 * (size_t)count, 12 * (size_t)count, err);
@@ -70,7 +72,7 @@ static ost_status loose_triangles(draw *d, ost_pm size, int count, bool thin, os
     return OST_OK;
 }
 
-/* Each triangle goes with a chance of one in n; one stays. */
+/* Removes each triangle with a probability of 1 / n; at least one remains. */
 static void lose_triangles(draw *d, int n, ost_mesh *mesh)
 {
     size_t kept = 0;
@@ -103,7 +105,8 @@ static ost_status mesh_of(draw *d, scene_shape shape, ost_pm size, ost_mesh *out
     return boxes(d, size, 1, false, false, out, err);
 }
 
-/* Onto multiples of half a voxel: corners, edges and faces then pass through voxels' centres, where ties are decided. */
+/* Moves the vertices to multiples of half a voxel: corners, edges and faces then pass through voxels' centres, which
+   are ties. */
 static void align(ost_mesh *mesh, ost_pm voxel)
 {
     const ost_pm step = voxel / 2;
@@ -177,12 +180,12 @@ ost_status scene_add_fine_tool(scene *s, draw *d, ost_pm voxel, ost_error *err)
 /* ------------------------------------------------------ solid to the border */
 
 /*
- * The edge a b of a small solid goes through the centre C of a row, and no
- * product of its edge function is a float:
+ * The edge a b of a small solid passes through the centre C of a row, and no
+ * product of its edge function can be represented as a float:
  *
  *   a = C - n (p, q),  b = a + m (p, q);  (m q) (n p) is odd and beyond 2^24
  *
- * Coordinates are those of the snapped mesh, 2^10 a voxel.
+ * Coordinates are those of the snapped mesh, 2^10 per voxel.
  */
 enum { FULL_SIDE = 58, FULL_UNITS = FULL_SIDE << 10, FULL_SOLIDS = 8, REACH = 14000 };
 
@@ -223,7 +226,7 @@ ost_status scene_add_full_tool(scene *s, draw *d, ost_pm voxel, ost_error *err)
     for (int b = 0; b < FULL_SOLIDS; b++) {
         int64_t at[4][3];
         solid_on_a_centre(d, at);
-        for (int v = 0; v < 4; v++) /* the nearest picometre; snapping gives the unit back */
+        for (int v = 0; v < 4; v++) /* the nearest picometre; snapping returns the unit exactly */
             mesh.vertices[8 + 4 * b + v] = (ost_pm3){(at[v][0] * voxel + 512) / 1024 - half, (at[v][1] * voxel + 512) / 1024 - half, (at[v][2] * voxel + 512) / 1024 - half};
         for (int t = 0; t < 4; t++)
             for (int c = 0; c < 3; c++)
@@ -235,7 +238,7 @@ ost_status scene_add_full_tool(scene *s, draw *d, ost_pm voxel, ost_error *err)
     return status;
 }
 
-/* Layers z0 to z1 of a grid, from border to border along x and y. */
+/* Makes a box of layers z0 to z1 of a grid, from border to border along x and y. */
 static ost_status layers(const ost_tool_geometry *grid, int32_t z0, int32_t z1, ost_mesh *out, ost_error *err)
 {
     const ost_pm3 lo = grid->corner;
@@ -275,7 +278,7 @@ ost_status scene_add_bar(scene *s, ost_dims size, int32_t shaft, ost_pm voxel, o
 
 enum { PLATES_X = 48, PLATES_YZ = 40, PLATES_ON_A_LINE = 4 };
 
-/* The corners of a box of whole voxels from the grid's corner on, and its triangles but the last `open`. */
+/* Adds the corners of a box of complete voxels, from the grid's corner on, and its triangles except the last `open`. */
 static void put_box(const ost_tool_geometry *grid, const int32_t lo[3], const int32_t hi[3], size_t open,
                     ost_mesh *mesh, size_t *corners)
 {
@@ -312,7 +315,7 @@ ost_status scene_add_plates(scene *s, ost_pm voxel, ost_error *err)
     put_box(&grid, at[1][0], at[1][1], 0, cutting, &corners);
     put_box(&grid, at[2][0], at[2][1], 2, leaking, &of_leaking); /* without its face at the end of x */
     for (int t = 0; t < PLATES_ON_A_LINE; t++, cutting->triangle_count++)
-        for (int c = 0; c < 3; c++, corners++) { /* along x, and three slanted lines through centres of voxels */
+        for (int c = 0; c < 3; c++, corners++) { /* a line along x, and three slanted ones */
             const ost_pm along = (3 + 5 * c) * voxel + voxel / 2;
             cutting->vertices[corners] =
                 (ost_pm3){grid.corner.x + along, grid.corner.y + (t & 1 ? along : 9 * voxel + voxel / 2),

@@ -21,20 +21,20 @@ uint64_t sensitivity_injections(plan_tier tier)
     return counts[tier];
 }
 
-/* Watches for the record in which the mistake first shows. */
+/* Records the state at which the mistake first changes a result. */
 typedef struct witness {
     ost_backend *backend;
     bool seen;
     trace_stage stage;
     uint32_t item;
-    deviation_record record; /* as it was then */
+    deviation_record record; /* the deviation's record at that time */
 } witness;
 
 static void watch(void *user, trace_stage stage, uint32_t item)
 {
     witness *w = user;
     if (w->seen || stage == TRACE_SNAP ||
-        stage == TRACE_STEPS) /* not of a backend; the event's steps are written when it has run */
+        stage == TRACE_STEPS) /* not made by a backend; the steps of an event are written after it has run */
         return;
     w->record = dense_record(w->backend);
     if (w->record.changed) {
@@ -62,8 +62,8 @@ static ost_status run_one(ost_backend *backend, const scene *s, const char *path
 }
 
 /*
- * Returns true if the comparison named the place in which the mistake first showed.  A bone that is uploaded in parts
- * has one record, and a later part may overwrite the voxel that changed first: there the record is the place.
+ * Returns true if the comparison named the position at which the mistake first showed.  A bone that is uploaded in parts
+ * has only one record, and a later part may overwrite the voxel that changed first; there the record is the position.
  */
 static bool is_located(const witness *w, const compare_difference *d)
 {
@@ -76,7 +76,7 @@ static bool is_located(const witness *w, const compare_difference *d)
         return memcmp(d->voxel, first->voxel, sizeof d->voxel) == 0;
     if (d->kind == COMPARE_WORD)
         return first->voxel[0] < 0 && (first->chunk < 0 || first->chunk == d->chunk);
-    return true; /* the record has another shape: the stage and the item are all there is to say */
+    return true; /* the record has another shape: only the stage and the item can be compared */
 }
 
 static void judge(sensitivity *out, const deviation *how, const plan_case *c, const witness *w, const deviation_record *record, const compare_difference *d)
@@ -107,7 +107,7 @@ static void judge(sensitivity *out, const deviation *how, const plan_case *c, co
                  detected ? trace_stage_name(d->stage) : "nothing", d->item, d->voxel[0], d->voxel[1], d->voxel[2], d->word, (long long)d->chunk);
 }
 
-/* The dense backend as it is: any difference is a false alarm. */
+/* Runs the dense backend without a mistake: any difference is a false alarm. */
 static ost_status run_clean(const scene *s, const plan_case *c, const char *path, const trace *ref, compare_range in_ref, sensitivity *out, ost_error *err)
 {
     ost_backend *backend;
@@ -171,7 +171,7 @@ static ost_status inject(const deviation *how, const scene *s, const plan_case *
     return OST_OK;
 }
 
-/* How rare a mistake may be: no rarer than some scenes' worth of its units, so that most injections are triggered. */
+/* Draws the rate of a mistake: at least once in the units of a few scenes, so that most injections are triggered. */
 static uint32_t drawn_rate(draw *d, deviation_kind kind)
 {
     static const struct {
@@ -185,19 +185,19 @@ static uint32_t drawn_rate(draw *d, deviation_kind kind)
     return (uint32_t)1 << draw_between(d, 0, bits);
 }
 
-/* The mistakes of one scene. */
+/* The mistakes that are made in one scene. */
 typedef struct share {
-    uint64_t first, count;       /* of all mistakes that are numbered; every kind comes up as often as any other */
-    const deviation *only;       /* instead of those: this one, NULL: none */
-    const deviation_kind *kinds; /* instead of those: each of these once, everywhere; NULL: none */
-    bool everywhere;             /* in every unit instead of at a rate that is drawn */
+    uint64_t first, count;       /* range of the pass's numbered mistakes, among which every kind is equally frequent */
+    const deviation *only;       /* if not NULL, this mistake instead */
+    const deviation_kind *kinds; /* if not NULL, each of these kinds once, everywhere, instead */
+    bool everywhere;             /* true: in every unit instead of at a random rate */
 } share;
 
-/* What one thread works with. */
+/* The scratch of one thread. */
 typedef struct bench {
-    int files[2]; /* of the reference's trace and of another's */
+    int files[2]; /* descriptors of the reference's trace and of the compared one */
     char names[2][SCRATCH_NAME];
-    sensitivity found; /* by this thread */
+    sensitivity found; /* results of this thread */
 } bench;
 
 static deviation drawn_mistake(draw *d, const share *of, uint64_t i)
@@ -212,7 +212,8 @@ static deviation drawn_mistake(draw *d, const share *of, uint64_t i)
     return how;
 }
 
-/* A scene, a clean run, and its share of mistakes: all drawn from the scene's number, on any thread. */
+/* Runs a scene: once without a mistake, then with each of its mistakes. Everything is drawn from the scene's number,
+   so the result does not depend on the thread. */
 static ost_status run_scene(bench *b, int number, const share *of, ost_error *err)
 {
     plan_case c = {.family = PLAN_SMALL, .number = number, .seed = b->found.seed};
@@ -256,18 +257,18 @@ static void add_counts(sensitivity_counts *to, const sensitivity_counts *n)
     to->not_located += n->not_located;
 }
 
-/* The scenes are taken by whichever thread is free. */
+/* The state of one pass; each thread takes the next scene when it is free. */
 typedef struct proof {
     sensitivity *out;
     uint64_t injections;
-    deviation_kind kinds[DEVIATION_KINDS]; /* of the second pass */
-    uint64_t kind_count;                   /* 0: this is the first pass */
-    int end;                               /* scene */
+    deviation_kind kinds[DEVIATION_KINDS]; /* kinds of the second pass */
+    uint64_t kind_count;                   /* 0 in the first pass */
+    int end;                               /* scene at which the pass ends (exclusive) */
     void (*show)(void *user, const char *what, double share);
     void *user;
-    pthread_mutex_t lock; /* of all below, and of out */
-    int next;             /* scene */
-    int problem_at;       /* scene of out's first problem, -1: none */
+    pthread_mutex_t lock; /* protects the members below and *out */
+    int next;             /* next scene */
+    int problem_at;       /* scene of out->first_problem; -1: none */
     ost_error err;
 } proof;
 
@@ -370,7 +371,8 @@ ost_status sensitivity_run(uint64_t seed, uint64_t injections, int jobs,
                .end = (int)((injections + PER_SCENE - 1) / PER_SCENE)};
     *out = (sensitivity){.seed = seed};
     run_pass(&p, jobs);
-    /* Kinds that changed nothing, everywhere in some scenes more; a run that does not have every kind leaves it at that. */
+    /* Kinds that changed nothing are made everywhere in a few more scenes, unless the run has fewer injections than
+       kinds. */
     for (int k = DEVIATION_NONE + 1; k < DEVIATION_KINDS && injections >= DEVIATION_KINDS - 1; k++)
         if (!out->of[k].changed)
             p.kinds[p.kind_count++] = (deviation_kind)k;

@@ -43,7 +43,7 @@ typedef struct sensitivity {
     uint64_t seed;
     sensitivity_counts all, of[DEVIATION_KINDS];
     uint64_t classes[DEVIATION_KINDS][SENSITIVITY_CLASSES];
-    int kinds_changed, kinds_noticed; /* kinds with a mistake that changed a result; kinds whose mistakes were all found and located */
+    int kinds_changed, kinds_noticed; /* kinds of which a mistake changed a result; those found and located each time */
     uint64_t clean_runs, false_alarms;
     char first_problem[300]; /* the first miss or false alarm, with the command that repeats it */
 } sensitivity;

@@ -42,7 +42,7 @@ ost_status steps_put_snap(trace_writer *w, const ost_snapped_mesh *parts, ost_er
     if (status == OST_OK)
         status = put_mesh(w, &parts[1], err);
     for (size_t v = 0; v < parts[0].vertex_count && v < SNAP_VERTICES && status == OST_OK; v++) {
-        const int32_t *p = parts[0].vertices[v]; /* each below 2^20 + 1 */
+        const int32_t *p = parts[0].vertices[v]; /* each coordinate is at most 2^20 */
         put_int(w, p[0] | (int64_t)p[1] << 21 | (int64_t)p[2] << 42);
     }
     return status;
@@ -148,7 +148,8 @@ bool steps_word_is_bound(size_t word)
     return word >= TICK_WORDS && (word - TICK_WORDS) % POSE_WORDS >= REACHES;
 }
 
-/* A box that reaches nothing may be for a pose that reaches nothing; any other holds the bounds, whether the pose reaches a voxel or not. */
+/* An empty box covers the bounds of a pose that reaches no voxel; any other box must contain the bounds, whether or
+   not the pose reaches a voxel. */
 bool steps_word_holds(size_t word, const uint8_t *is, const uint8_t *least)
 {
     const size_t at = (word - TICK_WORDS) % POSE_WORDS, flag = word - at + REACHES;

@@ -45,11 +45,12 @@ ost_status subjects_cpu(plan_tier tier, const bool here[], subject_list *list, o
             continue;
         left--;
         for (int t = 0; t < 4; t++) {
-            /* In the smoke tier the sets take 2, 3 and 7 threads in turn, and the last one those that nobody has taken. */
+            /* In the smoke tier the instruction sets get 2, 3 and 7 threads in turn, and the last set gets all
+               counts that no other set got. */
             if (tier == PLAN_SMOKE && t != 0 && t != turn && (left > 0 || taken[t]))
                 continue;
             taken[t] = true;
-            /* Above smoke the work of 3 and 7 threads is dealt in other orders, with pauses. */
+            /* Above smoke, 3 and 7 threads get their work in other orders, with pauses. */
             const char *const order = tier == PLAN_SMOKE || t < 2 ? "" : t == 2 ? ",order=1" : ",order=2";
             snprintf(spec, sizeof spec, "cpu:isa=%s,threads=%d%s%s", ost_isa_name((ost_isa)i), threads[t], t ? ",grain=1" : "", order);
             snprintf(what, sizeof what, "CPU, %s, %d thread%s%s", ost_isa_name((ost_isa)i), threads[t], t ? "s that share the smallest work" : "",
@@ -81,7 +82,7 @@ static ost_status add_cpu(plan_tier tier, subject_list *list, ost_error *err)
     return subjects_cpu(tier, here, list, err);
 }
 
-/* How each OpenCL device is run: with both sets of kernels, and with large data in parts (staging). */
+/* The ways in which each OpenCL device is run: both kernel sets, and large data in parts (staging). */
 static const struct {
     const char *options, *what;
     bool smoke;
@@ -105,10 +106,10 @@ typedef struct device_visit {
     subject_list *list;
     ost_error *err;
     ost_status status;
-    subject *named; /* the one whose device is looked for; NULL: all are added */
+    subject *named; /* subject whose device is to be found; NULL: all devices are added */
 } device_visit;
 
-/* reason: "" when it can run. */
+/* Adds one subject of a device. reason is "" if it can run. */
 static void add_way(device_visit *v, const ost_device_info *device, const char *spec, const char *what, const char *reason)
 {
     subject *s = v->status == OST_OK ? add(v->list, spec, what, v->err) : NULL;
@@ -126,7 +127,7 @@ static void add_device(const ost_device_info *device, void *user)
 {
     device_visit *v = user;
     char what[SUBJECT_REASON];
-    const bool named = device->name && *device->name; /* a platform without devices has none */
+    const bool named = device->name && *device->name; /* an entry for a platform without devices has no name */
     snprintf(what, sizeof what, "OpenCL, %.140s%s%.140s", named ? device->name : "", named ? ", " : "", device->platform);
     if (v->named) {
         if (strcmp(v->named->device, device->spec) == 0)
@@ -149,7 +150,8 @@ static void add_device(const ost_device_info *device, void *user)
     }
 }
 
-/* A user's words, as "cl:platform=portable", may mean any device; a report names the one that it was. */
+/* Stores which device was opened: a user's spec such as "cl:platform=portable" may mean any device, and a report
+   must name it. */
 static ost_status name_device(int platform, int device, subject *s, ost_error *err)
 {
     device_visit v = {.status = OST_OK, .named = s};
@@ -186,7 +188,7 @@ static ost_status add_cl(plan_tier tier, subject_list *list, ost_error *err)
     return OST_OK;
 }
 
-/* Opens a backend in a worker that runs no case; what it says when it cannot is the error. */
+/* Opens a backend in a worker that runs no case; if this fails, the worker's message is the error. */
 static ost_status try_apart(const char *spec, ost_error *err)
 {
     char program[1024];
@@ -213,7 +215,7 @@ static ost_status try_apart(const char *spec, ost_error *err)
     return ost_fail(err, end.code == 3 ? OST_ERR_UNAVAILABLE : OST_ERR_USAGE, "%s", text);
 }
 
-/* One of the specs that the user gave; whether it can run is found out now, so that a mistake in it is an error and not a result. */
+/* Adds one of the user's specs. It is tried at once, so that a mistake in the spec is an error and not a result. */
 static ost_status add_wanted(plan_tier tier, const char *spec, subject_list *list, ost_error *err)
 {
     if (strcmp(spec, "cpu") == 0)

@@ -24,8 +24,8 @@ enum { SLOTS = 16, BLOCK = 1 << 16, WAIT_MS = 50 };
 extern char **environ;
 
 typedef struct running {
-    pid_t pid;   /* also the number of its process group */
-    int said;    /* its output, a pipe; -1: closed */
+    pid_t pid;   /* process id, which is also the id of its process group */
+    int said;    /* read end of a pipe from its output; -1: closed */
     size_t number;
     double begun;
     json_int_t bytes;
@@ -33,14 +33,14 @@ typedef struct running {
     const char *stopped; /* "", "time", "output" */
     bool line_ended;
     size_t used;
-    char line[SUITE_REASON]; /* the last line that is not empty */
+    char line[SUITE_REASON]; /* the last line of output that is not empty */
 } running;
 
 typedef struct runner {
     const suite_options *o;
     char program[PATH_MAX];
     const json_t *tests;
-    json_t *rows; /* at each test's place its row, or null */
+    json_t *rows; /* for each test its row, or null */
     running slots[SLOTS];
     int count;
     size_t done;
@@ -148,7 +148,7 @@ static void keep_line(running *t, const char *bytes, ssize_t count)
     }
 }
 
-/* Reads what is there, but not beyond the limit; closes the pipe at its end. */
+/* Reads the available output up to the limit; closes the pipe at its end. */
 static ost_status read_output(running *t, ost_error *err)
 {
     char block[BLOCK];
@@ -187,7 +187,7 @@ static void reason_of(const runner *r, const running *t, json_int_t status, char
         snprintf(how, sizeof how, "was ended by signal %lld", (long long)-status);
     else
         snprintf(how, sizeof how, "ended with status %lld", (long long)status);
-    const bool plain = status == SUITE_SKIPPED && !*t->stopped && *line; /* a test that skips says why */
+    const bool plain = status == SUITE_SKIPPED && !*t->stopped && *line; /* a test that is skipped prints the reason */
     snprintf(reason, 2 * SUITE_REASON, "%s%s%s", plain ? "" : how, !plain && *line ? "; it printed last: " : "", line);
 }
 
@@ -198,7 +198,7 @@ static ost_status finish(runner *r, int slot, int state, ost_error *err)
     char reason[2 * SUITE_REASON], hex[OST_DIGEST_HEX];
     ost_digest digest = {{0}};
     const json_int_t code = WIFSIGNALED(state) ? -(json_int_t)WTERMSIG(state) : (json_int_t)WEXITSTATUS(state);
-    ost_status status = read_output(t, err); /* what it printed before its end */
+    ost_status status = read_output(t, err); /* the output before its end */
     if (t->said >= 0)
         close(t->said);
     const ost_status closed = ost_hasher_close(t->hasher, &digest, status == OST_OK ? err : NULL);
@@ -222,7 +222,7 @@ static ost_status finish(runner *r, int slot, int state, ost_error *err)
     return status;
 }
 
-/* Finishes the tests that have ended; their groups are ended too, so that nothing of a test goes on. */
+/* Finishes the tests that have ended, and kills their process groups, so that no process of a test continues. */
 static ost_status reap(runner *r, ost_error *err)
 {
     ost_status status = OST_OK;
@@ -231,7 +231,7 @@ static ost_status reap(runner *r, ost_error *err)
         int state;
         if (waitid(P_PID, (id_t)r->slots[i].pid, &info, WEXITED | WNOHANG | WNOWAIT) != 0 || !info.si_pid)
             continue;
-        kill(-r->slots[i].pid, SIGKILL); /* while the number is still the group's */
+        kill(-r->slots[i].pid, SIGKILL); /* before the process is reaped, while the id still belongs to the group */
         while (waitpid(r->slots[i].pid, &state, 0) < 0)
             if (errno != EINTR)
                 return ost_fail(err, OST_ERR_IO, "waiting for a test: %s", strerror(errno));

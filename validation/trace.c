@@ -33,7 +33,8 @@ size_t trace_report_head(trace_stage stage)
     return stage == TRACE_TICK ? 13 : stage == TRACE_COLLIDE ? 3 : 0;
 }
 
-/* A chunk's line: its number, then of each class voxels and the sum of their densities. */
+/* Names a word of a chunk's line: its number, then for each class the number of voxels and the sum of their
+   densities. */
 static void name_in_line(uint64_t at, char text[TRACE_WORD])
 {
     if (at == 0)
@@ -75,7 +76,7 @@ bool trace_word_is_bound(trace_stage stage, size_t word)
 {
     return stage == TRACE_STEPS
                ? steps_word_is_bound(word)
-               : stage == TRACE_TICK && (word == 2 || (word >= 4 && word < 10)); /* boxes meet, chunk range */
+               : stage == TRACE_TICK && (word == 2 || (word >= 4 && word < 10)); /* boxes_meet, range of chunks */
 }
 
 bool trace_word_holds(trace_stage stage, size_t word, const uint8_t *is, const uint8_t *least)
@@ -86,18 +87,18 @@ bool trace_word_holds(trace_stage stage, size_t word, const uint8_t *is, const u
         return steps_word_holds(word, is, least);
     const int64_t has = (int64_t)trace_word_at(is, word), needs = (int64_t)trace_word_at(least, word);
     return word >= 4 && word % 2 == 0 ? has <= needs
-                                      : has >= needs; /* a range's first chunk; else its end, and that boxes meet */
+                                      : has >= needs; /* the first chunk of a range; else its end, or boxes_meet */
 }
 
 /* ------------------------------------------------------------------ writing */
 
-/* The record being made; its counts are put right when it ends. */
+/* The record that is being written; its counts are corrected when it ends. */
 struct trace_writer {
     FILE *file;
     char *path;
     uint8_t *buffer;
     size_t used, room;
-    size_t blocks_at; /* where the count of blocks stands; 0 while words are added */
+    size_t blocks_at; /* offset of the number of blocks; 0 while words are added */
     uint64_t words, blocks;
     bool no_memory;
 };
@@ -242,7 +243,7 @@ static ost_status index_records(const char *path, trace *t, ost_error *err)
         if (memcmp(head, magic, 4) != 0 || u32_at(head + 4) >= TRACE_STAGES)
             return ost_fail(err, OST_ERR_INPUT, "%s: offset %zu: no record of a trace begins here", path, at);
         if (body > t->size - at - HEAD)
-            return OST_OK; /* its writer was stopped */
+            return OST_OK; /* its writer was stopped within a record */
         if (t->count == room) {
             room = room ? 2 * room : 1024;
             trace_record *grown = realloc(t->records, room * sizeof *grown);

@@ -13,10 +13,10 @@
 #include "validation/scratch.h"
 
 /*
- * The file, as this program and its workers alone read it:
+ * The format of the file, which only this program and its workers read:
  *
  *   head, MAGIC and the entries of USER_CASES_MAX cases
- *   arrays: samples, vertices, triangles, ticks, each where its entry says
+ *   arrays: samples, vertices, triangles, ticks, each at the offset in its entry
  */
 #define MAGIC UINT64_C(0x31524553554e5453)
 
@@ -24,18 +24,18 @@ typedef struct part {
     ost_tool_geometry grid;
     int fraction_bits;
     uint64_t vertices, triangles, dropped; /* counts */
-    uint64_t vertices_at, triangles_at;    /* bytes from the file's begin */
-    uint64_t raw_vertices, raw_triangles, raw_vertices_at, raw_triangles_at; /* before it was snapped */
+    uint64_t vertices_at, triangles_at;    /* offsets in bytes from the beginning of the file */
+    uint64_t raw_vertices, raw_triangles, raw_vertices_at, raw_triangles_at; /* the mesh before snapping */
 } part;
 
 typedef struct entry {
-    scene head; /* without what it points to */
+    scene head; /* the members of the scene; its pointers are not valid */
     uint64_t samples, samples_at, ticks, ticks_at, hand, hand_at;
     part parts[SCENE_TOOLS_MAX][2];
 } entry;
 
 typedef struct store_head {
-    uint64_t magic, bytes; /* of the whole file */
+    uint64_t magic, bytes; /* bytes: size of the complete file */
     int32_t count, entry_bytes;
     entry entries[USER_CASES_MAX];
 } store_head;
@@ -43,14 +43,15 @@ typedef struct store_head {
 struct user_store {
     int fd;
     bool own_fd;
-    uint8_t *map; /* NULL while it is written */
+    uint8_t *map; /* NULL while the file is written */
     size_t size;
-    store_head *head; /* while it is written: owned; later the map's begin */
+    store_head *head; /* owned while the file is written; afterwards the beginning of the map */
 };
 
 /* ------------------------------------------------------------------ writing */
 
-/* A descriptor that no worker has by number, so that none is replaced before it is handed on (worker_start). */
+/* The descriptor's number is above those that workers use, so that none of these is replaced before it is passed on
+   (worker_start). */
 enum { BEYOND_WORKERS = 16 };
 
 ost_status user_store_begin(user_store **out, ost_error *err)
@@ -88,7 +89,7 @@ static ost_status write_at(user_store *u, const void *bytes, size_t size, uint64
     return OST_OK;
 }
 
-/* Behind all that is there, where every array may begin. */
+/* Appends an array to the file at an offset that is aligned for any array; *at receives the offset. */
 static ost_status add_array(user_store *u, const void *bytes, size_t count, size_t each, uint64_t *at, ost_error *err)
 {
     *at = u->size;
@@ -117,7 +118,7 @@ ost_status user_case_samples(user_store *u, const ost_sample *samples, size_t co
         status = write_at(u, lines, n * sizeof *lines, e->samples_at + e->samples * sizeof *lines, err);
         e->samples += n;
     }
-    u->size = e->samples_at + e->samples * sizeof *lines; /* of 32 bytes: the next array is aligned */
+    u->size = e->samples_at + e->samples * sizeof *lines; /* lines of 32 bytes, so the next array is aligned */
     return status;
 }
 
@@ -264,7 +265,7 @@ static ost_status read_raw(const user_store *u, const part *p, ost_mesh *m, ost_
         return status;
     memcpy(m->vertices, u->map + p->raw_vertices_at, p->raw_vertices * sizeof *m->vertices);
     memcpy(m->triangles, u->map + p->raw_triangles_at, p->raw_triangles * sizeof *m->triangles);
-    return OST_OK; /* vertices beyond the last are refused where it is snapped */
+    return OST_OK; /* triangles with a vertex index beyond the last are refused when the mesh is snapped */
 }
 
 static ost_status read_path(const user_store *u, uint64_t count, uint64_t at, ost_path *out, ost_error *err)
@@ -300,7 +301,7 @@ ost_status user_scene(const user_store *u, int number, scene *out, ost_error *er
         return ost_fail(err, OST_ERR_USAGE, "it is made of the user's own files: give them with --ct, --tool and --path");
     const entry *e = &u->head->entries[number - 1];
     *out = e->head;
-    for (int t = 0; t < SCENE_TOOLS_MAX; t++) { /* whatever the file has there */
+    for (int t = 0; t < SCENE_TOOLS_MAX; t++) { /* pointers that the file contains are replaced */
         out->tools[t].cutting = out->tools[t].noncutting = (ost_snapped_mesh){.fraction_bits = 0};
         out->tools[t].raw[0] = out->tools[t].raw[1] = (ost_mesh){.vertex_count = 0};
     }
@@ -319,10 +320,11 @@ ost_status user_scene(const user_store *u, int number, scene *out, ost_error *er
 }
 
 /*
- * Rect, cubic, chunks and the bone at the end, each tool, and for a tick the
- * leaves that it changed: those under the tool's border where bone is left,
- * not all that it covers.  A leaf a tick is several times what slow cutting
- * changes; a disk that is filled all the same ends the campaign.
+ * The estimate has rect, cubic, chunks and the bone at the end, each tool, and
+ * for a tick the leaves that it changed: those under the tool's border where bone
+ * remains, not all that it covers.  One leaf per tick is several times the
+ * amount that slow cutting changes; if the disk fills up nevertheless, the
+ * campaign ends.
  */
 enum { TICK_LEAVES = 1 };
 uint64_t user_trace_bytes(const user_store *u, int number)

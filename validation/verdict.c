@@ -24,7 +24,7 @@ static uint64_t bytes_of(const trace *t, compare_range r)
     return bytes;
 }
 
-/* The line of a stage that failed. */
+/* Stores the error line of a stage that failed. */
 static void tell_failed(const trace_record *failed, case_result *one)
 {
     size_t at = 0;
@@ -56,7 +56,7 @@ int verdict_judge(campaign *c, const trace *reference, int whom, const trace *go
     *differs = false;
     for (int i = from; i < until; i++, judged++) {
         const compare_range range = compare_next(got, &at, (uint32_t)i);
-        /* Whole: the next case began, or the list ended. */
+        /* The case is complete if the next case began or the list ended. */
         const bool last = range.count && range.first + range.count == got->count;
         if (!range.count || (last && !got->whole))
             break;

@@ -36,7 +36,7 @@ ost_status worker_run(const plan *p, int from, int to, const char *spec, const c
     trace reference = {0};
     to = to < p->count ? to : p->count;
     double *seconds = calloc((size_t)(to > from ? to - from : 0) + 1, sizeof *seconds);
-    prctl(PR_SET_PDEATHSIG, SIGKILL); /* a parent that is killed takes it along */
+    prctl(PR_SET_PDEATHSIG, SIGKILL); /* the worker is killed if its parent ends */
     const bool second = strcmp(spec, SUBJECT_DENSE) == 0;
     ost_status status = seconds ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for the times of %d cases", to - from);
     if (status == OST_OK)
@@ -64,7 +64,7 @@ ost_status worker_run(const plan *p, int from, int to, const char *spec, const c
         else if (why.status != OST_OK)
         {
             ost_error line;
-            (void)ost_fail(&line, why.status, "%s on %s: %s", p->cases[i].id, spec, why.text); /* which makes it printable */
+            (void)ost_fail(&line, why.status, "%s on %s: %s", p->cases[i].id, spec, why.text); /* makes it printable */
             fprintf(stderr, "%s\n", line.text);
         }
     }
@@ -101,7 +101,7 @@ ost_status worker_start(char *const argv[], int trace_fd, int user_fd, double li
     *out = (worker){.pid = -1, .said = -1, .limit_s = limit_s, .begun = now_s()};
     if (pipe2(ends, O_CLOEXEC) != 0)
         return ost_fail(err, OST_ERR_IO, "no pipe for a worker: %s", strerror(errno));
-    /* More threads than cores run at a time: one that waits for work must leave its core. */
+    /* There may be more threads than cores, so a waiting thread must release its core. */
     (void)setenv("OMP_WAIT_POLICY", "passive", 0);
     posix_spawn_file_actions_t actions;
     int failed = posix_spawn_file_actions_init(&actions);
@@ -193,7 +193,7 @@ ost_status worker_wait_any(worker *const workers[], int count, int *which, worke
             const ssize_t n = read(workers[i]->said, bytes, sizeof bytes);
             if (n < 0 && errno == EINTR)
                 continue;
-            if (n <= 0) { /* its end of the pipe closes when it ends, whatever way */
+            if (n <= 0) { /* the worker's end of the pipe closes however it ends */
                 *which = i;
                 return reap(workers[i], false, out, err);
             }
