@@ -2,20 +2,21 @@
 /*
  * Spongy bone and foam: the part of space that remains when cells are cut out.
  *
- *      .---. .----.       Points scattered on a lattice own the space that is
- *     ( p1  X  p2  )      nearest to them.  Where two cells meet there may be
- *      `--./ \ .--'       a wall, where three meet there is a strut:
- *          | p3 |
+ *      .---. .----.       Points are scattered on a lattice.  The cell of a point
+ *     ( p1  X  p2  )      is the space that is nearer to it than to all others.
+ *      `--./ \ .--'       Where two cells meet there may be a wall, where three
+ *          | p3 |         meet there is a strut:
+ *
  *                           d2 = (F2 - F1) / 2 |p2 - p1|     to the wall, exactly
  *                           d3 = (F3 - F1) / 2 |p3 - p1|     to the next one
  *
- * with F1 <= F2 <= F3 the squared distances to the three nearest points.
- * Close to a wall d2 is small; close to a strut d2 and d3 are.  Which walls
- * are there is a hash of their two cells: bone has about half of them, as
- * plates between its rods; foam has most, with windows open between cells.
+ * F1 <= F2 <= F3 are the squared distances to the three nearest points.  d2 is
+ * small close to a wall; d2 and d3 are both small close to a strut.  A hash of
+ * two cells decides whether there is a wall between them: bone has about half of
+ * the walls, as plates between its rods; foam has most, with windows between cells.
  *
- * Voxels are taken in small blocks, and each block only looks at the points
- * that can be among the three nearest of any of its voxels.
+ * Voxels are computed in small blocks, and for each block only those points are
+ * considered that can be among the three nearest of one of its voxels.
  */
 #include <math.h>
 #include <string.h>
@@ -25,15 +26,15 @@
 #include "phantom/shape.h"
 
 typedef struct recipe {
-    double cell;       /* mm between points of the lattice */
-    double stretch;    /* cells are longer by this along z, the way the load goes */
-    double jitter;     /* of a point about its place, in cells */
+    double cell;       /* distance between points of the lattice, mm */
+    double stretch;    /* factor by which cells are longer along z, the direction of the load */
+    double jitter;     /* greatest displacement of a point, in cells */
     double strut;      /* radius, mm */
     double wall;       /* half thickness, mm */
-    double walls;      /* share of walls that are there */
-    double radius;     /* of a core drilled along z, mm; 0 = a block */
-    int solid, grain;  /* HU, and how much it varies from place to place */
-    int filling;       /* between the struts */
+    double walls;      /* share of walls that exist */
+    double radius;     /* radius of a core drilled along z, mm; 0 = a block */
+    int solid, grain;  /* HU, and its variation from place to place */
+    int filling;       /* HU between the struts */
     int noise;         /* HU, twice the standard deviation */
 } recipe;
 
@@ -52,10 +53,13 @@ enum { NEAR_MAX = 1024, ACTIVE = 120 };
 typedef struct seedling {
     double x, y, z;
     uint64_t id;
-    double far2; /* to the block's middle, squared */
+    double far2; /* squared distance to the block's middle */
 } seedling;
 
-/* The points that a block of half diagonal `half` about `middle` (in cells) can need, at most NEAR_MAX. */
+/*
+ * Lists the points that a block of half diagonal `half` about `middle` (in cells) may need.
+ * Returns their number, at most NEAR_MAX.
+ */
 static int gather(const recipe *r, uint64_t seed, ost_v3 middle, double half, seedling out[NEAR_MAX])
 {
     int64_t lo[3], hi[3];
@@ -88,13 +92,16 @@ static int gather(const recipe *r, uint64_t seed, ost_v3 middle, double half, se
                         break;
                     }
             }
-    /* a voxel's third nearest point is at most `half` farther from it than the middle's, and a point's distance changes by `half` too */
+    /*
+     * A voxel's third nearest point is at most `half` farther from it than the middle's, and a
+     * point's distance also changes by at most `half`.
+     */
     double reach = sqrt(nearest[2]) + 2 * half;
     int kept = 0;
     for (int i = 0; i < n; i++) {
         if (out[i].far2 > reach * reach)
             continue;
-        seedling s = out[i]; /* nearest first, so that most of the others are soon seen to be too far */
+        seedling s = out[i]; /* in ascending order of distance, so that distance() rejects most points at once */
         int slot = kept++;
         for (; slot > 0 && out[slot - 1].far2 > s.far2; slot--)
             out[slot] = out[slot - 1];
@@ -103,13 +110,13 @@ static int gather(const recipe *r, uint64_t seed, ost_v3 middle, double half, se
     return kept;
 }
 
-/* The same for both cells of a wall: a sum does not depend on the order. */
+/* Returns true if there is a wall between two cells. The sum does not depend on their order. */
 static bool has_wall(const recipe *r, const seedling *a, const seedling *b)
 {
     return ost_unit(ost_mix64(a->id + b->id), 1) < r->walls;
 }
 
-/* Distance in mm to what is solid at p (in cells), negative inside. */
+/* Returns the distance in mm from p (in cells) to the solid, negative inside. */
 static double distance(const recipe *r, const seedling *near, int count, ost_v3 p)
 {
     const seedling *first = near, *second = near, *third = near;
@@ -133,7 +140,7 @@ static double distance(const recipe *r, const seedling *near, int count, ost_v3 
     ost_v3 b = {third->x - first->x, third->y - first->y, third->z - first->z};
     double la = ost_v3_length(a), lb = ost_v3_length(b);
     double d2 = r->cell * (f2 - f1) / (2 * la), d3 = r->cell * (f3 - f1) / (2 * lb);
-    /* the strut is the line where both walls' planes meet: the same line from all three cells */
+    /* The strut is the line in which both walls' planes meet: the same line from all three cells. */
     double between = ost_v3_dot(a, b) / (la * lb), sharp = ost_max(1 - between * between, 0.04);
     double solid = sqrt(ost_max(d2 * d2 + d3 * d3 - 2 * d2 * d3 * between, 0) / sharp) - r->strut;
     if (has_wall(r, first, second))
@@ -146,11 +153,11 @@ static double distance(const recipe *r, const seedling *near, int count, ost_v3 
 typedef struct corer {
     const ost_scan *scan;
     const recipe *recipe;
-    ost_v3 centre; /* mm, of the box */
-    double blur;   /* mm of the texture */
+    ost_v3 centre; /* centre of the box, mm */
+    double blur;   /* width of the partial volume, in mm of the texture */
 } corer;
 
-/* In mm of the texture: the scale taken out. */
+/* Returns the position of a voxel in mm of the texture, that is, without the scale. */
 static ost_v3 place(const corer *c, double i, double j, double k)
 {
     const ost_pm3 *s = &c->scan->volume->geometry.spacing;

@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A CT of the scapula: the solid of scapula.h, as it lies in a patient and as
- * a scanner sees it.
+ * A CT of the scapula: the solid of scapula.h in the pose in which a patient
+ * lies, as a scanner images it.
  *
  *   voxel centre --pose--> the bone's frame --scapula_at--> distances
  *        distances --cover--> shares of soft tissue, cartilage, plate and
  *        shell, spongy bone --> HU, + noise
  *
- * A share is smooth over the width of a voxel about the surface: partial
- * volume.  Noise moves no voxel across 120 HU, so that what is bone is
- * decided by the surface alone and no crumbs float.
+ * A share changes smoothly over the width of a voxel at the surface (partial
+ * volume).  Noise moves no voxel across 120 HU, so the surface alone decides
+ * which voxels are bone, and there are no isolated bone voxels.
  *
- * Far from the bone nothing but soft tissue is found: the grid is walked in
- * blocks, and a block whose centre is farther from the bone than its corners
- * could reach is background.
+ * Far from the bone there is only soft tissue.  The grid is computed in blocks,
+ * and a block whose centre is farther from the bone than its corners could reach
+ * is background.
  */
 #include <stdio.h>
 
@@ -21,22 +21,23 @@
 #include "phantom/scan.h"
 #include "phantom/scapula.h"
 
-#define ACTIVE 120 /* the default threshold that the phantom is made for */
+#define ACTIVE 120 /* the default threshold, for which the phantom is made */
 #define SHELL 1.4  /* mm of compact bone on the outer walls; plates thinner than twice this have no core */
 #define PLATE 1.9  /* mm of compact bone under the cartilage */
 
 /*
- * As the patient lies: the blade's lateral end turned forward, its top leaning
- * forward a little.  Turns by half-angle tangents: rational, no libm.
+ * The patient's pose: the blade's lateral end is turned forward, and its top leans forward a
+ * little.  The turns are given by tangents of half angles, so that the rotation is rational and
+ * needs no libm.
  */
 #define TURN_HALF 0.21 /* 24 degrees: the blade's lateral end turned forward, against the coronal plane */
-#define LEAN_HALF 0.09 /* 10 degrees: its top leant forward */
+#define LEAN_HALF 0.09 /* 10 degrees: its top leans forward */
 #define LIFT_HALF 0.16 /* 18 degrees: its lateral end lifted, as with the arms raised out of the beam */
-static const ost_v3 MIDDLE = {53.85, 19.0, -32.7}; /* of the bone's frame, at the box's centre */
+static const ost_v3 MIDDLE = {53.85, 19.0, -32.7}; /* in the bone's frame: the position of the box's centre */
 
 typedef struct pose {
     ost_v3 row[3];   /* patient (lateral, anterior, superior) = row . bone */
-    ost_v3 centre;   /* of the box, patient's LPS mm */
+    ost_v3 centre;   /* centre of the box, in mm of the patient's LPS frame */
     double scale;    /* mm of the patient per mm of the mean shape */
 } pose;
 
@@ -45,7 +46,7 @@ static pose make_pose(double scale)
     double t = TURN_HALF, c = (1 - t * t) / (1 + t * t), s = 2 * t / (1 + t * t);
     double l = LEAN_HALF, a = (1 - l * l) / (1 + l * l), b = 2 * l / (1 + l * l);
     double h = LIFT_HALF, e = (1 - h * h) / (1 + h * h), f = 2 * h / (1 + h * h);
-    /* lift in the blade's plane, lean about the lateral axis, turn about the vertical one */
+    /* The lift is in the blade's plane, the lean about the lateral axis, the turn about the vertical one. */
     ost_v3 lift[3] = {{e, 0, -f}, {0, 1, 0}, {f, 0, e}};
     const double rest[3][3] = {{c, -s * a, -s * b}, {s, c * a, c * b}, {0, -b, a}};
     pose p = {.scale = scale};
@@ -78,7 +79,10 @@ static ost_v3 to_lps(const pose *p, ost_v3 bone)
 
 /* ----------------------------------------------------------------- tissue */
 
-/* Muscle with sheets of fat between its bellies; the lung inside the chest, before and beside the bone. HU < 100. */
+/*
+ * Returns the HU, below 100, of muscle with sheets of fat between its bellies, and of the lung
+ * inside the chest.
+ */
 static double soft_tissue(uint64_t seed, ost_noise_cell cells[2], ost_v3 p, double bone)
 {
     double x = (0.8 * p.x + 0.6 * p.y + 0.3 * p.z) / 23, y = (0.8 * p.y - 0.6 * p.x - 0.2 * p.z) / 19, z = p.z / 45;
@@ -95,7 +99,10 @@ static double soft_tissue(uint64_t seed, ost_noise_cell cells[2], ost_v3 p, doub
     return hu;
 }
 
-/* Struts of about a millimetre as a CT shows them, denser to the back and under the plate, emptier in the processes. */
+/*
+ * Returns the density of spongy bone: struts of about a millimetre as a CT shows them, denser to
+ * the back and under the plate, sparser in the processes.
+ */
 static double spongy(uint64_t seed, ost_v3 q, const ost_scapula_place *at)
 {
     double coarse = ost_value_noise(seed + 21, q.x / 1.5, q.y / 1.5, q.z / 1.9);
@@ -116,7 +123,7 @@ int16_t ost_hu(double v, int lo, int hi)
 
 static int16_t voxel_hu(const ost_scan *scan, ost_noise_cell cells[2], const ost_scapula_place *at, ost_v3 p, ost_v3 q, double blur, uint64_t hash)
 {
-    double noise = 24 * ost_bell(hash); /* 12 HU standard deviation, as a smooth kernel gives */
+    double noise = 24 * ost_bell(hash); /* 12 HU standard deviation, as with a smooth reconstruction kernel */
     double soft = soft_tissue(scan->seed, cells, p, at->bone);
     double gristle = ost_scan_cover(at->cartilage, 0.5 * blur), bone = ost_scan_cover(at->bone, blur);
     double hu = soft + (135 - soft) * gristle;
@@ -137,7 +144,7 @@ static int16_t voxel_hu(const ost_scan *scan, ost_noise_cell cells[2], const ost
         hu += (hard - hu) * bone;
         noise *= 1.25;
     } else if (gristle == 1) {
-        lo = ACTIVE + 1, hi = ACTIVE + 29; /* the class that cartilage is counted in */
+        lo = ACTIVE + 1, hi = ACTIVE + 29; /* the density class in which cartilage is counted */
     }
     if (hu >= ACTIVE)
         lo = lo > ACTIVE ? lo : ACTIVE;
@@ -152,8 +159,8 @@ typedef struct scanner {
     const ost_scan *scan;
     ost_scapula scapula;
     pose pose;
-    double blur;     /* mm of the anatomy */
-    int64_t first[3]; /* of this grid's voxels in the grid that noise is counted from */
+    double blur;     /* width of the partial volume, in mm of the anatomy */
+    int64_t first[3]; /* position of this grid's first voxel in the grid from which noise is counted */
 } scanner;
 
 static ost_v3 centre_of(const ost_scan *scan, int64_t i, int64_t j, int64_t k)
@@ -171,7 +178,10 @@ static void scan_block(void *user, const int lo[3], const int hi[3])
     ost_v3 middle = ost_v3_mad(a, ost_v3_sub(b, a), 0.5);
     ost_scapula_place at;
     ost_scapula_at(&c->scapula, to_bone(&c->pose, middle), &at);
-    /* distances are true to a third, so a block this far off holds no surface, nor anything that the surface bears on */
+    /*
+     * Distances are accurate to a third, so a block this far away contains no surface and no
+     * voxel that depends on one.
+     */
     double reach = 1.5 * 0.5 * ost_v3_length(ost_v3_sub(b, a)) / scan->scale + c->blur + 4;
     ost_noise_cell cells[2] = {{.known = 0}, {.known = 0}};
     bool empty = at.bone > reach && at.cartilage > reach;
@@ -190,7 +200,10 @@ static void scan_block(void *user, const int lo[3], const int hi[3])
         }
 }
 
-/* Whole micrometres of a point, millionths of a direction: %lld of an explicit rounding is the same everywhere. */
+/*
+ * Writes whole micrometres of a point or millionths of a direction: %lld of explicitly rounded
+ * values is the same on every machine.
+ */
 static ost_status write_three(ost_meta *meta, const char *key, ost_v3 v, int places, ost_error *err)
 {
     char text[OST_META_VALUE], word[3][48];
@@ -226,7 +239,7 @@ ost_status ost_scan_scapula(const ost_scan *scan, ost_error *err)
     if (status != OST_OK)
         return status;
     c.pose = make_pose(scan->scale * c.scapula.size);
-    c.pose.centre = (ost_v3){-110 * scan->scale, -15 * scan->scale, 0}; /* of the scapula's box, phantom.c */
+    c.pose.centre = (ost_v3){-110 * scan->scale, -15 * scan->scale, 0}; /* centre of the scapula's box (phantom.c) */
     double spacing[3] = {ost_pm_to_mm(g->spacing.x), ost_pm_to_mm(g->spacing.y), ost_pm_to_mm(g->spacing.z)};
     c.blur = (spacing[0] + spacing[1] + spacing[2]) / 3 / scan->scale;
     const ost_pm corner[3] = {scan->corner.x, scan->corner.y, scan->corner.z}, whole[3] = {scan->whole.x, scan->whole.y, scan->whole.z};

@@ -2,9 +2,9 @@
 /*
  * Noise from integers: the same numbers on every machine.
  *
- * A lattice point and a seed are hashed to 64 bits; what is smooth is made of
- * such points by additions and multiplications of doubles in a fixed order,
- * which IEEE 754 defines to the bit (no fused multiply-add: conditions.h).
+ * A lattice point and a seed are hashed to 64 bits.  Smooth noise is computed from such points
+ * by additions and multiplications of doubles in a fixed order, for which IEEE 754 defines every
+ * bit of the result (no fused multiply-add: conditions.h).
  */
 #ifndef OST_PHANTOM_NOISE_H
 #define OST_PHANTOM_NOISE_H
@@ -13,7 +13,7 @@
 
 #include "core/conditions.h"
 
-/* A bijection of 64 bits that leaves no visible pattern (two rounds of xor-shift and multiply). */
+/* Returns a bijective hash of 64 bits without a visible pattern (two rounds of xor-shift and multiply). */
 static inline uint64_t ost_mix64(uint64_t v)
 {
     v ^= v >> 32;
@@ -32,27 +32,36 @@ static inline uint64_t ost_hash3(uint64_t seed, int64_t x, int64_t y, int64_t z)
     return ost_mix64(h);
 }
 
-/* [0, 1), 2^-24 apart: exact in double and float. `part` picks 24 of the hash's bits: 0 or 1. */
+/*
+ * Returns a number in [0, 1), a multiple of 2^-24: exact in double and float. part, 0 or 1,
+ * selects 24 of the hash's bits.
+ */
 static inline double ost_unit(uint64_t hash, int part)
 {
     return (double)(hash >> (part * 24) & 0xffffff) * (1.0 / 16777216.0);
 }
 
-/* floor for |v| < 2^62, without libm. */
+/* Returns floor(v) for |v| < 2^62, without libm. */
 static inline int64_t ost_floor64(double v)
 {
     int64_t i = (int64_t)v;
     return i - ((double)i > v);
 }
 
-/* The lattice cell that was asked for last: neighbours mostly ask for the same one. Zero-initialise; one seed each. */
+/*
+ * The lattice cell that was used last, since neighbouring positions are mostly in the same cell.
+ * Zero-initialise it, and use one for each seed.
+ */
 typedef struct ost_noise_cell {
     int64_t i, j, k;
     int known;
     double v[8];
 } ost_noise_cell;
 
-/* Smooth in [0, 1): a lattice of hashes, joined by 3t^2 - 2t^3. The cell only saves time. */
+/*
+ * Returns smooth noise in [0, 1): hashes at lattice points, interpolated by 3t^2 - 2t^3.  The
+ * cell only saves time.
+ */
 static inline double ost_value_noise_in(ost_noise_cell *cell, uint64_t seed, double x, double y, double z)
 {
     int64_t i = ost_floor64(x), j = ost_floor64(y), k = ost_floor64(z);
@@ -81,7 +90,10 @@ static inline double ost_value_noise(uint64_t seed, double x, double y, double z
     return ost_value_noise_in(&cell, seed, x, y, z);
 }
 
-/* Nearly Gaussian, mean 0, standard deviation 1/2, within +-1.5: three uniform ones (their sum has variance 1/4). */
+/*
+ * Returns a nearly Gaussian number of mean 0, standard deviation 1/2, within +-1.5: the sum of
+ * three uniform ones has variance 1/4.
+ */
 static inline double ost_bell(uint64_t hash)
 {
     double a = (double)(hash & 0x1fffff), b = (double)(hash >> 21 & 0x1fffff), c = (double)(hash >> 42 & 0x1fffff);

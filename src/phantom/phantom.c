@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The generated bones by name: boxes, options, sides, and who makes what.
+ * The generated bones by name: boxes, options, sides, and the function that makes each.
  *
  *   kind -> box of Table 3.1, scaled --spacing--> dims -> right side
- *        -> mirrored when the left is asked for -> meta
+ *        -> mirrored if the left side is requested -> meta
  */
 #include <stdio.h>
 #include <string.h>
@@ -18,10 +18,10 @@
 #define SCALE_MAX 8.0
 
 /*
- * Boxes in micrometres: the physical size is dims times spacing of Table 3.1.
- * The corner is where the box begins in the patient (right side); the
- * glenoid's lies a whole number of voxels inside the scapula's, so that one is
- * cut out of the other.
+ * Boxes in micrometres: the physical size is dims times spacing of Table 3.1.  The corner is the
+ * position of the box's first corner in the patient (right side).  The glenoid's corner is a
+ * whole number of voxels inside the scapula's box, so that the glenoid is cut out of the
+ * scapula.
  */
 typedef struct box {
     const char *name;
@@ -48,7 +48,10 @@ const char *ost_phantom_name(ost_phantom_kind kind)
     return (int)kind >= 0 && kind < OST_PHANTOM_COUNT ? BOXES[kind].name : "unknown";
 }
 
-/* v * scale, in whole picometres, half up: one product and one floor, the same everywhere. */
+/*
+ * Returns v * scale in whole picometres, rounded half up.  One product and one floor give the
+ * same result on every machine.
+ */
 static ost_pm scaled(int64_t um, double scale)
 {
     double pm = (double)(um * UM) * scale + 0.5; /* |um| < 2^18, scale <= 8: below 2^41 */
@@ -82,7 +85,10 @@ static ost_status lay_out(const box *b, const ost_phantom_options *o, double sca
         return ost_fail(err, OST_ERR_RANGE, "a %s of %d x %d x %d voxels: a generated bone has at most 2^31", b->name, dims[0], dims[1],
                         dims[2]);
     g->spacing = (ost_pm3){spacing[0], spacing[1], spacing[2]};
-    /* a spacing of an odd number of picometres puts the first centre half a picometre off: nobody sees it, and all agree */
+    /*
+     * With a spacing of an odd number of picometres the first centre is off by half a picometre,
+     * in the same way on every machine.
+     */
     g->origin = (ost_pm3){ost_floor_div(corner2[0] + spacing[0], 2), ost_floor_div(corner2[1] + spacing[1], 2),
                           ost_floor_div(corner2[2] + spacing[2], 2)};
     scan->corner = (ost_pm3){corner2[0], corner2[1], corner2[2]};
@@ -90,7 +96,7 @@ static ost_status lay_out(const box *b, const ost_phantom_options *o, double sca
     return ost_geometry_check(g, b->name, err);
 }
 
-/* The body's midline is x = 0: the left scapula lies at the right one's -x. */
+/* Mirrors the volume: the body's midline is x = 0, so the left scapula lies at the right one's -x. */
 static void mirror(ost_volume *v)
 {
     ost_geometry *g = &v->geometry;
@@ -106,7 +112,7 @@ static void mirror(ost_volume *v)
     g->origin.x = -(g->origin.x + (g->dims.x - 1) * g->spacing.x);
 }
 
-/* "-12.5 3 4" with its first number negated. */
+/* Negates the first number of a vector such as "-12.5 3 4". */
 static ost_status mirror_vector(ost_meta *meta, const char *key, ost_error *err)
 {
     const char *value = ost_meta_get(meta, key);

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The scapula's parts and how they grow together (scapula.h).
+ * The scapula's parts and how they are joined (scapula.h).
  *
- * Two of the parts are plates: a curved sheet given as a height over a plane,
- * cut out along an outline, thick where the outline says so.
+ * Three of the parts are plates: a curved sheet given as a height over a plane,
+ * cut out along an outline, with a thickness that depends on the position.
  *
  *   body      over (x, z): y = body_sheet, thick along the lateral border
  *   spine     over (x, y): z = spine_sheet, thin, with a crest swept along it
  *   acromion  over (x, y): z = acromion_sheet
  *
- * The coracoid and the spine's crest are swept bars.  The glenoid is a pear
- * that narrows inward to the neck, hollowed by a sphere.
+ * The coracoid and the spine's crest are swept bars.  The glenoid is pear-shaped,
+ * narrows inward to the neck, and is hollowed by a sphere.
  *
  * Numbers are millimetres of the mean shape.
  */
@@ -21,7 +21,10 @@
 
 enum { EDGE_THIN = 0, EDGE_LATERAL = 1, EDGE_MEDIAL = 2 };
 
-/* Medial border from the superior angle down, inferior angle, lateral border up to the glenoid, superior border, notch. */
+/*
+ * The medial border from the superior angle down, the inferior angle, the lateral border up to
+ * the glenoid, the superior border, the notch.
+ */
 static const ost_outline_point BODY[] = {
     {26, 37, EDGE_MEDIAL},   {14, 30, EDGE_MEDIAL},   {5, 16, EDGE_MEDIAL},    {0, 2, EDGE_MEDIAL},     {-3, -16, EDGE_MEDIAL},
     {-5, -40, EDGE_MEDIAL},  {-5, -64, EDGE_MEDIAL},  {-3, -86, EDGE_MEDIAL},  {2, -103, EDGE_MEDIAL},  {9, -111.5, EDGE_MEDIAL},
@@ -31,56 +34,65 @@ static const ost_outline_point BODY[] = {
     {60, 18, EDGE_THIN},     {51, 23.5, EDGE_THIN},   {41, 30, EDGE_THIN},     {33, 36, EDGE_MEDIAL},
 };
 
-/* Seen from above: along the root, out along the neck, around the spinoglenoid notch, back along the crest. */
+/*
+ * The spine from above: along the root, out along the neck, around the spinoglenoid notch, back
+ * along the crest.
+ */
 static const ost_outline_point SPINE[] = {
     {4, -1.5, 0}, {20, -6.5, 0}, {45, -10, 0}, {66, -8, 0}, {78, -5, 0}, {79, -9, 0}, {77, -16, 0}, {79, -24, 0}, {86, -31, 0},
     {90, -38, 0}, {80, -42, 0}, {66, -36, 0}, {50, -27, 0}, {34, -17.5, 0}, {18, -10, 0}, {8, -4.5, 0},
 };
 
-/* Seen from above: spine's end, posterior angle, lateral edge, tip, the facet for the clavicle, medial edge. */
+/*
+ * The acromion from above: the spine's end, posterior angle, lateral edge, tip, the facet for
+ * the clavicle, medial edge.
+ */
 static const ost_outline_point ACROMION[] = {
     {72, -39, 0}, {82, -44, 0}, {93, -46.5, 0}, {103, -43, 0}, {111, -35, 0}, {117, -24, 0}, {119.5, -12, 0}, {118.5, -2, 0},
     {114, 4.5, 0}, {108.5, 4, 0}, {105.5, -3, 0}, {102, -11, 0}, {97, -19, 0}, {90.5, -25, 0}, {83, -29.5, 0}, {75, -33, 0},
 };
 
-/* The glenoid's rim en face: forward, up. The notch in front lies where the fused growth centres met. */
+/* The glenoid's rim en face, as (forward, up). The notch at the front is where the growth centres fused. */
 static const ost_outline_point PEAR[] = {
     {-1, -17.3, 0},   {5.5, -16.2, 0}, {10.2, -12.2, 0}, {12.4, -6.5, 0},  {11.7, -1, 0},    {9.2, 3.8, 0},       {7.8, 7.9, 0},   {7.5, 11.5, 0}, {5.7, 15.2, 0},
     {1.8, 17.3, 0},   {-3.1, 16.6, 0}, {-7.1, 13.3, 0},  {-9.5, 8.2, 0},   {-11.3, 2.2, 0},  {-12.6, -4.2, 0}, {-11.8, -10.1, 0}, {-7.9, -15.2, 0},
 };
 
-/* Along the spine's free edge; `side` lies in the crest's flat. */
+/* The spine's free edge; `side` lies in the crest's flat. */
 static const ost_bar_node CREST[] = {
     {{7, -2.6, 0}, 4, 1.1, {0.2, -0.1, 1}},     {{12, -5.2, 0.2}, 4.4, 1.6, {0.2, -0.4, 1}}, {{21, -10, 1.2}, 4.2, 2.2, {0, -0.4, 1}},
     {{33, -17.5, 2.6}, 5, 2.6, {0, -0.3, 1}},   {{48, -26, 5}, 4.2, 2.6, {0, -0.3, 1}},  {{62, -33.5, 8.6}, 4, 2.9, {0, -0.4, 1}},
     {{75, -39, 12.4}, 4.2, 3.4, {0, -0.9, 1}}, {{86, -42.5, 15.6}, 4.4, 3.8, {0, -1, 0.4}},
 };
 
-/* Down the lateral border: the pillar that carries the glenoid, ending at the inferior angle. */
+/* The lateral border downward: the pillar that supports the glenoid and ends at the inferior angle. */
 static const ost_bar_node PILLAR[] = {
     {{86, -2.4, -12}, 7.5, 4.6, {0, 0, 1}},  {{75, -3.4, -25}, 5.2, 3.4, {1, 0, -1}},  {{61, -2.6, -43}, 4.6, 2.9, {1, 0, -1}},
     {{46, -0.4, -61}, 4.4, 2.6, {1, 0, -1}}, {{32, 1.8, -81}, 4.2, 2.3, {1, 0, -0.6}}, {{22, 3.4, -100}, 4.4, 2.2, {1, 0, -0.4}},
     {{14, 4, -107}, 5, 2, {1, 0, 0.2}},
 };
 
-/* From the neck above the glenoid: up and forward, then bent outward like a beak; `side` is level. */
+/*
+ * The coracoid from the neck above the glenoid: up and forward, then bent outward like a beak;
+ * `side` is level.
+ */
 static const ost_bar_node CORACOID[] = {
     {{83, 1, 12}, 9, 6.6, {1, 0, -0.1}},      {{82.5, 6, 20}, 8, 5.8, {1, 0, 0}},         {{83.5, 12.5, 26}, 7, 4.8, {1, -0.3, 0}},
     {{88.5, 20, 28}, 6.3, 4.5, {0.8, -0.6, 0}}, {{96, 26, 26.2}, 6, 4.3, {0.5, -0.8, 0}}, {{104, 30, 22}, 5.6, 4.2, {0.4, -0.9, 0}},
     {{109.5, 32, 18.5}, 4.6, 3.8, {0.4, -0.9, 0}},
 };
 
-/* Where the spine springs from the neck: a rounded buttress. */
+/* The start of the spine at the neck: a rounded buttress. */
 static const ost_bar_node ROOT[] = {
     {{58, -7, 4}, 4, 2.6, {1, 0, 0}}, {{72, -7.5, 5}, 5.5, 3.6, {0, 0, 1}}, {{84, -4, 3}, 9, 6, {0, 0, 1}},
 };
 
-/* How thick the cartilage is at the centre; a CT's blur takes some of it at face and foot. */
-#define GREATEST_SIZE 1.142 /* that fits the box of Table 3.1: a tall man's scapula */
+/* CARTILAGE: thickness at the centre, of which a CT's blur removes some on both sides. */
+#define GREATEST_SIZE 1.142 /* greatest size that fits the box of Table 3.1: a tall man's scapula */
 #define CARTILAGE 2.4
 #define DISH_RADIUS 31.0
 #define PAD_RADIUS 29.0
-#define FAR 14.0 /* parts farther off than this leave no trace in a blend */
+#define FAR 14.0 /* distance in mm beyond which a part does not affect a blend */
 #define FARTHER 100.0
 
 static double square(double v)
@@ -88,14 +100,17 @@ static double square(double v)
     return v * v;
 }
 
-/* 1 at the centre, 0 at `half` on either side, smooth. */
+/* Returns 1 at the centre, falling smoothly to 0 at `half` on either side. */
 static double bump(double v, double centre, double half)
 {
     double t = 1 - square((v - centre) / half);
     return t > 0 ? t * t : 0;
 }
 
-/* The body is hollow toward the ribs, deepest below the spine, and its upper part leans forward. */
+/*
+ * Returns the height of the body's sheet: hollow toward the ribs, deepest below the spine; its
+ * upper part leans forward.
+ */
 static double body_sheet(const ost_scapula *s, double x, double z)
 {
     double ripple = 1.1 * (ost_value_noise(s->seed + 15, (x - 0.5 * z) / 13, (z + 0.3 * x) / 24, 0) - 0.5);
@@ -106,7 +121,10 @@ static double body_sheet(const ost_scapula *s, double x, double z)
     return hollow + lean + foot + neck + ripple;
 }
 
-/* Half of the body's thickness: a sheet that light shines through, with a rim; ridges toward the ribs for the muscle. */
+/*
+ * Returns half of the body's thickness: a translucent thin sheet with a thicker rim, and ridges
+ * toward the ribs for the muscle.
+ */
 static double body_half(const ost_scapula *s, double x, double z)
 {
     double lateral = ost_outline_to_tag(&s->body, EDGE_LATERAL, x, z), medial = ost_outline_to_tag(&s->body, EDGE_MEDIAL, x, z);
@@ -128,7 +146,10 @@ static double acromion_sheet(double x, double y)
     return 18.8 + 0.29 * (x - 93) + 0.11 * (y + 46) - 0.0042 * square(x - 104) - 0.0034 * square(y + 16);
 }
 
-/* A plate of half thickness `half` about a sheet: `off` from the sheet, `inside` its outline; its edge is round. */
+/*
+ * Returns the distance to a plate of half thickness `half`, whose edge is round. off: from its
+ * sheet; inside: inside its outline.
+ */
 static double plate(double off, double inside, double half)
 {
     off = off < 0 ? -off : off;
@@ -137,7 +158,10 @@ static double plate(double off, double inside, double half)
     return sqrt(square(half - inside) + square(off)) - half;
 }
 
-/* The pear narrows to the neck, more in width than in height, and its middle wanders back to the body's sheet. */
+/*
+ * Returns the distance to the glenoid's vault.  The pear narrows to the neck, more in width than
+ * in height, and its middle moves to the body's sheet.
+ */
 static double vault(const ost_scapula *s, double depth, double ahead, double above)
 {
     if (depth > 56 || depth < -30)
@@ -154,7 +178,7 @@ void ost_scapula_at(const ost_scapula *s, ost_v3 p, ost_scapula_place *out)
     ost_v3 from = ost_v3_sub(p, s->face);
     double depth = -ost_v3_dot(from, s->out), ahead = ost_v3_dot(from, s->ahead), above = ost_v3_dot(from, s->above);
 
-    /* plates: the sheets' slopes make heights overstate distances, by at most a tenth where it matters */
+    /* A plate's height over a sloped sheet overstates the distance, by at most a tenth where it matters. */
     double body = 1e30, half = 0;
     double inside = ost_outline_inside(&s->body, p.x, p.z);
     if (inside > -FAR) {
@@ -177,7 +201,10 @@ void ost_scapula_at(const ost_scapula *s, ost_v3 p, ost_scapula_place *out)
     blade = ost_blend(blade, ost_bar_distance(&s->root, p, FAR), 7);
     blade = ost_blend(blade, vault(s, depth, ahead, above), 12);
 
-    /* the dish is taken out before the processes are set on, so that a sphere as large as the humeral head spares them */
+    /*
+     * The dish is cut out before the processes are added, since its sphere, as large as the
+     * humeral head, would cut into them.
+     */
     double dish = ost_v3_length(ost_v3_sub(p, s->dish)) - DISH_RADIUS;
     double crest = ost_bar_distance(&s->crest, p, FAR), coracoid = ost_bar_distance(&s->coracoid, p, FAR);
     double shape[2] = {ost_blend_both(blade, -dish, 1.6), blade};
@@ -199,7 +226,7 @@ void ost_scapula_at(const ost_scapula *s, ost_v3 p, ost_scapula_place *out)
     out->ahead = ahead * s->size;
 }
 
-/* -1 .. 1 */
+/* Returns a number in [-1, 1]. */
 static double vary(uint64_t seed, int what)
 {
     return 2 * ost_unit(ost_hash3(seed, what, 0, 0), 0) - 1;
@@ -224,7 +251,7 @@ ost_status ost_scapula_init(ost_scapula *s, uint64_t seed, ost_error *err)
     memset(s, 0, sizeof *s);
     s->seed = seed;
     s->size = GREATEST_SIZE * (0.982 + 0.010 * vary(seed, 1));
-    /* Tangents of the angles: 2 degrees backward and 5 upward, each up to 2 more or less. */
+    /* Tangents of the angles: 2 degrees backward and 5 degrees upward, each varied by up to 2 degrees. */
     double back = 0.035 + 0.035 * vary(seed, 2), up = 0.087 + 0.035 * vary(seed, 3);
     s->face = (ost_v3){99, 0, 0};
     s->out = ost_v3_unit((ost_v3){1, -back, up});

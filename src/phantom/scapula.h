@@ -12,8 +12,8 @@
  *        border     \      .'  lateral border
  *                    `---'  inferior angle
  *
- * The mean shape is an adult population's; a seed varies size, version,
- * inclination and outlines mildly.
+ * The mean shape is that of an adult population; a seed varies size, version, inclination and
+ * outlines slightly.
  */
 #ifndef OST_PHANTOM_SCAPULA_H
 #define OST_PHANTOM_SCAPULA_H
@@ -31,12 +31,12 @@ typedef struct ost_scapula {
     ost_bar crest, pillar, coracoid, root;
 } ost_scapula;
 
-/* Where a point is, in mm of this bone; distances are negative inside. */
+/* The position of a point relative to the parts, in mm of this bone; distances are negative inside. */
 typedef struct ost_scapula_place {
-    double bone;      /* to the bone's surface, cartilage not counted */
-    double wall;      /* the same without the glenoid's dish: to the outer walls alone */
+    double bone;      /* distance to the bone's surface, without cartilage */
+    double wall;      /* distance to the outer walls, without the glenoid's dish */
     double dish;      /* depth below the bony dish, positive in the bone (large away from the glenoid) */
-    double cartilage; /* to the layer on the dish */
+    double cartilage; /* distance to the layer of cartilage on the dish */
     double depth;     /* along the glenoid's axis, positive into the bone */
     double ahead;     /* along the glenoid's face, positive forward */
 } ost_scapula_place;

@@ -8,7 +8,7 @@
 
 #include "phantom/shape.h"
 
-/* Catmull-Rom: through b and c, with the tangents (c - a) / 2 and (d - b) / 2. */
+/* Returns the Catmull-Rom spline through b and c, with the tangents (c - a) / 2 and (d - b) / 2. */
 static double spline(double a, double b, double c, double d, double t)
 {
     double c1 = 0.5 * (c - a), c2 = a - 2.5 * b + 2 * c - 0.5 * d, c3 = 0.5 * (d - a) + 1.5 * (b - c);
@@ -21,11 +21,18 @@ enum { PIECES = 6 }; /* straight pieces between two points of an outline */
 
 typedef struct piece {
     double u, v, du, dv, inverse; /* inverse of the squared length */
-    double end_v;                 /* the next piece's v to the bit, so that a ray crosses one of them where they meet */
+    /*
+     * bit-identical to the next piece's v, so that a ray through their common point crosses
+     * exactly one of them
+     */
+    double end_v;
     int tag;
 } piece;
 
-/* Squared distance to the nearest piece of each tag, and whether (u, v) lies inside (crossings of a ray along u). */
+/*
+ * Computes the squared distance to the nearest piece of each tag.  Returns true if (u, v) lies
+ * inside, by the crossings of a ray along u.
+ */
 static bool measure(const piece *pieces, int count, double u, double v, double best[OST_OUTLINE_TAGS])
 {
     bool inside = false;
@@ -112,7 +119,10 @@ void ost_outline_free(ost_outline *outline)
     memset(outline, 0, sizeof *outline);
 }
 
-/* Value of a table at (u, v) clamped to it; *beyond receives how far the clamp moved the point. */
+/*
+ * Returns the value of a table at (u, v) clamped to it; *beyond receives the distance by which
+ * the clamp moved the point.
+ */
 static double look_up(const ost_outline *o, const double *table, double u, double v, double *beyond)
 {
     double a = (u - o->u0) / o->step, b = (v - o->v0) / o->step;
@@ -172,7 +182,10 @@ void ost_bar_init(ost_bar *bar, const ost_bar_node *nodes, int count, int parts)
     }
 }
 
-/* First-order distance to the ellipsoid of radii (wide, thick, thick) about the path's nearest point: k (k - 1) / |grad k|. */
+/*
+ * Returns the first-order distance to the ellipsoid of radii (wide, thick, thick) about the
+ * path's nearest point: k (k - 1) / |grad k|.
+ */
 static double piece_distance(const ost_bar_node *a, const ost_bar_node *b, ost_v3 p)
 {
     ost_v3 along = ost_v3_sub(b->at, a->at), from = ost_v3_sub(p, a->at);
@@ -200,7 +213,7 @@ double ost_bar_distance(const ost_bar *bar, ost_v3 p, double far)
         return sqrt(box2);
     double best = 1e30;
     for (int i = 0; i + 1 < bar->count; i++) {
-        /* 1.5: what piece_distance overstates beside a flat bar is covered too */
+        /* The factor 1.5 covers distances that piece_distance overstates next to a flat bar. */
         ost_v3 d = ost_v3_sub(p, bar->middle[i]);
         double room = ost_max(best, 0) * 1.5 + bar->reach[i];
         if (ost_v3_dot(d, d) < room * room)

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Shapes by their distance: negative inside, positive outside, millimetres.
+ * Shapes by their signed distance: negative inside, positive outside, millimetres.
  *
- *   outline   a smooth closed curve through given points, with its signed
- *             distance on a table: plates are cut out along it
- *   sweep     an elliptical bar along a curve, its two radii varying
- *   blend     two shapes grown together over a width
+ *   outline   a smooth closed curve through given points, with a table of its
+ *             signed distance; plates are cut out along it
+ *   sweep     an elliptical bar along a curve, with two varying radii
+ *   blend     two shapes joined smoothly over a width
  *
- * Additions, multiplications, divisions and square roots only: IEEE 754
- * defines each to the bit, so every machine sees the same shape.
+ * Only additions, multiplications, divisions and square roots are used: IEEE 754
+ * defines every bit of their results, so the shape is the same on every machine.
  */
 #ifndef OST_PHANTOM_SHAPE_H
 #define OST_PHANTOM_SHAPE_H
@@ -49,14 +49,17 @@ static inline ost_v3 ost_v3_unit(ost_v3 a)
     return (ost_v3){a.x * n, a.y * n, a.z * n};
 }
 
-/* Union, rounded where the two are within `width` of each other; never farther than the nearer one. */
+/*
+ * Returns the union, rounded where the two are within `width` of each other; it is never greater
+ * than the smaller distance.
+ */
 static inline double ost_blend(double a, double b, double width)
 {
     double h = ost_max(width - (a > b ? a - b : b - a), 0);
     return ost_min(a, b) - h * h / (4 * width);
 }
 
-/* Intersection, its edge rounded. */
+/* Returns the intersection, with a rounded edge. */
 static inline double ost_blend_both(double a, double b, double width)
 {
     return -ost_blend(-a, -b, width);
@@ -66,7 +69,7 @@ static inline double ost_blend_both(double a, double b, double width)
 
 typedef struct ost_outline_point {
     double u, v;
-    int tag; /* of the curve from here to the next point */
+    int tag; /* tag of the curve from this point to the next */
 } ost_outline_point;
 
 enum { OST_OUTLINE_TAGS = 4 };
@@ -74,14 +77,21 @@ enum { OST_OUTLINE_TAGS = 4 };
 typedef struct ost_outline {
     double u0, v0, step;
     int nu, nv;
-    double *inside;                  /* owned: positive inside */
-    double *to_tag[OST_OUTLINE_TAGS]; /* owned: distance to the nearest stretch with this tag; NULL for tags that none has */
+    double *inside;                  /* owned; signed distance, positive inside */
+    /* owned; distance to the nearest part of the curve with this tag; NULL for unused tags */
+    double *to_tag[OST_OUTLINE_TAGS];
 } ost_outline;
 
-/* The curve passes through the points; the table covers it with `margin` on every side. */
+/*
+ * Computes the curve through the points and its table, which extends beyond the curve by
+ * `margin` on every side.
+ */
 ost_status ost_outline_init(ost_outline *outline, const ost_outline_point *points, int count, double step, double margin, ost_error *err);
 void ost_outline_free(ost_outline *outline);
-/* Bilinear; beyond the table, the value at its border less the distance to it (plus, for a tag). */
+/*
+ * Interpolate the table bilinearly.  Beyond it, the value at its border less the distance to it
+ * (for a tag: plus the distance).
+ */
 double ost_outline_inside(const ost_outline *outline, double u, double v);
 double ost_outline_to_tag(const ost_outline *outline, int tag, double u, double v);
 
@@ -90,21 +100,27 @@ double ost_outline_to_tag(const ost_outline *outline, int tag, double u, double 
 typedef struct ost_bar_node {
     ost_v3 at;
     double wide, thick; /* radii along `side` and across it */
-    ost_v3 side;        /* need not be unit nor square to the path */
+    ost_v3 side;        /* need not be a unit vector or perpendicular to the path */
 } ost_bar_node;
 
 enum { OST_BAR_NODES = 48 };
 typedef struct ost_bar {
     int count;
     ost_bar_node node[OST_BAR_NODES];
-    ost_v3 middle[OST_BAR_NODES]; /* of the piece from a node to the next */
-    double reach[OST_BAR_NODES];  /* of that piece from its middle */
-    ost_v3 lo, hi; /* box that holds it */
+    ost_v3 middle[OST_BAR_NODES]; /* middle of the piece from a node to the next */
+    double reach[OST_BAR_NODES];  /* greatest distance of that piece's surface from its middle */
+    ost_v3 lo, hi; /* box that contains the bar */
 } ost_bar;
 
-/* Smooth through the given nodes, `parts` straight pieces between two of them. (count - 1) * parts < OST_BAR_NODES. */
+/*
+ * Makes a smooth bar through the nodes, with `parts` straight pieces between two of them. (count
+ * - 1) * parts < OST_BAR_NODES.
+ */
 void ost_bar_init(ost_bar *bar, const ost_bar_node *nodes, int count, int parts);
-/* Beyond `far` of its box only the distance to the box, which is less. */
+/*
+ * Returns the distance from p to the bar; if p is farther than `far` from the bar's box, only
+ * the distance to the box, which is less.
+ */
 double ost_bar_distance(const ost_bar *bar, ost_v3 p, double far);
 
 #endif

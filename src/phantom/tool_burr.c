@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A spherical burr: a sphere that stands on z = 0, and a shaft of a third of
- * its diameter that rises `length` above the sphere's top.
+ * A spherical burr: a sphere whose lowest point is at z = 0, and a shaft of a
+ * third of its diameter that ends `length` above the sphere's top.
  *
  *         | |
  *        ,| |.   the shaft leaves the sphere where it has the shaft's radius
  *       (     )
  *        `---'  z = 0
  *
- * Latitudes are half as many as the segments, equally spaced; those above the
- * shaft's root are left out.
+ * There are half as many latitudes as segments, equally spaced; those above the
+ * shaft's root are omitted.
  */
 #include "phantom/tool_shape.h"
 
-/* Radius and height of latitude k of n from the south pole. */
+/* Computes radius and height of latitude k of n from the south pole. */
 static void latitude(int k, int n, ost_pm sphere, ost_pm *radius, ost_pm *z)
 {
     ost_q60 c, s;

@@ -13,17 +13,16 @@
  *            '--._____.--'            smooth nose
  *                              z = 0
  *
- * The dome is a sphere whose radius is 3/4 of the diameter (27 mm for 36 mm,
- * about a glenoid's curvature).  Every tooth's crest lies on it and only the
- * grooves lie deeper, so a turning reamer sweeps the smooth dome.
+ * The dome is a sphere whose radius is 3/4 of the diameter (27 mm for 36 mm, about a glenoid's
+ * curvature).  The crests of all teeth lie on it and only the grooves lie deeper, so a turning
+ * reamer sweeps the smooth dome.
  *
- * The rim's flats look to 0, 120 and 240 degrees at 29/30 of the radius, and
- * crests stand at every multiple of 30 degrees; so the bounds of the default
- * head are (-18, -18, 0) to (17.4, 18, 20.3) mm exactly, those from which the
- * thesis' three grids follow (docs/arithmetic.md, AR-TOOL).
+ * The rim's flats face 0, 120 and 240 degrees at 29/30 of the radius, and there are crests at
+ * all multiples of 30 degrees.  So the bounds of the default head are exactly (-18, -18, 0) to
+ * (17.4, 18, 20.3) mm, from which the thesis' three grids follow (docs/arithmetic.md, AR-TOOL).
  *
- * In polar coordinates the face and the back are heights over the radius, and
- * the back is higher everywhere: the skin never meets itself.
+ * In polar coordinates the face and the back are heights over the radius, and the back is
+ * higher everywhere, so the skin never meets itself.
  */
 #include "phantom/tool_shape.h"
 
@@ -31,21 +30,24 @@
 
 enum {
     TEETH = 12,
-    FACE_RINGS = 28, /* on the face, from the nose to the rim */
-    NOSE_RINGS = 6,  /* of these: without grooves */
-    RAMP_RINGS = 6,  /* grooves grow to their full depth */
+    FACE_RINGS = 28, /* rings on the face, from the nose to the rim */
+    NOSE_RINGS = 6,  /* the first of these, without grooves */
+    RAMP_RINGS = 6,  /* rings over which grooves grow to their full depth */
     BACK_RINGS = 11,
-    BACK_OF_HEAD = 4 /* of these: before the hub */
+    BACK_OF_HEAD = 4 /* number of these before the hub */
 };
 
 typedef struct reamer {
     ost_pm radius;
-    ost_pm sphere; /* of the dome */
+    ost_pm sphere; /* radius of the dome */
     ost_pm groove; /* greatest depth */
     int segments;
 } reamer;
 
-/* How deep the groove is at segment k, 0 on a crest's land to 1: a land, a relief slope, and a steep cutting face. */
+/*
+ * Returns the groove's depth at segment k as a share, 0 on a crest's land to 1: a land, a relief
+ * slope, and a steep cutting face.
+ */
 static ost_q60 groove_share(const reamer *r, int k)
 {
     const int pitch = r->segments / TEETH;
@@ -57,7 +59,7 @@ static ost_q60 groove_share(const reamer *r, int k)
     return ost_q60_ratio(4 * at - pitch, 2 * pitch);
 }
 
-/* The outline's radius over the full radius at segment k: 1, less on the flats. */
+/* Returns the outline's radius at segment k as a share of the full radius: 1, less on the flats. */
 static ost_q60 flat_share(const reamer *r, int k)
 {
     const int third = r->segments / 3;
@@ -68,13 +70,19 @@ static ost_q60 flat_share(const reamer *r, int k)
     return share < OST_Q60_ONE ? share : OST_Q60_ONE;
 }
 
-/* Height of the dome at a distance from the axis; floor, so never below z = 0. */
+/*
+ * Returns the height of the dome at a distance from the axis.  The root is rounded down, so the
+ * height is never negative.
+ */
 static ost_pm dome(const reamer *r, ost_pm distance)
 {
     return r->sphere - ost_isqrt((unsigned __int128)((__int128)r->sphere * r->sphere - (__int128)distance * distance));
 }
 
-/* Grooves cut a 24th into the rim's radius, so that the teeth show at the side. */
+/*
+ * Returns the rim's share of the radius.  Grooves reduce it by up to a 24th, so that the teeth
+ * are visible from the side.
+ */
 static ost_q60 rim_share(const reamer *r, int k)
 {
     return ost_q60_times(flat_share(r, k), OST_Q60_ONE - groove_share(r, k) / 24);
@@ -96,7 +104,10 @@ static void face_ring(const reamer *r, ost_skin *skin, int ring)
     }
 }
 
-/* The back keeps the rim's outline, which fades into a circle toward the hub. */
+/*
+ * Makes a ring of the back. outline: it has the rim's outline; otherwise it is a circle, as
+ * toward the hub.
+ */
 static void back_ring(const reamer *r, ost_skin *skin, ost_pm radius, ost_pm z, bool outline)
 {
     if (!outline) {
@@ -138,11 +149,11 @@ ost_status ost_tool_make_reamer(const ost_tool_options *options, ost_mesh *out, 
     for (int ring = 1; ring <= FACE_RINGS && !shaft; ring++)
         face_ring(&r, &skin, ring);
 
-    /* Radii and heights in 360ths of the diameter; 36 mm make that tenths of a millimetre. */
+    /* Radii and heights in 360ths of the diameter: tenths of a millimetre for 36 mm. */
     const struct {
         int radius;
-        int above_rim; /* height over the rim, or */
-        int below_top; /* under the top */
+        int above_rim; /* height above the rim; or, if negative, */
+        int below_top; /* distance below the top */
         bool outline;
     } back[BACK_RINGS] = {
         {180, 32, -1, true},  {174, 38, -1, true},  {120, 46, -1, false}, {74, 54, -1, false},

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Circle points in 2^-60 steps by the power series, and the skin of rings (tool_shape.h). */
+/* Points on a circle in units of 2^-60 by the power series, and the skin of rings (tool_shape.h). */
 #include "phantom/tool_shape.h"
 
 #include <assert.h>
@@ -21,8 +21,8 @@ int64_t ost_q60_times(int64_t a, ost_q60 b)
 }
 
 /*
- * cos x + i sin x, 0 <= x <= pi/4, term by term: t_n = t_(n-1) x / n.  Each
- * term is off by less than 2 units of 2^-60; the 19th is below 2^-60.
+ * Computes cos x and sin x for 0 <= x <= pi/4, term by term: t_n = t_(n-1) x / n.  Each term has
+ * an error of less than 2 units of 2^-60; the 19th is below 2^-60.
  */
 static void first_eighth(ost_q60 x, ost_q60 *cosine, ost_q60 *sine)
 {
@@ -41,7 +41,7 @@ void ost_circle(int64_t k, int64_t n, ost_q60 *cosine, ost_q60 *sine)
     int octant = (int)(eighths / n);
     int64_t rest = eighths % n;
     if (octant & 1)
-        rest = n - rest; /* odd octants run back from their mirror */
+        rest = n - rest; /* odd octants run backward from their mirror axis */
     ost_q60 c, s;
     first_eighth((ost_q60)ost_rhe_div128((ost_i128)QUARTER_PI * rest, n), &c, &s);
     bool swap = octant == 1 || octant == 2 || octant == 5 || octant == 6;

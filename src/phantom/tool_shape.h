@@ -11,7 +11,7 @@
  *       \ /                   is closed and faces outward by construction
  *        .  lower pole
  *
- * Integers only: the same tool on every machine, to the picometre.
+ * Only integers are used, so a tool is the same on every machine, to the picometre.
  */
 #ifndef OST_PHANTOM_TOOL_SHAPE_H
 #define OST_PHANTOM_TOOL_SHAPE_H
@@ -22,32 +22,38 @@
 typedef int64_t ost_q60;
 #define OST_Q60_ONE (INT64_C(1) << 60)
 
-/* numerator/denominator, 0 <= numerator <= 4 denominator, denominator >= 1; rounded RHE. */
+/* Returns numerator / denominator, rounded RHE. 0 <= numerator <= 4 denominator, denominator >= 1. */
 ost_q60 ost_q60_ratio(int64_t numerator, int64_t denominator);
-/* RHE(a * b / 2^60). */
+/* Returns RHE(a * b / 2^60). */
 int64_t ost_q60_times(int64_t a, ost_q60 b);
 
-/* cos and sin of k/n of a turn, each within 2^-56; exactly symmetric under the eight mirrors, exact at quarter turns. n >= 1. */
+/*
+ * Computes cos and sin of k/n of a turn, each within 2^-56.  They are exactly symmetric under
+ * the eight mirrors and exact at quarter turns. n >= 1.
+ */
 void ost_circle(int64_t k, int64_t n, ost_q60 *cosine, ost_q60 *sine);
 
-/* floor(sqrt(n)) of 0 <= n < 2^126. */
+/* Returns floor(sqrt(n)) for 0 <= n < 2^126. */
 int64_t ost_isqrt(unsigned __int128 n);
 
 typedef struct ost_skin {
     int segments;
     int rings;
-    int filled;     /* rings so far */
+    int filled;     /* number of rings made so far */
     ost_mesh *mesh; /* vertices: lower pole, rings, upper pole */
 } ost_skin;
 
-/* Makes the mesh with its triangles; poles on the axis. rings >= 1. */
+/* Makes the mesh with its triangles, and the poles on the axis. rings >= 1. */
 ost_status ost_skin_init(ost_skin *skin, ost_mesh *mesh, int segments, int rings, ost_pm bottom, ost_pm top, ost_error *err);
-/* The next ring's points, to be written by the caller. */
+/* Returns the next ring's points, which the caller must write. */
 ost_pm3 *ost_skin_ring(ost_skin *skin);
-/* The next ring, a circle. */
+/* Makes the next ring, a circle. */
 void ost_skin_circle(ost_skin *skin, ost_pm radius, ost_pm z);
 
-/* The kinds; lengths are filled in and within 0.1 mm to 1 m, segments within OST_TOOL_SEGMENTS_*. */
+/*
+ * Make a tool of each kind.  All lengths must be set and within 0.1 mm to 1 m, segments within
+ * OST_TOOL_SEGMENTS_*.
+ */
 enum { OST_TOOL_SEGMENTS_MIN = 12, OST_TOOL_SEGMENTS_MAX = 3072 };
 ost_status ost_tool_make_reamer(const ost_tool_options *options, ost_mesh *out, ost_error *err);
 ost_status ost_tool_make_peg(const ost_tool_options *options, ost_mesh *out, ost_error *err);

@@ -5,12 +5,13 @@
 
 #include "core/bits_run.h"
 
-enum { BAND = OST_WINDOW_CELL_HEIGHT, RUN = OST_WINDOW_CELL_WIDTH, SLACK = 8192 }; /* pixels that a box is worth */
+/* SLACK: pixels that may be added to save a box */
+enum { BAND = OST_WINDOW_CELL_HEIGHT, RUN = OST_WINDOW_CELL_WIDTH, SLACK = 8192 };
 
 typedef uint32_t four __attribute__((vector_size(16)));
 
 typedef struct range {
-    int begin, end; /* empty: begin is not before end */
+    int begin, end; /* empty unless begin < end */
 } range;
 
 static uint32_t turned(uint32_t v)
@@ -18,7 +19,11 @@ static uint32_t turned(uint32_t v)
     return (v & 0xff00) | (v >> 16 & 0xff) | (v & 0xff) << 16;
 }
 
-/* Those from begin, a multiple of RUN, to end. No branch waits for what is far: all is written, and where it differs is found beside. */
+/*
+ * Copies the pixels from begin, a multiple of RUN, to end, and extends *r to those that differ.
+ * All pixels are written and no branch depends on a comparison, so that memory latency does not
+ * stall the loop.
+ */
 static void copy_row(const uint32_t *from, uint32_t *to, int begin, int end, int ahead_from, int ahead_to, range *r)
 {
     int i = begin, first = r->begin, last = r->end;

@@ -59,7 +59,7 @@ static void on_key(GLFWwindow *handle, int key, int scancode, int action, int mo
     ost_window *w = glfwGetWindowUserPointer(handle);
     (void)scancode;
     w->mods = mods_of(mods);
-    /* A modifier's own key comes with the state before it. */
+    /* The event of a modifier's own key has the modifiers from before it. */
     if (key == GLFW_KEY_LEFT_SHIFT || key == GLFW_KEY_RIGHT_SHIFT)
         w->mods = action == GLFW_RELEASE ? w->mods & ~(unsigned)OST_WINDOW_SHIFT : w->mods | OST_WINDOW_SHIFT;
     if (key == GLFW_KEY_LEFT_CONTROL || key == GLFW_KEY_RIGHT_CONTROL)
@@ -75,7 +75,7 @@ static void on_button(GLFWwindow *handle, int button, int action, int mods)
     add(w, (ost_window_event){.kind = OST_WINDOW_BUTTON, .button = button, .pressed = action == GLFW_PRESS, .mods = w->mods});
 }
 
-/* What is wanted of a picture is at most what OpenGL and the renderer take; its shape stays. */
+/* Reduces the picture's size to what OpenGL and the renderer support, with the same aspect ratio. */
 static void picture_size(const ost_window *w, int *width, int *height)
 {
     const int most = w->side < OST_WINDOW_SIDE ? w->side : OST_WINDOW_SIDE;
@@ -90,7 +90,7 @@ static void picture_size(const ost_window *w, int *width, int *height)
     *height = *height > 0 ? *height : 1;
 }
 
-/* Coordinates of a window and pixels of its frame differ on some systems. */
+/* A window's coordinates and its frame's pixels differ on some systems. */
 static void on_move(GLFWwindow *handle, double x, double y)
 {
     ost_window *w = glfwGetWindowUserPointer(handle);
@@ -103,7 +103,7 @@ static void on_move(GLFWwindow *handle, double x, double y)
 static void on_wheel(GLFWwindow *handle, double x, double y)
 {
     ost_window *w = glfwGetWindowUserPointer(handle);
-    /* Some systems turn the wheel to the side while shift is down. */
+    /* Some systems report a sideways wheel while shift is down. */
     add(w, (ost_window_event){.kind = OST_WINDOW_WHEEL, .y = y != 0 ? y : x, .mods = w->mods});
 }
 
@@ -149,7 +149,7 @@ static void on_damage(GLFWwindow *handle)
     w->unseen = false;
 }
 
-/* Not every system says that a window was hidden. */
+/* Not every system reports that a window was hidden, so the state is queried. */
 static void look(ost_window *w)
 {
     const int64_t now = ost_clock_ns();

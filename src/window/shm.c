@@ -11,7 +11,7 @@
 #include "window/changed.h"
 #include "window/x11.h"
 
-/* ------------------------------------- what libX11 and libxcb are, in binary */
+/* -------------------------------------- binary interfaces of libX11 and libxcb */
 
 enum { Z_PIXMAP = 2, TRUE_COLOR = 4, VISUAL_ID_MASK = 1 };
 
@@ -55,7 +55,10 @@ typedef struct calls {
                       uint8_t, uint32_t, uint32_t);
 } calls;
 
-/* Of a library that is not there nothing is found, as of the program (RTLD_DEFAULT is NULL) that is without it. */
+/*
+ * Finds a function; returns false if there is none.  A missing library's handle is NULL, which
+ * is RTLD_DEFAULT: the program is searched, which then lacks the function as well.
+ */
 static bool find(void *library, const char *name, void *function)
 {
     void *address = dlsym(library, name);
@@ -71,10 +74,10 @@ struct ost_shm {
     void *display, *connection;
     uint32_t window, gc, segment;
     uint8_t depth;
-    uint32_t *pixels; /* shared */
-    size_t room;      /* of them */
-    int width, height; /* of the picture that is in them and shown; 0: none is */
-    bool asked;       /* the last picture's copy is under way */
+    uint32_t *pixels; /* owned; shared with the server */
+    size_t room;      /* capacity in pixels */
+    int width, height; /* size of the picture in the memory and in the window; 0: unknown */
+    bool asked;       /* the last picture's copy is in progress */
     xcb_cookie copied;
 };
 
@@ -95,7 +98,7 @@ static bool load(ost_shm *s)
            find(shm, "xcb_shm_put_image", &x->put);
 }
 
-/* Requests are answered in their order: an answer means that what was asked before it is done. */
+/* Waits for a reply. Requests are processed in order, so a reply means that all earlier ones are complete. */
 static attributes *wait_for(ost_shm *s, xcb_cookie asked)
 {
     void *error = NULL;
@@ -111,7 +114,10 @@ static bool went_well(ost_shm *s, xcb_cookie checked)
     return !error && !s->x.has_error(s->connection);
 }
 
-/* Eight bits each, red at the top of three bytes, as this machine stores words. */
+/*
+ * Returns true if pixels have eight bits of each colour, red in the highest of three bytes, in
+ * this machine's byte order.  Sets the depth.
+ */
 static bool learn_pixels(ost_shm *s)
 {
     const uint32_t one = 1;
@@ -139,7 +145,10 @@ static void give_back(ost_shm *s)
     s->width = s->height = 0;
 }
 
-/* What nobody is attached to any more goes by itself, whatever becomes of this process. */
+/*
+ * Reserves memory for count pixels.  The segment is marked for removal at once, so it is freed
+ * with its last user even if this process is killed.
+ */
 static bool make_room(ost_shm *s, size_t count)
 {
     if (count <= s->room)
@@ -219,7 +228,7 @@ bool ost_shm_present(ost_shm *shm, const ost_window_picture *picture)
         shm->asked = false;
         if (!a) {
             lost(shm);
-            ost_x11_lost(OST_X11_NO_WINDOW); /* unless the server is */
+            ost_x11_lost(OST_X11_NO_WINDOW); /* has no effect if the server was recorded as lost */
             return false;
         }
         free(a);
@@ -239,6 +248,6 @@ bool ost_shm_present(ost_shm *shm, const ost_window_picture *picture)
     }
     shm->copied = shm->x.get_attributes(shm->connection, shm->window);
     shm->asked = true;
-    /* libxcb keeps requests until it is asked for an answer or its buffer is full. */
+    /* libxcb buffers requests until a reply is awaited or its buffer is full. */
     return shm->x.flush(shm->connection) > 0 || lost(shm);
 }

@@ -2,10 +2,10 @@
 /*
  * GLFW's window: opening it, presenting pictures, and making it again.
  *
- * Three things end a window in the middle of an operation, and none of them
- * may end the program: a driver's reset, after which all of OpenGL has to be
- * made anew, and with GLFW that is the window; an X server that goes away,
- * and a window that somebody else destroys (x11.h).
+ * Three events end a window during an operation, and none of them may end the program: a
+ * driver's reset, after which all OpenGL objects and therefore, with GLFW, the window must be
+ * made again; the loss of the X server; and the destruction of the window by another program
+ * (x11.h).
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -55,13 +55,16 @@ static bool is_set(const char *variable)
     return value && *value;
 }
 
-/* What is asked for a display that nobody named may write to standard error by itself, as libwayland does. */
+/*
+ * Initializes GLFW if a display is named.  Without a name, libraries such as libwayland may
+ * write to standard error.
+ */
 static ost_status begin(ost_error *err)
 {
     const bool wayland = is_set("WAYLAND_DISPLAY");
     if (!wayland && !is_set("DISPLAY"))
         return ost_fail(err, OST_ERR_UNAVAILABLE, "there is no display to open a window on (DISPLAY is not set); --headless runs without one");
-#ifdef GLFW_PLATFORM /* from 3.4 on; before it a build has one platform */
+#ifdef GLFW_PLATFORM /* GLFW 3.4 and later; an earlier build has one platform */
     if (!wayland)
         glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);
 #endif
@@ -91,7 +94,10 @@ static bool create(ost_window *w, int width, int height, int major, int minor)
     return true;
 }
 
-/* The newest that is there; what is too old is opened once more as it is, for it to say what it is. */
+/*
+ * Creates a window with the newest context.  If the driver's is too old, a second window shows
+ * its version for the message.
+ */
 static ost_status create_newest(ost_window *w, int width, int height, ost_error *err)
 {
     const char *why = NULL;
@@ -100,7 +106,7 @@ static ost_status create_newest(ost_window *w, int width, int height, ost_error 
     if (glfwGetError(&why) != GLFW_VERSION_UNAVAILABLE && why) {
         ost_fail(err, OST_ERR_UNAVAILABLE, "no window could be opened: %.300s; --headless runs without one", why);
         if (!create(w, 64, 64, 0, 0) || epoxy_gl_version() >= 33)
-            return OST_ERR_UNAVAILABLE; /* that was not it */
+            return OST_ERR_UNAVAILABLE; /* the version is not the reason */
         return too_old(w, err);
     }
     create(w, 64, 64, 0, 0);
@@ -111,7 +117,7 @@ static void learn(ost_window *w)
 {
     GLint side = 0;
     glGetIntegerv(GL_MAX_TEXTURE_SIZE, &side);
-    w->side = side >= 1024 ? side : 1024; /* what 3.3 has at least */
+    w->side = side >= 1024 ? side : 1024; /* the least value that OpenGL 3.3 allows */
     w->tells_reset = epoxy_gl_version() >= 45 || epoxy_has_gl_extension("GL_KHR_robustness") ? BY_KHR
                      : epoxy_has_gl_extension("GL_ARB_robustness")                         ? BY_ARB
                                                                                            : MUTE;
@@ -152,7 +158,7 @@ ost_status ost_window_open(const char *title, int width, int height, ost_window 
     return OST_OK;
 }
 
-/* Of a display that is gone nothing can be given back. */
+/* Does not call GLFW if the display is gone. */
 void ost_window_close(ost_window *window)
 {
     if (!window)
@@ -238,7 +244,7 @@ void ost_window_title(ost_window *window, const char *title)
         glfwSetWindowTitle(window->handle, window->title);
 }
 
-/* A context is a window's, so the window is made anew, where and as large as it was. */
+/* Makes the window again, at the same position and size, since an OpenGL context belongs to its window. */
 static ost_status start_anew(ost_window *w, ost_error *err)
 {
     int x, y;
@@ -257,7 +263,7 @@ static ost_status start_anew(ost_window *w, ost_error *err)
     glfwDestroyWindow(w->handle);
     w->handle = NULL;
     w->shown = (ost_shown){0};
-    w->spilt = true; /* whatever was down came up unseen */
+    w->spilt = true; /* releases of keys and buttons may have been missed */
     ost_status status = make(w, width > 0 ? width : 640, height > 0 ? height : 360, err);
     if (status != OST_OK)
         return ost_fail_context(err, "the graphics driver was reset");
@@ -283,7 +289,10 @@ static bool was_reset(const ost_window *w)
            (w->tells_reset == BY_ARB && glGetGraphicsResetStatusARB() != GL_NO_ERROR);
 }
 
-/* What is not as large as the frame OpenGL makes so. */
+/*
+ * Presents the picture by shared memory.  Returns false if OpenGL must present it, as when its
+ * size is not the frame's, so that it is scaled.
+ */
 static bool show_by_shm(ost_window *w, const ost_window_picture *picture, bool damaged)
 {
     if (!w->shm)

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A walk from cell to cell of a brick, to the first that has a face to the air
- * (Amanatides and Woo 1987).  A regular grid of bricks is in order by the
- * distance of their middles, as voxels are.
+ * Steps from cell to cell of a brick to the first one with a face to the air (Amanatides and Woo
+ * 1987).  In a regular grid, bricks are ordered by the distance of their middles, as voxels are.
  *
- * A voxel drawn by itself is a little wider than a cell.  So where the ray
- * passes an edge of the cells, and only there, every voxel of the brick is
- * asked as point.frag asks it, and the nearest is kept.
+ * A voxel drawn separately is a little wider than a cell.  So where the ray passes close to an
+ * edge of the cells, and only there, every voxel of the brick is tested as in point.frag, and
+ * the nearest is used.
  */
 flat in uvec4 what;
 flat in vec3 o;
@@ -18,7 +17,7 @@ out vec4 kept;
 out uvec2 kept; /* colour, face << 24; depth */
 #endif
 
-const float CLOSE = 4e-4; /* of a voxel: more than what a voxel is wider, and rounding */
+const float CLOSE = 4e-4; /* in voxels: more than the excess width of a voxel, and rounding */
 
 uint ones(uint v)
 {
@@ -66,7 +65,7 @@ void main()
     float t = max(max(near.x, near.y), near.z);
     if (t > min(min(far.x, far.y), far.z))
         discard;
-    /* Cells from 0 to 3 on each axis; the next plane of each is a cell's width farther. */
+    /* Cells are 0 to 3 on each axis; the next plane on an axis is a cell's width farther. */
     vec3 at = d * t - o + 2.0;
     ivec3 direction = ivec3(sign(d));
     ivec3 cell = clamp(ivec3(floor(at)), ivec3(0), ivec3(3));
@@ -83,7 +82,10 @@ void main()
             break;
         float first = min(min(next.x, next.y), next.z);
         bvec3 least = equal(next, vec3(first));
-        /* Two planes at once: the slower axis is how far its plane is off. */
+        /*
+         * Detects two planes at almost the same distance: `apart` is the distance between them,
+         * divided by the width on the slower axis.
+         */
         float slow = max(max(least.x ? width.x : 0.0, least.y ? width.y : 0.0), least.z ? width.z : 0.0);
         vec3 apart = (next - first) / max(width, vec3(slow));
         edge = any(lessThan(mix(apart, vec3(1.0), least), vec3(CLOSE))) || (int(least.x) + int(least.y) + int(least.z) > 1);

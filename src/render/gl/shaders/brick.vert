@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* 4^3 voxels as one point: where they are in their block, which have a face to the air, where their looks begin. */
+/*
+ * Draws 4^3 voxels as one point: their position in the block, the voxels with a face to the air,
+ * the index of their first look.
+ */
 uniform isamplerBuffer pages;
 in uvec4 brick;
 flat out uvec4 what;
-flat out vec3 o;    /* from the eye to its middle */
-flat out vec3 base; /* to the block's first voxel */
+flat out vec3 o;    /* from the eye to the brick's middle */
+flat out vec3 base; /* from the eye to the block's first voxel */
 
 void main()
 {

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The light on each pixel's face. The first thing fills the frame; those after it take the pixels where they are nearer. */
+/*
+ * Lights the face of each pixel.  The first layer fills the frame; later ones replace the pixels
+ * for which they are nearer.
+ */
 uniform usampler2D seen;
 out vec4 colour;
 

@@ -1,28 +1,32 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What every stage knows of the camera; ost_gl_eye_block in eye.h is the
- * same.  All of it in voxels of what is drawn, from its grid's first voxel.
+ * The camera's values for all stages; ost_gl_eye_block in eye.h has the same layout.  All
+ * positions are in voxels of the object that is drawn, relative to its grid's first voxel.
  *
- * PRECISE is `precise` where the language has it: products and sums are then
- * rounded one by one, as the processor's renderer rounds them.  Names and
- * orders of operations are those of points/splat_scalar.c.
+ * PRECISE is `precise` where the language supports it: products and sums are then rounded one by
+ * one, as in the processor's renderer.  Names and orders of operations are those of
+ * points/splat_scalar.c.
  */
 layout(std140) uniform Eye {
     vec4 eye_at;      /* w: focal length in pixels */
-    vec4 eye_right;   /* w: half the width of a voxel along it; so the next two */
+    vec4 eye_right;   /* w: half the width of a voxel along it; the same in the next two */
     vec4 eye_up;
     vec4 eye_forward;
     vec4 axis_0;      /* w: half the frame's width */
     vec4 axis_1;      /* w: half its height */
-    vec4 axis_2;      /* w: nearest */
-    vec4 frame;       /* width, height; a squared distance times z plus w is a depth */
-    vec4 layer;       /* x: its voxels in voxels of the first thing; y: 1 with faces in one colour; z: half a voxel, widened */
+    vec4 axis_2;      /* w: near plane */
+    vec4 frame;       /* width, height; depth = squared distance * z + w */
+    /*
+     * x: voxel size relative to the first object; y: 1 if faces have one colour; z: half a
+     * voxel, widened
+     */
+    vec4 layer;
     uvec4 light_0;    /* of faces 0 to 3, in 256ths */
     uvec4 light_4;    /* of faces 4 and 5; z: the background, 0xBBGGRR */
     uvec4 paint;      /* red, green, blue */
 };
 
-/* Depth along forward, in voxels of the first thing, to 0..1: no thing is farther than 2^16. */
+/* Scale from a depth along forward, in voxels of the first object, to 0..1: nothing is farther than 2^16. */
 const float DEPTH_SCALE = 1.0 / 65536.0;
 
 float dot3(vec3 a, vec3 b)
@@ -37,7 +41,7 @@ vec3 cross3(vec3 a, vec3 b)
     return c;
 }
 
-/* From the eye to the centre of a voxel of a block; page: the block's first voxel. */
+/* Returns the vector from the eye to the centre of a voxel of a block; page: the block's first voxel. */
 vec3 place(uint word, ivec4 page)
 {
     PRECISE vec3 base = vec3(page.xyz) - eye_at.xyz;
@@ -45,7 +49,7 @@ vec3 place(uint word, ivec4 page)
     return o;
 }
 
-/* Across the picture and down it from its middle; rows count from the top. */
+/* Returns the fragment's offset from the picture's middle, to the right and down; rows count from the top. */
 vec2 slope(vec2 fragment)
 {
     PRECISE vec2 s = fragment - vec2(axis_0.w, axis_1.w);

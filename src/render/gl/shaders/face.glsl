@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The face that a ray enters a voxel by, and its light: resolve of points/splat_scalar.c. */
+/*
+ * Computes the face by which a ray enters a voxel, and its light, as resolve in
+ * points/splat_scalar.c does.
+ */
 uint enter(vec3 o, vec3 d, out float t)
 {
     d = mix(d, vec3(1e-20), equal(d, vec3(0.0)));
@@ -23,7 +26,7 @@ vec3 channels(uint colour)
     return vec3(uvec3(colour, colour >> 8, colour >> 16) & 255u) / 255.0;
 }
 
-/* With the face in the last channel. */
+/* Returns the lit colour, with the face in the last channel. */
 vec4 lit(uint tint, uint face)
 {
     uint light = face < 4u ? light_0[face] : light_4[face - 4u];

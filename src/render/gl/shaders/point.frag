@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Whether a pixel's ray meets the voxel, and what of it is kept.
+ * Tests if a pixel's ray meets the voxel, and writes the fragment.
  *
  *   LINES   |o x d| <= 1/2 (|d_j| + |d_k|) on all axes: the line along d meets
  *           the cube about o; linear in the pixel, no division
- *   else    of each axis the plane that faces the ray; the ray hits where it
- *           passes one of them within the other two (Majercik et al. 2018)
+ *   else    on each axis, the plane that faces the ray; the ray hits the voxel
+ *           if it crosses one of them within the other two (Majercik et al. 2018)
  */
 flat in uint tint; /* 0xBBGGRR */
 flat in vec3 o;
@@ -24,7 +24,7 @@ bool slabs(vec3 d, out uint face, out float t)
     vec3 s = -sign(d), near = (0.5 * s + o) / d;
     vec3 p = abs(d.yzx * near - o.yzx), q = abs(d.zxy * near - o.zxy);
     bvec3 hit = bvec3(p.x <= layer.z && q.x <= layer.z, p.y <= layer.z && q.y <= layer.z, p.z <= layer.z && q.z <= layer.z);
-    /* A ray along a plane divides by nothing, and meets two others. */
+    /* A ray parallel to a plane divides by zero there; it can still hit the planes of the other two axes. */
     t = hit.x ? near.x : hit.y ? near.y : near.z;
     face = hit.x ? (s.x > 0.0 ? 1u : 0u) : hit.y ? (s.y > 0.0 ? 3u : 2u) : s.z > 0.0 ? 5u : 4u;
     return hit.x || hit.y || hit.z;

@@ -3,10 +3,10 @@
  * A voxel as a point, or, where it is larger than the driver's largest point,
  * as a rectangle of two triangles (QUADS).
  *
- *   EVERY_VOXEL   a density per vertex, its place by its number (thesis 2.6)
+ *   EVERY_VOXEL   a density for each vertex, positioned by the vertex's number (thesis 2.6)
  *   else          a surface point of points/surface.h
  */
-uniform isamplerBuffer pages; /* the first voxel of the block of so many vertices */
+uniform isamplerBuffer pages; /* the position of the block's first voxel, one entry for every 2^PAGE_BITS vertices */
 #if QUADS
 uniform usamplerBuffer list, points;
 uniform int first;
@@ -20,9 +20,8 @@ flat out uint tint;
 flat out vec3 o;
 
 /*
- * Where it is not seen.  With a depth of its own, behind everything, where no
- * test of depth lets it pass and nothing has to be clipped: software is slow
- * at that.
+ * Places a vertex where it is not visible.  Without TRUE_DEPTH it is at the far plane, where it
+ * fails every depth test and needs no clipping, which is slow in software.
  */
 void nowhere()
 {

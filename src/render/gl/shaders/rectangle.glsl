@@ -1,17 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Pixels that a cube may cover.
+ * The pixels that a cube may cover.
  *
- * rectangle_of: the cube's own, by the slopes of its corners (splat_scalar.c
- * has the reasoning), in whole pixels and cut to the frame; the point is put
- * in the middle of what is left.  So OpenGL, which drops a point whose middle
- * is outside, drops none that can be seen.
+ * rectangle_of: the cube's own rectangle, by the slopes of its corners (derived in
+ * splat_scalar.c), in whole pixels and cut to the frame.  The point is placed in the middle of
+ * the cut rectangle: OpenGL drops a point whose middle is outside the frame, so it drops no
+ * visible one.
  *
- * square_of: about the cube's bounding sphere, as the thesis has it (Sigg et
- * al. 2006): with the camera's rows as planes, t_i = (R m_i, m_i . c), and
- * <a, b> = a.xyz b.xyz - a.w b.w, a plane touches the sphere where
- * <t_x - X t_w, t_x - X t_w> = 0: a quadratic in X, whose solutions lie about
- * <t_x, t_w> / <t_w, t_w>.
+ * square_of: the square about the cube's bounding sphere, as in the thesis (Sigg et al. 2006).
+ * With the camera's rows as planes, t_i = (R m_i, m_i . c), and <a, b> = a.xyz b.xyz - a.w b.w,
+ * a plane touches the sphere where <t_x - X t_w, t_x - X t_w> = 0.  This is a quadratic in X,
+ * whose solutions lie about <t_x, t_w> / <t_w, t_w>.
  */
 float spread(vec3 axis, float t)
 {
@@ -19,7 +18,10 @@ float spread(vec3 axis, float t)
     return 0.5 * ((m.x + m.y) + m.z);
 }
 
-/* First and last column, first and last row; false when it covers none. side: of the cube, in voxels. */
+/*
+ * Computes first and last column, first and last row; returns false if the cube covers none.
+ * side: of the cube, in voxels.
+ */
 bool rectangle_of(vec3 o, float side, out vec4 r)
 {
     float x = dot3(eye_right.xyz, o), y = dot3(eye_up.xyz, o), z = dot3(eye_forward.xyz, o);
@@ -40,7 +42,10 @@ float sphere(vec4 a, vec4 b)
     return dot(a.xyz, b.xyz) - a.w * b.w;
 }
 
-/* Middle and size in pixels; false when the sphere is not wholly in front. */
+/*
+ * Computes the middle and size in pixels; returns false if the sphere is not completely in front
+ * of the near plane.
+ */
 bool square_of(vec3 o, out vec2 middle, out float size)
 {
     const float R = 0.8660254; /* half the diagonal of a voxel */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A voxel's colour in full light, 0xBBGGRR: points/light.c in the same integers. */
-uniform usamplerBuffer palette; /* of a direction: brightness in 256ths, gloss << 9; then of a paint its colour */
+/* Computes a voxel's colour in full light, 0xBBGGRR, by the same integer operations as points/light.c. */
+/* For each direction, its brightness in 256ths and its gloss << 9; then the colour of each paint. */
+uniform usamplerBuffer palette;
 
 uint tint_of(uint look)
 {
