@@ -23,16 +23,16 @@ enum { LOG_LINE = 1024 };
 
 struct bundle {
     char out[BUNDLE_PATH], folder[BUNDLE_PATH];
-    ost_digest last; /* of the log's last line */
-    time_t last_time; /* of that line: a clock that is set back puts no line before another */
+    ost_digest last; /* digest of the log's last line */
+    time_t last_time; /* time of that line; later lines are not earlier, even if the clock is set back */
     int lock;        /* the unfinished folder, locked while this process fills it; -1: not supported there */
 };
 
 static void remove_folder(const char *folder);
 
 /*
- * Removes unfinished folders OUT.part-XXXXXX that an ended process left: folders of this user, six characters behind the dash,
- * which no living process has locked.
+ * Removes unfinished folders OUT.part-XXXXXX of processes that have ended: folders of this user with six characters after the
+ * dash that no running process has locked.
  */
 static void remove_stale(const char *out)
 {
@@ -86,7 +86,7 @@ ost_status bundle_begin(const char *out, bundle **b, ost_error *err)
     made->lock = open(made->folder, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
     if (made->lock >= 0)
         (void)flock(made->lock, LOCK_EX | LOCK_NB);
-    chmod(made->folder, 0755); /* as mkdir would have made it, but for the umask below */
+    chmod(made->folder, 0755); /* mkdtemp makes 0700; the final mode, as of mkdir, follows below */
     const mode_t mask = umask(0);
     umask(mask);
     chmod(made->folder, 0777 & ~mask);
@@ -99,7 +99,7 @@ const char *bundle_folder(const bundle *b)
     return b->folder;
 }
 
-/* folder/name; a folder within is made. */
+/* Writes the path folder/name; creates a folder within the bundle if the name has one. */
 static ost_status path_of(const bundle *b, const char *name, char path[BUNDLE_PATH], ost_error *err)
 {
     const int n = snprintf(path, BUNDLE_PATH, "%s/%s", b->folder, name);
@@ -142,7 +142,7 @@ ost_status bundle_put_json(bundle *b, const char *name, const json_t *value, ost
     if (!text)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for %s", name);
     const size_t size = strlen(text);
-    text[size] = '\n'; /* in place of the NUL */
+    text[size] = '\n'; /* replaces the NUL */
     ost_status status = bundle_put(b, name, text, size + 1, err);
     free(text);
     return status;
@@ -198,7 +198,7 @@ ost_status bundle_end(bundle *b, ost_error *err)
         status = bundle_put(b, MANIFEST_FILE, text, strlen(text), err);
     if (status == OST_OK)
         status = sync_folder(b->folder, err);
-    /* A folder that appeared meanwhile is not replaced: rename takes an empty one at most. */
+    /* A folder that appeared in the meantime is not replaced, unless it is empty: rename fails. */
     if (status == OST_OK && rename(b->folder, b->out) != 0)
         status = ost_fail(err, OST_ERR_IO, "%s: %s", b->out, strerror(errno));
     free(text);
@@ -213,7 +213,7 @@ ost_status bundle_end(bundle *b, ost_error *err)
     return status;
 }
 
-/* What bundle_put made: files, and folders one deep. */
+/* Removes what bundle_put creates: files, and folders of one level. */
 static void remove_folder(const char *folder)
 {
     DIR *dir = opendir(folder);

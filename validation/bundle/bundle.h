@@ -28,7 +28,8 @@ ost_status bundle_begin(const char *out, bundle **b, ost_error *err);
 /* Returns the folder that has the files until bundle_end. */
 const char *bundle_folder(const bundle *b);
 ost_status bundle_put(bundle *b, const char *name, const void *bytes, size_t size, ost_error *err);
-/* Sorted keys, one space of indentation, a newline at the end: equal values are equal files. */
+/* Writes a file with sorted keys, one space of indentation and a newline at the end, so that equal values give equal
+   files. */
 ost_status bundle_put_json(bundle *b, const char *name, const json_t *value, ost_error *err);
 ost_status bundle_log(bundle *b, const char *action, ost_error *err, const char *detail, ...) OST_PRINTF(4, 5);
 /* Writes the manifest and renames the folder to `out`. Frees b in any case. */
@@ -40,20 +41,23 @@ void bundle_abandon(bundle *b); /* b may be NULL */
 /* An absent file makes a bundle incomplete; a different file means that it is not the bundle that was written. */
 typedef enum bundle_problem_kind { BUNDLE_ABSENT, BUNDLE_DIFFERENT } bundle_problem_kind;
 
-/* Receives one problem. A file that cannot be read is not a problem of the bundle but an error of the check. */
+/* Receives one problem. A file that cannot be read is not reported here: it is an error of the check, not of the
+   bundle. */
 typedef void bundle_problem(void *user, bundle_problem_kind kind, const char *file, const char *problem);
 
-/* Reports every problem of the folder's files, the manifest and the log's chain, and adds their number to *found. */
+/* Reports every problem of the folder's files, of the manifest and of the log's chain, and adds their number to
+   *found. */
 ost_status bundle_check(const char *folder, bundle_problem *problem, void *user, int *found, ost_error *err);
 
-/* Reads a file of a bundle, with a NUL behind it that size does not count; the caller frees it. */
+/* Reads a file of a bundle and appends a NUL that is not counted in size; the caller frees *bytes. */
 ost_status bundle_read(const char *folder, const char *name, char **bytes, size_t *size, ost_error *err);
-/* As bundle_read, but an absent file is OST_OK with *bytes NULL. */
+/* Does the same; an absent file gives OST_OK with *bytes NULL. */
 ost_status bundle_find(const char *folder, const char *name, char **bytes, size_t *size, ost_error *err);
 
-/* Parses a file of a bundle within the limits of limits.h; the caller's reference, *out NULL where it is absent. */
+/* Parses a file of a bundle within the limits of limits.h. The caller owns *out, which is NULL if the file is
+   absent. */
 ost_status bundle_find_json(const char *folder, const char *name, json_t **out, ost_error *err);
-/* The same for a file that must be there. */
+/* Does the same for a file that must exist. */
 ost_status bundle_read_json(const char *folder, const char *name, json_t **out, ost_error *err);
 
 /* Reads the next entry of a folder other than . and ..; *entry is NULL at the end. */

@@ -23,7 +23,7 @@ typedef struct derivation {
     bundle_problem *problem;
     void *user;
     int *found;
-    char other_build[160]; /* "; ..." when the bundle was made by another build than this: it may write files otherwise */
+    char other_build[160]; /* "; ..." if another build made the bundle: its files may differ; else "" */
 } derivation;
 
 static void say_problem(const derivation *d, bundle_problem_kind kind, const char *name, const char *text)
@@ -36,7 +36,7 @@ static ost_status compare_derived(void *user, const char *name, const void *byte
 {
     const derivation *d = user;
     bool absent, same;
-    if (strcmp(name, EVIDENCE_CASES) == 0) /* compared line by line when it was read */
+    if (strcmp(name, EVIDENCE_CASES) == 0) /* compared line by line while it was read */
         return OST_OK;
     const ost_status status = folder_compare(d->folder, name, bytes, size, &absent, &same, err);
     if (status != OST_OK)
@@ -51,7 +51,8 @@ static ost_status compare_derived(void *user, const char *name, const void *byte
     return OST_OK;
 }
 
-/* What is derived is derived as this build does; another may do it otherwise, and then it is no forgery. */
+/* Notes if another build made the bundle. Derived files are derived as this build does it; those of another build
+   may differ without being forged. */
 static ost_status compare_builds(derivation *d, ost_error *err)
 {
     json_t *tools;
@@ -61,7 +62,7 @@ static ost_status compare_builds(derivation *d, ost_error *err)
     if (status != OST_OK)
         return status == OST_ERR_INPUT
                    ? OST_OK
-                   : ost_fail(err, status, "%s", why.text); /* linked_check reports what is no JSON */
+                   : ost_fail(err, status, "%s", why.text); /* linked_check reports invalid JSON */
     const char *commit = evidence_text(json_object_get(tools, "build"), "commit");
     if (*commit && strcmp(commit, tools_commit()) != 0)
         snprintf(d->other_build, sizeof d->other_build, "; but it was made by build %.48s and this is %.48s",
@@ -77,7 +78,7 @@ static void report_verdict(void *user, const char *text)
         say_problem(d, BUNDLE_DIFFERENT, EVIDENCE_CASES, text);
 }
 
-/* Reads a file into *out; what is wrong with it is a problem, and *out is NULL then. */
+/* Reads a file into *out. If it is invalid, this is reported as a problem and *out is NULL. */
 static ost_status read_protocol(const derivation *d, json_t **out, ost_error *err)
 {
     ost_error why = {0};
@@ -110,7 +111,7 @@ static ost_status read_cases(const derivation *d, json_t **out, ost_error *err)
     return status == OST_OK ? OST_OK : ost_fail(err, status, "%s", why.text);
 }
 
-/* Everything that follows from protocol and cases. */
+/* Checks all files that are derived from protocol and cases. */
 static ost_status check_evidence(derivation *d, const json_t *protocol, const json_t *cases, json_t **summary, ost_error *err)
 {
     ost_status status = compare_builds(d, err);
@@ -144,7 +145,7 @@ ost_status check_bundle(const char *folder, bundle_problem *problem, void *user,
     if (status != OST_OK)
         return status;
     folder_free(&files);
-    if (*found) /* what a bundle cannot have: nothing of it is read */
+    if (*found) /* the folder contains files that no bundle has: nothing is read */
         return OST_OK;
     status = read_protocol(&d, &protocol, err);
     if (status == OST_OK)

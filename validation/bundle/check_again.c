@@ -10,7 +10,7 @@
 
 typedef struct again {
     const json_t *cases;
-    const char *spec; /* of the backend; NULL: the reference alone */
+    const char *spec; /* spec of the backend; NULL: only the reference */
     bundle_problem *problem;
     void *user;
     int *found;
@@ -22,7 +22,7 @@ static void report(const again *a, const json_t *one, const char *text)
     ++*a->found;
 }
 
-/* The reference's digests of a case, leaves included. */
+/* Compares the reference's digests of a case, including the leaves. */
 static ost_status compare_reference(const again *a, const campaign *c, int i, const json_t *one, ost_error *err)
 {
     json_t *row;
@@ -37,7 +37,8 @@ static ost_status compare_reference(const again *a, const campaign *c, int i, co
     return OST_OK;
 }
 
-/* The digest of the backend must be that of the bundle's result on it, or, where the bundle has none, the reference's. */
+/* Compares the digest of the backend with that of the bundle's result on it or, if the bundle has none, with the
+   reference's. */
 static void compare_backend(const again *a, const campaign *c, int i, const json_t *one)
 {
     const case_result *r = &c->results[(size_t)i * (size_t)c->subjects->count + 1];
@@ -79,7 +80,7 @@ ost_status check_again(const char *folder, const check_how *how, bundle_problem 
         return status;
     again a = {cases, NULL, problem, user, found};
     status = planned_of(protocol, how->own, &p, err);
-    if (status == OST_OK && p.file) { /* workers read it again */
+    if (status == OST_OK && p.file) { /* workers read the case from the file */
         snprintf(file, sizeof file, "%.1000s/case.json", folder);
         p.file = file;
     }

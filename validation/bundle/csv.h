@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A field of the bundle's tables (RFC 4180): always in quotes, on one line. */
+/* Fields of the bundle's tables (RFC 4180): always quoted, on one line. */
 #ifndef OST_VALIDATION_CSV_H
 #define OST_VALIDATION_CSV_H
 
 #include <stdio.h>
 
-/* Control characters become spaces; after is ',' or, behind the last field, a line's end. */
+/* Writes a field with control characters replaced by spaces, then `after`: ',' or, after the last field, a newline. */
 static inline void put_csv(FILE *to, const char *text, char after)
 {
     fputc('"', to);

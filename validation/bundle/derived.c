@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The files that follow from protocol and cases, for machines: each a function of both that writes text. */
+/* The machine-readable files that are derived from protocol and cases. Each has a function that writes it as text. */
 #include "core/memory_stream.h"
 #include "validation/bundle/evidence.h"
 #include "validation/bundle/csv.h"
@@ -41,7 +41,7 @@ static bool is_verdict(const json_t *result, case_verdict verdict)
     return strcmp(evidence_text(result, "verdict"), case_verdict_name(verdict)) == 0;
 }
 
-/* Walks all results in the order of backends, then cases. */
+/* Returns the result of a backend in case i. */
 static const json_t *result_at(const json_t *cases, size_t i, const json_t *backend)
 {
     return json_object_get(json_object_get(json_array_get(cases, i), "results"), evidence_text(backend, "name"));
@@ -94,7 +94,7 @@ static void inputs(FILE *to, const json_t *protocol, const json_t *cases, const 
         put_csv(to, evidence_text(json_array_get(cases, i), "input_sha256"), ',');
         fputs(",\"the case's integers\"\n", to);
     }
-    /* The user's own, by number: a name may say who it is of. */
+    /* The user's own files are listed by number, since a file's name may identify a patient. */
     for (size_t i = 0; i < json_array_size(files); i++) {
         const json_t *f = json_array_get(files, i);
         char text[64];
@@ -218,7 +218,7 @@ static void readme(FILE *to, const json_t *protocol, const json_t *cases, const 
           "Bundles of shards merge into the bundle of one run, with the same exceptions.\n", to);
 }
 
-/* A line for every stage of every result that differs. */
+/* Writes a line for every stage of every result that differs. */
 static void margins_csv(FILE *to, const json_t *protocol, const json_t *cases, const json_t *summary)
 {
     static const char *const keys[] = {"records", "reports", "voxels", "inherited", "below_threshold", "unexplained", "unmeasured", "decided", "max_2_20"};

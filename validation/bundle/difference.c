@@ -36,7 +36,7 @@ static const json_t *case_of(const side *s, const char *id)
 
 /* -------------------------------------------------------------- one record */
 
-/* A leaf's number and digest: a place in the list, or what a tick's pair says. */
+/* Finds a leaf's number and digest: its index in the list, or the number in a tick's pair. */
 static bool leaf_at(const json_t *leaves, size_t i, json_int_t *number, const char **digest)
 {
     const json_t *one = json_array_get(leaves, i);
@@ -46,7 +46,7 @@ static bool leaf_at(const json_t *leaves, size_t i, json_int_t *number, const ch
     return *digest != NULL;
 }
 
-/* The least leaf that differs, or that one side alone changed; -1: none does. */
+/* Returns the least leaf that differs or that only one side changed; -1 if there is none. */
 static json_int_t first_leaf(const json_t *a, const json_t *b)
 {
     size_t i = 0, j = 0;
@@ -67,7 +67,7 @@ static json_int_t first_leaf(const json_t *a, const json_t *b)
     }
 }
 
-/* [x, y, z] of a protocol; false when it is none. */
+/* Reads [x, y, z] of a protocol; returns false if the list has another form. */
 static bool dims_in(const json_t *list, ost_dims *out)
 {
     json_int_t n[3];
@@ -80,7 +80,8 @@ static bool dims_in(const json_t *list, ost_dims *out)
     return true;
 }
 
-/* Of a case of somebody's own files, whose grids the protocol has; of a part of one (--case) nobody knows them. */
+/* Finds the dims for a case of the user's own files, whose grids are in the protocol. Those of a part of a case
+   (--case) are not known. */
 static bool own_dims(const json_t *protocol, const char *id, const char *stage, json_int_t item, ost_dims *out)
 {
     const json_t *user = json_object_get(protocol, "user"), *cases = json_object_get(user, "cases");
@@ -94,7 +95,7 @@ static bool own_dims(const json_t *protocol, const char *id, const char *stage, 
     return false;
 }
 
-/* Of a case that is generated; false when this program makes another case of that name. */
+/* Finds the dims for a generated case. Returns false if this program makes another case with that name. */
 static bool generated_dims(const json_t *protocol, const json_t *one, const char *stage, json_int_t item, ost_dims *out)
 {
     const char *tier = evidence_text(protocol, "tier");
@@ -123,7 +124,7 @@ static bool generated_dims(const json_t *protocol, const json_t *one, const char
     return known;
 }
 
-/* Leaves of the stage's grid along each axis; false when they are not known. */
+/* Computes the number of leaves of the stage's grid along each axis. Returns false if the grid is not known. */
 static bool leaf_dims(const json_t *protocol, const json_t *one, const char *stage, json_int_t item, ost_dims *out)
 {
     const char *id = evidence_text(one, "id");
@@ -150,7 +151,7 @@ static json_t *record_difference(const json_t *protocol, const json_t *one, cons
     return o;
 }
 
-/* The first difference of a case; NULL when it is equal. */
+/* Returns the first difference of a case; NULL if it is equal. */
 static json_t *case_difference(const json_t *protocol, const json_t *a, const json_t *b)
 {
     const json_t *la = json_object_get(a, "reference"), *lb = json_object_get(b, "reference");

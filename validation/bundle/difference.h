@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Two bundles of two sites, compared by what they hold of the reference's
- * results: digests, of records and of leaves of 32^3 voxels.  No voxel is
- * exchanged, and still the stage, tick and chunk are found.
+ * Compares two bundles from different sites by the digests of the reference's
+ * results: those of records and of leaves of 32^3 voxels.  No voxel is exchanged,
+ * and still the stage, the tick and the chunk that differ are found.
  *
  *   A/protocol.json, cases.jsonl --.
  *                                   '--case by case, record by record--> first stage, tool or tick, leaf
  *   B/protocol.json, cases.jsonl --'
  *
- * Cases are compared where both have one of that name with the same input;
- * what cannot be compared is listed, and then the bundles are not called
- * equal.  Bundles come from others: nothing in them is trusted; whether they
- * are what they were when written is for osteon verify.
+ * A case is compared if both bundles have a case with that name and the same
+ * input; the others are listed, and then the bundles are not called equal.
+ * Bundles may come from anybody, so nothing in them is trusted.  Whether they
+ * are unchanged is checked by osteon verify, not here.
  */
 #ifndef OST_VALIDATION_DIFFERENCE_H
 #define OST_VALIDATION_DIFFERENCE_H
@@ -19,13 +19,13 @@
 #include <jansson.h>
 #include <osteon/status.h>
 
-/* The name of a difference where one bundle alone has a record. */
+/* The value of "what" for a difference in which only one bundle has a record. */
 #define DIFFERENCE_NO_RECORD "one of them has no such record"
 
 /*
- * name_a, name_b: what the result calls the bundles.
+ * Compares bundles a and b, which the result names name_a and name_b:
  * {kind: "bundles", equal, compared, different_cases, differences[] {case, stage, item, what, leaf, chunk},
- *  not_compared[], notes[]}; the caller's reference.  OST_ERR_INPUT where one is no bundle.
+ *  not_compared[], notes[]}; owned by the caller.  Returns OST_ERR_INPUT if one of them is not a bundle.
  */
 ost_status bundle_difference(const char *a, const char *b, const char *name_a, const char *name_b, json_t **out, ost_error *err);
 

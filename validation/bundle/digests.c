@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The leaf at `from` voxels into the block, zero beyond it. */
+/* Computes the digest of the leaf at `from` in the block; voxels beyond the block are zero. */
 static ost_status leaf_of(const trace_block_view *b, const int32_t from[3], ost_digest *out, ost_error *err)
 {
     static _Thread_local union {
@@ -14,7 +14,7 @@ static ost_status leaf_of(const trace_block_view *b, const int32_t from[3], ost_
     } leaf;
     const size_t size = b->voxel_bytes, wide = (size_t)b->dims.x, high = (size_t)b->dims.y;
     const int32_t n = b->dims.x - from[0] < OST_LEAF ? b->dims.x - from[0] : OST_LEAF;
-    uint8_t *bytes = (uint8_t *)&leaf; /* of either member */
+    uint8_t *bytes = (uint8_t *)&leaf; /* the bytes of whichever member is used */
     memset(&leaf, 0, sizeof leaf);
     for (int32_t k = 0; k < OST_LEAF && from[2] + k < b->dims.z; k++)
         for (int32_t j = 0; j < OST_LEAF && from[1] + j < b->dims.y; j++)
@@ -44,7 +44,8 @@ static ost_status add_leaves(const trace_block_view *b, bool numbered, ost_dims 
     return OST_OK;
 }
 
-/* Adds a record's words, those that are bounds as 0: the text states none of them (trace_word_is_bound). */
+/* Adds a record's words. Those that are bounds are added as 0, since the arithmetic does not prescribe them
+   (trace_word_is_bound). */
 static ost_status add_words(ost_hasher *h, trace_stage stage, const uint8_t *words, uint64_t count, ost_error *err)
 {
     enum { AT_ONCE = 64 };
@@ -79,7 +80,7 @@ static ost_status digest_without_bounds(const trace_record *r, const uint8_t *wo
     return status;
 }
 
-/* Computes the digest of what is compared of a record: its body, with bounds as 0, and of a refusal the status alone. */
+/* Computes the digest of the compared part of a record: its body with bounds as 0; of a refusal only the status. */
 static ost_status digest_of_record(const trace_record *r, ost_digest *out, ost_error *err)
 {
     uint64_t count;
@@ -90,7 +91,7 @@ static ost_status digest_of_record(const trace_record *r, ost_digest *out, ost_e
     return ost_digest_bytes(r->body, refusal ? 8 + 8 * (size_t)count : (size_t)r->body_bytes, out, err);
 }
 
-/* The input's digest stands in the words of a case's first record. */
+/* Reads the input's digest from the words of a case's first record. */
 static void input_of(const trace_record *r, ost_digest *out)
 {
     uint64_t count;

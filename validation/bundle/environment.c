@@ -48,7 +48,7 @@ static ost_status line_of(const char *path, const char *name, char text[], size_
     return status;
 }
 
-/* Variables by which a driver, a compiler in it or a thread pool is steered. */
+/* Makes an object of the environment variables that affect drivers, their compilers and thread pools. */
 static json_t *variables(void)
 {
     static const char *const steering[] = {"OST",  "OMP_", "GOMP_", "KMP_", "POCL_", "OCL_", "CL_", "CUDA_", "RUSTICL_", "LIBGL_",

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The machine, for the record: system, processor, threads, rounding state,
- * locale, the variables that steer drivers and threads, compiler and flags,
- * and the program's own file by its SHA-256.
+ * environment.json: system, processor, threads, rounding state, locale, the
+ * environment variables that affect drivers and threads, compiler and flags, and
+ * the SHA-256 of the program's own file.
  */
 #ifndef OST_VALIDATION_ENVIRONMENT_H
 #define OST_VALIDATION_ENVIRONMENT_H
@@ -13,7 +13,7 @@
 #include <jansson.h>
 #include <osteon/status.h>
 
-/* program: this program's file. The caller's reference. */
+/* Makes the content of environment.json; the caller owns *out. program: this program's file. */
 ost_status environment_of(const char *program, json_t **out, ost_error *err);
 
 #endif

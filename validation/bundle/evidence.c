@@ -38,7 +38,7 @@ ost_status evidence_protocol(const plan *p, const subject_list *subjects, const 
     if (!*out)
         return no_memory(err);
     json_object_del(*out, "seed_text");
-    json_object_set_new(*out, "seed", json_sprintf("%llu", (unsigned long long)p->seed)); /* 64 bits are more than JSON's readers keep */
+    json_object_set_new(*out, "seed", json_sprintf("%llu", (unsigned long long)p->seed)); /* as text: many JSON readers do not keep 64 bits */
     json_object_set_new(*out, "chosen", json_string(chosen));
     json_object_set_new(*out, "no_opencl", json_string(subjects->opencl ? "" : subjects->no_opencl));
     return OST_OK;
@@ -46,7 +46,7 @@ ost_status evidence_protocol(const plan *p, const subject_list *subjects, const 
 
 /* ------------------------------------------------------------------- cases */
 
-/* The chunk, what the difference looks like, and what its first voxel was decided by. */
+/* Adds the chunk, the class of the difference, and the operands of its first voxel. */
 static void put_finding(json_t *o, const finding *f)
 {
     char hint[CAUSES_TEXT];
@@ -115,7 +115,7 @@ json_t *evidence_result(const case_result *r)
     return o;
 }
 
-/* As the reference's worker was given it. */
+/* Computes the digest of the input that the reference's worker got. */
 static void input_of(const campaign *c, int case_index, char hex[OST_DIGEST_HEX])
 {
     ost_digest digest = {{0}};
@@ -236,7 +236,8 @@ bool evidence_refused(const json_t *one)
     return false;
 }
 
-/* Sweep, map, boxes, poses and snapping are made once for all backends: they are shown where the second implementation of them was equal. */
+/* Writes a sentence about sweep, map, boxes, poses and snapping. They are made once for all backends, so only the
+   second implementation of them can show that they are right. */
 static const char *second_implementation(const json_t *protocol, const json_t *cases, char *text, size_t size)
 {
     const json_t *backends = json_object_get(protocol, "backends");
@@ -273,7 +274,7 @@ static bool makes_steps(const json_t *cases, const char *backend)
     return false;
 }
 
-/* What a reader might believe was shown and was not. */
+/* Makes sentences about what the campaign does not show although a reader might think so. */
 static json_t *not_shown(const json_t *protocol, const json_t *cases, json_int_t refused, json_int_t compared)
 {
     json_t *list = json_array();
@@ -329,7 +330,7 @@ static json_t *not_shown(const json_t *protocol, const json_t *cases, json_int_t
     return list;
 }
 
-/* The first so many results that differ, in one list: what results.json says of them. */
+/* Makes a list of the first results that differ, for results.json. */
 enum { LISTED = 100 };
 static json_t *findings_of(const json_t *protocol, const json_t *cases)
 {
@@ -344,7 +345,7 @@ static json_t *findings_of(const json_t *protocol, const json_t *cases)
             if (!json_is_object(r) || strcmp(verdict, case_verdict_name(CASE_EQUAL)) == 0 || strcmp(verdict, case_verdict_name(CASE_NOT_RUN)) == 0)
                 continue;
             json_t *row = json_copy((json_t *)(uintptr_t)r);
-            json_object_del(row, "records"); /* they stand in cases.jsonl */
+            json_object_del(row, "records"); /* they are in cases.jsonl */
             json_object_set_new(row, "case", json_string(evidence_text(one, "id")));
             json_object_set_new(row, "backend", json_string(name));
             json_array_append_new(list, row);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* protocol.json and cases.jsonl back from a bundle that may come from anybody. */
+/* Reads protocol.json and cases.jsonl of a bundle that may come from anybody. */
 #include "validation/bundle/evidence.h"
 
 #include <stdio.h>
@@ -23,7 +23,7 @@ ost_status evidence_check_format(const char *folder, const json_t *protocol, ost
                     (long long)json_integer_value(format), limits_printable(evidence_text(protocol, "version"), version, sizeof version), EVIDENCE_FORMAT);
 }
 
-/* Reads a line without its end; *end is true where the file has no more. */
+/* Reads a line without its newline; *end receives true at the end of the file. */
 static ost_status read_line(FILE *file, int number, char **line, size_t *capacity, size_t *size, bool *end, ost_error *err)
 {
     int c;
@@ -47,7 +47,7 @@ static ost_status read_line(FILE *file, int number, char **line, size_t *capacit
     return c == '\n' || *end ? OST_OK : ost_fail(err, OST_ERR_INPUT, EVIDENCE_CASES ":%d: the last line does not end", number);
 }
 
-/* A line is what this program writes of the value in it. */
+/* Checks that a line is written as this program writes the value in it. */
 static ost_status check_written(const json_t *row, const char *where, const char *line, size_t size, ost_error *err)
 {
     char *text = json_dumps(row, JSON_SORT_KEYS | JSON_COMPACT);

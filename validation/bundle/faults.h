@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * sensitivity.json: the catalogue of mistakes with counts for each, their
- * sums, false alarms, and what makes the run again.
+ * sums, the false alarms, and the command that repeats the run.
  */
 #ifndef OST_VALIDATION_FAULTS_H
 #define OST_VALIDATION_FAULTS_H
@@ -13,19 +13,20 @@
 #define FAULTS_FILE "sensitivity.json"
 
 /*
- * Writes one sentence: how many kinds were noticed of how many, that they are mistakes in the second
- * implementation and in no backend, and how many changed nothing.
+ * Writes one sentence: how many kinds of how many were noticed, that the mistakes are in the second implementation and
+ * in no backend, and how many kinds changed nothing.
  */
 enum { FAULTS_STATEMENT = 240 };
 void faults_statement(const sensitivity *s, char out[FAULTS_STATEMENT]);
 
 /*
+ * Makes the content of sensitivity.json, owned by the caller:
  * {injected, triggered, changed, detected, localized, survived, false_alarms, clean_runs, proved, statement, mistakes_in,
- *  kinds_total, kinds_changed, kinds_noticed, kinds_silent[], kinds[]}; the caller's reference.
+ *  kinds_total, kinds_changed, kinds_noticed, kinds_silent[], kinds[]}.
  */
 ost_status faults_json(const sensitivity *s, json_t **out, ost_error *err);
 
-/* Every change was detected and located, there were some, and there was no false alarm. */
+/* Returns true if there were changes, each was detected and located, and there was no false alarm. */
 bool faults_proved(const sensitivity *s);
 
 #endif

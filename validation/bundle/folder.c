@@ -15,7 +15,7 @@
 enum { FILES_MAX = 100000, BLOCK = 1 << 16 };
 #define MB ((int64_t)1 << 20)
 
-/* Every file that a bundle may have. */
+/* Every file that a bundle may contain. */
 static const struct {
     const char *name;
     folder_about about;
@@ -51,7 +51,8 @@ static const struct {
 
 static const char *const folders[] = {"pictures", "cases"};
 
-/* pictures/ and cases/ have names of small letters, digits and dashes with one ending; signatures/ has any plain name. */
+/* Returns true for an allowed name in a folder: in pictures/ and cases/ small letters, digits and dashes with one
+   ending, in signatures/ any plain name. */
 static bool within(const char *name, const char *folder, const char *ending)
 {
     const size_t head = strlen(folder);
@@ -122,7 +123,7 @@ ost_status folder_open(const char *folder, const char *name, ost_file *out, ost_
     return status;
 }
 
-/* Reads up to a block; *n is 0 at the end. */
+/* Reads up to one block; *n is 0 at the end. */
 static ost_status read_block(const char *name, int fd, void *to, size_t size, size_t *n, ost_error *err)
 {
     ssize_t got;
@@ -246,7 +247,7 @@ static ost_status list_one(listing *l, int fd, const char *name, const char *bas
     return OST_OK;
 }
 
-/* Lists one folder; inside: "" or the name of a folder in the bundle. */
+/* Lists one folder. inside: "", or the name of a folder in the bundle. */
 static ost_status list_folder(listing *l, int top, const char *folder, const char *inside, ost_error *err)
 {
     int fd = dup(top);
@@ -269,7 +270,7 @@ static ost_status list_folder(listing *l, int top, const char *folder, const cha
         struct stat info;
         snprintf(name, sizeof name, "%s%s%.255s", inside, *inside ? "/" : "", e->d_name);
         if (!*inside && strcmp(name, "signatures") == 0)
-            continue; /* sign_check reads it, whatever it is */
+            continue; /* sign_check reads it */
         if (!*inside && known_folder(name) && fstatat(dirfd(dir), e->d_name, &info, AT_SYMLINK_NOFOLLOW) == 0 &&
             S_ISDIR(info.st_mode))
             status = list_folder(l, top, folder, name, err);
@@ -298,7 +299,7 @@ ost_status folder_list(const char *folder, folder_files *out, bundle_problem *pr
         return status;
     status = list_folder(&l, top, folder, "", err);
     close(top);
-    if (status == OST_OK && out->count) /* qsort takes no NULL, not even of nothing */
+    if (status == OST_OK && out->count) /* qsort does not accept NULL, even for 0 elements */
         qsort(out->files, out->count, sizeof *out->files, by_name);
     if (status != OST_OK)
         folder_free(out);

@@ -3,11 +3,11 @@
  * The files of a bundle's folder, and how they are opened: a bundle may come
  * from anybody.
  *
- *   folder --folder_list--> names and sizes; all else is a problem in a line
+ *   folder --folder_list--> names and sizes; anything else is reported as a problem
  *
- * A bundle has the files of the table in folder.c, in the folder itself and in
- * pictures/, cases/ and signatures/, and each has its greatest size. Symbolic
- * links, pipes, devices and folders of other names are named and never opened:
+ * A bundle may have the files of the table in folder.c, in the folder itself and
+ * in pictures/, cases/ and signatures/; each has a maximum size.  Symbolic links,
+ * pipes, devices and folders with other names are reported and never opened:
  * every component of a name is opened with O_NOFOLLOW from the folder above it.
  */
 #ifndef OST_VALIDATION_FOLDER_H
@@ -30,26 +30,27 @@ typedef struct folder_files {
 
 /* The rules for a file of this name. */
 typedef struct folder_about {
-    bool varies;  /* it depends on times, identities or the machine: not in results_root */
-    bool bound;   /* its digest stands in the log (log.h) */
-    int64_t most; /* bytes */
+    bool varies;  /* true: depends on times, identities or the machine, and is not part of results_root */
+    bool bound;   /* true: the log contains its digest (log.h) */
+    int64_t most; /* maximum size in bytes */
 } folder_about;
 bool folder_describe(const char *name, folder_about *out);
 
-/* The name in row `row` of the table; NULL behind the last. Names of pictures, cases and signatures are in no row. */
+/* Returns the name in row `row` of the table; NULL after the last. Pictures, cases and signatures have no row. */
 const char *folder_name(size_t row);
 
-/* Lists all files but those of signatures/, which sign.h reads. *found counts the problems. */
+/* Lists all files except those of signatures/, which sign.h reads. Adds the number of problems to *found. */
 ost_status folder_list(const char *folder, folder_files *out, bundle_problem *problem, void *user, int *found, ost_error *err);
 void folder_free(folder_files *l);
 
-/* Opens folder/name as core/file.h does, without symbolic links; the caller closes out->fd. OST_ERR_RANGE above its greatest size. */
+/* Opens folder/name as core/file.h does, without following symbolic links; the caller closes out->fd. Returns
+   OST_ERR_RANGE if the file exceeds its maximum size. */
 ost_status folder_open(const char *folder, const char *name, ost_file *out, ost_error *err);
 
-/* The SHA-256 of a file, by blocks. */
+/* Computes the SHA-256 of a file, block by block. */
 ost_status folder_digest(const char *folder, const char *name, ost_digest *out, int64_t *size, ost_error *err);
 
-/* Compares a file with bytes, by blocks; *absent and *same receive the answer. */
+/* Compares a file with bytes, block by block; *absent and *same receive the result. */
 ost_status folder_compare(const char *folder, const char *name, const void *bytes, size_t size, bool *absent,
                           bool *same, ost_error *err);
 

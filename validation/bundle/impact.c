@@ -13,7 +13,7 @@
 #include "validation/bundle/tools.h"
 #include "validation/bundle/trace_table.h"
 
-/* *out is NULL where the file is absent or no JSON object. */
+/* Reads a JSON object. *out is NULL if the file is absent or is not a JSON object. */
 static ost_status read_json(const char *folder, const char *name, json_t **out, ost_error *err)
 {
     char *bytes;
@@ -42,7 +42,7 @@ static void add_change(json_t *list, const char *what, const char *a, const char
         json_array_append_new(list, json_pack("{s:s,s:s,s:s}", "what", what, "old", a, "new", b));
 }
 
-/* A protocol's value as text: arithmetic is a number. */
+/* Adds a protocol's value as text; arithmetic is a number. */
 static void add_protocol(json_t *list, const char *key, const json_t *a, const json_t *b)
 {
     const json_t *x = json_object_get(a, key), *y = json_object_get(b, key);
@@ -52,7 +52,7 @@ static void add_protocol(json_t *list, const char *key, const json_t *a, const j
     add_change(list, key, json_is_integer(x) ? old : evidence_text(a, key), json_is_integer(y) ? new : evidence_text(b, key));
 }
 
-/* Puts {name: text} of every element of a list. */
+/* Makes {name: text} of all elements of a list. */
 static json_t *index_of(const json_t *list, const char *key, const char *value, const char *other)
 {
     json_t *o = json_object();
@@ -67,7 +67,7 @@ static json_t *index_of(const json_t *list, const char *key, const char *value, 
     return o;
 }
 
-/* Rows for names that one side alone has, or with another text. Takes both over. */
+/* Makes rows for names that only one side has, or that have different texts. Releases both objects. */
 static json_t *compare_indexes(json_t *a, json_t *b)
 {
     json_t *list = json_array(), *text;
@@ -82,7 +82,7 @@ static json_t *compare_indexes(json_t *a, json_t *b)
     return list;
 }
 
-/* {backend: driver, version, fingerprint} of devices.json. */
+/* Makes {backend: driver, version, fingerprint} of devices.json. */
 static json_t *devices_in(const json_t *file)
 {
     const json_t *list = json_object_get(json_object_get(file, "opencl"), "devices");
@@ -99,7 +99,7 @@ static json_t *devices_in(const json_t *file)
     return o;
 }
 
-/* {id: rest of the line} of requirements.csv. */
+/* Makes {id: remainder of the line} of requirements.csv. */
 static ost_status requirements_in(const char *folder, json_t **out, ost_error *err)
 {
     char *bytes;
@@ -119,7 +119,7 @@ static ost_status requirements_in(const char *folder, json_t **out, ost_error *e
     return status;
 }
 
-/* Verdicts of cases and backends that both have. */
+/* Compares the verdicts of the cases and backends that both bundles have. */
 static ost_status verdicts_of(const char *old, const char *now, json_t **out, ost_error *err)
 {
     const char *const folders[] = {old, now};
@@ -191,7 +191,7 @@ static json_t *causes_of(const side *a, const side *b)
     return list;
 }
 
-/* Cases of which one side alone has a record: their results cannot be told apart by digests. */
+/* Returns the number of cases in which only one bundle has a record: their results cannot be compared by digests. */
 static json_int_t other_records(const json_t *results)
 {
     const json_t *list = json_object_get(results, "differences");
@@ -201,7 +201,8 @@ static json_int_t other_records(const json_t *results)
     return n;
 }
 
-/* The reference's results may differ where the arithmetic's version does, and nowhere else: inputs are compared by digest. */
+/* Returns the conclusion. The reference's results may differ only if the version of the arithmetic does, since
+   inputs are compared by digest. */
 static const char *conclusion_of(const json_t *results, const json_t *verdicts, bool same_arithmetic, bool *explained)
 {
     const json_int_t different = json_integer_value(json_object_get(results, "different_cases"));

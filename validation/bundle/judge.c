@@ -56,7 +56,8 @@ static bool leaves_ok(const json_t *leaves)
     return !leaves || json_is_array(leaves);
 }
 
-/* Line `at` of the reference: the input's and then one a record; "" behind the last; false where a row has another form. */
+/* Writes line `at` of the reference: first the input's, then one per record; "" after the last. Returns false if a
+   row has another form. */
 static bool reference_line(const json_t *one, size_t at, char line[LINE])
 {
     const json_t *rows = json_object_get(one, "reference"), *row;
@@ -97,7 +98,7 @@ bool judge_reference(const json_t *one, ost_digest *out)
 
 /* ------------------------------------------------------------- own lines */
 
-/* The SHA-256 of a backend's own lines; false where there are none or one has another form. */
+/* Computes the SHA-256 of a backend's own lines. Returns false if there are none or one has another form. */
 static bool own_digest(const json_t *lines, char hex[OST_DIGEST_HEX])
 {
     ost_hasher *h;
@@ -115,7 +116,7 @@ static bool own_digest(const json_t *lines, char hex[OST_DIGEST_HEX])
     return ok;
 }
 
-/* Returns true if a line of records is of this stage; *item receives its item. */
+/* Returns true if a line is of a record of this stage; *item receives its item. */
 static bool line_is_of(const char *line, trace_stage stage, int *item)
 {
     const char *name = trace_stage_name(stage);
@@ -152,7 +153,7 @@ static bool may_lack(const char *backend, const char *line)
     return may;
 }
 
-/* "tick 3 -": the dump has no such record, or the backend no such function. */
+/* Returns true for a line such as "tick 3 -": the dump has no such record, or the backend no such function. */
 static bool stands_in(const char *line, const char *reference)
 {
     const char *digest = strrchr(reference, ' ');
@@ -160,7 +161,8 @@ static bool stands_in(const char *line, const char *reference)
     return head && strncmp(line, reference, head) == 0 && strcmp(line + head, " -") == 0;
 }
 
-/* The first line that is not the reference's, and that line of the reference; -1: all are the same. */
+/* Returns the index of the first line that differs from the reference's, and that line of the reference; -1 if there
+   is none. */
 static long first_other(const json_t *one, const json_t *lines, const char *backend, char reference[LINE])
 {
     const size_t count = json_array_size(lines), all = 1 + json_array_size(json_object_get(one, "reference"));
@@ -173,7 +175,8 @@ static long first_other(const json_t *one, const json_t *lines, const char *back
     return -1;
 }
 
-/* The stage and the item that a difference at line `at` is stated for: the reference's, or the backend's behind the reference's end. */
+/* Writes the stage and the item of a difference at line `at`: the reference's or, after the reference's end, the
+   backend's. */
 static void place_of(const char *reference, const json_t *lines, long at, char place[LINE])
 {
     const char *line = *reference ? reference : json_string_value(json_array_get(lines, (size_t)at));
@@ -200,7 +203,7 @@ static int verdict_named(const char *name)
     return -1;
 }
 
-/* A result whose backend has lines of its own. */
+/* Judges a result whose backend has its own lines. */
 static void judge_lines(const judge *j, const json_t *r, case_verdict verdict)
 {
     const json_t *lines = json_object_get(r, "records");
@@ -227,7 +230,8 @@ static void judge_lines(const judge *j, const json_t *r, case_verdict verdict)
         report(j, "says that %s differs first, and its digests differ first at %s", stated, place);
 }
 
-/* Returns true for a difference in the bounds of a broad phase, which are compared and are in no digest (trace_word_is_bound). */
+/* Returns true for a difference in the bounds of a broad phase. Bounds are compared but are part of no digest
+   (trace_word_is_bound). */
 static bool differs_in_bound(const json_t *r)
 {
     const char *word = evidence_text(r, "word");
@@ -244,7 +248,7 @@ static void judge_result(const judge *j, const json_t *r, const char *reference)
     if (verdict < 0)
         report(j, "has no verdict");
     else if (verdict == CASE_DIFFERS && differs_in_bound(r))
-        return; /* no digest holds a bound */
+        return; /* no digest contains a bound */
     else if (verdict == CASE_NOT_RUN ? available && !dump : !available)
         report(j, available ? "was not run, although it was available" : "has a result, although it was not available");
     else if (own)

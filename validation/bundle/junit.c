@@ -12,7 +12,7 @@ typedef struct page {
     const json_t *protocol, *cases, *times, *environment;
 } page;
 
-/* Writes text inside XML; what XML cannot hold becomes '?'. */
+/* Writes text for XML; characters that XML does not allow become '?'. */
 static void put_xml(FILE *to, const char *text)
 {
     for (; *text; text++)
@@ -32,7 +32,7 @@ static bool is_verdict(const json_t *result, case_verdict verdict)
 
 /* ------------------------------------------------------------ the machine */
 
-/* The seconds of a backend, of merged shards their sum. */
+/* Returns the seconds of a backend; for merged shards their sum. */
 static double seconds_of_backend(const page *p, const char *backend)
 {
     const json_t *one;
@@ -42,7 +42,7 @@ static double seconds_of_backend(const page *p, const char *backend)
     return sum;
 }
 
-/* The seconds of a backend in a case; false where they were not measured. */
+/* Finds the seconds of a backend in a case. Returns false if they were not measured. */
 static bool seconds_of_case(const page *p, const char *id, const char *backend, double *seconds)
 {
     const json_t *one, *found;
@@ -54,7 +54,7 @@ static bool seconds_of_case(const page *p, const char *id, const char *backend, 
     return false;
 }
 
-/* The earliest of the parts' values of a key; "" where there is none. */
+/* Returns the least of the parts' values of a key, which for a time is the earliest; "" if there is none. */
 static const char *least(const json_t *file, const char *key)
 {
     const json_t *one;
@@ -78,7 +78,7 @@ static void put_machine(const page *p)
 {
     char begun[32];
     snprintf(begun, sizeof begun, "%.31s", least(p->times, "begun"));
-    begun[strcspn(begun, "Z")] = '\0'; /* the form that harnesses take has no zone */
+    begun[strcspn(begun, "Z")] = '\0'; /* the format of harnesses has no time zone */
     put_attribute(p->to, "timestamp", begun);
     put_attribute(p->to, "hostname", least(p->environment, "host"));
 }

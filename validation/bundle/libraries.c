@@ -45,10 +45,10 @@ ost_status libraries_digest(const char *path, char hex[OST_DIGEST_HEX], int64_t 
 
 typedef struct visit {
     json_t *libraries, *needed;
-    bool incomplete; /* there was no memory for a name */
+    bool incomplete; /* memory was exhausted */
 } visit;
 
-/* The id that the linker gave the file: a note of type 3 by "GNU". */
+/* Writes the build id that the linker stored in the file: a note of type 3 by "GNU". */
 static void build_id(const struct dl_phdr_info *info, char hex[129])
 {
     hex[0] = '\0';
@@ -58,7 +58,7 @@ static void build_id(const struct dl_phdr_info *info, char hex[129])
             continue;
         const unsigned char *at = (const unsigned char *)(info->dlpi_addr + p->p_vaddr);
         for (size_t left = p->p_memsz; left > 12;) {
-            uint32_t head[3]; /* sizes of name and text, type */
+            uint32_t head[3]; /* sizes of name and descriptor, type */
             memcpy(head, at, sizeof head);
             const size_t name = (head[0] + 3u) & ~3u, text = (head[1] + 3u) & ~3u, all = 12 + name + text;
             if (head[0] > left || head[1] > left || all > left)
@@ -74,7 +74,7 @@ static void build_id(const struct dl_phdr_info *info, char hex[129])
     }
 }
 
-/* The names that the program itself asks for. */
+/* Collects the names of the libraries that the program itself is linked with. */
 static void needed_by(const struct dl_phdr_info *info, visit *v)
 {
     for (int i = 0; i < info->dlpi_phnum; i++) {
@@ -83,7 +83,7 @@ static void needed_by(const struct dl_phdr_info *info, visit *v)
         const ElfW(Dyn) *dynamic = (const ElfW(Dyn) *)(info->dlpi_addr + info->dlpi_phdr[i].p_vaddr);
         const char *strings = NULL;
         for (const ElfW(Dyn) *d = dynamic; d->d_tag != DT_NULL; d++)
-            if (d->d_tag == DT_STRTAB) /* relocated by most loaders, not by all */
+            if (d->d_tag == DT_STRTAB) /* some loaders do not relocate it */
                 strings = (const char *)(d->d_un.d_ptr < info->dlpi_addr ? info->dlpi_addr + d->d_un.d_ptr : d->d_un.d_ptr);
         for (const ElfW(Dyn) *d = dynamic; strings && d->d_tag != DT_NULL; d++)
             if (d->d_tag == DT_NEEDED)
@@ -98,7 +98,8 @@ static int visit_one(struct dl_phdr_info *info, size_t size, void *user)
     (void)size;
     if (!*info->dlpi_name)
         needed_by(info, v);
-    /* Kernels that PoCL compiled are loaded from its cache: made of our own sources, under names of the day. */
+    /* Kernels compiled by PoCL are loaded from its cache. They are made from this project's sources, under varying
+       names. */
     if (*info->dlpi_name != '/' || strstr(info->dlpi_name, "/kcache/") || strncmp(info->dlpi_name, "/tmp/", 5) == 0)
         return 0;
     build_id(info, id);
@@ -110,8 +111,8 @@ static int visit_one(struct dl_phdr_info *info, size_t size, void *user)
 /* ----------------------------------------------------------- the packages */
 
 /*
- * Reads what a program prints, cut at PROGRAM_TEXT; the caller frees *text, which is NULL where the program is not
- * installed. A program that cannot be started or read, or that fails, is an error: its list would be shorter than it is.
+ * Reads the output of a program, cut at PROGRAM_TEXT bytes. The caller frees *text, which is NULL if the program is not
+ * installed. It is an error if the program cannot be started or read, or if it fails: its list would be incomplete.
  */
 static ost_status said_by(char *const argv[], char **text, ost_error *err)
 {
@@ -135,7 +136,7 @@ static ost_status said_by(char *const argv[], char **text, ost_error *err)
     const bool started = !failed;
     size_t used = 0;
     char rest[4096];
-    while (started) { /* reads on to the end, since the program waits for a full pipe */
+    while (started) { /* read up to the end, since the program blocks on a full pipe */
         const ssize_t n =
             used < PROGRAM_TEXT ? read(ends[0], said + used, PROGRAM_TEXT - used) : read(ends[0], rest, sizeof rest);
         if (n < 0 && errno == EINTR)
@@ -169,7 +170,8 @@ static ost_status said_by(char *const argv[], char **text, ost_error *err)
     return OST_OK;
 }
 
-/* Packages list a file where it was before folders were merged: with /usr or without. */
+/* Writes the other name of a file. Packages may list it by its path before the folders were merged: with /usr or
+   without. */
 static void other_name(const char *path, char out[PATH_MAX])
 {
     if (strncmp(path, "/usr/", 5) == 0)
@@ -190,7 +192,7 @@ static void free_words(char **argv, size_t from, size_t n)
     free(argv);
 }
 
-/* Makes {path: package} of all names of all files, by one call. */
+/* Makes {path: package} for all names of all files, with one call. */
 static ost_status owners(const json_t *libraries, json_t *out, ost_error *err)
 {
     const size_t count = json_array_size(libraries);
@@ -217,7 +219,7 @@ static ost_status owners(const json_t *libraries, json_t *out, ost_error *err)
         char *path = strstr(line, ": /");
         if (!path || strncmp(line, "diversion", 9) == 0)
             continue;
-        line[strcspn(line, ":,")] = '\0'; /* libc6:amd64, or the first of several */
+        line[strcspn(line, ":,")] = '\0'; /* libc6:amd64, or the first of several packages */
         if (json_object_set_new(out, path + 2, json_string(line)) != 0)
             status = no_memory(err);
     }
@@ -274,7 +276,7 @@ static ost_status name_package(json_t *row, const json_t *owner, const json_t *v
     const ost_status status = copyright_of(package ? package : "", licence, err);
     if (status != OST_OK)
         return status;
-    if (!its) { /* libz.so.1.2.13 says its version itself */
+    if (!its) { /* the file name has the version: libz.so.1.2.13 */
         its = strstr(real, ".so.");
         its = its ? its + 4 : "";
     }

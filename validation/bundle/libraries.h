@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The shared libraries that this process runs with, drivers that were loaded
- * on the way among them: found by asking the loader, not the build.
+ * The shared libraries that this process has loaded, including drivers that were
+ * loaded at run time. The list comes from the loader, not from the build.
  *
- *   loader's list --> path, build-id, size, SHA-256 --dpkg-query, where there is one--> package, version
+ *   loader's list --> path, build-id, size, SHA-256 --dpkg-query, if installed--> package, version
  */
 #ifndef OST_VALIDATION_LIBRARIES_H
 #define OST_VALIDATION_LIBRARIES_H
@@ -11,10 +11,11 @@
 #include <jansson.h>
 #include <osteon/digest.h>
 
-/* [{file, soname, linked, build_id, size, sha256, package, version, maintainer}] sorted by file; the caller's reference. */
+/* Makes [{file, soname, linked, build_id, size, sha256, package, version, maintainer}], sorted by file; owned by the
+   caller. */
 ost_status libraries_loaded(json_t **out, ost_error *err);
 
-/* The digest of a file, in hexadecimal. */
+/* Computes the digest of a file, in hexadecimal. */
 ost_status libraries_digest(const char *path, char hex[OST_DIGEST_HEX], int64_t *size, ost_error *err);
 
 #endif

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * JSON that may come from anybody, parsed within bounds.
+ * Parses JSON that may come from anybody, within limits.
  *
  *   bytes --scan: depth, number of values--> refused in one line, or jansson
  *
  * A parser's memory grows with the number of values and not with the number of
- * bytes: "[0,0,0,..." takes sixteen times its size. The scan needs no memory.
+ * bytes: "[0,0,0,..." takes sixteen times its size. The scan allocates no memory.
  */
 #ifndef OST_VALIDATION_LIMITS_H
 #define OST_VALIDATION_LIMITS_H
@@ -16,20 +16,22 @@
 #include <osteon/status.h>
 
 enum {
-    LIMIT_DEPTH = 16, /* arrays and objects within each other */
+    LIMIT_DEPTH = 16, /* nesting of arrays and objects */
     LIMIT_VALUES = 1 << 20, /* values of one JSON text */
     LIMIT_LINE =
         64 << 20, /* bytes of a line of cases.jsonl: a bone of 2^30 voxels has 32768 leaves of 67 bytes a grid */
     LIMIT_ALL_VALUES = LIMIT_VALUES * 8, /* values of all lines of cases.jsonl */
 };
 
-/* Counts the values of a JSON text, about 100 bytes of memory each; OST_ERR_INPUT "WHERE: ..." where a limit is passed. */
+/* Counts the values of a JSON text, each of which takes about 100 bytes when parsed. Returns OST_ERR_INPUT "WHERE:
+   ..." if a limit is exceeded. */
 ost_status limits_count(const char *where, const char *bytes, size_t size, size_t *values, ost_error *err);
 
-/* Parses a JSON text within the limits; the caller's reference. OST_ERR_INPUT "WHERE:LINE: ...", OST_ERR_MEMORY. */
+/* Parses a JSON text within the limits; the caller owns *out. Returns OST_ERR_INPUT "WHERE:LINE: ...", or
+   OST_ERR_MEMORY. */
 ost_status limits_parse(const char *where, const char *bytes, size_t size, json_t **out, ost_error *err);
 
-/* Copies a name or a text of a bundle for a message: what is no printable ASCII becomes '?'. */
+/* Copies a name or a text of a bundle for a message; characters other than printable ASCII become '?'. Returns out. */
 char *limits_printable(const char *text, char out[], size_t size);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Files that were measured, against each other and the protocol: what of them must be of one run and one build. */
+/* Checks measured files against each other and the protocol: they must be of one run and one build. */
 #include "validation/bundle/planned.h"
 
 #include <stdio.h>
@@ -38,7 +38,7 @@ static ost_status load(const check *c, const char *name, bool needed, json_t **o
     ost_error why = {0};
     const ost_status status = bundle_find_json(c->folder, name, out, &why);
     if (status == OST_ERR_INPUT) {
-        const char *text = strstr(why.text, name); /* behind the folder's name */
+        const char *text = strstr(why.text, name); /* after the folder's name */
         report(c, name, text ? text + strlen(name) + strspn(text + strlen(name), ": ") : why.text);
         return OST_OK;
     }
@@ -102,7 +102,7 @@ static bool has_text(const json_t *list, const char *text)
     return false;
 }
 
-/* The instruction set of "cpu:isa=avx2,..."; false where the name has none. */
+/* Reads the instruction set of "cpu:isa=avx2,..."; returns false if the name has none. */
 static bool isa_of(const char *name, char isa[32])
 {
     static const char head[] = "cpu:isa=";
@@ -112,7 +112,8 @@ static bool isa_of(const char *name, char isa[32])
     return true;
 }
 
-/* Every backend of the processor's instruction sets, where all were asked for, and none of another set. */
+/* Checks that all backends of the processor's instruction sets are listed, if all were requested, and none of
+   another set. */
 static ost_status check_processor(const check *c, const json_t *devices, ost_error *err)
 {
     enum { SETS = 64 };
@@ -126,7 +127,7 @@ static ost_status check_processor(const check *c, const json_t *devices, ost_err
     const ost_status status = all_asked(c) ? subjects_cpu(tier_of(c->protocol), here, &expected, err) : OST_OK;
     for (int s = 0; s < expected.count; s++) {
         const char *spec = expected.subjects[s].spec;
-        if (backend_named(c, spec) || strstr(spec, "embree")) /* another build may have no Embree */
+        if (backend_named(c, spec) || strstr(spec, "embree")) /* another build may lack Embree */
             continue;
         snprintf(text, sizeof text, "the processor can run the backend %.200s, and the protocol does not have it", spec);
         report(c, DEVICES_FILE, text);
@@ -142,7 +143,7 @@ static ost_status check_processor(const check *c, const json_t *devices, ost_err
     return status;
 }
 
-/* Every backend of each OpenCL device, where all were asked for. */
+/* Checks that all backends of each OpenCL device are listed, if all were requested. */
 static void check_opencl(const check *c, const json_t *devices)
 {
     const json_t *list = json_object_get(json_object_get(devices, "opencl"), "devices");
@@ -177,7 +178,7 @@ static ost_status check_devices(const check *c, ost_error *err)
     return status;
 }
 
-/* A time of every backend of the protocol, and of no other. */
+/* Checks that there is a time for every backend of the protocol, and for no other. */
 static void check_times(const check *c)
 {
     const json_t *backends = json_object_get(c->protocol, "backends"), *times;
@@ -202,7 +203,7 @@ static ost_status check_case_file(const check *c, ost_error *err)
     return status;
 }
 
-/* A file that is neither JSON nor derived must be there all the same. */
+/* Checks that a file exists that is neither JSON nor derived. */
 static ost_status check_requirements(const check *c, ost_error *err)
 {
     ost_file file;

@@ -13,7 +13,7 @@
 
 enum { TEXT = 400 };
 
-/* "46 equal, 0 differs, ..." */
+/* Writes the counts as text: "46 equal, 0 differs, ...". */
 static void counts_of(const json_t *summary, char text[TEXT])
 {
     size_t n = 0;
@@ -24,7 +24,8 @@ static void counts_of(const json_t *summary, char text[TEXT])
                               case_verdict_name((case_verdict)v));
 }
 
-/* The digest of row `row` of the table where the log has it; false where it has not: not bound, or no such file. */
+/* Computes the digest of the file in row `row` of the table. *there receives false if the file is not bound or
+   absent. */
 static ost_status bound_file(const char *folder, size_t row, char text[TEXT], bool *there, ost_error *err)
 {
     folder_about about;
@@ -63,8 +64,8 @@ ost_status log_end(bundle *b, const json_t *summary, ost_error *err)
 /* --------------------------------------------------------------- checking */
 
 typedef struct reader {
-    char *at;   /* the rest of the log */
-    int number; /* of the line that was read last */
+    char *at;   /* the remaining log */
+    int number; /* number of the last line that was read */
     char *time, *action, *detail;
     char last_time[32];
     bundle_problem *problem;
@@ -84,7 +85,7 @@ static void report(reader *r, const char *format, ...)
     ++*r->found;
 }
 
-/* Cuts the next line at its tabs; false at the end, or where it has another form. */
+/* Splits the next line at its tabs. Returns false at the end, or if it has another form. */
 static bool next_line(reader *r)
 {
     char *stop = strchr(r->at, '\n'), *field[3];
@@ -92,7 +93,7 @@ static bool next_line(reader *r)
         return false;
     *stop = '\0';
     r->number++;
-    for (int i = 0; i < 3; i++) { /* behind the digest of the line before */
+    for (int i = 0; i < 3; i++) { /* after the digest of the previous line */
         field[i] = strchr(i ? field[i - 1] : r->at, '\t');
         if (!field[i])
             return false;
@@ -103,7 +104,7 @@ static bool next_line(reader *r)
     return true;
 }
 
-/* 2026-11-22T21:36:00Z, not before the line before. */
+/* Checks the time, 2026-11-22T21:36:00Z, which must not be before that of the previous line. */
 static void check_time(reader *r)
 {
     static const char form[] = "0000-00-00T00:00:00Z";
@@ -115,7 +116,7 @@ static void check_time(reader *r)
     snprintf(r->last_time, sizeof r->last_time, "%.31s", r->time);
 }
 
-/* The next line must be of this action, and its detail this one (NULL: any). */
+/* Checks that the next line has this action and this detail (NULL: any). */
 static bool expect(reader *r, const char *action, const char *detail)
 {
     if (!next_line(r)) {

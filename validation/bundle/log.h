@@ -4,24 +4,24 @@
  *
  *   begun            osteon VERSION
  *   protocol frozen  SHA-256 of protocol.json, before anything ran
- *   merged           N shards of ...                              (of shards' bundles alone)
+ *   merged           N shards of ...                              (only in a merged bundle)
  *   results          the counts of results.json
  *   file             NAME SHA-256, of each file that folder.c binds, sorted
  *   ended            files written
  *
- * The lines "file" bind what was measured (tools, bill of materials, devices,
- * environment, times) to the run that the log is of: a file of another run is
- * found. The chain (bundle.h) holds the lines together.
+ * The lines "file" bind the measured files (tools, bill of materials, devices,
+ * environment, times) to the run of this log: a file of another run is detected.
+ * The chain (bundle.h) binds the lines to each other.
  */
 #ifndef OST_VALIDATION_LOG_H
 #define OST_VALIDATION_LOG_H
 
 #include "validation/bundle/bundle.h"
 
-/* Writes the lines from "results" on; all files but report and manifest are in the folder. */
+/* Writes the lines from "results" on. All files except report and manifest must already be in the folder. */
 ost_status log_end(bundle *b, const json_t *summary, ost_error *err);
 
-/* Reports every line that is not what the bundle's files give. */
+/* Reports every line that does not follow from the bundle's files. */
 ost_status log_check(const char *folder, const json_t *protocol, const json_t *summary, bundle_problem *problem,
                      void *user, int *found, ost_error *err);
 

@@ -27,7 +27,7 @@ static ost_status leaf_of(const char *name, const ost_digest *file, ost_digest *
     return ost_digest_bytes(bytes, length + 2 + OST_DIGEST_BYTES, out, err);
 }
 
-/* RFC 6962: split at the greatest power of two below count. */
+/* Computes a tree hash. RFC 6962: split at the greatest power of two below count. */
 static ost_status tree_of(const ost_digest *leaves, size_t count, ost_digest *out, ost_error *err)
 {
     if (count == 0)
@@ -107,7 +107,7 @@ static ost_status manifest_of_files(const char *folder, const folder_files *l, j
     return status;
 }
 
-/* A folder that this program filled has nothing else in it. */
+/* Receives a problem of a folder that this program filled, which is an error. */
 static void first_problem(void *user, bundle_problem_kind kind, const char *file, const char *problem)
 {
     ost_error *first = user;
@@ -143,7 +143,7 @@ char *manifest_text(const json_t *manifest)
     return line;
 }
 
-/* {name: row} of a manifest; the caller's reference. */
+/* Makes {name: row} of a manifest; owned by the caller. */
 static json_t *rows_by_name(const json_t *manifest)
 {
     const json_t *files = json_object_get(manifest, "files");
@@ -169,7 +169,8 @@ static bool digest_in(const char *hex, ost_digest *out)
     return hex[2 * OST_DIGEST_BYTES] == '\0';
 }
 
-/* Returns true if the rows of a manifest give its root: then it is as it was written, and a file without a row or the reverse is the folder's. */
+/* Returns true if the rows of a manifest give its root. The manifest is then unchanged, and a file without a row, or
+   a row without a file, is a problem of the folder. */
 static bool rows_give_root(const json_t *said)
 {
     const json_t *files = json_object_get(said, "files");
@@ -246,7 +247,7 @@ ost_status manifest_check(const char *folder, bundle_problem *problem, void *use
             status = ost_fail(err, OST_ERR_MEMORY, "%s", unread.text);
         if (said)
             compare_rows(said, is, problem, user, found);
-        if (status == OST_OK && *found == before) { /* the files are as described, so it is the manifest that was changed */
+        if (status == OST_OK && *found == before) { /* the files match their rows: the manifest was changed */
             problem(user, BUNDLE_DIFFERENT, MANIFEST_FILE, said ? "is not what the files give" : unread.text);
             ++*found;
         }

@@ -4,14 +4,14 @@
  * name, and two roots over them:
  *
  *   root     all files
- *   results  those whose content depends on the cases, the code and the list
- *            of backends alone (folder.c says which): two runs with the same
- *            list agree here, whatever the machine, its drivers and the time
+ *   results  those whose content depends only on the cases, the code and the list
+ *            of backends (folder.c lists them): two runs with the same list have
+ *            the same root, whatever the machine, its drivers and the time
  *
  * A root is the tree of RFC 6962 section 2.1 over SHA-256(0x00 || name || 0x00 ||
- * digest of the file).  The form is canonical, so a changed byte of the
- * manifest itself is a byte that would have been written otherwise.
- * signatures/ is not in it: a signature is made over the manifest.
+ * digest of the file).  The form is canonical, so any change of a byte in the
+ * manifest itself is detected.  The manifest does not include signatures/, since
+ * a signature is made over the manifest.
  */
 #ifndef OST_VALIDATION_MANIFEST_H
 #define OST_VALIDATION_MANIFEST_H
@@ -21,9 +21,9 @@
 #define MANIFEST_FILE "manifest.json"
 #define MANIFEST_SIGNATURES "signatures"
 
-/* The manifest of the folder as it lies; the caller's reference. */
+/* Makes the manifest of the folder's current files; the caller owns *out. */
 ost_status manifest_of(const char *folder, json_t **out, ost_error *err);
-/* As it stands in the file. */
+/* Returns the manifest as text, as it is written to the file; the caller frees it. */
 char *manifest_text(const json_t *manifest);
 ost_status manifest_check(const char *folder, bundle_problem *problem, void *user, int *found, ost_error *err);
 

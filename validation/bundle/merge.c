@@ -23,17 +23,17 @@ static void remember_problem(void *user, bundle_problem_kind kind, const char *f
         snprintf(first, 256, "%.80s %.160s", file, problem);
 }
 
-/* The protocol without what differs between shards. */
+/* Returns the protocol without the keys that differ between shards. */
 static json_t *common_part(const json_t *protocol)
 {
     json_t *o = json_deep_copy(protocol);
     json_object_del(o, "shard");
     json_object_del(o, "cases");
-    json_object_del(o, "suite"); /* the first shard's */
+    json_object_del(o, "suite"); /* only in the first shard */
     return o;
 }
 
-/* Adds one bundle's cases to the table by id, and its machine. */
+/* Adds one bundle's cases to the table by id, and its environment and times. */
 static ost_status take_shard(const char *folder, merged *m, json_t *by_id, ost_error *err)
 {
     char problem[256] = "", name[32];
@@ -66,7 +66,7 @@ static ost_status take_shard(const char *folder, merged *m, json_t *by_id, ost_e
         json_decref(common);
     }
     if (status == OST_OK && strncmp(name, "1/", 2) == 0)
-        status = bundle_find_json(folder, FAULTS_FILE, &m->faults, err); /* a bundle of some cases alone has none */
+        status = bundle_find_json(folder, FAULTS_FILE, &m->faults, err); /* absent from a bundle of selected cases */
     if (status == OST_OK && strncmp(name, "1/", 2) == 0 && json_object_get(protocol, "suite")) {
         m->suite_limit = json_incref(json_object_get(protocol, "suite"));
         status = bundle_find_json(folder, SUITE_FILE, &m->suite, err);
@@ -88,7 +88,7 @@ static ost_status take_shard(const char *folder, merged *m, json_t *by_id, ost_e
     return status;
 }
 
-/* The whole plan's cases in its order; each must have come with a shard. */
+/* Puts the cases in the order of the complete plan; each must be in one of the shards. */
 static ost_status put_in_order(const char *folder, merged *m, const json_t *by_id, ost_error *err)
 {
     const char *tier_name = json_string_value(json_object_get(m->protocol, "tier")), *seed = json_string_value(json_object_get(m->protocol, "seed"));

@@ -34,7 +34,7 @@ static bool seed_of(const json_t *protocol, uint64_t *out)
     return *text >= '0' && *text <= '9' && !*end && !errno;
 }
 
-/* The cases of --case, one after the other. */
+/* Makes a plan of the cases of --case, in their order. */
 static ost_status plan_of_file(const json_t *file, const plan_user *user, plan *out, ost_error *err)
 {
     const json_t *list = json_object_get(file, "cases");
@@ -99,7 +99,7 @@ static void report(const check *c, const char *file, const char *format, ...)
 
 /* ---------------------------------------------------------------- protocol */
 
-/* The backends of a protocol as they were found; false where one has another form. */
+/* Reads the backends of a protocol. Returns false if one has another form. */
 static bool subjects_in(const json_t *protocol, subject_list *out)
 {
     const json_t *backends = json_object_get(protocol, "backends");
@@ -123,7 +123,7 @@ static bool subjects_in(const json_t *protocol, subject_list *out)
     return strcmp(out->subjects[0].spec, "ref") == 0;
 }
 
-/* The protocol that this program writes of the same plan, options and backends must be the bundle's. */
+/* Checks that the bundle's protocol is the one that this program writes for the same plan, options and backends. */
 static ost_status check_protocol(const check *c, const json_t *protocol, const plan *p, ost_error *err)
 {
     subject_list subjects;

@@ -19,7 +19,7 @@
 #include "validation/bundle/trace_table.h"
 #include "validation/common/common.h"
 
-/* As bundle_put_json writes it. */
+/* Writes a JSON file as bundle_put_json does. */
 static ost_status put_json(const char *name, const json_t *value, evidence_sink *sink, void *user, ost_error *err)
 {
     char *text = json_dumps(value, JSON_SORT_KEYS | JSON_INDENT(1));
@@ -70,7 +70,7 @@ ost_status record_put(const char *program, const subject_list *subjects, const j
 
 /* ----------------------------------------------------------------- shards */
 
-/* "2/8" of the bundle's protocol. */
+/* Writes the shard of the bundle's protocol: "2/8". */
 static ost_status shard_name(const char *folder, char name[32], ost_error *err)
 {
     json_t *protocol;
@@ -81,7 +81,7 @@ static ost_status shard_name(const char *folder, char name[32], ost_error *err)
     return status;
 }
 
-/* The file of every shard, by shard's name. */
+/* Reads the file of every shard, by the shard's name. */
 static ost_status gather(const char *folder, const char *name, json_t **out, ost_error *err)
 {
     DIR *dir = opendir(folder);
@@ -105,7 +105,7 @@ static ost_status gather(const char *folder, const char *name, json_t **out, ost
     return status;
 }
 
-/* Once where all are equal; else by shard, or refused. */
+/* Writes a file once if all shards' files are equal; else by shard, or fails. */
 static ost_status merge_one(const char *folder, const char *name, bool by_shard, evidence_sink *sink, void *user, ost_error *err)
 {
     json_t *all, *text, *first = NULL, *parts = json_object();
@@ -142,7 +142,7 @@ ost_status record_merge(const char *folder, evidence_sink *sink, void *user, ost
 
 /* ---------------------------------------------------------------- derived */
 
-/* A file that is absent or no JSON within the limits gives NULL: linked_check reports it. */
+/* Reads a JSON file. *out is NULL if the file is absent or exceeds the limits; linked_check reports this. */
 static ost_status find_json(const char *folder, const char *name, json_t **out, ost_error *err)
 {
     ost_error why = {0};

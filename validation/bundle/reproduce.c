@@ -28,7 +28,7 @@ static case_result *result_of(const campaign *c, int i, int s)
     return &c->results[(size_t)i * (size_t)c->subjects->count + (size_t)s];
 }
 
-/* An earlier case of this backend differs in the same stage and looks the same. */
+/* Returns true if an earlier case of this backend differs in the same stage and has the same class. */
 static bool seen_before(const campaign *c, int i, int s)
 {
     const case_result *r = result_of(c, i, s);
@@ -61,7 +61,7 @@ static ost_status put_case(const campaign *c, int i, int s, const minimised *m, 
     name_of(c->plan->cases[i].id, s, f->reproduce);
     minimised_text(m, f->small);
     const size_t size = strlen(text);
-    text[size] = '\n'; /* in place of the NUL */
+    text[size] = '\n'; /* replaces the NUL */
     ost_status status = sink(user, f->reproduce, text, size + 1, err);
     free(text);
     return status;

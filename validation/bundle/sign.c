@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Statements about a bundle (in-toto attestation v1, test-result v0.1), and the folder of its signatures. */
+/* Makes and checks statements about a bundle (in-toto attestation v1, test-result v0.1), and reads the folder of its
+   signatures. */
 #include "validation/bundle/sign.h"
 
 #include <dirent.h>
@@ -29,7 +30,7 @@ typedef struct claim {
     char by[SIGN_TEXT_MAX + 1], meaning[SIGN_TEXT_MAX + 1], time[SIGN_TIME];
 } claim;
 
-/* Puts "CASE on BACKEND", the name in results.tap, where it belongs. Returns false without memory. */
+/* Adds "CASE on BACKEND", the name in results.tap, to the list of its result. Returns false if memory is exhausted. */
 static bool sort_result(const char *id, const char *backend, const char *verdict, json_t *passed, json_t *failed)
 {
     char name[400];
@@ -39,7 +40,8 @@ static bool sort_result(const char *id, const char *backend, const char *verdict
     return json_array_append_new(strcmp(verdict, case_verdict_name(CASE_EQUAL)) == 0 ? passed : failed, json_string(name)) == 0;
 }
 
-/* PASSED: equal, and evidence. WARNED: equal, but a reduced run. FAILED: all else, also what was not compared or not completed. */
+/* Returns PASSED if equal and evidence, WARNED if equal but a reduced run, else FAILED, also if not compared or not
+   complete. */
 static const char *result_of(const json_t *summary)
 {
     if (!json_is_true(json_object_get(summary, "equal")))
@@ -203,9 +205,9 @@ ost_status sign_bundle(const char *folder, const sign_key *key, const char *by, 
 
 typedef struct check {
     const char *folder;
-    int signatures; /* descriptor of the folder */
+    int signatures; /* descriptor of the folder signatures/ */
     const sign_trust *trust;
-    const contents *is; /* NULL: the bundle is not readable, which was reported before */
+    const contents *is; /* NULL: the bundle is not readable, which was reported earlier */
     bundle_problem *problem;
     void *user;
     int *found;
@@ -220,7 +222,7 @@ static void report(const check *c, const char *name, const char *text)
     ++*c->found;
 }
 
-/* A file in signatures/ itself; *bytes is NULL and the reason reported where it is none of at most max bytes. */
+/* Reads a file in signatures/. *bytes is NULL and the reason reported if it is not a file of at most max bytes. */
 static ost_status read_within(const check *c, const char *name, size_t max, char **bytes, size_t *size, bool *absent,
                               ost_error *err)
 {
@@ -252,7 +254,8 @@ static bool take_claim(const json_t *annotations, const char *key, char *to, siz
     return true;
 }
 
-/* Reads the signer's claims from a statement, and compares the rest with the bundle. Returns what is wrong, or NULL. */
+/* Reads the signer's claims from a statement, and compares the remainder with the bundle. *why receives the reason
+   if it is invalid, else NULL. */
 static ost_status compare_statement(const check *c, const sign_envelope *e, claim *claimed, const char **why, ost_error *err)
 {
     json_t *said = json_loadb(e->payload, e->payload_size, JSON_REJECT_DUPLICATES, NULL), *is = NULL;
@@ -270,7 +273,7 @@ static ost_status compare_statement(const check *c, const sign_envelope *e, clai
     return status;
 }
 
-/* The trusted key that made a signature, or -1. */
+/* Returns the index of the trusted key that made a signature, or -1. */
 static int signer_of(const sign_trust *t, const sign_envelope *e, int s)
 {
     for (int k = 0; k < t->count; k++)
@@ -279,7 +282,8 @@ static int signer_of(const sign_trust *t, const sign_envelope *e, int s)
     return -1;
 }
 
-/* Verifies all signatures of an envelope. Returns what is wrong, or NULL, and the fingerprints in keys. */
+/* Verifies all signatures of an envelope. Returns the reason if one is invalid, else NULL; adds the fingerprints to
+   keys. */
 static const char *verify_signatures(const check *c, const sign_envelope *e, json_t *keys)
 {
     bool used[SIGN_KEYS_MAX] = {false};
@@ -299,7 +303,7 @@ static const char *verify_signatures(const check *c, const sign_envelope *e, jso
     return NULL;
 }
 
-/* The time stamp that lies beside an envelope; time is "" without one. */
+/* Checks the time stamp of an envelope; time is "" if there is none. */
 static ost_status check_time(const check *c, const char *name, const char *bytes, size_t size, char time[SIGN_TIME],
                              bool *there, ost_error *err)
 {
@@ -338,7 +342,7 @@ static ost_status check_envelope(const check *c, const char *name, ost_error *er
     status = sign_envelope_read(bytes, size, &e, &why, err);
     json_t *keys = json_array();
     if (status == OST_OK && !why) {
-        /* Before anything in it is believed. */
+        /* The signatures are verified before the contents are read. */
         why = c->trust ? verify_signatures(c, &e, keys) : NULL;
         if (!why)
             status = compare_statement(c, &e, &claimed, &why, err);
@@ -369,7 +373,7 @@ static int by_name(const void *a, const void *b)
     return strcmp(a, b);
 }
 
-/* Every file of the folder, in the order of names, which begin with the time. */
+/* Checks every file of the folder in the order of names, which begin with the time. */
 static ost_status check_files(const check *c, DIR *dir, ost_error *err)
 {
     char names[FILES_MAX][256];

@@ -5,10 +5,10 @@
  *   manifest.json, protocol.json, cases.jsonl --> in-toto statement v1 with a test-result v0.1 predicate
  *                                                       |
  *   private key (PEM) --------------------------------> DSSE envelope: signatures/TIME-KEY.intoto.jsonl
- *   time-stamping authority (RFC 3161), optional -----> the same name with .tsr behind it
+ *   time-stamping authority (RFC 3161), optional -----> the same name followed by .tsr
  *
- * A statement follows from the bundle but for what its signer claims (name,
- * meaning, time), so a check makes it again and compares.  A key is named by
+ * A statement follows from the bundle except for the signer's claims (name,
+ * meaning, time), so a check makes it again and compares.  A key is identified by
  * its fingerprint: SHA-256 of the DER form of the public key.
  */
 #ifndef OST_VALIDATION_SIGN_H
@@ -22,13 +22,13 @@
 typedef struct sign_key sign_key;
 
 /*
- * Reads a PEM file.  The first line of the file `passphrase` opens an encrypted key; where that is NULL, OpenSSL asks
- * for the passphrase on the terminal.
+ * Reads a PEM file.  The first line of the file `passphrase` decrypts an encrypted key; if passphrase is NULL, OpenSSL
+ * prompts for it on the terminal.
  */
 ost_status sign_key_open(const char *path, const char *passphrase, sign_key **out, ost_error *err);
 void sign_key_free(sign_key *key); /* NULL is allowed */
 
-/* Longest name and meaning of a signature, in bytes. */
+/* Maximum length in bytes of a signer's name and of a meaning; size of a file name. */
 enum { SIGN_TEXT_MAX = 200, SIGN_NAME = 128 };
 
 /*
@@ -41,14 +41,15 @@ ost_status sign_bundle(const char *folder, const sign_key *key, const char *by, 
 /* Public keys, and the certificates of a time-stamping authority. */
 typedef struct sign_trust sign_trust;
 
-/* paths: PEM files of public keys, or folders of them; authority: a PEM file of certificates, or NULL. */
+/* Reads the trusted keys. paths: PEM files of public keys, or folders of them; authority: a PEM file of
+   certificates, or NULL. */
 ost_status sign_trust_open(const char *const paths[], int count, const char *authority, sign_trust **out, ost_error *err);
 void sign_trust_free(sign_trust *trust); /* NULL is allowed */
 
 /*
- * Checks every file in signatures/.  With trust, each signature must be by a key of it, and there must be one; without
- * (NULL), envelopes are read and compared with the bundle, and no signature is verified.
- * *out: [{file, by, meaning, claimed_time, result, keys[], checked, time_stamp}]; the caller's reference.
+ * Checks every file in signatures/.  With trust there must be a signature, and each must be by one of its keys; without
+ * trust (NULL) envelopes are read and compared with the bundle, but no signature is verified.
+ * *out: [{file, by, meaning, claimed_time, result, keys[], checked, time_stamp}]; owned by the caller.
  */
 ost_status sign_check(const char *folder, const sign_trust *trust, bundle_problem *problem, void *user, int *found,
                       json_t **out, ost_error *err);

@@ -47,7 +47,8 @@ static int digit_of(char c)
     return c == '+' || c == '-' ? 62 : c == '/' || c == '_' ? 63 : -1;
 }
 
-/* Reads RFC 4648 base64, standard or URL-safe, padded, without a bit that means nothing; NULL for anything else and without memory. */
+/* Decodes base64 of RFC 4648, standard or URL-safe, padded, with all unused bits 0. Returns NULL for anything else,
+   and if memory is exhausted. */
 static unsigned char *from_base64(const char *text, size_t length, size_t *size)
 {
     const size_t pad = length && text[length - 1] == '=' ? length > 1 && text[length - 2] == '=' ? 2 : 1 : 0;
@@ -106,7 +107,7 @@ static bool is_fingerprint(const char *text)
     return strlen(text) == OST_DIGEST_HEX - 1 && strspn(text, "0123456789abcdef") == OST_DIGEST_HEX - 1;
 }
 
-/* Returns what is wrong with one of the signatures, or NULL. */
+/* Reads one of the signatures. Returns the reason if it is invalid, else NULL. */
 static const char *read_signature(const json_t *one, sign_envelope *e)
 {
     const json_t *sig = json_object_get(one, "sig"), *keyid = json_object_get(one, "keyid");

@@ -31,7 +31,7 @@ static bool is_supported(const EVP_PKEY *key)
            strcmp(group, "prime256v1") == 0;
 }
 
-/* Takes the key over in any case. */
+/* Takes ownership of the key, also on failure. */
 static ost_status take_key(const char *path, EVP_PKEY *pkey, sign_key *out, ost_error *err)
 {
     unsigned char *der = NULL;
@@ -118,7 +118,7 @@ static bool is_trusted(const sign_trust *t, const char *fingerprint)
     return false;
 }
 
-/* Every block PUBLIC KEY of a PEM file. */
+/* Reads every block PUBLIC KEY of a PEM file. */
 static ost_status trust_file(const char *path, sign_trust *t, ost_error *err)
 {
     char *bytes;
@@ -156,7 +156,7 @@ static bool ends_with(const char *text, const char *end)
     return a >= b && strcmp(text + a - b, end) == 0;
 }
 
-/* Every *.pem of a folder. */
+/* Reads every *.pem of a folder. */
 static ost_status trust_folder(const char *path, sign_trust *t, ost_error *err)
 {
     const int before = t->count;
@@ -208,7 +208,7 @@ void sign_trust_free(sign_trust *trust)
 
 /* ----------------------------------------------------------- signatures */
 
-/* Ed25519 hashes by itself. */
+/* Returns the hash for a key; NULL for Ed25519, which includes its own. */
 static const EVP_MD *digest_of(const sign_key *key)
 {
     return is_ed25519(key->key) ? NULL : EVP_sha256();

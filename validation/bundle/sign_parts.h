@@ -23,7 +23,7 @@ struct sign_trust {
 
 /* ---------------------------------------------------------- sign_key.c */
 
-/* bytes: size bytes under the pre-authentication encoding. The caller frees *signature. */
+/* Signs `size` bytes, which are already in the pre-authentication encoding. The caller frees *signature. */
 ost_status sign_make(const sign_key *key, const void *bytes, size_t size, unsigned char **signature,
                      size_t *signature_size, ost_error *err);
 bool sign_holds(const sign_key *key, const void *bytes, size_t size, const unsigned char *signature, size_t signature_size);
@@ -31,7 +31,7 @@ bool sign_holds(const sign_key *key, const void *bytes, size_t size, const unsig
 /* ----------------------------------------------------- sign_envelope.c */
 
 typedef struct sign_envelope {
-    char *payload; /* the statement's bytes; owned, as all here */
+    char *payload; /* the statement's bytes; owned, as are all pointers here */
     size_t payload_size;
     char *encoded; /* PAE(type, payload): the bytes that are signed */
     size_t encoded_size;
@@ -39,13 +39,13 @@ typedef struct sign_envelope {
     struct {
         unsigned char *bytes;
         size_t size;
-        char keyid[OST_DIGEST_HEX]; /* a hint that nothing protects; "" where it is no fingerprint */
+        char keyid[OST_DIGEST_HEX]; /* a hint that is not protected; "" if it is not a fingerprint */
     } signatures[SIGN_SIGNATURES_MAX];
 } sign_envelope;
 
-/* One line of JSON for the payload; the caller frees *text. */
+/* Makes an envelope for the payload, one line of JSON; the caller frees *text. */
 ost_status sign_envelope_make(const sign_key *key, const char *payload, size_t size, char **text, ost_error *err);
-/* *why: what is wrong with the text, NULL when it was read; OST_ERR_MEMORY is the only failure. */
+/* Reads an envelope. *why receives the reason if the text is invalid, else NULL. Fails only with OST_ERR_MEMORY. */
 ost_status sign_envelope_read(const char *text, size_t size, sign_envelope *out, const char **why, ost_error *err);
 void sign_envelope_free(sign_envelope *e);
 
@@ -54,7 +54,8 @@ void sign_envelope_free(sign_envelope *e);
 enum { SIGN_TIME = 40 };
 /* Reads the certificates of a time-stamping authority. */
 ost_status sign_authority_open(const char *path, X509_STORE **out, ost_error *err);
-/* Checks a response to a time stamp query for these bytes. Returns what is wrong, NULL for nothing; time: when it was made. */
+/* Checks a response to a time stamp query for these bytes. Returns the reason if it is invalid, else NULL and in
+   `time` the time of the stamp. */
 const char *sign_time_check(X509_STORE *authority, const char *response, size_t response_size, const char *bytes,
                             size_t size, char time[SIGN_TIME]);
 

@@ -9,7 +9,7 @@
 #include "core/memory_stream.h"
 #include "validation/bundle/csv.h"
 
-/* By the beginning of a library's file name. */
+/* Known software, found by the beginning of a library's file name. */
 typedef struct known {
     const char *begins, *name, *maker, *licence, *purpose, *limits, *anomalies;
 } known;
@@ -68,7 +68,7 @@ static const known *known_of(const char *soname)
     return &unknown;
 }
 
-/* Set where memory is lacking; a failed allocation of Jansson ends the program (app/main.c). */
+/* Set if memory is exhausted; a failed allocation of Jansson ends the program (app/main.c). */
 static bool out_of_memory;
 
 /* ----------------------------------------------------------- the libraries */
@@ -80,7 +80,8 @@ static int by_file(const void *a, const void *b)
     return order ? order : strcmp(evidence_text(x, "sha256"), evidence_text(y, "sha256"));
 }
 
-/* Returns the libraries of one machine or of all shards, each file once; the caller's reference, NULL without memory. */
+/* Returns the libraries of one machine or of all shards, without duplicates; owned by the caller; NULL if memory is
+   exhausted. */
 static json_t *libraries_of(const json_t *tools)
 {
     json_t *all = json_array(), *seen = json_object(), *out = json_array();
@@ -108,7 +109,7 @@ static json_t *libraries_of(const json_t *tools)
     return out;
 }
 
-/* Returns the value of a key, of one machine or of the first shard; NULL where there is none. */
+/* Returns the value of a key, of one machine or of the first shard; NULL if there is none. */
 static const json_t *part_of(const json_t *tools, const char *key)
 {
     return json_object_get(evidence_part(tools, key, 0), key);
@@ -116,14 +117,14 @@ static const json_t *part_of(const json_t *tools, const char *key)
 
 /* ------------------------------------------------------------------ files */
 
-/* The package's own licence where the table has none; what neither has is NOASSERTION. */
+/* Returns the licence in the table, else that of the package, else NOASSERTION. */
 static const char *licence_of(const known *k, const json_t *library)
 {
     const char *its = evidence_text(library, "licence");
     return strcmp(k->licence, "NOASSERTION") == 0 && *its ? its : k->licence;
 }
 
-/* The supplier of a library: who packaged it, or the maker of what is not of a package. */
+/* Returns the supplier of a library: the packager, or the maker if it is not part of a package. */
 static const char *supplier_of(const known *k, const json_t *library)
 {
     return *evidence_text(library, "maintainer") ? evidence_text(library, "maintainer") : k->maker;
@@ -135,7 +136,7 @@ static const known *compiler_of(const char *text)
     return strstr(text, "clang") ? known_of("libclang") : strncmp(text, "gcc", 3) == 0 || strstr(text, "GCC") ? &gcc : &unknown;
 }
 
-/* By the name that pkg-config has. */
+/* Returns the row of a library by its name in pkg-config. */
 static const known *headers_of(const char *name)
 {
     static const known cglm = {"", "cglm", "R. Aslantas and cglm contributors", "MIT", "", "", "https://github.com/recp/cglm/issues"};
@@ -146,7 +147,7 @@ static const known *headers_of(const char *name)
     return known_of(soname);
 }
 
-/* A row of what is there when osteon is built. */
+/* Writes a row of software that is used to build osteon. */
 static void put_build(FILE *to, const known *k, const char *name, const char *version, const char *purpose, const char *limits)
 {
     put_csv(to, name, ',');
@@ -176,7 +177,7 @@ static void soup(FILE *to, json_t *tools)
         put_csv(to, licence_of(k, one), ',');
         put_csv(to, k->limits, ',');
         put_csv(to, k->anomalies, ',');
-        fputs(",", to); /* a date, by whoever reviews */
+        fputs(",", to); /* a date, which the reviewer fills in */
         put_csv(to, json_is_true(json_object_get(one, "linked")) ? "linked" : "loaded by another library or as a driver", ',');
         put_csv(to, evidence_text(one, "package"), ',');
         put_csv(to, evidence_text(one, "file"), ',');
@@ -189,7 +190,8 @@ static void soup(FILE *to, json_t *tools)
     json_decref(libraries);
 }
 
-/* libssl3 3.0.11-1 on Debian --> pkg:deb/debian/libssl3@3.0.11-1; what a URL keeps for itself becomes %3A. */
+/* Makes a package URL: libssl3 3.0.11-1 on Debian --> pkg:deb/debian/libssl3@3.0.11-1. Reserved characters are
+   encoded as %3A. */
 static json_t *package_reference(const char *distribution, const char *package, const char *version)
 {
     char url[256];

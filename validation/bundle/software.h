@@ -16,7 +16,7 @@
 #define SBOM_FILE "sbom.spdx.json"
 #define SOUP_FILE "soup.csv"
 
-/* tools: as tools_of made it, or an object of such by shard ("1/3"). */
+/* Writes the bill of materials. tools: the result of tools_of, or an object of such by shard ("1/3"). */
 ost_status software_write(json_t *tools, evidence_sink *sink, void *user, ost_error *err);
 
 #endif

@@ -19,7 +19,7 @@ static int by_text(const void *a, const void *b)
     return strcmp(*(char *const *)a, *(char *const *)b);
 }
 
-/* Cuts a line's field of tests at its semicolons; counts at most TESTS_MAX names in all. */
+/* Splits a line's field of tests at its semicolons and appends the names; at most TESTS_MAX in all. */
 static void names_of_line(char *line, char **names, size_t *count)
 {
     char *field = line, *rest = NULL;

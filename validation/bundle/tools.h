@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * tools.json: what the program was built from and what it runs with.
+ * tools.json: the sources of the program's build, and the libraries with which it runs.
  *
  *   build      commit, date of the source, compiler, flags, versions of libraries' headers
  *   program    its file's SHA-256
@@ -16,10 +16,10 @@
 
 #define TOOLS_FILE "tools.json"
 
-/* program: this program's file. The caller's reference. */
+/* Makes the content of tools.json; the caller owns *out. program: this program's file. */
 ost_status tools_of(const char *program, json_t **out, ost_error *err);
 
-/* The commit that this program was built from; "unknown" when it was built from no git checkout. */
+/* Returns the commit from which this program was built; "unknown" if it was not built from a git checkout. */
 const char *tools_commit(void);
 
 #endif

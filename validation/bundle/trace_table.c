@@ -22,7 +22,7 @@ char *trace_requirements(void)
     return text;
 }
 
-/* Which stages bear on which rules: by the beginning of their names. */
+/* The stages that cover a rule, by the beginning of the rule's name. */
 static const struct {
     const char *begins, *stages;
 } bearing[] = {
@@ -64,13 +64,13 @@ static bool has_word(const char *words, const char *word)
 
 typedef struct outcome {
     json_int_t equal;     /* records of backends that were equal in their case */
-    json_int_t different; /* cases in which a backend differed first at this stage */
+    json_int_t different; /* cases in which a backend first differed at this stage */
     json_int_t known;     /* records of the reference */
 } outcome;
 
 typedef struct outcomes {
     outcome of[TRACE_STAGES];
-    json_int_t failed; /* results that are neither: failed, crashed, late */
+    json_int_t failed; /* results that are neither: failed, crashed, timed out */
 } outcomes;
 
 static int stage_of(const char *name)
@@ -115,7 +115,7 @@ static outcomes count(const json_t *cases)
 
 enum { FIELDS = 5, LINE = 4096 };
 
-/* A line of requirements.csv: commas stand between fields only. */
+/* Splits a line of requirements.csv; commas only separate fields. */
 static bool fields_of(char *line, char *field[FIELDS])
 {
     for (int i = 0; i < FIELDS; i++) {
@@ -128,7 +128,7 @@ static bool fields_of(char *line, char *field[FIELDS])
     return false;
 }
 
-/* The suite's result of a test; NULL where it has none. The array is sorted by name. */
+/* Returns the suite's result of a test, by binary search in the sorted array; NULL if there is none. */
 static const json_t *result_of(const json_t *suite, const char *test)
 {
     const json_t *list = json_object_get(suite, "tests");
@@ -157,8 +157,9 @@ static void add_text(char *to, size_t size, const char *format, ...)
 }
 
 /*
- * "the test suite" and "tests: 2 passed; tests/x.sh FAILED: ..." of the tests of a row, which are cut at their semicolons. also: something
- * else of this bundle bears on it. False where no test passed or failed: a test that was skipped shows nothing.
+ * Writes "the test suite" and "tests: 2 passed; tests/x.sh FAILED: ..." for the tests of a row, which are split at their
+ * semicolons. also: another part of this bundle covers the row. Returns false if no test passed or failed: a skipped test
+ * is no evidence.
  */
 static bool put_tests(char *tests, const json_t *suite, bool also, char *shown, size_t shown_size, char *result,
                       size_t result_size)
@@ -184,7 +185,7 @@ static bool put_tests(char *tests, const json_t *suite, bool also, char *shown, 
     return tested;
 }
 
-/* "1,234 records of rect equal" for each stage, and the checks that name the requirement. */
+/* Writes "1,234 records of rect equal" for each stage, and the checks that name the requirement. */
 static void put_shown(FILE *to, const char *id, char *tests, const outcomes *o, const json_t *common,
                       const json_t *suite, bool used[TRACE_STAGES])
 {

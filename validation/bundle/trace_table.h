@@ -5,10 +5,10 @@
  *   docs/requirements.csv --docs/check-requirements --table, at build time--> requirements.csv of a bundle
  *   requirements.csv, cases, common.json, suite.json --trace_write--> trace.csv
  *
- * trace.csv has a row for each requirement: its tests, which stages or checks
- * of this very bundle bear on it and how they came out, and the files that
- * say so.  After them stand the orphans: requirements without any test, tests
- * that no requirement names, and results of this bundle that none needs.
+ * trace.csv has a row for each requirement: its tests, the stages or checks of
+ * this bundle that cover it with their results, and the files that contain them.
+ * The orphans follow: requirements without any test, tests that no requirement
+ * names, and results of this bundle that no requirement needs.
  */
 #ifndef OST_VALIDATION_TRACE_TABLE_H
 #define OST_VALIDATION_TRACE_TABLE_H
@@ -18,10 +18,11 @@
 #define REQUIREMENTS_FILE "requirements.csv"
 #define TRACE_FILE "trace.csv"
 
-/* The table that is built in; free() it. NULL without memory. */
+/* Returns a copy of the table that is compiled in, which the caller frees with free(); NULL if memory is exhausted. */
 char *trace_requirements(void);
 
-/* requirements: the bundle's file; common, suite: the bundle's common.json and suite.json, or NULL. */
+/* Writes trace.csv. requirements: the bundle's file; common, suite: the bundle's common.json and suite.json, or
+   NULL. */
 ost_status trace_table_write(const char *requirements, const json_t *cases, const json_t *common, const json_t *suite,
                              evidence_sink *sink, void *user, ost_error *err);
 
