@@ -179,8 +179,8 @@ static void scan_block(void *user, const int lo[3], const int hi[3])
     ost_scapula_place at;
     ost_scapula_at(&c->scapula, to_bone(&c->pose, middle), &at);
     /*
-     * Distances are accurate to a third, so a block this far away contains no surface and no
-     * voxel that depends on one.
+     * A distance overstates the true one by at most half, so a block this far away contains no
+     * surface and no voxel that depends on one.
      */
     double reach = 1.5 * 0.5 * ost_v3_length(ost_v3_sub(b, a)) / scan->scale + c->blur + 4;
     ost_noise_cell cells[2] = {{.known = 0}, {.known = 0}};

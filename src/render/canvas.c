@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/*
- * Pictures and what is drawn over them (canvas.h).
- */
+/* Pictures and drawing on them (canvas.h). */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -100,7 +98,7 @@ void ost_orientation_letters(const double direction[3], char letters[4])
         for (int a = 0; a < 3; a++)
             if (!used[a] && (best < 0 || size[a] > size[best]))
                 best = a;
-        if (n > 0 && size[best] * size[best] < 0.12 * length2) /* less than 20 degrees out of the picture's own axis */
+        if (n > 0 && size[best] * size[best] < 0.12 * length2) /* less than 20 degrees from the picture's own axis */
             break;
         used[best] = true;
         letters[n++] = names[best][direction[best] > 0];

@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/*
- * The smooth field behind the shaded view (field.h).
- */
+/* The smooth field that the shaded view draws (field.h). */
 #include <stdlib.h>
 #include <string.h>
 
 #include "render/field.h"
 
 enum { MARGIN = 3 };
-#define FIELD_SAMPLES_MAX (INT64_C(1) << 28) /* beyond it the volume is sampled every second, third, ... voxel */
+#define FIELD_SAMPLES_MAX (INT64_C(1) << 28) /* beyond it, only every second, third, ... voxel is sampled */
 
 bool ost_field_bounds(const ost_volume *volume, int32_t threshold, int lo[3], int hi[3])
 {
@@ -35,7 +33,10 @@ bool ost_field_bounds(const ost_volume *volume, int32_t threshold, int lo[3], in
     return hi[2] > 0;
 }
 
-/* Along one line of n samples, `stride` apart: binomial weights 1 4 6 4 1, or 1 2 1 where samples are far apart. */
+/*
+ * Blurs one line of n samples, `stride` apart, with the binomial weights 1 4 6 4 1, or 1 2 1
+ * where samples are far apart.
+ */
 static void blur_line(uint8_t *v, int n, size_t stride, bool wide, uint8_t *line)
 {
     for (int i = 0; i < n; i++)
@@ -184,7 +185,10 @@ void ost_field_free(ost_field *field)
     memset(field, 0, sizeof *field);
 }
 
-/* Sample i of level k is the mean of samples 2^k i .. 2^k (i + 1) - 1: its centre is at 2^k (i + 1/2) - 1/2. */
+/*
+ * Sample i of level k is the mean of samples 2^k i .. 2^k (i + 1) - 1: its centre is at 2^k (i +
+ * 1/2) - 1/2.
+ */
 float ost_field_at(const ost_field *field, int level, const float p[3])
 {
     static const float shrink[OST_FIELD_LEVELS] = {1.0f, 0.5f, 0.25f, 0.125f, 0.0625f, 0.03125f, 0.015625f};
@@ -199,7 +203,8 @@ float ost_field_at(const ost_field *field, int level, const float p[3])
         if (i[a] > l->n[a] - 2)
             i[a] = l->n[a] > 1 ? l->n[a] - 2 : 0;
         f[a] = c - (float)i[a];
-        f[a] = f[a] < 0.0f ? 0.0f : f[a] > 1.0f ? 1.0f : f[a]; /* beside the border: the outermost samples, which the margin keeps empty */
+        /* beyond the border: the outermost samples, which the margin leaves empty */
+        f[a] = f[a] < 0.0f ? 0.0f : f[a] > 1.0f ? 1.0f : f[a];
     }
     size_t sy = (size_t)l->n[0], sz = sy * (size_t)l->n[1];
     const uint8_t *v = l->v + (size_t)i[0] + sy * (size_t)i[1] + sz * (size_t)i[2];

@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A letter is strokes on a grid: x as a digit, y as a letter, 'd' the line it
- * stands on, 'j' the top of a small letter, 'm' that of a capital.
+ * A letter consists of strokes on a grid: a digit is an x coordinate, a letter a
+ * y coordinate.  'd' is the baseline, 'j' the top of a small letter, 'm' the top
+ * of a capital.
  *
  *     m  3          "0d3m6d 1g5g"      two strokes of straight lines
  *       / \
- *     g 1---5       ~  a curve from its first point to its last, pulled by those between
- *     d 0   6       @  a closed one
+ *     g 1---5       ~  a curve from its first point to its last; the points between are control points
+ *     d 0   6       @  a closed curve
  *
  * The curves are quadratic B-splines: parabolas between the middles of the
- * sides, the corners being what pulls.
+ * control polygon's sides, with its corners as control points.
  */
 #include "render/lettering.h"
 
@@ -18,7 +19,8 @@
 #include <string.h>
 
 enum { FIRST = 32, LAST = 126, DEGREE = 127, CUBED, GLYPHS = 129 - FIRST, POINTS = 16, SEGMENTS = 128, PIECES = 6, CAPITAL = 9 };
-static const double GAP = 2.7, WEIGHT = 0.62; /* between letters; half a stroke's width; both in units of the grid */
+/* distance between letters; half a stroke's width; both in units of the grid */
+static const double GAP = 2.7, WEIGHT = 0.62;
 
 typedef struct drawing {
     unsigned char c;
@@ -119,9 +121,9 @@ static const drawing drawings[] = {
 };
 
 typedef struct glyph {
-    int x, y, width, height; /* of its picture, from the letter's place on the line; y down */
+    int x, y, width, height; /* its picture, relative to the letter's position on the baseline; y down */
     double advance;
-    uint8_t *cover; /* owned */
+    uint8_t *cover; /* owned; coverage of each pixel, 0 to 255 */
 } glyph;
 
 struct ost_lettering {
@@ -195,7 +197,7 @@ static void stroke(outline *o, char kind, double p[POINTS][2], int n)
         add(o, p[i - 1][0], p[i - 1][1], p[i][0], p[i][1]);
 }
 
-/* y upward from the line, in pixels. */
+/* Traces the strokes; y upward from the baseline, in pixels. */
 static void trace(const drawing *d, double unit, outline *o)
 {
     *o = (outline){.x0 = 1e9, .y0 = 1e9, .x1 = -1e9, .y1 = -1e9};
@@ -236,7 +238,7 @@ static bool draw_glyph(const drawing *d, double unit, glyph *g)
     g->cover = calloc((size_t)g->width, (size_t)g->height);
     if (!g->cover)
         return false;
-    /* Only pixels that a segment may reach are asked how far it is. */
+    /* The distance is computed only for pixels that a segment may reach. */
     for (int i = 0; i < o.count; i++) {
         const segment *e = &o.segment[i];
         const int x0 = (int)floor(fmin(e->ax, e->bx) - r - 1) - g->x, x1 = (int)ceil(fmax(e->ax, e->bx) + r + 1) - g->x;
@@ -281,7 +283,7 @@ double ost_lettering_height(const ost_lettering *lettering)
     return lettering->height;
 }
 
-/* The next letter of a text in UTF-8; NULL at its end. */
+/* Returns the next letter of a text in UTF-8; NULL at its end. */
 static const glyph *next(const ost_lettering *l, const char **text)
 {
     const unsigned char c = (unsigned char)**text;
@@ -309,7 +311,8 @@ static uint32_t mixed(uint32_t a, uint32_t b, unsigned share)
 }
 
 /*
- * Four pixels at once, the same to the bit: 16 bits for each colour's product, of which 255 x 256 are the most.
+ * Four pixels at once, bit-identical to one by one: a colour's product has 16 bits, since it is
+ * at most 255 x 256.
  */
 typedef uint32_t four __attribute__((vector_size(16)));
 typedef uint16_t eight __attribute__((vector_size(16)));

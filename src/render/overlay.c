@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A line is walked pixel by pixel along its longer side.  One over its depth
- * is linear on the picture, so it is known at every pixel; each step mixes the
- * colour into the pixels across the line, by how much of them it covers.
+ * A line is drawn pixel by pixel along its longer side.  The reciprocal of its depth is linear
+ * on the picture, so the depth is known at every pixel.  Each step blends the colour into the
+ * pixels across the line, each in proportion to its coverage.
  */
 #include "render/overlay.h"
 
@@ -41,7 +41,10 @@ static void dot(const ost_frame *f, int x, int y, float depth, uint32_t colour, 
     ost_cells_dot(&f->over, x, y);
 }
 
-/* The part of from .. to, 0 .. 1, where v0 + t dv lies within lo .. hi. */
+/*
+ * Reduces from .. to (0 .. 1) to the part where v0 + t dv lies within lo .. hi; returns false if
+ * there is none.
+ */
 static bool narrow(float v0, float dv, float lo, float hi, float *from, float *to)
 {
     if (dv == 0)
@@ -52,7 +55,10 @@ static bool narrow(float v0, float dv, float lo, float hi, float *from, float *t
     return *from <= *to;
 }
 
-/* Picture x, y and one over the depth; false when both ends are before the near plane. */
+/*
+ * Computes the picture's x and y and the reciprocal of depth of both ends; returns false if both
+ * are before the near plane.
+ */
 static bool project(const ost_eye *e, const float from[3], const float to[3], float out[2][3])
 {
     float end[2][3];
@@ -106,13 +112,13 @@ void ost_overlay_line(const ost_frame *f, const ost_eye *eye, const float from[3
     }
 }
 
-/* One pixel in 720. */
+/* Returns the width of a thin line: one pixel in 720 rows. */
 static int thin(const ost_frame *f)
 {
     return f->height < 1080 ? 1 : (f->height + 360) / 720;
 }
 
-/* Corner i of a box has bit a of i on axis a. */
+/* Draws a box's edges. Bit a of a corner's index i selects the end of axis a. */
 static void box(const ost_frame *f, const ost_eye *e, const point3 corner[8], uint32_t colour, unsigned strength, int width)
 {
     for (int i = 0; i < 8; i++)
@@ -188,7 +194,7 @@ static void draw_chunks(const ost_frame *f, const ost_eye *e, const ost_overlay_
 
 /* ------------------------------------------------------------------- boxes */
 
-/* From the tool's frame to the bone's voxels. */
+/* Computes the corners of the tool's box in the bone's voxels. */
 static void tool_corners(const ost_overlay_scene *s, point3 corner[8])
 {
     const ost_rotation r = ost_rotation_of(&s->pose);
@@ -271,9 +277,12 @@ static void draw_hits(const ost_frame *f, const ost_eye *e, const ost_overlay_sc
 
 /* ------------------------------------------------------------------ voxels */
 
-/* Edges of the faces that are turned to the eye; of voxels within lo .. hi of the grid at its own angle. */
+/*
+ * Maps a grid at any orientation to the bone's voxels, to draw the edges of its voxels' faces
+ * that are turned to the eye.
+ */
 typedef struct turned_grid {
-    double origin[3], column[3][3]; /* to the bone's voxels */
+    double origin[3], column[3][3]; /* position of the grid's origin and directions of its axes, in the bone's voxels */
 } turned_grid;
 
 static point3 place(const turned_grid *g, const double at[3])

@@ -2,9 +2,9 @@
 /*
  * Pictures as PNG, in memory and on disk, by libpng.
  *
- * The file holds the pixels and nothing else (no time, no program's name), so
- * equal pictures are equal files.  Writing to disk is io's affair: write_whole
- * is the one place where a picture meets a file.
+ * The file contains nothing but the pixels (no time, no program's name), so equal pictures give
+ * equal files.  Writing to disk is done by io: write_whole is the only function here that writes
+ * a file.
  */
 #include <errno.h>
 #include <setjmp.h>
@@ -47,7 +47,10 @@ static void sink_flush(png_structp png)
     (void)png;
 }
 
-/* libpng leaves a failed call by longjmp; everything it may touch after that lives in *s and the caller's frame. */
+/*
+ * libpng leaves a failed call by longjmp; everything that is accessed after that is in *s and
+ * the caller's frame.
+ */
 static ost_status encode(png_structp png, png_infop info, const ost_picture *picture, ost_png_effort effort, sink *s, ost_error *err)
 {
     if (setjmp(png_jmpbuf(png)))

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Three slices through one voxel, side by side, as a radiologist looks at them:
+ * Three slices through one voxel, next to each other, in the radiological convention:
  *
  *     axial              coronal            sagittal
  *   R   A   L           R   S   L           A   S   P
  *     x ->                x ->                y ->
  *     y down              z up                z up
  *
- * All three at one scale with square pixels.  Densities are interpolated
- * between voxel centres; the colour of what was removed is blended likewise,
- * so that a voxel at the border of a cut shows as one.
+ * All three have one scale and square pixels.  Densities are interpolated
+ * between voxel centres.  The colour of removed bone is blended in the same way,
+ * so a voxel at the border of a cut is visible as a voxel.
  */
 #include <string.h>
 
@@ -35,7 +35,10 @@ static size_t element(const source *s, const int v[3])
     return (size_t)v[0] + (size_t)s->n[0] * ((size_t)v[1] + (size_t)s->n[1] * (size_t)v[2]);
 }
 
-/* Grey in [0, 1] and share removed, at (a, b) voxels in the plane; false outside the grid. */
+/*
+ * Computes the grey in [0, 1] and the removed share at (a, b) voxels in the plane; returns false
+ * outside the grid.
+ */
 static bool sample(const source *s, const plane *p, int through, double a, double b, double *grey, double *removed)
 {
     int na = s->n[p->across], nb = s->n[p->down];
@@ -57,7 +60,7 @@ static bool sample(const source *s, const plane *p, int through, double a, doubl
         bool gone = false;
         if (s->before && s->now->voxels[at] < s->threshold && s->before->voxels[at] >= s->threshold) {
             gone = true;
-            hu = s->before->voxels[at]; /* what was there, seen through the colour */
+            hu = s->before->voxels[at]; /* the earlier density, visible through the colour */
         }
         double g = (hu - s->black) / (s->white - s->black);
         *grey += weight * (g < 0 ? 0 : g > 1 ? 1 : g);
@@ -66,7 +69,7 @@ static bool sample(const source *s, const plane *p, int through, double a, doubl
     return true;
 }
 
-/* The middle of the grid, or of the voxels that were removed. */
+/* Computes the middle of the grid, or of the voxels that were removed. */
 static void middle(const source *s, int at[3])
 {
     int lo[3] = {s->n[0], s->n[1], s->n[2]}, hi[3] = {-1, -1, -1};
@@ -87,7 +90,7 @@ static void middle(const source *s, int at[3])
         at[a] = hi[a] >= 0 ? (lo[a] + hi[a]) / 2 : s->n[a] / 2;
 }
 
-enum { GAP = 8, OVER = 2 }; /* pixels between panels; samples a pixel and axis */
+enum { GAP = 8, OVER = 2 }; /* pixels between panels; samples for each pixel and axis */
 
 static void panel(const source *s, const plane *p, int through, double mm_per_pixel, int x0, int width, int height, ost_picture *out)
 {
@@ -129,7 +132,7 @@ static void annotate(const plane *p, const char *title, int x0, int width, int h
     }
 }
 
-/* Where the other two planes cut this one: short ticks at its edges, out of the way of what is shown. */
+/* Draws short ticks at the panel's edges where the other two planes cut it. */
 static void ticks(const source *s, const plane *p, const int at[3], double mm_per_pixel, int x0, int width, int height, ost_picture *out)
 {
     static const ost_rgb ink = {0xf0, 0xb4, 0x3c};

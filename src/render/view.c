@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The shaded view: orthographic, one ray a sub-pixel, first hit, no display.
+ * The shaded view: orthographic, one ray for each sub-pixel, first hit, no display.
  *
  *        eye plane            field (field.h)
  *      up ^                  .-------.
  *         |  ----- ray ---->/  *hit  /|     step a sample, bisect the
  *         +--> right        '-------' |     crossing, skip empty bricks
  *
- * Shading: normal from the field's gradient; a key light from the upper left
- * of the picture with a soft shadow, a weaker one from the right, and light
- * from all sides dimmed by ambient occlusion.  Both dimmings come from cones
- * marched through the field's coarser levels: the wider the cone has become,
- * the coarser the level that is asked.
+ * Shading: the normal is the field's gradient; there are a key light from the
+ * upper left of the picture with a soft shadow, a weaker light from the right, and
+ * light from all sides reduced by ambient occlusion.  Shadow and occlusion are
+ * computed by cones that are marched through the field's coarser levels: the
+ * wider the cone is at a position, the coarser the level.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -22,18 +22,19 @@
 #include "render/canvas.h"
 #include "render/field.h"
 
-enum { RAYS = 4, CONES = 9 }; /* rays a pixel, and cones that look about where they hit */
-static const float SURFACE = 0.40f; /* of the field; a plate one voxel thick still peaks near it */
+enum { RAYS = 4, CONES = 9 }; /* rays for each pixel; cones for the ambient occlusion of a hit */
+/* Value of the field at the surface; a plate of one voxel still reaches about this value. */
+static const float SURFACE = 0.40f;
 
-/* Linear light of #e3dac9, of cartilage and of the colour of a fresh cut. */
+/* Colours in linear light: of bone (#e3dac9) and of a fresh cut. */
 static const vec3 BONE = {0.768f, 0.701f, 0.584f};
 static const vec3 CUT = {0.72f, 0.105f, 0.045f};
 
 typedef struct scene {
-    ost_field bone, removed; /* removed has no levels when there is no `before` */
-    vec3 right, up, forward; /* of the picture, in mm, unit */
-    vec3 key, fill;          /* toward the lights */
-    vec3 cones[CONES];       /* about +z, cosine-distributed */
+    ost_field bone, removed; /* removed has no levels if there is no `before` */
+    vec3 right, up, forward; /* directions of the picture in mm, unit vectors */
+    vec3 key, fill;          /* directions toward the lights */
+    vec3 cones[CONES];       /* directions about +z, cosine-distributed */
     vec3 inv_step;
     float step_mm;
 } scene;
@@ -46,7 +47,10 @@ static void to_samples(const ost_field *field, const vec3 mm, vec3 out)
 
 /* ------------------------------------------------------------------ rays */
 
-/* Part of the ray o + t d (samples) inside the field's box; false when it misses. */
+/*
+ * Computes the part of the ray o + t d (in samples) inside the field's box; returns false if it
+ * misses the box.
+ */
 static bool clip(const ost_field *field, const vec3 o, const vec3 d, float *t0, float *t1)
 {
     *t0 = 0, *t1 = 1e30f;
@@ -64,7 +68,7 @@ static bool clip(const ost_field *field, const vec3 o, const vec3 d, float *t0, 
     return *t0 < *t1;
 }
 
-/* t at which the ray leaves the brick that holds p. */
+/* Returns the t at which the ray leaves the brick. */
 static float brick_exit(const vec3 o, const vec3 d, const int brick[3])
 {
     float t = 1e30f;
@@ -90,7 +94,7 @@ static bool march(const ost_field *field, const vec3 o, const vec3 d, float step
         if (field->brick_max[brick[0] + field->bricks[0] * (brick[1] + (size_t)field->bricks[1] * (size_t)brick[2])] <= least) {
             float out = brick_exit(o, d, brick);
             if (out > t)
-                t = out; /* the loop's step takes the ray past the border */
+                t = out; /* the loop's step moves the ray beyond the border */
             continue;
         }
         if (ost_field_at(field, 0, p) < SURFACE)
@@ -115,7 +119,10 @@ static bool march(const ost_field *field, const vec3 o, const vec3 d, float step
 
 static const float NORMAL_WEIGHT[3] = {0.4f, 0.5f, 0.25f};
 
-/* Outward normal at p (samples): gradients over one, two and four samples, each from its level. */
+/*
+ * Computes the outward normal at p (in samples): gradients over one, two and four samples, each
+ * from its own level.
+ */
 static void normal_at(scene *s, vec3 p, vec3 n)
 {
     for (int a = 0; a < 3; a++) {
@@ -135,7 +142,10 @@ static void normal_at(scene *s, vec3 p, vec3 n)
     glm_vec3_normalize(n);
 }
 
-/* Share of light that reaches p (samples) along a cone about the unit direction d (mm), `spread` its diameter over length. */
+/*
+ * Returns the share of light that reaches p (in samples) along a cone about the unit direction d
+ * (mm). spread: ratio of its diameter to its length.
+ */
 static float cone(scene *s, const vec3 p, const vec3 d, float start, float reach, float spread)
 {
     float light = 1.0f;
@@ -154,9 +164,12 @@ static float cone(scene *s, const vec3 p, const vec3 d, float start, float reach
     return light;
 }
 
-/* How much of the sky and of the key light reaches a place: slow to find and smooth, so sub-pixels share it. */
+/*
+ * The shares of the sky and of the key light that reach a position.  They are slow to compute
+ * and vary slowly, so sub-pixels share them.
+ */
 typedef struct surroundings {
-    vec3 at; /* samples */
+    vec3 at; /* in samples */
     bool known;
     float open, key;
 } surroundings;
@@ -211,7 +224,10 @@ static void shade(scene *s, vec3 p, surroundings *about, vec3 out)
     }
     for (int a = 0; a < 3; a++) {
         float albedo = BONE[a] + cut * (CUT[a] - BONE[a]);
-        /* light that has bounced between bone and bone is warmer: deep places redden rather than blacken */
+        /*
+         * Light that was reflected between bone surfaces is warmer: deep positions become redder
+         * and not black.
+         */
         float warm = albedo + (1.0f - about->open) * 0.25f * (albedo * albedo - albedo);
         out[a] = warm * light + gloss;
     }
@@ -231,7 +247,10 @@ typedef struct pick_bone {
     int32_t threshold;
 } pick_bone;
 
-/* More from the threshold up to compact bone: partial volume smooths the surface, while the texture inside hardly shows. */
+/*
+ * Returns a greater weight for denser voxels, from the threshold to compact bone: partial volume
+ * smooths the surface, and the inner texture is hardly visible.
+ */
 static void weigh_bone(const void *user, size_t voxel, uint8_t *weight)
 {
     const pick_bone *pick = user;
@@ -267,7 +286,7 @@ static ost_status look(scene *s, const ost_view_options *o, ost_error *err)
     }
     glm_vec3_normalize(s->key);
     glm_vec3_normalize(s->fill);
-    for (int i = 0; i < CONES; i++) { /* a sunflower on the disc, lifted to the hemisphere */
+    for (int i = 0; i < CONES; i++) { /* a sunflower pattern on the disc, projected onto the hemisphere */
         float r2 = ((float)i + 0.5f) / CONES, angle = 2.3999632f * (float)i;
         s->cones[i][0] = sqrtf(r2) * cosf(angle);
         s->cones[i][1] = sqrtf(r2) * sinf(angle);
@@ -276,7 +295,7 @@ static ost_status look(scene *s, const ost_view_options *o, ost_error *err)
     return OST_OK;
 }
 
-/* A light background, a little darker toward its foot. */
+/* Computes a light background that is a little darker toward the bottom. */
 static void backdrop(const ost_picture *picture, int y, vec3 out)
 {
     float f = (float)y / (float)picture->height;
@@ -287,7 +306,7 @@ static void backdrop(const ost_picture *picture, int y, vec3 out)
 
 static void paint(scene *s, const vec3 centre, float extent, ost_picture *out)
 {
-    /* a square of four, turned, so that upright and level edges meet four different places */
+    /* A rotated square of four positions, so that vertical and horizontal edges cross them one at a time. */
     static const float place[RAYS][2] = {{-0.125f, -0.375f}, {0.375f, -0.125f}, {0.125f, 0.375f}, {-0.375f, 0.125f}};
     float pixel = extent / (float)out->height;
     vec3 d;
@@ -342,7 +361,7 @@ static void annotate(scene *s, double mm_per_pixel, ost_picture *out)
     }
 }
 
-/* Extent and centre that show everything that is active: what the bricks that hold something cover in the picture. */
+/* Computes extent and centre of a view of all active voxels, from the bricks that contain some. */
 static double frame(scene *s, double aspect, vec3 centre)
 {
     const ost_field *f = &s->bone;
@@ -390,7 +409,8 @@ ost_status ost_picture_view(const ost_volume *volume, const ost_volume *before, 
     if (status != OST_OK)
         return status;
     int lo[3] = {0, 0, 0}, hi[3] = {1, 1, 1};
-    ost_field_bounds(before ? before : volume, pick.threshold, lo, hi); /* frames stay the same while bone goes */
+    /* so the view stays the same while bone is removed */
+    ost_field_bounds(before ? before : volume, pick.threshold, lo, hi);
     if (hi[2] == 0)
         lo[0] = lo[1] = lo[2] = 0, hi[0] = hi[1] = hi[2] = 1;
     status = ost_field_init(&s.bone, volume, lo, hi, weigh_bone, &pick, OST_FIELD_LEVELS, err);

@@ -32,14 +32,17 @@ ost_status ost_viewer_use_gl(ost_viewer *viewer, const ost_gl_variant *variant, 
     return viewer->gl ? OST_OK : ost_gl_open(NULL, &viewer->gl, err);
 }
 
-/* A tool's grid begins at its corner, a bone's at the middle of its first voxel; half a picometre is not visible. */
+/*
+ * Returns the tool's grid.  Its origin is a corner, a bone's origin the middle of its first
+ * voxel; half a picometre is not visible.
+ */
 static ost_geometry grid_of(const ost_tool_geometry *t)
 {
     const ost_pm s = t->voxel, half = s / 2;
     return (ost_geometry){t->dims, {s, s, s}, {t->corner.x + half, t->corner.y + half, t->corner.z + half}};
 }
 
-/* On an error the surface is empty. */
+/* Makes a tool's surface. On an error the surface is empty. */
 static ost_status surface_of(const ost_tool_volume *volume, ost_surface *surface, ost_error *err)
 {
     const ost_geometry g = grid_of(&volume->geometry);
@@ -138,7 +141,10 @@ ost_status ost_viewer_update(ost_viewer *viewer, ost_error *err)
     return status == OST_OK ? ost_surface_update(&viewer->bone, err) : status;
 }
 
-/* Draws by OpenGL. Returns false if the processor has to draw instead; a camera that is out of range is an error for both. */
+/*
+ * Draws by OpenGL.  Returns false if the processor has to draw instead.  A camera that is out of
+ * range is an error for both.
+ */
 static bool draw_gl(ost_viewer *viewer, const ost_frame_thing *things, int count)
 {
     ost_error why = {0};

@@ -10,8 +10,8 @@
  *   ground (the uncut bone) ----> colours of the cut surface
  *   clip plane, ghost, overlays -> drawn with it
  *
- * A viewer is used by one thread at a time.  Without a live state to follow it
- * shows the surfaces that were set.
+ * A viewer is used by one thread at a time.  If it follows no live state, it shows the surfaces
+ * that were set.
  */
 #ifndef OST_RENDER_VIEWER_H
 #define OST_RENDER_VIEWER_H

@@ -6,8 +6,8 @@
 
 #include "render/vector.h"
 
-static const double STEEPEST = 1.55;            /* radians: up stays up */
-static const double FOCAL = 1.2071067811865475; /* of the height: half of it over tan(45 degrees / 2) */
+static const double STEEPEST = 1.55;            /* radians; limits the elevation so that up remains up */
+static const double FOCAL = 1.2071067811865475; /* ratio to the height: half of it over tan(45 degrees / 2) */
 static const double NEAREST = 4, FARTHEST = 3000; /* mm */
 
 const char *const ost_view_names[OST_VIEW_COUNT] = {"operator", "en-face", "lateral", "anterior", "posterior", "superior", "tool", "whole"};
@@ -30,7 +30,10 @@ ost_view_subject ost_view_subject_make(const ost_geometry *g, const ost_pm3 *at,
     return s;
 }
 
-/* Looks from where `back` points. LPS: x to the patient's left, y to the back, z up. */
+/*
+ * Returns the orbit that looks at `at` from the direction `back`.  LPS: x to the patient's left,
+ * y to the back, z up.
+ */
 static ost_orbit from(const double at[3], const double back[3], double distance)
 {
     double b[3] = {back[0], back[1], back[2]};
@@ -54,7 +57,7 @@ ost_orbit ost_view_orbit(ost_view_name view, const ost_view_subject *s, const os
         double t[3], q[4];
         ost_pose_to_doubles(tool, t, q);
         const double w = q[0], x = q[1], y = q[2], z = q[3];
-        /* The tool cuts toward its -z. */
+        /* The tool cuts toward its -z axis. */
         return from(t, (double[3]){2 * (x * z + w * y), 2 * (y * z - w * x), w * w - x * x - y * y + z * z}, 1.4 * near);
     }
     switch (view) {
@@ -87,7 +90,7 @@ void ost_orbit_frame(const ost_orbit *o, double right[3], double up[3], double b
 
 void ost_orbit_turn(ost_orbit *o, double dx, double dy, int height)
 {
-    const double a_picture = 2.5; /* radians */
+    const double a_picture = 2.5; /* radians for a drag over the picture's height */
     o->azimuth -= a_picture * dx / height;
     o->elevation = fmax(-STEEPEST, fmin(STEEPEST, o->elevation + a_picture * dy / height));
 }

@@ -59,7 +59,7 @@ ost_status ost_gl_context_check(ost_gl_context *c, const char *doing, ost_error 
     return status;
 }
 
-/* ------------------------------------------------------------ what there is */
+/* ------------------------------------------------------------------ features */
 
 static void copy_string(char *out, size_t size, GLenum name)
 {
@@ -154,7 +154,7 @@ static int find_candidates(candidate *out, ost_error *err)
     return count;
 }
 
-/* What the driver would give if any version would do: for people to read. */
+/* Reports the version that the driver supports, with a context of any version. */
 static ost_status too_old(ost_gl_context *c, EGLConfig config, ost_error *err)
 {
     const EGLint none[] = {EGL_NONE};
@@ -215,7 +215,10 @@ static void drop(ost_gl_context *c)
     c->context = EGL_NO_CONTEXT;
 }
 
-/* The first that is not software, else the first that works; err: why the first does not. */
+/*
+ * Opens the first candidate that is not software, or else the first that works. err: the reason
+ * for which the first one failed.
+ */
 static ost_status open_egl(ost_gl_context *c, const ost_gl_options *options, ost_error *err)
 {
     candidate list[DEVICES + 1];

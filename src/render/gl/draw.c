@@ -8,9 +8,9 @@
  *   G-buffer cleared, points drawn, composite over what is there (pass.c)
  *       between two parts of the points: the hidden cells are found (hide.c)
  *
- * The distance of a voxel's centre, squared, is exact as a depth where depth
- * goes from 0 to 1 (4.5): a power of two times the float that the processor's
- * renderer compares.  Before that it is rounded to 24 bits of the farthest.
+ * The depth is the squared distance of a voxel's centre.  If clip space depth is 0 to 1 (4.5),
+ * the stored depth is exact: a power of two times the float that the processor's renderer
+ * compares.  In older versions it is rounded to 24 bits of the farthest.
  */
 #include "core/conditions.h"
 #include "render/gl/insides.h"
@@ -222,7 +222,10 @@ static ost_status prepare(ost_gl *gl, const ost_gl_variant *v, int number, ost_e
                    : ost_gl_store_bring(&gl->context, &gl->store, s, l->form, &l->resident, err);
 }
 
-/* The list of one layer after the other; blocks hold those of the last one prepared. */
+/*
+ * Makes the layers' lists, one after the other, and draws them; gl->blocks holds the blocks of
+ * the layer prepared last.
+ */
 static ost_status draw_all(ost_gl *gl, const ost_gl_variant *v, int count, ost_style style, ost_error *err)
 {
     uint64_t points = 0;

@@ -44,14 +44,17 @@ static void range(float p, float h, int count, int *from, int *to)
 }
 
 /*
- * Whether a cube of so many voxels a side about o (from the eye) is behind all
- * that its pixels show: splat_scalar.c has the reasoning for the slopes.
+ * Returns true if a cube of `side` voxels a side about o (from the eye) is behind everything
+ * that its pixels show. splat_scalar.c derives the slopes.
  */
 static bool is_hidden(const ost_gl *gl, const ost_gl_layer *l, const float o[3], int side)
 {
     const ost_eye *e = &l->eye.eye;
     const float half = 0.5f * (float)side + 0.01f, z = ost_eye_dot(e->forward, o), nearest = z - 2 * half * l->eye.reach[2];
-    /* Of points the depth is their centre's, of bricks that of 4^3 voxels. */
+    /*
+     * The depth of a point is that of its voxel's centre, the depth of a brick that of the
+     * middle of its 4^3 voxels.
+     */
     const float centres = 0.5f * (float)(side - (l->form == OST_GL_BRICKS ? 4 : 1));
     float square = 0, sx = 0, sy = 0;
     int x0, x1, y0, y1;

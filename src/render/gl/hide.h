@@ -6,11 +6,11 @@
  *   every cell: its pixels and nearest depth --compared with the tiles--> cells that may be visible in this frame
  *   those of them that were not drawn --drawn--> depth
  *
- * The cells visible in the last frame are a guess at those that hide the others;
- * a wrong guess only costs time.  A cell is skipped if all tiles that it may
- * cover are filled by points nearer than the entire cell; later points only make
- * a tile nearer.  Depth is the squared distance of centres, so a cell's nearest
- * depth is that of its centre nearest to the eye, with a margin for rounding.
+ * The cells visible in the last frame are a guess at those that hide the others; a wrong guess
+ * only costs time.  A cell is skipped if all tiles that it may cover are filled by points
+ * nearer than the entire cell; points drawn later can only make a tile nearer.  Depth is the
+ * squared distance of centres, so a cell's nearest depth is that of its centre nearest to the
+ * eye, with a margin for rounding.
  *
  * The unit is a cell and not a block of 32^3: bone is thin, and a small box
  * around a piece of a block can be hidden where the block's box is not.

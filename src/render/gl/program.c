@@ -6,7 +6,7 @@
 
 enum { PARTS = 8, LOG = 400 };
 
-/* `precise` came with 4.0, or with an extension to 3.3. */
+/* `precise` exists since OpenGL 4.0, and as an extension to 3.3. */
 static const char new_head[] = "#version 400 core\n#define PRECISE precise\n";
 static const char old_head[] = "#version 330 core\n"
                                "#ifdef GL_ARB_gpu_shader5\n"
@@ -16,7 +16,7 @@ static const char old_head[] = "#version 330 core\n"
                                "#define PRECISE\n"
                                "#endif\n";
 
-/* A log's first line. */
+/* Truncates a log to its first line. */
 static void one_line(char *log)
 {
     log[strcspn(log, "\r\n")] = '\0';

@@ -72,7 +72,7 @@ static ost_gl_resident *resident_of(ost_gl_store *store, const ost_surface *surf
 
 /* ------------------------------------------------------------------- forms */
 
-/* A run for so many elements, the old one if it is large enough. */
+/* Reserves a run for count elements; keeps the present one if it is large enough. */
 static ost_status room_for(ost_gl_context *c, ost_gl_pool *pool, uint32_t count, uint32_t *first, uint32_t *granules, ost_error *err)
 {
     if ((uint64_t)*granules << pool->bits >= count)
@@ -100,7 +100,7 @@ static ost_status bring_points(ost_gl_context *c, ost_gl_store *store, const ost
     return status;
 }
 
-/* Of a point: its brick in the block, and its place in that. */
+/* Return a point's brick in the block, and its cell in the brick. */
 static uint32_t brick_of(uint32_t p)
 {
     return (p >> 2 & 7) | (p >> 7 & 7) << 3 | (p >> 12 & 7) << 6;
@@ -212,7 +212,7 @@ typedef struct vertex {
     float at[3], out[3];
 } vertex;
 
-/* Two triangles of a face of the voxel about (x, y, z). */
+/* Appends the two triangles of a face of the voxel about (x, y, z). */
 static void add_face(vertex *v, const float at[3], unsigned face)
 {
     static const int corner[6][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, -1}, {1, 1}, {-1, 1}};

@@ -5,7 +5,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const float FARTHEST = 32768.0f; /* voxels from the eye: squares of distances keep whole voxels apart near the eye's axis */
+/* Greatest distance from the eye, in voxels: up to it, squares distinguish adjacent voxels near the eye's axis. */
+static const float FARTHEST = 32768.0f;
 
 ost_status ost_blocks_check(const ost_surface *surface, const ost_eye *eye, ost_error *err)
 {

@@ -164,11 +164,11 @@ static void find_cells(ost_frame_layer *layer)
 }
 
 /*
- * Returns true if a ray may enter a voxel by a face that is not to the air: it
- * begins in a voxel, or it has passed one that the near plane takes away.
- * Such a voxel's middle is within near + sqrt(3) of the eye along forward, so
- * its corners are within near + 2 sqrt(3), and along a ray that is c times as
- * far, c = 1 / cosine of the angle to the frame's corner.
+ * Returns true if a ray may enter a voxel by a face that is not to the air: because the ray
+ * begins in a voxel, or because it has passed one that the near plane removes.  The middle of
+ * such a voxel is within near + sqrt(3) of the eye along forward, so its corners are within
+ * near + 2 sqrt(3).  Along a ray that is up to c times as far, with c = 1 / cosine of the angle
+ * to the frame's corner.
  */
 static bool is_within(const ost_surface *surface, const ost_eye *e)
 {
@@ -239,7 +239,7 @@ ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things
         status = prepare(frame, &things[i], i, things[0].surface->geometry.spacing.x, err);
     if (status != OST_OK) {
         for (int i = 0; i < count; i++)
-            frame->layer[i].surface = NULL; /* no frame was drawn of what they have now */
+            frame->layer[i].surface = NULL; /* the surfaces' present contents were never drawn */
         return status;
     }
     frame->layers = count;
@@ -247,7 +247,10 @@ ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things
     const int bands = (frame->height + frame->band - 1) / frame->band;
 #pragma omp parallel num_threads(frame->threads)
     {
-        /* One thread alone makes a block's list when the first band draws it: those of hidden blocks are never made. */
+        /*
+         * With one thread, a block's list is made when the first band draws the block: lists of
+         * hidden blocks are never made.
+         */
         for (int l = 0; l < count && frame->threads > 1; l++)
             ost_layer_make_lists(frame, &frame->layer[l]);
 #pragma omp for schedule(dynamic, 1)

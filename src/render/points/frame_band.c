@@ -68,7 +68,7 @@ static cell_row row_of(const ost_cells *a, const ost_cells *b, bool without, con
     return row;
 }
 
-/* Finds the next run of columns, in pixels; *to is 0 or the end of the run before. */
+/* Finds the next run of columns, in pixels; *to is 0 or the end of the previous run. */
 static bool next_run(const cell_row *row, int *from, int *to)
 {
     int a, b = *to / OST_CELL_WIDTH;

@@ -48,11 +48,10 @@ void ost_layer_make_lists(const ost_frame *frame, const ost_frame_layer *layer);
 /* Drops the lists that do not hold for this frame. */
 void ost_layer_drop_lists(const ost_frame_layer *layer);
 /*
- * Sets frame->part and frame->stale: what is drawn of the first layer, and what
- * is copied from the stored planes.  Returns the planes to draw it into.  Stored
- * planes are drawn completely by the second of two frames that are alike, so
- * that an eye that moves pays nothing for them.  Numbers change with a list, so
- * a frame with keys draws all of them again.
+ * Sets frame->part and frame->stale: the cells of the first layer to draw, and the cells to copy
+ * from the stored planes.  Returns the planes to draw into.  The stored planes are drawn
+ * completely only in the second of two equal frames, so that a moving eye does not pay for them.
+ * Voxel numbers change with a list, so a frame with keys draws all cells again.
  */
 const ost_planes *ost_frame_choose_part(ost_frame *frame);
 

@@ -8,7 +8,8 @@
 #include "core/conditions.h"
 
 enum { SIDE = OST_BLOCK, ROWS = OST_BLOCK_ROWS };
-static const double PLATE_MM = 4.5, PLATE_CLEAR_MM = 7.5, PLATE_RADIUS_MM = 20; /* docs/metrics.md has the first */
+/* docs/metrics.md defines PLATE_MM. */
+static const double PLATE_MM = 4.5, PLATE_CLEAR_MM = 7.5, PLATE_RADIUS_MM = 20;
 
 static double voxel_mm(const ost_ground *g)
 {
@@ -95,7 +96,10 @@ void ost_ground_words(const ost_ground *ground, const int32_t block[3], uint32_t
         }
 }
 
-/* Under the face, and less than so much below it: from there outward is nothing. */
+/*
+ * Returns true if a voxel is in the subchondral plate: close to the face, with no bone from
+ * PLATE_MM to PLATE_CLEAR_MM outward of it.
+ */
 static bool in_plate(const ost_ground *g, const int32_t at[3])
 {
     if (!g->has_face)
@@ -155,7 +159,8 @@ uint32_t ost_ground_paint(const ost_ground *ground, ost_colouring colouring, con
     switch (colouring) {
     case OST_COLOUR_CLASS: return OST_PAINT_LIT + tissue_at(ground, at, density);
     case OST_COLOUR_DEPTH: return ground->level[depth];
-    case OST_COLOUR_DENSITY: return (uint32_t)(OST_PAINT_LIT + OST_SCALE - 1 - ost_window_step(density)); /* dense voxels are light */
+    /* dense voxels are light */
+    case OST_COLOUR_DENSITY: return (uint32_t)(OST_PAINT_LIT + OST_SCALE - 1 - ost_window_step(density));
     case OST_COLOUR_BONE:
     case OST_COLOUR_COUNT: break;
     }

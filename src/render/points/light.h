@@ -51,7 +51,10 @@ typedef struct ost_lamps {
 struct ost_directions;
 typedef void ost_light_shade_of(uint16_t *shade, const struct ost_directions *directions, const ost_lamps *lamps, float gloss);
 
-/* Unit vectors of all cells, and who goes through them: light.c's loop unless it is set to ost_light_shade_for. */
+/*
+ * Unit vectors of all directions, and the loop that shades them: light.c's own, unless shade is
+ * set to ost_light_shade_for.
+ */
 typedef struct ost_directions {
     float x[OST_OCTAHEDRAL_COUNT], y[OST_OCTAHEDRAL_COUNT], z[OST_OCTAHEDRAL_COUNT];
     ost_light_shade_of *shade;

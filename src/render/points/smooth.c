@@ -55,16 +55,16 @@ void ost_field_slice_scalar(const ost_field_slice *const y[9], uint64_t rows, os
 
 OST_CELLS_DEFINE(scalar)
 
-/* Works on words below 2^14. */
+/* Returns three quarters of near and one quarter of far, for words below 2^14. */
 static inline uint16_t between(uint16_t near, uint16_t far)
 {
     return (uint16_t)((3 * near + far + 2) >> 2);
 }
 
 /*
- *    cell m - 1  |    cell m     |  cell m + 1        places of a field: 2 m and 2 m + 1 lie between
- *                    o   |   o                        cells m and m + 1 (counted from -1, as all rows of a
- *                  3 : 1 | 1 : 3                      field are), a quarter and three quarters of the way
+ *    cell m - 1  |    cell m     |  cell m + 1        Positions 2 m and 2 m + 1 of a field are a quarter and
+ *                    o   |   o                        three quarters of the way from cell m to cell m + 1
+ *                  3 : 1 | 1 : 3                      (counted from -1, as all rows of a field are).
  */
 void ost_field_finer_scalar(const ost_field_slice *const cells[2], bool odd, uint64_t rows, ost_field_slice *out)
 {

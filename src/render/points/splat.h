@@ -14,16 +14,14 @@
  * A pixel stores one word, its key: the squared distance from the eye to the
  * voxel's centre, as the bits of a float, above the voxel's number, which is
  * its block's slot << 15 | its index in that block's list.  The least key is
- * kept, so the result depends neither on the order of the voxels nor on the
- * positions of the lists.  On a regular grid that distance orders voxels along
- * every ray: where
- * a ray goes from voxel A to its neighbour across +x, it has d_x > 0 and passes
- * the shared face at x = A_x + 1/2, so (A - E)_x + 1/2 > 0, and the distance
- * grows by (A_x + 1 - E_x)^2 - (A_x - E_x)^2 = 2 (A_x - E_x) + 1 > 0; so for
- * all axes.
+ * kept, so the result depends neither on the order of the voxels nor on the positions of the
+ * lists.  On a regular grid that distance orders voxels along every ray: where a ray goes from
+ * voxel A to its neighbour across +x, d_x > 0 and it passes the shared face at x = A_x + 1/2,
+ * so (A - E)_x + 1/2 > 0, and the squared distance increases by
+ * (A_x + 1 - E_x)^2 - (A_x - E_x)^2 = 2 (A_x - E_x) + 1 > 0; the same holds for all axes.
  *
- * Ranges: the eye within 2^15 voxels of every voxel, frames up to 2^13 pixels
- * a side, lists of fewer than 2^31 in all; an id is slot << 15 | z << 10 | y << 5 | x.
+ * Ranges: the eye is within 2^15 voxels of every voxel, frames have up to 2^13 pixels a side,
+ * all lists together fewer than 2^31 entries; an id is slot << 15 | z << 10 | y << 5 | x.
  */
 #ifndef OST_RENDER_SPLAT_H
 #define OST_RENDER_SPLAT_H

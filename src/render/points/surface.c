@@ -160,7 +160,7 @@ static bool changed_box(const uint32_t *was, const uint32_t *is, int lo[3], int 
     return x != 0;
 }
 
-/* What a change may affect in a block that depends on it. */
+/* The data of a block that a change in another block may affect. */
 typedef enum sees { SEES_LOOKS, SEES_POINTS, SEES_CELLS, SEES_GROUND } sees;
 
 /* Marks the blocks within `reach` voxels of the changed box, including the changed block itself. */

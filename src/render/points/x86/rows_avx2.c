@@ -6,7 +6,10 @@
 
 OST_ROWS_DEFINE(avx2)
 
-/* Bits that are set among eight, the first first, three bits each: a digit of an octal number. */
+/*
+ * Returns the positions of the set bits of eight, in ascending order, three bits each: the
+ * digits of an octal number.
+ */
 static inline uint32_t order_of(uint32_t bits)
 {
     static const uint16_t four[16] = {0, 00, 01, 010, 02, 020, 021, 0210, 03, 030, 031, 0310, 032, 0320, 0321, 03210};

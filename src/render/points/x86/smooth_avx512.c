@@ -153,7 +153,7 @@ static inline __m512 share(const __m512 fine[3], const __m512 wide[3], __m512 fi
     return _mm512_maskz_min_ps(says, _mm512_max_ps(t, one(0)), one(1));
 }
 
-/* 1 - |beside|, with the sign of a number that is not -0. */
+/* Returns 1 - |beside| with the sign of `sign`, which is not -0. */
 static inline __m512 folded(__m512 beside, __m512 sign)
 {
     const __m512 away = _mm512_sub_ps(one(1), _mm512_abs_ps(beside));
@@ -167,7 +167,10 @@ static inline __m512i cell(__m512 p)
     return _mm512_min_epi32(c, _mm512_set1_epi32(OST_OCTAHEDRAL_SIDE - 1));
 }
 
-/* No part of v is -0: of v[a] fine + w[a] wide no sum is. Nor is v less than 1 in sum, but for 0. */
+/*
+ * No component of v is -0, since no sum v[a] fine + w[a] wide is.  The sum of magnitudes is at
+ * least 1, or 0.
+ */
 static inline __m512i octahedral(const __m512 v[3])
 {
     const __m512 sum = _mm512_add_ps(_mm512_add_ps(_mm512_abs_ps(v[0]), _mm512_abs_ps(v[1])), _mm512_abs_ps(v[2])), by = _mm512_max_ps(sum, one(1));

@@ -42,7 +42,7 @@ static inline __m256i within(lanes v, int lo, int hi)
     return _mm256_cvttps_epi32(_mm256_min_ps(_mm256_max_ps(v, all((float)lo)), all((float)hi)));
 }
 
-/* The first n lanes, n >= 1. */
+/* Returns a mask of the first n lanes, n >= 1. */
 static inline __m256i below(int n)
 {
     return _mm256_cmpgt_epi32(_mm256_set1_epi32(n), _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
@@ -93,7 +93,11 @@ static inline unsigned rectangles(const ost_splat_eye *s, lanes3 o, const lanes 
     return live & ~greater(left, right) & ~greater(top, bottom);
 }
 
-/* negative[a]: the sign bit where rays go down axis a. single[a]: where that of axis a is the one face that matters. */
+/*
+ * Computes the edges of eight voxels' outlines. negative[a]: the sign bit is set where rays run
+ * in the negative direction of axis a. single[a]: all ones where the only face to draw is on
+ * axis a.
+ */
 static inline void edges_of(const ost_splat_eye *s, lanes3 o, const lanes negative[3], const lanes single[3], eight *out)
 {
     lanes turn_first[3], turn_second[3];
@@ -277,7 +281,7 @@ static inline unsigned into_part(eight *r, unsigned live, const ost_extent *part
     return live & ~greater(top, bottom);
 }
 
-/* What those that live cover, too. */
+/* Extends *e by the rectangles of the live lanes. */
 static inline void widen(const eight *r, unsigned live, ost_extent *e)
 {
     for (; live; live &= live - 1) {
@@ -289,7 +293,7 @@ static inline void widen(const eight *r, unsigned live, ost_extent *e)
     }
 }
 
-/* Up to eight entries from place on; *extent becomes theirs too. */
+/* Draws up to eight entries of a list from place on, and extends *extent by their rectangles. */
 static inline void splat_some(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t place, int count,
                               const ost_planes *planes, const ost_extent *part, ost_extent *extent)
 {

@@ -101,7 +101,11 @@ typedef struct sixteen {
     _Alignas(64) uint64_t key[OST_LANES];
 } sixteen;
 
-/* negative[a]: the sign bit where rays go down axis a. single[a]: where that of axis a is the one face that matters. */
+/*
+ * Computes the edges of sixteen voxels' outlines. negative[a]: the sign bit is set where rays
+ * run in the negative direction of axis a. single[a]: set where the only face to draw is on axis
+ * a.
+ */
 static inline void edges_of(const ost_splat_eye *s, lanes3 o, const __m512i negative[3], const __mmask16 single[3], sixteen *out)
 {
     __mmask16 turn_first[3], turn_second[3];
@@ -125,7 +129,7 @@ static inline void edges_of(const ost_splat_eye *s, lanes3 o, const __m512i nega
     }
 }
 
-/* The sign bit where one of six values is negative. */
+/* Returns a vector whose sign bit is set where one of six values is negative. */
 static inline __m512i any_negative(const lanes f[6])
 {
     __m512i v[6];
@@ -201,7 +205,7 @@ static inline void settle(uint64_t *row, __mmask8 in, __m512i key)
     _mm512_mask_storeu_epi64(row, nearer, key);
 }
 
-/* Up to eight columns: two rows at a time, one in the even lanes and one in the odd. */
+/* Fills a rectangle of up to eight columns, two rows at a time: one in the even lanes and one in the odd. */
 static __attribute__((noinline)) void fill_pairs(const ost_splat_eye *s, const sixteen *r, int k, int y, int rows, float start[6][TALL], const ost_planes *planes)
 {
     const __m512i step = _mm512_set_epi32(7, 7, 6, 6, 5, 5, 4, 4, 3, 3, 2, 2, 1, 1, 0, 0), key = _mm512_set1_epi64((long long)r->key[k]);
@@ -222,7 +226,7 @@ static __attribute__((noinline)) void fill_pairs(const ost_splat_eye *s, const s
     }
 }
 
-/* Sixteen columns at a time, a row at a time. */
+/* Fills a rectangle sixteen columns at a time, row by row. */
 static __attribute__((noinline)) void fill_rows(const ost_splat_eye *s, const sixteen *r, int k, int y, int rows, float start[6][TALL], const ost_planes *planes)
 {
     const __m512i step = _mm512_set_epi32(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0), key = _mm512_set1_epi64((long long)r->key[k]);
@@ -485,7 +489,10 @@ void ost_resolve_avx512(const ost_splat_eye *eye, const ost_visible *visible, co
             const lanes u = across(eye, _mm512_add_epi32(_mm512_set1_epi32(x), step));
             lanes3 o;
             const __m512i index = look_up(visible, _mm512_permutex2var_epi32(low, even, high), any, &o);
-            /* Loads one by one are faster than gathers, but not from words that the compiler takes out of a register again. */
+            /*
+             * Single loads are faster than a gather.  The asm prevents the compiler from
+             * extracting the indices from the register again.
+             */
             _Alignas(64) uint32_t at_list[OST_LANES];
             _mm512_store_si512(at_list, _mm512_maskz_mov_epi32(any, index));
             __asm__("" : "+m"(at_list));
