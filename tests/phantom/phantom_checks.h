@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/*
- * What the tests of generated bones measure, computed from the voxels alone.
- */
+/* Measurements of generated bones, computed from the voxels alone. */
 #ifndef OST_TESTS_PHANTOM_CHECKS_H
 #define OST_TESTS_PHANTOM_CHECKS_H
 
@@ -17,8 +15,8 @@ typedef struct chunk_count {
 } chunk_count;
 
 /*
- * Chunks of the bone that import would make, by AR-CUB's rule written out:
- * cubic dims = ceil(dims * rect / cubic), source = floor(i * cubic / rect).
+ * Counts the chunks of the bone that an import makes, by AR-CUB's rule written out: cubic dims =
+ * ceil(dims * rect / cubic), source = floor(i * cubic / rect).
  */
 static inline chunk_count count_chunks(const ost_volume *v)
 {
@@ -47,7 +45,10 @@ static inline chunk_count count_chunks(const ost_volume *v)
     return c;
 }
 
-/* Size of the greatest set of active voxels that touch by faces, and how many there are in all. */
+/*
+ * Computes the size of the greatest set of active voxels that are connected by faces, and the
+ * number of all active voxels.
+ */
 static inline void count_connected(const ost_volume *v, int64_t *greatest, int64_t *all)
 {
     ost_dims d = v->geometry.dims;
@@ -96,7 +97,10 @@ static inline void read_vector(const ost_volume *v, const char *key, double out[
     assert_int_equal(sscanf(text, "%lf %lf %lf", &out[0], &out[1], &out[2]), 3);
 }
 
-/* Density between voxel centres, at a point of the patient in mm; the nearest voxel's outside the grid. */
+/*
+ * Returns the density, interpolated between voxel centres, at a point of the patient in mm;
+ * outside the grid that of the nearest voxel.
+ */
 static inline double density_at(const ost_volume *v, const double mm[3])
 {
     const ost_geometry *g = &v->geometry;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The trabecular cores at the thesis' size: Tables 3.1 and 3.2, and that they
- * are spongy: how much is bone, how thick its struts, how wide its spaces.
+ * The trabecular cores at the thesis' size: Tables 3.1 and 3.2, and their spongy structure: the
+ * share of bone, the thickness of struts, the width of spaces.
  *
  * Measured for seed 1: core 1 250 of 250 chunks, core 2 1051 of 1200 (the
  * thesis: 1060).  A cylinder of 5 mm radius in the box of 314 x 316 voxels
@@ -23,7 +23,10 @@ static ost_volume make(ost_phantom_kind kind)
     return v;
 }
 
-/* Mean length, mm, of runs of active (or inactive) voxels along x, y and z, the ones at the border left out. */
+/*
+ * Returns the mean length, in mm, of runs of active (or inactive) voxels along x, y and z,
+ * without the runs at the border.
+ */
 static double mean_run(const ost_volume *v, bool active)
 {
     const int n[3] = {v->geometry.dims.x, v->geometry.dims.y, v->geometry.dims.z};
@@ -55,9 +58,9 @@ static double mean_run(const ost_volume *v, bool active)
 }
 
 /*
- * A line meets a rod or plate aslant, so its run is longer than the
- * thickness: by pi/2 for a long cylinder and by 2 for a plate, on average.
- * Struts of 0.15-0.25 mm then show as 0.24-0.5 mm.
+ * A line crosses a rod or plate obliquely, so its run is longer than the thickness: on average
+ * by the factor pi/2 for a long cylinder and 2 for a plate.  So struts of 0.15-0.25 mm have runs
+ * of 0.24-0.5 mm.
  */
 static void test_core_1(void **state)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Generated bones: names, options, seeds, sides, and what their header says.
- * Coarse grids; the figures of full size are in the tests beside this one.
+ * Generated bones: names, options, seeds, sides, and the data in their headers.  Coarse grids;
+ * the tests of full size are in the other files of this folder.
  *
  * Covers: REQ-PHANTOM, AR-GRID-1
  */
@@ -63,7 +63,7 @@ static void test_a_seed_makes_one_grid(void **state)
         bool core = kind >= OST_PHANTOM_TRABECULAR;
         ost_phantom_options o = {.spacing = core ? (ost_pm3){MM / 5, MM / 5, MM / 5} : (ost_pm3){3 * MM, 3 * MM, 3 * MM}};
         ost_volume a = make((ost_phantom_kind)kind, o);
-        o.seed = 1; /* what 0 stands for */
+        o.seed = 1; /* the seed that 0 selects */
         ost_volume b = make((ost_phantom_kind)kind, o);
         o.seed = 2;
         ost_volume c = make((ost_phantom_kind)kind, o);
@@ -90,7 +90,7 @@ static void test_left_is_the_mirror_of_right(void **state)
     for (int64_t row = 0; row < (int64_t)d.y * d.z; row++)
         for (int i = 0; i < d.x; i++)
             assert_int_equal(left.voxels[row * d.x + i], right.voxels[row * d.x + d.x - 1 - i]);
-    /* first voxel of one is the last of the other, on the other side of the midline */
+    /* The first voxel of one is the last of the other, on the other side of the midline. */
     assert_int_equal(left.geometry.origin.x, -(right.geometry.origin.x + (d.x - 1) * right.geometry.spacing.x));
     assert_int_equal(left.geometry.origin.y, right.geometry.origin.y);
     double at[2][3], axis[2][3];
@@ -106,7 +106,10 @@ static void test_left_is_the_mirror_of_right(void **state)
     ost_volume_free(&right);
 }
 
-/* LPS+: a right glenoid lies at negative x and looks to the patient's right and a little forward, so inward is +x and +y. */
+/*
+ * LPS+: a right glenoid lies at negative x and faces the patient's right and a little forward,
+ * so inward is +x and +y.
+ */
 static void test_the_glenoid_looks_outward(void **state)
 {
     (void)state;
@@ -127,7 +130,7 @@ static void test_the_glenoid_looks_outward(void **state)
     }
 }
 
-/* However the seed shapes it, the bone is whole and keeps off the box's walls. */
+/* For every seed the bone is one connected piece and does not touch the box's sides. */
 static void test_seeds_keep_the_bone_whole(void **state)
 {
     (void)state;
@@ -149,8 +152,8 @@ static void test_seeds_keep_the_bone_whole(void **state)
 }
 
 /*
- * Blocks are skipped when their centre is far enough from the bone (ct.c):
- * that stands on distances overstating by at most half.
+ * A block is skipped if its centre is far enough from the bone (ct.c).  This requires that
+ * distances overstate by at most half.
  */
 static void test_distances_can_be_relied_on(void **state)
 {
@@ -193,7 +196,7 @@ static void test_bad_options(void **state)
         assert_int_equal(ost_phantom_make(OST_PHANTOM_FOAM, &o, &v, &err), OST_ERR_RANGE);
         assert_non_null(strstr(err.text, "along y"));
     }
-    /* 120.32 mm / 10 um = 12,032 voxels an axis are allowed, but not 12,032 x 10,998 x 20,100 */
+    /* 120.32 mm / 10 um = 12,032 voxels on an axis are allowed, but not 12,032 x 10,998 x 20,100 in all. */
     ost_phantom_options o = {.spacing = {MM / 100, MM / 100, MM / 50}};
     assert_int_equal(ost_phantom_make(OST_PHANTOM_SCAPULA, &o, &v, &err), OST_ERR_RANGE);
     assert_non_null(strstr(err.text, "2^31"));

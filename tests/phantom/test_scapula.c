@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The scapula and its glenoid at the thesis' size: Tables 3.1 and 3.2, one
- * whole bone, and the layers that a reamer meets.
+ * The scapula and its glenoid at the thesis' size: Tables 3.1 and 3.2, one connected bone, and
+ * the layers that a reamer cuts.
  *
  * Measured for seed 1: 202 of 896 chunks active (the thesis: 202 in Table 3.2,
  * 199 in Table 3.7), 18 of 18 in the glenoid.
@@ -65,7 +65,7 @@ static void test_no_crumbs(void **state)
     assert_int_equal(greatest, all);
 }
 
-/* Two phantoms of one bone: the small one is cut out of the large one, voxel for voxel. */
+/* The smaller phantom is cut out of the larger one, voxel for voxel. */
 static void test_the_glenoid_is_a_crop(void **state)
 {
     (void)state;
@@ -84,8 +84,8 @@ static void test_the_glenoid_is_a_crop(void **state)
 }
 
 /*
- * Inward along the axis from before the face, every 0.05 mm: soft tissue,
- * cartilage [120, 150), compact bone [650, ...), spongy bone [150, 650).
+ * Samples inward along the axis from outside the face, every 0.05 mm: soft tissue, cartilage
+ * [120, 150), compact bone [650, ...), spongy bone [150, 650).
  */
 static void test_layers_along_the_axis(void **state)
 {
@@ -140,14 +140,17 @@ static void test_densities(void **state)
     assert_true(in_class[3] > active / 5);
 }
 
-/* Denser to the back (Frich et al.): along the face 5 mm deep, behind the axis against before it. */
+/*
+ * The bone is denser at the back (Frich et al.): compares both sides of the axis, along the face
+ * and 6 to 10 mm deep.
+ */
 static void test_denser_posteriorly(void **state)
 {
     (void)state;
     double at[3], axis[3];
     read_vector(&scapula, OST_META_GLENOID_AT, at);
     read_vector(&scapula, OST_META_GLENOID_AXIS, axis);
-    /* level and along the face: square to the axis in the axial plane, pointing backward (+y) */
+    /* Horizontal and along the face: perpendicular to the axis in the axial plane, pointing backward (+y). */
     double back[3] = {-axis[1], axis[0], 0}, mean[2] = {0, 0};
     for (int side = 0; side < 2; side++)
         for (double u = 4; u < 8; u += 0.25)

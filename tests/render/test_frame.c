@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Frames that keep what did not change: after any removal, move of the tool or
- * of the eye, change of colours, clip, ghost or lines, and whatever was written
- * over the last one, a frame is the same to the bit as one drawn from nothing.
+ * Frames that keep unchanged parts: after any removal, motion of the tool or of the eye, change
+ * of colours, clip plane, ghost or lines, and after any overwriting of the last frame, a frame
+ * is bit-identical to one drawn from scratch.
  * Covers: REQ-FRAME-KEPT
  */
 #include <math.h>
@@ -29,7 +29,10 @@ static void ball(ost_volume *v, const int at[3], int radius, int16_t value)
             }
 }
 
-/* A body in the middle of its grid, so that there is room for blocks that were never anything. */
+/*
+ * Makes a body in the middle of its grid, so that there are positions of blocks that never had
+ * an active voxel.
+ */
 static ost_volume make_bone(test_rng *rng)
 {
     ost_error err = {0};
@@ -72,7 +75,7 @@ static ost_camera camera_of(test_rng *rng, int width, int height)
 {
     ost_error err = {0};
     ost_camera c = {.focal_milli = (int32_t)(1000 * width), .width = width, .height = height};
-    const double far = rng_range(rng, 0, 4) ? 1 : 0.3; /* now and then so near that voxels fill it */
+    const double far = rng_range(rng, 0, 4) ? 1 : 0.3; /* sometimes so near that voxels fill the frame */
     const double to[3] = {50, 35, 34};
     double from[3];
     do
@@ -100,7 +103,7 @@ static void make(ost_viewer *v, const ost_volume *bone, ost_isa isa, int threads
     ost_tool_volume_free(&tool);
 }
 
-/* One of the things that may happen between two frames. */
+/* Makes one random change of those that are possible between two frames. */
 static void change(ost_viewer *v, ost_volume *bone, test_rng *rng, ost_camera *camera)
 {
     ost_error err = {0};
@@ -143,7 +146,10 @@ static void change(ost_viewer *v, ost_volume *bone, test_rng *rng, ost_camera *c
         assert_ok(ost_surface_set_volume(&v->bone, bone, 120, &err));
 }
 
-/* As a window writes its numbers, and as another renderer leaves nothing as it was. */
+/*
+ * Writes over a frame as a window does with its HUD, and sometimes overwrites everything as
+ * another renderer does.
+ */
 static void write_over(ost_frame *f, test_rng *rng)
 {
     const ost_sheet sheet = ost_frame_sheet(f);
@@ -180,11 +186,11 @@ static size_t cells_in(const ost_cells *c)
 }
 
 typedef struct drawn {
-    int frames, parts; /* of which the part is smaller than the frame */
-    size_t cells;      /* of these parts */
+    int frames, parts; /* number of frames, and of those drawn only in part */
+    size_t cells;      /* cells drawn in these parts */
 } drawn;
 
-/* The same things by a frame that knows nothing of others. */
+/* Draws a frame, and compares it with the same picture drawn by a new frame. */
 static void draw(ost_viewer *v, const ost_camera *camera, drawn *d)
 {
     ost_error err = {0};

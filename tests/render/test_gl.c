@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * OpenGL's picture against the processor's: the same voxels in the same
- * pixels, but for a handful where a driver rounds otherwise.  30 of 921,600
- * may differ (1280 x 720), in proportion in smaller frames but no fewer than 5;
- * how many did is printed.  Skipped where there is no OpenGL without a display.
+ * Compares OpenGL's picture with the processor's: the same voxels in the same pixels, except
+ * for a few pixels where a driver rounds differently. 30 of 921,600 may differ (1280 x 720), in
+ * proportion in smaller frames but no fewer than 5; the number that differ is printed.  Skipped
+ * without OpenGL that needs no display.
  *
- * OST_TEST_LONG=1: frames of 1280 x 720, and all once more with no more than
- * OpenGL 3.3 has.
+ * OST_TEST_LONG=1: frames of 1280 x 720, and all tests a second time limited to OpenGL 3.3.
  * Covers: REQ-RENDER, REQ-GL-SAME, REQ-GL-HIDDEN
  */
 #include <math.h>
@@ -18,7 +17,7 @@
 enum { SMALL_W = 480, SMALL_H = 270, LARGE_W = 1280, LARGE_H = 720 };
 
 static ost_gl *gl;
-static int version; /* as ost_gl_options has it */
+static int version; /* as in ost_gl_options */
 static char reason[OST_ERROR_TEXT];
 
 static ost_geometry grid(int x, int y, int z, ost_pm spacing)
@@ -26,7 +25,7 @@ static ost_geometry grid(int x, int y, int z, ost_pm spacing)
     return (ost_geometry){{x, y, z}, {spacing, spacing, spacing}, {-3 * OST_PM_PER_MM, 0, 7 * OST_PM_PER_MM}};
 }
 
-/* A body of three lobes with a bowl and holes in it. */
+/* Makes a body of three lobes with a bowl and holes in it. */
 static ost_volume body(test_rng *rng, int n, ost_pm spacing)
 {
     ost_error err = {0};
@@ -56,7 +55,10 @@ static ost_surface surface_of(const ost_volume *v)
     return s;
 }
 
-/* From a place around the middle, in voxels of the body; aside: where it looks at, off the middle. */
+/*
+ * Returns a camera in the direction x, y, z from the body's middle, at a distance in voxels;
+ * aside: offset of the point looked at.
+ */
 static ost_camera look(const ost_geometry *g, double x, double y, double z, double distance, double aside, int width, int height)
 {
     ost_error err = {0};
@@ -69,7 +71,7 @@ static ost_camera look(const ost_geometry *g, double x, double y, double z, doub
 }
 
 typedef struct difference {
-    int colour, face, depth; /* pixels */
+    int colour, face, depth; /* number of pixels that differ */
 } difference;
 
 static difference compare(const ost_frame *a, const ost_frame *b)
@@ -122,7 +124,7 @@ static void skip_without_gl(void)
 
 typedef struct place {
     const char *name;
-    double x, y, z, distance, aside; /* distances in sides of the body */
+    double x, y, z, distance, aside; /* direction; distances as multiples of the body's side */
 } place;
 
 static const place places[] = {
@@ -174,7 +176,7 @@ static void test_views(void **state)
         check_views(SMALL_W, SMALL_H, 96);
 }
 
-/* What changes in a surface is brought over, and nothing else. */
+/* Only the changed blocks of a surface are uploaded, and they are drawn. */
 static void test_changes(void **state)
 {
     (void)state;
@@ -194,7 +196,7 @@ static void test_changes(void **state)
     assert_int_equal(ost_gl_counts_get(gl).uploaded, 0);
     for (int round = 0; round < 4; round++) {
         uint64_t was[27] = {0}, renewed = 0;
-        bool differs = false; /* some bodies have nothing there */
+        bool differs = false; /* some bodies have no voxel there */
         assert_true(s.used <= 27);
         for (int32_t i = 0; i < s.used; i++)
             was[i] = s.slot[i]->version;
@@ -214,7 +216,7 @@ static void test_changes(void **state)
         assert_true((renewed > 0) == differs);
         check("after a change, as bricks", &bricks, &thing, 1, OST_STYLE_SMOOTH);
     }
-    /* Another surface at the same address. */
+    /* another surface at the same address */
     ost_surface_free(&s);
     ost_volume_free(&v);
     v = body(&rng, 50, OST_PM_PER_MM);
@@ -226,7 +228,10 @@ static void test_changes(void **state)
     ost_volume_free(&v);
 }
 
-/* The variants that are there to be compared draw the same voxels; those without the cut at the frame's edge where nothing is cut. */
+/*
+ * The variants for comparison draw the same voxels; those that do not cut points at the frame's
+ * edge are tested where nothing is cut.
+ */
 static void test_variants(void **state)
 {
     (void)state;
@@ -254,7 +259,7 @@ static void test_variants(void **state)
     ost_volume_free(&v);
 }
 
-/* A body behind a wall, which has a window while open. */
+/* Builds a body behind a wall, which has a window if open. */
 static void build(ost_volume *v, const ost_volume *shape, bool open)
 {
     const int n = v->geometry.dims.x;
@@ -267,7 +272,10 @@ static void build(ost_volume *v, const ost_volume *shape, bool open)
             }
 }
 
-/* Draws with and without, which must be the same to the bit; returns how many cells were left out. */
+/*
+ * Draws with and without occlusion, which must be bit-identical; returns the number of cells
+ * that were skipped.
+ */
 static int same_without(const char *name, const ost_gl_variant *variant, const ost_frame_thing *things, int count)
 {
     ost_error err = {0};
@@ -295,9 +303,9 @@ static int same_without(const char *name, const ost_gl_variant *variant, const o
 }
 
 /*
- * Cells that others hide are left out, and no pixel of any frame changes by
- * it: not as the eye goes around in steps that bring others to the front, not
- * when a window is cut into what hid them.
+ * Cells that others hide are skipped, and this changes no pixel of any frame: not when the eye
+ * moves around in steps that bring other cells to the front, and not when a window is cut into
+ * the wall that hid them.
  */
 static void test_occlusion(void **state)
 {
@@ -329,7 +337,10 @@ static void test_occlusion(void **state)
                                                {.surface = &tool, .eye = ost_eye_make_from(&c, &t.geometry, &pose), .paint = OST_PAINT_STEEL}};
             hidden += same_without(names[i], &list[i], things, 1 + step % 2);
         }
-        /* The eye rests before the wall: most of what is behind is left out, until the wall opens, at once. */
+        /*
+         * The eye stays before the wall: most cells behind it are skipped until the window
+         * opens, then drawn at once.
+         */
         const ost_camera c = look(&v.geometry, 0.05, -1, 0.0, 0.9 * N, 0, W, H);
         const ost_frame_thing thing = {.surface = &s, .eye = ost_eye_make(&c, &v.geometry), .paint = OST_PAINT_BONE};
         int before = 0, after = 0;

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Golden pictures: of each pixel which voxel it shows and by which face, as a
- * hash.  The hashes were not taken from the renderer.  They are those of
- * walk(), which is in this file: a ray of doubles through each pixel's middle
- * that steps from voxel to voxel of the dense volume, knowing no points, no
- * rectangles, no order and no lists.  Here the walk is done again and must give
- * the hash, and so must every instruction set and number of threads.  Pixels
- * whose rays pass an edge within a thousandth of a pixel are in no hash: the
- * walk finds them, fewer than one in a hundred.
+ * Golden pictures: a hash of the voxel and the face that each pixel shows.  The hashes were not
+ * computed by the renderer but by walk() in this file: a ray of doubles through each pixel's
+ * middle that steps from voxel to voxel of the dense volume, without points, rectangles, order
+ * or lists.  The test repeats the walk, which must give the hash, and so must every instruction
+ * set and number of threads.  Pixels whose rays pass within a thousandth of a pixel of an edge
+ * are not part of the hash: the walk finds them, fewer than one in a hundred.
+ *
  * Covers: REQ-VIEWER
  */
 #include <inttypes.h>
@@ -40,7 +39,7 @@ static int square(int a)
     return a * a;
 }
 
-/* A ball with a bowl in front, a hole in the bowl, and pores. */
+/* A ball with a bowl at the front, a hole in the bowl, and pores. */
 static bool bone(int i, int j, int k)
 {
     const uint32_t pore = ((uint32_t)i * 73856093u ^ (uint32_t)j * 19349663u ^ (uint32_t)k * 83492791u) >> 7;
@@ -58,12 +57,12 @@ static bool tool(int i, int j, int k)
 /* --------------------------------------------------------------------- walk */
 
 typedef struct hit {
-    int face;     /* OST_NO_FACE */
+    int face;     /* OST_NO_FACE if the ray hits nothing */
     long voxel;
     double depth; /* along forward, in voxels */
 } hit;
 
-/* The first voxel on the ray of pixel (x, y), of which fractions are allowed. */
+/* Returns the first voxel on the ray of pixel (x, y), which may be fractions. */
 static hit walk(const ost_volume *v, const ost_eye *e, double x, double y)
 {
     const int dims[3] = {v->geometry.dims.x, v->geometry.dims.y, v->geometry.dims.z};
@@ -101,7 +100,7 @@ static hit walk(const ost_volume *v, const ost_eye *e, double x, double y)
 
 /* ------------------------------------------------------------------- hashes */
 
-/* FNV-1a, by words. */
+/* Returns the hash extended by the eight bytes of a word (FNV-1a). */
 static uint64_t hashed(uint64_t hash, uint64_t word)
 {
     for (int i = 0; i < 8; i++)
@@ -132,7 +131,7 @@ static void free_thing(thing *t)
     ost_volume_free(&t->volume);
 }
 
-/* Of two things the nearer. scale: the second's voxels in the first's. */
+/* Returns the nearer hit of two objects. scale: side of the second's voxels in voxels of the first. */
 static hit nearest(const thing *t, int count, double scale, double x, double y)
 {
     hit h = walk(&t[0].volume, &t[0].eye, x, y);
@@ -140,15 +139,15 @@ static hit nearest(const thing *t, int count, double scale, double x, double y)
         const hit other = walk(&t[1].volume, &t[1].eye, x, y);
         if (other.face != OST_NO_FACE && (h.face == OST_NO_FACE || other.depth * scale < h.depth))
             h = other;
-        h.voxel = -1; /* a frame keeps the first thing's alone */
+        h.voxel = -1; /* a frame stores the voxels of the first object alone */
     }
     return h;
 }
 
 /*
- * What the walk sees in each pixel.  Where a ray a thousandth of a pixel beside
- * it sees another voxel or face, it passes an edge so closely that either is
- * right: such a pixel is left out.
+ * The hit of each pixel.  If rays a thousandth of a pixel away hit another voxel or face, the
+ * ray passes so close to an edge that both results are correct: such a pixel is not clear and
+ * not compared.
  */
 typedef struct golden {
     hit pixel[H][W];
@@ -178,7 +177,7 @@ static void walk_all(const thing *t, int count, double scale, golden *g)
         }
 }
 
-/* Of a frame's pixels that are clear. */
+/* Returns the hash of a frame's clear pixels. */
 static uint64_t hash_of(const ost_frame *f, const ost_surface *s, const golden *g)
 {
     uint64_t hash = START;
@@ -224,7 +223,7 @@ typedef struct view {
     double from[3], at[3];
     int32_t focal_milli;
     bool with_tool;
-    uint64_t hash; /* of the walk */
+    uint64_t hash; /* hash that the walk gave */
 } view;
 
 static const view views[] = {
@@ -244,7 +243,7 @@ static void test_golden(void **state)
     static golden g;
     make_thing(&t[0], volume_of(100, 90, 110, MM, bone));
     make_thing(&t[1], volume_of(61, 61, 70, MM / 2, tool));
-    /* The tool's dome in the bowl, its shaft toward who looks, at an angle. */
+    /* The tool's dome is in the bowl, its shaft points toward the viewer at an angle. */
     const double place[3] = {38, 16, 70}, turn[4] = {0.5, 0.7, 0.5, -0.1};
     ost_pose pose;
     assert_ok(ost_pose_from_doubles(place, turn, &pose, &err));

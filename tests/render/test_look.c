@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What a picture shows besides the shape: each feature against a definition of
- * its own, written down here once more by walking through all voxels.
+ * The features of a picture other than shape: each is compared with a separate definition in
+ * this file that walks through all voxels.
+ *
  * Covers: REQ-LOOK
  */
 #include <math.h>
@@ -26,7 +27,10 @@ static size_t index_of(int i, int j, int k)
     return (size_t)i + (size_t)NX * ((size_t)j + (size_t)NY * (size_t)k);
 }
 
-/* A bone of many densities, rounded at its corners, with pores; a rod's way out of it in after. */
+/*
+ * Makes a bone of many densities, with rounded corners and pores; in after, a rod has cut its
+ * way out of it.
+ */
 static void make_bone(test_rng *rng, ost_volume *before, ost_volume *after)
 {
     ost_error err = {0};
@@ -109,7 +113,10 @@ static bool shown(const ost_clip *c, const int v[3])
     return (int64_t)c->n[0] * v[0] + (int64_t)c->n[1] * v[1] + (int64_t)c->n[2] * v[2] <= c->d;
 }
 
-/* Of a plane it is the voxels beside it that show the CT, each its own density: -100 HU is black, 1300 white, in 126 steps. */
+/*
+ * Voxels next to the clip plane show the CT, each by its own density: -100 HU is black, 1300
+ * white, in 126 steps.
+ */
 static void check_clip(void *user, const int v[3], uint32_t point, uint32_t look, const ost_surface_block *block)
 {
     check *c = user;
@@ -147,7 +154,10 @@ static void a_plane_shows_the_ct(void **state)
             middle[a] += (double)rng_range(&rng, -40, 40) * 0.1;
         }
         assert_ok(ost_clip_make(&v.bone.geometry, middle, normal, &clip, &err));
-        /* The plane is where it was asked for: to 2^-14 in its direction over 80 voxels, and one of rounding. */
+        /*
+         * The plane is at the requested position: to 2^-14 in direction over 80 voxels, and to
+         * one unit of rounding.
+         */
         double away = 0, length = 0;
         for (int a = 0; a < 3; a++) {
             away += clip.n[a] * (middle[a] * 2 - (a == 0 ? 10 : a == 1 ? -6 : 0));
@@ -160,7 +170,10 @@ static void a_plane_shows_the_ct(void **state)
         for_points(&v.bone, check_clip, &c);
         assert_true(c.seen > 500 && c.painted > 50);
     }
-    /* A picture has these greys, whatever the light: looking along x at a plane across it. */
+    /*
+     * A picture has exactly these greys, whatever the light: the camera looks along x at a plane
+     * perpendicular to x.
+     */
     const ost_clip across = {{-OST_CLIP_UNIT, 0, 0}, -(INT64_C(40) << 14)};
     ost_camera camera = {.focal_milli = 100000, .width = 64, .height = 64};
     assert_ok(ost_camera_look((double[3]){-10, -3 + 10, 9}, (double[3]){40, -3 + 10, 9}, (double[3]){0, 0, 1}, &camera, &err));
@@ -188,7 +201,7 @@ static void a_plane_shows_the_ct(void **state)
             pixels++;
         }
     assert_true(pixels > 300);
-    /* Without it all is as it was before there was one. */
+    /* After the clip plane is removed, all looks are those of a bone that never had one. */
     ost_viewer fresh;
     set_bone(&fresh, &after, &after);
     ost_viewer_set_clip(&v, NULL);
@@ -224,7 +237,10 @@ static void check_density(void *user, const int v[3], uint32_t point, uint32_t l
     c->painted += bared(c, v);
 }
 
-/* Squared, to the nearest voxel that is no bone and no pore: pores here are single voxels, and the bone is far from the border. */
+/*
+ * Returns the squared distance to the nearest voxel that is neither bone nor pore.  Pores here
+ * are single voxels, and the bone is far from the border.
+ */
 static int distance(const ost_volume *v, const int from[3])
 {
     int best = 1024;
@@ -250,7 +266,10 @@ static void check_depth(void *user, const int v[3], uint32_t point, uint32_t loo
         return;
     const int exact = distance(c->before, v), got = block->depth[point & 0x7fff];
     assert_int_equal(got, exact);
-    /* Half-millimetre voxels: the scale ends at 10 mm; half a voxel lies between the centre and its edge. */
+    /*
+     * Voxels have half a millimetre: the scale ends at 10 mm, and half a voxel lies between the
+     * centre and its edge.
+     */
     assert_int_equal(paint_of(look), 1 + (int)floor((sqrt(got) - 0.5) * 0.5 / 10 * 126 + 0.5));
 }
 
@@ -269,7 +288,7 @@ static void colours_are_what_the_ct_says(void **state)
     assert_ok(ost_surface_update(&v.bone, &err));
     for_points(&v.bone, check_density, &c);
     assert_true(c.painted > 400);
-    /* A bone that was cut before anybody looked has the same looks. */
+    /* A bone that was cut before the viewer started has the same looks. */
     ost_viewer late;
     set_bone(&late, &before, &after);
     ost_viewer_set_colouring(&late, OST_COLOUR_DENSITY);
@@ -286,7 +305,10 @@ static void colours_are_what_the_ct_says(void **state)
     ost_volume_free(&after);
 }
 
-/* Layers under a face: 2 mm of cartilage, 2 mm of hard bone, cancellous bone; and hard bone far from it. */
+/*
+ * Layers below a face: 2 mm of cartilage, 2 mm of hard bone, cancellous bone; and hard bone far
+ * from the face.
+ */
 static void tissues_by_class_and_place(void **state)
 {
     (void)state;
@@ -326,7 +348,10 @@ static double luminance(uint32_t colour)
     return out;
 }
 
-/* In order for every eye: each step is darker; and classes differ in lightness. */
+/*
+ * The scale is ordered in lightness, each step darker than the one before; tissues differ in
+ * lightness or in hue.
+ */
 static void colours_can_be_told_apart(void **state)
 {
     (void)state;
@@ -340,7 +365,7 @@ static void colours_can_be_told_apart(void **state)
             const int blue = abs((int)(ost_tissue_colours[a] >> 16) - (int)(ost_tissue_colours[b] >> 16));
             assert_true((x > y ? x / y : y / x) > 1.2 || red + blue > 120);
         }
-    /* A legend writes into its corner and nowhere else. */
+    /* A legend is drawn into its corner and nowhere else. */
     static uint32_t pixels[300 * 200];
     const ost_sheet sheet = {.pixels = pixels, .stride = 300, .width = 300, .height = 200};
     ost_error err = {0};
@@ -389,7 +414,7 @@ static void what_went_just_now_is_shown(void **state)
         for_points(&v.bone, count_contact, &c);
         assert_true(aged < 2 ? c.painted > 400 : c.painted == 0);
         ost_surface_age(&v.bone);
-        /* What stays to be seen needs no new lists. */
+        /* Voxels that stay highlighted need no new lists. */
         for (int32_t b = 0; b < v.bone.used && aged == 0; b++)
             assert_false(v.bone.slot[b]->dirty);
     }
@@ -398,9 +423,9 @@ static void what_went_just_now_is_shown(void **state)
     ost_volume_free(&after);
 }
 
-/* ------------------------------------------------------ what is made anew */
+/* ----------------------------------------------------------- recomputation */
 
-/* A ball of bone goes, or all that there was comes back. */
+/* Removes a ball of bone, or restores all that was there. */
 static void bite(test_rng *rng, const ost_volume *before, ost_volume *now)
 {
     const int c[3] = {(int)rng_range(rng, -2, NX), (int)rng_range(rng, -2, NY), (int)rng_range(rng, -2, NZ)}, r = (int)rng_range(rng, 0, 6);
@@ -414,7 +439,7 @@ static void bite(test_rng *rng, const ost_volume *before, ost_volume *now)
             }
 }
 
-/* What is known of a block is the same whether it was made from what it was, or from nothing, by whatever instruction set. */
+/* A block is the same whether it was updated or computed from scratch, with every instruction set. */
 static void only_what_changed_is_made_anew(void **state)
 {
     (void)state;
@@ -463,7 +488,7 @@ static void only_what_changed_is_made_anew(void **state)
                     assert_ok(ost_surface_update(s, &err));
                 }
                 assert_same_looks(&v[0].bone, &v[1].bone);
-                /* Those that are other ones are named, and no more. */
+                /* Exactly the blocks whose lists changed are in renewed. */
                 int named = 0;
                 for (int32_t b = 0; b < v[0].bone.used; b++)
                     named += v[0].bone.slot[b]->version != version[b];
@@ -474,7 +499,7 @@ static void only_what_changed_is_made_anew(void **state)
                 kept += v[0].bone.used - named;
             }
             assert_true(made > ROUNDS / 2 && kept > ROUNDS / 2 && looked_at >= made);
-            /* Nor does it hang on how the bone came to be what it is. */
+            /* The result does not depend on the history of the bone. */
             ost_viewer fresh;
             set_bone(&fresh, &before, &now);
             if (!known)
@@ -527,7 +552,10 @@ static void see_through_and_lines(void **state)
     assert_non_null(face);
     memcpy(plain, v.frame.planes.colour, count * sizeof *plain);
     memcpy(face, v.frame.planes.face, count);
-    /* Behind the bone it is seen faintly, before it more: 4 mm wide at 180 pixels. */
+    /*
+     * The ghost is faint behind the bone and stronger in front of it: 4 mm wide at 180 pixels
+     * focal length.
+     */
     double change[2] = {0, 0};
     for (int near = 0; near < 2; near++) {
         const ost_pose pose = {.t = {22 * MM, near ? -10 * MM : 20 * MM, -5 * MM}, .qw = OST_Q30_ONE};
@@ -553,7 +581,10 @@ static void see_through_and_lines(void **state)
     assert_ok(ost_viewer_draw(&v, &camera, &err));
     assert_memory_equal(v.frame.planes.colour, plain, count * sizeof *plain);
     int columns = 0, hidden = 0;
-    /* A line across the picture: at every column one row's worth of it, where it should be; behind the bone a fifth. */
+    /*
+     * A line across the picture adds one row's worth of colour in every column, at its position;
+     * a fifth of that behind the bone.
+     */
     for (int near = 0; near < 2; near++) {
         const ost_eye eye = ost_eye_make(&camera, &v.bone.geometry);
         const float y = near ? -20 : 45, from[3] = {-60, y, 18}, to[3] = {140, y, 18};
@@ -578,14 +609,14 @@ static void see_through_and_lines(void **state)
         }
     }
     assert_true(columns > W && hidden > 30);
-    /* The chunks a tool's box meets: by its corners in exact halves of millimetres. */
+    /* The chunks that a tool's box meets: the corners are exact multiples of half a millimetre. */
     const ost_overlay_scene scene = {.bone = &v.bone, .tool = &v.ghost, .tool_grid = t.geometry, .pose = {.t = {13 * MM, 7 * MM, -40 * MM}, .qw = OST_Q30_ONE}, .chunk = 16};
     int32_t lo[3], hi[3];
     ost_overlay_hit_range(&scene, lo, hi);
     for (int a = 0; a < 3; a++)
         assert_int_equal(hi[a] - lo[a], 0);
     ost_overlay_scene meets = scene;
-    meets.pose.t.z = 0; /* x: voxels 12 to 20, y: 16 to 24, z: 0 to 38 of the bone */
+    meets.pose.t.z = 0; /* in the bone's voxels: x 12 to 20, y 16 to 24, z 0 to 38 */
     ost_overlay_hit_range(&meets, lo, hi);
     assert_int_equal(lo[0], 0);
     assert_int_equal(hi[0], 2);
@@ -618,7 +649,7 @@ static void see_through_and_lines(void **state)
     ost_volume_free(&after);
 }
 
-/* All of it together, by every instruction set and by threads. */
+/* All features together, with every instruction set and several threads. */
 static void all_sets_show_the_same(void **state)
 {
     (void)state;
@@ -670,11 +701,11 @@ static void all_sets_show_the_same(void **state)
     ost_volume_free(&after);
 }
 
-/* OpenGL has the same colours, planes and ghosts; where there is none, there is nothing to compare. */
+/* OpenGL draws the same colours, planes and ghosts; without OpenGL nothing is compared. */
 static void opengl_shows_the_same(void **state)
 {
     (void)state;
-    enum { W = 160, H = 120, MOST = 2 }; /* 30 in 921,600, and one for each thing that is drawn */
+    enum { W = 160, H = 120, MOST = 2 }; /* 30 in 921,600, and one for each object drawn */
     ost_error err = {0};
     test_rng rng = rng_seeded("gl");
     ost_volume before, after;
@@ -688,7 +719,7 @@ static void opengl_shows_the_same(void **state)
         assert_ok(ost_surface_set_volume(&v[i].bone, &after, 120, &err));
         assert_ok(ost_viewer_set_ghost(&v[i], &t, &pose, &err));
     }
-    /* Valgrind does not know a driver's own code. */
+    /* Valgrind cannot check a driver's own code. */
     const bool have = !getenv("OST_UNDER_VALGRIND") && ost_viewer_use_gl(&v[1], &ost_gl_ours, &err) == OST_OK;
     for (int round = 0; have && round < 6; round++) {
         ost_camera camera = {.focal_milli = 150000, .width = W, .height = H};

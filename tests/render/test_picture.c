@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/*
- * Pictures without a display: what is where in them, and the PNG around it.
- */
+/* Pictures without a display: the positions of objects in them, and their encoding as PNG. */
 #include <unistd.h>
 
 #include "harness.h"
@@ -9,7 +7,10 @@
 #include "config.h"
 #include "render/canvas.h"
 
-/* A ball of 1000 HU, radius 8 mm, in a box of 24 x 20 x 16 mm, voxels of 0.5 x 0.5 x 1 mm; `bitten`: its front (y < 10 mm) is gone. */
+/*
+ * Returns a ball of 1000 HU, radius 8 mm, in a box of 24 x 20 x 16 mm, voxels of 0.5 x 0.5 x 1
+ * mm; bitten: its front (y < 10 mm) is removed.
+ */
 static ost_volume ball(bool bitten)
 {
     ost_error err = {0};
@@ -61,7 +62,10 @@ static void test_letters(void **state)
     assert_string_equal(l, "RPS");
 }
 
-/* The bar is the greatest 1, 2 or 5 times a power of ten that fits: 60 pixels of 0.5 mm hold 20 mm, 40 pixels. */
+/*
+ * The bar is the greatest 1, 2 or 5 times a power of ten that fits: 60 pixels of 0.5 mm hold 20
+ * mm, 40 pixels.
+ */
 static void test_scale_bar(void **state)
 {
     (void)state;
@@ -78,7 +82,7 @@ static void test_scale_bar(void **state)
     ost_picture_free(&p);
 }
 
-/* Drawing past every edge changes nothing outside and crashes nowhere. */
+/* Drawing across every edge changes nothing outside the picture. */
 static void test_clipping(void **state)
 {
     (void)state;
@@ -93,7 +97,10 @@ static void test_clipping(void **state)
     ost_picture_free(&p);
 }
 
-/* At 2 pixels a millimetre (48 for 24 mm): axial 48 x 40, coronal 48 x 32, sagittal 40 x 32, 8 pixels between. */
+/*
+ * The scale is 2 pixels a millimetre (48 for 24 mm): axial 48 x 40, coronal 48 x 32, sagittal 40
+ * x 32, 8 pixels between.
+ */
 static void test_slices(void **state)
 {
     (void)state;
@@ -104,7 +111,7 @@ static void test_slices(void **state)
     assert_ok(ost_picture_slices(&whole, NULL, &o, &p, &err));
     assert_int_equal(p.width, 48 + 8 + 48 + 8 + 40);
     assert_int_equal(p.height, 40);
-    /* 1000 HU in a window of 400 +- 900 is (1000 + 500) / 1800 of white; 0 HU is 500 / 1800 */
+    /* 1000 HU in a window of 400 +- 900 is (1000 + 500) / 1800 of white; 0 HU is 500 / 1800. */
     assert_in_range(pixel(&p, 30, 14)[0], 211, 214);
     assert_in_range(pixel(&p, 2, 12)[0], 69, 72);
     ost_picture_free(&p);
@@ -136,7 +143,10 @@ static void test_slices_of_volumes_that_do_not_match(void **state)
     ost_volume_free(&b);
 }
 
-/* From the front: bone in the middle, background in the corner, lit from above; a cut front is red, its back is not. */
+/*
+ * From the front: bone in the middle, background in the corner, lit from above; a cut front is
+ * red, the back is not.
+ */
 static void test_view(void **state)
 {
     (void)state;
@@ -167,7 +177,7 @@ static void test_view(void **state)
     ost_volume_free(&cut);
 }
 
-/* Nothing active: a clean background, no crash, whatever the direction. */
+/* Without an active voxel there is only background, in every direction of view. */
 static void test_view_of_nothing(void **state)
 {
     (void)state;
@@ -196,7 +206,7 @@ static void test_png(void **state)
     size_t size = 0;
     assert_ok(ost_picture_init(&p, 300, 7, &err));
     assert_ok(ost_picture_encode_png(&p, &bytes, &size, &err));
-    /* RFC 2083: signature, then IHDR of 13 bytes: width, height, 8 bits, colour type 2 */
+    /* RFC 2083: signature, then IHDR of 13 bytes: width, height, 8 bits, colour type 2. */
     const uint8_t head[] = {0x89, 'P', 'N', 'G', 13, 10, 26, 10, 0, 0, 0, 13, 'I', 'H', 'D', 'R', 0, 0, 1, 44, 0, 0, 0, 7, 8, 2};
     assert_true(size > sizeof head);
     assert_memory_equal(bytes, head, sizeof head);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Points through a camera: the surface against a walk over all voxels, the
- * picture against a ray through every pixel and every voxel, instruction sets
- * and threads against the scalar one.
+ * Points drawn through a camera: the surface is compared with a walk over all voxels, the
+ * picture with a ray through every pixel and every voxel, instruction sets and threads with the
+ * scalar functions.
  *
  * Covers: REQ-RENDER
  */
@@ -20,7 +20,7 @@ static ost_geometry grid(int x, int y, int z)
     return (ost_geometry){{x, y, z}, {OST_PM_PER_MM, OST_PM_PER_MM, OST_PM_PER_MM}, {-3 * OST_PM_PER_MM, 0, 7 * OST_PM_PER_MM}};
 }
 
-/* A ball with holes in it: surfaces within, and blocks that meet in all ways. */
+/* Makes a ball with holes: it has surfaces inside, and blocks that are adjacent in all ways. */
 static ost_volume pitted_ball(test_rng *rng, int x, int y, int z)
 {
     ost_error err = {0};
@@ -52,7 +52,10 @@ static uint32_t faces(const ost_volume *v, int i, int j, int k)
     return mask;
 }
 
-/* How much of the bone is about a voxel, by walking through its neighbourhood; rounded between the axes as dress.h says. */
+/*
+ * Returns the amount of bone around a voxel by a sum over its neighbourhood, rounded between the
+ * axes as dress.h specifies.
+ */
 static int field(const ost_volume *v, int i, int j, int k)
 {
     static const int weight[9] = {1, 2, 3, 4, 5, 4, 3, 2, 1};
@@ -67,7 +70,7 @@ static int field(const ost_volume *v, int i, int j, int k)
     return sum;
 }
 
-/* The same of means of 2^3 voxels, which are counted from (0, 0, 0) as well. */
+/* Returns the mean of 2^3 voxels, which are counted from (0, 0, 0). */
 static int cell(const ost_volume *v, int i, int j, int k)
 {
     int sum = 0;
@@ -90,7 +93,10 @@ static int field_of_cells(const ost_volume *v, int i, int j, int k)
     return sum;
 }
 
-/* Between the cells about a voxel, first along z, then y, then x, rounded each time; a quarter of the field. */
+/*
+ * Interpolates the field of cells at a voxel, first along z, then y, then x, each time rounded;
+ * a quarter of the field.
+ */
 static int wide(const ost_volume *v, int i, int j, int k)
 {
     const int c[3] = {i >> 1, j >> 1, k >> 1}, far[3] = {i & 1 ? 1 : -1, j & 1 ? 1 : -1, k & 1 ? 1 : -1};
@@ -112,7 +118,10 @@ static int openness(int value)
     return bright < 40 ? 40 : bright > 255 ? 255 : bright;
 }
 
-/* By the wide slope where it points as the fine one does to within 45 degrees, by the fine one where they are 53 apart. */
+/*
+ * Uses the wide slope if it agrees with the fine one to within 45 degrees, the fine one if they
+ * are 53 degrees apart or more, and a mixture between.
+ */
 static uint32_t look_of(const float f[3], const float w[3], int fine, int wide_value)
 {
     const float a = sqrtf((f[0] * f[0] + f[1] * f[1]) + f[2] * f[2]), b = sqrtf((w[0] * w[0] + w[1] * w[1]) + w[2] * w[2]);
@@ -170,7 +179,7 @@ static void test_surface(void **state)
     assert_ok(ost_surface_set_volume(&s, &v, 120, &err));
     assert_ok(ost_surface_update(&s, &err));
     assert_surface(&s, &v);
-    /* Whole faces of blocks go and come: the neighbours must follow. */
+    /* Complete planes of voxels are removed and restored: neighbouring blocks must be updated. */
     for (int round = 0; round < 12; round++) {
         const int axis = (int)rng_range(&rng, 0, 2), at = (int)rng_range(&rng, 0, 63);
         const int16_t value = rng_range(&rng, 0, 2) ? 0 : 500;
@@ -187,7 +196,7 @@ static void test_surface(void **state)
     ost_volume_free(&v);
 }
 
-/* Every direction comes back within two degrees. */
+/* Every direction is restored within two degrees. */
 static void test_octahedral(void **state)
 {
     (void)state;
@@ -258,7 +267,10 @@ static ost_camera camera_at(const ost_volume *v, test_rng *rng, double distance,
     return c;
 }
 
-/* Whether all of the cube about voxel v lies beyond the near plane, by a little: those are drawn. */
+/*
+ * Returns true if the entire cube about voxel v lies beyond the near plane by more than `by`:
+ * such voxels are drawn.
+ */
 static bool beyond_near(const ost_eye *e, const int v[3], double by)
 {
     double z = -(double)e->near;
@@ -267,7 +279,7 @@ static bool beyond_near(const ost_eye *e, const int v[3], double by)
     return z > by;
 }
 
-/* In double: whether the ray of a pixel meets the cube about voxel v, grown by `grow`. */
+/* Returns true if the ray of a pixel, in doubles, meets the cube about voxel v, grown by `grow`. */
 static bool meets(const ost_eye *e, double x, double y, const int v[3], double grow)
 {
     double in = -1e300, out = 1e300;
@@ -281,7 +293,7 @@ static bool meets(const ost_eye *e, double x, double y, const int v[3], double g
     return in <= out;
 }
 
-/* Whether the ray enters the cube well inside a face: at an edge either face is right. */
+/* Returns true if the ray enters the cube well inside a face: at an edge, both faces are correct. */
 static bool clear_of_edges(const ost_eye *e, double x, double y, const int v[3])
 {
     double best = -1e300, second = -1e300, square = 0;
@@ -298,7 +310,7 @@ static bool clear_of_edges(const ost_eye *e, double x, double y, const int v[3])
 
 enum { NO_VOXEL = 0x7fffffff };
 
-/* Keys are known where there is a face. */
+/* Keys are defined only where there is a face. */
 static uint32_t id_at(const ost_frame *f, size_t at)
 {
     const ost_visible *v = &f->layer[0].visible;
@@ -306,9 +318,9 @@ static uint32_t id_at(const ost_frame *f, size_t at)
 }
 
 /*
- * Each pixel by itself: the nearest voxel that its ray meets.  Cubes a little
- * smaller and a little larger must agree, else the pixel is a matter of
- * rounding; those are few.
+ * Compares each pixel with the nearest voxel that its ray meets.  If slightly smaller and
+ * slightly larger cubes give different voxels, the result depends on rounding and the pixel is
+ * not compared; few pixels are of this kind.
  */
 static void assert_picture(const scene *s, const ost_frame *f, const ost_eye *e, int *checked, int *doubtful)
 {
@@ -347,7 +359,7 @@ static void assert_picture(const scene *s, const ost_frame *f, const ost_eye *e,
             assert_int_equal(32 * block[0] + (int)(id & 31), who[0][0]);
             assert_int_equal(32 * block[1] + (int)(id >> 5 & 31), who[0][1]);
             assert_int_equal(32 * block[2] + (int)(id >> 10 & 31), who[0][2]);
-            /* The face is one to the air, and depth lies on it. */
+            /* The face is to the air, and the depth lies on it. */
             const int face = f->planes.face[at];
             assert_in_range(face, 0, 5);
             if (clear_of_edges(e, x, y, who[0]))
@@ -371,7 +383,7 @@ static void test_against_rays(void **state)
         static const double distance[5] = {60, 30, 22, 300, 16};
         ost_camera c;
         ost_eye e;
-        /* Outside: what the near plane takes away bares faces that are not to the air. */
+        /* From outside: the near plane would bare faces that are not to the air. */
         do {
             c = camera_at(&s.volume, &rng, distance[round], 33 + 7 * round, 29, round == 3 ? 300000 : 30000);
             e = ost_eye_make(&c, &s.volume.geometry);
@@ -403,7 +415,7 @@ static void assert_same(const ost_frame *a, const ost_frame *b)
     }
 }
 
-/* From far away, close up, at the edge, from within. */
+/* From far away, close up, at the edge, and from inside. */
 static void test_sets_and_threads(void **state)
 {
     (void)state;
@@ -441,7 +453,10 @@ static void test_sets_and_threads(void **state)
     free_scene(&s);
 }
 
-/* The arithmetic of the looks: words of all sizes, every instruction set, beside sums by weights. */
+/*
+ * The arithmetic of the looks: words of all sizes, with every instruction set, compared with
+ * weighted sums.
+ */
 typedef struct words {
     uint8_t cells[3][28 * OST_CELLS], mean[OST_CELLS];
     uint16_t bone[OST_FIELD_BONE + 2][OST_FIELD_LINE], down[OST_FIELD_ROWS][OST_FIELD_LINE], line[OST_FIELD_LINE];
@@ -509,7 +524,7 @@ static void assert_bone(test_rng *rng, const ost_smooth_kernels *k, words *w, bo
     }
 }
 
-/* Means of 2^3 words; lines of three blocks; and back, between two slices. */
+/* Compares means of 2^3 words, lines of three blocks, and the interpolation between two slices. */
 static void assert_cells(test_rng *rng, const ost_smooth_kernels *k, words *w)
 {
     const int count = (int)rng_range(rng, 1, 26), odd = (int)rng_range(rng, 0, 1);
@@ -535,7 +550,7 @@ static void assert_cells(test_rng *rng, const ost_smooth_kernels *k, words *w)
     k->finer(both, odd, rows, &w->field[0]);
     for (int y = 0; y < OST_FIELD_ROWS; y++)
         for (int x = 0; x < OST_FIELD_ROWS; x++) {
-            int value[2][2][2]; /* x, y, z; the nearer first */
+            int value[2][2][2]; /* x, y, z; the nearer one first */
             for (int i = 0; i < 8; i++)
                 value[i & 1][i >> 1 & 1][i >> 2] = ((*both[(i >> 2) ^ odd])[y / 2 + ((i >> 1 & 1) ^ (y & 1))][x / 2 + ((i & 1) ^ (x & 1))] + 2) / 4;
             int along_x[2];
@@ -547,7 +562,10 @@ static void assert_cells(test_rng *rng, const ost_smooth_kernels *k, words *w)
         }
 }
 
-/* Slopes of all sizes, and none, that agree and that do not; as many points as there may be in a run. */
+/*
+ * Compares looks for slopes of all sizes, also zero, that agree and that do not, and for every
+ * number of points in a call.
+ */
 static void assert_looks(test_rng *rng, const ost_smooth_kernels *k, words *w, int flat)
 {
     enum { COUNT = 53 };
@@ -593,7 +611,7 @@ static void test_smooth(void **state)
     free(w);
 }
 
-/* Bits of a block and about it, one by one. */
+/* Returns a bit of a block or of its neighbours. */
 static bool bit_at(uint32_t block[3][3][3][OST_BLOCK_ROWS], int x, int y, int z)
 {
     return block[(z + 32) / 32][(y + 32) / 32][(x + 32) / 32][(y & 31) + 32 * (z & 31)] >> (x & 31) & 1;
@@ -610,7 +628,7 @@ static void test_rows(void **state)
     test_rng rng = rng_seeded("rows");
     for (int round = 0; round < 4; round++) {
         for (int i = 0; i < 27; i++)
-            for (int row = 0; row < OST_BLOCK_ROWS; row++) { /* full of holes, nearly solid, nearly empty */
+            for (int row = 0; row < OST_BLOCK_ROWS; row++) { /* full of holes, nearly solid, or nearly empty */
                 uint32_t w = (uint32_t)rng_range(&rng, 0, UINT32_MAX);
                 for (int more = 0; more < 4; more++)
                     w = round == 1 ? w | (uint32_t)rng_range(&rng, 0, UINT32_MAX) : round > 1 ? w & (uint32_t)rng_range(&rng, 0, UINT32_MAX) : w;
@@ -642,7 +660,7 @@ static void test_rows(void **state)
                 assert_int_equal(behind[row], 0);
             }
             assert_int_equal(faces.begin[OST_BLOCK_ROWS], count);
-            /* The same bits behind faces that all are open. */
+            /* The same bits behind faces that are all to the air. */
             memset(faces.face, 0xff, sizeof faces.face);
             k.behind(&rim, &faces, behind);
             for (int cell = 0; cell < 32 * OST_BLOCK_ROWS; cell += 5) {
@@ -683,7 +701,7 @@ static void test_rows(void **state)
     }
 }
 
-/* Colours of all looks there can be, sixteen at a time and one by one. */
+/* Compares the colours of all possible looks, computed sixteen at a time and one by one. */
 static void test_tints(void **state)
 {
     (void)state;
@@ -759,7 +777,7 @@ static void test_picture(void **state)
     assert_ok(ost_camera_look((double[3]){17, -60, 27}, (double[3]){17, 20, 27}, (double[3]){0, 0, 1}, &c, &err));
     assert_ok(ost_picture_points(&v, &c, NULL, &smooth, &err));
     assert_ok(ost_picture_points(&v, &c, &options, &faces, &err));
-    /* The ball is in the middle and nothing in the corners; the light comes from the upper left. */
+    /* The ball is in the middle, and the corners are background; the light comes from the upper left. */
     const size_t middle = 3 * (24 * 64 + 32), corner = 0, lit = 3 * (16 * 64 + 24), dark = 3 * (34 * 64 + 42);
     assert_memory_equal(smooth.rgb + corner, ((uint8_t[3]){0x16, 0x18, 0x1c}), 3);
     assert_true(smooth.rgb[middle] > 90 && faces.rgb[middle] > 90);
@@ -767,7 +785,7 @@ static void test_picture(void **state)
     assert_memory_not_equal(smooth.rgb, faces.rgb, (size_t)3 * 64 * 48);
     ost_picture_free(&smooth);
     ost_picture_free(&faces);
-    /* Nothing at or above the threshold: background alone. */
+    /* With no voxel at or above the threshold there is only background. */
     options.threshold = 2000;
     assert_ok(ost_picture_points(&v, &c, &options, &faces, &err));
     for (size_t i = 0; i < (size_t)64 * 48; i++)

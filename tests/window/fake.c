@@ -39,7 +39,7 @@ void fake_begin(void)
     the_window = (struct GLFWwindow){0};
 }
 
-/* Time goes on as the test says. */
+/* The clock shows the time that the test has set. */
 int clock_gettime(clockid_t clock, struct timespec *t)
 {
     (void)clock;
@@ -48,7 +48,7 @@ int clock_gettime(clockid_t clock, struct timespec *t)
     return 0;
 }
 
-/* ------------------------------------------------------------ what happens */
+/* ------------------------------------------------------------------ events */
 
 static void tell_size(void)
 {

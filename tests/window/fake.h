@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A GLFW and an OpenGL that do as a test tells them, in place of the real
- * ones: drivers that are too old or reset, screens that are not there.
+ * A GLFW and an OpenGL that a test controls, in place of the real ones: drivers that are too old
+ * or reset, missing screens.
  */
 #ifndef OST_TESTS_WINDOW_FAKE_H
 #define OST_TESTS_WINDOW_FAKE_H
@@ -16,21 +16,21 @@
 enum { FAKE_MONITORS = 2 };
 
 typedef struct fake {
-    /* What there is: */
+    /* The state that a test sets: */
     bool no_init, no_compile, no_texture_memory, no_monitor, khr, arb;
-    const char *why;             /* of what fails */
-    int version;                 /* 33: the newest context of the core profile that can be had */
-    int plain_version;           /* of one that nothing is asked of; 0: none */
-    bool no_next;                /* no window any more */
+    const char *why;             /* reason of a failure */
+    int version;                 /* newest context of the core profile: 33 for 3.3 */
+    int plain_version;           /* version of a context without requirements; 0: none */
+    bool no_next;                /* no more windows can be opened */
     int texture_side;
-    GLenum reset;                /* what the driver says of itself, until a new context */
+    GLenum reset;                /* reset status that the driver reports, until there is a new context */
     bool reset_stays, reset_in_upload;
     float scale;
-    int frame_of_window;         /* pixels of the frame to one of the window */
+    int frame_of_window;         /* pixels of the frame for each unit of the window */
     int64_t clock_ns;
     GLFWvidmode mode[FAKE_MONITORS];
     int monitor_x[FAKE_MONITORS];
-    /* What was done: */
+    /* The calls that were made: */
     int inits, windows, contexts, frames, uploads, objects, swap_interval;
     int asked_major, asked_minor, asked_robustness, viewport[2], polls;
     bool waited;
@@ -39,8 +39,8 @@ typedef struct fake {
 
 extern fake the_fake;
 
-void fake_begin(void); /* everything there, OpenGL 4.5 */
-/* What the system does to the window. */
+void fake_begin(void); /* sets everything available, with OpenGL 4.5 */
+/* Make the system's events for the window. */
 void fake_size(int width, int height);
 void fake_minimise(bool on);
 void fake_hide(bool on);

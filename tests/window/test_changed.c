@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A picture laid over the one before: a screen that only gets the boxes shows
- * the picture, whatever changed, and what is said to be the same is not
- * looked at.
+ * Copying a picture over the previous one: a screen that receives only the boxes shows the
+ * picture, whatever changed, and cells that are reported as unchanged are not read.
  * Covers: REQ-WINDOW
  */
 #include <stdlib.h>
@@ -28,7 +27,10 @@ static uint32_t shown(uint32_t v)
     return (v & 0xff00) | (v >> 16 & 255) | (v & 255) << 16;
 }
 
-/* The server's part; every pixel of the screen is the picture's then. Returns how many pixels it copied. */
+/*
+ * Copies the boxes as the server does; every pixel of the screen must then be the picture's.
+ * Returns the number of pixels copied.
+ */
 static int64_t copied(const ost_window_picture *p, bool whole)
 {
     ost_changed_box box[OST_CHANGED_BOXES];
@@ -50,7 +52,7 @@ static int64_t copied(const ost_window_picture *p, bool whole)
     return area;
 }
 
-/* A box of another colour, and its cells. */
+/* Changes the colours of a box, and marks its cells. */
 static void change(const ost_window_picture *p)
 {
     const int w = 1 + below(below(3) ? 20 : p->width), h = 1 + below(below(3) ? 20 : p->height), x = below(p->width), y = below(p->height);
@@ -80,7 +82,7 @@ static void the_screen_shows_the_picture(void **state)
                     change(&p);
                 copied(&p, false);
             }
-            /* A screen that has lost it. */
+            /* A screen that has lost its contents. */
             memset(screen, 0, sizeof screen);
             memset(cells, 0, sizeof cells);
             assert_int_equal(copied(&p, true), width * height);
@@ -97,7 +99,7 @@ static void only_what_may_have_changed_is_looked_at(void **state)
     for (int i = 0; i < SIDE * SIDE; i++)
         drawn[i] ^= 0xff;
     assert_int_equal(ost_changed_copy(&p, false, shared, box), 0);
-    /* Two cells far from each other are two boxes, and no more than they. */
+    /* Two cells far from each other give two boxes of their own size. */
     cells[2] = 1 << 3;
     cells[80] = 1 << 30;
     assert_int_equal(ost_changed_copy(&p, false, shared, box), 2);
@@ -107,7 +109,7 @@ static void only_what_may_have_changed_is_looked_at(void **state)
     assert_int_equal(box[0].height, 8);
     assert_int_equal(box[1].x, 480);
     assert_int_equal(box[1].y, 640);
-    /* Looked at, and the same by now. */
+    /* Marked as changed, but equal to the previous picture. */
     assert_int_equal(ost_changed_copy(&p, false, shared, box), 0);
 }
 

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The window on systems that nobody can order: drivers that are too old, that
- * are reset once or again and again, frames of any size and density, screens
- * that are not there.
+ * The window on systems that a test cannot require: drivers that are too old, that are reset
+ * once or repeatedly, frames of any size and density, missing screens.
  * Covers: REQ-WINDOW
  */
 #include <stdlib.h>
@@ -59,16 +58,16 @@ static void what_is_missing_is_said(void **state)
     the_fake.no_init = true;
     the_fake.why = "the display is on strike";
     refused("on strike");
-    /* A driver that has 2.1 and says that it has no 3.3. */
+    /* A driver of OpenGL 2.1 that reports that it lacks 3.3. */
     fake_begin();
     the_fake.version = 0;
     the_fake.plain_version = 21;
     refused("needs OpenGL 3.3, and here is 2.1 of a test (a fake)");
     refused("LIBGL_ALWAYS_SOFTWARE=1");
-    /* One that says something else instead, and has it still. */
+    /* A driver that reports another reason, but also has only 2.1. */
     the_fake.why = "no visual";
     refused("here is 2.1 of a test");
-    /* It is not the version. */
+    /* The version is sufficient, so it is not the reason. */
     the_fake.plain_version = 45;
     refused("no visual");
     the_fake.plain_version = 0;
@@ -102,7 +101,7 @@ static void a_reset_makes_a_new_context(void **state)
     ost_window_event e;
     (void)state;
     for (int round = 0; round < 3; round++) {
-        /* By OpenGL 4.5, by either extension. */
+        /* Resets are reported by OpenGL 4.5, or by either extension. */
         fake_begin();
         the_fake.version = round ? 33 : 45;
         the_fake.khr = round == 1;
@@ -120,7 +119,7 @@ static void a_reset_makes_a_new_context(void **state)
         assert_int_equal(the_fake.contexts, 2);
         assert_int_equal(ost_window_info_get(w).resets, 1);
         assert_string_equal(the_fake.title, "another title");
-        /* What was down came up unseen. */
+        /* Releases of keys may have been missed. */
         assert_true(ost_window_next(w, &e));
         assert_int_equal(e.kind, OST_WINDOW_RELEASE);
         assert_false(ost_window_next(w, &e));
@@ -132,14 +131,14 @@ static void a_reset_makes_a_new_context(void **state)
         assert_true(ost_window_damaged(w));
         assert_ok(present(w, &err));
         assert_int_equal(the_fake.frames, 2);
-        /* In the middle of a frame. */
+        /* A reset in the middle of a frame. */
         the_fake.reset_in_upload = true;
         assert_ok(ost_window_present(w, &(ost_window_picture){.pixels = pixels, .stride = 4, .width = 4, .height = 4}, true, &err));
         assert_int_equal(ost_window_info_get(w).resets, 2);
         assert_ok(present(w, &err));
         closed(w);
     }
-    /* One that never says. */
+    /* A driver that never reports a reset. */
     fake_begin();
     the_fake.version = 33;
     the_fake.khr = false;
@@ -163,7 +162,7 @@ static void resets_without_end_end_it(void **state)
     assert_int_equal(present(w, &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "was reset 4 times within 10 s"));
     closed(w);
-    /* Now and then is no reason. */
+    /* Resets that are rare do not close the window. */
     fake_begin();
     w = opened();
     for (int i = 0; i < 20; i++) {
@@ -173,7 +172,7 @@ static void resets_without_end_end_it(void **state)
         assert_ok(present(w, &err));
     }
     assert_int_equal(ost_window_info_get(w).resets, 20);
-    /* There is no context to be had any more: nothing is to be done but to close. */
+    /* No new context can be made: the window can only be closed. */
     the_fake.reset = GL_GUILTY_CONTEXT_RESET;
     the_fake.clock_ns += INT64_C(90000000000);
     the_fake.no_next = true;
@@ -217,7 +216,7 @@ static void frames_of_any_size(void **state)
         assert_int_equal(width, sizes[i].picture[0]);
         assert_int_equal(height, sizes[i].picture[1]);
         if (width) {
-            /* The pointer is where the picture is. */
+            /* The pointer's position is in pixels of the picture. */
             ost_window_event e;
             fake_move(sizes[i].frame[0], sizes[i].frame[1]);
             assert_true(ost_window_next(w, &e));
@@ -258,11 +257,11 @@ static void dense_displays(void **state)
     ost_error err = {0};
     assert_ok(present(w, &err));
     assert_false(ost_window_damaged(w));
-    fake_rescale(1.5f); /* taken to another screen */
+    fake_rescale(1.5f); /* moved to another screen */
     ost_window_size(w, &width, &height, &scale);
     assert_true(scale == 1.5);
     assert_true(ost_window_damaged(w));
-    fake_rescale(0); /* what some systems say for "I do not know" */
+    fake_rescale(0); /* the scale that some systems report if they do not know it */
     ost_window_size(w, &width, &height, &scale);
     assert_true(scale == 1);
     closed(w);
@@ -282,7 +281,7 @@ static void nobody_draws_for_nobody(void **state)
     fake_minimise(false);
     ost_window_size(w, &width, &height, &scale);
     assert_int_equal(width, 640);
-    /* Hidden, and no callback that says so. */
+    /* Hidden without a callback. */
     assert_ok(present(w, &err));
     fake_hide(true);
     ost_window_poll(w, 0);
@@ -298,7 +297,7 @@ static void nobody_draws_for_nobody(void **state)
     ost_window_size(w, &width, &height, &scale);
     assert_int_equal(width, 640);
     assert_true(ost_window_damaged(w));
-    /* Seen again, and told at once. */
+    /* Visible again, with a callback, which takes effect at once. */
     fake_hide(true);
     ost_window_poll(w, 0.3);
     fake_damage();
@@ -314,7 +313,7 @@ static void full_screen_and_back(void **state)
     (void)state;
     fake_begin();
     ost_window *w = opened();
-    fake_place(1800, 50); /* most of it on the second screen */
+    fake_place(1800, 50); /* most of it is on the second screen */
     ost_window_full_screen(w, true);
     assert_true(ost_window_is_full_screen(w));
     ost_window_size(w, &width, &height, &scale);
@@ -326,7 +325,7 @@ static void full_screen_and_back(void **state)
     ost_window_size(w, &width, &height, &scale);
     assert_int_equal(width, 640);
     assert_int_equal(height, 400);
-    /* A reset in between. */
+    /* A reset during full screen. */
     ost_error err = {0};
     ost_window_full_screen(w, true);
     the_fake.reset = GL_GUILTY_CONTEXT_RESET;
@@ -335,7 +334,7 @@ static void full_screen_and_back(void **state)
     ost_window_full_screen(w, false);
     ost_window_size(w, &width, &height, &scale);
     assert_int_equal(width, 640);
-    /* A screen that is unplugged takes its full window back by itself. */
+    /* After a screen is unplugged, its full-screen window returns to the normal size. */
     ost_window_full_screen(w, true);
     fake_unplug_monitor();
     assert_false(ost_window_is_full_screen(w));
@@ -355,7 +354,7 @@ static void nothing_stays_down(void **state)
     fake_key(GLFW_KEY_W, GLFW_REPEAT, 0);
     fake_key(GLFW_KEY_KP_3, GLFW_PRESS, 0);
     fake_key(GLFW_KEY_F12, GLFW_RELEASE, 0);
-    fake_key(GLFW_KEY_LEFT_CONTROL, GLFW_PRESS, 0); /* comes with the state before it */
+    fake_key(GLFW_KEY_LEFT_CONTROL, GLFW_PRESS, 0); /* the event has the modifiers from before it */
     assert_true(ost_window_next(w, &e) && e.key == 'W' && e.pressed);
     assert_true(ost_window_next(w, &e) && e.key == '3');
     assert_true(ost_window_next(w, &e) && e.key == OST_KEY_F1 + 11 && !e.pressed);
@@ -366,7 +365,7 @@ static void nothing_stays_down(void **state)
     assert_true(ost_window_next(w, &e) && e.kind == OST_WINDOW_MOVE && e.x == 5);
     assert_true(ost_window_next(w, &e) && e.kind == OST_WINDOW_WHEEL && e.y == 2);
     assert_false(ost_window_next(w, &e));
-    /* More than anybody fetched: the last of them, a key coming up, is lost, and that is said. */
+    /* More events than the queue holds: the last one, a key's release, is lost, and this is reported. */
     int count = 0;
     fake_key(GLFW_KEY_SPACE, GLFW_PRESS, 0);
     for (int i = 0; i < 1000; i++)
