@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The backends on which a test's group runs, one after the other:
+ * Runs a test's group on several backends, one after another:
  *
  *   OST_TEST_BACKENDS="ref cpu:isa=avx2,threads=7" tests/ref/test_remove
  *
- * By default the reference, the cpu backend as people run it with 2 threads,
- * and its scalar loops with 3; .ci/long gives the full product.  What a test
- * expects is said by the test, so all of them have the same grids, to the bit.
+ * The default is the reference, the cpu backend as in normal use with 2 threads, and its scalar
+ * loops with 3; .ci/long runs the full product. The expected values are in the tests, so the
+ * grids of all backends are bit-identical.
  */
 #ifndef OST_TESTS_BACKENDS_H
 #define OST_TESTS_BACKENDS_H
@@ -15,7 +15,7 @@
 
 #include <osteon/backend.h>
 
-/* The one of the running group; the reference before the first. */
+/* Specification of the running group's backend; "ref" before the first group. */
 static char test_backend[100] = "ref";
 
 static inline const char *test_backends(void)
@@ -39,7 +39,7 @@ static inline int close_test_backend(void **state)
     return 0;
 }
 
-/* Skips what needs a force on a backend whose voxels a tick cannot look at. */
+/* Skips a test that needs a force if a tick cannot read voxels on this backend. */
 static inline void skip_without_samples(ost_backend *backend)
 {
     const ost_geometry one = {{1, 1, 1}, {OST_PM_PER_MM, OST_PM_PER_MM, OST_PM_PER_MM}, {0, 0, 0}};
@@ -57,7 +57,7 @@ static inline void skip_without_samples(ost_backend *backend)
     assert_ok(status);
 }
 
-/* The next of the list into test_backend; at is NULL before the first. False behind the last. */
+/* Copies the next entry of the list to test_backend; *at is NULL before the first. Returns false after the last. */
 static inline bool next_test_backend(const char **at)
 {
     *at = *at ? *at : test_backends();
@@ -76,7 +76,10 @@ static inline bool next_test_backend(const char **at)
     return true;
 }
 
-/* How often something random is tried: n times on the first backend, a third of it on each other; all of it with OST_TEST_LONG=1. */
+/*
+ * Returns the number of random trials: n on the first backend, a third of n on each other; n on
+ * all with OST_TEST_LONG=1.
+ */
 static inline int test_rounds(int n)
 {
     const char *lengthy = getenv("OST_TEST_LONG");
@@ -86,7 +89,7 @@ static inline int test_rounds(int n)
     return all ? n : (n + 2) / 3;
 }
 
-/* Like cmocka_run_group_tests, on each of them. */
+/* Like cmocka_run_group_tests, on each backend. */
 #define run_on_backends(tests, set_up, tear_down)                                            \
     __extension__({                                                                          \
         int run_failures = 0;                                                                \

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What every test starts from: cmocka, a seeded generator whose seed is
- * printed and can be given, and a scratch folder.
+ * The base of every test: cmocka, a random generator whose seed is printed and can be set, and
+ * a scratch folder.
  *
  *   OST_TEST_SEED=123 tests/core/test_length     replays a property test
  */
@@ -23,7 +23,10 @@
 
 #include "rng.h"
 
-/* A seed from OST_TEST_SEED, else from the clock; printed, so that a failure can be replayed. */
+/*
+ * Returns a generator with the seed from OST_TEST_SEED, else from the clock; prints the seed so
+ * that a failure can be replayed.
+ */
 static inline test_rng rng_seeded(const char *what)
 {
     const char *given = getenv("OST_TEST_SEED");

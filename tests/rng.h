@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The generator of every test's random inputs; the same numbers on every machine. */
+/* The random generator of all tests; it gives the same numbers on every machine. */
 #ifndef OST_TESTS_RNG_H
 #define OST_TESTS_RNG_H
 
 #include <stdint.h>
 
-/* splitmix64: small, seedable, the same everywhere. */
+/* splitmix64 */
 typedef struct test_rng {
     uint64_t state;
 } test_rng;

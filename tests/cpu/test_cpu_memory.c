@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What a whole scapula holds in memory as a bone of the CPU backend: the
- * densities of its active chunks are what the thesis counts (Table 3.2: 202
- * chunks of 32^3, 13.2 MB), occupancy is a sixteenth of them more, and with
- * all tables and slack it must stay within a tenth more.
+ * Measures the memory of a complete scapula as a bone of the CPU backend. The densities of its
+ * active chunks are those that the thesis counts (Table 3.2: 202 chunks of 32^3, 13.2 MB),
+ * occupancy adds a sixteenth, and tables and slack may add at most a tenth.
  *
- * Counted twice: by the backend's own account, chunk by chunk, and by what the
- * system says that anonymous memory of this process has grown.
+ * The memory is counted twice: by the backend's own account, chunk by chunk, and as the growth
+ * of this process's anonymous memory that the system reports.
  * Covers: REQ-CPU-MEMORY
  */
 #include "harness.h"
@@ -16,7 +15,7 @@
 
 enum { SCAPULA_CHUNKS = 202, CHUNK = 32 };
 
-/* Anonymous memory in RAM, in bytes; -1 where the system does not say. */
+/* Returns the bytes of anonymous memory in RAM, or -1 if the system does not report them. */
 static int64_t resident(void)
 {
     FILE *status = fopen("/proc/self/status", "r");
@@ -30,7 +29,7 @@ static int64_t resident(void)
     return kib < 0 ? -1 : kib * INT64_C(1024);
 }
 
-/* Sanitizers, valgrind and an emulator keep books of their own in the same memory. */
+/* Returns false under sanitizers, valgrind and emulators, which keep their own data in the same memory. */
 static bool alone_in_memory(void)
 {
 #if defined __SANITIZE_ADDRESS__
@@ -67,7 +66,7 @@ static void a_scapula_is_small(void **state)
     ost_bone_info info;
     assert_ok(ost_phantom_make(OST_PHANTOM_SCAPULA, NULL, &ct, &err));
     assert_ok(ost_phantom_make(OST_PHANTOM_GLENOID, NULL, &small, &err));
-    /* Threads, their stacks and what they load are there before anything is measured. */
+    /* Threads, their stacks and lazily loaded code exist before anything is measured. */
     assert_ok(ost_backend_open("cpu:threads=2", &backend, &err));
     ost_bone_free(bone_of(backend, &small));
     ost_backend_close(backend);
@@ -89,14 +88,14 @@ static void a_scapula_is_small(void **state)
     assert_true(info.resident_bytes <= most);
     if (before >= 0 && alone_in_memory()) {
         assert_true(grown <= most);
-        assert_true(grown >= info.chunk_bytes - info.chunk_bytes / 50); /* it measures what it should */
+        assert_true(grown >= info.chunk_bytes - info.chunk_bytes / 50); /* the measurement sees the chunks */
     }
     ost_bone_free(bone);
     ost_backend_close(backend);
     ost_volume_free(&ct);
 }
 
-/* Slices that come from files, without a grid: the same bound. */
+/* Slices uploaded without a grid, as from files, have the same bound. */
 static void an_uploaded_bone_too(void **state)
 {
     (void)state;
@@ -107,7 +106,7 @@ static void an_uploaded_bone_too(void **state)
     ost_bone_info info;
     assert_ok(ost_phantom_make(OST_PHANTOM_GLENOID, NULL, &ct, &err));
     assert_ok(ost_backend_open("cpu:threads=2", &backend, &err));
-    ct.geometry.spacing.z = ct.geometry.spacing.x; /* a bone is cubic; flatter than it was */
+    ct.geometry.spacing.z = ct.geometry.spacing.x; /* a bone is cubic; this makes the phantom flatter */
     for (int n = 16; n <= 64; n *= 2) {
         assert_ok(ost_bone_create(backend, &ct.geometry, n, 120, &bone, &err));
         assert_ok(ost_bone_upload(bone, 0, ct.geometry.dims.z, ct.voxels, &err));

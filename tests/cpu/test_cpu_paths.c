@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Thresholds of the CPU backend (src/cpu/share.h): with grain=1 the smallest
- * grids enter every path, on as many threads as asked for, and the results are
- * the reference's; without it they enter none, and one event of 2^22 voxels
- * enters the shared removal.
+ * Tests the thresholds of the CPU backend (src/cpu/share.h). With grain=1 the smallest grids
+ * enter every path, on as many threads as requested, and the results equal the reference's.
+ * Without it they enter no path, and one event of 2^22 voxels enters the shared removal.
  * Covers: REQ-CPU-PATHS
  */
 #include "ref/scene.h"
@@ -38,7 +37,7 @@ static bool entered(const seen *s, const char *name)
     return false;
 }
 
-/* Runs every stage once; the bone's digest, and what the backend's paths say. */
+/* Runs every stage once. Returns the bone's digest, and in out the backend's path counts. */
 static ost_digest run_all(const char *spec, int32_t side, int chunk_size, seen *out)
 {
     ost_error err = {0};
@@ -59,7 +58,7 @@ static ost_digest run_all(const char *spec, int32_t side, int chunk_size, seen *
     assert_true(samples && voxels);
     for (size_t i = 0; i < count; i++) {
         const int32_t x = (int32_t)(i % (size_t)side), y = (int32_t)(i / (size_t)side % (size_t)side), z = (int32_t)(i / (size_t)side / (size_t)side);
-        voxels[i] = (int16_t)(x % 16 == 1 && y % 16 == 1 ? 900 : 100); /* sparse, and something in every chunk */
+        voxels[i] = (int16_t)(x % 16 == 1 && y % 16 == 1 ? 900 : 100); /* few high densities, some in every chunk */
         samples[i] = (ost_sample){x * s, y * s, z * s, voxels[i], (uint32_t)i};
     }
     assert_ok(ost_grid_create(backend, &g, &rect, &err));
@@ -73,7 +72,7 @@ static ost_digest run_all(const char *spec, int32_t side, int chunk_size, seen *
     assert_ok(ost_bone_digest(bone, NULL, &root, &err));
     assert_ok(ost_bone_digest(copy, NULL, &other, &err));
     assert_memory_equal(&root, &other, sizeof root);
-    /* A tool of the mesh of a burr, and one event over the bone. */
+    /* A tool from the mesh of a burr, and one event over the bone. */
     ost_pm3 lo, hi;
     ost_tool_geometry grid;
     assert_ok(ost_tool_make(OST_TOOL_BURR, &(ost_tool_options){.diameter = 12 * s, .length = 30 * s}, &mesh, &err));
@@ -107,7 +106,7 @@ static ost_digest run_all(const char *spec, int32_t side, int chunk_size, seen *
     return root;
 }
 
-/* A bone is the same in whatever order threads take its parts. */
+/* A bone is the same for every order in which threads process its parts. */
 static void no_order_changes_a_bone(void **state)
 {
     (void)state;
@@ -124,7 +123,7 @@ static void no_order_changes_a_bone(void **state)
 static void the_smallest_grain_enters_every_path(void **state)
 {
     (void)state;
-    /* 27 leaves, 125 chunks and 2 layers of 5 rows of them: more than 7 threads can share. */
+    /* 27 leaves, 125 chunks and 2 layers of 5 rows of them: enough for 7 threads. */
     static const int teams[] = {1, 2, 3, 7};
     seen none, all;
     const ost_digest expected = run_all("ref", SIDE, 16, &none);
@@ -146,7 +145,7 @@ static void the_smallest_grain_enters_every_path(void **state)
     }
 }
 
-/* 40 slices are more than the 8 from which on an upload is shared; all else is too small. */
+/* An upload is shared from 8 slices on, so the 40 slices here are; all other work is too small to be shared. */
 static void thresholds_hold_without_it(void **state)
 {
     (void)state;
@@ -158,13 +157,12 @@ static void thresholds_hold_without_it(void **state)
             fail_msg("'%s' was entered", small.name[i]);
 }
 
-/* 3 x 3 x 3 chunks of 64^3 are 7.1 million voxels, more than 2^22, though the grid has 2.2 million. */
-/* Each item of a team's work is taken once, and none of a work that has none. */
+/* Each item of a team's work is taken once; no item is taken from empty work. */
 static void a_team_takes_each_item_once(void **state)
 {
     (void)state;
     enum { ITEMS = 21 };
-    /* Plain, dealt, and in 16 orders. */
+    /* In sequence, dealt in blocks, and in 16 orders. */
     for (int way = 0; way < 18; way++)
         for (int64_t count = 0; count <= ITEMS; count++)
             for (int64_t block = 0; block <= 8; block++) {
@@ -172,7 +170,7 @@ static void a_team_takes_each_item_once(void **state)
                 int taken[ITEMS + 1] = {0};
                 ost_cpu_sharing_init(&sharing, way > 0, way > 1 ? (uint64_t)way : 0);
                 ost_team team = ost_team_of(&sharing, way > 1 ? 3 : 1, OST_PATH_REMOVAL, INT64_MAX, count, block);
-                if (way > 1) /* its three members, one after the other */
+                if (way > 1) /* the team's three members, one after another */
                     for (int m = 0; m < 3; m++) {
                         ost_member me = {.next = m, .stride = 3};
                         for (int64_t i; (i = ost_team_next(&team, &me)) >= 0;)
@@ -189,6 +187,7 @@ static void a_team_takes_each_item_once(void **state)
             }
 }
 
+/* 3 x 3 x 3 chunks of 64^3 are 7.1 million voxels, more than 2^22, although the grid has 2.2 million. */
 static void many_chunks_share_a_removal(void **state)
 {
     (void)state;

@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Removal and collision of the CPU backend, every instruction set of this
- * machine and several threads, against the reference: voxels, digests and
- * reports are equal to the last bit.  Tools, bones and poses are made up at
- * random, with those among them that lie on borders: quarter turns, voxels
- * on voxels, one voxel, nothing, boxes that cut.
+ * Compares removal and collision of the CPU backend with the reference, for every instruction
+ * set of this machine and several thread counts: voxels, digests and reports are bit-identical.
+ * Tools, bones and poses are random and include borderline cases: quarter turns, voxel centres
+ * on voxel centres, grids of one voxel, empty tools and bones, and boxes that cut the tool's
+ * reach.
  * Covers: AR-MAP-4, AR-MAP-5, AR-REM-1..6, AR-CHK-3, AR-LAW-1
  */
 #include "cpu/team.h"
 
 /* ---------------------------------------------------------------- scenes */
 
-/* Anywhere on and around the bone; one in three turned by quarters, with voxel on voxel. */
+/* Returns a random position on or around the bone; one in three is turned by quarters, with voxel on voxel. */
 static ost_pose some_pose(test_rng *rng, const ost_geometry *g)
 {
     const ost_pm s = g->spacing.x;
@@ -34,7 +34,10 @@ static ost_pose some_pose(test_rng *rng, const ost_geometry *g)
     return pose;
 }
 
-/* Sound ones are the whole grid; cutting ones are anything. */
+/*
+ * Returns the box of an event: two in three are the complete grid, the others are random and
+ * may cut the tool's reach.
+ */
 static ost_voxel_box some_box(test_rng *rng, const ost_geometry *g)
 {
     const int32_t d[3] = {g->dims.x, g->dims.y, g->dims.z};
@@ -50,16 +53,19 @@ static ost_voxel_box some_box(test_rng *rng, const ost_geometry *g)
 static int16_t *some_bone(test_rng *rng, const ost_geometry *g)
 {
     int16_t *voxels = random_densities(rng, g, (int)rng_range(rng, 1, 8));
-    if (rng_range(rng, 0, 3) == 0) /* the whole range of densities */
+    if (rng_range(rng, 0, 3) == 0) /* the full range of densities */
         for (size_t i = 0; i < voxel_count(g); i++)
             voxels[i] = (int16_t)rng_range(rng, -32768, 32767);
-    if (rng_range(rng, 0, 3) == 0) /* and some of it bare, so that chunks are absent */
+    if (rng_range(rng, 0, 3) == 0) /* half of it empty, so that chunks are absent */
         memset(voxels, 0, voxel_count(g) / 2 * sizeof *voxels);
     return voxels;
 }
 
 static const ost_pm bone_voxels[] = {470 * UM, 300 * UM, 1000 * UM};
-/* Tool voxels in thousandths of a bone voxel: through all window steps of both edges, and where there are none. */
+/*
+ * Sizes of tool voxels in thousandths of a bone voxel: all window steps of both edges, and
+ * sizes without windows.
+ */
 static const int64_t tool_voxels[] = {3000, 2128, 1600, 1064, 1064, 1064, 1000, 960, 900, 750, 743, 650, 532, 400, 347, 320, 288, 260, 247, 150, 63};
 
 static void same_event(const team *t, test_rng *rng, int64_t poses_max)
@@ -155,7 +161,7 @@ static void several_poses(void **state)
         same_event(*state, &rng, 6);
 }
 
-/* One bone under a tool that moves on, so that what earlier events left behind matters. */
+/* One bone under a moving tool, so that the results depend on the state that earlier events left. */
 static void a_sequence(void **state)
 {
     const team *t = *state;
@@ -206,7 +212,10 @@ static void a_sequence(void **state)
     free(voxels);
 }
 
-/* Enough chunks that threads share them, and that there are many batches: a tool turning through the whole bone, and a switch of tools. */
+/*
+ * Enough chunks for several threads and many batches: a tool that turns through the complete
+ * bone, and a change of tools.
+ */
 static void many_chunks(void **state)
 {
     const team *t = *state;
@@ -266,7 +275,7 @@ static void many_chunks(void **state)
     free(voxels);
 }
 
-/* Slices that come in any order and overlap. */
+/* Slices are uploaded in any order and overlap. */
 static void slabs_of_slices(void **state)
 {
     const team *t = *state;

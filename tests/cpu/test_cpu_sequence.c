@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Removal tick after tick, every instruction set of this machine and several
- * threads, against the reference: after each tick the report and every voxel
- * are equal.  What an event leaves behind, in the bone and in the backend, is
- * what these tests are about: slow and fast motion, stops, turning back,
- * turning on the spot, sweeps, collisions in between, tools and bones by
- * turns, bones that are uploaded again.  And blocks of 16^3 voxels that the
- * tool's grid just meets or just misses.
+ * Compares removal tick after tick with the reference, for every instruction set of this
+ * machine and several thread counts: after each tick the report and every voxel are equal.
+ * These tests examine the state that an event leaves in the bone and in the backend: slow and
+ * fast motion, stops, reversals, turns on the spot, sweeps, collisions in between, alternating
+ * tools and bones, and bones that are uploaded again. They also test blocks of 16^3 voxels that
+ * the tool's grid just meets or just misses.
  * Covers: AR-MAP-4, AR-MAP-5, AR-REM-1..6, AR-LAW-1, AR-LAW-2
  */
 #include "cpu/team.h"
@@ -64,7 +63,7 @@ static void close_bench(bench *b)
         ost_tool_free(b->tool[i]);
 }
 
-/* A pose in the middle of a bone, or near it. */
+/* Returns a pose in the middle of a bone, or near it. */
 static ost_pose somewhere(test_rng *rng, const ost_geometry *g)
 {
     const ost_pm s = g->spacing.x;
@@ -75,7 +74,7 @@ static ost_pose somewhere(test_rng *rng, const ost_geometry *g)
     return pose;
 }
 
-/* How a tool goes on: a way a tick and a change of the quaternion; kept for some ticks. */
+/* A tool's motion: a displacement per tick and a change of the quaternion; constant for some ticks. */
 typedef struct motion {
     ost_pm3 way;
     int32_t turn[3];
@@ -91,7 +90,7 @@ static motion some_motion(test_rng *rng)
     return m;
 }
 
-/* One step on; a quaternion that leaves the unit sphere too far is not turned any further. */
+/* Returns the pose one tick later; a quaternion that is too far from unit length is not turned any further. */
 static ost_pose moved(const ost_pose *from, const motion *m)
 {
     ost_pose to = *from;
@@ -105,7 +104,7 @@ static ost_pose moved(const ost_pose *from, const motion *m)
     return ost_pose_check(&turned, NULL) == OST_OK ? turned : to;
 }
 
-/* What happens in one tick. */
+/* The actions of one tick. */
 typedef struct tick {
     int bone, tool, poses;
     ost_pose pose[4];
@@ -211,9 +210,9 @@ static void random_sequences(void **state)
 }
 
 /*
- * A tool that is solid up to its grid's border, its voxels as large as the
- * bone's, turned by quarters or not at all: moved along one axis from beyond
- * one side of a block to beyond the other, in steps of a voxel and a picometre more or less.
+ * Tests a tool that is solid up to its grid's border, with voxels as large as the bone's,
+ * turned by quarters or not at all. It moves along one axis from beyond one side of a block to
+ * beyond the other, in steps of one voxel, one picometre more or less.
  */
 static void borders_of_blocks(void **state)
 {

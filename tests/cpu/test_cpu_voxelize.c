@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The CPU backend's voxelizer against the reference, by memcmp and report:
- * every instruction set of this machine, threads 1, 2, 3 and 7, both
- * voxelizers where both are built, both rules, one mesh and two.
+ * Compares the CPU backend's voxelizer with the reference, by memcmp and by report: every
+ * instruction set of this machine, 1, 2, 3 and 7 threads, both voxelizers where both are built,
+ * both rules, one mesh and two.
  *
  * Covers: AR-VOX-1, AR-VOX-2, AR-VOX-3, AR-VOX-4, AR-VOX-5, AR-VOX-6, AR-VOX-7
  */
@@ -17,7 +17,7 @@
 
 /* --------------------------------------------------------------- compare */
 
-/* The bits of one mesh or two, as classes. */
+/* Compares the bits of one mesh or two, converted to classes. */
 static void compare_bits(const ost_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
                          ost_fill_rule rule, const uint8_t *expected, const char *what)
 {
@@ -27,7 +27,7 @@ static void compare_bits(const ost_backend *backend, const ost_snapped_mesh *cut
     ost_voxelize_report report;
     uint64_t *bits[2] = {aligned_alloc(64, size), aligned_alloc(64, size)};
     assert_true(bits[0] && bits[1]);
-    for (int both = 0; both < 2; both++) { /* alone the cutting bits may be filled in place */
+    for (int both = 0; both < 2; both++) { /* without noncutting bits the cutting bits may be filled in place */
         memset(bits[0], 0x5a, size);
         memset(bits[1], 0x5a, size);
         assert_ok(ost_cpu_voxelize((const cpu_backend *)backend, cutting, noncutting, rule, &report,
@@ -44,7 +44,7 @@ static void compare_bits(const ost_backend *backend, const ost_snapped_mesh *cut
     free(bits[1]);
 }
 
-/* tiny: tiles of a few rows, and all threads however small the mesh. */
+/* With `tiny` tiles have a few rows, and all threads are used for meshes of any size. */
 static void compare_one(const char *spec, bool tiny, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting, ost_fill_rule rule,
                         const uint8_t *expected, const ost_voxelize_report *expected_report, const char *what)
 {
@@ -56,7 +56,7 @@ static void compare_one(const char *spec, bool tiny, const ost_snapped_mesh *cut
     assert_ok(ost_backend_open(spec, &backend, &err));
     if (tiny)
         ost_cpu_sharing_init(((cpu_backend *)backend)->sharing, 1, 0);
-    for (int again = 0; again < 2; again++) { /* what one call leaves behind must not reach the next */
+    for (int again = 0; again < 2; again++) { /* no state of the first call may affect the second */
         memset(&report, 0x5a, sizeof report);
         assert_ok(ost_voxelize(backend, cutting, noncutting, rule, &report, &tool, &err));
         assert_ok(ost_tool_download(tool, &volume, &err));
@@ -79,12 +79,12 @@ static void compare_one(const char *spec, bool tiny, const ost_snapped_mesh *cut
     ost_backend_close(backend);
 }
 
-/* Which options a comparison goes through: all of them, or all instruction sets with one thread. */
+/* Compares with all options (`all`), or with all instruction sets and one thread. */
 static void compare(const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting, bool all, const char *what)
 {
     static const char *const voxelizers[] = {"triangles", "embree"};
     static const int threads[] = {1, 2, 3, 7};
-    static unsigned tiny_too; /* every other comparison */
+    static unsigned tiny_too; /* true for every other comparison */
     ost_error err = {0};
     uint8_t *expected = malloc((size_t)ost_dims_count(cutting->grid.dims));
     assert_non_null(expected);
@@ -99,11 +99,11 @@ static void compare(const ost_snapped_mesh *cutting, const ost_snapped_mesh *non
                     if (!ost_isa_available((ost_isa)isa))
                         continue;
                     if (v == 1 && !(all && t % 2 == 0) && (ost_isa)isa != ost_isa_best())
-                        continue; /* a device of Embree's takes longer to make than all of these grids */
+                        continue; /* opening a device of Embree takes longer than all of these grids */
                     snprintf(spec, sizeof spec, "cpu:isa=%s,threads=%d,voxelizer=%s", ost_isa_name((ost_isa)isa), threads[t],
                              voxelizers[v]);
                     if (ost_backend_open(spec, &backend, &err) == OST_ERR_UNAVAILABLE)
-                        continue; /* built without Embree; triangles are never unavailable, see below */
+                        continue; /* built without Embree; "triangles" is always available, see `options` below */
                     ost_backend_close(backend);
                     compare_one(spec, threads[t] > 1 || tiny_too++ % 2, cutting, noncutting, (ost_fill_rule)rule, expected, &report, what);
                 }
@@ -113,7 +113,10 @@ static void compare(const ost_snapped_mesh *cutting, const ost_snapped_mesh *non
 
 /* ---------------------------------------------------------------- meshes */
 
-/* Random meshes: a third of them by default, others in every run; all with OST_TEST_LONG=1. */
+/*
+ * Returns the number of random meshes: a third of n by default, with a new seed in each run;
+ * all n with OST_TEST_LONG=1.
+ */
 static int rounds(int n)
 {
     const char *given = getenv("OST_TEST_LONG");
@@ -135,7 +138,7 @@ static void on_centres(ost_snapped_mesh *mesh, test_rng *rng)
             mesh->vertices[i][a] = (int32_t)(rng_range(rng, 0, n[a] - 1) * MAKE_ONE + MAKE_HALF);
 }
 
-/* Triangles between any vertices: open, crossing, degenerate, doubled. */
+/* Returns triangles between arbitrary vertices: open, crossing, degenerate, duplicate. */
 static ost_snapped_mesh make_soup(test_rng *rng, ost_dims dims, size_t vertices, size_t triangles)
 {
     ost_snapped_mesh mesh = make_snapped(dims, vertices, triangles);
@@ -147,7 +150,7 @@ static ost_snapped_mesh make_soup(test_rng *rng, ost_dims dims, size_t vertices,
     return mesh;
 }
 
-/* A tube of radius r about a (p, q) torus knot, or a sphere-like tube; in voxels, within the grid. */
+/* Returns a tube about a (p, q) torus knot, or a sphere-like tube; in voxels, within the grid. */
 static ost_snapped_mesh make_knot(ost_dims dims, uint32_t along, uint32_t around, double p, double q)
 {
     ost_snapped_mesh mesh = make_snapped(dims, (size_t)along * around, 2 * (size_t)along * around);
@@ -218,7 +221,7 @@ static void closed_meshes_that_cross_themselves(void **state)
     }
 }
 
-/* Many crossings at the same centre: bits are taken, and counts go far beyond one. */
+/* Many crossings at the same centre: bits are toggled several times, and counts go far beyond one. */
 static void piles_of_triangles(void **state)
 {
     (void)state;
@@ -233,7 +236,7 @@ static void piles_of_triangles(void **state)
     }
 }
 
-/* Crossings behind the last centre, with and without words of padding behind it. */
+/* Crossings behind the last centre, with and without words of padding after it. */
 static void triangles_at_the_far_border(void **state)
 {
     (void)state;
@@ -298,7 +301,7 @@ static void shapes_over_many_tiles(void **state)
     }
 }
 
-/* More triangles than voxels, most of them in no row at all. */
+/* More triangles than voxels, most of which cross no row. */
 static void triangles_smaller_than_a_voxel(void **state)
 {
     (void)state;
@@ -333,7 +336,7 @@ static void shells_closer_than_a_voxel(void **state)
     }
 }
 
-/* Coarse lattices have larger triangles for the same extent in units: every number of fraction bits. */
+/* Every number of fraction bits: coarse lattices have larger triangles for the same extent in units. */
 static void every_lattice(void **state)
 {
     (void)state;
@@ -349,7 +352,7 @@ static void every_lattice(void **state)
     }
 }
 
-/* The greatest coordinates there are: one long row of slices, and one wide slice. */
+/* The greatest coordinates: one long row of slices, and one wide slice. */
 static void the_greatest_grids(void **state)
 {
     (void)state;
@@ -375,8 +378,8 @@ static void an_empty_mesh_is_void(void **state)
 }
 
 /*
- * A caller's rounding and traps are its own: the grid is the same under them,
- * and they are there afterwards.  Embree sets flush-to-zero and divides by zero.
+ * The caller's rounding mode and floating-point traps have no effect on the grid and are
+ * unchanged afterwards. Embree sets flush-to-zero and divides by zero.
  */
 static void floats_are_left_alone(void **state)
 {
@@ -405,7 +408,7 @@ static void floats_are_left_alone(void **state)
             const unsigned int left = __builtin_ia32_stmxcsr();
             __builtin_ia32_ldmxcsr(AT_START);
             assert_ok(status);
-            enum { FLAGS = 0x3f }; /* what our own floats met, such as an inexact estimate */
+            enum { FLAGS = 0x3f }; /* exceptions raised by the test's own floats, such as an inexact estimate */
             assert_int_equal(left & ~(unsigned int)FLAGS, states[s]);
             assert_ok(ost_tool_download(tool, &volume, &err));
             assert_memory_equal(volume.voxels, expected, size);
@@ -420,7 +423,7 @@ static void floats_are_left_alone(void **state)
 #endif
 }
 
-/* The one voxelizer that is always there; and a misspelt one is not taken for another. */
+/* The voxelizer "triangles" is always available; a misspelt name is an error. */
 static void options(void **state)
 {
     (void)state;
