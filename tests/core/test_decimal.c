@@ -48,7 +48,7 @@ static void halves_go_to_even(void **state)
     assert_int_equal(ost_ceil_div(-7, 2), -3);
 }
 
-/* An integer by value, however it is written; 2^64 - 1 is the greatest. */
+/* Decimals with an integer value are recognized in any notation; the greatest is 2^64 - 1. */
 static void integers_are_found_by_value(void **state)
 {
     (void)state;
@@ -172,7 +172,7 @@ static void floats_stand_for_their_shortest_decimal(void **state)
     assert_false(ost_pm_from_binary(8000.1, &value));
 }
 
-/* Printing is exact and shortest, so reading it back gives the same integer. */
+/* Printed lengths are exact and as short as possible, so that parsing them gives the same integer. */
 static void format_and_parse_agree(void **state)
 {
     (void)state;
@@ -188,7 +188,7 @@ static void format_and_parse_agree(void **state)
     }
 }
 
-/* Scaling by 2^30 against long division with a remainder, digit by digit. */
+/* Compares scaling by 2^30 with long division, digit by digit. */
 static void q30_agrees_with_long_division(void **state)
 {
     (void)state;
@@ -207,7 +207,7 @@ static void q30_agrees_with_long_division(void **state)
     }
 }
 
-/* A tie that needs 31 places: (k + 1/2) / 2^30 written out in full, alone and with a last digit more. */
+/* Ties that need 31 places: (k + 1/2) / 2^30 written in full, as they are and with one more digit. */
 static void long_ties_are_decided_exactly(void **state)
 {
     (void)state;
@@ -215,8 +215,8 @@ static void long_ties_are_decided_exactly(void **state)
         const char *text;
         int64_t q30;
     } row[] = {
-        {"0.5000000004656612873077392578125", (INT64_C(1) << 29)},          /* 2^29 + 1/2, to even */
-        {"0.5000000013969838619232177734375", (INT64_C(1) << 29) + 2},      /* 2^29 + 3/2, to even */
+        {"0.5000000004656612873077392578125", (INT64_C(1) << 29)},          /* 2^29 + 1/2, rounded to even */
+        {"0.5000000013969838619232177734375", (INT64_C(1) << 29) + 2},      /* 2^29 + 3/2, rounded to even */
         {"0.50000000046566128730773925781250000001", (INT64_C(1) << 29) + 1},
         {"0.500000000465661287307739257812500000000000000000000001", (INT64_C(1) << 29) + 1},
         {"0.5000000004656612873077392578124999999999", INT64_C(1) << 29},
@@ -246,7 +246,7 @@ static void long_ties_are_decided_exactly(void **state)
     assert_false(ost_decimal_scale(&d, 1, &value, &exact));
 }
 
-/* What printf prints in locales of a comma, of an Arabic separator of two bytes, and of a point. */
+/* Output of printf in locales whose decimal sign is a comma, an Arabic separator of two bytes, or a point. */
 static void any_decimal_sign_becomes_a_point(void **state)
 {
     (void)state;
@@ -258,7 +258,7 @@ static void any_decimal_sign_becomes_a_point(void **state)
         ost_point_put_back(text);
         assert_string_equal(text, cases[i][1]);
     }
-    /* And in the locales that this machine has, if any: the same picometres. */
+    /* The locales that this machine has, if any, give the same picometres. */
     static const char *const locales[] = {"de_DE.UTF-8", "fr_FR.UTF-8", "ps_AF.UTF-8", "fa_IR.UTF-8", "C"};
     for (size_t i = 0; i < sizeof locales / sizeof *locales; i++) {
         if (!setlocale(LC_NUMERIC, locales[i]))
@@ -283,7 +283,7 @@ static void the_ends_of_exponents_and_lengths(void **state)
     assert_int_equal(value, 0);
     text = "1e-10000";
     assert_null(ost_decimal_read(text, text + 8, &d));
-    /* The greatest product there is, 1.8 * 10^37, over 10^37. */
+    /* The greatest possible product, 1.8 * 10^37, divided by 10^37. */
     text = "999999999999999999e-37";
     assert_non_null(ost_decimal_read(text, text + strlen(text), &d));
     assert_true(ost_decimal_scale(&d, UINT64_MAX, &value, NULL));

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Digests against values computed by another SHA-256 (Python's hashlib) over
- * the layout of docs/arithmetic.md; the snippet is beside each.
+ * Compares digests with values computed by another SHA-256 (Python's hashlib) over the layout
+ * of docs/arithmetic.md; the Python expression is in the comment of each test.
  * Covers: AR-DIG-1, AR-DIG-2, AR-DIG-3, AR-DIG-4
  */
 #include "harness.h"
@@ -31,8 +31,8 @@ static void the_empty_leaf_is_constant(void **state)
 }
 
 /*
- * 12 leaves of a 40 x 33 x 65 grid with voxel = (7x + 131y + 1009z) mod 4000 - 1000, so
- * every axis is padded and the tree is uneven:
+ * A grid of 40 x 33 x 65 voxels with voxel = (7x + 131y + 1009z) mod 4000 - 1000 and 12 leaves,
+ * so that every axis is padded and the tree is uneven:
  *   tree(l) = l[0] if one else H(1 + tree(l[:k]) + tree(l[k:])), k the greatest power of two < len(l)
  *   root = H(2 + b"OSTEONG1" + struct.pack("<II3iI3q3qiIQ", 2, 1, 40,33,65, 0, 470000000,470000000,10**9,
  *            -57340000000,0,5, 0, 32, 12) + bytes(32) + tree)
@@ -66,9 +66,9 @@ static void an_uneven_grid_has_its_root(void **state)
 }
 
 /*
- * Every field of the header has bytes of its own, none of them 0 where they
- * could differ, so that none can move or lose one unseen.  The 128 bytes laid
- * out one by one from the table of AR-DIG-4, not by a C layout:
+ * Every field of the header has bytes of its own, none of them 0 where it could differ, so that
+ * a moved or missing field is detected. The 128 bytes follow one by one from the table of
+ * AR-DIG-4, not from a C layout:
  *   leaf i: 32 bytes of i + 1, i = 0..5; tree as above
  *   h = bytearray(128); h[0:8] = b"OSTEONG1"; h[8:12] = (2).to_bytes(4, "little"); h[12:16] = (3).to_bytes(4, "little")
  *   for i: h[16+4*i:20+4*i] = dims[i].to_bytes(4, "little"); h[32+8*i:40+8*i] = spacing[i].to_bytes(8, "little")

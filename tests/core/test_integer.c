@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Divisions: floor, ceiling and RHE by their definitions, in 64 and 128 bits,
- * and the divider, which divides once for many, against them.
+ * Tests floor, ceiling and RHE against their definitions, in 64 and 128 bits, and compares the
+ * divider, which is set up once for many divisions, with them.
  * Covers: AR-INT-1, AR-INT-2
  */
 #include "harness.h"
 
 #include "core/divider.h"
 
-/* AR-INT-2's ties, written down. */
+/* The ties of AR-INT-2, as literals. */
 static void ties_go_to_the_even_neighbour(void **state)
 {
     (void)state;
@@ -30,7 +30,7 @@ static void ties_go_to_the_even_neighbour(void **state)
     }
 }
 
-/* q is nearest when |n - q d| <= d / 2, and at equality it is even; it is floor when 0 <= n - q d < d. */
+/* q is nearest if |n - q d| <= d / 2, and even at equality; q is the floor if 0 <= n - q d < d. */
 static void assert_nearest(ost_i128 n, ost_i128 d, ost_i128 q)
 {
     const ost_i128 off = n - q * d, away = off < 0 ? -off : off;
@@ -56,7 +56,7 @@ static ost_i128 random_wide(test_rng *rng, int bits)
     return (high * 2 * ((ost_i128)1 << 63) | (ost_i128)rng_next(rng)) >> (127 - bits);
 }
 
-/* Multiples of the divisor, halves of it, and one unit beside them; and anything. */
+/* Dividends at multiples of the divisor and at halves of it, one unit to either side of these, and random ones. */
 static void the_divider_divides(void **state)
 {
     (void)state;
@@ -78,7 +78,7 @@ static void the_divider_divides(void **state)
         case 2: n += random_wide(&rng, 127) % d; break;
         default: break;
         }
-        if (q == most || q == -most) /* and not beyond */
+        if (q == most || q == -most) /* the quotient may not exceed the bound */
             n = q * d;
         ost_i128 rest;
         const int64_t below = ost_floor_by(&by, n, &rest);

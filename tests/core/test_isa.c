@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Which level is chosen, on machines made up from Intel's and AMD's manuals:
- * the bits stand here as they stand there, by leaf, register and number.
+ * Tests the selection of a level on simulated machines. Their bits are those of Intel's and
+ * AMD's manuals, by leaf, register and number.
  */
 #include "harness.h"
 
@@ -44,7 +44,7 @@ static void machines_of_the_manuals(void **state)
             fail_msg("%s: %s, not %s", machines[i].name, ost_isa_name(ost_isa_decide(&machines[i].cpuid)), ost_isa_name(machines[i].level));
 }
 
-/* A system that does not save registers of a set must not see the set used, whatever the processor has. */
+/* A set whose registers the system does not save must not be used, whatever the processor supports. */
 static void unsaved_registers(void **state)
 {
     (void)state;
@@ -63,12 +63,12 @@ static void unsaved_registers(void **state)
         cpuid.xcr0 &= ~systems[i].unsaved;
         assert_int_equal(ost_isa_decide(&cpuid), systems[i].level);
     }
-    ost_isa_cpuid no_xsave = machines[MACHINES - 1].cpuid; /* XCR0 cannot even be asked for */
+    ost_isa_cpuid no_xsave = machines[MACHINES - 1].cpuid; /* without XSAVE, XCR0 cannot be read */
     no_xsave.leaf1_c &= ~BIT(27);
     assert_int_equal(ost_isa_decide(&no_xsave), OST_ISA_SCALAR);
 }
 
-/* Every single bit that a level needs is needed: without it, a lower level. */
+/* Each bit that a level requires is necessary: without it a lower level is chosen. */
 static void each_bit_is_needed(void **state)
 {
     (void)state;
@@ -92,7 +92,10 @@ static void each_bit_is_needed(void **state)
     }
 }
 
-/* The best is available, and everything below it of the same kind of machine; names lead to levels, wrong ones to a status. */
+/*
+ * The best level and every lower level of the same architecture are available. Valid names give
+ * levels, invalid ones an error status.
+ */
 static void this_machine(void **state)
 {
     (void)state;
@@ -114,7 +117,8 @@ static void this_machine(void **state)
     setenv("OSTEON_ISA", "scalar", 1);
     assert_ok(ost_isa_choose(NULL, &isa, &err));
     assert_int_equal(isa, OST_ISA_SCALAR);
-    assert_ok(ost_isa_choose(ost_isa_name(ost_isa_best()), &isa, &err)); /* what is asked for goes before the environment */
+    /* an explicit argument overrides the environment */
+    assert_ok(ost_isa_choose(ost_isa_name(ost_isa_best()), &isa, &err));
     assert_int_equal(isa, ost_isa_best());
     setenv("OSTEON_ISA", "avx3", 1);
     assert_int_equal(ost_isa_choose("auto", &isa, &err), OST_ERR_USAGE);

@@ -63,7 +63,10 @@ static void too_large_is_refused(void **state)
 
 static void edges_of_four_faces_are_open(void **state)
 {
-    /* A box twice over: every one of its 18 edges twice in each direction, which cancels and is no surface. */
+    /*
+     * The same box twice: each of its 18 edges occurs twice in each direction, which cancels,
+     * and the mesh is no surface.
+     */
     (void)state;
     ost_error err = {0};
     ost_mesh box, twice;

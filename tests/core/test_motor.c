@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A motor's turns: its phase is exact, its poses are the tool's, and a path's
- * rows become as many ticks as it takes.
+ * Tests a motor's rotation: the phase is exact, the poses are those of the tool, and each row
+ * of a path is divided into as many ticks as it needs.
  *
  * Covers: AR-MOTOR-2, AR-MOTOR-4, AR-MOTOR-7
  */
@@ -14,7 +14,7 @@
 
 static const ost_pose straight = {.qw = OST_Q30_ONE};
 
-/* docs/arithmetic.md, the example of section 11: the second tick, and a turn later. */
+/* The example of docs/arithmetic.md, section 11: the second tick, and the same one turn later. */
 static void the_worked_example(void **state)
 {
     (void)state;
@@ -33,7 +33,10 @@ static void the_worked_example(void **state)
     assert_int_equal(motor.phase, 0);
 }
 
-/* Any hand, any phase: the rotation is the hand's times a clockwise one about z, and its inverse gives the hand again. */
+/*
+ * For any device pose and phase the rotation is that of the device times a clockwise one about
+ * z, and the inverse restores the device's rotation.
+ */
 static void a_pose_is_turned_about_its_own_axis(void **state)
 {
     (void)state;
@@ -64,7 +67,10 @@ static void a_pose_is_turned_about_its_own_axis(void **state)
     }
 }
 
-/* Off and unknown speeds leave the phase; times from one end of int64 to the other do not overflow. */
+/*
+ * A motor that is off or has an unknown speed keeps its phase; times from one end of int64 to
+ * the other do not overflow.
+ */
 static void a_phase_is_exact(void **state)
 {
     (void)state;
@@ -105,10 +111,10 @@ static void rows_become_ticks(void **state)
     path.ticks[1] = row(100, OST_RPM_HAND, 30); /* 3 parts at 200 rpm: U / 3 is more than 2 U / 8 */
     path.ticks[2] = row(137, OST_RPM_HAND, 40); /* 37 ms: 7.4 * 10^9, below U / 8 */
     path.ticks[3] = row(1137, OST_RPM_HAND, 50);
-    path.ticks[3].lifted = true;                /* one, whatever the time */
+    path.ticks[3].lifted = true;                /* lifted: one tick for any interval */
     path.ticks[4] = row(2137, OST_RPM_HAND, 60);
-    path.ticks[4].tool = 1;                     /* another tool likewise */
-    path.ticks[5] = row(3137, 50, 70);          /* a session's: as it is */
+    path.ticks[4].tool = 1;                     /* another tool: one tick as well */
+    path.ticks[5] = row(3137, 50, 70);          /* a row with its own speed, as from a session, is unchanged */
     path.ticks[6] = row(3200, OST_RPM_HAND, 80);
     assert_ok(ost_motor_path(&path, 200, &motor, &err));
     assert_int_equal(path.count, 9);
@@ -130,7 +136,10 @@ static void rows_become_ticks(void **state)
     ost_path_free(&path);
 }
 
-/* A hand that turns by 80 degrees between two rows: the quaternions between are as long as their ends. */
+/*
+ * A device that turns by 80 degrees between two rows: the quaternions in between have the
+ * length of the two ends.
+ */
 static void hands_between_rows_are_poses(void **state)
 {
     (void)state;
@@ -169,7 +178,7 @@ static void rows_too_far_apart_are_refused(void **state)
     path.ticks[1].pose = (ost_pose){.qx = OST_Q30_ONE};
     assert_int_equal(ost_motor_path(&path, 200, &(ost_motor){0}, &err), OST_ERR_RANGE);
     assert_memory_equal(&path, &same, sizeof path);
-    assert_ok(ost_motor_path(&path, 0, &(ost_motor){0}, &err)); /* off: no sweep, no limit */
+    assert_ok(ost_motor_path(&path, 0, &(ost_motor){0}, &err)); /* motor off: no sweep, no limit */
     assert_int_equal(path.count, 2);
     path.ticks[0] = row(0, OST_RPM_HAND, 0);
     path.ticks[1] = row(153600, OST_RPM_HAND, 0);

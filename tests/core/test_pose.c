@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Poses are quantised once, half to even, and refused when they are none.
+ * Poses are quantised once, half to even; invalid poses are refused.
  * Covers: AR-POSE-1, AR-POSE-2, AR-POSE-3
  */
 #include "harness.h"
@@ -19,7 +19,8 @@ static void doubles_are_quantised(void **state)
     assert_int_equal(pose.qw, 1 << 29);
     assert_int_equal(pose.qx, -(1 << 29));
     /*
-     * A double stands for its shortest decimal (AR-POSE-2, AR-LEN-4), and is no tie of binary fractions:
+     * A double stands for its shortest decimal (AR-POSE-2, AR-LEN-4), which is not a tie
+     * although the binary fraction is:
      * 1 + 2^-31 = 1.00000000046566128730… stands for 1.0000000004656613, which is above 2^30 + 1/2 in units of 2^-30;
      * 1 - 2^-31 = 0.99999999953433871269… for 0.9999999995343387, which is below 2^30 - 1/2;
      * 1 + 3 * 2^-31 = 1.00000000139698386191… for 1.0000000013969839, above 2^30 + 3/2.

@@ -40,7 +40,10 @@ static void totals_are_sums(void **state)
     ost_report_free(NULL);
 }
 
-/* Class c of the i-th chunk has (i + 1)(c + 1) voxels of density -c: sums 6 (c + 1), 18 (c + 1) c less, 6 * 36 in all. */
+/*
+ * Class c of the i-th chunk has (i + 1)(c + 1) voxels of density -c. The sums are 6 (c + 1)
+ * voxels and -18 (c + 1) c for the densities, 6 * 36 voxels in all.
+ */
 static void every_class_has_its_own_sum(void **state)
 {
     (void)state;
@@ -88,7 +91,7 @@ static void classes_are_parsed(void **state)
     assert_string_equal(c.name[2], "cortical");
 }
 
-/* AR-CLS-1: an active voxel has 1 or more, so a class below 1 would never have a voxel. */
+/* AR-CLS-1: an active voxel has a density of 1 or more, so a class below 1 would always be empty. */
 static void borders_begin_at_one(void **state)
 {
     (void)state;
@@ -108,7 +111,7 @@ static void borders_begin_at_one(void **state)
     assert_int_equal(ost_density_classes_check(&c, &err), OST_ERR_USAGE);
 }
 
-/* Each limit is met, and refused one beyond; what is refused changes nothing. */
+/* Each documented limit is accepted, and one beyond it is refused without changing anything. */
 static void limits_of_classes_are_where_they_are_said(void **state)
 {
     (void)state;
@@ -126,7 +129,7 @@ static void limits_of_classes_are_where_they_are_said(void **state)
     assert_int_equal(c.count, OST_CLASS_MAX);
     char name[OST_CLASS_NAME + 8];
     memset(name, 'n', sizeof name);
-    memcpy(name + OST_CLASS_NAME - 1, ":5", 3); /* the longest */
+    memcpy(name + OST_CLASS_NAME - 1, ":5", 3); /* the longest possible name */
     assert_ok(ost_density_classes_parse(name, &c, &err));
     assert_int_equal(strlen(c.name[0]), OST_CLASS_NAME - 1);
     memset(name, 'n', sizeof name);

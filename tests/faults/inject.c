@@ -8,8 +8,8 @@
  *   OST_FAIL_READ=K    the K-th of read and pread
  *   OST_FAIL_FROM=1    the K-th call and all later ones of that kind fail
  *   OST_FAIL_ERRNO=N   errno of a failed open or read (default EMFILE and EIO)
- *   OST_FAIL_IN=TEXT   only processes that have the argument TEXT count and fail; those that have
- *                      not, with !TEXT
+ *   OST_FAIL_IN=TEXT   only processes with the argument TEXT count and fail; with !TEXT only those
+ *                      without it
  *   OST_FAIL_PATH=TEXT only opens of paths that contain TEXT are counted
  *   OST_FAIL_EXCEPT=A:B  calls made by a file whose name contains A or B are not counted
  *   OST_FAIL_REPORT=FILE  at exit a process adds to FILE "alloc N", "open N" and "read N": the calls counted

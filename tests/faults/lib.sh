@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Definitions that the walks share: each includes this file behind tests/app/lib.sh.
+# Definitions that the walks share; each script includes this file after tests/app/lib.sh.
 
 skip() {
     echo "skipped: $*"
@@ -13,17 +13,17 @@ walk=$build/tests/faults/walk
 seed=${OST_TEST_SEED:-$(od -An -N4 -tu4 /dev/urandom | tr -d ' ')}
 echo "# seed $seed"
 excepted=libassimp:_dri:libEGL:libGL:libglapi:libepoxy:libgallium:libLLVM:libcrypto:libexpat:libomp:libgomp
-# No device of OpenCL: its libraries are C++.
+# OpenCL has no device here, since its libraries are C++.
 export OCL_ICD_VENDORS="$scratch/none" XDG_CACHE_HOME="$scratch/cache" OST_FAIL_EXCEPT=$excepted
 mkdir "$OCL_ICD_VENDORS" "$XDG_CACHE_HOME"
 
-# sample N: N faults of each command that follows; all with OST_TEST_LONG=1
+# sample N: sets the number of faults for each command that follows; all with OST_TEST_LONG=1
 sample() {
     runs=$1
     [ -z "${OST_TEST_LONG:-}" ] || runs=0
 }
 
-# walk_over [OPTION...] -- ARGUMENT...: walks one command of osteon
+# walk_over [OPTION...] -- ARGUMENT...: runs `walk` on one command of osteon
 walk_over() {
     options=
     while [ "$1" != -- ]; do
@@ -37,7 +37,7 @@ walk_over() {
     "$walk" --runs $runs --seed "$seed" $options "$library" "$osteon" "$@" || fail "osteon $*$options"
 }
 
-# make_inputs: a CT, a bone, tools and a session in folder in
+# make_inputs: makes a CT, a bone, tools and a session in folder $in
 make_inputs() {
     in=$scratch/in
     mkdir "$in"

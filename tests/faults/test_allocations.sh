@@ -1,13 +1,14 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# One allocation of a command fails, for every verb: the command ends by itself with the status
-# that it has without the fault, or with 2 or 3 and a message; its files are right or absent, and
-# nothing else is left.  Here some allocations fail, drawn with the printed seed; all of them with
-# OST_TEST_LONG=1 (of a campaign, which takes seconds, 200).  OST_TEST_ONLY=TEXT walks the commands that contain TEXT alone.
+# For every verb one allocation of a command fails. The command must end by itself with the
+# status that it has without the fault, or with 2 or 3 and a message; its files must be right or
+# absent, and no other file may remain. By default some allocations fail, drawn with the printed
+# seed; with OST_TEST_LONG=1 all of them (200 for a campaign, which takes seconds).
+# OST_TEST_ONLY=TEXT selects the commands that contain TEXT.
 #
-# Left out are allocations within libraries that crash or end the program on their own: assimp,
+# Excluded are allocations within libraries that crash or end the program themselves: assimp,
 # the run-time libraries of OpenMP, the drivers of OpenGL and OpenCL, and libcrypto, where about
-# one of a hundred of the 4,700 at its start does (3.0.19).
+# one in a hundred of the 4,700 at its start does (3.0.19).
 # Covers: REQ-OUT-OF-MEMORY
 . "${srcdir:-.}/tests/app/lib.sh"
 . "$source_folder/tests/faults/lib.sh"
@@ -51,6 +52,6 @@ walk_over --loose bundle -- validate --cpu-only --only mesh --jobs 1 --out bundl
 sample 6
 walk_over -- compare cpu --only import/0
 walk_over -- validate --export-cases cases --only import/0
-# A row that cannot run is reported, and the others go on.
+# A row that cannot run is reported, and the other rows run.
 walk_over --loose-output -- bench --quick --suite tick --filter tick
 finish

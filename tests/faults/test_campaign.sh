@@ -1,16 +1,17 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# One allocation, open or read of a campaign fails, in the process that compares or in a worker:
-# the bundle is complete and says EQUAL, or there is none and the status is 2 or 3 with a message.
-# Never 1: a worker that got no memory, descriptor or file says nothing about its backend.
-# Some faults are drawn with the printed seed; with OST_TEST_LONG=1 all of a worker and 100 of each
-# kind of the process that compares.
+# One allocation, open or read of a campaign fails, in the process that compares or in a worker.
+# Then the bundle is complete and says EQUAL, or there is none and the status is 2 or 3 with a
+# message. The status is never 1: a worker without memory, descriptors or files is no evidence
+# about its backend. Some faults are drawn with the printed seed; with OST_TEST_LONG=1 all of a
+# worker and 100 of each kind of the process that compares.
 # Covers: REQ-OUT-OF-MEMORY
 . "${srcdir:-.}/tests/app/lib.sh"
 . "$source_folder/tests/faults/lib.sh"
 
 one='cpu:isa=scalar,threads=1'
-# Files that hold times or the environment. The list of software is complete or there is no bundle.
+# Files that contain times or the environment. The lists of software are complete, or there is
+# no bundle.
 varying=audit.log:environment.json:junit.xml:manifest.json:report.html:times.json
 
 # walk_campaign KIND PROCESSES ARGUMENT...: K-th calls of KIND fail in the processes that OST_FAIL_IN=PROCESSES selects
@@ -22,11 +23,13 @@ walk_campaign() {
     walk_over --kind $kind --in "$processes" --loose $varying -- validate --jobs 1 --backends "ref;$one" --quiet --out bundle "$@"
 }
 
-# Each allocation of the lists of software: none may leave a list that lacks a library or has another digest.
+# Fails each allocation of the lists of software: no list may lack a library or have another
+# digest.
 checks=$((checks + 1))
 "$walk" --runs 0 "$library" "$build/tests/faults/write_software" || fail "the lists of software"
 
-# A worker's first allocations fail before its options are read; its status says so all the same.
+# A worker's first allocations fail before its options are read; its exit status must still
+# report that.
 for k in 1 2 3; do
     checks=$((checks + 1))
     LD_PRELOAD=$library OST_FAIL_ALLOC=$k OST_FAIL_FROM=1 "$osteon" validate --worker "$one" --trace trace --only import/0 2>err

@@ -1,9 +1,10 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# One open or read of a command fails (no descriptor, an I/O error): the status is the one without
-# the fault, or 2 or 3 with a message; files are right or absent.  osteon verify, each in turn: never
-# 1, the status of a bundle that was changed.  Other verbs that read files: some, drawn with the
-# printed seed; all with OST_TEST_LONG=1.  OST_TEST_ONLY=TEXT walks the commands that contain TEXT alone.
+# One open or read of a command fails (no descriptor, or an I/O error). The status must be the
+# one without the fault, or 2 or 3 with a message; files must be right or absent. For osteon
+# verify each call fails in turn; the status must never be 1, which means that a bundle was
+# changed. For other verbs that read files some calls fail, drawn with the printed seed, or all
+# with OST_TEST_LONG=1. OST_TEST_ONLY=TEXT selects the commands that contain TEXT.
 # Covers: REQ-REGULAR-FILES
 . "${srcdir:-.}/tests/app/lib.sh"
 . "$source_folder/tests/faults/lib.sh"
@@ -18,7 +19,7 @@ walk_over --kind read -- verify "$scratch/bundle"
 make_inputs
 sample 2
 
-# each ARGUMENT...: opens fail with EMFILE and with EIO
+# each ARGUMENT...: walks a command whose opens fail with EMFILE and with EIO
 each() {
     OST_FAIL_ERRNO=24 walk_over --kind open --loose .session -- "$@"
     OST_FAIL_ERRNO=5 walk_over --kind open --loose .session -- "$@"

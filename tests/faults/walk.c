@@ -1,28 +1,29 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * walk: runs one command again and again, each time with another call of it failing.
+ * walk: runs one command repeatedly, each time with another of its calls failing.
  *
  *   walk [--kind alloc|open|read] [--runs N] [--seed S] [--only K] [--in TEXT] [--loose TEXT[:TEXT...]]
  *        [--loose-output] LIBRARY COMMAND ARGUMENT...
  *
- * First the command runs without a fault, in an empty folder: this gives the number of calls,
- * the expected exit status (0 or 1), the expected files and the expected standard output, of
- * which the number of lines and the last two bytes are compared (with --loose-output its last
- * byte alone), as it holds times.  Then for N values of K (all of them
- * with N = 0) it runs in the empty folder with the K-th call failing (inject.c), and then
+ * First the command runs without a fault, in an empty folder. This run gives the number of
+ * calls, the expected exit status (0 or 1), the expected files and the expected standard
+ * output. Of the output, which holds times, the number of lines and the last two bytes are
+ * compared (with --loose-output only the last byte). Then, for N values of K (all of them with
+ * N = 0), the command runs in the empty folder with the K-th call failing (inject.c). The run
+ * must satisfy:
  *
- *   - it has ended by itself, with the expected status, or 2 or 3;
+ *   - the command ends by itself, with the expected status, or 2 or 3;
  *   - with the expected status the folder holds exactly the expected files, with the expected
  *     bytes, and standard output is as expected;
- *   - with 2 or 3 an expected file is absent or has the expected bytes, no other file is there,
+ *   - with 2 or 3 an expected file is absent or has the expected bytes, there is no other file,
  *     and standard error holds a line that begins with "osteon".
  *
- * The bytes of files whose names contain a TEXT of --loose are not compared: they hold times, or
- * are recorded while the operation runs.  With --in the K-th call fails in those processes alone
- * that OST_FAIL_IN=TEXT selects; else in each process that the command starts.
+ * The bytes of files whose names contain a TEXT of --loose are not compared: they hold times,
+ * or are recorded while the operation runs. With --in the K-th call fails only in the processes
+ * that OST_FAIL_IN=TEXT selects, otherwise in each process that the command starts.
  *
- * A failure is one line with K, which --only repeats with the stack of the failed call.
- * Exit status: 0 all is well, 1 failures, 2 the command cannot be walked.
+ * A failure is reported as one line with K; --only K repeats it and prints the stack of the
+ * failed call. Exit status: 0 no failure, 1 failures, 2 the command cannot be walked.
  */
 #include <dirent.h>
 #include <errno.h>
@@ -162,7 +163,7 @@ static int run(long at, bool trace)
     return status;
 }
 
-/* Returns the most calls that a process counted, or -1. */
+/* Returns the greatest number of calls that a process counted, or -1. */
 static long counted(void)
 {
     char word[16];

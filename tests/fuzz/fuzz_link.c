@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Packets of the link: whatever the bytes, none or one that is encoded to the same bytes again; and none passes without the key. */
+/*
+ * Packets of the link: any bytes give no packet, or one that is encoded to the same bytes
+ * again; without the key none is accepted.
+ */
 #include "fuzz.h"
 
 #include "haptics/link.h"
@@ -26,7 +29,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 
 const char *const fuzz_words[] = {"OSTL", "\x01\x02", "\x01\x03", "\xff\xff\xff\xff", "\x40", NULL};
 
-/* Bodies of each type; those with an HMAC behind them are of no key. */
+/* Bodies of each type; those followed by an HMAC match no key. */
 size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t room)
 {
     if (index >= 6 || room < LINK_STATE_BYTES)

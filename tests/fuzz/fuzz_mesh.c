@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Mesh files.  The first byte of an input names the format (s, o, p or 3),
- * the rest is the file.  What is read must be sound, and voxelizes on a grid
- * of some eight voxels a side.
+ * Mesh files. The first byte of an input selects the format (s, o, p or 3), the remaining bytes
+ * are the file. A mesh that is read must be valid; it is voxelized on a grid of about eight
+ * voxels a side.
  */
 #include "fuzz.h"
 
@@ -111,7 +111,7 @@ static void voxelize(const ost_mesh *mesh)
     ost_tool_geometry grid;
     ost_snapped_mesh snapped;
     if (voxel > OST_SPACING_MAX || ost_tool_geometry_from_bounds(min, max, voxel, &grid, &err) != OST_OK)
-        return; /* metres wide, or at the edge of the world */
+        return; /* metres wide, or at the limit of coordinates */
     fuzz_require(ost_mesh_snap(mesh, &grid, &snapped, &err) == OST_OK);
     uint8_t *voxels = malloc((size_t)ost_dims_count(grid.dims));
     ost_voxelize_report report;

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Any bytes as a NIfTI file, single or the header of a pair: an error of one line, or a volume within its ranges. */
+/*
+ * Any bytes as a NIfTI file, a single one or the header of a pair, give an error of one line or
+ * a volume within its ranges.
+ */
 #include "fuzz.h"
 
 #include <osteon/io.h>
@@ -7,7 +10,7 @@
 const char *const fuzz_words[] = {"n+1", "ni1", "n+2", "ni2", "\x5c\x01", "\x1c\x02", "\x1f\x8b\x08", "osteon spacing_mm: 1 1 1\n",
                                   "osteon origin_mm: 0 0 0\n", NULL};
 
-/* Offsets from the format's description; little-endian. */
+/* Stores `size` little-endian bytes; callers take the offsets from the format's description. */
 static void put(uint8_t *at, uint64_t bits, size_t size)
 {
     for (size_t i = 0; i < size; i++)
@@ -16,7 +19,10 @@ static void put(uint8_t *at, uint64_t bits, size_t size)
 
 enum { ONE = 0x3f800000, SEEDS = 5 };
 
-/* 2 x 1 x 2 uint8: version 1 without orientation, with qform, with sform and an extension, as a pair's header; version 2. */
+/*
+ * Volumes of 2 x 1 x 2 uint8: version 1 without orientation, with qform, with sform and an
+ * extension, as a pair's header; version 2.
+ */
 size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t room)
 {
     bool two = index == 4;

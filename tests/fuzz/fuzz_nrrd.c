@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Any bytes as a NRRD file: an error of one line, or a volume that is read the same again from what we write of it. */
+/*
+ * Any bytes as a NRRD file give an error of one line, or a volume that is unchanged after
+ * writing and reading it again.
+ */
 #include "fuzz.h"
 
 #include <osteon/io.h>
@@ -23,7 +26,7 @@ static const char *const seeds[] = {
     "\x1f\x8b\x08\0\0\0\0\0\0\x03\x4b\x4c\x4a\x06\0\xc2\x41\x24\x35\x03\0\0\0"),
 };
 
-static const size_t gzip_tail = 23; /* of the last seed, which has NULs in it */
+static const size_t gzip_tail = 23; /* size of the last seed's gzip data, which contain NULs */
 
 size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t room)
 {
@@ -37,7 +40,7 @@ size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t room)
     return size;
 }
 
-/* Grids that a mutated header may name, and that would only cost time. */
+/* Returns true for grids that a mutated header may declare and that would only take time. */
 static bool is_large(const char *path)
 {
     ost_geometry g;

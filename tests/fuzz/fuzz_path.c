@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Paths and tracked motions: whatever the bytes, packed or not, increasing times and unit poses, or one line that names the file. */
+/*
+ * Paths and tracked motions: any bytes, compressed or not, give increasing times and unit
+ * poses, or one line that names the file.
+ */
 #include "fuzz.h"
 
 #include <osteon/io.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Sessions: whatever the bytes, what is whole is read twice alike, as a path,
- * repaired and exported, or one line names the file.  Each input is tried as it
- * is, and with its checksums made right, so that what they guard is met too.
+ * Sessions: any bytes give one line that names the file, or their complete part is read twice
+ * with the same result, converted to a path, repaired and exported. Each input is used
+ * unchanged and with corrected checksums, so that the code behind the checksums is reached too.
  */
 #include "fuzz.h"
 
@@ -10,7 +10,7 @@
 
 #include "io/session/layout.h"
 
-/* As many records as the summary says, and what it says of ticks holds. */
+/* Returns the number of records and stores the number of ticks. */
 static uint64_t count_records(ost_session *session, uint64_t *ticks)
 {
     uint64_t records = 0;
@@ -70,7 +70,7 @@ static void look(const uint8_t *data, size_t size)
     const ost_session_summary *sum = ost_session_summary_of(session);
     const uint64_t records = count_records(session, &ticks);
     fuzz_require(count_records(session, &again) == records && again == ticks);
-    /* Records of an unknown kind are counted and passed over. */
+    /* Records of an unknown kind are included in the summary's count and skipped by the reader. */
     fuzz_require(ticks == sum->ticks && records <= sum->records && sum->whole_ticks <= ticks);
     fuzz_require(sum->damaged_bytes + sum->cut_bytes <= size && sum->file_bytes == size);
     fuzz_require(strlen(ost_session_missing(session, missing)) < OST_SESSION_MISSING);
@@ -84,7 +84,7 @@ static void look(const uint8_t *data, size_t size)
     ost_session_close(session);
 }
 
-/* Sizes that fit, and every checksum as if the bytes had been meant so. */
+/* Corrects all sizes and checksums, as if the bytes were intended. */
 static void make_right(uint8_t *p, size_t size)
 {
     uint32_t identity = 0;

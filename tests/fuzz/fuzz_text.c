@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * CT text: whatever the bytes, a geometry within its bounds or one line that
- * names the file.  The grid itself is not made: memory follows the samples.
+ * CT text: any bytes give a geometry within its bounds, or one line that names the file. The
+ * grid itself is not made, so that memory is bounded by the samples.
  */
 #include "fuzz.h"
 
@@ -23,7 +23,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (status == OST_OK) {
         fuzz_require(ost_geometry_check(&geometry, "grid", NULL) == OST_OK);
         fuzz_require(summary.fingerprint.rows > 0);
-        /* The second pass sees the same rows. */
+        /* The second pass reads the same rows. */
         ost_text_fingerprint again = {0, 0};
         ost_text_row rows[64];
         size_t count = 1;

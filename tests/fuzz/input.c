@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The scratch folder through which inputs reach readers that take a path. */
+/* The scratch folder with the inputs for readers that take a path. */
 #include "fuzz.h"
 
 #include <dirent.h>
@@ -29,7 +29,7 @@ static void remove_folder(void)
 const char *fuzz_folder(void)
 {
     if (!folder[0]) {
-        /* Thousands of small files a second: in memory where that is possible. */
+        /* Thousands of small files are written each second: in memory if possible. */
         const char *base = access("/dev/shm", W_OK) == 0 ? "/dev/shm" : getenv("TMPDIR");
         snprintf(folder, sizeof folder, "%s/osteon-fuzz-XXXXXX", base && *base ? base : "/tmp");
         if (!mkdtemp(folder))

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A fuzz target as a plain check program: every seed, then seeded mutations
- * of them.  Run k depends only on the printed seed and k.
+ * Runs a fuzz target as a plain check program: every seed, then seeded mutations of the seeds.
+ * Run k depends only on the printed seed and k.
  *
  *   seed k mod count -> 1 to 6 edits -> LLVMFuzzerTestOneInput
  */
@@ -30,7 +30,7 @@ static size_t below(size_t n)
 static uint8_t input[INPUT_MAX];
 static size_t input_size;
 
-/* Puts bytes in the place of `removed` bytes at `at`; too long an insertion is cut. */
+/* Replaces `removed` bytes at `at` by `count` bytes; an insertion that is too long is truncated. */
 static void splice(size_t at, size_t removed, const uint8_t *bytes, size_t count)
 {
     size_t tail = input_size - at - removed;
@@ -66,30 +66,30 @@ static void edit(void)
     uint8_t copy[256];
     size_t count = below(sizeof copy);
     switch (below(10)) {
-    case 0: /* one bit */
+    case 0: /* flip one bit */
         if (room)
             input[at] ^= (uint8_t)(1u << below(8));
         break;
-    case 1: /* one byte */
+    case 1: /* replace one byte */
         if (room)
             input[at] = (uint8_t)next();
         break;
-    case 2: /* a text's own characters */
+    case 2: /* insert a character that texts use */
         if (room)
             input[at] = (uint8_t) "0123456789+-.eE \t,;#\n\r\0\xff"[below(24)];
         break;
-    case 3: /* the end is missing */
+    case 3: /* cut the end off */
         input_size = at;
         break;
-    case 4: /* a piece is missing */
+    case 4: /* remove a piece */
         splice(at, below(room + 1), NULL, 0);
         break;
-    case 5: /* a piece comes twice */
+    case 5: /* duplicate a piece */
         count = count < room ? count : room;
         memcpy(copy, input + at, count);
         splice(below(input_size + 1), 0, copy, count);
         break;
-    case 6: /* noise */
+    case 6: /* insert random bytes */
         for (size_t i = 0; i < count; i++)
             copy[i] = (uint8_t)next();
         splice(at, 0, copy, count % 16);
@@ -97,7 +97,7 @@ static void edit(void)
     case 7:
         put_number();
         break;
-    default: { /* a word of the format */
+    default: { /* insert a word of the format */
         size_t words = 0;
         while (fuzz_words[words])
             words++;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Meshes for tests, made on the lattice: snapped meshes of any coordinates,
- * among them many on voxel centres, where ownership is hardest.
+ * Meshes for tests, made on the lattice: snapped meshes with arbitrary coordinates, many of
+ * them on voxel centres, where ownership is most difficult.
  */
 #ifndef OST_TESTS_MESH_MAKE_H
 #define OST_TESTS_MESH_MAKE_H
@@ -14,7 +14,7 @@
 
 enum { MAKE_F = 10, MAKE_ONE = 1 << MAKE_F, MAKE_HALF = MAKE_ONE / 2 };
 
-/* An empty lattice mesh with room. Voxels of 1 mm, corner at 0. */
+/* Returns an empty snapped mesh with memory for these counts. Voxels of 1 mm, corner at 0. */
 static inline ost_snapped_mesh make_snapped(ost_dims dims, size_t vertices, size_t triangles)
 {
     ost_snapped_mesh m = {.grid = {.dims = dims, .voxel = OST_PM_PER_MM}, .fraction_bits = MAKE_F};
@@ -41,7 +41,7 @@ static inline void make_triangle(ost_snapped_mesh *m, uint32_t a, uint32_t b, ui
     m->triangle_count++;
 }
 
-/* A coordinate of the lattice in [0, n voxels]: a voxel centre, a voxel border, a quarter, or anything. */
+/* Returns a lattice coordinate in [0, n voxels]: a voxel centre, a voxel border, a quarter, or a random one. */
 static inline int64_t make_coordinate(test_rng *rng, int32_t n)
 {
     switch (rng_range(rng, 0, 3)) {
@@ -59,7 +59,10 @@ static inline uint32_t make_random_vertex(ost_snapped_mesh *m, test_rng *rng)
     return make_vertex(m, x, y, z);
 }
 
-/* A closed mesh: an n x m net bent into a torus, its knots anywhere, so it crosses itself at will. */
+/*
+ * Returns a closed mesh: an n x m net bent into a torus with its vertices at random positions,
+ * so that it intersects itself.
+ */
 static inline ost_snapped_mesh make_closed(test_rng *rng, ost_dims dims, uint32_t n, uint32_t m)
 {
     ost_snapped_mesh mesh = make_snapped(dims, (size_t)n * m, 2 * (size_t)n * m);
@@ -74,7 +77,7 @@ static inline ost_snapped_mesh make_closed(test_rng *rng, ost_dims dims, uint32_
     return mesh;
 }
 
-/* A box with outward faces from lo to hi, in lattice units. */
+/* Makes a box with outward faces from lo to hi, in lattice units. */
 static inline void make_box(ost_snapped_mesh *m, const int64_t lo[3], const int64_t hi[3])
 {
     static const uint32_t faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
@@ -86,7 +89,7 @@ static inline void make_box(ost_snapped_mesh *m, const int64_t lo[3], const int6
         make_triangle(m, first + faces[t][0], first + faces[t][1], first + faces[t][2]);
 }
 
-/* Turns all triangles from t on inside out. */
+/* Reverses the orientation of all triangles from t on. */
 static inline void make_inside_out(ost_snapped_mesh *m, size_t t)
 {
     for (; t < m->triangle_count; t++) {
@@ -96,7 +99,7 @@ static inline void make_inside_out(ost_snapped_mesh *m, size_t t)
     }
 }
 
-/* The grid by the backend of the group; free it. noncutting and report may be NULL. */
+/* Returns the grid made by the group's backend; owned by the caller. noncutting and report may be NULL. */
 static inline uint8_t *make_grid_of_two(const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting, ost_fill_rule rule,
                                  ost_voxelize_report *report)
 {

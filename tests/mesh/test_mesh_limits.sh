@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Mesh files beyond the stated number of triangles are refused before the memory for them is
-# allocated: here within 1 GB of addresses, by files that would need 3 GB and more.
+# Mesh files with more triangles than the documented number are refused before memory is
+# allocated for them: here with an address space of 1 GB and files that would need 3 GB or more.
 # Covers: REQ-MESH-LIMITS
 . "${srcdir:-.}/tests/app/lib.sh"
 need_part assimp "no meshes without assimp"
@@ -10,7 +10,7 @@ need_part assimp "no meshes without assimp"
     exit 77
 }
 
-# within_limit FILE: "status, message" of osteon info with 1 GB of addresses
+# within_limit FILE: prints "status, message" of osteon info in an address space of 1 GB
 within_limit() {
     (
         ulimit -v 1000000 || exit 99
@@ -29,7 +29,7 @@ if dd if=/dev/null of=huge.stl bs=1 seek=4000000084 2>/dev/null; then
         "2 osteon info: huge.stl: byte 80: 80000000 triangles; at most 8388608 are read: simplify the mesh"
     rm huge.stl
 fi
-# The same number in a file that is shorter: refused by its size alone.
+# The same number in a shorter file, which is refused because of its size alone.
 {
     head -c 80 /dev/zero
     printf '\000\264\304\004'

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Mesh files: the same box in every format is the same mesh; units; what a
- * broken file is told; and an STL that comes back as it went.
+ * Mesh files: the same box in every format gives the same mesh; units; errors for broken files;
+ * and an STL that is read back unchanged after writing.
  *
  * Covers: AR-MESH-1, AR-MESH-2
  */
@@ -14,7 +14,7 @@
 
 #include "config.h"
 
-/* A file built piece by piece. */
+/* A file that is built piece by piece. */
 typedef struct bytes {
     size_t size;
     uint8_t at[1 << 16];
@@ -42,11 +42,11 @@ static void add_float(bytes *b, float value)
     add(b, &value, sizeof value);
 }
 
-/* The box [0, 10] x [0, 20] x [-5, 25]: faces as quads, outward. */
+/* The box [0, 10] x [0, 20] x [-5, 25]: its faces as quads, outward. */
 static const float corners[8][3] = {{0, 0, -5}, {10, 0, -5}, {0, 20, -5}, {10, 20, -5}, {0, 0, 25}, {10, 0, 25}, {0, 20, 25}, {10, 20, 25}};
 static const int quads[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
 
-/* Triangle t of the twelve, corner c. */
+/* Returns the vertex of corner c of triangle t of the twelve. */
 static int corner_of(int t, int c)
 {
     return quads[t / 2][c == 0 ? 0 : c + t % 2];
@@ -134,7 +134,7 @@ static void ply(bytes *b, const char *format, bool wide)
     }
 }
 
-/* With a material, a local frame and a key framer, all of which are passed over. */
+/* A 3DS file with a material, a local frame and a keyframer, all of which are skipped. */
 static void three_ds(bytes *b)
 {
     const uint32_t vertices = 2 + 8 * 12, faces = 2 + 12 * 8, frame = 48, mesh = 6 + (6 + vertices) + (6 + frame) + (6 + faces);
@@ -193,7 +193,7 @@ static void every_format_reads_the_same_box(void **state)
         assert_int_equal(mesh.vertex_count, 8);
         assert_int_equal(report.file_triangles, which < 4 || which == 10 ? 12 : which == 4 ? 8 : 6);
         assert_int_equal(report.bodies, 1);
-        /* Triangles in the file's order, their corners too. */
+        /* Triangles in the file's order, and their corners too. */
         for (int t = 0; t < 12; t++)
             for (int c = 0; c < 3; c++) {
                 const ost_pm3 *p = &mesh.vertices[mesh.triangles[t][c]];
@@ -210,7 +210,7 @@ static void every_format_reads_the_same_box(void **state)
     }
 }
 
-/* A cut at any place, and any byte changed, gives an error that names the file, or a mesh that is sound. */
+/* A file cut at any position or with any bytes changed gives an error that names the file, or a valid mesh. */
 static void no_cut_and_no_change_surprises(void **state)
 {
     (void)state;
@@ -243,7 +243,7 @@ static void no_cut_and_no_change_surprises(void **state)
                 assert_ptr_equal(strstr(err.text, path), err.text);
                 assert_null(mesh.vertices);
             }
-            /* A cut file is refused, but for text that was cut behind what matters. */
+            /* A cut file is refused, except text that was cut after everything that matters. */
             if (cut && status == OST_OK && which != 4 && which != 3 && which != 5 && which != 9)
                 fail_msg("%s cut at %zu of %zu was read", names[which], broken.size, b.size);
         }
@@ -255,10 +255,10 @@ static void units_are_believed_or_guessed(void **state)
     (void)state;
     static bytes b;
     static const struct {
-        const char *scale; /* of a triangle (0, 0, 0) (scale, 0, 0) (0, scale, 0) */
+        const char *scale; /* of the triangle (0, 0, 0) (scale, 0, 0) (0, scale, 0) */
         ost_unit unit;
         int64_t pm;       /* 0: refused */
-        const char *says; /* then */
+        const char *says; /* text of the error if refused */
     } rows[] = {
         {"10", OST_UNIT_AUTO, 10000000000, NULL},
         {"10", OST_UNIT_CM, 100000000000, NULL},
@@ -452,7 +452,7 @@ static void an_stl_comes_back(void **state)
     assert_int_equal(size[0], size[1]);
     assert_memory_equal(content[0], content[1], size[0]);
     assert_memory_not_equal(content[0], "solid", 5);
-    /* A normal is outward: a triangle of the lower pole looks down. */
+    /* Normals point outward: that of a triangle at the lower pole points down. */
     float z;
     memcpy(&z, content[0] + 84 + 8, 4);
     assert_true(z < -0.9f);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A tool's grid from its bounds, and vertices on its lattice: the thesis'
- * numbers, ties, limits, and the whole-voxel shift of a mesh.
+ * Tests a tool's grid from its bounds, and vertices on its lattice: the thesis' numbers, ties,
+ * limits, and a mesh moved by complete voxels.
  *
  * Covers: AR-TOOL-1, AR-TOOL-2, AR-TOOL-3, AR-MESH-3, AR-MESH-4, AR-DIG-7
  */
@@ -9,10 +9,10 @@
 
 static ost_pm mm(double value)
 {
-    return (ost_pm)(value * 1e6 + (value < 0 ? -0.5 : 0.5)) * 1000; /* to the nanometre; for literals */
+    return (ost_pm)(value * 1e6 + (value < 0 ? -0.5 : 0.5)) * 1000; /* to the nearest nanometre; for literals */
 }
 
-/* docs/arithmetic.md, AR-TOOL-2, worked by hand there. */
+/* docs/arithmetic.md, AR-TOOL-2, which computes these by hand. */
 static void the_reamer_has_the_thesis_grids(void **state)
 {
     (void)state;
@@ -38,7 +38,7 @@ static void the_reamer_has_the_thesis_grids(void **state)
     }
 }
 
-/* One to two void voxels on each side, and the grid holds every point of the bounds, wherever they are. */
+/* Each side has one or two void voxels, and the grid holds every point of the bounds, at any position. */
 static void every_grid_has_its_margin(void **state)
 {
     (void)state;
@@ -89,7 +89,7 @@ static void limits_are_said(void **state)
     assert_ok(ost_tool_geometry_from_bounds((ost_pm3){0, 0, 0}, (ost_pm3){mm(4093), mm(1), mm(1)}, mm(1), &g, &err));
 }
 
-/* A triangle in picometres, with one vertex that nothing uses. */
+/* Makes a triangle in picometres, with one unused vertex. */
 static void four_vertices(ost_mesh *mesh, const ost_pm3 p[4], uint32_t a, uint32_t b, uint32_t c)
 {
     ost_error err = {0};
@@ -145,7 +145,10 @@ static void fraction_bits_fit_the_grid(void **state)
     }
 }
 
-/* Points that fall together, and three on a line, even when they only are so on the lattice. */
+/*
+ * Vertices that coincide, or three on a line, even if only after rounding to the lattice, make
+ * a triangle without area, which is dropped.
+ */
 static void what_has_no_area_is_dropped(void **state)
 {
     (void)state;
@@ -164,7 +167,7 @@ static void what_has_no_area_is_dropped(void **state)
         assert_int_equal(out.triangle_count, 0);
         assert_int_equal(out.dropped_triangles, 1);
         ost_snapped_mesh_free(&out);
-        mesh.vertices[1].z += 2000; /* one lattice step more is an area */
+        mesh.vertices[1].z += 2000; /* one more lattice step makes an area */
         assert_ok(ost_mesh_snap(&mesh, &grid, &out, &err));
         assert_int_equal(out.triangle_count, 1);
         ost_snapped_mesh_free(&out);
@@ -173,8 +176,8 @@ static void what_has_no_area_is_dropped(void **state)
 }
 
 /*
- * Moved by whole voxels, a mesh has the same solid voxels in the world, on
- * surfaces too; only the grid's bounds may differ, where they are ties.
+ * A mesh that is moved by complete voxels has the same solid voxels in the world, also for
+ * points on surfaces; only the grid's bounds may differ where they are ties.
  */
 static void a_whole_voxel_shift_moves_the_grid(void **state)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The parametric tools: closed, outward, of their size, with the thesis' grids
- * also after a turn through an STL's float32; and what a turning reamer cuts.
+ * Tests the parametric tools: they are closed, outward and of the right size, have the thesis'
+ * grids even after rounding to an STL's float32, and a turning reamer sweeps the right shape.
  *
  * Covers: REQ-VOLUME, AR-TOOL-2
  */
@@ -31,7 +31,7 @@ static void assert_bounds(const ost_mesh *mesh, ost_pm3 min, ost_pm3 max)
     assert_memory_equal(&hi, &max, sizeof hi);
 }
 
-/* As an STL keeps it. */
+/* Rounds coordinates as an STL stores them. */
 static void round_to_float(ost_mesh *mesh)
 {
     for (size_t i = 0; i < mesh->vertex_count; i++) {
@@ -53,7 +53,10 @@ static ost_snapped_mesh snap(const ost_mesh *mesh, ost_pm voxel)
     return out;
 }
 
-/* Voxels that a triangle's box touches: only there can the count of solid voxels and the volume part. */
+/*
+ * Returns the number of voxels that the box of a triangle touches; the count of solid voxels
+ * and the volume can only differ there.
+ */
 static int64_t surface_voxels(const ost_snapped_mesh *mesh)
 {
     const ost_dims d = mesh->grid.dims;
@@ -127,7 +130,10 @@ static void every_tool_keeps_its_volume_on_the_grid(void **state)
     assert_bounds(&mesh, (ost_pm3){-3000000000, -3000000000, 0}, (ost_pm3){3000000000, 3000000000, 30000000000});
     ost_mesh_free(&mesh);
     make(OST_TOOL_BURR, &(ost_tool_options){.segments = 1024}, &mesh);
-    /* A sphere of radius 3, a shaft of radius 1 from where they meet to 26, less the cap within the shaft. */
+    /*
+     * A sphere of radius 3, and a shaft of radius 1 from where the two meet to 26, minus the
+     * cap within the shaft.
+     */
     const double pi = 3.14159265358979, root = 3 + sqrt(8.0), cap = 6 - root;
     const double volume = pi * 4 / 3 * 27 - pi * cap * cap * (9 - cap) / 3 + pi * (26 - root);
     assert_true(fabs(ost_mesh_volume_mm3(&mesh) / volume - 1) < 1e-4);
@@ -135,7 +141,10 @@ static void every_tool_keeps_its_volume_on_the_grid(void **state)
     ost_mesh_free(&mesh);
 }
 
-/* Head and shaft: closed, on the seam alike, and together as large as the complete tool; a burr's sphere is complete and its shaft begins in it. */
+/*
+ * Head and shaft are closed, coincide on the seam, and together have the volume of the complete
+ * tool; a burr's sphere is complete, and its shaft begins inside it.
+ */
 static void heads_and_shafts_are_the_tool(void **state)
 {
     (void)state;
@@ -146,7 +155,7 @@ static void heads_and_shafts_are_the_tool(void **state)
     make(OST_TOOL_REAMER, &(ost_tool_options){.part = OST_TOOL_HEAD}, &head);
     make(OST_TOOL_REAMER, &(ost_tool_options){.part = OST_TOOL_SHAFT}, &shaft);
     assert_true(fabs(ost_mesh_volume_mm3(&head) + ost_mesh_volume_mm3(&shaft) - ost_mesh_volume_mm3(&complete)) < 1e-3);
-    /* The hub is 13.2 to 14.8 mm wide where it is widest, and stands behind the cutting face. */
+    /* The hub is 13.2 to 14.8 mm wide at its widest, and lies behind the cutting face. */
     ost_pm3 lo, hi;
     assert_ok(ost_mesh_bounds(&shaft, &lo, &hi, &err));
     assert_true(hi.x <= 7400000000 && hi.z == 20300000000 && lo.z > 12000000000);
@@ -165,9 +174,9 @@ static void heads_and_shafts_are_the_tool(void **state)
 }
 
 /*
- * What turns sweeps, at each distance from the axis, down to the lowest point
- * of the mesh there.  No vertex of the reamer is below the sphere of 27 mm
- * about (0, 0, 27), and at every ring some lie on it, all around.
+ * A turning tool sweeps, at each distance from the axis, the space down to the lowest point of
+ * the mesh there. No vertex of the reamer is below the sphere of 27 mm about (0, 0, 27), and on
+ * every ring some vertices lie on it, all around.
  */
 static void the_turning_reamer_sweeps_a_smooth_dome(void **state)
 {
@@ -182,7 +191,7 @@ static void the_turning_reamer_sweeps_a_smooth_dome(void **state)
         if (z <= dome + 1e-8)
             crests[(int)(r * 2 + 0.001)]++;
     }
-    for (int half_mm = 2; half_mm < 36; half_mm++) /* a ring is 18/28 mm wide: every second bin has one */
+    for (int half_mm = 2; half_mm < 36; half_mm++) /* a ring is 18/28 mm wide, so every second bin has one */
         assert_true(crests[half_mm] + crests[half_mm + 1] >= 24);
     ost_mesh_free(&mesh);
 }

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The voxelizer against an oracle that says AR-VOX in other words,
- * and against the laws that any voxelizer must obey.
+ * Compares the voxelizer with an oracle that implements AR-VOX differently, and checks the laws
+ * that any voxelizer must obey.
  *
- * The oracle decides one voxel at a time.  It has no tie rules: coordinates
- * are scaled by 2^50 and the row is moved by (2^22, 1) in (y, z), a real
- * displacement small enough to change no other sign, in 128 bits.  On which
- * side of the triangle's plane the centre lies is a 3 x 3 determinant.
+ * The oracle decides one voxel at a time. It has no rules for ties: coordinates are scaled by
+ * 2^50 and the row is displaced by (2^22, 1) in (y, z), a real displacement that is small
+ * enough to change no other sign, in 128 bits. A 3 x 3 determinant gives the side of the
+ * triangle's plane on which the centre lies.
  *
  * Covers: AR-VOX-1, AR-VOX-2, AR-VOX-3, AR-VOX-4, AR-VOX-5, AR-VOX-6, AR-VOX-7
  */
@@ -21,7 +21,10 @@ static int sign(wide v)
     return (v > 0) - (v < 0);
 }
 
-/* Which side of a -> b the displaced point of the row lies on, in the (y, z) plane; scaled values are below 2^71, products 2^92. */
+/*
+ * Returns the side of a -> b on which the displaced point of the row lies, in the (y, z) plane;
+ * scaled values are below 2^71, products below 2^92.
+ */
 static int side(const int32_t *a, const int32_t *b, int64_t y, int64_t z)
 {
     const wide scale = (wide)1 << 50;
@@ -29,7 +32,7 @@ static int side(const int32_t *a, const int32_t *b, int64_t y, int64_t z)
     return sign((wide)(b[1] - a[1]) * (pz - a[2] * scale) - (wide)(b[2] - a[2]) * (py - a[1] * scale));
 }
 
-/* det(b - a, c - a, p - a): positive where the outward normal points to. */
+/* det(b - a, c - a, p - a): positive on the side to which the outward normal points. */
 static wide plane(const int32_t *a, const int32_t *b, const int32_t *c, const int64_t p[3])
 {
     wide m[3][3];
@@ -42,7 +45,10 @@ static wide plane(const int32_t *a, const int32_t *b, const int32_t *c, const in
            m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
 }
 
-/* What crosses the row of p before or at p (all: anywhere): signed, and how many. */
+/*
+ * Counts the triangles that cross the row of p at or before p (with `all`: anywhere): their
+ * signed sum and their number.
+ */
 static void crossings(const ost_snapped_mesh *mesh, const int64_t p[3], bool all, int *winding, int *count)
 {
     *winding = *count = 0;
@@ -53,8 +59,11 @@ static void crossings(const ost_snapped_mesh *mesh, const int64_t p[3], bool all
         int s = side(a, b, p[1], p[2]);
         if (s == 0 || s != side(b, c, p[1], p[2]) || s != side(c, a, p[1], p[2]))
             continue;
-        /* Counter-clockwise in (y, z) means an outward normal toward +x: the row leaves there, and is past the
-         * plane where the determinant is not negative; clockwise the other way round. */
+        /*
+         * Counter-clockwise in (y, z) means an outward normal toward +x: the row leaves there,
+         * and p is past the plane if the determinant is not negative. Clockwise triangles have
+         * the opposite signs.
+         */
         if (!all && s * sign(plane(a, b, c, p)) < 0)
             continue;
         *winding -= s;
@@ -62,7 +71,7 @@ static void crossings(const ost_snapped_mesh *mesh, const int64_t p[3], bool all
     }
 }
 
-/* The oracle's grid and its leaking rows. */
+/* Fills the oracle's grid and returns the number of its leaking rows. */
 static uint64_t oracle_grid(const ost_snapped_mesh *mesh, ost_fill_rule rule, uint8_t *voxels)
 {
     const ost_dims d = mesh->grid.dims;
@@ -138,7 +147,7 @@ static void closed_meshes_equal_the_oracle_and_never_leak(void **state)
     }
 }
 
-/* Every vertex is a voxel centre: edges and corners run through rows as often as they can. */
+/* Every vertex is a voxel centre, so that as many edges and corners as possible lie on rows. */
 static void no_mesh_on_centres_leaks(void **state)
 {
     (void)state;
@@ -191,7 +200,7 @@ static void the_widest_lattice_is_exact(void **state)
 
 /* ------------------------------------------------------------------- laws */
 
-/* Whether p lies on a triangle, its border included. */
+/* Returns true if p lies on a triangle or its border. */
 static bool on_surface(const ost_snapped_mesh *mesh, const int64_t p[3])
 {
     for (size_t t = 0; t < mesh->triangle_count; t++) {
@@ -200,7 +209,7 @@ static bool on_surface(const ost_snapped_mesh *mesh, const int64_t p[3])
         if (plane(v[0], v[1], v[2], p) != 0)
             continue;
         bool positive = false, negative = false;
-        for (int axis = 0; axis < 3; axis++) /* p is inside iff it is in all three projections */
+        for (int axis = 0; axis < 3; axis++) /* p is inside if and only if it is inside in all three projections */
             for (int e = 0; e < 3; e++) {
                 const int32_t *a = v[e], *b = v[(e + 1) % 3];
                 const int u = (axis + 1) % 3, w = (axis + 2) % 3;
@@ -215,11 +224,14 @@ static bool on_surface(const ost_snapped_mesh *mesh, const int64_t p[3])
     return false;
 }
 
-/* A map of the grid onto another: axis a of the new one is axis from[a] of the old, run backward where flip[a]. */
+/*
+ * A map of the grid onto another: axis a of the new grid is axis from[a] of the old one,
+ * reversed where flip[a] is set.
+ */
 typedef struct placing {
     int from[3];
     bool flip[3];
-    bool odd; /* turns triangles inside out */
+    bool odd; /* reverses the orientation of triangles */
 } placing;
 
 static int32_t dim(ost_dims d, int a)
@@ -248,7 +260,7 @@ static ost_snapped_mesh placed(const ost_snapped_mesh *mesh, const placing *q)
     return out;
 }
 
-/* Mirrors, quarter turns and permutations move the grid with the mesh wherever no centre lies on the surface. */
+/* Mirroring, quarter turns and permutations move the grid with the mesh wherever no centre lies on the surface. */
 static void the_grid_moves_with_the_mesh(void **state)
 {
     (void)state;
@@ -291,10 +303,13 @@ static void the_grid_moves_with_the_mesh(void **state)
         free(grid);
         ost_snapped_mesh_free(&mesh);
     }
-    assert_true(on < compared / 20); /* the exception is one */
+    assert_true(on < compared / 20); /* centres on the surface are rare */
 }
 
-/* Two tetrahedra on both sides of a shared face make a bipyramid; the union of their grids is its grid, cut or not. */
+/*
+ * Two tetrahedra on both sides of a shared face form a bipyramid; the union of their grids is
+ * the bipyramid's grid, with or without the cut.
+ */
 static void two_closed_halves_make_the_whole(void **state)
 {
     (void)state;
@@ -330,7 +345,7 @@ static void two_closed_halves_make_the_whole(void **state)
                 *l = make_grid(&lower, OST_FILL_WINDING, NULL);
         for (int i = 0; i < 512; i++) {
             assert_int_equal(w[i], u[i] | l[i]);
-            assert_int_equal(u[i] & l[i], 0); /* a centre on the cut belongs to one half */
+            assert_int_equal(u[i] & l[i], 0); /* a centre on the cut belongs to one half only */
         }
         free(w), free(u), free(l);
         ost_snapped_mesh_free(&whole), ost_snapped_mesh_free(&upper), ost_snapped_mesh_free(&lower);
@@ -356,7 +371,10 @@ static void a_box_inside_out_is_solid(void **state)
     ost_snapped_mesh_free(&mesh);
 }
 
-/* A box from centre to centre: a centre on a low face is in, on a high face out, so its volume is right. */
+/*
+ * In a box from centre to centre, a centre on a low face is inside and one on a high face
+ * outside, so the volume is right.
+ */
 static void a_box_on_centres_is_half_open(void **state)
 {
     (void)state;
@@ -382,11 +400,11 @@ static void shells_nest(void **state)
     ost_snapped_mesh mesh = make_snapped((ost_dims){8, 7, 6}, 16, 24);
     make_box(&mesh, lo3, hi3);
     make_box(&mesh, lo, hi);
-    free(make_grid(&mesh, OST_FILL_WINDING, &report)); /* both outward: winding 2 inside */
+    free(make_grid(&mesh, OST_FILL_WINDING, &report)); /* both outward: the winding number is 2 inside */
     assert_int_equal(report.solid_voxels, outer);
     free(make_grid(&mesh, OST_FILL_PARITY, &report));
     assert_int_equal(report.solid_voxels, outer - inner);
-    make_inside_out(&mesh, 12); /* a cavity: winding 0 inside */
+    make_inside_out(&mesh, 12); /* a cavity: the winding number is 0 inside */
     free(make_grid(&mesh, OST_FILL_WINDING, &report));
     assert_int_equal(report.solid_voxels, outer - inner);
     free(make_grid(&mesh, OST_FILL_PARITY, &report));
@@ -394,7 +412,10 @@ static void shells_nest(void **state)
     ost_snapped_mesh_free(&mesh);
 }
 
-/* Without one of its two faces at x = hi, the rows behind it leak and stay void; the others are filled. */
+/*
+ * Without one of the two triangles of the face x = hi, the rows that cross the missing one leak
+ * and stay void; the others are filled.
+ */
 static void a_hole_leaks_and_is_not_filled(void **state)
 {
     (void)state;
@@ -430,7 +451,7 @@ static void cutting_wins_over_not_cutting(void **state)
     assert_int_equal(grid[5 + 9 * (1 + 7 * 1)], OST_TOOL_CUTTING);
     assert_int_equal(grid[7 + 9 * (1 + 7 * 1)], OST_TOOL_NONCUTTING);
     assert_int_equal(grid[8 + 9 * (1 + 7 * 1)], OST_TOOL_VOID);
-    shaft.triangle_count = 10; /* the shaft leaks: it goes, the head stays */
+    shaft.triangle_count = 10; /* the shaft leaks and is omitted; the head is complete */
     free(grid);
     free(make_grid_of_two(&head, &shaft, OST_FILL_WINDING, &report));
     assert_int_equal(report.leaking_rows, 5 * 4);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Small bones, tools and poses for the tests of removal and of the world:
- * made from a seed, on any backend, with everything downloadable.
+ * Small bones, tools and poses for the tests of removal and of the world. They are generated
+ * from a seed, on any backend, and can be downloaded completely.
  */
 #ifndef OST_TESTS_REF_SCENE_H
 #define OST_TESTS_REF_SCENE_H
@@ -20,7 +20,10 @@ static inline size_t voxel_count(const ost_geometry *g)
     return (size_t)ost_dims_count(g->dims);
 }
 
-/* Full of densities from 120 to 1,000, or with void among it: of share in 8 voxels are active. */
+/*
+ * Returns densities of which `share` in 8 are active (120 to 1,000) and the others are below
+ * the threshold (-1,000 to 119).
+ */
 static inline int16_t *random_densities(test_rng *rng, const ost_geometry *g, int share)
 {
     size_t count = voxel_count(g);
@@ -64,7 +67,7 @@ static inline ost_digest digest_of(const ost_bone *bone)
     return digest;
 }
 
-/* Every voxel of the class given. */
+/* Returns a tool whose voxels all have the class tool_class. */
 static inline ost_tool *solid_tool(ost_backend *backend, ost_tool_geometry g, uint8_t tool_class)
 {
     ost_error err = {0};
@@ -77,7 +80,7 @@ static inline ost_tool *solid_tool(ost_backend *backend, ost_tool_geometry g, ui
     return tool;
 }
 
-/* Void, cutting and not cutting at random. */
+/* Returns a tool of void, cutting and not cutting voxels at random. */
 static inline ost_tool *random_tool(ost_backend *backend, test_rng *rng, ost_tool_geometry g)
 {
     ost_error err = {0};
@@ -93,7 +96,10 @@ static inline ost_tool *random_tool(ost_backend *backend, test_rng *rng, ost_too
     return tool;
 }
 
-/* A quaternion from the rejection of a 4-ball, scaled to 2^30 by an integer square root: uniform enough, and no libm. */
+/*
+ * Returns a random pose. The quaternion is drawn from a 4-ball by rejection and scaled to 2^30
+ * by an integer square root: uniform enough, and without libm.
+ */
 static inline ost_pose random_pose(test_rng *rng, ost_pm3 lo, ost_pm3 hi)
 {
     int64_t c[4], n;
@@ -119,7 +125,7 @@ static inline ost_pose random_pose(test_rng *rng, ost_pm3 lo, ost_pm3 hi)
     return pose;
 }
 
-/* An event over the whole grid: the plain definition. */
+/* An event over the complete grid, as in the plain definition. */
 enum { SCENE_POSES = 64 };
 typedef struct scene_event {
     ost_map maps[SCENE_POSES];

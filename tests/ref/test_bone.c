@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Bones: slices up and down, the threshold, leaves and digests, memory.
+ * Tests uploads and downloads of slices, the threshold, leaves, digests and memory of bones.
  * Covers: AR-CHK-1, AR-CHK-2, AR-CHK-3, AR-CHK-4, AR-DIG-2, AR-LAW-1
  */
 #include "ref/scene.h"
@@ -9,7 +9,7 @@
 
 static const int sizes[] = {16, 32, 64};
 
-/* Odd dims, so that chunks and leaves end outside the grid. */
+/* Odd dimensions, so that chunks and leaves extend beyond the grid. */
 static ost_geometry odd_geometry(void)
 {
     return cubic_geometry(70, 37, 41, 470 * UM, (ost_pm3){1, 2, 3});
@@ -31,7 +31,7 @@ static void what_goes_up_comes_down(void **state)
         ost_bone *bone;
         assert_ok(ost_bone_create(*state, &g, sizes[s], 120, &bone, &err));
         size_t slice = (size_t)g.dims.x * (size_t)g.dims.y;
-        for (int32_t z = 0; z < g.dims.z;) { /* in uneven slabs */
+        for (int32_t z = 0; z < g.dims.z;) { /* in slabs of different sizes */
             int32_t count = (int32_t)rng_range(&rng, 0, g.dims.z - z);
             assert_ok(ost_bone_upload(bone, z, count, voxels + slice * (size_t)z, &err));
             z += count;
@@ -114,7 +114,10 @@ static void chunk_size_does_not_show(void **state)
 
 static void leaves_are_those_of_the_dense_grid(void **state)
 {
-    /* A leaf gathered voxel by voxel from the download, hashed by itself; also one active voxel in an otherwise empty grid. */
+    /*
+     * Each leaf is gathered voxel by voxel from the download and hashed separately; also for
+     * one active voxel in an otherwise empty grid.
+     */
     ost_error err = {0};
     test_rng rng = rng_seeded("leaves");
     ost_geometry g = odd_geometry();
@@ -164,7 +167,10 @@ static void memory_follows_the_voxels(void **state)
     free(voxels);
 }
 
-/* The figures above follow from the counts of active voxels: here the chunks themselves, each with memory where it has an active voxel alone. */
+/*
+ * The figures above follow from the counts of active voxels. This test checks the chunks
+ * themselves: a chunk has memory only if it has an active voxel.
+ */
 static void empty_chunks_have_no_memory(void **state)
 {
     (void)state;
@@ -175,7 +181,7 @@ static void empty_chunks_have_no_memory(void **state)
     for (int s = 0; s < 3; s++) {
         ost_chunk_grid grid;
         assert_ok(ost_chunk_grid_init(&grid, g.dims, sizes[s], 120, &err));
-        for (int step = 0; step < 3; step++) { /* below the threshold, at it in one voxel, empty again */
+        for (int step = 0; step < 3; step++) { /* below the threshold, one voxel at the threshold, empty again */
             int64_t held = 0;
             voxels[5] = (int16_t)(step == 1 ? 120 : step == 0 ? 119 : 0);
             assert_ok(ost_chunk_grid_upload(&grid, 20, 1, voxels, &err));

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Sweep and map against values worked out by hand or elsewhere; tests/oracle
- * holds thousands of random ones against another implementation.
+ * Compares sweep and map with values computed by hand or by other programs; tests/oracle
+ * compares thousands of random ones with another implementation.
  * Covers: AR-SWEEP-1..6, AR-MAP-1..5, AR-POSE-4
  */
 #include "ref/scene.h"
@@ -40,7 +40,7 @@ static void the_documents_sweep(void **state)
 static void the_count_is_the_least(void **state)
 {
     (void)state;
-    /* 2 |d| = n s exactly is n; one picometre more is n + 1. */
+    /* If 2 |d| = n s holds exactly, the count is n; with one picometre more it is n + 1. */
     ost_pose a = at_um(10, 20, 30);
     assert_int_equal(count_of(&a, &a, &small_tool, 470 * UM), 1);
     for (int n = 1; n <= OST_SWEEP_MAX; n = n < 8 ? n + 1 : 2 * n) {
@@ -60,10 +60,10 @@ static void the_count_is_the_least(void **state)
 static void a_turn_moves_the_corners(void **state)
 {
     /*
-     * A quarter turn about z exactly, q = (c, 0, 0, c): 90 degrees, allowed.
-     * The farthest corner in the plane is (+-2.5, +-5): it moves by the chord
-     * sqrt(2) * |(2.5, 5)| = sqrt(2 * 31.25) = 7.90569 mm, so with 0.47 mm
-     * n = ceil(2 * 7.90569 / 0.47) = ceil(33.64) = 34.
+     * An exact quarter turn about z, q = (c, 0, 0, c), of 90 degrees, which is allowed. The
+     * farthest corner in the plane is (+-2.5, +-5). It moves by the chord sqrt(2) * |(2.5, 5)|
+     * = sqrt(2 * 31.25) = 7.90569 mm, so that 0.47 mm gives n = ceil(2 * 7.90569 / 0.47) =
+     * ceil(33.64) = 34.
      */
     (void)state;
     ost_pose a = at_um(0, 0, 0), b = a;
@@ -72,10 +72,13 @@ static void a_turn_moves_the_corners(void **state)
     assert_int_equal(count_of(&a, &b, &small_tool, 470 * UM), 34);
     int count;
     assert_int_equal(ost_sweep_count(&a, &c, &small_tool, 470 * UM, &count, NULL), OST_ERR_RANGE);
-    /* The same rotation by -q is no turn at all. */
+    /* -q is the same rotation, so there is no turn between the two. */
     ost_pose minus = {.t = a.t, .qw = -a.qw};
     assert_int_equal(count_of(&a, &minus, &small_tool, 470 * UM), 1);
-    /* And is swept the short way: (759,250,125 + 2^30) / 2 = 916,495,974.5 and 759,250,125 / 2 = 379,625,062.5, to even. */
+    /*
+     * The sweep takes the short way: (759,250,125 + 2^30) / 2 = 916,495,974.5 and 759,250,125 /
+     * 2 = 379,625,062.5, rounded to even.
+     */
     ost_pose half = ost_sweep_pose(&b, &minus, 1, 2);
     assert_int_equal(half.qw, 916495974);
     assert_int_equal(half.qz, 379625062);
@@ -101,7 +104,10 @@ static void the_documents_map(void **state)
 
 static void quarter_turns_are_exact(void **state)
 {
-    /* Bone voxel 1 mm, tool voxel 1/2 mm: two tool voxels a step, along the turned axis, whatever the quaternion's length. */
+    /*
+     * Bone voxel 1 mm, tool voxel 1/2 mm: each step is two tool voxels along the turned axis,
+     * whatever the quaternion's length.
+     */
     (void)state;
     ost_error err = {0};
     ost_geometry bone = cubic_geometry(64, 64, 64, OST_PM_PER_MM, (ost_pm3){0, 0, 0});
@@ -110,13 +116,16 @@ static void quarter_turns_are_exact(void **state)
         ost_pose pose = {.t = {OST_PM_PER_MM, 0, 0}, .qw = lengths[i], .qz = lengths[i]};
         ost_map map;
         assert_ok(ost_map_make(&pose, &bone, &small_tool, &map, &err));
-        /* The tool's x is the bone's y, its y the bone's -x: R' = R transposed. */
+        /* The tool's x axis is the bone's y, its y axis the bone's -x: R' is R transposed. */
         static const int32_t two = 2 << 20;
         const int32_t steps[3][3] = {{0, -two, 0}, {two, 0, 0}, {0, 0, two}};
         assert_memory_equal(map.step, steps, sizeof steps);
         int32_t base[3];
         assert_true(ost_map_block_base(&map, (ost_dims){1, 2, 3}, base));
-        /* p - t = (15, 32, 48) mm; tool (32, -15, 48); less the corner (34.5, -10, 48); in half millimetres (69, -20, 96). */
+        /*
+         * p - t = (15, 32, 48) mm; in the tool's frame (32, -15, 48); minus the corner (34.5,
+         * -10, 48); in half millimetres (69, -20, 96).
+         */
         assert_int_equal(base[0], 69 << 20);
         assert_int_equal(base[1], -(20 << 20));
         assert_int_equal(base[2], 96 << 20);
@@ -149,7 +158,7 @@ static void far_blocks_are_said_so(void **state)
 
 static void ties_of_the_base_go_to_even(void **state)
 {
-    /* Half a unit of 2^-20 is 512 pm here: bases +-0.5, +-1.5, +-2.5 units. */
+    /* Half a unit of 2^-20 is 512 pm here: the bases are +-0.5, +-1.5 and +-2.5 units. */
     (void)state;
     ost_error err = {0};
     const ost_pm v = INT64_C(1) << 30;
@@ -188,7 +197,7 @@ static void beyond_what_is_proved(void **state)
     assert_int_equal(ost_map_make(&far, &bone, &tool, &map, NULL), OST_ERR_RANGE);
     assert_int_equal(ost_sweep_count(&pose, &broken, &tool, 16 * UM, &count, NULL), OST_ERR_RANGE);
     assert_int_equal(ost_sweep_count(&far, &pose, &tool, 16 * UM, &count, NULL), OST_ERR_RANGE);
-    /* A pose that nobody filled in: no turn at all, and N = 0 to divide by. */
+    /* An uninitialized pose: its quaternion is zero, and N = 0 would be a divisor. */
     const ost_pose empty = {0};
     assert_int_equal(ost_map_make(&empty, &bone, &tool, &map, NULL), OST_ERR_RANGE);
     assert_int_equal(ost_sweep_count(&empty, &empty, &tool, 16 * UM, &count, NULL), OST_ERR_RANGE);
@@ -201,8 +210,10 @@ static void beyond_what_is_proved(void **state)
 }
 
 /*
- * A box of 1 mm from the origin into each octant, and a quarter turn about each axis: the corner that is farthest from the axis moves by
- * the chord sqrt(2) * |(1, 1)| = 2 mm, so with 0.47 mm n = ceil(4 / 0.47) = ceil(8.51) = 9; any other corner gives ceil(6.02) = 7 or less.
+ * A box of 1 mm from the origin into each octant, and a quarter turn about each axis. The
+ * corner that is farthest from the axis moves by the chord sqrt(2) * |(1, 1)| = 2 mm, so that
+ * 0.47 mm gives n = ceil(4 / 0.47) = ceil(8.51) = 9; any other corner gives ceil(6.02) = 7 or
+ * less.
  */
 static void each_corner_counts(void **state)
 {

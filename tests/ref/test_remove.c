@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Removal: small grids by hand, then the laws.
+ * Removal: small grids computed by hand, then the laws.
  * Covers: AR-REM-1..6, AR-CLS-1, AR-LAW-1, AR-LAW-2, AR-LAW-3, AR-LAW-5, AR-LAW-6
  */
 #include "ref/scene.h"
@@ -23,11 +23,10 @@ static void assert_gone(const int16_t *voxels, const ost_geometry *g, const int3
 static void a_small_cube(void **state)
 {
     /*
-     * Bone voxels of 1 mm with centres on whole millimetres; a tool of 2^3 mm.
-     * The tool's grid is half-open in its own frame: at t = 2 it covers the
-     * centres 2 and 3, at 2.5 the centres 3 and 4. Turned a quarter about z
-     * its y runs along the bone's -x, so that at t.x = 4 it covers -2 < x - 4
-     * <= 0: 3 and 4.
+     * Bone voxels of 1 mm have their centres on integer millimetres; the tool is a cube of 2
+     * mm. The tool's grid is half-open in its own frame: at t = 2 it covers the centres 2 and
+     * 3, at 2.5 the centres 3 and 4. Turned by a quarter about z, its y axis runs along the
+     * bone's -x, so that at t.x = 4 it covers -2 < x - 4 <= 0: 3 and 4.
      */
     ost_error err = {0};
     const int32_t q = 759250125;
@@ -38,14 +37,14 @@ static void a_small_cube(void **state)
         {{{2000 * UM, 3000 * UM, 4000 * UM}, OST_Q30_ONE, 0, 0, 0}, {2, 3, 4}, {4, 5, 6}},
         {{{2500 * UM, 3500 * UM, 4500 * UM}, OST_Q30_ONE, 0, 0, 0}, {3, 4, 5}, {5, 6, 7}},
         {{{4000 * UM, 3000 * UM, 4000 * UM}, q, 0, 0, q}, {3, 3, 4}, {5, 5, 6}},
-        {{{-1000 * UM, 7000 * UM, 0}, OST_Q30_ONE, 0, 0, 0}, {0, 7, 0}, {1, 8, 2}}, /* over two borders of the bone */
+        {{{-1000 * UM, 7000 * UM, 0}, OST_Q30_ONE, 0, 0, 0}, {0, 7, 0}, {1, 8, 2}}, /* across two borders of the bone */
         {{{8000 * UM, 0, 0}, OST_Q30_ONE, 0, 0, 0}, {0, 0, 0}, {0, 0, 0}},
     };
     ost_geometry g = cubic_geometry(8, 8, 8, OST_PM_PER_MM, (ost_pm3){0, 0, 0});
     int16_t full[512];
     for (int i = 0; i < 512; i++)
         full[i] = 500;
-    for (int voxels = 1; voxels <= 4; voxels *= 2) { /* the same cube of 1, 2 and 4 tool voxels a millimetre */
+    for (int voxels = 1; voxels <= 4; voxels *= 2) { /* the same cube with 1, 2 and 4 tool voxels per millimetre */
         ost_tool *tool = solid_tool(*state, (ost_tool_geometry){{2 * voxels, 2 * voxels, 2 * voxels}, OST_PM_PER_MM / voxels, {0, 0, 0}},
                                     OST_TOOL_CUTTING);
         for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
@@ -67,7 +66,10 @@ static void a_small_cube(void **state)
 
 static void classes_and_touch(void **state)
 {
-    /* Five voxels in a row under a tool of cutting, cutting, cutting, not cutting, void; densities on the classes' borders. */
+    /*
+     * Five voxels in a row under three cutting tool voxels, one that does not cut, and a void
+     * one; densities on the borders of classes.
+     */
     ost_error err = {0};
     ost_geometry g = cubic_geometry(5, 1, 1, OST_PM_PER_MM, (ost_pm3){0, 0, 0});
     const int16_t voxels[] = {149, 150, 650, 700, 700};
@@ -98,7 +100,10 @@ static void classes_and_touch(void **state)
     free(after);
     ost_bone_free(bone);
 
-    /* A second pose one voxel on: voxel 3 is then cut, so it is not touched any more; voxel 4 is, though pose 1 left it. */
+    /*
+     * A second pose one voxel further: it cuts voxel 3, which is therefore not touched any
+     * more, and touches voxel 4, which was under the void voxel in the first pose.
+     */
     poses[1].t.x = OST_PM_PER_MM;
     bone = bone_of(*state, &g, 32, voxels);
     remove_at(bone, &g, tool, poses, 2, &report);
@@ -138,7 +143,7 @@ static void an_emptied_chunk_is_freed(void **state)
 
 /* -------------------------------------------------------- random scenes */
 
-/* A bone of 70 x 37 x 41 voxels of 0.47 mm and a tool somewhere in it. */
+/* A bone of 70 x 37 x 41 voxels of 0.47 mm, and a tool at a random position in it. */
 typedef struct scene {
     ost_geometry g;
     int16_t *voxels;
@@ -263,7 +268,7 @@ static void collision_reports_what_removal_takes(void **state)
         assert_same_report(&collided, &removed);
         ost_digest after = digest_of(bone);
         assert_int_equal(ost_digest_equal(&before, &after), removed.total_voxels == 0);
-        /* Idempotent: the touched voxels are still there, the removed ones are not. */
+        /* Removal is idempotent: the touched voxels are still present, the removed ones are not. */
         assert_ok(ost_bone_remove(bone, s.tool, &e.event, &collided, &err));
         assert_int_equal(collided.count, 0);
         assert_int_equal(collided.total_voxels, 0);
@@ -321,7 +326,7 @@ static void events_commute_and_only_take(void **state)
     for (int round = 0; round < test_rounds(20); round++) {
         scene s = make_scene(*state, &rng);
         ost_pose p = random_pose(&rng, s.lo, s.hi), q = random_pose(&rng, s.lo, s.hi);
-        /* A bone with fewer active voxels: what it keeps is part of what the full one keeps. */
+        /* A bone with fewer active voxels: its remaining voxels are a subset of those of the full bone. */
         int16_t *fewer = malloc(voxel_count(&s.g) * sizeof *fewer);
         for (size_t i = 0; i < voxel_count(&s.g); i++)
             fewer[i] = rng_range(&rng, 0, 1) ? s.voxels[i] : 0;
@@ -354,7 +359,10 @@ static void events_commute_and_only_take(void **state)
 
 static void moved_together_nothing_changes(void **state)
 {
-    /* Any common vector for bone and pose; content moved by whole blocks with the tool moved along. */
+    /*
+     * Adding the same vector to the bone and the pose changes nothing; content that is moved by
+     * complete blocks, with the tool moved along, gives the same result.
+     */
     test_rng rng = rng_seeded("moved");
     for (int round = 0; round < test_rounds(20); round++) {
         scene s = make_scene(*state, &rng);
@@ -404,17 +412,23 @@ static void moved_together_nothing_changes(void **state)
     }
 }
 
-/* q of a quarter turn about axis a times r, both in Q30 before the product is rounded. */
+/*
+ * Returns a pose whose quaternion is a quarter turn about `axis` times q of p, both in Q30
+ * before the product is rounded.
+ */
 static ost_pose quarter_turned(const ost_pose *p, int axis, ost_pm3 t)
 {
     const int64_t q[4] = {p->qw, p->qx, p->qy, p->qz};
-    int64_t u[4] = {1, 0, 0, 0}, r[4]; /* (1 + k) / sqrt(2): left unscaled, then halved below */
+    int64_t u[4] = {1, 0, 0, 0}, r[4]; /* (1 + k) / sqrt(2), not yet scaled; halved below */
     u[1 + axis] = 1;
     r[0] = u[0] * q[0] - u[1] * q[1] - u[2] * q[2] - u[3] * q[3];
     r[1] = u[0] * q[1] + u[1] * q[0] + u[2] * q[3] - u[3] * q[2];
     r[2] = u[0] * q[2] - u[1] * q[3] + u[2] * q[0] + u[3] * q[1];
     r[3] = u[0] * q[3] + u[1] * q[2] - u[2] * q[1] + u[3] * q[0];
-    /* Only the 24 turns of a cube are used: components are 0 or of one magnitude, so a common factor brings |q| back to 1. */
+    /*
+     * Only the 24 rotations of a cube are used. Their components are 0 or of one magnitude, so
+     * a common factor restores |q| = 1.
+     */
     int nonzero = 0;
     for (int c = 0; c < 4; c++)
         nonzero += r[c] != 0;
@@ -427,11 +441,11 @@ static ost_pose quarter_turned(const ost_pose *p, int axis, ost_pm3 t)
 static void quarter_turns_turn_the_set(void **state)
 {
     /*
-     * A cube of 24^3 voxels about the frame's origin, turned with the tool
-     * about each axis, up to three times in a row. Bone voxels of 1 mm have
-     * their centres at odd halves, tool voxels of 1/2 mm their borders, seen
-     * from the pose, at multiples of 1/2: with t at odd quarters no centre is
-     * within 1/4 mm of a border, far more than AR-MAP-6 allows.
+     * A cube of 24^3 voxels about the frame's origin is turned together with the tool about
+     * each axis, up to three times in succession. Bone voxels of 1 mm have their centres at odd
+     * halves. Tool voxels of 1/2 mm have their borders, relative to the pose, at multiples of
+     * 1/2. With t at odd quarters no centre is within 1/4 mm of a border, far more than
+     * AR-MAP-6 allows.
      */
     enum { N = 24 };
     test_rng rng = rng_seeded("quarter turns");
@@ -449,7 +463,10 @@ static void quarter_turns_turn_the_set(void **state)
         remove_at(bone, &g, tool, &pose, 1, &before);
         int16_t *left = content(bone, &g);
 
-        /* Axis a goes to b, b to -a: voxel with coordinates (i_a, i_b) goes to (N - 1 - i_b, i_a). */
+        /*
+         * Axis a is mapped to b, and b to -a: the voxel with the coordinates (i_a, i_b) moves
+         * to (N - 1 - i_b, i_a).
+         */
         int16_t *left_turned = malloc(voxel_count(&g) * sizeof *left_turned);
         for (int v = 0; v < N * N * N; v++) {
             int at[3] = {v % N, v / N % N, v / N / N}, to[3];
