@@ -134,7 +134,7 @@ static ost_status make_large(const plan_case *c, scene *s, draw *d, ost_error *e
         pose->t = (ost_pm3){s->rect.origin.x + (95000 + 180000 * i) * UM, s->rect.origin.y + (slim ? 38000 : 30000) * UM,
                             s->rect.origin.z + (slim ? 38000 : 29000) * UM};
         /* The base of a block far from the box's first lies half a unit of the map before the bar's end: a tie, which
-           rounding half to even puts outside. */
+           rounding half to even moves outside. */
         if (i < 3)
             pose->t.x = s->rect.origin.x + s->cubic * OST_MAP_BLOCK * (17 + 16 * i) - LARGE_BAR / 2 * LARGE_VOXEL +
                         LARGE_UNIT / 2;
