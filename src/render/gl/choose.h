@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Selects what is drawn of a thing: its blocks in view, near ones first, and their points that are turned to the eye. */
+/* Selects the parts of an object to draw: its blocks in view, near ones first, and the points turned to the eye. */
 #ifndef OST_RENDER_GL_CHOOSE_H
 #define OST_RENDER_GL_CHOOSE_H
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A frame by OpenGL, thing by thing:
+ * A frame by OpenGL, object by object:
  *
  *   changed blocks --> pools          (resident.c)
  *   blocks in view, near first        (points/blocks.h)

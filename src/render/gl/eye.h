@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Uniforms of every stage for a thing's camera and light: the block of eye.glsl, and the palette. */
+/* The uniforms for an object's camera and light, used by every stage: the block of eye.glsl, and the palette. */
 #ifndef OST_RENDER_GL_EYE_H
 #define OST_RENDER_GL_EYE_H
 

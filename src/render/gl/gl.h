@@ -43,7 +43,7 @@ typedef struct ost_gl_variant {
 } ost_gl_variant;
 
 extern const ost_gl_variant ost_gl_ours;
-/* Tools as triangles; flat faces, whatever the style. */
+/* Draws tools as triangles, with flat faces in every style. */
 extern const ost_gl_variant ost_gl_thesis;
 
 typedef struct ost_gl_options {
@@ -82,8 +82,8 @@ ost_status ost_gl_read(ost_gl *gl, ost_frame *frame, bool depth, ost_error *err)
 typedef struct ost_gl_counts {
     uint64_t points;   /* vertices given to OpenGL */
     uint64_t uploaded; /* bytes of surfaces uploaded */
-    bool bricks;       /* the first thing was drawn as bricks */
-    uint32_t hidden;   /* cells of 8^3 voxels of the first thing, in blocks in view, that were skipped as hidden */
+    bool bricks;       /* the first object was drawn as bricks */
+    uint32_t hidden;   /* cells of 8^3 voxels of the first object, in blocks in view, that were skipped as hidden */
 } ost_gl_counts;
 ost_gl_counts ost_gl_counts_get(const ost_gl *gl);
 

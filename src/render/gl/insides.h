@@ -8,7 +8,7 @@
 #include "render/gl/target.h"
 #include "render/gl/worker.h"
 
-/* A thing while a frame is made. */
+/* An object and its state while a frame is drawn. */
 typedef struct ost_gl_layer {
     const ost_frame_thing *thing;
     ost_splat_eye eye;

@@ -4,7 +4,7 @@
  *
  *   blocks --frustum, order--> near ones first --facing, tint--> a list --bands of rows, by threads--> planes
  *
- * A second thing, such as a tool with its own voxels at another orientation, is
+ * A second object, such as a tool with its own voxels at another orientation, is
  * drawn the same way into separate planes of a band.  Then the nearer of the
  * two is taken for each pixel.
  *
@@ -16,8 +16,8 @@
  * After ost_frame_keep, unchanged parts are reused.  While the eye and the light
  * do not change:
  *
- *   blocks whose lists changed --entry by entry, old beside new--> voxels that look different
- *        --cells that these may cover--> drawn again, in the planes of the first thing alone
+ *   blocks whose lists changed --old and new compared entry by entry--> voxels that look different
+ *        --cells that these may cover--> drawn again, in the planes of the first object alone
  *   those cells, and cells that other layers covered --copied from these planes--> the frame, and over it the other layers
  *
  * The picture is bit-identical to one that is drawn from scratch: in a cell that
@@ -64,7 +64,7 @@ typedef struct ost_frame_list {
     bool there;             /* the block was within the last frame's view, even if hidden */
 } ost_frame_list;
 
-/* One thing that is drawn, and its lists. */
+/* An object that is drawn, and its lists. */
 typedef struct ost_frame_layer {
     const ost_surface *surface; /* borrowed for a frame */
     ost_frame_block *blocks; /* owned; count of them after the cull */
@@ -76,7 +76,7 @@ typedef struct ost_frame_layer {
     float *bases;           /* owned; 4 for each slot */
     ost_splat_eye eye;
     ost_light light;
-    float scale;            /* side of its voxels in voxels of the first thing */
+    float scale;            /* side of its voxels in voxels of the first object */
     bool within;            /* the eye is in it or close to it: faces that are not to the air may be visible */
     bool same;              /* eye and light are those of the previous frame, and frames are kept */
     int y0, y1;             /* rows that it may cover, half-open */
@@ -107,12 +107,12 @@ typedef struct ost_frame {
     ost_directions *directions; /* owned */
 } ost_frame;
 
-/* A thing in front of the camera. */
+/* An object in front of the camera. */
 typedef struct ost_frame_thing {
     const ost_surface *surface;
     ost_eye eye;            /* in its voxels; its size is the frame's */
     ost_paint paint;
-    const uint32_t *palette; /* borrowed; if NULL, every voxel has the thing's own paint */
+    const uint32_t *palette; /* borrowed; if NULL, every voxel has the object's own paint */
 } ost_frame_thing;
 
 /* Allocates a frame. If threads is 0, all processors are used. */
@@ -131,15 +131,15 @@ void ost_frame_overwritten(ost_frame *frame);
 ost_sheet ost_frame_sheet(const ost_frame *frame);
 
 /*
- * Draws count things into the planes; depth is in voxels of the first thing.
- * Returns OST_ERR_RANGE if the eye is more than 2^15 voxels of a thing away from it.
+ * Draws count objects into the planes; depth is in voxels of the first object.
+ * Returns OST_ERR_RANGE if the eye is more than 2^15 voxels of an object away from it.
  */
 ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things, int count, ost_error *err);
 /*
- * Blends one more thing over a frame that any renderer has drawn: with weight
- * `share` / 256 where it is in front of other things, with half of that where
+ * Blends one more object over a frame that any renderer has drawn: with weight
+ * `share` / 256 where it is in front of other objects, with half of that where
  * it is behind them.  Only colours change.  spacing: the spacing of the first
- * thing's voxels, the unit of depth.
+ * object's voxels, the unit of depth.
  */
 ost_status ost_frame_draw_ghost(ost_frame *frame, const ost_frame_thing *thing, unsigned share, ost_pm spacing, ost_error *err);
 /* Draws a frame of the bone alone. */

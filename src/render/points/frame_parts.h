@@ -2,7 +2,7 @@
 /*
  * A frame in three parts:
  *
- *   frame.c        its memory, its things, the teams of threads
+ *   frame.c        its memory, its objects, the teams of threads
  *   frame_list.c   which voxels of a block show a face to the eye, and where the lists changed since the last frame
  *   frame_band.c   a band of rows: lists into planes, layers over one another
  */

@@ -7,7 +7,7 @@
  *   bits before --distance to outside--> the same, by depth
  *   densities --window-----------------> paint of voxels that a clip plane bares
  *
- * A paint is a number: 0 is the thing's own, 1 .. 127 are lit as the surface
+ * A paint is a number: 0 is the object's own, 1 .. 127 are lit as the surface
  * is, 128 .. 255 are shown without lighting.  A palette maps it to a colour
  * (palette.h).
  *

@@ -20,7 +20,7 @@
 #define OST_CONTACT 0x30a0ffu /* 0xBBGGRR: mixed in where bone was removed just now */
 #define OST_BACKGROUND 0x1c1816u /* 0xBBGGRR */
 
-/* The paint of a thing: its colour and gloss. */
+/* The paint of an object: its colour and gloss. */
 typedef struct ost_paint {
     uint8_t red, green, blue;
     uint8_t gloss; /* up to 127; added to each channel at the key light's mirror direction */
@@ -64,7 +64,7 @@ ost_light_shade_of *ost_light_shade_for(ost_isa isa);
 
 /*
  * Computes a frame's light.  palette: as made by ost_palette_make; if NULL, every
- * paint is the thing's own.  The light must be zeroed before its first use.
+ * paint is the object's own.  The light must be zeroed before its first use.
  */
 void ost_light_make(ost_light *light, const ost_directions *directions, const ost_eye *eye, ost_style style, ost_paint paint,
                     const uint32_t *palette);

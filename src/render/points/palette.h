@@ -38,7 +38,7 @@ uint32_t ost_window_grey(int step);
 /* Returns the step of a density in HU, 0 .. 126. */
 int ost_window_step(int density);
 
-/* Fills the palette of a colouring. Colour 0 is not used: it stands for the thing's own paint. */
+/* Fills the palette of a colouring. Colour 0 is not used: it means the object's own paint. */
 void ost_palette_make(ost_colouring colouring, uint32_t palette[OST_PAINTS]);
 
 #endif
