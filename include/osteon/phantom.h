@@ -29,7 +29,7 @@ typedef enum ost_phantom_kind {
 
 typedef struct ost_phantom_options {
     uint64_t seed;     /* 0 = 1 */
-    ost_pm3 spacing;   /* 0 = the thesis'; the physical size is unchanged, dims = ceil(size / spacing) */
+    ost_pm3 spacing;   /* 0 = that of the thesis; the physical size is unchanged, dims = ceil(size / spacing) */
     double scale;      /* scale of the anatomy and its box; 0 = 1 */
     bool left;         /* default: right */
 } ost_phantom_options;

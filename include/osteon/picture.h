@@ -31,7 +31,7 @@ OST_API ost_status ost_picture_encode_png(const ost_picture *picture, uint8_t **
  * be NULL; voxels that are active in it and not in the volume are coloured.
  */
 typedef struct ost_slices_options {
-    int32_t at[3];        /* voxel; -1 = the middle, or of the removal when before is given */
+    int32_t at[3];        /* voxel; -1 = the middle of the grid, or of the removed voxels if before is given */
     int32_t threshold;    /* active at or above; 0 = 120 */
     int level, width;     /* 0, 0 = 400, 1800 */
     int pixels;           /* pixels of the longer side of one slice; 0 = 480 */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Drawing on a picture: rectangles, blended pixels, small text, scale bars.
- * Everything clips; nothing here can fail.
+ * All functions clip to the picture, and none can fail.
  */
 #ifndef OST_RENDER_CANVAS_H
 #define OST_RENDER_CANVAS_H

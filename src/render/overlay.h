@@ -30,7 +30,7 @@ extern const char *const ost_overlay_names[OST_OVERLAY_COUNT]; /* "chunks", ... 
 enum { OST_OVERLAY_CHANGED = 64 };
 
 typedef struct ost_overlay_scene {
-    const ost_surface *bone, *tool; /* borrowed; tool NULL: there is none */
+    const ost_surface *bone, *tool; /* borrowed; tool is NULL if there is none */
     ost_tool_geometry tool_grid;
     ost_pose pose;                  /* the tool's */
     int chunk;                      /* voxels on a side */

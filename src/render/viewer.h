@@ -26,7 +26,7 @@
 #include "render/points/ground.h"
 
 enum { OST_VIEWER_TOOLS = 16, OST_GHOST = 120 };
-#define OST_VIEWER_FRESH_NS INT64_C(150000000) /* operation time; removed bone is highlighted for one to two of these */
+#define OST_VIEWER_FRESH_NS INT64_C(150000000) /* in operation time; removed bone is highlighted for one to two such intervals */
 
 typedef struct ost_viewer {
     ost_live *live;      /* borrowed; NULL if the viewer follows no operation */

@@ -7,7 +7,7 @@
 #include "render/vector.h"
 
 static const double STEEPEST = 1.55;            /* radians; limits the elevation so that up remains up */
-static const double FOCAL = 1.2071067811865475; /* ratio to the height: half of it over tan(45 degrees / 2) */
+static const double FOCAL = 1.2071067811865475; /* focal length for a height of 1: 0.5 / tan(45 degrees / 2) */
 static const double NEAREST = 4, FARTHEST = 3000; /* mm */
 
 const char *const ost_view_names[OST_VIEW_COUNT] = {"operator", "en-face", "lateral", "anterior", "posterior", "superior", "tool", "whole"};

@@ -146,7 +146,7 @@ bool ost_gl_are_small(const ost_gl *gl, const ost_gl_layer *l)
 {
     if (l->blocks == 0)
         return false;
-    const float half = 27.8f; /* of a block's diagonal */
+    const float half = 27.8f; /* half of a block's diagonal, in voxels */
     const float nearest = sqrtf(gl->blocks[0].distance) - half;
     return nearest > 2 * OST_BLOCK && l->thing->eye.focal < SMALL_VOXEL * nearest;
 }

@@ -329,7 +329,7 @@ static ost_status read_planes(ost_gl *gl, ost_frame *frame, bool depth, ost_erro
             p->face[i] = (uint8_t)(p->colour[i] >> 24);
             p->colour[i] &= 0xffffff;
             if (depth)
-                p->depth[i] *= 65536; /* eye.glsl's DEPTH_SCALE */
+                p->depth[i] *= 65536; /* undoes DEPTH_SCALE of eye.glsl */
         }
     }
     return status;

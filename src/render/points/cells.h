@@ -11,7 +11,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-enum { OST_CELL_WIDTH = 16, OST_CELL_HEIGHT = 8, OST_CELL_WORDS = 8 }; /* at most so many words a row: 8192 pixels */
+enum { OST_CELL_WIDTH = 16, OST_CELL_HEIGHT = 8, OST_CELL_WORDS = 8 }; /* words: the most of a row, for 8192 pixels */
 
 typedef struct ost_cells {
     uint64_t *bit; /* owned; `words` for each row of cells */

@@ -194,7 +194,7 @@ void ost_frame_merge_ghost_row(const ost_frame *f, const ost_frame_layer *layer,
         merge_ghost(f, layer, ghost, y, from, to);
 }
 
-/* Returns a band of rows; where the planes have no keys, they get those of the thread's scratch. */
+/* Returns a band of rows; planes without keys get the keys of the thread's scratch. */
 static band band_of(const ost_frame *f, int number, ost_planes *planes)
 {
     const int y0 = number * f->band;

@@ -45,7 +45,7 @@ void ost_layer_free(ost_frame_layer *layer);
 void ost_layer_make_list(const ost_frame *frame, const ost_frame_layer *layer, int32_t slot, ost_frame_lists *with);
 /* Makes the lists that are missing. Called by all threads of a team. */
 void ost_layer_make_lists(const ost_frame *frame, const ost_frame_layer *layer);
-/* Drops the lists that do not hold for this frame. */
+/* Drops the lists that are not valid for this frame. */
 void ost_layer_drop_lists(const ost_frame_layer *layer);
 /*
  * Sets frame->part and frame->stale: the cells of the first layer to draw, and the cells to copy

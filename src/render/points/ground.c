@@ -197,7 +197,10 @@ static bool empty_cell(const ost_ground *g, int32_t x, int32_t y, int32_t z)
     return true;
 }
 
-/* States of a cell during the fill from the border inwards through empty cells; 0: not visited. */
+/*
+ * Marks all empty cells that are connected to the grid's border through empty cells.  mark must be
+ * zeroed.  Returns false if there is no memory.
+ */
 static bool flood(const ost_ground *g, uint8_t *mark)
 {
     enum { OPEN = 1 };

@@ -66,7 +66,7 @@ uint32_t ost_facing_scalar(const ost_surface_block *block, uint32_t slot, const 
 }
 
 typedef struct rectangle {
-    int x0, x1, y0, y1; /* pixels, x1 and y1 among them */
+    int x0, x1, y0, y1; /* pixels; x1 and y1 are inclusive */
 } rectangle;
 
 static int within(float v, int lo, int hi)
