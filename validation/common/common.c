@@ -3,7 +3,7 @@
 
 #include "validation/common/lab.h"
 
-/* What an installed program cannot do; a source tree's make check does. */
+/* Lists the checks that an installed program cannot make; `make check` in the source tree makes them. */
 static json_t *by_the_tests(void)
 {
     static const struct {

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Mistakes that all backends could have in common do not show when they are
- * compared with each other.  These checks compare the reference with what is
+ * Mistakes that all backends have in common cannot be found by comparing them
+ * with each other.  These checks compare the reference with results that are
  * known without any program:
  *
  *   golden     small grids, worked out by hand from docs/arithmetic.md
- *   volume     bodies whose volume a formula gives
- *   relation   two computations that must agree whatever the voxels are
+ *   volume     bodies whose volume is given by a formula
+ *   relation   two computations whose results must be equal for all voxels
  *
- * They take well under a second, and every campaign makes them anew.  What
- * cannot be done by the program itself is named with the test that does it.
+ * They take well under a second, and every campaign runs them again.  Checks
+ * that an installed program cannot make are listed with the test that does.
  */
 #ifndef OST_VALIDATION_COMMON_H
 #define OST_VALIDATION_COMMON_H
@@ -23,8 +23,9 @@
 #define COMMON_FILE "common.json"
 
 /*
+ * Runs the checks; the caller owns *out:
  * {passed, failed, checks: [{name, kind, what, requirements, expected, got, passed}], by_the_tests: [{what, tests}]}.
- * OST_OK also when a check fails.  The caller's reference.
+ * Returns OST_OK also if a check fails.
  */
 ost_status common_check(uint64_t seed, json_t **out, ost_error *err);
 bool common_proved(const json_t *common);

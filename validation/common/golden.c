@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Small grids whose voxels were worked out on paper: each check says how. */
+/* Small grids whose voxels were worked out by hand; each check states the derivation. */
 #include <stdio.h>
 #include <string.h>
 
 #include "validation/common/lab.h"
 
-/* "100 200 0" */
+/* Writes values as text: "100 200 0". */
 static const char *list(const int16_t *v, int count, char text[200])
 {
     size_t n = 0;
@@ -22,7 +22,7 @@ static void say_list(lab *l, const char *name, const char *requirements, const c
     lab_say(l, "golden", name, requirements, what, memcmp(expected, got, (size_t)count * sizeof *got) == 0, a, "%s", list(got, count, b));
 }
 
-/* Samples of a 2 x 2 x 2 grid, spacing 1, 1, 2 mm from (10, 20, 30), backwards, one of them twice. */
+/* Scatters samples of a 2 x 2 x 2 grid, spacing 1, 1, 2 mm from (10, 20, 30), in reverse order, one of them twice. */
 static void scatter(lab *l)
 {
     static const int16_t expected[8] = {101, 102, 103, 104, 105, 106, 107, 108};
@@ -46,11 +46,11 @@ static void scatter(lab *l)
 }
 
 /*
- * Layers at 0, 2.5 and 5 mm on a spacing of 1 mm: ceil(3 x 2.5) = 8 layers, the
- * first at (1 - 2.5) / 2 = -0.75 mm. Linear: t = (2 k - 1.5) / 5 is below 0, then
- * 0.1, 0.5, 0.9, 1.3, 1.7, then 2 and beyond: 119.5 is a tie and goes to 120, and
- * 120 + 180 x 0.3 = 174, 120 + 180 x 0.7 = 246. Nearest: floor((2 k + 1) / 5), at
- * most 2. Thesis: floor(k / 2.5). Then the threshold.
+ * Layers at 0, 2.5 and 5 mm are resampled to a spacing of 1 mm: ceil(3 x 2.5) = 8
+ * layers, the first at (1 - 2.5) / 2 = -0.75 mm. Linear: t = (2 k - 1.5) / 5 is
+ * below 0, then 0.1, 0.5, 0.9, 1.3, 1.7, then 2 and beyond: 119.5 is a tie and
+ * becomes 120, and 120 + 180 x 0.3 = 174, 120 + 180 x 0.7 = 246. Nearest:
+ * floor((2 k + 1) / 5), at most 2. Thesis: floor(k / 2.5). The threshold follows.
  */
 static void layers(lab *l)
 {
@@ -94,8 +94,8 @@ static void layers(lab *l)
 
 /*
  * A cube from 0 to 2 mm at 1 mm: RHE(-1 / 2) = 0, less one voxel: corner -1;
- * RHE(5 / 2) = 2, and one more: 3. So 4 voxels an axis with centres at -0.5,
- * 0.5, 1.5, 2.5; the second and third are inside.
+ * RHE(5 / 2) = 2, plus one voxel: 3. This gives 4 voxels per axis with centres
+ * at -0.5, 0.5, 1.5, 2.5; the second and third are inside.
  */
 static void cube(lab *l)
 {
@@ -116,7 +116,7 @@ static void cube(lab *l)
     ost_mesh_free(&mesh);
 }
 
-/* Of 8 x 8 x 8 voxels those with lo <= index < hi, and no others, are gone. */
+/* Checks that of 8 x 8 x 8 voxels exactly those with lo <= index < hi are removed. */
 static void gone(lab *l, const char *name, const char *what, const char *expected, ost_pose pose, const int lo[3], const int hi[3])
 {
     int16_t voxels[512];
@@ -138,7 +138,8 @@ static void gone(lab *l, const char *name, const char *what, const char *expecte
     lab_say(l, "golden", name, "AR-REM-1 AR-REM-2 AR-MAP-1 AR-POSE-1", what, right == 512, expected, "%d of 512 voxels as expected, %d gone", right, removed);
 }
 
-/* A row under cutting, cutting, cutting, not cutting and void: classes are half-open, so 150 is cancellous and 650 cortical. */
+/* A row under the tool classes cutting, cutting, cutting, not cutting and void. Density classes are half-open, so
+   150 is cancellous and 650 cortical. */
 static void classes(lab *l)
 {
     static const int16_t expected[5] = {0, 0, 0, 700, 700};

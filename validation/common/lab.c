@@ -68,7 +68,7 @@ ost_pose lab_random_pose(lab *l, draw *d, ost_pm size)
             n += q[a] * q[a];
         }
     } while (n > 1 || n < 0.01);
-    double root = 1; /* Newton: no libm is needed for a unit length within 1e-3 */
+    double root = 1; /* Newton's method: libm is not needed for a unit length within 1e-3 */
     for (int i = 0; i < 30; i++)
         root = 0.5 * (root + n / root);
     for (int a = 0; a < 4; a++)

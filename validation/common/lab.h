@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What the checks are made with.  A lab keeps the first error: after it every
- * call does nothing, so that a check reads as what it checks.
+ * Functions for the checks.  A lab stores the first error, after which every
+ * call does nothing, so that the code of a check needs no error handling.
  */
 #ifndef OST_VALIDATION_COMMON_LAB_H
 #define OST_VALIDATION_COMMON_LAB_H
@@ -24,26 +24,27 @@ typedef struct lab {
     ost_error *err;
 } lab;
 
-/* A row of the list; requirements are words. passed is what says whether, expected and got are for people. */
+/* Adds the result of a check. requirements are separated by blanks. Only `passed` decides; expected and got are for
+   readers. */
 void lab_say(lab *l, const char *kind, const char *name, const char *requirements, const char *what, bool passed, const char *expected, const char *got, ...)
     OST_PRINTF(8, 9);
 
-/* Equal spacing on all axes, first centre at the origin. */
+/* Returns a geometry with equal spacing on all axes and its first centre at the origin. */
 ost_geometry lab_cube(int32_t nx, int32_t ny, int32_t nz, ost_pm spacing);
-/* All voxels of the class given. */
+/* Makes a tool all of whose voxels have the given class. */
 ost_tool *lab_tool(lab *l, ost_dims dims, ost_pm voxel, ost_pm3 corner, uint8_t tool_class);
 ost_tool *lab_random_tool(lab *l, draw *d, ost_dims dims, ost_pm voxel, ost_pm3 corner);
 ost_pose lab_random_pose(lab *l, draw *d, ost_pm size);
-/* Densities 120 to 1000, one in four below the threshold. */
+/* Fills voxels with densities from 120 to 1000, one in four below the threshold. */
 void lab_fill(draw *d, int16_t *voxels, int64_t count);
 
-/* voxels in place: what is left of them. report may be NULL. */
+/* Removes from a bone made of `voxels`, which receive the result. report may be NULL. */
 void lab_remove(lab *l, const ost_geometry *g, int chunk, int16_t *voxels, const ost_tool *tool, const ost_pose *poses, int count, ost_report *report);
 uint64_t lab_removed(lab *l, const ost_geometry *g, const ost_tool *tool, const ost_pose *poses, int count, int16_t density);
 
-/* A box's twelve triangles, counter-clockwise from outside, or from inside. */
+/* Makes a box of twelve triangles, counter-clockwise seen from outside, or from inside. */
 void lab_box(lab *l, ost_pm3 min, ost_pm3 max, bool inside_out, ost_mesh *out);
-/* On the grid given, or on the one of its bounds. *out is initialised. */
+/* Voxelizes a mesh on the given grid, or on that of its bounds if grid is NULL. *out is initialised. */
 void lab_voxelize(lab *l, const ost_mesh *mesh, const ost_tool_geometry *grid, ost_pm voxel, ost_tool_volume *out);
 
 void lab_golden(lab *l);

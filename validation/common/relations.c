@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Laws of docs/arithmetic.md (AR-LAW): two ways that must end at the same voxels, on random bones, tools and poses. */
+/* Laws of docs/arithmetic.md (AR-LAW): two computations that must give the same voxels, on random bones, tools and
+   poses. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -51,7 +52,7 @@ static int64_t differ(const int16_t *a, const int16_t *b)
 
 typedef struct law {
     const char *name, *requirements, *what;
-    void (*two_ways)(lab *l, draw *d, scene *s); /* ends in s->a and s->b */
+    void (*two_ways)(lab *l, draw *d, scene *s); /* makes the two results s->a and s->b */
 } law;
 
 static void chunk_sizes(lab *l, draw *d, scene *s)
@@ -85,7 +86,7 @@ static void one_by_one(lab *l, draw *d, scene *s)
         lab_remove(l, &s->g, 32, s->b, s->tool, &s->poses[k], 1, NULL);
 }
 
-/* Bone and tool moved by the same whole number of picometres: the same voxels by index. */
+/* Moves bone and tool by the same integer number of picometres: the same voxels by index are removed. */
 static void moved(lab *l, draw *d, scene *s)
 {
     const ost_pm3 by = draw_point(d, -LAB_MM * 99, LAB_MM * 99);
@@ -96,7 +97,8 @@ static void moved(lab *l, draw *d, scene *s)
     lab_remove(l, &s->g, 32, s->b, s->tool, s->poses, POSES, NULL);
 }
 
-/* The tool by whole voxels within its own frame, the pose (not turned) by as much against it. */
+/* Moves the tool by complete voxels in its own frame, and the pose (not turned) by the same distance in the opposite
+   direction. */
 static void shifted(lab *l, draw *d, scene *s)
 {
     ost_tool_volume v = {.voxels = NULL};
@@ -126,7 +128,7 @@ static const law laws[] = {
     {"moved tool", "AR-MAP-1", "a tool moved in its frame and moved back by its pose cuts the same", shifted},
 };
 
-/* Nothing but removal: a voxel is what it was or 0. */
+/* Counts voxels that are neither unchanged nor 0: an event only removes. */
 static void only_removed(lab *l, const int16_t *before, const int16_t *after, int64_t *wrong)
 {
     for (int i = 0; i < COUNT && l->status == OST_OK; i++)
@@ -167,7 +169,7 @@ static int64_t differ_tools(const ost_tool_volume *a, const ost_tool_volume *b)
     return wrong;
 }
 
-/* Boxes with borders anywhere: faces turned inside out, two halves for the whole, and moved by whole voxels. */
+/* Boxes with borders anywhere: with faces turned inside out, as two halves, and moved by complete voxels. */
 static void mesh_laws(lab *l)
 {
     draw d = draw_named(l->seed, "meshes");
@@ -181,7 +183,7 @@ static void mesh_laws(lab *l)
         const ost_pm3 hi = draw_point(&d, LAB_MM, 9 * LAB_MM);
         const ost_pm3 n = draw_point(&d, -20, 20), by = {n.x * voxel, n.y * voxel, n.z * voxel};
         const ost_pm cut = draw_between(&d, lo.x + 1, hi.x - 1);
-        ost_tool_geometry grid = {.dims = {0, 0, 0}}; /* read below even when its bounds are refused */
+        ost_tool_geometry grid = {.dims = {0, 0, 0}}; /* read below even if its bounds are refused */
         l->status = ost_tool_geometry_from_bounds(lo, hi, voxel, &grid, l->err);
         ost_tool_geometry there = grid;
         there.corner = (ost_pm3){grid.corner.x + by.x, grid.corner.y + by.y, grid.corner.z + by.z};
@@ -195,7 +197,7 @@ static void mesh_laws(lab *l)
         if (l->status == OST_OK) {
             reversed += differ_tools(&v[0], &v[1]);
             for (int64_t i = 0; i < ost_dims_count(grid.dims); i++) {
-                halves += (v[2].voxels[i] + v[3].voxels[i]) != v[0].voxels[i]; /* one of both, never both: 1 is cutting */
+                halves += (v[2].voxels[i] + v[3].voxels[i]) != v[0].voxels[i]; /* exactly one of both halves: 1 is cutting */
                 solid += v[0].voxels[i];
             }
             moved_by += differ_tools(&v[0], &v[4]);
@@ -211,7 +213,7 @@ static void mesh_laws(lab *l)
     lab_say(l, "relation", "moved mesh", "AR-LAW-4", "a mesh moved by whole voxels is the same grid", moved_by == 0 && solid > 0, "0 voxels differ", "%lld differ in %d rounds", (long long)moved_by, rounds);
 }
 
-/* Samples in any order and in batches of any size. */
+/* Scatters samples in random order and in batches of random size. */
 static void sample_laws(lab *l)
 {
     enum { N = 9 * 8 * 7 };

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Bodies whose volume is known: exactly where borders lie between voxels' centres, else within what a border can hide. */
+/* Bodies whose volume is known: exactly if borders lie between voxels' centres, else within the volume of the
+   border's voxels. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,7 +9,7 @@
 
 #define PI 3.14159265358979323846
 
-/* 7 x 5 x 3 mm at 0.5 mm: borders lie on voxels' borders, so 14 x 10 x 6 centres are inside. */
+/* 7 x 5 x 3 mm at 0.5 mm: the faces lie on borders of voxels, so 14 x 10 x 6 centres are inside. */
 static void box(lab *l)
 {
     ost_mesh mesh;
@@ -21,7 +22,7 @@ static void box(lab *l)
     ost_mesh_free(&mesh);
 }
 
-/* A ball of circles of latitude and longitude, its poles on z. */
+/* Makes a mesh of a ball from circles of latitude and longitude, with its poles on z. */
 static void ball_mesh(lab *l, double radius_mm, int around, int rings, ost_mesh *out)
 {
     *out = (ost_mesh){.vertex_count = 0};
@@ -52,9 +53,10 @@ static void ball_mesh(lab *l, double radius_mm, int around, int rings, ost_mesh 
 }
 
 /*
- * Every voxel whose centre lies deeper than half its diagonal is whole inside,
- * none whose centre lies higher has any part inside: the voxels' volume is
- * between those of balls smaller and larger by that, the mesh's sagitta included.
+ * Every voxel whose centre is deeper in the ball than half its diagonal is
+ * completely inside, and no voxel whose centre is further out than that has any
+ * part inside.  The voxels' volume is therefore between those of two balls whose
+ * radii are smaller and larger by half a diagonal, including the mesh's sagitta.
  */
 static void ball(lab *l)
 {
@@ -74,7 +76,7 @@ static void ball(lab *l)
     ost_mesh_free(&mesh);
 }
 
-/* A cube of 4 mm from x = 2 to x = 26 in steps of less than a voxel: 28 x 4 x 4 voxels of 1 mm; none is jumped over. */
+/* A cube of 4 mm moves from x = 2 to x = 26 in steps of less than a voxel: 28 x 4 x 4 voxels of 1 mm, without a gap. */
 static void slot(lab *l)
 {
     enum { STEPS = 61 };
@@ -89,7 +91,8 @@ static void slot(lab *l)
     lab_say(l, "volume", "slot", "AR-REM-1 AR-REM-2 AR-REM-8", "a cube of 4 mm moved 24 mm through bone of 1 mm voxels", gone == 28 * 4 * 4, "448 voxels, 448 mm3", "%llu voxels", gone);
 }
 
-/* Turned by 45 degrees about z a square of half side 4 holds the whole numbers with |x| + |y| <= 4 sqrt 2 = 5.66: 61 of them; 8 layers. */
+/* Turned by 45 degrees about z, a square of half side 4 contains the integers with |x| + |y| <= 4 sqrt 2 = 5.66: 61
+   of them; 8 layers. */
 static void turned(lab *l)
 {
     ost_pose pose;

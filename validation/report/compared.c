@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The two tables of what was compared: backends by families, and the reference's stages. */
+/* Writes the two tables of the comparison: backends by families, and the reference's stages. */
 #include <string.h>
 
 #include "validation/bundle/evidence.h"
@@ -16,7 +16,7 @@ typedef struct tally {
     json_int_t cases, equal, bad, records;
 } tally;
 
-/* Of one backend in one family (NULL: all). */
+/* Counts the results of one backend in one family (NULL: all). */
 static tally count(const page *p, const char *backend, const char *family)
 {
     tally t = {0};
@@ -27,7 +27,7 @@ static tally count(const page *p, const char *backend, const char *family)
         const char *verdict = evidence_text(json_object_get(json_object_get(one, "results"), backend), "verdict");
         t.cases++;
         if (strcmp(verdict, case_verdict_name(CASE_EQUAL)) == 0 && evidence_refused(one))
-            continue; /* by both: nothing came out that could be equal */
+            continue; /* both refused: there is no result to compare */
         if (strcmp(verdict, case_verdict_name(CASE_EQUAL)) == 0) {
             t.equal++;
             t.records += (json_int_t)json_array_size(json_object_get(one, "reference"));
@@ -37,7 +37,7 @@ static tally count(const page *p, const char *backend, const char *family)
     return t;
 }
 
-/* A column for each family that has cases here. */
+/* Returns true if the family has cases in this bundle and therefore a column. */
 static bool has_cases(const page *p, int family)
 {
     return family == PLAN_FAMILIES || count(p, "", plan_family_name((plan_family)family)).cases > 0;
@@ -117,7 +117,7 @@ void section_compared(const page *p)
     fputs(".</p>\n", p->to);
 }
 
-/* "230 x 270 x 40" */
+/* Writes dims as "230 x 270 x 40". */
 static void dims(const page *p, const json_t *list)
 {
     for (size_t a = 0; a < 3; a++)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What came out otherwise, and whether mistakes would have been noticed. */
+/* Writes the results that are not equal, and whether deliberate mistakes were noticed. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -9,7 +9,7 @@
 #include "validation/report/pictures.h"
 #include "validation/report/sections.h"
 
-enum { LISTED = 200 }; /* results in the table; anomalies.csv has all */
+enum { LISTED = 200 }; /* results in the table; anomalies.csv contains all */
 
 static json_int_t integer(const json_t *o, const char *key)
 {
@@ -22,7 +22,7 @@ static bool is_finding(const json_t *result)
     return strcmp(verdict, case_verdict_name(CASE_EQUAL)) != 0 && strcmp(verdict, case_verdict_name(CASE_NOT_RUN)) != 0;
 }
 
-/* "tick 12" where the stage has several. */
+/* Writes the stage, with its number if the stage has several: "tick 12". */
 static void where(const page *p, const json_t *r)
 {
     const char *stage = evidence_text(r, "stage");
@@ -73,7 +73,7 @@ static void row(const page *p, int number, const json_t *one, const json_t *back
     fputs("</td></tr>\n", p->to);
 }
 
-/* The small case that shows the same, as a command. */
+/* Writes the command that runs the small case with the same difference. */
 static void reproduction(const page *p, const json_t *backend, const json_t *r)
 {
     const char *file = evidence_text(r, "reproduce");
@@ -93,7 +93,7 @@ static void reproduction(const page *p, const json_t *backend, const json_t *r)
     fputs("</pre>\n", p->to);
 }
 
-/* What the first voxel was decided by, as the reference has it. */
+/* Writes the operands that decided the first voxel, as computed by the reference. */
 static void operand_table(const page *p, const json_t *r)
 {
     const json_t *list = json_object_get(r, "operands"), *voxel = json_object_get(r, "voxel");
@@ -112,12 +112,13 @@ static void operand_table(const page *p, const json_t *r)
     fputs("</table></div>\n", p->to);
 }
 
-/* How many findings there are, and of how many something was kept. */
+/* The number of findings, and the numbers of those with pictures and with small cases. */
 typedef struct kept {
     int found, drawn, small;
 } kept;
 
-/* A finding with its small case, operands and pictures; those that have neither small case nor picture are in the table alone. */
+/* Writes a finding with its small case, operands and pictures. A finding with neither small case nor picture is only
+   in the table. */
 static void detail(const page *p, int number, const json_t *one, size_t s, const json_t *r, kept *n)
 {
     static const char *const captions[PICTURE_ROLES] = {"Reference: axial, coronal, sagittal", "Got", "Difference"};
@@ -141,7 +142,7 @@ static void detail(const page *p, int number, const json_t *one, size_t s, const
     }
 }
 
-/* Calls of one order: by case, then backend; numbers are those of anomalies.csv. */
+/* Writes all findings in the order of cases, then backends; their numbers are those of anomalies.csv. */
 static kept each_finding(const page *p, bool pictures)
 {
     const json_t *backends = json_object_get(p->protocol, "backends");
@@ -241,7 +242,8 @@ static bool fault_missed(const json_t *kind)
     return integer(kind, "detected") != integer(kind, "changed") || integer(kind, "localized") != integer(kind, "changed");
 }
 
-/* Sums by stage, in the order of their first kinds; and by themselves, the kinds that were not all noticed and located. */
+/* Writes the sums by stage, in the order of their first kinds, and separately the kinds that were not all noticed
+   and located. */
 static void fault_stages(const page *p, const json_t *all, const json_t *kinds)
 {
     const size_t count = json_array_size(kinds) < LISTED ? json_array_size(kinds) : LISTED;
@@ -249,7 +251,7 @@ static void fault_stages(const page *p, const json_t *all, const json_t *kinds)
     fault_head(p, "Mistakes in");
     for (size_t i = 0; i < count; i++) {
         const char *stage = evidence_text(json_array_get(kinds, i), "stage");
-        uint64_t sum[FAULT_COUNTS] = {0}; /* a bundle that is checked may say anything: no overflow */
+        uint64_t sum[FAULT_COUNTS] = {0}; /* unsigned: the values of a bundle may be arbitrary, and must not overflow */
         bool first = true;
         size_t alike = 0;
         missed += fault_missed(json_array_get(kinds, i));
@@ -289,7 +291,7 @@ static void fault_stages(const page *p, const json_t *all, const json_t *kinds)
     fputs("</table></div>\n", p->to);
 }
 
-/* Every kind: on a screen behind its label, on paper in full. */
+/* Writes every kind: behind its label on a screen, in full on paper. */
 static void fault_kinds(const page *p, const json_t *kinds)
 {
     char label[64];

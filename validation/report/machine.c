@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * When and where the campaign ran, for the first page.
+ * Writes when and where the campaign ran, for the first page.
  *
  *   audit.log          the time of its first line
  *   environment.json   machine, processor, the paths that backends entered; of merged shards one for each, by "1/3"
@@ -27,7 +27,7 @@ static void end_row(const page *p, const char *file)
     fputs("</td></tr>\n", p->to);
 }
 
-/* "2026-11-22 21:45:00 UTC", of the log's first line: HASH TAB TIME TAB begun TAB ... */
+/* Writes the time of the log's first line, HASH TAB TIME TAB begun TAB ..., as "2026-11-22 21:45:00 UTC". */
 static void when(const page *p)
 {
     enum { TIME = 20 }; /* 2026-11-22T21:45:00Z */
@@ -71,7 +71,7 @@ static void one_machine(const page *p, const char *shard, const json_t *e)
     end_row(p, "environment.json");
 }
 
-/* A number in "... on 7 threads"; 0 where the name has none. */
+/* Returns the number in a path's name "... on 7 threads"; 0 if there is none. */
 static int threads_in(const char *path)
 {
     const char *at = strstr(path, " on "), *digits = at ? at + strlen(" on ") : "";
@@ -80,7 +80,7 @@ static int threads_in(const char *path)
     return end > digits && strcmp(end, " threads") == 0 && n > 0 && n < THREADS_MAX ? (int)n : 0;
 }
 
-/* Notes the numbers of threads that a path was entered on. */
+/* Marks the numbers of threads on which a path was entered. */
 static void note_threads(const json_t *environment, bool used[THREADS_MAX])
 {
     json_t *backend, *count;
@@ -101,7 +101,7 @@ static void threads(const page *p, const bool used[THREADS_MAX])
     end_row(p, "environment.json");
 }
 
-/* Devices that were compared, and the kernels that were chosen for each. */
+/* Writes the devices that were compared, and the kernels that were chosen for each. */
 static void opencl(const page *p)
 {
     const json_t *backends = json_object_get(p->protocol, "backends");

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* How near the decisions were that came out otherwise: a table and a histogram for each backend that differs. */
+/* Writes how close the differing decisions were: a table and a histogram for each backend that differs. */
 #include <string.h>
 
 #include "validation/bundle/evidence.h"
@@ -46,7 +46,8 @@ static void number(const page *p, json_int_t value)
     fputs("</td>", p->to);
 }
 
-/* A bar for each power of two, from the border on the left to a voxel and more on the right; heights by digits, so that one voxel shows beside a million. */
+/* Writes a bar for each power of two, from the border on the left to one voxel and more on the right. The height is
+   the number of digits, so that one voxel is visible next to a million. */
 static void histogram(const page *p, const sums *s)
 {
     enum { BAR = 9, HEIGHT = 36 };
@@ -80,7 +81,7 @@ static void stage_row(const page *p, trace_stage stage, const sums *s)
         fputs("<td class=\"n\">-</td><td></td></tr>\n", p->to);
 }
 
-/* What the figures say of "only rounding at borders". */
+/* Writes what the margins imply for the statement "only rounding at borders". */
 static void meaning(const page *p, const sums *all, json_int_t near)
 {
     const json_int_t other = all->unexplained + all->below_threshold;
@@ -127,7 +128,7 @@ static void backend_table(const page *p, const json_t *backend)
         all.unexplained += s.unexplained;
         all.unmeasured += s.unmeasured;
         all.decided += s.decided;
-        for (int b = 0; b <= 10; b++) /* below 2^10 of 2^20 */
+        for (int b = 0; b <= 10; b++) /* margins below 2^10 of 2^20 */
             near += s.bins[b];
     }
     if (!all.voxels)

@@ -10,7 +10,7 @@
 #include "validation/report/triplet.h"
 #include "validation/scene.h"
 
-/* Sides in pixels; differing records that are looked through for voxels. */
+/* Widths in pixels; number of differing records that are searched for voxels. */
 enum { VIEW = 480, SLICE = 420, TRIED = 16 };
 
 void picture_name(char name[PICTURE_NAME], const char *case_id, size_t backend, picture_role role)
@@ -57,11 +57,11 @@ static int16_t voxel_of(const trace_block_view *b, size_t i)
     int16_t wide;
     if (b->voxel_bytes == 1)
         return b->voxels[i];
-    memcpy(&wide, b->voxels + 2 * i, 2); /* blocks lie anywhere in the file */
+    memcpy(&wide, b->voxels + 2 * i, 2); /* blocks are not aligned in the file */
     return wide;
 }
 
-/* Lays one block over a volume; false where it does not lie in it. */
+/* Copies a block into a volume. Returns false if it is not inside the volume. */
 static bool lay_block(const trace_block_view *b, ost_volume *to)
 {
     const ost_dims d = to->geometry.dims;
@@ -85,7 +85,7 @@ static bool lay_record(const trace_record *r, ost_volume *to)
     return true;
 }
 
-/* The first block of a record as a volume of cubes; false when it has none. */
+/* Makes a volume of cubes of the first block of a record. Returns false if it has none. */
 static bool volume_of(const trace_record *r, ost_volume *out)
 {
     size_t at = 0;
@@ -99,7 +99,7 @@ static bool volume_of(const trace_record *r, ost_volume *out)
 
 /* ------------------------------------------------------------ operation */
 
-/* Looking the way that the first tool goes in. */
+/* Computes the view direction, in which the first tool enters the bone. */
 static void look_along(const scene *s, double direction[3])
 {
     size_t last = 0;
@@ -124,7 +124,7 @@ static ost_status draw_operation(const scene *s, ost_volume *before, ost_volume 
         static const char *const names[4] = {PICTURE_BEFORE, PICTURE_AFTER, PICTURE_SLICES_BEFORE, PICTURE_SLICES_AFTER};
         const ost_volume *now = k % 2 ? after : before, *old = k % 2 ? before : NULL;
         ost_picture picture = {0};
-        if (k == 2) { /* the same slices before as after: through what was removed */
+        if (k == 2) { /* the same slices before and after: through the removed voxels */
             int64_t sum[3] = {0, 0, 0}, n = 0;
             const ost_dims d = before->geometry.dims;
             for (int64_t v = 0; v < ost_dims_count(d); v++)
@@ -168,7 +168,7 @@ ost_status pictures_of_operation(const campaign *c, evidence_sink *sink, void *u
 
 /* ----------------------------------------------------------- differences */
 
-/* The reference's and the other's volume at the record `at` of the case; ticks are laid over what was before. */
+/* Makes both volumes at record `at` of the case; the leaves of a tick are copied over the previous bone. */
 static bool volumes_at(const campaign *c, int case_index, size_t at, const trace_record *got, ost_volume *a, ost_volume *b)
 {
     const trace_record *in = &c->reference.records[c->ranges[case_index].first];
@@ -195,7 +195,7 @@ void pictures_of_difference(void *keeper, const campaign *c, int case_index, int
     ost_volume a = {.voxels = NULL}, b = {.voxels = NULL};
     if (k->err.status != OST_OK || whom >= PICTURES_BACKENDS || k->kept[whom] >= PICTURES_A_BACKEND || d->records < 1)
         return;
-    /* A report may differ before any voxel does; until one does, both bones are the reference's. */
+    /* A report may differ before any voxel does; until a voxel differs, both bones are the reference's. */
     const compare_range in_ref = c->ranges[case_index];
     triplet t;
     bool differ = false;

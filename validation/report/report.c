@@ -26,7 +26,7 @@ static json_int_t findings(const page *p)
     return n;
 }
 
-/* Results of one backend: those that are equal, and those that are not. */
+/* Counts the results of one backend that are equal, and those that are not. */
 static void tally(const page *p, const char *backend, size_t *equal, size_t *other)
 {
     *equal = *other = 0;
@@ -37,7 +37,7 @@ static void tally(const page *p, const char *backend, size_t *equal, size_t *oth
     }
 }
 
-/* Which backends they are, so that nobody has to look for them in a table. */
+/* Writes which backends differ, so that the reader need not search a table. */
 static void who_differs(const page *p)
 {
     const json_t *backends = json_object_get(p->protocol, "backends");
@@ -103,7 +103,7 @@ static void verdict(const page *p)
     fputs("</span></div>\n", p->to);
 }
 
-/* A number of a JSON file in the bundle; -1 without it. */
+/* Returns a number of a JSON file in the bundle; -1 if there is none. */
 static json_int_t number_in(const page *p, const char *file, const char *key)
 {
     json_t *o = page_json(p, file);
@@ -112,7 +112,7 @@ static json_int_t number_in(const page *p, const char *file, const char *key)
     return n;
 }
 
-/* A failed test is no difference between backends, and stands as high. */
+/* Writes the failed tests. A failed test is not a difference between backends, but equally important. */
 static void suite_failed(const page *p)
 {
     const json_int_t failed = number_in(p, SUITE_FILE, "failed");
@@ -125,7 +125,7 @@ static void suite_failed(const page *p)
     fputs("</span></div>\n", p->to);
 }
 
-/* The answers to the next three questions, each with the place of its file. */
+/* Writes the answers to the next three questions, each with its file. */
 static void in_short(const page *p)
 {
     const json_int_t kinds = number_in(p, "sensitivity.json", "kinds_total"), kinds_changed = number_in(p, "sensitivity.json", "kinds_changed");
@@ -346,7 +346,7 @@ ost_status report_write(const char *folder, const json_t *protocol, const json_t
     section_machine(&p);
     not_shown(&p); /* on the first page */
     section_compared(&p);
-    if (findings(&p)) { /* first what matters most */
+    if (findings(&p)) { /* the most important part first */
         section_differences(&p);
         section_margins(&p);
     }

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * report.html: the evidence for people, on one page that needs nothing else.
+ * report.html: the evidence for readers, on one page that needs no other file.
  *
  *   protocol, cases, and of the folder: pictures, sensitivity.json --report_write--> report.html
  *
- * It follows from the bundle's files alone, without times or the machine's
- * name, so whoever checks a bundle derives it again and compares bytes.  It is
- * written last: it names optional files only where they lie in the folder.
+ * It is derived only from the bundle's files, without times or the machine's
+ * name, so a check of the bundle derives it again and compares bytes.  It is
+ * written last, because it names optional files only if they are in the folder.
  */
 #ifndef OST_VALIDATION_REPORT_H
 #define OST_VALIDATION_REPORT_H

@@ -10,7 +10,7 @@
 #include "validation/bundle/reproduce.h"
 #include "validation/report/pictures.h"
 
-/* Copies a picture from the one shard that has it. */
+/* Copies a picture from the only shard that has it. */
 static ost_status take(const char *folder, const char *name, bool *taken, evidence_sink *sink, void *user, ost_error *err)
 {
     DIR *dir = opendir(folder);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The test suite's own results (suite.json): the counts, and every test that did not pass. */
+/* Writes the results of the test suite (suite.json): the counts, and every test that did not pass. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -13,7 +13,7 @@ static json_int_t number(const json_t *o, const char *key)
     return n > 0 ? n : 0;
 }
 
-/* Failed tests first. */
+/* Writes the rows of tests with this result. */
 static void rows(const page *p, const json_t *tests, const char *result)
 {
     for (size_t i = 0; i < json_array_size(tests); i++) {

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Least side that is shown, margin around what differs, pixels of the longest side, between panels. */
+/* Least width that is shown, margin around the differences, pixels of the longest side, gap between panels. */
 enum { LEAST = 32, MARGIN = 6, PANEL = 288, GAP = 8 };
 
 static int16_t at_voxel(const ost_volume *v, const int32_t at[3])
@@ -63,7 +63,7 @@ static uint8_t grey_of(const triplet *t, int32_t value)
     return (uint8_t)grey;
 }
 
-/* Solid in one alone or another value: pattern and colour; x, y are pixels. */
+/* Chooses pattern and colour for a pixel: solid in only one volume, or different values. x, y are pixels. */
 static void mark(const triplet *t, int32_t ref, int32_t got, int x, int y, uint8_t rgb[3])
 {
     static const uint8_t only_ref[2][3] = {{194, 47, 39}, {255, 255, 255}}, only_got[3] = {36, 103, 189}, other[2][3] = {{226, 164, 0}, {34, 34, 34}};
@@ -81,13 +81,13 @@ static void draw_panel(const triplet *t, picture_role role, int across, int down
     int32_t at[3] = {t->at[0], t->at[1], t->at[2]};
     for (int y = 0; y < height; y++)
         for (int x = 0; x < width; x++) {
-            const int row = down == 2 ? height - 1 - y : y; /* z up */
+            const int row = down == 2 ? height - 1 - y : y; /* z points up */
             at[across] = t->lo[across] + (int32_t)((int64_t)x * t->n[across] / width);
             at[down] = t->lo[down] + (int32_t)((int64_t)row * t->n[down] / height);
             const int16_t ref = at_voxel(t->reference, at), got = at_voxel(t->got, at);
             uint8_t *rgb = out->rgb + 3 * ((size_t)y * (size_t)out->width + (size_t)(left + x));
             uint8_t grey = grey_of(t, role == PICTURE_GOT ? got : ref);
-            if (role == PICTURE_DIFFERENCE) /* paler, so that the marks stand out */
+            if (role == PICTURE_DIFFERENCE) /* paler, so that the marks are distinct */
                 grey = (uint8_t)(170 + grey / 4);
             memset(rgb, grey, 3);
             if (role == PICTURE_DIFFERENCE && ref != got)
