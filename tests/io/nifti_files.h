@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * NIfTI headers made byte by byte, from the offsets in the format's
- * description (nifti.nimh.nih.gov), in either byte order: not by libnifti and
- * not by our own writer.
+ * NIfTI headers made byte by byte from the offsets in the format's description
+ * (nifti.nimh.nih.gov), in either byte order, without libnifti and without osteon's writer.
  */
 #ifndef OST_TESTS_NIFTI_FILES_H
 #define OST_TESTS_NIFTI_FILES_H
@@ -15,7 +14,7 @@ typedef struct nifti_spec {
     int64_t dim[8];
     int datatype, bitpix;
     double pixdim[4];
-    double vox_offset; /* 0: right behind the header */
+    double vox_offset; /* 0: directly after the header */
     double slope, inter;
     int units;
     int qform_code, sform_code;
@@ -29,7 +28,7 @@ static inline void set_bits(unsigned char *header, size_t at, uint64_t bits, siz
         header[at + i] = (unsigned char)(bits >> 8 * (big ? size - 1 - i : i));
 }
 
-/* A float field of version 1, a double field of version 2. */
+/* Sets a float field of version 1, or a double field of version 2. */
 static inline void set_real(const nifti_spec *s, unsigned char *header, size_t at1, size_t at2, double value)
 {
     if (s->version == 1)
@@ -77,7 +76,7 @@ static inline size_t nifti_header(const nifti_spec *s, unsigned char header[540]
     return size;
 }
 
-/* 2 x 2 x 2 uint8 of 1 mm, no orientation. */
+/* A volume of 2 x 2 x 2 uint8 voxels of 1 mm, without orientation. */
 static inline nifti_spec nifti_plain(int version)
 {
     return (nifti_spec){.version = version,
@@ -87,7 +86,7 @@ static inline nifti_spec nifti_plain(int version)
                         .pixdim = {1, 1, 1, 1}};
 }
 
-/* Header, four zero bytes, data; packed when the name ends in .gz. */
+/* Writes the header, four zero bytes and the data; compressed if the name ends in .gz. */
 static inline void write_nifti(const char *name, const nifti_spec *s, const void *data, size_t size)
 {
     static bytes plain, packed;

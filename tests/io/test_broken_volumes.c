@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Broken volumes: each gets one line that names the file and what is wrong,
- * and leaves nothing behind.  Good files are cut at every byte; fields are
- * replaced one at a time.
+ * Broken volumes: each gives one line that names the file and the error, and leaves no memory
+ * or file behind. Valid files are cut at every byte, and fields are replaced one at a time.
  *
  * Covers: AR-GRID-3, AR-FILE-4
  */
@@ -13,7 +12,7 @@
 static const char good_fields[] = "type: int16\ndimension: 3\nsizes: 2 2 2\nspacings: 1 1 1\nencoding: raw\nendian: little\n";
 static const char sixteen[] = "\1\0\2\0\3\0\4\0\5\0\6\0\7\0\10\0";
 
-/* The good header with `field` replaced by line (or left out when line is ""). */
+/* Writes the valid header with `field` replaced by line (or omitted if line is ""). */
 static void write_replaced(const char *field, const char *line, const void *data, size_t size)
 {
     static bytes file;
@@ -126,7 +125,7 @@ static void nrrd_fields(void **state)
         {"#", "data file: LIST x\nb\n", "LIST", OST_ERR_INPUT},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        /* After a list's header every line is a name, so no data may follow there. */
+        /* After a list's header every line is a file name, so no data may follow. */
         write_replaced(cases[i].field, cases[i].line, sixteen, strstr(cases[i].line, "LIST") ? 0 : 16);
         assert_refused(at("b.nrrd"), NULL, cases[i].status, cases[i].words);
     }
@@ -163,7 +162,7 @@ static void nrrd_starts(void **state)
     assert_refused(at("pipe.nrrd"), NULL, OST_ERR_IO, "is a pipe or a device");
 }
 
-/* A header without end must stop at its limit, not at the end of memory. */
+/* A header without an end must be refused at the size limit, not at the end of memory. */
 static void a_header_without_end(void **state)
 {
     (void)state;
@@ -176,7 +175,7 @@ static void a_header_without_end(void **state)
     assert_refused(at("long.nrrd"), NULL, OST_ERR_INPUT, "goes on after 4194304 bytes");
 }
 
-/* Every shorter file is refused with a line of its own; so is one byte more. */
+/* Every shorter file is refused with an error of its own, and so is a file with one byte more. */
 static void cut_everywhere(const char *name, const bytes *good)
 {
     static bytes cut;
@@ -228,7 +227,10 @@ static void files_cut_at_every_byte(void **state)
     }
 }
 
-/* Any one bit of packed data turned is seen, by deflate itself or by the checksum, but for the bits that pad deflate's last byte. */
+/*
+ * Flipping any one bit of compressed data is detected, by deflate or by the checksum, except
+ * for the bits that pad deflate's last byte.
+ */
 static void packed_bits_turned(void **state)
 {
     (void)state;
@@ -238,7 +240,7 @@ static void packed_bits_turned(void **state)
     size_t start = file.size;
     int padding = 0;
     put_gzip(&file, sixteen, 16);
-    for (size_t n = start + 10; n < file.size; n++) { /* past gzip's header, whose time and name do not matter */
+    for (size_t n = start + 10; n < file.size; n++) { /* after gzip's header, whose time and name have no effect */
         for (int bit = 0; bit < 8; bit++) {
             file.data[n] ^= (unsigned char)(1 << bit);
             write_file("bit.nrrd", file.data, file.size);
@@ -258,7 +260,7 @@ static void packed_bits_turned(void **state)
     assert_true(padding < 8);
 }
 
-/* 137 GB of zeros in the header, a few bytes in the file: refused before anything is allocated. */
+/* A header that declares 137 GB and a file of a few bytes: refused before any allocation. */
 static void small_files_with_huge_sizes(void **state)
 {
     (void)state;
@@ -406,7 +408,10 @@ static void nifti_fields(void **state)
     assert_refused(at("f.nrrd.gz"), NULL, OST_ERR_INPUT, "gzip -d");
 }
 
-/* Extensions decide nothing, so a broken chain of them is no error; our own keys must be good ones. */
+/*
+ * Extensions decide nothing, so a broken chain of them is no error; the values of osteon's own
+ * keys must be valid.
+ */
 static void nifti_extensions(void **state)
 {
     (void)state;
@@ -415,7 +420,7 @@ static void nifti_extensions(void **state)
     static const struct {
         int size, code;
         const char *text;
-        int metas; /* -1: refused */
+        int metas; /* -1: the file is refused */
     } cases[] = {
         {32, 6, "osteon side: left\n", 1},   {32, 4, "osteon side: left\n", 0}, {0, 6, "", 0},       {-16, 6, "", 0},
         {1 << 30, 6, "osteon side: left", 0}, {15, 6, "", 0},                    {32, 6, "osteon ", 0}, {32, 6, "osteon A: b\n", -1},
@@ -443,7 +448,7 @@ static void nifti_extensions(void **state)
             continue;
         }
         assert_ok(ost_volume_read_header(at("e.nii"), NULL, &meta, NULL, &err));
-        assert_int_equal(meta.count, cases[i].metas + 1); /* and that the orientation was assumed */
+        assert_int_equal(meta.count, cases[i].metas + 1); /* plus the fact that the orientation was assumed */
         ost_volume v;
         assert_ok(ost_volume_read(at("e.nii"), NULL, &v, NULL, &err));
         ost_volume_free(&v);

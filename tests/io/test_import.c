@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * From a file to a bone: no layer lost or doubled, the same bone from every
- * format, every wrong file refused, memory bounded by the grid.
+ * From a file to a bone: no layer is lost or doubled, every format gives the same bone, every
+ * invalid file is refused, and memory is bounded by the grid.
  *
  * Covers: REQ-CT-BIG, AR-GRID-5, AR-CT-3, AR-CT-4, AR-CT-5, AR-CT-6, AR-CT-8, AR-CUB-1, AR-CUB-5, AR-CUB-6, AR-CHK-1
  */
@@ -43,7 +43,7 @@ static const char *in_folder(const char *name)
 
 /* ---------------------------------------------------------- no layer is lost */
 
-/* The rect grid of a text, by the two passes alone. */
+/* Makes the rect grid of a text by the two passes only. */
 static ost_status rect_of(const char *path, ost_geometry *geometry, int16_t **voxels, ost_scatter_report *report, ost_error *err)
 {
     ost_text_source source;
@@ -74,7 +74,7 @@ static ost_status rect_of(const char *path, ost_geometry *geometry, int16_t **vo
     return status;
 }
 
-/* The spacings at which the thesis' import leaves up to 29 % of the layers empty and doubles as many. */
+/* Spacings for which the thesis' import leaves up to 29 % of the layers empty and doubles as many. */
 static void no_layer_is_empty_or_doubled(void **state)
 {
     (void)state;
@@ -110,7 +110,7 @@ static void no_layer_is_empty_or_doubled(void **state)
                                 if (*v != ct_density(i, j, k))
                                     fail_msg("spacing %lld origin %lld decimals %d: voxel (%d, %d, %d) has %d, expected %d",
                                              (long long)spacings[s], (long long)origins[o], decimals, i, j, k, *v, ct_density(i, j, k));
-                    /* The exact spacing where four decimals can tell it at all. */
+                    /* The exact spacing, where four decimals determine it. */
                     if (decimals == 6 || spacings[s] % 100000 == 0) {
                         assert_true(g.spacing.x == spacings[s]);
                         assert_true(g.spacing.y == spacings[s]);
@@ -211,7 +211,7 @@ static void a_written_bone_reads_back_the_same(void **state)
         if (n == 1 && status == OST_ERR_UNAVAILABLE)
             continue;
         assert_int_equal(status, OST_OK);
-        /* No threshold is given: the bone's own holds. */
+        /* Without a given threshold the bone's own one is used. */
         assert_ok(import(in_folder(names[n]), &(ost_import_options){.digests = true}, &again, &err));
         assert_same_stage(&first, &again, "chunks");
         assert_string_equal(ost_meta_get(&again.meta, OST_META_THRESHOLD), "333");
@@ -257,7 +257,7 @@ static void the_result_tells_all(void **state)
         assert_true(result.stages[i].has_digest);
         assert_true(result.stages[i].time_ms >= 0);
     }
-    /* Records of 32 bytes in the file's order, hashed here in one piece. */
+    /* Records of 32 bytes in the file's order, hashed here at once. */
     struct {
         int64_t x, y, z;
         int32_t density;
@@ -278,15 +278,16 @@ static void the_result_tells_all(void **state)
     assert_ok(ost_bone_info_get(bone, &info, &err));
     assert_int_equal(info.chunk_size, 16);
     /*
-     * Five cubic layers at t = 0 (held back), 0.205, 0.675, 1 and 1 (held back) of the two: of 200 above 0 come 200, 159 and 65,
-     * of 0 below 3000 come 0, 615, 2025, 3000, 3000, and of 120 only the last two are active.
+     * Five cubic layers at t = 0 (clamped), 0.205, 0.675, 1 and 1 (clamped) between the two
+     * layers: 200 above 0 gives 200, 159 and 65; 0 below 3000 gives 0, 615, 2025, 3000 and
+     * 3000; of 120 only the last two are active.
      */
     assert_int_equal(info.active_voxels, 2 + 4 + 2);
     assert_string_equal(ost_meta_get(&result.meta, OST_META_RESAMPLE), "linear");
     ost_bone_free(bone);
 }
 
-/* The rule by which a file is resampled, and what its bone's header says of it. */
+/* Returns the rule by which a file is resampled, and checks the fact that its bone's header holds about it. */
 static ost_resample rule_of(const char *path, const ost_import_options *options, const char *fact)
 {
     ost_error err = {0};
@@ -298,7 +299,7 @@ static ost_resample rule_of(const char *path, const ost_import_options *options,
     return result.resample;
 }
 
-/* Two labels, 200 and 300: a mean of them would be a third. */
+/* Two labels, 200 and 300: their mean would be a third label. */
 static void labels_take_the_nearest(void **state)
 {
     (void)state;
@@ -340,7 +341,7 @@ static void labels_take_the_nearest(void **state)
     assert_int_equal(rule_of(path, &linear, "linear"), OST_RESAMPLE_LINEAR);
 }
 
-/* A bone that keeps its voxels keeps what it says of the CT that they came from. */
+/* A bone whose voxels are unchanged keeps the facts about the CT from which it was made. */
 static void a_kept_bone_keeps_its_rule(void **state)
 {
     (void)state;
@@ -425,7 +426,7 @@ static void positions_off_the_lattice(void **state)
     assert_non_null(strstr(err.text, "refused.txt:4: y = 1.376 lies 0.376 voxels off the lattice of 1 mm from 0 mm; expected at most 3/8"));
 }
 
-/* A few samples must not ask for the whole memory. */
+/* A few samples that are far apart must not allocate the complete memory. */
 static void sparse_texts_are_refused(void **state)
 {
     (void)state;
@@ -477,7 +478,7 @@ static void a_crop_is_a_part_of_the_whole(void **state)
     }
 }
 
-/* AR-GRID-5: the complete grid must be one, in a text as in a volume. */
+/* AR-GRID-5: the complete grid must be valid too, in a text as in a volume. */
 static void the_rest_of_a_crop_is_checked(void **state)
 {
     (void)state;
@@ -497,7 +498,7 @@ static void the_rest_of_a_crop_is_checked(void **state)
         ost_import_options options = {.crop = true, .crop_box = {{0, 0, 0}, {10, 1, 1}}, .spacing = {1000000000, 1000000000, 1000000000}};
         assert_ok(import(in_folder(names[n]), &options, &result, &err));
         assert_int_equal(result.rect.dims.x, 10);
-        options.spacing.x = 100000000000; /* 199 of them are 19.9 m */
+        options.spacing.x = 100000000000; /* 199 voxels are 19.9 m */
         if (n == 1)
             assert_int_equal(import(in_folder(names[n]), &options, &result, &err), OST_ERR_RANGE);
     }
@@ -507,8 +508,8 @@ static void the_rest_of_a_crop_is_checked(void **state)
 /* ------------------------------------------------------- progress, cancel, change */
 
 typedef struct watcher {
-    const char *path;        /* changed when the second pass starts */
-    const char *cancel;      /* stage at which to stop */
+    const char *path;        /* changed at the start of the second pass */
+    const char *cancel;      /* stage at which to cancel */
     double last_share;
     int calls;
 } watcher;
@@ -599,7 +600,10 @@ static void other_files_are_refused(void **state)
 
 #define MEMORY_OPTION "--import-within-bounds"
 
-/* The most that this process has held, in KiB; ru_maxrss would also count what the process was before exec. */
+/*
+ * Returns the peak memory of this process in KiB, or -1; ru_maxrss would include the memory of
+ * the process before exec.
+ */
 static long peak_kib(void)
 {
     FILE *status = fopen("/proc/self/status", "r");
@@ -616,7 +620,7 @@ static long peak_kib(void)
 
 enum { BOUNDED = 0, UNREADABLE = 1, GREW = 2, UNKNOWN = 77 };
 
-/* What the second process does: imports the text, and says by its exit status whether its peak stayed bounded. */
+/* Runs in the second process: imports the text and returns an exit status that says if the peak was bounded. */
 static int import_within_bounds(const char *spec, const char *path)
 {
     ost_error err = {0};
@@ -636,19 +640,19 @@ static int import_within_bounds(const char *spec, const char *path)
 }
 
 /*
- * 20 MB of text over a grid of 50^3 voxels, each given eight times: the peak
- * must be the grid's few hundred kilobytes and the buffers, whatever the file.
- * A process of its own, begun anew: this one has held more, and after a fork
- * alone OpenMP's threads would be waited for that only the parent has.
+ * 20 MB of text for a grid of 50^3 voxels, each given eight times: the peak must be the few
+ * hundred kilobytes of the grid and the buffers, whatever the size of the file. The test runs
+ * in a new process: this one has held more memory, and after a fork without exec OpenMP would
+ * wait for threads that only the parent has.
  */
 static void memory_is_bounded_by_the_grid(void **state)
 {
     (void)state;
 #if defined __SANITIZE_ADDRESS__
-    skip(); /* its own bookkeeping is what would be measured */
+    skip(); /* the sanitizer's own memory would be measured */
 #endif
     if (strncmp(test_backend, "cl", 2) == 0)
-        skip(); /* and here the driver's compiler */
+        skip(); /* the memory of the driver's compiler would be measured */
     const char *path = in_folder("large.txt");
     FILE *file = fopen(path, "w");
     assert_non_null(file);
@@ -669,11 +673,11 @@ static void memory_is_bounded_by_the_grid(void **state)
     assert_int_equal(waitpid(child, &ended, 0), child);
     assert_true(WIFEXITED(ended));
     if (WEXITSTATUS(ended) == UNKNOWN)
-        skip(); /* no /proc here */
+        skip(); /* the system has no /proc */
     assert_int_equal(WEXITSTATUS(ended), BOUNDED);
 }
 
-/* 2^36 voxels of bone take 137 GB; refused at once, where the machine has less. */
+/* 2^36 voxels of bone take 137 GB; refused at once if the machine has less. */
 static void a_bone_beyond_the_memory_is_refused(void **state)
 {
     (void)state;

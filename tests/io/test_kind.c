@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Kinds of files: by content first, by name where content says nothing. */
+/* Kinds of files: determined by the content, or by the name if the content is not conclusive. */
 #include "harness.h"
 
 #include <zlib.h>
@@ -32,11 +32,11 @@ static void by_content(void **state)
         {"a.csv", "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n", OST_FILE_PATH_CSV},
         {"a", "0,0,0,0,1,0,0,0\n", OST_FILE_PATH_CSV},
         {"a", "0,0,0,0,1,0,0,0,2\r\n", OST_FILE_PATH_CSV},
-        {"a", "0 0 0 100\r0 0 1 100\r", OST_FILE_CT_TEXT}, /* whose reader refuses the line ends */
+        {"a", "0 0 0 100\r0 0 1 100\r", OST_FILE_CT_TEXT}, /* its reader refuses these line ends */
         {"a.csv", "# note\r0,0,0,0,1,0,0,0\r", OST_FILE_PATH_CSV},
         {"a", "one two three\n", OST_FILE_UNKNOWN},
         {"a", "", OST_FILE_UNKNOWN},
-        /* by name where the content says nothing, so that its reader can say what is wrong */
+        /* by name if the content is not conclusive, so that the format's reader reports the error */
         {"a.TXT", "junk", OST_FILE_CT_TEXT},
         {"a.csv", "junk", OST_FILE_PATH_CSV},
         {"a", "\x89OSTSES\n", OST_FILE_SESSION},

@@ -48,7 +48,7 @@ static void put_json(bytes *b, const char *system, bool ras)
     }
 }
 
-/* Rows of before, label and coordinates in either order, after. */
+/* Writes rows: `before`, label and coordinates in either order, `after`. */
 static void put_rows(bytes *b, bool ras, const char *before, const char *after, bool label_last, const char *end)
 {
     for (int i = 0; i < POINTS; i++) {
@@ -190,7 +190,7 @@ static void what_is_refused(void **state)
     assert_int_not_equal(ost_landmarks_read(at("absent"), &all, &err), OST_OK);
 }
 
-/* Bytes changed, cut off or doubled at random: points or one line of text, nothing worse. */
+/* Bytes changed, removed or duplicated at random give points or one line of text, never a crash. */
 static void damage(void **state)
 {
     (void)state;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The lattice of a CT text: the spacings that users meet, written with few
- * and many digits, and a property test against a plain search.
+ * The lattice of a CT text: common spacings written with few and many digits, and a property
+ * test against a plain search.
  *
  * Covers: AR-CT-3, AR-CT-7
  */
@@ -14,7 +14,7 @@ enum { MAX = 1200 };
 typedef struct axis_text {
     ost_pm value[MAX];
     int64_t line[MAX];
-    int32_t step[MAX]; /* the truth */
+    int32_t step[MAX]; /* true step of each layer */
     ost_lattice_axis axis;
 } axis_text;
 
@@ -26,7 +26,7 @@ static int64_t unit_of(int places)
     return unit;
 }
 
-/* Half to even, as printf does. */
+/* Rounds half to even, as printf does. */
 static ost_pm rounded(ost_pm value, int64_t unit)
 {
     ost_pm magnitude = value < 0 ? -value : value, units = magnitude / unit, rest = magnitude % unit;
@@ -39,7 +39,7 @@ static uint32_t units_bit(int places)
     return 1u << (places + OST_LATTICE_UNIT_PLACES);
 }
 
-/* Layers origin + step * spacing, each step kept by keep(i), rounded to places. */
+/* Fills layers origin + step * spacing for each step for which keep(step) is true, rounded to `places` digits. */
 static void fill(axis_text *a, ost_pm origin, ost_pm spacing, int count, int places, bool (*keep)(int))
 {
     size_t n = 0;
@@ -66,7 +66,7 @@ static ost_status find_one(const axis_text *a, ost_pm *spacing, ost_error *err)
 static void spacings_of_the_field(void **state)
 {
     (void)state;
-    /* Expected: the spacing itself, wherever its layers and digits tell it from shorter decimals. */
+    /* Expected is the spacing itself, if its layers and digits distinguish it from shorter decimals. */
     static const struct {
         ost_pm spacing, origin;
         int count, places;
@@ -90,7 +90,7 @@ static void spacings_of_the_field(void **state)
         {700000000, 100000000, 33, 1},
         {976562500, -125000000000, 512, 6},
         {32000000, 17000, 1000, 9},
-        {1000000, 0, 50, 3}, /* the least spacing, its digits' unit */
+        {1000000, 0, 50, 3}, /* the least spacing, equal to the unit of its digits */
     };
     static axis_text a;
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
@@ -103,7 +103,10 @@ static void spacings_of_the_field(void **state)
     }
 }
 
-/* docs/arithmetic.md, AR-CT-3's worked numbers: four places cannot tell 0.48828125 by sight, but 60 layers can. */
+/*
+ * The numbers of docs/arithmetic.md, AR-CT-3: four places do not show 0.48828125 directly, but
+ * 60 layers determine it.
+ */
 static void few_digits_many_layers(void **state)
 {
     (void)state;
@@ -137,7 +140,7 @@ static void layers_may_be_absent(void **state)
     assert_true(found == 488281250);
 }
 
-/* "0", "0.47", "0.94", "4.7": digits dropped where they are zeros. */
+/* "0", "0.47", "0.94", "4.7": trailing zeros are omitted. */
 static void trailing_zeros_may_be_dropped(void **state)
 {
     (void)state;
@@ -148,17 +151,17 @@ static void trailing_zeros_may_be_dropped(void **state)
     a.axis.units = units_bit(0) | units_bit(1) | units_bit(2);
     assert_ok(find_one(&a, &found, &err));
     assert_true(found == 470000000);
-    /* Six significant digits, as %g writes them: fewer places above 100. */
+    /* Six significant digits, as %g prints them: fewer places from 100 on. */
     fill(&a, 0, 488281250, 400, 6, NULL);
     for (size_t i = 0; i < a.axis.count; i++)
         a.value[i] = rounded((ost_pm)i * 488281250, unit_of(a.value[i] >= 100000000000 ? 3 : a.value[i] >= 10000000000 ? 4 : a.value[i] >= 1000000000 ? 5 : 6));
     a.axis.units = units_bit(0) | units_bit(1) | units_bit(2) | units_bit(3) | units_bit(4) | units_bit(5) | units_bit(6);
     assert_ok(find_one(&a, &found, &err));
-    /* Three places over 400 layers leave 10^6 / 400 pm of doubt. */
+    /* Three places over 400 layers leave an uncertainty of 10^6 / 400 pm. */
     assert_true(found >= 488281250 - 2500 && found <= 488281250 + 2500);
 }
 
-/* A third of a millimetre is no decimal: the nearest picometre. */
+/* A third of a millimetre has no finite decimal: the result is the nearest picometre. */
 static void spacings_without_end(void **state)
 {
     (void)state;
@@ -179,7 +182,7 @@ static void axes_share_a_spacing(void **state)
     (void)state;
     static axis_text x, y, z;
     ost_error err = {0};
-    /* Ten layers with six digits alone are content with 0.4882812; 256 are not. */
+    /* Ten layers with six digits are consistent with 0.4882812; 256 are not. */
     fill(&x, 0, 488281250, 256, 6, NULL);
     fill(&y, 0, 488281250, 10, 6, NULL);
     fill(&z, 0, 1000000000, 30, 6, NULL);
@@ -192,7 +195,7 @@ static void axes_share_a_spacing(void **state)
     assert_true(found[0] == 488281250);
     assert_true(found[1] == 488281250);
     assert_true(found[2] == 1000000000);
-    /* A loose axis does not follow one that only happens to fit. */
+    /* An axis without a determined spacing does not adopt another axis' spacing that only fits by chance. */
     fill(&z, 0, 500000000, 3, 1, NULL);
     fill(&x, 0, 470000000, 256, 4, NULL);
     fill(&y, 0, 470000000, 256, 4, NULL);
@@ -220,7 +223,7 @@ static void what_cannot_be_found_is_asked_for(void **state)
     assert_string_equal(err.text, "ct.txt:2: x = 0.47 is no whole number of steps from the lowest; the smallest step is 0.37 mm, from 14.2 "
                                   "(lines 31 and 32); give the spacing (--spacing)");
 
-    /* 1.3 mm without digits: 0 1 3 4 5 6 8 ... is not 1 mm with absent layers. */
+    /* 1.3 mm without digits: 0 1 3 4 5 6 8 ... must not be read as 1 mm with absent layers. */
     fill(&a, 0, 1300000000, 50, 0, NULL);
     assert_int_equal(find_one(&a, &found, &err), OST_ERR_INPUT);
     assert_non_null(strstr(err.text, "--spacing"));
@@ -231,15 +234,15 @@ static void what_cannot_be_found_is_asked_for(void **state)
     a.value[2] -= a.value[2] % 470000000;
     a.line[2] = 3;
     a.axis.count = 3;
-    assert_ok(find_one(&a, &found, &err)); /* 14,895 steps: far, but within 16,384 */
+    assert_ok(find_one(&a, &found, &err)); /* 14,895 steps, within the limit of 16,384 */
     a.value[2] += 1500 * INT64_C(470000000);
     assert_int_equal(find_one(&a, &found, &err), OST_ERR_RANGE);
     assert_non_null(strstr(err.text, "more than 16383 steps"));
 }
 
 /*
- * The plain search: the feasible spacings from all pairs, then digits one
- * after the other.  Exact in 128 bits; nothing in common with the bisection.
+ * The plain search: the feasible spacings from all pairs, then one digit after another. It is
+ * exact in 128 bits and has nothing in common with the bisection.
  */
 static ost_pm plain_search(const axis_text *a, int64_t u)
 {
@@ -265,7 +268,7 @@ static ost_pm plain_search(const axis_text *a, int64_t u)
                 best_off = off;
             }
         }
-        if (best == 0) /* the interval lies off to one side */
+        if (best == 0) /* the interval is on one side only */
             best = first > near ? first : last;
         return best;
     }
@@ -273,9 +276,9 @@ static ost_pm plain_search(const axis_text *a, int64_t u)
 }
 
 /*
- * The first eight layers are there: each narrows the spacing, and after the
- * eighth no run of absent layers can be counted in two ways.  With fewer a
- * spacing near the least is truly ambiguous, and refused.
+ * The first eight layers are present: each narrows the spacing, and after the eighth the number
+ * of absent layers in a gap is unambiguous. With fewer layers a spacing near the least is
+ * ambiguous and refused.
  */
 static uint64_t keep_mask;
 static bool by_mask(int i)
@@ -293,7 +296,7 @@ static void the_same_as_a_plain_search(void **state)
         int places = (int)rng_range(&rng, 2, 9);
         int64_t unit = unit_of(places);
         int digits = (int)rng_range(&rng, 1, 9);
-        /* At least eight units, so that the steps are certain; few digits as scanners have, or many. */
+        /* At least eight units, so that the steps are certain; few digits as in files of scanners, or many. */
         int64_t least = 8 * unit > OST_SPACING_MIN ? 8 * unit : OST_SPACING_MIN;
         ost_pm spacing = rounded(rng_range(&rng, least, least * 20 < 2000000000 ? 2000000000 : least * 20), unit_of(digits));
         if (spacing < least)
@@ -304,7 +307,7 @@ static void the_same_as_a_plain_search(void **state)
         ost_error err = {0};
         ost_pm found, expected = plain_search(&a, unit);
         assert_ok(find_one(&a, &found, &err));
-        if (expected == 0) /* no decimal of nine digits: at most one picometre a step */
+        if (expected == 0) /* no decimal of nine digits fits: the error is at most one picometre per step */
             continue;
         found_some++;
         if (found != expected)

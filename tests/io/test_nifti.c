@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * NIfTI-1 and -2 in: types, byte orders, pairs, scaling, units, and which of
- * sform, qform and pixdim counts.
+ * Reading NIfTI-1 and -2: types, byte orders, pairs, scaling, units, and which of sform, qform
+ * and pixdim is used.
  *
  * Covers: AR-LEN-4, AR-GRID-4, AR-FILE-4, AR-FILE-5, AR-FILE-6, REQ-NIFTI
  */
@@ -82,7 +82,7 @@ static void pairs(void **state)
         write_file("p.img", "skip\0\1\2\3\4\5\6\7", 12);
         s.vox_offset = 4;
         write_nifti("p.hdr", &s, NULL, 0);
-        read_it("p.img", &v, &report); /* the image's name leads to the header */
+        read_it("p.img", &v, &report); /* the image's name finds the header */
         assert_int_equal(v.voxels[7], 7);
         ost_volume_free(&v);
     }
@@ -93,7 +93,7 @@ static void slope_and_intercept(void **state)
     (void)state;
     static const struct {
         double slope, inter;
-        int expected[3]; /* of 1, 2, 3 */
+        int expected[3]; /* densities of 1, 2 and 3 */
         int rounded;
     } cases[] = {
         {0, 500, {1, 2, 3}, 0},     {1, -1024, {-1023, -1022, -1021}, 0}, {0.5, 0, {0, 1, 2}, 4},
@@ -123,7 +123,7 @@ static void slope_and_intercept(void **state)
     assert_refused(at("s.nii"), NULL, OST_ERR_INPUT, "scl_inter");
 }
 
-/* What counts, told apart by different sizes in each. */
+/* Finds which of the three is used: each has different sizes. */
 static void sform_qform_or_pixdim(void **state)
 {
     (void)state;
@@ -146,7 +146,10 @@ static void sform_qform_or_pixdim(void **state)
             ost_volume v;
             ost_volume_report report;
             ost_error err = {0};
-            /* Both lead to the patient and disagree: one must be chosen, which the next test is about. */
+            /*
+             * Both forms refer to the patient and disagree, so one must be chosen;
+             * forms_that_disagree tests that choice.
+             */
             const bool both = cases[i].expected == 1 && cases[i].qform > 0;
             const ost_volume_options by_sform = {.form = both ? OST_FORM_SFORM : OST_FORM_AUTO};
             assert_ok(ost_volume_read(at("o.nii"), &by_sform, &v, &report, &err));
@@ -169,9 +172,9 @@ static void sform_qform_or_pixdim(void **state)
 }
 
 /*
- * A grid of 2 x 2 x 2 voxels of 1 mm.  The forms are equal but for the sform's
- * origin, moved along R, and its z step: the farthest corner is moved by the
- * sum.  Up to a voxel is agreement; beyond it a form must be chosen.
+ * A grid of 2 x 2 x 2 voxels of 1 mm. The forms are equal except for the sform's origin, moved
+ * along R, and its z step: the farthest corner is moved by the sum of both. Up to one voxel
+ * counts as agreement; beyond it a form must be chosen.
  */
 static void forms_that_disagree(void **state)
 {
@@ -212,7 +215,10 @@ static void forms_that_disagree(void **state)
     }
 }
 
-/* Without forms the letters say where i, j and k run. All 48 codes; voxel (0, 0, 0) stays at the origin. */
+/*
+ * Without forms the orientation letters give the directions of i, j and k. Tests all 48 codes;
+ * voxel (0, 0, 0) stays at the origin.
+ */
 static void without_forms(void **state)
 {
     (void)state;
@@ -265,7 +271,10 @@ static void without_forms(void **state)
     assert_refused(at("n.nii"), &(ost_volume_options){.orientation = "RAS"}, OST_ERR_USAGE, "its header states where its axes point");
 }
 
-/* Quaternions of quarter turns, also with the noise of float32's sqrt(1/2): spacing stays pixdim's. */
+/*
+ * Quaternions of quarter turns, also with the rounding error of float32's sqrt(1/2): the
+ * spacing is that of pixdim.
+ */
 static void quarter_turns(void **state)
 {
     (void)state;
@@ -314,7 +323,7 @@ static void units_and_float32(void **state)
             for (int version = 1; version <= 2; version++) {
                 nifti_spec s = nifti_plain(version);
                 double unit = units == 1 ? 0.001 : units == 3 ? 1000 : 1;
-                s.units = units | 8; /* seconds in the other half */
+                s.units = units | 8; /* the upper bits: seconds */
                 s.sform_code = 1;
                 s.srow[0][0] = -spacings[i] * unit;
                 s.srow[1][1] = -spacings[i] * unit;
@@ -374,7 +383,7 @@ static void oblique(void **state)
     ost_volume_free(&v);
 }
 
-/* Without libnifti a file is told from others all the same, and the text says what to install. */
+/* Without libnifti the file's kind is still recognized, and the error says what to install. */
 static void without_libnifti(void **state)
 {
     (void)state;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Axes to LPS+.  For each of the 48 ways in which three axes can lie, the
- * position of every voxel is computed twice: from the file's affine, and from
- * the result's geometry at the element where the placement puts it.
+ * Tests the conversion of axes to LPS+. For each of the 48 orientations of three axes the
+ * position of every voxel is computed twice: from the file's affine, and from the result's
+ * geometry at the element to which the placement maps it.
  *
  * Covers: AR-GRID-4, AR-FILE-5
  */
@@ -57,9 +57,9 @@ static void all_48_ways(void **state)
 }
 
 /*
- * Axes that are tilted by less than the border: the grid's origin is the place
- * of the file's voxel that becomes its first, in all components, and a volume
- * that is stored backwards along an axis is the same grid.
+ * Axes tilted by less than the limit: the grid's origin is the position of the file's voxel
+ * that becomes its first, in all components, and a volume stored backward along an axis gives
+ * the same grid.
  */
 static void tilted_axes_flip_about_their_ends(void **state)
 {
@@ -96,7 +96,10 @@ static void tilted_axes_flip_about_their_ends(void **state)
     }
 }
 
-/* A tilt whose farthest voxel is 1/8 of a voxel off is still straight, one picometre more is not; short axes count as 65 voxels. */
+/*
+ * A tilt that moves the farthest voxel by 1/8 of a voxel still counts as straight, one more
+ * picometre does not; short axes count as 65 voxels.
+ */
 static void an_eighth_of_a_voxel_is_the_border(void **state)
 {
     (void)state;
@@ -105,13 +108,13 @@ static void an_eighth_of_a_voxel_is_the_border(void **state)
     const ost_pm voxel = 800000000; /* an eighth: 100,000,000 */
     ost_affine affine = {.column = {{voxel, 0, 0}, {0, voxel, 0}, {0, 0, voxel}}};
     const int32_t longer[3] = {201, 9, 9}, shorter[3] = {3, 3, 3};
-    affine.column[0][1] = 500000; /* times 200 steps */
+    affine.column[0][1] = 500000; /* 200 steps */
     assert_ok(ost_orient(&affine, longer, &p, &err));
     assert_false(p.oblique);
     affine.column[0][1] = 500001;
     assert_ok(ost_orient(&affine, longer, &p, &err));
     assert_true(p.oblique);
-    affine.column[0][1] = -1562500; /* times 64 */
+    affine.column[0][1] = -1562500; /* 64 steps */
     assert_ok(ost_orient(&affine, shorter, &p, &err));
     assert_false(p.oblique);
     affine.column[0][1] = -1562501;
@@ -137,10 +140,10 @@ static void angles_and_flat_axes(void **state)
 }
 
 /*
- * Turned by exactly (3, 4, 5): columns (0.6, 0.8, 0), (-0.8, 0.6, 0), (0, 0, 1)
- * mm.  The nearest file voxel of each result voxel is found by trying all of
- * them with their squared distances; where that is a tie or the nearest centre
- * is farther than half a voxel along a file axis, the check leaves it out.
+ * A volume turned by the exact angle of (3, 4, 5): columns (0.6, 0.8, 0), (-0.8, 0.6, 0), (0,
+ * 0, 1) mm. The nearest file voxel of each result voxel is found by comparing the squared
+ * distances of all. A voxel is not checked if there is a tie, or if the nearest centre is
+ * farther than half a voxel along a file axis.
  */
 static void resampling_finds_the_nearest(void **state)
 {
@@ -179,7 +182,7 @@ static void resampling_finds_the_nearest(void **state)
                 int64_t d = q[w] - affine.origin[w];
                 for (int a = 0; a < 3; a++)
                     d -= at[a] * affine.column[a][w];
-                d /= 1000000; /* nanometres: squares fit */
+                d /= 1000000; /* nanometres, so that the squares fit */
                 square += d * d;
             }
             if (square < best) {

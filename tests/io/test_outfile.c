@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Output files are whole under their name or not there: names, links,
- * permissions, full disks, limits, and kills at random moments.
+ * Output files exist completely under their name or not at all: names, links, permissions, full
+ * disks, limits, and kills at random moments.
  * Covers: REQ-PART-FILES
  */
 #include "harness.h"
@@ -34,7 +34,7 @@ static void assert_content(const char *path, const char *text)
     free(content);
 }
 
-/* Both ways of naming go through the same cases. */
+/* Runs a check for both ways of naming temporary files. */
 static void for_both_ways(void (*check)(const char *folder))
 {
     for (int named = 0; named < 2; named++) {
@@ -182,7 +182,7 @@ static void devices_are_written_in_place(void **state)
     }
 }
 
-/* A limit of the file's size stands for a full disk: write fails part-way. */
+/* A limit of the file size simulates a full disk: a write fails part-way. */
 static void a_limit_leaves_nothing(const char *folder)
 {
     pid_t child = fork();
@@ -230,7 +230,7 @@ static void a_new_file_takes_a_free_name(const char *folder)
     assert_int_equal(ost_outfile_put_new(path, "two", 3, &taken, &err), OST_ERR_IO);
     assert_true(taken);
     assert_content(path, "one");
-    /* A link takes the name, even one that leads nowhere. */
+    /* A link occupies the name, even a dangling one. */
     assert_int_equal(symlink("nowhere", link), 0);
     assert_int_equal(ost_outfile_put_new(link, "two", 3, &taken, &err), OST_ERR_IO);
     assert_true(taken);
@@ -247,7 +247,7 @@ static void test_a_new_file_takes_a_free_name(void **state)
     for_both_ways(a_new_file_takes_a_free_name);
 }
 
-/* Links that stand under every name that process and number would give do not get in the way. */
+/* Links under every temporary name that can be derived from process id and number do not interfere. */
 static void hidden_names_cannot_be_guessed(void **state)
 {
     (void)state;
@@ -289,14 +289,15 @@ static void write_forever(const char *path)
     }
 }
 
-/* The child writes the same name over and over; whatever the moment, the name is absent or whole. */
+/* The child repeatedly writes a file of the same name; at any moment the file is absent or complete. */
 static void killed_at_any_moment(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("killed_at_any_moment");
     static const int signals[] = {SIGKILL, SIGTERM};
     for (int round = 0; round < 40; round++) {
-        static char *folder; /* static: what a killed child still reaches is no leak to valgrind */
+        /* static, so that valgrind reports no leak for memory that is reachable in a killed child */
+        static char *folder;
         char path[512];
         folder = scratch_folder();
         bool named = round & 1;
@@ -321,7 +322,10 @@ static void killed_at_any_moment(void **state)
         bool there = stat(path, &st) == 0;
         if (there)
             assert_int_equal(st.st_size, 64 * 4096);
-        /* A signal that can be caught leaves no hidden name either. The handler may not yet be installed at once. */
+        /*
+         * A signal that can be caught leaves no hidden file either. The handler may not be
+         * installed immediately.
+         */
         if (number == SIGTERM)
             assert_int_equal(scratch_count(folder), there);
         scratch_remove(folder);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Paths as text: exact integers, the way back, metres and gzip, rows without a
- * pose, gaps in time and space, each kind of broken file.
+ * Paths as text: exact integers, writing and reading back, metres and gzip, rows without a
+ * pose, gaps in time and space, and each kind of broken file.
  *
  * Covers: AR-POSE-2, AR-PATH-1, AR-PATH-2, AR-PATH-3, AR-PATH-4, AR-PATH-5
  */
@@ -53,7 +53,7 @@ static void what_is_written_reads_back(void **state)
         assert_ok(ost_path_init(&path, 5000, &err));
         int64_t t = rng_range(&rng, -1000000000, 1000000000);
         for (size_t i = 0; i < path.count; i++) {
-            /* A unit quaternion of random direction, to the last bit of its integers. */
+            /* A unit quaternion of random direction, exact in its integers. */
             double q[4], norm = 0;
             for (int a = 0; a < 4; a++) {
                 q[a] = (double)rng_range(&rng, -1000000, 1000000);
@@ -106,7 +106,7 @@ static void a_tools_number_and_the_longest_times(void **state)
     ost_path_free(&path);
 }
 
-/* The same rows in metres, packed, with columns that are not read, and by hand. */
+/* The same rows in metres, compressed, with columns that are not read, and by hand. */
 static void a_trackers_file_is_a_path(void **state)
 {
     (void)state;
@@ -139,12 +139,12 @@ static void a_trackers_file_is_a_path(void **state)
             assert_int_equal(path.ticks[i].lifted, lifted[i]);
         }
         assert_true(path.ticks[0].pose.t.x == INT64_C(94771500000) && path.ticks[0].pose.t.y == INT64_C(-562000000000));
-        assert_true(path.ticks[0].pose.t.z == INT64_C(1223709123457)); /* to the picometre, rounded */
+        assert_true(path.ticks[0].pose.t.z == INT64_C(1223709123457)); /* rounded to the picometre */
         assert_true(report.rows == 7 && report.lost_rows == 3 && report.gaps == 2);
         assert_true(report.begin_ns == 0 && report.end_ns == 21000000);
         ost_path_free(&path);
     }
-    /* Cut off, it is none. */
+    /* A truncated file is not a path. */
     size_t size;
     char *bytes = scratch_read(name, &size);
     ost_path path;
@@ -153,7 +153,7 @@ static void a_trackers_file_is_a_path(void **state)
     free(bytes);
 }
 
-/* Rows at these times (ms) and places (um): which of them are lifted. */
+/* Rows at these times (ms) and positions (mm), and which of them are lifted. */
 typedef struct gap_case {
     const char *header;
     ost_path_options options;
@@ -166,23 +166,23 @@ static void rows_far_apart_are_a_gap(void **state)
 {
     (void)state;
     static const gap_case cases[] = {
-        /* The example of docs/arithmetic.md: 3.5 ms and once 98. */
+        /* The example of docs/arithmetic.md: intervals of 3.5 ms, and one of 98. */
         {"", {0}, 6, {0, 3.5, 7, 10.5, 108.5, 112}, {0}, {[4] = true}},
-        /* A second each is as it was written; ten times that is a gap, and no less. */
+        /* Intervals of one second are unchanged; ten times that is no gap yet, and more is one. */
         {"", {0}, 5, {0, 1000, 2000, 3000, 13000}, {0}, {false}},
         {"", {0}, 5, {0, 1000, 2000, 3000, 13000.001}, {0}, {[4] = true}},
         {"", {0}, 2, {0, 60000}, {0, 300}, {false}},
-        /* 50 ms are never one by themselves. */
+        /* Intervals of up to 50 ms are never a gap. */
         {"", {0}, 5, {0, 1, 2, 52, 102.001}, {0}, {[4] = true}},
-        /* In space: 5 mm, and ten times what is usual. */
+        /* In space: more than 5 mm and more than ten times the usual distance. */
         {"", {0}, 5, {0, 1, 2, 3, 4}, {0, 0.01, 0.02, 5.02, 10.021}, {[4] = true}},
         {"", {0}, 5, {0, 1, 2, 3, 4}, {0, 1, 2, 12, 22.001}, {[4] = true}},
         {"", {0}, 4, {0, 1, 2, 3}, {0, 20, 40, 60}, {false}},
-        /* Said: in time, in both, none. */
+        /* Given by options: in time, in both, none. */
         {"", {10000000, 0}, 4, {0, 10, 20.001, 30}, {0, 1, 2, 3}, {[2] = true}},
         {"", {10000000, OST_PM_PER_MM / 2}, 4, {0, 1, 2, 13}, {0, 0.5, 1.001, 1}, {[2] = true, [3] = true}},
         {"", {OST_PATH_NO_GAPS, OST_PATH_NO_GAPS}, 4, {0, 1, 2, 900}, {0, 1, 2, 3000}, {false}},
-        /* A file that says itself where the tool is lifted. */
+        /* A file that contains the column `lifted`. */
         {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,tool,lifted\n", {0}, 4, {0, 1, 2, 900}, {0, 1, 2, 3000}, {false}},
         {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,tool,lifted\n", {100000000, 0}, 4, {0, 1, 2, 900}, {0, 1, 2, 3000}, {[3] = true}},
     };
@@ -204,7 +204,7 @@ static void rows_far_apart_are_a_gap(void **state)
         assert_int_equal(report.gaps, gaps);
         ost_path_free(&path);
     }
-    /* What another tool did is no neighbour. */
+    /* Rows of another tool are not neighbours. */
     ost_error err = {0};
     ost_path path;
     assert_ok(read_text("0 0 0 0 1 0 0 0 0\n0.001 0 0 0 1 0 0 0 0\n0.002 99 0 0 1 0 0 0 1\n", &path, &err));
@@ -270,7 +270,7 @@ static void broken_paths_are_refused(void **state)
     }
 }
 
-/* Up to the last column; a cut inside that one leaves a number that nothing contradicts. */
+/* Cuts up to the last column; a cut inside the last column leaves a valid number. */
 static void a_row_cut_anywhere(void **state)
 {
     (void)state;

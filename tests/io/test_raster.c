@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Texts that are scans, read in one pass, against the two passes that read any
- * text: summary, digest, geometry, grid and report are equal, and so is every
- * error, whatever was done to the text.
+ * Compares the reading of scans in one pass with the two passes that read any text: summary,
+ * digest, geometry, grid and report are equal, and so is every error, for any change of the
+ * text.
  *
  * Covers: AR-CT-1, AR-CT-2, AR-CT-3, AR-CT-4, AR-CT-5, AR-CT-6
  */
@@ -34,7 +34,7 @@ static int remove_folder(void **state)
 typedef struct text {
     char *bytes;
     size_t size, room;
-    size_t *line; /* where each sample's line begins, in file order */
+    size_t *line; /* offset of each sample's line, in file order */
     int lines;
 } text;
 
@@ -52,13 +52,13 @@ static void put(text *t, const char *format, ...)
 typedef struct recipe {
     int dims[3];
     int order[3];       /* axes from the fastest to the slowest */
-    int step[3];        /* in 10^-places mm, negative: descending */
-    int thirds[3];      /* added to step: thirds of 10^-places mm, rounded when written */
+    int step[3];        /* in 10^-places mm; negative: descending */
+    int thirds[3];      /* thirds of 10^-places mm added to step, rounded when written */
     int64_t start[3];
     int places;
     const char *separator, *ending, *head;
-    bool widths;        /* densities and positions padded to a width */
-    bool trimmed;       /* positions without zeros at their end: of different lengths, and places */
+    bool widths;        /* densities and positions are padded to a fixed width */
+    bool trimmed;       /* positions without trailing zeros, so that their lengths and places differ */
     bool last_newline;
 } recipe;
 
@@ -120,7 +120,7 @@ static void unmake(text *t)
     free(t->line);
 }
 
-/* Puts `with` in the place of bytes [at, at + length). */
+/* Replaces the bytes [at, at + length) by `with`. */
 static void replace(text *t, size_t at, size_t length, const char *with)
 {
     size_t n = strlen(with);
@@ -170,7 +170,7 @@ static void crop_to(outcome *o, const ost_voxel_box *crop)
     o->rect.dims = (ost_dims){crop->hi[0] - crop->lo[0], crop->hi[1] - crop->lo[1], crop->hi[2] - crop->lo[2]};
 }
 
-/* crop: of the voxels that the grid has, chosen by the slow way; lo[0] < 0: none. */
+/* crop: a part of the grid, chosen by the two passes; lo[0] < 0: no crop. */
 static outcome two_passes(ost_backend *backend, const char *path, ost_pm3 given, const ost_voxel_box *crop)
 {
     outcome o = {.status = OST_OK};
@@ -254,7 +254,7 @@ static void assert_same(const outcome *a, const outcome *b)
 
 static unsigned turn;
 
-/* The next instruction set and thread count. */
+/* Returns the next combination of instruction set and thread count. */
 static int next_turn(void)
 {
     static const int threads[] = {1, 2, 3, 7};
@@ -267,7 +267,8 @@ static int next_turn(void)
 }
 
 /*
- * Both ways, and the import, whose error must be the two passes' own.
+ * Reads the text both ways and imports it; the import's error must be that of the two passes.
+ * Returns true if the text was accepted as a scan.
  * Returns whether it was taken for a scan.
  */
 static bool compare(ost_backend *backend, const text *t, ost_pm3 given, test_rng *rng)
@@ -313,7 +314,7 @@ static recipe random_recipe(test_rng *rng, bool large)
     static const char *const separators[] = {" ", " ", "\t", ",", " ; ", "  "};
     static const char *const heads[] = {"", "", "x y z density\n", "# made by a test\n\n# osteon side: left\n", "\xef\xbb\xbf# first\r\nX,Y,Z,HU\r\n"};
     recipe r = {
-        .places = (int)rng_range(rng, 1, 4), /* steps of 4 um and more */
+        .places = (int)rng_range(rng, 1, 4), /* the least step is 4 um */
         .separator = separators[rng_range(rng, 0, 5)],
         .ending = rng_range(rng, 0, 3) ? "\n" : "\r\n",
         .head = heads[rng_range(rng, 0, 4)],
@@ -350,7 +351,7 @@ static void scans_are_read_in_one_pass(void **state)
             spacing = (ost_pm3){(r.step[0] < 0 ? -r.step[0] : r.step[0]) * unit, 0, 0};
         bool is = compare(*state, &t, spacing, &rng);
         found += is;
-        /* Where every step is whole, nothing can keep a text from being a scan. */
+        /* If every step is an integer, the text is always a scan. */
         if (!r.thirds[0] && !r.thirds[1] && !r.thirds[2]) {
             plain++;
             if (!is)
@@ -374,13 +375,13 @@ static void what_is_done_to_a_scan_shows(void **state)
         char line[128] = "";
         memcpy(line, t.bytes + at, length < sizeof line - 1 ? length : sizeof line - 1);
         switch (round % 13) {
-        case 0: /* a line is missing */
+        case 0: /* remove a line */
             replace(&t, at, length, "");
             break;
-        case 1: /* twice */
+        case 1: /* duplicate a line */
             replace(&t, at, 0, n + 1 < t.lines ? line : "1 2 3 4\n");
             break;
-        case 2: /* another density */
+        case 2: /* change a density */
         case 3: {
             size_t sign = strlen(r.separator), begin = end - strlen(r.ending) * (n + 1 < t.lines || r.last_newline);
             size_t last = begin;
@@ -389,24 +390,24 @@ static void what_is_done_to_a_scan_shows(void **state)
             replace(&t, begin, last - begin, densities[rng_range(&rng, 0, 15)]);
             break;
         }
-        case 4: /* a byte of it */
+        case 4: /* change one byte of the line */
             t.bytes[at + (size_t)rng_range(&rng, 0, (int64_t)length - 1)] = "0123456789.-+ ,e#x\n"[rng_range(&rng, 0, 18)];
             break;
-        case 5: /* a comment, a fact, an empty line in between */
+        case 5: /* insert a comment, a fact or an empty line */
             replace(&t, at, 0, round / 13 % 3 == 0 ? "# here\n" : round / 13 % 3 == 1 ? "# osteon spacing_mm: 1 1 1\n" : "\n");
             break;
-        case 6: /* cut off anywhere */
+        case 6: /* cut the text off at any position */
             t.size = at + (size_t)rng_range(&rng, 0, (int64_t)length - 1);
             break;
-        case 7: /* the same number in other words */
+        case 7: /* write the same number differently */
             replace(&t, at, 0, "+");
             if (t.bytes[at + 1] == '-')
                 replace(&t, at, 2, "-0");
             break;
-        case 8: /* a blank before it, or behind it */
+        case 8: /* insert a blank before or after the line */
             replace(&t, rng_range(&rng, 0, 1) ? at : end - strlen(r.ending) * (n + 1 < t.lines || r.last_newline), 0, " ");
             break;
-        case 9: { /* two neighbours change places */
+        case 9: { /* exchange two neighbouring lines */
             if (n + 2 < t.lines) {
                 size_t second = t.line[n + 2] - t.line[n + 1];
                 char both[256];
@@ -416,18 +417,18 @@ static void what_is_done_to_a_scan_shows(void **state)
             }
             break;
         }
-        case 10: /* an own number of voxels, right or wrong */
+        case 10: /* insert a fact with the number of voxels, right or wrong */
         {
             char fact[128];
             snprintf(fact, sizeof fact, "# osteon dims: %d %d %d\n", r.dims[0], r.dims[1], r.dims[2] + (int)rng_range(&rng, 0, 1));
             replace(&t, 0, 0, fact);
             break;
         }
-        case 11: /* more at the end */
+        case 11: /* append text */
             if (r.last_newline)
                 replace(&t, t.size, 0, round / 13 % 2 ? "\n" : "# the end");
             break;
-        default: /* a zero byte */
+        default: /* insert a zero byte */
             t.bytes[at + (size_t)rng_range(&rng, 0, (int64_t)length - 1)] = 0;
             break;
         }
@@ -436,7 +437,7 @@ static void what_is_done_to_a_scan_shows(void **state)
     }
 }
 
-/* One row, one column, one slice, a handful of lines, and nothing. */
+/* Texts of one row, one column, one slice, a few lines, and no line. */
 static void small_texts(void **state)
 {
     static const char *const texts[] = {
@@ -481,7 +482,7 @@ static void reading_can_be_cancelled(void **state)
         int calls = 0;
         const ost_text_raster_options options = {.threads = threads, .progress = cancel, .user = &calls};
         ost_status status = ost_text_raster_read(path, &options, &summary, &raster, &found, &err);
-        /* A thread that came too late for a piece was asked nothing. */
+        /* A thread that got no piece makes no call. */
         if (calls > 0) {
             assert_int_equal(calls, 1);
             assert_int_equal(status, OST_ERR_CANCELLED);
@@ -494,7 +495,7 @@ static void reading_can_be_cancelled(void **state)
     unmake(&t);
 }
 
-/* Every variant against the one in C: the same lines, the same densities, the same end. */
+/* Compares every variant with the one in C: the same lines, densities and end. */
 static void kernels_agree(void **state)
 {
     (void)state;
@@ -517,7 +518,7 @@ static void kernels_agree(void **state)
         }
         size_t size = 0, begins[LINES];
         char *text_at = bytes;
-        /* What lies behind the end looks like more of the same, or not at all. */
+        /* The bytes after the end look like more of the same text, or do not. */
         memset(bytes, rng_range(&rng, 0, 1) ? '\n' : '7', ROOM + OST_TEXT_MARGIN);
         for (int i = 0; i < LINES; i++) {
             lengths[i] = (uint8_t)rng_range(&rng, 1, OST_TEXT_COLUMN_MAX);
@@ -533,20 +534,21 @@ static void kernels_agree(void **state)
             size += (size_t)snprintf(text_at + size, ROOM - size, "%.*s%.*s%.*s%s%s", (int)pattern.before.length, pattern.before.text,
                                      (int)lengths[i], columns[i].text, (int)pattern.after.length, pattern.after.text, density,
                                      pattern.carriage ? "\r" : "");
-            if (rng_range(&rng, 0, 15) == 0) /* a byte that may or may not be another */
+            if (rng_range(&rng, 0, 15) == 0) /* replace a byte by a random one, which may be equal */
                 text_at[begin + (size_t)rng_range(&rng, 0, (int64_t)(size - begin) - 1)] = "0159.- /:\r"[rng_range(&rng, 0, 9)];
-            if (rng_range(&rng, 0, 30) == 0) /* shorter, down to nothing */
+            if (rng_range(&rng, 0, 30) == 0) /* a shorter line, which may be empty */
                 size = begin + (size_t)rng_range(&rng, 0, (int64_t)(size - begin));
             text_at[size++] = '\n';
         }
-        size_t behind = rng_range(&rng, 0, 3) ? size : begins[rng_range(&rng, 1, LINES - 1)]; /* where the last lines are not there yet */
+        /* the last lines may be absent */
+        size_t behind = rng_range(&rng, 0, 3) ? size : begins[rng_range(&rng, 1, LINES - 1)];
         for (int isa = 0; isa < OST_ISA_COUNT; isa++) {
             if (!ost_isa_available((ost_isa)isa))
                 continue;
             for (int from = 0; from < LINES; from++) {
                 if (begins[from] > behind)
                     break;
-                /* The last room that a kernel may read ends where the memory does. */
+                /* The last byte that a kernel may read is the last one of the allocation. */
                 char *copy = malloc(behind + OST_TEXT_MARGIN);
                 assert_non_null(copy);
                 memcpy(copy, bytes, behind + OST_TEXT_MARGIN);
@@ -560,7 +562,7 @@ static void kernels_agree(void **state)
                                                                   most, have, &have_next),
                                  good);
                 assert_memory_equal(want, have, (most + 1) * sizeof *want);
-                for (size_t i = good; i <= most; i++) /* another thread's, perhaps */
+                for (size_t i = good; i <= most; i++) /* these elements may belong to another thread */
                     assert_int_equal(have[i], 12345);
                 assert_ptr_equal(have_next, want_next);
                 assert_true(want_next <= copy + behind && (want_next == copy || want_next[-1] == '\n'));

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The session file: what was put is what is read, whatever happens to the
- * bytes, and a recorder that never makes its caller wait.
+ * The session file: the records that are written are read back, for any damage of the bytes,
+ * and the recorder never blocks its caller.
  *
- * Every byte of a session is damaged in turn, and it is cut at every length;
- * what must then be left follows from where the blocks lie.
+ * Every byte of a session is damaged in turn, and the file is cut at every length; the
+ * positions of the blocks determine which records must remain.
  * Covers: REQ-PART-FILES, REQ-SESSION-FILE, REQ-RECORDER
  */
 #include "harness.h"
@@ -46,7 +46,7 @@ static int bytes_sync(void *user)
     return 0;
 }
 
-/* A tick in which no two fields are alike. */
+/* Returns a tick in which all fields differ. */
 static ost_record tick_record(uint64_t number)
 {
     const int n = (int)number;
@@ -76,11 +76,11 @@ static ost_record tick_record(uint64_t number)
 enum { BLOCKS = 4 };
 static const uint32_t block_records[BLOCKS] = {3, 1, 5, 2};
 
-/* Where the blocks begin: two of the header, BLOCKS of records, and the end. */
+/* Offsets of the blocks: two of the header, BLOCKS of records, and the end. */
 typedef struct sample {
     bytes b;
     size_t begin[BLOCKS + 3];
-    uint64_t first[BLOCKS + 1]; /* tick before a block of records */
+    uint64_t first[BLOCKS + 1]; /* first tick of a block of records */
 } sample;
 
 static ost_session_header *make_header(void)
@@ -95,7 +95,7 @@ static ost_session_header *make_header(void)
     return header;
 }
 
-/* The last record of the last block is the end. */
+/* The last record of the last block is the end record. */
 static void make_sample(sample *s)
 {
     ost_error err = {0};
@@ -130,7 +130,7 @@ static void make_sample(sample *s)
 
 static ost_status open_bytes(const unsigned char *data, size_t size, ost_session **out, ost_error *err)
 {
-    /* A file in memory: some file systems take milliseconds for each file that is written anew. */
+    /* A file in memory, since some file systems take milliseconds to rewrite a file. */
     static int fd = -1;
     char path[40];
     if (fd < 0)
@@ -142,7 +142,7 @@ static ost_status open_bytes(const unsigned char *data, size_t size, ost_session
     return ost_session_open(path, out, err);
 }
 
-/* All ticks of the session are as they were put; returns how many there are. */
+/* Checks that all ticks of the session are unchanged; returns their number. */
 static uint64_t check_ticks(ost_session *session)
 {
     ost_error err = {0};
@@ -201,7 +201,7 @@ static void what_is_put_is_read(void **state)
     ost_session_close(session);
 }
 
-/* Version 1: every block says so, and a tick's two bytes of the motor are 0. */
+/* Version 1: every block has that version, and the two bytes for the motor in a tick are 0. */
 static void version_1_is_read(void **state)
 {
     (void)state;
@@ -230,7 +230,7 @@ static void version_1_is_read(void **state)
     ost_session_close(session);
 }
 
-/* The bytes of a tick by hand, from docs/session.md: the layout is a promise. */
+/* The bytes of a tick by hand, from docs/session.md: the layout must not change. */
 static void bytes_are_as_documented(void **state)
 {
     (void)state;
@@ -250,7 +250,7 @@ static void bytes_are_as_documented(void **state)
     static sample s;
     make_sample(&s);
     assert_memory_equal(s.b.data, "\x89OSTSES\n\1\0\0\0", 12);
-    /* CRC-32 of "123456789" is 0xcbf43926 (the check value of every catalogue). */
+    /* CRC-32 of "123456789" is 0xcbf43926, the standard check value. */
     assert_int_equal(ost_session_crc("123456789", 9), 0xcbf43926);
 }
 
@@ -320,7 +320,10 @@ static void cut_anywhere_it_keeps_its_whole_blocks(void **state)
     }
 }
 
-/* Bytes put in, taken out, repeated; blocks swapped; another session's behind it: never more than was put, in order. */
+/*
+ * Bytes are inserted, removed or repeated, blocks exchanged, blocks of another session
+ * appended: the reader never returns more than was written, and keeps the order.
+ */
 static void noise_is_survived(void **state)
 {
     (void)state;
@@ -335,19 +338,19 @@ static void noise_is_survived(void **state)
             const size_t at = (size_t)rng_range(&rng, 0, (int64_t)size - 1), n = 1 + (size_t)rng_range(&rng, 0, 399);
             const size_t take = n < size - at ? n : size - at;
             switch (rng_range(&rng, 0, 3)) {
-            case 0: /* taken out */
+            case 0: /* remove bytes */
                 memmove(data + at, data + at + take, size - at - take);
                 size -= take;
                 break;
-            case 1: /* put in */
+            case 1: /* insert bytes */
                 memmove(data + at + n, data + at, size - at);
                 size += n;
                 break;
-            case 2: /* noise */
+            case 2: /* overwrite with noise */
                 for (size_t i = at; i < at + take; i++)
                     data[i] = (unsigned char)rng_next(&rng);
                 break;
-            default: /* again at the end */
+            default: /* repeat bytes at the end */
                 memcpy(data + size, data + at, take);
                 size += take;
                 break;
@@ -394,7 +397,7 @@ static void repair_keeps_what_is_whole(void **state)
     ost_session_close(fixed);
     ost_session_close(session);
 
-    /* A hole stays known after the repair. */
+    /* The repaired file still records the gap. */
     make_sample(&s);
     s.b.data[s.begin[2] + 5] ^= 1;
     assert_ok(open_bytes(s.b.data, s.b.size, &session, &err));
@@ -462,13 +465,13 @@ static void a_table_for_others(void **state)
 
 /* -------------------------------------------------------------- recording */
 
-/* A disk that waits while it is held, and fails with an errno while it is told to. */
+/* A disk that blocks while it is held, and fails with an errno while `fails` is set. */
 typedef struct disk {
     bytes b;
     pthread_mutex_t held;
     _Atomic int fails;
-    _Atomic bool half;  /* a failing write leaves half of itself */
-    size_t room;        /* bytes that it takes in all; 0: any number */
+    _Atomic bool half;  /* a failing write stores half of its bytes */
+    size_t room;        /* capacity in bytes; 0: unlimited */
     _Atomic int appends;
 } disk;
 
@@ -524,7 +527,7 @@ static void wait_until_written(ost_recorder *recorder, uint64_t records)
     } while (state.written < records);
 }
 
-/* A link of the recording's name is neither followed nor replaced, wherever it leads. */
+/* A symbolic link with the recording's name is neither followed nor replaced, whatever its target. */
 static void a_recording_follows_no_link(void **state)
 {
     (void)state;
@@ -565,7 +568,7 @@ static void a_recording_is_a_session(void **state)
     assert_non_null(strstr(err.text, "another recording"));
     put_ticks(recorder, 0, 100, true);
     wait_until_written(recorder, 100);
-    /* It can be read while it is written. */
+    /* The file can be read while it is written. */
     ost_session *session;
     assert_ok(ost_session_open(path, &session, &err));
     assert_int_equal(check_ticks(session), 100);
@@ -578,7 +581,7 @@ static void a_recording_is_a_session(void **state)
     assert_true(ost_session_summary_of(session)->ended);
     assert_int_equal(ost_session_summary_of(session)->whole_ticks, 10000);
     ost_session_close(session);
-    /* And written anew: shorter than it was. */
+    /* The recorder replaces an existing file by a shorter one. */
     assert_ok(ost_recorder_open(path, header, NULL, &recorder, &err));
     assert_ok(ost_recorder_close(recorder, NULL, &err));
     assert_ok(ost_session_open(path, &session, &err));
@@ -587,7 +590,10 @@ static void a_recording_is_a_session(void **state)
     ost_session_header_free(header);
 }
 
-/* A disk that does not answer: puts go on, then fail at once, and what was lost is said everywhere. */
+/*
+ * A disk that does not respond: puts succeed until the ring is full and then fail at once, and
+ * the loss is reported everywhere.
+ */
 static void a_full_ring_is_counted_and_said(void **state)
 {
     (void)state;
@@ -597,7 +603,7 @@ static void a_full_ring_is_counted_and_said(void **state)
     pthread_mutex_lock(&d.held);
     const int appends = atomic_load(&d.appends);
     put_ticks(recorder, 0, 1, true);
-    /* The writer has taken the first, and waits with it. */
+    /* The writer has taken the first block and blocks in writing it. */
     while (atomic_load(&d.appends) == appends) {
         const struct timespec pause = {.tv_nsec = 1000000};
         nanosleep(&pause, NULL);
@@ -659,7 +665,7 @@ static void a_full_disk_that_is_emptied_in_time_costs_nothing(void **state)
     ost_session_close(session);
 }
 
-/* All that waits is more than there is room for: as much as fits is kept, and it is the beginning. */
+/* The waiting records exceed the free space of the disk: as many as fit are stored, beginning with the first. */
 static void a_nearly_full_disk_takes_what_fits(void **state)
 {
     (void)state;

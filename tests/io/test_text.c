@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * CT text: what is read, and how each kind of broken file is refused.
+ * CT text: valid texts, and the error for each kind of broken file.
  *
  * Covers: AR-CT-1, AR-CT-2, AR-CT-8
  */
@@ -9,7 +9,7 @@
 #include "io/text/scan.h"
 #include "io/scratch_group.h"
 
-/* Reads all rows of a text; at most room. */
+/* Reads all rows of a text, at most `room`. */
 static ost_status read_rows(const char *text, size_t size, ost_text_row *rows, size_t room, size_t *count, ost_error *err)
 {
     const char *path = scratch_write(folder, "ct.txt", text, size);
@@ -88,7 +88,7 @@ static void lines_around_samples_are_skipped(void **state)
     assert_int_equal(rows[1].density, 8);
 }
 
-/* What the text of the error must hold, after "ct.txt". */
+/* The text of the error must contain `ct.txt` followed by these words. */
 static void broken_texts_are_refused(void **state)
 {
     (void)state;
@@ -96,7 +96,7 @@ static void broken_texts_are_refused(void **state)
         const char *text;
         const char *says;
     } cases[] = {
-        /* cut at every kind of place */
+        /* cut at every kind of position */
         {"1 2 3 4\n1", ":2: 1 value; expected 4"},
         {"1 2 3 4\n1 2", ":2: 2 values; expected 4"},
         {"1 2 3 4\n1 2 3", ":2: 3 values; expected 4"},
@@ -121,7 +121,7 @@ static void broken_texts_are_refused(void **state)
         {"x y z d\na b c d\n", ":2: column 1 (x) is 'a'"},
         {"1 2 3 '4'\n", ":1: column 4 (density) is ''4''"},
         {"1 2 3 \xe2\x88\x92" "4\n", ":1: column 4 (density) is '\xe2\x88\x92" "4'"}, /* a typographic minus */
-        /* ranges */
+        /* out of range */
         {"1 2 3 4\n8000.000000001 2 3 4\n", ":2: column 1 (x) is '8000.000000001'; expected a position within 8000 mm of 0"},
         {"1 -1e9 3 4\n", ":1: column 2 (y) is '-1e9'; expected a position"},
         {"1 2 1e9999 4\n", ":1: column 3 (z) is '1e9999'; expected a position"},
@@ -133,14 +133,14 @@ static void broken_texts_are_refused(void **state)
         {"1 2 3 4.5\n", ":1: column 4 (density) is '4.5'; expected a whole number"},
         {"1 2 3 1e-1\n", ":1: column 4 (density) is '1e-1'; expected a whole number"},
         {"1 2 3 4.00000000000000000000000001\n", ":1: column 4 (density)"},
-        /* columns */
+        /* number of columns */
         {"1 2 3 4 5\n", ":1: 5 values; expected 4"},
         {"1,,3,4\n", ":1: value 2 is empty"},
         {",1,2,3\n", ":1: value 1 is empty"},
         {"1,2,3,4,\n", ":1: value 5 is empty"},
         {"1;2,;3;4\n", ":1: value 3 is empty"},
         {"0,47 0,94 1,41 120\n", ":1: 7 values; expected 4: x y z density (the decimal sign is a point, not a comma)"},
-        /* other files */
+        /* files of other kinds */
         {"", ": holds no sample in 0 lines"},
         {"\n\n\n", ": holds no sample in 3 lines"},
         {"# only a comment\n", ": holds no sample in 1 lines"},
@@ -153,7 +153,7 @@ static void broken_texts_are_refused(void **state)
         {"\x01\r1 2 3 4\r", ":1: binary bytes"},
         {"1 2 3 4\n\x01\x02\x03\n", ":2: binary bytes"},
         {"\x7f" "ELF\x02\n", ":1: binary bytes"},
-        /* the text's own facts */
+        /* facts of the text */
         {"# osteon spacing_mm: 1 1\n1 2 3 4\n", ":1: the text's own 'spacing_mm' is '1 1'; expected three lengths"},
         {"# osteon spacing_mm: 1 1 0\n1 2 3 4\n", ":1: the text's own 'spacing_mm'"},
         {"# osteon spacing_mm: 1 1 nan\n1 2 3 4\n", ":1: the text's own 'spacing_mm'"},
@@ -183,7 +183,10 @@ static void broken_texts_are_refused(void **state)
     }
 }
 
-/* AR-CT-8: a deciding key may be given again with equal values, in whatever spelling; the values of the others are the last. */
+/*
+ * AR-CT-8: a fact that decides about the grid may be repeated with equal values in any
+ * notation; for other facts the last value counts.
+ */
 static void facts_may_be_repeated(void **state)
 {
     (void)state;
@@ -208,7 +211,7 @@ static void facts_may_be_repeated(void **state)
     ost_text_source_close(&source);
 }
 
-/* What is too long for a fact is refused, and never cut to a number that was not written. */
+/* A fact that is too long is refused, and never truncated to another number. */
 static void long_facts_are_refused(void **state)
 {
     (void)state;
@@ -230,7 +233,7 @@ static void long_facts_are_refused(void **state)
     }
 }
 
-/* A zero byte wherever it stands; strings cannot hold these cases. */
+/* Zero bytes at every position are refused; strings cannot express these cases. */
 static void zero_bytes_are_refused(void **state)
 {
     (void)state;
@@ -266,7 +269,7 @@ static void lines_without_end_are_refused(void **state)
     }
 }
 
-/* Lines fall on the buffer's edge in every way; rows come out the same, in portions of any size. */
+/* Lines cross the buffer's end at every position; the rows are the same, in portions of any size. */
 static void blocks_do_not_show(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Volumes as text: the bytes, the way back, full disks and kills.
+ * Volumes as text: the bytes, reading back, full disks and kills.
  *
  * Covers: AR-CT-8, AR-FILE-7, AR-FILE-8
  */
@@ -33,7 +33,7 @@ static void the_bytes(void **state)
         .geometry = {{2, 2, 2}, {470000000, 500000000, 1000000000}, {-470000000, -1000000000, 7999000000000}},
         .voxels = voxels,
     };
-    assert_ok(ost_meta_set(&volume.meta, "dims", "5 5 5", &err)); /* the grid's own: never written as facts */
+    assert_ok(ost_meta_set(&volume.meta, "dims", "5 5 5", &err)); /* keys of the grid itself, never written as facts */
     assert_ok(ost_meta_set(&volume.meta, "spacing_mm", "3 3 3", &err));
     assert_ok(ost_meta_set(&volume.meta, OST_META_SIDE, " left ", &err));
     assert_ok(ost_meta_set(&volume.meta, "origin_mm", "3 3 3", &err));
@@ -52,13 +52,13 @@ static void the_bytes(void **state)
                               "-0.47 -0.50 8000.00 -100\n"
                               "0.00 -0.50 8000.00 9\n");
     free(text);
-    /* One decimal: half to even, and no minus before a zero. */
+    /* One decimal: rounded half to even, and no minus sign before a zero. */
     volume.geometry = (ost_geometry){{2, 1, 1}, {450000000, 500000000, 1000000000}, {-450000000, -20000000, 350000000}};
     assert_ok(ost_text_write_volume(path, &volume, 1, &err));
     text = scratch_read(path, NULL);
     assert_non_null(strstr(text, "\n-0.4 0.0 0.4 -32768\n0.0 0.0 0.4 -1\n"));
     free(text);
-    /* Whole millimetres need no point. */
+    /* Integer millimetres are written without a point. */
     volume.geometry = (ost_geometry){{1, 1, 1}, {1000000000, 1000000000, 1000000000}, {-3000000000, 0, 12000000000}};
     assert_ok(ost_text_write_volume(path, &volume, 0, &err));
     text = scratch_read(path, NULL);
@@ -79,7 +79,7 @@ static void too_few_decimals_are_refused(void **state)
     assert_ok(ost_text_write_volume(path, &volume, 3, &err));
 }
 
-/* Any volume, any number of decimals: the import finds its geometry and densities again. */
+/* For any volume and any number of decimals the import restores geometry and densities. */
 static void what_is_written_reads_back(void **state)
 {
     (void)state;
@@ -115,7 +115,10 @@ static void what_is_written_reads_back(void **state)
     ost_backend_close(backend);
 }
 
-/* A text of its own that was cut at any byte is refused: dims and the last line's end tell. */
+/*
+ * A text written by osteon that was cut at any byte is refused: the fact `dims` and the end of
+ * the last line show the cut.
+ */
 static void a_cut_text_is_refused(void **state)
 {
     (void)state;
@@ -129,7 +132,7 @@ static void a_cut_text_is_refused(void **state)
     assert_ok(ost_text_write_volume(path, &volume, 4, &err));
     size_t size;
     char *text = scratch_read(path, &size);
-    /* Before the first fact is whole nothing says how many lines there were. */
+    /* Before the first fact is complete, the number of lines is not known. */
     for (size_t cut = 0; cut < size; cut++) {
         ost_bone *bone;
         ost_status status = ost_import(backend, scratch_write(folder, "cut.txt", text, cut), NULL, &bone, NULL, &err);

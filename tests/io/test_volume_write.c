@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What we write is what we read: volumes as NRRD and NIfTI, plain and packed,
- * at spacings that floats cannot hold; the bytes themselves; tools; bones.
+ * Writing and reading back: volumes as NRRD and NIfTI, plain and compressed, at spacings that
+ * floats cannot hold; the bytes themselves; tools; bones.
  *
  * Covers: AR-FILE-1, AR-FILE-2, AR-FILE-3, AR-FILE-6, AR-FILE-8, REQ-CT-SAME
  */
@@ -39,7 +39,7 @@ static char *read_all(const char *path, size_t *size)
     return data;
 }
 
-/* The thesis' spacings and offsets survive every format, and twice the same is the same file. */
+/* Every format preserves the thesis' spacings and offsets, and writing twice gives the same file. */
 static void every_format_keeps_the_volume(void **state)
 {
     (void)state;
@@ -52,7 +52,7 @@ static void every_format_keeps_the_volume(void **state)
     test_rng rng = rng_seeded("volumes");
     ost_error err = {0};
     for (size_t s = 0; s < sizeof spacings / sizeof spacings[0]; s++) {
-        /* Two origins each: every file is synced to disk, which takes its time. */
+        /* Two origins each, since every file is synced to disk, which takes time. */
         for (size_t turn = 0; turn < 2; turn++) {
             size_t o = (s + turn) % (sizeof origins / sizeof origins[0]);
             ost_volume v;
@@ -87,8 +87,8 @@ static void every_format_keeps_the_volume(void **state)
 }
 
 /*
- * AR-FILE-8: facts come back in their order, whatever bytes their values have;
- * keys that are a grid's own do not take the place of its geometry.
+ * AR-FILE-8: facts are read back in their order, with any bytes in their values; keys of the
+ * grid itself do not override its geometry.
  */
 static void facts_keep_their_order(void **state)
 {
@@ -104,7 +104,7 @@ static void facts_keep_their_order(void **state)
     make_volume(&v, &g, &rng);
     for (size_t k = 0; k < sizeof keys / sizeof keys[0]; k++)
         assert_ok(ost_meta_set(&v.meta, keys[k], values[k], &err));
-    assert_ok(ost_meta_set(&v.meta, "zebra", "again", &err)); /* stays the first */
+    assert_ok(ost_meta_set(&v.meta, "zebra", "again", &err)); /* keeps the first position */
     for (size_t f = 0; f < sizeof formats / sizeof formats[0]; f++) {
         if (!HAS_NIFTI && strstr(formats[f], ".nii"))
             continue;
@@ -122,7 +122,7 @@ static void facts_keep_their_order(void **state)
     ost_volume_free(&v);
 }
 
-/* A key that a NRRD gives twice has its last value in its first position; blanks around a value are no part of it. */
+/* If a NRRD has a key twice, the last value is stored in the first position; blanks around a value are removed. */
 static void facts_of_a_nrrd(void **state)
 {
     (void)state;
@@ -139,7 +139,10 @@ static void facts_of_a_nrrd(void **state)
     ost_volume_free(&v);
 }
 
-/* Without our comment a NIfTI gives the shortest decimals of its float32, which is enough for lengths of up to six digits. */
+/*
+ * Without osteon's comment the lengths are the shortest decimals of the float32 values, which
+ * is exact for up to six digits.
+ */
 static void nifti_without_its_comment(void **state)
 {
     (void)state;
@@ -166,7 +169,7 @@ static void nifti_without_its_comment(void **state)
     }
 }
 
-/* Somebody moved the volume in the header: then our comment is out of date. */
+/* If another program moves the volume in the header, osteon's comment is out of date. */
 static void a_changed_nifti_header_counts(void **state)
 {
     (void)state;
@@ -236,11 +239,7 @@ static void names_decide_and_nothing_is_left(void **state)
     assert_int_equal(access(at("y.nrrd"), F_OK), -1);
 }
 
-/*
- * The same volume as text (4, 6 and as many decimals as needed), NRRD and
- * NIfTI imports to one bone.  Text with its comments stripped has its spacing
- * found from its coordinates.
- */
+/* Copies a text without its comment lines. */
 static void strip_comments(const char *from, const char *to)
 {
     size_t size, used = 0;
@@ -273,6 +272,10 @@ static void import_digests(ost_backend *backend, const char *name, ost_geometry 
     ost_bone_free(bone);
 }
 
+/*
+ * The same volume as text (4, 6 and as many decimals as needed), NRRD and NIfTI is imported to
+ * one bone. For text without its comments the spacing is inferred from the coordinates.
+ */
 static void every_format_imports_to_the_same_bone(void **state)
 {
     (void)state;
@@ -319,7 +322,7 @@ static void every_format_imports_to_the_same_bone(void **state)
 
 /* ------------------------------------------------------------------- tools */
 
-/* By fields: the struct has padding. */
+/* Compares by fields, since the struct has padding. */
 static void assert_tool_geometry(const ost_tool_geometry *a, const ost_tool_geometry *b)
 {
     assert_memory_equal(&a->dims, &b->dims, sizeof a->dims);
@@ -350,7 +353,7 @@ static void tools(void **state)
     }
 }
 
-/* 1 um + 1 pm, its half after the corner: ten places, worked out by hand. */
+/* A voxel of 1 um + 1 pm, whose half is added to the corner: ten places, computed by hand. */
 static void a_tool_of_an_odd_voxel(void **state)
 {
     (void)state;

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Files for the tests of volumes, made byte by byte: a scratch folder, plain and gzip writing, a volume to fill them with. */
+/*
+ * Byte-by-byte files for the tests of volumes: a scratch folder, plain and gzip writing, a
+ * volume to fill them with.
+ */
 #ifndef OST_TESTS_VOLUME_FILES_H
 #define OST_TESTS_VOLUME_FILES_H
 
@@ -42,7 +45,7 @@ static inline int drop_scratch(void **state)
     return scratch[0] ? nftw(scratch, remove_one, 8, FTW_DEPTH | FTW_PHYS) : 0;
 }
 
-/* A path in the scratch folder; four may be in use at once. */
+/* Returns a path in the scratch folder; four may be in use at once. */
 static inline const char *at(const char *name)
 {
     static char paths[4][600];
@@ -78,7 +81,7 @@ static inline void write_file(const char *name, const void *data, size_t size)
     assert_int_equal(fclose(file), 0);
 }
 
-/* One gzip member, appended to out. */
+/* Appends one gzip member to out. */
 static inline void put_gzip(bytes *out, const void *data, size_t size)
 {
     z_stream z = {0};
@@ -92,7 +95,7 @@ static inline void put_gzip(bytes *out, const void *data, size_t size)
     deflateEnd(&z);
 }
 
-/* The low `size` bytes of bits, least or most significant first. */
+/* Appends the low `size` bytes of bits, least or most significant first. */
 static inline void put_bits(bytes *b, uint64_t bits, size_t size, bool big)
 {
     for (size_t i = 0; i < size; i++) {
@@ -115,7 +118,7 @@ static inline uint64_t double_bits(double value)
     return bits;
 }
 
-/* Reads, asks for this status and, in its text, for the file's name and these words. */
+/* Checks that reading fails with this status and that the error has the file's name and these words. */
 static inline void assert_refused(const char *path, const ost_volume_options *options, ost_status expected, const char *words)
 {
     ost_error err = {0};
