@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What osteon export makes of a session, read by the formats' specifications alone and compared with its table.
+"""Reads exports of osteon export by the formats' specifications alone and compares them with the session's table.
 
   export_tool.py mcap FILE TABLE.csv     MCAP (mcap.dev/spec): records, CRCs, indexes, statistics, messages
   export_tool.py hdf5 FILE TABLE.csv     HDF5 (File Format Specification 3.0): superblock 0, object headers 1, links, arrays in one piece
-  export_tool.py voxels FILE BEFORE.nrrd AFTER.nrrd   the voxels that went, by HDF5, against two bones
+  export_tool.py voxels FILE BEFORE.nrrd AFTER.nrrd   the removed voxels in HDF5, compared with two bones
 """
 import csv
 import json

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Reads exactly one JSON object from standard input and prints what stands
- * under each path given, one a line: "dims.0", "stages.1.name".  An array or
- * object prints how many members it has, as "[3]" or "{3}".  Status 1 when the
- * input is not one object, or a path leads nowhere.
+ * Reads exactly one JSON object from standard input and prints the value at each given path
+ * ("dims.0", "stages.1.name"), one per line. For an array or object it prints the number of its
+ * members, as "[3]" or "{3}". The exit status is 1 if the input is not a single object, or if a
+ * path does not exist.
  */
 #include <jansson.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# What the shell tests of the command share.  Each runs in the build folder,
-# works in a scratch folder of its own, and ends with `finish`.
+# Definitions that the shell tests of the command share. Each test runs in the build folder,
+# works in its own scratch folder, and ends with `finish`.
 
 set -u
 build=$(pwd)
@@ -18,7 +18,7 @@ fail() {
     echo "FAIL: $*"
 }
 
-# needs LIBRARY...: skips the test where osteon was built without one of ASSIMP, NIFTI and PNG
+# needs LIBRARY...: skips the test if osteon was built without one of them (ASSIMP, NIFTI, PNG)
 needs() {
     for library in "$@"; do
         grep -q "^#define HAVE_$library 1" "$build/config.h" && continue
@@ -27,13 +27,14 @@ needs() {
     done
 }
 
-# check WHAT GOT EXPECTED
+# check WHAT GOT EXPECTED: fails the test if GOT differs from EXPECTED
 check() {
     checks=$((checks + 1))
     [ "$2" = "$3" ] || fail "$1: got '$2', expected '$3'"
 }
 
-# run STATUS ARGUMENT...: runs osteon; its output is in files out and err.
+# run STATUS ARGUMENT...: runs osteon and checks its exit status; the output is in files out and
+# err
 run() {
     expected=$1
     shift
@@ -46,7 +47,8 @@ run() {
     fi
 }
 
-# refuse STATUS TEXT ARGUMENT...: status, nothing on standard output, one line that holds TEXT.
+# refuse STATUS TEXT ARGUMENT...: checks that osteon ends with the status, nothing on standard
+# output, and one line on standard error that contains TEXT
 refuse() {
     expected=$1
     text=$2
@@ -58,12 +60,12 @@ refuse() {
     grep -qF -- "$text" err || fail "osteon $*: '$(cat err)' does not say '$text'"
 }
 
-# value PATH: of the object in file out
+# value PATH: prints a value of the object in file out
 value() {
     "$json_get" "$1" <out
 }
 
-# has KEY...: each is in the object in file out
+# has KEY...: checks that the object in file out has each key
 has() {
     for key in "$@"; do
         checks=$((checks + 1))
@@ -71,7 +73,7 @@ has() {
     done
 }
 
-# need_part NAME WHY: leaves the test when an optional part is not built in
+# need_part NAME WHY: skips the test if an optional part is not built in
 need_part() {
     "$osteon" devices | grep -q "^  $1 *yes" || {
         echo "skipped: $2"
@@ -79,7 +81,8 @@ need_part() {
     }
 }
 
-# A CT text of nx ny nz voxels at spacing s: density_awk is an awk expression of i, j, k.
+# ct_text NX NY NZ S EXPRESSION: prints a CT text of NX x NY x NZ voxels with the spacing S; the
+# density is an awk expression of i, j, k
 ct_text() {
     awk -v nx="$1" -v ny="$2" -v nz="$3" -v s="$4" "BEGIN {
         for (k = 0; k < nz; k++) for (j = 0; j < ny; j++) for (i = 0; i < nx; i++)

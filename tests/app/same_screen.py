@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""same_screen.py XWD X Y PNG: the middle of the picture is on the screen, its left upper corner at X, Y."""
+"""same_screen.py XWD X Y PNG: checks that the middle of the picture is on the screen, with its upper left corner at X, Y."""
 import struct
 import sys
 import zlib
 
 
 def screen(path):
-    """Rows of bytes, bytes a row, of what Xvfb -fbdir writes: 32 bits a pixel, blue first."""
+    """Returns the rows of bytes and the bytes per row of a file that Xvfb -fbdir writes: 32 bits per pixel, blue first."""
     data = open(path, "rb").read()
     head = struct.unpack(">25I", data[:100])
     size, width, height, order, bits, line, colours = head[0], head[4], head[5], head[7], head[11], head[12], head[19]
@@ -17,7 +17,7 @@ def screen(path):
 
 
 def png(path):
-    """Rows of RGB."""
+    """Returns the rows of RGB."""
     data = open(path, "rb").read()
     at, packed = 8, b""
     while at < len(data):

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Sessions, read and changed by docs/session.md alone: a second implementation.
+"""A second implementation of docs/session.md, which reads and changes sessions.
 
   session_tool.py check FILE              every checksum and rule; prints ticks and the digest of a step that did nothing
   session_tool.py change FILE OUT TICK FIELD DELTA
-                                          adds DELTA to a field of a tick and makes the checksums right again
+                                          adds DELTA to a field of a tick and corrects the checksums
 """
 import hashlib
 import struct

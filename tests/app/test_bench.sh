@@ -1,13 +1,13 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# What scripts rely on in osteon bench: the rows' names and keys, grids equal
-# to the reference's, and the counts of the thesis' static events. Not times.
+# The output of osteon bench that scripts use: the rows' names and keys, grids equal to the
+# reference's, and the counts of the thesis' static events. Times are not tested.
 # Covers: REQ-CLI-BENCH
 . "${srcdir:-.}/tests/app/lib.sh"
 TMPDIR=$scratch
 export TMPDIR
 
-# row NAME: its place in the object in file out
+# row NAME: prints the index of the row in the object in file out
 row() {
     i=0
     while name=$(value "rows.$i.name" 2>/dev/null); do
@@ -17,7 +17,7 @@ row() {
     echo none
 }
 
-# row_has NAME KEY...: the row is there, equal, and has the keys
+# row_has NAME KEY...: checks that the row exists, is equal to the reference, and has the keys
 row_has() {
     at=$(row "$1")
     shown=$1
@@ -28,7 +28,7 @@ row_has() {
     for key in unit threads ours ours_min ours_max ours_repetitions baseline ratio ratio_of_minima "$@"; do has "rows.$at.$key"; done
 }
 
-# figures NAME: ours, baseline and their ratio are numbers
+# figures NAME: checks that osteon's figure, the baseline's and their ratio are numbers
 figures() {
     at=$(row "$1")
     for key in ours baseline ratio; do
@@ -54,7 +54,7 @@ check "the reamer removes" "$(value "rows.$(row removal/reamer/32/fresh).removed
 check "the peg removes" "$(value "rows.$(row removal/peg/32/fresh).removed_voxels")" 8089
 check "/1 is one thread" "$(value "rows.$(row removal/peg/32/fresh/1).threads")" 1
 
-# Tables 3.3 and 3.4: chunks of 16^3 and 64^3; the other sizes remove the same.
+# Tables 3.3 and 3.4: chunks of 16^3 and 64^3; other chunk sizes remove the same voxels.
 run 0 bench --suite removal --filter fresh/1 --quick --repeat 1 --json
 for expected in reamer/16:84 reamer/64:5 peg/16:80 peg/64:8 voxel/1:18 voxel/0.75:18; do
     name=removal/${expected%:*}/fresh/1
@@ -88,7 +88,7 @@ run 0 bench --suite voxelize --filter sphere80k/256 --quick --repeat 1 --json
 row_has voxelize/sphere80k/256
 check "triangles" "$(value rows.0.triangles)" 80400
 
-# Where OpenCL has a device; else a row says why not.
+# If OpenCL has no device, a row gives the reason.
 run 0 bench --suite opencl --filter reamer/32/fresh --quick --repeat 1 --json
 check "the row of OpenCL" "$(value rows.0.name)" opencl/reamer/32/fresh
 if value rows.0.reason >/dev/null 2>&1; then
@@ -103,14 +103,15 @@ row_has render/scapula/glenoid/1 p50_ms p99_ms fps scalar_min_ms surface_voxels 
 run 0 bench --suite render --filter render/frame/whole --quick --repeat 1 --json
 row_has render/frame/whole/1 p99_ms drawn_share put_back_share kept_splat_ms whole_merge_ms baseline_is
 
-# For people: a table no wider than 100 columns, and Markdown.
+# The output for people: a table of at most 100 columns, and Markdown.
 run 0 bench --suite removal --filter peg/32 --quick
 check "columns" "$(awk 'length > 100' out | grep -v '^  baseline' | wc -l | tr -d ' ')" 0
 grep -q '^removal/peg/32/fresh ' out || fail "no row in the table"
 run 0 bench --suite removal --filter peg/32/steady/1 --quick --markdown
 grep -q '^| `removal/peg/32/steady/1` | us |' out || fail "no row in the Markdown table"
 
-# A row that cannot run is a row with a reason, and the others go on: the text of parse/ has nowhere to be.
+# A row that cannot run has a reason, and the other rows run: the text of parse/ has no folder
+# here.
 TMPDIR=$scratch/nowhere
 run 0 bench --quick --filter ext --json
 at=$(row parse/text)

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Frames beside the loops of comparison: what the ticks' frames took is done
- * again, backward and forward, and where there are none the pauses of loops
- * that draw nothing are counted.
+ * The frames of the baseline runs: the drawing of the operation's frames is repeated, backward
+ * and forward; without recorded frames, the pauses of loops that draw nothing are counted.
  * Covers: REQ-BESIDE
  */
 #include <osteon/haptics.h>
@@ -26,7 +25,7 @@ static ost_pose pose_of(int frame)
     return pose;
 }
 
-/* Four blocks in a row, full of bone. */
+/* Starts with four blocks in a row, full of bone. */
 static void begin(void)
 {
     const ost_geometry g = {{32 * BLOCKS, 32, 32}, {MM, MM, MM}, {0, 0, 0}};
@@ -52,7 +51,7 @@ static void end(void)
     ost_viewer_free(&v);
 }
 
-/* Of these blocks, as bits, `count` voxels more go, row by row. */
+/* Removes `count` more voxels of the blocks in the bit set, row by row. */
 static void take(unsigned blocks, int count)
 {
     ost_error err = {0};
@@ -67,7 +66,7 @@ static void take(unsigned blocks, int count)
     }
 }
 
-/* Voxels that are there, of each block. */
+/* Counts the voxels of each block that are present. */
 static void count_voxels(int out[BLOCKS])
 {
     for (int i = 0; i < BLOCKS; i++) {
@@ -99,13 +98,13 @@ static void the_same_frames_again(void **state)
     int there[FRAMES][BLOCKS], last[BLOCKS];
     (void)state;
     begin();
-    /* Before the ticks nothing is kept. */
+    /* Before the first tick nothing is recorded. */
     take(3, 1);
     frame(7);
     assert_false(sim_beside_ticks(&b));
     b.stage = OST_SERVO_TICKING;
     assert_true(sim_beside_ticks(&b));
-    /* Nor is what was drawn before there was a tool to draw. */
+    /* Frames drawn before the tool had a state are not recorded either. */
     v.has_state = false;
     frame(90);
     v.has_state = true;
@@ -118,7 +117,7 @@ static void the_same_frames_again(void **state)
         count_voxels(there[i]);
     }
     assert_false(sim_beside_again(&b));
-    /* What the last tick took comes with the first frame after it. */
+    /* The changes of the last tick are drawn by the first frame after it. */
     b.stage = OST_SERVO_BUSY;
     assert_true(sim_beside_again(&b));
     take(2, 5);
@@ -127,9 +126,9 @@ static void the_same_frames_again(void **state)
     for (size_t i = 0; i < sizeof order / sizeof *order; i++) {
         frame(5);
         is_as_at(order[i], order[i] == 5 ? last : there[order[i]]);
-        b.stage = OST_SERVO_QUIET; /* goes on in it */
+        b.stage = OST_SERVO_QUIET; /* continues in the quiet loop */
     }
-    /* All that is drawn afterwards is the bone as it is. */
+    /* All later frames show the bone as it is. */
     b.stage = OST_SERVO_RESTED;
     assert_false(sim_beside_again(&b));
     b.stage = SIM_BESIDE_NOT_BEGUN;
@@ -138,7 +137,10 @@ static void the_same_frames_again(void **state)
     end();
 }
 
-/* More frames than are kept: the last of them. More in one than is kept: it goes with the next. */
+/*
+ * If there are more frames than fit, the last ones are recorded. If one frame has more changes
+ * than fit, they are recorded with the next.
+ */
 static void as_many_as_there_is_room_for(void **state)
 {
     static int there[SIM_BESIDE_FRAMES + 10][BLOCKS];
@@ -167,7 +169,7 @@ static void as_many_as_there_is_room_for(void **state)
     frame(newest);
     is_as_at(newest, there[newest]);
     end();
-    /* None wanted: nothing is kept, nothing done again. */
+    /* Without baseline runs nothing is recorded and nothing is repeated. */
     begin();
     b.wanted = false;
     b.stage = OST_SERVO_TICKING;
@@ -187,7 +189,7 @@ static void a_loop_without_frames(void **state)
     assert_false(sim_beside_rests(&b, &drawn));
     b.stage = OST_SERVO_RESTED;
     const struct timespec pause = {.tv_nsec = 10000000};
-    /* A quarter of a second of turns that only wake, then turns that spend 30 ms each. */
+    /* A quarter of a second of iterations that only wake, then iterations that take 30 ms each. */
     for (int i = 0; i < 2000 && b.spent.count < 3; i++) {
         assert_true(sim_beside_rests(&b, &drawn));
         nanosleep(&pause, NULL);

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# osteon sim with a device on "another machine", by osteon bridge over
-# loopback: an operation that replays equal. No time is tested.
+# Tests osteon sim with a device on "another machine", by osteon bridge over loopback: the
+# recorded operation replays with equal results. No time is tested.
 # Covers: REQ-LINK
 . "${srcdir:-.}/tests/app/lib.sh"
 
@@ -14,7 +14,7 @@ awk 'BEGIN {
         printf "%.3f,300,0,%.4f,1,0,0,0\n", i * 0.001, 100 - i * 0.01
 }' >press.csv
 
-# simulate ARGS...: in the background, until it says where it waits
+# simulate ARGS...: starts osteon sim in the background and waits until it prints its address
 simulate() {
     rm -f sim.out sim.err
     : >sim.err
@@ -24,7 +24,7 @@ simulate() {
     while ! grep -q "waits for a bridge at" sim.err && kill -0 $simulator 2>/dev/null; do sleep 0.05; done
     to=$(sed -n 's/.*waits for a bridge at //p' sim.err)
 }
-# of FILE KEY
+# of FILE KEY: prints a value of the object in FILE
 of() { "$json_get" "$2" <"$1"; }
 
 simulate --record far.session --json
@@ -39,7 +39,7 @@ check "nothing wrong was seen" "$(of sim.out device_counts.malformed) $(of sim.o
 run 0 replay far.session --verify --backend cpu:isa=scalar,threads=2 --json
 check "far, and again" "$(value equal) $(value sha256)" "true $(of sim.out sha256)"
 
-# Nobody came: it is asked to end, and says what it counted.
+# No bridge connects: a signal ends the simulation, which reports its counts.
 simulate
 sleep 0.2
 kill -TERM $simulator

@@ -1,11 +1,12 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# What scripts rely on: the keys of --json, one object and nothing else on
-# standard output, and --quiet.
+# The interface that scripts use: the keys of --json, a single object on standard output without
+# other text, and --quiet.
 # Covers: REQ-CLI-JSON
 . "${srcdir:-.}/tests/app/lib.sh"
 
-# The object is alone: json_get accepts nothing after it, and people's text is not there.
+# The output is only the object: json_get accepts nothing after it, and the text for people is
+# absent.
 run 0 devices --json
 has backends.0.name backends.0.available backends.0.reason backends.0.threads backends.0.isa backends.0.isas.0 backends.1.threads
 run 0 phantom glenoid --out glenoid.nrrd --json
@@ -40,7 +41,8 @@ check "kind of a tool" "$(value kind)" tool
 check "info --digest is voxelize's digest" "$(value sha256)" "$tool_digest"
 run 0 info reamer.stl --json
 check "kind of a mesh" "$(value kind)" mesh
-# Shafts of built-in tools do not cut: of the burr the sphere of 6 mm does, 905 voxels of 0.5 mm, of the reamer all but its hub, of the peg all.
+# Shafts of built-in tools do not cut: the burr cuts with the sphere of 6 mm, 905 voxels of 0.5
+# mm, the reamer with everything except its hub, and the complete peg cuts.
 run 0 voxelize builtin:burr --voxel 0.5 --out burr.nrrd --json
 check "a burr's sphere cuts" "$(awk -v n="$(value cutting_voxels)" 'BEGIN { print (n > 880 && n < 930) }')" 1
 check "and its shaft of 2 mm does not" "$(awk -v n="$(value solid_voxels)" -v m="$(value cutting_voxels)" 'BEGIN { print (n - m > 430 && n - m < 560) }')" 1
@@ -58,7 +60,7 @@ peg_digest=$(value sha256)
 run 0 voxelize builtin:peg --voxel 0.5 --out peg.nrrd --json
 check "a mesh by way of a file and without" "$(value sha256)" "$peg_digest"
 
-# The main job: hole, then reaming, in one command.
+# The main workflow: the hole, then the reaming, in one command.
 run 0 ream --bone bone.nrrd --tool peg.ply --path builtin:peg-hole --tool reamer.nrrd --path builtin:glenoid-ream --out reamed.nrrd --json
 has ticks removals removed_voxels removed_mm3 removed_by_class.0.name removed_by_class.0.voxels removed_by_class.0.mm3 tick_us.p50 tick_us.p99 \
     tick_us.max sha256 file_sha256
@@ -76,12 +78,12 @@ run 0 diff bone.nrrd bone.nrrd --json
 check "equal to itself" "$(value equal) $(value different_voxels) $(value chunks)" "true 0 [0]"
 run 0 export reamed.nrrd --out reamed.stl --json
 has triangles volume_mm3
-# Straight from the CT and builtin tools: the same grid.
+# Directly from the CT and with built-in tools: the same grid.
 run 0 ream --bone glenoid.nrrd --tool builtin:peg --path builtin:peg-hole --tool builtin:reamer --voxel 0.5 --out direct.nrrd \
     --path builtin:glenoid-ream --json
 [ "$(value removed_voxels)" -gt 0 ] || fail "straight from a CT nothing was removed"
 
-# Path files: as info sees them, and a tool that never comes near.
+# Path files: the output of info, and a tool that never comes near the bone.
 printf 't_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n0,5000,0,0,1,0,0,0\n0.001,5000,0,0,1,0,0,0\n' >far.csv
 run 0 info far.csv --json
 check "a path" "$(value kind) $(value ticks)" "path 2"
@@ -99,7 +101,7 @@ refuse 2 'pass --axis X,Y,Z' ream --bone block.txt --tool builtin:peg --path bui
 run 0 ream --bone block.txt --tool builtin:peg --path builtin:peg-hole --at 2,5,5 --axis 1,0,0 --out x.nrrd --json
 [ "$(value removed_voxels)" -gt 0 ] || fail "the peg made no hole in a block"
 
-# --quiet says nothing at all.
+# --quiet prints nothing.
 run 0 import glenoid.nrrd --out quiet.nrrd --quiet
 check "--quiet" "$(cat out err)" ""
 finish

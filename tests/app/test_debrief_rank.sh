@@ -1,27 +1,28 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# A good, a tilted and a too deep reaming of the generated scapula, and one beside
-# its entry: paths made here from a tilt, an offset and a depth, with the tool
-# spinning and not.  The figures are those, and the first line of the debrief
-# puts the operations into their order.
+# A good reaming of the generated scapula, a tilted one, one that is too deep and one off its
+# entry: the paths are made here from a tilt, an offset and a depth, with and without the tool
+# spinning. The metrics have these values, and the first line of the debrief ranks the
+# operations.
 # Covers: REQ-DEBRIEF-RANK
 . "${srcdir:-.}/tests/app/lib.sh"
 
-# near WHAT VALUE EXPECTED BOUND
+# near WHAT VALUE EXPECTED BOUND: checks that VALUE is within BOUND of EXPECTED
 near() {
     checks=$((checks + 1))
     awk -v x="$2" -v e="$3" -v b="$4" 'BEGIN { d = x - e; exit !(x != "" && d <= b && d >= -b) }' || fail "$1 is '$2', expected $3 within $4"
 }
 
-# The glenoid as the phantom's file says it.
+# The glenoid's facts in the phantom's file.
 at='-148.723 -18.868 54.133'
 axis='0.817462 0.406924 -0.407639'
 run 0 phantom scapula --spacing 1 --out ct.nrrd
 run 0 import ct.nrrd --out bone.nrrd
 grep -aq "osteon_glenoid_at_mm:=$at" bone.nrrd || fail "the phantom's glenoid is elsewhere"
 
-# reaming NAME TILT OFFSET DEPTH RPM: the tool's tip, its z = 0, from 8 mm outside to DEPTH along an axis tilted
-# about the direction that is as far up as it can be, entering OFFSET mm off the centre along that direction.
+# reaming NAME TILT OFFSET DEPTH RPM: moves the tool's tip, its z = 0, from 8 mm outside to
+# DEPTH along an axis that is tilted about the direction that is as superior as possible, and
+# that enters OFFSET mm off the centre along that direction.
 reaming() {
     awk -v at="$at" -v axis="$axis" -v tilt="$2" -v off="$3" -v depth="$4" -v rpm="$5" '
     BEGIN {
@@ -50,7 +51,8 @@ near "good: depth" "$(value metrics.reach_mm)" 3 0.1
 near "good: over-reaming" "$(value metrics.over_mm3)" 0 1
 reaming deep 0 0 12 120
 near "deep: depth" "$(value metrics.reach_mm)" 12 0.1
-# 8 mm of the reamer's 36 mm in bone would be 8 cm3; where the vault is narrower it is less. No drill, no hole.
+# 8 mm of the reamer's 36 mm in bone would be 8 cm3; where the vault is narrower it is less.
+# Without a drill there is no hole.
 near "deep: over-reaming, mm3" "$(value metrics.over_mm3)" 4500 2500
 check "deep: a hole" "$(value metrics.hole)" false
 check "deep: plunges" "$(value metrics.technique.plunges)" 0
@@ -61,7 +63,8 @@ for rpm in 0 120; do
     reaming tilted 10 0 3 $rpm
     near "tilted: tilt" "$(value metrics.tilt_deg)" 10 0.1
     near "tilted: entry" "$(value metrics.entry_mm)" 0 0.1
-    # About an axis across the body's, a tilt is one of version alone, but for how the scapula lies: both errors together are the tilt.
+    # A tilt about an axis across the body's is one of version alone, except for the orientation
+    # of the scapula: the two errors together are the tilt.
     near "tilted: errors" "$(awk -v a="$(value metrics.version_error_deg)" -v b="$(value metrics.inclination_error_deg)" 'BEGIN { print sqrt(a * a + b * b) }')" 10 0.5
     near "tilted: version is plan and error" "$(awk -v a="$(value metrics.version_planned_deg)" -v b="$(value metrics.version_error_deg)" 'BEGIN { print a + b }')" \
         "$(value metrics.version_deg)" 1e-4
@@ -70,7 +73,7 @@ for rpm in 0 120; do
     near "both: entry" "$(value metrics.entry_mm)" 2 0.1
 done
 
-# The first line of each, on the page and for people, is the same.
+# The first line is the same on the page and in the output for people.
 for name in good tilted deep; do
     first=$("$json_get" metrics.verdict <$name.json)
     checks=$((checks + 1))

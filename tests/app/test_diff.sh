@@ -1,16 +1,16 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# The verdicts of diff on grids made to differ in one known way.
+# The verdicts of osteon diff for grids that differ in one known way.
 # Covers: REQ-CLI-DIFF
 . "${srcdir:-.}/tests/app/lib.sh"
 
-# grid NAME DENSITY [NX NY NZ SPACING]: a bone from an awk expression of i, j, k
+# grid NAME DENSITY [NX NY NZ SPACING]: makes a bone from an awk expression of i, j, k
 grid() {
     ct_text "${3:-20}" "${4:-18}" "${5:-16}" "${6:-0.5}" "$2" >text.txt
     run 0 import text.txt --spacing "${6:-0.5}" --threshold 1 --out "$1.nrrd"
 }
 
-# pattern NAME B: diff of a against b reports it
+# pattern NAME B: checks that diff of a and B reports the pattern
 pattern() {
     run 1 diff a.nrrd "$2.nrrd" --json || return
     check "$2: equal" "$(value equal)" false
@@ -18,14 +18,14 @@ pattern() {
     grep -q "\"name\": \"$1\"" out || fail "$2: no pattern $1 among$(grep '"text"' out)"
 }
 
-# without NAME B
+# without NAME B: checks that diff of a and B does not report it
 without() {
     run 1 diff a.nrrd "$2.nrrd" --json
     checks=$((checks + 1))
     grep -q "\"name\": \"$1\"" out && fail "$2: pattern $1, which does not hold"
 }
 
-# A lopsided body whose densities tell every voxel from its neighbours.
+# An asymmetric body in which every voxel's density differs from its neighbours'.
 body='(i >= 3 && i < 15 && j >= 4 && j < 13 && k >= 2 && k < 13) ? 200 + i + 20 * j + 3 * k * k : 0'
 grid a "$body"
 run 0 diff a.nrrd a.nrrd
@@ -57,7 +57,7 @@ pattern shift moved
 grep -q '(2, -1, 0)' out || fail "moved: $(grep text out)"
 without axis-swap moved
 
-# x and z exchanged: other dims, and told apart from a grid that only has other dims.
+# x and z exchanged: other dimensions, distinguished from a grid that only has other dimensions.
 grid turned '(k >= 3 && k < 15 && j >= 4 && j < 13 && i >= 2 && i < 13) ? 200 + k + 20 * j + 3 * i * i : 0' 16 18 20
 pattern axis-swap turned
 check "turned: voxels that were compared" "$(value different_voxels)" null
@@ -75,13 +75,13 @@ grid a '(i > 3 && i < 9 && j > 2) ? 258 : 0'
 grid swapped '(i > 3 && i < 9 && j > 2) ? 513 : 0'
 pattern byte-order swapped
 
-# Chunks that vanish whole.
+# Complete chunks are lost.
 grid a '(i >= 4 && j >= 4 && k >= 4) ? 300 : 0' 40 36 34
 grid lost '(i >= 4 && j >= 4 && k >= 4 && !(i >= 32 && j < 32 && k < 32)) ? 300 : 0' 40 36 34
 pattern lost-chunk lost
 check "lost: chunks" "$(value chunks) $(value chunks.0.chunk.0)" "[1] 1"
 
-# Kinds that cannot be compared, files that are none.
+# Kinds of files that cannot be compared, and invalid files.
 run 0 voxelize builtin:peg --out peg.nrrd
 run 0 voxelize builtin:peg --voxel 0.6 --out peg6.nrrd
 run 0 diff peg.nrrd peg.nrrd
@@ -89,7 +89,7 @@ run 1 diff peg.nrrd peg6.nrrd
 refuse 2 'is a tool' diff a.nrrd peg.nrrd
 refuse 2 'text.csv' diff a.nrrd text.csv
 
-# The page: whole, self-contained, and there for equal grids too.
+# The page: complete, self-contained, and written for equal grids too.
 grid a "$body"
 run 1 diff a.nrrd hole.nrrd --html page.html --limit 5
 checks=$((checks + 1))
@@ -102,7 +102,7 @@ fi
 run 0 diff a.nrrd a.nrrd --html page.html
 refuse 2 '.html' diff a.nrrd a.nrrd --html page.pdf
 
-# Notes are said and decide nothing.
+# Notes are reported and have no effect on the verdict.
 run 0 import text.txt --spacing 0.5 --threshold 100 --out noted.nrrd
 run 0 import text.txt --spacing 0.5 --threshold 1 --out plain.nrrd
 run 0 diff noted.nrrd plain.nrrd --json

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Pictures and videos that are written beside a loop: by the clock, the last
- * frame again where there was none; left out and counted where the writer is
- * slow; whole under names that were free, or not there.
+ * Pictures and videos that are written next to a loop: frames follow the clock, and the last
+ * frame is repeated where there is no new one; frames are omitted and counted if the writer is
+ * slow; files are complete under names that were free, or absent.
  * Covers: REQ-FILM, REQ-PART-FILES
  */
 #include <dirent.h>
@@ -26,7 +26,7 @@
 enum { WIDTH = 7, HEIGHT = 5 };
 static char folder[] = "/tmp/osteon-film-XXXXXX";
 
-/* All of it has one grey. */
+/* Returns a frame of one grey. */
 static const uint32_t *grey(uint32_t level)
 {
     static uint32_t pixels[HEIGHT * (WIDTH + 3)];
@@ -35,7 +35,7 @@ static const uint32_t *grey(uint32_t level)
     return pixels;
 }
 
-/* Without libpng there are none. */
+/* Skips tests of pictures without libpng. */
 static void need_pictures(void)
 {
     uint8_t rgb[3] = {0}, *bytes = NULL;
@@ -76,7 +76,7 @@ static int files_that_contain(const char *where, const char *text)
     return count;
 }
 
-/* The luma of each frame of a .y4m, "-" for one of another grey within. */
+/* Stores the luma of each frame of a .y4m in got, checks that no frame has a chroma, and returns the number of frames. */
 static int levels(const char *name, int got[], int room)
 {
     char line[128];
@@ -90,7 +90,7 @@ static int levels(const char *name, int got[], int room)
         assert_string_equal(line, "FRAME\n");
         assert_int_equal(fread(frame, 1, sizeof frame, in), sizeof frame);
         for (int i = WIDTH * HEIGHT; i < 3 * WIDTH * HEIGHT; i++)
-            assert_int_equal(frame[i], 128); /* a grey has no colour */
+            assert_int_equal(frame[i], 128); /* a grey has no chroma */
         assert_true(count < room);
         got[count++] = frame[0];
     }
@@ -108,10 +108,10 @@ static void a_video_goes_by_the_clock(void **state)
     assert_true(film_wants(f, 5000000000));
     show(f, 5.00, 0);
     assert_false(film_wants(f, 5099000000));
-    show(f, 5.05, 255); /* there is one for this tenth */
+    show(f, 5.05, 255); /* this tenth already has a frame */
     show(f, 5.10, 255);
     show(f, 5.42, 85);
-    assert_int_equal(access("v.y4m", F_OK), -1); /* not before it is whole */
+    assert_int_equal(access("v.y4m", F_OK), -1); /* not before it is complete */
     assert_ok(film_close(f, 5650000000, &r, &err));
     /* Black is 16 and white 235. */
     const int expected[] = {16, 235, 235, 235, 89, 89};
@@ -121,7 +121,7 @@ static void a_video_goes_by_the_clock(void **state)
     assert_int_equal(r.repeated, 3);
     assert_int_equal(r.dropped, 0);
     assert_int_equal(r.width, WIDTH);
-    /* No frame at all is no file. */
+    /* Without frames there is no file. */
     f = made((film_options){.target = "none.y4m", .fps = 10});
     assert_ok(film_close(f, 0, &r, &err));
     assert_int_equal(access("none.y4m", F_OK), -1);
@@ -171,7 +171,7 @@ static void a_folder_of_pictures(void **state)
     assert_int_equal(stat("frames/frame-000000.png", &one), 0);
     assert_int_equal(stat("frames/frame-000002.png", &two), 0);
     assert_int_equal(one.st_size, two.st_size);
-    /* Nothing is written over. */
+    /* No file is overwritten. */
     film_options again = {.target = "frames", .fps = 10};
     assert_int_equal(film_open(&again, &f, &err), OST_ERR_IO);
     assert_non_null(strstr(err.text, "has a video already"));
@@ -192,7 +192,7 @@ static void stub_encoder(const char *script)
     assert_int_equal(chmod("ffmpeg", 0755), 0);
 }
 
-/* A folder that fills up while it goes on, here by a name that is taken. */
+/* A folder becomes unusable during the recording, here by a name that is taken. */
 static void a_failure_is_said_and_ends_it(void **state)
 {
     ost_error err = {0};
@@ -209,7 +209,7 @@ static void a_failure_is_said_and_ends_it(void **state)
     assert_non_null(strstr(text, "frame-000001.png: File exists"));
     assert_int_equal(film_close(f, 0, NULL, &err), OST_ERR_IO);
     assert_non_null(strstr(err.text, "frame-000001.png"));
-    /* An encoder that ends, one that fails, one that is not there. */
+    /* An encoder that ends early, one that fails, and one that does not exist. */
     f = made((film_options){.pipe = "head -c 10 >/dev/null", .fps = 10, .wait = true});
     pause_ms(50);
     for (int i = 0; i < 2000; i++)
@@ -226,7 +226,7 @@ static void a_failure_is_said_and_ends_it(void **state)
     setenv("PATH", "/nowhere", 1);
     assert_int_equal(film_open(&none, &f, &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "install ffmpeg"));
-    /* A folder of that name, and a file that cannot be run, are none. */
+    /* A folder of that name, and a file that is not executable, are no encoder. */
     assert_int_equal(mkdir("folder", 0777), 0);
     assert_int_equal(mkdir("folder/ffmpeg", 0777), 0);
     out = fopen("ffmpeg", "w");
@@ -234,7 +234,7 @@ static void a_failure_is_said_and_ends_it(void **state)
     fclose(out);
     setenv("PATH", "folder:", 1);
     assert_int_equal(film_open(&none, &f, &err), OST_ERR_UNAVAILABLE);
-    /* One that answers to the name: its file has its own when it is whole. */
+    /* A working encoder: the output file gets its name when it is complete. */
     stub_encoder("cat >\"$last\"; printf 'first\\n\\033]0;title\\007/a/path: bad\\n' >&2; exit ${FILM_FAILS:-0}");
     setenv("PATH", folder, 1);
     f = made(none);
@@ -248,7 +248,7 @@ static void a_failure_is_said_and_ends_it(void **state)
     assert_int_equal(film_close(f, 0, NULL, &err), OST_ERR_IO);
     assert_int_equal(access("w.mkv", F_OK), -1);
     assert_int_equal(files_that_contain(".", "part"), 0);
-    /* The last line that the encoder wrote is part of the message, without its escape sequence. */
+    /* The last line that the encoder printed is part of the message, without its escape sequence. */
     assert_non_null(strstr(err.text, "status 1: ?]0;title?/a/path: bad"));
     stub_encoder("echo 'no such codec' >&2; exit 1");
     f = made(none);
@@ -261,7 +261,10 @@ static void a_failure_is_said_and_ends_it(void **state)
     free(path);
 }
 
-/* Replaces the unfinished files of this folder by links to the file victim, as another user of the folder may. */
+/*
+ * Replaces the unfinished files of this folder by links to the file `victim`, as another user
+ * of the folder may do.
+ */
 static void plant_links(void)
 {
     DIR *d = opendir(".");
@@ -274,7 +277,7 @@ static void plant_links(void)
     closedir(d);
 }
 
-/* The encoder writes into the file that was opened for it, not into what has its name later. */
+/* The encoder writes to the file that was opened for it, not to a file that gets its name later. */
 static void an_encoder_follows_no_link(void **state)
 {
     ost_error err = {0};
@@ -310,11 +313,12 @@ static void on_term(int number)
     _exit(128 + number);
 }
 
-/* A signal leaves no unfinished file, neither at once nor when the encoder ends. */
+/* A signal leaves no unfinished file, neither immediately nor when the encoder ends. */
 static void a_signal_leaves_no_part(void **state)
 {
     (void)state;
-    static char *path; /* static, as f: what a child that is killed can reach is no leak to valgrind */
+    /* static, like f, so that valgrind reports no leak for memory that is reachable in a killed child */
+    static char *path;
     path = strdup(getenv("PATH"));
     stub_encoder("cat >\"$last\"");
     setenv("PATH", folder, 1);
@@ -347,16 +351,16 @@ static void a_signal_leaves_no_part(void **state)
     free(path);
 }
 
-/* Nobody waits for a slow encoder, and memory is bounded; what it gets is still by the clock. */
+/* A slow encoder blocks no caller, and memory is bounded; the frames that it gets still follow the clock. */
 static void a_slow_writer_holds_nobody_up(void **state)
 {
     ost_error err = {0};
     film_report r;
     struct stat file;
     (void)state;
-    assert_int_equal(mkfifo("gate", 0600), 0); /* before who waits at it */
+    assert_int_equal(mkfifo("gate", 0600), 0); /* exists before the encoder waits at it */
     film *f = made((film_options){.pipe = "read go <gate; cat >slow.y4m", .fps = 10});
-    /* More than a pipe and all that wait can hold. */
+    /* More frames than the pipe and the queue can hold. */
     enum { MANY = 3000 };
     for (int i = 0; i < MANY; i++)
         show(f, 0.1 * i, 10);
@@ -383,12 +387,12 @@ static void pictures_take_free_names(void **state)
     assert_int_equal(close(open("osteon-002.png", O_WRONLY | O_CREAT, 0666)), 0);
     film *f = made((film_options){.fps = 30, .wait = true});
     assert_false(film_wants(f, 0));
-    show(f, 0, 10); /* there is no video */
+    show(f, 0, 10); /* no video is recorded */
     for (int i = 0; i < 3; i++)
         film_still(f, grey(100), WIDTH, WIDTH, HEIGHT);
     assert_ok(film_close(f, 0, NULL, &err));
     assert_int_equal(stat("osteon-002.png", &st), 0);
-    assert_int_equal(st.st_size, 0); /* as it was */
+    assert_int_equal(st.st_size, 0); /* unchanged */
     assert_int_equal(stat("osteon-004.png", &st), 0);
     assert_true(st.st_size > 60);
     assert_int_equal(access("osteon-005.png", F_OK), -1);

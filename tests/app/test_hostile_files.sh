@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Every reader of the command is given what is no regular file: a pipe that nobody writes, a folder,
-# a device without an end, a link to itself and no file at all.  Each ends soon, with status 2 and
-# one line that names the file.
+# Every reader of the command is given something that is not a regular file: a pipe without a
+# writer, a folder, an endless device, a link to itself, and no file at all. Each command ends
+# soon, with status 2 and one line that names the file.
 # Covers: REQ-REGULAR-FILES
 . "${srcdir:-.}/tests/app/lib.sh"
 
@@ -18,7 +18,8 @@ run 0 validate --only import/0 --backends 'cpu:isa=scalar,threads=1' --out bundl
 mkdir dump
 head -c 32 /dev/zero >key && chmod 600 key
 
-# ends STATUS STREAM FILE ARGUMENT...: the command ends in time with this status, and `out` or `err` names FILE
+# ends STATUS STREAM FILE ARGUMENT...: checks that the command ends in time with this status,
+# and that `out` or `err` names FILE
 ends() {
     expected=$1
     stream=$2
@@ -32,7 +33,8 @@ ends() {
     grep -qF -- "$file" "$stream" || fail "osteon $*: '$(head -c 300 "$stream")' does not name $file"
 }
 
-# The name stands at the option's place, with the suffix that makes the reader the one that is meant.
+# The name is passed where the option expects a file, with the suffix that selects the reader
+# under test.
 for kind in pipe folder zero loop absent; do
     for suffix in nrrd nhdr nii nii.gz hdr txt stl obj ply 3ds csv session; do
         rm -f "it.$suffix"
@@ -60,16 +62,16 @@ for kind in pipe folder zero loop absent; do
     ends 2 err it.nrrd validate --only user --cpu-only --ct it.nrrd --tool builtin:peg --path builtin:peg-hole
     ends 2 err $kind verify $kind
     ends 2 err $kind import ct.nrrd --backend plugin:$kind --out o.nrrd
-    # A NRRD whose data lie elsewhere
+    # A NRRD with detached data.
     printf 'NRRD0004\ntype: short\ndimension: 3\nsizes: 2 2 2\nencoding: raw\nendian: little\nspacings: 1 1 1\ndata file: %s\n' "$kind" >points.nhdr
     ends 2 err $kind import points.nhdr --out o.nrrd
-    # In place of a file of a bundle, of a shard and of a dump
+    # Replaces a file of a bundle, of a shard and of a dump.
     for name in manifest.json audit.log protocol.json cases.jsonl report.html; do
         rm -rf damaged
         cp -r bundle damaged
         rm "damaged/$name"
         [ $kind = absent ] || cp -PR $kind "damaged/$name"
-        # A file that no bundle has is a finding about the bundle, one that cannot be read is an error.
+        # A missing file is a finding about the bundle, an unreadable one is an error.
         case $kind in
         absent) ends 2 err damaged verify damaged ;;
         *) ends 1 out "$name" verify damaged ;;
@@ -92,12 +94,12 @@ done
 checks=$((checks + 1))
 [ ! -e o.nrrd ] && [ ! -e o.png ] && [ ! -e merged ] || fail "an output was made of no regular file"
 
-# What works: a link to a file, and standard input where the shell redirects it from a file.
+# Allowed files: a link to a file, and standard input redirected from a file.
 ln -s ct.nrrd link.nrrd
 run 0 import link.nrrd --out again.nrrd
 cmp -s bone.nrrd again.nrrd || fail "a link to a file gives another bone"
 "$osteon" info /dev/stdin <ct.nrrd >out 2>err || fail "info of a redirected file: $(cat err)"
-# A pipe as standard input is refused, with what to do.
+# A pipe as standard input is refused, with advice.
 cat ct.nrrd | "$osteon" info /dev/stdin >out 2>err
 check "status of a pipe" $? 2
 grep -q "save it to a file first" err || fail "a pipe: $(cat err)"

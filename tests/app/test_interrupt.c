@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The wish to end: by a signal, whose second is for whoever had it before, or
- * by another thread while the loop asks for it, which ThreadSanitizer watches.
+ * The request to end: by a signal, of which the second is handled by the previous handler, or
+ * by another thread while the loop polls for it, which ThreadSanitizer checks.
  * Covers: REQ-WINDOW
  */
 #include <pthread.h>

@@ -1,12 +1,12 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# The patient's side, orientation, glenoid and landmarks: where they come from,
-# that every verb keeps and uses them, and that a contradiction is an error.
+# The patient's side, orientation, glenoid and landmarks: their sources, that every verb keeps
+# and uses them, and that a contradiction is an error.
 # Covers: REQ-PATIENT
 . "${srcdir:-.}/tests/app/lib.sh"
 needs ASSIMP NIFTI PNG
 
-# warned TEXT: in the last command's standard error
+# warned TEXT: checks that the last command's standard error contains TEXT
 warned() {
     checks=$((checks + 1))
     grep -qF -- "$1" err || fail "no warning '$1' in: $(cat err)"
@@ -17,7 +17,7 @@ quiet() {
 }
 
 # ------------------------------------------------------------- orientation
-# A CT of 4 x 4 x 4 voxels of 10 mm without orientation, one dense voxel: number 1.
+# A CT of 4 x 4 x 4 voxels of 10 mm without orientation, in which only voxel number 1 is dense.
 {
     printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nspacings: 10 10 10\nencoding: text\n\n'
     awk 'BEGIN { for (i = 0; i < 64; i++) print i == 1 ? 200 : 0 }'
@@ -26,7 +26,7 @@ assumed='its orientation is assumed to be LPS'
 run 0 import plain.nrrd --out assumed.nrrd --json
 warned "$assumed"
 check "assumed" "$(value orientation_assumed) $(value meta.orientation)" "true assumed LPS"
-# Every use of what was written says so again, as a volume and as a bone.
+# Every use of the written files repeats the warning, as a volume and as a bone.
 run 0 info assumed.nrrd --json
 warned "$assumed"
 check "info" "$(value orientation_assumed)" true
@@ -42,7 +42,8 @@ warned "$assumed"
 run 0 render assumed.nrrd --size 32x32 --out x.png
 warned "$assumed"
 refuse 2 'import the CT itself with --orientation RAS' import assumed.nrrd --orientation RAS --out x.nrrd
-# Stated, it is a fact, and nothing is said. Voxel 1 of the file's x is voxel 2 from the left: at -10 mm.
+# A stated orientation is a fact, without a warning. Voxel 1 of the file's x is voxel 2 from the
+# left: at -10 mm.
 run 0 import plain.nrrd --orientation RAS --out stated.nrrd --json
 quiet "a stated orientation"
 check "stated" "$(value orientation_assumed) $(value orientation) $(value meta.orientation)" "false RAS stated RAS"
@@ -56,7 +57,7 @@ refuse 2 'the positions of a text are LPS' import assumed.txt --orientation RAS 
 refuse 2 'is a NRRD; --form is for NIfTI' import plain.nrrd --form sform --out x.nrrd
 
 # -------------------------------------------------------------------- side
-# The right phantom without its facts: at, axis and side are asked for or found.
+# The right phantom without its facts: position, axis and side are requested or computed.
 run 0 phantom glenoid --out phantom.nrrd
 run 0 info phantom.nrrd --json
 at=$(value meta.glenoid_at_mm | tr ' ' ',')
@@ -100,7 +101,7 @@ for file in reamed.nrrd told2.nrrd told3.nii.gz told4.nrrd told6.nrrd; do
     for fact in $facts; do value "meta.$fact"; done >got
     cmp -s expected got || fail "$file has other facts: $(cat got)"
 done
-# Contradictions and points that are nowhere.
+# Contradictions, and points outside the bone.
 refuse 2 'contradicts told.nrrd, whose header has side right' ream --bone told.nrrd --side left $ream
 refuse 2 'contradicts told.nrrd, whose header has side right' import told.nrrd --side left --out x.nrrd
 refuse 2 'one of the two is wrong' import bare.nrrd --at "$at" --axis 1,0,0 --side left --out x.nrrd
@@ -161,7 +162,7 @@ run 0 import bone200.nrrd --threshold 200 --out x.nrrd
 run 0 import bone200.nrrd --threshold 300 --out x.nrrd
 run 0 import bone200.nrrd --out x.nrrd
 check "warnings of what is allowed" "$(wc -c <err | tr -d ' ')" 0
-# 28 voxels of 0.1: 2.8 mm; and one of 4 m.
+# 28 voxels of 0.1 are 2.8 mm; another is 4 m.
 sized() {
     printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 28 2 2\nspace: LPS\nspace directions: (%s,0,0) (0,%s,0) (0,0,%s)\nencoding: text\n\n' "$1" "$1" "$1"
     awk 'BEGIN { for (i = 0; i < 112; i++) print 200 }'
@@ -180,7 +181,8 @@ run 0 import fits.nrrd --out x.nrrd
 quiet "a CT of 2.8 m"
 
 # ------------------------------------------------- before an operation begins
-# A block whose face is at x = 23.5 mm; with a head in front of it up to 17.5; at its centre the axis +x points in.
+# A block with its face at x = 23.5 mm; a second one with a head in front of it up to 17.5. The
+# axis +x points inward.
 ct_text 40 24 24 1 '(i < 24 ? 0 : 500)' >block.txt
 ct_text 40 24 24 1 '(i < 24 ? (i < 18 ? 400 : 0) : 500)' >headed.txt
 run 0 import block.txt --out block.nrrd --at 23.5,12,12 --axis 1,0,0
@@ -212,8 +214,9 @@ run 0 ream --bone nowhere.nrrd $peg --out x.nrrd
 warned 'check --at and --axis'
 
 # ----------------------------------------------------------- left and right
-# The left phantom is the right one mirrored. The plan's axis points less to the back than the phantom's own, by as much on either
-# side, so that its face looks more to the back: more retroversion than the phantom's 2 degrees, and on both sides the same.
+# The left phantom is the right one mirrored. The plan's axis points less to the posterior than
+# the phantom's own, equally on both sides, so that its face is turned more to the posterior:
+# the retroversion is more than the phantom's 2 degrees, and equal on both sides.
 for side in left right; do
     sign=$([ $side = left ] && echo -)
     run 0 phantom scapula --spacing 1,1,1 --side $side --out ct.nrrd

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What people are told of a recorder in trouble: once when it begins, once when
- * it is over, and nothing of a disk that is well.
+ * The messages about a recorder in trouble: one when the trouble begins, one when it is over,
+ * and none for a healthy disk.
  * Covers: REQ-SESSION-FILE
  */
 #include "harness.h"
@@ -14,7 +14,7 @@ typedef struct moment {
     double ms;
     uint64_t put, written, lost;
     bool failing;
-    const char *says; /* NULL: nothing */
+    const char *says; /* NULL: no message */
 } moment;
 
 static void assert_says(const moment *moments, size_t count)
@@ -40,7 +40,7 @@ static void nothing_of_a_disk_that_is_well(void **state)
 {
     (void)state;
     static const moment m[] = {{100, 0, 0, 0, false, NULL}, {200, 100, 75, 0, false, NULL}, {5000, 4900, 4875, 0, false, NULL},
-                               /* A pause of the disk, and nothing to write for long. */
+                               /* The disk pauses, and then there is nothing to write for a long time. */
                                {6900, 6800, 4875, 0, false, NULL}, {7000, 6900, 6900, 0, false, NULL}, {60000, 6900, 6900, 0, false, NULL}};
     ASSERT_SAYS(m);
 }
@@ -67,7 +67,7 @@ static void a_disk_that_stays_full(void **state)
     ASSERT_SAYS(m);
 }
 
-/* A writer that hangs in a write says nothing itself. */
+/* A writer that hangs in a write reports nothing itself. */
 static void a_recorder_that_stands_still(void **state)
 {
     (void)state;

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# osteon render: pictures without a display, the same bytes by every backend,
-# instruction set and number of threads, and of a bone however it is given.
+# osteon render: pictures without a display, with the same bytes from every backend, instruction
+# set and number of threads, and for a bone in any format.
 # Covers: REQ-RENDER-SAME
 . "${srcdir:-.}/tests/app/lib.sh"
 
@@ -32,7 +32,8 @@ run 0 render bone.nrrd --size 240x160 --chunk 16 --style faces --out cpu.png --j
 check "by the reference, by other chunks" "$(value file_sha256)" "$first"
 run 0 render bone.nrrd --size 240x160 --tool builtin:peg --pose "$pose" --out posed.png --json
 [ "$(value file_sha256)" != "$first" ] || fail "a tool at a pose is not seen"
-# OpenGL's picture is the processor's but for a few pixels, which tests/render/test_gl counts: here only who drew it.
+# OpenGL's picture equals the processor's except for a few pixels, which tests/render/test_gl
+# counts; only the renderer's name is checked here.
 if "$osteon" devices | grep -q '^  gl *yes'; then
     run 0 render bone.nrrd --size 240x160 --style faces --renderer gl --out gl.png --json
     has opengl.version opengl.driver opengl.way opengl.software
@@ -43,7 +44,8 @@ else
     refuse 3 "" render bone.nrrd --size 240x160 --renderer gl --out gl.png
 fi
 
-# What was cut, planes, ghosts, lines: each is seen, and again the same on other instruction sets.
+# Cut surfaces, planes, ghosts and lines: each is visible, and the same on other instruction
+# sets.
 refuse 2 "below which surface" render bone.nrrd --out a.png --colour depth
 refuse 2 "expected plan, across" render bone.nrrd --out a.png --clip sideways
 refuse 2 "no direction" render bone.nrrd --out a.png --clip 1,2,3,0,0,0

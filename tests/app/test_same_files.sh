@@ -1,25 +1,23 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# No byte of any output depends on who computes it: backends ref and cpu, every
-# instruction set of this machine, 1, 2, 3 and 7 threads, what OpenMP's
-# variables say, and chunks of 16, 32 and 64 voxels.
+# No byte of any output depends on the implementation: backends ref and cpu, every instruction
+# set of this machine, 1, 2, 3 and 7 threads, the values of OpenMP's variables, and chunks of
+# 16, 32 and 64 voxels.
 #
-# Every way goes through the same work in a folder of its own, from one text,
-# and its files are compared with those of the reference by cmp:
-#
+# Every configuration does the same work in its own folder, from one text, and its files are
+# compared with those of the reference by cmp:
 #   import of text in order and shuffled, NRRD, NIfTI   bones, raw and gzip
 #   voxelize by both rules, one mesh and two            tools
 #   ream by built-in paths and by poses                 bones
 #   export                                              text, NIfTI, STL, PNG
 #   diff, info                                          page, JSON
 #
-# and the objects of --json, without the lines that hold times.  What is by
-# contract about chunks (chunk, chunk_dims, chunks, active_chunks, chunk_bytes
-# of import and ream) is compared among ways with chunks of one size, the rest
-# of these objects among all.
+# and the objects of --json without the lines that hold times. The keys that depend on chunks by
+# definition (chunk, chunk_dims, chunks, active_chunks, chunk_bytes of import and ream) are
+# compared among configurations with the same chunk size, all other keys among all.
 #
-# By default instruction sets and threads meet each other once and chunk sizes
-# go round; OST_TEST_LONG=1 tries every combination.
+# By default each instruction set is combined with each number of threads once, and chunk sizes
+# rotate; OST_TEST_LONG=1 tests every combination.
 # Covers: AR-CHK-3, AR-FILE-1, AR-LAW-1, REQ-CPU, REQ-SAME-FILES
 . "${srcdir:-.}/tests/app/lib.sh"
 
@@ -29,15 +27,16 @@ have assimp && meshes=yes || meshes=no
 have nifti && nifti=yes || nifti=no
 have png && png=yes || png=no
 
-# What everybody starts from.
+# The common inputs.
 run 0 phantom glenoid --spacing 0.8 --out ct.nrrd
 run 0 export ct.nrrd --out ct.txt
 [ $nifti = yes ] && run 0 export ct.nrrd --out ct.nii.gz
-# The same lines in another order, by a key that goes round: what comes first in a scan comes anywhere here.
+# The same lines in another order, by a key modulo a prime: the first lines of a scan may be
+# anywhere here.
 grep -v '^#' ct.txt | awk '{ print (NR * 7919) % 10007, $0 }' | LC_ALL=C sort -n | cut -d' ' -f2- >shuffled.txt
 run 0 tool reamer --out reamer.stl
 run 0 tool peg --out peg.stl
-# Poses around the glenoid, turning, with moves that need poses between them.
+# Poses around the glenoid that turn, with moves that need poses in between.
 run 0 info ct.nrrd --json
 # shellcheck disable=SC2046 # three numbers
 set -- $(value meta.glenoid_at_mm)
@@ -50,12 +49,12 @@ awk -v x="$1" -v y="$2" -v z="$3" 'BEGIN {
     }
 }' >poses.csv
 
-# The lines of a JSON object that hold no time.
+# timeless: removes the lines of a JSON object that hold times.
 timeless() { grep -vE '^ *"(time_ms|run_ms|p50|p99|max)":' | sed 's/,$//'; }
-# And nothing about chunks, which may be a number or an array.
+# chunkless: removes the keys that depend on chunks, which may be numbers or arrays.
 chunkless() { awk '/"(chunk|chunks|active_chunks|chunk_bytes)": [0-9]/ { next } /"chunk_dims": \[/ { skip = 1 } !skip { print } /\]/ { skip = 0 }'; }
 
-# verb OUTPUT ARGUMENT...: a verb whose object becomes OUTPUT.json
+# verb OUTPUT ARGUMENT...: runs a verb whose object is stored in OUTPUT.json
 verb() {
     output=$1
     shift
@@ -65,11 +64,11 @@ verb() {
     timeless <object >"$output.chunked.json"
     chunkless <"$output.chunked.json" >"$output.json"
     rm -f object err
-    # Which sizes of chunks are asked for is nobody else's business.
+    # Only import and ream have keys that depend on chunks.
     case $1 in import | ream) ;; *) rm "$output.chunked.json" ;; esac
 }
 
-# work CHUNK OPTION...: everything, in this folder
+# work CHUNK OPTION...: does all the work, in the current folder
 work() {
     chunk=$1
     shift
@@ -99,12 +98,13 @@ work() {
     fi
 }
 
-# Pictures take longest and are drawn from files that are compared anyway: one way in five draws.
+# Pictures take longest and are drawn from files that are compared anyway, so only every fifth
+# configuration draws.
 pictures=0
 [ $png = no ] || pictures=4
 draws=$png
 ways=0
-# same NAME CHUNK OPTION...: works, and compares with the reference's files
+# same NAME CHUNK OPTION...: does the work and compares the files with those of the reference
 same() {
     name=$1
     shift
@@ -134,7 +134,7 @@ for size in 32 16 64; do
         cmp -s "$file" "ref$size/${file#ref32/}" || fail "ref, chunks of $size: ${file#ref32/} is another than with 32"
     done
 done
-# A reference that removes nothing, or whose objects were emptied above, would prove nothing.
+# A reference that removes nothing, or objects that were emptied above, would prove nothing.
 check "removed by the built-in paths" "$(grep -c '"removed_voxels": [1-9]' ref32/reamed.json)" 1
 check "removed by the poses" "$(grep -c '"removed_voxels": [1-9]' ref32/free.json)" 1
 check "digests kept in JSON" "$(grep -c '"sha256"' ref32/bone.json)" 4
@@ -157,7 +157,7 @@ for isa in $isas; do
     done
 done
 
-# What OpenMP is told: an odd number of threads, fewer than are asked for, as many as it likes.
+# OpenMP's variables: an odd number of threads, fewer than requested, a dynamic number.
 OMP_NUM_THREADS=5 OMP_SCHEDULE=dynamic,1 same "OMP_NUM_THREADS=5" 32
 OMP_THREAD_LIMIT=2 OMP_DYNAMIC=true same "OMP_THREAD_LIMIT=2" 32 --threads 7
 if [ "$long" = 1 ]; then

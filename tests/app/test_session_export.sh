@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# A session for other programs: MCAP and HDF5, each read by its specification
-# alone and compared with the table, tick by tick; by libhdf5 where it is.
+# Exports a session to MCAP and HDF5. Each file is read by its specification alone and compared
+# with the table, tick by tick, and by libhdf5 where it is installed.
 # Covers: REQ-SESSION-EXPORT
 . "${srcdir:-.}/tests/app/lib.sh"
 if [ -z "${PYTHON3:-}" ] || [ "$PYTHON3" = no ]; then
@@ -13,7 +13,7 @@ tool="$PYTHON3 $source_folder/tests/app/export_tool.py"
 run 0 phantom glenoid --spacing 1 --out ct.nrrd
 run 0 import ct.nrrd --out bone.nrrd
 run 0 sim --headless --no-clock --bone bone.nrrd --path builtin:glenoid-ream --seconds 2 --record felt.session
-# Two tools, and a path that begins before nought.
+# Two tools, and a path that begins before time 0.
 { echo "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,tool"; echo "-0.5,0,0,0,1,0,0,0,0"; echo "-0.25,0,0,1,1,0,0,0,1"; echo "0.125,0,0,2,0.6,0,-0.8,0,0"; } >early.csv
 run 0 ream --bone bone.nrrd --tool builtin:peg --tool builtin:reamer --path early.csv --out r.nrrd --record early.session
 
@@ -30,7 +30,7 @@ felt=$(awk -F, 'NR > 1 && ($17 == 1 || $21 != 0 || $22 != 0 || $23 != 0 || $24 !
 check "MCAP" "$($tool mcap felt.mcap felt.csv)" "2000 ticks, $felt forces"
 check "HDF5" "$($tool hdf5 felt.h5 felt.csv)" "2000 ticks, $felt forces"
 
-# Which voxels went: those in which the two bones differ, each once.
+# The removed voxels are those in which the two bones differ, each listed once.
 run 0 export felt.session --voxels --out voxels.h5 --json
 voxels=$(value removed_voxels)
 run 0 replay felt.session --out reamed.nrrd --json
@@ -53,7 +53,7 @@ assert metadata["mcap.time_shift_ns"] == "500000000", metadata
 assert sorted({t for _, t, _ in messages}) == [0, 250000000, 625000000], messages
 END
 
-# What a reader of its own would not notice, a changed byte, shows in a CRC.
+# A changed byte that a reader might not notice is detected by a CRC.
 "$PYTHON3" - <<'END'
 data = bytearray(open("felt.mcap", "rb").read())
 data[len(data) // 2] ^= 1

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# osteon sim without a window: what it must say, and that an operation is the
-# same with a clock and without, live and replayed. No time is tested.
+# Tests osteon sim without a window: its output, and that an operation is the same with and
+# without a clock, live and replayed. No time is tested.
 # Covers: REQ-BESIDE, REQ-FILM, REQ-HAPTICS, REQ-REPLAY, REQ-MOTION, REQ-DEVICE-LOST
 . "${srcdir:-.}/tests/app/lib.sh"
 other=cpu:isa=scalar,threads=2
@@ -26,7 +26,8 @@ check "live, and again" "$(value equal) $(value ticks) $(value end_compared) $(v
 run 0 info live.session --json
 check "what drove it" "$(value header.device) $(value header.tick_ns)" "sim 1000000"
 
-# Without a clock, on other threads: the same operation. With another hand: another one.
+# Without a clock and with other threads it is the same operation; another simulated operator
+# gives another one.
 run 0 sim --headless --bone bone.nrrd --seconds 0.5 --no-clock --threads 2 --json
 check "without a clock" "$(value ticks) $(value missed) $(value sha256)" "500 0 $live"
 run 0 sim --headless --bone bone.nrrd --device sim:grip=light,friction=20,tremor=300,seed=4 --seconds 2 --no-clock --json
@@ -36,7 +37,8 @@ check "the same hand" "$(value sha256)" "$shaking"
 run 0 sim --headless --bone bone.nrrd --device sim:grip=light,friction=20,tremor=300,seed=5 --seconds 2 --no-clock --json
 [ "$(value sha256)" != "$shaking" ] || fail "another seed shakes alike"
 
-# A renderer beside it changes nothing, and its picture is the same on every instruction set.
+# A renderer running at the same time changes nothing, and its picture is the same on every
+# instruction set.
 if "$osteon" devices | grep -q '^  png *yes'; then
     run 0 sim --headless --bone bone.nrrd --seconds 0.3 --no-clock --size 320x200 --picture seen.png --json
     has renderer.frames renderer.fps renderer.frame_ms.p50 renderer.frame_ms.p99 renderer.changed_chunks
@@ -57,11 +59,12 @@ if "$osteon" devices | grep -q '^  png *yes'; then
         ! cmp -s gl.png thesis.png || fail "the thesis' frame is ours"
     fi
 fi
-# Loops for comparison beside the same frames, and what comes of frames where nothing is drawn.
+# Baseline runs with the same frames, and the frame times where nothing is drawn.
 run 0 sim --headless --bone bone.nrrd --seconds 0.3 --idle 0.5 --size 64x48 --renderer points --json
 has renderer.fps_worst_1_percent renderer.floor.fps renderer.floor.fps_worst_1_percent renderer.floor.busy_fps_worst_1_percent rested_missed rested_wake_us.max
 check "the loops beside it" "$(value idle_ticks) $(value busy_ticks) $(value rested_ticks)" "500 500 500"
-# The run of 300 ticks draws 18 frames, some more where the machine is late; each loop of the comparison draws 30.
+# The run of 300 ticks draws 18 frames, a few more if the machine is late; each baseline run
+# draws 30.
 [ "$(value renderer.frames)" -lt 48 ] || fail "frames of a comparison were counted: $(value renderer.frames) in 0.3 s"
 run 0 sim --headless --bone bone.nrrd --seconds 0.2 --idle 0 --renderer null --json
 check "a renderer that draws nothing" "$(value renderer.name) $(value renderer.width)" "null 0"
@@ -70,7 +73,8 @@ refuse 2 "one video at a time" sim --headless --bone bone.nrrd --video a.y4m --v
 refuse 2 "--size 12x: expected" sim --headless --bone bone.nrrd --size 12x
 refuse 2 "needs --renderer points" sim --headless --bone bone.nrrd --renderer null --picture a.png
 
-# With a force less goes than without, and what the hand felt is recorded; the session replays all the same.
+# With a force less is removed than without, and the force on the hand is recorded; the session
+# still replays.
 run 0 sim --headless --bone bone.nrrd --path builtin:glenoid-ream --seconds 2.5 --no-clock --force off --json
 free=$(value removed_voxels)
 run 0 sim --headless --bone bone.nrrd --path builtin:glenoid-ream --seconds 2.5 --no-clock --record felt.session --json
@@ -82,11 +86,12 @@ run 0 replay felt.session --verify --backend cpu:isa=scalar --json
 check "felt, and again" "$(value equal) $(value sha256)" "true $felt"
 run 0 export felt.session --out felt.csv
 awk -F, 'NR > 1 && $21 != 0 { n++ } END { exit n < 100 }' felt.csv || fail "no force is recorded"
-# Removal in some ticks only, force in all: the thesis' 333 Hz, a divisor, and none of the loop's; each replays.
+# Removal in some ticks only, force in all: the thesis' 333 Hz, a divisor of the loop's rate,
+# and a rate that is no divisor; each replays.
 for rate in 333:200 250:150 70:42; do
     run 0 sim --headless --bone bone.nrrd --seconds 0.6 --no-clock --rate "${rate%:*}" --record rate.session --json
     check "removals at ${rate%:*} Hz" "$(value removals)" "${rate#*:}"
-    # The hand comes from 2 mm outside the face, which takes 0.1 s.
+    # The tool starts 2 mm outside the face, which takes 0.1 s.
     [ "$(value contact_ticks)" -gt 450 ] || fail "at ${rate%:*} Hz the tool lost the bone: $(value contact_ticks) ticks of contact"
     at_rate=$(value sha256)
     run 0 replay rate.session --verify --json
@@ -113,7 +118,7 @@ run 0 sim --headless --bone bone.nrrd --path builtin:glenoid-ream --seconds 2.5 
 check "instant" "$(value force)" instant
 refuse 2 "device null renders no force" sim --headless --bone bone.nrrd --device null --force energy
 
-# Scripts and sessions as devices; they end before the time does.
+# Scripts and sessions as devices end before the given time.
 run 0 sim --headless --bone bone.nrrd --device replay --path live.session --no-clock --json
 check "a session as a device" "$(value ticks) $(value sha256)" "500 $live"
 grep -q "nothing more to give" out || fail "a session's end: $(cat out)"
@@ -126,7 +131,7 @@ check "a tool that stays" "$(value ticks) $(value scheduling) $(value idle_ticks
 run 0 sim --headless --bone bone.nrrd --device null --seconds 0.05
 grep -q "deadlines missed" out || fail "people read: $(cat out)"
 
-# A tracked hand that is not seen for 0.2 s in the middle, nor in the last 0.2 s.
+# A tracked device whose tracking is lost for 0.2 s in the middle, and in the last 0.2 s.
 awk 'BEGIN {
     print "t_s,x_m,y_m,z_m,qw,qx,qy,qz"
     for (i = 0; i <= 300; i++) {
@@ -144,7 +149,8 @@ grep -q "did not see the hand 2 times, 0.399 s in all" out || fail "a drop-out: 
 refuse 2 "nowhere.csv: cannot be opened" sim --headless --bone bone.nrrd --device motion:nowhere.csv
 refuse 2 "bone.nrrd:1: " sim --headless --bone bone.nrrd --device motion:bone.nrrd
 
-# Stopped in the middle, killed even, and gone on with: the same bone as in one go.
+# Operations that were stopped or killed in the middle and continued give the same bone as one
+# without a break.
 "$osteon" ream --bone bone.nrrd --tool builtin:peg --tool builtin:reamer --path builtin:peg-hole --path builtin:glenoid-ream --out all.nrrd \
     --record all.session >/dev/null || fail "a recording to cut"
 "$osteon" export all.session --out all.csv >/dev/null || fail "a table to cut"
@@ -168,7 +174,7 @@ check "a device that is elsewhere" "$(value faults) $(value fault_ticks)" "1 20"
 refuse 2 "it is what is resumed" sim --headless --resume first.session --record first.session
 refuse 2 "is not the bone of this session" sim --headless --resume first.session --bone all.nrrd
 
-# Asked to end by a signal: the session is whole, and says that it was ended.
+# Ended by a signal: the session is complete and records that reason.
 "$osteon" sim --headless --bone bone.nrrd --seconds 20 --idle 0 --record asked.session --json >out 2>err &
 while [ ! -s asked.session ] && kill -0 $! 2>/dev/null; do sleep 0.05; done
 sleep 0.4
@@ -180,7 +186,8 @@ ticks=$(value ticks)
 run 0 info asked.session --json
 check "its session" "$(value ended) $(value replayable_ticks)" "true $ticks"
 
-# A disk that fills up meanwhile: said at once, and the operation goes on to its end.
+# A disk that fills up during the operation: reported immediately, and the operation continues
+# to its end.
 (
     ulimit -f 60 # blocks of 512 or 1024 bytes
     "$osteon" sim --headless --bone bone.nrrd --seconds 1.2 --idle 0 --record full.session >out 2>err
@@ -188,7 +195,7 @@ check "its session" "$(value ended) $(value replayable_ticks)" "true $ticks"
 check "status of a run on a full disk" $? 2
 grep -q "limit of a file's size is reached; the operation goes on, and the recording waits: there is room for" err || fail "a full disk: $(cat err)"
 grep -q "1,200 ticks: the time was over" out || fail "on a full disk: $(cat out)"
-# A reader of a pipe that reads nothing for three seconds is a slow disk.
+# A pipe whose reader reads nothing for three seconds is like a slow disk.
 if [ "${OST_TEST_LONG:-0}" = 1 ] && mkfifo slow.session; then
     (sleep 4; cat >whole.session) <slow.session &
     run 0 sim --headless --bone bone.nrrd --seconds 5 --idle 0 --record slow.session
@@ -205,7 +212,8 @@ refuse 2 "--seconds 0 is no time" sim --headless --seconds 0
 refuse 2 "--seconds -1: must be from 0" sim --headless --seconds -1
 refuse 2 "needs one --path SESSION" sim --headless --device replay
 refuse 2 "must end in .session" sim --headless --record x.log
-# A device that is lost: status 3, all outputs are written, and the session can be replayed and continued.
+# A lost device: the status is 3, all outputs are written, and the session can be replayed and
+# continued.
 if [ -e "$build/.libs/fake_hd.so" ] && [ -z "${OST_SAN_CFLAGS:-}" ]; then
     OSTEON_OPENHAPTICS_LIBRARY=$build/.libs/fake_hd.so FAKE_HD_FAIL_READ_AT=200
     export OSTEON_OPENHAPTICS_LIBRARY FAKE_HD_FAIL_READ_AT
@@ -217,12 +225,13 @@ if [ -e "$build/.libs/fake_hd.so" ] && [ -z "${OST_SAN_CFLAGS:-}" ]; then
     run 0 replay lost.session --verify --json
     check "lost, and again" "$(value complete) $(value verified_ticks)" "true $lost_ticks"
     unset FAKE_HD_FAIL_READ_AT
-    # The limit of the force: a file's before the device's own, that before the default.
+    # The limit of the force: a file's value has priority over the device's own, which has
+    # priority over the default.
     OSTEON_DHD_LIBRARY=$build/.libs/fake_dhd.so
     export OSTEON_DHD_LIBRARY
     echo "max_force: 2" >two.force
     echo "stiffness: 250" >soft.force
-    # limit DEVICE EXPECTED [FILE]: what the report and the session say of it.
+    # limit DEVICE EXPECTED [FILE]: checks the limit in the report and in the session
     limit() {
         run 0 sim --headless --bone bone.nrrd --device "$1" --seconds 0.02 --idle 0 --record limit.session --json ${3:+--force-params "$3"}
         check "limit of $1, ${FAKE_HD_MAX_FORCE-}${FAKE_DHD_TYPE-} ${3-}" "$(value max_force_n) $(value max_force_from)" "$2"
@@ -254,7 +263,8 @@ if [ -e "$build/.libs/fake_hd.so" ] && [ -z "${OST_SAN_CFLAGS:-}" ]; then
     unset FAKE_DHD_TYPE
     limit sim "3 default"
 fi
-# Before anybody touches anything nothing is removed, whatever the tools; a hand begins clear of the bone.
+# Before the device moves nothing is removed, whatever the tools; a simulated operator starts
+# clear of the bone.
 run 0 sim --headless --bone bone.nrrd --device null --seconds 1 --no-clock --json
 check "nothing is touched" "$(value ticks) $(value removed_voxels) $(value overlap_voxels)" "1000 0 0"
 for device in sim script; do
@@ -263,14 +273,15 @@ for device in sim script; do
 done
 run 0 sim --headless --bone bone.nrrd --device null --tool builtin:burr --tool builtin:peg --seconds 0.1 --no-clock --json
 check "nothing is touched by others" "$(value removed_voxels)" 0
-# A motor that is off: no path removes anything.
+# With the motor off no path removes anything.
 for path in peg-hole glenoid-ream glenoid-slow glenoid-press; do
     run 0 ream --bone bone.nrrd --tool builtin:reamer --path builtin:$path --rpm 0 --out off.nrrd --json
     check "$path with the motor off" "$(value removals) $(value removed_voxels)" "0 0"
 done
 run 0 sim --headless --bone bone.nrrd --device sim --rpm 0 --seconds 0.5 --no-clock --json
 check "a hand that presses with the motor off" "$(value removed_voxels)" 0
-# With it on more goes than of a tool that does not turn: a path that says so itself, row by row.
+# With the motor on more is removed than by a tool that does not turn; the path gives the speed
+# row by row.
 run 0 ream --bone bone.nrrd --tool builtin:reamer --path builtin:glenoid-ream --out on.nrrd --json
 turning=$(value removed_voxels)
 run 0 ream --bone bone.nrrd --tool builtin:reamer --path builtin:glenoid-ream --rpm 1 --out on.nrrd --json
@@ -280,7 +291,7 @@ refuse 2 "at least 13.3 Hz" sim --headless --bone bone.nrrd --rate 5
 refuse 2 "it has no button 'lever'" sim --headless --bone bone.nrrd --device dhd --buttons lever=motor
 refuse 2 "device sim has no buttons" sim --headless --bone bone.nrrd --buttons 1=motor
 "$osteon" sim --print-force-params | grep -q '^speed' && fail "the motor's speed is no parameter of the force"
-# What devices give differs, and files to copy say so.
+# Suitable parameters depend on the device; each preset file is accepted.
 for preset in "$source_folder"/presets/*.force; do
     run 0 sim --print-force-params --force-params "$preset" --json
     check "$(basename "$preset")" "$(value force_params.max_force)" "$(sed -n 's/^max_force: \([0-9.]*\) .*/\1/p' "$preset")"

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What is written over a frame, at any size and density: within the frame,
- * nothing over something else, no text out of its panel, no letter too small
- * to be read; at the sizes that people have, everything.
+ * The HUD over a frame, at any size and density: all of it is within the frame, nothing
+ * overlaps, no text exceeds its panel, and no letter is too small to be read; common sizes show
+ * everything.
  * Covers: REQ-WINDOW
  */
 #include <stdlib.h>
@@ -129,7 +129,7 @@ static void all_of_it_at_usual_sizes(void **state)
     }
 }
 
-/* What a HUD of these facts draws on a grey sheet. */
+/* Draws the HUD of these facts on a grey frame. */
 static void drawn(const sim_hud_facts *f, uint32_t *pixels, int width, int height)
 {
     for (int i = 0; i < width * height; i++)
@@ -153,14 +153,14 @@ static void what_is_said_of_forces_depth_and_times(void **state)
     f.force_n = 2.4;
     f.force_full_n = 3;
     f.reached_mm = f.planned_mm = 3;
-    /* No zero has a sign. */
+    /* Zeros have no sign. */
     f.reached_mm = f.back_deg = f.up_deg = f.removed_mm3 = f.contact_n = f.force_n = 0;
     drawn(&f, a, W, H);
     f.reached_mm = f.removed_mm3 = f.contact_n = f.force_n = -0.04;
     f.back_deg = f.up_deg = -0.04;
     drawn(&f, b, W, H);
     assert_memory_equal(a, b, sizeof a);
-    /* Contact force, hand force and depth are each shown. */
+    /* Contact force, hand force and depth are each displayed. */
     double *const shown[] = {&f.contact_n, &f.force_n, &f.reached_mm};
     for (size_t i = 0; i < sizeof shown / sizeof *shown; i++) {
         *shown[i] = 1.7;
@@ -168,7 +168,7 @@ static void what_is_said_of_forces_depth_and_times(void **state)
         assert_memory_not_equal(a, b, sizeof a);
         *shown[i] = 0;
     }
-    /* Times of loop and frames stand there when they are asked for. */
+    /* The times of loop and frames are displayed on request. */
     const sim_hud_layout with = sim_hud_arrange(hud, W, H, &f);
     f.timings = false;
     const sim_hud_layout without = sim_hud_arrange(hud, W, H, &f);
@@ -179,7 +179,7 @@ static void what_is_said_of_forces_depth_and_times(void **state)
     f.frame_ms = 99;
     drawn(&f, b, W, H);
     assert_memory_equal(a, b, sizeof a);
-    /* The colour turns where the plan is passed. */
+    /* The colour changes where the depth exceeds the plan. */
     const uint32_t within_plan = sim_hud_depth_colour(3, 3), beyond = sim_hud_depth_colour(3.1, 3), far = sim_hud_depth_colour(4.1, 3);
     assert_true(within_plan == sim_hud_depth_colour(0, 3) && beyond == sim_hud_depth_colour(4, 3) && far == sim_hud_depth_colour(40, 3));
     assert_true(within_plan != beyond && beyond != far && far != within_plan);
@@ -188,7 +188,7 @@ static void what_is_said_of_forces_depth_and_times(void **state)
     hud = NULL;
 }
 
-/* Larger frames have larger letters, denser ones too; a pixel more or less does not have others. */
+/* Larger frames have larger letters, and denser ones too; a change of one pixel does not change the letters. */
 static void letters_grow(void **state)
 {
     ost_error err = {0};
@@ -212,7 +212,10 @@ static uint32_t mixed(uint32_t a, uint32_t b, unsigned share)
     return v;
 }
 
-/* However many pixels are mixed at once, and wherever they begin: each is what it would be alone, and no other is touched. */
+/*
+ * The result for a pixel does not depend on the number of pixels that are blended at once, or
+ * on the first one's alignment, and no other pixel is changed.
+ */
 static void every_pixel_is_mixed_alone(void **state)
 {
     enum { W = 37, H = 3 };
@@ -235,7 +238,7 @@ static void every_pixel_is_mixed_alone(void **state)
     }
 }
 
-/* Letters are the same wherever they stand, and what is outside is not drawn. */
+/* Letters are the same at every position, and the part outside the frame is not drawn. */
 static void letters_are_the_same_anywhere(void **state)
 {
     enum { W = 120, H = 24 };
@@ -255,7 +258,7 @@ static void letters_are_the_same_anywhere(void **state)
             for (int x = 0; x < W; x++) {
                 drawn += first[y * W + x] != 0x406080;
                 const int from = x - shift;
-                /* The first one is cut at its left edge. */
+                /* The first letter is clipped at its left edge. */
                 if (from >= 2 && from < W)
                     assert_int_equal(pixels[y * W + x], first[y * W + from]);
             }

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Surfaces of voxels: closed whatever the voxels, outward, and as large as
- * what they enclose.
+ * Surfaces of voxels are closed for any voxels, outward, and enclose the right volume.
  */
 #include "harness.h"
 
@@ -34,7 +33,7 @@ static void assert_closed(const ost_volume *volume, int32_t threshold, ost_surfa
     ost_mesh_free(&mesh);
 }
 
-/* All 256 neighbourhoods and what they do to their neighbours occur in noise; every density of noise is tried. */
+/* Noise contains all 256 neighbourhoods and their combinations; every density of noise is tested. */
 static void noise_is_closed(void **state)
 {
     (void)state;
@@ -52,7 +51,7 @@ static void noise_is_closed(void **state)
     }
 }
 
-/* A ball given by distance: the surface's volume is the ball's to within a percent. */
+/* A ball given by distances: the volume within the surface is that of the ball, to one percent. */
 static void ball_has_its_volume(void **state)
 {
     (void)state;

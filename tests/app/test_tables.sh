@@ -1,16 +1,16 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# The thesis' grids: Tables 3.1 and 3.2 for its five models, and its reamer at
-# three resolutions, out of phantom | import and tool | voxelize, on every
-# backend of OST_TEST_BACKENDS (tests/backends.h) with the same digests.  The
-# two largest run with OST_TEST_LONG=1.
+# The thesis' grids: Tables 3.1 and 3.2 for its five models, and its reamer at three
+# resolutions, made by phantom | import and tool | voxelize with the same digests on every
+# backend of OST_TEST_BACKENDS (tests/backends.h). The two largest models run with
+# OST_TEST_LONG=1.
 # Covers: AR-CUB-1, AR-CHK-1, AR-TOOL-2, REQ-TABLES
 . "${srcdir:-.}/tests/app/lib.sh"
 
 backends=${OST_TEST_BACKENDS:-ref cpu:threads=2 cpu:isa=scalar,threads=3}
 first=${backends%% *}
 
-# model KIND RECT CUBIC CHUNKS
+# model KIND RECT CUBIC CHUNKS: checks the dimensions of a model
 model() {
     run 0 phantom "$1" --out model.nrrd --json || return
     check "$1: dims" "$(value dims.0) $(value dims.1) $(value dims.2)" "$2"

@@ -1,18 +1,19 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# What acts on a terminal never reaches one: a file name and a note with escape sequences, a newline,
-# C1 controls, bytes that are no UTF-8 and characters that turn the direction, given to every verb,
-# in what it prints, warns of, refuses and writes as JSON.
+# No character that controls a terminal is printed. A file name and a note with escape
+# sequences, a newline, C1 controls, invalid UTF-8 and characters that change the text direction
+# are passed to every verb; its output, warnings, errors and JSON are checked.
 # Covers: REQ-TERMINAL
 . "${srcdir:-.}/tests/app/lib.sh"
 needs ASSIMP PNG
 
 # ESC [ 3 1 m, BEL, newline, CSI as UTF-8 and as a byte, a right-to-left override, an isolate, a line separator
 evil=$(printf 'a\033[31mb\007c\nQZX\302\233e\2339f\342\200\256g\342\201\246h\342\200\250i')
-# Umlauts and other scripts stay as they are.
+# Umlauts and other scripts are unchanged.
 kind=$(printf 'Schl\303\274ssel-\351\252\250')
 
-# clean WHAT: files out and err hold no such character but the newlines at the lines' ends
+# clean WHAT: checks that files out and err hold no such character except newlines at the ends
+# of lines
 clean() {
     checks=$((checks + 1))
     for stream in out err; do
@@ -47,10 +48,11 @@ printf 'wall_stiffness\033[31m: 7\n' >"$evil.params"
 cp -r bundle "$evil.bundle"
 echo more >"$evil.bundle/$evil"
 
-# Every verb, with the name where a file that exists, one that does not, and an output are named; with and without --json.
+# Every verb, with the name as an existing file, a missing file and an output; with and without
+# --json.
 for json in '' --json; do
     for verb in phantom tool import voxelize ream replay sim diff render export info validate compare verify bench devices bridge; do
-        # As an operand, an option, a value and a verb's name
+        # As an operand, an option, a value and a verb's name.
         shows $verb "$evil" $json
         shows $verb "--$evil" $json
         [ -n "$json" ] || shows $verb --threads "$evil"
@@ -86,7 +88,7 @@ done
 shows "$evil"
 shows help "$evil"
 
-# A fact in a file's header: the program shows what it read.
+# A fact in a file's header, which the program prints.
 { printf '# osteon %s: 1\n' "$(printf 'no\033]0;title\007te\302\233')"; printf '# note: \033[31mred\n'; cat <<END; } >noted.txt
 0 0 0 500
 1 0 0 500
@@ -111,7 +113,7 @@ run 0 info "$(printf 'a\033b\302\233c\342\200\256d').nrrd" --json
 checks=$((checks + 1))
 grep -qiF 'a\u001bb\u009bc\u202ed.nrrd' out || fail "JSON has lost the name: $(head -c 300 out)"
 
-# What is no danger is shown.
+# Harmless characters are printed.
 mv bone.nrrd "$kind.nrrd"
 run 0 info "$kind.nrrd"
 checks=$((checks + 1))

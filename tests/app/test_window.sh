@@ -1,9 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# osteon sim in a window: what it says without one, and a window under Xvfb
-# that is moved, resized, clicked and typed into, whose session replays; one
-# whose display goes away, and one that somebody else destroys: each ends with
-# one line and its session.  What no test can order here is in tests/window.
+# osteon sim in a window: the error without a display; a window under Xvfb that is moved,
+# resized, clicked and typed into, whose session replays; a window whose display ends, and one
+# that another client destroys, each of which ends with one line and its session. Events whose
+# order cannot be controlled here are tested in tests/window.
 # Covers: REQ-WINDOW
 . "${srcdir:-.}/tests/app/lib.sh"
 
@@ -31,21 +31,21 @@ MESA_GL_VERSION_OVERRIDE=2.1 refuse 3 "needs OpenGL 3.3, and here is 2.1 Mesa" s
 run 0 phantom glenoid --out ct.nrrd
 run 0 import ct.nrrd --out bone.nrrd
 
-# Who closes it waits for no loop of comparison.
+# Closing the window ends the program without waiting for a baseline run.
 opened window.session --idle 20 --json
-# Keys and clicks wait for its first frames.
+# Keys and clicks are sent after its first frames.
 sleep 0.3
 xdotool mousemove --window "$window" 320 200
 xdotool mousedown 1 mousemove_relative 5 3 mousemove_relative 5 3 mouseup 1
 xdotool click 4 click 4 click 5
-# The hand begins clear of the bone: it goes in with the motor on.
+# The tool starts clear of the bone and moves in with the motor on.
 xdotool keydown space keydown w; sleep 2; xdotool keyup w keyup space
 xdotool keydown shift mousedown 1 mousemove_relative 4 4 mouseup 1 keyup shift
 xdotool mousedown 3 mousemove_relative 20 10 mouseup 3 keydown ctrl click 4 keyup ctrl
 xdotool key F1 key F1 key F3 key F8 key F10 key F10 key Tab key shift+Tab key Home key 1 key 0 key shift+Left
 xdotool windowsize "$window" 500 333 windowmove "$window" 30 40
 sleep 0.2
-# shot: one more picture, which is then in $picture
+# shot: takes one more picture, whose name is then in $picture
 shots=0
 shot() {
     shots=$((shots + 1))
@@ -56,7 +56,7 @@ shot() {
         sleep 0.1
     done
 }
-# The last picture is what the window shows, also once the screen has lost it.
+# Checks that the last picture is what the window displays, even after the screen was cleared.
 on_screen() {
     [ -e "$picture" ] && command -v python3 >/dev/null || return 0
     set -- $(xdotool getwindowgeometry "$window" | sed -n 's/.*Position: \([-0-9]*\),\([-0-9]*\).*/\1 \2/p')
@@ -66,7 +66,7 @@ on_screen() {
     done
     return 1
 }
-# The hand may still be on its way: then a later picture is the one.
+# The tool may still be moving: then a later picture is compared.
 for i in 1 2 3; do
     shot
     on_screen && break
@@ -96,7 +96,7 @@ removed=$(value sha256)
 run 0 replay window.session --verify --json
 check "what was done, again" "$(value equal) $(value sha256)" "true $removed"
 
-# lost TEXT: status 3, one line that says TEXT, and a session that is whole
+# lost TEXT: checks for status 3, one line that contains TEXT, and a complete session
 lost() {
     ended "what the test did"
     check "$1: the status" $status 3

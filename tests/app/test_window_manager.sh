@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# osteon sim in a window that a window manager has in hand: minimised, restored,
-# maximised, moved off the screen, made tiny and huge, closed by its frame.  The
-# loop goes on meanwhile, and while nobody sees the window it costs nothing.
+# osteon sim in a window that a window manager controls: minimised, restored, maximised, moved
+# off the screen, made tiny and huge, closed by its frame. The loop runs all the time, and a
+# window that is not visible needs no processor time.
 # Covers: REQ-WINDOW
 . "${srcdir:-.}/tests/app/lib.sh"
 need_part window "built without a window"
@@ -26,7 +26,7 @@ HOME=$scratch XDG_CONFIG_HOME=$scratch XDG_CACHE_HOME=$scratch openbox --sm-disa
 manager=$!
 trap 'kill $manager $xvfb 2>/dev/null; rm -rf "$scratch"' EXIT
 
-# soon WHAT COMMAND...: it succeeds within some seconds
+# soon WHAT COMMAND...: waits some seconds for the command to succeed
 soon() {
     what=$1
     shift
@@ -46,7 +46,8 @@ goes_on() {
     before=$(wc -c <wm.session)
     soon "the loop goes on $1" grown
 }
-# In hundredths of a second, of the thread that has the window; what is in brackets may have blanks.
+# spent: prints the CPU time of the window's thread in hundredths of a second; the name in
+# brackets may contain blanks.
 spent() { sed 's/.*) //' "/proc/$pid/task/$pid/stat" | awk '{ print $12 + $13 }'; }
 
 soon "a window manager" manages

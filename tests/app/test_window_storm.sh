@@ -1,10 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# osteon sim in a window on which a seeded storm of keys, clicks, drags, sizes,
-# hiding and showing goes down for ten minutes: it goes on, keeps its memory,
-# threads and files, ends when it is asked to, and its session replays.
-# Only with OST_TEST_LONG=1, or OST_STORM_SECONDS=N for as long as that;
-# OST_STORM_SEED=N for another storm.
+# osteon sim in a window that receives a seeded random sequence of keys, clicks, drags, resizes,
+# hiding and showing for ten minutes: it continues to run, its memory, threads and files stay
+# bounded, it ends on request, and its session replays. Runs only with OST_TEST_LONG=1, or with
+# OST_STORM_SECONDS=N for N seconds; OST_STORM_SEED=N selects another sequence.
 # Covers: REQ-WINDOW
 seconds=${OST_STORM_SECONDS:-600}
 [ "${OST_TEST_LONG:-0}" = 1 ] || [ -n "${OST_STORM_SECONDS:-}" ] || { echo "only with OST_TEST_LONG=1"; exit 77; }
@@ -19,12 +18,13 @@ seed=${OST_STORM_SEED:-1}
 echo "seed $seed, $seconds s"
 run 0 phantom glenoid --out ct.nrrd
 run 0 import ct.nrrd --out bone.nrrd
-# What a sanitizer keeps of freed memory is bounded, to be told from a leak.
+# The memory that a sanitizer retains after a free is bounded, to distinguish it from a leak.
 ASAN_OPTIONS="${ASAN_OPTIONS:+$ASAN_OPTIONS:}quarantine_size_mb=8"
 export ASAN_OPTIONS
 opened storm.session --json
 
-# A line a moment, as xdotool - takes them. Park and Miller's generator, exact in any awk.
+# Prints one line for each event, in the syntax of `xdotool -`. Park and Miller's generator is
+# exact in any awk.
 awk -v w="$window" -v seed="$seed" -v seconds="$seconds" '
 function r(n) { seed = (seed * 16807) % 2147483647; return int(seed / 2147483647 * n) }
 BEGIN {
@@ -52,7 +52,7 @@ xdotool - <storm 2>storm.err &
 storm=$!
 end=$(($(date +%s) + seconds))
 
-# Memory in kB, files, threads: two seconds apart.
+# Records memory in kB, files and threads every two seconds.
 : >kept
 while kill -0 $storm 2>/dev/null && kill -0 $pid 2>/dev/null && [ "$(date +%s)" -lt $end ]; do
     echo "$(awk '/^VmRSS/ { print $2 }' /proc/$pid/status) $(ls /proc/$pid/fd | wc -l) $(ls /proc/$pid/task | wc -l)" >>kept
@@ -69,7 +69,7 @@ xdotool windowmap "$window" mousemove --window "$window" 250 160 key Escape keyd
 ended "Ctrl Q"
 check "the end's status" $status 0
 [ $status -eq 0 ] || tail -c 3000 err
-# The second fifth against the last.
+# Compares the last fifth with the second fifth.
 if [ "$(wc -l <kept)" -ge 10 ]; then
     awk '{ m[NR] = $1; f[NR] = $2; t[NR] = $3; top = $1 > top ? $1 : top }
     END {
