@@ -95,8 +95,8 @@ static bool create(ost_window *w, int width, int height, int major, int minor)
 }
 
 /*
- * Creates a window with the newest context.  If the driver's is too old, a second window shows
- * its version for the message.
+ * Creates a window with the newest supported context.  If the driver has none of version 3.3 or
+ * later, a window without requirements is opened, whose version the message reports.
  */
 static ost_status create_newest(ost_window *w, int width, int height, ost_error *err)
 {

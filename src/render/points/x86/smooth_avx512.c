@@ -168,8 +168,8 @@ static inline __m512i cell(__m512 p)
 }
 
 /*
- * No component of v is -0, since no sum v[a] fine + w[a] wide is.  The sum of magnitudes is at
- * least 1, or 0.
+ * Returns the cell of each direction v.  The components of v are sums v[a] fine + w[a] wide, which
+ * are never -0; the sum of their magnitudes is 0 or at least 1.
  */
 static inline __m512i octahedral(const __m512 v[3])
 {
