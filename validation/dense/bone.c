@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Bones: a density and an occupancy a voxel, chunks only as numbers (AR-CHK, AR-DIG-2). */
+/* Bones: a density and an occupancy per voxel; chunks exist only as numbers (AR-CHK, AR-DIG-2). */
 #include "validation/dense/parts.h"
 
 #include <stdlib.h>
@@ -44,7 +44,7 @@ static int64_t chunk_of(const ost_bone *bone, int32_t i, int32_t j, int32_t k)
     return dense_at(d, i / n, j / n, k / n);
 }
 
-/* Whether some voxel of chunk (a, b, c) is active. */
+/* Returns true if a voxel of chunk (a, b, c) is active. */
 static bool has_active(const dense_bone *bone, int32_t a, int32_t b, int32_t c)
 {
     const int32_t n = bone->base.chunk_size;
@@ -66,7 +66,7 @@ ost_status dense_bone_stats(const ost_bone *base, ost_bone_info *info, ost_error
     const int64_t count = ost_dims_count(d);
     info->active_chunks = 0;
     info->active_voxels = 0;
-    int64_t emptied = 0; /* active without a density: this count is the first that tells */
+    int64_t emptied = 0; /* voxels that are active without a density: this count is the first to show them */
     for (int64_t v = 0; v < count; v++) {
         info->active_voxels += bone->active[v];
         emptied += bone->active[v] && bone->density[v] == 0;
@@ -90,7 +90,7 @@ typedef struct upload {
     const int16_t *voxels;
 } upload;
 
-/* The density at (i, j, k) of the grid among the slices given; 0 beyond them. */
+/* Returns the density at (i, j, k) of the grid in the given slices; 0 outside of them. */
 static int16_t given(const dense_bone *bone, const upload *from, int32_t i, int32_t j, int32_t k)
 {
     const ost_dims d = bone->base.geometry.dims;
@@ -99,7 +99,7 @@ static int16_t given(const dense_bone *bone, const upload *from, int32_t i, int3
     return from->voxels[dense_at(d, i, j, k - from->z0)];
 }
 
-/* AR-CHK-1 and the kinds that break it. */
+/* Stores a voxel by AR-CHK-1, or by a kind of mistake that violates it. */
 static void store(deviant *m, const dense_bone *bone, const upload *from, int32_t i, int32_t j, int32_t k, int16_t *density, uint8_t *active)
 {
     const int32_t n = bone->base.chunk_size, threshold = bone->base.threshold;
@@ -131,7 +131,7 @@ static void store(deviant *m, const dense_bone *bone, const upload *from, int32_
         deviant_acted(m, chunk, (const int32_t[3]){i, j, k});
 }
 
-/* The thesis frees a chunk without active voxels, and so drops the densities below the threshold that it had kept. */
+/* Frees chunks without active voxels as the thesis does, which loses densities below the threshold that were kept. */
 static void free_empty_chunks(deviant *m, dense_bone *bone)
 {
     const int32_t n = bone->base.chunk_size;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The table of the dense backend; it is in no list and opened by dense_open alone. */
+/* The function table of the dense backend. It is in no list of backends; only dense_open opens it. */
 #include "validation/dense/parts.h"
 
 #include <stdlib.h>

@@ -19,7 +19,7 @@ typedef struct deviant {
     deviation_stage stage;
     uint64_t call;
     ost_dims dims;
-    int chunk_size; /* 0 where there are no chunks */
+    int chunk_size; /* 0 if there are no chunks */
 } deviant;
 
 /* Begins a new call of the stage on a grid of these dims. Does nothing if m is NULL. */

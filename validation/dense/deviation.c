@@ -86,7 +86,7 @@ static int64_t number(const ost_dims d, int32_t x, int32_t y, int32_t z)
     return x + (int64_t)d.x * (y + (int64_t)d.y * z);
 }
 
-/* The cube of n^3 that has the voxel. */
+/* Returns the number of the cube of n^3 voxels that contains the voxel. */
 static int64_t cube(const ost_dims d, int32_t n, const int32_t v[3])
 {
     return number((ost_dims){(d.x + n - 1) / n, (d.y + n - 1) / n, (d.z + n - 1) / n}, v[0] / n, v[1] / n, v[2] / n);
@@ -103,7 +103,8 @@ static deviation_place place(const deviant *m, int64_t item, const int32_t *v, i
     return p;
 }
 
-/* The first of all calls stays; within a call the least of each. */
+/* Updates *kept: the first call is kept, and within a call the least voxel, leaf and chunk. Returns false if nothing
+   is updated. */
 static bool first(const deviant *m, uint64_t *times, deviation_place *kept, deviation_place p)
 {
     if ((*times)++ == 0) {
@@ -127,7 +128,8 @@ void deviant_acted(deviant *m, uint64_t item, const int32_t voxel[3])
     first(m, &m->record.acted, &m->record.first_acted, place(m, (int64_t)item, voxel, -1));
 }
 
-/* The thesis' floats know of no right value beside them: what they change is where they acted. */
+/* For the thesis' floats there is no right value inside the algorithm to compare with: the changed position is also
+   where they acted. */
 void deviant_changed_voxel(deviant *m, const int32_t voxel[3])
 {
     bool fused;

@@ -1,27 +1,27 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Mistakes that a port of the arithmetic to a GPU can make, one kind each, and
- * the record of where one was made.
+ * the record of the positions where one was made.
  *
- * A backend opened with a deviation (dense.h) is right but for that kind.
- * Where it makes the mistake is drawn from `seed`: in one of `one_in` of the
- * kind's units (calls, samples, voxels, chunks, triangles ...), in the mean;
+ * A backend opened with a deviation (dense.h) is right except for that kind.
+ * The units in which it makes the mistake are drawn from `seed`: one of `one_in`
+ * of the kind's units (calls, samples, voxels, chunks, triangles ...) on average;
  * one_in 0 and 1 mean everywhere.
  *
- * The record has two first places.
- *   acted     a value inside the algorithm became another than the right one;
- *             the mistake itself notes it, where it is made
- *   changed   a voxel that the call leaves, or a line of its report, is
- *             another than the right one; the backend notes it, as it runs
+ * The record has two first positions.
+ *   acted     a value inside the algorithm became different from the right one;
+ *             recorded by the code of the mistake itself
+ *   changed   a voxel of the call's result, or a line of its report, became
+ *             different from the right one; recorded by the backend, which runs
  *             the stage a second time on the same input without the mistake
- * An injection that never acted was not triggered (the mistake met nothing that
- * it could spoil, or was drawn nowhere); one that acted and changed
- * nothing has survived, and the table says when that can be; what it changed
- * first is what a comparison with any right backend must find first.
+ * An injection that never acted was not triggered: the mistake found no value
+ * that it could change, or was drawn nowhere.  One that acted and changed nothing
+ * has survived; the table lists when that can happen.  What it changed first is
+ * what a comparison with any right backend must find first.
  *
- * The causes marked F stand in the literature or were measured on a device,
- * those marked T are the thesis' own text (docs/thesis-notes.md), P has
- * no source but experience.
+ * The causes marked F are documented in the literature or were measured on a
+ * device, those marked T are the thesis' own text (docs/thesis-notes.md), those
+ * marked P are only known from experience.
  */
 #ifndef OST_VALIDATION_DENSE_DEVIATION_H
 #define OST_VALIDATION_DENSE_DEVIATION_H
@@ -29,9 +29,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* In the order of the pipeline; EVERY is for kinds that are another program in every stage. */
+/* The stages in the order of the pipeline; EVERY is for kinds that replace the program in every stage. */
 typedef enum deviation_stage {
-    DEVIATION_RECT,   /* ct_to_rect; a call is a grid, whatever its batches */
+    DEVIATION_RECT,   /* ct_to_rect; a call is a grid with all its batches */
     DEVIATION_CUBIC,  /* rect_to_cubic */
     DEVIATION_CHUNKS, /* cubic_to_chunks, bone_upload */
     DEVIATION_TOOL,   /* voxelize */
@@ -41,9 +41,9 @@ typedef enum deviation_stage {
 } deviation_stage;
 
 /*
- * X(kind, name, stage, unit, what it does, where it comes from, when it survives: it acts and changes nothing)
+ * X(kind, name, stage, unit, effect, cause, survival: when it acts and changes nothing)
  *
- * The unit is what one draw decides over.
+ * The unit is the object for which one random decision is made.
  */
 #define DEVIATION_LIST(X)                                                                                                            \
     /* samples to rect grid */                                                                                                       \
@@ -261,33 +261,33 @@ typedef struct deviation_about {
     deviation_stage stage;
 } deviation_about;
 
-/* What the table says; kind is not NONE. */
+/* Returns the row of the table; kind must not be NONE. */
 const deviation_about *deviation_describe(deviation_kind kind);
-/* NONE when there is no kind of this name. */
+/* Returns the kind with this name; NONE if there is none. */
 deviation_kind deviation_by_name(const char *name);
-/* "rect", ..., "every" */
+/* Returns the name of a stage: "rect", ..., "every". */
 const char *deviation_stage_name(deviation_stage stage);
 
 /*
- * A place.  Voxel and leaf (of 32^3, as in a digest) are -1 where the place is
- * no voxel (a line of the report, a whole call); chunk is that of the bone, -1
- * where there is none.  Of several in one call it is the least voxel in the
- * order of AR-GRID-2, and the least leaf and chunk, each for itself.
+ * A position.  voxel and leaf (of 32^3, as in a digest) are -1 if the position is
+ * not a voxel (a line of the report, a complete call); chunk is that of the bone,
+ * -1 if there is none.  Of several in one call it has the least voxel in the order
+ * of AR-GRID-2, and the least leaf and chunk, each independently.
  */
 typedef struct deviation_place {
     deviation_stage stage;
-    uint64_t call; /* how many calls of the stage came before this one since the backend was opened */
-    int64_t item;  /* what was drawn over: a sample, a chunk, a triangle ...; -1 for changed */
+    uint64_t call; /* number of earlier calls of the stage since the backend was opened */
+    int64_t item;  /* the unit: a sample, a chunk, a triangle ...; -1 for changed */
     int32_t voxel[3];
     int64_t leaf;
     int64_t chunk;
 } deviation_place;
 
 typedef struct deviation_record {
-    uint64_t acted, changed; /* how often; 0: never, and the place means nothing */
+    uint64_t acted, changed; /* counts; if 0 the position is not valid */
     deviation_place first_acted, first_changed;
-    bool report; /* the first change shows in the call's report */
-    bool voxels; /* the first change shows in the call's grid */
+    bool report; /* true if the first change is in the call's report */
+    bool voxels; /* true if the first change is in the call's grid */
 } deviation_record;
 
 #endif

@@ -60,12 +60,12 @@ ost_status dense_grid_download(const ost_grid *grid, int32_t z0, int32_t count, 
 
 /* ------------------------------------------------------------------ rect */
 
-/* What a batch has in common. */
+/* The properties that all samples of a batch share. */
 typedef struct batch {
     deviant *m;
     const ost_geometry *g;
     ost_duplicates duplicates;
-    uint64_t first_item; /* of the grid's samples */
+    uint64_t first_item; /* number of the batch's first sample among those of the grid */
     bool short_rows, last_layer_lost;
 } batch;
 
@@ -74,7 +74,7 @@ static bool lower(int64_t line, int64_t known)
     return known == 0 || line < known;
 }
 
-/* AR-CT-4 and the kinds that store a sample elsewhere; -1 when it is stored nowhere. */
+/* Returns the index at which a sample is stored, by AR-CT-4 or by a kind of mistake; -1 if it is not stored. */
 static int64_t where(const batch *b, const ost_sample *s, uint64_t item, const int64_t index[3])
 {
     const ost_dims d = b->g->dims;
@@ -116,7 +116,7 @@ static void scatter(const batch *b, dense_scatter *to, const ost_sample *s, uint
     int64_t index[3];
     report->samples++;
     for (int a = 0; a < 3; a++)
-        if (p[a] > OST_LENGTH_MAX || p[a] < -OST_LENGTH_MAX) { /* no length at all, AR-LEN-1 */
+        if (p[a] > OST_LENGTH_MAX || p[a] < -OST_LENGTH_MAX) { /* out of the range of lengths (AR-LEN-1) */
             if (lower(line, report->rejected_line))
                 report->rejected_line = line;
             return;
@@ -219,7 +219,7 @@ static void fill_with_garbage(deviant *m, const dense_grid *grid)
                 }
 }
 
-/* Before the first batch. */
+/* Allocates the arrays before the first batch. */
 static ost_status prepare(dense_grid *grid, ost_error *err)
 {
     deviant *m = dense_of(grid->base.backend)->deviant;
@@ -273,7 +273,7 @@ ost_status dense_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t co
     return OST_OK;
 }
 
-/* Every voxel in which two grids of these dims differ. */
+/* Records every voxel in which two grids of these dims differ. */
 static void note_changes(deviant *m, ost_dims d, const int16_t *made, const int16_t *right)
 {
     for (int32_t k = 0; k < d.z; k++)
@@ -304,7 +304,8 @@ void dense_grid_settle(dense_grid *grid)
 
 /* ----------------------------------------------------------------- cubic */
 
-/* Voxel index with ONE - weight and the next with weight, which is not read when that is 0. */
+/* The mean of voxel `index` with weight ONE - weight and the next one with weight; the next one is not read if
+   weight is 0. */
 typedef struct source {
     int64_t index;
     int32_t weight;
@@ -312,12 +313,12 @@ typedef struct source {
 
 enum { ONE = 1 << 15 };
 
-/* AR-CUB-2 to 4 */
+/* Computes AR-CUB-2 to 4. */
 static source source_of(int32_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_resample rule)
 {
     if (rule == OST_RESAMPLE_THESIS)
         return (source){(int64_t)dense_floor((ost_int128)i * cubic, rect), 0};
-    ost_int128 t = (2 * (ost_int128)i + 1) * cubic; /* over 2 rect */
+    ost_int128 t = (2 * (ost_int128)i + 1) * cubic; /* numerator over 2 rect */
     const ost_int128 unit = 2 * (ost_int128)rect;
     if (rule == OST_RESAMPLE_NEAREST)
         return (source){(int64_t)(t / unit > n - 1 ? n - 1 : t / unit), 0};
@@ -329,7 +330,8 @@ static source source_of(int32_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_res
     return (source){(int64_t)(t / unit), (int32_t)dense_nearest(t % unit * ONE, unit)};
 }
 
-/* True where the centre lies on a source voxel's own, or begins with it by thesis, with a voxel before. */
+/* Returns true if the centre (by the rule thesis: the beginning) lies exactly on that of a source voxel that is not
+   the first. */
 static bool on_multiple(int32_t i, ost_pm cubic, ost_pm rect, source right, ost_resample rule)
 {
     const ost_int128 t = rule == OST_RESAMPLE_LINEAR ? (2 * (ost_int128)i + 1) * cubic - rect : 2 * (ost_int128)i * cubic;
@@ -345,7 +347,7 @@ static source float_source(int32_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_
     return (source){index, rule == OST_RESAMPLE_LINEAR ? (int32_t)((t - (float)index) * ONE) : 0};
 }
 
-/* The same with the kinds that choose another; axis 2 is z. */
+/* Returns the source by AR-CUB, or by a kind of mistake; axis 2 is z. */
 static source chosen(deviant *m, int axis, int32_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_resample rule, bool other_rule)
 {
     const uint64_t item = (uint64_t)axis << 32 | (uint64_t)i;
@@ -371,7 +373,7 @@ static source chosen(deviant *m, int axis, int32_t i, ost_pm cubic, ost_pm rect,
     return made;
 }
 
-/* Where voxel (x, y, z) is read. */
+/* Returns the voxel that is read for (x, y, z), by the right layout or by a mistaken one. */
 static int16_t read_source(const dense_grid *rect, int64_t x, int64_t y, int64_t z, bool swapped, bool padded)
 {
     const ost_dims d = rect->base.geometry.dims;
@@ -383,7 +385,8 @@ static int16_t read_source(const dense_grid *rect, int64_t x, int64_t y, int64_t
     return at < ost_dims_count(d) ? rect->made.voxels[at] : 0;
 }
 
-/* a (ONE - w) + b w, 2^15 times as much as a and b; a mean of means along z, y and x is the sum of the eight. */
+/* Returns a (ONE - w) + b w, which is 2^15 times the scale of a and b. Means of means along z, y and x give the sum
+   of all eight. */
 static int64_t mixed(int64_t a, int64_t b, int32_t w)
 {
     return a * (ONE - w) + b * w;

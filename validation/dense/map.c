@@ -1,28 +1,28 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Which tool voxel every active bone voxel has at one pose (AR-MAP), by
- * blocks as the text has it, in 64 bits and without far blocks or the event's
- * boxes, so whatever those leave out wrongly shows.  Left out is only a block
- * whose coordinates, linear as they are, lie beyond one side of the tool at
- * all of its corners.
+ * Determines the tool voxel of every active bone voxel at one pose (AR-MAP), by
+ * blocks as in docs/arithmetic.md, in 64 bits, without far blocks and without the
+ * event's boxes, so that voxels which those omit wrongly are found.  Only a block
+ * whose coordinates lie beyond one side of the tool at all of its corners is
+ * skipped; the coordinates are linear.
  */
 #include "validation/dense/parts.h"
 
 enum { BLOCK = 16, ONE = 1 << 20 };
 
-/* A pose as it is used, and what is wrong with it. */
+/* A pose as it is used, including its mistakes. */
 typedef struct pose {
     deviant *m;
     const ost_map *map;
     uint64_t number;
     ost_int128 column[3][3];
-    int64_t step[3][3]; /* of the right arithmetic */
-    int64_t used[3][3]; /* as it multiplies */
+    int64_t step[3][3]; /* by the right arithmetic */
+    int64_t used[3][3]; /* as multiplied, possibly with a mistake */
     bool drifting, negative_cut, border_in, all_cuts;
-    const ost_voxel_box *tight; /* NULL when boxes are no matter */
+    const ost_voxel_box *tight; /* NULL if boxes have no effect */
 } pose;
 
-/* The low 24 bits, the highest of them the sign. */
+/* Returns the low 24 bits of v, sign-extended. */
 static int64_t low24(int64_t v)
 {
     return ((v & 0xffffff) ^ 0x800000) - 0x800000;
@@ -56,7 +56,8 @@ static int64_t wrapped(int64_t v)
     return (int32_t)(uint32_t)(uint64_t)v;
 }
 
-/* base of AR-MAP-4 for the block whose first voxel is f; *wraps when its coordinates are to be taken modulo 2^32. */
+/* Computes base of AR-MAP-4 for the block whose first voxel is f; *wraps receives true if its coordinates are taken
+   modulo 2^32. */
 static void base_of(const pose *p, uint64_t item, const int32_t f[3], int64_t base[3], bool *wraps)
 {
     deviant *m = p->m;
@@ -87,7 +88,7 @@ static void base_of(const pose *p, uint64_t item, const int32_t f[3], int64_t ba
     }
 }
 
-/* The class at a coordinate, or void. */
+/* Returns the tool's class at a coordinate; void outside. */
 static uint8_t class_at(const pose *p, const dense_tool *tool, const int64_t u[3], const int32_t v[3])
 {
     const ost_dims dims = tool->base.geometry.dims;
@@ -112,7 +113,7 @@ static uint8_t class_at(const pose *p, const dense_tool *tool, const int64_t u[3
     return found;
 }
 
-/* In the last layer of its box, which the kind leaves out, or outside it. */
+/* Returns true for a voxel in the last layer of its box, which the kind of mistake omits, or outside the box. */
 static bool left_out(const pose *p, const int32_t v[3])
 {
     if (!p->tight)
@@ -125,7 +126,8 @@ static bool left_out(const pose *p, const int32_t v[3])
     return false;
 }
 
-/* No voxel of the block can be in the tool: the least and the greatest coordinate of some axis lie on one side of it. */
+/* Returns true if no voxel of the block can be in the tool: along some axis all its coordinates lie on one side of
+   the tool. */
 static bool apart(const pose *p, const dense_tool *tool, const int64_t base[3])
 {
     const ost_dims dims = tool->base.geometry.dims;
@@ -142,7 +144,7 @@ static bool apart(const pose *p, const dense_tool *tool, const int64_t base[3])
     return false;
 }
 
-/* previous is the base of the block before; the kind MISSED_BARRIER goes on with it. */
+/* Marks the voxels of a block. previous is the base of the previous block, which the kind MISSED_BARRIER uses. */
 static void map_block(const pose *p, const dense_bone *bone, const dense_tool *tool, uint64_t item, const int32_t f[3],
                       const int64_t base[3], const int64_t previous[3], bool wraps, dense_marks marks)
 {

@@ -63,7 +63,7 @@ static inline dense *dense_of(const ost_backend *backend)
     return (dense *)(uintptr_t)backend;
 }
 
-/* AR-GRID-2 */
+/* Returns the index of a voxel (AR-GRID-2). */
 static inline int64_t dense_at(ost_dims d, int64_t x, int64_t y, int64_t z)
 {
     return x + d.x * (y + d.y * z);
@@ -71,7 +71,7 @@ static inline int64_t dense_at(ost_dims d, int64_t x, int64_t y, int64_t z)
 
 /* --------------------------------------------------------------- AR-INT */
 
-/* floor(n / d), d > 0 */
+/* Returns floor(n / d); d > 0. */
 static inline ost_int128 dense_floor(ost_int128 n, ost_int128 d)
 {
     if (n >= 0)
@@ -122,7 +122,7 @@ void dense_tool_free(ost_tool *tool);
 ost_status dense_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err);
 ost_status dense_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err);
 
-/* ------------------------------------------------- what an event's voxels are */
+/* ------------------------------------------------- the marks of an event's voxels */
 
 /* Per voxel of the bone: the number of poses at which it is in a cutting or in a non-cutting voxel of the tool. */
 typedef struct dense_marks {
@@ -151,16 +151,16 @@ void dense_map_pose(deviant *m, const dense_bone *bone, const dense_tool *tool, 
 
 /* ----------------------------------------------------------- the thesis */
 
-/* Alg. 2.4 on the grid of Alg. 2.3. Returns false if the sample lies beyond the end of the array. */
+/* Computes Alg. 2.4 on the grid of Alg. 2.3. Returns false if the sample lies beyond the end of the array. */
 bool dense_thesis_rect(const ost_geometry *g, const ost_sample *sample, int64_t at[3]);
-/* Alg. 2.5 */
+/* Computes Alg. 2.5. */
 int64_t dense_thesis_layer(int32_t z, ost_pm cubic, ost_pm rect, bool fused);
-/* Alg. 2.1: MinVoxelCoords of both meshes in millimetres */
+/* Computes MinVoxelCoords of Alg. 2.1 for both meshes, in millimetres. */
 void dense_thesis_bounds(const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting, bool fused, float minimum[3]);
-/* One row's counts with float edge functions, as in tool.c */
+/* Computes one row's counts with float edge functions, as tool.c does with integers. */
 void dense_thesis_row(const ost_snapped_mesh *mesh, const float minimum[3], int32_t j, int32_t k, bool fused, int32_t *count, uint32_t *times,
                       int64_t *total, uint64_t *owners);
-/* Algs. 2.8 to 2.10 */
+/* Computes Algs. 2.8 to 2.10. */
 void dense_thesis_pose(const dense_bone *bone, const dense_tool *tool, const ost_map *map, bool fused, dense_marks marks);
 
 #endif

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Events on dense arrays (AR-REM, AR-CLS): first every mark, then the report, then the removal. */
+/* Events on dense arrays (AR-REM, AR-CLS): first all marks, then the report, then the removal. */
 #include "validation/dense/parts.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* A chunk, and its voxels lo <= v < hi. */
+/* A chunk and its voxels, lo <= v < hi. */
 typedef struct cube {
     int32_t number;
     int32_t lo[3], hi[3];
@@ -30,7 +30,7 @@ static cube cube_of(const dense_bone *bone, int32_t number)
     return k;
 }
 
-/* For every voxel of a cube, v its coordinates, at its number. */
+/* Iterates over the voxels of a cube: v are the coordinates, at is the index. */
 #define EACH_VOXEL(bone, k, v, at)                                                                         \
     for (int32_t v[3] = {0, 0, (k).lo[2]}; v[2] < (k).hi[2]; v[2]++)                                       \
         for (v[1] = (k).lo[1]; v[1] < (k).hi[1]; v[1]++)                                                   \
@@ -73,7 +73,7 @@ static void mark(deviant *m, const dense_bone *bone, const dense_tool *tool, con
     }
 }
 
-/* Takes the marks of the last chunk that is hit. */
+/* Clears the marks of the last chunk that is hit. */
 static void lose_last_chunk(deviant *m, const dense_bone *bone, dense_marks marks)
 {
     if (!deviates(m, DEVIATION_LAST_CHUNK_LOST, 0))
@@ -96,7 +96,7 @@ static void lose_last_chunk(deviant *m, const dense_bone *bone, dense_marks mark
 
 /* ---------------------------------------------------------------- report */
 
-/* AR-CLS-1 */
+/* Returns the density class by AR-CLS-1; above: the mistaken comparison by >. */
 static int class_of(const ost_density_classes *classes, int16_t density, bool above)
 {
     int found = 0;
@@ -223,7 +223,8 @@ static void flip_bit(deviant *m, dense_bone *bone)
     deviant_acted(m, 0, (const int32_t[3]){(int32_t)(at % x), (int32_t)(at / x % y), (int32_t)(at / x / y)});
 }
 
-/* Boxes may only skip what is outside the tool (event.h), and are not looked at; but an event that says it reaches nothing is none. */
+/* Returns true if the event states that it reaches no voxel; then it is none. Otherwise its boxes are ignored, since
+   they may only skip voxels outside the tool (event.h). */
 static bool reaches_nothing(const ost_event *event)
 {
     for (int k = 0; k < event->pose_count; k++) {

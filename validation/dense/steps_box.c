@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The voxels that a broad phase must include (AR-REM-5): the text states no box,
- * so that this is a bound and not a value.  sim/box.h promises the voxels whose
- * centres lie in the bone-aligned bounds of the tool's grid and one voxel
- * around it, unless no voxel at all is inside the grid.
+ * The voxels that a broad phase must include (AR-REM-5). docs/arithmetic.md
+ * prescribes no box, so this is a bound and not a value.  sim/box.h promises the
+ * voxels whose centres lie in the bone-aligned bounds of the tool's grid
+ * enlarged by one voxel, unless no voxel at all is inside the grid.
  */
 #include "validation/dense/steps.h"
 
 #include <string.h>
 
-/* o + i s against bound / n: the sign of i s n - (bound - o n). */
+/* Compares o + i s with bound / n: returns the sign of i s n - (bound - o n). */
 static int side(int64_t i, ost_pm o, ost_pm s, wide bound, wide n)
 {
     return wide_order(wide_times(wide_plus(wide_of(o), wide_times(wide_of(i), wide_of(s))), n), bound);
@@ -34,7 +34,7 @@ bool steps_bounds(const ost_pose *pose, const ost_geometry *bone, const ost_tool
             most[a] = which == 0 || wide_order(at[a], most[a]) > 0 ? at[a] : most[a];
         }
     }
-    for (int a = 0; a < 3; a++) { /* the first voxel that is not before, and the first that is behind, by halving the grid */
+    for (int a = 0; a < 3; a++) { /* bisection for the first voxel that is not before the bounds, and for the first that is behind them */
         int32_t below = 0, above = n[a], first = 0, last = n[a];
         while (below < above) {
             const int32_t middle = (below + above) / 2;
@@ -56,7 +56,8 @@ bool steps_bounds(const ost_pose *pose, const ost_geometry *bone, const ost_tool
 
 enum { BLOCK = 16 };
 
-/* A voxel of the block is inside the grid (AR-MAP-4); |base| < 2^31 and |15 step| < 2^28, in 64 bits. */
+/* Returns true if a voxel of the block is inside the grid (AR-MAP-4). |base| < 2^31 and |15 step| < 2^28, so 64 bits
+   suffice. */
 static bool block_reaches(const ost_map *map, const ost_tool_geometry *tool, const ost_dims bone, const int32_t f[3],
                           const int32_t base[3])
 {

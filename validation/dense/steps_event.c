@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Which ticks are events.  The ticks themselves are looked at again for each one; no state but a list of those that were taken is carried. */
+/* Determines which ticks are events. The ticks are examined again for each one; the only state is the list of those
+   that were not refused. */
 #include "validation/dense/steps.h"
 
 #include <stdlib.h>
@@ -22,7 +23,7 @@ static const ost_tick *taken(const steps_history *h, size_t position)
     return &h->ticks[h->taken[position]];
 }
 
-/* AR-REM-7 */
+/* Returns true if the removal period allows an event at this tick (AR-REM-7). */
 static bool is_due(const steps_history *h, const ost_tick *tick, bool anew)
 {
     if (anew || h->period_ns == 0 || taken(h, h->count - 1)->rpm == 0)
@@ -31,7 +32,7 @@ static bool is_due(const steps_history *h, const ost_tick *tick, bool anew)
     return wide_order(wide_floor(wide_of(tick->t_ns), p), wide_floor(wide_of(taken(h, h->last_event)->t_ns), p)) != 0;
 }
 
-/* AR-MOTOR-6: the sum is above a quarter of a turn. */
+/* Returns true if the sum of AR-MOTOR-6 exceeds a quarter of a turn. */
 static bool turns_too_far(const steps_history *h, const ost_tick *tick)
 {
     wide sum = wide_of(0);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* AR-CUB-1: the bone's grid, which the map starts from. */
+/* AR-CUB-1: the bone's grid, from which the map is computed. */
 #include "validation/dense/steps.h"
 
-/* The least m with m c >= n s, counted up. */
+/* Returns the least m with m c >= n s, by counting. */
 static int32_t voxels(int32_t n, ost_pm s, ost_pm c)
 {
     int32_t m = 1;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The turn of a motor.  Cosines are computed where src/core has a table: 10^-6 from a half at least, so that their last digits are no matter. */
+/* The rotation of a motor. Cosines are computed here, while src/core has a table. They are at least 10^-6 from a
+   half, so errors in their last digits have no effect. */
 #include "validation/dense/steps.h"
 
 #include <math.h>
@@ -12,7 +13,7 @@ static wide way_of(int64_t from, int64_t to, int64_t rpm)
     return wide_times(wide_minus(wide_of(to), wide_of(from)), wide_of(rpm));
 }
 
-/* AR-MOTOR-3 and AR-MOTOR-4: phase P, from the hand's pose to the tool's. */
+/* Returns the tool's pose at phase P for a pose of the device (AR-MOTOR-3, AR-MOTOR-4). */
 static ost_pose turned(const ost_pose *hand, wide phase)
 {
     const int64_t k = wide_to_int64(wide_floor(wide_times(wide_of(4096), phase), wide_of(turn)));
@@ -28,7 +29,7 @@ static ost_pose turned(const ost_pose *hand, wide phase)
     return (ost_pose){hand->t, out[0], out[1], out[2], out[3]};
 }
 
-/* The greatest r with r^2 <= n, by bisection. */
+/* Returns the greatest r with r^2 <= n, by bisection. */
 static wide root_of(wide n)
 {
     wide r = wide_of(0);
@@ -45,7 +46,7 @@ static int32_t of_unit_length(int32_t c, wide r)
     return (int32_t)wide_to_int64(wide_nearest(wide_times(wide_power_of_two(30), wide_of(c)), r));
 }
 
-/* The hand between two rows of a path. */
+/* Returns the device's pose between two rows of a path. */
 static ost_pose hand_between(const ost_pose *a, const ost_pose *b, int j, int m)
 {
     ost_pose p = steps_sweep_pose(a, b, j, m);
@@ -53,7 +54,7 @@ static ost_pose hand_between(const ost_pose *a, const ost_pose *b, int j, int m)
     return (ost_pose){p.t, of_unit_length(p.qw, r), of_unit_length(p.qx, r), of_unit_length(p.qy, r), of_unit_length(p.qz, r)};
 }
 
-/* m of AR-MOTOR-7 for row i: the least m >= 1 with 8 n (t - t') <= m U. */
+/* Returns m of AR-MOTOR-7 for row i: the least m >= 1 with 8 n (t - t') <= m U. */
 static int64_t parts_of(const ost_path *rows, size_t i, int32_t rpm)
 {
     if (i == 0 || rpm <= 0)
@@ -92,7 +93,7 @@ ost_status steps_motor_path(const ost_path *rows, int32_t rpm, ost_path *out, os
             }
             if (row->rpm == OST_RPM_HAND)
                 tick->rpm = rpm;
-            if (at > 0 && tick->rpm > 0) { /* AR-MOTOR-2: modulo a turn, by taking the multiples off */
+            if (at > 0 && tick->rpm > 0) { /* AR-MOTOR-2: modulo a turn, by subtracting its multiples */
                 phase = wide_plus(phase, way_of(out->ticks[at - 1].t_ns, tick->t_ns, tick->rpm));
                 phase = wide_minus(phase, wide_times(wide_floor(phase, wide_of(turn)), wide_of(turn)));
             }

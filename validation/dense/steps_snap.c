@@ -9,7 +9,7 @@ static ost_pm coordinate(const ost_pm3 *p, int axis)
     return axis == 0 ? p->x : axis == 1 ? p->y : p->z;
 }
 
-/* The ends of one axis over the vertices that a triangle of either mesh uses. */
+/* Finds the least and the greatest coordinate along one axis of the vertices that a triangle of either mesh uses. */
 static bool ends(const ost_mesh meshes[2], int axis, ost_pm *least, ost_pm *most)
 {
     bool any = false;
@@ -51,7 +51,7 @@ bool steps_tool_grid(const ost_mesh meshes[2], ost_pm voxel, ost_tool_geometry *
     return wide_order(all, wide_power_of_two(33)) <= 0;
 }
 
-/* The greatest f <= 10 with max(dims) 2^f <= 2^20, tried from 0 up. */
+/* Returns the greatest f <= 10 with max(dims) 2^f <= 2^20, trying from 0 up. */
 static int fraction_bits(const ost_tool_geometry *grid)
 {
     int f = 0;
@@ -60,7 +60,8 @@ static int fraction_bits(const ost_tool_geometry *grid)
     return f;
 }
 
-/* Twice the square of the area from the edges' lengths: |u|^2 |v|^2 - (u v)^2 = |u x v|^2, 0 exactly when the cross product is. */
+/* Returns true if the triangle has an area. |u|^2 |v|^2 - (u v)^2 = |u x v|^2, so it is 0 exactly if the cross
+   product is. */
 static bool has_area(const int32_t a[3], const int32_t b[3], const int32_t c[3])
 {
     wide uu = wide_of(0), vv = uu, uv = uu;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "validation/dense/steps.h"
 
-/* P of AR-SWEEP-3 */
+/* Returns P of AR-SWEEP-3. */
 static wide dot(const ost_pose *a, const ost_pose *b)
 {
     const int32_t p[4] = {a->qw, a->qx, a->qy, a->qz}, q[4] = {b->qw, b->qx, b->qy, b->qz};
@@ -11,7 +11,7 @@ static wide dot(const ost_pose *a, const ost_pose *b)
     return sum;
 }
 
-/* AR-SWEEP-1: the image of a corner, which bit a of `which` takes from the near or the far end of axis a. */
+/* Computes the image of a corner (AR-SWEEP-1); bit a of `which` selects the near or the far end of axis a. */
 static void image(const ost_pose *pose, const ost_tool_geometry *tool, int which, wide out[3])
 {
     const ost_pm near[3] = {tool->corner.x, tool->corner.y, tool->corner.z}, t[3] = {pose->t.x, pose->t.y, pose->t.z};
@@ -41,7 +41,7 @@ static wide greatest_way_squared(const ost_pose *a, const ost_pose *b, const ost
     return greatest;
 }
 
-/* 4 |d|^2 <= n^2 s^2 */
+/* Returns true if 4 |d|^2 <= n^2 s^2. */
 static bool enough(int n, wide way_squared, ost_pm s)
 {
     const wide reach = wide_times(wide_of(n), wide_of(s));
@@ -57,7 +57,7 @@ int steps_sweep_count(const ost_pose *a, const ost_pose *b, const ost_tool_geome
     const wide way_squared = greatest_way_squared(a, b, tool);
     if (!enough(MOST, way_squared, bone_voxel))
         return 0;
-    int short_of = 0, n = MOST; /* n is enough; what is not lies at short_of or below */
+    int short_of = 0, n = MOST; /* bisection: n poses are enough, short_of poses are not */
     while (n - short_of > 1) {
         const int middle = (short_of + n) / 2;
         *(enough(middle, way_squared, bone_voxel) ? &n : &short_of) = middle;

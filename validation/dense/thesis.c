@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The thesis' arithmetic as printed, in float32, with `fused` as a compiler
- * that contracts would translate it: fmaf where a product is added to.
+ * The thesis' arithmetic as printed, in float32. `fused` computes as a compiler
+ * that contracts expressions: with fmaf where a product is added to a value.
  *
  *   Alg. 2.1   bounds and centres of a tool's voxels      dense_thesis_bounds, _row
  *   Alg. 2.3   the rect grid's dims                       dense_thesis_rect
@@ -12,11 +12,12 @@
  *   Alg. 2.9   its chunks
  *   Alg. 2.10  the voxels of these chunks
  *
- * Where the thesis says nothing, and so this is a choice: how a triangle is
- * met by a row (edge functions with the tie rule of AR-VOX-2, all in floats),
- * ties of round() away from zero, the half voxel of a centre, the half-open
- * range of chunks (thesis-notes.md).  What the table gives in integers is made
- * the float nearest to it: vertices from the lattice, matrices from the map.
+ * The thesis leaves some details open, which are chosen here: the intersection of
+ * a triangle and a row (edge functions with the tie rule of AR-VOX-2, all in
+ * floats), ties of round() away from zero, the half voxel of a centre, the
+ * half-open range of chunks (thesis-notes.md).  Integers of the function table
+ * are converted to the nearest float: vertices from the lattice, matrices from
+ * the map.
  */
 #include "validation/dense/parts.h"
 
@@ -44,7 +45,8 @@ static float ceil_multiple(float x, float m)
 
 /* ---------------------------------------------------------------- import */
 
-/* The index as Alg. 1.1 makes it of the grid's own dims, which Alg. 2.3 has one short where positions are multiples of the size. */
+/* Computes the index as in Alg. 1.1 with the grid's own dims. Alg. 2.3 makes these one too small if positions are
+   multiples of the size. */
 bool dense_thesis_rect(const ost_geometry *g, const ost_sample *sample, int64_t at[3])
 {
     const int32_t n[3] = {g->dims.x, g->dims.y, g->dims.z};
@@ -109,7 +111,7 @@ static bool float_owned(const float a[3], const float b[3], float y, float z, bo
     return dz != 0 ? dz < 0 : dy > 0;
 }
 
-/* x y - z w */
+/* Returns x y - z w. */
 static float cross(float x, float y, float z, float w, bool fused)
 {
     return times_plus(x, y, -(z * w), fused);
@@ -153,21 +155,21 @@ void dense_thesis_row(const ost_snapped_mesh *mesh, const float minimum[3], int3
 
 /* --------------------------------------------------------------- removal */
 
-/* The transform from the bone's box to the tool's, both about their centres. */
+/* The transform from the bone's box to the tool's, both relative to their centres. */
 typedef struct boxes {
     float matrix[3][4];
-    float bone[3], tool[3]; /* half the boxes */
+    float bone[3], tool[3]; /* half the extents of the boxes */
     float bone_voxel, tool_voxel;
     int32_t chunk_lo[3], chunk_hi[3]; /* half-open */
 } boxes;
 
-/* a . (x, y, z, 1) */
+/* Returns a . (x, y, z, 1). */
 static float dot4(const float a[4], const float p[3], bool fused)
 {
     return times_plus(a[0], p[0], times_plus(a[1], p[1], times_plus(a[2], p[2], a[3], fused), fused), fused);
 }
 
-/* Algs. 2.8 and 2.9: the tool's corners, moved into the bone's box, in units of chunks. */
+/* Computes Algs. 2.8 and 2.9: the tool's corners, transformed into the bone's box, in units of chunks. */
 static void share(boxes *x, const dense_bone *bone, bool fused)
 {
     const float n = (float)bone->base.chunk_size;
@@ -179,7 +181,7 @@ static void share(boxes *x, const dense_bone *bone, bool fused)
     for (int corner = 0; corner < 8; corner++)
         for (int b = 0; b < 3; b++) {
             float at = 0;
-            for (int a = 0; a < 3; a++) /* the matrix' inverse is its transpose */
+            for (int a = 0; a < 3; a++) /* the inverse of the matrix is its transpose */
                 at = times_plus(x->matrix[a][b], (corner >> a & 1 ? x->tool[a] : -x->tool[a]) - x->matrix[a][3], at, fused);
             at = fminf(fmaxf(at, -x->bone[b]), x->bone[b]);
             lo[b] = fminf(lo[b], at);
@@ -214,7 +216,7 @@ static boxes boxes_of(const dense_bone *bone, const dense_tool *tool, const ost_
     return x;
 }
 
-/* The tool's voxel at one bone voxel. */
+/* Returns the class of the tool's voxel at one bone voxel. */
 static uint8_t class_at(const boxes *x, const dense_tool *tool, int32_t i, int32_t j, int32_t k, bool fused)
 {
     const ost_dims dims = tool->base.geometry.dims;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Mesh to tool grid (AR-VOX), row by row as the text has it: every triangle
- * is asked whether it owns the row, and every voxel whether its centre is not
- * left of the crossing.
+ * Mesh to tool grid (AR-VOX), row by row as in docs/arithmetic.md: for every
+ * triangle it is determined whether it owns the row, and for every voxel whether
+ * its centre is not left of the crossing.
  */
 #include "validation/dense/parts.h"
 
@@ -43,20 +43,20 @@ void dense_tool_free(ost_tool *base)
 
 /* ------------------------------------------------------------- one row */
 
-/* How a call reads its meshes. */
+/* The way in which a call reads its meshes. */
 typedef struct manner {
     deviant *m;
-    bool own;     /* m makes a mistake in this stage */
-    bool corners; /* voxels are sampled at their corners */
+    bool own;     /* true if m makes a mistake in this stage */
+    bool corners; /* true if voxels are sampled at their corners */
     size_t triangles_lost;
     float thesis_minimum[3];
-    uint64_t first_item; /* what the triangles before have taken of the numbers to draw over */
+    uint64_t first_item; /* first unit number of this mesh, after those of the previous triangles */
 } manner;
 
-/* What the triangles give a row. */
+/* The counts of the triangles in a row. */
 typedef struct row {
-    int32_t *count;  /* dims.x: the count of AR-VOX-3 */
-    uint32_t *times; /* dims.x: the number of AR-VOX-5 */
+    int32_t *count;  /* dims.x elements: the count of AR-VOX-3 */
+    uint32_t *times; /* dims.x elements: the number of AR-VOX-5 */
     int64_t total;
     uint64_t owners;
 } row;
@@ -66,7 +66,7 @@ static int64_t sample_at(const manner *how, const ost_snapped_mesh *mesh, int32_
     return how->corners ? (int64_t)i << mesh->fraction_bits : (2 * (int64_t)i + 1) << (mesh->fraction_bits - 1);
 }
 
-/* AR-VOX-2 for one edge. */
+/* Evaluates AR-VOX-2 for one edge. */
 static bool owned_right(const int32_t *a, const int32_t *b, int64_t y, int64_t z)
 {
     const int64_t dy = (int64_t)b[1] - a[1], dz = (int64_t)b[2] - a[2];
@@ -114,7 +114,7 @@ static void add_triangle(const manner *how, const ost_snapped_mesh *mesh, size_t
     const int32_t here[3] = {0, j, k};
     const int64_t y = sample_at(how, mesh, j), z = sample_at(how, mesh, k);
     if (!how->own && (y < least(v0[1], v1[1], v2[1]) || y > most(v0[1], v1[1], v2[1]) || z < least(v0[2], v1[2], v2[2]) || z > most(v0[2], v1[2], v2[2])))
-        return; /* beyond all three corners nobody owns a row, unless by mistake */
+        return; /* a row beyond all three corners has no owner, except by mistake */
     const int64_t right_area =
         (int64_t)(v1[1] - v0[1]) * (v2[2] - v0[2]) - (int64_t)(v2[1] - v0[1]) * (v1[2] - v0[2]);
     int64_t area = right_area;
@@ -167,7 +167,7 @@ static void add_triangle(const manner *how, const ost_snapped_mesh *mesh, size_t
 
 /* ----------------------------------------------------------- all of them */
 
-/* Writes the solid voxels of one mesh. uncleared: counts left over from the row before are kept. */
+/* Writes the solid voxels of one mesh. uncleared: counts of the previous row are kept. */
 static void add_mesh(const manner *how, const ost_snapped_mesh *mesh, ost_fill_rule rule, uint8_t tool_class, const row *r, uint8_t *voxels,
                      ost_voxelize_report *report)
 {
@@ -227,7 +227,7 @@ static void voxelize(deviant *m, const ost_snapped_mesh *cutting, const ost_snap
     if (on_top)
         deviant_acted(m, 0, NULL);
     for (int pass = 0; pass < 2; pass++) {
-        const bool cuts = (pass == 1) != on_top; /* what comes second stays */
+        const bool cuts = (pass == 1) != on_top; /* the second pass overwrites the first */
         const ost_snapped_mesh *mesh = cuts ? cutting : noncutting;
         if (!mesh)
             continue;

@@ -109,7 +109,7 @@ static wide shifted(const wide *a, int by)
     return out;
 }
 
-/* The greatest q with q b <= a: its two's complement, from the highest bit down; product is q b. */
+/* Returns the greatest q with q b <= a: its two's complement is computed from the highest bit down; product is q b. */
 wide wide_floor(wide a, wide b)
 {
     const int bits = bits_of(&a) - bits_of(&b) + 1 > 0 ? bits_of(&a) - bits_of(&b) + 1 : 0;
@@ -128,7 +128,7 @@ wide wide_floor(wide a, wide b)
     return q;
 }
 
-/* Of floor and floor + 1 the one whose distance from a / b is less; of two equal distances that of the even one. */
+/* Returns floor or floor + 1, whichever is closer to a / b; of two equal distances the even one. */
 wide wide_nearest(wide a, wide b)
 {
     const wide below = wide_floor(a, b), above = wide_plus(below, wide_of(1));

@@ -8,7 +8,7 @@
 
 #include "core/file.h"
 
-/* A file of more is no case; cases of one file. */
+/* Maximum size in bytes of a case file, and maximum number of cases in it. */
 enum { FILE_MAX = 1 << 22, CASES_MAX = 1024 };
 
 static ost_status bad(const char *where, ost_error *err, const char *what)
@@ -24,7 +24,7 @@ static bool number_in(const json_t *v, json_int_t least, json_int_t most, int64_
     return true;
 }
 
-/* [from, to] behind what is already in the list. */
+/* Appends [from, to) to the list; returns false if it is invalid. */
 static bool add_range(const json_t *from, const json_t *to, cut_list *list)
 {
     int64_t a, b;

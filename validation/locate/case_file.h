@@ -19,12 +19,14 @@
 
 #include "validation/locate/cut.h"
 
-/* One case; out->cut is the caller's to free(). where: of messages. user: what the user's own cases are made of, NULL for none. */
+/* Reads one case. The caller frees out->cut with free(). where: the beginning of messages. user: the store of the
+   user's own cases, NULL for none. */
 ost_status case_of_json(const json_t *o, const char *where, const plan_user *user, plan_case *out, ost_error *err);
-/* Returns the case as JSON, the caller's reference; NULL if memory is exhausted. */
+/* Returns the case as JSON, owned by the caller; NULL if memory is exhausted. */
 json_t *case_to_json(const plan_case *c, const scene_cut *cut);
 
-/* All cases of a file as a plan; *whole, when wanted, is what the file holds, the caller's reference. */
+/* Reads all cases of a file as a plan. If whole is not NULL, *whole receives the content of the file, owned by the
+   caller. */
 ost_status case_file_read(const char *path, const plan_user *user, plan *out, json_t **whole, ost_error *err);
 
 #endif

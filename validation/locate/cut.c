@@ -98,7 +98,7 @@ ost_status scene_cut_apply(const scene_cut *cut, scene *s, ost_error *err)
             scene_tool_free(&s->tools[i]);
             continue;
         }
-        if (cut->triangles[i][0].some || cut->triangles[i][1].some) /* their numbers are those of snapped triangles */
+        if (cut->triangles[i][0].some || cut->triangles[i][1].some) /* the indices are those of snapped triangles */
             drop_raw(&s->tools[i]);
         cut_mesh(&cut->triangles[i][0], &s->tools[i].cutting);
         cut_mesh(&cut->triangles[i][1], &s->tools[i].noncutting);
@@ -117,12 +117,12 @@ ost_status scene_cut_apply(const scene_cut *cut, scene *s, ost_error *err)
     for (int i = tools; i < s->tool_count; i++)
         s->tools[i] = (scene_tool){.name = ""};
     s->tool_count = tools;
-    if (ticks != s->path.count || cut->no_tools) { /* numbers are those of ticks, not of rows */
+    if (ticks != s->path.count || cut->no_tools) { /* the indices are those of ticks, not of the device's rows */
         ost_path_free(&s->hand);
         s->hand = (ost_path){.count = 0};
     }
     s->path.count = ticks;
     if (has_bone && !s->sample_count)
-        s->path.count = 0; /* no bone, no ticks */
+        s->path.count = 0; /* without a bone there are no ticks */
     return status;
 }

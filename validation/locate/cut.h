@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Which parts of a generated scene are kept: how a case that shows a
- * difference is made small.  What a case file (case_file.h) says.
+ * The parts of a generated scene that are kept, by which a case that shows a
+ * difference is made small.  A case file (case_file.h) contains them.
  *
  *   scene of a case --scene_cut_apply--> the same with fewer samples, a part of the grid, fewer tools, triangles, ticks
  *
- * Indices are those of the whole scene.  Cutting a grid moves its origin, so
- * block borders and rounding move with it: whoever cuts runs it again to see
- * whether the difference is still there (minimise.h).
+ * Indices are those of the complete scene.  Cutting a grid moves its origin, and
+ * block borders and rounding move with it, so the cut case must be run again to
+ * check that it still shows the difference (minimise.h).
  */
 #ifndef OST_VALIDATION_CUT_H
 #define OST_VALIDATION_CUT_H
@@ -16,7 +16,7 @@
 
 enum { CUT_RANGES = 64 };
 
-/* Half-open ranges, ascending and apart; some false: everything is kept. */
+/* Half-open ranges, ascending and disjoint; if some is false everything is kept. */
 typedef struct cut_list {
     bool some;
     int count;
@@ -26,15 +26,15 @@ typedef struct cut_list {
 struct scene_cut {
     bool no_ct, no_collide;
     bool cropped;
-    int32_t lo[3], hi[3]; /* of the rect grid */
+    int32_t lo[3], hi[3]; /* range of voxels of the rect grid */
     cut_list samples, ticks;
-    uint32_t no_tools;    /* a bit each */
-    cut_list triangles[SCENE_TOOLS_MAX][2]; /* cutting, not cutting */
+    uint32_t no_tools;    /* one bit per tool: 1 if it is removed */
+    cut_list triangles[SCENE_TOOLS_MAX][2]; /* index 0: cutting, 1: not cutting */
 };
 typedef struct scene_cut scene_cut;
 
 bool cut_keeps(const cut_list *list, size_t i);
-/* OST_ERR_INPUT when nothing is left of a grid that is to be kept. */
+/* Removes all other parts of the scene. Returns OST_ERR_INPUT if no voxel of the grid would remain. */
 ost_status scene_cut_apply(const scene_cut *cut, scene *s, ost_error *err);
 
 #endif

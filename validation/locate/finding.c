@@ -31,12 +31,13 @@ static void find_chunk(const scene *s, const trace *ref, compare_range in_ref, c
     }
 }
 
-/* What was only asked by collide is done by the tick of the same number: its voxels tell what the report cannot. */
+/* Finds the tick of the same number for a difference in a collision's report: the voxels that the tick removes show
+   more than the report. */
 static bool tick_of_collide(const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, const compare_difference *d, compare_difference *out)
 {
     if (d->kind != COMPARE_WORD || d->stage != TRACE_COLLIDE)
         return false;
-    compare_record_at(ref, in_ref, got, in_got, (size_t)d->records + 1, out); /* behind the tick's steps */
+    compare_record_at(ref, in_ref, got, in_got, (size_t)d->records + 1, out); /* after the tick's steps */
     return out->kind == COMPARE_VOXEL && out->stage == TRACE_TICK && out->item == d->item;
 }
 

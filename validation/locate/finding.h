@@ -25,7 +25,7 @@ typedef struct finding {
 
 void finding_make(const scene *s, const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, const compare_difference *d, finding *out);
 
-/* The same for a case of a plan. The caller frees the result with free(). Returns NULL if the case cannot be made
+/* Does the same for a case of a plan. The caller frees the result with free(). Returns NULL if the case cannot be made
    or memory is exhausted. */
 finding *finding_of_case(const plan_case *c, const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, const compare_difference *d);
 

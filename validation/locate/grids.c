@@ -13,7 +13,7 @@ int16_t grids_voxel(const trace_block_view *b, size_t i)
     int16_t wide;
     if (b->voxel_bytes == 1)
         return b->voxels[i];
-    memcpy(&wide, b->voxels + 2 * i, 2); /* blocks lie anywhere in the file */
+    memcpy(&wide, b->voxels + 2 * i, 2); /* blocks are not aligned in the file */
     return wide;
 }
 
@@ -54,7 +54,7 @@ static bool same_dims(ost_dims a, ost_dims b)
     return a.x == b.x && a.y == b.y && a.z == b.z;
 }
 
-/* Lays a tick's leaves over a bone; false where they do not lie in it. */
+/* Copies a tick's leaves into a bone. Returns false if one is not inside it. */
 static bool lay(const trace_record *r, ost_dims d, int16_t *to)
 {
     size_t walk = 0;
@@ -89,7 +89,7 @@ static bool tick_grids(const trace *ref, compare_range in_ref, const trace_recor
     return out->ref && out->got && lay(&ref->records[in_ref.first + at], out->dims, out->ref) && lay(got, out->dims, out->got);
 }
 
-/* AR-CUB along an axis: the rect voxel of each cubic voxel, and the weight of the next. */
+/* Computes AR-CUB along an axis: the rect voxel of each cubic voxel, and the weight of the next one. */
 static bool find_sources(int32_t n, ost_pm cubic, ost_pm rect, int32_t rect_n, ost_resample rule, int32_t **source, int32_t **weight)
 {
     *source = malloc((size_t)n * sizeof **source);
@@ -102,7 +102,7 @@ static bool find_sources(int32_t n, ost_pm cubic, ost_pm rect, int32_t rect_n, o
     return *source && *weight;
 }
 
-/* Per voxel how many samples of its batch come after its last one. */
+/* Returns for each voxel the number of samples in its batch that follow its last one. */
 static int32_t *samples_behind(const scene *s)
 {
     const ost_geometry *g = &s->rect;

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The grids of one record in two traces, whole, with what the stage began
- * with, laid out so that pattern.h can be asked about them.
+ * The complete grids of one record in two traces, with the input of their stage,
+ * in the form that pattern.h takes.
  *
  * A tick's record has only the leaves that changed, so the bone is made by
- * laying the records before it over each other: until the first difference
- * both bones are the reference's.
+ * applying the earlier records in order: until the first difference both bones
+ * are the reference's.
  */
 #ifndef OST_VALIDATION_GRIDS_H
 #define OST_VALIDATION_GRIDS_H
@@ -18,22 +18,23 @@ typedef struct grids {
     trace_stage stage;
     uint32_t item;
     ost_dims dims;
-    int16_t *ref, *got;  /* owned; tools' classes widened */
-    int16_t *before;     /* owned; of ticks the bone before, of chunks the cubic grid, of cubic the rect grid; or NULL */
+    int16_t *ref, *got;  /* owned; the classes of tools are widened to int16 */
+    int16_t *before;     /* owned; the stage's input: of ticks the previous bone, of chunks the cubic grid, of cubic the rect grid; or NULL */
     ost_dims before_dims;
-    int32_t *source[3];  /* owned; of cubic */
-    int32_t *weight[3];  /* owned; of the next */
-    int32_t *behind;     /* owned; of rect */
+    int32_t *source[3];  /* owned; only for cubic: per axis the source voxels */
+    int32_t *weight[3];  /* owned; only for cubic: the weights of the next voxels */
+    int32_t *behind;     /* owned; only for rect: samples after a voxel's last one */
 } grids;
 
-/* at: the record's place in both ranges.  False, and nothing owned, where it has no grids of one size. */
+/* Makes the grids of record `at` of both ranges. Returns false, with nothing owned, if it has no grids of equal
+   size. */
 bool grids_at(const scene *s, const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, size_t at, grids *out);
 void grids_free(grids *g);
 
-/* What pattern_find is to be asked; lives as long as g. */
+/* Returns the view for pattern_find; valid as long as g. */
 pattern_view grids_view(const grids *g, const scene *s, bool reported_too);
 
-/* A whole grid's only block; false when the case has none of this stage (and item). *at: its place in the range. */
+/* Finds the only block of a complete grid. Returns false if the case has no record of this stage and item. */
 bool grids_block(const trace *t, compare_range in, trace_stage stage, uint32_t item, trace_block_view *out);
 int16_t grids_voxel(const trace_block_view *b, size_t i);
 

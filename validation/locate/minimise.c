@@ -12,7 +12,7 @@
 #include "validation/user_store.h"
 #include "validation/worker.h"
 
-/* Candidates of a process, processes of a case, seconds of a process. */
+/* Maximum number of candidates per process and of processes per case; time limit of a process in seconds. */
 enum { BATCH = 12, RUNS = 40, LIMIT = 60, PATH = 1200 };
 
 typedef struct job {
@@ -87,7 +87,8 @@ static ost_status trace_reference(const job *j, const scene *s, trace *out, ost_
     return status;
 }
 
-/* Whether case number i of the worker's trace still shows the same; then it is the best. */
+/* *same receives true if case i of the worker's trace still shows the same difference; the case is then the best
+   one. */
 static ost_status judge(job *j, const scene_cut *cut, const trace *got, uint32_t i, bool *same, ost_error *err)
 {
     plan_case c = *j->c;
@@ -100,7 +101,7 @@ static ost_status judge(job *j, const scene_cut *cut, const trace *got, uint32_t
     c.cut = &own;
     if (!range.count || scene_make(&c, &s, &none) != OST_OK)
         return OST_OK;
-    /* The input's digest stands in the worker's trace; without it in this one every case would differ there. */
+    /* The worker's trace contains the input's digest; without it in this trace every case would differ there. */
     ost_status status = scene_digest(&s, &s.digest, err);
     if (status == OST_OK)
         status = trace_reference(j, &s, &ref, err);
@@ -132,7 +133,7 @@ static ost_status judge(job *j, const scene_cut *cut, const trace *got, uint32_t
     return status;
 }
 
-/* The first of the candidates that still shows the same becomes the best; they come with the smallest first. */
+/* Runs the candidates, smallest first. The first that still shows the same difference becomes the best one. */
 static ost_status try_all(job *j, const candidates *list, bool *found, ost_error *err)
 {
     trace got;
@@ -158,7 +159,7 @@ static cut_list one_range(uint32_t from, uint32_t to)
     return (cut_list){.some = true, .count = 1, .range = {{from, to}}};
 }
 
-/* Stages after the one that differs, tools that have no part in it, ticks before and after. */
+/* Tries to omit later stages, tools without effect on the difference, and ticks before and after it. */
 static ost_status cut_stages(job *j, const scene *s, const compare_difference *d, bool *found, ost_error *err)
 {
     candidates list = {.count = 0};
@@ -187,7 +188,7 @@ static ost_status cut_stages(job *j, const scene *s, const compare_difference *d
                 break;
             }
         }
-        cut.no_tools = 0; /* other tools may have cut what matters */
+        cut.no_tools = 0; /* other tools may have removed voxels that matter */
         add(&list, &cut);
     }
     scene_cut whole = {.no_collide = false};
@@ -195,7 +196,7 @@ static ost_status cut_stages(job *j, const scene *s, const compare_difference *d
     return try_all(j, &list, found, err);
 }
 
-/* The rect voxel that holds the centre of the bone's voxel; by the linear rule it takes from that one's neighbours too. */
+/* Finds the rect voxel that contains the centre of a voxel of the bone. The rule linear also reads its neighbours. */
 static void source_of(const scene *s, trace_stage stage, const int32_t voxel[3], int32_t at[3])
 {
     const ost_pm spacing[3] = {s->rect.spacing.x, s->rect.spacing.y, s->rect.spacing.z};
@@ -207,7 +208,8 @@ static void source_of(const scene *s, trace_stage stage, const int32_t voxel[3],
     }
 }
 
-/* A part of the grid about the first voxel or chunk: the least that shows the same, then each side by itself. */
+/* Tries to keep only a part of the grid around the first voxel or chunk: first the smallest cube that shows the same
+   difference, then each side separately. */
 static ost_status cut_grid(job *j, const scene *s, ost_error *err)
 {
     const compare_difference *d = &j->best->difference;
@@ -220,7 +222,7 @@ static ost_status cut_grid(job *j, const scene *s, ost_error *err)
         return OST_OK;
     if (d->kind == COMPARE_VOXEL)
         source_of(s, d->stage, d->voxel, at);
-    else if (d->kind == COMPARE_WORD && f->chunk_size) { /* about the middle of the chunk that was reported otherwise */
+    else if (d->kind == COMPARE_WORD && f->chunk_size) { /* around the middle of the chunk whose report differs */
         const int32_t middle[3] = {f->chunk[0] * f->chunk_size + f->chunk_size / 2, f->chunk[1] * f->chunk_size + f->chunk_size / 2, f->chunk[2] * f->chunk_size + f->chunk_size / 2};
         source_of(s, d->stage, middle, at);
     } else
@@ -268,7 +270,7 @@ static ost_status cut_grid(job *j, const scene *s, ost_error *err)
     return status;
 }
 
-/* Ranges [from, to) of the list without [a, b). */
+/* Makes the ranges of the list without [a, b). */
 static bool without(const cut_list *list, uint32_t a, uint32_t b, cut_list *out)
 {
     *out = (cut_list){.some = true};
@@ -286,7 +288,8 @@ static bool without(const cut_list *list, uint32_t a, uint32_t b, cut_list *out)
     return true;
 }
 
-/* Delta debugging over one list: halves, quarters, ... left out, then kept alone. which gives the list within a cut. */
+/* Applies delta debugging to one list: halves, quarters, ... are omitted, or kept alone. `which` returns the list in
+   a cut. */
 static ost_status cut_items(job *j, uint32_t count, cut_list *(*which)(scene_cut *cut, int tool), int tool, ost_error *err)
 {
     ost_status status = OST_OK;
@@ -302,7 +305,7 @@ static ost_status cut_items(job *j, uint32_t count, cut_list *(*which)(scene_cut
         bool found = false;
         if (hi - lo < 2 || step == 0)
             break;
-        for (uint32_t pass = 0; pass < 2; pass++) /* a part alone is less than all but a part */
+        for (uint32_t pass = 0; pass < 2; pass++) /* first one part alone, which is smaller than all parts but one */
             for (uint32_t from = lo; from < hi; from += step) {
                 scene_cut cut = j->best->cut;
                 const uint32_t to = hi - from < step ? hi : from + step;
@@ -373,7 +376,7 @@ ost_status minimise(const plan_case *c, const char *spec, const compare_differen
     *out = (minimised){.runs = 0};
     *done = false;
     if (c->cut || d->kind == COMPARE_EQUAL)
-        return OST_OK; /* it comes from a file: it was cut before, or is as it was wanted */
+        return OST_OK; /* the case comes from a file and is not cut further */
     snprintf(j.cases, sizeof j.cases, "%s/cases.json", folder);
     snprintf(j.trace, sizeof j.trace, "%s/trace-small", folder);
     snprintf(j.ref, sizeof j.ref, "%s/trace-small-ref", folder);
@@ -387,7 +390,7 @@ ost_status minimise(const plan_case *c, const char *spec, const compare_differen
 
 const char *minimised_text(const minimised *m, char text[MINIMISED_TEXT])
 {
-    char part[3][MINIMISED_TEXT / 3] = {"", "", ""}; /* the longest numbers fit */
+    char part[3][MINIMISED_TEXT / 3] = {"", "", ""}; /* large enough for the longest numbers */
     if (m->ticks)
         snprintf(part[0], sizeof part[0], "%llu tick%s", (unsigned long long)m->ticks, m->ticks == 1 ? "" : "s");
     if (m->tools)

@@ -114,7 +114,7 @@ static bool owns(const int32_t *a, const int32_t *b, int64_t y, int64_t z)
     return e > 0 || (e == 0 && (dz < 0 || (dz == 0 && dy > 0)));
 }
 
-/* AR-VOX-1..3 of one triangle for the row of voxel v; ranges as in src/cpu/ref/voxelize.c. */
+/* Computes AR-VOX-1 to 3 of one triangle for the row of voxel v; ranges as in src/cpu/ref/voxelize.c. */
 static void cross(const ost_snapped_mesh *m, size_t t, const int32_t v[3], const char *part, crossing_sums *sums, operands *o)
 {
     const int32_t *a = m->vertices[m->triangles[t][0]], *b = m->vertices[m->triangles[t][1]], *c = m->vertices[m->triangles[t][2]];
@@ -176,12 +176,12 @@ static void tool_operands(const scene *s, const compare_difference *d, operands 
 
 /* ------------------------------------------------------------------- tick */
 
-/* The poses of a tick's event, found as ost_world_step finds them. */
+/* The poses of a tick's event, determined as by ost_world_step. */
 typedef struct event_poses {
     bool removal;
-    ost_pose from, to; /* of the sweep; from only where count > 1 */
+    ost_pose from, to; /* of the sweep; from is valid only if count > 1 */
     int count;
-    int64_t since; /* tick of `from`, -1: none */
+    int64_t since; /* tick of `from`; -1: none */
 } event_poses;
 
 static event_poses poses_at(const scene *s, size_t tick, ost_pm voxel)
@@ -209,7 +209,7 @@ static event_poses poses_at(const scene *s, size_t tick, ost_pm voxel)
                 e.since = since[t->tool];
                 if (ost_sweep_count(&e.from, &t->pose, &s->tools[t->tool].cutting.grid, voxel, &e.count, &refused) != OST_OK) {
                     e.removal = false;
-                    continue; /* refused: the world is as before */
+                    continue; /* the tick is refused and leaves the world unchanged */
                 }
             }
             last[t->tool] = t->pose;
@@ -222,12 +222,12 @@ static event_poses poses_at(const scene *s, size_t tick, ost_pm voxel)
     return e;
 }
 
-/* Where a bone voxel lies in the tool at one pose. */
+/* The position of a bone voxel in the tool at one pose. */
 typedef struct mapped {
-    bool near;       /* its block can be in the tool */
+    bool near;       /* true if its block can be in the tool (AR-MAP-5) */
     int32_t u[3], at[3];
-    int is;          /* class there; -1 outside the tool's grid */
-    int32_t gap;     /* to the nearest tool voxel of another answer (cuts or does not), units of 2^-20 along the axis that is farthest; -1: none beside it */
+    int is;          /* class of the tool voxel; -1 outside the tool's grid */
+    int32_t gap;     /* Chebyshev distance to the nearest neighbour with another result (cuts or not), in 2^-20; -1: none */
 } mapped;
 
 static int class_of(const trace_block_view *tool, const int32_t at[3])

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The operands that decided a voxel, computed again by the reference's
- * arithmetic from the case's inputs and the reference's own results of the
- * stages before: what a developer would print first.
+ * The operands that decided a voxel, which a developer would print first. They
+ * are computed again by the reference's arithmetic from the case's inputs and
+ * the reference's own results of the previous stages.
  *
  *   rect     the samples that fall on the voxel, and the rule between them     AR-CT
  *   cubic    per axis the division that gives the source voxel                 AR-CUB
@@ -11,8 +11,8 @@
  *   tick     the event's poses; the one that decides, the point in tool        AR-SWEEP,
  *            coordinates (fixed point), its tool voxel and what that is        AR-MAP, AR-REM
  *
- * They say what the right answer is made of.  They do not say which of them
- * the other backend had otherwise.
+ * They are the operands of the right result. They do not show which of them was
+ * different in the other backend.
  */
 #ifndef OST_VALIDATION_OPERANDS_H
 #define OST_VALIDATION_OPERANDS_H
@@ -30,7 +30,8 @@ typedef struct operands {
     operand_line lines[OPERANDS_MAX];
 } operands;
 
-/* Of the first voxel of d; none for a difference that is no voxel's. before: of a tick, the bone before it; else NULL. */
+/* Computes the operands of the first voxel of d; none if d is not a difference of voxels. before: for a tick the
+   previous bone, else NULL. */
 void operands_of(const scene *s, const trace *ref, compare_range in_ref, const compare_difference *d, const int16_t *before, operands *out);
 
 #endif

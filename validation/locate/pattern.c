@@ -78,7 +78,7 @@ static bool offset(const pattern_scan *s, char *text)
     return s->count >= PATTERN_TELLING && pattern_say(text, "every voxel that differs is %d %s", abs(by), by > 0 ? "more" : "less");
 }
 
-/* With the grid before the threshold at hand, chunk by chunk. */
+/* Checks each chunk by the grid before the threshold. */
 static bool threshold_of_chunks(const pattern_scan *s, char *text)
 {
     const pattern_view *v = s->v;

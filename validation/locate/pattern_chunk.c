@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Rules on chunks, and on what was not done at the end. */
+/* Rules on chunks, and on work that was not done at the end. */
 #include "validation/locate/pattern_parts.h"
 
-/* No more samples than a work-group has are lost at a batch's end. */
+/* Number of work-items in a work-group: at most this many samples are lost at the end of a batch. */
 enum { GROUP = 256 };
 
 typedef struct chunk_look {
-    bool differs, as_before, hit; /* B is `in` all over; A is not */
+    bool differs, as_before, hit; /* as_before: B equals `in` everywhere; hit: A does not */
     bool solid_a, solid_b;
 } chunk_look;
 
@@ -27,8 +27,8 @@ static chunk_look look_at(const pattern_view *v, int32_t x, int32_t y, int32_t z
 }
 
 typedef struct chunk_sums {
-    int64_t differ, undone, one_sided; /* one_sided: solid in one grid alone */
-    int64_t hit, hit_after; /* hit_after: and right, behind the first that differs */
+    int64_t differ, undone, one_sided; /* numbers of chunks; one_sided: solid in only one grid */
+    int64_t hit, hit_after; /* hit_after: hit chunks without a difference, after the first that differs */
 } chunk_sums;
 
 static chunk_sums sum_chunks(const pattern_view *v)
@@ -67,7 +67,7 @@ bool pattern_lost_chunk(const pattern_scan *s, char *text)
     return n.one_sided == n.differ && pattern_say(text, "%lld whole chunk%ssolid on one side only", (long long)n.differ, n.differ == 1 ? " is " : "s are ");
 }
 
-/* The last samples of batches. */
+/* Checks that only the last samples of batches are missing. */
 static bool lost_samples(const pattern_scan *s, char *text)
 {
     int32_t most = 0;

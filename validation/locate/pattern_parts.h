@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What the rules of pattern.h have in common, and the rules.
+ * The declarations that the rules of pattern.h share, and the rules.
  *
- *   pattern.c        D, values, the list     pattern_place.c   what lies where
+ *   pattern.c        D, values, the list     pattern_place.c   positions
  *   pattern_chunk.c  chunks, tails           pattern_shape.c   rows, surface, neighbours
  */
 #ifndef OST_VALIDATION_PATTERN_PARTS_H
@@ -10,29 +10,29 @@
 
 #include "validation/locate/pattern.h"
 
-/* Fewer voxels than this say nothing about a shape that they all have. */
+/* A shape that fewer voxels than this have in common is not significant. */
 enum { PATTERN_TELLING = 8 };
 
-/* The view, and what every rule wants to know of D. */
+/* The view, and properties of D that every rule needs. */
 typedef struct pattern_scan {
     const pattern_view *v;
-    int64_t count;         /* of D */
-    int64_t first;         /* the least index in D */
-    int32_t lo[3], hi[3];  /* around D, half-open */
-    bool several;          /* values of b in D, 0 not counted, are more than one */
+    int64_t count;         /* number of voxels in D */
+    int64_t first;         /* least index in D */
+    int32_t lo[3], hi[3];  /* bounds of D, half-open */
+    bool several;          /* true if b has more than one value in D, not counting 0 */
 } pattern_scan;
 
-/* Whether it holds; then text says so. */
+/* Returns true if the pattern holds; then text receives the evidence. */
 typedef bool pattern_rule(const pattern_scan *s, char *text);
 
 pattern_rule pattern_axis_swap, pattern_shift, pattern_row_pitch;                                  /* pattern_place.c */
 pattern_rule pattern_stale_chunk, pattern_lost_tail, pattern_lost_chunk;                           /* pattern_chunk.c */
 pattern_rule pattern_column_parity, pattern_tool_class, pattern_boundary_layer, pattern_carried_rows, pattern_speckle; /* pattern_shape.c */
 
-/* Writes text; true. */
+/* Writes text and returns true. */
 bool pattern_say(char *text, const char *format, ...) OST_PRINTF(2, 3);
 
-/* A density as the stage stores it. */
+/* Returns a density as the stage stores it. */
 int16_t pattern_stored(const pattern_view *v, int16_t density);
 
 static inline bool pattern_same_dims(ost_dims a, ost_dims b)
@@ -50,7 +50,7 @@ static inline bool pattern_inside(ost_dims d, int64_t x, int64_t y, int64_t z)
     return x >= 0 && y >= 0 && z >= 0 && x < d.x && y < d.y && z < d.z;
 }
 
-/* Walks D: p is its voxel, i its index. */
+/* Iterates over D: p is the voxel, i its index. */
 #define PATTERN_EACH(s, p, i)                                                                                             \
     for (int32_t p[3] = {0, 0, (s)->lo[2]}; p[2] < (s)->hi[2]; p[2]++)                                                    \
         for (p[1] = (s)->lo[1]; p[1] < (s)->hi[1]; p[1]++)                                                                \

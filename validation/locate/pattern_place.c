@@ -1,19 +1,21 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Rules on places: what lies there instead, and where that is in the reference. */
+/* Rules on positions: the value at a wrong position, and its position in the reference. */
 #include "validation/locate/pattern_parts.h"
 
 #include "validation/resample.h"
 
 static const int permutations[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
 
-/* How the input is read: so many voxels further, as if its axes lay in memory in this order and rows (of x) had this length. */
+/* A wrong way to read the input: at an offset of `step` voxels, with its axes in this order in memory and rows
+   (along x) of this length. */
 typedef struct reading {
     int step[3];
     const int *order;
-    int64_t row; /* 0: as they are */
+    int64_t row; /* 0: the real length */
 } reading;
 
-/* What resampling makes of voxel p; false if it read outside of the input's box. Outside of its memory lies 0. */
+/* Resamples voxel p by this reading. Returns false if it reads outside of the input's box. Reads outside of its
+   memory give 0. */
 static bool resample_as(const pattern_view *v, const int32_t p[3], const reading *how, int16_t *out)
 {
     const ost_dims d = v->in_dims;
@@ -38,7 +40,7 @@ static bool resample_as(const pattern_view *v, const int32_t p[3], const reading
     return true;
 }
 
-/* What the stage would have made of the voxel beside p's own; false outside. */
+/* Computes the stage's result for the neighbour of voxel p at (dx, dy, dz). Returns false if it is outside. */
 static bool beside(const pattern_view *v, const int32_t p[3], int dx, int dy, int dz, int16_t *out)
 {
     if (v->input == PATTERN_SOURCE) {
@@ -54,7 +56,7 @@ static bool beside(const pattern_view *v, const int32_t p[3], int dx, int dy, in
     return true;
 }
 
-/* Voxel p of B is voxel q of A: q[from[axis]] = flip ? n - 1 - p[axis] : p[axis], all plus shift. */
+/* Voxel p of B is voxel q of A: q[from[axis]] = flip ? n - 1 - p[axis] : p[axis], plus shift. */
 typedef struct arrangement {
     int from[3];
     bool flip[3];
@@ -85,13 +87,13 @@ static bool arranged_equal(const pattern_view *v, const arrangement *how, int32_
     return solid || stride > 1;
 }
 
-/* A coarse look first: most arrangements fail it at once. */
+/* Returns true if B is A in this arrangement. A few voxels are checked first, since most arrangements fail there. */
 static bool arranged(const pattern_view *v, const arrangement *how)
 {
     return arranged_equal(v, how, 7) && arranged_equal(v, how, 1);
 }
 
-/* The input read as if its axes lay in memory in another order, or rows of another length. */
+/* Returns true if D has the values of the input read with its axes in another order, or with rows of another length. */
 static bool misread(const pattern_scan *s, const int order[3], int64_t row)
 {
     const pattern_view *v = s->v;
@@ -139,14 +141,14 @@ bool pattern_axis_swap(const pattern_scan *s, char *text)
     return false;
 }
 
-/* All of D have what is one step further. */
+/* Returns true if all voxels of D have the value of the neighbour at this step. */
 static bool stepped(const pattern_scan *s, int dx, int dy, int dz)
 {
     int64_t met = 0;
     PATTERN_EACH(s, p, i) {
         int16_t there;
         if (!beside(s->v, p, dx, dy, dz, &there))
-            continue; /* beyond the border anything may stand */
+            continue; /* values read beyond the border are arbitrary */
         if (s->v->b[i] != there)
             return false;
         met++;
@@ -154,7 +156,7 @@ static bool stepped(const pattern_scan *s, int dx, int dy, int dz)
     return met >= PATTERN_TELLING && 2 * met > s->count;
 }
 
-/* Each of D has what some neighbour of its source has, all in one octant. */
+/* Returns true if each voxel of D has the value of a neighbour of its source, all in the same octant. */
 static bool resampled(const pattern_scan *s, int way)
 {
     PATTERN_EACH(s, p, i) {
@@ -193,7 +195,7 @@ bool pattern_shift(const pattern_scan *s, char *text)
     return false;
 }
 
-/* One less or more than the row has, or so much alignment as images and allocations have. */
+/* Tries rows that are one shorter or longer, or aligned as those of images and allocations are. */
 bool pattern_row_pitch(const pattern_scan *s, char *text)
 {
     enum { ALIGNED = 4, PADDING = 64 };

@@ -4,7 +4,8 @@
 
 #include "validation/locate/pattern_parts.h"
 
-/* Where the whole run of g that begins at x ends; x when none begins there, or when it goes on beyond `end`. */
+/* Returns the end of the complete run of g that begins at x; x if no run begins there, or if it continues beyond
+   `end`. */
 static int32_t run_from(const int16_t *g, int32_t n, int32_t x, int32_t end)
 {
     int32_t to = x + 1;
@@ -15,10 +16,11 @@ static int32_t run_from(const int16_t *g, int32_t n, int32_t x, int32_t end)
     return to == n || g[to] != g[x] ? to : x;
 }
 
-/* The least number of whole runs of a or b that voxels from <= x < end are made of; 0: they are not. */
+/* Returns the least number of complete runs of a or b that cover the voxels from <= x < end exactly; 0 if there are
+   none. */
 static int32_t runs_between(const int16_t *a, const int16_t *b, int32_t n, int32_t from, int32_t end)
 {
-    int32_t least[OST_TOOL_DIM_MAX + 1] = {0}; /* to come as far as x, and one */
+    int32_t least[OST_TOOL_DIM_MAX + 1] = {0}; /* least number of runs that cover [from, x), plus one */
     least[from] = 1;
     for (int32_t x = from; x < end; x++) {
         if (!least[x])
@@ -72,7 +74,8 @@ bool pattern_tool_class(const pattern_scan *s, char *text)
 
 static const int ways[6][3] = {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}};
 
-/* Which side of the surface a voxel of A is on: 1 or 0, of a tool its class; -1 where there is no bone to say. */
+/* Returns the side of the surface on which a voxel of A lies: 1 or 0, of a tool its class; -1 if there is no bone to
+   decide it. */
 static int side_of(const pattern_view *v, int64_t i)
 {
     if (v->tool)
@@ -82,7 +85,8 @@ static int side_of(const pattern_view *v, int64_t i)
     return v->a[i] >= v->solid_a;
 }
 
-/* Voxel p has one of 26 neighbours on the other side; where beyond the grid lies the other side, that too. *known: it has one to compare with. */
+/* Returns true if one of the 26 neighbours of voxel p is on the other side of the surface. Outside the grid is void,
+   except for a bone before an event. *known receives true if there is a neighbour to compare with. */
 static bool on_surface(const pattern_view *v, const int32_t p[3], int64_t i, bool *known)
 {
     const int mine = side_of(v, i);
@@ -114,7 +118,7 @@ bool pattern_boundary_layer(const pattern_scan *s, char *text)
             return false;
         known += can;
     }
-    /* Where most of the bone is surface, all differences are on it and that tells nothing. */
+    /* If most of the bone is surface, all differences are on it, and the pattern is not significant. */
     int64_t solid = 0, surface = 0;
     int32_t p[3];
     for (p[2] = s->lo[2]; p[2] < s->hi[2]; p[2]++)
@@ -133,9 +137,10 @@ bool pattern_boundary_layer(const pattern_scan *s, char *text)
 }
 
 /*
- * What row i of B is if the counts of the row before were not cleared: solid
- * where either row is (winding), or where one of them is (parity).  *told: of
- * its voxels that differ, those that became solid or void.
+ * Returns true if the row at index `row` of B is what results if the counts of
+ * the previous row are not cleared: solid where either row is (winding), or where
+ * exactly one of them is (parity).  Adds to *told the number of its voxels that
+ * became solid or void.
  */
 static bool is_carried(const pattern_view *v, int64_t row, int64_t *told)
 {
