@@ -38,7 +38,7 @@ ost_status evidence_protocol(const plan *p, const subject_list *subjects, const 
     if (!*out)
         return no_memory(err);
     json_object_del(*out, "seed_text");
-    json_object_set_new(*out, "seed", json_sprintf("%llu", (unsigned long long)p->seed)); /* as text: many JSON readers do not keep 64 bits */
+    json_object_set_new(*out, "seed", json_sprintf("%llu", (unsigned long long)p->seed)); /* as text: JSON readers may lose bits */
     json_object_set_new(*out, "chosen", json_string(chosen));
     json_object_set_new(*out, "no_opencl", json_string(subjects->opencl ? "" : subjects->no_opencl));
     return OST_OK;

@@ -197,7 +197,7 @@ static void mesh_laws(lab *l)
         if (l->status == OST_OK) {
             reversed += differ_tools(&v[0], &v[1]);
             for (int64_t i = 0; i < ost_dims_count(grid.dims); i++) {
-                halves += (v[2].voxels[i] + v[3].voxels[i]) != v[0].voxels[i]; /* exactly one of both halves: 1 is cutting */
+                halves += (v[2].voxels[i] + v[3].voxels[i]) != v[0].voxels[i]; /* in exactly one half */
                 solid += v[0].voxels[i];
             }
             moved_by += differ_tools(&v[0], &v[4]);

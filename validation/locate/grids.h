@@ -19,7 +19,7 @@ typedef struct grids {
     uint32_t item;
     ost_dims dims;
     int16_t *ref, *got;  /* owned; the classes of tools are widened to int16 */
-    int16_t *before;     /* owned; the stage's input: of ticks the previous bone, of chunks the cubic grid, of cubic the rect grid; or NULL */
+    int16_t *before;     /* owned; input: previous bone (ticks), cubic grid (chunks), rect grid (cubic); or NULL */
     ost_dims before_dims;
     int32_t *source[3];  /* owned; only for cubic: per axis the source voxels */
     int32_t *weight[3];  /* owned; only for cubic: the weights of the next voxels */

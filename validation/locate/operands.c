@@ -227,7 +227,7 @@ typedef struct mapped {
     bool near;       /* true if its block can be in the tool (AR-MAP-5) */
     int32_t u[3], at[3];
     int is;          /* class of the tool voxel; -1 outside the tool's grid */
-    int32_t gap;     /* Chebyshev distance to the nearest neighbour with another result (cuts or not), in 2^-20; -1: none */
+    int32_t gap;     /* Chebyshev distance to the nearest neighbour with another result, in 2^-20; -1: none */
 } mapped;
 
 static int class_of(const trace_block_view *tool, const int32_t at[3])
