@@ -1,16 +1,15 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# A kernel that is broken on purpose: osteon is linked with an OpenCL program
-# that has one line changed, and validate must catch it, say where and what it
-# looks like, and leave a small case that shows the same by one command; and
-# the same case must be equal on the kernel as it is.
+# A deliberately broken kernel: osteon is linked with an OpenCL program in which one line is
+# changed. osteon validate must detect this, locate and classify the difference, and write a small
+# case that one command reproduces; the same case must be equal on the unchanged kernel.
 #
 #   kernels --one line changed--> tests/validation/osteon_broken --validate--> bundle
 #
-# With OST_TEST_KEEP=FOLDER the bundles are left there, to be looked at.
-# Needs OpenCL, make and a compiler, and takes minutes: without OST_TEST_LONG
-# it only looks whether the lines to change are still there.
+# With OST_TEST_KEEP=FOLDER the bundles are stored there for inspection.
+# Needs OpenCL, make and a compiler, and takes minutes: without OST_TEST_LONG=1 it only checks that
+# the lines to change still exist.
 # Covers: REQ-BROKEN-KERNEL
 . "${srcdir:-.}/tests/app/lib.sh"
 
@@ -23,7 +22,8 @@ fi
 
 export XDG_CACHE_HOME="$scratch/cache" POCL_CACHE_DIR="$scratch/pocl"
 
-# broken NAME CASES STAGE CLASS FILE FROM TO [FILE FROM TO]: one line of each kernel changed, the CPUs' and the GPUs', and what must be found
+# broken NAME CASES STAGE CLASS FILE FROM TO [FILE FROM TO]: changes one line of each kernel, of
+# the CPUs' and the GPUs' set, and checks the finding
 broken() {
     name=$1 cases=$2 stage=$3 class=$4
     shift 4

@@ -1,17 +1,17 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Random changes to a bundle of evidence: osteon verify must notice each, and name the file.
+"""Makes random changes to a bundle of evidence: osteon verify must detect each and name the file.
 
-    a bundle --one random change--> osteon verify: status 1 (2 where a file is absent) and the file's name --> as it was --> the next
+    a bundle --one random change--> osteon verify: status 1 (2 if a file is absent) and the file's name --> restored --> the next
 
-Bytes turned, put in, taken out; files cut, lengthened, removed, added, renamed,
-exchanged; lines of the log taken out, doubled, exchanged.  And what a careful
-forger does: a derived file is changed and the manifest made right again, with
-the tree of hashes computed here, independently (RFC 6962 section 2.1).
+Bytes are flipped, inserted or removed; files are cut, extended, removed, added, renamed
+or exchanged; lines of the log are removed, duplicated or exchanged. A careful forgery
+is also tried: a derived file is changed and the manifest is corrected, with the tree of
+hashes computed here, independently (RFC 6962 section 2.1).
 
-    OST_CHANGES=N   how many (default 40; OST_TEST_LONG=1: 3000)
-    OST_SEED=N      of the changes (default: of the clock, printed)
-    OST_BUNDLE=DIR  a bundle that is there (default: a small one is made)
+    OST_CHANGES=N   number of changes (default 40; OST_TEST_LONG=1: 3000)
+    OST_SEED=N      seed of the changes (default: from the clock, printed)
+    OST_BUNDLE=DIR  an existing bundle (default: a small one is made)
 
 Covers: REQ-EVIDENCE
 """
@@ -79,7 +79,7 @@ def manifest(files):
 
 
 class Changes:
-    """Each method changes the folder's files in place and says which names verify may give."""
+    """Each method changes the folder's files in place and returns the names that verify may report."""
 
     def __init__(self, rng, files):
         self.rng, self.files = rng, files
@@ -132,7 +132,7 @@ class Changes:
     def file_renamed(self, f):
         name = self.any()
         f[name + "x"] = f.pop(name)
-        return [name + "x"]  # no bundle has it, and nothing more is read then
+        return [name + "x"]  # an unknown file, after which no other file is read
 
     def files_exchanged(self, f):
         a, b = self.rng.sample(sorted(self.files), 2)
@@ -169,7 +169,7 @@ class Changes:
 
     def log_forged(self, f):
         lines = f["audit.log"].splitlines(True)
-        del lines[self.rng.randrange(len(lines) - 1)]  # not the last: a chain without its end is a chain
+        del lines[self.rng.randrange(len(lines) - 1)]  # not the last: a chain without its end is still a chain
         self.log(f, lines)
         f["manifest.json"] = manifest(f)
         return ["audit.log"]
@@ -207,7 +207,7 @@ def main():
                     os.remove(os.path.join(folder, n))
             said = subprocess.run([OSTEON, "verify", folder], stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
             text = said.stdout.decode(errors="replace")
-            # In the manifest it may be the name of another file, or of none that could be read.
+            # A change in the manifest may name another file, or no file that can be read.
             named = any("  %s " % n in text for n in names) or "manifest.json" in names and "  " in text
             expected = 2 if any(n not in now for n in touched) and change.__name__ != "file_renamed" else 1
             if said.returncode != expected or not named:

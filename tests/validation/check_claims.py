@@ -1,24 +1,22 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Every claim of a bundle's report.html is held by a file that it links to.
+"""Every claim of a bundle's report.html follows from a file to which it links.
 
-    report.html --walked over--> headings, sentences, rows, pictures
-        each: from the files that it or its section links to, and from no other,
-        what it must say is worked out again here --> it says that, to the figure
+    report.html --parsed--> headings, sentences, rows, pictures
+        each: from the files to which it or its section links, and from no other,
+        its expected text is computed again here --> the text agrees, including every figure
+A sentence with a figure, or a bold one, that this program cannot compute is a failure
+as well, so a claim cannot be added without its file. A picture in the page must have
+the bytes of the file to which it links; a link must lead to a file of the bundle, and
+every file must be linked to.
 
-A sentence with a figure, or one in bold, that nothing here can work out is a
-failure as well, so a claim cannot be added without its file.  A picture in the
-page must be the bytes of the file that it links to; a link must lead to a file
-of the bundle, and every file must be linked to.
+Then the check itself is checked: one digit of a figure is changed, for figures all over
+the page, one after another, and each time this program must report a failure.
 
-And then the check is checked: a digit of a figure is turned into another, all
-over the page, one by one, and each time something here must fail.
-
-    OST_BUNDLE=DIR  this bundle (default: some small ones are made)
-    OST_FIGURES=N   of how many figures a digit is turned, each report
+    OST_BUNDLE=DIR  an existing bundle (default: some small ones are made)
+    OST_FIGURES=N   number of figures with a changed digit for each report
                     (default 20; OST_TEST_LONG=1: all)
-    OST_SEED=N      of the choice (default: of the clock, printed)
-
+    OST_SEED=N      seed of their choice (default: from the clock, printed)
 Covers: REQ-REPORT-CLAIMS
 """
 import base64
@@ -49,7 +47,7 @@ class Unheld(Exception):
 # ------------------------------------------------------------------- the page
 
 class Block:
-    """One sentence or row, with what is linked in it."""
+    """One sentence or row, with the links in it."""
 
     def __init__(self, tag, attributes):
         self.tag, self.attributes = tag, attributes
@@ -65,7 +63,7 @@ class Block:
 
 
 class Page(html.parser.HTMLParser):
-    """Blocks in their order; text belongs to the innermost."""
+    """Blocks in their order; text belongs to the innermost block."""
 
     def __init__(self, text):
         super().__init__(convert_charrefs=True)
@@ -127,7 +125,7 @@ class Section:
 
 
 def sections_of(page):
-    """From heading to heading; its sources are what the lines 'From ...' link to."""
+    """Splits the page from heading to heading; the sources of a section are the links of its lines 'From ...'."""
     sections = [Section("")]
     for block in page.blocks:
         if block.tag == "h2":
@@ -142,7 +140,7 @@ def sections_of(page):
 # -------------------------------------------------------------- the bundle
 
 class Bundle:
-    """Files as they lie, and what is counted in them."""
+    """The files of a bundle as they are, and the counts of their contents."""
 
     def __init__(self, folder):
         self.folder, self.made = folder, {}
@@ -177,7 +175,7 @@ class Bundle:
         return self.once(("parsed", name), parse)
 
     def leaves(self, name):
-        """Every text and number of a JSON file."""
+        """Returns every text and number of a JSON file."""
         def walk(value, into):
             if isinstance(value, dict):
                 for one in value.values():
@@ -192,7 +190,7 @@ class Bundle:
 
 
 class Claim:
-    """A section at work: files are had through its links alone."""
+    """A section during its check, which can open files only through the section's links."""
 
     def __init__(self, bundle, section):
         self.bundle, self.section = bundle, section
@@ -245,7 +243,7 @@ def refused(case):
 
 
 def findings_of(protocol, cases):
-    """[(number, case, place of the backend, its result)], numbered as anomalies.csv is."""
+    """Returns [(number, case, index of the backend, its result)], numbered as in anomalies.csv."""
     found = []
     for case in cases:
         for s, backend in enumerate(backends_of(protocol)):
@@ -256,7 +254,8 @@ def findings_of(protocol, cases):
 
 # ------------------------------------------------------------------- rules
 #
-# Each: the section, the tag, what the text must be like, and what works out the groups.
+# Each rule has the section, the tag, a pattern for the text, and a function that computes the
+# groups.
 
 RULES = []
 
@@ -844,7 +843,7 @@ def _(c, b, m):
     return None
 
 
-# Words that have figures and claim nothing of this bundle.
+# Phrases that contain figures and claim nothing about this bundle.
 METHOD = re.compile(r"SHA-256|SPDX 2\.3|&#\d+;")
 
 
@@ -852,12 +851,12 @@ def is_claim(block):
     return bool(re.search(r"\d", METHOD.sub("", block.text)) or block.bold or block.tag in ("tr", "pre"))
 
 
-# Bold words that are no outcome: what is explained, and heads of tables.
+# Bold phrases that are no outcome: explained terms, and heads of tables.
 EXPLAINED = {"case scalar reference", "Tester", "Reviewer"}
 
 
 def check(bundle, text):
-    """What is wrong, as lines."""
+    """Returns the problems as lines."""
     problems, linked = [], set()
     try:
         page = Page(text)
@@ -908,7 +907,7 @@ def check(bundle, text):
 # ---------------------------------------------------- the check is checked
 
 def figures_of(text):
-    """Places of digits that a reader sees, one of each figure: between tags, in the body."""
+    """Returns one position of a digit for each visible figure: between tags, in the body."""
     body = text.index("<body")
     places = []
     for between in re.finditer(r">([^<]+)<", text[body:]):
@@ -934,7 +933,7 @@ def examine(folder, rng, figures):
     problems = check(bundle, text)
     if problems:
         return problems
-    lean = re.sub(r'src="data:[^"]*"', 'src="#not-shown"', text)  # the pictures were looked at
+    lean = re.sub(r'src="data:[^"]*"', 'src="#not-shown"', text)  # the pictures were already compared
     places = figures_of(lean)
     chosen = places if figures is None or figures >= len(places) else sorted(rng.sample(places, figures))
     for at in chosen:
@@ -945,7 +944,7 @@ def examine(folder, rng, figures):
 
 
 def made(scratch):
-    """Small bundles: the user's own files, equal and not; at length also nothing compared, a whole tier, margins of every stage."""
+    """Makes small bundles of the user's own files, with equal and different results; with OST_TEST_LONG also nothing compared, a complete tier, margins of every stage."""
     build = os.getcwd()
     one = "cpu:isa=scalar,threads=1"
     ct = os.path.join(scratch, "ct.txt")

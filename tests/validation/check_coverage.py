@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The list of what no case reaches (validation/coverage/decisions.py): a decision without a reason and a reason without
-a decision are both found, and the list of the project has the form that the measurement needs.
+"""Tests the list of decisions that no case reaches (validation/coverage/decisions.py): a decision without a reason and a
+reason without a decision are both found, and the project's list has the form that the measurement needs.
 Covers: REQ-COVERAGE
 """
 import contextlib

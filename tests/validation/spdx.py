@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether a file has the form of an SPDX 2.3 document in JSON.
+"""Checks that a file has the form of an SPDX 2.3 document in JSON.
 
-Written from the specification (clauses 6, 7, 10 and 11), not from what writes
-the file: required fields, identifiers, licence expressions, checksums,
-relationships whose ends exist, and one thing that the document describes.
+Written from the specification (clauses 6, 7, 10 and 11), not from the code that
+writes the file: required fields, identifiers, licence expressions, checksums,
+relationships whose ends exist, and exactly one described element.
 
-    python3 spdx.py FILE       one line a problem; status 1 if there is one
+    python3 spdx.py FILE       prints one line per problem; status 1 if there is one
 """
 import json
 import re

@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# Cases from files: what is kept of a generated case, bundles of them, and
-# files that are no cases.
+# Cases from files: parts kept of a generated case, bundles of such cases, and files that are no
+# cases.
 # Covers: REQ-CASE-FILE
 . "${srcdir:-.}/tests/app/lib.sh"
 
@@ -24,7 +24,7 @@ echo '{"cases": [{"osteon_case": 1, "id": "mesh/0", "tier": "smoke", "seed": "1"
 run 0 validate --case two.json --backends "$one" --json
 check "cases" "$(value cases)" 2
 
-# bad TEXT CASE: refused, in a line that says TEXT
+# bad TEXT CASE: checks that the case is refused in a line that contains TEXT
 bad() {
     printf '%s' "$2" >bad.json
     refuse 2 "$1" validate --case bad.json --backends "$one"

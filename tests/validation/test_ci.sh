@@ -1,26 +1,26 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# The workflows in examples/ci: they are YAML of the right form, name packages
-# as quickstart does, and what they run works here.
+# The workflows in examples/ci are valid YAML, name the packages of quickstart, and run commands
+# that work here.
 # Covers: REQ-CI
 . "${srcdir:-.}/tests/app/lib.sh"
 ci=$source_folder/examples/ci
 PATH=$(dirname "$osteon"):$PATH
 export PATH
 
-# What both run; no GitHub here, but its file.
+# The command that both run; GitHub is simulated by its summary file.
 checks=$((checks + 1))
 GITHUB_STEP_SUMMARY=summary "$ci/compare" bundle --only import/0 --backends 'cpu:isa=scalar,threads=1' >out 2>err || fail "compare: status $?: $(tail -n 3 err)"
 check "the summary" "$(head -n 1 summary)" "# Backend equivalence verification: EQUAL"
 checks=$((checks + 2))
 grep -q '<testcase classname="cpu:isa=scalar,threads=1" name="import/0" time="[0-9.]*"/>' bundle/junit.xml || fail "junit.xml has no case"
 "$ci/compare" bundle >out 2>err && fail "compare writes over a bundle"
-# Of two cases on a backend that is not there nothing is equal; its status comes through.
+# Two cases on a backend that is absent: nothing is equal, and the exit status is passed on.
 checks=$((checks + 1))
 "$ci/compare" none --only import/0 --backends 'cl:platform=nowhere' >out 2>err && fail "compare passes with nothing compared"
 
-# Packages: those of quickstart, less what only its tests need.
+# Packages: those of quickstart, except those that only its tests need.
 sed -n "/^packages='/,/^'/p" "$source_folder/quickstart" | sed '1d;$d' | awk '{ print $1 }' | grep -v '^\(libcmocka-dev\|g++\|python3\)$' | sort >wanted
 for file in github-actions gitlab-ci; do
     grep -v '^ *#' "$ci/$file.yml" | tr ' ' '\n' | grep -xFf wanted | sort -u >named
@@ -28,7 +28,7 @@ for file in github-actions gitlab-ci; do
     cmp -s wanted named || fail "$file.yml does not name the packages of quickstart: $(comm -23 wanted named | tr '\n' ' ')"
     checks=$((checks + 1))
     ! grep -q '	' "$ci/$file.yml" || fail "$file.yml has a tab"
-    # Blocks step by two.
+    # Blocks are indented by two.
     checks=$((checks + 1))
     ! grep -nE '^( {2})* [^ #]' "$ci/$file.yml" | grep -q . || fail "$file.yml: odd indentation"
     grep -q 'examples/ci/compare bundle$' "$ci/$file.yml" || fail "$file.yml does not run compare"

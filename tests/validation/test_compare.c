@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Traces written by hand, and what the comparison says of each pair: it must
- * name the record, the word or the least voxel, and both values.
+ * Compares pairs of traces written by hand; the result must name the record, the word or the
+ * least voxel, and both values.
  */
 #include "harness.h"
 
@@ -37,7 +37,7 @@ static void put_case(bone_trace *b)
     assert_ok(trace_end(b->w, &err));
 }
 
-/* A tick that reports `word` in place 0 and brings the leaf at lo. */
+/* Adds a tick that reports `word` in position 0 and stores the leaf at lo. */
 static void put_tick(bone_trace *b, uint32_t item, uint64_t word, const int32_t lo[3])
 {
     ost_error err = {0};
@@ -92,7 +92,7 @@ static compare_difference compared(const char *a, const char *b)
     return d;
 }
 
-/* The reference's: a voxel goes at tick 0 and one at tick 1. */
+/* The reference's trace: one voxel is removed at tick 0 and one at tick 1. */
 static void write_reference(const char *path)
 {
     static bone_trace b;
@@ -115,7 +115,7 @@ static void equal_and_not(void **state)
     write_reference(got);
     assert_int_equal(compared(ref, got).kind, COMPARE_EQUAL);
 
-    /* Two voxels too many: the one that is least in the whole grid is named, not the one that is first in its leaf. */
+    /* Two voxels too many: the least one in the complete grid is named, not the first one in its leaf. */
     begin(&b, got);
     *voxel(&b, 5, 6, 7) = 0;
     *voxel(&b, 9, 9, 9) = -3;
@@ -133,7 +133,7 @@ static void equal_and_not(void **state)
     assert_int_equal(d.voxel_ref, (9 + SIDE * (9 + SIDE * 9)) % 1000);
     assert_int_equal(d.voxel_got, -3);
 
-    /* Only the report. */
+    /* Only the report differs. */
     begin(&b, got);
     *voxel(&b, 5, 6, 7) = 0;
     put_tick(&b, 0, 2, first_leaf);
@@ -145,7 +145,7 @@ static void equal_and_not(void **state)
     assert_int_equal(d.word_got, 2);
 }
 
-/* Leaves that one side alone changed are compared with what the other had before. */
+/* A leaf that only one side changed is compared with its previous state on the other side. */
 static void lone_leaves(void **state)
 {
     (void)state;
@@ -155,7 +155,7 @@ static void lone_leaves(void **state)
     scratch_path("got", got);
     write_reference(ref);
 
-    begin(&b, got); /* a tick that changed nothing */
+    begin(&b, got); /* a tick without a change */
     *voxel(&b, 5, 6, 7) = 0;
     put_tick(&b, 0, 1, first_leaf);
     put_tick(&b, 1, 1, NULL);
@@ -170,7 +170,7 @@ static void lone_leaves(void **state)
     assert_int_equal(d.voxel_ref, 0);
     assert_int_equal(d.voxel_got, (34 + SIDE * (35 + SIDE * 36)) % 1000);
 
-    begin(&b, got); /* another leaf than the reference's, with a voxel that the reference removed a tick ago */
+    begin(&b, got); /* another leaf than the reference's, with a voxel that the reference removed one tick earlier */
     *voxel(&b, 5, 6, 7) = 0;
     put_tick(&b, 0, 1, first_leaf);
     *voxel(&b, 5, 6, 7) = 9;
@@ -196,7 +196,7 @@ static void lone_leaves(void **state)
     assert_int_equal(d.voxel_got, 9);
 }
 
-/* A tick's report of two chunks with three classes each; the second has `voxels` of class 2. */
+/* Writes a tick's report of two chunks with three classes each; the second chunk has `voxels` of class 2. */
 static void write_report(const char *path, uint64_t voxels)
 {
     static bone_trace b;
@@ -214,7 +214,7 @@ static void write_report(const char *path, uint64_t voxels)
     put_end(&b);
 }
 
-/* A figure of a report is named in words, with its chunk. */
+/* A differing number of a report is described in words, with its chunk. */
 static void reports(void **state)
 {
     char ref[PATH], got[PATH], name[TRACE_WORD];
@@ -235,7 +235,7 @@ static void reports(void **state)
 }
 
 
-/* What ends early, and what is no trace. */
+/* Truncated traces, and files that are no traces. */
 static void broken(void **state)
 {
     (void)state;
@@ -262,7 +262,7 @@ static void broken(void **state)
     assert_int_equal(d.stage, TRACE_TICK);
     assert_int_equal(d.item, 1);
 
-    /* Any byte of a head: refused, or read as less; never a crash. */
+    /* Any changed byte of a header: the file is refused or fewer records are read, without a crash. */
     write_reference(got);
     for (int at = 0; at < 32; at++) {
         FILE *file = fopen(got, "r+b");

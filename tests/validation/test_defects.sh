@@ -1,12 +1,11 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# Defects of the maintainers' own (tests/validation/defects): every patch
-# applies to the tree, says what it is, and has its row in
-# docs/qualification/defects.md.  With OST_TEST_LONG each is tried, and what the
-# table calls noticed must be so in that tier; what it calls unnoticed is
-# printed when it is noticed now.
-# OST_TEST_ONLY=NAME tries those alone whose name begins so.
+# The maintainers' own defects (tests/validation/defects): every patch applies to the tree,
+# describes itself, and has a row in docs/qualification/defects.md. With OST_TEST_LONG=1 each
+# patch is tried. A defect that the table calls noticed must be detected in that tier; one that
+# it calls unnoticed is printed if it is detected now. OST_TEST_ONLY=NAME selects the patches
+# whose names begin with NAME.
 # Covers: REQ-DEFECTS
 . "${srcdir:-.}/tests/app/lib.sh"
 
@@ -28,7 +27,7 @@ check "at least twenty" "$([ "$(ls "$source_folder"/tests/validation/defects | g
 command -v python3 >/dev/null || { echo "skipped: no python3"; exit 77; }
 for one in "$source_folder"/tests/validation/defects/"${OST_TEST_ONLY:-}"*.patch; do
     name=$(basename "$one" .patch)
-    tier=$(awk -F' *[|] *' -v name="$name" '$2 == name { print $4 }' "$table") # smoke, standard, or not
+    tier=$(awk -F' *[|] *' -v name="$name" '$2 == name { print $4 }' "$table") # smoke, standard, or "not"
     [ "$tier" = not ] && first=smoke || first=$tier
     "$source_folder/validation/try-patch" --build "$build" --tier "$first" --keep "$scratch" "$one" >out 2>err
     status=$?

@@ -1,19 +1,19 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# docs/qualification/gates.md has a row for every gate that .ci/run and
-# .ci/long name, and no row for another. docs/qualification/README.md has one
-# row for each file of its folder.
+# docs/qualification/gates.md has a row for every gate of .ci/run and .ci/long, and no other
+# rows. docs/qualification/README.md has one row for each file of its folder.
 root=${srcdir:-.}
 ledger=$root/docs/qualification/gates.md
 status=0
 
-# The names behind "gate" and "check"; fuzz-${target##*/} stands for fuzz-*.
+# named FILE: prints the names after "gate" and "check"; fuzz-${target##*/} is printed as
+# fuzz-*.
 named() {
     sed -nE 's/^[[:blank:]]*(gate|check) "?([a-z][a-z-]*)(\$\{[^}]*\})?"? .*/\2\3/p' "$1" | sed 's/\$.*/*/' | sort -u
 }
 
-# The first column of the section whose heading has this text.
+# rows PART: prints the first column of the section whose heading contains PART.
 rows() {
     awk -v part="$1" '/^## / { on = index($0, part) > 0 } on && /^\| `/ { split($0, cell, "`"); print cell[2] }' "$ledger" | sort
 }

@@ -9,13 +9,13 @@ python=$(command -v python3) || { echo "skipped: no python3"; exit 77; }
 
 one='cpu:isa=scalar,threads=1'
 run 0 validate --only import/0 --backends "$one" --out old --quiet
-# against OLD: a bundle "new", compared with it
+# against OLD: makes a bundle "new" that is compared with OLD
 against() {
     rm -rf new
     run 0 validate --only import/0 --backends "$one" --out new --against "$1" --json
     run_out=$(cat out)
 }
-# edit FILE EXPRESSION: a copy x of old in which the JSON of FILE, o, is changed
+# edit FILE EXPRESSION: makes a copy x of old in which the JSON of FILE, o, is changed
 edit() {
     rm -rf x
     cp -r old x
@@ -49,7 +49,7 @@ sed -i '2d' x/requirements.csv
 against x
 check "a requirement that is new" "$(impact requirements.0.what) $(impact requirements.0.old)" "AR-INT-1 absent"
 
-# A verdict, and a result without a known cause and with one.
+# A verdict, and results with and without a known cause.
 edit cases.jsonl 'o["results"]["cpu:isa=scalar,threads=1"]["verdict"] = "differs"'
 against x
 check "a verdict" "$(impact verdicts.0.case) $(impact verdicts.0.old) $(impact verdicts.0.new)" "import/0 differs equal"

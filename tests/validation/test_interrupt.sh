@@ -1,20 +1,20 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# A campaign that is ended by a signal leaves nothing: no folder, no trace, no
-# worker; and its status says which signal.  A worker that dies, and a disk
-# without room, are told and leave nothing either.
+# A campaign that is ended by a signal leaves no folder, no trace and no worker, and its status
+# gives the signal. A worker that dies and a full disk are reported and leave nothing either.
 # Covers: REQ-EVIDENCE
 . "${srcdir:-.}/tests/app/lib.sh"
 
-# The seed is what this run's workers are known by.
+# This run's workers are identified by the seed.
 seed=91827364$$
 mkdir tmp
 TMPDIR=$scratch/tmp
 export TMPDIR
-# workers [KIND]: the folders in /proc of those that are at work; the pattern is not found in grep's own words
+# workers [KIND]: prints the /proc entries of the running workers; the pattern does not match
+# grep's own arguments
 workers() { grep -lsa -- "[-]-worker.${1:-}.*--seed.$seed." /proc/[0-9]*/cmdline; }
-# await COMMAND...: until it succeeds, for a minute at the most
+# await COMMAND...: waits at most a minute until the command succeeds
 await() {
     tries=0
     until "$@"; do
@@ -32,7 +32,8 @@ nothing_left() {
 }
 
 for signal in INT:2 TERM:15 HUP:1; do
-    # A shell's background jobs ignore SIGINT, and all that nohup started SIGHUP: env makes them the default again.
+    # Background jobs of a shell ignore SIGINT, and processes started by nohup ignore SIGHUP:
+    # env restores the defaults.
     env --default-signal=INT,TERM,HUP "$osteon" validate --tier standard --only session --cpu-only --seed $seed --out b --quiet >out 2>err &
     pid=$!
     await working
@@ -42,7 +43,8 @@ for signal in INT:2 TERM:15 HUP:1; do
     nothing_left "SIG$signal"
 done
 
-# SIGKILL runs nothing: workers end all the same, traces have no name; the unfinished folder stays, under a name that says so.
+# SIGKILL runs no handler. Workers end nevertheless, and traces have no name; the unfinished
+# folder remains, under a name that shows its state.
 "$osteon" validate --tier standard --only session --cpu-only --seed $seed --out b --quiet >out 2>err &
 pid=$!
 await working
@@ -51,7 +53,8 @@ wait $pid 2>/dev/null
 check "status after SIGKILL" $? 137
 await idle
 check "unfinished folders after SIGKILL" "$(ls -d b.part-* | wc -l | tr -d ' ')" 1
-# The next run with this name removes it, but not what is somebody else's, another name's or in use.
+# The next run with this name removes it, but no folder of another program, of another name or
+# in use.
 mkdir b.part-abc bb.part-abcdef b.part-locked
 echo kept >b.part-abc/file
 flock b.part-locked "$osteon" validate --only import/0 --backends 'cpu:isa=scalar,threads=1' --out b --quiet >out 2>err
@@ -59,7 +62,8 @@ check "folders that are not removed" "$(ls -d b*.part-* | tr '\n' ' ')" "b.part-
 rm -rf b b.part-* bb.part-*
 nothing_left SIGKILL
 
-# end_worker SIGNAL: one worker of the backend that is compared ends by this signal; the campaign's status
+# end_worker SIGNAL: ends one worker of the backend under comparison by this signal; returns the
+# campaign's status
 end_worker() {
     "$osteon" validate --tier standard --only session/0 --backends 'cpu:isa=scalar,threads=1' --seed $seed --quiet --json >out 2>err &
     pid=$!
@@ -67,22 +71,22 @@ end_worker() {
     kill -"$1" "$(workers cpu | sed -n '1s,/proc/\([0-9]*\)/cmdline,\1,p')"
     wait $pid
 }
-# A worker that crashes fails the case that it was at; the others go on.
+# A worker that crashes fails its current case; the other cases run.
 end_worker SEGV
 check "status after a worker's crash" $? 1
 check "verdict after a worker's crash" "$(value equal)" false
 check "crashed cases" "$(value results.crashed)" 1
 nothing_left "a worker's crash"
 
-# SIGKILL comes from outside, mostly from the kernel when memory runs out, and says nothing about the backend, so that
-# there is no verdict: status 2, where it was 1 ("crashed") before.
+# SIGKILL comes from outside, mostly from the kernel when memory runs out, and says nothing
+# about the backend, so that there is no verdict: the status is 2 (formerly 1, "crashed").
 end_worker KILL
 check "status after a worker's death" $? 2
 checks=$((checks + 1))
 grep -q "the worker of cpu:isa=scalar,threads=1 was ended from outside by SIGKILL" err || fail "a worker's death: $(cat err)"
 nothing_left "a worker's death"
 
-# No room: a limit on the size of files stands for a full disk.
+# A limit of the file size simulates a full disk.
 checks=$((checks + 1))
 (ulimit -f 64 && "$osteon" validate --only mesh --cpu-only --seed $seed --quiet >out 2>err)
 status=$?

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What differences look like: grids written by hand, and ports that make one
- * known mistake (validation/dense).  And the operands of a voxel: they must
- * give the value that the reference has.
+ * Classifies differences: grids written by hand, and implementations that make one known
+ * mistake (validation/dense). Also tests the operands of a voxel, which must give the
+ * reference's value.
  *
- * With OST_TEST_LONG the confusion table of all mistakes is printed.
+ * With OST_TEST_LONG=1 the confusion table of all mistakes is printed.
  * Covers: REQ-LOCATE
  */
 #include "harness.h"
@@ -32,7 +32,7 @@ static int64_t at(int x, int y, int z)
     return x + N * (y + (int64_t)N * z);
 }
 
-/* A ball of densities that tell each voxel from its neighbours. */
+/* A ball in which every voxel's density differs from its neighbours'. */
 static pair *made(void)
 {
     static pair p;
@@ -84,7 +84,7 @@ static void by_hand(void **state)
     looks_like(&v, PATTERN_AXIS_SWAP, "x and y exchanged");
 
     p = made();
-    for (int z = 10; z < 20; z++) /* in part of the grid alone */
+    for (int z = 10; z < 20; z++) /* only in a part of the grid */
         for (int y = 8; y < 20; y++)
             for (int x = 8; x < 20; x++)
                 p->b[at(x, y, z)] = p->a[at(x, y, z - 1)];
@@ -133,7 +133,7 @@ static void by_hand(void **state)
     looks_like(&v, PATTERN_UNCLASSIFIED, "garbage in a cube");
 }
 
-/* Of an event: `in` is the bone before. */
+/* Differences of an event; `in` is the bone before it. */
 static void of_events(void **state)
 {
     (void)state;
@@ -162,7 +162,7 @@ static void of_events(void **state)
     for (int y = 9; y < 19; y++)
         p->b[at(19, y, 12)] = p->in[at(19, y, 12)];
     looks_like(&v, PATTERN_BOUNDARY_LAYER, "the cut's border");
-    p->b[at(12, 14, 14)] = p->in[at(12, 14, 14)]; /* within */
+    p->b[at(12, 14, 14)] = p->in[at(12, 14, 14)]; /* inside the cut */
     looks_like(&v, PATTERN_UNCLASSIFIED, "and a voxel within");
 }
 
@@ -187,7 +187,7 @@ static void of_tools(void **state)
         for (int x = 0; x < N; x++)
             p->b[at(x, y, 16)] |= p->b[at(x, y - 1, 16)];
     looks_like(&v, PATTERN_CARRIED_ROWS, "rows that are carried on");
-    for (int x = 0; x < N; x++) /* by parity, where both rows are solid it is void */
+    for (int x = 0; x < N; x++) /* by parity: where both rows are solid the result is void */
         p->b[at(x, 16, 16)] = (int16_t)(p->a[at(x, 16, 16)] ^ p->b[at(x, 15, 16)]);
     for (int y = 17; y < N; y++)
         for (int x = 0; x < N; x++)
@@ -201,7 +201,7 @@ static void of_tools(void **state)
                 p->a[at(x, y, z)] = x < 16 ? 1 : 2;
             }
     looks_like(&v, PATTERN_TOOL_CLASS, "solid and not cutting");
-    /* A part that does not cut lies in the ball; without the ball's row it shows. */
+    /* A part that does not cut lies in the ball; where the ball's row is missing, the part shows. */
     for (int i = 0; i < N * N * N; i++)
         p->a[i] = p->b[i] = p->a[i] != 0;
     for (int y = 12; y < 14; y++)
@@ -234,7 +234,7 @@ static ost_status traced(ost_backend *backend, const scene *s, const char *name,
     return OST_OK;
 }
 
-/* The class of this mistake in a scene; NULL when nothing differs. */
+/* Returns the difference class of this mistake in a scene, or NULL if nothing differs. */
 static const char *class_of(const deviation *how, const scene *s, const trace *ref, finding *f, compare_difference *d)
 {
     ost_backend *backend;
@@ -252,7 +252,10 @@ static const char *class_of(const deviation *how, const scene *s, const trace *r
     return class;
 }
 
-/* Each class by a port that makes the mistake; `or` are what few voxels of it can look like too. */
+/*
+ * Tests each class with a backend that makes the mistake; `or` are the classes to which a few
+ * voxels of it may be assigned instead.
+ */
 static void by_mistake(void **state)
 {
     static const struct {
@@ -325,7 +328,7 @@ static const char *value_of(const operands *o, const char *name)
     return last;
 }
 
-/* Of voxels all over: the last operand must say what the reference's grid has. */
+/* For voxels at all positions the last operand must equal the value in the reference's grid. */
 static void operands_decide(void **state)
 {
     (void)state;
@@ -390,7 +393,7 @@ static void operands_decide(void **state)
     assert_true(solid > 10 && removed > 10 && kept > 10);
 }
 
-/* Every voxel that an event removes is one that its operands say is removed. */
+/* For every voxel that an event removes the operands must say that it is removed. */
 static void removal_operands(void **state)
 {
     (void)state;
@@ -458,7 +461,10 @@ static void confusion(void **state)
     }
 }
 
-/* The table of causes: every kind exists, parts are no more than the sum, and a sentence never states a cause as certain. */
+/*
+ * The table of causes: every kind exists, the parts do not exceed the sum, and no sentence
+ * states a cause as certain.
+ */
 static void causes_are_possibilities(void **state)
 {
     (void)state;
@@ -484,7 +490,7 @@ static void causes_are_possibilities(void **state)
         assert_true(strlen(text) < CAUSES_TEXT - 1);
         sum += one->mistakes;
     }
-    assert_int_equal(sum, 2767); /* all that changed a result have one class */
+    assert_int_equal(sum, 2767); /* each mistake that changed a result has one class */
     char text[CAUSES_TEXT];
     causes_text("stale-chunk", text);
     assert_string_equal(text, "possible causes, by 60 known mistakes that look like this: stale-chunk 100 %");
@@ -492,7 +498,7 @@ static void causes_are_possibilities(void **state)
     assert_string_equal(text, "");
     if (!getenv("OST_TEST_LONG"))
         return;
-    /* The table again, but for what a change of the small scenes may shift: 3 percent points. */
+    /* Makes the table again; small changes of the scenes may shift it by 3 percentage points. */
     static sensitivity s;
     ost_error err = {0};
     assert_ok(sensitivity_run(1, sensitivity_injections(PLAN_STANDARD), 2, NULL, NULL, &s, &err));

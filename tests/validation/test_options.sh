@@ -1,12 +1,13 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# What a campaign does by its options and leaves for programs: threads that share every kind of work, the limit of time of a
-# backend, junit.xml, and results made again by verify.
+# Options and outputs of a campaign: threads that share every kind of work, the time limit of a
+# backend, junit.xml, and results that verify computes again.
 # Covers: REQ-VAL-THREADS, REQ-VAL-LIMIT, REQ-JUNIT, REQ-RERUN
 . "${srcdir:-.}/tests/app/lib.sh"
 
-# Each number of threads has a backend in the smoke tier, and that backend shares each kind of work.
+# The smoke tier has a backend for each number of threads, and that backend shares each kind of
+# work.
 run 0 validate --cpu-only --only import/0 --out b --json
 for threads in 2 3 7; do
     checks=$((checks + 1))
@@ -18,7 +19,8 @@ for threads in 2 3 7; do
     done
 done
 
-# verify makes the results again: the reference's, and a backend's; another result is found.
+# verify computes the results of the reference and of a backend again; a changed result is
+# found.
 run 0 verify b --rerun
 run 0 verify b --rerun --backend cpu:isa=scalar,threads=3,grain=1
 run 2 verify b --backend cpu:threads=2
@@ -29,13 +31,15 @@ if [ -e "$build/.libs/mirror.so" ]; then
     checks=$((checks + 1))
     grep -q "import/0 comes out otherwise on plugin:./thesis_f32.so here (differs" out || fail "another result than the bundle's: $(cat out)"
 
-    # A backend that never ends is stopped after the limit, and its case has a verdict of its own.
+    # A backend that never ends is stopped after the limit, and its case has a verdict of its
+    # own.
     run 1 validate --only sweep/1 --backends 'plugin:mirror.so,break=hang;cpu:isa=scalar,threads=1' --limit 3 --out late --json
     check "late" "$(value findings.0.verdict) $(value findings.0.backend)" "timed out plugin:mirror.so,break=hang"
     check "the other backend" "$(value results.equal)" 1
     run 0 verify late
 
-    # junit.xml: a test for each case on each backend; what differs fails, what is not there is skipped.
+    # junit.xml: one test for each case on each backend; differing results are failures, absent
+    # backends are skipped.
     run 1 validate --only mesh/1 --backends 'cpu:isa=scalar,threads=1;plugin:mirror.so,break=snap;cl:platform=77' --out j
     suite() { grep -A2 "<testsuite name=\"$1\"" j/junit.xml; }
     for expected in 'cpu:isa=scalar,threads=1|failures="0" errors="0" skipped="0"|time="[0-9.]*"/>' \

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The paths of a backend go from a worker to its parent in the end record of a
- * trace: counts are summed over workers by name, and a record that is damaged
- * adds nothing that was not there.
+ * A worker passes the path counts of a backend to its parent in the end record of a trace. The
+ * counts are summed over workers by name, and a damaged record adds no invented counts.
  * Covers: REQ-VAL-PATHS
  */
 #include "harness.h"
@@ -23,7 +22,7 @@ static void visit_given(const ost_backend *backend, ost_path_visit *visit, void 
         visit(user, names[i], given[i]);
 }
 
-/* A trace of nothing but its end, with these counts. */
+/* Returns a trace that consists only of its end record, with these counts. */
 static trace ended_with(const char *name, uint64_t a, uint64_t b, uint64_t c)
 {
     static const ost_backend_ops table = {.name = "test", .paths = visit_given};
@@ -69,7 +68,7 @@ static void summed(void **state)
     trace_free(&two);
 }
 
-/* Every prefix of the record's body: what is whole in it is added, nothing is read past its end. */
+/* For every prefix of the record's body the complete entries are added, and nothing is read beyond its end. */
 static void damaged(void **state)
 {
     (void)state;

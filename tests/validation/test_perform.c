@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Functions that a backend lacks, and functions that fail, in a case that is
- * performed: only the first leave a record that is compared with nothing.
- * The reference is changed slot by slot and compared with itself.
+ * Performs a case with functions that a backend lacks, and with functions that fail: only the
+ * former leave a record that is not compared. The reference is changed slot by slot and
+ * compared with itself.
  * Covers: REQ-EVIDENCE
  */
 #include "harness.h"
@@ -12,7 +12,7 @@
 #include "validation/compare.h"
 #include "validation/perform.h"
 
-/* A device that is lost says so by the status that a missing function has as well. */
+/* A lost device returns the same status as a missing function. */
 static ost_status lost_upload(ost_bone *bone, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err)
 {
     (void)bone, (void)z0, (void)count, (void)voxels;
@@ -103,7 +103,7 @@ static void a_failure_is_no_absence(void **state)
     scene_free(&s);
 }
 
-/* The bone of a quarter of the tool's voxel that each tool meets first must have a spacing that a bone can have. */
+/* Each tool first meets a bone of a quarter of the tool's voxel; its spacing must be allowed for a bone. */
 static void the_finest_tools_are_performed(void **state)
 {
     static const int numbers[] = {9, 17, 27, 36}; /* with seed 1 their tools have voxels below 4 * OST_SPACING_MIN */

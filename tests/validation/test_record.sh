@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# What stands in a bundle beside the comparison: requirements traced both ways,
+# The files of a bundle in addition to the comparison: requirements traced both ways,
 # tools and libraries as they are, a bill of materials that has SPDX 2.3's form,
 # checks of common mistakes, and a signature over the manifest.
 # Covers: REQ-RECORD, REQ-TRACE
@@ -13,7 +13,7 @@ checks=$((checks + 1))
 [ "$(value common_mistakes.passed)" -ge 20 ] || fail "only $(value common_mistakes.passed) checks of common mistakes"
 run 0 verify b
 
-# The table in the bundle is the tree's, with the tests that no requirement names.
+# The table in the bundle equals the tree's, including the tests that no requirement names.
 "$source_folder/docs/check-requirements" --table "$source_folder" >table
 checks=$((checks + 1))
 cmp -s table b/requirements.csv || fail "requirements.csv is not what check-requirements --table gives"
@@ -36,7 +36,7 @@ check "libraries in soup.csv" "$(grep -c '"linked"\|"loaded by another library' 
 if command -v python3 >/dev/null; then
     checks=$((checks + 1))
     python3 "$source_folder/tests/validation/spdx.py" b/sbom.spdx.json >out 2>&1 || fail "sbom.spdx.json: $(cat out)"
-    # It is no test of the form if a broken one passes.
+    # The check of the form must refuse a broken file.
     sed 's/"SPDX-2.3"/"SPDX-9"/' b/sbom.spdx.json >broken
     checks=$((checks + 1))
     ! python3 "$source_folder/tests/validation/spdx.py" broken >out 2>&1 || fail "a broken bill of materials passes"
@@ -44,7 +44,8 @@ else
     echo "no python3: the form of sbom.spdx.json is not checked"
 fi
 
-# No field of the list sends its reader elsewhere, and checkers of others accept the bill of materials.
+# No field of the list refers its reader elsewhere, and independent checkers accept the bill of
+# materials.
 checks=$((checks + 2))
 ! grep -q 'see its package\|not known here' b/soup.csv || fail "soup.csv: $(grep 'see its package\|not known here' b/soup.csv | head -n 2)"
 ! grep -q '"supplier": "NOASSERTION"' b/sbom.spdx.json || ! command -v dpkg-query >/dev/null || fail "a package without its supplier: $(grep -c '"supplier": "NOASSERTION"' b/sbom.spdx.json)"

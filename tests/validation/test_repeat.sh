@@ -1,14 +1,14 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# The whole smoke tier on every backend that is here, twice, and in three
-# shards that are merged: the same bundle each time, byte for byte, but for the
-# files that say when and where (README.md of a bundle lists them).
+# The complete smoke tier on every available backend, twice, and in three shards that are merged:
+# the bundles are byte-identical except for the files with times and machines (a bundle's README.md
+# lists them).
 #
 #   one run == another run == shards 1/3, 2/3, 3/3 --merge-->
 #
-# test_bundle.sh does the same with a few cases; this takes minutes and is done
-# with OST_TEST_LONG=1 alone.  OST_TEST_TIER is another tier.
+# test_bundle.sh does the same with a few cases. This test takes minutes and runs only with
+# OST_TEST_LONG=1. OST_TEST_TIER selects another tier.
 # Covers: REQ-EVIDENCE REQ-SHARDS
 . "${srcdir:-.}/tests/app/lib.sh"
 [ -n "${OST_TEST_LONG:-}" ] || { echo "only with OST_TEST_LONG"; exit 77; }
@@ -16,7 +16,7 @@ tier=${OST_TEST_TIER:-smoke} only=
 "$osteon" devices --json >out 2>err
 "$osteon" validate --backends cl --only mesh/0 >out 2>err || only=--cpu-only
 
-# Files that may differ, by the bundle's own words.
+# varying BUNDLE: prints the files that may differ, as listed in the bundle.
 varying() {
     sed -n '/^## What differs/,$s/^| \([a-z.]*\) |.*/\1/p' "$1/README.md" | grep '\.'
 }

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A case is made from its name and the campaign's seed, and is the same on
- * every machine and with every compiler: what two sites compare is one input.
- * The digests here are what gcc 12 made on x86-64; that clang makes the same is
- * what this test is for (two draws in one list of arguments are made in an
- * order that is the compiler's).
+ * A case is made from its name and the campaign's seed, and is the same on every machine and
+ * with every compiler, so that two sites compare the same input. The digests here were made by
+ * gcc 12 on x86-64; this test shows that clang makes the same ones (two random draws in one
+ * list of arguments would be made in an order that the compiler chooses).
  *
- * The operation's bone is made in floating point (phantom), so it is not held here.
+ * The operation's bone is made in floating point (phantom), so it is not tested here.
  * Covers: REQ-EVIDENCE
  */
 #include "harness.h"
@@ -94,7 +93,10 @@ static void small_scenes(void **state)
     assert_int_equal(wrong, 0);
 }
 
-/* So that a change is located in its tick, however thin the voxels that were drawn. */
+/*
+ * Small bones are fetched completely, so that a change is located in its tick, however thin the
+ * random voxels are.
+ */
 static void small_bones_are_fetched_whole(void **state)
 {
     (void)state;
@@ -109,13 +111,16 @@ static void small_bones_are_fetched_whole(void **state)
         const ost_pm n = s.cubic, x = (g->dims.x * g->spacing.x + n - 1) / n, y = (g->dims.y * g->spacing.y + n - 1) / n, z = (g->dims.z * g->spacing.z + n - 1) / n;
         const ost_geometry bone = {{(int32_t)x, (int32_t)y, (int32_t)z}, {n, n, n}, g->origin};
         assert_true(x * y * z <= PERFORM_WHOLE);
-        for (size_t i = 0; i < s.path.count; i++) /* and no tick is refused for the tool's voxels */
+        for (size_t i = 0; i < s.path.count; i++) /* no tick is refused because of the size of the tool's voxels */
             assert_ok(ost_map_make(&s.path.ticks[i].pose, &bone, &s.tools[s.path.ticks[i].tool].cutting.grid, &map, &err));
         scene_free(&s);
     }
 }
 
-/* Voxels of an axis whose source is another when the ratio is divided once, in double precision or in single, and cut off. */
+/*
+ * Counts the voxels of an axis whose source changes if the ratio is computed by one division in
+ * double or single precision and the index is truncated.
+ */
 static int decided_by_ratio(const scene *s, ost_pm rect, int32_t n, bool single)
 {
     const double ratio = single ? (double)((float)s->cubic / (float)rect) : (double)s->cubic / (double)rect;
@@ -130,7 +135,10 @@ static int decided_by_ratio(const scene *s, ost_pm rect, int32_t n, bool single)
     return other;
 }
 
-/* Both rules that cut have a case in the smoke tier in which int(i * (c / s)) is another voxel, whatever the seed. */
+/*
+ * For both rules that truncate, the smoke tier has a case in which int(i * (c / s)) is another
+ * voxel, for any seed.
+ */
 static void ratios_decide_a_voxel(void **state)
 {
     (void)state;
@@ -154,7 +162,7 @@ static void ratios_decide_a_voxel(void **state)
     }
 }
 
-/* What the cases of the family reach are for; the figures are those of its description. */
+/* Tests the purpose of each case of the family `reach`; the numbers are those of its description. */
 static void reach_has_what_it_is_for(void **state)
 {
     ost_error err = {0};
@@ -176,7 +184,7 @@ static void reach_has_what_it_is_for(void **state)
             assert_true(s.tools[0].cutting.grid.dims.x > 512);
             assert_true(s.tools[1].cutting.grid.dims.x == 257);
             assert_true(s.tools[0].noncutting.triangle_count > 0);
-            /* Units of the map from a voxel's middle to the bar's end, times 2: an odd number is a tie. */
+            /* Units of the map from a voxel's middle to the bar's end, times 2; an odd number is a tie. */
             for (size_t n = 0; n < 3; n++) {
                 const ost_tool_geometry *bar = &s.tools[0].cutting.grid;
                 const ost_pm end = s.path.ticks[n].pose.t.x + bar->corner.x + bar->dims.x * bar->voxel - s.rect.origin.x;
@@ -191,7 +199,8 @@ static void reach_has_what_it_is_for(void **state)
             const ost_dims bar = s.tools[3].cutting.grid.dims;
             assert_true(bar.x > 64 && bar.x <= 128 && bar.y % 64 == 3 && bar.z % 64 == 3 &&
                         s.tools[3].noncutting.triangle_count > 0);
-            int32_t most[2] = {0}, least[2] = {INT16_MAX, INT16_MAX}; /* of the first chunk along x, and of the next */
+            /* of the first chunk along x, and of the second */
+            int32_t most[2] = {0}, least[2] = {INT16_MAX, INT16_MAX};
             for (size_t n = 0; n < s.sample_count; n++) {
                 const int part = (int32_t)(n % (size_t)d.x) >= s.chunk_size;
                 const int32_t density = s.samples[n].density;
@@ -205,7 +214,7 @@ static void reach_has_what_it_is_for(void **state)
             size_t on_a_line = 0;
             assert_int_equal((d.x * s.rect.spacing.x + s.cubic - 1) / s.cubic % 8, 1);
             assert_int_equal(d.x * s.rect.spacing.x % s.cubic, 0);
-            for (size_t t = 0; t < m->triangle_count; t++) { /* corners apart, and no area */
+            for (size_t t = 0; t < m->triangle_count; t++) { /* distinct corners without an area */
                 int64_t e[2][3];
                 for (int k = 0; k < 2; k++) {
                     const ost_pm3 a = m->vertices[m->triangles[t][0]], b = m->vertices[m->triangles[t][k + 1]];
@@ -216,9 +225,10 @@ static void reach_has_what_it_is_for(void **state)
                 on_a_line += e[0][0] && e[1][0] && e[0][0] != e[1][0] && e[0][0] * e[1][1] == e[0][1] * e[1][0] &&
                              e[0][1] * e[1][2] == e[0][2] * e[1][1] && e[0][0] * e[1][2] == e[0][2] * e[1][0];
             }
-            assert_int_equal(m->triangle_count - plates->cutting.triangle_count, 4); /* which snapping drops */
+            /* dropped when the mesh is snapped */
+            assert_int_equal(m->triangle_count - plates->cutting.triangle_count, 4);
             assert_int_equal(on_a_line, 4);
-            assert_int_equal(plates->noncutting.triangle_count, 10); /* a box without a face */
+            assert_int_equal(plates->noncutting.triangle_count, 10); /* a box without one face */
             /* The tool is behind the bone at the end of its last sweep. */
             assert_true(s.path.ticks[2].pose.t.x + plates->cutting.grid.corner.x > s.rect.origin.x + d.x * s.rect.spacing.x);
             for (int n = 3; n < 5; n++) {
@@ -236,7 +246,10 @@ static void reach_has_what_it_is_for(void **state)
                 assert_int_equal(active[c], 1);
             for (int c = 0; c < 64; c++)
                 assert_int_equal(places[c], 1 + (c == d.x % 64 - 1));
-            /* More than 2^16 of them have the centre of a row in their bounds along y and z; 2^9 units are half a voxel. */
+            /*
+             * More than 2^16 of them contain the centre of a row in their bounds along y and z;
+             * 2^9 units are half a voxel.
+             */
             const ost_snapped_mesh *fine = &s.tools[0].cutting;
             int64_t with_rows = 0;
             for (size_t t = 0; t < fine->triangle_count; t++) {

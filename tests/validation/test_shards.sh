@@ -1,9 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# The commands for many machines in docs/validation.md, as they stand there,
-# with two shards of a few cases in place of eight of the full tier.  sbatch is
-# played by a function of the same form; parallel is GNU's, where it is here.
+# Runs the commands for many machines in docs/validation.md literally, with two shards of a few
+# cases instead of eight of the full tier. A script of the same form replaces sbatch; parallel
+# is GNU's, if it is installed.
 # Covers: REQ-SHARDS
 . "${srcdir:-.}/tests/app/lib.sh"
 small="--only import/ --backends cpu:isa=scalar,threads=1"
@@ -12,7 +12,8 @@ ln -s "$osteon" bin/osteon
 ln -s "$source_folder/examples/cluster" examples/cluster
 PATH=$scratch/bin:$PATH
 export PATH
-# sbatch --wait --array=1-N SCRIPT ARGUMENT...: tasks in any order, as Slurm sets their variables; the worst status
+# sbatch --wait --array=1-N SCRIPT ARGUMENT...: runs the tasks in any order with the variables
+# that Slurm sets; returns the worst status
 cat >bin/sbatch <<'END'
 #!/bin/sh
 [ "$1" = --wait ] && case $2 in --array=1-[0-9]*) ;; *) false ;; esac || { echo "sbatch $*: not as it was documented" >&2; exit 64; }
@@ -30,7 +31,7 @@ exit $worst
 END
 chmod +x bin/sbatch
 
-# Blocks of the section, a file each; then what is large in them made small.
+# Writes each block of the section to a file, and replaces its large parameters by small ones.
 awk '/^## /{ on = $0 == "## Many machines" } on && /^```/{ if (open) close(file); else file = "block-" ++n; open = !open; next } on && open { print >file }' \
     "$source_folder/docs/validation.md"
 check "blocks" "$(echo block-*)" "block-1 block-2"
@@ -51,7 +52,7 @@ for block in block-1 block-2; do
     rm -rf shards bundle
 done
 
-# One task of many again, as the script says.
+# Runs one of many tasks again, as the script's comment describes.
 mkdir shards
 # shellcheck disable=SC2086 # words
 SHARDS=2 SLURM_ARRAY_TASK_COUNT=1 SLURM_ARRAY_TASK_ID=2 examples/cluster/shards.sbatch $small >out 2>err || fail "one task: $(cat err)"

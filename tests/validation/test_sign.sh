@@ -1,10 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# Signatures of bundles: made by osteon sign and osteon validate --sign,
-# checked by osteon verify --trust, and apart from our code by openssl.
-# Envelopes that are broken, too large, of another bundle or another key have
-# one line each.
+# Signatures of bundles: made by osteon sign and osteon validate --sign, verified by osteon
+# verify --trust, and independently by openssl. Each envelope that is broken, too large, of
+# another bundle or of another key gives one line.
 # Covers: REQ-SIGN
 . "${srcdir:-.}/tests/app/lib.sh"
 command -v openssl >/dev/null || { echo "skipped: no openssl"; exit 77; }
@@ -31,7 +30,7 @@ check "checked" "$(value signatures_checked)" true
 check "its meaning" "$(value signatures.0.meaning)" "performed as the protocol says"
 check "its key" "$(value signatures.0.keys.0)" "$(openssl pkey -in tester.key -pubout -outform DER | sha256sum | cut -d' ' -f1)"
 
-# A reviewer signs as well, with a key of the other kind, and one that is encrypted.
+# A reviewer signs as well, with a key of the other kind that is encrypted.
 sleep 1
 run 0 sign b --key reviewer.key --by "A. Reviewer" --meaning "reviewed and accepted"
 sleep 1
@@ -62,7 +61,7 @@ check "results_root" "$("$json_get" results_root <b/manifest.json)" "$("$json_ge
 run 1 verify plain --trust trusted
 grep -q "signatures/ has no signature" out || fail "no signature: $(cat out)"
 
-# Apart from our code: PAE written here, openssl verifies.
+# Independent verification: PAE is computed here, and openssl verifies.
 "$python" - b trusted <<'PY' || fail "openssl and the specification do not agree"
 import base64, glob, hashlib, json, subprocess, sys
 bundle, keys = sys.argv[1:]
@@ -92,7 +91,8 @@ for name, key in zip(envelopes, ("tester", "reviewer", "tester")):
 PY
 
 # ---------------------------------------------------------------- forgeries
-# broken TEXT: the bundle x, with the trusted keys, has status 1 and a line that says TEXT
+# broken TEXT: checks that bundle x, with the trusted keys, gives status 1 and a line that
+# contains TEXT
 broken() {
     run 1 verify x --trust trusted
     check "lines about: $1" "$(grep -c '^  signatures' out)" 1
@@ -119,7 +119,7 @@ PY
 fresh
 run 0 verify x --trust trusted
 edit 'e["payload"] = e["payload"].replace("+", "-").replace("/", "_"); s["keyid"] = "somebody"; e["more"] = 1'
-run 0 verify x --trust trusted # URL-safe base64, a hint that is none, an unknown field: DSSE allows them
+run 0 verify x --trust trusted # URL-safe base64, a wrong key hint, an unknown field: DSSE allows them
 edit 'del s["keyid"]'
 run 0 verify x --trust trusted
 fresh; edit 'p["subject"][0]["digest"]["sha256"] = "0" * 64; e["payload"] = pack(p)'; broken "wrong signature: the key that it names did not sign this"
@@ -151,13 +151,13 @@ rm -rf x y; cp -r b x
 run 1 verify x --trust trusted/reviewer.pem
 check "signers that are not trusted" "$(grep -c 'by no trusted key' out)" 2
 run 1 verify x --trust stranger.pem
-# A true signature by a trusted key, of another bundle.
+# A valid signature by a trusted key, but of another bundle.
 run 0 validate --only import/1 --backends "$one" --out other --sign tester.key --quiet
 fresh; rm "$envelope"; cp other/signatures/* x/signatures/; broken "about another bundle"
-# Without --trust, what the envelope says is compared all the same.
+# Without --trust the contents of the envelope are still compared.
 run 1 verify x
 grep -q "about another bundle" out || fail "another bundle's envelope without --trust: $(cat out)"
-# A bundle that was changed is not signed; nor is one whose signatures are broken.
+# A bundle that was changed is not signed, and neither is one with broken signatures.
 rm -rf x; cp -r plain x; echo >>x/README.md
 run 1 sign x --key tester.key --meaning performed
 [ ! -e x/signatures ] || fail "a changed bundle was signed"
@@ -187,7 +187,7 @@ openssl req -x509 -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -keyout ca.
 openssl req -x509 -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -keyout no.key -out no.pem -days 2 -subj "/CN=another root" 2>/dev/null
 openssl req -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -keyout tsa.key -out tsa.csr -subj "/CN=a time stamp" 2>/dev/null
 openssl x509 -req -in tsa.csr -CA ca.pem -CAkey ca.key -CAcreateserial -days 2 -extfile tsa.cnf -extensions ext -out tsa.pem 2>/dev/null
-# stamp FILE: the response of the authority for it
+# stamp FILE: makes the authority's response for FILE
 stamp() {
     openssl ts -query -data "$1" -sha256 -cert -out query.tsq 2>/dev/null
     openssl ts -reply -config tsa.cnf -queryfile query.tsq -signer tsa.pem -inkey tsa.key -out "$1.tsr" 2>/dev/null || fail "openssl ts made no response"
@@ -208,7 +208,7 @@ grep -q "no time stamp of this envelope" out || fail "another authority: $(cat o
 refuse 2 "no certificate" verify x --trust trusted --timestamp-ca tester.key
 cp "$envelope.tsr" of_another.tsr
 fresh
-edit 'e["more"] = 1' # the signature holds, but these are not the bytes that the stamp is for
+edit 'e["more"] = 1' # the signature is valid, but the time stamp is for other bytes
 cp of_another.tsr "$envelope.tsr"
 run 1 verify x --trust trusted --timestamp-ca ca.pem
 grep -q "no time stamp of this envelope" out || fail "another envelope's stamp: $(cat out)"
@@ -229,7 +229,7 @@ from securesystemslib.signer import SSlibKey
 bundle, keys = sys.argv[1:]
 for name, key in zip(sorted(glob.glob(bundle + "/signatures/*.intoto.jsonl")), ("tester", "reviewer", "tester")):
     e = json.load(open(name))
-    keyid = e["signatures"][0]["keyid"] # from_dict takes it out
+    keyid = e["signatures"][0]["keyid"] # from_dict removes it
     envelope = Envelope.from_dict(e)
     trusted = SSlibKey.from_crypto(load_pem_public_key(open(f"{keys}/{key}.pem", "rb").read()), keyid=keyid)
     envelope.verify([trusted], 1)

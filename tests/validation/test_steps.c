@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The second implementation of the steps before the voxels: the worked
- * numbers of docs/arithmetic.md, wide integers against __int128, and what a
- * comparison with it names.
+ * The second implementation of the steps before the voxels: the examples of docs/arithmetic.md,
+ * wide integers compared with __int128, and the differences that a comparison with it names.
  *
  * Covers: AR-INT-1, AR-INT-2, AR-POSE-4, AR-CUB-1, AR-TOOL-2, AR-MESH-3, AR-MESH-4, AR-SWEEP-1..5, AR-MAP-1..5, AR-MOTOR-2..7, AR-REM-7
  */
@@ -31,7 +30,7 @@ static void wide_integers(void **state)
 {
     (void)state;
     static const int64_t halves[][3] = {{5, 2, 2},   {7, 2, 4},  {-5, 2, -2},
-                                        {-7, 2, -4}, {-1, 3, 0}, {-2, 3, -1}}; /* AR-INT-2's example */
+                                        {-7, 2, -4}, {-1, 3, 0}, {-2, 3, -1}}; /* the example of AR-INT-2 */
     test_rng rng = rng_seeded("wide integers");
     for (size_t i = 0; i < sizeof halves / sizeof halves[0]; i++)
         assert_int_equal(wide_to_int64(wide_nearest(wide_of(halves[i][0]), wide_of(halves[i][1]))), halves[i][2]);
@@ -86,7 +85,7 @@ static void map_of_the_text(void **state)
     assert_int_equal(base[0], 38164811);
     assert_int_equal(base[1], 34319892);
     assert_int_equal(base[2], -2393270);
-    /* The voxel of the example is inside the tool's grid, so the bounds hold it. */
+    /* The voxel of the example is inside the tool's grid, so it is within the bounds. */
     ost_voxel_box box;
     assert_true(steps_bounds(&pose, &bone, &tool, &box) && steps_reaches(&map, &bone, &tool, &box));
     const int32_t voxel[3] = {149, 103, 75};
@@ -105,7 +104,7 @@ static void sweep_and_motor_of_the_text(void **state)
     const ost_pose first = steps_sweep_pose(&a, &b, 1, 3);
     assert_int_equal(first.t.x, 100000000);
     assert_int_equal(first.t.y, 133333333);
-    /* 2 |d| = n s exactly is enough, a picometre more is not. */
+    /* 2 |d| = n s exactly is sufficient; one more picometre is not. */
     const ost_pose exact = {{2 * 470 * UM, 0, 0}, OST_Q30_ONE, 0, 0, 0}, more = {{2 * 470 * UM + 1, 0, 0}, OST_Q30_ONE, 0, 0, 0};
     assert_int_equal(steps_sweep_count(&a, &exact, &tool, 470 * UM), 4);
     assert_int_equal(steps_sweep_count(&a, &more, &tool, 470 * UM), 5);
@@ -189,11 +188,11 @@ static void events_by_hand(void **state)
     ost_tick ticks[] = {
         {.t_ns = 0, .rpm = 200, .pose = at},         /* first of its tool */
         {.t_ns = 1000000, .rpm = 200, .pose = at},   /* in the same period */
-        {.t_ns = 3000000, .rpm = 0, .pose = at},     /* off: never */
-        {.t_ns = 3500000, .rpm = 200, .pose = at},   /* first after it was off */
+        {.t_ns = 3000000, .rpm = 0, .pose = at},     /* motor off: never */
+        {.t_ns = 3500000, .rpm = 200, .pose = at},   /* first after the motor was off */
         {.t_ns = 3600000, .rpm = 200, .pose = at, .lifted = true},
         {.t_ns = 6000000, .rpm = 200, .pose = at},   /* the next period */
-        {.t_ns = 106000000, .rpm = 200, .pose = at}, /* a third of a turn since: refused */
+        {.t_ns = 106000000, .rpm = 200, .pose = at}, /* after a third of a turn: refused */
         {.t_ns = 46000000, .rpm = 200, .pose = at, .tool = 1},
     };
     static const int events[] = {1, 0, 0, 1, 1, 1, 2, 1};
@@ -207,7 +206,7 @@ static void events_by_hand(void **state)
     steps_history_free(&h);
 }
 
-/* One word of the two traces of a case of steps is changed: the comparison names it. */
+/* One word in one of the two traces of a case of steps is changed; the comparison names it. */
 static void a_difference_is_named(void **state)
 {
     (void)state;
@@ -226,7 +225,7 @@ static void a_difference_is_named(void **state)
     for (int second = 0; second < 2; second++) {
         assert_ok(trace_create(paths[second], &w, &err));
         if (second)
-            s.path.ticks[5].pose.t.x++; /* which the second implementation does not look at: it turns the hand's rows itself */
+            s.path.ticks[5].pose.t.x++; /* not used by the second implementation, which turns the path's rows itself */
         assert_ok(second ? perform_second(dense, &s, 0, w, &why, &err) : perform(dense, &s, 0, w, NULL, NULL, &why, &err));
         assert_ok(trace_close(w, &err));
         assert_ok(trace_open(paths[second], &t[second], &err));
@@ -238,7 +237,8 @@ static void a_difference_is_named(void **state)
 
     assert_ok(trace_create(paths[0], &w, &err));
     trace_free(&t[0]);
-    assert_ok(perform(dense, &s, 0, w, NULL, NULL, &why, &err)); /* with the changed tick, as if src/core had turned it so */
+    /* with the changed tick, as if src/core had turned it in that way */
+    assert_ok(perform(dense, &s, 0, w, NULL, NULL, &why, &err));
     assert_ok(trace_close(w, &err));
     assert_ok(trace_open(paths[0], &t[0], &err));
     compare_case(&t[0], compare_find(&t[0], 0), &t[1], compare_find(&t[1], 0), &d);
@@ -253,7 +253,7 @@ static void a_difference_is_named(void **state)
     ost_backend_close(dense);
 }
 
-/* A box may hold more than it must, and none is needed where no voxel is reached. */
+/* A box may be larger than necessary, and none is needed if no voxel is reached. */
 static void boxes_are_bounds(void **state)
 {
     (void)state;
@@ -266,7 +266,7 @@ static void boxes_are_bounds(void **state)
     is[REACHES] = 1;
     is[REACHES + 1] = 3;
     is[REACHES + 4] = 9;
-    assert_true(trace_word_holds(TRACE_STEPS, REACHES, a, b)); /* more than reaches */
+    assert_true(trace_word_holds(TRACE_STEPS, REACHES, a, b)); /* larger than the reach */
     least[REACHES] = 1;
     least[REACHES + 1] = 3;
     least[REACHES + 4] = 9;
@@ -274,18 +274,18 @@ static void boxes_are_bounds(void **state)
     is[REACHES + 1] = 4; /* begins one too late */
     is[REACHES + 4] = 8; /* ends one too early */
     assert_false(trace_word_holds(TRACE_STEPS, REACHES + 1, a, b) || trace_word_holds(TRACE_STEPS, REACHES + 4, a, b));
-    is[REACHES] = 0; /* left out though it reaches */
+    is[REACHES] = 0; /* omitted although voxels are reached */
     assert_false(trace_word_holds(TRACE_STEPS, REACHES, a, b));
 
-    /* A tick: boxes meet, then the range of chunks, first and end of each axis. */
+    /* A tick: a flag that boxes meet, then the range of chunks, first and end of each axis. */
     enum { MEET = 2, FIRST_Y = 6, END_Y = 7 };
     uint64_t has[13] = {0}, needs[13] = {0};
     const uint8_t *x = (const uint8_t *)has, *y = (const uint8_t *)needs;
-    needs[FIRST_Y] = INT32_MAX; /* the second implementation's event reaches nothing */
+    needs[FIRST_Y] = INT32_MAX; /* the event of the second implementation reaches nothing */
     assert_true(trace_word_holds(TRACE_TICK, MEET, x, y) && trace_word_holds(TRACE_TICK, FIRST_Y, x, y) &&
                 trace_word_holds(TRACE_TICK, END_Y, x, y));
     has[MEET] = needs[MEET] = 1;
-    has[FIRST_Y] = (uint64_t)-1; /* more than is needed */
+    has[FIRST_Y] = (uint64_t)-1; /* larger than necessary */
     has[END_Y] = 5;
     needs[FIRST_Y] = 0;
     needs[END_Y] = 4;

@@ -1,8 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# osteon validate --with-suite: the results of tests in a bundle, and what verify finds of them.  The suite is a made-up
-# program tests/run-test: its tests pass, fail, skip, hang, are ended by a signal and print without end.
+# osteon validate --with-suite: the results of tests in a bundle, and the findings of verify
+# about them. The suite is a simulated program tests/run-test: its tests pass, fail, skip, hang,
+# are ended by a signal and print endlessly.
 # Covers: REQ-SUITE
 . "${srcdir:-.}/tests/app/lib.sh"
 
@@ -17,7 +18,7 @@ END
 chmod +x suite/tests/run-test
 campaign="validate --only import/0 --backends cpu:isa=scalar,threads=1"
 
-# A folder that cannot be a suite is refused before anything runs.
+# A folder that is no suite is refused before anything runs.
 refuse 2 "needs --out" $campaign --with-suite suite
 refuse 2 "of shards the first one has it" $campaign --with-suite suite --shard 2/2 --out b
 refuse 2 "nowhere: has no program tests/run-test" $campaign --with-suite nowhere --out b
@@ -28,7 +29,7 @@ refuse 2 "no program that can be executed" $campaign --with-suite folder --out b
 checks=$((checks + 1))
 [ ! -e b ] || fail "a refused suite leaves a bundle"
 
-# One passes; what is not there is skipped, with its reason.
+# One test passes; absent tests are skipped, with the reason.
 run 0 $campaign --with-suite suite --out b --json
 named=$(sed 1d b/requirements.csv | grep -v '^,' | cut -d, -f4 | tr ';' '\n' | grep . | sort -u | wc -l | tr -d ' ')
 check "passed" "$(value suite.passed)" 1
@@ -45,7 +46,7 @@ grep -q 'id="suite"' b/report.html && ! grep -q 'SUITE FAILED' b/report.html || 
 run 0 verify b --json
 check "verify's count" "$(value suite.passed)" 1
 
-# A shard's suite is the merged bundle's.
+# The suite of a shard is part of the merged bundle.
 mkdir shards
 run 0 validate --only import --backends cpu:isa=scalar,threads=1 --shard 1/2 --with-suite suite --out shards/1
 run 0 validate --only import --backends cpu:isa=scalar,threads=1 --shard 2/2 --out shards/2
@@ -53,7 +54,7 @@ run 0 validate --merge shards --out merged --json
 check "passed in the merged bundle" "$(value suite.passed)" 1
 run 0 verify merged
 
-# Nothing that ran is no evidence.
+# If no test ran, there is no evidence.
 printf '#!/bin/sh\nexit 77\n' >suite/tests/run-test
 run 3 $campaign --with-suite suite --out none
 checks=$((checks + 1))
@@ -61,7 +62,8 @@ grep -q 'no test of the suite ran' err || fail "a suite that did not run: $(cat 
 run 0 verify none
 check "results_root of other results of the suite" "$("$json_get" results_root <none/manifest.json)" "$("$json_get" results_root <b/manifest.json)"
 
-# Tests that fail in every way; nothing of them goes on, nothing is kept of their output.
+# Tests that fail in every way; none of their processes continues, and none of their output is
+# stored.
 cat >suite/tests/run-test <<END
 #!/bin/sh
 case \$1 in
@@ -79,7 +81,7 @@ END
 run 1 $campaign --with-suite suite --suite-limit 3 --out failed
 checks=$((checks + 1))
 grep -q '^TEST SUITE FAILED: .* 2 passed, 6 failed' out && grep -q 'verdict .*; the test suite FAILED' out || fail "failed tests: $(cat out)"
-one() { # TEST: its object on one line
+one() { # TEST: prints its object on one line
     tr '\n' ' ' <failed/suite.json | sed 's/},/}\n/g' | grep -F "\"test\": \"$1\""
 }
 says() { # TEST TEXT...
@@ -107,7 +109,7 @@ run 0 verify failed
 checks=$((checks + 1))
 grep -q 'the test suite FAILED: 2 passed, 6 failed' out || fail "verify does not say that the suite failed: $(cat out)"
 
-# Forgeries, the manifest and the log made right by nobody: verify names suite.json for what it is.
+# Forged files without a corrected manifest and log: verify names suite.json and the error.
 cp -r failed forged
 sed 's/"failed": 6/"failed": 5/' failed/suite.json >forged/suite.json
 run 1 verify forged

@@ -1,9 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# validation/try-patch: a patch is noticed, located and shown again by the
-# command that it prints; one that changes no result is not noticed; one that
-# does not apply or compile is refused.  The tree and the build stay as they are.
+# validation/try-patch: a patch is detected, located and reproduced by the command that it
+# prints; a patch that changes no result is not detected; one that does not apply or compile is
+# refused. The tree and the build are not changed.
 # Covers: REQ-TRY-PATCH
 . "${srcdir:-.}/tests/app/lib.sh"
 
@@ -15,7 +15,7 @@ done
 file=src/cpu/import/ct.c
 before=$(cksum "$source_folder/$file" "$build/osteon")
 
-# change NAME FROM TO: NAME.patch has the file with one text exchanged
+# change NAME FROM TO: makes NAME.patch, which replaces one text of the file
 change() {
     mkdir -p a/src/cpu/import b/src/cpu/import
     cp "$source_folder/$file" a/$file
@@ -28,7 +28,7 @@ change() {
     diff -u a/$file b/$file >"$1.patch"
 }
 
-# try STATUS ARGUMENT...
+# try STATUS ARGUMENT...: runs try-patch and checks its exit status
 try() {
     expected=$1
     shift
@@ -36,7 +36,7 @@ try() {
     check "try-patch $*: status" $? "$expected"
 }
 
-# says TEXT FILE
+# says TEXT FILE: checks that FILE contains TEXT
 says() {
     checks=$((checks + 1))
     grep -qF -- "$1" "$2" || fail "'$1' is not in: $(cat "$2")"

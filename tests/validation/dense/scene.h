@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * One scene through every stage: samples, rect grid, cubic grid, bone, a tool
- * from meshes, and events; all that a backend gives on the way is kept.
+ * Runs one scene through every stage: samples, rect grid, cubic grid, bone, a tool from meshes,
+ * and events; all results of a backend are stored.
  *
- * The scenes are made so that every mistake of validation/dense has a chance:
- * densities on the threshold and on the borders of classes, duplicates, voxels
- * without a sample, vertices on voxel centres, leaks, meshes within meshes,
- * poses within a rounding of the border of tool voxels, sweeps, far tools.
+ * The scenes are made so that every mistake of validation/dense can have an effect: densities
+ * at the threshold and at the borders of classes, duplicates, voxels without a sample, vertices
+ * on voxel centres, leaks, meshes within meshes, poses within a rounding of the border of tool
+ * voxels, sweeps, and distant tools.
  */
 #ifndef OST_TESTS_VALIDATION_SCENE_H
 #define OST_TESTS_VALIDATION_SCENE_H
@@ -19,7 +19,7 @@ typedef struct scene {
     /* import */
     ost_geometry rect;
     ost_sample *samples;
-    size_t count, first_batch; /* the rest is a second batch */
+    size_t count, first_batch; /* samples from first_batch on are the second batch */
     int64_t first_line;
     ost_duplicates duplicates;
     ost_pm cubic;
@@ -40,7 +40,7 @@ typedef struct scene {
 
 /* ------------------------------------------------------------------ make */
 
-/* Varied, all the same, or nearly nothing: what many mistakes leave alone. */
+/* Varied densities, uniform ones, or almost no bone; many mistakes have no effect on the last two. */
 typedef enum flavour { VARIED, UNIFORM, EMPTY } flavour;
 
 static inline int16_t scene_density(test_rng *rng, flavour f)
@@ -119,7 +119,10 @@ static inline void add_triangle(ost_snapped_mesh *m, size_t a, size_t b, size_t 
     t[2] = (uint32_t)c;
 }
 
-/* A range about a voxel's centre, of any odd half width: what runs from corner to corner meets the centre exactly. */
+/*
+ * Sets a range about a voxel's centre with an odd half width, so that a line from corner to
+ * corner meets the centre exactly.
+ */
 static inline void about_centre(test_rng *rng, int32_t n, int32_t *lo, int32_t *hi)
 {
     const int32_t middle = (n / 2) * LATTICE + LATTICE / 2, room = middle < n * LATTICE - middle ? middle : n * LATTICE - middle;
@@ -128,7 +131,7 @@ static inline void about_centre(test_rng *rng, int32_t n, int32_t *lo, int32_t *
     *hi = middle + half;
 }
 
-/* A box or a tetrahedron of either orientation; a face less when it leaks. */
+/* Adds a box or a tetrahedron of either orientation; with `leaks` without one face. */
 static inline void add_body(ost_snapped_mesh *m, test_rng *rng, bool leaks)
 {
     static const uint8_t faces[12][3] = {{0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}, {0, 1, 5}, {0, 5, 4},
@@ -215,7 +218,10 @@ static inline ost_geometry cubic_of(const scene *s)
     };
 }
 
-/* Anywhere in the bone, or within some picometres of where borders of tool voxels fall on voxels of the bone. */
+/*
+ * Returns a random pose in the bone, or one within some picometres of a pose at which borders
+ * of tool voxels meet voxels of the bone.
+ */
 static inline ost_pose scene_pose(const scene *s, test_rng *rng, ost_pm voxel)
 {
     const ost_geometry g = cubic_of(s);
@@ -248,7 +254,7 @@ static inline void make_events(scene *s, test_rng *rng)
         s->events[e].collide = rng_range(rng, 0, 5) == 0;
         const ost_tool_geometry *g = s->events[e].given ? &s->given.geometry : &s->cutting.grid;
         ost_pose to = scene_pose(s, rng, g->voxel), from = to;
-        if (e > 0 && rng_range(rng, 0, 2) == 0) { /* on from the last event */
+        if (e > 0 && rng_range(rng, 0, 2) == 0) { /* continues from the last event */
             from = s->events[e - 1].poses[s->events[e - 1].count - 1];
             to = from;
         }
@@ -292,7 +298,7 @@ static inline void free_scene(scene *s)
 typedef struct outcome {
     int16_t *rect, *cubic, *chunks, *after[EVENTS];
     ost_scatter_report scatter;
-    ost_bone_info info[2]; /* before the events and behind them */
+    ost_bone_info info[2]; /* before and after the events */
     ost_digest root;
     ost_tool_volume tool;
     ost_voxelize_report voxelize;
@@ -309,7 +315,7 @@ static inline int16_t *all_of(const ost_grid *grid)
     return voxels;
 }
 
-/* Bones of another chunk size than the scene's are asked for by chunk_size > 0. */
+/* Runs the scene on a backend; chunk_size > 0 replaces the scene's chunk size. */
 static inline outcome *run_scene(const scene *s, ost_backend *backend, int chunk_size)
 {
     ost_error err = {0};

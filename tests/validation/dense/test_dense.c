@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The dense backend without a deviation against the reference: every grid,
- * report, count and digest of random scenes, in every chunk size.
+ * Compares the dense backend without a deviation with the reference: every grid, report, count
+ * and digest of random scenes, with every chunk size.
  *
  * Covers: AR-CT-4..6, AR-CUB-2, AR-CUB-3, AR-CHK-1..4, AR-VOX-1..7, AR-MAP-4, AR-MAP-5, AR-REM-1..6, AR-CLS-1, AR-DIG-2
  */
@@ -22,7 +22,7 @@ static void equals_the_reference(void **state)
         outcome *a = run_scene(s, ref, 0);
         for (int n = 16; n <= 64; n *= 2) {
             outcome *b = run_scene(s, dense, n);
-            if (n != s->chunk_size) { /* the lines of the reports name other chunks: totals and grids only */
+            if (n != s->chunk_size) { /* the reports have different chunks, so only totals and grids are compared */
                 assert_true(ost_digest_equal(&a->root, &b->root));
                 for (int e = 0; e < EVENTS; e++) {
                     assert_int_equal(a->reports[e].total_voxels, b->reports[e].total_voxels);
@@ -51,7 +51,7 @@ static void equals_the_reference(void **state)
         free_outcome(a);
         free_scene(s);
     }
-    assert_true(hit > 0 && touched > 0 && leaks > 0); /* the scenes say something */
+    assert_true(hit > 0 && touched > 0 && leaks > 0); /* the scenes are not trivial */
     const deviation_record record = dense_record(dense);
     assert_int_equal(record.acted, 0);
     assert_int_equal(record.changed, 0);
@@ -59,7 +59,7 @@ static void equals_the_reference(void **state)
     ost_backend_close(ref);
 }
 
-/* Positions off the lattice, outside the grid and beyond all lengths; conflicts; lines that do not rise. */
+/* Positions off the lattice, outside the grid and beyond all valid lengths; conflicts; lines out of order. */
 static void reports_what_is_wrong_with_samples(void **state)
 {
     (void)state;
@@ -104,7 +104,10 @@ static void reports_what_is_wrong_with_samples(void **state)
     ost_backend_close(backends[1]);
 }
 
-/* A bone that is given slice by slice, in any order, is the bone that is given at once; slices come back as they are. */
+/*
+ * A bone uploaded slice by slice, in any order, equals a bone uploaded at once; downloaded
+ * slices equal the uploaded ones.
+ */
 static void slices_are_the_whole(void **state)
 {
     (void)state;

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Every kind of deviation: in random scenes, at random places and rates,
+ * Tests every kind of deviation in random scenes, at random positions and rates:
  *   - nothing differs from the reference unless the record says so,
- *   - what differs first is where the record says,
- *   - what changed has acted before, in the kind's own stage,
+ *   - the first difference is where the record says,
+ *   - the mistake has acted before, in the kind's own stage,
  *   - some scene shows it, and where the table says that it never survives,
  *     every scene in which it acts does.
- * OST_TEST_LONG=1 tries each kind more often; OST_TEST_DEVIATION=name one alone.
+ * OST_TEST_LONG=1 tests each kind more often; OST_TEST_DEVIATION=name tests only one.
  */
 #include "validation/dense/difference.h"
 
@@ -33,10 +33,10 @@ static void table_is_complete(void **state)
     assert_null(backend);
 }
 
-/* What one kind did over its scenes. */
+/* Number of scenes by outcome for one kind. */
 typedef struct tally {
     int quiet, survived, changed;
-    int harmless; /* neither, though made wherever it can be */
+    int harmless; /* scenes without a difference, although the mistake was made wherever possible */
 } tally;
 
 static void check_place(deviation_kind kind, const deviation_record *r, const difference *f, uint64_t seed)
@@ -55,7 +55,7 @@ static void check_place(deviation_kind kind, const deviation_record *r, const di
     assert_true(q->stage < p->stage || (q->stage == p->stage && q->call <= p->call));
 }
 
-/* everywhere: made wherever it can be, in a varied scene. */
+/* Runs one scene; everywhere: a varied scene, with the mistake made wherever possible. */
 static void try_once(deviation_kind kind, uint64_t seed, bool everywhere, ost_backend *ref, tally *t)
 {
     static const uint32_t rates[] = {1, 1, 1, 2, 20, 4000};

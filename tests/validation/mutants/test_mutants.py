@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The generator of mutants and what measures them, on snippets and on a toy.
+"""Tests the generator of mutants and their measurement, on snippets and on a toy program.
 
-    snippet --> exactly the mutants worked out by hand
-    toy program of three mutants --> identical code, killed by its trace, survived
+    snippet --> exactly the mutants computed by hand
+    toy program with three mutants --> identical code, killed by its trace, survived
 
 Covers: REQ-MUTANTS
 """
@@ -27,7 +27,7 @@ import trial  # noqa: E402
 
 
 def changes(text, *names, file="src/core/a.c"):
-    """The lines that mutants of some operators make of a source's one line."""
+    """Returns the lines that mutants of some operators make of a source's one line."""
     return sorted(operators.applied(text, m) for m in operators.mutants_of(file, text) if m.operator in names)
 
 
@@ -98,7 +98,7 @@ class Generator(unittest.TestCase):
         self.assertEqual(len({m.id for m in mutants}), len(mutants))
 
     def test_backends_of_files(self):
-        """A file whose backends are not found would count as survived; so every one that is built here has some."""
+        """A file without known backends would count as survived; so every file that is built here has some."""
         lists = (["ref", "cpu:isa=scalar,threads=1", "cpu:isa=scalar,threads=2", "cpu:isa=avx2,threads=1", "cpu:isa=avx2,threads=2", "cpu:isa=avx512,threads=2",
                   "cpu:voxelizer=embree,threads=2", "cl:platform=0,device=0"],
                  ["ref", "dense", "cpu:isa=scalar,threads=1", "cpu:isa=scalar,threads=2,grain=1", "cpu:isa=avx2,threads=3,grain=1", "cpu:isa=avx512,threads=1",
@@ -112,7 +112,7 @@ class Generator(unittest.TestCase):
                 self.assertLessEqual(set(found), set(available))
 
     def test_survivors_ran_everywhere(self):
-        """"Survived" is said of a tier, so no backend of it that runs the file may be left out."""
+        """"Survived" refers to a tier, so no backend of it that runs the file may be omitted."""
         cpu = ["cpu:isa=scalar,threads=1", "cpu:isa=scalar,threads=2,grain=1", "cpu:isa=avx2,threads=1", "cpu:isa=avx2,threads=3,grain=1",
                "cpu:isa=avx512,threads=7,grain=1", "cpu:isa=avx512vbmi,threads=1", "cpu:threads=3", "cpu:voxelizer=embree,threads=2"]
         cl = ["cl:platform=0,device=0,kernels=cpu", "cl:platform=0,device=0,kernels=gpu,staging=65536"]
@@ -126,7 +126,7 @@ class Generator(unittest.TestCase):
         self.assertEqual(scope.subjects("src/cpu/x86/remove_avx2.c", available)[0], "cpu:isa=avx2,threads=3,grain=1")
 
     def test_order_of_families(self):
-        """A family goes first that notices most mutants a second."""
+        """The family that detects most mutants per second runs first."""
         campaign = trial.Campaign("none", tempfile.mkdtemp(prefix="osteon-mutants-"), trial.Limits(), ["case"], ["slow", "quick", "useless"])
         self.addCleanup(shutil.rmtree, campaign.work)
         campaign.tried = {"slow": [9, 90.0], "quick": [3, 5.0], "useless": [1, 50.0]}
@@ -158,7 +158,8 @@ static int unused_half(int v) { return v & 7; }
 int toy_value(int v);
 int toy_value(int v) { return v > 100 ? unused_half(v) : scaled(v); }
 """
-# A worker of one case: a record of stage `case`, one of stage `rect` with the values, and the end.
+# A worker with one case: a record of stage `case`, one of stage `rect` with the values, and the
+# end.
 MAIN = """
 #include <stdint.h>
 #include <stdio.h>
@@ -221,7 +222,8 @@ class OnAToy(unittest.TestCase):
         self.assertEqual(self.outcome("7", "15", "unused_half(int v) {")["outcome"], "survived")
         self.assertEqual(self.outcome("100", "101", "toy_value(int v) {")["outcome"], "survived")
         self.assertEqual(self.outcome(">", ">=", "toy_value(int v) {")["outcome"], "survived")
-        # No value is above this one, so the compiler drops what follows the test: the same object code.
+        # No value is greater than this one, so the compiler removes the code after the test:
+        # identical object code.
         text = TOY.replace("v > 100", "v > 0x7fffffff")
         with open(os.path.join(self.build.source, "src/cpu/ref/toy.c"), "w", encoding="utf-8") as f:
             f.write(text)

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * report.html: that it follows from the bundle, escapes what it is given,
- * links to nothing that is not there, and shows differences.
+ * report.html: it follows from the bundle, escapes its input, has no dead links, and shows
+ * differences.
  *
- * Bundles are made here from a protocol and cases written out by hand; the
- * traces of a difference are two records of a small bone each.
+ * The bundles are made here from a protocol and cases written by hand; the traces of a
+ * difference are two records of a small bone each.
  */
 #include "harness.h"
 
@@ -78,7 +78,10 @@ static void put_text_file(bundle *b, const char *name, const char *text)
     assert_ok(bundle_put(b, name, text, strlen(text), &err));
 }
 
-/* Two traces of one case: chunks alike, then a tick in which the other cut one voxel less in one leaf and left another leaf alone. */
+/*
+ * Writes one of two traces of a case: the chunks are equal; then follows a tick in which the
+ * other trace removes one voxel less in one leaf and does not change another leaf.
+ */
 static void write_trace(const char *path, bool other)
 {
     ost_error err = {0};
@@ -110,7 +113,7 @@ static void write_trace(const char *path, bool other)
     assert_ok(trace_close(w, &err));
 }
 
-/* The pictures of case session/1 on backend 1, by the campaign's hook. */
+/* Stores the pictures of case session/1 on backend 1 by the campaign's hook. */
 static void put_difference(bundle *b)
 {
     ost_error err = {0};
@@ -195,12 +198,15 @@ static void remember(void *user, bundle_problem_kind what, const char *file, con
     char *all = user;
     const size_t used = strlen(all);
     if (strcmp(file, REPORT_FILE) != 0 && strncmp(file, "pictures/", 9) != 0)
-        return; /* these bundles are of no campaign: their other files are not what a plan gives */
+        return; /* these bundles are of no campaign, so their other files do not follow from a plan */
     about_page++;
     snprintf(all + used, 4096 - used, "%s %s\n", file, problem);
 }
 
-/* Returns the number of problems that check reports of the page and its pictures; all receives them as lines. */
+/*
+ * Returns the number of problems that the check reports for the page and its pictures; `all`
+ * receives them as lines.
+ */
 static int problems_of(const char *folder, char all[4096])
 {
     ost_error err = {0};
@@ -251,7 +257,7 @@ static void clear(const char *folder)
 
 /* ----------------------------------------------------------------- tests */
 
-/* Takes the time out, which is all that two pages of equal results differ in here. */
+/* Removes the time, the only difference between two pages of equal results here. */
 static void without_time(char *html)
 {
     static const char row[] = "<tr><th>Begun</th><td>";
@@ -301,12 +307,12 @@ static void says_the_verdict_first(void **state)
         const char *not_shown = strstr(html, "<h2 id=\"not-shown\">"), *compared = strstr(html, "<h2>What was compared with what");
         assert_non_null(not_shown);
         assert_non_null(compared);
-        assert_true(not_shown < compared); /* it stands on the first page */
+        assert_true(not_shown < compared); /* it is on the first page */
         free(html);
     }
 }
 
-/* Only what the program itself writes may stand between < and >. */
+/* Only text written by the program itself may be between < and >. */
 static void escapes_what_it_is_given(void **state)
 {
     static const char *const bad[] = {"<script", "<img src=x", "onerror=\"", "alert('x')", "\x01", "<b>x"};
@@ -334,7 +340,7 @@ static void links_lead_somewhere(void **state)
             struct stat info;
             at += strlen("href=\"");
             assert_int_not_equal(at[0], '/');
-            if (at[0] == '#') { /* a place of the page itself */
+            if (at[0] == '#') { /* a link within the page */
                 snprintf(path, sizeof path, "id=\"%.*s\"", (int)strcspn(at + 1, "\""), at + 1);
                 assert_non_null(strstr(html, path));
                 continue;
@@ -368,7 +374,7 @@ static void shows_a_difference(void **state)
     free(html);
 }
 
-/* Sums by stage in the open, what was missed by itself, and every kind behind a click. */
+/* The page shows sums by stage, the missed mistakes separately, and every kind in a collapsed section. */
 static void sums_up_mistakes(void **state)
 {
     (void)state;
@@ -420,7 +426,8 @@ static void a_changed_byte_is_noticed(void **state)
         assert_int_equal(stat(path, &info), 0);
         const long at = (long)(rng_next(&rng) % (uint64_t)info.st_size);
         flip(folder, name, at);
-        assert_true(problems_of(folder, all) >= 2); /* the manifest's, and the page's that no longer follows */
+        /* one for the manifest, and one for the page, which no longer follows from the bundle */
+        assert_true(problems_of(folder, all) >= 2);
         assert_non_null(strstr(all, name));
         assert_non_null(strstr(all, REPORT_FILE " does not follow"));
         flip(folder, name, at);
@@ -460,7 +467,7 @@ typedef struct written {
     char verdict[16], junit[2048], tap[2048];
 } written;
 
-/* No file that people or machines read the verdict from may say that anything is equal. */
+/* No file with the verdict, for people or for machines, may say that anything is equal. */
 static ost_status says_nothing_equal(void *user, const char *name, const void *bytes, size_t size, ost_error *err)
 {
     written *w = user;
@@ -491,7 +498,10 @@ static void write_all(const json_t *protocol, const json_t *cases, written *w)
     assert_ok(report_write(NULL, protocol, cases, says_nothing_equal, w, &err));
 }
 
-/* All cases refused, no backend but the reference, or no backend that is here: none of them reads as equal anywhere. */
+/*
+ * All cases refused, only the reference, or no available backend: none of these may be reported
+ * as equal anywhere.
+ */
 static void nothing_compared(void **state)
 {
     enum { REFUSED, ALONE, NOT_RUN, WAYS };
@@ -526,7 +536,7 @@ static void nothing_compared(void **state)
     }
 }
 
-/* One case of two was refused: the other counts, and the refused one is no success. */
+/* One of two cases was refused: the other one counts, and the refused one is not a success. */
 static void one_refused(void **state)
 {
     ost_error err = {0};
