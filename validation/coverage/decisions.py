@@ -2,15 +2,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tables of the campaign's structural coverage, from llvm-cov's export.
 
-  decisions.py SOURCE FOLDER TIER check    fails when a decision is neither reached nor listed, or a listed one is reached
+  decisions.py SOURCE FOLDER TIER check    fails if a decision is neither reached nor listed, or a listed one is reached
   decisions.py SOURCE FOLDER TIER write    also writes docs/qualification/coverage.csv and coverage.md,
-                                           and takes rows out of the reasons that name nothing missing
+                                           and removes reasons that match no missing decision
 
 FOLDER/json has one BACKEND.json for each backend that ran, all.json for all of them together, and kernels.json for the
-kernels compiled as C; FOLDER/backends lists the backends.  docs/qualification/coverage-reasons.csv in SOURCE lists what
-no case reaches.  A decision is named by file, function and the text of its condition, so that a row survives edits:
+kernels compiled as C; FOLDER/backends lists the backends.  docs/qualification/coverage-reasons.csv in SOURCE lists the
+decisions that no case reaches.  A decision is named by file, function and the text of its condition, so that a row survives edits:
 
-  true, false    the condition never came out so
+  true, false    the condition never had this value
   neither        the condition was never evaluated
   alone          MC/DC: the condition never changed the outcome of its decision on its own
   called         the function was never entered
@@ -63,7 +63,10 @@ def in_scope(name):
 
 
 def load(path, root):
-    """Maps each file in scope to its functions, branches, MC/DC conditions and lines; instances of an inline function are one."""
+    """Maps each file in scope to its functions, branches, MC/DC conditions and lines.
+
+    All instances of an inline function count as one.
+    """
     with open(path, encoding="utf-8") as f:
         data = json.load(f)["data"][0]
     root = os.path.realpath(root) + "/"
@@ -116,7 +119,7 @@ def function_at(functions, line):
 
 
 def missing(measured, source):
-    """(file, function, condition, what) of everything that was not reached; assertions never fail and are left out."""
+    """Returns (file, function, condition, what) of everything that was not reached, except assertions, which never fail."""
     rows = set()
     for name, file in measured.items():
         silent = {f for f, (_, _, count) in file["functions"].items() if count == 0}
@@ -160,7 +163,7 @@ class Reason:
         self.sometimes = row[4].startswith("sometimes: ")
         self.used = False
         self.patterns = [re.compile("".join(".*" if c == "*" and i != 2 else re.escape(c) for c in text)) for i, text in enumerate(row[:4])]
-        # A condition may hold a product: its wildcard is **.
+        # A condition may contain a product, so its wildcard is **.
         self.patterns[2] = re.compile(".*".join(re.escape(part) for part in row[2].split("**")))
 
     def matches(self, decision):

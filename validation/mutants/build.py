@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A scratch build, and single objects and programs of it made again from a mutant.
+"""A scratch build, from which single objects and programs are made again with a mutant.
 
     make V=1 --log--> commands of every object and program
     mutant --overlay/--> objects that its file is in --link--> program
 
-The build's own files are never written to.  A mutated object stands first on
-the linker's line, so that the archive's member of the same symbols is not
-taken; so one build serves several jobs.
+The build's own files are never written to, so that several jobs can use one
+build.  A mutated object is the first on the linker's command line, so that the
+linker does not take the archive's member with the same symbols.
 """
 import functools
 import os
@@ -25,7 +25,7 @@ class BuildError(Exception):
 
 
 def end_all():
-    """Ends every process group that runs: for a signal's handler."""
+    """Kills every process group that runs; called by a signal handler."""
     for group in list(LIVE):
         try:
             os.killpg(group, signal.SIGKILL)
@@ -34,7 +34,7 @@ def end_all():
 
 
 def run(command, cwd, limit, env=None, output=None):
-    """Runs a command in a process group of its own; returns (status, text), status None when it was late."""
+    """Runs a command in a process group of its own; returns (status, text). status is None after a timeout."""
     p = subprocess.Popen(command, cwd=cwd, env=env, stdin=subprocess.DEVNULL, stdout=output or subprocess.PIPE, stderr=subprocess.STDOUT if not output else None,
                          start_new_session=True)
     LIVE.add(p.pid)
@@ -50,7 +50,7 @@ def run(command, cwd, limit, env=None, output=None):
 
 
 def make_scratch(source, folder, configure, log=print):
-    """Clones the commit of `source` and builds it with its log in FOLDER/build/build.log, unless that is done."""
+    """Clones the commit of `source` and builds it with its log in FOLDER/build/build.log, unless this is done already."""
     build = os.path.join(folder, "build")
     done = os.path.join(build, "build.done")
     if os.path.exists(done):
@@ -111,14 +111,14 @@ class Build:
         os.makedirs(os.path.join(self.work, "unmutated"), exist_ok=True)
 
     def _source_of(self, words):
-        """The source file of a compile command, relative to the tree."""
+        """Returns the source file of a compile command, relative to the tree."""
         for word in words:
             if word.endswith((".c", ".cc")) and not word.startswith("-"):
                 return os.path.relpath(os.path.join(self.folder, word), self.source)
         return None
 
     def _users(self):
-        """{file: objects that it is compiled into}, from the lists that the compiler wrote beside each object."""
+        """Returns {file: objects that it is compiled into}, from the dependency files that the compiler wrote."""
         users = {}
         for name, words in self.objects.items():
             found = {self._source_of(words)}
@@ -137,7 +137,7 @@ class Build:
         return users
 
     def _command(self, words, overlay, out):
-        """The compile command with the overlay's files before the tree's, without debug information and warnings."""
+        """Returns the compile command with the overlay's files before the tree's, without debug information and warnings."""
         result, skip = [], 0
         for i, word in enumerate(words):
             if skip:
@@ -165,7 +165,7 @@ class Build:
         return result[:at] + includes + result[at:] + ["-g0", "-w", *prefixes, "-o", out]
 
     def _plain(self, name):
-        """The unmutated object, made as mutated ones are."""
+        """Returns the unmutated object, compiled in the same way as mutated ones."""
         path = os.path.join(self.work, "unmutated", name.replace("/", "__"))
         if not os.path.exists(path):
             os.makedirs(os.path.join(self.work, "empty"), exist_ok=True)
@@ -177,7 +177,7 @@ class Build:
         return path
 
     def objects_of(self, file, within=None):
-        """Objects that a file is compiled into, those of `within` (a prefix or a tuple of them) alone."""
+        """Returns the objects that a file is compiled into, only those of `within` (a prefix or a tuple of them)."""
         return sorted(o for o in self.users.get(file, []) if within is None or o.startswith(within))
 
     def compile(self, names, overlay, folder, limit=COMPILE_LIMIT):
@@ -197,13 +197,13 @@ class Build:
 
     @functools.cache
     def _strings(self):
-        """The arguments of build-aux/source-strings for the kernels, as make has them; it takes seconds to say so."""
+        """Returns the arguments of build-aux/source-strings for the kernels, as make uses them; make takes seconds to print them."""
         rule = subprocess.run(["make", "-n", "-s", "-W", "../src/cl/kernels/common.h", "src/cl/embedded.c"], cwd=self.folder, capture_output=True, text=True).stdout
         found = re.search(r"build-aux/source-strings (cl .*?) >", rule.replace("\\\n", " "))
         return shlex.split(found.group(1)) if found else []
 
     def embedded(self, overlay, folder):
-        """The object of the OpenCL program with the overlay's kernels; None if it cannot be made."""
+        """Makes the object of the OpenCL program with the overlay's kernels; None if it cannot be made."""
         name = next((o for o in self.objects if re.search(r"src/cl/.*embedded\.o$", o)), None)
         if not name or not self._strings():
             return None
@@ -225,7 +225,7 @@ class Build:
         return out if run(command, self.folder, COMPILE_LIMIT)[0] == 0 else None
 
     def link(self, program, changed, out, instead=()):
-        """Links a program with these objects before all others, or instead of the objects named so."""
+        """Links a program with these objects before all others, or in place of the objects in `instead`."""
         words = [w for w in self.programs[program] if w != "ccache"]
         words = [dict(instead).get(w, w) for w in words]
         at = words.index("-o")

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Splits C and OpenCL C into tokens with their byte offsets.
 
-Comments, strings and the preprocessor's lines other than #define yield no
-token that may change.  Neither do assertions, attributes and the arguments of
-ost_fail: a change there changes no result.
+Comments, strings and preprocessor lines other than #define yield no token that
+may be changed.  Neither do assertions, attributes and the arguments of
+ost_fail, since a change there has no effect on results.
 """
 import re
 from typing import NamedTuple
@@ -32,13 +32,13 @@ def _tokens(text, begin, end):
 
 
 def _of_define(text, at):
-    """Returns where the body of a #define at `at` begins: behind its name and parameters."""
+    """Returns the offset of the body of a #define at `at`, which is after its name and parameters."""
     head = re.compile(r"[ \t]*#[ \t]*define[ \t]+\w+(\([^)]*\))?").match(text, at)
     return head.end() if head else None
 
 
 def tokens(text):
-    """Returns the tokens of a source that an operator may look at, in order."""
+    """Returns the tokens of a source that operators examine, in order."""
     out = []
     for kind, word, at in _tokens(text, 0, len(text)):
         if kind in ("comment", "string"):
@@ -51,7 +51,7 @@ def tokens(text):
             body = _of_define(text, at)
             if body is not None:
                 inner = re.sub(r"\\\n", "  ", text[body:at + len(word)])
-                # A body may hold comments; offsets stay, since a continuation is two characters and so are its blanks.
+                # Comments in a body go. Offsets remain valid: a continuation is two characters, as are its blanks.
                 out.append(Token("op", ";", -1))
                 out += [Token(k, w, body + a) for k, w, a in _tokens(inner, 0, len(inner)) if k in ("name", "number", "op")]
                 out.append(Token("op", ";", -1))
@@ -78,13 +78,13 @@ def match(found, at):
 
 
 def _without_fixed(found):
-    """Drops calls in which no change changes a result."""
+    """Removes calls in which a change has no effect on results."""
     out, i = [], 0
     while i < len(found):
         if found[i].text in FIXED and i + 1 < len(found) and found[i + 1].text == "(":
             end = match(found, i + 1)
             if end is not None:
-                # Something stands for it, so that its neighbours are not taken for each other's.
+                # A token replaces the call, so that its two neighbours do not become adjacent.
                 out.append(Token("fixed", found[i].text, found[i].at))
                 i = end + 1
                 continue

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The outcome of one mutant: compiled, compared, linked, run until something notices it."""
+"""Determines the outcome of one mutant: it is compiled, compared, linked, and run until a difference is found."""
 import os
 import shutil
 import threading
@@ -12,7 +12,7 @@ from trial import Process, how_it_ended
 
 FIELDS = ["id", "file", "line", "operator", "old", "new", "text", "outcome", "by", "stage", "how", "seconds", "tiers", "commit", "seed"]
 KERNELS_AS_C = "tests/cl/test_kernels_as_c"
-# Objects that a mutated header can change; the rest of the program has no part in results.
+# Objects that a mutated header can change; the remainder of the program has no effect on results.
 PARTS = ("src/core/", "src/cpu/", "src/cl/")
 
 
@@ -24,7 +24,7 @@ class Measurement:
         self.note = {} # of each thread: what is known of a mutant that no tier noticed
 
     def measure(self, m, folder):
-        """Returns {"outcome", "by", "stage", "how", "seconds"}; `folder` is the job's own and is emptied."""
+        """Returns {"outcome", "by", "stage", "how", "seconds"}. `folder` belongs to the job and is emptied."""
         begun = time.monotonic()
         self.note.pop(threading.get_ident(), None)
         shutil.rmtree(folder, ignore_errors=True)
@@ -54,7 +54,7 @@ class Measurement:
         program = os.path.join(folder, "osteon")
         if self.build.link("osteon", changed, program)[0] != 0:
             return ("not compiled",)
-        # The kernels are the unmutated ones, and a device's compiler takes longer for them than all cases: once for all.
+        # The kernels are unmutated. A device's compiler takes longer for them than all cases, so its cache is shared.
         compiled = os.path.join(self.campaign.work, "pocl")
         os.makedirs(compiled, exist_ok=True)
         os.symlink(compiled, os.path.join(scratch, "pocl"))
@@ -93,7 +93,7 @@ class Measurement:
         return ("survived",)
 
     def _test(self, name, changed, folder, scratch, instead=()):
-        """None if a test passes, or how it ends."""
+        """Returns None if a test passes, else the way in which it ended."""
         if name not in self.test_seconds:
             with self.lock:
                 plain = os.path.join(folder, "plain")
@@ -105,7 +105,7 @@ class Measurement:
                 os.remove(plain)
         limit = self.test_seconds[name]
         if limit is None:
-            return None  # fails, or is late, without the mutant: it can say nothing
+            return None  # fails or times out without the mutant: no evidence
         program = os.path.join(folder, "test")
         if self.build.link(name, changed, program, instead)[0] != 0:
             return None
@@ -120,7 +120,7 @@ class Measurement:
         return process.end(False)
 
     def _kernel(self, m, overlay, folder, scratch):
-        """On the device here, then as C; code that C's compiler finds equal is equal."""
+        """Runs a mutated kernel on the device here, then as C. Equal code from the C compiler means an identical mutant."""
         state, changed = self.build.compile(self.build.objects_of(m.file, ("tests/cl/", *PARTS)), overlay, folder)
         if state != "differs":
             return (state,)

@@ -1,18 +1,19 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Mutants of the backends' code: does the campaign notice them?
+"""Measures which mutants of the backends' code the campaign notices.
 
     sources --operators--> mutants --sample--> each: compile, compare, link, run
                                                  --> a row of results.csv
     results.csv, equivalent.csv --table--> mutants.md, mutants.csv
 
-  mutants.py list [--source DIR] [--sample N --seed S]       what would be tried
+  mutants.py list [--source DIR] [--sample N --seed S]       the mutants that a run would try
   mutants.py run --work DIR [--sample N --seed S] [--hours H] [--jobs N] ...
   mutants.py table --results FILE --out FOLDER                tables of a measurement
 
 `run` clones the source's last commit into --work, builds it once, and appends
-a row for each mutant as it is measured; started again it goes on behind them.
-Only the files of the scratch build are compiled; the tree is not touched.
+a row for each mutant as it is measured; if it is started again it continues
+after these rows.  Only the files of the scratch build are compiled; the tree is
+not changed.
 """
 import argparse
 import csv
@@ -36,7 +37,7 @@ import trial  # noqa: E402
 
 
 def generate(source, only=None):
-    """All mutants of the files in scope, or of those whose path begins with one of `only`."""
+    """Returns all mutants of the files in scope, or of those whose path begins with one of `only`."""
     out = []
     for file in scope.files(source):
         if only and not file.startswith(tuple(only)):
@@ -47,7 +48,7 @@ def generate(source, only=None):
 
 
 def imported(source, folder):
-    """Mutants that another generator left as files: FOLDER/PATH/OF/SOURCE.c/ANY-NAME is one mutant of that source."""
+    """Reads mutants that another generator wrote as files: FOLDER/PATH/OF/SOURCE.c/ANY-NAME is one mutant of that source."""
     out, seen = [], {}
     for file in scope.files(source):
         with open(os.path.join(source, file), newline="") as f:
@@ -61,7 +62,7 @@ def imported(source, folder):
 
 
 def measured(path):
-    """Identifiers of the rows that are there already."""
+    """Returns the identifiers of the existing rows."""
     if not os.path.exists(path):
         return set()
     with open(path, newline="") as f:
@@ -69,7 +70,7 @@ def measured(path):
 
 
 def survivors(path):
-    """Identifiers of the mutants whose last row says that they survived."""
+    """Returns the identifiers of the mutants that survived according to their last row."""
     with open(path, newline="") as f:
         return {i for i, outcome in {row["id"]: row["outcome"] for row in csv.DictReader(f)}.items() if outcome == "survived"}
 
@@ -88,7 +89,7 @@ def chosen(args):
 
 
 def stop(number, _frame):
-    """Ends what runs; the rows that were written stay, and the same command goes on behind them."""
+    """Kills the running processes. The rows that were written remain, and the same command continues after them."""
     building.end_all()
     os._exit(128 + number)
 
@@ -127,7 +128,7 @@ def run(args):
                     continue
                 with lock:
                     row = {**m._asdict(), **outcome, "tiers": args.tiers.replace(",", "+"), "commit": commit,
-                           "seed": "" if args.ids is not None else args.seed}  # those named were not drawn, or in an earlier run
+                           "seed": "" if args.ids is not None else args.seed}  # named mutants were not drawn, or were in an earlier run
                     rows.writerow({name: row[name] for name in measure.FIELDS})
                     out.flush()
                     print(f"{m.id} {m.file}:{m.line} {m.operator} {m.old!r} -> {m.new!r}: {outcome['outcome']} {outcome['by']} {outcome['stage']}"

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Operators: the faults that people make in kernels, as replacements of tokens.
+"""Operators: faults that programmers make in kernels, as replacements of tokens.
 
 Each operator is a function that takes a source (Source) and yields
-(offset, length, replacement).  Its name is its operator's name.
+(offset, length, replacement).  The function's name is the operator's name.
 """
 import hashlib
 import os
@@ -14,18 +14,18 @@ from lex import match, tokens
 
 
 class Mutant(NamedTuple):
-    id: str           # stable: does not change when other lines do
+    id: str           # stable: independent of other lines
     file: str
     line: int
     operator: str
     at: int           # offset in the file, in bytes
     old: str
     new: str
-    text: str         # the line that is changed, without blanks at its ends
+    text: str         # the changed line, without blanks at its ends
 
 
 class Source:
-    """A source with its tokens, and the relations of them that operators need."""
+    """A source with its tokens, and the relations between them that operators need."""
 
     def __init__(self, text, opencl=False):
         self.text, self.opencl = text, opencl
@@ -49,15 +49,15 @@ class Source:
         return before.kind in ("name", "number") or before.text == "]"
 
     def pointer(self, i):
-        """Returns true if the * at index i declares a pointer: no blank stands behind it."""
+        """Returns true if the * at index i declares a pointer: no blank follows it."""
         return self.word(i) == "*" and not self.text[self.t[i].at + 1:self.t[i].at + 2].isspace()
 
     def cast_before(self, i):
-        """Returns true if what ends before index i is a cast: a type in parentheses."""
+        """Returns true if the tokens before index i are a cast: a type in parentheses."""
         return self.word(i - 3) == "(" and bool(re.fullmatch(r"\w+_t|u?(int|long|short|char)\d*|unsigned|float|double|__m\d+i?|ost_i128", self.word(i - 2)))
 
     def _calls(self):
-        """For each token the index of the call's name that it is a direct argument of, or None."""
+        """Computes for each token the index of the name of the call of which it is a direct argument, or None."""
         inside, stack = [], []
         for i, t in enumerate(self.t):
             inside.append(stack[-1] if stack else None)
@@ -70,7 +70,7 @@ class Source:
         return inside
 
     def arguments(self, i):
-        """The arguments of the call whose name is at index i, as (first, last) indices; None if it is no call."""
+        """Returns the arguments of the call whose name is at index i, as (first, last) indices; None if it is not a call."""
         if self.word(i + 1) != "(":
             return None
         end = match(self.t, i + 1)
@@ -88,7 +88,7 @@ class Source:
         return out
 
     def span(self, first, last):
-        """Offset and length of tokens first to last."""
+        """Returns offset and length of tokens first to last."""
         begin = self.t[first].at
         return begin, self.t[last].at + len(self.t[last].text) - begin
 
@@ -97,13 +97,13 @@ class Source:
         return self.text[at:at + length]
 
     def swap(self, a, b):
-        """The replacement that exchanges two ranges of tokens, a before b."""
+        """Returns the replacement that exchanges two ranges of tokens; a is before b."""
         at, length = self.span(a[0], b[1])
         between = self.text[self.t[a[1]].at + len(self.t[a[1]].text):self.t[b[0]].at]
         return at, length, self.part(*b) + between + self.part(*a)
 
     def statements(self):
-        """Ranges (first, last) of expression statements, the semicolon included."""
+        """Yields the ranges (first, last) of expression statements, including the semicolon."""
         first = 0
         for i, t in enumerate(self.t):
             if t.text == ";" and first <= i and all(x.at >= 0 for x in self.t[first:i + 1]):
@@ -126,7 +126,7 @@ def whole(s, i, new):
 
 
 def replaced(name, table):
-    """An operator that replaces one operator token by another."""
+    """Returns an operator that replaces one operator token by another."""
     def run(s):
         for i, t in enumerate(s.t):
             if t.kind == "op" and t.text in table and (t.text not in "+-*&" or s.binary(i)) and not s.pointer(i):
@@ -156,7 +156,7 @@ def negation(s):
 
 
 def branches(s):
-    """The two results of ?: exchanged: what a minimum becomes when it is a maximum."""
+    """Exchanges the two results of ?:, as when a minimum is written as a maximum."""
     for i, t in enumerate(s.t):
         if t.text != "?" or t.at < 0:
             continue
@@ -251,7 +251,7 @@ def _is_type(s, i):
 
 
 def width(s):
-    """A value or a cast that is too narrow; 41 bits are 64 of which a multiplication's half is lost."""
+    """Makes a value or a cast too narrow. A 64-bit cast is cut to 41 bits, as if half of a multiplication were lost."""
     for i, t in enumerate(s.t):
         if t.kind == "name" and t.text in NARROWER and _is_type(s, i):
             for new in ["uint", "ushort"] if s.opencl and t.text == "size_t" else NARROWER[t.text]:
@@ -278,7 +278,7 @@ def axis(s):
 
 
 def order(s):
-    """Two neighbouring arguments of a call exchanged, and the operands of a difference."""
+    """Exchanges two adjacent arguments of a call, or the operands of a difference."""
     simple = re.compile(r"[\w.>\[\]&*-]+")
     for i, t in enumerate(s.t):
         if t.kind == "name" and t.text not in ("if", "while", "for", "switch", "return", "sizeof", "defined"):
@@ -293,7 +293,7 @@ def order(s):
 
 
 def barrier(s):
-    """A synchronisation that is missing: barriers, fences, atomic updates, OpenMP's critical sections."""
+    """Removes a synchronisation: barriers, fences, atomic updates, OpenMP's critical sections."""
     for i, t in enumerate(s.t):
         if t.kind == "pragma" and re.search(r"\b(barrier|critical|atomic|ordered|reduction|firstprivate)\b", t.text):
             without = re.sub(r"\s*\b(reduction|firstprivate)\s*\([^)]*\)", "", t.text)
@@ -311,7 +311,7 @@ def barrier(s):
 
 
 def clear(s):
-    """A missing initialisation."""
+    """Removes an initialisation."""
     for first, last in s.statements():
         words = [x.text for x in s.t[first:last + 1]]
         if words[0] in ("memset", "ost_clear") or words[-3:-1] == ["=", "0"] and "=" not in words[:-3] and len(words) < 16 and words[0] != "for":
@@ -321,7 +321,7 @@ def clear(s):
 
 
 def lane(s):
-    """The wrong immediate of a permutation, shift or insertion, or two neighbours of a table of lanes exchanged."""
+    """Changes the immediate of a permutation, shift or insertion, or exchanges two neighbours in a table of lanes."""
     for i, t in enumerate(s.t):
         if t.kind != "name" or not _is_intrinsic(t.text):
             continue
@@ -361,7 +361,7 @@ TWO_OPERANDS = re.compile(r"cmpgt|cmpge|cmplt|cmple|_sub_|_subs_|andnot|unpack|p
 
 
 def intrinsic(s):
-    """An intrinsic of the other signedness, comparison or half, or with its operands exchanged."""
+    """Replaces an intrinsic by that of the other signedness, comparison or half, or exchanges its operands."""
     for i, t in enumerate(s.t):
         if t.kind != "name" or not _is_intrinsic(t.text):
             continue
@@ -385,7 +385,7 @@ def minmax(s):
 
 
 def last(s):
-    """A loop that leaves out its last or its first turn."""
+    """Makes a loop omit its last or its first iteration."""
     for i, t in enumerate(s.t):
         if t.text != "for" or s.word(i + 1) != "(":
             continue
@@ -424,14 +424,14 @@ OPERATORS = [bound, compare, sign, bits, logic, divide, negation, branches, lane
 
 
 def identify(file, operator, text, old, new, column, seen):
-    """A name that stays while the line does, wherever it moves to; `seen` counts equal lines of a file."""
+    """Returns an identifier that does not change when the line moves; `seen` counts equal lines of a file."""
     key = "\0".join((file, operator, text, old, new, str(column)))
     count = seen[key] = seen.get(key, -1) + 1
     return hashlib.sha256(f"{key}\0{count}".encode()).hexdigest()[:12]
 
 
 def mutant(file, text, operator, at, length, new, seen):
-    """The mutant of a replacement in the text of a file, which must be ASCII up to its comments."""
+    """Returns the mutant of a replacement in the text of a file, which must be ASCII except in its comments."""
     begin = text.rfind("\n", 0, at) + 1
     end = text.find("\n", at)
     line = text[begin:end if end >= 0 else len(text)]
@@ -443,7 +443,7 @@ def mutant(file, text, operator, at, length, new, seen):
 
 
 def mutants_of(file, text):
-    """All mutants of a source, by place; a replacement that two operators make is the first one's."""
+    """Returns all mutants of a source by position; a replacement that two operators make is attributed to the first."""
     s, seen, taken, out = Source(text, "/kernels/" in file), {}, set(), []
     for operator in OPERATORS:
         for at, length, new in operator(s):
@@ -455,7 +455,7 @@ def mutants_of(file, text):
 
 
 def applied(text, m):
-    """The source with the mutant in it; ValueError if the source is another one."""
+    """Returns the source with the mutant in it. Raises ValueError if the mutant is of another source."""
     data = text.encode()
     old = m.old.encode()
     if data[m.at:m.at + len(old)] != old:
@@ -464,7 +464,7 @@ def applied(text, m):
 
 
 def from_file(file, text, other, seen):
-    """The mutant that turns a source into another one, made by a foreign generator; None if they are equal."""
+    """Returns the mutant that turns a source into another one, made by an external generator; None if they are equal."""
     if text == other:
         return None
     begin = len(os.path.commonprefix([text, other]))
@@ -473,7 +473,8 @@ def from_file(file, text, other, seen):
 
 
 def sample(mutants, count, seed):
-    """`count` mutants, each stratum (file and operator) in proportion to its size; the first n are a sample themselves."""
+    """Returns `count` mutants, from each stratum (file and operator) in proportion to its size. The first n of them are
+    a sample of n."""
     strata = {}
     for m in mutants:
         strata.setdefault((m.file, m.operator), []).append(m)

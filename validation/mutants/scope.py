@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is mutated, and on which backends a campaign can show it."""
+"""The files that are mutated, and the backends on which a campaign can find their mutants."""
 import os
 import re
 
 FOLDERS = ["src/core", "src/cpu", "src/cl"]
 
-# Files of these folders that decide no voxel of a campaign: faults in them are the test suite's alone.
+# Files of these folders that decide no voxel of a campaign: only the test suite can find faults in them.
 OUTSIDE = {
     "src/core/clock.h": "time stamps",
     "src/core/decimal.c": "numbers of text files",
@@ -40,7 +40,7 @@ OUTSIDE = {
 
 
 def files(source):
-    """All sources in scope, sorted."""
+    """Returns all sources in scope, sorted."""
     out = []
     for top in FOLDERS:
         for folder, _, names in os.walk(os.path.join(source, top)):
@@ -58,9 +58,9 @@ def is_shared(file):
 
 
 def subjects(file, available):
-    """All of a tier's backends that run a file's code, the most telling first; empty if none does.
+    """Returns all of a tier's backends that run a file's code, those most likely to find a fault first.
 
-    A mutant has survived a tier only when it was run on all of them.
+    The list is empty if there are none.  A mutant has survived a tier only if it was run on all of them.
     """
     def those(*patterns):
         return list(dict.fromkeys(s for p in patterns for s in available if re.fullmatch(p, s)))
@@ -73,7 +73,7 @@ def subjects(file, available):
     if file.startswith("src/cpu/ref/"):
         return ["ref"]
     if is_kernel(file):
-        # The set for CPUs is what a CPU's driver takes by itself.
+        # A CPU's device uses the kernel set for CPUs by default.
         mine, gpus = "cl:(?!.*kernels=gpu).*", "cl:.*kernels=gpu.*"
         return those(mine) if file.endswith("_cpu.cl") else those(gpus, mine)
     if file.startswith("src/cl/"):
@@ -83,13 +83,14 @@ def subjects(file, available):
     isa = re.search(r"_(avx2|avx512|neon)\.c$", file)
     if not isa:
         return those("cpu:isa=scalar,.*grain=1.*" if file.endswith("scalar.c") else cpus[0], *cpus)
-    # A set takes from the one below it what it does not replace (src/cpu/kernels.c); a backend without a named set has the last.
+    # A set uses the functions of the one below it that it does not replace (src/cpu/kernels.c); a backend without a named
+    # set uses the last one.
     above = {"avx2": "avx2|avx512.*", "avx512": "avx512.*", "neon": "neon"}[isa.group(1)]
     return those(f"cpu:isa={isa.group(1)},.*grain=1.*", f"cpu:isa={isa.group(1)},.*", f"cpu:isa=({above}),.*", "cpu:(?!isa=).*")
 
 
 def tests(file, programs):
-    """Test programs for a file, those of its own part first."""
+    """Returns the test programs for a file, those of its own part first."""
     base = re.sub(r"_(avx2|avx512|neon|scalar)$", "", os.path.splitext(os.path.basename(file))[0])
     wanted = ("tests/cl/", "tests/core/", "tests/cpu/", "tests/ref/", "tests/simd/", "tests/mesh/", "tests/api/", "tests/oracle/", "tests/validation/")
     if not file.startswith("src/cl/"):

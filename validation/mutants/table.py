@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The tables of a measurement: mutants.csv a row a file, mutants.md for people."""
+"""The tables of a measurement: mutants.csv with a row per file, and mutants.md for readers."""
 import csv
 import math
 import os
@@ -9,14 +9,14 @@ import scope
 
 COLUMNS = ["file", "scope", "generated", "drawn", "not built here", "not compiled", "identical", "differing", "equivalent", "no result", "smoke", "by crash or time",
            "standard", "tests", "survived"]
-# Kinds of mutants that no campaign can notice: the same program for every input, or another one in time, memory,
-# messages or input that is refused before it gets there.
+# Kinds of mutants that no campaign can notice: the program is equivalent for every input, or differs only in time,
+# memory, messages, or for input that is refused earlier.
 KINDS = ("equivalent", "no result")
 REASONS = ["id", "kind", "file", "text", "old", "new", "reason"]
 
 
 def interval(hits, count, z=1.96):
-    """Wilson's 95 % interval of a share."""
+    """Returns Wilson's 95 % interval of a proportion."""
     if count == 0:
         return 0.0, 1.0
     p, n = hits / count, count
@@ -25,7 +25,8 @@ def interval(hits, count, z=1.96):
 
 
 def read(paths):
-    """The last row of each mutant, all that was run on it and the seed that drew it: {id: row}, with "tiers" joined."""
+    """Returns {id: row} with the last row of each mutant, all tiers in which it was run, joined in "tiers", and the seed
+    by which it was drawn."""
     rows = {}
     for path in paths:
         with open(path, newline="") as f:
@@ -38,7 +39,7 @@ def read(paths):
 
 
 def reasons(path):
-    """{id: row} of what people found out about mutants; the line's text must be the one that they saw."""
+    """Returns {id: row} of the mutants that were examined by hand; a row is valid only for the line's text in it."""
     if not os.path.exists(path):
         return {}
     with open(path, newline="") as f:
@@ -46,7 +47,7 @@ def reasons(path):
 
 
 def kind_of(row, known):
-    """The outcome, or what somebody found a survivor to be: "equivalent", or one that changes "no result"."""
+    """Returns the outcome, or the kind of a survivor that was examined by hand: "equivalent" or "no result"."""
     reason = known.get(row["id"])
     if row["outcome"] in ("survived", "killed by tests") and reason and reason["kind"] in KINDS and reason["text"] == row["text"]:
         return reason["kind"]
@@ -135,7 +136,8 @@ def markdown(files, rows, known, command):
 
 
 def judge(files, rows, known, least, explained):
-    """What is wrong with a measurement, as lines: too few mutants noticed, by the upper end of the interval; survivors without a reason."""
+    """Returns the defects of a measurement as lines: too few mutants noticed, by the upper end of the interval; survivors
+    without a reason."""
     every = total([f for f in files if f["scope"] == "campaign"], "all")
     hits, count = every["smoke"] + every["standard"], every["differing"] - every["equivalent"] - every["no result"]
     wrong = []

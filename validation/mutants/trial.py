@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs a program on the campaign's cases and finds the first thing that is not as it was.
+"""Runs a program on the campaign's cases and finds the first difference from the unmutated program.
 
 A backend's trace (validation/trace.h) goes through a pipe and is compared,
 record by record, with the digests of the unmutated program's; the run ends at
-the first difference.  But for its end, the trace of every backend is equal byte by byte, so this
-is what a campaign compares.
+the first difference.  Except for their ends, the traces of all backends are equal
+byte by byte, so this is the comparison of a campaign.
 
-A mutant of what all backends share changes both sides of that comparison; then
-the campaign itself runs, and its verdict counts.
+A mutant of code that all backends share changes both sides of that comparison.
+Then the campaign itself runs, and its verdict decides.
 """
 import hashlib
 import json
@@ -38,7 +38,7 @@ class Limits:
 
 
 def environment(scratch):
-    """Of programs under test: caches of their own, threads that wait without spinning, one locale."""
+    """Returns the environment of programs under test: separate caches, threads that wait without spinning, one locale."""
     env = {k: v for k, v in os.environ.items() if not k.startswith(("OST_", "MAKE", "MFLAGS"))}
     env.update(LC_ALL="C", OMP_WAIT_POLICY="passive", HOME=scratch, TMPDIR=scratch, XDG_CACHE_HOME=os.path.join(scratch, "cache"),
                POCL_CACHE_DIR=os.path.join(scratch, "pocl"))
@@ -48,7 +48,7 @@ def environment(scratch):
 
 
 class Process:
-    """A program in a process group of its own, with limits, whose pipe is read until a deadline."""
+    """A program in its own process group, with limits; its pipe is read until a deadline."""
 
     def __init__(self, command, scratch, cpu_s, limits, trace=False, wall_s=None):
         self.deadline = time.monotonic() + (wall_s if wall_s is not None else 5 * cpu_s + 20)
@@ -62,7 +62,7 @@ class Process:
         self.pipe, self.late = read, False
 
     def read(self):
-        """The next bytes; empty at the end and when it is late."""
+        """Returns the next bytes; empty at the end and after the deadline."""
         left = self.deadline - time.monotonic()
         if left <= 0 or not select.select([self.pipe], [], [], left)[0]:
             self.late = True
@@ -70,13 +70,13 @@ class Process:
         return os.read(self.pipe, 1 << 20)
 
     def said(self):
-        """The last line of the program's messages."""
+        """Returns the last line of the program's messages."""
         self.log.seek(0)
         lines = self.log.read(1 << 16).decode(errors="replace").strip().splitlines()
         return lines[-1][:200] if lines else ""
 
     def end(self, kill):
-        """Waits, or ends the whole group; returns the exit status, negative for a signal, None when it was late."""
+        """Waits, or kills the process group. Returns the exit status, negative for a signal, None after the deadline."""
         try:
             if not kill and not self.late:
                 try:
@@ -97,7 +97,7 @@ class Process:
 
 
 def how_it_ended(status):
-    """A word for an end that is none, or None."""
+    """Returns a word for an abnormal end, or None for a normal one."""
     if status is None:
         return "time"
     if status < 0:
@@ -106,23 +106,23 @@ def how_it_ended(status):
 
 
 def stage_names(source):
-    """Names of a trace's stages by their numbers, as the measured commit has them."""
+    """Returns the names of a trace's stages by their numbers, as defined in the measured commit."""
     with open(os.path.join(source, "validation/trace.c"), encoding="utf-8") as f:
         found = re.search(r"stage_names\[TRACE_STAGES\] = \{([^}]*)\}", f.read())
     return re.findall(r'"(\w+)"', found.group(1))
 
 
 def family_names(source):
-    """Families of generated cases that smoke has, as the measured commit's plan lists them."""
+    """Returns the families of generated cases in the smoke tier, as listed in the measured commit's plan."""
     with open(os.path.join(source, "validation/plan.c"), encoding="utf-8") as f:
         rows = re.findall(r'\[PLAN_\w+\] = \{"(\w+)", "[^"]*", \{(\d+),', f.read())
     return [name for name, count in rows if int(count) > 0]
 
 
 def records(process, stages):
-    """Yields (head, digest of the body) of a trace that comes through the process's pipe, but for its end.
+    """Yields (head, digest of the body) of the records of a trace from the process's pipe, except the end record.
 
-    The end has the paths that a backend took and its times, which are no results.
+    The end record has the paths that the backend entered and its times, which are not results.
     """
     end = stages.index("end")
     data = b""
@@ -153,7 +153,7 @@ def place(family, head, stages):
 
 
 class Campaign:
-    """The unmutated program's results, and runs of mutated ones against them."""
+    """The unmutated program's results, with which runs of mutated programs are compared."""
 
     def __init__(self, program, work, limits, stages, families, factor=5):
         self.stages = stages
@@ -165,9 +165,9 @@ class Campaign:
         os.makedirs(work, exist_ok=True)
 
     def subjects(self, tier, scratch):
-        """Backends of a tier that are here, as the campaign itself lists them."""
+        """Returns the backends of a tier that are available here, as the campaign lists them."""
         if tier not in self.lists:
-            # One small case of each; the list is the same as with all cases.
+            # One small case suffices: the list of backends does not depend on the cases.
             command = [self.program, "validate", "--json", "--tier", tier, "--only", "mesh/0"]
             status, text, _ = self._verdict(command, scratch, 7200)
             try:
@@ -180,7 +180,7 @@ class Campaign:
         return [program, "validate", "--tier", tier, "--only", family, "--worker", subject, "--trace", "@TRACE@"]
 
     def baseline(self, tier, subject, family, scratch):
-        """([(head, digest)], CPU seconds) of the unmutated program; what all subjects make is equal."""
+        """([(head, digest)], CPU seconds) of the unmutated program. The records that all subjects make must be equal."""
         with self.lock:
             return self._baseline(tier, subject, family, scratch)
 
@@ -208,16 +208,16 @@ class Campaign:
         return made, max(self.limits.least_s, self.factor * seconds)
 
     def common(self, made):
-        """The records that every subject makes: a backend whose voxels are on a device samples none."""
+        """Returns the records that every subject makes: a backend whose voxels are on a device does not sample."""
         sample = self.stages.index("sample")
         return [(head, digest) for head, digest in made if struct.unpack_from("<I", head, 4)[0] != sample]
 
     def order(self):
-        """Families, those first that noticed most mutants a second."""
+        """Returns the families, those that noticed the most mutants per second first."""
         return sorted(self.families, key=lambda f: -self.tried[f][0] / self.tried[f][1])
 
     def differs(self, program, tier, subject, family, scratch):
-        """None if the mutated program's trace is the unmutated one's, else (case, stage, how)."""
+        """Returns None if the traces of the mutated and the unmutated program are equal, else (case, stage, how)."""
         expected, seconds = self.baseline(tier, subject, family, scratch)
         process = Process(self.worker(program, tier, subject, family), scratch, seconds, self.limits, trace=True)
         count, found = 0, None
@@ -233,7 +233,7 @@ class Campaign:
         return found
 
     def killed(self, program, tier, subjects, scratch):
-        """The first (subject, case, stage, how) in which a mutated program differs, or None."""
+        """Returns the first (subject, case, stage, how) in which a mutated program differs, or None."""
         for family in self.order():
             for subject in subjects:
                 begun = time.monotonic()
@@ -246,11 +246,11 @@ class Campaign:
         return None
 
     def shared(self, program, tier, subject, scratch):
-        """The same of what all backends share: here the campaign of the mutated program must notice.
+        """Does the same for code that all backends share: here the campaign of the mutated program must notice the mutant.
 
-        A campaign of the case in which a trace is not the unmutated one goes first, or of a small case with the checks
-        of values that are known in advance; then the complete one.
-        Returns (who, case, stage, how), or None; changed says if a result did change.
+        A campaign of the case whose trace differs runs first, or one of a small case with the checks of values that are
+        known in advance; then the complete campaign.
+        Returns two values: (subject, case, stage, how) or None, and True if a result changed.
         """
         suspect = None
         for who in (subject, "ref"):
@@ -273,7 +273,7 @@ class Campaign:
         return None, suspect is not None
 
     def _noticed(self, command, scratch):
-        """(case, stage, how) if a campaign's verdict is not the unmutated program's."""
+        """Returns (case, stage, how) if a campaign's verdict differs from the unmutated program's, else None."""
         key = tuple(command[1:])
         if key not in self.took:
             status, _, seconds = self._verdict([self.program, *command[1:]], scratch, 7200)
