@@ -32,8 +32,8 @@ static vector cross(vector a, vector b)
  * those of the lattice, so that voxel centres have integer coordinates: |c| <=
  * 2^21, differences 2^22, cross products 2^45, their squares 2^92.  The plane's
  * (n . p)^2 <= 2^136 would not fit.  The squared distance to a plane is therefore
- * computed only for |n . p| < 2^63; a triangle of this size needs no exact
- * distance to its plane beyond that.
+ * computed only for |n . p| < 2^63, which suffices for triangles of this size;
+ * beyond that the distance to the edges is used.
  */
 typedef struct fraction {
     unsigned __int128 top, bottom;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The parts of scenes: a CT, tools, ticks. After a failure the scene is freed by scene_free. */
+/* The parts of scenes: a CT, tools, ticks. After a failure the caller frees the scene with scene_free. */
 #ifndef OST_VALIDATION_SCENE_PARTS_H
 #define OST_VALIDATION_SCENE_PARTS_H
 

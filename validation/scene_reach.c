@@ -309,7 +309,7 @@ static ost_status make_hollow(scene *s, draw *d, ost_error *err)
         status = room_for_ticks(s, 6, err);
     if (status != OST_OK)
         return status;
-    /* The plates lie 16 to 20 voxels from the tool's middle on either side; they are outside the last rows and the
+    /* The plates lie 16 to 20 voxels from the tool's middle on either side; they do not reach the last rows and the
        first slices. */
     hollow_tick(s, 0, 12, 10, 25, 0);
     hollow_tick(s, 0, 38, 10, 25, 0);

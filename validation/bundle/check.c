@@ -51,8 +51,8 @@ static ost_status compare_derived(void *user, const char *name, const void *byte
     return OST_OK;
 }
 
-/* Notes if another build made the bundle. Derived files are derived as this build does it; those of another build
-   may differ without being forged. */
+/* Stores a note in d if another build made the bundle. Files are derived again as this build does it, so those of
+   another build may differ without being forged. */
 static ost_status compare_builds(derivation *d, ost_error *err)
 {
     json_t *tools;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Reads protocol.json and cases.jsonl of a bundle that may come from anybody. */
+/* Reads protocol.json and cases.jsonl of a bundle, which may come from an untrusted source. */
 #include "validation/bundle/evidence.h"
 
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Parses JSON that may come from anybody, within limits.
+ * Parses JSON from untrusted sources within limits.
  *
  *   bytes --scan: depth, number of values--> refused in one line, or jansson
  *

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Checks measured files against each other and the protocol: they must be of one run and one build. */
+/* Checks that the measured files agree with each other and with the protocol: they must be of one run and one build. */
 #include "validation/bundle/planned.h"
 
 #include <stdio.h>

@@ -105,7 +105,7 @@ static ost_status gather(const char *folder, const char *name, json_t **out, ost
     return status;
 }
 
-/* Writes a file once if all shards' files are equal; else by shard, or fails. */
+/* Writes a file once if it is equal in all shards; otherwise by shard if by_shard is true, else fails. */
 static ost_status merge_one(const char *folder, const char *name, bool by_shard, evidence_sink *sink, void *user, ost_error *err)
 {
     json_t *all, *text, *first = NULL, *parts = json_object();

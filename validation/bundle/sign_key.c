@@ -208,7 +208,7 @@ void sign_trust_free(sign_trust *trust)
 
 /* ----------------------------------------------------------- signatures */
 
-/* Returns the hash for a key; NULL for Ed25519, which includes its own. */
+/* Returns the hash function for a key; NULL for Ed25519, which contains its own. */
 static const EVP_MD *digest_of(const sign_key *key)
 {
     return is_ed25519(key->key) ? NULL : EVP_sha256();

@@ -14,8 +14,8 @@ typedef struct reading {
     int64_t row; /* 0: the real length */
 } reading;
 
-/* Resamples voxel p by this reading. Returns false if it reads outside of the input's box. Reads outside of its
-   memory give 0. */
+/* Resamples voxel p by this reading. Returns false if a source voxel is outside of the input's dims. An index beyond
+   the input's memory, which another order or row length can give, reads 0. */
 static bool resample_as(const pattern_view *v, const int32_t p[3], const reading *how, int16_t *out)
 {
     const ost_dims d = v->in_dims;

@@ -51,7 +51,7 @@ def tokens(text):
             body = _of_define(text, at)
             if body is not None:
                 inner = re.sub(r"\\\n", "  ", text[body:at + len(word)])
-                # Comments in a body go. Offsets remain valid: a continuation is two characters, as are its blanks.
+                # Comments in a body are skipped. Offsets remain valid: a continuation is two characters, as are its blanks.
                 out.append(Token("op", ";", -1))
                 out += [Token(k, w, body + a) for k, w, a in _tokens(inner, 0, len(inner)) if k in ("name", "number", "op")]
                 out.append(Token("op", ";", -1))

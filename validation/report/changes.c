@@ -19,7 +19,7 @@ static void rows(const page *p, const json_t *list, const char *kind)
     }
 }
 
-/* Writes the names of changed requirements; their rows are long and are in impact.json. */
+/* Writes the names of changed requirements. Their complete rows are long and are in impact.json. */
 static void requirements(const page *p, const json_t *list)
 {
     for (size_t i = 0; i < json_array_size(list); i++) {
