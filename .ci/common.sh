@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-# What .ci/run and .ci/long share: gates, their logs, and the sum at the end.
+# Functions that .ci/run and .ci/long share: gates, their logs, and the sum at the end.
 #
-# A gate is a command with a name and a time limit.  Its output goes to
-# build/ci/NAME.log; the end of it is shown when it fails.  A gate that runs
-# make check counts as many tests as the summary in its log says; any other
-# counts as one.
+# A gate is a command with a name and a time limit. Its output is stored in build/ci/NAME.log;
+# the end of the log is shown if the gate fails. A gate that runs make check counts the tests in
+# the summary of its log; any other gate counts as one.
 
 shopt -s extglob
 logs=build/ci
@@ -13,14 +12,15 @@ failed=0
 skipped=0
 mkdir -p "$logs"
 
-# add PASSED FAILED SKIPPED
+# add PASSED FAILED SKIPPED: adds the counts to the sum
 add() {
 	passed=$((passed + $1))
 	failed=$((failed + $2))
 	skipped=$((skipped + $3))
 }
 
-# counts LOG: passed, failed, skipped of all summaries in it, automake's or our own last line
+# counts LOG: prints passed, failed and skipped of all summaries in the log, automake's or the
+# last line of a gate
 counts() {
 	sed 's/\x1b\[[0-9;]*m//g' "$1" | awk '
 		/^# (PASS|XFAIL):/ { p += $3 }
@@ -30,7 +30,8 @@ counts() {
 		END { print p + 0, f + 0, s + 0 }'
 }
 
-# gate NAME LIMIT COMMAND...: LIMIT in seconds; shown instead of the command: $shown, if set
+# gate NAME LIMIT COMMAND...: runs a command with a limit in seconds; $shown, if set, is
+# displayed instead of the command
 shown=
 gate() {
 	local name=$1 limit=$2 begin=$SECONDS status=0 p f s
@@ -45,7 +46,7 @@ gate() {
 		printf '%s: skipped\n' "$name"
 		return
 	fi
-	# A command that failed with no failed test in its log is itself the failure.
+	# A command that fails without a failed test in its log counts as one failure.
 	if [ "$status" -ne 0 ] && [ "$f" -eq 0 ]; then f=1; fi
 	if [ "$status" -eq 0 ] && [ $((p + f + s)) -eq 0 ]; then p=1; fi
 	add "$p" "$f" "$s"
@@ -62,7 +63,8 @@ gate() {
 	return 0
 }
 
-# failed_tests LOG FOLDER: what each failed test's own log says of the failure, and its end, in FOLDER or, without one, in build/
+# failed_tests LOG FOLDER: prints the failures from each failed test's log, and the log's end;
+# the tests are in FOLDER or, without one, in build/
 failed_tests() {
 	local test log folder=$2
 	[ -d "$folder" ] || folder=build
@@ -77,7 +79,8 @@ failed_tests() {
 	done
 }
 
-# packages NAME...: installs what is missing, as root or through sudo; a gate whose program is still missing skips.
+# packages NAME...: installs missing packages, as root or through sudo; a gate whose program is
+# still missing is skipped.
 packages() {
 	local name missing=() prefix=()
 	command -v dpkg-query >/dev/null || return 0
@@ -92,12 +95,13 @@ packages() {
 		>"$logs/packages.log" 2>&1 || { tail -n 5 "$logs/packages.log"; echo "not installed: their gates are skipped"; }
 }
 
-# listed FOLDER VARIABLE: what the Makefile of a configured folder has in it
+# listed FOLDER VARIABLE: prints a variable of the Makefile of a configured folder
 listed() {
 	printf 'include Makefile\nlist:\n\t@echo $(%s)\n' "$2" | make -s -C "$1" -f - list
 }
 
-# tests_but FOLDER EXCEPT: the tests of a configured folder less those that match the pattern
+# tests_but FOLDER EXCEPT: prints the tests of a configured folder except those that match the
+# pattern
 tests_but() {
 	local test
 	for test in $(listed "$1" TESTS); do
@@ -106,7 +110,8 @@ tests_but() {
 	done
 }
 
-# programs_but FOLDER EXCEPT: what these tests need built: they, and the programs that are no tests
+# programs_but FOLDER EXCEPT: prints the programs to build for these tests: the tests
+# themselves, and programs that are no tests
 programs_but() {
 	local program all kept
 	all=" $(listed "$1" TESTS) "
@@ -116,7 +121,8 @@ programs_but() {
 	done
 }
 
-# build_and_check FOLDER EXCEPT CONFIGURE_ARGUMENT...: in a shell of its own, for gate
+# build_and_check FOLDER EXCEPT CONFIGURE_ARGUMENT...: builds and tests, in a separate shell,
+# for gate
 build_and_check() {
 	local folder=$1 except=$2 source
 	shift 2
@@ -128,8 +134,8 @@ build_and_check() {
 }
 export -f listed tests_but programs_but build_and_check
 
-# check NAME LIMIT EXCEPT CONFIGURE_ARGUMENT...: EXCEPT is a pattern, @(A|B), of
-# tests that cannot come out otherwise in this variant than in the first gate
+# check NAME LIMIT EXCEPT CONFIGURE_ARGUMENT...: EXCEPT is a pattern, @(A|B), of tests whose
+# result in this variant cannot differ from that in the first gate
 check() {
 	local name=$1 limit=$2 except=$3
 	shift 3
@@ -138,7 +144,7 @@ check() {
 	shown=
 }
 
-# The last line, alone, in a fixed form; the exit status says the same.
+# finish: prints the last line in a fixed form; the exit status agrees with it.
 finish() {
 	printf '\nall gates: %d s\n' "$SECONDS"
 	printf '%d passed, %d failed, %d skipped\n' "$passed" "$failed" "$skipped"
